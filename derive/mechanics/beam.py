@@ -1,0 +1,138 @@
+"""The uniform slender beam in a plane, (21)-(27): its shape integrals and its strain energy, exactly.
+
+The inertia of (15) sees int rho ... dOmega = m/2 int ... dxi over -1 <= xi <= 1, with X = xi l/2 e1 (24) and
+Phi_i = phi_i(xi) e2 (25). The rotary inertia of the cross-section is neglected, the axis does not stretch.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import sympy as sp
+
+from derive.mechanics.conditions import assumed_shapes, integral, xi
+from derive.mechanics.equations import Coefficient, Equations, ParameterSymbol
+from derive.mechanics.integrals import Value
+from derive.mechanics.planar import MaterialPoint, PlanarBody, equations
+from derive.spec.body import Marker, Parameter, PlanarBeam, Polynomial, Quantity
+
+LATERAL = "geometry (the beam lies along e1 and deflects along e2)"
+PARALLEL = "geometry (all deflections are along e2)"
+CENTRED = "the choice of O (the centre of the undeformed beam)"
+CONDITION_17 = "condition (17) (no mean displacement)"
+CONDITION_19 = "condition (19) (no mean rotation)"
+PARITY = "parity (the integrand is odd in xi)"
+ORTHOGONAL = "orthogonality (the integral vanishes exactly)"
+
+
+def derive(beam: PlanarBeam) -> Equations:
+    """The equations of motion of a planar beam: (33) or (41) for the paper's cubic in its two frames.
+
+    Raises ConditionError when the ansatz does not fit the frame.
+    """
+    shapes = assumed_shapes(beam.ansatz, beam.frame, beam.orthogonal)
+    mass, length, bending = (_symbol_or_number(q) for q in (beam.mass, beam.length, beam.bending_stiffness))
+    docs = {"mass": "mass of the beam", "length": "length of the beam", "bending_stiffness": "bending stiffness EI"}
+    body = PlanarBody(
+        name=beam.name,
+        doc=f"free planar beam, {beam.frame.kind} frame, shapes {', '.join(map(_shape_text, shapes))}",
+        shapes=len(shapes),
+        mass=mass,
+        integrals=BeamIntegrals(shapes, mass, length, beam.frame.kind == "mean"),
+        stiffness=_stiffness(shapes, length, bending),
+        points=tuple(_point(marker, shapes, length) for marker in beam.markers),
+        parameters=tuple(_parameter(getattr(beam, field), doc) for field, doc in docs.items() if isinstance(getattr(beam, field), Parameter)),
+    )
+    return equations(body)
+
+
+def _symbol_or_number(quantity: Quantity) -> sp.Expr:
+    if isinstance(quantity, Parameter):
+        return sp.Symbol(quantity.symbol, positive=True)
+    return sp.Rational(quantity)
+
+
+def _parameter(parameter: Parameter, doc: str) -> ParameterSymbol:
+    return ParameterSymbol(sp.Symbol(parameter.symbol, positive=True), doc, parameter.unit, parameter.default)
+
+
+def _poly(coefficients: Polynomial) -> sp.Poly:
+    return sp.Poly([sp.Rational(c) for c in reversed(coefficients)], xi, domain="QQ")
+
+
+def _shape_text(coefficients: Polynomial) -> str:
+    return str(_poly(coefficients).as_expr()).replace("**", "^")
+
+
+@dataclass(frozen=True)
+class BeamIntegrals:
+    """Moments of X (index 0) and of the shapes phi_i(xi) of a uniform beam; see FieldIntegrals."""
+
+    shapes: tuple[Polynomial, ...]
+    mass: sp.Expr
+    length: sp.Expr
+    mean_frame: bool
+
+    def first(self, i: int, component: int) -> Value:
+        """X lies along e1 and the shapes along e2."""
+        if (i == 0) != (component == 1):
+            return Value(sp.S.Zero, LATERAL)
+        if i == 0:
+            return self._value(self._field(0), self.length / 2, CENTRED)
+        return self._value(self._field(i), sp.S.One, CONDITION_17 if self.mean_frame else None)
+
+    def trace(self, i: int, j: int) -> Value:
+        """X . X, X . Phi_j or Phi_i . Phi_j."""
+        if (i == 0) != (j == 0):
+            return Value(sp.S.Zero, LATERAL)
+        factor = self.length**2 / 4 if i == 0 else sp.S.One
+        return self._value(self._field(i) * self._field(j), factor)
+
+    def axial(self, i: int, j: int) -> Value:
+        """X x Phi_j; the shapes are parallel to each other."""
+        if i and j:
+            return Value(sp.S.Zero, PARALLEL)
+        condition = CONDITION_19 if self.mean_frame else None
+        return self._value(self._field(i) * self._field(j), self.length / 2, condition)
+
+    def _field(self, i: int) -> sp.Poly:
+        return _poly(self.shapes[i - 1]) if i else sp.Poly(xi, xi, domain="QQ")
+
+    def _value(self, integrand: sp.Poly, factor: sp.Expr, reason: str | None = None) -> Value:
+        """m/2 int integrand dxi times factor, with the reason if it is zero."""
+        value = integral(integrand)
+        if value:
+            return Value(self.mass * factor * value / 2)
+        odd = all(n % 2 for (n,), _ in integrand.terms())
+        return Value(sp.S.Zero, reason or (PARITY if odd else ORTHOGONAL))
+
+
+def _stiffness(shapes: tuple[Polynomial, ...], length: sp.Expr, bending: sp.Expr) -> tuple[Coefficient, ...]:
+    """K_ij of U = 1/2 EI int (d^2v/dx^2)^2 dx, which is (22) since x = xi l/2."""
+    dxi_dx = 2 / length
+    dx_dxi = length / 2
+    curvatures = [_poly(s).diff((xi, 2)) for s in shapes]
+    found = []
+    for i, first in enumerate(curvatures, 1):
+        for j, second in enumerate(curvatures[i - 1 :], i):
+            value = integral(first * second)
+            odd = all(n % 2 for (n,), _ in (first * second).terms())
+            zero = None if value else PARITY if odd else ORTHOGONAL
+            doc = f"stiffness: int EI (d2 phi_{i}/dx2) (d2 phi_{j}/dx2) dx"
+            expr = bending * dxi_dx**4 * dx_dxi * value
+            found.append(Coefficient(sp.Symbol(f"K_{i}_{j}"), expr, "(22)", doc, "N/m", zero))
+    return tuple(found)
+
+
+def _point(marker: Marker, shapes: tuple[Polynomial, ...], length: sp.Expr) -> MaterialPoint:
+    at = sp.Rational(marker.at)
+    position = sp.Symbol(f"X_{marker.name}")
+    zero = None if at else "the choice of O (the marker is there)"
+    doc = f"reference position of marker {marker.name}"
+    return MaterialPoint(
+        name=marker.name,
+        doc=f"material point at xi = {at}",
+        position=sp.ImmutableMatrix([position, 0]),
+        shapes=tuple(sp.ImmutableMatrix([0, _poly(s).eval(at)]) for s in shapes),
+        coefficients=(Coefficient(position, at * length / 2, "(24)", doc, "m", zero),),
+    )

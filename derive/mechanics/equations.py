@@ -1,0 +1,127 @@
+"""What `derive` returns: the equations of motion as named terms, with everything they are made of."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import sympy as sp
+
+
+@dataclass(frozen=True)
+class Coordinate:
+    """A generalized coordinate with its rate and acceleration, as symbols; `work` is the unit of its row."""
+
+    q: sp.Symbol
+    v: sp.Symbol
+    a: sp.Symbol
+    doc: str
+    unit: str
+    work: str
+
+
+@dataclass(frozen=True)
+class ParameterSymbol:
+    """A run-time parameter: what it is, its symbol in the derivation (positive), its unit and its default."""
+
+    symbol: sp.Symbol
+    doc: str
+    unit: str
+    default: float
+
+
+@dataclass(frozen=True)
+class Coefficient:
+    """A shape integral or a stiffness: the work on parameters alone. `zero` says why it vanishes, if it does."""
+
+    symbol: sp.Symbol
+    value: sp.Expr
+    equation: str
+    doc: str
+    unit: str
+    zero: str | None = None
+
+
+@dataclass(frozen=True)
+class Definition:
+    """A named intermediate quantity of (15), in terms of coordinates, coefficients and earlier definitions."""
+
+    symbol: sp.Symbol
+    expr: sp.Expr
+    section: str
+    equation: str
+    doc: str
+    zero: str | None = None
+
+
+@dataclass(frozen=True)
+class Term:
+    """One named term of the equations of motion: its row (the coordinate varied) and its expression."""
+
+    row: str
+    name: str
+    equation: str
+    expr: sp.Expr
+
+
+@dataclass(frozen=True)
+class Vanished:
+    """A term of (15) that is no part of this model, with the reason."""
+
+    term: Term
+    reason: str
+
+
+@dataclass(frozen=True)
+class MarkerEquations:
+    """Position and velocity of a named material point, and d(position)/dq, in the inertial base."""
+
+    name: str
+    doc: str
+    definitions: tuple[Definition, ...]
+    position: sp.ImmutableMatrix
+    velocity: sp.ImmutableMatrix
+    jacobian: sp.ImmutableMatrix
+
+
+@dataclass(frozen=True)
+class Equations:
+    """The equations of motion of one model: the sum of the terms of each row is zero (no external load).
+
+    Coordinates come in the order of the rows. `coefficients` hold the shape integrals c1..c8 and the stiffness,
+    `definitions` d1, D2, d3, J and what else is shared; both keep their zeros, with reasons. `mass_zeros` explains the
+    zeros of the mass matrix: (row, column, reason), lower triangle.
+    """
+
+    name: str
+    doc: str
+    coordinates: tuple[Coordinate, ...]
+    parameters: tuple[ParameterSymbol, ...]
+    coefficients: tuple[Coefficient, ...]
+    definitions: tuple[Definition, ...]
+    terms: tuple[Term, ...]
+    vanished: tuple[Vanished, ...]
+    mass: sp.ImmutableMatrix
+    mass_zeros: tuple[tuple[int, int, str], ...]
+    kinetic_energy: sp.Expr
+    strain_energy: sp.Expr
+    linear_momentum: tuple[sp.Expr, ...]
+    angular_momentum: tuple[sp.Expr, ...]
+    markers: tuple[MarkerEquations, ...]
+
+    @property
+    def force(self) -> tuple[sp.Expr, ...]:
+        """h of M vdot + h = 0: what is left of each row when the accelerations are zero."""
+        at_rest = {c.a: 0 for c in self.coordinates}
+        return tuple(
+            sum((t.expr.subs(at_rest) for t in self.terms if t.row == str(c.q)), sp.S.Zero) for c in self.coordinates
+        )
+
+    def row(self, name: str) -> sp.Expr:
+        """The left-hand side of one equation of motion in coordinates, rates, accelerations and parameters."""
+        return self.expanded(sum((t.expr for t in self.terms if t.row == name), sp.S.Zero))
+
+    def expanded(self, expr: sp.Expr) -> sp.Expr:
+        """An expression with every definition and coefficient written out."""
+        for definition in reversed(self.definitions):
+            expr = expr.subs(definition.symbol, definition.expr)
+        return sp.expand(expr.subs({c.symbol: c.value for c in self.coefficients}))

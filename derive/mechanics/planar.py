@@ -1,0 +1,244 @@
+"""The equations of motion (15) of a deformable body that moves in a plane, term by term.
+
+Inertia is the virtual work of the acceleration (5) on each virtual displacement (6); elasticity is the variation of
+the strain energy. Which parts vanish follows from the body's integrals.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import sympy as sp
+
+from derive.mechanics import zeros
+from derive.mechanics.equations import (
+    Coefficient,
+    Coordinate,
+    Definition,
+    Equations,
+    MarkerEquations,
+    ParameterSymbol,
+    Term,
+    Vanished,
+)
+from derive.mechanics.integrals import FieldIntegrals, coefficients, definitions
+from derive.mechanics.kinematics import ONE, RDOT, Field, MovingFrame, PlanarRotation, R, add, times
+from derive.mechanics.virtual_work import Moments, total
+
+IN_PLANE = "planar motion: omega x (J . omega) = 0"
+TRANSLATIONS = "the mass enters as m I, so translations along e1 and e2 do not couple"
+MASS = sp.Symbol("mass")
+
+
+@dataclass(frozen=True)
+class MaterialPoint:
+    """A named material point: its reference position X (2) and the values of the N shapes there (2 each)."""
+
+    name: str
+    doc: str
+    position: sp.ImmutableMatrix
+    shapes: tuple[sp.ImmutableMatrix, ...]
+    coefficients: tuple[Coefficient, ...] = ()
+
+
+@dataclass(frozen=True)
+class PlanarBody:
+    """What (15) needs to know of a body in the plane; `stiffness` holds K_ij, i <= j, of U = 1/2 alpha K alpha."""
+
+    name: str
+    doc: str
+    shapes: int
+    mass: sp.Expr
+    integrals: FieldIntegrals
+    stiffness: tuple[Coefficient, ...]
+    points: tuple[MaterialPoint, ...]
+    parameters: tuple[ParameterSymbol, ...]
+
+
+def equations(body: PlanarBody) -> Equations:
+    """The equations of motion of a body in the plane, with energy, momentum and markers."""
+    motion = Motion(body.shapes)
+    mass = Coefficient(MASS, body.mass, "(15)", "mass of the body", "kg")
+    of_points = tuple(c for point in body.points for c in point.coefficients)
+    every = (mass, *coefficients(body.integrals, body.shapes), *body.stiffness, *of_points)
+    composed, reasons = zeros.drop_definitions(
+        definitions(motion.alpha, motion.alphadot), zeros.reasons_of(every)
+    )
+    strain = _strain_energy(motion, body.stiffness)
+    complete = (*_inertia(motion), *_elasticity(motion, strain))
+    terms, vanished = zeros.drop_terms(complete, reasons)
+    return Equations(
+        name=body.name,
+        doc=body.doc,
+        coordinates=motion.coordinates,
+        parameters=body.parameters,
+        coefficients=every,
+        definitions=(*_rotation_definitions(motion.rotation), *composed),
+        terms=terms,
+        vanished=tuple(v if v.reason else replace(v, reason=IN_PLANE) for v in vanished),
+        mass=_mass_matrix(motion, terms),
+        mass_zeros=_mass_zeros(motion, complete, reasons),
+        kinetic_energy=zeros.drop(_kinetic_energy(motion), reasons),
+        strain_energy=zeros.drop(strain, reasons),
+        linear_momentum=tuple(zeros.drop(p, reasons) for p in _linear_momentum(motion)),
+        angular_momentum=(zeros.drop(_angular_momentum(motion), reasons),),
+        markers=tuple(_marker(motion, point, reasons) for point in body.points),
+    )
+
+
+class Motion:
+    """The motion of a planar body with n shapes: its coordinates and the fields of position, velocity, acceleration.
+
+    Translations are resolved in the inertial base, fields in the body base; so c enters the fields as Q^T c.
+    """
+
+    def __init__(self, n: int) -> None:
+        self.coordinates = _coordinates(n)
+        c1, c2, phi, *shapes = self.coordinates
+        self.alpha = tuple(c.q for c in shapes)
+        self.alphadot = tuple(c.v for c in shapes)
+        self.rotation = PlanarRotation(phi.q)
+        generator = self.rotation.generator
+        self.frame = MovingFrame(generator, phi.v, phi.a, tuple((c.v, c.a) for c in shapes))
+        self.moments = Moments(MASS, self.alphadot)
+        back = self.rotation.tensor.T
+        self.position = add({ONE: back * sp.Matrix([c1.q, c2.q])}, self.frame.position)
+        self.velocity = add({ONE: back * sp.Matrix([c1.v, c2.v])}, self.frame.velocity)
+        self.acceleration = add({ONE: back * sp.Matrix([c1.a, c2.a])}, self.frame.acceleration)
+        translations = ({ONE: back[:, k]} for k in (0, 1))
+        self.virtual_displacements = (*translations, *self.frame.virtual_displacements())
+
+    def product(self, a: Field, b: Field) -> sp.Expr:
+        """int rho a . b over the body."""
+        return self.rotation.reduced(total(a, b, self.moments))
+
+
+def _coordinates(n: int) -> tuple[Coordinate, ...]:
+    """c1, c2, phi, alpha1..alphaN with rates and accelerations, (14), (23), (27)."""
+
+    def coordinate(name: str, doc: str, unit: str, work: str) -> Coordinate:
+        return Coordinate(*sp.symbols(f"{name} {name}dot {name}ddot"), doc, unit, work)
+
+    return (
+        coordinate("c1", "translation of the floating frame along e1", "m", "N"),
+        coordinate("c2", "translation of the floating frame along e2", "m", "N"),
+        coordinate("phi", "rotation of the floating frame", "rad", "N m"),
+        *(coordinate(f"alpha{i}", f"amplitude of assumed shape {i}", "m", "N") for i in range(1, n + 1)),
+    )
+
+
+def _rotation_definitions(rotation: PlanarRotation) -> tuple[Definition, ...]:
+    docs = {rotation.cos: "cosine of the rotation angle", rotation.sin: "sine of the rotation angle"}
+    return tuple(Definition(s, value, "Q", "(26)", docs[s]) for s, value in rotation.functions.items())
+
+
+def _parts(motion: Motion) -> tuple[tuple[str, Field], ...]:
+    """The acceleration (5), split into its named parts."""
+    translation, turning, coriolis, relative = {}, {}, {}, {}
+    for name, tensor in motion.acceleration.items():
+        target = {ONE: translation, R: turning, RDOT: coriolis}.get(name, relative)
+        target[name] = tensor
+    euler = {name: tensor.diff(motion.frame.omegadot) * motion.frame.omegadot for name, tensor in turning.items()}
+    centrifugal = {name: tensor.subs(motion.frame.omegadot, 0) for name, tensor in turning.items()}
+    return (
+        ("translation", translation),
+        ("Euler", euler),
+        ("centrifugal", centrifugal),
+        ("Coriolis", coriolis),
+        ("relative", relative),
+    )
+
+
+def _inertia(motion: Motion) -> tuple[Term, ...]:
+    """The virtual work of the inertia: a term for each part of (5) on each virtual displacement of (6)."""
+    return tuple(
+        Term(str(coordinate.q), name, "(15)", motion.product(part, displacement))
+        for coordinate, displacement in zip(motion.coordinates, motion.virtual_displacements, strict=True)
+        for name, part in _parts(motion)
+    )
+
+
+def _strain_energy(motion: Motion, stiffness: tuple[Coefficient, ...]) -> sp.Expr:
+    entries = {c.symbol for c in stiffness}
+    n = len(motion.alpha)
+    pairs = [(i, j, sp.Symbol(f"K_{i + 1}_{j + 1}")) for i in range(n) for j in range(i, n)]
+    weights = ((sp.S.Half if i == j else sp.S.One, i, j, k) for i, j, k in pairs if k in entries)
+    return sum((w * k * motion.alpha[i] * motion.alpha[j] for w, i, j, k in weights), sp.S.Zero)
+
+
+def _elasticity(motion: Motion, strain: sp.Expr) -> tuple[Term, ...]:
+    """delta U, the first term of (13)."""
+    return tuple(Term(str(a), "elastic", "(13), (22)", sp.expand(strain.diff(a))) for a in motion.alpha)
+
+
+def _mass_matrix(motion: Motion, terms: tuple[Term, ...]) -> sp.ImmutableMatrix:
+    """The factors of the accelerations in each row."""
+    rows = [sum((t.expr for t in terms if t.row == str(c.q)), sp.S.Zero) for c in motion.coordinates]
+    return sp.ImmutableMatrix([[row.diff(c.a) for c in motion.coordinates] for row in rows])
+
+
+def _mass_zeros(
+    motion: Motion, complete: tuple[Term, ...], reasons: zeros.Reasons
+) -> tuple[tuple[int, int, str], ...]:
+    """Row, column and reason of each structural zero of the mass matrix (lower triangle)."""
+    full = _mass_matrix(motion, complete)
+    n = len(motion.coordinates)
+    lower = ((i, j, full[i, j]) for i in range(n) for j in range(i + 1))
+    return tuple(
+        (i, j, zeros.why(entry, reasons) or TRANSLATIONS)
+        for i, j, entry in lower
+        if zeros.drop(entry, reasons) == 0
+    )
+
+
+def _kinetic_energy(motion: Motion) -> sp.Expr:
+    """1/2 int rho xdot . xdot."""
+    return motion.product(motion.velocity, motion.velocity) / 2
+
+
+def _linear_momentum(motion: Motion) -> tuple[sp.Expr, ...]:
+    """int rho xdot along e1 and e2: the virtual work of the velocity on the two translations."""
+    return tuple(motion.product(motion.velocity, d) for d in motion.virtual_displacements[:2])
+
+
+def _angular_momentum(motion: Motion) -> sp.Expr:
+    """int rho x x xdot about the inertial origin, along e3."""
+    return motion.product(times(motion.frame.generator, motion.position), motion.velocity)
+
+
+def _marker(motion: Motion, point: MaterialPoint, reasons: zeros.Reasons) -> MarkerEquations:
+    """Position, velocity and Jacobian of a material point, from the same fields taken at that point."""
+
+    def at_point(amplitudes: tuple[sp.Symbol, ...], base: sp.Matrix) -> sp.Matrix:
+        return sum((shape * a for shape, a in zip(point.shapes, amplitudes, strict=True)), base)
+
+    names = {R: "r", RDOT: "rdot"}
+    values = {
+        R: at_point(motion.alpha, sp.Matrix(point.position)),
+        RDOT: at_point(motion.alphadot, sp.zeros(2, 1)),
+    }
+    local = tuple(
+        Definition(sp.Symbol(f"{names[f]}_{k + 1}"), value[k], "r", "(1), (14)", f"{names[f]} . e{k + 1} at the marker")
+        for f, value in values.items()
+        for k in (0, 1)
+    )
+    kept, known = zeros.drop_definitions(local, reasons)
+    vectors = {f: sp.Matrix(sp.symbols(f"{names[f]}_1 {names[f]}_2")) for f in names}
+    vectors |= {f"Phi_{i}": sp.Matrix(shape) for i, shape in enumerate(point.shapes, 1)}
+
+    def vector(field: Field) -> sp.Matrix:
+        """A field at the marker, without its ONE part, in the inertial base."""
+        here = [tensor * vectors[name] for name, tensor in field.items() if name != ONE]
+        resolved = motion.rotation.tensor * sum(here, sp.zeros(2, 1))
+        return resolved.applyfunc(lambda e: zeros.drop(sp.expand(e), known))
+
+    c1, c2, *_ = motion.coordinates
+    columns = [sp.eye(2)[:, 0], sp.eye(2)[:, 1], *map(vector, motion.virtual_displacements[2:])]
+    return MarkerEquations(
+        name=point.name,
+        doc=point.doc,
+        definitions=kept,
+        position=sp.ImmutableMatrix(sp.Matrix([c1.q, c2.q]) + vector(motion.position)),
+        velocity=sp.ImmutableMatrix(sp.Matrix([c1.v, c2.v]) + vector(motion.velocity)),
+        jacobian=sp.ImmutableMatrix.hstack(*columns),
+    )

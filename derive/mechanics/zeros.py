@@ -1,0 +1,77 @@
+"""Structural zeros: they are dropped where they stand, and each leaves its reason behind."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import sympy as sp
+
+from derive.mechanics.equations import Coefficient, Definition, Term, Vanished
+
+Reasons = dict[sp.Symbol, tuple[tuple[str, str], ...]]
+"""For each vanishing symbol the integrals behind it, as pairs (name of the integral, reason)."""
+
+
+def reasons_of(coefficients: tuple[Coefficient, ...]) -> Reasons:
+    """The coefficients that vanish, each with its reason."""
+    return {c.symbol: ((str(c.symbol), c.zero),) for c in coefficients if c.zero}
+
+
+def drop(expr: sp.Expr, reasons: Reasons) -> sp.Expr:
+    """An expression without its vanishing parts."""
+    return expr.xreplace(dict.fromkeys(reasons, sp.S.Zero))
+
+
+def why(expr: sp.Expr, reasons: Reasons) -> str:
+    """Why an expression vanishes: the integrals that are zero in it, gathered by reason; empty if there are none."""
+    return _text(_behind(expr, reasons))
+
+
+def _behind(expr: sp.Expr, reasons: Reasons) -> tuple[tuple[str, str], ...]:
+    pairs = {pair for symbol in expr.free_symbols if symbol in reasons for pair in reasons[symbol]}
+    return tuple(sorted(pairs, key=lambda pair: _order(pair[0])))
+
+
+def _text(behind: tuple[tuple[str, str], ...]) -> str:
+    """`c6_1 .. c6_8 = 0 by condition (19); ...`"""
+    by_reason: dict[str, list[str]] = {}
+    for name, reason in behind:
+        by_reason.setdefault(reason, []).append(name)
+    return "; ".join(
+        f"{', '.join(names) if len(names) < 4 else f'{names[0]} .. {names[-1]}'} = 0 by {reason}"
+        for reason, names in by_reason.items()
+    )
+
+
+def drop_definitions(
+    definitions: tuple[Definition, ...], reasons: Reasons
+) -> tuple[tuple[Definition, ...], Reasons]:
+    """Definitions without their vanishing parts, and the reasons with those of the vanished definitions added."""
+    known, kept = dict(reasons), []
+    for definition in definitions:
+        expr = drop(definition.expr, known)
+        zero = None
+        if expr == 0:
+            behind = _behind(definition.expr, known)
+            known[definition.symbol] = behind
+            zero = _text(behind) or "it vanishes identically"
+        kept.append(replace(definition, expr=expr, zero=zero))
+    return tuple(kept), known
+
+
+def drop_terms(terms: tuple[Term, ...], reasons: Reasons) -> tuple[tuple[Term, ...], tuple[Vanished, ...]]:
+    """The terms that stay, without their vanishing parts, and those that vanish, with reasons."""
+    stay, gone = [], []
+    for term in terms:
+        expr = drop(term.expr, reasons)
+        if expr != 0:
+            stay.append(replace(term, expr=expr))
+        else:
+            gone.append(Vanished(term, why(term.expr, reasons)))
+    return tuple(stay), tuple(gone)
+
+
+def _order(name: str) -> tuple[str, tuple[int, ...]]:
+    """Names with indices sort by their indices as numbers: c8_2_1 before c8_10_1."""
+    head, *indices = name.split("_")
+    return head, tuple(int(i) for i in indices if i.isdigit())

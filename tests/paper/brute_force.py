@@ -1,0 +1,137 @@
+"""The planar free beam once more, by the shortest way, sharing nothing with the package or the printed equations.
+
+The position of every material point is written out in inertial components, differentiated by time and by
+the generalized coordinates, and integrated over the beam. No rotation tensor, no angular velocity, no shape
+integral: an error in those cannot be repeated here. Any number of shapes, each a polynomial in xi.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import sympy
+from sympy import Expr, Rational, Symbol, cos, sin
+
+m, l, EI, xi = sympy.symbols("m l EI xi")  # noqa: E741 - the paper's letters
+c1, c2, phi = sympy.symbols("c1 c2 phi")
+
+Vector = tuple[Expr, Expr]
+
+
+@dataclass(frozen=True)
+class Marker:
+    """Inertial position and velocity of one material point."""
+
+    position: Vector
+    velocity: Vector
+
+
+def coordinates(n: int) -> tuple[Symbol, ...]:
+    """c1, c2, phi, alpha1, ..., alphan."""
+    return (c1, c2, phi, *alphas(n))
+
+
+def alphas(n: int) -> tuple[Symbol, ...]:
+    return tuple(Symbol(f"alpha{i}") for i in range(1, n + 1))
+
+
+def rate(q: Symbol) -> Symbol:
+    return Symbol(f"{q.name}dot")
+
+
+def acceleration(q: Symbol) -> Symbol:
+    return Symbol(f"{q.name}ddot")
+
+
+def time_derivative(expr: Expr, n: int) -> Expr:
+    """The chain rule for an expression in the coordinates and their rates."""
+    flow = {q: rate(q) for q in coordinates(n)} | {rate(q): acceleration(q) for q in coordinates(n)}
+    return differential(expr, flow)
+
+
+def differential(expr: Expr, flow: Mapping[Symbol, Expr]) -> Expr:
+    """The change of an expression when each symbol s changes by flow[s]."""
+    return sympy.Add(*(sympy.diff(expr, s) * ds for s, ds in flow.items()))
+
+
+def expanded(expr: Expr) -> Expr:
+    """Expanded, with sin(phi)^2 = 1 - cos(phi)^2: equal expressions then have a difference of zero."""
+    return sympy.expand(sympy.expand(expr).subs(sin(phi) ** 2, 1 - cos(phi) ** 2))
+
+
+def integral(expr: Expr) -> Expr:
+    """The integral of a polynomial in xi from -1 to 1: 2/(k + 1) for an even power k, 0 for an odd one."""
+    terms = []
+    for term in sympy.Add.make_args(sympy.expand(expr)):
+        factor, power = term.as_coeff_exponent(xi)
+        # Anything else would be taken for a constant, or for a power that the rule does not cover.
+        if factor.has(xi) or not (power.is_Integer and power >= 0):
+            raise ValueError(f"not a polynomial in xi: {expr}")
+        if power % 2 == 0:
+            terms.append(factor * Rational(2, int(power) + 1))
+    return expanded(sympy.Add(*terms))
+
+
+def lateral_displacement(shapes: Sequence[Expr]) -> Expr:
+    return sympy.Add(*(alpha * shape for alpha, shape in zip(alphas(len(shapes)), shapes, strict=True)))
+
+
+def position(shapes: Sequence[Expr]) -> Vector:
+    """x = c + Q (X + u) with (23)-(26): the point (xi l / 2, v) turned by phi and moved by c."""
+    along, across = xi * l / 2, lateral_displacement(shapes)
+    return (
+        c1 + along * cos(phi) - across * sin(phi),
+        c2 + along * sin(phi) + across * cos(phi),
+    )
+
+
+def velocity(shapes: Sequence[Expr]) -> Vector:
+    x1, x2 = position(shapes)
+    return time_derivative(x1, len(shapes)), time_derivative(x2, len(shapes))
+
+
+def rows(shapes: Sequence[Expr]) -> dict[str, Expr]:
+    """The coefficient of each virtual displacement: inertia and strain energy, zero for a free beam.
+
+    A piece d xi of the uniform beam has the mass m/2 d xi.
+    """
+    n = len(shapes)
+    x = position(shapes)
+    xddot = [time_derivative(xdot, n) for xdot in velocity(shapes)]
+    strain = strain_energy(shapes)
+    result = {}
+    for q in coordinates(n):
+        work = sympy.Add(*(xddot_k * sympy.diff(x_k, q) for xddot_k, x_k in zip(xddot, x, strict=True)))
+        result[q.name] = expanded(m / 2 * integral(work) + sympy.diff(strain, q))
+    return result
+
+
+def strain_energy(shapes: Sequence[Expr]) -> Expr:
+    """1/2 EI times the integral of the squared curvature over the length, not taken from (22)."""
+    per_length = 2 / l  # d xi / dx, as x = xi l / 2
+    curvature = sympy.diff(lateral_displacement(shapes), xi, 2) * per_length**2
+    return expanded(EI / 2 * integral(curvature**2) / per_length)
+
+
+def kinetic_energy(shapes: Sequence[Expr]) -> Expr:
+    v1, v2 = velocity(shapes)
+    return expanded(m / 4 * integral(v1**2 + v2**2))
+
+
+def linear_momentum(shapes: Sequence[Expr]) -> Vector:
+    v1, v2 = velocity(shapes)
+    return expanded(m / 2 * integral(v1)), expanded(m / 2 * integral(v2))
+
+
+def angular_momentum(shapes: Sequence[Expr]) -> Expr:
+    """About the inertial origin, along e3."""
+    (x1, x2), (v1, v2) = position(shapes), velocity(shapes)
+    return expanded(m / 2 * integral(x1 * v2 - x2 * v1))
+
+
+def marker(shapes: Sequence[Expr], xi0: Expr | int) -> Marker:
+    """The material point at xi = xi0."""
+    x1, x2 = (expanded(x.subs(xi, xi0)) for x in position(shapes))
+    v1, v2 = (expanded(v.subs(xi, xi0)) for v in velocity(shapes))
+    return Marker((x1, x2), (v1, v2))
