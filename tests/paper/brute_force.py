@@ -1,4 +1,4 @@
-"""The planar free beam once more, by the shortest way, sharing nothing with the package or the printed equations.
+"""The planar free beam once more, by the shortest way, with nothing of the package or of the print.
 
 The position of every material point is written out in inertial components, differentiated by time and by
 the generalized coordinates, and integrated over the beam. No rotation tensor, no angular velocity, no shape

@@ -1,0 +1,220 @@
+"""The functions of a model, each from the equations of motion to a Kernel."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import casadi as ca
+import sympy as sp
+
+from derive.kernel.context import Context, define, stores
+from derive.kernel.factor import factorise, solve
+from derive.kernel.ir import Kernel, Output, pattern
+from derive.kernel.schedule import Named, Required, Step
+from derive.kernel.symbols import Symbols
+from derive.mechanics.equations import MarkerEquations
+
+PIVOT, NOT_FINITE = 1, 2
+"""Return codes, both recoverable: a pivot vanished; a value is not finite."""
+
+VANISHING = Fraction(1, 2**44)
+"""A pivot below this part of its diagonal entry is rounding error, not inertia."""
+
+
+def mass(context: Context) -> Kernel:
+    """M(q)."""
+    symbols = context.symbols(context.q)
+    doc = "Mass matrix M(q): values of the lower triangle by columns."
+    outputs = (_mass_output(context),)
+    return context.kernel("mass", doc, (context.q, context.k), outputs, symbols, _mass_step(context, symbols))
+
+
+def force(context: Context) -> Kernel:
+    """h(t, q, v)."""
+    symbols = context.symbols(context.q, context.v)
+    doc = "Forces h of M vdot + h = 0: centrifugal, Coriolis and elastic."
+    arguments = (context.t, context.q, context.v, context.k)
+    return context.kernel("force", doc, arguments, (_force_output(context),), symbols, _force_step(context, symbols))
+
+
+def mass_force(context: Context) -> Kernel:
+    """M and h at once."""
+    symbols = context.symbols(context.q, context.v)
+    doc = "Mass matrix and forces together; what they share is computed once."
+    arguments = (context.t, context.q, context.v, context.k)
+    outputs = (_mass_output(context), _force_output(context))
+    steps = (_mass_step(context, symbols), _force_step(context, symbols))
+    return context.kernel("mass_force", doc, arguments, outputs, symbols, *steps)
+
+
+def accel(context: Context) -> Kernel:
+    """vdot of M vdot + h = 0."""
+    symbols = context.symbols(context.q, context.v)
+    eq = context.equations
+    shape = context.mass_pattern()
+    entries = {(i, j): symbols(eq.mass[i, j]) for i, j in shape.entries}
+    factors = factorise(shape, entries)
+    solution = solve(factors, [-symbols(h) for h in eq.force])
+    pivots = list(zip(factors.pivots, factors.order, strict=True))
+    named = tuple(Named(f"pivot_{context.names[j]}", pivot) for pivot, j in pivots)
+    margin = symbols.number(VANISHING)
+    required = tuple(
+        Required(
+            "positive",
+            pivot if pivot is entries[j, j] else pivot - margin * entries[j, j],
+            PIVOT,
+            f"the pivot of {context.names[j]} vanished",
+        )
+        for pivot, j in pivots
+    )
+    total = sum(solution[1:], start=solution[0])
+    finite = Required("finite", total, NOT_FINITE, "an acceleration is not finite")
+    order = ", ".join(context.names[j] for j in factors.order)
+    fill = f"fill-in {factors.fill}" if factors.fill else "no fill-in"
+    return context.kernel(
+        "accel",
+        "Accelerations vdot of M vdot + h = 0, by a sparse LDL^T fixed at generation time.",
+        (context.t, context.q, context.v, context.k),
+        (Output("vdot", context.accelerations, "accelerations"),),
+        symbols,
+        Step("pivots", "LDL^T", f"eliminate {order}; {fill}", (*named, *required)),
+        Step("solution", "LDL^T", "forward, diagonal and back substitution", stores("vdot", solution)),
+        Step("check", "", "refuse what is not finite", (finite,)),
+    )
+
+
+def energy(context: Context) -> Kernel:
+    """Kinetic and strain energy."""
+    symbols = context.symbols(context.q, context.v)
+    eq = context.equations
+    twice = (sp.expand(2 * e) for e in (eq.kinetic_energy, eq.strain_energy))  # so that 1/2 is applied once
+    values = [symbols.number(Fraction(1, 2)) * symbols(e) for e in twice]
+    return context.kernel(
+        "energy",
+        "Kinetic and strain energy.",
+        (context.q, context.v, context.k),
+        (Output("energy", ("kinetic", "strain"), "energies [J]"),),
+        symbols,
+        Step("energy", "(22)", "1/2 int rho xdot . xdot and the strain energy", stores("energy", values)),
+    )
+
+
+def momentum(context: Context) -> Kernel:
+    """Linear momentum, and angular momentum about the inertial origin."""
+    symbols = context.symbols(context.q, context.v)
+    eq = context.equations
+    values = [symbols(p) for p in (*eq.linear_momentum, *eq.angular_momentum)]
+    return context.kernel(
+        "momentum",
+        "Linear momentum, and angular momentum about the inertial origin.",
+        (context.q, context.v, context.k),
+        (Output("momentum", ("linear_1", "linear_2", "angular"), "momenta [N s, N s, N m s]"),),
+        symbols,
+        Step("momentum", "(1)", "int rho xdot and int rho x x xdot", stores("momentum", values)),
+    )
+
+
+def rates(context: Context) -> Kernel:
+    """qdot from v."""
+    symbols = context.symbols(context.q, context.v)
+    values = [symbols(c.v) for c in context.equations.coordinates]
+    return context.kernel(
+        "rates",
+        "Time derivative of the coordinates from the rates.",
+        (context.q, context.v, context.k),
+        (Output("qdot", tuple(f"{n}_t" for n in context.names), "time derivative of q"),),
+        symbols,
+        Step("rates", "(27)", "planar motion: qdot = v", stores("qdot", values)),
+    )
+
+
+def marker(context: Context, point: MarkerEquations) -> Kernel:
+    """Position, velocity and Jacobian of a material point."""
+    symbols = context.symbols(context.q, context.v)
+    named = define(symbols, tuple(d for d in point.definitions if not d.zero))
+    matrix = point.jacobian
+    rows, cols = matrix.shape
+    shape = pattern(rows, cols, {(i, j) for i in range(rows) for j in range(cols) if matrix[i, j] != 0})
+    labels = tuple(f"d x{i + 1} / d {context.names[j]}" for i, j in shape.entries)
+    wants = (
+        *stores("x", [symbols(e) for e in point.position]),
+        *stores("xdot", [symbols(e) for e in point.velocity]),
+        *stores("jacobian", [symbols(matrix[i, j]) for i, j in shape.entries]),
+    )
+    return context.kernel(
+        f"marker_{point.name}",
+        f"Marker {point.name}, {point.doc}: position, velocity and d(position)/dq.",
+        (context.q, context.v, context.k),
+        (
+            Output("x", ("x1", "x2"), "position in the inertial base [m]"),
+            Output("xdot", ("x1dot", "x2dot"), "velocity in the inertial base [m/s]"),
+            Output("jacobian", labels, "values of d(position)/dq by columns", shape),
+        ),
+        symbols,
+        Step("r", "(14)", "X + u and its rate at the marker, in the body base", named),
+        Step("marker", "(1)", "x = c + Q r, its rate and its derivatives", wants),
+    )
+
+
+def residual(context: Context) -> Kernel:
+    """F(t, y, ydot)."""
+    symbols, rows = _first_order(context)
+    return context.kernel(
+        "residual",
+        "First-order form F(t, y, ydot) = [qdot - v; M vdot + h] = 0 with y = [q; v].",
+        (context.t, context.y, context.ydot, context.k),
+        (Output("F", context.names + context.rates, "residual, one row a state"),),
+        symbols,
+        Step("residual", "(15)", "kinematics, then the equations of motion", stores("F", rows)),
+    )
+
+
+def jacobian(context: Context) -> Kernel:
+    """dF/dy + cj dF/dydot. Derivatives and their sparsity are CasADi's; the diagonal is always there."""
+    symbols, rows = _first_order(context)
+    y = ca.vertcat(*(symbols.values[sp.Symbol(name)] for name in context.y.elements))
+    ydot = ca.vertcat(*(symbols.values[sp.Symbol(name)] for name in context.ydot.elements))
+    cj = symbols.values[sp.Symbol("cj")]
+    matrix = ca.jacobian(ca.vertcat(*rows), y) + cj * ca.jacobian(ca.vertcat(*rows), ydot)
+    diagonal = {(i, i) for i in range(len(rows))}
+    shape = pattern(len(rows), len(rows), diagonal | set(zip(*matrix.sparsity().get_triplet(), strict=True)))
+    states = context.y.elements
+    labels = tuple(f"d F[{states[i]}] / d {states[j]}" for i, j in shape.entries)
+    return context.kernel(
+        "jacobian",
+        "Iteration matrix dF/dy + cj dF/dydot of the first-order form, values by columns, diagonal included.",
+        (context.t, context.y, context.ydot, context.cj, context.k),
+        (Output("J", labels, "values of the iteration matrix by columns", shape),),
+        symbols,
+        Step("jacobian", "(15)", "derivatives of the residual", stores("J", [matrix[i, j] for i, j in shape.entries])),
+    )
+
+
+def _first_order(context: Context) -> tuple[Symbols, list[ca.SX]]:
+    """The residual row by row, in symbols that the Jacobian can be taken of."""
+    symbols = context.symbols(context.y, context.ydot, context.cj)
+    eq = context.equations
+    kinematic = [symbols(sp.Symbol(f"{c.q}_t")) - symbols(c.v) for c in eq.coordinates]
+    rows = [sum((t.expr for t in eq.terms if t.row == str(c.q)), sp.S.Zero) for c in eq.coordinates]
+    return symbols, kinematic + [symbols(row) for row in rows]
+
+
+def _mass_output(context: Context) -> Output:
+    shape = context.mass_pattern()
+    labels = tuple(f"M[{context.names[i]}, {context.names[j]}]" for i, j in shape.entries)
+    return Output("M", labels, "values of the mass matrix, lower triangle by columns", shape)
+
+
+def _force_output(context: Context) -> Output:
+    return Output("h", tuple(f"h[{n}]" for n in context.names), "forces, one row a coordinate")
+
+
+def _mass_step(context: Context, symbols: Symbols) -> Step:
+    entries = context.mass_pattern().entries
+    values = [symbols(context.equations.mass[i, j]) for i, j in entries]
+    return Step("M", "(15)", "factors of the accelerations", stores("M", values))
+
+
+def _force_step(context: Context, symbols: Symbols) -> Step:
+    values = [symbols(h) for h in context.equations.force]
+    return Step("h", "(15)", "centrifugal, Coriolis and elastic terms", stores("h", values))

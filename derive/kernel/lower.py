@@ -1,0 +1,51 @@
+"""Equations to kernels: the second arrow of the house."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from derive.kernel import functions
+from derive.kernel.context import Context
+from derive.kernel.ir import Kernel
+from derive.kernel.model import Model, Variable, Zero
+from derive.kernel.setup import setup_kernel
+from derive.mechanics.equations import Equations
+
+
+def lower(equations: Equations) -> Model:
+    """The kernels of a model, with names, units, patterns and the reasons of its zeros."""
+    context = Context(equations)
+    kernels = (
+        functions.mass(context),
+        functions.force(context),
+        functions.mass_force(context),
+        functions.accel(context),
+        functions.energy(context),
+        functions.momentum(context),
+        functions.rates(context),
+        *(functions.marker(context, marker) for marker in equations.markers),
+        functions.residual(context),
+        functions.jacobian(context),
+    )
+    setup, constants = setup_kernel(context, kernels)
+    names = tuple(c.name for c in constants)
+    coordinates = equations.coordinates
+    return Model(
+        name=equations.name,
+        doc=equations.doc,
+        coordinates=tuple(Variable(str(c.q), c.doc, c.unit) for c in coordinates),
+        rates=tuple(Variable(str(c.v), f"rate of {c.q}", f"{c.unit}/s") for c in coordinates),
+        forces=tuple(Variable(f"h_{c.q}", f"row of delta {c.q}", c.work) for c in coordinates),
+        parameters=tuple(Variable(str(p.symbol), p.doc, p.unit, p.default) for p in equations.parameters),
+        constants=constants,
+        kernels=(setup, *(_with_constants(kernel, names) for kernel in kernels)),
+        markers=tuple(Variable(m.name, m.doc, "m") for m in equations.markers),
+        zeros=tuple(Zero(f"M[{context.names[i]}, {context.names[j]}]", why) for i, j, why in equations.mass_zeros),
+        vanished=tuple(Zero(f"{v.term.name} term of row {v.term.row}", v.reason) for v in equations.vanished),
+    )
+
+
+def _with_constants(kernel: Kernel, names: tuple[str, ...]) -> Kernel:
+    """Tell a kernel where its constants lie; known only when all kernels are."""
+    arguments = (replace(a, elements=names) if a.name == "k" else a for a in kernel.arguments)
+    return replace(kernel, arguments=tuple(arguments))

@@ -1,0 +1,147 @@
+"""From a graph to sections: what is used, what gets a name, and in which order it is computed."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass
+from fractions import Fraction
+
+import casadi as ca
+
+from derive.kernel.graph import Graph, read
+from derive.kernel.ir import Expr, Let, Num, Op, Ref, Require, Section, Statement, Store
+from derive.kernel.symbols import Symbols
+
+
+@dataclass(frozen=True)
+class Named:
+    """A value that keeps its name from the derivation, if anything uses it."""
+
+    name: str
+    value: ca.SX
+
+
+@dataclass(frozen=True)
+class Stored:
+    """A value that goes to an output."""
+
+    output: str
+    index: int
+    value: ca.SX
+
+
+@dataclass(frozen=True)
+class Required:
+    """A value that must be `positive` or `finite`; else the kernel returns `code`."""
+
+    kind: str
+    value: ca.SX
+    code: int
+    text: str
+
+
+Want = Named | Stored | Required
+
+
+@dataclass(frozen=True)
+class Step:
+    """What one section computes, as CasADi scalars."""
+
+    name: str
+    equation: str
+    doc: str
+    wants: tuple[Want, ...]
+
+
+def schedule(graph: Graph, symbols: Symbols, steps: tuple[Step, ...]) -> tuple[Section, ...]:
+    """Sections with a `Let` for what has a name or is used more than once; the rest stands where it is used.
+
+    All steps are read back from CasADi at once, so that they share. A requirement on constants alone goes to setup.
+    """
+    nodes = iter(read(graph, symbols, [want.value for step in steps for want in step.wants]))
+    located = [(step, [(want, next(nodes)) for want in step.wants]) for step in steps]
+    for _, wants in located:
+        wants[:] = [(w, node) for w, node in wants if not (isinstance(w, Required) and _moved_to_setup(graph, w, node))]
+    writer = _Writer(graph, [pair for _, wants in located for pair in wants])
+    sections = (Section(step.name, step.equation, step.doc, writer.body(wants)) for step, wants in located)
+    return tuple(section for section in sections if section.body)
+
+
+def _moved_to_setup(graph: Graph, want: Required, node: int) -> bool:
+    if not graph.is_constant(node):
+        return False
+    graph.constants.require(want.kind, graph.expr(node), want.code, want.text)
+    return True
+
+
+class _Writer:
+    def __init__(self, graph: Graph, wants: list[tuple[Want, int]]) -> None:
+        self.graph = graph
+        self.uses = _uses(graph, [node for want, node in wants if not isinstance(want, Named)])
+        self.names = {node: want.name for want, node in reversed(wants) if isinstance(want, Named)}
+        self.divisors = _divisors(graph, self.uses)
+        self.written: dict[int, str] = {}
+        self.inverses: dict[int, str] = {}
+        self.counter = 0
+
+    def body(self, wants: list[tuple[Want, int]]) -> tuple[Statement, ...]:
+        out: list[Statement] = []
+        for want, node in wants:
+            if isinstance(want, Named):
+                if self.uses[node]:
+                    self._expr(node, out)
+                continue
+            expr = self._expr(node, out)
+            if isinstance(want, Stored):
+                out.append(Store(want.output, want.index, expr))
+            else:
+                out.append(Require(want.kind, expr, want.code, want.text))
+        return tuple(out)
+
+    def _expr(self, node: int, out: list[Statement]) -> Expr:
+        """The expression of a node; what it needs and has a name is written to `out` before."""
+        n = self.graph.nodes[node]
+        if n.leaf is not None:
+            return n.leaf
+        if node in self.written:
+            return Ref(self.written[node])
+        if n.kind == "div" and self.divisors[n.args[1]] > 1:
+            expr = Op("mul", (self._expr(n.args[0], out), self._inverse(n.args[1], out)))
+        else:
+            expr = Op(n.kind, tuple(self._expr(a, out) for a in n.args))
+        if node not in self.names and self.uses[node] < 2:
+            return expr
+        self.written[node] = self.names.get(node) or self._next_name()
+        out.append(Let(self.written[node], expr))
+        return Ref(self.written[node])
+
+    def _inverse(self, node: int, out: list[Statement]) -> Expr:
+        """One division serves all quotients with the same divisor."""
+        if node not in self.inverses:
+            divisor = self._expr(node, out)
+            name = f"inverse_{divisor.name}" if isinstance(divisor, Ref) else self._next_name()
+            self.inverses[node] = name
+            out.append(Let(name, Op("div", (Num(Fraction(1)), divisor))))
+        return Ref(self.inverses[node])
+
+    def _next_name(self) -> str:
+        self.counter += 1
+        return f"t{self.counter}"
+
+
+def _divisors(graph: Graph, uses: Counter[int]) -> Counter[int]:
+    """How many quotients that are needed have a node, that is no number, as their divisor."""
+    return Counter(
+        n.args[1]
+        for node, n in enumerate(graph.nodes)
+        if n.kind == "div" and uses[node] and graph.value(n.args[1]) is None
+    )
+
+
+def _uses(graph: Graph, roots: list[int]) -> Counter[int]:
+    """How often each node is an operand or a root, counting only what the roots need."""
+    uses: Counter[int] = Counter(roots)
+    for node in range(len(graph.nodes) - 1, -1, -1):
+        if uses[node]:
+            uses.update(graph.nodes[node].args)
+    return uses

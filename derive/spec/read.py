@@ -1,0 +1,154 @@
+"""Reads specifications, from a TOML file or from Python; every fault is reported at once."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import tomllib
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict
+from fractions import Fraction
+from typing import Any
+
+from derive.spec import locate, paper
+from derive.spec.body import Frame, Parameter, PlanarBeam, Polynomial
+from derive.spec.errors import Problem, SpecError, printable
+from derive.spec.values import TomlFloat
+
+MAX_BYTES = 1_000_000
+# tomllib needs time and memory that grow with the square of the parts of a dotted key.
+MAX_DOTS = 200
+
+Number = int | float | Fraction | str
+
+
+def read(path: str | os.PathLike[str]) -> PlanarBeam:
+    """The beam that a TOML file specifies. Raises SpecError with all that is wrong with the file."""
+    source = os.fspath(path)
+    try:
+        with open(source, "rb") as file:
+            content = file.read(MAX_BYTES + 1)
+    except (OSError, ValueError) as error:
+        why = getattr(error, "strerror", None) or str(error)
+        raise SpecError(
+            (Problem("", f"the file cannot be read: {why[:1].lower()}{why[1:]}"),), source
+        ) from None
+    if len(content) > MAX_BYTES:
+        raise SpecError(
+            (Problem("", f"the file is larger than {MAX_BYTES} bytes; is it a specification?"),), source
+        )
+    try:
+        text = content.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = content.count(b"\n", 0, error.start) + 1
+        raise SpecError(
+            (Problem("", "this is not UTF-8 text; save the file as UTF-8", line),), source
+        ) from None
+    return parse(text, source)
+
+
+def parse(text: str, source: str | None = None) -> PlanarBeam:
+    """The beam that a TOML text specifies; `source` is the file name that errors show."""
+    return _beam(_data(text, source), locate_in=text, source=source)
+
+
+def planar_beam(
+    name: str,
+    *,
+    ansatz: Sequence[str | Polynomial] = paper.ANSATZ,
+    frame: str | Mapping[str, object] | Frame = paper.FRAME,
+    mass: Number | Mapping[str, object] | Parameter = paper.MASS,
+    length: Number | Mapping[str, object] | Parameter = paper.LENGTH,
+    bending_stiffness: Number | Mapping[str, object] | Parameter = paper.BENDING_STIFFNESS,
+    markers: Mapping[str, Number] | None = None,
+    orthogonal: bool | None = None,
+) -> PlanarBeam:
+    """A beam specified in Python, with the keys, the defaults and the checks of a TOML file.
+
+    Shapes are texts such as "xi^2 - 1/3" or tuples of coefficients; a float is the decimal it is printed as.
+    """
+    beam = {
+        "ansatz": ansatz,
+        "frame": _as_data(frame),
+        "mass": _as_data(mass),
+        "length": _as_data(length),
+        "bending_stiffness": _as_data(bending_stiffness),
+        "markers": {} if markers is None else markers,
+    }
+    if orthogonal is not None:
+        beam["orthogonal"] = orthogonal
+    return _beam({"name": name, "beam": beam})
+
+
+def json_schema() -> str:
+    """The JSON schema of a specification, with which editors complete and check TOML files."""
+    from derive.spec.schema import Specification
+
+    schema = {"$schema": "https://json-schema.org/draft/2020-12/schema", **Specification.model_json_schema()}
+    return json.dumps(_plain(schema), indent=2, ensure_ascii=False) + "\n"
+
+
+def _plain(node: Any) -> Any:
+    """A schema without what pydantic adds: titles that repeat the key, and null for what may be left out."""
+    if isinstance(node, list):
+        return [_plain(item) for item in node]
+    if isinstance(node, dict):
+        return {k: _plain(v) for k, v in node.items() if k != "title" and not (k == "default" and v is None)}
+    return node
+
+
+def _as_data(value: object) -> object:
+    if isinstance(value, (Frame, Parameter)):
+        return {key: item for key, item in asdict(value).items() if item is not None}
+    return value
+
+
+def _beam(data: Mapping[str, object], locate_in: str = "", source: str | None = None) -> PlanarBeam:
+    # pydantic is imported only when there is something to check, so that the command line answers at once.
+    from derive.spec.check import checked
+
+    result = checked(data)
+    if isinstance(result, PlanarBeam):
+        return result
+    lines = locate.lines(locate_in)
+    problems = [Problem(path_text(path), message, locate.line_of(path, lines)) for path, message in result]
+    raise SpecError(tuple(sorted(problems, key=lambda problem: problem.line or 0)), source)
+
+
+def path_text(path: Iterable[str | int]) -> str:
+    """A path as messages show it: beam.ansatz[2], beam.markers."left end"."""
+    text = ""
+    for part in path:
+        if isinstance(part, int):
+            text += f"[{part}]"
+        else:
+            key = printable(part[:60])
+            text += "." * bool(text) + (key if re.fullmatch("[A-Za-z0-9_-]+", key) else f'"{key}"')
+    return text
+
+
+def _data(text: str, source: str | None) -> dict[str, Any]:
+    for number, line in enumerate(text.split("\n"), 1):
+        if line.count(".") > MAX_DOTS and not line.lstrip().startswith("#"):
+            message = f"this line has more than {MAX_DOTS} dots; break it into several lines"
+            raise SpecError((Problem("", message, number),), source)
+    try:
+        return tomllib.loads(text, parse_float=TomlFloat)
+    except tomllib.TOMLDecodeError as error:
+        raise SpecError((_syntax_problem(str(error), text),), source) from None
+    except RecursionError:
+        raise SpecError((Problem("", "the brackets are nested too deeply"),), source) from None
+    except ValueError:
+        raise SpecError((Problem("", "a number has too many digits"),), source) from None
+
+
+def _syntax_problem(message: str, text: str) -> Problem:
+    """tomllib says where in words: "Invalid value (at line 3, column 7)", or "(at end of document)"."""
+    match = re.fullmatch(r"(.*) \(at (?:line (\d+), column (\d+)|end of document)\)", message, re.DOTALL)
+    if match is None:
+        return Problem("", f"this is not TOML: {printable(message)}")
+    why = f"this is not TOML: {printable(match[1][:1].lower() + match[1][1:])}"
+    if match[2] is None:
+        return Problem("", f"{why}, at the end of the file", text.rstrip("\n").count("\n") + 1)
+    return Problem("", f"{why}, at column {match[3]}", int(match[2]))

@@ -1,0 +1,241 @@
+"""The tables of a specification as pydantic models, which also make the JSON schema for editors.
+
+Values are read by the functions of `values`; a model says which keys a table has and what they mean.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from fractions import Fraction
+from typing import Annotated, Any
+
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Discriminator,
+    Field,
+    PlainValidator,
+    Tag,
+    WithJsonSchema,
+    model_validator,
+)
+
+from derive.spec import paper, values
+from derive.spec.body import Frame, FrameKind, Marker, Parameter, PlanarBeam, Polynomial, Quantity
+from derive.spec.expression import MAX_LENGTH
+from derive.spec.names import MAX_LENGTH as MAX_NAME
+from derive.spec.names import PATTERN as NAME_PATTERN
+
+MAX_SHAPES = 20
+MAX_MARKERS = 64
+
+
+def _size(least: int, most: int, noun: str) -> BeforeValidator:
+    """A check that comes before the elements are looked at, so that a flood of them costs nothing."""
+
+    def check(value: Any) -> Any:
+        if isinstance(value, (list, tuple, Mapping)) and not least <= len(value) <= most:
+            raise ValueError(f"there are {len(value)} {noun}, and {least} to {most} are allowed")
+        return value
+
+    return BeforeValidator(check)
+
+
+def _number_schema(**limits: float) -> dict[str, Any]:
+    exact = {"type": "string", "maxLength": MAX_LENGTH, "description": 'An exact number, such as "1/3".'}
+    return {"anyOf": [{"type": "number", **limits}, exact]}
+
+
+_NAME = {"type": "string", "pattern": f"^{NAME_PATTERN}$", "maxLength": MAX_NAME}
+_UNIT = {"type": "string", "pattern": f"^{values.UNIT_PATTERN}$"}
+_SHAPE = {"type": "string", "minLength": 1, "maxLength": MAX_LENGTH}
+_POSITIVE = _number_schema(exclusiveMinimum=0)
+_PLACE = _number_schema(minimum=-1, maximum=1)
+# A plain "tangent" would not say which end is meant.
+_PLAIN_FRAMES = [kind for kind in values.FRAME_KINDS if kind != "tangent"]
+
+
+def frame_from(kind: FrameKind, at: Fraction | None) -> Frame:
+    """A frame, if its kind and its place go together; a point is the middle of the beam by default."""
+    if kind == "point":
+        return Frame(kind, Fraction(0) if at is None else at)
+    if kind == "tangent":
+        if at not in (-1, 1):
+            raise ValueError(
+                'a tangent frame needs the end it is at: { kind = "tangent", at = -1 } or at = 1'
+            )
+        return Frame(kind, at)
+    if at is not None:
+        raise ValueError(f'the frame "{kind}" has no place; leave `at` out, or choose "point"')
+    return Frame(kind)
+
+
+def _plain_frame(value: object) -> Frame:
+    """A frame written as text alone."""
+    return frame_from(values.frame_kind(value), None)
+
+
+class Table(BaseModel):
+    """A table in which every key is known."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+Name = Annotated[str, PlainValidator(values.name), WithJsonSchema(_NAME)]
+Place = Annotated[Fraction, PlainValidator(values.place), WithJsonSchema(_PLACE)]
+Positive = Annotated[Fraction, PlainValidator(values.positive), WithJsonSchema(_POSITIVE)]
+Shape = Annotated[Polynomial, PlainValidator(values.shape), WithJsonSchema(_SHAPE)]
+
+
+class ParameterTable(Table):
+    """A run-time parameter of the generated code."""
+
+    symbol: Annotated[Name, Field(description="Its name in the code and in the equations.")]
+    unit: Annotated[
+        str | None,
+        PlainValidator(values.unit),
+        WithJsonSchema(_UNIT),
+        Field(description="Its unit in comments and in the report; the SI unit if left out."),
+    ] = None
+    default: Annotated[
+        float,
+        PlainValidator(values.positive_float),
+        WithJsonSchema(_POSITIVE),
+        Field(description="Its value until another is set."),
+    ] = 1.0
+
+    def parameter(self, like: Parameter) -> Parameter:
+        return Parameter(self.symbol, self.unit or like.unit, self.default)
+
+
+class FrameTable(Table):
+    """A frame, and the place it is at."""
+
+    kind: Annotated[
+        FrameKind, PlainValidator(values.frame_kind), WithJsonSchema({"enum": [*values.FRAME_KINDS]})
+    ]
+    at: Annotated[
+        Fraction | None,
+        PlainValidator(values.place),
+        WithJsonSchema(_PLACE),
+        Field(
+            description="The place xi of a point frame (default 0), or the end, -1 or 1, of a tangent frame."
+        ),
+    ] = None
+
+    @model_validator(mode="after")
+    def check(self) -> FrameTable:
+        self.frame()
+        return self
+
+    def frame(self) -> Frame:
+        return frame_from(self.kind, self.at)
+
+
+def _written_as(value: Any) -> str:
+    return "table" if isinstance(value, Mapping) else "plain"
+
+
+QuantityInput = Annotated[
+    Annotated[Positive, Tag("plain")] | Annotated[ParameterTable, Tag("table")], Discriminator(_written_as)
+]
+FrameInput = Annotated[
+    Annotated[Frame, PlainValidator(_plain_frame), WithJsonSchema({"enum": _PLAIN_FRAMES}), Tag("plain")]
+    | Annotated[FrameTable, Tag("table")],
+    Discriminator(_written_as),
+]
+
+
+def _frame(value: Frame | FrameTable) -> Frame:
+    return value.frame() if isinstance(value, FrameTable) else value
+
+
+def _quantity(value: Fraction | ParameterTable, like: Parameter) -> Quantity:
+    return value.parameter(like) if isinstance(value, ParameterTable) else value
+
+
+def _as_table(parameter: Parameter) -> ParameterTable:
+    return ParameterTable(symbol=parameter.symbol, unit=parameter.unit, default=parameter.default)
+
+
+class ShapeKeys(BaseModel):
+    """The keys of a beam that say which shapes it has; they are checked even if another key is at fault."""
+
+    model_config = ConfigDict(extra="ignore", frozen=True)
+
+    ansatz: Annotated[
+        tuple[Shape, ...],
+        _size(1, MAX_SHAPES, "polynomials"),
+        Field(
+            description="The polynomials in xi of the displacement, before the conditions of the frame.",
+            json_schema_extra={"default": [*paper.ANSATZ], "minItems": 1, "maxItems": MAX_SHAPES},
+        ),
+    ] = tuple(values.shape(text) for text in paper.ANSATZ)
+    frame: Annotated[
+        FrameInput,
+        Field(
+            description="How rigid motion is kept out of the displacements: mean (no mean displacement or "
+            "rotation), point (clamped at a point), chord (no displacement at the ends), tangent (clamped at "
+            "an end), given (the ansatz as it stands).",
+            json_schema_extra={"default": paper.FRAME},
+        ),
+    ] = Frame("mean")
+    orthogonal: Annotated[
+        bool | None,
+        PlainValidator(values.truth),
+        WithJsonSchema({"type": "boolean"}),
+        Field(description="Whether the shapes are made orthogonal; by default only for the frame mean."),
+    ] = None
+
+    def shape_keys(self) -> tuple[tuple[Polynomial, ...], Frame, bool]:
+        """What the algebra needs: the ansatz, the frame, and whether the shapes are made orthogonal."""
+        frame = _frame(self.frame)
+        return self.ansatz, frame, frame.kind == "mean" if self.orthogonal is None else self.orthogonal
+
+
+class BeamTable(ShapeKeys):
+    """A uniform slender free beam that moves in a plane."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    mass: Annotated[QuantityInput, Field(description="The mass: a parameter, or a number for good.")] = (
+        _as_table(paper.MASS)
+    )
+    length: Annotated[QuantityInput, Field(description="The length: a parameter, or a number for good.")] = (
+        _as_table(paper.LENGTH)
+    )
+    bending_stiffness: Annotated[
+        QuantityInput, Field(description="The bending stiffness: a parameter, or a number for good.")
+    ] = _as_table(paper.BENDING_STIFFNESS)
+    markers: Annotated[
+        dict[Name, Place],
+        _size(0, MAX_MARKERS, "markers"),
+        Field(
+            description="Named points of the beam and their places xi, from -1 (left end) to 1 (right end).",
+            json_schema_extra={"maxProperties": MAX_MARKERS, "additionalProperties": False},
+        ),
+    ] = {}
+
+
+class Specification(Table):
+    """A deformable body, from which Tisserand makes C and Python kernels."""
+
+    name: Annotated[
+        Name, Field(description="The name of the model: of its files, and in front of all its functions.")
+    ]
+    beam: BeamTable
+
+    def planar_beam(self) -> PlanarBeam:
+        beam = self.beam
+        ansatz, frame, orthogonal = beam.shape_keys()
+        return PlanarBeam(
+            name=self.name,
+            ansatz=ansatz,
+            frame=frame,
+            mass=_quantity(beam.mass, paper.MASS),
+            length=_quantity(beam.length, paper.LENGTH),
+            bending_stiffness=_quantity(beam.bending_stiffness, paper.BENDING_STIFFNESS),
+            markers=tuple(Marker(name, at) for name, at in beam.markers.items()),
+            orthogonal=orthogonal,
+        )

@@ -1,0 +1,136 @@
+"""The single values of a specification: each function takes what was written and returns what is meant.
+
+What cannot be meant raises ValueError, with a sentence that says what to write.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+
+from derive.spec.body import FrameKind, Polynomial
+from derive.spec.errors import quoted
+from derive.spec.expression import MAX_DEGREE, MAX_DIGITS, parse_number, polynomial
+from derive.spec.names import name_problem
+
+UNIT_PATTERN = "[A-Za-z0-9(]([A-Za-z0-9 .^*/()-]{0,22}[A-Za-z0-9)])?"
+FRAME_KINDS: tuple[FrameKind, ...] = ("mean", "point", "chord", "tangent", "given")
+
+
+@dataclass(frozen=True)
+class TomlFloat:
+    """A float of a TOML file as it was written: read as a binary float, 0.3 would not be 3/10."""
+
+    text: str
+
+
+def kind_of(value: object) -> str:
+    """What a value is, in words."""
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, (int, float, Fraction, TomlFloat)):
+        return "a number"
+    if isinstance(value, str):
+        return "text"
+    if isinstance(value, (list, tuple)):
+        return "a list"
+    if isinstance(value, Mapping):
+        return "a table"
+    return f"a value of type {type(value).__name__}"
+
+
+def name(value: object) -> str:
+    if not isinstance(value, str):
+        raise ValueError(f'a name in quotation marks is needed, such as "beam_1", not {kind_of(value)}')
+    problem = name_problem(value)
+    if problem:
+        raise ValueError(problem)
+    return value
+
+
+def number(value: object) -> Fraction:
+    """An exact number; a float means the shortest decimal that reads as this float."""
+    if isinstance(value, bool) or not isinstance(value, (int, float, Fraction, TomlFloat, str)):
+        raise ValueError(f'a number is needed, such as 2, 0.5 or "1/3", not {kind_of(value)}')
+    if isinstance(value, str):
+        return parse_number(value)
+    if isinstance(value, (float, TomlFloat)):
+        text = value.text.replace("_", "") if isinstance(value, TomlFloat) else float.__repr__(value)
+        if text.lstrip("+-") in ("inf", "nan"):
+            raise ValueError(f"a finite number is needed, not {text}")
+        return parse_number(text)
+    exact = Fraction(value)
+    if max(abs(exact.numerator), exact.denominator) >= 10**MAX_DIGITS:
+        raise ValueError(
+            f"the number has too many digits; at most {MAX_DIGITS} above and below the fraction bar are kept"
+        )
+    return exact
+
+
+def positive(value: object) -> Fraction:
+    exact = number(value)
+    if exact <= 0:
+        raise ValueError(f"a positive number is needed, not {exact}")
+    return exact
+
+
+def positive_float(value: object) -> float:
+    return float(positive(value))
+
+
+def place(value: object) -> Fraction:
+    """The dimensionless distance xi of a point of the beam."""
+    exact = number(value)
+    if not -1 <= exact <= 1:
+        raise ValueError(
+            f"xi = {exact} is not on the beam: it goes from -1, the left end, to 1, the right end"
+        )
+    return exact
+
+
+def truth(value: object) -> bool:
+    if not isinstance(value, bool):
+        raise ValueError(f"true or false is needed, without quotation marks, not {kind_of(value)}")
+    return value
+
+
+def unit(value: object) -> str:
+    if not isinstance(value, str):
+        raise ValueError(f'a unit in quotation marks is needed, such as "N m^2", not {kind_of(value)}')
+    # A unit ends up in a comment of the generated C, which it must neither end nor open anew.
+    if not re.fullmatch(UNIT_PATTERN, value) or "*/" in value or "/*" in value:
+        raise ValueError(
+            f"{quoted(value)} cannot be a unit: write at most 24 letters, digits, spaces and . ^ * / ( ) -, "
+            'such as "N m^2", and leave `unit` out for SI'
+        )
+    return value
+
+
+def shape(value: object) -> Polynomial:
+    """A polynomial of the ansatz: text such as "xi^2 - 1/3", or the tuple of its coefficients."""
+    if isinstance(value, tuple):
+        result = [number(coefficient) for coefficient in value]
+        while result and result[-1] == 0:
+            result.pop()
+        if len(result) > MAX_DEGREE + 1:
+            raise ValueError(f"the degree is {len(result) - 1}; the highest is {MAX_DEGREE}")
+    elif isinstance(value, str):
+        result = list(polynomial(value))
+    else:
+        raise ValueError(f'a polynomial in quotation marks is needed, such as "xi^2", not {kind_of(value)}')
+    if not result:
+        raise ValueError(
+            "the polynomial is zero everywhere, so that it describes no displacement; leave it out"
+        )
+    return tuple(result)
+
+
+def frame_kind(value: object) -> FrameKind:
+    for kind in FRAME_KINDS:
+        if value == kind:
+            return kind
+    kinds = ", ".join(quoted(kind) for kind in FRAME_KINDS)
+    found = quoted(value) if isinstance(value, str) else kind_of(value)
+    raise ValueError(f"the frame is one of {kinds}, not {found}")
