@@ -184,9 +184,9 @@ def jacobian(context: Context) -> Kernel:
         "jacobian",
         "Iteration matrix dF/dy + cj dF/dydot of the first-order form, values by columns, diagonal included.",
         (context.t, context.y, context.ydot, context.cj, context.k),
-        (Output("J", labels, "values of the iteration matrix by columns", shape),),
+        (Output("jac", labels, "values of the iteration matrix by columns", shape),),
         symbols,
-        Step("jacobian", "(15)", "derivatives of the residual", stores("J", [matrix[i, j] for i, j in shape.entries])),
+        Step("jacobian", "(15)", "derivatives of the residual", stores("jac", [matrix[i, j] for i, j in shape.entries])),
     )
 
 

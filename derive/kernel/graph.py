@@ -37,9 +37,8 @@ class Constants:
 
     def require(self, kind: str, expr: Expr, code: int, text: str) -> None:
         """Let setup check a value that depends on coefficients alone."""
-        requirement = Require(kind, expr, code, text)
-        if requirement not in self.requirements:
-            self.requirements.append(requirement)
+        if not any(r.kind == kind and r.expr == expr for r in self.requirements):
+            self.requirements.append(Require(kind, expr, code, text))
 
     def name(self, expr: Expr) -> str:
         """The name under which setup keeps an expression of coefficients."""

@@ -142,10 +142,8 @@ class Kernel:
 
     @property
     def operations(self) -> int:
-        """Arithmetic operations of one evaluation; a sine or cosine counts as one, comparisons do not count."""
-        return sum(
-            isinstance(e, Op) for s in self.statements if not isinstance(s, Require) for e in walk(s.expr)
-        )
+        """Arithmetic operations of one evaluation; a sine or a cosine counts as one."""
+        return sum(isinstance(e, Op) for s in self.statements for e in walk(s.expr))
 
     @property
     def used(self) -> frozenset[str]:

@@ -1,6 +1,6 @@
 """The single values of a specification: each function takes what was written and returns what is meant.
 
-What cannot be meant raises ValueError, with a sentence that says what to write.
+What cannot be meant raises WrongValueError, with a sentence that says what to write.
 """
 
 from __future__ import annotations
@@ -17,6 +17,10 @@ from derive.spec.names import name_problem
 
 UNIT_PATTERN = "[A-Za-z0-9(]([A-Za-z0-9 .^*/()-]{0,22}[A-Za-z0-9)])?"
 FRAME_KINDS: tuple[FrameKind, ...] = ("mean", "point", "chord", "tangent", "given")
+
+
+class WrongValueError(ValueError):
+    """A value that is not what its key needs; the message says what to write instead."""
 
 
 @dataclass(frozen=True)
@@ -43,27 +47,27 @@ def kind_of(value: object) -> str:
 
 def name(value: object) -> str:
     if not isinstance(value, str):
-        raise ValueError(f'a name in quotation marks is needed, such as "beam_1", not {kind_of(value)}')
+        raise WrongValueError(f'a name in quotation marks is needed, such as "beam_1", not {kind_of(value)}')
     problem = name_problem(value)
     if problem:
-        raise ValueError(problem)
+        raise WrongValueError(problem)
     return value
 
 
 def number(value: object) -> Fraction:
     """An exact number; a float means the shortest decimal that reads as this float."""
     if isinstance(value, bool) or not isinstance(value, (int, float, Fraction, TomlFloat, str)):
-        raise ValueError(f'a number is needed, such as 2, 0.5 or "1/3", not {kind_of(value)}')
+        raise WrongValueError(f'a number is needed, such as 2, 0.5 or "1/3", not {kind_of(value)}')
     if isinstance(value, str):
         return parse_number(value)
     if isinstance(value, (float, TomlFloat)):
         text = value.text.replace("_", "") if isinstance(value, TomlFloat) else float.__repr__(value)
         if text.lstrip("+-") in ("inf", "nan"):
-            raise ValueError(f"a finite number is needed, not {text}")
+            raise WrongValueError(f"a finite number is needed, not {text}")
         return parse_number(text)
     exact = Fraction(value)
     if max(abs(exact.numerator), exact.denominator) >= 10**MAX_DIGITS:
-        raise ValueError(
+        raise WrongValueError(
             f"the number has too many digits; at most {MAX_DIGITS} above and below the fraction bar are kept"
         )
     return exact
@@ -72,7 +76,7 @@ def number(value: object) -> Fraction:
 def positive(value: object) -> Fraction:
     exact = number(value)
     if exact <= 0:
-        raise ValueError(f"a positive number is needed, not {exact}")
+        raise WrongValueError(f"a positive number is needed, not {exact}")
     return exact
 
 
@@ -84,7 +88,7 @@ def place(value: object) -> Fraction:
     """The dimensionless distance xi of a point of the beam."""
     exact = number(value)
     if not -1 <= exact <= 1:
-        raise ValueError(
+        raise WrongValueError(
             f"xi = {exact} is not on the beam: it goes from -1, the left end, to 1, the right end"
         )
     return exact
@@ -92,16 +96,16 @@ def place(value: object) -> Fraction:
 
 def truth(value: object) -> bool:
     if not isinstance(value, bool):
-        raise ValueError(f"true or false is needed, without quotation marks, not {kind_of(value)}")
+        raise WrongValueError(f"true or false is needed, without quotation marks, not {kind_of(value)}")
     return value
 
 
 def unit(value: object) -> str:
     if not isinstance(value, str):
-        raise ValueError(f'a unit in quotation marks is needed, such as "N m^2", not {kind_of(value)}')
+        raise WrongValueError(f'a unit in quotation marks is needed, such as "N m^2", not {kind_of(value)}')
     # A unit ends up in a comment of the generated C, which it must neither end nor open anew.
     if not re.fullmatch(UNIT_PATTERN, value) or "*/" in value or "/*" in value:
-        raise ValueError(
+        raise WrongValueError(
             f"{quoted(value)} cannot be a unit: write at most 24 letters, digits, spaces and . ^ * / ( ) -, "
             'such as "N m^2", and leave `unit` out for SI'
         )
@@ -115,13 +119,15 @@ def shape(value: object) -> Polynomial:
         while result and result[-1] == 0:
             result.pop()
         if len(result) > MAX_DEGREE + 1:
-            raise ValueError(f"the degree is {len(result) - 1}; the highest is {MAX_DEGREE}")
+            raise WrongValueError(f"the degree is {len(result) - 1}; the highest is {MAX_DEGREE}")
     elif isinstance(value, str):
         result = list(polynomial(value))
     else:
-        raise ValueError(f'a polynomial in quotation marks is needed, such as "xi^2", not {kind_of(value)}')
+        raise WrongValueError(
+            f'a polynomial in quotation marks is needed, such as "xi^2", not {kind_of(value)}'
+        )
     if not result:
-        raise ValueError(
+        raise WrongValueError(
             "the polynomial is zero everywhere, so that it describes no displacement; leave it out"
         )
     return tuple(result)
@@ -133,4 +139,4 @@ def frame_kind(value: object) -> FrameKind:
             return kind
     kinds = ", ".join(quoted(kind) for kind in FRAME_KINDS)
     found = quoted(value) if isinstance(value, str) else kind_of(value)
-    raise ValueError(f"the frame is one of {kinds}, not {found}")
+    raise WrongValueError(f"the frame is one of {kinds}, not {found}")

@@ -1,0 +1,5 @@
+"""`python -m derive` is `tisserand`."""
+
+from derive.cli import main
+
+raise SystemExit(main())

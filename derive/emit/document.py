@@ -1,0 +1,117 @@
+"""What the generated files say of a model, the same words for every language."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from derive.kernel.ir import Argument, Kernel, Output, Pattern, Section
+from derive.kernel.model import Model, Zero
+
+
+LICENCE = "SPDX-License-Identifier: 0BSD"
+
+
+@dataclass(frozen=True)
+class ModelText:
+    """Lines that describe a model: state, parameters, constants, the mass matrix and its zeros."""
+
+    title: str
+    state: tuple[str, ...]
+    parameters: tuple[str, ...]
+    constants: tuple[str, ...]
+    picture: tuple[str, ...]
+    zeros: tuple[str, ...]
+    vanished: tuple[str, ...]
+
+
+def model_text(model: Model) -> ModelText:
+    """The description of a model."""
+    names = [c.name for c in model.coordinates]
+    width = max(map(len, names))
+    state = tuple(
+        f"{k}  {q.name:<{width}}  [{q.unit}]  {q.doc}; its row of forces [{h.unit}]"
+        for k, (q, h) in enumerate(zip(model.coordinates, model.forces, strict=True))
+    )
+    mass = model.pattern("mass", "M")
+    return ModelText(
+        title=f"{model.name}: {model.doc}",
+        state=state,
+        parameters=tuple(f"{p.name}  [{p.unit}]  {p.doc}, default {p.default!r}" for p in model.parameters)
+        or ("none: every number of the specification is folded into the code",),
+        constants=tuple(f"{c.name}{f'  [{c.unit}]' if c.unit else ''}  {c.doc}" for c in model.constants) or ("none",),
+        picture=_picture(mass, names),
+        zeros=_by_reason(model.zeros),
+        vanished=_by_reason(model.vanished),
+    )
+
+
+def description(said: ModelText) -> tuple[str, ...]:
+    """The head of a generated file."""
+
+    def block(title: str, lines: tuple[str, ...]) -> tuple[str, ...]:
+        return ("", title, *(f"  {line}" for line in lines))
+
+    return (
+        said.title,
+        "",
+        "Equations of motion M(q) vdot + h(t, q, v) = 0, from x = c + Q (X + u) and d'Alembert's virtual",
+        "work: (15) of Koppens, Sauren, Veldpaus & van Campen, J. Appl. Mech. 55 (1988) 676-680, whose",
+        "equation numbers these are. Units are SI where the parameters are; any consistent set will do.",
+        *block("State q, with v = dq/dt:", said.state),
+        *block("Parameters p:", said.parameters),
+        *block("Constants k, made of them by setup:", said.constants),
+        *block("Mass matrix, x a value and . a structural zero:", said.picture),
+        *block("Why its zeros are zero:", said.zeros),
+        *block("Terms of (15) that vanish:", said.vanished),
+    )
+
+
+def section_text(section: Section) -> str:
+    """The line above a section of a function."""
+    equation = f" {section.equation}" if section.equation.startswith("(") else f" ({section.equation})"
+    return f"{section.name}{equation if section.equation else ''}: {section.doc}"
+
+
+def _by_reason(zeros: tuple[Zero, ...]) -> tuple[str, ...]:
+    """What vanishes, gathered by reason."""
+    gathered: dict[str, list[str]] = {}
+    for zero in zeros:
+        gathered.setdefault(zero.reason, []).append(zero.what)
+    return tuple(f"{', '.join(whats)}: {reason}" for reason, whats in gathered.items()) or ("none",)
+
+
+def _picture(pattern: Pattern, names: list[str]) -> tuple[str, ...]:
+    """The pattern of a symmetric matrix with named rows."""
+    present = set(pattern.entries) | {(j, i) for i, j in pattern.entries}
+    width = max(map(len, names))
+    rows = (
+        f"{name:<{width}}  " + " ".join("x" if (i, j) in present else "." for j in range(pattern.cols))
+        for i, name in enumerate(names)
+    )
+    count = f"{pattern.full_nnz} of {pattern.rows * pattern.cols} entries are structural non-zeros"
+    return (*rows, f"{count}; the {len(pattern.rowidx)} of the lower triangle are stored")
+
+
+def kernel_text(kernel: Kernel) -> tuple[str, ...]:
+    """What a function is for, what it takes and gives, and what it costs."""
+    lines = [kernel.doc, ""]
+    lines += [f"{a.name}: {_argument(a)}" for a in kernel.arguments]
+    for output in kernel.outputs:
+        lines += [f"{output.name}: {_output(output)}"]
+    equations = dict.fromkeys(s.equation for s in kernel.sections if s.equation)
+    lines += ["", f"From {', '.join(equations)}." if equations else "", f"{kernel.operations} operations."]
+    return tuple(line for k, line in enumerate(lines) if line or (k and lines[k - 1]))
+
+
+def _argument(argument: Argument) -> str:
+    if argument.scalar:
+        return argument.doc
+    return f"{argument.doc} ({len(argument.elements)})"
+
+
+def _output(output: Output) -> str:
+    if output.pattern is None:
+        return f"{output.doc} ({len(output.elements)}): {', '.join(output.elements)}"
+    shape = f"{output.pattern.rows} x {output.pattern.cols}"
+    symmetric = f", {output.pattern.full_nnz} in both triangles" if output.pattern.symmetric else ""
+    return f"{output.doc}, {shape}, {len(output.elements)} values{symmetric}"

@@ -1,0 +1,234 @@
+"""Compile a generated model and call it through NumPy: everything it needs it reads from the model's descriptor."""
+
+from __future__ import annotations
+
+import ctypes
+import os
+import shlex
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Callable, Sequence
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from derive.emit.c import ABI
+from derive.emit.files import File, write
+from derive.kernel.ir import Pattern
+
+Vector = NDArray[np.float64]
+
+FLAGS = ("-std=c99", "-O2", "-ffp-contract=off")
+"""No contraction into fused operations: compilers then agree bit for bit."""
+
+
+class CompilerError(RuntimeError):
+    """No compiler was found, or it refused the code; the text says which and why."""
+
+
+class ModelError(ArithmeticError):
+    """A function of a model returned a code other than 0 (see the header of the model)."""
+
+    def __init__(self, function: str, code: int) -> None:
+        self.code = code
+        meaning = {1: "a pivot vanished", 2: "a value is not finite or not positive"}.get(code, "unknown")
+        super().__init__(f"{function} returned {code}: {meaning}")
+
+
+def compiler() -> list[str]:
+    """The C compiler to call: $CC, cc, gcc, clang, or the one in the Python package `ziglang`."""
+    if chosen := os.environ.get("CC"):
+        return shlex.split(chosen)
+    for name in ("cc", "gcc", "clang"):
+        if path := shutil.which(name):
+            return [path]
+    if find_spec("ziglang"):
+        return [sys.executable, "-m", "ziglang", "cc"]
+    raise CompilerError("no C compiler found: set CC, install gcc or clang, or `pip install tisserand[compiler]`")
+
+
+def compile_shared(sources: Sequence[Path], library: Path, flags: Sequence[str] = FLAGS) -> Path:
+    """Compile C files into a shared library. Raises CompilerError with what the compiler said."""
+    command = [*compiler(), *flags, "-shared", "-fPIC", "-o", str(library), *map(str, sources), "-lm"]
+    try:
+        done = subprocess.run(command, capture_output=True, text=True, check=False)
+    except OSError as error:
+        raise CompilerError(f"{command[0]}: {error.strerror}") from error
+    if done.returncode:
+        raise CompilerError(f"{shlex.join(command)}\n{done.stderr}")
+    return library
+
+
+def load(files: Sequence[File], flags: Sequence[str] = FLAGS) -> Native:
+    """Compile the C of one model in a temporary folder and load it."""
+    with tempfile.TemporaryDirectory(prefix="tisserand-") as folder:
+        write(files, Path(folder))
+        sources = [Path(folder) / file.path for file in files if file.path.endswith(".c")]
+        library = compile_shared(sources, Path(folder) / "model.so", flags)
+        return Native(ctypes.CDLL(str(library)), sources[0].stem)
+
+
+class _Variable(ctypes.Structure):
+    _fields_ = [
+        ("name", ctypes.c_char_p),
+        ("unit", ctypes.c_char_p),
+        ("doc", ctypes.c_char_p),
+        ("value", ctypes.c_double),
+    ]
+
+
+class _Pattern(ctypes.Structure):
+    _fields_ = [
+        *((name, ctypes.c_int) for name in ("rows", "cols", "nnz", "symmetric")),
+        ("colptr", ctypes.POINTER(ctypes.c_int)),
+        ("rowidx", ctypes.POINTER(ctypes.c_int)),
+    ]
+
+
+_Pointer = ctypes.POINTER(ctypes.c_double)
+
+
+def _function(*arguments: Any) -> Any:
+    return ctypes.CFUNCTYPE(ctypes.c_int, *arguments)
+
+
+class _Marker(ctypes.Structure):
+    _fields_ = [
+        ("name", ctypes.c_char_p),
+        ("dimension", ctypes.c_int),
+        ("pattern", ctypes.POINTER(_Pattern)),
+        ("evaluate", _function(*[_Pointer] * 6)),
+    ]
+
+
+_T = ctypes.c_double
+
+
+class _Model(ctypes.Structure):
+    _fields_ = [
+        ("abi", ctypes.c_int),
+        ("name", ctypes.c_char_p),
+        *((n, ctypes.c_int) for n in ("nq", "nv", "np", "nk", "nlambda", "nmarkers", "nmomentum")),
+        *((n, ctypes.POINTER(_Variable)) for n in ("q", "v", "p", "k")),
+        *((n, ctypes.POINTER(_Pattern)) for n in ("mass_pattern", "jacobian_pattern")),
+        ("markers", ctypes.POINTER(_Marker)),
+        ("setup", _function(_Pointer, _Pointer)),
+        ("mass", _function(_Pointer, _Pointer, _Pointer)),
+        ("force", _function(_T, *[_Pointer] * 4)),
+        ("mass_force", _function(_T, *[_Pointer] * 5)),
+        ("accel", _function(_T, *[_Pointer] * 4)),
+        ("energy", _function(*[_Pointer] * 4)),
+        ("momentum", _function(*[_Pointer] * 4)),
+        ("rates", _function(*[_Pointer] * 4)),
+        ("residual", _function(_T, *[_Pointer] * 4)),
+        ("jacobian", _function(_T, _Pointer, _Pointer, _T, _Pointer, _Pointer)),
+    ]
+
+
+class Native:
+    """A compiled model. Arrays are vectors of doubles; matrices come as the values of their pattern.
+
+    Functions raise ModelError when the model returns a code other than 0, ValueError on a wrong length.
+    """
+
+    def __init__(self, library: ctypes.CDLL, name: str) -> None:
+        entry = getattr(library, f"{name}_model")
+        entry.restype = ctypes.POINTER(_Model)
+        self._library = library  # keeps the code loaded
+        self._model = m = entry().contents
+        if m.abi != ABI:
+            raise CompilerError(f"{name}: its interface has number {m.abi}, this Tisserand knows {ABI}")
+        self.name = name
+        self.nq, self.nv, self.np, self.nk = m.nq, m.nv, m.np, m.nk
+        self.parameters = tuple(m.p[i].name.decode() for i in range(m.np))
+        self.defaults = np.array([m.p[i].value for i in range(m.np)])
+        self.coordinates = tuple(m.q[i].name.decode() for i in range(m.nq))
+        self.mass_pattern = _pattern(m.mass_pattern.contents)
+        self.jacobian_pattern = _pattern(m.jacobian_pattern.contents)
+        self.markers = tuple(m.markers[i].name.decode() for i in range(m.nmarkers))
+
+    def setup(self, p: ArrayLike | None = None) -> Vector:
+        """k of the parameters p, or of their defaults."""
+        return self._call("setup", [(self.np, self.defaults if p is None else p)], self.nk)
+
+    def mass(self, q: ArrayLike, k: ArrayLike) -> Vector:
+        """Values of M(q)."""
+        return self._call("mass", [(self.nq, q), (self.nk, k)], len(self.mass_pattern.rowidx))
+
+    def force(self, t: float, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> Vector:
+        """h(t, q, v)."""
+        return self._call("force", [t, *self._state(q, v, k)], self.nv)
+
+    def mass_force(self, t: float, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> tuple[Vector, Vector]:
+        """Values of M, and h."""
+        values, h = np.empty(len(self.mass_pattern.rowidx)), np.empty(self.nv)
+        self._invoke("mass_force", self._model.mass_force, [t, *self._state(q, v, k)], [values, h])
+        return values, h
+
+    def accel(self, t: float, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> Vector:
+        """vdot."""
+        return self._call("accel", [t, *self._state(q, v, k)], self.nv)
+
+    def energy(self, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> Vector:
+        """Kinetic and strain energy."""
+        return self._call("energy", self._state(q, v, k), 2)
+
+    def momentum(self, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> Vector:
+        """Linear and angular momentum."""
+        return self._call("momentum", self._state(q, v, k), self._model.nmomentum)
+
+    def rates(self, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> Vector:
+        """qdot."""
+        return self._call("rates", self._state(q, v, k), self.nq)
+
+    def residual(self, t: float, y: ArrayLike, ydot: ArrayLike, k: ArrayLike) -> Vector:
+        """F(t, y, ydot)."""
+        n = self.nq + self.nv
+        return self._call("residual", [t, (n, y), (n, ydot), (self.nk, k)], n)
+
+    def jacobian(self, t: float, y: ArrayLike, ydot: ArrayLike, cj: float, k: ArrayLike) -> Vector:
+        """Values of dF/dy + cj dF/dydot."""
+        n = self.nq + self.nv
+        arguments = [t, (n, y), (n, ydot), cj, (self.nk, k)]
+        return self._call("jacobian", arguments, len(self.jacobian_pattern.rowidx))
+
+    def marker(self, name: str, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> tuple[Vector, Vector, Vector]:
+        """Position, velocity and values of the Jacobian of a marker."""
+        marker = self._model.markers[self.markers.index(name)]
+        results = [np.empty(marker.dimension), np.empty(marker.dimension), np.empty(marker.pattern.contents.nnz)]
+        self._invoke(f"marker_{name}", marker.evaluate, self._state(q, v, k), results)
+        return results[0], results[1], results[2]
+
+    def marker_pattern(self, name: str) -> Pattern:
+        """The pattern of the Jacobian of a marker."""
+        return _pattern(self._model.markers[self.markers.index(name)].pattern.contents)
+
+    def _state(self, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> list[Any]:
+        return [(self.nq, q), (self.nv, v), (self.nk, k)]
+
+    def _call(self, name: str, arguments: list[Any], size: int) -> Vector:
+        result = np.empty(size)
+        self._invoke(name, getattr(self._model, name), arguments, [result])
+        return result
+
+    def _invoke(self, name: str, function: Callable[..., int], arguments: list[Any], results: list[Vector]) -> None:
+        given = [_array(*a, name) if isinstance(a, tuple) else float(a) for a in arguments]
+        pointers = [a.ctypes.data_as(_Pointer) if isinstance(a, np.ndarray) else a for a in [*given, *results]]
+        if code := function(*pointers):
+            raise ModelError(f"{self.name}_{name}", code)
+
+
+def _array(size: int, given: ArrayLike, name: str) -> Vector:
+    array = np.ascontiguousarray(given, dtype=np.float64)
+    if array.shape != (size,):
+        raise ValueError(f"{name}: a vector of {size} is needed, not an array of shape {array.shape}")
+    return array
+
+
+def _pattern(p: _Pattern) -> Pattern:
+    return Pattern(p.rows, p.cols, tuple(p.colptr[: p.cols + 1]), tuple(p.rowidx[: p.nnz]), bool(p.symmetric))
