@@ -15,7 +15,7 @@ from derive.kernel.model import Model
 from derive.spec.body import PlanarBeam
 
 
-def emit(model: Model, spec: PlanarBeam) -> tuple[File, ...]:
+def model_files(model: Model, spec: PlanarBeam) -> tuple[File, ...]:
     """The C, the Python and the manifest of a model; `spec` is what it was made from."""
     description = specification(spec)
     fingerprint = hashlib.sha256(json.dumps(description, sort_keys=True).encode()).hexdigest()
