@@ -217,7 +217,7 @@ class Native:
         return result
 
     def _invoke(self, name: str, function: Callable[..., int], arguments: list[Any], results: list[Vector]) -> None:
-        given = [_array(*a, name) if isinstance(a, tuple) else float(a) for a in arguments]
+        given = [_array(a[0], a[1], name) if isinstance(a, tuple) else float(a) for a in arguments]
         pointers = [a.ctypes.data_as(_Pointer) if isinstance(a, np.ndarray) else a for a in [*given, *results]]
         if code := function(*pointers):
             raise ModelError(f"{self.name}_{name}", code)

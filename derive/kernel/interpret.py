@@ -58,8 +58,7 @@ def interpret(
     for statement in kernel.statements:
         result = value(statement.expr)
         if isinstance(statement, Require):
-            holds = result > 0 if statement.kind == "positive" else math.isfinite(result)
-            if check and not holds:
+            if check and not (result > 0 if statement.kind == "positive" else math.isfinite(result)):
                 raise RequirementError(statement.code, statement.text)
         elif isinstance(statement, Store):
             outputs[statement.output][statement.index] = result

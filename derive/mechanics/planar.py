@@ -117,7 +117,8 @@ def _coordinates(n: int) -> tuple[Coordinate, ...]:
     """c1, c2, phi, alpha1..alphaN with rates and accelerations, (14), (23), (27)."""
 
     def coordinate(name: str, doc: str, unit: str, work: str) -> Coordinate:
-        return Coordinate(*sp.symbols(f"{name} {name}dot {name}ddot"), doc, unit, work)
+        q, v, a = sp.symbols(f"{name} {name}dot {name}ddot")
+        return Coordinate(q, v, a, doc, unit, work)
 
     return (
         coordinate("c1", "translation of the floating frame along e1", "m", "N"),
@@ -134,18 +135,14 @@ def _rotation_definitions(rotation: PlanarRotation) -> tuple[Definition, ...]:
 
 def _parts(motion: Motion) -> tuple[tuple[str, Field], ...]:
     """The acceleration (5), split into its named parts."""
-    translation, turning, coriolis, relative = {}, {}, {}, {}
-    for name, tensor in motion.acceleration.items():
-        target = {ONE: translation, R: turning, RDOT: coriolis}.get(name, relative)
-        target[name] = tensor
-    euler = {name: tensor.diff(motion.frame.omegadot) * motion.frame.omegadot for name, tensor in turning.items()}
-    centrifugal = {name: tensor.subs(motion.frame.omegadot, 0) for name, tensor in turning.items()}
+    acceleration, omegadot = dict(motion.acceleration), motion.frame.omegadot
+    turning = acceleration.pop(R)
     return (
-        ("translation", translation),
-        ("Euler", euler),
-        ("centrifugal", centrifugal),
-        ("Coriolis", coriolis),
-        ("relative", relative),
+        ("translation", {ONE: acceleration.pop(ONE)}),
+        ("Euler", {R: turning.diff(omegadot) * omegadot}),
+        ("centrifugal", {R: turning.subs(omegadot, 0)}),
+        ("Coriolis", {RDOT: acceleration.pop(RDOT)}),
+        ("relative", acceleration),
     )
 
 

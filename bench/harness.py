@@ -1,0 +1,145 @@
+"""Compile a variant of M and h with a loop around it: check its values, count its instructions, measure its time."""
+
+from __future__ import annotations
+
+import statistics
+import subprocess
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from callgrind import Count, count
+from numpy.typing import NDArray
+
+from derive.native import compiler
+
+Matrix = NDArray[np.float64]
+
+ROUNDS = 100
+REPEATS = 15
+
+
+@dataclass(frozen=True)
+class Variant:
+    """One way to compute M and h: its C files by name, the function to count, and C text to call it.
+
+    `once` stands before the loop and sees parameters p; `call` sees q, v and writes M and h.
+    """
+
+    name: str
+    files: dict[str, str]
+    function: str
+    declare: str
+    once: str
+    call: str
+
+
+@dataclass(frozen=True)
+class Inputs:
+    """Parameters, states (a row each: q, then v) and the sizes of M (stored values) and h."""
+
+    p: tuple[float, ...]
+    states: Matrix
+    nnz: int
+    nv: int
+
+
+@dataclass(frozen=True)
+class Measured:
+    """What was found for a variant: instructions, nanoseconds, and bytes of machine code."""
+
+    name: str
+    instructions: Count
+    nanoseconds: float
+
+
+# Without an argument: print the values of all states. With one: evaluate so many times. With two: print the time of
+# each of that many repeats. The function under test is in another file, so that no compiler sees into it.
+MAIN = """\
+#define _POSIX_C_SOURCE 199309L
+#include <stdio.h>
+#include <stdlib.h>
+#include <time.h>
+{declare}
+
+enum {{ STATES = {rows}, NV = {nv}, NNZ = {nnz} }};
+static const double states[STATES][2 * NV] = {{
+{states}
+}};
+static const double p[] = {{{p}}};
+static double M[NNZ], h[NV];
+
+static double now(void)
+{{
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return 1e9 * (double) t.tv_sec + (double) t.tv_nsec;
+}}
+
+int main(int argc, char **argv)
+{{
+    const long evaluations = argc > 1 ? atol(argv[1]) : STATES;
+    const long repeats = argc > 2 ? atol(argv[2]) : 1;
+    (void) p;
+    {once}
+    for (long repeat = 0; repeat < repeats; repeat++) {{
+        const double start = now();
+        for (long i = 0; i < evaluations; i++) {{
+            const double *q = states[i % STATES], *v = q + NV;
+            {call};
+            if (argc == 1) {{
+                for (int j = 0; j < NNZ; j++) printf("%.17g ", M[j]);
+                for (int j = 0; j < NV; j++) printf("%.17g ", h[j]);
+                puts("");
+            }}
+        }}
+        if (argc > 2) printf("%.17g\\n", (now() - start) / (double) evaluations);
+    }}
+    return 0;
+}}
+"""
+
+
+def program(variant: Variant, inputs: Inputs, flags: tuple[str, ...], folder: Path) -> Path:
+    """Write and compile a variant with its main function."""
+    folder.mkdir()
+    rows = ",\n".join("    {" + ", ".join(map(repr, row.tolist())) + "}" for row in inputs.states)
+    main = MAIN.format(
+        declare=variant.declare, once=variant.once, call=variant.call, rows=len(inputs.states), nv=inputs.nv,
+        nnz=inputs.nnz, states=rows, p=", ".join(map(repr, inputs.p)),
+    )  # fmt: skip
+    files = {"main.c": main, **variant.files}
+    for name, text in files.items():
+        (folder / name).write_text(text)
+    out = folder / "program"
+    sources = [str(folder / name) for name in files if name.endswith(".c")]
+    subprocess.run([*compiler(), *flags, "-o", str(out), *sources, "-lm"], check=True)
+    return out
+
+
+def values(path: Path) -> Matrix:
+    """M and h of all states, a row each."""
+    text = subprocess.run([str(path)], capture_output=True, text=True, check=True).stdout
+    return np.array([[float(word) for word in line.split()] for line in text.splitlines()])
+
+
+def instructions(path: Path, variant: Variant, inputs: Inputs) -> Count:
+    """The mean over all states."""
+    return count(path, variant.function, 10 * len(inputs.states))
+
+
+def nanoseconds(path: Path, inputs: Inputs) -> float:
+    """Wall time of one evaluation with its call: the median over the repeats."""
+    evaluations = str(ROUNDS * 10 * len(inputs.states))
+    text = subprocess.run([str(path), evaluations, str(REPEATS)], capture_output=True, text=True, check=True).stdout
+    return statistics.median(map(float, text.split()))
+
+
+def measure(variant: Variant, inputs: Inputs, flags: tuple[str, ...], folder: Path, reference: Matrix) -> Measured:
+    """Compile, check against the reference to 1e-12, count and time. Raises ArithmeticError on other values."""
+    path = program(variant, inputs, flags, folder)
+    if variant.call:
+        error = np.max(np.abs(values(path) - reference) / (1.0 + np.abs(reference)))
+        if not error < 1e-12:
+            raise ArithmeticError(f"{variant.name} is off by {error:.1e}")
+    return Measured(variant.name, instructions(path, variant, inputs), nanoseconds(path, inputs))

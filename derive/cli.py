@@ -1,0 +1,80 @@
+"""The command `tisserand`: arguments in, exit code out. Nothing heavy is imported before a command runs."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Sequence
+from importlib import import_module
+from pathlib import Path
+
+from derive.version import VERSION
+
+DESCRIPTION = "Equations of motion of deformable bodies: from a specification to C and Python kernels."
+EPILOG = """\
+examples:
+  tisserand build scenes/free_beam_mean.toml
+  tisserand compare scenes/free_beam_mean.toml scenes/free_beam_point.toml
+  tisserand check
+
+exit codes: 0 done; 1 a check failed; 2 the input or the machine does not allow it
+"""
+
+
+def parser() -> argparse.ArgumentParser:
+    """The arguments of every command."""
+    main = argparse.ArgumentParser(
+        prog="tisserand",
+        description=DESCRIPTION,
+        epilog=EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    main.add_argument("--version", action="version", version=f"tisserand {VERSION}")
+    commands = main.add_subparsers(dest="command", metavar="COMMAND")
+
+    build = commands.add_parser("build", help="generate C, Python and a manifest from specifications")
+    build.add_argument("specs", nargs="+", type=Path, metavar="SPEC", help="specification file (.toml)")
+    build.add_argument("--out", type=Path, default=Path("generated"), metavar="FOLDER", help="default: generated")
+    build.add_argument("--json", action="store_true", help="print the stage table as JSON")
+
+    compare = commands.add_parser("compare", help="compile models and show mass matrix and forces side by side")
+    compare.add_argument("specs", nargs="+", type=Path, metavar="SPEC", help="specification file (.toml)")
+    compare.add_argument("--json", action="store_true", help="print the numbers as JSON")
+
+    check = commands.add_parser("check", help="regenerate everything in memory and compare with the files")
+    check.add_argument("scenes", nargs="?", type=Path, default=Path("scenes"), help="default: scenes")
+    check.add_argument("--out", type=Path, default=Path("generated"), metavar="FOLDER", help="default: generated")
+
+    commands.add_parser("schema", help="print the JSON schema of specifications, for editors")
+    return main
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run a command; returns its exit code. Without a command, help."""
+    options = parser().parse_args(arguments)
+    if options.command is None:
+        parser().print_help()
+        return 0
+    try:
+        code: int = import_module(f"derive.commands.{options.command}").run(options)
+        sys.stdout.flush()
+        return code
+    except BrokenPipeError:  # the reader of a pipe has had enough
+        sys.stderr.close()
+        return 0
+    except KeyboardInterrupt:
+        return 130
+    except Exception as error:
+        if not _is_explained(error):
+            raise
+        print(error, file=sys.stderr)
+        return 2
+
+
+def _is_explained(error: Exception) -> bool:
+    """Whether the text of an error says where, what, and what to do."""
+    from derive.emit.files import NotOurs
+    from derive.native import CompilerError
+    from derive.spec import SpecError
+
+    return isinstance(error, SpecError | NotOurs | CompilerError | OSError)

@@ -1,0 +1,1 @@
+"""The commands of `tisserand`, a module each: `run(options)` returns the exit code."""

@@ -1,0 +1,51 @@
+"""`tisserand check`: what lies in the output folder is what the specifications give."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from difflib import unified_diff
+from pathlib import Path
+
+from derive.commands.build import build_all
+from derive.emit.files import MARK, File
+
+MOST_LINES = 60
+
+
+def run(options: argparse.Namespace) -> int:
+    """Regenerate in memory, compare, print a diff of what differs; 1 if anything does."""
+    specs = sorted(options.scenes.glob("*.toml")) if options.scenes.is_dir() else [options.scenes]
+    if not specs:
+        print(f"{options.scenes}: there is no specification (*.toml) here", file=sys.stderr)
+        return 2
+    files = [file for built in build_all(specs) for file in built.files]
+    reports = [report for file in files if (report := _difference(file, options.out))]
+    reports += _strays(files, options.out)
+    if reports:
+        print("\n".join(reports))
+        print(f"\nto accept: tisserand build {' '.join(map(str, specs))} --out {options.out}")
+        return 1
+    print(f"{len(files)} generated files are up to date")
+    return 0
+
+
+def _difference(file: File, out: Path) -> str:
+    path = out / file.path
+    if not path.exists():
+        return f"{path}: missing"
+    found = path.read_text(encoding="utf-8", errors="replace")
+    if found == file.text:
+        return ""
+    diff = unified_diff(found.splitlines(), file.text.splitlines(), str(path), f"{path} (regenerated)", lineterm="")
+    lines = list(diff)
+    cut = [f"... {len(lines) - MOST_LINES} more lines"] if len(lines) > MOST_LINES else []
+    return "\n".join([*lines[:MOST_LINES], *cut])
+
+
+def _strays(files: list[File], out: Path) -> list[str]:
+    """Generated files that no specification makes any more."""
+    expected = {out / file.path for file in files}
+    present = sorted(path for path in out.rglob("*") if path.is_file() and path not in expected)
+    marked = (path for path in present if MARK.encode() in path.read_bytes()[:1000])
+    return [f"{path}: no specification makes this file; remove it" for path in marked]

@@ -1,0 +1,93 @@
+"""Beams that many tests use."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+import derive
+from derive.native import Native
+
+FRAMES: dict[str, Any] = {
+    "mean": "mean",
+    "point": {"kind": "point", "at": 0},
+    "point_off_centre": {"kind": "point", "at": "1/2"},
+    "chord": "chord",
+    "tangent": {"kind": "tangent", "at": -1},
+}
+
+MASS = {"symbol": "m", "unit": "kg", "default": 1.3}
+LENGTH = {"symbol": "l", "unit": "m", "default": 0.7}
+BENDING = {"symbol": "EI", "unit": "N m^2", "default": 2.1}
+
+
+def beam(frame: str = "mean", n: int = 2, **changes: Any) -> derive.PlanarBeam:
+    """A beam with n shapes in a frame of FRAMES, from monomials, with three markers."""
+    given = {
+        "ansatz": [f"xi^{power}" for power in range(n + 2)],
+        "frame": FRAMES[frame],
+        "mass": MASS,
+        "length": LENGTH,
+        "bending_stiffness": BENDING,
+        "markers": {"left": -1, "inside": "1/3", "right": 1},
+    }
+    return derive.planar_beam(f"beam_{frame}_{n}", **(given | changes))
+
+
+@dataclass(frozen=True)
+class Made:
+    """A beam through all stages."""
+
+    spec: derive.PlanarBeam
+    equations: derive.Equations
+    model: derive.Model
+    files: tuple[derive.File, ...]
+
+
+@cache
+def made(frame: str = "mean", n: int = 2) -> Made:
+    """A beam of `beam`, built once a session."""
+    return build(beam(frame, n))
+
+
+def build(spec: derive.PlanarBeam) -> Made:
+    """All stages of one beam."""
+    equations = derive.derive(spec)
+    model = derive.lower(equations)
+    return Made(spec, equations, model, derive.model_files(model, spec))
+
+
+@cache
+def native(frame: str = "mean", n: int = 2) -> Native:
+    """The compiled C of a beam."""
+    return derive.load(made(frame, n).files, ("-std=c99", "-O1", "-ffp-contract=off"))
+
+
+@cache
+def module(frame: str = "mean", n: int = 2) -> dict[str, Any]:
+    """The names of the generated Python of a beam."""
+    return run_module(made(frame, n).files)
+
+
+def run_module(files: tuple[derive.File, ...]) -> dict[str, Any]:
+    """The names of a generated Python module."""
+    source = next(file for file in files if file.path.endswith(".py"))
+    names: dict[str, Any] = {"__name__": "generated"}
+    exec(compile(source.text, source.path, "exec"), names)
+    return names
+
+
+def state(n: int, seed: int = 0) -> tuple[np.ndarray, np.ndarray]:
+    """q and v of a beam with n shapes that is bent, turned and moving."""
+    rng = np.random.default_rng(1000 * n + seed)
+    q = np.concatenate([rng.uniform(-2, 2, 2), rng.uniform(-4, 4, 1), rng.uniform(-0.3, 0.3, n)])
+    return q, rng.uniform(-3, 3, n + 3)
+
+
+def exact(values: np.ndarray) -> list[Fraction]:
+    """Doubles as the exact numbers they are."""
+    return [Fraction(float(x)) for x in values]
