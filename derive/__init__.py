@@ -15,7 +15,7 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from derive.version import VERSION as __version__
+from derive.version import VERSION as __version__  # noqa: N811  the name Python expects
 
 if TYPE_CHECKING:
     from derive.emit.files import File, write

@@ -11,13 +11,13 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Any
 
+import beams
 import casadi as ca
 import mpmath
 import numpy as np
 import pytest
 import sympy as sp
 
-import beams
 from derive.kernel.context import Context
 from derive.kernel.interpret import interpret
 from derive.kernel.ir import Num
@@ -156,7 +156,9 @@ def test_all_ways_agree(frame: str, n: int) -> None:
         both = [*reference["mass"], *reference["force"]]
         both_scale = np.concatenate([scales(frame, n, name, arguments) for name in ("mass", "force")])
         assert worst(by_casadi, np.array(both, dtype=object), both_scale) < TOLERANCE
-        assert worst(np.concatenate(native.mass_force(0.0, q, v, k)), np.array(both, dtype=object), both_scale) < TOLERANCE
+        assert (
+            worst(np.concatenate(native.mass_force(0.0, q, v, k)), np.array(both, dtype=object), both_scale) < TOLERANCE
+        )
         for name, expected in reference.items():
             scale = scales(frame, n, name, arguments)
             of_python = module[name](*python_arguments.get(name, (q, v, k)))

@@ -66,7 +66,10 @@ def _table(built: Built, out: Path) -> str:
     rows = [["stage", "seconds", "terms", "operations", "non-zeros"], *map(_row, built.stages)]
     widths = [max(len(row[column]) for row in rows) for column in range(5)]
     lines = [
-        "  ".join(cell.ljust(width) if column == 0 else cell.rjust(width) for column, (cell, width) in enumerate(zip(row, widths, strict=True)))
+        "  ".join(
+            cell.ljust(width) if column == 0 else cell.rjust(width)
+            for column, (cell, width) in enumerate(zip(row, widths, strict=True))
+        )
         for row in rows
     ]
     setup = built.model.kernel("setup").operations

@@ -54,7 +54,9 @@ def _function(model: Model, kernel: Kernel) -> Function:
         lines += ["", *comment(section_text(section), "    ")]
         for item in section.body:
             lines += _statement(item)
-    inputs = [f"double {a.name}" if a.scalar else f"const double *TISSERAND_RESTRICT {a.name}" for a in kernel.arguments]
+    inputs = [
+        f"double {a.name}" if a.scalar else f"const double *TISSERAND_RESTRICT {a.name}" for a in kernel.arguments
+    ]
     outputs = [f"double *TISSERAND_RESTRICT {o.name}" for o in kernel.outputs]
     name = f"{model.name}_{kernel.name}"
     signature = f"int {name}(\n    " + ",\n    ".join([*inputs, *outputs]) + ")"

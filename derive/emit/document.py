@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from derive.kernel.ir import Argument, Kernel, Output, Pattern, Section
 from derive.kernel.model import Model, Zero
 
-
 LICENCE = "SPDX-License-Identifier: 0BSD"
 
 

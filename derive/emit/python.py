@@ -9,7 +9,7 @@ from derive.emit.document import LICENCE, description, kernel_text, model_text, 
 from derive.emit.expression import python_number, statement, text
 from derive.emit.files import MARK, File
 from derive.emit.template import render, wrapped
-from derive.kernel.ir import Kernel, Let, Output, Pattern, Ref, Require, Statement, Store
+from derive.kernel.ir import Kernel, Let, Output, Pattern, Ref, Statement, Store
 from derive.kernel.model import Model
 
 

@@ -37,14 +37,18 @@ def wrapped(lines: Iterable[str], prefix: str) -> list[str]:
     found = []
     for line in lines:
         indent = " " * (len(line) - len(line.lstrip()))
-        parts = textwrap.wrap(
-            line.strip(),
-            WIDTH - len(prefix),
-            initial_indent=indent,
-            subsequent_indent=f"{indent}    ",
-            break_long_words=False,
-            break_on_hyphens=False,
-        ) if len(line) > WIDTH - len(prefix) else [line]
+        parts = (
+            textwrap.wrap(
+                line.strip(),
+                WIDTH - len(prefix),
+                initial_indent=indent,
+                subsequent_indent=f"{indent}    ",
+                break_long_words=False,
+                break_on_hyphens=False,
+            )
+            if len(line) > WIDTH - len(prefix)
+            else [line]
+        )
         found += [f"{prefix}{part}".rstrip() for part in parts]
     return found
 

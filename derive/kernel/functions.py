@@ -186,7 +186,9 @@ def jacobian(context: Context) -> Kernel:
         (context.t, context.y, context.ydot, context.cj, context.k),
         (Output("jac", labels, "values of the iteration matrix by columns", shape),),
         symbols,
-        Step("jacobian", "(15)", "derivatives of the residual", stores("jac", [matrix[i, j] for i, j in shape.entries])),
+        Step(
+            "jacobian", "(15)", "derivatives of the residual", stores("jac", [matrix[i, j] for i, j in shape.entries])
+        ),
     )
 
 

@@ -88,9 +88,7 @@ class Pattern:
     @property
     def entries(self) -> tuple[tuple[int, int], ...]:
         """(row, column) of each stored value, in the order of the values."""
-        return tuple(
-            (self.rowidx[k], j) for j in range(self.cols) for k in range(self.colptr[j], self.colptr[j + 1])
-        )
+        return tuple((self.rowidx[k], j) for j in range(self.cols) for k in range(self.colptr[j], self.colptr[j + 1]))
 
     @property
     def full_nnz(self) -> int:

@@ -39,7 +39,10 @@ def setup_kernel(context: Context, kernels: Iterable[Kernel]) -> tuple[Kernel, t
         if name in used:
             constants.append(Variable(name, _text(expr), ""))
     checks = [
-        *(Required("positive", symbols.values[p.symbol], NOT_FINITE, f"{p.symbol} must be positive") for p in parameters),
+        *(
+            Required("positive", symbols.values[p.symbol], NOT_FINITE, f"{p.symbol} must be positive")
+            for p in parameters
+        ),
         *(Required("finite", symbols.values[p.symbol], NOT_FINITE, f"{p.symbol} must be finite") for p in parameters),
         *(Required(r.kind, _casadi(r.expr, values, symbols), r.code, r.text) for r in context.constants.requirements),
     ]

@@ -41,7 +41,11 @@ def derive(beam: PlanarBeam) -> Equations:
         integrals=BeamIntegrals(shapes, mass, length, beam.frame.kind == "mean"),
         stiffness=_stiffness(shapes, length, bending),
         points=tuple(_point(marker, shapes, length) for marker in beam.markers),
-        parameters=tuple(_parameter(getattr(beam, field), doc) for field, doc in docs.items() if isinstance(getattr(beam, field), Parameter)),
+        parameters=tuple(
+            _parameter(getattr(beam, field), doc)
+            for field, doc in docs.items()
+            if isinstance(getattr(beam, field), Parameter)
+        ),
     )
     return equations(body)
 

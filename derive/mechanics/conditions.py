@@ -65,9 +65,7 @@ def conditions(frame: Frame) -> tuple[Condition, ...]:
     return ()
 
 
-def assumed_shapes(
-    ansatz: tuple[Polynomial, ...], frame: Frame, orthogonal: bool
-) -> tuple[Polynomial, ...]:
+def assumed_shapes(ansatz: tuple[Polynomial, ...], frame: Frame, orthogonal: bool) -> tuple[Polynomial, ...]:
     """The shapes phi_i(xi) that an ansatz leaves in a frame, exactly; coefficients of 1, xi, xi^2, ...
 
     The conditions remove the lowest ansatz terms, as (28)-(32) and (34)-(40) do. `orthogonal` then makes each shape
@@ -86,10 +84,10 @@ def assumed_shapes(
         raise ConditionError([_nothing_left(frame)])
     if orthogonal:
         left = _orthogonal(left)
-    shapes = [_normalised(p) for p in left]
-    rigid = _rigid_motions(shapes)
+    rigid = _rigid_motions(left)
     if rigid:
         raise ConditionError(rigid)
+    shapes = [_normalised(p) for p in left]
     return tuple(tuple(Fraction(int(c.p), int(c.q)) for c in reversed(p.all_coeffs())) for p in shapes)
 
 
@@ -118,9 +116,8 @@ def _orthogonal(polynomials: list[sp.Poly]) -> list[sp.Poly]:
     """Gram-Schmidt in the mass metric of a uniform beam, in the order of the ansatz."""
     result: list[sp.Poly] = []
     for p in polynomials:
-        for other in result:
-            p = p - other * (integral(p * other) / integral(other * other))
-        result.append(p)
+        known = (other * (integral(p * other) / integral(other * other)) for other in result)
+        result.append(sum(known, -p) * -1)
     return result
 
 
@@ -133,7 +130,8 @@ def _normalised(polynomial: sp.Poly) -> sp.Poly:
 
 def _nothing_left(frame: Frame) -> str:
     asked = " and ".join(c.text for c in conditions(frame)) or "no condition"
-    return f"the ansatz is empty after the conditions of the {frame.kind} frame ({asked}); add polynomials of higher degree"
+    empty = f"the ansatz is empty after the conditions of the {frame.kind} frame ({asked})"
+    return f"{empty}; add polynomials of higher degree"
 
 
 def _rigid_motions(shapes: list[sp.Poly]) -> list[str]:
@@ -143,9 +141,10 @@ def _rigid_motions(shapes: list[sp.Poly]) -> list[str]:
     messages = []
     for weights in _null_vectors([*rigid, *shapes]):
         motion = _combination(rigid, [-w for w in weights[:2]])
+        sign = -1 if motion.LC() < 0 else 1
         kind = "translation" if motion.degree() == 0 else "rotation" if motion.eval(0) == 0 else "rigid motion"
         messages.append(
-            f"rigid motion is left in the shapes: {_sum_text(weights[2:], names)} = {_text(motion)}, a {kind}; "
+            f"rigid motion is left in the shapes: {_sum_text([sign * w for w in weights[2:]], names)} = {_text(sign * motion)}, a {kind}; "
             "the mass matrix would be singular: choose the frame mean, point, chord or tangent, or take it out"
         )
     return messages
@@ -156,10 +155,11 @@ def _dependencies(polynomials: list[sp.Poly], names: list[str]) -> list[str]:
 
 
 def _null_vectors(polynomials: list[sp.Poly]) -> list[list[sp.Rational]]:
-    """Weights of all independent combinations of the polynomials that vanish identically (exact rank)."""
+    """Weights, whole numbers, of all independent combinations that vanish identically (exact rank)."""
     height = max(p.degree() for p in polynomials if not p.is_zero) + 1 if any(polynomials) else 1
     columns = [[p.coeff_monomial(xi**n) for n in range(height)] for p in polynomials]
-    return [list(vector) for vector in sp.Matrix(columns).T.nullspace()]
+    vectors = (list(vector) for vector in sp.Matrix(columns).T.nullspace())
+    return [[w * sp.ilcm(1, *(x.q for x in vector)) for w in vector] for vector in vectors]
 
 
 def _sum_text(weights: Iterable[sp.Rational], names: list[str]) -> str:

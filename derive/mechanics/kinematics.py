@@ -44,10 +44,12 @@ class PlanarRotation:
 
     @property
     def cos(self) -> sp.Symbol:
+        """The symbol for the cosine."""
         return sp.Symbol(f"cos_{self.angle}")
 
     @property
     def sin(self) -> sp.Symbol:
+        """The symbol for the sine."""
         return sp.Symbol(f"sin_{self.angle}")
 
     @property

@@ -19,7 +19,6 @@ from derive.mechanics.equations import (
     MarkerEquations,
     ParameterSymbol,
     Term,
-    Vanished,
 )
 from derive.mechanics.integrals import FieldIntegrals, coefficients, definitions
 from derive.mechanics.kinematics import ONE, RDOT, Field, MovingFrame, PlanarRotation, R, add, times
@@ -61,9 +60,7 @@ def equations(body: PlanarBody) -> Equations:
     mass = Coefficient(MASS, body.mass, "(15)", "mass of the body", "kg")
     of_points = tuple(c for point in body.points for c in point.coefficients)
     every = (mass, *coefficients(body.integrals, body.shapes), *body.stiffness, *of_points)
-    composed, reasons = zeros.drop_definitions(
-        definitions(motion.alpha, motion.alphadot), zeros.reasons_of(every)
-    )
+    composed, reasons = zeros.drop_definitions(definitions(motion.alpha, motion.alphadot), zeros.reasons_of(every))
     strain = _strain_energy(motion, body.stiffness)
     complete = (*_inertia(motion), *_elasticity(motion, strain))
     terms, vanished = zeros.drop_terms(complete, reasons)
@@ -174,17 +171,13 @@ def _mass_matrix(motion: Motion, terms: tuple[Term, ...]) -> sp.ImmutableMatrix:
     return sp.ImmutableMatrix([[row.diff(c.a) for c in motion.coordinates] for row in rows])
 
 
-def _mass_zeros(
-    motion: Motion, complete: tuple[Term, ...], reasons: zeros.Reasons
-) -> tuple[tuple[int, int, str], ...]:
+def _mass_zeros(motion: Motion, complete: tuple[Term, ...], reasons: zeros.Reasons) -> tuple[tuple[int, int, str], ...]:
     """Row, column and reason of each structural zero of the mass matrix (lower triangle)."""
     full = _mass_matrix(motion, complete)
     n = len(motion.coordinates)
     lower = ((i, j, full[i, j]) for i in range(n) for j in range(i + 1))
     return tuple(
-        (i, j, zeros.why(entry, reasons) or TRANSLATIONS)
-        for i, j, entry in lower
-        if zeros.drop(entry, reasons) == 0
+        (i, j, zeros.why(entry, reasons) or TRANSLATIONS) for i, j, entry in lower if zeros.drop(entry, reasons) == 0
     )
 
 

@@ -43,9 +43,7 @@ def _text(behind: tuple[tuple[str, str], ...]) -> str:
     )
 
 
-def drop_definitions(
-    definitions: tuple[Definition, ...], reasons: Reasons
-) -> tuple[tuple[Definition, ...], Reasons]:
+def drop_definitions(definitions: tuple[Definition, ...], reasons: Reasons) -> tuple[tuple[Definition, ...], Reasons]:
     """Definitions without their vanishing parts, and the reasons with those of the vanished definitions added."""
     known, kept = dict(reasons), []
     for definition in definitions:

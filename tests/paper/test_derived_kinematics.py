@@ -32,7 +32,7 @@ def test_rotation_is_26_and_its_axis_27() -> None:
 
 def test_acceleration_is_5() -> None:
     """Q times the derived field, without cddot, for r, rdot and rddot with free components."""
-    rotation, frame = fields()
+    _, frame = fields()
     r, rdot, phi1, phi2 = (sp.Matrix(sp.symbols(f"{n}_1 {n}_2")) for n in ("r", "rdot", "Phi1", "Phi2"))
     values = {R: r, RDOT: rdot, phi(1): phi1, phi(2): phi2}
     found = sum((tensor * values[name] for name, tensor in frame.acceleration.items()), sp.zeros(2, 1))

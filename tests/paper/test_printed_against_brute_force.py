@@ -54,17 +54,13 @@ SINGLE_TERMS = [
 
 
 @pytest.mark.parametrize(("terms", "shapes", "k"), SINGLE_TERMS)
-def test_each_printed_term_is_needed(
-    terms: tuple[PrintedTerm, ...], shapes: tuple[Expr, ...], k: int
-) -> None:
+def test_each_printed_term_is_needed(terms: tuple[PrintedTerm, ...], shapes: tuple[Expr, ...], k: int) -> None:
     without = terms[:k] + terms[k + 1 :]
     assert disagreeing_rows(without, shapes) == [terms[k].row]
 
 
 @pytest.mark.parametrize(("terms", "shapes", "k"), SINGLE_TERMS)
-def test_each_printed_sign_is_needed(
-    terms: tuple[PrintedTerm, ...], shapes: tuple[Expr, ...], k: int
-) -> None:
+def test_each_printed_sign_is_needed(terms: tuple[PrintedTerm, ...], shapes: tuple[Expr, ...], k: int) -> None:
     turned = (*terms[:k], replace(terms[k], expr=-terms[k].expr), *terms[k + 1 :])
     assert disagreeing_rows(turned, shapes) == [terms[k].row]
 

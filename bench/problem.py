@@ -1,0 +1,43 @@
+"""The beam of the paper with any number of shapes, with parameters and states to evaluate it at."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from harness import Inputs
+
+import derive
+
+STATES = 64
+PARAMETERS = {"m": 1.3, "l": 2.1, "EI": 0.7}
+
+
+@dataclass(frozen=True)
+class Problem:
+    """A beam with all that is made of it."""
+
+    spec: derive.PlanarBeam
+    equations: derive.Equations
+    model: derive.Model
+    files: tuple[derive.File, ...]
+    inputs: Inputs
+
+
+def beam(frame: str, shapes: int, orthogonal: bool | None = None) -> derive.PlanarBeam:
+    """The free beam with the monomials that leave this many shapes once the frame has taken two away."""
+    ansatz = tuple("1" if n == 0 else f"xi^{n}" for n in range(shapes + 2))
+    return derive.planar_beam(f"{frame}{shapes}", ansatz=ansatz, frame=frame, orthogonal=orthogonal)
+
+
+def problem(spec: derive.PlanarBeam) -> Problem:
+    """Equations, kernels, files and states: rotations evenly over one turn, the rest at random."""
+    equations = derive.derive(spec)
+    model = derive.lower(equations)
+    nv = len(equations.coordinates)
+    states = np.random.default_rng(1).uniform(-1.0, 1.0, (STATES, 2 * nv))
+    states[:, 2] = np.pi * (2 * np.arange(STATES) + 1 - STATES) / STATES
+    states[:, 3:nv] *= 0.2
+    p = tuple(PARAMETERS[str(parameter.symbol)] for parameter in equations.parameters)
+    inputs = Inputs(p, states, len(model.pattern("mass", "M").rowidx), nv)
+    return Problem(spec, equations, model, derive.model_files(model, spec), inputs)
