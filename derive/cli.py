@@ -40,6 +40,7 @@ def parser() -> argparse.ArgumentParser:
     compare = commands.add_parser("compare", help="compile models and show mass matrix and forces side by side")
     compare.add_argument("specs", nargs="+", type=Path, metavar="SPEC", help="specification file (.toml)")
     compare.add_argument("--json", action="store_true", help="print the numbers as JSON")
+    compare.add_argument("--picture", type=Path, metavar="FILE", help="draw the sparsity patterns as SVG")
 
     check = commands.add_parser("check", help="regenerate everything in memory and compare with the files")
     check.add_argument("scenes", nargs="?", type=Path, default=Path("scenes"), help="default: scenes")

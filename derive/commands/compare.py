@@ -8,13 +8,19 @@ import json
 import numpy as np
 
 from derive.commands.build import build_all
+from derive.emit.files import File, write
+from derive.emit.picture import mass_patterns
 from derive.native import Native, Vector, load
 
 
 def run(options: argparse.Namespace) -> int:
     """Mass matrix and forces of each model, by the compiled C, at a state of the same numbers."""
-    natives = [load(built.files) for built in build_all(options.specs)]
+    built = build_all(options.specs)
+    natives = [load(b.files) for b in built]
     results = [_evaluate(native) for native in natives]
+    if options.picture:
+        picture = File(options.picture.name, mass_patterns([b.model for b in built]))
+        write([picture], options.picture.parent)
     if options.json:
         print(json.dumps(results, indent=2))
     else:

@@ -15,6 +15,7 @@ import sympy as sp
 from derive.spec.body import Frame, Polynomial
 
 xi = sp.Symbol("xi")
+NOTHING = sp.Poly(0, xi, domain="QQ")
 
 
 class ConditionError(ValueError):
@@ -109,7 +110,7 @@ def _solve(ansatz: list[sp.Poly], frame_conditions: tuple[Condition, ...]) -> li
 
 
 def _combination(polynomials: list[sp.Poly], weights: Iterable[sp.Rational]) -> sp.Poly:
-    return sum((p * w for p, w in zip(polynomials, weights, strict=True)), sp.Poly(0, xi, domain="QQ"))
+    return sum((p * w for p, w in zip(polynomials, weights, strict=True)), NOTHING)
 
 
 def _orthogonal(polynomials: list[sp.Poly]) -> list[sp.Poly]:
@@ -117,7 +118,7 @@ def _orthogonal(polynomials: list[sp.Poly]) -> list[sp.Poly]:
     result: list[sp.Poly] = []
     for p in polynomials:
         known = (other * (integral(p * other) / integral(other * other)) for other in result)
-        result.append(sum(known, -p) * -1)
+        result.append(p - sum(known, NOTHING))
     return result
 
 
@@ -143,8 +144,9 @@ def _rigid_motions(shapes: list[sp.Poly]) -> list[str]:
         motion = _combination(rigid, [-w for w in weights[:2]])
         sign = -1 if motion.LC() < 0 else 1
         kind = "translation" if motion.degree() == 0 else "rotation" if motion.eval(0) == 0 else "rigid motion"
+        combination = _sum_text([sign * w for w in weights[2:]], names)
         messages.append(
-            f"rigid motion is left in the shapes: {_sum_text([sign * w for w in weights[2:]], names)} = {_text(sign * motion)}, a {kind}; "
+            f"rigid motion is left in the shapes: {combination} = {_text(sign * motion)}, a {kind}; "
             "the mass matrix would be singular: choose the frame mean, point, chord or tangent, or take it out"
         )
     return messages

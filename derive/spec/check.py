@@ -23,6 +23,8 @@ Path = tuple[str | int, ...]
 
 
 class Fault(NamedTuple):
+    """What is wrong at a path of the data; the empty path is the whole of it."""
+
     path: Path
     message: str
 
@@ -52,10 +54,8 @@ def _fault(error: ErrorDetails) -> Fault:
             return Fault(path, f"this key is missing; write {_example(path)}")
         case "extra_forbidden":
             return Fault(path, _unknown_key(path))
-        case "model_type" | "dict_type":
+        case "model_type":
             return Fault(path, f"a table is needed here, not {kind_of(error['input'])}")
-        case "tuple_type":
-            return Fault(path, f'a list is needed here, such as ["1", "xi"], not {kind_of(error["input"])}')
         case "invalid_key":
             return Fault(path, "a key has to be text")
     raise AssertionError(f"pydantic reports {error['type']}, for which there is no sentence yet")
@@ -71,13 +71,14 @@ def _path(location: Path) -> Path:
 
 
 def _example(path: Path) -> str:
-    examples = {
-        "name": 'name = "free_beam"',
-        "beam": "[beam]",
-        "symbol": 'symbol = "m"',
-        "kind": 'kind = "point"',
-    }
-    return examples[str(path[-1])]
+    match path[-1]:
+        case "beam":
+            return "[beam]"
+        case "symbol":
+            return f'symbol = "{QUANTITIES[str(path[-2])].symbol}"'
+        case "kind":
+            return 'kind = "point"'
+    return 'name = "free_beam"'
 
 
 def _table(path: Path) -> type[BaseModel]:
@@ -111,9 +112,7 @@ def _repeated_names(data: Mapping[str, object]) -> Iterator[Fault]:
                 continue
             other = first.setdefault(name.lower(), where)
             if other != where:
-                yield Fault(
-                    path, f"{quoted(name)} is taken: {other}; names differ in more than upper and lower case"
-                )
+                yield Fault(path, f"{quoted(name)} is taken: {other}; names differ in more than upper and lower case")
 
 
 def _symbols(model: object, beam: Mapping[str, object]) -> Iterator[tuple[Path, str, str]]:

@@ -88,9 +88,7 @@ class _Parser:
         while self.next.text in ("+", "-"):
             sign = self.take()
             term = self.product()
-            result = self.limited(
-                _add(result, term if sign.text == "+" else _scale(term, Fraction(-1))), sign
-            )
+            result = self.limited(_add(result, term if sign.text == "+" else _scale(term, Fraction(-1))), sign)
         return result
 
     def product(self) -> Polynomial:

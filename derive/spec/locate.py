@@ -1,7 +1,7 @@
 """Where a key is in a TOML text: tomllib gives values but no lines, and an error needs its line.
 
 The scanner follows the grammar of TOML as far as keys and nesting go. It runs on text that tomllib has
-accepted; on anything it does not expect it stops, and lines it has not found are those of the nearest enclosing key.
+accepted; on anything else it stops, and lines it has not found are those of the nearest enclosing key.
 """
 
 from __future__ import annotations

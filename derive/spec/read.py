@@ -9,6 +9,7 @@ import tomllib
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict
 from fractions import Fraction
+from pathlib import Path
 from typing import Any
 
 from derive.spec import locate, paper
@@ -25,26 +26,20 @@ Number = int | float | Fraction | str
 
 def read(path: str | os.PathLike[str]) -> PlanarBeam:
     """The beam that a TOML file specifies. Raises SpecError with all that is wrong with the file."""
-    source = os.fspath(path)
+    source = os.fsdecode(path)
     try:
-        with open(source, "rb") as file:
+        with Path(source).open("rb") as file:
             content = file.read(MAX_BYTES + 1)
     except (OSError, ValueError) as error:
         why = getattr(error, "strerror", None) or str(error)
-        raise SpecError(
-            (Problem("", f"the file cannot be read: {why[:1].lower()}{why[1:]}"),), source
-        ) from None
+        raise SpecError((Problem("", f"the file cannot be read: {why[:1].lower()}{why[1:]}"),), source) from None
     if len(content) > MAX_BYTES:
-        raise SpecError(
-            (Problem("", f"the file is larger than {MAX_BYTES} bytes; is it a specification?"),), source
-        )
+        raise SpecError((Problem("", f"the file is larger than {MAX_BYTES} bytes; is it a specification?"),), source)
     try:
         text = content.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         line = content.count(b"\n", 0, error.start) + 1
-        raise SpecError(
-            (Problem("", "this is not UTF-8 text; save the file as UTF-8", line),), source
-        ) from None
+        raise SpecError((Problem("", "this is not UTF-8 text; save the file as UTF-8", line),), source) from None
     return parse(text, source)
 
 
@@ -101,7 +96,7 @@ def _plain(node: Any) -> Any:
 def _as_data(value: object) -> object:
     if isinstance(value, (Frame, Parameter)):
         return {key: item for key, item in asdict(value).items() if item is not None}
-    return value
+    return dict(value) if isinstance(value, Mapping) else value
 
 
 def _beam(data: Mapping[str, object], locate_in: str = "", source: str | None = None) -> PlanarBeam:
@@ -113,6 +108,7 @@ def _beam(data: Mapping[str, object], locate_in: str = "", source: str | None = 
         return result
     lines = locate.lines(locate_in)
     problems = [Problem(path_text(path), message, locate.line_of(path, lines)) for path, message in result]
+    # In the order of the file; what is not in it comes first.
     raise SpecError(tuple(sorted(problems, key=lambda problem: problem.line or 0)), source)
 
 

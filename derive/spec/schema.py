@@ -10,6 +10,7 @@ from fractions import Fraction
 from typing import Annotated, Any
 
 from pydantic import (
+    AfterValidator,
     BaseModel,
     BeforeValidator,
     ConfigDict,
@@ -29,17 +30,39 @@ from derive.spec.names import PATTERN as NAME_PATTERN
 
 MAX_SHAPES = 20
 MAX_MARKERS = 64
+MAX_DIGITS = 800
 
 
-def _size(least: int, most: int, noun: str) -> BeforeValidator:
+def _few(count: int, least: int, most: int, noun: str) -> None:
     """A check that comes before the elements are looked at, so that a flood of them costs nothing."""
+    if not least <= count <= most:
+        raise values.WrongValueError(f"there are {count} {noun}, and {least} to {most} are allowed")
 
-    def check(value: Any) -> Any:
-        if isinstance(value, (list, tuple, Mapping)) and not least <= len(value) <= most:
-            raise ValueError(f"there are {len(value)} {noun}, and {least} to {most} are allowed")
-        return value
 
-    return BeforeValidator(check)
+def _few_shapes(value: object) -> object:
+    if not isinstance(value, (list, tuple)):
+        kind = values.kind_of(value)
+        raise values.WrongValueError(f'a list of polynomials is needed, such as ["1", "xi", "xi^2"], not {kind}')
+    _few(len(value), 1, MAX_SHAPES, "polynomials")
+    return value
+
+
+def _few_markers(value: object) -> object:
+    if not isinstance(value, Mapping):
+        raise values.WrongValueError(f"a table of names and places is needed, not {values.kind_of(value)}")
+    _few(len(value), 0, MAX_MARKERS, "markers")
+    return value
+
+
+def _few_digits(ansatz: tuple[Polynomial, ...]) -> tuple[Polynomial, ...]:
+    # Shapes are found exactly, and their fractions are about as long as those of the whole ansatz together.
+    digits = sum(values.digits(shape) for shape in ansatz)
+    if digits > MAX_DIGITS:
+        raise values.WrongValueError(
+            f"over common denominators, the coefficients of the ansatz have {digits} digits, and at most "
+            f"{MAX_DIGITS} are allowed; round them"
+        )
+    return ansatz
 
 
 def _number_schema(**limits: float) -> dict[str, Any]:
@@ -62,12 +85,12 @@ def frame_from(kind: FrameKind, at: Fraction | None) -> Frame:
         return Frame(kind, Fraction(0) if at is None else at)
     if kind == "tangent":
         if at not in (-1, 1):
-            raise ValueError(
+            raise values.WrongValueError(
                 'a tangent frame needs the end it is at: { kind = "tangent", at = -1 } or at = 1'
             )
         return Frame(kind, at)
     if at is not None:
-        raise ValueError(f'the frame "{kind}" has no place; leave `at` out, or choose "point"')
+        raise values.WrongValueError(f'the frame "{kind}" has no place; leave `at` out, or choose "point"')
     return Frame(kind)
 
 
@@ -106,30 +129,29 @@ class ParameterTable(Table):
     ] = 1.0
 
     def parameter(self, like: Parameter) -> Parameter:
+        """The parameter, with the unit of the paper's one where none is written."""
         return Parameter(self.symbol, self.unit or like.unit, self.default)
 
 
 class FrameTable(Table):
     """A frame, and the place it is at."""
 
-    kind: Annotated[
-        FrameKind, PlainValidator(values.frame_kind), WithJsonSchema({"enum": [*values.FRAME_KINDS]})
-    ]
+    kind: Annotated[FrameKind, PlainValidator(values.frame_kind), WithJsonSchema({"enum": [*values.FRAME_KINDS]})]
     at: Annotated[
         Fraction | None,
         PlainValidator(values.place),
         WithJsonSchema(_PLACE),
-        Field(
-            description="The place xi of a point frame (default 0), or the end, -1 or 1, of a tangent frame."
-        ),
+        Field(description="The place xi of a point frame (default 0), or the end, -1 or 1, of a tangent frame."),
     ] = None
 
     @model_validator(mode="after")
     def check(self) -> FrameTable:
+        """Kind and place have to go together."""
         self.frame()
         return self
 
     def frame(self) -> Frame:
+        """The frame that the table describes."""
         return frame_from(self.kind, self.at)
 
 
@@ -166,7 +188,8 @@ class ShapeKeys(BaseModel):
 
     ansatz: Annotated[
         tuple[Shape, ...],
-        _size(1, MAX_SHAPES, "polynomials"),
+        BeforeValidator(_few_shapes),
+        AfterValidator(_few_digits),
         Field(
             description="The polynomials in xi of the displacement, before the conditions of the frame.",
             json_schema_extra={"default": [*paper.ANSATZ], "minItems": 1, "maxItems": MAX_SHAPES},
@@ -199,18 +222,18 @@ class BeamTable(ShapeKeys):
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
-    mass: Annotated[QuantityInput, Field(description="The mass: a parameter, or a number for good.")] = (
-        _as_table(paper.MASS)
+    mass: Annotated[QuantityInput, Field(description="The mass: a parameter, or a number for good.")] = _as_table(
+        paper.MASS
     )
-    length: Annotated[QuantityInput, Field(description="The length: a parameter, or a number for good.")] = (
-        _as_table(paper.LENGTH)
+    length: Annotated[QuantityInput, Field(description="The length: a parameter, or a number for good.")] = _as_table(
+        paper.LENGTH
     )
     bending_stiffness: Annotated[
         QuantityInput, Field(description="The bending stiffness: a parameter, or a number for good.")
     ] = _as_table(paper.BENDING_STIFFNESS)
     markers: Annotated[
         dict[Name, Place],
-        _size(0, MAX_MARKERS, "markers"),
+        BeforeValidator(_few_markers),
         Field(
             description="Named points of the beam and their places xi, from -1 (left end) to 1 (right end).",
             json_schema_extra={"maxProperties": MAX_MARKERS, "additionalProperties": False},
@@ -221,12 +244,11 @@ class BeamTable(ShapeKeys):
 class Specification(Table):
     """A deformable body, from which Tisserand makes C and Python kernels."""
 
-    name: Annotated[
-        Name, Field(description="The name of the model: of its files, and in front of all its functions.")
-    ]
+    name: Annotated[Name, Field(description="The name of the model: of its files, and in front of all its functions.")]
     beam: BeamTable
 
     def planar_beam(self) -> PlanarBeam:
+        """The specification as the data that the derivation takes."""
         beam = self.beam
         ansatz, frame, orthogonal = beam.shape_keys()
         return PlanarBeam(

@@ -5,6 +5,7 @@ What cannot be meant raises WrongValueError, with a sentence that says what to w
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -46,6 +47,7 @@ def kind_of(value: object) -> str:
 
 
 def name(value: object) -> str:
+    """A name that can stand in the generated code."""
     if not isinstance(value, str):
         raise WrongValueError(f'a name in quotation marks is needed, such as "beam_1", not {kind_of(value)}')
     problem = name_problem(value)
@@ -74,6 +76,7 @@ def number(value: object) -> Fraction:
 
 
 def positive(value: object) -> Fraction:
+    """A physical constant that is folded into the code."""
     exact = number(value)
     if exact <= 0:
         raise WrongValueError(f"a positive number is needed, not {exact}")
@@ -81,6 +84,7 @@ def positive(value: object) -> Fraction:
 
 
 def positive_float(value: object) -> float:
+    """The default of a parameter."""
     return float(positive(value))
 
 
@@ -88,19 +92,19 @@ def place(value: object) -> Fraction:
     """The dimensionless distance xi of a point of the beam."""
     exact = number(value)
     if not -1 <= exact <= 1:
-        raise WrongValueError(
-            f"xi = {exact} is not on the beam: it goes from -1, the left end, to 1, the right end"
-        )
+        raise WrongValueError(f"xi = {exact} is not on the beam: it goes from -1, the left end, to 1, the right end")
     return exact
 
 
 def truth(value: object) -> bool:
+    """True or false, and nothing that is merely like it."""
     if not isinstance(value, bool):
         raise WrongValueError(f"true or false is needed, without quotation marks, not {kind_of(value)}")
     return value
 
 
 def unit(value: object) -> str:
+    """A unit, as comments and reports show it."""
     if not isinstance(value, str):
         raise WrongValueError(f'a unit in quotation marks is needed, such as "N m^2", not {kind_of(value)}')
     # A unit ends up in a comment of the generated C, which it must neither end nor open anew.
@@ -123,19 +127,22 @@ def shape(value: object) -> Polynomial:
     elif isinstance(value, str):
         result = list(polynomial(value))
     else:
-        raise WrongValueError(
-            f'a polynomial in quotation marks is needed, such as "xi^2", not {kind_of(value)}'
-        )
+        raise WrongValueError(f'a polynomial in quotation marks is needed, such as "xi^2", not {kind_of(value)}')
     if not result:
-        raise WrongValueError(
-            "the polynomial is zero everywhere, so that it describes no displacement; leave it out"
-        )
+        raise WrongValueError("the polynomial is zero everywhere, so that it describes no displacement; leave it out")
     return tuple(result)
 
 
+def digits(p: Polynomial) -> int:
+    """The digits of the common denominator of a polynomial and of its largest numerator over it."""
+    denominator = math.lcm(*(c.denominator for c in p))
+    return len(str(denominator)) + len(str(max(abs(int(c * denominator)) for c in p)))
+
+
 def frame_kind(value: object) -> FrameKind:
+    """One of the kinds of frames."""
     for kind in FRAME_KINDS:
-        if value == kind:
+        if isinstance(value, str) and value == kind:
             return kind
     kinds = ", ".join(quoted(kind) for kind in FRAME_KINDS)
     found = quoted(value) if isinstance(value, str) else kind_of(value)

@@ -1,0 +1,67 @@
+"""Sparsity patterns as a picture (SVG): a square for a value, a dot for a structural zero."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from html import escape
+
+from derive.emit.files import MARK
+from derive.kernel.model import Model
+
+CELL, GAP, LABEL, HEAD, FOOT = 28, 44, 64, 56, 40
+STYLE = """\
+  <style>
+    text { font: 13px system-ui, sans-serif; fill: #1c2733; }
+    .title { font-weight: 600; font-size: 15px; }
+    .value { fill: #1f6f8b; } .zero { fill: #b8c2cc; } .frame { fill: none; stroke: #b8c2cc; }
+    @media (prefers-color-scheme: dark) {
+      text { fill: #e6edf3; } .value { fill: #5fb6d4; } .zero { fill: #55606b; } .frame { stroke: #55606b; }
+    }
+  </style>"""
+
+
+def mass_patterns(models: Sequence[Model]) -> str:
+    """The patterns of the mass matrices of some models side by side, rows named by the coordinates."""
+    size = max(len(model.coordinates) for model in models)
+    width = len(models) * (LABEL + size * CELL) + (len(models) - 1) * GAP + 64
+    height = HEAD + size * CELL + FOOT
+    parts = [_panel(model, 8 + k * (LABEL + size * CELL + GAP)) for k, model in enumerate(models)]
+    said = "; ".join(f"{m.name}: {_count(m)}" for m in models)
+    return "\n".join(
+        [
+            f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" width="{width}" role="img">',
+            f"  <!-- {MARK} -->",
+            f"  <title>Structural non-zeros of the mass matrix. {escape(said)}</title>",
+            STYLE,
+            *parts,
+            "</svg>\n",
+        ]
+    )
+
+
+def _count(model: Model) -> str:
+    pattern = model.pattern("mass", "M")
+    return f"{pattern.full_nnz} of {pattern.rows * pattern.cols}"
+
+
+def _panel(model: Model, left: int) -> str:
+    pattern = model.pattern("mass", "M")
+    present = set(pattern.entries) | {(j, i) for i, j in pattern.entries}
+    x0, n = left + LABEL, pattern.rows
+    lines = [
+        f'  <text class="title" x="{x0}" y="20">{escape(model.name)}</text>',
+        f'  <rect class="frame" x="{x0}" y="{HEAD - 16}" width="{n * CELL}" height="{n * CELL}" rx="3"/>',
+    ]
+    for i, coordinate in enumerate(model.coordinates):
+        y = HEAD - 16 + i * CELL
+        middle = y + CELL // 2
+        lines.append(f'  <text x="{x0 - 8}" y="{middle + 4}" text-anchor="end">{escape(coordinate.name)}</text>')
+        for j in range(n):
+            x = x0 + j * CELL
+            if (i, j) in present:
+                side = CELL - 8
+                lines.append(f'  <rect class="value" x="{x + 4}" y="{y + 4}" width="{side}" height="{side}" rx="2"/>')
+            else:
+                lines.append(f'  <circle class="zero" cx="{x + CELL // 2}" cy="{middle}" r="2"/>')
+    lines.append(f'  <text x="{x0}" y="{HEAD + n * CELL + 8}">{_count(model)} structural non-zeros</text>')
+    return "\n".join(lines)

@@ -1,0 +1,32 @@
+"""Golden files: one helper that compares, or, with `pytest --update`, accepts."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from difflib import unified_diff
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parent.parent
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption("--update", action="store_true", help="write golden files instead of comparing with them")
+
+
+@pytest.fixture
+def compare_or_update(request: pytest.FixtureRequest) -> Callable[[Path, str], None]:
+    """Compare a text with a committed file; a failure shows the diff and the command that accepts it."""
+
+    def compare(path: Path, text: str) -> None:
+        if request.config.getoption("--update"):
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(text)
+            return
+        found = path.read_text() if path.exists() else ""
+        if found != text:
+            diff = "\n".join(unified_diff(found.splitlines(), text.splitlines(), str(path), "now", lineterm=""))
+            pytest.fail(f"{diff}\n\nto accept: pytest --update {request.node.nodeid}", pytrace=False)
+
+    return compare

@@ -1,0 +1,55 @@
+"""The wheel, in an empty environment of its own: it brings its templates and builds a model."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import tarfile
+import zipfile
+from pathlib import Path
+
+import pytest
+
+from conftest import ROOT
+
+
+def run(*command: str, cwd: Path) -> str:
+    environment = {k: v for k, v in os.environ.items() if k not in ("PYTHONPATH", "VIRTUAL_ENV")}
+    done = subprocess.run(command, cwd=cwd, capture_output=True, text=True, check=False, env=environment)
+    assert done.returncode == 0, done.stdout + done.stderr
+    return done.stdout
+
+
+@pytest.fixture(scope="module")
+def distributions(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("dist")
+    run(sys.executable, "-m", "build", "--outdir", str(folder), str(ROOT), cwd=folder)
+    return folder
+
+
+def test_wheel_and_sdist_hold_what_they_should(distributions: Path) -> None:
+    (wheel,) = distributions.glob("*.whl")
+    names = zipfile.ZipFile(wheel).namelist()
+    templates = {p.relative_to(ROOT / "templates").as_posix() for p in (ROOT / "templates").rglob("*.jinja")}
+    assert {f"derive/templates/{name}" for name in templates} <= set(names)
+    assert "derive/py.typed" in names
+    assert any(name.endswith("licenses/LICENSE") for name in names)
+    assert all(name.startswith(("derive/", "tisserand-")) for name in names)
+    (sdist,) = distributions.glob("*.tar.gz")
+    inside = {name.split("/", 1)[1] for name in tarfile.open(sdist).getnames() if "/" in name}
+    assert {f"templates/{name}" for name in templates} <= inside
+    assert {"README.md", "LICENSE", "CITATION.cff", "constraints.txt", "scenes/free_beam_mean.toml"} <= inside
+
+
+def test_wheel_builds_a_model_in_an_empty_environment(distributions: Path, tmp_path: Path) -> None:
+    (wheel,) = distributions.glob("*.whl")
+    run(sys.executable, "-m", "venv", "env", cwd=tmp_path)
+    bin_folder = tmp_path / "env" / "bin"
+    constraints = str(ROOT / "constraints.txt")
+    run(str(bin_folder / "pip"), "install", "--quiet", "-c", constraints, str(wheel), cwd=tmp_path)
+    scene = ROOT / "scenes/free_beam_mean.toml"
+    said = run(str(bin_folder / "tisserand"), "build", str(scene), cwd=tmp_path)
+    assert "free_beam_mean" in said
+    made = tmp_path / "generated/free_beam_mean/free_beam_mean.c"
+    assert made.read_bytes() == (ROOT / "generated/free_beam_mean/free_beam_mean.c").read_bytes()

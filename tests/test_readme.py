@@ -1,0 +1,87 @@
+"""Every command and every piece of code of the README, as printed, in a copy of the tree."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import derive
+from conftest import ROOT
+
+RUN_BY_CI = ("make test", ".venv/bin/pytest")
+"""These two run this test."""
+INSTALLS = ("python3 -m venv", ".venv/bin/pip install")
+"""Run by tests/test_package.py in an environment of their own; here .venv is the one that runs the tests."""
+
+
+def blocks(language: str) -> list[str]:
+    return re.findall(rf"```{language}\n(.*?)```", (ROOT / "README.md").read_text(), re.DOTALL)
+
+
+def commands() -> list[str]:
+    lines = [line.split("  #")[0].strip() for block in blocks("sh") for line in block.splitlines()]
+    return [line for line in lines if line and line not in RUN_BY_CI and not line.startswith(INSTALLS)]
+
+
+@pytest.fixture(scope="module")
+def copy(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The tree without its environment, which is linked; `make` finds it up to date."""
+    folder = tmp_path_factory.mktemp("readme") / "tree"
+    ignore = shutil.ignore_patterns(".venv", ".git", "__pycache__", ".*_cache")
+    shutil.copytree(ROOT, folder, ignore=ignore)
+    (folder / ".venv" / "bin").mkdir(parents=True)
+    for tool in ("tisserand", "python"):
+        found = Path(sys.executable).parent / tool
+        script = folder / ".venv" / "bin" / tool
+        script.write_text(f'#!/bin/sh\nexec "{found}" "$@"\n')
+        script.chmod(0o755)
+    (folder / ".venv" / "installed").touch()
+    return folder
+
+
+def test_commands_are_found() -> None:
+    assert len(commands()) >= 6
+
+
+@pytest.mark.parametrize("command", commands())
+def test_command_runs(command: str, copy: Path) -> None:
+    before = {p: p.read_bytes() for folder in ("generated", "docs") for p in (copy / folder).rglob("*") if p.is_file()}
+    environment = {**os.environ, "PYTHONPATH": str(copy)}
+    done = subprocess.run(command, shell=True, cwd=copy, capture_output=True, text=True, env=environment, check=False)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout and not done.stderr
+    after = {p: p.read_bytes() for p in before}
+    assert after == before  # what the README makes is what is committed
+
+
+def test_python_runs(copy: Path) -> None:
+    (block,) = blocks("python")
+    assert len([line for line in block.splitlines() if line and not line.startswith(("from", "import"))]) <= 10
+    done = subprocess.run([sys.executable, "-c", block], cwd=copy, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert "144*EI*alpha1/l**3" in done.stdout
+
+
+def test_specification_is_the_scene() -> None:
+    (block,) = blocks("toml")
+    from derive.spec import parse
+
+    assert parse(block, "README.md") == derive.read(ROOT / "scenes/free_beam_mean.toml")
+
+
+def test_shown_c_is_the_generated_one() -> None:
+    (block,) = blocks("c")
+    assert block in (ROOT / "generated/free_beam_mean/free_beam_mean.c").read_text()
+    assert block.startswith("int free_beam_mean_mass(") and block.endswith("}\n")
+
+
+def test_links_lead_somewhere() -> None:
+    for page in ("README.md", "CONTRIBUTING.md"):
+        for target in re.findall(r"\]\(([^)#:]+)\)", (ROOT / page).read_text()):
+            assert (ROOT / target).exists(), target
