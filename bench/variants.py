@@ -7,6 +7,7 @@ beforehand as inputs k and the definitions (d1, D2, J, ...) kept, so that only t
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -42,32 +43,28 @@ def ours(problem: Problem) -> Variant:
     )
 
 
-def hand(frame: str) -> Variant:
-    """The yardstick, for two shapes."""
-    arguments = "const double *q, const double *v, const double *k, double *M, double *h"
+def hand(name: str, function: str, frame: str, once: str = "") -> Variant:
+    """A function of the yardstick, for two shapes."""
     return Variant(
-        name="by hand",
+        name=name,
         files={"handwritten.c": HAND.read_text()},
-        function=f"hand_{frame}",
-        declare=f"void hand_{frame}({arguments});\nvoid hand_{frame}_setup(const double *p, double *k);\n"
-        "static double k[8];",
+        function=function,
+        declare=f"void {function}(const double *, const double *, const double *, double *, double *);\n"
+        f"void hand_{frame}_setup(const double *, double *);\nstatic double k[9];\n{once}",
         once=f"hand_{frame}_setup(p, k);",
-        call=f"hand_{frame}(q, v, k, M, h)",
+        call=f"{function}(q, v, k, M, h)",
     )
 
 
-def hand_once() -> Variant:
-    """The yardstick with M and h kept between calls, so that their constant entries are written once."""
-    arguments = "const double *q, const double *v, const double *k, double *M, double *h"
-    return Variant(
-        name="by hand, constant entries written once",
-        files={"handwritten.c": HAND.read_text()},
-        function="hand_mean_once",
-        declare=f"void hand_mean_once({arguments});\nvoid hand_mean_setup(const double *p, double *k);\n"
-        "void hand_mean_setup_once(const double *k, double *M, double *h);\nstatic double k[8];",
-        once="hand_mean_setup(p, k);\n    hand_mean_setup_once(k, M, h);",
-        call="hand_mean_once(q, v, k, M, h)",
-    )
+def by_hand(frame: str) -> list[Variant]:
+    """The yardstick with care, tuned, and (mean frame) with the constant entries of M and h left out."""
+    found = [hand("by hand", f"hand_{frame}", frame), hand("by hand, tuned to gcc 12", f"hand_{frame}_tuned", frame)]
+    if frame == "mean":
+        whole = "void hand_mean(const double *, const double *, const double *, double *, double *);"
+        kept = hand("by hand, constant entries written once", "hand_mean_once", frame, whole)
+        once = f"{kept.once}\n    hand_mean(states[0], states[0] + NV, k, M, h);"
+        found.append(replace(kept, once=once))
+    return found
 
 
 def entries(problem: Problem) -> tuple[list[sp.Expr], list[sp.Expr]]:
@@ -194,12 +191,9 @@ def _substituted(problem: Problem, expr: sp.Expr) -> sp.Expr:
 
 def all_variants(problem: Problem) -> list[Variant]:
     """Every way for this beam; by hand there are those with two shapes."""
-    kind = problem.spec.frame.kind
-    by_hand = [hand(kind)] if len(problem.spec.ansatz) == 4 else []
     return [
         ours(problem),
-        *by_hand,
-        *([hand_once()] if by_hand and kind == "mean" else []),
+        *(by_hand(problem.spec.frame.kind) if len(problem.equations.coordinates) == 5 else []),
         casadi_prepared(problem),
         casadi_written_out(problem),
         sympy_prepared(problem),

@@ -150,7 +150,7 @@ def test_spin_softening_is_where_theory_says() -> None:
     assert math.isclose(frequency_squared("point", 29)(2), 8400 - 6.25 * 841, rel_tol=1e-9)
 
 
-@pytest.mark.parametrize(("n", "first", "second"), [(2, 0.1994, 0.4864), (4, 0.0085, 0.030), (6, 1.5e-5, 3e-4)])
+@pytest.mark.parametrize(("n", "first", "second"), [(2, 0.1994, 0.4864), (4, 0.0085, 0.030), (6, 9e-6, 2.5e-4)])
 def test_ritz_frequencies_approach_the_exact_beam(n: int, first: float, second: float) -> None:
     """Free-free beam 22.3733, 61.6728; Ritz with P2..P_{N+1} lies above by a known part."""
     native, module = beams.native("mean", n), beams.module("mean", n)
@@ -163,4 +163,4 @@ def test_ritz_frequencies_approach_the_exact_beam(n: int, first: float, second: 
     k_shapes, m_shapes = stiffness[size + 3 :, 3:size], mass[3:, 3:]
     frequencies = np.sqrt(np.sort(np.linalg.eigvals(np.linalg.solve(m_shapes, k_shapes)).real)) / UNIT
     for found, exact, above in zip(frequencies, (22.3733, 61.6728), (first, second), strict=False):
-        assert math.isclose(found / exact - 1, above, rel_tol=0.1, abs_tol=4e-6)
+        assert math.isclose(found / exact - 1, above, rel_tol=0.05, abs_tol=2e-6)

@@ -50,8 +50,6 @@ class Constants:
         match expr:
             case Op("div", (Num(Fraction(numerator=1, denominator=1)), Ref(name))):
                 return f"inverse_{name}"
-            case Op("neg", (Ref(name),)):
-                return f"minus_{name}"
         return None
 
 
@@ -132,23 +130,20 @@ class Graph:
         return self._neutral(kind, args, values)
 
     def _neutral(self, kind: str, args: tuple[int, ...], values: list[Fraction | None]) -> int | None:
-        """x + 0, x - 0, x * 1, x / 1, x * 0, 0 / x, 0 - x, x * -1, and signs that a sum can absorb."""
+        """x * 1, x / 1, x * -1, signs that a sum can absorb, numbers first, and divisions that setup can do.
+
+        Zeros do not come this far: the derivation drops them, with their reasons.
+        """
         (a, b), (va, vb) = args, values
         negated = self.nodes[b].args[0] if self.nodes[b].kind == "neg" else None
-        if kind in ("add", "sub") and vb == 0 or kind in ("mul", "div") and vb == 1:
+        if kind in ("mul", "div") and vb == 1:
             return a
-        if kind == "add" and va == 0 or kind == "mul" and va == 1:
+        if kind == "mul" and va == 1:
             return b
-        if kind == "mul" and 0 in (va, vb) or kind == "div" and va == 0:
-            return self.number(0)
-        if kind == "sub" and va == 0:
-            return self.apply("neg", b)
         if kind == "mul" and -1 in (va, vb):
             return self.apply("neg", b if va == -1 else a)
         if kind in ("add", "sub") and negated is not None:
             return self.apply("sub" if kind == "add" else "add", a, negated)
-        if kind == "add" and self.nodes[a].kind == "neg":
-            return self.apply("sub", b, self.nodes[a].args[0])
         if kind == "mul" and vb is not None:
             return self.apply("mul", b, a)
         if kind == "div" and vb is None and self._constant[b] and not self._constant[a]:

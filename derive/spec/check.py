@@ -13,7 +13,7 @@ from derive.spec import paper
 from derive.spec.body import PlanarBeam
 from derive.spec.errors import quoted
 from derive.spec.names import name_problem
-from derive.spec.schema import BeamTable, FrameTable, ParameterTable, ShapeKeys, Specification
+from derive.spec.schema import MAX_MARKERS, BeamTable, FrameTable, ParameterTable, ShapeKeys, Specification
 from derive.spec.values import kind_of
 
 MAX_FAULTS = 100
@@ -93,11 +93,13 @@ def _table(path: Path) -> type[BaseModel]:
 
 def _unknown_key(path: Path) -> str:
     key, known = str(path[-1]), list(_table(path[:-1]).model_fields)
-    near = difflib.get_close_matches(key[:40].lower(), [k.lower() for k in known], n=1)
-    if near:
-        return f"unknown key; did you mean {quoted(near[0])}?"
     if len(path) == 1 and key in BeamTable.model_fields:
         return "this key belongs in the table [beam]"
+    if path == ("beam", "name"):
+        return "this key belongs above the table [beam]"
+    near = difflib.get_close_matches(key[:40].lower(), known, n=1)
+    if near:
+        return f"unknown key; did you mean {quoted(near[0])}?"
     return f"unknown key; the keys here are {', '.join(known)}"
 
 
@@ -112,7 +114,7 @@ def _repeated_names(data: Mapping[str, object]) -> Iterator[Fault]:
                 continue
             other = first.setdefault(name.lower(), where)
             if other != where:
-                yield Fault(path, f"{quoted(name)} is taken: {other}; names differ in more than upper and lower case")
+                yield Fault(path, f"{quoted(name)} is taken: {other}; names must differ in more than case")
 
 
 def _symbols(model: object, beam: Mapping[str, object]) -> Iterator[tuple[Path, str, str]]:
@@ -130,7 +132,7 @@ def _symbols(model: object, beam: Mapping[str, object]) -> Iterator[tuple[Path, 
 
 
 def _marker_names(markers: object) -> Iterator[tuple[Path, str, str]]:
-    if isinstance(markers, Mapping) and len(markers) <= MAX_FAULTS:
+    if isinstance(markers, Mapping) and len(markers) <= MAX_MARKERS:
         for name in markers:
             if isinstance(name, str):
                 yield ("beam", "markers", name), name, f"there is a marker {quoted(name)}"

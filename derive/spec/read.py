@@ -96,7 +96,7 @@ def _plain(node: Any) -> Any:
 def _as_data(value: object) -> object:
     if isinstance(value, (Frame, Parameter)):
         return {key: item for key, item in asdict(value).items() if item is not None}
-    return dict(value) if isinstance(value, Mapping) else value
+    return value
 
 
 def _beam(data: Mapping[str, object], locate_in: str = "", source: str | None = None) -> PlanarBeam:

@@ -222,14 +222,14 @@ class BeamTable(ShapeKeys):
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
-    mass: Annotated[QuantityInput, Field(description="The mass: a parameter, or a number for good.")] = _as_table(
-        paper.MASS
+    mass: Annotated[QuantityInput, Field(description="The mass: a parameter, or a number fixed in the code.")] = (
+        _as_table(paper.MASS)
     )
-    length: Annotated[QuantityInput, Field(description="The length: a parameter, or a number for good.")] = _as_table(
-        paper.LENGTH
+    length: Annotated[QuantityInput, Field(description="The length: a parameter, or a number fixed in the code.")] = (
+        _as_table(paper.LENGTH)
     )
     bending_stiffness: Annotated[
-        QuantityInput, Field(description="The bending stiffness: a parameter, or a number for good.")
+        QuantityInput, Field(description="The bending stiffness: a parameter, or a number fixed in the code.")
     ] = _as_table(paper.BENDING_STIFFNESS)
     markers: Annotated[
         dict[Name, Place],

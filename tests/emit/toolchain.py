@@ -1,0 +1,99 @@
+"""Compilers and the tools that look at what they make; a tool that is missing is an error where CI is set."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+from collections.abc import Callable, Mapping, Sequence
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+import beams
+import derive
+
+HERE = Path(__file__).parent
+SCENES = HERE.parent.parent / "scenes"
+
+WARNINGS = ("-pedantic", "-Wall", "-Wextra", "-Wconversion", "-Wshadow", "-Werror")
+C99 = ("-std=c99", *WARNINGS)
+CPP11 = ("-x", "c++", "-std=c++11", *WARNINGS)
+
+
+def tool(name: str) -> str:
+    """The path of a tool; without it the test is skipped, and fails in CI, where nothing may go unnoticed."""
+    if path := shutil.which(name):
+        return path
+    if os.environ.get("CI"):
+        pytest.fail(f"{name} is missing", pytrace=False)
+    pytest.skip(f"{name} is missing")
+
+
+def run(*command: str | Path, cwd: Path | None = None) -> str:
+    """The standard output of a command that has to succeed."""
+    done = subprocess.run([str(c) for c in command], cwd=cwd, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, f"{' '.join(map(str, command))}\n{done.stdout}{done.stderr}"
+    return done.stdout
+
+
+def run_together(commands: Sequence[Sequence[str | Path]]) -> None:
+    """Run commands that have to succeed, all at the same time."""
+    started = [
+        subprocess.Popen([str(c) for c in command], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        for command in commands
+    ]
+    said = [process.communicate()[0] for process in started]
+    for command, process, text in zip(commands, started, said, strict=True):
+        assert process.returncode == 0, f"{' '.join(map(str, command))}\n{text}"
+
+
+def written(files: Sequence[derive.File], folder: Path) -> list[Path]:
+    """The C files among generated files, written below a folder."""
+    derive.write(files, folder)
+    return [folder / file.path for file in files if file.path.endswith(".c")]
+
+
+def text_of(made: beams.Made, ending: str) -> str:
+    """The one generated file whose name ends so."""
+    (text,) = (file.text for file in made.files if file.path.endswith(ending))
+    return text
+
+
+@cache
+def scene(name: str) -> beams.Made:
+    """A model of the folder `scenes`."""
+    return beams.build(derive.read(SCENES / f"{name}.toml"))
+
+
+@cache
+def special(name: str) -> beams.Made:
+    """One of SPECIAL, built once a session."""
+    return beams.build(beams.beam(**SPECIAL[name]))
+
+
+FOLDED = {"mass": "7/3", "length": 0.7, "bending_stiffness": 2}
+SPECIAL: Mapping[str, dict[str, object]] = {
+    "folded_mean": {"frame": "mean", **FOLDED},
+    "folded_point": {"frame": "point", **FOLDED},
+    "half_folded": {"frame": "chord", "length": "1/3"},
+    "no_markers": {"frame": "tangent", "markers": {}},
+    "folded_no_markers": {"frame": "mean", "n": 1, "markers": {}, **FOLDED},
+    "many_markers": {"frame": "point", "markers": {f"at_{k}": f"{k}/4" for k in range(5)} | {"tip": 1}},
+    # Symbols and markers that the code uses for other things.
+    "unlucky_names": {
+        "frame": "point",
+        "mass": {"symbol": "c8_1_1"},
+        "length": {"symbol": "t"},
+        "bending_stiffness": {"symbol": "phi"},
+        "markers": {"mass": -1, "k": 1, "t1": "1/2"},
+    },
+}
+SHAPES = (1, 2, 5, 8)
+
+MODELS: dict[str, Callable[[], beams.Made]] = {
+    **{f"{frame}_{n}": lambda frame=frame, n=n: beams.made(frame, n) for frame in beams.FRAMES for n in SHAPES},
+    **{name: lambda name=name: special(name) for name in SPECIAL},
+}
+"""The models that the tests of this folder go through: every frame with few and many shapes, and special ones."""
