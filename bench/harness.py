@@ -136,7 +136,9 @@ def nanoseconds(path: Path, inputs: Inputs) -> float:
     return statistics.median(map(float, text.split()))
 
 
-def measure(variant: Variant, inputs: Inputs, flags: tuple[str, ...], folder: Path, reference: Matrix | None) -> Measured:
+def measure(
+    variant: Variant, inputs: Inputs, flags: tuple[str, ...], folder: Path, reference: Matrix | None
+) -> Measured:
     """Compile, check against the reference if there is one, count and time. Raises ArithmeticError on other values."""
     path = program(variant, inputs, flags, folder)
     if reference is not None:

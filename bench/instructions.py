@@ -1,6 +1,6 @@
 """Machine instructions and time of one evaluation of M and h of the planar beam, ours and others'.
 
-    python bench/instructions.py [--shapes 2 4 8] [--flags "-O2 -std=c99 -ffp-contract=off"] [--json]
+python bench/instructions.py [--shapes 2 4 8] [--phi 0.5] [--flags "-O2 -std=c99 -ffp-contract=off"] [--json]
 """
 
 from __future__ import annotations
@@ -23,9 +23,9 @@ from derive import load
 FRAMES = ("point", "mean")
 
 
-def measured(frame: str, shapes: int, flags: tuple[str, ...], folder: Path) -> list[Measured]:
+def measured(frame: str, shapes: int, phi: float | None, flags: tuple[str, ...], folder: Path) -> list[Measured]:
     """All variants of one beam; the reference is what our code computes when compiled as derive.load does."""
-    given = problem(beam(frame, shapes))
+    given = problem(beam(frame, shapes), phi)
     native = load(given.files)
     nv = given.inputs.nv
     k = native.setup(given.inputs.p)
@@ -50,14 +50,16 @@ def table(frame: str, shapes: int, rows: list[Measured]) -> str:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--shapes", type=int, nargs="+", default=[2, 4, 8])
+    parser.add_argument("--phi", type=float, help="the rotation at which libm is counted, instead of a whole turn")
     parser.add_argument("--flags", help="instead of -O3 -march=native")
     parser.add_argument("--json", action="store_true")
     options = parser.parse_args()
     flags = tuple(shlex.split(options.flags)) if options.flags else native_flags()
+    rotation = "phi evenly over one turn" if options.phi is None else f"phi = {options.phi}"
     head = [
         *described("casadi", "sympy"),
         f"flags     {shlex.join(flags)}",
-        f"counted   {first_line('valgrind', '--version')} callgrind, mean over 64 states, phi evenly over one turn",
+        f"counted   {first_line('valgrind', '--version')} callgrind, mean over 64 states, {rotation}",
     ]
     if NO_AVX512 in flags:
         head.append("          AVX-512 is left out, because valgrind cannot run it")
@@ -67,7 +69,7 @@ def main() -> None:
     with tempfile.TemporaryDirectory(prefix="tisserand-bench-") as folder:
         for shapes in options.shapes:
             for frame in FRAMES:
-                rows = measured(frame, shapes, flags, Path(folder))
+                rows = measured(frame, shapes, options.phi, flags, Path(folder))
                 found[f"{frame} {shapes}"] = [asdict(row) for row in rows]
                 if not options.json:
                     print(f"\n{table(frame, shapes, rows)}", flush=True)

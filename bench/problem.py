@@ -30,13 +30,14 @@ def beam(frame: str, shapes: int, orthogonal: bool | None = None) -> derive.Plan
     return derive.planar_beam(f"{frame}{shapes}", ansatz=ansatz, frame=frame, orthogonal=orthogonal)
 
 
-def problem(spec: derive.PlanarBeam) -> Problem:
-    """Equations, kernels, files and states: rotations evenly over one turn, the rest at random."""
+def problem(spec: derive.PlanarBeam, phi: float | None = None) -> Problem:
+    """Equations, kernels, files and states: rotations evenly over one turn or as given, the rest at random."""
     equations = derive.derive(spec)
     model = derive.lower(equations)
     nv = len(equations.coordinates)
     states = np.random.default_rng(1).uniform(-1.0, 1.0, (STATES, 2 * nv))
-    states[:, 2] = np.pi * (2 * np.arange(STATES) + 1 - STATES) / STATES
+    turn = np.pi * (2 * np.arange(STATES) + 1 - STATES) / STATES
+    states[:, 2] = turn if phi is None else phi
     states[:, 3:nv] *= 0.2
     p = tuple(PARAMETERS[str(parameter.symbol)] for parameter in equations.parameters)
     inputs = Inputs(p, states, len(model.pattern("mass", "M").rowidx), nv)

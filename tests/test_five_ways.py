@@ -11,13 +11,13 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Any
 
-import beams
 import casadi as ca
 import mpmath
 import numpy as np
 import pytest
 import sympy as sp
 
+import beams
 from derive.kernel.context import Context
 from derive.kernel.interpret import interpret
 from derive.kernel.ir import Num

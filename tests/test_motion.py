@@ -6,11 +6,11 @@ import math
 from collections.abc import Callable
 from itertools import pairwise
 
-import beams
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+import beams
 from derive.native import Native, Vector
 
 P = np.array([1.3, 0.7, 2.1])

@@ -37,7 +37,8 @@ def test_wheel_and_sdist_hold_what_they_should(distributions: Path) -> None:
     assert any(name.endswith("licenses/LICENSE") for name in names)
     assert all(name.startswith(("derive/", "tisserand-")) for name in names)
     (sdist,) = distributions.glob("*.tar.gz")
-    inside = {name.split("/", 1)[1] for name in tarfile.open(sdist).getnames() if "/" in name}
+    with tarfile.open(sdist) as archive:
+        inside = {name.split("/", 1)[1] for name in archive.getnames() if "/" in name}
     assert {f"templates/{name}" for name in templates} <= inside
     assert {"README.md", "LICENSE", "CITATION.cff", "constraints.txt", "scenes/free_beam_mean.toml"} <= inside
 

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
+from toolchain import C99, CPP11, MODELS, WARNINGS, run, run_together, special, tool, written
 
 import beams
 from derive.kernel.model import Model
-from toolchain import C99, CPP11, MODELS, WARNINGS, run, run_together, special, tool, written
 
 # Relocations would put constant pointers among writable data, which says nothing of the code.
 FIXED = ("-fno-pic", "-fno-pie", "-c")

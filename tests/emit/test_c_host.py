@@ -6,9 +6,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from toolchain import C99, CPP11, HERE, run, scene, tool, written
 
 import derive
-from toolchain import C99, CPP11, HERE, run, scene, tool, written
 
 Q = np.array([0.1, 0.2, 0.5, 0.02, -0.01])
 V = np.array([1.0, -2.0, 3.0, 0.1, 0.2])

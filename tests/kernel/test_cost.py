@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import beams
 import pytest
 
+import beams
 from derive.kernel.ir import Kernel, Op, Ref, walk
 
 STRUCTURE = {

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import beams
 import pytest
 import sympy as sp
-from paper import brute_force
 
+import beams
 from derive.mechanics.conditions import assumed_shapes
 from derive.mechanics.kinematics import R, phi
 from derive.mechanics.virtual_work import Moments, total
+from paper import brute_force
 
 PLAIN = {sp.Symbol(name, positive=True): sp.Symbol(name) for name in ("m", "l", "EI")}
 XI = sp.Symbol("xi")

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
-import beams
 import numpy as np
 import pytest
 import sympy as sp
 
+import beams
 from derive.kernel.interpret import interpret
 from paper.printed import EQUATION_33, EQUATION_41, MEAN_SHAPES, POINT_SHAPES, PrintedTerm, row_sum
 

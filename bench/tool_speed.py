@@ -1,0 +1,84 @@
+"""Seconds from a specification to its files, by stage, and what the imports cost.
+
+python bench/tool_speed.py [--shapes 2 3 4 5 6 7 8 9 10] [--runs 5]
+
+Every run is a process of its own, so that no cache of SymPy helps the next; its imports are done before the clock
+starts. The imports are measured by themselves.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+from machine import described
+
+STAGES = ("read", "derive", "lower", "emit")
+FRAMES = ("mean", "point")
+RUN = """
+import json, sys
+from pathlib import Path
+import derive.spec.check, derive.spec.schema
+from derive.pipeline import build
+print(json.dumps([stage.seconds for stage in build(Path(sys.argv[1])).stages]))
+"""
+IMPORTS = (
+    "pass", "import derive", "import sympy", "import casadi", "from derive import read", "import derive.pipeline",
+    "import derive.native",
+)  # fmt: skip
+
+
+def specification(frame: str, shapes: int) -> str:
+    """The TOML of a beam with three markers."""
+    ansatz = ", ".join(f'"xi^{n}"' for n in range(1, shapes + 2))
+    markers = "[beam.markers]\nleft = -1\nmiddle = 0\nright = 1\n"
+    return f'name = "beam"\n[beam]\nframe = "{frame}"\nansatz = ["1", {ansatz}]\n{markers}'
+
+
+def stage_seconds(path: Path, runs: int) -> list[float]:
+    """The median over the runs, stage by stage."""
+    command = [sys.executable, "-c", RUN, str(path)]
+    found = [json.loads(subprocess.run(command, capture_output=True, check=True).stdout) for _ in range(runs)]
+    return [statistics.median(column) for column in zip(*found, strict=True)]
+
+
+def import_seconds(statement: str, runs: int) -> float:
+    """A process that does nothing else."""
+
+    def once() -> float:
+        start = time.perf_counter()
+        subprocess.run([sys.executable, "-c", statement], check=True)
+        return time.perf_counter() - start
+
+    return statistics.median(once() for _ in range(runs))
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--shapes", type=int, nargs="+", default=list(range(2, 11)))
+    parser.add_argument("--runs", type=int, default=5)
+    options = parser.parse_args()
+    print("\n".join(described("casadi", "sympy", "pydantic", "jinja2")))
+    print(f"figures   seconds, median of {options.runs} processes\n")
+    print("frame  shapes" + "".join(stage.rjust(9) for stage in STAGES) + "    total")
+    with tempfile.TemporaryDirectory(prefix="tisserand-bench-") as folder:
+        path = Path(folder) / "beam.toml"
+        for frame in FRAMES:
+            for shapes in options.shapes:
+                path.write_text(specification(frame, shapes))
+                seconds = stage_seconds(path, options.runs)
+                cells = "".join(f"{s:9.3f}" for s in (*seconds, sum(seconds)))
+                print(f"{frame:5}{shapes:8}{cells}", flush=True)
+    print("\na process that runs          seconds")
+    for statement in IMPORTS:
+        print(f"{statement:28}{import_seconds(statement, options.runs):8.3f}", flush=True)
+
+
+if __name__ == "__main__":
+    main()
