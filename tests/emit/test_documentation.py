@@ -1,0 +1,157 @@
+"""Each generated function says what it takes, what it gives and what it costs, and that is true."""
+
+from __future__ import annotations
+
+import ast
+import hashlib
+import json
+import re
+
+import pytest
+
+import beams
+from derive.kernel.ir import Kernel, Output
+from toolchain import MODELS, text_of
+
+EVERY_MODEL = pytest.mark.parametrize("model", MODELS)
+
+
+def flat(text: str) -> str:
+    """A comment as one line, without the stars of C."""
+    return " ".join(re.sub(r"^\s*\*", "", line).strip() for line in text.splitlines())
+
+
+def comments_of_c(made: beams.Made) -> dict[str, str]:
+    """The comment above each function of a header."""
+    found = re.findall(r"/\*((?:(?!\*/).)*)\*/\nint (\w+)\(", text_of(made, ".h"), re.DOTALL)
+    return {name.removeprefix(f"{made.model.name}_"): flat(comment) for comment, name in found}
+
+
+def functions_of_python(made: beams.Made) -> dict[str, ast.FunctionDef]:
+    tree = ast.parse(text_of(made, ".py"))
+    return {node.name: node for node in tree.body if isinstance(node, ast.FunctionDef) and node.name[0] != "_"}
+
+
+def said_of(output: Output) -> str:
+    """How an output has to be described, up to its size."""
+    if output.pattern is None:
+        return f" {output.name}: {output.doc} ({len(output.elements)}): {', '.join(output.elements)}"
+    size = f"{output.pattern.rows} x {output.pattern.cols}, {len(output.elements)} values"
+    return f" {output.name}: {output.doc}, {size}"
+
+
+def check(kernel: Kernel, comment: str) -> None:
+    assert kernel.doc in comment
+    for argument in kernel.arguments:
+        size = "" if argument.scalar else f" ({len(argument.elements)})"
+        assert f" {argument.name}: {argument.doc}{size}" in comment
+    for output in kernel.outputs:
+        assert said_of(output) in comment
+    for section in kernel.sections:
+        assert section.equation in comment
+    assert re.findall(r"(\d+) operations\.", comment) == [str(kernel.operations)]
+
+
+@EVERY_MODEL
+def test_header_describes_each_function(model: str) -> None:
+    made = MODELS[model]()
+    comments = comments_of_c(made)
+    assert list(comments) == [kernel.name for kernel in made.model.kernels]
+    for kernel in made.model.kernels:
+        check(kernel, comments[kernel.name])
+
+
+@EVERY_MODEL
+def test_python_describes_each_function(model: str) -> None:
+    made = MODELS[model]()
+    functions = functions_of_python(made)
+    assert list(functions) == ["dense", *(kernel.name for kernel in made.model.kernels)]
+    for kernel in made.model.kernels:
+        function = functions[kernel.name]
+        check(kernel, flat(ast.get_docstring(function) or ""))
+        assert [a.arg for a in function.args.args] == [a.name for a in kernel.arguments]
+
+
+@EVERY_MODEL
+def test_the_operations_that_are_counted_are_those_of_the_text(model: str) -> None:
+    """Counted in the generated Python by its own parser: arithmetic on anything but two literals, and functions."""
+    made = MODELS[model]()
+    for name, function in functions_of_python(made).items():
+        if name in ("setup", "accel", "dense"):
+            continue  # these check, and Python checks in another way than C
+        count = sum(is_operation(node) for statement in function.body for node in ast.walk(statement))
+        assert count == made.model.kernel(name).operations, name
+
+
+def is_operation(node: ast.AST) -> bool:
+    if isinstance(node, ast.BinOp):
+        return not (is_literal(node.left) and is_literal(node.right))
+    if isinstance(node, ast.UnaryOp):
+        return not is_literal(node.operand)
+    called = node.func if isinstance(node, ast.Call) else None
+    return isinstance(called, ast.Attribute) and called.attr in ("sin", "cos")
+
+
+def is_literal(node: ast.AST) -> bool:
+    if isinstance(node, ast.UnaryOp):
+        return is_literal(node.operand)
+    return isinstance(node, ast.Constant)
+
+
+@EVERY_MODEL
+def test_sections_are_told_in_the_code(model: str) -> None:
+    made = MODELS[model]()
+    for ending in (".c", ".py"):
+        text = flat(text_of(made, ending).replace("#", "").replace("/*", "").replace("*/", ""))
+        for kernel in made.model.kernels:
+            assert all(section.doc in text for section in kernel.sections if ending == ".c" or section.name != "check")
+
+
+@EVERY_MODEL
+def test_head_names_state_parameters_and_constants(model: str) -> None:
+    made = MODELS[model]()
+    for ending in (".h", ".py"):
+        text = text_of(made, ending)
+        head = flat(text[: text.index("Arrays may have" if ending == ".py" else "#ifndef")])
+        for variable in (*made.model.coordinates, *made.model.parameters, *made.model.constants):
+            assert re.search(rf"{re.escape(variable.name)} +(\[.*?\] +)?{re.escape(variable.doc)}", head)
+        for zero in (*made.model.zeros, *made.model.vanished):
+            assert zero.what in head
+            assert zero.reason in head
+
+
+@EVERY_MODEL
+def test_enum_of_the_header_gives_sizes_and_indices(model: str) -> None:
+    made = MODELS[model]()
+    macro = made.model.name.upper()
+    found = {name: int(value) for name, value in re.findall(rf"^    {macro}_(\w+) = (\d+)", text_of(made, ".h"), re.M)}
+    n = len(made.model.coordinates)
+    expected = {"NQ": n, "NV": n, "NY": 2 * n, "NP": len(made.model.parameters), "NK": len(made.model.constants)}
+    expected |= {"NMARKERS": len(made.model.markers), "ABI": 1}
+    outputs = {"MASS": ("mass", "M"), "JACOBIAN": ("jacobian", "jac")}
+    outputs |= {f"MARKER_{m.name.upper()}": (f"marker_{m.name}", "jacobian") for m in made.model.markers}
+    expected |= {f"NNZ_{name}": len(made.model.pattern(*place).rowidx) for name, place in outputs.items()}
+    expected |= {f"P_{p.name}": index for index, p in enumerate(made.model.parameters)}
+    expected |= {f"K_{k.name}": index for index, k in enumerate(made.model.constants)}
+    assert found == expected
+
+
+@EVERY_MODEL
+def test_manifest_tells_operations_and_digests(model: str) -> None:
+    made = MODELS[model]()
+    manifest = json.loads(text_of(made, "manifest.json"))
+    assert manifest["operations"] == {kernel.name: kernel.operations for kernel in made.model.kernels}
+    others = [file for file in made.files if not file.path.endswith("manifest.json")]
+    assert manifest["files"] == {file.path: hashlib.sha256(file.text.encode()).hexdigest() for file in others}
+    for file in others:
+        assert manifest["specification_sha256"] in file.text[:300]
+
+
+@EVERY_MODEL
+def test_no_line_is_wider_than_120_characters_nor_ends_in_blanks(model: str) -> None:
+    for file in MODELS[model]().files:
+        for line in file.text.split("\n"):
+            assert len(line) <= 120, line
+            assert line == line.rstrip()
+        assert file.text.endswith("\n")
+        assert not file.text.endswith("\n\n")

@@ -1,0 +1,101 @@
+"""Expressions written as C and Python are the trees they came from: same operations, same order, exact numbers."""
+
+from __future__ import annotations
+
+import random
+from fractions import Fraction
+
+import pytest
+
+from derive.emit.expression import WIDTH, c_number, python_number, statement, text
+from derive.kernel.interpret import interpret
+from derive.kernel.ir import Argument, Expr, Kernel, Num, Op, Output, Ref, Section, Store
+
+VALUES = {"a": 1.7, "b": -0.3, "c": 0.9}
+NUMBERS = [Fraction(2), Fraction(-3), Fraction(1, 3), Fraction(-5, 7), Fraction(1, 4), Fraction(2**60 + 1, 3)]
+
+
+def random_tree(rng: random.Random, depth: int) -> Expr:
+    if depth == 0:
+        return Ref(rng.choice("abc")) if rng.random() < 0.7 else Num(rng.choice(NUMBERS))
+    kind = rng.choice(["add", "sub", "mul", "div", "add", "sub", "mul", "neg", "sin"])
+    count = 1 if kind in ("neg", "sin") else 2
+    return Op(kind, tuple(random_tree(rng, rng.randrange(depth)) for _ in range(count)))
+
+
+def value_of(expr: Expr) -> float:
+    """By the interpreter, in doubles."""
+    arguments = (Argument("x", tuple(VALUES), ""),)
+    kernel = Kernel("f", "", arguments, (Output("y", ("y",), ""),), (Section("", "", "", (Store("y", 0, expr),)),))
+    return float(interpret(kernel, {"x": list(VALUES.values())})["y"][0])
+
+
+@pytest.mark.parametrize("number", [c_number, python_number])
+def test_text_keeps_the_order_of_operations(number) -> None:  # type: ignore[no-untyped-def]
+    """Python and C read these operators alike; doubles tell (a + b) + c from a + (b + c)."""
+    import math
+
+    rng = random.Random(1)
+    for _ in range(3000):
+        tree = random_tree(rng, 5)
+        try:
+            expected = value_of(tree)
+        except ZeroDivisionError:
+            continue
+        written = text(tree, number)
+        assert eval(written, {"sin": math.sin, **VALUES}) == expected, written
+        lines = statement("    ", "y = (", written, ")")
+        assert eval("\n".join(lines).strip().removeprefix("y = "), {"sin": math.sin, **VALUES}) == expected
+
+
+@pytest.mark.parametrize(
+    ("tree", "expected"),
+    [
+        (Op("add", (Ref("a"), Op("add", (Ref("b"), Ref("c"))))), "a + (b + c)"),
+        (Op("add", (Op("add", (Ref("a"), Ref("b"))), Ref("c"))), "a + b + c"),
+        (Op("sub", (Ref("a"), Op("mul", (Ref("b"), Ref("c"))))), "a - b * c"),
+        (Op("mul", (Op("sub", (Ref("a"), Ref("b"))), Ref("c"))), "(a - b) * c"),
+        (Op("div", (Ref("a"), Op("mul", (Ref("b"), Ref("c"))))), "a / (b * c)"),
+        (Op("neg", (Op("neg", (Ref("a"),)),)), "-(-a)"),
+        (Op("mul", (Num(Fraction(1, 3)), Ref("a"))), "(1.0 / 3.0) * a"),
+        (Op("div", (Ref("m"), Num(Fraction(7)))), "m / 7.0"),
+        (Op("sin", (Op("add", (Ref("a"), Ref("b"))),)), "sin(a + b)"),
+    ],
+)
+def test_no_parentheses_more_than_needed(tree: Expr, expected: str) -> None:
+    assert text(tree, c_number) == expected
+
+
+@pytest.mark.parametrize(
+    ("value", "c", "python"),
+    [
+        (Fraction(7), "7.0", "7"),
+        (Fraction(-7), "-7.0", "-7"),
+        (Fraction(1, 4), "0.25", "0.25"),
+        (Fraction(1, 3), "(1.0 / 3.0)", "(1 / 3)"),
+        (Fraction(2**53 - 1), "9007199254740991.0", "9007199254740991"),
+        (Fraction(2**53), "9007199254740992.0", "9007199254740992.0"),
+        (Fraction(10**22), "1e+22", "1e+22"),
+    ],
+)
+def test_numbers(value: Fraction, c: str, python: str) -> None:
+    assert c_number(value) == c
+    assert python_number(value) == python
+
+
+def test_numbers_are_the_nearest_doubles() -> None:
+    """A quotient of integers below 2^53 is rounded once, and so is what `float` makes of a fraction."""
+    rng = random.Random(2)
+    for _ in range(2000):
+        value = Fraction(rng.randrange(-(10**20), 10**20), rng.randrange(1, 10 ** rng.randrange(1, 20)))
+        for number in (c_number, python_number):
+            assert eval(number(value)) == float(value)
+
+
+def test_long_statements_break_before_a_sign() -> None:
+    terms = " + ".join(f"a_long_name_{k} * b" for k in range(12))
+    first, *others = statement("    ", "const double x = ", terms, ";")
+    assert len(others) > 1
+    assert all(len(line) <= WIDTH for line in (first, *others))
+    assert all(line.startswith("        + ") for line in others)
+    assert " ".join(line.strip() for line in (first, *others)) == f"const double x = {terms};"

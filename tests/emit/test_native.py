@@ -1,0 +1,170 @@
+"""Calling compiled models: sizes are checked before C sees them, and compilers that fail say why."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import beams
+import derive
+from derive import native as native_module
+from derive.native import CompilerError, Native
+from toolchain import special, tool
+
+Q, V = beams.state(2)
+Y = np.concatenate([Q, V])
+
+
+def calls() -> dict[str, tuple[Callable[..., Any], tuple[Any, ...]]]:
+    """Each function of a compiled model, with right arguments."""
+    model = beams.native("point", 2)
+    k = model.setup()
+    state = (Q, V, k)
+    return {
+        "setup": (model.setup, (model.defaults,)),
+        "mass": (model.mass, (Q, k)),
+        "force": (model.force, (0.0, *state)),
+        "mass_force": (model.mass_force, (0.0, *state)),
+        "accel": (model.accel, (0.0, *state)),
+        "energy": (model.energy, state),
+        "momentum": (model.momentum, state),
+        "rates": (model.rates, state),
+        "residual": (model.residual, (0.0, Y, Y, k)),
+        "jacobian": (model.jacobian, (0.0, Y, Y, 1.0, k)),
+        "marker": (lambda *arguments: model.marker("right", *arguments), state),
+    }
+
+
+@pytest.mark.parametrize("name", calls())
+def test_wrong_lengths_are_refused(name: str) -> None:
+    function, right = calls()[name]
+    function(*right)
+    for place, value in enumerate(right):
+        if np.ndim(value) == 0:
+            continue
+        for wrong in (value[:-1], np.append(value, 0.0), value[None, :], 1.0):
+            with pytest.raises(ValueError, match=f"a vector of {len(value)} is needed, not an array of shape"):
+                function(*right[:place], wrong, *right[place + 1 :])
+
+
+def test_takes_lists_integers_and_strided_arrays() -> None:
+    model = beams.native("point", 2)
+    k = model.setup()
+    strided = np.repeat(Q, 2)[::2]
+    assert not strided.flags.c_contiguous
+    expected = model.mass(Q, k)
+    assert np.array_equal(model.mass(list(Q), list(k)), expected)
+    assert np.array_equal(model.mass(strided, k), expected)
+    assert np.array_equal(model.setup([1, 2, 3]), model.setup([1.0, 2.0, 3.0]))
+
+
+def test_describes_the_model() -> None:
+    made, model = beams.made("point", 2), beams.native("point", 2)
+    assert (model.name, model.nq, model.nv, model.np) == ("beam_point_2", 5, 5, 3)
+    assert model.nk == len(made.model.constants)
+    assert model.parameters == ("m", "l", "EI")
+    assert list(model.defaults) == [1.3, 0.7, 2.1]
+    assert model.coordinates == ("c1", "c2", "phi", "alpha1", "alpha2")
+    assert model.markers == ("left", "inside", "right")
+    assert model.mass_pattern == made.model.pattern("mass", "M")
+    assert model.jacobian_pattern == made.model.pattern("jacobian", "jac")
+    for marker in model.markers:
+        assert model.marker_pattern(marker) == made.model.pattern(f"marker_{marker}", "jacobian")
+
+
+def test_a_model_may_have_no_markers() -> None:
+    assert derive.load(special("no_markers").files).markers == ()
+
+
+def test_models_live_side_by_side() -> None:
+    """All are called model.so in folders that are gone; none may be taken for another."""
+    names = [derive.load(beams.made(frame, 2).files) for frame in ("mean", "point", "mean")]
+    assert [native.name for native in names] == ["beam_mean_2", "beam_point_2", "beam_mean_2"]
+
+
+@pytest.mark.xfail(strict=True, reason="says tuple.index(x): x not in tuple")
+def test_an_unknown_marker_is_named() -> None:
+    model = beams.native("point", 2)
+    for call in (lambda: model.marker("nowhere", Q, V, model.setup()), lambda: model.marker_pattern("nowhere")):
+        with pytest.raises(ValueError, match="nowhere.*left, inside, right"):
+            call()
+
+
+def test_another_interface_number_is_refused() -> None:
+    files = [
+        replace(file, text=file.text.replace('    1,\n    "beam_mean_2"', '    99,\n    "beam_mean_2"'))
+        for file in beams.made("mean", 2).files
+    ]
+    with pytest.raises(CompilerError, match="beam_mean_2: its interface has number 99, this Tisserand knows 1"):
+        derive.load(files)
+
+
+# Compilers
+
+
+def load_with(compiler: str, monkeypatch: pytest.MonkeyPatch) -> Native:
+    monkeypatch.setenv("CC", compiler)
+    return derive.load(beams.made("mean", 2).files)
+
+
+def test_a_compiler_that_is_not_there(monkeypatch: pytest.MonkeyPatch) -> None:
+    with pytest.raises(CompilerError, match="^no_such_compiler: No such file or directory$"):
+        load_with("no_such_compiler", monkeypatch)
+
+
+def test_a_compiler_that_refuses(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The message has the command, to try it by hand, and all that the compiler said."""
+    with pytest.raises(CompilerError, match=r"(?s)^\S*gcc -Dconst=nonsense -std=c99.*beam_mean_2\.c.*error:"):
+        load_with(f"{tool('gcc')} -Dconst=nonsense", monkeypatch)
+
+
+@pytest.mark.xfail(strict=True, raises=ValueError, reason="shlex speaks for itself: No closing quotation")
+def test_a_compiler_that_cannot_be_read(monkeypatch: pytest.MonkeyPatch) -> None:
+    with pytest.raises(CompilerError, match="CC"):
+        load_with("'gcc", monkeypatch)
+
+
+@pytest.mark.xfail(strict=True, reason="takes the first flag for the compiler")
+def test_a_blank_compiler_is_none(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert load_with("  ", monkeypatch).name == "beam_mean_2"
+
+
+def test_cc_is_honoured_with_its_options(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    log, wrapper = tmp_path / "log", tmp_path / "my cc"
+    wrapper.write_text(f'#!/bin/sh\necho "$@" >> "{log}"\nexec "{tool("gcc")}" "$@"\n')
+    wrapper.chmod(0o755)
+    assert load_with(f"'{wrapper}' -DOPTION", monkeypatch).name == "beam_mean_2"
+    assert log.read_text().startswith("-DOPTION -std=c99 -O2 -ffp-contract=off -shared -fPIC -o ")
+
+
+def test_an_empty_cc_is_no_choice(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert load_with("", monkeypatch).name == "beam_mean_2"
+
+
+def test_compilers_are_looked_for_in_order(monkeypatch: pytest.MonkeyPatch) -> None:
+    present = {"clang", "gcc"}
+    monkeypatch.delenv("CC", raising=False)
+    monkeypatch.setattr(native_module.shutil, "which", lambda name: f"/bin/{name}" if name in present else None)
+    assert native_module.compiler() == ["/bin/gcc"]
+    present.remove("gcc")
+    assert native_module.compiler() == ["/bin/clang"]
+    present.clear()
+    monkeypatch.setattr(native_module, "find_spec", lambda name: name == "ziglang" or None)
+    assert native_module.compiler() == [sys.executable, "-m", "ziglang", "cc"]
+    monkeypatch.setattr(native_module, "find_spec", lambda name: None)
+    with pytest.raises(CompilerError, match="no C compiler found: set CC, install gcc or clang, or `pip install"):
+        native_module.compiler()
+
+
+def test_nothing_is_left_behind(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setattr(native_module.tempfile, "tempdir", str(tmp_path))
+    derive.load(beams.made("mean", 2).files)
+    with pytest.raises(CompilerError):
+        load_with("false", monkeypatch)
+    assert list(tmp_path.iterdir()) == []
