@@ -49,7 +49,7 @@ def test_build_shows_the_stages_and_writes(tmp_path: Path, capsys: pytest.Captur
     rows = [line.split() for line in said.out.splitlines() if line.startswith("  ") and len(line.split()) > 1]
     assert ["stage", "seconds", "terms", "operations", "non-zeros"] in rows
     lowered = [row[2:] for row in rows if row[0] == "lower"]
-    assert lowered == [["18", "5"], ["38", "15"]]
+    assert lowered == [["18", "5"], ["37", "15"]]
     for name in ("free_beam_mean", "free_beam_point"):
         names = sorted(p.name for p in (tmp_path / name).iterdir())
         assert names == [f"{name}.c", f"{name}.h", f"{name}.py", "manifest.json"]

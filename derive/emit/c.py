@@ -57,7 +57,7 @@ def _function(model: Model, kernel: Kernel) -> Function:
     inputs = [
         f"double {a.name}" if a.scalar else f"const double *TISSERAND_RESTRICT {a.name}" for a in kernel.arguments
     ]
-    outputs = [f"double *TISSERAND_RESTRICT {o.name}" for o in kernel.outputs]
+    outputs = [f"double *{o.name}" for o in kernel.outputs]
     name = f"{model.name}_{kernel.name}"
     signature = f"int {name}(\n    " + ",\n    ".join([*inputs, *outputs]) + ")"
     return Function(name, "\n".join(comment(kernel_text(kernel))), signature, "\n".join(lines))
@@ -66,10 +66,11 @@ def _function(model: Model, kernel: Kernel) -> Function:
 def _loads(kernel: Kernel) -> list[str]:
     """Name the elements that are read; say which arguments are not."""
     lines = []
+    used = kernel.used
     for argument in kernel.arguments:
-        read = [(k, n) for k, n in enumerate(argument.elements) if n in kernel.used]
+        read = [(k, n) for k, n in enumerate(argument.elements) if n in used]
         lines += [f"    const double {name} = {argument.name}[{k}];" for k, name in read]
-        if not read and argument.name not in kernel.used:
+        if not read and argument.name not in used:
             lines.append(f"    (void) {argument.name};")
     lines += [f"    (void) {o.name};" for o in kernel.outputs if not o.elements]
     return lines

@@ -51,8 +51,9 @@ def _function(kernel: Kernel) -> Function:
     ranks = ["0" if a.scalar else "1" for a in kernel.arguments]  # axes of its own; those before are the batch
     own = _tuple([a.name for a in kernel.arguments])
     lines = [f"    xp, shape, {own} = _arrays({_tuple(ranks)}, {names})"]
+    used = kernel.used
     for argument in kernel.arguments:
-        read = [(k, n) for k, n in enumerate(argument.elements) if n in kernel.used]
+        read = [(k, n) for k, n in enumerate(argument.elements) if n in used]
         lines += [f"    {name} = {argument.name}[..., {k}]" for k, name in read]
     required: list[str] = []
     for section in kernel.sections:

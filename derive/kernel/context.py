@@ -69,8 +69,8 @@ class Context:
         *steps: Step,
     ) -> Kernel:
         """A kernel made of the definitions and these steps."""
-        every = (*self.definition_steps(symbols), *steps)
-        return Kernel(name, doc, arguments, outputs, schedule(Graph(self.constants), symbols, every))
+        sections = schedule(Graph(self.constants), symbols, self.definition_steps(symbols), steps)
+        return Kernel(name, doc, arguments, outputs, sections)
 
     def mass_pattern(self) -> Pattern:
         """The lower triangle of the mass matrix, without its structural zeros."""

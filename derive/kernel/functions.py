@@ -10,7 +10,7 @@ import sympy as sp
 from derive.kernel.context import Context, define, stores
 from derive.kernel.factor import factorise, solve
 from derive.kernel.ir import Kernel, Output, pattern
-from derive.kernel.schedule import Named, Required, Step
+from derive.kernel.schedule import Named, Required, Step, Stored
 from derive.kernel.symbols import Symbols
 from derive.mechanics.equations import MarkerEquations
 
@@ -43,7 +43,15 @@ def mass_force(context: Context) -> Kernel:
     doc = "Mass matrix and forces together; what they share is computed once."
     arguments = (context.t, context.q, context.v, context.k)
     outputs = (_mass_output(context), _force_output(context))
-    steps = (_mass_step(context, symbols), _force_step(context, symbols))
+    entries, forces = context.mass_pattern().entries, context.equations.force
+    steps = []
+    # From the last row to the first, which begin with what is cheap: compilers keep it in registers.
+    for row in reversed(range(len(context.names))):
+        h = Stored("h", row, symbols(forces[row]))
+        places = [(place, entry) for place, entry in enumerate(entries) if entry[1] == row]
+        column = (Stored("M", place, symbols(context.equations.mass[entry])) for place, entry in places)
+        text = f"force and column of M of {context.names[row]}"
+        steps.append(Step(context.names[row], "(15)", text, (h, *column)))
     return context.kernel("mass_force", doc, arguments, outputs, symbols, *steps)
 
 

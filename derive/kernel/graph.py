@@ -50,6 +50,8 @@ class Constants:
         match expr:
             case Op("div", (Num(Fraction(numerator=1, denominator=1)), Ref(name))):
                 return f"inverse_{name}"
+            case Op("neg", (Ref(name),)):
+                return f"minus_{name}"
         return None
 
 

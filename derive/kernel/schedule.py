@@ -53,18 +53,39 @@ class Step:
     wants: tuple[Want, ...]
 
 
-def schedule(graph: Graph, symbols: Symbols, steps: tuple[Step, ...]) -> tuple[Section, ...]:
+Located = tuple[Step, list[tuple[Want, int]]]
+"""A step with the graph node of each thing it wants."""
+
+
+def schedule(
+    graph: Graph, symbols: Symbols, definitions: tuple[Step, ...], steps: tuple[Step, ...]
+) -> tuple[Section, ...]:
     """Sections with a `Let` for what has a name or is used more than once; the rest stands where it is used.
 
-    All steps are read back from CasADi at once, so that they share. A requirement on constants alone goes to setup.
+    A section of definitions comes just before the first step that needs it. All is read back from CasADi at once, so
+    that it shares. A requirement on constants alone goes to setup.
     """
-    nodes = iter(read(graph, symbols, [want.value for step in steps for want in step.wants]))
-    located = [(step, [(want, next(nodes)) for want in step.wants]) for step in steps]
+    every = (*definitions, *steps)
+    nodes = iter(read(graph, symbols, [want.value for step in every for want in step.wants]))
+    located = [(step, [(want, next(nodes)) for want in step.wants]) for step in every]
     for _, wants in located:
         wants[:] = [(w, node) for w, node in wants if not (isinstance(w, Required) and _moved_to_setup(graph, w, node))]
     writer = _Writer(graph, [pair for _, wants in located for pair in wants])
-    sections = (Section(step.name, step.equation, step.doc, writer.body(wants)) for step, wants in located)
+    ordered = _when_needed(graph, located[: len(definitions)], located[len(definitions) :])
+    sections = (Section(step.name, step.equation, step.doc, writer.body(wants)) for step, wants in ordered)
     return tuple(section for section in sections if section.body)
+
+
+def _when_needed(graph: Graph, definitions: list[Located], steps: list[Located]) -> list[Located]:
+    """Steps, each behind the definitions that it is the first to need."""
+    ordered: list[Located] = []
+    waiting = list(definitions)
+    for step in steps:
+        behind = _uses(graph, [node for _, node in step[1]])
+        needed = [d for d in waiting if any(behind[node] for _, node in d[1])]
+        waiting = [d for d in waiting if d not in needed]
+        ordered += [*needed, step]
+    return ordered
 
 
 def _moved_to_setup(graph: Graph, want: Required, node: int) -> bool:
@@ -105,15 +126,33 @@ class _Writer:
             return n.leaf
         if node in self.written:
             return Ref(self.written[node])
-        if n.kind == "div" and self.divisors[n.args[1]] > 1:
+        if n.kind == "neg" and self._stands_alone(n.args[0]):
+            expr = self._negative(n.args[0], out)
+        elif n.kind == "div" and self.divisors[n.args[1]] > 1:
             expr = Op("mul", (self._expr(n.args[0], out), self._inverse(n.args[1], out)))
         else:
             expr = Op(n.kind, tuple(self._expr(a, out) for a in n.args))
-        if node not in self.names and self.uses[node] < 2:
+        if self._stands_alone(node):
             return expr
         self.written[node] = self.names.get(node) or self._next_name()
         out.append(Let(self.written[node], expr))
         return Ref(self.written[node])
+
+    def _negative(self, node: int, out: list[Statement]) -> Expr:
+        """-(a + b) as -a - b, and -(c x) as (-c) x with -c from setup: the sign then costs nothing."""
+        n = self.graph.nodes[node]
+        if n.kind == "add" and self._stands_alone(n.args[0]):
+            return Op("sub", (self._negative(n.args[0], out), self._expr(n.args[1], out)))
+        if n.kind == "mul" and self._stands_alone(node):
+            for constant, other in (n.args, n.args[::-1]):
+                if self.graph.is_constant(constant):
+                    minus = self.graph.settled(self.graph.apply("neg", constant))
+                    return Op("mul", (self._expr(minus, out), self._expr(other, out)))
+        return Op("neg", (self._expr(node, out),))
+
+    def _stands_alone(self, node: int) -> bool:
+        """Whether a node is an operation that is written where it is used."""
+        return self.graph.nodes[node].leaf is None and node not in self.names and self.uses[node] < 2
 
     def _inverse(self, node: int, out: list[Statement]) -> Expr:
         """One division serves all quotients with the same divisor."""

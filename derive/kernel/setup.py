@@ -57,7 +57,7 @@ def setup_kernel(context: Context, kernels: Iterable[Kernel]) -> tuple[Kernel, t
         "Constants k from the parameters p: once for a set of parameters.",
         (Argument("p", tuple(f"p_{p.symbol}" for p in parameters), "parameters"),),
         (Output("k", tuple(c.name for c in constants), "constants"),),
-        schedule(Graph(Constants(frozenset())), symbols, steps),
+        schedule(Graph(Constants(frozenset())), symbols, (), steps),
     )
     return kernel, tuple(constants)
 

@@ -111,10 +111,9 @@ class Equations:
     @property
     def force(self) -> tuple[sp.Expr, ...]:
         """h of M vdot + h = 0: what is left of each row when the accelerations are zero."""
-        at_rest = {c.a: 0 for c in self.coordinates}
-        return tuple(
-            sum((t.expr.subs(at_rest) for t in self.terms if t.row == str(c.q)), sp.S.Zero) for c in self.coordinates
-        )
+        at_rest = {c.a: sp.S.Zero for c in self.coordinates}
+        rows = {str(c.q): [t.expr.xreplace(at_rest) for t in self.terms if t.row == str(c.q)] for c in self.coordinates}
+        return tuple(sp.Add(*parts) for parts in rows.values())
 
     def row(self, name: str) -> sp.Expr:
         """The left-hand side of one equation of motion in coordinates, rates, accelerations and parameters."""

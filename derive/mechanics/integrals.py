@@ -84,7 +84,7 @@ def definitions(alpha: tuple[sp.Symbol, ...], rates: tuple[sp.Symbol, ...]) -> t
         expr = deformed(sp.Symbol(f"c1_{k}"), c2)
         found.append(Definition(sp.Symbol(f"d1_{k}"), expr, "d1", APPENDIX, f"int rho r . e{k}"))
         expr = with_rates(c2)
-        found.append(Definition(sp.Symbol(f"d1dot_{k}"), expr, "d1", APPENDIX, f"int rho rdot . e{k}"))
+        found.append(Definition(sp.Symbol(f"d1dot_{k}"), expr, "d1dot", APPENDIX, f"int rho rdot . e{k}"))
     for i in shapes:
         c8 = symbols(*("c8_{}_{}".format(*sorted((i, j))) for j in shapes))
         expr = deformed(sp.Symbol(f"C4_{i}"), c8)
@@ -97,8 +97,8 @@ def definitions(alpha: tuple[sp.Symbol, ...], rates: tuple[sp.Symbol, ...]) -> t
     d3 = symbols(*(f"d3_{i}" for i in shapes))
     inertia = deformed(deformed(sp.Symbol("C3"), symbols(*(f"C4_{i}" for i in shapes))), d2)
     found.append(Definition(sp.Symbol("J"), inertia, "J", APPENDIX, "int rho r . r"))
-    found.append(Definition(sp.Symbol("D2dot"), with_rates(d2), "D2", APPENDIX, "int rho r . rdot"))
-    found.append(Definition(sp.Symbol("d3dot"), with_rates(d3), "d3", APPENDIX, "int rho r x rdot"))
+    found.append(Definition(sp.Symbol("D2dot"), with_rates(d2), "D2dot", APPENDIX, "int rho r . rdot"))
+    found.append(Definition(sp.Symbol("d3dot"), with_rates(d3), "d3dot", APPENDIX, "int rho r x rdot"))
     return tuple(found)
 
 

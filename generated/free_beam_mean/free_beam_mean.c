@@ -13,7 +13,7 @@
 
 int free_beam_mean_setup(
     const double *TISSERAND_RESTRICT p,
-    double *TISSERAND_RESTRICT k)
+    double *k)
 {
     const double p_m = p[0];
     const double p_l = p[1];
@@ -58,7 +58,7 @@ int free_beam_mean_setup(
 int free_beam_mean_mass(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT k,
-    double *TISSERAND_RESTRICT M)
+    double *M)
 {
     const double alpha1 = q[3];
     const double alpha2 = q[4];
@@ -88,7 +88,7 @@ int free_beam_mean_force(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
     const double *TISSERAND_RESTRICT k,
-    double *TISSERAND_RESTRICT h)
+    double *h)
 {
     (void) t;
     const double alpha1 = q[3];
@@ -101,9 +101,11 @@ int free_beam_mean_force(
     const double K_1_1 = k[4];
     const double K_2_2 = k[5];
 
-    /* D2 (appendix): D2_1 = int rho r . Phi_1; ...; D2dot = int rho r . rdot */
+    /* D2 (appendix): D2_1 = int rho r . Phi_1; D2_2 = int rho r . Phi_2 */
     const double D2_1 = alpha1 * c8_1_1;
     const double D2_2 = alpha2 * c8_2_2;
+
+    /* D2dot (appendix): D2dot = int rho r . rdot */
     const double D2dot = alpha1dot * D2_1 + alpha2dot * D2_2;
 
     /* h (15): centrifugal, Coriolis and elastic terms */
@@ -121,8 +123,8 @@ int free_beam_mean_mass_force(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
     const double *TISSERAND_RESTRICT k,
-    double *TISSERAND_RESTRICT M,
-    double *TISSERAND_RESTRICT h)
+    double *M,
+    double *h)
 {
     (void) t;
     const double alpha1 = q[3];
@@ -137,28 +139,36 @@ int free_beam_mean_mass_force(
     const double K_1_1 = k[4];
     const double K_2_2 = k[5];
 
-    /* D2 (appendix): D2_1 = int rho r . Phi_1; ...; D2dot = int rho r . rdot */
+    /* D2 (appendix): D2_1 = int rho r . Phi_1; D2_2 = int rho r . Phi_2 */
     const double D2_1 = alpha1 * c8_1_1;
     const double D2_2 = alpha2 * c8_2_2;
-    const double D2dot = alpha1dot * D2_1 + alpha2dot * D2_2;
+
+    /* alpha2 (15): force and column of M of alpha2 */
+    const double t1 = phidot * phidot;
+    h[4] = K_2_2 * alpha2 - t1 * D2_2;
+    M[4] = c8_2_2;
+
+    /* alpha1 (15): force and column of M of alpha1 */
+    h[3] = K_1_1 * alpha1 - t1 * D2_1;
+    M[3] = c8_1_1;
 
     /* J (appendix): J = int rho r . r */
     const double J = C3 + D2_1 * alpha1 + D2_2 * alpha2;
 
-    /* M (15): factors of the accelerations */
-    M[0] = mass;
-    M[1] = mass;
-    M[2] = J;
-    M[3] = c8_1_1;
-    M[4] = c8_2_2;
+    /* D2dot (appendix): D2dot = int rho r . rdot */
+    const double D2dot = alpha1dot * D2_1 + alpha2dot * D2_2;
 
-    /* h (15): centrifugal, Coriolis and elastic terms */
-    h[0] = 0.0;
-    h[1] = 0.0;
+    /* phi (15): force and column of M of phi */
     h[2] = 2.0 * phidot * D2dot;
-    const double t1 = phidot * phidot;
-    h[3] = K_1_1 * alpha1 - t1 * D2_1;
-    h[4] = K_2_2 * alpha2 - t1 * D2_2;
+    M[2] = J;
+
+    /* c2 (15): force and column of M of c2 */
+    h[1] = 0.0;
+    M[1] = mass;
+
+    /* c1 (15): force and column of M of c1 */
+    h[0] = 0.0;
+    M[0] = mass;
     return 0;
 }
 
@@ -167,7 +177,7 @@ int free_beam_mean_accel(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
     const double *TISSERAND_RESTRICT k,
-    double *TISSERAND_RESTRICT vdot)
+    double *vdot)
 {
     (void) t;
     const double alpha1 = q[3];
@@ -183,16 +193,18 @@ int free_beam_mean_accel(
     const double inverse_c8_1_1 = k[8];
     const double inverse_c8_2_2 = k[9];
 
-    /* D2 (appendix): D2_1 = int rho r . Phi_1; ...; D2dot = int rho r . rdot */
+    /* D2 (appendix): D2_1 = int rho r . Phi_1; D2_2 = int rho r . Phi_2 */
     const double D2_1 = alpha1 * c8_1_1;
     const double D2_2 = alpha2 * c8_2_2;
-    const double D2dot = alpha1dot * D2_1 + alpha2dot * D2_2;
 
     /* J (appendix): J = int rho r . r */
     const double J = C3 + D2_1 * alpha1 + D2_2 * alpha2;
 
     /* pivots (LDL^T): eliminate c1, c2, phi, alpha1, alpha2; no fill-in */
     if (!(J > 0.0)) return 1; /* the pivot of phi vanished */
+
+    /* D2dot (appendix): D2dot = int rho r . rdot */
+    const double D2dot = alpha1dot * D2_1 + alpha2dot * D2_2;
 
     /* solution (LDL^T): forward, diagonal and back substitution */
     vdot[0] = 0.0;
@@ -206,7 +218,7 @@ int free_beam_mean_accel(
     vdot[4] = -t4;
 
     /* check: refuse what is not finite */
-    if (!isfinite(-(t1 + t3 + t4))) return 2; /* an acceleration is not finite */
+    if (!isfinite(-(t1 + t3) - t4)) return 2; /* an acceleration is not finite */
     return 0;
 }
 
@@ -214,7 +226,7 @@ int free_beam_mean_energy(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
     const double *TISSERAND_RESTRICT k,
-    double *TISSERAND_RESTRICT energy)
+    double *energy)
 {
     const double alpha1 = q[3];
     const double alpha2 = q[4];
@@ -230,7 +242,7 @@ int free_beam_mean_energy(
     const double K_1_1 = k[4];
     const double K_2_2 = k[5];
 
-    /* D2 (appendix): D2_1 = int rho r . Phi_1; ...; D2dot = int rho r . rdot */
+    /* D2 (appendix): D2_1 = int rho r . Phi_1; D2_2 = int rho r . Phi_2 */
     const double D2_1 = alpha1 * c8_1_1;
     const double D2_2 = alpha2 * c8_2_2;
 
@@ -248,7 +260,7 @@ int free_beam_mean_momentum(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
     const double *TISSERAND_RESTRICT k,
-    double *TISSERAND_RESTRICT momentum)
+    double *momentum)
 {
     const double c1 = q[0];
     const double c2 = q[1];
@@ -262,7 +274,7 @@ int free_beam_mean_momentum(
     const double c8_1_1 = k[2];
     const double c8_2_2 = k[3];
 
-    /* D2 (appendix): D2_1 = int rho r . Phi_1; ...; D2dot = int rho r . rdot */
+    /* D2 (appendix): D2_1 = int rho r . Phi_1; D2_2 = int rho r . Phi_2 */
     const double D2_1 = alpha1 * c8_1_1;
     const double D2_2 = alpha2 * c8_2_2;
 
@@ -280,7 +292,7 @@ int free_beam_mean_rates(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
     const double *TISSERAND_RESTRICT k,
-    double *TISSERAND_RESTRICT qdot)
+    double *qdot)
 {
     (void) q;
     const double c1dot = v[0];
@@ -303,9 +315,9 @@ int free_beam_mean_marker_left(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
     const double *TISSERAND_RESTRICT k,
-    double *TISSERAND_RESTRICT x,
-    double *TISSERAND_RESTRICT xdot,
-    double *TISSERAND_RESTRICT jacobian)
+    double *x,
+    double *xdot,
+    double *jacobian)
 {
     const double c1 = q[0];
     const double c2 = q[1];
@@ -319,13 +331,13 @@ int free_beam_mean_marker_left(
     const double alpha2dot = v[4];
     const double X_left = k[6];
 
-    /* Q (26): cos_phi = cosine of the rotation angle; sin_phi = sine of the rotation angle */
-    const double cos_phi = cos(phi);
-    const double sin_phi = sin(phi);
-
     /* r (14): X + u and its rate at the marker, in the body base */
     const double r_2 = alpha1 - alpha2;
     const double rdot_2 = alpha1dot - alpha2dot;
+
+    /* Q (26): cos_phi = cosine of the rotation angle; sin_phi = sine of the rotation angle */
+    const double cos_phi = cos(phi);
+    const double sin_phi = sin(phi);
 
     /* marker (1): x = c + Q r, its rate and its derivatives */
     const double t1 = X_left * cos_phi;
@@ -353,9 +365,9 @@ int free_beam_mean_marker_middle(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
     const double *TISSERAND_RESTRICT k,
-    double *TISSERAND_RESTRICT x,
-    double *TISSERAND_RESTRICT xdot,
-    double *TISSERAND_RESTRICT jacobian)
+    double *x,
+    double *xdot,
+    double *jacobian)
 {
     const double c1 = q[0];
     const double c2 = q[1];
@@ -386,7 +398,7 @@ int free_beam_mean_marker_middle(
     jacobian[2] = t3;
     jacobian[3] = t2;
     jacobian[4] = 0.5 * sin_phi;
-    jacobian[5] = -(0.5 * cos_phi);
+    jacobian[5] = (-0.5) * cos_phi;
     return 0;
 }
 
@@ -394,9 +406,9 @@ int free_beam_mean_marker_right(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
     const double *TISSERAND_RESTRICT k,
-    double *TISSERAND_RESTRICT x,
-    double *TISSERAND_RESTRICT xdot,
-    double *TISSERAND_RESTRICT jacobian)
+    double *x,
+    double *xdot,
+    double *jacobian)
 {
     const double c1 = q[0];
     const double c2 = q[1];
@@ -410,13 +422,13 @@ int free_beam_mean_marker_right(
     const double alpha2dot = v[4];
     const double X_right = k[7];
 
-    /* Q (26): cos_phi = cosine of the rotation angle; sin_phi = sine of the rotation angle */
-    const double cos_phi = cos(phi);
-    const double sin_phi = sin(phi);
-
     /* r (14): X + u and its rate at the marker, in the body base */
     const double r_2 = alpha1 + alpha2;
     const double rdot_2 = alpha1dot + alpha2dot;
+
+    /* Q (26): cos_phi = cosine of the rotation angle; sin_phi = sine of the rotation angle */
+    const double cos_phi = cos(phi);
+    const double sin_phi = sin(phi);
 
     /* marker (1): x = c + Q r, its rate and its derivatives */
     const double t1 = X_right * cos_phi;
@@ -446,7 +458,7 @@ int free_beam_mean_residual(
     const double *TISSERAND_RESTRICT y,
     const double *TISSERAND_RESTRICT ydot,
     const double *TISSERAND_RESTRICT k,
-    double *TISSERAND_RESTRICT F)
+    double *F)
 {
     (void) t;
     const double alpha1 = y[3];
@@ -473,13 +485,15 @@ int free_beam_mean_residual(
     const double K_1_1 = k[4];
     const double K_2_2 = k[5];
 
-    /* D2 (appendix): D2_1 = int rho r . Phi_1; ...; D2dot = int rho r . rdot */
+    /* D2 (appendix): D2_1 = int rho r . Phi_1; D2_2 = int rho r . Phi_2 */
     const double D2_1 = alpha1 * c8_1_1;
     const double D2_2 = alpha2 * c8_2_2;
-    const double D2dot = alpha1dot * D2_1 + alpha2dot * D2_2;
 
     /* J (appendix): J = int rho r . r */
     const double J = C3 + D2_1 * alpha1 + D2_2 * alpha2;
+
+    /* D2dot (appendix): D2dot = int rho r . rdot */
+    const double D2dot = alpha1dot * D2_1 + alpha2dot * D2_2;
 
     /* residual (15): kinematics, then the equations of motion */
     F[0] = c1_t - c1dot;
@@ -502,7 +516,7 @@ int free_beam_mean_jacobian(
     const double *TISSERAND_RESTRICT ydot,
     double cj,
     const double *TISSERAND_RESTRICT k,
-    double *TISSERAND_RESTRICT jac)
+    double *jac)
 {
     (void) t;
     const double alpha1 = y[3];
@@ -518,13 +532,15 @@ int free_beam_mean_jacobian(
     const double K_1_1 = k[4];
     const double K_2_2 = k[5];
 
-    /* D2 (appendix): D2_1 = int rho r . Phi_1; ...; D2dot = int rho r . rdot */
+    /* D2 (appendix): D2_1 = int rho r . Phi_1; D2_2 = int rho r . Phi_2 */
     const double D2_1 = alpha1 * c8_1_1;
     const double D2_2 = alpha2 * c8_2_2;
-    const double D2dot = alpha1dot * D2_1 + alpha2dot * D2_2;
 
     /* J (appendix): J = int rho r . r */
     const double J = C3 + D2_1 * alpha1 + D2_2 * alpha2;
+
+    /* D2dot (appendix): D2dot = int rho r . rdot */
+    const double D2dot = alpha1dot * D2_1 + alpha2dot * D2_2;
 
     /* jacobian (15): derivatives of the residual */
     jac[0] = cj;

@@ -208,7 +208,7 @@ enum {
  */
 int free_beam_mean_setup(
     const double *TISSERAND_RESTRICT p,
-    double *TISSERAND_RESTRICT k);
+    double *k);
 
 /*
  * Mass matrix M(q): values of the lower triangle by columns.
@@ -223,7 +223,7 @@ int free_beam_mean_setup(
 int free_beam_mean_mass(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT k,
-    double *TISSERAND_RESTRICT M);
+    double *M);
 
 /*
  * Forces h of M vdot + h = 0: centrifugal, Coriolis and elastic.
@@ -242,7 +242,7 @@ int free_beam_mean_force(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
     const double *TISSERAND_RESTRICT k,
-    double *TISSERAND_RESTRICT h);
+    double *h);
 
 /*
  * Mass matrix and forces together; what they share is computed once.
@@ -262,8 +262,8 @@ int free_beam_mean_mass_force(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
     const double *TISSERAND_RESTRICT k,
-    double *TISSERAND_RESTRICT M,
-    double *TISSERAND_RESTRICT h);
+    double *M,
+    double *h);
 
 /*
  * Accelerations vdot of M vdot + h = 0, by a sparse LDL^T fixed at generation time.
@@ -282,7 +282,7 @@ int free_beam_mean_accel(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
     const double *TISSERAND_RESTRICT k,
-    double *TISSERAND_RESTRICT vdot);
+    double *vdot);
 
 /*
  * Kinetic and strain energy.
@@ -299,7 +299,7 @@ int free_beam_mean_energy(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
     const double *TISSERAND_RESTRICT k,
-    double *TISSERAND_RESTRICT energy);
+    double *energy);
 
 /*
  * Linear momentum, and angular momentum about the inertial origin.
@@ -316,7 +316,7 @@ int free_beam_mean_momentum(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
     const double *TISSERAND_RESTRICT k,
-    double *TISSERAND_RESTRICT momentum);
+    double *momentum);
 
 /*
  * Time derivative of the coordinates from the rates.
@@ -333,7 +333,7 @@ int free_beam_mean_rates(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
     const double *TISSERAND_RESTRICT k,
-    double *TISSERAND_RESTRICT qdot);
+    double *qdot);
 
 /*
  * Marker left, material point at xi = -1: position, velocity and d(position)/dq.
@@ -345,16 +345,16 @@ int free_beam_mean_rates(
  * xdot: velocity in the inertial base [m/s] (2): x1dot, x2dot
  * jacobian: values of d(position)/dq by columns, 2 x 5, 8 values
  *
- * From (26), (14), (1).
+ * From (14), (26), (1).
  * 28 operations.
  */
 int free_beam_mean_marker_left(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
     const double *TISSERAND_RESTRICT k,
-    double *TISSERAND_RESTRICT x,
-    double *TISSERAND_RESTRICT xdot,
-    double *TISSERAND_RESTRICT jacobian);
+    double *x,
+    double *xdot,
+    double *jacobian);
 
 /*
  * Marker middle, material point at xi = 0: position, velocity and d(position)/dq.
@@ -367,15 +367,15 @@ int free_beam_mean_marker_left(
  * jacobian: values of d(position)/dq by columns, 2 x 5, 6 values
  *
  * From (26), (1).
- * 20 operations.
+ * 19 operations.
  */
 int free_beam_mean_marker_middle(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
     const double *TISSERAND_RESTRICT k,
-    double *TISSERAND_RESTRICT x,
-    double *TISSERAND_RESTRICT xdot,
-    double *TISSERAND_RESTRICT jacobian);
+    double *x,
+    double *xdot,
+    double *jacobian);
 
 /*
  * Marker right, material point at xi = 1: position, velocity and d(position)/dq.
@@ -387,16 +387,16 @@ int free_beam_mean_marker_middle(
  * xdot: velocity in the inertial base [m/s] (2): x1dot, x2dot
  * jacobian: values of d(position)/dq by columns, 2 x 5, 8 values
  *
- * From (26), (14), (1).
+ * From (14), (26), (1).
  * 27 operations.
  */
 int free_beam_mean_marker_right(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
     const double *TISSERAND_RESTRICT k,
-    double *TISSERAND_RESTRICT x,
-    double *TISSERAND_RESTRICT xdot,
-    double *TISSERAND_RESTRICT jacobian);
+    double *x,
+    double *xdot,
+    double *jacobian);
 
 /*
  * First-order form F(t, y, ydot) = [qdot - v; M vdot + h] = 0 with y = [q; v].
@@ -416,7 +416,7 @@ int free_beam_mean_residual(
     const double *TISSERAND_RESTRICT y,
     const double *TISSERAND_RESTRICT ydot,
     const double *TISSERAND_RESTRICT k,
-    double *TISSERAND_RESTRICT F);
+    double *F);
 
 /*
  * Iteration matrix dF/dy + cj dF/dydot of the first-order form, values by columns, diagonal
@@ -438,7 +438,7 @@ int free_beam_mean_jacobian(
     const double *TISSERAND_RESTRICT ydot,
     double cj,
     const double *TISSERAND_RESTRICT k,
-    double *TISSERAND_RESTRICT jac);
+    double *jac);
 
 const tisserand_pattern *free_beam_mean_mass_pattern(void);
 const tisserand_pattern *free_beam_mean_jacobian_pattern(void);

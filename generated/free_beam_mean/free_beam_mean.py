@@ -287,9 +287,11 @@ def force(t, q, v, k):
     K_1_1 = k[..., 4]
     K_2_2 = k[..., 5]
 
-    # D2 (appendix): D2_1 = int rho r . Phi_1; ...; D2dot = int rho r . rdot
+    # D2 (appendix): D2_1 = int rho r . Phi_1; D2_2 = int rho r . Phi_2
     D2_1 = alpha1 * c8_1_1
     D2_2 = alpha2 * c8_2_2
+
+    # D2dot (appendix): D2dot = int rho r . rdot
     D2dot = alpha1dot * D2_1 + alpha2dot * D2_2
 
     # h (15): centrifugal, Coriolis and elastic terms
@@ -330,28 +332,36 @@ def mass_force(t, q, v, k):
     K_1_1 = k[..., 4]
     K_2_2 = k[..., 5]
 
-    # D2 (appendix): D2_1 = int rho r . Phi_1; ...; D2dot = int rho r . rdot
+    # D2 (appendix): D2_1 = int rho r . Phi_1; D2_2 = int rho r . Phi_2
     D2_1 = alpha1 * c8_1_1
     D2_2 = alpha2 * c8_2_2
-    D2dot = alpha1dot * D2_1 + alpha2dot * D2_2
+
+    # alpha2 (15): force and column of M of alpha2
+    t1 = phidot * phidot
+    h_4 = K_2_2 * alpha2 - t1 * D2_2
+    M_4 = c8_2_2
+
+    # alpha1 (15): force and column of M of alpha1
+    h_3 = K_1_1 * alpha1 - t1 * D2_1
+    M_3 = c8_1_1
 
     # J (appendix): J = int rho r . r
     J = C3 + D2_1 * alpha1 + D2_2 * alpha2
 
-    # M (15): factors of the accelerations
-    M_0 = mass
-    M_1 = mass
-    M_2 = J
-    M_3 = c8_1_1
-    M_4 = c8_2_2
+    # D2dot (appendix): D2dot = int rho r . rdot
+    D2dot = alpha1dot * D2_1 + alpha2dot * D2_2
 
-    # h (15): centrifugal, Coriolis and elastic terms
-    h_0 = 0
-    h_1 = 0
+    # phi (15): force and column of M of phi
     h_2 = 2 * phidot * D2dot
-    t1 = phidot * phidot
-    h_3 = K_1_1 * alpha1 - t1 * D2_1
-    h_4 = K_2_2 * alpha2 - t1 * D2_2
+    M_2 = J
+
+    # c2 (15): force and column of M of c2
+    h_1 = 0
+    M_1 = mass
+
+    # c1 (15): force and column of M of c1
+    h_0 = 0
+    M_0 = mass
 
     M = _stack(xp, shape, (M_0, M_1, M_2, M_3, M_4))
     h = _stack(xp, shape, (h_0, h_1, h_2, h_3, h_4))
@@ -384,16 +394,18 @@ def accel(t, q, v, k):
     inverse_c8_1_1 = k[..., 8]
     inverse_c8_2_2 = k[..., 9]
 
-    # D2 (appendix): D2_1 = int rho r . Phi_1; ...; D2dot = int rho r . rdot
+    # D2 (appendix): D2_1 = int rho r . Phi_1; D2_2 = int rho r . Phi_2
     D2_1 = alpha1 * c8_1_1
     D2_2 = alpha2 * c8_2_2
-    D2dot = alpha1dot * D2_1 + alpha2dot * D2_2
 
     # J (appendix): J = int rho r . r
     J = C3 + D2_1 * alpha1 + D2_2 * alpha2
 
     # pivots (LDL^T): eliminate c1, c2, phi, alpha1, alpha2; no fill-in
     valid_1 = J > 0
+
+    # D2dot (appendix): D2dot = int rho r . rdot
+    D2dot = alpha1dot * D2_1 + alpha2dot * D2_2
 
     # solution (LDL^T): forward, diagonal and back substitution
     vdot_0 = 0
@@ -436,7 +448,7 @@ def energy(q, v, k):
     K_1_1 = k[..., 4]
     K_2_2 = k[..., 5]
 
-    # D2 (appendix): D2_1 = int rho r . Phi_1; ...; D2dot = int rho r . rdot
+    # D2 (appendix): D2_1 = int rho r . Phi_1; D2_2 = int rho r . Phi_2
     D2_1 = alpha1 * c8_1_1
     D2_2 = alpha2 * c8_2_2
 
@@ -478,7 +490,7 @@ def momentum(q, v, k):
     c8_1_1 = k[..., 2]
     c8_2_2 = k[..., 3]
 
-    # D2 (appendix): D2_1 = int rho r . Phi_1; ...; D2dot = int rho r . rdot
+    # D2 (appendix): D2_1 = int rho r . Phi_1; D2_2 = int rho r . Phi_2
     D2_1 = alpha1 * c8_1_1
     D2_2 = alpha2 * c8_2_2
 
@@ -533,7 +545,7 @@ def marker_left(q, v, k):
     xdot: velocity in the inertial base [m/s] (2): x1dot, x2dot
     jacobian: values of d(position)/dq by columns, 2 x 5, 8 values
 
-    From (26), (14), (1).
+    From (14), (26), (1).
     28 operations.
     """
     xp, shape, (q, v, k) = _arrays((1, 1, 1), q, v, k)
@@ -549,13 +561,13 @@ def marker_left(q, v, k):
     alpha2dot = v[..., 4]
     X_left = k[..., 6]
 
-    # Q (26): cos_phi = cosine of the rotation angle; sin_phi = sine of the rotation angle
-    cos_phi = xp.cos(phi)
-    sin_phi = xp.sin(phi)
-
     # r (14): X + u and its rate at the marker, in the body base
     r_2 = alpha1 - alpha2
     rdot_2 = alpha1dot - alpha2dot
+
+    # Q (26): cos_phi = cosine of the rotation angle; sin_phi = sine of the rotation angle
+    cos_phi = xp.cos(phi)
+    sin_phi = xp.sin(phi)
 
     # marker (1): x = c + Q r, its rate and its derivatives
     t1 = X_left * cos_phi
@@ -595,7 +607,7 @@ def marker_middle(q, v, k):
     jacobian: values of d(position)/dq by columns, 2 x 5, 6 values
 
     From (26), (1).
-    20 operations.
+    19 operations.
     """
     xp, shape, (q, v, k) = _arrays((1, 1, 1), q, v, k)
     c1 = q[..., 0]
@@ -626,7 +638,7 @@ def marker_middle(q, v, k):
     jacobian_2 = t3
     jacobian_3 = t2
     jacobian_4 = 0.5 * sin_phi
-    jacobian_5 = -(0.5 * cos_phi)
+    jacobian_5 = (-0.5) * cos_phi
 
     x = _stack(xp, shape, (x_0, x_1))
     xdot = _stack(xp, shape, (xdot_0, xdot_1))
@@ -645,7 +657,7 @@ def marker_right(q, v, k):
     xdot: velocity in the inertial base [m/s] (2): x1dot, x2dot
     jacobian: values of d(position)/dq by columns, 2 x 5, 8 values
 
-    From (26), (14), (1).
+    From (14), (26), (1).
     27 operations.
     """
     xp, shape, (q, v, k) = _arrays((1, 1, 1), q, v, k)
@@ -661,13 +673,13 @@ def marker_right(q, v, k):
     alpha2dot = v[..., 4]
     X_right = k[..., 7]
 
-    # Q (26): cos_phi = cosine of the rotation angle; sin_phi = sine of the rotation angle
-    cos_phi = xp.cos(phi)
-    sin_phi = xp.sin(phi)
-
     # r (14): X + u and its rate at the marker, in the body base
     r_2 = alpha1 + alpha2
     rdot_2 = alpha1dot + alpha2dot
+
+    # Q (26): cos_phi = cosine of the rotation angle; sin_phi = sine of the rotation angle
+    cos_phi = xp.cos(phi)
+    sin_phi = xp.sin(phi)
 
     # marker (1): x = c + Q r, its rate and its derivatives
     t1 = X_right * cos_phi
@@ -735,13 +747,15 @@ def residual(t, y, ydot, k):
     K_1_1 = k[..., 4]
     K_2_2 = k[..., 5]
 
-    # D2 (appendix): D2_1 = int rho r . Phi_1; ...; D2dot = int rho r . rdot
+    # D2 (appendix): D2_1 = int rho r . Phi_1; D2_2 = int rho r . Phi_2
     D2_1 = alpha1 * c8_1_1
     D2_2 = alpha2 * c8_2_2
-    D2dot = alpha1dot * D2_1 + alpha2dot * D2_2
 
     # J (appendix): J = int rho r . r
     J = C3 + D2_1 * alpha1 + D2_2 * alpha2
+
+    # D2dot (appendix): D2dot = int rho r . rdot
+    D2dot = alpha1dot * D2_1 + alpha2dot * D2_2
 
     # residual (15): kinematics, then the equations of motion
     F_0 = c1_t - c1dot
@@ -788,13 +802,15 @@ def jacobian(t, y, ydot, cj, k):
     K_1_1 = k[..., 4]
     K_2_2 = k[..., 5]
 
-    # D2 (appendix): D2_1 = int rho r . Phi_1; ...; D2dot = int rho r . rdot
+    # D2 (appendix): D2_1 = int rho r . Phi_1; D2_2 = int rho r . Phi_2
     D2_1 = alpha1 * c8_1_1
     D2_2 = alpha2 * c8_2_2
-    D2dot = alpha1dot * D2_1 + alpha2dot * D2_2
 
     # J (appendix): J = int rho r . r
     J = C3 + D2_1 * alpha1 + D2_2 * alpha2
+
+    # D2dot (appendix): D2dot = int rho r . rdot
+    D2dot = alpha1dot * D2_1 + alpha2dot * D2_2
 
     # jacobian (15): derivatives of the residual
     jac_0 = cj

@@ -12,7 +12,7 @@
 
 int free_beam_point_setup(
     const double *TISSERAND_RESTRICT p,
-    double *TISSERAND_RESTRICT k)
+    double *k)
 {
     const double p_m = p[0];
     const double p_l = p[1];
@@ -42,13 +42,14 @@ int free_beam_point_setup(
     k[7] = K_2_2;
     k[8] = X_left;
     k[9] = X_right;
+    k[10] = -c2_1_2;
     const double inverse_c8_2_2 = 1.0 / c8_2_2;
     const double t3 = c6_2 * inverse_c8_2_2;
-    k[10] = t3 * c6_2;
-    k[11] = 5.684341886080802e-14 * p_m;
-    k[12] = 5.684341886080802e-14 * c8_1_1;
-    k[13] = t3;
-    k[14] = 1.0 * inverse_c8_2_2;
+    k[11] = t3 * c6_2;
+    k[12] = 5.684341886080802e-14 * p_m;
+    k[13] = 5.684341886080802e-14 * c8_1_1;
+    k[14] = t3;
+    k[15] = 1.0 * inverse_c8_2_2;
 
     /* checks: refuse parameters that make no body */
     if (!(p_m > 0.0)) return 2; /* m must be positive */
@@ -64,7 +65,7 @@ int free_beam_point_setup(
 int free_beam_point_mass(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT k,
-    double *TISSERAND_RESTRICT M)
+    double *M)
 {
     const double phi = q[2];
     const double alpha1 = q[3];
@@ -75,6 +76,7 @@ int free_beam_point_mass(
     const double c6_2 = k[3];
     const double c8_1_1 = k[4];
     const double c8_2_2 = k[5];
+    const double minus_c2_1_2 = k[10];
 
     /* Q (26): cos_phi = cosine of the rotation angle; sin_phi = sine of the rotation angle */
     const double cos_phi = cos(phi);
@@ -93,7 +95,7 @@ int free_beam_point_mass(
     /* M (15): factors of the accelerations */
     M[0] = mass;
     M[1] = -(d1_2 * cos_phi);
-    M[2] = -(c2_1_2 * sin_phi);
+    M[2] = minus_c2_1_2 * sin_phi;
     M[3] = mass;
     M[4] = -(d1_2 * sin_phi);
     M[5] = c2_1_2 * cos_phi;
@@ -109,7 +111,7 @@ int free_beam_point_force(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
     const double *TISSERAND_RESTRICT k,
-    double *TISSERAND_RESTRICT h)
+    double *h)
 {
     (void) t;
     const double phi = q[2];
@@ -128,13 +130,17 @@ int free_beam_point_force(
     const double cos_phi = cos(phi);
     const double sin_phi = sin(phi);
 
-    /* d1 (appendix): d1_2 = int rho r . e2; d1dot_2 = int rho rdot . e2 */
+    /* d1 (appendix): d1_2 = int rho r . e2 */
     const double d1_2 = alpha1 * c2_1_2;
+
+    /* d1dot (appendix): d1dot_2 = int rho rdot . e2 */
     const double d1dot_2 = alpha1dot * c2_1_2;
 
-    /* D2 (appendix): D2_1 = int rho r . Phi_1; ...; D2dot = int rho r . rdot */
+    /* D2 (appendix): D2_1 = int rho r . Phi_1; D2_2 = int rho r . Phi_2 */
     const double D2_1 = alpha1 * c8_1_1;
     const double D2_2 = alpha2 * c8_2_2;
+
+    /* D2dot (appendix): D2dot = int rho r . rdot */
     const double D2dot = alpha1dot * D2_1 + alpha2dot * D2_2;
 
     /* h (15): centrifugal, Coriolis and elastic terms */
@@ -143,7 +149,7 @@ int free_beam_point_force(
     const double t3 = 2.0 * phidot;
     const double t4 = t3 * d1dot_2;
     h[0] = t2 * sin_phi - t4 * cos_phi;
-    h[1] = -(t2 * cos_phi + t4 * sin_phi);
+    h[1] = -(t2 * cos_phi) - t4 * sin_phi;
     h[2] = t3 * D2dot;
     h[3] = K_1_1 * alpha1 - t1 * D2_1;
     h[4] = K_2_2 * alpha2 - t1 * D2_2;
@@ -155,8 +161,8 @@ int free_beam_point_mass_force(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
     const double *TISSERAND_RESTRICT k,
-    double *TISSERAND_RESTRICT M,
-    double *TISSERAND_RESTRICT h)
+    double *M,
+    double *h)
 {
     (void) t;
     const double phi = q[2];
@@ -173,45 +179,56 @@ int free_beam_point_mass_force(
     const double c8_2_2 = k[5];
     const double K_1_1 = k[6];
     const double K_2_2 = k[7];
+    const double minus_c2_1_2 = k[10];
+
+    /* D2 (appendix): D2_1 = int rho r . Phi_1; D2_2 = int rho r . Phi_2 */
+    const double D2_1 = alpha1 * c8_1_1;
+    const double D2_2 = alpha2 * c8_2_2;
+
+    /* alpha2 (15): force and column of M of alpha2 */
+    const double t1 = phidot * phidot;
+    h[4] = K_2_2 * alpha2 - t1 * D2_2;
+    M[9] = c8_2_2;
+
+    /* alpha1 (15): force and column of M of alpha1 */
+    h[3] = K_1_1 * alpha1 - t1 * D2_1;
+    M[8] = c8_1_1;
+
+    /* J (appendix): J = int rho r . r */
+    const double J = C3 + D2_1 * alpha1 + D2_2 * alpha2;
+
+    /* D2dot (appendix): D2dot = int rho r . rdot */
+    const double D2dot = alpha1dot * D2_1 + alpha2dot * D2_2;
+
+    /* phi (15): force and column of M of phi */
+    const double t2 = 2.0 * phidot;
+    h[2] = t2 * D2dot;
+    M[6] = J;
+    M[7] = c6_2;
 
     /* Q (26): cos_phi = cosine of the rotation angle; sin_phi = sine of the rotation angle */
     const double cos_phi = cos(phi);
     const double sin_phi = sin(phi);
 
-    /* d1 (appendix): d1_2 = int rho r . e2; d1dot_2 = int rho rdot . e2 */
+    /* d1 (appendix): d1_2 = int rho r . e2 */
     const double d1_2 = alpha1 * c2_1_2;
+
+    /* d1dot (appendix): d1dot_2 = int rho rdot . e2 */
     const double d1dot_2 = alpha1dot * c2_1_2;
 
-    /* D2 (appendix): D2_1 = int rho r . Phi_1; ...; D2dot = int rho r . rdot */
-    const double D2_1 = alpha1 * c8_1_1;
-    const double D2_2 = alpha2 * c8_2_2;
-    const double D2dot = alpha1dot * D2_1 + alpha2dot * D2_2;
-
-    /* J (appendix): J = int rho r . r */
-    const double J = C3 + D2_1 * alpha1 + D2_2 * alpha2;
-
-    /* M (15): factors of the accelerations */
-    M[0] = mass;
-    M[1] = -(d1_2 * cos_phi);
-    M[2] = -(c2_1_2 * sin_phi);
+    /* c2 (15): force and column of M of c2 */
+    const double t3 = t1 * d1_2;
+    const double t4 = t2 * d1dot_2;
+    h[1] = -(t3 * cos_phi) - t4 * sin_phi;
     M[3] = mass;
     M[4] = -(d1_2 * sin_phi);
     M[5] = c2_1_2 * cos_phi;
-    M[6] = J;
-    M[7] = c6_2;
-    M[8] = c8_1_1;
-    M[9] = c8_2_2;
 
-    /* h (15): centrifugal, Coriolis and elastic terms */
-    const double t1 = phidot * phidot;
-    const double t2 = t1 * d1_2;
-    const double t3 = 2.0 * phidot;
-    const double t4 = t3 * d1dot_2;
-    h[0] = t2 * sin_phi - t4 * cos_phi;
-    h[1] = -(t2 * cos_phi + t4 * sin_phi);
-    h[2] = t3 * D2dot;
-    h[3] = K_1_1 * alpha1 - t1 * D2_1;
-    h[4] = K_2_2 * alpha2 - t1 * D2_2;
+    /* c1 (15): force and column of M of c1 */
+    h[0] = t3 * sin_phi - t4 * cos_phi;
+    M[0] = mass;
+    M[1] = -(d1_2 * cos_phi);
+    M[2] = minus_c2_1_2 * sin_phi;
     return 0;
 }
 
@@ -220,7 +237,7 @@ int free_beam_point_accel(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
     const double *TISSERAND_RESTRICT k,
-    double *TISSERAND_RESTRICT vdot)
+    double *vdot)
 {
     (void) t;
     const double phi = q[2];
@@ -236,30 +253,28 @@ int free_beam_point_accel(
     const double c8_2_2 = k[5];
     const double K_1_1 = k[6];
     const double K_2_2 = k[7];
-    const double constant_1 = k[10];
     const double constant_2 = k[11];
     const double constant_3 = k[12];
     const double constant_4 = k[13];
-    const double inverse_c8_2_2 = k[14];
+    const double constant_5 = k[14];
+    const double inverse_c8_2_2 = k[15];
 
     /* Q (26): cos_phi = cosine of the rotation angle; sin_phi = sine of the rotation angle */
     const double cos_phi = cos(phi);
     const double sin_phi = sin(phi);
 
-    /* d1 (appendix): d1_2 = int rho r . e2; d1dot_2 = int rho rdot . e2 */
+    /* d1 (appendix): d1_2 = int rho r . e2 */
     const double d1_2 = alpha1 * c2_1_2;
-    const double d1dot_2 = alpha1dot * c2_1_2;
 
-    /* D2 (appendix): D2_1 = int rho r . Phi_1; ...; D2dot = int rho r . rdot */
+    /* D2 (appendix): D2_1 = int rho r . Phi_1; D2_2 = int rho r . Phi_2 */
     const double D2_1 = alpha1 * c8_1_1;
     const double D2_2 = alpha2 * c8_2_2;
-    const double D2dot = alpha1dot * D2_1 + alpha2dot * D2_2;
 
     /* J (appendix): J = int rho r . r */
     const double J = C3 + D2_1 * alpha1 + D2_2 * alpha2;
 
     /* pivots (LDL^T): eliminate alpha2, phi, c2, alpha1, c1; fill-in 1 */
-    const double pivot_phi = J - constant_1;
+    const double pivot_phi = J - constant_2;
     const double t1 = d1_2 * sin_phi;
     const double inverse_pivot_phi = 1.0 / pivot_phi;
     const double t2 = t1 * inverse_pivot_phi;
@@ -277,15 +292,21 @@ int free_beam_point_accel(
     const double t10 = t9 * inverse_pivot_alpha1;
     const double pivot_c1 = mass - t6 * t5 - t8 * t7 - t10 * t9;
     if (!(pivot_phi - 5.684341886080802e-14 * J > 0.0)) return 1; /* the pivot of phi vanished */
-    if (!(pivot_c2 - constant_2 > 0.0)) return 1; /* the pivot of c2 vanished */
-    if (!(pivot_alpha1 - constant_3 > 0.0)) return 1; /* the pivot of alpha1 vanished */
-    if (!(pivot_c1 - constant_2 > 0.0)) return 1; /* the pivot of c1 vanished */
+    if (!(pivot_c2 - constant_3 > 0.0)) return 1; /* the pivot of c2 vanished */
+    if (!(pivot_alpha1 - constant_4 > 0.0)) return 1; /* the pivot of alpha1 vanished */
+    if (!(pivot_c1 - constant_3 > 0.0)) return 1; /* the pivot of c1 vanished */
+
+    /* d1dot (appendix): d1dot_2 = int rho rdot . e2 */
+    const double d1dot_2 = alpha1dot * c2_1_2;
+
+    /* D2dot (appendix): D2dot = int rho r . rdot */
+    const double D2dot = alpha1dot * D2_1 + alpha2dot * D2_2;
 
     /* solution (LDL^T): forward, diagonal and back substitution */
     const double t11 = phidot * phidot;
     const double t12 = K_2_2 * alpha2 - t11 * D2_2;
     const double t13 = 2.0 * phidot;
-    const double t14 = constant_4 * t12 - t13 * D2dot;
+    const double t14 = constant_5 * t12 - t13 * D2dot;
     const double t15 = t11 * d1_2;
     const double t16 = t13 * d1dot_2;
     const double t17 = t15 * cos_phi + t16 * sin_phi + t2 * t14;
@@ -299,7 +320,7 @@ int free_beam_point_accel(
     const double t22 = t14 * inverse_pivot_phi + t2 * t21 + t6 * t19;
     vdot[2] = t22;
     vdot[3] = -t20;
-    const double t23 = t12 * inverse_c8_2_2 + constant_4 * t22;
+    const double t23 = t12 * inverse_c8_2_2 + constant_5 * t22;
     vdot[4] = -t23;
 
     /* check: refuse what is not finite */
@@ -311,7 +332,7 @@ int free_beam_point_energy(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
     const double *TISSERAND_RESTRICT k,
-    double *TISSERAND_RESTRICT energy)
+    double *energy)
 {
     const double phi = q[2];
     const double alpha1 = q[3];
@@ -334,19 +355,21 @@ int free_beam_point_energy(
     const double cos_phi = cos(phi);
     const double sin_phi = sin(phi);
 
-    /* d1 (appendix): d1_2 = int rho r . e2; d1dot_2 = int rho rdot . e2 */
+    /* d1 (appendix): d1_2 = int rho r . e2 */
     const double d1_2 = alpha1 * c2_1_2;
+
+    /* d1dot (appendix): d1dot_2 = int rho rdot . e2 */
     const double d1dot_2 = alpha1dot * c2_1_2;
 
-    /* D2 (appendix): D2_1 = int rho r . Phi_1; ...; D2dot = int rho r . rdot */
+    /* D2 (appendix): D2_1 = int rho r . Phi_1; D2_2 = int rho r . Phi_2 */
     const double D2_1 = alpha1 * c8_1_1;
     const double D2_2 = alpha2 * c8_2_2;
 
-    /* d3 (appendix): d3_2 = int rho r x Phi_2; d3dot = int rho r x rdot */
-    const double d3dot = alpha2dot * c6_2;
-
     /* J (appendix): J = int rho r . r */
     const double J = C3 + D2_1 * alpha1 + D2_2 * alpha2;
+
+    /* d3dot (appendix): d3dot = int rho r x rdot */
+    const double d3dot = alpha2dot * c6_2;
 
     /* energy (22): 1/2 int rho xdot . xdot and the strain energy */
     energy[0] = 0.5 * (phidot * phidot * J + alpha1dot * alpha1dot * c8_1_1
@@ -361,7 +384,7 @@ int free_beam_point_momentum(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
     const double *TISSERAND_RESTRICT k,
-    double *TISSERAND_RESTRICT momentum)
+    double *momentum)
 {
     const double c1 = q[0];
     const double c2 = q[1];
@@ -384,19 +407,21 @@ int free_beam_point_momentum(
     const double cos_phi = cos(phi);
     const double sin_phi = sin(phi);
 
-    /* d1 (appendix): d1_2 = int rho r . e2; d1dot_2 = int rho rdot . e2 */
+    /* d1 (appendix): d1_2 = int rho r . e2 */
     const double d1_2 = alpha1 * c2_1_2;
+
+    /* d1dot (appendix): d1dot_2 = int rho rdot . e2 */
     const double d1dot_2 = alpha1dot * c2_1_2;
 
-    /* D2 (appendix): D2_1 = int rho r . Phi_1; ...; D2dot = int rho r . rdot */
+    /* D2 (appendix): D2_1 = int rho r . Phi_1; D2_2 = int rho r . Phi_2 */
     const double D2_1 = alpha1 * c8_1_1;
     const double D2_2 = alpha2 * c8_2_2;
 
-    /* d3 (appendix): d3_2 = int rho r x Phi_2; d3dot = int rho r x rdot */
-    const double d3dot = alpha2dot * c6_2;
-
     /* J (appendix): J = int rho r . r */
     const double J = C3 + D2_1 * alpha1 + D2_2 * alpha2;
+
+    /* d3dot (appendix): d3dot = int rho r x rdot */
+    const double d3dot = alpha2dot * c6_2;
 
     /* momentum (1): int rho xdot and int rho x x xdot */
     const double t1 = phidot * d1_2;
@@ -412,7 +437,7 @@ int free_beam_point_rates(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
     const double *TISSERAND_RESTRICT k,
-    double *TISSERAND_RESTRICT qdot)
+    double *qdot)
 {
     (void) q;
     const double c1dot = v[0];
@@ -435,9 +460,9 @@ int free_beam_point_marker_left(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
     const double *TISSERAND_RESTRICT k,
-    double *TISSERAND_RESTRICT x,
-    double *TISSERAND_RESTRICT xdot,
-    double *TISSERAND_RESTRICT jacobian)
+    double *x,
+    double *xdot,
+    double *jacobian)
 {
     const double c1 = q[0];
     const double c2 = q[1];
@@ -451,13 +476,13 @@ int free_beam_point_marker_left(
     const double alpha2dot = v[4];
     const double X_left = k[8];
 
-    /* Q (26): cos_phi = cosine of the rotation angle; sin_phi = sine of the rotation angle */
-    const double cos_phi = cos(phi);
-    const double sin_phi = sin(phi);
-
     /* r (14): X + u and its rate at the marker, in the body base */
     const double r_2 = alpha1 - alpha2;
     const double rdot_2 = alpha1dot - alpha2dot;
+
+    /* Q (26): cos_phi = cosine of the rotation angle; sin_phi = sine of the rotation angle */
+    const double cos_phi = cos(phi);
+    const double sin_phi = sin(phi);
 
     /* marker (1): x = c + Q r, its rate and its derivatives */
     const double t1 = X_left * cos_phi;
@@ -485,9 +510,9 @@ int free_beam_point_marker_middle(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
     const double *TISSERAND_RESTRICT k,
-    double *TISSERAND_RESTRICT x,
-    double *TISSERAND_RESTRICT xdot,
-    double *TISSERAND_RESTRICT jacobian)
+    double *x,
+    double *xdot,
+    double *jacobian)
 {
     const double c1 = q[0];
     const double c2 = q[1];
@@ -509,9 +534,9 @@ int free_beam_point_marker_right(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
     const double *TISSERAND_RESTRICT k,
-    double *TISSERAND_RESTRICT x,
-    double *TISSERAND_RESTRICT xdot,
-    double *TISSERAND_RESTRICT jacobian)
+    double *x,
+    double *xdot,
+    double *jacobian)
 {
     const double c1 = q[0];
     const double c2 = q[1];
@@ -525,13 +550,13 @@ int free_beam_point_marker_right(
     const double alpha2dot = v[4];
     const double X_right = k[9];
 
-    /* Q (26): cos_phi = cosine of the rotation angle; sin_phi = sine of the rotation angle */
-    const double cos_phi = cos(phi);
-    const double sin_phi = sin(phi);
-
     /* r (14): X + u and its rate at the marker, in the body base */
     const double r_2 = alpha1 + alpha2;
     const double rdot_2 = alpha1dot + alpha2dot;
+
+    /* Q (26): cos_phi = cosine of the rotation angle; sin_phi = sine of the rotation angle */
+    const double cos_phi = cos(phi);
+    const double sin_phi = sin(phi);
 
     /* marker (1): x = c + Q r, its rate and its derivatives */
     const double t1 = X_right * cos_phi;
@@ -561,7 +586,7 @@ int free_beam_point_residual(
     const double *TISSERAND_RESTRICT y,
     const double *TISSERAND_RESTRICT ydot,
     const double *TISSERAND_RESTRICT k,
-    double *TISSERAND_RESTRICT F)
+    double *F)
 {
     (void) t;
     const double phi = y[2];
@@ -595,17 +620,21 @@ int free_beam_point_residual(
     const double cos_phi = cos(phi);
     const double sin_phi = sin(phi);
 
-    /* d1 (appendix): d1_2 = int rho r . e2; d1dot_2 = int rho rdot . e2 */
+    /* d1 (appendix): d1_2 = int rho r . e2 */
     const double d1_2 = alpha1 * c2_1_2;
+
+    /* d1dot (appendix): d1dot_2 = int rho rdot . e2 */
     const double d1dot_2 = alpha1dot * c2_1_2;
 
-    /* D2 (appendix): D2_1 = int rho r . Phi_1; ...; D2dot = int rho r . rdot */
+    /* D2 (appendix): D2_1 = int rho r . Phi_1; D2_2 = int rho r . Phi_2 */
     const double D2_1 = alpha1 * c8_1_1;
     const double D2_2 = alpha2 * c8_2_2;
-    const double D2dot = alpha1dot * D2_1 + alpha2dot * D2_2;
 
     /* J (appendix): J = int rho r . r */
     const double J = C3 + D2_1 * alpha1 + D2_2 * alpha2;
+
+    /* D2dot (appendix): D2dot = int rho r . rdot */
+    const double D2dot = alpha1dot * D2_1 + alpha2dot * D2_2;
 
     /* residual (15): kinematics, then the equations of motion */
     F[0] = c1_t - c1dot;
@@ -634,7 +663,7 @@ int free_beam_point_jacobian(
     const double *TISSERAND_RESTRICT ydot,
     double cj,
     const double *TISSERAND_RESTRICT k,
-    double *TISSERAND_RESTRICT jac)
+    double *jac)
 {
     (void) t;
     const double phi = y[2];
@@ -660,17 +689,21 @@ int free_beam_point_jacobian(
     const double cos_phi = cos(phi);
     const double sin_phi = sin(phi);
 
-    /* d1 (appendix): d1_2 = int rho r . e2; d1dot_2 = int rho rdot . e2 */
+    /* d1 (appendix): d1_2 = int rho r . e2 */
     const double d1_2 = alpha1 * c2_1_2;
+
+    /* d1dot (appendix): d1dot_2 = int rho rdot . e2 */
     const double d1dot_2 = alpha1dot * c2_1_2;
 
-    /* D2 (appendix): D2_1 = int rho r . Phi_1; ...; D2dot = int rho r . rdot */
+    /* D2 (appendix): D2_1 = int rho r . Phi_1; D2_2 = int rho r . Phi_2 */
     const double D2_1 = alpha1 * c8_1_1;
     const double D2_2 = alpha2 * c8_2_2;
-    const double D2dot = alpha1dot * D2_1 + alpha2dot * D2_2;
 
     /* J (appendix): J = int rho r . r */
     const double J = C3 + D2_1 * alpha1 + D2_2 * alpha2;
+
+    /* D2dot (appendix): D2dot = int rho r . rdot */
+    const double D2dot = alpha1dot * D2_1 + alpha2dot * D2_2;
 
     /* jacobian (15): derivatives of the residual */
     jac[0] = cj;
@@ -682,15 +715,15 @@ int free_beam_point_jacobian(
     const double t4 = t3 * d1_2;
     const double t5 = alpha1ddot * c2_1_2;
     jac[3] = t2 * sin_phi + (t4 - t5) * cos_phi;
-    jac[4] = -((t5 - t4) * sin_phi + t2 * cos_phi);
+    jac[4] = -((t5 - t4) * sin_phi) - t2 * cos_phi;
     jac[5] = c1ddot * d1_2 * sin_phi - c2ddot * d1_2 * cos_phi;
     const double t6 = c1ddot * c2_1_2;
-    jac[6] = -(c2_1_2 * c2ddot * sin_phi + t6 * cos_phi);
+    jac[6] = -(c2_1_2 * c2ddot * sin_phi) - t6 * cos_phi;
     jac[7] = cj;
     const double t7 = t3 * c2_1_2;
     const double t8 = phiddot * c2_1_2;
     jac[8] = sin_phi * t7 - cos_phi * t8;
-    jac[9] = -(cos_phi * t7 + sin_phi * t8);
+    jac[9] = -(cos_phi * t7) - sin_phi * t8;
     jac[10] = t1 * (alpha1dot * c8_1_1) + phiddot * (2.0 * D2_1) - cos_phi * t6
         - sin_phi * (c2ddot * c2_1_2);
     jac[11] = K_1_1 - t3 * c8_1_1;
@@ -714,14 +747,14 @@ int free_beam_point_jacobian(
     const double t14 = d1_2 * t1;
     const double t15 = 2.0 * d1dot_2;
     jac[24] = sin_phi * t14 - cos_phi * t15 - t10;
-    jac[25] = -(cos_phi * t14 + sin_phi * t15 + t12);
+    jac[25] = -(cos_phi * t14) - sin_phi * t15 - t12;
     jac[26] = 2.0 * D2dot + cj * J;
     jac[27] = -(D2_1 * t1);
     const double t16 = cj * c6_2;
     jac[28] = t16 - D2_2 * t1;
     jac[29] = -1.0;
     const double t17 = t1 * c2_1_2;
-    jac[30] = -(cos_phi * t17 + t11);
+    jac[30] = -(cos_phi * t17) - t11;
     jac[31] = t13 - sin_phi * t17;
     jac[32] = t1 * D2_1;
     jac[33] = cj * c8_1_1;
@@ -833,10 +866,11 @@ static const tisserand_variable free_beam_point_k_table[] = {
     {"K_2_2", "N/m", "stiffness: int EI (d2 phi_2/dx2) (d2 phi_2/dx2) dx", 0.0},
     {"X_left", "m", "reference position of marker left", 0.0},
     {"X_right", "m", "reference position of marker right", 0.0},
-    {"constant_1", "", "(c6_2 / c8_2_2) * c6_2", 0.0},
-    {"constant_2", "", "1/17592186044416 * mass", 0.0},
-    {"constant_3", "", "1/17592186044416 * c8_1_1", 0.0},
-    {"constant_4", "", "c6_2 / c8_2_2", 0.0},
+    {"minus_c2_1_2", "", "-c2_1_2", 0.0},
+    {"constant_2", "", "(c6_2 / c8_2_2) * c6_2", 0.0},
+    {"constant_3", "", "1/17592186044416 * mass", 0.0},
+    {"constant_4", "", "1/17592186044416 * c8_1_1", 0.0},
+    {"constant_5", "", "c6_2 / c8_2_2", 0.0},
     {"inverse_c8_2_2", "", "1 / c8_2_2", 0.0},
 };
 

@@ -32,10 +32,11 @@
  *   K_2_2  [N/m]  stiffness: int EI (d2 phi_2/dx2) (d2 phi_2/dx2) dx
  *   X_left  [m]  reference position of marker left
  *   X_right  [m]  reference position of marker right
- *   constant_1  (c6_2 / c8_2_2) * c6_2
- *   constant_2  1/17592186044416 * mass
- *   constant_3  1/17592186044416 * c8_1_1
- *   constant_4  c6_2 / c8_2_2
+ *   minus_c2_1_2  -c2_1_2
+ *   constant_2  (c6_2 / c8_2_2) * c6_2
+ *   constant_3  1/17592186044416 * mass
+ *   constant_4  1/17592186044416 * c8_1_1
+ *   constant_5  c6_2 / c8_2_2
  *   inverse_c8_2_2  1 / c8_2_2
  *
  * Mass matrix, x a value and . a structural zero:
@@ -155,7 +156,7 @@ enum {
     FREE_BEAM_POINT_NV = 5,
     FREE_BEAM_POINT_NY = 10,
     FREE_BEAM_POINT_NP = 3,
-    FREE_BEAM_POINT_NK = 15,
+    FREE_BEAM_POINT_NK = 16,
     FREE_BEAM_POINT_NMARKERS = 3,
     FREE_BEAM_POINT_NNZ_MASS = 10,
     FREE_BEAM_POINT_NNZ_JACOBIAN = 37,
@@ -175,11 +176,12 @@ enum {
     FREE_BEAM_POINT_K_K_2_2 = 7,
     FREE_BEAM_POINT_K_X_left = 8,
     FREE_BEAM_POINT_K_X_right = 9,
-    FREE_BEAM_POINT_K_constant_1 = 10,
+    FREE_BEAM_POINT_K_minus_c2_1_2 = 10,
     FREE_BEAM_POINT_K_constant_2 = 11,
     FREE_BEAM_POINT_K_constant_3 = 12,
     FREE_BEAM_POINT_K_constant_4 = 13,
-    FREE_BEAM_POINT_K_inverse_c8_2_2 = 14,
+    FREE_BEAM_POINT_K_constant_5 = 14,
+    FREE_BEAM_POINT_K_inverse_c8_2_2 = 15,
     FREE_BEAM_POINT_ABI = 1
 };
 
@@ -190,30 +192,30 @@ enum {
  * Constants k from the parameters p: once for a set of parameters.
  *
  * p: parameters (3)
- * k: constants (15): mass, c2_1_2, C3, c6_2, c8_1_1, c8_2_2, K_1_1, K_2_2, X_left, X_right,
- *     constant_1, constant_2, constant_3, constant_4, inverse_c8_2_2
+ * k: constants (16): mass, c2_1_2, C3, c6_2, c8_1_1, c8_2_2, K_1_1, K_2_2, X_left, X_right,
+ *     minus_c2_1_2, constant_2, constant_3, constant_4, constant_5, inverse_c8_2_2
  *
  * From appendix.
- * 20 operations.
+ * 21 operations.
  */
 int free_beam_point_setup(
     const double *TISSERAND_RESTRICT p,
-    double *TISSERAND_RESTRICT k);
+    double *k);
 
 /*
  * Mass matrix M(q): values of the lower triangle by columns.
  *
  * q: generalized coordinates (5)
- * k: constants from setup (15)
+ * k: constants from setup (16)
  * M: values of the mass matrix, lower triangle by columns, 5 x 5, 10 values, 15 in both triangles
  *
  * From (26), appendix, (15).
- * 16 operations.
+ * 15 operations.
  */
 int free_beam_point_mass(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT k,
-    double *TISSERAND_RESTRICT M);
+    double *M);
 
 /*
  * Forces h of M vdot + h = 0: centrifugal, Coriolis and elastic.
@@ -221,7 +223,7 @@ int free_beam_point_mass(
  * t: time (a free body does not depend on it)
  * q: generalized coordinates (5)
  * v: their rates (5)
- * k: constants from setup (15)
+ * k: constants from setup (16)
  * h: forces, one row a coordinate (5): h[c1], h[c2], h[phi], h[alpha1], h[alpha2]
  *
  * From (26), appendix, (15).
@@ -232,7 +234,7 @@ int free_beam_point_force(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
     const double *TISSERAND_RESTRICT k,
-    double *TISSERAND_RESTRICT h);
+    double *h);
 
 /*
  * Mass matrix and forces together; what they share is computed once.
@@ -240,20 +242,20 @@ int free_beam_point_force(
  * t: time (a free body does not depend on it)
  * q: generalized coordinates (5)
  * v: their rates (5)
- * k: constants from setup (15)
+ * k: constants from setup (16)
  * M: values of the mass matrix, lower triangle by columns, 5 x 5, 10 values, 15 in both triangles
  * h: forces, one row a coordinate (5): h[c1], h[c2], h[phi], h[alpha1], h[alpha2]
  *
- * From (26), appendix, (15).
- * 38 operations.
+ * From appendix, (15), (26).
+ * 37 operations.
  */
 int free_beam_point_mass_force(
     double t,
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
     const double *TISSERAND_RESTRICT k,
-    double *TISSERAND_RESTRICT M,
-    double *TISSERAND_RESTRICT h);
+    double *M,
+    double *h);
 
 /*
  * Accelerations vdot of M vdot + h = 0, by a sparse LDL^T fixed at generation time.
@@ -261,7 +263,7 @@ int free_beam_point_mass_force(
  * t: time (a free body does not depend on it)
  * q: generalized coordinates (5)
  * v: their rates (5)
- * k: constants from setup (15)
+ * k: constants from setup (16)
  * vdot: accelerations (5): c1ddot, c2ddot, phiddot, alpha1ddot, alpha2ddot
  *
  * From (26), appendix, LDL^T.
@@ -272,14 +274,14 @@ int free_beam_point_accel(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
     const double *TISSERAND_RESTRICT k,
-    double *TISSERAND_RESTRICT vdot);
+    double *vdot);
 
 /*
  * Kinetic and strain energy.
  *
  * q: generalized coordinates (5)
  * v: their rates (5)
- * k: constants from setup (15)
+ * k: constants from setup (16)
  * energy: energies [J] (2): kinetic, strain
  *
  * From (26), appendix, (22).
@@ -289,14 +291,14 @@ int free_beam_point_energy(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
     const double *TISSERAND_RESTRICT k,
-    double *TISSERAND_RESTRICT energy);
+    double *energy);
 
 /*
  * Linear momentum, and angular momentum about the inertial origin.
  *
  * q: generalized coordinates (5)
  * v: their rates (5)
- * k: constants from setup (15)
+ * k: constants from setup (16)
  * momentum: momenta [N s, N s, N m s] (3): linear_1, linear_2, angular
  *
  * From (26), appendix, (1).
@@ -306,14 +308,14 @@ int free_beam_point_momentum(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
     const double *TISSERAND_RESTRICT k,
-    double *TISSERAND_RESTRICT momentum);
+    double *momentum);
 
 /*
  * Time derivative of the coordinates from the rates.
  *
  * q: generalized coordinates (5)
  * v: their rates (5)
- * k: constants from setup (15)
+ * k: constants from setup (16)
  * qdot: time derivative of q (5): c1_t, c2_t, phi_t, alpha1_t, alpha2_t
  *
  * From (27).
@@ -323,35 +325,35 @@ int free_beam_point_rates(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
     const double *TISSERAND_RESTRICT k,
-    double *TISSERAND_RESTRICT qdot);
+    double *qdot);
 
 /*
  * Marker left, material point at xi = -1: position, velocity and d(position)/dq.
  *
  * q: generalized coordinates (5)
  * v: their rates (5)
- * k: constants from setup (15)
+ * k: constants from setup (16)
  * x: position in the inertial base [m] (2): x1, x2
  * xdot: velocity in the inertial base [m/s] (2): x1dot, x2dot
  * jacobian: values of d(position)/dq by columns, 2 x 5, 8 values
  *
- * From (26), (14), (1).
+ * From (14), (26), (1).
  * 28 operations.
  */
 int free_beam_point_marker_left(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
     const double *TISSERAND_RESTRICT k,
-    double *TISSERAND_RESTRICT x,
-    double *TISSERAND_RESTRICT xdot,
-    double *TISSERAND_RESTRICT jacobian);
+    double *x,
+    double *xdot,
+    double *jacobian);
 
 /*
  * Marker middle, material point at xi = 0: position, velocity and d(position)/dq.
  *
  * q: generalized coordinates (5)
  * v: their rates (5)
- * k: constants from setup (15)
+ * k: constants from setup (16)
  * x: position in the inertial base [m] (2): x1, x2
  * xdot: velocity in the inertial base [m/s] (2): x1dot, x2dot
  * jacobian: values of d(position)/dq by columns, 2 x 5, 2 values
@@ -363,30 +365,30 @@ int free_beam_point_marker_middle(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
     const double *TISSERAND_RESTRICT k,
-    double *TISSERAND_RESTRICT x,
-    double *TISSERAND_RESTRICT xdot,
-    double *TISSERAND_RESTRICT jacobian);
+    double *x,
+    double *xdot,
+    double *jacobian);
 
 /*
  * Marker right, material point at xi = 1: position, velocity and d(position)/dq.
  *
  * q: generalized coordinates (5)
  * v: their rates (5)
- * k: constants from setup (15)
+ * k: constants from setup (16)
  * x: position in the inertial base [m] (2): x1, x2
  * xdot: velocity in the inertial base [m/s] (2): x1dot, x2dot
  * jacobian: values of d(position)/dq by columns, 2 x 5, 8 values
  *
- * From (26), (14), (1).
+ * From (14), (26), (1).
  * 27 operations.
  */
 int free_beam_point_marker_right(
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT v,
     const double *TISSERAND_RESTRICT k,
-    double *TISSERAND_RESTRICT x,
-    double *TISSERAND_RESTRICT xdot,
-    double *TISSERAND_RESTRICT jacobian);
+    double *x,
+    double *xdot,
+    double *jacobian);
 
 /*
  * First-order form F(t, y, ydot) = [qdot - v; M vdot + h] = 0 with y = [q; v].
@@ -394,7 +396,7 @@ int free_beam_point_marker_right(
  * t: time (a free body does not depend on it)
  * y: first-order state [q; v] (10)
  * ydot: time derivative of y (10)
- * k: constants from setup (15)
+ * k: constants from setup (16)
  * F: residual, one row a state (10): c1, c2, phi, alpha1, alpha2, c1dot, c2dot, phidot, alpha1dot,
  *     alpha2dot
  *
@@ -406,7 +408,7 @@ int free_beam_point_residual(
     const double *TISSERAND_RESTRICT y,
     const double *TISSERAND_RESTRICT ydot,
     const double *TISSERAND_RESTRICT k,
-    double *TISSERAND_RESTRICT F);
+    double *F);
 
 /*
  * Iteration matrix dF/dy + cj dF/dydot of the first-order form, values by columns, diagonal
@@ -416,7 +418,7 @@ int free_beam_point_residual(
  * y: first-order state [q; v] (10)
  * ydot: time derivative of y (10)
  * cj: factor of dF/dydot
- * k: constants from setup (15)
+ * k: constants from setup (16)
  * jac: values of the iteration matrix by columns, 10 x 10, 37 values
  *
  * From (26), appendix, (15).
@@ -428,7 +430,7 @@ int free_beam_point_jacobian(
     const double *TISSERAND_RESTRICT ydot,
     double cj,
     const double *TISSERAND_RESTRICT k,
-    double *TISSERAND_RESTRICT jac);
+    double *jac);
 
 const tisserand_pattern *free_beam_point_mass_pattern(void);
 const tisserand_pattern *free_beam_point_jacobian_pattern(void);

@@ -30,10 +30,11 @@ Constants k, made of them by setup:
   K_2_2  [N/m]  stiffness: int EI (d2 phi_2/dx2) (d2 phi_2/dx2) dx
   X_left  [m]  reference position of marker left
   X_right  [m]  reference position of marker right
-  constant_1  (c6_2 / c8_2_2) * c6_2
-  constant_2  1/17592186044416 * mass
-  constant_3  1/17592186044416 * c8_1_1
-  constant_4  c6_2 / c8_2_2
+  minus_c2_1_2  -c2_1_2
+  constant_2  (c6_2 / c8_2_2) * c6_2
+  constant_3  1/17592186044416 * mass
+  constant_4  1/17592186044416 * c8_1_1
+  constant_5  c6_2 / c8_2_2
   inverse_c8_2_2  1 / c8_2_2
 
 Mass matrix, x a value and . a structural zero:
@@ -87,7 +88,7 @@ PARAMETERS = ("m", "l", "EI")
 UNITS = ("kg", "m", "N m^2")
 DEFAULTS = (1.0, 1.0, 1.0)
 CONSTANTS = ("mass", "c2_1_2", "C3", "c6_2", "c8_1_1", "c8_2_2", "K_1_1", "K_2_2", "X_left", "X_right",
-    "constant_1", "constant_2", "constant_3", "constant_4", "inverse_c8_2_2")
+    "minus_c2_1_2", "constant_2", "constant_3", "constant_4", "constant_5", "inverse_c8_2_2")
 MARKERS = ("left", "middle", "right")
 
 MASS = Pattern(
@@ -165,11 +166,11 @@ def setup(p):
     """Constants k from the parameters p: once for a set of parameters.
 
     p: parameters (3)
-    k: constants (15): mass, c2_1_2, C3, c6_2, c8_1_1, c8_2_2, K_1_1, K_2_2, X_left, X_right,
-        constant_1, constant_2, constant_3, constant_4, inverse_c8_2_2
+    k: constants (16): mass, c2_1_2, C3, c6_2, c8_1_1, c8_2_2, K_1_1, K_2_2, X_left, X_right,
+        minus_c2_1_2, constant_2, constant_3, constant_4, constant_5, inverse_c8_2_2
 
     From appendix.
-    20 operations.
+    21 operations.
     """
     xp, shape, (p,) = _arrays((1,), p)
     p_m = p[..., 0]
@@ -200,13 +201,14 @@ def setup(p):
     k_7 = K_2_2
     k_8 = X_left
     k_9 = X_right
+    k_10 = -c2_1_2
     inverse_c8_2_2 = 1 / c8_2_2
     t3 = c6_2 * inverse_c8_2_2
-    k_10 = t3 * c6_2
-    k_11 = 5.684341886080802e-14 * p_m
-    k_12 = 5.684341886080802e-14 * c8_1_1
-    k_13 = t3
-    k_14 = 1 * inverse_c8_2_2
+    k_11 = t3 * c6_2
+    k_12 = 5.684341886080802e-14 * p_m
+    k_13 = 5.684341886080802e-14 * c8_1_1
+    k_14 = t3
+    k_15 = 1 * inverse_c8_2_2
 
     # checks: refuse parameters that make no body
     _require(xp.all(p_m > 0), "m must be positive")
@@ -218,7 +220,7 @@ def setup(p):
     _require(xp.all(c8_2_2 > 0), "the pivot of alpha2 vanished")
 
     k = _stack(xp, shape, (k_0, k_1, k_2, k_3, k_4, k_5, k_6, k_7, k_8, k_9, k_10, k_11, k_12, k_13,
-        k_14))
+        k_14, k_15))
     return k
 
 
@@ -226,11 +228,11 @@ def mass(q, k):
     """Mass matrix M(q): values of the lower triangle by columns.
 
     q: generalized coordinates (5)
-    k: constants from setup (15)
+    k: constants from setup (16)
     M: values of the mass matrix, lower triangle by columns, 5 x 5, 10 values, 15 in both triangles
 
     From (26), appendix, (15).
-    16 operations.
+    15 operations.
     """
     xp, shape, (q, k) = _arrays((1, 1), q, k)
     phi = q[..., 2]
@@ -242,6 +244,7 @@ def mass(q, k):
     c6_2 = k[..., 3]
     c8_1_1 = k[..., 4]
     c8_2_2 = k[..., 5]
+    minus_c2_1_2 = k[..., 10]
 
     # Q (26): cos_phi = cosine of the rotation angle; sin_phi = sine of the rotation angle
     cos_phi = xp.cos(phi)
@@ -260,7 +263,7 @@ def mass(q, k):
     # M (15): factors of the accelerations
     M_0 = mass
     M_1 = -(d1_2 * cos_phi)
-    M_2 = -(c2_1_2 * sin_phi)
+    M_2 = minus_c2_1_2 * sin_phi
     M_3 = mass
     M_4 = -(d1_2 * sin_phi)
     M_5 = c2_1_2 * cos_phi
@@ -279,7 +282,7 @@ def force(t, q, v, k):
     t: time (a free body does not depend on it)
     q: generalized coordinates (5)
     v: their rates (5)
-    k: constants from setup (15)
+    k: constants from setup (16)
     h: forces, one row a coordinate (5): h[c1], h[c2], h[phi], h[alpha1], h[alpha2]
 
     From (26), appendix, (15).
@@ -302,13 +305,17 @@ def force(t, q, v, k):
     cos_phi = xp.cos(phi)
     sin_phi = xp.sin(phi)
 
-    # d1 (appendix): d1_2 = int rho r . e2; d1dot_2 = int rho rdot . e2
+    # d1 (appendix): d1_2 = int rho r . e2
     d1_2 = alpha1 * c2_1_2
+
+    # d1dot (appendix): d1dot_2 = int rho rdot . e2
     d1dot_2 = alpha1dot * c2_1_2
 
-    # D2 (appendix): D2_1 = int rho r . Phi_1; ...; D2dot = int rho r . rdot
+    # D2 (appendix): D2_1 = int rho r . Phi_1; D2_2 = int rho r . Phi_2
     D2_1 = alpha1 * c8_1_1
     D2_2 = alpha2 * c8_2_2
+
+    # D2dot (appendix): D2dot = int rho r . rdot
     D2dot = alpha1dot * D2_1 + alpha2dot * D2_2
 
     # h (15): centrifugal, Coriolis and elastic terms
@@ -317,7 +324,7 @@ def force(t, q, v, k):
     t3 = 2 * phidot
     t4 = t3 * d1dot_2
     h_0 = t2 * sin_phi - t4 * cos_phi
-    h_1 = -(t2 * cos_phi + t4 * sin_phi)
+    h_1 = -(t2 * cos_phi) - t4 * sin_phi
     h_2 = t3 * D2dot
     h_3 = K_1_1 * alpha1 - t1 * D2_1
     h_4 = K_2_2 * alpha2 - t1 * D2_2
@@ -332,12 +339,12 @@ def mass_force(t, q, v, k):
     t: time (a free body does not depend on it)
     q: generalized coordinates (5)
     v: their rates (5)
-    k: constants from setup (15)
+    k: constants from setup (16)
     M: values of the mass matrix, lower triangle by columns, 5 x 5, 10 values, 15 in both triangles
     h: forces, one row a coordinate (5): h[c1], h[c2], h[phi], h[alpha1], h[alpha2]
 
-    From (26), appendix, (15).
-    38 operations.
+    From appendix, (15), (26).
+    37 operations.
     """
     xp, shape, (t, q, v, k) = _arrays((0, 1, 1, 1), t, q, v, k)
     phi = q[..., 2]
@@ -354,45 +361,56 @@ def mass_force(t, q, v, k):
     c8_2_2 = k[..., 5]
     K_1_1 = k[..., 6]
     K_2_2 = k[..., 7]
+    minus_c2_1_2 = k[..., 10]
+
+    # D2 (appendix): D2_1 = int rho r . Phi_1; D2_2 = int rho r . Phi_2
+    D2_1 = alpha1 * c8_1_1
+    D2_2 = alpha2 * c8_2_2
+
+    # alpha2 (15): force and column of M of alpha2
+    t1 = phidot * phidot
+    h_4 = K_2_2 * alpha2 - t1 * D2_2
+    M_9 = c8_2_2
+
+    # alpha1 (15): force and column of M of alpha1
+    h_3 = K_1_1 * alpha1 - t1 * D2_1
+    M_8 = c8_1_1
+
+    # J (appendix): J = int rho r . r
+    J = C3 + D2_1 * alpha1 + D2_2 * alpha2
+
+    # D2dot (appendix): D2dot = int rho r . rdot
+    D2dot = alpha1dot * D2_1 + alpha2dot * D2_2
+
+    # phi (15): force and column of M of phi
+    t2 = 2 * phidot
+    h_2 = t2 * D2dot
+    M_6 = J
+    M_7 = c6_2
 
     # Q (26): cos_phi = cosine of the rotation angle; sin_phi = sine of the rotation angle
     cos_phi = xp.cos(phi)
     sin_phi = xp.sin(phi)
 
-    # d1 (appendix): d1_2 = int rho r . e2; d1dot_2 = int rho rdot . e2
+    # d1 (appendix): d1_2 = int rho r . e2
     d1_2 = alpha1 * c2_1_2
+
+    # d1dot (appendix): d1dot_2 = int rho rdot . e2
     d1dot_2 = alpha1dot * c2_1_2
 
-    # D2 (appendix): D2_1 = int rho r . Phi_1; ...; D2dot = int rho r . rdot
-    D2_1 = alpha1 * c8_1_1
-    D2_2 = alpha2 * c8_2_2
-    D2dot = alpha1dot * D2_1 + alpha2dot * D2_2
-
-    # J (appendix): J = int rho r . r
-    J = C3 + D2_1 * alpha1 + D2_2 * alpha2
-
-    # M (15): factors of the accelerations
-    M_0 = mass
-    M_1 = -(d1_2 * cos_phi)
-    M_2 = -(c2_1_2 * sin_phi)
+    # c2 (15): force and column of M of c2
+    t3 = t1 * d1_2
+    t4 = t2 * d1dot_2
+    h_1 = -(t3 * cos_phi) - t4 * sin_phi
     M_3 = mass
     M_4 = -(d1_2 * sin_phi)
     M_5 = c2_1_2 * cos_phi
-    M_6 = J
-    M_7 = c6_2
-    M_8 = c8_1_1
-    M_9 = c8_2_2
 
-    # h (15): centrifugal, Coriolis and elastic terms
-    t1 = phidot * phidot
-    t2 = t1 * d1_2
-    t3 = 2 * phidot
-    t4 = t3 * d1dot_2
-    h_0 = t2 * sin_phi - t4 * cos_phi
-    h_1 = -(t2 * cos_phi + t4 * sin_phi)
-    h_2 = t3 * D2dot
-    h_3 = K_1_1 * alpha1 - t1 * D2_1
-    h_4 = K_2_2 * alpha2 - t1 * D2_2
+    # c1 (15): force and column of M of c1
+    h_0 = t3 * sin_phi - t4 * cos_phi
+    M_0 = mass
+    M_1 = -(d1_2 * cos_phi)
+    M_2 = minus_c2_1_2 * sin_phi
 
     M = _stack(xp, shape, (M_0, M_1, M_2, M_3, M_4, M_5, M_6, M_7, M_8, M_9))
     h = _stack(xp, shape, (h_0, h_1, h_2, h_3, h_4))
@@ -405,7 +423,7 @@ def accel(t, q, v, k):
     t: time (a free body does not depend on it)
     q: generalized coordinates (5)
     v: their rates (5)
-    k: constants from setup (15)
+    k: constants from setup (16)
     vdot: accelerations (5): c1ddot, c2ddot, phiddot, alpha1ddot, alpha2ddot
 
     From (26), appendix, LDL^T.
@@ -425,30 +443,28 @@ def accel(t, q, v, k):
     c8_2_2 = k[..., 5]
     K_1_1 = k[..., 6]
     K_2_2 = k[..., 7]
-    constant_1 = k[..., 10]
     constant_2 = k[..., 11]
     constant_3 = k[..., 12]
     constant_4 = k[..., 13]
-    inverse_c8_2_2 = k[..., 14]
+    constant_5 = k[..., 14]
+    inverse_c8_2_2 = k[..., 15]
 
     # Q (26): cos_phi = cosine of the rotation angle; sin_phi = sine of the rotation angle
     cos_phi = xp.cos(phi)
     sin_phi = xp.sin(phi)
 
-    # d1 (appendix): d1_2 = int rho r . e2; d1dot_2 = int rho rdot . e2
+    # d1 (appendix): d1_2 = int rho r . e2
     d1_2 = alpha1 * c2_1_2
-    d1dot_2 = alpha1dot * c2_1_2
 
-    # D2 (appendix): D2_1 = int rho r . Phi_1; ...; D2dot = int rho r . rdot
+    # D2 (appendix): D2_1 = int rho r . Phi_1; D2_2 = int rho r . Phi_2
     D2_1 = alpha1 * c8_1_1
     D2_2 = alpha2 * c8_2_2
-    D2dot = alpha1dot * D2_1 + alpha2dot * D2_2
 
     # J (appendix): J = int rho r . r
     J = C3 + D2_1 * alpha1 + D2_2 * alpha2
 
     # pivots (LDL^T): eliminate alpha2, phi, c2, alpha1, c1; fill-in 1
-    pivot_phi = J - constant_1
+    pivot_phi = J - constant_2
     t1 = d1_2 * sin_phi
     inverse_pivot_phi = 1 / pivot_phi
     t2 = t1 * inverse_pivot_phi
@@ -466,15 +482,21 @@ def accel(t, q, v, k):
     t10 = t9 * inverse_pivot_alpha1
     pivot_c1 = mass - t6 * t5 - t8 * t7 - t10 * t9
     valid_1 = (pivot_phi - 5.684341886080802e-14 * J) > 0
-    valid_2 = (pivot_c2 - constant_2) > 0
-    valid_3 = (pivot_alpha1 - constant_3) > 0
-    valid_4 = (pivot_c1 - constant_2) > 0
+    valid_2 = (pivot_c2 - constant_3) > 0
+    valid_3 = (pivot_alpha1 - constant_4) > 0
+    valid_4 = (pivot_c1 - constant_3) > 0
+
+    # d1dot (appendix): d1dot_2 = int rho rdot . e2
+    d1dot_2 = alpha1dot * c2_1_2
+
+    # D2dot (appendix): D2dot = int rho r . rdot
+    D2dot = alpha1dot * D2_1 + alpha2dot * D2_2
 
     # solution (LDL^T): forward, diagonal and back substitution
     t11 = phidot * phidot
     t12 = K_2_2 * alpha2 - t11 * D2_2
     t13 = 2 * phidot
-    t14 = constant_4 * t12 - t13 * D2dot
+    t14 = constant_5 * t12 - t13 * D2dot
     t15 = t11 * d1_2
     t16 = t13 * d1dot_2
     t17 = t15 * cos_phi + t16 * sin_phi + t2 * t14
@@ -487,7 +509,7 @@ def accel(t, q, v, k):
     t22 = t14 * inverse_pivot_phi + t2 * t21 + t6 * t19
     vdot_2 = t22
     vdot_3 = -t20
-    t23 = t12 * inverse_c8_2_2 + constant_4 * t22
+    t23 = t12 * inverse_c8_2_2 + constant_5 * t22
     vdot_4 = -t23
 
     vdot = _stack(xp, shape, (vdot_0, vdot_1, vdot_2, vdot_3, vdot_4))
@@ -499,7 +521,7 @@ def energy(q, v, k):
 
     q: generalized coordinates (5)
     v: their rates (5)
-    k: constants from setup (15)
+    k: constants from setup (16)
     energy: energies [J] (2): kinetic, strain
 
     From (26), appendix, (22).
@@ -527,19 +549,21 @@ def energy(q, v, k):
     cos_phi = xp.cos(phi)
     sin_phi = xp.sin(phi)
 
-    # d1 (appendix): d1_2 = int rho r . e2; d1dot_2 = int rho rdot . e2
+    # d1 (appendix): d1_2 = int rho r . e2
     d1_2 = alpha1 * c2_1_2
+
+    # d1dot (appendix): d1dot_2 = int rho rdot . e2
     d1dot_2 = alpha1dot * c2_1_2
 
-    # D2 (appendix): D2_1 = int rho r . Phi_1; ...; D2dot = int rho r . rdot
+    # D2 (appendix): D2_1 = int rho r . Phi_1; D2_2 = int rho r . Phi_2
     D2_1 = alpha1 * c8_1_1
     D2_2 = alpha2 * c8_2_2
 
-    # d3 (appendix): d3_2 = int rho r x Phi_2; d3dot = int rho r x rdot
-    d3dot = alpha2dot * c6_2
-
     # J (appendix): J = int rho r . r
     J = C3 + D2_1 * alpha1 + D2_2 * alpha2
+
+    # d3dot (appendix): d3dot = int rho r x rdot
+    d3dot = alpha2dot * c6_2
 
     # energy (22): 1/2 int rho xdot . xdot and the strain energy
     energy_0 = (
@@ -559,7 +583,7 @@ def momentum(q, v, k):
 
     q: generalized coordinates (5)
     v: their rates (5)
-    k: constants from setup (15)
+    k: constants from setup (16)
     momentum: momenta [N s, N s, N m s] (3): linear_1, linear_2, angular
 
     From (26), appendix, (1).
@@ -587,19 +611,21 @@ def momentum(q, v, k):
     cos_phi = xp.cos(phi)
     sin_phi = xp.sin(phi)
 
-    # d1 (appendix): d1_2 = int rho r . e2; d1dot_2 = int rho rdot . e2
+    # d1 (appendix): d1_2 = int rho r . e2
     d1_2 = alpha1 * c2_1_2
+
+    # d1dot (appendix): d1dot_2 = int rho rdot . e2
     d1dot_2 = alpha1dot * c2_1_2
 
-    # D2 (appendix): D2_1 = int rho r . Phi_1; ...; D2dot = int rho r . rdot
+    # D2 (appendix): D2_1 = int rho r . Phi_1; D2_2 = int rho r . Phi_2
     D2_1 = alpha1 * c8_1_1
     D2_2 = alpha2 * c8_2_2
 
-    # d3 (appendix): d3_2 = int rho r x Phi_2; d3dot = int rho r x rdot
-    d3dot = alpha2dot * c6_2
-
     # J (appendix): J = int rho r . r
     J = C3 + D2_1 * alpha1 + D2_2 * alpha2
+
+    # d3dot (appendix): d3dot = int rho r x rdot
+    d3dot = alpha2dot * c6_2
 
     # momentum (1): int rho xdot and int rho x x xdot
     t1 = phidot * d1_2
@@ -620,7 +646,7 @@ def rates(q, v, k):
 
     q: generalized coordinates (5)
     v: their rates (5)
-    k: constants from setup (15)
+    k: constants from setup (16)
     qdot: time derivative of q (5): c1_t, c2_t, phi_t, alpha1_t, alpha2_t
 
     From (27).
@@ -649,12 +675,12 @@ def marker_left(q, v, k):
 
     q: generalized coordinates (5)
     v: their rates (5)
-    k: constants from setup (15)
+    k: constants from setup (16)
     x: position in the inertial base [m] (2): x1, x2
     xdot: velocity in the inertial base [m/s] (2): x1dot, x2dot
     jacobian: values of d(position)/dq by columns, 2 x 5, 8 values
 
-    From (26), (14), (1).
+    From (14), (26), (1).
     28 operations.
     """
     xp, shape, (q, v, k) = _arrays((1, 1, 1), q, v, k)
@@ -670,13 +696,13 @@ def marker_left(q, v, k):
     alpha2dot = v[..., 4]
     X_left = k[..., 8]
 
-    # Q (26): cos_phi = cosine of the rotation angle; sin_phi = sine of the rotation angle
-    cos_phi = xp.cos(phi)
-    sin_phi = xp.sin(phi)
-
     # r (14): X + u and its rate at the marker, in the body base
     r_2 = alpha1 - alpha2
     rdot_2 = alpha1dot - alpha2dot
+
+    # Q (26): cos_phi = cosine of the rotation angle; sin_phi = sine of the rotation angle
+    cos_phi = xp.cos(phi)
+    sin_phi = xp.sin(phi)
 
     # marker (1): x = c + Q r, its rate and its derivatives
     t1 = X_left * cos_phi
@@ -710,7 +736,7 @@ def marker_middle(q, v, k):
 
     q: generalized coordinates (5)
     v: their rates (5)
-    k: constants from setup (15)
+    k: constants from setup (16)
     x: position in the inertial base [m] (2): x1, x2
     xdot: velocity in the inertial base [m/s] (2): x1dot, x2dot
     jacobian: values of d(position)/dq by columns, 2 x 5, 2 values
@@ -743,12 +769,12 @@ def marker_right(q, v, k):
 
     q: generalized coordinates (5)
     v: their rates (5)
-    k: constants from setup (15)
+    k: constants from setup (16)
     x: position in the inertial base [m] (2): x1, x2
     xdot: velocity in the inertial base [m/s] (2): x1dot, x2dot
     jacobian: values of d(position)/dq by columns, 2 x 5, 8 values
 
-    From (26), (14), (1).
+    From (14), (26), (1).
     27 operations.
     """
     xp, shape, (q, v, k) = _arrays((1, 1, 1), q, v, k)
@@ -764,13 +790,13 @@ def marker_right(q, v, k):
     alpha2dot = v[..., 4]
     X_right = k[..., 9]
 
-    # Q (26): cos_phi = cosine of the rotation angle; sin_phi = sine of the rotation angle
-    cos_phi = xp.cos(phi)
-    sin_phi = xp.sin(phi)
-
     # r (14): X + u and its rate at the marker, in the body base
     r_2 = alpha1 + alpha2
     rdot_2 = alpha1dot + alpha2dot
+
+    # Q (26): cos_phi = cosine of the rotation angle; sin_phi = sine of the rotation angle
+    cos_phi = xp.cos(phi)
+    sin_phi = xp.sin(phi)
 
     # marker (1): x = c + Q r, its rate and its derivatives
     t1 = X_right * cos_phi
@@ -806,7 +832,7 @@ def residual(t, y, ydot, k):
     t: time (a free body does not depend on it)
     y: first-order state [q; v] (10)
     ydot: time derivative of y (10)
-    k: constants from setup (15)
+    k: constants from setup (16)
     F: residual, one row a state (10): c1, c2, phi, alpha1, alpha2, c1dot, c2dot, phidot, alpha1dot,
         alpha2dot
 
@@ -845,17 +871,21 @@ def residual(t, y, ydot, k):
     cos_phi = xp.cos(phi)
     sin_phi = xp.sin(phi)
 
-    # d1 (appendix): d1_2 = int rho r . e2; d1dot_2 = int rho rdot . e2
+    # d1 (appendix): d1_2 = int rho r . e2
     d1_2 = alpha1 * c2_1_2
+
+    # d1dot (appendix): d1dot_2 = int rho rdot . e2
     d1dot_2 = alpha1dot * c2_1_2
 
-    # D2 (appendix): D2_1 = int rho r . Phi_1; ...; D2dot = int rho r . rdot
+    # D2 (appendix): D2_1 = int rho r . Phi_1; D2_2 = int rho r . Phi_2
     D2_1 = alpha1 * c8_1_1
     D2_2 = alpha2 * c8_2_2
-    D2dot = alpha1dot * D2_1 + alpha2dot * D2_2
 
     # J (appendix): J = int rho r . r
     J = C3 + D2_1 * alpha1 + D2_2 * alpha2
+
+    # D2dot (appendix): D2dot = int rho r . rdot
+    D2dot = alpha1dot * D2_1 + alpha2dot * D2_2
 
     # residual (15): kinematics, then the equations of motion
     F_0 = c1_t - c1dot
@@ -892,7 +922,7 @@ def jacobian(t, y, ydot, cj, k):
     y: first-order state [q; v] (10)
     ydot: time derivative of y (10)
     cj: factor of dF/dydot
-    k: constants from setup (15)
+    k: constants from setup (16)
     jac: values of the iteration matrix by columns, 10 x 10, 37 values
 
     From (26), appendix, (15).
@@ -922,17 +952,21 @@ def jacobian(t, y, ydot, cj, k):
     cos_phi = xp.cos(phi)
     sin_phi = xp.sin(phi)
 
-    # d1 (appendix): d1_2 = int rho r . e2; d1dot_2 = int rho rdot . e2
+    # d1 (appendix): d1_2 = int rho r . e2
     d1_2 = alpha1 * c2_1_2
+
+    # d1dot (appendix): d1dot_2 = int rho rdot . e2
     d1dot_2 = alpha1dot * c2_1_2
 
-    # D2 (appendix): D2_1 = int rho r . Phi_1; ...; D2dot = int rho r . rdot
+    # D2 (appendix): D2_1 = int rho r . Phi_1; D2_2 = int rho r . Phi_2
     D2_1 = alpha1 * c8_1_1
     D2_2 = alpha2 * c8_2_2
-    D2dot = alpha1dot * D2_1 + alpha2dot * D2_2
 
     # J (appendix): J = int rho r . r
     J = C3 + D2_1 * alpha1 + D2_2 * alpha2
+
+    # D2dot (appendix): D2dot = int rho r . rdot
+    D2dot = alpha1dot * D2_1 + alpha2dot * D2_2
 
     # jacobian (15): derivatives of the residual
     jac_0 = cj
@@ -944,15 +978,15 @@ def jacobian(t, y, ydot, cj, k):
     t4 = t3 * d1_2
     t5 = alpha1ddot * c2_1_2
     jac_3 = t2 * sin_phi + (t4 - t5) * cos_phi
-    jac_4 = -((t5 - t4) * sin_phi + t2 * cos_phi)
+    jac_4 = -((t5 - t4) * sin_phi) - t2 * cos_phi
     jac_5 = c1ddot * d1_2 * sin_phi - c2ddot * d1_2 * cos_phi
     t6 = c1ddot * c2_1_2
-    jac_6 = -(c2_1_2 * c2ddot * sin_phi + t6 * cos_phi)
+    jac_6 = -(c2_1_2 * c2ddot * sin_phi) - t6 * cos_phi
     jac_7 = cj
     t7 = t3 * c2_1_2
     t8 = phiddot * c2_1_2
     jac_8 = sin_phi * t7 - cos_phi * t8
-    jac_9 = -(cos_phi * t7 + sin_phi * t8)
+    jac_9 = -(cos_phi * t7) - sin_phi * t8
     jac_10 = (
         t1 * (alpha1dot * c8_1_1) + phiddot * (2 * D2_1) - cos_phi * t6
             - sin_phi * (c2ddot * c2_1_2)
@@ -978,14 +1012,14 @@ def jacobian(t, y, ydot, cj, k):
     t14 = d1_2 * t1
     t15 = 2 * d1dot_2
     jac_24 = sin_phi * t14 - cos_phi * t15 - t10
-    jac_25 = -(cos_phi * t14 + sin_phi * t15 + t12)
+    jac_25 = -(cos_phi * t14) - sin_phi * t15 - t12
     jac_26 = 2 * D2dot + cj * J
     jac_27 = -(D2_1 * t1)
     t16 = cj * c6_2
     jac_28 = t16 - D2_2 * t1
     jac_29 = -1
     t17 = t1 * c2_1_2
-    jac_30 = -(cos_phi * t17 + t11)
+    jac_30 = -(cos_phi * t17) - t11
     jac_31 = t13 - sin_phi * t17
     jac_32 = t1 * D2_1
     jac_33 = cj * c8_1_1

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 import random
+from collections.abc import Callable
 from fractions import Fraction
 
 import pytest
@@ -31,10 +33,8 @@ def value_of(expr: Expr) -> float:
 
 
 @pytest.mark.parametrize("number", [c_number, python_number])
-def test_text_keeps_the_order_of_operations(number) -> None:  # type: ignore[no-untyped-def]
+def test_text_keeps_the_order_of_operations(number: Callable[[Fraction], str]) -> None:
     """Python and C read these operators alike; doubles tell (a + b) + c from a + (b + c)."""
-    import math
-
     rng = random.Random(1)
     for _ in range(3000):
         tree = random_tree(rng, 5)

@@ -10,12 +10,12 @@ from typing import Any
 
 import numpy as np
 import pytest
+from toolchain import special, tool
 
 import beams
 import derive
 from derive import native as native_module
 from derive.native import CompilerError, Native
-from toolchain import special, tool
 
 Q, V = beams.state(2)
 Y = np.concatenate([Q, V])
@@ -92,7 +92,7 @@ def test_models_live_side_by_side() -> None:
 def test_an_unknown_marker_is_named() -> None:
     model = beams.native("point", 2)
     for call in (lambda: model.marker("nowhere", Q, V, model.setup()), lambda: model.marker_pattern("nowhere")):
-        with pytest.raises(ValueError, match="nowhere.*left, inside, right"):
+        with pytest.raises(ValueError, match=r"nowhere.*left, inside, right"):
             call()
 
 
@@ -114,7 +114,7 @@ def load_with(compiler: str, monkeypatch: pytest.MonkeyPatch) -> Native:
 
 
 def test_a_compiler_that_is_not_there(monkeypatch: pytest.MonkeyPatch) -> None:
-    with pytest.raises(CompilerError, match="^no_such_compiler: No such file or directory$"):
+    with pytest.raises(CompilerError, match=r"^no_such_compiler: No such file or directory$"):
         load_with("no_such_compiler", monkeypatch)
 
 

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from toolchain import special
 
 import beams
 import derive
 from derive.kernel.functions import VANISHING
 from derive.native import ModelError, Native
-from toolchain import special
 
 BAD = [-1.0, 0.0, -0.0, np.nan, np.inf, -np.inf]
 
