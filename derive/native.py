@@ -42,8 +42,11 @@ class ModelError(ArithmeticError):
 
 def compiler() -> list[str]:
     """The C compiler to call: $CC, cc, gcc, clang, or the one in the Python package `ziglang`."""
-    if chosen := os.environ.get("CC"):
-        return shlex.split(chosen)
+    if chosen := os.environ.get("CC", "").strip():
+        try:
+            return shlex.split(chosen)
+        except ValueError as error:
+            raise CompilerError(f"CC={chosen}: this is no command line: {error}") from error
     for name in ("cc", "gcc", "clang"):
         if path := shutil.which(name):
             return [path]
@@ -199,14 +202,19 @@ class Native:
 
     def marker(self, name: str, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> tuple[Vector, Vector, Vector]:
         """Position, velocity and values of the Jacobian of a marker."""
-        marker = self._model.markers[self.markers.index(name)]
+        marker = self._marker(name)
         results = [np.empty(marker.dimension), np.empty(marker.dimension), np.empty(marker.pattern.contents.nnz)]
         self._invoke(f"marker_{name}", marker.evaluate, self._state(q, v, k), results)
         return results[0], results[1], results[2]
 
     def marker_pattern(self, name: str) -> Pattern:
         """The pattern of the Jacobian of a marker."""
-        return _pattern(self._model.markers[self.markers.index(name)].pattern.contents)
+        return _pattern(self._marker(name).pattern.contents)
+
+    def _marker(self, name: str) -> Any:
+        if name not in self.markers:
+            raise ValueError(f"{self.name} has no marker {name!r}; it has {', '.join(self.markers) or 'none'}")
+        return self._model.markers[self.markers.index(name)]
 
     def _state(self, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> list[Any]:
         return [(self.nq, q), (self.nv, v), (self.nk, k)]

@@ -38,9 +38,9 @@ def c_files(model: Model, fingerprint: str) -> tuple[File, ...]:
         "description": "\n".join(comment((*mark, *description(said)))),
         "functions": [_function(model, kernel) for kernel in model.kernels],
         "patterns": _patterns(model),
-        "tables": [{"name": f"{n}_table", "variables": variables} for n, variables in tables if variables],
-        "members": {n: f"{model.name}_{n}_table" if variables else "0" for n, variables in tables}
-        | {"markers": f"{model.name}_markers" if model.markers else "0"},
+        "tables": [{"name": n, "variables": variables} for n, variables in tables if variables],
+        "members": {n: f"{model.name}_table_{n}" if variables else "0" for n, variables in tables}
+        | {"markers": f"{model.name}_table_markers" if model.markers else "0"},
     }
     return (
         File(f"{model.name}/{model.name}.h", render("c/model.h.jinja", names)),

@@ -48,9 +48,9 @@ def python_file(model: Model, fingerprint: str) -> File:
 
 def _function(kernel: Kernel) -> Function:
     names = ", ".join(a.name for a in kernel.arguments)
-    ranks = ["0" if a.scalar else "1" for a in kernel.arguments]  # axes of its own; those before are the batch
+    sizes = ", ".join(f"{a.name}={None if a.scalar else len(a.elements)}" for a in kernel.arguments)
     own = _tuple([a.name for a in kernel.arguments])
-    lines = [f"    xp, shape, {own} = _arrays({_tuple(ranks)}, {names})"]
+    lines = [f"    xp, batch, {own} = _arrays(dict({sizes}), {names})"]
     used = kernel.used
     for argument in kernel.arguments:
         read = [(k, n) for k, n in enumerate(argument.elements) if n in used]
@@ -90,7 +90,7 @@ def _results(outputs: tuple[Output, ...], required: list[str]) -> list[str]:
     lines = []
     for output in outputs:
         elements = _tuple([f"{output.name}_{k}" for k in range(len(output.elements))])
-        lines += wrapped([f"{output.name} = _stack(xp, shape, {elements})"], "    ")
+        lines += wrapped([f"{output.name} = _stack(xp, batch, {elements})"], "    ")
     if required:
         valid = " & ".join(required)
         lines += [f"    return _where(xp, {valid}, {outputs[0].name})"]

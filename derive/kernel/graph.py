@@ -15,6 +15,9 @@ from derive.kernel.ir import Expr, Num, Op, Ref, Require
 from derive.kernel.symbols import Symbols
 
 BINARY = {ca.OP_ADD: "add", ca.OP_SUB: "sub", ca.OP_MUL: "mul", ca.OP_DIV: "div"}
+SHORT = 9
+"""Nodes of an expression of coefficients that gets one name; a longer one is made of named ones."""
+
 UNARY = {ca.OP_NEG: "neg", ca.OP_SIN: "sin", ca.OP_COS: "cos"}
 
 
@@ -66,6 +69,7 @@ class Graph:
         self.nodes: list[Node] = []
         self._index: dict[Node, int] = {}
         self._constant: list[bool] = []
+        self._size: list[int] = []
 
     def leaf(self, leaf: Num | Ref) -> int:
         """The node of a number or a name."""
@@ -86,9 +90,14 @@ class Graph:
 
     def settled(self, node: int) -> int:
         """The node itself, or, for an operation on coefficients alone, the constant of setup that replaces it."""
-        if self.nodes[node].leaf is not None or not self._constant[node]:
+        n = self.nodes[node]
+        if n.leaf is not None or not self._constant[node]:
             return node
-        return self.leaf(Ref(self.constants.name(self.expr(node))))
+        expr = self.expr(node) if self._size[node] <= SHORT else Op(n.kind, self._settled_args(n))
+        return self.leaf(Ref(self.constants.name(expr)))
+
+    def _settled_args(self, node: Node) -> tuple[Expr, ...]:
+        return tuple(self.expr(self.settled(a)) for a in node.args)
 
     def value(self, node: int) -> Fraction | None:
         """The number that a node is, if it is one."""
@@ -105,6 +114,7 @@ class Graph:
             self._index[node] = len(self.nodes)
             self.nodes.append(node)
             self._constant.append(self._depends_on_constants(node))
+            self._size.append(1 + sum(self._size[a] for a in node.args))
         return self._index[node]
 
     def is_constant(self, node: int) -> bool:

@@ -129,6 +129,8 @@ class _Writer:
         if n.kind == "neg" and self._stands_alone(n.args[0]):
             expr = self._negative(n.args[0], out)
         elif n.kind == "div" and self.divisors[n.args[1]] > 1:
+            if self.graph.value(n.args[0]) == 1:
+                return self._inverse(n.args[1], out)
             expr = Op("mul", (self._expr(n.args[0], out), self._inverse(n.args[1], out)))
         else:
             expr = Op(n.kind, tuple(self._expr(a, out) for a in n.args))

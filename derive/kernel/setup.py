@@ -32,23 +32,24 @@ def setup_kernel(context: Context, kernels: Iterable[Kernel]) -> tuple[Kernel, t
             values[str(c.symbol)] = symbols(c.value)
             if str(c.symbol) in used:
                 constants.append(Variable(str(c.symbol), c.doc, c.unit))
-    named = tuple(Named(name, value) for name, value in values.items())
     for name, expr in hoisted.items():
         if name in needed:
             values[name] = _casadi(expr, values, symbols)
         if name in used:
             constants.append(Variable(name, _text(expr), ""))
+    named = tuple(Named(name, value) for name, value in values.items())
     checks = [
         *(
             Required("positive", symbols.values[p.symbol], NOT_FINITE, f"{p.symbol} must be positive")
             for p in parameters
         ),
         *(Required("finite", symbols.values[p.symbol], NOT_FINITE, f"{p.symbol} must be finite") for p in parameters),
+        *(Required("finite", values[c.name], NOT_FINITE, f"{c.name} is not finite") for c in constants),
         *(Required(r.kind, _casadi(r.expr, values, symbols), r.code, r.text) for r in context.constants.requirements),
     ]
     stored = tuple(Stored("k", index, values[c.name]) for index, c in enumerate(constants))
     steps = (
-        Step("integrals", "appendix", "shape integrals and stiffness", named),
+        Step("integrals", "appendix", "shape integrals, stiffness, and what is made of them", named),
         Step("constants", "", "what the kernels read", stored),
         Step("checks", "", "refuse parameters that make no body", tuple(checks)),
     )

@@ -19,7 +19,7 @@ int free_beam_mean_setup(
     const double p_l = p[1];
     const double p_EI = p[2];
 
-    /* integrals (appendix): shape integrals and stiffness */
+    /* integrals (appendix): shape integrals, stiffness, and what is made of them */
     const double t1 = p_l * p_l;
     const double C3 = t1 * p_m / 12.0;
     const double c8_1_1 = p_m / 5.0;
@@ -29,6 +29,8 @@ int free_beam_mean_setup(
     const double K_2_2 = 1200.0 * t2;
     const double X_right = 0.5 * p_l;
     const double X_left = -X_right;
+    const double inverse_c8_1_1 = 1.0 / c8_1_1;
+    const double inverse_c8_2_2 = 1.0 / c8_2_2;
 
     /* constants: what the kernels read */
     k[0] = p_m;
@@ -39,8 +41,8 @@ int free_beam_mean_setup(
     k[5] = K_2_2;
     k[6] = X_left;
     k[7] = X_right;
-    k[8] = 1.0 / c8_1_1;
-    k[9] = 1.0 / c8_2_2;
+    k[8] = inverse_c8_1_1;
+    k[9] = inverse_c8_2_2;
 
     /* checks: refuse parameters that make no body */
     if (!(p_m > 0.0)) return 2; /* m must be positive */
@@ -49,6 +51,16 @@ int free_beam_mean_setup(
     if (!isfinite(p_m)) return 2; /* m must be finite */
     if (!isfinite(p_l)) return 2; /* l must be finite */
     if (!isfinite(p_EI)) return 2; /* EI must be finite */
+    if (!isfinite(p_m)) return 2; /* mass is not finite */
+    if (!isfinite(C3)) return 2; /* C3 is not finite */
+    if (!isfinite(c8_1_1)) return 2; /* c8_1_1 is not finite */
+    if (!isfinite(c8_2_2)) return 2; /* c8_2_2 is not finite */
+    if (!isfinite(K_1_1)) return 2; /* K_1_1 is not finite */
+    if (!isfinite(K_2_2)) return 2; /* K_2_2 is not finite */
+    if (!isfinite(X_left)) return 2; /* X_left is not finite */
+    if (!isfinite(X_right)) return 2; /* X_right is not finite */
+    if (!isfinite(inverse_c8_1_1)) return 2; /* inverse_c8_1_1 is not finite */
+    if (!isfinite(inverse_c8_2_2)) return 2; /* inverse_c8_2_2 is not finite */
     if (!(p_m > 0.0)) return 1; /* the pivot of c1 vanished */
     if (!(c8_1_1 > 0.0)) return 1; /* the pivot of alpha1 vanished */
     if (!(c8_2_2 > 0.0)) return 1; /* the pivot of alpha2 vanished */
@@ -574,95 +586,95 @@ int free_beam_mean_jacobian(
 
 /* ---- sparsity patterns ---- */
 
-static const int free_beam_mean_mass_colptr[] = {
+static const int free_beam_mean_colptr_mass[] = {
     0, 1, 2, 3, 4, 5
 };
-static const int free_beam_mean_mass_rowidx[] = {
+static const int free_beam_mean_rowidx_mass[] = {
     0, 1, 2, 3, 4
 };
-static const tisserand_pattern free_beam_mean_mass_sparsity = {
+static const tisserand_pattern free_beam_mean_sparsity_mass = {
     5, 5, 5, 1,
-    free_beam_mean_mass_colptr, free_beam_mean_mass_rowidx
+    free_beam_mean_colptr_mass, free_beam_mean_rowidx_mass
 };
 
-const tisserand_pattern *free_beam_mean_mass_pattern(void)
+const tisserand_pattern *free_beam_mean_pattern_mass(void)
 {
-    return &free_beam_mean_mass_sparsity;
+    return &free_beam_mean_sparsity_mass;
 }
 
-static const int free_beam_mean_jacobian_colptr[] = {
+static const int free_beam_mean_colptr_jacobian[] = {
     0, 1, 2, 3, 6, 9, 11, 13, 17, 20, 23
 };
-static const int free_beam_mean_jacobian_rowidx[] = {
+static const int free_beam_mean_rowidx_jacobian[] = {
     0, 1, 2, 3, 7, 8, 4, 7, 9, 0, 5, 1, 6, 2, 7, 8, 9, 3, 7, 8, 4, 7, 9
 };
-static const tisserand_pattern free_beam_mean_jacobian_sparsity = {
+static const tisserand_pattern free_beam_mean_sparsity_jacobian = {
     10, 10, 23, 0,
-    free_beam_mean_jacobian_colptr, free_beam_mean_jacobian_rowidx
+    free_beam_mean_colptr_jacobian, free_beam_mean_rowidx_jacobian
 };
 
-const tisserand_pattern *free_beam_mean_jacobian_pattern(void)
+const tisserand_pattern *free_beam_mean_pattern_jacobian(void)
 {
-    return &free_beam_mean_jacobian_sparsity;
+    return &free_beam_mean_sparsity_jacobian;
 }
 
-static const int free_beam_mean_marker_left_colptr[] = {
+static const int free_beam_mean_colptr_marker_left[] = {
     0, 1, 2, 4, 6, 8
 };
-static const int free_beam_mean_marker_left_rowidx[] = {
+static const int free_beam_mean_rowidx_marker_left[] = {
     0, 1, 0, 1, 0, 1, 0, 1
 };
-static const tisserand_pattern free_beam_mean_marker_left_sparsity = {
+static const tisserand_pattern free_beam_mean_sparsity_marker_left = {
     2, 5, 8, 0,
-    free_beam_mean_marker_left_colptr, free_beam_mean_marker_left_rowidx
+    free_beam_mean_colptr_marker_left, free_beam_mean_rowidx_marker_left
 };
 
-const tisserand_pattern *free_beam_mean_marker_left_pattern(void)
+const tisserand_pattern *free_beam_mean_pattern_marker_left(void)
 {
-    return &free_beam_mean_marker_left_sparsity;
+    return &free_beam_mean_sparsity_marker_left;
 }
 
-static const int free_beam_mean_marker_middle_colptr[] = {
+static const int free_beam_mean_colptr_marker_middle[] = {
     0, 1, 2, 4, 6, 6
 };
-static const int free_beam_mean_marker_middle_rowidx[] = {
+static const int free_beam_mean_rowidx_marker_middle[] = {
     0, 1, 0, 1, 0, 1
 };
-static const tisserand_pattern free_beam_mean_marker_middle_sparsity = {
+static const tisserand_pattern free_beam_mean_sparsity_marker_middle = {
     2, 5, 6, 0,
-    free_beam_mean_marker_middle_colptr, free_beam_mean_marker_middle_rowidx
+    free_beam_mean_colptr_marker_middle, free_beam_mean_rowidx_marker_middle
 };
 
-const tisserand_pattern *free_beam_mean_marker_middle_pattern(void)
+const tisserand_pattern *free_beam_mean_pattern_marker_middle(void)
 {
-    return &free_beam_mean_marker_middle_sparsity;
+    return &free_beam_mean_sparsity_marker_middle;
 }
 
-static const int free_beam_mean_marker_right_colptr[] = {
+static const int free_beam_mean_colptr_marker_right[] = {
     0, 1, 2, 4, 6, 8
 };
-static const int free_beam_mean_marker_right_rowidx[] = {
+static const int free_beam_mean_rowidx_marker_right[] = {
     0, 1, 0, 1, 0, 1, 0, 1
 };
-static const tisserand_pattern free_beam_mean_marker_right_sparsity = {
+static const tisserand_pattern free_beam_mean_sparsity_marker_right = {
     2, 5, 8, 0,
-    free_beam_mean_marker_right_colptr, free_beam_mean_marker_right_rowidx
+    free_beam_mean_colptr_marker_right, free_beam_mean_rowidx_marker_right
 };
 
-const tisserand_pattern *free_beam_mean_marker_right_pattern(void)
+const tisserand_pattern *free_beam_mean_pattern_marker_right(void)
 {
-    return &free_beam_mean_marker_right_sparsity;
+    return &free_beam_mean_sparsity_marker_right;
 }
 
 /* ---- the descriptor ---- */
 
-static const tisserand_variable free_beam_mean_p_table[] = {
+static const tisserand_variable free_beam_mean_table_p[] = {
     {"m", "kg", "mass of the beam", 1.0},
     {"l", "m", "length of the beam", 1.0},
     {"EI", "N m^2", "bending stiffness EI", 1.0},
 };
 
-static const tisserand_variable free_beam_mean_k_table[] = {
+static const tisserand_variable free_beam_mean_table_k[] = {
     {"mass", "kg", "mass of the body", 0.0},
     {"C3", "kg m^2", "int rho X . X", 0.0},
     {"c8_1_1", "kg", "int rho Phi_1 . Phi_1", 0.0},
@@ -675,7 +687,7 @@ static const tisserand_variable free_beam_mean_k_table[] = {
     {"inverse_c8_2_2", "", "1 / c8_2_2", 0.0},
 };
 
-static const tisserand_variable free_beam_mean_q_table[] = {
+static const tisserand_variable free_beam_mean_table_q[] = {
     {"c1", "m", "translation of the floating frame along e1", 0.0},
     {"c2", "m", "translation of the floating frame along e2", 0.0},
     {"phi", "rad", "rotation of the floating frame", 0.0},
@@ -683,7 +695,7 @@ static const tisserand_variable free_beam_mean_q_table[] = {
     {"alpha2", "m", "amplitude of assumed shape 2", 0.0},
 };
 
-static const tisserand_variable free_beam_mean_v_table[] = {
+static const tisserand_variable free_beam_mean_table_v[] = {
     {"c1dot", "m/s", "rate of c1", 0.0},
     {"c2dot", "m/s", "rate of c2", 0.0},
     {"phidot", "rad/s", "rate of phi", 0.0},
@@ -691,10 +703,10 @@ static const tisserand_variable free_beam_mean_v_table[] = {
     {"alpha2dot", "m/s", "rate of alpha2", 0.0},
 };
 
-static const tisserand_marker free_beam_mean_markers[] = {
-    {"left", 2, &free_beam_mean_marker_left_sparsity, free_beam_mean_marker_left},
-    {"middle", 2, &free_beam_mean_marker_middle_sparsity, free_beam_mean_marker_middle},
-    {"right", 2, &free_beam_mean_marker_right_sparsity, free_beam_mean_marker_right},
+static const tisserand_marker free_beam_mean_table_markers[] = {
+    {"left", 2, &free_beam_mean_sparsity_marker_left, free_beam_mean_marker_left},
+    {"middle", 2, &free_beam_mean_sparsity_marker_middle, free_beam_mean_marker_middle},
+    {"right", 2, &free_beam_mean_sparsity_marker_right, free_beam_mean_marker_right},
 };
 
 static const tisserand_model free_beam_mean_descriptor = {
@@ -707,13 +719,13 @@ static const tisserand_model free_beam_mean_descriptor = {
     0,
     FREE_BEAM_MEAN_NMARKERS,
     3,
-    free_beam_mean_q_table,
-    free_beam_mean_v_table,
-    free_beam_mean_p_table,
-    free_beam_mean_k_table,
-    &free_beam_mean_mass_sparsity,
-    &free_beam_mean_jacobian_sparsity,
-    free_beam_mean_markers,
+    free_beam_mean_table_q,
+    free_beam_mean_table_v,
+    free_beam_mean_table_p,
+    free_beam_mean_table_k,
+    &free_beam_mean_sparsity_mass,
+    &free_beam_mean_sparsity_jacobian,
+    free_beam_mean_table_markers,
     free_beam_mean_setup,
     free_beam_mean_mass,
     free_beam_mean_force,

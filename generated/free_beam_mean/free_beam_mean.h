@@ -440,11 +440,11 @@ int free_beam_mean_jacobian(
     const double *TISSERAND_RESTRICT k,
     double *jac);
 
-const tisserand_pattern *free_beam_mean_mass_pattern(void);
-const tisserand_pattern *free_beam_mean_jacobian_pattern(void);
-const tisserand_pattern *free_beam_mean_marker_left_pattern(void);
-const tisserand_pattern *free_beam_mean_marker_middle_pattern(void);
-const tisserand_pattern *free_beam_mean_marker_right_pattern(void);
+const tisserand_pattern *free_beam_mean_pattern_mass(void);
+const tisserand_pattern *free_beam_mean_pattern_jacobian(void);
+const tisserand_pattern *free_beam_mean_pattern_marker_left(void);
+const tisserand_pattern *free_beam_mean_pattern_marker_middle(void);
+const tisserand_pattern *free_beam_mean_pattern_marker_right(void);
 
 /* The descriptor of the model. */
 const tisserand_model *free_beam_mean_model(void);

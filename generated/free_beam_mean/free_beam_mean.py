@@ -185,12 +185,12 @@ def setup(p):
     From appendix.
     13 operations.
     """
-    xp, shape, (p,) = _arrays((1,), p)
+    xp, batch, (p,) = _arrays(dict(p=3), p)
     p_m = p[..., 0]
     p_l = p[..., 1]
     p_EI = p[..., 2]
 
-    # integrals (appendix): shape integrals and stiffness
+    # integrals (appendix): shape integrals, stiffness, and what is made of them
     t1 = p_l * p_l
     C3 = t1 * p_m / 12
     c8_1_1 = p_m / 5
@@ -200,6 +200,8 @@ def setup(p):
     K_2_2 = 1200 * t2
     X_right = 0.5 * p_l
     X_left = -X_right
+    inverse_c8_1_1 = 1 / c8_1_1
+    inverse_c8_2_2 = 1 / c8_2_2
 
     # constants: what the kernels read
     k_0 = p_m
@@ -210,8 +212,8 @@ def setup(p):
     k_5 = K_2_2
     k_6 = X_left
     k_7 = X_right
-    k_8 = 1 / c8_1_1
-    k_9 = 1 / c8_2_2
+    k_8 = inverse_c8_1_1
+    k_9 = inverse_c8_2_2
 
     # checks: refuse parameters that make no body
     _require(xp.all(p_m > 0), "m must be positive")
@@ -220,11 +222,21 @@ def setup(p):
     _require(xp.all(xp.isfinite(p_m)), "m must be finite")
     _require(xp.all(xp.isfinite(p_l)), "l must be finite")
     _require(xp.all(xp.isfinite(p_EI)), "EI must be finite")
+    _require(xp.all(xp.isfinite(p_m)), "mass is not finite")
+    _require(xp.all(xp.isfinite(C3)), "C3 is not finite")
+    _require(xp.all(xp.isfinite(c8_1_1)), "c8_1_1 is not finite")
+    _require(xp.all(xp.isfinite(c8_2_2)), "c8_2_2 is not finite")
+    _require(xp.all(xp.isfinite(K_1_1)), "K_1_1 is not finite")
+    _require(xp.all(xp.isfinite(K_2_2)), "K_2_2 is not finite")
+    _require(xp.all(xp.isfinite(X_left)), "X_left is not finite")
+    _require(xp.all(xp.isfinite(X_right)), "X_right is not finite")
+    _require(xp.all(xp.isfinite(inverse_c8_1_1)), "inverse_c8_1_1 is not finite")
+    _require(xp.all(xp.isfinite(inverse_c8_2_2)), "inverse_c8_2_2 is not finite")
     _require(xp.all(p_m > 0), "the pivot of c1 vanished")
     _require(xp.all(c8_1_1 > 0), "the pivot of alpha1 vanished")
     _require(xp.all(c8_2_2 > 0), "the pivot of alpha2 vanished")
 
-    k = _stack(xp, shape, (k_0, k_1, k_2, k_3, k_4, k_5, k_6, k_7, k_8, k_9))
+    k = _stack(xp, batch, (k_0, k_1, k_2, k_3, k_4, k_5, k_6, k_7, k_8, k_9))
     return k
 
 
@@ -238,7 +250,7 @@ def mass(q, k):
     From appendix, (15).
     6 operations.
     """
-    xp, shape, (q, k) = _arrays((1, 1), q, k)
+    xp, batch, (q, k) = _arrays(dict(q=5, k=10), q, k)
     alpha1 = q[..., 3]
     alpha2 = q[..., 4]
     mass = k[..., 0]
@@ -260,7 +272,7 @@ def mass(q, k):
     M_3 = c8_1_1
     M_4 = c8_2_2
 
-    M = _stack(xp, shape, (M_0, M_1, M_2, M_3, M_4))
+    M = _stack(xp, batch, (M_0, M_1, M_2, M_3, M_4))
     return M
 
 
@@ -276,7 +288,7 @@ def force(t, q, v, k):
     From appendix, (15).
     14 operations.
     """
-    xp, shape, (t, q, v, k) = _arrays((0, 1, 1, 1), t, q, v, k)
+    xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=5, v=5, k=10), t, q, v, k)
     alpha1 = q[..., 3]
     alpha2 = q[..., 4]
     phidot = v[..., 2]
@@ -302,7 +314,7 @@ def force(t, q, v, k):
     h_3 = K_1_1 * alpha1 - t1 * D2_1
     h_4 = K_2_2 * alpha2 - t1 * D2_2
 
-    h = _stack(xp, shape, (h_0, h_1, h_2, h_3, h_4))
+    h = _stack(xp, batch, (h_0, h_1, h_2, h_3, h_4))
     return h
 
 
@@ -319,7 +331,7 @@ def mass_force(t, q, v, k):
     From appendix, (15).
     18 operations.
     """
-    xp, shape, (t, q, v, k) = _arrays((0, 1, 1, 1), t, q, v, k)
+    xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=5, v=5, k=10), t, q, v, k)
     alpha1 = q[..., 3]
     alpha2 = q[..., 4]
     phidot = v[..., 2]
@@ -363,8 +375,8 @@ def mass_force(t, q, v, k):
     h_0 = 0
     M_0 = mass
 
-    M = _stack(xp, shape, (M_0, M_1, M_2, M_3, M_4))
-    h = _stack(xp, shape, (h_0, h_1, h_2, h_3, h_4))
+    M = _stack(xp, batch, (M_0, M_1, M_2, M_3, M_4))
+    h = _stack(xp, batch, (h_0, h_1, h_2, h_3, h_4))
     return M, h
 
 
@@ -380,7 +392,7 @@ def accel(t, q, v, k):
     From appendix, LDL^T.
     27 operations.
     """
-    xp, shape, (t, q, v, k) = _arrays((0, 1, 1, 1), t, q, v, k)
+    xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=5, v=5, k=10), t, q, v, k)
     alpha1 = q[..., 3]
     alpha2 = q[..., 4]
     phidot = v[..., 2]
@@ -418,7 +430,7 @@ def accel(t, q, v, k):
     t4 = (K_2_2 * alpha2 - t2 * D2_2) * inverse_c8_2_2
     vdot_4 = -t4
 
-    vdot = _stack(xp, shape, (vdot_0, vdot_1, vdot_2, vdot_3, vdot_4))
+    vdot = _stack(xp, batch, (vdot_0, vdot_1, vdot_2, vdot_3, vdot_4))
     return _where(xp, valid_1, vdot)
 
 
@@ -433,7 +445,7 @@ def energy(q, v, k):
     From appendix, (22).
     27 operations.
     """
-    xp, shape, (q, v, k) = _arrays((1, 1, 1), q, v, k)
+    xp, batch, (q, v, k) = _arrays(dict(q=5, v=5, k=10), q, v, k)
     alpha1 = q[..., 3]
     alpha2 = q[..., 4]
     c1dot = v[..., 0]
@@ -462,7 +474,7 @@ def energy(q, v, k):
     )
     energy_1 = 0.5 * (K_1_1 * alpha1 * alpha1 + K_2_2 * alpha2 * alpha2)
 
-    energy = _stack(xp, shape, (energy_0, energy_1))
+    energy = _stack(xp, batch, (energy_0, energy_1))
     return energy
 
 
@@ -477,7 +489,7 @@ def momentum(q, v, k):
     From appendix, (1).
     15 operations.
     """
-    xp, shape, (q, v, k) = _arrays((1, 1, 1), q, v, k)
+    xp, batch, (q, v, k) = _arrays(dict(q=5, v=5, k=10), q, v, k)
     c1 = q[..., 0]
     c2 = q[..., 1]
     alpha1 = q[..., 3]
@@ -502,7 +514,7 @@ def momentum(q, v, k):
     momentum_1 = c2dot * mass
     momentum_2 = phidot * J + c2dot * c1 * mass - c1dot * c2 * mass
 
-    momentum = _stack(xp, shape, (momentum_0, momentum_1, momentum_2))
+    momentum = _stack(xp, batch, (momentum_0, momentum_1, momentum_2))
     return momentum
 
 
@@ -517,7 +529,7 @@ def rates(q, v, k):
     From (27).
     0 operations.
     """
-    xp, shape, (q, v, k) = _arrays((1, 1, 1), q, v, k)
+    xp, batch, (q, v, k) = _arrays(dict(q=5, v=5, k=10), q, v, k)
     c1dot = v[..., 0]
     c2dot = v[..., 1]
     phidot = v[..., 2]
@@ -531,7 +543,7 @@ def rates(q, v, k):
     qdot_3 = alpha1dot
     qdot_4 = alpha2dot
 
-    qdot = _stack(xp, shape, (qdot_0, qdot_1, qdot_2, qdot_3, qdot_4))
+    qdot = _stack(xp, batch, (qdot_0, qdot_1, qdot_2, qdot_3, qdot_4))
     return qdot
 
 
@@ -548,7 +560,7 @@ def marker_left(q, v, k):
     From (14), (26), (1).
     28 operations.
     """
-    xp, shape, (q, v, k) = _arrays((1, 1, 1), q, v, k)
+    xp, batch, (q, v, k) = _arrays(dict(q=5, v=5, k=10), q, v, k)
     c1 = q[..., 0]
     c2 = q[..., 1]
     phi = q[..., 2]
@@ -589,9 +601,9 @@ def marker_left(q, v, k):
     jacobian_6 = sin_phi
     jacobian_7 = -cos_phi
 
-    x = _stack(xp, shape, (x_0, x_1))
-    xdot = _stack(xp, shape, (xdot_0, xdot_1))
-    jacobian = _stack(xp, shape, (jacobian_0, jacobian_1, jacobian_2, jacobian_3, jacobian_4,
+    x = _stack(xp, batch, (x_0, x_1))
+    xdot = _stack(xp, batch, (xdot_0, xdot_1))
+    jacobian = _stack(xp, batch, (jacobian_0, jacobian_1, jacobian_2, jacobian_3, jacobian_4,
         jacobian_5, jacobian_6, jacobian_7))
     return x, xdot, jacobian
 
@@ -609,7 +621,7 @@ def marker_middle(q, v, k):
     From (26), (1).
     19 operations.
     """
-    xp, shape, (q, v, k) = _arrays((1, 1, 1), q, v, k)
+    xp, batch, (q, v, k) = _arrays(dict(q=5, v=5, k=10), q, v, k)
     c1 = q[..., 0]
     c2 = q[..., 1]
     phi = q[..., 2]
@@ -640,9 +652,9 @@ def marker_middle(q, v, k):
     jacobian_4 = 0.5 * sin_phi
     jacobian_5 = (-0.5) * cos_phi
 
-    x = _stack(xp, shape, (x_0, x_1))
-    xdot = _stack(xp, shape, (xdot_0, xdot_1))
-    jacobian = _stack(xp, shape, (jacobian_0, jacobian_1, jacobian_2, jacobian_3, jacobian_4,
+    x = _stack(xp, batch, (x_0, x_1))
+    xdot = _stack(xp, batch, (xdot_0, xdot_1))
+    jacobian = _stack(xp, batch, (jacobian_0, jacobian_1, jacobian_2, jacobian_3, jacobian_4,
         jacobian_5))
     return x, xdot, jacobian
 
@@ -660,7 +672,7 @@ def marker_right(q, v, k):
     From (14), (26), (1).
     27 operations.
     """
-    xp, shape, (q, v, k) = _arrays((1, 1, 1), q, v, k)
+    xp, batch, (q, v, k) = _arrays(dict(q=5, v=5, k=10), q, v, k)
     c1 = q[..., 0]
     c2 = q[..., 1]
     phi = q[..., 2]
@@ -702,9 +714,9 @@ def marker_right(q, v, k):
     jacobian_6 = t7
     jacobian_7 = cos_phi
 
-    x = _stack(xp, shape, (x_0, x_1))
-    xdot = _stack(xp, shape, (xdot_0, xdot_1))
-    jacobian = _stack(xp, shape, (jacobian_0, jacobian_1, jacobian_2, jacobian_3, jacobian_4,
+    x = _stack(xp, batch, (x_0, x_1))
+    xdot = _stack(xp, batch, (xdot_0, xdot_1))
+    jacobian = _stack(xp, batch, (jacobian_0, jacobian_1, jacobian_2, jacobian_3, jacobian_4,
         jacobian_5, jacobian_6, jacobian_7))
     return x, xdot, jacobian
 
@@ -722,7 +734,7 @@ def residual(t, y, ydot, k):
     From appendix, (15).
     31 operations.
     """
-    xp, shape, (t, y, ydot, k) = _arrays((0, 1, 1, 1), t, y, ydot, k)
+    xp, batch, (t, y, ydot, k) = _arrays(dict(t=None, y=10, ydot=10, k=10), t, y, ydot, k)
     alpha1 = y[..., 3]
     alpha2 = y[..., 4]
     c1dot = y[..., 5]
@@ -770,7 +782,7 @@ def residual(t, y, ydot, k):
     F_8 = K_1_1 * alpha1 + alpha1ddot * c8_1_1 - t1 * D2_1
     F_9 = K_2_2 * alpha2 + alpha2ddot * c8_2_2 - t1 * D2_2
 
-    F = _stack(xp, shape, (F_0, F_1, F_2, F_3, F_4, F_5, F_6, F_7, F_8, F_9))
+    F = _stack(xp, batch, (F_0, F_1, F_2, F_3, F_4, F_5, F_6, F_7, F_8, F_9))
     return F
 
 
@@ -788,7 +800,7 @@ def jacobian(t, y, ydot, cj, k):
     From appendix, (15).
     37 operations.
     """
-    xp, shape, (t, y, ydot, cj, k) = _arrays((0, 1, 1, 0, 1), t, y, ydot, cj, k)
+    xp, batch, (t, y, ydot, cj, k) = _arrays(dict(t=None, y=10, ydot=10, cj=None, k=10), t, y, ydot, cj, k)
     alpha1 = y[..., 3]
     alpha2 = y[..., 4]
     phidot = y[..., 7]
@@ -840,32 +852,47 @@ def jacobian(t, y, ydot, cj, k):
     jac_21 = t1 * D2_2
     jac_22 = cj * c8_2_2
 
-    jac = _stack(xp, shape, (jac_0, jac_1, jac_2, jac_3, jac_4, jac_5, jac_6, jac_7, jac_8, jac_9,
+    jac = _stack(xp, batch, (jac_0, jac_1, jac_2, jac_3, jac_4, jac_5, jac_6, jac_7, jac_8, jac_9,
         jac_10, jac_11, jac_12, jac_13, jac_14, jac_15, jac_16, jac_17, jac_18, jac_19, jac_20,
         jac_21, jac_22))
     return jac
 
 
-def _arrays(ranks, *values):
-    """Their array namespace, the shape of the batch, and the arguments as arrays."""
+def _arrays(sizes, *values):
+    """Their array namespace, shape and type of the batch, and the arguments as arrays; a number has no size."""
     spaces = [value.__array_namespace__() for value in values if hasattr(value, "__array_namespace__")]
     xp = spaces[0] if spaces else numpy
-    arrays = [value if hasattr(value, "__array_namespace__") else xp.asarray(value, dtype=xp.float64) for value in values]
-    batches = [array.shape[: len(array.shape) - rank] for array, rank in zip(arrays, ranks)]
-    return xp, numpy.broadcast_shapes(*batches), arrays
+    arrays = [_array(xp, name, size, value) for (name, size), value in zip(sizes.items(), values)]
+    shaped = [(array, size) for array, size in zip(arrays, sizes.values()) if hasattr(array, "shape")]
+    batches = [array.shape if size is None else array.shape[:-1] for array, size in shaped]
+    return xp, (numpy.broadcast_shapes(*batches), xp.result_type(*(array.dtype for array, _ in shaped))), arrays
 
 
-def _stack(xp, shape, elements):
+def _array(xp, name, size, value):
+    """An argument as an array of floating-point numbers whose last axis has the right size."""
+    if size is None and isinstance(value, (int, float)):
+        return value
+    array = value if hasattr(value, "__array_namespace__") else xp.asarray(value, dtype=xp.float64)
+    if size is not None and (len(array.shape) == 0 or array.shape[-1] != size):
+        raise ValueError(f"{name} needs {size} elements along its last axis; its shape is {tuple(array.shape)}")
+    return xp.astype(array, xp.float64) if xp.isdtype(array.dtype, ("integral", "bool")) else array
+
+
+def _stack(xp, batch, elements):
     """Elements, numbers or arrays, as the last axis of one array."""
+    shape, dtype = batch
     if not elements:
-        return xp.zeros((*shape, 0))
-    arrays = [xp.full(shape, float(e)) if isinstance(e, (int, float)) else xp.broadcast_to(e, shape) for e in elements]
-    return xp.stack(arrays, axis=-1)
+        return xp.zeros((*shape, 0), dtype=dtype)
+    numbers = (int, float)
+    return xp.stack(
+        [xp.full(shape, float(e), dtype=dtype) if isinstance(e, numbers) else xp.broadcast_to(e, shape) for e in elements],
+        axis=-1,
+    )
 
 
 def _where(xp, valid, values):
     """The values, and NaN for the members of the batch that are not valid."""
-    return xp.where(valid[..., None], values, xp.full(values.shape, float("nan")))
+    return xp.where(valid[..., None], values, xp.full(values.shape, float("nan"), dtype=values.dtype))
 
 
 def _require(holds, text):

@@ -18,7 +18,7 @@ int free_beam_point_setup(
     const double p_l = p[1];
     const double p_EI = p[2];
 
-    /* integrals (appendix): shape integrals and stiffness */
+    /* integrals (appendix): shape integrals, stiffness, and what is made of them */
     const double c2_1_2 = p_m / 3.0;
     const double t1 = p_l * p_l;
     const double C3 = t1 * p_m / 12.0;
@@ -30,6 +30,12 @@ int free_beam_point_setup(
     const double K_2_2 = 192.0 * t2;
     const double X_right = 0.5 * p_l;
     const double X_left = -X_right;
+    const double minus_c2_1_2 = -c2_1_2;
+    const double inverse_c8_2_2 = 1.0 / c8_2_2;
+    const double constant_5 = c6_2 * inverse_c8_2_2;
+    const double constant_2 = constant_5 * c6_2;
+    const double constant_3 = 5.684341886080802e-14 * p_m;
+    const double constant_4 = 5.684341886080802e-14 * c8_1_1;
 
     /* constants: what the kernels read */
     k[0] = p_m;
@@ -42,14 +48,12 @@ int free_beam_point_setup(
     k[7] = K_2_2;
     k[8] = X_left;
     k[9] = X_right;
-    k[10] = -c2_1_2;
-    const double inverse_c8_2_2 = 1.0 / c8_2_2;
-    const double t3 = c6_2 * inverse_c8_2_2;
-    k[11] = t3 * c6_2;
-    k[12] = 5.684341886080802e-14 * p_m;
-    k[13] = 5.684341886080802e-14 * c8_1_1;
-    k[14] = t3;
-    k[15] = 1.0 * inverse_c8_2_2;
+    k[10] = minus_c2_1_2;
+    k[11] = constant_2;
+    k[12] = constant_3;
+    k[13] = constant_4;
+    k[14] = constant_5;
+    k[15] = inverse_c8_2_2;
 
     /* checks: refuse parameters that make no body */
     if (!(p_m > 0.0)) return 2; /* m must be positive */
@@ -58,6 +62,22 @@ int free_beam_point_setup(
     if (!isfinite(p_m)) return 2; /* m must be finite */
     if (!isfinite(p_l)) return 2; /* l must be finite */
     if (!isfinite(p_EI)) return 2; /* EI must be finite */
+    if (!isfinite(p_m)) return 2; /* mass is not finite */
+    if (!isfinite(c2_1_2)) return 2; /* c2_1_2 is not finite */
+    if (!isfinite(C3)) return 2; /* C3 is not finite */
+    if (!isfinite(c6_2)) return 2; /* c6_2 is not finite */
+    if (!isfinite(c8_1_1)) return 2; /* c8_1_1 is not finite */
+    if (!isfinite(c8_2_2)) return 2; /* c8_2_2 is not finite */
+    if (!isfinite(K_1_1)) return 2; /* K_1_1 is not finite */
+    if (!isfinite(K_2_2)) return 2; /* K_2_2 is not finite */
+    if (!isfinite(X_left)) return 2; /* X_left is not finite */
+    if (!isfinite(X_right)) return 2; /* X_right is not finite */
+    if (!isfinite(minus_c2_1_2)) return 2; /* minus_c2_1_2 is not finite */
+    if (!isfinite(constant_2)) return 2; /* constant_2 is not finite */
+    if (!isfinite(constant_3)) return 2; /* constant_3 is not finite */
+    if (!isfinite(constant_4)) return 2; /* constant_4 is not finite */
+    if (!isfinite(constant_5)) return 2; /* constant_5 is not finite */
+    if (!isfinite(inverse_c8_2_2)) return 2; /* inverse_c8_2_2 is not finite */
     if (!(c8_2_2 > 0.0)) return 1; /* the pivot of alpha2 vanished */
     return 0;
 }
@@ -766,96 +786,96 @@ int free_beam_point_jacobian(
 
 /* ---- sparsity patterns ---- */
 
-static const int free_beam_point_mass_colptr[] = {
+static const int free_beam_point_colptr_mass[] = {
     0, 3, 6, 8, 9, 10
 };
-static const int free_beam_point_mass_rowidx[] = {
+static const int free_beam_point_rowidx_mass[] = {
     0, 2, 3, 1, 2, 3, 2, 4, 3, 4
 };
-static const tisserand_pattern free_beam_point_mass_sparsity = {
+static const tisserand_pattern free_beam_point_sparsity_mass = {
     5, 5, 10, 1,
-    free_beam_point_mass_colptr, free_beam_point_mass_rowidx
+    free_beam_point_colptr_mass, free_beam_point_rowidx_mass
 };
 
-const tisserand_pattern *free_beam_point_mass_pattern(void)
+const tisserand_pattern *free_beam_point_pattern_mass(void)
 {
-    return &free_beam_point_mass_sparsity;
+    return &free_beam_point_sparsity_mass;
 }
 
-static const int free_beam_point_jacobian_colptr[] = {
+static const int free_beam_point_colptr_jacobian[] = {
     0, 1, 2, 7, 12, 15, 19, 23, 29, 34, 37
 };
-static const int free_beam_point_jacobian_rowidx[] = {
+static const int free_beam_point_rowidx_jacobian[] = {
     0, 1, 2, 5, 6, 7, 8, 3, 5, 6, 7, 8, 4, 7, 9, 0, 5, 7, 8, 1, 6, 7, 8, 2, 5, 6, 7, 8, 9, 3, 5, 6,
         7, 8, 4, 7, 9
 };
-static const tisserand_pattern free_beam_point_jacobian_sparsity = {
+static const tisserand_pattern free_beam_point_sparsity_jacobian = {
     10, 10, 37, 0,
-    free_beam_point_jacobian_colptr, free_beam_point_jacobian_rowidx
+    free_beam_point_colptr_jacobian, free_beam_point_rowidx_jacobian
 };
 
-const tisserand_pattern *free_beam_point_jacobian_pattern(void)
+const tisserand_pattern *free_beam_point_pattern_jacobian(void)
 {
-    return &free_beam_point_jacobian_sparsity;
+    return &free_beam_point_sparsity_jacobian;
 }
 
-static const int free_beam_point_marker_left_colptr[] = {
+static const int free_beam_point_colptr_marker_left[] = {
     0, 1, 2, 4, 6, 8
 };
-static const int free_beam_point_marker_left_rowidx[] = {
+static const int free_beam_point_rowidx_marker_left[] = {
     0, 1, 0, 1, 0, 1, 0, 1
 };
-static const tisserand_pattern free_beam_point_marker_left_sparsity = {
+static const tisserand_pattern free_beam_point_sparsity_marker_left = {
     2, 5, 8, 0,
-    free_beam_point_marker_left_colptr, free_beam_point_marker_left_rowidx
+    free_beam_point_colptr_marker_left, free_beam_point_rowidx_marker_left
 };
 
-const tisserand_pattern *free_beam_point_marker_left_pattern(void)
+const tisserand_pattern *free_beam_point_pattern_marker_left(void)
 {
-    return &free_beam_point_marker_left_sparsity;
+    return &free_beam_point_sparsity_marker_left;
 }
 
-static const int free_beam_point_marker_middle_colptr[] = {
+static const int free_beam_point_colptr_marker_middle[] = {
     0, 1, 2, 2, 2, 2
 };
-static const int free_beam_point_marker_middle_rowidx[] = {
+static const int free_beam_point_rowidx_marker_middle[] = {
     0, 1
 };
-static const tisserand_pattern free_beam_point_marker_middle_sparsity = {
+static const tisserand_pattern free_beam_point_sparsity_marker_middle = {
     2, 5, 2, 0,
-    free_beam_point_marker_middle_colptr, free_beam_point_marker_middle_rowidx
+    free_beam_point_colptr_marker_middle, free_beam_point_rowidx_marker_middle
 };
 
-const tisserand_pattern *free_beam_point_marker_middle_pattern(void)
+const tisserand_pattern *free_beam_point_pattern_marker_middle(void)
 {
-    return &free_beam_point_marker_middle_sparsity;
+    return &free_beam_point_sparsity_marker_middle;
 }
 
-static const int free_beam_point_marker_right_colptr[] = {
+static const int free_beam_point_colptr_marker_right[] = {
     0, 1, 2, 4, 6, 8
 };
-static const int free_beam_point_marker_right_rowidx[] = {
+static const int free_beam_point_rowidx_marker_right[] = {
     0, 1, 0, 1, 0, 1, 0, 1
 };
-static const tisserand_pattern free_beam_point_marker_right_sparsity = {
+static const tisserand_pattern free_beam_point_sparsity_marker_right = {
     2, 5, 8, 0,
-    free_beam_point_marker_right_colptr, free_beam_point_marker_right_rowidx
+    free_beam_point_colptr_marker_right, free_beam_point_rowidx_marker_right
 };
 
-const tisserand_pattern *free_beam_point_marker_right_pattern(void)
+const tisserand_pattern *free_beam_point_pattern_marker_right(void)
 {
-    return &free_beam_point_marker_right_sparsity;
+    return &free_beam_point_sparsity_marker_right;
 }
 
 /* ---- the descriptor ---- */
 
-static const tisserand_variable free_beam_point_p_table[] = {
+static const tisserand_variable free_beam_point_table_p[] = {
     {"m", "kg", "mass of the beam", 1.0},
     {"l", "m", "length of the beam", 1.0},
     {"EI", "N m^2", "bending stiffness EI", 1.0},
 };
 
-static const tisserand_variable free_beam_point_k_table[] = {
+static const tisserand_variable free_beam_point_table_k[] = {
     {"mass", "kg", "mass of the body", 0.0},
     {"c2_1_2", "kg", "int rho Phi_1 . e2", 0.0},
     {"C3", "kg m^2", "int rho X . X", 0.0},
@@ -874,7 +894,7 @@ static const tisserand_variable free_beam_point_k_table[] = {
     {"inverse_c8_2_2", "", "1 / c8_2_2", 0.0},
 };
 
-static const tisserand_variable free_beam_point_q_table[] = {
+static const tisserand_variable free_beam_point_table_q[] = {
     {"c1", "m", "translation of the floating frame along e1", 0.0},
     {"c2", "m", "translation of the floating frame along e2", 0.0},
     {"phi", "rad", "rotation of the floating frame", 0.0},
@@ -882,7 +902,7 @@ static const tisserand_variable free_beam_point_q_table[] = {
     {"alpha2", "m", "amplitude of assumed shape 2", 0.0},
 };
 
-static const tisserand_variable free_beam_point_v_table[] = {
+static const tisserand_variable free_beam_point_table_v[] = {
     {"c1dot", "m/s", "rate of c1", 0.0},
     {"c2dot", "m/s", "rate of c2", 0.0},
     {"phidot", "rad/s", "rate of phi", 0.0},
@@ -890,10 +910,10 @@ static const tisserand_variable free_beam_point_v_table[] = {
     {"alpha2dot", "m/s", "rate of alpha2", 0.0},
 };
 
-static const tisserand_marker free_beam_point_markers[] = {
-    {"left", 2, &free_beam_point_marker_left_sparsity, free_beam_point_marker_left},
-    {"middle", 2, &free_beam_point_marker_middle_sparsity, free_beam_point_marker_middle},
-    {"right", 2, &free_beam_point_marker_right_sparsity, free_beam_point_marker_right},
+static const tisserand_marker free_beam_point_table_markers[] = {
+    {"left", 2, &free_beam_point_sparsity_marker_left, free_beam_point_marker_left},
+    {"middle", 2, &free_beam_point_sparsity_marker_middle, free_beam_point_marker_middle},
+    {"right", 2, &free_beam_point_sparsity_marker_right, free_beam_point_marker_right},
 };
 
 static const tisserand_model free_beam_point_descriptor = {
@@ -906,13 +926,13 @@ static const tisserand_model free_beam_point_descriptor = {
     0,
     FREE_BEAM_POINT_NMARKERS,
     3,
-    free_beam_point_q_table,
-    free_beam_point_v_table,
-    free_beam_point_p_table,
-    free_beam_point_k_table,
-    &free_beam_point_mass_sparsity,
-    &free_beam_point_jacobian_sparsity,
-    free_beam_point_markers,
+    free_beam_point_table_q,
+    free_beam_point_table_v,
+    free_beam_point_table_p,
+    free_beam_point_table_k,
+    &free_beam_point_sparsity_mass,
+    &free_beam_point_sparsity_jacobian,
+    free_beam_point_table_markers,
     free_beam_point_setup,
     free_beam_point_mass,
     free_beam_point_force,

@@ -196,7 +196,7 @@ enum {
  *     minus_c2_1_2, constant_2, constant_3, constant_4, constant_5, inverse_c8_2_2
  *
  * From appendix.
- * 21 operations.
+ * 20 operations.
  */
 int free_beam_point_setup(
     const double *TISSERAND_RESTRICT p,
@@ -432,11 +432,11 @@ int free_beam_point_jacobian(
     const double *TISSERAND_RESTRICT k,
     double *jac);
 
-const tisserand_pattern *free_beam_point_mass_pattern(void);
-const tisserand_pattern *free_beam_point_jacobian_pattern(void);
-const tisserand_pattern *free_beam_point_marker_left_pattern(void);
-const tisserand_pattern *free_beam_point_marker_middle_pattern(void);
-const tisserand_pattern *free_beam_point_marker_right_pattern(void);
+const tisserand_pattern *free_beam_point_pattern_mass(void);
+const tisserand_pattern *free_beam_point_pattern_jacobian(void);
+const tisserand_pattern *free_beam_point_pattern_marker_left(void);
+const tisserand_pattern *free_beam_point_pattern_marker_middle(void);
+const tisserand_pattern *free_beam_point_pattern_marker_right(void);
 
 /* The descriptor of the model. */
 const tisserand_model *free_beam_point_model(void);

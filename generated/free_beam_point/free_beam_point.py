@@ -170,14 +170,14 @@ def setup(p):
         minus_c2_1_2, constant_2, constant_3, constant_4, constant_5, inverse_c8_2_2
 
     From appendix.
-    21 operations.
+    20 operations.
     """
-    xp, shape, (p,) = _arrays((1,), p)
+    xp, batch, (p,) = _arrays(dict(p=3), p)
     p_m = p[..., 0]
     p_l = p[..., 1]
     p_EI = p[..., 2]
 
-    # integrals (appendix): shape integrals and stiffness
+    # integrals (appendix): shape integrals, stiffness, and what is made of them
     c2_1_2 = p_m / 3
     t1 = p_l * p_l
     C3 = t1 * p_m / 12
@@ -189,6 +189,12 @@ def setup(p):
     K_2_2 = 192 * t2
     X_right = 0.5 * p_l
     X_left = -X_right
+    minus_c2_1_2 = -c2_1_2
+    inverse_c8_2_2 = 1 / c8_2_2
+    constant_5 = c6_2 * inverse_c8_2_2
+    constant_2 = constant_5 * c6_2
+    constant_3 = 5.684341886080802e-14 * p_m
+    constant_4 = 5.684341886080802e-14 * c8_1_1
 
     # constants: what the kernels read
     k_0 = p_m
@@ -201,14 +207,12 @@ def setup(p):
     k_7 = K_2_2
     k_8 = X_left
     k_9 = X_right
-    k_10 = -c2_1_2
-    inverse_c8_2_2 = 1 / c8_2_2
-    t3 = c6_2 * inverse_c8_2_2
-    k_11 = t3 * c6_2
-    k_12 = 5.684341886080802e-14 * p_m
-    k_13 = 5.684341886080802e-14 * c8_1_1
-    k_14 = t3
-    k_15 = 1 * inverse_c8_2_2
+    k_10 = minus_c2_1_2
+    k_11 = constant_2
+    k_12 = constant_3
+    k_13 = constant_4
+    k_14 = constant_5
+    k_15 = inverse_c8_2_2
 
     # checks: refuse parameters that make no body
     _require(xp.all(p_m > 0), "m must be positive")
@@ -217,9 +221,25 @@ def setup(p):
     _require(xp.all(xp.isfinite(p_m)), "m must be finite")
     _require(xp.all(xp.isfinite(p_l)), "l must be finite")
     _require(xp.all(xp.isfinite(p_EI)), "EI must be finite")
+    _require(xp.all(xp.isfinite(p_m)), "mass is not finite")
+    _require(xp.all(xp.isfinite(c2_1_2)), "c2_1_2 is not finite")
+    _require(xp.all(xp.isfinite(C3)), "C3 is not finite")
+    _require(xp.all(xp.isfinite(c6_2)), "c6_2 is not finite")
+    _require(xp.all(xp.isfinite(c8_1_1)), "c8_1_1 is not finite")
+    _require(xp.all(xp.isfinite(c8_2_2)), "c8_2_2 is not finite")
+    _require(xp.all(xp.isfinite(K_1_1)), "K_1_1 is not finite")
+    _require(xp.all(xp.isfinite(K_2_2)), "K_2_2 is not finite")
+    _require(xp.all(xp.isfinite(X_left)), "X_left is not finite")
+    _require(xp.all(xp.isfinite(X_right)), "X_right is not finite")
+    _require(xp.all(xp.isfinite(minus_c2_1_2)), "minus_c2_1_2 is not finite")
+    _require(xp.all(xp.isfinite(constant_2)), "constant_2 is not finite")
+    _require(xp.all(xp.isfinite(constant_3)), "constant_3 is not finite")
+    _require(xp.all(xp.isfinite(constant_4)), "constant_4 is not finite")
+    _require(xp.all(xp.isfinite(constant_5)), "constant_5 is not finite")
+    _require(xp.all(xp.isfinite(inverse_c8_2_2)), "inverse_c8_2_2 is not finite")
     _require(xp.all(c8_2_2 > 0), "the pivot of alpha2 vanished")
 
-    k = _stack(xp, shape, (k_0, k_1, k_2, k_3, k_4, k_5, k_6, k_7, k_8, k_9, k_10, k_11, k_12, k_13,
+    k = _stack(xp, batch, (k_0, k_1, k_2, k_3, k_4, k_5, k_6, k_7, k_8, k_9, k_10, k_11, k_12, k_13,
         k_14, k_15))
     return k
 
@@ -234,7 +254,7 @@ def mass(q, k):
     From (26), appendix, (15).
     15 operations.
     """
-    xp, shape, (q, k) = _arrays((1, 1), q, k)
+    xp, batch, (q, k) = _arrays(dict(q=5, k=16), q, k)
     phi = q[..., 2]
     alpha1 = q[..., 3]
     alpha2 = q[..., 4]
@@ -272,7 +292,7 @@ def mass(q, k):
     M_8 = c8_1_1
     M_9 = c8_2_2
 
-    M = _stack(xp, shape, (M_0, M_1, M_2, M_3, M_4, M_5, M_6, M_7, M_8, M_9))
+    M = _stack(xp, batch, (M_0, M_1, M_2, M_3, M_4, M_5, M_6, M_7, M_8, M_9))
     return M
 
 
@@ -288,7 +308,7 @@ def force(t, q, v, k):
     From (26), appendix, (15).
     27 operations.
     """
-    xp, shape, (t, q, v, k) = _arrays((0, 1, 1, 1), t, q, v, k)
+    xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=5, v=5, k=16), t, q, v, k)
     phi = q[..., 2]
     alpha1 = q[..., 3]
     alpha2 = q[..., 4]
@@ -329,7 +349,7 @@ def force(t, q, v, k):
     h_3 = K_1_1 * alpha1 - t1 * D2_1
     h_4 = K_2_2 * alpha2 - t1 * D2_2
 
-    h = _stack(xp, shape, (h_0, h_1, h_2, h_3, h_4))
+    h = _stack(xp, batch, (h_0, h_1, h_2, h_3, h_4))
     return h
 
 
@@ -346,7 +366,7 @@ def mass_force(t, q, v, k):
     From appendix, (15), (26).
     37 operations.
     """
-    xp, shape, (t, q, v, k) = _arrays((0, 1, 1, 1), t, q, v, k)
+    xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=5, v=5, k=16), t, q, v, k)
     phi = q[..., 2]
     alpha1 = q[..., 3]
     alpha2 = q[..., 4]
@@ -412,8 +432,8 @@ def mass_force(t, q, v, k):
     M_1 = -(d1_2 * cos_phi)
     M_2 = minus_c2_1_2 * sin_phi
 
-    M = _stack(xp, shape, (M_0, M_1, M_2, M_3, M_4, M_5, M_6, M_7, M_8, M_9))
-    h = _stack(xp, shape, (h_0, h_1, h_2, h_3, h_4))
+    M = _stack(xp, batch, (M_0, M_1, M_2, M_3, M_4, M_5, M_6, M_7, M_8, M_9))
+    h = _stack(xp, batch, (h_0, h_1, h_2, h_3, h_4))
     return M, h
 
 
@@ -429,7 +449,7 @@ def accel(t, q, v, k):
     From (26), appendix, LDL^T.
     96 operations.
     """
-    xp, shape, (t, q, v, k) = _arrays((0, 1, 1, 1), t, q, v, k)
+    xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=5, v=5, k=16), t, q, v, k)
     phi = q[..., 2]
     alpha1 = q[..., 3]
     alpha2 = q[..., 4]
@@ -512,7 +532,7 @@ def accel(t, q, v, k):
     t23 = t12 * inverse_c8_2_2 + constant_5 * t22
     vdot_4 = -t23
 
-    vdot = _stack(xp, shape, (vdot_0, vdot_1, vdot_2, vdot_3, vdot_4))
+    vdot = _stack(xp, batch, (vdot_0, vdot_1, vdot_2, vdot_3, vdot_4))
     return _where(xp, valid_1 & valid_2 & valid_3 & valid_4, vdot)
 
 
@@ -527,7 +547,7 @@ def energy(q, v, k):
     From (26), appendix, (22).
     51 operations.
     """
-    xp, shape, (q, v, k) = _arrays((1, 1, 1), q, v, k)
+    xp, batch, (q, v, k) = _arrays(dict(q=5, v=5, k=16), q, v, k)
     phi = q[..., 2]
     alpha1 = q[..., 3]
     alpha2 = q[..., 4]
@@ -574,7 +594,7 @@ def energy(q, v, k):
     )
     energy_1 = 0.5 * (K_1_1 * alpha1 * alpha1 + K_2_2 * alpha2 * alpha2)
 
-    energy = _stack(xp, shape, (energy_0, energy_1))
+    energy = _stack(xp, batch, (energy_0, energy_1))
     return energy
 
 
@@ -589,7 +609,7 @@ def momentum(q, v, k):
     From (26), appendix, (1).
     46 operations.
     """
-    xp, shape, (q, v, k) = _arrays((1, 1, 1), q, v, k)
+    xp, batch, (q, v, k) = _arrays(dict(q=5, v=5, k=16), q, v, k)
     c1 = q[..., 0]
     c2 = q[..., 1]
     phi = q[..., 2]
@@ -637,7 +657,7 @@ def momentum(q, v, k):
             - c1dot * c2 * mass
     )
 
-    momentum = _stack(xp, shape, (momentum_0, momentum_1, momentum_2))
+    momentum = _stack(xp, batch, (momentum_0, momentum_1, momentum_2))
     return momentum
 
 
@@ -652,7 +672,7 @@ def rates(q, v, k):
     From (27).
     0 operations.
     """
-    xp, shape, (q, v, k) = _arrays((1, 1, 1), q, v, k)
+    xp, batch, (q, v, k) = _arrays(dict(q=5, v=5, k=16), q, v, k)
     c1dot = v[..., 0]
     c2dot = v[..., 1]
     phidot = v[..., 2]
@@ -666,7 +686,7 @@ def rates(q, v, k):
     qdot_3 = alpha1dot
     qdot_4 = alpha2dot
 
-    qdot = _stack(xp, shape, (qdot_0, qdot_1, qdot_2, qdot_3, qdot_4))
+    qdot = _stack(xp, batch, (qdot_0, qdot_1, qdot_2, qdot_3, qdot_4))
     return qdot
 
 
@@ -683,7 +703,7 @@ def marker_left(q, v, k):
     From (14), (26), (1).
     28 operations.
     """
-    xp, shape, (q, v, k) = _arrays((1, 1, 1), q, v, k)
+    xp, batch, (q, v, k) = _arrays(dict(q=5, v=5, k=16), q, v, k)
     c1 = q[..., 0]
     c2 = q[..., 1]
     phi = q[..., 2]
@@ -724,9 +744,9 @@ def marker_left(q, v, k):
     jacobian_6 = sin_phi
     jacobian_7 = -cos_phi
 
-    x = _stack(xp, shape, (x_0, x_1))
-    xdot = _stack(xp, shape, (xdot_0, xdot_1))
-    jacobian = _stack(xp, shape, (jacobian_0, jacobian_1, jacobian_2, jacobian_3, jacobian_4,
+    x = _stack(xp, batch, (x_0, x_1))
+    xdot = _stack(xp, batch, (xdot_0, xdot_1))
+    jacobian = _stack(xp, batch, (jacobian_0, jacobian_1, jacobian_2, jacobian_3, jacobian_4,
         jacobian_5, jacobian_6, jacobian_7))
     return x, xdot, jacobian
 
@@ -744,7 +764,7 @@ def marker_middle(q, v, k):
     From (1).
     0 operations.
     """
-    xp, shape, (q, v, k) = _arrays((1, 1, 1), q, v, k)
+    xp, batch, (q, v, k) = _arrays(dict(q=5, v=5, k=16), q, v, k)
     c1 = q[..., 0]
     c2 = q[..., 1]
     c1dot = v[..., 0]
@@ -758,9 +778,9 @@ def marker_middle(q, v, k):
     jacobian_0 = 1
     jacobian_1 = 1
 
-    x = _stack(xp, shape, (x_0, x_1))
-    xdot = _stack(xp, shape, (xdot_0, xdot_1))
-    jacobian = _stack(xp, shape, (jacobian_0, jacobian_1))
+    x = _stack(xp, batch, (x_0, x_1))
+    xdot = _stack(xp, batch, (xdot_0, xdot_1))
+    jacobian = _stack(xp, batch, (jacobian_0, jacobian_1))
     return x, xdot, jacobian
 
 
@@ -777,7 +797,7 @@ def marker_right(q, v, k):
     From (14), (26), (1).
     27 operations.
     """
-    xp, shape, (q, v, k) = _arrays((1, 1, 1), q, v, k)
+    xp, batch, (q, v, k) = _arrays(dict(q=5, v=5, k=16), q, v, k)
     c1 = q[..., 0]
     c2 = q[..., 1]
     phi = q[..., 2]
@@ -819,9 +839,9 @@ def marker_right(q, v, k):
     jacobian_6 = t7
     jacobian_7 = cos_phi
 
-    x = _stack(xp, shape, (x_0, x_1))
-    xdot = _stack(xp, shape, (xdot_0, xdot_1))
-    jacobian = _stack(xp, shape, (jacobian_0, jacobian_1, jacobian_2, jacobian_3, jacobian_4,
+    x = _stack(xp, batch, (x_0, x_1))
+    xdot = _stack(xp, batch, (xdot_0, xdot_1))
+    jacobian = _stack(xp, batch, (jacobian_0, jacobian_1, jacobian_2, jacobian_3, jacobian_4,
         jacobian_5, jacobian_6, jacobian_7))
     return x, xdot, jacobian
 
@@ -839,7 +859,7 @@ def residual(t, y, ydot, k):
     From (26), appendix, (15).
     66 operations.
     """
-    xp, shape, (t, y, ydot, k) = _arrays((0, 1, 1, 1), t, y, ydot, k)
+    xp, batch, (t, y, ydot, k) = _arrays(dict(t=None, y=10, ydot=10, k=16), t, y, ydot, k)
     phi = y[..., 2]
     alpha1 = y[..., 3]
     alpha2 = y[..., 4]
@@ -910,7 +930,7 @@ def residual(t, y, ydot, k):
     )
     F_9 = K_2_2 * alpha2 + alpha2ddot * c8_2_2 + c6_2 * phiddot - t3 * D2_2
 
-    F = _stack(xp, shape, (F_0, F_1, F_2, F_3, F_4, F_5, F_6, F_7, F_8, F_9))
+    F = _stack(xp, batch, (F_0, F_1, F_2, F_3, F_4, F_5, F_6, F_7, F_8, F_9))
     return F
 
 
@@ -928,7 +948,7 @@ def jacobian(t, y, ydot, cj, k):
     From (26), appendix, (15).
     110 operations.
     """
-    xp, shape, (t, y, ydot, cj, k) = _arrays((0, 1, 1, 0, 1), t, y, ydot, cj, k)
+    xp, batch, (t, y, ydot, cj, k) = _arrays(dict(t=None, y=10, ydot=10, cj=None, k=16), t, y, ydot, cj, k)
     phi = y[..., 2]
     alpha1 = y[..., 3]
     alpha2 = y[..., 4]
@@ -1027,33 +1047,48 @@ def jacobian(t, y, ydot, cj, k):
     jac_35 = t1 * D2_2 + t16
     jac_36 = cj * c8_2_2
 
-    jac = _stack(xp, shape, (jac_0, jac_1, jac_2, jac_3, jac_4, jac_5, jac_6, jac_7, jac_8, jac_9,
+    jac = _stack(xp, batch, (jac_0, jac_1, jac_2, jac_3, jac_4, jac_5, jac_6, jac_7, jac_8, jac_9,
         jac_10, jac_11, jac_12, jac_13, jac_14, jac_15, jac_16, jac_17, jac_18, jac_19, jac_20,
         jac_21, jac_22, jac_23, jac_24, jac_25, jac_26, jac_27, jac_28, jac_29, jac_30, jac_31,
         jac_32, jac_33, jac_34, jac_35, jac_36))
     return jac
 
 
-def _arrays(ranks, *values):
-    """Their array namespace, the shape of the batch, and the arguments as arrays."""
+def _arrays(sizes, *values):
+    """Their array namespace, shape and type of the batch, and the arguments as arrays; a number has no size."""
     spaces = [value.__array_namespace__() for value in values if hasattr(value, "__array_namespace__")]
     xp = spaces[0] if spaces else numpy
-    arrays = [value if hasattr(value, "__array_namespace__") else xp.asarray(value, dtype=xp.float64) for value in values]
-    batches = [array.shape[: len(array.shape) - rank] for array, rank in zip(arrays, ranks)]
-    return xp, numpy.broadcast_shapes(*batches), arrays
+    arrays = [_array(xp, name, size, value) for (name, size), value in zip(sizes.items(), values)]
+    shaped = [(array, size) for array, size in zip(arrays, sizes.values()) if hasattr(array, "shape")]
+    batches = [array.shape if size is None else array.shape[:-1] for array, size in shaped]
+    return xp, (numpy.broadcast_shapes(*batches), xp.result_type(*(array.dtype for array, _ in shaped))), arrays
 
 
-def _stack(xp, shape, elements):
+def _array(xp, name, size, value):
+    """An argument as an array of floating-point numbers whose last axis has the right size."""
+    if size is None and isinstance(value, (int, float)):
+        return value
+    array = value if hasattr(value, "__array_namespace__") else xp.asarray(value, dtype=xp.float64)
+    if size is not None and (len(array.shape) == 0 or array.shape[-1] != size):
+        raise ValueError(f"{name} needs {size} elements along its last axis; its shape is {tuple(array.shape)}")
+    return xp.astype(array, xp.float64) if xp.isdtype(array.dtype, ("integral", "bool")) else array
+
+
+def _stack(xp, batch, elements):
     """Elements, numbers or arrays, as the last axis of one array."""
+    shape, dtype = batch
     if not elements:
-        return xp.zeros((*shape, 0))
-    arrays = [xp.full(shape, float(e)) if isinstance(e, (int, float)) else xp.broadcast_to(e, shape) for e in elements]
-    return xp.stack(arrays, axis=-1)
+        return xp.zeros((*shape, 0), dtype=dtype)
+    numbers = (int, float)
+    return xp.stack(
+        [xp.full(shape, float(e), dtype=dtype) if isinstance(e, numbers) else xp.broadcast_to(e, shape) for e in elements],
+        axis=-1,
+    )
 
 
 def _where(xp, valid, values):
     """The values, and NaN for the members of the batch that are not valid."""
-    return xp.where(valid[..., None], values, xp.full(values.shape, float("nan")))
+    return xp.where(valid[..., None], values, xp.full(values.shape, float("nan"), dtype=values.dtype))
 
 
 def _require(holds, text):

@@ -70,7 +70,10 @@ class Symbols:
     float64 = float
     isfinite = staticmethod(lambda x: True)
     all = staticmethod(bool)
-    full = staticmethod(lambda shape, value: sp.Integer(int(value)))
+    dtype = None
+    isdtype = staticmethod(lambda dtype, kind: False)
+    result_type = staticmethod(lambda *dtypes: None)
+    full = staticmethod(lambda shape, value, dtype: sp.Integer(int(value)))
     broadcast_to = staticmethod(lambda value, shape: value)
     stack = staticmethod(lambda arrays, axis: Symbols(arrays))
 
