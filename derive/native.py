@@ -72,6 +72,8 @@ def load(files: Sequence[File], flags: Sequence[str] = FLAGS) -> Native:
     with tempfile.TemporaryDirectory(prefix="tisserand-") as folder:
         write(files, Path(folder))
         sources = [Path(folder) / file.path for file in files if file.path.endswith(".c")]
+        if not sources:
+            raise ValueError("there is no C file among these files")
         library = compile_shared(sources, Path(folder) / "model.so", flags)
         return Native(ctypes.CDLL(str(library)), sources[0].stem)
 

@@ -65,41 +65,63 @@ def coefficients(of: FieldIntegrals, n: int) -> tuple[Coefficient, ...]:
 
 
 def definitions(alpha: tuple[sp.Symbol, ...], rates: tuple[sp.Symbol, ...]) -> tuple[Definition, ...]:
-    """d1, D2, d3, J and their sums with the rates of alpha, from r = X + sum alpha_i Phi_i; zeros still inside."""
-    n = len(alpha)
-    shapes = range(1, n + 1)
-
-    def deformed(undeformed: sp.Expr, moments: list[sp.Expr]) -> sp.Expr:
-        return undeformed + sum((a * moment for a, moment in zip(alpha, moments, strict=True)), sp.S.Zero)
-
-    def with_rates(moments: list[sp.Expr]) -> sp.Expr:
-        return sum((rate * moment for rate, moment in zip(rates, moments, strict=True)), sp.S.Zero)
-
-    def symbols(*names: str) -> list[sp.Symbol]:
-        return [sp.Symbol(name) for name in names]
-
+    """d1, D2, d3, J and their sums with the rates of alpha, from r = X + sum alpha_j Phi_j; zeros still inside."""
+    shapes = range(1, len(alpha) + 1)
     found: list[Definition] = []
+
+    def define(name: str, expr: sp.Expr, doc: str) -> None:
+        section = name.split("_", maxsplit=1)[0]
+        found.append(Definition(sp.Symbol(name), expr, section, APPENDIX, doc))
+
     for k in (1, 2):
-        c2 = symbols(*(f"c2_{i}_{k}" for i in shapes))
-        expr = deformed(sp.Symbol(f"c1_{k}"), c2)
-        found.append(Definition(sp.Symbol(f"d1_{k}"), expr, "d1", APPENDIX, f"int rho r . e{k}"))
-        expr = with_rates(c2)
-        found.append(Definition(sp.Symbol(f"d1dot_{k}"), expr, "d1dot", APPENDIX, f"int rho rdot . e{k}"))
+        define(f"d1_{k}", sp.Symbol(f"c1_{k}") + _sum(alpha, _c2(k, shapes)), f"int rho r . e{k}")
+        define(f"d1dot_{k}", _sum(rates, _c2(k, shapes)), f"int rho rdot . e{k}")
     for i in shapes:
-        c8 = symbols(*("c8_{}_{}".format(*sorted((i, j))) for j in shapes))
-        expr = deformed(sp.Symbol(f"C4_{i}"), c8)
-        found.append(Definition(sp.Symbol(f"D2_{i}"), expr, "D2", APPENDIX, f"int rho r . Phi_{i}"))
-    for i in shapes:  # r x Phi_i = X x Phi_i + sum alpha_j Phi_j x Phi_i, and c7 is odd in its indices
-        c7 = [_odd("c7", j, i) for j in shapes]
-        expr = deformed(sp.Symbol(f"c6_{i}"), c7)
-        found.append(Definition(sp.Symbol(f"d3_{i}"), expr, "d3", APPENDIX, f"int rho r x Phi_{i}"))
-    d2 = symbols(*(f"D2_{i}" for i in shapes))
-    d3 = symbols(*(f"d3_{i}" for i in shapes))
-    inertia = deformed(deformed(sp.Symbol("C3"), symbols(*(f"C4_{i}" for i in shapes))), d2)
-    found.append(Definition(sp.Symbol("J"), inertia, "J", APPENDIX, "int rho r . r"))
-    found.append(Definition(sp.Symbol("D2dot"), with_rates(d2), "D2dot", APPENDIX, "int rho r . rdot"))
-    found.append(Definition(sp.Symbol("d3dot"), with_rates(d3), "d3dot", APPENDIX, "int rho r x rdot"))
+        define(f"D2_{i}", sp.Symbol(f"C4_{i}") + _sum(alpha, _c8(i, shapes)), f"int rho r . Phi_{i}")
+    for i in shapes:  # r x Phi_i = X x Phi_i + sum alpha_j Phi_j x Phi_i
+        define(f"d3_{i}", sp.Symbol(f"c6_{i}") - _sum(alpha, _c7(i, shapes)), f"int rho r x Phi_{i}")
+    d2, d3 = ([sp.Symbol(f"{name}_{i}") for i in shapes] for name in ("D2", "d3"))
+    c4 = [sp.Symbol(f"C4_{i}") for i in shapes]
+    define("J", sp.Symbol("C3") + _sum(alpha, c4) + _sum(alpha, d2), "int rho r . r")
+    define("D2dot", _sum(rates, d2), "int rho r . rdot")
+    define("d3dot", _sum(rates, d3), "int rho r x rdot")
     return tuple(found)
+
+
+def sums(rates: tuple[sp.Symbol, ...], accelerations: tuple[sp.Symbol, ...]) -> dict[sp.Symbol, sp.Expr]:
+    """What (15) needs besides: the sums over the shapes that stand in one row only, or hold accelerations."""
+    shapes = range(1, len(rates) + 1)
+    found = {f"d1ddot_{k}": _sum(accelerations, _c2(k, shapes)) for k in (1, 2)}
+    found["d3ddot"] = _sum(accelerations, [sp.Symbol(f"d3_{i}") for i in shapes])
+    found |= {f"c8ddot_{i}": _sum(accelerations, _c8(i, shapes)) for i in shapes}
+    found |= {f"c7dot_{i}": _sum(rates, _c7(i, shapes)) for i in shapes}
+    found["c8dotdot"] = sp.expand(_sum(rates, [_sum(rates, _c8(i, shapes)) for i in shapes]))
+    return {sp.Symbol(name): expr for name, expr in found.items()}
+
+
+def of_index(expr: sp.Expr, i: int) -> sp.Expr:
+    """An expression for the generic index i, for one shape."""
+
+    def named(symbol: sp.Symbol) -> sp.Symbol:
+        return sp.Symbol("_".join(str(i) if part == "i" else part for part in symbol.name.split("_")))
+
+    return expr.xreplace({s: named(s) for s in expr.free_symbols})
+
+
+def _sum(factors: tuple[sp.Symbol, ...], moments: list[sp.Expr]) -> sp.Expr:
+    return sum((factor * moment for factor, moment in zip(factors, moments, strict=True)), sp.S.Zero)
+
+
+def _c2(k: int, shapes: range) -> list[sp.Expr]:
+    return [sp.Symbol(f"c2_{j}_{k}") for j in shapes]
+
+
+def _c8(i: int, shapes: range) -> list[sp.Expr]:
+    return [sp.Symbol("c8_{}_{}".format(*sorted((i, j)))) for j in shapes]
+
+
+def _c7(i: int, shapes: range) -> list[sp.Expr]:
+    return [_odd("c7", i, j) for j in shapes]
 
 
 def _odd(name: str, i: int, j: int) -> sp.Expr:

@@ -1,9 +1,12 @@
 """Kinematics of a deformable body, (1)-(6), by differentiation of x = c + Q (X + u).
 
-A vector field over the body, resolved in the body base, is a sum of tensors times the fields that the body knows:
-`ONE` (the same vector everywhere), `R` = r = X + u, `RDOT` = du/dt, and the assumed displacement fields phi(i).
-Its coefficients depend on time alone; the fields alone depend on the material point. So a `Field` is a dict from
-the name of a field to its tensor (for ONE: to a column), and what is left of the body is moments of these fields.
+A vector field over the body is a sum of tensors times the fields that the body knows: `ONE` (the same vector
+everywhere), `R` = r = X + u, `RDOT` and `RDDOT`, its rates at a fixed material point, and `PHI`, the assumed
+displacement field Phi_i of a generic index i. So a `Field` is a dict from the name of a field to its tensor. Tensors
+depend on time alone, fields on the material point alone: what is left of the body is moments of these fields, and the
+sums over the shapes stay inside of rdot = sum alphadot_j Phi_j and rddot = sum alphaddot_j Phi_j.
+
+`ONE` is resolved in the inertial base (its tensor is a column), all other fields in the body base.
 """
 
 from __future__ import annotations
@@ -14,12 +17,7 @@ import sympy as sp
 
 Field = dict[str, sp.Matrix]
 
-ONE, R, RDOT = "1", "r", "rdot"
-
-
-def phi(i: int) -> str:
-    """The name of the assumed displacement field Phi_i, i = 1..N."""
-    return f"Phi_{i}"
+ONE, R, RDOT, RDDOT, PHI = "1", "r", "rdot", "rddot", "Phi_i"
 
 
 def add(*fields: Field) -> Field:
@@ -59,37 +57,35 @@ class PlanarRotation:
 
     @property
     def tensor(self) -> sp.Matrix:
-        """Q, with Q^T Q = I after `reduced`."""
+        """Q."""
         return sp.Matrix([[self.cos, -self.sin], [self.sin, self.cos]])
-
-    def reduced(self, expr: sp.Expr) -> sp.Expr:
-        """An expression of degree two in cosine and sine, with sin^2 = 1 - cos^2."""
-        return expr.expand().subs(self.sin**2, 1 - self.cos**2).expand()
 
     @property
     def generator(self) -> sp.Matrix:
         """Q^T dQ/dangle: the skew tensor whose axial vector is e3, (27)."""
         back = {value: symbol for symbol, value in self.functions.items()}
         derivative = self.tensor.subs(self.functions).diff(self.angle).subs(back)
-        return (self.tensor.T * derivative).applyfunc(self.reduced)
+        unreduced = (self.tensor.T * derivative).expand()
+        return unreduced.subs(self.sin**2, 1 - self.cos**2).expand()
 
 
 @dataclass(frozen=True)
 class MovingFrame:
-    """A body base that turns at rate omega, Qdot = Q (generator omega), and the shapes of a body in it.
+    """A body base that turns, Qdot = Q (sum omega_k generator_k): what time derivatives look like from it."""
 
-    `shapes` are the pairs (alphadot_i, alphaddot_i) of the assumed displacement fields of (14).
-    """
+    generators: tuple[sp.Matrix, ...]
+    omega: tuple[sp.Symbol, ...]
+    omegadot: tuple[sp.Symbol, ...]
 
-    generator: sp.Matrix
-    omega: sp.Symbol
-    omegadot: sp.Symbol
-    shapes: tuple[tuple[sp.Symbol, sp.Symbol], ...]
+    @property
+    def spin(self) -> sp.Matrix:
+        """The tensor omega x."""
+        return sum((g * w for g, w in zip(self.generators, self.omega, strict=True)), 0 * self.generators[0])
 
     @property
     def position(self) -> Field:
         """Q^T (x - c) = r."""
-        return {R: sp.eye(self.generator.rows)}
+        return {R: sp.eye(self.spin.rows)}
 
     @property
     def velocity(self) -> Field:
@@ -103,18 +99,21 @@ class MovingFrame:
 
     def dot(self, field: Field) -> Field:
         """The time derivative of Q f, in the body base: fdot + omega x f."""
+        pairs = list(zip(self.omega, self.omegadot, strict=True))
         return add(
-            {name: tensor.diff(self.omega) * self.omegadot for name, tensor in field.items()},
+            *({name: tensor.diff(w) * wdot for name, tensor in field.items()} for w, wdot in pairs),
             {RDOT: field[R]} if R in field else {},
-            *({phi(i): field[RDOT] * addot} for i, (_, addot) in enumerate(self.shapes, 1) if RDOT in field),
-            times(self.generator * self.omega, field),
+            {RDDOT: field[RDOT]} if RDOT in field else {},
+            times(self.spin, field),
         )
 
-    def virtual_displacements(self) -> tuple[Field, ...]:
-        """Q^T (delta x - delta c) of (6), for a unit variation of the angle and of each alpha_i in turn.
+    def rotations(self) -> tuple[Field, ...]:
+        """Q^T (delta x - delta c) of (6) for unit variations of the rotation.
 
         x depends on time through its coordinates alone, so its variation is its velocity with the rates varied.
         """
-        velocity = self.velocity
-        turn = {name: tensor.diff(self.omega) for name, tensor in velocity.items()}
-        return add(turn), *({phi(i): velocity[RDOT]} for i in range(1, len(self.shapes) + 1))
+        return tuple(add({f: tensor.diff(w) for f, tensor in self.velocity.items()}) for w in self.omega)
+
+    def deformation(self) -> Field:
+        """Q^T (delta x - delta c) of (6) for a unit variation of alpha_i: in the velocity, rdot becomes Phi_i."""
+        return {PHI: self.velocity[RDOT]}

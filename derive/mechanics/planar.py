@@ -20,8 +20,8 @@ from derive.mechanics.equations import (
     ParameterSymbol,
     Term,
 )
-from derive.mechanics.integrals import FieldIntegrals, coefficients, definitions
-from derive.mechanics.kinematics import ONE, RDOT, Field, MovingFrame, PlanarRotation, R, add, times
+from derive.mechanics.integrals import FieldIntegrals, coefficients, definitions, of_index, sums
+from derive.mechanics.kinematics import ONE, PHI, RDDOT, RDOT, Field, MovingFrame, PlanarRotation, R, times
 from derive.mechanics.virtual_work import Moments, total
 
 IN_PLANE = "planar motion: omega x (J . omega) = 0"
@@ -60,7 +60,7 @@ def equations(body: PlanarBody) -> Equations:
     mass = Coefficient(MASS, body.mass, "(15)", "mass of the body", "kg")
     of_points = tuple(c for point in body.points for c in point.coefficients)
     every = (mass, *coefficients(body.integrals, body.shapes), *body.stiffness, *of_points)
-    composed, reasons = zeros.drop_definitions(definitions(motion.alpha, motion.alphadot), zeros.reasons_of(every))
+    composed, reasons = zeros.drop_definitions(motion.definitions, zeros.reasons_of(every))
     strain = _strain_energy(motion, body.stiffness)
     complete = (*_inertia(motion), *_elasticity(motion, strain))
     terms, vanished = zeros.drop_terms(complete, reasons)
@@ -84,30 +84,29 @@ def equations(body: PlanarBody) -> Equations:
 
 
 class Motion:
-    """The motion of a planar body with n shapes: its coordinates and the fields of position, velocity, acceleration.
-
-    Translations are resolved in the inertial base, fields in the body base; so c enters the fields as Q^T c.
-    """
+    """The motion of a planar body with n shapes: its coordinates, and position, velocity, acceleration as fields."""
 
     def __init__(self, n: int) -> None:
         self.coordinates = _coordinates(n)
         c1, c2, phi, *shapes = self.coordinates
         self.alpha = tuple(c.q for c in shapes)
-        self.alphadot = tuple(c.v for c in shapes)
         self.rotation = PlanarRotation(phi.q)
-        generator = self.rotation.generator
-        self.frame = MovingFrame(generator, phi.v, phi.a, tuple((c.v, c.a) for c in shapes))
-        self.moments = Moments(MASS, self.alphadot)
-        back = self.rotation.tensor.T
-        self.position = add({ONE: back * sp.Matrix([c1.q, c2.q])}, self.frame.position)
-        self.velocity = add({ONE: back * sp.Matrix([c1.v, c2.v])}, self.frame.velocity)
-        self.acceleration = add({ONE: back * sp.Matrix([c1.a, c2.a])}, self.frame.acceleration)
-        translations = ({ONE: back[:, k]} for k in (0, 1))
-        self.virtual_displacements = (*translations, *self.frame.virtual_displacements())
+        self.frame = MovingFrame((self.rotation.generator,), (phi.v,), (phi.a,))
+        self.moments = Moments(MASS, self.rotation.tensor)
+        self.definitions = definitions(self.alpha, tuple(c.v for c in shapes))
+        self.sums = sums(tuple(c.v for c in shapes), tuple(c.a for c in shapes))
+        self.position = {ONE: sp.Matrix([c1.q, c2.q]), **self.frame.position}
+        self.velocity = {ONE: sp.Matrix([c1.v, c2.v]), **self.frame.velocity}
+        self.acceleration = {ONE: sp.Matrix([c1.a, c2.a]), **self.frame.acceleration}
+        self.translations: tuple[Field, ...] = ({ONE: sp.Matrix([1, 0])}, {ONE: sp.Matrix([0, 1])})
 
     def product(self, a: Field, b: Field) -> sp.Expr:
-        """int rho a . b over the body."""
-        return self.rotation.reduced(total(a, b, self.moments))
+        """int rho a . b over the body, for a generic index i if a or b holds PHI."""
+        return total(a, b, self.moments)
+
+    def summed(self, expr: sp.Expr) -> sp.Expr:
+        """An expression with the sums that have no name of their own written out."""
+        return sp.expand(expr.xreplace(self.sums))
 
 
 def _coordinates(n: int) -> tuple[Coordinate, ...]:
@@ -132,24 +131,31 @@ def _rotation_definitions(rotation: PlanarRotation) -> tuple[Definition, ...]:
 
 def _parts(motion: Motion) -> tuple[tuple[str, Field], ...]:
     """The acceleration (5), split into its named parts."""
-    acceleration, omegadot = dict(motion.acceleration), motion.frame.omegadot
-    turning = acceleration.pop(R)
+    acceleration = motion.acceleration
+    turning, still = acceleration[R], dict.fromkeys(motion.frame.omegadot, sp.S.Zero)
+    centrifugal = turning.xreplace(still)
     return (
-        ("translation", {ONE: acceleration.pop(ONE)}),
-        ("Euler", {R: turning.diff(omegadot) * omegadot}),
-        ("centrifugal", {R: turning.subs(omegadot, 0)}),
-        ("Coriolis", {RDOT: acceleration.pop(RDOT)}),
-        ("relative", acceleration),
+        ("translation", {ONE: acceleration[ONE]}),
+        ("Euler", {R: turning - centrifugal}),
+        ("centrifugal", {R: centrifugal}),
+        ("Coriolis", {RDOT: acceleration[RDOT]}),
+        ("relative", {RDDOT: acceleration[RDDOT]}),
     )
 
 
 def _inertia(motion: Motion) -> tuple[Term, ...]:
     """The virtual work of the inertia: a term for each part of (5) on each virtual displacement of (6)."""
-    return tuple(
-        Term(str(coordinate.q), name, "(15)", motion.product(part, displacement))
-        for coordinate, displacement in zip(motion.coordinates, motion.virtual_displacements, strict=True)
+    rigid = [str(c.q) for c in motion.coordinates[: len(motion.coordinates) - len(motion.alpha)]]
+    displacements = dict(zip(rigid, (*motion.translations, *motion.frame.rotations()), strict=True))
+    terms = [
+        Term(row, name, "(15)", motion.summed(motion.product(part, displacement)))
+        for row, displacement in displacements.items()
         for name, part in _parts(motion)
-    )
+    ]
+    generic = [(name, motion.product(part, motion.frame.deformation())) for name, part in _parts(motion)]
+    for i, alpha in enumerate(motion.alpha, 1):
+        terms += [Term(str(alpha), name, "(15)", motion.summed(of_index(expr, i))) for name, expr in generic]
+    return tuple(terms)
 
 
 def _strain_energy(motion: Motion, stiffness: tuple[Coefficient, ...]) -> sp.Expr:
@@ -183,17 +189,18 @@ def _mass_zeros(motion: Motion, complete: tuple[Term, ...], reasons: zeros.Reaso
 
 def _kinetic_energy(motion: Motion) -> sp.Expr:
     """1/2 int rho xdot . xdot."""
-    return motion.product(motion.velocity, motion.velocity) / 2
+    return motion.summed(motion.product(motion.velocity, motion.velocity) / 2)
 
 
 def _linear_momentum(motion: Motion) -> tuple[sp.Expr, ...]:
     """int rho xdot along e1 and e2: the virtual work of the velocity on the two translations."""
-    return tuple(motion.product(motion.velocity, d) for d in motion.virtual_displacements[:2])
+    return tuple(motion.product(motion.velocity, d) for d in motion.translations)
 
 
 def _angular_momentum(motion: Motion) -> sp.Expr:
     """int rho x x xdot about the inertial origin, along e3."""
-    return motion.product(times(motion.frame.generator, motion.position), motion.velocity)
+    (turn,) = motion.frame.generators  # it is the same in both bases
+    return motion.product(times(turn, motion.position), motion.velocity)
 
 
 def _marker(motion: Motion, point: MaterialPoint, reasons: zeros.Reasons) -> MarkerEquations:
@@ -203,10 +210,8 @@ def _marker(motion: Motion, point: MaterialPoint, reasons: zeros.Reasons) -> Mar
         return sum((shape * a for shape, a in zip(point.shapes, amplitudes, strict=True)), base)
 
     names = {R: "r", RDOT: "rdot"}
-    values = {
-        R: at_point(motion.alpha, sp.Matrix(point.position)),
-        RDOT: at_point(motion.alphadot, sp.zeros(2, 1)),
-    }
+    rates = tuple(c.v for c in motion.coordinates[-len(motion.alpha) :])
+    values = {R: at_point(motion.alpha, sp.Matrix(point.position)), RDOT: at_point(rates, sp.zeros(2, 1))}
     local = tuple(
         Definition(sp.Symbol(f"{names[f]}_{k + 1}"), value[k], "r", "(1), (14)", f"{names[f]} . e{k + 1} at the marker")
         for f, value in values.items()
@@ -214,21 +219,23 @@ def _marker(motion: Motion, point: MaterialPoint, reasons: zeros.Reasons) -> Mar
     )
     kept, known = zeros.drop_definitions(local, reasons)
     vectors = {f: sp.Matrix(sp.symbols(f"{names[f]}_1 {names[f]}_2")) for f in names}
-    vectors |= {f"Phi_{i}": sp.Matrix(shape) for i, shape in enumerate(point.shapes, 1)}
 
     def vector(field: Field) -> sp.Matrix:
-        """A field at the marker, without its ONE part, in the inertial base."""
-        here = [tensor * vectors[name] for name, tensor in field.items() if name != ONE]
-        resolved = motion.rotation.tensor * sum(here, sp.zeros(2, 1))
+        """A field at the marker, in the inertial base."""
+        here = field.get(ONE, sp.zeros(2, 1))
+        moving = (tensor * vectors[name] for name, tensor in field.items() if name != ONE)
+        resolved = here + motion.rotation.tensor * sum(moving, sp.zeros(2, 1))
         return resolved.applyfunc(lambda e: zeros.drop(sp.expand(e), known))
 
-    c1, c2, *_ = motion.coordinates
-    columns = [sp.eye(2)[:, 0], sp.eye(2)[:, 1], *map(vector, motion.virtual_displacements[2:])]
+    columns = [vector(d) for d in (*motion.translations, *motion.frame.rotations())]
+    for shape in point.shapes:
+        vectors[PHI] = sp.Matrix(shape)
+        columns.append(vector(motion.frame.deformation()))
     return MarkerEquations(
         name=point.name,
         doc=point.doc,
         definitions=kept,
-        position=sp.ImmutableMatrix(sp.Matrix([c1.q, c2.q]) + vector(motion.position)),
-        velocity=sp.ImmutableMatrix(sp.Matrix([c1.v, c2.v]) + vector(motion.velocity)),
+        position=sp.ImmutableMatrix(vector(motion.position)),
+        velocity=sp.ImmutableMatrix(vector(motion.velocity)),
         jacobian=sp.ImmutableMatrix.hstack(*columns),
     )

@@ -883,11 +883,13 @@ def _stack(xp, batch, elements):
     shape, dtype = batch
     if not elements:
         return xp.zeros((*shape, 0), dtype=dtype)
-    numbers = (int, float)
-    return xp.stack(
-        [xp.full(shape, float(e), dtype=dtype) if isinstance(e, numbers) else xp.broadcast_to(e, shape) for e in elements],
-        axis=-1,
-    )
+
+    def spread(element):
+        if isinstance(element, (int, float)):
+            return xp.full(shape, float(element), dtype=dtype)
+        return xp.broadcast_to(element, shape)
+
+    return xp.stack([spread(element) for element in elements], axis=-1)
 
 
 def _where(xp, valid, values):

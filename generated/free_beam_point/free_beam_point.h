@@ -185,8 +185,8 @@ enum {
     FREE_BEAM_POINT_ABI = 1
 };
 
-/* ---- functions: 0 = ok; 1 = a pivot vanished; 2 = a value is not finite or not positive.
-   Where the code is not 0, the outputs hold nothing of use. ---- */
+/* ---- functions: 0 = ok. From setup and accel alone: 1 = a pivot vanished; 2 = a value is not finite
+   or not positive; the outputs then hold nothing of use. The others let a NaN through. ---- */
 
 /*
  * Constants k from the parameters p: once for a set of parameters.

@@ -6,7 +6,7 @@ import pytest
 import sympy as sp
 
 from derive.mechanics.conditions import conditions, xi
-from derive.mechanics.kinematics import RDOT, MovingFrame, PlanarRotation, R, phi
+from derive.mechanics.kinematics import PHI, RDDOT, RDOT, MovingFrame, PlanarRotation, R
 from derive.spec import Frame
 from paper import printed
 
@@ -15,8 +15,11 @@ ANGLE, OMEGA, ALPHA = sp.symbols("phi phidot phiddot")
 
 def fields() -> tuple[PlanarRotation, MovingFrame]:
     rotation = PlanarRotation(ANGLE)
-    shapes = tuple(sp.symbols(f"alpha{i}dot alpha{i}ddot") for i in (1, 2))
-    return rotation, MovingFrame(rotation.generator, OMEGA, ALPHA, shapes)
+    return rotation, MovingFrame((rotation.generator,), (OMEGA,), (ALPHA,))
+
+
+def vectors(*names: str) -> list[sp.Matrix]:
+    return [sp.Matrix(sp.symbols(f"{n}_1 {n}_2")) for n in names]
 
 
 def spatial(vector: sp.Matrix) -> sp.Matrix:
@@ -27,33 +30,31 @@ def test_rotation_is_26_and_its_axis_27() -> None:
     rotation, frame = fields()
     q = rotation.tensor.subs(rotation.functions)
     assert sp.Matrix(printed.ROTATION_26)[:2, :2] == q
-    assert frame.generator == sp.Matrix([[0, -1], [1, 0]])
+    assert frame.spin / OMEGA == sp.Matrix([[0, -1], [1, 0]])
 
 
 def test_acceleration_is_5() -> None:
     """Q times the derived field, without cddot, for r, rdot and rddot with free components."""
     _, frame = fields()
-    r, rdot, phi1, phi2 = (sp.Matrix(sp.symbols(f"{n}_1 {n}_2")) for n in ("r", "rdot", "Phi1", "Phi2"))
-    values = {R: r, RDOT: rdot, phi(1): phi1, phi(2): phi2}
+    r, rdot, rddot = vectors("r", "rdot", "rddot")
+    values = {R: r, RDOT: rdot, RDDOT: rddot}
     found = sum((tensor * values[name] for name, tensor in frame.acceleration.items()), sp.zeros(2, 1))
     q = sp.Matrix(printed.ROTATION_26)
-    uddot = phi1 * sp.Symbol("alpha1ddot") + phi2 * sp.Symbol("alpha2ddot")
     omega, omegadot = sp.Matrix([0, 0, OMEGA]), sp.Matrix([0, 0, ALPHA])
-    expected = printed.acceleration_5(sp.zeros(3, 1), q, omega, omegadot, spatial(r), spatial(rdot), spatial(uddot))
-    turned = q * spatial(found)
-    assert (turned - expected).applyfunc(sp.expand) == sp.zeros(3, 1)
+    expected = printed.acceleration_5(sp.zeros(3, 1), q, omega, omegadot, spatial(r), spatial(rdot), spatial(rddot))
+    assert (q * spatial(found) - expected).applyfunc(sp.expand) == sp.zeros(3, 1)
 
 
 def test_virtual_displacement_is_6() -> None:
     _, frame = fields()
-    r, phi1, phi2 = (sp.Matrix(sp.symbols(f"{n}_1 {n}_2")) for n in ("r", "Phi1", "Phi2"))
-    values = {R: r, phi(1): phi1, phi(2): phi2}
-    turn, first, second = sp.symbols("dphi dalpha1 dalpha2")
-    found = sp.zeros(2, 1)
-    for variation, field in zip((turn, first, second), frame.virtual_displacements(), strict=True):
-        found += variation * sum((tensor * values[name] for name, tensor in field.items()), sp.zeros(2, 1))
+    r, shape = vectors("r", "Phi")
+    values = {R: r, PHI: shape}
+    turn, stretch = sp.symbols("dphi dalpha")
+    (rotation,), deformation = frame.rotations(), frame.deformation()
+    found = turn * sum((tensor * values[name] for name, tensor in rotation.items()), sp.zeros(2, 1))
+    found += stretch * sum((tensor * values[name] for name, tensor in deformation.items()), sp.zeros(2, 1))
     q = sp.Matrix(printed.ROTATION_26)
-    delta_u = spatial(first * phi1 + second * phi2)
+    delta_u = spatial(stretch * shape)
     expected = printed.virtual_displacement_6(sp.zeros(3, 1), q, sp.Matrix([0, 0, turn]), spatial(r), delta_u)
     assert (q * spatial(found) - expected).applyfunc(sp.expand) == sp.zeros(3, 1)
 
