@@ -34,7 +34,7 @@ def problem(spec: derive.PlanarBeam, phi: float | None = None) -> Problem:
     """Equations, kernels, files and states: rotations evenly over one turn or as given, the rest at random."""
     equations = derive.derive(spec)
     model = derive.lower(equations)
-    nv = len(equations.coordinates)
+    nv = len(equations.rows)
     states = np.random.default_rng(1).uniform(-1.0, 1.0, (STATES, 2 * nv))
     turn = np.pi * (2 * np.arange(STATES) + 1 - STATES) / STATES
     states[:, 2] = turn if phi is None else phi

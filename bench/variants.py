@@ -75,8 +75,7 @@ def entries(problem: Problem) -> tuple[list[sp.Expr], list[sp.Expr]]:
 
 def state_symbols(problem: Problem) -> tuple[list[sp.Symbol], list[sp.Symbol]]:
     """q and v."""
-    coordinates = problem.equations.coordinates
-    return [c.q for c in coordinates], [c.v for c in coordinates]
+    return [c.q for c in problem.equations.coordinates], [row.v for row in problem.equations.rows]
 
 
 def constants(problem: Problem) -> dict[sp.Symbol, float]:

@@ -78,8 +78,9 @@ def equations_by_sympy(frame: str, n: int, q: np.ndarray, v: np.ndarray, a: np.n
     """M, h, energies, momenta, markers and the residual from the derivation, to 40 digits."""
     eq = beams.made(frame, n).equations
     kernels = beams.made(frame, n).model
-    symbols = [s for c in eq.coordinates for s in (c.q, c.v, c.a)] + [p.symbol for p in eq.parameters]
-    values = [x for triple in zip(q, v, a, strict=True) for x in triple] + list(P)
+    symbols = [c.q for c in eq.coordinates] + [row.v for row in eq.rows] + [row.a for row in eq.rows]
+    symbols += [p.symbol for p in eq.parameters]
+    values = [*q, *v, *a, *P]
     known = {s: mpmath.mpf(float(x)) for s, x in zip(symbols, values, strict=True)}
 
     def evaluate(expressions: Iterable[sp.Expr]) -> list[Any]:
@@ -89,7 +90,7 @@ def equations_by_sympy(frame: str, n: int, q: np.ndarray, v: np.ndarray, a: np.n
         known |= dict(zip([c.symbol for c in eq.coefficients], evaluate(c.value for c in eq.coefficients), strict=True))
         for d in eq.definitions:
             known[d.symbol] = evaluate([d.expr])[0]
-        rows = [sum((t.expr for t in eq.terms if t.row == str(c.q)), sp.S.Zero) for c in eq.coordinates]
+        rows = [eq.sum_of(row.name) for row in eq.rows]
         found = {
             "mass": evaluate(eq.mass[i, j] for i, j in kernels.pattern("mass", "M").entries),
             "force": evaluate(eq.force),

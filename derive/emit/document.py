@@ -16,6 +16,7 @@ class ModelText:
 
     title: str
     state: tuple[str, ...]
+    rates: tuple[str, ...]
     parameters: tuple[str, ...]
     constants: tuple[str, ...]
     picture: tuple[str, ...]
@@ -25,16 +26,18 @@ class ModelText:
 
 def model_text(model: Model) -> ModelText:
     """The description of a model."""
-    names = [c.name for c in model.coordinates]
-    width = max(map(len, names))
-    state = tuple(
-        f"{k}  {q.name:<{width}}  [{q.unit}]  {q.doc}; its row of forces [{h.unit}]"
-        for k, (q, h) in enumerate(zip(model.coordinates, model.forces, strict=True))
+    names = [row.name for row in model.rows]
+    width = max(len(q.name) for q in model.coordinates)
+    state = tuple(f"{k}  {q.name:<{width}}  [{q.unit}]  {q.doc}" for k, q in enumerate(model.coordinates))
+    rates = tuple(
+        f"{k}  {v.name}  [{v.unit}]  {v.doc}; its row, {row.name}, [{row.unit}]"
+        for k, (v, row) in enumerate(zip(model.rates, model.rows, strict=True))
     )
     mass = model.pattern("mass", "M")
     return ModelText(
         title=f"{model.name}: {model.doc}",
         state=state,
+        rates=rates,
         parameters=tuple(f"{p.name}  [{p.unit}]  {p.doc}, default {p.default!r}" for p in model.parameters)
         or ("none: every number of the specification is folded into the code",),
         constants=tuple(f"{c.name}{f'  [{c.unit}]' if c.unit else ''}  {c.doc}" for c in model.constants) or ("none",),
@@ -56,7 +59,8 @@ def description(said: ModelText) -> tuple[str, ...]:
         "Equations of motion M(q) vdot + h(t, q, v) = 0, from x = c + Q (X + u) and d'Alembert's virtual",
         "work: (15) of Koppens, Sauren, Veldpaus & van Campen, J. Appl. Mech. 55 (1988) 676-680, whose",
         "equation numbers these are. Units are SI where the parameters are; any consistent set will do.",
-        *block("State q, with v = dq/dt:", said.state),
+        *block("Coordinates q:", said.state),
+        *block("Rates v and the rows of the equations of motion, with their units:", said.rates),
         *block("Parameters p:", said.parameters),
         *block("Constants k, made of them by setup:", said.constants),
         *block("Mass matrix, x a value and . a structural zero:", said.picture),

@@ -21,8 +21,8 @@ STYLE = """\
 
 
 def mass_patterns(models: Sequence[Model]) -> str:
-    """The patterns of the mass matrices of some models side by side, rows named by the coordinates."""
-    size = max(len(model.coordinates) for model in models)
+    """The patterns of the mass matrices of some models side by side, with named rows."""
+    size = max(len(model.rows) for model in models)
     width = len(models) * (LABEL + size * CELL) + (len(models) - 1) * GAP + 64
     height = HEAD + size * CELL + FOOT
     parts = [_panel(model, 8 + k * (LABEL + size * CELL + GAP)) for k, model in enumerate(models)]
@@ -52,10 +52,10 @@ def _panel(model: Model, left: int) -> str:
         f'  <text class="title" x="{x0}" y="20">{escape(model.name)}</text>',
         f'  <rect class="frame" x="{x0}" y="{HEAD - 16}" width="{n * CELL}" height="{n * CELL}" rx="3"/>',
     ]
-    for i, coordinate in enumerate(model.coordinates):
+    for i, row in enumerate(model.rows):
         y = HEAD - 16 + i * CELL
         middle = y + CELL // 2
-        lines.append(f'  <text x="{x0 - 8}" y="{middle + 4}" text-anchor="end">{escape(coordinate.name)}</text>')
+        lines.append(f'  <text x="{x0 - 8}" y="{middle + 4}" text-anchor="end">{escape(row.name)}</text>')
         for j in range(n):
             x = x0 + j * CELL
             if (i, j) in present:

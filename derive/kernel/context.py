@@ -23,11 +23,12 @@ class Context:
         symbolic = (str(c.symbol) for c in self.coefficients if not c.value.is_Rational)
         self.constants = Constants(frozenset(symbolic))
         self.names = tuple(str(c.q) for c in equations.coordinates)
-        self.rates = tuple(str(c.v) for c in equations.coordinates)
-        self.accelerations = tuple(str(c.a) for c in equations.coordinates)
+        self.rows = tuple(row.name for row in equations.rows)
+        self.rates = tuple(str(row.v) for row in equations.rows)
+        self.accelerations = tuple(str(row.a) for row in equations.rows)
         self.t = Argument("t", (), "time (a free body does not depend on it)", scalar=True)
         self.q = Argument("q", self.names, "generalized coordinates")
-        self.v = Argument("v", self.rates, "their rates")
+        self.v = Argument("v", self.rates, "rates")
         self.k = Argument("k", (), "constants from setup")
         self.y = Argument("y", self.names + self.rates, "first-order state [q; v]")
         self.ydot = Argument("ydot", tuple(f"{n}_t" for n in self.names) + self.accelerations, "time derivative of y")
@@ -37,7 +38,7 @@ class Context:
         """CasADi symbols for some arguments, the coefficients, and every definition that follows from them."""
         eq = self.equations
         rotation = frozenset(d.symbol for d in eq.definitions if d.section == "Q")
-        symbols = Symbols(early=frozenset(c.v for c in eq.coordinates), late=rotation)
+        symbols = Symbols(early=frozenset(row.v for row in eq.rows), late=rotation)
         for c in self.coefficients:
             value = c.value
             known = Num(Fraction(int(value.p), int(value.q))) if value.is_Rational else Ref(str(c.symbol))

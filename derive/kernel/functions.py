@@ -46,12 +46,12 @@ def mass_force(context: Context) -> Kernel:
     entries, forces = context.mass_pattern().entries, context.equations.force
     steps = []
     # From the last row to the first, which begin with what is cheap: compilers keep it in registers.
-    for row in reversed(range(len(context.names))):
+    for row in reversed(range(len(context.rows))):
         h = Stored("h", row, symbols(forces[row]))
         places = [(place, entry) for place, entry in enumerate(entries) if entry[1] == row]
         column = (Stored("M", place, symbols(context.equations.mass[entry])) for place, entry in places)
-        text = f"force and column of M of {context.names[row]}"
-        steps.append(Step(context.names[row], "(15)", text, (h, *column)))
+        text = f"force and column of M of {context.rows[row]}"
+        steps.append(Step(context.rows[row], "(15)", text, (h, *column)))
     return context.kernel("mass_force", doc, arguments, outputs, symbols, *steps)
 
 
@@ -64,20 +64,20 @@ def accel(context: Context) -> Kernel:
     factors = factorise(shape, entries)
     solution = solve(factors, [-symbols(h) for h in eq.force])
     pivots = list(zip(factors.pivots, factors.order, strict=True))
-    named = tuple(Named(f"pivot_{context.names[j]}", pivot) for pivot, j in pivots)
+    named = tuple(Named(f"pivot_{context.rows[j]}", pivot) for pivot, j in pivots)
     margin = symbols.number(VANISHING)
     required = tuple(
         Required(
             "positive",
             pivot if pivot is entries[j, j] else pivot - margin * entries[j, j],
             PIVOT,
-            f"the pivot of {context.names[j]} vanished",
+            f"the pivot of {context.rows[j]} vanished",
         )
         for pivot, j in pivots
     )
     total = sum(solution[1:], start=solution[0])
     finite = Required("finite", total, NOT_FINITE, "an acceleration is not finite")
-    order = ", ".join(context.names[j] for j in factors.order)
+    order = ", ".join(context.rows[j] for j in factors.order)
     fill = f"fill-in {factors.fill}" if factors.fill else "no fill-in"
     return context.kernel(
         "accel",
@@ -125,7 +125,7 @@ def momentum(context: Context) -> Kernel:
 def rates(context: Context) -> Kernel:
     """qdot from v."""
     symbols = context.symbols(context.q, context.v)
-    values = [symbols(c.v) for c in context.equations.coordinates]
+    values = [symbols(rate) for rate in context.equations.rates]
     return context.kernel(
         "rates",
         "Time derivative of the coordinates from the rates.",
@@ -143,7 +143,7 @@ def marker(context: Context, point: MarkerEquations) -> Kernel:
     matrix = point.jacobian
     rows, cols = matrix.shape
     shape = pattern(rows, cols, {(i, j) for i in range(rows) for j in range(cols) if matrix[i, j] != 0})
-    labels = tuple(f"d x{i + 1} / d {context.names[j]}" for i, j in shape.entries)
+    labels = tuple(f"d x{i + 1} / d {context.rows[j]}" for i, j in shape.entries)
     wants = (
         *stores("x", [symbols(e) for e in point.position]),
         *stores("xdot", [symbols(e) for e in point.velocity]),
@@ -204,19 +204,19 @@ def _first_order(context: Context) -> tuple[Symbols, list[ca.SX]]:
     """The residual row by row, in symbols that the Jacobian can be taken of."""
     symbols = context.symbols(context.y, context.ydot, context.cj)
     eq = context.equations
-    kinematic = [symbols(sp.Symbol(f"{c.q}_t")) - symbols(c.v) for c in eq.coordinates]
-    rows = [sum((t.expr for t in eq.terms if t.row == str(c.q)), sp.S.Zero) for c in eq.coordinates]
-    return symbols, kinematic + [symbols(row) for row in rows]
+    pairs = zip(eq.coordinates, eq.rates, strict=True)
+    kinematic = [symbols(sp.Symbol(f"{c.q}_t")) - symbols(rate) for c, rate in pairs]
+    return symbols, kinematic + [symbols(eq.sum_of(row.name)) for row in eq.rows]
 
 
 def _mass_output(context: Context) -> Output:
     shape = context.mass_pattern()
-    labels = tuple(f"M[{context.names[i]}, {context.names[j]}]" for i, j in shape.entries)
+    labels = tuple(f"M[{context.rows[i]}, {context.rows[j]}]" for i, j in shape.entries)
     return Output("M", labels, "values of the mass matrix, lower triangle by columns", shape)
 
 
 def _force_output(context: Context) -> Output:
-    return Output("h", tuple(f"h[{n}]" for n in context.names), "forces, one row a coordinate")
+    return Output("h", tuple(f"h[{n}]" for n in context.rows), "forces, one row a coordinate")
 
 
 def _mass_step(context: Context, symbols: Symbols) -> Step:

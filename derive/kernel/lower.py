@@ -34,13 +34,13 @@ def lower(equations: Equations) -> Model:
         name=equations.name,
         doc=equations.doc,
         coordinates=tuple(Variable(str(c.q), c.doc, c.unit) for c in coordinates),
-        rates=tuple(Variable(str(c.v), f"rate of {c.q}", f"{c.unit}/s") for c in coordinates),
-        forces=tuple(Variable(f"h_{c.q}", f"row of delta {c.q}", c.work) for c in coordinates),
+        rates=tuple(Variable(str(row.v), row.doc, row.unit) for row in equations.rows),
+        rows=tuple(Variable(row.name, f"row of delta {row.name}", row.work) for row in equations.rows),
         parameters=tuple(Variable(str(p.symbol), p.doc, p.unit, p.default) for p in equations.parameters),
         constants=constants,
         kernels=(setup, *(_with_constants(kernel, names) for kernel in kernels)),
         markers=tuple(Variable(m.name, m.doc, "m") for m in equations.markers),
-        zeros=tuple(Zero(f"M[{context.names[i]}, {context.names[j]}]", why) for i, j, why in equations.mass_zeros),
+        zeros=tuple(Zero(f"M[{context.rows[i]}, {context.rows[j]}]", why) for i, j, why in equations.mass_zeros),
         vanished=tuple(Zero(f"{v.term.name} term of row {v.term.row}", v.reason) for v in equations.vanished),
     )
 

@@ -33,7 +33,7 @@ class Model:
     doc: str
     coordinates: tuple[Variable, ...]
     rates: tuple[Variable, ...]
-    forces: tuple[Variable, ...]
+    rows: tuple[Variable, ...]
     parameters: tuple[Variable, ...]
     constants: tuple[Variable, ...]
     kernels: tuple[Kernel, ...]

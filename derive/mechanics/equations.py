@@ -9,9 +9,22 @@ import sympy as sp
 
 @dataclass(frozen=True)
 class Coordinate:
-    """A generalized coordinate with its rate and acceleration, as symbols; `work` is the unit of its row."""
+    """A generalized coordinate: its symbol, what it is, its unit."""
 
     q: sp.Symbol
+    doc: str
+    unit: str
+
+
+@dataclass(frozen=True)
+class Row:
+    """A virtual displacement with its equation of motion: its name, the rate and acceleration that belong to it.
+
+    `unit` is that of the rate, `work` that of the equation. In the plane rows and coordinates go together; in space
+    a quaternion has four coordinates and three rows.
+    """
+
+    name: str
     v: sp.Symbol
     a: sp.Symbol
     doc: str
@@ -55,7 +68,7 @@ class Definition:
 
 @dataclass(frozen=True)
 class Term:
-    """One named term of the equations of motion: its row (the coordinate varied) and its expression."""
+    """One named term of the equations of motion: the name of its row and its expression."""
 
     row: str
     name: str
@@ -87,14 +100,16 @@ class MarkerEquations:
 class Equations:
     """The equations of motion of one model: the sum of the terms of each row is zero (no external load).
 
-    Coordinates come in the order of the rows. `coefficients` hold the shape integrals c1..c8 and the stiffness,
-    `definitions` d1, D2, d3, J and what else is shared; both keep their zeros, with reasons. `mass_zeros` explains the
-    zeros of the mass matrix: (row, column, reason), lower triangle.
+    `rates` gives the time derivatives of the coordinates. `coefficients` hold the shape integrals c1..c8 and the
+    stiffness, `definitions` d1, D2, d3, J and what else is shared; both keep their zeros, with reasons. `mass_zeros`
+    explains the zeros of the mass matrix: (row, column, reason), lower triangle.
     """
 
     name: str
     doc: str
     coordinates: tuple[Coordinate, ...]
+    rows: tuple[Row, ...]
+    rates: tuple[sp.Expr, ...]
     parameters: tuple[ParameterSymbol, ...]
     coefficients: tuple[Coefficient, ...]
     definitions: tuple[Definition, ...]
@@ -111,13 +126,16 @@ class Equations:
     @property
     def force(self) -> tuple[sp.Expr, ...]:
         """h of M vdot + h = 0: what is left of each row when the accelerations are zero."""
-        at_rest = {c.a: sp.S.Zero for c in self.coordinates}
-        rows = {str(c.q): [t.expr.xreplace(at_rest) for t in self.terms if t.row == str(c.q)] for c in self.coordinates}
-        return tuple(sp.Add(*parts) for parts in rows.values())
+        at_rest = {row.a: sp.S.Zero for row in self.rows}
+        return tuple(self.sum_of(row.name).xreplace(at_rest) for row in self.rows)
+
+    def sum_of(self, row: str) -> sp.Expr:
+        """The left-hand side of one equation of motion, in coefficients and definitions."""
+        return sp.Add(*(t.expr for t in self.terms if t.row == row))
 
     def row(self, name: str) -> sp.Expr:
         """The left-hand side of one equation of motion in coordinates, rates, accelerations and parameters."""
-        return self.expanded(sum((t.expr for t in self.terms if t.row == name), sp.S.Zero))
+        return self.expanded(self.sum_of(name))
 
     def expanded(self, expr: sp.Expr) -> sp.Expr:
         """An expression with every definition and coefficient written out."""

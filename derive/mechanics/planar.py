@@ -18,6 +18,7 @@ from derive.mechanics.equations import (
     Equations,
     MarkerEquations,
     ParameterSymbol,
+    Row,
     Term,
 )
 from derive.mechanics.integrals import FieldIntegrals, coefficients, definitions, of_index, sums
@@ -68,6 +69,8 @@ def equations(body: PlanarBody) -> Equations:
         name=body.name,
         doc=body.doc,
         coordinates=motion.coordinates,
+        rows=motion.rows,
+        rates=tuple(row.v for row in motion.rows),
         parameters=body.parameters,
         coefficients=every,
         definitions=(*_rotation_definitions(motion.rotation), *composed),
@@ -88,14 +91,16 @@ class Motion:
 
     def __init__(self, n: int) -> None:
         self.coordinates = _coordinates(n)
-        c1, c2, phi, *shapes = self.coordinates
-        self.alpha = tuple(c.q for c in shapes)
-        self.rotation = PlanarRotation(phi.q)
+        self.rows = tuple(map(_row, self.coordinates))
+        c1, c2, phi, *shapes = self.rows
+        self.alpha = tuple(c.q for c in self.coordinates[3:])
+        self.alphadot = tuple(row.v for row in shapes)
+        self.rotation = PlanarRotation(self.coordinates[2].q)
         self.frame = MovingFrame((self.rotation.generator,), (phi.v,), (phi.a,))
         self.moments = Moments(MASS, self.rotation.tensor)
-        self.definitions = definitions(self.alpha, tuple(c.v for c in shapes))
-        self.sums = sums(tuple(c.v for c in shapes), tuple(c.a for c in shapes))
-        self.position = {ONE: sp.Matrix([c1.q, c2.q]), **self.frame.position}
+        self.definitions = definitions(self.alpha, self.alphadot)
+        self.sums = sums(self.alphadot, tuple(row.a for row in shapes))
+        self.position = {ONE: sp.Matrix([c.q for c in self.coordinates[:2]]), **self.frame.position}
         self.velocity = {ONE: sp.Matrix([c1.v, c2.v]), **self.frame.velocity}
         self.acceleration = {ONE: sp.Matrix([c1.a, c2.a]), **self.frame.acceleration}
         self.translations: tuple[Field, ...] = ({ONE: sp.Matrix([1, 0])}, {ONE: sp.Matrix([0, 1])})
@@ -110,18 +115,20 @@ class Motion:
 
 
 def _coordinates(n: int) -> tuple[Coordinate, ...]:
-    """c1, c2, phi, alpha1..alphaN with rates and accelerations, (14), (23), (27)."""
-
-    def coordinate(name: str, doc: str, unit: str, work: str) -> Coordinate:
-        q, v, a = sp.symbols(f"{name} {name}dot {name}ddot")
-        return Coordinate(q, v, a, doc, unit, work)
-
+    """c1, c2, phi, alpha1..alphaN: (14), (23), (27)."""
     return (
-        coordinate("c1", "translation of the floating frame along e1", "m", "N"),
-        coordinate("c2", "translation of the floating frame along e2", "m", "N"),
-        coordinate("phi", "rotation of the floating frame", "rad", "N m"),
-        *(coordinate(f"alpha{i}", f"amplitude of assumed shape {i}", "m", "N") for i in range(1, n + 1)),
+        Coordinate(sp.Symbol("c1"), "translation of the floating frame along e1", "m"),
+        Coordinate(sp.Symbol("c2"), "translation of the floating frame along e2", "m"),
+        Coordinate(sp.Symbol("phi"), "rotation of the floating frame", "rad"),
+        *(Coordinate(sp.Symbol(f"alpha{i}"), f"amplitude of assumed shape {i}", "m") for i in range(1, n + 1)),
     )
+
+
+def _row(coordinate: Coordinate) -> Row:
+    """In the plane every coordinate has its row, and its rate is its time derivative."""
+    name = str(coordinate.q)
+    v, a = sp.symbols(f"{name}dot {name}ddot")
+    return Row(name, v, a, f"rate of {name}", f"{coordinate.unit}/s", "N m" if coordinate.unit == "rad" else "N")
 
 
 def _rotation_definitions(rotation: PlanarRotation) -> tuple[Definition, ...]:
@@ -145,7 +152,7 @@ def _parts(motion: Motion) -> tuple[tuple[str, Field], ...]:
 
 def _inertia(motion: Motion) -> tuple[Term, ...]:
     """The virtual work of the inertia: a term for each part of (5) on each virtual displacement of (6)."""
-    rigid = [str(c.q) for c in motion.coordinates[: len(motion.coordinates) - len(motion.alpha)]]
+    rigid = [row.name for row in motion.rows[: len(motion.rows) - len(motion.alpha)]]
     displacements = dict(zip(rigid, (*motion.translations, *motion.frame.rotations()), strict=True))
     terms = [
         Term(row, name, "(15)", motion.summed(motion.product(part, displacement)))
@@ -173,14 +180,14 @@ def _elasticity(motion: Motion, strain: sp.Expr) -> tuple[Term, ...]:
 
 def _mass_matrix(motion: Motion, terms: tuple[Term, ...]) -> sp.ImmutableMatrix:
     """The factors of the accelerations in each row."""
-    rows = [sum((t.expr for t in terms if t.row == str(c.q)), sp.S.Zero) for c in motion.coordinates]
-    return sp.ImmutableMatrix([[row.diff(c.a) for c in motion.coordinates] for row in rows])
+    sums_of = [sp.Add(*(t.expr for t in terms if t.row == row.name)) for row in motion.rows]
+    return sp.ImmutableMatrix([[left.diff(row.a) for row in motion.rows] for left in sums_of])
 
 
 def _mass_zeros(motion: Motion, complete: tuple[Term, ...], reasons: zeros.Reasons) -> tuple[tuple[int, int, str], ...]:
     """Row, column and reason of each structural zero of the mass matrix (lower triangle)."""
     full = _mass_matrix(motion, complete)
-    n = len(motion.coordinates)
+    n = len(motion.rows)
     lower = ((i, j, full[i, j]) for i in range(n) for j in range(i + 1))
     return tuple(
         (i, j, zeros.why(entry, reasons) or TRANSLATIONS) for i, j, entry in lower if zeros.drop(entry, reasons) == 0
@@ -210,8 +217,7 @@ def _marker(motion: Motion, point: MaterialPoint, reasons: zeros.Reasons) -> Mar
         return sum((shape * a for shape, a in zip(point.shapes, amplitudes, strict=True)), base)
 
     names = {R: "r", RDOT: "rdot"}
-    rates = tuple(c.v for c in motion.coordinates[-len(motion.alpha) :])
-    values = {R: at_point(motion.alpha, sp.Matrix(point.position)), RDOT: at_point(rates, sp.zeros(2, 1))}
+    values = {R: at_point(motion.alpha, sp.Matrix(point.position)), RDOT: at_point(motion.alphadot, sp.zeros(2, 1))}
     local = tuple(
         Definition(sp.Symbol(f"{names[f]}_{k + 1}"), value[k], "r", "(1), (14)", f"{names[f]} . e{k + 1} at the marker")
         for f, value in values.items()

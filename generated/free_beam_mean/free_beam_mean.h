@@ -9,12 +9,19 @@
  * work: (15) of Koppens, Sauren, Veldpaus & van Campen, J. Appl. Mech. 55 (1988) 676-680, whose
  * equation numbers these are. Units are SI where the parameters are; any consistent set will do.
  *
- * State q, with v = dq/dt:
- *   0  c1      [m]  translation of the floating frame along e1; its row of forces [N]
- *   1  c2      [m]  translation of the floating frame along e2; its row of forces [N]
- *   2  phi     [rad]  rotation of the floating frame; its row of forces [N m]
- *   3  alpha1  [m]  amplitude of assumed shape 1; its row of forces [N]
- *   4  alpha2  [m]  amplitude of assumed shape 2; its row of forces [N]
+ * Coordinates q:
+ *   0  c1      [m]  translation of the floating frame along e1
+ *   1  c2      [m]  translation of the floating frame along e2
+ *   2  phi     [rad]  rotation of the floating frame
+ *   3  alpha1  [m]  amplitude of assumed shape 1
+ *   4  alpha2  [m]  amplitude of assumed shape 2
+ *
+ * Rates v and the rows of the equations of motion, with their units:
+ *   0  c1dot  [m/s]  rate of c1; its row, c1, [N]
+ *   1  c2dot  [m/s]  rate of c2; its row, c2, [N]
+ *   2  phidot  [rad/s]  rate of phi; its row, phi, [N m]
+ *   3  alpha1dot  [m/s]  rate of alpha1; its row, alpha1, [N]
+ *   4  alpha2dot  [m/s]  rate of alpha2; its row, alpha2, [N]
  *
  * Parameters p:
  *   m  [kg]  mass of the beam, default 1.0
@@ -230,7 +237,7 @@ int free_beam_mean_mass(
  *
  * t: time (a free body does not depend on it)
  * q: generalized coordinates (5)
- * v: their rates (5)
+ * v: rates (5)
  * k: constants from setup (10)
  * h: forces, one row a coordinate (5): h[c1], h[c2], h[phi], h[alpha1], h[alpha2]
  *
@@ -249,7 +256,7 @@ int free_beam_mean_force(
  *
  * t: time (a free body does not depend on it)
  * q: generalized coordinates (5)
- * v: their rates (5)
+ * v: rates (5)
  * k: constants from setup (10)
  * M: values of the mass matrix, lower triangle by columns, 5 x 5, 5 values, 5 in both triangles
  * h: forces, one row a coordinate (5): h[c1], h[c2], h[phi], h[alpha1], h[alpha2]
@@ -270,7 +277,7 @@ int free_beam_mean_mass_force(
  *
  * t: time (a free body does not depend on it)
  * q: generalized coordinates (5)
- * v: their rates (5)
+ * v: rates (5)
  * k: constants from setup (10)
  * vdot: accelerations (5): c1ddot, c2ddot, phiddot, alpha1ddot, alpha2ddot
  *
@@ -288,7 +295,7 @@ int free_beam_mean_accel(
  * Kinetic and strain energy.
  *
  * q: generalized coordinates (5)
- * v: their rates (5)
+ * v: rates (5)
  * k: constants from setup (10)
  * energy: energies [J] (2): kinetic, strain
  *
@@ -305,7 +312,7 @@ int free_beam_mean_energy(
  * Linear momentum, and angular momentum about the inertial origin.
  *
  * q: generalized coordinates (5)
- * v: their rates (5)
+ * v: rates (5)
  * k: constants from setup (10)
  * momentum: momenta [N s, N s, N m s] (3): linear_1, linear_2, angular
  *
@@ -322,7 +329,7 @@ int free_beam_mean_momentum(
  * Time derivative of the coordinates from the rates.
  *
  * q: generalized coordinates (5)
- * v: their rates (5)
+ * v: rates (5)
  * k: constants from setup (10)
  * qdot: time derivative of q (5): c1_t, c2_t, phi_t, alpha1_t, alpha2_t
  *
@@ -339,7 +346,7 @@ int free_beam_mean_rates(
  * Marker left, material point at xi = -1: position, velocity and d(position)/dq.
  *
  * q: generalized coordinates (5)
- * v: their rates (5)
+ * v: rates (5)
  * k: constants from setup (10)
  * x: position in the inertial base [m] (2): x1, x2
  * xdot: velocity in the inertial base [m/s] (2): x1dot, x2dot
@@ -360,7 +367,7 @@ int free_beam_mean_marker_left(
  * Marker middle, material point at xi = 0: position, velocity and d(position)/dq.
  *
  * q: generalized coordinates (5)
- * v: their rates (5)
+ * v: rates (5)
  * k: constants from setup (10)
  * x: position in the inertial base [m] (2): x1, x2
  * xdot: velocity in the inertial base [m/s] (2): x1dot, x2dot
@@ -381,7 +388,7 @@ int free_beam_mean_marker_middle(
  * Marker right, material point at xi = 1: position, velocity and d(position)/dq.
  *
  * q: generalized coordinates (5)
- * v: their rates (5)
+ * v: rates (5)
  * k: constants from setup (10)
  * x: position in the inertial base [m] (2): x1, x2
  * xdot: velocity in the inertial base [m/s] (2): x1dot, x2dot

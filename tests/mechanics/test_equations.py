@@ -84,7 +84,7 @@ def test_reasons_are_the_conditions_of_the_paper() -> None:
 def test_terms_add_up_to_mass_and_force() -> None:
     equations = beams.made("point", 3).equations
     for i, coordinate in enumerate(equations.coordinates):
-        row = sum(equations.mass[i, j] * c.a for j, c in enumerate(equations.coordinates)) + equations.force[i]
+        row = sum(equations.mass[i, j] * other.a for j, other in enumerate(equations.rows)) + equations.force[i]
         terms = sum(t.expr for t in equations.terms if t.row == str(coordinate.q))
         assert sp.expand(row - terms) == 0
         assert sum(t.expr for t in equations.terms if t.row == str(coordinate.q) and t.name == "elastic") == (
