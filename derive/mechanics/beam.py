@@ -10,10 +10,11 @@ from dataclasses import dataclass
 
 import sympy as sp
 
+from derive.mechanics.body import Body, MaterialPoint, equations
 from derive.mechanics.conditions import assumed_shapes, integral, xi
 from derive.mechanics.equations import Coefficient, Equations, ParameterSymbol
-from derive.mechanics.integrals import Value
-from derive.mechanics.planar import MaterialPoint, PlanarBody, equations
+from derive.mechanics.integrals import Value, coefficients
+from derive.mechanics.planar import planar_motion
 from derive.spec.body import Marker, Parameter, PlanarBeam, Polynomial, Quantity
 
 LATERAL = "geometry (the beam lies along e1 and deflects along e2)"
@@ -33,12 +34,12 @@ def derive(beam: PlanarBeam) -> Equations:
     shapes = assumed_shapes(beam.ansatz, beam.frame, beam.orthogonal)
     mass, length, bending = (_symbol_or_number(q) for q in (beam.mass, beam.length, beam.bending_stiffness))
     docs = {"mass": "mass of the beam", "length": "length of the beam", "bending_stiffness": "bending stiffness EI"}
-    body = PlanarBody(
+    body = Body(
         name=beam.name,
         doc=f"free planar beam, {beam.frame.kind} frame, shapes {', '.join(map(_shape_text, shapes))}",
-        shapes=len(shapes),
+        motion=planar_motion(len(shapes)),
         mass=mass,
-        integrals=BeamIntegrals(shapes, mass, length, beam.frame.kind == "mean"),
+        integrals=coefficients(BeamIntegrals(shapes, mass, length, beam.frame.kind == "mean"), len(shapes)),
         stiffness=_stiffness(shapes, length, bending),
         points=tuple(_point(marker, shapes, length) for marker in beam.markers),
         parameters=tuple(

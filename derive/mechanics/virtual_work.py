@@ -8,12 +8,13 @@ The equations of motion do not change when the body base is turned, so the last 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Protocol
 
 import sympy as sp
 
 from derive.mechanics.kinematics import ONE, PHI, RDDOT, RDOT, Field, R
 
-STRETCH, SHEAR = sp.symbols("stretch shear")
+STRETCH, SHEAR, NAMELESS = sp.symbols("stretch shear nameless")
 
 FIRST = {R: "d1", RDOT: "d1dot", RDDOT: "d1ddot", PHI: "c2_i"}
 """int rho f of the appendix: d1 and its rates, c2_i."""
@@ -25,12 +26,38 @@ AXIAL = {(R, RDOT): "d3dot", (R, RDDOT): "d3ddot", (R, PHI): "d3_i", (PHI, RDOT)
 """int rho f x g, odd in f and g: d3_i, its sums with rates and accelerations, and that of c7_ij with the rates."""
 
 
+class Moments(Protocol):
+    """The moments of the fields of a body: symbols of the appendix, in the body base; `rotation` is Q.
+
+    `unknown` are the entries of second moments that no equation of motion may keep.
+    """
+
+    @property
+    def mass(self) -> sp.Symbol:
+        """int rho."""
+
+    @property
+    def rotation(self) -> sp.Matrix:
+        """Q."""
+
+    @property
+    def unknown(self) -> frozenset[sp.Symbol]:
+        """Symbols that must cancel."""
+
+    def first(self, field: str) -> sp.Matrix:
+        """int rho f."""
+
+    def second(self, f: str, g: str) -> sp.Matrix:
+        """int rho f g^T."""
+
+
 @dataclass(frozen=True)
-class Moments:
+class PlanarMoments:
     """The moments of the fields of a planar body: symbols of the appendix, in the body base; `rotation` is Q."""
 
     mass: sp.Symbol
     rotation: sp.Matrix
+    unknown: frozenset[sp.Symbol] = frozenset((STRETCH, SHEAR, NAMELESS))
 
     def first(self, field: str) -> sp.Matrix:
         """int rho f."""
@@ -48,7 +75,7 @@ def _named(names: dict[tuple[str, str], str], f: str, g: str) -> sp.Expr:
     """The symbol of a moment; a moment without a name must cancel as well, but that of a field with itself is 0."""
     if f == g and (f, g) not in names:
         return sp.S.Zero
-    return sp.Symbol(names.get((f, g), "nameless"))
+    return sp.Symbol(names.get((f, g), NAMELESS.name))
 
 
 def total(a: Field, b: Field, moments: Moments) -> sp.Expr:
@@ -65,6 +92,6 @@ def _pair(f: str, a: sp.Matrix, g: str, b: sp.Matrix, moments: Moments) -> sp.Ex
     if g == ONE:
         return (moments.rotation * a * moments.first(f)).dot(b)
     result = sp.expand(sum((a.T * b).multiply_elementwise(moments.second(f, g)), sp.S.Zero))
-    if result.free_symbols & {STRETCH, SHEAR, sp.Symbol("nameless")}:
+    if result.free_symbols & moments.unknown:
         raise ArithmeticError(f"the virtual work of {f} on {g} depends on the choice of the body base")
     return result

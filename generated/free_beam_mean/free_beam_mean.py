@@ -47,7 +47,7 @@ Mass matrix, x a value and . a structural zero:
   5 of 25 entries are structural non-zeros; the 5 of the lower triangle are stored
 
 Why its zeros are zero:
-  M[c2, c1]: the mass enters as m I, so translations along e1 and e2 do not couple
+  M[c2, c1]: the mass enters as m I, so translations along different axes do not couple
   M[phi, c1], M[phi, c2]: c1_1 = 0 by the choice of O (the centre of the undeformed beam); c1_2,
       c2_1_1, c2_2_1 = 0 by geometry (the beam lies along e1 and deflects along e2); c2_1_2, c2_2_2
       = 0 by condition (17) (no mean displacement)

@@ -53,7 +53,7 @@ Mass matrix, x a value and . a structural zero:
   15 of 25 entries are structural non-zeros; the 10 of the lower triangle are stored
 
 Why its zeros are zero:
-  M[c2, c1]: the mass enters as m I, so translations along e1 and e2 do not couple
+  M[c2, c1]: the mass enters as m I, so translations along different axes do not couple
   M[alpha1, phi]: c6_1 = 0 by parity (the integrand is odd in xi); c7_1_2 = 0 by geometry (all
       deflections are along e2)
   M[alpha2, c1], M[alpha2, c2]: c2_2_1 = 0 by geometry (the beam lies along e1 and deflects along

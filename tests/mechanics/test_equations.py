@@ -8,7 +8,7 @@ import sympy as sp
 import beams
 from derive.mechanics.conditions import assumed_shapes
 from derive.mechanics.kinematics import PHI, R
-from derive.mechanics.virtual_work import Moments, total
+from derive.mechanics.virtual_work import PlanarMoments, total
 from paper import brute_force
 
 PLAIN = {sp.Symbol(name, positive=True): sp.Symbol(name) for name in ("m", "l", "EI")}
@@ -94,7 +94,7 @@ def test_terms_add_up_to_mass_and_force() -> None:
 
 def test_a_result_that_depends_on_the_body_base_is_refused() -> None:
     """r1 phi2 alone is no invariant of the two fields: the moments refuse to name it."""
-    moments = Moments(sp.Symbol("mass"), sp.eye(2))
+    moments = PlanarMoments(sp.Symbol("mass"), sp.eye(2))
     only_first = sp.Matrix([[1, 0], [0, 0]])
     with pytest.raises(ArithmeticError, match="depends on the choice of the body base"):
         total({R: only_first}, {PHI: sp.eye(2)}, moments)

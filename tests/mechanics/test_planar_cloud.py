@@ -10,9 +10,10 @@ from functools import cache
 
 import sympy as sp
 
+from derive.mechanics.body import Body, equations
 from derive.mechanics.equations import Coefficient, Equations
-from derive.mechanics.integrals import Value
-from derive.mechanics.planar import PlanarBody, equations
+from derive.mechanics.integrals import Value, coefficients
+from derive.mechanics.planar import planar_motion
 from paper import brute_force
 
 MASSES = (sp.Integer(2), sp.Rational(1, 3), sp.Integer(1))
@@ -47,7 +48,7 @@ def cloud() -> Equations:
     stiffness = tuple(
         Coefficient(sp.Symbol(f"K_{i}_{j}"), sp.Integer(k), "", "", "") for (i, j), k in STIFFNESS.items()
     )
-    body = PlanarBody("cloud", "", 2, sum(MASSES), CloudIntegrals(), stiffness, (), ())
+    body = Body("cloud", "", planar_motion(2), sum(MASSES), coefficients(CloudIntegrals(), 2), stiffness, (), ())
     return equations(body)
 
 

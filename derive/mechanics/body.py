@@ -1,0 +1,256 @@
+"""The equations of motion (15) of a deformable body, in the plane or in space, term by term.
+
+Inertia is the virtual work of the acceleration (5) on each virtual displacement (6); elasticity is the variation of
+the strain energy. Which parts vanish follows from the body's integrals.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import sympy as sp
+
+from derive.mechanics import zeros
+from derive.mechanics.equations import (
+    Coefficient,
+    Coordinate,
+    Definition,
+    Equations,
+    MarkerEquations,
+    ParameterSymbol,
+    Row,
+    Term,
+)
+from derive.mechanics.integrals import of_index
+from derive.mechanics.kinematics import ONE, PHI, RDDOT, RDOT, Field, MovingFrame, R
+from derive.mechanics.virtual_work import Moments, total
+
+TRANSLATIONS = "the mass enters as m I, so translations along different axes do not couple"
+MASS = sp.Symbol("mass")
+
+
+@dataclass(frozen=True)
+class Motion:
+    """How a body with some number of shapes moves: coordinates, rotation tensor Q, moving frame, and moments.
+
+    `definitions` are d1, D2, d3, J in terms of the shape integrals; `sums` stand in one row alone or hold
+    accelerations, and are written out; `products` gives names to products of rates. `turns` are the tensors e_k x, in
+    the inertial and in the body base. `identical` is the reason of a term that cancels in any body.
+    """
+
+    coordinates: tuple[Coordinate, ...]
+    rows: tuple[Row, ...]
+    rates: tuple[sp.Expr, ...]
+    alpha: tuple[sp.Symbol, ...]
+    rotation: sp.Matrix
+    rotation_definitions: tuple[Definition, ...]
+    frame: MovingFrame
+    moments: Moments
+    definitions: tuple[Definition, ...]
+    sums: dict[sp.Symbol, sp.Expr]
+    products: dict[sp.Expr, sp.Symbol]
+    turns: tuple[tuple[sp.Matrix, sp.Matrix], ...]
+    identical: str
+
+    @property
+    def alphadot(self) -> tuple[sp.Symbol, ...]:
+        """The rates of the shapes."""
+        return tuple(row.v for row in self.rows[len(self.rows) - len(self.alpha) :])
+
+    @property
+    def position(self) -> Field:
+        """x of (1)."""
+        return {ONE: sp.Matrix([c.q for c in self.coordinates[: self.rotation.rows]]), **self.frame.position}
+
+    @property
+    def velocity(self) -> Field:
+        """xdot."""
+        return {ONE: sp.Matrix([row.v for row in self.rows[: self.rotation.rows]]), **self.frame.velocity}
+
+    @property
+    def acceleration(self) -> Field:
+        """xddot of (5)."""
+        return {ONE: sp.Matrix([row.a for row in self.rows[: self.rotation.rows]]), **self.frame.acceleration}
+
+    @property
+    def translations(self) -> tuple[Field, ...]:
+        """delta x for unit variations of c."""
+        unit = sp.eye(self.rotation.rows)
+        return tuple({ONE: unit[:, k]} for k in range(unit.rows))
+
+    def product(self, a: Field, b: Field) -> sp.Expr:
+        """int rho a . b over the body, for a generic index i if a or b holds PHI."""
+        return total(a, b, self.moments)
+
+    def summed(self, expr: sp.Expr) -> sp.Expr:
+        """An expression with the sums that have no name of their own written out."""
+        return sp.expand(expr.xreplace(self.sums))
+
+
+@dataclass(frozen=True)
+class MaterialPoint:
+    """A named material point: its reference position X and the values of the N shapes there, in the body base."""
+
+    name: str
+    doc: str
+    position: sp.ImmutableMatrix
+    shapes: tuple[sp.ImmutableMatrix, ...]
+    coefficients: tuple[Coefficient, ...] = ()
+
+
+@dataclass(frozen=True)
+class Body:
+    """What (15) needs to know of a body; `stiffness` holds K_ij, i <= j, of U = 1/2 alpha K alpha."""
+
+    name: str
+    doc: str
+    motion: Motion
+    mass: sp.Expr
+    integrals: tuple[Coefficient, ...]
+    stiffness: tuple[Coefficient, ...]
+    points: tuple[MaterialPoint, ...]
+    parameters: tuple[ParameterSymbol, ...]
+
+
+def equations(body: Body) -> Equations:
+    """The equations of motion of a body, with energy, momentum and markers."""
+    motion = body.motion
+    mass = Coefficient(MASS, body.mass, "(15)", "mass of the body", "kg")
+    of_points = tuple(c for point in body.points for c in point.coefficients)
+    every = (mass, *body.integrals, *body.stiffness, *of_points)
+    composed, reasons = zeros.drop_definitions(motion.definitions, zeros.reasons_of(every))
+    strain = _strain_energy(motion, body.stiffness)
+    complete = (*_inertia(motion), *_elasticity(motion, strain))
+    terms, vanished = zeros.drop_terms(complete, reasons)
+    return Equations(
+        name=body.name,
+        doc=body.doc,
+        coordinates=motion.coordinates,
+        rows=motion.rows,
+        rates=motion.rates,
+        parameters=body.parameters,
+        coefficients=every,
+        definitions=(*motion.rotation_definitions, *composed),
+        terms=terms,
+        vanished=tuple(v if v.reason else replace(v, reason=motion.identical) for v in vanished),
+        mass=_mass_matrix(motion, terms),
+        mass_zeros=_mass_zeros(motion, complete, reasons),
+        kinetic_energy=zeros.drop(_kinetic_energy(motion), reasons),
+        strain_energy=zeros.drop(strain, reasons),
+        linear_momentum=tuple(zeros.drop(p, reasons) for p in _linear_momentum(motion)),
+        angular_momentum=tuple(zeros.drop(p, reasons) for p in _angular_momentum(motion)),
+        markers=tuple(_marker(motion, point, reasons) for point in body.points),
+    )
+
+
+def _parts(motion: Motion) -> tuple[tuple[str, Field], ...]:
+    """The acceleration (5), split into its named parts."""
+    acceleration = motion.acceleration
+    turning, still = acceleration[R], dict.fromkeys(motion.frame.omegadot, sp.S.Zero)
+    centrifugal = turning.xreplace(still)
+    named = centrifugal.expand().xreplace(motion.products)
+    return (
+        ("translation", {ONE: acceleration[ONE]}),
+        ("Euler", {R: turning - centrifugal}),
+        ("centrifugal", {R: named}),
+        ("Coriolis", {RDOT: acceleration[RDOT]}),
+        ("relative", {RDDOT: acceleration[RDDOT]}),
+    )
+
+
+def _inertia(motion: Motion) -> tuple[Term, ...]:
+    """The virtual work of the inertia: a term for each part of (5) on each virtual displacement of (6)."""
+    rigid = [row.name for row in motion.rows[: len(motion.rows) - len(motion.alpha)]]
+    displacements = dict(zip(rigid, (*motion.translations, *motion.frame.rotations()), strict=True))
+    terms = [
+        Term(row, name, "(15)", motion.summed(motion.product(part, displacement)))
+        for row, displacement in displacements.items()
+        for name, part in _parts(motion)
+    ]
+    generic = [(name, motion.product(part, motion.frame.deformation())) for name, part in _parts(motion)]
+    for i, alpha in enumerate(motion.alpha, 1):
+        terms += [Term(str(alpha), name, "(15)", motion.summed(of_index(expr, i))) for name, expr in generic]
+    return tuple(terms)
+
+
+def _strain_energy(motion: Motion, stiffness: tuple[Coefficient, ...]) -> sp.Expr:
+    entries = {c.symbol for c in stiffness}
+    n = len(motion.alpha)
+    pairs = [(i, j, sp.Symbol(f"K_{i + 1}_{j + 1}")) for i in range(n) for j in range(i, n)]
+    weights = ((sp.S.Half if i == j else sp.S.One, i, j, k) for i, j, k in pairs if k in entries)
+    return sum((w * k * motion.alpha[i] * motion.alpha[j] for w, i, j, k in weights), sp.S.Zero)
+
+
+def _elasticity(motion: Motion, strain: sp.Expr) -> tuple[Term, ...]:
+    """delta U, the first term of (13)."""
+    return tuple(Term(str(a), "elastic", "(13), (22)", sp.expand(strain.diff(a))) for a in motion.alpha)
+
+
+def _mass_matrix(motion: Motion, terms: tuple[Term, ...]) -> sp.ImmutableMatrix:
+    """The factors of the accelerations in each row."""
+    sums_of = [sp.Add(*(t.expr for t in terms if t.row == row.name)) for row in motion.rows]
+    return sp.ImmutableMatrix([[left.diff(row.a) for row in motion.rows] for left in sums_of])
+
+
+def _mass_zeros(motion: Motion, complete: tuple[Term, ...], reasons: zeros.Reasons) -> tuple[tuple[int, int, str], ...]:
+    """Row, column and reason of each structural zero of the mass matrix (lower triangle)."""
+    full = _mass_matrix(motion, complete)
+    n = len(motion.rows)
+    lower = ((i, j, full[i, j]) for i in range(n) for j in range(i + 1))
+    return tuple(
+        (i, j, zeros.why(entry, reasons) or TRANSLATIONS) for i, j, entry in lower if zeros.drop(entry, reasons) == 0
+    )
+
+
+def _kinetic_energy(motion: Motion) -> sp.Expr:
+    """1/2 int rho xdot . xdot."""
+    return motion.summed(motion.product(motion.velocity, motion.velocity) / 2)
+
+
+def _linear_momentum(motion: Motion) -> tuple[sp.Expr, ...]:
+    """int rho xdot along each axis: the virtual work of the velocity on the two translations."""
+    return tuple(motion.product(motion.velocity, d) for d in motion.translations)
+
+
+def _angular_momentum(motion: Motion) -> tuple[sp.Expr, ...]:
+    """int rho x x xdot about the inertial origin: the virtual work of the velocity on e_k x x."""
+    position = motion.position
+    turned = ({ONE: fixed * position[ONE], R: moving} for fixed, moving in motion.turns)
+    return tuple(motion.product(field, motion.velocity) for field in turned)
+
+
+def _marker(motion: Motion, point: MaterialPoint, reasons: zeros.Reasons) -> MarkerEquations:
+    """Position, velocity and Jacobian of a material point, from the same fields taken at that point."""
+
+    def at_point(amplitudes: tuple[sp.Symbol, ...], base: sp.Matrix) -> sp.Matrix:
+        return sum((shape * a for shape, a in zip(point.shapes, amplitudes, strict=True)), base)
+
+    names, axes = {R: "r", RDOT: "rdot"}, range(motion.rotation.rows)
+    still = sp.zeros(len(axes), 1)
+    values = {R: at_point(motion.alpha, sp.Matrix(point.position)), RDOT: at_point(motion.alphadot, still)}
+    local = tuple(
+        Definition(sp.Symbol(f"{names[f]}_{k + 1}"), value[k], "r", "(1), (14)", f"{names[f]} . e{k + 1} at the marker")
+        for f, value in values.items()
+        for k in axes
+    )
+    kept, known = zeros.drop_definitions(local, reasons)
+    vectors = {f: sp.Matrix([sp.Symbol(f"{name}_{k + 1}") for k in axes]) for f, name in names.items()}
+
+    def vector(field: Field) -> sp.Matrix:
+        """A field at the marker, in the inertial base."""
+        moving = (tensor * vectors[name] for name, tensor in field.items() if name != ONE)
+        resolved = field.get(ONE, still) + motion.rotation * sum(moving, still)
+        return resolved.applyfunc(lambda e: zeros.drop(sp.expand(e), known))
+
+    columns = [vector(d) for d in (*motion.translations, *motion.frame.rotations())]
+    for shape in point.shapes:
+        vectors[PHI] = sp.Matrix(shape)
+        columns.append(vector(motion.frame.deformation()))
+    return MarkerEquations(
+        name=point.name,
+        doc=point.doc,
+        definitions=kept,
+        position=sp.ImmutableMatrix(vector(motion.position)),
+        velocity=sp.ImmutableMatrix(vector(motion.velocity)),
+        jacobian=sp.ImmutableMatrix.hstack(*columns),
+    )
