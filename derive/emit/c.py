@@ -38,6 +38,8 @@ def c_files(model: Model, fingerprint: str) -> tuple[File, ...]:
         "description": "\n".join(comment((*mark, *description(said)))),
         "functions": [_function(model, kernel) for kernel in model.kernels],
         "patterns": _patterns(model),
+        "markers": [(m.name, len(model.kernel(f"marker_{m.name}").outputs[0].elements)) for m in model.markers],
+        "momenta": len(model.kernel("momentum").outputs[0].elements),
         "tables": [{"name": n, "variables": variables} for n, variables in tables if variables],
         "members": {n: f"{model.name}_table_{n}" if variables else "0" for n, variables in tables}
         | {"markers": f"{model.name}_table_markers" if model.markers else "0"},

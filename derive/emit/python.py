@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from derive.emit.document import LICENCE, description, kernel_text, model_text, section_text
 from derive.emit.expression import python_number, statement, text
 from derive.emit.files import MARK, File
-from derive.emit.template import render, wrapped
+from derive.emit.template import WIDTH, render, wrapped
 from derive.kernel.ir import Kernel, Let, Output, Pattern, Ref, Statement, Store
 from derive.kernel.model import Model
 
@@ -118,7 +118,7 @@ def _tables(model: Model) -> list[Table]:
 
     def table(name: str, items: Iterable[object]) -> Table:
         literals = [f'"{item}"' if isinstance(item, str) else repr(item) for item in items]
-        return Table(name, "\n".join(wrapped([_tuple(literals)], "")))
+        return Table(name, _lines(literals))
 
     return [
         table("COORDINATES", (v.name for v in model.coordinates)),
@@ -129,6 +129,18 @@ def _tables(model: Model) -> list[Table]:
         table("CONSTANTS", (v.name for v in model.constants)),
         table("MARKERS", (v.name for v in model.markers)),
     ]
+
+
+def _lines(literals: list[str]) -> str:
+    """A tuple, on several lines if it is long; literals are not broken."""
+    if len(_tuple(literals)) < WIDTH - 20:
+        return _tuple(literals)
+    lines = [""]
+    for literal in literals:
+        if len(lines[-1]) + len(literal) > WIDTH - 8:
+            lines.append("")
+        lines[-1] += f" {literal},"
+    return "\n".join(["(", *(f"   {line}" for line in lines), ")"])
 
 
 def _tuple(items: list[str]) -> str:

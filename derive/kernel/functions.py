@@ -112,11 +112,15 @@ def momentum(context: Context) -> Kernel:
     symbols = context.symbols(context.q, context.v)
     eq = context.equations
     values = [symbols(p) for p in (*eq.linear_momentum, *eq.angular_momentum)]
+    linear = [f"linear_{k}" for k, _ in enumerate(eq.linear_momentum, 1)]
+    angular = (
+        [f"angular_{k}" for k, _ in enumerate(eq.angular_momentum, 1)] if len(eq.angular_momentum) > 1 else ["angular"]
+    )
     return context.kernel(
         "momentum",
         "Linear momentum, and angular momentum about the inertial origin.",
         (context.q, context.v, context.k),
-        (Output("momentum", ("linear_1", "linear_2", "angular"), "momenta [N s, N s, N m s]"),),
+        (Output("momentum", (*linear, *angular), "linear [N s] and angular [N m s]"),),
         symbols,
         Step("momentum", "(1)", "int rho xdot and int rho x x xdot", stores("momentum", values)),
     )
@@ -132,7 +136,7 @@ def rates(context: Context) -> Kernel:
         (context.q, context.v, context.k),
         (Output("qdot", tuple(f"{n}_t" for n in context.names), "time derivative of q"),),
         symbols,
-        Step("rates", "(27)", "planar motion: qdot = v", stores("qdot", values)),
+        Step("rates", "(1)", "from Qdot = Q (omega x)", stores("qdot", values)),
     )
 
 
@@ -142,8 +146,9 @@ def marker(context: Context, point: MarkerEquations) -> Kernel:
     named = define(symbols, tuple(d for d in point.definitions if not d.zero))
     matrix = point.jacobian
     rows, cols = matrix.shape
+    axes = range(1, rows + 1)
     shape = pattern(rows, cols, {(i, j) for i in range(rows) for j in range(cols) if matrix[i, j] != 0})
-    labels = tuple(f"d x{i + 1} / d {context.rows[j]}" for i, j in shape.entries)
+    labels = tuple(f"d x{i + 1}dot / d {context.rates[j]}" for i, j in shape.entries)
     wants = (
         *stores("x", [symbols(e) for e in point.position]),
         *stores("xdot", [symbols(e) for e in point.velocity]),
@@ -151,12 +156,12 @@ def marker(context: Context, point: MarkerEquations) -> Kernel:
     )
     return context.kernel(
         f"marker_{point.name}",
-        f"Marker {point.name}, {point.doc}: position, velocity and d(position)/dq.",
+        f"Marker {point.name}, {point.doc}: position, velocity and its Jacobian d(velocity)/dv.",
         (context.q, context.v, context.k),
         (
-            Output("x", ("x1", "x2"), "position in the inertial base [m]"),
-            Output("xdot", ("x1dot", "x2dot"), "velocity in the inertial base [m/s]"),
-            Output("jacobian", labels, "values of d(position)/dq by columns", shape),
+            Output("x", tuple(f"x{k}" for k in axes), "position in the inertial base [m]"),
+            Output("xdot", tuple(f"x{k}dot" for k in axes), "velocity in the inertial base [m/s]"),
+            Output("jacobian", labels, "values of d(velocity)/dv by columns", shape),
         ),
         symbols,
         Step("r", "(14)", "X + u and its rate at the marker, in the body base", named),

@@ -42,6 +42,7 @@ def setup_kernel(context: Context, kernels: Iterable[Kernel]) -> tuple[Kernel, t
         *(
             Required("positive", symbols.values[p.symbol], NOT_FINITE, f"{p.symbol} must be positive")
             for p in parameters
+            if p.positive
         ),
         *(Required("finite", symbols.values[p.symbol], NOT_FINITE, f"{p.symbol} must be finite") for p in parameters),
         *(Required("finite", values[c.name], NOT_FINITE, f"{c.name} is not finite") for c in constants),

@@ -34,12 +34,14 @@ class Row:
 
 @dataclass(frozen=True)
 class ParameterSymbol:
-    """A run-time parameter: what it is, its symbol in the derivation (positive), its unit and its default."""
+    """A run-time parameter: its symbol in the derivation, what it is, its unit, its default, and whether setup
+    refuses a value that is not positive."""
 
     symbol: sp.Symbol
     doc: str
     unit: str
     default: float
+    positive: bool = True
 
 
 @dataclass(frozen=True)
@@ -86,7 +88,7 @@ class Vanished:
 
 @dataclass(frozen=True)
 class MarkerEquations:
-    """Position and velocity of a named material point, and d(position)/dq, in the inertial base."""
+    """Position and velocity of a named material point, and d(velocity)/dv, in the inertial base."""
 
     name: str
     doc: str

@@ -128,7 +128,7 @@ typedef struct {
     const int *rowidx; /* nnz */
 } tisserand_pattern;
 
-/* A named material point; jacobian holds the values of d(position)/dq. */
+/* A named material point; jacobian holds the values of d(velocity)/dv, in the plane d(position)/dq. */
 typedef struct {
     const char *name;
     int dimension;
@@ -314,7 +314,7 @@ int free_beam_mean_energy(
  * q: generalized coordinates (5)
  * v: rates (5)
  * k: constants from setup (10)
- * momentum: momenta [N s, N s, N m s] (3): linear_1, linear_2, angular
+ * momentum: linear [N s] and angular [N m s] (3): linear_1, linear_2, angular
  *
  * From appendix, (1).
  * 15 operations.
@@ -333,7 +333,7 @@ int free_beam_mean_momentum(
  * k: constants from setup (10)
  * qdot: time derivative of q (5): c1_t, c2_t, phi_t, alpha1_t, alpha2_t
  *
- * From (27).
+ * From (1).
  * 0 operations.
  */
 int free_beam_mean_rates(
@@ -343,14 +343,14 @@ int free_beam_mean_rates(
     double *qdot);
 
 /*
- * Marker left, material point at xi = -1: position, velocity and d(position)/dq.
+ * Marker left, material point at xi = -1: position, velocity and its Jacobian d(velocity)/dv.
  *
  * q: generalized coordinates (5)
  * v: rates (5)
  * k: constants from setup (10)
  * x: position in the inertial base [m] (2): x1, x2
  * xdot: velocity in the inertial base [m/s] (2): x1dot, x2dot
- * jacobian: values of d(position)/dq by columns, 2 x 5, 8 values
+ * jacobian: values of d(velocity)/dv by columns, 2 x 5, 8 values
  *
  * From (14), (26), (1).
  * 28 operations.
@@ -364,14 +364,14 @@ int free_beam_mean_marker_left(
     double *jacobian);
 
 /*
- * Marker middle, material point at xi = 0: position, velocity and d(position)/dq.
+ * Marker middle, material point at xi = 0: position, velocity and its Jacobian d(velocity)/dv.
  *
  * q: generalized coordinates (5)
  * v: rates (5)
  * k: constants from setup (10)
  * x: position in the inertial base [m] (2): x1, x2
  * xdot: velocity in the inertial base [m/s] (2): x1dot, x2dot
- * jacobian: values of d(position)/dq by columns, 2 x 5, 6 values
+ * jacobian: values of d(velocity)/dv by columns, 2 x 5, 6 values
  *
  * From (26), (1).
  * 19 operations.
@@ -385,14 +385,14 @@ int free_beam_mean_marker_middle(
     double *jacobian);
 
 /*
- * Marker right, material point at xi = 1: position, velocity and d(position)/dq.
+ * Marker right, material point at xi = 1: position, velocity and its Jacobian d(velocity)/dv.
  *
  * q: generalized coordinates (5)
  * v: rates (5)
  * k: constants from setup (10)
  * x: position in the inertial base [m] (2): x1, x2
  * xdot: velocity in the inertial base [m/s] (2): x1dot, x2dot
- * jacobian: values of d(position)/dq by columns, 2 x 5, 8 values
+ * jacobian: values of d(velocity)/dv by columns, 2 x 5, 8 values
  *
  * From (14), (26), (1).
  * 27 operations.

@@ -108,8 +108,10 @@ RATES = ("c1dot", "c2dot", "phidot", "alpha1dot", "alpha2dot")
 PARAMETERS = ("m", "l", "EI")
 UNITS = ("kg", "m", "N m^2")
 DEFAULTS = (1.0, 1.0, 1.0)
-CONSTANTS = ("mass", "C3", "c8_1_1", "c8_2_2", "K_1_1", "K_2_2", "X_left", "X_right", "inverse_c8_1_1",
-    "inverse_c8_2_2")
+CONSTANTS = (
+    "mass", "C3", "c8_1_1", "c8_2_2", "K_1_1", "K_2_2", "X_left", "X_right", "inverse_c8_1_1",
+    "inverse_c8_2_2",
+)
 MARKERS = ("left", "middle", "right")
 
 MASS = Pattern(
@@ -491,7 +493,7 @@ def momentum(q, v, k):
     q: generalized coordinates (5)
     v: rates (5)
     k: constants from setup (10)
-    momentum: momenta [N s, N s, N m s] (3): linear_1, linear_2, angular
+    momentum: linear [N s] and angular [N m s] (3): linear_1, linear_2, angular
 
     From appendix, (1).
     15 operations.
@@ -533,7 +535,7 @@ def rates(q, v, k):
     k: constants from setup (10)
     qdot: time derivative of q (5): c1_t, c2_t, phi_t, alpha1_t, alpha2_t
 
-    From (27).
+    From (1).
     0 operations.
     """
     xp, batch, (q, v, k) = _arrays(dict(q=5, v=5, k=10), q, v, k)
@@ -543,7 +545,7 @@ def rates(q, v, k):
     alpha1dot = v[..., 3]
     alpha2dot = v[..., 4]
 
-    # rates (27): planar motion: qdot = v
+    # rates (1): from Qdot = Q (omega x)
     qdot_0 = c1dot
     qdot_1 = c2dot
     qdot_2 = phidot
@@ -555,14 +557,14 @@ def rates(q, v, k):
 
 
 def marker_left(q, v, k):
-    """Marker left, material point at xi = -1: position, velocity and d(position)/dq.
+    """Marker left, material point at xi = -1: position, velocity and its Jacobian d(velocity)/dv.
 
     q: generalized coordinates (5)
     v: rates (5)
     k: constants from setup (10)
     x: position in the inertial base [m] (2): x1, x2
     xdot: velocity in the inertial base [m/s] (2): x1dot, x2dot
-    jacobian: values of d(position)/dq by columns, 2 x 5, 8 values
+    jacobian: values of d(velocity)/dv by columns, 2 x 5, 8 values
 
     From (14), (26), (1).
     28 operations.
@@ -616,14 +618,14 @@ def marker_left(q, v, k):
 
 
 def marker_middle(q, v, k):
-    """Marker middle, material point at xi = 0: position, velocity and d(position)/dq.
+    """Marker middle, material point at xi = 0: position, velocity and its Jacobian d(velocity)/dv.
 
     q: generalized coordinates (5)
     v: rates (5)
     k: constants from setup (10)
     x: position in the inertial base [m] (2): x1, x2
     xdot: velocity in the inertial base [m/s] (2): x1dot, x2dot
-    jacobian: values of d(position)/dq by columns, 2 x 5, 6 values
+    jacobian: values of d(velocity)/dv by columns, 2 x 5, 6 values
 
     From (26), (1).
     19 operations.
@@ -667,14 +669,14 @@ def marker_middle(q, v, k):
 
 
 def marker_right(q, v, k):
-    """Marker right, material point at xi = 1: position, velocity and d(position)/dq.
+    """Marker right, material point at xi = 1: position, velocity and its Jacobian d(velocity)/dv.
 
     q: generalized coordinates (5)
     v: rates (5)
     k: constants from setup (10)
     x: position in the inertial base [m] (2): x1, x2
     xdot: velocity in the inertial base [m/s] (2): x1dot, x2dot
-    jacobian: values of d(position)/dq by columns, 2 x 5, 8 values
+    jacobian: values of d(velocity)/dv by columns, 2 x 5, 8 values
 
     From (14), (26), (1).
     27 operations.

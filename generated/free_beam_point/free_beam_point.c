@@ -467,7 +467,7 @@ int free_beam_point_rates(
     const double alpha2dot = v[4];
     (void) k;
 
-    /* rates (27): planar motion: qdot = v */
+    /* rates (1): from Qdot = Q (omega x) */
     qdot[0] = c1dot;
     qdot[1] = c2dot;
     qdot[2] = phidot;

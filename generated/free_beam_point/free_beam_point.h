@@ -114,7 +114,7 @@ typedef struct {
     const int *rowidx; /* nnz */
 } tisserand_pattern;
 
-/* A named material point; jacobian holds the values of d(position)/dq. */
+/* A named material point; jacobian holds the values of d(velocity)/dv, in the plane d(position)/dq. */
 typedef struct {
     const char *name;
     int dimension;
@@ -306,7 +306,7 @@ int free_beam_point_energy(
  * q: generalized coordinates (5)
  * v: rates (5)
  * k: constants from setup (16)
- * momentum: momenta [N s, N s, N m s] (3): linear_1, linear_2, angular
+ * momentum: linear [N s] and angular [N m s] (3): linear_1, linear_2, angular
  *
  * From (26), appendix, (1).
  * 46 operations.
@@ -325,7 +325,7 @@ int free_beam_point_momentum(
  * k: constants from setup (16)
  * qdot: time derivative of q (5): c1_t, c2_t, phi_t, alpha1_t, alpha2_t
  *
- * From (27).
+ * From (1).
  * 0 operations.
  */
 int free_beam_point_rates(
@@ -335,14 +335,14 @@ int free_beam_point_rates(
     double *qdot);
 
 /*
- * Marker left, material point at xi = -1: position, velocity and d(position)/dq.
+ * Marker left, material point at xi = -1: position, velocity and its Jacobian d(velocity)/dv.
  *
  * q: generalized coordinates (5)
  * v: rates (5)
  * k: constants from setup (16)
  * x: position in the inertial base [m] (2): x1, x2
  * xdot: velocity in the inertial base [m/s] (2): x1dot, x2dot
- * jacobian: values of d(position)/dq by columns, 2 x 5, 8 values
+ * jacobian: values of d(velocity)/dv by columns, 2 x 5, 8 values
  *
  * From (14), (26), (1).
  * 28 operations.
@@ -356,14 +356,14 @@ int free_beam_point_marker_left(
     double *jacobian);
 
 /*
- * Marker middle, material point at xi = 0: position, velocity and d(position)/dq.
+ * Marker middle, material point at xi = 0: position, velocity and its Jacobian d(velocity)/dv.
  *
  * q: generalized coordinates (5)
  * v: rates (5)
  * k: constants from setup (16)
  * x: position in the inertial base [m] (2): x1, x2
  * xdot: velocity in the inertial base [m/s] (2): x1dot, x2dot
- * jacobian: values of d(position)/dq by columns, 2 x 5, 2 values
+ * jacobian: values of d(velocity)/dv by columns, 2 x 5, 2 values
  *
  * From (1).
  * 0 operations.
@@ -377,14 +377,14 @@ int free_beam_point_marker_middle(
     double *jacobian);
 
 /*
- * Marker right, material point at xi = 1: position, velocity and d(position)/dq.
+ * Marker right, material point at xi = 1: position, velocity and its Jacobian d(velocity)/dv.
  *
  * q: generalized coordinates (5)
  * v: rates (5)
  * k: constants from setup (16)
  * x: position in the inertial base [m] (2): x1, x2
  * xdot: velocity in the inertial base [m/s] (2): x1dot, x2dot
- * jacobian: values of d(position)/dq by columns, 2 x 5, 8 values
+ * jacobian: values of d(velocity)/dv by columns, 2 x 5, 8 values
  *
  * From (14), (26), (1).
  * 27 operations.

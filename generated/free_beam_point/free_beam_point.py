@@ -94,8 +94,10 @@ RATES = ("c1dot", "c2dot", "phidot", "alpha1dot", "alpha2dot")
 PARAMETERS = ("m", "l", "EI")
 UNITS = ("kg", "m", "N m^2")
 DEFAULTS = (1.0, 1.0, 1.0)
-CONSTANTS = ("mass", "c2_1_2", "C3", "c6_2", "c8_1_1", "c8_2_2", "K_1_1", "K_2_2", "X_left", "X_right",
-    "minus_c2_1_2", "constant_2", "constant_3", "constant_4", "constant_5", "inverse_c8_2_2")
+CONSTANTS = (
+    "mass", "c2_1_2", "C3", "c6_2", "c8_1_1", "c8_2_2", "K_1_1", "K_2_2", "X_left", "X_right",
+    "minus_c2_1_2", "constant_2", "constant_3", "constant_4", "constant_5", "inverse_c8_2_2",
+)
 MARKERS = ("left", "middle", "right")
 
 MASS = Pattern(
@@ -611,7 +613,7 @@ def momentum(q, v, k):
     q: generalized coordinates (5)
     v: rates (5)
     k: constants from setup (16)
-    momentum: momenta [N s, N s, N m s] (3): linear_1, linear_2, angular
+    momentum: linear [N s] and angular [N m s] (3): linear_1, linear_2, angular
 
     From (26), appendix, (1).
     46 operations.
@@ -676,7 +678,7 @@ def rates(q, v, k):
     k: constants from setup (16)
     qdot: time derivative of q (5): c1_t, c2_t, phi_t, alpha1_t, alpha2_t
 
-    From (27).
+    From (1).
     0 operations.
     """
     xp, batch, (q, v, k) = _arrays(dict(q=5, v=5, k=16), q, v, k)
@@ -686,7 +688,7 @@ def rates(q, v, k):
     alpha1dot = v[..., 3]
     alpha2dot = v[..., 4]
 
-    # rates (27): planar motion: qdot = v
+    # rates (1): from Qdot = Q (omega x)
     qdot_0 = c1dot
     qdot_1 = c2dot
     qdot_2 = phidot
@@ -698,14 +700,14 @@ def rates(q, v, k):
 
 
 def marker_left(q, v, k):
-    """Marker left, material point at xi = -1: position, velocity and d(position)/dq.
+    """Marker left, material point at xi = -1: position, velocity and its Jacobian d(velocity)/dv.
 
     q: generalized coordinates (5)
     v: rates (5)
     k: constants from setup (16)
     x: position in the inertial base [m] (2): x1, x2
     xdot: velocity in the inertial base [m/s] (2): x1dot, x2dot
-    jacobian: values of d(position)/dq by columns, 2 x 5, 8 values
+    jacobian: values of d(velocity)/dv by columns, 2 x 5, 8 values
 
     From (14), (26), (1).
     28 operations.
@@ -759,14 +761,14 @@ def marker_left(q, v, k):
 
 
 def marker_middle(q, v, k):
-    """Marker middle, material point at xi = 0: position, velocity and d(position)/dq.
+    """Marker middle, material point at xi = 0: position, velocity and its Jacobian d(velocity)/dv.
 
     q: generalized coordinates (5)
     v: rates (5)
     k: constants from setup (16)
     x: position in the inertial base [m] (2): x1, x2
     xdot: velocity in the inertial base [m/s] (2): x1dot, x2dot
-    jacobian: values of d(position)/dq by columns, 2 x 5, 2 values
+    jacobian: values of d(velocity)/dv by columns, 2 x 5, 2 values
 
     From (1).
     0 operations.
@@ -792,14 +794,14 @@ def marker_middle(q, v, k):
 
 
 def marker_right(q, v, k):
-    """Marker right, material point at xi = 1: position, velocity and d(position)/dq.
+    """Marker right, material point at xi = 1: position, velocity and its Jacobian d(velocity)/dv.
 
     q: generalized coordinates (5)
     v: rates (5)
     k: constants from setup (16)
     x: position in the inertial base [m] (2): x1, x2
     xdot: velocity in the inertial base [m/s] (2): x1dot, x2dot
-    jacobian: values of d(position)/dq by columns, 2 x 5, 8 values
+    jacobian: values of d(velocity)/dv by columns, 2 x 5, 8 values
 
     From (14), (26), (1).
     27 operations.

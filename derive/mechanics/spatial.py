@@ -1,0 +1,203 @@
+"""Motion in space: translation, unit quaternion and omega in the body base, for any deformable body.
+
+In space D2_i is a tensor. Its antisymmetric part is d3_i: D2_i v = S_i v - d3_i x v / 2 with S_i symmetric, and
+likewise C4_i and C5_ij have symmetric parts of their own, while their antisymmetric parts are c6_i and c7_ij. So S_i,
+C4 and C5 below are the symmetric parts: what the appendix of the paper holds twice is held once.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from itertools import combinations_with_replacement
+
+import sympy as sp
+
+from derive.mechanics.body import MASS, Motion
+from derive.mechanics.equations import Coordinate, Definition, Row
+from derive.mechanics.kinematics import PHI, RDDOT, RDOT, MovingFrame, R
+from derive.mechanics.virtual_work import FIRST
+
+AXES = (1, 2, 3)
+PAIRS = tuple(combinations_with_replacement(AXES, 2))
+"""Index pairs of a symmetric tensor: 11, 12, 13, 22, 23, 33."""
+
+SYMMETRIC = {(R, R): "J", (R, RDOT): "Sdot", (R, PHI): "S_i"}
+"""int rho ((f . g) I - sym f g^T): J, the symmetric part of D2_i, and its sum with the rates."""
+
+AXIAL = {(R, RDOT): "d3dot", (R, RDDOT): "d3ddot", (R, PHI): "d3_i", (PHI, RDOT): "c7dot_i"}
+"""int rho f x g, odd in f and g."""
+
+TRACE = {(PHI, RDDOT): "c8ddot_i", (RDOT, RDOT): "c8dotdot"}
+"""int rho f . g."""
+
+
+def skew(v: Iterable[sp.Expr]) -> sp.Matrix:
+    """The tensor v x."""
+    a, b, c = v
+    return sp.Matrix([[0, -c, b], [c, 0, -a], [-b, a, 0]])
+
+
+def vector(name: str) -> sp.Matrix:
+    """A vector of symbols name_1, name_2, name_3."""
+    return sp.Matrix([sp.Symbol(f"{name}_{k}") for k in AXES])
+
+
+def symmetric(name: str) -> sp.Matrix:
+    """A symmetric tensor of symbols name_11, name_12, ..."""
+    return sp.Matrix(3, 3, lambda i, j: sp.Symbol("{}_{}{}".format(name, *sorted((i + 1, j + 1)))))
+
+
+@dataclass(frozen=True)
+class SpatialMoments:
+    """The moments of the fields of a body in space: symbols of the appendix; see Moments."""
+
+    mass: sp.Symbol
+    rotation: sp.Matrix
+    unknown: frozenset[sp.Symbol] = frozenset((*symmetric("even"), *vector("odd")))
+
+    def first(self, field: str) -> sp.Matrix:
+        """int rho f."""
+        return vector(FIRST[field])
+
+    def second(self, f: str, g: str) -> sp.Matrix:
+        """int rho f g^T from its symmetric and its axial part; what has no name must cancel."""
+        if (f, g) not in SYMMETRIC and (f, g) not in AXIAL and (f, g) not in TRACE:
+            return self.second(g, f).T
+        even, odd = symmetric("even"), vector("odd")
+        if (f, g) in SYMMETRIC:
+            tensor = symmetric(SYMMETRIC[f, g])
+            even = sp.eye(3) * tensor.trace() / 2 - tensor
+        elif (f, g) in TRACE:
+            even = even + sp.eye(3) * (sp.Symbol(TRACE[f, g]) - even.trace()) / 3
+        if (f, g) in AXIAL:
+            odd = vector(AXIAL[f, g])
+        elif f == g:
+            odd = sp.zeros(3, 1)
+        return even - skew(odd) / 2
+
+
+def spatial_motion(n: int) -> Motion:
+    """The motion of a body in space with n shapes."""
+    shapes = range(1, n + 1)
+    alpha = tuple(sp.Symbol(f"alpha{i}") for i in shapes)
+    rows = _rows(shapes)
+    rotation, quaternion = symbols_of_rotation(), sp.symbols("e0 e1 e2 e3")
+    omega, omegadot = (tuple(getattr(row, x) for row in rows[3:6]) for x in ("v", "a"))
+    alphadot, alphaddot = (tuple(getattr(row, x) for row in rows[6:]) for x in ("v", "a"))
+    products = {omega[i - 1] * omega[j - 1]: sp.Symbol(f"oo_{i}{j}") for i, j in PAIRS}
+    named = tuple(Definition(s, p, "oo", "(5)", "products of omega") for p, s in products.items())
+    axes = sp.eye(3)
+    return Motion(
+        coordinates=_coordinates(alpha),
+        rows=rows,
+        rates=(*(row.v for row in rows[:3]), *quaternion_rates(quaternion, omega), *alphadot),
+        alpha=alpha,
+        rotation=rotation,
+        rotation_definitions=_rotation_definitions(rotation, quaternion),
+        frame=MovingFrame(tuple(skew(axes[:, k]) for k in range(3)), omega, omegadot),
+        moments=SpatialMoments(MASS, rotation),
+        definitions=(*named, *_definitions(alpha, alphadot)),
+        sums=_sums(alphadot, alphaddot),
+        products=products,
+        turns=tuple((skew(axes[:, k]), skew(rotation[k, :])) for k in range(3)),
+        identical="it cancels for any body",
+    )
+
+
+def _coordinates(alpha: tuple[sp.Symbol, ...]) -> tuple[Coordinate, ...]:
+    return (
+        *(Coordinate(sp.Symbol(f"c{k}"), f"translation of the floating frame along e{k}", "m") for k in AXES),
+        *(Coordinate(sp.Symbol(f"e{k}"), "unit quaternion of the floating frame, scalar first", "") for k in range(4)),
+        *(Coordinate(a, f"amplitude of assumed shape {i}", "m") for i, a in enumerate(alpha, 1)),
+    )
+
+
+def _rows(shapes: range) -> tuple[Row, ...]:
+    def row(name: str, rate: str, doc: str, unit: str, work: str) -> Row:
+        acceleration = f"{rate}dot" if name.startswith("pi") else f"{name}ddot"
+        return Row(name, sp.Symbol(rate), sp.Symbol(acceleration), doc, unit, work)
+
+    return (
+        *(row(f"c{k}", f"c{k}dot", f"rate of c{k}", "m/s", "N") for k in AXES),
+        *(row(f"pi{k}", f"omega{k}", f"angular velocity about the body axis {k}", "rad/s", "N m") for k in AXES),
+        *(row(f"alpha{i}", f"alpha{i}dot", f"rate of alpha{i}", "m/s", "N") for i in shapes),
+    )
+
+
+def symbols_of_rotation() -> sp.Matrix:
+    """Q in symbols Q_11 .. Q_33."""
+    return sp.Matrix(3, 3, lambda i, j: sp.Symbol(f"Q_{i + 1}{j + 1}"))
+
+
+def rotation_of(quaternion: tuple[sp.Symbol, ...]) -> sp.Matrix:
+    """Q of a unit quaternion (e0, e): (e0^2 - e . e) I + 2 e e^T + 2 e0 e x."""
+    e0, *imaginary = quaternion
+    e = sp.Matrix(imaginary)
+    return ((e0**2 - e.dot(e)) * sp.eye(3) + 2 * e * e.T + 2 * e0 * skew(e)).expand()
+
+
+def quaternion_rates(quaternion: tuple[sp.Symbol, ...], omega: tuple[sp.Symbol, ...]) -> tuple[sp.Expr, ...]:
+    """Half the quaternion times (0, omega), omega in the body base: then Qdot = Q (omega x)."""
+    e0, *imaginary = quaternion
+    e, w = sp.Matrix(imaginary), sp.Matrix(omega)
+    scalar = -e.dot(w) / 2
+    return (scalar.expand(), *(((e0 * w + e.cross(w)) / 2).expand()))
+
+
+def _rotation_definitions(rotation: sp.Matrix, quaternion: tuple[sp.Symbol, ...]) -> tuple[Definition, ...]:
+    pairs = zip(rotation, rotation_of(quaternion), strict=True)
+    return tuple(Definition(s, value, "Q", "(1)", "rotation tensor of the quaternion") for s, value in pairs)
+
+
+def _definitions(alpha: tuple[sp.Symbol, ...], rates: tuple[sp.Symbol, ...]) -> tuple[Definition, ...]:
+    """d1, S, d3, J and their sums with the rates, from r = X + sum alpha_j Phi_j; zeros still inside."""
+    shapes = range(1, len(alpha) + 1)
+    found: list[Definition] = []
+
+    def define(name: str, expr: sp.Expr, doc: str) -> None:
+        found.append(Definition(sp.Symbol(name), expr, name.split("_", maxsplit=1)[0], "appendix", doc))
+
+    for k in AXES:
+        c2 = [sp.Symbol(f"c2_{j}_{k}") for j in shapes]
+        define(f"d1_{k}", sp.Symbol(f"c1_{k}") + _dot(alpha, c2), f"int rho r . e{k}")
+        define(f"d1dot_{k}", _dot(rates, c2), f"int rho rdot . e{k}")
+    for i in shapes:
+        for a, b in PAIRS:
+            c5 = [sp.Symbol("C5_{}_{}_{}{}".format(*sorted((i, j)), a, b)) for j in shapes]
+            define(f"S_{i}_{a}{b}", sp.Symbol(f"C4_{i}_{a}{b}") + _dot(alpha, c5), f"symmetric part of D2_{i}")
+    for i in shapes:
+        for k in AXES:
+            c7 = [_odd(i, j, k) for j in shapes]
+            define(f"d3_{i}_{k}", sp.Symbol(f"c6_{i}_{k}") - _dot(alpha, c7), f"int rho r x Phi_{i} . e{k}")
+    for a, b in PAIRS:
+        c4, s = ([sp.Symbol(f"{name}_{i}_{a}{b}") for i in shapes] for name in ("C4", "S"))
+        define(f"J_{a}{b}", sp.Symbol(f"C3_{a}{b}") + _dot(alpha, c4) + _dot(alpha, s), "int rho ((r . r) I - r r)")
+        define(f"Sdot_{a}{b}", _dot(rates, s), "sum alphadot_i S_i")
+    for k in AXES:
+        define(f"d3dot_{k}", _dot(rates, [sp.Symbol(f"d3_{i}_{k}") for i in shapes]), f"int rho r x rdot . e{k}")
+    return tuple(found)
+
+
+def _sums(rates: tuple[sp.Symbol, ...], accelerations: tuple[sp.Symbol, ...]) -> dict[sp.Symbol, sp.Expr]:
+    shapes = range(1, len(rates) + 1)
+    c8 = {i: [sp.Symbol("c8_{}_{}".format(*sorted((i, j)))) for j in shapes] for i in shapes}
+    found = {}
+    for k in AXES:
+        found[f"d1ddot_{k}"] = _dot(accelerations, [sp.Symbol(f"c2_{j}_{k}") for j in shapes])
+        found[f"d3ddot_{k}"] = _dot(accelerations, [sp.Symbol(f"d3_{i}_{k}") for i in shapes])
+        found |= {f"c7dot_{i}_{k}": _dot(rates, [_odd(i, j, k) for j in shapes]) for i in shapes}
+    found |= {f"c8ddot_{i}": _dot(accelerations, c8[i]) for i in shapes}
+    found["c8dotdot"] = sp.expand(_dot(rates, [_dot(rates, c8[i]) for i in shapes]))
+    return {sp.Symbol(name): expr for name, expr in found.items()}
+
+
+def _odd(i: int, j: int, k: int) -> sp.Expr:
+    """c7_ij . e_k, odd in i and j."""
+    if i == j:
+        return sp.S.Zero
+    return sp.Symbol(f"c7_{i}_{j}_{k}") if i < j else -sp.Symbol(f"c7_{j}_{i}_{k}")
+
+
+def _dot(factors: Iterable[sp.Symbol], moments: Iterable[sp.Expr]) -> sp.Expr:
+    return sum((factor * moment for factor, moment in zip(factors, moments, strict=True)), sp.S.Zero)

@@ -1,0 +1,129 @@
+"""(15) and (20) for any body in space against the derivation, row by row, with free shape integrals."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import pytest
+import sympy as sp
+
+from derive.mechanics.body import Body, equations
+from derive.mechanics.equations import Coefficient, Equations
+from derive.mechanics.spatial import (
+    PAIRS,
+    quaternion_rates,
+    rotation_of,
+    skew,
+    spatial_motion,
+    symbols_of_rotation,
+)
+from paper.printed_general import General, PrintedVector, axial, equation_15, first, gram, tensor
+
+ROTATION = symbols_of_rotation()
+MEAN = "a condition of the test"
+
+
+def values(n: int, mean: bool) -> dict[str, sp.Expr]:
+    """The shape integrals, as the derivation names them, in terms of the free moments; (17), (19) and a centred
+    reference if asked for."""
+    found: dict[str, sp.Expr] = {}
+    shapes = range(1, n + 1)
+    nothing = 0 if mean else 1
+    for k in range(3):
+        found[f"c1_{k + 1}"] = nothing * first(0)[k]
+        found |= {f"c2_{i}_{k + 1}": nothing * first(i)[k] for i in shapes}
+        found |= {f"c6_{i}_{k + 1}": nothing * axial(0, i)[k] for i in shapes}
+        found |= {f"c7_{i}_{j}_{k + 1}": axial(i, j)[k] for i in shapes for j in shapes if i < j}
+    for a, b in PAIRS:
+        for name, p, q in [("C3", 0, 0), *((f"C4_{i}", i, 0) for i in shapes)]:
+            found[f"{name}_{a}{b}"] = _symmetric(p, q)[a - 1, b - 1]
+        for i in shapes:
+            found |= {f"C5_{i}_{j}_{a}{b}": _symmetric(i, j)[a - 1, b - 1] for j in shapes if i <= j}
+    found |= {f"c8_{i}_{j}": gram(i, j).trace() for i in shapes for j in shapes if i <= j}
+    return found
+
+
+def _symmetric(p: int, q: int) -> sp.Matrix:
+    full = tensor(p, q)
+    return (full + full.T) / 2
+
+
+@cache
+def derived(n: int, mean: bool = False) -> Equations:
+    integrals = tuple(
+        Coefficient(sp.Symbol(name), value, "", "", "", MEAN if value == 0 else None)
+        for name, value in values(n, mean).items()
+    )
+    return equations(Body("general", "", spatial_motion(n), sp.Symbol("m"), integrals, (), (), ()))
+
+
+def written_out(eq: Equations, expr: sp.Expr) -> sp.Expr:
+    """All but the rotation tensor, which both sides keep as nine symbols."""
+    for definition in reversed(eq.definitions):
+        if definition.section != "Q":
+            expr = expr.xreplace({definition.symbol: definition.expr})
+    return sp.expand(expr.xreplace({c.symbol: c.value for c in eq.coefficients}))
+
+
+@cache
+def derived_rows(n: int, mean: bool = False) -> dict[str, tuple[sp.Expr, ...]]:
+    eq = derived(n, mean)
+    rows = {row.name: written_out(eq, eq.sum_of(row.name)) for row in eq.rows}
+    vectors = {"c": tuple(rows[f"c{k}"] for k in (1, 2, 3)), "pi": tuple(rows[f"pi{k}"] for k in (1, 2, 3))}
+    return vectors | {f"alpha{i}": (rows[f"alpha{i}"],) for i in range(1, n + 1)}
+
+
+def differing(terms: tuple[PrintedVector, ...], rows: dict[str, tuple[sp.Expr, ...]]) -> set[str]:
+    different = set()
+    for row, found in rows.items():
+        printed = sum((t.expr for t in terms if t.row == row), sp.zeros(len(found), 1))
+        if any(sp.expand(a - b) != 0 for a, b in zip(printed, found, strict=True)):
+            different.add(row)
+    return different
+
+
+@pytest.mark.parametrize("n", [0, 1, 2, 3])
+def test_equations_are_15(n: int) -> None:
+    assert differing(equation_15(General(n), ROTATION), derived_rows(n)) == set()
+
+
+@pytest.mark.parametrize("index", range(len(equation_15(General(2), ROTATION))))
+@pytest.mark.parametrize("sign", [0, -1])
+def test_a_changed_term_of_15_is_noticed(index: int, sign: int) -> None:
+    terms = list(equation_15(General(2), ROTATION))
+    changed = terms[index]
+    terms[index] = PrintedVector(changed.row, changed.text, sign * changed.expr)
+    assert differing(tuple(terms), derived_rows(2)) == {changed.row}
+
+
+@pytest.mark.parametrize("n", [1, 2, 3])
+def test_mean_conditions_give_20(n: int) -> None:
+    """(20) is (15) without d1 and c2, and with d3 = - c7 alpha, since c6 vanishes: the remark under (19)."""
+    nothing = {s: 0 for p in range(n + 1) for s in first(p)}
+    for i in range(1, n + 1):
+        g = gram(0, i)
+        nothing |= {g[a, b]: g[b, a] for a in range(3) for b in range(a)}
+    terms = equation_15(General(n), ROTATION)
+    mean = tuple(PrintedVector(t.row, t.text, t.expr.applyfunc(lambda e: e.xreplace(nothing))) for t in terms)
+    gone = {t.text for t in mean if t.expr.applyfunc(sp.expand).is_zero_matrix}
+    assert {"Q . [w x (w x d1)]", "Q . [wdot x d1]", "d1 x (Q^c . cddot)", "cddot . (Q . c2)"} <= gone
+    rows = {row: tuple(e.xreplace(nothing) for e in found) for row, found in derived_rows(n, mean=True).items()}
+    assert differing(mean, rows) == set()
+    assert all(v.reason for v in derived(n, mean=True).vanished)
+    assert not any(derived(n, mean=True).mass[i, j] for i in range(3) for j in range(3, 6 + n))
+
+
+def test_quaternion_turns_as_omega_says() -> None:
+    """Q^T Qdot = omega x on the unit sphere, and qdot keeps it there."""
+    e, w = sp.symbols("e0:4"), sp.symbols("omega1:4")
+    rates = quaternion_rates(e, w)
+    assert sp.expand(sum(a * b for a, b in zip(e, rates, strict=True))) == 0
+    q = rotation_of(e)
+    qdot = sum((q.diff(a) * b for a, b in zip(e, rates, strict=True)), sp.zeros(3, 3))
+    on_sphere = {e[0] ** 2: 1 - e[1] ** 2 - e[2] ** 2 - e[3] ** 2}
+
+    def reduced(expr: sp.Expr) -> sp.Expr:
+        return sp.rem(sp.expand(expr), e[0] ** 2 - on_sphere[e[0] ** 2], e[0])
+
+    assert (q.T * qdot - skew(w)).applyfunc(reduced) == sp.zeros(3, 3)
+    assert (q.T * q - sp.eye(3)).applyfunc(reduced) == sp.zeros(3, 3)

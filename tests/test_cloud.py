@@ -1,0 +1,233 @@
+"""Bodies in space against an oracle that knows no mechanics but x = c + Q (X + u).
+
+A cloud of point masses is moved along a path with given rates and accelerations; x(t) is differentiated numerically in
+50 digits and projected on the virtual displacements, which are differences of positions as well.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+import mpmath
+import numpy as np
+import pytest
+
+import derive
+from derive.emit.c import c_files
+from derive.emit.python import python_file
+from derive.kernel.lower import lower
+from derive.kernel.model import Model
+from derive.mechanics.nodal import derive_nodal, derive_symbolic
+from derive.native import Native
+
+SHAPES = (0, 1, 3, 8)
+POINTS = 10
+
+
+@dataclass(frozen=True)
+class Cloud:
+    masses: np.ndarray
+    positions: np.ndarray
+    modes: np.ndarray
+    stiffness: np.ndarray
+
+
+@cache
+def cloud(n: int) -> Cloud:
+    rng = np.random.default_rng(n)
+    root = rng.uniform(-1, 1, (n, n))
+    return Cloud(
+        rng.uniform(0.1, 2, POINTS),
+        rng.uniform(-1, 1, (POINTS, 3)),
+        rng.uniform(-1, 1, (n, POINTS, 3)),
+        root @ root.T * 50,
+    )
+
+
+@cache
+def numeric(n: int) -> Model:
+    c = cloud(n)
+    return lower(derive_nodal(f"cloud_{n}", c.masses, c.positions, c.modes, c.stiffness, {"first": 0, "last": 9}))
+
+
+@cache
+def symbolic(n: int) -> Model:
+    return lower(derive_symbolic(f"symbolic_{n}", n))
+
+
+@cache
+def compiled(n: int, kind: str) -> Native:
+    model = numeric(n) if kind == "numeric" else symbolic(n)
+    return derive.load(c_files(model, "test"), ("-std=c99", "-O1", "-ffp-contract=off"))
+
+
+@cache
+def module(n: int, kind: str) -> dict[str, Any]:
+    model = numeric(n) if kind == "numeric" else symbolic(n)
+    names: dict[str, Any] = {}
+    exec(python_file(model, "test").text, names)
+    return names
+
+
+def parameters(n: int) -> np.ndarray:
+    """The integrals of the cloud, for the model that has them as parameters."""
+    from derive.mechanics.nodal import _integrals
+
+    c = cloud(n)
+    fields = np.concatenate([c.positions[None], c.modes.reshape(n, POINTS, 3)])
+    values = {f"{name}_": value for name, (value, _, _) in _integrals(c.masses, fields).items()}
+    values |= {"m_": c.masses.sum()}
+    values |= {f"K_{i + 1}_{j + 1}_": c.stiffness[i, j] for i in range(n) for j in range(i, n)}
+    return np.array([values[p.name] for p in symbolic(n).parameters])
+
+
+def state(n: int, seed: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    rng = np.random.default_rng(100 * n + seed)
+    e = rng.normal(size=4)
+    q = np.concatenate([rng.uniform(-2, 2, 3), e / np.linalg.norm(e), rng.uniform(-0.5, 0.5, n)])
+    return q, rng.uniform(-2, 2, 6 + n), rng.uniform(-3, 3, 6 + n)
+
+
+# ---- the oracle, in mpmath
+
+Vector = list[Any]
+
+
+def turned(e: Vector, r: Vector) -> Vector:
+    """e r e* / |e|^2."""
+    x = times(times(e, [mpmath.mpf(0), *r]), [e[0], -e[1], -e[2], -e[3]])
+    norm = sum(a * a for a in e)
+    return [a / norm for a in x[1:]]
+
+
+def times(a: Vector, b: Vector) -> Vector:
+    """The product of quaternions."""
+    return [
+        a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3],
+        a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2],
+        a[0] * b[2] - a[1] * b[3] + a[2] * b[0] + a[3] * b[1],
+        a[0] * b[3] + a[1] * b[2] - a[2] * b[1] + a[3] * b[0],
+    ]
+
+
+def place(n: int, k: int, c: Vector, e: Vector, alpha: Vector) -> Vector:
+    """x of point k, (1)."""
+    body = cloud(n)
+    r = [
+        mpmath.mpf(body.positions[k, a]) + sum(alpha[i] * mpmath.mpf(body.modes[i, k, a]) for i in range(n))
+        for a in range(3)
+    ]
+    return [a + b for a, b in zip(c, turned(e, r), strict=True)]
+
+
+def oracle(n: int, q: np.ndarray, v: np.ndarray, a: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Rows of the equations of motion and, for each, the sum of the magnitudes of what was added."""
+    body = cloud(n)
+    with mpmath.workdps(50):
+        q_, v_, a_ = ([mpmath.mpf(float(x)) for x in values] for values in (q, v, a))
+        e = q_[3:7]
+        half = mpmath.mpf(1) / 2
+        edot = [half * x for x in times(e, [0, *v_[3:6]])]
+        eddot = [half * (x + y) for x, y in zip(times(edot, [0, *v_[3:6]]), times(e, [0, *a_[3:6]]), strict=True)]
+
+        def path(t: Any, s0: Vector, s1: Vector, s2: Vector) -> Vector:
+            return [x + t * y + t * t * z / 2 for x, y, z in zip(s0, s1, s2, strict=True)]
+
+        def at(t: Any, k: int) -> Vector:
+            c, alpha = path(t, q_[:3], v_[:3], a_[:3]), path(t, q_[7:], v_[6:], a_[6:])
+            return place(n, k, c, path(t, e, edot, eddot), alpha)
+
+        def varied(s: Any, row: int, k: int) -> Vector:
+            c, alpha = list(q_[:3]), list(q_[7:])
+            turn: Vector = [mpmath.mpf(1), 0, 0, 0]
+            if row < 3:
+                c[row] += s
+            elif row < 6:
+                turn[row - 2] = s / 2
+            else:
+                alpha[row - 6] += s
+            return place(n, k, c, times(e, turn), alpha)
+
+        h = mpmath.mpf(10) ** -12
+        rows = [mpmath.mpf(0)] * (6 + n)
+        sizes = [mpmath.mpf(0)] * (6 + n)
+        for k in range(POINTS):
+            before, now, after = at(-h, k), at(mpmath.mpf(0), k), at(h, k)
+            acceleration = [(x - 2 * y + z) / h**2 for x, y, z in zip(before, now, after, strict=True)]
+            for row in range(6 + n):
+                ahead, behind = varied(h, row, k), varied(-h, row, k)
+                for x, y, z in zip(acceleration, ahead, behind, strict=True):
+                    power = mpmath.mpf(body.masses[k]) * x * (y - z) / (2 * h)
+                    rows[row] += power
+                    sizes[row] += abs(power)
+        for i in range(n):
+            for j in range(n):
+                force = mpmath.mpf(body.stiffness[i, j]) * q_[7 + j]
+                rows[6 + i] += force
+                sizes[6 + i] += abs(force)
+    return np.array([float(x) for x in rows]), np.array([float(x) for x in sizes])
+
+
+CASES = [*((n, "numeric") for n in SHAPES), *((n, "symbolic") for n in (0, 1, 3))]
+
+
+@pytest.mark.parametrize(("n", "kind"), CASES)
+def test_generated_code_is_the_oracle(n: int, kind: str) -> None:
+    native, python = compiled(n, kind), module(n, kind)
+    p = parameters(n) if kind == "symbolic" else np.zeros(0)
+    k = native.setup(p)
+    for seed in range(3):
+        q, v, a = state(n, seed)
+        expected, size = oracle(n, q, v, a)
+        values, h = native.mass_force(0.0, q, v, k)
+        mass = python["dense"](python["MASS"], values)
+        assert np.max(np.abs(mass @ a + h - expected) / size) < 1e-12
+        by_python = python["dense"](python["MASS"], python["mass"](q, k)) @ a + python["force"](0.0, q, v, k)
+        assert np.max(np.abs(by_python - expected) / size) < 1e-12
+        qdot = native.rates(q, v, k)
+        y, ydot = np.concatenate([q, v]), np.concatenate([qdot, a])
+        residual = native.residual(0.0, y, ydot, k)
+        assert np.max(np.abs(residual[: 7 + n])) < 1e-14
+        assert np.max(np.abs(residual[7 + n :] - expected) / size) < 1e-12
+        solved = native.accel(0.0, q, v, k)
+        left = np.abs(mass @ solved + h)
+        assert np.max(left) < 1e-12 * np.linalg.cond(mass) * np.max(np.abs(h))
+
+
+@pytest.mark.parametrize("n", SHAPES)
+def test_jacobian_and_markers(n: int) -> None:
+    native, python = compiled(n, "numeric"), module(n, "numeric")
+    k = native.setup(np.zeros(0))
+    q, v, a = state(n, 5)
+    y, ydot = np.concatenate([q, v]), np.concatenate([native.rates(q, v, k), a])
+    size, cj, step = len(y), 2.3, 1e-40
+    steps = 1j * step * np.eye(size)
+    numeric_values = python["residual"](0.0, y + steps, ydot + cj * steps, k).imag.T / step
+    matrix = python["dense"](python["JACOBIAN"], native.jacobian(0.0, y, ydot, cj, k))
+    scale = np.abs(numeric_values).max(axis=1, keepdims=True)
+    assert np.max(np.abs(matrix - numeric_values) / scale) < 1e-12
+    for name, node in (("first", 0), ("last", 9)):
+        x, xdot, jacobian = native.marker(name, q, v, k)
+        with mpmath.workdps(30):
+            expected = place(n, node, *([mpmath.mpf(float(z)) for z in part] for part in (q[:3], q[3:7], q[7:])))
+        assert np.allclose(x, [float(z) for z in expected], rtol=1e-14, atol=1e-14)
+        dense = python["dense"](native.marker_pattern(name), jacobian)
+        assert np.allclose(dense @ v, xdot, rtol=1e-13, atol=1e-13)
+
+
+@pytest.mark.parametrize("n", SHAPES)
+def test_power_balance_and_momentum(n: int) -> None:
+    """v . (M vdot + h) = d/dt (T + U); momenta do not change in free motion, taken along its flow."""
+    native, python = compiled(n, "numeric"), module(n, "numeric")
+    k = native.setup(np.zeros(0))
+    q, v, a = state(n, 9)
+    qdot = native.rates(q, v, k)
+    power = v @ native.residual(0.0, np.concatenate([q, v]), np.concatenate([qdot, a]), k)[7 + n :]
+    step = 1e-40
+    change = python["energy"](q + 1j * step * qdot, v + 1j * step * a, k).imag.sum() / step
+    assert np.isclose(power, change, rtol=1e-11)
+    free = native.accel(0.0, q, v, k)
+    drift = python["momentum"](q + 1j * step * qdot, v + 1j * step * free, k).imag / step
+    assert np.max(np.abs(drift)) < 1e-9 * np.max(np.abs(free))
