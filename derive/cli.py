@@ -68,14 +68,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except Exception as error:
         if not _is_explained(error):
             raise
-        print(error, file=sys.stderr)
+        print(f"{error.filename}: {error.strerror}" if isinstance(error, OSError) else error, file=sys.stderr)
         return 2
 
 
 def _is_explained(error: Exception) -> bool:
     """Whether the text of an error says where, what, and what to do."""
     from derive.emit.files import NotOurs
+    from derive.kernel.graph import LoweringError
     from derive.native import CompilerError
     from derive.spec import SpecError
 
-    return isinstance(error, SpecError | NotOurs | CompilerError | OSError)
+    return isinstance(error, SpecError | NotOurs | LoweringError | CompilerError | OSError)

@@ -107,6 +107,47 @@ def test_two_files_with_one_name_are_refused(tmp_path: Path, capsys: pytest.Capt
     assert not (tmp_path / "out").exists()
 
 
+@pytest.mark.parametrize(
+    ("first", "second", "said"),
+    [
+        ("beam", "Beam", "differ in more than case"),
+        ("beam", "beam_pattern", "make the same names in C"),
+        ("a_p", "a", "make"),
+    ],
+)
+def test_models_that_meet_in_c_are_refused(
+    first: str, second: str, said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    paths = []
+    for number, name in enumerate((first, second)):
+        paths.append(tmp_path / f"{number}.toml")
+        paths[-1].write_text(f'name = "{name}"\n[beam]\n')
+    assert main(["build", *map(str, paths), "--out", str(tmp_path / "out")]) == 2
+    assert said in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("keys", "said"),
+    [
+        ('ansatz = ["1", "xi", "xi^2", "xi^2 + 1e-20*xi^3"]\northogonal = false', "the pivot of alpha2 vanished"),
+        ('ansatz = ["xi^2 - 1 + 1e-50"]\nframe = "given"', "which no double holds"),
+    ],
+)
+def test_folded_numbers_that_doubles_cannot_serve(
+    keys: str, said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """With parameters setup refuses at run time; with numbers the tool knows at once."""
+    numbers = (
+        "mass = 1\nlength = 1\nbending_stiffness = 1"
+        if "pivot" in said
+        else ("mass = 1e59\nlength = 1e-59\nbending_stiffness = 1e59")
+    )
+    spec = tmp_path / "spec.toml"
+    spec.write_text(f'name = "b"\n[beam]\n{keys}\n{numbers}\n')
+    assert main(["build", str(spec), "--out", str(tmp_path / "out")]) == 2
+    assert said in capsys.readouterr().err
+
+
 def test_files_of_others_are_left_alone(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     mine = tmp_path / "free_beam_mean/free_beam_mean.c"
     mine.parent.mkdir()

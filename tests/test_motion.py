@@ -120,34 +120,46 @@ def test_odd_shapes_at_a_fixed_spin_differ_by_the_amplitude_itself() -> None:
     assert all(0.9 < order < 1.3 for order in orders(apart)), apart
 
 
-def frequency_squared(frame: str, spin: float) -> Callable[[int], float]:
-    """Stiffness over mass of each shape in a beam that spins steadily, in EI/(m l^3), from the Jacobian."""
-    native, module = beams.native(frame), beams.module(frame)
-    k = native.setup(P)
-    y = np.zeros(10)
-    y[7] = spin * UNIT
-    jacobian = module["dense"](module["JACOBIAN"], native.jacobian(0.0, y, np.zeros(10), 0.0, k))
-    mass = module["dense"](module["MASS"], native.mass(y[:5], k))
-    # at rest in the turning frame: alpha_i'' = -(dF_i/dalpha_i) alpha_i / m_i once the others are eliminated
-    return lambda i: float(jacobian[5 + 2 + i, 2 + i] / _reduced(mass, 2 + i) / UNIT**2)
+def modal(frame: str, n: int = 2) -> tuple[Vector, Vector, Vector]:
+    """Stiffness, mass with translations and rotation free, and what spin softens, in a beam that spins steadily.
 
-
-def _reduced(mass: Vector, i: int) -> float:
-    """The inertia of one coordinate when all others are free."""
-    return float(1 / np.linalg.inv(mass)[i, i])
-
-
-def test_spin_softening_is_where_theory_says() -> None:
-    """First order: alpha1 is lost at phidot = sqrt(720) in the mean frame; alpha2^2 is 8400 - phidot^2 there.
-
-    In the point frame alpha2^2 is 8400 - 6.25 phidot^2: the first-order models of the two frames are not the same.
+    From the compiled code: dh/dalpha at rest and its change with spin; M with the rigid rows eliminated. The beam turns
+    about its centre of mass, which removes c2 c2^T / m from what the spin softens.
     """
-    assert math.isclose(frequency_squared("mean", 0)(1), 720, rel_tol=1e-12)
-    assert math.isclose(frequency_squared("mean", 0)(2), 8400, rel_tol=1e-12)
-    assert math.isclose(frequency_squared("mean", 25)(1), 720 - 625, rel_tol=1e-9)
-    assert math.isclose(frequency_squared("mean", 29)(1), 720 - 841, rel_tol=1e-9)
-    assert math.isclose(frequency_squared("mean", 29)(2), 8400 - 841, rel_tol=1e-9)
-    assert math.isclose(frequency_squared("point", 29)(2), 8400 - 6.25 * 841, rel_tol=1e-9)
+    native, module = beams.native(frame, n), beams.module(frame, n)
+    k = native.setup(P)
+    size = n + 3
+
+    def gradient(spin: float) -> Vector:
+        y = np.zeros(2 * size)
+        y[size + 2] = spin
+        return module["dense"](module["JACOBIAN"], native.jacobian(0.0, y, np.zeros(2 * size), 0.0, k))
+
+    mass = module["dense"](module["MASS"], native.mass(np.zeros(size), k))
+    stiffness = gradient(0.0)[size + 3 :, 3:size]
+    softening = stiffness - gradient(1.0)[size + 3 :, 3:size]
+    c2 = mass[3:, :2]
+    rigid = mass[:3, :3]
+    free = mass[3:, 3:] - mass[3:, :3] @ np.linalg.solve(rigid, mass[:3, 3:])
+    return stiffness, free, softening - c2 @ c2.T / mass[0, 0]
+
+
+def test_spin_softening_of_the_two_frames() -> None:
+    """First order: alpha1^2 is 720 - phidot^2 in both; alpha2^2 8400 - phidot^2 mean, 8400 - 6.25 phidot^2 midpoint."""
+    for frame, second in (("mean", 1.0), ("point", 6.25)):
+        stiffness, mass, softening = modal(frame)
+        assert np.allclose(np.diag(stiffness) / np.diag(mass), np.array([720, 8400]) * UNIT**2, rtol=1e-12)
+        assert np.allclose(np.diag(softening) / np.diag(mass), [1, second], rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("frame", "spin"),
+    [("mean", 26.833), ("point", 26.833), ("chord", 26.833), ("point_off_centre", 12.28), ("tangent", 5.61)],
+)
+def test_stability_is_lost_at_the_spins_of_the_readme(frame: str, spin: float) -> None:
+    stiffness, _, softening = modal(frame)
+    lost = np.linalg.eigvals(np.linalg.solve(stiffness, softening)).real.max()
+    assert math.isclose(1 / math.sqrt(lost) / UNIT, spin, rel_tol=1e-3)
 
 
 @pytest.mark.parametrize(("n", "first", "second"), [(2, 0.1994, 0.4864), (4, 0.0085, 0.030), (6, 9e-6, 2.5e-4)])

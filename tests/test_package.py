@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shutil
 import subprocess
 import sys
 import tarfile
@@ -41,6 +42,18 @@ def test_wheel_and_sdist_hold_what_they_should(distributions: Path) -> None:
         inside = {name.split("/", 1)[1] for name in archive.getnames() if "/" in name}
     assert {f"templates/{name}" for name in templates} <= inside
     assert {"README.md", "LICENSE", "CITATION.cff", "constraints.txt", "scenes/free_beam_mean.toml"} <= inside
+
+
+def test_the_install_commands_of_the_readme(tmp_path: Path) -> None:
+    """`python3 -m venv` and `pip install -e` as printed, in a copy, then the first command after them."""
+    from test_readme import INSTALLS, blocks
+
+    ignore = shutil.ignore_patterns(".venv", ".git", "__pycache__", ".*_cache")
+    shutil.copytree(ROOT, tmp_path / "tree", ignore=ignore)
+    lines = [line for block in blocks("sh") for line in block.splitlines() if line.startswith(INSTALLS)]
+    assert len(lines) == 2
+    for line in (*lines, ".venv/bin/tisserand check"):
+        run("sh", "-c", line, cwd=tmp_path / "tree")
 
 
 def test_wheel_builds_a_model_in_an_empty_environment(distributions: Path, tmp_path: Path) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import os
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -68,7 +69,13 @@ def test_check_shows_what_differs(tmp_path: Path, capsys: pytest.CaptureFixture[
     said = capsys.readouterr().out
     assert "-    const double J = C3 - D2_1" in said and "+    const double J = C3 + D2_1" in said
     assert "free_beam_mean.py: missing" in said
-    assert "old.c: no specification makes this file" in said and "notes.txt" not in said
+    assert "old" not in said  # of one specification only its own files are looked at
+    scenes = tmp_path / "scenes"
+    scenes.mkdir()
+    shutil.copy(scene, scenes)
+    assert main(["check", str(scenes), "--out", str(out)]) == 1
+    said_of_all = capsys.readouterr().out
+    assert "old.c: no specification makes this file" in said_of_all and "notes.txt" not in said_of_all
     assert f"to accept: tisserand build {scene} --out {out}" in said
 
 

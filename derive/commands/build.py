@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import re
 import sys
 from dataclasses import asdict
 from pathlib import Path
@@ -30,7 +31,7 @@ def build_all(paths: list[Path]) -> list[Built]:
     built: list[Built] = []
     errors: list[SpecError] = []
     homes: dict[str, Path] = {}
-    for path in paths:
+    for path in dict.fromkeys(paths):
         if sys.stderr.isatty():
             print(f"building {path} ...", end="\r", file=sys.stderr, flush=True)
         try:
@@ -38,16 +39,26 @@ def build_all(paths: list[Path]) -> list[Built]:
         except SpecError as error:
             errors.append(error)
             continue
-        first = homes.setdefault(made.model.name, path)
-        if first != path:
-            text = f"the name {made.model.name!r} is taken by {first}; models are written to folders of their name"
-            errors.append(SpecError((Problem("name", text),), str(path)))
+        if clash := _clash(made.model.name, homes):
+            errors.append(SpecError((Problem("name", clash),), str(path)))
+        homes[made.model.name] = path
         built.append(made)
     if sys.stderr.isatty():
         print("\x1b[K", end="", file=sys.stderr, flush=True)
     if errors:
         raise errors[0] if len(errors) == 1 else ManyErrors(errors)
     return built
+
+
+def _clash(name: str, homes: dict[str, Path]) -> str:
+    """Why a model cannot have this name beside those that are there; empty if it can."""
+    for other, path in homes.items():
+        if name.lower() == other.lower():
+            return f"the name {name!r} is taken by {path}; names of models must differ in more than case"
+        short, long = sorted((name.lower(), other.lower()), key=len)
+        if re.match(rf"{short}_(marker|pattern|table|colptr|rowidx|sparsity|p|k|nnz)(_|$)", long):
+            return f"the names {name!r} and {other!r} of {path} make the same names in C; choose another"
+    return ""
 
 
 class ManyErrors(SpecError):

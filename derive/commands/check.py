@@ -21,7 +21,8 @@ def run(options: argparse.Namespace) -> int:
         return 2
     files = [file for built in build_all(specs) for file in built.files]
     reports = [report for file in files if (report := _difference(file, options.out))]
-    reports += _strays(files, options.out)
+    if options.scenes.is_dir():
+        reports += _strays(files, options.out)
     if reports:
         print("\n".join(reports))
         print(f"\nto accept: tisserand build {' '.join(map(str, specs))} --out {options.out}")
@@ -34,9 +35,9 @@ def _difference(file: File, out: Path) -> str:
     path = out / file.path
     if not path.exists():
         return f"{path}: missing"
-    found = path.read_text(encoding="utf-8", errors="replace")
-    if found == file.text:
+    if path.read_bytes() == file.text.encode():
         return ""
+    found = path.read_text(encoding="utf-8", errors="replace")
     diff = unified_diff(found.splitlines(), file.text.splitlines(), str(path), f"{path} (regenerated)", lineterm="")
     lines = list(diff)
     cut = [f"... {len(lines) - MOST_LINES} more lines"] if len(lines) > MOST_LINES else []
@@ -48,4 +49,4 @@ def _strays(files: list[File], out: Path) -> list[str]:
     expected = {out / file.path for file in files}
     present = sorted(path for path in out.rglob("*") if path.is_file() and path not in expected)
     marked = (path for path in present if MARK.encode() in path.read_bytes()[:1000])
-    return [f"{path}: no specification makes this file; remove it" for path in marked]
+    return [f"{path}: no specification makes this file; remove it by hand" for path in marked]

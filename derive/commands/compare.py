@@ -29,7 +29,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def state(native: Native) -> tuple[Vector, Vector]:
-    """A bent beam that turns: phi = 0.5 rad, alpha_i = 0.02/i l, phidot = 3 rad/s, alphadot_i = 0.1 m/s."""
+    """A bent beam that turns: phi = 0.5 rad, alpha_i = 0.02/i m, phidot = 3 rad/s, alphadot_i = 0.1 m/s."""
     shapes = np.arange(1, native.nq - 2)
     q = np.concatenate([[0, 0, 0.5], 0.02 / shapes])
     v = np.concatenate([[0, 0, 3.0], np.full(len(shapes), 0.1)])
@@ -68,8 +68,8 @@ def _show(native: Native, result: dict[str, object]) -> str:
         f"  mass matrix M ({pattern.full_nnz} of {pattern.rows * pattern.cols} structural non-zeros) and forces h",
     ]
     for name, row, h in zip(names, matrix, force, strict=True):
-        cells = " ".join(f"{'.':>10}" if x is None else f"{x:10.6f}" for x in row)
-        lines.append(f"  {name:<{width}} {cells}   {h:11.6f}")
+        cells = " ".join(f"{'.':>12}" if x is None else f"{x:12.6g}" for x in row)
+        lines.append(f"  {name:<{width}} {cells}   {h:12.6g}")
     return "\n".join(lines)
 
 

@@ -15,6 +15,7 @@ class ModelText:
     """Lines that describe a model: state, parameters, constants, the mass matrix and its zeros."""
 
     title: str
+    origin: str
     state: tuple[str, ...]
     rates: tuple[str, ...]
     parameters: tuple[str, ...]
@@ -36,6 +37,7 @@ def model_text(model: Model) -> ModelText:
     mass = model.pattern("mass", "M")
     return ModelText(
         title=f"{model.name}: {model.doc}",
+        origin=model.origin,
         state=state,
         rates=rates,
         parameters=tuple(f"{p.name}  [{p.unit}]  {p.doc}, default {p.default!r}" for p in model.parameters)
@@ -59,6 +61,11 @@ def description(said: ModelText) -> tuple[str, ...]:
         "Equations of motion M(q) vdot + h(t, q, v) = 0, from x = c + Q (X + u) and d'Alembert's virtual",
         "work: (15) of Koppens, Sauren, Veldpaus & van Campen, J. Appl. Mech. 55 (1988) 676-680, whose",
         "equation numbers these are. Units are SI where the parameters are; any consistent set will do.",
+        "",
+        "The floating frame has its origin at c and is turned by Q. r = X + u, the shapes Phi_i and all their",
+        "moments (c1 .. c8, d1, D2, d3, J) are resolved in it, so that there e1 and e2 are its axes; c, momenta",
+        "and markers are resolved in the inertial base.",
+        *((said.origin,) if said.origin else ()),
         *block("Coordinates q:", said.state),
         *block("Rates v and the rows of the equations of motion, with their units:", said.rates),
         *block("Parameters p:", said.parameters),

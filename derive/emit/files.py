@@ -23,12 +23,12 @@ class NotOurs(Exception):
     """A file that would be overwritten does not carry our mark."""
 
 
-def write(files: Sequence[File], folder: Path) -> None:
-    """Write files below a folder; those that are equal already are left alone.
+def write(files: Sequence[File], folder: str | Path) -> None:
+    """Write files below a folder, each whole or not at all; those that are equal already are left alone.
 
     Raises NotOurs, before anything is written, when a path holds a file without our mark; OSError as the system does.
     """
-    targets = [(folder / file.path, file.text.encode()) for file in files]
+    targets = [(Path(folder) / file.path, file.text.encode()) for file in files]
     for target, _ in targets:
         taken = target.exists() or target.is_symlink()
         if taken and not (target.is_file() and MARK.encode() in target.read_bytes()[:1000]):

@@ -13,6 +13,7 @@ from derive.emit.files import MARK, File
 from derive.emit.python import python_file
 from derive.kernel.model import Model
 from derive.spec.body import PlanarBeam
+from derive.version import VERSION
 
 
 def model_files(model: Model, spec: PlanarBeam) -> tuple[File, ...]:
@@ -44,7 +45,7 @@ def _manifest(model: Model, description: dict[str, object], fingerprint: str, fi
         "specification": description,
         "specification_sha256": fingerprint,
         "abi": ABI,
-        "tools": {name: version(name) for name in ("tisserand", "sympy", "casadi", "jinja2")},
+        "tools": {"tisserand": VERSION, **{name: version(name) for name in ("sympy", "casadi", "jinja2")}},
         "operations": {kernel.name: kernel.operations for kernel in model.kernels},
         "nonzeros": {
             "mass": {"structural": mass.full_nnz, "of": mass.rows * mass.cols, "stored": len(mass.rowidx)},

@@ -7,7 +7,7 @@ from fractions import Fraction
 import casadi as ca
 import sympy as sp
 
-from derive.kernel.graph import Constants, Graph
+from derive.kernel.graph import Constants, Graph, held
 from derive.kernel.ir import Argument, Kernel, Num, Output, Pattern, Ref, pattern
 from derive.kernel.schedule import Named, Step, Stored, Want, schedule
 from derive.kernel.symbols import Symbols
@@ -41,7 +41,7 @@ class Context:
         symbols = Symbols(early=frozenset(row.v for row in eq.rows), late=rotation)
         for c in self.coefficients:
             value = c.value
-            known = Num(Fraction(int(value.p), int(value.q))) if value.is_Rational else Ref(str(c.symbol))
+            known = Num(held(Fraction(int(value.p), int(value.q)))) if value.is_Rational else Ref(str(c.symbol))
             symbols.input(c.symbol, known)
         for argument in arguments:
             for name in (argument.name,) if argument.scalar else argument.elements:

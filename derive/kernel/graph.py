@@ -6,15 +6,18 @@ time is folded, and what depends on coefficients alone is found, to be moved to 
 
 from __future__ import annotations
 
+import sys
 from dataclasses import dataclass
 from fractions import Fraction
 
 import casadi as ca
+import sympy as sp
 
 from derive.kernel.ir import Expr, Num, Op, Ref, Require
 from derive.kernel.symbols import Symbols
 
 BINARY = {ca.OP_ADD: "add", ca.OP_SUB: "sub", ca.OP_MUL: "mul", ca.OP_DIV: "div"}
+LEAST, MOST = Fraction(sys.float_info.min), Fraction(sys.float_info.max)
 SHORT = 9
 """Nodes of an expression of coefficients that gets one name; a longer one is made of named ones."""
 
@@ -28,6 +31,10 @@ class Node:
     leaf: Num | Ref | None
     kind: str = ""
     args: tuple[int, ...] = ()
+
+
+class LoweringError(ValueError):
+    """A model that cannot be computed with doubles: a number that they do not hold, or a pivot that vanishes."""
 
 
 class Constants:
@@ -76,8 +83,8 @@ class Graph:
         return self._intern(Node(leaf))
 
     def number(self, value: int | Fraction) -> int:
-        """The node of a number."""
-        return self.leaf(Num(Fraction(value)))
+        """The node of a number. Raises LoweringError when no double is near it."""
+        return self.leaf(Num(held(Fraction(value))))
 
     def apply(self, kind: str, *args: int) -> int:
         """The node of an operation, folded when its operands are numbers or make it trivial."""
@@ -161,6 +168,16 @@ class Graph:
         if kind == "div" and vb is None and self._constant[b] and not self._constant[a]:
             return self.apply("mul", a, self.apply("div", self.number(1), b))  # setup divides
         return None
+
+
+def held(value: Fraction) -> Fraction:
+    """The number, if a double can hold it (rounded)."""
+    if value and not LEAST <= abs(value) <= MOST:
+        raise LoweringError(
+            f"the numbers of the specification lead to {sp.Rational(value).n(3)}, which no double holds; "
+            "choose units in which mass, length and stiffness are nearer to one"
+        )
+    return value
 
 
 def _exact(kind: str, values: list[Fraction]) -> Fraction:

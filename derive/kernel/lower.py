@@ -33,6 +33,7 @@ def lower(equations: Equations) -> Model:
     return Model(
         name=equations.name,
         doc=equations.doc,
+        origin=equations.origin,
         coordinates=tuple(Variable(str(c.q), c.doc, c.unit) for c in coordinates),
         rates=tuple(Variable(str(row.v), row.doc, row.unit) for row in equations.rows),
         rows=tuple(Variable(row.name, f"row of delta {row.name}", row.work) for row in equations.rows),

@@ -31,6 +31,7 @@ class Model:
 
     name: str
     doc: str
+    origin: str
     coordinates: tuple[Variable, ...]
     rates: tuple[Variable, ...]
     rows: tuple[Variable, ...]

@@ -8,7 +8,7 @@ from fractions import Fraction
 
 import casadi as ca
 
-from derive.kernel.graph import Graph, read
+from derive.kernel.graph import Graph, LoweringError, read
 from derive.kernel.ir import Expr, Let, Num, Op, Ref, Require, Section, Statement, Store
 from derive.kernel.symbols import Symbols
 
@@ -91,6 +91,9 @@ def _when_needed(graph: Graph, definitions: list[Located], steps: list[Located])
 def _moved_to_setup(graph: Graph, want: Required, node: int) -> bool:
     if not graph.is_constant(node):
         return False
+    number = graph.value(node)
+    if number is not None and want.kind == "positive" and number <= 0:
+        raise LoweringError(f"{want.text}: the shapes are too nearly dependent to compute with; make them orthogonal")
     graph.constants.require(want.kind, graph.expr(node), want.code, want.text)
     return True
 

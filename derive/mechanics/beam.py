@@ -23,6 +23,7 @@ CENTRED = "the choice of O (the centre of the undeformed beam)"
 CONDITION_17 = "condition (17) (no mean displacement)"
 CONDITION_19 = "condition (19) (no mean rotation)"
 PARITY = "parity (the integrand is odd in xi)"
+BY_CHANCE = "these shapes (the integral vanishes exactly)"
 ORTHOGONAL = "orthogonality (the integral vanishes exactly)"
 
 
@@ -37,6 +38,7 @@ def derive(beam: PlanarBeam) -> Equations:
     body = Body(
         name=beam.name,
         doc=f"free planar beam, {beam.frame.kind} frame, shapes {', '.join(map(_shape_text, shapes))}",
+        origin="X = xi l/2 e1 (24), so c is where the centre of the undeformed beam lies in the floating frame.",
         motion=planar_motion(len(shapes)),
         mass=mass,
         integrals=coefficients(BeamIntegrals(shapes, mass, length, beam.frame.kind == "mean"), len(shapes)),
@@ -84,7 +86,7 @@ class BeamIntegrals:
             return Value(sp.S.Zero, LATERAL)
         if i == 0:
             return self._value(self._field(0), self.length / 2, CENTRED)
-        return self._value(self._field(i), sp.S.One, CONDITION_17 if self.mean_frame else None)
+        return self._value(self._field(i), sp.S.One, CONDITION_17 if self.mean_frame else None, BY_CHANCE)
 
     def trace(self, i: int, j: int) -> Value:
         """X . X, X . Phi_j or Phi_i . Phi_j."""
@@ -103,13 +105,15 @@ class BeamIntegrals:
     def _field(self, i: int) -> sp.Poly:
         return _poly(self.shapes[i - 1]) if i else sp.Poly(xi, xi, domain="QQ")
 
-    def _value(self, integrand: sp.Poly, factor: sp.Expr, reason: str | None = None) -> Value:
+    def _value(
+        self, integrand: sp.Poly, factor: sp.Expr, reason: str | None = None, otherwise: str = ORTHOGONAL
+    ) -> Value:
         """m/2 int integrand dxi times factor, with the reason if it is zero."""
         value = integral(integrand)
         if value:
             return Value(self.mass * factor * value / 2)
         odd = all(n % 2 for (n,), _ in integrand.terms())
-        return Value(sp.S.Zero, reason or (PARITY if odd else ORTHOGONAL))
+        return Value(sp.S.Zero, reason or (PARITY if odd else otherwise))
 
 
 def _stiffness(shapes: tuple[Polynomial, ...], length: sp.Expr, bending: sp.Expr) -> tuple[Coefficient, ...]:

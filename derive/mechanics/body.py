@@ -35,7 +35,7 @@ class Motion:
 
     `definitions` are d1, D2, d3, J in terms of the shape integrals; `sums` stand in one row alone or hold
     accelerations, and are written out; `products` gives names to products of rates. `turns` are the tensors e_k x, in
-    the inertial and in the body base. `identical` is the reason of a term that cancels in any body.
+    the inertial and in the body base. `identities` are the reasons of terms that cancel in any body, by row and name.
     """
 
     coordinates: tuple[Coordinate, ...]
@@ -50,7 +50,7 @@ class Motion:
     sums: dict[sp.Symbol, sp.Expr]
     products: dict[sp.Expr, sp.Symbol]
     turns: tuple[tuple[sp.Matrix, sp.Matrix], ...]
-    identical: str
+    identities: dict[tuple[str, str], str]
 
     @property
     def alphadot(self) -> tuple[sp.Symbol, ...]:
@@ -100,10 +100,14 @@ class MaterialPoint:
 
 @dataclass(frozen=True)
 class Body:
-    """What (15) needs to know of a body; `stiffness` holds K_ij, i <= j, of U = 1/2 alpha K alpha."""
+    """What (15) needs to know of a body.
+
+    `origin` says in words where c is; `stiffness` holds K_ij, i <= j, of U = 1/2 alpha K alpha.
+    """
 
     name: str
     doc: str
+    origin: str
     motion: Motion
     mass: sp.Expr
     integrals: tuple[Coefficient, ...]
@@ -125,6 +129,7 @@ def equations(body: Body) -> Equations:
     return Equations(
         name=body.name,
         doc=body.doc,
+        origin=body.origin,
         coordinates=motion.coordinates,
         rows=motion.rows,
         rates=motion.rates,
@@ -132,7 +137,7 @@ def equations(body: Body) -> Equations:
         coefficients=every,
         definitions=(*motion.rotation_definitions, *composed),
         terms=terms,
-        vanished=tuple(v if v.reason else replace(v, reason=motion.identical) for v in vanished),
+        vanished=tuple(v if v.reason else replace(v, reason=_identity(motion, v.term)) for v in vanished),
         mass=_mass_matrix(motion, terms),
         mass_zeros=_mass_zeros(motion, complete, reasons),
         kinetic_energy=zeros.drop(_kinetic_energy(motion), reasons),
@@ -183,7 +188,8 @@ def _strain_energy(motion: Motion, stiffness: tuple[Coefficient, ...]) -> sp.Exp
 
 def _elasticity(motion: Motion, strain: sp.Expr) -> tuple[Term, ...]:
     """delta U, the first term of (13)."""
-    return tuple(Term(str(a), "elastic", "(13), (22)", sp.expand(strain.diff(a))) for a in motion.alpha)
+    gradients = ((a, sp.expand(strain.diff(a))) for a in motion.alpha)
+    return tuple(Term(str(a), "elastic", "(13), (22)", force) for a, force in gradients if force != 0)
 
 
 def _mass_matrix(motion: Motion, terms: tuple[Term, ...]) -> sp.ImmutableMatrix:
@@ -197,9 +203,27 @@ def _mass_zeros(motion: Motion, complete: tuple[Term, ...], reasons: zeros.Reaso
     full = _mass_matrix(motion, complete)
     n = len(motion.rows)
     lower = ((i, j, full[i, j]) for i in range(n) for j in range(i + 1))
-    return tuple(
-        (i, j, zeros.why(entry, reasons) or TRANSLATIONS) for i, j, entry in lower if zeros.drop(entry, reasons) == 0
-    )
+    vanishing = ((i, j, entry) for i, j, entry in lower if zeros.drop(entry, reasons) == 0)
+    return tuple((i, j, zeros.why(entry, reasons) or _uncoupled(motion, i, j)) for i, j, entry in vanishing)
+
+
+def _uncoupled(motion: Motion, i: int, j: int) -> str:
+    """The reason of a zero of the mass matrix in which no integral stands."""
+    if max(i, j) < motion.rotation.rows:
+        return TRANSLATIONS
+    raise ArithmeticError(f"entry {i}, {j} of the mass matrix vanishes without a reason")
+
+
+def _identity(motion: Motion, term: Term) -> str:
+    """The reason of a vanished term in which no integral stands."""
+    odd = "c7 is odd in its indices, so that one shape does not act on itself"
+    known = motion.identities | {(str(a), "Coriolis"): odd for a in motion.alpha}
+    if not motion.alpha:
+        pairs = ((row.name, name) for row in motion.rows for name in ("Coriolis", "relative"))
+        known |= dict.fromkeys(pairs, "a rigid body has no shapes")
+    if (term.row, term.name) not in known:
+        raise ArithmeticError(f"the {term.name} term of row {term.row} vanishes without a reason")
+    return known[term.row, term.name]
 
 
 def _kinetic_energy(motion: Motion) -> sp.Expr:

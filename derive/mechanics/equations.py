@@ -102,13 +102,14 @@ class MarkerEquations:
 class Equations:
     """The equations of motion of one model: the sum of the terms of each row is zero (no external load).
 
-    `rates` gives the time derivatives of the coordinates. `coefficients` hold the shape integrals c1..c8 and the
-    stiffness, `definitions` d1, D2, d3, J and what else is shared; both keep their zeros, with reasons. `mass_zeros`
-    explains the zeros of the mass matrix: (row, column, reason), lower triangle.
+    `origin` says in words where c is. `rates` gives the time derivatives of the coordinates. `coefficients` hold the
+    shape integrals c1..c8 and the stiffness, `definitions` d1, D2, d3, J and what else is shared; both keep their
+    zeros, with reasons. `mass_zeros` explains the zeros of the mass matrix: (row, column, reason), lower triangle.
     """
 
     name: str
     doc: str
+    origin: str
     coordinates: tuple[Coordinate, ...]
     rows: tuple[Row, ...]
     rates: tuple[sp.Expr, ...]

@@ -45,7 +45,9 @@ def derive_nodal(
     )
     points = tuple(_point(marker, node, x, phi) for marker, node in (markers or {}).items())
     doc = f"body of {len(m)} nodes with {n} modes"
-    return equations(Body(name, doc, spatial_motion(n), sp.Rational(float(m.sum())), integrals, elastic, points, ()))
+    return equations(
+        Body(name, doc, "", spatial_motion(n), sp.Rational(float(m.sum())), integrals, elastic, points, ())
+    )
 
 
 def derive_symbolic(name: str, n: int) -> Equations:
@@ -66,6 +68,7 @@ def derive_symbolic(name: str, n: int) -> Equations:
     body = Body(
         name,
         f"body with {n} modes, all shape integrals parameters",
+        "",
         spatial_motion(n),
         parameters["m"].symbol,
         integrals,

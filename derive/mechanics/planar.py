@@ -33,15 +33,15 @@ def planar_motion(n: int) -> Motion:
         sums=sums(alphadot, alphaddot),
         products={},
         turns=((turn, turn),),
-        identical="planar motion: omega x (J . omega) = 0",
+        identities={("phi", "centrifugal"): "planar motion: omega x (J . omega) = 0"},
     )
 
 
 def _coordinates(n: int) -> tuple[Coordinate, ...]:
     """c1, c2, phi, alpha1..alphaN: (14), (23), (27)."""
     return (
-        Coordinate(sp.Symbol("c1"), "translation of the floating frame along e1", "m"),
-        Coordinate(sp.Symbol("c2"), "translation of the floating frame along e2", "m"),
+        Coordinate(sp.Symbol("c1"), "position of the origin of the floating frame along the inertial e1", "m"),
+        Coordinate(sp.Symbol("c2"), "position of the origin of the floating frame along the inertial e2", "m"),
         Coordinate(sp.Symbol("phi"), "rotation of the floating frame", "rad"),
         *(Coordinate(sp.Symbol(f"alpha{i}"), f"amplitude of assumed shape {i}", "m") for i in range(1, n + 1)),
     )

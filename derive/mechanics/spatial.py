@@ -101,7 +101,7 @@ def spatial_motion(n: int) -> Motion:
         sums=_sums(alphadot, alphaddot),
         products=products,
         turns=tuple((skew(axes[:, k]), skew(rotation[k, :])) for k in range(3)),
-        identical="it cancels for any body",
+        identities={},
     )
 
 

@@ -31,7 +31,8 @@ class Frame:
 
     `mean`: no mean displacement and no mean rotation; `point`: no displacement and no slope at `at`;
     `chord`: no displacement at either end; `tangent`: no displacement and no slope at the end `at`;
-    `given`: the ansatz is used as it stands, and refused if it holds a rigid motion.
+    `given`: the ansatz is used as it stands, and refused if it holds a rigid motion. In every frame X = xi l/2 e1, so
+    that c is where the centre of the undeformed beam lies in the floating frame, not the point `at`.
     """
 
     kind: FrameKind

@@ -197,7 +197,8 @@ class _Parser:
     def too_large(self, at: _Token) -> NoReturn:
         self.fail(
             at,
-            f"a number has too many digits; at most {MAX_DIGITS} above and below the fraction bar are kept",
+            f"a number is too large, too small or too long: exact numbers have at most {MAX_DIGITS} digits above "
+            "and below the fraction bar",
         )
 
     @property

@@ -33,6 +33,7 @@ _PYTHON = """
 _TAKEN = """
     main acos asin atan atan2 cbrt ceil copysign cos cosh erf exp exp2 expm1 fabs floor fma fmax fmin
     fmod frexp hypot ldexp log log10 log1p log2 pow round sin sinh sqrt tan tanh trunc abs
+    tisserand math numpy typing
     NULL EOF INFINITY NAN HUGE_VAL M_PI errno stdin stdout stderr unix linux con nul aux prn
 """
 _RESERVED = {

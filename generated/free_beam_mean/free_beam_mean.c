@@ -688,8 +688,8 @@ static const tisserand_variable free_beam_mean_table_k[] = {
 };
 
 static const tisserand_variable free_beam_mean_table_q[] = {
-    {"c1", "m", "translation of the floating frame along e1", 0.0},
-    {"c2", "m", "translation of the floating frame along e2", 0.0},
+    {"c1", "m", "position of the origin of the floating frame along the inertial e1", 0.0},
+    {"c2", "m", "position of the origin of the floating frame along the inertial e2", 0.0},
     {"phi", "rad", "rotation of the floating frame", 0.0},
     {"alpha1", "m", "amplitude of assumed shape 1", 0.0},
     {"alpha2", "m", "amplitude of assumed shape 2", 0.0},

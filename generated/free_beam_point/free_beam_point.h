@@ -9,9 +9,16 @@
  * work: (15) of Koppens, Sauren, Veldpaus & van Campen, J. Appl. Mech. 55 (1988) 676-680, whose
  * equation numbers these are. Units are SI where the parameters are; any consistent set will do.
  *
+ * The floating frame has its origin at c and is turned by Q. r = X + u, the shapes Phi_i and all
+ *     their
+ * moments (c1 .. c8, d1, D2, d3, J) are resolved in it, so that there e1 and e2 are its axes; c,
+ *     momenta
+ * and markers are resolved in the inertial base.
+ * X = xi l/2 e1 (24), so c is where the centre of the undeformed beam lies in the floating frame.
+ *
  * Coordinates q:
- *   0  c1      [m]  translation of the floating frame along e1
- *   1  c2      [m]  translation of the floating frame along e2
+ *   0  c1      [m]  position of the origin of the floating frame along the inertial e1
+ *   1  c2      [m]  position of the origin of the floating frame along the inertial e2
  *   2  phi     [rad]  rotation of the floating frame
  *   3  alpha1  [m]  amplitude of assumed shape 1
  *   4  alpha2  [m]  amplitude of assumed shape 2
@@ -193,7 +200,9 @@ enum {
 };
 
 /* ---- functions: 0 = ok. From setup and accel alone: 1 = a pivot vanished; 2 = a value is not finite
-   or not positive; the outputs then hold nothing of use. The others let a NaN through. ---- */
+   or not positive; the outputs then hold nothing of use. The others let a NaN through; accel calls a
+   NaN in its mass matrix a vanished pivot.
+   Arrays that are written must not overlap each other or arrays that are read. ---- */
 
 /*
  * Constants k from the parameters p: once for a set of parameters.

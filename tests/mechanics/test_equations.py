@@ -81,6 +81,19 @@ def test_reasons_are_the_conditions_of_the_paper() -> None:
     assert "(19)" not in {(i, j): r for i, j, r in beams.made("point", 2).equations.mass_zeros}[3, 2]
 
 
+@pytest.mark.parametrize("frame", beams.FRAMES)
+def test_reasons_without_an_integral_are_the_known_identities(frame: str) -> None:
+    """In the plane omega is parallel to J omega; translations do not couple; one shape does not act on itself."""
+    for n in (1, 3):
+        equations = beams.made(frame, n).equations
+        bare = {(v.term.row, v.term.name): v.reason for v in equations.vanished if " = 0 by " not in v.reason}
+        assert bare.pop(("phi", "centrifugal")) == "planar motion: omega x (J . omega) = 0"
+        assert {name for _, name in bare} <= {"Coriolis"}
+        assert list(bare) == ([("alpha1", "Coriolis")] if n == 1 else [])
+        assert all("odd in its indices" in reason for reason in bare.values())
+        assert [(i, j) for i, j, reason in equations.mass_zeros if " = 0 by " not in reason] == [(1, 0)]
+
+
 def test_terms_add_up_to_mass_and_force() -> None:
     equations = beams.made("point", 3).equations
     for i, coordinate in enumerate(equations.coordinates):

@@ -48,7 +48,7 @@ def cloud() -> Equations:
     stiffness = tuple(
         Coefficient(sp.Symbol(f"K_{i}_{j}"), sp.Integer(k), "", "", "") for (i, j), k in STIFFNESS.items()
     )
-    body = Body("cloud", "", planar_motion(2), sum(MASSES), coefficients(CloudIntegrals(), 2), stiffness, (), ())
+    body = Body("cloud", "", "", planar_motion(2), sum(MASSES), coefficients(CloudIntegrals(), 2), stiffness, (), ())
     return equations(body)
 
 

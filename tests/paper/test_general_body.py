@@ -54,7 +54,7 @@ def derived(n: int, mean: bool = False) -> Equations:
         Coefficient(sp.Symbol(name), value, "", "", "", MEAN if value == 0 else None)
         for name, value in values(n, mean).items()
     )
-    return equations(Body("general", "", spatial_motion(n), sp.Symbol("m"), integrals, (), (), ()))
+    return equations(Body("general", "", "", spatial_motion(n), sp.Symbol("m"), integrals, (), (), ()))
 
 
 def written_out(eq: Equations, expr: sp.Expr) -> sp.Expr:

@@ -43,8 +43,8 @@ KEYS = "ansatz, frame, orthogonal, mass, length, bending_stiffness, markers"
         ("mass = nan", "3: beam.mass: a finite number is needed, not nan"),
         (
             "mass = 1e400",
-            '3: beam.mass: column 1 of "1e400": a number has too many digits; '
-            "at most 60 above and below the fraction bar are kept",
+            '3: beam.mass: column 1 of "1e400": a number is too large, too small or too long: '
+            "exact numbers have at most 60 digits above and below the fraction bar",
         ),
         (
             f"mass = {10**60}",
