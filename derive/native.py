@@ -64,6 +64,8 @@ def compile_shared(sources: Sequence[Path], library: Path, flags: Sequence[str] 
         raise CompilerError(f"{command[0]}: {error.strerror}") from error
     if done.returncode:
         raise CompilerError(f"{shlex.join(command)}\n{done.stderr}")
+    if not library.exists():
+        raise CompilerError(f"{shlex.join(command)}\nit made no library; is {command[0]} a C compiler?")
     return library
 
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from derive.emit.document import LICENCE, description, kernel_text, model_text, section_text
+from derive.emit.document import LICENCE, description, kernel_text, model_text, pattern_texts, section_text
 from derive.emit.expression import c_number, statement, text
 from derive.emit.files import MARK, File
-from derive.emit.template import comment, render, wrapped
-from derive.kernel.ir import Kernel, Let, Pattern, Statement, Store
+from derive.emit.template import comment, render
+from derive.kernel.ir import Kernel, Let, Statement, Store
 from derive.kernel.model import Model
 
 ABI = 1
@@ -37,7 +37,7 @@ def c_files(model: Model, fingerprint: str) -> tuple[File, ...]:
         "title": "\n".join(comment((*mark, f"{said.title}; see {model.name}.h."))),
         "description": "\n".join(comment((*mark, *description(said)))),
         "functions": [_function(model, kernel) for kernel in model.kernels],
-        "patterns": _patterns(model),
+        "patterns": pattern_texts(model, "    "),
         "markers": [(m.name, len(model.kernel(f"marker_{m.name}").outputs[0].elements)) for m in model.markers],
         "momenta": len(model.kernel("momentum").outputs[0].elements),
         "tables": [{"name": n, "variables": variables} for n, variables in tables if variables],
@@ -86,23 +86,3 @@ def _statement(item: Statement) -> list[str]:
         return statement("    ", f"{item.output}[{item.index}] = ", value, ";")
     test = f"!({value} > 0.0)" if item.kind == "positive" else f"!isfinite({value})"
     return statement("    ", "if (", test, f") return {item.code}; /* {item.text} */")
-
-
-@dataclass(frozen=True)
-class CPattern:
-    """A sparsity pattern as C data."""
-
-    name: str
-    pattern: Pattern
-    colptr: str
-    rowidx: str
-
-
-def _patterns(model: Model) -> list[CPattern]:
-    found = [("mass", model.pattern("mass", "M")), ("jacobian", model.pattern("jacobian", "jac"))]
-    found += [(f"marker_{m.name}", model.pattern(f"marker_{m.name}", "jacobian")) for m in model.markers]
-    return [CPattern(name, p, _integers(p.colptr), _integers(p.rowidx)) for name, p in found]
-
-
-def _integers(values: tuple[int, ...]) -> str:
-    return "\n".join(wrapped([", ".join(map(str, values))], "    "))

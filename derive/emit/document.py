@@ -4,10 +4,32 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from derive.emit.template import wrapped
 from derive.kernel.ir import Argument, Kernel, Output, Pattern, Section
 from derive.kernel.model import Model, Zero
 
 LICENCE = "SPDX-License-Identifier: 0BSD"
+
+
+@dataclass(frozen=True)
+class PatternText:
+    """A sparsity pattern as a language writes it: its name, and its integers as lines."""
+
+    name: str
+    pattern: Pattern
+    colptr: str
+    rowidx: str
+
+
+def pattern_texts(model: Model, indent: str) -> list[PatternText]:
+    """The patterns of a model: mass, jacobian, marker_NAME."""
+    found = [("mass", model.pattern("mass", "M")), ("jacobian", model.pattern("jacobian", "jac"))]
+    found += [(f"marker_{m.name}", model.pattern(f"marker_{m.name}", "jacobian")) for m in model.markers]
+
+    def lines(values: tuple[int, ...]) -> str:
+        return "\n".join(wrapped([", ".join(map(str, values))], indent))
+
+    return [PatternText(name, p, lines(p.colptr), lines(p.rowidx)) for name, p in found]
 
 
 @dataclass(frozen=True)
@@ -62,9 +84,9 @@ def description(said: ModelText) -> tuple[str, ...]:
         "work: (15) of Koppens, Sauren, Veldpaus & van Campen, J. Appl. Mech. 55 (1988) 676-680, whose",
         "equation numbers these are. Units are SI where the parameters are; any consistent set will do.",
         "",
-        "The floating frame has its origin at c and is turned by Q. r = X + u, the shapes Phi_i and all their",
-        "moments (c1 .. c8, d1, D2, d3, J) are resolved in it, so that there e1 and e2 are its axes; c, momenta",
-        "and markers are resolved in the inertial base.",
+        "The floating frame has its origin at c and is turned by Q. In it are resolved: r = X + u, the",
+        "shapes Phi_i, and their moments c1 .. c8, d1, D2, d3, J, so that e1, e2 there are its axes.",
+        "In the inertial base are resolved: c, momenta, and markers.",
         *((said.origin,) if said.origin else ()),
         *block("Coordinates q:", said.state),
         *block("Rates v and the rows of the equations of motion, with their units:", said.rates),

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from derive.emit.document import LICENCE, description, kernel_text, model_text, section_text
+from derive.emit.document import LICENCE, description, kernel_text, model_text, pattern_texts, section_text
 from derive.emit.expression import python_number, statement, text
 from derive.emit.files import MARK, File
 from derive.emit.template import WIDTH, render, wrapped
-from derive.kernel.ir import Kernel, Let, Output, Pattern, Ref, Statement, Store
+from derive.kernel.ir import Kernel, Let, Output, Ref, Statement, Store
 from derive.kernel.model import Model
 
 
@@ -23,16 +23,6 @@ class Function:
     body: str
 
 
-@dataclass(frozen=True)
-class PythonPattern:
-    """A sparsity pattern as Python data."""
-
-    name: str
-    pattern: Pattern
-    colptr: str
-    rowidx: str
-
-
 def python_file(model: Model, fingerprint: str) -> File:
     """`NAME.py`, which needs NumPy alone; arrays of any array-API namespace will do."""
     values = {
@@ -40,7 +30,7 @@ def python_file(model: Model, fingerprint: str) -> File:
         "model": model,
         "description": "\n".join(wrapped(description(model_text(model)), "")),
         "functions": [_function(kernel) for kernel in model.kernels],
-        "patterns": _patterns(model),
+        "patterns": pattern_texts(model, "        "),
         "tables": _tables(model),
     }
     return File(f"{model.name}/{model.name}.py", render("python/model.py.jinja", values))
@@ -99,12 +89,6 @@ def _results(outputs: tuple[Output, ...], required: list[str]) -> list[str]:
     return lines
 
 
-def _patterns(model: Model) -> list[PythonPattern]:
-    found = [("MASS", model.pattern("mass", "M")), ("JACOBIAN", model.pattern("jacobian", "jac"))]
-    found += [(f"MARKER_{m.name.upper()}", model.pattern(f"marker_{m.name}", "jacobian")) for m in model.markers]
-    return [PythonPattern(name, p, _integers(p.colptr), _integers(p.rowidx)) for name, p in found]
-
-
 @dataclass(frozen=True)
 class Table:
     """A tuple of the generated module."""
@@ -145,7 +129,3 @@ def _lines(literals: list[str]) -> str:
 
 def _tuple(items: list[str]) -> str:
     return f"({items[0]},)" if len(items) == 1 else f"({', '.join(items)})"
-
-
-def _integers(values: tuple[int, ...]) -> str:
-    return "\n".join(wrapped([", ".join(map(str, values)) + ","], "        "))

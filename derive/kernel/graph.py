@@ -53,7 +53,8 @@ class Constants:
     def name(self, expr: Expr) -> str:
         """The name under which setup keeps an expression of coefficients."""
         if expr not in self.hoisted:
-            self.hoisted[expr] = self._describe(expr) or f"constant_{len(self.hoisted) + 1}"
+            unnamed = sum(name.startswith("constant_") for name in self.hoisted.values())
+            self.hoisted[expr] = self._describe(expr) or f"constant_{unnamed + 1}"
         return self.hoisted[expr]
 
     def _describe(self, expr: Expr) -> str | None:

@@ -7,10 +7,9 @@ Equations of motion M(q) vdot + h(t, q, v) = 0, from x = c + Q (X + u) and d'Ale
 work: (15) of Koppens, Sauren, Veldpaus & van Campen, J. Appl. Mech. 55 (1988) 676-680, whose
 equation numbers these are. Units are SI where the parameters are; any consistent set will do.
 
-The floating frame has its origin at c and is turned by Q. r = X + u, the shapes Phi_i and all their
-moments (c1 .. c8, d1, D2, d3, J) are resolved in it, so that there e1 and e2 are its axes; c,
-    momenta
-and markers are resolved in the inertial base.
+The floating frame has its origin at c and is turned by Q. In it are resolved: r = X + u, the
+shapes Phi_i, and their moments c1 .. c8, d1, D2, d3, J, so that e1, e2 there are its axes.
+In the inertial base are resolved: c, momenta, and markers.
 X = xi l/2 e1 (24), so c is where the centre of the undeformed beam lies in the floating frame.
 
 Coordinates q:

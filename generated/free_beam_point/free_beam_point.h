@@ -9,11 +9,9 @@
  * work: (15) of Koppens, Sauren, Veldpaus & van Campen, J. Appl. Mech. 55 (1988) 676-680, whose
  * equation numbers these are. Units are SI where the parameters are; any consistent set will do.
  *
- * The floating frame has its origin at c and is turned by Q. r = X + u, the shapes Phi_i and all
- *     their
- * moments (c1 .. c8, d1, D2, d3, J) are resolved in it, so that there e1 and e2 are its axes; c,
- *     momenta
- * and markers are resolved in the inertial base.
+ * The floating frame has its origin at c and is turned by Q. In it are resolved: r = X + u, the
+ * shapes Phi_i, and their moments c1 .. c8, d1, D2, d3, J, so that e1, e2 there are its axes.
+ * In the inertial base are resolved: c, momenta, and markers.
  * X = xi l/2 e1 (24), so c is where the centre of the undeformed beam lies in the floating frame.
  *
  * Coordinates q:
@@ -47,10 +45,10 @@
  *   X_left  [m]  reference position of marker left
  *   X_right  [m]  reference position of marker right
  *   minus_c2_1_2  -c2_1_2
- *   constant_2  (c6_2 / c8_2_2) * c6_2
- *   constant_3  1/17592186044416 * mass
- *   constant_4  1/17592186044416 * c8_1_1
- *   constant_5  c6_2 / c8_2_2
+ *   constant_1  (c6_2 / c8_2_2) * c6_2
+ *   constant_2  1/17592186044416 * mass
+ *   constant_3  1/17592186044416 * c8_1_1
+ *   constant_4  c6_2 / c8_2_2
  *   inverse_c8_2_2  1 / c8_2_2
  *
  * Mass matrix, x a value and . a structural zero:
@@ -191,10 +189,10 @@ enum {
     FREE_BEAM_POINT_K_X_left = 8,
     FREE_BEAM_POINT_K_X_right = 9,
     FREE_BEAM_POINT_K_minus_c2_1_2 = 10,
-    FREE_BEAM_POINT_K_constant_2 = 11,
-    FREE_BEAM_POINT_K_constant_3 = 12,
-    FREE_BEAM_POINT_K_constant_4 = 13,
-    FREE_BEAM_POINT_K_constant_5 = 14,
+    FREE_BEAM_POINT_K_constant_1 = 11,
+    FREE_BEAM_POINT_K_constant_2 = 12,
+    FREE_BEAM_POINT_K_constant_3 = 13,
+    FREE_BEAM_POINT_K_constant_4 = 14,
     FREE_BEAM_POINT_K_inverse_c8_2_2 = 15,
     FREE_BEAM_POINT_ABI = 1
 };
@@ -209,7 +207,7 @@ enum {
  *
  * p: parameters (3)
  * k: constants (16): mass, c2_1_2, C3, c6_2, c8_1_1, c8_2_2, K_1_1, K_2_2, X_left, X_right,
- *     minus_c2_1_2, constant_2, constant_3, constant_4, constant_5, inverse_c8_2_2
+ *     minus_c2_1_2, constant_1, constant_2, constant_3, constant_4, inverse_c8_2_2
  *
  * From appendix.
  * 20 operations.

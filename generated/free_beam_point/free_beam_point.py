@@ -7,10 +7,9 @@ Equations of motion M(q) vdot + h(t, q, v) = 0, from x = c + Q (X + u) and d'Ale
 work: (15) of Koppens, Sauren, Veldpaus & van Campen, J. Appl. Mech. 55 (1988) 676-680, whose
 equation numbers these are. Units are SI where the parameters are; any consistent set will do.
 
-The floating frame has its origin at c and is turned by Q. r = X + u, the shapes Phi_i and all their
-moments (c1 .. c8, d1, D2, d3, J) are resolved in it, so that there e1 and e2 are its axes; c,
-    momenta
-and markers are resolved in the inertial base.
+The floating frame has its origin at c and is turned by Q. In it are resolved: r = X + u, the
+shapes Phi_i, and their moments c1 .. c8, d1, D2, d3, J, so that e1, e2 there are its axes.
+In the inertial base are resolved: c, momenta, and markers.
 X = xi l/2 e1 (24), so c is where the centre of the undeformed beam lies in the floating frame.
 
 Coordinates q:
@@ -44,10 +43,10 @@ Constants k, made of them by setup:
   X_left  [m]  reference position of marker left
   X_right  [m]  reference position of marker right
   minus_c2_1_2  -c2_1_2
-  constant_2  (c6_2 / c8_2_2) * c6_2
-  constant_3  1/17592186044416 * mass
-  constant_4  1/17592186044416 * c8_1_1
-  constant_5  c6_2 / c8_2_2
+  constant_1  (c6_2 / c8_2_2) * c6_2
+  constant_2  1/17592186044416 * mass
+  constant_3  1/17592186044416 * c8_1_1
+  constant_4  c6_2 / c8_2_2
   inverse_c8_2_2  1 / c8_2_2
 
 Mass matrix, x a value and . a structural zero:
@@ -102,7 +101,7 @@ UNITS = ("kg", "m", "N m^2")
 DEFAULTS = (1.0, 1.0, 1.0)
 CONSTANTS = (
     "mass", "c2_1_2", "C3", "c6_2", "c8_1_1", "c8_2_2", "K_1_1", "K_2_2", "X_left", "X_right",
-    "minus_c2_1_2", "constant_2", "constant_3", "constant_4", "constant_5", "inverse_c8_2_2",
+    "minus_c2_1_2", "constant_1", "constant_2", "constant_3", "constant_4", "inverse_c8_2_2",
 )
 MARKERS = ("left", "middle", "right")
 
@@ -182,7 +181,7 @@ def setup(p):
 
     p: parameters (3)
     k: constants (16): mass, c2_1_2, C3, c6_2, c8_1_1, c8_2_2, K_1_1, K_2_2, X_left, X_right,
-        minus_c2_1_2, constant_2, constant_3, constant_4, constant_5, inverse_c8_2_2
+        minus_c2_1_2, constant_1, constant_2, constant_3, constant_4, inverse_c8_2_2
 
     From appendix.
     20 operations.
@@ -206,10 +205,10 @@ def setup(p):
     X_left = -X_right
     minus_c2_1_2 = -c2_1_2
     inverse_c8_2_2 = 1 / c8_2_2
-    constant_5 = c6_2 * inverse_c8_2_2
-    constant_2 = constant_5 * c6_2
-    constant_3 = 5.684341886080802e-14 * p_m
-    constant_4 = 5.684341886080802e-14 * c8_1_1
+    constant_4 = c6_2 * inverse_c8_2_2
+    constant_1 = constant_4 * c6_2
+    constant_2 = 5.684341886080802e-14 * p_m
+    constant_3 = 5.684341886080802e-14 * c8_1_1
 
     # constants: what the kernels read
     k_0 = p_m
@@ -223,10 +222,10 @@ def setup(p):
     k_8 = X_left
     k_9 = X_right
     k_10 = minus_c2_1_2
-    k_11 = constant_2
-    k_12 = constant_3
-    k_13 = constant_4
-    k_14 = constant_5
+    k_11 = constant_1
+    k_12 = constant_2
+    k_13 = constant_3
+    k_14 = constant_4
     k_15 = inverse_c8_2_2
 
     # checks: refuse parameters that make no body
@@ -247,10 +246,10 @@ def setup(p):
     _require(xp.all(xp.isfinite(X_left)), "X_left is not finite")
     _require(xp.all(xp.isfinite(X_right)), "X_right is not finite")
     _require(xp.all(xp.isfinite(minus_c2_1_2)), "minus_c2_1_2 is not finite")
+    _require(xp.all(xp.isfinite(constant_1)), "constant_1 is not finite")
     _require(xp.all(xp.isfinite(constant_2)), "constant_2 is not finite")
     _require(xp.all(xp.isfinite(constant_3)), "constant_3 is not finite")
     _require(xp.all(xp.isfinite(constant_4)), "constant_4 is not finite")
-    _require(xp.all(xp.isfinite(constant_5)), "constant_5 is not finite")
     _require(xp.all(xp.isfinite(inverse_c8_2_2)), "inverse_c8_2_2 is not finite")
     _require(xp.all(c8_2_2 > 0), "the pivot of alpha2 vanished")
 
@@ -478,10 +477,10 @@ def accel(t, q, v, k):
     c8_2_2 = k[..., 5]
     K_1_1 = k[..., 6]
     K_2_2 = k[..., 7]
-    constant_2 = k[..., 11]
-    constant_3 = k[..., 12]
-    constant_4 = k[..., 13]
-    constant_5 = k[..., 14]
+    constant_1 = k[..., 11]
+    constant_2 = k[..., 12]
+    constant_3 = k[..., 13]
+    constant_4 = k[..., 14]
     inverse_c8_2_2 = k[..., 15]
 
     # Q (26): cos_phi = cosine of the rotation angle; sin_phi = sine of the rotation angle
@@ -499,7 +498,7 @@ def accel(t, q, v, k):
     J = C3 + D2_1 * alpha1 + D2_2 * alpha2
 
     # pivots (LDL^T): eliminate alpha2, phi, c2, alpha1, c1; fill-in 1
-    pivot_phi = J - constant_2
+    pivot_phi = J - constant_1
     t1 = d1_2 * sin_phi
     inverse_pivot_phi = 1 / pivot_phi
     t2 = t1 * inverse_pivot_phi
@@ -517,9 +516,9 @@ def accel(t, q, v, k):
     t10 = t9 * inverse_pivot_alpha1
     pivot_c1 = mass - t6 * t5 - t8 * t7 - t10 * t9
     valid_1 = (pivot_phi - 5.684341886080802e-14 * J) > 0
-    valid_2 = (pivot_c2 - constant_3) > 0
-    valid_3 = (pivot_alpha1 - constant_4) > 0
-    valid_4 = (pivot_c1 - constant_3) > 0
+    valid_2 = (pivot_c2 - constant_2) > 0
+    valid_3 = (pivot_alpha1 - constant_3) > 0
+    valid_4 = (pivot_c1 - constant_2) > 0
 
     # d1dot (appendix): d1dot_2 = int rho rdot . e2
     d1dot_2 = alpha1dot * c2_1_2
@@ -531,7 +530,7 @@ def accel(t, q, v, k):
     t11 = phidot * phidot
     t12 = K_2_2 * alpha2 - t11 * D2_2
     t13 = 2 * phidot
-    t14 = constant_5 * t12 - t13 * D2dot
+    t14 = constant_4 * t12 - t13 * D2dot
     t15 = t11 * d1_2
     t16 = t13 * d1dot_2
     t17 = t15 * cos_phi + t16 * sin_phi + t2 * t14
@@ -544,7 +543,7 @@ def accel(t, q, v, k):
     t22 = t14 * inverse_pivot_phi + t2 * t21 + t6 * t19
     vdot_2 = t22
     vdot_3 = -t20
-    t23 = t12 * inverse_c8_2_2 + constant_5 * t22
+    t23 = t12 * inverse_c8_2_2 + constant_4 * t22
     vdot_4 = -t23
 
     vdot = _stack(xp, batch, (vdot_0, vdot_1, vdot_2, vdot_3, vdot_4))
