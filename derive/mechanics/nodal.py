@@ -12,9 +12,18 @@ from numpy.typing import ArrayLike, NDArray
 
 from derive.mechanics.body import Body, MaterialPoint, equations
 from derive.mechanics.equations import Coefficient, Equations, ParameterSymbol
+from derive.mechanics.mean_frame import to_mean_frame
 from derive.mechanics.spatial import AXES, PAIRS, spatial_motion
 
 Array = NDArray[np.float64]
+
+MEAN = {
+    "c1": "the choice of O (the centre of mass)",
+    "c2": "condition (17) (no mean displacement)",
+    "c6": "condition (19) (no mean rotation)",
+    "c8": "orthogonality (modes orthonormal in the mass)",
+}
+"""What the mean frame makes vanish, with the reasons; c8 off its diagonal."""
 
 NOTHING = "the sum over the nodes, which is exactly zero"
 
@@ -26,17 +35,24 @@ def derive_nodal(
     modes: ArrayLike,
     stiffness: ArrayLike,
     markers: dict[str, int] | None = None,
+    *,
+    mean: bool = False,
 ) -> Equations:
     """The equations of motion of lumped nodes whose displacements are sums of modes.
 
     masses (nodes,) in kg; positions (nodes, 3) in m; modes (N, nodes, 3); stiffness (N, N) in N/m, symmetric;
-    `markers` names nodes by their number.
+    `markers` names nodes by their number. With `mean` the modes are first brought to the mean frame, where c1, c2 and
+    c6 vanish, c8 is the unit matrix and the stiffness is diagonal; the N coordinates then are those of `to_mean_frame`.
+    Raises ValueError when a combination of the modes is a rigid motion.
     """
     m, x, phi, k = (np.asarray(a, dtype=np.float64) for a in (masses, positions, modes, stiffness))
     n = len(phi)
+    if mean:
+        x, phi, k = to_mean_frame(m, x, phi, k)
+    values = _integrals(m, np.concatenate([x[None], phi.reshape(n, len(m), 3)]))
     integrals = tuple(
-        Coefficient(sp.Symbol(symbol), sp.Rational(value), "appendix", doc, unit, None if value else NOTHING)
-        for symbol, (value, doc, unit) in _integrals(m, np.concatenate([x[None], phi.reshape(n, len(m), 3)])).items()
+        _in_mean_frame(s, doc, unit) if mean and s.split("_")[0] in MEAN else _coefficient(s, value, doc, unit)
+        for s, (value, doc, unit) in values.items()
     )
     entries = ((i, j, float(k[i, j])) for i in range(n) for j in range(i, n))
     elastic = tuple(
@@ -48,6 +64,17 @@ def derive_nodal(
     return equations(
         Body(name, doc, "", spatial_motion(n), sp.Rational(float(m.sum())), integrals, elastic, points, ())
     )
+
+
+def _coefficient(symbol: str, value: float, doc: str, unit: str) -> Coefficient:
+    return Coefficient(sp.Symbol(symbol), sp.Rational(value), "appendix", doc, unit, None if value else NOTHING)
+
+
+def _in_mean_frame(symbol: str, doc: str, unit: str) -> Coefficient:
+    """An integral whose value the mean frame fixes: exactly, where the sum over the nodes is so up to rounding."""
+    name, *indices = symbol.split("_")
+    value = int(name == "c8" and indices[0] == indices[1])
+    return Coefficient(sp.Symbol(symbol), sp.Integer(value), "appendix", doc, unit, None if value else MEAN[name])
 
 
 def derive_symbolic(name: str, n: int) -> Equations:
