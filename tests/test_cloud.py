@@ -170,10 +170,8 @@ def oracle(n: int, q: np.ndarray, v: np.ndarray, a: np.ndarray) -> tuple[np.ndar
     return np.array([float(x) for x in rows]), np.array([float(x) for x in sizes])
 
 
-CASES = [*((n, "numeric") for n in SHAPES), *((n, "symbolic") for n in (0, 1, 3))]
-
-
-@pytest.mark.parametrize(("n", "kind"), CASES)
+@pytest.mark.parametrize("kind", ["numeric", "symbolic"])
+@pytest.mark.parametrize("n", SHAPES)
 def test_generated_code_is_the_oracle(n: int, kind: str) -> None:
     native, python = compiled(n, kind), module(n, kind)
     p = parameters(n) if kind == "symbolic" else np.zeros(0)
