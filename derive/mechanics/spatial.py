@@ -16,7 +16,7 @@ import sympy as sp
 from derive.mechanics.body import MASS, Motion
 from derive.mechanics.equations import Coordinate, Definition, Row
 from derive.mechanics.kinematics import PHI, RDDOT, RDOT, MovingFrame, R
-from derive.mechanics.virtual_work import FIRST
+from derive.mechanics.virtual_work import FIRST, transposed
 
 AXES = (1, 2, 3)
 PAIRS = tuple(combinations_with_replacement(AXES, 2))
@@ -62,7 +62,7 @@ class SpatialMoments:
 
     def second(self, f: str, g: str) -> sp.Matrix:
         """int rho f g^T from its symmetric and its axial part; what has no name must cancel."""
-        if (f, g) not in SYMMETRIC and (f, g) not in AXIAL and (f, g) not in TRACE:
+        if transposed(f, g, {**SYMMETRIC, **AXIAL, **TRACE}):
             return self.second(g, f).T
         even, odd = symmetric("even"), vector("odd")
         if (f, g) in SYMMETRIC:

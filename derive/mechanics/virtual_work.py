@@ -65,17 +65,18 @@ class PlanarMoments:
 
     def second(self, f: str, g: str) -> sp.Matrix:
         """int rho f g^T: trace, axial part, and two entries that no equation of motion may keep."""
-        if (f, g) not in TRACE and (f, g) not in AXIAL:
+        if transposed(f, g, {**TRACE, **AXIAL}):
             return self.second(g, f).T
-        trace, axial = (_named(names, f, g) for names in (TRACE, AXIAL))
+        trace = sp.Symbol(TRACE.get((f, g), NAMELESS.name))
+        axial = sp.S.Zero if f == g else sp.Symbol(AXIAL.get((f, g), NAMELESS.name))
         return sp.Matrix([[trace + STRETCH, axial + SHEAR], [SHEAR - axial, trace - STRETCH]]) / 2
 
 
-def _named(names: dict[tuple[str, str], str], f: str, g: str) -> sp.Expr:
-    """The symbol of a moment; a moment without a name must cancel as well, but that of a field with itself is 0."""
-    if f == g and (f, g) not in names:
-        return sp.S.Zero
-    return sp.Symbol(names.get((f, g), NAMELESS.name))
+def transposed(f: str, g: str, names: dict[tuple[str, str], str]) -> bool:
+    """Whether a second moment has its names the other way round. Raises ArithmeticError when it has none."""
+    if (f, g) not in names and (g, f) not in names:
+        raise ArithmeticError(f"the moment of {f} and {g} has no name in the appendix")
+    return (f, g) not in names
 
 
 def total(a: Field, b: Field, moments: Moments) -> sp.Expr:
