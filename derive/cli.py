@@ -76,7 +76,7 @@ def _is_explained(error: Exception) -> bool:
     """Whether the text of an error says where, what, and what to do."""
     from derive.emit.files import NotOurs
     from derive.kernel.graph import LoweringError
-    from derive.native import CompilerError
+    from derive.native import CompilerError, ModelError
     from derive.spec import SpecError
 
-    return isinstance(error, SpecError | NotOurs | LoweringError | CompilerError | OSError)
+    return isinstance(error, SpecError | NotOurs | LoweringError | CompilerError | ModelError | OSError)

@@ -163,6 +163,15 @@ def test_no_compiler_is_explained(monkeypatch: pytest.MonkeyPatch, capsys: pytes
     assert "no-such-compiler" in capsys.readouterr().err
 
 
+def test_parameters_that_make_no_body_are_explained(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    spec = tmp_path / "dependent.toml"
+    spec.write_text(
+        'name = "dependent"\n[beam]\nansatz = ["1", "xi", "xi^2", "xi^2 + 1e-7*xi^3"]\northogonal = false\n'
+    )
+    assert main(["compare", str(spec)]) == 2
+    assert "dependent_setup returned 1: a pivot vanished" in capsys.readouterr().err
+
+
 def test_check_without_specifications(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["check", str(tmp_path)]) == 2
     assert "no specification" in capsys.readouterr().err

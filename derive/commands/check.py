@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import shlex
 import sys
 from difflib import unified_diff
 from pathlib import Path
@@ -25,7 +26,8 @@ def run(options: argparse.Namespace) -> int:
         reports += _strays(files, options.out)
     if reports:
         print("\n".join(reports))
-        print(f"\nto accept: tisserand build {' '.join(map(str, specs))} --out {options.out}")
+        accept = shlex.join(["tisserand", "build", *map(str, specs), "--out", str(options.out)])
+        print(f"\nto accept: {accept}")
         return 1
     print(f"{len(files)} generated files are up to date")
     return 0

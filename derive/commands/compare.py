@@ -37,6 +37,7 @@ def state(native: Native) -> tuple[Vector, Vector]:
 
 
 def _evaluate(native: Native) -> dict[str, object]:
+    """Raises ModelError when the defaults of the parameters make no body."""
     q, v = state(native)
     values, h = native.mass_force(0.0, q, v, native.setup())
     pattern = native.mass_pattern

@@ -6,11 +6,11 @@ import re
 from collections.abc import Callable
 from fractions import Fraction
 
+from derive.emit.template import WIDTH
 from derive.kernel.ir import Expr, Num, Ref
 
 SIGN = {"add": " + ", "sub": " - ", "mul": " * ", "div": " / "}
 STRENGTH = {"add": 1, "sub": 1, "neg": 2, "mul": 2, "div": 2}
-WIDTH = 100
 
 
 def text(expr: Expr, number: Callable[[Fraction], str], call: str = "") -> str:

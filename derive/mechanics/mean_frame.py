@@ -26,6 +26,8 @@ def to_mean_frame(
     x = x - m @ x / m.sum()
     weight = np.repeat(m, 3)
     rigid = rigid_fields(x).reshape(6, -1)
+    if not len(phi):
+        return x, phi, k
     fields = phi.reshape(len(phi), -1)
     projected = fields - (fields * weight) @ rigid.T @ np.linalg.pinv((rigid * weight) @ rigid.T) @ rigid
     gram = (projected * weight) @ projected.T
@@ -55,8 +57,6 @@ def residuals(masses: ArrayLike, positions: ArrayLike, modes: ArrayLike) -> tupl
 
 def _refuse_rigid(gram: Array, before: Array) -> None:
     """Compare what is left of the modes with what they were."""
-    if not len(gram):
-        return
     scale = 1 / np.sqrt(np.diag(before))
     values, vectors = np.linalg.eigh(gram * np.outer(scale, scale))
     if values[0] > DEPENDENT**2:

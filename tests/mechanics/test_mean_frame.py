@@ -36,6 +36,12 @@ def test_strain_energy_is_kept() -> None:
         assert np.isclose(weights[:3] @ c.stiffness @ weights[:3], energy, rtol=1e-10)
 
 
+def test_a_rigid_body_is_centred_alone() -> None:
+    c = test_cloud.cloud(0)
+    x, modes, stiffness = to_mean_frame(c.masses, c.positions, c.modes, c.stiffness)
+    assert np.allclose(c.masses @ x, 0, atol=1e-13) and modes.shape == (0, test_cloud.POINTS, 3) and stiffness.size == 0
+
+
 def test_a_rigid_mode_is_named() -> None:
     c = test_cloud.cloud(3)
     turn = rigid_fields(c.positions)[4]
