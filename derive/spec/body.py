@@ -4,7 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+    from scipy.sparse import csr_array
 
 Polynomial = tuple[Fraction, ...]
 """Coefficients of 1, xi, xi^2, ...; no trailing zeros."""
@@ -59,3 +64,89 @@ class PlanarBeam:
     bending_stiffness: Quantity
     markers: tuple[Marker, ...] = ()
     orthogonal: bool = False
+
+
+Gravity = tuple[Quantity, Quantity, Quantity]
+"""The acceleration of free fall in the inertial base, m/s^2; each component a parameter or a number."""
+
+Lowering = Literal["auto", "flat", "table"]
+
+
+@dataclass(frozen=True, eq=False)
+class NodeData:
+    """A discretised body in SI units, as a finite-element program gives it.
+
+    positions (nodes, 3); mass (nodes, nodes), the symmetric matrix m of M = m (x) I3, diagonal if lumped;
+    stiffness (3 nodes, 3 nodes) with the three displacements of a node together; modes (N, nodes, 3);
+    modal_stiffness (N, N), of U = 1/2 alpha K alpha. `sha256` is that of the files the numbers came from.
+    """
+
+    positions: NDArray[np.float64]
+    mass: csr_array
+    stiffness: csr_array | None
+    modes: NDArray[np.float64] | None
+    modal_stiffness: NDArray[np.float64] | None
+    sha256: str
+
+
+@dataclass(frozen=True)
+class BodyFrame:
+    """How rigid motion is kept out of the modes of a body in space.
+
+    `mean`: conditions (17) and (19); `point`: no displacement of node `node`, and no mean rotation of it and its
+    nearest neighbours `around`; `given`: modes as they stand, refused if they hold a rigid motion.
+    """
+
+    kind: Literal["mean", "point", "given"]
+    node: int | None = None
+    around: tuple[int, ...] = ()
+
+
+@dataclass(frozen=True)
+class Damping:
+    """Viscous damping: `ratio` of critical in each mode, or `mass` c8 + `stiffness` K (proportional, 1/s and s)."""
+
+    ratio: Fraction = Fraction(0)
+    mass: Fraction = Fraction(0)
+    stiffness: Fraction = Fraction(0)
+
+
+@dataclass(frozen=True)
+class NodeMarker:
+    """A named node, numbered from 0."""
+
+    name: str
+    node: int
+
+
+@dataclass(frozen=True)
+class NodalBody:
+    """A deformable body in space made of nodes; `modes` is how many are computed or kept, None for those given."""
+
+    name: str
+    data: NodeData
+    modes: int | None
+    frame: BodyFrame
+    orthonormal: bool
+    damping: Damping
+    gravity: Gravity | None
+    markers: tuple[NodeMarker, ...]
+    lowering: Lowering
+
+
+@dataclass(frozen=True)
+class SymbolicBody:
+    """A deformable body in space whose mass, shape integrals and stiffness are run-time parameters.
+
+    `frame` is `mean` (c1, c2, c6 vanish, c8 is the unit matrix, the stiffness is diagonal) or `given` (all there is).
+    """
+
+    name: str
+    modes: int
+    frame: Literal["mean", "given"]
+    damping: bool
+    gravity: Gravity | None
+    lowering: Lowering
+
+
+Specification = PlanarBeam | NodalBody | SymbolicBody
