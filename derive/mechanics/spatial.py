@@ -7,16 +7,19 @@ C4 and C5 below are the symmetric parts: what the appendix of the paper holds tw
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from itertools import combinations_with_replacement
+from itertools import combinations_with_replacement, groupby
 
 import sympy as sp
 
 from derive.mechanics.body import MASS, Motion
 from derive.mechanics.equations import Coordinate, Definition, Row
 from derive.mechanics.kinematics import PHI, RDDOT, RDOT, MovingFrame, R
+from derive.mechanics.series import ALPHA, ALPHADDOT, ALPHADOT, Series, written_out
 from derive.mechanics.virtual_work import FIRST, transposed
+
+Vectors = dict[str, Sequence[sp.Symbol]]
 
 AXES = (1, 2, 3)
 PAIRS = tuple(combinations_with_replacement(AXES, 2))
@@ -85,6 +88,7 @@ def spatial_motion(n: int) -> Motion:
     rotation, quaternion = symbols_of_rotation(), sp.symbols("e0 e1 e2 e3")
     omega, omegadot = (tuple(getattr(row, x) for row in rows[3:6]) for x in ("v", "a"))
     alphadot, alphaddot = (tuple(getattr(row, x) for row in rows[6:]) for x in ("v", "a"))
+    vectors: Vectors = {ALPHA: alpha, ALPHADOT: alphadot, ALPHADDOT: alphaddot}
     products = {omega[i - 1] * omega[j - 1]: sp.Symbol(f"oo_{i}{j}") for i, j in PAIRS}
     named = tuple(Definition(s, p, "oo", "(5)", "products of omega") for p, s in products.items())
     axes = sp.eye(3)
@@ -97,8 +101,8 @@ def spatial_motion(n: int) -> Motion:
         rotation_definitions=_rotation_definitions(rotation, quaternion),
         frame=MovingFrame(tuple(skew(axes[:, k]) for k in range(3)), omega, omegadot),
         moments=SpatialMoments(MASS, rotation),
-        definitions=(*named, *_definitions(alpha, alphadot)),
-        sums=_sums(alphadot, alphaddot),
+        definitions=(*named, *_definitions(vectors)),
+        sums=_sums(vectors),
         products=products,
         turns=tuple((skew(axes[:, k]), skew(rotation[k, :])) for k in range(3)),
         identities={},
@@ -150,54 +154,66 @@ def _rotation_definitions(rotation: sp.Matrix, quaternion: tuple[sp.Symbol, ...]
     return tuple(Definition(s, value, "Q", "(1)", "rotation tensor of the quaternion") for s, value in pairs)
 
 
-def _definitions(alpha: tuple[sp.Symbol, ...], rates: tuple[sp.Symbol, ...]) -> tuple[Definition, ...]:
-    """d1, S, d3, J and their sums with the rates, from r = X + sum alpha_j Phi_j; zeros still inside."""
-    shapes = range(1, len(alpha) + 1)
-    found: list[Definition] = []
+def spatial_series() -> tuple[Series, ...]:
+    """d1, S, d3, J and what else (15) needs, from r = X + sum alpha_j Phi_j, for a generic shape i.
 
-    def define(name: str, expr: sp.Expr, doc: str) -> None:
-        found.append(Definition(sp.Symbol(name), expr, name.split("_", maxsplit=1)[0], "appendix", doc))
+    rdot and rddot are sums over the shapes as well, so r x rdot = X x rdot + sum alpha_j Phi_j x rdot.
+    """
+    found: list[Series] = []
+
+    def define(name: str, base: str | None, doc: str, *sums: tuple[str, str]) -> None:
+        found.append(Series(name, base, sums, doc))
 
     for k in AXES:
-        c2 = [sp.Symbol(f"c2_{j}_{k}") for j in shapes]
-        define(f"d1_{k}", sp.Symbol(f"c1_{k}") + _dot(alpha, c2), f"int rho r . e{k}")
-        define(f"d1dot_{k}", _dot(rates, c2), f"int rho rdot . e{k}")
-    for i in shapes:
-        for a, b in PAIRS:
-            c5 = [sp.Symbol("C5_{}_{}_{}{}".format(*sorted((i, j)), a, b)) for j in shapes]
-            define(f"S_{i}_{a}{b}", sp.Symbol(f"C4_{i}_{a}{b}") + _dot(alpha, c5), f"symmetric part of D2_{i}")
-    for i in shapes:
-        for k in AXES:
-            c7 = [_odd(i, j, k) for j in shapes]
-            define(f"d3_{i}_{k}", sp.Symbol(f"c6_{i}_{k}") - _dot(alpha, c7), f"int rho r x Phi_{i} . e{k}")
+        define(f"d1_{k}", f"c1_{k}", f"int rho r . e{k}", (ALPHA, f"c2_j_{k}"))
+    for k in AXES:
+        define(f"d1dot_{k}", None, f"int rho rdot . e{k}", (ALPHADOT, f"c2_j_{k}"))
     for a, b in PAIRS:
-        c4, s = ([sp.Symbol(f"{name}_{i}_{a}{b}") for i in shapes] for name in ("C4", "S"))
-        define(f"J_{a}{b}", sp.Symbol(f"C3_{a}{b}") + _dot(alpha, c4) + _dot(alpha, s), "int rho ((r . r) I - r r)")
-        define(f"Sdot_{a}{b}", _dot(rates, s), "sum alphadot_i S_i")
+        define(f"S_i_{a}{b}", f"C4_i_{a}{b}", "symmetric part of D2_i", (ALPHA, f"C5_i_j_{a}{b}"))
     for k in AXES:
-        define(f"d3dot_{k}", _dot(rates, [sp.Symbol(f"d3_{i}_{k}") for i in shapes]), f"int rho r x rdot . e{k}")
+        define(f"d3_i_{k}", f"c6_i_{k}", f"int rho r x Phi_i . e{k}", (ALPHA, f"c7_j_i_{k}"))
+    for a, b in PAIRS:
+        inertia = ((ALPHA, f"C4_j_{a}{b}"), (ALPHA, f"S_j_{a}{b}"))
+        define(f"J_{a}{b}", f"C3_{a}{b}", "int rho ((r . r) I - r r)", *inertia)
+    for a, b in PAIRS:
+        define(f"Sdot_{a}{b}", None, "sum alphadot_i S_i", (ALPHADOT, f"S_j_{a}{b}"))
+    for k in AXES:
+        define(f"c7dot_i_{k}", None, f"int rho Phi_i x rdot . e{k}", (ALPHADOT, f"c7_i_j_{k}"))
+    for k in AXES:
+        define(f"d3dot_{k}", None, f"int rho r x rdot . e{k}", (ALPHADOT, f"c6_j_{k}"), (ALPHA, f"c7dot_j_{k}"))
     return tuple(found)
 
 
-def _sums(rates: tuple[sp.Symbol, ...], accelerations: tuple[sp.Symbol, ...]) -> dict[sp.Symbol, sp.Expr]:
-    shapes = range(1, len(rates) + 1)
-    c8 = {i: [sp.Symbol("c8_{}_{}".format(*sorted((i, j)))) for j in shapes] for i in shapes}
-    found = {}
-    for k in AXES:
-        found[f"d1ddot_{k}"] = _dot(accelerations, [sp.Symbol(f"c2_{j}_{k}") for j in shapes])
-        found[f"d3ddot_{k}"] = _dot(accelerations, [sp.Symbol(f"d3_{i}_{k}") for i in shapes])
-        found |= {f"c7dot_{i}_{k}": _dot(rates, [_odd(i, j, k) for j in shapes]) for i in shapes}
-    found |= {f"c8ddot_{i}": _dot(accelerations, c8[i]) for i in shapes}
-    found["c8dotdot"] = sp.expand(_dot(rates, [_dot(rates, c8[i]) for i in shapes]))
-    return {sp.Symbol(name): expr for name, expr in found.items()}
+def spatial_sums() -> tuple[Series, ...]:
+    """What has no name in the flat form: sums with accelerations, and those that stand in one place alone."""
+    return (
+        *(Series(f"d1ddot_{k}", None, ((ALPHADDOT, f"c2_j_{k}"),), f"int rho rddot . e{k}") for k in AXES),
+        *(Series(f"d3ddot_{k}", None, ((ALPHADDOT, f"d3_j_{k}"),), f"int rho r x rddot . e{k}") for k in AXES),
+        Series("c8ddot_i", None, ((ALPHADDOT, "c8_i_j"),), "int rho Phi_i . rddot"),
+        Series("c8dot_i", None, ((ALPHADOT, "c8_i_j"),), "int rho Phi_i . rdot"),
+        Series("c8dotdot", None, ((ALPHADOT, "c8dot_j"),), "int rho rdot . rdot"),
+    )
 
 
-def _odd(i: int, j: int, k: int) -> sp.Expr:
-    """c7_ij . e_k, odd in i and j."""
-    if i == j:
-        return sp.S.Zero
-    return sp.Symbol(f"c7_{i}_{j}_{k}") if i < j else -sp.Symbol(f"c7_{j}_{i}_{k}")
+def _definitions(vectors: Vectors) -> tuple[Definition, ...]:
+    """The series written out for each shape; zeros still inside."""
+    found: list[Definition] = []
+    for section, group in groupby(spatial_series(), lambda s: s.section):
+        members = tuple(group)
+        for i in range(1, len(vectors[ALPHA]) + 1) if members[0].indexed else (0,):
+            for s in members:
+                doc = s.doc.replace("_i", f"_{i}")
+                found.append(Definition(_symbol(s.name, i), written_out(s, i, vectors), section, "appendix", doc))
+    return tuple(found)
 
 
-def _dot(factors: Iterable[sp.Symbol], moments: Iterable[sp.Expr]) -> sp.Expr:
-    return sum((factor * moment for factor, moment in zip(factors, moments, strict=True)), sp.S.Zero)
+def _sums(vectors: Vectors) -> dict[sp.Symbol, sp.Expr]:
+    found: dict[sp.Symbol, sp.Expr] = {}
+    for s in spatial_sums():
+        for i in range(1, len(vectors[ALPHA]) + 1) if s.indexed else (0,):
+            found[_symbol(s.name, i)] = sp.expand(written_out(s, i, vectors).xreplace(found))
+    return found
+
+
+def _symbol(name: str, i: int) -> sp.Symbol:
+    return sp.Symbol("_".join(str(i) if part == "i" else part for part in name.split("_")))
