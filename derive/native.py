@@ -110,6 +110,7 @@ class _Marker(ctypes.Structure):
         ("dimension", ctypes.c_int),
         ("pattern", ctypes.POINTER(_Pattern)),
         ("evaluate", _function(*[_Pointer] * 6)),
+        ("load", _function(*[_Pointer] * 4)),
     ]
 
 
@@ -120,7 +121,7 @@ class _Model(ctypes.Structure):
     _fields_ = [
         ("abi", ctypes.c_int),
         ("name", ctypes.c_char_p),
-        *((n, ctypes.c_int) for n in ("nq", "nv", "np", "nk", "nlambda", "nmarkers", "nmomentum")),
+        *((n, ctypes.c_int) for n in ("nq", "nv", "np", "nk", "nlambda", "nmarkers", "nenergy", "nmomentum")),
         *((n, ctypes.POINTER(_Variable)) for n in ("q", "v", "p", "k")),
         *((n, ctypes.POINTER(_Pattern)) for n in ("mass_pattern", "jacobian_pattern")),
         ("markers", ctypes.POINTER(_Marker)),
@@ -182,8 +183,8 @@ class Native:
         return self._call("accel", [t, *self._state(q, v, k)], self.nv)
 
     def energy(self, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> Vector:
-        """Kinetic and strain energy."""
-        return self._call("energy", self._state(q, v, k), 2)
+        """Kinetic and strain energy, and the potential of gravity where there is gravity."""
+        return self._call("energy", self._state(q, v, k), self._model.nenergy)
 
     def momentum(self, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> Vector:
         """Linear and angular momentum."""
@@ -210,6 +211,14 @@ class Native:
         results = [np.empty(marker.dimension), np.empty(marker.dimension), np.empty(marker.pattern.contents.nnz)]
         self._invoke(f"marker_{name}", marker.evaluate, self._state(q, v, k), results)
         return results[0], results[1], results[2]
+
+    def load(self, name: str, q: ArrayLike, force: ArrayLike, k: ArrayLike) -> Vector:
+        """Generalized forces f of a force at a marker, in the inertial base: M vdot + h = f."""
+        marker = self._marker(name)
+        result = np.empty(self.nv)
+        arguments = [(self.nq, q), (marker.dimension, force), (self.nk, k)]
+        self._invoke(f"load_{name}", marker.load, arguments, [result])
+        return result
 
     def marker_pattern(self, name: str) -> Pattern:
         """The pattern of the Jacobian of a marker."""

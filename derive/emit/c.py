@@ -11,7 +11,7 @@ from derive.emit.template import comment, render
 from derive.kernel.ir import Kernel, Let, Statement, Store
 from derive.kernel.model import Model
 
-ABI = 1
+ABI = 2
 
 
 @dataclass(frozen=True)
@@ -39,6 +39,7 @@ def c_files(model: Model, fingerprint: str) -> tuple[File, ...]:
         "functions": [_function(model, kernel) for kernel in model.kernels],
         "patterns": pattern_texts(model, "    "),
         "markers": [(m.name, len(model.kernel(f"marker_{m.name}").outputs[0].elements)) for m in model.markers],
+        "energies": len(model.kernel("energy").outputs[0].elements),
         "momenta": len(model.kernel("momentum").outputs[0].elements),
         "tables": [{"name": n, "variables": variables} for n, variables in tables if variables],
         "members": {n: f"{model.name}_table_{n}" if variables else "0" for n, variables in tables}

@@ -9,7 +9,7 @@ import sympy as sp
 
 from derive.kernel.context import Context, define, stores
 from derive.kernel.factor import factorise, solve
-from derive.kernel.ir import Kernel, Output, pattern
+from derive.kernel.ir import Argument, Kernel, Output, pattern
 from derive.kernel.schedule import Named, Required, Step, Stored
 from derive.kernel.symbols import Symbols
 from derive.mechanics.equations import MarkerEquations
@@ -97,11 +97,13 @@ def energy(context: Context) -> Kernel:
     eq = context.equations
     twice = (sp.expand(2 * e) for e in (eq.kinetic_energy, eq.strain_energy))  # so that 1/2 is applied once
     values = [symbols.number(Fraction(1, 2)) * symbols(e) for e in twice]
+    weight = eq.weight_energy is not None
+    values += [symbols(eq.weight_energy)] if weight else []
     return context.kernel(
         "energy",
-        "Kinetic and strain energy.",
+        "Kinetic and strain energy, and the potential of gravity." if weight else "Kinetic and strain energy.",
         (context.q, context.v, context.k),
-        (Output("energy", ("kinetic", "strain"), "energies [J]"),),
+        (Output("energy", ("kinetic", "strain", *(["gravity"] if weight else [])), "energies [J]"),),
         symbols,
         Step("energy", "(22)", "1/2 int rho xdot . xdot and the strain energy", stores("energy", values)),
     )
@@ -166,6 +168,25 @@ def marker(context: Context, point: MarkerEquations) -> Kernel:
         symbols,
         Step("r", "(14)", "X + u and its rate at the marker, in the body base", named),
         Step("marker", "(1)", "x = c + Q r, its rate and its derivatives", wants),
+    )
+
+
+def load(context: Context, point: MarkerEquations) -> Kernel:
+    """Generalized forces of a force at a marker."""
+    components = tuple(map(str, point.force))
+    force = Argument("F", components, "force at the marker, in the inertial base [N]")
+    symbols = context.symbols(context.q, force)
+    turned = define(symbols, point.force_definitions)
+    named = define(symbols, tuple(d for d in point.definitions if not d.zero))
+    return context.kernel(
+        f"load_{point.name}",
+        f"Generalized forces f of a force at marker {point.name}: then M vdot + h = f.",
+        (context.q, force, context.k),
+        (Output("f", tuple(f"f[{n}]" for n in context.rows), "generalized forces, one row a coordinate"),),
+        symbols,
+        Step("F", "(10)", "the force seen from the body base", turned),
+        Step("r", "(1)", "the marker in the body base", named),
+        Step("f", "(10)", "virtual work of the force", stores("f", [symbols(e) for e in point.load])),
     )
 
 

@@ -24,6 +24,7 @@ def lower(equations: Equations) -> Model:
         functions.momentum(context),
         functions.rates(context),
         *(functions.marker(context, marker) for marker in equations.markers),
+        *(functions.load(context, marker) for marker in equations.markers),
         functions.residual(context),
         functions.jacobian(context),
     )

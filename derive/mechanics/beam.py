@@ -10,12 +10,13 @@ from dataclasses import dataclass
 
 import sympy as sp
 
+from derive.mechanics import quantity
 from derive.mechanics.body import Body, MaterialPoint, equations
 from derive.mechanics.conditions import assumed_shapes, integral, xi
-from derive.mechanics.equations import Coefficient, Equations, ParameterSymbol
+from derive.mechanics.equations import Coefficient, Equations
 from derive.mechanics.integrals import Value, coefficients
 from derive.mechanics.planar import planar_motion
-from derive.spec.body import Marker, Parameter, PlanarBeam, Polynomial, Quantity
+from derive.spec.body import Marker, Parameter, PlanarBeam, Polynomial
 
 LATERAL = "geometry (the beam lies along e1 and deflects along e2)"
 PARALLEL = "geometry (all deflections are along e2)"
@@ -33,7 +34,8 @@ def derive(beam: PlanarBeam) -> Equations:
     Raises ConditionError when the ansatz does not fit the frame.
     """
     shapes = assumed_shapes(beam.ansatz, beam.frame, beam.orthogonal)
-    mass, length, bending = (_symbol_or_number(q) for q in (beam.mass, beam.length, beam.bending_stiffness))
+    mass, length, bending = (quantity.value(q) for q in (beam.mass, beam.length, beam.bending_stiffness))
+    gravity, gravity_parameters = quantity.gravity(beam.gravity)
     docs = {"mass": "mass of the beam", "length": "length of the beam", "bending_stiffness": "bending stiffness EI"}
     body = Body(
         name=beam.name,
@@ -45,22 +47,14 @@ def derive(beam: PlanarBeam) -> Equations:
         stiffness=_stiffness(shapes, length, bending),
         points=tuple(_point(marker, shapes, length) for marker in beam.markers),
         parameters=tuple(
-            _parameter(getattr(beam, field), doc)
+            quantity.parameter(getattr(beam, field), doc)
             for field, doc in docs.items()
             if isinstance(getattr(beam, field), Parameter)
-        ),
+        )
+        + gravity_parameters,
+        gravity=gravity,
     )
     return equations(body)
-
-
-def _symbol_or_number(quantity: Quantity) -> sp.Expr:
-    if isinstance(quantity, Parameter):
-        return sp.Symbol(quantity.symbol, positive=True)
-    return sp.Rational(quantity)
-
-
-def _parameter(parameter: Parameter, doc: str) -> ParameterSymbol:
-    return ParameterSymbol(sp.Symbol(parameter.symbol, positive=True), doc, parameter.unit, parameter.default)
 
 
 def _poly(coefficients: Polynomial) -> sp.Poly:

@@ -22,7 +22,7 @@ from derive.mechanics.equations import (
     Term,
 )
 from derive.mechanics.integrals import of_index
-from derive.mechanics.kinematics import ONE, PHI, RDDOT, RDOT, Field, MovingFrame, R
+from derive.mechanics.kinematics import HERE, ONE, PHI, RDDOT, RDOT, Field, MovingFrame, R
 from derive.mechanics.virtual_work import Moments, total
 
 TRANSLATIONS = "the mass enters as m I, so translations along different axes do not couple"
@@ -102,7 +102,8 @@ class MaterialPoint:
 class Body:
     """What (15) needs to know of a body.
 
-    `origin` says in words where c is; `stiffness` holds K_ij, i <= j, of U = 1/2 alpha K alpha.
+    `origin` says in words where c is; `stiffness` holds K_ij, i <= j, of U = 1/2 alpha K alpha; `damping` B_ij, i <= j,
+    the factors of the rates; `gravity` the acceleration g_1, g_2, ... of free fall in the inertial base.
     """
 
     name: str
@@ -114,6 +115,8 @@ class Body:
     stiffness: tuple[Coefficient, ...]
     points: tuple[MaterialPoint, ...]
     parameters: tuple[ParameterSymbol, ...]
+    damping: tuple[Coefficient, ...] = ()
+    gravity: tuple[Coefficient, ...] = ()
 
 
 def equations(body: Body) -> Equations:
@@ -121,10 +124,12 @@ def equations(body: Body) -> Equations:
     motion = body.motion
     mass = Coefficient(MASS, body.mass, "(15)", "mass of the body", "kg")
     of_points = tuple(c for point in body.points for c in point.coefficients)
-    every = (mass, *body.integrals, *body.stiffness, *of_points)
-    composed, reasons = zeros.drop_definitions(motion.definitions, zeros.reasons_of(every))
+    every = (mass, *body.integrals, *body.stiffness, *body.damping, *body.gravity, *of_points)
+    needed = (*gravity_definitions(motion, body.gravity), *motion.definitions)
+    composed, reasons = zeros.drop_definitions(needed, zeros.reasons_of(every))
     strain = _strain_energy(motion, body.stiffness)
-    complete = (*_inertia(motion), *_elasticity(motion, strain))
+    complete = (*_inertia(motion), *_elasticity(motion, strain), *_damping(motion, body.damping))
+    complete += _weight(motion) if body.gravity else ()
     terms, vanished = zeros.drop_terms(complete, reasons)
     return Equations(
         name=body.name,
@@ -142,6 +147,7 @@ def equations(body: Body) -> Equations:
         mass_zeros=_mass_zeros(motion, complete, reasons),
         kinetic_energy=zeros.drop(_kinetic_energy(motion), reasons),
         strain_energy=zeros.drop(strain, reasons),
+        weight_energy=zeros.drop(-_work_of(motion, motion.position), reasons) if body.gravity else None,
         linear_momentum=tuple(zeros.drop(p, reasons) for p in _linear_momentum(motion)),
         angular_momentum=tuple(zeros.drop(p, reasons) for p in _angular_momentum(motion)),
         markers=tuple(_marker(motion, point, reasons) for point in body.points),
@@ -190,6 +196,52 @@ def _elasticity(motion: Motion, strain: sp.Expr) -> tuple[Term, ...]:
     """delta U, the first term of (13)."""
     gradients = ((a, sp.expand(strain.diff(a))) for a in motion.alpha)
     return tuple(Term(str(a), "elastic", "(13), (22)", force) for a, force in gradients if force != 0)
+
+
+def _damping(motion: Motion, damping: tuple[Coefficient, ...]) -> tuple[Term, ...]:
+    """B alphadot."""
+    present = {c.symbol for c in damping}
+    shapes = range(1, len(motion.alpha) + 1)
+    found = []
+    for i in shapes:
+        entries = [sp.Symbol("B_{}_{}".format(*sorted((i, j)))) for j in shapes]
+        pairs = zip(entries, motion.alphadot, strict=True)
+        force = sp.Add(*(b * rate for b, rate in pairs if b in present))
+        found += [Term(str(motion.alpha[i - 1]), "damping", "(13)", force)] if force != 0 else []
+    return tuple(found)
+
+
+def gravity_vector(motion: Motion) -> sp.Matrix:
+    """The acceleration of free fall, g_1, g_2, ..., in the inertial base."""
+    return sp.Matrix([sp.Symbol(f"g_{k + 1}") for k in range(motion.rotation.rows)])
+
+
+def gravity_definitions(motion: Motion, gravity: tuple[Coefficient, ...]) -> tuple[Definition, ...]:
+    """Q^T g: gravity seen from the body base."""
+    if not gravity:
+        return ()
+    seen = motion.rotation.T * gravity_vector(motion)
+    return tuple(
+        Definition(sp.Symbol(f"gb_{k}"), expr, "gb", "(1)", f"gravity along the axis {k} of the floating frame")
+        for k, expr in enumerate(seen, 1)
+    )
+
+
+def _work_of(motion: Motion, displacement: Field) -> sp.Expr:
+    """The work int rho g . f of gravity on a field: g as it is on a translation, from the body base on the rest."""
+    seen = sp.Matrix([sp.Symbol(f"gb_{k + 1}") for k in range(motion.rotation.rows)])
+    translation = {ONE: displacement[ONE]} if ONE in displacement else {}
+    rest = {name: tensor for name, tensor in displacement.items() if name != ONE}
+    return motion.product({ONE: gravity_vector(motion)}, translation) + motion.product({HERE: seen}, rest)
+
+
+def _weight(motion: Motion) -> tuple[Term, ...]:
+    """The virtual work of gravity, on the left-hand side."""
+    rigid = [row.name for row in motion.rows[: len(motion.rows) - len(motion.alpha)]]
+    displacements = zip(rigid, (*motion.translations, *motion.frame.rotations()), strict=True)
+    terms = [Term(row, "gravity", "(10)", -_work_of(motion, displacement)) for row, displacement in displacements]
+    generic = -_work_of(motion, motion.frame.deformation())
+    return (*terms, *(Term(str(a), "gravity", "(10)", of_index(generic, i)) for i, a in enumerate(motion.alpha, 1)))
 
 
 def _mass_matrix(motion: Motion, terms: tuple[Term, ...]) -> sp.ImmutableMatrix:
@@ -266,14 +318,34 @@ def _marker(motion: Motion, point: MaterialPoint, reasons: zeros.Reasons) -> Mar
         resolved = field.get(ONE, still) + motion.rotation * sum(moving, still)
         return resolved.applyfunc(lambda e: zeros.drop(sp.expand(e), known))
 
-    columns = [vector(d) for d in (*motion.translations, *motion.frame.rotations())]
+    force = sp.Matrix([sp.Symbol(f"F_{k + 1}") for k in axes])
+    seen = sp.Matrix([sp.Symbol(f"Fb_{k + 1}") for k in axes])
+
+    def work(field: Field) -> sp.Expr:
+        """The work of the force on a displacement of the marker."""
+        moving = (tensor * vectors[name] for name, tensor in field.items() if name != ONE)
+        total = force.dot(field.get(ONE, still)) + seen.dot(sum(moving, still))
+        return zeros.drop(sp.expand(total), known)
+
+    columns, load = [], []
+    for field in (*motion.translations, *motion.frame.rotations()):
+        columns.append(vector(field))
+        load.append(work(field))
     for shape in point.shapes:
         vectors[PHI] = sp.Matrix(shape)
         columns.append(vector(motion.frame.deformation()))
+        load.append(work(motion.frame.deformation()))
+    turned = tuple(
+        Definition(b, expr, "F", "(10)", f"force along the axis {k} of the floating frame")
+        for k, (b, expr) in enumerate(zip(seen, motion.rotation.T * force, strict=True), 1)
+    )
     return MarkerEquations(
         name=point.name,
         doc=point.doc,
         definitions=kept,
+        force=sp.ImmutableMatrix(force),
+        force_definitions=turned,
+        load=tuple(load),
         position=sp.ImmutableMatrix(vector(motion.position)),
         velocity=sp.ImmutableMatrix(vector(motion.velocity)),
         jacobian=sp.ImmutableMatrix.hstack(*columns),

@@ -88,7 +88,10 @@ class Vanished:
 
 @dataclass(frozen=True)
 class MarkerEquations:
-    """Position and velocity of a named material point, and d(velocity)/dv, in the inertial base."""
+    """Position and velocity of a named material point, and d(velocity)/dv, in the inertial base.
+
+    `load` is the virtual work of a force at the point, with the components `force` in the inertial base, row by row.
+    """
 
     name: str
     doc: str
@@ -96,11 +99,16 @@ class MarkerEquations:
     position: sp.ImmutableMatrix
     velocity: sp.ImmutableMatrix
     jacobian: sp.ImmutableMatrix
+    force: sp.ImmutableMatrix
+    force_definitions: tuple[Definition, ...]
+    load: tuple[sp.Expr, ...]
 
 
 @dataclass(frozen=True)
 class Equations:
-    """The equations of motion of one model: the sum of the terms of each row is zero (no external load).
+    """The equations of motion of one model: the sum of the terms of each row is zero (no load at markers).
+
+    `weight_energy` is the potential of gravity, None where there is none.
 
     `origin` says in words where c is. `rates` gives the time derivatives of the coordinates. `coefficients` hold the
     shape integrals c1..c8 and the stiffness, `definitions` d1, D2, d3, J and what else is shared; both keep their
@@ -122,6 +130,7 @@ class Equations:
     mass_zeros: tuple[tuple[int, int, str], ...]
     kinetic_energy: sp.Expr
     strain_energy: sp.Expr
+    weight_energy: sp.Expr | None
     linear_momentum: tuple[sp.Expr, ...]
     angular_momentum: tuple[sp.Expr, ...]
     markers: tuple[MarkerEquations, ...]

@@ -6,7 +6,8 @@ displacement field Phi_i of a generic index i. So a `Field` is a dict from the n
 depend on time alone, fields on the material point alone: what is left of the body is moments of these fields, and the
 sums over the shapes stay inside of rdot = sum alphadot_j Phi_j and rddot = sum alphaddot_j Phi_j.
 
-`ONE` is resolved in the inertial base (its tensor is a column), all other fields in the body base.
+`ONE` is resolved in the inertial base (its tensor is a column), all other fields in the body base; `HERE` is the same
+vector everywhere as well, but resolved there.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ import sympy as sp
 
 Field = dict[str, sp.Matrix]
 
-ONE, R, RDOT, RDDOT, PHI = "1", "r", "rdot", "rddot", "Phi_i"
+ONE, HERE, R, RDOT, RDDOT, PHI = "1", "1 in the body base", "r", "rdot", "rddot", "Phi_i"
 
 
 def add(*fields: Field) -> Field:

@@ -12,7 +12,7 @@ from typing import Protocol
 
 import sympy as sp
 
-from derive.mechanics.kinematics import ONE, PHI, RDDOT, RDOT, Field, R
+from derive.mechanics.kinematics import HERE, ONE, PHI, RDDOT, RDOT, Field, R
 
 STRETCH, SHEAR, NAMELESS = sp.symbols("stretch shear nameless")
 
@@ -92,6 +92,8 @@ def _pair(f: str, a: sp.Matrix, g: str, b: sp.Matrix, moments: Moments) -> sp.Ex
         return (moments.rotation * b * moments.first(g)).dot(a)
     if g == ONE:
         return (moments.rotation * a * moments.first(f)).dot(b)
+    if f == HERE:
+        return (b * moments.first(g)).dot(a)
     result = sp.expand(sum((a.T * b).multiply_elementwise(moments.second(f, g)), sp.S.Zero))
     if result.free_symbols & moments.unknown:
         raise ArithmeticError(f"the virtual work of {f} on {g} depends on the choice of the body base")

@@ -64,6 +64,7 @@ class PlanarBeam:
     bending_stiffness: Quantity
     markers: tuple[Marker, ...] = ()
     orthogonal: bool = False
+    gravity: tuple[Quantity, Quantity] | None = None
 
 
 Gravity = tuple[Quantity, Quantity, Quantity]
