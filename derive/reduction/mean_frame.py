@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from derive.reduction.rigid import rigid_fields
+
 Array = NDArray[np.float64]
 
 DEPENDENT = 1e-9
@@ -36,13 +38,6 @@ def to_mean_frame(
     values, vectors = np.linalg.eigh(np.linalg.solve(root, np.linalg.solve(root, k).T))
     combination = np.linalg.solve(root.T, vectors).T
     return x, (combination @ projected).reshape(phi.shape), np.diag(values)
-
-
-def rigid_fields(x: Array) -> Array:
-    """The translations and the infinitesimal rotations (18) of some nodes, (6, nodes, 3)."""
-    axes = np.eye(3)
-    translations = [np.broadcast_to(e, x.shape) for e in axes]
-    return np.array([*translations, *(np.cross(e, x) for e in axes)])
 
 
 def residuals(masses: ArrayLike, positions: ArrayLike, modes: ArrayLike) -> tuple[float, float]:

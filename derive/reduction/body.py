@@ -1,0 +1,114 @@
+"""`reduce`: a body of nodes to a modal body, one step after the other."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.sparse import csr_array
+
+from derive.mechanics.modal import ModalBody, ModalPoint
+from derive.reduction.arithmetic import Array, symmetric
+from derive.reduction.checks import check_body, check_modes
+from derive.reduction.damping import damping_matrix
+from derive.reduction.eigen import elastic_modes, modal_stiffness
+from derive.reduction.frames import Shapes, in_frame, orthonormal, with_signs
+from derive.reduction.integrals import antisymmetric, integrals
+from derive.reduction.mass import canonical
+from derive.reduction.reasons import Parities, structure
+from derive.reduction.symmetry import Mirror, apart, mirrors, with_parities
+from derive.spec.body import NodalBody
+
+
+@dataclass(frozen=True, eq=False)
+class Prepared:
+    """The mass, the modes as they came and as they are used, with their parities."""
+
+    mass: csr_array
+    raw: Shapes
+    shapes: Shapes
+    parities: Parities
+    orthonormal: bool
+
+
+def reduce(body: NodalBody) -> ModalBody:
+    """The modal body of a body of nodes. Raises SpecError with all that is wrong with it.
+
+    Given modes take +, -, *, / and square roots of doubles in a fixed order alone, so that the numbers are the same on
+    every machine. Modes that are computed come from LAPACK or ARPACK: the same bytes on the same machine with the same
+    libraries, and the last digits differ between machines (and directions within modes of equal frequency, unless a
+    mirror symmetry tells them apart). Keep computed modes in a file where bytes matter.
+    """
+    prepared = prepare(body)
+    shapes = prepared.shapes
+    found = integrals(prepared.mass, shapes.x, shapes.phi)
+    c8 = np.eye(len(shapes.phi)) if prepared.orthonormal else found.c8
+    found, stiffness, damping, zeros = structure(
+        found,
+        shapes.stiffness,
+        damping_matrix(body.damping, c8, shapes.stiffness),
+        mean=body.frame.kind == "mean",
+        orthonormal=prepared.orthonormal,
+        parities=prepared.parities,
+    )
+    return ModalBody(
+        name=body.name,
+        doc=_doc(body, prepared),
+        origin=shapes.origin,
+        mass=found.mass,
+        c1=found.c1,
+        c2=found.c2,
+        C3=found.C3,
+        C4=found.S4 + antisymmetric(found.c6),
+        C5=found.S5 - antisymmetric(found.c7),
+        c6=found.c6,
+        c7=found.c7,
+        c8=found.c8,
+        stiffness=stiffness,
+        damping=damping,
+        points=tuple(
+            ModalPoint(m.name, f"node {m.node}", shapes.x[m.node], np.ascontiguousarray(shapes.phi[:, m.node]))
+            for m in body.markers
+        ),
+        zeros=zeros,
+    )
+
+
+def prepare(body: NodalBody) -> Prepared:
+    """Modes found, brought to their frame, combined and made symmetric, as `reduce` integrates them."""
+    check_body(body)
+    mass = canonical(body.data.mass)
+    x = np.array(body.data.positions, dtype=np.float64)
+    planes = mirrors(mass, x)
+    raw = _modes(body, mass, x, planes)
+    check_modes(body, mass, raw)
+    shapes = in_frame(mass, raw.x, raw.phi, raw.stiffness, body.frame)
+    if body.orthonormal and len(shapes.phi):
+        phi, values = orthonormal(mass, shapes.phi, shapes.stiffness)
+        phi = with_signs(apart(mass, phi, values, planes))
+        shapes = replace(shapes, phi=phi, stiffness=np.diag(values))
+    shapes, parities = with_parities(shapes, planes, body.data.stiffness)
+    return Prepared(mass, raw, shapes, parities, body.orthonormal)
+
+
+def _modes(body: NodalBody, mass: csr_array, x: Array, planes: tuple[Mirror, ...]) -> Shapes:
+    """Modes and their stiffness as given, or as computed."""
+    data = body.data
+    origin = "the origin of the node positions"
+    if data.modes is None:
+        phi, values = orthonormal(mass, *elastic_modes(body, mass, x))
+        phi = with_signs(apart(mass, phi, values, planes))[: body.modes]
+        return Shapes(x, phi, np.diag(values[: body.modes]), origin)
+    count = len(data.modes) if body.modes is None else body.modes
+    phi = np.array(data.modes[:count], dtype=np.float64)
+    if data.modal_stiffness is not None:
+        return Shapes(x, phi, symmetric(np.array(data.modal_stiffness, dtype=np.float64)[:count, :count]), origin)
+    return Shapes(x, phi, modal_stiffness(data.stiffness, phi), origin)
+
+
+def _doc(body: NodalBody, prepared: Prepared) -> str:
+    kind = {"mean": "mean frame", "point": "frame at a node", "given": "frame of the modes as given"}[body.frame.kind]
+    parts = [f"body of {len(prepared.raw.x)} nodes with {len(prepared.shapes.phi)} modes, {kind}"]
+    if prepared.shapes.around:
+        parts.append(f"no mean rotation of nodes {', '.join(map(str, prepared.shapes.around))} about it")
+    return "; ".join(parts)

@@ -1,0 +1,137 @@
+"""Which shape integrals vanish, and why: by the frame, by orthogonality, by mirror symmetry, or as an exact sum."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import combinations_with_replacement
+
+import numpy as np
+
+from derive.reduction.arithmetic import Array
+from derive.reduction.integrals import Integrals
+
+CENTRE = "the choice of O (the centre of mass)"
+DISPLACEMENT = "condition (17) (no mean displacement)"
+ROTATION = "condition (19) (no mean rotation)"
+ORTHOGONAL = "orthogonality (modes orthonormal in the mass)"
+UNDAMPED = "the specification (no damping)"
+NOTHING = "the sum over the nodes, which is exactly zero"
+
+PAIRS = tuple(combinations_with_replacement(range(3), 2))
+OTHERS = ((1, 2), (2, 0), (0, 1))
+
+
+@dataclass(frozen=True, eq=False)
+class Parities:
+    """Planes of reflection by the axis of their normal, and the parity of X (index 0) and of each mode (1 .. N).
+
+    A parity is 1 or -1, or 0 where there is none; `elastic` says for which planes the stiffness is symmetric too.
+    """
+
+    axes: tuple[int, ...]
+    fields: Array
+    elastic: tuple[bool, ...]
+
+
+@dataclass(frozen=True)
+class Entry:
+    """An integral: its name, the table it stands in and where, and its factors (field, component), field 0 being X."""
+
+    name: str
+    table: str
+    index: tuple[int, ...]
+    factors: tuple[tuple[int, int], ...]
+
+
+def entries(n: int) -> Iterator[Entry]:
+    """All integrals by the names of the derivation, stiffness and damping among them."""
+    shapes = range(1, n + 1)
+    for k in range(3):
+        yield Entry(f"c1_{k + 1}", "c1", (k,), ((0, k),))
+    for i in shapes:
+        for k in range(3):
+            yield Entry(f"c2_{i}_{k + 1}", "c2", (i - 1, k), ((i, k),))
+    for a, b in PAIRS:
+        yield Entry(f"C3_{a + 1}{b + 1}", "C3", (a, b), ((0, a), (0, b)))
+    for i in shapes:
+        for a, b in PAIRS:
+            yield Entry(f"C4_{i}_{a + 1}{b + 1}", "S4", (i - 1, a, b), ((i, a), (0, b)))
+    for i in shapes:
+        for j in shapes[i - 1 :]:
+            for a, b in PAIRS:
+                yield Entry(f"C5_{i}_{j}_{a + 1}{b + 1}", "S5", (i - 1, j - 1, a, b), ((i, a), (j, b)))
+    for i in shapes:
+        for k, (a, b) in enumerate(OTHERS):
+            yield Entry(f"c6_{i}_{k + 1}", "c6", (i - 1, k), ((0, a), (i, b)))
+    for i in shapes:
+        for j in shapes[i:]:
+            for k, (a, b) in enumerate(OTHERS):
+                yield Entry(f"c7_{i}_{j}_{k + 1}", "c7", (i - 1, j - 1, k), ((i, a), (j, b)))
+    for name, table in (("c8", "c8"), ("K", "stiffness"), ("B", "damping")):
+        for i in shapes:
+            for j in shapes[i - 1 :]:
+                yield Entry(f"{name}_{i}_{j}", table, (i - 1, j - 1), ((i, 0), (j, 0)))
+
+
+def structure(
+    known: Integrals, stiffness: Array, damping: Array, *, mean: bool, orthonormal: bool, parities: Parities
+) -> tuple[Integrals, Array, Array, dict[str, str]]:
+    """Integrals, stiffness and damping with their structural zeros (and ones) exact, and the reason of each zero."""
+    n = len(known.c2)
+    names = ("c1", "c2", "C3", "S4", "S5", "c6", "c7", "c8")
+    tables = {name: np.array(getattr(known, name)) + 0.0 for name in names}
+    tables |= {"stiffness": np.array(stiffness) + 0.0, "damping": np.array(damping) + 0.0}
+    undamped = not np.any(damping)
+    if orthonormal:
+        np.fill_diagonal(tables["c8"], 1.0)
+    zeros: dict[str, str] = {}
+    for entry in entries(n):
+        reason = (
+            _by_frame(entry, mean=mean, orthonormal=orthonormal)
+            or (UNDAMPED if undamped and entry.table == "damping" else "")
+            or _by_mirror(entry, parities)
+        )
+        if reason or tables[entry.table][entry.index] == 0.0:
+            zeros[entry.name] = reason or NOTHING
+            tables[entry.table][entry.index] = 0.0
+    _complete(tables, n)
+    found = Integrals(known.mass, *(tables[name] for name in names))
+    return found, tables["stiffness"], tables["damping"], zeros
+
+
+def _by_frame(entry: Entry, *, mean: bool, orthonormal: bool) -> str:
+    if mean and entry.table in ("c1", "c2", "c6"):
+        return {"c1": CENTRE, "c2": DISPLACEMENT, "c6": ROTATION}[entry.table]
+    if orthonormal and entry.table in ("c8", "stiffness", "damping") and entry.index[0] != entry.index[1]:
+        return ORTHOGONAL
+    return ""
+
+
+def _by_mirror(entry: Entry, parities: Parities) -> str:
+    """An integrand that is odd under a reflection of the body has no integral."""
+    scalar = entry.table in ("c8", "stiffness", "damping")
+    for plane, axis in enumerate(parities.axes):
+        if entry.table in ("stiffness", "damping") and not parities.elastic[plane]:
+            continue
+        parity = 1.0
+        for field, component in entry.factors:
+            parity *= parities.fields[field, plane] * (-1 if component == axis and not scalar else 1)
+        if parity == -1:
+            return f"mirror symmetry in the plane normal to e{axis + 1}"
+    return ""
+
+
+def _complete(tables: dict[str, Array], n: int) -> None:
+    """Write the half of each table that the other half gives."""
+    for a, b in PAIRS:
+        tables["C3"][b, a] = tables["C3"][a, b]
+        tables["S4"][:, b, a] = tables["S4"][:, a, b]
+        tables["S5"][:, :, b, a] = tables["S5"][:, :, a, b]
+    for i in range(n):
+        tables["c7"][i, i] = 0.0
+        for j in range(i + 1, n):
+            tables["S5"][j, i] = tables["S5"][i, j]
+            tables["c7"][j, i] = 0.0 - tables["c7"][i, j]
+            for name in ("c8", "stiffness", "damping"):
+                tables[name][j, i] = tables[name][i, j]
