@@ -1,20 +1,45 @@
-"""Specifications of deformable bodies: `read` and `planar_beam` make the frozen data that `derive` takes."""
+"""Specifications of deformable bodies: frozen data that `derive` takes, from TOML by `read` or from Python."""
 
-from derive.spec.body import Frame, Marker, Parameter, PlanarBeam, Polynomial, Quantity
+from derive.spec.body import (
+    BodyFrame,
+    Damping,
+    Frame,
+    Gravity,
+    Marker,
+    NodalBody,
+    NodeData,
+    NodeMarker,
+    Parameter,
+    PlanarBeam,
+    Polynomial,
+    Quantity,
+    Specification,
+    SymbolicBody,
+)
 from derive.spec.errors import Problem, SpecError
-from derive.spec.read import json_schema, parse, planar_beam, read
+from derive.spec.read import json_schema, nodal_body, parse, planar_beam, read, symbolic_body
 
 __all__ = [
+    "BodyFrame",
+    "Damping",
     "Frame",
+    "Gravity",
     "Marker",
+    "NodalBody",
+    "NodeData",
+    "NodeMarker",
     "Parameter",
     "PlanarBeam",
     "Polynomial",
     "Problem",
     "Quantity",
     "SpecError",
+    "Specification",
+    "SymbolicBody",
     "json_schema",
+    "nodal_body",
     "parse",
     "planar_beam",
     "read",
+    "symbolic_body",
 ]

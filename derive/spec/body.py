@@ -54,7 +54,10 @@ class Marker:
 
 @dataclass(frozen=True)
 class PlanarBeam:
-    """A uniform slender free beam that moves in a plane: the example of the paper, (21)-(27)."""
+    """A uniform slender free beam that moves in a plane: the example of the paper, (21)-(27).
+
+    `gravity` is the acceleration of free fall in the inertial base, m/s^2.
+    """
 
     name: str
     ansatz: tuple[Polynomial, ...]
@@ -71,6 +74,8 @@ Gravity = tuple[Quantity, Quantity, Quantity]
 """The acceleration of free fall in the inertial base, m/s^2; each component a parameter or a number."""
 
 Lowering = Literal["auto", "flat", "table"]
+BodyFrameKind = Literal["mean", "point", "given"]
+SymbolicFrame = Literal["mean", "given"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,7 +103,7 @@ class BodyFrame:
     nearest neighbours `around`; `given`: modes as they stand, refused if they hold a rigid motion.
     """
 
-    kind: Literal["mean", "point", "given"]
+    kind: BodyFrameKind
     node: int | None = None
     around: tuple[int, ...] = ()
 
@@ -144,7 +149,7 @@ class SymbolicBody:
 
     name: str
     modes: int
-    frame: Literal["mean", "given"]
+    frame: SymbolicFrame
     damping: bool
     gravity: Gravity | None
     lowering: Lowering

@@ -2,50 +2,75 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Iterator, Mapping
-from typing import NamedTuple
+from pathlib import Path
 
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
 from derive.spec import paper
-from derive.spec.body import PlanarBeam
+from derive.spec.beam_tables import BeamTable, FrameTable, ShapeKeys
+from derive.spec.body import NodeData
+from derive.spec.body import Specification as Specified
+from derive.spec.body_tables import (
+    BodyFrameTable,
+    DampingTable,
+    NodalTable,
+    SymbolicTable,
+    UnitsTable,
+    kind_of_body,
+)
 from derive.spec.errors import quoted
+from derive.spec.faults import Fault, KeyPath, unknown_key
 from derive.spec.names import name_problem
-from derive.spec.schema import MAX_MARKERS, BeamTable, FrameTable, ParameterTable, ShapeKeys, Specification
+from derive.spec.schema import Specification
+from derive.spec.tables import MAX_MARKERS, AccelerationTable, ParameterTable
 from derive.spec.values import kind_of
 
 MAX_FAULTS = 100
 QUANTITIES = {"mass": paper.MASS, "length": paper.LENGTH, "bending_stiffness": paper.BENDING_STIFFNESS}
 
-Path = tuple[str | int, ...]
 
-
-class Fault(NamedTuple):
-    """What is wrong at a path of the data; the empty path is the whole of it."""
-
-    path: Path
-    message: str
-
-
-def checked(data: Mapping[str, object]) -> PlanarBeam | list[Fault]:
-    """The beam that `data` specifies, or all that is wrong with it."""
+def checked(data: Mapping[str, object], folder: Path) -> Specified | list[Fault]:
+    """What `data` specify, with files of numbers relative to `folder`; or all that is wrong with them."""
     specification = None
     faults: list[Fault] = []
     try:
         specification = Specification.model_validate(data)
     except ValidationError as error:
         details = error.errors(include_url=False)
-        faults = [_fault(one) for one in details[:MAX_FAULTS]]
+        faults = [_fault(one, data) for one in details[:MAX_FAULTS]]
         if len(details) > MAX_FAULTS:
             faults.append(Fault((), f"{len(details) - MAX_FAULTS} more problems are not shown"))
+    faults += _one_body(data)
     faults += _repeated_names(data)
     faults += _shape_faults(data)
-    return faults if specification is None or faults else specification.planar_beam()
+    nodes, node_faults = _nodes(data, specification, folder)
+    faults += node_faults
+    if specification is None or faults:
+        return faults
+    return _specified(specification, nodes)
 
 
-def _fault(error: ErrorDetails) -> Fault:
+def _specified(specification: Specification, nodes: NodeData | None) -> Specified:
+    name, body = specification.name, specification.body
+    if isinstance(body, SymbolicTable):
+        return body.body(name)
+    if isinstance(body, NodalTable):
+        assert nodes is not None
+        return body.body(name, nodes)
+    assert specification.beam is not None
+    return specification.beam.planar_beam(name)
+
+
+def _one_body(data: Mapping[str, object]) -> Iterator[Fault]:
+    if "beam" in data and "body" in data:
+        yield Fault(("body",), "a file specifies one body, and here are [beam] and [body]; leave one of them out")
+    elif "beam" not in data and "body" not in data:
+        yield Fault(("beam",), "this key is missing; write [beam], or [body] for a body in space")
+
+
+def _fault(error: ErrorDetails, data: Mapping[str, object]) -> Fault:
     path = _path(error["loc"])
     match error["type"]:
         case "value_error":
@@ -53,7 +78,7 @@ def _fault(error: ErrorDetails) -> Fault:
         case "missing":
             return Fault(path, f"this key is missing; write {_example(path)}")
         case "extra_forbidden":
-            return Fault(path, _unknown_key(path))
+            return Fault(path, _unknown_key(path, data))
         case "model_type":
             return Fault(path, f"a table is needed here, not {kind_of(error['input'])}")
         case "invalid_key":
@@ -61,81 +86,140 @@ def _fault(error: ErrorDetails) -> Fault:
     raise AssertionError(f"pydantic reports {error['type']}, for which there is no sentence yet")
 
 
-def _path(location: Path) -> Path:
+def _path(location: KeyPath) -> KeyPath:
     """The keys of the data, without what pydantic puts between them for unions and keys of dicts."""
-    if location[:1] == ("beam",) and location[1:2] and location[1] in {"frame", *QUANTITIES}:
-        return location[:2] + location[3:]
-    if location[:2] == ("beam", "markers"):
-        return location[:3]
-    return location
+    path: KeyPath = ()
+    skip = False
+    for part in location:
+        if skip:
+            skip = False
+            continue
+        path += (part,)
+        skip = _is_union(path)
+    return path[:3] if path[1:2] == ("markers",) else path
 
 
-def _example(path: Path) -> str:
-    match path[-1]:
-        case "beam":
-            return "[beam]"
-        case "symbol":
-            return f'symbol = "{QUANTITIES[str(path[-2])].symbol}"'
-        case "kind":
+def _is_union(path: KeyPath) -> bool:
+    match path:
+        case ("body",) | ("beam" | "body", "frame") | ("body", "units") | ("beam" | "body", "gravity", int()):
+            return True
+        case ("beam", key):
+            return key in QUANTITIES
+    return False
+
+
+def _example(path: KeyPath) -> str:
+    match path:
+        case (*_, "gravity", int(i), "symbol"):
+            return f'symbol = "g{i + 1}"'
+        case (*_, "gravity", int(), "default"):
+            return "default = -9.81"
+        case (*_, key, "symbol"):
+            return f'symbol = "{QUANTITIES[str(key)].symbol}"'
+        case ("body", "nodes"):
+            return 'nodes = "block.npz"'
+        case ("body", "units"):
+            return 'units = "SI", or those of the files, such as { length = "mm", mass = "t", time = "s" }'
+        case ("body", "units", key):
+            return {"length": 'length = "mm"', "mass": 'mass = "t"'}.get(str(key), 'time = "s"')
+        case ("body", "modes"):
+            return "modes = 8"
+        case (*_, "kind"):
             return 'kind = "point"'
     return 'name = "free_beam"'
 
 
-def _table(path: Path) -> type[BaseModel]:
+def _table(path: KeyPath, body: object) -> type[BaseModel]:
     """The model of the table at a path."""
-    tables: dict[Path, type[BaseModel]] = {
-        (): Specification,
-        ("beam",): BeamTable,
-        ("beam", "frame"): FrameTable,
-    }
-    return tables.get(path, ParameterTable)
+    match path:
+        case ():
+            return Specification
+        case ("beam",):
+            return BeamTable
+        case ("body",):
+            return SymbolicTable if kind_of_body(body) == "symbolic" else NodalTable
+        case ("beam", "frame"):
+            return FrameTable
+        case ("body", "frame"):
+            return BodyFrameTable
+        case ("body", "units"):
+            return UnitsTable
+        case ("body", "damping"):
+            return DampingTable
+        case (_, "gravity", _):
+            return AccelerationTable
+    return ParameterTable
 
 
-def _unknown_key(path: Path) -> str:
-    key, known = str(path[-1]), list(_table(path[:-1]).model_fields)
-    if len(path) == 1 and key in BeamTable.model_fields:
-        return "this key belongs in the table [beam]"
-    if path == ("beam", "name"):
-        return "this key belongs above the table [beam]"
-    near = difflib.get_close_matches(key[:40].lower(), known, n=1)
-    if near:
-        return f"unknown key; did you mean {quoted(near[0])}?"
-    return f"unknown key; the keys here are {', '.join(known)}"
+def _unknown_key(path: KeyPath, data: Mapping[str, object]) -> str:
+    key, body = str(path[-1]), data.get("body")
+    if len(path) == 1:
+        tables: dict[str, type[BaseModel]] = {"beam": BeamTable, "body": _table(("body",), body)}
+        for name in sorted(tables, key=lambda name: name not in data):
+            if key in tables[name].model_fields:
+                return f"this key belongs in the table [{name}]"
+    if path[1:] == ("name",):
+        return f"this key belongs above the table [{path[0]}]"
+    if path[0] == "body" and len(path) == 2 and kind_of_body(body) == "symbolic" and key in NodalTable.model_fields:
+        return "a symbolic body has no such key: its numbers are run-time parameters; leave this or `integrals` out"
+    return unknown_key(key, _table(path[:-1], body).model_fields)
 
 
 def _repeated_names(data: Mapping[str, object]) -> Iterator[Fault]:
     """Names that are not told apart; constants are written in upper case, so that m and M are the same."""
-    beam = data.get("beam")
-    beam = beam if isinstance(beam, Mapping) else {}
-    for names in (_symbols(data.get("name"), beam), _marker_names(beam.get("markers"))):
-        first: dict[str, str] = {}
-        for path, name, where in names:
-            if name_problem(name):
-                continue
-            other = first.setdefault(name.lower(), where)
-            if other != where:
-                yield Fault(path, f"{quoted(name)} is taken: {other}; names must differ in more than case")
+    for kind in ("beam", "body"):
+        table = data.get(kind)
+        if not isinstance(table, Mapping):
+            continue
+        for names in (_symbols(data.get("name"), kind, table), _marker_names(kind, table.get("markers"))):
+            first: dict[str, str] = {}
+            for path, name, where in names:
+                if name_problem(name):
+                    continue
+                other = first.setdefault(name.lower(), where)
+                if other != where:
+                    yield Fault(path, f"{quoted(name)} is taken: {other}; names must differ in more than case")
 
 
-def _symbols(model: object, beam: Mapping[str, object]) -> Iterator[tuple[Path, str, str]]:
+def _symbols(model: object, kind: str, table: Mapping[str, object]) -> Iterator[tuple[KeyPath, str, str]]:
     # Symbols that nobody wrote come first, so that a clash is reported where something was written.
-    for key, parameter in QUANTITIES.items():
-        if key not in beam:
-            yield ("beam", key), parameter.symbol, f"it is the symbol of {key} if none is given"
+    for key, parameter in QUANTITIES.items() if kind == "beam" else ():
+        if key not in table:
+            yield (kind, key), parameter.symbol, f"it is the symbol of {key} if none is given"
     if isinstance(model, str):
         yield ("name",), model, "it is the name of the model"
-    for key in QUANTITIES:
-        quantity = beam.get(key)
-        symbol = quantity.get("symbol") if isinstance(quantity, Mapping) else None
-        if isinstance(symbol, str):
-            yield ("beam", key, "symbol"), symbol, f"it is the symbol of {key}"
+    for key in QUANTITIES if kind == "beam" else ():
+        yield from _symbol((kind, key), table.get(key), f"it is the symbol of {key}")
+    gravity = table.get("gravity")
+    for i, component in enumerate(gravity[:3] if isinstance(gravity, (list, tuple)) else ()):
+        yield from _symbol((kind, "gravity", i), component, f"it is the symbol of component {i + 1} of gravity")
 
 
-def _marker_names(markers: object) -> Iterator[tuple[Path, str, str]]:
+def _symbol(path: KeyPath, quantity: object, where: str) -> Iterator[tuple[KeyPath, str, str]]:
+    symbol = quantity.get("symbol") if isinstance(quantity, Mapping) else None
+    if isinstance(symbol, str):
+        yield (*path, "symbol"), symbol, where
+
+
+def _marker_names(kind: str, markers: object) -> Iterator[tuple[KeyPath, str, str]]:
     if isinstance(markers, Mapping) and len(markers) <= MAX_MARKERS:
         for name in markers:
             if isinstance(name, str):
-                yield ("beam", "markers", name), name, f"there is a marker {quoted(name)}"
+                yield (kind, "markers", name), name, f"there is a marker {quoted(name)}"
+
+
+def _nodes(
+    data: Mapping[str, object], specification: Specification | None, folder: Path
+) -> tuple[NodeData | None, list[Fault]]:
+    """The numbers of a body of nodes, if there is one; they are checked even if another key is at fault."""
+    body = data.get("body")
+    if not isinstance(body, Mapping) or kind_of_body(body) != "nodal":
+        return None, []
+    # NumPy and SciPy are not for specifications that have no arrays.
+    from derive.spec.nodal import nodes_of
+
+    table = specification.body if specification is not None else None
+    return nodes_of(body, table if isinstance(table, NodalTable) else None, folder)
 
 
 def _shape_faults(data: Mapping[str, object]) -> list[Fault]:

@@ -13,7 +13,20 @@ from pathlib import Path
 from typing import Any
 
 from derive.spec import locate, paper
-from derive.spec.body import Frame, Parameter, PlanarBeam, Polynomial
+from derive.spec.body import (
+    BodyFrame,
+    Damping,
+    Frame,
+    Lowering,
+    NodalBody,
+    NodeData,
+    Parameter,
+    PlanarBeam,
+    Polynomial,
+    Specification,
+    SymbolicBody,
+    SymbolicFrame,
+)
 from derive.spec.errors import Problem, SpecError, printable
 from derive.spec.values import TomlFloat
 
@@ -22,10 +35,11 @@ MAX_BYTES = 1_000_000
 MAX_DOTS = 200
 
 Number = int | float | Fraction | str
+Nodes = str | os.PathLike[str] | Mapping[str, Any] | NodeData
 
 
-def read(path: str | os.PathLike[str]) -> PlanarBeam:
-    """The beam that a TOML file specifies. Raises SpecError with all that is wrong with the file."""
+def read(path: str | os.PathLike[str]) -> Specification:
+    """The body that a TOML file specifies. Raises SpecError with all that is wrong with the file."""
     source = os.fsdecode(path)
     try:
         with Path(source).open("rb") as file:
@@ -43,9 +57,9 @@ def read(path: str | os.PathLike[str]) -> PlanarBeam:
     return parse(text, source)
 
 
-def parse(text: str, source: str | None = None) -> PlanarBeam:
-    """The beam that a TOML text specifies; `source` is the file name that errors show."""
-    return _beam(_data(text, source), locate_in=text, source=source)
+def parse(text: str, source: str | None = None) -> Specification:
+    """The body that a TOML text specifies; `source` is the file that errors show, and beside which others are."""
+    return _checked(_data(text, source), locate_in=text, source=source)
 
 
 def planar_beam(
@@ -58,6 +72,7 @@ def planar_beam(
     bending_stiffness: Number | Mapping[str, object] | Parameter = paper.BENDING_STIFFNESS,
     markers: Mapping[str, Number] | None = None,
     orthogonal: bool | None = None,
+    gravity: Sequence[Number | Mapping[str, object] | Parameter] | None = None,
 ) -> PlanarBeam:
     """A beam specified in Python, with the keys, the defaults and the checks of a TOML file.
 
@@ -73,14 +88,75 @@ def planar_beam(
     }
     if orthogonal is not None:
         beam["orthogonal"] = orthogonal
-    return _beam({"name": name, "beam": beam})
+    if gravity is not None:
+        beam["gravity"] = _as_data(gravity)
+    result = _checked({"name": name, "beam": beam})
+    assert isinstance(result, PlanarBeam)
+    return result
+
+
+def nodal_body(
+    name: str,
+    nodes: Nodes,
+    *,
+    units: str | Mapping[str, str] | None = None,
+    modes: int | None = None,
+    frame: str | Mapping[str, object] | BodyFrame = "mean",
+    orthonormal: bool | None = None,
+    damping: Mapping[str, Number] | Damping | None = None,
+    gravity: Sequence[Number | Mapping[str, object] | Parameter] | None = None,
+    lowering: Lowering = "auto",
+    markers: Mapping[str, int] | None = None,
+) -> NodalBody:
+    """A body of nodes specified in Python, with the keys, the defaults and the checks of a TOML file.
+
+    `nodes` is a .npz file, a table of MatrixMarket files or of arrays with the names they have in a .npz file, or
+    NodeData, which are in SI units.
+    """
+    body = {
+        "nodes": nodes,
+        "units": "SI" if units is None and isinstance(nodes, NodeData) else units,
+        "modes": modes,
+        "frame": _as_data(frame),
+        "orthonormal": orthonormal,
+        "damping": _as_data(damping),
+        "gravity": _as_data(gravity),
+        "lowering": lowering,
+        "markers": markers,
+    }
+    result = _checked({"name": name, "body": {key: value for key, value in body.items() if value is not None}})
+    assert isinstance(result, NodalBody)
+    return result
+
+
+def symbolic_body(
+    name: str,
+    modes: int,
+    *,
+    frame: SymbolicFrame = "mean",
+    damping: bool = False,
+    gravity: Sequence[Number | Mapping[str, object] | Parameter] | None = None,
+    lowering: Lowering = "auto",
+) -> SymbolicBody:
+    """A body whose integrals are run-time parameters, specified in Python with the checks of a TOML file."""
+    body = {
+        "integrals": "symbolic",
+        "modes": modes,
+        "frame": frame,
+        "damping": damping,
+        "lowering": lowering,
+        **({} if gravity is None else {"gravity": _as_data(gravity)}),
+    }
+    result = _checked({"name": name, "body": body})
+    assert isinstance(result, SymbolicBody)
+    return result
 
 
 def json_schema() -> str:
     """The JSON schema of a specification, with which editors complete and check TOML files."""
-    from derive.spec.schema import Specification
+    from derive.spec import schema as tables
 
-    schema = {"$schema": "https://json-schema.org/draft/2020-12/schema", **Specification.model_json_schema()}
+    schema = {"$schema": "https://json-schema.org/draft/2020-12/schema", **tables.Specification.model_json_schema()}
     return json.dumps(_plain(schema), indent=2, ensure_ascii=False) + "\n"
 
 
@@ -89,22 +165,31 @@ def _plain(node: Any) -> Any:
     if isinstance(node, list):
         return [_plain(item) for item in node]
     if isinstance(node, dict):
+        match node.get("anyOf"):
+            case [dict() as one, {"type": "null"}]:
+                return _plain({**one, **{k: v for k, v in node.items() if k != "anyOf"}})
         return {k: _plain(v) for k, v in node.items() if k != "title" and not (k == "default" and v is None)}
     return node
 
 
 def _as_data(value: object) -> object:
+    if isinstance(value, Damping):
+        return {key: item for key, item in asdict(value).items() if item} or None
     if isinstance(value, (Frame, Parameter)):
         return {key: item for key, item in asdict(value).items() if item is not None}
+    if isinstance(value, BodyFrame):
+        return {key: item for key, item in asdict(value).items() if item not in (None, ())}
+    if isinstance(value, (list, tuple)):
+        return [_as_data(item) for item in value]
     return value
 
 
-def _beam(data: Mapping[str, object], locate_in: str = "", source: str | None = None) -> PlanarBeam:
+def _checked(data: Mapping[str, object], locate_in: str = "", source: str | None = None) -> Specification:
     # pydantic is imported only when there is something to check, so that the command line answers at once.
     from derive.spec.check import checked
 
-    result = checked(data)
-    if isinstance(result, PlanarBeam):
+    result = checked(data, Path() if source is None else Path(source).parent)
+    if not isinstance(result, list):
         return result
     lines = locate.lines(locate_in)
     problems = [Problem(path_text(path), message, locate.line_of(path, lines)) for path, message in result]

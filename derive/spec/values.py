@@ -6,18 +6,26 @@ What cannot be meant raises WrongValueError, with a sentence that says what to w
 from __future__ import annotations
 
 import math
+import operator
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
+from typing import TypeVar
 
-from derive.spec.body import FrameKind, Polynomial
+from derive.spec.body import BodyFrameKind, FrameKind, Lowering, Polynomial, SymbolicFrame
 from derive.spec.errors import quoted
 from derive.spec.expression import MAX_DEGREE, MAX_DIGITS, parse_number, polynomial
 from derive.spec.names import name_problem
 
 UNIT_PATTERN = "[A-Za-z0-9(]([A-Za-z0-9 .^*/()-]{0,22}[A-Za-z0-9)])?"
+MAX_MODES = 300
 FRAME_KINDS: tuple[FrameKind, ...] = ("mean", "point", "chord", "tangent", "given")
+BODY_FRAME_KINDS: tuple[BodyFrameKind, ...] = ("mean", "point", "given")
+SYMBOLIC_FRAMES: tuple[SymbolicFrame, ...] = ("mean", "given")
+LOWERINGS: tuple[Lowering, ...] = ("auto", "flat", "table")
+
+_Text = TypeVar("_Text", bound=str)
 
 
 class WrongValueError(ValueError):
@@ -88,6 +96,44 @@ def positive_float(value: object) -> float:
     return float(positive(value))
 
 
+def any_float(value: object) -> float:
+    """The default of a parameter that may have any sign."""
+    return float(number(value))
+
+
+def not_negative(value: object) -> Fraction:
+    """A number that is zero or more."""
+    exact = number(value)
+    if exact < 0:
+        raise WrongValueError(f"zero or a positive number is needed, not {exact}")
+    return exact
+
+
+def whole(value: object) -> int:
+    """A whole number, zero or more."""
+    try:
+        count = None if isinstance(value, bool) else operator.index(value)  # type: ignore[arg-type]
+    except TypeError:
+        count = None
+    if count is None or count < 0:
+        found = kind_of(value) if count is None else _shown(count)
+        found = f"{found} in decimals" if isinstance(value, (float, Fraction, TomlFloat)) else found
+        raise WrongValueError(f"a whole number is needed, zero or more, such as 8, not {found}")
+    return count
+
+
+def _shown(count: int) -> str:
+    return str(count) if abs(count) < 10**18 else "a very large one"
+
+
+def mode_count(value: object) -> int:
+    """How many modes a body has."""
+    count = whole(value)
+    if count > MAX_MODES:
+        raise WrongValueError(f"at most {MAX_MODES} modes are allowed, not {_shown(count)}")
+    return count
+
+
 def place(value: object) -> Fraction:
     """The dimensionless distance xi of a point of the beam."""
     exact = number(value)
@@ -139,11 +185,31 @@ def digits(p: Polynomial) -> int:
     return len(str(denominator)) + len(str(max(abs(int(c * denominator)) for c in p)))
 
 
-def frame_kind(value: object) -> FrameKind:
-    """One of the kinds of frames."""
-    for kind in FRAME_KINDS:
-        if isinstance(value, str) and value == kind:
-            return kind
-    kinds = ", ".join(quoted(kind) for kind in FRAME_KINDS)
+def choice(value: object, options: tuple[_Text, ...], noun: str) -> _Text:
+    """One of several words."""
+    for option in options:
+        if isinstance(value, str) and value == option:
+            return option
+    words = ", ".join(quoted(option) for option in options)
     found = quoted(value) if isinstance(value, str) else kind_of(value)
-    raise WrongValueError(f"the frame is one of {kinds}, not {found}")
+    raise WrongValueError(f"{noun} is one of {words}, not {found}")
+
+
+def frame_kind(value: object) -> FrameKind:
+    """One of the kinds of frames of a beam."""
+    return choice(value, FRAME_KINDS, "the frame")
+
+
+def body_frame_kind(value: object) -> BodyFrameKind:
+    """One of the kinds of frames of a body of nodes."""
+    return choice(value, BODY_FRAME_KINDS, "the frame")
+
+
+def symbolic_frame(value: object) -> SymbolicFrame:
+    """One of the frames of a body that is all parameters."""
+    return choice(value, SYMBOLIC_FRAMES, "the frame of a symbolic body")
+
+
+def lowering(value: object) -> Lowering:
+    """How the integrals become code."""
+    return choice(value, LOWERINGS, "the lowering")

@@ -25,7 +25,7 @@ UNIT = (
 )
 KINDS = 'the frame is one of "mean", "point", "chord", "tangent", "given"'
 END = 'a tangent frame needs the end it is at: { kind = "tangent", at = -1 } or at = 1'
-KEYS = "ansatz, frame, orthogonal, mass, length, bending_stiffness, markers"
+KEYS = "ansatz, frame, orthogonal, mass, length, bending_stiffness, markers, gravity"
 
 
 @pytest.mark.parametrize(
@@ -178,7 +178,7 @@ def test_a_fault_of_the_beam(lines, message):
             "",
             [
                 'b.toml: name: this key is missing; write name = "free_beam"',
-                "b.toml: beam: this key is missing; write [beam]",
+                "b.toml: beam: this key is missing; write [beam], or [body] for a body in space",
             ],
         ),
         (
@@ -227,7 +227,7 @@ bending_stiffness = "much"
 left = -2
 """
     assert errors(text) == [
-        "b.toml:1: title: unknown key; the keys here are name, beam",
+        "b.toml:1: title: unknown key; the keys here are name, beam, body",
         'b.toml:2: name: "double" cannot be a name: it is a word of C; try "double_0"',
         'b.toml:6: beam.ansatz[1]: column 2 of "2xi": an operator is missing before "xi"; for a product write *',
         'b.toml:7: beam.ansatz[2]: column 4 of "xi^99": the power is too high; the highest is 40',

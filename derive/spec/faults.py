@@ -1,0 +1,41 @@
+"""Faults of the data of a specification, collected while it is looked at."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from typing import NamedTuple
+
+from derive.spec.errors import quoted
+from derive.spec.values import WrongValueError
+
+KeyPath = tuple[str | int, ...]
+
+
+class Fault(NamedTuple):
+    """What is wrong at a path of the data; the empty path is the whole of it."""
+
+    path: KeyPath
+    message: str
+
+
+class Faults(list[Fault]):
+    """The faults found so far."""
+
+    @contextmanager
+    def at(self, *path: str | int) -> Iterator[None]:
+        """What is wrong within becomes a fault at the path, and the search goes on behind it."""
+        try:
+            yield
+        except WrongValueError as error:
+            self.append(Fault(path, str(error)))
+
+
+def unknown_key(key: str, known: Iterable[str]) -> str:
+    """What to say of a key that nobody knows."""
+    keys = list(known)
+    near = difflib.get_close_matches(key[:40].lower(), keys, n=1)
+    if near:
+        return f"unknown key; did you mean {quoted(near[0])}?"
+    return f"unknown key; the keys here are {', '.join(keys)}"

@@ -1,0 +1,111 @@
+"""What the numbers of a body of nodes have to say about its other keys."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from pathlib import Path
+from typing import TypeVar
+
+from derive.spec import values
+from derive.spec.body import NodeData
+from derive.spec.body_tables import MAX_AROUND, NodalTable
+from derive.spec.faults import Fault, Faults, KeyPath
+from derive.spec.node_data import Checked, node_data
+from derive.spec.node_files import read_nodes
+from derive.spec.tables import MAX_MARKERS
+from derive.spec.units import Units
+from derive.spec.values import MAX_MODES, WrongValueError
+
+Result = TypeVar("Result")
+
+
+def nodes_of(body: Mapping[str, object], table: NodalTable | None, folder: Path) -> tuple[NodeData | None, Faults]:
+    """The numbers of a body, and what is wrong with them or with the keys that speak of them.
+
+    `table` is the body if its keys are right. If they are not, the files are looked at none the less.
+    """
+    if "nodes" not in body:
+        return None, Faults()
+    found = read_nodes(body["nodes"], folder)
+    checked = node_data(found, Units() if table is None else table.scales())
+    faults = Faults([*found.faults, *checked.faults])
+    if found.complete:
+        faults += _mode_faults(body, set(found.arrays), checked)
+    if checked.nodes is not None:
+        faults += _node_faults(body, checked.nodes)
+    return checked.data, faults
+
+
+def _mode_faults(body: Mapping[str, object], arrays: set[str], checked: Checked) -> Iterator[Fault]:
+    """A number of modes that cannot be had."""
+    asked = _read(values.mode_count, body.get("modes"))
+    if "modes" in arrays:
+        given = checked.modes
+        count = given if asked is None else asked
+        if given is not None and asked is not None and asked > given:
+            yield Fault(("body", "modes"), f"{asked} modes are asked for, and there are {given} in the files")
+            return
+        if not {"modal_stiffness", "stiffness"} & arrays and count != 0:
+            yield Fault(("body", "nodes"), "the modes have no stiffness: add modal_stiffness, or stiffness")
+    else:
+        count = asked
+        if "stiffness" not in arrays and asked != 0:
+            yield Fault(
+                ("body", "modes") if asked else ("body", "nodes"),
+                "there is nothing to take modes from: add modes and modal_stiffness, or a stiffness to compute them "
+                "with mass, or write modes = 0 for a rigid body",
+            )
+        elif "modes" not in body:
+            yield Fault(
+                ("body", "modes"),
+                "this key is missing; write modes = 8 to have so many computed from mass and stiffness",
+            )
+        if body.get("orthonormal") is False:
+            yield Fault(
+                ("body", "orthonormal"), "modes that are computed are orthonormal; leave this out, or give the modes"
+            )
+    if count is None or checked.nodes is None:
+        return
+    most = max(3 * checked.nodes - 6, 0)
+    if count > most:
+        yield Fault(
+            ("body", "modes"),
+            f"{count} modes are too many: {checked.nodes} nodes have {3 * checked.nodes} displacements, of which 6 are "
+            f"rigid motion, so that there are {most} at most",
+        )
+    elif count > MAX_MODES:
+        yield Fault(
+            ("body", "modes"),
+            f"there are {count} modes in the files, and {MAX_MODES} are allowed; keep fewer: modes = 8",
+        )
+
+
+def _node_faults(body: Mapping[str, object], nodes: int) -> Iterator[Fault]:
+    """Nodes that do not exist."""
+    for path, value in _node_numbers(body):
+        node = _read(values.whole, value)
+        if node is not None and node >= nodes:
+            yield Fault(
+                path, f"there is no node {node if node < 10**18 else 'of this number'}: the nodes are 0 to {nodes - 1}"
+            )
+
+
+def _node_numbers(body: Mapping[str, object]) -> Iterator[tuple[KeyPath, object]]:
+    frame, markers = body.get("frame"), body.get("markers")
+    if isinstance(frame, Mapping):
+        yield ("body", "frame", "node"), frame.get("node")
+        around = frame.get("around")
+        if isinstance(around, (list, tuple)):
+            for i, node in enumerate(around[:MAX_AROUND]):
+                yield ("body", "frame", "around", i), node
+    if isinstance(markers, Mapping) and len(markers) <= MAX_MARKERS:
+        for name, node in markers.items():
+            yield ("body", "markers", str(name)), node
+
+
+def _read(reader: Callable[[object], Result], value: object) -> Result | None:
+    """What a value means; None if it is faulty, which is said elsewhere."""
+    try:
+        return reader(value)
+    except WrongValueError:
+        return None
