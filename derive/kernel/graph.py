@@ -13,7 +13,7 @@ from fractions import Fraction
 import casadi as ca
 import sympy as sp
 
-from derive.kernel.ir import Expr, Num, Op, Ref, Require
+from derive.kernel.ir import At, Entry, Expr, Leaf, Num, Op, Ref, Require
 from derive.kernel.symbols import Symbols
 
 BINARY = {ca.OP_ADD: "add", ca.OP_SUB: "sub", ca.OP_MUL: "mul", ca.OP_DIV: "div"}
@@ -26,9 +26,9 @@ UNARY = {ca.OP_NEG: "neg", ca.OP_SIN: "sin", ca.OP_COS: "cos"}
 
 @dataclass(frozen=True)
 class Node:
-    """A leaf (Num, Ref) or the kind of an operation with the numbers of its operands."""
+    """A leaf or the kind of an operation with the numbers of its operands."""
 
-    leaf: Num | Ref | None
+    leaf: Leaf | None
     kind: str = ""
     args: tuple[int, ...] = ()
 
@@ -79,7 +79,7 @@ class Graph:
         self._constant: list[bool] = []
         self._size: list[int] = []
 
-    def leaf(self, leaf: Num | Ref) -> int:
+    def leaf(self, leaf: Leaf) -> int:
         """The node of a number or a name."""
         return self._intern(Node(leaf))
 
@@ -135,6 +135,8 @@ class Graph:
                 return True
             case Ref(name):
                 return name in self.constants.coefficients or name in self.constants.hoisted.values()
+            case At() | Entry():
+                return False
         return all(self._constant[a] for a in node.args)
 
     def _fold(self, kind: str, args: tuple[int, ...]) -> int | None:

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
+from itertools import count
 
 import casadi as ca
 
@@ -58,19 +60,24 @@ Located = tuple[Step, list[tuple[Want, int]]]
 
 
 def schedule(
-    graph: Graph, symbols: Symbols, definitions: tuple[Step, ...], steps: tuple[Step, ...]
+    graph: Graph,
+    symbols: Symbols,
+    definitions: tuple[Step, ...],
+    steps: tuple[Step, ...],
+    temporaries: Iterator[str] | None = None,
 ) -> tuple[Section, ...]:
     """Sections with a `Let` for what has a name or is used more than once; the rest stands where it is used.
 
     A section of definitions comes just before the first step that needs it. All is read back from CasADi at once, so
-    that it shares. A requirement on constants alone goes to setup.
+    that it shares. A requirement on constants alone goes to setup. `temporaries` are names for what has none.
     """
     every = (*definitions, *steps)
     nodes = iter(read(graph, symbols, [want.value for step in every for want in step.wants]))
     located = [(step, [(want, next(nodes)) for want in step.wants]) for step in every]
     for _, wants in located:
         wants[:] = [(w, node) for w, node in wants if not (isinstance(w, Required) and _moved_to_setup(graph, w, node))]
-    writer = _Writer(graph, [pair for _, wants in located for pair in wants])
+    fresh = temporaries or (f"t{k}" for k in count(1))
+    writer = _Writer(graph, [pair for _, wants in located for pair in wants], fresh)
     ordered = _when_needed(graph, located[: len(definitions)], located[len(definitions) :])
     sections = (Section(step.name, step.equation, step.doc, writer.body(wants)) for step, wants in ordered)
     return tuple(section for section in sections if section.body)
@@ -99,14 +106,14 @@ def _moved_to_setup(graph: Graph, want: Required, node: int) -> bool:
 
 
 class _Writer:
-    def __init__(self, graph: Graph, wants: list[tuple[Want, int]]) -> None:
+    def __init__(self, graph: Graph, wants: list[tuple[Want, int]], temporaries: Iterator[str]) -> None:
         self.graph = graph
+        self.temporaries = temporaries
         self.uses = _uses(graph, [node for want, node in wants if not isinstance(want, Named)])
         self.names = {node: want.name for want, node in reversed(wants) if isinstance(want, Named)}
         self.divisors = _divisors(graph, self.uses)
         self.written: dict[int, str] = {}
         self.inverses: dict[int, str] = {}
-        self.counter = 0
 
     def body(self, wants: list[tuple[Want, int]]) -> tuple[Statement, ...]:
         out: list[Statement] = []
@@ -169,8 +176,7 @@ class _Writer:
         return Ref(self.inverses[node])
 
     def _next_name(self) -> str:
-        self.counter += 1
-        return f"t{self.counter}"
+        return next(self.temporaries)
 
 
 def _divisors(graph: Graph, uses: Counter[int]) -> Counter[int]:

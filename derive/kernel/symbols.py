@@ -13,7 +13,7 @@ from operator import mul
 import casadi as ca
 import sympy as sp
 
-from derive.kernel.ir import Num, Ref
+from derive.kernel.ir import Leaf, Num
 
 
 class Symbols:
@@ -27,11 +27,11 @@ class Symbols:
         self.early, self.late = early, late
         self.values: dict[sp.Symbol, ca.SX] = {}
         self.inputs: list[ca.SX] = []
-        self.leaves: list[Num | Ref] = []
+        self.leaves: list[Leaf] = []
         self._numbers: dict[Fraction, ca.SX] = {}
         self._known: dict[sp.Expr, ca.SX] = {}
 
-    def input(self, symbol: sp.Symbol, leaf: Num | Ref) -> None:
+    def input(self, symbol: sp.Symbol, leaf: Leaf) -> None:
         """Declare a symbol that the kernel reads: an element of an argument, a coefficient, or a folded number."""
         self.values[symbol] = self._leaf(leaf)
 
@@ -48,7 +48,7 @@ class Symbols:
             self._numbers[value] = self._leaf(Num(value))
         return self._numbers[value]
 
-    def _leaf(self, leaf: Num | Ref) -> ca.SX:
+    def _leaf(self, leaf: Leaf) -> ca.SX:
         symbol = ca.SX.sym(f"in{len(self.leaves)}")
         self.inputs.append(symbol)
         self.leaves.append(leaf)

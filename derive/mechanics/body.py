@@ -6,6 +6,7 @@ the strain energy. Which parts vanish follows from the body's integrals.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import sympy as sp
@@ -145,11 +146,11 @@ def equations(body: Body) -> Equations:
         vanished=tuple(v if v.reason else replace(v, reason=_identity(motion, v.term)) for v in vanished),
         mass=_mass_matrix(motion, terms),
         mass_zeros=_mass_zeros(motion, complete, reasons),
-        kinetic_energy=zeros.drop(_kinetic_energy(motion), reasons),
+        kinetic_energy=zeros.drop(motion.summed(kinetic_energy(motion)), reasons),
         strain_energy=zeros.drop(strain, reasons),
-        weight_energy=zeros.drop(-_work_of(motion, motion.position), reasons) if body.gravity else None,
-        linear_momentum=tuple(zeros.drop(p, reasons) for p in _linear_momentum(motion)),
-        angular_momentum=tuple(zeros.drop(p, reasons) for p in _angular_momentum(motion)),
+        weight_energy=zeros.drop(weight_energy(motion), reasons) if body.gravity else None,
+        linear_momentum=tuple(zeros.drop(p, reasons) for p in linear_momentum(motion)),
+        angular_momentum=tuple(zeros.drop(p, reasons) for p in angular_momentum(motion)),
         markers=tuple(_marker(motion, point, reasons) for point in body.points),
     )
 
@@ -169,19 +170,37 @@ def _parts(motion: Motion) -> tuple[tuple[str, Field], ...]:
     )
 
 
-def _inertia(motion: Motion) -> tuple[Term, ...]:
-    """The virtual work of the inertia: a term for each part of (5) on each virtual displacement of (6)."""
-    rigid = [row.name for row in motion.rows[: len(motion.rows) - len(motion.alpha)]]
-    displacements = dict(zip(rigid, (*motion.translations, *motion.frame.rotations()), strict=True))
-    terms = [
-        Term(row, name, "(15)", motion.summed(motion.product(part, displacement)))
-        for row, displacement in displacements.items()
+def rigid_inertia(motion: Motion) -> tuple[Term, ...]:
+    """The virtual work of the inertia on the rigid displacements of (6): a term for each part of (5); sums are named."""
+    return tuple(
+        Term(row, name, "(15)", motion.product(part, displacement))
+        for row, displacement in _rigid_displacements(motion)
         for name, part in _parts(motion)
-    ]
-    generic = [(name, motion.product(part, motion.frame.deformation())) for name, part in _parts(motion)]
+    )
+
+
+def generic_inertia(motion: Motion) -> tuple[Term, ...]:
+    """The virtual work of the inertia on a variation of alpha_i, for a generic i; sums are named."""
+    deformation = motion.frame.deformation()
+    return tuple(Term("alpha_i", name, "(15)", motion.product(part, deformation)) for name, part in _parts(motion))
+
+
+def _rigid_displacements(motion: Motion) -> Iterator[tuple[str, Field]]:
+    names = [row.name for row in motion.rows[: len(motion.rows) - len(motion.alpha)]]
+    return zip(names, (*motion.translations, *motion.frame.rotations()), strict=True)
+
+
+def _inertia(motion: Motion) -> tuple[Term, ...]:
+    """The virtual work of the inertia, its sums written out."""
+    terms = [replace(t, expr=motion.summed(t.expr)) for t in rigid_inertia(motion)]
+    return (*terms, *_of_each_shape(motion, generic_inertia(motion)))
+
+
+def _of_each_shape(motion: Motion, generic: tuple[Term, ...]) -> Iterator[Term]:
+    """The terms of a generic shape for each shape, their sums written out."""
     for i, alpha in enumerate(motion.alpha, 1):
-        terms += [Term(str(alpha), name, "(15)", motion.summed(of_index(expr, i))) for name, expr in generic]
-    return tuple(terms)
+        for t in generic:
+            yield replace(t, row=str(alpha), expr=motion.summed(of_index(t.expr, i)))
 
 
 def _strain_energy(motion: Motion, stiffness: tuple[Coefficient, ...]) -> sp.Expr:
@@ -235,13 +254,26 @@ def _work_of(motion: Motion, displacement: Field) -> sp.Expr:
     return motion.product({ONE: gravity_vector(motion)}, translation) + motion.product({HERE: seen}, rest)
 
 
+def rigid_weight(motion: Motion) -> tuple[Term, ...]:
+    """The virtual work of gravity on the rigid displacements, on the left-hand side."""
+    return tuple(
+        Term(row, "gravity", "(10)", -_work_of(motion, displacement))
+        for row, displacement in _rigid_displacements(motion)
+    )
+
+
+def generic_weight(motion: Motion) -> tuple[Term, ...]:
+    """The virtual work of gravity on a variation of alpha_i, on the left-hand side."""
+    return (Term("alpha_i", "gravity", "(10)", -_work_of(motion, motion.frame.deformation())),)
+
+
 def _weight(motion: Motion) -> tuple[Term, ...]:
-    """The virtual work of gravity, on the left-hand side."""
-    rigid = [row.name for row in motion.rows[: len(motion.rows) - len(motion.alpha)]]
-    displacements = zip(rigid, (*motion.translations, *motion.frame.rotations()), strict=True)
-    terms = [Term(row, "gravity", "(10)", -_work_of(motion, displacement)) for row, displacement in displacements]
-    generic = -_work_of(motion, motion.frame.deformation())
-    return (*terms, *(Term(str(a), "gravity", "(10)", of_index(generic, i)) for i, a in enumerate(motion.alpha, 1)))
+    return (*rigid_weight(motion), *_of_each_shape(motion, generic_weight(motion)))
+
+
+def weight_energy(motion: Motion) -> sp.Expr:
+    """The potential of gravity, zero when c is the inertial origin and the body is a point there."""
+    return -_work_of(motion, motion.position)
 
 
 def _mass_matrix(motion: Motion, terms: tuple[Term, ...]) -> sp.ImmutableMatrix:
@@ -278,17 +310,17 @@ def _identity(motion: Motion, term: Term) -> str:
     return known[term.row, term.name]
 
 
-def _kinetic_energy(motion: Motion) -> sp.Expr:
-    """1/2 int rho xdot . xdot."""
-    return motion.summed(motion.product(motion.velocity, motion.velocity) / 2)
+def kinetic_energy(motion: Motion) -> sp.Expr:
+    """1/2 int rho xdot . xdot; sums are named."""
+    return motion.product(motion.velocity, motion.velocity) / 2
 
 
-def _linear_momentum(motion: Motion) -> tuple[sp.Expr, ...]:
+def linear_momentum(motion: Motion) -> tuple[sp.Expr, ...]:
     """int rho xdot along each axis: the virtual work of the velocity on the two translations."""
     return tuple(motion.product(motion.velocity, d) for d in motion.translations)
 
 
-def _angular_momentum(motion: Motion) -> tuple[sp.Expr, ...]:
+def angular_momentum(motion: Motion) -> tuple[sp.Expr, ...]:
     """int rho x x xdot about the inertial origin: the virtual work of the velocity on e_k x x."""
     position = motion.position
     turned = ({ONE: fixed * position[ONE], R: moving} for fixed, moving in motion.turns)
