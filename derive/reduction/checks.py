@@ -43,7 +43,9 @@ def check_body(body: NodalBody) -> None:
 def check_modes(body: NodalBody, mass: csr_array, raw: Shapes) -> None:
     """Refuse modes that hold a rigid motion or depend on each other, and a stiffness that is not of a free body."""
     x = centred(mass, raw.x)
-    problems = [*_rigid(mass, x, raw.phi), *_negative(mass, raw), *_tied(body, mass, x, raw), *_disagree(body, raw)]
+    problems = rigid_problems(mass, x, raw.phi)
+    if not problems:
+        problems = [*_negative(body, mass, raw), *_tied(body, mass, x, raw), *_disagree(body, raw)]
     if problems:
         raise SpecError(tuple(problems))
 
@@ -187,7 +189,7 @@ def _count(body: NodalBody) -> list[Problem]:
     return []
 
 
-def _rigid(mass: csr_array, x: Array, phi: Array) -> list[Problem]:
+def rigid_problems(mass: csr_array, x: Array, phi: Array) -> list[Problem]:
     """Combinations of modes that are rigid motions, or nothing at all."""
     before = np.diag(products(mass, phi, phi))
     if np.any(before <= 0):
@@ -212,11 +214,11 @@ def _rigid(mass: csr_array, x: Array, phi: Array) -> list[Problem]:
     return found
 
 
-def _negative(mass: csr_array, raw: Shapes) -> list[Problem]:
+def _negative(body: NodalBody, mass: csr_array, raw: Shapes) -> list[Problem]:
     """A stiffness that pushes instead of pulling back."""
     sizes = np.sqrt(np.maximum(np.diag(products(mass, raw.phi, raw.phi)), np.finfo(float).tiny))
     values, vectors = eigh(raw.stiffness / np.multiply.outer(sizes, sizes))
-    if not len(values) or values[0] >= -1e-9 * max(float(values[-1]), 0.0):
+    if not len(values) or values[0] >= -max(1e-9 * float(values[-1]), _noise(body, mass)):
         return []
     mode = int(np.argmax(np.abs(vectors[0]))) + 1
     message = f"the stiffness has a negative eigenvalue in the modes ({values[0]:.3g} 1/s^2, mostly mode {mode})"
@@ -230,12 +232,19 @@ def _tied(body: NodalBody, mass: csr_array, x: Array, raw: Shapes) -> list[Probl
     rigid = rigid_basis(mass, x)
     lowest = float((np.diag(raw.stiffness) / np.diag(products(mass, raw.phi, raw.phi))).min())
     values, vectors = eigh(modal_stiffness(body.data.stiffness, rigid))
-    if values[-1] <= TIED**2 * max(lowest, 0.0):
+    if values[-1] <= max(TIED**2 * lowest, _noise(body, mass)):
         return []
     names = ("translation e1", "translation e2", "translation e3", "rotation 1", "rotation 2", "rotation 3")
     motion = names[int(np.argmax(np.abs(vectors[-1])))]
     message = f"the stiffness resists rigid motion ({motion}, {math.sqrt(values[-1]):.3g} rad/s)"
     return [Problem("body.nodes", f"{message}: the body is tied to the ground; export it without supports")]
+
+
+def _noise(body: NodalBody, mass: csr_array) -> float:
+    """What rounding of the stiffness matrix may leave of an omega^2 that is zero."""
+    if body.data.stiffness is None:
+        return 0.0
+    return 1e-12 * float(np.abs(body.data.stiffness.diagonal()).sum() / mass.diagonal().sum())
 
 
 def _disagree(body: NodalBody, raw: Shapes) -> list[Problem]:

@@ -12,9 +12,9 @@ import scipy.linalg
 from scipy.sparse import csr_array, identity, kron
 from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigsh, splu
 
-from derive.reduction.arithmetic import Array, symmetric
+from derive.reduction.arithmetic import Array, gram, symmetric
 from derive.reduction.frames import centred
-from derive.reduction.mass import canonical, products
+from derive.reduction.mass import canonical, products, times
 from derive.reduction.rigid import rigid_basis, without
 from derive.spec.body import NodalBody
 from derive.spec.errors import Problem, SpecError
@@ -30,8 +30,8 @@ def modal_stiffness(stiffness: csr_array | None, phi: Array) -> Array:
     """Phi_i^T K Phi_j; zeros without K, which is refused elsewhere."""
     if stiffness is None:
         return np.zeros((len(phi), len(phi)))
-    flat = phi.reshape(len(phi), -1)
-    return symmetric(flat @ (canonical(stiffness) @ flat.T))
+    flat = phi.reshape(len(phi), stiffness.shape[0])
+    return symmetric(gram(flat, times(canonical(stiffness), np.ascontiguousarray(flat.T)).T))
 
 
 def most_modes(mass: csr_array, rigid: int) -> int:

@@ -7,27 +7,34 @@ from scipy.sparse import csr_array
 
 from derive.reduction.arithmetic import Array, gram
 
-CHUNK = 16
-"""Fields multiplied at once, which bounds the memory."""
+MOST = 4_000_000
+"""Numbers multiplied at once, which bounds the memory."""
 
 
 def canonical(matrix: csr_array) -> csr_array:
-    """A copy in order of rows and columns, each entry once."""
+    """A copy in order of rows and columns, each entry once and none zero."""
     found = csr_array(matrix, dtype=np.float64, copy=True)
     found.sum_duplicates()
+    found.eliminate_zeros()
+    return found
+
+
+def times(matrix: csr_array, columns: Array) -> Array:
+    """The product of a canonical matrix and columns (n, F), summed in the order of the entries of each row."""
+    rows = np.flatnonzero(np.diff(matrix.indptr))
+    found = np.zeros((matrix.shape[0], columns.shape[1]))
+    step = max(1, MOST // max(matrix.nnz, 1))
+    for at in range(0, columns.shape[1] if rows.size else 0, step):
+        terms = matrix.data[:, None] * columns[matrix.indices, at : at + step]
+        found[rows, at : at + step] = np.add.reduceat(terms, matrix.indptr[rows], axis=0)
     return found
 
 
 def weighted(mass: csr_array, fields: Array) -> Array:
     """The mass times fields (F, nodes, 3), as (F, nodes, 3); `mass` is canonical."""
-    rows = np.flatnonzero(np.diff(mass.indptr))
-    columns = np.ascontiguousarray(fields.transpose(1, 0, 2).reshape(mass.shape[0], -1))
-    found = np.zeros_like(columns)
-    if rows.size:
-        for at in range(0, columns.shape[1], CHUNK):
-            terms = mass.data[:, None] * columns[mass.indices, at : at + CHUNK]
-            found[rows, at : at + CHUNK] = np.add.reduceat(terms, mass.indptr[rows], axis=0)
-    return np.ascontiguousarray(found.reshape(mass.shape[0], len(fields), 3).transpose(1, 0, 2))
+    columns = np.ascontiguousarray(fields.transpose(1, 0, 2)).reshape(mass.shape[0], 3 * len(fields))
+    found = times(mass, columns).reshape(mass.shape[0], len(fields), 3)
+    return np.ascontiguousarray(found.transpose(1, 0, 2))
 
 
 def products(mass: csr_array, f: Array, g: Array) -> Array:

@@ -1,16 +1,20 @@
-"""Modes of a lumped body brought to the mean frame: (17), (19) and a centred reference, for any given modes."""
+"""Modes of a lumped body brought to the mean frame, as plain arrays: (17), (19) and a centred reference."""
 
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
+from scipy.sparse import csr_array, diags_array
 
+from derive.reduction.arithmetic import Array
+from derive.reduction.checks import rigid_problems
+from derive.reduction.frames import centred, in_frame, orthonormal
+from derive.reduction.mass import canonical
+from derive.reduction.residuals import departure
 from derive.reduction.rigid import rigid_fields
+from derive.spec.body import BodyFrame
 
-Array = NDArray[np.float64]
-
-DEPENDENT = 1e-9
-"""Modes whose part without rigid motion has a singular value below this part of the largest are dependent."""
+__all__ = ["residuals", "rigid_fields", "to_mean_frame"]
 
 
 def to_mean_frame(
@@ -18,45 +22,26 @@ def to_mean_frame(
 ) -> tuple[Array, Array, Array]:
     """Positions from the centre of mass, modes without rigid motion and orthonormal in the mass, and their stiffness.
 
-    masses (nodes,); positions (nodes, 3); modes (N, nodes, 3); stiffness (N, N). The rigid part of each mode is taken
-    out, P = C - R (R^T M R)^-1 R^T M C with R the six rigid fields, which leaves the strain energy as it is; then modes
-    are combined so that c8 is the unit matrix and the stiffness diagonal, in ascending order.
+    masses (nodes,); positions (nodes, 3); modes (N, nodes, 3); stiffness (N, N). Modes are combined so that c8 is the
+    unit matrix and the stiffness diagonal, in ascending order; the strain energy stays as it is.
 
     Raises ValueError, with the combination, when a combination of the modes is a rigid motion.
     """
-    m, x, phi, k = (np.asarray(a, dtype=np.float64) for a in (masses, positions, modes, stiffness))
-    x = x - m @ x / m.sum()
-    weight = np.repeat(m, 3)
-    rigid = rigid_fields(x).reshape(6, -1)
+    m, x, phi, k = _arrays(masses), *(np.array(a, dtype=np.float64) for a in (positions, modes, stiffness))
+    for problem in rigid_problems(m, centred(m, x), phi):
+        raise ValueError(problem.message)
+    shapes = in_frame(m, x, phi, k, BodyFrame("mean"))
     if not len(phi):
-        return x, phi, k
-    fields = phi.reshape(len(phi), -1)
-    projected = fields - (fields * weight) @ rigid.T @ np.linalg.pinv((rigid * weight) @ rigid.T) @ rigid
-    gram = (projected * weight) @ projected.T
-    _refuse_rigid(gram, (fields * weight) @ fields.T)
-    root = np.linalg.cholesky(gram)
-    values, vectors = np.linalg.eigh(np.linalg.solve(root, np.linalg.solve(root, k).T))
-    combination = np.linalg.solve(root.T, vectors).T
-    return x, (combination @ projected).reshape(phi.shape), np.diag(values)
+        return shapes.x, phi, k
+    combined, values = orthonormal(m, shapes.phi, k)
+    return shapes.x, combined, np.diag(values)
 
 
 def residuals(masses: ArrayLike, positions: ArrayLike, modes: ArrayLike) -> tuple[float, float]:
     """How far modes are from (17) and (19): the largest mean displacement and mean rotation, relative to the modes."""
-    m, x, phi = (np.asarray(a, dtype=np.float64) for a in (masses, positions, modes))
-    size = np.sqrt(np.einsum("n,ink,ink->i", m, phi, phi).max(initial=np.finfo(float).tiny))
-    reach = np.sqrt(np.einsum("n,nk,nk->", m, x, x))
-    mean = np.abs(np.einsum("n,ink->ik", m, phi)).max(initial=0.0) / (size * np.sqrt(m.sum()))
-    turn = np.abs(np.einsum("n,ink->ik", m, np.cross(x, phi))).max(initial=0.0) / (size * reach)
-    return float(mean), float(turn)
+    found = departure(_arrays(masses), np.array(positions, dtype=np.float64), np.array(modes, dtype=np.float64))
+    return found.displacement, found.rotation
 
 
-def _refuse_rigid(gram: Array, before: Array) -> None:
-    """Compare what is left of the modes with what they were."""
-    scale = 1 / np.sqrt(np.diag(before))
-    values, vectors = np.linalg.eigh(gram * np.outer(scale, scale))
-    if values[0] > DEPENDENT**2:
-        return
-    weights = vectors[:, 0] * scale
-    weights /= np.abs(weights).max()
-    parts = [f"{w:+.3g} mode {i}" for i, w in enumerate(weights, 1) if abs(w) > 1e-6]
-    raise ValueError(f"rigid motion is left in the modes, or they are dependent: {' '.join(parts)}; take one out")
+def _arrays(masses: ArrayLike) -> csr_array:
+    return canonical(csr_array(diags_array(np.array(masses, dtype=np.float64))))

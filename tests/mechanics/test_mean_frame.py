@@ -9,7 +9,7 @@ import derive
 import test_cloud
 from derive.emit.c import c_files
 from derive.kernel.lower import lower
-from derive.mechanics.mean_frame import residuals, rigid_fields, to_mean_frame
+from derive.reduction.mean_frame import residuals, rigid_fields, to_mean_frame
 from derive.mechanics.nodal import derive_nodal
 
 

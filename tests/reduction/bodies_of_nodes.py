@@ -31,7 +31,7 @@ def cloud(n: int, points: int = 10) -> NodeData:
 def consistent(data: NodeData, seed: int = 1) -> NodeData:
     """The same nodes with a full mass matrix."""
     n = len(data.positions)
-    root = np.random.default_rng(seed).uniform(-0.3, 0.3, (n, n)) + np.eye(n)
+    root = np.random.default_rng(seed).uniform(-1, 1, (n, n)) / (2 * np.sqrt(n)) + np.eye(n)
     return replace(data, mass=csr_array(root @ root.T))
 
 
@@ -52,11 +52,39 @@ def springs(x: np.ndarray, counts: tuple[int, ...]) -> dict:
     for a in range(len(x)):
         for b in range(a):
             if np.abs(grid[a] - grid[b]).max() == 1:
-                arm = x[a] - x[b]
-                block = np.outer(arm, arm) / (arm @ arm) * 1e4
-                at, to = slice(3 * a, 3 * a + 3), slice(3 * b, 3 * b + 3)
-                k[at, at] += block
-                k[to, to] += block
-                k[at, to] -= block
-                k[to, at] -= block
+                join(k, x, a, b)
     return {"stiffness": csr_array(k), "modes": None, "modal_stiffness": None}
+
+
+def join(k: np.ndarray, x: np.ndarray, a: int, b: int) -> None:
+    """Add a spring between two nodes."""
+    arm = x[a] - x[b]
+    block = np.outer(arm, arm) / (arm @ arm) * 1e4
+    at, to = slice(3 * a, 3 * a + 3), slice(3 * b, 3 * b + 3)
+    k[at, at] += block
+    k[to, to] += block
+    k[at, to] -= block
+    k[to, at] -= block
+
+
+def hinge() -> NodeData:
+    """Two boxes of masses and springs that share the nodes of one edge: free to fold about it."""
+    data = truss((3, 2, 2), (1.0, 0.5, 0.3), seed=5)
+    x = data.positions.copy()
+    edge = [i for i in range(len(x)) if i % 4 in (0, 1) and 4 <= i < 8]  # x1 in the middle, x2 least
+    x[edge] = [[0, -0.25, -0.15], [0, -0.25, 0.15]]
+    counts = (3, 2, 2)
+    grid = np.stack(np.meshgrid(*map(np.arange, counts), indexing="ij"), axis=-1).reshape(-1, 3)
+    left = [i for i in range(len(x)) if grid[i, 0] == 0 or i in edge]
+    right = [i for i in range(len(x)) if grid[i, 0] == 2 or i in edge]
+    keep = sorted({*left, *right})
+    k = np.zeros((3 * len(x), 3 * len(x)))
+    for part in (left, right):
+        for a in part:
+            for b in part:
+                if b < a:
+                    join(k, x, a, b)
+    rows = (3 * np.array(keep)[:, None] + np.arange(3)).ravel()
+    nothing = np.zeros((0, len(keep), 3))
+    free = lumped(np.ones(len(keep)), x[keep], nothing, np.zeros((0, 0)))
+    return replace(free, stiffness=csr_array(k[np.ix_(rows, rows)]), modes=None, modal_stiffness=None)

@@ -1,0 +1,144 @@
+"""Zeros by mirror symmetry: the sums behind them are nothing, and what is not symmetric has none."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import bodies_of_nodes as bodies
+import numpy as np
+import pytest
+from scipy.sparse import csr_array
+
+from derive.reduction import reduce
+from derive.reduction.body import prepare
+from derive.reduction.integrals import integrals
+from derive.reduction.reasons import entries
+from derive.spec.body import BodyFrame, NodalBody
+
+MIRROR = "mirror symmetry in the plane normal to e"
+
+
+def sums_behind(body: NodalBody) -> dict[str, float]:
+    """Each integral that is zero by symmetry, as the sum that it is, relative to the size of its factors."""
+    prepared = prepare(body)
+    known = integrals(prepared.mass, prepared.shapes.x, prepared.shapes.phi)
+    x, phi = np.abs(prepared.shapes.x).max(), np.abs(prepared.shapes.phi).max(initial=0.0)
+    size = {"c1": x, "c2": phi, "C3": x * x, "S4": x * phi, "S5": phi * phi, "c6": x * phi, "c7": phi * phi}
+    zeros = {name for name, reason in reduce(body).zeros.items() if reason.startswith(MIRROR)}
+    return {
+        entry.name: float(getattr(known, entry.table)[entry.index]) / (known.mass * size[entry.table])
+        for entry in entries(len(phi_of(body)))
+        if entry.name in zeros and entry.table in size
+    }
+
+
+def phi_of(body: NodalBody) -> np.ndarray:
+    return prepare(body).shapes.phi
+
+
+@pytest.mark.parametrize(
+    "body",
+    [
+        bodies.nodal(bodies.truss(), modes=6),
+        bodies.nodal(bodies.truss((4, 3, 3), (1, 0.5, 0.5)), modes=8),
+        bodies.nodal(bodies.truss((3, 3, 3), (1, 1, 1)), modes=9),
+        bodies.nodal(bodies.truss((3, 3, 3)), BodyFrame("point", 13), modes=6),
+        bodies.nodal(bodies.truss((3, 3, 2)), BodyFrame("point", 8, (9, 10, 6, 14)), modes=4, orthonormal=False),
+    ],
+)
+def test_sums_behind_the_zeros_are_nothing(body: NodalBody) -> None:
+    found = sums_behind(body)
+    assert len(found) > 50 and max(map(abs, found.values())) < 1e-15
+
+
+def test_all_odd_sums_are_found() -> None:
+    """Whatever vanishes up to rounding in a body with three planes has a reason."""
+    body = bodies.nodal(bodies.truss((4, 3, 2)), modes=6)
+    prepared, found = prepare(body), reduce(body)
+    known = integrals(prepared.mass, prepared.shapes.x, prepared.shapes.phi)
+    for entry in entries(6):
+        if entry.table not in ("stiffness", "damping") and abs(getattr(known, entry.table)[entry.index]) < 1e-13:
+            assert entry.name in found.zeros, entry.name
+    assert found.zeros["C3_12"] == MIRROR + "1" and found.zeros["C3_23"] == MIRROR + "2"
+
+
+def test_modes_are_exactly_symmetric() -> None:
+    prepared = prepare(bodies.nodal(bodies.truss((5, 3, 2)), modes=6))
+    phi, parities = prepared.shapes.phi, prepared.parities
+    x = prepared.shapes.x
+    assert parities.axes == (0, 1, 2) and np.all(np.abs(parities.fields) == 1)
+    for plane, axis in enumerate(parities.axes):
+        flip = np.where(np.arange(3) == axis, -1.0, 1.0)
+        partner = [int(np.argmin(np.abs(x * flip - row).sum(axis=1))) for row in x]
+        for i, mode in enumerate(phi):
+            assert np.array_equal(mode[partner] * flip, parities.fields[i + 1, plane] * mode)
+
+
+def test_modes_of_equal_frequency_are_told_apart() -> None:
+    """A bar with a square section: any mix of its two first bending modes is a mode as well."""
+    body = bodies.nodal(bodies.truss((5, 3, 3), (1, 0.4, 0.4)), modes=5)
+    prepared = prepare(body)
+    values = np.diag(prepared.shapes.stiffness)
+    pairs = [i for i in range(4) if np.isclose(values[i], values[i + 1], rtol=1e-9)]
+    assert pairs and np.all(np.abs(prepared.parities.fields) == 1)
+    turned = prepared.shapes.phi.copy()
+    i = pairs[0]
+    turned[i], turned[i + 1] = 0.6 * turned[i] + 0.8 * turned[i + 1], 0.8 * turned[i] - 0.6 * turned[i + 1]
+    data = replace(body.data, modes=turned, modal_stiffness=prepared.shapes.stiffness)
+    assert reduce(bodies.nodal(data)).zeros == reduce(body).zeros
+    as_given = prepare(bodies.nodal(data, bodies.GIVEN, orthonormal=False)).parities.fields
+    assert {int(v) for v in np.abs(as_given[i + 1 : i + 3]).ravel()} == {0, 1}
+
+
+def test_a_mode_without_parity_loses_its_zeros_and_no_others() -> None:
+    body = bodies.nodal(bodies.truss(), modes=4)
+    phi = prepare(body).shapes.phi.copy()
+    stiffness = prepare(body).shapes.stiffness
+    data = replace(body.data, modes=phi, modal_stiffness=stiffness, stiffness=None)
+    before = reduce(bodies.nodal(data, bodies.GIVEN, orthonormal=False)).zeros
+    phi[1, 0] *= 1 + 1e-4
+    after = reduce(bodies.nodal(replace(data, modes=phi), bodies.GIVEN, orthonormal=False)).zeros
+    gone = {name for name, reason in before.items() if reason.startswith(MIRROR)} - set(after)
+    assert gone == {name for name in gone if "2" in name.split("_")[1:3]}
+    assert "C5_1_3_11" in before and all(
+        name in after for name in before if name.startswith(("c2_1", "C5_1_3", "c7_3_4"))
+    )
+    assert not any(after.get(f"c7_1_2_{k}", "").startswith(MIRROR) for k in (1, 2, 3))
+
+
+def test_what_is_not_symmetric_has_no_zeros() -> None:
+    data = bodies.truss()
+    masses = data.mass.diagonal()
+    masses[0] *= 1 + 1e-5
+    heavier = replace(data, mass=csr_array(np.diag(masses)))
+    moved = data.positions.copy()
+    moved[0, 0] += 1e-5
+    tilted = data.positions @ np.linalg.qr(np.random.default_rng(0).normal(size=(3, 3)))[0]
+    for other in (heavier, replace(data, positions=moved, **bodies.springs(moved, (4, 3, 2)))):
+        assert not any(reason.startswith(MIRROR) for reason in reduce(bodies.nodal(other, modes=4)).zeros.values())
+    turned = replace(data, positions=tilted, **bodies.springs(tilted, (4, 3, 2)))
+    assert not any(reason.startswith(MIRROR) for reason in reduce(bodies.nodal(turned, modes=4)).zeros.values())
+
+
+def test_a_frame_beside_the_plane_has_fewer_zeros() -> None:
+    """X has no parity there; what holds modes alone still has."""
+    body = bodies.nodal(bodies.truss((3, 3, 2)), bodies.GIVEN, modes=4, orthonormal=False)
+    shifted = replace(body, data=replace(body.data, positions=body.data.positions + 1.0))
+    middle, beside = (
+        {name for name, reason in reduce(b).zeros.items() if reason.startswith(MIRROR)} for b in (body, shifted)
+    )
+    assert {"C3_12", "c1_1"} <= middle and not any(name.startswith(("C3", "C4", "c1", "c6")) for name in beside)
+    modes_alone = {name for name in middle if name.startswith(("C5", "c7", "c2", "c8", "K"))}
+    assert beside == modes_alone
+
+
+def test_stiffness_that_is_not_symmetric_keeps_its_couplings() -> None:
+    body = bodies.nodal(bodies.truss(), modes=4)
+    shapes = prepare(body).shapes
+    full = shapes.stiffness + 0.1 * np.sqrt(np.outer(*[np.diag(shapes.stiffness)] * 2)) * (1 - np.eye(4))
+    data = replace(body.data, modes=shapes.phi, modal_stiffness=full, stiffness=None)
+    found = reduce(bodies.nodal(data, bodies.GIVEN, orthonormal=False))
+    assert np.allclose(found.stiffness, full, rtol=1e-15) and not any(name.startswith("K") for name in found.zeros)
+    assert found.zeros["c8_1_2"].startswith(MIRROR)
+    diagonal = replace(data, modal_stiffness=shapes.stiffness)
+    assert reduce(bodies.nodal(diagonal, bodies.GIVEN, orthonormal=False)).zeros["K_1_2"].startswith(MIRROR)
