@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
@@ -29,6 +30,8 @@ from derive.spec.values import kind_of
 
 MAX_FAULTS = 100
 QUANTITIES = {"mass": paper.MASS, "length": paper.LENGTH, "bending_stiffness": paper.BENDING_STIFFNESS}
+INTEGRALS = "m|c[1-8](_[0-9]+)+|[kb](_[0-9]+)+"
+"""The names of the parameters of a symbolic body: m, c2_1_3, C3_11, K_1_2, B_1_2."""
 
 
 def checked(data: Mapping[str, object], folder: Path) -> Specified | list[Fault]:
@@ -154,9 +157,9 @@ def _table(path: KeyPath, body: object) -> type[BaseModel]:
 def _unknown_key(path: KeyPath, data: Mapping[str, object]) -> str:
     key, body = str(path[-1]), data.get("body")
     if len(path) == 1:
-        tables: dict[str, type[BaseModel]] = {"beam": BeamTable, "body": _table(("body",), body)}
+        tables = {"beam": {*BeamTable.model_fields}, "body": {*NodalTable.model_fields, *SymbolicTable.model_fields}}
         for name in sorted(tables, key=lambda name: name not in data):
-            if key in tables[name].model_fields:
+            if key in tables[name]:
                 return f"this key belongs in the table [{name}]"
     if path[1:] == ("name",):
         return f"this key belongs above the table [{path[0]}]"
@@ -176,6 +179,12 @@ def _repeated_names(data: Mapping[str, object]) -> Iterator[Fault]:
             for path, name, where in names:
                 if name_problem(name):
                     continue
+                if (
+                    path[1:2] != ("markers",)
+                    and kind_of_body(table) == "symbolic"
+                    and re.fullmatch(INTEGRALS, name, re.I)
+                ):
+                    yield Fault(path, f"{quoted(name)} is taken: it is the name of an integral of a symbolic body")
                 other = first.setdefault(name.lower(), where)
                 if other != where:
                     yield Fault(path, f"{quoted(name)} is taken: {other}; names must differ in more than case")

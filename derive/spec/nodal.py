@@ -30,7 +30,7 @@ def nodes_of(body: Mapping[str, object], table: NodalTable | None, folder: Path)
     checked = node_data(found, Units() if table is None else table.scales())
     faults = Faults([*found.faults, *checked.faults])
     if found.complete:
-        faults += _mode_faults(body, set(found.arrays), checked)
+        faults += _mode_faults(body, {key.removesuffix("_value") for key in found.arrays}, checked)
     if checked.nodes is not None:
         faults += _node_faults(body, checked.nodes)
     return checked.data, faults
@@ -85,9 +85,8 @@ def _node_faults(body: Mapping[str, object], nodes: int) -> Iterator[Fault]:
     for path, value in _node_numbers(body):
         node = _read(values.whole, value)
         if node is not None and node >= nodes:
-            yield Fault(
-                path, f"there is no node {node if node < 10**18 else 'of this number'}: the nodes are 0 to {nodes - 1}"
-            )
+            which = f"node {node}" if node < 10**18 else "such node"
+            yield Fault(path, f"there is no {which}: the nodes are 0 to {nodes - 1}")
 
 
 def _node_numbers(body: Mapping[str, object]) -> Iterator[tuple[KeyPath, object]]:

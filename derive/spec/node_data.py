@@ -100,10 +100,10 @@ def _numbers(array: Array, key: str) -> Array:
             raise WrongValueError("these are decimals; whole numbers are needed, from 0: save them as integers")
         return array.astype(np.int64)
     with np.errstate(over="ignore"):
-        numbers = coo_array(array) if issparse(array) else array.astype(np.float64)
-        if issparse(array):
-            numbers.sum_duplicates()
-            numbers.data = numbers.data.astype(np.float64)
+        numbers = array.astype(np.float64)
+    if issparse(array):
+        numbers = coo_array(numbers)
+        numbers.sum_duplicates()
     bad = ~(np.abs(numbers.data if issparse(array) else numbers) <= LARGEST)
     if bad.any():
         first = np.unravel_index(bad.argmax(), bad.shape)
@@ -207,14 +207,14 @@ def _square(array: Array, sizes: tuple[int, ...], n: int, *fits: str) -> csr_arr
         if array.shape not in [(size, size) for size in sizes]:
             raise _misfit(array.shape, n, *fits)
         return csr_array(array)
-    least = min(int(array.row.min(initial=0)), int(array.col.min(initial=0)))
-    most = max(int(array.row.max(initial=0)), int(array.col.max(initial=0)))
+    indices = np.concatenate([array.row, array.col])
+    least, most = (int(indices.min()), int(indices.max())) if indices.size else (0, 0)
     size = next((size for size in sizes if most < size), None)
-    if least < 0 or size is None:
-        wrong = least if least < 0 else most
-        hint = "; are they numbered from 1?" if least > 0 and most == sizes[-1] else ""
+    if least < 0 or size is None or (least > 0 and most in sizes):
+        hint = "; these seem to be numbered from 1" if least > 0 and most in sizes else ""
+        last = sizes[-1] - 1
         raise WrongValueError(
-            f"an entry is in row or column {wrong}, and of {n} nodes there are 0 to {sizes[-1] - 1}{hint}"
+            f"the entries are in rows and columns {least} to {most}, and those of {n} nodes are 0 to {last}{hint}"
         )
     return _completed(csr_array((array.value, (array.row, array.col)), shape=(size, size)))
 

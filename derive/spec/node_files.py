@@ -177,7 +177,7 @@ def _add(digest: Any, array: Array) -> None:
 def _matrix_market(content: bytes, name: str) -> Array:
     """The matrix in a MatrixMarket file, as it is stored: dense or sparse."""
     try:
-        rows, columns, entries, form, field, _ = scipy.io.mminfo(io.BytesIO(content))
+        rows, columns, entries, form, field, symmetry = scipy.io.mminfo(io.BytesIO(content))
     except (ValueError, OverflowError, OSError) as error:
         raise WrongValueError(f"{name} is no MatrixMarket file: {_why(error)}") from None
     if field in ("complex", "pattern"):
@@ -188,9 +188,20 @@ def _matrix_market(content: bytes, name: str) -> Array:
     if 2 * stored > len(content):
         raise WrongValueError(f"{name} ends before its {rows} x {columns} matrix does")
     try:
-        return scipy.io.mmread(io.BytesIO(content))
+        matrix = scipy.io.mmread(io.BytesIO(content))
     except (ValueError, OverflowError, OSError, MemoryError) as error:
         raise WrongValueError(f"{name} cannot be read as MatrixMarket: {_why(error)}") from None
+    if form == "coordinate" and symmetry != "general" and _has_duplicates(matrix):
+        # What is above the diagonal is filled in from below, and would count twice.
+        raise WrongValueError(f"{name} is {symmetry} and holds an entry twice; store the lower triangle alone")
+    return matrix
+
+
+def _has_duplicates(matrix: Array) -> bool:
+    entries = scipy.sparse.coo_array(matrix)
+    before = entries.nnz
+    entries.sum_duplicates()
+    return bool(entries.nnz < before)
 
 
 def _why(error: Exception) -> str:

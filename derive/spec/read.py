@@ -113,18 +113,16 @@ def nodal_body(
     `nodes` is a .npz file, a table of MatrixMarket files or of arrays with the names they have in a .npz file, or
     NodeData, which are in SI units.
     """
-    body = {
-        "nodes": nodes,
+    optional = {
         "units": "SI" if units is None and isinstance(nodes, NodeData) else units,
         "modes": modes,
-        "frame": _as_data(frame),
         "orthonormal": orthonormal,
         "damping": _as_data(damping),
         "gravity": _as_data(gravity),
-        "lowering": lowering,
         "markers": markers,
     }
-    result = _checked({"name": name, "body": {key: value for key, value in body.items() if value is not None}})
+    given = {key: value for key, value in optional.items() if value is not None}
+    result = _checked({"name": name, "body": {"nodes": nodes, "frame": _as_data(frame), "lowering": lowering, **given}})
     assert isinstance(result, NodalBody)
     return result
 

@@ -139,7 +139,7 @@ def test_the_schema_in_the_scenes_is_up_to_date(compare_or_update):
 
 
 def test_importing_the_package_is_light():
-    heavy = "{'pydantic', 'sympy', 'numpy', 'casadi'}"
+    heavy = "{'pydantic', 'sympy', 'numpy', 'scipy', 'casadi'}"
     code = f"import sys, derive.spec; print(sorted({heavy} & set(sys.modules)))"
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert run.stdout == "[]\n"
