@@ -9,12 +9,16 @@ from derive.kernel.ir import Kernel, Pattern
 
 @dataclass(frozen=True)
 class Variable:
-    """A coordinate, rate, parameter or constant: its name, what it is, its unit; a parameter has a default."""
+    """A coordinate, rate, parameter or constant: its name, what it is, its unit; a parameter has a default.
+
+    With a `size` it is an array of so many values.
+    """
 
     name: str
     doc: str
     unit: str
     default: float = 0.0
+    size: int = 1
 
 
 @dataclass(frozen=True)
@@ -27,7 +31,11 @@ class Zero:
 
 @dataclass(frozen=True)
 class Model:
-    """The kernels of one model. `kernels` begins with setup; `markers` names those that are material points."""
+    """The kernels of one model. `kernels` begins with setup; `markers` names those that are material points.
+
+    `lowering` says how they were made: flat (straight line) or table (loops over the shapes). `data` holds the defaults
+    of parameters that are arrays, as pairs (index, value); all else is zero.
+    """
 
     name: str
     doc: str
@@ -41,6 +49,18 @@ class Model:
     markers: tuple[Variable, ...]
     zeros: tuple[Zero, ...]
     vanished: tuple[Zero, ...]
+    lowering: str = "flat"
+    data: tuple[tuple[int, float], ...] = ()
+
+    @property
+    def defaults(self) -> tuple[float, ...]:
+        """The defaults of all parameters."""
+        if self.lowering == "flat":
+            return tuple(p.default for p in self.parameters)
+        values = [0.0] * sum(p.size for p in self.parameters)
+        for index, value in self.data:
+            values[index] = value
+        return tuple(values)
 
     def kernel(self, name: str) -> Kernel:
         """The kernel of that name."""

@@ -6,9 +6,10 @@ In a loop, expressions are sums of products of what depends on its index; their 
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from itertools import count
 
+import casadi as ca
 import sympy as sp
 
 from derive.kernel.graph import Constants, Graph
@@ -116,8 +117,13 @@ class Program:
     def scalars(self, name: str, equation: str, doc: str, wants: Iterable[Scalar]) -> None:
         """Compute scalars in straight line, with the definitions that they need; a `Let` is known from then on."""
         wants = tuple(wants)
-        if not wants:
-            return
+        if wants:
+            self.straight(name, equation, doc, lambda symbols: [(t, symbols(expr)) for t, expr in wants])
+
+    def straight(
+        self, name: str, equation: str, doc: str, make: Callable[[Symbols], list[tuple[Let | Store | Require, ca.SX]]]
+    ) -> None:
+        """Like `scalars`, of what `make` makes of the symbols."""
         symbols = Symbols(early=frozenset(), late=self._rotation())
         for symbol, leaf in self.known.items():
             symbols.input(symbol, leaf)
@@ -130,12 +136,13 @@ class Program:
             Step(section, ds[0].equation, ds[0].doc, tuple(Named(str(d.symbol), symbols.values[d.symbol]) for d in ds))
             for section, ds in groups.items()
         )
-        stored = tuple(Stored("", k, symbols(expr)) for k, (_, expr) in enumerate(wants))
+        wants = make(symbols)
+        stored = tuple(Stored("", k, value) for k, (_, value) in enumerate(wants))
         targets = [target for target, _ in wants]
         for section in schedule(
             Graph(Constants(frozenset())), symbols, steps, (Step(name, equation, doc, stored),), self._temporaries
         ):
-            body = tuple(_targeted(item, targets) for item in section.body)
+            body = tuple(t for t in (_targeted(item, targets) for item in section.body) if not _says_nothing(t))
             names = {item.name for item in section.body if isinstance(item, Let)}
             self.known |= {d.symbol: Ref(str(d.symbol)) for d in self.definitions if str(d.symbol) in names}
             self.sections.append(Section(section.name, section.equation, section.doc, body))
@@ -262,6 +269,11 @@ def _targeted(item: Statement, targets: list[Let | Store | Require | Put | Store
     raise AssertionError("a target is a place for a value")
 
 
+def _says_nothing(item: Statement) -> bool:
+    """Whether a definition that loops need has been written under its name already."""
+    return isinstance(item, Let) and item.expr == Ref(item.name)
+
+
 def _symbols(exprs: Iterable[sp.Expr]) -> set[sp.Symbol]:
     return {s for e in exprs for s in sp.sympify(e).free_symbols}
 
@@ -274,9 +286,3 @@ def _said(sums: Iterable[Contraction | Total]) -> str:
         said.setdefault(stem, s.doc.split(" . e")[0])
     return "; ".join(f"{stem} = {doc}" for stem, doc in said.items())
 
-
-def names_of(arrays: Iterable[str]) -> Iterator[sp.Symbol]:
-    """The generic symbols of local arrays: B_1 is B_i_1."""
-    for name in arrays:
-        head, *rest = name.split("_")
-        yield sp.Symbol("_".join([head, "i", *rest]))

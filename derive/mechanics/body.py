@@ -6,7 +6,7 @@ the strain energy. Which parts vanish follows from the body's integrals.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
 import sympy as sp
@@ -327,6 +327,34 @@ def angular_momentum(motion: Motion) -> tuple[sp.Expr, ...]:
     return tuple(motion.product(field, motion.velocity) for field in turned)
 
 
+def vector_at(motion: Motion, field: Field, values: Mapping[str, sp.Matrix]) -> sp.Matrix:
+    """A field at a material point, in the inertial base; `values` are r, rdot and Phi_i there."""
+    still = sp.zeros(motion.rotation.rows, 1)
+    moving = (tensor * values[name] for name, tensor in field.items() if name != ONE)
+    return (field.get(ONE, still) + motion.rotation * sum(moving, still)).expand()
+
+
+def work_at(motion: Motion, field: Field, values: Mapping[str, sp.Matrix]) -> sp.Expr:
+    """The work of a force at a material point on a displacement; see `force_vector` and `force_definitions`."""
+    still = sp.zeros(motion.rotation.rows, 1)
+    seen = sp.Matrix([d.symbol for d in force_definitions(motion)])
+    moving = (tensor * values[name] for name, tensor in field.items() if name != ONE)
+    return sp.expand(force_vector(motion).dot(field.get(ONE, still)) + seen.dot(sum(moving, still)))
+
+
+def force_vector(motion: Motion) -> sp.Matrix:
+    """A force F_1, F_2, ... in the inertial base."""
+    return sp.Matrix([sp.Symbol(f"F_{k + 1}") for k in range(motion.rotation.rows)])
+
+
+def force_definitions(motion: Motion) -> tuple[Definition, ...]:
+    """The force in the body base."""
+    return tuple(
+        Definition(sp.Symbol(f"Fb_{k}"), expr, "F", "(10)", f"force along the axis {k} of the floating frame")
+        for k, expr in enumerate(motion.rotation.T * force_vector(motion), 1)
+    )
+
+
 def _marker(motion: Motion, point: MaterialPoint, reasons: zeros.Reasons) -> MarkerEquations:
     """Position, velocity and Jacobian of a material point, from the same fields taken at that point."""
 
@@ -345,19 +373,10 @@ def _marker(motion: Motion, point: MaterialPoint, reasons: zeros.Reasons) -> Mar
     vectors = {f: sp.Matrix([sp.Symbol(f"{name}_{k + 1}") for k in axes]) for f, name in names.items()}
 
     def vector(field: Field) -> sp.Matrix:
-        """A field at the marker, in the inertial base."""
-        moving = (tensor * vectors[name] for name, tensor in field.items() if name != ONE)
-        resolved = field.get(ONE, still) + motion.rotation * sum(moving, still)
-        return resolved.applyfunc(lambda e: zeros.drop(sp.expand(e), known))
-
-    force = sp.Matrix([sp.Symbol(f"F_{k + 1}") for k in axes])
-    seen = sp.Matrix([sp.Symbol(f"Fb_{k + 1}") for k in axes])
+        return vector_at(motion, field, vectors).applyfunc(lambda e: zeros.drop(e, known))
 
     def work(field: Field) -> sp.Expr:
-        """The work of the force on a displacement of the marker."""
-        moving = (tensor * vectors[name] for name, tensor in field.items() if name != ONE)
-        total = force.dot(field.get(ONE, still)) + seen.dot(sum(moving, still))
-        return zeros.drop(sp.expand(total), known)
+        return zeros.drop(work_at(motion, field, vectors), known)
 
     columns, load = [], []
     for field in (*motion.translations, *motion.frame.rotations()):
@@ -367,16 +386,12 @@ def _marker(motion: Motion, point: MaterialPoint, reasons: zeros.Reasons) -> Mar
         vectors[PHI] = sp.Matrix(shape)
         columns.append(vector(motion.frame.deformation()))
         load.append(work(motion.frame.deformation()))
-    turned = tuple(
-        Definition(b, expr, "F", "(10)", f"force along the axis {k} of the floating frame")
-        for k, (b, expr) in enumerate(zip(seen, motion.rotation.T * force, strict=True), 1)
-    )
     return MarkerEquations(
         name=point.name,
         doc=point.doc,
         definitions=kept,
-        force=sp.ImmutableMatrix(force),
-        force_definitions=turned,
+        force=sp.ImmutableMatrix(force_vector(motion)),
+        force_definitions=force_definitions(motion),
         load=tuple(load),
         position=sp.ImmutableMatrix(vector(motion.position)),
         velocity=sp.ImmutableMatrix(vector(motion.velocity)),

@@ -14,7 +14,7 @@ import sympy as sp
 
 from derive.mechanics import body, zeros
 from derive.mechanics.equations import Coefficient, Coordinate, Definition, ParameterSymbol, Row, Term, Vanished
-from derive.mechanics.modal import ModalPoint
+from derive.mechanics.kinematics import PHI, RDOT, R
 from derive.mechanics.series import ALPHA, ALPHADOT, Series, family
 from derive.mechanics.spatial import AXES, PAIRS, spatial_motion, spatial_series, spatial_sums
 
@@ -80,11 +80,32 @@ class Total:
 
 
 @dataclass(frozen=True)
+class GenericPoint:
+    """A marker for a generic shape: position, velocity, columns of its Jacobian, and the work of a force there.
+
+    `columns` and `load` are those of the rigid motion; `shape` and `shape_load` those of shape i. X and the shapes at
+    the point are the tables `X_NAME` and `Phi_NAME`; `force` defines the force seen from the body base.
+    """
+
+    name: str
+    doc: str
+    totals: tuple[Total, ...]
+    position: tuple[sp.Expr, ...]
+    velocity: tuple[sp.Expr, ...]
+    columns: tuple[tuple[sp.Expr, ...], ...]
+    shape: tuple[sp.Expr, ...]
+    force: tuple[Definition, ...]
+    load: tuple[sp.Expr, ...]
+    shape_load: sp.Expr
+
+
+@dataclass(frozen=True)
 class GenericEquations:
     """The equations of motion of a body with `modes` shapes: rigid rows, and one row for a generic shape i.
 
     `definitions` are scalars (Q, products of omega, gravity in the body base); `contractions` come before `totals`.
-    Expressions are in these names, in `tables`, and in alpha_i, alphadot_i, alphaddot_i.
+    Expressions are in these names, in `tables`, and in alpha_i, alphadot_i, alphaddot_i. `data` are the values of the
+    parameters, for a body given by numbers.
     """
 
     name: str
@@ -107,7 +128,8 @@ class GenericEquations:
     weight_energy: sp.Expr | None
     linear_momentum: tuple[sp.Expr, ...]
     angular_momentum: tuple[sp.Expr, ...]
-    points: tuple[ModalPoint, ...]
+    points: tuple[GenericPoint, ...]
+    data: tuple[float, ...] | None = None
 
     def table(self, name: str) -> Table:
         """The table of that name."""
@@ -126,9 +148,12 @@ def generic_equations(
     tables: tuple[Table, ...],
     scalars: tuple[Coefficient, ...],
     parameters: tuple[ParameterSymbol, ...],
-    points: tuple[ModalPoint, ...] = (),
+    points: tuple[tuple[str, str], ...] = (),
 ) -> GenericEquations:
-    """The equations of motion of a body with these tables; `scalars` are its mass and, if there is any, gravity."""
+    """The equations of motion of a body with these tables; `scalars` are its mass and, if there is any, gravity.
+
+    `points` are markers, each a name and what it is.
+    """
     motion = spatial_motion(0)
     gravity = tuple(c for c in scalars if c.symbol != body.MASS)
     named = tuple(d for d in motion.definitions if d.section == "oo")
@@ -168,7 +193,7 @@ def generic_equations(
         weight_energy=settled(body.weight_energy(motion)) if gravity else None,
         linear_momentum=tuple(settled(p) for p in body.linear_momentum(motion)),
         angular_momentum=tuple(settled(p) for p in body.angular_momentum(motion)),
-        points=points,
+        points=tuple(_point(motion, *point, bool(modes)) for point in points),
     )
 
 
@@ -189,6 +214,32 @@ def entries(name: str) -> tuple[sp.Symbol, ...]:
         return (sp.Symbol(stem),)
     texts = ("".join(map(str, c)) if isinstance(c, tuple) else str(c) for c in components)
     return tuple(sp.Symbol(f"{stem}_{text}") for text in texts)
+
+
+def _point(motion: body.Motion, name: str, doc: str, deforms: bool) -> GenericPoint:
+    """A marker, from the same fields taken at that point."""
+    x, phi = ([sp.Symbol(f"{table}_{k}") for k in AXES] for table in (f"X_{name}", f"Phi_{name}_i"))
+    totals = []
+    for k, place, shape in zip(AXES, x, phi, strict=True):
+        if deforms:
+            totals.append(Total(f"r_{k}", place, sp.Symbol("alpha_i") * shape, f"X + u at the marker . e{k}"))
+            totals.append(Total(f"rdot_{k}", sp.S.Zero, sp.Symbol("alphadot_i") * shape, f"its rate . e{k}"))
+    r = sp.Matrix([sp.Symbol(f"r_{k}") for k in AXES]) if deforms else sp.Matrix(x)
+    rdot = sp.Matrix([sp.Symbol(f"rdot_{k}") for k in AXES]) if deforms else sp.zeros(3, 1)
+    at = {R: r, RDOT: rdot, PHI: sp.Matrix(phi)}
+    displacements = (*motion.translations, *motion.frame.rotations())
+    return GenericPoint(
+        name=name,
+        doc=doc,
+        totals=tuple(totals),
+        position=tuple(body.vector_at(motion, motion.position, at)),
+        velocity=tuple(body.vector_at(motion, motion.velocity, at)),
+        columns=tuple(tuple(body.vector_at(motion, d, at)) for d in displacements),
+        shape=tuple(body.vector_at(motion, motion.frame.deformation(), at)),
+        force=body.force_definitions(motion),
+        load=tuple(body.work_at(motion, d, at) for d in displacements),
+        shape_load=body.work_at(motion, motion.frame.deformation(), at),
+    )
 
 
 class _Sums:
