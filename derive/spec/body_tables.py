@@ -50,7 +50,7 @@ FILES = {
 _FILE = {"type": "string", "minLength": 1}
 _NODES = {
     "anyOf": [
-        {**_FILE, "pattern": r"\.npz$"},
+        _FILE,
         {
             "type": "object",
             "properties": {key: {**_FILE, "description": text} for key, text in FILES.items()},
@@ -263,7 +263,12 @@ def _symbolic(value: object) -> str:
 class SymbolicTable(Table):
     """A deformable body in space whose mass, shape integrals and stiffness are run-time parameters."""
 
-    integrals: Annotated[Literal["symbolic"], PlainValidator(_symbolic), WithJsonSchema({"const": "symbolic"})]
+    integrals: Annotated[
+        Literal["symbolic"],
+        PlainValidator(_symbolic),
+        WithJsonSchema({"const": "symbolic"}),
+        Field(description="That mass, shape integrals and stiffness are run-time parameters, and not those of nodes."),
+    ]
     modes: Annotated[ModeCount, Field(description="How many modes the body has.")]
     frame: Annotated[
         SymbolicFrame,

@@ -163,10 +163,10 @@ def _plain(node: Any) -> Any:
     if isinstance(node, list):
         return [_plain(item) for item in node]
     if isinstance(node, dict):
-        match node.get("anyOf"):
-            case [dict() as one, {"type": "null"}]:
-                return _plain({**one, **{k: v for k, v in node.items() if k != "anyOf"}})
-        return {k: _plain(v) for k, v in node.items() if k != "title" and not (k == "default" and v is None)}
+        kept = {k: v for k, v in node.items() if k not in ("title", "anyOf") and not (k == "default" and v is None)}
+        options = [option for option in node.get("anyOf", []) if option != {"type": "null"}]
+        several = {"anyOf": options} if len(options) > 1 else dict(*options)
+        return {key: _plain(value) for key, value in {**several, **kept}.items()}
     return node
 
 

@@ -1,5 +1,6 @@
 """Specifications that are right: from files, from text and from Python, all the same."""
 
+import json
 import subprocess
 import sys
 from dataclasses import replace
@@ -136,6 +137,15 @@ def test_a_file_may_begin_with_a_byte_order_mark_and_end_lines_as_windows_does(t
 
 def test_the_schema_in_the_scenes_is_up_to_date(compare_or_update):
     compare_or_update(SCENES / "schema.json", json_schema())
+
+
+def test_the_schema_tells_a_beam_from_a_body_in_space():
+    schema = json.loads(json_schema())
+    assert schema["oneOf"] == [{"required": ["beam"]}, {"required": ["body"]}]
+    kinds = {one["$ref"].split("/")[-1] for one in schema["properties"]["body"]["oneOf"]}
+    required = {kind: schema["$defs"][kind]["required"] for kind in kinds}
+    assert required == {"NodalTable": ["nodes", "units"], "SymbolicTable": ["integrals", "modes"]}
+    assert '"null"' not in json_schema()
 
 
 def test_importing_the_package_is_light():
