@@ -47,6 +47,7 @@ def checked(data: Mapping[str, object], folder: Path) -> Specified | list[Fault]
             faults.append(Fault((), f"{len(details) - MAX_FAULTS} more problems are not shown"))
     faults += _one_body(data)
     faults += _repeated_names(data)
+    faults += _names_of_integrals(data)
     faults += _shape_faults(data)
     nodes, node_faults = _nodes(data, specification, folder)
     faults += node_faults
@@ -179,15 +180,18 @@ def _repeated_names(data: Mapping[str, object]) -> Iterator[Fault]:
             for path, name, where in names:
                 if name_problem(name):
                     continue
-                if (
-                    path[1:2] != ("markers",)
-                    and kind_of_body(table) == "symbolic"
-                    and re.fullmatch(INTEGRALS, name, re.I)
-                ):
-                    yield Fault(path, f"{quoted(name)} is taken: it is the name of an integral of a symbolic body")
                 other = first.setdefault(name.lower(), where)
                 if other != where:
                     yield Fault(path, f"{quoted(name)} is taken: {other}; names must differ in more than case")
+
+
+def _names_of_integrals(data: Mapping[str, object]) -> Iterator[Fault]:
+    """Names that the parameters of a symbolic body have."""
+    body = data.get("body")
+    if isinstance(body, Mapping) and kind_of_body(body) == "symbolic":
+        for path, name, _ in _symbols(data.get("name"), "body", body):
+            if re.fullmatch(INTEGRALS, name, re.IGNORECASE):
+                yield Fault(path, f"{quoted(name)} is taken: it is the name of an integral of a symbolic body")
 
 
 def _symbols(model: object, kind: str, table: Mapping[str, object]) -> Iterator[tuple[KeyPath, str, str]]:

@@ -27,8 +27,11 @@ def nodes_of(body: Mapping[str, object], table: NodalTable | None, folder: Path)
     if "nodes" not in body:
         return None, Faults()
     found = read_nodes(body["nodes"], folder)
-    checked = node_data(found, Units() if table is None else table.scales())
+    units = Units() if table is None else table.scales()
+    checked = node_data(found, units)
     faults = Faults([*found.faults, *checked.faults])
+    if isinstance(body["nodes"], NodeData) and units != Units():
+        faults.append(Fault(("body", "units"), "NodeData are in SI units; leave `units` out"))
     if found.complete:
         faults += _mode_faults(body, {key.removesuffix("_value") for key in found.arrays}, checked)
     if checked.nodes is not None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,26 +14,17 @@ from scipy.sparse import coo_array, csr_array, diags_array, issparse
 from derive.spec.body import NodeData
 from derive.spec.body_tables import FILES
 from derive.spec.faults import Faults
+from derive.spec.matrices import NEARLY, Entries, misfit, of_nodes, square, symmetric
 from derive.spec.node_files import MAX_BYTES, NODES, PARTS, SPARSE, Array, Found
 from derive.spec.units import Units
 from derive.spec.values import WrongValueError
 
 MAX_NODES = 1_000_000
 LARGEST = 1e100
-NEARLY = 1e-10
-"""What differs by less than this share of the largest entry is rounding."""
 
 Result = TypeVar("Result")
 
 _KINDS = {"c": "complex numbers", "b": "true and false", "O": "Python objects", "U": "text", "S": "text"}
-
-
-class Entries(NamedTuple):
-    """The entries of a matrix whose size is yet to be found."""
-
-    row: NDArray[np.int64]
-    col: NDArray[np.int64]
-    value: NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -103,7 +94,6 @@ def _numbers(array: Array, key: str) -> Array:
         numbers = array.astype(np.float64)
     if issparse(array):
         numbers = coo_array(numbers)
-        numbers.sum_duplicates()
     bad = ~(np.abs(numbers.data if issparse(array) else numbers) <= LARGEST)
     if bad.any():
         first = np.unravel_index(bad.argmax(), bad.shape)
@@ -138,11 +128,6 @@ def _gather(key: str, arrays: dict[str, Array | None], faults: Faults) -> None:
         arrays[key] = Entries(row, col, value)
 
 
-def _misfit(shape: tuple[int, ...], n: int, *fits: str) -> WrongValueError:
-    wanted = " or ".join([", ".join(fits[:-1]), fits[-1]] if fits[1:] else fits)
-    return WrongValueError(f"the shape is {shape}, and that of `positions` ({n}, 3): {wanted} is needed")
-
-
 def _positions(array: Array) -> NDArray[np.float64]:
     if array.ndim != 2 or array.shape[1] != 3 or not array.shape[0]:
         turned = "; transpose it" if array.ndim == 2 and array.shape[0] == 3 else ""
@@ -167,8 +152,8 @@ def _mass(array: Array, n: int) -> csr_array:
         m = csr_array(diags_array(vector))
     else:
         fits = f"({n},), ({3 * n},), ({n}, {n})", f"({3 * n}, {3 * n})"
-        m = _square(array, (n, 3 * n), n, *fits)
-        m = _symmetric(m if m.shape[0] == n else _of_nodes(m))
+        m = square(array, (n, 3 * n), n, *fits)
+        m = symmetric(m if m.shape[0] == n else of_nodes(m))
     diagonal = m.diagonal()
     negative = diagonal < 0
     if negative.any():
@@ -186,7 +171,7 @@ def _vector(array: Array, n: int) -> NDArray[np.float64]:
     """One mass per node, or three that are the same."""
     size = int(np.prod(array.shape, dtype=object))
     if size not in (n, 3 * n):
-        raise _misfit(array.shape, n, f"({n},)", f"({3 * n},)", f"({n}, {n})", f"({3 * n}, {3 * n})")
+        raise misfit(array.shape, n, f"({n},)", f"({3 * n},)", f"({n}, {n})", f"({3 * n}, {3 * n})")
     vector = _dense(array).reshape(-1)
     if size == n:
         return vector
@@ -201,86 +186,8 @@ def _vector(array: Array, n: int) -> NDArray[np.float64]:
     return triples[:, 0]
 
 
-def _square(array: Array, sizes: tuple[int, ...], n: int, *fits: str) -> csr_array:
-    """A square matrix of one of the sizes."""
-    if not isinstance(array, Entries):
-        if array.shape not in [(size, size) for size in sizes]:
-            raise _misfit(array.shape, n, *fits)
-        return csr_array(array)
-    indices = np.concatenate([array.row, array.col])
-    least, most = (int(indices.min()), int(indices.max())) if indices.size else (0, 0)
-    size = next((size for size in sizes if most < size), None)
-    if least < 0 or size is None or (least > 0 and most in sizes):
-        hint = "; these seem to be numbered from 1" if least > 0 and most in sizes else ""
-        last = sizes[-1] - 1
-        raise WrongValueError(
-            f"the entries are in rows and columns {least} to {most}, and those of {n} nodes are 0 to {last}{hint}"
-        )
-    return _completed(csr_array((array.value, (array.row, array.col)), shape=(size, size)))
-
-
-def _completed(matrix: csr_array) -> csr_array:
-    """A symmetric matrix of which perhaps one triangle is given."""
-    if not _is_triangle(matrix):
-        return matrix
-    return csr_array(matrix + matrix.T - diags_array(matrix.diagonal()))
-
-
-def _is_triangle(matrix: csr_array) -> bool:
-    entries = coo_array(matrix)
-    below, above = (entries.row > entries.col).any(), (entries.row < entries.col).any()
-    return bool(below != above)
-
-
-def _symmetric(matrix: csr_array) -> csr_array:
-    """A matrix without the rounding that keeps it from being symmetric."""
-    gap = coo_array(abs(matrix - matrix.T))
-    largest = float(abs(matrix).max())
-    if gap.nnz and gap.data.max() > NEARLY * largest:
-        worst = int(gap.data.argmax())
-        i, j = sorted((int(gap.row[worst]), int(gap.col[worst])))
-        hint = (
-            "only one triangle is filled: fill both, or write `symmetric` in the first line of a MatrixMarket file"
-            if _is_triangle(matrix)
-            else "a symmetric matrix is needed"
-        )
-        raise WrongValueError(
-            f"the matrix is not symmetric: the entries ({i}, {j}) and ({j}, {i}) differ by "
-            f"{gap.data[worst] / largest:.1e} of the largest entry; {hint}"
-        )
-    return csr_array((matrix + matrix.T) / 2) if gap.nnz and gap.data.max() else matrix
-
-
-def _of_nodes(matrix: csr_array) -> csr_array:
-    """m of a matrix m (x) I3."""
-    entries = coo_array(matrix)
-    n = matrix.shape[0] // 3
-    limit = NEARLY * float(np.abs(entries.data).max(initial=0))
-    across = (entries.row % 3 != entries.col % 3) & (np.abs(entries.data) > limit)
-    if across.any():
-        i, j = (int(index[across.argmax()]) for index in (entries.row, entries.col))
-        raise WrongValueError(
-            f"the entry ({i}, {j}) couples two directions; a mass matrix of nodes couples x with x, y with y "
-            "and z with z, all alike: leave out rotational inertia"
-        )
-    parts = []
-    for axis in range(3):
-        of_axis = (entries.row % 3 == axis) & (entries.col % 3 == axis)
-        row, col = entries.row[of_axis] // 3, entries.col[of_axis] // 3
-        parts.append(csr_array((entries.data[of_axis], (row, col)), shape=(n, n)))
-    for axis in (1, 2):
-        gap = coo_array(abs(parts[axis] - parts[0]))
-        if gap.nnz and gap.data.max() > limit:
-            i, j = (int(index[gap.data.argmax()]) for index in (gap.row, gap.col))
-            raise WrongValueError(
-                f"of nodes {i} and {j}, the mass in {'xyz'[axis]} is not that in x; a node has one mass, the same in "
-                "all directions"
-            )
-    return parts[0]
-
-
 def _stiffness(array: Array, n: int) -> csr_array:
-    return _symmetric(_square(array, (3 * n,), n, f"({3 * n}, {3 * n})"))
+    return symmetric(square(array, (3 * n,), n, f"({3 * n}, {3 * n})"))
 
 
 def _modes(array: Array, n: int) -> NDArray[np.float64]:
@@ -290,7 +197,7 @@ def _modes(array: Array, n: int) -> NDArray[np.float64]:
     if array.ndim == 2 and array.shape[0] == 3 * n and array.shape[1]:
         return np.ascontiguousarray(_dense(array).T).reshape(-1, n, 3)
     turned = "; transpose it" if array.ndim == 2 and array.shape[1] == 3 * n else ""
-    error = _misfit(array.shape, n, f"(modes, {n}, 3)", f"({3 * n}, modes)")
+    error = misfit(array.shape, n, f"(modes, {n}, 3)", f"({3 * n}, modes)")
     raise WrongValueError(f"{error}{turned}")
 
 
@@ -305,7 +212,7 @@ def _modal_stiffness(array: Array, count: int) -> NDArray[np.float64]:
         raise WrongValueError(
             f"the shape is {array.shape}, and there are {count} modes: ({count}, {count}) or ({count},) is needed"
         )
-    return np.ascontiguousarray(_symmetric(csr_array(array)).toarray())
+    return np.ascontiguousarray(symmetric(csr_array(array)).toarray())
 
 
 def _scaled(array: Any, unit: Fraction) -> Any:

@@ -345,6 +345,8 @@ def test_a_body_says_itself_again():
     assert again.data.sha256 == body.data.sha256
     with pytest.raises(SpecError, match=r"^body\.nodes\.mass: "):
         nodal_body("b", type(body.data)(**vars(body.data) | {"mass": -body.data.mass}))
+    with pytest.raises(SpecError, match=r"^body\.units: NodeData are in SI units"):
+        nodal_body("b", body.data, units=MM_T_S)
 
 
 def test_what_python_does_to_its_arrays_later_does_not_change_the_body():

@@ -271,6 +271,14 @@ def test_what_is_no_name_of_an_integral_may_be_a_symbol(symbol):
             ],
         ),
         (
+            'name = "b"\n[beam]\ngravity = [{}, { symbol = "g", default = true }]',
+            [
+                'b.toml:3: beam.gravity[0].symbol: this key is missing; write symbol = "g1"',
+                "b.toml:3: beam.gravity[0].default: this key is missing; write default = -9.81",
+                f"b.toml:3: beam.gravity[1].default: {NUMBER}, not true",
+            ],
+        ),
+        (
             'name = "b"\n[beam]\ngravity = [0, { symbol = "L", default = 1 }]',
             [
                 'b.toml:3: beam.gravity[1].symbol: "L" is taken: it is the symbol of length if none is given; '
