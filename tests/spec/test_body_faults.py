@@ -237,6 +237,11 @@ def test_what_is_no_name_of_an_integral_may_be_a_symbol(symbol):
     assert symbolic_body("b", 1, gravity=[0, 0, {"symbol": symbol, "default": 1}]).gravity[2].symbol == symbol
 
 
+def test_a_body_of_nodes_has_no_such_parameters():
+    body = nodal_body("m", MODAL_BODY, units="SI", gravity=[0, 0, {"symbol": "c2_1", "default": 1}])
+    assert (body.name, body.gravity[2].symbol) == ("m", "c2_1")
+
+
 @pytest.mark.parametrize(
     ("text", "messages"),
     [
