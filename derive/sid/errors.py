@@ -1,0 +1,21 @@
+"""What is wrong with a SID text: every fault at once, each with its line."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class SidProblem:
+    """One fault, and the line that it is on (from 1), or the block that lacks something begins on."""
+
+    line: int
+    message: str
+
+
+class SidError(ValueError):
+    """A SID text that cannot be used; `problems` holds all that is wrong with it, in the order of the lines."""
+
+    def __init__(self, problems: list[SidProblem]) -> None:
+        self.problems = tuple(sorted(problems, key=lambda problem: problem.line))
+        super().__init__("\n".join(f"{problem.line}: {problem.message}" for problem in self.problems))

@@ -1,0 +1,254 @@
+"""The text of a SID as a modal body."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+
+from derive.mechanics.modal import ModalBody, ModalPoint
+from derive.reduction.integrals import Integrals
+from derive.reduction.reasons import entries
+from derive.sid.blocks import Block, blocks
+from derive.sid.errors import SidError, SidProblem
+from derive.sid.mapping import MATRICES, SQUARES, VECTOR, from_squares, symmetric_parts, with_axial
+from derive.sid.matrices import matrix, number, whole
+from derive.sid.taylor import Array, Taylor
+
+FILE = "the SID file, where it is exactly zero"
+"""The reason of zeros in a body that was read."""
+
+AGREE = 1e-4
+"""What a SID holds twice may differ by this part of its size, since programs round what they write."""
+
+Matrices = dict[str, Taylor]
+
+
+def read(text: str, name: str | None = None) -> ModalBody:
+    """A modal body from the text of a SID; `name` is its name, if not that of the first line or "body".
+
+    Raises SidError with all that is wrong. Points are named as the first line says, or node_1, node_2, ... by the
+    numbers of the nodes. How matrices become integrals is in `derive.sid.mapping`.
+    """
+    problems: list[SidProblem] = []
+    first, root = blocks(text, problems)
+    modal = _modal(root, problems)
+    mass, n = _refmod(modal, problems) if modal else (0.0, None)
+    if modal is None or n is None:
+        raise SidError(problems)
+    found, lines = _matrices(modal, n, problems)
+    points = _points(first, modal, n, problems)
+    if problems:
+        raise SidError(problems)
+    _refuse_stiffening(found, lines, problems)
+    known = _integrals(mass, found, lines, problems)
+    if problems:
+        raise SidError(problems)
+    stiffness = found["Ke"].m0
+    damping = found["De"].m0 if "De" in found else np.zeros((n, n))
+    c7 = known.c7
+    return ModalBody(
+        name=name or _said(first, "name") or "body",
+        doc=f"body with {n} modes from a SID file",
+        origin="the reference frame of the SID file",
+        mass=mass,
+        c1=known.c1,
+        c2=known.c2,
+        C3=known.C3,
+        C4=with_axial(known.S4, -known.c6),
+        C5=with_axial(known.S5, c7),
+        c6=known.c6,
+        c7=c7,
+        c8=known.c8,
+        stiffness=stiffness,
+        damping=damping,
+        points=points,
+        zeros=_zeros(known, stiffness, damping),
+    )
+
+
+def _modal(root: Block, problems: list[SidProblem]) -> Block | None:
+    part = root.find("part")
+    modal = part.find("modal") if part else None
+    if modal is None:
+        problems.append(SidProblem(part.line if part else 1, "there is no `part` with a `new modal` in it"))
+    return modal
+
+
+def _refmod(modal: Block, problems: list[SidProblem]) -> tuple[float, int | None]:
+    """The mass and the number of modes."""
+    refmod = modal.find("refmod")
+    if refmod is None:
+        problems.append(SidProblem(modal.line, "modal has no refmod, which holds mass and nelastq"))
+        return 0.0, None
+    mass, count = refmod.entry("mass"), refmod.entry("nelastq")
+    for key, entry in (("mass", mass), ("nelastq", count)):
+        if entry is None:
+            problems.append(SidProblem(refmod.line, f"refmod has no {key}"))
+    value = number(mass, problems) if mass else 0.0
+    if mass and not value > 0:
+        problems.append(SidProblem(mass.line, f"the mass has to be positive, not {value:g}"))
+    return value, whole(count, problems) if count else None
+
+
+def _matrices(modal: Block, n: int, problems: list[SidProblem]) -> tuple[Matrices, dict[str, int]]:
+    """The matrices of the body, and the lines that they begin on."""
+    shapes = {
+        "mdCM": ((3, 1),),
+        "J": ((3, 3), (6, 1)),
+        "Ct": ((n, 3),),
+        "Cr": ((n, 3),),
+        "Me": ((n, n),),
+        "Gr": ((3, 3 * n),),
+        "Ge": ((n, 3 * n),),
+        "Oe": ((n, 6),),
+        "ksigma": ((n, 1),),
+        "Ke": ((n, n),),
+        "De": ((n, n),),
+    }
+    found: Matrices = {}
+    lines: dict[str, int] = {}
+    for name in MATRICES:
+        block = modal.find(name)
+        if block is None:
+            if name not in ("ksigma", "De"):
+                problems.append(SidProblem(modal.line, f"modal has no {name}"))
+            continue
+        lines[name] = block.line
+        value = matrix(block, shapes[name], n, problems)
+        if value is not None:
+            found[name] = value
+    return found, lines
+
+
+def _points(first: str, modal: Block, n: int, problems: list[SidProblem]) -> tuple[ModalPoint, ...]:
+    """The nodes, by their names."""
+    frame = modal.find("frame")
+    nodes = [block for block in frame.blocks if block.name == "node"] if frame else []
+    names = _said(first, "points").split()
+    if len(names) != len(nodes) or len(set(names)) < len(names):
+        names = [f"node_{re.sub(r'[^0-9A-Za-z_]', '_', node.label) or at}" for at, node in enumerate(nodes, 1)]
+    points = []
+    for name, node in zip(names, nodes, strict=True):
+        parts: dict[str, Taylor] = {}
+        for key, shape in (("origin", (3, 1)), ("phi", (3, n)), ("AP", (3, 3))):
+            block = node.find(key)
+            if block is not None and (value := matrix(block, (shape,), n, problems)) is not None:
+                parts[key] = value
+            elif block is None and key != "AP":
+                problems.append(SidProblem(node.line, f"node {node.label} has no {key}"))
+        if "AP" in parts and np.abs(parts["AP"].m0 - np.eye(3)).max() > AGREE:
+            problems.append(
+                SidProblem(node.line, f"the frame of node {node.label} is turned (AP); it is not used here")
+            )
+        if "phi" in parts and parts["phi"].m1 is not None and np.any(parts["phi"].m1):
+            message = f"phi of node {node.label} has a first order: geometric stiffness is not used here"
+            problems.append(SidProblem(node.line, message))
+        if "origin" in parts and "phi" in parts:
+            shapes = np.ascontiguousarray(parts["phi"].m0.T)
+            points.append(ModalPoint(name, f"node {node.label}", parts["origin"].m0[:, 0].copy(), shapes))
+    return tuple(points)
+
+
+def _refuse_stiffening(found: Matrices, lines: dict[str, int], problems: list[SidProblem]) -> None:
+    """What a modal body has no place for."""
+    if "ksigma" in found and (
+        np.any(found["ksigma"].m0) or found["ksigma"].m1 is not None and np.any(found["ksigma"].m1)
+    ):
+        problems.append(SidProblem(lines["ksigma"], "ksigma is not zero: stresses of the reference are not used here"))
+    for name in ("Ct", "Me", "Ge", "Ke", "De"):
+        matrix_ = found.get(name)
+        if matrix_ is not None and matrix_.m1 is not None and np.any(matrix_.m1):
+            message = (
+                f"{name} has a first order: geometric stiffness is not used here; export without it (Geo_Stiff= no)"
+            )
+            problems.append(SidProblem(lines[name], message))
+
+
+def _integrals(mass: float, found: Matrices, lines: dict[str, int], problems: list[SidProblem]) -> Integrals:
+    """The shape integrals, and what the file says twice and differently."""
+    n = len(found["Me"].m0)
+    c1, c2, c6, c8 = found["mdCM"].m0[:, 0], found["Ct"].m0, found["Cr"].m0, found["Me"].m0
+    c3, j1 = _inertia(found["J"])
+    c7 = -found["Ge"].m0.reshape(n, n, 3) / 2 + 0.0
+    c4 = found["Gr"].m0.reshape(3, n, 3).transpose(1, 0, 2) / 2
+    s4 = symmetric_parts(c4, -c6)
+    size8 = float(np.abs(c8).max(initial=0.0))
+    size4 = max(float(np.abs(c4).max(initial=0.0)), float(np.sqrt(size8 * np.abs(c3).max())))
+
+    def agree(name: str, value: Array, other: Array, size: float, message: str) -> None:
+        if np.abs(value - other).max(initial=0.0) > AGREE * size:
+            problems.append(SidProblem(lines[name], f"{name} {message}"))
+
+    agree("Gr", with_axial(s4, -c6), c4, size4, "does not agree with Cr: its antisymmetric part is Cr of the modes")
+    if found["mdCM"].m1 is not None:
+        agree("mdCM", found["mdCM"].m1[:, :, 0].T, c2, max(size4, size8), "has another first order than Ct")
+    if j1 is not None:
+        agree("J", j1, 2 * s4, size4, "has another first order than Gr")
+    if found["Cr"].m1 is not None:
+        agree("Cr", -found["Cr"].m1, c7, size8, "has another first order than Ge")
+    columns = _products(found["Oe"].m0, s4, size4)
+    agree("Oe", from_squares(found["Oe"].m0, columns), s4, size4, "does not agree with Gr")
+    s5 = _second(found, columns)
+    if s5 is None:
+        message = (
+            "has no first order, which holds int rho {(Phi_i . Phi_j) I - Phi_i Phi_j}; export it with first order"
+        )
+        problems.append(SidProblem(lines["Oe"], f"Oe {message}"))
+        s5 = np.zeros((n, n, 3, 3))
+    else:
+        trace = s5[..., 0, 0] + s5[..., 1, 1] + s5[..., 2, 2]
+        message = "has a first order that does not agree with Me; export without geometric stiffness (Geo_Stiff= no)"
+        agree("Oe", trace, 2 * c8, size8, message)
+    return Integrals(mass, c1.copy(), c2, c3, s4, s5, c6, c7, c8)
+
+
+def _inertia(inertia: Taylor) -> tuple[Array, Array | None]:
+    """C3, and the first order of J for each mode."""
+    m1 = None if inertia.m1 is None else inertia.m1.transpose(1, 0, 2)  # mode first
+    if inertia.m0.shape == (3, 3):
+        return inertia.m0, m1
+    return _tensor(inertia.m0[:, 0]), None if m1 is None else _tensor(m1[..., 0])
+
+
+def _tensor(column: Array) -> Array:
+    """The symmetric tensors of columns (..., 6)."""
+    found = np.zeros((*column.shape[:-1], 3, 3))
+    for at, (a, b) in enumerate(VECTOR):
+        found[..., a, b] = found[..., b, a] = column[..., at]
+    return found
+
+
+def _products(oe: Array, s4: Array, size: float) -> tuple[tuple[int, int], ...]:
+    """The order of the products in Omega: some programs have w1 w3 before w2 w3, which shows by what Gr says."""
+    for products in (SQUARES, VECTOR):
+        if np.abs(from_squares(oe, products) - s4).max(initial=0.0) <= AGREE * size:
+            return products
+    return SQUARES
+
+
+def _second(found: Matrices, products: tuple[tuple[int, int], ...]) -> Array | None:
+    """The symmetric parts of C5, of the first order of Oe, or of Gr."""
+    n = len(found["Me"].m0)
+    if found["Oe"].m1 is not None:
+        return from_squares(found["Oe"].m1, products)
+    if found["Gr"].m1 is not None:
+        c5 = found["Gr"].m1.reshape(3, n, n, 3).transpose(2, 1, 0, 3) / 2
+        return np.asarray((c5 + np.swapaxes(c5, -1, -2)) / 2)
+    return np.zeros((0, 0, 3, 3)) if n == 0 else None
+
+
+def _zeros(known: Integrals, stiffness: Array, damping: Array) -> dict[str, str]:
+    tables = {"stiffness": stiffness, "damping": damping}
+    found = {}
+    for entry in entries(len(known.c2)):
+        table = tables.get(entry.table)
+        if (getattr(known, entry.table) if table is None else table)[entry.index] == 0:
+            found[entry.name] = FILE
+    return found
+
+
+def _said(first: str, key: str) -> str:
+    """The names that the first line says after `key=`, if it was written here."""
+    match = re.search(rf"\b{key}= *([A-Za-z_]\w*(?: +[A-Za-z_]\w*)*)", first, re.ASCII)
+    return match[1] if match else ""
