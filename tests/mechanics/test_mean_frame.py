@@ -9,8 +9,8 @@ import derive
 import test_cloud
 from derive.emit.c import c_files
 from derive.kernel.lower import lower
-from derive.reduction.mean_frame import residuals, rigid_fields, to_mean_frame
 from derive.mechanics.nodal import derive_nodal
+from derive.reduction.mean_frame import residuals, rigid_fields, to_mean_frame
 
 
 @pytest.mark.parametrize("n", [1, 3, 8])

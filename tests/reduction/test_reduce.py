@@ -8,6 +8,7 @@ from fractions import Fraction
 import bodies_of_nodes as bodies
 import numpy as np
 import pytest
+import scipy.linalg
 
 from derive.mechanics.modal import ModalBody
 from derive.reduction import reduce, residuals
@@ -83,12 +84,14 @@ def test_conditions_of_the_mean_frame() -> None:
 
 
 def test_zeros_are_those_of_the_tables() -> None:
-    for data in (bodies.cloud(3), bodies.truss()):
-        found = reduce(bodies.nodal(data, modes=3))
+    for data, n in ((bodies.cloud(3), 3), (bodies.truss(), 9)):
+        found = reduce(bodies.nodal(data, modes=n))
         parts = [f"{name}_{i}" for name in ("c8", "K", "B") for i in ("1_1", "1_2")]
         assert {"c8_1_1", "K_1_1"}.isdisjoint(found.zeros) and set(parts) - {"c8_1_1", "K_1_1"} <= set(found.zeros)
         for name in found.zeros:
             assert value(found, name) == 0.0
+        assert np.array_equal(found.c7, -found.c7.transpose(1, 0, 2))
+        assert np.array_equal(found.C5, found.C5.transpose(1, 0, 3, 2)) and np.array_equal(found.C3, found.C3.T)
 
 
 def value(body: ModalBody, name: str) -> float:
@@ -107,6 +110,13 @@ def test_strain_energy_is_kept_by_the_frame() -> None:
     for frame in (bodies.MEAN, BodyFrame("point", 1)):
         found = reduce(bodies.nodal(data, frame, orthonormal=False))
         assert np.array_equal(found.stiffness, data.modal_stiffness)
+
+
+@pytest.mark.parametrize("frame", [bodies.GIVEN, bodies.MEAN, BodyFrame("point", 1)])
+def test_orthonormal_modes_have_the_same_energy(frame: BodyFrame) -> None:
+    data = bodies.consistent(bodies.cloud(4))
+    raw, new = (reduce(bodies.nodal(data, frame, orthonormal=flag)) for flag in (False, True))
+    assert np.allclose(np.diag(new.stiffness), scipy.linalg.eigvalsh(raw.stiffness, raw.c8), rtol=1e-11)
 
 
 def test_frame_at_a_node() -> None:

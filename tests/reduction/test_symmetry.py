@@ -13,6 +13,7 @@ from derive.reduction import reduce
 from derive.reduction.body import prepare
 from derive.reduction.integrals import integrals
 from derive.reduction.reasons import entries
+from derive.reduction.symmetry import mirrors
 from derive.spec.body import BodyFrame, NodalBody
 
 MIRROR = "mirror symmetry in the plane normal to e"
@@ -118,6 +119,21 @@ def test_what_is_not_symmetric_has_no_zeros() -> None:
         assert not any(reason.startswith(MIRROR) for reason in reduce(bodies.nodal(other, modes=4)).zeros.values())
     turned = replace(data, positions=tilted, **bodies.springs(tilted, (4, 3, 2)))
     assert not any(reason.startswith(MIRROR) for reason in reduce(bodies.nodal(turned, modes=4)).zeros.values())
+
+
+def test_planes() -> None:
+    data = bodies.truss((4, 3, 2))
+    assert [plane.axis for plane in mirrors(data.mass, data.positions + np.array([3, -4, 5]))] == [0, 1, 2]
+    moved, masses = data.positions.copy(), data.mass.diagonal()
+    moved[0, 0] += 1e-6
+    masses[[0, -1]] += 1e-6
+    assert mirrors(data.mass, moved) == ()
+    assert mirrors(csr_array(np.diag(masses)), data.positions) == ()
+    masses = data.mass.diagonal()
+    masses[data.positions[:, 2] > 0] += 1e-6
+    assert [plane.axis for plane in mirrors(csr_array(np.diag(masses)), data.positions)] == [0, 1]
+    twice = np.concatenate([data.positions, data.positions[:1]])
+    assert mirrors(csr_array(np.eye(25)), twice) == ()
 
 
 def test_a_frame_beside_the_plane_has_fewer_zeros() -> None:
