@@ -90,6 +90,7 @@ def test_the_block_meets_the_conditions_and_has_its_symmetry() -> None:
     assert np.allclose(found.C3, np.diag(found.mass / 12 * (sides.sum() - sides)), rtol=1e-12)
     for name in ("C3_12", "C3_13", "C3_23"):
         assert found.zeros[name].startswith("mirror symmetry in the plane normal to e")
+    assert np.array_equal(found.c7, -found.c7.transpose(1, 0, 2))
     count = {key: sum(name.split("_")[0] == key for name in found.zeros) for key in ("C4", "C5", "c7")}
     entries = {"C4": 8 * 6, "C5": 36 * 6, "c7": 28 * 3}
     assert all(count[key] >= 0.7 * entries[key] for key in entries), count

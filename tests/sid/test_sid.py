@@ -192,6 +192,22 @@ def test_what_has_no_place_in_a_modal_body() -> None:
     assert np.array_equal(read(with_first).C5, read(SMALL).C5)
 
 
+def test_second_moments_from_the_first_order_of_gr() -> None:
+    """Where Oe is constant; Gr_l has 2 C5_lk there."""
+    body = reduce(GIVEN)
+    text = write(body)
+    start, end = text.index("      Oe\n"), text.index("      end Oe\n")
+    constant = [line for line in text[start:end].replace("order = 1", "order = 0").splitlines() if "m1(" not in line]
+    text = text[:start] + "\n".join([*constant, ""]) + text[end:]
+    first = [
+        f"         m1( {a + 1}, {k + 1}, {3 * i + b + 1}) = {2 * body.C5[i, k, a, b]!r}"
+        for i, k, a, b in np.ndindex(4, 4, 3, 3)
+    ]
+    start, end = text.index("      Gr\n"), text.index("      end Gr\n")
+    text = text[:start] + text[start:end].replace("order = 0", "order = 1") + "\n".join([*first, ""]) + text[end:]
+    assert np.allclose(read(text).C5, body.C5, rtol=1e-14)
+
+
 def test_the_other_order_of_products_is_noticed() -> None:
     """Some programs write w1 w3 before w2 w3; Gr shows which it is."""
     body = reduce(GIVEN)
