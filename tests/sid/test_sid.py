@@ -200,7 +200,7 @@ def test_second_moments_from_the_first_order_of_gr() -> None:
     constant = [line for line in text[start:end].replace("order = 1", "order = 0").splitlines() if "m1(" not in line]
     text = text[:start] + "\n".join([*constant, ""]) + text[end:]
     first = [
-        f"         m1( {a + 1}, {k + 1}, {3 * i + b + 1}) = {2 * body.C5[i, k, a, b]!r}"
+        f"         m1( {a + 1}, {k + 1}, {3 * i + b + 1}) = {float(2 * body.C5[i, k, a, b])!r}"
         for i, k, a, b in np.ndindex(4, 4, 3, 3)
     ]
     start, end = text.index("      Gr\n"), text.index("      end Gr\n")
