@@ -86,6 +86,7 @@ class _Variable(ctypes.Structure):
         ("unit", ctypes.c_char_p),
         ("doc", ctypes.c_char_p),
         ("value", ctypes.c_double),
+        ("size", ctypes.c_int),
     ]
 
 
@@ -94,6 +95,7 @@ class _Pattern(ctypes.Structure):
         *((name, ctypes.c_int) for name in ("rows", "cols", "nnz", "symmetric")),
         ("colptr", ctypes.POINTER(ctypes.c_int)),
         ("rowidx", ctypes.POINTER(ctypes.c_int)),
+        ("fill", ctypes.CFUNCTYPE(ctypes.c_int, ctypes.POINTER(ctypes.c_int), ctypes.POINTER(ctypes.c_int))),
     ]
 
 
@@ -121,10 +123,13 @@ class _Model(ctypes.Structure):
     _fields_ = [
         ("abi", ctypes.c_int),
         ("name", ctypes.c_char_p),
-        *((n, ctypes.c_int) for n in ("nq", "nv", "np", "nk", "nlambda", "nmarkers", "nenergy", "nmomentum")),
+        *((n, ctypes.c_int) for n in ("nq", "nv", "np", "nk", "nlambda")),
+        *((f"variables_{n}", ctypes.c_int) for n in "qvpk"),
+        *((n, ctypes.c_int) for n in ("nmarkers", "nenergy", "nmomentum")),
         *((n, ctypes.POINTER(_Variable)) for n in ("q", "v", "p", "k")),
         *((n, ctypes.POINTER(_Pattern)) for n in ("mass_pattern", "jacobian_pattern")),
         ("markers", ctypes.POINTER(_Marker)),
+        ("defaults", _function(_Pointer)),
         ("setup", _function(_Pointer, _Pointer)),
         ("mass", _function(_Pointer, _Pointer, _Pointer)),
         ("force", _function(_T, *[_Pointer] * 4)),
@@ -153,9 +158,11 @@ class Native:
             raise CompilerError(f"{name}: its interface has number {m.abi}, this Tisserand knows {ABI}")
         self.name = name
         self.nq, self.nv, self.np, self.nk = m.nq, m.nv, m.np, m.nk
-        self.parameters = tuple(m.p[i].name.decode() for i in range(m.np))
-        self.defaults = np.array([m.p[i].value for i in range(m.np)])
-        self.coordinates = tuple(m.q[i].name.decode() for i in range(m.nq))
+        self.parameters = _names(m.p, m.variables_p)
+        self.coordinates = _names(m.q, m.variables_q)
+        self.velocities = _names(m.v, m.variables_v)
+        self.defaults = np.empty(m.np)
+        m.defaults(self.defaults.ctypes.data_as(_Pointer))
         self.mass_pattern = _pattern(m.mass_pattern.contents)
         self.jacobian_pattern = _pattern(m.jacobian_pattern.contents)
         self.markers = tuple(m.markers[i].name.decode() for i in range(m.nmarkers))
@@ -251,5 +258,18 @@ def _array(size: int, given: ArrayLike, name: str) -> Vector:
     return array
 
 
+def _names(variables: Any, count: int) -> tuple[str, ...]:
+    """Names of variables; the elements of an array are numbered from 1."""
+    found: list[str] = []
+    for i in range(count):
+        name, size = variables[i].name.decode(), variables[i].size
+        found += [name] if size == 1 else [f"{name}{k}" for k in range(1, size + 1)]
+    return tuple(found)
+
+
 def _pattern(p: _Pattern) -> Pattern:
-    return Pattern(p.rows, p.cols, tuple(p.colptr[: p.cols + 1]), tuple(p.rowidx[: p.nnz]), bool(p.symmetric))
+    colptr, rowidx = p.colptr, p.rowidx
+    if not colptr:
+        colptr, rowidx = (ctypes.c_int * (p.cols + 1))(), (ctypes.c_int * p.nnz)()  # type: ignore[assignment]
+        p.fill(colptr, rowidx)
+    return Pattern(p.rows, p.cols, tuple(colptr[: p.cols + 1]), tuple(rowidx[: p.nnz]), bool(p.symmetric))

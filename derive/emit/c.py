@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import accumulate
 
+from derive.emit.c_loops import LANES_MACRO, Loops, panel_helper
 from derive.emit.document import LICENCE, description, kernel_text, model_text, pattern_texts, section_text
 from derive.emit.expression import c_number, statement, text
 from derive.emit.files import MARK, File
-from derive.emit.template import comment, render
-from derive.kernel.ir import Kernel, Let, Statement, Store
-from derive.kernel.model import Model
+from derive.emit.template import comment, render, wrapped
+from derive.kernel.ir import Contract, Kernel, Let, Reduce, Require, RequireAll, Store
+from derive.kernel.model import Model, Variable
 
 ABI = 2
 
@@ -28,6 +30,7 @@ def c_files(model: Model, fingerprint: str) -> tuple[File, ...]:
     """`NAME.h` and `NAME.c`."""
     said = model_text(model)
     tables = [("p", model.parameters), ("k", model.constants), ("q", model.coordinates), ("v", model.rates)]
+    sizes = {name: sum(v.size for v in variables) for name, variables in tables}
     mark = (f"{MARK} from a specification with SHA-256", f"{fingerprint}. Do not edit.", LICENCE, "")
     names = {
         "model": model,
@@ -36,10 +39,14 @@ def c_files(model: Model, fingerprint: str) -> tuple[File, ...]:
         "abi": ABI,
         "title": "\n".join(comment((*mark, f"{said.title}; see {model.name}.h."))),
         "description": "\n".join(comment((*mark, *description(said)))),
+        "helpers": _helpers(model),
+        "defaults": defaults_text(model),
         "functions": [_function(model, kernel) for kernel in model.kernels],
         "patterns": pattern_texts(model, "    "),
-        "markers": [(m.name, len(model.kernel(f"marker_{m.name}").outputs[0].elements)) for m in model.markers],
+        "markers": [(m.name, model.kernel(f"marker_{m.name}").outputs[0].size) for m in model.markers],
         "energies": len(model.kernel("energy").outputs[0].elements),
+        "sizes": sizes,
+        "places": {name: placed(variables) for name, variables in tables},
         "momenta": len(model.kernel("momentum").outputs[0].elements),
         "tables": [{"name": n, "variables": variables} for n, variables in tables if variables],
         "members": {n: f"{model.name}_table_{n}" if variables else "0" for n, variables in tables}
@@ -51,12 +58,22 @@ def c_files(model: Model, fingerprint: str) -> tuple[File, ...]:
     )
 
 
+def _helpers(model: Model) -> str:
+    """What the loops of a model call."""
+    every = [s for kernel in model.kernels for s in kernel.statements]
+    lines = [LANES_MACRO] if any(isinstance(s, Reduce) for s in every) else []
+    sizes = {s.packing.padded for s in every if isinstance(s, Contract)}
+    lines += [line for size in sizes for line in panel_helper(f"{model.name}_panel", size)]
+    return "\n".join(lines)
+
+
 def _function(model: Model, kernel: Kernel) -> Function:
     lines = [*_loads(kernel)]
+    loops = Loops(f"{model.name}_panel")
     for section in kernel.sections:
         lines += ["", *comment(section_text(section), "    ")]
         for item in section.body:
-            lines += _statement(item)
+            lines += _statement(item) if isinstance(item, Let | Store | Require) else loops.lines(item)
     inputs = [
         f"double {a.name}" if a.scalar else f"const double *TISSERAND_RESTRICT {a.name}" for a in kernel.arguments
     ]
@@ -67,19 +84,23 @@ def _function(model: Model, kernel: Kernel) -> Function:
 
 
 def _loads(kernel: Kernel) -> list[str]:
-    """Name the elements that are read; say which arguments are not."""
+    """Name the elements and arrays that are read; say which arguments are not."""
     lines = []
-    used = kernel.used
+    used = kernel.used | {s.argument for s in kernel.statements if isinstance(s, RequireAll)}
     for argument in kernel.arguments:
-        read = [(k, n) for k, n in enumerate(argument.elements) if n in used]
+        read = [(k, n) for k, n in argument.places if n in used]
+        arrays = [view for view in argument.arrays if view.name in used]
         lines += [f"    const double {name} = {argument.name}[{k}];" for k, name in read]
-        if not read and argument.name not in used:
+        lines += [
+            f"    const double *{v.name} = {argument.name}{f' + {v.offset}' if v.offset else ''};" for v in arrays
+        ]
+        if not read and not arrays and argument.name not in used:
             lines.append(f"    (void) {argument.name};")
-    lines += [f"    (void) {o.name};" for o in kernel.outputs if not o.elements]
+    lines += [f"    (void) {o.name};" for o in kernel.outputs if not o.size]
     return lines
 
 
-def _statement(item: Statement) -> list[str]:
+def _statement(item: Let | Store | Require) -> list[str]:
     value = text(item.expr, c_number)
     if isinstance(item, Let):
         return statement("    ", f"const double {item.name} = ", value, ";")
@@ -87,3 +108,32 @@ def _statement(item: Statement) -> list[str]:
         return statement("    ", f"{item.output}[{item.index}] = ", value, ";")
     test = f"!({value} > 0.0)" if item.kind == "positive" else f"!isfinite({value})"
     return statement("    ", "if (", test, f") return {item.code}; /* {item.text} */")
+
+
+def placed(variables: tuple[Variable, ...]) -> list[tuple[str, int]]:
+    """Where each variable begins."""
+    places = accumulate((v.size for v in variables), initial=0)
+    return [(v.name, place) for v, place in zip(variables, places, strict=False)]
+
+
+def defaults_text(model: Model) -> str:
+    """The body of the function that fills p with the defaults."""
+    values = model.defaults
+    if not values:
+        return "    (void) p;"
+    kept = [(k, x) for k, x in enumerate(values) if x]
+    if 2 * len(kept) > len(values) or len(kept) < 9:
+        head = ", ".join(repr(x) for x in values)
+        lines = wrapped([head], "        ")
+        body = ["    static const double values[] = {", *lines, "    };"]
+        return "\n".join([*body, f"    for (int i = 0; i < {len(values)}; i++) p[i] = values[i];"])
+    places = wrapped([", ".join(str(k) for k, _ in kept)], "        ")
+    numbers = wrapped([", ".join(repr(x) for _, x in kept)], "        ")
+    return "\n".join(
+        [
+            *("    static const int places[] = {", *places, "    };"),
+            *("    static const double values[] = {", *numbers, "    };"),
+            f"    for (int i = 0; i < {len(values)}; i++) p[i] = 0.0;",
+            f"    for (int i = 0; i < {len(kept)}; i++) p[places[i]] = values[i];",
+        ]
+    )

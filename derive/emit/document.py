@@ -2,23 +2,29 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 from derive.emit.template import wrapped
 from derive.kernel.ir import Argument, Kernel, Output, Pattern, Section
-from derive.kernel.model import Model, Zero
+from derive.kernel.model import Model, Variable, Zero
 
 LICENCE = "SPDX-License-Identifier: 0BSD"
 
 
 @dataclass(frozen=True)
 class PatternText:
-    """A sparsity pattern as a language writes it: its name, and its integers as lines."""
+    """A sparsity pattern as a language writes it: its name, and its integers as lines.
+
+    Of a pattern with groups of columns `fill` are the loops that write it, in C, and `groups` is what they say.
+    """
 
     name: str
     pattern: Pattern
     colptr: str
     rowidx: str
+    fill: str
+    groups: str
 
 
 def pattern_texts(model: Model, indent: str) -> list[PatternText]:
@@ -29,7 +35,38 @@ def pattern_texts(model: Model, indent: str) -> list[PatternText]:
     def lines(values: tuple[int, ...]) -> str:
         return "\n".join(wrapped([", ".join(map(str, values))], indent))
 
-    return [PatternText(name, p, lines(p.colptr), lines(p.rowidx)) for name, p in found]
+    return [
+        PatternText(name, p, "", "", _fill(p), _groups(p, indent))
+        if p.groups
+        else PatternText(name, p, lines(p.colptr), lines(p.rowidx), "", "")
+        for name, p in found
+    ]
+
+
+def _fill(pattern: Pattern) -> str:
+    """Loops that write the compressed columns of groups, in C."""
+    lines = ["    int n = 0;", "    *colptr++ = 0;"]
+    for group in pattern.groups:
+        lines.append(f"    for (int j = 0; j < {group.count}; j++) {{")
+        for piece in group.pieces:
+            if piece.kind == "row":
+                lines.append(f"        rowidx[n++] = {piece.first};")
+            elif piece.kind == "diagonal":
+                lines.append(f"        rowidx[n++] = {piece.first} + j;")
+            else:
+                start = "j" if piece.kind == "triangle" else "0"
+                lines.append(f"        for (int i = {start}; i < {piece.count}; i++) rowidx[n++] = {piece.first} + i;")
+        lines += ["        *colptr++ = n;", "    }"]
+    return "\n".join(lines)
+
+
+def _groups(pattern: Pattern, indent: str) -> str:
+    """The groups of columns as nested tuples, in Python."""
+    lines = []
+    for group in pattern.groups:
+        pieces = "".join(f'("{p.kind}", {p.first}, {p.count}), ' for p in group.pieces)
+        lines.append(f"{indent}({group.count}, ({pieces.rstrip()})),")
+    return "\n".join(lines)
 
 
 @dataclass(frozen=True)
@@ -51,10 +88,10 @@ def model_text(model: Model) -> ModelText:
     """The description of a model."""
     names = [row.name for row in model.rows]
     width = max(len(q.name) for q in model.coordinates)
-    state = tuple(f"{k}  {q.name:<{width}}  [{q.unit}]  {q.doc}" for k, q in enumerate(model.coordinates))
+    state = tuple(f"{k}  {q.name:<{width}}  [{q.unit}]  {q.doc}" for k, q in _counted(model.coordinates))
     rates = tuple(
         f"{k}  {v.name}  [{v.unit}]  {v.doc}; its row, {row.name}, [{row.unit}]"
-        for k, (v, row) in enumerate(zip(model.rates, model.rows, strict=True))
+        for (k, v), row in zip(_counted(model.rates), model.rows, strict=True)
     )
     mass = model.pattern("mass", "M")
     return ModelText(
@@ -62,13 +99,28 @@ def model_text(model: Model) -> ModelText:
         origin=model.origin,
         state=state,
         rates=rates,
-        parameters=tuple(f"{p.name}  [{p.unit}]  {p.doc}, default {p.default!r}" for p in model.parameters)
+        parameters=tuple(
+            f"{p.name}  [{p.unit}]  {p.doc}, {f'{p.size} values' if p.size > 1 else f'default {p.default!r}'}"
+            for p in model.parameters
+        )
         or ("none: every number of the specification is folded into the code",),
-        constants=tuple(f"{c.name}{f'  [{c.unit}]' if c.unit else ''}  {c.doc}" for c in model.constants) or ("none",),
+        constants=tuple(
+            f"{c.name}{f'  [{c.unit}]' if c.unit else ''}  {c.doc}{f', {c.size} values' if c.size > 1 else ''}"
+            for c in model.constants
+        )
+        or ("none",),
         picture=_picture(mass, names),
         zeros=_by_reason(model.zeros),
         vanished=_by_reason(model.vanished),
     )
+
+
+def _counted(variables: tuple[Variable, ...]) -> Iterator[tuple[str, Variable]]:
+    """Variables with their indices: 3, or 7 .. 14 for an array."""
+    place = 0
+    for v in variables:
+        yield str(place) if v.size == 1 else f"{place} .. {place + v.size - 1}", v
+        place += v.size
 
 
 def description(said: ModelText) -> tuple[str, ...]:
@@ -113,7 +165,9 @@ def _by_reason(zeros: tuple[Zero, ...]) -> tuple[str, ...]:
 
 
 def _picture(pattern: Pattern, names: list[str]) -> tuple[str, ...]:
-    """The pattern of a symmetric matrix with named rows."""
+    """The pattern of a symmetric matrix with named rows; of many shapes the first and the last."""
+    if len(names) < pattern.rows:
+        return _blocks(pattern, names)
     present = set(pattern.entries) | {(j, i) for i, j in pattern.entries}
     width = max(map(len, names))
     rows = (
@@ -122,6 +176,25 @@ def _picture(pattern: Pattern, names: list[str]) -> tuple[str, ...]:
     )
     count = f"{pattern.full_nnz} of {pattern.rows * pattern.cols} entries are structural non-zeros"
     return (*rows, f"{count}; the {len(pattern.rowidx)} of the lower triangle are stored")
+
+
+def _blocks(pattern: Pattern, names: list[str]) -> tuple[str, ...]:
+    """The same where the rows of the shapes, the last name, are a block: shown by two of them."""
+    rigid = len(names) - 1
+    kept = [*range(rigid), *([rigid, pattern.rows - 1] if pattern.rows - rigid > 1 else [rigid])]
+    present = set(pattern.entries) | {(j, i) for i, j in pattern.entries}
+    labels = [*names[:rigid], f"{names[-1]}1", f"{names[-1]}{pattern.rows - rigid}"][: len(kept)]
+    width = max(map(len, labels))
+    rows = (
+        f"{label:<{width}}  " + " ".join("x" if (i, j) in present else "." for j in kept)
+        for label, i in zip(labels, kept, strict=True)
+    )
+    count = f"{pattern.full_nnz} of {pattern.rows * pattern.cols} entries are structural non-zeros"
+    return (
+        *rows,
+        "(of the shapes the first and the last)",
+        f"{count}; the {len(pattern.rowidx)} of the lower triangle",
+    )
 
 
 def kernel_text(kernel: Kernel) -> tuple[str, ...]:
@@ -138,12 +211,12 @@ def kernel_text(kernel: Kernel) -> tuple[str, ...]:
 def _argument(argument: Argument) -> str:
     if argument.scalar:
         return argument.doc
-    return f"{argument.doc} ({len(argument.elements)})"
+    return f"{argument.doc} ({argument.size})"
 
 
 def _output(output: Output) -> str:
     if output.pattern is None:
-        return f"{output.doc} ({len(output.elements)}): {', '.join(output.elements)}"
+        return f"{output.doc} ({output.size}): {', '.join(output.elements)}"
     shape = f"{output.pattern.rows} x {output.pattern.cols}"
     symmetric = f", {output.pattern.full_nnz} in both triangles" if output.pattern.symmetric else ""
-    return f"{output.doc}, {shape}, {len(output.elements)} values{symmetric}"
+    return f"{output.doc}, {shape}, {output.size} values{symmetric}"

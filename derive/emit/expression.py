@@ -7,28 +7,51 @@ from collections.abc import Callable
 from fractions import Fraction
 
 from derive.emit.template import WIDTH
-from derive.kernel.ir import Expr, Num, Ref
+from derive.kernel.ir import At, Entry, Expr, Num, Ref
 
 SIGN = {"add": " + ", "sub": " - ", "mul": " * ", "div": " / "}
 STRENGTH = {"add": 1, "sub": 1, "neg": 2, "mul": 2, "div": 2}
 
 
-def text(expr: Expr, number: Callable[[Fraction], str], call: str = "") -> str:
-    """An expression; `number` writes constants, `call` is what sine and cosine are members of."""
-    return _text(expr, number, call)[0]
+def text(
+    expr: Expr,
+    number: Callable[[Fraction], str],
+    call: str = "",
+    index: str = "i",
+    name: Callable[[Ref | At | Entry], str] | None = None,
+) -> str:
+    """An expression; `number` writes constants, `call` is what sine and cosine are members of.
+
+    `index` is what a loop counts with; `name` writes names and elements, as C does if it is not given.
+    """
+    return _text(expr, number, call, name or (lambda leaf: element(leaf, index)))[0]
 
 
-def _text(expr: Expr, number: Callable[[Fraction], str], call: str) -> tuple[str, int]:
+def element(leaf: Ref | At | Entry, index: str) -> str:
+    """A name, or an element of an array in a loop, in C."""
+    if isinstance(leaf, Ref):
+        return leaf.name
+    if isinstance(leaf, Entry):
+        return f"{leaf.table}[{index}]"
+    place = (
+        index if leaf.stride == 1 else f"{leaf.stride} * {index}" if index.isalpha() else f"{leaf.stride} * ({index})"
+    )
+    return f"{leaf.array}[{f'{place} + {leaf.offset}' if leaf.offset else place}]"
+
+
+def _text(
+    expr: Expr, number: Callable[[Fraction], str], call: str, name: Callable[[Ref | At | Entry], str]
+) -> tuple[str, int]:
     """The text and how strongly it binds."""
     if isinstance(expr, Num):
         written = number(expr.value)
         return written, 2 if expr.value < 0 else 3
-    if isinstance(expr, Ref):
-        return expr.name, 3
+    if isinstance(expr, Ref | At | Entry):
+        return name(expr), 3
     if expr.kind not in STRENGTH:
-        return f"{call}{expr.kind}({_text(expr.args[0], number, call)[0]})", 3
+        return f"{call}{expr.kind}({_text(expr.args[0], number, call, name)[0]})", 3
     strength = STRENGTH[expr.kind]
-    parts = [_text(arg, number, call) for arg in expr.args]
+    parts = [_text(arg, number, call, name) for arg in expr.args]
     if expr.kind == "neg":
         inner, binds = parts[0]
         return f"-{inner}" if binds > strength else f"-({inner})", strength

@@ -8,9 +8,10 @@ from dataclasses import dataclass
 from derive.emit.document import LICENCE, description, kernel_text, model_text, pattern_texts, section_text
 from derive.emit.expression import python_number, statement, text
 from derive.emit.files import MARK, File
+from derive.emit.python_loops import HELPERS, Loops
 from derive.emit.template import WIDTH, render, wrapped
-from derive.kernel.ir import Kernel, Let, Output, Ref, Statement, Store
-from derive.kernel.model import Model
+from derive.kernel.ir import Kernel, Let, Output, Ref, Require, Store
+from derive.kernel.model import Model, Variable
 
 
 @dataclass(frozen=True)
@@ -32,33 +33,58 @@ def python_file(model: Model, fingerprint: str) -> File:
         "functions": [_function(kernel) for kernel in model.kernels],
         "patterns": pattern_texts(model, "        "),
         "tables": _tables(model),
+        "helpers": HELPERS if model.lowering == "table" else "",
+        "defaults": _defaults(model),
     }
     return File(f"{model.name}/{model.name}.py", render("python/model.py.jinja", values))
 
 
 def _function(kernel: Kernel) -> Function:
     names = ", ".join(a.name for a in kernel.arguments)
-    sizes = ", ".join(f"{a.name}={None if a.scalar else len(a.elements)}" for a in kernel.arguments)
+    sizes = ", ".join(f"{a.name}={None if a.scalar else a.size}" for a in kernel.arguments)
     own = _tuple([a.name for a in kernel.arguments])
     lines = [f"    xp, batch, {own} = _arrays(dict({sizes}), {names})"]
     used = kernel.used
     for argument in kernel.arguments:
-        read = [(k, n) for k, n in enumerate(argument.elements) if n in used]
-        lines += [f"    {name} = {argument.name}[..., {k}]" for k, name in read]
+        lines += [f"    {name} = {argument.name}[..., {k}]" for k, name in argument.places if name in used]
+        lines += [
+            f"    {v.name} = {argument.name}[..., {v.offset}:{v.offset + v.size}]"
+            for v in argument.arrays
+            if v.name in used
+        ]
+    looped = any(output.count is not None for output in kernel.outputs)
+    if looped:
+        lines += [f"    {o.name} = _empty(xp, batch, {o.size})" for o in kernel.outputs if o.count is not None]
+    loops = Loops(kernel.arguments)
+    whole = {o.name for o in kernel.outputs if o.count is not None}
     required: list[str] = []
     for section in kernel.sections:
-        body = [line for item in section.body for line in _statement(item, kernel.name == "setup", required)]
+        body = []
+        for item in section.body:
+            if isinstance(item, Let | Store | Require):
+                body += _statement(item, kernel.name == "setup", required, whole)
+            else:
+                body += [part for line in loops.lines(item) for part in _long(line)]
         lines += ["", *wrapped([section_text(section)], "    # "), *body] if body else []
     doc = "\n".join(wrapped(kernel_text(kernel), "    ")).strip()
     return Function(kernel.name, names, doc, "\n".join([*lines, "", *_results(kernel.outputs, required)]))
 
 
-def _statement(item: Statement, raises: bool, required: list[str]) -> list[str]:
+def _long(line: str) -> list[str]:
+    """A line of a loop, broken if it is an assignment that is too long."""
+    head, sign, value = line.partition(" = ")
+    if len(line) + 4 <= WIDTH or not sign or line.startswith(" "):
+        return [f"    {line}"]
+    return _assignment(head, value)
+
+
+def _statement(item: Let | Store | Require, raises: bool, required: list[str], whole: set[str]) -> list[str]:
     value = text(item.expr, python_number, "xp.")
     if isinstance(item, Let):
         return _assignment(item.name, value)
     if isinstance(item, Store):
-        return _assignment(f"{item.output}_{item.index}", value)
+        place = f"{item.output}[..., {item.index}]" if item.output in whole else f"{item.output}_{item.index}"
+        return _assignment(place, value)
     operand = value if isinstance(item.expr, Ref) else f"({value})"
     holds = f"{operand} > 0" if item.kind == "positive" else f"xp.isfinite({value})"
     if raises:
@@ -79,6 +105,8 @@ def _assignment(name: str, value: str) -> list[str]:
 def _results(outputs: tuple[Output, ...], required: list[str]) -> list[str]:
     lines = []
     for output in outputs:
+        if output.count is not None:
+            continue
         elements = _tuple([f"{output.name}_{k}" for k in range(len(output.elements))])
         lines += wrapped([f"{output.name} = _stack(xp, batch, {elements})"], "    ")
     if required:
@@ -105,14 +133,29 @@ def _tables(model: Model) -> list[Table]:
         return Table(name, _lines(literals))
 
     return [
-        table("COORDINATES", (v.name for v in model.coordinates)),
-        table("RATES", (v.name for v in model.rates)),
+        table("COORDINATES", _each_name(model.coordinates)),
+        table("RATES", _each_name(model.rates)),
         table("PARAMETERS", (v.name for v in model.parameters)),
+        table("SIZES", (v.size for v in model.parameters)),
         table("UNITS", (v.unit for v in model.parameters)),
-        table("DEFAULTS", (v.default for v in model.parameters)),
         table("CONSTANTS", (v.name for v in model.constants)),
         table("MARKERS", (v.name for v in model.markers)),
     ]
+
+
+def _each_name(variables: tuple[Variable, ...]) -> list[str]:
+    """Names; the elements of an array are numbered from 1."""
+    return [f"{v.name}{k}" if v.size > 1 else v.name for v in variables for k in range(1, v.size + 1)]
+
+
+def _defaults(model: Model) -> str:
+    """The defaults of p: all of them, or, where most are zero, a dict of those that are not."""
+    values = model.defaults
+    kept = [(k, x) for k, x in enumerate(values) if x]
+    if 2 * len(kept) > len(values) or len(kept) < 9:
+        return f"DEFAULTS = {_lines([repr(x) for x in values])}"
+    entries = "\n".join(wrapped([", ".join(f"{k}: {x!r}" for k, x in kept)], "    "))
+    return f"_VALUES = {{\n{entries},\n}}\nDEFAULTS = tuple(_VALUES.get(k, 0.0) for k in range({len(values)}))"
 
 
 def _lines(literals: list[str]) -> str:

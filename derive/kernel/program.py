@@ -7,6 +7,7 @@ In a loop, expressions are sums of products of what depends on its index; their 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
+from dataclasses import replace
 from itertools import count
 
 import casadi as ca
@@ -14,16 +15,19 @@ import sympy as sp
 
 from derive.kernel.graph import Constants, Graph
 from derive.kernel.ir import (
+    Argument,
     At,
     Contract,
     Each,
     Entry,
     Expr,
+    Kernel,
     Lane,
     Leaf,
     Let,
     Num,
     Op,
+    Output,
     Packing,
     Pairs,
     Put,
@@ -35,8 +39,9 @@ from derive.kernel.ir import (
     Store,
     StoreAt,
     Sum,
+    reads,
 )
-from derive.kernel.schedule import Named, Step, Stored, schedule
+from derive.kernel.schedule import Named, Step, Stored, Want, schedule
 from derive.kernel.symbols import Symbols
 from derive.mechanics.equations import Definition
 from derive.mechanics.generic import Contraction, Total, is_indexed
@@ -137,10 +142,17 @@ class Program:
             for section, ds in groups.items()
         )
         wants = make(symbols)
-        stored = tuple(Stored("", k, value) for k, (_, value) in enumerate(wants))
+        stored: list[Want] = []
+        for k, (target, value) in enumerate(wants):
+            stored += [Named(target.name, value)] if isinstance(target, Let) else []
+            stored.append(Stored("", k, value))
         targets = [target for target, _ in wants]
         for section in schedule(
-            Graph(Constants(frozenset())), symbols, steps, (Step(name, equation, doc, stored),), self._temporaries
+            Graph(Constants(frozenset())),
+            symbols,
+            steps,
+            (Step(name, equation, doc, tuple(stored)),),
+            self._temporaries,
         ):
             body = tuple(t for t in (_targeted(item, targets) for item in section.body) if not _says_nothing(t))
             names = {item.name for item in section.body if isinstance(item, Let)}
@@ -177,6 +189,20 @@ class Program:
             loops.append(Pairs(loop.packing, loop.output, loop.offset, loop.stride, inside, extra))
         if loops and self.packing.count:
             self.sections.append(Section(f"{name}_i", equation, f"{doc}, for each shape", tuple(loops)))
+
+    def kernel(
+        self, name: str, doc: str, arguments: tuple[Argument, ...], outputs: tuple[Output, ...], *more: Section
+    ) -> Kernel:
+        """The kernel, without names that nothing reads; `more` sections follow those of the program."""
+        sections = [*self.sections, *more]
+        while True:
+            used = {n for section in sections for statement in section.body for n in reads(statement)}
+            kept = [
+                replace(s, body=tuple(b for b in s.body if not isinstance(b, Let) or b.name in used)) for s in sections
+            ]
+            if kept == sections:
+                return Kernel(name, doc, arguments, outputs, tuple(s for s in sections if s.body))
+            sections = kept
 
     def linear(self, expr: sp.Expr) -> sp.Expr:
         """An expression of indices as a sum of products of indexed symbols, with scalar factors that have a name."""
@@ -285,4 +311,3 @@ def _said(sums: Iterable[Contraction | Total]) -> str:
         stem = "_".join(part for part in s.name.split("_") if not part.isdigit())
         said.setdefault(stem, s.doc.split(" . e")[0])
     return "; ".join(f"{stem} = {doc}" for stem, doc in said.items())
-

@@ -37,7 +37,7 @@ from derive.kernel.ir import (
     padded,
 )
 from derive.kernel.model import Model, Variable, Zero
-from derive.mechanics.generic import COMPONENTS, INDICES, GenericEquations, Table
+from derive.mechanics.generic import GenericEquations, Table, indices, labels
 from derive.mechanics.series import PARITY
 
 TABLES, TRIANGLE, ROOT = "tables", "c8_pairs", "root"
@@ -59,12 +59,6 @@ class Memory:
     triangle: str = TRIANGLE
 
 
-def labels(name: str) -> tuple[str, ...]:
-    """The components of an integral as the names have them: 11, 12, ...; one empty label if it has no components."""
-    components: tuple[object, ...] = COMPONENTS.get(name, ("",))
-    return tuple("".join(map(str, c)) if isinstance(c, tuple) else str(c) for c in components)
-
-
 def component(name: str, label: str) -> str:
     """The array or scalar of one component: C5_11, K."""
     return f"{name}_{label}" if label else name
@@ -76,7 +70,7 @@ def size(table: Table, n: int) -> int:
         return 0
     pairs = n * (n + PARITY.get(table.name, 1)) // 2
     counts = {"": 1, "i": n, "ij": n if table.kind == "diagonal" else pairs}
-    return counts[INDICES[table.name]] * len(labels(table.name))
+    return counts[indices(table.name)] * len(labels(table.name))
 
 
 def memory(eq: GenericEquations) -> Memory:
@@ -90,7 +84,7 @@ def memory(eq: GenericEquations) -> Memory:
     vectors = [
         component(t.name, label)
         for t in kept
-        if t.kind == "diagonal" or INDICES[t.name] == "i"
+        if t.kind == "diagonal" or indices(t.name) == "i"
         for label in labels(t.name)
     ]
     place = packing.size if names else 0
@@ -102,7 +96,7 @@ def memory(eq: GenericEquations) -> Memory:
         number = c.value.is_Rational
         scalars[c.symbol] = Num(Fraction(int(c.value.p), int(c.value.q))) if number else Ref(str(c.symbol))
     for t in kept:
-        if INDICES[t.name] == "":
+        if indices(t.name) == "":
             scalars |= {sp.Symbol(component(t.name, label)): Ref(component(t.name, label)) for label in labels(t.name)}
     elements = tuple(leaf.name for leaf in scalars.values() if isinstance(leaf, Ref))
     positions = tuple(range(place, place + len(elements)))
@@ -123,10 +117,10 @@ def _parameters(eq: GenericEquations, kept: list[Table]) -> tuple[Variable, ...]
 
 def _doc(table: Table) -> str:
     parts = [table.doc]
-    indices = INDICES[table.name]
-    if indices == "ij" and table.kind == "full":
+    counted = indices(table.name)
+    if counted == "ij" and table.kind == "full":
         parts.append("for i <= j by rows" if PARITY[table.name] > 0 else "for i < j by rows")
-    elif indices:
+    elif counted:
         parts.append("for each i")
     if len(labels(table.name)) > 1:
         parts.append(f"components {' '.join(labels(table.name))} together")
@@ -150,7 +144,7 @@ def copied(output: str, offset: int, source: str, count: int) -> Section:
 def setup(eq: GenericEquations, memory: Memory) -> Kernel:
     """p -> k: packing, and the Cholesky factor of c8 where it is full."""
     n = eq.modes
-    views = tuple(View(f"p_{t.name}", place, size(t, n)) for t, place in memory.sources if INDICES[t.name])
+    views = tuple(View(f"p_{t.name}", place, size(t, n)) for t, place in memory.sources if indices(t.name))
     elements, positions = _scalar_elements(eq, memory)
     p = Argument("p", elements, "parameters", arrays=views, positions=positions)
     k = memory.argument
@@ -168,7 +162,7 @@ def setup(eq: GenericEquations, memory: Memory) -> Kernel:
     rows = [
         StoreAt("k", places[component(t.name, label)], 1, At(f"p_{t.name}", "i", len(labels(t.name)), c))
         for t, _ in memory.sources
-        if INDICES[t.name] == "i" or t.kind == "diagonal"
+        if indices(t.name) == "i" or t.kind == "diagonal"
         for c, label in enumerate(labels(t.name))
     ]
     body += [Each(n, tuple(rows))] if rows else []
@@ -200,7 +194,7 @@ def _scalar_elements(eq: GenericEquations, memory: Memory) -> tuple[tuple[str, .
     found = [(f"p_{eq.parameters[0].symbol}", 0)]
     end = 1
     for t, place in memory.sources:
-        if not INDICES[t.name]:
+        if not indices(t.name):
             found += [(f"p_{component(t.name, label)}", place + c) for c, label in enumerate(labels(t.name))]
         end = place + size(t, eq.modes)
     found += [(f"p_{q.symbol}", end + c) for c, q in enumerate(eq.parameters[1:])]
@@ -255,4 +249,3 @@ def _data(eq: GenericEquations, memory: Memory) -> tuple[tuple[int, float], ...]
         end = place + size(t, n)
     found += [(end + k, q.default) for k, q in enumerate(eq.parameters[1:])]
     return tuple(found)
-

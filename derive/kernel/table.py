@@ -192,9 +192,9 @@ def lower_tables(equations: GenericEquations) -> Model:
 def _mass(tables: Tables) -> Kernel:
     program = tables.program(tables.q)
     program.phase("M", "(15)", "factors of the accelerations", *tables.mass_wants())
-    sections = (*program.sections, *tables._shapes_of_mass())
     doc = "Mass matrix M(q): values of the lower triangle by columns."
-    return Kernel("mass", doc, (tables.q, tables.k), (_mass_output(tables),), sections)
+    outputs = (_mass_output(tables),)
+    return program.kernel("mass", doc, (tables.q, tables.k), outputs, *tables._shapes_of_mass())
 
 
 def _force(tables: Tables) -> Kernel:
@@ -202,7 +202,7 @@ def _force(tables: Tables) -> Kernel:
     program.phase("h", "(15)", "centrifugal, Coriolis, elastic and other forces", *tables.force_wants())
     doc = "Forces h of M vdot + h = 0: centrifugal, Coriolis, elastic, damping and gravity."
     arguments = (tables.t, tables.q, tables.v, tables.k)
-    return Kernel("force", doc, arguments, (_force_output(tables),), tuple(program.sections))
+    return program.kernel("force", doc, arguments, (_force_output(tables),))
 
 
 def _mass_force(tables: Tables) -> Kernel:
@@ -212,8 +212,8 @@ def _mass_force(tables: Tables) -> Kernel:
     program.phase("M and h", "(15)", "factors of the accelerations, and forces", scalars, rows)
     doc = "Mass matrix and forces together; what they share is computed once."
     outputs = (_mass_output(tables), _force_output(tables))
-    sections = (*program.sections, *tables._shapes_of_mass())
-    return Kernel("mass_force", doc, (tables.t, tables.q, tables.v, tables.k), outputs, sections)
+    arguments = (tables.t, tables.q, tables.v, tables.k)
+    return program.kernel("mass_force", doc, arguments, outputs, *tables._shapes_of_mass())
 
 
 def _mass_output(tables: Tables) -> Output:
@@ -236,9 +236,7 @@ def _accel(tables: Tables) -> Kernel:
     coupled = tuple(tables.coupling)
     b = {r: sp.Symbol(f"B_i_{r + 1}") for r in coupled}
     h = sp.Symbol("h_i")
-    scalars: list[Scalar] = [
-        (Let(f"h_{name}", NOTHING), tables.at_rest(tables.left[name])) for name in tables.rows
-    ]
+    scalars: list[Scalar] = [(Let(f"h_{name}", NOTHING), tables.at_rest(tables.left[name])) for name in tables.rows]
     places = [(r, c) for c in range(RIGID) for r in range(c, RIGID) if tables.mass_entry(r, c) != 0]
     scalars += [(Let(f"M_{r + 1}{c + 1}", NOTHING), tables.mass_entry(r, c)) for r, c in places]
     rows: list[Row] = [(Put("h", NOTHING), tables.at_rest(tables.left[SHAPE]))] if tables.n else []
@@ -266,15 +264,16 @@ def _accel(tables: Tables) -> Kernel:
         program.phase("alphaddot", "(15)", "accelerations of the shapes", (), [(target, -weight * rest)])
     if tables.n and last:
         program.sections.append(_substituted(tables, (last,), transposed=True))
-        program.phase("vdot", "", "accelerations of the shapes", (), [(StoreAt("vdot", RIGID, 1, NOTHING), sp.Symbol("x_i"))])
+        program.phase(
+            "vdot", "", "accelerations of the shapes", (), [(StoreAt("vdot", RIGID, 1, NOTHING), sp.Symbol("x_i"))]
+        )
     names = tuple(str(row.a) for row in tables.equations.rows)
     labels = (*names, *([f"alpha1ddot .. alpha{tables.n}ddot"] if tables.n else []))
-    return Kernel(
+    return program.kernel(
         "accel",
         "Accelerations vdot of M vdot + h = 0, by the Schur complement of the shapes and a sparse LDL^T of what is left.",
         (tables.t, tables.q, tables.v, tables.k),
         (_output("vdot", "accelerations", labels, RIGID + tables.n),),
-        tuple(program.sections),
     )
 
 
@@ -299,12 +298,17 @@ def _rigid_accelerations(
         for r, c in schur:
             inner = known(f"G_{r + 1}{c + 1}")
             entries[r, c] = whole[r, c] - inner if (r, c) in whole else -inner
-        right = [-known(f"h_{name}") + (known(f"g_{r + 1}") if r in coupled else 0) for r, name in enumerate(tables.rows)]
+        right = [
+            -known(f"h_{name}") + (known(f"g_{r + 1}") if r in coupled else 0) for r, name in enumerate(tables.rows)
+        ]
         factors = factorise(shape, {entry: entries[entry] for entry in shape.entries})
         solution = solve(factors, right)
         margin = symbols.number(VANISHING)
         wants: list[tuple[Let | Store | Require, ca.SX]] = [
-            (Require("positive", NOTHING, PIVOT, f"the pivot of {tables.rows[j]} vanished"), pivot - margin * whole[j, j])
+            (
+                Require("positive", NOTHING, PIVOT, f"the pivot of {tables.rows[j]} vanished"),
+                pivot - margin * whole[j, j],
+            )
             for pivot, j in zip(factors.pivots, factors.order, strict=True)
         ]
         for r, x in enumerate(solution):
@@ -326,7 +330,7 @@ def _energy(tables: Tables) -> Kernel:
     program.phase("energy", "(22)", "1/2 int rho xdot . xdot, the strain energy, and gravity", wants)
     doc = "Kinetic and strain energy" + (", and the potential of gravity." if len(values) > 2 else ".")
     output = Output("energy", labels, "energies [J]")
-    return Kernel("energy", doc, (tables.q, tables.v, tables.k), (output,), tuple(program.sections))
+    return program.kernel("energy", doc, (tables.q, tables.v, tables.k), (output,))
 
 
 def _momentum(tables: Tables) -> Kernel:
@@ -338,7 +342,7 @@ def _momentum(tables: Tables) -> Kernel:
     labels = tuple(f"{kind}_{k}" for kind in ("linear", "angular") for k in AXES)
     doc = "Linear momentum, and angular momentum about the inertial origin."
     output = Output("momentum", labels, "linear [N s] and angular [N m s]")
-    return Kernel("momentum", doc, (tables.q, tables.v, tables.k), (output,), tuple(program.sections))
+    return program.kernel("momentum", doc, (tables.q, tables.v, tables.k), (output,))
 
 
 def _rates(tables: Tables) -> Kernel:
@@ -349,7 +353,7 @@ def _rates(tables: Tables) -> Kernel:
     labels = (*(f"{name}_t" for name in tables.q.elements), *([f"alpha1_t .. alpha{tables.n}_t"] if tables.n else []))
     output = _output("qdot", "time derivative of q", labels, RIGID + 1 + tables.n)
     doc = "Time derivative of the coordinates from the rates."
-    return Kernel("rates", doc, (tables.q, tables.v, tables.k), (output,), tuple(program.sections))
+    return program.kernel("rates", doc, (tables.q, tables.v, tables.k), (output,))
 
 
 def _marker(tables: Tables, point: GenericPoint) -> Kernel:
@@ -368,7 +372,7 @@ def _marker(tables: Tables, point: GenericPoint) -> Kernel:
     groups += [Columns(tables.n, (Piece("range", 0, 3),))] if tables.n else []
     program.phase("marker", "(1)", "x = c + Q r, its rate and its derivatives", scalars, rows)
     shape = block_pattern(3, tuple(groups))
-    return Kernel(
+    return program.kernel(
         f"marker_{point.name}",
         f"Marker {point.name}, {point.doc}: position, velocity and its Jacobian d(velocity)/dv.",
         (tables.q, tables.v, tables.k),
@@ -377,7 +381,6 @@ def _marker(tables: Tables, point: GenericPoint) -> Kernel:
             Output("xdot", ("x1dot", "x2dot", "x3dot"), "velocity in the inertial base [m/s]"),
             _output("jacobian", "values of d(velocity)/dv by columns", ("see its pattern",), len(shape.rowidx), shape),
         ),
-        tuple(program.sections),
     )
 
 
@@ -389,12 +392,11 @@ def _load(tables: Tables, point: GenericPoint) -> Kernel:
     wants: list[Scalar] = [(Store("f", r, NOTHING), e) for r, e in enumerate(point.load)]
     rows: list[Row] = [(StoreAt("f", RIGID, 1, NOTHING), point.shape_load)]
     program.phase("f", "(10)", "virtual work of the force", wants, rows)
-    return Kernel(
+    return program.kernel(
         f"load_{point.name}",
         f"Generalized forces f of a force at marker {point.name}: then M vdot + h = f.",
         (tables.q, force, tables.k),
         (_output("f", "generalized forces, one row a coordinate", _row_labels("f", tables), RIGID + tables.n),),
-        tuple(program.sections),
     )
 
 
@@ -415,7 +417,7 @@ def _residual(tables: Tables) -> Kernel:
     labels = (*(f"{name}_t - ..." for name in tables.q.elements), "...", *_row_labels("M vdot + h", tables))
     output = _output("F", "residual", labels, first + RIGID + n)
     doc = "Residual F(t, y, ydot) of the first-order form: [qdot - rates; M vdot + h]."
-    return Kernel("residual", doc, (tables.t, tables.y, tables.ydot, tables.k), (output,), tuple(program.sections))
+    return program.kernel("residual", doc, (tables.t, tables.y, tables.ydot, tables.k), (output,))
 
 
 def _jacobian(tables: Tables) -> Kernel:
@@ -432,12 +434,11 @@ def _jacobian(tables: Tables) -> Kernel:
     program.phase("jacobian", "(15)", doc, columns.scalars, columns.rows, columns.pairs)
     size = 2 * tables.n + 2 * RIGID + 1
     shape = block_pattern(size, tuple(columns.groups))
-    return Kernel(
+    return program.kernel(
         "jacobian",
         "Iteration matrix dF/dy + cj dF/dydot of the first-order form, values by columns, diagonal included.",
         (tables.t, tables.y, tables.ydot, tables.cj, tables.k),
         (_output("jac", "values of the iteration matrix by columns", ("see its pattern",), len(shape.rowidx), shape),),
-        tuple(program.sections),
     )
 
 

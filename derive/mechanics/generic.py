@@ -20,8 +20,7 @@ from derive.mechanics.spatial import AXES, PAIRS, spatial_motion, spatial_series
 
 Kind = Literal["full", "diagonal", "unit", "zero"]
 
-COMPONENTS = {"C3": PAIRS, "C4": PAIRS, "C5": PAIRS, "c1": AXES, "c2": AXES, "c6": AXES, "c7": AXES}
-"""What the components of an integral are called; the others have one."""
+TENSORS, SCALARS = ("C3", "C4", "C5"), ("c8", "K", "B")
 
 INDICES = {
     "c1": "",
@@ -84,7 +83,7 @@ class GenericPoint:
     """A marker for a generic shape: position, velocity, columns of its Jacobian, and the work of a force there.
 
     `columns` and `load` are those of the rigid motion; `shape` and `shape_load` those of shape i. X and the shapes at
-    the point are the tables `X_NAME` and `Phi_NAME`; `force` defines the force seen from the body base.
+    the point are tables, see `point_tables`; `force` defines the force seen from the body base.
     """
 
     name: str
@@ -149,6 +148,7 @@ def generic_equations(
     scalars: tuple[Coefficient, ...],
     parameters: tuple[ParameterSymbol, ...],
     points: tuple[tuple[str, str], ...] = (),
+    data: tuple[float, ...] | None = None,
 ) -> GenericEquations:
     """The equations of motion of a body with these tables; `scalars` are its mass and, if there is any, gravity.
 
@@ -193,7 +193,8 @@ def generic_equations(
         weight_energy=settled(body.weight_energy(motion)) if gravity else None,
         linear_momentum=tuple(settled(p) for p in body.linear_momentum(motion)),
         angular_momentum=tuple(settled(p) for p in body.angular_momentum(motion)),
-        points=tuple(_point(motion, *point, bool(modes)) for point in points),
+        points=tuple(_point(motion, k, *point, bool(modes)) for k, point in enumerate(points, 1)),
+        data=data,
     )
 
 
@@ -208,17 +209,32 @@ def _zero_entries(tables: tuple[Table, ...]) -> zeros.Reasons:
 
 def entries(name: str) -> tuple[sp.Symbol, ...]:
     """The components of an integral for generic indices: c2_i_1, c2_i_2, c2_i_3."""
-    stem = "_".join([name, *INDICES[name]])
-    components = COMPONENTS.get(name)
-    if components is None:
-        return (sp.Symbol(stem),)
-    texts = ("".join(map(str, c)) if isinstance(c, tuple) else str(c) for c in components)
-    return tuple(sp.Symbol(f"{stem}_{text}") for text in texts)
+    return tuple(sp.Symbol("_".join([name, *indices(name), *([label] if label else [])])) for label in labels(name))
 
 
-def _point(motion: body.Motion, name: str, doc: str, deforms: bool) -> GenericPoint:
+def indices(table: str) -> str:
+    """What the entries of a table are counted by: nothing, a shape i, or a pair of shapes ij."""
+    if table.startswith(("X", "Phi")):
+        return "i" if table.startswith("Phi") else ""
+    return INDICES[table]
+
+
+def labels(table: str) -> tuple[str, ...]:
+    """The components of a table as names have them: 1 2 3, or 11 12 13 22 23 33; one empty label if it has none."""
+    if table in SCALARS:
+        return ("",)
+    return tuple(f"{a}{b}" for a, b in PAIRS) if table in TENSORS else tuple(map(str, AXES))
+
+
+def point_tables(number: int, name: str) -> tuple[Table, Table]:
+    """X and the shapes at a marker, as tables X1 and Phi1 of the first marker."""
+    position = Table(f"X{number}", "full", f"X of marker {name}", "m")
+    return position, Table(f"Phi{number}", "full", f"the shapes at marker {name}", "")
+
+
+def _point(motion: body.Motion, number: int, name: str, doc: str, deforms: bool) -> GenericPoint:
     """A marker, from the same fields taken at that point."""
-    x, phi = ([sp.Symbol(f"{table}_{k}") for k in AXES] for table in (f"X_{name}", f"Phi_{name}_i"))
+    x, phi = ([sp.Symbol(f"{table}_{k}") for k in AXES] for table in (f"X{number}", f"Phi{number}_i"))
     totals = []
     for k, place, shape in zip(AXES, x, phi, strict=True):
         if deforms:

@@ -52,7 +52,9 @@ class Gradient:
         """sum over l of factor_l entry_li, where `entry` is written for i and j: l stands first, i second."""
         weight, symbol = factor.as_coeff_Mul()
         if not (symbol.is_Symbol and is_indexed(symbol)):
-            raise ArithmeticError(f"the derivative of a sum has the factor {factor}, which is no sequence over the shapes")
+            raise ArithmeticError(
+                f"the derivative of a sum has the factor {factor}, which is no sequence over the shapes"
+            )
         vector = family(symbol.name)
         swapped = _swapped(entry)
         for c in self.contractions:
