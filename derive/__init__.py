@@ -18,48 +18,71 @@ from typing import TYPE_CHECKING, Any
 from derive.version import VERSION as __version__  # noqa: N811  the name Python expects
 
 if TYPE_CHECKING:
+    from derive.derivation import derive, derive_modal, lower, modal
     from derive.emit.files import File, write
     from derive.emit.model_files import model_files
     from derive.kernel.interpret import interpret
-    from derive.kernel.lower import lower
     from derive.kernel.model import Model
-    from derive.mechanics.beam import derive
     from derive.mechanics.equations import Equations
+    from derive.mechanics.generic import GenericEquations
+    from derive.mechanics.modal import ModalBody
     from derive.native import Native, load
-    from derive.spec import Frame, Marker, Parameter, PlanarBeam, SpecError, planar_beam, read
+    from derive.spec import (
+        Frame,
+        Marker,
+        NodalBody,
+        Parameter,
+        PlanarBeam,
+        SpecError,
+        SymbolicBody,
+        nodal_body,
+        planar_beam,
+        read,
+        symbolic_body,
+    )
 
 _HOME = {
     "File": "derive.emit.files",
     "write": "derive.emit.files",
     "model_files": "derive.emit.model_files",
     "interpret": "derive.kernel.interpret",
-    "lower": "derive.kernel.lower",
+    **dict.fromkeys(("derive", "derive_modal", "lower", "modal"), "derive.derivation"),
     "Model": "derive.kernel.model",
-    "derive": "derive.mechanics.beam",
     "Equations": "derive.mechanics.equations",
+    "GenericEquations": "derive.mechanics.generic",
+    "ModalBody": "derive.mechanics.modal",
     "Native": "derive.native",
     "load": "derive.native",
     **dict.fromkeys(("Frame", "Marker", "Parameter", "PlanarBeam", "SpecError", "planar_beam", "read"), "derive.spec"),
+    **dict.fromkeys(("NodalBody", "SymbolicBody", "nodal_body", "symbolic_body"), "derive.spec"),
 }
 
 __all__ = [
     "Equations",
     "File",
     "Frame",
+    "GenericEquations",
     "Marker",
+    "ModalBody",
     "Model",
     "Native",
+    "NodalBody",
     "Parameter",
     "PlanarBeam",
     "SpecError",
+    "SymbolicBody",
     "__version__",
     "derive",
+    "derive_modal",
     "interpret",
     "load",
     "lower",
+    "modal",
     "model_files",
+    "nodal_body",
     "planar_beam",
     "read",
+    "symbolic_body",
     "write",
 ]
 

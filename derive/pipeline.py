@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
+from derive.derivation import derive, lower
 from derive.emit.files import File
 from derive.emit.model_files import model_files
-from derive.kernel.lower import lower
 from derive.kernel.model import Model
-from derive.mechanics.beam import derive
 from derive.mechanics.equations import Equations
-from derive.spec import PlanarBeam, read
+from derive.mechanics.generic import GenericEquations
+from derive.spec import Specification, SpecError, read
+from derive.spec.read import with_lines
 
 
 @dataclass(frozen=True)
@@ -30,8 +31,8 @@ class Stage:
 class Built:
     """A specification with all that was made of it."""
 
-    spec: PlanarBeam
-    equations: Equations
+    spec: Specification
+    equations: Equations | GenericEquations
     model: Model
     files: tuple[File, ...]
     stages: tuple[Stage, ...]
@@ -47,12 +48,16 @@ def build(path: Path) -> Built:
 
     spec = read(path)
     reading = Stage("read", lap())
-    equations = derive(spec)
-    entries = sum(entry != 0 for entry in equations.mass)
-    deriving = Stage("derive", lap(), terms=len(equations.terms), nonzeros=entries)
+    try:
+        equations = derive(spec)
+    except SpecError as error:  # a fault of the numbers, found where they are used
+        raise with_lines(error, path) from None
+    deriving = Stage("derive", lap(), terms=len(equations.terms))
     model = lower(equations)
-    operations = model.kernel("mass_force").operations
-    lowering = Stage("lower", lap(), operations=operations, nonzeros=model.pattern("mass", "M").full_nnz)
+    operations, nonzeros = model.kernel("mass_force").operations, model.pattern("mass", "M").full_nnz
+    lowering = Stage("lower", lap(), operations=operations, nonzeros=nonzeros)
+    if isinstance(equations, Equations):
+        deriving = replace(deriving, nonzeros=sum(entry != 0 for entry in equations.mass))
     files = model_files(model, spec)
     emitting = Stage("emit", lap())
     return Built(spec, equations, model, files, (reading, deriving, lowering, emitting))

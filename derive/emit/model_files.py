@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+import dataclasses
 import hashlib
 import json
-from dataclasses import asdict
 from fractions import Fraction
 from importlib.metadata import version
 
@@ -12,11 +12,11 @@ from derive.emit.c import ABI, c_files
 from derive.emit.files import MARK, File
 from derive.emit.python import python_file
 from derive.kernel.model import Model
-from derive.spec.body import PlanarBeam
+from derive.spec.body import NodalBody, PlanarBeam, Specification, SymbolicBody
 from derive.version import VERSION
 
 
-def model_files(model: Model, spec: PlanarBeam) -> tuple[File, ...]:
+def model_files(model: Model, spec: Specification) -> tuple[File, ...]:
     """The C, the Python and the manifest of a model; `spec` is what it was made from."""
     description = specification(spec)
     fingerprint = hashlib.sha256(json.dumps(description, sort_keys=True).encode()).hexdigest()
@@ -24,15 +24,25 @@ def model_files(model: Model, spec: PlanarBeam) -> tuple[File, ...]:
     return (*files, _manifest(model, description, fingerprint, files))
 
 
-def specification(spec: PlanarBeam) -> dict[str, object]:
-    """A specification as plain data, exact numbers as text."""
-    plain = json.loads(json.dumps(asdict(spec), default=_exact))
-    return {"kind": "planar_beam", **plain}
+KINDS = {PlanarBeam: "planar_beam", NodalBody: "nodal_body", SymbolicBody: "symbolic_body"}
 
 
-def _exact(value: object) -> str:
+def specification(spec: Specification) -> dict[str, object]:
+    """A specification as plain data, exact numbers as text; of the numbers of nodes their sizes and their SHA-256."""
+    fields = {f.name: getattr(spec, f.name) for f in dataclasses.fields(spec)}
+    if isinstance(spec, NodalBody):
+        data = spec.data
+        given = 0 if data.modes is None else len(data.modes)
+        fields["data"] = {"nodes": len(data.positions), "modes": given, "sha256": data.sha256}
+    plain = json.loads(json.dumps(fields, default=_exact))
+    return {"kind": KINDS[type(spec)], **{key: value for key, value in plain.items() if value is not None}}
+
+
+def _exact(value: object) -> object:
     if isinstance(value, Fraction):
         return str(value)
+    if dataclasses.is_dataclass(value) and not isinstance(value, type):
+        return dataclasses.asdict(value)
     raise TypeError(f"{value!r} is no plain data")
 
 
@@ -46,6 +56,7 @@ def _manifest(model: Model, description: dict[str, object], fingerprint: str, fi
         "specification_sha256": fingerprint,
         "abi": ABI,
         "tools": {"tisserand": VERSION, **{name: version(name) for name in ("sympy", "casadi", "jinja2")}},
+        "lowering": model.lowering,
         "operations": {kernel.name: kernel.operations for kernel in model.kernels},
         "nonzeros": {
             "mass": {"structural": mass.full_nnz, "of": mass.rows * mass.cols, "stored": len(mass.rowidx)},

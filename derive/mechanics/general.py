@@ -283,3 +283,23 @@ def generic_modal(given: ModalBody, gravity: Gravity | None = None) -> GenericEq
     tables = modal_tables(given)
     data = parameters(given, tables, gravity)
     return _generic(given.name, given.doc, given.origin, given.modes, tables, gravity, given.points, data, given.mass)
+
+
+def count_modal(given: ModalBody) -> int:
+    """Entries (i, j) of C5, c7, K and B that do not vanish, both triangles."""
+    n = given.modes
+    found = 0
+    for name in ("C5", "c7", "K", "B"):
+        values = _values(given, name).reshape(-1, len(labels(name)))
+        upper = np.triu_indices(n, 1 if name == "c7" else 0)
+        twice = np.where(np.equal(*upper), 1, 2)
+        found += int(twice @ np.count_nonzero(values, axis=1))
+    return found
+
+
+def count_symbolic(spec: SymbolicBody) -> int:
+    """Entries (i, j) of C5, c7, K and B that there are, both triangles."""
+    n = spec.modes
+    counts = {"full": n**2, "diagonal": n, "unit": 0, "zero": 0}
+    tables = [t for t in symbolic_tables(spec) if t.name in ("C5", "c7", "K", "B")]
+    return sum(counts[t.kind] * len(labels(t.name)) for t in tables)

@@ -7,7 +7,7 @@ import os
 import re
 import tomllib
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -193,6 +193,13 @@ def _checked(data: Mapping[str, object], locate_in: str = "", source: str | None
     problems = [Problem(path_text(path), message, locate.line_of(path, lines)) for path, message in result]
     # In the order of the file; what is not in it comes first.
     raise SpecError(tuple(sorted(problems, key=lambda problem: problem.line or 0)), source)
+
+
+def with_lines(error: SpecError, path: Path) -> SpecError:
+    """An error that knows its keys, with the file it is in and the lines there."""
+    known = locate.lines(path.read_text(encoding="utf-8-sig"))
+    problems = (replace(p, line=locate.line_of(tuple(p.path.split(".")), known)) for p in error.problems)
+    return SpecError(tuple(sorted(problems, key=lambda p: p.line or 0)), str(path))
 
 
 def path_text(path: Iterable[str | int]) -> str:

@@ -601,6 +601,92 @@ int free_beam_point_marker_right(
     return 0;
 }
 
+int free_beam_point_load_left(
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT F,
+    const double *TISSERAND_RESTRICT k,
+    double *f)
+{
+    const double phi = q[2];
+    const double alpha1 = q[3];
+    const double alpha2 = q[4];
+    const double F_1 = F[0];
+    const double F_2 = F[1];
+    const double X_left = k[8];
+
+    /* Q (26): cos_phi = cosine of the rotation angle; sin_phi = sine of the rotation angle */
+    const double cos_phi = cos(phi);
+    const double sin_phi = sin(phi);
+
+    /* F (10): the force seen from the body base */
+    const double Fb_1 = F_1 * cos_phi + F_2 * sin_phi;
+    const double Fb_2 = F_2 * cos_phi - F_1 * sin_phi;
+
+    /* r (1): the marker in the body base */
+    const double r_2 = alpha1 - alpha2;
+
+    /* f (10): virtual work of the force */
+    f[0] = F_1;
+    f[1] = F_2;
+    f[2] = Fb_2 * X_left - Fb_1 * r_2;
+    f[3] = Fb_2;
+    f[4] = -Fb_2;
+    return 0;
+}
+
+int free_beam_point_load_middle(
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT F,
+    const double *TISSERAND_RESTRICT k,
+    double *f)
+{
+    (void) q;
+    const double F_1 = F[0];
+    const double F_2 = F[1];
+    (void) k;
+
+    /* f (10): virtual work of the force */
+    f[0] = F_1;
+    f[1] = F_2;
+    f[2] = 0.0;
+    f[3] = 0.0;
+    f[4] = 0.0;
+    return 0;
+}
+
+int free_beam_point_load_right(
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT F,
+    const double *TISSERAND_RESTRICT k,
+    double *f)
+{
+    const double phi = q[2];
+    const double alpha1 = q[3];
+    const double alpha2 = q[4];
+    const double F_1 = F[0];
+    const double F_2 = F[1];
+    const double X_right = k[9];
+
+    /* Q (26): cos_phi = cosine of the rotation angle; sin_phi = sine of the rotation angle */
+    const double cos_phi = cos(phi);
+    const double sin_phi = sin(phi);
+
+    /* F (10): the force seen from the body base */
+    const double Fb_1 = F_1 * cos_phi + F_2 * sin_phi;
+    const double Fb_2 = F_2 * cos_phi - F_1 * sin_phi;
+
+    /* r (1): the marker in the body base */
+    const double r_2 = alpha1 + alpha2;
+
+    /* f (10): virtual work of the force */
+    f[0] = F_1;
+    f[1] = F_2;
+    f[2] = Fb_2 * X_right - Fb_1 * r_2;
+    f[3] = Fb_2;
+    f[4] = Fb_2;
+    return 0;
+}
+
 int free_beam_point_residual(
     double t,
     const double *TISSERAND_RESTRICT y,
@@ -784,6 +870,15 @@ int free_beam_point_jacobian(
     return 0;
 }
 
+int free_beam_point_defaults(double *p)
+{
+    static const double values[] = {
+        1.0, 1.0, 1.0
+    };
+    for (int i = 0; i < 3; i++) p[i] = values[i];
+    return 0;
+}
+
 /* ---- sparsity patterns ---- */
 
 static const int free_beam_point_colptr_mass[] = {
@@ -794,7 +889,7 @@ static const int free_beam_point_rowidx_mass[] = {
 };
 static const tisserand_pattern free_beam_point_sparsity_mass = {
     5, 5, 10, 1,
-    free_beam_point_colptr_mass, free_beam_point_rowidx_mass
+    free_beam_point_colptr_mass, free_beam_point_rowidx_mass, 0
 };
 
 const tisserand_pattern *free_beam_point_pattern_mass(void)
@@ -811,7 +906,7 @@ static const int free_beam_point_rowidx_jacobian[] = {
 };
 static const tisserand_pattern free_beam_point_sparsity_jacobian = {
     10, 10, 37, 0,
-    free_beam_point_colptr_jacobian, free_beam_point_rowidx_jacobian
+    free_beam_point_colptr_jacobian, free_beam_point_rowidx_jacobian, 0
 };
 
 const tisserand_pattern *free_beam_point_pattern_jacobian(void)
@@ -827,7 +922,7 @@ static const int free_beam_point_rowidx_marker_left[] = {
 };
 static const tisserand_pattern free_beam_point_sparsity_marker_left = {
     2, 5, 8, 0,
-    free_beam_point_colptr_marker_left, free_beam_point_rowidx_marker_left
+    free_beam_point_colptr_marker_left, free_beam_point_rowidx_marker_left, 0
 };
 
 const tisserand_pattern *free_beam_point_pattern_marker_left(void)
@@ -843,7 +938,7 @@ static const int free_beam_point_rowidx_marker_middle[] = {
 };
 static const tisserand_pattern free_beam_point_sparsity_marker_middle = {
     2, 5, 2, 0,
-    free_beam_point_colptr_marker_middle, free_beam_point_rowidx_marker_middle
+    free_beam_point_colptr_marker_middle, free_beam_point_rowidx_marker_middle, 0
 };
 
 const tisserand_pattern *free_beam_point_pattern_marker_middle(void)
@@ -859,7 +954,7 @@ static const int free_beam_point_rowidx_marker_right[] = {
 };
 static const tisserand_pattern free_beam_point_sparsity_marker_right = {
     2, 5, 8, 0,
-    free_beam_point_colptr_marker_right, free_beam_point_rowidx_marker_right
+    free_beam_point_colptr_marker_right, free_beam_point_rowidx_marker_right, 0
 };
 
 const tisserand_pattern *free_beam_point_pattern_marker_right(void)
@@ -870,61 +965,69 @@ const tisserand_pattern *free_beam_point_pattern_marker_right(void)
 /* ---- the descriptor ---- */
 
 static const tisserand_variable free_beam_point_table_p[] = {
-    {"m", "kg", "mass of the beam", 1.0},
-    {"l", "m", "length of the beam", 1.0},
-    {"EI", "N m^2", "bending stiffness EI", 1.0},
+    {"m", "kg", "mass of the beam", 1.0, 1},
+    {"l", "m", "length of the beam", 1.0, 1},
+    {"EI", "N m^2", "bending stiffness EI", 1.0, 1},
 };
 
 static const tisserand_variable free_beam_point_table_k[] = {
-    {"mass", "kg", "mass of the body", 0.0},
-    {"c2_1_2", "kg", "int rho Phi_1 . e2", 0.0},
-    {"C3", "kg m^2", "int rho X . X", 0.0},
-    {"c6_2", "kg m", "int rho X x Phi_2", 0.0},
-    {"c8_1_1", "kg", "int rho Phi_1 . Phi_1", 0.0},
-    {"c8_2_2", "kg", "int rho Phi_2 . Phi_2", 0.0},
-    {"K_1_1", "N/m", "stiffness: int EI (d2 phi_1/dx2) (d2 phi_1/dx2) dx", 0.0},
-    {"K_2_2", "N/m", "stiffness: int EI (d2 phi_2/dx2) (d2 phi_2/dx2) dx", 0.0},
-    {"X_left", "m", "reference position of marker left", 0.0},
-    {"X_right", "m", "reference position of marker right", 0.0},
-    {"minus_c2_1_2", "", "-c2_1_2", 0.0},
-    {"constant_1", "", "(c6_2 / c8_2_2) * c6_2", 0.0},
-    {"constant_2", "", "1/17592186044416 * mass", 0.0},
-    {"constant_3", "", "1/17592186044416 * c8_1_1", 0.0},
-    {"constant_4", "", "c6_2 / c8_2_2", 0.0},
-    {"inverse_c8_2_2", "", "1 / c8_2_2", 0.0},
+    {"mass", "kg", "mass of the body", 0.0, 1},
+    {"c2_1_2", "kg", "int rho Phi_1 . e2", 0.0, 1},
+    {"C3", "kg m^2", "int rho X . X", 0.0, 1},
+    {"c6_2", "kg m", "int rho X x Phi_2", 0.0, 1},
+    {"c8_1_1", "kg", "int rho Phi_1 . Phi_1", 0.0, 1},
+    {"c8_2_2", "kg", "int rho Phi_2 . Phi_2", 0.0, 1},
+    {"K_1_1", "N/m", "stiffness: int EI (d2 phi_1/dx2) (d2 phi_1/dx2) dx", 0.0, 1},
+    {"K_2_2", "N/m", "stiffness: int EI (d2 phi_2/dx2) (d2 phi_2/dx2) dx", 0.0, 1},
+    {"X_left", "m", "reference position of marker left", 0.0, 1},
+    {"X_right", "m", "reference position of marker right", 0.0, 1},
+    {"minus_c2_1_2", "", "-c2_1_2", 0.0, 1},
+    {"constant_1", "", "(c6_2 / c8_2_2) * c6_2", 0.0, 1},
+    {"constant_2", "", "1/17592186044416 * mass", 0.0, 1},
+    {"constant_3", "", "1/17592186044416 * c8_1_1", 0.0, 1},
+    {"constant_4", "", "c6_2 / c8_2_2", 0.0, 1},
+    {"inverse_c8_2_2", "", "1 / c8_2_2", 0.0, 1},
 };
 
 static const tisserand_variable free_beam_point_table_q[] = {
-    {"c1", "m", "position of the origin of the floating frame along the inertial e1", 0.0},
-    {"c2", "m", "position of the origin of the floating frame along the inertial e2", 0.0},
-    {"phi", "rad", "rotation of the floating frame", 0.0},
-    {"alpha1", "m", "amplitude of assumed shape 1", 0.0},
-    {"alpha2", "m", "amplitude of assumed shape 2", 0.0},
+    {"c1", "m", "position of the origin of the floating frame along the inertial e1", 0.0, 1},
+    {"c2", "m", "position of the origin of the floating frame along the inertial e2", 0.0, 1},
+    {"phi", "rad", "rotation of the floating frame", 0.0, 1},
+    {"alpha1", "m", "amplitude of assumed shape 1", 0.0, 1},
+    {"alpha2", "m", "amplitude of assumed shape 2", 0.0, 1},
 };
 
 static const tisserand_variable free_beam_point_table_v[] = {
-    {"c1dot", "m/s", "rate of c1", 0.0},
-    {"c2dot", "m/s", "rate of c2", 0.0},
-    {"phidot", "rad/s", "rate of phi", 0.0},
-    {"alpha1dot", "m/s", "rate of alpha1", 0.0},
-    {"alpha2dot", "m/s", "rate of alpha2", 0.0},
+    {"c1dot", "m/s", "rate of c1", 0.0, 1},
+    {"c2dot", "m/s", "rate of c2", 0.0, 1},
+    {"phidot", "rad/s", "rate of phi", 0.0, 1},
+    {"alpha1dot", "m/s", "rate of alpha1", 0.0, 1},
+    {"alpha2dot", "m/s", "rate of alpha2", 0.0, 1},
 };
 
 static const tisserand_marker free_beam_point_table_markers[] = {
-    {"left", 2, &free_beam_point_sparsity_marker_left, free_beam_point_marker_left},
-    {"middle", 2, &free_beam_point_sparsity_marker_middle, free_beam_point_marker_middle},
-    {"right", 2, &free_beam_point_sparsity_marker_right, free_beam_point_marker_right},
+    {"left", 2, &free_beam_point_sparsity_marker_left, free_beam_point_marker_left,
+        free_beam_point_load_left},
+    {"middle", 2, &free_beam_point_sparsity_marker_middle, free_beam_point_marker_middle,
+        free_beam_point_load_middle},
+    {"right", 2, &free_beam_point_sparsity_marker_right, free_beam_point_marker_right,
+        free_beam_point_load_right},
 };
 
 static const tisserand_model free_beam_point_descriptor = {
-    1,
+    2,
     "free_beam_point",
     FREE_BEAM_POINT_NQ,
     FREE_BEAM_POINT_NV,
     FREE_BEAM_POINT_NP,
     FREE_BEAM_POINT_NK,
     0,
+    5,
+    5,
+    3,
+    16,
     FREE_BEAM_POINT_NMARKERS,
+    2,
     3,
     free_beam_point_table_q,
     free_beam_point_table_v,
@@ -933,6 +1036,7 @@ static const tisserand_model free_beam_point_descriptor = {
     &free_beam_point_sparsity_mass,
     &free_beam_point_sparsity_jacobian,
     free_beam_point_table_markers,
+    free_beam_point_defaults,
     free_beam_point_setup,
     free_beam_point_mass,
     free_beam_point_force,

@@ -97,13 +97,14 @@ NAME = "free_beam_point"
 COORDINATES = ("c1", "c2", "phi", "alpha1", "alpha2")
 RATES = ("c1dot", "c2dot", "phidot", "alpha1dot", "alpha2dot")
 PARAMETERS = ("m", "l", "EI")
+SIZES = (1, 1, 1)
 UNITS = ("kg", "m", "N m^2")
-DEFAULTS = (1.0, 1.0, 1.0)
 CONSTANTS = (
     "mass", "c2_1_2", "C3", "c6_2", "c8_1_1", "c8_2_2", "K_1_1", "K_2_2", "X_left", "X_right",
     "minus_c2_1_2", "constant_1", "constant_2", "constant_3", "constant_4", "inverse_c8_2_2",
 )
 MARKERS = ("left", "middle", "right")
+DEFAULTS = (1.0, 1.0, 1.0)
 
 MASS = Pattern(
     5,
@@ -860,6 +861,114 @@ def marker_right(q, v, k):
     return x, xdot, jacobian
 
 
+def load_left(q, F, k):
+    """Generalized forces f of a force at marker left: then M vdot + h = f.
+
+    q: generalized coordinates (5)
+    F: force at the marker, in the inertial base [N] (2)
+    k: constants from setup (16)
+    f: generalized forces, one row a coordinate (5): f[c1], f[c2], f[phi], f[alpha1], f[alpha2]
+
+    From (26), (10), (1).
+    13 operations.
+    """
+    xp, batch, (q, F, k) = _arrays(dict(q=5, F=2, k=16), q, F, k)
+    phi = q[..., 2]
+    alpha1 = q[..., 3]
+    alpha2 = q[..., 4]
+    F_1 = F[..., 0]
+    F_2 = F[..., 1]
+    X_left = k[..., 8]
+
+    # Q (26): cos_phi = cosine of the rotation angle; sin_phi = sine of the rotation angle
+    cos_phi = xp.cos(phi)
+    sin_phi = xp.sin(phi)
+
+    # F (10): the force seen from the body base
+    Fb_1 = F_1 * cos_phi + F_2 * sin_phi
+    Fb_2 = F_2 * cos_phi - F_1 * sin_phi
+
+    # r (1): the marker in the body base
+    r_2 = alpha1 - alpha2
+
+    # f (10): virtual work of the force
+    f_0 = F_1
+    f_1 = F_2
+    f_2 = Fb_2 * X_left - Fb_1 * r_2
+    f_3 = Fb_2
+    f_4 = -Fb_2
+
+    f = _stack(xp, batch, (f_0, f_1, f_2, f_3, f_4))
+    return f
+
+
+def load_middle(q, F, k):
+    """Generalized forces f of a force at marker middle: then M vdot + h = f.
+
+    q: generalized coordinates (5)
+    F: force at the marker, in the inertial base [N] (2)
+    k: constants from setup (16)
+    f: generalized forces, one row a coordinate (5): f[c1], f[c2], f[phi], f[alpha1], f[alpha2]
+
+    From (10).
+    0 operations.
+    """
+    xp, batch, (q, F, k) = _arrays(dict(q=5, F=2, k=16), q, F, k)
+    F_1 = F[..., 0]
+    F_2 = F[..., 1]
+
+    # f (10): virtual work of the force
+    f_0 = F_1
+    f_1 = F_2
+    f_2 = 0
+    f_3 = 0
+    f_4 = 0
+
+    f = _stack(xp, batch, (f_0, f_1, f_2, f_3, f_4))
+    return f
+
+
+def load_right(q, F, k):
+    """Generalized forces f of a force at marker right: then M vdot + h = f.
+
+    q: generalized coordinates (5)
+    F: force at the marker, in the inertial base [N] (2)
+    k: constants from setup (16)
+    f: generalized forces, one row a coordinate (5): f[c1], f[c2], f[phi], f[alpha1], f[alpha2]
+
+    From (26), (10), (1).
+    12 operations.
+    """
+    xp, batch, (q, F, k) = _arrays(dict(q=5, F=2, k=16), q, F, k)
+    phi = q[..., 2]
+    alpha1 = q[..., 3]
+    alpha2 = q[..., 4]
+    F_1 = F[..., 0]
+    F_2 = F[..., 1]
+    X_right = k[..., 9]
+
+    # Q (26): cos_phi = cosine of the rotation angle; sin_phi = sine of the rotation angle
+    cos_phi = xp.cos(phi)
+    sin_phi = xp.sin(phi)
+
+    # F (10): the force seen from the body base
+    Fb_1 = F_1 * cos_phi + F_2 * sin_phi
+    Fb_2 = F_2 * cos_phi - F_1 * sin_phi
+
+    # r (1): the marker in the body base
+    r_2 = alpha1 + alpha2
+
+    # f (10): virtual work of the force
+    f_0 = F_1
+    f_1 = F_2
+    f_2 = Fb_2 * X_right - Fb_1 * r_2
+    f_3 = Fb_2
+    f_4 = Fb_2
+
+    f = _stack(xp, batch, (f_0, f_1, f_2, f_3, f_4))
+    return f
+
+
 def residual(t, y, ydot, k):
     """First-order form F(t, y, ydot) = [qdot - v; M vdot + h] = 0 with y = [q; v].
 
@@ -1088,6 +1197,12 @@ def _array(xp, name, size, value):
     return xp.astype(array, xp.float64) if xp.isdtype(array.dtype, ("integral", "bool")) else array
 
 
+def _empty(xp, batch, size):
+    """An array of zeros for so many values."""
+    shape, dtype = batch
+    return xp.zeros((*shape, size), dtype=dtype)
+
+
 def _stack(xp, batch, elements):
     """Elements, numbers or arrays, as the last axis of one array."""
     shape, dtype = batch
@@ -1110,3 +1225,4 @@ def _where(xp, valid, values):
 def _require(holds, text):
     if not holds:
         raise ValueError(text)
+

@@ -1,0 +1,42 @@
+"""Straight line or loops: the choice for a body in space, from the non-zeros of its tables.
+
+Straight lines cost by the entry that is there, loops by the entry that could be. Times are those of h, measured with
+gcc 12 at -O3 -march=native on a server processor with AVX-512 (bench/scale.py measures them anew):
+
+    straight line   0.08 ns an operation, of which there are 2 for each entry (i, j), 60 for each shape, and 150
+    loops           25 ns, 1 ns for each shape, and 0.023 ns an operation, of which there are 2 for each place (i, j)
+
+The first serves to about 20 000 operations: from there on compilers take minutes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from derive.mechanics.generic import Table, indices, labels
+
+MOST = 20_000
+"""Operations of straight-line code that compilers still take in seconds."""
+
+
+@dataclass(frozen=True)
+class Choice:
+    """What was chosen, and the times of h in nanoseconds that were foreseen for both."""
+
+    lowering: str
+    flat: float
+    table: float
+
+    @property
+    def reason(self) -> str:
+        """The rule with its numbers, in a line."""
+        return f"{self.lowering}: h is foreseen to take {self.flat:.0f} ns in straight line, {self.table:.0f} ns in loops"
+
+
+def choose(tables: Sequence[Table], nonzeros: int, modes: int) -> Choice:
+    """The faster way; `nonzeros` are the entries (i, j) of the tables, both triangles, that do not vanish."""
+    operations = 2 * nonzeros + 60 * modes + 150
+    full = sum(len(labels(t.name)) for t in tables if t.kind == "full" and indices(t.name) == "ij" and t.name != "c8")
+    flat, table = 0.08 * operations, 25 + modes + 0.023 * 2 * full * modes**2
+    return Choice("table" if table < flat or operations > MOST else "flat", flat, table)
