@@ -22,13 +22,13 @@ def derive(spec: Specification) -> Equations | GenericEquations:
         return beam.derive(spec)
     if isinstance(spec, SymbolicBody):
         tables = general.symbolic_tables(spec)
-        taken = _lowering(spec.lowering, choice.choose(tables, general.count_symbolic(spec), spec.modes))
+        taken = _lowering(spec.lowering, choice.choose(tables, general.present_symbolic(spec), spec.modes))
         return general.derive_symbolic(spec) if taken == "flat" else general.generic_symbolic(spec)
     return derive_modal(modal(spec), spec.gravity, spec.lowering)
 
 
 def modal(spec: NodalBody) -> ModalBody:
-    """The shape integrals of a body of nodes, in its frame. Raises SpecError with all that is wrong with its numbers."""
+    """The shape integrals of a body of nodes, in its frame. Raises SpecError with all that is wrong."""
     from derive.reduction import reduce
 
     return reduce(spec)
@@ -39,7 +39,7 @@ def derive_modal(
 ) -> Equations | GenericEquations:
     """The equations of motion of a body given by its shape integrals."""
     tables = general.modal_tables(body)
-    taken = _lowering(lowering, choice.choose(tables, general.count_modal(body), body.modes))
+    taken = _lowering(lowering, choice.choose(tables, general.present_modal(body), body.modes))
     return general.derive_modal(body, gravity) if taken == "flat" else general.generic_modal(body, gravity)
 
 

@@ -15,15 +15,17 @@ import numpy as np
 import pytest
 
 import derive
+from derive import ModalBody, Model, NodalBody
 from derive.emit.c import c_files
 from derive.emit.python import python_file
-from derive.kernel.lower import lower
-from derive.kernel.model import Model
-from derive.mechanics.nodal import derive_nodal, derive_symbolic
+from derive.mechanics.general import modal_tables, parameters, symbolic_tables
 from derive.native import Native
 
 SHAPES = (0, 1, 3, 8)
+KINDS = ("numbers flat", "numbers table", "parameters flat", "parameters table")
 POINTS = 10
+GRAVITY = (0.7, -0.3, -9.81)
+MASS_DAMPING, STIFFNESS_DAMPING = 0.1, 0.01
 
 
 @dataclass(frozen=True)
@@ -46,41 +48,65 @@ def cloud(n: int) -> Cloud:
     )
 
 
-@cache
-def numeric(n: int) -> Model:
-    c = cloud(n)
-    return lower(derive_nodal(f"cloud_{n}", c.masses, c.positions, c.modes, c.stiffness, {"first": 0, "last": 9}))
+def nodal(c: Cloud, frame: str = "given") -> NodalBody:
+    """The cloud, damped, with two markers."""
+    nodes = {"positions": c.positions, "mass": c.masses}
+    if len(c.modes):
+        nodes |= {"modes": c.modes, "modal_stiffness": c.stiffness}
+    as_they_are = {"orthonormal": False} if len(c.modes) and frame == "given" else {}
+    return derive.nodal_body(
+        "cloud",
+        nodes,
+        units="SI",
+        frame=frame,
+        modes=len(c.modes),
+        damping={"mass": MASS_DAMPING, "stiffness": STIFFNESS_DAMPING},
+        markers={"first": 0, "last": 9},
+        **as_they_are,
+    )
+
+
+def body(c: Cloud) -> ModalBody:
+    """The cloud as numbers."""
+    return derive.modal(nodal(c))
+
+
+def gravity() -> tuple[Any, ...]:
+    found = derive.symbolic_body("g", 1, gravity=list(GRAVITY)).gravity
+    assert found is not None
+    return found
 
 
 @cache
-def symbolic(n: int) -> Model:
-    return lower(derive_symbolic(f"symbolic_{n}", n))
+def model(n: int, kind: str) -> Model:
+    what, lowering = kind.split()
+    if what == "numbers":
+        equations = derive.derive_modal(body(cloud(n)), gravity(), lowering)
+    else:
+        spec = derive.symbolic_body("cloud", n, frame="given", damping=True, gravity=list(GRAVITY), lowering=lowering)
+        equations = derive.derive(spec)
+    return derive.lower(equations)
 
 
 @cache
 def compiled(n: int, kind: str) -> Native:
-    model = numeric(n) if kind == "numeric" else symbolic(n)
-    return derive.load(c_files(model, "test"), ("-std=c99", "-O1", "-ffp-contract=off"))
+    return derive.load(c_files(model(n, kind), "test"), ("-std=c99", "-O1", "-ffp-contract=off"))
 
 
 @cache
 def module(n: int, kind: str) -> dict[str, Any]:
-    model = numeric(n) if kind == "numeric" else symbolic(n)
     names: dict[str, Any] = {}
-    exec(python_file(model, "test").text, names)
+    exec(python_file(model(n, kind), "test").text, names)
     return names
 
 
-def parameters(n: int) -> np.ndarray:
-    """The integrals of the cloud, for the model that has them as parameters."""
-    from derive.mechanics.nodal import _integrals
-
-    c = cloud(n)
-    fields = np.concatenate([c.positions[None], c.modes.reshape(n, POINTS, 3)])
-    values = {f"{name}_": value for name, (value, _, _) in _integrals(c.masses, fields).items()}
-    values |= {"m_": c.masses.sum()}
-    values |= {f"K_{i + 1}_{j + 1}_": c.stiffness[i, j] for i in range(n) for j in range(i, n)}
-    return np.array([values[p.name] for p in symbolic(n).parameters])
+def given(n: int, kind: str) -> np.ndarray:
+    """The parameters p of the cloud: its integrals, where the model has them as parameters."""
+    if kind == "numbers flat":
+        return np.zeros(0)
+    spec = derive.symbolic_body("cloud", n, frame="given", damping=True)
+    tables = modal_tables(body(cloud(n))) if kind == "numbers table" else symbolic_tables(spec)
+    return parameters(body(cloud(n)), tables)
 
 
 def state(n: int, seed: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -122,6 +148,11 @@ def place(n: int, k: int, c: Vector, e: Vector, alpha: Vector) -> Vector:
     return [a + b for a, b in zip(c, turned(e, r), strict=True)]
 
 
+def damping_matrix(n: int) -> np.ndarray:
+    c = cloud(n)
+    return MASS_DAMPING * np.einsum("k,ika,jka->ij", c.masses, c.modes, c.modes) + STIFFNESS_DAMPING * c.stiffness
+
+
 def oracle(n: int, q: np.ndarray, v: np.ndarray, a: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Rows of the equations of motion and, for each, the sum of the magnitudes of what was added."""
     body = cloud(n)
@@ -155,27 +186,28 @@ def oracle(n: int, q: np.ndarray, v: np.ndarray, a: np.ndarray) -> tuple[np.ndar
         sizes = [mpmath.mpf(0)] * (6 + n)
         for k in range(POINTS):
             before, now, after = at(-h, k), at(mpmath.mpf(0), k), at(h, k)
-            acceleration = [(x - 2 * y + z) / h**2 for x, y, z in zip(before, now, after, strict=True)]
+            falling = map(mpmath.mpf, GRAVITY)
+            acceleration = [(x - 2 * y + z) / h**2 - g for x, y, z, g in zip(before, now, after, falling, strict=True)]
             for row in range(6 + n):
                 ahead, behind = varied(h, row, k), varied(-h, row, k)
                 for x, y, z in zip(acceleration, ahead, behind, strict=True):
                     power = mpmath.mpf(body.masses[k]) * x * (y - z) / (2 * h)
                     rows[row] += power
                     sizes[row] += abs(power)
+        damping = damping_matrix(n)
         for i in range(n):
             for j in range(n):
-                force = mpmath.mpf(body.stiffness[i, j]) * q_[7 + j]
+                force = mpmath.mpf(body.stiffness[i, j]) * q_[7 + j] + mpmath.mpf(damping[i, j]) * v_[6 + j]
                 rows[6 + i] += force
                 sizes[6 + i] += abs(force)
     return np.array([float(x) for x in rows]), np.array([float(x) for x in sizes])
 
 
-@pytest.mark.parametrize("kind", ["numeric", "symbolic"])
+@pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("n", SHAPES)
 def test_generated_code_is_the_oracle(n: int, kind: str) -> None:
     native, python = compiled(n, kind), module(n, kind)
-    p = parameters(n) if kind == "symbolic" else np.zeros(0)
-    k = native.setup(p)
+    k = native.setup(given(n, kind))
     for seed in range(3):
         q, v, a = state(n, seed)
         expected, size = oracle(n, q, v, a)
@@ -194,10 +226,11 @@ def test_generated_code_is_the_oracle(n: int, kind: str) -> None:
         assert np.max(left) < 1e-12 * np.linalg.cond(mass) * np.max(np.abs(h))
 
 
+@pytest.mark.parametrize("kind", ["numbers flat", "numbers table"])
 @pytest.mark.parametrize("n", SHAPES)
-def test_jacobian_and_markers(n: int) -> None:
-    native, python = compiled(n, "numeric"), module(n, "numeric")
-    k = native.setup(np.zeros(0))
+def test_jacobian_markers_and_loads(n: int, kind: str) -> None:
+    native, python = compiled(n, kind), module(n, kind)
+    k = native.setup()
     q, v, a = state(n, 5)
     y, ydot = np.concatenate([q, v]), np.concatenate([native.rates(q, v, k), a])
     size, cj, step = len(y), 2.3, 1e-40
@@ -206,6 +239,7 @@ def test_jacobian_and_markers(n: int) -> None:
     matrix = python["dense"](python["JACOBIAN"], native.jacobian(0.0, y, ydot, cj, k))
     scale = np.abs(numeric_values).max(axis=1, keepdims=True)
     assert np.max(np.abs(matrix - numeric_values) / scale) < 1e-12
+    force = np.array([3.0, -2.0, 0.7])
     for name, node in (("first", 0), ("last", 9)):
         x, xdot, jacobian = native.marker(name, q, v, k)
         with mpmath.workdps(30):
@@ -213,19 +247,58 @@ def test_jacobian_and_markers(n: int) -> None:
         assert np.allclose(x, [float(z) for z in expected], rtol=1e-14, atol=1e-14)
         dense = python["dense"](native.marker_pattern(name), jacobian)
         assert np.allclose(dense @ v, xdot, rtol=1e-13, atol=1e-13)
+        assert np.allclose(native.load(name, q, force, k), dense.T @ force, rtol=1e-13, atol=1e-13)
+        assert np.allclose(python[f"load_{name}"](q, force, k), dense.T @ force, rtol=1e-13, atol=1e-13)
+        by_python = python[f"marker_{name}"](q, v, k)
+        assert all(
+            np.allclose(e, f, rtol=1e-13, atol=1e-14) for e, f in zip(by_python, (x, xdot, jacobian), strict=True)
+        )
 
 
+@pytest.mark.parametrize("kind", ["numbers flat", "numbers table"])
 @pytest.mark.parametrize("n", SHAPES)
-def test_power_balance_and_momentum(n: int) -> None:
-    """v . (M vdot + h) = d/dt (T + U); momenta do not change in free motion, taken along its flow."""
-    native, python = compiled(n, "numeric"), module(n, "numeric")
-    k = native.setup(np.zeros(0))
+def test_power_balance_and_momentum(n: int, kind: str) -> None:
+    """v . (M vdot + h) less what damping takes is d/dt (T + U + V); gravity alone changes the momenta, along the flow."""
+    native, python = compiled(n, kind), module(n, kind)
+    k = native.setup()
     q, v, a = state(n, 9)
     qdot = native.rates(q, v, k)
     power = v @ native.residual(0.0, np.concatenate([q, v]), np.concatenate([qdot, a]), k)[7 + n :]
+    power -= v[6:] @ damping_matrix(n) @ v[6:]
     step = 1e-40
     change = python["energy"](q + 1j * step * qdot, v + 1j * step * a, k).imag.sum() / step
     assert np.isclose(power, change, rtol=1e-11)
     free = native.accel(0.0, q, v, k)
     drift = python["momentum"](q + 1j * step * qdot, v + 1j * step * free, k).imag / step
-    assert np.max(np.abs(drift)) < 1e-9 * np.max(np.abs(free))
+    c = cloud(n)
+    with mpmath.workdps(30):
+        parts = [[mpmath.mpf(float(z)) for z in part] for part in (q[:3], q[3:7], q[7:])]
+        points = np.array([[float(z) for z in place(n, node, *parts)] for node in range(POINTS)])
+    weight = np.outer(c.masses, GRAVITY)
+    expected = np.concatenate([weight.sum(axis=0), np.cross(points, weight).sum(axis=0)])
+    assert np.max(np.abs(drift - expected)) < 1e-9 * np.max(np.abs(free))
+
+
+@pytest.mark.parametrize("what", ["numbers", "parameters"])
+@pytest.mark.parametrize("n", SHAPES)
+def test_both_lowerings_give_the_same(n: int, what: str) -> None:
+    """To 1e-14 of the largest value; accelerations as far as the mass matrix is conditioned."""
+    flat, table = compiled(n, f"{what} flat"), compiled(n, f"{what} table")
+    dense = module(n, f"{what} flat")["dense"]
+    kf, kt = flat.setup(given(n, f"{what} flat")), table.setup(given(n, f"{what} table"))
+    for seed in range(3):
+        q, v, a = state(n, seed)
+        y, ydot = np.concatenate([q, v]), np.concatenate([flat.rates(q, v, kf), a])
+
+        def both(call: Any) -> float:
+            one, other = (call(native, k) for native, k in ((flat, kf), (table, kt)))
+            return float(np.max(np.abs(one - other)) / np.max(np.abs(one)))
+
+        assert both(lambda native, k: dense(native.mass_pattern, native.mass(q, k))) < 1e-14
+        assert both(lambda native, k: native.force(0.0, q, v, k)) < 1e-14
+        assert both(lambda native, k: native.energy(q, v, k)) < 1e-14
+        assert both(lambda native, k: native.momentum(q, v, k)) < 1e-14
+        assert both(lambda native, k: native.residual(0.0, y, ydot, k)) < 1e-14
+        assert both(lambda native, k: dense(native.jacobian_pattern, native.jacobian(0.0, y, ydot, 2.3, k))) < 1e-14
+        condition = np.linalg.cond(dense(flat.mass_pattern, flat.mass(q, kf)))
+        assert both(lambda native, k: native.accel(0.0, q, v, k)) < 1e-15 * condition

@@ -10,8 +10,6 @@ from scipy.integrate import solve_ivp
 
 import derive
 from derive.emit.c import c_files
-from derive.kernel.lower import lower
-from derive.mechanics.nodal import derive_nodal
 from derive.native import Native, Vector
 
 
@@ -23,9 +21,13 @@ def block(flexible: bool, stiffness: float = 400.0) -> Native:
     twist = np.stack([0 * x, -x * z, x * y], axis=1) * 30
     stretch = np.stack([5 * x, -2 * y, 0 * z], axis=1)
     modes = np.array([twist, stretch]) if flexible else np.zeros((0, 8, 3))
-    n = len(modes)
-    equations = derive_nodal("block", np.full(8, 0.25), corners, modes, stiffness * np.eye(n), {"corner": 7})
-    return derive.load(c_files(lower(equations), "test"))
+    nodes = {"positions": corners, "mass": np.full(8, 0.25)}
+    nodes |= {"modes": modes, "modal_stiffness": stiffness * np.eye(len(modes))} if flexible else {}
+    given = {"orthonormal": False} if flexible else {}
+    spec = derive.nodal_body(
+        "block", nodes, units="SI", frame="given", modes=len(modes), markers={"corner": 7}, **given
+    )
+    return derive.load(c_files(derive.lower(derive.derive(spec)), "test"))
 
 
 def flow(native: Native, k: Vector):

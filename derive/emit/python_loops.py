@@ -228,7 +228,8 @@ def _forward(xp, factor, vector, count):
     vector = vector + 0 * factor[..., :1]
     for j in range(count):
         vector[..., j] = vector[..., j] * factor[..., (count + 1) * j]
-        vector[..., j + 1 :] = vector[..., j + 1 :] - factor[..., count * j + j + 1 : count * (j + 1)] * vector[..., j, None]
+        below = factor[..., count * j + j + 1 : count * (j + 1)]
+        vector[..., j + 1 :] = vector[..., j + 1 :] - below * vector[..., j, None]
     return vector
 
 

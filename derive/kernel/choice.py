@@ -3,7 +3,7 @@
 Straight lines cost by the entry that is there, loops by the entry that could be. Times are those of h, measured with
 gcc 12 at -O3 -march=native on a server processor with AVX-512 (bench/scale.py measures them anew):
 
-    straight line   0.08 ns an operation, of which there are 2 for each entry (i, j), 60 for each shape, and 150
+    straight line   0.08 ns an operation
     loops           25 ns, 1 ns for each shape, and 0.023 ns an operation, of which there are 2 for each place (i, j)
 
 The first serves to about 20 000 operations: from there on compilers take minutes.
@@ -14,6 +14,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from derive.mechanics.general import Present
 from derive.mechanics.generic import Table, indices, labels
 
 MOST = 20_000
@@ -31,12 +32,28 @@ class Choice:
     @property
     def reason(self) -> str:
         """The rule with its numbers, in a line."""
-        return f"{self.lowering}: h is foreseen to take {self.flat:.0f} ns in straight line, {self.table:.0f} ns in loops"
+        return (
+            f"{self.lowering}: h is foreseen to take {self.flat:.0f} ns in straight line, {self.table:.0f} ns in loops"
+        )
 
 
-def choose(tables: Sequence[Table], nonzeros: int, modes: int) -> Choice:
-    """The faster way; `nonzeros` are the entries (i, j) of the tables, both triangles, that do not vanish."""
-    operations = 2 * nonzeros + 60 * modes + 150
+def choose(tables: Sequence[Table], present: Present, modes: int) -> Choice:
+    """The faster way for a body with these tables and entries."""
+    operations = straight_operations(present)
     full = sum(len(labels(t.name)) for t in tables if t.kind == "full" and indices(t.name) == "ij" and t.name != "c8")
     flat, table = 0.08 * operations, 25 + modes + 0.023 * 2 * full * modes**2
     return Choice("table" if table < flat or operations > MOST else "flat", flat, table)
+
+
+def straight_operations(present: Present) -> int:
+    """About how many operations h takes in straight line: see tests/kernel/test_choice.py.
+
+    Two for each entry (i, j); seven for each component of an S_i that is there (J, Sdot and h_i), four for c7dot_i and
+    c2_i, two for c6_i; and those of the rigid motion.
+    """
+    pairs = sum(int(present[name].sum()) for name in ("C5", "c7", "K", "B"))
+    s = present["C4"] | present["C5"].any(axis=1)
+    c7dot = present["c7"].any(axis=1)
+    return (
+        2 * pairs + 7 * int(s.sum()) + 4 * int(c7dot.sum() + present["c2"].sum()) + 2 * int(present["c6"].sum()) + 150
+    )

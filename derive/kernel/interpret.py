@@ -207,7 +207,12 @@ class _Run:
 
     def _root(self, s: Root) -> None:
         n, source = s.count, self.arrays[s.source]
-        low = [[source[triangle(n, j, i, 1)] if i >= j else self.zero for j in range(n)] for i in range(n)]
+        low = [[self.zero] * n for _ in range(n)]
+        for i in range(n):
+            for j in range(i + 1):
+                place = triangle(n, j, i, 1)
+                assert place is not None
+                low[i][j] = source[place]
         for j in range(n):
             for i in range(j, n):
                 for m in range(j):

@@ -6,8 +6,9 @@ In a loop, expressions are sums of products of what depends on its index; their 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
+from fractions import Fraction
 from itertools import count
 
 import casadi as ca
@@ -52,7 +53,9 @@ Scalar = tuple[Let | Store | Require, sp.Expr]
 Row = tuple[Put | StoreAt, sp.Expr]
 """Where an expression of index i goes, likewise."""
 
-NOTHING = Num(0)  # type: ignore[arg-type]
+Place = Let | Store | Require | Put | StoreAt
+
+NOTHING = Num(Fraction(0))
 
 
 class Program:
@@ -154,7 +157,8 @@ class Program:
             (Step(name, equation, doc, tuple(stored)),),
             self._temporaries,
         ):
-            body = tuple(t for t in (_targeted(item, targets) for item in section.body) if not _says_nothing(t))
+            placed = (_targeted(item, targets) for item in section.body)
+            body = tuple(t for t in placed if isinstance(t, Let | Store | Require) and not _says_nothing(t))
             names = {item.name for item in section.body if isinstance(item, Let)}
             self.known |= {d.symbol: Ref(str(d.symbol)) for d in self.definitions if str(d.symbol) in names}
             self.sections.append(Section(section.name, section.equation, section.doc, body))
@@ -235,7 +239,8 @@ class Program:
         step = Step("loop", "", "", stored)
         (section,) = schedule(Graph(Constants(frozenset())), symbols, (), (step,), self._temporaries)
         targets = [target for target, _ in rows]
-        return tuple(_targeted(item, targets) for item in section.body)  # type: ignore[misc]
+        placed = (_targeted(item, targets) for item in section.body)
+        return tuple(item for item in placed if isinstance(item, Let | Put | StoreAt))
 
     def _pair(self, expr: sp.Expr) -> Expr:
         """An expression of i and j, without names in between."""
@@ -277,9 +282,10 @@ def _pair_leaf(symbol: sp.Symbol) -> Leaf:
     return Entry(array(symbol.name)) if {"i", "j"} <= set(parts) else At(array(symbol.name), "i")
 
 
-def _targeted(item: Statement, targets: list[Let | Store | Require | Put | StoreAt]) -> Statement:
+def _targeted(item: Statement, targets: Sequence[Place]) -> Place:
     """A statement of a schedule with its place filled in."""
     if not isinstance(item, Store):
+        assert isinstance(item, Let | Require)
         return item
     match targets[item.index]:
         case Let(name):
@@ -295,7 +301,7 @@ def _targeted(item: Statement, targets: list[Let | Store | Require | Put | Store
     raise AssertionError("a target is a place for a value")
 
 
-def _says_nothing(item: Statement) -> bool:
+def _says_nothing(item: Place) -> bool:
     """Whether a definition that loops need has been written under its name already."""
     return isinstance(item, Let) and item.expr == Ref(item.name)
 

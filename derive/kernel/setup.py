@@ -83,6 +83,7 @@ def _casadi(expr: Expr, values: dict[str, ca.SX], symbols: Symbols) -> ca.SX:
         return symbols.number(expr.value)
     if isinstance(expr, Ref):
         return values[expr.name]
+    assert isinstance(expr, Op), "setup has no loops here"
     args = [_casadi(a, values, symbols) for a in expr.args]
     return -args[0] if expr.kind == "neg" else BINARY[expr.kind](*args)
 
@@ -93,6 +94,7 @@ def _text(expr: Expr) -> str:
         return str(expr.value)
     if isinstance(expr, Ref):
         return expr.name
+    assert isinstance(expr, Op), "setup has no loops here"
     args = [f"({_text(a)})" if isinstance(a, Op) else _text(a) for a in expr.args]
     sign = {"add": " + ", "sub": " - ", "mul": " * ", "div": " / "}
     return f"-{args[0]}" if expr.kind == "neg" else sign[expr.kind].join(args)

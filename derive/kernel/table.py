@@ -207,8 +207,8 @@ def _force(tables: Tables) -> Kernel:
 
 def _mass_force(tables: Tables) -> Kernel:
     program = tables.program(tables.q, tables.v)
-    wants = zip(tables.mass_wants(), tables.force_wants(), strict=True)
-    scalars, rows = ([*of_mass, *of_force] for of_mass, of_force in wants)
+    of_mass, of_force = tables.mass_wants(), tables.force_wants()
+    scalars, rows = [*of_mass[0], *of_force[0]], [*of_mass[1], *of_force[1]]
     program.phase("M and h", "(15)", "factors of the accelerations, and forces", scalars, rows)
     doc = "Mass matrix and forces together; what they share is computed once."
     outputs = (_mass_output(tables), _force_output(tables))
@@ -271,7 +271,7 @@ def _accel(tables: Tables) -> Kernel:
     labels = (*names, *([f"alpha1ddot .. alpha{tables.n}ddot"] if tables.n else []))
     return program.kernel(
         "accel",
-        "Accelerations vdot of M vdot + h = 0, by the Schur complement of the shapes and a sparse LDL^T of what is left.",
+        "Accelerations vdot of M vdot + h = 0, by the Schur complement of the shapes and a sparse LDL^T of the rest.",
         (tables.t, tables.q, tables.v, tables.k),
         (_output("vdot", "accelerations", labels, RIGID + tables.n),),
     )

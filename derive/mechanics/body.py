@@ -171,7 +171,7 @@ def _parts(motion: Motion) -> tuple[tuple[str, Field], ...]:
 
 
 def rigid_inertia(motion: Motion) -> tuple[Term, ...]:
-    """The virtual work of the inertia on the rigid displacements of (6): a term for each part of (5); sums are named."""
+    """The virtual work of the inertia on the rigid displacements (6): a term for each part of (5); sums are named."""
     return tuple(
         Term(row, name, "(15)", motion.product(part, displacement))
         for row, displacement in _rigid_displacements(motion)

@@ -285,21 +285,30 @@ def generic_modal(given: ModalBody, gravity: Gravity | None = None) -> GenericEq
     return _generic(given.name, given.doc, given.origin, given.modes, tables, gravity, given.points, data, given.mass)
 
 
-def count_modal(given: ModalBody) -> int:
-    """Entries (i, j) of C5, c7, K and B that do not vanish, both triangles."""
-    n = given.modes
-    found = 0
+Present = dict[str, NDArray[np.bool_]]
+"""Which entries of C5 (N, N, 6), c7 (N, N, 3), K, B (N, N, 1), C4 (N, 6), c2 and c6 (N, 3) there are."""
+
+
+def present_modal(given: ModalBody) -> Present:
+    """The entries of a body of numbers that do not vanish."""
+    n, found = given.modes, {}
+    for name in ("C4", "c2", "c6"):
+        found[name] = (_values(given, name) != 0).reshape(n, len(labels(name)))
     for name in ("C5", "c7", "K", "B"):
-        values = _values(given, name).reshape(-1, len(labels(name)))
+        full = np.zeros((n, n, len(labels(name))), dtype=bool)
         upper = np.triu_indices(n, 1 if name == "c7" else 0)
-        twice = np.where(np.equal(*upper), 1, 2)
-        found += int(twice @ np.count_nonzero(values, axis=1))
+        full[upper] = (_values(given, name) != 0).reshape(-1, len(labels(name)))
+        found[name] = full | full.swapaxes(0, 1)
     return found
 
 
-def count_symbolic(spec: SymbolicBody) -> int:
-    """Entries (i, j) of C5, c7, K and B that there are, both triangles."""
-    n = spec.modes
-    counts = {"full": n**2, "diagonal": n, "unit": 0, "zero": 0}
-    tables = [t for t in symbolic_tables(spec) if t.name in ("C5", "c7", "K", "B")]
-    return sum(counts[t.kind] * len(labels(t.name)) for t in tables)
+def present_symbolic(spec: SymbolicBody) -> Present:
+    """The entries that a body with parameters has."""
+    n, found = spec.modes, {}
+    for t in symbolic_tables(spec):
+        if indices(t.name):
+            full = np.full((n,) * len(indices(t.name)) + (len(labels(t.name)),), t.kind == "full")
+            if t.kind == "diagonal":
+                full |= np.eye(n, dtype=bool)[..., None]
+            found[t.name] = full
+    return found

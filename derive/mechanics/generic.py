@@ -49,7 +49,7 @@ FORCES = (
 
 @dataclass(frozen=True)
 class Table:
-    """A shape integral, or stiffness K, or damping B: which of its entries there are, and the reason if there is none."""
+    """A shape integral, stiffness K or damping B: which of its entries there are, and why there are not more."""
 
     name: str
     kind: Kind

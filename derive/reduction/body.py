@@ -95,6 +95,8 @@ def _modes(body: NodalBody, mass: csr_array, x: Array, planes: tuple[Mirror, ...
     """Modes and their stiffness as given, or as computed."""
     data = body.data
     origin = "the origin of the node positions"
+    if body.modes == 0:
+        return Shapes(x, np.zeros((0, *x.shape)), np.zeros((0, 0)), origin)
     if data.modes is None:
         phi, values = orthonormal(mass, *elastic_modes(body, mass, x))
         phi = with_signs(apart(mass, phi, values, planes))[: body.modes]

@@ -8,8 +8,7 @@ import pytest
 import derive
 import test_cloud
 from derive.emit.c import c_files
-from derive.kernel.lower import lower
-from derive.mechanics.nodal import derive_nodal
+from derive.reduction.body import prepare
 from derive.reduction.mean_frame import residuals, rigid_fields, to_mean_frame
 
 
@@ -53,8 +52,10 @@ def test_a_rigid_mode_is_named() -> None:
 @pytest.mark.parametrize("n", [1, 3, 8])
 def test_couplings_vanish_and_the_points_move_as_they_must(n: int, monkeypatch: pytest.MonkeyPatch) -> None:
     c = test_cloud.cloud(n)
-    model = lower(derive_nodal("mean", c.masses, c.positions, c.modes, c.stiffness, mean=True))
-    given = test_cloud.numeric(n).pattern("mass", "M")
+    spec = test_cloud.nodal(c, "mean")
+    body = derive.modal(spec)
+    model = derive.lower(derive.derive_modal(body, test_cloud.gravity(), "flat"))
+    given = test_cloud.model(n, "numbers flat").pattern("mass", "M")
     pattern = model.pattern("mass", "M")
     size = 6 + n
     assert given.full_nnz == size**2 - 6  # all but the coupling of the translations
@@ -64,7 +65,9 @@ def test_couplings_vanish_and_the_points_move_as_they_must(n: int, monkeypatch: 
     assert len(coupling) == (0 if n == 1 else 3 * n)
     reasons = " ".join(zero.reason for zero in model.zeros)
     assert "condition (17)" in reasons and ("condition (19)" in reasons) == (n == 1)
-    x, modes, stiffness = to_mean_frame(c.masses, c.positions, c.modes, c.stiffness)
+    shapes = prepare(spec).shapes
+    x, modes, stiffness = shapes.x, shapes.phi, shapes.stiffness
+    monkeypatch.setattr(test_cloud, "damping_matrix", lambda _: body.damping)
     monkeypatch.setattr(test_cloud, "cloud", lambda _: test_cloud.Cloud(c.masses, x, modes, stiffness))
     native = derive.load(c_files(model, "test"))
     k = native.setup(np.zeros(0))
