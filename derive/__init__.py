@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 from derive.version import VERSION as __version__  # noqa: N811  the name Python expects
 
 if TYPE_CHECKING:
-    from derive.derivation import derive, derive_modal, lower, modal
+    from derive.derivation import derive, derive_modal, lower, modal, parameters
     from derive.emit.files import File, write
     from derive.emit.model_files import model_files
     from derive.kernel.interpret import interpret
@@ -46,7 +46,7 @@ _HOME = {
     "write": "derive.emit.files",
     "model_files": "derive.emit.model_files",
     "interpret": "derive.kernel.interpret",
-    **dict.fromkeys(("derive", "derive_modal", "lower", "modal"), "derive.derivation"),
+    **dict.fromkeys(("derive", "derive_modal", "lower", "modal", "parameters"), "derive.derivation"),
     "Model": "derive.kernel.model",
     "Equations": "derive.mechanics.equations",
     "GenericEquations": "derive.mechanics.generic",
@@ -80,6 +80,7 @@ __all__ = [
     "modal",
     "model_files",
     "nodal_body",
+    "parameters",
     "planar_beam",
     "read",
     "symbolic_body",

@@ -14,6 +14,7 @@ DESCRIPTION = "Equations of motion of deformable bodies: from a specification to
 EPILOG = """\
 examples:
   tisserand build scenes/free_beam_mean.toml
+  tisserand build scenes/block.toml scenes/body_symbolic.toml
   tisserand compare scenes/free_beam_mean.toml scenes/free_beam_point.toml
   tisserand check
 
@@ -45,6 +46,9 @@ def parser() -> argparse.ArgumentParser:
     check = commands.add_parser("check", help="regenerate everything in memory and compare with the files")
     check.add_argument("scenes", nargs="?", type=Path, default=Path("scenes"), help="default: scenes")
     check.add_argument("--out", type=Path, default=Path("generated"), metavar="FOLDER", help="default: generated")
+
+    sid = commands.add_parser("sid", help="print a body of nodes as standard input data (SID)")
+    sid.add_argument("spec", type=Path, metavar="SPEC", help="specification file (.toml) with a [body] of nodes")
 
     commands.add_parser("schema", help="print the JSON schema of specifications, for editors")
     return main

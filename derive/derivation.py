@@ -6,6 +6,11 @@ specification says it.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
 from derive.kernel import choice
 from derive.kernel import lower as flat
 from derive.kernel.model import Model
@@ -21,9 +26,10 @@ def derive(spec: Specification) -> Equations | GenericEquations:
     if isinstance(spec, PlanarBeam):
         return beam.derive(spec)
     if isinstance(spec, SymbolicBody):
-        tables = general.symbolic_tables(spec)
-        taken = _lowering(spec.lowering, choice.choose(tables, general.present_symbolic(spec), spec.modes))
-        return general.derive_symbolic(spec) if taken == "flat" else general.generic_symbolic(spec)
+        found = choice.choose(general.symbolic_tables(spec), general.present_symbolic(spec), spec.modes)
+        if found.taken(spec.lowering) == "flat":
+            return replace(general.derive_symbolic(spec), choice=found.reason(spec.lowering))
+        return replace(general.generic_symbolic(spec), choice=found.reason(spec.lowering))
     return derive_modal(modal(spec), spec.gravity, spec.lowering)
 
 
@@ -38,13 +44,20 @@ def derive_modal(
     body: ModalBody, gravity: Gravity | None = None, lowering: Lowering = "auto"
 ) -> Equations | GenericEquations:
     """The equations of motion of a body given by its shape integrals."""
-    tables = general.modal_tables(body)
-    taken = _lowering(lowering, choice.choose(tables, general.present_modal(body), body.modes))
-    return general.derive_modal(body, gravity) if taken == "flat" else general.generic_modal(body, gravity)
+    found = choice.choose(general.modal_tables(body), general.present_modal(body), body.modes)
+    if found.taken(lowering) == "flat":
+        return replace(general.derive_modal(body, gravity), choice=found.reason(lowering))
+    return replace(general.generic_modal(body, gravity), choice=found.reason(lowering))
 
 
-def _lowering(asked: Lowering, choice_made: choice.Choice) -> str:
-    return choice_made.lowering if asked == "auto" else asked
+def parameters(body: ModalBody, spec: SymbolicBody) -> NDArray[np.float64]:
+    """The parameters p with which the model of `spec` is this body; gravity at its defaults.
+
+    Raises ValueError when the body has not as many modes, or an integral that the model takes to vanish.
+    """
+    if body.modes != spec.modes:
+        raise ValueError(f"{spec.name} has {spec.modes} modes and {body.name} {body.modes}")
+    return general.parameters(body, general.symbolic_tables(spec), spec.gravity)
 
 
 def lower(equations: Equations | GenericEquations) -> Model:

@@ -22,6 +22,7 @@ from derive.emit.files import File, write
 from derive.kernel.ir import Pattern
 
 Vector = NDArray[np.float64]
+Matrix = NDArray[np.float64]
 
 FLAGS = ("-std=c99", "-O2", "-ffp-contract=off")
 """No contraction into fused operations: compilers then agree bit for bit."""
@@ -140,6 +141,9 @@ class _Model(ctypes.Structure):
         ("rates", _function(*[_Pointer] * 4)),
         ("residual", _function(_T, *[_Pointer] * 4)),
         ("jacobian", _function(_T, _Pointer, _Pointer, _T, _Pointer, _Pointer)),
+        ("mass_batch", _function(ctypes.c_int, *[_Pointer] * 3)),
+        ("force_batch", _function(ctypes.c_int, _T, *[_Pointer] * 4)),
+        ("accel_batch", _function(ctypes.c_int, _T, *[_Pointer] * 4)),
     ]
 
 
@@ -160,7 +164,7 @@ class Native:
         self.nq, self.nv, self.np, self.nk = m.nq, m.nv, m.np, m.nk
         self.parameters = _names(m.p, m.variables_p)
         self.coordinates = _names(m.q, m.variables_q)
-        self.velocities = _names(m.v, m.variables_v)
+        self.rates_of_rows = _names(m.v, m.variables_v)
         self.defaults = np.empty(m.np)
         m.defaults(self.defaults.ctypes.data_as(_Pointer))
         self.mass_pattern = _pattern(m.mass_pattern.contents)
@@ -212,6 +216,21 @@ class Native:
         arguments = [t, (n, y), (n, ydot), cj, (self.nk, k)]
         return self._call("jacobian", arguments, len(self.jacobian_pattern.rowidx))
 
+    def mass_batch(self, q: ArrayLike, k: ArrayLike) -> Matrix:
+        """Values of M for each row of q. The batches of C hold elements by rows; they are turned here and back."""
+        return self._batch("mass", [], [(self.nq, q)], k, len(self.mass_pattern.rowidx))[0]
+
+    def force_batch(self, t: float, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> Matrix:
+        """h for each row of q and v."""
+        return self._batch("force", [t], [(self.nq, q), (self.nv, v)], k, self.nv)[0]
+
+    def accel_batch(self, t: float, q: ArrayLike, v: ArrayLike, k: ArrayLike, check: bool = True) -> Matrix:
+        """vdot for each row of q and v. Without `check` states that fail have NaN, and no error is raised."""
+        result, code = self._batch("accel", [t], [(self.nq, q), (self.nv, v)], k, self.nv)
+        if code and check:
+            raise ModelError(f"{self.name}_accel_batch", code)
+        return result
+
     def marker(self, name: str, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> tuple[Vector, Vector, Vector]:
         """Position, velocity and values of the Jacobian of a marker."""
         marker = self._marker(name)
@@ -250,6 +269,28 @@ class Native:
         if code := function(*pointers):
             raise ModelError(f"{self.name}_{name}", code)
 
+    def _batch(
+        self, kernel: str, t: list[float], states: list[tuple[int, ArrayLike]], k: ArrayLike, size: int
+    ) -> tuple[Matrix, int]:
+        name = f"{kernel}_batch"
+        rows = [_rows(columns, given, name) for columns, given in states]
+        count = len(rows[0])
+        if any(len(given) != count for given in rows):
+            raise ValueError(f"{name}: {' and '.join(str(len(given)) for given in rows)} states do not go together")
+        turned = [np.ascontiguousarray(given.T) for given in rows]
+        result = np.empty((size, count))
+        arrays = [*turned, _array(self.nk, k, name), result]
+        function: Callable[..., int] = getattr(self._model, name)
+        code = function(count, *map(float, t), *(a.ctypes.data_as(_Pointer) for a in arrays))
+        return np.ascontiguousarray(result.T), code
+
+
+def _rows(columns: int, given: ArrayLike, name: str) -> Matrix:
+    array = np.asarray(given, dtype=np.float64)
+    if array.ndim != 2 or array.shape[1] != columns:
+        raise ValueError(f"{name}: rows of {columns} are needed, not an array of shape {array.shape}")
+    return array
+
 
 def _array(size: int, given: ArrayLike, name: str) -> Vector:
     array = np.ascontiguousarray(given, dtype=np.float64)
@@ -270,6 +311,6 @@ def _names(variables: Any, count: int) -> tuple[str, ...]:
 def _pattern(p: _Pattern) -> Pattern:
     colptr, rowidx = p.colptr, p.rowidx
     if not colptr:
-        colptr, rowidx = (ctypes.c_int * (p.cols + 1))(), (ctypes.c_int * p.nnz)()  # type: ignore[assignment]
+        colptr, rowidx = (ctypes.c_int * (p.cols + 1))(), (ctypes.c_int * p.nnz)()
         p.fill(colptr, rowidx)
     return Pattern(p.rows, p.cols, tuple(colptr[: p.cols + 1]), tuple(rowidx[: p.nnz]), bool(p.symmetric))

@@ -9,6 +9,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import derive
@@ -61,18 +62,28 @@ def test_command_runs(command: str, copy: Path) -> None:
 
 
 def test_python_runs(copy: Path) -> None:
-    (block,) = blocks("python")
-    assert len([line for line in block.splitlines() if line and not line.startswith(("from", "import"))]) <= 10
-    done = subprocess.run([sys.executable, "-c", block], cwd=copy, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr
-    assert "144*EI*alpha1/l**3" in done.stdout
+    printed = []
+    for block in blocks("python"):
+        assert len([line for line in block.splitlines() if line and not line.startswith(("from", "import"))]) <= 10
+        done = subprocess.run([sys.executable, "-c", block], cwd=copy, capture_output=True, text=True, check=False)
+        assert done.returncode == 0, done.stderr
+        printed.append(done.stdout)
+    beam, body = printed
+    assert "144*EI*alpha1/l**3" in beam
+    inertia = 6.48 / 12 * np.array([0.1**2 + 0.06**2, 0.4**2 + 0.06**2, 0.4**2 + 0.1**2])
+    omega = np.array([1.0, 2.0, 3.0])
+    euler = -np.cross(omega, inertia * omega) / inertia
+    assert np.allclose([float(x) for x in body.strip(" []\n").split()], euler, rtol=1e-6)
 
 
 def test_specification_is_the_scene() -> None:
-    (block,) = blocks("toml")
+    from derive.emit.model_files import specification
     from derive.spec import parse
 
-    assert parse(block, "README.md") == derive.read(ROOT / "scenes/free_beam_mean.toml")
+    beam, body = blocks("toml")
+    assert parse(beam, "README.md") == derive.read(ROOT / "scenes/free_beam_mean.toml")
+    read = parse(body, str(ROOT / "scenes/README.md"))
+    assert specification(read) == specification(derive.read(ROOT / "scenes/block.toml"))
 
 
 def test_shown_c_is_the_generated_one() -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import math
 
 import numpy as np
 
@@ -11,6 +12,9 @@ from derive.commands.build import build_all
 from derive.emit.files import File, write
 from derive.emit.picture import mass_patterns
 from derive.native import Native, Vector, load
+
+MOST, DIGITS = 14, 12
+"""Rows and columns that are shown, and the width of a number."""
 
 
 def run(options: argparse.Namespace) -> int:
@@ -29,11 +33,14 @@ def run(options: argparse.Namespace) -> int:
 
 
 def state(native: Native) -> tuple[Vector, Vector]:
-    """A bent beam that turns: phi = 0.5 rad, alpha_i = 0.02/i m, phidot = 3 rad/s, alphadot_i = 0.1 m/s."""
-    shapes = np.arange(1, native.nq - 2)
-    q = np.concatenate([[0, 0, 0.5], 0.02 / shapes])
-    v = np.concatenate([[0, 0, 3.0], np.full(len(shapes), 0.1)])
-    return q, v
+    """A bent body that turns by 0.5 rad about e3, at 3 rad/s: alpha_i = 0.02/i m, alphadot_i = 0.1 m/s."""
+    rigid = native.coordinates.index("alpha1") if "alpha1" in native.coordinates else native.nq
+    spatial = "e0" in native.coordinates
+    turn = [math.cos(0.25), 0.0, 0.0, math.sin(0.25)] if spatial else [0.5]
+    shapes = np.arange(1, native.nq - rigid + 1)
+    q = np.concatenate([np.zeros(rigid - len(turn)), turn, 0.02 / shapes])
+    still = [0.0] * 5 if spatial else [0.0] * 2
+    return q, np.concatenate([still, [3.0], np.full(len(shapes), 0.1)])
 
 
 def _evaluate(native: Native) -> dict[str, object]:
@@ -47,6 +54,7 @@ def _evaluate(native: Native) -> dict[str, object]:
     return {
         "name": native.name,
         "coordinates": list(native.coordinates),
+        "rates": list(native.rates_of_rows),
         "q": q.tolist(),
         "v": v.tolist(),
         "mass": matrix,
@@ -59,7 +67,7 @@ def _show(native: Native, result: dict[str, object]) -> str:
     matrix = result["mass"]
     force = result["force"]
     assert isinstance(matrix, list) and isinstance(force, list)
-    names = native.coordinates
+    names = native.coordinates if native.nq == native.nv else native.rates_of_rows
     width = max(len(n) for n in names)
     pattern = native.mass_pattern
     lines = [
@@ -68,11 +76,14 @@ def _show(native: Native, result: dict[str, object]) -> str:
         f"  v = {_numbers(v)}",
         f"  mass matrix M ({pattern.full_nnz} of {pattern.rows * pattern.cols} structural non-zeros) and forces h",
     ]
-    for name, row, h in zip(names, matrix, force, strict=True):
-        cells = " ".join(f"{'.':>12}" if x is None else f"{x:12.6g}" for x in row)
-        lines.append(f"  {name:<{width}} {cells}   {h:12.6g}")
+    for name, row, h in zip(names[:MOST], matrix, force, strict=False):
+        cells = " ".join(f"{'.':>{DIGITS}}" if x is None else f"{x:{DIGITS}.6g}" for x in row[:MOST])
+        lines.append(f"  {name:<{width}} {cells}   {h:{DIGITS}.6g}")
+    if len(names) > MOST:
+        lines.append(f"  ... of {len(names)} rows and columns the first {MOST}; --json has them all")
     return "\n".join(lines)
 
 
 def _numbers(values: Vector) -> str:
-    return "[" + ", ".join(f"{x:g}" for x in values) + "]"
+    shown = [f"{x:g}" for x in values[: MOST + 1]] + (["..."] if len(values) > MOST + 1 else [])
+    return "[" + ", ".join(shown) + "]"

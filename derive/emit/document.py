@@ -75,6 +75,7 @@ class ModelText:
 
     title: str
     origin: str
+    choice: str
     state: tuple[str, ...]
     rates: tuple[str, ...]
     parameters: tuple[str, ...]
@@ -97,6 +98,7 @@ def model_text(model: Model) -> ModelText:
     return ModelText(
         title=f"{model.name}: {model.doc}",
         origin=model.origin,
+        choice=f"Kernels are {model.choice}." if model.choice else "",
         state=state,
         rates=rates,
         parameters=tuple(
@@ -140,6 +142,7 @@ def description(said: ModelText) -> tuple[str, ...]:
         "shapes Phi_i, and their moments c1 .. c8, d1, D2, d3, J, so that e1, e2 there are its axes.",
         "In the inertial base are resolved: c, momenta, and markers.",
         *((said.origin,) if said.origin else ()),
+        *((said.choice,) if said.choice else ()),
         *block("Coordinates q:", said.state),
         *block("Rates v and the rows of the equations of motion, with their units:", said.rates),
         *block("Parameters p:", said.parameters),

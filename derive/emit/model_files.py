@@ -56,7 +56,7 @@ def _manifest(model: Model, description: dict[str, object], fingerprint: str, fi
         "specification_sha256": fingerprint,
         "abi": ABI,
         "tools": {"tisserand": VERSION, **{name: version(name) for name in ("sympy", "casadi", "jinja2")}},
-        "lowering": model.lowering,
+        "lowering": {"kind": model.lowering, "choice": model.choice},
         "operations": {kernel.name: kernel.operations for kernel in model.kernels},
         "nonzeros": {
             "mass": {"structural": mass.full_nnz, "of": mass.rows * mass.cols, "stored": len(mass.rowidx)},

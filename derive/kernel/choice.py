@@ -29,12 +29,15 @@ class Choice:
     flat: float
     table: float
 
-    @property
-    def reason(self) -> str:
+    def taken(self, asked: str) -> str:
+        """The lowering that is taken; `asked` is auto, flat or table."""
+        return self.lowering if asked == "auto" else asked
+
+    def reason(self, asked: str) -> str:
         """The rule with its numbers, in a line."""
-        return (
-            f"{self.lowering}: h is foreseen to take {self.flat:.0f} ns in straight line, {self.table:.0f} ns in loops"
-        )
+        way = {"flat": "written out for each shape", "table": "loops over the shapes"}[self.taken(asked)]
+        why = "as the specification asks" if asked != "auto" else "the faster"
+        return f"{way}, {why}: for h {self.flat:.0f} ns are foreseen written out, {self.table:.0f} ns in loops"
 
 
 def choose(tables: Sequence[Table], present: Present, modes: int) -> Choice:

@@ -43,6 +43,7 @@ def lower(equations: Equations) -> Model:
         kernels=(setup, *(_with_constants(kernel, names) for kernel in kernels)),
         markers=tuple(Variable(m.name, m.doc, "m") for m in equations.markers),
         zeros=tuple(Zero(f"M[{context.rows[i]}, {context.rows[j]}]", why) for i, j, why in equations.mass_zeros),
+        choice=equations.choice,
         vanished=tuple(Zero(f"{v.term.name} term of row {v.term.row}", v.reason) for v in equations.vanished),
     )
 

@@ -33,8 +33,8 @@ class Zero:
 class Model:
     """The kernels of one model. `kernels` begins with setup; `markers` names those that are material points.
 
-    `lowering` says how they were made: flat (straight line) or table (loops over the shapes). `data` holds the defaults
-    of parameters that are arrays, as pairs (index, value); all else is zero.
+    `lowering` says how they were made, flat (straight line) or table (loops over the shapes), `choice` why. `data`
+    holds the defaults of parameters that are arrays, as pairs (index, value); all else is zero.
     """
 
     name: str
@@ -50,6 +50,7 @@ class Model:
     zeros: tuple[Zero, ...]
     vanished: tuple[Zero, ...]
     lowering: str = "flat"
+    choice: str = ""
     data: tuple[tuple[int, float], ...] = ()
 
     @property

@@ -230,6 +230,7 @@ def model(eq: GenericEquations, memory: Memory, kernels: tuple[Kernel, ...], zer
         zeros=zeros,
         vanished=tuple(Zero(f"{v.term.name} term of row {v.term.row}", v.reason) for v in eq.vanished),
         lowering="table",
+        choice=eq.choice,
         data=_data(eq, memory),
     )
 

@@ -108,7 +108,8 @@ class MarkerEquations:
 class Equations:
     """The equations of motion of one model: the sum of the terms of each row is zero (no load at markers).
 
-    `weight_energy` is the potential of gravity, None where there is none.
+    `weight_energy` is the potential of gravity, None where there is none. `choice` says why the equations are written
+    out for each shape, where loops could have been had.
 
     `origin` says in words where c is. `rates` gives the time derivatives of the coordinates. `coefficients` hold the
     shape integrals c1..c8 and the stiffness, `definitions` d1, D2, d3, J and what else is shared; both keep their
@@ -134,6 +135,7 @@ class Equations:
     linear_momentum: tuple[sp.Expr, ...]
     angular_momentum: tuple[sp.Expr, ...]
     markers: tuple[MarkerEquations, ...]
+    choice: str = ""
 
     @property
     def force(self) -> tuple[sp.Expr, ...]:

@@ -173,7 +173,7 @@ def derive_modal(given: ModalBody, gravity: Gravity | None = None) -> Equations:
     }
     points = tuple(map(_point, given.points))
     return _written_out(
-        given.name, given.doc, given.origin, given.modes, values, sp.Rational(given.mass), points, (), gravity
+        given.name, given.doc, _where(given), given.modes, values, sp.Rational(given.mass), points, (), gravity
     )
 
 
@@ -246,6 +246,11 @@ def _written_out(
     )
 
 
+def _where(given: ModalBody) -> str:
+    """Where c is, as a sentence."""
+    return f"c is where {given.origin} lies in the floating frame." if given.origin else ""
+
+
 def _point(point: ModalPoint) -> MaterialPoint:
     def exact(vector: Array) -> sp.ImmutableMatrix:
         return sp.ImmutableMatrix([sp.Rational(float(x)) for x in vector])
@@ -282,7 +287,7 @@ def generic_modal(given: ModalBody, gravity: Gravity | None = None) -> GenericEq
     """The equations of motion of a body of numbers, for a generic shape: its numbers are the defaults of parameters."""
     tables = modal_tables(given)
     data = parameters(given, tables, gravity)
-    return _generic(given.name, given.doc, given.origin, given.modes, tables, gravity, given.points, data, given.mass)
+    return _generic(given.name, given.doc, _where(given), given.modes, tables, gravity, given.points, data, given.mass)
 
 
 Present = dict[str, NDArray[np.bool_]]

@@ -104,7 +104,7 @@ class GenericEquations:
 
     `definitions` are scalars (Q, products of omega, gravity in the body base); `contractions` come before `totals`.
     Expressions are in these names, in `tables`, and in alpha_i, alphadot_i, alphaddot_i. `data` are the values of the
-    parameters, for a body given by numbers.
+    parameters, for a body given by numbers. `choice` says why there are loops.
     """
 
     name: str
@@ -129,6 +129,7 @@ class GenericEquations:
     angular_momentum: tuple[sp.Expr, ...]
     points: tuple[GenericPoint, ...]
     data: tuple[float, ...] | None = None
+    choice: str = ""
 
     def table(self, name: str) -> Table:
         """The table of that name."""

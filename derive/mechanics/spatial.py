@@ -112,7 +112,7 @@ def spatial_motion(n: int) -> Motion:
 def _coordinates(alpha: tuple[sp.Symbol, ...]) -> tuple[Coordinate, ...]:
     return (
         *(Coordinate(sp.Symbol(f"c{k}"), f"translation of the floating frame along e{k}", "m") for k in AXES),
-        *(Coordinate(sp.Symbol(f"e{k}"), "unit quaternion of the floating frame, scalar first", "") for k in range(4)),
+        *(Coordinate(sp.Symbol(f"e{k}"), "unit quaternion of the floating frame, scalar first", "1") for k in range(4)),
         *(Coordinate(a, f"amplitude of assumed shape {i}", "m") for i, a in enumerate(alpha, 1)),
     )
 

@@ -9,112 +9,14 @@
 #include "block.h"
 
 #include <math.h>
+#include <stddef.h>
 
-/* Before a loop over four lanes: gcc would unroll it first, and then not make vectors of it. */
-#if defined(__GNUC__) && !defined(__clang__) && __GNUC__ >= 8
-#  define TISSERAND_LANES _Pragma("GCC unroll 1")
-#else
-#  define TISSERAND_LANES
-#endif
-
-/* y += A x for a panel of four columns */
-static inline void block_panel(
-    double *TISSERAND_RESTRICT y,
-    const double *TISSERAND_RESTRICT a,
-    const double *TISSERAND_RESTRICT x)
-{
-    const double x0 = x[0], x1 = x[1], x2 = x[2], x3 = x[3];
-    for (int i = 0; i < 8; i++) y[i] = y[i] + a[i] * x0 + a[8 + i] * x1 + a[16 + i] * x2 + a[24 + i] * x3;
-}
 int block_setup(
     const double *TISSERAND_RESTRICT p,
     double *k)
 {
-    const double p_m = p[0];
-    const double p_C3_11 = p[1];
-    const double p_C3_12 = p[2];
-    const double p_C3_13 = p[3];
-    const double p_C3_22 = p[4];
-    const double p_C3_23 = p[5];
-    const double p_C3_33 = p[6];
-    const double p_X1_1 = p[363];
-    const double p_X1_2 = p[364];
-    const double p_X1_3 = p[365];
-    const double p_X2_1 = p[390];
-    const double p_X2_2 = p[391];
-    const double p_X2_3 = p[392];
-    const double p_X3_1 = p[417];
-    const double p_X3_2 = p[418];
-    const double p_X3_3 = p[419];
-    const double *p_C4 = p + 7;
-    const double *p_C5 = p + 55;
-    const double *p_c7 = p + 271;
-    const double *p_K = p + 355;
-    const double *p_Phi1 = p + 366;
-    const double *p_Phi2 = p + 393;
-    const double *p_Phi3 = p + 420;
-
-    /* checks: refuse parameters that make no body */
-    for (int i = 0; i < 444; i++)
-        if (!isfinite(p[i])) return 2; /* a parameter is not finite */
-    if (!(p_m > 0.0)) return 2; /* m must be positive */
-
-    /* constants (appendix): shape integrals and stiffness as loops want them */
-    for (int i = 0; i < 720; i++) k[i] = 0.0;
-    for (int j = 0; j < 8; j++) {
-        for (int i = 0; i < 8; i++) {
-            const int low = i < j ? i : j, high = i < j ? j : i;
-            double *to = k + (j / 4 * 36 + j % 4) * 8 + i;
-            const int even = low * 8 - low * (low - 1) / 2 + high - low;
-            to[0] = p_C5[6 * even + 0];
-            to[32] = p_C5[6 * even + 1];
-            to[64] = p_C5[6 * even + 2];
-            to[96] = p_C5[6 * even + 3];
-            to[128] = p_C5[6 * even + 4];
-            to[160] = p_C5[6 * even + 5];
-            if (i != j) {
-                const int odd = low * 7 - low * (low - 1) / 2 + high - low - 1;
-                const double sign = i < j ? 1.0 : -1.0;
-                to[192] = sign * p_c7[3 * odd + 0];
-                to[224] = sign * p_c7[3 * odd + 1];
-                to[256] = sign * p_c7[3 * odd + 2];
-            }
-        }
-    }
-    for (int i = 0; i < 8; i++) {
-        k[576 + i] = p_C4[6 * i];
-        k[584 + i] = p_C4[6 * i + 1];
-        k[592 + i] = p_C4[6 * i + 2];
-        k[600 + i] = p_C4[6 * i + 3];
-        k[608 + i] = p_C4[6 * i + 4];
-        k[616 + i] = p_C4[6 * i + 5];
-        k[624 + i] = p_K[i];
-        k[632 + i] = p_Phi1[3 * i];
-        k[640 + i] = p_Phi1[3 * i + 1];
-        k[648 + i] = p_Phi1[3 * i + 2];
-        k[656 + i] = p_Phi2[3 * i];
-        k[664 + i] = p_Phi2[3 * i + 1];
-        k[672 + i] = p_Phi2[3 * i + 2];
-        k[680 + i] = p_Phi3[3 * i];
-        k[688 + i] = p_Phi3[3 * i + 1];
-        k[696 + i] = p_Phi3[3 * i + 2];
-    }
-    k[704] = p_m;
-    k[705] = p_C3_11;
-    k[706] = p_C3_12;
-    k[707] = p_C3_13;
-    k[708] = p_C3_22;
-    k[709] = p_C3_23;
-    k[710] = p_C3_33;
-    k[711] = p_X1_1;
-    k[712] = p_X1_2;
-    k[713] = p_X1_3;
-    k[714] = p_X2_1;
-    k[715] = p_X2_2;
-    k[716] = p_X2_3;
-    k[717] = p_X3_1;
-    k[718] = p_X3_2;
-    k[719] = p_X3_3;
+    (void) p;
+    (void) k;
     return 0;
 }
 
@@ -123,106 +25,139 @@ int block_mass(
     const double *TISSERAND_RESTRICT k,
     double *M)
 {
-    const double *alpha = q + 7;
-    const double mass = k[704];
-    const double C3_11 = k[705];
-    const double C3_12 = k[706];
-    const double C3_13 = k[707];
-    const double C3_22 = k[708];
-    const double C3_23 = k[709];
-    const double C3_33 = k[710];
-    const double *tables = k;
-    const double *C4_11 = k + 576;
-    const double *C4_12 = k + 584;
-    const double *C4_13 = k + 592;
-    const double *C4_22 = k + 600;
-    const double *C4_23 = k + 608;
-    const double *C4_33 = k + 616;
+    const double alpha1 = q[7];
+    const double alpha2 = q[8];
+    const double alpha3 = q[9];
+    const double alpha4 = q[10];
+    const double alpha5 = q[11];
+    const double alpha6 = q[12];
+    const double alpha7 = q[13];
+    const double alpha8 = q[14];
+    (void) k;
 
-    /* minus_alpha: alpha with its sign changed */
-    double minus_alpha[8];
-    for (int i = 0; i < 8; i++) {
-        minus_alpha[i] = -alpha[i];
-    }
+    /* S (appendix): S_1_11 = symmetric part of D2_1; ...; S_8_33 = symmetric part of D2_8 */
+    const double S_1_11 = 0.9229461451083147 * alpha1 + 0.0526587076325526 * alpha8;
+    const double S_1_12 = (-0.06983677418017273) * alpha3;
+    const double S_1_22 = 0.9995777759514879 * alpha1 + 0.00021667253526842326 * alpha8;
+    const double S_1_23 = (-0.4396173773693272) * alpha2;
+    const double S_1_33 = 0.07747607894019715 * alpha1 + (-0.05287538016782101) * alpha8;
+    const double S_2_11 = 0.8385822755284659 * alpha2;
+    const double S_2_13 = 0.17281858343053574 * alpha3;
+    const double S_2_22 = 0.1617571164547129 * alpha2;
+    const double S_2_23 = (-0.4396173773693272) * alpha1 + (-0.02992582521388207) * alpha8;
+    const double S_2_33 = 0.9996606080168212 * alpha2;
+    const double S_3_11 = 0.9959824929644516 * alpha3;
+    const double S_3_12 = (-0.06983677418017273) * alpha1 + 0.05213396507997798 * alpha8;
+    const double S_3_13 = 0.17281858343053574 * alpha2;
+    const double S_3_22 = 0.7416169147200682 * alpha3;
+    const double S_3_33 = 0.26240059231547974 * alpha3;
+    const double S_4_11 = 0.8691692710140388 * alpha4;
+    const double S_4_12 = (-0.07653897132838097) * alpha7;
+    const double S_4_13 = -0.006948727887756916 + 0.06612677259881924 * alpha6;
+    const double S_4_22 = 0.9978159483343315 * alpha4;
+    const double S_4_23 = 0.40905294172354 * alpha5;
+    const double S_4_33 = 0.13301478065162953 * alpha4;
+    const double S_5_11 = 0.7757986416100022 * alpha5;
+    const double S_5_12 = 0.019222459468399348 + (-0.08100155107836308) * alpha6;
+    const double S_5_13 = (-0.17116304786243786) * alpha7;
+    const double S_5_22 = 0.22560185358382823 * alpha5;
+    const double S_5_23 = 0.40905294172354 * alpha4;
+    const double S_5_33 = 0.9985995048061699 * alpha5;
+    const double S_6_11 = 0.006949696462346222 + 0.008120450003726742 * alpha6;
+    const double S_6_12 = (-0.08100155107836308) * alpha5;
+    const double S_6_13 = 0.06612677259881924 * alpha4;
+    const double S_6_22 = -0.2888453299117188 + 0.9938488193551677 * alpha6;
+    const double S_6_23 = (-0.009791878445593954) * alpha7;
+    const double S_6_33 = -0.28541913668350255 + 0.998030730641106 * alpha6;
+    const double S_7_11 = 0.9836361321701889 * alpha7;
+    const double S_7_12 = (-0.07653897132838097) * alpha4;
+    const double S_7_13 = (-0.17116304786243786) * alpha5;
+    const double S_7_22 = 0.7598894642705915 * alpha7;
+    const double S_7_23 = 3.641454770386481e-05 + (-0.009791878445593954) * alpha6;
+    const double S_7_33 = 0.2564744035592197 * alpha7;
+    const double S_8_11 = 0.0526587076325526 * alpha1 + 0.8351337820732403 * alpha8;
+    const double S_8_12 = 0.05213396507997798 * alpha3;
+    const double S_8_22 = 0.00021667253526842326 * alpha1 + 0.994122776779808 * alpha8;
+    const double S_8_23 = (-0.02992582521388207) * alpha2;
+    const double S_8_33 = (-0.05287538016782101) * alpha1 + 0.17074344114695217 * alpha8;
 
-    /* tables (appendix): S_i = symmetric part of D2_i; d3_i = int rho r x Phi_i */
-    double x_alpha[8];
-    for (int i = 0; i < 8; i++) x_alpha[i] = alpha[i];
-    double x_minus_alpha[8];
-    for (int i = 0; i < 8; i++) x_minus_alpha[i] = minus_alpha[i];
-    double S_11[8];
-    double S_12[8];
-    double S_13[8];
-    double S_22[8];
-    double S_23[8];
-    double S_33[8];
-    double d3_1[8];
-    double d3_2[8];
-    double d3_3[8];
-    for (int i = 0; i < 8; i++) {
-        S_11[i] = C4_11[i];
-        S_12[i] = C4_12[i];
-        S_13[i] = C4_13[i];
-        S_22[i] = C4_22[i];
-        S_23[i] = C4_23[i];
-        S_33[i] = C4_33[i];
-        d3_1[i] = 0.0;
-        d3_2[i] = 0.0;
-        d3_3[i] = 0.0;
-    }
-    for (int j = 0; j < 8; j += 4) {
-        const double *panel = tables + 72 * j;
-        block_panel(S_11, panel + 0, x_alpha + j);
-        block_panel(S_12, panel + 32, x_alpha + j);
-        block_panel(S_13, panel + 64, x_alpha + j);
-        block_panel(S_22, panel + 96, x_alpha + j);
-        block_panel(S_23, panel + 128, x_alpha + j);
-        block_panel(S_33, panel + 160, x_alpha + j);
-        block_panel(d3_1, panel + 192, x_minus_alpha + j);
-        block_panel(d3_2, panel + 224, x_minus_alpha + j);
-        block_panel(d3_3, panel + 256, x_minus_alpha + j);
-    }
+    /* d3 (appendix): d3_1_1 = int rho r x Phi_1 . e1; ...; d3_8_3 = int rho r x Phi_8 . e3 */
+    const double d3_1_1 = 0.8784787837749884 * alpha2;
+    const double d3_1_3 = (-0.14213269823254854) * alpha3;
+    const double d3_2_1 = (-0.8784787837749884) * alpha1 - 0.06014933573656158 * alpha8;
+    const double d3_2_2 = (-0.3434623359074803) * alpha3;
+    const double d3_3_2 = 0.3434623359074803 * alpha2;
+    const double d3_3_3 = 0.14213269823254854 * alpha1 - 0.10707341325868729 * alpha8;
+    const double d3_4_1 = (-0.8146287617076164) * alpha5;
+    const double d3_4_2 = 0.13286677220194004 * alpha6;
+    const double d3_4_3 = (-0.16411826642656863) * alpha7;
+    const double d3_5_1 = 0.8146287617076164 * alpha4;
+    const double d3_5_2 = 0.3338704835108587 * alpha7;
+    const double d3_5_3 = 0.17320212202534865 * alpha6;
+    const double d3_6_1 = (-0.03812757101123808) * alpha7;
+    const double d3_6_2 = (-0.13286677220194004) * alpha4;
+    const double d3_6_3 = (-0.17320212202534865) * alpha5;
+    const double d3_7_1 = 0.03812757101123808 * alpha6;
+    const double d3_7_2 = (-0.3338704835108587) * alpha5;
+    const double d3_7_3 = 0.16411826642656863 * alpha4;
+    const double d3_8_1 = 0.06014933573656158 * alpha2;
+    const double d3_8_3 = 0.10707341325868729 * alpha3;
 
-    /* sums (appendix): J = int rho ((r . r) I - r r) */
-    double sums1[6][4];
-    for (int i = 0; i < 6; i++)
-        for (int l = 0; l < 4; l++) sums1[i][l] = 0.0;
-    for (int i = 0; i < 8; i += 4) {
-        TISSERAND_LANES
-        for (int l = 0; l < 4; l++) {
-            sums1[0][l] += alpha[i + l] * (C4_11[i + l] + S_11[i + l]);
-            sums1[1][l] += alpha[i + l] * (C4_12[i + l] + S_12[i + l]);
-            sums1[2][l] += alpha[i + l] * (C4_13[i + l] + S_13[i + l]);
-            sums1[3][l] += alpha[i + l] * (C4_22[i + l] + S_22[i + l]);
-            sums1[4][l] += alpha[i + l] * (C4_23[i + l] + S_23[i + l]);
-            sums1[5][l] += alpha[i + l] * (C4_33[i + l] + S_33[i + l]);
-        }
-    }
-    const double J_11 = C3_11 + ((sums1[0][0] + sums1[0][1]) + (sums1[0][2] + sums1[0][3]));
-    const double J_12 = C3_12 + ((sums1[1][0] + sums1[1][1]) + (sums1[1][2] + sums1[1][3]));
-    const double J_13 = C3_13 + ((sums1[2][0] + sums1[2][1]) + (sums1[2][2] + sums1[2][3]));
-    const double J_22 = C3_22 + ((sums1[3][0] + sums1[3][1]) + (sums1[3][2] + sums1[3][3]));
-    const double J_23 = C3_23 + ((sums1[4][0] + sums1[4][1]) + (sums1[4][2] + sums1[4][3]));
-    const double J_33 = C3_33 + ((sums1[5][0] + sums1[5][1]) + (sums1[5][2] + sums1[5][3]));
+    /* J (appendix): J_11 = int rho ((r . r) I - r r); ...; J_33 = int rho ((r . r) I - r r) */
+    const double J_11 = 0.007344000000000003 + 0.006949696462346222 * alpha6 + S_1_11 * alpha1
+        + S_2_11 * alpha2 + S_3_11 * alpha3 + S_4_11 * alpha4 + S_5_11 * alpha5 + S_6_11 * alpha6
+        + S_7_11 * alpha7 + S_8_11 * alpha8;
+    const double J_12 = 0.019222459468399348 * alpha5 + S_1_12 * alpha1 + S_3_12 * alpha3
+        + S_4_12 * alpha4 + S_5_12 * alpha5 + S_6_12 * alpha6 + S_7_12 * alpha7 + S_8_12 * alpha8;
+    const double J_13 = (-0.006948727887756916) * alpha4 + S_2_13 * alpha2 + S_3_13 * alpha3
+        + S_4_13 * alpha4 + S_5_13 * alpha5 + S_6_13 * alpha6 + S_7_13 * alpha7;
+    const double J_22 = 0.088344 + (-0.2888453299117188) * alpha6 + S_1_22 * alpha1
+        + S_2_22 * alpha2 + S_3_22 * alpha3 + S_4_22 * alpha4 + S_5_22 * alpha5 + S_6_22 * alpha6
+        + S_7_22 * alpha7 + S_8_22 * alpha8;
+    const double J_23 = 3.641454770386481e-05 * alpha7 + S_1_23 * alpha1 + S_2_23 * alpha2
+        + S_4_23 * alpha4 + S_5_23 * alpha5 + S_6_23 * alpha6 + S_7_23 * alpha7 + S_8_23 * alpha8;
+    const double J_33 = 0.0918 + (-0.28541913668350255) * alpha6 + S_1_33 * alpha1 + S_2_33 * alpha2
+        + S_3_33 * alpha3 + S_4_33 * alpha4 + S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7
+        + S_8_33 * alpha8;
 
     /* M (15): factors of the accelerations */
-    M[0] = mass;
-    M[1] = mass;
-    M[2] = mass;
+    M[0] = 6.48;
+    M[1] = 6.48;
+    M[2] = 6.48;
     M[3] = J_11;
     M[4] = J_12;
     M[5] = J_13;
-    M[14] = J_22;
-    M[15] = J_23;
-    M[24] = J_33;
-
-    /* M_i (15): factors of the accelerations, for each shape */
-    for (int i = 0; i < 8; i++) {
-        M[6 + i] = d3_1[i];
-        M[16 + i] = d3_2[i];
-        M[25 + i] = d3_3[i];
-        M[33 + i] = 1.0;
-    }
+    M[6] = d3_1_1;
+    M[7] = d3_2_1;
+    M[8] = d3_4_1;
+    M[9] = d3_5_1;
+    M[10] = d3_6_1;
+    M[11] = d3_7_1;
+    M[12] = d3_8_1;
+    M[13] = J_22;
+    M[14] = J_23;
+    M[15] = d3_2_2;
+    M[16] = d3_3_2;
+    M[17] = d3_4_2;
+    M[18] = d3_5_2;
+    M[19] = d3_6_2;
+    M[20] = d3_7_2;
+    M[21] = J_33;
+    M[22] = d3_1_3;
+    M[23] = d3_3_3;
+    M[24] = d3_4_3;
+    M[25] = d3_5_3;
+    M[26] = d3_6_3;
+    M[27] = d3_7_3;
+    M[28] = d3_8_3;
+    M[29] = 1.0;
+    M[30] = 1.0;
+    M[31] = 1.0;
+    M[32] = 1.0;
+    M[33] = 1.0;
+    M[34] = 1.0;
+    M[35] = 1.0;
+    M[36] = 1.0;
     return 0;
 }
 
@@ -234,108 +169,28 @@ int block_force(
     double *h)
 {
     (void) t;
-    const double *alpha = q + 7;
+    const double alpha1 = q[7];
+    const double alpha2 = q[8];
+    const double alpha3 = q[9];
+    const double alpha4 = q[10];
+    const double alpha5 = q[11];
+    const double alpha6 = q[12];
+    const double alpha7 = q[13];
+    const double alpha8 = q[14];
     const double omega1 = v[3];
     const double omega2 = v[4];
     const double omega3 = v[5];
-    const double *alphadot = v + 6;
-    const double C3_11 = k[705];
-    const double C3_12 = k[706];
-    const double C3_13 = k[707];
-    const double C3_22 = k[708];
-    const double C3_23 = k[709];
-    const double C3_33 = k[710];
-    const double *tables = k;
-    const double *C4_11 = k + 576;
-    const double *C4_12 = k + 584;
-    const double *C4_13 = k + 592;
-    const double *C4_22 = k + 600;
-    const double *C4_23 = k + 608;
-    const double *C4_33 = k + 616;
-    const double *K = k + 624;
+    const double alpha1dot = v[6];
+    const double alpha2dot = v[7];
+    const double alpha3dot = v[8];
+    const double alpha4dot = v[9];
+    const double alpha5dot = v[10];
+    const double alpha6dot = v[11];
+    const double alpha7dot = v[12];
+    const double alpha8dot = v[13];
+    (void) k;
 
-    /* tables (appendix): S_i = symmetric part of D2_i; c7dot_i = int rho Phi_i x rdot */
-    double x_alpha[8];
-    for (int i = 0; i < 8; i++) x_alpha[i] = alpha[i];
-    double x_alphadot[8];
-    for (int i = 0; i < 8; i++) x_alphadot[i] = alphadot[i];
-    double S_11[8];
-    double S_12[8];
-    double S_13[8];
-    double S_22[8];
-    double S_23[8];
-    double S_33[8];
-    double c7dot_1[8];
-    double c7dot_2[8];
-    double c7dot_3[8];
-    for (int i = 0; i < 8; i++) {
-        S_11[i] = C4_11[i];
-        S_12[i] = C4_12[i];
-        S_13[i] = C4_13[i];
-        S_22[i] = C4_22[i];
-        S_23[i] = C4_23[i];
-        S_33[i] = C4_33[i];
-        c7dot_1[i] = 0.0;
-        c7dot_2[i] = 0.0;
-        c7dot_3[i] = 0.0;
-    }
-    for (int j = 0; j < 8; j += 4) {
-        const double *panel = tables + 72 * j;
-        block_panel(S_11, panel + 0, x_alpha + j);
-        block_panel(S_12, panel + 32, x_alpha + j);
-        block_panel(S_13, panel + 64, x_alpha + j);
-        block_panel(S_22, panel + 96, x_alpha + j);
-        block_panel(S_23, panel + 128, x_alpha + j);
-        block_panel(S_33, panel + 160, x_alpha + j);
-        block_panel(c7dot_1, panel + 192, x_alphadot + j);
-        block_panel(c7dot_2, panel + 224, x_alphadot + j);
-        block_panel(c7dot_3, panel + 256, x_alphadot + j);
-    }
-
-    /*
-     * sums (appendix): J = int rho ((r . r) I - r r); Sdot = sum alphadot_i S_i; d3dot = int rho r
-     *     x rdot
-     */
-    double sums1[15][4];
-    for (int i = 0; i < 15; i++)
-        for (int l = 0; l < 4; l++) sums1[i][l] = 0.0;
-    for (int i = 0; i < 8; i += 4) {
-        TISSERAND_LANES
-        for (int l = 0; l < 4; l++) {
-            sums1[0][l] += alpha[i + l] * (C4_11[i + l] + S_11[i + l]);
-            sums1[1][l] += alpha[i + l] * (C4_12[i + l] + S_12[i + l]);
-            sums1[2][l] += alpha[i + l] * (C4_13[i + l] + S_13[i + l]);
-            sums1[3][l] += alpha[i + l] * (C4_22[i + l] + S_22[i + l]);
-            sums1[4][l] += alpha[i + l] * (C4_23[i + l] + S_23[i + l]);
-            sums1[5][l] += alpha[i + l] * (C4_33[i + l] + S_33[i + l]);
-            sums1[6][l] += S_11[i + l] * alphadot[i + l];
-            sums1[7][l] += S_12[i + l] * alphadot[i + l];
-            sums1[8][l] += S_13[i + l] * alphadot[i + l];
-            sums1[9][l] += S_22[i + l] * alphadot[i + l];
-            sums1[10][l] += S_23[i + l] * alphadot[i + l];
-            sums1[11][l] += S_33[i + l] * alphadot[i + l];
-            sums1[12][l] += alpha[i + l] * c7dot_1[i + l];
-            sums1[13][l] += alpha[i + l] * c7dot_2[i + l];
-            sums1[14][l] += alpha[i + l] * c7dot_3[i + l];
-        }
-    }
-    const double J_11 = C3_11 + ((sums1[0][0] + sums1[0][1]) + (sums1[0][2] + sums1[0][3]));
-    const double J_12 = C3_12 + ((sums1[1][0] + sums1[1][1]) + (sums1[1][2] + sums1[1][3]));
-    const double J_13 = C3_13 + ((sums1[2][0] + sums1[2][1]) + (sums1[2][2] + sums1[2][3]));
-    const double J_22 = C3_22 + ((sums1[3][0] + sums1[3][1]) + (sums1[3][2] + sums1[3][3]));
-    const double J_23 = C3_23 + ((sums1[4][0] + sums1[4][1]) + (sums1[4][2] + sums1[4][3]));
-    const double J_33 = C3_33 + ((sums1[5][0] + sums1[5][1]) + (sums1[5][2] + sums1[5][3]));
-    const double Sdot_11 = ((sums1[6][0] + sums1[6][1]) + (sums1[6][2] + sums1[6][3]));
-    const double Sdot_12 = ((sums1[7][0] + sums1[7][1]) + (sums1[7][2] + sums1[7][3]));
-    const double Sdot_13 = ((sums1[8][0] + sums1[8][1]) + (sums1[8][2] + sums1[8][3]));
-    const double Sdot_22 = ((sums1[9][0] + sums1[9][1]) + (sums1[9][2] + sums1[9][3]));
-    const double Sdot_23 = ((sums1[10][0] + sums1[10][1]) + (sums1[10][2] + sums1[10][3]));
-    const double Sdot_33 = ((sums1[11][0] + sums1[11][1]) + (sums1[11][2] + sums1[11][3]));
-    const double d3dot_1 = ((sums1[12][0] + sums1[12][1]) + (sums1[12][2] + sums1[12][3]));
-    const double d3dot_2 = ((sums1[13][0] + sums1[13][1]) + (sums1[13][2] + sums1[13][3]));
-    const double d3dot_3 = ((sums1[14][0] + sums1[14][1]) + (sums1[14][2] + sums1[14][3]));
-
-    /* oo (5): products of omega */
+    /* oo (5): oo_11 = products of omega; ...; oo_33 = products of omega */
     const double oo_11 = omega1 * omega1;
     const double oo_12 = omega1 * omega2;
     const double oo_13 = omega1 * omega3;
@@ -343,34 +198,155 @@ int block_force(
     const double oo_23 = omega2 * omega3;
     const double oo_33 = omega3 * omega3;
 
-    /* h (15): centrifugal, Coriolis, elastic and other forces */
-    const double f4 = 2.0 * oo_12;
-    const double f5 = 2.0 * oo_13;
-    const double f6 = 2.0 * oo_23;
-    const double f7 = 2.0 * omega1;
-    const double f8 = 2.0 * omega2;
-    const double f9 = 2.0 * omega3;
+    /* S (appendix): S_1_11 = symmetric part of D2_1; ...; S_8_33 = symmetric part of D2_8 */
+    const double S_1_11 = 0.9229461451083147 * alpha1 + 0.0526587076325526 * alpha8;
+    const double S_1_12 = (-0.06983677418017273) * alpha3;
+    const double S_1_22 = 0.9995777759514879 * alpha1 + 0.00021667253526842326 * alpha8;
+    const double S_1_23 = (-0.4396173773693272) * alpha2;
+    const double S_1_33 = 0.07747607894019715 * alpha1 + (-0.05287538016782101) * alpha8;
+    const double S_2_11 = 0.8385822755284659 * alpha2;
+    const double S_2_13 = 0.17281858343053574 * alpha3;
+    const double S_2_22 = 0.1617571164547129 * alpha2;
+    const double S_2_23 = (-0.4396173773693272) * alpha1 + (-0.02992582521388207) * alpha8;
+    const double S_2_33 = 0.9996606080168212 * alpha2;
+    const double S_3_11 = 0.9959824929644516 * alpha3;
+    const double S_3_12 = (-0.06983677418017273) * alpha1 + 0.05213396507997798 * alpha8;
+    const double S_3_13 = 0.17281858343053574 * alpha2;
+    const double S_3_22 = 0.7416169147200682 * alpha3;
+    const double S_3_33 = 0.26240059231547974 * alpha3;
+    const double S_4_11 = 0.8691692710140388 * alpha4;
+    const double S_4_12 = (-0.07653897132838097) * alpha7;
+    const double S_4_13 = -0.006948727887756916 + 0.06612677259881924 * alpha6;
+    const double S_4_22 = 0.9978159483343315 * alpha4;
+    const double S_4_23 = 0.40905294172354 * alpha5;
+    const double S_4_33 = 0.13301478065162953 * alpha4;
+    const double S_5_11 = 0.7757986416100022 * alpha5;
+    const double S_5_12 = 0.019222459468399348 + (-0.08100155107836308) * alpha6;
+    const double S_5_13 = (-0.17116304786243786) * alpha7;
+    const double S_5_22 = 0.22560185358382823 * alpha5;
+    const double S_5_23 = 0.40905294172354 * alpha4;
+    const double S_5_33 = 0.9985995048061699 * alpha5;
+    const double S_6_11 = 0.006949696462346222 + 0.008120450003726742 * alpha6;
+    const double S_6_12 = (-0.08100155107836308) * alpha5;
+    const double S_6_13 = 0.06612677259881924 * alpha4;
+    const double S_6_22 = -0.2888453299117188 + 0.9938488193551677 * alpha6;
+    const double S_6_23 = (-0.009791878445593954) * alpha7;
+    const double S_6_33 = -0.28541913668350255 + 0.998030730641106 * alpha6;
+    const double S_7_11 = 0.9836361321701889 * alpha7;
+    const double S_7_12 = (-0.07653897132838097) * alpha4;
+    const double S_7_13 = (-0.17116304786243786) * alpha5;
+    const double S_7_22 = 0.7598894642705915 * alpha7;
+    const double S_7_23 = 3.641454770386481e-05 + (-0.009791878445593954) * alpha6;
+    const double S_7_33 = 0.2564744035592197 * alpha7;
+    const double S_8_11 = 0.0526587076325526 * alpha1 + 0.8351337820732403 * alpha8;
+    const double S_8_12 = 0.05213396507997798 * alpha3;
+    const double S_8_22 = 0.00021667253526842326 * alpha1 + 0.994122776779808 * alpha8;
+    const double S_8_23 = (-0.02992582521388207) * alpha2;
+    const double S_8_33 = (-0.05287538016782101) * alpha1 + 0.17074344114695217 * alpha8;
+
+    /* J (appendix): J_11 = int rho ((r . r) I - r r); ...; J_33 = int rho ((r . r) I - r r) */
+    const double J_11 = 0.007344000000000003 + 0.006949696462346222 * alpha6 + S_1_11 * alpha1
+        + S_2_11 * alpha2 + S_3_11 * alpha3 + S_4_11 * alpha4 + S_5_11 * alpha5 + S_6_11 * alpha6
+        + S_7_11 * alpha7 + S_8_11 * alpha8;
+    const double J_12 = 0.019222459468399348 * alpha5 + S_1_12 * alpha1 + S_3_12 * alpha3
+        + S_4_12 * alpha4 + S_5_12 * alpha5 + S_6_12 * alpha6 + S_7_12 * alpha7 + S_8_12 * alpha8;
+    const double J_13 = (-0.006948727887756916) * alpha4 + S_2_13 * alpha2 + S_3_13 * alpha3
+        + S_4_13 * alpha4 + S_5_13 * alpha5 + S_6_13 * alpha6 + S_7_13 * alpha7;
+    const double J_22 = 0.088344 + (-0.2888453299117188) * alpha6 + S_1_22 * alpha1
+        + S_2_22 * alpha2 + S_3_22 * alpha3 + S_4_22 * alpha4 + S_5_22 * alpha5 + S_6_22 * alpha6
+        + S_7_22 * alpha7 + S_8_22 * alpha8;
+    const double J_23 = 3.641454770386481e-05 * alpha7 + S_1_23 * alpha1 + S_2_23 * alpha2
+        + S_4_23 * alpha4 + S_5_23 * alpha5 + S_6_23 * alpha6 + S_7_23 * alpha7 + S_8_23 * alpha8;
+    const double J_33 = 0.0918 + (-0.28541913668350255) * alpha6 + S_1_33 * alpha1 + S_2_33 * alpha2
+        + S_3_33 * alpha3 + S_4_33 * alpha4 + S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7
+        + S_8_33 * alpha8;
+
+    /* Sdot (appendix): Sdot_11 = sum alphadot_0 S_0; ...; Sdot_33 = sum alphadot_0 S_0 */
+    const double Sdot_11 = alpha1dot * S_1_11 + alpha2dot * S_2_11 + alpha3dot * S_3_11
+        + alpha4dot * S_4_11 + alpha5dot * S_5_11 + alpha6dot * S_6_11 + alpha7dot * S_7_11
+        + alpha8dot * S_8_11;
+    const double Sdot_12 = alpha1dot * S_1_12 + alpha3dot * S_3_12 + alpha4dot * S_4_12
+        + alpha5dot * S_5_12 + alpha6dot * S_6_12 + alpha7dot * S_7_12 + alpha8dot * S_8_12;
+    const double Sdot_13 = alpha2dot * S_2_13 + alpha3dot * S_3_13 + alpha4dot * S_4_13
+        + alpha5dot * S_5_13 + alpha6dot * S_6_13 + alpha7dot * S_7_13;
+    const double Sdot_22 = alpha1dot * S_1_22 + alpha2dot * S_2_22 + alpha3dot * S_3_22
+        + alpha4dot * S_4_22 + alpha5dot * S_5_22 + alpha6dot * S_6_22 + alpha7dot * S_7_22
+        + alpha8dot * S_8_22;
+    const double Sdot_23 = alpha1dot * S_1_23 + alpha2dot * S_2_23 + alpha4dot * S_4_23
+        + alpha5dot * S_5_23 + alpha6dot * S_6_23 + alpha7dot * S_7_23 + alpha8dot * S_8_23;
+    const double Sdot_33 = alpha1dot * S_1_33 + alpha2dot * S_2_33 + alpha3dot * S_3_33
+        + alpha4dot * S_4_33 + alpha5dot * S_5_33 + alpha6dot * S_6_33 + alpha7dot * S_7_33
+        + alpha8dot * S_8_33;
+
+    /*
+     * c7dot (appendix): c7dot_1_1 = int rho Phi_1 x rdot . e1; ...; c7dot_8_3 = int rho Phi_8 x
+     *     rdot . e3
+     */
+    const double c7dot_1_1 = (-0.8784787837749884) * alpha2dot;
+    const double c7dot_1_3 = 0.14213269823254854 * alpha3dot;
+    const double c7dot_2_1 = 0.06014933573656158 * alpha8dot - (-0.8784787837749884) * alpha1dot;
+    const double c7dot_2_2 = 0.3434623359074803 * alpha3dot;
+    const double c7dot_3_3 = 0.10707341325868729 * alpha8dot - 0.14213269823254854 * alpha1dot;
+    const double c7dot_4_1 = 0.8146287617076164 * alpha5dot;
+    const double c7dot_4_2 = (-0.13286677220194004) * alpha6dot;
+    const double c7dot_4_3 = 0.16411826642656863 * alpha7dot;
+    const double c7dot_5_2 = (-0.3338704835108587) * alpha7dot;
+    const double c7dot_5_3 = (-0.17320212202534865) * alpha6dot;
+    const double c7dot_6_1 = 0.03812757101123808 * alpha7dot;
+
+    /* d3dot (appendix): d3dot_1 = int rho r x rdot . e1; ...; d3dot_3 = int rho r x rdot . e3 */
+    const double t1 = 0.8146287617076164 * alpha4dot;
+    const double t2 = 0.03812757101123808 * alpha6dot;
+    const double t3 = 0.06014933573656158 * alpha2dot;
+    const double d3dot_1 = alpha1 * c7dot_1_1 + alpha2 * c7dot_2_1 + alpha4 * c7dot_4_1
+        - alpha5 * t1 + alpha6 * c7dot_6_1 - alpha7 * t2 - alpha8 * t3;
+    const double t4 = 0.3434623359074803 * alpha2dot;
+    const double t5 = (-0.13286677220194004) * alpha4dot;
+    const double t6 = (-0.3338704835108587) * alpha5dot;
+    const double d3dot_2 = alpha2 * c7dot_2_2 - alpha3 * t4 + alpha4 * c7dot_4_2
+        + alpha5 * c7dot_5_2 - alpha6 * t5 - alpha7 * t6;
+    const double t7 = (-0.17320212202534865) * alpha5dot;
+    const double t8 = 0.16411826642656863 * alpha4dot;
+    const double t9 = 0.10707341325868729 * alpha3dot;
+    const double d3dot_3 = alpha1 * c7dot_1_3 + alpha3 * c7dot_3_3 + alpha4 * c7dot_4_3
+        + alpha5 * c7dot_5_3 - alpha6 * t7 - alpha7 * t8 - alpha8 * t9;
+
+    /* h (15): centrifugal, Coriolis and elastic terms */
     h[0] = 0.0;
     h[1] = 0.0;
     h[2] = 0.0;
-    const double t1 = 2.0 * Sdot_12;
-    const double t2 = 2.0 * Sdot_13;
-    h[3] = J_13 * oo_12 + J_23 * oo_22 + J_33 * oo_23 + 2.0 * Sdot_11 * omega1 + t1 * omega2
-        + t2 * omega3 + d3dot_3 * omega2 - J_12 * oo_13 - J_22 * oo_23 - J_23 * oo_33
-        - d3dot_2 * omega3;
-    const double t3 = 2.0 * Sdot_23;
-    h[4] = J_11 * oo_13 + J_12 * oo_23 + J_13 * oo_33 + t1 * omega1 + 2.0 * Sdot_22 * omega2
-        + t3 * omega3 + d3dot_1 * omega3 - J_13 * oo_11 - J_23 * oo_12 - J_33 * oo_13
-        - d3dot_3 * omega1;
-    h[5] = J_12 * oo_11 + J_22 * oo_12 + J_23 * oo_13 + t2 * omega1 + t3 * omega2
-        + 2.0 * Sdot_33 * omega3 + d3dot_2 * omega1 - J_11 * oo_12 - J_12 * oo_22 - J_13 * oo_23
-        - d3dot_1 * omega2;
-
-    /* h_i (15): centrifugal, Coriolis, elastic and other forces, for each shape */
-    for (int i = 0; i < 8; i++) {
-        h[6 + i] = K[i] * alpha[i] - oo_11 * S_11[i] - f4 * S_12[i] - f5 * S_13[i] - oo_22 * S_22[i]
-            - f6 * S_23[i] - oo_33 * S_33[i] - f7 * c7dot_1[i] - f8 * c7dot_2[i] - f9 * c7dot_3[i];
-    }
+    const double t10 = 2.0 * omega1;
+    const double t11 = 2.0 * omega2;
+    const double t12 = 2.0 * omega3;
+    h[3] = J_13 * oo_12 + J_23 * oo_22 + J_33 * oo_23 + t10 * Sdot_11 + t11 * Sdot_12
+        + t12 * Sdot_13 + omega2 * d3dot_3 - J_12 * oo_13 - J_22 * oo_23 - J_23 * oo_33
+        - omega3 * d3dot_2;
+    h[4] = J_11 * oo_13 + J_12 * oo_23 + J_13 * oo_33 + t10 * Sdot_12 + t11 * Sdot_22
+        + t12 * Sdot_23 + omega3 * d3dot_1 - J_13 * oo_11 - J_23 * oo_12 - J_33 * oo_13
+        - omega1 * d3dot_3;
+    h[5] = J_12 * oo_11 + J_22 * oo_12 + J_23 * oo_13 + t10 * Sdot_13 + t11 * Sdot_23
+        + t12 * Sdot_33 + omega1 * d3dot_2 - J_11 * oo_12 - J_12 * oo_22 - J_13 * oo_23
+        - omega2 * d3dot_1;
+    h[6] = 132785871.23214255 * alpha1 - S_1_11 * oo_11 - 2.0 * S_1_12 * oo_12 - S_1_22 * oo_22
+        - 2.0 * S_1_23 * oo_23 - S_1_33 * oo_33 - t10 * c7dot_1_1 - t12 * c7dot_1_3;
+    h[7] = 298337711.7011645 * alpha2 - S_2_11 * oo_11 - 2.0 * S_2_13 * oo_13 - S_2_22 * oo_22
+        - 2.0 * S_2_23 * oo_23 - S_2_33 * oo_33 - t10 * c7dot_2_1 - t11 * c7dot_2_2;
+    h[8] = 424127787.13520163 * alpha3 - S_3_11 * oo_11 - 2.0 * S_3_12 * oo_12
+        - 2.0 * S_3_13 * oo_13 - S_3_22 * oo_22 - S_3_33 * oo_33 + t11 * t4 - t12 * c7dot_3_3;
+    h[9] = 828661201.2040272 * alpha4 - S_4_11 * oo_11 - 2.0 * S_4_12 * oo_12 - 2.0 * S_4_13 * oo_13
+        - S_4_22 * oo_22 - 2.0 * S_4_23 * oo_23 - S_4_33 * oo_33 - t10 * c7dot_4_1 - t11 * c7dot_4_2
+        - t12 * c7dot_4_3;
+    h[10] = 1482944676.1858206 * alpha5 - S_5_11 * oo_11 - 2.0 * S_5_12 * oo_12
+        - 2.0 * S_5_13 * oo_13 - S_5_22 * oo_22 - 2.0 * S_5_23 * oo_23 - S_5_33 * oo_33 + t10 * t1
+        - t11 * c7dot_5_2 - t12 * c7dot_5_3;
+    h[11] = 1586764292.5824752 * alpha6 - S_6_11 * oo_11 - 2.0 * S_6_12 * oo_12
+        - 2.0 * S_6_13 * oo_13 - S_6_22 * oo_22 - 2.0 * S_6_23 * oo_23 - S_6_33 * oo_33
+        - t10 * c7dot_6_1 + t11 * t5 + t12 * t7;
+    h[12] = 1703959547.9391162 * alpha7 - S_7_11 * oo_11 - 2.0 * S_7_12 * oo_12
+        - 2.0 * S_7_13 * oo_13 - S_7_22 * oo_22 - 2.0 * S_7_23 * oo_23 - S_7_33 * oo_33 + t10 * t2
+        + t11 * t6 + t12 * t8;
+    h[13] = 2561832557.220976 * alpha8 - S_8_11 * oo_11 - 2.0 * S_8_12 * oo_12 - S_8_22 * oo_22
+        - 2.0 * S_8_23 * oo_23 - S_8_33 * oo_33 + t10 * t3 + t12 * t9;
     return 0;
 }
 
@@ -383,129 +359,28 @@ int block_mass_force(
     double *h)
 {
     (void) t;
-    const double *alpha = q + 7;
+    const double alpha1 = q[7];
+    const double alpha2 = q[8];
+    const double alpha3 = q[9];
+    const double alpha4 = q[10];
+    const double alpha5 = q[11];
+    const double alpha6 = q[12];
+    const double alpha7 = q[13];
+    const double alpha8 = q[14];
     const double omega1 = v[3];
     const double omega2 = v[4];
     const double omega3 = v[5];
-    const double *alphadot = v + 6;
-    const double mass = k[704];
-    const double C3_11 = k[705];
-    const double C3_12 = k[706];
-    const double C3_13 = k[707];
-    const double C3_22 = k[708];
-    const double C3_23 = k[709];
-    const double C3_33 = k[710];
-    const double *tables = k;
-    const double *C4_11 = k + 576;
-    const double *C4_12 = k + 584;
-    const double *C4_13 = k + 592;
-    const double *C4_22 = k + 600;
-    const double *C4_23 = k + 608;
-    const double *C4_33 = k + 616;
-    const double *K = k + 624;
+    const double alpha1dot = v[6];
+    const double alpha2dot = v[7];
+    const double alpha3dot = v[8];
+    const double alpha4dot = v[9];
+    const double alpha5dot = v[10];
+    const double alpha6dot = v[11];
+    const double alpha7dot = v[12];
+    const double alpha8dot = v[13];
+    (void) k;
 
-    /* minus_alpha: alpha with its sign changed */
-    double minus_alpha[8];
-    for (int i = 0; i < 8; i++) {
-        minus_alpha[i] = -alpha[i];
-    }
-
-    /*
-     * tables (appendix): S_i = symmetric part of D2_i; d3_i = int rho r x Phi_i; c7dot_i = int rho
-     *     Phi_i x rdot
-     */
-    double x_alpha[8];
-    for (int i = 0; i < 8; i++) x_alpha[i] = alpha[i];
-    double x_minus_alpha[8];
-    for (int i = 0; i < 8; i++) x_minus_alpha[i] = minus_alpha[i];
-    double x_alphadot[8];
-    for (int i = 0; i < 8; i++) x_alphadot[i] = alphadot[i];
-    double S_11[8];
-    double S_12[8];
-    double S_13[8];
-    double S_22[8];
-    double S_23[8];
-    double S_33[8];
-    double d3_1[8];
-    double d3_2[8];
-    double d3_3[8];
-    double c7dot_1[8];
-    double c7dot_2[8];
-    double c7dot_3[8];
-    for (int i = 0; i < 8; i++) {
-        S_11[i] = C4_11[i];
-        S_12[i] = C4_12[i];
-        S_13[i] = C4_13[i];
-        S_22[i] = C4_22[i];
-        S_23[i] = C4_23[i];
-        S_33[i] = C4_33[i];
-        d3_1[i] = 0.0;
-        d3_2[i] = 0.0;
-        d3_3[i] = 0.0;
-        c7dot_1[i] = 0.0;
-        c7dot_2[i] = 0.0;
-        c7dot_3[i] = 0.0;
-    }
-    for (int j = 0; j < 8; j += 4) {
-        const double *panel = tables + 72 * j;
-        block_panel(S_11, panel + 0, x_alpha + j);
-        block_panel(S_12, panel + 32, x_alpha + j);
-        block_panel(S_13, panel + 64, x_alpha + j);
-        block_panel(S_22, panel + 96, x_alpha + j);
-        block_panel(S_23, panel + 128, x_alpha + j);
-        block_panel(S_33, panel + 160, x_alpha + j);
-        block_panel(d3_1, panel + 192, x_minus_alpha + j);
-        block_panel(d3_2, panel + 224, x_minus_alpha + j);
-        block_panel(d3_3, panel + 256, x_minus_alpha + j);
-        block_panel(c7dot_1, panel + 192, x_alphadot + j);
-        block_panel(c7dot_2, panel + 224, x_alphadot + j);
-        block_panel(c7dot_3, panel + 256, x_alphadot + j);
-    }
-
-    /*
-     * sums (appendix): J = int rho ((r . r) I - r r); Sdot = sum alphadot_i S_i; d3dot = int rho r
-     *     x rdot
-     */
-    double sums1[15][4];
-    for (int i = 0; i < 15; i++)
-        for (int l = 0; l < 4; l++) sums1[i][l] = 0.0;
-    for (int i = 0; i < 8; i += 4) {
-        TISSERAND_LANES
-        for (int l = 0; l < 4; l++) {
-            sums1[0][l] += alpha[i + l] * (C4_11[i + l] + S_11[i + l]);
-            sums1[1][l] += alpha[i + l] * (C4_12[i + l] + S_12[i + l]);
-            sums1[2][l] += alpha[i + l] * (C4_13[i + l] + S_13[i + l]);
-            sums1[3][l] += alpha[i + l] * (C4_22[i + l] + S_22[i + l]);
-            sums1[4][l] += alpha[i + l] * (C4_23[i + l] + S_23[i + l]);
-            sums1[5][l] += alpha[i + l] * (C4_33[i + l] + S_33[i + l]);
-            sums1[6][l] += S_11[i + l] * alphadot[i + l];
-            sums1[7][l] += S_12[i + l] * alphadot[i + l];
-            sums1[8][l] += S_13[i + l] * alphadot[i + l];
-            sums1[9][l] += S_22[i + l] * alphadot[i + l];
-            sums1[10][l] += S_23[i + l] * alphadot[i + l];
-            sums1[11][l] += S_33[i + l] * alphadot[i + l];
-            sums1[12][l] += alpha[i + l] * c7dot_1[i + l];
-            sums1[13][l] += alpha[i + l] * c7dot_2[i + l];
-            sums1[14][l] += alpha[i + l] * c7dot_3[i + l];
-        }
-    }
-    const double J_11 = C3_11 + ((sums1[0][0] + sums1[0][1]) + (sums1[0][2] + sums1[0][3]));
-    const double J_12 = C3_12 + ((sums1[1][0] + sums1[1][1]) + (sums1[1][2] + sums1[1][3]));
-    const double J_13 = C3_13 + ((sums1[2][0] + sums1[2][1]) + (sums1[2][2] + sums1[2][3]));
-    const double J_22 = C3_22 + ((sums1[3][0] + sums1[3][1]) + (sums1[3][2] + sums1[3][3]));
-    const double J_23 = C3_23 + ((sums1[4][0] + sums1[4][1]) + (sums1[4][2] + sums1[4][3]));
-    const double J_33 = C3_33 + ((sums1[5][0] + sums1[5][1]) + (sums1[5][2] + sums1[5][3]));
-    const double Sdot_11 = ((sums1[6][0] + sums1[6][1]) + (sums1[6][2] + sums1[6][3]));
-    const double Sdot_12 = ((sums1[7][0] + sums1[7][1]) + (sums1[7][2] + sums1[7][3]));
-    const double Sdot_13 = ((sums1[8][0] + sums1[8][1]) + (sums1[8][2] + sums1[8][3]));
-    const double Sdot_22 = ((sums1[9][0] + sums1[9][1]) + (sums1[9][2] + sums1[9][3]));
-    const double Sdot_23 = ((sums1[10][0] + sums1[10][1]) + (sums1[10][2] + sums1[10][3]));
-    const double Sdot_33 = ((sums1[11][0] + sums1[11][1]) + (sums1[11][2] + sums1[11][3]));
-    const double d3dot_1 = ((sums1[12][0] + sums1[12][1]) + (sums1[12][2] + sums1[12][3]));
-    const double d3dot_2 = ((sums1[13][0] + sums1[13][1]) + (sums1[13][2] + sums1[13][3]));
-    const double d3dot_3 = ((sums1[14][0] + sums1[14][1]) + (sums1[14][2] + sums1[14][3]));
-
-    /* oo (5): products of omega */
+    /* oo (5): oo_11 = products of omega; ...; oo_33 = products of omega */
     const double oo_11 = omega1 * omega1;
     const double oo_12 = omega1 * omega2;
     const double oo_13 = omega1 * omega3;
@@ -513,47 +388,237 @@ int block_mass_force(
     const double oo_23 = omega2 * omega3;
     const double oo_33 = omega3 * omega3;
 
-    /* M and h (15): factors of the accelerations, and forces */
-    const double f4 = 2.0 * oo_12;
-    const double f5 = 2.0 * oo_13;
-    const double f6 = 2.0 * oo_23;
-    const double f7 = 2.0 * omega1;
-    const double f8 = 2.0 * omega2;
-    const double f9 = 2.0 * omega3;
-    M[0] = mass;
-    M[1] = mass;
-    M[2] = mass;
+    /* S (appendix): S_1_11 = symmetric part of D2_1; ...; S_8_33 = symmetric part of D2_8 */
+    const double S_1_11 = 0.9229461451083147 * alpha1 + 0.0526587076325526 * alpha8;
+    const double S_1_12 = (-0.06983677418017273) * alpha3;
+    const double S_1_22 = 0.9995777759514879 * alpha1 + 0.00021667253526842326 * alpha8;
+    const double S_1_23 = (-0.4396173773693272) * alpha2;
+    const double S_1_33 = 0.07747607894019715 * alpha1 + (-0.05287538016782101) * alpha8;
+    const double S_2_11 = 0.8385822755284659 * alpha2;
+    const double S_2_13 = 0.17281858343053574 * alpha3;
+    const double S_2_22 = 0.1617571164547129 * alpha2;
+    const double S_2_23 = (-0.4396173773693272) * alpha1 + (-0.02992582521388207) * alpha8;
+    const double S_2_33 = 0.9996606080168212 * alpha2;
+    const double S_3_11 = 0.9959824929644516 * alpha3;
+    const double S_3_12 = (-0.06983677418017273) * alpha1 + 0.05213396507997798 * alpha8;
+    const double S_3_13 = 0.17281858343053574 * alpha2;
+    const double S_3_22 = 0.7416169147200682 * alpha3;
+    const double S_3_33 = 0.26240059231547974 * alpha3;
+    const double S_4_11 = 0.8691692710140388 * alpha4;
+    const double S_4_12 = (-0.07653897132838097) * alpha7;
+    const double S_4_13 = -0.006948727887756916 + 0.06612677259881924 * alpha6;
+    const double S_4_22 = 0.9978159483343315 * alpha4;
+    const double S_4_23 = 0.40905294172354 * alpha5;
+    const double S_4_33 = 0.13301478065162953 * alpha4;
+    const double S_5_11 = 0.7757986416100022 * alpha5;
+    const double S_5_12 = 0.019222459468399348 + (-0.08100155107836308) * alpha6;
+    const double S_5_13 = (-0.17116304786243786) * alpha7;
+    const double S_5_22 = 0.22560185358382823 * alpha5;
+    const double S_5_23 = 0.40905294172354 * alpha4;
+    const double S_5_33 = 0.9985995048061699 * alpha5;
+    const double S_6_11 = 0.006949696462346222 + 0.008120450003726742 * alpha6;
+    const double S_6_12 = (-0.08100155107836308) * alpha5;
+    const double S_6_13 = 0.06612677259881924 * alpha4;
+    const double S_6_22 = -0.2888453299117188 + 0.9938488193551677 * alpha6;
+    const double S_6_23 = (-0.009791878445593954) * alpha7;
+    const double S_6_33 = -0.28541913668350255 + 0.998030730641106 * alpha6;
+    const double S_7_11 = 0.9836361321701889 * alpha7;
+    const double S_7_12 = (-0.07653897132838097) * alpha4;
+    const double S_7_13 = (-0.17116304786243786) * alpha5;
+    const double S_7_22 = 0.7598894642705915 * alpha7;
+    const double S_7_23 = 3.641454770386481e-05 + (-0.009791878445593954) * alpha6;
+    const double S_7_33 = 0.2564744035592197 * alpha7;
+    const double S_8_11 = 0.0526587076325526 * alpha1 + 0.8351337820732403 * alpha8;
+    const double S_8_12 = 0.05213396507997798 * alpha3;
+    const double S_8_22 = 0.00021667253526842326 * alpha1 + 0.994122776779808 * alpha8;
+    const double S_8_23 = (-0.02992582521388207) * alpha2;
+    const double S_8_33 = (-0.05287538016782101) * alpha1 + 0.17074344114695217 * alpha8;
+
+    /* alpha8 (15): force and column of M of alpha8 */
+    const double t1 = 2.0 * omega1;
+    const double t2 = 0.06014933573656158 * alpha2dot;
+    const double t3 = 2.0 * omega3;
+    const double t4 = 0.10707341325868729 * alpha3dot;
+    h[13] = 2561832557.220976 * alpha8 - S_8_11 * oo_11 - 2.0 * S_8_12 * oo_12 - S_8_22 * oo_22
+        - 2.0 * S_8_23 * oo_23 - S_8_33 * oo_33 + t1 * t2 + t3 * t4;
+    M[36] = 1.0;
+
+    /* alpha7 (15): force and column of M of alpha7 */
+    const double t5 = 0.03812757101123808 * alpha6dot;
+    const double t6 = 2.0 * omega2;
+    const double t7 = (-0.3338704835108587) * alpha5dot;
+    const double t8 = 0.16411826642656863 * alpha4dot;
+    h[12] = 1703959547.9391162 * alpha7 - S_7_11 * oo_11 - 2.0 * S_7_12 * oo_12
+        - 2.0 * S_7_13 * oo_13 - S_7_22 * oo_22 - 2.0 * S_7_23 * oo_23 - S_7_33 * oo_33 + t1 * t5
+        + t6 * t7 + t3 * t8;
+    M[35] = 1.0;
+
+    /*
+     * c7dot (appendix): c7dot_1_1 = int rho Phi_1 x rdot . e1; ...; c7dot_8_3 = int rho Phi_8 x
+     *     rdot . e3
+     */
+    const double c7dot_1_1 = (-0.8784787837749884) * alpha2dot;
+    const double c7dot_1_3 = 0.14213269823254854 * alpha3dot;
+    const double c7dot_2_1 = 0.06014933573656158 * alpha8dot - (-0.8784787837749884) * alpha1dot;
+    const double c7dot_2_2 = 0.3434623359074803 * alpha3dot;
+    const double c7dot_3_3 = 0.10707341325868729 * alpha8dot - 0.14213269823254854 * alpha1dot;
+    const double c7dot_4_1 = 0.8146287617076164 * alpha5dot;
+    const double c7dot_4_2 = (-0.13286677220194004) * alpha6dot;
+    const double c7dot_4_3 = 0.16411826642656863 * alpha7dot;
+    const double c7dot_5_2 = (-0.3338704835108587) * alpha7dot;
+    const double c7dot_5_3 = (-0.17320212202534865) * alpha6dot;
+    const double c7dot_6_1 = 0.03812757101123808 * alpha7dot;
+
+    /* alpha6 (15): force and column of M of alpha6 */
+    const double t9 = (-0.13286677220194004) * alpha4dot;
+    const double t10 = (-0.17320212202534865) * alpha5dot;
+    h[11] = 1586764292.5824752 * alpha6 - S_6_11 * oo_11 - 2.0 * S_6_12 * oo_12
+        - 2.0 * S_6_13 * oo_13 - S_6_22 * oo_22 - 2.0 * S_6_23 * oo_23 - S_6_33 * oo_33
+        - t1 * c7dot_6_1 + t6 * t9 + t3 * t10;
+    M[34] = 1.0;
+
+    /* alpha5 (15): force and column of M of alpha5 */
+    const double t11 = 0.8146287617076164 * alpha4dot;
+    h[10] = 1482944676.1858206 * alpha5 - S_5_11 * oo_11 - 2.0 * S_5_12 * oo_12
+        - 2.0 * S_5_13 * oo_13 - S_5_22 * oo_22 - 2.0 * S_5_23 * oo_23 - S_5_33 * oo_33 + t1 * t11
+        - t6 * c7dot_5_2 - t3 * c7dot_5_3;
+    M[33] = 1.0;
+
+    /* alpha4 (15): force and column of M of alpha4 */
+    h[9] = 828661201.2040272 * alpha4 - S_4_11 * oo_11 - 2.0 * S_4_12 * oo_12 - 2.0 * S_4_13 * oo_13
+        - S_4_22 * oo_22 - 2.0 * S_4_23 * oo_23 - S_4_33 * oo_33 - t1 * c7dot_4_1 - t6 * c7dot_4_2
+        - t3 * c7dot_4_3;
+    M[32] = 1.0;
+
+    /* alpha3 (15): force and column of M of alpha3 */
+    const double t12 = 0.3434623359074803 * alpha2dot;
+    h[8] = 424127787.13520163 * alpha3 - S_3_11 * oo_11 - 2.0 * S_3_12 * oo_12
+        - 2.0 * S_3_13 * oo_13 - S_3_22 * oo_22 - S_3_33 * oo_33 + t6 * t12 - t3 * c7dot_3_3;
+    M[31] = 1.0;
+
+    /* alpha2 (15): force and column of M of alpha2 */
+    h[7] = 298337711.7011645 * alpha2 - S_2_11 * oo_11 - 2.0 * S_2_13 * oo_13 - S_2_22 * oo_22
+        - 2.0 * S_2_23 * oo_23 - S_2_33 * oo_33 - t1 * c7dot_2_1 - t6 * c7dot_2_2;
+    M[30] = 1.0;
+
+    /* alpha1 (15): force and column of M of alpha1 */
+    h[6] = 132785871.23214255 * alpha1 - S_1_11 * oo_11 - 2.0 * S_1_12 * oo_12 - S_1_22 * oo_22
+        - 2.0 * S_1_23 * oo_23 - S_1_33 * oo_33 - t1 * c7dot_1_1 - t3 * c7dot_1_3;
+    M[29] = 1.0;
+
+    /* d3 (appendix): d3_1_1 = int rho r x Phi_1 . e1; ...; d3_8_3 = int rho r x Phi_8 . e3 */
+    const double d3_1_1 = 0.8784787837749884 * alpha2;
+    const double d3_1_3 = (-0.14213269823254854) * alpha3;
+    const double d3_2_1 = (-0.8784787837749884) * alpha1 - 0.06014933573656158 * alpha8;
+    const double d3_2_2 = (-0.3434623359074803) * alpha3;
+    const double d3_3_2 = 0.3434623359074803 * alpha2;
+    const double d3_3_3 = 0.14213269823254854 * alpha1 - 0.10707341325868729 * alpha8;
+    const double d3_4_1 = (-0.8146287617076164) * alpha5;
+    const double d3_4_2 = 0.13286677220194004 * alpha6;
+    const double d3_4_3 = (-0.16411826642656863) * alpha7;
+    const double d3_5_1 = 0.8146287617076164 * alpha4;
+    const double d3_5_2 = 0.3338704835108587 * alpha7;
+    const double d3_5_3 = 0.17320212202534865 * alpha6;
+    const double d3_6_1 = (-0.03812757101123808) * alpha7;
+    const double d3_6_2 = (-0.13286677220194004) * alpha4;
+    const double d3_6_3 = (-0.17320212202534865) * alpha5;
+    const double d3_7_1 = 0.03812757101123808 * alpha6;
+    const double d3_7_2 = (-0.3338704835108587) * alpha5;
+    const double d3_7_3 = 0.16411826642656863 * alpha4;
+    const double d3_8_1 = 0.06014933573656158 * alpha2;
+    const double d3_8_3 = 0.10707341325868729 * alpha3;
+
+    /* J (appendix): J_11 = int rho ((r . r) I - r r); ...; J_33 = int rho ((r . r) I - r r) */
+    const double J_11 = 0.007344000000000003 + 0.006949696462346222 * alpha6 + S_1_11 * alpha1
+        + S_2_11 * alpha2 + S_3_11 * alpha3 + S_4_11 * alpha4 + S_5_11 * alpha5 + S_6_11 * alpha6
+        + S_7_11 * alpha7 + S_8_11 * alpha8;
+    const double J_12 = 0.019222459468399348 * alpha5 + S_1_12 * alpha1 + S_3_12 * alpha3
+        + S_4_12 * alpha4 + S_5_12 * alpha5 + S_6_12 * alpha6 + S_7_12 * alpha7 + S_8_12 * alpha8;
+    const double J_13 = (-0.006948727887756916) * alpha4 + S_2_13 * alpha2 + S_3_13 * alpha3
+        + S_4_13 * alpha4 + S_5_13 * alpha5 + S_6_13 * alpha6 + S_7_13 * alpha7;
+    const double J_22 = 0.088344 + (-0.2888453299117188) * alpha6 + S_1_22 * alpha1
+        + S_2_22 * alpha2 + S_3_22 * alpha3 + S_4_22 * alpha4 + S_5_22 * alpha5 + S_6_22 * alpha6
+        + S_7_22 * alpha7 + S_8_22 * alpha8;
+    const double J_23 = 3.641454770386481e-05 * alpha7 + S_1_23 * alpha1 + S_2_23 * alpha2
+        + S_4_23 * alpha4 + S_5_23 * alpha5 + S_6_23 * alpha6 + S_7_23 * alpha7 + S_8_23 * alpha8;
+    const double J_33 = 0.0918 + (-0.28541913668350255) * alpha6 + S_1_33 * alpha1 + S_2_33 * alpha2
+        + S_3_33 * alpha3 + S_4_33 * alpha4 + S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7
+        + S_8_33 * alpha8;
+
+    /* Sdot (appendix): Sdot_11 = sum alphadot_0 S_0; ...; Sdot_33 = sum alphadot_0 S_0 */
+    const double Sdot_11 = alpha1dot * S_1_11 + alpha2dot * S_2_11 + alpha3dot * S_3_11
+        + alpha4dot * S_4_11 + alpha5dot * S_5_11 + alpha6dot * S_6_11 + alpha7dot * S_7_11
+        + alpha8dot * S_8_11;
+    const double Sdot_12 = alpha1dot * S_1_12 + alpha3dot * S_3_12 + alpha4dot * S_4_12
+        + alpha5dot * S_5_12 + alpha6dot * S_6_12 + alpha7dot * S_7_12 + alpha8dot * S_8_12;
+    const double Sdot_13 = alpha2dot * S_2_13 + alpha3dot * S_3_13 + alpha4dot * S_4_13
+        + alpha5dot * S_5_13 + alpha6dot * S_6_13 + alpha7dot * S_7_13;
+    const double Sdot_22 = alpha1dot * S_1_22 + alpha2dot * S_2_22 + alpha3dot * S_3_22
+        + alpha4dot * S_4_22 + alpha5dot * S_5_22 + alpha6dot * S_6_22 + alpha7dot * S_7_22
+        + alpha8dot * S_8_22;
+    const double Sdot_23 = alpha1dot * S_1_23 + alpha2dot * S_2_23 + alpha4dot * S_4_23
+        + alpha5dot * S_5_23 + alpha6dot * S_6_23 + alpha7dot * S_7_23 + alpha8dot * S_8_23;
+    const double Sdot_33 = alpha1dot * S_1_33 + alpha2dot * S_2_33 + alpha3dot * S_3_33
+        + alpha4dot * S_4_33 + alpha5dot * S_5_33 + alpha6dot * S_6_33 + alpha7dot * S_7_33
+        + alpha8dot * S_8_33;
+
+    /* d3dot (appendix): d3dot_1 = int rho r x rdot . e1; ...; d3dot_3 = int rho r x rdot . e3 */
+    const double d3dot_1 = alpha1 * c7dot_1_1 + alpha2 * c7dot_2_1 + alpha4 * c7dot_4_1
+        - alpha5 * t11 + alpha6 * c7dot_6_1 - alpha7 * t5 - alpha8 * t2;
+    const double d3dot_2 = alpha2 * c7dot_2_2 - alpha3 * t12 + alpha4 * c7dot_4_2
+        + alpha5 * c7dot_5_2 - alpha6 * t9 - alpha7 * t7;
+    const double d3dot_3 = alpha1 * c7dot_1_3 + alpha3 * c7dot_3_3 + alpha4 * c7dot_4_3
+        + alpha5 * c7dot_5_3 - alpha6 * t10 - alpha7 * t8 - alpha8 * t4;
+
+    /* pi3 (15): force and column of M of pi3 */
+    h[5] = J_12 * oo_11 + J_22 * oo_12 + J_23 * oo_13 + t1 * Sdot_13 + t6 * Sdot_23 + t3 * Sdot_33
+        + omega1 * d3dot_2 - J_11 * oo_12 - J_12 * oo_22 - J_13 * oo_23 - omega2 * d3dot_1;
+    M[21] = J_33;
+    M[22] = d3_1_3;
+    M[23] = d3_3_3;
+    M[24] = d3_4_3;
+    M[25] = d3_5_3;
+    M[26] = d3_6_3;
+    M[27] = d3_7_3;
+    M[28] = d3_8_3;
+
+    /* pi2 (15): force and column of M of pi2 */
+    h[4] = J_11 * oo_13 + J_12 * oo_23 + J_13 * oo_33 + t1 * Sdot_12 + t6 * Sdot_22 + t3 * Sdot_23
+        + omega3 * d3dot_1 - J_13 * oo_11 - J_23 * oo_12 - J_33 * oo_13 - omega1 * d3dot_3;
+    M[13] = J_22;
+    M[14] = J_23;
+    M[15] = d3_2_2;
+    M[16] = d3_3_2;
+    M[17] = d3_4_2;
+    M[18] = d3_5_2;
+    M[19] = d3_6_2;
+    M[20] = d3_7_2;
+
+    /* pi1 (15): force and column of M of pi1 */
+    h[3] = J_13 * oo_12 + J_23 * oo_22 + J_33 * oo_23 + t1 * Sdot_11 + t6 * Sdot_12 + t3 * Sdot_13
+        + omega2 * d3dot_3 - J_12 * oo_13 - J_22 * oo_23 - J_23 * oo_33 - omega3 * d3dot_2;
     M[3] = J_11;
     M[4] = J_12;
     M[5] = J_13;
-    M[14] = J_22;
-    M[15] = J_23;
-    M[24] = J_33;
-    h[0] = 0.0;
-    h[1] = 0.0;
-    h[2] = 0.0;
-    const double t1 = 2.0 * Sdot_12;
-    const double t2 = 2.0 * Sdot_13;
-    h[3] = J_13 * oo_12 + J_23 * oo_22 + J_33 * oo_23 + 2.0 * Sdot_11 * omega1 + t1 * omega2
-        + t2 * omega3 + d3dot_3 * omega2 - J_12 * oo_13 - J_22 * oo_23 - J_23 * oo_33
-        - d3dot_2 * omega3;
-    const double t3 = 2.0 * Sdot_23;
-    h[4] = J_11 * oo_13 + J_12 * oo_23 + J_13 * oo_33 + t1 * omega1 + 2.0 * Sdot_22 * omega2
-        + t3 * omega3 + d3dot_1 * omega3 - J_13 * oo_11 - J_23 * oo_12 - J_33 * oo_13
-        - d3dot_3 * omega1;
-    h[5] = J_12 * oo_11 + J_22 * oo_12 + J_23 * oo_13 + t2 * omega1 + t3 * omega2
-        + 2.0 * Sdot_33 * omega3 + d3dot_2 * omega1 - J_11 * oo_12 - J_12 * oo_22 - J_13 * oo_23
-        - d3dot_1 * omega2;
+    M[6] = d3_1_1;
+    M[7] = d3_2_1;
+    M[8] = d3_4_1;
+    M[9] = d3_5_1;
+    M[10] = d3_6_1;
+    M[11] = d3_7_1;
+    M[12] = d3_8_1;
 
-    /* M and h_i (15): factors of the accelerations, and forces, for each shape */
-    for (int i = 0; i < 8; i++) {
-        M[6 + i] = d3_1[i];
-        M[16 + i] = d3_2[i];
-        M[25 + i] = d3_3[i];
-        M[33 + i] = 1.0;
-        h[6 + i] = K[i] * alpha[i] - oo_11 * S_11[i] - f4 * S_12[i] - f5 * S_13[i] - oo_22 * S_22[i]
-            - f6 * S_23[i] - oo_33 * S_33[i] - f7 * c7dot_1[i] - f8 * c7dot_2[i] - f9 * c7dot_3[i];
-    }
+    /* c3 (15): force and column of M of c3 */
+    h[2] = 0.0;
+    M[2] = 6.48;
+
+    /* c2 (15): force and column of M of c2 */
+    h[1] = 0.0;
+    M[1] = 6.48;
+
+    /* c1 (15): force and column of M of c1 */
+    h[0] = 0.0;
+    M[0] = 6.48;
     return 0;
 }
 
@@ -565,129 +630,159 @@ int block_accel(
     double *vdot)
 {
     (void) t;
-    const double *alpha = q + 7;
+    const double alpha1 = q[7];
+    const double alpha2 = q[8];
+    const double alpha3 = q[9];
+    const double alpha4 = q[10];
+    const double alpha5 = q[11];
+    const double alpha6 = q[12];
+    const double alpha7 = q[13];
+    const double alpha8 = q[14];
     const double omega1 = v[3];
     const double omega2 = v[4];
     const double omega3 = v[5];
-    const double *alphadot = v + 6;
-    const double mass = k[704];
-    const double C3_11 = k[705];
-    const double C3_12 = k[706];
-    const double C3_13 = k[707];
-    const double C3_22 = k[708];
-    const double C3_23 = k[709];
-    const double C3_33 = k[710];
-    const double *tables = k;
-    const double *C4_11 = k + 576;
-    const double *C4_12 = k + 584;
-    const double *C4_13 = k + 592;
-    const double *C4_22 = k + 600;
-    const double *C4_23 = k + 608;
-    const double *C4_33 = k + 616;
-    const double *K = k + 624;
+    const double alpha1dot = v[6];
+    const double alpha2dot = v[7];
+    const double alpha3dot = v[8];
+    const double alpha4dot = v[9];
+    const double alpha5dot = v[10];
+    const double alpha6dot = v[11];
+    const double alpha7dot = v[12];
+    const double alpha8dot = v[13];
+    (void) k;
 
-    /* minus_alpha: alpha with its sign changed */
-    double minus_alpha[8];
-    for (int i = 0; i < 8; i++) {
-        minus_alpha[i] = -alpha[i];
-    }
+    /* S (appendix): S_1_11 = symmetric part of D2_1; ...; S_8_33 = symmetric part of D2_8 */
+    const double S_1_11 = 0.9229461451083147 * alpha1 + 0.0526587076325526 * alpha8;
+    const double S_1_12 = (-0.06983677418017273) * alpha3;
+    const double S_1_22 = 0.9995777759514879 * alpha1 + 0.00021667253526842326 * alpha8;
+    const double S_1_23 = (-0.4396173773693272) * alpha2;
+    const double S_1_33 = 0.07747607894019715 * alpha1 + (-0.05287538016782101) * alpha8;
+    const double S_2_11 = 0.8385822755284659 * alpha2;
+    const double S_2_13 = 0.17281858343053574 * alpha3;
+    const double S_2_22 = 0.1617571164547129 * alpha2;
+    const double S_2_23 = (-0.4396173773693272) * alpha1 + (-0.02992582521388207) * alpha8;
+    const double S_2_33 = 0.9996606080168212 * alpha2;
+    const double S_3_11 = 0.9959824929644516 * alpha3;
+    const double S_3_12 = (-0.06983677418017273) * alpha1 + 0.05213396507997798 * alpha8;
+    const double S_3_13 = 0.17281858343053574 * alpha2;
+    const double S_3_22 = 0.7416169147200682 * alpha3;
+    const double S_3_33 = 0.26240059231547974 * alpha3;
+    const double S_4_11 = 0.8691692710140388 * alpha4;
+    const double S_4_12 = (-0.07653897132838097) * alpha7;
+    const double S_4_13 = -0.006948727887756916 + 0.06612677259881924 * alpha6;
+    const double S_4_22 = 0.9978159483343315 * alpha4;
+    const double S_4_23 = 0.40905294172354 * alpha5;
+    const double S_4_33 = 0.13301478065162953 * alpha4;
+    const double S_5_11 = 0.7757986416100022 * alpha5;
+    const double S_5_12 = 0.019222459468399348 + (-0.08100155107836308) * alpha6;
+    const double S_5_13 = (-0.17116304786243786) * alpha7;
+    const double S_5_22 = 0.22560185358382823 * alpha5;
+    const double S_5_23 = 0.40905294172354 * alpha4;
+    const double S_5_33 = 0.9985995048061699 * alpha5;
+    const double S_6_11 = 0.006949696462346222 + 0.008120450003726742 * alpha6;
+    const double S_6_12 = (-0.08100155107836308) * alpha5;
+    const double S_6_13 = 0.06612677259881924 * alpha4;
+    const double S_6_22 = -0.2888453299117188 + 0.9938488193551677 * alpha6;
+    const double S_6_23 = (-0.009791878445593954) * alpha7;
+    const double S_6_33 = -0.28541913668350255 + 0.998030730641106 * alpha6;
+    const double S_7_11 = 0.9836361321701889 * alpha7;
+    const double S_7_12 = (-0.07653897132838097) * alpha4;
+    const double S_7_13 = (-0.17116304786243786) * alpha5;
+    const double S_7_22 = 0.7598894642705915 * alpha7;
+    const double S_7_23 = 3.641454770386481e-05 + (-0.009791878445593954) * alpha6;
+    const double S_7_33 = 0.2564744035592197 * alpha7;
+    const double S_8_11 = 0.0526587076325526 * alpha1 + 0.8351337820732403 * alpha8;
+    const double S_8_12 = 0.05213396507997798 * alpha3;
+    const double S_8_22 = 0.00021667253526842326 * alpha1 + 0.994122776779808 * alpha8;
+    const double S_8_23 = (-0.02992582521388207) * alpha2;
+    const double S_8_33 = (-0.05287538016782101) * alpha1 + 0.17074344114695217 * alpha8;
+
+    /* d3 (appendix): d3_1_1 = int rho r x Phi_1 . e1; ...; d3_8_3 = int rho r x Phi_8 . e3 */
+    const double d3_2_1 = (-0.8784787837749884) * alpha1 - 0.06014933573656158 * alpha8;
+    const double d3_3_2 = 0.3434623359074803 * alpha2;
+    const double d3_3_3 = 0.14213269823254854 * alpha1 - 0.10707341325868729 * alpha8;
+    const double d3_5_1 = 0.8146287617076164 * alpha4;
+    const double d3_6_2 = (-0.13286677220194004) * alpha4;
+    const double d3_6_3 = (-0.17320212202534865) * alpha5;
+    const double d3_7_1 = 0.03812757101123808 * alpha6;
+    const double d3_7_2 = (-0.3338704835108587) * alpha5;
+    const double d3_7_3 = 0.16411826642656863 * alpha4;
+    const double d3_8_1 = 0.06014933573656158 * alpha2;
+    const double d3_8_3 = 0.10707341325868729 * alpha3;
+
+    /* J (appendix): J_11 = int rho ((r . r) I - r r); ...; J_33 = int rho ((r . r) I - r r) */
+    const double J_11 = 0.007344000000000003 + 0.006949696462346222 * alpha6 + S_1_11 * alpha1
+        + S_2_11 * alpha2 + S_3_11 * alpha3 + S_4_11 * alpha4 + S_5_11 * alpha5 + S_6_11 * alpha6
+        + S_7_11 * alpha7 + S_8_11 * alpha8;
+    const double J_12 = 0.019222459468399348 * alpha5 + S_1_12 * alpha1 + S_3_12 * alpha3
+        + S_4_12 * alpha4 + S_5_12 * alpha5 + S_6_12 * alpha6 + S_7_12 * alpha7 + S_8_12 * alpha8;
+    const double J_13 = (-0.006948727887756916) * alpha4 + S_2_13 * alpha2 + S_3_13 * alpha3
+        + S_4_13 * alpha4 + S_5_13 * alpha5 + S_6_13 * alpha6 + S_7_13 * alpha7;
+    const double J_22 = 0.088344 + (-0.2888453299117188) * alpha6 + S_1_22 * alpha1
+        + S_2_22 * alpha2 + S_3_22 * alpha3 + S_4_22 * alpha4 + S_5_22 * alpha5 + S_6_22 * alpha6
+        + S_7_22 * alpha7 + S_8_22 * alpha8;
+    const double J_23 = 3.641454770386481e-05 * alpha7 + S_1_23 * alpha1 + S_2_23 * alpha2
+        + S_4_23 * alpha4 + S_5_23 * alpha5 + S_6_23 * alpha6 + S_7_23 * alpha7 + S_8_23 * alpha8;
+    const double J_33 = 0.0918 + (-0.28541913668350255) * alpha6 + S_1_33 * alpha1 + S_2_33 * alpha2
+        + S_3_33 * alpha3 + S_4_33 * alpha4 + S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7
+        + S_8_33 * alpha8;
 
     /*
-     * tables (appendix): S_i = symmetric part of D2_i; d3_i = int rho r x Phi_i; c7dot_i = int rho
-     *     Phi_i x rdot
+     * pivots (LDL^T): eliminate c1, c2, c3, alpha8, alpha1, alpha2, alpha3, alpha7, pi1, pi2,
+     *     alpha4, alpha5, alpha6, pi3; fill-in 3
      */
-    double x_alpha[8];
-    for (int i = 0; i < 8; i++) x_alpha[i] = alpha[i];
-    double x_minus_alpha[8];
-    for (int i = 0; i < 8; i++) x_minus_alpha[i] = minus_alpha[i];
-    double x_alphadot[8];
-    for (int i = 0; i < 8; i++) x_alphadot[i] = alphadot[i];
-    double S_11[8];
-    double S_12[8];
-    double S_13[8];
-    double S_22[8];
-    double S_23[8];
-    double S_33[8];
-    double d3_1[8];
-    double d3_2[8];
-    double d3_3[8];
-    double c7dot_1[8];
-    double c7dot_2[8];
-    double c7dot_3[8];
-    for (int i = 0; i < 8; i++) {
-        S_11[i] = C4_11[i];
-        S_12[i] = C4_12[i];
-        S_13[i] = C4_13[i];
-        S_22[i] = C4_22[i];
-        S_23[i] = C4_23[i];
-        S_33[i] = C4_33[i];
-        d3_1[i] = 0.0;
-        d3_2[i] = 0.0;
-        d3_3[i] = 0.0;
-        c7dot_1[i] = 0.0;
-        c7dot_2[i] = 0.0;
-        c7dot_3[i] = 0.0;
-    }
-    for (int j = 0; j < 8; j += 4) {
-        const double *panel = tables + 72 * j;
-        block_panel(S_11, panel + 0, x_alpha + j);
-        block_panel(S_12, panel + 32, x_alpha + j);
-        block_panel(S_13, panel + 64, x_alpha + j);
-        block_panel(S_22, panel + 96, x_alpha + j);
-        block_panel(S_23, panel + 128, x_alpha + j);
-        block_panel(S_33, panel + 160, x_alpha + j);
-        block_panel(d3_1, panel + 192, x_minus_alpha + j);
-        block_panel(d3_2, panel + 224, x_minus_alpha + j);
-        block_panel(d3_3, panel + 256, x_minus_alpha + j);
-        block_panel(c7dot_1, panel + 192, x_alphadot + j);
-        block_panel(c7dot_2, panel + 224, x_alphadot + j);
-        block_panel(c7dot_3, panel + 256, x_alphadot + j);
-    }
+    const double t1 = (-0.8784787837749884) * alpha2;
+    const double pivot_pi1 = J_11 - d3_8_1 * d3_8_1 - t1 * t1 - d3_2_1 * d3_2_1 - d3_7_1 * d3_7_1;
+    const double t2 = 0.3434623359074803 * alpha3;
+    const double t3 = J_12 + t2 * d3_2_1 - d3_7_2 * d3_7_1;
+    const double inverse_pivot_pi1 = 1.0 / pivot_pi1;
+    const double t4 = t3 * inverse_pivot_pi1;
+    const double pivot_pi2 = J_22 - t2 * t2 - d3_3_2 * d3_3_2 - d3_7_2 * d3_7_2 - t4 * t3;
+    const double t5 = 0.8146287617076164 * alpha5;
+    const double t6 = t5 * inverse_pivot_pi1;
+    const double t7 = t6 * t3 - (-0.13286677220194004) * alpha6;
+    const double inverse_pivot_pi2 = 1.0 / pivot_pi2;
+    const double t8 = t7 * inverse_pivot_pi2;
+    const double pivot_alpha4 = 1.0 - t6 * t5 - t8 * t7;
+    const double t9 = d3_5_1 * inverse_pivot_pi1;
+    const double t10 = (-0.3338704835108587) * alpha7 + t9 * t3;
+    const double t11 = t10 * inverse_pivot_pi2;
+    const double t12 = t9 * t5 + t11 * t7;
+    const double inverse_pivot_alpha4 = 1.0 / pivot_alpha4;
+    const double t13 = t12 * inverse_pivot_alpha4;
+    const double pivot_alpha5 = 1.0 - t9 * d3_5_1 - t11 * t10 - t13 * t12;
+    const double t14 = 0.03812757101123808 * alpha7;
+    const double t15 = t14 * inverse_pivot_pi1;
+    const double t16 = d3_6_2 + t15 * t3;
+    const double t17 = t16 * inverse_pivot_pi2;
+    const double t18 = t15 * t5 + t17 * t7;
+    const double t19 = t18 * inverse_pivot_alpha4;
+    const double t20 = t15 * d3_5_1 + t17 * t10 + t19 * t12;
+    const double inverse_pivot_alpha5 = 1.0 / pivot_alpha5;
+    const double t21 = t20 * inverse_pivot_alpha5;
+    const double pivot_alpha6 = 1.0 - t15 * t14 - t17 * t16 - t19 * t18 - t21 * t20;
+    const double t22 = 0.14213269823254854 * alpha3;
+    const double t23 = J_13 - d3_8_3 * d3_8_1 - t22 * t1 - d3_7_3 * d3_7_1;
+    const double t24 = t23 * inverse_pivot_pi1;
+    const double t25 = J_23 - d3_3_3 * d3_3_2 - d3_7_3 * d3_7_2 - t24 * t3;
+    const double t26 = t25 * inverse_pivot_pi2;
+    const double t27 = t24 * t5 - 0.16411826642656863 * alpha7 - t26 * t7;
+    const double t28 = t27 * inverse_pivot_alpha4;
+    const double t29 = t26 * t10 - ((-0.17320212202534865) * alpha6 + t24 * d3_5_1) - t28 * t12;
+    const double t30 = t29 * inverse_pivot_alpha5;
+    const double t31 = d3_6_3 + t24 * t14 - t26 * t16 + t28 * t18 - t30 * t20;
+    const double inverse_pivot_alpha6 = 1.0 / pivot_alpha6;
+    const double t32 = t31 * inverse_pivot_alpha6;
+    const double pivot_pi3 = J_33 - d3_8_3 * d3_8_3 - t22 * t22 - d3_3_3 * d3_3_3 - d3_7_3 * d3_7_3
+        - t24 * t23 - t26 * t25 - t28 * t27 - t30 * t29 - t32 * t31;
+    if (!(pivot_pi1 - 5.684341886080802e-14 * J_11 > 0.0)) return 1; /* the pivot of pi1 vanished */
+    if (!(pivot_pi2 - 5.684341886080802e-14 * J_22 > 0.0)) return 1; /* the pivot of pi2 vanished */
+    if (!(pivot_alpha4 - 5.684341886080802e-14 > 0.0)) return 1; /* the pivot of alpha4 vanished */
+    if (!(pivot_alpha5 - 5.684341886080802e-14 > 0.0)) return 1; /* the pivot of alpha5 vanished */
+    if (!(pivot_alpha6 - 5.684341886080802e-14 > 0.0)) return 1; /* the pivot of alpha6 vanished */
+    if (!(pivot_pi3 - 5.684341886080802e-14 * J_33 > 0.0)) return 1; /* the pivot of pi3 vanished */
 
-    /*
-     * sums (appendix): J = int rho ((r . r) I - r r); Sdot = sum alphadot_i S_i; d3dot = int rho r
-     *     x rdot
-     */
-    double sums1[15][4];
-    for (int i = 0; i < 15; i++)
-        for (int l = 0; l < 4; l++) sums1[i][l] = 0.0;
-    for (int i = 0; i < 8; i += 4) {
-        TISSERAND_LANES
-        for (int l = 0; l < 4; l++) {
-            sums1[0][l] += alpha[i + l] * (C4_11[i + l] + S_11[i + l]);
-            sums1[1][l] += alpha[i + l] * (C4_12[i + l] + S_12[i + l]);
-            sums1[2][l] += alpha[i + l] * (C4_13[i + l] + S_13[i + l]);
-            sums1[3][l] += alpha[i + l] * (C4_22[i + l] + S_22[i + l]);
-            sums1[4][l] += alpha[i + l] * (C4_23[i + l] + S_23[i + l]);
-            sums1[5][l] += alpha[i + l] * (C4_33[i + l] + S_33[i + l]);
-            sums1[6][l] += S_11[i + l] * alphadot[i + l];
-            sums1[7][l] += S_12[i + l] * alphadot[i + l];
-            sums1[8][l] += S_13[i + l] * alphadot[i + l];
-            sums1[9][l] += S_22[i + l] * alphadot[i + l];
-            sums1[10][l] += S_23[i + l] * alphadot[i + l];
-            sums1[11][l] += S_33[i + l] * alphadot[i + l];
-            sums1[12][l] += alpha[i + l] * c7dot_1[i + l];
-            sums1[13][l] += alpha[i + l] * c7dot_2[i + l];
-            sums1[14][l] += alpha[i + l] * c7dot_3[i + l];
-        }
-    }
-    const double J_11 = C3_11 + ((sums1[0][0] + sums1[0][1]) + (sums1[0][2] + sums1[0][3]));
-    const double J_12 = C3_12 + ((sums1[1][0] + sums1[1][1]) + (sums1[1][2] + sums1[1][3]));
-    const double J_13 = C3_13 + ((sums1[2][0] + sums1[2][1]) + (sums1[2][2] + sums1[2][3]));
-    const double J_22 = C3_22 + ((sums1[3][0] + sums1[3][1]) + (sums1[3][2] + sums1[3][3]));
-    const double J_23 = C3_23 + ((sums1[4][0] + sums1[4][1]) + (sums1[4][2] + sums1[4][3]));
-    const double J_33 = C3_33 + ((sums1[5][0] + sums1[5][1]) + (sums1[5][2] + sums1[5][3]));
-    const double Sdot_11 = ((sums1[6][0] + sums1[6][1]) + (sums1[6][2] + sums1[6][3]));
-    const double Sdot_12 = ((sums1[7][0] + sums1[7][1]) + (sums1[7][2] + sums1[7][3]));
-    const double Sdot_13 = ((sums1[8][0] + sums1[8][1]) + (sums1[8][2] + sums1[8][3]));
-    const double Sdot_22 = ((sums1[9][0] + sums1[9][1]) + (sums1[9][2] + sums1[9][3]));
-    const double Sdot_23 = ((sums1[10][0] + sums1[10][1]) + (sums1[10][2] + sums1[10][3]));
-    const double Sdot_33 = ((sums1[11][0] + sums1[11][1]) + (sums1[11][2] + sums1[11][3]));
-    const double d3dot_1 = ((sums1[12][0] + sums1[12][1]) + (sums1[12][2] + sums1[12][3]));
-    const double d3dot_2 = ((sums1[13][0] + sums1[13][1]) + (sums1[13][2] + sums1[13][3]));
-    const double d3dot_3 = ((sums1[14][0] + sums1[14][1]) + (sums1[14][2] + sums1[14][3]));
-
-    /* oo (5): products of omega */
+    /* oo (5): oo_11 = products of omega; ...; oo_33 = products of omega */
     const double oo_11 = omega1 * omega1;
     const double oo_12 = omega1 * omega2;
     const double oo_13 = omega1 * omega3;
@@ -695,121 +790,122 @@ int block_accel(
     const double oo_23 = omega2 * omega3;
     const double oo_33 = omega3 * omega3;
 
-    /* h and B (15): forces, and coupling of rigid motion and shapes */
-    const double f4 = 2.0 * oo_12;
-    const double f5 = 2.0 * oo_13;
-    const double f6 = 2.0 * oo_23;
-    const double f7 = 2.0 * omega1;
-    const double f8 = 2.0 * omega2;
-    const double f9 = 2.0 * omega3;
-    const double h_c1 = 0.0;
-    const double h_c2 = 0.0;
-    const double h_c3 = 0.0;
-    const double t1 = 2.0 * Sdot_12;
-    const double t2 = 2.0 * Sdot_13;
-    const double h_pi1 = J_13 * oo_12 + J_23 * oo_22 + J_33 * oo_23 + 2.0 * Sdot_11 * omega1
-        + t1 * omega2 + t2 * omega3 + d3dot_3 * omega2 - J_12 * oo_13 - J_22 * oo_23 - J_23 * oo_33
-        - d3dot_2 * omega3;
-    const double t3 = 2.0 * Sdot_23;
-    const double h_pi2 = J_11 * oo_13 + J_12 * oo_23 + J_13 * oo_33 + t1 * omega1
-        + 2.0 * Sdot_22 * omega2 + t3 * omega3 + d3dot_1 * omega3 - J_13 * oo_11 - J_23 * oo_12
-        - J_33 * oo_13 - d3dot_3 * omega1;
-    const double h_pi3 = J_12 * oo_11 + J_22 * oo_12 + J_23 * oo_13 + t2 * omega1 + t3 * omega2
-        + 2.0 * Sdot_33 * omega3 + d3dot_2 * omega1 - J_11 * oo_12 - J_12 * oo_22 - J_13 * oo_23
-        - d3dot_1 * omega2;
-    const double M_11 = mass;
-    const double M_22 = mass;
-    const double M_33 = mass;
-    const double M_44 = J_11;
-    const double M_54 = J_12;
-    const double M_64 = J_13;
-    const double M_55 = J_22;
-    const double M_65 = J_23;
-    const double M_66 = J_33;
+    /* Sdot (appendix): Sdot_11 = sum alphadot_0 S_0; ...; Sdot_33 = sum alphadot_0 S_0 */
+    const double Sdot_11 = alpha1dot * S_1_11 + alpha2dot * S_2_11 + alpha3dot * S_3_11
+        + alpha4dot * S_4_11 + alpha5dot * S_5_11 + alpha6dot * S_6_11 + alpha7dot * S_7_11
+        + alpha8dot * S_8_11;
+    const double Sdot_12 = alpha1dot * S_1_12 + alpha3dot * S_3_12 + alpha4dot * S_4_12
+        + alpha5dot * S_5_12 + alpha6dot * S_6_12 + alpha7dot * S_7_12 + alpha8dot * S_8_12;
+    const double Sdot_13 = alpha2dot * S_2_13 + alpha3dot * S_3_13 + alpha4dot * S_4_13
+        + alpha5dot * S_5_13 + alpha6dot * S_6_13 + alpha7dot * S_7_13;
+    const double Sdot_22 = alpha1dot * S_1_22 + alpha2dot * S_2_22 + alpha3dot * S_3_22
+        + alpha4dot * S_4_22 + alpha5dot * S_5_22 + alpha6dot * S_6_22 + alpha7dot * S_7_22
+        + alpha8dot * S_8_22;
+    const double Sdot_23 = alpha1dot * S_1_23 + alpha2dot * S_2_23 + alpha4dot * S_4_23
+        + alpha5dot * S_5_23 + alpha6dot * S_6_23 + alpha7dot * S_7_23 + alpha8dot * S_8_23;
+    const double Sdot_33 = alpha1dot * S_1_33 + alpha2dot * S_2_33 + alpha3dot * S_3_33
+        + alpha4dot * S_4_33 + alpha5dot * S_5_33 + alpha6dot * S_6_33 + alpha7dot * S_7_33
+        + alpha8dot * S_8_33;
 
-    /* h and B_i (15): forces, and coupling of rigid motion and shapes, for each shape */
-    double h[8];
-    double B_4[8];
-    double B_5[8];
-    double B_6[8];
-    for (int i = 0; i < 8; i++) {
-        h[i] = K[i] * alpha[i] - oo_11 * S_11[i] - f4 * S_12[i] - f5 * S_13[i] - oo_22 * S_22[i]
-            - f6 * S_23[i] - oo_33 * S_33[i] - f7 * c7dot_1[i] - f8 * c7dot_2[i] - f9 * c7dot_3[i];
-        B_4[i] = d3_1[i];
-        B_5[i] = d3_2[i];
-        B_6[i] = d3_3[i];
-    }
+    /*
+     * c7dot (appendix): c7dot_1_1 = int rho Phi_1 x rdot . e1; ...; c7dot_8_3 = int rho Phi_8 x
+     *     rdot . e3
+     */
+    const double c7dot_1_1 = (-0.8784787837749884) * alpha2dot;
+    const double c7dot_1_3 = 0.14213269823254854 * alpha3dot;
+    const double c7dot_2_1 = 0.06014933573656158 * alpha8dot - (-0.8784787837749884) * alpha1dot;
+    const double c7dot_2_2 = 0.3434623359074803 * alpha3dot;
+    const double c7dot_3_3 = 0.10707341325868729 * alpha8dot - 0.14213269823254854 * alpha1dot;
+    const double c7dot_4_1 = 0.8146287617076164 * alpha5dot;
+    const double c7dot_4_2 = (-0.13286677220194004) * alpha6dot;
+    const double c7dot_4_3 = 0.16411826642656863 * alpha7dot;
+    const double c7dot_5_2 = (-0.3338704835108587) * alpha7dot;
+    const double c7dot_5_3 = (-0.17320212202534865) * alpha6dot;
+    const double c7dot_6_1 = 0.03812757101123808 * alpha7dot;
 
-    /* sums (appendix): G = B^T c8^-1 B; g = B^T c8^-1 h */
-    double sums2[9][4];
-    for (int i = 0; i < 9; i++)
-        for (int l = 0; l < 4; l++) sums2[i][l] = 0.0;
-    for (int i = 0; i < 8; i += 4) {
-        TISSERAND_LANES
-        for (int l = 0; l < 4; l++) {
-            sums2[0][l] += B_4[i + l] * B_4[i + l];
-            sums2[1][l] += B_4[i + l] * B_5[i + l];
-            sums2[2][l] += B_4[i + l] * B_6[i + l];
-            sums2[3][l] += B_5[i + l] * B_5[i + l];
-            sums2[4][l] += B_5[i + l] * B_6[i + l];
-            sums2[5][l] += B_6[i + l] * B_6[i + l];
-            sums2[6][l] += B_4[i + l] * h[i + l];
-            sums2[7][l] += B_5[i + l] * h[i + l];
-            sums2[8][l] += B_6[i + l] * h[i + l];
-        }
-    }
-    const double G_44 = ((sums2[0][0] + sums2[0][1]) + (sums2[0][2] + sums2[0][3]));
-    const double G_54 = ((sums2[1][0] + sums2[1][1]) + (sums2[1][2] + sums2[1][3]));
-    const double G_64 = ((sums2[2][0] + sums2[2][1]) + (sums2[2][2] + sums2[2][3]));
-    const double G_55 = ((sums2[3][0] + sums2[3][1]) + (sums2[3][2] + sums2[3][3]));
-    const double G_65 = ((sums2[4][0] + sums2[4][1]) + (sums2[4][2] + sums2[4][3]));
-    const double G_66 = ((sums2[5][0] + sums2[5][1]) + (sums2[5][2] + sums2[5][3]));
-    const double g_4 = ((sums2[6][0] + sums2[6][1]) + (sums2[6][2] + sums2[6][3]));
-    const double g_5 = ((sums2[7][0] + sums2[7][1]) + (sums2[7][2] + sums2[7][3]));
-    const double g_6 = ((sums2[8][0] + sums2[8][1]) + (sums2[8][2] + sums2[8][3]));
+    /* d3dot (appendix): d3dot_1 = int rho r x rdot . e1; ...; d3dot_3 = int rho r x rdot . e3 */
+    const double t33 = 0.8146287617076164 * alpha4dot;
+    const double t34 = 0.03812757101123808 * alpha6dot;
+    const double t35 = 0.06014933573656158 * alpha2dot;
+    const double d3dot_1 = alpha1 * c7dot_1_1 + alpha2 * c7dot_2_1 + alpha4 * c7dot_4_1
+        - alpha5 * t33 + alpha6 * c7dot_6_1 - alpha7 * t34 - alpha8 * t35;
+    const double t36 = 0.3434623359074803 * alpha2dot;
+    const double t37 = (-0.13286677220194004) * alpha4dot;
+    const double t38 = (-0.3338704835108587) * alpha5dot;
+    const double d3dot_2 = alpha2 * c7dot_2_2 - alpha3 * t36 + alpha4 * c7dot_4_2
+        + alpha5 * c7dot_5_2 - alpha6 * t37 - alpha7 * t38;
+    const double t39 = (-0.17320212202534865) * alpha5dot;
+    const double t40 = 0.16411826642656863 * alpha4dot;
+    const double t41 = 0.10707341325868729 * alpha3dot;
+    const double d3dot_3 = alpha1 * c7dot_1_3 + alpha3 * c7dot_3_3 + alpha4 * c7dot_4_3
+        + alpha5 * c7dot_5_3 - alpha6 * t39 - alpha7 * t40 - alpha8 * t41;
 
-    /* vdot (LDL^T): accelerations of the rigid motion: eliminate c1, c2, c3, pi1, pi2, pi3 */
-    if (!(M_11 - 5.684341886080802e-14 * M_11 > 0.0)) return 1; /* the pivot of c1 vanished */
-    if (!(M_22 - 5.684341886080802e-14 * M_22 > 0.0)) return 1; /* the pivot of c2 vanished */
-    if (!(M_33 - 5.684341886080802e-14 * M_33 > 0.0)) return 1; /* the pivot of c3 vanished */
-    const double t4 = M_44 - G_44;
-    if (!(t4 - 5.684341886080802e-14 * M_44 > 0.0)) return 1; /* the pivot of pi1 vanished */
-    const double t5 = M_54 - G_54;
-    const double inverse_t4 = 1.0 / t4;
-    const double t6 = t5 * inverse_t4;
-    const double t7 = M_55 - G_55 - t6 * t5;
-    if (!(t7 - 5.684341886080802e-14 * M_55 > 0.0)) return 1; /* the pivot of pi2 vanished */
-    const double t8 = M_64 - G_64;
-    const double t9 = t8 * inverse_t4;
-    const double t10 = M_65 - G_65 - t9 * t5;
-    const double inverse_t7 = 1.0 / t7;
-    const double t11 = t10 * inverse_t7;
-    const double t12 = M_66 - G_66 - t9 * t8 - t11 * t10;
-    if (!(t12 - 5.684341886080802e-14 * M_66 > 0.0)) return 1; /* the pivot of pi3 vanished */
-    const double t13 = h_c1 / M_11;
-    const double c1ddot = -t13;
-    vdot[0] = c1ddot;
-    const double t14 = h_c2 / M_22;
-    const double c2ddot = -t14;
-    vdot[1] = c2ddot;
-    const double t15 = h_c3 / M_33;
-    const double c3ddot = -t15;
-    vdot[2] = c3ddot;
-    const double t16 = g_4 - h_pi1;
-    const double t17 = g_5 - h_pi2 - t6 * t16;
-    const double omega3dot = (g_6 - h_pi3 - t9 * t16 - t11 * t17) / t12;
-    const double omega2dot = t17 * inverse_t7 - t11 * omega3dot;
-    const double omega1dot = t16 * inverse_t4 - t6 * omega2dot - t9 * omega3dot;
-    vdot[3] = omega1dot;
-    vdot[4] = omega2dot;
-    vdot[5] = omega3dot;
-    if (!isfinite(omega1dot - (t13 + t14 + t15) + omega2dot
-        + omega3dot)) return 2; /* an acceleration is not finite */
+    /* solution (LDL^T): forward, diagonal and back substitution */
+    vdot[0] = 0.0;
+    vdot[1] = 0.0;
+    vdot[2] = 0.0;
+    const double t42 = 2.0 * omega1;
+    const double t43 = 2.0 * omega3;
+    const double t44 = 2561832557.220976 * alpha8 - S_8_11 * oo_11 - 2.0 * S_8_12 * oo_12
+        - S_8_22 * oo_22 - 2.0 * S_8_23 * oo_23 - S_8_33 * oo_33 + t42 * t35 + t43 * t41;
+    const double t45 = 2.0 * omega2;
+    const double t46 = 132785871.23214255 * alpha1 - S_1_11 * oo_11 - 2.0 * S_1_12 * oo_12
+        - S_1_22 * oo_22 - 2.0 * S_1_23 * oo_23 - S_1_33 * oo_33 - t42 * c7dot_1_1
+        - t43 * c7dot_1_3;
+    const double t47 = 298337711.7011645 * alpha2 - S_2_11 * oo_11 - 2.0 * S_2_13 * oo_13
+        - S_2_22 * oo_22 - 2.0 * S_2_23 * oo_23 - S_2_33 * oo_33 - t42 * c7dot_2_1
+        - t45 * c7dot_2_2;
+    const double t48 = 1703959547.9391162 * alpha7 - S_7_11 * oo_11 - 2.0 * S_7_12 * oo_12
+        - 2.0 * S_7_13 * oo_13 - S_7_22 * oo_22 - 2.0 * S_7_23 * oo_23 - S_7_33 * oo_33 + t42 * t34
+        + t45 * t38 + t43 * t40;
+    const double t49 = d3_8_1 * t44 - (J_13 * oo_12 + J_23 * oo_22 + J_33 * oo_23 + t42 * Sdot_11
+        + t45 * Sdot_12 + t43 * Sdot_13 + omega2 * d3dot_3 - J_12 * oo_13 - J_22 * oo_23
+        - J_23 * oo_33 - omega3 * d3dot_2) - t1 * t46 + d3_2_1 * t47 + d3_7_1 * t48;
+    const double t50 = 424127787.13520163 * alpha3 - S_3_11 * oo_11 - 2.0 * S_3_12 * oo_12
+        - 2.0 * S_3_13 * oo_13 - S_3_22 * oo_22 - S_3_33 * oo_33 + t45 * t36 - t43 * c7dot_3_3;
+    const double t51 = d3_3_2 * t50 - (J_11 * oo_13 + J_12 * oo_23 + J_13 * oo_33 + t42 * Sdot_12
+        + t45 * Sdot_22 + t43 * Sdot_23 + omega3 * d3dot_1 - J_13 * oo_11 - J_23 * oo_12
+        - J_33 * oo_13 - omega1 * d3dot_3 + t2 * t47) + d3_7_2 * t48 - t4 * t49;
+    const double t52 = t6 * t49 - (828661201.2040272 * alpha4 - S_4_11 * oo_11
+        - 2.0 * S_4_12 * oo_12 - 2.0 * S_4_13 * oo_13 - S_4_22 * oo_22 - 2.0 * S_4_23 * oo_23
+        - S_4_33 * oo_33 - t42 * c7dot_4_1 - t45 * c7dot_4_2 - t43 * c7dot_4_3) - t8 * t51;
+    const double t53 = t11 * t51 - (1482944676.1858206 * alpha5 - S_5_11 * oo_11
+        - 2.0 * S_5_12 * oo_12 - 2.0 * S_5_13 * oo_13 - S_5_22 * oo_22 - 2.0 * S_5_23 * oo_23
+        - S_5_33 * oo_33 + t42 * t33 - t45 * c7dot_5_2 - t43 * c7dot_5_3 + t9 * t49) - t13 * t52;
+    const double t54 = t15 * t49 - (1586764292.5824752 * alpha6 - S_6_11 * oo_11
+        - 2.0 * S_6_12 * oo_12 - 2.0 * S_6_13 * oo_13 - S_6_22 * oo_22 - 2.0 * S_6_23 * oo_23
+        - S_6_33 * oo_33 - t42 * c7dot_6_1 + t45 * t37 + t43 * t39) - t17 * t51 + t19 * t52
+        - t21 * t53;
+    const double t55 = (d3_8_3 * t44 - (J_12 * oo_11 + J_22 * oo_12 + J_23 * oo_13 + t42 * Sdot_13
+        + t45 * Sdot_23 + t43 * Sdot_33 + omega1 * d3dot_2 - J_11 * oo_12 - J_12 * oo_22
+        - J_13 * oo_23 - omega2 * d3dot_1) - t22 * t46 + d3_3_3 * t50 + d3_7_3 * t48 - t24 * t49
+        - t26 * t51 - t28 * t52 - t30 * t53 - t32 * t54) / pivot_pi3;
+    const double t56 = t54 * inverse_pivot_alpha6 - t32 * t55;
+    const double t57 = t53 * inverse_pivot_alpha5 - t21 * t56 - t30 * t55;
+    const double t58 = t52 * inverse_pivot_alpha4 - t13 * t57 + t19 * t56 - t28 * t55;
+    const double t59 = t51 * inverse_pivot_pi2 - t8 * t58 + t11 * t57 - t17 * t56 - t26 * t55;
+    const double t60 = t49 * inverse_pivot_pi1 - t4 * t59 + t6 * t58 - t9 * t57 + t15 * t56
+        - t24 * t55;
+    vdot[3] = t60;
+    vdot[4] = t59;
+    vdot[5] = t55;
+    const double t61 = t1 * t60 - t46 + t22 * t55;
+    vdot[6] = t61;
+    const double t62 = t2 * t59 - (t47 + d3_2_1 * t60);
+    vdot[7] = t62;
+    const double t63 = t50 + d3_3_2 * t59 + d3_3_3 * t55;
+    vdot[8] = -t63;
+    vdot[9] = t58;
+    vdot[10] = t57;
+    vdot[11] = t56;
+    const double t64 = t48 + d3_7_1 * t60 + d3_7_2 * t59 + d3_7_3 * t55;
+    vdot[12] = -t64;
+    const double t65 = t44 + d3_8_1 * t60 + d3_8_3 * t55;
+    vdot[13] = -t65;
 
-    /* alphaddot_i (15): accelerations of the shapes, for each shape */
-    for (int i = 0; i < 8; i++) {
-        vdot[6 + i] = -(h[i] + omega1dot * B_4[i]) - omega2dot * B_5[i] - omega3dot * B_6[i];
-    }
+    /* check: refuse what is not finite */
+    if (!isfinite(t60 + t59 + t55 + t61 + t62 - t63 + t58 + t57 + t56 - t64
+        - t65)) return 2; /* an acceleration is not finite */
     return 0;
 }
 
@@ -819,109 +915,139 @@ int block_energy(
     const double *TISSERAND_RESTRICT k,
     double *energy)
 {
-    const double *alpha = q + 7;
+    const double alpha1 = q[7];
+    const double alpha2 = q[8];
+    const double alpha3 = q[9];
+    const double alpha4 = q[10];
+    const double alpha5 = q[11];
+    const double alpha6 = q[12];
+    const double alpha7 = q[13];
+    const double alpha8 = q[14];
     const double c1dot = v[0];
     const double c2dot = v[1];
     const double c3dot = v[2];
     const double omega1 = v[3];
     const double omega2 = v[4];
     const double omega3 = v[5];
-    const double *alphadot = v + 6;
-    const double mass = k[704];
-    const double C3_11 = k[705];
-    const double C3_12 = k[706];
-    const double C3_13 = k[707];
-    const double C3_22 = k[708];
-    const double C3_23 = k[709];
-    const double C3_33 = k[710];
-    const double *tables = k;
-    const double *C4_11 = k + 576;
-    const double *C4_12 = k + 584;
-    const double *C4_13 = k + 592;
-    const double *C4_22 = k + 600;
-    const double *C4_23 = k + 608;
-    const double *C4_33 = k + 616;
-    const double *K = k + 624;
+    const double alpha1dot = v[6];
+    const double alpha2dot = v[7];
+    const double alpha3dot = v[8];
+    const double alpha4dot = v[9];
+    const double alpha5dot = v[10];
+    const double alpha6dot = v[11];
+    const double alpha7dot = v[12];
+    const double alpha8dot = v[13];
+    (void) k;
 
-    /* tables (appendix): S_i = symmetric part of D2_i; c7dot_i = int rho Phi_i x rdot */
-    double x_alpha[8];
-    for (int i = 0; i < 8; i++) x_alpha[i] = alpha[i];
-    double x_alphadot[8];
-    for (int i = 0; i < 8; i++) x_alphadot[i] = alphadot[i];
-    double S_11[8];
-    double S_12[8];
-    double S_13[8];
-    double S_22[8];
-    double S_23[8];
-    double S_33[8];
-    double c7dot_1[8];
-    double c7dot_2[8];
-    double c7dot_3[8];
-    for (int i = 0; i < 8; i++) {
-        S_11[i] = C4_11[i];
-        S_12[i] = C4_12[i];
-        S_13[i] = C4_13[i];
-        S_22[i] = C4_22[i];
-        S_23[i] = C4_23[i];
-        S_33[i] = C4_33[i];
-        c7dot_1[i] = 0.0;
-        c7dot_2[i] = 0.0;
-        c7dot_3[i] = 0.0;
-    }
-    for (int j = 0; j < 8; j += 4) {
-        const double *panel = tables + 72 * j;
-        block_panel(S_11, panel + 0, x_alpha + j);
-        block_panel(S_12, panel + 32, x_alpha + j);
-        block_panel(S_13, panel + 64, x_alpha + j);
-        block_panel(S_22, panel + 96, x_alpha + j);
-        block_panel(S_23, panel + 128, x_alpha + j);
-        block_panel(S_33, panel + 160, x_alpha + j);
-        block_panel(c7dot_1, panel + 192, x_alphadot + j);
-        block_panel(c7dot_2, panel + 224, x_alphadot + j);
-        block_panel(c7dot_3, panel + 256, x_alphadot + j);
-    }
+    /* oo (5): oo_11 = products of omega; ...; oo_33 = products of omega */
+    const double oo_11 = omega1 * omega1;
+    const double oo_12 = omega1 * omega2;
+    const double oo_13 = omega1 * omega3;
+    const double oo_22 = omega2 * omega2;
+    const double oo_23 = omega2 * omega3;
+    const double oo_33 = omega3 * omega3;
+
+    /* S (appendix): S_1_11 = symmetric part of D2_1; ...; S_8_33 = symmetric part of D2_8 */
+    const double S_1_11 = 0.9229461451083147 * alpha1 + 0.0526587076325526 * alpha8;
+    const double S_1_12 = (-0.06983677418017273) * alpha3;
+    const double S_1_22 = 0.9995777759514879 * alpha1 + 0.00021667253526842326 * alpha8;
+    const double S_1_23 = (-0.4396173773693272) * alpha2;
+    const double S_1_33 = 0.07747607894019715 * alpha1 + (-0.05287538016782101) * alpha8;
+    const double S_2_11 = 0.8385822755284659 * alpha2;
+    const double S_2_13 = 0.17281858343053574 * alpha3;
+    const double S_2_22 = 0.1617571164547129 * alpha2;
+    const double S_2_23 = (-0.4396173773693272) * alpha1 + (-0.02992582521388207) * alpha8;
+    const double S_2_33 = 0.9996606080168212 * alpha2;
+    const double S_3_11 = 0.9959824929644516 * alpha3;
+    const double S_3_12 = (-0.06983677418017273) * alpha1 + 0.05213396507997798 * alpha8;
+    const double S_3_13 = 0.17281858343053574 * alpha2;
+    const double S_3_22 = 0.7416169147200682 * alpha3;
+    const double S_3_33 = 0.26240059231547974 * alpha3;
+    const double S_4_11 = 0.8691692710140388 * alpha4;
+    const double S_4_12 = (-0.07653897132838097) * alpha7;
+    const double S_4_13 = -0.006948727887756916 + 0.06612677259881924 * alpha6;
+    const double S_4_22 = 0.9978159483343315 * alpha4;
+    const double S_4_23 = 0.40905294172354 * alpha5;
+    const double S_4_33 = 0.13301478065162953 * alpha4;
+    const double S_5_11 = 0.7757986416100022 * alpha5;
+    const double S_5_12 = 0.019222459468399348 + (-0.08100155107836308) * alpha6;
+    const double S_5_13 = (-0.17116304786243786) * alpha7;
+    const double S_5_22 = 0.22560185358382823 * alpha5;
+    const double S_5_23 = 0.40905294172354 * alpha4;
+    const double S_5_33 = 0.9985995048061699 * alpha5;
+    const double S_6_11 = 0.006949696462346222 + 0.008120450003726742 * alpha6;
+    const double S_6_12 = (-0.08100155107836308) * alpha5;
+    const double S_6_13 = 0.06612677259881924 * alpha4;
+    const double S_6_22 = -0.2888453299117188 + 0.9938488193551677 * alpha6;
+    const double S_6_23 = (-0.009791878445593954) * alpha7;
+    const double S_6_33 = -0.28541913668350255 + 0.998030730641106 * alpha6;
+    const double S_7_11 = 0.9836361321701889 * alpha7;
+    const double S_7_12 = (-0.07653897132838097) * alpha4;
+    const double S_7_13 = (-0.17116304786243786) * alpha5;
+    const double S_7_22 = 0.7598894642705915 * alpha7;
+    const double S_7_23 = 3.641454770386481e-05 + (-0.009791878445593954) * alpha6;
+    const double S_7_33 = 0.2564744035592197 * alpha7;
+    const double S_8_11 = 0.0526587076325526 * alpha1 + 0.8351337820732403 * alpha8;
+    const double S_8_12 = 0.05213396507997798 * alpha3;
+    const double S_8_22 = 0.00021667253526842326 * alpha1 + 0.994122776779808 * alpha8;
+    const double S_8_23 = (-0.02992582521388207) * alpha2;
+    const double S_8_33 = (-0.05287538016782101) * alpha1 + 0.17074344114695217 * alpha8;
+
+    /* J (appendix): J_11 = int rho ((r . r) I - r r); ...; J_33 = int rho ((r . r) I - r r) */
+    const double J_11 = 0.007344000000000003 + 0.006949696462346222 * alpha6 + S_1_11 * alpha1
+        + S_2_11 * alpha2 + S_3_11 * alpha3 + S_4_11 * alpha4 + S_5_11 * alpha5 + S_6_11 * alpha6
+        + S_7_11 * alpha7 + S_8_11 * alpha8;
+    const double J_12 = 0.019222459468399348 * alpha5 + S_1_12 * alpha1 + S_3_12 * alpha3
+        + S_4_12 * alpha4 + S_5_12 * alpha5 + S_6_12 * alpha6 + S_7_12 * alpha7 + S_8_12 * alpha8;
+    const double J_13 = (-0.006948727887756916) * alpha4 + S_2_13 * alpha2 + S_3_13 * alpha3
+        + S_4_13 * alpha4 + S_5_13 * alpha5 + S_6_13 * alpha6 + S_7_13 * alpha7;
+    const double J_22 = 0.088344 + (-0.2888453299117188) * alpha6 + S_1_22 * alpha1
+        + S_2_22 * alpha2 + S_3_22 * alpha3 + S_4_22 * alpha4 + S_5_22 * alpha5 + S_6_22 * alpha6
+        + S_7_22 * alpha7 + S_8_22 * alpha8;
+    const double J_23 = 3.641454770386481e-05 * alpha7 + S_1_23 * alpha1 + S_2_23 * alpha2
+        + S_4_23 * alpha4 + S_5_23 * alpha5 + S_6_23 * alpha6 + S_7_23 * alpha7 + S_8_23 * alpha8;
+    const double J_33 = 0.0918 + (-0.28541913668350255) * alpha6 + S_1_33 * alpha1 + S_2_33 * alpha2
+        + S_3_33 * alpha3 + S_4_33 * alpha4 + S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7
+        + S_8_33 * alpha8;
 
     /*
-     * sums (appendix): J = int rho ((r . r) I - r r); d3dot = int rho r x rdot; c8dotdot = int rho
-     *     rdot . rdot; strain = twice the strain energy
+     * c7dot (appendix): c7dot_1_1 = int rho Phi_1 x rdot . e1; ...; c7dot_8_3 = int rho Phi_8 x
+     *     rdot . e3
      */
-    double sums1[11][4];
-    for (int i = 0; i < 11; i++)
-        for (int l = 0; l < 4; l++) sums1[i][l] = 0.0;
-    for (int i = 0; i < 8; i += 4) {
-        TISSERAND_LANES
-        for (int l = 0; l < 4; l++) {
-            sums1[0][l] += alpha[i + l] * (C4_11[i + l] + S_11[i + l]);
-            sums1[1][l] += alpha[i + l] * (C4_12[i + l] + S_12[i + l]);
-            sums1[2][l] += alpha[i + l] * (C4_13[i + l] + S_13[i + l]);
-            sums1[3][l] += alpha[i + l] * (C4_22[i + l] + S_22[i + l]);
-            sums1[4][l] += alpha[i + l] * (C4_23[i + l] + S_23[i + l]);
-            sums1[5][l] += alpha[i + l] * (C4_33[i + l] + S_33[i + l]);
-            sums1[6][l] += alpha[i + l] * c7dot_1[i + l];
-            sums1[7][l] += alpha[i + l] * c7dot_2[i + l];
-            sums1[8][l] += alpha[i + l] * c7dot_3[i + l];
-            sums1[9][l] += alphadot[i + l] * alphadot[i + l];
-            sums1[10][l] += alpha[i + l] * (K[i + l] * alpha[i + l]);
-        }
-    }
-    const double J_11 = C3_11 + ((sums1[0][0] + sums1[0][1]) + (sums1[0][2] + sums1[0][3]));
-    const double J_12 = C3_12 + ((sums1[1][0] + sums1[1][1]) + (sums1[1][2] + sums1[1][3]));
-    const double J_13 = C3_13 + ((sums1[2][0] + sums1[2][1]) + (sums1[2][2] + sums1[2][3]));
-    const double J_22 = C3_22 + ((sums1[3][0] + sums1[3][1]) + (sums1[3][2] + sums1[3][3]));
-    const double J_23 = C3_23 + ((sums1[4][0] + sums1[4][1]) + (sums1[4][2] + sums1[4][3]));
-    const double J_33 = C3_33 + ((sums1[5][0] + sums1[5][1]) + (sums1[5][2] + sums1[5][3]));
-    const double d3dot_1 = ((sums1[6][0] + sums1[6][1]) + (sums1[6][2] + sums1[6][3]));
-    const double d3dot_2 = ((sums1[7][0] + sums1[7][1]) + (sums1[7][2] + sums1[7][3]));
-    const double d3dot_3 = ((sums1[8][0] + sums1[8][1]) + (sums1[8][2] + sums1[8][3]));
-    const double c8dotdot = ((sums1[9][0] + sums1[9][1]) + (sums1[9][2] + sums1[9][3]));
-    const double strain = ((sums1[10][0] + sums1[10][1]) + (sums1[10][2] + sums1[10][3]));
+    const double c7dot_1_1 = (-0.8784787837749884) * alpha2dot;
+    const double c7dot_1_3 = 0.14213269823254854 * alpha3dot;
+    const double c7dot_2_1 = 0.06014933573656158 * alpha8dot - (-0.8784787837749884) * alpha1dot;
+    const double c7dot_2_2 = 0.3434623359074803 * alpha3dot;
+    const double c7dot_3_3 = 0.10707341325868729 * alpha8dot - 0.14213269823254854 * alpha1dot;
+    const double c7dot_4_1 = 0.8146287617076164 * alpha5dot;
+    const double c7dot_4_2 = (-0.13286677220194004) * alpha6dot;
+    const double c7dot_4_3 = 0.16411826642656863 * alpha7dot;
+    const double c7dot_5_2 = (-0.3338704835108587) * alpha7dot;
+    const double c7dot_5_3 = (-0.17320212202534865) * alpha6dot;
+    const double c7dot_6_1 = 0.03812757101123808 * alpha7dot;
 
-    /* energy (22): 1/2 int rho xdot . xdot, the strain energy, and gravity */
-    energy[0] = 0.5 * c8dotdot + 0.5 * J_11 * omega1 * omega1 + 0.5 * J_22 * omega2 * omega2
-        + 0.5 * J_33 * omega3 * omega3 + 0.5 * c1dot * c1dot * mass + 0.5 * c2dot * c2dot * mass
-        + 0.5 * c3dot * c3dot * mass + d3dot_1 * omega1 + d3dot_2 * omega2 + d3dot_3 * omega3
-        + J_12 * omega1 * omega2 + J_13 * omega1 * omega3 + J_23 * omega2 * omega3;
-    energy[1] = 0.5 * strain;
+    /* d3dot (appendix): d3dot_1 = int rho r x rdot . e1; ...; d3dot_3 = int rho r x rdot . e3 */
+    const double d3dot_1 = alpha1 * c7dot_1_1 + alpha2 * c7dot_2_1 + alpha4 * c7dot_4_1
+        - alpha5 * (0.8146287617076164 * alpha4dot) + alpha6 * c7dot_6_1
+        - alpha7 * (0.03812757101123808 * alpha6dot) - alpha8 * (0.06014933573656158 * alpha2dot);
+    const double d3dot_2 = alpha2 * c7dot_2_2 - alpha3 * (0.3434623359074803 * alpha2dot)
+        + alpha4 * c7dot_4_2 + alpha5 * c7dot_5_2 - alpha6 * ((-0.13286677220194004) * alpha4dot)
+        - alpha7 * ((-0.3338704835108587) * alpha5dot);
+    const double d3dot_3 = alpha1 * c7dot_1_3 + alpha3 * c7dot_3_3 + alpha4 * c7dot_4_3
+        + alpha5 * c7dot_5_3 - alpha6 * ((-0.17320212202534865) * alpha5dot)
+        - alpha7 * (0.16411826642656863 * alpha4dot) - alpha8 * (0.10707341325868729 * alpha3dot);
+
+    /* energy (22): 1/2 int rho xdot . xdot and the strain energy */
+    energy[0] = 0.5 * (oo_11 * J_11 + oo_22 * J_22 + oo_33 * J_33 + alpha1dot * alpha1dot
+        + alpha2dot * alpha2dot + alpha3dot * alpha3dot + alpha4dot * alpha4dot
+        + alpha5dot * alpha5dot + alpha6dot * alpha6dot + alpha7dot * alpha7dot
+        + alpha8dot * alpha8dot + 6.48 * (c1dot * c1dot) + 6.48 * (c2dot * c2dot)
+        + 6.48 * (c3dot * c3dot) + 2.0 * omega1 * d3dot_1 + 2.0 * omega2 * d3dot_2
+        + 2.0 * omega3 * d3dot_3 + 2.0 * oo_12 * J_12 + 2.0 * oo_13 * J_13 + 2.0 * oo_23 * J_23);
+    energy[1] = 0.5 * (132785871.23214255 * alpha1 * alpha1 + 298337711.7011645 * alpha2 * alpha2
+        + 424127787.13520163 * alpha3 * alpha3 + 828661201.2040272 * alpha4 * alpha4
+        + 1482944676.1858206 * alpha5 * alpha5 + 1586764292.5824752 * alpha6 * alpha6
+        + 1703959547.9391162 * alpha7 * alpha7 + 2561832557.220976 * alpha8 * alpha8);
     return 0;
 }
 
@@ -938,96 +1064,34 @@ int block_momentum(
     const double e1 = q[4];
     const double e2 = q[5];
     const double e3 = q[6];
-    const double *alpha = q + 7;
+    const double alpha1 = q[7];
+    const double alpha2 = q[8];
+    const double alpha3 = q[9];
+    const double alpha4 = q[10];
+    const double alpha5 = q[11];
+    const double alpha6 = q[12];
+    const double alpha7 = q[13];
+    const double alpha8 = q[14];
     const double c1dot = v[0];
     const double c2dot = v[1];
     const double c3dot = v[2];
     const double omega1 = v[3];
     const double omega2 = v[4];
     const double omega3 = v[5];
-    const double *alphadot = v + 6;
-    const double mass = k[704];
-    const double C3_11 = k[705];
-    const double C3_12 = k[706];
-    const double C3_13 = k[707];
-    const double C3_22 = k[708];
-    const double C3_23 = k[709];
-    const double C3_33 = k[710];
-    const double *tables = k;
-    const double *C4_11 = k + 576;
-    const double *C4_12 = k + 584;
-    const double *C4_13 = k + 592;
-    const double *C4_22 = k + 600;
-    const double *C4_23 = k + 608;
-    const double *C4_33 = k + 616;
+    const double alpha1dot = v[6];
+    const double alpha2dot = v[7];
+    const double alpha3dot = v[8];
+    const double alpha4dot = v[9];
+    const double alpha5dot = v[10];
+    const double alpha6dot = v[11];
+    const double alpha7dot = v[12];
+    const double alpha8dot = v[13];
+    (void) k;
 
-    /* tables (appendix): S_i = symmetric part of D2_i; c7dot_i = int rho Phi_i x rdot */
-    double x_alpha[8];
-    for (int i = 0; i < 8; i++) x_alpha[i] = alpha[i];
-    double x_alphadot[8];
-    for (int i = 0; i < 8; i++) x_alphadot[i] = alphadot[i];
-    double S_11[8];
-    double S_12[8];
-    double S_13[8];
-    double S_22[8];
-    double S_23[8];
-    double S_33[8];
-    double c7dot_1[8];
-    double c7dot_2[8];
-    double c7dot_3[8];
-    for (int i = 0; i < 8; i++) {
-        S_11[i] = C4_11[i];
-        S_12[i] = C4_12[i];
-        S_13[i] = C4_13[i];
-        S_22[i] = C4_22[i];
-        S_23[i] = C4_23[i];
-        S_33[i] = C4_33[i];
-        c7dot_1[i] = 0.0;
-        c7dot_2[i] = 0.0;
-        c7dot_3[i] = 0.0;
-    }
-    for (int j = 0; j < 8; j += 4) {
-        const double *panel = tables + 72 * j;
-        block_panel(S_11, panel + 0, x_alpha + j);
-        block_panel(S_12, panel + 32, x_alpha + j);
-        block_panel(S_13, panel + 64, x_alpha + j);
-        block_panel(S_22, panel + 96, x_alpha + j);
-        block_panel(S_23, panel + 128, x_alpha + j);
-        block_panel(S_33, panel + 160, x_alpha + j);
-        block_panel(c7dot_1, panel + 192, x_alphadot + j);
-        block_panel(c7dot_2, panel + 224, x_alphadot + j);
-        block_panel(c7dot_3, panel + 256, x_alphadot + j);
-    }
-
-    /* sums (appendix): J = int rho ((r . r) I - r r); d3dot = int rho r x rdot */
-    double sums1[9][4];
-    for (int i = 0; i < 9; i++)
-        for (int l = 0; l < 4; l++) sums1[i][l] = 0.0;
-    for (int i = 0; i < 8; i += 4) {
-        TISSERAND_LANES
-        for (int l = 0; l < 4; l++) {
-            sums1[0][l] += alpha[i + l] * (C4_11[i + l] + S_11[i + l]);
-            sums1[1][l] += alpha[i + l] * (C4_12[i + l] + S_12[i + l]);
-            sums1[2][l] += alpha[i + l] * (C4_13[i + l] + S_13[i + l]);
-            sums1[3][l] += alpha[i + l] * (C4_22[i + l] + S_22[i + l]);
-            sums1[4][l] += alpha[i + l] * (C4_23[i + l] + S_23[i + l]);
-            sums1[5][l] += alpha[i + l] * (C4_33[i + l] + S_33[i + l]);
-            sums1[6][l] += alpha[i + l] * c7dot_1[i + l];
-            sums1[7][l] += alpha[i + l] * c7dot_2[i + l];
-            sums1[8][l] += alpha[i + l] * c7dot_3[i + l];
-        }
-    }
-    const double J_11 = C3_11 + ((sums1[0][0] + sums1[0][1]) + (sums1[0][2] + sums1[0][3]));
-    const double J_12 = C3_12 + ((sums1[1][0] + sums1[1][1]) + (sums1[1][2] + sums1[1][3]));
-    const double J_13 = C3_13 + ((sums1[2][0] + sums1[2][1]) + (sums1[2][2] + sums1[2][3]));
-    const double J_22 = C3_22 + ((sums1[3][0] + sums1[3][1]) + (sums1[3][2] + sums1[3][3]));
-    const double J_23 = C3_23 + ((sums1[4][0] + sums1[4][1]) + (sums1[4][2] + sums1[4][3]));
-    const double J_33 = C3_33 + ((sums1[5][0] + sums1[5][1]) + (sums1[5][2] + sums1[5][3]));
-    const double d3dot_1 = ((sums1[6][0] + sums1[6][1]) + (sums1[6][2] + sums1[6][3]));
-    const double d3dot_2 = ((sums1[7][0] + sums1[7][1]) + (sums1[7][2] + sums1[7][3]));
-    const double d3dot_3 = ((sums1[8][0] + sums1[8][1]) + (sums1[8][2] + sums1[8][3]));
-
-    /* Q (1): rotation tensor of the quaternion */
+    /*
+     * Q (1): Q_11 = rotation tensor of the quaternion; ...; Q_33 = rotation tensor of the
+     *     quaternion
+     */
     const double t1 = e0 * e0;
     const double t2 = e1 * e1;
     const double t3 = e2 * e2;
@@ -1050,16 +1114,106 @@ int block_momentum(
     const double Q_32 = t12 + t11;
     const double Q_33 = t1 + t4 - t2 - t3;
 
+    /* S (appendix): S_1_11 = symmetric part of D2_1; ...; S_8_33 = symmetric part of D2_8 */
+    const double S_1_11 = 0.9229461451083147 * alpha1 + 0.0526587076325526 * alpha8;
+    const double S_1_12 = (-0.06983677418017273) * alpha3;
+    const double S_1_22 = 0.9995777759514879 * alpha1 + 0.00021667253526842326 * alpha8;
+    const double S_1_23 = (-0.4396173773693272) * alpha2;
+    const double S_1_33 = 0.07747607894019715 * alpha1 + (-0.05287538016782101) * alpha8;
+    const double S_2_11 = 0.8385822755284659 * alpha2;
+    const double S_2_13 = 0.17281858343053574 * alpha3;
+    const double S_2_22 = 0.1617571164547129 * alpha2;
+    const double S_2_23 = (-0.4396173773693272) * alpha1 + (-0.02992582521388207) * alpha8;
+    const double S_2_33 = 0.9996606080168212 * alpha2;
+    const double S_3_11 = 0.9959824929644516 * alpha3;
+    const double S_3_12 = (-0.06983677418017273) * alpha1 + 0.05213396507997798 * alpha8;
+    const double S_3_13 = 0.17281858343053574 * alpha2;
+    const double S_3_22 = 0.7416169147200682 * alpha3;
+    const double S_3_33 = 0.26240059231547974 * alpha3;
+    const double S_4_11 = 0.8691692710140388 * alpha4;
+    const double S_4_12 = (-0.07653897132838097) * alpha7;
+    const double S_4_13 = -0.006948727887756916 + 0.06612677259881924 * alpha6;
+    const double S_4_22 = 0.9978159483343315 * alpha4;
+    const double S_4_23 = 0.40905294172354 * alpha5;
+    const double S_4_33 = 0.13301478065162953 * alpha4;
+    const double S_5_11 = 0.7757986416100022 * alpha5;
+    const double S_5_12 = 0.019222459468399348 + (-0.08100155107836308) * alpha6;
+    const double S_5_13 = (-0.17116304786243786) * alpha7;
+    const double S_5_22 = 0.22560185358382823 * alpha5;
+    const double S_5_23 = 0.40905294172354 * alpha4;
+    const double S_5_33 = 0.9985995048061699 * alpha5;
+    const double S_6_11 = 0.006949696462346222 + 0.008120450003726742 * alpha6;
+    const double S_6_12 = (-0.08100155107836308) * alpha5;
+    const double S_6_13 = 0.06612677259881924 * alpha4;
+    const double S_6_22 = -0.2888453299117188 + 0.9938488193551677 * alpha6;
+    const double S_6_23 = (-0.009791878445593954) * alpha7;
+    const double S_6_33 = -0.28541913668350255 + 0.998030730641106 * alpha6;
+    const double S_7_11 = 0.9836361321701889 * alpha7;
+    const double S_7_12 = (-0.07653897132838097) * alpha4;
+    const double S_7_13 = (-0.17116304786243786) * alpha5;
+    const double S_7_22 = 0.7598894642705915 * alpha7;
+    const double S_7_23 = 3.641454770386481e-05 + (-0.009791878445593954) * alpha6;
+    const double S_7_33 = 0.2564744035592197 * alpha7;
+    const double S_8_11 = 0.0526587076325526 * alpha1 + 0.8351337820732403 * alpha8;
+    const double S_8_12 = 0.05213396507997798 * alpha3;
+    const double S_8_22 = 0.00021667253526842326 * alpha1 + 0.994122776779808 * alpha8;
+    const double S_8_23 = (-0.02992582521388207) * alpha2;
+    const double S_8_33 = (-0.05287538016782101) * alpha1 + 0.17074344114695217 * alpha8;
+
+    /* J (appendix): J_11 = int rho ((r . r) I - r r); ...; J_33 = int rho ((r . r) I - r r) */
+    const double J_11 = 0.007344000000000003 + 0.006949696462346222 * alpha6 + S_1_11 * alpha1
+        + S_2_11 * alpha2 + S_3_11 * alpha3 + S_4_11 * alpha4 + S_5_11 * alpha5 + S_6_11 * alpha6
+        + S_7_11 * alpha7 + S_8_11 * alpha8;
+    const double J_12 = 0.019222459468399348 * alpha5 + S_1_12 * alpha1 + S_3_12 * alpha3
+        + S_4_12 * alpha4 + S_5_12 * alpha5 + S_6_12 * alpha6 + S_7_12 * alpha7 + S_8_12 * alpha8;
+    const double J_13 = (-0.006948727887756916) * alpha4 + S_2_13 * alpha2 + S_3_13 * alpha3
+        + S_4_13 * alpha4 + S_5_13 * alpha5 + S_6_13 * alpha6 + S_7_13 * alpha7;
+    const double J_22 = 0.088344 + (-0.2888453299117188) * alpha6 + S_1_22 * alpha1
+        + S_2_22 * alpha2 + S_3_22 * alpha3 + S_4_22 * alpha4 + S_5_22 * alpha5 + S_6_22 * alpha6
+        + S_7_22 * alpha7 + S_8_22 * alpha8;
+    const double J_23 = 3.641454770386481e-05 * alpha7 + S_1_23 * alpha1 + S_2_23 * alpha2
+        + S_4_23 * alpha4 + S_5_23 * alpha5 + S_6_23 * alpha6 + S_7_23 * alpha7 + S_8_23 * alpha8;
+    const double J_33 = 0.0918 + (-0.28541913668350255) * alpha6 + S_1_33 * alpha1 + S_2_33 * alpha2
+        + S_3_33 * alpha3 + S_4_33 * alpha4 + S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7
+        + S_8_33 * alpha8;
+
+    /*
+     * c7dot (appendix): c7dot_1_1 = int rho Phi_1 x rdot . e1; ...; c7dot_8_3 = int rho Phi_8 x
+     *     rdot . e3
+     */
+    const double c7dot_1_1 = (-0.8784787837749884) * alpha2dot;
+    const double c7dot_1_3 = 0.14213269823254854 * alpha3dot;
+    const double c7dot_2_1 = 0.06014933573656158 * alpha8dot - (-0.8784787837749884) * alpha1dot;
+    const double c7dot_2_2 = 0.3434623359074803 * alpha3dot;
+    const double c7dot_3_3 = 0.10707341325868729 * alpha8dot - 0.14213269823254854 * alpha1dot;
+    const double c7dot_4_1 = 0.8146287617076164 * alpha5dot;
+    const double c7dot_4_2 = (-0.13286677220194004) * alpha6dot;
+    const double c7dot_4_3 = 0.16411826642656863 * alpha7dot;
+    const double c7dot_5_2 = (-0.3338704835108587) * alpha7dot;
+    const double c7dot_5_3 = (-0.17320212202534865) * alpha6dot;
+    const double c7dot_6_1 = 0.03812757101123808 * alpha7dot;
+
+    /* d3dot (appendix): d3dot_1 = int rho r x rdot . e1; ...; d3dot_3 = int rho r x rdot . e3 */
+    const double d3dot_1 = alpha1 * c7dot_1_1 + alpha2 * c7dot_2_1 + alpha4 * c7dot_4_1
+        - alpha5 * (0.8146287617076164 * alpha4dot) + alpha6 * c7dot_6_1
+        - alpha7 * (0.03812757101123808 * alpha6dot) - alpha8 * (0.06014933573656158 * alpha2dot);
+    const double d3dot_2 = alpha2 * c7dot_2_2 - alpha3 * (0.3434623359074803 * alpha2dot)
+        + alpha4 * c7dot_4_2 + alpha5 * c7dot_5_2 - alpha6 * ((-0.13286677220194004) * alpha4dot)
+        - alpha7 * ((-0.3338704835108587) * alpha5dot);
+    const double d3dot_3 = alpha1 * c7dot_1_3 + alpha3 * c7dot_3_3 + alpha4 * c7dot_4_3
+        + alpha5 * c7dot_5_3 - alpha6 * ((-0.17320212202534865) * alpha5dot)
+        - alpha7 * (0.16411826642656863 * alpha4dot) - alpha8 * (0.10707341325868729 * alpha3dot);
+
     /* momentum (1): int rho xdot and int rho x x xdot */
-    momentum[0] = c1dot * mass;
-    momentum[1] = c2dot * mass;
-    momentum[2] = c3dot * mass;
-    const double t13 = d3dot_1 + J_11 * omega1 + J_12 * omega2 + J_13 * omega3;
-    const double t14 = d3dot_2 + J_12 * omega1 + J_22 * omega2 + J_23 * omega3;
-    const double t15 = d3dot_3 + J_13 * omega1 + J_23 * omega2 + J_33 * omega3;
-    momentum[3] = t13 * Q_11 + t14 * Q_12 + t15 * Q_13 + c2 * c3dot * mass - c2dot * c3 * mass;
-    momentum[4] = t13 * Q_21 + t14 * Q_22 + t15 * Q_23 + c1dot * c3 * mass - c1 * c3dot * mass;
-    momentum[5] = t13 * Q_31 + t14 * Q_32 + t15 * Q_33 + c1 * c2dot * mass - c1dot * c2 * mass;
+    momentum[0] = 6.48 * c1dot;
+    momentum[1] = 6.48 * c2dot;
+    momentum[2] = 6.48 * c3dot;
+    const double t13 = d3dot_1 + omega1 * J_11 + omega2 * J_12 + omega3 * J_13;
+    const double t14 = d3dot_2 + omega1 * J_12 + omega2 * J_22 + omega3 * J_23;
+    const double t15 = d3dot_3 + omega1 * J_13 + omega2 * J_23 + omega3 * J_33;
+    momentum[3] = t13 * Q_11 + t14 * Q_12 + t15 * Q_13 + 6.48 * (c3dot * c2) - 6.48 * (c2dot * c3);
+    momentum[4] = t13 * Q_21 + t14 * Q_22 + t15 * Q_23 + 6.48 * (c1dot * c3) - 6.48 * (c3dot * c1);
+    momentum[5] = t13 * Q_31 + t14 * Q_32 + t15 * Q_33 + 6.48 * (c2dot * c1) - 6.48 * (c1dot * c2);
     return 0;
 }
 
@@ -1079,26 +1233,35 @@ int block_rates(
     const double omega1 = v[3];
     const double omega2 = v[4];
     const double omega3 = v[5];
-    const double *alphadot = v + 6;
+    const double alpha1dot = v[6];
+    const double alpha2dot = v[7];
+    const double alpha3dot = v[8];
+    const double alpha4dot = v[9];
+    const double alpha5dot = v[10];
+    const double alpha6dot = v[11];
+    const double alpha7dot = v[12];
+    const double alpha8dot = v[13];
     (void) k;
 
     /* rates (1): from Qdot = Q (omega x) */
     qdot[0] = c1dot;
     qdot[1] = c2dot;
     qdot[2] = c3dot;
-    const double t1 = 0.5 * e1;
-    const double t2 = 0.5 * e2;
-    const double t3 = 0.5 * e3;
-    qdot[3] = -(t1 * omega1) - t2 * omega2 - t3 * omega3;
-    const double t4 = 0.5 * e0;
-    qdot[4] = t4 * omega1 + t2 * omega3 - t3 * omega2;
-    qdot[5] = t4 * omega2 + t3 * omega1 - t1 * omega3;
-    qdot[6] = t4 * omega3 + t1 * omega2 - t2 * omega1;
-
-    /* rates_i (1): from Qdot = Q (omega x), for each shape */
-    for (int i = 0; i < 8; i++) {
-        qdot[7 + i] = alphadot[i];
-    }
+    const double t1 = 0.5 * omega1;
+    const double t2 = 0.5 * omega2;
+    const double t3 = 0.5 * omega3;
+    qdot[3] = -(t1 * e1) - t2 * e2 - t3 * e3;
+    qdot[4] = t1 * e0 + t3 * e2 - t2 * e3;
+    qdot[5] = t2 * e0 + t1 * e3 - t3 * e1;
+    qdot[6] = t3 * e0 + t2 * e1 - t1 * e2;
+    qdot[7] = alpha1dot;
+    qdot[8] = alpha2dot;
+    qdot[9] = alpha3dot;
+    qdot[10] = alpha4dot;
+    qdot[11] = alpha5dot;
+    qdot[12] = alpha6dot;
+    qdot[13] = alpha7dot;
+    qdot[14] = alpha8dot;
     return 0;
 }
 
@@ -1117,44 +1280,60 @@ int block_marker_corner(
     const double e1 = q[4];
     const double e2 = q[5];
     const double e3 = q[6];
-    const double *alpha = q + 7;
+    const double alpha1 = q[7];
+    const double alpha2 = q[8];
+    const double alpha3 = q[9];
+    const double alpha4 = q[10];
+    const double alpha5 = q[11];
+    const double alpha6 = q[12];
+    const double alpha7 = q[13];
+    const double alpha8 = q[14];
     const double c1dot = v[0];
     const double c2dot = v[1];
     const double c3dot = v[2];
     const double omega1 = v[3];
     const double omega2 = v[4];
     const double omega3 = v[5];
-    const double *alphadot = v + 6;
-    const double X1_1 = k[711];
-    const double X1_2 = k[712];
-    const double X1_3 = k[713];
-    const double *Phi1_1 = k + 632;
-    const double *Phi1_2 = k + 640;
-    const double *Phi1_3 = k + 648;
+    const double alpha1dot = v[6];
+    const double alpha2dot = v[7];
+    const double alpha3dot = v[8];
+    const double alpha4dot = v[9];
+    const double alpha5dot = v[10];
+    const double alpha6dot = v[11];
+    const double alpha7dot = v[12];
+    const double alpha8dot = v[13];
+    (void) k;
 
-    /* sums (appendix): r = X + u at the marker; rdot = its rate */
-    double sums1[6][4];
-    for (int i = 0; i < 6; i++)
-        for (int l = 0; l < 4; l++) sums1[i][l] = 0.0;
-    for (int i = 0; i < 8; i += 4) {
-        TISSERAND_LANES
-        for (int l = 0; l < 4; l++) {
-            sums1[0][l] += Phi1_1[i + l] * alpha[i + l];
-            sums1[1][l] += Phi1_1[i + l] * alphadot[i + l];
-            sums1[2][l] += Phi1_2[i + l] * alpha[i + l];
-            sums1[3][l] += Phi1_2[i + l] * alphadot[i + l];
-            sums1[4][l] += Phi1_3[i + l] * alpha[i + l];
-            sums1[5][l] += Phi1_3[i + l] * alphadot[i + l];
-        }
-    }
-    const double r_1 = X1_1 + ((sums1[0][0] + sums1[0][1]) + (sums1[0][2] + sums1[0][3]));
-    const double rdot_1 = ((sums1[1][0] + sums1[1][1]) + (sums1[1][2] + sums1[1][3]));
-    const double r_2 = X1_2 + ((sums1[2][0] + sums1[2][1]) + (sums1[2][2] + sums1[2][3]));
-    const double rdot_2 = ((sums1[3][0] + sums1[3][1]) + (sums1[3][2] + sums1[3][3]));
-    const double r_3 = X1_3 + ((sums1[4][0] + sums1[4][1]) + (sums1[4][2] + sums1[4][3]));
-    const double rdot_3 = ((sums1[5][0] + sums1[5][1]) + (sums1[5][2] + sums1[5][3]));
+    /* r (14): X + u and its rate at the marker, in the body base */
+    const double r_1 = 0.5275946394495463 * alpha5 + 0.5399871638663002 * alpha6
+        + 0.4769773500056812 * alpha8 - 0.2 - 0.2507781328854089 * alpha1
+        - 0.36792703197185106 * alpha2 - 0.02518144397540276 * alpha3 - 0.3818220213312505 * alpha4
+        - 0.09926014335411275 * alpha7;
+    const double r_2 = 0.0018728385876259446 * alpha1 + 0.7007780273831681 * alpha2
+        + 0.011048122138255248 * alpha4 + 6.810993114921505e-05 * alpha6 - 0.05
+        - 0.49015913705042813 * alpha3 - 0.6134412407766932 * alpha5 - 0.47267468962111114 * alpha7
+        - 0.03554137704558601 * alpha8;
+    const double r_3 = 0.7449011505569272 * alpha1 + 0.8406521835887735 * alpha3
+        + 0.6842272816391906 * alpha4 + 0.003531455783832332 * alpha5 + 0.8812076801683899 * alpha7
+        - 0.03 - 0.0012626716947180161 * alpha2 - 6.974591890078557e-05 * alpha6
+        - 0.6113913128674688 * alpha8;
+    const double rdot_1 = 0.5275946394495463 * alpha5dot + 0.5399871638663002 * alpha6dot
+        + 0.4769773500056812 * alpha8dot - 0.2507781328854089 * alpha1dot
+        - 0.36792703197185106 * alpha2dot - 0.02518144397540276 * alpha3dot
+        - 0.3818220213312505 * alpha4dot - 0.09926014335411275 * alpha7dot;
+    const double rdot_2 = 0.0018728385876259446 * alpha1dot + 0.7007780273831681 * alpha2dot
+        + 0.011048122138255248 * alpha4dot + 6.810993114921505e-05 * alpha6dot
+        - 0.49015913705042813 * alpha3dot - 0.6134412407766932 * alpha5dot
+        - 0.47267468962111114 * alpha7dot - 0.03554137704558601 * alpha8dot;
+    const double rdot_3 = 0.7449011505569272 * alpha1dot + 0.8406521835887735 * alpha3dot
+        + 0.6842272816391906 * alpha4dot + 0.003531455783832332 * alpha5dot
+        + 0.8812076801683899 * alpha7dot - 0.0012626716947180161 * alpha2dot
+        - 6.974591890078557e-05 * alpha6dot - 0.6113913128674688 * alpha8dot;
 
-    /* Q (1): rotation tensor of the quaternion */
+    /*
+     * Q (1): Q_11 = rotation tensor of the quaternion; ...; Q_33 = rotation tensor of the
+     *     quaternion
+     */
     const double t1 = e0 * e0;
     const double t2 = e1 * e1;
     const double t3 = e2 * e2;
@@ -1199,13 +1378,54 @@ int block_marker_corner(
     jacobian[9] = r_1 * Q_12 - r_2 * Q_11;
     jacobian[10] = r_1 * Q_22 - r_2 * Q_21;
     jacobian[11] = r_1 * Q_32 - r_2 * Q_31;
-
-    /* marker_i (1): x = c + Q r, its rate and its derivatives, for each shape */
-    for (int i = 0; i < 8; i++) {
-        jacobian[12 + 3 * i] = Q_11 * Phi1_1[i] + Q_12 * Phi1_2[i] + Q_13 * Phi1_3[i];
-        jacobian[13 + 3 * i] = Q_21 * Phi1_1[i] + Q_22 * Phi1_2[i] + Q_23 * Phi1_3[i];
-        jacobian[14 + 3 * i] = Q_31 * Phi1_1[i] + Q_32 * Phi1_2[i] + Q_33 * Phi1_3[i];
-    }
+    jacobian[12] = 0.0018728385876259446 * Q_12 + 0.7449011505569272 * Q_13
+        - 0.2507781328854089 * Q_11;
+    jacobian[13] = 0.0018728385876259446 * Q_22 + 0.7449011505569272 * Q_23
+        - 0.2507781328854089 * Q_21;
+    jacobian[14] = 0.0018728385876259446 * Q_32 + 0.7449011505569272 * Q_33
+        - 0.2507781328854089 * Q_31;
+    jacobian[15] = 0.7007780273831681 * Q_12 - 0.36792703197185106 * Q_11
+        - 0.0012626716947180161 * Q_13;
+    jacobian[16] = 0.7007780273831681 * Q_22 - 0.36792703197185106 * Q_21
+        - 0.0012626716947180161 * Q_23;
+    jacobian[17] = 0.7007780273831681 * Q_32 - 0.36792703197185106 * Q_31
+        - 0.0012626716947180161 * Q_33;
+    jacobian[18] = 0.8406521835887735 * Q_13 - 0.02518144397540276 * Q_11
+        - 0.49015913705042813 * Q_12;
+    jacobian[19] = 0.8406521835887735 * Q_23 - 0.02518144397540276 * Q_21
+        - 0.49015913705042813 * Q_22;
+    jacobian[20] = 0.8406521835887735 * Q_33 - 0.02518144397540276 * Q_31
+        - 0.49015913705042813 * Q_32;
+    jacobian[21] = 0.011048122138255248 * Q_12 + 0.6842272816391906 * Q_13
+        - 0.3818220213312505 * Q_11;
+    jacobian[22] = 0.011048122138255248 * Q_22 + 0.6842272816391906 * Q_23
+        - 0.3818220213312505 * Q_21;
+    jacobian[23] = 0.011048122138255248 * Q_32 + 0.6842272816391906 * Q_33
+        - 0.3818220213312505 * Q_31;
+    jacobian[24] = 0.5275946394495463 * Q_11 + 0.003531455783832332 * Q_13
+        - 0.6134412407766932 * Q_12;
+    jacobian[25] = 0.5275946394495463 * Q_21 + 0.003531455783832332 * Q_23
+        - 0.6134412407766932 * Q_22;
+    jacobian[26] = 0.5275946394495463 * Q_31 + 0.003531455783832332 * Q_33
+        - 0.6134412407766932 * Q_32;
+    jacobian[27] = 0.5399871638663002 * Q_11 + 6.810993114921505e-05 * Q_12
+        - 6.974591890078557e-05 * Q_13;
+    jacobian[28] = 0.5399871638663002 * Q_21 + 6.810993114921505e-05 * Q_22
+        - 6.974591890078557e-05 * Q_23;
+    jacobian[29] = 0.5399871638663002 * Q_31 + 6.810993114921505e-05 * Q_32
+        - 6.974591890078557e-05 * Q_33;
+    jacobian[30] = 0.8812076801683899 * Q_13 - 0.09926014335411275 * Q_11
+        - 0.47267468962111114 * Q_12;
+    jacobian[31] = 0.8812076801683899 * Q_23 - 0.09926014335411275 * Q_21
+        - 0.47267468962111114 * Q_22;
+    jacobian[32] = 0.8812076801683899 * Q_33 - 0.09926014335411275 * Q_31
+        - 0.47267468962111114 * Q_32;
+    jacobian[33] = 0.4769773500056812 * Q_11 - 0.03554137704558601 * Q_12
+        - 0.6113913128674688 * Q_13;
+    jacobian[34] = 0.4769773500056812 * Q_21 - 0.03554137704558601 * Q_22
+        - 0.6113913128674688 * Q_23;
+    jacobian[35] = 0.4769773500056812 * Q_31 - 0.03554137704558601 * Q_32
+        - 0.6113913128674688 * Q_33;
     return 0;
 }
 
@@ -1224,44 +1444,24 @@ int block_marker_centre(
     const double e1 = q[4];
     const double e2 = q[5];
     const double e3 = q[6];
-    const double *alpha = q + 7;
+    const double alpha1 = q[7];
+    const double alpha2 = q[8];
+    const double alpha8 = q[14];
     const double c1dot = v[0];
     const double c2dot = v[1];
     const double c3dot = v[2];
     const double omega1 = v[3];
     const double omega2 = v[4];
     const double omega3 = v[5];
-    const double *alphadot = v + 6;
-    const double X2_1 = k[714];
-    const double X2_2 = k[715];
-    const double X2_3 = k[716];
-    const double *Phi2_1 = k + 656;
-    const double *Phi2_2 = k + 664;
-    const double *Phi2_3 = k + 672;
+    const double alpha1dot = v[6];
+    const double alpha2dot = v[7];
+    const double alpha8dot = v[13];
+    (void) k;
 
-    /* sums (appendix): r = X + u at the marker; rdot = its rate */
-    double sums1[6][4];
-    for (int i = 0; i < 6; i++)
-        for (int l = 0; l < 4; l++) sums1[i][l] = 0.0;
-    for (int i = 0; i < 8; i += 4) {
-        TISSERAND_LANES
-        for (int l = 0; l < 4; l++) {
-            sums1[0][l] += Phi2_1[i + l] * alpha[i + l];
-            sums1[1][l] += Phi2_1[i + l] * alphadot[i + l];
-            sums1[2][l] += Phi2_2[i + l] * alpha[i + l];
-            sums1[3][l] += Phi2_2[i + l] * alphadot[i + l];
-            sums1[4][l] += Phi2_3[i + l] * alpha[i + l];
-            sums1[5][l] += Phi2_3[i + l] * alphadot[i + l];
-        }
-    }
-    const double r_1 = X2_1 + ((sums1[0][0] + sums1[0][1]) + (sums1[0][2] + sums1[0][3]));
-    const double rdot_1 = ((sums1[1][0] + sums1[1][1]) + (sums1[1][2] + sums1[1][3]));
-    const double r_2 = X2_2 + ((sums1[2][0] + sums1[2][1]) + (sums1[2][2] + sums1[2][3]));
-    const double rdot_2 = ((sums1[3][0] + sums1[3][1]) + (sums1[3][2] + sums1[3][3]));
-    const double r_3 = X2_3 + ((sums1[4][0] + sums1[4][1]) + (sums1[4][2] + sums1[4][3]));
-    const double rdot_3 = ((sums1[5][0] + sums1[5][1]) + (sums1[5][2] + sums1[5][3]));
-
-    /* Q (1): rotation tensor of the quaternion */
+    /*
+     * Q (1): Q_11 = rotation tensor of the quaternion; ...; Q_33 = rotation tensor of the
+     *     quaternion
+     */
     const double t1 = e0 * e0;
     const double t2 = e1 * e1;
     const double t3 = e2 * e2;
@@ -1285,34 +1485,39 @@ int block_marker_centre(
     const double Q_33 = t1 + t4 - t2 - t3;
 
     /* marker (1): x = c + Q r, its rate and its derivatives */
-    x[0] = c1 + r_1 * Q_11 + r_2 * Q_12 + r_3 * Q_13;
-    x[1] = c2 + r_1 * Q_21 + r_2 * Q_22 + r_3 * Q_23;
-    x[2] = c3 + r_1 * Q_31 + r_2 * Q_32 + r_3 * Q_33;
-    const double t13 = rdot_1 + omega2 * r_3 - omega3 * r_2;
-    const double t14 = rdot_2 + omega3 * r_1 - omega1 * r_3;
-    const double t15 = rdot_3 + omega1 * r_2 - omega2 * r_1;
-    xdot[0] = c1dot + t13 * Q_11 + t14 * Q_12 + t15 * Q_13;
-    xdot[1] = c2dot + t13 * Q_21 + t14 * Q_22 + t15 * Q_23;
-    xdot[2] = c3dot + t13 * Q_31 + t14 * Q_32 + t15 * Q_33;
+    const double t13 = 0.4490479497916433 * alpha2;
+    const double t14 = 0.4549790471738913 * alpha1 + 0.5315455430903949 * alpha8;
+    x[0] = c1 - t13 * Q_12 - t14 * Q_13;
+    x[1] = c2 - t13 * Q_22 - t14 * Q_23;
+    x[2] = c3 - t13 * Q_32 - t14 * Q_33;
+    const double t15 = omega3 * t13 - omega2 * t14;
+    const double t16 = omega1 * t14 - 0.4490479497916433 * alpha2dot;
+    const double t17 = 0.4549790471738913 * alpha1dot + 0.5315455430903949 * alpha8dot
+        + omega1 * t13;
+    xdot[0] = c1dot + t15 * Q_11 + t16 * Q_12 - t17 * Q_13;
+    xdot[1] = c2dot + t15 * Q_21 + t16 * Q_22 - t17 * Q_23;
+    xdot[2] = c3dot + t15 * Q_31 + t16 * Q_32 - t17 * Q_33;
     jacobian[0] = 1.0;
     jacobian[1] = 1.0;
     jacobian[2] = 1.0;
-    jacobian[3] = r_2 * Q_13 - r_3 * Q_12;
-    jacobian[4] = r_2 * Q_23 - r_3 * Q_22;
-    jacobian[5] = r_2 * Q_33 - r_3 * Q_32;
-    jacobian[6] = r_3 * Q_11 - r_1 * Q_13;
-    jacobian[7] = r_3 * Q_21 - r_1 * Q_23;
-    jacobian[8] = r_3 * Q_31 - r_1 * Q_33;
-    jacobian[9] = r_1 * Q_12 - r_2 * Q_11;
-    jacobian[10] = r_1 * Q_22 - r_2 * Q_21;
-    jacobian[11] = r_1 * Q_32 - r_2 * Q_31;
-
-    /* marker_i (1): x = c + Q r, its rate and its derivatives, for each shape */
-    for (int i = 0; i < 8; i++) {
-        jacobian[12 + 3 * i] = Q_11 * Phi2_1[i] + Q_12 * Phi2_2[i] + Q_13 * Phi2_3[i];
-        jacobian[13 + 3 * i] = Q_21 * Phi2_1[i] + Q_22 * Phi2_2[i] + Q_23 * Phi2_3[i];
-        jacobian[14 + 3 * i] = Q_31 * Phi2_1[i] + Q_32 * Phi2_2[i] + Q_33 * Phi2_3[i];
-    }
+    jacobian[3] = t14 * Q_12 - t13 * Q_13;
+    jacobian[4] = t14 * Q_22 - t13 * Q_23;
+    jacobian[5] = t14 * Q_32 - t13 * Q_33;
+    jacobian[6] = -(t14 * Q_11);
+    jacobian[7] = -(t14 * Q_21);
+    jacobian[8] = -(t14 * Q_31);
+    jacobian[9] = t13 * Q_11;
+    jacobian[10] = t13 * Q_21;
+    jacobian[11] = t13 * Q_31;
+    jacobian[12] = (-0.4549790471738913) * Q_13;
+    jacobian[13] = (-0.4549790471738913) * Q_23;
+    jacobian[14] = (-0.4549790471738913) * Q_33;
+    jacobian[15] = (-0.4490479497916433) * Q_12;
+    jacobian[16] = (-0.4490479497916433) * Q_22;
+    jacobian[17] = (-0.4490479497916433) * Q_32;
+    jacobian[18] = (-0.5315455430903949) * Q_13;
+    jacobian[19] = (-0.5315455430903949) * Q_23;
+    jacobian[20] = (-0.5315455430903949) * Q_33;
     return 0;
 }
 
@@ -1331,44 +1536,39 @@ int block_marker_end(
     const double e1 = q[4];
     const double e2 = q[5];
     const double e3 = q[6];
-    const double *alpha = q + 7;
+    const double alpha1 = q[7];
+    const double alpha2 = q[8];
+    const double alpha4 = q[10];
+    const double alpha5 = q[11];
+    const double alpha6 = q[12];
+    const double alpha8 = q[14];
     const double c1dot = v[0];
     const double c2dot = v[1];
     const double c3dot = v[2];
     const double omega1 = v[3];
     const double omega2 = v[4];
     const double omega3 = v[5];
-    const double *alphadot = v + 6;
-    const double X3_1 = k[717];
-    const double X3_2 = k[718];
-    const double X3_3 = k[719];
-    const double *Phi3_1 = k + 680;
-    const double *Phi3_2 = k + 688;
-    const double *Phi3_3 = k + 696;
+    const double alpha1dot = v[6];
+    const double alpha2dot = v[7];
+    const double alpha4dot = v[9];
+    const double alpha5dot = v[10];
+    const double alpha6dot = v[11];
+    const double alpha8dot = v[13];
+    (void) k;
 
-    /* sums (appendix): r = X + u at the marker; rdot = its rate */
-    double sums1[6][4];
-    for (int i = 0; i < 6; i++)
-        for (int l = 0; l < 4; l++) sums1[i][l] = 0.0;
-    for (int i = 0; i < 8; i += 4) {
-        TISSERAND_LANES
-        for (int l = 0; l < 4; l++) {
-            sums1[0][l] += Phi3_1[i + l] * alpha[i + l];
-            sums1[1][l] += Phi3_1[i + l] * alphadot[i + l];
-            sums1[2][l] += Phi3_2[i + l] * alpha[i + l];
-            sums1[3][l] += Phi3_2[i + l] * alphadot[i + l];
-            sums1[4][l] += Phi3_3[i + l] * alpha[i + l];
-            sums1[5][l] += Phi3_3[i + l] * alphadot[i + l];
-        }
-    }
-    const double r_1 = X3_1 + ((sums1[0][0] + sums1[0][1]) + (sums1[0][2] + sums1[0][3]));
-    const double rdot_1 = ((sums1[1][0] + sums1[1][1]) + (sums1[1][2] + sums1[1][3]));
-    const double r_2 = X3_2 + ((sums1[2][0] + sums1[2][1]) + (sums1[2][2] + sums1[2][3]));
-    const double rdot_2 = ((sums1[3][0] + sums1[3][1]) + (sums1[3][2] + sums1[3][3]));
-    const double r_3 = X3_3 + ((sums1[4][0] + sums1[4][1]) + (sums1[4][2] + sums1[4][3]));
-    const double rdot_3 = ((sums1[5][0] + sums1[5][1]) + (sums1[5][2] + sums1[5][3]));
+    /* r (14): X + u and its rate at the marker, in the body base */
+    const double r_1 = 0.2 - 0.5600463460571621 * alpha6;
+    const double r_2 = 0.6969176041930503 * alpha2 + 0.599135556698704 * alpha5;
+    const double r_3 = 0.748878107500388 * alpha1 - 0.7054512084307272 * alpha4
+        - 0.6731445856665152 * alpha8;
+    const double rdot_2 = 0.6969176041930503 * alpha2dot + 0.599135556698704 * alpha5dot;
+    const double rdot_3 = 0.748878107500388 * alpha1dot - 0.7054512084307272 * alpha4dot
+        - 0.6731445856665152 * alpha8dot;
 
-    /* Q (1): rotation tensor of the quaternion */
+    /*
+     * Q (1): Q_11 = rotation tensor of the quaternion; ...; Q_33 = rotation tensor of the
+     *     quaternion
+     */
     const double t1 = e0 * e0;
     const double t2 = e1 * e1;
     const double t3 = e2 * e2;
@@ -1395,7 +1595,7 @@ int block_marker_end(
     x[0] = c1 + r_1 * Q_11 + r_2 * Q_12 + r_3 * Q_13;
     x[1] = c2 + r_1 * Q_21 + r_2 * Q_22 + r_3 * Q_23;
     x[2] = c3 + r_1 * Q_31 + r_2 * Q_32 + r_3 * Q_33;
-    const double t13 = rdot_1 + omega2 * r_3 - omega3 * r_2;
+    const double t13 = omega2 * r_3 - 0.5600463460571621 * alpha6dot - omega3 * r_2;
     const double t14 = rdot_2 + omega3 * r_1 - omega1 * r_3;
     const double t15 = rdot_3 + omega1 * r_2 - omega2 * r_1;
     xdot[0] = c1dot + t13 * Q_11 + t14 * Q_12 + t15 * Q_13;
@@ -1413,13 +1613,24 @@ int block_marker_end(
     jacobian[9] = r_1 * Q_12 - r_2 * Q_11;
     jacobian[10] = r_1 * Q_22 - r_2 * Q_21;
     jacobian[11] = r_1 * Q_32 - r_2 * Q_31;
-
-    /* marker_i (1): x = c + Q r, its rate and its derivatives, for each shape */
-    for (int i = 0; i < 8; i++) {
-        jacobian[12 + 3 * i] = Q_11 * Phi3_1[i] + Q_12 * Phi3_2[i] + Q_13 * Phi3_3[i];
-        jacobian[13 + 3 * i] = Q_21 * Phi3_1[i] + Q_22 * Phi3_2[i] + Q_23 * Phi3_3[i];
-        jacobian[14 + 3 * i] = Q_31 * Phi3_1[i] + Q_32 * Phi3_2[i] + Q_33 * Phi3_3[i];
-    }
+    jacobian[12] = 0.748878107500388 * Q_13;
+    jacobian[13] = 0.748878107500388 * Q_23;
+    jacobian[14] = 0.748878107500388 * Q_33;
+    jacobian[15] = 0.6969176041930503 * Q_12;
+    jacobian[16] = 0.6969176041930503 * Q_22;
+    jacobian[17] = 0.6969176041930503 * Q_32;
+    jacobian[18] = (-0.7054512084307272) * Q_13;
+    jacobian[19] = (-0.7054512084307272) * Q_23;
+    jacobian[20] = (-0.7054512084307272) * Q_33;
+    jacobian[21] = 0.599135556698704 * Q_12;
+    jacobian[22] = 0.599135556698704 * Q_22;
+    jacobian[23] = 0.599135556698704 * Q_32;
+    jacobian[24] = (-0.5600463460571621) * Q_11;
+    jacobian[25] = (-0.5600463460571621) * Q_21;
+    jacobian[26] = (-0.5600463460571621) * Q_31;
+    jacobian[27] = (-0.6731445856665152) * Q_13;
+    jacobian[28] = (-0.6731445856665152) * Q_23;
+    jacobian[29] = (-0.6731445856665152) * Q_33;
     return 0;
 }
 
@@ -1433,34 +1644,23 @@ int block_load_corner(
     const double e1 = q[4];
     const double e2 = q[5];
     const double e3 = q[6];
-    const double *alpha = q + 7;
+    const double alpha1 = q[7];
+    const double alpha2 = q[8];
+    const double alpha3 = q[9];
+    const double alpha4 = q[10];
+    const double alpha5 = q[11];
+    const double alpha6 = q[12];
+    const double alpha7 = q[13];
+    const double alpha8 = q[14];
     const double F_1 = F[0];
     const double F_2 = F[1];
     const double F_3 = F[2];
-    const double X1_1 = k[711];
-    const double X1_2 = k[712];
-    const double X1_3 = k[713];
-    const double *Phi1_1 = k + 632;
-    const double *Phi1_2 = k + 640;
-    const double *Phi1_3 = k + 648;
+    (void) k;
 
-    /* sums (appendix): r = X + u at the marker */
-    double sums1[3][4];
-    for (int i = 0; i < 3; i++)
-        for (int l = 0; l < 4; l++) sums1[i][l] = 0.0;
-    for (int i = 0; i < 8; i += 4) {
-        TISSERAND_LANES
-        for (int l = 0; l < 4; l++) {
-            sums1[0][l] += Phi1_1[i + l] * alpha[i + l];
-            sums1[1][l] += Phi1_2[i + l] * alpha[i + l];
-            sums1[2][l] += Phi1_3[i + l] * alpha[i + l];
-        }
-    }
-    const double r_1 = X1_1 + ((sums1[0][0] + sums1[0][1]) + (sums1[0][2] + sums1[0][3]));
-    const double r_2 = X1_2 + ((sums1[1][0] + sums1[1][1]) + (sums1[1][2] + sums1[1][3]));
-    const double r_3 = X1_3 + ((sums1[2][0] + sums1[2][1]) + (sums1[2][2] + sums1[2][3]));
-
-    /* Q (1): rotation tensor of the quaternion */
+    /*
+     * Q (1): Q_11 = rotation tensor of the quaternion; ...; Q_33 = rotation tensor of the
+     *     quaternion
+     */
     const double t1 = e0 * e0;
     const double t2 = e1 * e1;
     const double t3 = e2 * e2;
@@ -1483,10 +1683,24 @@ int block_load_corner(
     const double Q_32 = t12 + t11;
     const double Q_33 = t1 + t4 - t2 - t3;
 
-    /* F (10): force along the axis 1 of the floating frame */
+    /* F (10): the force seen from the body base */
     const double Fb_1 = F_1 * Q_11 + F_2 * Q_21 + F_3 * Q_31;
     const double Fb_2 = F_1 * Q_12 + F_2 * Q_22 + F_3 * Q_32;
     const double Fb_3 = F_1 * Q_13 + F_2 * Q_23 + F_3 * Q_33;
+
+    /* r (1): the marker in the body base */
+    const double r_1 = 0.5275946394495463 * alpha5 + 0.5399871638663002 * alpha6
+        + 0.4769773500056812 * alpha8 - 0.2 - 0.2507781328854089 * alpha1
+        - 0.36792703197185106 * alpha2 - 0.02518144397540276 * alpha3 - 0.3818220213312505 * alpha4
+        - 0.09926014335411275 * alpha7;
+    const double r_2 = 0.0018728385876259446 * alpha1 + 0.7007780273831681 * alpha2
+        + 0.011048122138255248 * alpha4 + 6.810993114921505e-05 * alpha6 - 0.05
+        - 0.49015913705042813 * alpha3 - 0.6134412407766932 * alpha5 - 0.47267468962111114 * alpha7
+        - 0.03554137704558601 * alpha8;
+    const double r_3 = 0.7449011505569272 * alpha1 + 0.8406521835887735 * alpha3
+        + 0.6842272816391906 * alpha4 + 0.003531455783832332 * alpha5 + 0.8812076801683899 * alpha7
+        - 0.03 - 0.0012626716947180161 * alpha2 - 6.974591890078557e-05 * alpha6
+        - 0.6113913128674688 * alpha8;
 
     /* f (10): virtual work of the force */
     f[0] = F_1;
@@ -1495,11 +1709,14 @@ int block_load_corner(
     f[3] = Fb_3 * r_2 - Fb_2 * r_3;
     f[4] = Fb_1 * r_3 - Fb_3 * r_1;
     f[5] = Fb_2 * r_1 - Fb_1 * r_2;
-
-    /* f_i (10): virtual work of the force, for each shape */
-    for (int i = 0; i < 8; i++) {
-        f[6 + i] = Fb_1 * Phi1_1[i] + Fb_2 * Phi1_2[i] + Fb_3 * Phi1_3[i];
-    }
+    f[6] = 0.0018728385876259446 * Fb_2 + 0.7449011505569272 * Fb_3 - 0.2507781328854089 * Fb_1;
+    f[7] = 0.7007780273831681 * Fb_2 - 0.36792703197185106 * Fb_1 - 0.0012626716947180161 * Fb_3;
+    f[8] = 0.8406521835887735 * Fb_3 - 0.02518144397540276 * Fb_1 - 0.49015913705042813 * Fb_2;
+    f[9] = 0.011048122138255248 * Fb_2 + 0.6842272816391906 * Fb_3 - 0.3818220213312505 * Fb_1;
+    f[10] = 0.5275946394495463 * Fb_1 + 0.003531455783832332 * Fb_3 - 0.6134412407766932 * Fb_2;
+    f[11] = 0.5399871638663002 * Fb_1 + 6.810993114921505e-05 * Fb_2 - 6.974591890078557e-05 * Fb_3;
+    f[12] = 0.8812076801683899 * Fb_3 - 0.09926014335411275 * Fb_1 - 0.47267468962111114 * Fb_2;
+    f[13] = 0.4769773500056812 * Fb_1 - 0.03554137704558601 * Fb_2 - 0.6113913128674688 * Fb_3;
     return 0;
 }
 
@@ -1513,34 +1730,18 @@ int block_load_centre(
     const double e1 = q[4];
     const double e2 = q[5];
     const double e3 = q[6];
-    const double *alpha = q + 7;
+    const double alpha1 = q[7];
+    const double alpha2 = q[8];
+    const double alpha8 = q[14];
     const double F_1 = F[0];
     const double F_2 = F[1];
     const double F_3 = F[2];
-    const double X2_1 = k[714];
-    const double X2_2 = k[715];
-    const double X2_3 = k[716];
-    const double *Phi2_1 = k + 656;
-    const double *Phi2_2 = k + 664;
-    const double *Phi2_3 = k + 672;
+    (void) k;
 
-    /* sums (appendix): r = X + u at the marker */
-    double sums1[3][4];
-    for (int i = 0; i < 3; i++)
-        for (int l = 0; l < 4; l++) sums1[i][l] = 0.0;
-    for (int i = 0; i < 8; i += 4) {
-        TISSERAND_LANES
-        for (int l = 0; l < 4; l++) {
-            sums1[0][l] += Phi2_1[i + l] * alpha[i + l];
-            sums1[1][l] += Phi2_2[i + l] * alpha[i + l];
-            sums1[2][l] += Phi2_3[i + l] * alpha[i + l];
-        }
-    }
-    const double r_1 = X2_1 + ((sums1[0][0] + sums1[0][1]) + (sums1[0][2] + sums1[0][3]));
-    const double r_2 = X2_2 + ((sums1[1][0] + sums1[1][1]) + (sums1[1][2] + sums1[1][3]));
-    const double r_3 = X2_3 + ((sums1[2][0] + sums1[2][1]) + (sums1[2][2] + sums1[2][3]));
-
-    /* Q (1): rotation tensor of the quaternion */
+    /*
+     * Q (1): Q_11 = rotation tensor of the quaternion; ...; Q_33 = rotation tensor of the
+     *     quaternion
+     */
     const double t1 = e0 * e0;
     const double t2 = e1 * e1;
     const double t3 = e2 * e2;
@@ -1563,7 +1764,7 @@ int block_load_centre(
     const double Q_32 = t12 + t11;
     const double Q_33 = t1 + t4 - t2 - t3;
 
-    /* F (10): force along the axis 1 of the floating frame */
+    /* F (10): the force seen from the body base */
     const double Fb_1 = F_1 * Q_11 + F_2 * Q_21 + F_3 * Q_31;
     const double Fb_2 = F_1 * Q_12 + F_2 * Q_22 + F_3 * Q_32;
     const double Fb_3 = F_1 * Q_13 + F_2 * Q_23 + F_3 * Q_33;
@@ -1572,14 +1773,19 @@ int block_load_centre(
     f[0] = F_1;
     f[1] = F_2;
     f[2] = F_3;
-    f[3] = Fb_3 * r_2 - Fb_2 * r_3;
-    f[4] = Fb_1 * r_3 - Fb_3 * r_1;
-    f[5] = Fb_2 * r_1 - Fb_1 * r_2;
-
-    /* f_i (10): virtual work of the force, for each shape */
-    for (int i = 0; i < 8; i++) {
-        f[6 + i] = Fb_1 * Phi2_1[i] + Fb_2 * Phi2_2[i] + Fb_3 * Phi2_3[i];
-    }
+    const double t13 = 0.4549790471738913 * alpha1 + 0.5315455430903949 * alpha8;
+    const double t14 = 0.4490479497916433 * alpha2;
+    f[3] = Fb_2 * t13 - Fb_3 * t14;
+    f[4] = -(Fb_1 * t13);
+    f[5] = Fb_1 * t14;
+    f[6] = (-0.4549790471738913) * Fb_3;
+    f[7] = (-0.4490479497916433) * Fb_2;
+    f[8] = 0.0;
+    f[9] = 0.0;
+    f[10] = 0.0;
+    f[11] = 0.0;
+    f[12] = 0.0;
+    f[13] = (-0.5315455430903949) * Fb_3;
     return 0;
 }
 
@@ -1593,34 +1799,21 @@ int block_load_end(
     const double e1 = q[4];
     const double e2 = q[5];
     const double e3 = q[6];
-    const double *alpha = q + 7;
+    const double alpha1 = q[7];
+    const double alpha2 = q[8];
+    const double alpha4 = q[10];
+    const double alpha5 = q[11];
+    const double alpha6 = q[12];
+    const double alpha8 = q[14];
     const double F_1 = F[0];
     const double F_2 = F[1];
     const double F_3 = F[2];
-    const double X3_1 = k[717];
-    const double X3_2 = k[718];
-    const double X3_3 = k[719];
-    const double *Phi3_1 = k + 680;
-    const double *Phi3_2 = k + 688;
-    const double *Phi3_3 = k + 696;
+    (void) k;
 
-    /* sums (appendix): r = X + u at the marker */
-    double sums1[3][4];
-    for (int i = 0; i < 3; i++)
-        for (int l = 0; l < 4; l++) sums1[i][l] = 0.0;
-    for (int i = 0; i < 8; i += 4) {
-        TISSERAND_LANES
-        for (int l = 0; l < 4; l++) {
-            sums1[0][l] += Phi3_1[i + l] * alpha[i + l];
-            sums1[1][l] += Phi3_2[i + l] * alpha[i + l];
-            sums1[2][l] += Phi3_3[i + l] * alpha[i + l];
-        }
-    }
-    const double r_1 = X3_1 + ((sums1[0][0] + sums1[0][1]) + (sums1[0][2] + sums1[0][3]));
-    const double r_2 = X3_2 + ((sums1[1][0] + sums1[1][1]) + (sums1[1][2] + sums1[1][3]));
-    const double r_3 = X3_3 + ((sums1[2][0] + sums1[2][1]) + (sums1[2][2] + sums1[2][3]));
-
-    /* Q (1): rotation tensor of the quaternion */
+    /*
+     * Q (1): Q_11 = rotation tensor of the quaternion; ...; Q_33 = rotation tensor of the
+     *     quaternion
+     */
     const double t1 = e0 * e0;
     const double t2 = e1 * e1;
     const double t3 = e2 * e2;
@@ -1643,10 +1836,16 @@ int block_load_end(
     const double Q_32 = t12 + t11;
     const double Q_33 = t1 + t4 - t2 - t3;
 
-    /* F (10): force along the axis 1 of the floating frame */
+    /* F (10): the force seen from the body base */
     const double Fb_1 = F_1 * Q_11 + F_2 * Q_21 + F_3 * Q_31;
     const double Fb_2 = F_1 * Q_12 + F_2 * Q_22 + F_3 * Q_32;
     const double Fb_3 = F_1 * Q_13 + F_2 * Q_23 + F_3 * Q_33;
+
+    /* r (1): the marker in the body base */
+    const double r_1 = 0.2 - 0.5600463460571621 * alpha6;
+    const double r_2 = 0.6969176041930503 * alpha2 + 0.599135556698704 * alpha5;
+    const double r_3 = 0.748878107500388 * alpha1 - 0.7054512084307272 * alpha4
+        - 0.6731445856665152 * alpha8;
 
     /* f (10): virtual work of the force */
     f[0] = F_1;
@@ -1655,11 +1854,14 @@ int block_load_end(
     f[3] = Fb_3 * r_2 - Fb_2 * r_3;
     f[4] = Fb_1 * r_3 - Fb_3 * r_1;
     f[5] = Fb_2 * r_1 - Fb_1 * r_2;
-
-    /* f_i (10): virtual work of the force, for each shape */
-    for (int i = 0; i < 8; i++) {
-        f[6 + i] = Fb_1 * Phi3_1[i] + Fb_2 * Phi3_2[i] + Fb_3 * Phi3_3[i];
-    }
+    f[6] = 0.748878107500388 * Fb_3;
+    f[7] = 0.6969176041930503 * Fb_2;
+    f[8] = 0.0;
+    f[9] = (-0.7054512084307272) * Fb_3;
+    f[10] = 0.599135556698704 * Fb_2;
+    f[11] = (-0.5600463460571621) * Fb_1;
+    f[12] = 0.0;
+    f[13] = (-0.6731445856665152) * Fb_3;
     return 0;
 }
 
@@ -1675,14 +1877,28 @@ int block_residual(
     const double e1 = y[4];
     const double e2 = y[5];
     const double e3 = y[6];
+    const double alpha1 = y[7];
+    const double alpha2 = y[8];
+    const double alpha3 = y[9];
+    const double alpha4 = y[10];
+    const double alpha5 = y[11];
+    const double alpha6 = y[12];
+    const double alpha7 = y[13];
+    const double alpha8 = y[14];
     const double c1dot = y[15];
     const double c2dot = y[16];
     const double c3dot = y[17];
     const double omega1 = y[18];
     const double omega2 = y[19];
     const double omega3 = y[20];
-    const double *alpha = y + 7;
-    const double *alphadot = y + 21;
+    const double alpha1dot = y[21];
+    const double alpha2dot = y[22];
+    const double alpha3dot = y[23];
+    const double alpha4dot = y[24];
+    const double alpha5dot = y[25];
+    const double alpha6dot = y[26];
+    const double alpha7dot = y[27];
+    const double alpha8dot = y[28];
     const double c1_t = ydot[0];
     const double c2_t = ydot[1];
     const double c3_t = ydot[2];
@@ -1690,138 +1906,31 @@ int block_residual(
     const double e1_t = ydot[4];
     const double e2_t = ydot[5];
     const double e3_t = ydot[6];
+    const double alpha1_t = ydot[7];
+    const double alpha2_t = ydot[8];
+    const double alpha3_t = ydot[9];
+    const double alpha4_t = ydot[10];
+    const double alpha5_t = ydot[11];
+    const double alpha6_t = ydot[12];
+    const double alpha7_t = ydot[13];
+    const double alpha8_t = ydot[14];
     const double c1ddot = ydot[15];
     const double c2ddot = ydot[16];
     const double c3ddot = ydot[17];
     const double omega1dot = ydot[18];
     const double omega2dot = ydot[19];
     const double omega3dot = ydot[20];
-    const double *alpha_t = ydot + 7;
-    const double *alphaddot = ydot + 21;
-    const double mass = k[704];
-    const double C3_11 = k[705];
-    const double C3_12 = k[706];
-    const double C3_13 = k[707];
-    const double C3_22 = k[708];
-    const double C3_23 = k[709];
-    const double C3_33 = k[710];
-    const double *tables = k;
-    const double *C4_11 = k + 576;
-    const double *C4_12 = k + 584;
-    const double *C4_13 = k + 592;
-    const double *C4_22 = k + 600;
-    const double *C4_23 = k + 608;
-    const double *C4_33 = k + 616;
-    const double *K = k + 624;
+    const double alpha1ddot = ydot[21];
+    const double alpha2ddot = ydot[22];
+    const double alpha3ddot = ydot[23];
+    const double alpha4ddot = ydot[24];
+    const double alpha5ddot = ydot[25];
+    const double alpha6ddot = ydot[26];
+    const double alpha7ddot = ydot[27];
+    const double alpha8ddot = ydot[28];
+    (void) k;
 
-    /* minus_alpha: alpha with its sign changed */
-    double minus_alpha[8];
-    for (int i = 0; i < 8; i++) {
-        minus_alpha[i] = -alpha[i];
-    }
-
-    /*
-     * tables (appendix): S_i = symmetric part of D2_i; d3_i = int rho r x Phi_i; c7dot_i = int rho
-     *     Phi_i x rdot
-     */
-    double x_alpha[8];
-    for (int i = 0; i < 8; i++) x_alpha[i] = alpha[i];
-    double x_minus_alpha[8];
-    for (int i = 0; i < 8; i++) x_minus_alpha[i] = minus_alpha[i];
-    double x_alphadot[8];
-    for (int i = 0; i < 8; i++) x_alphadot[i] = alphadot[i];
-    double S_11[8];
-    double S_12[8];
-    double S_13[8];
-    double S_22[8];
-    double S_23[8];
-    double S_33[8];
-    double d3_1[8];
-    double d3_2[8];
-    double d3_3[8];
-    double c7dot_1[8];
-    double c7dot_2[8];
-    double c7dot_3[8];
-    for (int i = 0; i < 8; i++) {
-        S_11[i] = C4_11[i];
-        S_12[i] = C4_12[i];
-        S_13[i] = C4_13[i];
-        S_22[i] = C4_22[i];
-        S_23[i] = C4_23[i];
-        S_33[i] = C4_33[i];
-        d3_1[i] = 0.0;
-        d3_2[i] = 0.0;
-        d3_3[i] = 0.0;
-        c7dot_1[i] = 0.0;
-        c7dot_2[i] = 0.0;
-        c7dot_3[i] = 0.0;
-    }
-    for (int j = 0; j < 8; j += 4) {
-        const double *panel = tables + 72 * j;
-        block_panel(S_11, panel + 0, x_alpha + j);
-        block_panel(S_12, panel + 32, x_alpha + j);
-        block_panel(S_13, panel + 64, x_alpha + j);
-        block_panel(S_22, panel + 96, x_alpha + j);
-        block_panel(S_23, panel + 128, x_alpha + j);
-        block_panel(S_33, panel + 160, x_alpha + j);
-        block_panel(d3_1, panel + 192, x_minus_alpha + j);
-        block_panel(d3_2, panel + 224, x_minus_alpha + j);
-        block_panel(d3_3, panel + 256, x_minus_alpha + j);
-        block_panel(c7dot_1, panel + 192, x_alphadot + j);
-        block_panel(c7dot_2, panel + 224, x_alphadot + j);
-        block_panel(c7dot_3, panel + 256, x_alphadot + j);
-    }
-
-    /*
-     * sums (appendix): J = int rho ((r . r) I - r r); Sdot = sum alphadot_i S_i; d3dot = int rho r
-     *     x rdot; d3ddot = int rho r x rddot
-     */
-    double sums1[18][4];
-    for (int i = 0; i < 18; i++)
-        for (int l = 0; l < 4; l++) sums1[i][l] = 0.0;
-    for (int i = 0; i < 8; i += 4) {
-        TISSERAND_LANES
-        for (int l = 0; l < 4; l++) {
-            sums1[0][l] += alpha[i + l] * (C4_11[i + l] + S_11[i + l]);
-            sums1[1][l] += alpha[i + l] * (C4_12[i + l] + S_12[i + l]);
-            sums1[2][l] += alpha[i + l] * (C4_13[i + l] + S_13[i + l]);
-            sums1[3][l] += alpha[i + l] * (C4_22[i + l] + S_22[i + l]);
-            sums1[4][l] += alpha[i + l] * (C4_23[i + l] + S_23[i + l]);
-            sums1[5][l] += alpha[i + l] * (C4_33[i + l] + S_33[i + l]);
-            sums1[6][l] += S_11[i + l] * alphadot[i + l];
-            sums1[7][l] += S_12[i + l] * alphadot[i + l];
-            sums1[8][l] += S_13[i + l] * alphadot[i + l];
-            sums1[9][l] += S_22[i + l] * alphadot[i + l];
-            sums1[10][l] += S_23[i + l] * alphadot[i + l];
-            sums1[11][l] += S_33[i + l] * alphadot[i + l];
-            sums1[12][l] += alpha[i + l] * c7dot_1[i + l];
-            sums1[13][l] += alpha[i + l] * c7dot_2[i + l];
-            sums1[14][l] += alpha[i + l] * c7dot_3[i + l];
-            sums1[15][l] += alphaddot[i + l] * d3_1[i + l];
-            sums1[16][l] += alphaddot[i + l] * d3_2[i + l];
-            sums1[17][l] += alphaddot[i + l] * d3_3[i + l];
-        }
-    }
-    const double J_11 = C3_11 + ((sums1[0][0] + sums1[0][1]) + (sums1[0][2] + sums1[0][3]));
-    const double J_12 = C3_12 + ((sums1[1][0] + sums1[1][1]) + (sums1[1][2] + sums1[1][3]));
-    const double J_13 = C3_13 + ((sums1[2][0] + sums1[2][1]) + (sums1[2][2] + sums1[2][3]));
-    const double J_22 = C3_22 + ((sums1[3][0] + sums1[3][1]) + (sums1[3][2] + sums1[3][3]));
-    const double J_23 = C3_23 + ((sums1[4][0] + sums1[4][1]) + (sums1[4][2] + sums1[4][3]));
-    const double J_33 = C3_33 + ((sums1[5][0] + sums1[5][1]) + (sums1[5][2] + sums1[5][3]));
-    const double Sdot_11 = ((sums1[6][0] + sums1[6][1]) + (sums1[6][2] + sums1[6][3]));
-    const double Sdot_12 = ((sums1[7][0] + sums1[7][1]) + (sums1[7][2] + sums1[7][3]));
-    const double Sdot_13 = ((sums1[8][0] + sums1[8][1]) + (sums1[8][2] + sums1[8][3]));
-    const double Sdot_22 = ((sums1[9][0] + sums1[9][1]) + (sums1[9][2] + sums1[9][3]));
-    const double Sdot_23 = ((sums1[10][0] + sums1[10][1]) + (sums1[10][2] + sums1[10][3]));
-    const double Sdot_33 = ((sums1[11][0] + sums1[11][1]) + (sums1[11][2] + sums1[11][3]));
-    const double d3dot_1 = ((sums1[12][0] + sums1[12][1]) + (sums1[12][2] + sums1[12][3]));
-    const double d3dot_2 = ((sums1[13][0] + sums1[13][1]) + (sums1[13][2] + sums1[13][3]));
-    const double d3dot_3 = ((sums1[14][0] + sums1[14][1]) + (sums1[14][2] + sums1[14][3]));
-    const double d3ddot_1 = ((sums1[15][0] + sums1[15][1]) + (sums1[15][2] + sums1[15][3]));
-    const double d3ddot_2 = ((sums1[16][0] + sums1[16][1]) + (sums1[16][2] + sums1[16][3]));
-    const double d3ddot_3 = ((sums1[17][0] + sums1[17][1]) + (sums1[17][2] + sums1[17][3]));
-
-    /* oo (5): products of omega */
+    /* oo (5): oo_11 = products of omega; ...; oo_33 = products of omega */
     const double oo_11 = omega1 * omega1;
     const double oo_12 = omega1 * omega2;
     const double oo_13 = omega1 * omega3;
@@ -1829,47 +1938,208 @@ int block_residual(
     const double oo_23 = omega2 * omega3;
     const double oo_33 = omega3 * omega3;
 
-    /* F (15): qdot less its value from v, then M vdot + h */
-    const double f4 = 2.0 * oo_12;
-    const double f5 = 2.0 * oo_13;
-    const double f6 = 2.0 * oo_23;
-    const double f7 = 2.0 * omega1;
-    const double f8 = 2.0 * omega2;
-    const double f9 = 2.0 * omega3;
+    /* S (appendix): S_1_11 = symmetric part of D2_1; ...; S_8_33 = symmetric part of D2_8 */
+    const double S_1_11 = 0.9229461451083147 * alpha1 + 0.0526587076325526 * alpha8;
+    const double S_1_12 = (-0.06983677418017273) * alpha3;
+    const double S_1_22 = 0.9995777759514879 * alpha1 + 0.00021667253526842326 * alpha8;
+    const double S_1_23 = (-0.4396173773693272) * alpha2;
+    const double S_1_33 = 0.07747607894019715 * alpha1 + (-0.05287538016782101) * alpha8;
+    const double S_2_11 = 0.8385822755284659 * alpha2;
+    const double S_2_13 = 0.17281858343053574 * alpha3;
+    const double S_2_22 = 0.1617571164547129 * alpha2;
+    const double S_2_23 = (-0.4396173773693272) * alpha1 + (-0.02992582521388207) * alpha8;
+    const double S_2_33 = 0.9996606080168212 * alpha2;
+    const double S_3_11 = 0.9959824929644516 * alpha3;
+    const double S_3_12 = (-0.06983677418017273) * alpha1 + 0.05213396507997798 * alpha8;
+    const double S_3_13 = 0.17281858343053574 * alpha2;
+    const double S_3_22 = 0.7416169147200682 * alpha3;
+    const double S_3_33 = 0.26240059231547974 * alpha3;
+    const double S_4_11 = 0.8691692710140388 * alpha4;
+    const double S_4_12 = (-0.07653897132838097) * alpha7;
+    const double S_4_13 = -0.006948727887756916 + 0.06612677259881924 * alpha6;
+    const double S_4_22 = 0.9978159483343315 * alpha4;
+    const double S_4_23 = 0.40905294172354 * alpha5;
+    const double S_4_33 = 0.13301478065162953 * alpha4;
+    const double S_5_11 = 0.7757986416100022 * alpha5;
+    const double S_5_12 = 0.019222459468399348 + (-0.08100155107836308) * alpha6;
+    const double S_5_13 = (-0.17116304786243786) * alpha7;
+    const double S_5_22 = 0.22560185358382823 * alpha5;
+    const double S_5_23 = 0.40905294172354 * alpha4;
+    const double S_5_33 = 0.9985995048061699 * alpha5;
+    const double S_6_11 = 0.006949696462346222 + 0.008120450003726742 * alpha6;
+    const double S_6_12 = (-0.08100155107836308) * alpha5;
+    const double S_6_13 = 0.06612677259881924 * alpha4;
+    const double S_6_22 = -0.2888453299117188 + 0.9938488193551677 * alpha6;
+    const double S_6_23 = (-0.009791878445593954) * alpha7;
+    const double S_6_33 = -0.28541913668350255 + 0.998030730641106 * alpha6;
+    const double S_7_11 = 0.9836361321701889 * alpha7;
+    const double S_7_12 = (-0.07653897132838097) * alpha4;
+    const double S_7_13 = (-0.17116304786243786) * alpha5;
+    const double S_7_22 = 0.7598894642705915 * alpha7;
+    const double S_7_23 = 3.641454770386481e-05 + (-0.009791878445593954) * alpha6;
+    const double S_7_33 = 0.2564744035592197 * alpha7;
+    const double S_8_11 = 0.0526587076325526 * alpha1 + 0.8351337820732403 * alpha8;
+    const double S_8_12 = 0.05213396507997798 * alpha3;
+    const double S_8_22 = 0.00021667253526842326 * alpha1 + 0.994122776779808 * alpha8;
+    const double S_8_23 = (-0.02992582521388207) * alpha2;
+    const double S_8_33 = (-0.05287538016782101) * alpha1 + 0.17074344114695217 * alpha8;
+
+    /* d3 (appendix): d3_1_1 = int rho r x Phi_1 . e1; ...; d3_8_3 = int rho r x Phi_8 . e3 */
+    const double d3_2_1 = (-0.8784787837749884) * alpha1 - 0.06014933573656158 * alpha8;
+    const double d3_3_2 = 0.3434623359074803 * alpha2;
+    const double d3_3_3 = 0.14213269823254854 * alpha1 - 0.10707341325868729 * alpha8;
+    const double d3_5_1 = 0.8146287617076164 * alpha4;
+    const double d3_6_2 = (-0.13286677220194004) * alpha4;
+    const double d3_6_3 = (-0.17320212202534865) * alpha5;
+    const double d3_7_1 = 0.03812757101123808 * alpha6;
+    const double d3_7_2 = (-0.3338704835108587) * alpha5;
+    const double d3_7_3 = 0.16411826642656863 * alpha4;
+    const double d3_8_1 = 0.06014933573656158 * alpha2;
+    const double d3_8_3 = 0.10707341325868729 * alpha3;
+
+    /* J (appendix): J_11 = int rho ((r . r) I - r r); ...; J_33 = int rho ((r . r) I - r r) */
+    const double J_11 = 0.007344000000000003 + 0.006949696462346222 * alpha6 + S_1_11 * alpha1
+        + S_2_11 * alpha2 + S_3_11 * alpha3 + S_4_11 * alpha4 + S_5_11 * alpha5 + S_6_11 * alpha6
+        + S_7_11 * alpha7 + S_8_11 * alpha8;
+    const double J_12 = 0.019222459468399348 * alpha5 + S_1_12 * alpha1 + S_3_12 * alpha3
+        + S_4_12 * alpha4 + S_5_12 * alpha5 + S_6_12 * alpha6 + S_7_12 * alpha7 + S_8_12 * alpha8;
+    const double J_13 = (-0.006948727887756916) * alpha4 + S_2_13 * alpha2 + S_3_13 * alpha3
+        + S_4_13 * alpha4 + S_5_13 * alpha5 + S_6_13 * alpha6 + S_7_13 * alpha7;
+    const double J_22 = 0.088344 + (-0.2888453299117188) * alpha6 + S_1_22 * alpha1
+        + S_2_22 * alpha2 + S_3_22 * alpha3 + S_4_22 * alpha4 + S_5_22 * alpha5 + S_6_22 * alpha6
+        + S_7_22 * alpha7 + S_8_22 * alpha8;
+    const double J_23 = 3.641454770386481e-05 * alpha7 + S_1_23 * alpha1 + S_2_23 * alpha2
+        + S_4_23 * alpha4 + S_5_23 * alpha5 + S_6_23 * alpha6 + S_7_23 * alpha7 + S_8_23 * alpha8;
+    const double J_33 = 0.0918 + (-0.28541913668350255) * alpha6 + S_1_33 * alpha1 + S_2_33 * alpha2
+        + S_3_33 * alpha3 + S_4_33 * alpha4 + S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7
+        + S_8_33 * alpha8;
+
+    /* Sdot (appendix): Sdot_11 = sum alphadot_0 S_0; ...; Sdot_33 = sum alphadot_0 S_0 */
+    const double Sdot_11 = alpha1dot * S_1_11 + alpha2dot * S_2_11 + alpha3dot * S_3_11
+        + alpha4dot * S_4_11 + alpha5dot * S_5_11 + alpha6dot * S_6_11 + alpha7dot * S_7_11
+        + alpha8dot * S_8_11;
+    const double Sdot_12 = alpha1dot * S_1_12 + alpha3dot * S_3_12 + alpha4dot * S_4_12
+        + alpha5dot * S_5_12 + alpha6dot * S_6_12 + alpha7dot * S_7_12 + alpha8dot * S_8_12;
+    const double Sdot_13 = alpha2dot * S_2_13 + alpha3dot * S_3_13 + alpha4dot * S_4_13
+        + alpha5dot * S_5_13 + alpha6dot * S_6_13 + alpha7dot * S_7_13;
+    const double Sdot_22 = alpha1dot * S_1_22 + alpha2dot * S_2_22 + alpha3dot * S_3_22
+        + alpha4dot * S_4_22 + alpha5dot * S_5_22 + alpha6dot * S_6_22 + alpha7dot * S_7_22
+        + alpha8dot * S_8_22;
+    const double Sdot_23 = alpha1dot * S_1_23 + alpha2dot * S_2_23 + alpha4dot * S_4_23
+        + alpha5dot * S_5_23 + alpha6dot * S_6_23 + alpha7dot * S_7_23 + alpha8dot * S_8_23;
+    const double Sdot_33 = alpha1dot * S_1_33 + alpha2dot * S_2_33 + alpha3dot * S_3_33
+        + alpha4dot * S_4_33 + alpha5dot * S_5_33 + alpha6dot * S_6_33 + alpha7dot * S_7_33
+        + alpha8dot * S_8_33;
+
+    /*
+     * c7dot (appendix): c7dot_1_1 = int rho Phi_1 x rdot . e1; ...; c7dot_8_3 = int rho Phi_8 x
+     *     rdot . e3
+     */
+    const double c7dot_1_1 = (-0.8784787837749884) * alpha2dot;
+    const double c7dot_1_3 = 0.14213269823254854 * alpha3dot;
+    const double c7dot_2_1 = 0.06014933573656158 * alpha8dot - (-0.8784787837749884) * alpha1dot;
+    const double c7dot_2_2 = 0.3434623359074803 * alpha3dot;
+    const double c7dot_3_3 = 0.10707341325868729 * alpha8dot - 0.14213269823254854 * alpha1dot;
+    const double c7dot_4_1 = 0.8146287617076164 * alpha5dot;
+    const double c7dot_4_2 = (-0.13286677220194004) * alpha6dot;
+    const double c7dot_4_3 = 0.16411826642656863 * alpha7dot;
+    const double c7dot_5_2 = (-0.3338704835108587) * alpha7dot;
+    const double c7dot_5_3 = (-0.17320212202534865) * alpha6dot;
+    const double c7dot_6_1 = 0.03812757101123808 * alpha7dot;
+
+    /* d3dot (appendix): d3dot_1 = int rho r x rdot . e1; ...; d3dot_3 = int rho r x rdot . e3 */
+    const double t1 = 0.8146287617076164 * alpha4dot;
+    const double t2 = 0.03812757101123808 * alpha6dot;
+    const double t3 = 0.06014933573656158 * alpha2dot;
+    const double d3dot_1 = alpha1 * c7dot_1_1 + alpha2 * c7dot_2_1 + alpha4 * c7dot_4_1
+        - alpha5 * t1 + alpha6 * c7dot_6_1 - alpha7 * t2 - alpha8 * t3;
+    const double t4 = 0.3434623359074803 * alpha2dot;
+    const double t5 = (-0.13286677220194004) * alpha4dot;
+    const double t6 = (-0.3338704835108587) * alpha5dot;
+    const double d3dot_2 = alpha2 * c7dot_2_2 - alpha3 * t4 + alpha4 * c7dot_4_2
+        + alpha5 * c7dot_5_2 - alpha6 * t5 - alpha7 * t6;
+    const double t7 = (-0.17320212202534865) * alpha5dot;
+    const double t8 = 0.16411826642656863 * alpha4dot;
+    const double t9 = 0.10707341325868729 * alpha3dot;
+    const double d3dot_3 = alpha1 * c7dot_1_3 + alpha3 * c7dot_3_3 + alpha4 * c7dot_4_3
+        + alpha5 * c7dot_5_3 - alpha6 * t7 - alpha7 * t8 - alpha8 * t9;
+
+    /* residual (15): kinematics, then the equations of motion */
     F[0] = c1_t - c1dot;
     F[1] = c2_t - c2dot;
     F[2] = c3_t - c3dot;
-    const double t1 = 0.5 * e1;
-    const double t2 = 0.5 * e2;
-    const double t3 = 0.5 * e3;
-    F[3] = e0_t + t1 * omega1 + t2 * omega2 + t3 * omega3;
-    const double t4 = 0.5 * e0;
-    F[4] = e1_t + t3 * omega2 - t4 * omega1 - t2 * omega3;
-    F[5] = e2_t + t1 * omega3 - t4 * omega2 - t3 * omega1;
-    F[6] = e3_t + t2 * omega1 - t4 * omega3 - t1 * omega2;
-    F[15] = c1ddot * mass;
-    F[16] = c2ddot * mass;
-    F[17] = c3ddot * mass;
-    const double t5 = 2.0 * Sdot_12;
-    const double t6 = 2.0 * Sdot_13;
-    F[18] = d3ddot_1 + J_11 * omega1dot + J_12 * omega2dot + J_13 * omega3dot + J_13 * oo_12
-        + J_23 * oo_22 + J_33 * oo_23 + 2.0 * Sdot_11 * omega1 + t5 * omega2 + t6 * omega3
-        + d3dot_3 * omega2 - J_12 * oo_13 - J_22 * oo_23 - J_23 * oo_33 - d3dot_2 * omega3;
-    const double t7 = 2.0 * Sdot_23;
-    F[19] = d3ddot_2 + J_11 * oo_13 + J_12 * omega1dot + J_12 * oo_23 + J_13 * oo_33
-        + J_22 * omega2dot + J_23 * omega3dot + t5 * omega1 + 2.0 * Sdot_22 * omega2 + t7 * omega3
-        + d3dot_1 * omega3 - J_13 * oo_11 - J_23 * oo_12 - J_33 * oo_13 - d3dot_3 * omega1;
-    F[20] = d3ddot_3 + J_12 * oo_11 + J_13 * omega1dot + J_22 * oo_12 + J_23 * omega2dot
-        + J_23 * oo_13 + J_33 * omega3dot + t6 * omega1 + t7 * omega2 + 2.0 * Sdot_33 * omega3
-        + d3dot_2 * omega1 - J_11 * oo_12 - J_12 * oo_22 - J_13 * oo_23 - d3dot_1 * omega2;
-
-    /* F_i (15): qdot less its value from v, then M vdot + h, for each shape */
-    for (int i = 0; i < 8; i++) {
-        F[7 + i] = alpha_t[i] - alphadot[i];
-        F[21 + i] = alphaddot[i] + K[i] * alpha[i] + omega1dot * d3_1[i] + omega2dot * d3_2[i]
-            + omega3dot * d3_3[i] - oo_11 * S_11[i] - f4 * S_12[i] - f5 * S_13[i] - oo_22 * S_22[i]
-            - f6 * S_23[i] - oo_33 * S_33[i] - f7 * c7dot_1[i] - f8 * c7dot_2[i] - f9 * c7dot_3[i];
-    }
+    const double t10 = 0.5 * omega1;
+    const double t11 = 0.5 * omega2;
+    const double t12 = 0.5 * omega3;
+    F[3] = e0_t + (t10 * e1 + t11 * e2 + t12 * e3);
+    F[4] = e1_t - (t10 * e0 + t12 * e2 - t11 * e3);
+    F[5] = e2_t - (t11 * e0 + t10 * e3 - t12 * e1);
+    F[6] = e3_t - (t12 * e0 + t11 * e1 - t10 * e2);
+    F[7] = alpha1_t - alpha1dot;
+    F[8] = alpha2_t - alpha2dot;
+    F[9] = alpha3_t - alpha3dot;
+    F[10] = alpha4_t - alpha4dot;
+    F[11] = alpha5_t - alpha5dot;
+    F[12] = alpha6_t - alpha6dot;
+    F[13] = alpha7_t - alpha7dot;
+    F[14] = alpha8_t - alpha8dot;
+    F[15] = 6.48 * c1ddot;
+    F[16] = 6.48 * c2ddot;
+    F[17] = 6.48 * c3ddot;
+    const double t13 = 2.0 * omega1;
+    const double t14 = 2.0 * omega2;
+    const double t15 = 2.0 * omega3;
+    const double t16 = (-0.8784787837749884) * alpha2;
+    const double t17 = 0.8146287617076164 * alpha5;
+    const double t18 = 0.03812757101123808 * alpha7;
+    F[18] = J_11 * omega1dot + J_12 * omega2dot + J_13 * omega3dot + J_13 * oo_12 + J_23 * oo_22
+        + J_33 * oo_23 + t13 * Sdot_11 + t14 * Sdot_12 + t15 * Sdot_13 - alpha1ddot * t16
+        + alpha2ddot * d3_2_1 - alpha4ddot * t17 + alpha5ddot * d3_5_1 - alpha6ddot * t18
+        + alpha7ddot * d3_7_1 + alpha8ddot * d3_8_1 + omega2 * d3dot_3 - J_12 * oo_13 - J_22 * oo_23
+        - J_23 * oo_33 - omega3 * d3dot_2;
+    const double t19 = 0.3434623359074803 * alpha3;
+    const double t20 = (-0.13286677220194004) * alpha6;
+    const double t21 = (-0.3338704835108587) * alpha7;
+    F[19] = J_11 * oo_13 + J_12 * omega1dot + J_12 * oo_23 + J_13 * oo_33 + J_22 * omega2dot
+        + J_23 * omega3dot + t13 * Sdot_12 + t14 * Sdot_22 + t15 * Sdot_23 - alpha2ddot * t19
+        + alpha3ddot * d3_3_2 - alpha4ddot * t20 - alpha5ddot * t21 + alpha6ddot * d3_6_2
+        + alpha7ddot * d3_7_2 + omega3 * d3dot_1 - J_13 * oo_11 - J_23 * oo_12 - J_33 * oo_13
+        - omega1 * d3dot_3;
+    const double t22 = 0.14213269823254854 * alpha3;
+    const double t23 = 0.16411826642656863 * alpha7;
+    const double t24 = (-0.17320212202534865) * alpha6;
+    F[20] = J_12 * oo_11 + J_13 * omega1dot + J_22 * oo_12 + J_23 * omega2dot + J_23 * oo_13
+        + J_33 * omega3dot + t13 * Sdot_13 + t14 * Sdot_23 + t15 * Sdot_33 - alpha1ddot * t22
+        + alpha3ddot * d3_3_3 - alpha4ddot * t23 - alpha5ddot * t24 + alpha6ddot * d3_6_3
+        + alpha7ddot * d3_7_3 + alpha8ddot * d3_8_3 + omega1 * d3dot_2 - J_11 * oo_12 - J_12 * oo_22
+        - J_13 * oo_23 - omega2 * d3dot_1;
+    F[21] = 132785871.23214255 * alpha1 + alpha1ddot - t16 * omega1dot - t22 * omega3dot
+        - S_1_11 * oo_11 - 2.0 * S_1_12 * oo_12 - S_1_22 * oo_22 - 2.0 * S_1_23 * oo_23
+        - S_1_33 * oo_33 - t13 * c7dot_1_1 - t15 * c7dot_1_3;
+    F[22] = 298337711.7011645 * alpha2 + alpha2ddot + d3_2_1 * omega1dot - t19 * omega2dot
+        - S_2_11 * oo_11 - 2.0 * S_2_13 * oo_13 - S_2_22 * oo_22 - 2.0 * S_2_23 * oo_23
+        - S_2_33 * oo_33 - t13 * c7dot_2_1 - t14 * c7dot_2_2;
+    F[23] = 424127787.13520163 * alpha3 + alpha3ddot + d3_3_2 * omega2dot + d3_3_3 * omega3dot
+        - S_3_11 * oo_11 - 2.0 * S_3_12 * oo_12 - 2.0 * S_3_13 * oo_13 - S_3_22 * oo_22
+        - S_3_33 * oo_33 + t14 * t4 - t15 * c7dot_3_3;
+    F[24] = 828661201.2040272 * alpha4 + alpha4ddot - t17 * omega1dot - t20 * omega2dot
+        - t23 * omega3dot - S_4_11 * oo_11 - 2.0 * S_4_12 * oo_12 - 2.0 * S_4_13 * oo_13
+        - S_4_22 * oo_22 - 2.0 * S_4_23 * oo_23 - S_4_33 * oo_33 - t13 * c7dot_4_1 - t14 * c7dot_4_2
+        - t15 * c7dot_4_3;
+    F[25] = 1482944676.1858206 * alpha5 + alpha5ddot + d3_5_1 * omega1dot - t21 * omega2dot
+        - t24 * omega3dot - S_5_11 * oo_11 - 2.0 * S_5_12 * oo_12 - 2.0 * S_5_13 * oo_13
+        - S_5_22 * oo_22 - 2.0 * S_5_23 * oo_23 - S_5_33 * oo_33 + t13 * t1 - t14 * c7dot_5_2
+        - t15 * c7dot_5_3;
+    F[26] = 1586764292.5824752 * alpha6 + alpha6ddot - t18 * omega1dot + d3_6_2 * omega2dot
+        + d3_6_3 * omega3dot - S_6_11 * oo_11 - 2.0 * S_6_12 * oo_12 - 2.0 * S_6_13 * oo_13
+        - S_6_22 * oo_22 - 2.0 * S_6_23 * oo_23 - S_6_33 * oo_33 - t13 * c7dot_6_1 + t14 * t5
+        + t15 * t7;
+    F[27] = 1703959547.9391162 * alpha7 + alpha7ddot + d3_7_1 * omega1dot + d3_7_2 * omega2dot
+        + d3_7_3 * omega3dot - S_7_11 * oo_11 - 2.0 * S_7_12 * oo_12 - 2.0 * S_7_13 * oo_13
+        - S_7_22 * oo_22 - 2.0 * S_7_23 * oo_23 - S_7_33 * oo_33 + t13 * t2 + t14 * t6 + t15 * t8;
+    F[28] = 2561832557.220976 * alpha8 + alpha8ddot + d3_8_1 * omega1dot + d3_8_3 * omega3dot
+        - S_8_11 * oo_11 - 2.0 * S_8_12 * oo_12 - S_8_22 * oo_22 - 2.0 * S_8_23 * oo_23
+        - S_8_33 * oo_33 + t13 * t3 + t15 * t9;
     return 0;
 }
 
@@ -1886,163 +2156,39 @@ int block_jacobian(
     const double e1 = y[4];
     const double e2 = y[5];
     const double e3 = y[6];
+    const double alpha1 = y[7];
+    const double alpha2 = y[8];
+    const double alpha3 = y[9];
+    const double alpha4 = y[10];
+    const double alpha5 = y[11];
+    const double alpha6 = y[12];
+    const double alpha7 = y[13];
+    const double alpha8 = y[14];
     const double omega1 = y[18];
     const double omega2 = y[19];
     const double omega3 = y[20];
-    const double *alpha = y + 7;
-    const double *alphadot = y + 21;
+    const double alpha1dot = y[21];
+    const double alpha2dot = y[22];
+    const double alpha3dot = y[23];
+    const double alpha4dot = y[24];
+    const double alpha5dot = y[25];
+    const double alpha6dot = y[26];
+    const double alpha7dot = y[27];
+    const double alpha8dot = y[28];
     const double omega1dot = ydot[18];
     const double omega2dot = ydot[19];
     const double omega3dot = ydot[20];
-    const double *alphaddot = ydot + 21;
-    const double mass = k[704];
-    const double C3_11 = k[705];
-    const double C3_12 = k[706];
-    const double C3_13 = k[707];
-    const double C3_22 = k[708];
-    const double C3_23 = k[709];
-    const double C3_33 = k[710];
-    const double *tables = k;
-    const double *C4_11 = k + 576;
-    const double *C4_12 = k + 584;
-    const double *C4_13 = k + 592;
-    const double *C4_22 = k + 600;
-    const double *C4_23 = k + 608;
-    const double *C4_33 = k + 616;
-    const double *K = k + 624;
+    const double alpha1ddot = ydot[21];
+    const double alpha2ddot = ydot[22];
+    const double alpha3ddot = ydot[23];
+    const double alpha4ddot = ydot[24];
+    const double alpha5ddot = ydot[25];
+    const double alpha6ddot = ydot[26];
+    const double alpha7ddot = ydot[27];
+    const double alpha8ddot = ydot[28];
+    (void) k;
 
-    /* minus_alpha: alpha with its sign changed */
-    double minus_alpha[8];
-    for (int i = 0; i < 8; i++) {
-        minus_alpha[i] = -alpha[i];
-    }
-
-    /*
-     * tables (appendix): S_i = symmetric part of D2_i; d3_i = int rho r x Phi_i; c7dot_i = int rho
-     *     Phi_i x rdot; C5dot_i = sum over the shapes of alphadot_j C5_i_j_11; c7ddot_i = sum over
-     *     the shapes of alphaddot_j c7_i_j_1
-     */
-    double x_alpha[8];
-    for (int i = 0; i < 8; i++) x_alpha[i] = alpha[i];
-    double x_minus_alpha[8];
-    for (int i = 0; i < 8; i++) x_minus_alpha[i] = minus_alpha[i];
-    double x_alphadot[8];
-    for (int i = 0; i < 8; i++) x_alphadot[i] = alphadot[i];
-    double x_alphaddot[8];
-    for (int i = 0; i < 8; i++) x_alphaddot[i] = alphaddot[i];
-    double S_11[8];
-    double S_12[8];
-    double S_13[8];
-    double S_22[8];
-    double S_23[8];
-    double S_33[8];
-    double d3_1[8];
-    double d3_2[8];
-    double d3_3[8];
-    double c7dot_1[8];
-    double c7dot_2[8];
-    double c7dot_3[8];
-    double C5dot_11[8];
-    double C5dot_12[8];
-    double C5dot_13[8];
-    double c7ddot_1[8];
-    double C5dot_22[8];
-    double C5dot_23[8];
-    double c7ddot_2[8];
-    double C5dot_33[8];
-    double c7ddot_3[8];
-    for (int i = 0; i < 8; i++) {
-        S_11[i] = C4_11[i];
-        S_12[i] = C4_12[i];
-        S_13[i] = C4_13[i];
-        S_22[i] = C4_22[i];
-        S_23[i] = C4_23[i];
-        S_33[i] = C4_33[i];
-        d3_1[i] = 0.0;
-        d3_2[i] = 0.0;
-        d3_3[i] = 0.0;
-        c7dot_1[i] = 0.0;
-        c7dot_2[i] = 0.0;
-        c7dot_3[i] = 0.0;
-        C5dot_11[i] = 0.0;
-        C5dot_12[i] = 0.0;
-        C5dot_13[i] = 0.0;
-        c7ddot_1[i] = 0.0;
-        C5dot_22[i] = 0.0;
-        C5dot_23[i] = 0.0;
-        c7ddot_2[i] = 0.0;
-        C5dot_33[i] = 0.0;
-        c7ddot_3[i] = 0.0;
-    }
-    for (int j = 0; j < 8; j += 4) {
-        const double *panel = tables + 72 * j;
-        block_panel(S_11, panel + 0, x_alpha + j);
-        block_panel(S_12, panel + 32, x_alpha + j);
-        block_panel(S_13, panel + 64, x_alpha + j);
-        block_panel(S_22, panel + 96, x_alpha + j);
-        block_panel(S_23, panel + 128, x_alpha + j);
-        block_panel(S_33, panel + 160, x_alpha + j);
-        block_panel(d3_1, panel + 192, x_minus_alpha + j);
-        block_panel(d3_2, panel + 224, x_minus_alpha + j);
-        block_panel(d3_3, panel + 256, x_minus_alpha + j);
-        block_panel(c7dot_1, panel + 192, x_alphadot + j);
-        block_panel(c7dot_2, panel + 224, x_alphadot + j);
-        block_panel(c7dot_3, panel + 256, x_alphadot + j);
-        block_panel(C5dot_11, panel + 0, x_alphadot + j);
-        block_panel(C5dot_12, panel + 32, x_alphadot + j);
-        block_panel(C5dot_13, panel + 64, x_alphadot + j);
-        block_panel(c7ddot_1, panel + 192, x_alphaddot + j);
-        block_panel(C5dot_22, panel + 96, x_alphadot + j);
-        block_panel(C5dot_23, panel + 128, x_alphadot + j);
-        block_panel(c7ddot_2, panel + 224, x_alphaddot + j);
-        block_panel(C5dot_33, panel + 160, x_alphadot + j);
-        block_panel(c7ddot_3, panel + 256, x_alphaddot + j);
-    }
-
-    /*
-     * sums (appendix): J = int rho ((r . r) I - r r); Sdot = sum alphadot_i S_i; d3dot = int rho r
-     *     x rdot
-     */
-    double sums1[15][4];
-    for (int i = 0; i < 15; i++)
-        for (int l = 0; l < 4; l++) sums1[i][l] = 0.0;
-    for (int i = 0; i < 8; i += 4) {
-        TISSERAND_LANES
-        for (int l = 0; l < 4; l++) {
-            sums1[0][l] += alpha[i + l] * (C4_11[i + l] + S_11[i + l]);
-            sums1[1][l] += alpha[i + l] * (C4_12[i + l] + S_12[i + l]);
-            sums1[2][l] += alpha[i + l] * (C4_13[i + l] + S_13[i + l]);
-            sums1[3][l] += alpha[i + l] * (C4_22[i + l] + S_22[i + l]);
-            sums1[4][l] += alpha[i + l] * (C4_23[i + l] + S_23[i + l]);
-            sums1[5][l] += alpha[i + l] * (C4_33[i + l] + S_33[i + l]);
-            sums1[6][l] += S_11[i + l] * alphadot[i + l];
-            sums1[7][l] += S_12[i + l] * alphadot[i + l];
-            sums1[8][l] += S_13[i + l] * alphadot[i + l];
-            sums1[9][l] += S_22[i + l] * alphadot[i + l];
-            sums1[10][l] += S_23[i + l] * alphadot[i + l];
-            sums1[11][l] += S_33[i + l] * alphadot[i + l];
-            sums1[12][l] += alpha[i + l] * c7dot_1[i + l];
-            sums1[13][l] += alpha[i + l] * c7dot_2[i + l];
-            sums1[14][l] += alpha[i + l] * c7dot_3[i + l];
-        }
-    }
-    const double J_11 = C3_11 + ((sums1[0][0] + sums1[0][1]) + (sums1[0][2] + sums1[0][3]));
-    const double J_12 = C3_12 + ((sums1[1][0] + sums1[1][1]) + (sums1[1][2] + sums1[1][3]));
-    const double J_13 = C3_13 + ((sums1[2][0] + sums1[2][1]) + (sums1[2][2] + sums1[2][3]));
-    const double J_22 = C3_22 + ((sums1[3][0] + sums1[3][1]) + (sums1[3][2] + sums1[3][3]));
-    const double J_23 = C3_23 + ((sums1[4][0] + sums1[4][1]) + (sums1[4][2] + sums1[4][3]));
-    const double J_33 = C3_33 + ((sums1[5][0] + sums1[5][1]) + (sums1[5][2] + sums1[5][3]));
-    const double Sdot_11 = ((sums1[6][0] + sums1[6][1]) + (sums1[6][2] + sums1[6][3]));
-    const double Sdot_12 = ((sums1[7][0] + sums1[7][1]) + (sums1[7][2] + sums1[7][3]));
-    const double Sdot_13 = ((sums1[8][0] + sums1[8][1]) + (sums1[8][2] + sums1[8][3]));
-    const double Sdot_22 = ((sums1[9][0] + sums1[9][1]) + (sums1[9][2] + sums1[9][3]));
-    const double Sdot_23 = ((sums1[10][0] + sums1[10][1]) + (sums1[10][2] + sums1[10][3]));
-    const double Sdot_33 = ((sums1[11][0] + sums1[11][1]) + (sums1[11][2] + sums1[11][3]));
-    const double d3dot_1 = ((sums1[12][0] + sums1[12][1]) + (sums1[12][2] + sums1[12][3]));
-    const double d3dot_2 = ((sums1[13][0] + sums1[13][1]) + (sums1[13][2] + sums1[13][3]));
-    const double d3dot_3 = ((sums1[14][0] + sums1[14][1]) + (sums1[14][2] + sums1[14][3]));
-
-    /* oo (5): products of omega */
+    /* oo (5): oo_11 = products of omega; ...; oo_33 = products of omega */
     const double oo_11 = omega1 * omega1;
     const double oo_12 = omega1 * omega2;
     const double oo_13 = omega1 * omega3;
@@ -2050,253 +2196,1268 @@ int block_jacobian(
     const double oo_23 = omega2 * omega3;
     const double oo_33 = omega3 * omega3;
 
+    /* S (appendix): S_1_11 = symmetric part of D2_1; ...; S_8_33 = symmetric part of D2_8 */
+    const double t1 = 0.9229461451083147 * alpha1;
+    const double t2 = 0.0526587076325526 * alpha8;
+    const double S_1_11 = t1 + t2;
+    const double S_1_12 = (-0.06983677418017273) * alpha3;
+    const double t3 = 0.9995777759514879 * alpha1;
+    const double t4 = 0.00021667253526842326 * alpha8;
+    const double S_1_22 = t3 + t4;
+    const double S_1_23 = (-0.4396173773693272) * alpha2;
+    const double t5 = 0.07747607894019715 * alpha1;
+    const double t6 = (-0.05287538016782101) * alpha8;
+    const double S_1_33 = t5 + t6;
+    const double S_2_11 = 0.8385822755284659 * alpha2;
+    const double S_2_13 = 0.17281858343053574 * alpha3;
+    const double S_2_22 = 0.1617571164547129 * alpha2;
+    const double t7 = (-0.4396173773693272) * alpha1;
+    const double t8 = (-0.02992582521388207) * alpha8;
+    const double S_2_23 = t7 + t8;
+    const double S_2_33 = 0.9996606080168212 * alpha2;
+    const double S_3_11 = 0.9959824929644516 * alpha3;
+    const double t9 = (-0.06983677418017273) * alpha1;
+    const double t10 = 0.05213396507997798 * alpha8;
+    const double S_3_12 = t9 + t10;
+    const double S_3_13 = 0.17281858343053574 * alpha2;
+    const double S_3_22 = 0.7416169147200682 * alpha3;
+    const double S_3_33 = 0.26240059231547974 * alpha3;
+    const double S_4_11 = 0.8691692710140388 * alpha4;
+    const double S_4_12 = (-0.07653897132838097) * alpha7;
+    const double t11 = 0.06612677259881924 * alpha6;
+    const double S_4_13 = -0.006948727887756916 + t11;
+    const double S_4_22 = 0.9978159483343315 * alpha4;
+    const double S_4_23 = 0.40905294172354 * alpha5;
+    const double S_4_33 = 0.13301478065162953 * alpha4;
+    const double S_5_11 = 0.7757986416100022 * alpha5;
+    const double t12 = (-0.08100155107836308) * alpha6;
+    const double S_5_12 = 0.019222459468399348 + t12;
+    const double S_5_13 = (-0.17116304786243786) * alpha7;
+    const double S_5_22 = 0.22560185358382823 * alpha5;
+    const double S_5_23 = 0.40905294172354 * alpha4;
+    const double S_5_33 = 0.9985995048061699 * alpha5;
+    const double t13 = 0.008120450003726742 * alpha6;
+    const double S_6_11 = 0.006949696462346222 + t13;
+    const double S_6_12 = (-0.08100155107836308) * alpha5;
+    const double S_6_13 = 0.06612677259881924 * alpha4;
+    const double t14 = 0.9938488193551677 * alpha6;
+    const double S_6_22 = -0.2888453299117188 + t14;
+    const double S_6_23 = (-0.009791878445593954) * alpha7;
+    const double t15 = 0.998030730641106 * alpha6;
+    const double S_6_33 = -0.28541913668350255 + t15;
+    const double S_7_11 = 0.9836361321701889 * alpha7;
+    const double S_7_12 = (-0.07653897132838097) * alpha4;
+    const double S_7_13 = (-0.17116304786243786) * alpha5;
+    const double S_7_22 = 0.7598894642705915 * alpha7;
+    const double S_7_23 = 3.641454770386481e-05 + (-0.009791878445593954) * alpha6;
+    const double S_7_33 = 0.2564744035592197 * alpha7;
+    const double t16 = 0.0526587076325526 * alpha1;
+    const double t17 = 0.8351337820732403 * alpha8;
+    const double S_8_11 = t16 + t17;
+    const double S_8_12 = 0.05213396507997798 * alpha3;
+    const double t18 = 0.00021667253526842326 * alpha1;
+    const double t19 = 0.994122776779808 * alpha8;
+    const double S_8_22 = t18 + t19;
+    const double S_8_23 = (-0.02992582521388207) * alpha2;
+    const double t20 = (-0.05287538016782101) * alpha1;
+    const double t21 = 0.17074344114695217 * alpha8;
+    const double S_8_33 = t20 + t21;
+
+    /* d3 (appendix): d3_1_1 = int rho r x Phi_1 . e1; ...; d3_8_3 = int rho r x Phi_8 . e3 */
+    const double d3_2_1 = (-0.8784787837749884) * alpha1 - 0.06014933573656158 * alpha8;
+    const double d3_3_2 = 0.3434623359074803 * alpha2;
+    const double d3_3_3 = 0.14213269823254854 * alpha1 - 0.10707341325868729 * alpha8;
+    const double d3_5_1 = 0.8146287617076164 * alpha4;
+    const double d3_6_2 = (-0.13286677220194004) * alpha4;
+    const double d3_6_3 = (-0.17320212202534865) * alpha5;
+    const double d3_7_1 = 0.03812757101123808 * alpha6;
+    const double d3_7_2 = (-0.3338704835108587) * alpha5;
+    const double d3_7_3 = 0.16411826642656863 * alpha4;
+    const double d3_8_1 = 0.06014933573656158 * alpha2;
+    const double d3_8_3 = 0.10707341325868729 * alpha3;
+
+    /* J (appendix): J_11 = int rho ((r . r) I - r r); ...; J_33 = int rho ((r . r) I - r r) */
+    const double J_11 = 0.007344000000000003 + 0.006949696462346222 * alpha6 + S_1_11 * alpha1
+        + S_2_11 * alpha2 + S_3_11 * alpha3 + S_4_11 * alpha4 + S_5_11 * alpha5 + S_6_11 * alpha6
+        + S_7_11 * alpha7 + S_8_11 * alpha8;
+    const double J_12 = 0.019222459468399348 * alpha5 + S_1_12 * alpha1 + S_3_12 * alpha3
+        + S_4_12 * alpha4 + S_5_12 * alpha5 + S_6_12 * alpha6 + S_7_12 * alpha7 + S_8_12 * alpha8;
+    const double J_13 = (-0.006948727887756916) * alpha4 + S_2_13 * alpha2 + S_3_13 * alpha3
+        + S_4_13 * alpha4 + S_5_13 * alpha5 + S_6_13 * alpha6 + S_7_13 * alpha7;
+    const double J_22 = 0.088344 + (-0.2888453299117188) * alpha6 + S_1_22 * alpha1
+        + S_2_22 * alpha2 + S_3_22 * alpha3 + S_4_22 * alpha4 + S_5_22 * alpha5 + S_6_22 * alpha6
+        + S_7_22 * alpha7 + S_8_22 * alpha8;
+    const double J_23 = 3.641454770386481e-05 * alpha7 + S_1_23 * alpha1 + S_2_23 * alpha2
+        + S_4_23 * alpha4 + S_5_23 * alpha5 + S_6_23 * alpha6 + S_7_23 * alpha7 + S_8_23 * alpha8;
+    const double J_33 = 0.0918 + (-0.28541913668350255) * alpha6 + S_1_33 * alpha1 + S_2_33 * alpha2
+        + S_3_33 * alpha3 + S_4_33 * alpha4 + S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7
+        + S_8_33 * alpha8;
+
+    /* Sdot (appendix): Sdot_11 = sum alphadot_0 S_0; ...; Sdot_33 = sum alphadot_0 S_0 */
+    const double Sdot_11 = alpha1dot * S_1_11 + alpha2dot * S_2_11 + alpha3dot * S_3_11
+        + alpha4dot * S_4_11 + alpha5dot * S_5_11 + alpha6dot * S_6_11 + alpha7dot * S_7_11
+        + alpha8dot * S_8_11;
+    const double Sdot_12 = alpha1dot * S_1_12 + alpha3dot * S_3_12 + alpha4dot * S_4_12
+        + alpha5dot * S_5_12 + alpha6dot * S_6_12 + alpha7dot * S_7_12 + alpha8dot * S_8_12;
+    const double Sdot_13 = alpha2dot * S_2_13 + alpha3dot * S_3_13 + alpha4dot * S_4_13
+        + alpha5dot * S_5_13 + alpha6dot * S_6_13 + alpha7dot * S_7_13;
+    const double Sdot_22 = alpha1dot * S_1_22 + alpha2dot * S_2_22 + alpha3dot * S_3_22
+        + alpha4dot * S_4_22 + alpha5dot * S_5_22 + alpha6dot * S_6_22 + alpha7dot * S_7_22
+        + alpha8dot * S_8_22;
+    const double Sdot_23 = alpha1dot * S_1_23 + alpha2dot * S_2_23 + alpha4dot * S_4_23
+        + alpha5dot * S_5_23 + alpha6dot * S_6_23 + alpha7dot * S_7_23 + alpha8dot * S_8_23;
+    const double Sdot_33 = alpha1dot * S_1_33 + alpha2dot * S_2_33 + alpha3dot * S_3_33
+        + alpha4dot * S_4_33 + alpha5dot * S_5_33 + alpha6dot * S_6_33 + alpha7dot * S_7_33
+        + alpha8dot * S_8_33;
+
+    /*
+     * c7dot (appendix): c7dot_1_1 = int rho Phi_1 x rdot . e1; ...; c7dot_8_3 = int rho Phi_8 x
+     *     rdot . e3
+     */
+    const double c7dot_1_1 = (-0.8784787837749884) * alpha2dot;
+    const double c7dot_1_3 = 0.14213269823254854 * alpha3dot;
+    const double c7dot_2_1 = 0.06014933573656158 * alpha8dot - (-0.8784787837749884) * alpha1dot;
+    const double c7dot_2_2 = 0.3434623359074803 * alpha3dot;
+    const double c7dot_3_3 = 0.10707341325868729 * alpha8dot - 0.14213269823254854 * alpha1dot;
+    const double c7dot_4_1 = 0.8146287617076164 * alpha5dot;
+    const double c7dot_4_2 = (-0.13286677220194004) * alpha6dot;
+    const double c7dot_4_3 = 0.16411826642656863 * alpha7dot;
+    const double c7dot_5_2 = (-0.3338704835108587) * alpha7dot;
+    const double c7dot_5_3 = (-0.17320212202534865) * alpha6dot;
+    const double c7dot_6_1 = 0.03812757101123808 * alpha7dot;
+
+    /* d3dot (appendix): d3dot_1 = int rho r x rdot . e1; ...; d3dot_3 = int rho r x rdot . e3 */
+    const double t22 = 0.8146287617076164 * alpha4dot;
+    const double t23 = 0.03812757101123808 * alpha6dot;
+    const double t24 = 0.06014933573656158 * alpha2dot;
+    const double d3dot_1 = alpha1 * c7dot_1_1 + alpha2 * c7dot_2_1 + alpha4 * c7dot_4_1
+        - alpha5 * t22 + alpha6 * c7dot_6_1 - alpha7 * t23 - alpha8 * t24;
+    const double t25 = 0.3434623359074803 * alpha2dot;
+    const double t26 = (-0.13286677220194004) * alpha4dot;
+    const double t27 = (-0.3338704835108587) * alpha5dot;
+    const double d3dot_2 = alpha2 * c7dot_2_2 - alpha3 * t25 + alpha4 * c7dot_4_2
+        + alpha5 * c7dot_5_2 - alpha6 * t26 - alpha7 * t27;
+    const double t28 = (-0.17320212202534865) * alpha5dot;
+    const double t29 = 0.16411826642656863 * alpha4dot;
+    const double t30 = 0.10707341325868729 * alpha3dot;
+    const double d3dot_3 = alpha1 * c7dot_1_3 + alpha3 * c7dot_3_3 + alpha4 * c7dot_4_3
+        + alpha5 * c7dot_5_3 - alpha6 * t28 - alpha7 * t29 - alpha8 * t30;
+
     /* jacobian (15): derivatives of the residual */
-    const double f13 = 2.0 * omega2dot;
-    const double f11 = 2.0 * oo_13;
-    const double f1 = f13 - f11;
-    const double f2 = 2.0 * oo_23;
-    const double t1 = 2.0 * oo_22;
-    const double t2 = 2.0 * oo_33;
-    const double f3 = t1 - t2;
-    const double f4 = 2.0 * omega1;
-    const double f5 = 2.0 * omega2;
-    const double f6 = 2.0 * omega3;
-    const double f7 = 2.0 * omega1dot;
-    const double f18 = 2.0 * omega3dot;
-    const double f14 = 2.0 * oo_12;
-    const double f8 = f18 + f14;
-    const double t3 = 2.0 * oo_11;
-    const double f9 = t3 - t2;
-    const double f10 = f18 - f14;
-    const double f12 = f7 + f2;
-    const double f15 = t3 - t1;
-    const double f16 = f7 - f2;
-    const double f17 = f13 + f11;
     jac[0] = cj;
     jac[1] = cj;
     jac[2] = cj;
     jac[3] = cj;
-    const double t4 = 0.5 * omega1;
-    const double t5 = -t4;
-    jac[4] = t5;
-    const double t6 = 0.5 * omega2;
-    const double t7 = -t6;
-    jac[5] = t7;
-    const double t8 = 0.5 * omega3;
-    const double t9 = -t8;
-    jac[6] = t9;
-    jac[7] = t4;
+    const double t31 = 0.5 * omega1;
+    const double t32 = -t31;
+    jac[4] = t32;
+    const double t33 = 0.5 * omega2;
+    const double t34 = -t33;
+    jac[5] = t34;
+    const double t35 = 0.5 * omega3;
+    const double t36 = -t35;
+    jac[6] = t36;
+    jac[7] = t31;
     jac[8] = cj;
-    jac[9] = t8;
-    jac[10] = t7;
-    jac[11] = t6;
-    jac[12] = t9;
+    jac[9] = t35;
+    jac[10] = t34;
+    jac[11] = t33;
+    jac[12] = t36;
     jac[13] = cj;
-    jac[14] = t4;
-    jac[15] = t8;
-    jac[16] = t6;
-    jac[17] = t5;
+    jac[14] = t31;
+    jac[15] = t35;
+    jac[16] = t33;
+    jac[17] = t32;
     jac[18] = cj;
-    jac[115] = -1.0;
-    const double t10 = cj * mass;
-    jac[116] = t10;
-    jac[117] = -1.0;
-    jac[118] = t10;
-    jac[119] = -1.0;
-    jac[120] = t10;
-    const double t11 = 0.5 * e1;
-    jac[121] = t11;
-    const double t12 = (-0.5) * e0;
-    jac[122] = t12;
-    const double t13 = 0.5 * e3;
-    jac[123] = -t13;
-    const double t14 = 0.5 * e2;
-    jac[124] = t14;
-    const double t15 = J_13 * omega2;
-    const double t16 = J_12 * omega3;
-    jac[125] = 2.0 * Sdot_11 + J_11 * cj + t15 - t16;
-    const double t17 = 2.0 * Sdot_12;
-    const double t18 = J_12 * cj;
-    const double t19 = 2.0 * J_13;
-    const double t20 = J_33 * omega3;
-    jac[126] = t17 + J_11 * omega3 + t18 - d3dot_3 - t19 * omega1 - J_23 * omega2 - t20;
-    const double t21 = 2.0 * Sdot_13;
-    const double t22 = 2.0 * J_12;
-    const double t23 = J_13 * cj;
-    const double t24 = J_22 * omega2;
-    jac[127] = t21 + d3dot_2 + t22 * omega1 + t23 + t24 + J_23 * omega3 - J_11 * omega2;
-    jac[136] = t14;
-    jac[137] = t13;
-    jac[138] = t12;
-    jac[139] = -t11;
-    const double t25 = 2.0 * J_23;
-    jac[140] = t17 + d3dot_3 + t18 + J_13 * omega1 + t25 * omega2 + t20 - J_22 * omega3;
-    const double t26 = J_23 * omega1;
-    jac[141] = 2.0 * Sdot_22 + t16 + J_22 * cj - t26;
-    const double t27 = 2.0 * Sdot_23;
-    const double t28 = J_23 * cj;
-    const double t29 = J_11 * omega1;
-    jac[142] = t27 + J_22 * omega1 + t28 - d3dot_1 - t29 - t22 * omega2 - J_13 * omega3;
-    jac[151] = t13;
-    jac[152] = -t14;
-    jac[153] = t11;
-    jac[154] = t12;
-    jac[155] = t21 + t23 + J_33 * omega2 - d3dot_2 - J_12 * omega1 - t24 - t25 * omega3;
-    jac[156] = t27 + d3dot_1 + t29 + J_12 * omega2 + t19 * omega3 + t28 - J_33 * omega1;
-    jac[157] = 2.0 * Sdot_33 + t26 + J_33 * cj - t15;
+    jac[19] = cj;
+    const double t37 = t1 + S_1_11 + t2;
+    const double t38 = 2.0 * S_1_12;
+    const double t39 = 2.0 * S_1_23;
+    const double t40 = t5 + S_1_33 + t6;
+    const double t41 = 2.0 * omega1;
+    const double t42 = 2.0 * omega2;
+    const double t43 = (-0.06983677418017273) * alpha3dot;
+    const double t44 = t3 + S_1_22 + t4;
+    jac[20] = omega1dot * t37 + omega2dot * t38 + oo_22 * t39 + oo_23 * t40
+        + t41 * (0.9229461451083147 * alpha1dot + 0.0526587076325526 * alpha8dot) + t42 * t43
+        + (-0.8784787837749884) * alpha2ddot + omega2 * c7dot_1_3 - oo_13 * t38 - oo_23 * t44
+        - oo_33 * t39;
+    const double t45 = 2.0 * omega3;
+    const double t46 = (-0.4396173773693272) * alpha2dot;
+    jac[21] = oo_13 * t37 + omega1dot * t38 + oo_23 * t38 + omega2dot * t44 + omega3dot * t39
+        + t41 * t43 + t42 * (0.9995777759514879 * alpha1dot + 0.00021667253526842326 * alpha8dot)
+        + t45 * t46 + omega3 * c7dot_1_1 - oo_12 * t39 - oo_13 * t40 - omega1 * c7dot_1_3;
+    jac[22] = oo_11 * t38 + oo_12 * t44 + omega2dot * t39 + oo_13 * t39 + omega3dot * t40
+        + t42 * t46 + t45 * (0.07747607894019715 * alpha1dot + (-0.05287538016782101) * alpha8dot)
+        + 0.14213269823254854 * alpha3ddot - oo_12 * t37 - oo_22 * t38 - omega2 * c7dot_1_1;
+    jac[23] = 132785871.23214255 - 0.9229461451083147 * oo_11 - 0.9995777759514879 * oo_22
+        - 0.07747607894019715 * oo_33;
+    const double t47 = (-0.8784787837749884) * omega1dot;
+    const double t48 = (-0.8792347547386544) * oo_23;
+    jac[24] = t47 - t48;
+    const double t49 = 0.14213269823254854 * omega3dot;
+    const double t50 = (-0.13967354836034546) * oo_12;
+    jac[25] = t49 - t50;
+    const double t51 = (-0.0526587076325526) * oo_11 - 0.00021667253526842326 * oo_22
+        - (-0.05287538016782101) * oo_33;
+    jac[26] = t51;
+    jac[27] = cj;
+    const double t52 = 2.0 * S_2_11;
+    const double t53 = 2.0 * S_2_13;
+    const double t54 = t7 + S_2_23 + t8;
+    const double t55 = 2.0 * S_2_33;
+    const double t56 = 0.17281858343053574 * alpha3dot;
+    const double t57 = 2.0 * S_2_22;
+    jac[28] = omega1dot * t52 + omega3dot * t53 + oo_12 * t53 + oo_22 * t54 + oo_23 * t55
+        + t41 * (0.8385822755284659 * alpha2dot) + t45 * t56 - (-0.8784787837749884) * alpha1ddot
+        + 0.06014933573656158 * alpha8ddot - oo_23 * t57 - oo_33 * t54 - omega3 * c7dot_2_2;
+    const double t58 = (-0.4396173773693272) * alpha1dot + (-0.02992582521388207) * alpha8dot;
+    jac[29] = oo_13 * t52 + oo_33 * t53 + omega2dot * t57 + omega3dot * t54
+        + t42 * (0.1617571164547129 * alpha2dot) + t45 * t58 + 0.3434623359074803 * alpha3ddot
+        + omega3 * c7dot_2_1 - oo_11 * t53 - oo_12 * t54 - oo_13 * t55;
+    jac[30] = omega1dot * t53 + oo_12 * t57 + omega2dot * t54 + oo_13 * t54 + omega3dot * t55
+        + t41 * t56 + t42 * t58 + t45 * (0.9996606080168212 * alpha2dot) + omega1 * c7dot_2_2
+        - oo_12 * t52 - oo_23 * t53 - omega2 * c7dot_2_1;
+    jac[31] = -(t47 + t48);
+    jac[32] = 298337711.7011645 - 0.8385822755284659 * oo_11 - 0.1617571164547129 * oo_22
+        - 0.9996606080168212 * oo_33;
+    const double t59 = 0.3434623359074803 * omega2dot;
+    const double t60 = 0.3456371668610715 * oo_13;
+    jac[33] = t59 - t60;
+    const double t61 = 0.06014933573656158 * omega1dot;
+    const double t62 = (-0.05985165042776414) * oo_23;
+    jac[34] = t61 - t62;
+    jac[35] = cj;
+    const double t63 = 2.0 * S_3_11;
+    const double t64 = t9 + S_3_12 + t10;
+    const double t65 = 2.0 * S_3_13;
+    const double t66 = 2.0 * S_3_33;
+    const double t67 = (-0.06983677418017273) * alpha1dot + 0.05213396507997798 * alpha8dot;
+    const double t68 = 0.17281858343053574 * alpha2dot;
+    const double t69 = 2.0 * S_3_22;
+    jac[36] = omega1dot * t63 + omega2dot * t64 + omega3dot * t65 + oo_12 * t65 + oo_23 * t66
+        + t41 * (0.9959824929644516 * alpha3dot) + t42 * t67 + t45 * t68 + omega2 * c7dot_3_3
+        - oo_13 * t64 - oo_23 * t69 + omega3 * t25;
+    jac[37] = oo_13 * t63 + omega1dot * t64 + oo_23 * t64 + oo_33 * t65 + omega2dot * t69
+        + t41 * t67 + t42 * (0.7416169147200682 * alpha3dot) - 0.3434623359074803 * alpha2ddot
+        - oo_11 * t65 - oo_13 * t66 - omega1 * c7dot_3_3;
+    jac[38] = oo_11 * t64 + omega1dot * t65 + oo_12 * t69 + omega3dot * t66 + t41 * t68
+        + t45 * (0.26240059231547974 * alpha3dot) - 0.14213269823254854 * alpha1ddot
+        + 0.10707341325868729 * alpha8ddot - omega1 * t25 - oo_12 * t63 - oo_22 * t64 - oo_23 * t65;
+    jac[39] = -(t49 + t50);
+    jac[40] = -(t59 + t60);
+    jac[41] = 424127787.13520163 - 0.9959824929644516 * oo_11 - 0.7416169147200682 * oo_22
+        - 0.26240059231547974 * oo_33;
+    const double t70 = 0.10707341325868729 * omega3dot;
+    const double t71 = 0.10426793015995596 * oo_12;
+    jac[42] = t70 - t71;
+    jac[43] = cj;
+    const double t72 = 2.0 * S_4_11;
+    const double t73 = 2.0 * S_4_12;
+    const double t74 = -0.006948727887756916 + S_4_13 + t11;
+    const double t75 = 2.0 * S_4_23;
+    const double t76 = 2.0 * S_4_33;
+    const double t77 = (-0.07653897132838097) * alpha7dot;
+    const double t78 = 0.06612677259881924 * alpha6dot;
+    const double t79 = 2.0 * S_4_22;
+    jac[44] = omega1dot * t72 + omega2dot * t73 + omega3dot * t74 + oo_12 * t74 + oo_22 * t75
+        + oo_23 * t76 + t41 * (0.8691692710140388 * alpha4dot) + t42 * t77 + t45 * t78
+        + 0.8146287617076164 * alpha5ddot + omega2 * c7dot_4_3 - oo_13 * t73 - oo_23 * t79
+        - oo_33 * t75 - omega3 * c7dot_4_2;
+    const double t80 = 0.40905294172354 * alpha5dot;
+    jac[45] = oo_13 * t72 + omega1dot * t73 + oo_23 * t73 + oo_33 * t74 + omega2dot * t79
+        + omega3dot * t75 + t41 * t77 + t42 * (0.9978159483343315 * alpha4dot) + t45 * t80
+        + (-0.13286677220194004) * alpha6ddot + omega3 * c7dot_4_1 - oo_11 * t74 - oo_12 * t75
+        - oo_13 * t76 - omega1 * c7dot_4_3;
+    jac[46] = oo_11 * t73 + omega1dot * t74 + oo_12 * t79 + omega2dot * t75 + oo_13 * t75
+        + omega3dot * t76 + t41 * t78 + t42 * t80 + t45 * (0.13301478065162953 * alpha4dot)
+        + 0.16411826642656863 * alpha7ddot + omega1 * c7dot_4_2 - oo_12 * t72 - oo_22 * t73
+        - oo_23 * t74 - omega2 * c7dot_4_1;
+    jac[47] = 828661201.2040272 - 0.8691692710140388 * oo_11 - 0.9978159483343315 * oo_22
+        - 0.13301478065162953 * oo_33;
+    const double t81 = 0.8146287617076164 * omega1dot;
+    const double t82 = 0.81810588344708 * oo_23;
+    jac[48] = t81 - t82;
+    const double t83 = (-0.13286677220194004) * omega2dot;
+    const double t84 = 0.1322535451976385 * oo_13;
+    jac[49] = t83 - t84;
+    const double t85 = 0.16411826642656863 * omega3dot;
+    const double t86 = (-0.15307794265676195) * oo_12;
+    jac[50] = t85 - t86;
+    jac[51] = cj;
+    const double t87 = 2.0 * S_5_11;
+    const double t88 = 0.019222459468399348 + S_5_12 + t12;
+    const double t89 = 2.0 * S_5_13;
+    const double t90 = 2.0 * S_5_23;
+    const double t91 = 2.0 * S_5_33;
+    const double t92 = (-0.08100155107836308) * alpha6dot;
+    const double t93 = (-0.17116304786243786) * alpha7dot;
+    const double t94 = 2.0 * S_5_22;
+    jac[52] = omega1dot * t87 + omega2dot * t88 + omega3dot * t89 + oo_12 * t89 + oo_22 * t90
+        + oo_23 * t91 + t41 * (0.7757986416100022 * alpha5dot) + t42 * t92 + t45 * t93
+        - 0.8146287617076164 * alpha4ddot + omega2 * c7dot_5_3 - oo_13 * t88 - oo_23 * t94
+        - oo_33 * t90 - omega3 * c7dot_5_2;
+    const double t95 = 0.40905294172354 * alpha4dot;
+    jac[53] = oo_13 * t87 + omega1dot * t88 + oo_23 * t88 + oo_33 * t89 + omega2dot * t94
+        + omega3dot * t90 + t41 * t92 + t42 * (0.22560185358382823 * alpha5dot) + t45 * t95
+        + (-0.3338704835108587) * alpha7ddot - omega3 * t22 - oo_11 * t89 - oo_12 * t90
+        - oo_13 * t91 - omega1 * c7dot_5_3;
+    jac[54] = oo_11 * t88 + omega1dot * t89 + oo_12 * t94 + omega2dot * t90 + oo_13 * t90
+        + omega3dot * t91 + t41 * t93 + t42 * t95 + t45 * (0.9985995048061699 * alpha5dot)
+        + (-0.17320212202534865) * alpha6ddot + omega1 * c7dot_5_2 - oo_12 * t87 - oo_22 * t88
+        - oo_23 * t89 + omega2 * t22;
+    jac[55] = -(t81 + t82);
+    jac[56] = 1482944676.1858206 - 0.7757986416100022 * oo_11 - 0.22560185358382823 * oo_22
+        - 0.9985995048061699 * oo_33;
+    const double t96 = (-0.17320212202534865) * omega3dot;
+    const double t97 = (-0.16200310215672617) * oo_12;
+    jac[57] = t96 - t97;
+    const double t98 = (-0.3338704835108587) * omega2dot;
+    const double t99 = (-0.3423260957248757) * oo_13;
+    jac[58] = t98 - t99;
+    jac[59] = cj;
+    const double t100 = 0.006949696462346222 + (t13 + S_6_11);
+    const double t101 = 2.0 * S_6_12;
+    const double t102 = 2.0 * S_6_13;
+    const double t103 = 2.0 * S_6_23;
+    const double t104 = -0.28541913668350255 + (t15 + S_6_33);
+    const double t105 = (-0.08100155107836308) * alpha5dot;
+    const double t106 = 0.06612677259881924 * alpha4dot;
+    const double t107 = -0.2888453299117188 + (t14 + S_6_22);
+    jac[60] = omega1dot * t100 + omega2dot * t101 + omega3dot * t102 + oo_12 * t102 + oo_22 * t103
+        + oo_23 * t104 + t41 * (0.008120450003726742 * alpha6dot) + t42 * t105 + t45 * t106
+        + 0.03812757101123808 * alpha7ddot - omega2 * t28 - oo_13 * t101 - oo_23 * t107
+        - oo_33 * t103 + omega3 * t26;
+    const double t108 = (-0.009791878445593954) * alpha7dot;
+    jac[61] = oo_13 * t100 + omega1dot * t101 + oo_23 * t101 + oo_33 * t102 + omega2dot * t107
+        + omega3dot * t103 + t41 * t105 + t42 * (0.9938488193551677 * alpha6dot) + t45 * t108
+        - (-0.13286677220194004) * alpha4ddot + omega3 * c7dot_6_1 - oo_11 * t102 - oo_12 * t103
+        - oo_13 * t104 + omega1 * t28;
+    jac[62] = oo_11 * t101 + omega1dot * t102 + oo_12 * t107 + omega2dot * t103 + oo_13 * t103
+        + omega3dot * t104 + t41 * t106 + t42 * t108 + t45 * (0.998030730641106 * alpha6dot)
+        - (-0.17320212202534865) * alpha5ddot - omega1 * t26 - oo_12 * t100 - oo_22 * t101
+        - oo_23 * t102 - omega2 * c7dot_6_1;
+    jac[63] = -(t83 + t84);
+    jac[64] = -(t96 + t97);
+    jac[65] = 1586764292.5824752 - 0.008120450003726742 * oo_11 - 0.9938488193551677 * oo_22
+        - 0.998030730641106 * oo_33;
+    const double t109 = 0.03812757101123808 * omega1dot;
+    const double t110 = (-0.01958375689118791) * oo_23;
+    jac[66] = t109 - t110;
+    jac[67] = cj;
+    const double t111 = 2.0 * S_7_11;
+    const double t112 = 2.0 * S_7_12;
+    const double t113 = 2.0 * S_7_13;
+    const double t114 = S_7_23 + S_7_23;
+    const double t115 = 2.0 * S_7_33;
+    const double t116 = (-0.07653897132838097) * alpha4dot;
+    const double t117 = (-0.17116304786243786) * alpha5dot;
+    const double t118 = 2.0 * S_7_22;
+    jac[68] = omega1dot * t111 + omega2dot * t112 + omega3dot * t113 + oo_12 * t113 + oo_22 * t114
+        + oo_23 * t115 + t41 * (0.9836361321701889 * alpha7dot) + t42 * t116 + t45 * t117
+        - 0.03812757101123808 * alpha6ddot - omega2 * t29 - oo_13 * t112 - oo_23 * t118
+        - oo_33 * t114 + omega3 * t27;
+    const double t119 = (-0.009791878445593954) * alpha6dot;
+    jac[69] = oo_13 * t111 + omega1dot * t112 + oo_23 * t112 + oo_33 * t113 + omega2dot * t118
+        + omega3dot * t114 + t41 * t116 + t42 * (0.7598894642705915 * alpha7dot) + t45 * t119
+        - (-0.3338704835108587) * alpha5ddot - omega3 * t23 - oo_11 * t113 - oo_12 * t114
+        - oo_13 * t115 + omega1 * t29;
+    jac[70] = oo_11 * t112 + omega1dot * t113 + oo_12 * t118 + omega2dot * t114 + oo_13 * t114
+        + omega3dot * t115 + t41 * t117 + t42 * t119 + t45 * (0.2564744035592197 * alpha7dot)
+        - 0.16411826642656863 * alpha4ddot - omega1 * t27 - oo_12 * t111 - oo_22 * t112
+        - oo_23 * t113 + omega2 * t23;
+    jac[71] = -(t85 + t86);
+    jac[72] = -(t98 + t99);
+    jac[73] = -(t109 + t110);
+    jac[74] = 1703959547.9391162 - 0.9836361321701889 * oo_11 - 0.7598894642705915 * oo_22
+        - 0.2564744035592197 * oo_33;
+    jac[75] = cj;
+    const double t120 = t16 + (t17 + S_8_11);
+    const double t121 = 2.0 * S_8_12;
+    const double t122 = 2.0 * S_8_23;
+    const double t123 = t20 + (t21 + S_8_33);
+    const double t124 = 0.05213396507997798 * alpha3dot;
+    const double t125 = t18 + (t19 + S_8_22);
+    jac[76] = omega1dot * t120 + omega2dot * t121 + oo_22 * t122 + oo_23 * t123
+        + t41 * (0.0526587076325526 * alpha1dot + 0.8351337820732403 * alpha8dot) + t42 * t124
+        - 0.06014933573656158 * alpha2ddot - omega2 * t30 - oo_13 * t121 - oo_23 * t125
+        - oo_33 * t122;
+    const double t126 = (-0.02992582521388207) * alpha2dot;
+    jac[77] = oo_13 * t120 + omega1dot * t121 + oo_23 * t121 + omega2dot * t125 + omega3dot * t122
+        + t41 * t124 + t42 * (0.00021667253526842326 * alpha1dot + 0.994122776779808 * alpha8dot)
+        + t45 * t126 - omega3 * t24 - oo_12 * t122 - oo_13 * t123 + omega1 * t30;
+    jac[78] = oo_11 * t121 + oo_12 * t125 + omega2dot * t122 + oo_13 * t122 + omega3dot * t123
+        + t42 * t126 + t45 * ((-0.05287538016782101) * alpha1dot + 0.17074344114695217 * alpha8dot)
+        - 0.10707341325868729 * alpha3ddot - oo_12 * t120 - oo_22 * t121 + omega2 * t24;
+    jac[79] = t51;
+    jac[80] = -(t61 + t62);
+    jac[81] = -(t70 + t71);
+    jac[82] = 2561832557.220976 - 0.8351337820732403 * oo_11 - 0.994122776779808 * oo_22
+        - 0.17074344114695217 * oo_33;
+    jac[83] = -1.0;
+    const double t127 = 6.48 * cj;
+    jac[84] = t127;
+    jac[85] = -1.0;
+    jac[86] = t127;
+    jac[87] = -1.0;
+    jac[88] = t127;
+    const double t128 = 0.5 * e1;
+    jac[89] = t128;
+    const double t129 = (-0.5) * e0;
+    jac[90] = t129;
+    const double t130 = 0.5 * e3;
+    jac[91] = -t130;
+    const double t131 = 0.5 * e2;
+    jac[92] = t131;
+    const double t132 = J_13 * omega2;
+    const double t133 = J_12 * omega3;
+    jac[93] = t132 + 2.0 * Sdot_11 - t133 + cj * J_11;
+    const double t134 = 2.0 * Sdot_12;
+    const double t135 = J_33 * omega3;
+    const double t136 = cj * J_12;
+    jac[94] = J_11 * omega3 + t134 - J_13 * t41 - J_23 * omega2 - t135 - d3dot_3 + t136;
+    const double t137 = J_22 * omega2;
+    const double t138 = 2.0 * Sdot_13;
+    const double t139 = cj * J_13;
+    jac[95] = J_12 * t41 + t137 + J_23 * omega3 + t138 + d3dot_2 - J_11 * omega2 + t139;
+    const double t140 = (-0.8784787837749884) * alpha2;
+    const double t141 = cj * t140;
+    jac[96] = -(S_1_11 * t41) - t38 * omega2 - 2.0 * c7dot_1_1 - t141;
+    const double t142 = cj * d3_2_1;
+    jac[97] = t142 - (S_2_11 * t41 + t53 * omega3 + 2.0 * c7dot_2_1);
+    const double t143 = 2.0 * S_3_12;
+    jac[98] = -(S_3_11 * t41) - t143 * omega2 - t65 * omega3;
+    const double t144 = 2.0 * S_4_13;
+    const double t145 = 0.8146287617076164 * alpha5;
+    const double t146 = cj * t145;
+    jac[99] = -(S_4_11 * t41) - t73 * omega2 - t144 * omega3 - 2.0 * c7dot_4_1 - t146;
+    const double t147 = 2.0 * S_5_12;
+    const double t148 = cj * d3_5_1;
+    jac[100] = 2.0 * t22 - (S_5_11 * t41 + t147 * omega2 + t89 * omega3) + t148;
+    const double t149 = 0.03812757101123808 * alpha7;
+    const double t150 = cj * t149;
+    jac[101] = -(S_6_11 * t41) - t101 * omega2 - t102 * omega3 - 2.0 * c7dot_6_1 - t150;
+    const double t151 = cj * d3_7_1;
+    jac[102] = 2.0 * t23 - (S_7_11 * t41 + t112 * omega2 + t113 * omega3) + t151;
+    const double t152 = cj * d3_8_1;
+    jac[103] = 2.0 * t24 - (S_8_11 * t41 + t121 * omega2) + t152;
+    jac[104] = t131;
+    jac[105] = t130;
+    jac[106] = t129;
+    jac[107] = -t128;
+    jac[108] = J_13 * omega1 + J_23 * t42 + t135 + t134 + d3dot_3 - J_22 * omega3 + t136;
+    const double t153 = J_23 * omega1;
+    jac[109] = t133 + 2.0 * Sdot_22 - t153 + cj * J_22;
+    const double t154 = 2.0 * Sdot_23;
+    const double t155 = J_11 * omega1;
+    const double t156 = cj * J_23;
+    jac[110] = J_22 * omega1 + t154 - t155 - J_12 * t42 - J_13 * omega3 - d3dot_1 + t156;
+    jac[111] = -(t38 * omega1) - S_1_22 * t42 - t39 * omega3;
+    const double t157 = 2.0 * S_2_23;
+    const double t158 = 0.3434623359074803 * alpha3;
+    const double t159 = cj * t158;
+    jac[112] = -(S_2_22 * t42) - t157 * omega3 - 2.0 * c7dot_2_2 - t159;
+    const double t160 = cj * d3_3_2;
+    jac[113] = 2.0 * t25 - (t143 * omega1 + S_3_22 * t42) + t160;
+    const double t161 = (-0.13286677220194004) * alpha6;
+    const double t162 = cj * t161;
+    jac[114] = -(t73 * omega1) - S_4_22 * t42 - t75 * omega3 - 2.0 * c7dot_4_2 - t162;
+    const double t163 = (-0.3338704835108587) * alpha7;
+    const double t164 = cj * t163;
+    jac[115] = -(t147 * omega1) - S_5_22 * t42 - t90 * omega3 - 2.0 * c7dot_5_2 - t164;
+    const double t165 = cj * d3_6_2;
+    jac[116] = 2.0 * t26 - (t101 * omega1 + S_6_22 * t42 + t103 * omega3) + t165;
+    const double t166 = 2.0 * S_7_23;
+    const double t167 = cj * d3_7_2;
+    jac[117] = 2.0 * t27 - (t112 * omega1 + S_7_22 * t42 + t166 * omega3) + t167;
+    jac[118] = -(t121 * omega1) - S_8_22 * t42 - t122 * omega3;
+    jac[119] = t130;
+    jac[120] = -t131;
+    jac[121] = t128;
+    jac[122] = t129;
+    jac[123] = J_33 * omega2 + t138 - J_12 * omega1 - t137 - J_23 * t45 - d3dot_2 + t139;
+    jac[124] = t155 + J_12 * omega2 + J_13 * t45 + t154 + d3dot_1 - J_33 * omega1 + t156;
+    jac[125] = t153 + 2.0 * Sdot_33 - t132 + cj * J_33;
+    const double t168 = 0.14213269823254854 * alpha3;
+    const double t169 = cj * t168;
+    jac[126] = -(t39 * omega2) - S_1_33 * t45 - 2.0 * c7dot_1_3 - t169;
+    jac[127] = -(t53 * omega1) - t157 * omega2 - S_2_33 * t45;
+    const double t170 = cj * d3_3_3;
+    jac[128] = t170 - (t65 * omega1 + S_3_33 * t45 + 2.0 * c7dot_3_3);
+    const double t171 = 0.16411826642656863 * alpha7;
+    const double t172 = cj * t171;
+    jac[129] = -(t144 * omega1) - t75 * omega2 - S_4_33 * t45 - 2.0 * c7dot_4_3 - t172;
+    const double t173 = (-0.17320212202534865) * alpha6;
+    const double t174 = cj * t173;
+    jac[130] = -(t89 * omega1) - t90 * omega2 - S_5_33 * t45 - 2.0 * c7dot_5_3 - t174;
+    const double t175 = cj * d3_6_3;
+    jac[131] = 2.0 * t28 - (t102 * omega1 + t103 * omega2 + S_6_33 * t45) + t175;
+    const double t176 = cj * d3_7_3;
+    jac[132] = 2.0 * t29 - (t113 * omega1 + t166 * omega2 + S_7_33 * t45) + t176;
+    const double t177 = cj * d3_8_3;
+    jac[133] = 2.0 * t30 - (t122 * omega2 + S_8_33 * t45) + t177;
+    jac[134] = -1.0;
+    jac[135] = t41 * S_1_11 + t42 * S_1_12 - omega2 * t168 - t141;
+    jac[136] = t41 * S_1_12 + t42 * S_1_22 + t45 * S_1_23 - omega3 * t140 + omega1 * t168;
+    jac[137] = t42 * S_1_23 + t45 * S_1_33 + omega2 * t140 - t169;
+    jac[138] = cj;
+    const double t178 = (-0.8784787837749884) * t41;
+    jac[139] = t178;
+    const double t179 = 0.14213269823254854 * t45;
+    jac[140] = t179;
+    jac[141] = -1.0;
+    jac[142] = t41 * S_2_11 + t45 * S_2_13 + omega3 * t158 + t142;
+    jac[143] = t42 * S_2_22 + t45 * S_2_23 + omega3 * d3_2_1 - t159;
+    jac[144] = t41 * S_2_13 + t42 * S_2_23 + t45 * S_2_33 - omega1 * t158 - omega2 * d3_2_1;
+    jac[145] = -t178;
+    jac[146] = cj;
+    const double t180 = 0.3434623359074803 * t42;
+    jac[147] = t180;
+    const double t181 = 0.06014933573656158 * t41;
+    jac[148] = t181;
+    jac[149] = -1.0;
+    jac[150] = t41 * S_3_11 + t42 * S_3_12 + t45 * S_3_13 + omega2 * d3_3_3 - omega3 * d3_3_2;
+    jac[151] = t41 * S_3_12 + t42 * S_3_22 - omega1 * d3_3_3 + t160;
+    jac[152] = t41 * S_3_13 + t45 * S_3_33 + omega1 * d3_3_2 + t170;
+    jac[153] = -t179;
+    jac[154] = -t180;
+    jac[155] = cj;
+    const double t182 = 0.10707341325868729 * t45;
+    jac[156] = t182;
+    jac[157] = -1.0;
+    jac[158] = t41 * S_4_11 + t42 * S_4_12 + t45 * S_4_13 - omega2 * t171 + omega3 * t161 - t146;
+    jac[159] = t41 * S_4_12 + t42 * S_4_22 + t45 * S_4_23 - omega3 * t145 + omega1 * t171 - t162;
+    jac[160] = t41 * S_4_13 + t42 * S_4_23 + t45 * S_4_33 - omega1 * t161 + omega2 * t145 - t172;
+    jac[161] = cj;
+    const double t183 = 0.8146287617076164 * t41;
+    jac[162] = t183;
+    const double t184 = (-0.13286677220194004) * t42;
+    jac[163] = t184;
+    const double t185 = 0.16411826642656863 * t45;
+    jac[164] = t185;
+    jac[165] = -1.0;
+    jac[166] = t41 * S_5_11 + t42 * S_5_12 + t45 * S_5_13 - omega2 * t173 + omega3 * t163 + t148;
+    jac[167] = t41 * S_5_12 + t42 * S_5_22 + t45 * S_5_23 + omega3 * d3_5_1 + omega1 * t173 - t164;
+    jac[168] = t41 * S_5_13 + t42 * S_5_23 + t45 * S_5_33 - omega1 * t163 - omega2 * d3_5_1 - t174;
+    jac[169] = -t183;
+    jac[170] = cj;
+    const double t186 = (-0.17320212202534865) * t45;
+    jac[171] = t186;
+    const double t187 = (-0.3338704835108587) * t42;
+    jac[172] = t187;
+    jac[173] = -1.0;
+    jac[174] = t41 * S_6_11 + t42 * S_6_12 + t45 * S_6_13 + omega2 * d3_6_3 - omega3 * d3_6_2
+        - t150;
+    jac[175] = t41 * S_6_12 + t42 * S_6_22 + t45 * S_6_23 - omega3 * t149 - omega1 * d3_6_3 + t165;
+    jac[176] = t41 * S_6_13 + t42 * S_6_23 + t45 * S_6_33 + omega1 * d3_6_2 + omega2 * t149 + t175;
+    jac[177] = -t184;
+    jac[178] = -t186;
+    jac[179] = cj;
+    const double t188 = 0.03812757101123808 * t41;
+    jac[180] = t188;
+    jac[181] = -1.0;
+    jac[182] = t41 * S_7_11 + t42 * S_7_12 + t45 * S_7_13 + omega2 * d3_7_3 - omega3 * d3_7_2
+        + t151;
+    jac[183] = t41 * S_7_12 + t42 * S_7_22 + t45 * S_7_23 + omega3 * d3_7_1 - omega1 * d3_7_3
+        + t167;
+    jac[184] = t41 * S_7_13 + t42 * S_7_23 + t45 * S_7_33 + omega1 * d3_7_2 - omega2 * d3_7_1
+        + t176;
+    jac[185] = -t185;
+    jac[186] = -t187;
+    jac[187] = -t188;
+    jac[188] = cj;
+    jac[189] = -1.0;
+    jac[190] = t41 * S_8_11 + t42 * S_8_12 + omega2 * d3_8_3 + t152;
+    jac[191] = t41 * S_8_12 + t42 * S_8_22 + t45 * S_8_23 + omega3 * d3_8_1 - omega1 * d3_8_3;
+    jac[192] = t42 * S_8_23 + t45 * S_8_33 - omega2 * d3_8_1 + t177;
+    jac[193] = -t181;
+    jac[194] = -t182;
+    jac[195] = cj;
+    return 0;
+}
 
-    /* jacobian_i (15): derivatives of the residual, for each shape */
-    for (int i = 0; i < 8; i++) {
-        jac[19 + 12 * i] = cj;
-        jac[20 + 12 * i] = c7ddot_1[i] + f4 * C5dot_11[i] + f5 * C5dot_12[i] + f6 * C5dot_13[i]
-            + f7 * S_11[i] + f1 * S_12[i] + f8 * S_13[i] + f3 * S_23[i] + f2 * S_33[i]
-            + omega2 * c7dot_3[i] - f2 * S_22[i] - omega3 * c7dot_2[i];
-        jac[21 + 12 * i] = c7ddot_2[i] + f4 * C5dot_12[i] + f5 * C5dot_22[i] + f6 * C5dot_23[i]
-            + f11 * S_11[i] + f12 * S_12[i] + f13 * S_22[i] + f10 * S_23[i] + omega3 * c7dot_1[i]
-            - f9 * S_13[i] - f11 * S_33[i] - omega1 * c7dot_3[i];
-        jac[22 + 12 * i] = c7ddot_3[i] + f4 * C5dot_13[i] + f5 * C5dot_23[i] + f6 * C5dot_33[i]
-            + f15 * S_12[i] + f16 * S_13[i] + f14 * S_22[i] + f17 * S_23[i] + f18 * S_33[i]
-            + omega1 * c7dot_2[i] - f14 * S_11[i] - omega2 * c7dot_1[i];
-        const double t30 = cj * d3_1[i];
-        const double t31 = f4 * S_11[i];
-        const double t32 = f5 * S_12[i];
-        const double t33 = f6 * S_13[i];
-        jac[128 + i] = t30 - 2.0 * c7dot_1[i] - t31 - t32 - t33;
-        const double t34 = cj * d3_2[i];
-        const double t35 = f4 * S_12[i];
-        const double t36 = f5 * S_22[i];
-        const double t37 = f6 * S_23[i];
-        jac[143 + i] = t34 - 2.0 * c7dot_2[i] - t35 - t36 - t37;
-        const double t38 = cj * d3_3[i];
-        const double t39 = f4 * S_13[i];
-        const double t40 = f5 * S_23[i];
-        const double t41 = f6 * S_33[i];
-        jac[158 + i] = t38 - 2.0 * c7dot_3[i] - t39 - t40 - t41;
-        jac[166 + 12 * i] = -1.0;
-        jac[167 + 12 * i] = t31 + t32 + t33 + t30 + omega2 * d3_3[i] - omega3 * d3_2[i];
-        jac[168 + 12 * i] = t35 + t36 + t37 + t34 + omega3 * d3_1[i] - omega1 * d3_3[i];
-        jac[169 + 12 * i] = t39 + t40 + t41 + t38 + omega1 * d3_2[i] - omega2 * d3_1[i];
+/* ---- batches: each state b of a block as the functions above have it ---- */
+
+/* The rows of a block that is not full, its last state repeated. */
+static const double *block_block_fill(ptrdiff_t all, int count, int rows, const double *from, double *to)
+{
+    for (int e = 0; e < rows; e++)
+        for (int b = 0; b < 32; b++) to[e * 32 + b] = from[e * all + (b < count ? b : count - 1)];
+    return to;
+}
+
+/* The rows of a block to their places among those of all states. */
+static inline void block_block_put(
+    ptrdiff_t all,
+    int count,
+    int rows,
+    const double *TISSERAND_RESTRICT from,
+    double *TISSERAND_RESTRICT to)
+{
+    for (int e = 0; e < rows; e++, from += 32) {
+        double *row = to + e * all;
+        if (count == 32)
+            for (int b = 0; b < 32; b++) row[b] = from[b];
+        else
+            for (int b = 0; b < 32; b++) if (b < count) row[b] = from[b];
     }
-    for (int j = 0; j < 8; j++) {
-        double *column = jac + 23 + 12 * j;
-        const double *table = tables + (j / 4 * 36 + j % 4) * 8;
-        const double *C5_11 = table + 0;
-        const double *C5_12 = table + 32;
-        const double *C5_13 = table + 64;
-        const double *C5_22 = table + 96;
-        const double *C5_23 = table + 128;
-        const double *C5_33 = table + 160;
-        const double *c7_1 = table + 192;
-        const double *c7_2 = table + 224;
-        const double *c7_3 = table + 256;
-        for (int i = 0; i < 8; i++) {
-            column[i] = -(oo_11 * C5_11[i]) - f14 * C5_12[i] - f11 * C5_13[i] - oo_22 * C5_22[i]
-                - f2 * C5_23[i] - oo_33 * C5_33[i] - omega1dot * c7_1[i] - omega2dot * c7_2[i]
-                - omega3dot * c7_3[i];
-        }
-        column[j] += K[j];
+}
+
+/* NaN for the states that fail, and the code of the first of them. */
+static int block_block_refuse(ptrdiff_t all, int count, int rows, const double *codes, double *to)
+{
+    int code = 0;
+    for (int b = 0; b < count; b++) {
+        if (codes[b] == 0.0) continue;
+        if (code == 0) code = (int) codes[b];
+        for (int e = 0; e < rows; e++) to[e * all + b] = NAN;
     }
-    for (int j = 0; j < 8; j++) {
-        double *column = jac + 170 + 12 * j;
-        const double *table = tables + (j / 4 * 36 + j % 4) * 8;
-        const double *c7_1 = table + 192;
-        const double *c7_2 = table + 224;
-        const double *c7_3 = table + 256;
-        for (int i = 0; i < 8; i++) {
-            column[i] = -(f4 * c7_1[i]) - f5 * c7_2[i] - f6 * c7_3[i];
+    return code;
+}
+
+int block_mass_batch(
+    int n,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT k,
+    double *M)
+{
+    (void) k;
+    double q_tail[15 * 32], M_block[37 * 32];
+    const ptrdiff_t all = n;
+
+    for (int left = n; left > 0; left -= 32) {
+        const int count = left < 32 ? left : 32;
+        const ptrdiff_t stride = count < 32 ? 32 : all;
+        const double *q_block = count < 32 ? block_block_fill(all, count, 15, q, q_tail) : q;
+        for (int b = 0; b < 32; b++) {
+            const double alpha1 = q_block[7 * stride + b];
+            const double alpha2 = q_block[8 * stride + b];
+            const double alpha3 = q_block[9 * stride + b];
+            const double alpha4 = q_block[10 * stride + b];
+            const double alpha5 = q_block[11 * stride + b];
+            const double alpha6 = q_block[12 * stride + b];
+            const double alpha7 = q_block[13 * stride + b];
+            const double alpha8 = q_block[14 * stride + b];
+            const double S_1_11 = 0.9229461451083147 * alpha1 + 0.0526587076325526 * alpha8;
+            const double S_1_12 = (-0.06983677418017273) * alpha3;
+            const double S_1_22 = 0.9995777759514879 * alpha1 + 0.00021667253526842326 * alpha8;
+            const double S_1_23 = (-0.4396173773693272) * alpha2;
+            const double S_1_33 = 0.07747607894019715 * alpha1 + (-0.05287538016782101) * alpha8;
+            const double S_2_11 = 0.8385822755284659 * alpha2;
+            const double S_2_13 = 0.17281858343053574 * alpha3;
+            const double S_2_22 = 0.1617571164547129 * alpha2;
+            const double S_2_23 = (-0.4396173773693272) * alpha1 + (-0.02992582521388207) * alpha8;
+            const double S_2_33 = 0.9996606080168212 * alpha2;
+            const double S_3_11 = 0.9959824929644516 * alpha3;
+            const double S_3_12 = (-0.06983677418017273) * alpha1 + 0.05213396507997798 * alpha8;
+            const double S_3_13 = 0.17281858343053574 * alpha2;
+            const double S_3_22 = 0.7416169147200682 * alpha3;
+            const double S_3_33 = 0.26240059231547974 * alpha3;
+            const double S_4_11 = 0.8691692710140388 * alpha4;
+            const double S_4_12 = (-0.07653897132838097) * alpha7;
+            const double S_4_13 = -0.006948727887756916 + 0.06612677259881924 * alpha6;
+            const double S_4_22 = 0.9978159483343315 * alpha4;
+            const double S_4_23 = 0.40905294172354 * alpha5;
+            const double S_4_33 = 0.13301478065162953 * alpha4;
+            const double S_5_11 = 0.7757986416100022 * alpha5;
+            const double S_5_12 = 0.019222459468399348 + (-0.08100155107836308) * alpha6;
+            const double S_5_13 = (-0.17116304786243786) * alpha7;
+            const double S_5_22 = 0.22560185358382823 * alpha5;
+            const double S_5_23 = 0.40905294172354 * alpha4;
+            const double S_5_33 = 0.9985995048061699 * alpha5;
+            const double S_6_11 = 0.006949696462346222 + 0.008120450003726742 * alpha6;
+            const double S_6_12 = (-0.08100155107836308) * alpha5;
+            const double S_6_13 = 0.06612677259881924 * alpha4;
+            const double S_6_22 = -0.2888453299117188 + 0.9938488193551677 * alpha6;
+            const double S_6_23 = (-0.009791878445593954) * alpha7;
+            const double S_6_33 = -0.28541913668350255 + 0.998030730641106 * alpha6;
+            const double S_7_11 = 0.9836361321701889 * alpha7;
+            const double S_7_12 = (-0.07653897132838097) * alpha4;
+            const double S_7_13 = (-0.17116304786243786) * alpha5;
+            const double S_7_22 = 0.7598894642705915 * alpha7;
+            const double S_7_23 = 3.641454770386481e-05 + (-0.009791878445593954) * alpha6;
+            const double S_7_33 = 0.2564744035592197 * alpha7;
+            const double S_8_11 = 0.0526587076325526 * alpha1 + 0.8351337820732403 * alpha8;
+            const double S_8_12 = 0.05213396507997798 * alpha3;
+            const double S_8_22 = 0.00021667253526842326 * alpha1 + 0.994122776779808 * alpha8;
+            const double S_8_23 = (-0.02992582521388207) * alpha2;
+            const double S_8_33 = (-0.05287538016782101) * alpha1 + 0.17074344114695217 * alpha8;
+            const double d3_1_1 = 0.8784787837749884 * alpha2;
+            const double d3_1_3 = (-0.14213269823254854) * alpha3;
+            const double d3_2_1 = (-0.8784787837749884) * alpha1 - 0.06014933573656158 * alpha8;
+            const double d3_2_2 = (-0.3434623359074803) * alpha3;
+            const double d3_3_2 = 0.3434623359074803 * alpha2;
+            const double d3_3_3 = 0.14213269823254854 * alpha1 - 0.10707341325868729 * alpha8;
+            const double d3_4_1 = (-0.8146287617076164) * alpha5;
+            const double d3_4_2 = 0.13286677220194004 * alpha6;
+            const double d3_4_3 = (-0.16411826642656863) * alpha7;
+            const double d3_5_1 = 0.8146287617076164 * alpha4;
+            const double d3_5_2 = 0.3338704835108587 * alpha7;
+            const double d3_5_3 = 0.17320212202534865 * alpha6;
+            const double d3_6_1 = (-0.03812757101123808) * alpha7;
+            const double d3_6_2 = (-0.13286677220194004) * alpha4;
+            const double d3_6_3 = (-0.17320212202534865) * alpha5;
+            const double d3_7_1 = 0.03812757101123808 * alpha6;
+            const double d3_7_2 = (-0.3338704835108587) * alpha5;
+            const double d3_7_3 = 0.16411826642656863 * alpha4;
+            const double d3_8_1 = 0.06014933573656158 * alpha2;
+            const double d3_8_3 = 0.10707341325868729 * alpha3;
+            const double J_11 = 0.007344000000000003 + 0.006949696462346222 * alpha6 + S_1_11 * alpha1
+                + S_2_11 * alpha2 + S_3_11 * alpha3 + S_4_11 * alpha4 + S_5_11 * alpha5 + S_6_11 * alpha6
+                + S_7_11 * alpha7 + S_8_11 * alpha8;
+            const double J_12 = 0.019222459468399348 * alpha5 + S_1_12 * alpha1 + S_3_12 * alpha3
+                + S_4_12 * alpha4 + S_5_12 * alpha5 + S_6_12 * alpha6 + S_7_12 * alpha7 + S_8_12 * alpha8;
+            const double J_13 = (-0.006948727887756916) * alpha4 + S_2_13 * alpha2 + S_3_13 * alpha3
+                + S_4_13 * alpha4 + S_5_13 * alpha5 + S_6_13 * alpha6 + S_7_13 * alpha7;
+            const double J_22 = 0.088344 + (-0.2888453299117188) * alpha6 + S_1_22 * alpha1
+                + S_2_22 * alpha2 + S_3_22 * alpha3 + S_4_22 * alpha4 + S_5_22 * alpha5 + S_6_22 * alpha6
+                + S_7_22 * alpha7 + S_8_22 * alpha8;
+            const double J_23 = 3.641454770386481e-05 * alpha7 + S_1_23 * alpha1 + S_2_23 * alpha2
+                + S_4_23 * alpha4 + S_5_23 * alpha5 + S_6_23 * alpha6 + S_7_23 * alpha7 + S_8_23 * alpha8;
+            const double J_33 = 0.0918 + (-0.28541913668350255) * alpha6 + S_1_33 * alpha1 + S_2_33 * alpha2
+                + S_3_33 * alpha3 + S_4_33 * alpha4 + S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7
+                + S_8_33 * alpha8;
+            M_block[0 * 32 + b] = 6.48;
+            M_block[1 * 32 + b] = 6.48;
+            M_block[2 * 32 + b] = 6.48;
+            M_block[3 * 32 + b] = J_11;
+            M_block[4 * 32 + b] = J_12;
+            M_block[5 * 32 + b] = J_13;
+            M_block[6 * 32 + b] = d3_1_1;
+            M_block[7 * 32 + b] = d3_2_1;
+            M_block[8 * 32 + b] = d3_4_1;
+            M_block[9 * 32 + b] = d3_5_1;
+            M_block[10 * 32 + b] = d3_6_1;
+            M_block[11 * 32 + b] = d3_7_1;
+            M_block[12 * 32 + b] = d3_8_1;
+            M_block[13 * 32 + b] = J_22;
+            M_block[14 * 32 + b] = J_23;
+            M_block[15 * 32 + b] = d3_2_2;
+            M_block[16 * 32 + b] = d3_3_2;
+            M_block[17 * 32 + b] = d3_4_2;
+            M_block[18 * 32 + b] = d3_5_2;
+            M_block[19 * 32 + b] = d3_6_2;
+            M_block[20 * 32 + b] = d3_7_2;
+            M_block[21 * 32 + b] = J_33;
+            M_block[22 * 32 + b] = d3_1_3;
+            M_block[23 * 32 + b] = d3_3_3;
+            M_block[24 * 32 + b] = d3_4_3;
+            M_block[25 * 32 + b] = d3_5_3;
+            M_block[26 * 32 + b] = d3_6_3;
+            M_block[27 * 32 + b] = d3_7_3;
+            M_block[28 * 32 + b] = d3_8_3;
+            M_block[29 * 32 + b] = 1.0;
+            M_block[30 * 32 + b] = 1.0;
+            M_block[31 * 32 + b] = 1.0;
+            M_block[32 * 32 + b] = 1.0;
+            M_block[33 * 32 + b] = 1.0;
+            M_block[34 * 32 + b] = 1.0;
+            M_block[35 * 32 + b] = 1.0;
+            M_block[36 * 32 + b] = 1.0;
         }
-        column[j] += cj;
+        block_block_put(all, count, 37, M_block, M);
+        q += count;
+        M += count;
     }
     return 0;
 }
 
+int block_force_batch(
+    int n,
+    double t,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *h)
+{
+    (void) t;
+    (void) k;
+    double q_tail[15 * 32], v_tail[14 * 32], h_block[14 * 32];
+    const ptrdiff_t all = n;
+
+    for (int left = n; left > 0; left -= 32) {
+        const int count = left < 32 ? left : 32;
+        const ptrdiff_t stride = count < 32 ? 32 : all;
+        const double *q_block = count < 32 ? block_block_fill(all, count, 15, q, q_tail) : q;
+        const double *v_block = count < 32 ? block_block_fill(all, count, 14, v, v_tail) : v;
+        for (int b = 0; b < 32; b++) {
+            const double alpha1 = q_block[7 * stride + b];
+            const double alpha2 = q_block[8 * stride + b];
+            const double alpha3 = q_block[9 * stride + b];
+            const double alpha4 = q_block[10 * stride + b];
+            const double alpha5 = q_block[11 * stride + b];
+            const double alpha6 = q_block[12 * stride + b];
+            const double alpha7 = q_block[13 * stride + b];
+            const double alpha8 = q_block[14 * stride + b];
+            const double omega1 = v_block[3 * stride + b];
+            const double omega2 = v_block[4 * stride + b];
+            const double omega3 = v_block[5 * stride + b];
+            const double alpha1dot = v_block[6 * stride + b];
+            const double alpha2dot = v_block[7 * stride + b];
+            const double alpha3dot = v_block[8 * stride + b];
+            const double alpha4dot = v_block[9 * stride + b];
+            const double alpha5dot = v_block[10 * stride + b];
+            const double alpha6dot = v_block[11 * stride + b];
+            const double alpha7dot = v_block[12 * stride + b];
+            const double alpha8dot = v_block[13 * stride + b];
+            const double oo_11 = omega1 * omega1;
+            const double oo_12 = omega1 * omega2;
+            const double oo_13 = omega1 * omega3;
+            const double oo_22 = omega2 * omega2;
+            const double oo_23 = omega2 * omega3;
+            const double oo_33 = omega3 * omega3;
+            const double S_1_11 = 0.9229461451083147 * alpha1 + 0.0526587076325526 * alpha8;
+            const double S_1_12 = (-0.06983677418017273) * alpha3;
+            const double S_1_22 = 0.9995777759514879 * alpha1 + 0.00021667253526842326 * alpha8;
+            const double S_1_23 = (-0.4396173773693272) * alpha2;
+            const double S_1_33 = 0.07747607894019715 * alpha1 + (-0.05287538016782101) * alpha8;
+            const double S_2_11 = 0.8385822755284659 * alpha2;
+            const double S_2_13 = 0.17281858343053574 * alpha3;
+            const double S_2_22 = 0.1617571164547129 * alpha2;
+            const double S_2_23 = (-0.4396173773693272) * alpha1 + (-0.02992582521388207) * alpha8;
+            const double S_2_33 = 0.9996606080168212 * alpha2;
+            const double S_3_11 = 0.9959824929644516 * alpha3;
+            const double S_3_12 = (-0.06983677418017273) * alpha1 + 0.05213396507997798 * alpha8;
+            const double S_3_13 = 0.17281858343053574 * alpha2;
+            const double S_3_22 = 0.7416169147200682 * alpha3;
+            const double S_3_33 = 0.26240059231547974 * alpha3;
+            const double S_4_11 = 0.8691692710140388 * alpha4;
+            const double S_4_12 = (-0.07653897132838097) * alpha7;
+            const double S_4_13 = -0.006948727887756916 + 0.06612677259881924 * alpha6;
+            const double S_4_22 = 0.9978159483343315 * alpha4;
+            const double S_4_23 = 0.40905294172354 * alpha5;
+            const double S_4_33 = 0.13301478065162953 * alpha4;
+            const double S_5_11 = 0.7757986416100022 * alpha5;
+            const double S_5_12 = 0.019222459468399348 + (-0.08100155107836308) * alpha6;
+            const double S_5_13 = (-0.17116304786243786) * alpha7;
+            const double S_5_22 = 0.22560185358382823 * alpha5;
+            const double S_5_23 = 0.40905294172354 * alpha4;
+            const double S_5_33 = 0.9985995048061699 * alpha5;
+            const double S_6_11 = 0.006949696462346222 + 0.008120450003726742 * alpha6;
+            const double S_6_12 = (-0.08100155107836308) * alpha5;
+            const double S_6_13 = 0.06612677259881924 * alpha4;
+            const double S_6_22 = -0.2888453299117188 + 0.9938488193551677 * alpha6;
+            const double S_6_23 = (-0.009791878445593954) * alpha7;
+            const double S_6_33 = -0.28541913668350255 + 0.998030730641106 * alpha6;
+            const double S_7_11 = 0.9836361321701889 * alpha7;
+            const double S_7_12 = (-0.07653897132838097) * alpha4;
+            const double S_7_13 = (-0.17116304786243786) * alpha5;
+            const double S_7_22 = 0.7598894642705915 * alpha7;
+            const double S_7_23 = 3.641454770386481e-05 + (-0.009791878445593954) * alpha6;
+            const double S_7_33 = 0.2564744035592197 * alpha7;
+            const double S_8_11 = 0.0526587076325526 * alpha1 + 0.8351337820732403 * alpha8;
+            const double S_8_12 = 0.05213396507997798 * alpha3;
+            const double S_8_22 = 0.00021667253526842326 * alpha1 + 0.994122776779808 * alpha8;
+            const double S_8_23 = (-0.02992582521388207) * alpha2;
+            const double S_8_33 = (-0.05287538016782101) * alpha1 + 0.17074344114695217 * alpha8;
+            const double J_11 = 0.007344000000000003 + 0.006949696462346222 * alpha6 + S_1_11 * alpha1
+                + S_2_11 * alpha2 + S_3_11 * alpha3 + S_4_11 * alpha4 + S_5_11 * alpha5 + S_6_11 * alpha6
+                + S_7_11 * alpha7 + S_8_11 * alpha8;
+            const double J_12 = 0.019222459468399348 * alpha5 + S_1_12 * alpha1 + S_3_12 * alpha3
+                + S_4_12 * alpha4 + S_5_12 * alpha5 + S_6_12 * alpha6 + S_7_12 * alpha7 + S_8_12 * alpha8;
+            const double J_13 = (-0.006948727887756916) * alpha4 + S_2_13 * alpha2 + S_3_13 * alpha3
+                + S_4_13 * alpha4 + S_5_13 * alpha5 + S_6_13 * alpha6 + S_7_13 * alpha7;
+            const double J_22 = 0.088344 + (-0.2888453299117188) * alpha6 + S_1_22 * alpha1
+                + S_2_22 * alpha2 + S_3_22 * alpha3 + S_4_22 * alpha4 + S_5_22 * alpha5 + S_6_22 * alpha6
+                + S_7_22 * alpha7 + S_8_22 * alpha8;
+            const double J_23 = 3.641454770386481e-05 * alpha7 + S_1_23 * alpha1 + S_2_23 * alpha2
+                + S_4_23 * alpha4 + S_5_23 * alpha5 + S_6_23 * alpha6 + S_7_23 * alpha7 + S_8_23 * alpha8;
+            const double J_33 = 0.0918 + (-0.28541913668350255) * alpha6 + S_1_33 * alpha1 + S_2_33 * alpha2
+                + S_3_33 * alpha3 + S_4_33 * alpha4 + S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7
+                + S_8_33 * alpha8;
+            const double Sdot_11 = alpha1dot * S_1_11 + alpha2dot * S_2_11 + alpha3dot * S_3_11
+                + alpha4dot * S_4_11 + alpha5dot * S_5_11 + alpha6dot * S_6_11 + alpha7dot * S_7_11
+                + alpha8dot * S_8_11;
+            const double Sdot_12 = alpha1dot * S_1_12 + alpha3dot * S_3_12 + alpha4dot * S_4_12
+                + alpha5dot * S_5_12 + alpha6dot * S_6_12 + alpha7dot * S_7_12 + alpha8dot * S_8_12;
+            const double Sdot_13 = alpha2dot * S_2_13 + alpha3dot * S_3_13 + alpha4dot * S_4_13
+                + alpha5dot * S_5_13 + alpha6dot * S_6_13 + alpha7dot * S_7_13;
+            const double Sdot_22 = alpha1dot * S_1_22 + alpha2dot * S_2_22 + alpha3dot * S_3_22
+                + alpha4dot * S_4_22 + alpha5dot * S_5_22 + alpha6dot * S_6_22 + alpha7dot * S_7_22
+                + alpha8dot * S_8_22;
+            const double Sdot_23 = alpha1dot * S_1_23 + alpha2dot * S_2_23 + alpha4dot * S_4_23
+                + alpha5dot * S_5_23 + alpha6dot * S_6_23 + alpha7dot * S_7_23 + alpha8dot * S_8_23;
+            const double Sdot_33 = alpha1dot * S_1_33 + alpha2dot * S_2_33 + alpha3dot * S_3_33
+                + alpha4dot * S_4_33 + alpha5dot * S_5_33 + alpha6dot * S_6_33 + alpha7dot * S_7_33
+                + alpha8dot * S_8_33;
+            const double c7dot_1_1 = (-0.8784787837749884) * alpha2dot;
+            const double c7dot_1_3 = 0.14213269823254854 * alpha3dot;
+            const double c7dot_2_1 = 0.06014933573656158 * alpha8dot - (-0.8784787837749884) * alpha1dot;
+            const double c7dot_2_2 = 0.3434623359074803 * alpha3dot;
+            const double c7dot_3_3 = 0.10707341325868729 * alpha8dot - 0.14213269823254854 * alpha1dot;
+            const double c7dot_4_1 = 0.8146287617076164 * alpha5dot;
+            const double c7dot_4_2 = (-0.13286677220194004) * alpha6dot;
+            const double c7dot_4_3 = 0.16411826642656863 * alpha7dot;
+            const double c7dot_5_2 = (-0.3338704835108587) * alpha7dot;
+            const double c7dot_5_3 = (-0.17320212202534865) * alpha6dot;
+            const double c7dot_6_1 = 0.03812757101123808 * alpha7dot;
+            const double t1 = 0.8146287617076164 * alpha4dot;
+            const double t2 = 0.03812757101123808 * alpha6dot;
+            const double t3 = 0.06014933573656158 * alpha2dot;
+            const double d3dot_1 = alpha1 * c7dot_1_1 + alpha2 * c7dot_2_1 + alpha4 * c7dot_4_1
+                - alpha5 * t1 + alpha6 * c7dot_6_1 - alpha7 * t2 - alpha8 * t3;
+            const double t4 = 0.3434623359074803 * alpha2dot;
+            const double t5 = (-0.13286677220194004) * alpha4dot;
+            const double t6 = (-0.3338704835108587) * alpha5dot;
+            const double d3dot_2 = alpha2 * c7dot_2_2 - alpha3 * t4 + alpha4 * c7dot_4_2
+                + alpha5 * c7dot_5_2 - alpha6 * t5 - alpha7 * t6;
+            const double t7 = (-0.17320212202534865) * alpha5dot;
+            const double t8 = 0.16411826642656863 * alpha4dot;
+            const double t9 = 0.10707341325868729 * alpha3dot;
+            const double d3dot_3 = alpha1 * c7dot_1_3 + alpha3 * c7dot_3_3 + alpha4 * c7dot_4_3
+                + alpha5 * c7dot_5_3 - alpha6 * t7 - alpha7 * t8 - alpha8 * t9;
+            h_block[0 * 32 + b] = 0.0;
+            h_block[1 * 32 + b] = 0.0;
+            h_block[2 * 32 + b] = 0.0;
+            const double t10 = 2.0 * omega1;
+            const double t11 = 2.0 * omega2;
+            const double t12 = 2.0 * omega3;
+            h_block[3 * 32 + b] = J_13 * oo_12 + J_23 * oo_22 + J_33 * oo_23 + t10 * Sdot_11 + t11 * Sdot_12
+                + t12 * Sdot_13 + omega2 * d3dot_3 - J_12 * oo_13 - J_22 * oo_23 - J_23 * oo_33
+                - omega3 * d3dot_2;
+            h_block[4 * 32 + b] = J_11 * oo_13 + J_12 * oo_23 + J_13 * oo_33 + t10 * Sdot_12 + t11 * Sdot_22
+                + t12 * Sdot_23 + omega3 * d3dot_1 - J_13 * oo_11 - J_23 * oo_12 - J_33 * oo_13
+                - omega1 * d3dot_3;
+            h_block[5 * 32 + b] = J_12 * oo_11 + J_22 * oo_12 + J_23 * oo_13 + t10 * Sdot_13 + t11 * Sdot_23
+                + t12 * Sdot_33 + omega1 * d3dot_2 - J_11 * oo_12 - J_12 * oo_22 - J_13 * oo_23
+                - omega2 * d3dot_1;
+            h_block[6 * 32 + b] = 132785871.23214255 * alpha1 - S_1_11 * oo_11 - 2.0 * S_1_12 * oo_12
+                - S_1_22 * oo_22 - 2.0 * S_1_23 * oo_23 - S_1_33 * oo_33 - t10 * c7dot_1_1
+                - t12 * c7dot_1_3;
+            h_block[7 * 32 + b] = 298337711.7011645 * alpha2 - S_2_11 * oo_11 - 2.0 * S_2_13 * oo_13
+                - S_2_22 * oo_22 - 2.0 * S_2_23 * oo_23 - S_2_33 * oo_33 - t10 * c7dot_2_1
+                - t11 * c7dot_2_2;
+            h_block[8 * 32 + b] = 424127787.13520163 * alpha3 - S_3_11 * oo_11 - 2.0 * S_3_12 * oo_12
+                - 2.0 * S_3_13 * oo_13 - S_3_22 * oo_22 - S_3_33 * oo_33 + t11 * t4 - t12 * c7dot_3_3;
+            h_block[9 * 32 + b] = 828661201.2040272 * alpha4 - S_4_11 * oo_11 - 2.0 * S_4_12 * oo_12
+                - 2.0 * S_4_13 * oo_13 - S_4_22 * oo_22 - 2.0 * S_4_23 * oo_23 - S_4_33 * oo_33
+                - t10 * c7dot_4_1 - t11 * c7dot_4_2 - t12 * c7dot_4_3;
+            h_block[10 * 32 + b] = 1482944676.1858206 * alpha5 - S_5_11 * oo_11 - 2.0 * S_5_12 * oo_12
+                - 2.0 * S_5_13 * oo_13 - S_5_22 * oo_22 - 2.0 * S_5_23 * oo_23 - S_5_33 * oo_33 + t10 * t1
+                - t11 * c7dot_5_2 - t12 * c7dot_5_3;
+            h_block[11 * 32 + b] = 1586764292.5824752 * alpha6 - S_6_11 * oo_11 - 2.0 * S_6_12 * oo_12
+                - 2.0 * S_6_13 * oo_13 - S_6_22 * oo_22 - 2.0 * S_6_23 * oo_23 - S_6_33 * oo_33
+                - t10 * c7dot_6_1 + t11 * t5 + t12 * t7;
+            h_block[12 * 32 + b] = 1703959547.9391162 * alpha7 - S_7_11 * oo_11 - 2.0 * S_7_12 * oo_12
+                - 2.0 * S_7_13 * oo_13 - S_7_22 * oo_22 - 2.0 * S_7_23 * oo_23 - S_7_33 * oo_33 + t10 * t2
+                + t11 * t6 + t12 * t8;
+            h_block[13 * 32 + b] = 2561832557.220976 * alpha8 - S_8_11 * oo_11 - 2.0 * S_8_12 * oo_12
+                - S_8_22 * oo_22 - 2.0 * S_8_23 * oo_23 - S_8_33 * oo_33 + t10 * t3 + t12 * t9;
+        }
+        block_block_put(all, count, 14, h_block, h);
+        q += count;
+        v += count;
+        h += count;
+    }
+    return 0;
+}
+
+int block_accel_batch(
+    int n,
+    double t,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *vdot)
+{
+    (void) t;
+    (void) k;
+    double q_tail[15 * 32], v_tail[14 * 32], vdot_block[14 * 32], codes[32];
+    const ptrdiff_t all = n;
+    int code = 0;
+
+    for (int left = n; left > 0; left -= 32) {
+        const int count = left < 32 ? left : 32;
+        const ptrdiff_t stride = count < 32 ? 32 : all;
+        const double *q_block = count < 32 ? block_block_fill(all, count, 15, q, q_tail) : q;
+        const double *v_block = count < 32 ? block_block_fill(all, count, 14, v, v_tail) : v;
+        for (int b = 0; b < 32; b++) {
+            const double alpha1 = q_block[7 * stride + b];
+            const double alpha2 = q_block[8 * stride + b];
+            const double alpha3 = q_block[9 * stride + b];
+            const double alpha4 = q_block[10 * stride + b];
+            const double alpha5 = q_block[11 * stride + b];
+            const double alpha6 = q_block[12 * stride + b];
+            const double alpha7 = q_block[13 * stride + b];
+            const double alpha8 = q_block[14 * stride + b];
+            const double omega1 = v_block[3 * stride + b];
+            const double omega2 = v_block[4 * stride + b];
+            const double omega3 = v_block[5 * stride + b];
+            const double alpha1dot = v_block[6 * stride + b];
+            const double alpha2dot = v_block[7 * stride + b];
+            const double alpha3dot = v_block[8 * stride + b];
+            const double alpha4dot = v_block[9 * stride + b];
+            const double alpha5dot = v_block[10 * stride + b];
+            const double alpha6dot = v_block[11 * stride + b];
+            const double alpha7dot = v_block[12 * stride + b];
+            const double alpha8dot = v_block[13 * stride + b];
+            const double S_1_11 = 0.9229461451083147 * alpha1 + 0.0526587076325526 * alpha8;
+            const double S_1_12 = (-0.06983677418017273) * alpha3;
+            const double S_1_22 = 0.9995777759514879 * alpha1 + 0.00021667253526842326 * alpha8;
+            const double S_1_23 = (-0.4396173773693272) * alpha2;
+            const double S_1_33 = 0.07747607894019715 * alpha1 + (-0.05287538016782101) * alpha8;
+            const double S_2_11 = 0.8385822755284659 * alpha2;
+            const double S_2_13 = 0.17281858343053574 * alpha3;
+            const double S_2_22 = 0.1617571164547129 * alpha2;
+            const double S_2_23 = (-0.4396173773693272) * alpha1 + (-0.02992582521388207) * alpha8;
+            const double S_2_33 = 0.9996606080168212 * alpha2;
+            const double S_3_11 = 0.9959824929644516 * alpha3;
+            const double S_3_12 = (-0.06983677418017273) * alpha1 + 0.05213396507997798 * alpha8;
+            const double S_3_13 = 0.17281858343053574 * alpha2;
+            const double S_3_22 = 0.7416169147200682 * alpha3;
+            const double S_3_33 = 0.26240059231547974 * alpha3;
+            const double S_4_11 = 0.8691692710140388 * alpha4;
+            const double S_4_12 = (-0.07653897132838097) * alpha7;
+            const double S_4_13 = -0.006948727887756916 + 0.06612677259881924 * alpha6;
+            const double S_4_22 = 0.9978159483343315 * alpha4;
+            const double S_4_23 = 0.40905294172354 * alpha5;
+            const double S_4_33 = 0.13301478065162953 * alpha4;
+            const double S_5_11 = 0.7757986416100022 * alpha5;
+            const double S_5_12 = 0.019222459468399348 + (-0.08100155107836308) * alpha6;
+            const double S_5_13 = (-0.17116304786243786) * alpha7;
+            const double S_5_22 = 0.22560185358382823 * alpha5;
+            const double S_5_23 = 0.40905294172354 * alpha4;
+            const double S_5_33 = 0.9985995048061699 * alpha5;
+            const double S_6_11 = 0.006949696462346222 + 0.008120450003726742 * alpha6;
+            const double S_6_12 = (-0.08100155107836308) * alpha5;
+            const double S_6_13 = 0.06612677259881924 * alpha4;
+            const double S_6_22 = -0.2888453299117188 + 0.9938488193551677 * alpha6;
+            const double S_6_23 = (-0.009791878445593954) * alpha7;
+            const double S_6_33 = -0.28541913668350255 + 0.998030730641106 * alpha6;
+            const double S_7_11 = 0.9836361321701889 * alpha7;
+            const double S_7_12 = (-0.07653897132838097) * alpha4;
+            const double S_7_13 = (-0.17116304786243786) * alpha5;
+            const double S_7_22 = 0.7598894642705915 * alpha7;
+            const double S_7_23 = 3.641454770386481e-05 + (-0.009791878445593954) * alpha6;
+            const double S_7_33 = 0.2564744035592197 * alpha7;
+            const double S_8_11 = 0.0526587076325526 * alpha1 + 0.8351337820732403 * alpha8;
+            const double S_8_12 = 0.05213396507997798 * alpha3;
+            const double S_8_22 = 0.00021667253526842326 * alpha1 + 0.994122776779808 * alpha8;
+            const double S_8_23 = (-0.02992582521388207) * alpha2;
+            const double S_8_33 = (-0.05287538016782101) * alpha1 + 0.17074344114695217 * alpha8;
+            const double d3_2_1 = (-0.8784787837749884) * alpha1 - 0.06014933573656158 * alpha8;
+            const double d3_3_2 = 0.3434623359074803 * alpha2;
+            const double d3_3_3 = 0.14213269823254854 * alpha1 - 0.10707341325868729 * alpha8;
+            const double d3_5_1 = 0.8146287617076164 * alpha4;
+            const double d3_6_2 = (-0.13286677220194004) * alpha4;
+            const double d3_6_3 = (-0.17320212202534865) * alpha5;
+            const double d3_7_1 = 0.03812757101123808 * alpha6;
+            const double d3_7_2 = (-0.3338704835108587) * alpha5;
+            const double d3_7_3 = 0.16411826642656863 * alpha4;
+            const double d3_8_1 = 0.06014933573656158 * alpha2;
+            const double d3_8_3 = 0.10707341325868729 * alpha3;
+            const double J_11 = 0.007344000000000003 + 0.006949696462346222 * alpha6 + S_1_11 * alpha1
+                + S_2_11 * alpha2 + S_3_11 * alpha3 + S_4_11 * alpha4 + S_5_11 * alpha5 + S_6_11 * alpha6
+                + S_7_11 * alpha7 + S_8_11 * alpha8;
+            const double J_12 = 0.019222459468399348 * alpha5 + S_1_12 * alpha1 + S_3_12 * alpha3
+                + S_4_12 * alpha4 + S_5_12 * alpha5 + S_6_12 * alpha6 + S_7_12 * alpha7 + S_8_12 * alpha8;
+            const double J_13 = (-0.006948727887756916) * alpha4 + S_2_13 * alpha2 + S_3_13 * alpha3
+                + S_4_13 * alpha4 + S_5_13 * alpha5 + S_6_13 * alpha6 + S_7_13 * alpha7;
+            const double J_22 = 0.088344 + (-0.2888453299117188) * alpha6 + S_1_22 * alpha1
+                + S_2_22 * alpha2 + S_3_22 * alpha3 + S_4_22 * alpha4 + S_5_22 * alpha5 + S_6_22 * alpha6
+                + S_7_22 * alpha7 + S_8_22 * alpha8;
+            const double J_23 = 3.641454770386481e-05 * alpha7 + S_1_23 * alpha1 + S_2_23 * alpha2
+                + S_4_23 * alpha4 + S_5_23 * alpha5 + S_6_23 * alpha6 + S_7_23 * alpha7 + S_8_23 * alpha8;
+            const double J_33 = 0.0918 + (-0.28541913668350255) * alpha6 + S_1_33 * alpha1 + S_2_33 * alpha2
+                + S_3_33 * alpha3 + S_4_33 * alpha4 + S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7
+                + S_8_33 * alpha8;
+            const double t1 = (-0.8784787837749884) * alpha2;
+            const double pivot_pi1 = J_11 - d3_8_1 * d3_8_1 - t1 * t1 - d3_2_1 * d3_2_1 - d3_7_1 * d3_7_1;
+            const double t2 = 0.3434623359074803 * alpha3;
+            const double t3 = J_12 + t2 * d3_2_1 - d3_7_2 * d3_7_1;
+            const double inverse_pivot_pi1 = 1.0 / pivot_pi1;
+            const double t4 = t3 * inverse_pivot_pi1;
+            const double pivot_pi2 = J_22 - t2 * t2 - d3_3_2 * d3_3_2 - d3_7_2 * d3_7_2 - t4 * t3;
+            const double t5 = 0.8146287617076164 * alpha5;
+            const double t6 = t5 * inverse_pivot_pi1;
+            const double t7 = t6 * t3 - (-0.13286677220194004) * alpha6;
+            const double inverse_pivot_pi2 = 1.0 / pivot_pi2;
+            const double t8 = t7 * inverse_pivot_pi2;
+            const double pivot_alpha4 = 1.0 - t6 * t5 - t8 * t7;
+            const double t9 = d3_5_1 * inverse_pivot_pi1;
+            const double t10 = (-0.3338704835108587) * alpha7 + t9 * t3;
+            const double t11 = t10 * inverse_pivot_pi2;
+            const double t12 = t9 * t5 + t11 * t7;
+            const double inverse_pivot_alpha4 = 1.0 / pivot_alpha4;
+            const double t13 = t12 * inverse_pivot_alpha4;
+            const double pivot_alpha5 = 1.0 - t9 * d3_5_1 - t11 * t10 - t13 * t12;
+            const double t14 = 0.03812757101123808 * alpha7;
+            const double t15 = t14 * inverse_pivot_pi1;
+            const double t16 = d3_6_2 + t15 * t3;
+            const double t17 = t16 * inverse_pivot_pi2;
+            const double t18 = t15 * t5 + t17 * t7;
+            const double t19 = t18 * inverse_pivot_alpha4;
+            const double t20 = t15 * d3_5_1 + t17 * t10 + t19 * t12;
+            const double inverse_pivot_alpha5 = 1.0 / pivot_alpha5;
+            const double t21 = t20 * inverse_pivot_alpha5;
+            const double pivot_alpha6 = 1.0 - t15 * t14 - t17 * t16 - t19 * t18 - t21 * t20;
+            const double t22 = 0.14213269823254854 * alpha3;
+            const double t23 = J_13 - d3_8_3 * d3_8_1 - t22 * t1 - d3_7_3 * d3_7_1;
+            const double t24 = t23 * inverse_pivot_pi1;
+            const double t25 = J_23 - d3_3_3 * d3_3_2 - d3_7_3 * d3_7_2 - t24 * t3;
+            const double t26 = t25 * inverse_pivot_pi2;
+            const double t27 = t24 * t5 - 0.16411826642656863 * alpha7 - t26 * t7;
+            const double t28 = t27 * inverse_pivot_alpha4;
+            const double t29 = t26 * t10 - ((-0.17320212202534865) * alpha6 + t24 * d3_5_1) - t28 * t12;
+            const double t30 = t29 * inverse_pivot_alpha5;
+            const double t31 = d3_6_3 + t24 * t14 - t26 * t16 + t28 * t18 - t30 * t20;
+            const double inverse_pivot_alpha6 = 1.0 / pivot_alpha6;
+            const double t32 = t31 * inverse_pivot_alpha6;
+            const double pivot_pi3 = J_33 - d3_8_3 * d3_8_3 - t22 * t22 - d3_3_3 * d3_3_3 - d3_7_3 * d3_7_3
+                - t24 * t23 - t26 * t25 - t28 * t27 - t30 * t29 - t32 * t31;
+            const double oo_11 = omega1 * omega1;
+            const double oo_12 = omega1 * omega2;
+            const double oo_13 = omega1 * omega3;
+            const double oo_22 = omega2 * omega2;
+            const double oo_23 = omega2 * omega3;
+            const double oo_33 = omega3 * omega3;
+            const double Sdot_11 = alpha1dot * S_1_11 + alpha2dot * S_2_11 + alpha3dot * S_3_11
+                + alpha4dot * S_4_11 + alpha5dot * S_5_11 + alpha6dot * S_6_11 + alpha7dot * S_7_11
+                + alpha8dot * S_8_11;
+            const double Sdot_12 = alpha1dot * S_1_12 + alpha3dot * S_3_12 + alpha4dot * S_4_12
+                + alpha5dot * S_5_12 + alpha6dot * S_6_12 + alpha7dot * S_7_12 + alpha8dot * S_8_12;
+            const double Sdot_13 = alpha2dot * S_2_13 + alpha3dot * S_3_13 + alpha4dot * S_4_13
+                + alpha5dot * S_5_13 + alpha6dot * S_6_13 + alpha7dot * S_7_13;
+            const double Sdot_22 = alpha1dot * S_1_22 + alpha2dot * S_2_22 + alpha3dot * S_3_22
+                + alpha4dot * S_4_22 + alpha5dot * S_5_22 + alpha6dot * S_6_22 + alpha7dot * S_7_22
+                + alpha8dot * S_8_22;
+            const double Sdot_23 = alpha1dot * S_1_23 + alpha2dot * S_2_23 + alpha4dot * S_4_23
+                + alpha5dot * S_5_23 + alpha6dot * S_6_23 + alpha7dot * S_7_23 + alpha8dot * S_8_23;
+            const double Sdot_33 = alpha1dot * S_1_33 + alpha2dot * S_2_33 + alpha3dot * S_3_33
+                + alpha4dot * S_4_33 + alpha5dot * S_5_33 + alpha6dot * S_6_33 + alpha7dot * S_7_33
+                + alpha8dot * S_8_33;
+            const double c7dot_1_1 = (-0.8784787837749884) * alpha2dot;
+            const double c7dot_1_3 = 0.14213269823254854 * alpha3dot;
+            const double c7dot_2_1 = 0.06014933573656158 * alpha8dot - (-0.8784787837749884) * alpha1dot;
+            const double c7dot_2_2 = 0.3434623359074803 * alpha3dot;
+            const double c7dot_3_3 = 0.10707341325868729 * alpha8dot - 0.14213269823254854 * alpha1dot;
+            const double c7dot_4_1 = 0.8146287617076164 * alpha5dot;
+            const double c7dot_4_2 = (-0.13286677220194004) * alpha6dot;
+            const double c7dot_4_3 = 0.16411826642656863 * alpha7dot;
+            const double c7dot_5_2 = (-0.3338704835108587) * alpha7dot;
+            const double c7dot_5_3 = (-0.17320212202534865) * alpha6dot;
+            const double c7dot_6_1 = 0.03812757101123808 * alpha7dot;
+            const double t33 = 0.8146287617076164 * alpha4dot;
+            const double t34 = 0.03812757101123808 * alpha6dot;
+            const double t35 = 0.06014933573656158 * alpha2dot;
+            const double d3dot_1 = alpha1 * c7dot_1_1 + alpha2 * c7dot_2_1 + alpha4 * c7dot_4_1
+                - alpha5 * t33 + alpha6 * c7dot_6_1 - alpha7 * t34 - alpha8 * t35;
+            const double t36 = 0.3434623359074803 * alpha2dot;
+            const double t37 = (-0.13286677220194004) * alpha4dot;
+            const double t38 = (-0.3338704835108587) * alpha5dot;
+            const double d3dot_2 = alpha2 * c7dot_2_2 - alpha3 * t36 + alpha4 * c7dot_4_2
+                + alpha5 * c7dot_5_2 - alpha6 * t37 - alpha7 * t38;
+            const double t39 = (-0.17320212202534865) * alpha5dot;
+            const double t40 = 0.16411826642656863 * alpha4dot;
+            const double t41 = 0.10707341325868729 * alpha3dot;
+            const double d3dot_3 = alpha1 * c7dot_1_3 + alpha3 * c7dot_3_3 + alpha4 * c7dot_4_3
+                + alpha5 * c7dot_5_3 - alpha6 * t39 - alpha7 * t40 - alpha8 * t41;
+            vdot_block[0 * 32 + b] = 0.0;
+            vdot_block[1 * 32 + b] = 0.0;
+            vdot_block[2 * 32 + b] = 0.0;
+            const double t42 = 2.0 * omega1;
+            const double t43 = 2.0 * omega3;
+            const double t44 = 2561832557.220976 * alpha8 - S_8_11 * oo_11 - 2.0 * S_8_12 * oo_12
+                - S_8_22 * oo_22 - 2.0 * S_8_23 * oo_23 - S_8_33 * oo_33 + t42 * t35 + t43 * t41;
+            const double t45 = 2.0 * omega2;
+            const double t46 = 132785871.23214255 * alpha1 - S_1_11 * oo_11 - 2.0 * S_1_12 * oo_12
+                - S_1_22 * oo_22 - 2.0 * S_1_23 * oo_23 - S_1_33 * oo_33 - t42 * c7dot_1_1
+                - t43 * c7dot_1_3;
+            const double t47 = 298337711.7011645 * alpha2 - S_2_11 * oo_11 - 2.0 * S_2_13 * oo_13
+                - S_2_22 * oo_22 - 2.0 * S_2_23 * oo_23 - S_2_33 * oo_33 - t42 * c7dot_2_1
+                - t45 * c7dot_2_2;
+            const double t48 = 1703959547.9391162 * alpha7 - S_7_11 * oo_11 - 2.0 * S_7_12 * oo_12
+                - 2.0 * S_7_13 * oo_13 - S_7_22 * oo_22 - 2.0 * S_7_23 * oo_23 - S_7_33 * oo_33 + t42 * t34
+                + t45 * t38 + t43 * t40;
+            const double t49 = d3_8_1 * t44 - (J_13 * oo_12 + J_23 * oo_22 + J_33 * oo_23 + t42 * Sdot_11
+                + t45 * Sdot_12 + t43 * Sdot_13 + omega2 * d3dot_3 - J_12 * oo_13 - J_22 * oo_23
+                - J_23 * oo_33 - omega3 * d3dot_2) - t1 * t46 + d3_2_1 * t47 + d3_7_1 * t48;
+            const double t50 = 424127787.13520163 * alpha3 - S_3_11 * oo_11 - 2.0 * S_3_12 * oo_12
+                - 2.0 * S_3_13 * oo_13 - S_3_22 * oo_22 - S_3_33 * oo_33 + t45 * t36 - t43 * c7dot_3_3;
+            const double t51 = d3_3_2 * t50 - (J_11 * oo_13 + J_12 * oo_23 + J_13 * oo_33 + t42 * Sdot_12
+                + t45 * Sdot_22 + t43 * Sdot_23 + omega3 * d3dot_1 - J_13 * oo_11 - J_23 * oo_12
+                - J_33 * oo_13 - omega1 * d3dot_3 + t2 * t47) + d3_7_2 * t48 - t4 * t49;
+            const double t52 = t6 * t49 - (828661201.2040272 * alpha4 - S_4_11 * oo_11
+                - 2.0 * S_4_12 * oo_12 - 2.0 * S_4_13 * oo_13 - S_4_22 * oo_22 - 2.0 * S_4_23 * oo_23
+                - S_4_33 * oo_33 - t42 * c7dot_4_1 - t45 * c7dot_4_2 - t43 * c7dot_4_3) - t8 * t51;
+            const double t53 = t11 * t51 - (1482944676.1858206 * alpha5 - S_5_11 * oo_11
+                - 2.0 * S_5_12 * oo_12 - 2.0 * S_5_13 * oo_13 - S_5_22 * oo_22 - 2.0 * S_5_23 * oo_23
+                - S_5_33 * oo_33 + t42 * t33 - t45 * c7dot_5_2 - t43 * c7dot_5_3 + t9 * t49) - t13 * t52;
+            const double t54 = t15 * t49 - (1586764292.5824752 * alpha6 - S_6_11 * oo_11
+                - 2.0 * S_6_12 * oo_12 - 2.0 * S_6_13 * oo_13 - S_6_22 * oo_22 - 2.0 * S_6_23 * oo_23
+                - S_6_33 * oo_33 - t42 * c7dot_6_1 + t45 * t37 + t43 * t39) - t17 * t51 + t19 * t52
+                - t21 * t53;
+            const double t55 = (d3_8_3 * t44 - (J_12 * oo_11 + J_22 * oo_12 + J_23 * oo_13 + t42 * Sdot_13
+                + t45 * Sdot_23 + t43 * Sdot_33 + omega1 * d3dot_2 - J_11 * oo_12 - J_12 * oo_22
+                - J_13 * oo_23 - omega2 * d3dot_1) - t22 * t46 + d3_3_3 * t50 + d3_7_3 * t48 - t24 * t49
+                - t26 * t51 - t28 * t52 - t30 * t53 - t32 * t54) / pivot_pi3;
+            const double t56 = t54 * inverse_pivot_alpha6 - t32 * t55;
+            const double t57 = t53 * inverse_pivot_alpha5 - t21 * t56 - t30 * t55;
+            const double t58 = t52 * inverse_pivot_alpha4 - t13 * t57 + t19 * t56 - t28 * t55;
+            const double t59 = t51 * inverse_pivot_pi2 - t8 * t58 + t11 * t57 - t17 * t56 - t26 * t55;
+            const double t60 = t49 * inverse_pivot_pi1 - t4 * t59 + t6 * t58 - t9 * t57 + t15 * t56
+                - t24 * t55;
+            vdot_block[3 * 32 + b] = t60;
+            vdot_block[4 * 32 + b] = t59;
+            vdot_block[5 * 32 + b] = t55;
+            const double t61 = t1 * t60 - t46 + t22 * t55;
+            vdot_block[6 * 32 + b] = t61;
+            const double t62 = t2 * t59 - (t47 + d3_2_1 * t60);
+            vdot_block[7 * 32 + b] = t62;
+            const double t63 = t50 + d3_3_2 * t59 + d3_3_3 * t55;
+            vdot_block[8 * 32 + b] = -t63;
+            vdot_block[9 * 32 + b] = t58;
+            vdot_block[10 * 32 + b] = t57;
+            vdot_block[11 * 32 + b] = t56;
+            const double t64 = t48 + d3_7_1 * t60 + d3_7_2 * t59 + d3_7_3 * t55;
+            vdot_block[12 * 32 + b] = -t64;
+            const double t65 = t44 + d3_8_1 * t60 + d3_8_3 * t55;
+            vdot_block[13 * 32 + b] = -t65;
+            double code_b = 0.0;
+            const double finite = t60 + t59 + t55 + t61 + t62 - t63 + t58 + t57 + t56 - t64 - t65;
+            code_b = finite - finite == 0.0 ? code_b : 2.0; /* an acceleration is not finite */
+            code_b = pivot_pi3
+                - 5.684341886080802e-14 * J_33 > 0.0 ? code_b : 1.0; /* the pivot of pi3 vanished */
+            code_b = pivot_alpha6
+                - 5.684341886080802e-14 > 0.0 ? code_b : 1.0; /* the pivot of alpha6 vanished */
+            code_b = pivot_alpha5
+                - 5.684341886080802e-14 > 0.0 ? code_b : 1.0; /* the pivot of alpha5 vanished */
+            code_b = pivot_alpha4
+                - 5.684341886080802e-14 > 0.0 ? code_b : 1.0; /* the pivot of alpha4 vanished */
+            code_b = pivot_pi2
+                - 5.684341886080802e-14 * J_22 > 0.0 ? code_b : 1.0; /* the pivot of pi2 vanished */
+            code_b = pivot_pi1
+                - 5.684341886080802e-14 * J_11 > 0.0 ? code_b : 1.0; /* the pivot of pi1 vanished */
+            codes[b] = code_b;
+        }
+        block_block_put(all, count, 14, vdot_block, vdot);
+        const int failed = block_block_refuse(all, count, 14, codes, vdot);
+        if (code == 0) code = failed;
+        q += count;
+        v += count;
+        vdot += count;
+    }
+    return code;
+}
+
 int block_defaults(double *p)
 {
-    static const int places[] = {
-        0, 1, 4, 6, 27, 32, 37, 40, 42, 47, 55, 58, 60, 65, 68, 97, 100, 102, 103, 106, 108, 111,
-            143, 145, 148, 150, 176, 181, 184, 186, 191, 195, 200, 211, 214, 216, 218, 225, 235,
-            238, 240, 245, 253, 256, 258, 265, 268, 270, 271, 276, 293, 307, 324, 325, 329, 333,
-            339, 341, 346, 355, 356, 357, 358, 359, 360, 361, 362, 363, 364, 365, 366, 367, 368,
-            369, 370, 371, 372, 373, 374, 375, 376, 377, 378, 379, 380, 381, 382, 383, 384, 385,
-            386, 387, 388, 389, 395, 397, 416, 417, 422, 424, 431, 433, 435, 443
-    };
-    static const double values[] = {
-        6.48, 0.007344000000000003, 0.088344, 0.0918, -0.006948727887756916, 0.019222459468399348,
-            0.006949696462346222, -0.2888453299117188, -0.28541913668350255, 3.641454770386481e-05,
-            0.9229461451083147, 0.9995777759514879, 0.07747607894019715, -0.4396173773693272,
-            -0.06983677418017273, 0.0526587076325526, 0.00021667253526842326, -0.05287538016782101,
-            0.8385822755284659, 0.1617571164547129, 0.9996606080168212, 0.17281858343053574,
-            -0.02992582521388207, 0.9959824929644516, 0.7416169147200682, 0.26240059231547974,
-            0.05213396507997798, 0.8691692710140388, 0.9978159483343315, 0.13301478065162953,
-            0.40905294172354, 0.06612677259881924, -0.07653897132838097, 0.7757986416100022,
-            0.22560185358382823, 0.9985995048061699, -0.08100155107836308, -0.17116304786243786,
-            0.008120450003726742, 0.9938488193551677, 0.998030730641106, -0.009791878445593954,
-            0.9836361321701889, 0.7598894642705915, 0.2564744035592197, 0.8351337820732403,
-            0.994122776779808, 0.17074344114695217, -0.8784787837749884, 0.14213269823254854,
-            0.3434623359074803, 0.06014933573656158, 0.10707341325868729, 0.8146287617076164,
-            -0.13286677220194004, 0.16411826642656863, -0.17320212202534865, -0.3338704835108587,
-            0.03812757101123808, 132785871.23214255, 298337711.7011645, 424127787.13520163,
-            828661201.2040272, 1482944676.1858206, 1586764292.5824752, 1703959547.9391162,
-            2561832557.220976, -0.2, -0.05, -0.03, -0.2507781328854089, 0.0018728385876259446,
-            0.7449011505569272, -0.36792703197185106, 0.7007780273831681, -0.0012626716947180161,
-            -0.02518144397540276, -0.49015913705042813, 0.8406521835887735, -0.3818220213312505,
-            0.011048122138255248, 0.6842272816391906, 0.5275946394495463, -0.6134412407766932,
-            0.003531455783832332, 0.5399871638663002, 6.810993114921505e-05, -6.974591890078557e-05,
-            -0.09926014335411275, -0.47267468962111114, 0.8812076801683899, 0.4769773500056812,
-            -0.03554137704558601, -0.6113913128674688, -0.4549790471738913, -0.4490479497916433,
-            -0.5315455430903949, 0.2, 0.748878107500388, 0.6969176041930503, -0.7054512084307272,
-            0.599135556698704, -0.5600463460571621, -0.6731445856665152
-    };
-    for (int i = 0; i < 444; i++) p[i] = 0.0;
-    for (int i = 0; i < 104; i++) p[places[i]] = values[i];
+    (void) p;
     return 0;
 }
 
 /* ---- sparsity patterns ---- */
 
-static int block_fill_mass(int *colptr, int *rowidx)
-{
-    int n = 0;
-    *colptr++ = 0;
-    for (int j = 0; j < 1; j++) {
-        rowidx[n++] = 0;
-        *colptr++ = n;
-    }
-    for (int j = 0; j < 1; j++) {
-        rowidx[n++] = 1;
-        *colptr++ = n;
-    }
-    for (int j = 0; j < 1; j++) {
-        rowidx[n++] = 2;
-        *colptr++ = n;
-    }
-    for (int j = 0; j < 1; j++) {
-        rowidx[n++] = 3;
-        rowidx[n++] = 4;
-        rowidx[n++] = 5;
-        for (int i = 0; i < 8; i++) rowidx[n++] = 6 + i;
-        *colptr++ = n;
-    }
-    for (int j = 0; j < 1; j++) {
-        rowidx[n++] = 4;
-        rowidx[n++] = 5;
-        for (int i = 0; i < 8; i++) rowidx[n++] = 6 + i;
-        *colptr++ = n;
-    }
-    for (int j = 0; j < 1; j++) {
-        rowidx[n++] = 5;
-        for (int i = 0; i < 8; i++) rowidx[n++] = 6 + i;
-        *colptr++ = n;
-    }
-    for (int j = 0; j < 8; j++) {
-        rowidx[n++] = 6 + j;
-        *colptr++ = n;
-    }
-    return 0;
-}
+static const int block_colptr_mass[] = {
+    0, 1, 2, 3, 13, 21, 29, 30, 31, 32, 33, 34, 35, 36, 37
+};
+static const int block_rowidx_mass[] = {
+    0, 1, 2, 3, 4, 5, 6, 7, 9, 10, 11, 12, 13, 4, 5, 7, 8, 9, 10, 11, 12, 5, 6, 8, 9, 10, 11, 12,
+        13, 6, 7, 8, 9, 10, 11, 12, 13
+};
 static const tisserand_pattern block_sparsity_mass = {
-    14, 14, 41, 1,
-    0, 0, block_fill_mass
+    14, 14, 37, 1,
+    block_colptr_mass, block_rowidx_mass, 0
 };
 
 const tisserand_pattern *block_pattern_mass(void)
@@ -2304,119 +3465,24 @@ const tisserand_pattern *block_pattern_mass(void)
     return &block_sparsity_mass;
 }
 
-static int block_fill_jacobian(int *colptr, int *rowidx)
-{
-    int n = 0;
-    *colptr++ = 0;
-    for (int j = 0; j < 1; j++) {
-        rowidx[n++] = 0;
-        *colptr++ = n;
-    }
-    for (int j = 0; j < 1; j++) {
-        rowidx[n++] = 1;
-        *colptr++ = n;
-    }
-    for (int j = 0; j < 1; j++) {
-        rowidx[n++] = 2;
-        *colptr++ = n;
-    }
-    for (int j = 0; j < 1; j++) {
-        rowidx[n++] = 3;
-        rowidx[n++] = 4;
-        rowidx[n++] = 5;
-        rowidx[n++] = 6;
-        *colptr++ = n;
-    }
-    for (int j = 0; j < 1; j++) {
-        rowidx[n++] = 3;
-        rowidx[n++] = 4;
-        rowidx[n++] = 5;
-        rowidx[n++] = 6;
-        *colptr++ = n;
-    }
-    for (int j = 0; j < 1; j++) {
-        rowidx[n++] = 3;
-        rowidx[n++] = 4;
-        rowidx[n++] = 5;
-        rowidx[n++] = 6;
-        *colptr++ = n;
-    }
-    for (int j = 0; j < 1; j++) {
-        rowidx[n++] = 3;
-        rowidx[n++] = 4;
-        rowidx[n++] = 5;
-        rowidx[n++] = 6;
-        *colptr++ = n;
-    }
-    for (int j = 0; j < 8; j++) {
-        rowidx[n++] = 7 + j;
-        rowidx[n++] = 18;
-        rowidx[n++] = 19;
-        rowidx[n++] = 20;
-        for (int i = 0; i < 8; i++) rowidx[n++] = 21 + i;
-        *colptr++ = n;
-    }
-    for (int j = 0; j < 1; j++) {
-        rowidx[n++] = 0;
-        rowidx[n++] = 15;
-        *colptr++ = n;
-    }
-    for (int j = 0; j < 1; j++) {
-        rowidx[n++] = 1;
-        rowidx[n++] = 16;
-        *colptr++ = n;
-    }
-    for (int j = 0; j < 1; j++) {
-        rowidx[n++] = 2;
-        rowidx[n++] = 17;
-        *colptr++ = n;
-    }
-    for (int j = 0; j < 1; j++) {
-        rowidx[n++] = 3;
-        rowidx[n++] = 4;
-        rowidx[n++] = 5;
-        rowidx[n++] = 6;
-        rowidx[n++] = 18;
-        rowidx[n++] = 19;
-        rowidx[n++] = 20;
-        for (int i = 0; i < 8; i++) rowidx[n++] = 21 + i;
-        *colptr++ = n;
-    }
-    for (int j = 0; j < 1; j++) {
-        rowidx[n++] = 3;
-        rowidx[n++] = 4;
-        rowidx[n++] = 5;
-        rowidx[n++] = 6;
-        rowidx[n++] = 18;
-        rowidx[n++] = 19;
-        rowidx[n++] = 20;
-        for (int i = 0; i < 8; i++) rowidx[n++] = 21 + i;
-        *colptr++ = n;
-    }
-    for (int j = 0; j < 1; j++) {
-        rowidx[n++] = 3;
-        rowidx[n++] = 4;
-        rowidx[n++] = 5;
-        rowidx[n++] = 6;
-        rowidx[n++] = 18;
-        rowidx[n++] = 19;
-        rowidx[n++] = 20;
-        for (int i = 0; i < 8; i++) rowidx[n++] = 21 + i;
-        *colptr++ = n;
-    }
-    for (int j = 0; j < 8; j++) {
-        rowidx[n++] = 7 + j;
-        rowidx[n++] = 18;
-        rowidx[n++] = 19;
-        rowidx[n++] = 20;
-        for (int i = 0; i < 8; i++) rowidx[n++] = 21 + i;
-        *colptr++ = n;
-    }
-    return 0;
-}
+static const int block_colptr_jacobian[] = {
+    0, 1, 2, 3, 7, 11, 15, 19, 27, 35, 43, 51, 59, 67, 75, 83, 85, 87, 89, 104, 119, 134, 141, 149,
+        157, 165, 173, 181, 189, 196
+};
+static const int block_rowidx_jacobian[] = {
+    0, 1, 2, 3, 4, 5, 6, 3, 4, 5, 6, 3, 4, 5, 6, 3, 4, 5, 6, 7, 18, 19, 20, 21, 22, 23, 28, 8, 18,
+        19, 20, 21, 22, 23, 28, 9, 18, 19, 20, 21, 22, 23, 28, 10, 18, 19, 20, 24, 25, 26, 27, 11,
+        18, 19, 20, 24, 25, 26, 27, 12, 18, 19, 20, 24, 25, 26, 27, 13, 18, 19, 20, 24, 25, 26, 27,
+        14, 18, 19, 20, 21, 22, 23, 28, 0, 15, 1, 16, 2, 17, 3, 4, 5, 6, 18, 19, 20, 21, 22, 23, 24,
+        25, 26, 27, 28, 3, 4, 5, 6, 18, 19, 20, 21, 22, 23, 24, 25, 26, 27, 28, 3, 4, 5, 6, 18, 19,
+        20, 21, 22, 23, 24, 25, 26, 27, 28, 7, 18, 19, 20, 21, 22, 23, 8, 18, 19, 20, 21, 22, 23,
+        28, 9, 18, 19, 20, 21, 22, 23, 28, 10, 18, 19, 20, 24, 25, 26, 27, 11, 18, 19, 20, 24, 25,
+        26, 27, 12, 18, 19, 20, 24, 25, 26, 27, 13, 18, 19, 20, 24, 25, 26, 27, 14, 18, 19, 20, 22,
+        23, 28
+};
 static const tisserand_pattern block_sparsity_jacobian = {
-    29, 29, 262, 0,
-    0, 0, block_fill_jacobian
+    29, 29, 196, 0,
+    block_colptr_jacobian, block_rowidx_jacobian, 0
 };
 
 const tisserand_pattern *block_pattern_jacobian(void)
@@ -2424,49 +3490,16 @@ const tisserand_pattern *block_pattern_jacobian(void)
     return &block_sparsity_jacobian;
 }
 
-static int block_fill_marker_corner(int *colptr, int *rowidx)
-{
-    int n = 0;
-    *colptr++ = 0;
-    for (int j = 0; j < 1; j++) {
-        rowidx[n++] = 0;
-        *colptr++ = n;
-    }
-    for (int j = 0; j < 1; j++) {
-        rowidx[n++] = 1;
-        *colptr++ = n;
-    }
-    for (int j = 0; j < 1; j++) {
-        rowidx[n++] = 2;
-        *colptr++ = n;
-    }
-    for (int j = 0; j < 1; j++) {
-        rowidx[n++] = 0;
-        rowidx[n++] = 1;
-        rowidx[n++] = 2;
-        *colptr++ = n;
-    }
-    for (int j = 0; j < 1; j++) {
-        rowidx[n++] = 0;
-        rowidx[n++] = 1;
-        rowidx[n++] = 2;
-        *colptr++ = n;
-    }
-    for (int j = 0; j < 1; j++) {
-        rowidx[n++] = 0;
-        rowidx[n++] = 1;
-        rowidx[n++] = 2;
-        *colptr++ = n;
-    }
-    for (int j = 0; j < 8; j++) {
-        for (int i = 0; i < 3; i++) rowidx[n++] = 0 + i;
-        *colptr++ = n;
-    }
-    return 0;
-}
+static const int block_colptr_marker_corner[] = {
+    0, 1, 2, 3, 6, 9, 12, 15, 18, 21, 24, 27, 30, 33, 36
+};
+static const int block_rowidx_marker_corner[] = {
+    0, 1, 2, 0, 1, 2, 0, 1, 2, 0, 1, 2, 0, 1, 2, 0, 1, 2, 0, 1, 2, 0, 1, 2, 0, 1, 2, 0, 1, 2, 0, 1,
+        2, 0, 1, 2
+};
 static const tisserand_pattern block_sparsity_marker_corner = {
     3, 14, 36, 0,
-    0, 0, block_fill_marker_corner
+    block_colptr_marker_corner, block_rowidx_marker_corner, 0
 };
 
 const tisserand_pattern *block_pattern_marker_corner(void)
@@ -2474,49 +3507,15 @@ const tisserand_pattern *block_pattern_marker_corner(void)
     return &block_sparsity_marker_corner;
 }
 
-static int block_fill_marker_centre(int *colptr, int *rowidx)
-{
-    int n = 0;
-    *colptr++ = 0;
-    for (int j = 0; j < 1; j++) {
-        rowidx[n++] = 0;
-        *colptr++ = n;
-    }
-    for (int j = 0; j < 1; j++) {
-        rowidx[n++] = 1;
-        *colptr++ = n;
-    }
-    for (int j = 0; j < 1; j++) {
-        rowidx[n++] = 2;
-        *colptr++ = n;
-    }
-    for (int j = 0; j < 1; j++) {
-        rowidx[n++] = 0;
-        rowidx[n++] = 1;
-        rowidx[n++] = 2;
-        *colptr++ = n;
-    }
-    for (int j = 0; j < 1; j++) {
-        rowidx[n++] = 0;
-        rowidx[n++] = 1;
-        rowidx[n++] = 2;
-        *colptr++ = n;
-    }
-    for (int j = 0; j < 1; j++) {
-        rowidx[n++] = 0;
-        rowidx[n++] = 1;
-        rowidx[n++] = 2;
-        *colptr++ = n;
-    }
-    for (int j = 0; j < 8; j++) {
-        for (int i = 0; i < 3; i++) rowidx[n++] = 0 + i;
-        *colptr++ = n;
-    }
-    return 0;
-}
+static const int block_colptr_marker_centre[] = {
+    0, 1, 2, 3, 6, 9, 12, 15, 18, 18, 18, 18, 18, 18, 21
+};
+static const int block_rowidx_marker_centre[] = {
+    0, 1, 2, 0, 1, 2, 0, 1, 2, 0, 1, 2, 0, 1, 2, 0, 1, 2, 0, 1, 2
+};
 static const tisserand_pattern block_sparsity_marker_centre = {
-    3, 14, 36, 0,
-    0, 0, block_fill_marker_centre
+    3, 14, 21, 0,
+    block_colptr_marker_centre, block_rowidx_marker_centre, 0
 };
 
 const tisserand_pattern *block_pattern_marker_centre(void)
@@ -2524,49 +3523,15 @@ const tisserand_pattern *block_pattern_marker_centre(void)
     return &block_sparsity_marker_centre;
 }
 
-static int block_fill_marker_end(int *colptr, int *rowidx)
-{
-    int n = 0;
-    *colptr++ = 0;
-    for (int j = 0; j < 1; j++) {
-        rowidx[n++] = 0;
-        *colptr++ = n;
-    }
-    for (int j = 0; j < 1; j++) {
-        rowidx[n++] = 1;
-        *colptr++ = n;
-    }
-    for (int j = 0; j < 1; j++) {
-        rowidx[n++] = 2;
-        *colptr++ = n;
-    }
-    for (int j = 0; j < 1; j++) {
-        rowidx[n++] = 0;
-        rowidx[n++] = 1;
-        rowidx[n++] = 2;
-        *colptr++ = n;
-    }
-    for (int j = 0; j < 1; j++) {
-        rowidx[n++] = 0;
-        rowidx[n++] = 1;
-        rowidx[n++] = 2;
-        *colptr++ = n;
-    }
-    for (int j = 0; j < 1; j++) {
-        rowidx[n++] = 0;
-        rowidx[n++] = 1;
-        rowidx[n++] = 2;
-        *colptr++ = n;
-    }
-    for (int j = 0; j < 8; j++) {
-        for (int i = 0; i < 3; i++) rowidx[n++] = 0 + i;
-        *colptr++ = n;
-    }
-    return 0;
-}
+static const int block_colptr_marker_end[] = {
+    0, 1, 2, 3, 6, 9, 12, 15, 18, 18, 21, 24, 27, 27, 30
+};
+static const int block_rowidx_marker_end[] = {
+    0, 1, 2, 0, 1, 2, 0, 1, 2, 0, 1, 2, 0, 1, 2, 0, 1, 2, 0, 1, 2, 0, 1, 2, 0, 1, 2, 0, 1, 2
+};
 static const tisserand_pattern block_sparsity_marker_end = {
-    3, 14, 36, 0,
-    0, 0, block_fill_marker_end
+    3, 14, 30, 0,
+    block_colptr_marker_end, block_rowidx_marker_end, 0
 };
 
 const tisserand_pattern *block_pattern_marker_end(void)
@@ -2576,66 +3541,22 @@ const tisserand_pattern *block_pattern_marker_end(void)
 
 /* ---- the descriptor ---- */
 
-static const tisserand_variable block_table_p[] = {
-    {"m", "kg", "mass of the body", 6.48, 1},
-    {"C3", "kg m^2", "int rho ((X . X) I - X X), components 11 12 13 22 23 33 together", 0.0, 6},
-    {"C4", "kg m", "symmetric part of int rho ((Phi_i . X) I - Phi_i X), for each i, components 11 12 13 22 23 33 together", 0.0, 48},
-    {"C5", "kg", "symmetric part of int rho ((Phi_i . Phi_j) I - Phi_i Phi_j), for i <= j by rows, components 11 12 13 22 23 33 together", 0.0, 216},
-    {"c7", "kg", "int rho Phi_i x Phi_j, for i < j by rows, components 1 2 3 together", 0.0, 84},
-    {"K", "N/m", "stiffness, for each i", 0.0, 8},
-    {"X1", "m", "X of marker corner, components 1 2 3 together", 0.0, 3},
-    {"Phi1", "", "the shapes at marker corner, for each i, components 1 2 3 together", 0.0, 24},
-    {"X2", "m", "X of marker centre, components 1 2 3 together", 0.0, 3},
-    {"Phi2", "", "the shapes at marker centre, for each i, components 1 2 3 together", 0.0, 24},
-    {"X3", "m", "X of marker end, components 1 2 3 together", 0.0, 3},
-    {"Phi3", "", "the shapes at marker end, for each i, components 1 2 3 together", 0.0, 24},
-};
-
-static const tisserand_variable block_table_k[] = {
-    {"tables", "", "packed tables", 0.0, 576},
-    {"C4_11", "", "over the shapes", 0.0, 8},
-    {"C4_12", "", "over the shapes", 0.0, 8},
-    {"C4_13", "", "over the shapes", 0.0, 8},
-    {"C4_22", "", "over the shapes", 0.0, 8},
-    {"C4_23", "", "over the shapes", 0.0, 8},
-    {"C4_33", "", "over the shapes", 0.0, 8},
-    {"K", "", "over the shapes", 0.0, 8},
-    {"Phi1_1", "", "over the shapes", 0.0, 8},
-    {"Phi1_2", "", "over the shapes", 0.0, 8},
-    {"Phi1_3", "", "over the shapes", 0.0, 8},
-    {"Phi2_1", "", "over the shapes", 0.0, 8},
-    {"Phi2_2", "", "over the shapes", 0.0, 8},
-    {"Phi2_3", "", "over the shapes", 0.0, 8},
-    {"Phi3_1", "", "over the shapes", 0.0, 8},
-    {"Phi3_2", "", "over the shapes", 0.0, 8},
-    {"Phi3_3", "", "over the shapes", 0.0, 8},
-    {"mass", "", "scalar", 0.0, 1},
-    {"C3_11", "", "scalar", 0.0, 1},
-    {"C3_12", "", "scalar", 0.0, 1},
-    {"C3_13", "", "scalar", 0.0, 1},
-    {"C3_22", "", "scalar", 0.0, 1},
-    {"C3_23", "", "scalar", 0.0, 1},
-    {"C3_33", "", "scalar", 0.0, 1},
-    {"X1_1", "", "scalar", 0.0, 1},
-    {"X1_2", "", "scalar", 0.0, 1},
-    {"X1_3", "", "scalar", 0.0, 1},
-    {"X2_1", "", "scalar", 0.0, 1},
-    {"X2_2", "", "scalar", 0.0, 1},
-    {"X2_3", "", "scalar", 0.0, 1},
-    {"X3_1", "", "scalar", 0.0, 1},
-    {"X3_2", "", "scalar", 0.0, 1},
-    {"X3_3", "", "scalar", 0.0, 1},
-};
-
 static const tisserand_variable block_table_q[] = {
     {"c1", "m", "translation of the floating frame along e1", 0.0, 1},
     {"c2", "m", "translation of the floating frame along e2", 0.0, 1},
     {"c3", "m", "translation of the floating frame along e3", 0.0, 1},
-    {"e0", "", "unit quaternion of the floating frame, scalar first", 0.0, 1},
-    {"e1", "", "unit quaternion of the floating frame, scalar first", 0.0, 1},
-    {"e2", "", "unit quaternion of the floating frame, scalar first", 0.0, 1},
-    {"e3", "", "unit quaternion of the floating frame, scalar first", 0.0, 1},
-    {"alpha", "m", "amplitudes of the assumed shapes", 0.0, 8},
+    {"e0", "1", "unit quaternion of the floating frame, scalar first", 0.0, 1},
+    {"e1", "1", "unit quaternion of the floating frame, scalar first", 0.0, 1},
+    {"e2", "1", "unit quaternion of the floating frame, scalar first", 0.0, 1},
+    {"e3", "1", "unit quaternion of the floating frame, scalar first", 0.0, 1},
+    {"alpha1", "m", "amplitude of assumed shape 1", 0.0, 1},
+    {"alpha2", "m", "amplitude of assumed shape 2", 0.0, 1},
+    {"alpha3", "m", "amplitude of assumed shape 3", 0.0, 1},
+    {"alpha4", "m", "amplitude of assumed shape 4", 0.0, 1},
+    {"alpha5", "m", "amplitude of assumed shape 5", 0.0, 1},
+    {"alpha6", "m", "amplitude of assumed shape 6", 0.0, 1},
+    {"alpha7", "m", "amplitude of assumed shape 7", 0.0, 1},
+    {"alpha8", "m", "amplitude of assumed shape 8", 0.0, 1},
 };
 
 static const tisserand_variable block_table_v[] = {
@@ -2645,7 +3566,14 @@ static const tisserand_variable block_table_v[] = {
     {"omega1", "rad/s", "angular velocity about the body axis 1", 0.0, 1},
     {"omega2", "rad/s", "angular velocity about the body axis 2", 0.0, 1},
     {"omega3", "rad/s", "angular velocity about the body axis 3", 0.0, 1},
-    {"alphadot", "m/s", "rates of alpha", 0.0, 8},
+    {"alpha1dot", "m/s", "rate of alpha1", 0.0, 1},
+    {"alpha2dot", "m/s", "rate of alpha2", 0.0, 1},
+    {"alpha3dot", "m/s", "rate of alpha3", 0.0, 1},
+    {"alpha4dot", "m/s", "rate of alpha4", 0.0, 1},
+    {"alpha5dot", "m/s", "rate of alpha5", 0.0, 1},
+    {"alpha6dot", "m/s", "rate of alpha6", 0.0, 1},
+    {"alpha7dot", "m/s", "rate of alpha7", 0.0, 1},
+    {"alpha8dot", "m/s", "rate of alpha8", 0.0, 1},
 };
 
 static const tisserand_marker block_table_markers[] = {
@@ -2665,17 +3593,17 @@ static const tisserand_model block_descriptor = {
     BLOCK_NP,
     BLOCK_NK,
     0,
-    8,
-    7,
-    12,
-    33,
+    15,
+    14,
+    0,
+    0,
     BLOCK_NMARKERS,
     2,
     6,
     block_table_q,
     block_table_v,
-    block_table_p,
-    block_table_k,
+    0,
+    0,
     &block_sparsity_mass,
     &block_sparsity_jacobian,
     block_table_markers,
@@ -2689,7 +3617,10 @@ static const tisserand_model block_descriptor = {
     block_momentum,
     block_rates,
     block_residual,
-    block_jacobian
+    block_jacobian,
+    block_mass_batch,
+    block_force_batch,
+    block_accel_batch
 };
 
 const tisserand_model *block_model(void)

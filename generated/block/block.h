@@ -12,17 +12,26 @@
  * The floating frame has its origin at c and is turned by Q. In it are resolved: r = X + u, the
  * shapes Phi_i, and their moments c1 .. c8, d1, D2, d3, J, so that e1, e2 there are its axes.
  * In the inertial base are resolved: c, momenta, and markers.
- * the centre of mass of the undeformed body
+ * c is where the centre of mass of the undeformed body lies in the floating frame.
+ * Kernels are written out for each shape, the faster: for h 56 ns are foreseen written out, 59 ns
+ *     in loops.
  *
  * Coordinates q:
- *   0  c1     [m]  translation of the floating frame along e1
- *   1  c2     [m]  translation of the floating frame along e2
- *   2  c3     [m]  translation of the floating frame along e3
- *   3  e0     []  unit quaternion of the floating frame, scalar first
- *   4  e1     []  unit quaternion of the floating frame, scalar first
- *   5  e2     []  unit quaternion of the floating frame, scalar first
- *   6  e3     []  unit quaternion of the floating frame, scalar first
- *   7 .. 14  alpha  [m]  amplitudes of the assumed shapes
+ *   0  c1      [m]  translation of the floating frame along e1
+ *   1  c2      [m]  translation of the floating frame along e2
+ *   2  c3      [m]  translation of the floating frame along e3
+ *   3  e0      [1]  unit quaternion of the floating frame, scalar first
+ *   4  e1      [1]  unit quaternion of the floating frame, scalar first
+ *   5  e2      [1]  unit quaternion of the floating frame, scalar first
+ *   6  e3      [1]  unit quaternion of the floating frame, scalar first
+ *   7  alpha1  [m]  amplitude of assumed shape 1
+ *   8  alpha2  [m]  amplitude of assumed shape 2
+ *   9  alpha3  [m]  amplitude of assumed shape 3
+ *   10  alpha4  [m]  amplitude of assumed shape 4
+ *   11  alpha5  [m]  amplitude of assumed shape 5
+ *   12  alpha6  [m]  amplitude of assumed shape 6
+ *   13  alpha7  [m]  amplitude of assumed shape 7
+ *   14  alpha8  [m]  amplitude of assumed shape 8
  *
  * Rates v and the rows of the equations of motion, with their units:
  *   0  c1dot  [m/s]  rate of c1; its row, c1, [N]
@@ -31,88 +40,133 @@
  *   3  omega1  [rad/s]  angular velocity about the body axis 1; its row, pi1, [N m]
  *   4  omega2  [rad/s]  angular velocity about the body axis 2; its row, pi2, [N m]
  *   5  omega3  [rad/s]  angular velocity about the body axis 3; its row, pi3, [N m]
- *   6 .. 13  alphadot  [m/s]  rates of alpha; its row, alpha, [N]
+ *   6  alpha1dot  [m/s]  rate of alpha1; its row, alpha1, [N]
+ *   7  alpha2dot  [m/s]  rate of alpha2; its row, alpha2, [N]
+ *   8  alpha3dot  [m/s]  rate of alpha3; its row, alpha3, [N]
+ *   9  alpha4dot  [m/s]  rate of alpha4; its row, alpha4, [N]
+ *   10  alpha5dot  [m/s]  rate of alpha5; its row, alpha5, [N]
+ *   11  alpha6dot  [m/s]  rate of alpha6; its row, alpha6, [N]
+ *   12  alpha7dot  [m/s]  rate of alpha7; its row, alpha7, [N]
+ *   13  alpha8dot  [m/s]  rate of alpha8; its row, alpha8, [N]
  *
  * Parameters p:
- *   m  [kg]  mass of the body, default 6.48
- *   C3  [kg m^2]  int rho ((X . X) I - X X), components 11 12 13 22 23 33 together, 6 values
- *   C4  [kg m]  symmetric part of int rho ((Phi_i . X) I - Phi_i X), for each i, components 11 12
- *       13 22 23 33 together, 48 values
- *   C5  [kg]  symmetric part of int rho ((Phi_i . Phi_j) I - Phi_i Phi_j), for i <= j by rows,
- *       components 11 12 13 22 23 33 together, 216 values
- *   c7  [kg]  int rho Phi_i x Phi_j, for i < j by rows, components 1 2 3 together, 84 values
- *   K  [N/m]  stiffness, for each i, 8 values
- *   X1  [m]  X of marker corner, components 1 2 3 together, 3 values
- *   Phi1  []  the shapes at marker corner, for each i, components 1 2 3 together, 24 values
- *   X2  [m]  X of marker centre, components 1 2 3 together, 3 values
- *   Phi2  []  the shapes at marker centre, for each i, components 1 2 3 together, 24 values
- *   X3  [m]  X of marker end, components 1 2 3 together, 3 values
- *   Phi3  []  the shapes at marker end, for each i, components 1 2 3 together, 24 values
+ *   none: every number of the specification is folded into the code
  *
  * Constants k, made of them by setup:
- *   tables  packed tables, 576 values
- *   C4_11  over the shapes, 8 values
- *   C4_12  over the shapes, 8 values
- *   C4_13  over the shapes, 8 values
- *   C4_22  over the shapes, 8 values
- *   C4_23  over the shapes, 8 values
- *   C4_33  over the shapes, 8 values
- *   K  over the shapes, 8 values
- *   Phi1_1  over the shapes, 8 values
- *   Phi1_2  over the shapes, 8 values
- *   Phi1_3  over the shapes, 8 values
- *   Phi2_1  over the shapes, 8 values
- *   Phi2_2  over the shapes, 8 values
- *   Phi2_3  over the shapes, 8 values
- *   Phi3_1  over the shapes, 8 values
- *   Phi3_2  over the shapes, 8 values
- *   Phi3_3  over the shapes, 8 values
- *   mass  scalar
- *   C3_11  scalar
- *   C3_12  scalar
- *   C3_13  scalar
- *   C3_22  scalar
- *   C3_23  scalar
- *   C3_33  scalar
- *   X1_1  scalar
- *   X1_2  scalar
- *   X1_3  scalar
- *   X2_1  scalar
- *   X2_2  scalar
- *   X2_3  scalar
- *   X3_1  scalar
- *   X3_2  scalar
- *   X3_3  scalar
+ *   none
  *
  * Mass matrix, x a value and . a structural zero:
- *   c1      x . . . . . . .
- *   c2      . x . . . . . .
- *   c3      . . x . . . . .
- *   pi1     . . . x x x x x
- *   pi2     . . . x x x x x
- *   pi3     . . . x x x x x
- *   alpha1  . . . x x x x .
- *   alpha8  . . . x x x . x
- *   (of the shapes the first and the last)
- *   68 of 196 entries are structural non-zeros; the 41 of the lower triangle
+ *   c1      x . . . . . . . . . . . . .
+ *   c2      . x . . . . . . . . . . . .
+ *   c3      . . x . . . . . . . . . . .
+ *   pi1     . . . x x x x x . x x x x x
+ *   pi2     . . . x x x . x x x x x x .
+ *   pi3     . . . x x x x . x x x x x x
+ *   alpha1  . . . x . x x . . . . . . .
+ *   alpha2  . . . x x . . x . . . . . .
+ *   alpha3  . . . . x x . . x . . . . .
+ *   alpha4  . . . x x x . . . x . . . .
+ *   alpha5  . . . x x x . . . . x . . .
+ *   alpha6  . . . x x x . . . . . x . .
+ *   alpha7  . . . x x x . . . . . . x .
+ *   alpha8  . . . x . x . . . . . . . x
+ *   60 of 196 entries are structural non-zeros; the 37 of the lower triangle are stored
  *
  * Why its zeros are zero:
- *   M[c, c] off the diagonal: the mass enters as m I, so translations along different axes do not
- *       couple
- *   M[pi, c]: c1 = 0 by the choice of O (the centre of mass); c2 = 0 by condition (17) (no mean
- *       displacement)
- *   M[alpha, c]: c2 = 0 by condition (17) (no mean displacement)
- *   M[alpha, alpha] off the diagonal: orthogonality (modes orthonormal in the mass)
+ *   M[c2, c1], M[c3, c1], M[c3, c2]: the mass enters as m I, so translations along different axes
+ *       do not couple
+ *   M[pi1, c1], M[pi1, c2], M[pi1, c3]: c1_2, c1_3 = 0 by the choice of O (the centre of mass);
+ *       c2_1_2 .. c2_8_3 = 0 by condition (17) (no mean displacement)
+ *   M[pi2, c1], M[pi2, c2], M[pi2, c3]: c1_1, c1_3 = 0 by the choice of O (the centre of mass);
+ *       c2_1_1 .. c2_8_3 = 0 by condition (17) (no mean displacement)
+ *   M[pi3, c1], M[pi3, c2], M[pi3, c3]: c1_1, c1_2 = 0 by the choice of O (the centre of mass);
+ *       c2_1_1 .. c2_8_2 = 0 by condition (17) (no mean displacement)
+ *   M[alpha1, c1], M[alpha1, c2], M[alpha1, c3]: c2_1_1, c2_1_2, c2_1_3 = 0 by condition (17) (no
+ *       mean displacement)
+ *   M[alpha1, pi2]: c6_1_2 = 0 by condition (19) (no mean rotation); c7_1_2_2 .. c7_1_8_2 = 0 by
+ *       mirror symmetry in the plane normal to e1; c7_1_3_2, c7_1_5_2 = 0 by mirror symmetry in the
+ *       plane normal to e2; c7_1_4_2 = 0 by mirror symmetry in the plane normal to e3
+ *   M[alpha2, c1], M[alpha2, c2], M[alpha2, c3]: c2_2_1, c2_2_2, c2_2_3 = 0 by condition (17) (no
+ *       mean displacement)
+ *   M[alpha2, pi3]: c6_2_3 = 0 by condition (19) (no mean rotation); c7_1_2_3 .. c7_2_8_3 = 0 by
+ *       mirror symmetry in the plane normal to e1; c7_2_3_3, c7_2_5_3 = 0 by mirror symmetry in the
+ *       plane normal to e2; c7_2_4_3 = 0 by mirror symmetry in the plane normal to e3
+ *   M[alpha2, alpha1]: c8_1_2 = 0 by orthogonality (modes orthonormal in the mass)
+ *   M[alpha3, c1], M[alpha3, c2], M[alpha3, c3]: c2_3_1, c2_3_2, c2_3_3 = 0 by condition (17) (no
+ *       mean displacement)
+ *   M[alpha3, pi1]: c6_3_1 = 0 by condition (19) (no mean rotation); c7_1_3_1 .. c7_3_8_1 = 0 by
+ *       mirror symmetry in the plane normal to e1; c7_3_4_1 = 0 by mirror symmetry in the plane
+ *       normal to e3; c7_3_5_1 = 0 by mirror symmetry in the plane normal to e2
+ *   M[alpha3, alpha1]: c8_1_3 = 0 by orthogonality (modes orthonormal in the mass)
+ *   M[alpha3, alpha2]: c8_2_3 = 0 by orthogonality (modes orthonormal in the mass)
+ *   M[alpha4, c1], M[alpha4, c2], M[alpha4, c3]: c2_4_1, c2_4_2, c2_4_3 = 0 by condition (17) (no
+ *       mean displacement)
+ *   M[alpha4, alpha1]: c8_1_4 = 0 by orthogonality (modes orthonormal in the mass)
+ *   M[alpha4, alpha2]: c8_2_4 = 0 by orthogonality (modes orthonormal in the mass)
+ *   M[alpha4, alpha3]: c8_3_4 = 0 by orthogonality (modes orthonormal in the mass)
+ *   M[alpha5, c1], M[alpha5, c2], M[alpha5, c3]: c2_5_1, c2_5_2, c2_5_3 = 0 by condition (17) (no
+ *       mean displacement)
+ *   M[alpha5, alpha1]: c8_1_5 = 0 by orthogonality (modes orthonormal in the mass)
+ *   M[alpha5, alpha2]: c8_2_5 = 0 by orthogonality (modes orthonormal in the mass)
+ *   M[alpha5, alpha3]: c8_3_5 = 0 by orthogonality (modes orthonormal in the mass)
+ *   M[alpha5, alpha4]: c8_4_5 = 0 by orthogonality (modes orthonormal in the mass)
+ *   M[alpha6, c1], M[alpha6, c2], M[alpha6, c3]: c2_6_1, c2_6_2, c2_6_3 = 0 by condition (17) (no
+ *       mean displacement)
+ *   M[alpha6, alpha1]: c8_1_6 = 0 by orthogonality (modes orthonormal in the mass)
+ *   M[alpha6, alpha2]: c8_2_6 = 0 by orthogonality (modes orthonormal in the mass)
+ *   M[alpha6, alpha3]: c8_3_6 = 0 by orthogonality (modes orthonormal in the mass)
+ *   M[alpha6, alpha4]: c8_4_6 = 0 by orthogonality (modes orthonormal in the mass)
+ *   M[alpha6, alpha5]: c8_5_6 = 0 by orthogonality (modes orthonormal in the mass)
+ *   M[alpha7, c1], M[alpha7, c2], M[alpha7, c3]: c2_7_1, c2_7_2, c2_7_3 = 0 by condition (17) (no
+ *       mean displacement)
+ *   M[alpha7, alpha1]: c8_1_7 = 0 by orthogonality (modes orthonormal in the mass)
+ *   M[alpha7, alpha2]: c8_2_7 = 0 by orthogonality (modes orthonormal in the mass)
+ *   M[alpha7, alpha3]: c8_3_7 = 0 by orthogonality (modes orthonormal in the mass)
+ *   M[alpha7, alpha4]: c8_4_7 = 0 by orthogonality (modes orthonormal in the mass)
+ *   M[alpha7, alpha5]: c8_5_7 = 0 by orthogonality (modes orthonormal in the mass)
+ *   M[alpha7, alpha6]: c8_6_7 = 0 by orthogonality (modes orthonormal in the mass)
+ *   M[alpha8, c1], M[alpha8, c2], M[alpha8, c3]: c2_8_1, c2_8_2, c2_8_3 = 0 by condition (17) (no
+ *       mean displacement)
+ *   M[alpha8, pi2]: c6_8_2 = 0 by condition (19) (no mean rotation); c7_1_8_2 .. c7_7_8_2 = 0 by
+ *       mirror symmetry in the plane normal to e1; c7_3_8_2, c7_5_8_2 = 0 by mirror symmetry in the
+ *       plane normal to e2; c7_4_8_2 = 0 by mirror symmetry in the plane normal to e3
+ *   M[alpha8, alpha1]: c8_1_8 = 0 by orthogonality (modes orthonormal in the mass)
+ *   M[alpha8, alpha2]: c8_2_8 = 0 by orthogonality (modes orthonormal in the mass)
+ *   M[alpha8, alpha3]: c8_3_8 = 0 by orthogonality (modes orthonormal in the mass)
+ *   M[alpha8, alpha4]: c8_4_8 = 0 by orthogonality (modes orthonormal in the mass)
+ *   M[alpha8, alpha5]: c8_5_8 = 0 by orthogonality (modes orthonormal in the mass)
+ *   M[alpha8, alpha6]: c8_6_8 = 0 by orthogonality (modes orthonormal in the mass)
+ *   M[alpha8, alpha7]: c8_7_8 = 0 by orthogonality (modes orthonormal in the mass)
  *
  * Terms of (15) that vanish:
  *   Euler term of row c1, centrifugal term of row c1, Euler term of row c2, centrifugal term of row
- *       c2, Euler term of row c3, centrifugal term of row c3, translation term of row pi1,
- *       translation term of row pi2, translation term of row pi3: c1 = 0 by the choice of O (the
- *       centre of mass); c2 = 0 by condition (17) (no mean displacement)
+ *       c2, Euler term of row c3, centrifugal term of row c3: c1_1, c1_2, c1_3 = 0 by the choice of
+ *       O (the centre of mass); c2_1_1 .. c2_8_3 = 0 by condition (17) (no mean displacement)
  *   Coriolis term of row c1, relative term of row c1, Coriolis term of row c2, relative term of row
- *       c2, Coriolis term of row c3, relative term of row c3, translation term of row alpha_i: c2 =
- *       0 by condition (17) (no mean displacement)
- *   damping term of row alpha_i: B = 0 by the specification (no damping)
+ *       c2, Coriolis term of row c3, relative term of row c3: c2_1_1 .. c2_8_3 = 0 by condition
+ *       (17) (no mean displacement)
+ *   translation term of row pi1: c1_2, c1_3 = 0 by the choice of O (the centre of mass); c2_1_2 ..
+ *       c2_8_3 = 0 by condition (17) (no mean displacement)
+ *   translation term of row pi2: c1_1, c1_3 = 0 by the choice of O (the centre of mass); c2_1_1 ..
+ *       c2_8_3 = 0 by condition (17) (no mean displacement)
+ *   translation term of row pi3: c1_1, c1_2 = 0 by the choice of O (the centre of mass); c2_1_1 ..
+ *       c2_8_2 = 0 by condition (17) (no mean displacement)
+ *   translation term of row alpha1: c2_1_1, c2_1_2, c2_1_3 = 0 by condition (17) (no mean
+ *       displacement)
+ *   translation term of row alpha2: c2_2_1, c2_2_2, c2_2_3 = 0 by condition (17) (no mean
+ *       displacement)
+ *   translation term of row alpha3: c2_3_1, c2_3_2, c2_3_3 = 0 by condition (17) (no mean
+ *       displacement)
+ *   translation term of row alpha4: c2_4_1, c2_4_2, c2_4_3 = 0 by condition (17) (no mean
+ *       displacement)
+ *   translation term of row alpha5: c2_5_1, c2_5_2, c2_5_3 = 0 by condition (17) (no mean
+ *       displacement)
+ *   translation term of row alpha6: c2_6_1, c2_6_2, c2_6_3 = 0 by condition (17) (no mean
+ *       displacement)
+ *   translation term of row alpha7: c2_7_1, c2_7_2, c2_7_3 = 0 by condition (17) (no mean
+ *       displacement)
+ *   translation term of row alpha8: c2_8_1, c2_8_2, c2_8_3 = 0 by condition (17) (no mean
+ *       displacement)
  */
 
 #ifndef BLOCK_H
@@ -204,6 +258,9 @@ typedef struct {
     int (*rates)(const double *q, const double *v, const double *k, double *qdot);
     int (*residual)(double t, const double *y, const double *ydot, const double *k, double *F);
     int (*jacobian)(double t, const double *y, const double *ydot, double cj, const double *k, double *jac);
+    int (*mass_batch)(int n, const double *q, const double *k, double *M);
+    int (*force_batch)(int n, double t, const double *q, const double *v, const double *k, double *h);
+    int (*accel_batch)(int n, double t, const double *q, const double *v, const double *k, double *vdot);
 } tisserand_model;
 
 #elif TISSERAND_ABI != 2
@@ -216,59 +273,14 @@ enum {
     BLOCK_NQ = 15,
     BLOCK_NV = 14,
     BLOCK_NY = 29,
-    BLOCK_NP = 444,
-    BLOCK_NK = 720,
+    BLOCK_NP = 0,
+    BLOCK_NK = 0,
     BLOCK_NMARKERS = 3,
-    BLOCK_NNZ_MASS = 41,
-    BLOCK_NNZ_JACOBIAN = 262,
+    BLOCK_NNZ_MASS = 37,
+    BLOCK_NNZ_JACOBIAN = 196,
     BLOCK_NNZ_MARKER_CORNER = 36,
-    BLOCK_NNZ_MARKER_CENTRE = 36,
-    BLOCK_NNZ_MARKER_END = 36,
-    BLOCK_P_m = 0,
-    BLOCK_P_C3 = 1,
-    BLOCK_P_C4 = 7,
-    BLOCK_P_C5 = 55,
-    BLOCK_P_c7 = 271,
-    BLOCK_P_K = 355,
-    BLOCK_P_X1 = 363,
-    BLOCK_P_Phi1 = 366,
-    BLOCK_P_X2 = 390,
-    BLOCK_P_Phi2 = 393,
-    BLOCK_P_X3 = 417,
-    BLOCK_P_Phi3 = 420,
-    BLOCK_K_tables = 0,
-    BLOCK_K_C4_11 = 576,
-    BLOCK_K_C4_12 = 584,
-    BLOCK_K_C4_13 = 592,
-    BLOCK_K_C4_22 = 600,
-    BLOCK_K_C4_23 = 608,
-    BLOCK_K_C4_33 = 616,
-    BLOCK_K_K = 624,
-    BLOCK_K_Phi1_1 = 632,
-    BLOCK_K_Phi1_2 = 640,
-    BLOCK_K_Phi1_3 = 648,
-    BLOCK_K_Phi2_1 = 656,
-    BLOCK_K_Phi2_2 = 664,
-    BLOCK_K_Phi2_3 = 672,
-    BLOCK_K_Phi3_1 = 680,
-    BLOCK_K_Phi3_2 = 688,
-    BLOCK_K_Phi3_3 = 696,
-    BLOCK_K_mass = 704,
-    BLOCK_K_C3_11 = 705,
-    BLOCK_K_C3_12 = 706,
-    BLOCK_K_C3_13 = 707,
-    BLOCK_K_C3_22 = 708,
-    BLOCK_K_C3_23 = 709,
-    BLOCK_K_C3_33 = 710,
-    BLOCK_K_X1_1 = 711,
-    BLOCK_K_X1_2 = 712,
-    BLOCK_K_X1_3 = 713,
-    BLOCK_K_X2_1 = 714,
-    BLOCK_K_X2_2 = 715,
-    BLOCK_K_X2_3 = 716,
-    BLOCK_K_X3_1 = 717,
-    BLOCK_K_X3_2 = 718,
-    BLOCK_K_X3_3 = 719,
+    BLOCK_NNZ_MARKER_CENTRE = 21,
+    BLOCK_NNZ_MARKER_END = 30,
     BLOCK_ABI = 2
 };
 
@@ -280,10 +292,9 @@ enum {
 /*
  * Constants k from the parameters p: once for a set of parameters.
  *
- * p: parameters (444)
- * k: constants (720):
+ * p: parameters (0)
+ * k: constants (0):
  *
- * From appendix.
  * 0 operations.
  */
 int block_setup(
@@ -294,11 +305,11 @@ int block_setup(
  * Mass matrix M(q): values of the lower triangle by columns.
  *
  * q: generalized coordinates (15)
- * k: constants from setup (720)
- * M: values of the mass matrix, lower triangle by columns, 14 x 14, 41 values, 68 in both triangles
+ * k: constants from setup (0)
+ * M: values of the mass matrix, lower triangle by columns, 14 x 14, 37 values, 60 in both triangles
  *
  * From appendix, (15).
- * 1310 operations.
+ * 187 operations.
  */
 int block_mass(
     const double *TISSERAND_RESTRICT q,
@@ -306,17 +317,17 @@ int block_mass(
     double *M);
 
 /*
- * Forces h of M vdot + h = 0: centrifugal, Coriolis, elastic, damping and gravity.
+ * Forces h of M vdot + h = 0: centrifugal, Coriolis and elastic.
  *
  * t: time (a free body does not depend on it)
  * q: generalized coordinates (15)
  * v: rates (14)
- * k: constants from setup (720)
- * h: forces, one row a coordinate (14): h[c1], h[c2], h[c3], h[pi1], h[pi2], h[pi3], h[alpha1 ..
- *     alpha8]
+ * k: constants from setup (0)
+ * h: forces, one row a coordinate (14): h[c1], h[c2], h[c3], h[pi1], h[pi2], h[pi3], h[alpha1],
+ *     h[alpha2], h[alpha3], h[alpha4], h[alpha5], h[alpha6], h[alpha7], h[alpha8]
  *
- * From appendix, (5), (15).
- * 1679 operations.
+ * From (5), appendix, (15).
+ * 534 operations.
  */
 int block_force(
     double t,
@@ -331,13 +342,13 @@ int block_force(
  * t: time (a free body does not depend on it)
  * q: generalized coordinates (15)
  * v: rates (14)
- * k: constants from setup (720)
- * M: values of the mass matrix, lower triangle by columns, 14 x 14, 41 values, 68 in both triangles
- * h: forces, one row a coordinate (14): h[c1], h[c2], h[c3], h[pi1], h[pi2], h[pi3], h[alpha1 ..
- *     alpha8]
+ * k: constants from setup (0)
+ * M: values of the mass matrix, lower triangle by columns, 14 x 14, 37 values, 60 in both triangles
+ * h: forces, one row a coordinate (14): h[c1], h[c2], h[c3], h[pi1], h[pi2], h[pi3], h[alpha1],
+ *     h[alpha2], h[alpha3], h[alpha4], h[alpha5], h[alpha6], h[alpha7], h[alpha8]
  *
- * From appendix, (5), (15).
- * 2071 operations.
+ * From (5), appendix, (15).
+ * 558 operations.
  */
 int block_mass_force(
     double t,
@@ -348,18 +359,17 @@ int block_mass_force(
     double *h);
 
 /*
- * Accelerations vdot of M vdot + h = 0, by the Schur complement of the shapes and a sparse LDL^T of
- *     what is left.
+ * Accelerations vdot of M vdot + h = 0, by a sparse LDL^T fixed at generation time.
  *
  * t: time (a free body does not depend on it)
  * q: generalized coordinates (15)
  * v: rates (14)
- * k: constants from setup (720)
- * vdot: accelerations (14): c1ddot, c2ddot, c3ddot, omega1dot, omega2dot, omega3dot, alpha1ddot ..
- *     alpha8ddot
+ * k: constants from setup (0)
+ * vdot: accelerations (14): c1ddot, c2ddot, c3ddot, omega1dot, omega2dot, omega3dot, alpha1ddot,
+ *     alpha2ddot, alpha3ddot, alpha4ddot, alpha5ddot, alpha6ddot, alpha7ddot, alpha8ddot
  *
- * From appendix, (5), (15), LDL^T.
- * 2331 operations.
+ * From appendix, LDL^T, (5).
+ * 813 operations.
  */
 int block_accel(
     double t,
@@ -373,11 +383,11 @@ int block_accel(
  *
  * q: generalized coordinates (15)
  * v: rates (14)
- * k: constants from setup (720)
+ * k: constants from setup (0)
  * energy: energies [J] (2): kinetic, strain
  *
- * From appendix, (22).
- * 1431 operations.
+ * From (5), appendix, (22).
+ * 303 operations.
  */
 int block_energy(
     const double *TISSERAND_RESTRICT q,
@@ -390,12 +400,12 @@ int block_energy(
  *
  * q: generalized coordinates (15)
  * v: rates (14)
- * k: constants from setup (720)
+ * k: constants from setup (0)
  * momentum: linear [N s] and angular [N m s] (6): linear_1, linear_2, linear_3, angular_1,
  *     angular_2, angular_3
  *
- * From appendix, (1).
- * 1432 operations.
+ * From (1), appendix.
+ * 306 operations.
  */
 int block_momentum(
     const double *TISSERAND_RESTRICT q,
@@ -408,11 +418,12 @@ int block_momentum(
  *
  * q: generalized coordinates (15)
  * v: rates (14)
- * k: constants from setup (720)
- * qdot: time derivative of q (15): c1_t, c2_t, c3_t, e0_t, e1_t, e2_t, e3_t, alpha1_t .. alpha8_t
+ * k: constants from setup (0)
+ * qdot: time derivative of q (15): c1_t, c2_t, c3_t, e0_t, e1_t, e2_t, e3_t, alpha1_t, alpha2_t,
+ *     alpha3_t, alpha4_t, alpha5_t, alpha6_t, alpha7_t, alpha8_t
  *
  * From (1).
- * 25 operations.
+ * 24 operations.
  */
 int block_rates(
     const double *TISSERAND_RESTRICT q,
@@ -425,13 +436,13 @@ int block_rates(
  *
  * q: generalized coordinates (15)
  * v: rates (14)
- * k: constants from setup (720)
+ * k: constants from setup (0)
  * x: position in the inertial base [m] (3): x1, x2, x3
  * xdot: velocity in the inertial base [m/s] (3): x1dot, x2dot, x3dot
  * jacobian: values of d(velocity)/dv by columns, 3 x 14, 36 values
  *
- * From appendix, (1).
- * 322 operations.
+ * From (14), (1).
+ * 316 operations.
  */
 int block_marker_corner(
     const double *TISSERAND_RESTRICT q,
@@ -446,13 +457,13 @@ int block_marker_corner(
  *
  * q: generalized coordinates (15)
  * v: rates (14)
- * k: constants from setup (720)
+ * k: constants from setup (0)
  * x: position in the inertial base [m] (3): x1, x2, x3
  * xdot: velocity in the inertial base [m/s] (3): x1dot, x2dot, x3dot
- * jacobian: values of d(velocity)/dv by columns, 3 x 14, 36 values
+ * jacobian: values of d(velocity)/dv by columns, 3 x 14, 21 values
  *
- * From appendix, (1).
- * 322 operations.
+ * From (1).
+ * 100 operations.
  */
 int block_marker_centre(
     const double *TISSERAND_RESTRICT q,
@@ -467,13 +478,13 @@ int block_marker_centre(
  *
  * q: generalized coordinates (15)
  * v: rates (14)
- * k: constants from setup (720)
+ * k: constants from setup (0)
  * x: position in the inertial base [m] (3): x1, x2, x3
  * xdot: velocity in the inertial base [m/s] (3): x1dot, x2dot, x3dot
- * jacobian: values of d(velocity)/dv by columns, 3 x 14, 36 values
+ * jacobian: values of d(velocity)/dv by columns, 3 x 14, 30 values
  *
- * From appendix, (1).
- * 322 operations.
+ * From (14), (1).
+ * 140 operations.
  */
 int block_marker_end(
     const double *TISSERAND_RESTRICT q,
@@ -488,12 +499,12 @@ int block_marker_end(
  *
  * q: generalized coordinates (15)
  * F: force at the marker, in the inertial base [N] (3)
- * k: constants from setup (720)
+ * k: constants from setup (0)
  * f: generalized forces, one row a coordinate (14): f[c1], f[c2], f[c3], f[pi1], f[pi2], f[pi3],
- *     f[alpha1 .. alpha8]
+ *     f[alpha1], f[alpha2], f[alpha3], f[alpha4], f[alpha5], f[alpha6], f[alpha7], f[alpha8]
  *
- * From appendix, (1), (10).
- * 143 operations.
+ * From (1), (10).
+ * 140 operations.
  */
 int block_load_corner(
     const double *TISSERAND_RESTRICT q,
@@ -506,12 +517,12 @@ int block_load_corner(
  *
  * q: generalized coordinates (15)
  * F: force at the marker, in the inertial base [N] (3)
- * k: constants from setup (720)
+ * k: constants from setup (0)
  * f: generalized forces, one row a coordinate (14): f[c1], f[c2], f[c3], f[pi1], f[pi2], f[pi3],
- *     f[alpha1 .. alpha8]
+ *     f[alpha1], f[alpha2], f[alpha3], f[alpha4], f[alpha5], f[alpha6], f[alpha7], f[alpha8]
  *
- * From appendix, (1), (10).
- * 143 operations.
+ * From (1), (10).
+ * 56 operations.
  */
 int block_load_centre(
     const double *TISSERAND_RESTRICT q,
@@ -524,12 +535,12 @@ int block_load_centre(
  *
  * q: generalized coordinates (15)
  * F: force at the marker, in the inertial base [N] (3)
- * k: constants from setup (720)
+ * k: constants from setup (0)
  * f: generalized forces, one row a coordinate (14): f[c1], f[c2], f[c3], f[pi1], f[pi2], f[pi3],
- *     f[alpha1 .. alpha8]
+ *     f[alpha1], f[alpha2], f[alpha3], f[alpha4], f[alpha5], f[alpha6], f[alpha7], f[alpha8]
  *
- * From appendix, (1), (10).
- * 143 operations.
+ * From (1), (10).
+ * 68 operations.
  */
 int block_load_end(
     const double *TISSERAND_RESTRICT q,
@@ -538,18 +549,18 @@ int block_load_end(
     double *f);
 
 /*
- * Residual F(t, y, ydot) of the first-order form: [qdot - rates; M vdot + h].
+ * First-order form F(t, y, ydot) = [qdot - v; M vdot + h] = 0 with y = [q; v].
  *
  * t: time (a free body does not depend on it)
  * y: first-order state [q; v] (29)
  * ydot: time derivative of y (29)
- * k: constants from setup (720)
- * F: residual (29): c1_t - ..., c2_t - ..., c3_t - ..., e0_t - ..., e1_t - ..., e2_t - ..., e3_t -
- *     ..., ..., M vdot + h[c1], M vdot + h[c2], M vdot + h[c3], M vdot + h[pi1], M vdot + h[pi2], M
- *     vdot + h[pi3], M vdot + h[alpha1 .. alpha8]
+ * k: constants from setup (0)
+ * F: residual, one row a state (29): c1, c2, c3, e0, e1, e2, e3, alpha1, alpha2, alpha3, alpha4,
+ *     alpha5, alpha6, alpha7, alpha8, c1dot, c2dot, c3dot, omega1, omega2, omega3, alpha1dot,
+ *     alpha2dot, alpha3dot, alpha4dot, alpha5dot, alpha6dot, alpha7dot, alpha8dot
  *
- * From appendix, (5), (15).
- * 2238 operations.
+ * From (5), appendix, (15).
+ * 705 operations.
  */
 int block_residual(
     double t,
@@ -566,11 +577,11 @@ int block_residual(
  * y: first-order state [q; v] (29)
  * ydot: time derivative of y (29)
  * cj: factor of dF/dydot
- * k: constants from setup (720)
- * jac: values of the iteration matrix by columns, 29 x 29, 262 values
+ * k: constants from setup (0)
+ * jac: values of the iteration matrix by columns, 29 x 29, 196 values
  *
- * From appendix, (5), (15).
- * 5579 operations.
+ * From (5), appendix, (15).
+ * 1699 operations.
  */
 int block_jacobian(
     double t,
@@ -579,6 +590,34 @@ int block_jacobian(
     double cj,
     const double *TISSERAND_RESTRICT k,
     double *jac);
+
+/* ---- batches: mass, force and accel of n >= 0 states with the same time and constants. Element e of state
+   b lies at e * n + b, in q and v as in what is written. Where no product is fused with a sum
+   (-ffp-contract=off) the numbers are those of the functions above, bit for bit. 32 states at a time
+   are computed, on the stack. accel_batch returns the code of the first state that fails and gives it
+   and all others that fail NaN for accelerations; the rest are right. ---- */
+
+int block_mass_batch(
+    int n,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT k,
+    double *M);
+
+int block_force_batch(
+    int n,
+    double t,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *h);
+
+int block_accel_batch(
+    int n,
+    double t,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *vdot);
 
 /* The defaults of the parameters. */
 int block_defaults(

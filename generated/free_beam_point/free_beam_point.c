@@ -9,6 +9,7 @@
 #include "free_beam_point.h"
 
 #include <math.h>
+#include <stddef.h>
 
 int free_beam_point_setup(
     const double *TISSERAND_RESTRICT p,
@@ -870,6 +871,254 @@ int free_beam_point_jacobian(
     return 0;
 }
 
+/* ---- batches: each state b of a block as the functions above have it ---- */
+
+/* The rows of a block that is not full, its last state repeated. */
+static const double *free_beam_point_block_fill(ptrdiff_t all, int count, int rows, const double *from, double *to)
+{
+    for (int e = 0; e < rows; e++)
+        for (int b = 0; b < 32; b++) to[e * 32 + b] = from[e * all + (b < count ? b : count - 1)];
+    return to;
+}
+
+/* The rows of a block to their places among those of all states. */
+static inline void free_beam_point_block_put(
+    ptrdiff_t all,
+    int count,
+    int rows,
+    const double *TISSERAND_RESTRICT from,
+    double *TISSERAND_RESTRICT to)
+{
+    for (int e = 0; e < rows; e++, from += 32) {
+        double *row = to + e * all;
+        if (count == 32)
+            for (int b = 0; b < 32; b++) row[b] = from[b];
+        else
+            for (int b = 0; b < 32; b++) if (b < count) row[b] = from[b];
+    }
+}
+
+/* NaN for the states that fail, and the code of the first of them. */
+static int free_beam_point_block_refuse(ptrdiff_t all, int count, int rows, const double *codes, double *to)
+{
+    int code = 0;
+    for (int b = 0; b < count; b++) {
+        if (codes[b] == 0.0) continue;
+        if (code == 0) code = (int) codes[b];
+        for (int e = 0; e < rows; e++) to[e * all + b] = NAN;
+    }
+    return code;
+}
+
+int free_beam_point_mass_batch(
+    int n,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT k,
+    double *M)
+{
+    const double mass = k[0];
+    const double c2_1_2 = k[1];
+    const double C3 = k[2];
+    const double c6_2 = k[3];
+    const double c8_1_1 = k[4];
+    const double c8_2_2 = k[5];
+    const double minus_c2_1_2 = k[10];
+    double cos_phi[32], sin_phi[32], q_tail[5 * 32], M_block[10 * 32];
+    const ptrdiff_t all = n;
+
+    for (int left = n; left > 0; left -= 32) {
+        const int count = left < 32 ? left : 32;
+        const ptrdiff_t stride = count < 32 ? 32 : all;
+        const double *q_block = count < 32 ? free_beam_point_block_fill(all, count, 5, q, q_tail) : q;
+        for (int b = 0; b < 32; b++) {
+            const double phi = q_block[2 * stride + b];
+            cos_phi[b] = cos(phi);
+            sin_phi[b] = sin(phi);
+        }
+        for (int b = 0; b < 32; b++) {
+            const double alpha1 = q_block[3 * stride + b];
+            const double alpha2 = q_block[4 * stride + b];
+            const double d1_2 = alpha1 * c2_1_2;
+            const double D2_1 = alpha1 * c8_1_1;
+            const double D2_2 = alpha2 * c8_2_2;
+            const double J = C3 + D2_1 * alpha1 + D2_2 * alpha2;
+            M_block[0 * 32 + b] = mass;
+            M_block[1 * 32 + b] = -(d1_2 * cos_phi[b]);
+            M_block[2 * 32 + b] = minus_c2_1_2 * sin_phi[b];
+            M_block[3 * 32 + b] = mass;
+            M_block[4 * 32 + b] = -(d1_2 * sin_phi[b]);
+            M_block[5 * 32 + b] = c2_1_2 * cos_phi[b];
+            M_block[6 * 32 + b] = J;
+            M_block[7 * 32 + b] = c6_2;
+            M_block[8 * 32 + b] = c8_1_1;
+            M_block[9 * 32 + b] = c8_2_2;
+        }
+        free_beam_point_block_put(all, count, 10, M_block, M);
+        q += count;
+        M += count;
+    }
+    return 0;
+}
+
+int free_beam_point_force_batch(
+    int n,
+    double t,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *h)
+{
+    (void) t;
+    const double c2_1_2 = k[1];
+    const double c8_1_1 = k[4];
+    const double c8_2_2 = k[5];
+    const double K_1_1 = k[6];
+    const double K_2_2 = k[7];
+    double cos_phi[32], sin_phi[32], q_tail[5 * 32], v_tail[5 * 32], h_block[5 * 32];
+    const ptrdiff_t all = n;
+
+    for (int left = n; left > 0; left -= 32) {
+        const int count = left < 32 ? left : 32;
+        const ptrdiff_t stride = count < 32 ? 32 : all;
+        const double *q_block = count < 32 ? free_beam_point_block_fill(all, count, 5, q, q_tail) : q;
+        const double *v_block = count < 32 ? free_beam_point_block_fill(all, count, 5, v, v_tail) : v;
+        for (int b = 0; b < 32; b++) {
+            const double phi = q_block[2 * stride + b];
+            cos_phi[b] = cos(phi);
+            sin_phi[b] = sin(phi);
+        }
+        for (int b = 0; b < 32; b++) {
+            const double alpha1 = q_block[3 * stride + b];
+            const double alpha2 = q_block[4 * stride + b];
+            const double phidot = v_block[2 * stride + b];
+            const double alpha1dot = v_block[3 * stride + b];
+            const double alpha2dot = v_block[4 * stride + b];
+            const double d1_2 = alpha1 * c2_1_2;
+            const double d1dot_2 = alpha1dot * c2_1_2;
+            const double D2_1 = alpha1 * c8_1_1;
+            const double D2_2 = alpha2 * c8_2_2;
+            const double D2dot = alpha1dot * D2_1 + alpha2dot * D2_2;
+            const double t1 = phidot * phidot;
+            const double t2 = t1 * d1_2;
+            const double t3 = 2.0 * phidot;
+            const double t4 = t3 * d1dot_2;
+            h_block[0 * 32 + b] = t2 * sin_phi[b] - t4 * cos_phi[b];
+            h_block[1 * 32 + b] = -(t2 * cos_phi[b]) - t4 * sin_phi[b];
+            h_block[2 * 32 + b] = t3 * D2dot;
+            h_block[3 * 32 + b] = K_1_1 * alpha1 - t1 * D2_1;
+            h_block[4 * 32 + b] = K_2_2 * alpha2 - t1 * D2_2;
+        }
+        free_beam_point_block_put(all, count, 5, h_block, h);
+        q += count;
+        v += count;
+        h += count;
+    }
+    return 0;
+}
+
+int free_beam_point_accel_batch(
+    int n,
+    double t,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *vdot)
+{
+    (void) t;
+    const double mass = k[0];
+    const double c2_1_2 = k[1];
+    const double C3 = k[2];
+    const double c8_1_1 = k[4];
+    const double c8_2_2 = k[5];
+    const double K_1_1 = k[6];
+    const double K_2_2 = k[7];
+    const double constant_1 = k[11];
+    const double constant_2 = k[12];
+    const double constant_3 = k[13];
+    const double constant_4 = k[14];
+    const double inverse_c8_2_2 = k[15];
+    double cos_phi[32], sin_phi[32], q_tail[5 * 32], v_tail[5 * 32], vdot_block[5 * 32], codes[32];
+    const ptrdiff_t all = n;
+    int code = 0;
+
+    for (int left = n; left > 0; left -= 32) {
+        const int count = left < 32 ? left : 32;
+        const ptrdiff_t stride = count < 32 ? 32 : all;
+        const double *q_block = count < 32 ? free_beam_point_block_fill(all, count, 5, q, q_tail) : q;
+        const double *v_block = count < 32 ? free_beam_point_block_fill(all, count, 5, v, v_tail) : v;
+        for (int b = 0; b < 32; b++) {
+            const double phi = q_block[2 * stride + b];
+            cos_phi[b] = cos(phi);
+            sin_phi[b] = sin(phi);
+        }
+        for (int b = 0; b < 32; b++) {
+            const double alpha1 = q_block[3 * stride + b];
+            const double alpha2 = q_block[4 * stride + b];
+            const double phidot = v_block[2 * stride + b];
+            const double alpha1dot = v_block[3 * stride + b];
+            const double alpha2dot = v_block[4 * stride + b];
+            const double d1_2 = alpha1 * c2_1_2;
+            const double D2_1 = alpha1 * c8_1_1;
+            const double D2_2 = alpha2 * c8_2_2;
+            const double J = C3 + D2_1 * alpha1 + D2_2 * alpha2;
+            const double pivot_phi = J - constant_1;
+            const double t1 = d1_2 * sin_phi[b];
+            const double inverse_pivot_phi = 1.0 / pivot_phi;
+            const double t2 = t1 * inverse_pivot_phi;
+            const double pivot_c2 = mass - t2 * t1;
+            const double t3 = c2_1_2 * cos_phi[b];
+            const double inverse_pivot_c2 = 1.0 / pivot_c2;
+            const double t4 = t3 * inverse_pivot_c2;
+            const double pivot_alpha1 = c8_1_1 - t4 * t3;
+            const double t5 = d1_2 * cos_phi[b];
+            const double t6 = t5 * inverse_pivot_phi;
+            const double t7 = t6 * t1;
+            const double t8 = t7 * inverse_pivot_c2;
+            const double t9 = t8 * t3 - c2_1_2 * sin_phi[b];
+            const double inverse_pivot_alpha1 = 1.0 / pivot_alpha1;
+            const double t10 = t9 * inverse_pivot_alpha1;
+            const double pivot_c1 = mass - t6 * t5 - t8 * t7 - t10 * t9;
+            const double d1dot_2 = alpha1dot * c2_1_2;
+            const double D2dot = alpha1dot * D2_1 + alpha2dot * D2_2;
+            const double t11 = phidot * phidot;
+            const double t12 = K_2_2 * alpha2 - t11 * D2_2;
+            const double t13 = 2.0 * phidot;
+            const double t14 = constant_4 * t12 - t13 * D2dot;
+            const double t15 = t11 * d1_2;
+            const double t16 = t13 * d1dot_2;
+            const double t17 = t15 * cos_phi[b] + t16 * sin_phi[b] + t2 * t14;
+            const double t18 = K_1_1 * alpha1 - t11 * D2_1 + t4 * t17;
+            const double t19 = (t6 * t14 - (t15 * sin_phi[b] - t16 * cos_phi[b]) + t8 * t17
+                + t10 * t18) / pivot_c1;
+            vdot_block[0 * 32 + b] = t19;
+            const double t20 = t18 * inverse_pivot_alpha1 + t10 * t19;
+            const double t21 = t17 * inverse_pivot_c2 + t4 * t20 + t8 * t19;
+            vdot_block[1 * 32 + b] = t21;
+            const double t22 = t14 * inverse_pivot_phi + t2 * t21 + t6 * t19;
+            vdot_block[2 * 32 + b] = t22;
+            vdot_block[3 * 32 + b] = -t20;
+            const double t23 = t12 * inverse_c8_2_2 + constant_4 * t22;
+            vdot_block[4 * 32 + b] = -t23;
+            double code_b = 0.0;
+            const double finite = t19 + t21 + t22 - t20 - t23;
+            code_b = finite - finite == 0.0 ? code_b : 2.0; /* an acceleration is not finite */
+            code_b = pivot_c1 - constant_2 > 0.0 ? code_b : 1.0; /* the pivot of c1 vanished */
+            code_b = pivot_alpha1 - constant_3 > 0.0 ? code_b : 1.0; /* the pivot of alpha1 vanished */
+            code_b = pivot_c2 - constant_2 > 0.0 ? code_b : 1.0; /* the pivot of c2 vanished */
+            code_b = pivot_phi
+                - 5.684341886080802e-14 * J > 0.0 ? code_b : 1.0; /* the pivot of phi vanished */
+            codes[b] = code_b;
+        }
+        free_beam_point_block_put(all, count, 5, vdot_block, vdot);
+        const int failed = free_beam_point_block_refuse(all, count, 5, codes, vdot);
+        if (code == 0) code = failed;
+        q += count;
+        v += count;
+        vdot += count;
+    }
+    return code;
+}
+
 int free_beam_point_defaults(double *p)
 {
     static const double values[] = {
@@ -1046,7 +1295,10 @@ static const tisserand_model free_beam_point_descriptor = {
     free_beam_point_momentum,
     free_beam_point_rates,
     free_beam_point_residual,
-    free_beam_point_jacobian
+    free_beam_point_jacobian,
+    free_beam_point_mass_batch,
+    free_beam_point_force_batch,
+    free_beam_point_accel_batch
 };
 
 const tisserand_model *free_beam_point_model(void)

@@ -166,6 +166,9 @@ typedef struct {
     int (*rates)(const double *q, const double *v, const double *k, double *qdot);
     int (*residual)(double t, const double *y, const double *ydot, const double *k, double *F);
     int (*jacobian)(double t, const double *y, const double *ydot, double cj, const double *k, double *jac);
+    int (*mass_batch)(int n, const double *q, const double *k, double *M);
+    int (*force_batch)(int n, double t, const double *q, const double *v, const double *k, double *h);
+    int (*accel_batch)(int n, double t, const double *q, const double *v, const double *k, double *vdot);
 } tisserand_model;
 
 #elif TISSERAND_ABI != 2
@@ -507,6 +510,34 @@ int free_beam_point_jacobian(
     double cj,
     const double *TISSERAND_RESTRICT k,
     double *jac);
+
+/* ---- batches: mass, force and accel of n >= 0 states with the same time and constants. Element e of state
+   b lies at e * n + b, in q and v as in what is written. Where no product is fused with a sum
+   (-ffp-contract=off) the numbers are those of the functions above, bit for bit. 32 states at a time
+   are computed, on the stack. accel_batch returns the code of the first state that fails and gives it
+   and all others that fail NaN for accelerations; the rest are right. ---- */
+
+int free_beam_point_mass_batch(
+    int n,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT k,
+    double *M);
+
+int free_beam_point_force_batch(
+    int n,
+    double t,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *h);
+
+int free_beam_point_accel_batch(
+    int n,
+    double t,
+    const double *TISSERAND_RESTRICT q,
+    const double *TISSERAND_RESTRICT v,
+    const double *TISSERAND_RESTRICT k,
+    double *vdot);
 
 /* The defaults of the parameters. */
 int free_beam_point_defaults(
