@@ -12,7 +12,7 @@ from derive.emit.model_files import model_files
 from derive.kernel.model import Model
 from derive.mechanics.equations import Equations
 from derive.mechanics.generic import GenericEquations
-from derive.spec import Specification, SpecError, read
+from derive.spec import SpecError, Specification, read
 from derive.spec.read import with_lines
 
 

@@ -89,11 +89,11 @@ class Loops:
         whole = loop.count // LANES * LANES
         lines = [f"double {name}[{many}][{LANES}];"]
         lines += [
-            f"for (int i = 0; i < {many}; i++)",
-            *_nested(f"for (int l = 0; l < {LANES}; l++) {name}[i][l] = 0.0;"),
+            _for("i", many, 0, ""),
+            _indented(_for("l", LANES, 0, f"{name}[i][l] = 0.0;")),
         ]
         if whole:
-            inner = ["TISSERAND_LANES", _for("l", LANES), *body("i + l", "l"), "}"]
+            inner = [_for("l", LANES), *body("i + l", "l"), "}"]
             lines += [f"for (int i = 0; i < {whole}; i += {LANES}) {{", *map(_indented, inner), "}"]
         if loop.count > whole:
             lines += [_for("i", loop.count, whole), *body("i", f"i % {LANES}"), "}"]
@@ -200,26 +200,24 @@ class Loops:
         ]
 
     def _substitute(self, loop: Substitute) -> Lines:
-        n, lines = loop.count, []
-        for name in loop.arrays:
-            if loop.transposed:
-                inner = [
-                    f"for (int i = j + 1; i < {n}; i++) {name}[j] -= {loop.factor}[{n} * j + i] * {name}[i];",
-                    f"{name}[j] *= {loop.factor}[{n + 1} * j];",
-                ]
-                head = f"for (int j = {n - 1}; j >= 0; j--) {{"
-            else:
-                inner = [
-                    f"{name}[j] *= {loop.factor}[{n + 1} * j];",
-                    f"for (int i = j + 1; i < {n}; i++) {name}[i] -= {loop.factor}[{n} * j + i] * {name}[j];",
-                ]
-                head = _for("j", n)
-            lines += [head, *map(_indented, inner), "}"]
-        return lines
+        """All arrays in one pass, so that each entry of the factor is read once."""
+        n, many = loop.count, range(len(loop.arrays))
+        scale = [f"{name}[j] *= {loop.factor}[{n + 1} * j];" for name in loop.arrays]
+        if loop.transposed:
+            below = [f"{name}[j] -= {loop.factor}[{n} * j + i] * {name}[i];" for name in loop.arrays]
+            inner = [f"for (int i = j + 1; i < {n}; i++) {{", *map(_indented, below), "}", *scale]
+            return [f"for (int j = {n - 1}; j >= 0; j--) {{", *map(_indented, inner), "}"]
+        fixed = [f"const double y{k} = {loop.arrays[k]}[j];" for k in many]
+        below = [f"{loop.arrays[k]}[i] -= {loop.factor}[{n} * j + i] * y{k};" for k in many]
+        inner = [*scale, *fixed, f"for (int i = j + 1; i < {n}; i++) {{", *map(_indented, below), "}"]
+        return [_for("j", n), *map(_indented, inner), "}"]
 
+
+SHORT = 16
+"""Iterations that gcc unrolls completely before it makes vectors."""
 
 LANES_MACRO = """\
-/* Before a loop over four lanes: gcc would unroll it first, and then not make vectors of it. */
+/* Before a short loop: gcc would unroll it first, and then not make vectors of it. */
 #if defined(__GNUC__) && !defined(__clang__) && __GNUC__ >= 8
 #  define TISSERAND_LANES _Pragma("GCC unroll 1")
 #else
@@ -239,22 +237,20 @@ def panel_helper(name: str, size: int) -> Lines:
         "    const double *TISSERAND_RESTRICT x)",
         "{",
         f"    const double {', '.join(f'x{k} = x[{k}]' for k in range(LANES))};",
-        f"    for (int i = 0; i < {size}; i++) y[i] = y[i] + {sum_of};",
+        f"    {_for('i', size, 0, f'y[i] = y[i] + {sum_of};')}",
         "}",
         "",
     ]
 
 
-def _for(index: str, stop: int, start: int = 0) -> str:
-    return f"for (int {index} = {start}; {index} < {stop}; {index}++) {{"
+def _for(index: str, stop: int, start: int = 0, body: str = "{") -> str:
+    """The head of a loop; see LANES_MACRO for what stands before a short one."""
+    short = "TISSERAND_LANES " if 1 < stop - start <= SHORT else ""
+    return f"{short}for (int {index} = {start}; {index} < {stop}; {index}++) {body}"
 
 
 def _indented(line: str) -> str:
     return f"    {line}"
-
-
-def _nested(line: str) -> Lines:
-    return [_indented(line)]
 
 
 def _place(item: StoreAt) -> str:
