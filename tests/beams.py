@@ -40,10 +40,10 @@ def beam(frame: str = "mean", n: int = 2, **changes: Any) -> derive.PlanarBeam:
 
 @dataclass(frozen=True)
 class Made:
-    """A beam through all stages."""
+    """A beam, or another body, through all stages."""
 
-    spec: derive.PlanarBeam
-    equations: derive.Equations
+    spec: Any
+    equations: Any
     model: derive.Model
     files: tuple[derive.File, ...]
 
@@ -54,8 +54,8 @@ def made(frame: str = "mean", n: int = 2) -> Made:
     return build(beam(frame, n))
 
 
-def build(spec: derive.PlanarBeam) -> Made:
-    """All stages of one beam."""
+def build(spec: Any) -> Made:
+    """All stages of one specification."""
     equations = derive.derive(spec)
     model = derive.lower(equations)
     return Made(spec, equations, model, derive.model_files(model, spec))

@@ -246,7 +246,7 @@ def panel_helper(name: str, size: int) -> Lines:
 def _for(index: str, stop: int, start: int = 0, body: str = "{") -> str:
     """The head of a loop; see LANES_MACRO for what stands before a short one."""
     short = "TISSERAND_LANES " if 1 < stop - start <= SHORT else ""
-    return f"{short}for (int {index} = {start}; {index} < {stop}; {index}++) {body}"
+    return f"{short}for (int {index} = {start}; {index} < {stop}; {index}++) {body}".rstrip()
 
 
 def _indented(line: str) -> str:

@@ -33,7 +33,7 @@ def python_file(model: Model, fingerprint: str) -> File:
         "functions": [_function(kernel) for kernel in model.kernels],
         "patterns": pattern_texts(model, "        "),
         "tables": _tables(model),
-        "helpers": HELPERS if model.lowering == "table" else "",
+        "helpers": f"\n{HELPERS.rstrip()}" if model.lowering == "table" else "",
         "defaults": _defaults(model),
     }
     return File(f"{model.name}/{model.name}.py", render("python/model.py.jinja", values))

@@ -3,8 +3,8 @@
 Straight lines cost by the entry that is there, loops by the entry that could be. Times are those of h, measured with
 gcc 12 at -O3 -march=native on a server processor with AVX-512 (bench/scale.py measures them anew):
 
-    straight line   0.08 ns an operation
-    loops           25 ns, 1 ns for each shape, and 0.023 ns an operation, of which there are 2 for each place (i, j)
+    straight line   0.075 ns an operation
+    loops           27 ns, 1 ns for each shape, and 0.022 ns an operation, of which there are 2 for each place (i, j)
 
 The first serves to about 20 000 operations: from there on compilers take minutes.
 """
@@ -44,19 +44,18 @@ def choose(tables: Sequence[Table], present: Present, modes: int) -> Choice:
     """The faster way for a body with these tables and entries."""
     operations = straight_operations(present)
     full = sum(len(labels(t.name)) for t in tables if t.kind == "full" and indices(t.name) == "ij" and t.name != "c8")
-    flat, table = 0.08 * operations, 25 + modes + 0.023 * 2 * full * modes**2
+    flat, table = 0.075 * operations, 27 + modes + 0.022 * 2 * full * modes**2
     return Choice("table" if table < flat or operations > MOST else "flat", flat, table)
 
 
 def straight_operations(present: Present) -> int:
     """About how many operations h takes in straight line: see tests/kernel/test_choice.py.
 
-    Two for each entry (i, j); seven for each component of an S_i that is there (J, Sdot and h_i), four for c7dot_i and
-    c2_i, two for c6_i; and those of the rigid motion.
+    Two for each entry (i, j) and each component of C4; five for each component of an S_i that is there (J, Sdot and
+    h_i), four for c7dot_i and c2_i, two for c6_i; and those of the rigid motion.
     """
     pairs = sum(int(present[name].sum()) for name in ("C5", "c7", "K", "B"))
     s = present["C4"] | present["C5"].any(axis=1)
     c7dot = present["c7"].any(axis=1)
-    return (
-        2 * pairs + 7 * int(s.sum()) + 4 * int(c7dot.sum() + present["c2"].sum()) + 2 * int(present["c6"].sum()) + 150
-    )
+    vectors = 4 * int(c7dot.sum() + present["c2"].sum()) + 2 * int(present["c6"].sum() + present["C4"].sum())
+    return 2 * pairs + 5 * int(s.sum()) + vectors + (150 if present["c2"].any() else 60)

@@ -249,12 +249,12 @@ def _accel(tables: Tables) -> Kernel:
     elif tables.c8 == "diagonal":
         weight = 1 / sp.Symbol("c8_i")
     totals = [
-        Total(f"G_{r + 1}{c + 1}", sp.S.Zero, weight * b[r] * b[c], "B^T c8^-1 B")
+        Total(f"BB_{r + 1}{c + 1}", sp.S.Zero, weight * b[r] * b[c], "B^T c8^-1 B")
         for c in coupled
         for r in coupled
         if r >= c
     ]
-    totals += [Total(f"g_{r + 1}", sp.S.Zero, weight * b[r] * h, "B^T c8^-1 h") for r in coupled]
+    totals += [Total(f"Bh_{r + 1}", sp.S.Zero, weight * b[r] * h, "B^T c8^-1 h") for r in coupled]
     program.reduce(totals if tables.n else [])
     _rigid_accelerations(tables, program, places, coupled)
     rest = h + sum((b[r] * sp.Symbol(str(tables.equations.rows[r].a)) for r in coupled), sp.S.Zero)
@@ -296,10 +296,10 @@ def _rigid_accelerations(
         whole = {(r, c): known(f"M_{r + 1}{c + 1}") for r, c in places}
         entries = dict(whole)
         for r, c in schur:
-            inner = known(f"G_{r + 1}{c + 1}")
+            inner = known(f"BB_{r + 1}{c + 1}")
             entries[r, c] = whole[r, c] - inner if (r, c) in whole else -inner
         right = [
-            -known(f"h_{name}") + (known(f"g_{r + 1}") if r in coupled else 0) for r, name in enumerate(tables.rows)
+            -known(f"h_{name}") + (known(f"Bh_{r + 1}") if r in coupled else 0) for r, name in enumerate(tables.rows)
         ]
         factors = factorise(shape, {entry: entries[entry] for entry in shape.entries})
         solution = solve(factors, right)

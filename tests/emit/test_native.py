@@ -97,10 +97,10 @@ def test_an_unknown_marker_is_named() -> None:
 
 def test_another_interface_number_is_refused() -> None:
     files = [
-        replace(file, text=file.text.replace('    1,\n    "beam_mean_2"', '    99,\n    "beam_mean_2"'))
+        replace(file, text=file.text.replace('    2,\n    "beam_mean_2"', '    99,\n    "beam_mean_2"'))
         for file in beams.made("mean", 2).files
     ]
-    with pytest.raises(CompilerError, match="beam_mean_2: its interface has number 99, this Tisserand knows 1"):
+    with pytest.raises(CompilerError, match="beam_mean_2: its interface has number 99, this Tisserand knows 2"):
         derive.load(files)
 
 

@@ -6,6 +6,7 @@ import os
 import shutil
 import subprocess
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
@@ -92,8 +93,41 @@ SPECIAL: Mapping[str, dict[str, object]] = {
 }
 SHAPES = (1, 2, 5, 8)
 
+BODIES: Mapping[str, dict[str, object]] = {
+    "rigid_table": {"modes": 0, "frame": "given", "lowering": "table"},
+    "given_1_table": {"modes": 1, "frame": "given", "damping": True, "lowering": "table"},
+    "given_3_table": {"modes": 3, "frame": "given", "damping": True, "lowering": "table", "gravity": [0, 1, "1/3"]},
+    "given_13_table": {"modes": 13, "frame": "given", "lowering": "table"},
+    "mean_3_table": {
+        "modes": 3,
+        "damping": True,
+        "lowering": "table",
+        "gravity": [0, 0, {"symbol": "g3", "default": -9.81}],
+    },
+    "mean_20_table": {"modes": 20, "lowering": "table"},
+    "given_2_flat": {"modes": 2, "frame": "given", "damping": True, "lowering": "flat", "gravity": [0, 1, "1/3"]},
+    "mean_2_flat": {"modes": 2, "lowering": "flat"},
+}
+"""Bodies in space whose integrals are parameters."""
+
+
+@cache
+def body(name: str) -> beams.Made:
+    """One of BODIES, built once a session."""
+    return beams.build(derive.symbolic_body(name, **BODIES[name]))
+
+
+@cache
+def block(lowering: str) -> beams.Made:
+    """The block of the scenes with 3 of its modes, and its markers."""
+    spec = replace(derive.read(SCENES / "block.toml"), lowering=lowering, modes=3, name=f"block_{lowering}")
+    return beams.build(spec)
+
+
 MODELS: dict[str, Callable[[], beams.Made]] = {
     **{f"{frame}_{n}": lambda frame=frame, n=n: beams.made(frame, n) for frame in beams.FRAMES for n in SHAPES},
     **{name: lambda name=name: special(name) for name in SPECIAL},
+    **{name: lambda name=name: body(name) for name in BODIES},
+    **{f"block_{lowering}": lambda lowering=lowering: block(lowering) for lowering in ("flat", "table")},
 }
 """The models that the tests of this folder go through: every frame with few and many shapes, and special ones."""

@@ -1,0 +1,212 @@
+"""Batches give the bits of single calls for each state, whatever their number, and keep within their arrays."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+from toolchain import C99, run, tool, written
+
+import beams
+import derive
+from derive.emit import c_batch
+from derive.native import ModelError, Native
+
+SIZES = (0, 1, 31, 32, 33, 100)
+VECTORS = ("-std=c99", "-O1", "-ftree-vectorize", "-ffp-contract=off")
+"""Compiles in half the time of -O2."""
+
+BODIES = [
+    *((n, "given", "table") for n in (0, 1, 3, 5, 8, 13)),
+    *((n, "mean", "table") for n in (1, 5, 8)),
+    (2, "given", "flat"),
+    (3, "mean", "flat"),
+]
+MODELS: dict[str, Callable[[], tuple[derive.File, ...]]] = {
+    **{
+        f"{frame}_{n}": lambda frame=frame, n=n: beams.made(frame, n).files
+        for frame in ("mean", "point")
+        for n in (2, 8)
+    },
+    **{f"{frame}_{n}_{way}": lambda n=n, frame=frame, way=way: body(n, frame, way) for n, frame, way in BODIES},
+}
+EVERY_MODEL = pytest.mark.parametrize("model", MODELS)
+
+
+def body(n: int, frame: str, lowering: str) -> tuple[derive.File, ...]:
+    return beams.build(derive.symbolic_body(f"{lowering}_{frame}_{n}", n, frame=frame, lowering=lowering)).files
+
+
+@cache
+def native(model: str) -> Native:
+    return derive.load(MODELS[model](), VECTORS)
+
+
+def constants(model: Native) -> np.ndarray:
+    """No integral is zero by chance."""
+    rng = np.random.default_rng(1)
+    return model.setup(model.defaults + rng.uniform(0.0, 0.01, model.np))
+
+
+def states(model: Native, count: int) -> tuple[np.ndarray, np.ndarray]:
+    rng = np.random.default_rng(count)
+    return rng.uniform(-1, 1, (count, model.nq)), rng.uniform(-1, 1, (count, model.nv))
+
+
+def one_by_one(model: Native, name: str, *arguments: np.ndarray, k: np.ndarray) -> list[np.ndarray | int]:
+    """Values of each state, or the code of one that fails."""
+    found: list[np.ndarray | int] = []
+    for rows in zip(*arguments, strict=True):
+        try:
+            found.append(getattr(model, name)(*(() if name == "mass" else (0.5,)), *rows, k))
+        except ModelError as error:
+            found.append(error.code)
+    return found
+
+
+def same(batch: np.ndarray, single: list[np.ndarray | int]) -> None:
+    """Bit for bit; NaN where a state fails."""
+    assert len(batch) == len(single)
+    for row, values in zip(batch, single, strict=True):
+        if isinstance(values, int):
+            assert np.isnan(row).all()
+        else:
+            assert row.tobytes() == values.tobytes()
+
+
+@EVERY_MODEL
+@pytest.mark.parametrize("count", SIZES)
+def test_bits_are_those_of_single_calls(model: str, count: int) -> None:
+    compiled = native(model)
+    k, (q, v) = constants(compiled), states(compiled, count)
+    same(compiled.mass_batch(q, k), one_by_one(compiled, "mass", q, k=k))
+    same(compiled.force_batch(0.5, q, v, k), one_by_one(compiled, "force", q, v, k=k))
+    accelerations = one_by_one(compiled, "accel", q, v, k=k)
+    same(compiled.accel_batch(0.5, q, v, k, check=False), accelerations)
+    good = [a for a in accelerations if not isinstance(a, int)]
+    assert len(good) >= count / 2
+    assert not any((a == 0).all() for a in good)
+
+
+@pytest.mark.parametrize("width", [4, 16])
+def test_narrow_blocks_have_the_same_bits(width: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Models with many shapes have them, for the sake of the stack."""
+    monkeypatch.setattr(c_batch, "WIDTHS", {width: None})
+    compiled = derive.load(body(5, "given", "table"), VECTORS)
+    k, (q, v) = constants(compiled), states(compiled, 37)
+    same(compiled.mass_batch(q, k), one_by_one(compiled, "mass", q, k=k))
+    same(compiled.force_batch(0.5, q, v, k), one_by_one(compiled, "force", q, v, k=k))
+    same(compiled.accel_batch(0.5, q, v, k, check=False), one_by_one(compiled, "accel", q, v, k=k))
+
+
+def test_blocks_are_narrower_where_there_are_many_shapes() -> None:
+    def widths(n: int) -> set[int]:
+        model = derive.lower(derive.derive(derive.symbolic_body("b", n, lowering="table")))
+        found = c_batch.batch_widths(model)
+        assert all(c_batch.stack(model, name, width) <= 1024 * 512 for name, width in found.items())
+        return set(found.values())
+
+    assert widths(8) == {32}
+    assert widths(300) <= {8, 16}
+
+
+@pytest.mark.parametrize("model", ["mean_2", "given_3_table", "mean_5_table", "mean_3_flat"])
+@pytest.mark.parametrize("bad", [0, 5, 31, 32, 39])
+def test_a_state_that_fails_does_not_touch_the_others(model: str, bad: int) -> None:
+    """The pivot of a NaN is not positive; a rate of 1e200 gives forces that are not finite."""
+    compiled = native(model)
+    k, (q, v) = constants(compiled), states(compiled, 40)
+    q[:, -1] *= 0.01
+    for code, state in ((1, q), (2, v)):
+        kept = state[bad].copy()
+        state[bad] = np.nan if code == 1 else 1e200
+        single = one_by_one(compiled, "accel", q, v, k=k)
+        assert single[bad] == code
+        same(compiled.accel_batch(0.5, q, v, k, check=False), single)
+        state[bad] = kept
+
+
+def test_a_pivot_that_vanishes_in_some_states() -> None:
+    """In the mean frame the pivot of phi is J = C3 + alpha . c8 alpha: with this C3 straight beams have none."""
+    compiled = native("mean_2")
+    k, (q, v) = constants(compiled), states(compiled, 70)
+    k[[c.name for c in beams.made("mean", 2).model.constants].index("C3")] = -1e-9
+    q[:, 3:] *= np.arange(70)[:, None] % 3 > 0
+    single = one_by_one(compiled, "accel", q, v, k=k)
+    assert [s for s in single if isinstance(s, int)] == [1] * 24
+    same(compiled.accel_batch(0.5, q, v, k, check=False), single)
+    with pytest.raises(ModelError, match="beam_mean_2_accel_batch returned 1"):
+        compiled.accel_batch(0.5, q, v, k)
+
+
+def test_the_code_is_that_of_the_first_state_that_fails() -> None:
+    compiled = native("mean_2")
+    k, (q, v) = constants(compiled), states(compiled, 70)
+    q[60] = np.nan
+    v[33] = 1e200
+    for first, code in ((33, 2), (7, 1)):
+        q[first] = np.nan if code == 1 else q[first]
+        with pytest.raises(ModelError) as error:
+            compiled.accel_batch(0.5, q, v, k)
+        assert error.value.code == code
+
+
+def test_wrong_shapes_are_refused() -> None:
+    compiled = native("mean_2")
+    k, (q, v) = constants(compiled), states(compiled, 3)
+    for wrong in (q[0], q[:, 1:], q.T, q[None]):
+        with pytest.raises(ValueError, match="mass_batch: rows of 5 are needed"):
+            compiled.mass_batch(wrong, k)
+    with pytest.raises(ValueError, match="force_batch: 3 and 2 states do not go together"):
+        compiled.force_batch(0.0, q, v[:2], k)
+    with pytest.raises(ValueError, match="accel_batch: a vector of"):
+        compiled.accel_batch(0.0, q, v, k[1:])
+
+
+BOUNDS = """
+#include <stdlib.h>
+#include "beam_point_2.h"
+#include "table_given_5.h"
+
+static double *filled(size_t count, double value)
+{
+    double *x = (double *) malloc((count ? count : 1) * sizeof(double));
+    for (size_t i = 0; x && i < count; i++) x[i] = value;
+    return x;
+}
+
+int main(void)
+{
+    const tisserand_model *models[] = {beam_point_2_model(), table_given_5_model()};
+    for (int m = 0; m < 2; m++)
+        for (int n = 0; n < 70; n += 31) {
+            const tisserand_model *a = models[m];
+            double *p = filled((size_t) a->np, 0.0), *k = filled((size_t) a->nk, 0.0);
+            double *q = filled((size_t) (a->nq * n), 0.1), *v = filled((size_t) (a->nv * n), 0.1);
+            double *M = (double *) malloc((size_t) (a->mass_pattern->nnz * n) * sizeof(double));
+            double *h = (double *) malloc((size_t) (a->nv * n) * sizeof(double)), sum = 0.0;
+            if (a->defaults(p) || a->setup(p, k) || a->mass_batch(n, q, k, M)) return 1;
+            if (a->force_batch(n, 0.0, q, v, k, h)) return 2;
+            for (int i = 0; i < a->mass_pattern->nnz * n; i++) sum += M[i];
+            for (int i = 0; i < a->nv * n; i++) sum += h[i];
+            if (a->accel_batch(n, 0.0, q, v, k, h)) return 3;
+            for (int i = 0; i < a->nv * n; i++) sum += h[i];
+            if (!(sum < 1e300)) return 4;
+            free(p); free(k); free(q); free(v); free(M); free(h);
+        }
+    return 0;
+}
+"""
+
+
+def test_batches_keep_within_their_arrays(tmp_path: Path) -> None:
+    """Valgrind sees what is read or written outside, and what is not written."""
+    sources = [*written(beams.made("point", 2).files, tmp_path), *written(body(5, "given", "table"), tmp_path)]
+    (tmp_path / "main.c").write_text(BOUNDS)
+    include = [f"-I{source.parent}" for source in sources]
+    program = tmp_path / "bounds"
+    run(tool("gcc"), *C99, "-O1", "-g", *include, tmp_path / "main.c", *sources, "-o", program, "-lm")
+    run(tool("valgrind"), "--quiet", "--error-exitcode=9", program)

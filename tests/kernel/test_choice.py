@@ -1,0 +1,50 @@
+"""The choice between straight line and loops: its count of operations, where it turns, and who overrides it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+import derive
+from conftest import ROOT
+from derive.kernel.choice import choose, straight_operations
+from derive.mechanics.general import modal_tables, present_modal, present_symbolic, symbolic_tables
+
+
+@pytest.mark.parametrize(("n", "frame"), [(2, "given"), (4, "mean"), (5, "given"), (6, "mean")])
+def test_operations_are_foreseen(n: int, frame: str) -> None:
+    spec = derive.symbolic_body("b", n, frame=frame, damping=True, lowering="flat")
+    counted = derive.lower(derive.derive(spec)).kernel("force").operations
+    assert straight_operations(present_symbolic(spec)) == pytest.approx(counted, rel=0.1)
+
+
+def test_operations_of_the_block_are_foreseen() -> None:
+    spec = derive.read(ROOT / "scenes/block.toml")
+    counted = derive.lower(derive.derive(spec)).kernel("force").operations
+    assert counted == 534  # the README says so
+    assert straight_operations(present_modal(derive.modal(spec))) == pytest.approx(counted, rel=0.1)
+
+
+def test_zeros_make_straight_lines_and_many_shapes_make_loops() -> None:
+    spec = derive.read(ROOT / "scenes/block.toml")
+    block = derive.modal(spec)
+    assert choose(modal_tables(block), present_modal(block), block.modes).lowering == "flat"
+    for n, lowering in ((1, "flat"), (2, "flat"), (8, "table"), (100, "table")):
+        given = derive.symbolic_body("b", n, frame="given")
+        assert choose(symbolic_tables(given), present_symbolic(given), n).lowering == lowering
+
+
+@pytest.mark.parametrize("lowering", ["flat", "table"])
+def test_the_specification_has_the_last_word(lowering: str) -> None:
+    spec = replace(derive.read(ROOT / "scenes/block.toml"), lowering=lowering)
+    model = derive.lower(derive.derive(spec))
+    assert model.lowering == lowering
+    assert "as the specification asks" in model.choice and "ns are foreseen" in model.choice
+
+
+def test_the_choice_is_said_with_its_numbers() -> None:
+    model = derive.lower(derive.derive(derive.read(ROOT / "scenes/block.toml")))
+    assert model.choice.startswith("written out for each shape, the faster: for h 4")
+    header = (ROOT / "generated/block/block.h").read_text()
+    assert " ".join(model.choice.split()[:8]) in " ".join(header.replace(" * ", " ").split())
