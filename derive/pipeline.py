@@ -12,7 +12,7 @@ from derive.emit.model_files import model_files
 from derive.kernel.model import Model
 from derive.mechanics.equations import Equations
 from derive.mechanics.generic import GenericEquations
-from derive.spec import SpecError, Specification, read
+from derive.spec import NodalBody, SpecError, Specification, read
 from derive.spec.read import with_lines
 
 
@@ -29,13 +29,14 @@ class Stage:
 
 @dataclass(frozen=True)
 class Built:
-    """A specification with all that was made of it."""
+    """A specification with all that was made of it; `notes` are lines that one should read."""
 
     spec: Specification
     equations: Equations | GenericEquations
     model: Model
     files: tuple[File, ...]
     stages: tuple[Stage, ...]
+    notes: tuple[str, ...] = ()
 
 
 def build(path: Path) -> Built:
@@ -60,4 +61,19 @@ def build(path: Path) -> Built:
         deriving = replace(deriving, nonzeros=sum(entry != 0 for entry in equations.mass))
     files = model_files(model, spec)
     emitting = Stage("emit", lap())
-    return Built(spec, equations, model, files, (reading, deriving, lowering, emitting))
+    notes = (model.choice, *_departures(spec)) if model.choice else ()
+    return Built(spec, equations, model, files, (reading, deriving, lowering, emitting), notes)
+
+
+def _departures(spec: Specification) -> tuple[str, ...]:
+    """How far the modes of a body of nodes are from the conditions (17), (19), as given and as used."""
+    if not isinstance(spec, NodalBody):
+        return ()
+    from derive.reduction import residuals
+
+    found = residuals(spec)
+    before, after = found.before, found.after
+    return (
+        f"mean displacement of the modes (17): {before.displacement:.1e} of their size as given, "
+        f"{after.displacement:.1e} as used; mean rotation (19): {before.rotation:.1e}, {after.rotation:.1e}",
+    )

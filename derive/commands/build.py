@@ -87,7 +87,7 @@ def _table(built: Built, out: Path) -> str:
     return "\n".join(
         [
             f"{built.model.name}: {built.model.doc}",
-            *([f"  {built.model.choice}"] if built.model.choice else []),
+            *(f"  {note}" for note in built.notes),
             *(f"  {line}" for line in lines),
             f"  non-zeros are of the {mass.rows * mass.cols} entries of the mass matrix; operations are those of",
             f"  mass matrix and forces together, after {setup} on parameters alone in setup",
@@ -106,7 +106,7 @@ def _plain(built: Built, out: Path) -> dict[str, object]:
         "name": built.model.name,
         "doc": built.model.doc,
         "lowering": built.model.lowering,
-        "choice": built.model.choice,
+        "notes": list(built.notes),
         "stages": [asdict(stage) for stage in built.stages],
         "operations": {kernel.name: kernel.operations for kernel in built.model.kernels},
         "nonzeros": built.model.pattern("mass", "M").full_nnz,
