@@ -7,12 +7,16 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+import derive
 from conftest import ROOT
+from derive import sid
 from derive.cli import main
 
 MEAN, POINT = str(ROOT / "scenes/free_beam_mean.toml"), str(ROOT / "scenes/free_beam_point.toml")
+BLOCK = str(ROOT / "scenes/block.toml")
 WRONG = """\
 name = "double"
 
@@ -190,3 +194,55 @@ def test_a_closed_pipe_is_no_error() -> None:
         f"{sys.executable} -m derive schema | head -1", shell=True, capture_output=True, text=True, check=True
     )
     assert done.stderr == ""
+
+
+# Bodies in space
+
+
+def test_build_says_which_lowering_and_how_far_the_modes_are_from_the_mean_frame(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["build", BLOCK, "--out", str(tmp_path)]) == 0
+    said = capsys.readouterr().out
+    assert "written out for each shape, the faster: for h" in said
+    assert "mean displacement of the modes (17)" in said
+    assert main(["build", BLOCK, "--out", str(tmp_path), "--json"]) == 0
+    (model,) = json.loads(capsys.readouterr().out)
+    assert model["lowering"] == "flat" and len(model["notes"]) == 2
+    manifest = json.loads((tmp_path / "block/manifest.json").read_text())
+    assert manifest["lowering"]["kind"] == "flat" and "ns are foreseen" in manifest["lowering"]["choice"]
+    assert manifest["specification"]["data"]["nodes"] == 255 and len(manifest["specification"]["data"]["sha256"]) == 64
+
+
+def test_faults_of_the_numbers_have_their_lines(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Rigid motion left in the modes is found when they are used, and told like any fault of the file."""
+    x = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1.0]])
+    modes = np.array([np.tile([1.0, 0, 0], (4, 1)), x * [1, -1, 0]])
+    np.savez(tmp_path / "n.npz", positions=x, mass=np.ones(4), modes=modes, modal_stiffness=np.ones(2))
+    spec = tmp_path / "rigid.toml"
+    spec.write_text('name = "rigid"\n[body]\nnodes = "n.npz"\nunits = "SI"\nframe = "mean"\n')
+    assert main(["build", str(spec), "--out", str(tmp_path / "out")]) == 2
+    said = capsys.readouterr().err
+    assert said.startswith(f"{spec}:") and "rigid motion" in said and "mode 1" in said
+    assert not (tmp_path / "out").exists()
+
+
+def test_sid_is_printed_and_reads_back(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["sid", BLOCK]) == 0
+    text = capsys.readouterr().out
+    body, again = derive.modal(derive.read(BLOCK)), sid.read(text)
+    assert np.array_equal(body.C5, again.C5) and np.array_equal(body.stiffness, again.stiffness)
+    flat = derive.lower(derive.derive_modal(again, None, "flat"))
+    assert flat.pattern("mass", "M") == derive.lower(derive.derive_modal(body, None, "flat")).pattern("mass", "M")
+    assert main(["sid", MEAN]) == 2
+    assert "a SID holds the numbers of a body of nodes" in capsys.readouterr().err
+
+
+def test_compare_shows_the_first_rows_of_a_large_body(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    spec = tmp_path / "large.toml"
+    spec.write_text('name = "large"\n[body]\nintegrals = "symbolic"\nmodes = 30\n')
+    picture = tmp_path / "large.svg"
+    assert main(["compare", str(spec), "--picture", str(picture)]) == 0
+    said = capsys.readouterr().out
+    assert "of 36 rows and columns the first 14" in said
+    assert "222 of 1296 structural non-zeros" in said and "222 of 1296" in picture.read_text()
