@@ -258,15 +258,16 @@ def _accel(tables: Tables) -> Kernel:
     program.reduce(totals if tables.n else [])
     _rigid_accelerations(tables, program, places, coupled)
     rest = h + sum((b[r] * sp.Symbol(str(tables.equations.rows[r].a)) for r in coupled), sp.S.Zero)
-    last = "x" if tables.c8 == "full" else ""
     if tables.n:
-        target = Put(last, NOTHING) if last else StoreAt("vdot", RIGID, 1, NOTHING)
-        program.phase("alphaddot", "(15)", "accelerations of the shapes", (), [(target, -weight * rest)])
-    if tables.n and last:
-        program.sections.append(_substituted(tables, (last,), transposed=True))
-        program.phase(
-            "vdot", "", "accelerations of the shapes", (), [(StoreAt("vdot", RIGID, 1, NOTHING), sp.Symbol("x_i"))]
-        )
+        x = sp.Symbol("x_i")
+        program.phase("alphaddot", "(15)", "accelerations of the shapes", (), [(Put("x", NOTHING), -weight * rest)])
+        if tables.c8 == "full":
+            program.sections.append(_substituted(tables, ("x",), transposed=True))
+        program.phase("vdot", "", "accelerations of the shapes", (), [(StoreAt("vdot", RIGID, 1, NOTHING), x)])
+        program.reduce([Total("shapes", sp.S.Zero, x, "what shows that all are finite")])
+    every = sp.Add(*(row.a for row in tables.equations.rows), *([sp.Symbol("shapes")] if tables.n else []))
+    finite = Require("finite", NOTHING, NOT_FINITE, "an acceleration is not finite")
+    program.scalars("check", "", "refuse what is not finite", [(finite, every)])
     names = tuple(str(row.a) for row in tables.equations.rows)
     labels = (*names, *([f"alpha1ddot .. alpha{tables.n}ddot"] if tables.n else []))
     return program.kernel(
@@ -314,8 +315,7 @@ def _rigid_accelerations(
         for r, x in enumerate(solution):
             wants.append((Let(str(tables.equations.rows[r].a), NOTHING), x))
             wants.append((Store("vdot", r, NOTHING), x))
-        total = sum(solution[1:], start=solution[0])
-        return [*wants, (Require("finite", NOTHING, NOT_FINITE, "an acceleration is not finite"), total)]
+        return wants
 
     order = ", ".join(tables.rows[j] for j in elimination_order(shape))
     program.straight("vdot", "LDL^T", f"accelerations of the rigid motion: eliminate {order}", make)

@@ -140,6 +140,24 @@ def test_a_pivot_that_vanishes_is_reported(frame: str) -> None:
     assert failed.value.code == 1
 
 
+@pytest.mark.parametrize("frame", ["given", "mean"])
+def test_an_acceleration_that_is_not_finite_is_reported(frame: str) -> None:
+    """A shape that no rigid motion sees: its force overflows, and nothing else does."""
+    p = np.array(made(2, frame).model.defaults)
+    given = arguments(2, frame)
+    q = given["q"].copy()
+    q[7:] = 0.0
+    k = native(2, frame).setup(p)
+    assert np.all(np.isfinite(native(2, frame).accel(0.0, q, 0 * given["v"], k)))
+    q[8] = 1e308
+    names = [v.name for v in made(2, frame).model.parameters]
+    sizes = [v.size for v in made(2, frame).model.parameters]
+    p[sum(sizes[: names.index("K")]) + sizes[names.index("K")] - 1] = 100.0
+    with pytest.raises(ModelError) as failed:
+        native(2, frame).accel(0.0, q, 0 * given["v"], native(2, frame).setup(p))
+    assert failed.value.code == 2
+
+
 def symbolic(n: int, frame: str) -> derive.Model:
     return derive.lower(derive.derive(derive.symbolic_body("loops", n, frame=frame, lowering="table")))
 
