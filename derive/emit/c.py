@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import accumulate
 
-from derive.emit.c_loops import LANES_MACRO, Loops, panel_helper
+from derive.emit.c_batch import batch_body, batch_helpers, batch_widths, stack
+from derive.emit.c_loops import LANES_MACRO, SHORT, Loops, panel_helper
 from derive.emit.document import LICENCE, description, kernel_text, model_text, pattern_texts, section_text
 from derive.emit.expression import c_number, statement, text
 from derive.emit.files import MARK, File
@@ -32,6 +34,7 @@ def c_files(model: Model, fingerprint: str) -> tuple[File, ...]:
     tables = [("p", model.parameters), ("k", model.constants), ("q", model.coordinates), ("v", model.rates)]
     sizes = {name: sum(v.size for v in variables) for name, variables in tables}
     mark = (f"{MARK} from a specification with SHA-256", f"{fingerprint}. Do not edit.", LICENCE, "")
+    widths = batch_widths(model)
     names = {
         "model": model,
         "name": model.name,
@@ -39,9 +42,13 @@ def c_files(model: Model, fingerprint: str) -> tuple[File, ...]:
         "abi": ABI,
         "title": "\n".join(comment((*mark, f"{said.title}; see {model.name}.h."))),
         "description": "\n".join(comment((*mark, *description(said)))),
-        "helpers": _helpers(model),
+        "helpers": _helpers(model, widths),
         "defaults": defaults_text(model),
         "functions": [_function(model, kernel) for kernel in model.kernels],
+        "batch_helpers": "\n".join(batch_helpers(model, widths)),
+        "batches": [_batch(model, name, width) for name, width in widths.items()],
+        "batch_width": " or ".join(str(w) for w in sorted({*widths.values()})),
+        "batch_stack": -(-max(stack(model, name, width) for name, width in widths.items()) // 1024),
         "patterns": pattern_texts(model, "    "),
         "markers": [(m.name, model.kernel(f"marker_{m.name}").outputs[0].size) for m in model.markers],
         "energies": len(model.kernel("energy").outputs[0].elements),
@@ -58,29 +65,43 @@ def c_files(model: Model, fingerprint: str) -> tuple[File, ...]:
     )
 
 
-def _helpers(model: Model) -> str:
+def _helpers(model: Model, widths: Mapping[str, int]) -> str:
     """What the loops of a model call."""
     every = [s for kernel in model.kernels for s in kernel.statements]
-    lines = [LANES_MACRO] if any(isinstance(s, Reduce) for s in every) else []
+    lines = [LANES_MACRO] if min(widths.values()) <= SHORT or any(isinstance(s, Reduce) for s in every) else []
     sizes = {s.packing.padded for s in every if isinstance(s, Contract)}
     lines += [line for size in sizes for line in panel_helper(f"{model.name}_panel", size)]
     return "\n".join(lines)
 
 
 def _function(model: Model, kernel: Kernel) -> Function:
-    lines = [*_loads(kernel)]
+    lines = _loads(kernel)
     loops = Loops(f"{model.name}_panel")
     for section in kernel.sections:
         lines += ["", *comment(section_text(section), "    ")]
         for item in section.body:
             lines += _statement(item) if isinstance(item, Let | Store | Require) else loops.lines(item)
+    name = f"{model.name}_{kernel.name}"
+    doc = "\n".join(comment(kernel_text(kernel)))
+    return Function(name, doc, _signature(name, _parameters(kernel)), "\n".join(lines))
+
+
+def _batch(model: Model, name: str, width: int) -> Function:
+    kernel = model.kernel(name)
+    called = f"{model.name}_{name}_batch"
+    signature = _signature(called, ["int n", *_parameters(kernel)])
+    return Function(called, "", signature, "\n".join(batch_body(model, kernel, width)))
+
+
+def _signature(name: str, parameters: list[str]) -> str:
+    return f"int {name}(\n    " + ",\n    ".join(parameters) + ")"
+
+
+def _parameters(kernel: Kernel) -> list[str]:
     inputs = [
         f"double {a.name}" if a.scalar else f"const double *TISSERAND_RESTRICT {a.name}" for a in kernel.arguments
     ]
-    outputs = [f"double *{o.name}" for o in kernel.outputs]
-    name = f"{model.name}_{kernel.name}"
-    signature = f"int {name}(\n    " + ",\n    ".join([*inputs, *outputs]) + ")"
-    return Function(name, "\n".join(comment(kernel_text(kernel))), signature, "\n".join(lines))
+    return [*inputs, *(f"double *{o.name}" for o in kernel.outputs)]
 
 
 def _loads(kernel: Kernel) -> list[str]:

@@ -2778,8 +2778,8 @@ int block_jacobian(
 
 /* ---- batches: each state b of a block as the functions above have it ---- */
 
-/* The rows of a block that is not full, its last state repeated. */
-static const double *block_block_fill(ptrdiff_t all, int count, int rows, const double *from, double *to)
+/* The rows of a block that is not full: its last state is repeated. */
+static const double *block_block32_fill(ptrdiff_t all, int count, int rows, const double *from, double *to)
 {
     for (int e = 0; e < rows; e++)
         for (int b = 0; b < 32; b++) to[e * 32 + b] = from[e * all + (b < count ? b : count - 1)];
@@ -2787,19 +2787,18 @@ static const double *block_block_fill(ptrdiff_t all, int count, int rows, const 
 }
 
 /* The rows of a block to their places among those of all states. */
-static inline void block_block_put(
-    ptrdiff_t all,
-    int count,
-    int rows,
-    const double *TISSERAND_RESTRICT from,
-    double *TISSERAND_RESTRICT to)
+static inline void block_block32_put(
+    ptrdiff_t all, int count, int rows, double (*TISSERAND_RESTRICT from)[32], double *TISSERAND_RESTRICT to)
 {
-    for (int e = 0; e < rows; e++, from += 32) {
+    for (int e = 0; e < rows; e++) {
         double *row = to + e * all;
-        if (count == 32)
-            for (int b = 0; b < 32; b++) row[b] = from[b];
-        else
-            for (int b = 0; b < 32; b++) if (b < count) row[b] = from[b];
+        if (count == 32) {
+            for (int b = 0; b < 32; b++) row[b] = from[e][b];
+        } else {
+            for (int b = 0; b < 32; b++) {
+                if (b < count) row[b] = from[e][b];
+            }
+        }
     }
 }
 
@@ -2822,13 +2821,14 @@ int block_mass_batch(
     double *M)
 {
     (void) k;
-    double q_tail[15 * 32], M_block[37 * 32];
+    double q_tail[480];
+    double M_block[37][32];
     const ptrdiff_t all = n;
 
     for (int left = n; left > 0; left -= 32) {
         const int count = left < 32 ? left : 32;
         const ptrdiff_t stride = count < 32 ? 32 : all;
-        const double *q_block = count < 32 ? block_block_fill(all, count, 15, q, q_tail) : q;
+        const double *q_block = count < 32 ? block_block32_fill(all, count, 15, q, q_tail) : q;
         for (int b = 0; b < 32; b++) {
             const double alpha1 = q_block[7 * stride + b];
             const double alpha2 = q_block[8 * stride + b];
@@ -2917,45 +2917,45 @@ int block_mass_batch(
             const double J_33 = 0.0918 + (-0.28541913668350255) * alpha6 + S_1_33 * alpha1 + S_2_33 * alpha2
                 + S_3_33 * alpha3 + S_4_33 * alpha4 + S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7
                 + S_8_33 * alpha8;
-            M_block[0 * 32 + b] = 6.48;
-            M_block[1 * 32 + b] = 6.48;
-            M_block[2 * 32 + b] = 6.48;
-            M_block[3 * 32 + b] = J_11;
-            M_block[4 * 32 + b] = J_12;
-            M_block[5 * 32 + b] = J_13;
-            M_block[6 * 32 + b] = d3_1_1;
-            M_block[7 * 32 + b] = d3_2_1;
-            M_block[8 * 32 + b] = d3_4_1;
-            M_block[9 * 32 + b] = d3_5_1;
-            M_block[10 * 32 + b] = d3_6_1;
-            M_block[11 * 32 + b] = d3_7_1;
-            M_block[12 * 32 + b] = d3_8_1;
-            M_block[13 * 32 + b] = J_22;
-            M_block[14 * 32 + b] = J_23;
-            M_block[15 * 32 + b] = d3_2_2;
-            M_block[16 * 32 + b] = d3_3_2;
-            M_block[17 * 32 + b] = d3_4_2;
-            M_block[18 * 32 + b] = d3_5_2;
-            M_block[19 * 32 + b] = d3_6_2;
-            M_block[20 * 32 + b] = d3_7_2;
-            M_block[21 * 32 + b] = J_33;
-            M_block[22 * 32 + b] = d3_1_3;
-            M_block[23 * 32 + b] = d3_3_3;
-            M_block[24 * 32 + b] = d3_4_3;
-            M_block[25 * 32 + b] = d3_5_3;
-            M_block[26 * 32 + b] = d3_6_3;
-            M_block[27 * 32 + b] = d3_7_3;
-            M_block[28 * 32 + b] = d3_8_3;
-            M_block[29 * 32 + b] = 1.0;
-            M_block[30 * 32 + b] = 1.0;
-            M_block[31 * 32 + b] = 1.0;
-            M_block[32 * 32 + b] = 1.0;
-            M_block[33 * 32 + b] = 1.0;
-            M_block[34 * 32 + b] = 1.0;
-            M_block[35 * 32 + b] = 1.0;
-            M_block[36 * 32 + b] = 1.0;
+            M_block[0][b] = 6.48;
+            M_block[1][b] = 6.48;
+            M_block[2][b] = 6.48;
+            M_block[3][b] = J_11;
+            M_block[4][b] = J_12;
+            M_block[5][b] = J_13;
+            M_block[6][b] = d3_1_1;
+            M_block[7][b] = d3_2_1;
+            M_block[8][b] = d3_4_1;
+            M_block[9][b] = d3_5_1;
+            M_block[10][b] = d3_6_1;
+            M_block[11][b] = d3_7_1;
+            M_block[12][b] = d3_8_1;
+            M_block[13][b] = J_22;
+            M_block[14][b] = J_23;
+            M_block[15][b] = d3_2_2;
+            M_block[16][b] = d3_3_2;
+            M_block[17][b] = d3_4_2;
+            M_block[18][b] = d3_5_2;
+            M_block[19][b] = d3_6_2;
+            M_block[20][b] = d3_7_2;
+            M_block[21][b] = J_33;
+            M_block[22][b] = d3_1_3;
+            M_block[23][b] = d3_3_3;
+            M_block[24][b] = d3_4_3;
+            M_block[25][b] = d3_5_3;
+            M_block[26][b] = d3_6_3;
+            M_block[27][b] = d3_7_3;
+            M_block[28][b] = d3_8_3;
+            M_block[29][b] = 1.0;
+            M_block[30][b] = 1.0;
+            M_block[31][b] = 1.0;
+            M_block[32][b] = 1.0;
+            M_block[33][b] = 1.0;
+            M_block[34][b] = 1.0;
+            M_block[35][b] = 1.0;
+            M_block[36][b] = 1.0;
         }
-        block_block_put(all, count, 37, M_block, M);
+        block_block32_put(all, count, 37, M_block, M);
         q += count;
         M += count;
     }
@@ -2972,14 +2972,15 @@ int block_force_batch(
 {
     (void) t;
     (void) k;
-    double q_tail[15 * 32], v_tail[14 * 32], h_block[14 * 32];
+    double q_tail[480], v_tail[448];
+    double h_block[14][32];
     const ptrdiff_t all = n;
 
     for (int left = n; left > 0; left -= 32) {
         const int count = left < 32 ? left : 32;
         const ptrdiff_t stride = count < 32 ? 32 : all;
-        const double *q_block = count < 32 ? block_block_fill(all, count, 15, q, q_tail) : q;
-        const double *v_block = count < 32 ? block_block_fill(all, count, 14, v, v_tail) : v;
+        const double *q_block = count < 32 ? block_block32_fill(all, count, 15, q, q_tail) : q;
+        const double *v_block = count < 32 ? block_block32_fill(all, count, 14, v, v_tail) : v;
         for (int b = 0; b < 32; b++) {
             const double alpha1 = q_block[7 * stride + b];
             const double alpha2 = q_block[8 * stride + b];
@@ -3106,45 +3107,45 @@ int block_force_batch(
             const double t9 = 0.10707341325868729 * alpha3dot;
             const double d3dot_3 = alpha1 * c7dot_1_3 + alpha3 * c7dot_3_3 + alpha4 * c7dot_4_3
                 + alpha5 * c7dot_5_3 - alpha6 * t7 - alpha7 * t8 - alpha8 * t9;
-            h_block[0 * 32 + b] = 0.0;
-            h_block[1 * 32 + b] = 0.0;
-            h_block[2 * 32 + b] = 0.0;
+            h_block[0][b] = 0.0;
+            h_block[1][b] = 0.0;
+            h_block[2][b] = 0.0;
             const double t10 = 2.0 * omega1;
             const double t11 = 2.0 * omega2;
             const double t12 = 2.0 * omega3;
-            h_block[3 * 32 + b] = J_13 * oo_12 + J_23 * oo_22 + J_33 * oo_23 + t10 * Sdot_11 + t11 * Sdot_12
+            h_block[3][b] = J_13 * oo_12 + J_23 * oo_22 + J_33 * oo_23 + t10 * Sdot_11 + t11 * Sdot_12
                 + t12 * Sdot_13 + omega2 * d3dot_3 - J_12 * oo_13 - J_22 * oo_23 - J_23 * oo_33
                 - omega3 * d3dot_2;
-            h_block[4 * 32 + b] = J_11 * oo_13 + J_12 * oo_23 + J_13 * oo_33 + t10 * Sdot_12 + t11 * Sdot_22
+            h_block[4][b] = J_11 * oo_13 + J_12 * oo_23 + J_13 * oo_33 + t10 * Sdot_12 + t11 * Sdot_22
                 + t12 * Sdot_23 + omega3 * d3dot_1 - J_13 * oo_11 - J_23 * oo_12 - J_33 * oo_13
                 - omega1 * d3dot_3;
-            h_block[5 * 32 + b] = J_12 * oo_11 + J_22 * oo_12 + J_23 * oo_13 + t10 * Sdot_13 + t11 * Sdot_23
+            h_block[5][b] = J_12 * oo_11 + J_22 * oo_12 + J_23 * oo_13 + t10 * Sdot_13 + t11 * Sdot_23
                 + t12 * Sdot_33 + omega1 * d3dot_2 - J_11 * oo_12 - J_12 * oo_22 - J_13 * oo_23
                 - omega2 * d3dot_1;
-            h_block[6 * 32 + b] = 132785871.23214255 * alpha1 - S_1_11 * oo_11 - 2.0 * S_1_12 * oo_12
+            h_block[6][b] = 132785871.23214255 * alpha1 - S_1_11 * oo_11 - 2.0 * S_1_12 * oo_12
                 - S_1_22 * oo_22 - 2.0 * S_1_23 * oo_23 - S_1_33 * oo_33 - t10 * c7dot_1_1
                 - t12 * c7dot_1_3;
-            h_block[7 * 32 + b] = 298337711.7011645 * alpha2 - S_2_11 * oo_11 - 2.0 * S_2_13 * oo_13
+            h_block[7][b] = 298337711.7011645 * alpha2 - S_2_11 * oo_11 - 2.0 * S_2_13 * oo_13
                 - S_2_22 * oo_22 - 2.0 * S_2_23 * oo_23 - S_2_33 * oo_33 - t10 * c7dot_2_1
                 - t11 * c7dot_2_2;
-            h_block[8 * 32 + b] = 424127787.13520163 * alpha3 - S_3_11 * oo_11 - 2.0 * S_3_12 * oo_12
+            h_block[8][b] = 424127787.13520163 * alpha3 - S_3_11 * oo_11 - 2.0 * S_3_12 * oo_12
                 - 2.0 * S_3_13 * oo_13 - S_3_22 * oo_22 - S_3_33 * oo_33 + t11 * t4 - t12 * c7dot_3_3;
-            h_block[9 * 32 + b] = 828661201.2040272 * alpha4 - S_4_11 * oo_11 - 2.0 * S_4_12 * oo_12
+            h_block[9][b] = 828661201.2040272 * alpha4 - S_4_11 * oo_11 - 2.0 * S_4_12 * oo_12
                 - 2.0 * S_4_13 * oo_13 - S_4_22 * oo_22 - 2.0 * S_4_23 * oo_23 - S_4_33 * oo_33
                 - t10 * c7dot_4_1 - t11 * c7dot_4_2 - t12 * c7dot_4_3;
-            h_block[10 * 32 + b] = 1482944676.1858206 * alpha5 - S_5_11 * oo_11 - 2.0 * S_5_12 * oo_12
+            h_block[10][b] = 1482944676.1858206 * alpha5 - S_5_11 * oo_11 - 2.0 * S_5_12 * oo_12
                 - 2.0 * S_5_13 * oo_13 - S_5_22 * oo_22 - 2.0 * S_5_23 * oo_23 - S_5_33 * oo_33 + t10 * t1
                 - t11 * c7dot_5_2 - t12 * c7dot_5_3;
-            h_block[11 * 32 + b] = 1586764292.5824752 * alpha6 - S_6_11 * oo_11 - 2.0 * S_6_12 * oo_12
+            h_block[11][b] = 1586764292.5824752 * alpha6 - S_6_11 * oo_11 - 2.0 * S_6_12 * oo_12
                 - 2.0 * S_6_13 * oo_13 - S_6_22 * oo_22 - 2.0 * S_6_23 * oo_23 - S_6_33 * oo_33
                 - t10 * c7dot_6_1 + t11 * t5 + t12 * t7;
-            h_block[12 * 32 + b] = 1703959547.9391162 * alpha7 - S_7_11 * oo_11 - 2.0 * S_7_12 * oo_12
+            h_block[12][b] = 1703959547.9391162 * alpha7 - S_7_11 * oo_11 - 2.0 * S_7_12 * oo_12
                 - 2.0 * S_7_13 * oo_13 - S_7_22 * oo_22 - 2.0 * S_7_23 * oo_23 - S_7_33 * oo_33 + t10 * t2
                 + t11 * t6 + t12 * t8;
-            h_block[13 * 32 + b] = 2561832557.220976 * alpha8 - S_8_11 * oo_11 - 2.0 * S_8_12 * oo_12
+            h_block[13][b] = 2561832557.220976 * alpha8 - S_8_11 * oo_11 - 2.0 * S_8_12 * oo_12
                 - S_8_22 * oo_22 - 2.0 * S_8_23 * oo_23 - S_8_33 * oo_33 + t10 * t3 + t12 * t9;
         }
-        block_block_put(all, count, 14, h_block, h);
+        block_block32_put(all, count, 14, h_block, h);
         q += count;
         v += count;
         h += count;
@@ -3162,15 +3163,17 @@ int block_accel_batch(
 {
     (void) t;
     (void) k;
-    double q_tail[15 * 32], v_tail[14 * 32], vdot_block[14 * 32], codes[32];
+    double q_tail[480], v_tail[448];
+    double codes[32];
+    double vdot_block[14][32];
     const ptrdiff_t all = n;
     int code = 0;
 
     for (int left = n; left > 0; left -= 32) {
         const int count = left < 32 ? left : 32;
         const ptrdiff_t stride = count < 32 ? 32 : all;
-        const double *q_block = count < 32 ? block_block_fill(all, count, 15, q, q_tail) : q;
-        const double *v_block = count < 32 ? block_block_fill(all, count, 14, v, v_tail) : v;
+        const double *q_block = count < 32 ? block_block32_fill(all, count, 15, q, q_tail) : q;
+        const double *v_block = count < 32 ? block_block32_fill(all, count, 14, v, v_tail) : v;
         for (int b = 0; b < 32; b++) {
             const double alpha1 = q_block[7 * stride + b];
             const double alpha2 = q_block[8 * stride + b];
@@ -3352,9 +3355,9 @@ int block_accel_batch(
             const double t41 = 0.10707341325868729 * alpha3dot;
             const double d3dot_3 = alpha1 * c7dot_1_3 + alpha3 * c7dot_3_3 + alpha4 * c7dot_4_3
                 + alpha5 * c7dot_5_3 - alpha6 * t39 - alpha7 * t40 - alpha8 * t41;
-            vdot_block[0 * 32 + b] = 0.0;
-            vdot_block[1 * 32 + b] = 0.0;
-            vdot_block[2 * 32 + b] = 0.0;
+            vdot_block[0][b] = 0.0;
+            vdot_block[1][b] = 0.0;
+            vdot_block[2][b] = 0.0;
             const double t42 = 2.0 * omega1;
             const double t43 = 2.0 * omega3;
             const double t44 = 2561832557.220976 * alpha8 - S_8_11 * oo_11 - 2.0 * S_8_12 * oo_12
@@ -3397,22 +3400,22 @@ int block_accel_batch(
             const double t59 = t51 * inverse_pivot_pi2 - t8 * t58 + t11 * t57 - t17 * t56 - t26 * t55;
             const double t60 = t49 * inverse_pivot_pi1 - t4 * t59 + t6 * t58 - t9 * t57 + t15 * t56
                 - t24 * t55;
-            vdot_block[3 * 32 + b] = t60;
-            vdot_block[4 * 32 + b] = t59;
-            vdot_block[5 * 32 + b] = t55;
+            vdot_block[3][b] = t60;
+            vdot_block[4][b] = t59;
+            vdot_block[5][b] = t55;
             const double t61 = t1 * t60 - t46 + t22 * t55;
-            vdot_block[6 * 32 + b] = t61;
+            vdot_block[6][b] = t61;
             const double t62 = t2 * t59 - (t47 + d3_2_1 * t60);
-            vdot_block[7 * 32 + b] = t62;
+            vdot_block[7][b] = t62;
             const double t63 = t50 + d3_3_2 * t59 + d3_3_3 * t55;
-            vdot_block[8 * 32 + b] = -t63;
-            vdot_block[9 * 32 + b] = t58;
-            vdot_block[10 * 32 + b] = t57;
-            vdot_block[11 * 32 + b] = t56;
+            vdot_block[8][b] = -t63;
+            vdot_block[9][b] = t58;
+            vdot_block[10][b] = t57;
+            vdot_block[11][b] = t56;
             const double t64 = t48 + d3_7_1 * t60 + d3_7_2 * t59 + d3_7_3 * t55;
-            vdot_block[12 * 32 + b] = -t64;
+            vdot_block[12][b] = -t64;
             const double t65 = t44 + d3_8_1 * t60 + d3_8_3 * t55;
-            vdot_block[13 * 32 + b] = -t65;
+            vdot_block[13][b] = -t65;
             double code_b = 0.0;
             const double finite = t60 + t59 + t55 + t61 + t62 - t63 + t58 + t57 + t56 - t64 - t65;
             code_b = finite - finite == 0.0 ? code_b : 2.0; /* an acceleration is not finite */
@@ -3430,7 +3433,7 @@ int block_accel_batch(
                 - 5.684341886080802e-14 * J_11 > 0.0 ? code_b : 1.0; /* the pivot of pi1 vanished */
             codes[b] = code_b;
         }
-        block_block_put(all, count, 14, vdot_block, vdot);
+        block_block32_put(all, count, 14, vdot_block, vdot);
         const int failed = block_block_refuse(all, count, 14, codes, vdot);
         if (code == 0) code = failed;
         q += count;

@@ -11,7 +11,7 @@ The floating frame has its origin at c and is turned by Q. In it are resolved: r
 shapes Phi_i, and their moments c1 .. c8, d1, D2, d3, J, so that e1, e2 there are its axes.
 In the inertial base are resolved: c, momenta, and markers.
 c is where the centre of mass of the undeformed body lies in the floating frame.
-Kernels are written out for each shape, the faster: for h 56 ns are foreseen written out, 59 ns in
+Kernels are written out for each shape, the faster: for h 40 ns are foreseen written out, 60 ns in
     loops.
 
 Coordinates q:
@@ -3595,4 +3595,3 @@ def _where(xp, valid, values):
 def _require(holds, text):
     if not holds:
         raise ValueError(text)
-

@@ -12,7 +12,7 @@
 #include <math.h>
 #include <stddef.h>
 
-/* Before a loop over four lanes: gcc would unroll it first, and then not make vectors of it. */
+/* Before a short loop: gcc would unroll it first, and then not make vectors of it. */
 #if defined(__GNUC__) && !defined(__clang__) && __GNUC__ >= 8
 #  define TISSERAND_LANES _Pragma("GCC unroll 1")
 #else
@@ -26,7 +26,7 @@ static inline void body_symbolic_panel(
     const double *TISSERAND_RESTRICT x)
 {
     const double x0 = x[0], x1 = x[1], x2 = x[2], x3 = x[3];
-    for (int i = 0; i < 8; i++) y[i] = y[i] + a[i] * x0 + a[8 + i] * x1 + a[16 + i] * x2 + a[24 + i] * x3;
+    TISSERAND_LANES for (int i = 0; i < 8; i++) y[i] = y[i] + a[i] * x0 + a[8 + i] * x1 + a[16 + i] * x2 + a[24 + i] * x3;
 }
 int body_symbolic_setup(
     const double *TISSERAND_RESTRICT p,
@@ -51,8 +51,8 @@ int body_symbolic_setup(
 
     /* constants (appendix): shape integrals and stiffness as loops want them */
     for (int i = 0; i < 639; i++) k[i] = 0.0;
-    for (int j = 0; j < 8; j++) {
-        for (int i = 0; i < 8; i++) {
+    TISSERAND_LANES for (int j = 0; j < 8; j++) {
+        TISSERAND_LANES for (int i = 0; i < 8; i++) {
             const int low = i < j ? i : j, high = i < j ? j : i;
             double *to = k + (j / 4 * 36 + j % 4) * 8 + i;
             const int even = low * 8 - low * (low - 1) / 2 + high - low;
@@ -71,7 +71,7 @@ int body_symbolic_setup(
             }
         }
     }
-    for (int i = 0; i < 8; i++) {
+    TISSERAND_LANES for (int i = 0; i < 8; i++) {
         k[576 + i] = p_C4[6 * i];
         k[584 + i] = p_C4[6 * i + 1];
         k[592 + i] = p_C4[6 * i + 2];
@@ -113,7 +113,7 @@ int body_symbolic_mass(
 
     /* minus_alpha: alpha with its sign changed */
     double minus_alpha[8];
-    for (int i = 0; i < 8; i++) {
+    TISSERAND_LANES for (int i = 0; i < 8; i++) {
         minus_alpha[i] = -alpha[i];
     }
 
@@ -131,7 +131,7 @@ int body_symbolic_mass(
     double d3_1[8];
     double d3_2[8];
     double d3_3[8];
-    for (int i = 0; i < 8; i++) {
+    TISSERAND_LANES for (int i = 0; i < 8; i++) {
         S_11[i] = C4_11[i];
         S_12[i] = C4_12[i];
         S_13[i] = C4_13[i];
@@ -157,11 +157,10 @@ int body_symbolic_mass(
 
     /* sums (appendix): J = int rho ((r . r) I - r r) */
     double sums1[6][4];
-    for (int i = 0; i < 6; i++)
-        for (int l = 0; l < 4; l++) sums1[i][l] = 0.0;
+    TISSERAND_LANES for (int i = 0; i < 6; i++)
+        TISSERAND_LANES for (int l = 0; l < 4; l++) sums1[i][l] = 0.0;
     for (int i = 0; i < 8; i += 4) {
-        TISSERAND_LANES
-        for (int l = 0; l < 4; l++) {
+        TISSERAND_LANES for (int l = 0; l < 4; l++) {
             sums1[0][l] += alpha[i + l] * (C4_11[i + l] + S_11[i + l]);
             sums1[1][l] += alpha[i + l] * (C4_12[i + l] + S_12[i + l]);
             sums1[2][l] += alpha[i + l] * (C4_13[i + l] + S_13[i + l]);
@@ -189,7 +188,7 @@ int body_symbolic_mass(
     M[24] = J_33;
 
     /* M_i (15): factors of the accelerations, for each shape */
-    for (int i = 0; i < 8; i++) {
+    TISSERAND_LANES for (int i = 0; i < 8; i++) {
         M[6 + i] = d3_1[i];
         M[16 + i] = d3_2[i];
         M[25 + i] = d3_3[i];
@@ -240,7 +239,7 @@ int body_symbolic_force(
     double c7dot_1[8];
     double c7dot_2[8];
     double c7dot_3[8];
-    for (int i = 0; i < 8; i++) {
+    TISSERAND_LANES for (int i = 0; i < 8; i++) {
         S_11[i] = C4_11[i];
         S_12[i] = C4_12[i];
         S_13[i] = C4_13[i];
@@ -269,11 +268,10 @@ int body_symbolic_force(
      *     x rdot
      */
     double sums1[15][4];
-    for (int i = 0; i < 15; i++)
-        for (int l = 0; l < 4; l++) sums1[i][l] = 0.0;
+    TISSERAND_LANES for (int i = 0; i < 15; i++)
+        TISSERAND_LANES for (int l = 0; l < 4; l++) sums1[i][l] = 0.0;
     for (int i = 0; i < 8; i += 4) {
-        TISSERAND_LANES
-        for (int l = 0; l < 4; l++) {
+        TISSERAND_LANES for (int l = 0; l < 4; l++) {
             sums1[0][l] += alpha[i + l] * (C4_11[i + l] + S_11[i + l]);
             sums1[1][l] += alpha[i + l] * (C4_12[i + l] + S_12[i + l]);
             sums1[2][l] += alpha[i + l] * (C4_13[i + l] + S_13[i + l]);
@@ -339,7 +337,7 @@ int body_symbolic_force(
         - d3dot_1 * omega2;
 
     /* h_i (15): centrifugal, Coriolis, elastic and other forces, for each shape */
-    for (int i = 0; i < 8; i++) {
+    TISSERAND_LANES for (int i = 0; i < 8; i++) {
         h[6 + i] = K[i] * alpha[i] - oo_11 * S_11[i] - f4 * S_12[i] - f5 * S_13[i] - oo_22 * S_22[i]
             - f6 * S_23[i] - oo_33 * S_33[i] - f7 * c7dot_1[i] - f8 * c7dot_2[i] - f9 * c7dot_3[i];
     }
@@ -378,7 +376,7 @@ int body_symbolic_mass_force(
 
     /* minus_alpha: alpha with its sign changed */
     double minus_alpha[8];
-    for (int i = 0; i < 8; i++) {
+    TISSERAND_LANES for (int i = 0; i < 8; i++) {
         minus_alpha[i] = -alpha[i];
     }
 
@@ -404,7 +402,7 @@ int body_symbolic_mass_force(
     double c7dot_1[8];
     double c7dot_2[8];
     double c7dot_3[8];
-    for (int i = 0; i < 8; i++) {
+    TISSERAND_LANES for (int i = 0; i < 8; i++) {
         S_11[i] = C4_11[i];
         S_12[i] = C4_12[i];
         S_13[i] = C4_13[i];
@@ -439,11 +437,10 @@ int body_symbolic_mass_force(
      *     x rdot
      */
     double sums1[15][4];
-    for (int i = 0; i < 15; i++)
-        for (int l = 0; l < 4; l++) sums1[i][l] = 0.0;
+    TISSERAND_LANES for (int i = 0; i < 15; i++)
+        TISSERAND_LANES for (int l = 0; l < 4; l++) sums1[i][l] = 0.0;
     for (int i = 0; i < 8; i += 4) {
-        TISSERAND_LANES
-        for (int l = 0; l < 4; l++) {
+        TISSERAND_LANES for (int l = 0; l < 4; l++) {
             sums1[0][l] += alpha[i + l] * (C4_11[i + l] + S_11[i + l]);
             sums1[1][l] += alpha[i + l] * (C4_12[i + l] + S_12[i + l]);
             sums1[2][l] += alpha[i + l] * (C4_13[i + l] + S_13[i + l]);
@@ -518,7 +515,7 @@ int body_symbolic_mass_force(
         - d3dot_1 * omega2;
 
     /* M and h_i (15): factors of the accelerations, and forces, for each shape */
-    for (int i = 0; i < 8; i++) {
+    TISSERAND_LANES for (int i = 0; i < 8; i++) {
         M[6 + i] = d3_1[i];
         M[16 + i] = d3_2[i];
         M[25 + i] = d3_3[i];
@@ -560,7 +557,7 @@ int body_symbolic_accel(
 
     /* minus_alpha: alpha with its sign changed */
     double minus_alpha[8];
-    for (int i = 0; i < 8; i++) {
+    TISSERAND_LANES for (int i = 0; i < 8; i++) {
         minus_alpha[i] = -alpha[i];
     }
 
@@ -586,7 +583,7 @@ int body_symbolic_accel(
     double c7dot_1[8];
     double c7dot_2[8];
     double c7dot_3[8];
-    for (int i = 0; i < 8; i++) {
+    TISSERAND_LANES for (int i = 0; i < 8; i++) {
         S_11[i] = C4_11[i];
         S_12[i] = C4_12[i];
         S_13[i] = C4_13[i];
@@ -621,11 +618,10 @@ int body_symbolic_accel(
      *     x rdot
      */
     double sums1[15][4];
-    for (int i = 0; i < 15; i++)
-        for (int l = 0; l < 4; l++) sums1[i][l] = 0.0;
+    TISSERAND_LANES for (int i = 0; i < 15; i++)
+        TISSERAND_LANES for (int l = 0; l < 4; l++) sums1[i][l] = 0.0;
     for (int i = 0; i < 8; i += 4) {
-        TISSERAND_LANES
-        for (int l = 0; l < 4; l++) {
+        TISSERAND_LANES for (int l = 0; l < 4; l++) {
             sums1[0][l] += alpha[i + l] * (C4_11[i + l] + S_11[i + l]);
             sums1[1][l] += alpha[i + l] * (C4_12[i + l] + S_12[i + l]);
             sums1[2][l] += alpha[i + l] * (C4_13[i + l] + S_13[i + l]);
@@ -704,7 +700,7 @@ int body_symbolic_accel(
     double B_4[8];
     double B_5[8];
     double B_6[8];
-    for (int i = 0; i < 8; i++) {
+    TISSERAND_LANES for (int i = 0; i < 8; i++) {
         h[i] = K[i] * alpha[i] - oo_11 * S_11[i] - f4 * S_12[i] - f5 * S_13[i] - oo_22 * S_22[i]
             - f6 * S_23[i] - oo_33 * S_33[i] - f7 * c7dot_1[i] - f8 * c7dot_2[i] - f9 * c7dot_3[i];
         B_4[i] = d3_1[i];
@@ -712,13 +708,12 @@ int body_symbolic_accel(
         B_6[i] = d3_3[i];
     }
 
-    /* sums (appendix): G = B^T c8^-1 B; g = B^T c8^-1 h */
+    /* sums (appendix): BB = B^T c8^-1 B; Bh = B^T c8^-1 h */
     double sums2[9][4];
-    for (int i = 0; i < 9; i++)
-        for (int l = 0; l < 4; l++) sums2[i][l] = 0.0;
+    TISSERAND_LANES for (int i = 0; i < 9; i++)
+        TISSERAND_LANES for (int l = 0; l < 4; l++) sums2[i][l] = 0.0;
     for (int i = 0; i < 8; i += 4) {
-        TISSERAND_LANES
-        for (int l = 0; l < 4; l++) {
+        TISSERAND_LANES for (int l = 0; l < 4; l++) {
             sums2[0][l] += B_4[i + l] * B_4[i + l];
             sums2[1][l] += B_4[i + l] * B_5[i + l];
             sums2[2][l] += B_4[i + l] * B_6[i + l];
@@ -730,58 +725,74 @@ int body_symbolic_accel(
             sums2[8][l] += B_6[i + l] * h[i + l];
         }
     }
-    const double G_44 = ((sums2[0][0] + sums2[0][1]) + (sums2[0][2] + sums2[0][3]));
-    const double G_54 = ((sums2[1][0] + sums2[1][1]) + (sums2[1][2] + sums2[1][3]));
-    const double G_64 = ((sums2[2][0] + sums2[2][1]) + (sums2[2][2] + sums2[2][3]));
-    const double G_55 = ((sums2[3][0] + sums2[3][1]) + (sums2[3][2] + sums2[3][3]));
-    const double G_65 = ((sums2[4][0] + sums2[4][1]) + (sums2[4][2] + sums2[4][3]));
-    const double G_66 = ((sums2[5][0] + sums2[5][1]) + (sums2[5][2] + sums2[5][3]));
-    const double g_4 = ((sums2[6][0] + sums2[6][1]) + (sums2[6][2] + sums2[6][3]));
-    const double g_5 = ((sums2[7][0] + sums2[7][1]) + (sums2[7][2] + sums2[7][3]));
-    const double g_6 = ((sums2[8][0] + sums2[8][1]) + (sums2[8][2] + sums2[8][3]));
+    const double BB_44 = ((sums2[0][0] + sums2[0][1]) + (sums2[0][2] + sums2[0][3]));
+    const double BB_54 = ((sums2[1][0] + sums2[1][1]) + (sums2[1][2] + sums2[1][3]));
+    const double BB_64 = ((sums2[2][0] + sums2[2][1]) + (sums2[2][2] + sums2[2][3]));
+    const double BB_55 = ((sums2[3][0] + sums2[3][1]) + (sums2[3][2] + sums2[3][3]));
+    const double BB_65 = ((sums2[4][0] + sums2[4][1]) + (sums2[4][2] + sums2[4][3]));
+    const double BB_66 = ((sums2[5][0] + sums2[5][1]) + (sums2[5][2] + sums2[5][3]));
+    const double Bh_4 = ((sums2[6][0] + sums2[6][1]) + (sums2[6][2] + sums2[6][3]));
+    const double Bh_5 = ((sums2[7][0] + sums2[7][1]) + (sums2[7][2] + sums2[7][3]));
+    const double Bh_6 = ((sums2[8][0] + sums2[8][1]) + (sums2[8][2] + sums2[8][3]));
 
     /* vdot (LDL^T): accelerations of the rigid motion: eliminate c1, c2, c3, pi1, pi2, pi3 */
     if (!(M_11 - 5.684341886080802e-14 * M_11 > 0.0)) return 1; /* the pivot of c1 vanished */
     if (!(M_22 - 5.684341886080802e-14 * M_22 > 0.0)) return 1; /* the pivot of c2 vanished */
     if (!(M_33 - 5.684341886080802e-14 * M_33 > 0.0)) return 1; /* the pivot of c3 vanished */
-    const double t4 = M_44 - G_44;
+    const double t4 = M_44 - BB_44;
     if (!(t4 - 5.684341886080802e-14 * M_44 > 0.0)) return 1; /* the pivot of pi1 vanished */
-    const double t5 = M_54 - G_54;
+    const double t5 = M_54 - BB_54;
     const double inverse_t4 = 1.0 / t4;
     const double t6 = t5 * inverse_t4;
-    const double t7 = M_55 - G_55 - t6 * t5;
+    const double t7 = M_55 - BB_55 - t6 * t5;
     if (!(t7 - 5.684341886080802e-14 * M_55 > 0.0)) return 1; /* the pivot of pi2 vanished */
-    const double t8 = M_64 - G_64;
+    const double t8 = M_64 - BB_64;
     const double t9 = t8 * inverse_t4;
-    const double t10 = M_65 - G_65 - t9 * t5;
+    const double t10 = M_65 - BB_65 - t9 * t5;
     const double inverse_t7 = 1.0 / t7;
     const double t11 = t10 * inverse_t7;
-    const double t12 = M_66 - G_66 - t9 * t8 - t11 * t10;
+    const double t12 = M_66 - BB_66 - t9 * t8 - t11 * t10;
     if (!(t12 - 5.684341886080802e-14 * M_66 > 0.0)) return 1; /* the pivot of pi3 vanished */
-    const double t13 = h_c1 / M_11;
-    const double c1ddot = -t13;
+    const double c1ddot = -(h_c1 / M_11);
     vdot[0] = c1ddot;
-    const double t14 = h_c2 / M_22;
-    const double c2ddot = -t14;
+    const double c2ddot = -(h_c2 / M_22);
     vdot[1] = c2ddot;
-    const double t15 = h_c3 / M_33;
-    const double c3ddot = -t15;
+    const double c3ddot = -(h_c3 / M_33);
     vdot[2] = c3ddot;
-    const double t16 = g_4 - h_pi1;
-    const double t17 = g_5 - h_pi2 - t6 * t16;
-    const double omega3dot = (g_6 - h_pi3 - t9 * t16 - t11 * t17) / t12;
-    const double omega2dot = t17 * inverse_t7 - t11 * omega3dot;
-    const double omega1dot = t16 * inverse_t4 - t6 * omega2dot - t9 * omega3dot;
+    const double t13 = Bh_4 - h_pi1;
+    const double t14 = Bh_5 - h_pi2 - t6 * t13;
+    const double omega3dot = (Bh_6 - h_pi3 - t9 * t13 - t11 * t14) / t12;
+    const double omega2dot = t14 * inverse_t7 - t11 * omega3dot;
+    const double omega1dot = t13 * inverse_t4 - t6 * omega2dot - t9 * omega3dot;
     vdot[3] = omega1dot;
     vdot[4] = omega2dot;
     vdot[5] = omega3dot;
-    if (!isfinite(omega1dot - (t13 + t14 + t15) + omega2dot
-        + omega3dot)) return 2; /* an acceleration is not finite */
 
     /* alphaddot_i (15): accelerations of the shapes, for each shape */
-    for (int i = 0; i < 8; i++) {
-        vdot[6 + i] = -(h[i] + omega1dot * B_4[i]) - omega2dot * B_5[i] - omega3dot * B_6[i];
+    double x[8];
+    TISSERAND_LANES for (int i = 0; i < 8; i++) {
+        x[i] = -(h[i] + omega1dot * B_4[i]) - omega2dot * B_5[i] - omega3dot * B_6[i];
     }
+
+    /* vdot_i: accelerations of the shapes, for each shape */
+    TISSERAND_LANES for (int i = 0; i < 8; i++) {
+        vdot[6 + i] = x[i];
+    }
+
+    /* sums (appendix): shapes = what shows that all are finite */
+    double sums3[1][4];
+    for (int i = 0; i < 1; i++)
+        TISSERAND_LANES for (int l = 0; l < 4; l++) sums3[i][l] = 0.0;
+    for (int i = 0; i < 8; i += 4) {
+        TISSERAND_LANES for (int l = 0; l < 4; l++) {
+            sums3[0][l] += x[i + l];
+        }
+    }
+    const double shapes = ((sums3[0][0] + sums3[0][1]) + (sums3[0][2] + sums3[0][3]));
+
+    /* check: refuse what is not finite */
+    if (!isfinite(c1ddot + c2ddot + c3ddot + omega1dot + omega2dot + omega3dot
+        + shapes)) return 2; /* an acceleration is not finite */
     return 0;
 }
 
@@ -829,7 +840,7 @@ int body_symbolic_energy(
     double c7dot_1[8];
     double c7dot_2[8];
     double c7dot_3[8];
-    for (int i = 0; i < 8; i++) {
+    TISSERAND_LANES for (int i = 0; i < 8; i++) {
         S_11[i] = C4_11[i];
         S_12[i] = C4_12[i];
         S_13[i] = C4_13[i];
@@ -858,11 +869,10 @@ int body_symbolic_energy(
      *     rdot . rdot; strain = twice the strain energy
      */
     double sums1[11][4];
-    for (int i = 0; i < 11; i++)
-        for (int l = 0; l < 4; l++) sums1[i][l] = 0.0;
+    TISSERAND_LANES for (int i = 0; i < 11; i++)
+        TISSERAND_LANES for (int l = 0; l < 4; l++) sums1[i][l] = 0.0;
     for (int i = 0; i < 8; i += 4) {
-        TISSERAND_LANES
-        for (int l = 0; l < 4; l++) {
+        TISSERAND_LANES for (int l = 0; l < 4; l++) {
             sums1[0][l] += alpha[i + l] * (C4_11[i + l] + S_11[i + l]);
             sums1[1][l] += alpha[i + l] * (C4_12[i + l] + S_12[i + l]);
             sums1[2][l] += alpha[i + l] * (C4_13[i + l] + S_13[i + l]);
@@ -947,7 +957,7 @@ int body_symbolic_momentum(
     double c7dot_1[8];
     double c7dot_2[8];
     double c7dot_3[8];
-    for (int i = 0; i < 8; i++) {
+    TISSERAND_LANES for (int i = 0; i < 8; i++) {
         S_11[i] = C4_11[i];
         S_12[i] = C4_12[i];
         S_13[i] = C4_13[i];
@@ -973,11 +983,10 @@ int body_symbolic_momentum(
 
     /* sums (appendix): J = int rho ((r . r) I - r r); d3dot = int rho r x rdot */
     double sums1[9][4];
-    for (int i = 0; i < 9; i++)
-        for (int l = 0; l < 4; l++) sums1[i][l] = 0.0;
+    TISSERAND_LANES for (int i = 0; i < 9; i++)
+        TISSERAND_LANES for (int l = 0; l < 4; l++) sums1[i][l] = 0.0;
     for (int i = 0; i < 8; i += 4) {
-        TISSERAND_LANES
-        for (int l = 0; l < 4; l++) {
+        TISSERAND_LANES for (int l = 0; l < 4; l++) {
             sums1[0][l] += alpha[i + l] * (C4_11[i + l] + S_11[i + l]);
             sums1[1][l] += alpha[i + l] * (C4_12[i + l] + S_12[i + l]);
             sums1[2][l] += alpha[i + l] * (C4_13[i + l] + S_13[i + l]);
@@ -1068,7 +1077,7 @@ int body_symbolic_rates(
     qdot[6] = t4 * omega3 + t1 * omega2 - t2 * omega1;
 
     /* rates_i (1): from Qdot = Q (omega x), for each shape */
-    for (int i = 0; i < 8; i++) {
+    TISSERAND_LANES for (int i = 0; i < 8; i++) {
         qdot[7 + i] = alphadot[i];
     }
     return 0;
@@ -1127,7 +1136,7 @@ int body_symbolic_residual(
 
     /* minus_alpha: alpha with its sign changed */
     double minus_alpha[8];
-    for (int i = 0; i < 8; i++) {
+    TISSERAND_LANES for (int i = 0; i < 8; i++) {
         minus_alpha[i] = -alpha[i];
     }
 
@@ -1153,7 +1162,7 @@ int body_symbolic_residual(
     double c7dot_1[8];
     double c7dot_2[8];
     double c7dot_3[8];
-    for (int i = 0; i < 8; i++) {
+    TISSERAND_LANES for (int i = 0; i < 8; i++) {
         S_11[i] = C4_11[i];
         S_12[i] = C4_12[i];
         S_13[i] = C4_13[i];
@@ -1189,10 +1198,9 @@ int body_symbolic_residual(
      */
     double sums1[18][4];
     for (int i = 0; i < 18; i++)
-        for (int l = 0; l < 4; l++) sums1[i][l] = 0.0;
+        TISSERAND_LANES for (int l = 0; l < 4; l++) sums1[i][l] = 0.0;
     for (int i = 0; i < 8; i += 4) {
-        TISSERAND_LANES
-        for (int l = 0; l < 4; l++) {
+        TISSERAND_LANES for (int l = 0; l < 4; l++) {
             sums1[0][l] += alpha[i + l] * (C4_11[i + l] + S_11[i + l]);
             sums1[1][l] += alpha[i + l] * (C4_12[i + l] + S_12[i + l]);
             sums1[2][l] += alpha[i + l] * (C4_13[i + l] + S_13[i + l]);
@@ -1275,7 +1283,7 @@ int body_symbolic_residual(
         + d3dot_2 * omega1 - J_11 * oo_12 - J_12 * oo_22 - J_13 * oo_23 - d3dot_1 * omega2;
 
     /* F_i (15): qdot less its value from v, then M vdot + h, for each shape */
-    for (int i = 0; i < 8; i++) {
+    TISSERAND_LANES for (int i = 0; i < 8; i++) {
         F[7 + i] = alpha_t[i] - alphadot[i];
         F[21 + i] = alphaddot[i] + K[i] * alpha[i] + omega1dot * d3_1[i] + omega2dot * d3_2[i]
             + omega3dot * d3_3[i] - oo_11 * S_11[i] - f4 * S_12[i] - f5 * S_13[i] - oo_22 * S_22[i]
@@ -1324,7 +1332,7 @@ int body_symbolic_jacobian(
 
     /* minus_alpha: alpha with its sign changed */
     double minus_alpha[8];
-    for (int i = 0; i < 8; i++) {
+    TISSERAND_LANES for (int i = 0; i < 8; i++) {
         minus_alpha[i] = -alpha[i];
     }
 
@@ -1362,7 +1370,7 @@ int body_symbolic_jacobian(
     double c7ddot_2[8];
     double C5dot_33[8];
     double c7ddot_3[8];
-    for (int i = 0; i < 8; i++) {
+    TISSERAND_LANES for (int i = 0; i < 8; i++) {
         S_11[i] = C4_11[i];
         S_12[i] = C4_12[i];
         S_13[i] = C4_13[i];
@@ -1415,11 +1423,10 @@ int body_symbolic_jacobian(
      *     x rdot
      */
     double sums1[15][4];
-    for (int i = 0; i < 15; i++)
-        for (int l = 0; l < 4; l++) sums1[i][l] = 0.0;
+    TISSERAND_LANES for (int i = 0; i < 15; i++)
+        TISSERAND_LANES for (int l = 0; l < 4; l++) sums1[i][l] = 0.0;
     for (int i = 0; i < 8; i += 4) {
-        TISSERAND_LANES
-        for (int l = 0; l < 4; l++) {
+        TISSERAND_LANES for (int l = 0; l < 4; l++) {
             sums1[0][l] += alpha[i + l] * (C4_11[i + l] + S_11[i + l]);
             sums1[1][l] += alpha[i + l] * (C4_12[i + l] + S_12[i + l]);
             sums1[2][l] += alpha[i + l] * (C4_13[i + l] + S_13[i + l]);
@@ -1557,7 +1564,7 @@ int body_symbolic_jacobian(
     jac[157] = 2.0 * Sdot_33 + t26 + J_33 * cj - t15;
 
     /* jacobian_i (15): derivatives of the residual, for each shape */
-    for (int i = 0; i < 8; i++) {
+    TISSERAND_LANES for (int i = 0; i < 8; i++) {
         jac[19 + 12 * i] = cj;
         jac[20 + 12 * i] = c7ddot_1[i] + f4 * C5dot_11[i] + f5 * C5dot_12[i] + f6 * C5dot_13[i]
             + f7 * S_11[i] + f1 * S_12[i] + f8 * S_13[i] + f3 * S_23[i] + f2 * S_33[i]
@@ -1588,7 +1595,7 @@ int body_symbolic_jacobian(
         jac[168 + 12 * i] = t35 + t36 + t37 + t34 + omega3 * d3_1[i] - omega1 * d3_3[i];
         jac[169 + 12 * i] = t39 + t40 + t41 + t38 + omega1 * d3_2[i] - omega2 * d3_1[i];
     }
-    for (int j = 0; j < 8; j++) {
+    TISSERAND_LANES for (int j = 0; j < 8; j++) {
         double *column = jac + 23 + 12 * j;
         const double *table = tables + (j / 4 * 36 + j % 4) * 8;
         const double *C5_11 = table + 0;
@@ -1600,20 +1607,20 @@ int body_symbolic_jacobian(
         const double *c7_1 = table + 192;
         const double *c7_2 = table + 224;
         const double *c7_3 = table + 256;
-        for (int i = 0; i < 8; i++) {
+        TISSERAND_LANES for (int i = 0; i < 8; i++) {
             column[i] = -(oo_11 * C5_11[i]) - f14 * C5_12[i] - f11 * C5_13[i] - oo_22 * C5_22[i]
                 - f2 * C5_23[i] - oo_33 * C5_33[i] - omega1dot * c7_1[i] - omega2dot * c7_2[i]
                 - omega3dot * c7_3[i];
         }
         column[j] += K[j];
     }
-    for (int j = 0; j < 8; j++) {
+    TISSERAND_LANES for (int j = 0; j < 8; j++) {
         double *column = jac + 170 + 12 * j;
         const double *table = tables + (j / 4 * 36 + j % 4) * 8;
         const double *c7_1 = table + 192;
         const double *c7_2 = table + 224;
         const double *c7_3 = table + 256;
-        for (int i = 0; i < 8; i++) {
+        TISSERAND_LANES for (int i = 0; i < 8; i++) {
             column[i] = -(f4 * c7_1[i]) - f5 * c7_2[i] - f6 * c7_3[i];
         }
         column[j] += cj;
@@ -1623,20 +1630,8 @@ int body_symbolic_jacobian(
 
 /* ---- batches: each state b of a block as the functions above have it ---- */
 
-/* y += A x for 2 rows and 4 columns of A, where a row of x or y has 32 states */
-static inline void body_symbolic_block_rows(double *TISSERAND_RESTRICT y, const double *TISSERAND_RESTRICT a, const double *TISSERAND_RESTRICT x)
-{
-    const double a00 = a[0], a01 = a[8], a02 = a[16], a03 = a[24];
-    const double a10 = a[1], a11 = a[(1 + 8)], a12 = a[(1 + 16)], a13 = a[(1 + 24)];
-    for (int b = 0; b < 32; b++) {
-        const double x0 = x[0 * 32 + b], x1 = x[1 * 32 + b], x2 = x[2 * 32 + b], x3 = x[3 * 32 + b];
-        y[0 * 32 + b] = y[0 * 32 + b] + a00 * x0 + a01 * x1 + a02 * x2 + a03 * x3;
-        y[1 * 32 + b] = y[1 * 32 + b] + a10 * x0 + a11 * x1 + a12 * x2 + a13 * x3;
-    }
-}
-
-/* The rows of a block that is not full, its last state repeated. */
-static const double *body_symbolic_block_fill(ptrdiff_t all, int count, int rows, const double *from, double *to)
+/* The rows of a block that is not full: its last state is repeated. */
+static const double *body_symbolic_block32_fill(ptrdiff_t all, int count, int rows, const double *from, double *to)
 {
     for (int e = 0; e < rows; e++)
         for (int b = 0; b < 32; b++) to[e * 32 + b] = from[e * all + (b < count ? b : count - 1)];
@@ -1644,19 +1639,51 @@ static const double *body_symbolic_block_fill(ptrdiff_t all, int count, int rows
 }
 
 /* The rows of a block to their places among those of all states. */
-static inline void body_symbolic_block_put(
-    ptrdiff_t all,
-    int count,
-    int rows,
-    const double *TISSERAND_RESTRICT from,
-    double *TISSERAND_RESTRICT to)
+static inline void body_symbolic_block32_put(
+    ptrdiff_t all, int count, int rows, double (*TISSERAND_RESTRICT from)[32], double *TISSERAND_RESTRICT to)
 {
-    for (int e = 0; e < rows; e++, from += 32) {
+    for (int e = 0; e < rows; e++) {
         double *row = to + e * all;
-        if (count == 32)
-            for (int b = 0; b < 32; b++) row[b] = from[b];
-        else
-            for (int b = 0; b < 32; b++) if (b < count) row[b] = from[b];
+        if (count == 32) {
+            for (int b = 0; b < 32; b++) row[b] = from[e][b];
+        } else {
+            for (int b = 0; b < 32; b++) {
+                if (b < count) row[b] = from[e][b];
+            }
+        }
+    }
+}
+
+/* Rows of all states to those of a block; where that is not full, its last state is repeated. */
+static inline void body_symbolic_block32_take(
+    ptrdiff_t all, int count, int rows, const double *TISSERAND_RESTRICT from, double (*TISSERAND_RESTRICT to)[32])
+{
+    for (int e = 0; e < rows; e++) {
+        const double *row = from + e * all;
+        if (count == 32) {
+            for (int b = 0; b < 32; b++) to[e][b] = row[b];
+        } else {
+            for (int b = 0; b < 32; b++) to[e][b] = row[b < count ? b : count - 1];
+        }
+    }
+}
+
+/* y += A x for 4 rows and 4 columns of A, where rows of x and y have 32 states */
+static inline void body_symbolic_block32_rows(
+    const double *TISSERAND_RESTRICT a,
+    double (*TISSERAND_RESTRICT x)[32],
+    double (*TISSERAND_RESTRICT y)[32])
+{
+    const double a00 = a[0], a01 = a[8], a02 = a[16], a03 = a[24];
+    const double a10 = a[1], a11 = a[8 + 1], a12 = a[16 + 1], a13 = a[24 + 1];
+    const double a20 = a[2], a21 = a[8 + 2], a22 = a[16 + 2], a23 = a[24 + 2];
+    const double a30 = a[3], a31 = a[8 + 3], a32 = a[16 + 3], a33 = a[24 + 3];
+    for (int b = 0; b < 32; b++) {
+        const double x0 = x[0][b], x1 = x[1][b], x2 = x[2][b], x3 = x[3][b];
+        y[0][b] = y[0][b] + a00 * x0 + a01 * x1 + a02 * x2 + a03 * x3;
+        y[1][b] = y[1][b] + a10 * x0 + a11 * x1 + a12 * x2 + a13 * x3;
+        y[2][b] = y[2][b] + a20 * x0 + a21 * x1 + a22 * x2 + a23 * x3;
+        y[3][b] = y[3][b] + a30 * x0 + a31 * x1 + a32 * x2 + a33 * x3;
     }
 }
 
@@ -1692,104 +1719,94 @@ int body_symbolic_mass_batch(
     const double *C4_22 = k + 600;
     const double *C4_23 = k + 608;
     const double *C4_33 = k + 616;
-    double minus_alpha[8 * 32], x_alpha[8 * 32], x_minus_alpha[8 * 32], S_11[8 * 32], S_12[8 * 32],
-           S_13[8 * 32], S_22[8 * 32], S_23[8 * 32], S_33[8 * 32], d3_1[8 * 32], d3_2[8 * 32],
-           d3_3[8 * 32], sums3[24 * 32], rows[4 * 32], q_tail[15 * 32], M_block[9 * 32];
+    double alpha[8][32], minus_alpha[8][32], S_11[8][32], S_12[8][32], S_13[8][32], S_22[8][32];
+    double S_23[8][32], S_33[8][32], d3_1[8][32], d3_2[8][32], d3_3[8][32], sums3[24][32];
+    double rows[4][32], M_block[9][32];
     const ptrdiff_t all = n;
 
     for (int left = n; left > 0; left -= 32) {
         const int count = left < 32 ? left : 32;
-        const ptrdiff_t stride = count < 32 ? 32 : all;
-        const double *q_block = count < 32 ? body_symbolic_block_fill(all, count, 15, q, q_tail) : q;
-        const double *alpha = q_block + 7 * stride;
+        body_symbolic_block32_take(all, count, 8, q + 7 * all, alpha);
         for (int i = 0; i < 8; i++) {
             for (int b = 0; b < 32; b++) {
-                minus_alpha[i * 32 + b] = -alpha[i * stride + b];
+                minus_alpha[i][b] = -alpha[i][b];
             }
         }
-        for (int i = 0; i < 8; i++) {
-            for (int b = 0; b < 32; b++) x_alpha[i * 32 + b] = alpha[i * stride + b];
-        }
-        for (int i = 0; i < 8; i++) {
-            for (int b = 0; b < 32; b++) x_minus_alpha[i * 32 + b] = minus_alpha[i * 32 + b];
-        }
-        for (int i = 0; i < 8; i += 2) {
-            for (int r = i; r < i + 2; r++) {
+        for (int i = 0; i < 8; i += 4) {
+            for (int r = i; r < i + 4; r++) {
                 for (int b = 0; b < 32; b++) {
-                    S_11[r * 32 + b] = C4_11[r];
-                    S_12[r * 32 + b] = C4_12[r];
-                    S_13[r * 32 + b] = C4_13[r];
-                    S_22[r * 32 + b] = C4_22[r];
-                    S_23[r * 32 + b] = C4_23[r];
-                    S_33[r * 32 + b] = C4_33[r];
-                    d3_1[r * 32 + b] = 0.0;
-                    d3_2[r * 32 + b] = 0.0;
-                    d3_3[r * 32 + b] = 0.0;
+                    S_11[r][b] = C4_11[r];
+                    S_12[r][b] = C4_12[r];
+                    S_13[r][b] = C4_13[r];
+                    S_22[r][b] = C4_22[r];
+                    S_23[r][b] = C4_23[r];
+                    S_33[r][b] = C4_33[r];
+                    d3_1[r][b] = 0.0;
+                    d3_2[r][b] = 0.0;
+                    d3_3[r][b] = 0.0;
                 }
             }
             for (int j = 0; j < 8; j += 4) {
                 const double *panel = tables + 72 * j + i;
-                body_symbolic_block_rows(S_11 + i * 32, panel + 0, x_alpha + j * 32);
-                body_symbolic_block_rows(S_12 + i * 32, panel + 32, x_alpha + j * 32);
-                body_symbolic_block_rows(S_13 + i * 32, panel + 64, x_alpha + j * 32);
-                body_symbolic_block_rows(S_22 + i * 32, panel + 96, x_alpha + j * 32);
-                body_symbolic_block_rows(S_23 + i * 32, panel + 128, x_alpha + j * 32);
-                body_symbolic_block_rows(S_33 + i * 32, panel + 160, x_alpha + j * 32);
-                body_symbolic_block_rows(d3_1 + i * 32, panel + 192, x_minus_alpha + j * 32);
-                body_symbolic_block_rows(d3_2 + i * 32, panel + 224, x_minus_alpha + j * 32);
-                body_symbolic_block_rows(d3_3 + i * 32, panel + 256, x_minus_alpha + j * 32);
+                body_symbolic_block32_rows(panel + 0, alpha + j, S_11 + i);
+                body_symbolic_block32_rows(panel + 32, alpha + j, S_12 + i);
+                body_symbolic_block32_rows(panel + 64, alpha + j, S_13 + i);
+                body_symbolic_block32_rows(panel + 96, alpha + j, S_22 + i);
+                body_symbolic_block32_rows(panel + 128, alpha + j, S_23 + i);
+                body_symbolic_block32_rows(panel + 160, alpha + j, S_33 + i);
+                body_symbolic_block32_rows(panel + 192, minus_alpha + j, d3_1 + i);
+                body_symbolic_block32_rows(panel + 224, minus_alpha + j, d3_2 + i);
+                body_symbolic_block32_rows(panel + 256, minus_alpha + j, d3_3 + i);
             }
         }
-        for (int b = 0; b < 24 * 32; b++) sums3[b] = 0.0;
-        for (int i = 0; i < 8; i++) {
-            double *lane = sums3 + i % 4 * 32;
+        for (int i = 0; i < 24; i++) {
             for (int b = 0; b < 32; b++) {
-                lane[0 * 32 + b] += alpha[i * stride + b] * (C4_11[i] + S_11[i * 32 + b]);
-                lane[4 * 32 + b] += alpha[i * stride + b] * (C4_12[i] + S_12[i * 32 + b]);
-                lane[8 * 32 + b] += alpha[i * stride + b] * (C4_13[i] + S_13[i * 32 + b]);
-                lane[12 * 32 + b] += alpha[i * stride + b] * (C4_22[i] + S_22[i * 32 + b]);
-                lane[16 * 32 + b] += alpha[i * stride + b] * (C4_23[i] + S_23[i * 32 + b]);
-                lane[20 * 32 + b] += alpha[i * stride + b] * (C4_33[i] + S_33[i * 32 + b]);
+                sums3[i][b] = 0.0;
+            }
+        }
+        for (int i = 0; i < 8; i++) {
+            const int l = i % 4;
+            for (int b = 0; b < 32; b++) {
+                sums3[0 + l][b] += alpha[i][b] * (C4_11[i] + S_11[i][b]);
+                sums3[4 + l][b] += alpha[i][b] * (C4_12[i] + S_12[i][b]);
+                sums3[8 + l][b] += alpha[i][b] * (C4_13[i] + S_13[i][b]);
+                sums3[12 + l][b] += alpha[i][b] * (C4_22[i] + S_22[i][b]);
+                sums3[16 + l][b] += alpha[i][b] * (C4_23[i] + S_23[i][b]);
+                sums3[20 + l][b] += alpha[i][b] * (C4_33[i] + S_33[i][b]);
             }
         }
         for (int b = 0; b < 32; b++) {
-            const double J_11 = C3_11 + (sums3[0 * 32 + b] + sums3[1 * 32 + b] + (sums3[2 * 32 + b]
-                + sums3[3 * 32 + b]));
-            const double J_12 = C3_12 + (sums3[4 * 32 + b] + sums3[5 * 32 + b] + (sums3[6 * 32 + b]
-                + sums3[7 * 32 + b]));
-            const double J_13 = C3_13 + (sums3[8 * 32 + b] + sums3[9 * 32 + b] + (sums3[10 * 32 + b]
-                + sums3[11 * 32 + b]));
-            const double J_22 = C3_22 + (sums3[12 * 32 + b] + sums3[13 * 32 + b] + (sums3[14 * 32 + b]
-                + sums3[15 * 32 + b]));
-            const double J_23 = C3_23 + (sums3[16 * 32 + b] + sums3[17 * 32 + b] + (sums3[18 * 32 + b]
-                + sums3[19 * 32 + b]));
-            const double J_33 = C3_33 + (sums3[20 * 32 + b] + sums3[21 * 32 + b] + (sums3[22 * 32 + b]
-                + sums3[23 * 32 + b]));
-            M_block[0 * 32 + b] = mass;
-            M_block[1 * 32 + b] = mass;
-            M_block[2 * 32 + b] = mass;
-            M_block[3 * 32 + b] = J_11;
-            M_block[4 * 32 + b] = J_12;
-            M_block[5 * 32 + b] = J_13;
-            M_block[6 * 32 + b] = J_22;
-            M_block[7 * 32 + b] = J_23;
-            M_block[8 * 32 + b] = J_33;
+            const double J_11 = C3_11 + (sums3[0][b] + sums3[1][b] + (sums3[2][b] + sums3[3][b]));
+            const double J_12 = C3_12 + (sums3[4][b] + sums3[5][b] + (sums3[6][b] + sums3[7][b]));
+            const double J_13 = C3_13 + (sums3[8][b] + sums3[9][b] + (sums3[10][b] + sums3[11][b]));
+            const double J_22 = C3_22 + (sums3[12][b] + sums3[13][b] + (sums3[14][b] + sums3[15][b]));
+            const double J_23 = C3_23 + (sums3[16][b] + sums3[17][b] + (sums3[18][b] + sums3[19][b]));
+            const double J_33 = C3_33 + (sums3[20][b] + sums3[21][b] + (sums3[22][b] + sums3[23][b]));
+            M_block[0][b] = mass;
+            M_block[1][b] = mass;
+            M_block[2][b] = mass;
+            M_block[3][b] = J_11;
+            M_block[4][b] = J_12;
+            M_block[5][b] = J_13;
+            M_block[6][b] = J_22;
+            M_block[7][b] = J_23;
+            M_block[8][b] = J_33;
         }
         for (int i = 0; i < 8; i++) {
             for (int b = 0; b < 32; b++) {
-                rows[0 * 32 + b] = d3_1[i * 32 + b];
-                rows[1 * 32 + b] = d3_2[i * 32 + b];
-                rows[2 * 32 + b] = d3_3[i * 32 + b];
-                rows[3 * 32 + b] = 1.0;
+                rows[0][b] = d3_1[i][b];
+                rows[1][b] = d3_2[i][b];
+                rows[2][b] = d3_3[i][b];
+                rows[3][b] = 1.0;
             }
-            body_symbolic_block_put(all, count, 1, rows + 0 * 32, M + (6 + i) * all);
-            body_symbolic_block_put(all, count, 1, rows + 1 * 32, M + (16 + i) * all);
-            body_symbolic_block_put(all, count, 1, rows + 2 * 32, M + (25 + i) * all);
-            body_symbolic_block_put(all, count, 1, rows + 3 * 32, M + (33 + i) * all);
+            body_symbolic_block32_put(all, count, 1, rows, M + (6 + i) * all);
+            body_symbolic_block32_put(all, count, 1, rows + 1, M + (16 + i) * all);
+            body_symbolic_block32_put(all, count, 1, rows + 2, M + (25 + i) * all);
+            body_symbolic_block32_put(all, count, 1, rows + 3, M + (33 + i) * all);
         }
-        body_symbolic_block_put(all, count, 6, M_block, M);
-        body_symbolic_block_put(all, count, 2, M_block + 6 * 32, M + 14 * all);
-        body_symbolic_block_put(all, count, 1, M_block + 8 * 32, M + 24 * all);
+        body_symbolic_block32_put(all, count, 6, M_block, M);
+        body_symbolic_block32_put(all, count, 2, M_block + 6, M + 14 * all);
+        body_symbolic_block32_put(all, count, 1, M_block + 8, M + 24 * all);
         q += count;
         M += count;
     }
@@ -1819,107 +1836,90 @@ int body_symbolic_force_batch(
     const double *C4_23 = k + 608;
     const double *C4_33 = k + 616;
     const double *K = k + 624;
-    double x_alpha[8 * 32], x_alphadot[8 * 32], S_11[8 * 32], S_12[8 * 32], S_13[8 * 32], S_22[8 *
-           32], S_23[8 * 32], S_33[8 * 32], c7dot_1[8 * 32], c7dot_2[8 * 32], c7dot_3[8 * 32],
-           sums2[60 * 32], rows[32], f4[32], f5[32], f6[32], f7[32], f8[32], f9[32], oo_11[32],
-           oo_22[32], oo_33[32], q_tail[15 * 32], v_tail[14 * 32], h_block[6 * 32];
+    double v_tail[192];
+    double f4[32], f5[32], f6[32], f7[32], f8[32], f9[32], oo_11[32], oo_22[32], oo_33[32];
+    double alpha[8][32], alphadot[8][32], S_11[8][32], S_12[8][32], S_13[8][32], S_22[8][32];
+    double S_23[8][32], S_33[8][32], c7dot_1[8][32], c7dot_2[8][32], c7dot_3[8][32], sums2[60][32];
+    double rows[1][32], h_block[6][32];
     const ptrdiff_t all = n;
 
     for (int left = n; left > 0; left -= 32) {
         const int count = left < 32 ? left : 32;
         const ptrdiff_t stride = count < 32 ? 32 : all;
-        const double *q_block = count < 32 ? body_symbolic_block_fill(all, count, 15, q, q_tail) : q;
-        const double *v_block = count < 32 ? body_symbolic_block_fill(all, count, 14, v, v_tail) : v;
-        const double *alpha = q_block + 7 * stride;
-        const double *alphadot = v_block + 6 * stride;
-        for (int i = 0; i < 8; i++) {
-            for (int b = 0; b < 32; b++) x_alpha[i * 32 + b] = alpha[i * stride + b];
-        }
-        for (int i = 0; i < 8; i++) {
-            for (int b = 0; b < 32; b++) x_alphadot[i * 32 + b] = alphadot[i * stride + b];
-        }
-        for (int i = 0; i < 8; i += 2) {
-            for (int r = i; r < i + 2; r++) {
+        const double *v_block = count < 32 ? body_symbolic_block32_fill(all, count, 6, v, v_tail) : v;
+        body_symbolic_block32_take(all, count, 8, q + 7 * all, alpha);
+        body_symbolic_block32_take(all, count, 8, v + 6 * all, alphadot);
+        for (int i = 0; i < 8; i += 4) {
+            for (int r = i; r < i + 4; r++) {
                 for (int b = 0; b < 32; b++) {
-                    S_11[r * 32 + b] = C4_11[r];
-                    S_12[r * 32 + b] = C4_12[r];
-                    S_13[r * 32 + b] = C4_13[r];
-                    S_22[r * 32 + b] = C4_22[r];
-                    S_23[r * 32 + b] = C4_23[r];
-                    S_33[r * 32 + b] = C4_33[r];
-                    c7dot_1[r * 32 + b] = 0.0;
-                    c7dot_2[r * 32 + b] = 0.0;
-                    c7dot_3[r * 32 + b] = 0.0;
+                    S_11[r][b] = C4_11[r];
+                    S_12[r][b] = C4_12[r];
+                    S_13[r][b] = C4_13[r];
+                    S_22[r][b] = C4_22[r];
+                    S_23[r][b] = C4_23[r];
+                    S_33[r][b] = C4_33[r];
+                    c7dot_1[r][b] = 0.0;
+                    c7dot_2[r][b] = 0.0;
+                    c7dot_3[r][b] = 0.0;
                 }
             }
             for (int j = 0; j < 8; j += 4) {
                 const double *panel = tables + 72 * j + i;
-                body_symbolic_block_rows(S_11 + i * 32, panel + 0, x_alpha + j * 32);
-                body_symbolic_block_rows(S_12 + i * 32, panel + 32, x_alpha + j * 32);
-                body_symbolic_block_rows(S_13 + i * 32, panel + 64, x_alpha + j * 32);
-                body_symbolic_block_rows(S_22 + i * 32, panel + 96, x_alpha + j * 32);
-                body_symbolic_block_rows(S_23 + i * 32, panel + 128, x_alpha + j * 32);
-                body_symbolic_block_rows(S_33 + i * 32, panel + 160, x_alpha + j * 32);
-                body_symbolic_block_rows(c7dot_1 + i * 32, panel + 192, x_alphadot + j * 32);
-                body_symbolic_block_rows(c7dot_2 + i * 32, panel + 224, x_alphadot + j * 32);
-                body_symbolic_block_rows(c7dot_3 + i * 32, panel + 256, x_alphadot + j * 32);
+                body_symbolic_block32_rows(panel + 0, alpha + j, S_11 + i);
+                body_symbolic_block32_rows(panel + 32, alpha + j, S_12 + i);
+                body_symbolic_block32_rows(panel + 64, alpha + j, S_13 + i);
+                body_symbolic_block32_rows(panel + 96, alpha + j, S_22 + i);
+                body_symbolic_block32_rows(panel + 128, alpha + j, S_23 + i);
+                body_symbolic_block32_rows(panel + 160, alpha + j, S_33 + i);
+                body_symbolic_block32_rows(panel + 192, alphadot + j, c7dot_1 + i);
+                body_symbolic_block32_rows(panel + 224, alphadot + j, c7dot_2 + i);
+                body_symbolic_block32_rows(panel + 256, alphadot + j, c7dot_3 + i);
             }
         }
-        for (int b = 0; b < 60 * 32; b++) sums2[b] = 0.0;
-        for (int i = 0; i < 8; i++) {
-            double *lane = sums2 + i % 4 * 32;
+        for (int i = 0; i < 60; i++) {
             for (int b = 0; b < 32; b++) {
-                lane[0 * 32 + b] += alpha[i * stride + b] * (C4_11[i] + S_11[i * 32 + b]);
-                lane[4 * 32 + b] += alpha[i * stride + b] * (C4_12[i] + S_12[i * 32 + b]);
-                lane[8 * 32 + b] += alpha[i * stride + b] * (C4_13[i] + S_13[i * 32 + b]);
-                lane[12 * 32 + b] += alpha[i * stride + b] * (C4_22[i] + S_22[i * 32 + b]);
-                lane[16 * 32 + b] += alpha[i * stride + b] * (C4_23[i] + S_23[i * 32 + b]);
-                lane[20 * 32 + b] += alpha[i * stride + b] * (C4_33[i] + S_33[i * 32 + b]);
-                lane[24 * 32 + b] += S_11[i * 32 + b] * alphadot[i * stride + b];
-                lane[28 * 32 + b] += S_12[i * 32 + b] * alphadot[i * stride + b];
-                lane[32 * 32 + b] += S_13[i * 32 + b] * alphadot[i * stride + b];
-                lane[36 * 32 + b] += S_22[i * 32 + b] * alphadot[i * stride + b];
-                lane[40 * 32 + b] += S_23[i * 32 + b] * alphadot[i * stride + b];
-                lane[44 * 32 + b] += S_33[i * 32 + b] * alphadot[i * stride + b];
-                lane[48 * 32 + b] += alpha[i * stride + b] * c7dot_1[i * 32 + b];
-                lane[52 * 32 + b] += alpha[i * stride + b] * c7dot_2[i * 32 + b];
-                lane[56 * 32 + b] += alpha[i * stride + b] * c7dot_3[i * 32 + b];
+                sums2[i][b] = 0.0;
+            }
+        }
+        for (int i = 0; i < 8; i++) {
+            const int l = i % 4;
+            for (int b = 0; b < 32; b++) {
+                sums2[0 + l][b] += alpha[i][b] * (C4_11[i] + S_11[i][b]);
+                sums2[4 + l][b] += alpha[i][b] * (C4_12[i] + S_12[i][b]);
+                sums2[8 + l][b] += alpha[i][b] * (C4_13[i] + S_13[i][b]);
+                sums2[12 + l][b] += alpha[i][b] * (C4_22[i] + S_22[i][b]);
+                sums2[16 + l][b] += alpha[i][b] * (C4_23[i] + S_23[i][b]);
+                sums2[20 + l][b] += alpha[i][b] * (C4_33[i] + S_33[i][b]);
+                sums2[24 + l][b] += S_11[i][b] * alphadot[i][b];
+                sums2[28 + l][b] += S_12[i][b] * alphadot[i][b];
+                sums2[32 + l][b] += S_13[i][b] * alphadot[i][b];
+                sums2[36 + l][b] += S_22[i][b] * alphadot[i][b];
+                sums2[40 + l][b] += S_23[i][b] * alphadot[i][b];
+                sums2[44 + l][b] += S_33[i][b] * alphadot[i][b];
+                sums2[48 + l][b] += alpha[i][b] * c7dot_1[i][b];
+                sums2[52 + l][b] += alpha[i][b] * c7dot_2[i][b];
+                sums2[56 + l][b] += alpha[i][b] * c7dot_3[i][b];
             }
         }
         for (int b = 0; b < 32; b++) {
             const double omega1 = v_block[3 * stride + b];
             const double omega2 = v_block[4 * stride + b];
             const double omega3 = v_block[5 * stride + b];
-            const double J_11 = C3_11 + (sums2[0 * 32 + b] + sums2[1 * 32 + b] + (sums2[2 * 32 + b]
-                + sums2[3 * 32 + b]));
-            const double J_12 = C3_12 + (sums2[4 * 32 + b] + sums2[5 * 32 + b] + (sums2[6 * 32 + b]
-                + sums2[7 * 32 + b]));
-            const double J_13 = C3_13 + (sums2[8 * 32 + b] + sums2[9 * 32 + b] + (sums2[10 * 32 + b]
-                + sums2[11 * 32 + b]));
-            const double J_22 = C3_22 + (sums2[12 * 32 + b] + sums2[13 * 32 + b] + (sums2[14 * 32 + b]
-                + sums2[15 * 32 + b]));
-            const double J_23 = C3_23 + (sums2[16 * 32 + b] + sums2[17 * 32 + b] + (sums2[18 * 32 + b]
-                + sums2[19 * 32 + b]));
-            const double J_33 = C3_33 + (sums2[20 * 32 + b] + sums2[21 * 32 + b] + (sums2[22 * 32 + b]
-                + sums2[23 * 32 + b]));
-            const double Sdot_11 = sums2[24 * 32 + b] + sums2[25 * 32 + b] + (sums2[26 * 32 + b]
-                + sums2[27 * 32 + b]);
-            const double Sdot_12 = sums2[28 * 32 + b] + sums2[29 * 32 + b] + (sums2[30 * 32 + b]
-                + sums2[31 * 32 + b]);
-            const double Sdot_13 = sums2[32 * 32 + b] + sums2[33 * 32 + b] + (sums2[34 * 32 + b]
-                + sums2[35 * 32 + b]);
-            const double Sdot_22 = sums2[36 * 32 + b] + sums2[37 * 32 + b] + (sums2[38 * 32 + b]
-                + sums2[39 * 32 + b]);
-            const double Sdot_23 = sums2[40 * 32 + b] + sums2[41 * 32 + b] + (sums2[42 * 32 + b]
-                + sums2[43 * 32 + b]);
-            const double Sdot_33 = sums2[44 * 32 + b] + sums2[45 * 32 + b] + (sums2[46 * 32 + b]
-                + sums2[47 * 32 + b]);
-            const double d3dot_1 = sums2[48 * 32 + b] + sums2[49 * 32 + b] + (sums2[50 * 32 + b]
-                + sums2[51 * 32 + b]);
-            const double d3dot_2 = sums2[52 * 32 + b] + sums2[53 * 32 + b] + (sums2[54 * 32 + b]
-                + sums2[55 * 32 + b]);
-            const double d3dot_3 = sums2[56 * 32 + b] + sums2[57 * 32 + b] + (sums2[58 * 32 + b]
-                + sums2[59 * 32 + b]);
+            const double J_11 = C3_11 + (sums2[0][b] + sums2[1][b] + (sums2[2][b] + sums2[3][b]));
+            const double J_12 = C3_12 + (sums2[4][b] + sums2[5][b] + (sums2[6][b] + sums2[7][b]));
+            const double J_13 = C3_13 + (sums2[8][b] + sums2[9][b] + (sums2[10][b] + sums2[11][b]));
+            const double J_22 = C3_22 + (sums2[12][b] + sums2[13][b] + (sums2[14][b] + sums2[15][b]));
+            const double J_23 = C3_23 + (sums2[16][b] + sums2[17][b] + (sums2[18][b] + sums2[19][b]));
+            const double J_33 = C3_33 + (sums2[20][b] + sums2[21][b] + (sums2[22][b] + sums2[23][b]));
+            const double Sdot_11 = sums2[24][b] + sums2[25][b] + (sums2[26][b] + sums2[27][b]);
+            const double Sdot_12 = sums2[28][b] + sums2[29][b] + (sums2[30][b] + sums2[31][b]);
+            const double Sdot_13 = sums2[32][b] + sums2[33][b] + (sums2[34][b] + sums2[35][b]);
+            const double Sdot_22 = sums2[36][b] + sums2[37][b] + (sums2[38][b] + sums2[39][b]);
+            const double Sdot_23 = sums2[40][b] + sums2[41][b] + (sums2[42][b] + sums2[43][b]);
+            const double Sdot_33 = sums2[44][b] + sums2[45][b] + (sums2[46][b] + sums2[47][b]);
+            const double d3dot_1 = sums2[48][b] + sums2[49][b] + (sums2[50][b] + sums2[51][b]);
+            const double d3dot_2 = sums2[52][b] + sums2[53][b] + (sums2[54][b] + sums2[55][b]);
+            const double d3dot_3 = sums2[56][b] + sums2[57][b] + (sums2[58][b] + sums2[59][b]);
             oo_11[b] = omega1 * omega1;
             const double oo_12 = omega1 * omega2;
             const double oo_13 = omega1 * omega3;
@@ -1932,32 +1932,31 @@ int body_symbolic_force_batch(
             f7[b] = 2.0 * omega1;
             f8[b] = 2.0 * omega2;
             f9[b] = 2.0 * omega3;
-            h_block[0 * 32 + b] = 0.0;
-            h_block[1 * 32 + b] = 0.0;
-            h_block[2 * 32 + b] = 0.0;
+            h_block[0][b] = 0.0;
+            h_block[1][b] = 0.0;
+            h_block[2][b] = 0.0;
             const double t1 = 2.0 * Sdot_12;
             const double t2 = 2.0 * Sdot_13;
-            h_block[3 * 32 + b] = J_13 * oo_12 + J_23 * oo_22[b] + J_33 * oo_23 + 2.0 * Sdot_11 * omega1
+            h_block[3][b] = J_13 * oo_12 + J_23 * oo_22[b] + J_33 * oo_23 + 2.0 * Sdot_11 * omega1
                 + t1 * omega2 + t2 * omega3 + d3dot_3 * omega2 - J_12 * oo_13 - J_22 * oo_23
                 - J_23 * oo_33[b] - d3dot_2 * omega3;
             const double t3 = 2.0 * Sdot_23;
-            h_block[4 * 32 + b] = J_11 * oo_13 + J_12 * oo_23 + J_13 * oo_33[b] + t1 * omega1
+            h_block[4][b] = J_11 * oo_13 + J_12 * oo_23 + J_13 * oo_33[b] + t1 * omega1
                 + 2.0 * Sdot_22 * omega2 + t3 * omega3 + d3dot_1 * omega3 - J_13 * oo_11[b] - J_23 * oo_12
                 - J_33 * oo_13 - d3dot_3 * omega1;
-            h_block[5 * 32 + b] = J_12 * oo_11[b] + J_22 * oo_12 + J_23 * oo_13 + t2 * omega1 + t3 * omega2
+            h_block[5][b] = J_12 * oo_11[b] + J_22 * oo_12 + J_23 * oo_13 + t2 * omega1 + t3 * omega2
                 + 2.0 * Sdot_33 * omega3 + d3dot_2 * omega1 - J_11 * oo_12 - J_12 * oo_22[b] - J_13 * oo_23
                 - d3dot_1 * omega2;
         }
         for (int i = 0; i < 8; i++) {
             for (int b = 0; b < 32; b++) {
-                rows[0 * 32 + b] = K[i] * alpha[i * stride + b] - oo_11[b] * S_11[i * 32 + b]
-                    - f4[b] * S_12[i * 32 + b] - f5[b] * S_13[i * 32 + b] - oo_22[b] * S_22[i * 32 + b]
-                    - f6[b] * S_23[i * 32 + b] - oo_33[b] * S_33[i * 32 + b] - f7[b] * c7dot_1[i * 32 + b]
-                    - f8[b] * c7dot_2[i * 32 + b] - f9[b] * c7dot_3[i * 32 + b];
+                rows[0][b] = K[i] * alpha[i][b] - oo_11[b] * S_11[i][b] - f4[b] * S_12[i][b]
+                    - f5[b] * S_13[i][b] - oo_22[b] * S_22[i][b] - f6[b] * S_23[i][b] - oo_33[b] * S_33[i][b]
+                    - f7[b] * c7dot_1[i][b] - f8[b] * c7dot_2[i][b] - f9[b] * c7dot_3[i][b];
             }
-            body_symbolic_block_put(all, count, 1, rows + 0 * 32, h + (6 + i) * all);
+            body_symbolic_block32_put(all, count, 1, rows, h + (6 + i) * all);
         }
-        body_symbolic_block_put(all, count, 6, h_block, h);
+        body_symbolic_block32_put(all, count, 6, h_block, h);
         q += count;
         v += count;
         h += count;
@@ -1989,127 +1988,107 @@ int body_symbolic_accel_batch(
     const double *C4_23 = k + 608;
     const double *C4_33 = k + 616;
     const double *K = k + 624;
-    double minus_alpha[8 * 32], x_alpha[8 * 32], x_minus_alpha[8 * 32], x_alphadot[8 * 32], S_11[8 *
-           32], S_12[8 * 32], S_13[8 * 32], S_22[8 * 32], S_23[8 * 32], S_33[8 * 32], d3_1[8 *
-           32], d3_2[8 * 32], d3_3[8 * 32], c7dot_1[8 * 32], c7dot_2[8 * 32], c7dot_3[8 * 32],
-           sums3[60 * 32], h[8 * 32], B_4[8 * 32], B_5[8 * 32], B_6[8 * 32], sums6[36 * 32],
-           rows[32], f4[32], f5[32], f6[32], f7[32], f8[32], f9[32], M_11[32], M_22[32],
-           M_33[32], M_44[32], M_54[32], M_55[32], M_64[32], M_65[32], M_66[32], h_c1[32],
-           h_c2[32], h_c3[32], h_pi1[32], h_pi2[32], h_pi3[32], oo_11[32], oo_22[32], oo_33[32],
-           omega1dot[32], omega2dot[32], omega3dot[32], q_tail[15 * 32], v_tail[14 * 32],
-           vdot_block[6 * 32], codes[32];
+    double v_tail[192];
+    double f4[32], f5[32], f6[32], f7[32], f8[32], f9[32], M_11[32], M_22[32], M_33[32], M_44[32];
+    double M_54[32], M_55[32], M_64[32], M_65[32], M_66[32], h_c1[32], h_c2[32], h_c3[32];
+    double h_pi1[32], h_pi2[32], h_pi3[32], oo_11[32], oo_22[32], oo_33[32], c1ddot[32];
+    double c2ddot[32], c3ddot[32], omega1dot[32], omega2dot[32], omega3dot[32], codes[32];
+    double alpha[8][32], alphadot[8][32], minus_alpha[8][32], S_11[8][32], S_12[8][32];
+    double S_13[8][32], S_22[8][32], S_23[8][32], S_33[8][32], d3_1[8][32], d3_2[8][32];
+    double d3_3[8][32], c7dot_1[8][32], c7dot_2[8][32], c7dot_3[8][32], sums3[60][32], h[8][32];
+    double B_4[8][32], B_5[8][32], B_6[8][32], sums6[36][32], x[8][32], rows[1][32], sums10[4][32];
+    double vdot_block[6][32];
     const ptrdiff_t all = n;
     int code = 0;
 
     for (int left = n; left > 0; left -= 32) {
         const int count = left < 32 ? left : 32;
         const ptrdiff_t stride = count < 32 ? 32 : all;
-        const double *q_block = count < 32 ? body_symbolic_block_fill(all, count, 15, q, q_tail) : q;
-        const double *v_block = count < 32 ? body_symbolic_block_fill(all, count, 14, v, v_tail) : v;
-        const double *alpha = q_block + 7 * stride;
-        const double *alphadot = v_block + 6 * stride;
+        const double *v_block = count < 32 ? body_symbolic_block32_fill(all, count, 6, v, v_tail) : v;
+        body_symbolic_block32_take(all, count, 8, q + 7 * all, alpha);
+        body_symbolic_block32_take(all, count, 8, v + 6 * all, alphadot);
         for (int i = 0; i < 8; i++) {
             for (int b = 0; b < 32; b++) {
-                minus_alpha[i * 32 + b] = -alpha[i * stride + b];
+                minus_alpha[i][b] = -alpha[i][b];
             }
         }
-        for (int i = 0; i < 8; i++) {
-            for (int b = 0; b < 32; b++) x_alpha[i * 32 + b] = alpha[i * stride + b];
-        }
-        for (int i = 0; i < 8; i++) {
-            for (int b = 0; b < 32; b++) x_minus_alpha[i * 32 + b] = minus_alpha[i * 32 + b];
-        }
-        for (int i = 0; i < 8; i++) {
-            for (int b = 0; b < 32; b++) x_alphadot[i * 32 + b] = alphadot[i * stride + b];
-        }
-        for (int i = 0; i < 8; i += 2) {
-            for (int r = i; r < i + 2; r++) {
+        for (int i = 0; i < 8; i += 4) {
+            for (int r = i; r < i + 4; r++) {
                 for (int b = 0; b < 32; b++) {
-                    S_11[r * 32 + b] = C4_11[r];
-                    S_12[r * 32 + b] = C4_12[r];
-                    S_13[r * 32 + b] = C4_13[r];
-                    S_22[r * 32 + b] = C4_22[r];
-                    S_23[r * 32 + b] = C4_23[r];
-                    S_33[r * 32 + b] = C4_33[r];
-                    d3_1[r * 32 + b] = 0.0;
-                    d3_2[r * 32 + b] = 0.0;
-                    d3_3[r * 32 + b] = 0.0;
-                    c7dot_1[r * 32 + b] = 0.0;
-                    c7dot_2[r * 32 + b] = 0.0;
-                    c7dot_3[r * 32 + b] = 0.0;
+                    S_11[r][b] = C4_11[r];
+                    S_12[r][b] = C4_12[r];
+                    S_13[r][b] = C4_13[r];
+                    S_22[r][b] = C4_22[r];
+                    S_23[r][b] = C4_23[r];
+                    S_33[r][b] = C4_33[r];
+                    d3_1[r][b] = 0.0;
+                    d3_2[r][b] = 0.0;
+                    d3_3[r][b] = 0.0;
+                    c7dot_1[r][b] = 0.0;
+                    c7dot_2[r][b] = 0.0;
+                    c7dot_3[r][b] = 0.0;
                 }
             }
             for (int j = 0; j < 8; j += 4) {
                 const double *panel = tables + 72 * j + i;
-                body_symbolic_block_rows(S_11 + i * 32, panel + 0, x_alpha + j * 32);
-                body_symbolic_block_rows(S_12 + i * 32, panel + 32, x_alpha + j * 32);
-                body_symbolic_block_rows(S_13 + i * 32, panel + 64, x_alpha + j * 32);
-                body_symbolic_block_rows(S_22 + i * 32, panel + 96, x_alpha + j * 32);
-                body_symbolic_block_rows(S_23 + i * 32, panel + 128, x_alpha + j * 32);
-                body_symbolic_block_rows(S_33 + i * 32, panel + 160, x_alpha + j * 32);
-                body_symbolic_block_rows(d3_1 + i * 32, panel + 192, x_minus_alpha + j * 32);
-                body_symbolic_block_rows(d3_2 + i * 32, panel + 224, x_minus_alpha + j * 32);
-                body_symbolic_block_rows(d3_3 + i * 32, panel + 256, x_minus_alpha + j * 32);
-                body_symbolic_block_rows(c7dot_1 + i * 32, panel + 192, x_alphadot + j * 32);
-                body_symbolic_block_rows(c7dot_2 + i * 32, panel + 224, x_alphadot + j * 32);
-                body_symbolic_block_rows(c7dot_3 + i * 32, panel + 256, x_alphadot + j * 32);
+                body_symbolic_block32_rows(panel + 0, alpha + j, S_11 + i);
+                body_symbolic_block32_rows(panel + 32, alpha + j, S_12 + i);
+                body_symbolic_block32_rows(panel + 64, alpha + j, S_13 + i);
+                body_symbolic_block32_rows(panel + 96, alpha + j, S_22 + i);
+                body_symbolic_block32_rows(panel + 128, alpha + j, S_23 + i);
+                body_symbolic_block32_rows(panel + 160, alpha + j, S_33 + i);
+                body_symbolic_block32_rows(panel + 192, minus_alpha + j, d3_1 + i);
+                body_symbolic_block32_rows(panel + 224, minus_alpha + j, d3_2 + i);
+                body_symbolic_block32_rows(panel + 256, minus_alpha + j, d3_3 + i);
+                body_symbolic_block32_rows(panel + 192, alphadot + j, c7dot_1 + i);
+                body_symbolic_block32_rows(panel + 224, alphadot + j, c7dot_2 + i);
+                body_symbolic_block32_rows(panel + 256, alphadot + j, c7dot_3 + i);
             }
         }
-        for (int b = 0; b < 60 * 32; b++) sums3[b] = 0.0;
-        for (int i = 0; i < 8; i++) {
-            double *lane = sums3 + i % 4 * 32;
+        for (int i = 0; i < 60; i++) {
             for (int b = 0; b < 32; b++) {
-                lane[0 * 32 + b] += alpha[i * stride + b] * (C4_11[i] + S_11[i * 32 + b]);
-                lane[4 * 32 + b] += alpha[i * stride + b] * (C4_12[i] + S_12[i * 32 + b]);
-                lane[8 * 32 + b] += alpha[i * stride + b] * (C4_13[i] + S_13[i * 32 + b]);
-                lane[12 * 32 + b] += alpha[i * stride + b] * (C4_22[i] + S_22[i * 32 + b]);
-                lane[16 * 32 + b] += alpha[i * stride + b] * (C4_23[i] + S_23[i * 32 + b]);
-                lane[20 * 32 + b] += alpha[i * stride + b] * (C4_33[i] + S_33[i * 32 + b]);
-                lane[24 * 32 + b] += S_11[i * 32 + b] * alphadot[i * stride + b];
-                lane[28 * 32 + b] += S_12[i * 32 + b] * alphadot[i * stride + b];
-                lane[32 * 32 + b] += S_13[i * 32 + b] * alphadot[i * stride + b];
-                lane[36 * 32 + b] += S_22[i * 32 + b] * alphadot[i * stride + b];
-                lane[40 * 32 + b] += S_23[i * 32 + b] * alphadot[i * stride + b];
-                lane[44 * 32 + b] += S_33[i * 32 + b] * alphadot[i * stride + b];
-                lane[48 * 32 + b] += alpha[i * stride + b] * c7dot_1[i * 32 + b];
-                lane[52 * 32 + b] += alpha[i * stride + b] * c7dot_2[i * 32 + b];
-                lane[56 * 32 + b] += alpha[i * stride + b] * c7dot_3[i * 32 + b];
+                sums3[i][b] = 0.0;
+            }
+        }
+        for (int i = 0; i < 8; i++) {
+            const int l = i % 4;
+            for (int b = 0; b < 32; b++) {
+                sums3[0 + l][b] += alpha[i][b] * (C4_11[i] + S_11[i][b]);
+                sums3[4 + l][b] += alpha[i][b] * (C4_12[i] + S_12[i][b]);
+                sums3[8 + l][b] += alpha[i][b] * (C4_13[i] + S_13[i][b]);
+                sums3[12 + l][b] += alpha[i][b] * (C4_22[i] + S_22[i][b]);
+                sums3[16 + l][b] += alpha[i][b] * (C4_23[i] + S_23[i][b]);
+                sums3[20 + l][b] += alpha[i][b] * (C4_33[i] + S_33[i][b]);
+                sums3[24 + l][b] += S_11[i][b] * alphadot[i][b];
+                sums3[28 + l][b] += S_12[i][b] * alphadot[i][b];
+                sums3[32 + l][b] += S_13[i][b] * alphadot[i][b];
+                sums3[36 + l][b] += S_22[i][b] * alphadot[i][b];
+                sums3[40 + l][b] += S_23[i][b] * alphadot[i][b];
+                sums3[44 + l][b] += S_33[i][b] * alphadot[i][b];
+                sums3[48 + l][b] += alpha[i][b] * c7dot_1[i][b];
+                sums3[52 + l][b] += alpha[i][b] * c7dot_2[i][b];
+                sums3[56 + l][b] += alpha[i][b] * c7dot_3[i][b];
             }
         }
         for (int b = 0; b < 32; b++) {
             const double omega1 = v_block[3 * stride + b];
             const double omega2 = v_block[4 * stride + b];
             const double omega3 = v_block[5 * stride + b];
-            const double J_11 = C3_11 + (sums3[0 * 32 + b] + sums3[1 * 32 + b] + (sums3[2 * 32 + b]
-                + sums3[3 * 32 + b]));
-            const double J_12 = C3_12 + (sums3[4 * 32 + b] + sums3[5 * 32 + b] + (sums3[6 * 32 + b]
-                + sums3[7 * 32 + b]));
-            const double J_13 = C3_13 + (sums3[8 * 32 + b] + sums3[9 * 32 + b] + (sums3[10 * 32 + b]
-                + sums3[11 * 32 + b]));
-            const double J_22 = C3_22 + (sums3[12 * 32 + b] + sums3[13 * 32 + b] + (sums3[14 * 32 + b]
-                + sums3[15 * 32 + b]));
-            const double J_23 = C3_23 + (sums3[16 * 32 + b] + sums3[17 * 32 + b] + (sums3[18 * 32 + b]
-                + sums3[19 * 32 + b]));
-            const double J_33 = C3_33 + (sums3[20 * 32 + b] + sums3[21 * 32 + b] + (sums3[22 * 32 + b]
-                + sums3[23 * 32 + b]));
-            const double Sdot_11 = sums3[24 * 32 + b] + sums3[25 * 32 + b] + (sums3[26 * 32 + b]
-                + sums3[27 * 32 + b]);
-            const double Sdot_12 = sums3[28 * 32 + b] + sums3[29 * 32 + b] + (sums3[30 * 32 + b]
-                + sums3[31 * 32 + b]);
-            const double Sdot_13 = sums3[32 * 32 + b] + sums3[33 * 32 + b] + (sums3[34 * 32 + b]
-                + sums3[35 * 32 + b]);
-            const double Sdot_22 = sums3[36 * 32 + b] + sums3[37 * 32 + b] + (sums3[38 * 32 + b]
-                + sums3[39 * 32 + b]);
-            const double Sdot_23 = sums3[40 * 32 + b] + sums3[41 * 32 + b] + (sums3[42 * 32 + b]
-                + sums3[43 * 32 + b]);
-            const double Sdot_33 = sums3[44 * 32 + b] + sums3[45 * 32 + b] + (sums3[46 * 32 + b]
-                + sums3[47 * 32 + b]);
-            const double d3dot_1 = sums3[48 * 32 + b] + sums3[49 * 32 + b] + (sums3[50 * 32 + b]
-                + sums3[51 * 32 + b]);
-            const double d3dot_2 = sums3[52 * 32 + b] + sums3[53 * 32 + b] + (sums3[54 * 32 + b]
-                + sums3[55 * 32 + b]);
-            const double d3dot_3 = sums3[56 * 32 + b] + sums3[57 * 32 + b] + (sums3[58 * 32 + b]
-                + sums3[59 * 32 + b]);
+            const double J_11 = C3_11 + (sums3[0][b] + sums3[1][b] + (sums3[2][b] + sums3[3][b]));
+            const double J_12 = C3_12 + (sums3[4][b] + sums3[5][b] + (sums3[6][b] + sums3[7][b]));
+            const double J_13 = C3_13 + (sums3[8][b] + sums3[9][b] + (sums3[10][b] + sums3[11][b]));
+            const double J_22 = C3_22 + (sums3[12][b] + sums3[13][b] + (sums3[14][b] + sums3[15][b]));
+            const double J_23 = C3_23 + (sums3[16][b] + sums3[17][b] + (sums3[18][b] + sums3[19][b]));
+            const double J_33 = C3_33 + (sums3[20][b] + sums3[21][b] + (sums3[22][b] + sums3[23][b]));
+            const double Sdot_11 = sums3[24][b] + sums3[25][b] + (sums3[26][b] + sums3[27][b]);
+            const double Sdot_12 = sums3[28][b] + sums3[29][b] + (sums3[30][b] + sums3[31][b]);
+            const double Sdot_13 = sums3[32][b] + sums3[33][b] + (sums3[34][b] + sums3[35][b]);
+            const double Sdot_22 = sums3[36][b] + sums3[37][b] + (sums3[38][b] + sums3[39][b]);
+            const double Sdot_23 = sums3[40][b] + sums3[41][b] + (sums3[42][b] + sums3[43][b]);
+            const double Sdot_33 = sums3[44][b] + sums3[45][b] + (sums3[46][b] + sums3[47][b]);
+            const double d3dot_1 = sums3[48][b] + sums3[49][b] + (sums3[50][b] + sums3[51][b]);
+            const double d3dot_2 = sums3[52][b] + sums3[53][b] + (sums3[54][b] + sums3[55][b]);
+            const double d3dot_3 = sums3[56][b] + sums3[57][b] + (sums3[58][b] + sums3[59][b]);
             oo_11[b] = omega1 * omega1;
             const double oo_12 = omega1 * omega2;
             const double oo_13 = omega1 * omega3;
@@ -2149,80 +2128,69 @@ int body_symbolic_accel_batch(
         }
         for (int i = 0; i < 8; i++) {
             for (int b = 0; b < 32; b++) {
-                h[i * 32 + b] = K[i] * alpha[i * stride + b] - oo_11[b] * S_11[i * 32 + b] - f4[b] * S_12[i * 32
-                    + b] - f5[b] * S_13[i * 32 + b] - oo_22[b] * S_22[i * 32 + b] - f6[b] * S_23[i * 32 + b]
-                    - oo_33[b] * S_33[i * 32 + b] - f7[b] * c7dot_1[i * 32 + b] - f8[b] * c7dot_2[i * 32 + b]
-                    - f9[b] * c7dot_3[i * 32 + b];
-                B_4[i * 32 + b] = d3_1[i * 32 + b];
-                B_5[i * 32 + b] = d3_2[i * 32 + b];
-                B_6[i * 32 + b] = d3_3[i * 32 + b];
+                h[i][b] = K[i] * alpha[i][b] - oo_11[b] * S_11[i][b] - f4[b] * S_12[i][b] - f5[b] * S_13[i][b]
+                    - oo_22[b] * S_22[i][b] - f6[b] * S_23[i][b] - oo_33[b] * S_33[i][b] - f7[b] * c7dot_1[i][b]
+                    - f8[b] * c7dot_2[i][b] - f9[b] * c7dot_3[i][b];
+                B_4[i][b] = d3_1[i][b];
+                B_5[i][b] = d3_2[i][b];
+                B_6[i][b] = d3_3[i][b];
             }
         }
-        for (int b = 0; b < 36 * 32; b++) sums6[b] = 0.0;
-        for (int i = 0; i < 8; i++) {
-            double *lane = sums6 + i % 4 * 32;
+        for (int i = 0; i < 36; i++) {
             for (int b = 0; b < 32; b++) {
-                lane[0 * 32 + b] += B_4[i * 32 + b] * B_4[i * 32 + b];
-                lane[4 * 32 + b] += B_4[i * 32 + b] * B_5[i * 32 + b];
-                lane[8 * 32 + b] += B_4[i * 32 + b] * B_6[i * 32 + b];
-                lane[12 * 32 + b] += B_5[i * 32 + b] * B_5[i * 32 + b];
-                lane[16 * 32 + b] += B_5[i * 32 + b] * B_6[i * 32 + b];
-                lane[20 * 32 + b] += B_6[i * 32 + b] * B_6[i * 32 + b];
-                lane[24 * 32 + b] += B_4[i * 32 + b] * h[i * 32 + b];
-                lane[28 * 32 + b] += B_5[i * 32 + b] * h[i * 32 + b];
-                lane[32 * 32 + b] += B_6[i * 32 + b] * h[i * 32 + b];
+                sums6[i][b] = 0.0;
+            }
+        }
+        for (int i = 0; i < 8; i++) {
+            const int l = i % 4;
+            for (int b = 0; b < 32; b++) {
+                sums6[0 + l][b] += B_4[i][b] * B_4[i][b];
+                sums6[4 + l][b] += B_4[i][b] * B_5[i][b];
+                sums6[8 + l][b] += B_4[i][b] * B_6[i][b];
+                sums6[12 + l][b] += B_5[i][b] * B_5[i][b];
+                sums6[16 + l][b] += B_5[i][b] * B_6[i][b];
+                sums6[20 + l][b] += B_6[i][b] * B_6[i][b];
+                sums6[24 + l][b] += B_4[i][b] * h[i][b];
+                sums6[28 + l][b] += B_5[i][b] * h[i][b];
+                sums6[32 + l][b] += B_6[i][b] * h[i][b];
             }
         }
         for (int b = 0; b < 32; b++) {
-            const double G_44 = sums6[0 * 32 + b] + sums6[1 * 32 + b] + (sums6[2 * 32 + b] + sums6[3 * 32
-                + b]);
-            const double G_54 = sums6[4 * 32 + b] + sums6[5 * 32 + b] + (sums6[6 * 32 + b] + sums6[7 * 32
-                + b]);
-            const double G_64 = sums6[8 * 32 + b] + sums6[9 * 32 + b] + (sums6[10 * 32 + b] + sums6[11 * 32
-                + b]);
-            const double G_55 = sums6[12 * 32 + b] + sums6[13 * 32 + b] + (sums6[14 * 32 + b]
-                + sums6[15 * 32 + b]);
-            const double G_65 = sums6[16 * 32 + b] + sums6[17 * 32 + b] + (sums6[18 * 32 + b]
-                + sums6[19 * 32 + b]);
-            const double G_66 = sums6[20 * 32 + b] + sums6[21 * 32 + b] + (sums6[22 * 32 + b]
-                + sums6[23 * 32 + b]);
-            const double g_4 = sums6[24 * 32 + b] + sums6[25 * 32 + b] + (sums6[26 * 32 + b] + sums6[27 * 32
-                + b]);
-            const double g_5 = sums6[28 * 32 + b] + sums6[29 * 32 + b] + (sums6[30 * 32 + b] + sums6[31 * 32
-                + b]);
-            const double g_6 = sums6[32 * 32 + b] + sums6[33 * 32 + b] + (sums6[34 * 32 + b] + sums6[35 * 32
-                + b]);
-            const double t4 = M_44[b] - G_44;
-            const double t5 = M_54[b] - G_54;
+            const double BB_44 = sums6[0][b] + sums6[1][b] + (sums6[2][b] + sums6[3][b]);
+            const double BB_54 = sums6[4][b] + sums6[5][b] + (sums6[6][b] + sums6[7][b]);
+            const double BB_64 = sums6[8][b] + sums6[9][b] + (sums6[10][b] + sums6[11][b]);
+            const double BB_55 = sums6[12][b] + sums6[13][b] + (sums6[14][b] + sums6[15][b]);
+            const double BB_65 = sums6[16][b] + sums6[17][b] + (sums6[18][b] + sums6[19][b]);
+            const double BB_66 = sums6[20][b] + sums6[21][b] + (sums6[22][b] + sums6[23][b]);
+            const double Bh_4 = sums6[24][b] + sums6[25][b] + (sums6[26][b] + sums6[27][b]);
+            const double Bh_5 = sums6[28][b] + sums6[29][b] + (sums6[30][b] + sums6[31][b]);
+            const double Bh_6 = sums6[32][b] + sums6[33][b] + (sums6[34][b] + sums6[35][b]);
+            const double t4 = M_44[b] - BB_44;
+            const double t5 = M_54[b] - BB_54;
             const double inverse_t4 = 1.0 / t4;
             const double t6 = t5 * inverse_t4;
-            const double t7 = M_55[b] - G_55 - t6 * t5;
-            const double t8 = M_64[b] - G_64;
+            const double t7 = M_55[b] - BB_55 - t6 * t5;
+            const double t8 = M_64[b] - BB_64;
             const double t9 = t8 * inverse_t4;
-            const double t10 = M_65[b] - G_65 - t9 * t5;
+            const double t10 = M_65[b] - BB_65 - t9 * t5;
             const double inverse_t7 = 1.0 / t7;
             const double t11 = t10 * inverse_t7;
-            const double t12 = M_66[b] - G_66 - t9 * t8 - t11 * t10;
-            const double t13 = h_c1[b] / M_11[b];
-            const double c1ddot = -t13;
-            vdot_block[0 * 32 + b] = c1ddot;
-            const double t14 = h_c2[b] / M_22[b];
-            const double c2ddot = -t14;
-            vdot_block[1 * 32 + b] = c2ddot;
-            const double t15 = h_c3[b] / M_33[b];
-            const double c3ddot = -t15;
-            vdot_block[2 * 32 + b] = c3ddot;
-            const double t16 = g_4 - h_pi1[b];
-            const double t17 = g_5 - h_pi2[b] - t6 * t16;
-            omega3dot[b] = (g_6 - h_pi3[b] - t9 * t16 - t11 * t17) / t12;
-            omega2dot[b] = t17 * inverse_t7 - t11 * omega3dot[b];
-            omega1dot[b] = t16 * inverse_t4 - t6 * omega2dot[b] - t9 * omega3dot[b];
-            vdot_block[3 * 32 + b] = omega1dot[b];
-            vdot_block[4 * 32 + b] = omega2dot[b];
-            vdot_block[5 * 32 + b] = omega3dot[b];
+            const double t12 = M_66[b] - BB_66 - t9 * t8 - t11 * t10;
+            c1ddot[b] = -(h_c1[b] / M_11[b]);
+            vdot_block[0][b] = c1ddot[b];
+            c2ddot[b] = -(h_c2[b] / M_22[b]);
+            vdot_block[1][b] = c2ddot[b];
+            c3ddot[b] = -(h_c3[b] / M_33[b]);
+            vdot_block[2][b] = c3ddot[b];
+            const double t13 = Bh_4 - h_pi1[b];
+            const double t14 = Bh_5 - h_pi2[b] - t6 * t13;
+            omega3dot[b] = (Bh_6 - h_pi3[b] - t9 * t13 - t11 * t14) / t12;
+            omega2dot[b] = t14 * inverse_t7 - t11 * omega3dot[b];
+            omega1dot[b] = t13 * inverse_t4 - t6 * omega2dot[b] - t9 * omega3dot[b];
+            vdot_block[3][b] = omega1dot[b];
+            vdot_block[4][b] = omega2dot[b];
+            vdot_block[5][b] = omega3dot[b];
             double code_b = 0.0;
-            const double finite = omega1dot[b] - (t13 + t14 + t15) + omega2dot[b] + omega3dot[b];
-            code_b = finite - finite == 0.0 ? code_b : 2.0; /* an acceleration is not finite */
             code_b = t12
                 - 5.684341886080802e-14 * M_66[b] > 0.0 ? code_b : 1.0; /* the pivot of pi3 vanished */
             code_b = t7
@@ -2239,12 +2207,36 @@ int body_symbolic_accel_batch(
         }
         for (int i = 0; i < 8; i++) {
             for (int b = 0; b < 32; b++) {
-                rows[0 * 32 + b] = -(h[i * 32 + b] + omega1dot[b] * B_4[i * 32 + b]) - omega2dot[b] * B_5[i * 32
-                    + b] - omega3dot[b] * B_6[i * 32 + b];
+                x[i][b] = -(h[i][b] + omega1dot[b] * B_4[i][b]) - omega2dot[b] * B_5[i][b]
+                    - omega3dot[b] * B_6[i][b];
             }
-            body_symbolic_block_put(all, count, 1, rows + 0 * 32, vdot + (6 + i) * all);
         }
-        body_symbolic_block_put(all, count, 6, vdot_block, vdot);
+        for (int i = 0; i < 8; i++) {
+            for (int b = 0; b < 32; b++) {
+                rows[0][b] = x[i][b];
+            }
+            body_symbolic_block32_put(all, count, 1, rows, vdot + (6 + i) * all);
+        }
+        for (int i = 0; i < 4; i++) {
+            for (int b = 0; b < 32; b++) {
+                sums10[i][b] = 0.0;
+            }
+        }
+        for (int i = 0; i < 8; i++) {
+            const int l = i % 4;
+            for (int b = 0; b < 32; b++) {
+                sums10[0 + l][b] += x[i][b];
+            }
+        }
+        for (int b = 0; b < 32; b++) {
+            const double shapes = sums10[0][b] + sums10[1][b] + (sums10[2][b] + sums10[3][b]);
+            double code_b = 0.0;
+            const double finite = c1ddot[b] + c2ddot[b] + c3ddot[b] + omega1dot[b] + omega2dot[b]
+                + omega3dot[b] + shapes;
+            code_b = finite - finite == 0.0 ? code_b : 2.0; /* an acceleration is not finite */
+            codes[b] = codes[b] > 0.0 ? codes[b] : code_b;
+        }
+        body_symbolic_block32_put(all, count, 6, vdot_block, vdot);
         const int failed = body_symbolic_block_refuse(all, count, 14, codes, vdot);
         if (code == 0) code = failed;
         q += count;

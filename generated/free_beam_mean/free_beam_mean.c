@@ -682,8 +682,8 @@ int free_beam_mean_jacobian(
 
 /* ---- batches: each state b of a block as the functions above have it ---- */
 
-/* The rows of a block that is not full, its last state repeated. */
-static const double *free_beam_mean_block_fill(ptrdiff_t all, int count, int rows, const double *from, double *to)
+/* The rows of a block that is not full: its last state is repeated. */
+static const double *free_beam_mean_block32_fill(ptrdiff_t all, int count, int rows, const double *from, double *to)
 {
     for (int e = 0; e < rows; e++)
         for (int b = 0; b < 32; b++) to[e * 32 + b] = from[e * all + (b < count ? b : count - 1)];
@@ -691,19 +691,18 @@ static const double *free_beam_mean_block_fill(ptrdiff_t all, int count, int row
 }
 
 /* The rows of a block to their places among those of all states. */
-static inline void free_beam_mean_block_put(
-    ptrdiff_t all,
-    int count,
-    int rows,
-    const double *TISSERAND_RESTRICT from,
-    double *TISSERAND_RESTRICT to)
+static inline void free_beam_mean_block32_put(
+    ptrdiff_t all, int count, int rows, double (*TISSERAND_RESTRICT from)[32], double *TISSERAND_RESTRICT to)
 {
-    for (int e = 0; e < rows; e++, from += 32) {
+    for (int e = 0; e < rows; e++) {
         double *row = to + e * all;
-        if (count == 32)
-            for (int b = 0; b < 32; b++) row[b] = from[b];
-        else
-            for (int b = 0; b < 32; b++) if (b < count) row[b] = from[b];
+        if (count == 32) {
+            for (int b = 0; b < 32; b++) row[b] = from[e][b];
+        } else {
+            for (int b = 0; b < 32; b++) {
+                if (b < count) row[b] = from[e][b];
+            }
+        }
     }
 }
 
@@ -729,26 +728,27 @@ int free_beam_mean_mass_batch(
     const double C3 = k[1];
     const double c8_1_1 = k[2];
     const double c8_2_2 = k[3];
-    double q_tail[5 * 32], M_block[5 * 32];
+    double q_tail[160];
+    double M_block[5][32];
     const ptrdiff_t all = n;
 
     for (int left = n; left > 0; left -= 32) {
         const int count = left < 32 ? left : 32;
         const ptrdiff_t stride = count < 32 ? 32 : all;
-        const double *q_block = count < 32 ? free_beam_mean_block_fill(all, count, 5, q, q_tail) : q;
+        const double *q_block = count < 32 ? free_beam_mean_block32_fill(all, count, 5, q, q_tail) : q;
         for (int b = 0; b < 32; b++) {
             const double alpha1 = q_block[3 * stride + b];
             const double alpha2 = q_block[4 * stride + b];
             const double D2_1 = alpha1 * c8_1_1;
             const double D2_2 = alpha2 * c8_2_2;
             const double J = C3 + D2_1 * alpha1 + D2_2 * alpha2;
-            M_block[0 * 32 + b] = mass;
-            M_block[1 * 32 + b] = mass;
-            M_block[2 * 32 + b] = J;
-            M_block[3 * 32 + b] = c8_1_1;
-            M_block[4 * 32 + b] = c8_2_2;
+            M_block[0][b] = mass;
+            M_block[1][b] = mass;
+            M_block[2][b] = J;
+            M_block[3][b] = c8_1_1;
+            M_block[4][b] = c8_2_2;
         }
-        free_beam_mean_block_put(all, count, 5, M_block, M);
+        free_beam_mean_block32_put(all, count, 5, M_block, M);
         q += count;
         M += count;
     }
@@ -768,14 +768,15 @@ int free_beam_mean_force_batch(
     const double c8_2_2 = k[3];
     const double K_1_1 = k[4];
     const double K_2_2 = k[5];
-    double q_tail[5 * 32], v_tail[5 * 32], h_block[5 * 32];
+    double q_tail[160], v_tail[160];
+    double h_block[5][32];
     const ptrdiff_t all = n;
 
     for (int left = n; left > 0; left -= 32) {
         const int count = left < 32 ? left : 32;
         const ptrdiff_t stride = count < 32 ? 32 : all;
-        const double *q_block = count < 32 ? free_beam_mean_block_fill(all, count, 5, q, q_tail) : q;
-        const double *v_block = count < 32 ? free_beam_mean_block_fill(all, count, 5, v, v_tail) : v;
+        const double *q_block = count < 32 ? free_beam_mean_block32_fill(all, count, 5, q, q_tail) : q;
+        const double *v_block = count < 32 ? free_beam_mean_block32_fill(all, count, 5, v, v_tail) : v;
         for (int b = 0; b < 32; b++) {
             const double alpha1 = q_block[3 * stride + b];
             const double alpha2 = q_block[4 * stride + b];
@@ -785,14 +786,14 @@ int free_beam_mean_force_batch(
             const double D2_1 = alpha1 * c8_1_1;
             const double D2_2 = alpha2 * c8_2_2;
             const double D2dot = alpha1dot * D2_1 + alpha2dot * D2_2;
-            h_block[0 * 32 + b] = 0.0;
-            h_block[1 * 32 + b] = 0.0;
-            h_block[2 * 32 + b] = 2.0 * phidot * D2dot;
+            h_block[0][b] = 0.0;
+            h_block[1][b] = 0.0;
+            h_block[2][b] = 2.0 * phidot * D2dot;
             const double t1 = phidot * phidot;
-            h_block[3 * 32 + b] = K_1_1 * alpha1 - t1 * D2_1;
-            h_block[4 * 32 + b] = K_2_2 * alpha2 - t1 * D2_2;
+            h_block[3][b] = K_1_1 * alpha1 - t1 * D2_1;
+            h_block[4][b] = K_2_2 * alpha2 - t1 * D2_2;
         }
-        free_beam_mean_block_put(all, count, 5, h_block, h);
+        free_beam_mean_block32_put(all, count, 5, h_block, h);
         q += count;
         v += count;
         h += count;
@@ -816,15 +817,17 @@ int free_beam_mean_accel_batch(
     const double K_2_2 = k[5];
     const double inverse_c8_1_1 = k[8];
     const double inverse_c8_2_2 = k[9];
-    double q_tail[5 * 32], v_tail[5 * 32], vdot_block[5 * 32], codes[32];
+    double q_tail[160], v_tail[160];
+    double codes[32];
+    double vdot_block[5][32];
     const ptrdiff_t all = n;
     int code = 0;
 
     for (int left = n; left > 0; left -= 32) {
         const int count = left < 32 ? left : 32;
         const ptrdiff_t stride = count < 32 ? 32 : all;
-        const double *q_block = count < 32 ? free_beam_mean_block_fill(all, count, 5, q, q_tail) : q;
-        const double *v_block = count < 32 ? free_beam_mean_block_fill(all, count, 5, v, v_tail) : v;
+        const double *q_block = count < 32 ? free_beam_mean_block32_fill(all, count, 5, q, q_tail) : q;
+        const double *v_block = count < 32 ? free_beam_mean_block32_fill(all, count, 5, v, v_tail) : v;
         for (int b = 0; b < 32; b++) {
             const double alpha1 = q_block[3 * stride + b];
             const double alpha2 = q_block[4 * stride + b];
@@ -835,22 +838,22 @@ int free_beam_mean_accel_batch(
             const double D2_2 = alpha2 * c8_2_2;
             const double J = C3 + D2_1 * alpha1 + D2_2 * alpha2;
             const double D2dot = alpha1dot * D2_1 + alpha2dot * D2_2;
-            vdot_block[0 * 32 + b] = 0.0;
-            vdot_block[1 * 32 + b] = 0.0;
+            vdot_block[0][b] = 0.0;
+            vdot_block[1][b] = 0.0;
             const double t1 = 2.0 * phidot * D2dot / J;
-            vdot_block[2 * 32 + b] = -t1;
+            vdot_block[2][b] = -t1;
             const double t2 = phidot * phidot;
             const double t3 = (K_1_1 * alpha1 - t2 * D2_1) * inverse_c8_1_1;
-            vdot_block[3 * 32 + b] = -t3;
+            vdot_block[3][b] = -t3;
             const double t4 = (K_2_2 * alpha2 - t2 * D2_2) * inverse_c8_2_2;
-            vdot_block[4 * 32 + b] = -t4;
+            vdot_block[4][b] = -t4;
             double code_b = 0.0;
             const double finite = -(t1 + t3) - t4;
             code_b = finite - finite == 0.0 ? code_b : 2.0; /* an acceleration is not finite */
             code_b = J > 0.0 ? code_b : 1.0; /* the pivot of phi vanished */
             codes[b] = code_b;
         }
-        free_beam_mean_block_put(all, count, 5, vdot_block, vdot);
+        free_beam_mean_block32_put(all, count, 5, vdot_block, vdot);
         const int failed = free_beam_mean_block_refuse(all, count, 5, codes, vdot);
         if (code == 0) code = failed;
         q += count;

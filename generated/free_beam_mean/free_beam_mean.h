@@ -521,9 +521,9 @@ int free_beam_mean_jacobian(
 
 /* ---- batches: mass, force and accel of n >= 0 states with the same time and constants. Element e of state
    b lies at e * n + b, in q and v as in what is written. Where no product is fused with a sum
-   (-ffp-contract=off) the numbers are those of the functions above, bit for bit. 32 states at a time
-   are computed, on the stack. accel_batch returns the code of the first state that fails and gives it
-   and all others that fail NaN for accelerations; the rest are right. ---- */
+   (-ffp-contract=off) the numbers are those of the functions above, bit for bit. Blocks of 32
+   states are computed at a time, on some 4 kB of stack. accel_batch gives NaN for the accelerations of
+   a state that fails, and returns the code of the first of them; all other states are right. ---- */
 
 int free_beam_mean_mass_batch(
     int n,

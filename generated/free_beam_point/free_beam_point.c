@@ -873,8 +873,8 @@ int free_beam_point_jacobian(
 
 /* ---- batches: each state b of a block as the functions above have it ---- */
 
-/* The rows of a block that is not full, its last state repeated. */
-static const double *free_beam_point_block_fill(ptrdiff_t all, int count, int rows, const double *from, double *to)
+/* The rows of a block that is not full: its last state is repeated. */
+static const double *free_beam_point_block32_fill(ptrdiff_t all, int count, int rows, const double *from, double *to)
 {
     for (int e = 0; e < rows; e++)
         for (int b = 0; b < 32; b++) to[e * 32 + b] = from[e * all + (b < count ? b : count - 1)];
@@ -882,19 +882,18 @@ static const double *free_beam_point_block_fill(ptrdiff_t all, int count, int ro
 }
 
 /* The rows of a block to their places among those of all states. */
-static inline void free_beam_point_block_put(
-    ptrdiff_t all,
-    int count,
-    int rows,
-    const double *TISSERAND_RESTRICT from,
-    double *TISSERAND_RESTRICT to)
+static inline void free_beam_point_block32_put(
+    ptrdiff_t all, int count, int rows, double (*TISSERAND_RESTRICT from)[32], double *TISSERAND_RESTRICT to)
 {
-    for (int e = 0; e < rows; e++, from += 32) {
+    for (int e = 0; e < rows; e++) {
         double *row = to + e * all;
-        if (count == 32)
-            for (int b = 0; b < 32; b++) row[b] = from[b];
-        else
-            for (int b = 0; b < 32; b++) if (b < count) row[b] = from[b];
+        if (count == 32) {
+            for (int b = 0; b < 32; b++) row[b] = from[e][b];
+        } else {
+            for (int b = 0; b < 32; b++) {
+                if (b < count) row[b] = from[e][b];
+            }
+        }
     }
 }
 
@@ -923,13 +922,15 @@ int free_beam_point_mass_batch(
     const double c8_1_1 = k[4];
     const double c8_2_2 = k[5];
     const double minus_c2_1_2 = k[10];
-    double cos_phi[32], sin_phi[32], q_tail[5 * 32], M_block[10 * 32];
+    double q_tail[160];
+    double cos_phi[32], sin_phi[32];
+    double M_block[10][32];
     const ptrdiff_t all = n;
 
     for (int left = n; left > 0; left -= 32) {
         const int count = left < 32 ? left : 32;
         const ptrdiff_t stride = count < 32 ? 32 : all;
-        const double *q_block = count < 32 ? free_beam_point_block_fill(all, count, 5, q, q_tail) : q;
+        const double *q_block = count < 32 ? free_beam_point_block32_fill(all, count, 5, q, q_tail) : q;
         for (int b = 0; b < 32; b++) {
             const double phi = q_block[2 * stride + b];
             cos_phi[b] = cos(phi);
@@ -942,18 +943,18 @@ int free_beam_point_mass_batch(
             const double D2_1 = alpha1 * c8_1_1;
             const double D2_2 = alpha2 * c8_2_2;
             const double J = C3 + D2_1 * alpha1 + D2_2 * alpha2;
-            M_block[0 * 32 + b] = mass;
-            M_block[1 * 32 + b] = -(d1_2 * cos_phi[b]);
-            M_block[2 * 32 + b] = minus_c2_1_2 * sin_phi[b];
-            M_block[3 * 32 + b] = mass;
-            M_block[4 * 32 + b] = -(d1_2 * sin_phi[b]);
-            M_block[5 * 32 + b] = c2_1_2 * cos_phi[b];
-            M_block[6 * 32 + b] = J;
-            M_block[7 * 32 + b] = c6_2;
-            M_block[8 * 32 + b] = c8_1_1;
-            M_block[9 * 32 + b] = c8_2_2;
+            M_block[0][b] = mass;
+            M_block[1][b] = -(d1_2 * cos_phi[b]);
+            M_block[2][b] = minus_c2_1_2 * sin_phi[b];
+            M_block[3][b] = mass;
+            M_block[4][b] = -(d1_2 * sin_phi[b]);
+            M_block[5][b] = c2_1_2 * cos_phi[b];
+            M_block[6][b] = J;
+            M_block[7][b] = c6_2;
+            M_block[8][b] = c8_1_1;
+            M_block[9][b] = c8_2_2;
         }
-        free_beam_point_block_put(all, count, 10, M_block, M);
+        free_beam_point_block32_put(all, count, 10, M_block, M);
         q += count;
         M += count;
     }
@@ -974,14 +975,16 @@ int free_beam_point_force_batch(
     const double c8_2_2 = k[5];
     const double K_1_1 = k[6];
     const double K_2_2 = k[7];
-    double cos_phi[32], sin_phi[32], q_tail[5 * 32], v_tail[5 * 32], h_block[5 * 32];
+    double q_tail[160], v_tail[160];
+    double cos_phi[32], sin_phi[32];
+    double h_block[5][32];
     const ptrdiff_t all = n;
 
     for (int left = n; left > 0; left -= 32) {
         const int count = left < 32 ? left : 32;
         const ptrdiff_t stride = count < 32 ? 32 : all;
-        const double *q_block = count < 32 ? free_beam_point_block_fill(all, count, 5, q, q_tail) : q;
-        const double *v_block = count < 32 ? free_beam_point_block_fill(all, count, 5, v, v_tail) : v;
+        const double *q_block = count < 32 ? free_beam_point_block32_fill(all, count, 5, q, q_tail) : q;
+        const double *v_block = count < 32 ? free_beam_point_block32_fill(all, count, 5, v, v_tail) : v;
         for (int b = 0; b < 32; b++) {
             const double phi = q_block[2 * stride + b];
             cos_phi[b] = cos(phi);
@@ -1002,13 +1005,13 @@ int free_beam_point_force_batch(
             const double t2 = t1 * d1_2;
             const double t3 = 2.0 * phidot;
             const double t4 = t3 * d1dot_2;
-            h_block[0 * 32 + b] = t2 * sin_phi[b] - t4 * cos_phi[b];
-            h_block[1 * 32 + b] = -(t2 * cos_phi[b]) - t4 * sin_phi[b];
-            h_block[2 * 32 + b] = t3 * D2dot;
-            h_block[3 * 32 + b] = K_1_1 * alpha1 - t1 * D2_1;
-            h_block[4 * 32 + b] = K_2_2 * alpha2 - t1 * D2_2;
+            h_block[0][b] = t2 * sin_phi[b] - t4 * cos_phi[b];
+            h_block[1][b] = -(t2 * cos_phi[b]) - t4 * sin_phi[b];
+            h_block[2][b] = t3 * D2dot;
+            h_block[3][b] = K_1_1 * alpha1 - t1 * D2_1;
+            h_block[4][b] = K_2_2 * alpha2 - t1 * D2_2;
         }
-        free_beam_point_block_put(all, count, 5, h_block, h);
+        free_beam_point_block32_put(all, count, 5, h_block, h);
         q += count;
         v += count;
         h += count;
@@ -1037,15 +1040,17 @@ int free_beam_point_accel_batch(
     const double constant_3 = k[13];
     const double constant_4 = k[14];
     const double inverse_c8_2_2 = k[15];
-    double cos_phi[32], sin_phi[32], q_tail[5 * 32], v_tail[5 * 32], vdot_block[5 * 32], codes[32];
+    double q_tail[160], v_tail[160];
+    double cos_phi[32], sin_phi[32], codes[32];
+    double vdot_block[5][32];
     const ptrdiff_t all = n;
     int code = 0;
 
     for (int left = n; left > 0; left -= 32) {
         const int count = left < 32 ? left : 32;
         const ptrdiff_t stride = count < 32 ? 32 : all;
-        const double *q_block = count < 32 ? free_beam_point_block_fill(all, count, 5, q, q_tail) : q;
-        const double *v_block = count < 32 ? free_beam_point_block_fill(all, count, 5, v, v_tail) : v;
+        const double *q_block = count < 32 ? free_beam_point_block32_fill(all, count, 5, q, q_tail) : q;
+        const double *v_block = count < 32 ? free_beam_point_block32_fill(all, count, 5, v, v_tail) : v;
         for (int b = 0; b < 32; b++) {
             const double phi = q_block[2 * stride + b];
             cos_phi[b] = cos(phi);
@@ -1090,15 +1095,15 @@ int free_beam_point_accel_batch(
             const double t18 = K_1_1 * alpha1 - t11 * D2_1 + t4 * t17;
             const double t19 = (t6 * t14 - (t15 * sin_phi[b] - t16 * cos_phi[b]) + t8 * t17
                 + t10 * t18) / pivot_c1;
-            vdot_block[0 * 32 + b] = t19;
+            vdot_block[0][b] = t19;
             const double t20 = t18 * inverse_pivot_alpha1 + t10 * t19;
             const double t21 = t17 * inverse_pivot_c2 + t4 * t20 + t8 * t19;
-            vdot_block[1 * 32 + b] = t21;
+            vdot_block[1][b] = t21;
             const double t22 = t14 * inverse_pivot_phi + t2 * t21 + t6 * t19;
-            vdot_block[2 * 32 + b] = t22;
-            vdot_block[3 * 32 + b] = -t20;
+            vdot_block[2][b] = t22;
+            vdot_block[3][b] = -t20;
             const double t23 = t12 * inverse_c8_2_2 + constant_4 * t22;
-            vdot_block[4 * 32 + b] = -t23;
+            vdot_block[4][b] = -t23;
             double code_b = 0.0;
             const double finite = t19 + t21 + t22 - t20 - t23;
             code_b = finite - finite == 0.0 ? code_b : 2.0; /* an acceleration is not finite */
@@ -1109,7 +1114,7 @@ int free_beam_point_accel_batch(
                 - 5.684341886080802e-14 * J > 0.0 ? code_b : 1.0; /* the pivot of phi vanished */
             codes[b] = code_b;
         }
-        free_beam_point_block_put(all, count, 5, vdot_block, vdot);
+        free_beam_point_block32_put(all, count, 5, vdot_block, vdot);
         const int failed = free_beam_point_block_refuse(all, count, 5, codes, vdot);
         if (code == 0) code = failed;
         q += count;

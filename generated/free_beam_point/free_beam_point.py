@@ -1225,4 +1225,3 @@ def _where(xp, valid, values):
 def _require(holds, text):
     if not holds:
         raise ValueError(text)
-

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from concurrent.futures import Future, ThreadPoolExecutor
 from functools import cache
 from pathlib import Path
 
@@ -19,18 +20,10 @@ SIZES = (0, 1, 31, 32, 33, 100)
 VECTORS = ("-std=c99", "-O1", "-ftree-vectorize", "-ffp-contract=off")
 """Compiles in half the time of -O2."""
 
-BODIES = [
-    *((n, "given", "table") for n in (0, 1, 3, 5, 8, 13)),
-    *((n, "mean", "table") for n in (1, 5, 8)),
-    (2, "given", "flat"),
-    (3, "mean", "flat"),
-]
+BEAMS = [(frame, n) for frame in ("mean", "point") for n in (2, 8)]
+BODIES = [*((n, "given", "table") for n in (0, 1, 3, 5, 8, 13)), (5, "mean", "table"), (2, "mean", "flat")]
 MODELS: dict[str, Callable[[], tuple[derive.File, ...]]] = {
-    **{
-        f"{frame}_{n}": lambda frame=frame, n=n: beams.made(frame, n).files
-        for frame in ("mean", "point")
-        for n in (2, 8)
-    },
+    **{f"{frame}_{n}": lambda frame=frame, n=n: beams.made(frame, n).files for frame, n in BEAMS},
     **{f"{frame}_{n}_{way}": lambda n=n, frame=frame, way=way: body(n, frame, way) for n, frame, way in BODIES},
 }
 EVERY_MODEL = pytest.mark.parametrize("model", MODELS)
@@ -41,8 +34,14 @@ def body(n: int, frame: str, lowering: str) -> tuple[derive.File, ...]:
 
 
 @cache
+def compiled_models() -> dict[str, Future[Native]]:
+    """All of them: one is compiled while the next is derived."""
+    pool = ThreadPoolExecutor(2)
+    return {name: pool.submit(derive.load, make(), VECTORS) for name, make in MODELS.items()}
+
+
 def native(model: str) -> Native:
-    return derive.load(MODELS[model](), VECTORS)
+    return compiled_models()[model].result()
 
 
 def constants(model: Native) -> np.ndarray:
@@ -91,11 +90,10 @@ def test_bits_are_those_of_single_calls(model: str, count: int) -> None:
     assert not any((a == 0).all() for a in good)
 
 
-@pytest.mark.parametrize("width", [4, 16])
-def test_narrow_blocks_have_the_same_bits(width: int, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_narrow_blocks_have_the_same_bits(monkeypatch: pytest.MonkeyPatch) -> None:
     """Models with many shapes have them, for the sake of the stack."""
-    monkeypatch.setattr(c_batch, "WIDTHS", {width: None})
-    compiled = derive.load(body(5, "given", "table"), VECTORS)
+    monkeypatch.setattr(c_batch, "WIDTHS", {8: None})
+    compiled = derive.load(body(3, "given", "table"), VECTORS)
     k, (q, v) = constants(compiled), states(compiled, 37)
     same(compiled.mass_batch(q, k), one_by_one(compiled, "mass", q, k=k))
     same(compiled.force_batch(0.5, q, v, k), one_by_one(compiled, "force", q, v, k=k))
@@ -113,7 +111,7 @@ def test_blocks_are_narrower_where_there_are_many_shapes() -> None:
     assert widths(300) <= {8, 16}
 
 
-@pytest.mark.parametrize("model", ["mean_2", "given_3_table", "mean_5_table", "mean_3_flat"])
+@pytest.mark.parametrize("model", ["mean_2", "given_3_table", "mean_5_table", "mean_2_flat"])
 @pytest.mark.parametrize("bad", [0, 5, 31, 32, 39])
 def test_a_state_that_fails_does_not_touch_the_others(model: str, bad: int) -> None:
     """The pivot of a NaN is not positive; a rate of 1e200 gives forces that are not finite."""
@@ -126,6 +124,9 @@ def test_a_state_that_fails_does_not_touch_the_others(model: str, bad: int) -> N
         single = one_by_one(compiled, "accel", q, v, k=k)
         assert single[bad] == code
         same(compiled.accel_batch(0.5, q, v, k, check=False), single)
+        with pytest.raises(ModelError) as error:
+            compiled.accel_batch(0.5, q, v, k)
+        assert error.value.code == code
         state[bad] = kept
 
 
@@ -169,7 +170,7 @@ def test_wrong_shapes_are_refused() -> None:
 BOUNDS = """
 #include <stdlib.h>
 #include "beam_point_2.h"
-#include "table_given_5.h"
+#include "table_given_1.h"
 
 static double *filled(size_t count, double value)
 {
@@ -180,7 +181,7 @@ static double *filled(size_t count, double value)
 
 int main(void)
 {
-    const tisserand_model *models[] = {beam_point_2_model(), table_given_5_model()};
+    const tisserand_model *models[] = {beam_point_2_model(), table_given_1_model()};
     for (int m = 0; m < 2; m++)
         for (int n = 0; n < 70; n += 31) {
             const tisserand_model *a = models[m];
@@ -204,7 +205,7 @@ int main(void)
 
 def test_batches_keep_within_their_arrays(tmp_path: Path) -> None:
     """Valgrind sees what is read or written outside, and what is not written."""
-    sources = [*written(beams.made("point", 2).files, tmp_path), *written(body(5, "given", "table"), tmp_path)]
+    sources = [*written(beams.made("point", 2).files, tmp_path), *written(body(1, "given", "table"), tmp_path)]
     (tmp_path / "main.c").write_text(BOUNDS)
     include = [f"-I{source.parent}" for source in sources]
     program = tmp_path / "bounds"
