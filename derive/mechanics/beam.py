@@ -11,11 +11,12 @@ from dataclasses import dataclass
 import sympy as sp
 
 from derive.mechanics import quantity
-from derive.mechanics.body import Body, MaterialPoint, equations
+from derive.mechanics.body import Body, equations
 from derive.mechanics.conditions import assumed_shapes, integral, xi
 from derive.mechanics.equations import Coefficient, Equations
 from derive.mechanics.integrals import Value, coefficients
 from derive.mechanics.planar import planar_motion
+from derive.mechanics.points import MaterialPoint
 from derive.spec.body import Marker, Parameter, PlanarBeam, Polynomial
 
 LATERAL = "geometry (the beam lies along e1 and deflects along e2)"

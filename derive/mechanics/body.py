@@ -6,7 +6,7 @@ the strain energy. Which parts vanish follows from the body's integrals.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import sympy as sp
@@ -14,89 +14,17 @@ import sympy as sp
 from derive.mechanics import zeros
 from derive.mechanics.equations import (
     Coefficient,
-    Coordinate,
     Definition,
     Equations,
-    MarkerEquations,
     ParameterSymbol,
-    Row,
     Term,
 )
 from derive.mechanics.integrals import of_index
-from derive.mechanics.kinematics import HERE, ONE, PHI, RDDOT, RDOT, Field, MovingFrame, R
-from derive.mechanics.virtual_work import Moments, total
+from derive.mechanics.kinematics import HERE, ONE, RDDOT, RDOT, Field, R
+from derive.mechanics.motion import MASS, Motion
+from derive.mechanics.points import MaterialPoint, marker
 
 TRANSLATIONS = "the mass enters as m I, so translations along different axes do not couple"
-MASS = sp.Symbol("mass")
-
-
-@dataclass(frozen=True)
-class Motion:
-    """How a body with some number of shapes moves: coordinates, rotation tensor Q, moving frame, and moments.
-
-    `definitions` are d1, D2, d3, J in terms of the shape integrals; `sums` stand in one row alone or hold
-    accelerations, and are written out; `products` gives names to products of rates. `turns` are the tensors e_k x, in
-    the inertial and in the body base. `identities` are the reasons of terms that cancel in any body, by row and name.
-    """
-
-    coordinates: tuple[Coordinate, ...]
-    rows: tuple[Row, ...]
-    rates: tuple[sp.Expr, ...]
-    alpha: tuple[sp.Symbol, ...]
-    rotation: sp.Matrix
-    rotation_definitions: tuple[Definition, ...]
-    frame: MovingFrame
-    moments: Moments
-    definitions: tuple[Definition, ...]
-    sums: dict[sp.Symbol, sp.Expr]
-    products: dict[sp.Expr, sp.Symbol]
-    turns: tuple[tuple[sp.Matrix, sp.Matrix], ...]
-    identities: dict[tuple[str, str], str]
-
-    @property
-    def alphadot(self) -> tuple[sp.Symbol, ...]:
-        """The rates of the shapes."""
-        return tuple(row.v for row in self.rows[len(self.rows) - len(self.alpha) :])
-
-    @property
-    def position(self) -> Field:
-        """x of (1)."""
-        return {ONE: sp.Matrix([c.q for c in self.coordinates[: self.rotation.rows]]), **self.frame.position}
-
-    @property
-    def velocity(self) -> Field:
-        """xdot."""
-        return {ONE: sp.Matrix([row.v for row in self.rows[: self.rotation.rows]]), **self.frame.velocity}
-
-    @property
-    def acceleration(self) -> Field:
-        """xddot of (5)."""
-        return {ONE: sp.Matrix([row.a for row in self.rows[: self.rotation.rows]]), **self.frame.acceleration}
-
-    @property
-    def translations(self) -> tuple[Field, ...]:
-        """delta x for unit variations of c."""
-        unit = sp.eye(self.rotation.rows)
-        return tuple({ONE: unit[:, k]} for k in range(unit.rows))
-
-    def product(self, a: Field, b: Field) -> sp.Expr:
-        """int rho a . b over the body, for a generic index i if a or b holds PHI."""
-        return total(a, b, self.moments)
-
-    def summed(self, expr: sp.Expr) -> sp.Expr:
-        """An expression with the sums that have no name of their own written out."""
-        return sp.expand(expr.xreplace(self.sums))
-
-
-@dataclass(frozen=True)
-class MaterialPoint:
-    """A named material point: its reference position X and the values of the N shapes there, in the body base."""
-
-    name: str
-    doc: str
-    position: sp.ImmutableMatrix
-    shapes: tuple[sp.ImmutableMatrix, ...]
-    coefficients: tuple[Coefficient, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -151,7 +79,7 @@ def equations(body: Body) -> Equations:
         weight_energy=zeros.drop(weight_energy(motion), reasons) if body.gravity else None,
         linear_momentum=tuple(zeros.drop(p, reasons) for p in linear_momentum(motion)),
         angular_momentum=tuple(zeros.drop(p, reasons) for p in angular_momentum(motion)),
-        markers=tuple(_marker(motion, point, reasons) for point in body.points),
+        markers=tuple(marker(motion, point, reasons) for point in body.points),
     )
 
 
@@ -325,75 +253,3 @@ def angular_momentum(motion: Motion) -> tuple[sp.Expr, ...]:
     position = motion.position
     turned = ({ONE: fixed * position[ONE], R: moving} for fixed, moving in motion.turns)
     return tuple(motion.product(field, motion.velocity) for field in turned)
-
-
-def vector_at(motion: Motion, field: Field, values: Mapping[str, sp.Matrix]) -> sp.Matrix:
-    """A field at a material point, in the inertial base; `values` are r, rdot and Phi_i there."""
-    still = sp.zeros(motion.rotation.rows, 1)
-    moving = (tensor * values[name] for name, tensor in field.items() if name != ONE)
-    return (field.get(ONE, still) + motion.rotation * sum(moving, still)).expand()
-
-
-def work_at(motion: Motion, field: Field, values: Mapping[str, sp.Matrix]) -> sp.Expr:
-    """The work of a force at a material point on a displacement; see `force_vector` and `force_definitions`."""
-    still = sp.zeros(motion.rotation.rows, 1)
-    seen = sp.Matrix([d.symbol for d in force_definitions(motion)])
-    moving = (tensor * values[name] for name, tensor in field.items() if name != ONE)
-    return sp.expand(force_vector(motion).dot(field.get(ONE, still)) + seen.dot(sum(moving, still)))
-
-
-def force_vector(motion: Motion) -> sp.Matrix:
-    """A force F_1, F_2, ... in the inertial base."""
-    return sp.Matrix([sp.Symbol(f"F_{k + 1}") for k in range(motion.rotation.rows)])
-
-
-def force_definitions(motion: Motion) -> tuple[Definition, ...]:
-    """The force in the body base."""
-    return tuple(
-        Definition(sp.Symbol(f"Fb_{k}"), expr, "F", "(10)", f"force along the axis {k} of the floating frame")
-        for k, expr in enumerate(motion.rotation.T * force_vector(motion), 1)
-    )
-
-
-def _marker(motion: Motion, point: MaterialPoint, reasons: zeros.Reasons) -> MarkerEquations:
-    """Position, velocity and Jacobian of a material point, from the same fields taken at that point."""
-
-    def at_point(amplitudes: tuple[sp.Symbol, ...], base: sp.Matrix) -> sp.Matrix:
-        return sum((shape * a for shape, a in zip(point.shapes, amplitudes, strict=True)), base)
-
-    names, axes = {R: "r", RDOT: "rdot"}, range(motion.rotation.rows)
-    still = sp.zeros(len(axes), 1)
-    values = {R: at_point(motion.alpha, sp.Matrix(point.position)), RDOT: at_point(motion.alphadot, still)}
-    local = tuple(
-        Definition(sp.Symbol(f"{names[f]}_{k + 1}"), value[k], "r", "(1), (14)", f"{names[f]} . e{k + 1} at the marker")
-        for f, value in values.items()
-        for k in axes
-    )
-    kept, known = zeros.drop_definitions(local, reasons)
-    vectors = {f: sp.Matrix([sp.Symbol(f"{name}_{k + 1}") for k in axes]) for f, name in names.items()}
-
-    def vector(field: Field) -> sp.Matrix:
-        return vector_at(motion, field, vectors).applyfunc(lambda e: zeros.drop(e, known))
-
-    def work(field: Field) -> sp.Expr:
-        return zeros.drop(work_at(motion, field, vectors), known)
-
-    columns, load = [], []
-    for field in (*motion.translations, *motion.frame.rotations()):
-        columns.append(vector(field))
-        load.append(work(field))
-    for shape in point.shapes:
-        vectors[PHI] = sp.Matrix(shape)
-        columns.append(vector(motion.frame.deformation()))
-        load.append(work(motion.frame.deformation()))
-    return MarkerEquations(
-        name=point.name,
-        doc=point.doc,
-        definitions=kept,
-        force=sp.ImmutableMatrix(force_vector(motion)),
-        force_definitions=force_definitions(motion),
-        load=tuple(load),
-        position=sp.ImmutableMatrix(vector(motion.position)),
-        velocity=sp.ImmutableMatrix(vector(motion.velocity)),
-        jacobian=sp.ImmutableMatrix.hstack(*columns),
-    )

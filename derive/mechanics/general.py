@@ -12,8 +12,8 @@ import numpy as np
 import sympy as sp
 from numpy.typing import NDArray
 
-from derive.mechanics import body, quantity
-from derive.mechanics.body import Body, MaterialPoint
+from derive.mechanics import body, motion, quantity
+from derive.mechanics.body import Body
 from derive.mechanics.equations import Coefficient, Equations, ParameterSymbol
 from derive.mechanics.generic import (
     GenericEquations,
@@ -25,6 +25,7 @@ from derive.mechanics.generic import (
     point_tables,
 )
 from derive.mechanics.modal import ModalBody, ModalPoint
+from derive.mechanics.points import MaterialPoint
 from derive.mechanics.series import PARITY
 from derive.mechanics.spatial import PAIRS, spatial_motion
 from derive.spec.body import Gravity, SymbolicBody
@@ -268,7 +269,7 @@ def _generic(
     points: tuple[ModalPoint, ...] = (), data: Array | None = None, mass: float = 1.0,
 ) -> GenericEquations:  # fmt: skip
     weight, of_gravity = quantity.gravity(gravity)
-    scalars = (Coefficient(body.MASS, MASS.symbol, "(15)", "mass of the body", "kg"), *weight)
+    scalars = (Coefficient(motion.MASS, MASS.symbol, "(15)", "mass of the body", "kg"), *weight)
     first = ParameterSymbol(MASS.symbol, MASS.doc, MASS.unit, mass)
     return generic_equations(
         name,

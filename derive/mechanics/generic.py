@@ -13,8 +13,10 @@ from typing import Literal
 import sympy as sp
 
 from derive.mechanics import body, zeros
+from derive.mechanics import points as at_point
 from derive.mechanics.equations import Coefficient, Coordinate, Definition, ParameterSymbol, Row, Term, Vanished
 from derive.mechanics.kinematics import PHI, RDOT, R
+from derive.mechanics.motion import MASS, Motion
 from derive.mechanics.series import ALPHA, ALPHADOT, Series, family
 from derive.mechanics.spatial import AXES, PAIRS, spatial_motion, spatial_series, spatial_sums
 
@@ -156,7 +158,7 @@ def generic_equations(
     `points` are markers, each a name and what it is.
     """
     motion = spatial_motion(0)
-    gravity = tuple(c for c in scalars if c.symbol != body.MASS)
+    gravity = tuple(c for c in scalars if c.symbol != MASS)
     named = tuple(d for d in motion.definitions if d.section == "oo")
     definitions = (*motion.rotation_definitions, *named, *body.gravity_definitions(motion, gravity))
     kept, reasons = zeros.drop_definitions(definitions, zeros.reasons_of(scalars))
@@ -233,7 +235,7 @@ def point_tables(number: int, name: str) -> tuple[Table, Table]:
     return position, Table(f"Phi{number}", "full", f"the shapes at marker {name}", "")
 
 
-def _point(motion: body.Motion, number: int, name: str, doc: str, deforms: bool) -> GenericPoint:
+def _point(motion: Motion, number: int, name: str, doc: str, deforms: bool) -> GenericPoint:
     """A marker, from the same fields taken at that point."""
     x, phi = ([sp.Symbol(f"{table}_{k}") for k in AXES] for table in (f"X{number}", f"Phi{number}_i"))
     totals = []
@@ -249,13 +251,13 @@ def _point(motion: body.Motion, number: int, name: str, doc: str, deforms: bool)
         name=name,
         doc=doc,
         totals=tuple(totals),
-        position=tuple(body.vector_at(motion, motion.position, at)),
-        velocity=tuple(body.vector_at(motion, motion.velocity, at)),
-        columns=tuple(tuple(body.vector_at(motion, d, at)) for d in displacements),
-        shape=tuple(body.vector_at(motion, motion.frame.deformation(), at)),
-        force=body.force_definitions(motion),
-        load=tuple(body.work_at(motion, d, at) for d in displacements),
-        shape_load=body.work_at(motion, motion.frame.deformation(), at),
+        position=tuple(at_point.vector_at(motion, motion.position, at)),
+        velocity=tuple(at_point.vector_at(motion, motion.velocity, at)),
+        columns=tuple(tuple(at_point.vector_at(motion, d, at)) for d in displacements),
+        shape=tuple(at_point.vector_at(motion, motion.frame.deformation(), at)),
+        force=at_point.force_definitions(motion),
+        load=tuple(at_point.work_at(motion, d, at) for d in displacements),
+        shape_load=at_point.work_at(motion, motion.frame.deformation(), at),
     )
 
 

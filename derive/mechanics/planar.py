@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import sympy as sp
 
-from derive.mechanics.body import MASS, Motion
 from derive.mechanics.equations import Coordinate, Definition, Row
 from derive.mechanics.integrals import definitions, sums
 from derive.mechanics.kinematics import MovingFrame, PlanarRotation
+from derive.mechanics.motion import MASS, Motion
 from derive.mechanics.virtual_work import PlanarMoments
 
 

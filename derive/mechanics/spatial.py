@@ -13,9 +13,9 @@ from itertools import combinations_with_replacement, groupby
 
 import sympy as sp
 
-from derive.mechanics.body import MASS, Motion
 from derive.mechanics.equations import Coordinate, Definition, Row
 from derive.mechanics.kinematics import PHI, RDDOT, RDOT, MovingFrame, R
+from derive.mechanics.motion import MASS, Motion
 from derive.mechanics.series import ALPHA, ALPHADDOT, ALPHADOT, Series, written_out
 from derive.mechanics.virtual_work import FIRST, transposed
 

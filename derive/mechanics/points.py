@@ -1,0 +1,96 @@
+"""Material points: position, velocity and Jacobian, and the work of a force there, from fields taken at the point."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import sympy as sp
+
+from derive.mechanics import zeros
+from derive.mechanics.equations import Coefficient, Definition, MarkerEquations
+from derive.mechanics.kinematics import ONE, PHI, RDOT, Field, R
+from derive.mechanics.motion import Motion
+
+
+@dataclass(frozen=True)
+class MaterialPoint:
+    """A named material point: its reference position X and the values of the N shapes there, in the body base."""
+
+    name: str
+    doc: str
+    position: sp.ImmutableMatrix
+    shapes: tuple[sp.ImmutableMatrix, ...]
+    coefficients: tuple[Coefficient, ...] = ()
+
+
+def vector_at(motion: Motion, field: Field, values: Mapping[str, sp.Matrix]) -> sp.Matrix:
+    """A field at a material point, in the inertial base; `values` are r, rdot and Phi_i there."""
+    still = sp.zeros(motion.rotation.rows, 1)
+    moving = (tensor * values[name] for name, tensor in field.items() if name != ONE)
+    return (field.get(ONE, still) + motion.rotation * sum(moving, still)).expand()
+
+
+def work_at(motion: Motion, field: Field, values: Mapping[str, sp.Matrix]) -> sp.Expr:
+    """The work of a force at a material point on a displacement; see `force_vector` and `force_definitions`."""
+    still = sp.zeros(motion.rotation.rows, 1)
+    seen = sp.Matrix([d.symbol for d in force_definitions(motion)])
+    moving = (tensor * values[name] for name, tensor in field.items() if name != ONE)
+    return sp.expand(force_vector(motion).dot(field.get(ONE, still)) + seen.dot(sum(moving, still)))
+
+
+def force_vector(motion: Motion) -> sp.Matrix:
+    """A force F_1, F_2, ... in the inertial base."""
+    return sp.Matrix([sp.Symbol(f"F_{k + 1}") for k in range(motion.rotation.rows)])
+
+
+def force_definitions(motion: Motion) -> tuple[Definition, ...]:
+    """The force in the body base."""
+    return tuple(
+        Definition(sp.Symbol(f"Fb_{k}"), expr, "F", "(10)", f"force along the axis {k} of the floating frame")
+        for k, expr in enumerate(motion.rotation.T * force_vector(motion), 1)
+    )
+
+
+def marker(motion: Motion, point: MaterialPoint, reasons: zeros.Reasons) -> MarkerEquations:
+    """Position, velocity and Jacobian of a material point, from the same fields taken at that point."""
+
+    def at_point(amplitudes: tuple[sp.Symbol, ...], base: sp.Matrix) -> sp.Matrix:
+        return sum((shape * a for shape, a in zip(point.shapes, amplitudes, strict=True)), base)
+
+    names, axes = {R: "r", RDOT: "rdot"}, range(motion.rotation.rows)
+    still = sp.zeros(len(axes), 1)
+    values = {R: at_point(motion.alpha, sp.Matrix(point.position)), RDOT: at_point(motion.alphadot, still)}
+    local = tuple(
+        Definition(sp.Symbol(f"{names[f]}_{k + 1}"), value[k], "r", "(1), (14)", f"{names[f]} . e{k + 1} at the marker")
+        for f, value in values.items()
+        for k in axes
+    )
+    kept, known = zeros.drop_definitions(local, reasons)
+    vectors = {f: sp.Matrix([sp.Symbol(f"{name}_{k + 1}") for k in axes]) for f, name in names.items()}
+
+    def vector(field: Field) -> sp.Matrix:
+        return vector_at(motion, field, vectors).applyfunc(lambda e: zeros.drop(e, known))
+
+    def work(field: Field) -> sp.Expr:
+        return zeros.drop(work_at(motion, field, vectors), known)
+
+    columns, load = [], []
+    for field in (*motion.translations, *motion.frame.rotations()):
+        columns.append(vector(field))
+        load.append(work(field))
+    for shape in point.shapes:
+        vectors[PHI] = sp.Matrix(shape)
+        columns.append(vector(motion.frame.deformation()))
+        load.append(work(motion.frame.deformation()))
+    return MarkerEquations(
+        name=point.name,
+        doc=point.doc,
+        definitions=kept,
+        force=sp.ImmutableMatrix(force_vector(motion)),
+        force_definitions=force_definitions(motion),
+        load=tuple(load),
+        position=sp.ImmutableMatrix(vector(motion.position)),
+        velocity=sp.ImmutableMatrix(vector(motion.velocity)),
+        jacobian=sp.ImmutableMatrix.hstack(*columns),
+    )
