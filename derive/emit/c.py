@@ -45,7 +45,7 @@ def c_files(model: Model, fingerprint: str) -> tuple[File, ...]:
         "helpers": _helpers(model, widths),
         "defaults": defaults_text(model),
         "functions": [_function(model, kernel) for kernel in model.kernels],
-        "batch_helpers": "\n".join(batch_helpers(model, widths)),
+        "batch_helpers": batch_helpers(model, widths),
         "batches": [_batch(model, name, width) for name, width in widths.items()],
         "batch_width": " or ".join(str(w) for w in sorted({*widths.values()})),
         "batch_stack": -(-max(stack(model, name, width) for name, width in widths.items()) // 1024),

@@ -13,7 +13,7 @@ from itertools import groupby
 
 from derive.emit.c_batch_loops import BlockLoops, Lines, Names, put, rows_helper, totals
 from derive.emit.expression import statement
-from derive.emit.template import WIDTH
+from derive.emit.template import WIDTH, render
 from derive.kernel.ir import (
     Contract,
     Each,
@@ -75,78 +75,27 @@ def batch_body(model: Model, kernel: Kernel, width: int) -> Lines:
     return _Body(kernel, model.name, width).text()
 
 
-def batch_helpers(model: Model, widths: Mapping[str, int]) -> Lines:
+@dataclass(frozen=True)
+class Helpers:
+    """What the functions with blocks of one width call; a model whose q or v has arrays `takes` them."""
+
+    name: str
+    width: int
+    takes: bool
+    products: str
+
+
+def batch_helpers(model: Model, widths: Mapping[str, int]) -> str:
     """What the functions of the batches call, for each width of a block."""
-    lines: Lines = []
+    blocks = []
     for width in sorted({*widths.values()}):
-        prefix = f"{model.name}_block{width}"
-        kernels = [model.kernel(name) for name, w in widths.items() if w == width]
-        lines += FILL.format(name=prefix, w=width).splitlines()
-        lines += PUT.format(name=prefix, w=width).splitlines()
-        if any(a.arrays for kernel in kernels for a in kernel.arguments if a.name != "k"):
-            lines += TAKE.format(name=prefix, w=width).splitlines()
+        name = f"{model.name}_block{width}"
+        kernels = [model.kernel(kernel) for kernel, w in widths.items() if w == width]
+        takes = any(a.arrays for kernel in kernels for a in kernel.arguments if a.name != "k")
         sizes = {s.packing.padded for k in kernels for s in k.statements if isinstance(s, Contract)}
-        lines += [line for size in sizes for line in rows_helper(prefix, size, width)]
-    return [*lines, *REFUSE.format(name=f"{model.name}_block").splitlines()]
-
-
-FILL = """\
-/* The rows of a block that is not full: its last state is repeated. */
-static const double *{name}_fill(ptrdiff_t all, int count, int rows, const double *from, double *to)
-{{
-    for (int e = 0; e < rows; e++)
-        for (int b = 0; b < {w}; b++) to[e * {w} + b] = from[e * all + (b < count ? b : count - 1)];
-    return to;
-}}
-
-"""
-PUT = """\
-/* The rows of a block to their places among those of all states. */
-static inline void {name}_put(
-    ptrdiff_t all, int count, int rows, double (*TISSERAND_RESTRICT from)[{w}], double *TISSERAND_RESTRICT to)
-{{
-    for (int e = 0; e < rows; e++) {{
-        double *row = to + e * all;
-        if (count == {w}) {{
-            for (int b = 0; b < {w}; b++) row[b] = from[e][b];
-        }} else {{
-            for (int b = 0; b < {w}; b++) {{
-                if (b < count) row[b] = from[e][b];
-            }}
-        }}
-    }}
-}}
-
-"""
-TAKE = """\
-/* Rows of all states to those of a block; where that is not full, its last state is repeated. */
-static inline void {name}_take(
-    ptrdiff_t all, int count, int rows, const double *TISSERAND_RESTRICT from, double (*TISSERAND_RESTRICT to)[{w}])
-{{
-    for (int e = 0; e < rows; e++) {{
-        const double *row = from + e * all;
-        if (count == {w}) {{
-            for (int b = 0; b < {w}; b++) to[e][b] = row[b];
-        }} else {{
-            for (int b = 0; b < {w}; b++) to[e][b] = row[b < count ? b : count - 1];
-        }}
-    }}
-}}
-
-"""
-REFUSE = """\
-/* NaN for the states that fail, and the code of the first of them. */
-static int {name}_refuse(ptrdiff_t all, int count, int rows, const double *codes, double *to)
-{{
-    int code = 0;
-    for (int b = 0; b < count; b++) {{
-        if (codes[b] == 0.0) continue;
-        if (code == 0) code = (int) codes[b];
-        for (int e = 0; e < rows; e++) to[e * all + b] = NAN;
-    }}
-    return code;
-}}
-"""
+        products = "".join(f"{line}\n" for size in sizes for line in rows_helper(name, size, width))
+        blocks.append(Helpers(name, width, takes, products))
+    return render("c/block.c.jinja", {"name": model.name, "blocks": blocks})
 
 
 class _Body:

@@ -130,6 +130,16 @@ def test_a_state_that_fails_does_not_touch_the_others(model: str, bad: int) -> N
         state[bad] = kept
 
 
+def test_an_infinite_acceleration_is_no_acceleration() -> None:
+    """A spin whose square is infinite pulls both amplitudes outwards: their sum is infinite, and not a NaN."""
+    compiled = native("mean_2")
+    k, (q, v) = constants(compiled), states(compiled, 3)
+    q[1, 3:], v[1, 2:] = 0.1, [1e160, 0, 0]
+    single = one_by_one(compiled, "accel", q, v, k=k)
+    assert single[1] == 2
+    same(compiled.accel_batch(0.5, q, v, k, check=False), single)
+
+
 def test_a_pivot_that_vanishes_in_some_states() -> None:
     """In the mean frame the pivot of phi is J = C3 + alpha . c8 alpha: with this C3 straight beams have none."""
     compiled = native("mean_2")
