@@ -61,19 +61,26 @@ def build(path: Path) -> Built:
         deriving = replace(deriving, nonzeros=sum(entry != 0 for entry in equations.mass))
     files = model_files(model, spec)
     emitting = Stage("emit", lap())
-    notes = (model.choice, *_departures(spec)) if model.choice else ()
+    notes = (model.choice, *_of_modes(spec)) if model.choice else ()
     return Built(spec, equations, model, files, (reading, deriving, lowering, emitting), notes)
 
 
-def _departures(spec: Specification) -> tuple[str, ...]:
-    """How far the modes of a body of nodes are from the conditions (17), (19), as given and as used."""
+def _of_modes(spec: Specification) -> tuple[str, ...]:
+    """What one should know of the modes of a body of nodes: how far they were from their frame, and loose ones."""
     if not isinstance(spec, NodalBody):
         return ()
-    from derive.reduction import residuals
+    from derive.reduction import loose_modes, residuals
 
+    notes = []
     found = residuals(spec)
     before, after = found.before, found.after
-    return (
-        f"mean displacement of the modes (17): {before.displacement:.1e} of their size as given, "
-        f"{after.displacement:.1e} as used; mean rotation (19): {before.rotation:.1e}, {after.rotation:.1e}",
-    )
+    if spec.frame.kind != "point" and spec.modes != 0:
+        asked = "" if spec.frame.kind == "mean" else " (no condition of the frame as given)"
+        notes.append(
+            f"mean displacement of the modes (17): {before.displacement:.1e} of their size as given, "
+            f"{after.displacement:.1e} as used; mean rotation (19): {before.rotation:.1e}, {after.rotation:.1e}{asked}"
+        )
+    if loose := loose_modes(spec):
+        said = ", ".join(map(str, loose))
+        notes.append(f"warning: no stiffness in mode {said}: is a part loose, or are elements missing?")
+    return tuple(notes)

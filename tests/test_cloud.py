@@ -149,8 +149,14 @@ def place(n: int, k: int, c: Vector, e: Vector, alpha: Vector) -> Vector:
 
 
 def damping_matrix(n: int) -> np.ndarray:
+    """Proportional to the mass of the modes without their rigid motion, which is found by least squares here."""
     c = cloud(n)
-    return MASS_DAMPING * np.einsum("k,ika,jka->ij", c.masses, c.modes, c.modes) + STIFFNESS_DAMPING * c.stiffness
+    root = np.sqrt(c.masses)[:, None]
+    turns = [np.cross(axis, c.positions) for axis in np.eye(3)]
+    rigid = np.array([*(np.tile(axis, (POINTS, 1)) for axis in np.eye(3)), *turns])
+    weighted, fields = ((root * f).reshape(len(f), 3 * POINTS) for f in (rigid, c.modes))
+    rest = fields - np.linalg.lstsq(weighted.T, fields.T, rcond=None)[0].T @ weighted
+    return MASS_DAMPING * rest @ rest.T + STIFFNESS_DAMPING * c.stiffness
 
 
 def oracle(n: int, q: np.ndarray, v: np.ndarray, a: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -155,6 +155,11 @@ def parameters(given: ModalBody, tables: tuple[Table, ...], gravity: Gravity | N
         size = np.abs(values).max(initial=0.0)
         if np.any(np.abs(values[~diagonal] if t.kind != "zero" else values) > 1e-9 * max(size, given.mass)):
             raise ValueError(f"the model takes {t.name} to vanish ({t.zero}), but that of {given.name} does not")
+        if t.kind == "unit" and np.any(np.abs(values[diagonal] - 1) > 1e-9):
+            raise ValueError(
+                f"the model takes {t.name} to be the unit matrix ({t.zero}), but that of {given.name} is not: "
+                "bring the body to the mean frame with orthonormal modes, or scale them to modal masses of 1 kg"
+            )
         if t.kind == "diagonal":
             parts.append(values[diagonal])
     _, symbols = quantity.gravity(gravity)

@@ -12,10 +12,11 @@ from derive.reduction.arithmetic import Array, symmetric
 from derive.reduction.checks import check_body, check_modes
 from derive.reduction.damping import damping_matrix
 from derive.reduction.eigen import elastic_modes, modal_stiffness
-from derive.reduction.frames import Shapes, in_frame, orthonormal, with_signs
+from derive.reduction.frames import Shapes, centred, in_frame, orthonormal, with_signs
 from derive.reduction.integrals import antisymmetric, integrals
-from derive.reduction.mass import canonical
+from derive.reduction.mass import canonical, products
 from derive.reduction.reasons import Parities, structure
+from derive.reduction.rigid import rigid_basis, without
 from derive.reduction.symmetry import Mirror, apart, mirrors, with_parities
 from derive.spec.body import NodalBody
 
@@ -42,11 +43,10 @@ def reduce(body: NodalBody) -> ModalBody:
     prepared = prepare(body)
     shapes = prepared.shapes
     found = integrals(prepared.mass, shapes.x, shapes.phi)
-    c8 = np.eye(len(shapes.phi)) if prepared.orthonormal else found.c8
     found, stiffness, damping, zeros = structure(
         found,
         shapes.stiffness,
-        damping_matrix(body.damping, c8, shapes.stiffness),
+        damping_matrix(body.damping, _deforming_mass(body, prepared), shapes.stiffness),
         mean=body.frame.kind == "mean",
         orthonormal=prepared.orthonormal,
         parities=prepared.parities,
@@ -72,6 +72,25 @@ def reduce(body: NodalBody) -> ModalBody:
         ),
         zeros=zeros,
     )
+
+
+LOOSE = 1e-9
+"""A mode whose stiffness is below this part of the largest is a mechanism."""
+
+
+def loose_modes(body: NodalBody) -> tuple[int, ...]:
+    """The modes, counted from 1, that have no stiffness to speak of."""
+    values = np.diag(prepare(body).shapes.stiffness)
+    return tuple(i for i, value in enumerate(values, 1) if value <= LOOSE * values.max())
+
+
+def _deforming_mass(body: NodalBody, prepared: Prepared) -> Array:
+    """c8 of the shapes without their rigid motion: in the mean frame c8 itself."""
+    mass, shapes = prepared.mass, prepared.shapes
+    if prepared.orthonormal and body.frame.kind == "mean":
+        return np.eye(len(shapes.phi))
+    elastic = without(mass, rigid_basis(mass, centred(mass, shapes.x)), shapes.phi)
+    return symmetric(products(mass, elastic, elastic))
 
 
 def prepare(body: NodalBody) -> Prepared:

@@ -16,7 +16,7 @@ from derive.reduction.rigid import rigid_basis, rigid_fields, without
 from derive.spec.body import NodalBody
 from derive.spec.errors import Problem, SpecError
 
-DEPENDENT = 1e-7
+DEPENDENT = 1e-5
 """Modes whose part without rigid motion has a singular value below this part of the largest are dependent."""
 
 TIED = 1e-2

@@ -1,4 +1,9 @@
-"""Viscous damping of a body: a part of critical in each mode, and a part proportional to mass and stiffness."""
+"""Viscous damping of a body: a part of critical in each mode, and a part proportional to mass and stiffness.
+
+What is damped is the deformation, whatever the frame it is measured from. The modes of a free body are those of the
+shapes without their rigid motion, so c8 below is that of the projected shapes: the same amplitudes then give the same
+damping in every frame.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +14,10 @@ from derive.spec.body import Damping
 
 
 def damping_matrix(damping: Damping, c8: Array, stiffness: Array) -> Array:
-    """B = c8 V diag(2 ratio omega) V^T c8 + mass c8 + stiffness K; V are the modes of c8 and K, orthonormal in c8."""
+    """B = c8 V diag(2 ratio omega) V^T c8 + mass c8 + stiffness K; V are the modes of c8 and K, orthonormal in c8.
+
+    `c8` is that of the shapes without their rigid motion.
+    """
     found = float(damping.mass) * c8 + float(damping.stiffness) * stiffness
     if not damping.ratio:
         return np.asarray(found)

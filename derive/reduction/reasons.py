@@ -103,7 +103,8 @@ def structure(
 def _by_frame(entry: Entry, *, mean: bool, orthonormal: bool) -> str:
     if mean and entry.table in ("c1", "c2", "c6"):
         return {"c1": CENTRE, "c2": DISPLACEMENT, "c6": ROTATION}[entry.table]
-    if orthonormal and entry.table in ("c8", "stiffness", "damping") and entry.index[0] != entry.index[1]:
+    diagonal = ("c8", "stiffness", "damping") if mean else ("c8", "stiffness")  # damping is that of the free modes
+    if orthonormal and entry.table in diagonal and entry.index[0] != entry.index[1]:
         return ORTHOGONAL
     return ""
 

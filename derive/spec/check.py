@@ -30,8 +30,8 @@ from derive.spec.values import kind_of
 
 MAX_FAULTS = 100
 QUANTITIES = {"mass": paper.MASS, "length": paper.LENGTH, "bending_stiffness": paper.BENDING_STIFFNESS}
-INTEGRALS = "m|c[1-8](_[0-9]+)+|[kb](_[0-9]+)+"
-"""The names of the parameters of a symbolic body: m, c2_1_3, C3_11, K_1_2, B_1_2."""
+INTEGRALS = "m|c[1-8](_[0-9]+)*|[kb](_[0-9]+)*|(x|phi)[0-9]+(_[0-9]+)*"
+"""The names of the parameters of a body in space: m, c2_1_3, C3, C3_11, K_1_2, B_1_2, and X1, Phi1 of its markers."""
 
 
 def checked(data: Mapping[str, object], folder: Path) -> Specified | list[Fault]:
@@ -45,7 +45,10 @@ def checked(data: Mapping[str, object], folder: Path) -> Specified | list[Fault]
         faults = [_fault(one, data) for one in details[:MAX_FAULTS]]
         if len(details) > MAX_FAULTS:
             faults.append(Fault((), f"{len(details) - MAX_FAULTS} more problems are not shown"))
-    faults += _one_body(data)
+    bodies = list(_one_body(data))
+    if "beam" in data and "body" in data:
+        return bodies  # what else there is follows from this
+    faults += bodies
     faults += _repeated_names(data)
     faults += _names_of_integrals(data)
     faults += _shape_faults(data)
@@ -84,7 +87,8 @@ def _fault(error: ErrorDetails, data: Mapping[str, object]) -> Fault:
         case "extra_forbidden":
             return Fault(path, _unknown_key(path, data))
         case "model_type":
-            return Fault(path, f"a table is needed here, not {kind_of(error['input'])}")
+            such = ", such as { ratio = 0.01 }" if path == ("body", "damping") else ""
+            return Fault(path, f"a table is needed here{such}, not {kind_of(error['input'])}")
         case "invalid_key":
             return Fault(path, "a key has to be text")
     raise AssertionError(f"pydantic reports {error['type']}, for which there is no sentence yet")
@@ -186,12 +190,12 @@ def _repeated_names(data: Mapping[str, object]) -> Iterator[Fault]:
 
 
 def _names_of_integrals(data: Mapping[str, object]) -> Iterator[Fault]:
-    """Names that the parameters of a symbolic body have."""
+    """Symbols of gravity that are names of the other parameters of a body in space."""
     body = data.get("body")
-    if isinstance(body, Mapping) and kind_of_body(body) == "symbolic":
-        for path, name, _ in _symbols(data.get("name"), "body", body):
+    if isinstance(body, Mapping):
+        for path, name, _ in _symbols(None, "body", body):
             if re.fullmatch(INTEGRALS, name, re.IGNORECASE):
-                yield Fault(path, f"{quoted(name)} is taken: it is the name of an integral of a symbolic body")
+                yield Fault(path, f"{quoted(name)} is taken: it is the name of another parameter of a body in space")
 
 
 def _symbols(model: object, kind: str, table: Mapping[str, object]) -> Iterator[tuple[KeyPath, str, str]]:

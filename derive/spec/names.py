@@ -64,8 +64,8 @@ def _why_not(text: str) -> str | None:
     if text.endswith("_"):
         # Names are joined by _ to longer ones.
         return "it must end with a letter or a digit"
-    if text in _RESERVED:
-        return f"it {_RESERVED[text]}"
+    if text in _RESERVED or text.lower() == "tisserand":  # macros begin with TISSERAND
+        return f"it {_RESERVED.get(text, _RESERVED['tisserand'])}"
     return None
 
 

@@ -48,3 +48,17 @@ def test_the_choice_is_said_with_its_numbers() -> None:
     assert model.choice.startswith("written out for each shape, the faster: for h 4")
     header = (ROOT / "generated/block/block.h").read_text()
     assert " ".join(model.choice.split()[:8]) in " ".join(header.replace(" * ", " ").split())
+
+
+def test_a_body_that_does_not_fit_is_refused() -> None:
+    """The same block with modes twice as large: c8 = 4, which the model with orthonormal modes takes to be 1."""
+    spec = derive.read(ROOT / "scenes/block.toml")
+    anything = derive.read(ROOT / "scenes/body_symbolic.toml")
+    block = derive.modal(spec)
+    assert derive.parameters(block, anything)[0] == block.mass
+    with pytest.raises(ValueError, match="takes c8 to be the unit matrix"):
+        derive.parameters(replace(block, c8=4 * block.c8), anything)
+    with pytest.raises(ValueError, match="takes c2 to vanish"):
+        derive.parameters(replace(block, c2=block.c2 + 1.0), anything)
+    with pytest.raises(ValueError, match="has 8 modes and block 3"):
+        derive.parameters(derive.modal(replace(spec, modes=3)), anything)

@@ -11,7 +11,7 @@ import pytest
 import scipy.linalg
 
 from derive.mechanics.modal import ModalBody
-from derive.reduction import reduce, residuals
+from derive.reduction import loose_modes, reduce, residuals
 from derive.reduction.body import prepare
 from derive.spec.body import BodyFrame, Damping, NodalBody
 
@@ -143,14 +143,38 @@ def test_damping() -> None:
     assert half.zeros["B_1_2"] == "orthogonality (modes orthonormal in the mass)"
     given = bodies.nodal(data, bodies.GIVEN, orthonormal=False)
     both = reduce(replace(given, damping=Damping(Fraction(1, 50), Fraction(3), Fraction(1, 1000))))
-    rest = both.damping - 3 * both.c8 - both.stiffness / 1000
-    values, vectors = np.linalg.eigh(
-        np.linalg.solve(np.linalg.cholesky(both.c8), np.eye(3)) @ rest @ np.linalg.inv(np.linalg.cholesky(both.c8)).T
-    )
-    k, _ = np.linalg.eigh(
-        np.linalg.inv(np.linalg.cholesky(both.c8)) @ both.stiffness @ np.linalg.inv(np.linalg.cholesky(both.c8)).T
-    )
-    assert np.allclose(values, 2 / 50 * np.sqrt(k), rtol=1e-12) and vectors.shape == (3, 3)
+    free = reduce(replace(given, frame=BodyFrame("mean"))).c8  # of the same modes without their rigid motion
+    rest = both.damping - 3 * free - both.stiffness / 1000
+    root = np.linalg.inv(np.linalg.cholesky(free))
+    values, k = (np.linalg.eigvalsh(root @ matrix @ root.T) for matrix in (rest, both.stiffness))
+    assert np.allclose(values, 2 / 50 * np.sqrt(k), rtol=1e-12)
+
+
+@pytest.mark.parametrize("frame", [BodyFrame("mean"), BodyFrame("point", 2), BodyFrame("given")])
+@pytest.mark.parametrize("damping", [Damping(ratio=Fraction(1, 50)), Damping(mass=Fraction(3))])
+def test_damping_of_the_free_body_does_not_depend_on_the_frame(frame: BodyFrame, damping: Damping) -> None:
+    """Eigenvalues of M, B and K of all rows, at rest: each elastic mode has the ratio that was asked for."""
+    body = reduce(bodies.nodal(bodies.cloud(3), frame, orthonormal=False, damping=damping))
+    rigid = np.zeros((6, 6))
+    rigid[:3, :3] = body.mass * np.eye(3)
+    rigid[3:, 3:] = body.C3
+    rigid[3:, :3] = np.cross(np.eye(3), body.c1)
+    rigid[:3, 3:] = rigid[3:, :3].T
+    coupling = np.hstack([body.c2, body.c6])
+    elastic = body.c8 - coupling @ np.linalg.solve(rigid, coupling.T)
+    root = np.linalg.inv(np.linalg.cholesky(elastic))
+    values, turned = np.linalg.eigh(root @ body.stiffness @ root.T)
+    rates = turned.T @ root @ body.damping @ root.T @ turned
+    expected = 2 / 50 * np.sqrt(values) if damping.ratio else np.full(3, 3.0)
+    assert np.allclose(rates, np.diag(expected), rtol=1e-10, atol=1e-10 * expected.max())
+
+
+def test_loose_parts_are_told() -> None:
+    data = bodies.cloud(3)
+    assert loose_modes(bodies.nodal(data)) == ()
+    stiffness = data.modal_stiffness.copy()
+    stiffness[1] = stiffness[:, 1] = 0.0
+    assert loose_modes(bodies.nodal(replace(data, modal_stiffness=stiffness))) == (1,)
 
 
 def test_a_body_without_modes() -> None:

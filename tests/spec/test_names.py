@@ -61,3 +61,8 @@ def test_what_is_suggested_is_a_name(text):
 @pytest.mark.parametrize("word", [*keyword.kwlist, "match", "case", "type", "_"])
 def test_words_of_python_are_refused(word):
     assert name_problem(word)
+
+
+@pytest.mark.parametrize("name", ["tisserand", "Tisserand", "TISSERAND"])
+def test_the_prefix_of_our_own_macros_is_taken(name: str) -> None:
+    assert "is taken by a library or a system" in (name_problem(name) or "")
