@@ -209,10 +209,12 @@ def model(eq: GenericEquations, memory: Memory, kernels: tuple[Kernel, ...], zer
     def of_shapes(name: str, doc: str, unit: str) -> tuple[Variable, ...]:
         return (Variable(name, doc, unit, 0.0, shapes),) if shapes else ()
 
-    constants = tuple(
-        Variable(v.name, "packed tables" if v.name == TABLES else "over the shapes", "", 0.0, v.size)
-        for v in memory.argument.arrays
-    ) + tuple(Variable(name, "scalar", "") for name in memory.argument.elements)
+    told = {component(t.name, label): t for t in eq.tables for label in labels(t.name)}
+    docs = {name: (t.doc, t.unit) for name, t in told.items()}
+    docs |= {str(c.symbol): (c.doc, c.unit) for c in eq.scalars}
+    docs |= {TABLES: (", ".join(memory.packing.tables), ""), TRIANGLE: ("c8 for i <= j", "kg"), ROOT: ("of c8", "")}
+    constants = tuple(Variable(v.name, docs[v.name][0], docs[v.name][1], 0.0, v.size) for v in memory.argument.arrays)
+    constants += tuple(Variable(name, *docs[name]) for name in memory.argument.elements)
     return Model(
         name=eq.name,
         doc=eq.doc,

@@ -2443,21 +2443,21 @@ static const tisserand_variable body_symbolic_table_p[] = {
 };
 
 static const tisserand_variable body_symbolic_table_k[] = {
-    {"tables", "", "packed tables", 0.0, 576},
-    {"C4_11", "", "over the shapes", 0.0, 8},
-    {"C4_12", "", "over the shapes", 0.0, 8},
-    {"C4_13", "", "over the shapes", 0.0, 8},
-    {"C4_22", "", "over the shapes", 0.0, 8},
-    {"C4_23", "", "over the shapes", 0.0, 8},
-    {"C4_33", "", "over the shapes", 0.0, 8},
-    {"K", "", "over the shapes", 0.0, 8},
-    {"mass", "", "scalar", 0.0, 1},
-    {"C3_11", "", "scalar", 0.0, 1},
-    {"C3_12", "", "scalar", 0.0, 1},
-    {"C3_13", "", "scalar", 0.0, 1},
-    {"C3_22", "", "scalar", 0.0, 1},
-    {"C3_23", "", "scalar", 0.0, 1},
-    {"C3_33", "", "scalar", 0.0, 1},
+    {"tables", "", "C5_11, C5_12, C5_13, C5_22, C5_23, C5_33, c7_1, c7_2, c7_3", 0.0, 576},
+    {"C4_11", "kg m", "symmetric part of int rho ((Phi_i . X) I - Phi_i X)", 0.0, 8},
+    {"C4_12", "kg m", "symmetric part of int rho ((Phi_i . X) I - Phi_i X)", 0.0, 8},
+    {"C4_13", "kg m", "symmetric part of int rho ((Phi_i . X) I - Phi_i X)", 0.0, 8},
+    {"C4_22", "kg m", "symmetric part of int rho ((Phi_i . X) I - Phi_i X)", 0.0, 8},
+    {"C4_23", "kg m", "symmetric part of int rho ((Phi_i . X) I - Phi_i X)", 0.0, 8},
+    {"C4_33", "kg m", "symmetric part of int rho ((Phi_i . X) I - Phi_i X)", 0.0, 8},
+    {"K", "N/m", "stiffness", 0.0, 8},
+    {"mass", "kg", "mass of the body", 0.0, 1},
+    {"C3_11", "kg m^2", "int rho ((X . X) I - X X)", 0.0, 1},
+    {"C3_12", "kg m^2", "int rho ((X . X) I - X X)", 0.0, 1},
+    {"C3_13", "kg m^2", "int rho ((X . X) I - X X)", 0.0, 1},
+    {"C3_22", "kg m^2", "int rho ((X . X) I - X X)", 0.0, 1},
+    {"C3_23", "kg m^2", "int rho ((X . X) I - X X)", 0.0, 1},
+    {"C3_33", "kg m^2", "int rho ((X . X) I - X X)", 0.0, 1},
 };
 
 static const tisserand_variable body_symbolic_table_q[] = {

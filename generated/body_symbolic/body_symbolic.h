@@ -45,21 +45,21 @@
  *   K  [N/m]  stiffness, for each i, 8 values
  *
  * Constants k, made of them by setup:
- *   tables  packed tables, 576 values
- *   C4_11  over the shapes, 8 values
- *   C4_12  over the shapes, 8 values
- *   C4_13  over the shapes, 8 values
- *   C4_22  over the shapes, 8 values
- *   C4_23  over the shapes, 8 values
- *   C4_33  over the shapes, 8 values
- *   K  over the shapes, 8 values
- *   mass  scalar
- *   C3_11  scalar
- *   C3_12  scalar
- *   C3_13  scalar
- *   C3_22  scalar
- *   C3_23  scalar
- *   C3_33  scalar
+ *   tables  C5_11, C5_12, C5_13, C5_22, C5_23, C5_33, c7_1, c7_2, c7_3, 576 values
+ *   C4_11  [kg m]  symmetric part of int rho ((Phi_i . X) I - Phi_i X), 8 values
+ *   C4_12  [kg m]  symmetric part of int rho ((Phi_i . X) I - Phi_i X), 8 values
+ *   C4_13  [kg m]  symmetric part of int rho ((Phi_i . X) I - Phi_i X), 8 values
+ *   C4_22  [kg m]  symmetric part of int rho ((Phi_i . X) I - Phi_i X), 8 values
+ *   C4_23  [kg m]  symmetric part of int rho ((Phi_i . X) I - Phi_i X), 8 values
+ *   C4_33  [kg m]  symmetric part of int rho ((Phi_i . X) I - Phi_i X), 8 values
+ *   K  [N/m]  stiffness, 8 values
+ *   mass  [kg]  mass of the body
+ *   C3_11  [kg m^2]  int rho ((X . X) I - X X)
+ *   C3_12  [kg m^2]  int rho ((X . X) I - X X)
+ *   C3_13  [kg m^2]  int rho ((X . X) I - X X)
+ *   C3_22  [kg m^2]  int rho ((X . X) I - X X)
+ *   C3_23  [kg m^2]  int rho ((X . X) I - X X)
+ *   C3_33  [kg m^2]  int rho ((X . X) I - X X)
  *
  * Mass matrix, x a value and . a structural zero:
  *   c1      x . . . . . . .
