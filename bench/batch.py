@@ -1,0 +1,131 @@
+"""Nanoseconds a state: mass, force and accel called state by state, and in a batch of many states.
+
+python bench/batch.py [--states 256] [--repeats 21] [--flags="-O3 -march=native"]
+
+Both in one process, in turns. The values must agree to 1e-12 of the largest: these flags may fuse products and sums.
+"""
+
+from __future__ import annotations
+
+import argparse
+import shlex
+import tempfile
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+import numpy as np
+from bodies import dense, states
+from interleaved import Way, interleaved
+from limited import limited
+from machine import described
+from problem import beam
+
+import derive
+from derive.emit.c import c_files
+from derive.kernel.model import Model
+from derive.native import compiler
+
+FLAGS = ("-O3 -march=native", "-O3")
+KERNELS = ("mass", "force", "accel")
+TOLERANCE = 1e-12
+
+
+def planar(frame: str, shapes: int) -> tuple[Model, np.ndarray]:
+    model = derive.lower(derive.derive(beam(frame, shapes)))
+    return model, np.array(model.defaults)
+
+
+def spatial(shapes: int, frame: str, lowering: str) -> tuple[Model, np.ndarray]:
+    """Of a dense body; in the mean frame with what numbers the defaults and a little more give."""
+    spec = derive.symbolic_body("body", shapes, frame=frame, lowering=lowering)
+    model = derive.lower(derive.derive(spec))
+    if frame == "given":
+        return model, derive.parameters(dense(shapes), spec)
+    return model, np.array(model.defaults) + np.random.default_rng(1).uniform(0, 0.01, len(model.defaults))
+
+
+FLAT = (("mean", 2), ("mean", 8), ("given", 8))
+MODELS: dict[str, Callable[[], tuple[Model, np.ndarray]]] = {
+    **{f"beam {f} {n}": lambda f=f, n=n: planar(f, n) for f in ("mean", "point") for n in (2, 8)},
+    **{f"body {f} {n} flat": lambda f=f, n=n: spatial(n, f, "flat") for f, n in FLAT},
+    **{
+        f"body {f} {n} table": lambda f=f, n=n: spatial(n, f, "table")
+        for f in ("mean", "given")
+        for n in (8, 32, 100, 300)
+    },
+}  # fmt: skip
+
+
+def ways(model: Model, count: int) -> list[Way]:
+    """Each kernel alone, then in a batch: q, v hold a state in a row, Q, V an element in a row."""
+    nq, nv = sum(v.size for v in model.coordinates), sum(v.size for v in model.rates)
+    found = []
+    for kernel in KERNELS:
+        size, name = model.kernel(kernel).outputs[0].size, f"{model.name}_{kernel}"
+        single = f"q + s * {nq}, k" if kernel == "mass" else f"0.0, q + s * {nq}, v + s * {nv}, k"
+        every = "Q, k" if kernel == "mass" else "0.0, Q, V, k"
+        found.append(Way(kernel, f"{name}({single}, out);", size))
+        found.append(Way(f"{kernel} batch", f"{name}_batch({count}, {every}, out);", size * count, count))
+    return found
+
+
+def given_states(model: Model, count: int) -> tuple[np.ndarray, np.ndarray]:
+    n = sum(v.size for v in model.coordinates)
+    if model.coordinates[2].name != "phi":
+        found = states(n - 7, count)
+        return found["q"], found["v"]
+    rng = np.random.default_rng(n)
+    q, v = rng.uniform(-1, 1, (count, n)), rng.uniform(-1, 1, (count, n))
+    q[:, 2] *= np.pi
+    q[:, 3:] *= 0.1
+    return q, v
+
+
+def nanoseconds(model: Model, p: np.ndarray, flags: str, count: int, repeats: int, folder: Path) -> list[float]:
+    """By the order of `ways`. Raises ArithmeticError when a batch gives other values."""
+    derive.write(c_files(model, "a benchmark"), folder)
+    source = folder / model.name / f"{model.name}.c"
+    limited([*compiler(), *shlex.split(flags), "-w", "-c", source, "-o", source.with_suffix(".o")])
+    q, v = given_states(model, count)
+    every = ways(model, count)
+    times, values = interleaved(
+        every,
+        declare=f'#include "{source.with_suffix(".h").resolve()}"',
+        once=f"if ({model.name}_setup(p, k)) return 5;",
+        arrays={"p": np.append(p, 0.0), "q": q, "v": v, "Q": q.T, "V": v.T},
+        scratch={"k": sum(c.size for c in model.constants) + 1},
+        objects=[source.with_suffix(".o")],
+        folder=folder,
+        states=count,
+        repeats=repeats,
+    )
+    for single, batch, way in zip(values[::2], values[1::2], every[1::2], strict=True):
+        error = np.max(np.abs(batch.reshape(-1, count).T - single)) / np.max(np.abs(single))
+        if not error < TOLERANCE:
+            raise ArithmeticError(f"{way.name} of {model.name} is off by {error:.1e}")
+    return times
+
+
+def main(argv: Sequence[str] | None = None) -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--models", nargs="+", choices=list(MODELS), default=list(MODELS), metavar="MODEL")
+    parser.add_argument("--states", type=int, default=256)
+    parser.add_argument("--repeats", type=int, default=21)
+    parser.add_argument("--flags", action="append", help=f"may be repeated; instead of {' and '.join(FLAGS)}")
+    options = parser.parse_args(argv)
+    print("\n".join(described("casadi", "sympy")))
+    print(
+        f"figures   ns a state, alone and in a batch of {options.states} states (64 where there are 100 shapes or more)"
+    )
+    made = {name: MODELS[name]() for name in options.models}
+    with tempfile.TemporaryDirectory(prefix="tisserand-bench-") as folder:
+        for flags in options.flags or FLAGS:
+            print("\n" + flags.ljust(22) + "".join(f"{kernel:>10}     batch" for kernel in KERNELS))
+            for name, (model, p) in made.items():
+                count = min(options.states, 64) if len(p) > 10_000 else options.states
+                times = nanoseconds(model, p, flags, count, options.repeats, Path(folder))
+                print(name.ljust(22) + "".join(f"{t:10.2f}" for t in times), flush=True)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,53 @@
+"""Run a command with a limit in seconds, and say how long it took and how much memory the largest process had."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+CHILD = """
+import json, resource, subprocess, sys, time
+start = time.perf_counter()
+done = subprocess.run(sys.argv[1:], capture_output=True, text=True)
+seconds = time.perf_counter() - start
+peak = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss
+print(json.dumps([done.returncode, seconds, peak / 1024, done.stdout, done.stderr[-2000:]]))
+"""
+
+
+@dataclass(frozen=True)
+class Done:
+    """Seconds, megabytes, and what was printed."""
+
+    seconds: float
+    megabytes: float
+    text: str
+
+
+def limited(command: Sequence[str | Path], limit: float | None = None) -> Done | None:
+    """None if it took longer than the limit. Raises RuntimeError when the command fails."""
+    process = subprocess.Popen(
+        [sys.executable, "-c", CHILD, *map(str, command)],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    )
+    try:
+        out, error = process.communicate(timeout=limit)
+    except subprocess.TimeoutExpired:
+        os.killpg(process.pid, signal.SIGKILL)
+        process.communicate()
+        return None
+    if process.returncode:
+        raise RuntimeError(error)
+    code, seconds, megabytes, text, said = json.loads(out)
+    if code:
+        raise RuntimeError(f"{' '.join(map(str, command))}\n{said}")
+    return Done(seconds, megabytes, text)
