@@ -18,6 +18,7 @@ from derive.mechanics import beam, general
 from derive.mechanics.equations import Equations
 from derive.mechanics.generic import GenericEquations
 from derive.mechanics.modal import ModalBody
+from derive.spec import Problem, SpecError
 from derive.spec.body import Gravity, Lowering, NodalBody, PlanarBeam, Specification, SymbolicBody
 
 
@@ -27,10 +28,17 @@ def derive(spec: Specification) -> Equations | GenericEquations:
         return beam.derive(spec)
     if isinstance(spec, SymbolicBody):
         found = choice.choose(general.symbolic_tables(spec), general.present_symbolic(spec), spec.modes)
-        if found.taken(spec.lowering) == "flat":
+        if _taken(found, spec.lowering) == "flat":
             return replace(general.derive_symbolic(spec), choice=found.reason(spec.lowering))
         return replace(general.generic_symbolic(spec), choice=found.reason(spec.lowering))
     return derive_modal(modal(spec), spec.gravity, spec.lowering)
+
+
+def _taken(found: choice.Choice, asked: Lowering) -> str:
+    try:
+        return found.taken(asked)
+    except choice.TooLong as error:
+        raise SpecError((Problem("body.lowering", str(error)),)) from None
 
 
 def modal(spec: NodalBody) -> ModalBody:
@@ -43,9 +51,9 @@ def modal(spec: NodalBody) -> ModalBody:
 def derive_modal(
     body: ModalBody, gravity: Gravity | None = None, lowering: Lowering = "auto"
 ) -> Equations | GenericEquations:
-    """The equations of motion of a body given by its shape integrals."""
+    """The equations of motion of a body given by its shape integrals. Raises SpecError when they are too long."""
     found = choice.choose(general.modal_tables(body), general.present_modal(body), body.modes)
-    if found.taken(lowering) == "flat":
+    if _taken(found, lowering) == "flat":
         return replace(general.derive_modal(body, gravity), choice=found.reason(lowering))
     return replace(general.generic_modal(body, gravity), choice=found.reason(lowering))
 

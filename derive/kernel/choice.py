@@ -6,7 +6,7 @@ gcc 12 at -O3 -march=native on a server processor with AVX-512 (bench/scale.py m
     straight line   0.075 ns an operation
     loops           27 ns, 1 ns for each shape, and 0.022 ns an operation, of which there are 2 for each place (i, j)
 
-The first serves to about 20 000 operations: from there on compilers take minutes.
+The first serves to about 15 000 operations of h: from there on, derivation and compilers take minutes.
 """
 
 from __future__ import annotations
@@ -17,8 +17,12 @@ from dataclasses import dataclass
 from derive.mechanics.general import Present
 from derive.mechanics.generic import Table, indices, labels
 
-MOST = 20_000
-"""Operations of straight-line code that compilers still take in seconds."""
+MOST = 15_000
+"""Operations of h in straight line that derivation and compilers still take in seconds."""
+
+
+class TooLong(ValueError):
+    """Straight-line code was asked for where there would be too much of it."""
 
 
 @dataclass(frozen=True)
@@ -28,9 +32,15 @@ class Choice:
     lowering: str
     flat: float
     table: float
+    operations: int
 
     def taken(self, asked: str) -> str:
-        """The lowering that is taken; `asked` is auto, flat or table."""
+        """The lowering that is taken; `asked` is auto, flat or table. Raises TooLong."""
+        if asked == "flat" and self.operations > MOST:
+            raise TooLong(
+                f"written out for each shape, the forces alone would take some {self.operations} operations, "
+                f'and {MOST} is the most; use lowering = "table" or "auto", or fewer modes'
+            )
         return self.lowering if asked == "auto" else asked
 
     def reason(self, asked: str) -> str:
@@ -45,7 +55,7 @@ def choose(tables: Sequence[Table], present: Present, modes: int) -> Choice:
     operations = straight_operations(present)
     full = sum(len(labels(t.name)) for t in tables if t.kind == "full" and indices(t.name) == "ij" and t.name != "c8")
     flat, table = 0.075 * operations, 27 + modes + 0.022 * 2 * full * modes**2
-    return Choice("table" if table < flat or operations > MOST else "flat", flat, table)
+    return Choice("table" if table < flat or operations > MOST else "flat", flat, table, operations)
 
 
 def straight_operations(present: Present) -> int:

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 
 import derive
 from conftest import ROOT
+from derive.cli import main
 from derive.kernel.choice import choose, straight_operations
 from derive.mechanics.general import modal_tables, present_modal, present_symbolic, symbolic_tables
 
@@ -62,3 +64,12 @@ def test_a_body_that_does_not_fit_is_refused() -> None:
         derive.parameters(replace(block, c2=block.c2 + 1.0), anything)
     with pytest.raises(ValueError, match="has 8 modes and block 3"):
         derive.parameters(derive.modal(replace(spec, modes=3)), anything)
+
+
+def test_straight_lines_that_are_too_long_are_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    spec = tmp_path / "long.toml"
+    text = 'name = "lengthy"\n[body]\nintegrals = "symbolic"\nmodes = 40\nframe = "given"\nlowering = "flat"\n'
+    spec.write_text(text)
+    assert main(["build", str(spec), "--out", str(tmp_path)]) == 2
+    said = capsys.readouterr().err
+    assert said.startswith(f"{spec}:6: body.lowering: written out for each shape, the forces alone would take some 3")
