@@ -114,9 +114,7 @@ def main(argv: Sequence[str] | None = None) -> None:
     parser.add_argument("--flags", action="append", help=f"may be repeated; instead of {' and '.join(FLAGS)}")
     options = parser.parse_args(argv)
     print("\n".join(described("casadi", "sympy")))
-    print(
-        f"figures   ns a state, alone and in a batch of {options.states} states (64 where there are 100 shapes or more)"
-    )
+    print(f"figures   ns a state, alone and in a batch of {options.states} states (of 64 where there are 100 shapes)")
     made = {name: MODELS[name]() for name in options.models}
     with tempfile.TemporaryDirectory(prefix="tisserand-bench-") as folder:
         for flags in options.flags or FLAGS:

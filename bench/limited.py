@@ -1,4 +1,4 @@
-"""Run a command with a limit in seconds, and say how long it took and how much memory the largest process had."""
+"""Run a command with limits of time and memory, and say how long it took and how much the largest process had."""
 
 from __future__ import annotations
 
@@ -11,8 +11,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+MEMORY = 8000
+"""Megabytes of addresses that a process may have."""
+
 CHILD = """
 import json, resource, subprocess, sys, time
+most = int(sys.argv.pop(1)) << 20
+resource.setrlimit(resource.RLIMIT_AS, (most, most))
 start = time.perf_counter()
 done = subprocess.run(sys.argv[1:], capture_output=True, text=True)
 seconds = time.perf_counter() - start
@@ -31,9 +36,9 @@ class Done:
 
 
 def limited(command: Sequence[str | Path], limit: float | None = None) -> Done | None:
-    """None if it took longer than the limit. Raises RuntimeError when the command fails."""
+    """None if it took longer than the limit. Raises RuntimeError when the command fails, of memory for example."""
     process = subprocess.Popen(
-        [sys.executable, "-c", CHILD, *map(str, command)],
+        [sys.executable, "-c", CHILD, str(MEMORY), *map(str, command)],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,

@@ -4,8 +4,8 @@ python bench/scale.py [--sizes 2 8 32 100 300] [--data dense beam] [--limit 600]
 
 For M, h and the iteration matrix: seconds to derive and to write C, operations, size of the C, seconds and memory of
 the compiler, nanoseconds of an evaluation. Ours and CasADi's are timed in one process, in turns. Every step may take
-`--limit` seconds; above 100 shapes our loops stand alone. Then our accelerations against LAPACK's, and the constants of
-derive/kernel/choice.py.
+`--limit` seconds and 8 GB; above 100 shapes our loops stand alone. Then our accelerations against LAPACK's, and the
+constants of derive/kernel/choice.py.
 """
 
 from __future__ import annotations
@@ -53,7 +53,7 @@ class Source:
 
 @dataclass(frozen=True)
 class Compiled:
-    """What a compiler took; nothing where it took too long, and then no time of an evaluation either."""
+    """What a compiler took; nothing where it took too much, and then no time of an evaluation either."""
 
     seconds: float | None
     megabytes: float
@@ -107,7 +107,12 @@ def peers(data: str, size: int, limit: float, folder: Path) -> dict[tuple[str, s
 
 def compiled(source: Path, flags: str, limit: float | None = None) -> Compiled:
     """Make an object file beside a C file."""
-    done = limited([*compiler(), *shlex.split(flags), "-w", "-c", source, "-o", source.with_suffix(".o")], limit)
+    command = [*compiler(), *shlex.split(flags), "-w", "-c", source, "-o", source.with_suffix(".o")]
+    try:
+        done = limited(command, limit)
+    except RuntimeError as error:
+        print(f"{source.name}, {flags}: {str(error).splitlines()[-1]}", flush=True)
+        done = None
     return Compiled(None, 0.0) if done is None else Compiled(done.seconds, done.megabytes)
 
 
@@ -207,7 +212,7 @@ def measure(data: str, size: int, options: argparse.Namespace, folder: Path, mea
 
 def cell(cost: Compiled) -> str:
     if cost.seconds is None or cost.nanoseconds is None:
-        return "  not within the limit  "
+        return "  not within the limits "
     return f"{cost.seconds:8.2f}{cost.megabytes:6.0f}{cost.nanoseconds:10.1f}"
 
 
