@@ -46,6 +46,7 @@ from derive.kernel.schedule import Named, Step, Stored, Want, schedule
 from derive.kernel.symbols import Symbols
 from derive.mechanics.equations import Definition
 from derive.mechanics.generic import Contraction, Total, is_indexed
+from derive.mechanics.series import canonical
 
 Scalar = tuple[Let | Store | Require, sp.Expr]
 """Where a scalar goes, by a statement whose expression is replaced, and its value."""
@@ -257,14 +258,6 @@ class Program:
 def array(name: str) -> str:
     """What an indexed quantity is called as an array: S_i_11 is S_11."""
     return "_".join(part for part in name.split("_") if part not in ("i", "j"))
-
-
-def canonical(entry: str) -> str:
-    """A table's entry with its indices in the order i, j."""
-    parts = entry.split("_")
-    if parts.index("i") < parts.index("j"):
-        return entry
-    return "_".join({"i": "j", "j": "i"}.get(part, part) for part in parts)
 
 
 def by_vector(term: sp.Expr) -> sp.Expr:

@@ -204,10 +204,10 @@ def _scalar_elements(eq: GenericEquations, memory: Memory) -> tuple[tuple[str, .
 def model(eq: GenericEquations, memory: Memory, kernels: tuple[Kernel, ...], zeros: tuple[Zero, ...]) -> Model:
     """The kernels of a model with names, units and reasons."""
     n = eq.modes
-    shapes = n * (n > 0)
 
     def of_shapes(name: str, doc: str, unit: str) -> tuple[Variable, ...]:
-        return (Variable(name, doc, unit, 0.0, shapes),) if shapes else ()
+        """An array, whose elements are numbered where they are told apart; one alone has its number itself."""
+        return (Variable(f"{name}1" if n == 1 else name, doc, unit, 0.0, n),) if n else ()
 
     told = {component(t.name, label): t for t in eq.tables for label in labels(t.name)}
     docs = {name: (t.doc, t.unit) for name, t in told.items()}

@@ -39,7 +39,6 @@ class Tables:
         self.n = eq.modes
         self.gradient = Gradient(eq)
         self.rows = tuple(row.name for row in eq.rows)
-        self.quaternion = tuple(str(c.q) for c in eq.coordinates[3:7])
         positions = tuple(str(c.q) for c in eq.coordinates[:7])
         rates, accelerations = tuple(str(r.v) for r in eq.rows), tuple(str(r.a) for r in eq.rows)
         n, coordinates = self.n, len(positions)

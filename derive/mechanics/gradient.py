@@ -9,7 +9,7 @@ from __future__ import annotations
 import sympy as sp
 
 from derive.mechanics.generic import Contraction, GenericEquations, is_indexed
-from derive.mechanics.series import PARITY, family
+from derive.mechanics.series import PARITY, family, swapped
 
 DOTS = {"alpha": "", "alphadot": "dot", "alphaddot": "ddot"}
 
@@ -56,25 +56,20 @@ class Gradient:
                 f"the derivative of a sum has the factor {factor}, which is no sequence over the shapes"
             )
         vector = family(symbol.name)
-        swapped = _swapped(entry)
+        turned = swapped(entry)
         for c in self.contractions:
-            if c.sums == ((vector, swapped),):
+            if c.sums == ((vector, turned),):
                 return weight * (sp.Symbol(c.name) - c.base)
             if c.sums == ((vector, entry),):
                 return weight * PARITY[family(entry)] * (sp.Symbol(c.name) - c.base)
         head, *indices = entry.split("_")
         rest = [part for part in indices if part not in ("i", "j")]
         name = "_".join([f"{head}{DOTS[vector]}", "i", *rest])
-        canonical = "_".join([head, "i", "j", *rest])
-        doc = f"sum over the shapes of {vector}_j {canonical}"
-        self.contractions.append(Contraction(name, sp.S.Zero, ((vector, canonical),), doc))
-        sign = 1 if swapped == canonical else PARITY[head]
+        kept = "_".join([head, "i", "j", *rest])
+        doc = f"sum over the shapes of {vector}_j {kept}"
+        self.contractions.append(Contraction(name, sp.S.Zero, ((vector, kept),), doc))
+        sign = 1 if turned == kept else PARITY[head]
         return weight * sign * sp.Symbol(name)
-
-
-def _swapped(entry: str) -> str:
-    """The entry with i and j exchanged."""
-    return "_".join({"i": "j", "j": "i"}.get(part, part) for part in entry.split("_"))
 
 
 def _of_ij(entry: str) -> sp.Expr:
@@ -82,4 +77,4 @@ def _of_ij(entry: str) -> sp.Expr:
     parts = entry.split("_")
     if parts.index("i") < parts.index("j"):
         return sp.Symbol(entry)
-    return PARITY[parts[0]] * sp.Symbol(_swapped(entry))
+    return PARITY[parts[0]] * sp.Symbol(swapped(entry))

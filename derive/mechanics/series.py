@@ -37,6 +37,17 @@ class Series:
         return "i" in self.name.split("_")
 
 
+def swapped(entry: str) -> str:
+    """A table's entry with i and j exchanged."""
+    return "_".join({"i": "j", "j": "i"}.get(part, part) for part in entry.split("_"))
+
+
+def canonical(entry: str) -> str:
+    """A table's entry with its indices in the order i, j."""
+    parts = entry.split("_")
+    return entry if parts.index("i") < parts.index("j") else swapped(entry)
+
+
 def family(name: str) -> str:
     """The moment or table that a name is an entry of."""
     return name.split("_", maxsplit=1)[0]

@@ -202,3 +202,10 @@ def test_packing_puts_each_entry_in_a_place_of_its_own(n: int) -> None:
     packing = Packing("tables", n, ("a", "b", "c"))
     places = {packing.place(t, i, j) for t in packing.tables for i in range(n) for j in range(n)}
     assert len(places) == 3 * n * n and max(places) < packing.size
+
+
+@pytest.mark.parametrize("n", [1, 2])
+def test_coordinates_have_the_names_of_straight_lines(n: int) -> None:
+    flat = derive.load(beams.build(derive.symbolic_body("lines", n, lowering="flat")).files)
+    loops = derive.load(beams.build(derive.symbolic_body("loops", n, lowering="table")).files)
+    assert loops.coordinates == flat.coordinates
