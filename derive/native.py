@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from derive.emit.c import ABI
 from derive.emit.files import File, write
-from derive.kernel.ir import Pattern
+from derive.kernel.pattern import Pattern
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]

@@ -19,8 +19,8 @@ import sympy as sp
 
 import beams
 from derive.kernel.context import Context
+from derive.kernel.expression import Num
 from derive.kernel.interpret import interpret
-from derive.kernel.ir import Num
 
 TOLERANCE = 1e-14
 SHAPES = range(1, 9)

@@ -12,7 +12,9 @@ from derive.emit.document import LICENCE, description, kernel_text, model_text, 
 from derive.emit.expression import c_number, statement, text
 from derive.emit.files import MARK, File
 from derive.emit.template import comment, render, wrapped
-from derive.kernel.ir import Contract, Kernel, Let, Reduce, Require, RequireAll, Store
+from derive.kernel.expression import Let
+from derive.kernel.ir import Kernel, Require, Store
+from derive.kernel.loops import Contract, Reduce, RequireAll
 from derive.kernel.model import Model, Variable
 
 ABI = 2

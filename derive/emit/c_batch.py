@@ -14,22 +14,9 @@ from itertools import groupby
 from derive.emit.c_batch_loops import BlockLoops, Lines, Names, put, rows_helper, totals
 from derive.emit.expression import statement
 from derive.emit.template import WIDTH, render
-from derive.kernel.ir import (
-    Contract,
-    Each,
-    Expr,
-    Kernel,
-    Let,
-    Op,
-    Reduce,
-    Ref,
-    Require,
-    Store,
-    Substitute,
-    expressions,
-    reads,
-    walk,
-)
+from derive.kernel.expression import Expr, Let, Op, Ref, walk
+from derive.kernel.ir import Kernel, Require, Store, expressions, reads
+from derive.kernel.loops import Contract, Each, Reduce, Substitute
 from derive.kernel.model import Model
 
 KERNELS = ("mass", "force", "accel")

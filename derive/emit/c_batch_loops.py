@@ -11,25 +11,9 @@ from fractions import Fraction
 
 from derive.emit.c_loops import SHORT
 from derive.emit.expression import c_number, statement, text
-from derive.kernel.ir import (
-    LANES,
-    At,
-    Contract,
-    Each,
-    Entry,
-    Expr,
-    Let,
-    Num,
-    Op,
-    Put,
-    Reduce,
-    Ref,
-    StoreAt,
-    Substitute,
-    View,
-    padded,
-    walk,
-)
+from derive.kernel.expression import At, Entry, Expr, Let, Num, Op, Ref, walk
+from derive.kernel.ir import View
+from derive.kernel.loops import LANES, Contract, Each, Put, Reduce, StoreAt, Substitute, padded
 
 Lines = list[str]
 

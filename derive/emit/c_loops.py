@@ -9,14 +9,12 @@ from collections.abc import Callable, Iterator
 from itertools import count
 
 from derive.emit.expression import c_number, statement, text
-from derive.kernel.ir import (
+from derive.kernel.expression import Entry, Expr, Let, walk
+from derive.kernel.loops import (
     LANES,
     Clear,
     Contract,
     Each,
-    Entry,
-    Expr,
-    Let,
     Pack,
     Pairs,
     Put,
@@ -27,7 +25,6 @@ from derive.kernel.ir import (
     StoreAt,
     Substitute,
     padded,
-    walk,
 )
 
 Lines = list[str]

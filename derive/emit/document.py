@@ -6,8 +6,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from derive.emit.template import wrapped
-from derive.kernel.ir import Argument, Kernel, Output, Pattern, Section
+from derive.kernel.ir import Argument, Kernel, Output, Section
 from derive.kernel.model import Model, Variable, Zero
+from derive.kernel.pattern import Pattern
 
 LICENCE = "SPDX-License-Identifier: 0BSD"
 

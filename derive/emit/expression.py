@@ -7,7 +7,7 @@ from collections.abc import Callable
 from fractions import Fraction
 
 from derive.emit.template import WIDTH
-from derive.kernel.ir import At, Entry, Expr, Num, Ref
+from derive.kernel.expression import At, Entry, Expr, Num, Ref
 
 SIGN = {"add": " + ", "sub": " - ", "mul": " * ", "div": " / "}
 STRENGTH = {"add": 1, "sub": 1, "neg": 2, "mul": 2, "div": 2}

@@ -10,7 +10,8 @@ from derive.emit.expression import python_number, statement, text
 from derive.emit.files import MARK, File
 from derive.emit.python_loops import HELPERS, Loops
 from derive.emit.template import WIDTH, render, wrapped
-from derive.kernel.ir import Kernel, Let, Output, Ref, Require, Store
+from derive.kernel.expression import Let, Ref
+from derive.kernel.ir import Kernel, Output, Require, Store
 from derive.kernel.model import Model, Variable
 
 

@@ -6,25 +6,9 @@ In pairs of shapes the last two axes are j and i. Scalars get axes of length one
 from __future__ import annotations
 
 from derive.emit.expression import python_number, text
-from derive.kernel.ir import (
-    LANES,
-    Argument,
-    At,
-    Clear,
-    Contract,
-    Each,
-    Entry,
-    Let,
-    Pack,
-    Pairs,
-    Put,
-    Reduce,
-    Ref,
-    RequireAll,
-    Root,
-    Substitute,
-    walk,
-)
+from derive.kernel.expression import At, Entry, Let, Ref, walk
+from derive.kernel.ir import Argument
+from derive.kernel.loops import LANES, Clear, Contract, Each, Pack, Pairs, Put, Reduce, RequireAll, Root, Substitute
 
 Lines = list[str]
 Loop = Each | Reduce | Contract | Pairs | Pack | Clear | RequireAll | Root | Substitute

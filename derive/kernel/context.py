@@ -7,8 +7,10 @@ from fractions import Fraction
 import casadi as ca
 import sympy as sp
 
+from derive.kernel.expression import Num, Ref
 from derive.kernel.graph import Constants, Graph, held
-from derive.kernel.ir import Argument, Kernel, Num, Output, Pattern, Ref, pattern
+from derive.kernel.ir import Argument, Kernel, Output
+from derive.kernel.pattern import Pattern, pattern
 from derive.kernel.schedule import Named, Step, Stored, Want, schedule
 from derive.kernel.symbols import Symbols
 from derive.mechanics.equations import Definition, Equations

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from derive.kernel.ir import Pattern
+from derive.kernel.pattern import Pattern
 
 Entries = dict[tuple[int, int], ca.SX]
 

@@ -9,7 +9,8 @@ import sympy as sp
 
 from derive.kernel.context import Context, define, stores
 from derive.kernel.factor import factorise, solve
-from derive.kernel.ir import Argument, Kernel, Output, pattern
+from derive.kernel.ir import Argument, Kernel, Output
+from derive.kernel.pattern import pattern
 from derive.kernel.schedule import Named, Required, Step, Stored
 from derive.kernel.symbols import Symbols
 from derive.mechanics.equations import MarkerEquations

@@ -13,7 +13,8 @@ from fractions import Fraction
 import casadi as ca
 import sympy as sp
 
-from derive.kernel.ir import At, Entry, Expr, Leaf, Num, Op, Ref, Require
+from derive.kernel.expression import At, Entry, Expr, Leaf, Num, Op, Ref
+from derive.kernel.ir import Require
 from derive.kernel.symbols import Symbols
 
 BINARY = {ca.OP_ADD: "add", ca.OP_SUB: "sub", ca.OP_MUL: "mul", ca.OP_DIV: "div"}

@@ -7,28 +7,20 @@ from collections.abc import Callable, Mapping
 from fractions import Fraction
 from typing import Any
 
-from derive.kernel.ir import (
+from derive.kernel.expression import At, Entry, Expr, Let, Num, Ref
+from derive.kernel.ir import Kernel, Require, Statement, Store
+from derive.kernel.loops import (
     LANES,
-    At,
     Clear,
     Contract,
     Each,
-    Entry,
-    Expr,
-    Kernel,
-    Let,
-    Num,
     Pack,
     Packing,
     Pairs,
     Put,
     Reduce,
-    Ref,
-    Require,
     RequireAll,
     Root,
-    Statement,
-    Store,
     Substitute,
 )
 

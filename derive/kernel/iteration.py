@@ -6,15 +6,9 @@ from collections.abc import Callable
 
 import sympy as sp
 
-from derive.kernel.ir import (
-    Columns,
-    Kernel,
-    Pairs,
-    Piece,
-    Store,
-    StoreAt,
-    block_pattern,
-)
+from derive.kernel.ir import Kernel, Store
+from derive.kernel.loops import Pairs, StoreAt
+from derive.kernel.pattern import Columns, Piece, block_pattern
 from derive.kernel.program import NOTHING, Row, Scalar
 from derive.kernel.tables import (
     ALPHA,

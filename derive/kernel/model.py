@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from derive.kernel.ir import Kernel, Pattern
+from derive.kernel.ir import Kernel
+from derive.kernel.pattern import Pattern
 
 
 @dataclass(frozen=True)

@@ -14,34 +14,10 @@ from itertools import count
 import casadi as ca
 import sympy as sp
 
+from derive.kernel.expression import At, Entry, Expr, Leaf, Let, Num, Op, Ref
 from derive.kernel.graph import Constants, Graph
-from derive.kernel.ir import (
-    Argument,
-    At,
-    Contract,
-    Each,
-    Entry,
-    Expr,
-    Kernel,
-    Lane,
-    Leaf,
-    Let,
-    Num,
-    Op,
-    Output,
-    Packing,
-    Pairs,
-    Put,
-    Reduce,
-    Ref,
-    Require,
-    Section,
-    Statement,
-    Store,
-    StoreAt,
-    Sum,
-    reads,
-)
+from derive.kernel.ir import Argument, Kernel, Output, Require, Section, Statement, Store, reads
+from derive.kernel.loops import Contract, Each, Lane, Packing, Pairs, Put, Reduce, StoreAt, Sum
 from derive.kernel.schedule import Named, Step, Stored, Want, schedule
 from derive.kernel.symbols import Symbols
 from derive.mechanics.equations import Definition

@@ -10,8 +10,9 @@ from itertools import count
 
 import casadi as ca
 
+from derive.kernel.expression import Expr, Let, Num, Op, Ref
 from derive.kernel.graph import Graph, LoweringError, read
-from derive.kernel.ir import Expr, Let, Num, Op, Ref, Require, Section, Statement, Store
+from derive.kernel.ir import Require, Section, Statement, Store
 from derive.kernel.symbols import Symbols
 
 

@@ -5,19 +5,12 @@ from __future__ import annotations
 import casadi as ca
 import sympy as sp
 
+from derive.kernel.expression import Let
 from derive.kernel.factor import elimination_order, factorise, solve
 from derive.kernel.functions import NOT_FINITE, PIVOT, VANISHING
-from derive.kernel.ir import (
-    Kernel,
-    Let,
-    Put,
-    Require,
-    Section,
-    Store,
-    StoreAt,
-    Substitute,
-    pattern,
-)
+from derive.kernel.ir import Kernel, Require, Section, Store
+from derive.kernel.loops import Put, StoreAt, Substitute
+from derive.kernel.pattern import pattern
 from derive.kernel.program import NOTHING, Program, Row, Scalar
 from derive.kernel.symbols import Symbols
 from derive.kernel.tables import (

@@ -7,10 +7,11 @@ from collections.abc import Iterable
 import casadi as ca
 
 from derive.kernel.context import Context
+from derive.kernel.expression import Expr, Num, Op, Ref, walk
 from derive.kernel.functions import NOT_FINITE
 from derive.kernel.graph import Constants, Graph
 from derive.kernel.interpret import BINARY
-from derive.kernel.ir import Argument, Expr, Kernel, Num, Op, Output, Ref, walk
+from derive.kernel.ir import Argument, Kernel, Output
 from derive.kernel.model import Variable
 from derive.kernel.schedule import Named, Required, Step, Stored, schedule
 from derive.kernel.symbols import Symbols

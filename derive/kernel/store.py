@@ -12,30 +12,10 @@ from fractions import Fraction
 
 import sympy as sp
 
+from derive.kernel.expression import At, Expr, Num, Ref
 from derive.kernel.functions import NOT_FINITE, PIVOT
-from derive.kernel.ir import (
-    Argument,
-    At,
-    Clear,
-    Each,
-    Expr,
-    Kernel,
-    Num,
-    Output,
-    Pack,
-    Packing,
-    Ref,
-    Require,
-    RequireAll,
-    Root,
-    Section,
-    Source,
-    Statement,
-    Store,
-    StoreAt,
-    View,
-    padded,
-)
+from derive.kernel.ir import Argument, Kernel, Output, Require, Section, Statement, Store, View
+from derive.kernel.loops import Clear, Each, Pack, Packing, RequireAll, Root, Source, StoreAt, padded
 from derive.kernel.model import Model, Variable, Zero
 from derive.mechanics.generic import GenericEquations, Table, indices, labels
 from derive.mechanics.series import PARITY

@@ -13,7 +13,7 @@ from operator import mul
 import casadi as ca
 import sympy as sp
 
-from derive.kernel.ir import Leaf, Num
+from derive.kernel.expression import Leaf, Num
 
 
 class Symbols:

@@ -9,18 +9,11 @@ from __future__ import annotations
 import sympy as sp
 
 from derive.kernel import store
-from derive.kernel.ir import (
-    Argument,
-    Columns,
-    Kernel,
-    Output,
-    Piece,
-    Store,
-    StoreAt,
-    block_pattern,
-)
+from derive.kernel.ir import Argument, Kernel, Output, Store
 from derive.kernel.iteration import jacobian
+from derive.kernel.loops import StoreAt
 from derive.kernel.model import Model, Zero
+from derive.kernel.pattern import Columns, Piece, block_pattern
 from derive.kernel.program import NOTHING, Row, Scalar
 from derive.kernel.schur import accel
 from derive.kernel.tables import (

@@ -7,20 +7,10 @@ from collections.abc import Iterable
 import sympy as sp
 
 from derive.kernel import store
-from derive.kernel.ir import (
-    Argument,
-    Columns,
-    Num,
-    Output,
-    Pattern,
-    Piece,
-    Ref,
-    Section,
-    Store,
-    StoreAt,
-    View,
-    block_pattern,
-)
+from derive.kernel.expression import Num, Ref
+from derive.kernel.ir import Argument, Output, Section, Store, View
+from derive.kernel.loops import StoreAt
+from derive.kernel.pattern import Columns, Pattern, Piece, block_pattern
 from derive.kernel.program import NOTHING, Program, Row, Scalar
 from derive.mechanics.generic import GenericEquations
 from derive.mechanics.gradient import Gradient

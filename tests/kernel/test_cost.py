@@ -5,7 +5,8 @@ from __future__ import annotations
 import pytest
 
 import beams
-from derive.kernel.ir import Kernel, Op, Ref, walk
+from derive.kernel.expression import Op, Ref, walk
+from derive.kernel.ir import Kernel
 
 STRUCTURE = {
     ("point", 2): 15,

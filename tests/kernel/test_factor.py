@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from derive.kernel.factor import elimination_order, factorise, solve
-from derive.kernel.ir import Pattern, pattern
+from derive.kernel.pattern import Pattern, pattern
 
 
 def random_pattern(n: int, density: float, seed: int) -> Pattern:

@@ -8,8 +8,8 @@ import casadi as ca
 import pytest
 import sympy as sp
 
+from derive.kernel.expression import Num, Op, Ref
 from derive.kernel.graph import Constants, Graph, read
-from derive.kernel.ir import Num, Op, Ref
 from derive.kernel.symbols import Symbols
 
 X, Y, C, D = sp.symbols("x y c d")

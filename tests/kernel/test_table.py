@@ -10,8 +10,10 @@ import pytest
 
 import beams
 import derive
+from derive.kernel.expression import Let
 from derive.kernel.interpret import RequirementError, interpret
-from derive.kernel.ir import Contract, Each, Let, Packing, Pairs, Reduce, Require, Store
+from derive.kernel.ir import Require, Store
+from derive.kernel.loops import Contract, Each, Packing, Pairs, Reduce
 from derive.native import ModelError, Native
 
 CASES = [(n, frame) for n in (0, 1, 2, 3, 5, 8, 13) for frame in ("given", "mean")]

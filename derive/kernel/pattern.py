@@ -1,0 +1,71 @@
+"""Sparsity: the compressed columns of a matrix, and patterns whose size is the number of shapes in a few words."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass
+from itertools import accumulate
+
+
+@dataclass(frozen=True)
+class Piece:
+    """Rows that each column j of a group has: one `row`, the row first + j (`diagonal`), `count` rows, or those of a
+    lower `triangle`, first + j to first + count - 1."""
+
+    kind: str
+    first: int
+    count: int = 1
+
+    def rows(self, j: int) -> range:
+        """The rows in column j of the group."""
+        if self.kind == "diagonal":
+            return range(self.first + j, self.first + j + 1)
+        return range(self.first + (j if self.kind == "triangle" else 0), self.first + self.count)
+
+
+@dataclass(frozen=True)
+class Columns:
+    """`count` columns that are alike, with their pieces from the first row to the last."""
+
+    count: int
+    pieces: tuple[Piece, ...]
+
+
+@dataclass(frozen=True)
+class Pattern:
+    """Compressed columns of a sparse matrix; of a symmetric one the lower triangle is stored.
+
+    `groups` describes it in a few words where it has blocks whose size is the number of shapes.
+    """
+
+    rows: int
+    cols: int
+    colptr: tuple[int, ...]
+    rowidx: tuple[int, ...]
+    symmetric: bool
+    groups: tuple[Columns, ...] = ()
+
+    @property
+    def entries(self) -> tuple[tuple[int, int], ...]:
+        """(row, column) of each stored value, in the order of the values."""
+        return tuple((self.rowidx[k], j) for j in range(self.cols) for k in range(self.colptr[j], self.colptr[j + 1]))
+
+    @property
+    def full_nnz(self) -> int:
+        """Structural non-zeros of the whole matrix, both triangles counted."""
+        return len(self.rowidx) + sum(i != j for i, j in self.entries if self.symmetric)
+
+
+def pattern(rows: int, cols: int, entries: set[tuple[int, int]], symmetric: bool = False) -> Pattern:
+    """The compressed columns of a set of (row, column)."""
+    ordered = sorted(entries, key=lambda entry: (entry[1], entry[0]))
+    lengths = Counter(j for _, j in ordered)
+    colptr = tuple(accumulate((lengths[j] for j in range(cols)), initial=0))
+    return Pattern(rows, cols, colptr, tuple(i for i, _ in ordered), symmetric)
+
+
+def block_pattern(rows: int, groups: tuple[Columns, ...], symmetric: bool = False) -> Pattern:
+    """The compressed columns of groups of columns."""
+    columns = [[i for piece in g.pieces for i in piece.rows(j)] for g in groups for j in range(g.count)]
+    colptr = tuple(accumulate(map(len, columns), initial=0))
+    return Pattern(rows, len(columns), colptr, tuple(i for c in columns for i in c), symmetric, groups)
