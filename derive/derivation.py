@@ -19,7 +19,8 @@ from derive.mechanics.equations import Equations
 from derive.mechanics.generic import GenericEquations
 from derive.mechanics.modal import ModalBody
 from derive.spec import Problem, SpecError
-from derive.spec.body import Gravity, Lowering, NodalBody, PlanarBeam, Specification, SymbolicBody
+from derive.spec.body import Gravity, Lowering, NodalBody, PlanarBeam, SymbolicBody
+from derive.spec.specification import Specification
 
 
 def derive(spec: Specification) -> Equations | GenericEquations:

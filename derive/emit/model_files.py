@@ -12,7 +12,8 @@ from derive.emit.c import ABI, c_files
 from derive.emit.files import MARK, File
 from derive.emit.python import python_file
 from derive.kernel.model import Model
-from derive.spec.body import NodalBody, PlanarBeam, Specification, SymbolicBody
+from derive.spec.body import NodalBody, PlanarBeam, SymbolicBody
+from derive.spec.specification import Specification
 from derive.version import VERSION
 
 

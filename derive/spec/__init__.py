@@ -1,4 +1,4 @@
-"""Specifications of deformable bodies: frozen data that `derive` takes, from TOML by `read` or from Python."""
+"""Specifications of bodies and scenes: frozen data that `derive` takes, from TOML by `read` or from Python."""
 
 from derive.spec.body import (
     BodyFrame,
@@ -13,11 +13,12 @@ from derive.spec.body import (
     PlanarBeam,
     Polynomial,
     Quantity,
-    Specification,
     SymbolicBody,
 )
 from derive.spec.errors import Problem, SpecError
 from derive.spec.read import json_schema, nodal_body, parse, planar_beam, read, symbolic_body
+from derive.spec.scene import Scene
+from derive.spec.specification import Specification
 
 __all__ = [
     "BodyFrame",
@@ -33,6 +34,7 @@ __all__ = [
     "Polynomial",
     "Problem",
     "Quantity",
+    "Scene",
     "SpecError",
     "Specification",
     "SymbolicBody",

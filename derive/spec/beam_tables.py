@@ -19,7 +19,7 @@ from pydantic import (
 )
 
 from derive.spec import paper, values
-from derive.spec.body import Frame, FrameKind, Marker, Parameter, PlanarBeam, Polynomial
+from derive.spec.body import Frame, FrameKind, Marker, Parameter, PlanarBeam, Polynomial, Quantity
 from derive.spec.expression import MAX_LENGTH
 from derive.spec.tables import (
     MAX_MARKERS,
@@ -162,8 +162,8 @@ class ShapeKeys(BaseModel):
         return self.ansatz, frame, frame.kind == "mean" if self.orthogonal is None else self.orthogonal
 
 
-class BeamTable(ShapeKeys):
-    """A uniform slender free beam that moves in a plane."""
+class BeamKeys(ShapeKeys):
+    """The keys of a beam, whether it is free or part of a scene."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
@@ -184,19 +184,28 @@ class BeamTable(ShapeKeys):
             json_schema_extra={"maxProperties": MAX_MARKERS, "additionalProperties": False},
         ),
     ] = {}
-    gravity: PlanarGravity = None
 
-    def planar_beam(self, name: str) -> PlanarBeam:
+    def planar_beam(self, name: str, gravity: tuple[Quantity, Quantity] | None = None) -> PlanarBeam:
         """The beam as the derivation takes it."""
         ansatz, frame, orthogonal = self.shape_keys()
         return PlanarBeam(
             name=name,
             ansatz=ansatz,
             frame=frame,
-            mass=quantity(self.mass, paper.MASS),
-            length=quantity(self.length, paper.LENGTH),
-            bending_stiffness=quantity(self.bending_stiffness, paper.BENDING_STIFFNESS),
+            mass=quantity(self.mass, paper.MASS.unit),
+            length=quantity(self.length, paper.LENGTH.unit),
+            bending_stiffness=quantity(self.bending_stiffness, paper.BENDING_STIFFNESS.unit),
             markers=tuple(Marker(name, at) for name, at in self.markers.items()),
             orthogonal=orthogonal,
-            gravity=None if self.gravity is None else (acceleration(self.gravity[0]), acceleration(self.gravity[1])),
+            gravity=gravity,
         )
+
+
+class BeamTable(BeamKeys):
+    """A uniform slender free beam that moves in a plane."""
+
+    gravity: PlanarGravity = None
+
+    def free_beam(self, name: str) -> PlanarBeam:
+        """The beam as the derivation takes it, with gravity."""
+        return self.planar_beam(name, self.gravity and (acceleration(self.gravity[0]), acceleration(self.gravity[1])))

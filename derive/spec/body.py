@@ -153,6 +153,3 @@ class SymbolicBody:
     damping: bool
     gravity: Gravity | None
     lowering: Lowering
-
-
-Specification = PlanarBeam | NodalBody | SymbolicBody

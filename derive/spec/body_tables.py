@@ -23,15 +23,15 @@ from derive.spec.body import (
 )
 from derive.spec.tables import (
     MAX_MARKERS,
-    AccelerationInput,
     Name,
+    NotNegative,
+    SignedInput,
     SpatialGravity,
     Table,
     Truth,
     acceleration,
     few,
     few_markers,
-    number_schema,
     written_as,
 )
 from derive.spec.units import LENGTHS, MASSES, TIMES, Units
@@ -61,11 +61,9 @@ _NODES = {
 }
 _COUNT = {"type": "integer", "minimum": 0}
 _MODES = {**_COUNT, "maximum": values.MAX_MODES}
-_NOT_NEGATIVE = number_schema(minimum=0)
 
 Count = Annotated[int, PlainValidator(values.whole), WithJsonSchema(_COUNT)]
 ModeCount = Annotated[int, PlainValidator(values.mode_count), WithJsonSchema(_MODES)]
-Share = Annotated[Fraction, PlainValidator(values.not_negative), WithJsonSchema(_NOT_NEGATIVE)]
 
 
 def _one_of(table: Mapping[str, Fraction], noun: str) -> PlainValidator:
@@ -159,11 +157,11 @@ BodyFrameInput = Annotated[
 class DampingTable(Table):
     """Viscous damping: a share of the critical, or proportional to mass and stiffness."""
 
-    ratio: Annotated[Share | None, Field(description="The share of critical damping of each mode, such as 0.01.")] = (
-        None
-    )
-    mass: Annotated[Share | None, Field(description="The damping in proportion to the mass, 1/s.")] = None
-    stiffness: Annotated[Share | None, Field(description="The damping in proportion to the stiffness, s.")] = None
+    ratio: Annotated[
+        NotNegative | None, Field(description="The share of critical damping of each mode, such as 0.01.")
+    ] = None
+    mass: Annotated[NotNegative | None, Field(description="The damping in proportion to the mass, 1/s.")] = None
+    stiffness: Annotated[NotNegative | None, Field(description="The damping in proportion to the stiffness, s.")] = None
 
     @model_validator(mode="after")
     def check(self) -> DampingTable:
@@ -285,7 +283,7 @@ class SymbolicTable(Table):
         return SymbolicBody(name, self.modes, self.frame, self.damping, _gravity(self.gravity), self.lowering)
 
 
-def _gravity(value: tuple[AccelerationInput, AccelerationInput, AccelerationInput] | None) -> Gravity | None:
+def _gravity(value: tuple[SignedInput, SignedInput, SignedInput] | None) -> Gravity | None:
     return value and (acceleration(value[0]), acceleration(value[1]), acceleration(value[2]))
 
 

@@ -12,7 +12,6 @@ from pydantic_core import ErrorDetails
 from derive.spec import paper
 from derive.spec.beam_tables import BeamTable, FrameTable, ShapeKeys
 from derive.spec.body import NodeData
-from derive.spec.body import Specification as Specified
 from derive.spec.body_tables import (
     BodyFrameTable,
     DampingTable,
@@ -24,8 +23,10 @@ from derive.spec.body_tables import (
 from derive.spec.errors import quoted
 from derive.spec.faults import Fault, KeyPath, unknown_key
 from derive.spec.names import name_problem
+from derive.spec.references import Rows, references
 from derive.spec.schema import Specification
-from derive.spec.tables import MAX_MARKERS, AccelerationTable, ParameterTable
+from derive.spec.specification import Specification as Specified
+from derive.spec.tables import MAX_MARKERS, ParameterTable, SignedTable
 from derive.spec.values import kind_of
 
 MAX_FAULTS = 100
@@ -53,24 +54,29 @@ def checked(data: Mapping[str, object], folder: Path) -> Specified | list[Fault]
     faults += _names_of_integrals(data)
     faults += _shape_faults(data)
     nodes, node_faults = _nodes(data, specification, folder)
-    faults += node_faults
+    curves, curve_faults = references(data, folder)
+    faults += node_faults + curve_faults
     if specification is None or faults:
         return faults
-    return _specified(specification, nodes)
+    return _specified(specification, nodes, curves)
 
 
-def _specified(specification: Specification, nodes: NodeData | None) -> Specified:
+def _specified(specification: Specification, nodes: NodeData | None, curves: Mapping[str, Rows]) -> Specified:
     name, body = specification.name, specification.body
+    if specification.bodies is not None:
+        return specification.scene_of(curves)
     if isinstance(body, SymbolicTable):
         return body.body(name)
     if isinstance(body, NodalTable):
         assert nodes is not None
         return body.body(name, nodes)
     assert specification.beam is not None
-    return specification.beam.planar_beam(name)
+    return specification.beam.free_beam(name)
 
 
 def _one_body(data: Mapping[str, object]) -> Iterator[Fault]:
+    if "bodies" in data:
+        return
     if "beam" in data and "body" in data:
         yield Fault(("body",), "a file specifies one body, and here are [beam] and [body]; leave one of them out")
     elif "beam" not in data and "body" not in data:
@@ -155,7 +161,7 @@ def _table(path: KeyPath, body: object) -> type[BaseModel]:
         case ("body", "damping"):
             return DampingTable
         case (_, "gravity", _):
-            return AccelerationTable
+            return SignedTable
     return ParameterTable
 
 

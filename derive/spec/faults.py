@@ -35,7 +35,11 @@ class Faults(list[Fault]):
 def unknown_key(key: str, known: Iterable[str]) -> str:
     """What to say of a key that nobody knows."""
     keys = list(known)
-    near = difflib.get_close_matches(key[:40].lower(), keys, n=1)
-    if near:
-        return f"unknown key; did you mean {quoted(near[0])}?"
-    return f"unknown key; the keys here are {', '.join(keys)}"
+    return "unknown key" + did_you_mean(key, keys, f"the keys here are {', '.join(keys)}")
+
+
+def did_you_mean(name: str, known: Iterable[str], otherwise: str) -> str:
+    """The end of a sentence on a name that nobody knows: the one that is near it, or something else."""
+    lower = {one.lower(): one for one in known}
+    near = difflib.get_close_matches(name[:40].lower(), lower, n=1)
+    return f"; did you mean {quoted(lower[near[0]])}?" if near else f"; {otherwise}"

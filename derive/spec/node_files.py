@@ -20,6 +20,7 @@ from derive.spec.body import NodeData
 from derive.spec.body_tables import FILES
 from derive.spec.errors import printable, quoted
 from derive.spec.faults import Fault, Faults, unknown_key
+from derive.spec.file_content import file_content
 from derive.spec.values import WrongValueError, kind_of
 
 MAX_BYTES = 200_000_000
@@ -60,21 +61,6 @@ def read_nodes(nodes: object, folder: Path) -> Found:
     return Found({}, "", Faults([Fault(NODES, f"{wanted}, not {kind_of(nodes)}")]))
 
 
-def _content(name: str | os.PathLike[str], folder: Path) -> bytes:
-    """The bytes of a file."""
-    text = os.fsdecode(name)
-    try:
-        with (folder / text).open("rb") as file:
-            content = file.read(MAX_BYTES + 1)
-    except (OSError, ValueError) as error:
-        why = printable(getattr(error, "strerror", None) or str(error))
-        beside = "" if Path(text).is_absolute() else "; its path begins at the folder of the specification"
-        raise WrongValueError(f"the file {quoted(text)} cannot be read: {why[:1].lower()}{why[1:]}{beside}") from None
-    if len(content) > MAX_BYTES:
-        raise WrongValueError(f"the file {quoted(text)} has more than {_MAX_MB} MB{_SMALLER}")
-    return content
-
-
 _MAX_MB = MAX_BYTES // 1_000_000
 _SMALLER = ", the most that is read; store matrices as the entries that are not zero"
 
@@ -85,7 +71,7 @@ def _archive(name: str | os.PathLike[str], folder: Path) -> Found:
     arrays: dict[str, Array | None] = {}
     content = b""
     with faults.at(*NODES):
-        content = _content(name, folder)
+        content = file_content(name, folder, MAX_BYTES, _SMALLER)
         try:
             _members(content, quoted(os.fsdecode(name)), arrays, faults)
         except (zipfile.BadZipFile, zlib.error, OSError, EOFError, NotImplementedError, RuntimeError) as error:
@@ -152,7 +138,7 @@ def _table(nodes: Mapping[object, object], folder: Path) -> Found:
                     raise WrongValueError(
                         f'a file in quotation marks is needed, such as "{key}.mtx", not {kind_of(value)}'
                     )
-                content = _content(value, folder)
+                content = file_content(value, folder, MAX_BYTES, _SMALLER)
                 digest.update(content)
                 arrays[key] = _matrix_market(content, quoted(os.fsdecode(value)))
     return Found(arrays, digest.hexdigest(), faults)

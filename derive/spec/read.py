@@ -23,11 +23,11 @@ from derive.spec.body import (
     Parameter,
     PlanarBeam,
     Polynomial,
-    Specification,
     SymbolicBody,
     SymbolicFrame,
 )
 from derive.spec.errors import Problem, SpecError, printable
+from derive.spec.specification import Specification
 from derive.spec.values import TomlFloat
 
 MAX_BYTES = 1_000_000
@@ -39,7 +39,7 @@ Nodes = str | os.PathLike[str] | Mapping[str, Any] | NodeData
 
 
 def read(path: str | os.PathLike[str]) -> Specification:
-    """The body that a TOML file specifies. Raises SpecError with all that is wrong with the file."""
+    """The body or the scene that a TOML file specifies. Raises SpecError with all that is wrong with the file."""
     source = os.fsdecode(path)
     try:
         with Path(source).open("rb") as file:
@@ -58,7 +58,7 @@ def read(path: str | os.PathLike[str]) -> Specification:
 
 
 def parse(text: str, source: str | None = None) -> Specification:
-    """The body that a TOML text specifies; `source` is the file that errors show, and beside which others are."""
+    """What a TOML text specifies; `source` is the file that errors show, and beside which others are."""
     return _checked(_data(text, source), locate_in=text, source=source)
 
 

@@ -5,7 +5,7 @@ Values are read by the functions of `values`; a model says which keys a table ha
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from typing import Annotated, Any
 
@@ -61,6 +61,7 @@ def written_as(value: Any) -> str:
 _NAME = {"type": "string", "pattern": f"^{NAME_PATTERN}$", "maxLength": MAX_NAME}
 _UNIT = {"type": "string", "pattern": f"^{values.UNIT_PATTERN}$"}
 _POSITIVE = number_schema(exclusiveMinimum=0)
+_NOT_NEGATIVE = number_schema(minimum=0)
 
 
 class Table(BaseModel):
@@ -72,6 +73,7 @@ class Table(BaseModel):
 Name = Annotated[str, PlainValidator(values.name), WithJsonSchema(_NAME)]
 Number = Annotated[Fraction, PlainValidator(values.number), WithJsonSchema(number_schema())]
 Positive = Annotated[Fraction, PlainValidator(values.positive), WithJsonSchema(_POSITIVE)]
+NotNegative = Annotated[Fraction, PlainValidator(values.not_negative), WithJsonSchema(_NOT_NEGATIVE)]
 Truth = Annotated[bool, PlainValidator(values.truth), WithJsonSchema({"type": "boolean"})]
 Symbol = Annotated[Name, Field(description="Its name in the code and in the equations.")]
 Unit = Annotated[
@@ -94,13 +96,22 @@ class ParameterTable(Table):
         Field(description="Its value until another is set."),
     ] = 1.0
 
-    def parameter(self, like: Parameter) -> Parameter:
-        """The parameter, with the unit of the paper's one where none is written."""
-        return Parameter(self.symbol, self.unit or like.unit, self.default)
+
+class NotNegativeTable(Table):
+    """A number that may be zero as a run-time parameter of the generated code."""
+
+    symbol: Symbol
+    unit: Unit = None
+    default: Annotated[
+        float,
+        PlainValidator(values.not_negative_float),
+        WithJsonSchema(_NOT_NEGATIVE),
+        Field(description="Its value until another is set."),
+    ]
 
 
-class AccelerationTable(Table):
-    """A component of gravity as a run-time parameter of the generated code."""
+class SignedTable(Table):
+    """A number of any sign as a run-time parameter of the generated code."""
 
     symbol: Symbol
     unit: Unit = None
@@ -115,28 +126,32 @@ class AccelerationTable(Table):
 QuantityInput = Annotated[
     Annotated[Positive, Tag("plain")] | Annotated[ParameterTable, Tag("table")], Discriminator(written_as)
 ]
-AccelerationInput = Annotated[
-    Annotated[Number, Tag("plain")] | Annotated[AccelerationTable, Tag("table")], Discriminator(written_as)
+NotNegativeInput = Annotated[
+    Annotated[NotNegative, Tag("plain")] | Annotated[NotNegativeTable, Tag("table")], Discriminator(written_as)
+]
+SignedInput = Annotated[
+    Annotated[Number, Tag("plain")] | Annotated[SignedTable, Tag("table")], Discriminator(written_as)
 ]
 
 
-def quantity(value: Fraction | ParameterTable, like: Parameter) -> Quantity:
-    """A constant of the body as the derivation takes it."""
-    return value.parameter(like) if isinstance(value, ParameterTable) else value
+def quantity(value: Fraction | ParameterTable | NotNegativeTable | SignedTable, unit: str) -> Quantity:
+    """A physical constant as the derivation takes it; `unit` is that of a parameter which says none."""
+    return value if isinstance(value, Fraction) else Parameter(value.symbol, value.unit or unit, value.default)
 
 
-def acceleration(value: Fraction | AccelerationTable) -> Quantity:
+def acceleration(value: Fraction | SignedTable) -> Quantity:
     """A component of gravity as the derivation takes it."""
-    return Parameter(value.symbol, value.unit or "m/s^2", value.default) if isinstance(value, Table) else value
+    return quantity(value, "m/s^2")
 
 
-def _components(count: int) -> BeforeValidator:
+def components(example: Sequence[str], noun: str = "components") -> BeforeValidator:
+    """A list of as many elements as the example has."""
+
     def check(value: object) -> object:
-        if not isinstance(value, (list, tuple)) or len(value) != count:
-            example = ["0"] * (count - 1) + ["-9.81"]
+        if not isinstance(value, (list, tuple)) or len(value) != len(example):
             found = f"{len(value)}" if isinstance(value, (list, tuple)) else values.kind_of(value)
             raise values.WrongValueError(
-                f"a list of {count} components is needed, such as [{', '.join(example)}], not {found}"
+                f"a list of {len(example)} {noun} is needed, such as [{', '.join(example)}], not {found}"
             )
         return tuple(value)
 
@@ -146,7 +161,7 @@ def _components(count: int) -> BeforeValidator:
 _GRAVITY = Field(
     description="The acceleration of free fall in the inertial base, m/s^2; each component a parameter or a number."
 )
-PlanarGravity = Annotated[tuple[AccelerationInput, AccelerationInput] | None, _components(2), _GRAVITY]
+PlanarGravity = Annotated[tuple[SignedInput, SignedInput] | None, components(("0", "-9.81")), _GRAVITY]
 SpatialGravity = Annotated[
-    tuple[AccelerationInput, AccelerationInput, AccelerationInput] | None, _components(3), _GRAVITY
+    tuple[SignedInput, SignedInput, SignedInput] | None, components(("0", "0", "-9.81")), _GRAVITY
 ]

@@ -109,6 +109,11 @@ def not_negative(value: object) -> Fraction:
     return exact
 
 
+def not_negative_float(value: object) -> float:
+    """The default of a parameter that may be zero."""
+    return float(not_negative(value))
+
+
 def whole(value: object) -> int:
     """A whole number, zero or more."""
     try:
@@ -116,13 +121,14 @@ def whole(value: object) -> int:
     except TypeError:
         count = None
     if count is None or count < 0:
-        found = kind_of(value) if count is None else _shown(count)
+        found = kind_of(value) if count is None else shown(count)
         found = f"{found} in decimals" if isinstance(value, (float, Fraction, TomlFloat)) else found
         raise WrongValueError(f"a whole number is needed, zero or more, such as 8, not {found}")
     return count
 
 
-def _shown(count: int) -> str:
+def shown(count: int) -> str:
+    """A whole number as messages show it."""
     return str(count) if abs(count) < 10**18 else "a very large one"
 
 
@@ -130,7 +136,7 @@ def mode_count(value: object) -> int:
     """How many modes a body has."""
     count = whole(value)
     if count > MAX_MODES:
-        raise WrongValueError(f"at most {MAX_MODES} modes are allowed, not {_shown(count)}")
+        raise WrongValueError(f"at most {MAX_MODES} modes are allowed, not {shown(count)}")
     return count
 
 
