@@ -1,0 +1,1 @@
+"""The numerics on top of a compiled scene: consistent start, integration, analysis of constraints, pictures."""

@@ -1,0 +1,118 @@
+"""What stops a simulation: every text says where, what, by how much, and what to do."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+AT_DEAD_CENTRE = (
+    "Start next to this state instead of in it, drive another joint, or change lengths so that the mechanism "
+    "does not come there."
+)
+
+
+class SimulationError(Exception):
+    """A simulation that cannot start or go on, for a reason that the text explains."""
+
+
+@dataclass(frozen=True)
+class Dependence:
+    """A constraint, and those that together say the same; both by the names of their multipliers."""
+
+    name: str
+    on: tuple[str, ...]
+
+
+class InconsistentStart(SimulationError):
+    """No state near the guess meets the constraints. `unmet`: multiplier and what is missing (m, rad; /s)."""
+
+    def __init__(self, what: str, unmet: Sequence[tuple[str, float]], t: float) -> None:
+        self.unmet = tuple(unmet)
+        width = max((len(name) for name, _ in unmet), default=0)
+        unit = "m or rad" if what == "positions" else "m/s or rad/s"
+        advice = {
+            "positions": "Give bodies a start nearer to the closed mechanism, check that lengths can reach, and that "
+            "every drive begins where the mechanism can be.",
+            "velocities": "Check that every drive can be followed from this position, and that drives do not "
+            "contradict each other.",
+        }[what]
+        lines = [f"the constraints cannot be met by any {what} near the start at t = {t:g} s; what is left ({unit}):"]
+        lines += [f"  {name.ljust(width)}  {amount:.3g}" for name, amount in unmet]
+        super().__init__("\n".join([*lines, advice]))
+
+
+class RedundantConstraints(SimulationError):
+    """Constraints that say what others say already, in this state and in those around it."""
+
+    def __init__(self, redundant: Sequence[Dependence]) -> None:
+        self.redundant = tuple(redundant)
+        lines = [f"  {d.name} says the same as {_together(d.on)}" for d in redundant]
+        advice = (
+            "Their multipliers have no unique value. Remove as many constraints (a weaker kind of joint, or none), or "
+            "let a body deform where the others hold it."
+        )
+        super().__init__("\n".join([f"{len(redundant)} of the constraints are redundant:", *lines, advice]))
+
+
+class SingularConfiguration(SimulationError):
+    """A dead centre: the constraints depend on each other in this state alone."""
+
+    def __init__(self, t: float, smallest: float, multipliers: Sequence[str], advice: str = AT_DEAD_CENTRE) -> None:
+        self.t, self.smallest, self.multipliers = t, smallest, tuple(multipliers)
+        super().__init__(
+            f"the mechanism is at a dead centre at t = {t:.9g} s: the smallest singular value of its scaled "
+            f"constraints is {smallest:.2g}, and {_together(multipliers)} {_grows(multipliers)} without bound. {advice}"
+        )
+
+
+class DriveCannotBeFollowed(SingularConfiguration):
+    """A drive has brought the mechanism to where it cannot go on."""
+
+    def __init__(self, t: float, smallest: float, multipliers: Sequence[str], drives: Sequence[str]) -> None:
+        self.drives = tuple(drives)
+        whose = "drives" if len(drives) > 1 else "drive"
+        super().__init__(
+            t, smallest, multipliers, f"The {whose} {_together(drives)} cannot be followed. {AT_DEAD_CENTRE}"
+        )
+
+
+class MasslessMotion(SimulationError):
+    """A motion that the constraints allow and that moves no mass."""
+
+    def __init__(self, coordinates: Sequence[str]) -> None:
+        self.coordinates = tuple(coordinates)
+        super().__init__(
+            f"a motion of {_together(coordinates)} moves no mass, and no constraint prevents it, so that its "
+            "acceleration has no value. Give the body a mass and an inertia, or prescribe its motion by joints and "
+            "drives."
+        )
+
+
+class DriftTooLarge(SimulationError):
+    """The constraints are violated by more than the tolerance."""
+
+    def __init__(self, t: float, what: str, name: str, amount: float, tolerance: float) -> None:
+        self.t, self.name, self.amount, self.tolerance = t, name, amount, tolerance
+        super().__init__(
+            f"at t = {t:.9g} s the {what} of constraint {name} is off by {amount:.2g}, more than the tolerance of "
+            f"drift {tolerance:.2g}. Integrate with a smaller tolerance, with projection, or allow more drift."
+        )
+
+
+class IntegrationStopped(SimulationError):
+    """The integrator cannot go on, and no singular constraint is the reason."""
+
+    def __init__(self, t: float, reason: str) -> None:
+        self.t = t
+        super().__init__(
+            f"the integration stops at t = {t:.9g} s: {reason}. The motion may grow without bound there (a beam that "
+            "spins too fast for its stiffness, a force that is too large), or the tolerance is out of reach."
+        )
+
+
+def _together(names: Sequence[str]) -> str:
+    return ", ".join(names[:-1]) + " and " + names[-1] if len(names) > 1 else "".join(names)
+
+
+def _grows(names: Sequence[str]) -> str:
+    return "grow" if len(names) > 1 else "grows"
