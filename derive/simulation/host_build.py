@@ -1,0 +1,74 @@
+"""Host sources beside a model, compiled and linked; where SUNDIALS is."""
+
+from __future__ import annotations
+
+import os
+import shlex
+import subprocess
+import tempfile
+from collections.abc import Sequence
+from functools import cache
+from pathlib import Path
+
+from derive.emit.files import File, write
+from derive.emit.template import render
+from derive.native import FLAGS, CompilerError, compiler
+
+
+class SundialsMissing(RuntimeError):
+    """SUNDIALS with KLU is not there; the text says how to install it."""
+
+
+def written(files: Sequence[File], hosts: Sequence[str], folder: Path) -> tuple[str, list[Path]]:
+    """Write a model and hosts into a folder. The name of the model, and all C files."""
+    write(files, folder)
+    sources = [folder / file.path for file in files if file.path.endswith(".c")]
+    if len(sources) != 1:
+        raise ValueError(f"a host takes the files of one model; there are {len(sources)} C files among them")
+    for part in [f"{host}{ending}" for host in hosts for ending in ((".c",) if host == "simulate" else (".c", ".h"))]:
+        (folder / part).write_text(render(f"host/{part}", {}))
+    return sources[0].stem, [*sources, *(folder / f"{host}.c" for host in hosts)]
+
+
+def header(name: str, folder: Path) -> list[str]:
+    """The flags that say which model a host is for."""
+    return [f"-I{folder}", f"-I{folder / name}", f'-DTISSERAND_HEADER="{name}.h"']
+
+
+@cache
+def sundials() -> tuple[list[str], list[str]]:
+    """Flags to compile and to link with SUNDIALS, in $SUNDIALS_DIR if that is set. Raises SundialsMissing."""
+    prefix = os.environ.get("SUNDIALS_DIR", "").strip()
+    places = [Path(prefix) / "include"] if prefix else []
+    places += [root / "suitesparse" for root in (*places, Path("/usr/include"), Path("/usr/local/include"))]
+    include = [flag for place in places if place.is_dir() for flag in ("-isystem", str(place))]
+    library = f"{prefix}/lib"
+    link = [f"-L{library}", f"-Wl,-rpath,{library}"] if prefix else []
+    link += [f"-lsundials_{part}" for part in ("ida", "sunlinsolklu", "sunmatrixsparse", "nvecserial")]
+    tried = []
+    with tempfile.TemporaryDirectory(prefix="tisserand-") as folder:
+        probe = Path(folder) / "probe.c"
+        probe.write_text("#include <ida/ida.h>\n#include <sunlinsol/sunlinsol_klu.h>\nint main(void) { return 0; }\n")
+        for more in ([], ["-lsundials_core"]):  # a library of its own since SUNDIALS 7
+            try:
+                compile_host([*FLAGS, *include], [probe], Path(folder) / "probe", [*link, *more])
+            except CompilerError as error:
+                tried.append(str(error))
+            else:
+                return include, [*link, *more]
+    raise SundialsMissing(
+        "SUNDIALS with KLU was not found. Install it: `apt-get install libsundials-dev libsuitesparse-dev` on Debian "
+        "and Ubuntu, `brew install sundials`, or `conda install sundials`; if it is elsewhere than the compiler looks, "
+        f"set SUNDIALS_DIR to the folder that holds its include and lib. The compiler said:\n{tried[0]}"
+    )
+
+
+def compile_host(flags: Sequence[str], sources: Sequence[Path], target: Path, link: Sequence[str]) -> None:
+    """Compile and link. Raises CompilerError with what the compiler said."""
+    command = [*compiler(), *flags, "-o", str(target), *map(str, sources), *link, "-lm"]
+    try:
+        done = subprocess.run(command, capture_output=True, text=True, check=False)
+    except OSError as error:
+        raise CompilerError(f"{command[0]}: {error.strerror}") from error
+    if done.returncode:
+        raise CompilerError(f"{shlex.join(command)}\n{done.stderr}")

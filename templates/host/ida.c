@@ -1,0 +1,273 @@
+/* SPDX-License-Identifier: 0BSD -- see ida.h. */
+
+#ifndef TISSERAND_HEADER
+#  error "define TISSERAND_HEADER as the name of the header of a generated model, in quotes"
+#endif
+#include TISSERAND_HEADER
+
+#include "fixed_step.h"
+#include "ida.h"
+
+#include <ida/ida.h>
+#include <nvector/nvector_serial.h>
+#include <sundials/sundials_types.h>
+#include <sunlinsol/sunlinsol_klu.h>
+#include <sunmatrix/sunmatrix_sparse.h>
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#if SUNDIALS_VERSION_MAJOR >= 7
+#  define TISSERAND_COMM SUN_COMM_NULL
+#else
+#  define TISSERAND_COMM NULL
+#endif
+
+/* What IDA hands back to the functions below. */
+typedef struct {
+    const tisserand_dae *form;
+    const double *k;
+    sunindextype *colptr;
+    sunindextype *rowidx;
+} problem;
+
+/* All that has to be given back. */
+typedef struct {
+    SUNContext context;
+    void *ida;
+    N_Vector y, ydot, atol, id;
+    SUNMatrix matrix;
+    SUNLinearSolver solver;
+    problem given;
+    double *work;
+} machine;
+
+static int residual(sunrealtype t, N_Vector y, N_Vector ydot, N_Vector F, void *data)
+{
+    const problem *own = (const problem *) data;
+    /* The positive codes of a model are what IDA calls recoverable: it tries a shorter step. */
+    return own->form->residual(t, N_VGetArrayPointer(y), N_VGetArrayPointer(ydot), own->k, N_VGetArrayPointer(F));
+}
+
+static int jacobian(sunrealtype t, sunrealtype cj, N_Vector y, N_Vector ydot, N_Vector F, SUNMatrix J, void *data,
+                    N_Vector t1, N_Vector t2, N_Vector t3)
+{
+    const problem *own = (const problem *) data;
+    const tisserand_pattern *pattern = own->form->pattern;
+    (void) F, (void) t1, (void) t2, (void) t3;
+    /* IDA has wiped the pattern together with the values. */
+    memcpy(SUNSparseMatrix_IndexPointers(J), own->colptr, (size_t) (pattern->cols + 1) * sizeof(sunindextype));
+    memcpy(SUNSparseMatrix_IndexValues(J), own->rowidx, (size_t) pattern->nnz * sizeof(sunindextype));
+    return own->form->jacobian(t, N_VGetArrayPointer(y), N_VGetArrayPointer(ydot), cj, own->k,
+                               SUNSparseMatrix_Data(J));
+}
+
+/* The form of that name; that of a body without joints is among the members of the model. */
+static int find_form(const tisserand_model *model, const char *name, tisserand_dae *found)
+{
+    if (model->scene == NULL) {
+        found->name = "ode";
+        found->size = model->nq + model->nv;
+        found->pattern = model->jacobian_pattern;
+        found->residual = model->residual;
+        found->jacobian = model->jacobian;
+        return name == NULL ? 0 : TISSERAND_NO_FORM;
+    }
+    for (int i = 0; i < model->scene->nforms && name != NULL; i++) {
+        if (strcmp(model->scene->forms[i].name, name) == 0) {
+            *found = model->scene->forms[i];
+            return 0;
+        }
+    }
+    return TISSERAND_NO_FORM;
+}
+
+/* The pattern in the integers of SUNDIALS, which have 64 bits as a rule. */
+static int copy_pattern(const tisserand_pattern *pattern, problem *own)
+{
+    const int n = pattern->cols, nnz = pattern->nnz;
+    const int *colptr = pattern->colptr, *rowidx = pattern->rowidx;
+    int *filled = NULL;
+
+    own->colptr = (sunindextype *) calloc((size_t) (n + 1 + nnz), sizeof(sunindextype));
+    if (own->colptr == NULL) {
+        return IDA_MEM_FAIL;
+    }
+    own->rowidx = own->colptr + n + 1;
+    if (colptr == NULL) {
+        filled = (int *) calloc((size_t) (n + 1 + nnz), sizeof(int));
+        if (filled == NULL) {
+            return IDA_MEM_FAIL;
+        }
+        pattern->fill(filled, filled + n + 1);
+        colptr = filled;
+        rowidx = filled + n + 1;
+    }
+    for (int i = 0; i <= n; i++) {
+        own->colptr[i] = colptr[i];
+    }
+    for (int i = 0; i < nnz; i++) {
+        own->rowidx[i] = rowidx[i];
+    }
+    free(filled);
+    return 0;
+}
+
+/* y and ydot of q and v; multipliers and accelerations come from the model, those of the stabilisation are 0. */
+static int start(const tisserand_model *model, double t, double tolerance, const double *k, double *q, double *v,
+                 machine *own)
+{
+    double *y = N_VGetArrayPointer(own->y), *ydot = N_VGetArrayPointer(own->ydot);
+    const int nq = model->nq, nv = model->nv;
+    tisserand_fixed_counts ignored = {0, 0, 0, 0};
+    int code = tolerance > 0.0 ? tisserand_project(model, t, k, tolerance, q, v, own->work, &ignored) : 0;
+
+    N_VConst(0.0, own->y);
+    N_VConst(0.0, own->ydot);
+    memcpy(y, q, (size_t) nq * sizeof(double));
+    memcpy(y + nq, v, (size_t) nv * sizeof(double));
+    if (code == 0) {
+        code = model->rates(q, v, k, ydot);
+    }
+    if (code == 0) {
+        code = model->scene == NULL ? model->accel(t, q, v, k, ydot + nq)
+                                    : model->scene->solve(t, q, v, k, ydot + nq, y + nq + nv);
+    }
+    return code;
+}
+
+static int allocate(const tisserand_model *model, machine *own)
+{
+    const sunindextype n = own->given.form->size, nnz = own->given.form->pattern->nnz;
+
+    own->work = (double *) calloc((size_t) tisserand_fixed_work(model), sizeof(double));
+    if (own->work == NULL || SUNContext_Create(TISSERAND_COMM, &own->context) != 0) {
+        return IDA_MEM_FAIL;
+    }
+    own->ida = IDACreate(own->context);
+    own->y = N_VNew_Serial(n, own->context);
+    own->ydot = N_VNew_Serial(n, own->context);
+    own->atol = N_VNew_Serial(n, own->context);
+    own->id = N_VNew_Serial(n, own->context);
+    own->matrix = SUNSparseMatrix(n, n, nnz, CSC_MAT, own->context);
+    if (own->ida == NULL || own->y == NULL || own->ydot == NULL || own->atol == NULL || own->id == NULL ||
+        own->matrix == NULL) {
+        return IDA_MEM_FAIL;
+    }
+    own->solver = SUNLinSol_KLU(own->y, own->matrix, own->context);
+    return own->solver == NULL ? IDA_MEM_FAIL : copy_pattern(own->given.form->pattern, &own->given);
+}
+
+static int configure(const tisserand_model *model, const tisserand_ida_options *options, double t0, machine *own)
+{
+    double *atol = N_VGetArrayPointer(own->atol), *id = N_VGetArrayPointer(own->id);
+    const int differential = model->nq + model->nv;
+    int code;
+
+    for (int i = 0; i < own->given.form->size; i++) {
+        id[i] = i < differential ? 1.0 : 0.0;
+        atol[i] = i < differential ? options->atol : options->atol_multipliers;
+    }
+    if ((code = IDAInit(own->ida, residual, t0, own->y, own->ydot)) < 0 ||
+        (code = IDASVtolerances(own->ida, options->rtol, own->atol)) < 0 ||
+        (code = IDASetUserData(own->ida, &own->given)) < 0 || (code = IDASetId(own->ida, own->id)) < 0 ||
+        /* Of index 2 the local error of multipliers is of a lower order, and would make the steps too short. */
+        (code = IDASetSuppressAlg(own->ida, SUNTRUE)) < 0 ||
+        (code = IDASetMaxNumSteps(own->ida, options->steps_max > 0 ? options->steps_max : -1)) < 0 ||
+        (code = IDASetMaxStep(own->ida, options->step_max)) < 0 ||
+        (code = IDASetLinearSolver(own->ida, own->solver, own->matrix)) < 0 ||
+        (code = IDASetJacFn(own->ida, jacobian)) < 0) {
+        return code;
+    }
+    return 0;
+}
+
+static void count(void *ida, tisserand_ida_counts *counts)
+{
+    IDAGetNumSteps(ida, &counts->steps);
+    IDAGetNumResEvals(ida, &counts->residuals);
+    IDAGetNumJacEvals(ida, &counts->jacobians);
+    IDAGetNumLinSolvSetups(ida, &counts->factorisations);
+    IDAGetNumNonlinSolvIters(ida, &counts->iterations);
+    IDAGetNumErrTestFails(ida, &counts->error_failures);
+    IDAGetNumNonlinSolvConvFails(ida, &counts->convergence_failures);
+}
+
+static void release(machine *own)
+{
+    free(own->given.colptr);
+    free(own->work);
+    if (own->ida != NULL) {
+        IDAFree(&own->ida);
+    }
+    if (own->solver != NULL) {
+        SUNLinSolFree(own->solver);
+    }
+    if (own->matrix != NULL) {
+        SUNMatDestroy(own->matrix);
+    }
+    N_Vector vectors[4] = {own->y, own->ydot, own->atol, own->id};
+    for (int i = 0; i < 4; i++) {
+        if (vectors[i] != NULL) {
+            N_VDestroy(vectors[i]);
+        }
+    }
+    if (own->context != NULL) {
+        SUNContext_Free(&own->context);
+    }
+}
+
+int tisserand_ida(const tisserand_model *model, const tisserand_ida_options *options, double t0, double interval,
+                  long nrows, const double *k, double *q, double *v, double *rows, tisserand_ida_counts *counts)
+{
+    const int width = tisserand_fixed_row(model);
+    tisserand_dae form;
+    machine own;
+    long reached = 0;
+    int code, configured = 0;
+
+    memset(&own, 0, sizeof own);
+    own.given.form = &form;
+    own.given.k = k;
+    if (nrows < 1 || !(interval > 0.0)) {
+        return TISSERAND_ARGUMENT;
+    }
+    code = find_form(model, options->form, &form);
+    if (code == 0) {
+        code = allocate(model, &own);
+    }
+    if (code == 0) {
+        code = start(model, t0, options->start, k, q, v, &own);
+    }
+    if (code == 0) {
+        code = configure(model, options, t0, &own);
+        configured = code == 0;
+    }
+    for (; code == 0 && reached < nrows; reached++) {
+        const double *y = N_VGetArrayPointer(own.y);
+        const double last = t0 + (double) (nrows - 1) * interval, next = t0 + (double) reached * interval;
+        sunrealtype t = t0;
+        if (reached > 0) {
+            int flag = IDASetStopTime(own.ida, last); /* the equations need not hold beyond */
+            if (flag >= 0) {
+                flag = IDASolve(own.ida, next < last ? next : last, &t, own.y, own.ydot, IDA_NORMAL);
+            }
+            if (flag < 0) {
+                code = flag;
+                break;
+            }
+        }
+        memcpy(rows + reached * width, y, (size_t) width * sizeof(double));
+        memcpy(q, y, (size_t) model->nq * sizeof(double));
+        memcpy(v, y + model->nq, (size_t) model->nv * sizeof(double));
+    }
+    for (long i = reached * width; i < nrows * width; i++) {
+        rows[i] = NAN;
+    }
+    if (configured) {
+        count(own.ida, counts);
+    }
+    release(&own);
+    return code;
+}

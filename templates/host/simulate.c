@@ -1,0 +1,237 @@
+/*
+ * SPDX-License-Identifier: 0BSD
+ *
+ * A program that integrates one model and writes t, q, v, lambda at equal times, for example
+ *
+ *     cc -std=c99 -O2 -DTISSERAND_HEADER='"my_scene.h"' -DTISSERAND_MODEL=my_scene_model simulate.c fixed_step.c \
+ *        my_scene.c -lm -o my_scene
+ *     ./my_scene rk4 start.txt 0.1 1e-4 1e-5 out.csv
+ *
+ * With -DTISSERAND_IDA, ida.c and the libraries of ida.h it knows the methods "ggl" and "index1" as well, of a model
+ * without joints "ode". Statistics go to the standard error output, one `name value` a line.
+ */
+
+#ifndef TISSERAND_HEADER
+#  error "define TISSERAND_HEADER as the name of the header of a generated model, in quotes"
+#endif
+#include TISSERAND_HEADER
+
+#include "fixed_step.h"
+#ifdef TISSERAND_IDA
+#  include "ida.h"
+#endif
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+static const char USAGE[] =
+    "usage: %s METHOD START END INTERVAL ACCURACY OUTPUT\n"
+    "METHOD    rk4"
+#ifdef TISSERAND_IDA
+    ", ggl, index1, ode"
+#endif
+    "\n"
+    "START     file with the numbers of q and v at t = 0, or - for the values in the model's tables\n"
+    "END       time of the last row of OUTPUT (s)\n"
+    "INTERVAL  time between rows (s)\n"
+    "ACCURACY  of rk4 the step (s), which is shortened to fit into INTERVAL; else the tolerance\n"
+    "OUTPUT    .csv: text with a line of names; else the same columns as binary doubles; - for none\n";
+
+/* Constraints and their rates are kept to this, in m and rad, at the start and by rk4. */
+static const double CONSISTENT = 1e-12;
+
+/* Values of a table: an array has its value in each of its elements. */
+static void defaults(const tisserand_variable *table, int entries, double *values)
+{
+    for (int i = 0; i < entries; i++) {
+        for (int j = 0; j < table[i].size; j++) {
+            *values++ = table[i].value;
+        }
+    }
+}
+
+static int read_start(const tisserand_model *model, const char *path, double *q, double *v)
+{
+    FILE *file;
+    int found = 0;
+
+    defaults(model->q, model->variables_q, q);
+    defaults(model->v, model->variables_v, v);
+    if (strcmp(path, "-") == 0) {
+        return 0;
+    }
+    file = fopen(path, "r");
+    if (file == NULL) {
+        perror(path);
+        return 1;
+    }
+    for (int i = 0; i < model->nq + model->nv; i++) {
+        found += fscanf(file, "%lf", i < model->nq ? &q[i] : &v[i - model->nq]) == 1;
+    }
+    fclose(file);
+    if (found != model->nq + model->nv) {
+        fprintf(stderr, "%s: %d numbers are needed: q, then v\n", path, model->nq + model->nv);
+    }
+    return found != model->nq + model->nv;
+}
+
+/* Elements of arrays are numbered from 1. */
+static void print_names(FILE *file, const tisserand_variable *table, int entries)
+{
+    for (int i = 0; i < entries; i++) {
+        for (int j = 1; j <= table[i].size; j++) {
+            if (table[i].size == 1) {
+                fprintf(file, ",%s", table[i].name);
+            } else {
+                fprintf(file, ",%s%d", table[i].name, j);
+            }
+        }
+    }
+}
+
+static int write_rows(const tisserand_model *model, const char *path, long nrows, double interval, const double *rows)
+{
+    const int width = tisserand_fixed_row(model);
+    const size_t length = strlen(path);
+    const int text = length > 4 && strcmp(path + length - 4, ".csv") == 0;
+    FILE *file;
+    int failed;
+
+    if (strcmp(path, "-") == 0) {
+        return 0;
+    }
+    file = fopen(path, text ? "w" : "wb");
+    if (file == NULL) {
+        perror(path);
+        return 1;
+    }
+    if (text) {
+        fprintf(file, "t");
+        print_names(file, model->q, model->variables_q);
+        print_names(file, model->v, model->variables_v);
+        if (model->scene != NULL) {
+            print_names(file, model->scene->lambda, model->nlambda);
+        }
+        fprintf(file, "\n");
+    }
+    for (long i = 0; i < nrows; i++) {
+        const double t = (double) i * interval;
+        if (text) {
+            fprintf(file, "%.17g", t);
+            for (int j = 0; j < width; j++) {
+                fprintf(file, ",%.17g", rows[i * width + j]);
+            }
+            fprintf(file, "\n");
+        } else {
+            fwrite(&t, sizeof t, 1, file);
+            fwrite(rows + i * width, sizeof *rows, (size_t) width, file);
+        }
+    }
+    failed = ferror(file);
+    if (fclose(file) != 0 || failed) {
+        perror(path);
+        return 1;
+    }
+    return 0;
+}
+
+static int run_rk4(const tisserand_model *model, double interval, double accuracy, long nrows, const double *k,
+                   double *q, double *v, double *rows, double *work)
+{
+    tisserand_fixed_counts counts = {0, 0, 0, 0};
+    const long every = (long) ceil(interval / accuracy * (1.0 - 1e-12));
+    const int code = tisserand_rk4(model, 0.0, interval / (double) every, (nrows - 1) * every, every, k, CONSISTENT,
+                                   q, v, rows, work, &counts);
+    fprintf(stderr, "steps %ld\naccelerations %ld\nconstraints %ld\ncorrections %ld\n", counts.steps,
+            counts.accelerations, counts.constraints, counts.corrections);
+    return code;
+}
+
+#ifdef TISSERAND_IDA
+static int run_ida(const tisserand_model *model, const char *form, double interval, double accuracy, long nrows,
+                   const double *k, double *q, double *v, double *rows)
+{
+    tisserand_ida_counts counts = {0, 0, 0, 0, 0, 0, 0};
+    tisserand_ida_options options = {0, 0.0, 0.0, 0.0, 0.0, 0.0, 0};
+    int code;
+
+    options.form = strcmp(form, "ode") == 0 ? NULL : form;
+    options.rtol = accuracy;
+    options.atol = accuracy;
+    options.atol_multipliers = 1e3 * accuracy;
+    options.start = CONSISTENT;
+    code = tisserand_ida(model, &options, 0.0, interval, nrows, k, q, v, rows, &counts);
+    fprintf(stderr,
+            "steps %ld\nresiduals %ld\njacobians %ld\nfactorisations %ld\niterations %ld\nerror_failures %ld\n"
+            "convergence_failures %ld\n",
+            counts.steps, counts.residuals, counts.jacobians, counts.factorisations, counts.iterations,
+            counts.error_failures, counts.convergence_failures);
+    return code;
+}
+#endif
+
+static int integrate(const tisserand_model *model, const char *method, double interval, double accuracy, long nrows,
+                     const double *k, double *q, double *v, double *rows, double *work)
+{
+    if (strcmp(method, "rk4") == 0 && interval / accuracy < 1e9) {
+        return run_rk4(model, interval, accuracy, nrows, k, q, v, rows, work);
+    }
+#ifdef TISSERAND_IDA
+    if (strcmp(method, "rk4") != 0) {
+        return run_ida(model, method, interval, accuracy, nrows, k, q, v, rows);
+    }
+#endif
+    return TISSERAND_ARGUMENT;
+}
+
+static int run(const tisserand_model *model, char **given, double *memory, long nrows, double interval)
+{
+    double *p = memory, *k = p + model->np, *q = k + model->nk, *v = q + model->nq, *work = v + model->nv;
+    double *rows = work + tisserand_fixed_work(model);
+    const double accuracy = strtod(given[5], NULL);
+    clock_t before;
+    int code;
+
+    if (read_start(model, given[2], q, v) != 0) {
+        return 1;
+    }
+    before = clock();
+    code = model->defaults(p) != 0 ? TISSERAND_NOT_FINITE : model->setup(p, k);
+    if (code == 0) {
+        code = accuracy > 0.0 ? integrate(model, given[1], interval, accuracy, nrows, k, q, v, rows, work)
+                              : TISSERAND_ARGUMENT;
+    }
+    fprintf(stderr, "cpu_seconds %.6f\n", (double) (clock() - before) / (double) CLOCKS_PER_SEC);
+    if (code != 0) {
+        fprintf(stderr, "%s: %s failed with code %d, see fixed_step.h and ida.h\n", model->name, given[1], code);
+    }
+    return code == TISSERAND_ARGUMENT || write_rows(model, given[6], nrows, interval, rows) || code != 0;
+}
+
+int main(int argc, char **argv)
+{
+    const tisserand_model *model = TISSERAND_MODEL();
+    const double end = argc == 7 ? strtod(argv[3], NULL) : 0.0, interval = argc == 7 ? strtod(argv[4], NULL) : 0.0;
+    const double intervals = floor(end / interval * (1.0 + 1e-12));
+    double *memory;
+    size_t size;
+    int failed;
+
+    if (!(intervals >= 0.0 && intervals < 1e9)) {
+        fprintf(stderr, USAGE, argv[0]);
+        return EXIT_FAILURE;
+    }
+    size = (size_t) (model->np + model->nk + model->nq + model->nv + tisserand_fixed_work(model));
+    size += ((size_t) intervals + 1) * (size_t) tisserand_fixed_row(model);
+    memory = (double *) calloc(size, sizeof(double));
+    if (memory == NULL) {
+        fprintf(stderr, "no memory for %.0f rows\n", intervals + 1.0);
+        return EXIT_FAILURE;
+    }
+    failed = run(model, argv, memory, (long) intervals + 1, interval);
+    free(memory);
+    return failed ? EXIT_FAILURE : EXIT_SUCCESS;
+}
