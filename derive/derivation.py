@@ -1,4 +1,4 @@
-"""The two arrows that depend on what is specified: a beam, a body of nodes, or a body with parameters.
+"""The two arrows that depend on what is specified: a beam, a body of nodes, a body with parameters, or a scene.
 
 A body in space has two lowerings. Which one is taken follows from the counts of its non-zeros, see `choice`, unless the
 specification says it.
@@ -17,9 +17,11 @@ from derive.kernel.model import Model
 from derive.mechanics import beam, general
 from derive.mechanics.equations import Equations
 from derive.mechanics.generic import GenericEquations
+from derive.mechanics.mechanism import derive as mechanism
 from derive.mechanics.modal import ModalBody
 from derive.spec import Problem, SpecError
 from derive.spec.body import Gravity, Lowering, NodalBody, PlanarBeam, SymbolicBody
+from derive.spec.scene import Scene
 from derive.spec.specification import Specification
 
 
@@ -27,6 +29,8 @@ def derive(spec: Specification) -> Equations | GenericEquations:
     """The equations of motion of what is specified, written out or for a generic shape. Raises SpecError."""
     if isinstance(spec, PlanarBeam):
         return beam.derive(spec)
+    if isinstance(spec, Scene):
+        return mechanism.derive(spec)
     if isinstance(spec, SymbolicBody):
         found = choice.choose(general.symbolic_tables(spec), general.present_symbolic(spec), spec.modes)
         if _taken(found, spec.lowering) == "flat":

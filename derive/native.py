@@ -78,7 +78,8 @@ def load(files: Sequence[File], flags: Sequence[str] = FLAGS) -> Native:
         if not sources:
             raise ValueError("there is no C file among these files")
         library = compile_shared(sources, Path(folder) / "model.so", flags)
-        return Native(ctypes.CDLL(str(library)), sources[0].stem)
+        found = ctypes.CDLL(str(library))
+        return (NativeScene if hasattr(found, f"{sources[0].stem}_poses") else Native)(found, sources[0].stem)
 
 
 class _Variable(ctypes.Structure):
@@ -120,6 +121,34 @@ class _Marker(ctypes.Structure):
 _T = ctypes.c_double
 
 
+class _Dae(ctypes.Structure):
+    _fields_ = [
+        ("name", ctypes.c_char_p),
+        ("size", ctypes.c_int),
+        ("pattern", ctypes.POINTER(_Pattern)),
+        ("residual", _function(_T, *[_Pointer] * 4)),
+        ("jacobian", _function(_T, _Pointer, _Pointer, _T, _Pointer, _Pointer)),
+    ]
+
+
+class _Scene(ctypes.Structure):
+    _fields_ = [
+        ("nbodies", ctypes.c_int),
+        ("multipliers", ctypes.POINTER(_Variable)),
+        ("bodies", ctypes.POINTER(ctypes.c_char_p)),
+        ("pattern", ctypes.POINTER(_Pattern)),
+        ("forms", ctypes.POINTER(_Dae)),
+        ("nforms", ctypes.c_int),
+        ("constraints", _function(_T, *[_Pointer] * 3)),
+        ("constraint_rates", _function(_T, *[_Pointer] * 4)),
+        ("constraint_jacobian", _function(_T, *[_Pointer] * 3)),
+        ("constraint_bias", _function(_T, *[_Pointer] * 4)),
+        ("solve", _function(_T, *[_Pointer] * 5)),
+        ("correct", _function(_T, *[_Pointer] * 4)),
+        ("poses", _function(_T, *[_Pointer] * 3)),
+    ]
+
+
 class _Model(ctypes.Structure):
     _fields_ = [
         ("abi", ctypes.c_int),
@@ -144,6 +173,7 @@ class _Model(ctypes.Structure):
         ("mass_batch", _function(ctypes.c_int, *[_Pointer] * 3)),
         ("force_batch", _function(ctypes.c_int, _T, *[_Pointer] * 4)),
         ("accel_batch", _function(ctypes.c_int, _T, *[_Pointer] * 4)),
+        ("scene", ctypes.POINTER(_Scene)),
     ]
 
 
@@ -161,7 +191,7 @@ class Native:
         if m.abi != ABI:
             raise CompilerError(f"{name}: its interface has number {m.abi}, this Tisserand knows {ABI}")
         self.name = name
-        self.nq, self.nv, self.np, self.nk = m.nq, m.nv, m.np, m.nk
+        self.nq, self.nv, self.np, self.nk, self.nlambda = m.nq, m.nv, m.np, m.nk, m.nlambda
         self.parameters = _names(m.p, m.variables_p)
         self.coordinates = _names(m.q, m.variables_q)
         self.rates_of_rows = _names(m.v, m.variables_v)
@@ -206,13 +236,13 @@ class Native:
         return self._call("rates", self._state(q, v, k), self.nq)
 
     def residual(self, t: float, y: ArrayLike, ydot: ArrayLike, k: ArrayLike) -> Vector:
-        """F(t, y, ydot)."""
-        n = self.nq + self.nv
+        """F(t, y, ydot); of a scene that of index 3."""
+        n = self.nq + self.nv + self.nlambda
         return self._call("residual", [t, (n, y), (n, ydot), (self.nk, k)], n)
 
     def jacobian(self, t: float, y: ArrayLike, ydot: ArrayLike, cj: float, k: ArrayLike) -> Vector:
         """Values of dF/dy + cj dF/dydot."""
-        n = self.nq + self.nv
+        n = self.nq + self.nv + self.nlambda
         arguments = [t, (n, y), (n, ydot), cj, (self.nk, k)]
         return self._call("jacobian", arguments, len(self.jacobian_pattern.rowidx))
 
@@ -264,10 +294,7 @@ class Native:
         return result
 
     def _invoke(self, name: str, function: Callable[..., int], arguments: list[Any], results: list[Vector]) -> None:
-        given = [_array(a[0], a[1], name) if isinstance(a, tuple) else float(a) for a in arguments]
-        pointers = [a.ctypes.data_as(_Pointer) if isinstance(a, np.ndarray) else a for a in [*given, *results]]
-        if code := function(*pointers):
-            raise ModelError(f"{self.name}_{name}", code)
+        _invoke(f"{self.name}_{name}", function, arguments, results)
 
     def _batch(
         self, kernel: str, t: list[float], states: list[tuple[int, ArrayLike]], k: ArrayLike, size: int
@@ -283,6 +310,87 @@ class Native:
         function: Callable[..., int] = getattr(self._model, name)
         code = function(count, *map(float, t), *(a.ctypes.data_as(_Pointer) for a in arrays))
         return np.ascontiguousarray(result.T), code
+
+
+class Dae:
+    """One form F(t, y, ydot) = 0 of a scene's equations; `pattern` is that of its iteration matrix."""
+
+    def __init__(self, form: _Dae, scene: str, nk: int) -> None:
+        self._form, self._nk = form, nk
+        self.name, self.size = form.name.decode(), form.size
+        self.pattern = _pattern(form.pattern.contents)
+        self._called = f"{scene}, form {self.name}: "
+
+    def residual(self, t: float, y: ArrayLike, ydot: ArrayLike, k: ArrayLike) -> Vector:
+        """F(t, y, ydot)."""
+        result = np.empty(self.size)
+        _invoke(f"{self._called}residual", self._form.residual, [t, *self._state(y, ydot), (self._nk, k)], [result])
+        return result
+
+    def jacobian(self, t: float, y: ArrayLike, ydot: ArrayLike, cj: float, k: ArrayLike) -> Vector:
+        """Values of dF/dy + cj dF/dydot."""
+        result = np.empty(len(self.pattern.rowidx))
+        arguments = [t, *self._state(y, ydot), cj, (self._nk, k)]
+        _invoke(f"{self._called}jacobian", self._form.jacobian, arguments, [result])
+        return result
+
+    def _state(self, y: ArrayLike, ydot: ArrayLike) -> list[Any]:
+        return [(self.size, y), (self.size, ydot)]
+
+
+class NativeScene(Native):
+    """A compiled scene: M vdot + h = G^T lambda with constraints g(t, q) = 0."""
+
+    def __init__(self, library: ctypes.CDLL, name: str) -> None:
+        super().__init__(library, name)
+        self._scene = s = self._model.scene.contents
+        self.multipliers = _names(s.multipliers, self.nlambda)
+        self.bodies = tuple(s.bodies[i].decode() for i in range(s.nbodies))
+        self.constraint_pattern = _pattern(s.pattern.contents)
+        self.dae = {form.name: form for form in (Dae(s.forms[i], name, self.nk) for i in range(s.nforms))}
+
+    def constraints(self, t: float, q: ArrayLike, k: ArrayLike) -> Vector:
+        """g(t, q)."""
+        return self._ask("constraints", [t, (self.nq, q), (self.nk, k)], self.nlambda)
+
+    def constraint_rates(self, t: float, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> Vector:
+        """gdot = G v + dg/dt."""
+        return self._ask("constraint_rates", [t, *self._state(q, v, k)], self.nlambda)
+
+    def constraint_jacobian(self, t: float, q: ArrayLike, k: ArrayLike) -> Vector:
+        """Values of G by columns."""
+        size = len(self.constraint_pattern.rowidx)
+        return self._ask("constraint_jacobian", [t, (self.nq, q), (self.nk, k)], size)
+
+    def constraint_bias(self, t: float, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> Vector:
+        """gamma of G vdot = gamma."""
+        return self._ask("constraint_bias", [t, *self._state(q, v, k)], self.nlambda)
+
+    def solve(self, t: float, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> tuple[Vector, Vector]:
+        """vdot and lambda, what joints exert on their second bodies."""
+        vdot, multipliers = np.empty(self.nv), np.empty(self.nlambda)
+        _invoke(f"{self.name}_solve", self._scene.solve, [t, *self._state(q, v, k)], [vdot, multipliers])
+        return vdot, multipliers
+
+    def correct(self, t: float, q: ArrayLike, k: ArrayLike, r: ArrayLike) -> Vector:
+        """The smallest change dv of the rates, measured by dv . M dv, with G dv = r."""
+        return self._ask("correct", [t, (self.nq, q), (self.nk, k), (self.nlambda, r)], self.nv)
+
+    def poses(self, t: float, q: ArrayLike, k: ArrayLike) -> Matrix:
+        """c1, c2 and phi of each body, (bodies, 3)."""
+        return self._ask("poses", [t, (self.nq, q), (self.nk, k)], 3 * len(self.bodies)).reshape(-1, 3)
+
+    def _ask(self, name: str, arguments: list[Any], size: int) -> Vector:
+        result = np.empty(size)
+        _invoke(f"{self.name}_{name}", getattr(self._scene, name), arguments, [result])
+        return result
+
+
+def _invoke(name: str, function: Callable[..., int], arguments: list[Any], results: list[Vector]) -> None:
+    given = [_array(a[0], a[1], name) if isinstance(a, tuple) else float(a) for a in arguments]
+    pointers = [a.ctypes.data_as(_Pointer) if isinstance(a, np.ndarray) else a for a in [*given, *results]]
+    if code := function(*pointers):
+        raise ModelError(name, code)
 
 
 def _rows(columns: int, given: ArrayLike, name: str) -> Matrix:

@@ -17,7 +17,10 @@ from derive.kernel.ir import Kernel, Require, Store
 from derive.kernel.loops import Contract, Reduce, RequireAll
 from derive.kernel.model import Model, Variable
 
-ABI = 2
+ABI = 3
+
+FORMS = {"index3": "", "ggl": "_ggl", "index1": "_index1"}
+"""The forms of the equations of a scene, with what the names of their functions end in."""
 
 
 @dataclass(frozen=True)
@@ -34,6 +37,7 @@ def c_files(model: Model, fingerprint: str) -> tuple[File, ...]:
     """`NAME.h` and `NAME.c`."""
     said = model_text(model)
     tables = [("p", model.parameters), ("k", model.constants), ("q", model.coordinates), ("v", model.rates)]
+    tables += [("lambda", model.multipliers)] if model.bodies else []
     sizes = {name: sum(v.size for v in variables) for name, variables in tables}
     mark = (f"{MARK} from a specification with SHA-256", f"{fingerprint}. Do not edit.", LICENCE, "")
     widths = batch_widths(model)
@@ -53,6 +57,7 @@ def c_files(model: Model, fingerprint: str) -> tuple[File, ...]:
         "batch_stack": -(-max(stack(model, name, width) for name, width in widths.items()) // 1024),
         "patterns": pattern_texts(model, "    "),
         "markers": [(m.name, model.kernel(f"marker_{m.name}").outputs[0].size) for m in model.markers],
+        "forms": FORMS if model.bodies else {},
         "energies": len(model.kernel("energy").outputs[0].elements),
         "sizes": sizes,
         "places": {name: placed(variables) for name, variables in tables},

@@ -10,6 +10,9 @@ from derive.kernel.ir import Argument, Kernel, Output, Section
 from derive.kernel.model import Model, Variable, Zero
 from derive.kernel.pattern import Pattern
 
+MOST_ROWS = 40
+"""Rows of a mass matrix that are drawn with letters."""
+
 LICENCE = "SPDX-License-Identifier: 0BSD"
 
 
@@ -32,6 +35,9 @@ def pattern_texts(model: Model, indent: str) -> list[PatternText]:
     """The patterns of a model: mass, jacobian, marker_NAME."""
     found = [("mass", model.pattern("mass", "M")), ("jacobian", model.pattern("jacobian", "jac"))]
     found += [(f"marker_{m.name}", model.pattern(f"marker_{m.name}", "jacobian")) for m in model.markers]
+    if model.bodies:
+        found.append(("constraint_jacobian", model.pattern("constraint_jacobian", "G")))
+        found += [(f"jacobian_{form}", model.pattern(f"jacobian_{form}", "jac")) for form in ("ggl", "index1")]
 
     def lines(values: tuple[int, ...]) -> str:
         return "\n".join(wrapped([", ".join(map(str, values))], indent))
@@ -84,6 +90,9 @@ class ModelText:
     picture: tuple[str, ...]
     zeros: tuple[str, ...]
     vanished: tuple[str, ...]
+    bodies: tuple[str, ...]
+    multipliers: tuple[str, ...]
+    left_out: tuple[str, ...]
 
 
 def model_text(model: Model) -> ModelText:
@@ -115,6 +124,9 @@ def model_text(model: Model) -> ModelText:
         picture=_picture(mass, names),
         zeros=_by_reason(model.zeros),
         vanished=_by_reason(model.vanished),
+        bodies=model.bodies,
+        multipliers=tuple(f"{k}  {m.name}  [{m.unit}]  {m.doc}" for k, m in enumerate(model.multipliers)),
+        left_out=tuple(f"{out.what}: {out.reason}" for out in model.left_out),
     )
 
 
@@ -132,10 +144,11 @@ def description(said: ModelText) -> tuple[str, ...]:
     def block(title: str, lines: tuple[str, ...]) -> tuple[str, ...]:
         return ("", title, *(f"  {line}" for line in lines))
 
+    law = "M(q) vdot + h(t, q, v) = G^T lambda, g(t, q) = 0," if said.bodies else "M(q) vdot + h(t, q, v) = 0,"
     return (
         said.title,
         "",
-        "Equations of motion M(q) vdot + h(t, q, v) = 0, from x = c + Q (X + u) and d'Alembert's virtual",
+        *wrapped([f"Equations of motion {law} from x = c + Q (X + u) and d'Alembert's virtual"], ""),
         "work: (15) of Koppens, Sauren, Veldpaus & van Campen, J. Appl. Mech. 55 (1988) 676-680, whose",
         "equation numbers these are. Units are SI where the parameters are; any consistent set will do.",
         "",
@@ -146,6 +159,12 @@ def description(said: ModelText) -> tuple[str, ...]:
         *((said.choice,) if said.choice else ()),
         *block("Coordinates q:", said.state),
         *block("Rates v and the rows of the equations of motion, with their units:", said.rates),
+        *(
+            block("Multipliers lambda, what joints exert on their second bodies:", said.multipliers)
+            if said.multipliers
+            else ()
+        ),
+        *(block("What is not modelled, and why:", said.left_out) if said.left_out else ()),
         *block("Parameters p:", said.parameters),
         *block("Constants k, made of them by setup:", said.constants),
         *block("Mass matrix, x a value and . a structural zero:", said.picture),
@@ -174,6 +193,8 @@ def _picture(pattern: Pattern, names: list[str]) -> tuple[str, ...]:
         return _blocks(pattern, names)
     present = set(pattern.entries) | {(j, i) for i, j in pattern.entries}
     width = max(map(len, names))
+    if len(names) > MOST_ROWS:
+        names = []
     rows = (
         f"{name:<{width}}  " + " ".join("x" if (i, j) in present else "." for j in range(pattern.cols))
         for i, name in enumerate(names)

@@ -13,6 +13,7 @@ from derive.emit.files import MARK, File
 from derive.emit.python import python_file
 from derive.kernel.model import Model
 from derive.spec.body import NodalBody, PlanarBeam, SymbolicBody
+from derive.spec.scene import Scene
 from derive.spec.specification import Specification
 from derive.version import VERSION
 
@@ -25,7 +26,7 @@ def model_files(model: Model, spec: Specification) -> tuple[File, ...]:
     return (*files, _manifest(model, description, fingerprint, files))
 
 
-KINDS = {PlanarBeam: "planar_beam", NodalBody: "nodal_body", SymbolicBody: "symbolic_body"}
+KINDS = {PlanarBeam: "planar_beam", NodalBody: "nodal_body", SymbolicBody: "symbolic_body", Scene: "scene"}
 
 
 def specification(spec: Specification) -> dict[str, object]:
@@ -35,6 +36,8 @@ def specification(spec: Specification) -> dict[str, object]:
         data = spec.data
         given = 0 if data.modes is None else len(data.modes)
         fields["data"] = {"nodes": len(data.positions), "modes": given, "sha256": data.sha256}
+    if isinstance(spec, Scene):  # what is done with the model later is no part of it
+        fields = {name: value for name, value in fields.items() if name not in ("simulation", "plots")}
     plain = json.loads(json.dumps(fields, default=_exact))
     return {"kind": KINDS[type(spec)], **{key: value for key, value in plain.items() if value is not None}}
 
@@ -63,6 +66,22 @@ def _manifest(model: Model, description: dict[str, object], fingerprint: str, fi
             "mass": {"structural": mass.full_nnz, "of": mass.rows * mass.cols, "stored": len(mass.rowidx)},
             "jacobian": {"structural": len(jacobian.rowidx), "of": jacobian.rows * jacobian.cols},
         },
+        **_of_scene(model),
         "files": {file.path: hashlib.sha256(file.text.encode()).hexdigest() for file in files},
     }
     return File(f"{model.name}/manifest.json", json.dumps(content, indent=2) + "\n")
+
+
+def _of_scene(model: Model) -> dict[str, object]:
+    """What a scene has besides: constraints, the structure of its KKT matrix, and what is not modelled."""
+    if not model.bodies:
+        return {}
+    jacobian = model.pattern("constraint_jacobian", "G")
+    return {
+        "scene": {
+            "coordinates": len(model.coordinates),
+            "constraints": len(model.multipliers),
+            "constraint_jacobian": {"structural": len(jacobian.rowidx), "of": jacobian.rows * jacobian.cols},
+            "left_out": {out.what: out.reason for out in model.left_out},
+        }
+    }

@@ -112,7 +112,7 @@ def _results(outputs: tuple[Output, ...], required: list[str]) -> list[str]:
         lines += wrapped([f"{output.name} = _stack(xp, batch, {elements})"], "    ")
     if required:
         valid = " & ".join(required)
-        lines += [f"    return _where(xp, {valid}, {outputs[0].name})"]
+        lines += [f"    return {', '.join(f'_where(xp, {valid}, {o.name})' for o in outputs)}"]
     else:
         lines += [f"    return {', '.join(o.name for o in outputs)}"]
     return lines
@@ -141,6 +141,11 @@ def _tables(model: Model) -> list[Table]:
         table("UNITS", (v.unit for v in model.parameters)),
         table("CONSTANTS", (v.name for v in model.constants)),
         table("MARKERS", (v.name for v in model.markers)),
+        *(
+            (table("MULTIPLIERS", (v.name for v in model.multipliers)), table("BODIES", model.bodies))
+            if model.bodies
+            else ()
+        ),
     ]
 
 

@@ -28,18 +28,25 @@ class Context:
         self.rows = tuple(row.name for row in equations.rows)
         self.rates = tuple(str(row.v) for row in equations.rows)
         self.accelerations = tuple(str(row.a) for row in equations.rows)
-        self.t = Argument("t", (), "time (a free body does not depend on it)", scalar=True)
+        self.t = Argument(
+            "t",
+            (),
+            "time" if equations.constraints or equations.poses else "time (a free body does not depend on it)",
+            scalar=True,
+        )
         self.q = Argument("q", self.names, "generalized coordinates")
         self.v = Argument("v", self.rates, "rates")
         self.k = Argument("k", (), "constants from setup")
         self.y = Argument("y", self.names + self.rates, "first-order state [q; v]")
         self.ydot = Argument("ydot", tuple(f"{n}_t" for n in self.names) + self.accelerations, "time derivative of y")
+        self.multipliers = tuple(c.name for c in equations.constraints)
+        self.forces = tuple(f"lambda_{name}" for name in self.multipliers)
         self.cj = Argument("cj", (), "factor of dF/dydot", scalar=True)
 
     def symbols(self, *arguments: Argument) -> Symbols:
         """CasADi symbols for some arguments, the coefficients, and every definition that follows from them."""
         eq = self.equations
-        rotation = frozenset(d.symbol for d in eq.definitions if d.section == "Q")
+        rotation = frozenset(d.symbol for d in eq.definitions if d.section.split()[-1] == "Q")
         symbols = Symbols(early=frozenset(row.v for row in eq.rows), late=rotation)
         for c in self.coefficients:
             value = c.value

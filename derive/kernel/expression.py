@@ -23,7 +23,7 @@ class Ref:
 
 @dataclass(frozen=True)
 class Op:
-    """An operation: add, sub, mul, div (two operands), neg, sin, cos (one)."""
+    """An operation: add, sub, mul, div (two operands), neg, sin, cos, sqrt (one)."""
 
     kind: str
     args: tuple[Expr, ...]

@@ -8,7 +8,7 @@ import casadi as ca
 import sympy as sp
 
 from derive.kernel.context import Context, define, stores
-from derive.kernel.factor import factorise, solve
+from derive.kernel.factor import Factorisation, factorise, solve
 from derive.kernel.ir import Argument, Kernel, Output
 from derive.kernel.pattern import pattern
 from derive.kernel.schedule import Named, Required, Step, Stored
@@ -66,16 +66,7 @@ def accel(context: Context) -> Kernel:
     solution = solve(factors, [-symbols(h) for h in eq.force])
     pivots = list(zip(factors.pivots, factors.order, strict=True))
     named = tuple(Named(f"pivot_{context.rows[j]}", pivot) for pivot, j in pivots)
-    margin = symbols.number(VANISHING)
-    required = tuple(
-        Required(
-            "positive",
-            pivot if pivot is entries[j, j] else pivot - margin * entries[j, j],
-            PIVOT,
-            f"the pivot of {context.rows[j]} vanished",
-        )
-        for pivot, j in pivots
-    )
+    required = pivot_checks(symbols, factors, context.rows)
     total = sum(solution[1:], start=solution[0])
     finite = Required("finite", total, NOT_FINITE, "an acceleration is not finite")
     order = ", ".join(context.rows[j] for j in factors.order)
@@ -90,6 +81,17 @@ def accel(context: Context) -> Kernel:
         Step("solution", "LDL^T", "forward, diagonal and back substitution", stores("vdot", solution)),
         Step("check", "", "refuse what is not finite", (finite,)),
     )
+
+
+def pivot_checks(symbols: Symbols, factors: Factorisation, names: tuple[str, ...]) -> tuple[Required, ...]:
+    """Every pivot has to be more than rounding error: positive for a coordinate, negative for a multiplier."""
+    margin = symbols.number(VANISHING)
+    found = []
+    for pivot, scale, j in zip(factors.pivots, factors.scales, factors.order, strict=True):
+        above = pivot if pivot is scale else pivot - margin * scale
+        text = f"the pivot of {names[j]} vanished"
+        found.append(Required("positive", above if j < factors.coordinates else -above, PIVOT, text))
+    return tuple(found)
 
 
 def energy(context: Context) -> Kernel:

@@ -22,7 +22,7 @@ LEAST, MOST = Fraction(sys.float_info.min), Fraction(sys.float_info.max)
 SHORT = 9
 """Nodes of an expression of coefficients that gets one name; a longer one is made of named ones."""
 
-UNARY = {ca.OP_NEG: "neg", ca.OP_SIN: "sin", ca.OP_COS: "cos"}
+UNARY = {ca.OP_NEG: "neg", ca.OP_SIN: "sin", ca.OP_COS: "cos", ca.OP_SQRT: "sqrt"}
 
 
 @dataclass(frozen=True)
@@ -142,8 +142,8 @@ class Graph:
 
     def _fold(self, kind: str, args: tuple[int, ...]) -> int | None:
         values = [self.value(a) for a in args]
-        if kind in ("sin", "cos"):
-            return self.number(0 if kind == "sin" else 1) if values[0] == 0 else None
+        if kind in ("sin", "cos", "sqrt"):
+            return self.number(1 if kind == "cos" else 0) if values[0] == 0 else None
         known = [v for v in values if v is not None]
         if len(known) == len(values):
             return self.number(_exact(kind, known))

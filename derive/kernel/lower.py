@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from derive.kernel import functions
+from derive.kernel import constraints, dae, functions
 from derive.kernel.context import Context
 from derive.kernel.ir import Kernel
 from derive.kernel.model import Model, Variable, Zero
@@ -15,18 +15,22 @@ from derive.mechanics.equations import Equations
 def lower(equations: Equations) -> Model:
     """The kernels of a model, with names, units, patterns and the reasons of its zeros."""
     context = Context(equations)
+    scene = bool(equations.poses)
     kernels = (
         functions.mass(context),
         functions.force(context),
         functions.mass_force(context),
-        functions.accel(context),
+        constraints.accelerations(context) if scene else functions.accel(context),
         functions.energy(context),
         functions.momentum(context),
         functions.rates(context),
         *(functions.marker(context, marker) for marker in equations.markers),
         *(functions.load(context, marker) for marker in equations.markers),
-        functions.residual(context),
-        functions.jacobian(context),
+        *(
+            (*constraints.constraint_kernels(context), *dae.form_kernels(context))
+            if scene
+            else (functions.residual(context), functions.jacobian(context))
+        ),
     )
     setup, constants = setup_kernel(context, kernels)
     names = tuple(c.name for c in constants)
@@ -44,6 +48,11 @@ def lower(equations: Equations) -> Model:
         markers=tuple(Variable(m.name, m.doc, "m") for m in equations.markers),
         zeros=tuple(Zero(f"M[{context.rows[i]}, {context.rows[j]}]", why) for i, j, why in equations.mass_zeros),
         choice=equations.choice,
+        multipliers=tuple(
+            Variable(c.name, f"what joint {c.of} exerts: {c.doc}", c.force_unit) for c in equations.constraints
+        ),
+        bodies=tuple(pose.name for pose in equations.poses),
+        left_out=tuple(Zero(out.what, out.reason) for out in equations.left_out),
         vanished=tuple(Zero(f"{v.term.name} term of row {v.term.row}", v.reason) for v in equations.vanished),
     )
 

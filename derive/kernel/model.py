@@ -36,6 +36,9 @@ class Model:
 
     `lowering` says how they were made, flat (straight line) or table (loops over the shapes), `choice` why. `data`
     holds the defaults of parameters that are arrays, as pairs (index, value); all else is zero.
+
+    A scene has `multipliers`, with the units of what joints exert, `bodies` whose poses it tells, and `left_out`,
+    what it does not model.
     """
 
     name: str
@@ -53,6 +56,9 @@ class Model:
     lowering: str = "flat"
     choice: str = ""
     data: tuple[tuple[int, float], ...] = ()
+    multipliers: tuple[Variable, ...] = ()
+    bodies: tuple[str, ...] = ()
+    left_out: tuple[Zero, ...] = ()
 
     @property
     def defaults(self) -> tuple[float, ...]:

@@ -40,6 +40,10 @@ class Symbols:
         self.values[symbol] = self(expr)
         return self.values[symbol]
 
+    def named(self, name: str) -> ca.SX:
+        """The symbol of that name."""
+        return self.values[sp.Symbol(name)]
+
     def number(self, value: Fraction) -> ca.SX:
         """A number, exactly."""
         if value.denominator == 1 and abs(value.numerator) < 2**53:
@@ -55,7 +59,7 @@ class Symbols:
         return symbol
 
     def __call__(self, expr: sp.Expr) -> ca.SX:
-        """A SymPy expression of + * integer powers, sin and cos, in CasADi."""
+        """A SymPy expression of + * integer powers, square roots, sin and cos, in CasADi."""
         if expr not in self._known:
             self._known[expr] = self._convert(sp.sympify(expr))
         return self._known[expr]
@@ -101,10 +105,13 @@ class Symbols:
         last: list[ca.SX] = []
         below: list[ca.SX] = []
         for base, exponent in sorted((f.as_base_exp() for f in sp.Mul.make_args(rest)), key=self._order):
-            if not exponent.is_Integer:
+            if not (2 * exponent).is_Integer:
                 raise TypeError(f"no lowering for the power {base}**{exponent}")
             above = first if base in self.early else last
-            (above if exponent > 0 else below).extend([self(base)] * abs(int(exponent)))
+            value = self(base) if exponent.is_Integer else ca.sqrt(self(base))
+            (above if exponent > 0 else below).extend(
+                [value] * abs(int(exponent if exponent.is_Integer else 2 * exponent))
+            )
         if magnitude.numerator == 1 and (first or last) and not _is_dyadic(magnitude):
             below.append(self.number(1 / magnitude))  # m/7 is rounded once, m*(1/7) twice
         elif magnitude != 1 or not (first or last):

@@ -34,11 +34,18 @@ def derive(beam: PlanarBeam) -> Equations:
 
     Raises ConditionError when the ansatz does not fit the frame.
     """
+    return equations(beam_body(beam))
+
+
+def beam_body(beam: PlanarBeam, pieces: int = 1) -> Body:
+    """A planar beam, or one of so many equal pieces of it, as (15) needs to know it. Raises ConditionError when the
+    ansatz does not fit the frame."""
     shapes = assumed_shapes(beam.ansatz, beam.frame, beam.orthogonal)
     mass, length, bending = (quantity.value(q) for q in (beam.mass, beam.length, beam.bending_stiffness))
+    mass, length = mass / pieces, length / pieces
     gravity, gravity_parameters = quantity.gravity(beam.gravity)
     docs = {"mass": "mass of the beam", "length": "length of the beam", "bending_stiffness": "bending stiffness EI"}
-    body = Body(
+    return Body(
         name=beam.name,
         doc=f"free planar beam, {beam.frame.kind} frame, shapes {', '.join(map(_shape_text, shapes))}",
         origin="X = xi l/2 e1 (24), so c is where the centre of the undeformed beam lies in the floating frame.",
@@ -46,7 +53,7 @@ def derive(beam: PlanarBeam) -> Equations:
         mass=mass,
         integrals=coefficients(BeamIntegrals(shapes, mass, length, beam.frame.kind == "mean"), len(shapes)),
         stiffness=_stiffness(shapes, length, bending),
-        points=tuple(_point(marker, shapes, length) for marker in beam.markers),
+        points=tuple(beam_point(marker, beam, pieces) for marker in beam.markers),
         parameters=tuple(
             quantity.parameter(getattr(beam, field), doc)
             for field, doc in docs.items()
@@ -55,7 +62,18 @@ def derive(beam: PlanarBeam) -> Equations:
         + gravity_parameters,
         gravity=gravity,
     )
-    return equations(body)
+
+
+def section_turns(marker: Marker, beam: PlanarBeam, pieces: int = 1) -> tuple[Coefficient, ...]:
+    """The rotation of the section at a marker for unit amplitudes: dv/dx of each shape, to first order as in (22)."""
+    at, length = sp.Rational(marker.at), quantity.value(beam.length) / pieces
+    found = []
+    for i, shape in enumerate(assumed_shapes(beam.ansatz, beam.frame, beam.orthogonal), 1):
+        slope = _poly(shape).diff(xi).eval(at)
+        zero = None if slope else "these shapes (no slope there)"
+        doc = f"rotation of the section at marker {marker.name} for a unit of shape {i}: d phi_{i}/dx"
+        found.append(Coefficient(sp.Symbol(f"turn_{marker.name}_{i}"), 2 * slope / length, "(21)", doc, "1/m", zero))
+    return tuple(found)
 
 
 def _poly(coefficients: Polynomial) -> sp.Poly:
@@ -128,7 +146,9 @@ def _stiffness(shapes: tuple[Polynomial, ...], length: sp.Expr, bending: sp.Expr
     return tuple(found)
 
 
-def _point(marker: Marker, shapes: tuple[Polynomial, ...], length: sp.Expr) -> MaterialPoint:
+def beam_point(marker: Marker, beam: PlanarBeam, pieces: int = 1) -> MaterialPoint:
+    """A point of the beam, or of one of its pieces, of which the marker then is."""
+    shapes, length = assumed_shapes(beam.ansatz, beam.frame, beam.orthogonal), quantity.value(beam.length) / pieces
     at = sp.Rational(marker.at)
     position = sp.Symbol(f"X_{marker.name}")
     zero = None if at else "the choice of O (the marker is there)"

@@ -105,8 +105,48 @@ class MarkerEquations:
 
 
 @dataclass(frozen=True)
+class Constraint:
+    """g = 0 with its multiplier, the force or torque that a joint exerts on its second body.
+
+    `position` is g, `rate` its time derivative, `bias` what is left of the second one when the accelerations are zero;
+    `jacobian` holds the factors of the rates, by row. `of` is the joint or the drive.
+    """
+
+    name: str
+    of: str
+    doc: str
+    unit: str
+    force_unit: str
+    position: sp.Expr
+    rate: sp.Expr
+    bias: sp.Expr
+    jacobian: tuple[tuple[str, sp.Expr], ...]
+
+
+@dataclass(frozen=True)
+class Pose:
+    """Position of the origin and rotation of a body's base: of every body, whether it has coordinates or not."""
+
+    name: str
+    position: tuple[sp.Expr, sp.Expr]
+    turn: sp.Expr
+
+
+@dataclass(frozen=True)
+class LeftOut:
+    """What a scene does not need and the model does not have, with the reason."""
+
+    what: str
+    reason: str
+
+
+@dataclass(frozen=True)
 class Equations:
     """The equations of motion of one model: the sum of the terms of each row is zero (no load at markers).
+
+    A scene has the bodies' equations one after the other, with `constraints`: then the sum of a row is not zero, but
+    what the multipliers contribute, sum lambda_k jacobian_k. `poses` are those of its bodies, `left_out` says what is
+    not modelled.
 
     `weight_energy` is the potential of gravity, None where there is none. `choice` says why the equations are written
     out for each shape, where loops could have been had.
@@ -136,6 +176,9 @@ class Equations:
     angular_momentum: tuple[sp.Expr, ...]
     markers: tuple[MarkerEquations, ...]
     choice: str = ""
+    constraints: tuple[Constraint, ...] = ()
+    poses: tuple[Pose, ...] = ()
+    left_out: tuple[LeftOut, ...] = ()
 
     @property
     def force(self) -> tuple[sp.Expr, ...]:

@@ -1,0 +1,77 @@
+"""The initial state that a specification guesses, in the coordinates that the scene has."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from derive.mechanics.mechanism.members import piece_name
+from derive.native import NativeScene, Vector
+from derive.spec.body import Parameter, Quantity
+from derive.spec.scene import BeamBody, RigidBody, Scene, Start
+
+
+def guess(scene: Scene, native: NativeScene) -> tuple[Vector, Vector, NDArray[np.bool_]]:
+    """q and v (nq,), and which coordinates are no deformation (nq,).
+
+    A body moves as a rigid one, and all pieces of a rod as parts of it; of a body that a joint holds, what it keeps.
+    """
+    values: dict[str, float] = {}
+    rates: dict[str, float] = {}
+    for body in scene.bodies:
+        if isinstance(body, BeamBody):
+            for k in range(body.pieces):
+                _free(values, rates, piece_name(body, k), body.start, _ahead(body, k))
+        else:
+            centre = tuple(_number(x) for x in body.centre)
+            _free(values, rates, body.name, body.start, centre)
+            _held(values, rates, scene, body)
+    q = np.array([values.get(name, 0.0) for name in native.coordinates])
+    v = np.array([rates.get(name, 0.0) for name in native.coordinates])
+    rigid = np.array([name.rsplit("_", 1)[-1] in ("c1", "c2", "phi", "s") for name in native.coordinates])
+    return q, v, rigid
+
+
+def _free(values: dict[str, float], rates: dict[str, float], name: str, start: Start, at: tuple[float, ...]) -> None:
+    """c1, c2, phi of the point `at` of a body, which is where its coordinates have their origin."""
+    cos, sin = math.cos(start.angle), math.sin(start.angle)
+    arm = (cos * at[0] - sin * at[1], sin * at[0] + cos * at[1])
+    values |= {
+        f"{name}_c1": start.position[0] + arm[0],
+        f"{name}_c2": start.position[1] + arm[1],
+        f"{name}_phi": start.angle,
+    }
+    rates |= {
+        f"{name}_c1": start.velocity[0] - start.spin * arm[1],
+        f"{name}_c2": start.velocity[1] + start.spin * arm[0],
+        f"{name}_phi": start.spin,
+    }
+
+
+def _held(values: dict[str, float], rates: dict[str, float], scene: Scene, body: RigidBody) -> None:
+    """The displacement along a guide, should the body have one; its rotation is that of the free body."""
+    for joint in scene.joints:
+        if joint.kind == "translational" and joint.second.body == body.name:
+            axis = np.array([float(x) for x in joint.axis])
+            axis /= np.linalg.norm(axis)
+            marker = next(m for m in body.markers if m.name == joint.second.marker)
+            cos, sin = math.cos(body.start.angle), math.sin(body.start.angle)
+            x, y = _number(marker.x), _number(marker.y)
+            from_ground = next((p for p in scene.ground if p.name == joint.first.marker), None)
+            origin = (_number(from_ground.x), _number(from_ground.y)) if from_ground else (0.0, 0.0)
+            place = np.array(body.start.position) + [cos * x - sin * y, sin * x + cos * y] - np.array(origin)
+            values[f"{body.name}_s"] = float(axis @ place)
+            rates[f"{body.name}_s"] = float(axis @ np.array(body.start.velocity))
+            return
+
+
+def _ahead(rod: BeamBody, k: int) -> tuple[float, float]:
+    """Where the centre of piece k lies along the undeformed rod, from the centre of that."""
+    piece = _number(rod.beam.length) / rod.pieces
+    return (k - (rod.pieces - 1) / 2) * piece, 0.0
+
+
+def _number(quantity: Quantity) -> float:
+    return quantity.default if isinstance(quantity, Parameter) else float(quantity)
