@@ -6,31 +6,21 @@ import re
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
-from pydantic import BaseModel, ValidationError
-from pydantic_core import ErrorDetails
+from pydantic import ValidationError
 
-from derive.spec import paper
-from derive.spec.beam_tables import BeamTable, FrameTable, ShapeKeys
 from derive.spec.body import NodeData
-from derive.spec.body_tables import (
-    BodyFrameTable,
-    DampingTable,
-    NodalTable,
-    SymbolicTable,
-    UnitsTable,
-    kind_of_body,
-)
+from derive.spec.body_tables import NodalTable, SymbolicTable, kind_of_body
+from derive.spec.details import QUANTITIES, key_faults
 from derive.spec.errors import quoted
-from derive.spec.faults import Fault, KeyPath, unknown_key
+from derive.spec.faults import Fault, KeyPath
 from derive.spec.names import name_problem
 from derive.spec.references import Rows, references
-from derive.spec.schema import Specification
+from derive.spec.scene_check import scene_faults
+from derive.spec.schema import SCENE, Specification
+from derive.spec.shape_check import shape_faults
 from derive.spec.specification import Specification as Specified
-from derive.spec.tables import MAX_MARKERS, ParameterTable, SignedTable
-from derive.spec.values import kind_of
+from derive.spec.tables import MAX_MARKERS
 
-MAX_FAULTS = 100
-QUANTITIES = {"mass": paper.MASS, "length": paper.LENGTH, "bending_stiffness": paper.BENDING_STIFFNESS}
 INTEGRALS = "m|c[1-8](_[0-9]+)*|[kb](_[0-9]+)*|(x|phi)[0-9]+(_[0-9]+)*"
 """The names of the parameters of a body in space: m, c2_1_3, C3, C3_11, K_1_2, B_1_2, and X1, Phi1 of its markers."""
 
@@ -42,23 +32,36 @@ def checked(data: Mapping[str, object], folder: Path) -> Specified | list[Fault]
     try:
         specification = Specification.model_validate(data)
     except ValidationError as error:
-        details = error.errors(include_url=False)
-        faults = [_fault(one, data) for one in details[:MAX_FAULTS]]
-        if len(details) > MAX_FAULTS:
-            faults.append(Fault((), f"{len(details) - MAX_FAULTS} more problems are not shown"))
-    bodies = list(_one_body(data))
-    if "beam" in data and "body" in data:
-        return bodies  # what else there is follows from this
-    faults += bodies
+        faults = key_faults(error, data)
+    kinds = _kinds(data)
+    if len(kinds) > 1:
+        return [_mixed(kinds)]  # what else there is follows from this
+    if not kinds:
+        text = "this key is missing; write [beam], [body] for a body in space, or [bodies.rod] for a scene"
+        faults.append(Fault(("beam",), text))
     faults += _repeated_names(data)
     faults += _names_of_integrals(data)
-    faults += _shape_faults(data)
+    faults += shape_faults(("beam",), data.get("beam"))
     nodes, node_faults = _nodes(data, specification, folder)
     curves, curve_faults = references(data, folder)
     faults += node_faults + curve_faults
+    if any(key in data for key in SCENE):
+        faults += scene_faults(data)
     if specification is None or faults:
         return faults
     return _specified(specification, nodes, curves)
+
+
+def _kinds(data: Mapping[str, object]) -> list[str]:
+    """What is specified, by its key: a beam, a body, or a scene, of which bodies come first."""
+    scene = [key for key in ("bodies", *SCENE) if key in data]
+    return [*(key for key in ("beam", "body") if key in data), *scene[:1]]
+
+
+def _mixed(kinds: list[str]) -> Fault:
+    tables = " and ".join(f"[{kind}]" for kind in kinds)
+    what = "one body" if kinds == ["beam", "body"] else "a body alone or a scene"
+    return Fault((kinds[-1],), f"a file specifies {what}, and here are {tables}; leave one of them out")
 
 
 def _specified(specification: Specification, nodes: NodeData | None, curves: Mapping[str, Rows]) -> Specified:
@@ -72,111 +75,6 @@ def _specified(specification: Specification, nodes: NodeData | None, curves: Map
         return body.body(name, nodes)
     assert specification.beam is not None
     return specification.beam.free_beam(name)
-
-
-def _one_body(data: Mapping[str, object]) -> Iterator[Fault]:
-    if "bodies" in data:
-        return
-    if "beam" in data and "body" in data:
-        yield Fault(("body",), "a file specifies one body, and here are [beam] and [body]; leave one of them out")
-    elif "beam" not in data and "body" not in data:
-        yield Fault(("beam",), "this key is missing; write [beam], or [body] for a body in space")
-
-
-def _fault(error: ErrorDetails, data: Mapping[str, object]) -> Fault:
-    path = _path(error["loc"])
-    match error["type"]:
-        case "value_error":
-            return Fault(path, str(error["ctx"]["error"]))
-        case "missing":
-            return Fault(path, f"this key is missing; write {_example(path)}")
-        case "extra_forbidden":
-            return Fault(path, _unknown_key(path, data))
-        case "model_type":
-            such = ", such as { ratio = 0.01 }" if path == ("body", "damping") else ""
-            return Fault(path, f"a table is needed here{such}, not {kind_of(error['input'])}")
-        case "invalid_key":
-            return Fault(path, "a key has to be text")
-    raise AssertionError(f"pydantic reports {error['type']}, for which there is no sentence yet")
-
-
-def _path(location: KeyPath) -> KeyPath:
-    """The keys of the data, without what pydantic puts between them for unions and keys of dicts."""
-    path: KeyPath = ()
-    skip = False
-    for part in location:
-        if skip:
-            skip = False
-            continue
-        path += (part,)
-        skip = _is_union(path)
-    return path[:3] if path[1:2] == ("markers",) else path
-
-
-def _is_union(path: KeyPath) -> bool:
-    match path:
-        case ("body",) | ("beam" | "body", "frame") | ("body", "units") | ("beam" | "body", "gravity", int()):
-            return True
-        case ("beam", key):
-            return key in QUANTITIES
-    return False
-
-
-def _example(path: KeyPath) -> str:
-    match path:
-        case (*_, "gravity", int(i), "symbol"):
-            return f'symbol = "g{i + 1}"'
-        case (*_, "gravity", int(), "default"):
-            return "default = -9.81"
-        case (*_, key, "symbol"):
-            return f'symbol = "{QUANTITIES[str(key)].symbol}"'
-        case ("body", "nodes"):
-            return 'nodes = "block.npz"'
-        case ("body", "units"):
-            return 'units = "SI", or those of the files, such as { length = "mm", mass = "t", time = "s" }'
-        case ("body", "units", key):
-            return {"length": 'length = "mm"', "mass": 'mass = "t"'}.get(str(key), 'time = "s"')
-        case ("body", "modes"):
-            return "modes = 8"
-        case (*_, "kind"):
-            return 'kind = "point"'
-    return 'name = "free_beam"'
-
-
-def _table(path: KeyPath, body: object) -> type[BaseModel]:
-    """The model of the table at a path."""
-    match path:
-        case ():
-            return Specification
-        case ("beam",):
-            return BeamTable
-        case ("body",):
-            return SymbolicTable if kind_of_body(body) == "symbolic" else NodalTable
-        case ("beam", "frame"):
-            return FrameTable
-        case ("body", "frame"):
-            return BodyFrameTable
-        case ("body", "units"):
-            return UnitsTable
-        case ("body", "damping"):
-            return DampingTable
-        case (_, "gravity", _):
-            return SignedTable
-    return ParameterTable
-
-
-def _unknown_key(path: KeyPath, data: Mapping[str, object]) -> str:
-    key, body = str(path[-1]), data.get("body")
-    if len(path) == 1:
-        tables = {"beam": {*BeamTable.model_fields}, "body": {*NodalTable.model_fields, *SymbolicTable.model_fields}}
-        for name in sorted(tables, key=lambda name: name not in data):
-            if key in tables[name]:
-                return f"this key belongs in the table [{name}]"
-    if path[1:] == ("name",):
-        return f"this key belongs above the table [{path[0]}]"
-    if path[0] == "body" and len(path) == 2 and kind_of_body(body) == "symbolic" and key in NodalTable.model_fields:
-        return "a symbolic body has no such key: its numbers are run-time parameters; leave this or `integrals` out"
-    return unknown_key(key, _table(path[:-1], body).model_fields)
 
 
 def _repeated_names(data: Mapping[str, object]) -> Iterator[Fault]:
@@ -243,19 +141,3 @@ def _nodes(
 
     table = specification.body if specification is not None else None
     return nodes_of(body, table if isinstance(table, NodalTable) else None, folder)
-
-
-def _shape_faults(data: Mapping[str, object]) -> list[Fault]:
-    """What the algebra has to say about the ansatz and the frame, if they are valid as they are written."""
-    try:
-        keys = ShapeKeys.model_validate(data.get("beam"))
-    except ValidationError:
-        return []
-    # SymPy takes its time to import, which a specification that fails before has not to wait for.
-    from derive.mechanics.conditions import ConditionError, assumed_shapes
-
-    try:
-        assumed_shapes(*keys.shape_keys())
-    except ConditionError as error:
-        return [Fault(("beam", "ansatz"), message) for message in error.problems]
-    return []

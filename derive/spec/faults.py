@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
 
 from derive.spec.errors import quoted
 from derive.spec.values import WrongValueError
 
+Result = TypeVar("Result")
 KeyPath = tuple[str | int, ...]
 
 
@@ -30,6 +31,14 @@ class Faults(list[Fault]):
             yield
         except WrongValueError as error:
             self.append(Fault(path, str(error)))
+
+
+def readable(reader: Callable[[object], Result], value: object) -> Result | None:
+    """What a value means; None if it is faulty, which is said elsewhere."""
+    try:
+        return reader(value)
+    except ValueError:
+        return None
 
 
 def unknown_key(key: str, known: Iterable[str]) -> str:

@@ -2,21 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import TypeVar
 
 from derive.spec import values
 from derive.spec.body import NodeData
 from derive.spec.body_tables import MAX_AROUND, NodalTable
-from derive.spec.faults import Fault, Faults, KeyPath
+from derive.spec.faults import Fault, Faults, KeyPath, readable
 from derive.spec.node_data import Checked, node_data
 from derive.spec.node_files import read_nodes
 from derive.spec.tables import MAX_MARKERS
 from derive.spec.units import Units
-from derive.spec.values import MAX_MODES, WrongValueError
-
-Result = TypeVar("Result")
+from derive.spec.values import MAX_MODES
 
 
 def nodes_of(body: Mapping[str, object], table: NodalTable | None, folder: Path) -> tuple[NodeData | None, Faults]:
@@ -41,7 +38,7 @@ def nodes_of(body: Mapping[str, object], table: NodalTable | None, folder: Path)
 
 def _mode_faults(body: Mapping[str, object], arrays: set[str], checked: Checked) -> Iterator[Fault]:
     """A number of modes that cannot be had."""
-    asked = _read(values.mode_count, body.get("modes"))
+    asked = readable(values.mode_count, body.get("modes"))
     if "modes" in arrays:
         given = checked.modes
         count = given if asked is None else asked
@@ -86,7 +83,7 @@ def _mode_faults(body: Mapping[str, object], arrays: set[str], checked: Checked)
 def _node_faults(body: Mapping[str, object], nodes: int) -> Iterator[Fault]:
     """Nodes that do not exist."""
     for path, value in _node_numbers(body):
-        node = _read(values.whole, value)
+        node = readable(values.whole, value)
         if node is not None and node >= nodes:
             which = f"node {node}" if node < 10**18 else "such node"
             yield Fault(path, f"there is no {which}: the nodes are 0 to {nodes - 1}")
@@ -103,11 +100,3 @@ def _node_numbers(body: Mapping[str, object]) -> Iterator[tuple[KeyPath, object]
     if isinstance(markers, Mapping) and len(markers) <= MAX_MARKERS:
         for name, node in markers.items():
             yield ("body", "markers", str(name)), node
-
-
-def _read(reader: Callable[[object], Result], value: object) -> Result | None:
-    """What a value means; None if it is faulty, which is said elsewhere."""
-    try:
-        return reader(value)
-    except WrongValueError:
-        return None

@@ -245,7 +245,12 @@ def test_symbols_are_not_those_of_other_parameters(symbol):
             'name = "b"\n[beam]\n[body]\nintegrals = "symbolic"\nmodes = 1',
             ["b.toml:3: body: a file specifies one body, and here are [beam] and [body]; leave one of them out"],
         ),
-        ('name = "b"', ["b.toml: beam: this key is missing; write [beam], or [body] for a body in space"]),
+        (
+            'name = "b"',
+            [
+                "b.toml: beam: this key is missing; write [beam], [body] for a body in space, or [bodies.rod] for a scene"
+            ],
+        ),
         ('name = "b"\nbody = 3', ["b.toml:2: body: a table is needed here, not a number"]),
         ('name = "b"\n[[body]]', ["b.toml:2: body: a table is needed here, not a list"]),
         (

@@ -178,7 +178,7 @@ def test_a_fault_of_the_beam(lines, message):
             "",
             [
                 'b.toml: name: this key is missing; write name = "free_beam"',
-                "b.toml: beam: this key is missing; write [beam], or [body] for a body in space",
+                "b.toml: beam: this key is missing; write [beam], [body] for a body in space, or [bodies.rod] for a scene",
             ],
         ),
         (
@@ -227,7 +227,8 @@ bending_stiffness = "much"
 left = -2
 """
     assert errors(text) == [
-        "b.toml:1: title: unknown key; the keys here are name, beam, body",
+        "b.toml:1: title: unknown key; the keys here are name, beam, body, ground, scene, bodies, joints, drives, "
+        "forces, torques, springs, simulation, plots",
         'b.toml:2: name: "double" cannot be a name: it is a word of C; try "double_0"',
         'b.toml:6: beam.ansatz[1]: column 2 of "2xi": an operator is missing before "xi"; for a product write *',
         'b.toml:7: beam.ansatz[2]: column 4 of "xi^99": the power is too high; the highest is 40',
