@@ -14,10 +14,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from derive.emit.files import File
-from derive.native import FLAGS, Native, Vector
+from derive.native import FLAGS, Native, NativeScene, Vector
 from derive.simulation.host_build import SundialsMissing, compile_host, header, sundials, written
 
-__all__ = ["FixedStep", "Host", "HostError", "Ida", "SundialsMissing", "Trajectory", "program", "run_fixed", "run_ida"]
+__all__ = ["FixedStep", "Host", "HostError", "Ida", "Integration", "SundialsMissing", "program", "run_fixed", "run_ida"]
 
 Array = NDArray[np.float64]
 
@@ -45,7 +45,7 @@ CODES = {
 class HostError(ArithmeticError):
     """An integration stopped with a code other than 0; `partial` is what it had reached, then NaN."""
 
-    def __init__(self, name: str, code: int, partial: Trajectory) -> None:
+    def __init__(self, name: str, code: int, partial: Integration) -> None:
         self.code, self.partial = code, partial
         good = partial.t[np.all(np.isfinite(partial.q), axis=-1)] if partial.q.ndim == 2 else partial.t[:0]
         where = f" after t = {good[-1]:g}" if len(good) else ""
@@ -53,18 +53,18 @@ class HostError(ArithmeticError):
 
 
 @dataclass(frozen=True, eq=False)
-class Trajectory:
-    """t (rows,), and q, v and multipliers (rows, n) there; of many states (states, rows, n).
+class Integration:
+    """t (rows,) in s, and q, v and multipliers lam (rows, n) there in SI units; of many states (states, rows, n).
 
-    `counts`: evaluations by name; `cpu`: seconds that the C took.
+    `counts`: evaluations by name; `seconds`: of CPU that the C took.
     """
 
     t: Vector
     q: Array
     v: Array
-    multipliers: Array
+    lam: Array
     counts: dict[str, int]
-    cpu: float
+    seconds: float
 
 
 def _fields(*names: str) -> list[tuple[str, Any]]:
@@ -100,7 +100,8 @@ class Host:
             library = Path(folder) / "host.so"
             compile_host([*FLAGS, *extra, *header(name, Path(folder)), "-shared", "-fPIC"], sources, library, link)
             self._library = ctypes.CDLL(str(library))
-        self.native = Native(self._library, name)
+        scene = hasattr(self._library, f"{name}_poses")
+        self.native = (NativeScene if scene else Native)(self._library, name)
         self._model = ctypes.cast(getattr(self._library, f"{name}_model")(), ctypes.c_void_p)
         self._width: int = self._library.tisserand_fixed_row(self._model)
 
@@ -113,9 +114,9 @@ class Host:
         states = q.shape[:-1]
         return _checked("q0", q, (*states, self.native.nq)), _checked("v0", v, (*states, self.native.nv))
 
-    def _trajectory(self, t: Vector, rows: Array, counts: ctypes.Structure, cpu: float) -> Trajectory:
-        q, v, multipliers = np.split(rows, np.cumsum([self.native.nq, self.native.nv]), axis=-1)
-        return Trajectory(t, q, v, multipliers, {n: getattr(counts, n) for n, *_ in counts._fields_}, cpu)
+    def _integration(self, t: Vector, rows: Array, counts: ctypes.Structure, seconds: float) -> Integration:
+        q, v, lam = np.split(rows, np.cumsum([self.native.nq, self.native.nv]), axis=-1)
+        return Integration(t, q, v, lam, {n: getattr(counts, n) for n, *_ in counts._fields_}, seconds)
 
 
 class FixedStep(Host):
@@ -137,7 +138,7 @@ class FixedStep(Host):
         t0: float = 0.0,
         project: bool = True,
         tolerance: float = CONSISTENT,
-    ) -> Trajectory:
+    ) -> Integration:
         """Rows at t0 and after every `every` steps, from the state q0 (nq,), v0 (nv,), or one of each row of these.
 
         `project` keeps constraints and their rates below `tolerance`, from the first state on. Raises HostError.
@@ -150,13 +151,13 @@ class FixedStep(Host):
         number = int(np.prod(states))
         codes = np.zeros(max(number, 1), dtype=np.intc)
         work, counts = np.empty(self._library.tisserand_fixed_work(self._model)), _FixedCounts()
-        code, cpu = _timed(
+        code, seconds = _timed(
             self._library.tisserand_rk4_batch,
             *(self._model, number, t0, step, steps, every, self._constants(k), tolerance if project else 0.0),
             *(q, v, rows, codes, work, ctypes.byref(counts)),
         )
         t = _times(t0, step * every, steps // every + 1)
-        return _finished(self.native.name, code, self._trajectory(t, rows, counts, cpu))
+        return _finished(self.native.name, code, self._integration(t, rows, counts, seconds))
 
 
 class Ida(Host):
@@ -183,7 +184,7 @@ class Ida(Host):
         consistent: float = CONSISTENT,
         step_max: float = 0.0,
         steps_max: int = 0,
-    ) -> Trajectory:
+    ) -> Integration:
         """Rows at t0 + i `interval`, from the state q0 (nq,), v0 (nv,). Raises HostError.
 
         `form`: "ggl" or "index1" of a scene, None for a body. `atol` is `rtol` if it is not given. The first state is
@@ -200,20 +201,20 @@ class Ida(Host):
         options = _IdaOptions(name, rtol, absolute, forces, consistent, step_max, steps_max)
         table: Array = np.empty((rows, self._width))
         counts = _IdaCounts()
-        code, cpu = _timed(
+        code, seconds = _timed(
             self._library.tisserand_ida,
             *(self._model, ctypes.byref(options), t0, interval, rows, self._constants(k), q, v, table),
             ctypes.byref(counts),
         )
-        return _finished(self.native.name, code, self._trajectory(_times(t0, interval, rows), table, counts, cpu))
+        return _finished(self.native.name, code, self._integration(_times(t0, interval, rows), table, counts, seconds))
 
 
-def run_fixed(files: Sequence[File], q0: ArrayLike, v0: ArrayLike, **options: Any) -> Trajectory:
+def run_fixed(files: Sequence[File], q0: ArrayLike, v0: ArrayLike, **options: Any) -> Integration:
     """`FixedStep.run` of a model that is compiled for it."""
     return FixedStep(files).run(q0, v0, **options)
 
 
-def run_ida(files: Sequence[File], q0: ArrayLike, v0: ArrayLike, **options: Any) -> Trajectory:
+def run_ida(files: Sequence[File], q0: ArrayLike, v0: ArrayLike, **options: Any) -> Integration:
     """`Ida.run` of a model that is compiled for it."""
     return Ida(files).run(q0, v0, **options)
 
@@ -246,10 +247,10 @@ def _timed(function: Callable[..., int], *arguments: Any) -> tuple[int, float]:
     return code, time.thread_time() - before
 
 
-def _finished(name: str, code: int, trajectory: Trajectory) -> Trajectory:
+def _finished(name: str, code: int, found: Integration) -> Integration:
     if code:
-        raise HostError(name, code, trajectory)
-    return trajectory
+        raise HostError(name, code, found)
+    return found
 
 
 def _checked(name: str, given: ArrayLike, shape: tuple[int, ...]) -> Array:

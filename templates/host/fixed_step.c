@@ -38,18 +38,17 @@ static void add(int n, double factor, const double *from, double *to)
     }
 }
 
-/* The largest element of r, which becomes -r: what is to be corrected. A NaN goes through. */
-static double turn(int n, double *r)
+/* Whether no element of r is larger than the tolerance (a NaN is); r becomes -r, what is to be corrected. */
+static int within(int n, double tolerance, double *r)
 {
-    double largest = 0.0;
+    int all = 1;
     for (int i = 0; i < n; i++) {
-        const double size = fabs(r[i]);
-        if (!(size <= largest)) {
-            largest = size;
+        if (!(fabs(r[i]) <= tolerance)) {
+            all = 0;
         }
         r[i] = -r[i];
     }
-    return largest;
+    return all;
 }
 
 int tisserand_project(const tisserand_model *model, double t, const double *k, double tolerance, double *q, double *v,
@@ -68,7 +67,7 @@ int tisserand_project(const tisserand_model *model, double t, const double *k, d
         if (code != 0) {
             return code;
         }
-        if (turn(model->nlambda, r) <= tolerance) {
+        if (within(model->nlambda, tolerance, r)) {
             break;
         }
         if (i == ITERATIONS) {
@@ -87,7 +86,7 @@ int tisserand_project(const tisserand_model *model, double t, const double *k, d
     code = scene->constraint_rates(t, q, v, k, r);
     counts->constraints++;
     /* gdot is linear in v: one correction is all there is to do. */
-    if (code == 0 && !(turn(model->nlambda, r) <= tolerance)) {
+    if (code == 0 && !within(model->nlambda, tolerance, r)) {
         code = scene->correct(t, q, k, r, dv);
         counts->corrections++;
         add(model->nv, 1.0, dv, v);

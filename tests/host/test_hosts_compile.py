@@ -1,0 +1,96 @@
+"""Hosts pass every warning as C99 and as C++, allocate nothing in their loop, and make a program that stands alone."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from pendulums import FILES, LEVEL, REST, fixed, ida
+
+from derive.simulation.host import program
+from derive.simulation.host_build import header, sundials, written
+
+sys.path.append(str(Path(__file__).parent.parent / "emit"))
+from toolchain import C99, CPP11, WARNINGS, run, tool
+
+CPP14 = ("-x", "c++", "-std=c++14", *WARNINGS)  # headers of SUNDIALS 6 need it
+PLAIN = [("fixed_step", ()), ("simulate", ()), ("simulate", ("-DTISSERAND_IDA",))]
+
+
+@pytest.mark.parametrize("language", [("gcc", *C99), ("g++", *CPP11)], ids=["C", "C++"])
+@pytest.mark.parametrize(("host", "flags"), PLAIN)
+def test_no_warnings(host: str, flags: tuple[str, ...], language: tuple[str, ...], tmp_path: Path) -> None:
+    name, _ = written(FILES, ["fixed_step", "ida", "simulate"], tmp_path)
+    flags = (*flags, *header(name, tmp_path), f"-DTISSERAND_MODEL={name}_model")
+    run(tool(language[0]), *language[1:], "-O2", *flags, "-c", tmp_path / f"{host}.c", "-o", tmp_path / "host.o")
+
+
+@pytest.mark.parametrize("language", [("gcc", *C99), ("g++", *CPP14)], ids=["C", "C++"])
+def test_no_warnings_with_sundials(language: tuple[str, ...], tmp_path: Path) -> None:
+    ida()
+    name, _ = written(FILES, ["fixed_step", "ida"], tmp_path)
+    flags = (*sundials()[0], *header(name, tmp_path))
+    run(tool(language[0]), *language[1:], "-O2", *flags, "-c", tmp_path / "ida.c", "-o", tmp_path / "ida.o")
+
+
+def test_fixed_steps_call_nothing_but_the_library_of_mathematics(tmp_path: Path) -> None:
+    name, _ = written(FILES, ["fixed_step"], tmp_path)
+    run(tool("gcc"), "-O2", *header(name, tmp_path), "-c", tmp_path / "fixed_step.c", "-o", tmp_path / "host.o")
+    symbols = [line.split() for line in run(tool("nm"), tmp_path / "host.o").splitlines()]
+    assert {symbol[-1] for symbol in symbols if symbol[-2] == "U"} <= {"memcpy", "memset"}
+    assert all(symbol[-1].startswith("tisserand_") for symbol in symbols if symbol[-2] == "T")
+    assert not [symbol for symbol in symbols if symbol[-2] in "BDbd"]  # no state of its own
+
+
+def start(folder: Path) -> Path:
+    path = folder / "start.txt"
+    path.write_text(" ".join(str(x) for x in [*LEVEL, *REST]))
+    return path
+
+
+def test_program_writes_what_the_library_computes(tmp_path: Path) -> None:
+    made = program(FILES, tmp_path / "pendulum")
+    run(made, "rk4", start(tmp_path), "1", "0.1", "1e-2", tmp_path / "out.csv")
+    run(made, "rk4", start(tmp_path), "1", "0.1", "1e-2", tmp_path / "out.bin")
+    names = (tmp_path / "out.csv").read_text().splitlines()[0]
+    assert names == "t,x,y,phi,x_dot,y_dot,phi_dot,pivot_1,pivot_2"
+    rows = np.loadtxt(tmp_path / "out.csv", delimiter=",", skiprows=1)
+    assert np.array_equal(rows, np.fromfile(tmp_path / "out.bin").reshape(11, 9))
+    found = fixed().run(LEVEL, REST, step=1e-2, steps=100, every=10)
+    assert rows[:, 0] == pytest.approx(found.t)
+    assert rows[:, 1:] == pytest.approx(np.hstack([found.q, found.v, found.lam]), rel=1e-13, abs=1e-13)
+
+
+def test_program_with_ida(tmp_path: Path) -> None:
+    found = ida().run(LEVEL, REST, interval=0.1, rows=11, rtol=1e-8)
+    made = program(FILES, tmp_path / "pendulum", ida=True)
+    run(made, "ggl", start(tmp_path), "1", "0.1", "1e-8", tmp_path / "out.bin")
+    rows = np.fromfile(tmp_path / "out.bin").reshape(11, 9)
+    assert np.array_equal(rows[:, 1:], np.hstack([found.q, found.v, found.lam]))
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ((), "usage: "),
+        (("rk4", "nowhere.txt", "1", "0.1", "1e-2", "-"), "nowhere.txt: No such file"),
+        (("rk4", "short.txt", "1", "0.1", "1e-2", "-"), "short.txt: 6 numbers are needed: q, then v"),
+        (("ggl", "-", "1", "0.1", "1e-2", "-"), "pendulum: ggl failed with code 4"),
+        (("rk4", "-", "1", "0", "1e-2", "-"), "usage: "),
+    ],
+)
+def test_program_says_what_is_wrong(arguments: tuple[str, ...], message: str, tmp_path: Path) -> None:
+    (tmp_path / "short.txt").write_text("1 2 3")
+    made = program(FILES, tmp_path / "pendulum")
+    with pytest.raises(AssertionError, match=message):
+        run(made, *arguments, cwd=tmp_path)
+
+
+def test_program_is_clean_under_valgrind(tmp_path: Path) -> None:
+    ida()
+    made = program(FILES, tmp_path / "pendulum", ida=True, flags=["-g"])
+    flags = ("--quiet", "--error-exitcode=9", "--leak-check=full", "--errors-for-leak-kinds=all")
+    for method in ("rk4", "ggl", "index1"):
+        run(tool("valgrind"), *flags, made, method, start(tmp_path), "0.2", "0.1", "1e-4", tmp_path / "out.csv")

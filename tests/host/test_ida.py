@@ -1,0 +1,99 @@
+"""IDA with KLU: both forms come to the exact motion as the tolerance asks; failures, and SUNDIALS that is missing."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from pendulums import FILES, LEVEL, REST, driven, exact, fixed, gap, ida
+
+from derive.simulation import host_build
+from derive.simulation.host import HostError, Ida, SundialsMissing, run_ida
+
+
+@pytest.mark.parametrize("form", ["ggl", "index1"])
+@pytest.mark.parametrize("rtol", [1e-6, 1e-8, 1e-10])
+def test_error_follows_the_tolerance(form: str, rtol: float) -> None:
+    found = ida().run(LEVEL, REST, interval=0.2, rows=21, form=form, rtol=rtol)
+    q, v = exact(found.t)
+    assert max(np.abs(found.q - q).max(), np.abs(found.v - v).max()) < 500 * rtol + 1e-9
+    assert np.array_equal(found.t, 0.2 * np.arange(21))
+
+
+def test_stabilised_form_stays_on_the_constraints() -> None:
+    ggl, index1 = (ida().run(LEVEL, REST, interval=1.0, rows=101, form=form, rtol=1e-7) for form in ("ggl", "index1"))
+    assert gap(ggl).max() < 1e-7
+    assert gap(index1)[-1] > 1e-5
+
+
+def test_multipliers_are_those_of_runge_kutta() -> None:
+    implicit = ida().run(LEVEL, REST, interval=0.2, rows=11, rtol=1e-10)
+    explicit = fixed().run(LEVEL, REST, step=1e-3, steps=2000, every=200)
+    assert implicit.lam == pytest.approx(explicit.lam, abs=1e-5)
+
+
+def test_moving_pivot_is_followed_from_a_later_time_on() -> None:
+    k, reference = driven(stroke=0.2)
+    for form in ("ggl", "index1"):
+        first = ida().run(LEVEL, [0.6, 0, 0], interval=0.5, rows=3, k=k, form=form)
+        second = ida().run(first.q[-1], first.v[-1], interval=0.5, rows=3, k=k, form=form, t0=1.0)
+        assert second.q[-1] == pytest.approx(reference(2.0), abs=1e-6)
+
+
+def test_start_is_made_consistent_or_taken_as_it_is() -> None:
+    off = LEVEL + np.array([0.01, 0.0, 0.0])
+    assert gap(ida().run(off, REST, interval=0.1, rows=1))[0] < 1e-12
+    assert np.array_equal(ida().run(off, REST, interval=0.1, rows=1, consistent=0.0).q[0], off)
+
+
+def test_counts() -> None:
+    found = ida().run(LEVEL, REST, interval=0.2, rows=11, rtol=1e-6)
+    counts = found.counts
+    assert 100 < counts["steps"] < counts["residuals"] < 10 * counts["steps"]
+    assert 0 < counts["jacobians"] == counts["factorisations"] < counts["steps"]
+    assert 0 < found.seconds < 1
+
+
+def test_failures_tell_what() -> None:
+    with pytest.raises(HostError, match="code 5: the model has no such form"):
+        ida().run(LEVEL, REST, interval=0.1, rows=2, form="index0")
+    with pytest.raises(HostError, match="code -1 after t = 0: too many steps") as caught:
+        ida().run(LEVEL, REST, interval=1.0, rows=3, steps_max=5)
+    assert np.array_equal(caught.value.partial.q[0], LEVEL)
+    assert np.isnan(caught.value.partial.q[1:]).all()
+    with pytest.raises(ValueError, match="have to be vectors"):
+        ida().run([LEVEL], [REST], interval=0.1, rows=2)
+    with pytest.raises(ValueError, match="make no sense"):
+        ida().run(LEVEL, REST, interval=0.0, rows=2)
+
+
+def test_missing_sundials_is_said(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """A compiler that does not find its header, nor the libraries."""
+    broken = tmp_path / "cc"
+    broken.write_text('#!/bin/sh\necho "ida/ida.h: No such file or directory" >&2\nexit 1\n')
+    broken.chmod(0o755)
+    monkeypatch.setenv("CC", str(broken))
+    host_build.sundials.cache_clear()
+    try:
+        with pytest.raises(SundialsMissing, match=r"apt-get install libsundials-dev(.|\n)*ida.h: No such file"):
+            run_ida(FILES, LEVEL, REST, interval=0.1, rows=2)
+    finally:
+        host_build.sundials.cache_clear()
+
+
+def test_sundials_elsewhere(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """SUNDIALS_DIR goes before the places of the compiler."""
+    include, link = host_build.sundials()
+    monkeypatch.setenv("SUNDIALS_DIR", str(tmp_path))
+    (tmp_path / "include").mkdir()
+    host_build.sundials.cache_clear()
+    try:
+        elsewhere, linked = host_build.sundials()
+        assert elsewhere[:2] == ["-isystem", str(tmp_path / "include")]
+        assert linked[0] == f"-L{tmp_path}/lib"
+        assert set(include) < set(elsewhere)
+        assert set(link) < set(linked)
+        assert isinstance(Ida(FILES), Ida)
+    finally:
+        host_build.sundials.cache_clear()
