@@ -16,6 +16,7 @@ examples:
   tisserand build scenes/free_beam_mean.toml
   tisserand build scenes/block.toml scenes/body_symbolic.toml
   tisserand compare scenes/free_beam_mean.toml scenes/free_beam_point.toml
+  tisserand simulate scenes/crank_slider_3.toml
   tisserand check
 
 exit codes: 0 done; 1 a check failed; 2 the input or the machine does not allow it
@@ -43,6 +44,12 @@ def parser() -> argparse.ArgumentParser:
     compare.add_argument("--json", action="store_true", help="print the numbers as JSON")
     compare.add_argument("--picture", type=Path, metavar="FILE", help="draw the sparsity patterns as SVG")
 
+    simulate = commands.add_parser("simulate", help="simulate a scene: numbers, pictures, and a page that plays it")
+    simulate.add_argument("spec", type=Path, metavar="SPEC", help="specification file (.toml) with a [simulation]")
+    simulate.add_argument("--out", type=Path, default=Path("results"), metavar="FOLDER", help="default: results")
+    simulate.add_argument("--duration", type=_seconds, metavar="S", help="seconds, instead of those of the file")
+    simulate.add_argument("--json", action="store_true", help="print the numbers as JSON")
+
     check = commands.add_parser("check", help="regenerate everything in memory and compare with the files")
     check.add_argument("scenes", nargs="?", type=Path, default=Path("scenes"), help="default: scenes")
     check.add_argument("--out", type=Path, default=Path("generated"), metavar="FOLDER", help="default: generated")
@@ -52,6 +59,13 @@ def parser() -> argparse.ArgumentParser:
 
     commands.add_parser("schema", help="print the JSON schema of specifications, for editors")
     return main
+
+
+def _seconds(text: str) -> float:
+    value = float(text)
+    if not 0 < value < float("inf"):
+        raise argparse.ArgumentTypeError(f"a positive number of seconds is needed, not {text}")
+    return value
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -81,6 +95,8 @@ def _is_explained(error: Exception) -> bool:
     from derive.emit.files import NotOurs
     from derive.kernel.graph import LoweringError
     from derive.native import CompilerError, ModelError
+    from derive.simulation.errors import SimulationError
     from derive.spec import SpecError
 
-    return isinstance(error, SpecError | NotOurs | LoweringError | CompilerError | ModelError | OSError)
+    explained = SpecError | NotOurs | LoweringError | CompilerError | ModelError | SimulationError | OSError
+    return isinstance(error, explained)

@@ -1,0 +1,135 @@
+"""A crank-slider whose motion is given: a stand-in for a compiled scene and its integration, exact and instant."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+
+import numpy as np
+
+from derive.mechanics.conditions import assumed_shapes
+from derive.simulation.observe import Motion, number, piece, pieces
+from derive.spec.body import Frame, Marker, PlanarBeam
+from derive.spec.scene import (
+    BeamBody,
+    Deflection,
+    Drive,
+    Joint,
+    Place,
+    Plot,
+    Point,
+    Reference,
+    RigidBody,
+    Scene,
+    Simulation,
+)
+
+ANSATZ = ((Fraction(1),), (Fraction(0), Fraction(1)), (Fraction(0),) * 2 + (Fraction(1),))
+ANSATZ = (*ANSATZ, (Fraction(0),) * 3 + (Fraction(1),))
+CRANK, ROD, SPEED, MOST = 0.15, 0.3, 150.0, 0.0045  # m, m, rad/s, m: the largest deflection of the middle
+
+
+def fraction(value: str) -> Fraction:
+    return Fraction(value)
+
+
+def scene(count: int = 3, name: str = "slider") -> Scene:
+    markers = (Marker("left", Fraction(-1)), Marker("middle", Fraction(0)), Marker("right", Fraction(1)))
+    beam = PlanarBeam(
+        "rod", ANSATZ, Frame("mean"), fraction("0.07"), fraction("0.3"), fraction("12.7"), markers, orthogonal=True
+    )
+    nothing = fraction("0")
+    crank = RigidBody(
+        "crank",
+        None,
+        None,
+        (nothing, nothing),
+        (Point("hub", nothing, nothing), Point("pin", fraction("0.15"), nothing)),
+    )
+    mass, inertia = fraction("0.03"), fraction("1e-6")
+    slider = RigidBody("slider", mass, inertia, (nothing, nothing), (Point("pin", nothing, nothing),))
+    quantity = Deflection(Place("rod", "middle"), Place("rod", "left"), Place("rod", "right"), 0.3)
+    reference = Reference("given.csv", "x", "y", tuple((0.1 * i, deflection(0.1 * i) / 0.3) for i in range(100)))
+    return Scene(
+        name,
+        (Point("bearing", nothing, nothing),),
+        None,
+        (crank, BeamBody("rod", beam, count), slider),
+        (
+            Joint("crank_bearing", "revolute", Place("ground", "bearing"), Place("crank", "hub")),
+            Joint("crank_pin", "revolute", Place("crank", "pin"), Place("rod", "left")),
+            Joint("slider_pin", "revolute", Place("rod", "right"), Place("slider", "pin")),
+            Joint("guide", "translational", Place("ground", "bearing"), Place("slider", "pin")),
+        ),
+        (Drive("motor", "crank_bearing", None, fraction("150")),),
+        simulation=Simulation(0.1, 1e-4),
+        plots=(Plot("deflection", quantity, "motor", "rod", (1, 2, 3), reference),),
+    )
+
+
+def deflection(angle: float) -> float:
+    """Of the middle of the rod, m."""
+    return MOST * np.sin(angle) * (1 + 0.3 * np.cos(3 * angle))
+
+
+@dataclass
+class Double:
+    """What `Native` tells of a scene; the rod bends as half a sine, as far as its shapes can."""
+
+    scene: Scene
+
+    def __post_init__(self) -> None:
+        self.rod = next(b for b in self.scene.bodies if isinstance(b, BeamBody))
+        self.shapes = [
+            np.polynomial.Polynomial([float(c) for c in s])
+            for s in assumed_shapes(self.rod.beam.ansatz, self.rod.beam.frame, self.rod.beam.orthogonal)
+        ]
+        self.beams = pieces(self.rod)
+        self.bodies = ("crank", *self.beams, "slider")
+        names = ("c1", "c2", "phi", *(f"alpha{i + 1}" for i in range(len(self.shapes))))
+        self.coordinates = (*(f"{b}_{n}" for b in self.beams for n in names), "slider_s")
+        self.multipliers = ("crank_pin_1", "crank_pin_2")
+        self.nq = self.nv = len(self.coordinates)
+        self.nlambda = len(self.multipliers)
+
+    def state(self, t: float) -> np.ndarray:
+        angle = SPEED * t
+        lean = -np.arcsin(CRANK / ROD * np.sin(angle))
+        q, n = [], len(self.beams)
+        pin = CRANK * np.array([np.cos(angle), np.sin(angle)])
+        along = np.array([np.cos(lean), np.sin(lean)])
+        xi, weights = np.polynomial.legendre.leggauss(12)
+        for i in range(n):
+            middle = (2 * i + 1) / n - 1
+            v = deflection(angle) * np.cos(np.pi / 2 * (middle + xi / n))
+            mean, slope = weights @ v / 2, 3 * weights @ (xi * v) / 2
+            rest = v - mean - slope * xi
+            alphas = [weights @ (rest * s(xi)) / (weights @ s(xi) ** 2) for s in self.shapes]
+            c = pin + (middle + 1) / 2 * ROD * along + mean * np.array([-along[1], along[0]])
+            q += [*c, lean + slope / (ROD / n / 2), *alphas]
+        return np.array([*q, CRANK * np.cos(angle) + ROD * np.cos(lean)])
+
+    def poses(self, t: float, q: np.ndarray, k: np.ndarray) -> np.ndarray:
+        width = 3 + len(self.shapes)
+        rods = [q[i * width : i * width + 3] for i in range(len(self.beams))]
+        return np.array([[0, 0, SPEED * t], *rods, [q[-1], 0, 0]])
+
+    def marker(self, name: str, q: np.ndarray, v: np.ndarray, k: np.ndarray) -> tuple[np.ndarray, np.ndarray, None]:
+        at = next(m.at for m in self.rod.beam.markers if f"rod_{m.name}" == name)
+        index, xi = piece(self.rod, at)
+        width = 3 + len(self.shapes)
+        c1, c2, phi, *alphas = q[index * width : (index + 1) * width]
+        x, y = (
+            xi * number(self.rod.beam.length) / len(self.beams) / 2,
+            sum(a * s(xi) for a, s in zip(alphas, self.shapes, strict=True)),
+        )
+        turned = [np.cos(phi) * x - np.sin(phi) * y, np.sin(phi) * x + np.cos(phi) * y]
+        return np.array([c1, c2]) + turned, np.zeros(2), None
+
+
+def motion(count: int = 3, instants: int = 1001, name: str = "slider") -> Motion:
+    given = scene(count, name)
+    native = Double(given)
+    t = np.linspace(0, 0.1, instants)
+    q = np.array([native.state(x) for x in t])
+    return Motion(given, native, np.zeros(0), t, q, np.zeros_like(q))

@@ -1,0 +1,89 @@
+"""What is seen of a motion: places, deflections, drives, deviations from a reference."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from fractions import Fraction
+
+import numpy as np
+import pytest
+import slider
+
+from derive.simulation.chart import svg
+from derive.simulation.figures import chart, line, percent
+from derive.simulation.observe import deviation, driven, evaluate, piece, positions
+from derive.simulation.run import instants
+from derive.spec.scene import BeamBody, Drive, Function, Place, Reference, Simulation
+
+T = Function("t")
+
+
+def test_places_of_every_kind_of_body() -> None:
+    motion = slider.motion(3, 11)
+    angle = slider.SPEED * motion.t
+    pin = 0.15 * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    np.testing.assert_allclose(positions(motion, Place("crank", "pin")), pin, atol=1e-15)
+    np.testing.assert_allclose(positions(motion, Place("rod", "left")), pin, atol=1e-4)  # as far as shapes can
+    np.testing.assert_allclose(positions(motion, Place("slider", "pin"))[:, 1], 0, atol=0)
+    assert not positions(motion, Place("ground", "bearing")).any()
+
+
+@pytest.mark.parametrize(("count", "most"), [(1, 0.04), (3, 1e-3)])
+def test_deflection_is_to_the_left_of_the_chord(count: int, most: float) -> None:
+    motion = slider.motion(count, 201)
+    shown = line(motion.scene.plots[0], motion, "")
+    wanted = slider.deflection(shown.x) / 0.3
+    assert np.abs(shown.y - wanted).max() < most * wanted.max()
+    assert shown.x[-1] == pytest.approx(15)
+    assert shown.error is not None and 0 < shown.error[0] < shown.error[1] < most
+    assert shown.largest[0] > 0.01 > -0.01 > shown.least[0]
+
+
+def test_pieces_of_a_rod() -> None:
+    rod = next(b for b in slider.scene(3).bodies if isinstance(b, BeamBody))
+    assert [piece(rod, Fraction(at)) for at in (-1, 0, 1)] == [(0, -1), (1, 0), (2, 1)]
+    assert piece(replace(rod, pieces=2), Fraction(0)) == (0, 1)
+
+
+def test_drives_are_functions_of_time() -> None:
+    t = np.array([0.0, 0.5, 1.0])
+    two = Function("number", value=Fraction(2))
+    motion = Function("add", (Function("pow", (T, two)), Function("sin", (Function("neg", (T,)),))))
+    np.testing.assert_allclose(evaluate(motion, t), t**2 - np.sin(t))
+    np.testing.assert_allclose(driven(Drive("m", "j", two), t), [2, 2, 2])
+    np.testing.assert_allclose(driven(Drive("m", "j", None, Fraction(3), Fraction(1)), t), 1 + 3 * t)
+
+
+def test_deviation_is_of_the_peak_and_where_both_are() -> None:
+    reference = Reference("r.csv", "x", "y", ((0, 0), (1, 2), (2, -4), (9, 1)))
+    x, y = np.array([0.0, 2.0]), np.array([0.4, 0.4])
+    for sign in (1, -1):
+        at, off = deviation(x[::sign], y[::sign], reference)
+        assert at.tolist() == [0, 1, 2]
+        np.testing.assert_allclose(off, [0.1, -0.4, 1.1])
+    assert deviation(np.array([0, 2.0, 1.0]), np.zeros(3), reference) is None
+    assert deviation(np.array([3.0, 4.0]), np.zeros(2), reference) is None
+
+
+def test_rows_end_with_the_duration() -> None:
+    assert len(instants(Simulation(0.1, 1e-4))) == 1001
+    assert instants(Simulation(0.1, 1e-4))[-1] == 0.1
+    np.testing.assert_allclose(instants(Simulation(0.25, 0.1)), [0, 0.1, 0.2, 0.25])
+    np.testing.assert_allclose(instants(Simulation(0.05, 0.1)), [0, 0.05])
+
+
+def test_the_legend_tells_errors() -> None:
+    motion = slider.motion(2, 101)
+    plot = motion.scene.plots[0]
+    shown = line(plot, motion, "2 beams")
+    text = svg(chart(motion.scene, plot, [shown]))
+    rms, most = shown.error or (0, 0)
+    assert f"2 beams: rms {percent(rms)} %, max {percent(most)} %" in text
+    assert "reference: given.csv" in text and "angle of motor, rad" in text and "deviation," in text
+    alone = replace(plot, reference=None, over=None, cut=None, pieces=())
+    text = svg(chart(motion.scene, alone, [line(alone, motion, "rod.middle")]))
+    assert "reference" not in text and "time, s" in text and "deviation," not in text
+
+
+def test_percent() -> None:
+    assert [percent(x) for x in (0.5312, 0.206, 0.0302, 0.00912, 3)] == ["53.1", "20.6", "3.0", "0.91", "300"]

@@ -1,0 +1,125 @@
+"""The page that plays a motion: one island of JSON, no network, and the geometry of the model."""
+
+from __future__ import annotations
+
+import json
+import re
+import shutil
+import subprocess
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import slider
+
+from derive.emit.files import MARK
+from derive.simulation.observe import Motion, positions
+from derive.simulation.player import FRAMES, content, island, page, speeds
+from derive.simulation.record import Column
+from derive.spec.scene import Place, Point, RigidBody
+
+EVIL = "</script><script>alert(1)</script>&<!--"
+CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+
+
+def decoded(channel: dict) -> np.ndarray:
+    return np.cumsum(channel["values"]) * channel["step"]
+
+
+def data_of(text: str) -> dict:
+    return json.loads(re.search(r'<script type="application/json" id="motion">(.*?)</script>', text, re.S)[1])
+
+
+def test_the_island_comes_back_and_cannot_be_left() -> None:
+    given = {"name": EVIL, "x": [1.5, 2]}
+    text = island(given)
+    assert json.loads(text) == given
+    assert not set("<>&") & set(text)
+    evil = slider.motion(1, 3, EVIL)
+    shown = page(evil, [Column(EVIL, EVIL, np.zeros(3))])
+    assert data_of(shown)["name"] == EVIL and data_of(shown)["curves"][0]["unit"] == EVIL
+    assert "alert(1)</script>" not in shown and shown.count("</script>") == 2
+
+
+def test_it_needs_nothing_from_outside() -> None:
+    text = page(slider.motion(3), [])
+    assert MARK in text[:1000]
+    assert len(text.encode()) < 300_000
+    assert re.findall(r"https?://[^\s\"'`]+", text) == ["http://www.w3.org/2000/svg"] * 2
+    assert not re.search(r"<link|@import|url\(|fetch\(|import\(|src=", text)
+
+
+def test_frames_are_few_and_true() -> None:
+    motion = slider.motion(3)
+    found = content(motion, [])
+    t = decoded(found["time"])
+    assert len(t) == 501 <= FRAMES and t[-1] == pytest.approx(0.1)
+    rod = found["rods"][0]
+    for place in found["places"]:
+        if place["body"] != "rod":
+            continue
+        index, xi = place["on"]
+        piece = rod["pieces"][int(index)]
+        c1, c2, phi = map(decoded, piece["pose"])
+        alphas = map(decoded, piece["amplitudes"])
+        y = sum(a * np.polynomial.Polynomial(s)(xi) for a, s in zip(alphas, rod["shapes"], strict=True))
+        x = xi * rod["half"]
+        at = np.stack([c1 + np.cos(phi) * x - np.sin(phi) * y, c2 + np.sin(phi) * x + np.cos(phi) * y], axis=1)
+        wanted = positions(motion, Place("rod", place["marker"]))[::2]
+        np.testing.assert_allclose(at, wanted, atol=5e-6)  # m
+
+
+def test_what_does_not_change_is_told_once_and_much_is_thinned() -> None:
+    found = content(slider.motion(1, 7), [])
+    assert len(found["rigid"][0]["pose"][0]["values"]) == 1
+    assert len(found["time"]["values"]) == 7
+    many = slider.motion(32, 1001)
+    text = page(many, [])
+    assert len(text) < 300_000 and 100 < len(data_of(text)["time"]["values"]) <= FRAMES
+
+
+def test_outlines_speeds_and_guides() -> None:
+    motion = slider.motion(1, 5)
+    corners = [("a", 0, 0), ("b", 2, 0), ("c", 1, 1), ("d", 1, 0), ("e", 0, 2)]
+    plate = RigidBody("crank", None, None, (0, 0), tuple(Point(n, x, y) for n, x, y in corners))
+    crank = replace(plate, markers=(*plate.markers, *motion.scene.bodies[0].markers))
+    scene = replace(motion.scene, bodies=(crank, *motion.scene.bodies[1:]))
+    found = content(Motion(scene, motion.native, motion.k, motion.t, motion.q, motion.v), [])
+    assert found["rigid"][0]["outline"] == [[0, 0], [2, 0], [0, 2]]
+    guide = found["joints"][3]
+    assert guide["kind"] == "translational" and guide["axis"] == [1, 0]
+    assert 0.15 <= guide["way"][0] < guide["way"][1] <= 0.45
+    assert speeds(0.1) == [0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1]
+    assert speeds(10)[3] == 1 and speeds(15)[3] in (1, 2) and len(speeds(0)) == 7
+
+
+@pytest.mark.skipif(CHROMIUM is None, reason="there is no Chromium here")
+def test_it_plays_in_a_browser(tmp_path: Path) -> None:
+    """Its scripts run: the crank pin is drawn where it is, at the instant that was asked for."""
+    motion = slider.motion(3)
+    path = tmp_path / "page.html"
+    path.write_text(page(motion, [Column("deflection", "m", motion.t)]))
+    command = [CHROMIUM, "--headless", "--no-sandbox", "--disable-gpu", f"--user-data-dir={tmp_path / 'profile'}"]
+    done = subprocess.run(
+        [
+            *command,
+            "--virtual-time-budget=1000",
+            "--window-size=1000,800",
+            "--dump-dom",
+            f"file://{path}#t=0.02&bend=5",
+        ],
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=True,
+    )
+    dom = done.stdout.split("<script", 1)[0]
+    assert "t = <b>0.0200</b> s" in dom and "motor = <b>3.000</b> rad" in dom
+    pins = re.findall(r'<path data-k="pin" d="M([-\d.]+) ([-\d.]+)a', dom)
+    (hub, pin, end) = [np.array([float(x), float(y)]) for x, y in pins]
+    angle = slider.SPEED * 0.02
+    crank, rod = (pin - hub) * [1, -1], (end - hub) * [1, -1]
+    np.testing.assert_allclose(crank / np.hypot(*crank), [np.cos(angle), np.sin(angle)], atol=1e-3)
+    assert rod[0] / np.hypot(*crank) == pytest.approx(motion.q[200, -1] / 0.15, rel=2e-3)
+    assert re.search(r'<path data-k="rod" d="M[-\d. L]{200,}"', dom)
