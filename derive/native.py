@@ -82,6 +82,14 @@ def load(files: Sequence[File], flags: Sequence[str] = FLAGS) -> Native:
         return (NativeScene if hasattr(found, f"{sources[0].stem}_poses") else Native)(found, sources[0].stem)
 
 
+def load_scene(files: Sequence[File], flags: Sequence[str] = FLAGS) -> NativeScene:
+    """The same for a scene. Raises ValueError when the model is that of a body."""
+    native = load(files, flags)
+    if not isinstance(native, NativeScene):
+        raise ValueError(f"{native.name} is a body, not a scene")
+    return native
+
+
 class _Variable(ctypes.Structure):
     _fields_ = [
         ("name", ctypes.c_char_p),

@@ -116,8 +116,8 @@ def correct(context: Context) -> Kernel:
     right = [ca.SX(0) for _ in context.rows]
     right += [-symbols.named(name) for name in asked.elements]
     doc = (
-        "The smallest change dv of the rates, measured by dv . M dv, with G dv = r: with r = -gdot it brings rates onto "
-        "the constraints, with r = -g, repeated, coordinates."
+        "The smallest change dv of the rates, measured by dv . M dv, with G dv = r: with r = -gdot it brings rates "
+        "onto the constraints, with r = -g, repeated, coordinates."
     )
     outputs = (Output("dv", context.rates, "change of the rates"),)
     arguments = (context.t, context.q, context.k, asked)

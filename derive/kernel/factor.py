@@ -74,7 +74,7 @@ def factorise(
     coordinates = pattern.rows if coordinates is None else coordinates
     place = {row: k for k, row in enumerate(order)}
     work = {_ordered(i, j, place): value for (i, j), value in values.items()}
-    of_coordinates: dict[int, ca.SX] = {}
+    of_coordinates: Entries = {}
     pivots: list[ca.SX] = []
     scales: list[ca.SX] = []
     inverses: list[ca.SX] = []
@@ -85,8 +85,8 @@ def factorise(
             neighbours[j].add(i)
     for j in order:
         if j >= coordinates:
-            scales.append(of_coordinates[j])
-            work[j, j] = of_coordinates[j] + work[j, j] if (j, j) in work else of_coordinates[j]
+            scales.append(of_coordinates[j, j])
+            work[j, j] = scales[-1] + work[j, j] if (j, j) in work else scales[-1]
         else:
             scales.append(values[j, j])
         pivots.append(work[j, j])
@@ -97,9 +97,9 @@ def factorise(
         for a, i in enumerate(below):
             for other in below[: a + 1]:
                 update = factors[i] * work[other, j]
-                store, key = (of_coordinates, i) if i == other >= coordinates > j else (work, (i, other))
-                old = store.get(key)
-                store[key] = -update if old is None else old - update
+                store = of_coordinates if i == other >= coordinates > j else work
+                old = store.get((i, other))
+                store[i, other] = -update if old is None else old - update
                 if i != other:
                     neighbours[other].add(i)
     stored = sum(map(len, lower.values())) + len(order)

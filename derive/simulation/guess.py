@@ -61,7 +61,8 @@ def _held(values: dict[str, float], rates: dict[str, float], scene: Scene, body:
             x, y = _number(marker.x), _number(marker.y)
             from_ground = next((p for p in scene.ground if p.name == joint.first.marker), None)
             origin = (_number(from_ground.x), _number(from_ground.y)) if from_ground else (0.0, 0.0)
-            place = np.array(body.start.position) + [cos * x - sin * y, sin * x + cos * y] - np.array(origin)
+            arm = np.array([cos * x - sin * y, sin * x + cos * y])
+            place = np.array(body.start.position) + arm - np.array(origin)
             values[f"{body.name}_s"] = float(axis @ place)
             rates[f"{body.name}_s"] = float(axis @ np.array(body.start.velocity))
             return

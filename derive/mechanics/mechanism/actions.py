@@ -24,7 +24,8 @@ class Action:
 
 def force(of: Force, at: PointMotion, rows: tuple[Row, ...]) -> Action:
     """A force with components that are functions of t."""
-    definitions, values = [], []
+    definitions: list[Definition] = []
+    values = []
     for k, component in enumerate(of.components, 1):
         values.append(_named(f"{of.name}_{k}", function(component), f"force {of.name} along e{k}", definitions))
     return Action(_force_terms(f"force {of.name}", at, sp.Matrix(values), rows), tuple(definitions))

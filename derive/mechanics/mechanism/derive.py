@@ -17,13 +17,12 @@ from derive.mechanics.equations import (
     Definition,
     Equations,
     LeftOut,
-    ParameterSymbol,
     Pose,
     Row,
     Term,
 )
 from derive.mechanics.mechanism import actions, held, members
-from derive.mechanics.mechanism.joints import Driven, constraints, drive_motion
+from derive.mechanics.mechanism.joints import constraints, drive_motion
 from derive.mechanics.mechanism.members import BASE, Member
 from derive.mechanics.mechanism.placed import Placed, placed
 from derive.mechanics.mechanism.points import PointMotion
@@ -99,7 +98,7 @@ class _Assembly:
             return None
         known = {name: self.points[name] for name in self.points if name == GROUND or not self.bodies[name].rows}
         one = reduced(body, joint, known, self.drives.get(joint.name), self.gravity)
-        return one and (body, one)
+        return (body, one) if one else None
 
     def _weighed(self, body: RigidBody) -> None:
         """A body that moves needs what it weighs."""

@@ -36,7 +36,8 @@ class Held:
 
 def free(name: str, motion: Motion) -> Held:
     """All coordinates, with the name of the body in front."""
-    coordinates, rows, values = [], [], {}
+    coordinates, rows = [], []
+    values: dict[sp.Basic, sp.Basic] = {}
     for coordinate, row in zip(motion.coordinates, motion.rows, strict=True):
         new, new_row = _coordinate(f"{name}_{coordinate.q}", f"{coordinate.doc}: {name}", coordinate.unit)
         coordinates.append(new)

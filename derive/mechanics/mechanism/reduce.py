@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import sympy as sp
 
+from derive.mechanics.equations import Coefficient, LeftOut
 from derive.mechanics.mechanism import held as keep
 from derive.mechanics.mechanism.held import Held
 from derive.mechanics.mechanism.joints import Driven
-from derive.mechanics.mechanism.members import Member, Section, rigid_member
+from derive.mechanics.mechanism.members import Member, rigid_member
 from derive.mechanics.mechanism.points import PointMotion, fixed_point
-from derive.mechanics.equations import Coefficient, LeftOut
 from derive.spec.scene import GROUND, Joint, RigidBody
 
 
@@ -58,7 +58,8 @@ def reduced(
             turn = tuple(a + sign * b for a, b in zip((at.turn, at.spin, at.spin_rate), drive.motion, strict=True))
             reason = f"drive {drive.name} prescribes its motion: no coordinates and no constraints, in place of 3 and 3"
             return found(keep.known(name, motion, at, turn, reason), uses_drive=True)
-        reason = f"joint {joint.name} holds a point of it to {to}: its rotation alone, in place of 3 coordinates and 2 constraints"
+        kept = "its rotation alone, in place of 3 coordinates and 2 constraints"
+        reason = f"joint {joint.name} holds a point of it to {to}: {kept}"
         return found(keep.turning(name, motion, at, reason))
     if not keep.is_still(at) or sign < 0 or at.turn != 0:
         return None
