@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping
 from derive.spec.errors import quoted
 from derive.spec.faults import Fault, KeyPath, did_you_mean
 from derive.spec.scene import GROUND, Place
+from derive.spec.scene_bodies import RigidTable
 from derive.spec.scene_names import name_faults
 from derive.spec.scene_parameters import parameter_faults
 from derive.spec.scene_view import Raw, View
@@ -39,7 +40,7 @@ def _places(view: View) -> Iterator[Fault]:
     """Places that do not exist."""
     for path, place in view.places():
         if place.body != GROUND and place.body not in view.names_of_bodies:
-            bodies = f"the bodies are {', '.join(map(quoted, view.names_of_bodies))}, and there is the ground"
+            bodies = f"the bodies are {', '.join(view.names_of_bodies)}, and there is the ground"
             hint = did_you_mean(place.body, (*view.names_of_bodies, GROUND), bodies)
             yield Fault(path, f"there is no body {quoted(place.body)}{hint}")
             continue
@@ -55,7 +56,8 @@ def _no_marker(view: View, place: Place, markers: list[str]) -> str:
         such = "-1" if view.is_beam(place.body) else "[0, 0]"
         table = "[ground.markers]" if place.body == GROUND else f"[bodies.{place.body}.markers]"
         return f"{said}, and no others; write {table} with {place.marker} = {such}"
-    return said + did_you_mean(place.marker, markers, f"it has the markers {', '.join(markers)}")
+    there = f"it has the marker{'s' * (len(markers) > 1)} {', '.join(markers)}"
+    return said + did_you_mean(place.marker, markers, there)
 
 
 def _joints(view: View) -> Iterator[Fault]:
@@ -110,7 +112,8 @@ def _weightless(view: View) -> Iterator[Fault]:
     unreadable = any(view.pair("joints", name) is None for name in view.tables["joints"])
     for name, body in view.bodies.items():
         missing = [key for key in ("mass", "inertia") if key not in body]
-        if view.is_beam(name) or not missing or name in prescribed or unreadable:
+        misspelt = any(key not in RigidTable.model_fields for key in body)
+        if view.is_beam(name) or not missing or name in prescribed or unreadable or misspelt:
             continue
         such = " and ".join(f"{key} = 1.0" for key in missing)
         if name in held:

@@ -51,7 +51,7 @@ def parameter_faults(view: View) -> Iterator[Fault]:
             text = f"{quoted(symbol)} is taken: {quoted(str(_symbol(other.value)))} is the symbol of {other.what}"
             yield Fault(path, f"{text}; names must differ in more than case")
         elif differs := _difference(one, other):
-            text = f"{quoted(symbol)} is the symbol of {other.what} too, {differs}"
+            text = f"{quoted(symbol)} is the symbol of {other.what}, {differs}"
             yield Fault(path, f"{text}; one symbol is one parameter: write both alike, or choose another symbol")
 
 
@@ -59,7 +59,7 @@ def _difference(one: Written, other: Written) -> str | None:
     """What two parameters of one symbol do not agree in; None if they do, or if that cannot be said."""
     for noun, ours, theirs in (("unit", _unit(one), _unit(other)), ("default", _default(one), _default(other))):
         if None not in (ours, theirs) and ours != theirs:
-            return f"there with the {noun} {theirs} and here with {ours}"
+            return f"with the {noun} {theirs}, not {ours}"
     return None
 
 

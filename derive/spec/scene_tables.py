@@ -25,7 +25,7 @@ from derive.spec.scene import (
 )
 from derive.spec.scene_bodies import Axis, Float, PieceCount, PositiveFloat
 from derive.spec.scene_values import SpringKind
-from derive.spec.tables import NotNegativeInput, Number, SignedInput, Table, components, few, quantity
+from derive.spec.tables import NotNegativeInput, Number, SignedInput, Table, components, few, number_schema, quantity
 
 MAX_STEPS = 10**7
 SPEED_UNITS = {"revolute": "rad/s", "translational": "m/s"}
@@ -183,7 +183,7 @@ class SimulationTable(Table):
     tolerance: Annotated[
         float,
         PlainValidator(scene_values.tolerance),
-        WithJsonSchema({"type": "number", "exclusiveMinimum": 0, "exclusiveMaximum": 1}),
+        WithJsonSchema(number_schema(exclusiveMinimum=0, exclusiveMaximum=1)),
         Field(description="The relative error that the integrator aims at."),
     ] = 1e-9
 
@@ -194,7 +194,7 @@ class SimulationTable(Table):
             raise values.WrongValueError("`output`, the time between rows, is longer than `duration`; make it shorter")
         if self.duration > MAX_STEPS * self.output:
             raise values.WrongValueError(
-                f"the output would have more than {MAX_STEPS} rows; shorten `duration`, or write `output` less often"
+                f"the output would have more than {MAX_STEPS} rows; make `duration` shorter or `output` longer"
             )
         return self
 

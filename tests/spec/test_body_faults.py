@@ -25,6 +25,7 @@ def problems(call, *arguments, **keywords):
     return [(problem.path, problem.message) for problem in caught.value.problems]
 
 
+NOTHING = "b.toml: beam: this key is missing; write [beam], [body] for a body in space, or [bodies.rod] for a scene"
 WHOLE = "a whole number is needed, zero or more, such as 8"
 NUMBER = 'a number is needed, such as 2, 0.5 or "1/3"'
 TWICE = "a node is named twice; `node` and those in `around` have to differ"
@@ -248,7 +249,7 @@ def test_symbols_are_not_those_of_other_parameters(symbol):
         (
             'name = "b"',
             [
-                "b.toml: beam: this key is missing; write [beam], [body] for a body in space, or [bodies.rod] for a scene"
+                NOTHING
             ],
         ),
         ('name = "b"\nbody = 3', ["b.toml:2: body: a table is needed here, not a number"]),

@@ -23,6 +23,7 @@ UNIT = (
     "cannot be a unit: write at most 24 letters, digits, spaces and . ^ * / ( ) -, "
     'such as "N m^2", and leave `unit` out for SI'
 )
+NOTHING = "b.toml: beam: this key is missing; write [beam], [body] for a body in space, or [bodies.rod] for a scene"
 KINDS = 'the frame is one of "mean", "point", "chord", "tangent", "given"'
 END = 'a tangent frame needs the end it is at: { kind = "tangent", at = -1 } or at = 1'
 KEYS = "ansatz, frame, orthogonal, mass, length, bending_stiffness, markers, gravity"
@@ -178,7 +179,7 @@ def test_a_fault_of_the_beam(lines, message):
             "",
             [
                 'b.toml: name: this key is missing; write name = "free_beam"',
-                "b.toml: beam: this key is missing; write [beam], [body] for a body in space, or [bodies.rod] for a scene",
+                NOTHING,
             ],
         ),
         (
