@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from derive.emit.files import File, write
-from derive.simulation import chart, figures, player, record
+from derive.simulation import chart, figures, player, record, rods
 from derive.simulation.figures import Line
 from derive.simulation.run import Run, columns
 from derive.simulation.run import run as simulate
@@ -147,6 +147,8 @@ def _summary(runs: Runs, shown: Sequence[Shown], files: list[str]) -> dict[str, 
                 "cpu_seconds": done.trajectory.cost.seconds,
                 "drift": done.trajectory.drift[:, 0].max(),
                 "drift_of_rates": done.trajectory.drift[:, 1].max(),
+                "deformed_start": done.start.deformed or done.start.deforming,
+                "bending": {b.name: rods.bending(done.motion, b) for b in done.scene.bodies if isinstance(b, BeamBody)},
             }
             for key, done in sorted(runs.done.items())
         ],
@@ -181,6 +183,7 @@ def _text(summary: dict[str, Any]) -> str:
         rows.append([name, *counts, f"{each['cpu_seconds']:.2f}", *drifts])
     lines = [f"{summary['name']}: {summary['duration']:g} s", *_table(rows)]
     lines += ["  drift: the largest violation of a constraint (m or rad), and of its rate (1/s)"]
+    lines += _warnings(summary)
     for plot in summary["plots"]:
         rows = [["", "least", "at", "largest", "at", *(["rms error", "max error"] if plot["reference"] else [])]]
         for each in plot["curves"]:
@@ -193,6 +196,18 @@ def _text(summary: dict[str, Any]) -> str:
         elif plot["reference"]:
             lines.append(f"  not compared with {plot['reference']}: they have no part in common")
     return "\n".join([*lines, "", *(f"wrote {file}" for file in summary["files"])])
+
+
+def _warnings(summary: dict[str, Any]) -> list[str]:
+    """Beams that bend further than their equations hold, and starts that are not those of rigid bodies."""
+    found = []
+    for each in summary["runs"]:
+        for name, most in each["bending"].items():
+            said = f"  warning: {name} in {_beams(each['pieces'][name])} bends by {most:.2g} of the length of a beam;"
+            found += [f"{said} the equations hold up to about {rods.TRUSTED:g}"] if most > rods.TRUSTED else []
+        if each["deformed_start"]:
+            found.append("  warning: no rigid bodies can start so; some are deformed, or deforming, at t = 0")
+    return list(dict.fromkeys(found))
 
 
 def _table(rows: list[list[str]]) -> list[str]:

@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from fractions import Fraction
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
-from derive.mechanics.mechanism.members import piece_name
 from derive.native import NativeScene
 from derive.spec.body import Parameter, Quantity
-from derive.spec.scene import GROUND, BeamBody, Deflection, Drive, Function, Place, Point, Reference, RigidBody, Scene
+from derive.spec.scene import GROUND, Deflection, Drive, Function, Place, Point, Reference, RigidBody, Scene
 
 Array = NDArray[np.float64]
 
@@ -59,18 +56,6 @@ class Motion:
 def number(quantity: Quantity) -> float:
     """A quantity in SI units; of a parameter its default."""
     return quantity.default if isinstance(quantity, Parameter) else float(quantity)
-
-
-def pieces(body: BeamBody) -> tuple[str, ...]:
-    """The names of the beams that a rod is cut into, from its left to its right end."""
-    return tuple(piece_name(body, i) for i in range(body.pieces))
-
-
-def piece(body: BeamBody, at: Fraction) -> tuple[int, float]:
-    """The piece in which a point of a rod lies, counted from 0, and its xi there; where two meet, the left one."""
-    along = (at + 1) * body.pieces / 2
-    index = max(math.ceil(along) - 1, 0)
-    return index, float(2 * (along - index) - 1)
 
 
 def points(scene: Scene, body: str) -> tuple[Point, ...]:

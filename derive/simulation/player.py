@@ -13,18 +13,8 @@ from numpy.typing import NDArray
 
 from derive.emit.files import MARK
 from derive.emit.template import render
-from derive.mechanics.conditions import assumed_shapes
-from derive.simulation.observe import (
-    Motion,
-    drive_unit,
-    driven,
-    local,
-    number,
-    piece,
-    pieces,
-    placed,
-    positions,
-)
+from derive.simulation import rods
+from derive.simulation.observe import Motion, drive_unit, driven, local, number, placed, positions
 from derive.simulation.record import Column
 from derive.spec.scene import GROUND, BeamBody, Joint, Place, RigidBody, Scene
 
@@ -61,11 +51,11 @@ def content(motion: Motion, curves: Sequence[Column]) -> Plain:
     places = [Place(GROUND, p.name) for p in scene.ground]
     places += [Place(b.name, m.name) for b in scene.bodies for m in _markers(b)]
     at = {place: positions(seen, place) for place in places}
-    rods = [b for b in scene.bodies if isinstance(b, BeamBody)]
-    low, high = _view([*at.values(), *(c for rod in rods for c in curve_points(seen, rod))])
+    beams = [b for b in scene.bodies if isinstance(b, BeamBody)]
+    low, high = _view([*at.values(), *(c for rod in beams for c in rods.curve(seen, rod))])
     step = _nice(FINENESS * float(max(high - low)))
     duration = float(seen.t[-1] - seen.t[0])
-    middle = [places.index(p) for p in places if p.marker == "middle" and p.body in {rod.name for rod in rods}]
+    middle = [i for i, p in enumerate(places) if p.marker == "middle" and p.body in {rod.name for rod in beams}]
     return {
         "name": scene.name,
         "view": [*map(_nice, (*low, *high))],
@@ -75,7 +65,7 @@ def content(motion: Motion, curves: Sequence[Column]) -> Plain:
             for b in scene.bodies
             if isinstance(b, RigidBody)
         ],
-        "rods": [_rod(seen, rod, step) for rod in rods],
+        "rods": [_rod(seen, rod, step) for rod in beams],
         "places": [_place(scene, place) for place in places],
         "joints": [_joint(seen, joint, places, at) for joint in scene.joints],
         "springs": [[places.index(s.first), places.index(s.second)] for s in scene.springs if s.kind == "linear"],
@@ -88,20 +78,8 @@ def content(motion: Motion, curves: Sequence[Column]) -> Plain:
             for c in curves
         ],
         "speeds": speeds(duration),
-        "trace": middle[0] if middle else -1,
+        "trace": (middle or [len(places) - 1])[0],
     }
-
-
-def curve_points(motion: Motion, rod: BeamBody) -> list[Array]:
-    """(n, 2) each: the ends and the middle of every piece of a rod."""
-    half, shapes = number(rod.beam.length) / rod.pieces / 2, _shapes(rod)
-    found = []
-    for name in pieces(rod):
-        amplitudes = motion.q[:, _amplitudes(motion, name, len(shapes))]
-        for xi in (-1, 0, 1):
-            v = amplitudes @ np.array([float(sum(c * xi**n for n, c in enumerate(shape))) for shape in shapes])
-            found.append(placed(motion.pose(name), np.stack([np.full_like(v, xi * half), v], axis=1)))
-    return found
 
 
 def speeds(duration: float) -> list[float]:
@@ -147,26 +125,18 @@ def _pose(motion: Motion, name: str, step: float) -> list[Plain]:
 
 
 def _rod(motion: Motion, rod: BeamBody, step: float) -> Plain:
-    shapes = _shapes(rod)
-    amplitudes = {name: motion.q[:, _amplitudes(motion, name, len(shapes))].T for name in pieces(rod)}
     return {
         "name": rod.name,
-        "half": number(rod.beam.length) / rod.pieces / 2,
-        "shapes": [[_nice(float(c)) for c in shape] for shape in shapes],
+        "half": rods.half_length(rod),
+        "shapes": [[_nice(float(c)) for c in shape] for shape in rods.shapes(rod)],
         "pieces": [
-            {"pose": _pose(motion, name, step), "amplitudes": [_channel(a, step) for a in values]}
-            for name, values in amplitudes.items()
+            {
+                "pose": _pose(motion, name, step),
+                "amplitudes": [_channel(a, step) for a in rods.amplitudes(motion, rod, name).T],
+            }
+            for name in rods.pieces(rod)
         ],
     }
-
-
-def _shapes(rod: BeamBody) -> tuple[tuple[Any, ...], ...]:
-    return assumed_shapes(rod.beam.ansatz, rod.beam.frame, rod.beam.orthogonal)
-
-
-def _amplitudes(motion: Motion, name: str, count: int) -> list[int]:
-    """Where the amplitudes of a beam are in q."""
-    return [motion.native.coordinates.index(f"{name}_alpha{i}") for i in range(1, count + 1)]
 
 
 def _markers(body: RigidBody | BeamBody) -> Sequence[Any]:
@@ -181,7 +151,7 @@ def _place(scene: Scene, place: Place) -> Plain:
 
 
 def _on(rod: BeamBody, marker: str) -> list[float]:
-    return [*piece(rod, next(m.at for m in rod.beam.markers if m.name == marker))]
+    return [*rods.piece(rod, next(m.at for m in rod.beam.markers if m.name == marker))]
 
 
 def _joint(motion: Motion, joint: Joint, places: list[Place], at: dict[Place, Array]) -> Plain:

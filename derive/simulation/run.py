@@ -16,17 +16,18 @@ from derive.simulation.guess import guess
 from derive.simulation.integrate import integrate
 from derive.simulation.observe import Motion, drive_unit, driven
 from derive.simulation.record import Column
-from derive.simulation.start import consistent
+from derive.simulation.start import Start, consistent
 from derive.simulation.trajectory import Trajectory
 from derive.spec.scene import Scene, Simulation
 
 
 @dataclass(frozen=True, eq=False)
 class Run:
-    """A scene, the model that was made of it, and its trajectory."""
+    """A scene, the model that was made of it, where it started, and its trajectory."""
 
     scene: Scene
     model: Model
+    start: Start
     motion: Motion
     trajectory: Trajectory
 
@@ -50,7 +51,7 @@ def run(scene: Scene, progress: Callable[[float], None] | None = None) -> Run:
         tolerance=scene.simulation.tolerance,
         progress=progress,
     )
-    return Run(scene, model, Motion(scene, native, k, found.t, found.q, found.v), found)
+    return Run(scene, model, start, Motion(scene, native, k, found.t, found.q, found.v), found)
 
 
 def instants(simulation: Simulation) -> Vector:

@@ -8,7 +8,8 @@ from fractions import Fraction
 import numpy as np
 
 from derive.mechanics.conditions import assumed_shapes
-from derive.simulation.observe import Motion, number, piece, pieces
+from derive.simulation.observe import Motion, number
+from derive.simulation.rods import piece, pieces
 from derive.spec.body import Frame, Marker, PlanarBeam
 from derive.spec.scene import (
     BeamBody,

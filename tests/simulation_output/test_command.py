@@ -17,9 +17,11 @@ from derive.kernel.model import Variable
 from derive.simulation.errors import IntegrationStopped
 from derive.simulation.observe import Motion
 from derive.simulation.run import Run, instants
+from derive.simulation.start import Start
 from derive.simulation.trajectory import Cost, Trajectory
 from derive.spec.scene import Scene
 
+DEFORMING = "deforming"
 SCENE = ROOT / "scenes/crank_slider_3.toml"
 
 
@@ -42,7 +44,13 @@ def simulated(scene: Scene, progress=None) -> Run:
     units = [Variable(name, "", "m") for name in native.coordinates]
     rates = tuple(Variable(f"{x.name}dot", "", "m/s") for x in units)
     names = Names(tuple(units), rates, tuple(Variable(x, "", "N") for x in native.multipliers))
-    return Run(scene, names, Motion(scene, native, np.zeros(0), t, q, 0 * q), found)
+    return Run(
+        scene,
+        names,
+        Start(0.0, q[0], 0 * q[0], 0.0, 0.0, False, DEFORMING in scene.name),
+        Motion(scene, native, np.zeros(0), t, q, 0 * q),
+        found,
+    )
 
 
 @pytest.fixture
@@ -133,6 +141,19 @@ def test_wrong_durations(duration: str, capsys: pytest.CaptureFixture[str]) -> N
     with pytest.raises(SystemExit) as stopped:
         main(["simulate", str(SCENE), f"--duration={duration}"])
     assert stopped.value.code == 2 and "--duration" in capsys.readouterr().err
+
+
+def test_what_one_should_know_is_told(
+    quick: list[Scene], monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(slider, "MOST", 0.09)
+    spec = tmp_path / "scene.toml"
+    (tmp_path / "crank_slider_A.csv").write_text((SCENE.parent / "crank_slider_A.csv").read_text())
+    spec.write_text(SCENE.read_text().replace('name = "crank_slider_3"', f'name = "{DEFORMING}"'))
+    assert main(["simulate", str(spec), "--out", str(tmp_path), "--duration", "0.02"]) == 0
+    told = [line for line in capsys.readouterr().out.splitlines() if "warning" in line]
+    assert "rod in 1 beam bends by 0.24 of" in told[0]
+    assert any("deformed, or deforming" in line for line in told)
 
 
 def test_a_terminal_sees_how_far_it_is(

@@ -11,7 +11,8 @@ import slider
 
 from derive.simulation.chart import svg
 from derive.simulation.figures import chart, line, percent
-from derive.simulation.observe import deviation, driven, evaluate, piece, positions
+from derive.simulation.observe import deviation, driven, evaluate, positions
+from derive.simulation.rods import bending, piece
 from derive.simulation.run import instants
 from derive.spec.scene import BeamBody, Drive, Function, Place, Reference, Simulation
 
@@ -43,6 +44,17 @@ def test_pieces_of_a_rod() -> None:
     rod = next(b for b in slider.scene(3).bodies if isinstance(b, BeamBody))
     assert [piece(rod, Fraction(at)) for at in (-1, 0, 1)] == [(0, -1), (1, 0), (2, 1)]
     assert piece(replace(rod, pieces=2), Fraction(0)) == (0, 1)
+
+
+@pytest.mark.parametrize("count", [1, 3])
+def test_bending_is_that_of_a_piece(count: int) -> None:
+    """Half a sine of 0.018 of the length: from its mean, and of the middle third of it."""
+    motion = slider.motion(count, 201)
+    rod = next(b for b in motion.scene.bodies if isinstance(b, BeamBody))
+    most = np.abs(slider.deflection(slider.SPEED * motion.t)).max() / slider.ROD
+    part = most * (1 - np.sin(np.pi / 2 / count) / (np.pi / 2 / count)) * count
+    ends = most * (np.sin(np.pi / 2 / count) / (np.pi / 2 / count) - np.cos(np.pi / 2 / count)) * count
+    assert bending(motion, rod) == pytest.approx(max(part, ends), rel=0.1)
 
 
 def test_drives_are_functions_of_time() -> None:
