@@ -102,7 +102,7 @@ def _drives(view: View) -> Iterator[Fault]:
 def _weightless(view: View) -> Iterator[Fault]:
     """Bodies that need a mass, since no drive can prescribe how they move."""
     held, prescribed = set(), set()
-    driven = {drive.get("joint") for drive in view.tables["drives"].values()}
+    driven = {str(drive.get("joint")) for drive in view.tables["drives"].values()}
     for name, joint in view.tables["joints"].items():
         bodies = {place.body for place in view.pair("joints", name) or ()}
         held |= bodies

@@ -248,9 +248,7 @@ def test_symbols_are_not_those_of_other_parameters(symbol):
         ),
         (
             'name = "b"',
-            [
-                NOTHING
-            ],
+            [NOTHING],
         ),
         ('name = "b"\nbody = 3', ["b.toml:2: body: a table is needed here, not a number"]),
         ('name = "b"\n[[body]]', ["b.toml:2: body: a table is needed here, not a list"]),

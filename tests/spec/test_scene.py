@@ -5,7 +5,7 @@ from fractions import Fraction
 from pathlib import Path
 
 import pytest
-from scenes import EVERYTHING, SMALL, small
+from example_scenes import EVERYTHING, SMALL, small
 
 from derive.spec import Frame, Marker, Parameter, PlanarBeam, Scene, parse, read
 from derive.spec.scene import (
@@ -92,9 +92,7 @@ def test_the_crank_slider_of_the_scenes():
                 over="motor",
                 cut="rod",
                 pieces=(1, 2, 3),
-                reference=Reference(
-                    "crank_slider_A.csv", "crank_angle_rad", "midpoint_deflection_over_L", rows=rows
-                ),
+                reference=Reference("crank_slider_A.csv", "crank_angle_rad", "midpoint_deflection_over_L", rows=rows),
             ),
         ),
     )
@@ -203,7 +201,9 @@ def test_a_scene_is_made_of_exact_numbers_and_doubles_and_can_be_hashed():
     assert parse(EVERYTHING) == scene
 
 
-@pytest.mark.parametrize("key", ["length = 1", "bending_stiffness = 1", 'ansatz = ["xi^4", "xi^3", "xi^2"]', 'frame = "chord"'])
+@pytest.mark.parametrize(
+    "key", ["length = 1", "bending_stiffness = 1", 'ansatz = ["xi^4", "xi^3", "xi^2"]', 'frame = "chord"']
+)
 def test_a_body_with_one_key_of_a_beam_is_a_beam(key):
     (body,) = parse(f'name = "s"\n[bodies.rod]\n{key}\n').bodies
     assert isinstance(body, BeamBody)
@@ -257,19 +257,6 @@ def test_the_speed_of_a_slide_is_in_metres():
 )
 def test_a_body_whose_motion_may_be_prescribed_needs_no_mass(body, joint):
     assert parse(small(("mass = 1\ninertia = 1\n", f"{body}\n"), more=joint)).bodies[0].name == "bar"
-
-
-def test_comments_and_other_columns_of_a_reference_are_passed_over(tmp_path):
-    (tmp_path / "c.csv").write_bytes(b'\xef\xbb\xbf# a comment\r\nt, x ,"y, m"\r\n\r\n0,1,-2e-3\r\n# b\r\n1.,.5,+3\r\n')
-    plot = """
-[plots.p]
-deflection = "bar.b"
-chord = ["rod.left", "rod.right"]
-divided_by = 1
-reference = { file = "c.csv", x = "x", y = "y, m" }
-"""
-    scene = parse(small(more=plot), str(tmp_path / "s.toml"))
-    assert scene.plots[0].reference == Reference("c.csv", "x", "y, m", ((1.0, -2e-3), (0.5, 3.0)))
 
 
 def test_a_scene_may_be_small():

@@ -5,8 +5,8 @@ import tomllib
 from pathlib import Path
 
 import pytest
+from example_scenes import EVERYTHING, SMALL, small
 from json_schema import problems
-from scenes import EVERYTHING, SMALL, small
 
 from derive.spec import json_schema
 

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import pytest
+
+from derive.spec import SpecError, parse
+
 EVERYTHING = """\
 name = "all"
 
@@ -139,3 +143,10 @@ def small(*replaced: tuple[str, str], more: str = "") -> str:
         assert text.count(old) == 1, old
         text = text.replace(old, new)
     return text + more
+
+
+def errors(text: str, source: str = "s.toml") -> list[str]:
+    """What is wrong with a text, a line each, without the file."""
+    with pytest.raises(SpecError) as caught:
+        parse(text, source)
+    return [line.removeprefix("s.toml:") for line in str(caught.value).split("\n")]
