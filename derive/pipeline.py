@@ -61,8 +61,13 @@ def build(path: Path) -> Built:
         deriving = replace(deriving, nonzeros=sum(entry != 0 for entry in equations.mass))
     files = model_files(model, spec)
     emitting = Stage("emit", lap())
-    notes = (model.choice, *_of_modes(spec)) if model.choice else ()
+    notes = (model.choice, *_of_modes(spec)) if model.choice else _of_scene(model)
     return Built(spec, equations, model, files, (reading, deriving, lowering, emitting), notes)
+
+
+def _of_scene(model: Model) -> tuple[str, ...]:
+    """What a scene does not need, and why."""
+    return tuple(f"left out: {out.what}: {out.reason}" for out in model.left_out)
 
 
 def _of_modes(spec: Specification) -> tuple[str, ...]:

@@ -266,7 +266,20 @@ def _run(lines: tuple[Line, ...], number: int) -> Run:
             before.insert(0, line)
             needed |= set(reads(line))
     rest = tuple(replace(line, expr=_swapped(line.expr, named)) for line in lines)
-    return Run((*before, *early), tuple(line for line in rest if not _says_nothing(line)))
+    told = tuple(line for line in rest if not _says_nothing(line))
+    return Run((*before, *early), _read(told, frozenset(line.name for line in before)))
+
+
+def _read(lines: tuple[Line, ...], early: frozenset[str]) -> tuple[Line, ...]:
+    """Lines without those that sines and cosines alone needed."""
+    kept: list[Line] = []
+    used: set[str] = set()
+    for line in reversed(lines):
+        if isinstance(line, Let) and line.name in early and line.name not in used:
+            continue
+        used |= set(reads(line))
+        kept.insert(0, line)
+    return tuple(kept)
 
 
 def _is_trig(expr: Expr) -> bool:

@@ -144,18 +144,25 @@ def description(said: ModelText) -> tuple[str, ...]:
     def block(title: str, lines: tuple[str, ...]) -> tuple[str, ...]:
         return ("", title, *(f"  {line}" for line in lines))
 
-    law = "M(q) vdot + h(t, q, v) = G^T lambda, g(t, q) = 0," if said.bodies else "M(q) vdot + h(t, q, v) = 0,"
+    law = (
+        (
+            "Equations of motion M(q) vdot + h(t, q, v) = G^T lambda with constraints g(t, q) = 0, G = dg/dq,",
+            "G vdot = gamma, from x = c + Q (X + u) and d'Alembert's virtual",
+        )
+        if said.bodies
+        else ("Equations of motion M(q) vdot + h(t, q, v) = 0, from x = c + Q (X + u) and d'Alembert's virtual",)
+    )
     return (
         said.title,
         "",
-        *wrapped([f"Equations of motion {law} from x = c + Q (X + u) and d'Alembert's virtual"], ""),
+        *law,
         "work: (15) of Koppens, Sauren, Veldpaus & van Campen, J. Appl. Mech. 55 (1988) 676-680, whose",
         "equation numbers these are. Units are SI where the parameters are; any consistent set will do.",
         "",
         "The floating frame has its origin at c and is turned by Q. In it are resolved: r = X + u, the",
         "shapes Phi_i, and their moments c1 .. c8, d1, D2, d3, J, so that e1, e2 there are its axes.",
         "In the inertial base are resolved: c, momenta, and markers.",
-        *((said.origin,) if said.origin else ()),
+        *(said.origin.splitlines()),
         *((said.choice,) if said.choice else ()),
         *block("Coordinates q:", said.state),
         *block("Rates v and the rows of the equations of motion, with their units:", said.rates),

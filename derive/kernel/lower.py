@@ -49,7 +49,7 @@ def lower(equations: Equations) -> Model:
         zeros=tuple(Zero(f"M[{context.rows[i]}, {context.rows[j]}]", why) for i, j, why in equations.mass_zeros),
         choice=equations.choice,
         multipliers=tuple(
-            Variable(c.name, f"what joint {c.of} exerts: {c.doc}", c.force_unit) for c in equations.constraints
+            Variable(c.name, c.doc, c.force_unit) for c in equations.constraints
         ),
         bodies=tuple(pose.name for pose in equations.poses),
         left_out=tuple(Zero(out.what, out.reason) for out in equations.left_out),

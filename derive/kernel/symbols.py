@@ -48,6 +48,10 @@ class Symbols:
         """A number, exactly."""
         if value.denominator == 1 and abs(value.numerator) < 2**53:
             return ca.SX(int(value))
+        return self._exact(value)
+
+    def _exact(self, value: Fraction) -> ca.SX:
+        """A number as a symbol, which CasADi cannot round, as it would the derivative of x / 10."""
         if value not in self._numbers:
             self._numbers[value] = self._leaf(Num(value))
         return self._numbers[value]
@@ -113,7 +117,7 @@ class Symbols:
                 [value] * abs(int(exponent if exponent.is_Integer else 2 * exponent))
             )
         if magnitude.numerator == 1 and (first or last) and not _is_dyadic(magnitude):
-            below.append(self.number(1 / magnitude))  # m/7 is rounded once, m*(1/7) twice
+            below.append(self._exact(1 / magnitude))  # m/7 is rounded once, m*(1/7) twice
         elif magnitude != 1 or not (first or last):
             last.insert(0, self.number(magnitude))
         if not first:

@@ -3589,7 +3589,7 @@ static const tisserand_marker block_table_markers[] = {
 };
 
 static const tisserand_model block_descriptor = {
-    2,
+    3,
     "block",
     BLOCK_NQ,
     BLOCK_NV,
@@ -3623,7 +3623,8 @@ static const tisserand_model block_descriptor = {
     block_jacobian,
     block_mass_batch,
     block_force_batch,
-    block_accel_batch
+    block_accel_batch,
+    0
 };
 
 const tisserand_model *block_model(void)

@@ -2482,7 +2482,7 @@ static const tisserand_variable body_symbolic_table_v[] = {
 };
 
 static const tisserand_model body_symbolic_descriptor = {
-    2,
+    3,
     "body_symbolic",
     BODY_SYMBOLIC_NQ,
     BODY_SYMBOLIC_NV,
@@ -2516,7 +2516,8 @@ static const tisserand_model body_symbolic_descriptor = {
     body_symbolic_jacobian,
     body_symbolic_mass_batch,
     body_symbolic_force_batch,
-    body_symbolic_accel_batch
+    body_symbolic_accel_batch,
+    0
 };
 
 const tisserand_model *body_symbolic_model(void)

@@ -1001,7 +1001,7 @@ static const tisserand_marker free_beam_mean_table_markers[] = {
 };
 
 static const tisserand_model free_beam_mean_descriptor = {
-    2,
+    3,
     "free_beam_mean",
     FREE_BEAM_MEAN_NQ,
     FREE_BEAM_MEAN_NV,
@@ -1035,7 +1035,8 @@ static const tisserand_model free_beam_mean_descriptor = {
     free_beam_mean_jacobian,
     free_beam_mean_mass_batch,
     free_beam_mean_force_batch,
-    free_beam_mean_accel_batch
+    free_beam_mean_accel_batch,
+    0
 };
 
 const tisserand_model *free_beam_mean_model(void)

@@ -1269,7 +1269,7 @@ static const tisserand_marker free_beam_point_table_markers[] = {
 };
 
 static const tisserand_model free_beam_point_descriptor = {
-    2,
+    3,
     "free_beam_point",
     FREE_BEAM_POINT_NQ,
     FREE_BEAM_POINT_NV,
@@ -1303,7 +1303,8 @@ static const tisserand_model free_beam_point_descriptor = {
     free_beam_point_jacobian,
     free_beam_point_mass_batch,
     free_beam_point_force_batch,
-    free_beam_point_accel_batch
+    free_beam_point_accel_batch,
+    0
 };
 
 const tisserand_model *free_beam_point_model(void)

@@ -11,6 +11,7 @@ import pytest
 from toolchain import MODELS, text_of
 
 import beams
+from derive.emit.c import ABI
 from derive.kernel.ir import Kernel, Output
 
 EVERY_MODEL = pytest.mark.parametrize("model", MODELS)
@@ -79,7 +80,7 @@ def test_the_operations_that_are_counted_are_those_of_the_text(model: str) -> No
     if made.model.lowering == "table":
         return  # an operation on a whole axis is one in the text; tests/kernel/test_table.py counts those of the loops
     for name, function in functions_of_python(made).items():
-        if name in ("setup", "accel", "dense"):
+        if name in ("setup", "accel", "solve", "correct", "dense"):
             continue  # these check, and Python checks in another way than C
         count = sum(is_operation(node) for statement in function.body for node in ast.walk(statement))
         assert count == made.model.kernel(name).operations, name
@@ -91,7 +92,7 @@ def is_operation(node: ast.AST) -> bool:
     if isinstance(node, ast.UnaryOp):
         return not is_literal(node.operand)
     called = node.func if isinstance(node, ast.Call) else None
-    return isinstance(called, ast.Attribute) and called.attr in ("sin", "cos")
+    return isinstance(called, ast.Attribute) and called.attr in ("sin", "cos", "sqrt")
 
 
 def is_literal(node: ast.AST) -> bool:
@@ -130,9 +131,14 @@ def test_enum_of_the_header_gives_sizes_and_indices(model: str) -> None:
     given = made.model
     tables = {"Q": given.coordinates, "V": given.rates, "P": given.parameters, "K": given.constants}
     expected = {f"N{name}": sum(v.size for v in table) for name, table in tables.items()}
-    expected |= {"NY": expected["NQ"] + expected["NV"]}
-    expected |= {"NMARKERS": len(made.model.markers), "ABI": 2}
+    expected |= {"NY": expected["NQ"] + expected["NV"] + len(given.multipliers)}
+    expected |= {"NMARKERS": len(made.model.markers), "ABI": ABI}
     outputs = {"MASS": ("mass", "M"), "JACOBIAN": ("jacobian", "jac")}
+    if given.bodies:
+        expected |= {"NLAMBDA": len(given.multipliers), "NBODIES": len(given.bodies)}
+        expected |= {f"LAMBDA_{m.name}": place for place, m in enumerate(given.multipliers)}
+        outputs |= {"CONSTRAINT_JACOBIAN": ("constraint_jacobian", "G")}
+        outputs |= {f"JACOBIAN_{form.upper()}": (f"jacobian_{form}", "jac") for form in ("ggl", "index1")}
     outputs |= {f"MARKER_{m.name.upper()}": (f"marker_{m.name}", "jacobian") for m in made.model.markers}
     expected |= {f"NNZ_{name}": len(made.model.pattern(*place).rowidx) for name, place in outputs.items()}
     for name in "PK":

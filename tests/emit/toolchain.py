@@ -128,6 +128,7 @@ MODELS: dict[str, Callable[[], beams.Made]] = {
     **{f"{frame}_{n}": lambda frame=frame, n=n: beams.made(frame, n) for frame in beams.FRAMES for n in SHAPES},
     **{name: lambda name=name: special(name) for name in SPECIAL},
     **{name: lambda name=name: body(name) for name in BODIES},
+    "crank_slider_3": lambda: scene("crank_slider_3"),
     **{f"block_{lowering}": lambda lowering=lowering: block(lowering) for lowering in ("flat", "table")},
 }
 """The models that the tests of this folder go through: every frame with few and many shapes, and special ones."""

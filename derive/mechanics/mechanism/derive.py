@@ -114,9 +114,6 @@ class _Assembly:
             self._add(piece, held.free(piece.name, piece.body.motion), derived)
             if k:  # what holds of the first piece holds of all
                 self.bodies[piece.name] = replace(self.bodies[piece.name], vanished=(), mass_zeros=())
-        if len(pieces) > 1:
-            text = f"reasons of zeros and vanished terms are told of {pieces[0].name}; its other pieces are alike"
-            self.left_out.append(LeftOut(rod.name, text))
 
     def _add(self, member: Member, keeps: held.Held, derived: Equations | None = None) -> None:
         body = placed(member, derived or equations_of(member.body), keeps)
@@ -225,7 +222,7 @@ class _Assembly:
         return Equations(
             name=self.scene.name,
             doc=_doc(self.scene, coordinates, found),
-            origin="",
+            origin=_origin(self.scene),
             coordinates=coordinates,
             rows=rows,
             rates=tuple(row.v for row in rows),
@@ -299,6 +296,14 @@ def _mass(rows: tuple[Row, ...], terms: tuple[Term, ...]) -> sp.ImmutableMatrix:
         for a in term.expr.free_symbols & accelerations:
             entries[place[term.row], column[a]] += term.expr.coeff(a)
     return sp.ImmutableMatrix(entries.applyfunc(sp.expand))
+
+
+def _origin(scene: Scene) -> str:
+    """What one should know of the bodies' equations, in words."""
+    cut = [f"{b.name}_1" for b in scene.bodies if isinstance(b, BeamBody) and b.pieces > 1]
+    alike = f" What is told of {', '.join(cut)} holds of the other pieces as well." if cut else ""
+    centre = "Of beams c is where the centre of the undeformed beam lies in the floating frame."
+    return f"{centre}\nIn M {BETWEEN_BODIES}.{alike}"
 
 
 def _doc(scene: Scene, coordinates: tuple[Coordinate, ...], found: tuple[Constraint, ...]) -> str:

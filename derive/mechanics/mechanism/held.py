@@ -39,7 +39,7 @@ def free(name: str, motion: Motion) -> Held:
     coordinates, rows = [], []
     values: dict[sp.Basic, sp.Basic] = {}
     for coordinate, row in zip(motion.coordinates, motion.rows, strict=True):
-        new, new_row = _coordinate(f"{name}_{coordinate.q}", f"{coordinate.doc}: {name}", coordinate.unit)
+        new, new_row = _coordinate(f"{name}_{coordinate.q}", f"{name}: {coordinate.doc}", coordinate.unit)
         coordinates.append(new)
         rows.append(new_row)
         values |= {coordinate.q: new.q, row.v: new_row.v, row.a: new_row.a}

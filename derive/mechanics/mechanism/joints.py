@@ -138,6 +138,7 @@ def _constraint(joint: Joint, residual: Residual, rows: tuple[Row, ...]) -> Cons
 
 
 def _who(joint: Joint) -> str:
+    """The places of a joint as a user knows them, and the pieces of rods as their neighbours."""
     return f"{joint.first.body}.{joint.first.marker} and {joint.second.body}.{joint.second.marker}"
 
 
