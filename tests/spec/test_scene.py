@@ -259,5 +259,10 @@ def test_a_body_whose_motion_may_be_prescribed_needs_no_mass(body, joint):
     assert parse(small(("mass = 1\ninertia = 1\n", f"{body}\n"), more=joint)).bodies[0].name == "bar"
 
 
+def test_a_torque_of_the_ground_may_act_against_a_body():
+    more = "[torques.m]\nat = 'ground.o'\nvalue = 1\nagainst = 'bar.a'\n"
+    assert parse(small(more=more)).torques == (Torque("m", place("ground.o"), number(1), place("bar.a")),)
+
+
 def test_a_scene_may_be_small():
     assert [body.name for body in parse(SMALL).bodies] == ["bar", "rod"]

@@ -458,5 +458,17 @@ def test_what_is_taken_away_from_a_scene_never_crashes():
                 assert all(problem.message for problem in error.problems)
 
 
+def test_bodies_that_are_too_many_are_counted_and_not_called_unknown():
+    assert errors(small(more="\n".join(f"[bodies.b{n}]\nlength = 1" for n in range(MAX_NAMED)))) == [
+        "4: bodies: there are 102 bodies, and 0 to 100 are allowed"
+    ]
+
+
+def test_joints_that_are_too_many_are_counted_and_not_called_missing():
+    weightless = ("mass = 1\ninertia = 1\n", "\n")
+    pins = "\n".join(f"[joints.j{n}]\nkind = 'weld'\nbetween = ['rod.left', 'bar.b']" for n in range(MAX_NAMED))
+    assert errors(small(weightless, more=pins)) == ["10: joints: there are 101 joints, and 0 to 100 are allowed"]
+
+
 def test_the_small_scene_is_right():
     assert parse(SMALL).name == "s"

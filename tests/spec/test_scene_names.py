@@ -177,3 +177,9 @@ ALIKE = "one symbol is one parameter: write both alike, or choose another symbol
 )
 def test_a_symbol_that_is_taken(replaced, more, message):
     assert errors(small(replaced, more=more)) == [message]
+
+
+def test_a_bad_name_that_is_repeated_is_not_called_taken():
+    found = errors(small(("[joints.pin]", "[joints.for]"), more="[forces.for]\nat = 'bar.a'\ncomponents = [0, 0]"))
+    assert [line.split(": ")[:2] for line in found] == [["11", "joints.for"], ["14", "forces.for"]]
+    assert all("it is a word of C" in line for line in found)
