@@ -45,16 +45,17 @@ def analyse(native: Mechanism, k: Vector, t: float, q: Vector) -> Analysis:
     )
 
 
-def check(native: Mechanism, k: Vector, t: float, q: Vector, drives: Sequence[str] | None = None) -> None:
+def check(native: Mechanism, k: Vector, t: float, q: Vector, drives: Sequence[str] = ()) -> None:
     """Raise RedundantConstraints, SingularConfiguration or MasslessMotion if multipliers or accelerations of a
     consistent state are not unique.
 
-    What depends on each other in this state is redundant if it does so in states around it as well, which the mechanism
-    reaches when its `drives` (names of multipliers; None: constraints that change with time) move otherwise.
+    What depends on each other in this state is redundant if it does so in all states around it as well: those that the
+    mechanism is free to reach, also with its `drives` (multipliers) released, and those where it is a little earlier
+    or later. A mechanism that cannot move at all has redundant constraints.
     """
     found = spectrum(native, k, t, q)
     if found.rank < native.nlambda:
-        around = [spectrum(native, k, t, state) for state in nearby(native, k, t, q, drives)]
+        around = [spectrum(native, k, at, state) for at, state in nearby(native, k, t, q, drives)]
         best = max(around, key=lambda s: (s.rank, s.smallest), default=found)
         if best.rank < native.nlambda:
             raise RedundantConstraints(dependences(best, native.multipliers))

@@ -66,14 +66,12 @@ class SingularConfiguration(SimulationError):
 
 
 class DriveCannotBeFollowed(SingularConfiguration):
-    """A drive has brought the mechanism to where it cannot go on."""
+    """A drive has brought the mechanism to where it cannot go on. `drives`: the multipliers that change with time."""
 
     def __init__(self, t: float, smallest: float, multipliers: Sequence[str], drives: Sequence[str]) -> None:
         self.drives = tuple(drives)
-        whose = "drives" if len(drives) > 1 else "drive"
-        super().__init__(
-            t, smallest, multipliers, f"The {whose} {_together(drives)} cannot be followed. {AT_DEAD_CENTRE}"
-        )
+        told = f"What drives prescribe in {_together(drives)} cannot be followed. {AT_DEAD_CENTRE}"
+        super().__init__(t, smallest, multipliers, told)
 
 
 class MasslessMotion(SimulationError):

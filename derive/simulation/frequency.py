@@ -13,11 +13,12 @@ RK4_LIMIT = float(np.sqrt(8.0))
 """The classical Runge-Kutta method is stable for an oscillation of omega rad/s up to this product of step and omega."""
 
 
-def natural_frequencies(native: Mechanism, k: Vector, t: float, q: Vector, v: Vector) -> Vector:
+def natural_frequencies(native: Mechanism, k: Vector, t: float, q: Vector, v: Vector, loaded: bool = True) -> Vector:
     """Undamped natural frequencies (rad/s, rising) of small motions about a state that the constraints allow.
 
-    Those of M ddq + K dq = 0 with G dq = 0 and K = d/dq (M vdot + h - G^T lambda), at vdot and lambda of the state. A
-    motion that grows, or that nothing holds back, has 0.
+    Those of M ddq + K dq = 0 with G dq = 0 and K = d/dq (M vdot + h - G^T lambda), at vdot and lambda of the state; not
+    `loaded`, those of the structure itself: at rest, and without reactions. A motion that grows, or that nothing
+    holds back, has 0.
     """
     R = metric(mass_matrix(native, q, k))
     scaled, _ = without_units(constraint_matrix(native, t, q, k), R)
@@ -25,7 +26,7 @@ def natural_frequencies(native: Mechanism, k: Vector, t: float, q: Vector, v: Ve
     motions = solve_triangular(R, allowed)  # columns of unit kinetic energy
     if not motions.size:
         return np.zeros(0)
-    K = _stiffness(native, k, t, q, v, motions)
+    K = _stiffness(native, k, t, q, v if loaded else np.zeros(native.nv), motions, loaded)
     squares = np.linalg.eigvals(motions.T @ K)
     return np.asarray(np.sqrt(np.sort(np.maximum(squares.real, 0.0))))
 
@@ -36,9 +37,9 @@ def rk4_step_limit(native: Mechanism, k: Vector, t: float, q: Vector, v: Vector)
     return RK4_LIMIT / highest if highest > 0.0 else float("inf")
 
 
-def _stiffness(native: Mechanism, k: Vector, t: float, q: Vector, v: Vector, motions: Matrix) -> Matrix:
+def _stiffness(native: Mechanism, k: Vector, t: float, q: Vector, v: Vector, motions: Matrix, loaded: bool) -> Matrix:
     """Central differences of M vdot + h - G^T lambda along each column of `motions`."""
-    vdot, lam = native.solve(t, q, v, k)
+    vdot, lam = native.solve(t, q, v, k) if loaded else (np.zeros(native.nv), np.zeros(native.nlambda))
 
     def unbalanced(at: Vector) -> Vector:
         inertia = mass_matrix(native, at, k) @ vdot

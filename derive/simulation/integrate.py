@@ -32,15 +32,13 @@ def integrate(
     drift: float = 1e-9,
     projected: bool = True,
     max_step: float = np.inf,
-    drives: Sequence[str] | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> Trajectory:
     """The motion from the consistent state (q, v) at times[0], at all `times` (s, increasing).
 
     `tolerance` is the error of a step, relative and absolute (SI). `drift` is how far constraints may be off (m, rad)
     and their rates (m/s, rad/s) in any row. The state is projected after each step, and so are rows that lie within a
-    step; with `projected` False nothing is. `drives` are the multipliers that errors speak of as drives (None: those
-    of constraints that change with time). `progress` is called with the time reached after each step.
+    step; with `projected` False nothing is. `progress` is called with the time reached after each step.
 
     Raises SingularConfiguration or DriveCannotBeFollowed at a dead centre, DriftTooLarge, IntegrationStopped.
     """
@@ -59,7 +57,7 @@ def integrate(
             y = solver.y
             message = solver.step()
             if message is not None:
-                raise reason_to_stop(native, k, solver.t, solver.y, evaluator.refused, message, drives)
+                raise reason_to_stop(native, k, solver.t, solver.y, evaluator.refused, message)
             steps += 1
             dense = solver.dense_output() if instants[rows.count] < solver.t else None
             while dense is not None and rows.count < len(instants) and instants[rows.count] < solver.t:
@@ -72,7 +70,7 @@ def integrate(
             if progress is not None:
                 progress(float(solver.t))
     except ModelError as error:
-        raise reason_to_stop(native, k, rows.latest, y, (rows.latest, error), str(error), drives) from error
+        raise reason_to_stop(native, k, rows.latest, y, (rows.latest, error), str(error)) from error
     cost = Cost(evaluator.evaluations, steps, time.process_time() - began)
     states = rows.states
     return Trajectory(

@@ -40,12 +40,13 @@ def consistent(native: Mechanism, k: Vector, guess_q: Vector, guess_v: Vector, r
     """The consistent state next to a guess, at rest in its deformations if that is possible.
 
     `rigid` (nq,) marks the coordinates that are no deformation: they alone change, unless the constraints cannot be met
-    so. Raises InconsistentStart with what cannot be met; RedundantConstraints or SingularConfiguration if that is
-    why velocities cannot.
+    so. Raises InconsistentStart with what cannot be met; RedundantConstraints, SingularConfiguration or
+    MasslessMotion if accelerations and multipliers of the state have no unique value.
     """
     guess_q, guess_v = np.array(guess_q, dtype=float), np.array(guess_v, dtype=float)
     closure, deformed = _positions(native, k, t, guess_q, rigid)
     v, deforming = _velocities(native, k, t, closure.q, guess_v, rigid)
+    check(native, k, t, closure.q)
     error = largest(native.constraint_rates(t, closure.q, v, k))
     return Start(t, closure.q, v, closure.error, error, deformed, deforming)
 
@@ -66,7 +67,7 @@ def _positions(native: Mechanism, k: Vector, t: float, guess: Vector, rigid: Mas
 
 def _shaken(native: Mechanism, guess: Vector, angle: float, rigid: Mask) -> Vector:
     """The guess with each rotation changed by about `angle`, and the same each time; positions follow by themselves."""
-    turns = np.array(["phi" in name for name in native.coordinates]) & rigid
+    turns = np.array([name.endswith("phi") for name in native.coordinates]) & rigid
     numbers = np.random.default_rng(0).uniform(-1.0, 1.0, len(guess))
     return np.asarray(guess + angle * np.where(turns, numbers, 0.0))
 

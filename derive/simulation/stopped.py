@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 from derive.native import ModelError, Vector
 from derive.simulation.constraints import involved
 from derive.simulation.errors import (
@@ -28,7 +26,6 @@ def reason_to_stop(
     y: Vector,
     refused: tuple[float, ModelError] | None,
     message: str,
-    drives: Sequence[str] | None = None,
 ) -> SimulationError:
     """The error that explains why nothing goes on from the last state y = [q; v], near t.
 
@@ -39,8 +36,7 @@ def reason_to_stop(
         found = spectrum(native, k, t, q)
         if found.smallest < NEAR:
             names = involved(found, native.multipliers, NEAR)
-            known = drives_of(native, k, t, q) if drives is None else drives
-            driven = [name for name in names if name in known]
+            driven = [name for name in names if name in drives_of(native, k, t, q)]
             if driven:
                 return DriveCannotBeFollowed(t, found.smallest, names, driven)
             return SingularConfiguration(t, found.smallest, names)

@@ -46,10 +46,21 @@ def test_the_change_of_velocities_is_the_smallest_in_the_metric_of_the_mass() ->
     assert np.abs(momentum).max() > 0.1
 
 
-def test_bodies_that_all_start_in_one_place_are_shaken_apart() -> None:
-    model, _, v = four_bar()
-    found = start(model, np.zeros(9), v)
+def test_a_guess_in_line_is_shaken_out_of_the_line() -> None:
+    """Along the line no step leads to where the slider is pushed to, so that Newton's method has nowhere to go."""
+    model, _, v = pushed_crank(0.3, 1.0)
+    _, in_line, _ = crank_slider()
+    found = start(model, in_line, v)
     assert found.position_error < 1e-12
+    assert found.q[6] == pytest.approx(0.3)
+    assert abs(found.q[2]) > 0.5
+
+
+def test_a_guess_that_closes_at_a_change_point_is_refused() -> None:
+    """Bars of a parallelogram that all lie in one line can open to either side."""
+    model, _, v = four_bar()
+    with pytest.raises(SingularConfiguration):
+        start(model, np.zeros(9), v)
 
 
 def test_a_drive_that_begins_out_of_reach_is_told_with_what_is_missing() -> None:

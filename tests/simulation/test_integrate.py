@@ -82,7 +82,7 @@ def test_drift_grows_without_projection_and_is_refused_beyond_the_tolerance() ->
 @pytest.mark.parametrize("speed", [1.0, -1.0])
 def test_a_slider_that_is_pushed_through_a_dead_centre_cannot_follow(speed: float) -> None:
     """Outer dead centre at 0.45 m, inner one at 0.15 m, both 0.15 s away."""
-    with pytest.raises(DriveCannotBeFollowed, match="drive push cannot be followed") as error:
+    with pytest.raises(DriveCannotBeFollowed, match="prescribe in push cannot be followed") as error:
         run(pushed_crank(0.3, speed), np.linspace(0, 1, 101))
     assert error.value.t == pytest.approx(0.15, abs=1e-6)
     assert error.value.smallest < 1e-3
