@@ -24,9 +24,6 @@ Array = NDArray[np.float64]
 CONSISTENT = 1e-12
 """The largest g (m, rad) and gdot (m/s, rad/s) that hosts leave."""
 
-MULTIPLIERS = 1e3
-"""The absolute tolerance of multipliers, in tolerances of q and v: they are forces, and stiffer than either."""
-
 CODES = {
     1: "a pivot vanished: joints are redundant, or in a singular position",
     2: "a value is not finite or not positive",
@@ -78,7 +75,11 @@ class _FixedCounts(ctypes.Structure):
 class _IdaOptions(ctypes.Structure):
     _fields_ = [
         ("form", ctypes.c_char_p),
-        *((name, ctypes.c_double) for name in ("rtol", "atol", "atol_multipliers", "start", "step_max")),
+        ("rtol", ctypes.c_double),
+        ("atol", ctypes.c_double),
+        ("order", ctypes.c_int),
+        ("start", ctypes.c_double),
+        ("step_max", ctypes.c_double),
         ("steps_max", ctypes.c_long),
     ]
 
@@ -178,27 +179,26 @@ class Ida(Host):
         form: str | None = "ggl",
         rtol: float = 1e-9,
         atol: float | None = None,
-        atol_multipliers: float | None = None,
+        order: int = 5,
         k: ArrayLike | None = None,
         t0: float = 0.0,
         consistent: float = CONSISTENT,
         step_max: float = 0.0,
-        steps_max: int = 0,
+        steps_max: int = 1_000_000,
     ) -> Integration:
         """Rows at t0 + i `interval`, from the state q0 (nq,), v0 (nv,). Raises HostError.
 
-        `form`: "ggl" or "index1" of a scene, None for a body. `atol` is `rtol` if it is not given. The first state is
-        brought to constraints and rates below `consistent`, unless that is 0. `steps_max`: between two rows; 0: any.
+        `form`: "ggl" or "index1" of a scene, None for a body. `atol` is `rtol` if it is not given. `order` 2 damps
+        vibrations that higher orders follow with short steps. The first state is brought to constraints and rates below
+        `consistent`, unless that is 0. `steps_max`: between two rows.
         """
         q, v = self._states(q0, v0)
         if q.ndim != 1:
             raise ValueError("q0 and v0 have to be vectors: IDA integrates one state")
         if rows < 1 or not interval > 0:
             raise ValueError(f"{rows} rows at an interval of {interval} make no sense")
-        absolute = rtol if atol is None else atol
-        forces = MULTIPLIERS * absolute if atol_multipliers is None else atol_multipliers
-        name = None if form is None else form.encode()
-        options = _IdaOptions(name, rtol, absolute, forces, consistent, step_max, steps_max)
+        name, absolute = None if form is None else form.encode(), rtol if atol is None else atol
+        options = _IdaOptions(name, rtol, absolute, order, consistent, step_max, steps_max)
         table: Array = np.empty((rows, self._width))
         counts = _IdaCounts()
         code, seconds = _timed(

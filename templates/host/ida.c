@@ -167,17 +167,23 @@ static int configure(const tisserand_model *model, const tisserand_ida_options *
 
     for (int i = 0; i < own->given.form->size; i++) {
         id[i] = i < differential ? 1.0 : 0.0;
-        atol[i] = i < differential ? options->atol : options->atol_multipliers;
+        /* Multipliers are M or the unit matrix times a change of v or q, over a step: what is rounding or below the
+           tolerance in q and v is far above it in them, and the more so the shorter the step. They have no say in
+           norms, or tight tolerances would fail at the first step already. */
+        atol[i] = i < differential ? options->atol : 1e30;
     }
     if ((code = IDAInit(own->ida, residual, t0, own->y, own->ydot)) < 0 ||
         (code = IDASVtolerances(own->ida, options->rtol, own->atol)) < 0 ||
         (code = IDASetUserData(own->ida, &own->given)) < 0 || (code = IDASetId(own->ida, own->id)) < 0 ||
-        /* Of index 2 the local error of multipliers is of a lower order, and would make the steps too short. */
         (code = IDASetSuppressAlg(own->ida, SUNTRUE)) < 0 ||
+        (code = IDASetMaxOrd(own->ida, options->order > 0 ? options->order : 5)) < 0 ||
         (code = IDASetMaxNumSteps(own->ida, options->steps_max > 0 ? options->steps_max : -1)) < 0 ||
         (code = IDASetMaxStep(own->ida, options->step_max)) < 0 ||
         (code = IDASetLinearSolver(own->ida, own->solver, own->matrix)) < 0 ||
-        (code = IDASetJacFn(own->ida, jacobian)) < 0) {
+        (code = IDASetJacFn(own->ida, jacobian)) < 0 ||
+        /* A Jacobian whenever the step changes: with one for a quarter of change Newton's method takes twice as many
+           iterations, and these are dearer than the Jacobians saved. */
+        (code = IDASetDeltaCjLSetup(own->ida, 0.0)) < 0) {
         return code;
     }
     return 0;

@@ -1,8 +1,8 @@
 /*
  * SPDX-License-Identifier: 0BSD
  *
- * Any model that Tisserand generates, known by its descriptor alone, integrated by IDA of SUNDIALS (6 or 7) with
- * the sparse solver KLU. Needs fixed_step.c, for a consistent start. With Debian or Ubuntu: apt-get install
+ * Any model that Tisserand generates, known by its descriptor alone, integrated by IDA of SUNDIALS (6.2 or
+ * later) with the sparse solver KLU. Needs fixed_step.c, for a consistent start. With Debian or Ubuntu: apt-get install
  * libsundials-dev libsuitesparse-dev, then
  *
  *     cc -std=c99 -isystem /usr/include/suitesparse -DTISSERAND_HEADER='"my_scene.h"' ida.c fixed_step.c my_scene.c \
@@ -21,13 +21,14 @@ extern "C" {
 #endif
 
 typedef struct {
-    const char *form;        /* of a scene, "ggl" (index 2, stabilised) or "index1"; of a body without joints 0 */
-    double rtol;             /* relative tolerance */
-    double atol;             /* absolute one of q and v */
-    double atol_multipliers; /* absolute one of the multipliers: they need not be as exact as q and v are */
-    double start;            /* q and v are brought to |g|, |gdot| <= start at first; 0: they are taken as they are */
-    double step_max;         /* longest step; 0: any */
-    long steps_max;          /* most steps between two rows; 0: any number */
+    const char *form; /* of a scene, "ggl" (index 2, stabilised) or "index1"; of a body without joints 0 */
+    double rtol;      /* relative tolerance */
+    double atol;      /* absolute one of q and v; the multipliers come out as exact as these make them */
+    int order;        /* highest order of the method, 1 to 5; 0: 5. Orders 3 to 5 need steps short enough to follow
+                         every vibration that is not damped; order 2 steps over those that stay below the tolerance. */
+    double start;     /* q and v are brought to |g|, |gdot| <= start at first; 0: they are taken as they are */
+    double step_max;  /* longest step; 0: any */
+    long steps_max;   /* most steps between two rows; 0: any number */
 } tisserand_ida_options;
 
 typedef struct {

@@ -155,14 +155,14 @@ static int run_ida(const tisserand_model *model, const char *form, double interv
                    const double *k, double *q, double *v, double *rows)
 {
     tisserand_ida_counts counts = {0, 0, 0, 0, 0, 0, 0};
-    tisserand_ida_options options = {0, 0.0, 0.0, 0.0, 0.0, 0.0, 0};
+    tisserand_ida_options options = {0, 0.0, 0.0, 0, 0.0, 0.0, 0};
     int code;
 
     options.form = strcmp(form, "ode") == 0 ? NULL : form;
     options.rtol = accuracy;
     options.atol = accuracy;
-    options.atol_multipliers = 1e3 * accuracy;
     options.start = CONSISTENT;
+    options.steps_max = 1000000; /* between two rows: something is wrong */
     code = tisserand_ida(model, &options, 0.0, interval, nrows, k, q, v, rows, &counts);
     fprintf(stderr,
             "steps %ld\nresiduals %ld\njacobians %ld\nfactorisations %ld\niterations %ld\nerror_failures %ld\n"

@@ -17,7 +17,7 @@ from derive.simulation.host import HostError, Ida, SundialsMissing, run_ida
 def test_error_follows_the_tolerance(form: str, rtol: float) -> None:
     found = ida().run(LEVEL, REST, interval=0.2, rows=21, form=form, rtol=rtol)
     q, v = exact(found.t)
-    assert max(np.abs(found.q - q).max(), np.abs(found.v - v).max()) < 500 * rtol + 1e-9
+    assert max(np.abs(found.q - q).max(), np.abs(found.v - v).max()) < 1000 * rtol
     assert np.array_equal(found.t, 0.2 * np.arange(21))
 
 
@@ -50,9 +50,23 @@ def test_start_is_made_consistent_or_taken_as_it_is() -> None:
 def test_counts() -> None:
     found = ida().run(LEVEL, REST, interval=0.2, rows=11, rtol=1e-6)
     counts = found.counts
-    assert 100 < counts["steps"] < counts["residuals"] < 10 * counts["steps"]
+    assert 100 < counts["steps"] < counts["residuals"] < 1.5 * counts["steps"]  # one iteration does, as a rule
     assert 0 < counts["jacobians"] == counts["factorisations"] < counts["steps"]
     assert 0 < found.seconds < 1
+
+
+def test_order_is_limited() -> None:
+    low, high = (ida().run(LEVEL, REST, interval=0.2, rows=11, rtol=1e-6, order=order) for order in (2, 5))
+    assert low.counts["steps"] > 2 * high.counts["steps"]
+    with pytest.raises(HostError, match="code -22"):
+        ida().run(LEVEL, REST, interval=0.2, rows=11, order=6)
+
+
+def test_tight_tolerances_start() -> None:
+    """First steps are so short that rounding drowns the multipliers, which are not asked therefore."""
+    x, y = 0.5 * np.cos(0.7), 0.5 * np.sin(0.7)
+    found = ida().run([x, y, 0.7], [-10 * y, 10 * x, 10], interval=1e-3, rows=2, rtol=1e-9, steps_max=1000)
+    assert found.counts["steps"] < 50
 
 
 def test_failures_tell_what() -> None:
