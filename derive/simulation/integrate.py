@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
 from typing import Any, Literal
 
 import numpy as np
 from scipy.integrate import DOP853, RK45
 
-from derive.native import Matrix, ModelError, Vector
+from derive.native import ModelError, Vector
+from derive.simulation.errors import DriftTooLarge
 from derive.simulation.evaluator import Evaluator
 from derive.simulation.mechanism import Mechanism
-from derive.simulation.projection import drift_of, keep, project
-from derive.simulation.stopped import reason_to_stop
+from derive.simulation.rows import Rows
+from derive.simulation.stopped import explained, reason_to_stop
 from derive.simulation.trajectory import Cost, Trajectory
 
 METHODS: dict[str, Any] = {"DOP853": DOP853, "RK45": RK45}
@@ -37,79 +37,48 @@ def integrate(
     """The motion from the consistent state (q, v) at times[0], at all `times` (s, increasing).
 
     `tolerance` is the error of a step, relative and absolute (SI). `drift` is how far constraints may be off (m, rad)
-    and their rates (m/s, rad/s) in any row. The state is projected after each step, and so are rows that lie within a
-    step; with `projected` False nothing is. `progress` is called with the time reached after each step.
+    and their rates (m/s, rad/s) in any row, and after any step that is projected. The state is projected after each
+    step, and so are rows that lie within one; with `projected` False nothing is. `progress` is called with the time
+    reached after each step.
 
     Raises SingularConfiguration or DriveCannotBeFollowed at a dead centre, DriftTooLarge, IntegrationStopped.
     """
     began = time.process_time()
-    instants = np.array(times, dtype=float)
+    instants = increasing(times)
     evaluator = Evaluator(native, k)
-    rows = _Rows(native, k, len(instants), drift, projected)
-    y = np.concatenate([q, v])
-    steps = 0
+    rows = Rows(native, k, len(instants), drift, projected)
+    t, y, steps = float(instants[0]), np.concatenate([q, v]), 0
     try:
-        rows.write(float(instants[0]), y)
+        rows.write(t, y)
         solver = METHODS[method](
-            evaluator, instants[0], y, instants[-1], rtol=max(tolerance, 1e-13), atol=tolerance, max_step=max_step
+            evaluator, t, y, instants[-1], rtol=max(tolerance, 1e-13), atol=tolerance, max_step=max_step
         )
         while rows.count < len(instants):
-            y = solver.y
+            evaluator.refused = None
             message = solver.step()
             if message is not None:
-                raise reason_to_stop(native, k, solver.t, solver.y, evaluator.refused, message)
+                raise reason_to_stop(native, k, t, y, evaluator.refused, message)
             steps += 1
-            dense = solver.dense_output() if instants[rows.count] < solver.t else None
-            while dense is not None and rows.count < len(instants) and instants[rows.count] < solver.t:
-                rows.write(float(instants[rows.count]), dense(instants[rows.count]))
+            if instants[rows.count] < solver.t:
+                dense = solver.dense_output()
+                while rows.count < len(instants) and instants[rows.count] < solver.t:
+                    rows.write(float(instants[rows.count]), dense(instants[rows.count]))
+            if projected:
+                solver.y = rows.projected_state(solver.t, solver.y)
+                solver.f = evaluator(solver.t, solver.y)
             if rows.count < len(instants) and instants[rows.count] == solver.t:
                 rows.write(float(solver.t), solver.y)
-            if projected:
-                solver.y = np.concatenate(project(native, k, solver.t, solver.y[: native.nq], solver.y[native.nq :]))
-                solver.f = evaluator(solver.t, solver.y)
+            t, y = float(solver.t), solver.y
             if progress is not None:
-                progress(float(solver.t))
-    except ModelError as error:
-        raise reason_to_stop(native, k, rows.latest, y, (rows.latest, error), str(error)) from error
-    cost = Cost(evaluator.evaluations, steps, time.process_time() - began)
-    states = rows.states
-    return Trajectory(
-        instants, states[:, : native.nq], states[:, native.nq :], rows.lam, rows.drift, rows.drift_before, cost
-    )
+                progress(t)
+    except (ModelError, DriftTooLarge) as error:
+        raise explained(native, k, t, y, error) from error
+    return rows.trajectory(instants, Cost(evaluator.evaluations, steps, time.process_time() - began))
 
 
-@dataclass
-class _Rows:
-    """The rows of a trajectory, written one after the other, projected, their drift held against `limit`."""
-
-    native: Mechanism
-    k: Vector
-    size: int
-    limit: float
-    projected: bool
-    count: int = 0
-    latest: float = 0.0
-    states: Matrix = field(init=False)
-    lam: Matrix = field(init=False)
-    drift: Matrix = field(init=False)
-    drift_before: Matrix = field(init=False)
-
-    def __post_init__(self) -> None:
-        self.states = np.zeros((self.size, self.native.nq + self.native.nv))
-        self.lam = np.zeros((self.size, self.native.nlambda))
-        self.drift, self.drift_before = np.zeros((self.size, 2)), np.zeros((self.size, 2))
-
-    def write(self, t: float, y: Vector) -> None:
-        """Write the row of the state y = [q; v] at t."""
-        n, i = self.native.nq, self.count
-        self.latest = t
-        q, v = y[:n], y[n:]
-        before = drift_of(self.native, self.k, t, q, v)
-        if self.projected:
-            q, v = project(self.native, self.k, t, q, v)
-        after = keep(self.native, self.k, t, q, v, self.limit)
-        self.states[i, :n], self.states[i, n:] = q, v
-        self.lam[i] = self.native.solve(t, q, v, self.k)[1]
-        self.drift_before[i] = before.position, before.velocity
-        self.drift[i] = after.position, after.velocity
-        self.count += 1
+def increasing(times: Sequence[float] | Vector) -> Vector:
+    """The instants of rows, s. ValueError if there are none, or they do not increase."""
+    instants = np.array(times, dtype=float)
+    if instants.ndim != 1 or not len(instants) or not np.all(np.diff(instants) > 0.0):
+        raise ValueError("the times of rows have to be a list that increases")
+    return instants

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from derive.native import ModelError, Vector
 from derive.simulation.constraints import involved
 from derive.simulation.errors import (
+    DriftTooLarge,
     DriveCannotBeFollowed,
     IntegrationStopped,
     SimulationError,
     SingularConfiguration,
 )
-from derive.simulation.least_change import largest
 from derive.simulation.mechanism import Mechanism
 from derive.simulation.nearby import drives_of
 from derive.simulation.scaling import spectrum
@@ -31,14 +33,27 @@ def reason_to_stop(
 
     `refused`: when a model last refused a state, and how; `message`: what the integrator has to say.
     """
-    q = y[: native.nq]
-    if largest(y) < float("inf"):
-        found = spectrum(native, k, t, q)
-        if found.smallest < NEAR:
-            names = involved(found, native.multipliers, NEAR)
-            driven = [name for name in names if name in drives_of(native, k, t, q)]
-            if driven:
-                return DriveCannotBeFollowed(t, found.smallest, names, driven)
-            return SingularConfiguration(t, found.smallest, names)
+    if (dead_centre := _dead_centre(native, k, t, y)) is not None:
+        return dead_centre
     reason = f"{message.rstrip('.')}" + (f"; {refused[1]} at t = {refused[0]:.9g} s" if refused else "")
     return IntegrationStopped(t, reason)
+
+
+def explained(native: Mechanism, k: Vector, t: float, y: Vector, error: ModelError | DriftTooLarge) -> SimulationError:
+    """What is behind an error after the last good state y = [q; v] at t: a dead centre, or what the error says."""
+    if isinstance(error, DriftTooLarge):
+        return _dead_centre(native, k, t, y) or error
+    return reason_to_stop(native, k, t, y, None, str(error))
+
+
+def _dead_centre(native: Mechanism, k: Vector, t: float, y: Vector) -> SingularConfiguration | None:
+    if not np.all(np.isfinite(y)):
+        return None
+    found = spectrum(native, k, t, y[: native.nq])
+    if found.smallest >= NEAR:
+        return None
+    names = involved(found, native.multipliers, NEAR)
+    driven = [name for name in names if name in drives_of(native, k, t, y[: native.nq])]
+    if driven:
+        return DriveCannotBeFollowed(t, found.smallest, names, driven)
+    return SingularConfiguration(t, found.smallest, names)

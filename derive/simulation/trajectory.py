@@ -9,11 +9,12 @@ from derive.native import Matrix, Vector
 
 @dataclass(frozen=True, eq=False)
 class Cost:
-    """Evaluations of vdot, steps, and seconds of CPU of the whole integration."""
+    """Evaluations of vdot, or of the residual; steps; seconds of CPU of the whole integration; Jacobians, if any."""
 
     evaluations: int
     steps: int
     seconds: float
+    jacobians: int = 0
 
 
 @dataclass(frozen=True, eq=False)
