@@ -32,7 +32,7 @@ def mass(context: Context) -> Kernel:
 
 def force(context: Context) -> Kernel:
     """h(t, q, v)."""
-    symbols = context.symbols(context.q, context.v)
+    symbols = context.symbols(context.t, context.q, context.v)
     doc = "Forces h of M vdot + h = 0: centrifugal, Coriolis and elastic."
     arguments = (context.t, context.q, context.v, context.k)
     return context.kernel("force", doc, arguments, (_force_output(context),), symbols, _force_step(context, symbols))
@@ -40,7 +40,7 @@ def force(context: Context) -> Kernel:
 
 def mass_force(context: Context) -> Kernel:
     """M and h at once."""
-    symbols = context.symbols(context.q, context.v)
+    symbols = context.symbols(context.t, context.q, context.v)
     doc = "Mass matrix and forces together; what they share is computed once."
     arguments = (context.t, context.q, context.v, context.k)
     outputs = (_mass_output(context), _force_output(context))

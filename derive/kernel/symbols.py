@@ -94,7 +94,7 @@ class Symbols:
         """a cos + b cos becomes (a + b) cos, so that the rows of a rotated vector share a + b."""
         left = list(expr.args)
         gathered = []
-        for symbol in sorted(self.late, key=sp.default_sort_key):
+        for symbol in sorted(self.late & expr.free_symbols, key=sp.default_sort_key):
             group = [t for t in left if t.as_powers_dict().get(symbol) == 1]
             if len(group) > 1:
                 left = [t for t in left if t not in group]
