@@ -51,7 +51,8 @@ class RigidBody:
     """A rigid body in the plane. Its base has its origin where the markers' coordinates count from.
 
     `inertia` is about the centre of mass, which lies at `centre` in the base of the body. A body whose motion is
-    prescribed needs neither mass nor inertia (None).
+    prescribed needs neither mass nor inertia (None). With `keep_coordinates` it has three coordinates however it is
+    held, so that its joints and drives are constraints and their multipliers tell what they exert.
     """
 
     name: str
@@ -60,6 +61,7 @@ class RigidBody:
     centre: tuple[Quantity, Quantity]
     markers: tuple[Point, ...]
     start: Start = Start()
+    keep_coordinates: bool = False
 
 
 @dataclass(frozen=True)

@@ -28,6 +28,7 @@ from derive.spec.tables import (
     QuantityInput,
     SignedInput,
     Table,
+    Truth,
     components,
     few,
     few_markers,
@@ -143,6 +144,13 @@ class RigidTable(Table):
     )
     markers: Markers = {}  # noqa: RUF012  pydantic copies it
     start: StartInput = StartTable()
+    keep_coordinates: Annotated[
+        Truth,
+        Field(
+            description="Whether it has three coordinates even where a joint or a drive takes some away; the "
+            "multipliers then tell what that joint or drive exerts."
+        ),
+    ] = False
 
     def body(self, name: str) -> RigidBody:
         """The body as the derivation takes it."""
@@ -153,6 +161,7 @@ class RigidTable(Table):
             centre=_pair(self.centre),
             markers=_points(self.markers),
             start=self.start.start(),
+            keep_coordinates=self.keep_coordinates,
         )
 
 

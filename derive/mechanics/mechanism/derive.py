@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from itertools import chain
 
@@ -17,6 +17,7 @@ from derive.mechanics.equations import (
     Definition,
     Equations,
     LeftOut,
+    MarkerEquations,
     Pose,
     Row,
     Term,
@@ -82,7 +83,7 @@ class _Assembly:
 
     def _place_held(self) -> None:
         """Bodies that joints hold to what is known already, until no more are found."""
-        waiting = [b for b in self.scene.bodies if isinstance(b, RigidBody)]
+        waiting = [b for b in self.scene.bodies if isinstance(b, RigidBody) and not b.keep_coordinates]
         while step := next(filter(None, (self._held(b, j) for b in waiting for j in self.joints)), None):
             body, one = step
             waiting.remove(body)
@@ -238,7 +239,7 @@ class _Assembly:
             weight_energy=weight if self.scene.gravity else None,
             linear_momentum=tuple(summed(b.linear[k] for b in of_bodies) for k in range(2)),
             angular_momentum=(summed(b.angular[0] for b in of_bodies),),
-            markers=tuple(m for b in bodies for m in b.markers if not _depends(m.definitions, m.position, moving)),
+            markers=tuple(m for m in _markers(bodies) if not _depends(m.definitions, m.position, moving)),
             constraints=found,
             poses=self._poses(),
             left_out=tuple(self.left_out),
@@ -284,6 +285,18 @@ def _depends(definitions: tuple[Definition, ...], position: sp.ImmutableMatrix, 
     """Whether a marker needs the time, which markers do not get."""
     every = (position.free_symbols, *(d.expr.free_symbols for d in definitions))
     return any(symbols & moving for symbols in every)
+
+
+def _markers(bodies: Iterable[Placed]) -> Iterator[MarkerEquations]:
+    """The markers of all bodies, with a column and a row for each coordinate of the scene."""
+    bodies = tuple(bodies)
+    own = [len(body.rows) for body in bodies]
+    for k, body in enumerate(bodies):
+        before, after = sum(own[:k]), sum(own[k + 1 :])
+        for m in body.markers:
+            columns = sp.zeros(2, before), m.jacobian, sp.zeros(2, after)
+            load = (*[sp.S.Zero] * before, *m.load, *[sp.S.Zero] * after)
+            yield replace(m, jacobian=sp.ImmutableMatrix.hstack(*columns), load=load)
 
 
 def _mass(rows: tuple[Row, ...], terms: tuple[Term, ...]) -> sp.ImmutableMatrix:
