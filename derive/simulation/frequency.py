@@ -7,7 +7,7 @@ from scipy.linalg import null_space, solve_triangular
 
 from derive.native import Matrix, Vector
 from derive.simulation.mechanism import Mechanism, constraint_matrix, mass_matrix
-from derive.simulation.scaling import metric, without_units
+from derive.simulation.scaling import metric, per_speed, sizes
 
 RK4_LIMIT = float(np.sqrt(8.0))
 """The classical Runge-Kutta method is stable for an oscillation of omega rad/s up to this product of step and omega."""
@@ -21,7 +21,7 @@ def natural_frequencies(native: Mechanism, k: Vector, t: float, q: Vector, v: Ve
     holds back, has 0.
     """
     R = metric(mass_matrix(native, q, k))
-    scaled, _ = without_units(constraint_matrix(native, t, q, k), R)
+    scaled = per_speed(constraint_matrix(native, t, q, k), R) / sizes(native, k, t, q, R)[:, None]
     allowed = null_space(scaled) if len(scaled) else np.eye(native.nv)
     motions = solve_triangular(R, allowed)  # columns of unit kinetic energy
     if not motions.size:

@@ -5,14 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import solve_triangular
 
 from derive.native import Matrix, Vector
 from derive.simulation.mechanism import Mechanism, constraint_matrix, mass_matrix
-from derive.simulation.scaling import SINGULAR, metric, without_units
-
-Mask = NDArray[np.bool_]
+from derive.simulation.scaling import SINGULAR, Mask, metric, per_speed, sizes
 
 CLOSED = 1e-11
 """Constraints that are off by less than this (m, rad; times the largest coordinate if that is above 1) are met."""
@@ -52,12 +49,12 @@ def close(native: Mechanism, k: Vector, t: float, guess: Vector, free: Mask) -> 
     R = metric(mass_matrix(native, guess, k)[np.ix_(free, free)])
     q, g = guess.copy(), native.constraints(t, guess, k)
     G = constraint_matrix(native, t, q, k)[:, free]
-    _, lengths = without_units(G, R)  # of the guess for good: what is made small has to stay the same
+    lengths = sizes(native, k, t, guess, R, free)
     damping = 0.0
     for _ in range(ITERATIONS):
         if not g.size or largest(g) == 0.0 or not np.isfinite(damping):
             break
-        A = solve_triangular(R, G.T, trans="T").T / lengths[:, None]
+        A = per_speed(G, R) / lengths[:, None]
         trial = q.copy()
         trial[free] += solve_triangular(R, damped_step(A, -g / lengths, damping))
         g_trial = native.constraints(t, trial, k)

@@ -10,7 +10,7 @@ from scipy.linalg import null_space, solve_triangular
 from derive.native import Vector
 from derive.simulation.least_change import close, damped_step, largest
 from derive.simulation.mechanism import Mechanism, constraint_matrix, mass_matrix
-from derive.simulation.scaling import metric, without_units
+from derive.simulation.scaling import metric, per_speed, sizes
 
 TURN = 0.05
 """rad: how far bodies turn to the states around; of lengths, the part of the size of the mechanism."""
@@ -41,7 +41,7 @@ def nearby(
 def _directions(native: Mechanism, k: Vector, t: float, q: Vector, kept: list[int]) -> Iterator[Vector]:
     """Small motions (nq,) that the constraints `kept` allow to first order; one that is none if they allow none."""
     R = metric(mass_matrix(native, q, k))
-    scaled, _ = without_units(constraint_matrix(native, t, q, k)[kept], R)
+    scaled = (per_speed(constraint_matrix(native, t, q, k), R) / sizes(native, k, t, q, R)[:, None])[kept]
     allowed = null_space(scaled, rcond=1e-6) if len(scaled) else np.eye(native.nv)
     random = np.random.default_rng(0)
     for _ in range(TRIES if allowed.size else 0):
@@ -54,14 +54,14 @@ def _directions(native: Mechanism, k: Vector, t: float, q: Vector, kept: list[in
 def _returned(native: Mechanism, k: Vector, t: float, q: Vector, direction: Vector, kept: list[int]) -> Vector | None:
     """The state next to q + direction that meets the constraints `kept` as q does; None if that is q again."""
     R = metric(mass_matrix(native, q, k))
-    _, lengths = without_units(constraint_matrix(native, t, q, k)[kept], R)
+    lengths = sizes(native, k, t, q, R)[kept]
     moved, asked = q + direction, native.constraints(t, q, k)[kept]
     for _ in range(20):
         g = native.constraints(t, moved, k)[kept] - asked
         if largest(g) < 1e-12 * max(1.0, largest(q)):
             break
         rows = constraint_matrix(native, t, moved, k)[kept]
-        A = solve_triangular(R, rows.T, trans="T").T / lengths[:, None]
+        A = per_speed(rows, R) / lengths[:, None]
         moved = moved + solve_triangular(R, damped_step(A, -g / lengths, 0.0))
     away = float(np.linalg.norm(R @ (moved - q)))
     return moved if away > 0.2 * np.linalg.norm(R @ direction) else None

@@ -1,15 +1,20 @@
-"""Constraints without units: G seen in the metric of the mass, with rows of length 1."""
+"""Constraints without units: G seen in the metric of the mass, with rows whose length is 1 as a rule."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.linalg import cholesky, solve_triangular
 
 from derive.native import Matrix, Vector
 from derive.simulation.mechanism import Mechanism, constraint_matrix, mass_matrix
 
+Mask = NDArray[np.bool_]
+
+TURNED = 7
+"""In so many states with all bodies turned at random is seen how large a constraint is."""
 SINGULAR = 1e-7
 """Singular values of scaled constraints below this count as zero. Constraints of a mechanism that moves have 1e-3 or
 more; where a dead centre is a double root, positions are good to the root of the rounding error, 1e-8."""
@@ -28,12 +33,24 @@ def metric(M: Matrix) -> Matrix:
     return np.asarray(cholesky(full))
 
 
-def without_units(G: Matrix, R: Matrix) -> tuple[Matrix, Vector]:
-    """G R^-1 with rows of length 1, and the lengths they had (1 for rows of zeros)."""
-    weighted = solve_triangular(R, G.T, trans="T").T if G.size else G
-    lengths = np.sqrt(np.sum(weighted**2, axis=1))
-    lengths[lengths == 0.0] = 1.0
-    return weighted / lengths[:, None], lengths
+def per_speed(G: Matrix, R: Matrix) -> Matrix:
+    """G R^-1: what rates of unit kinetic energy (times 2) do to the constraints."""
+    return np.asarray(solve_triangular(R, G.T, trans="T").T) if G.size else G
+
+
+def sizes(native: Mechanism, k: Vector, t: float, q: Vector, R: Matrix, free: Mask | None = None) -> Vector:
+    """How long a row of G R^-1 (nlambda, `free` columns) is as a rule: in this state, and with bodies turned anyhow.
+
+    A row may vanish at a dead centre, where a drive has a body of one coordinate on a line; so its length there is no
+    measure. 1 for rows that are always zero.
+    """
+    turns = np.array([name.endswith("phi") for name in native.coordinates])
+    random = np.random.default_rng(0)
+    states = [q, *(np.where(turns, random.uniform(-np.pi, np.pi, native.nq), q) for _ in range(TURNED))]
+    columns = slice(None) if free is None else free
+    squares = [np.sum(per_speed(constraint_matrix(native, t, s, k)[:, columns], R) ** 2, axis=1) for s in states]
+    found = np.sqrt(np.mean(squares, axis=0))
+    return np.where(found > 0.0, found, 1.0)
 
 
 @dataclass(frozen=True)
@@ -62,7 +79,8 @@ class Spectrum:
 
 def spectrum(native: Mechanism, k: Vector, t: float, q: Vector) -> Spectrum:
     """Singular values of the scaled constraints in a state."""
-    scaled, _ = without_units(constraint_matrix(native, t, q, k), metric(mass_matrix(native, q, k)))
+    R = metric(mass_matrix(native, q, k))
+    scaled = per_speed(constraint_matrix(native, t, q, k), R) / sizes(native, k, t, q, R)[:, None]
     count, columns = scaled.shape
     if count == 0:
         return Spectrum(scaled, np.zeros(0), np.zeros((0, 0)))

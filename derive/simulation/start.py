@@ -10,9 +10,9 @@ from scipy.linalg import solve_triangular
 from derive.native import Vector
 from derive.simulation.constraints import check
 from derive.simulation.errors import InconsistentStart
-from derive.simulation.least_change import CLOSED, Closure, Mask, close, damped_step, largest
+from derive.simulation.least_change import CLOSED, Closure, close, damped_step, largest
 from derive.simulation.mechanism import Mechanism, constraint_matrix, mass_matrix
-from derive.simulation.scaling import metric, without_units
+from derive.simulation.scaling import Mask, metric, per_speed, sizes
 
 RATES_MET = 1e-9
 """Rates of constraints that are off by less than this (m/s, rad/s; times the largest rate if above 1) are met."""
@@ -78,8 +78,9 @@ def _velocities(native: Mechanism, k: Vector, t: float, q: Vector, guess: Vector
     for free in (rigid,) if np.all(rigid) else (rigid, np.ones_like(rigid)):
         R = metric(M[np.ix_(free, free)])
         v = guess.copy()
+        lengths = sizes(native, k, t, q, R, free)
+        scaled = per_speed(G[:, free], R) / lengths[:, None]
         for _ in range(2):  # the second time against rounding errors
-            scaled, lengths = without_units(G[:, free], R)
             missing = native.constraint_rates(t, q, v, k) / lengths
             v[free] += solve_triangular(R, damped_step(scaled, -missing, 0.0)) if G.size else 0.0
         if largest(native.constraint_rates(t, q, v, k)) <= RATES_MET * max(1.0, largest(v)):
