@@ -1167,6 +1167,17 @@ int crank_slider_3_load_rod_left(
     f[2] = (-1.0 / 20.0) * rod_1_left_Fb_2 - rod_1_left_Fb_1 * rod_1_left_r_2;
     f[3] = rod_1_left_Fb_2;
     f[4] = -rod_1_left_Fb_2;
+    f[5] = 0.0;
+    f[6] = 0.0;
+    f[7] = 0.0;
+    f[8] = 0.0;
+    f[9] = 0.0;
+    f[10] = 0.0;
+    f[11] = 0.0;
+    f[12] = 0.0;
+    f[13] = 0.0;
+    f[14] = 0.0;
+    f[15] = 0.0;
     return 0;
 }
 
@@ -1194,11 +1205,22 @@ int crank_slider_3_load_rod_middle(
     const double rod_2_middle_Fb_2 = F_2 * rod_2_cos_phi - F_1 * rod_2_sin_phi;
 
     /* f (10): virtual work of the force */
-    f[0] = F_1;
-    f[1] = F_2;
-    f[2] = rod_2_middle_Fb_1 * (0.5 * rod_2_alpha1);
-    f[3] = (-0.5) * rod_2_middle_Fb_2;
+    f[0] = 0.0;
+    f[1] = 0.0;
+    f[2] = 0.0;
+    f[3] = 0.0;
     f[4] = 0.0;
+    f[5] = F_1;
+    f[6] = F_2;
+    f[7] = rod_2_middle_Fb_1 * (0.5 * rod_2_alpha1);
+    f[8] = (-0.5) * rod_2_middle_Fb_2;
+    f[9] = 0.0;
+    f[10] = 0.0;
+    f[11] = 0.0;
+    f[12] = 0.0;
+    f[13] = 0.0;
+    f[14] = 0.0;
+    f[15] = 0.0;
     return 0;
 }
 
@@ -1233,11 +1255,22 @@ int crank_slider_3_load_rod_right(
     const double rod_3_right_r_2 = rod_3_alpha1 + rod_3_alpha2;
 
     /* f (10): virtual work of the force */
-    f[0] = F_1;
-    f[1] = F_2;
-    f[2] = (1.0 / 20.0) * rod_3_right_Fb_2 - rod_3_right_Fb_1 * rod_3_right_r_2;
-    f[3] = rod_3_right_Fb_2;
-    f[4] = rod_3_right_Fb_2;
+    f[0] = 0.0;
+    f[1] = 0.0;
+    f[2] = 0.0;
+    f[3] = 0.0;
+    f[4] = 0.0;
+    f[5] = 0.0;
+    f[6] = 0.0;
+    f[7] = 0.0;
+    f[8] = 0.0;
+    f[9] = 0.0;
+    f[10] = F_1;
+    f[11] = F_2;
+    f[12] = (1.0 / 20.0) * rod_3_right_Fb_2 - rod_3_right_Fb_1 * rod_3_right_r_2;
+    f[13] = rod_3_right_Fb_2;
+    f[14] = rod_3_right_Fb_2;
+    f[15] = 0.0;
     return 0;
 }
 
@@ -1252,7 +1285,22 @@ int crank_slider_3_load_slider_pin(
     (void) k;
 
     /* f (10): virtual work of the force */
-    f[0] = F_1;
+    f[0] = 0.0;
+    f[1] = 0.0;
+    f[2] = 0.0;
+    f[3] = 0.0;
+    f[4] = 0.0;
+    f[5] = 0.0;
+    f[6] = 0.0;
+    f[7] = 0.0;
+    f[8] = 0.0;
+    f[9] = 0.0;
+    f[10] = 0.0;
+    f[11] = 0.0;
+    f[12] = 0.0;
+    f[13] = 0.0;
+    f[14] = 0.0;
+    f[15] = F_1;
     return 0;
 }
 
@@ -6016,13 +6064,13 @@ const tisserand_pattern *crank_slider_3_pattern_jacobian(void)
 }
 
 static const int crank_slider_3_colptr_marker_rod_left[] = {
-    0, 1, 2, 4, 6, 8
+    0, 1, 2, 4, 6, 8, 8, 8, 8, 8, 8, 8, 8, 8, 8, 8, 8
 };
 static const int crank_slider_3_rowidx_marker_rod_left[] = {
     0, 1, 0, 1, 0, 1, 0, 1
 };
 static const tisserand_pattern crank_slider_3_sparsity_marker_rod_left = {
-    2, 5, 8, 0,
+    2, 16, 8, 0,
     crank_slider_3_colptr_marker_rod_left, crank_slider_3_rowidx_marker_rod_left, 0
 };
 
@@ -6032,13 +6080,13 @@ const tisserand_pattern *crank_slider_3_pattern_marker_rod_left(void)
 }
 
 static const int crank_slider_3_colptr_marker_rod_middle[] = {
-    0, 1, 2, 4, 6, 6
+    0, 0, 0, 0, 0, 0, 1, 2, 4, 6, 6, 6, 6, 6, 6, 6, 6
 };
 static const int crank_slider_3_rowidx_marker_rod_middle[] = {
     0, 1, 0, 1, 0, 1
 };
 static const tisserand_pattern crank_slider_3_sparsity_marker_rod_middle = {
-    2, 5, 6, 0,
+    2, 16, 6, 0,
     crank_slider_3_colptr_marker_rod_middle, crank_slider_3_rowidx_marker_rod_middle, 0
 };
 
@@ -6048,13 +6096,13 @@ const tisserand_pattern *crank_slider_3_pattern_marker_rod_middle(void)
 }
 
 static const int crank_slider_3_colptr_marker_rod_right[] = {
-    0, 1, 2, 4, 6, 8
+    0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 2, 4, 6, 8, 8
 };
 static const int crank_slider_3_rowidx_marker_rod_right[] = {
     0, 1, 0, 1, 0, 1, 0, 1
 };
 static const tisserand_pattern crank_slider_3_sparsity_marker_rod_right = {
-    2, 5, 8, 0,
+    2, 16, 8, 0,
     crank_slider_3_colptr_marker_rod_right, crank_slider_3_rowidx_marker_rod_right, 0
 };
 
@@ -6064,13 +6112,13 @@ const tisserand_pattern *crank_slider_3_pattern_marker_rod_right(void)
 }
 
 static const int crank_slider_3_colptr_marker_slider_pin[] = {
-    0, 1
+    0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1
 };
 static const int crank_slider_3_rowidx_marker_slider_pin[] = {
     0
 };
 static const tisserand_pattern crank_slider_3_sparsity_marker_slider_pin = {
-    2, 1, 1, 0,
+    2, 16, 1, 0,
     crank_slider_3_colptr_marker_slider_pin, crank_slider_3_rowidx_marker_slider_pin, 0
 };
 

@@ -461,7 +461,7 @@ int crank_slider_3_rates(
  * k: constants from setup (0)
  * x: position in the inertial base [m] (2): x1, x2
  * xdot: velocity in the inertial base [m/s] (2): x1dot, x2dot
- * jacobian: values of d(velocity)/dv by columns, 2 x 5, 8 values
+ * jacobian: values of d(velocity)/dv by columns, 2 x 16, 8 values
  *
  * From (1).
  * 28 operations.
@@ -483,7 +483,7 @@ int crank_slider_3_marker_rod_left(
  * k: constants from setup (0)
  * x: position in the inertial base [m] (2): x1, x2
  * xdot: velocity in the inertial base [m/s] (2): x1dot, x2dot
- * jacobian: values of d(velocity)/dv by columns, 2 x 5, 6 values
+ * jacobian: values of d(velocity)/dv by columns, 2 x 16, 6 values
  *
  * From (1), (26).
  * 19 operations.
@@ -505,7 +505,7 @@ int crank_slider_3_marker_rod_middle(
  * k: constants from setup (0)
  * x: position in the inertial base [m] (2): x1, x2
  * xdot: velocity in the inertial base [m/s] (2): x1dot, x2dot
- * jacobian: values of d(velocity)/dv by columns, 2 x 5, 8 values
+ * jacobian: values of d(velocity)/dv by columns, 2 x 16, 8 values
  *
  * From (1).
  * 27 operations.
@@ -526,7 +526,7 @@ int crank_slider_3_marker_rod_right(
  * k: constants from setup (0)
  * x: position in the inertial base [m] (2): x1, x2
  * xdot: velocity in the inertial base [m/s] (2): x1dot, x2dot
- * jacobian: values of d(velocity)/dv by columns, 2 x 1, 1 values
+ * jacobian: values of d(velocity)/dv by columns, 2 x 16, 1 values
  *
  * From (1).
  * 0 operations.

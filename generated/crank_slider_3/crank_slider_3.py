@@ -211,9 +211,9 @@ JACOBIAN = Pattern(
 )
 MARKER_ROD_LEFT = Pattern(
     2,
-    5,
+    16,
     (
-        0, 1, 2, 4, 6, 8,
+        0, 1, 2, 4, 6, 8, 8, 8, 8, 8, 8, 8, 8, 8, 8, 8, 8,
     ),
     (
         0, 1, 0, 1, 0, 1, 0, 1,
@@ -222,9 +222,9 @@ MARKER_ROD_LEFT = Pattern(
 )
 MARKER_ROD_MIDDLE = Pattern(
     2,
-    5,
+    16,
     (
-        0, 1, 2, 4, 6, 6,
+        0, 0, 0, 0, 0, 0, 1, 2, 4, 6, 6, 6, 6, 6, 6, 6, 6,
     ),
     (
         0, 1, 0, 1, 0, 1,
@@ -233,9 +233,9 @@ MARKER_ROD_MIDDLE = Pattern(
 )
 MARKER_ROD_RIGHT = Pattern(
     2,
-    5,
+    16,
     (
-        0, 1, 2, 4, 6, 8,
+        0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 2, 4, 6, 8, 8,
     ),
     (
         0, 1, 0, 1, 0, 1, 0, 1,
@@ -244,9 +244,9 @@ MARKER_ROD_RIGHT = Pattern(
 )
 MARKER_SLIDER_PIN = Pattern(
     2,
-    1,
+    16,
     (
-        0, 1,
+        0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1,
     ),
     (
         0,
@@ -1352,7 +1352,7 @@ def marker_rod_left(q, v, k):
     k: constants from setup (0)
     x: position in the inertial base [m] (2): x1, x2
     xdot: velocity in the inertial base [m/s] (2): x1dot, x2dot
-    jacobian: values of d(velocity)/dv by columns, 2 x 5, 8 values
+    jacobian: values of d(velocity)/dv by columns, 2 x 16, 8 values
 
     From (1).
     28 operations.
@@ -1414,7 +1414,7 @@ def marker_rod_middle(q, v, k):
     k: constants from setup (0)
     x: position in the inertial base [m] (2): x1, x2
     xdot: velocity in the inertial base [m/s] (2): x1dot, x2dot
-    jacobian: values of d(velocity)/dv by columns, 2 x 5, 6 values
+    jacobian: values of d(velocity)/dv by columns, 2 x 16, 6 values
 
     From (1), (26).
     19 operations.
@@ -1471,7 +1471,7 @@ def marker_rod_right(q, v, k):
     k: constants from setup (0)
     x: position in the inertial base [m] (2): x1, x2
     xdot: velocity in the inertial base [m/s] (2): x1dot, x2dot
-    jacobian: values of d(velocity)/dv by columns, 2 x 5, 8 values
+    jacobian: values of d(velocity)/dv by columns, 2 x 16, 8 values
 
     From (1).
     27 operations.
@@ -1533,7 +1533,7 @@ def marker_slider_pin(q, v, k):
     k: constants from setup (0)
     x: position in the inertial base [m] (2): x1, x2
     xdot: velocity in the inertial base [m/s] (2): x1dot, x2dot
-    jacobian: values of d(velocity)/dv by columns, 2 x 1, 1 values
+    jacobian: values of d(velocity)/dv by columns, 2 x 16, 1 values
 
     From (1).
     0 operations.
@@ -1595,6 +1595,17 @@ def load_rod_left(q, F, k):
     f_2 = (-1 / 20) * rod_1_left_Fb_2 - rod_1_left_Fb_1 * rod_1_left_r_2
     f_3 = rod_1_left_Fb_2
     f_4 = -rod_1_left_Fb_2
+    f_5 = 0
+    f_6 = 0
+    f_7 = 0
+    f_8 = 0
+    f_9 = 0
+    f_10 = 0
+    f_11 = 0
+    f_12 = 0
+    f_13 = 0
+    f_14 = 0
+    f_15 = 0
 
     f = _stack(xp, batch, (f_0, f_1, f_2, f_3, f_4, f_5, f_6, f_7, f_8, f_9, f_10, f_11, f_12, f_13,
         f_14, f_15))
@@ -1631,11 +1642,22 @@ def load_rod_middle(q, F, k):
     rod_2_middle_Fb_2 = F_2 * rod_2_cos_phi - F_1 * rod_2_sin_phi
 
     # f (10): virtual work of the force
-    f_0 = F_1
-    f_1 = F_2
-    f_2 = rod_2_middle_Fb_1 * (0.5 * rod_2_alpha1)
-    f_3 = (-0.5) * rod_2_middle_Fb_2
+    f_0 = 0
+    f_1 = 0
+    f_2 = 0
+    f_3 = 0
     f_4 = 0
+    f_5 = F_1
+    f_6 = F_2
+    f_7 = rod_2_middle_Fb_1 * (0.5 * rod_2_alpha1)
+    f_8 = (-0.5) * rod_2_middle_Fb_2
+    f_9 = 0
+    f_10 = 0
+    f_11 = 0
+    f_12 = 0
+    f_13 = 0
+    f_14 = 0
+    f_15 = 0
 
     f = _stack(xp, batch, (f_0, f_1, f_2, f_3, f_4, f_5, f_6, f_7, f_8, f_9, f_10, f_11, f_12, f_13,
         f_14, f_15))
@@ -1677,11 +1699,22 @@ def load_rod_right(q, F, k):
     rod_3_right_r_2 = rod_3_alpha1 + rod_3_alpha2
 
     # f (10): virtual work of the force
-    f_0 = F_1
-    f_1 = F_2
-    f_2 = (1 / 20) * rod_3_right_Fb_2 - rod_3_right_Fb_1 * rod_3_right_r_2
-    f_3 = rod_3_right_Fb_2
-    f_4 = rod_3_right_Fb_2
+    f_0 = 0
+    f_1 = 0
+    f_2 = 0
+    f_3 = 0
+    f_4 = 0
+    f_5 = 0
+    f_6 = 0
+    f_7 = 0
+    f_8 = 0
+    f_9 = 0
+    f_10 = F_1
+    f_11 = F_2
+    f_12 = (1 / 20) * rod_3_right_Fb_2 - rod_3_right_Fb_1 * rod_3_right_r_2
+    f_13 = rod_3_right_Fb_2
+    f_14 = rod_3_right_Fb_2
+    f_15 = 0
 
     f = _stack(xp, batch, (f_0, f_1, f_2, f_3, f_4, f_5, f_6, f_7, f_8, f_9, f_10, f_11, f_12, f_13,
         f_14, f_15))
@@ -1706,7 +1739,22 @@ def load_slider_pin(q, F, k):
     F_1 = F[..., 0]
 
     # f (10): virtual work of the force
-    f_0 = F_1
+    f_0 = 0
+    f_1 = 0
+    f_2 = 0
+    f_3 = 0
+    f_4 = 0
+    f_5 = 0
+    f_6 = 0
+    f_7 = 0
+    f_8 = 0
+    f_9 = 0
+    f_10 = 0
+    f_11 = 0
+    f_12 = 0
+    f_13 = 0
+    f_14 = 0
+    f_15 = F_1
 
     f = _stack(xp, batch, (f_0, f_1, f_2, f_3, f_4, f_5, f_6, f_7, f_8, f_9, f_10, f_11, f_12, f_13,
         f_14, f_15))
