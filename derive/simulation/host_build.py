@@ -14,9 +14,12 @@ from derive.emit.files import File, write
 from derive.emit.template import render
 from derive.native import FLAGS, CompilerError, compiler
 
+Flags = tuple[list[str], list[str]]
+"""To compile, and to link."""
 
-class SundialsMissing(RuntimeError):
-    """SUNDIALS with KLU is not there; the text says how to install it."""
+
+class LibraryMissing(RuntimeError):
+    """SUNDIALS or SuiteSparse is not there; the text says how to install it."""
 
 
 def written(files: Sequence[File], hosts: Sequence[str], folder: Path) -> tuple[str, list[Path]]:
@@ -35,32 +38,41 @@ def header(name: str, folder: Path) -> list[str]:
     return [f"-I{folder}", f"-I{folder / name}", f'-DTISSERAND_HEADER="{name}.h"']
 
 
+def klu() -> Flags:
+    """Flags to compile and to link with KLU of SuiteSparse, see `sundials`. Raises LibraryMissing."""
+    return _found("SuiteSparse with KLU", "libsuitesparse-dev", "suite-sparse", "klu.h", ("-lklu",))
+
+
+def sundials() -> Flags:
+    """Flags to compile and to link with SUNDIALS with KLU, in $SUNDIALS_DIR if that is set. Raises LibraryMissing."""
+    libraries = tuple(f"-lsundials_{part}" for part in ("ida", "sunlinsolklu", "sunmatrixsparse", "nvecserial"))
+    wanted = ("SUNDIALS with KLU", "libsundials-dev libsuitesparse-dev", "sundials", "sunlinsol/sunlinsol_klu.h")
+    try:
+        return _found(*wanted, libraries)
+    except LibraryMissing:
+        return _found(*wanted, (*libraries, "-lsundials_core"))  # a library of its own since SUNDIALS 7
+
+
 @cache
-def sundials() -> tuple[list[str], list[str]]:
-    """Flags to compile and to link with SUNDIALS, in $SUNDIALS_DIR if that is set. Raises SundialsMissing."""
+def _found(name: str, debian: str, others: str, include: str, libraries: tuple[str, ...]) -> Flags:
+    """Flags with which a program that includes a header can be linked."""
     prefix = os.environ.get("SUNDIALS_DIR", "").strip()
     places = [Path(prefix) / "include"] if prefix else []
     places += [root / "suitesparse" for root in (*places, Path("/usr/include"), Path("/usr/local/include"))]
-    include = [flag for place in places if place.is_dir() for flag in ("-isystem", str(place))]
-    library = f"{prefix}/lib"
-    link = [f"-L{library}", f"-Wl,-rpath,{library}"] if prefix else []
-    link += [f"-lsundials_{part}" for part in ("ida", "sunlinsolklu", "sunmatrixsparse", "nvecserial")]
-    tried = []
+    flags = [flag for place in places if place.is_dir() for flag in ("-isystem", str(place))]
+    link = [*([f"-L{prefix}/lib", f"-Wl,-rpath,{prefix}/lib"] if prefix else []), *libraries]
     with tempfile.TemporaryDirectory(prefix="tisserand-") as folder:
         probe = Path(folder) / "probe.c"
-        probe.write_text("#include <ida/ida.h>\n#include <sunlinsol/sunlinsol_klu.h>\nint main(void) { return 0; }\n")
-        for more in ([], ["-lsundials_core"]):  # a library of its own since SUNDIALS 7
-            try:
-                compile_host([*FLAGS, *include], [probe], Path(folder) / "probe", [*link, *more])
-            except CompilerError as error:
-                tried.append(str(error))
-            else:
-                return include, [*link, *more]
-    raise SundialsMissing(
-        "SUNDIALS with KLU was not found. Install it: `apt-get install libsundials-dev libsuitesparse-dev` on Debian "
-        "and Ubuntu, `brew install sundials`, or `conda install sundials`; if it is elsewhere than the compiler looks, "
-        f"set SUNDIALS_DIR to the folder that holds its include and lib. The compiler said:\n{tried[0]}"
-    )
+        probe.write_text(f"#include <{include}>\nint main(void) {{ return 0; }}\n")
+        try:
+            compile_host([*FLAGS, *flags], [probe], Path(folder) / "probe", link)
+        except CompilerError as error:
+            raise LibraryMissing(
+                f"{name} was not found. Install it: `apt-get install {debian}` on Debian and Ubuntu, `brew install "
+                f"{others}`, or `conda install {others}`; if it is elsewhere than the compiler looks, set SUNDIALS_DIR "
+                f"to the folder that holds its include and lib. The compiler said:\n{error}"
+            ) from error
+    return flags, link
 
 
 def compile_host(flags: Sequence[str], sources: Sequence[Path], target: Path, link: Sequence[str]) -> None:

@@ -8,7 +8,8 @@
  *     ./my_scene rk4 start.txt 0.1 1e-4 1e-5 out.csv
  *
  * With -DTISSERAND_IDA, ida.c and the libraries of ida.h it knows the methods "ggl" and "index1" as well, of a model
- * without joints "ode". Statistics go to the standard error output, one `name value` a line.
+ * without joints "ode"; with -DTISSERAND_ALPHA, generalised_alpha.c and the library of its header "alpha". Statistics go
+ * to the standard error output, one `name value` a line.
  */
 
 #ifndef TISSERAND_HEADER
@@ -19,6 +20,9 @@
 #include "fixed_step.h"
 #ifdef TISSERAND_IDA
 #  include "ida.h"
+#endif
+#ifdef TISSERAND_ALPHA
+#  include "generalised_alpha.h"
 #endif
 
 #include <math.h>
@@ -33,11 +37,14 @@ static const char USAGE[] =
 #ifdef TISSERAND_IDA
     ", ggl, index1, ode"
 #endif
+#ifdef TISSERAND_ALPHA
+    ", alpha"
+#endif
     "\n"
     "START     file with the numbers of q and v at t = 0, or - for the values in the model's tables\n"
     "END       time of the last row of OUTPUT (s)\n"
     "INTERVAL  time between rows (s)\n"
-    "ACCURACY  of rk4 the step (s), which is shortened to fit into INTERVAL; else the tolerance\n"
+    "ACCURACY  of rk4 and alpha the step (s), which is shortened to fit into INTERVAL; else the tolerance\n"
     "OUTPUT    .csv: text with a line of names; else the same columns as binary doubles; - for none\n";
 
 /* Constraints and their rates are kept to this, in m and rad, at the start and by rk4. */
@@ -138,17 +145,40 @@ static int write_rows(const tisserand_model *model, const char *path, long nrows
     return 0;
 }
 
+/* Steps to take between two rows. */
+static long steps_between(double interval, double step)
+{
+    return (long) ceil(interval / step * (1.0 - 1e-12));
+}
+
 static int run_rk4(const tisserand_model *model, double interval, double accuracy, long nrows, const double *k,
                    double *q, double *v, double *rows, double *work)
 {
     tisserand_fixed_counts counts = {0, 0, 0, 0};
-    const long every = (long) ceil(interval / accuracy * (1.0 - 1e-12));
+    const long every = steps_between(interval, accuracy);
     const int code = tisserand_rk4(model, 0.0, interval / (double) every, (nrows - 1) * every, every, k, CONSISTENT,
                                    q, v, rows, work, &counts);
     fprintf(stderr, "steps %ld\naccelerations %ld\nconstraints %ld\ncorrections %ld\n", counts.steps,
             counts.accelerations, counts.constraints, counts.corrections);
     return code;
 }
+
+#ifdef TISSERAND_ALPHA
+static int run_alpha(const tisserand_model *model, double interval, double accuracy, long nrows, const double *k,
+                     double *q, double *v, double *rows)
+{
+    tisserand_alpha_counts counts = {0, 0, 0};
+    tisserand_alpha_options options = {0.8, 1e-11, 0.0};
+    const long every = steps_between(interval, accuracy);
+    int code;
+
+    options.start = CONSISTENT;
+    code = tisserand_alpha(model, &options, 0.0, interval / (double) every, (nrows - 1) * every, every, k, q, v, rows,
+                           &counts);
+    fprintf(stderr, "steps %ld\nresiduals %ld\njacobians %ld\n", counts.steps, counts.residuals, counts.jacobians);
+    return code;
+}
+#endif
 
 #ifdef TISSERAND_IDA
 static int run_ida(const tisserand_model *model, const char *form, double interval, double accuracy, long nrows,
@@ -176,15 +206,22 @@ static int run_ida(const tisserand_model *model, const char *form, double interv
 static int integrate(const tisserand_model *model, const char *method, double interval, double accuracy, long nrows,
                      const double *k, double *q, double *v, double *rows, double *work)
 {
-    if (strcmp(method, "rk4") == 0 && interval / accuracy < 1e9) {
+    if (!(interval / accuracy < 1e9)) {
+        return TISSERAND_ARGUMENT;
+    }
+    if (strcmp(method, "rk4") == 0) {
         return run_rk4(model, interval, accuracy, nrows, k, q, v, rows, work);
     }
-#ifdef TISSERAND_IDA
-    if (strcmp(method, "rk4") != 0) {
-        return run_ida(model, method, interval, accuracy, nrows, k, q, v, rows);
+#ifdef TISSERAND_ALPHA
+    if (strcmp(method, "alpha") == 0) {
+        return run_alpha(model, interval, accuracy, nrows, k, q, v, rows);
     }
 #endif
+#ifdef TISSERAND_IDA
+    return run_ida(model, method, interval, accuracy, nrows, k, q, v, rows);
+#else
     return TISSERAND_ARGUMENT;
+#endif
 }
 
 static int run(const tisserand_model *model, char **given, double *memory, long nrows, double interval)
@@ -206,7 +243,7 @@ static int run(const tisserand_model *model, char **given, double *memory, long 
     }
     fprintf(stderr, "cpu_seconds %.6f\n", (double) (clock() - before) / (double) CLOCKS_PER_SEC);
     if (code != 0) {
-        fprintf(stderr, "%s: %s failed with code %d, see fixed_step.h and ida.h\n", model->name, given[1], code);
+        fprintf(stderr, "%s: %s failed with code %d, see the header of the method\n", model->name, given[1], code);
     }
     return code == TISSERAND_ARGUMENT || write_rows(model, given[6], nrows, interval, rows) || code != 0;
 }

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import cache
 from pathlib import Path
+from typing import TypeVar
 
 import numpy as np
 import pytest
@@ -15,8 +16,11 @@ from scipy.special import ellipj, ellipk
 
 import derive
 from derive.emit.c import ABI
-from derive.simulation.host import FixedStep, Ida, Integration, SundialsMissing
+from derive.simulation.host import FixedStep, GeneralisedAlpha, Ida
+from derive.simulation.host_build import LibraryMissing
+from derive.simulation.host_library import Integration
 
+Made = TypeVar("Made")
 HERE = Path(__file__).parent
 ROOT = HERE.parent.parent
 SHARED, OWN = "/* ---- shared by all models", "/* ---- sizes and indices"
@@ -60,10 +64,19 @@ def fixed() -> FixedStep:
 
 @cache
 def ida() -> Ida:
-    """Without SUNDIALS the test is skipped, and fails in CI, where nothing may go unnoticed."""
+    return needed(Ida)
+
+
+@cache
+def alpha() -> GeneralisedAlpha:
+    return needed(GeneralisedAlpha)
+
+
+def needed(host: Callable[[Sequence[derive.File]], Made]) -> Made:
+    """A host for the pendulum; without its library the test is skipped, and fails in CI: nothing may go unnoticed."""
     try:
-        return Ida(FILES)
-    except SundialsMissing as error:
+        return host(FILES)
+    except LibraryMissing as error:
         if os.environ.get("CI"):
             pytest.fail(str(error), pytrace=False)
         pytest.skip(str(error))

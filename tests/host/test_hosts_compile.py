@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from pendulums import FILES, LEVEL, REST, fixed, ida
+from pendulums import FILES, LEVEL, REST, alpha, fixed, ida
 
 from derive.simulation.host import program
 from derive.simulation.host_build import header, sundials, written
@@ -16,23 +16,24 @@ sys.path.append(str(Path(__file__).parent.parent / "emit"))
 from toolchain import C99, CPP11, WARNINGS, run, tool
 
 CPP14 = ("-x", "c++", "-std=c++14", *WARNINGS)  # headers of SUNDIALS 6 need it
-PLAIN = [("fixed_step", ()), ("simulate", ()), ("simulate", ("-DTISSERAND_IDA",))]
+PLAIN = [("fixed_step", ()), ("simulate", ()), ("simulate", ("-DTISSERAND_IDA", "-DTISSERAND_ALPHA"))]
 
 
 @pytest.mark.parametrize("language", [("gcc", *C99), ("g++", *CPP11)], ids=["C", "C++"])
 @pytest.mark.parametrize(("host", "flags"), PLAIN)
 def test_no_warnings(host: str, flags: tuple[str, ...], language: tuple[str, ...], tmp_path: Path) -> None:
-    name, _ = written(FILES, ["fixed_step", "ida", "simulate"], tmp_path)
+    name, _ = written(FILES, ["fixed_step", "generalised_alpha", "ida", "simulate"], tmp_path)
     flags = (*flags, *header(name, tmp_path), f"-DTISSERAND_MODEL={name}_model")
     run(tool(language[0]), *language[1:], "-O2", *flags, "-c", tmp_path / f"{host}.c", "-o", tmp_path / "host.o")
 
 
 @pytest.mark.parametrize("language", [("gcc", *C99), ("g++", *CPP14)], ids=["C", "C++"])
-def test_no_warnings_with_sundials(language: tuple[str, ...], tmp_path: Path) -> None:
+@pytest.mark.parametrize("host", ["ida", "generalised_alpha"])
+def test_no_warnings_with_libraries(host: str, language: tuple[str, ...], tmp_path: Path) -> None:
     ida()
-    name, _ = written(FILES, ["fixed_step", "ida"], tmp_path)
+    name, _ = written(FILES, ["fixed_step", host], tmp_path)
     flags = (*sundials()[0], *header(name, tmp_path))
-    run(tool(language[0]), *language[1:], "-O2", *flags, "-c", tmp_path / "ida.c", "-o", tmp_path / "ida.o")
+    run(tool(language[0]), *language[1:], "-O2", *flags, "-c", tmp_path / f"{host}.c", "-o", tmp_path / "host.o")
 
 
 def test_fixed_steps_call_nothing_but_the_library_of_mathematics(tmp_path: Path) -> None:
@@ -65,10 +66,18 @@ def test_program_writes_what_the_library_computes(tmp_path: Path) -> None:
 
 def test_program_with_ida(tmp_path: Path) -> None:
     found = ida().run(LEVEL, REST, interval=0.1, rows=11, rtol=1e-8)
-    made = program(FILES, tmp_path / "pendulum", ida=True)
+    made = program(FILES, tmp_path / "pendulum", ["ida"])
     run(made, "ggl", start(tmp_path), "1", "0.1", "1e-8", tmp_path / "out.bin")
     rows = np.fromfile(tmp_path / "out.bin").reshape(11, 9)
     assert np.array_equal(rows[:, 1:], np.hstack([found.q, found.v, found.lam]))
+
+
+def test_program_with_generalised_alpha(tmp_path: Path) -> None:
+    found = alpha().run(LEVEL, REST, step=1e-2, steps=100, every=10)
+    made = program(FILES, tmp_path / "pendulum", ["alpha"])
+    run(made, "alpha", start(tmp_path), "1", "0.1", "1e-2", tmp_path / "out.bin")
+    rows = np.fromfile(tmp_path / "out.bin").reshape(11, 9)
+    assert rows[:, 1:] == pytest.approx(np.hstack([found.q, found.v, found.lam]), rel=1e-11, abs=1e-11)
 
 
 @pytest.mark.parametrize(
@@ -90,7 +99,7 @@ def test_program_says_what_is_wrong(arguments: tuple[str, ...], message: str, tm
 
 def test_program_is_clean_under_valgrind(tmp_path: Path) -> None:
     ida()
-    made = program(FILES, tmp_path / "pendulum", ida=True, flags=["-g"])
+    made = program(FILES, tmp_path / "pendulum", ["ida", "alpha"], flags=["-g"])
     flags = ("--quiet", "--error-exitcode=9", "--leak-check=full", "--errors-for-leak-kinds=all")
-    for method in ("rk4", "ggl", "index1"):
+    for method in ("rk4", "ggl", "index1", "alpha"):
         run(tool("valgrind"), *flags, made, method, start(tmp_path), "0.2", "0.1", "1e-4", tmp_path / "out.csv")

@@ -9,7 +9,9 @@ import pytest
 from pendulums import FILES, LEVEL, REST, driven, exact, fixed, gap, ida
 
 from derive.simulation import host_build
-from derive.simulation.host import HostError, Ida, SundialsMissing, run_ida
+from derive.simulation.host import GeneralisedAlpha, Ida, run_ida
+from derive.simulation.host_build import LibraryMissing
+from derive.simulation.host_library import HostError
 
 
 @pytest.mark.parametrize("form", ["ggl", "index1"])
@@ -88,12 +90,14 @@ def test_missing_sundials_is_said(monkeypatch: pytest.MonkeyPatch, tmp_path: Pat
     broken.write_text('#!/bin/sh\necho "ida/ida.h: No such file or directory" >&2\nexit 1\n')
     broken.chmod(0o755)
     monkeypatch.setenv("CC", str(broken))
-    host_build.sundials.cache_clear()
+    host_build._found.cache_clear()
     try:
-        with pytest.raises(SundialsMissing, match=r"apt-get install libsundials-dev(.|\n)*ida.h: No such file"):
+        with pytest.raises(LibraryMissing, match=r"apt-get install libsundials-dev(.|\n)*ida.h: No such file"):
             run_ida(FILES, LEVEL, REST, interval=0.1, rows=2)
+        with pytest.raises(LibraryMissing, match=r"KLU was not found(.|\n)*apt-get install libsuitesparse-dev`"):
+            GeneralisedAlpha(FILES)
     finally:
-        host_build.sundials.cache_clear()
+        host_build._found.cache_clear()
 
 
 def test_sundials_elsewhere(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
@@ -101,7 +105,7 @@ def test_sundials_elsewhere(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> 
     include, link = host_build.sundials()
     monkeypatch.setenv("SUNDIALS_DIR", str(tmp_path))
     (tmp_path / "include").mkdir()
-    host_build.sundials.cache_clear()
+    host_build._found.cache_clear()
     try:
         elsewhere, linked = host_build.sundials()
         assert elsewhere[:2] == ["-isystem", str(tmp_path / "include")]
@@ -110,4 +114,4 @@ def test_sundials_elsewhere(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> 
         assert set(link) < set(linked)
         assert isinstance(Ida(FILES), Ida)
     finally:
-        host_build.sundials.cache_clear()
+        host_build._found.cache_clear()

@@ -1,0 +1,258 @@
+/* SPDX-License-Identifier: 0BSD -- see generalised_alpha.h. */
+
+#ifndef TISSERAND_HEADER
+#  error "define TISSERAND_HEADER as the name of the header of a generated model, in quotes"
+#endif
+#include TISSERAND_HEADER
+
+#include "fixed_step.h"
+#include "generalised_alpha.h"
+
+#include <klu.h>
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* A Jacobian serves as long as Newton's method takes no more iterations than this; a step has so many Jacobians. */
+enum { ITERATIONS = 4, JACOBIANS = 4 };
+
+/* Numbers of the method, for one step length h. */
+typedef struct {
+    double alpha_m, alpha_f, beta, gamma;
+    double cj;    /* of the iteration matrix: change of vdot over change of v */
+    double scale; /* of its columns of q */
+} scheme;
+
+typedef struct {
+    tisserand_dae form;
+    scheme method;
+    int nq;
+    double *y, *ydot; /* [q; v; lambda], [v; vdot; 0] */
+    double *a;        /* the auxiliary accelerations of the method */
+    double *r, *jac, *work;
+    int *colptr, *rowidx;
+    klu_common common;
+    klu_symbolic *symbolic;
+    klu_numeric *numeric;
+} machine;
+
+static scheme make_scheme(double rho, double h)
+{
+    scheme s;
+    double to_v, to_vdot; /* changes of v and vdot over the change of q, in one step */
+    s.alpha_m = (2.0 * rho - 1.0) / (rho + 1.0);
+    s.alpha_f = rho / (rho + 1.0);
+    s.gamma = 0.5 + s.alpha_f - s.alpha_m;
+    s.beta = 0.25 * (s.gamma + 0.5) * (s.gamma + 0.5);
+    to_v = s.gamma / (s.beta * h);
+    to_vdot = (1.0 - s.alpha_m) / (s.beta * h * h * (1.0 - s.alpha_f));
+    s.cj = to_vdot / to_v;
+    s.scale = s.cj / to_v;
+    return s;
+}
+
+static int find_form(const tisserand_model *model, tisserand_dae *found)
+{
+    for (int i = 0; model->scene != NULL && i < model->scene->nforms; i++) {
+        if (strcmp(model->scene->forms[i].name, "index3") == 0 && model->nq == model->nv) {
+            *found = model->scene->forms[i];
+            return 0;
+        }
+    }
+    return TISSERAND_NO_INDEX3;
+}
+
+static int allocate(const tisserand_model *model, machine *own)
+{
+    const int n = own->form.size, nnz = own->form.pattern->nnz;
+    const size_t doubles = (size_t) (3 * n + own->nq + nnz + tisserand_fixed_work(model));
+
+    own->y = (double *) calloc(doubles, sizeof(double));
+    own->colptr = (int *) calloc((size_t) (n + 1 + nnz), sizeof(int));
+    if (own->y == NULL || own->colptr == NULL) {
+        return TISSERAND_NO_MEMORY;
+    }
+    own->ydot = own->y + n;
+    own->r = own->ydot + n;
+    own->a = own->r + n;
+    own->jac = own->a + own->nq;
+    own->work = own->jac + nnz;
+    own->rowidx = own->colptr + n + 1;
+    /* KLU takes pointers to what it does not change: a copy keeps the tables of the model constant. */
+    memcpy(own->colptr, own->form.pattern->colptr, (size_t) (n + 1) * sizeof(int));
+    memcpy(own->rowidx, own->form.pattern->rowidx, (size_t) nnz * sizeof(int));
+    klu_defaults(&own->common);
+    own->symbolic = klu_analyze(n, own->colptr, own->rowidx, &own->common);
+    return own->symbolic == NULL ? TISSERAND_SINGULAR : 0;
+}
+
+/* The iteration matrix of [x; dv; dlambda]: that of the form, where dq = dv / cj, with dq = scale * x instead, since the
+   method has another factor between dq and dv than between dv and the change of vdot. */
+static int factorise(double t, const double *k, machine *own)
+{
+    const int code = own->form.jacobian(t, own->y, own->ydot, own->method.cj, k, own->jac);
+
+    if (code != 0) {
+        return code;
+    }
+    for (int i = 0; i < own->colptr[own->nq]; i++) {
+        if (own->rowidx[i] >= own->nq) {
+            own->jac[i] *= own->method.scale;
+        }
+    }
+    if (own->numeric != NULL) {
+        /* The same pivots as before, as long as they do not make the factors grow. */
+        if (klu_refactor(own->colptr, own->rowidx, own->jac, own->symbolic, own->numeric, &own->common) &&
+            klu_rgrowth(own->colptr, own->rowidx, own->jac, own->symbolic, own->numeric, &own->common) &&
+            own->common.rgrowth > 1e-4) {
+            return 0;
+        }
+        klu_free_numeric(&own->numeric, &own->common);
+    }
+    own->numeric = klu_factor(own->colptr, own->rowidx, own->jac, own->symbolic, &own->common);
+    return own->numeric == NULL ? TISSERAND_SINGULAR : 0;
+}
+
+/* y, ydot and a at the start. a belongs to a slightly different time than vdot, but to shift it there would excite
+   vibrations that the step cannot follow. */
+static int start(const tisserand_model *model, const tisserand_alpha_options *options, double t, const double *k,
+                 double *q, double *v, machine *own)
+{
+    const int nq = own->nq;
+    tisserand_fixed_counts ignored = {0, 0, 0, 0};
+    int code = options->start > 0.0 ? tisserand_project(model, t, k, options->start, q, v, own->work, &ignored) : 0;
+
+    if (code == 0) {
+        code = model->scene->solve(t, q, v, k, own->a, own->y + 2 * nq);
+    }
+    memcpy(own->y, q, (size_t) nq * sizeof(double));
+    memcpy(own->y + nq, v, (size_t) nq * sizeof(double));
+    memcpy(own->ydot + nq, own->a, (size_t) nq * sizeof(double));
+    return code;
+}
+
+/* The state at the end of a step of length h, should vdot stay what it is. */
+static void predict(double h, machine *own)
+{
+    const scheme *s = &own->method;
+    double *q = own->y, *v = q + own->nq;
+    const double *vdot = own->ydot + own->nq;
+    for (int i = 0; i < own->nq; i++) {
+        const double before = own->a[i], after = (vdot[i] - s->alpha_m * before) / (1.0 - s->alpha_m);
+        q[i] += h * v[i] + h * h * ((0.5 - s->beta) * before + s->beta * after);
+        v[i] += h * ((1.0 - s->gamma) * before + s->gamma * after);
+        own->a[i] = after;
+    }
+}
+
+/* Newton's method from the prediction on; t is the time at the end of the step. `valid`: whether there is a
+   Jacobian that is good enough. */
+static int correct(double t, double h, double tolerance, const double *k, machine *own, int *valid,
+                   tisserand_alpha_counts *counts)
+{
+    const scheme *s = &own->method;
+    const int nq = own->nq, n = own->form.size;
+    const double to_a = s->cj * (1.0 - s->alpha_f) / (1.0 - s->alpha_m);
+    double *y = own->y, *ydot = own->ydot, *r = own->r;
+
+    for (int i = 0; i < ITERATIONS * JACOBIANS; i++) {
+        double largest = 0.0, size = 1.0;
+        int code = 0;
+        if (*valid == 0) {
+            code = factorise(t, k, own);
+            counts->jacobians++;
+        }
+        memcpy(ydot, y + nq, (size_t) nq * sizeof(double));
+        if (code == 0) {
+            code = own->form.residual(t, y, ydot, k, r);
+            counts->residuals++;
+        }
+        if (code != 0) {
+            return code;
+        }
+        if (!klu_solve(own->symbolic, own->numeric, n, 1, r, &own->common)) {
+            return TISSERAND_SINGULAR;
+        }
+        for (int j = 0; j < nq; j++) {
+            const double dq = -s->scale * r[j], dv = -r[nq + j], moved = fabs(dq) + h * fabs(dv);
+            y[j] += dq;
+            y[nq + j] += dv;
+            ydot[nq + j] += s->cj * dv;
+            own->a[j] += to_a * dv;
+            largest = moved <= largest ? largest : moved;
+            size = fabs(y[j]) <= size ? size : fabs(y[j]);
+            if (!(moved < HUGE_VAL)) {
+                return TISSERAND_NOT_FINITE;
+            }
+        }
+        for (int j = 2 * nq; j < n; j++) {
+            y[j] -= r[j];
+        }
+        *valid = (i + 1) % ITERATIONS; /* after so many iterations another Jacobian */
+        if (largest <= tolerance * size) {
+            return TISSERAND_OK;
+        }
+    }
+    return TISSERAND_NO_CONVERGENCE;
+}
+
+static int integrate(double t0, double step, long steps, long every, double tolerance, const double *k, double *rows,
+                     long *reached, machine *own, tisserand_alpha_counts *counts)
+{
+    const int width = own->form.size;
+    int valid = 0, code;
+
+    for (long i = 0;; i++) {
+        if (i % every == 0) {
+            memcpy(rows + i / every * width, own->y, (size_t) width * sizeof(double));
+            *reached = i / every + 1;
+        }
+        if (i == steps) {
+            return TISSERAND_OK;
+        }
+        predict(step, own);
+        code = correct(t0 + (double) (i + 1) * step, step, tolerance, k, own, &valid, counts);
+        if (code != 0) {
+            return code;
+        }
+        counts->steps++;
+    }
+}
+
+int tisserand_alpha(const tisserand_model *model, const tisserand_alpha_options *options, double t0, double step,
+                    long steps, long every, const double *k, double *q, double *v, double *rows,
+                    tisserand_alpha_counts *counts)
+{
+    const int width = tisserand_fixed_row(model);
+    long reached = 0;
+    machine own;
+    int code;
+
+    if (steps < 0 || every < 1 || !(step > 0.0) || !(options->rho >= 0.0 && options->rho <= 1.0)) {
+        return TISSERAND_ARGUMENT;
+    }
+    memset(&own, 0, sizeof own);
+    own.method = make_scheme(options->rho, step);
+    own.nq = model->nq;
+    code = find_form(model, &own.form);
+    if (code == 0) {
+        code = allocate(model, &own);
+    }
+    if (code == 0) {
+        code = start(model, options, t0, k, q, v, &own);
+    }
+    if (code == 0) {
+        code = integrate(t0, step, steps, every, options->tolerance, k, rows, &reached, &own, counts);
+        memcpy(q, own.y, (size_t) own.nq * sizeof(double));
+        memcpy(v, own.y + own.nq, (size_t) own.nq * sizeof(double));
+    }
+    for (long i = reached * width; i < (steps / every + 1) * width; i++) {
+        rows[i] = NAN;
+    }
+    klu_free_numeric(&own.numeric, &own.common);
+    klu_free_symbolic(&own.symbolic, &own.common);
+    free(own.colptr);
+    free(own.y);
+    return code;
+}
