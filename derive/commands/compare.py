@@ -33,14 +33,21 @@ def run(options: argparse.Namespace) -> int:
 
 
 def state(native: Native) -> tuple[Vector, Vector]:
-    """A bent body that turns by 0.5 rad about e3, at 3 rad/s: alpha_i = 0.02/i m, alphadot_i = 0.1 m/s."""
-    rigid = native.coordinates.index("alpha1") if "alpha1" in native.coordinates else native.nq
-    spatial = "e0" in native.coordinates
-    turn = [math.cos(0.25), 0.0, 0.0, math.sin(0.25)] if spatial else [0.5]
-    shapes = np.arange(1, native.nq - rigid + 1)
-    q = np.concatenate([np.zeros(rigid - len(turn)), turn, 0.02 / shapes])
-    still = [0.0] * 5 if spatial else [0.0] * 2
-    return q, np.concatenate([still, [3.0], np.full(len(shapes), 0.1)])
+    """Bent bodies that turn by 0.5 rad about e3, at 3 rad/s: alpha_i = 0.02/i m, alphadot_i = 0.1 m/s."""
+    if "e0" in native.coordinates:  # in space the last rate of the rigid motion is the spin about e3
+        shapes = np.arange(1, native.nq - 6)
+        turn = [0.0, 0.0, 0.0, math.cos(0.25), 0.0, 0.0, math.sin(0.25)]
+        return np.array([*turn, *0.02 / shapes]), np.array([*[0.0] * 5, 3.0, *np.full(len(shapes), 0.1)])
+    names = [name.rsplit("_", 1)[-1] for name in native.coordinates]  # in a scene the body stands before
+    found = [_bent(name) for name in names]
+    return np.array([q for q, _ in found]), np.array([v for _, v in found])
+
+
+def _bent(name: str) -> tuple[float, float]:
+    """A coordinate and its rate in that state."""
+    if name.startswith("alpha"):
+        return 0.02 / int(name[len("alpha") :]), 0.1
+    return (0.5, 3.0) if name == "phi" else (0.0, 0.0)
 
 
 def _evaluate(native: Native) -> dict[str, object]:
