@@ -80,8 +80,12 @@ static int allocate(const tisserand_model *model, machine *own)
     own->work = own->jac + nnz;
     own->rowidx = own->colptr + n + 1;
     /* KLU takes pointers to what it does not change: a copy keeps the tables of the model constant. */
-    memcpy(own->colptr, own->form.pattern->colptr, (size_t) (n + 1) * sizeof(int));
-    memcpy(own->rowidx, own->form.pattern->rowidx, (size_t) nnz * sizeof(int));
+    if (own->form.pattern->colptr == NULL) {
+        own->form.pattern->fill(own->colptr, own->rowidx);
+    } else {
+        memcpy(own->colptr, own->form.pattern->colptr, (size_t) (n + 1) * sizeof(int));
+        memcpy(own->rowidx, own->form.pattern->rowidx, (size_t) nnz * sizeof(int));
+    }
     klu_defaults(&own->common);
     own->symbolic = klu_analyze(n, own->colptr, own->rowidx, &own->common);
     return own->symbolic == NULL ? TISSERAND_SINGULAR : 0;

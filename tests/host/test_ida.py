@@ -102,6 +102,8 @@ def test_missing_sundials_is_said(monkeypatch: pytest.MonkeyPatch, tmp_path: Pat
 
 def test_sundials_elsewhere(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     """SUNDIALS_DIR goes before the places of the compiler."""
+    ida()
+    monkeypatch.delenv("SUNDIALS_DIR", raising=False)
     include, link = host_build.sundials()
     monkeypatch.setenv("SUNDIALS_DIR", str(tmp_path))
     (tmp_path / "include").mkdir()
