@@ -45,16 +45,21 @@ def test_fixed_steps_call_nothing_but_the_library_of_mathematics(tmp_path: Path)
     assert not [symbol for symbol in symbols if symbol[-2] in "BDbd"]  # no state of its own
 
 
+@pytest.fixture(scope="module")
+def explicit(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The program with the one method that needs no library."""
+    return program(FILES, tmp_path_factory.mktemp("program") / "pendulum")
+
+
 def start(folder: Path) -> Path:
     path = folder / "start.txt"
     path.write_text(" ".join(str(x) for x in [*LEVEL, *REST]))
     return path
 
 
-def test_program_writes_what_the_library_computes(tmp_path: Path) -> None:
-    made = program(FILES, tmp_path / "pendulum")
-    run(made, "rk4", start(tmp_path), "1", "0.1", "1e-2", tmp_path / "out.csv")
-    run(made, "rk4", start(tmp_path), "1", "0.1", "1e-2", tmp_path / "out.bin")
+def test_program_writes_what_the_library_computes(explicit: Path, tmp_path: Path) -> None:
+    run(explicit, "rk4", start(tmp_path), "1", "0.1", "1e-2", tmp_path / "out.csv")
+    run(explicit, "rk4", start(tmp_path), "1", "0.1", "1e-2", tmp_path / "out.bin")
     names = (tmp_path / "out.csv").read_text().splitlines()[0]
     assert names == "t,x,y,phi,x_dot,y_dot,phi_dot,pivot_1,pivot_2"
     rows = np.loadtxt(tmp_path / "out.csv", delimiter=",", skiprows=1)
@@ -90,11 +95,10 @@ def test_program_with_generalised_alpha(tmp_path: Path) -> None:
         (("rk4", "-", "1", "0", "1e-2", "-"), "usage: "),
     ],
 )
-def test_program_says_what_is_wrong(arguments: tuple[str, ...], message: str, tmp_path: Path) -> None:
+def test_program_says_what_is_wrong(arguments: tuple[str, ...], message: str, explicit: Path, tmp_path: Path) -> None:
     (tmp_path / "short.txt").write_text("1 2 3")
-    made = program(FILES, tmp_path / "pendulum")
     with pytest.raises(AssertionError, match=message):
-        run(made, *arguments, cwd=tmp_path)
+        run(explicit, *arguments, cwd=tmp_path)
 
 
 def test_program_is_clean_under_valgrind(tmp_path: Path) -> None:
