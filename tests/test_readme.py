@@ -80,10 +80,12 @@ def test_specification_is_the_scene() -> None:
     from derive.emit.model_files import specification
     from derive.spec import parse
 
-    beam, body = blocks("toml")
+    beam, body, scene = blocks("toml")
     assert parse(beam, "README.md") == derive.read(ROOT / "scenes/free_beam_mean.toml")
     read = parse(body, str(ROOT / "scenes/README.md"))
     assert specification(read) == specification(derive.read(ROOT / "scenes/block.toml"))
+    found = parse(scene, "README.md")
+    assert specification(found) == specification(derive.read(ROOT / "scenes/crank_slider_3.toml"))
 
 
 def test_shown_c_is_the_generated_one() -> None:
