@@ -66,8 +66,15 @@ def build(path: Path) -> Built:
 
 
 def _of_scene(model: Model) -> tuple[str, ...]:
-    """What a scene does not need, and why."""
-    return tuple(f"left out: {out.what}: {out.reason}" for out in model.left_out)
+    """What a scene does not need, and why; what its accelerations and multipliers cost."""
+    if model.kkt is None:
+        return ()
+    size, entries = model.kkt.pattern.rows, model.kkt.pattern.full_nnz
+    solving = (
+        f"KKT matrix: {size} x {size}, {entries} non-zeros, {model.kkt.fill} filled in; accelerations and multipliers "
+        f"take {model.kernel('solve').operations} operations"
+    )
+    return (*(f"left out: {out.what}: {out.reason}" for out in model.left_out), solving)
 
 
 def _of_modes(spec: Specification) -> tuple[str, ...]:

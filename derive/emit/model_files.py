@@ -74,7 +74,7 @@ def _manifest(model: Model, description: dict[str, object], fingerprint: str, fi
 
 def _of_scene(model: Model) -> dict[str, object]:
     """What a scene has besides: constraints, the structure of its KKT matrix, and what is not modelled."""
-    if not model.bodies:
+    if model.kkt is None:
         return {}
     jacobian = model.pattern("constraint_jacobian", "G")
     return {
@@ -82,6 +82,11 @@ def _of_scene(model: Model) -> dict[str, object]:
             "coordinates": len(model.coordinates),
             "constraints": len(model.multipliers),
             "constraint_jacobian": {"structural": len(jacobian.rowidx), "of": jacobian.rows * jacobian.cols},
+            "kkt": {
+                "structural": model.kkt.pattern.full_nnz,
+                "of": model.kkt.pattern.rows**2,
+                "fill_in": model.kkt.fill,
+            },
             "left_out": {out.what: out.reason for out in model.left_out},
         }
     }

@@ -8,9 +8,10 @@ from __future__ import annotations
 import casadi as ca
 
 from derive.kernel.context import Context, stores
-from derive.kernel.factor import Factorisation, factorise, saddle_order, solve
+from derive.kernel.factor import Factorisation, factorise, fill_in, saddle_order, solve
 from derive.kernel.functions import NOT_FINITE, pivot_checks
 from derive.kernel.ir import Argument, Kernel, Output
+from derive.kernel.model import Kkt
 from derive.kernel.pattern import Pattern, pattern
 from derive.kernel.schedule import Named, Required, Step
 from derive.kernel.symbols import Symbols
@@ -160,6 +161,13 @@ def kkt_pattern(context: Context) -> Pattern:
     entries = set(context.mass_pattern().entries) | {(n + i, j) for i, j in jacobian_pattern(context).entries}
     size = n + len(context.multipliers)
     return pattern(size, size, entries, symmetric=True)
+
+
+def kkt(context: Context) -> Kkt:
+    """The structure of the KKT matrix, and how it is eliminated."""
+    shape = kkt_pattern(context)
+    order = saddle_order(shape, len(context.rows))
+    return Kkt(shape, order, fill_in(shape, order))
 
 
 def kkt_factors(context: Context, symbols: Symbols) -> Factorisation:

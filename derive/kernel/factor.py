@@ -102,9 +102,26 @@ def factorise(
                 store[i, other] = -update if old is None else old - update
                 if i != other:
                     neighbours[other].add(i)
-    stored = sum(map(len, lower.values())) + len(order)
-    present = len(values) + sum((k, k) not in values for k in range(coordinates, len(order)))
-    return Factorisation(order, tuple(pivots), tuple(scales), tuple(inverses), lower, stored - present, coordinates)
+    fill = fill_in(pattern, order)
+    return Factorisation(order, tuple(pivots), tuple(scales), tuple(inverses), lower, fill, coordinates)
+
+
+def fill_in(pattern: Pattern, order: tuple[int, ...]) -> int:
+    """Entries of L that the matrix has not, below the diagonal."""
+    graph: dict[int, set[int]] = {node: set() for node in order}
+    for i, j in pattern.entries:
+        if i != j:
+            graph[i].add(j)
+            graph[j].add(i)
+    present = sum(map(len, graph.values())) // 2
+    stored = 0
+    for node in order:
+        neighbours = graph.pop(node)
+        stored += len(neighbours)
+        for other in neighbours:
+            graph[other] |= neighbours
+            graph[other] -= {node, other}
+    return stored - present
 
 
 def _ordered(i: int, j: int, place: dict[int, int]) -> tuple[int, int]:

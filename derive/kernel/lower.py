@@ -52,6 +52,7 @@ def lower(equations: Equations) -> Model:
             Variable(c.name, c.doc, c.force_unit) for c in equations.constraints
         ),
         bodies=tuple(pose.name for pose in equations.poses),
+        kkt=constraints.kkt(context) if scene else None,
         left_out=tuple(Zero(out.what, out.reason) for out in equations.left_out),
         vanished=tuple(Zero(f"{v.term.name} term of row {v.term.row}", v.reason) for v in equations.vanished),
     )

@@ -31,6 +31,15 @@ class Zero:
 
 
 @dataclass(frozen=True)
+class Kkt:
+    """The structure of a scene's KKT matrix [M, -G^T; -G, 0]: lower triangle, order of elimination, fill-in of L."""
+
+    pattern: Pattern
+    order: tuple[int, ...]
+    fill: int
+
+
+@dataclass(frozen=True)
 class Model:
     """The kernels of one model. `kernels` begins with setup; `markers` names those that are material points.
 
@@ -59,6 +68,7 @@ class Model:
     multipliers: tuple[Variable, ...] = ()
     bodies: tuple[str, ...] = ()
     left_out: tuple[Zero, ...] = ()
+    kkt: Kkt | None = None
 
     @property
     def defaults(self) -> tuple[float, ...]:

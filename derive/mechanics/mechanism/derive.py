@@ -75,6 +75,8 @@ class _Assembly:
                 self._add(member, held.free(body.name, member.body.motion))
         self._order()
         rows = tuple(row for body in self.bodies.values() for row in body.rows)
+        if not rows:
+            raise SpecError((Problem("drives", "all motion is prescribed; nothing is left to be computed"),))
         own, found = self._constraints(rows)
         forces = self._actions(rows)
         return self._gathered(rows, own, found, forces)
