@@ -17,6 +17,7 @@ examples:
   tisserand build scenes/block.toml scenes/body_symbolic.toml
   tisserand compare scenes/free_beam_mean.toml scenes/free_beam_point.toml
   tisserand simulate scenes/crank_slider_3.toml
+  tisserand study frames scenes/crank_slider_3.toml
   tisserand check
 
 exit codes: 0 done; 1 a check failed; 2 the input or the machine does not allow it
@@ -50,6 +51,8 @@ def parser() -> argparse.ArgumentParser:
     simulate.add_argument("--duration", type=_seconds, metavar="S", help="seconds, instead of those of the file")
     simulate.add_argument("--json", action="store_true", help="print the numbers as JSON")
 
+    _studies(commands.add_parser("study", help="what the frame of the beams of a scene costs, and does to pivots"))
+
     check = commands.add_parser("check", help="regenerate everything in memory and compare with the files")
     check.add_argument("scenes", nargs="?", type=Path, default=Path("scenes"), help="default: scenes")
     check.add_argument("--out", type=Path, default=Path("generated"), metavar="FOLDER", help="default: generated")
@@ -59,6 +62,44 @@ def parser() -> argparse.ArgumentParser:
 
     commands.add_parser("schema", help="print the JSON schema of specifications, for editors")
     return main
+
+
+def _studies(study: argparse.ArgumentParser) -> None:
+    studies = study.add_subparsers(dest="study", metavar="STUDY", required=True)
+    frames = studies.add_parser("frames", help="non-zeros, operations and CPU time in two frames")
+    pivots = studies.add_parser("pivots", help="pivots that vanish, growth and errors in two frames")
+    for one in (frames, pivots):
+        one.add_argument("spec", type=Path, metavar="SPEC", help="specification file (.toml) of a scene with a beam")
+        one.add_argument("--frames", type=_frames, default=("mean", "point"), metavar="A,B", help="default: mean,point")
+        one.add_argument("--json", action="store_true", help="print the numbers as JSON")
+    every = (1, 2, 3, 10, 30)
+    frames.add_argument("--pieces", type=_pieces, default=every, metavar="N,...", help="beams; default: 1,2,3,10,30")
+    frames.add_argument("--runs", type=_count, default=15, metavar="N", help="measurements by turns; default: 15")
+    frames.add_argument("--chart", type=Path, metavar="FILE", help="default: results/NAME/frames.svg")
+    pivots.add_argument("--pieces", type=_pieces, metavar="N,...", help="beams; default: as in SPEC")
+    pivots.add_argument("--states", type=_count, default=361, metavar="N", help="along the motion; default: 361")
+    pivots.add_argument("--numberings", type=_count, default=100, metavar="N", help="of the unknowns; default: 100")
+
+
+def _count(text: str) -> int:
+    value = int(text)
+    if value < 1:
+        raise argparse.ArgumentTypeError(f"a positive whole number is needed, not {text}")
+    return value
+
+
+def _pieces(text: str) -> tuple[int, ...]:
+    numbers = tuple(dict.fromkeys(_count(part) for part in text.split(",")))
+    if max(numbers) > 64:
+        raise argparse.ArgumentTypeError(f"a rod is cut into at most 64 beams, not {max(numbers)}")
+    return numbers
+
+
+def _frames(text: str) -> tuple[str, ...]:
+    names = tuple(text.split(","))
+    if len(set(names)) != 2 or len(names) != 2 or not set(names) <= {"mean", "point", "chord"}:
+        raise argparse.ArgumentTypeError(f"two of mean, point and chord are needed, such as mean,point, not {text}")
+    return names
 
 
 def _seconds(text: str) -> float:
@@ -93,10 +134,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _is_explained(error: Exception) -> bool:
     """Whether the text of an error says where, what, and what to do."""
     from derive.emit.files import NotOurs
+    from derive.host.library import HostError
     from derive.kernel.graph import LoweringError
     from derive.native import CompilerError, ModelError
     from derive.simulation.errors import SimulationError
     from derive.spec import SpecError
 
-    explained = SpecError | NotOurs | LoweringError | CompilerError | ModelError | SimulationError | OSError
+    explained = SpecError | NotOurs | LoweringError | CompilerError | ModelError | SimulationError | HostError | OSError
     return isinstance(error, explained)

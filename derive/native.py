@@ -58,16 +58,21 @@ def compiler() -> list[str]:
 
 def compile_shared(sources: Sequence[Path], library: Path, flags: Sequence[str] = FLAGS) -> Path:
     """Compile C files into a shared library. Raises CompilerError with what the compiler said."""
-    command = [*compiler(), *flags, "-shared", "-fPIC", "-o", str(library), *map(str, sources), "-lm"]
+    compile_c(sources, library, [*flags, "-shared", "-fPIC"])
+    return library
+
+
+def compile_c(sources: Sequence[Path], target: Path, flags: Sequence[str], link: Sequence[str] = ()) -> None:
+    """Compile C files and link them with `link`. Raises CompilerError with what the compiler said."""
+    command = [*compiler(), *flags, "-o", str(target), *map(str, sources), *link, "-lm"]
     try:
         done = subprocess.run(command, capture_output=True, text=True, check=False)
     except OSError as error:
         raise CompilerError(f"{command[0]}: {error.strerror}") from error
     if done.returncode:
         raise CompilerError(f"{shlex.join(command)}\n{done.stderr}")
-    if not library.exists():
-        raise CompilerError(f"{shlex.join(command)}\nit made no library; is {command[0]} a C compiler?")
-    return library
+    if not target.exists():
+        raise CompilerError(f"{shlex.join(command)}\nit made no {target.name}; is {command[0]} a C compiler?")
 
 
 def load(files: Sequence[File], flags: Sequence[str] = FLAGS) -> Native:

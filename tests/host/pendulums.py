@@ -16,9 +16,9 @@ from scipy.special import ellipj, ellipk
 
 import derive
 from derive.emit.c import ABI
-from derive.simulation.host import FixedStep, GeneralisedAlpha, Ida
-from derive.simulation.host_build import LibraryMissing
-from derive.simulation.host_library import Integration
+from derive.host.build import LibraryMissing
+from derive.host.library import Integration
+from derive.host.run import FixedStep, GeneralisedAlpha, Ida
 
 Made = TypeVar("Made")
 HERE = Path(__file__).parent

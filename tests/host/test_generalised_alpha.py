@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from pendulums import DISTANCE, INERTIA, LEVEL, MASS, REST, alpha, driven, exact, fixed, gap
 
-from derive.simulation.host_library import HostError
+from derive.host.library import HostError
 
 DURATION = 4.0
 

@@ -2,22 +2,18 @@
 
 from __future__ import annotations
 
-import sys
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 import pytest
 from pendulums import ROOT, needed
+from toolchain import block
 
 import derive
+from derive.host.library import Host, HostError, Integration
+from derive.host.run import FixedStep, GeneralisedAlpha, Ida
 from derive.simulation.guess import guess
-from derive.simulation.host import FixedStep, GeneralisedAlpha, Ida
-from derive.simulation.host_library import Host, HostError, Integration
 from derive.simulation.start import consistent
-
-sys.path.append(str(Path(__file__).parent.parent / "emit"))
-from toolchain import block
 
 DURATION, ROWS = 0.02, 21  # half a turn of the crank
 FAST = ["-O1"]  # to compile

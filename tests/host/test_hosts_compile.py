@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 from pendulums import FILES, LEVEL, REST, alpha, fixed, ida
-
-from derive.simulation.host import program
-from derive.simulation.host_build import header, sundials, written
-
-sys.path.append(str(Path(__file__).parent.parent / "emit"))
 from toolchain import C99, CPP11, WARNINGS, run, tool
+
+from derive.host.build import header, sundials, written
+from derive.host.run import program
 
 CPP14 = ("-x", "c++", "-std=c++14", *WARNINGS)  # headers of SUNDIALS 6 need it
 PLAIN = [("fixed_step", ()), ("simulate", ()), ("simulate", ("-DTISSERAND_IDA", "-DTISSERAND_ALPHA"))]

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from pendulums import FILES, LEVEL, REST, driven, exact, fixed, gap, ida
 
-from derive.simulation import host_build
-from derive.simulation.host import GeneralisedAlpha, Ida, run_ida
-from derive.simulation.host_build import LibraryMissing
-from derive.simulation.host_library import HostError
+from derive.host import build as host_build
+from derive.host.build import LibraryMissing
+from derive.host.library import HostError
+from derive.host.run import GeneralisedAlpha, Ida, run_ida
 
 
 @pytest.mark.parametrize("form", ["ggl", "index1"])

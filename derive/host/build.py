@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import os
-import shlex
-import subprocess
 import tempfile
 from collections.abc import Sequence
 from functools import cache
@@ -12,7 +10,7 @@ from pathlib import Path
 
 from derive.emit.files import File, write
 from derive.emit.template import render
-from derive.native import FLAGS, CompilerError, compiler
+from derive.native import FLAGS, CompilerError, compile_c
 
 Flags = tuple[list[str], list[str]]
 """To compile, and to link."""
@@ -65,7 +63,7 @@ def _found(name: str, debian: str, others: str, include: str, libraries: tuple[s
         probe = Path(folder) / "probe.c"
         probe.write_text(f"#include <{include}>\nint main(void) {{ return 0; }}\n")
         try:
-            compile_host([*FLAGS, *flags], [probe], Path(folder) / "probe", link)
+            compile_c([probe], Path(folder) / "probe", [*FLAGS, *flags], link)
         except CompilerError as error:
             raise LibraryMissing(
                 f"{name} was not found. Install it: `apt-get install {debian}` on Debian and Ubuntu, `brew install "
@@ -73,14 +71,3 @@ def _found(name: str, debian: str, others: str, include: str, libraries: tuple[s
                 f"to the folder that holds its include and lib. The compiler said:\n{error}"
             ) from error
     return flags, link
-
-
-def compile_host(flags: Sequence[str], sources: Sequence[Path], target: Path, link: Sequence[str]) -> None:
-    """Compile and link. Raises CompilerError with what the compiler said."""
-    command = [*compiler(), *flags, "-o", str(target), *map(str, sources), *link, "-lm"]
-    try:
-        done = subprocess.run(command, capture_output=True, text=True, check=False)
-    except OSError as error:
-        raise CompilerError(f"{command[0]}: {error.strerror}") from error
-    if done.returncode:
-        raise CompilerError(f"{shlex.join(command)}\n{done.stderr}")

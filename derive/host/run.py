@@ -12,9 +12,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from derive.emit.files import File
-from derive.native import FLAGS
-from derive.simulation.host_build import compile_host, header, klu, sundials, written
-from derive.simulation.host_library import (
+from derive.host.build import header, klu, sundials, written
+from derive.host.library import (
     CODES,
     Array,
     Host,
@@ -26,6 +25,7 @@ from derive.simulation.host_library import (
     times,
     types,
 )
+from derive.native import FLAGS, compile_c
 
 CONSISTENT = 1e-12
 """The largest g (m, rad) and gdot (m/s, rad/s) that hosts leave."""
@@ -223,5 +223,5 @@ def program(
     with tempfile.TemporaryDirectory(prefix="tisserand-") as folder:
         name, sources = written(files, hosts, Path(folder))
         wanted += [f"-DTISSERAND_MODEL={name}_model", *header(name, Path(folder))]
-        compile_host([*FLAGS, *wanted], sources, target, link)
+        compile_c(sources, target, [*FLAGS, *wanted], link)
     return target

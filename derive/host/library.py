@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from derive.emit.files import File
-from derive.native import FLAGS, Native, NativeScene, Vector
-from derive.simulation.host_build import compile_host, header, written
+from derive.host.build import header, written
+from derive.native import FLAGS, Native, NativeScene, Vector, compile_c
 
 Array = NDArray[np.float64]
 
@@ -73,7 +73,7 @@ class Host:
         with tempfile.TemporaryDirectory(prefix="tisserand-") as folder:
             name, sources = written(files, hosts, Path(folder))
             library = Path(folder) / "host.so"
-            compile_host([*FLAGS, *extra, *header(name, Path(folder)), "-shared", "-fPIC"], sources, library, link)
+            compile_c(sources, library, [*FLAGS, *extra, *header(name, Path(folder)), "-shared", "-fPIC"], link)
             self.library = ctypes.CDLL(str(library))
         scene = hasattr(self.library, f"{name}_poses")
         self.native = (NativeScene if scene else Native)(self.library, name)
