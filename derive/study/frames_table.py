@@ -1,0 +1,121 @@
+"""The table of `tisserand study frames`, as text and as plain data."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import asdict
+from typing import Any
+
+from derive.study import machine
+from derive.study.clock import DRIFT, SAFE, Ratio
+from derive.study.frames import PAPER, Framed, Row
+from derive.study.text import beams, short, table, wrapped
+
+HEAD = (
+    *("beams", "frame", "nnz(M)", "nnz(KKT)", "fill-in", "LDL^T", "in code", "force", "accel", "cond(M)", "cond(KKT)"),
+    *("force", "accel", "step", "spread", "paper"),
+)
+UNITS = ("", "", "", "", "", "flops", "flops", "flops", "flops", "", "", "ns", "ns", "ns", "of step", "")
+
+
+def plain(name: str, frames: tuple[str, str], rows: Sequence[Row]) -> dict[str, Any]:
+    """All numbers; times in seconds of CPU."""
+    first, second = frames
+    return {
+        "name": name,
+        "frames": list(frames),
+        **machine.described(),
+        "rows": [
+            {
+                "pieces": row.pieces,
+                first: asdict(row.framed[0]),
+                second: asdict(row.framed[1]),
+                "times": asdict(row.times),
+                "paper": _paper(frames, row.pieces),
+            }
+            for row in rows
+        ],
+    }
+
+
+def text(name: str, frames: tuple[str, str], rows: Sequence[Row]) -> str:
+    """One table, and what is to be known of it."""
+    first, second = frames
+    cells: list[Sequence[str]] = [HEAD, UNITS]
+    for row in rows:
+        cells += [*_block(frames, row), [""]]
+    return "\n".join(
+        [
+            f"{name}: the {first} frame against the {second} frame",
+            *table(cells[:-1], left=2),
+            *_notes(frames, rows),
+        ]
+    )
+
+
+def _block(frames: tuple[str, str], row: Row) -> list[list[str]]:
+    times, lines = row.times, []
+    for side, (frame, framed) in enumerate(zip(frames, row.framed, strict=True)):
+        taken = (times.force[side], times.accel[side], times.per_step[side])
+        lines.append([str(row.pieces) if not side else "", frame, *_counts(framed), *(_nano(x) for x in taken)])
+    pairs = zip(_numbers(row.framed[0]), _numbers(row.framed[1]), strict=True)
+    measured = (times.force_ratio, times.accel_ratio, times.integration_ratio)
+    paper = _paper(frames, row.pieces)
+    lines.append(
+        [
+            *("", "ratio"),
+            *(f"{a / b:.2f}" if b else "" for a, b in pairs),
+            *(f"{x.median:.2f}" for x in measured),
+            _spread(times.integration_ratio),
+            f"{paper:.2f}" if paper else "",
+        ]
+    )
+    return lines
+
+
+def _numbers(framed: Framed) -> tuple[float, ...]:
+    c = framed.counts
+    counted = (c.mass, c.kkt, c.fill, c.flops, c.factorise, c.force, c.accel)
+    return (*counted, framed.condition_mass, framed.condition_kkt)
+
+
+def _counts(framed: Framed) -> list[str]:
+    *counted, mass, kkt = _numbers(framed)
+    return [*(str(n) for n in counted), short(mass), short(kkt)]
+
+
+def _nano(seconds: float) -> str:
+    value = seconds * 1e9
+    return f"{value:.0f}" if value >= 100 else f"{value:.1f}"
+
+
+def _spread(ratio: Ratio) -> str:
+    return f"{ratio.least:.2f}..{ratio.most:.2f}"
+
+
+def _paper(frames: tuple[str, str], pieces: int) -> float | None:
+    return PAPER.get(pieces) if frames == ("mean", "point") else None
+
+
+def _notes(frames: tuple[str, str], rows: Sequence[Row]) -> list[str]:
+    known, runs = machine.described(), rows[0].times.runs
+    steps = (f"{beams(r.pieces)}: {r.times.steps} of {r.times.step:.2g} s" for r in rows)
+    corrections = (f"{beams(r.pieces)}: {' and '.join(map(str, r.times.corrections))}" for r in rows)
+    first, second = frames
+    notes = [
+        "non-zeros: structural, of both triangles; fill-in: of one",
+        "LDL^T: operations of the factorisation, were each non-zero a number that is known at run time only; in code: "
+        "those that are left of it in the generated code, where what depends on parameters alone is known before",
+        "force, accel: all operations of these functions; a sine counts as one",
+        "conditions: at the start, in SI units, not scaled",
+        f"times: CPU, median of {runs} runs by turns ({first}, {second}, {first}, ...); spread: of the ratios of pairs",
+        f"step: of the same RK4 loop in C with the same step, {SAFE:g} of the longest stable one; constraints are kept "
+        f"below {DRIFT:g}; {'; '.join(steps)}; corrections in {first} and {second}: {'; '.join(corrections)}",
+        f"compiled by {known['compiler']}, {known['flags']}; {known['machine']}",
+    ]
+    if any(_paper(frames, row.pieces) for row in rows):
+        notes.append(
+            "paper: CPU time of DADS, 1988: the whole program, with another integrator and a general sparse solver. It "
+            "is not the same measurement"
+        )
+    return wrapped(notes, "  ")

@@ -1,0 +1,47 @@
+"""The KKT matrix [M, -G^T; -G, 0] of a compiled scene as numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from derive.kernel.pattern import Pattern
+from derive.native import Matrix, NativeScene, Vector
+from derive.simulation.mechanism import constraint_matrix, mass_matrix
+
+State = tuple[float, Vector, Vector]
+"""t, q and v."""
+
+
+def kkt_matrix(native: NativeScene, k: Vector, t: float, q: Vector) -> Matrix:
+    """The matrix (nv + nlambda, nv + nlambda) in a state, in SI units, not scaled."""
+    M, G = mass_matrix(native, q, k), constraint_matrix(native, t, q, k)
+    return np.block([[M, -G.T], [-G, np.zeros((len(G), len(G)))]])
+
+
+def systems(native: NativeScene, k: Vector, states: Sequence[State]) -> tuple[Matrix, Matrix]:
+    """Matrices (states, n, n) and right-hand sides [-h; -gamma] (states, n) of vdot and lambda."""
+    left = np.array([kkt_matrix(native, k, t, q) for t, q, _ in states])
+    right = [-np.concatenate([native.force(t, q, v, k), native.constraint_bias(t, q, v, k)]) for t, q, v in states]
+    return left, np.array(right)
+
+
+def present(shape: Pattern) -> NDArray[np.bool_]:
+    """Where a symmetric pattern has entries, both triangles (n, n)."""
+    found = np.zeros((shape.rows, shape.cols), dtype=bool)
+    rows, cols = (np.array(x, dtype=int) for x in zip(*shape.entries, strict=True))
+    found[rows, cols] = found[cols, rows] = True
+    return found
+
+
+def equilibrated(A: Matrix) -> Matrix:
+    """Matrices (..., n, n) with rows and columns scaled, symmetrically, until their largest entries are 1.
+
+    Ruiz, 2001, RAL-TR-2001-034: what is left of the condition has nothing to do with units.
+    """
+    for _ in range(20):
+        scale = 1 / np.sqrt(np.abs(A).max(axis=-1))
+        A = A * scale[..., :, None] * scale[..., None, :]
+    return A

@@ -1,0 +1,114 @@
+"""Orders in which the KKT matrix is eliminated without exchanges of rows: found once, and kept for all states."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import casadi as ca
+import numpy as np
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import min_weight_full_bipartite_matching
+
+from derive.kernel.factor import elimination_order, saddle_order
+from derive.kernel.pattern import Pattern
+from derive.native import Matrix
+from derive.study.matrices import present
+
+THRESHOLD = 0.1
+"""A pivot that `kept` takes is at least this part of the largest entry of its column: the usual value of MA28."""
+
+
+@dataclass(frozen=True)
+class Order:
+    """Rows and columns of the pivots, in the order of elimination."""
+
+    rows: tuple[int, ...]
+    cols: tuple[int, ...]
+
+
+def fixed(shape: Pattern, coordinates: int, _: Matrix) -> Order:
+    """That of the generated code, from the pattern: each multiplier waits for all of its coordinates."""
+    order = saddle_order(shape, coordinates)
+    return Order(order, order)
+
+
+def paired(shape: Pattern, coordinates: int, first: Matrix) -> Order:
+    """Each multiplier directly behind one of its coordinates, pairs in the order of AMD.
+
+    Behind its coordinate, of inertia m, the pivot of a multiplier is -g^2/m: the matching takes what makes the product
+    of all of them largest in the first state. Preprocessing of indefinite matrices does it so (Duff and Pralet, 2005,
+    SIAM J. Matrix Anal. Appl. 27, 313-340), but lets pivots be exchanged later.
+    """
+    pairs = matching(coordinates, first)
+    groups = [(coordinate, multiplier) for multiplier, coordinate in pairs.items()]
+    taken = {node for group in groups for node in group}
+    groups += [(node,) for node in range(shape.rows) if node not in taken]  # type: ignore[misc]
+    group_of = {node: number for number, group in enumerate(groups) for node in group}
+    rows, cols = [group_of[i] for i, _ in shape.entries], [group_of[j] for _, j in shape.entries]
+    every = range(len(groups))
+    compressed = ca.Sparsity.triplet(len(groups), len(groups), [*rows, *cols, *every], [*cols, *rows, *every])
+    order = tuple(node for number in compressed.amd() for node in groups[number])
+    return Order(order, order)
+
+
+def kept(shape: Pattern, _: int, first: Matrix) -> Order:
+    """Pivots that a general sparse code chooses in the first matrix, and then keeps: those of 1988 worked so.
+
+    Each has the least (r - 1)(c - 1), for r and c entries in its row and column (Markowitz), among entries that are no
+    less than `THRESHOLD` of the largest in their column (Duff, 1977, AERE R 8730: MA28).
+    """
+    work, n = first.copy(), shape.rows
+    there = present(shape)
+    left_rows, left_cols = np.ones(n, dtype=bool), np.ones(n, dtype=bool)
+    rows, cols = [], []
+    for _ in range(n):
+        there &= left_rows[:, None] & left_cols
+        work[~there] = 0.0
+        size = np.abs(work)
+        relative = size / np.maximum(size.max(axis=0), np.finfo(float).tiny)
+        cost = np.outer(there.sum(axis=1) - 1, there.sum(axis=0) - 1) + (1 - relative) / 2
+        i, j = np.unravel_index(np.argmin(np.where(relative >= THRESHOLD, cost, np.inf)), (n, n))
+        rows.append(int(i))
+        cols.append(int(j))
+        left_rows[i] = left_cols[j] = False
+        if work[i, j] != 0.0:
+            work -= np.outer(np.where(left_rows, work[:, j], 0.0) / work[i, j], work[i])
+            there |= np.outer(there[:, j], there[i])
+    return Order(tuple(rows), tuple(cols))
+
+
+def blind(shape: Pattern, _: int, __: Matrix) -> Order:
+    """AMD, from the pattern, as if the matrix were positive definite: multipliers are like any other unknown."""
+    order = elimination_order(shape)
+    return Order(order, order)
+
+
+ORDERS: dict[str, Callable[[Pattern, int, Matrix], Order]] = {
+    "fixed": fixed,
+    "paired": paired,
+    "kept": kept,
+    "blind": blind,
+}
+"""Functions of the pattern, the number of coordinates, and the matrix in the first state."""
+
+
+def matching(coordinates: int, first: Matrix) -> dict[int, int]:
+    """A coordinate for each multiplier: the product of g^2/m over all pairs is as large as it can be."""
+    G, inertia = first[coordinates:, :coordinates], np.diag(first)[:coordinates]
+    if not len(G):
+        return {}
+    size = np.log(np.maximum(G**2 / inertia, np.finfo(float).tiny))
+    size[G == 0.0] = 2 * size.min() - 1.0  # such pairs are the last resort
+    weights = csr_array(1.0 + size.max() - size)
+    multipliers, found = min_weight_full_bipartite_matching(weights)
+    return {coordinates + int(i): int(j) for i, j in zip(multipliers, found, strict=True)}
+
+
+def without_diagonal(shape: Pattern, coordinates: int, order: Order) -> int:
+    """Multipliers that come before all of their coordinates: their pivots are zero in every state."""
+    if order.rows != order.cols:
+        return 0
+    place = {node: k for k, node in enumerate(order.rows)}
+    filled = {i for i, j in shape.entries if i >= coordinates > j and place[j] < place[i]}
+    return shape.rows - coordinates - len(filled)

@@ -1,0 +1,49 @@
+"""Counts of the crank-slider with 1, 2 and 3 beams in both frames."""
+
+from __future__ import annotations
+
+import pytest
+
+import derive
+from conftest import ROOT
+from derive.kernel.factor import factorise
+from derive.kernel.pattern import pattern
+from derive.study.counts import Counts, counts, flops
+from derive.study.variants import rods, variant
+
+SCENE = derive.read(ROOT / "scenes/crank_slider_3.toml")
+
+# coordinates, multipliers, nnz(M), nnz(KKT), fill-in, LDL^T, LDL^T in code, force, accel
+EXPECTED = {
+    ("mean", 1): (6, 4, 6, 40, 6, 127, 81, 14, 231),
+    ("point", 1): (6, 4, 16, 50, 7, 181, 135, 27, 339),
+    ("mean", 2): (11, 7, 11, 89, 17, 352, 241, 28, 565),
+    ("point", 2): (11, 7, 31, 109, 21, 498, 420, 54, 868),
+    ("mean", 3): (16, 10, 16, 138, 29, 594, 411, 42, 922),
+    ("point", 3): (16, 10, 46, 168, 34, 802, 662, 81, 1354),
+}
+
+
+@pytest.mark.parametrize(("frame", "pieces"), EXPECTED)
+def test_counts(frame: str, pieces: int) -> None:
+    """A smaller number is progress: write it above."""
+    assert counts(derive.derive(variant(SCENE, pieces, frame).scene)) == Counts(*EXPECTED[frame, pieces])
+
+
+def test_a_variant_is_what_a_specification_with_its_frame_gives(tmp_path) -> None:
+    text = (ROOT / "scenes/crank_slider_3.toml").read_text()
+    changed = text.replace('frame = "mean"', 'frame = "point"').replace("pieces = 3 ", "pieces = 2 ")
+    (tmp_path / "crank_slider_A.csv").write_text((ROOT / "scenes/crank_slider_A.csv").read_text())
+    (tmp_path / "scene.toml").write_text(changed)
+    (rod,) = rods(derive.read(tmp_path / "scene.toml"))
+    assert rods(variant(SCENE, 2, "point").scene) == (rod,)
+    assert variant(SCENE, 3, "mean").scene == SCENE
+
+
+def test_operations_of_a_factorisation_by_hand() -> None:
+    """Full, 3 x 3: 3 divisions, 2 + 1 products for L, and a product and a sum for each of the 3 + 1 entries below."""
+    full = pattern(3, 3, {(i, j) for i in range(3) for j in range(i + 1)}, symmetric=True)
+    import casadi as ca
+
+    values = {entry: ca.SX.sym("a") for entry in full.entries}
+    assert flops(factorise(full, values)) == 3 + 3 + 2 * 4

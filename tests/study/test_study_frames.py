@@ -1,0 +1,87 @@
+"""What is printed and drawn of the two frames; what is timed by turns."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import xml.etree.ElementTree as ElementTree
+from pathlib import Path
+
+import pytest
+from made_up import row
+
+from derive.emit.files import MARK
+from derive.study import chart, frames_table
+from derive.study.clock import interleaved, ratio
+
+FRAMES = ("mean", "point")
+DRAW = """
+import sys
+sys.path.insert(0, {here!r})
+from test_study_frames import drawn
+sys.stdout.write(drawn())
+"""
+
+
+def drawn() -> str:
+    return chart.svg("slider & more", FRAMES, [row(1), row(3, 0.7e-6), row(30)])
+
+
+def test_frames_take_turns() -> None:
+    calls: list[str] = []
+
+    def way(name: str):
+        return lambda: calls.append(name) or float(len(calls))
+
+    told: list[int] = []
+    assert interleaved([way("mean"), way("point")], 3, told.append) == [(1, 2), (3, 4), (5, 6)]
+    assert calls == ["mean", "point"] * 3 and told == [0, 1, 2]
+
+
+def test_ratios_are_of_pairs() -> None:
+    found = ratio([(1.0, 2.0), (3.0, 4.0), (9.0, 10.0)])
+    assert (found.median, found.least, found.most) == (0.75, 0.5, 0.9)
+
+
+def test_the_table() -> None:
+    lines = frames_table.text("slider", FRAMES, [row(1), row(3), row(10)]).splitlines()
+    cells = [line.split() for line in lines]
+    assert cells[7][:9] == ["3", "mean", "16", "138", "29", "594", "411", "42", "922"]
+    assert cells[5][:3] == ["ratio", "0.35", "0.82"]
+    assert [r[-3:] for r in cells if r[:1] == ["ratio"]] == [
+        ["0.50", "0.49..0.53", "0.97"],
+        ["0.50", "0.49..0.53", "0.92"],
+        ["0.50", "0.50", "0.49..0.53"],  # the paper has no 10 beams
+    ]
+    assert "not the same measurement" in " ".join(" ".join(c) for c in cells)
+
+
+def test_the_paper_compares_other_frames_with_nothing() -> None:
+    said = frames_table.text("slider", ("chord", "point"), [row(1)])
+    assert "DADS" not in said and "0.97" not in said
+    assert "DADS" not in chart.svg("slider", ("chord", "point"), [row(1)])
+
+
+def test_nothing_names_the_machine_or_a_path() -> None:
+    known = frames_table.plain("slider", FRAMES, [row(1)])
+    assert known["flags"].split()[:2] == ["-std=c99", "-O2"] and known["compiler"]
+    assert not any("/" in known[key] or not known[key] for key in ("flags", "machine"))
+
+
+def test_the_chart_has_the_same_bytes_each_time() -> None:
+    code = DRAW.format(here=str(Path(__file__).parent))
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, check=True)
+    assert done.stdout.decode() == drawn()
+
+
+def test_the_chart_is_a_picture_with_its_numbers() -> None:
+    text = drawn()
+    root = ElementTree.fromstring(text)
+    assert MARK in text[:1000] and "slider &amp; more" in text
+    said = "".join(root.itertext())
+    assert "30 beams: CPU time 0.50" in said and "0.70" in said and "CPU time in the paper (1988, DADS)" in said
+
+
+@pytest.mark.parametrize("pieces", [1, 30])
+def test_one_row_is_a_chart_as_well(pieces: int) -> None:
+    ElementTree.fromstring(chart.svg("slider", FRAMES, [row(pieces)]))
