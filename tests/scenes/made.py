@@ -1,10 +1,10 @@
-"""Scenes through all stages, each once a session, and random states of them."""
+"""Scenes through all stages, each once a session, random states of them, and their motion."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -12,29 +12,56 @@ import zoo
 
 import derive
 from beams import run_module
+from conftest import ROOT
 from derive.native import NativeScene, load_scene
+from derive.simulation.guess import guess
+from derive.simulation.integrate import integrate
+from derive.simulation.observe import Motion, deflection
+from derive.simulation.start import Start, consistent
+from derive.simulation.trajectory import Trajectory
 from derive.spec import parse
 from derive.spec.scene import Scene
 
 FLAGS = ("-std=c99", "-O0", "-ffp-contract=off")
-SCENES = Path(__file__).parent.parent.parent / "scenes"
 
 
 @dataclass(frozen=True, eq=False)
 class Made:
-    """A scene, its model, the compiled C, and the names of the generated Python."""
+    """A scene, its model, the compiled C, and the text of the generated Python."""
 
     spec: Scene
     model: derive.Model
     native: NativeScene
-    python: dict[str, Any]
+    files: tuple[derive.File, ...]
+
+    @property
+    def python(self) -> dict[str, Any]:
+        """The names of the generated Python."""
+        return run_module(self.files)
+
+    def start(self, p: np.ndarray | None = None) -> tuple[np.ndarray, Start]:
+        """k and the consistent start."""
+        k = self.native.setup(p)
+        return k, consistent(self.native, k, *guess(self.spec, self.native))
+
+    def run(self, times: np.ndarray, p: np.ndarray | None = None, tolerance: float = 1e-9) -> Trajectory:
+        """The motion from the start of the specification."""
+        k, start = self.start(p)
+        return integrate(self.native, k, start.q, start.v, times, tolerance=tolerance)
+
+    def bent(self, found: Trajectory, plot: str, p: np.ndarray | None = None) -> np.ndarray:
+        """What a plot of the scene shows of a motion."""
+        quantity = next(one.quantity for one in self.spec.plots if one.name == plot)
+        motion = Motion(self.spec, self.native, self.native.setup(p), found.t, found.q, found.v)
+        return deflection(motion, quantity)
 
 
-def make(spec: Scene) -> Made:
+def make(spec: Any) -> Made:
     """All stages."""
+    assert isinstance(spec, Scene)
     model = derive.lower(derive.derive(spec))
     files = derive.model_files(model, spec)
-    return Made(spec, model, load_scene(files, FLAGS), run_module(files))
+    return Made(spec, model, load_scene(files, FLAGS), files)
 
 
 @cache
@@ -43,11 +70,15 @@ def in_zoo(name: str) -> Made:
     return make(parse(getattr(zoo, name)))
 
 
-def scene(text: str) -> Scene:
-    """A scene in TOML."""
-    found = parse(text)
-    assert isinstance(found, Scene)
-    return found
+def text_of(name: str) -> str:
+    """The text of one of `scenes/`."""
+    return (ROOT / "scenes" / f"{name}.toml").read_text()
+
+
+@cache
+def of(name: str, change: Callable[[str], str] = str) -> Made:
+    """One of `scenes/`, its text changed."""
+    return make(parse(change(text_of(name)), str(ROOT / "scenes" / f"{name}.toml")))
 
 
 def state(native: NativeScene, seed: int) -> tuple[float, np.ndarray, np.ndarray]:
