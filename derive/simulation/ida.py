@@ -23,6 +23,9 @@ from derive.simulation.trajectory import Cost, Trajectory
 NO_SAY = 1e30
 """The absolute tolerance of multipliers: steps and Newton's method look at q and v alone. What is rounding there is far
 above any tolerance in the multipliers of a short step."""
+STUCK, NO_WAY = 2000, 1e-9
+"""After so many steps it is looked whether IDA has come further than that part of the whole time: it never gives up
+where steps do not change the time any more."""
 
 
 class Form(Protocol):
@@ -76,16 +79,21 @@ def integrate_ida(
     rows = Rows(native, k, len(instants), drift, projected)
     solver = _solver(native.dae[form], native, k, tolerance, order, max_step)
     n = native.nq + native.nv
-    t, y, steps, found = float(instants[0]), np.concatenate([q, v]), 0, None
+    t, y, found = float(instants[0]), np.concatenate([q, v]), None
+    steps, calls, mark = 0, 0, t
     try:
         rows.write(t, y)
         found = solver.init_step(t, *_initial(native, k, t, q, v, native.dae[form].size))
         for at in instants[1:]:
             while t < at:
                 found = _step(solver, at, "onestep", instants[-1])
-                steps += found.success and found.t > t
+                calls, steps = calls + 1, steps + (found.t > t)  # a call after a row gives the last step again
                 if not found.success:
                     raise reason_to_stop(native, k, t, y, None, f"IDA: {found.message}")
+                if calls % STUCK == 0:
+                    if found.t - mark < NO_WAY * (instants[-1] - instants[0]):
+                        raise reason_to_stop(native, k, t, y, None, f"{STUCK} steps of IDA lead nowhere")
+                    mark = found.t
                 t, y = found.t, found.y[:n]
                 if progress is not None:
                     progress(t)

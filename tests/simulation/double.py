@@ -17,6 +17,7 @@ from derive.native import ModelError
 Array = NDArray[np.float64]
 Point = tuple[float, float]
 Time = Callable[[float], float]
+Motion = tuple[Time, Time, Time]
 
 
 @dataclass(frozen=True)
@@ -47,7 +48,7 @@ class Turn:
     name: str
     first: str | None
     second: str
-    motion: tuple[Time, Time, Time]
+    motion: Motion
 
 
 @dataclass(frozen=True)
@@ -57,13 +58,13 @@ class Slide:
     name: str
     body: str
     component: int
-    motion: tuple[Time, Time, Time]
+    motion: Motion
 
 
 Condition = Pin | Turn | Slide
 
 
-def steady(speed: float, offset: float = 0.0) -> tuple[Time, Time, Time]:
+def steady(speed: float, offset: float = 0.0) -> Motion:
     """speed t + offset, with its derivatives."""
     return lambda t: speed * t + offset, lambda t: speed, lambda t: 0.0
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from double import Array, Body, Condition, Double, Pin, Slide, Turn, steady
+from double import Array, Body, Condition, Double, Motion, Pin, Slide, Turn, steady
 
 CRANK, ROD = 0.15, 0.3
 
@@ -37,10 +37,10 @@ def crank_slider(
     return Double(bodies, conditions), q, np.zeros(9)
 
 
-def pushed_crank(at: float, speed: float) -> tuple[Double, Array, Array]:
-    """The same mechanism, driven at the slider, whose coordinate is at + speed t."""
+def pushed_crank(at: float, speed: float, motion: Motion | None = None) -> tuple[Double, Array, Array]:
+    """The same mechanism, driven at the slider, whose coordinate is at + speed t, or a `motion`."""
     model, _, v = crank_slider()
-    conditions = (*model.conditions[:-1], Slide("push", "slider", 0, steady(speed, at)))
+    conditions = (*model.conditions[:-1], Slide("push", "slider", 0, motion or steady(speed, at)))
     bodies = tuple(Body(n, *model.diagonal[3 * i + 1 : 3 * i + 3]) for i, n in enumerate(model.bodies))
     angle = float(np.arccos(np.clip((CRANK**2 + at**2 - ROD**2) / (2 * CRANK * at), -1, 1)))
     return Double(bodies, conditions), crank_slider(angle=angle)[1], v

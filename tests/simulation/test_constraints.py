@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from double import Body, Double, Pin
+from double import Body, Double, Motion, Pin
 from mechanisms import CRANK, ROD, crank_slider, four_bar, pendulum, pushed_crank
 
 from derive.simulation.constraints import analyse, check
@@ -51,6 +51,20 @@ def test_a_slider_that_is_pushed_in_line_is_at_a_dead_centre() -> None:
     assert set(error.value.multipliers) == {"bearing_1", "crank_pin_1", "slider_pin_1", "push"}
     model, q, _ = pushed_crank(CRANK + ROD - 1e-3, -1.0)
     check(model, NONE, 0.0, q)
+
+
+@pytest.mark.parametrize(
+    "motion",
+    [
+        (lambda t: 0.45 * np.cos(t), lambda t: -0.45 * np.sin(t), lambda t: -0.45 * np.cos(t)),
+        (lambda t: 0.45 - t**2, lambda t: -2 * t, lambda t: -2.0),
+    ],
+)
+def test_a_drive_that_begins_to_move_at_a_dead_centre(motion: Motion) -> None:
+    """At rest no constraint changes with time; a little later it does, and the mechanism is not singular there."""
+    model, q, _ = pushed_crank(CRANK + ROD, 0.0, motion)
+    with pytest.raises(SingularConfiguration):
+        check(model, NONE, 0.0, q)
 
 
 def test_a_drive_that_stands_still_at_a_dead_centre_has_to_be_named_as_a_drive() -> None:

@@ -1,0 +1,87 @@
+"""Compiled scenes for the numerics: the paper's crank-slider, one that is pushed at its slider, bars in parallel."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from functools import cache
+
+import numpy as np
+
+import derive
+from conftest import ROOT
+from derive.native import NativeScene, Vector, load_scene
+from derive.simulation.guess import guess
+from derive.simulation.start import Start, consistent
+from derive.spec import parse
+from derive.spec.body import Frame
+from derive.spec.scene import BeamBody, Scene
+
+
+@dataclass(frozen=True, eq=False)
+class Compiled:
+    """A scene, its kernels and the constants of its default parameters."""
+
+    scene: Scene
+    native: NativeScene
+    k: Vector
+
+    def start(self, t: float = 0.0) -> Start:
+        """The consistent state next to what the specification says, at the time t (s)."""
+        return consistent(self.native, self.k, *guess(self.scene, self.native), t)
+
+
+@cache
+def crank_slider(pieces: int, frame: str = "mean") -> Compiled:
+    """Set A with the rod in so many beams, each in the mean frame or in that of its middle."""
+    scene = derive.read(ROOT / "scenes/crank_slider_3.toml")
+    assert isinstance(scene, Scene)
+    frames = {"mean": Frame("mean"), "point": Frame("point", Fraction(0))}
+    bodies = tuple(
+        replace(b, pieces=pieces, beam=replace(b.beam, frame=frames[frame])) if isinstance(b, BeamBody) else b
+        for b in scene.bodies
+    )
+    return _compiled(replace(scene, bodies=bodies))
+
+
+@cache
+def pushed() -> Compiled:
+    """A rigid crank-slider, crank 0.15 m, rod 0.3 m, whose slider is pushed to 0.3 m + 1 m/s t; it begins in line."""
+    bodies = {
+        "crank": (0.075, "hub = [-0.075, 0], pin = [0.075, 0]"),
+        "rod": (0.3, "left = [-0.15, 0], right = [0.15, 0]"),
+        "slider": (0.45, "pin = [0, 0]"),
+    }
+    text = 'name = "pushed"\n[ground.markers]\nbearing = [0, 0]\n'
+    for name, (x, markers) in bodies.items():
+        text += f"[bodies.{name}]\nmass = 0.1\ninertia = 1e-3\nmarkers = {{ {markers} }}\n"
+        text += f"start = {{ position = [{x}, 0] }}\n"
+    for name, first, second in (
+        ("bearing", "ground.bearing", "crank.hub"),
+        ("crank_pin", "crank.pin", "rod.left"),
+        ("slider_pin", "rod.right", "slider.pin"),
+    ):
+        text += f'[joints.{name}]\nkind = "revolute"\nbetween = ["{first}", "{second}"]\n'
+    text += '[joints.guide]\nkind = "translational"\nbetween = ["ground.bearing", "slider.pin"]\n'
+    return _compiled(parse(f'{text}[drives.push]\njoint = "guide"\nmotion = "0.3 + t"\n'))
+
+
+@cache
+def bars(names: str) -> Compiled:
+    """A coupler of 1 m on bars of 0.5 m that stay parallel; one is driven."""
+    text = 'name = "bars"\n[bodies.coupler]\nmass = 1\ninertia = 0.1\nstart = { position = [0.77, 0.42] }\nmarkers = { '
+    places = dict(zip(names, np.linspace(0, 1, len(names)), strict=True))
+    text += ", ".join(f"{n} = [{x - 0.5}, 0]" for n, x in places.items()) + " }\n[ground.markers]\n"
+    text += "".join(f"{n} = [{x}, 0]\n" for n, x in places.items())
+    for n, x in places.items():
+        text += f"[bodies.bar_{n}]\nmass = 0.5\ninertia = 0.01\nmarkers = {{ foot = [-0.25, 0], head = [0.25, 0] }}\n"
+        text += f"start = {{ position = [{x + 0.135}, 0.21], angle = 1 }}\n"
+        text += f'[joints.foot_{n}]\nkind = "revolute"\nbetween = ["ground.{n}", "bar_{n}.foot"]\n'
+        text += f'[joints.head_{n}]\nkind = "revolute"\nbetween = ["bar_{n}.head", "coupler.{n}"]\n'
+    return _compiled(parse(f'{text}[drives.motor]\njoint = "foot_{names[0]}"\nmotion = "1 + 0.1*sin(t)"\n'))
+
+
+def _compiled(scene: object) -> Compiled:
+    assert isinstance(scene, Scene)
+    native = load_scene(derive.model_files(derive.lower(derive.derive(scene)), scene))
+    return Compiled(scene, native, native.setup())

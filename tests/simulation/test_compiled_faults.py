@@ -1,0 +1,51 @@
+"""Compiled mechanisms that cannot go on, or never could; the crank has no coordinates of its own where it is driven."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from importlib.util import find_spec
+
+import numpy as np
+import pytest
+from compiled import bars, pushed
+
+from derive.simulation.errors import (
+    DriveCannotBeFollowed,
+    InconsistentStart,
+    RedundantConstraints,
+    SingularConfiguration,
+)
+from derive.simulation.ida import integrate_ida
+from derive.simulation.integrate import integrate
+
+METHODS = [integrate, pytest.param(integrate_ida, marks=pytest.mark.skipif(not find_spec("sksundae"), reason="no IDA"))]
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_a_slider_that_is_pushed_to_a_dead_centre_stops_there(method: Callable[..., object]) -> None:
+    made = pushed()
+    start = made.start()  # shaken out of the line of the guess
+    with pytest.raises(DriveCannotBeFollowed, match="dead centre") as error:
+        method(made.native, made.k, start.q, start.v, np.linspace(0, 1, 101))
+    assert error.value.t == pytest.approx(0.15, abs=1e-6)
+    assert error.value.drives == ("crank_pin_1",)
+    assert error.value.smallest < 1e-3
+
+
+def test_a_slider_that_starts_at_a_dead_centre_is_refused() -> None:
+    with pytest.raises(SingularConfiguration, match="dead centre") as error:
+        pushed().start(t=0.15)
+    assert error.value.multipliers == ("crank_pin_1",)
+
+
+def test_a_slider_that_starts_out_of_reach_is_refused() -> None:
+    with pytest.raises(InconsistentStart) as error:
+        pushed().start(t=0.2)
+    assert [name for name, _ in error.value.unmet] == ["crank_pin_1"]
+    assert abs(error.value.unmet[0][1]) == pytest.approx(0.05)
+
+
+def test_a_third_bar_is_redundant() -> None:
+    """The first bar is driven and has no coordinates; in time the others show that they depend on each other."""
+    with pytest.raises(RedundantConstraints, match="head_c_2 says the same as head_b_1, head_b_2 and head_c_1"):
+        bars("abc").start()
