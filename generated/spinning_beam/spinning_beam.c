@@ -3,7 +3,7 @@
  * f4134ef312377ee48eb7e94571195fedf7cc19dda7cdb01e74d52f6122993443. Do not edit.
  * SPDX-License-Identifier: 0BSD
  *
- * spinning_beam: scene of 1 planar bodies: 5 coordinates, 0 constraints, 5 degrees of freedom; see
+ * spinning_beam: scene of 1 planar body: 5 coordinates, 0 constraints, 5 degrees of freedom; see
  *     spinning_beam.h.
  */
 

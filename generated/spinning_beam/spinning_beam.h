@@ -3,7 +3,7 @@
  * f4134ef312377ee48eb7e94571195fedf7cc19dda7cdb01e74d52f6122993443. Do not edit.
  * SPDX-License-Identifier: 0BSD
  *
- * spinning_beam: scene of 1 planar bodies: 5 coordinates, 0 constraints, 5 degrees of freedom
+ * spinning_beam: scene of 1 planar body: 5 coordinates, 0 constraints, 5 degrees of freedom
  *
  * Equations of motion M(q) vdot + h(t, q, v) = G^T lambda with constraints g(t, q) = 0, G = dg/dq,
  * G vdot = gamma, from x = c + Q (X + u) and d'Alembert's virtual

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import chain
 
@@ -323,6 +323,10 @@ def _origin(scene: Scene) -> str:
 
 def _doc(scene: Scene, coordinates: tuple[Coordinate, ...], found: tuple[Constraint, ...]) -> str:
     return (
-        f"scene of {len(scene.bodies)} planar bodies: {len(coordinates)} coordinates, {len(found)} constraints, "
-        f"{len(coordinates) - len(found)} degrees of freedom"
+        f"scene of {_count(scene.bodies, 'planar bod', 'y', 'ies')}: {_count(coordinates, 'coordinate')}, "
+        f"{_count(found, 'constraint')}, {_count(coordinates[len(found) :], 'degree')} of freedom"
     )
+
+
+def _count(things: Sequence[object], noun: str, one: str = "", many: str = "s") -> str:
+    return f"{len(things)} {noun}{one if len(things) == 1 else many}"
