@@ -61,5 +61,6 @@ def _pivots(scene: Scene, options: argparse.Namespace) -> int:
     if options.json:
         print(json.dumps([pivots_table.plain(scene.name, n, both) for n, both in found], indent=2))
     else:
-        print("\n\n".join(pivots_table.text(scene.name, n, along, both) for n, both in found))
+        blocks = [pivots_table.text(scene.name, n, along, both) for n, both in found]
+        print("\n\n".join([*blocks, pivots_table.legend()]))
     return 0

@@ -75,13 +75,13 @@ def eliminate(A: Matrix, b: Matrix, rows: tuple[int, ...], cols: tuple[int, ...]
 
 
 def backward_error(A: Matrix, b: Matrix, x: Matrix) -> Vector:
-    """(n,): max_i |A x - b|_i / (|A| |x| + |b|)_i, the relative change of entries that would make x exact.
+    """(n,): |A x - b| / (|A| |x| + |b|) in the largest norm, the relative change of A and b that would make x exact.
 
-    Oettli and Prager, 1964, Numer. Math. 6, 405-409. Infinite where x is not finite.
+    Rigal and Gaches, 1967, J. ACM 14, 543-548. Infinite where x is not finite.
     """
     finite = np.asarray(np.isfinite(x).all(axis=1))
     safe = np.where(finite[:, None], x, 0.0)
-    left = np.abs(np.einsum("sij,sj->si", A.astype(np.longdouble), safe) - b)
-    scale = np.einsum("sij,sj->si", np.abs(A), np.abs(safe)) + np.abs(b)
-    error = np.divide(left, scale, out=np.zeros_like(left), where=scale > 0).max(axis=1)
+    left = np.abs(np.einsum("sij,sj->si", A.astype(np.longdouble), safe) - b).max(axis=1)
+    norms = np.abs(A).sum(axis=2).max(axis=1) * np.abs(safe).max(axis=1) + np.abs(b).max(axis=1)
+    error = np.divide(left, norms, out=np.zeros_like(left), where=norms > 0)
     return np.where(finite, error.astype(float), np.inf)

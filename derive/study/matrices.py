@@ -36,12 +36,13 @@ def present(shape: Pattern) -> NDArray[np.bool_]:
     return found
 
 
-def equilibrated(A: Matrix) -> Matrix:
-    """Matrices (..., n, n) with rows and columns scaled, symmetrically, until their largest entries are 1.
+def equilibrated(A: Matrix, b: Matrix) -> tuple[Matrix, Matrix]:
+    """Matrices (n, size, size) with rows and columns scaled until their largest entries are 1; b (n, size) as its rows.
 
-    Ruiz, 2001, RAL-TR-2001-034: what is left of the condition has nothing to do with units.
+    Each row is scaled as its column (Ruiz, 2001, RAL-TR-2001-034): elimination in any order goes on as before, but
+    what is large and what is small in it has nothing to do with units.
     """
     for _ in range(20):
-        scale = 1 / np.sqrt(np.abs(A).max(axis=-1))
-        A = A * scale[..., :, None] * scale[..., None, :]
-    return A
+        scale = 1 / np.sqrt(np.abs(A).max(axis=2))
+        A, b = A * scale[:, :, None] * scale[:, None, :], b * scale
+    return A, b

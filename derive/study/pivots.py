@@ -34,7 +34,7 @@ FEW = 40
 
 @dataclass(frozen=True)
 class Pivots:
-    """What one order gives in some states: numbers are the worst of all, `typical` the median.
+    """What one order gives in some states, rows and columns scaled: the worst of all, `typical_growth` the median.
 
     `without_diagonal` are zero by structure, `vanishing` others that vanish in a state or between two, if none before
     them does; `failures` are states without a result. `smallest` is a pivot over the largest entry of its column.
@@ -58,7 +58,7 @@ class Looked:
     vanishing_mass: int
     vanishing_kkt: int
     condition: float
-    equilibrated: float
+    scaled_condition: float
     pivoted_backward_error: float
     orders: dict[str, Pivots]
 
@@ -91,19 +91,20 @@ def look(variant: Variant, count: int, numberings: int) -> InFrame:
     moved = states.simulated(variant.scene, native, k, count)
     kinds = (states.undeformed(variant.scene, native, k, moved), moved)
     progress.show(f"{said}eliminating")
-    (at_rest, right_at_rest), (moving, right) = (systems(native, k, kind) for kind in kinds)
-    found = {name: order(shape, native.nv, at_rest[0]) for name, order in ORDERS.items()}
-    scale = np.maximum(np.abs(at_rest).max(axis=0), np.abs(moving).max(axis=0))
+    at_rest, moving = (systems(native, k, kind) for kind in kinds)
+    largest = np.maximum(np.abs(at_rest[0]).max(axis=0), np.abs(moving[0]).max(axis=0))
+    scaled_at_rest, scaled = equilibrated(*at_rest), equilibrated(*moving)
+    found = {name: order(shape, native.nv, scaled_at_rest[0][0]) for name, order in ORDERS.items()}
     some = slice(None, None, max(1, count // FEW))
-    tried = np.concatenate([at_rest[some], moving[some]]), np.concatenate([right_at_rest[some], right[some]])
+    tried = [np.concatenate([a[some], b[some]]) for a, b in zip(scaled_at_rest, scaled, strict=True)]
     return InFrame(
         variant.frame,
         counts(equations),
         _neighbours(shape, native.nv),
-        _looked(at_rest, right_at_rest, scale, shape, native.nv, found),
-        _looked(moving, right, scale, shape, native.nv, found),
+        _looked(at_rest[0], vanishing(at_rest[0], largest, present(shape)), scaled_at_rest, shape, native.nv, found),
+        _looked(moving[0], vanishing(moving[0], largest, present(shape)), scaled, shape, native.nv, found),
         numberings,
-        broken(shape, native.nv, *tried, numberings, said),
+        broken(shape, native.nv, tried[0], tried[1], numberings, said),
     )
 
 
@@ -138,16 +139,23 @@ def vanishing(A: Matrix, scale: Matrix, there: NDArray[np.bool_]) -> NDArray[np.
     return np.asarray(there & (zero | changed))
 
 
-def _looked(A: Matrix, b: Matrix, scale: Matrix, shape: Pattern, coordinates: int, orders: dict[str, Order]) -> Looked:
-    gone = vanishing(A, scale, present(shape))
-    exact = np.asarray(np.linalg.solve(A, b[:, :, None])[:, :, 0], dtype=np.float64)
+def _looked(
+    raw: Matrix,
+    gone: NDArray[np.bool_],
+    scaled: tuple[Matrix, Matrix],
+    shape: Pattern,
+    coordinates: int,
+    orders: dict[str, Order],
+) -> Looked:
+    A, b = scaled
+    pivoted = np.asarray(np.linalg.solve(A, b[:, :, None])[:, :, 0], dtype=np.float64)
     return Looked(
         states=len(A),
         vanishing_mass=int(gone[:coordinates, :coordinates].sum()),
         vanishing_kkt=int(gone.sum()),
-        condition=float(np.linalg.cond(A).max()),
-        equilibrated=float(np.linalg.cond(equilibrated(A)).max()),
-        pivoted_backward_error=float(backward_error(A, b, exact).max()),
+        condition=float(np.linalg.cond(raw).max()),
+        scaled_condition=float(np.linalg.cond(A).max()),
+        pivoted_backward_error=float(backward_error(A, b, pivoted).max()),
         orders={name: _pivots(A, b, shape, coordinates, order) for name, order in orders.items()},
     )
 

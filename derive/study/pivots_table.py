@@ -21,8 +21,9 @@ LEGEND = (
     "no diagonal: pivots of multipliers that are zero by structure; vanish: other pivots that are below "
     f"{VANISHING:g} of the largest entry of their columns, or change their sign between two states, if none before "
     "them does; fail: states without a result",
+    "smallest, growth and error are of matrices whose rows and columns are scaled to 1, so that units do not matter",
     "smallest: pivot over the largest entry of its column; growth: max |L D| / max |A| (kept: max |U| / max |A|), "
-    "median and worst; error: backward error max |Ax - b| / (|A| |x| + |b|), worst",
+    "median and worst; error: backward error |A x - b| / (|A| |x| + |b|) in the largest norm, worst",
     "broken: numberings of the unknowns in which some pivot vanishes",
 )
 
@@ -43,11 +44,15 @@ def text(name: str, pieces: int, along: str, found: tuple[InFrame, InFrame]) -> 
             *table(_entries(found), left=2),
             "",
             *table(_orders(found), left=3),
-            *wrapped(LEGEND, "  "),
             "",
             *wrapped(verdict(*found)),
         ]
     )
+
+
+def legend() -> str:
+    """What the tables mean."""
+    return "\n".join(wrapped(LEGEND))
 
 
 def _entries(found: Sequence[InFrame]) -> list[list[str]]:
@@ -56,7 +61,7 @@ def _entries(found: Sequence[InFrame]) -> list[list[str]]:
     for one in found:
         for kind, looked in (("undeformed", one.undeformed), ("simulated", one.simulated)):
             counted = (one.counts.mass, looked.vanishing_mass, one.counts.kkt, looked.vanishing_kkt, one.counts.fill)
-            sizes = (looked.condition, looked.equilibrated, looked.pivoted_backward_error)
+            sizes = (looked.condition, looked.scaled_condition, looked.pivoted_backward_error)
             rows.append([one.frame, kind, *map(str, counted), str(one.counts.flops), *map(short, sizes)])
     return rows
 

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from derive.study.pivots import InFrame, Looked, Pivots
 from derive.study.text import short
 
-SUBSTANTIAL = 10.0
-"""A growth or a backward error that differs by this factor differs substantially."""
+SUBSTANTIAL, ROUNDING = 10.0, 1e-15
+"""Backward errors that differ by this factor differ substantially; those below `ROUNDING` are as good as none."""
 
 SHARE = 0.1
 """So does the share of numberings in which a pivot vanishes, if it differs by this much."""
@@ -42,7 +42,7 @@ def judge(order: str, sparse: InFrame, full: InFrame) -> Judged:
     """Compare one order in both frames."""
     a, b = sparse.broken[order], full.broken[order]
     if a == b == 0 and not any(_vanish(one, order) for one in (sparse, full)):
-        gain = _factor_gain(_ratios(order, sparse, full))
+        gain = _error_gain(order, sparse, full)
         numbers = (
             f"growth {short(_worst(sparse, order).growth)} and {short(_worst(full, order).growth)}, backward error "
             f"{short(_worst(sparse, order).backward_error)} and {short(_worst(full, order).backward_error)}"
@@ -50,11 +50,10 @@ def judge(order: str, sparse: InFrame, full: InFrame) -> Judged:
         said = f"no pivot vanishes in either frame; {numbers} ({sparse.frame}, {full.frame})"
     else:
         gain = (b - a >= SHARE) - (a - b >= SHARE)
-        said = (
-            f"some pivot vanishes in {_percent(a)} of the numberings in the {sparse.frame} frame, in {_percent(b)} in "
-            f"the {full.frame} frame"
+        shares = (
+            f"{_percent(one.broken[order])} in the {one.frame} frame{_missing(one, order)}" for one in (sparse, full)
         )
-        said += "".join(_missing(one, order) for one in (sparse, full))
+        said = f"of the numberings some pivot vanishes in {' and in '.join(shares)}"
     return Judged(order, gain, f"{order}: {said}: {_gained(gain, sparse, full)}.{_reason(order, gain, sparse, full)}")
 
 
@@ -73,7 +72,7 @@ def conclusion(judged: Sequence[Judged], sparse: InFrame, full: InFrame) -> str:
             f"less so with the order{_s(by_gain[-1])} {_and(by_gain[-1])}."
         )
     parts = [f"the {sparse.frame} frame is substantially more stable with the order{_s(by_gain[1])} {_and(by_gain[1])}"]
-    parts += [f"as stable as the {full.frame} frame with {_and(by_gain[0])}"] if by_gain[0] else []
+    parts += [f"not substantially different with {_and(by_gain[0])}"] if by_gain[0] else []
     parts += [f"substantially less stable with {_and(by_gain[-1])}"] if by_gain[-1] else []
     return f"Haug's conjecture holds in part: {', '.join(parts)}."
 
@@ -104,10 +103,8 @@ def _reason(order: str, gain: int, sparse: InFrame, full: InFrame) -> str:
 
 def _missing(one: InFrame, order: str) -> str:
     missing = one.simulated.orders[order].without_diagonal
-    if not missing:
-        return ""
     come = "multiplier comes before all of its" if missing == 1 else "multipliers come before all of their"
-    return f", where {missing} {come} coordinates"
+    return f" (here {missing} {come} coordinates)" if missing else ""
 
 
 def _besides(sparse: InFrame, full: InFrame) -> list[str]:
@@ -124,23 +121,18 @@ def _besides(sparse: InFrame, full: InFrame) -> list[str]:
 
 def _condition(one: InFrame) -> tuple[float, float]:
     both = (one.undeformed, one.simulated)
-    return max(x.condition for x in both), max(x.equilibrated for x in both)
+    return max(x.condition for x in both), max(x.scaled_condition for x in both)
 
 
 def _times(full: float, sparse: float) -> str:
-    if full == sparse:
-        return "the same"
+    if 0.95 < full / sparse < 1.05:
+        return "about the same"
     return f"{full / sparse:.1f} times smaller" if full > sparse else f"{sparse / full:.1f} times larger"
 
 
-def _ratios(order: str, sparse: InFrame, full: InFrame) -> tuple[float, float]:
-    a, b = _worst(sparse, order), _worst(full, order)
-    return b.growth / max(a.growth, 1e-300), b.backward_error / max(a.backward_error, 1e-300)
-
-
-def _factor_gain(ratios: tuple[float, float]) -> int:
-    more, less = max(ratios) >= SUBSTANTIAL, min(ratios) <= 1 / SUBSTANTIAL
-    return int(more) - int(less)
+def _error_gain(order: str, sparse: InFrame, full: InFrame) -> int:
+    a, b = (max(_worst(one, order).backward_error, ROUNDING) for one in (sparse, full))
+    return int(b >= SUBSTANTIAL * a) - int(a >= SUBSTANTIAL * b)
 
 
 def _worst(one: InFrame, order: str) -> Pivots:

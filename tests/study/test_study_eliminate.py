@@ -49,4 +49,5 @@ def test_a_pivot_vanishes_in_a_state_or_between_two(values: list[float], first: 
 def test_backward_error_is_the_change_that_makes_it_exact() -> None:
     A, x = np.array([[[2.0, 1.0], [1.0, 3.0]]]), np.array([[1.0, 1.0]])
     assert backward_error(A, np.array([[3.0, 4.0]]), x)[0] == 0.0
-    assert backward_error(A, np.array([[3.0, 4.0 * (1 + 1e-6)]]), x)[0] == pytest.approx(0.5e-6, rel=1e-5)
+    # |A x - b| = 8e-6, |A| = 4, |x| = 1, |b| = 4
+    assert backward_error(A, np.array([[3.0, 4.0 + 8e-6]]), x)[0] == pytest.approx(1e-6, rel=1e-5)
