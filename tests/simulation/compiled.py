@@ -81,6 +81,35 @@ def bars(names: str) -> Compiled:
     return _compiled(parse(f'{text}[drives.motor]\njoint = "foot_{names[0]}"\nmotion = "1 + 0.1*sin(t)"\n'))
 
 
+@cache
+def clamped(kind: str) -> Compiled:
+    """A rod of 0.3 m, held at its left end, there turned by 0.05 if it is fixed; its right end slides along a line."""
+    text = f"""name = "clamped"
+[ground.markers]
+a = [0, 0]
+[bodies.rod]
+mass = 0.1
+length = 0.3
+bending_stiffness = 10
+markers = {{ left = -1, right = 1 }}
+[bodies.slider]
+mass = 0.1
+inertia = 1e-4
+markers = {{ pin = [0, 0] }}
+[joints.left]
+kind = "{kind}"
+between = ["ground.a", "rod.left"]
+{"angle = 0.05" if kind == "fixed" else ""}
+[joints.right]
+kind = "revolute"
+between = ["rod.right", "slider.pin"]
+[joints.guide]
+kind = "translational"
+between = ["ground.a", "slider.pin"]
+"""
+    return _compiled(parse(text))
+
+
 def _compiled(scene: object) -> Compiled:
     assert isinstance(scene, Scene)
     native = load_scene(derive.model_files(derive.lower(derive.derive(scene)), scene))

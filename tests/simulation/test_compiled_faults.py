@@ -7,7 +7,7 @@ from importlib.util import find_spec
 
 import numpy as np
 import pytest
-from compiled import bars, pushed
+from compiled import bars, clamped, pushed
 
 from derive.simulation.errors import (
     DriveCannotBeFollowed,
@@ -49,3 +49,12 @@ def test_a_third_bar_is_redundant() -> None:
     """The first bar is driven and has no coordinates; in time the others show that they depend on each other."""
     with pytest.raises(RedundantConstraints, match="head_c_2 says the same as head_b_1, head_b_2 and head_c_1"):
         bars("abc").start()
+
+
+def test_a_rod_that_is_clamped_out_of_line_has_to_bend() -> None:
+    """One that is pinned has not, though it could: its guess lies half a length aside."""
+    bent, straight = clamped("fixed").start(), clamped("revolute").start()
+    assert bent.deformed and bent.position_error < 1e-12
+    assert straight.position_error < 1e-12 and not straight.deformed
+    assert straight.q[3:5] == pytest.approx([0, 0], abs=0) and np.abs(straight.q[0]) == pytest.approx(0.15)
+    assert np.abs(bent.q[3:5]).max() > 1e-3
