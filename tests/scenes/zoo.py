@@ -362,3 +362,9 @@ between = ["rod.left", "rod.right"]
 stiffness = 1.1
 damping = { symbol = "d5", default = 0.07 }
 """
+
+KEPT = REDUCED.replace('"reduced"', '"kept"')
+for _name in ("bob", "flag", "post", "swing", "slider", "cart", "gear"):
+    KEPT = KEPT.replace(f"[bodies.{_name}]", f"[bodies.{_name}]\nkeep_coordinates = true")
+for _name in ("arm", "pusher"):  # which do without mass where their motion is prescribed
+    KEPT = KEPT.replace(f"[bodies.{_name}]", f"[bodies.{_name}]\nkeep_coordinates = true\nmass = 0.3\ninertia = 0.02")
