@@ -104,15 +104,23 @@ def look(variant: Variant, count: int, numberings: int) -> InFrame:
         _looked(at_rest[0], vanishing(at_rest[0], largest, present(shape)), scaled_at_rest, shape, native.nv, found),
         _looked(moving[0], vanishing(moving[0], largest, present(shape)), scaled, shape, native.nv, found),
         numberings,
-        broken(shape, native.nv, tried[0], tried[1], numberings, said),
+        broken(shape, native.nv, (scaled_at_rest[0][0], at_rest[0][0]), (tried[0], tried[1]), numberings, said),
     )
 
 
-def broken(shape: Pattern, coordinates: int, A: Matrix, b: Matrix, numberings: int, said: str = "") -> dict[str, float]:
+def broken(
+    shape: Pattern,
+    coordinates: int,
+    firsts: tuple[Matrix, Matrix],
+    system: tuple[Matrix, Matrix],
+    numberings: int,
+    said: str = "",
+) -> dict[str, float]:
     """The share of numberings in which a pivot of an order vanishes: the one that is there, and random ones.
 
-    Orders choose among equals by their numbers, so that what one numbering gives may be luck. Coordinates keep the
-    numbers before multipliers.
+    Orders choose among equals by their numbers, so that what one numbering gives may be luck; and those that look at
+    values depend on units. So they look at each of `firsts` by turns, the first matrix scaled and in SI units.
+    Coordinates keep the numbers before multipliers.
     """
     random, failed = np.random.default_rng(1988), dict.fromkeys(ORDERS, 0)
     new, multipliers = np.arange(shape.rows), shape.rows - coordinates
@@ -122,9 +130,9 @@ def broken(shape: Pattern, coordinates: int, A: Matrix, b: Matrix, numberings: i
         pairs = ((int(place[i]), int(place[j])) for i, j in shape.entries)
         again = pattern(shape.rows, shape.cols, {(max(p), min(p)) for p in pairs}, symmetric=True)
         for name, order in ORDERS.items():
-            found = order(again, coordinates, A[0][np.ix_(new, new)])
+            found = order(again, coordinates, firsts[number % 2][np.ix_(new, new)])
             back = Order(tuple(int(new[i]) for i in found.rows), tuple(int(new[j]) for j in found.cols))
-            failed[name] += bool(np.any(eliminate(A, b, back.rows, back.cols).vanished))
+            failed[name] += bool(np.any(eliminate(*system, back.rows, back.cols).vanished))
         new = np.concatenate([random.permutation(coordinates), coordinates + random.permutation(multipliers)])
     return {name: count / numberings for name, count in failed.items()}
 
