@@ -63,11 +63,11 @@ def integrate(
                 dense = solver.dense_output()
                 while rows.count < len(instants) and instants[rows.count] < solver.t:
                     rows.write(float(instants[rows.count]), dense(instants[rows.count]))
+            if rows.count < len(instants) and instants[rows.count] == solver.t:
+                rows.write(float(solver.t), solver.y)
             if projected:
                 solver.y = rows.projected_state(solver.t, solver.y)
                 solver.f = evaluator(solver.t, solver.y)
-            if rows.count < len(instants) and instants[rows.count] == solver.t:
-                rows.write(float(solver.t), solver.y)
             t, y = float(solver.t), solver.y
             if progress is not None:
                 progress(t)

@@ -24,14 +24,13 @@ def nearby(
 ) -> Iterator[tuple[float, Vector]]:
     """A few (time, state) near a consistent state q (nq,) that meet the constraints, all but `drives` (multipliers).
 
-    Nothing where a mechanism cannot move, and its drives do not.
+    Only q again where a mechanism cannot move, and its drives do not.
     """
     kept = [i for i, name in enumerate(native.multipliers) if name not in drives]
     times = [later for sign in (1.0, -1.0) if (later := _later(native, k, t, q, sign)) is not None]
     everything = np.ones(native.nq, dtype=bool)
     for direction in _directions(native, k, t, q, kept):
-        if (state := _returned(native, k, t, q, direction, kept)) is not None:
-            yield t, state
+        yield t, _returned(native, k, t, q, direction, kept)
         for later in times:  # from aside, since from a dead centre no way leads on
             found = close(native, k, later, q + direction, everything)
             if found.closed:
@@ -51,8 +50,8 @@ def _directions(native: Mechanism, k: Vector, t: float, q: Vector, kept: list[in
         yield np.zeros(native.nq)
 
 
-def _returned(native: Mechanism, k: Vector, t: float, q: Vector, direction: Vector, kept: list[int]) -> Vector | None:
-    """The state next to q + direction that meets the constraints `kept` as q does; None if that is q again."""
+def _returned(native: Mechanism, k: Vector, t: float, q: Vector, direction: Vector, kept: list[int]) -> Vector:
+    """The state next to q + direction that meets the constraints `kept` as q does; q again if there is no other."""
     R = metric(mass_matrix(native, q, k))
     lengths = sizes(native, k, t, q, R)[kept]
     moved, asked = q + direction, native.constraints(t, q, k)[kept]
@@ -63,8 +62,7 @@ def _returned(native: Mechanism, k: Vector, t: float, q: Vector, direction: Vect
         rows = constraint_matrix(native, t, moved, k)[kept]
         A = per_speed(rows, R) / lengths[:, None]
         moved = moved + solve_triangular(R, damped_step(A, -g / lengths, 0.0))
-    away = float(np.linalg.norm(R @ (moved - q)))
-    return moved if away > 0.2 * np.linalg.norm(R @ direction) else None
+    return moved
 
 
 def _later(native: Mechanism, k: Vector, t: float, q: Vector, direction: float) -> float | None:

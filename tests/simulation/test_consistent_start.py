@@ -46,6 +46,21 @@ def test_the_change_of_velocities_is_the_smallest_in_the_metric_of_the_mass() ->
     assert np.abs(momentum).max() > 0.1
 
 
+def test_the_change_of_positions_is_the_smallest_for_a_guess_that_is_nearly_right() -> None:
+    """To second order: M dq is a combination of the rows of G, however different the masses are."""
+    model, q, v = four_bar()
+    model.diagonal *= np.array([1, 1, 1, 100, 100, 100, 0.01, 0.01, 0.01])
+    rest = []
+    for size in (1e-3, 1e-4):
+        guess = q + size * np.random.default_rng(1).normal(size=9)
+        found = start(model, guess, v)
+        G = np.reshape(model.constraint_jacobian(0, found.q, np.zeros(0)), (9, 8)).T / np.sqrt(model.diagonal)
+        change = np.sqrt(model.diagonal) * (found.q - guess)
+        rest.append(np.abs(change - G.T @ np.linalg.lstsq(G.T, change, rcond=None)[0]).max() / np.abs(change).max())
+    assert rest[0] < 0.05
+    assert rest[1] < 0.2 * rest[0]
+
+
 def test_a_guess_in_line_is_shaken_out_of_the_line() -> None:
     """Along the line no step leads to where the slider is pushed to, so that Newton's method has nowhere to go."""
     model, _, v = pushed_crank(0.3, 1.0)

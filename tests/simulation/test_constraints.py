@@ -94,6 +94,16 @@ def test_the_scale_of_units_does_not_matter() -> None:
     assert analyse(small, NONE, 0.0, q_small).smallest == pytest.approx(expected, rel=1e-9)
 
 
+def test_a_driven_crank_needs_no_mass() -> None:
+    """Constraints say all about its motion, and their singular values are not those of a crank of next to no mass."""
+    model, q, _ = crank_slider(angle=0.5)
+    expected = analyse(model, NONE, 0.0, q).smallest
+    model.diagonal[:3] = 0.0
+    found = analyse(model, NONE, 0.0, q)
+    assert found.rank == 9 and 0.2 < found.smallest / expected < 5
+    check(model, NONE, 0.0, q)
+
+
 def test_a_body_without_inertia_that_can_turn_is_told() -> None:
     model = Double((Body("bob", 1.0, 0.0),), (Pin("pin", None, (0, 0), "bob", (0, 0)),))
     with pytest.raises(MasslessMotion, match="bob_phi"):

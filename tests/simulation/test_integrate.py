@@ -75,6 +75,7 @@ def test_drift_grows_without_projection_and_is_refused_beyond_the_tolerance() ->
     assert free.drift[-1, 0] > 10 * free.drift[2, 0] > 0
     held = run(pendulum(), times, tolerance=1e-7)
     assert held.drift.max() < 1e-13
+    assert held.drift_before[-1, 0] < 0.1 * free.drift[-1, 0]  # that of a step, not of all of them
     with pytest.raises(DriftTooLarge, match=r"constraint pin_. is off by .* more than the tolerance of drift 1e-09"):
         run(pendulum(), times, tolerance=1e-7, projected=False)
 
