@@ -9,6 +9,7 @@ from itertools import groupby
 from derive.report.address import address
 from derive.report.formula import Equation, Formula, Part
 from derive.report.mathml import math, relation_math, summand_math
+from derive.report.spacing import has_matrix
 from derive.report.words import equation_words, words
 
 LONG = 6
@@ -17,7 +18,8 @@ LONG = 6
 
 def equations_html(equations: Sequence[Equation]) -> str:
     """Equations below each other, aligned at their relations."""
-    return f'<div class="eqs">{"".join(_equation(one) for one in equations)}</div>'
+    kind = "eqs wide" if any(has_matrix(one) for one in equations) else "eqs"
+    return f'<div class="{kind}">{"".join(_equation(one) for one in equations)}</div>'
 
 
 def _equation(equation: Equation) -> str:
@@ -55,7 +57,7 @@ def _groups(parts: Sequence[Part]) -> str:
 
 def _group(name: str, pieces: Sequence[str]) -> str:
     label = f"<small>{escape(name)}</small>" if name else ""
-    return f'<span class="{"g t" if name else "g"}">{label}{"".join(pieces)}</span>'
+    return f'<span class="{"g t" if name else "g"}">{"".join(pieces)}{label}</span>'
 
 
 def _part(part: Part, first: bool) -> str:
