@@ -45,17 +45,12 @@ def scoped(style: str, scope: str) -> str:
         raise ValueError("a picture's style brings in something from outside")
 
     def narrowed(found: re.Match[str]) -> str:
-        selectors = found[2].strip()
+        selectors = found[1].strip()
         if selectors.startswith("@"):
-            return f"{found[1]}{selectors} {{"
-        return f"{found[1]}{', '.join(f'{scope} {one.strip()}' for one in selectors.split(','))} {{"
+            return f" {selectors} {{"
+        return f" {', '.join(f'{scope} {one.strip()}' for one in selectors.split(','))} {{"
 
-    return re.sub(r"(^|[{}])([^{}]+)\{", narrowed, _spread(style))
-
-
-def _spread(style: str) -> str:
-    """A style with a closing brace kept apart from what follows, so that each rule is found by itself."""
-    return style.replace("}", "} ")
+    return re.sub(r"([^{}]+)\{", narrowed, style).strip()
 
 
 def _drop_foreign(root: ElementTree.Element) -> None:
