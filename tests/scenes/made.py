@@ -93,3 +93,11 @@ def state(native: NativeScene, seed: int) -> tuple[float, np.ndarray, np.ndarray
 def parameters(native: NativeScene, seed: int) -> np.ndarray:
     """Parameters near their defaults, but not there."""
     return native.defaults * np.random.default_rng(seed).uniform(0.8, 1.25, native.np)
+
+
+def close(found: Any, expected: Any, limit: float) -> None:
+    """To a part of the largest number that is expected, or of 0.1 if all are small."""
+    expected = np.array(expected, dtype=object).astype(float)
+    assert np.shape(found) == expected.shape
+    if expected.size:
+        assert np.max(np.abs(found - expected)) <= limit * max(0.1, np.max(np.abs(expected)))

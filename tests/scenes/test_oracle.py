@@ -6,17 +6,15 @@ States are random and meet no constraint. Numbers are compared with the largest 
 from __future__ import annotations
 
 from functools import cache
-from typing import Any
 
 import numpy as np
 import pytest
-from made import Made, in_zoo, parameters, state
+from made import Made, close, in_zoo, parameters, state
 from oracle import Oracle, Seen
 
 from derive.simulation.mechanism import constraint_matrix, dense, mass_matrix
 
-NOT_YET = pytest.mark.xfail(strict=True, reason="kernels: constants of sines; sines of sines in batches")
-ZOO = ("JOINTS", pytest.param("REDUCED", marks=NOT_YET), "KEPT", "ACTIONS")
+ZOO = ("JOINTS", "REDUCED", "KEPT", "ACTIONS")
 SEEDS = (1, 2)
 FORMS = {"index3": "", "ggl": "_ggl", "index1": "_index1"}
 
@@ -31,14 +29,6 @@ def oracle(name: str, seed: int) -> tuple[Made, np.ndarray, tuple[float, np.ndar
     t, q, v = state(native, seed)
     found = Oracle(made.spec, native.coordinates, native.multipliers, native.markers, given)
     return made, native.setup(p), (t, q, v), found.see(t, q, v)
-
-
-def close(found: Any, expected: Any, limit: float) -> None:
-    """To a part of the largest number that is expected, or of 0.1 if all are small."""
-    expected = np.array(expected, dtype=object).astype(float)
-    assert np.shape(found) == expected.shape
-    if expected.size:
-        assert np.max(np.abs(found - expected)) <= limit * max(0.1, np.max(np.abs(expected)))
 
 
 @pytest.mark.parametrize("seed", SEEDS)
@@ -167,7 +157,10 @@ def test_python_is_the_same_and_takes_batches(name: str) -> None:
                 close(member, call(t[i, 0], q[i, j], v[i, j]), limit)
 
 
-def test_batches_of_c_are_the_same_bit_for_bit(name: str) -> None:
+def test_batches_of_c_are_the_same_bit_for_bit(name: str, request: pytest.FixtureRequest) -> None:
+    if name == "REDUCED":
+        why = "c_batch: an angle that is made of a sine is computed before that sine"
+        request.applymarker(pytest.mark.xfail(reason=why))
     native = in_zoo(name).native
     k = native.setup()
     states = [state(native, seed) for seed in range(7)]

@@ -9,7 +9,7 @@ import sympy as sp
 from derive.mechanics.equations import Definition, Row, Term
 from derive.mechanics.mechanism.joints import link
 from derive.mechanics.mechanism.points import PointMotion
-from derive.mechanics.mechanism.time import function
+from derive.mechanics.mechanism.time import function, rounded
 from derive.spec.scene import Force, Spring, Torque
 
 
@@ -59,7 +59,9 @@ def spring(
     apart, rate_apart, _ = between.apart
     definitions: list[Definition] = []
 
-    def define(what: str, expr: sp.Expr, doc: str) -> sp.Symbol:
+    def define(what: str, expr: sp.Expr, doc: str) -> sp.Expr:
+        if expr.is_number:
+            return rounded(expr)
         symbol = sp.Symbol(f"{of.name}_{what}")
         definitions.append(Definition(symbol, expr, of.name, "(10)", f"{doc} of spring {of.name}"))
         return symbol

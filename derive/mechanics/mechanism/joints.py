@@ -10,6 +10,7 @@ import sympy as sp
 from derive.mechanics.equations import Constraint, Definition, Row
 from derive.mechanics.mechanism.held import time_derivatives, unit_axis
 from derive.mechanics.mechanism.points import PointMotion
+from derive.mechanics.mechanism.time import rounded
 from derive.spec.scene import Joint
 
 
@@ -85,7 +86,7 @@ def _guide(
     if first.turn.is_zero:
         along = axis
     else:
-        cos, sin = sp.cos(first.turn), sp.sin(first.turn)
+        cos, sin = rounded(sp.cos(first.turn)), rounded(sp.sin(first.turn))
         along = sp.Matrix([sp.Symbol(f"{joint.name}_axis_{k}") for k in (1, 2)])
         values = sp.Matrix([[cos, -sin], [sin, cos]]) * axis
         doc = f"axis of {joint.name} along e"

@@ -21,6 +21,7 @@ from derive.mechanics.equations import (
 from derive.mechanics.mechanism.held import Held
 from derive.mechanics.mechanism.members import Member
 from derive.mechanics.mechanism.points import PointMotion, point_motion
+from derive.mechanics.mechanism.time import rounded
 from derive.mechanics.motion import Motion
 from derive.mechanics.points import marker
 
@@ -104,7 +105,7 @@ def _definitions(name: str, definitions: tuple[Definition, ...], change: Symbols
     for d in definitions:
         if d.zero:
             continue
-        expr = sp.expand(d.expr.xreplace(change))
+        expr = rounded(sp.expand(d.expr.xreplace(change)))
         if expr.is_Rational or expr.is_Symbol:
             change[d.symbol] = expr
             continue

@@ -27,4 +27,9 @@ def function(of: Function) -> sp.Expr:
         return sp.Rational(of.value)
     if of.kind == "t":
         return t
-    return _BUILD[of.kind](*map(function, of.args))
+    return rounded(_BUILD[of.kind](*map(function, of.args)))
+
+
+def rounded(expr: sp.Expr) -> sp.Expr:
+    """A number that is no fraction, such as cos(1/2), as the double next to it, which is the same on any machine."""
+    return sp.Rational(float(expr.evalf(30))) if expr.is_number and not expr.is_Rational else expr
