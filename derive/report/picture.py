@@ -38,6 +38,18 @@ def inline(svg: str, anchor: str, alt: str) -> str:
     return ElementTree.tostring(root, encoding="unicode", short_empty_elements=True).strip()
 
 
+def standalone(svg: str) -> str:
+    """An SVG as a file of its own. Raises ValueError as `inline` does."""
+    root = ElementTree.fromstring(svg)
+    _drop_foreign(root)
+    for element in root.iter():
+        _checked(element)
+    attributes = {"xmlns": SVG, **{name: value for name, value in root.attrib.items() if name != "xmlns"}}
+    root.attrib.clear()
+    root.attrib.update(attributes)
+    return ElementTree.tostring(root, encoding="unicode").strip() + "\n"
+
+
 def scoped(style: str, scope: str) -> str:
     """Style rules for what is within one element alone."""
     style = re.sub(r"/\*.*?\*/", "", style, flags=re.S)
