@@ -44,6 +44,11 @@ def faults(page: Page) -> tuple[str, ...]:
     return (*found, *(f"nothing has the anchor {to[1:]!r}" for to in _links(page.blocks) if to[1:] not in seen))
 
 
+def linked(page: Page) -> frozenset[str]:
+    """The anchors that links of the page lead to."""
+    return frozenset(to[1:] for to in _links(page.blocks))
+
+
 def _links(blocks: Sequence[Block]) -> Iterator[str]:
     """Where the links of blocks lead within the page."""
     return (to for to in _all_links(blocks) if to.startswith("#"))
