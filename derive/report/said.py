@@ -43,7 +43,7 @@ def formula_of(text: str) -> Formula | None:
     return Row(tuple(found))
 
 
-def _token(match: re.Match[str]) -> Formula | None:  # noqa: C901  a case for each word
+def _token(match: re.Match[str]) -> Formula | None:
     text = match[0]
     if match[1]:
         above = Row((Power(Operator("d"), Number("2")), Name("ϕ", below=(match[1],))))
@@ -51,7 +51,7 @@ def _token(match: re.Match[str]) -> Formula | None:  # noqa: C901  a case for ea
     if text == "int":
         return Name("∫")
     if text in "().,=+-" or text == "x":
-        return Operator({"x": "×", ".": "·"}.get(text, text))
+        return Operator({"x": "\u00d7", ".": "·"}.get(text, text))
     if text.isdigit():
         return Number(text)
     if text in ("rho", "EI"):

@@ -1,0 +1,82 @@
+"""What the model costs after each step of its lowering, and what its functions cost."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import sympy as sp
+
+from derive.kernel.ir import Kernel
+from derive.kernel.model import Model
+from derive.mechanics.equations import Equations
+from derive.mechanics.generic import GenericEquations
+from derive.report.page import Block, Code, Heading, Paragraph
+from derive.report.tables import Said, table
+from derive.report.terms import expansion
+
+MOST = 600
+"""Definitions that are written out to be counted."""
+
+
+def operation_blocks(equations: Equations | GenericEquations, model: Model) -> tuple[Block, ...]:
+    """Operations by step, then by function."""
+    said = (
+        "Operations of the mass matrix (lower triangle) and the forces together. Additions, products, divisions, "
+        "powers, sines and cosines count as one each; the first three rows are SymPy's counts, the others are those of "
+        "the generated code."
+    )
+    return (
+        Heading("Operations", "operations"),
+        Paragraph((said,)),
+        table("Operations after each step", ("step", "what it does", "operations"), _steps(equations, model), "llr"),
+        table("Functions", ("function", "what it gives", "operations"), list(map(_function, model.kernels)), "llr"),
+    )
+
+
+def _steps(equations: Equations | GenericEquations, model: Model) -> list[list[Said]]:
+    rows: list[list[Said]] = []
+    if isinstance(equations, Equations) and len(equations.definitions) <= MOST:
+        rows = [
+            ["written out", "in coordinates, rates and parameters, term by term", written_out(equations)],
+            ["integrals named", "what depends on parameters alone is computed before", written_out(equations, False)],
+            ["moments named", "d1, D2, d3, J and the like are computed once", named(equations)],
+        ]
+    both, alone = model.kernel("mass_force"), [model.kernel(name) for name in ("mass", "force")]
+    rows += [
+        ["mass and force apart", "what the terms of a function share is computed once", _sum(alone)],
+        ["mass_force", "what mass matrix and forces share is computed once", both.operations],
+        ["setup", "once for a set of parameters, besides", model.kernel("setup").operations],
+    ]
+    return rows
+
+
+def written_out(equations: Equations, integrals: bool = True) -> int:
+    """Operations of the lower triangle of M and of h, written out; with or without the values of the integrals."""
+    write = expansion(equations, integrals)
+    return int(sum(sp.count_ops(write(expr)) for expr in _wanted(equations)))
+
+
+def named(equations: Equations) -> int:
+    """The same with every definition computed once."""
+    wanted = _wanted(equations)
+    used = set().union(*(expr.free_symbols for expr in wanted))
+    count = sum(sp.count_ops(expr) for expr in wanted)
+    for definition in reversed(equations.definitions):  # a definition refers to earlier ones only
+        if definition.symbol in used:
+            used |= definition.expr.free_symbols
+            count += sp.count_ops(definition.expr)
+    return int(count)
+
+
+def _wanted(equations: Equations) -> list[sp.Expr]:
+    """The entries of the lower triangle of M, and h."""
+    mass, size = equations.mass, len(equations.rows)
+    return [*(mass[i, j] for i in range(size) for j in range(i + 1)), *equations.force]
+
+
+def _sum(kernels: Iterable[Kernel]) -> int:
+    return sum(kernel.operations for kernel in kernels)
+
+
+def _function(kernel: Kernel) -> list[Said]:
+    return [Code(kernel.name), kernel.doc, kernel.operations]
