@@ -113,8 +113,27 @@ ROTATION_26 = sympy.Matrix([[cos(phi), -sin(phi), 0], [sin(phi), cos(phi), 0], [
 
 
 def displacement_30(shape1: sympy.Expr, shape2: sympy.Expr) -> sympy.Expr:
-    """(30) and (38): the displacement free of rigid motion."""
+    """(30): the displacement free of rigid motion."""
     return alpha1 * shape1 + alpha2 * shape2
+
+
+def displacement_38(shape1: sympy.Expr, shape2: sympy.Expr) -> sympy.Expr:
+    """(38): the same line as (30)."""
+    return alpha1 * shape1 + alpha2 * shape2
+
+
+TRANSLATION_23 = sympy.Matrix([c1, c2, 0])
+POSITION_24 = sympy.Matrix([Rational(1, 2) * xi * l, 0, 0])
+
+
+def displacement_25(v: sympy.Expr) -> sympy.Matrix:
+    """(25): u for a lateral displacement v."""
+    return sympy.Matrix([0, v, 0])
+
+
+def axial_27(rate: sympy.Expr) -> sympy.Matrix:
+    """(27): omega for the rate of phi, delta pi for its variation."""
+    return sympy.Matrix([0, 0, rate])
 
 
 def strain_energy_22(v: sympy.Expr) -> sympy.Expr:

@@ -1,6 +1,6 @@
-"""(15) and the appendix for any body in space, transcribed by hand with the corrections of the dots, term by term.
+"""(15) and (20) for any body in space, transcribed by hand with the corrections of the dots, term by term.
 
-The appendix is written with the full tensors C4_i and C5_ij and the vectors c6_i and c7_ij. A cloud of free second
+The appendix is used with the full tensors C4_i and C5_ij and the vectors c6_i and c7_ij. A cloud of free second
 moments makes them what they are: C4_i = int rho {(Phi_i . X) I - Phi_i X} and so on are read from G_pq = int rho f_p
 f_q^T of the fields X, Phi_1 .. Phi_N, with all entries free symbols.
 """
@@ -11,6 +11,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import sympy as sp
+
+from .printed_appendix import appendix_d1, appendix_D2, appendix_d3, appendix_J
 
 Matrix = Any
 
@@ -49,28 +51,27 @@ class General:
     def mass(self) -> sp.Symbol:
         return sp.Symbol("m")
 
+    @property
+    def shapes(self) -> range:
+        return range(1, self.n + 1)
+
     def column(self, name: str) -> list[sp.Symbol]:
         return [sp.Symbol(f"alpha{i}{name}") for i in range(1, self.n + 1)]
 
     @property
     def d1(self) -> Matrix:
-        return sum((a * first(i) for i, a in enumerate(self.column(""), 1)), first(0))
+        return appendix_d1(first(0), [first(i) for i in self.shapes], self.column(""))
 
     def D2(self, i: int) -> Matrix:
-        return sum((a * tensor(i, j) for j, a in enumerate(self.column(""), 1)), tensor(i, 0))
+        return appendix_D2(tensor(i, 0), [tensor(i, j) for j in self.shapes], self.column(""))
 
     def d3(self, i: int) -> Matrix:
-        return sum((-a * axial(i, j) for j, a in enumerate(self.column(""), 1)), axial(0, i))
+        return appendix_d3(axial(0, i), [axial(i, j) for j in self.shapes], self.column(""))
 
     @property
     def J(self) -> Matrix:
-        alpha = self.column("")
-        total = tensor(0, 0)
-        for i, a in enumerate(alpha, 1):
-            total += a * (tensor(i, 0) + tensor(i, 0).T)
-            for j, b in enumerate(alpha, 1):
-                total += a * b * tensor(i, j)
-        return total
+        C5 = [[tensor(i, j) for j in self.shapes] for i in self.shapes]
+        return appendix_J(tensor(0, 0), [tensor(i, 0) for i in self.shapes], C5, self.column(""))
 
 
 @dataclass(frozen=True)
@@ -82,17 +83,21 @@ class PrintedVector:
     expr: Matrix
 
 
+def over(factors: list[sp.Symbol], term: Any) -> Matrix:
+    """A row of factors times a column of vectors."""
+    return sum((f * term(i) for i, f in enumerate(factors, 1)), sp.zeros(3, 1))
+
+
+def accelerations() -> tuple[Matrix, Matrix, Matrix]:
+    """cddot, omega and omegadot."""
+    names = ("c1ddot c2ddot c3ddot", "omega1:4", "omega1dot omega2dot omega3dot")
+    return tuple(sp.Matrix(sp.symbols(name)) for name in names)
+
+
 def equation_15(body: General, q: Matrix) -> tuple[PrintedVector, ...]:
     """The terms of (15), without delta U; q is the rotation tensor."""
-    cddot = sp.Matrix(sp.symbols("c1ddot c2ddot c3ddot"))
-    w, wdot = sp.Matrix(sp.symbols("omega1:4")), sp.Matrix(sp.symbols("omega1dot omega2dot omega3dot"))
+    cddot, w, wdot = accelerations()
     alphadot, alphaddot = body.column("dot"), body.column("ddot")
-    shapes = range(1, body.n + 1)
-    none = sp.zeros(3, 1)
-
-    def over(factors: list[sp.Symbol], term: Any) -> Matrix:
-        return sum((f * term(i) for i, f in enumerate(factors, 1)), none)
-
     terms = [
         PrintedVector("c", "m cddot", body.mass * cddot),
         PrintedVector("c", "Q . [w x (w x d1)]", q * w.cross(w.cross(body.d1))),
@@ -105,7 +110,7 @@ def equation_15(body: General, q: Matrix) -> tuple[PrintedVector, ...]:
         PrintedVector("pi", "2 (alphadot^T D2) . w", over(alphadot, lambda i: 2 * body.D2(i) * w)),
         PrintedVector("pi", "alphaddot^T d3", over(alphaddot, body.d3)),
     ]
-    for i in shapes:
+    for i in body.shapes:
         c7_alphadot = over(alphadot, lambda j, i=i: axial(i, j))
         c8_alphaddot = sum((a * gram(i, j).trace() for j, a in enumerate(alphaddot, 1)), sp.S.Zero)
         row = f"alpha{i}"
@@ -113,6 +118,30 @@ def equation_15(body: General, q: Matrix) -> tuple[PrintedVector, ...]:
             PrintedVector(row, "cddot . (Q . c2)", sp.Matrix([cddot.dot(q * first(i))])),
             PrintedVector(row, "- w . (D2 . w)", sp.Matrix([-w.dot(body.D2(i) * w)])),
             PrintedVector(row, "wdot . d3", sp.Matrix([wdot.dot(body.d3(i))])),
+            PrintedVector(row, "- 2 w . (c7 alphadot)", sp.Matrix([-2 * w.dot(c7_alphadot)])),
+            PrintedVector(row, "c8 alphaddot", sp.Matrix([c8_alphaddot])),
+        ]
+    return tuple(terms)
+
+
+def equation_20(body: General) -> tuple[PrintedVector, ...]:
+    """The terms of (20), without delta U."""
+    cddot, w, wdot = accelerations()
+    alpha, alphadot, alphaddot = (body.column(dots) for dots in ("", "dot", "ddot"))
+    terms = [
+        PrintedVector("c", "m cddot", body.mass * cddot),
+        PrintedVector("pi", "w x (J . w)", w.cross(body.J * w)),
+        PrintedVector("pi", "J . wdot", body.J * wdot),
+        PrintedVector("pi", "2 (alphadot^T D2) . w", over(alphadot, lambda i: 2 * body.D2(i) * w)),
+        PrintedVector("pi", "alphaddot^T d3", over(alphaddot, body.d3)),
+    ]
+    for i in body.shapes:
+        c7_alpha, c7_alphadot = (over(column, lambda j, i=i: axial(i, j)) for column in (alpha, alphadot))
+        c8_alphaddot = sum((a * gram(i, j).trace() for j, a in enumerate(alphaddot, 1)), sp.S.Zero)
+        row = f"alpha{i}"
+        terms += [
+            PrintedVector(row, "- w . (D2 . w)", sp.Matrix([-w.dot(body.D2(i) * w)])),
+            PrintedVector(row, "- wdot . (c7 alpha)", sp.Matrix([-wdot.dot(c7_alpha)])),
             PrintedVector(row, "- 2 w . (c7 alphadot)", sp.Matrix([-2 * w.dot(c7_alphadot)])),
             PrintedVector(row, "c8 alphaddot", sp.Matrix([c8_alphaddot])),
         ]
