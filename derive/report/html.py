@@ -11,7 +11,7 @@ from derive.emit.template import render
 from derive.report.address import address
 from derive.report.code_html import listing_html
 from derive.report.equation_html import equations_html
-from derive.report.mathml import math
+from derive.report.mathml import math_in_text
 from derive.report.page import (
     Block,
     Cell,
@@ -33,6 +33,8 @@ from derive.report.page import (
 from derive.report.picture import inline
 
 ALIGN = {"r": ' class="r"', "c": ' class="c"'}
+LONG = 40
+"""Columns of more characters keep room for them."""
 MANY = 200
 """Tables with more told cells than this are not walked through by the tab key."""
 
@@ -99,7 +101,7 @@ def _inline(part: str | Math | Link | Code | Strong) -> str:
         case str():
             return escape(part, quote=False)
         case Math(formula):
-            return math(formula)
+            return math_in_text(formula)
         case Link(said, to):
             return f'<a href="{escape(address(to))}">{escape(said, quote=False)}</a>'
         case Code(said):
@@ -111,7 +113,7 @@ def _inline(part: str | Math | Link | Code | Strong) -> str:
 def _table(table: Table) -> str:
     align = [ALIGN.get(one, "") for one in table.align.ljust(len(table.head), "l")]
     told = sum(bool(cell.title) for row in table.rows for cell in row) <= MANY
-    head = "".join(f'<th scope="col"{side}>{text(said)}</th>' for said, side in zip(table.head, align, strict=True))
+    head = "".join(_head(table, k, side) for k, side in enumerate(align))
     rows = "\n".join(f"<tr>{_cells(row, align, told)}</tr>" for row in table.rows)
     caption = f"<caption>{escape(table.caption)}</caption>" if table.caption else ""
     label = escape(table.caption or "Table")
@@ -119,6 +121,15 @@ def _table(table: Table) -> str:
     return (
         f'<div class="{kind}"><table>{caption}\n<thead><tr>{head}</tr></thead>\n<tbody>\n{rows}\n</tbody></table></div>'
     )
+
+
+def _head(table: Table, column: int, side: str) -> str:
+    """A head; that of a column of much text keeps room for it."""
+    texts = [row[column].text for row in table.rows]
+    long = max((sum(len(part) for part in said if isinstance(part, str)) for said in texts), default=0) > LONG
+    names = [*([side[8:-1]] if side else []), *(["long"] if long else [])]
+    kind = f' class="{" ".join(names)}"' if names else ""
+    return f'<th scope="col"{kind}>{text(table.head[column])}</th>'
 
 
 def _cells(row: Sequence[Cell], align: Sequence[str], told: bool) -> str:

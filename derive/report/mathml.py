@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from html import escape
+from itertools import pairwise
 
 from derive.report.formula import (
     Call,
@@ -20,6 +21,7 @@ from derive.report.formula import (
     Row,
 )
 from derive.report.letters import BIG, index, is_letter, letter, minus, number, styled
+from derive.report.lines import width
 from derive.report.spacing import Gap, bare, factors, gap, needs_brackets, summand
 from derive.report.words import words
 
@@ -31,6 +33,9 @@ GAPS: dict[Gap, str] = {
 }
 SIGNS = {"-": "\u2212", "*": "⋅", "·": "⋅", "<=": "≤", ">=": "≥", "->": "→", "...": "…"}
 DOTS = ("", "˙", "¨", "˙˙˙")
+BREAKS = {"+", "-", "\u2212", "="}
+LONG = 10.0
+"""The width in em of a sum that may break."""
 TIGHT = {"∂", "δ", "\u2032", "d"}
 
 
@@ -39,6 +44,23 @@ def math(formula: Formula, display: bool = False) -> str:
     said = "" if isinstance(formula, Number | Name) else f' alttext="{escape(words(formula))}"'
     shown = ' display="block"' if display else ""
     return f"<math{shown}{said}>{inside(formula)}</math>"
+
+
+def math_in_text(formula: Formula) -> str:
+    """A formula within text: a long sum is several `math` elements, between which a line may end."""
+    parts = factors(formula) if isinstance(formula, Row) else []
+    starts = [k for k, part in enumerate(parts) if k and isinstance(part, Operator) and part.text in BREAKS]
+    if not starts or width(formula) < LONG:
+        return math(formula)
+    pieces = [parts[a:b] for a, b in pairwise([0, *starts, len(parts)])]
+    return "".join(_piece(piece, k == 0) for k, piece in enumerate(pieces))
+
+
+def _piece(parts: Sequence[Formula], first: bool) -> str:
+    said = escape(words(Row(tuple(parts))))
+    if first or not isinstance(parts[0], Operator):
+        return f'<math alttext="{said}">{_row(parts)}</math>'
+    return f'<math alttext="{said}"><mo form="infix">{_sign(parts[0].text)}</mo>{_row(parts[1:])}</math>'
 
 
 def summand_math(part: Part, first: bool) -> str:
