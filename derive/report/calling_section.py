@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from derive.kernel.model import Model
 from derive.report.page import Block, Code, Heading, Line, Listing, Paragraph
+from derive.report.state_section import size
 
 C = """\
 #include "{name}.h"
@@ -62,7 +63,7 @@ def c_program(model: Model) -> str:
 
 def python_program(model: Model) -> str:
     """A script in Python."""
-    sizes = {"coordinates": _size(model.coordinates), "rates": _size(model.rates)}
+    sizes = {"coordinates": size(model.coordinates), "rates": size(model.rates)}
     return PYTHON.format(name=model.name, start="\n".join(_start(model)), **sizes)
 
 
@@ -70,15 +71,10 @@ def _start(model: Model) -> list[str]:
     """A bent body that spins, in assignments that both languages understand."""
     names = [q.name for q in model.coordinates]
     if "e0" in names:
-        lines, spin, first = ["q[3] = 1.0", "v[5] = 3.0"], "", 7
+        lines, first = ["q[3] = 1.0", "v[5] = 3.0"], 7
     else:
-        lines, spin, first = ["v[2] = 3.0"], "", 3
-    bent = [f"q[{first}] = 0.01"] if _size(model.coordinates) > first else []
-    return [line for line in (*lines, *bent, spin) if line]
-
-
-def _size(variables: tuple[object, ...]) -> int:
-    return sum(getattr(v, "size", 1) for v in variables)
+        lines, first = ["v[2] = 3.0"], 3
+    return [*lines, *([f"q[{first}] = 0.01"] if size(model.coordinates) > first else [])]
 
 
 def listing(language: str, caption: str, text: str) -> Listing:

@@ -71,7 +71,7 @@ def paper_numbers(spec: PlanarBeam) -> Numbers | None:
         return None
     if spec.frame.kind == "mean":
         return MEAN
-    return POINT if (spec.frame.kind, spec.frame.at) == ("point", 0) else None
+    return POINT if spec.frame.kind == "point" and spec.frame.at == 0 else None
 
 
 def frame_blocks(spec: PlanarBeam) -> tuple[Block, ...]:

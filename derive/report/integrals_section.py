@@ -14,13 +14,14 @@ from derive.report.formula import Equation, Fenced, Name, Part
 from derive.report.labels import anchor
 from derive.report.names import SHAPES
 from derive.report.names import table as whole
-from derive.report.notation import Notation, row
+from derive.report.notation import SMALL, Notation, decimal, row
 from derive.report.page import Block, Code, Details, Heading, Paragraph, Text
 from derive.report.page import Equations as Lines
 from derive.report.places import array, line_anchor
-from derive.report.said import doc, reason
+from derive.report.said import doc, reason, unit
 from derive.report.tables import MOST, Said, folded, table
 
+APPENDIX = "appendix"
 MANY = 12
 """Moments of one family that are shown; of more of them, the rest is folded."""
 
@@ -31,23 +32,32 @@ def integral_blocks(equations: Equations | GenericEquations, notation: Notation)
     if isinstance(equations, GenericEquations):
         return (head, _tables(equations))
     there = [c for c in equations.coefficients if not c.zero]
-    rows: list[list[Said]] = [
-        [notation.formula(c.symbol), doc(c.doc), _value(c, notation), c.unit, Code(str(c.symbol))] for c in there
-    ]
-    said = table("", ("integral", "what it is", "value", "unit", "in the code"), rows)
-    numbers = "Values are shown to six digits; the code has all of them." if not equations.parameters else ""
-    found: list[Block] = [head]
-    if len(equations.coefficients) > MOST:
-        found.append(_families(equations.coefficients))
-    found.append(folded(said, "Integrals with their values"))
-    found += [Paragraph((numbers,))] if numbers else []
-    return tuple(found)
+    many = len(equations.coefficients) > MOST
+    rows = [_integral(c, notation, told=not many) for c in there]
+    said = table("", ("integral", *([] if many else ["what it is"]), "value", "unit", "in the code"), rows)
+    rounded = "Values that do not end are shown to six digits; the code has all of them."
+    return (
+        head,
+        *((_families(equations.coefficients),) if many else ()),
+        folded(said, "Integrals with their values"),
+        *((Paragraph((rounded,)),) if any(_rounded(c.value) for c in there) else ()),
+    )
+
+
+def _integral(c: Coefficient, notation: Notation, told: bool) -> list[Said]:
+    what: list[Said] = [doc(c.doc)] if told else []
+    return [notation.formula(c.symbol), *what, _value(c, notation), unit(c.unit), Code(str(c.symbol))]
+
+
+def _rounded(value: sp.Expr) -> bool:
+    """Whether a number is shown with fewer digits than it has."""
+    return bool(value.is_Rational) and value.q > SMALL and sp.Rational(decimal(abs(value))) != abs(value)
 
 
 def _value(coefficient: Coefficient, notation: Notation) -> Said:
     value = coefficient.value
-    given = isinstance(value, sp.Symbol) and value in notation.constants and value.name.endswith("_")
-    return "a parameter" if given else notation.formula(value)
+    same = isinstance(value, sp.Symbol) and notation.formula(value) == notation.formula(coefficient.symbol)
+    return "a parameter" if same else notation.formula(value)
 
 
 def family_of(name: str) -> str:
@@ -64,7 +74,7 @@ def _families(coefficients: Iterable[Coefficient]) -> Block:
     for name, some in gathered.items():
         first = whole(name) if name in SHAPES else name
         there = sum(not c.zero for c in some)
-        rows.append([first, generic_doc(some[0].doc) if name in SHAPES else "", len(some), there, some[0].unit])
+        rows.append([first, generic_doc(some[0].doc) if name in SHAPES else "", len(some), there, unit(some[0].unit)])
     return table("Integrals, and how many of them do not vanish", HEAD, rows, "llrrl")
 
 
@@ -82,7 +92,7 @@ def _tables(equations: GenericEquations) -> Block:
     kinds = {"full": "all", "diagonal": "the diagonal", "unit": "the unit matrix", "zero": "none"}
     for t in equations.tables:
         name: Said = whole(t.name) if t.name in SHAPES else Code(t.name)
-        rows.append([name, doc(t.doc), entries(t, equations.modes), kinds[t.kind], t.unit, reason(t.zero)])
+        rows.append([name, doc(t.doc), entries(t, equations.modes), kinds[t.kind], unit(t.unit), reason(t.zero)])
     head = ("integral", "what it is", "entries", "of which there are", "unit", "the others vanish by")
     return table("Integrals of the body, which are tables for all shapes", head, rows, "llrlll")
 
@@ -99,15 +109,16 @@ def moment_blocks(
     """d1, D2, d3, J and what else has a name, in shape integrals and coordinates."""
     found = [("", d.symbol, notation.parts(d.expr), d.equation) for d in _told(equations.definitions)]
     if isinstance(equations, GenericEquations):
-        found += [("", sp.Symbol(c.name), _contracted(c, notation), "appendix") for c in equations.contractions]
-        found += [("", sp.Symbol(t.name), _summed(t, notation), "appendix") for t in equations.totals]
+        found += [("", sp.Symbol(c.name), _contracted(c, notation), APPENDIX) for c in equations.contractions]
+        found += [("", sp.Symbol(t.name), _summed(t, notation), APPENDIX) for t in equations.totals]
     named = [(family(symbol.name), _line(symbol, parts, number, notation, lines)) for _, symbol, parts, number in found]
     blocks: list[Block] = [
         Heading("Moments", "moments"),
         Paragraph(
             (
-                "What the terms of (15) are made of, each computed once; an equation leads to the line that computes it. ",
-                "The first index of a moment is its number in the appendix, then come the shape and the components.",
+                "What the terms of (15) are made of, as in the appendix of the paper; each is computed once, and leads "
+                "to the line that does it. The first index is the number of the moment, then come the shape and the "
+                "components.",
             )
         ),
     ]
@@ -124,12 +135,12 @@ def moment_blocks(
 
 
 def _title(name: str) -> str:
-    return {"S": "S, the symmetric part of D2", "Q": "Q"}.get(name, name)
+    return {"S": "S, the symmetric part of D2"}.get(name, name)
 
 
 def _told(definitions: Iterable[Definition]) -> list[Definition]:
-    """Definitions but those that vanish, products of omega, and the sine and the cosine."""
-    return [d for d in definitions if not d.zero and d.section != "oo" and not isinstance(d.expr, sp.sin | sp.cos)]
+    """Definitions but those that vanish, products of omega, and Q, which stands in the kinematics."""
+    return [d for d in definitions if not d.zero and d.section not in ("oo", "Q")]
 
 
 def _line(
@@ -137,14 +148,24 @@ def _line(
 ) -> Equation:
     place = lines.get(array(symbol.name))
     to = f"#{line_anchor(place)}" if place else ""
-    title = f"{symbol} in the code"
-    linked = tuple(Part(p.sign, p.formula, p.anchor, p.group, title, to) for p in parts)
-    return Equation(notation.formula(symbol), linked, number=number.strip("()"), anchor=definition_anchor(symbol.name))
+    first = Part(parts[0].sign, parts[0].formula, title=f"{symbol} in the code", to=to)
+    told = "" if number == APPENDIX else number.strip("()")
+    return Equation(
+        notation.known(symbol).formula, (first, *parts[1:]), number=told, anchor=definition_anchor(symbol.name)
+    )
 
 
 def definition_anchor(name: str) -> str:
-    """The anchor of the equation of a moment."""
-    return anchor("def", name)
+    """The anchor of the equation of a moment; sine, cosine and the entries of Q have one together."""
+    return anchor("def", "Q" if name in ("cos_phi", "sin_phi") or name.startswith("Q_") else name)
+
+
+def moment_anchors(equations: Equations | GenericEquations) -> dict[str, str]:
+    """The anchors of the equations of moments, by their names in the code."""
+    found = [d.symbol.name for d in equations.definitions if not d.zero and d.section != "oo"]
+    if isinstance(equations, GenericEquations):
+        found += [c.name for c in equations.contractions] + [t.name for t in equations.totals]
+    return {array(name): definition_anchor(name) for name in found}
 
 
 def _contracted(given: Contraction, notation: Notation) -> tuple[Part, ...]:
@@ -164,4 +185,3 @@ def _summed(given: Total, notation: Notation) -> tuple[Part, ...]:
 def big(index: str) -> Name:
     """A sum over the shapes."""
     return Name("\N{N-ARY SUMMATION}", below=(index,))
-

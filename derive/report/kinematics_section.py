@@ -52,7 +52,14 @@ def kinematics_blocks(
             )
         ),
         *special,
+        *_origin(equations.origin),
     )
+
+
+def _origin(text: str) -> tuple[Block, ...]:
+    """Where c is, in a sentence."""
+    where = text.partition("c is where ")[2]
+    return (Paragraph((Math(formula("c")), f" is where {where}")),) if where else ()
 
 
 def _numbered(lines: Iterable[Equation], number: str) -> list[Equation]:
@@ -90,7 +97,7 @@ def _beam(spec: PlanarBeam, equations: Equations | GenericEquations, notation: N
                 Equation(formula("c"), _components(("c1", "c2")), number="23"),
                 Equation(formula("X"), (Part("+", along),), number="24"),
                 Equation(formula("u"), (Part("+", Row((Name("v"), _base(2)))),), number="25"),
-                Equation(formula("Q"), (Part("+", _tensor(motion.rotation, notation)),), number="26"),
+                Equation(formula("Q"), (Part("+", _tensor(motion.rotation, notation)),), number="26", anchor="def-Q"),
                 Equation(formula("omega"), (Part("+", Row((Name("phi", dots=1), _base(3)))),), number="27"),
                 components,
             )
@@ -133,7 +140,7 @@ def _space(equations: Equations | GenericEquations, notation: Notation) -> tuple
                 "; the angular velocity and the virtual rotation are resolved in the body base.",
             )
         ),
-        Lines((Equation(formula("Q"), (Part("+", _tensor(rotation, notation)),), number="1"), *rates)),
+        Lines((Equation(formula("Q"), (Part("+", _tensor(rotation, notation)),), anchor="def-Q"), *rates)),
     )
 
 

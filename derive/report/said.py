@@ -11,23 +11,31 @@ from derive.report.page import Inline, Math, Text
 NAME = r"[A-Za-z]+[0-9]*(?:_(?:[0-9]+|[ij]))*"
 TOKEN = re.compile(rf"\(d2 phi_([0-9]+)/dx2\)|{NAME}|[0-9]+|[().,=+-]|\S")
 
+RAISED = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
+
 WHOLE = ("c1", "c2", "C3", "C4", "C5", "c6", "c7", "c8", "K", "B")
 VECTORS = ("X", "r", "rdot", "rddot", "u", "omega")
 ENTRY = re.compile(rf"\b(?:{'|'.join(WHOLE)})(?:_(?:[0-9]+|[ij]))+\b")
 FAMILY = re.compile(rf"\b({'|'.join(WHOLE)})\b(?= = 0| is odd)")
 RANGE = re.compile(r" \.\. ")
+OTHER = re.compile(r"\be[123]\b|\bxi\b|\bm I\b|omega x \(J \. omega\) = 0")
 
 
 def doc(text: str) -> Text:
     """What an integral is, such as `int rho X . e1`: words, then a formula where there is one."""
     place = text.find("int ")
     if place < 0:
-        return (text,)
+        return reason(text)
     formula = formula_of(text[place:])
     words = text[:place].rstrip(": ") if text[:place].endswith(": ") else text[:place]
     if formula is None:
         return (text,)
     return (f"{words} ", Math(formula)) if words.strip() else (Math(formula),)
+
+
+def unit(text: str) -> str:
+    """A unit with its powers raised."""
+    return re.sub(r"\^([0-9]+)", lambda found: found[1].translate(RAISED), text)
 
 
 def formula_of(text: str) -> Formula | None:
@@ -54,7 +62,7 @@ def _token(match: re.Match[str]) -> Formula | None:
         return Operator({"x": "\u00d7", ".": "·"}.get(text, text))
     if text.isdigit():
         return Number(text)
-    if text in ("rho", "EI"):
+    if text in ("rho", "EI", "m"):
         return Name(text)
     if text in VECTORS:
         letters = re.sub("d*dot$", "", text)
@@ -72,7 +80,7 @@ def reason(text: str) -> Text:
     """Why something vanishes, with the integrals in it as formulas."""
     found: list[Inline] = []
     place = 0
-    for match in re.finditer(rf"{ENTRY.pattern}|{FAMILY.pattern}|{RANGE.pattern}|omega x \(J \. omega\) = 0", text):
+    for match in re.finditer("|".join(p.pattern for p in (ENTRY, FAMILY, RANGE, OTHER)), text):
         found += [text[place : match.start()]] if match.start() > place else []
         found.append(_inline(match[0]))
         place = match.end()
@@ -81,10 +89,12 @@ def reason(text: str) -> Text:
 
 def _inline(text: str) -> Inline:
     if text == " .. ":
-        return " to "
+        return " … "
     if text in WHOLE:
         return Math(table(text))
-    if text.startswith("omega"):
+    if text == "xi":
+        return Math(Name("xi"))
+    if OTHER.fullmatch(text):
         formula = formula_of(text)
         return Math(formula) if formula else text
     entry = known(text)

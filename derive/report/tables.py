@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Literal
 
-from derive.report.formula import Formula
+from derive.report.formula import Formula, Operator, Part, Row
 from derive.report.page import Block, Cell, Code, Details, Inline, Link, Math, Strong, Table
 
 MOST = 60
@@ -35,6 +35,16 @@ def cell(said: Said, title: str = "", mark: Literal["", "zero", "entry", "good",
     if isinstance(said, tuple):
         return Cell(said, title, mark)
     return Cell((Math(said),), title, mark)
+
+
+def summands(parts: Sequence[Part]) -> tuple[Inline, ...]:
+    """A sum within text, which may break between its summands."""
+    found: list[Inline] = []
+    for k, part in enumerate(parts):
+        found += [" "] if k else []
+        signed = Row((Operator(part.sign), part.formula)) if k or part.sign == "-" else part.formula
+        found.append(Math(signed))
+    return tuple(found)
 
 
 def folded(whole: Table, summary: str) -> Block:

@@ -22,8 +22,8 @@ from derive.report.page import Equations as Lines
 from derive.report.places import SHAPE, Place, group, line_anchor, place_in_row, title
 from derive.report.tables import Said, table
 
-MOST_ROWS, MOST_SUMMANDS = 16, 40
-"""Rows that are shown, others are folded; summands of a row that is written out."""
+MOST_ROWS, MOST_SUMMANDS = 16, 240
+"""Rows that are shown, others are folded; summands of all rows up to which they are written out in coordinates."""
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,7 @@ def row_blocks(
     equations: Equations | GenericEquations, places: Sequence[Place], notation: Notation, number: str = ""
 ) -> tuple[Block, ...]:
     """Every row: its equation and its terms; `number` is that of the rows written out, if the paper has them."""
-    written = expansion(equations) if isinstance(equations, Equations) else None
+    written = _short(equations)
     names = row_names(equations)
     shown = [_row(name, names[name], places, notation, written, number) for name in names]
     if len(shown) <= MOST_ROWS:
@@ -57,6 +57,19 @@ def row_blocks(
     first = tuple(block for blocks in shown[:MOST_ROWS] for block in blocks)
     rest = tuple(block for blocks in shown[MOST_ROWS:] for block in blocks)
     return (*first, Details(f"The other {len(shown) - MOST_ROWS} rows", rest))
+
+
+def _short(equations: Equations | GenericEquations) -> Expansion | None:
+    """How to write the rows out, if that makes not too many summands."""
+    if isinstance(equations, GenericEquations):
+        return None
+    written = expansion(equations)
+    count = 0
+    for term in equations.terms:
+        count += len(sp.Add.make_args(written(term.expr)))
+        if count > MOST_SUMMANDS:
+            return None
+    return written
 
 
 def row_names(equations: Equations | GenericEquations) -> dict[str, str]:
@@ -88,7 +101,7 @@ def _row(
     lines = [Equation(variation(name), parts, ":", "15")]
     if written:
         summands = tuple(part for place in own for part in _written(place, written, notation))
-        if len(summands) <= MOST_SUMMANDS and not _same(parts, summands):
+        if not _same(parts, summands):
             lines.append(Equation(Beside(()), summands, "=", number))
     return (head, Lines(tuple(lines)), _table(own, notation))
 
@@ -115,8 +128,10 @@ def _same(parts: Sequence[Part], others: Sequence[Part]) -> bool:
 
 def _table(places: Sequence[Place], notation: Notation) -> Table:
     """The terms of a row with their lines."""
-    rows: list[list[Said]] = [[_linked(p), group(p.term), p.term.equation, lines(p.stores), _names(p, notation)] for p in places]
-    head = ("term", "grouped by", "from", "stored in line", "made of")
+    rows: list[list[Said]] = [
+        [_linked(p), group(p.term), p.term.equation, lines(p.stores), _names(p, notation)] for p in places
+    ]
+    head = ("term", "group", "from", "stored in line", "made of")
     return table("", head, rows)
 
 

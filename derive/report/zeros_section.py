@@ -20,15 +20,13 @@ from derive.report.notation import Notation
 from derive.report.page import Block, Heading, Inline, Math, Paragraph, Picture
 from derive.report.page import Equations as Lines
 from derive.report.said import reason
-from derive.report.tables import Said, folded, table
+from derive.report.tables import Said, folded, summands, table
 
 SMALL, FEW, SUMMANDS = 6, 8, 4
 """Rows of a matrix that is written out; names that are listed; summands of a vanished term that is shown."""
 
 
-def mass_blocks(
-    equations: Equations | GenericEquations, matrix: Matrix, notation: Notation
-) -> tuple[Block, ...]:
+def mass_blocks(equations: Equations | GenericEquations, matrix: Matrix, notation: Notation) -> tuple[Block, ...]:
     """The pattern as a picture, the matrix itself where it is small, and its zeros by reason."""
     said = (
         f"{matrix.count} entries are structural non-zeros. The matrix is symmetric; of each pair one entry is stored. "
@@ -89,10 +87,10 @@ def vanished_blocks(equations: Equations | GenericEquations, notation: Notation)
 
 def _would_be(term: Term, notation: Notation) -> Said:
     """What a vanished term stands for, where that is short."""
-    parts = notation.parts(term.expr)
     if term.expr == 0:
-        return Math(notation.formula(term.expr))
-    return notation.formula(term.expr) if len(parts) <= SUMMANDS else f"a sum of {len(parts)}"
+        return "0 in any body"
+    parts = notation.parts(term.expr)
+    return summands(parts) if len(parts) <= SUMMANDS else f"a sum of {len(parts)}"
 
 
 def _integrals(equations: Equations, notation: Notation) -> list[Block]:
