@@ -130,4 +130,3 @@ def array(name: str) -> str:
 
 def _inside(sums: Iterable[tuple[str, str]]) -> sp.Expr:
     return sp.Add(*(sp.Symbol(f"{factor}_i") * sp.Symbol(entry) for factor, entry in sums))
-
