@@ -64,10 +64,11 @@ def batch_body(model: Model, kernel: Kernel, width: int) -> Lines:
 
 @dataclass(frozen=True)
 class Helpers:
-    """What the functions with blocks of one width call; a model whose q or v has arrays `takes` them."""
+    """What the functions with blocks of one width call: `fills` where kernels read states, `takes` arrays of q or v."""
 
     name: str
     width: int
+    fills: bool
     takes: bool
     products: str
 
@@ -81,8 +82,10 @@ def batch_helpers(model: Model, widths: Mapping[str, int]) -> str:
         takes = any(a.arrays for kernel in kernels for a in kernel.arguments if a.name != "k")
         sizes = {s.packing.padded for k in kernels for s in k.statements if isinstance(s, Contract)}
         products = "".join(f"{line}\n" for size in sizes for line in rows_helper(name, size, width))
-        blocks.append(Helpers(name, width, takes, products))
-    return render("c/block.c.jinja", {"name": model.name, "blocks": blocks})
+        fills = any(_Body(kernel, model.name, width).states for kernel in kernels)
+        blocks.append(Helpers(name, width, fills, takes, products))
+    checked = any(isinstance(s, Require) for kernel in KERNELS for s in model.kernel(kernel).statements)
+    return render("c/block.c.jinja", {"name": model.name, "blocks": blocks, "checked": checked})
 
 
 class _Body:
@@ -150,8 +153,9 @@ class _Body:
         if not self.states:
             return []
         width = self.width
+        strides = any("stride" in line for line in self.inner)  # the first element of a state needs none
         return [
-            f"const ptrdiff_t stride = count < {width} ? {width} : all;",
+            *([f"const ptrdiff_t stride = count < {width} ? {width} : all;"] if strides else []),
             *(
                 f"const double *{a.name}_block = count < {width} ? "
                 f"{self.prefix}_fill(all, count, {len(a.elements)}, {a.name}, {a.name}_tail) : {a.name};"
@@ -258,16 +262,21 @@ def _run(lines: tuple[Line, ...], number: int) -> Run:
             named.setdefault(part, f"{part.kind}_{number}_{len(named)}")
     if not named:
         return Run((), lines)
-    early = tuple(Let(name, expr) for expr, name in named.items())
-    needed = {name for let in early for name in reads(let)}
-    before: list[Let] = []
+    needed = {name for expr, name in named.items() for name in reads(Let(name, expr))}
+    before: set[str] = set()
     for line in reversed(lines):
         if isinstance(line, Let) and line.name in needed and not _is_trig(line.expr):
-            before.insert(0, line)
+            before.add(line.name)
             needed |= set(reads(line))
+    early: dict[str, Let] = {}  # in their order: an angle may itself be made of a sine
+    for line in lines:
+        for part in (part for e in expressions(line) for part in walk(e) if part in named):
+            early.setdefault(named[part], Let(named[part], part))
+        if isinstance(line, Let) and line.name in before:
+            early[line.name] = replace(line, expr=_swapped(line.expr, named))
     rest = tuple(replace(line, expr=_swapped(line.expr, named)) for line in lines)
     told = tuple(line for line in rest if not _says_nothing(line))
-    return Run((*before, *early), _read(told, frozenset(line.name for line in before)))
+    return Run(tuple(early.values()), _read(told, frozenset(before)))
 
 
 def _read(lines: tuple[Line, ...], early: frozenset[str]) -> tuple[Line, ...]:

@@ -199,11 +199,6 @@ class GeneralisedAlpha(Host):
         return finished(self.native.name, code, self.integration(t, table, counts, seconds), ALPHA_CODES)
 
 
-def run_fixed(files: Sequence[File], q0: ArrayLike, v0: ArrayLike, **options: Any) -> Integration:
-    """`FixedStep.run` of a model that is compiled for it."""
-    return FixedStep(files).run(q0, v0, **options)
-
-
 def run_ida(files: Sequence[File], q0: ArrayLike, v0: ArrayLike, **options: Any) -> Integration:
     """`Ida.run` of a model that is compiled for it."""
     return Ida(files).run(q0, v0, **options)

@@ -33,7 +33,9 @@ def mass(context: Context) -> Kernel:
 def force(context: Context) -> Kernel:
     """h(t, q, v)."""
     symbols = context.symbols(context.t, context.q, context.v)
-    doc = "Forces h of M vdot + h = 0: centrifugal, Coriolis and elastic."
+    law = "M vdot + h = G^T lambda" if context.equations.poses else "M vdot + h = 0"
+    also = ", and those of gravity, springs and applied loads" if context.equations.poses else ""
+    doc = f"Forces h of {law}: centrifugal, Coriolis and elastic{also}."
     arguments = (context.t, context.q, context.v, context.k)
     return context.kernel("force", doc, arguments, (_force_output(context),), symbols, _force_step(context, symbols))
 
@@ -101,10 +103,11 @@ def energy(context: Context) -> Kernel:
     twice = (sp.expand(2 * e) for e in (eq.kinetic_energy, eq.strain_energy))  # so that 1/2 is applied once
     values = [symbols.number(Fraction(1, 2)) * symbols(e) for e in twice]
     weight = eq.weight_energy is not None
+    springs = " (with that of springs)" if eq.poses else ""
     values += [symbols(eq.weight_energy)] if weight else []
     return context.kernel(
         "energy",
-        "Kinetic and strain energy, and the potential of gravity." if weight else "Kinetic and strain energy.",
+        f"Kinetic and strain energy{springs}{', and the potential of gravity' if weight else ''}.",
         (context.q, context.v, context.k),
         (Output("energy", ("kinetic", "strain", *(["gravity"] if weight else [])), "energies [J]"),),
         symbols,

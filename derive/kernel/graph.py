@@ -226,6 +226,8 @@ def _operation(graph: Graph, operation: int, args: list[int]) -> int:
         return graph.apply("mul", graph.number(2), args[0])
     if operation == ca.OP_INV:
         return graph.apply("div", graph.number(1), args[0])
+    if operation == ca.OP_FABS:
+        raise LoweringError("the root of a square, such as sqrt(t^2), has a kink; write the function without it")
     raise NotImplementedError(f"CasADi operation {operation} has no counterpart in the Kernel")
 
 

@@ -48,9 +48,7 @@ def lower(equations: Equations) -> Model:
         markers=tuple(Variable(m.name, m.doc, "m") for m in equations.markers),
         zeros=tuple(Zero(f"M[{context.rows[i]}, {context.rows[j]}]", why) for i, j, why in equations.mass_zeros),
         choice=equations.choice,
-        multipliers=tuple(
-            Variable(c.name, c.doc, c.force_unit) for c in equations.constraints
-        ),
+        multipliers=tuple(Variable(c.name, c.doc, c.force_unit) for c in equations.constraints),
         bodies=tuple(pose.name for pose in equations.poses),
         kkt=constraints.kkt(context) if scene else None,
         left_out=tuple(Zero(out.what, out.reason) for out in equations.left_out),

@@ -101,7 +101,10 @@ def _moved_to_setup(graph: Graph, want: Required, node: int) -> bool:
         return False
     number = graph.value(node)
     if number is not None and want.kind == "positive" and number <= 0:
-        raise LoweringError(f"{want.text}: the shapes are too nearly dependent to compute with; make them orthogonal")
+        raise LoweringError(
+            f"{want.text}, whatever the state: shapes are too nearly dependent to compute with (make them orthogonal), "
+            "or joints hold the same bodies twice (leave one out)"
+        )
     graph.constants.require(want.kind, graph.expr(node), want.code, want.text)
     return True
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 
 import casadi as ca
 
@@ -15,6 +15,8 @@ from derive.kernel.ir import Argument, Kernel, Output
 from derive.kernel.model import Variable
 from derive.kernel.schedule import Named, Required, Step, Stored, schedule
 from derive.kernel.symbols import Symbols
+
+UNARY: dict[str, Callable[[ca.SX], ca.SX]] = {"neg": lambda a: -a, "sin": ca.sin, "cos": ca.cos, "sqrt": ca.sqrt}
 
 
 def setup_kernel(context: Context, kernels: Iterable[Kernel]) -> tuple[Kernel, tuple[Variable, ...]]:
@@ -86,7 +88,7 @@ def _casadi(expr: Expr, values: dict[str, ca.SX], symbols: Symbols) -> ca.SX:
         return values[expr.name]
     assert isinstance(expr, Op), "setup has no loops here"
     args = [_casadi(a, values, symbols) for a in expr.args]
-    return -args[0] if expr.kind == "neg" else BINARY[expr.kind](*args)
+    return UNARY[expr.kind](args[0]) if expr.kind in UNARY else BINARY[expr.kind](*args)
 
 
 def _text(expr: Expr) -> str:
@@ -98,4 +100,6 @@ def _text(expr: Expr) -> str:
     assert isinstance(expr, Op), "setup has no loops here"
     args = [f"({_text(a)})" if isinstance(a, Op) else _text(a) for a in expr.args]
     sign = {"add": " + ", "sub": " - ", "mul": " * ", "div": " / "}
+    if expr.kind in ("sin", "cos", "sqrt"):
+        return f"{expr.kind}({_text(expr.args[0])})"
     return f"-{args[0]}" if expr.kind == "neg" else sign[expr.kind].join(args)

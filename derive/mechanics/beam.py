@@ -47,7 +47,7 @@ def beam_body(beam: PlanarBeam, pieces: int = 1) -> Body:
     docs = {"mass": "mass of the beam", "length": "length of the beam", "bending_stiffness": "bending stiffness EI"}
     return Body(
         name=beam.name,
-        doc=f"free planar beam, {beam.frame.kind} frame, shapes {', '.join(map(_shape_text, shapes))}",
+        doc=f"free planar beam, {beam.frame.kind} frame, shapes {', '.join(map(shape_text, shapes))}",
         origin="X = xi l/2 e1 (24), so c is where the centre of the undeformed beam lies in the floating frame.",
         motion=planar_motion(len(shapes)),
         mass=mass,
@@ -80,7 +80,8 @@ def _poly(coefficients: Polynomial) -> sp.Poly:
     return sp.Poly([sp.Rational(c) for c in reversed(coefficients)], xi, domain="QQ")
 
 
-def _shape_text(coefficients: Polynomial) -> str:
+def shape_text(coefficients: Polynomial) -> str:
+    """A shape in xi as it is written."""
     return str(_poly(coefficients).as_expr()).replace("**", "^")
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 AT_DEAD_CENTRE = (
@@ -39,6 +39,18 @@ class InconsistentStart(SimulationError):
         lines = [f"the constraints cannot be met by any {what} near the start at t = {t:g} s; what is left ({unit}):"]
         lines += [f"  {name.ljust(width)}  {amount:.3g}" for name, amount in unmet]
         super().__init__("\n".join([*lines, advice]))
+
+
+class BentStart(SimulationError):
+    """Joints can be met, but only by beams that bend far. `bent`: by how much of the length of a piece, by rods."""
+
+    def __init__(self, bent: Mapping[str, float]) -> None:
+        self.bent = dict(bent)
+        said = ", ".join(f"{name} by {most:.2g} of the length of a beam" for name, most in bent.items())
+        super().__init__(
+            f"the joints can be met at the start only by bending {said}, which linear displacements do not describe. "
+            "Check that lengths can reach, or give bodies a start nearer to the closed mechanism."
+        )
 
 
 class RedundantConstraints(SimulationError):
@@ -104,7 +116,9 @@ class IntegrationStopped(SimulationError):
         self.t = t
         super().__init__(
             f"the integration stops at t = {t:.9g} s: {reason}. The motion may grow without bound there (a beam that "
-            "spins too fast for its stiffness, a force that is too large), or the tolerance is out of reach."
+            "spins too fast for its stiffness, a force that is too large); a value may have no bound (the rate of a "
+            "drive such as sqrt(t) at 0, a spring with a rest length or a damper whose ends meet); or the tolerance is "
+            "out of reach."
         )
 
 

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from derive.mechanics.mechanism.members import piece_name
 from derive.native import NativeScene, Vector
-from derive.spec.body import Parameter, Quantity
+from derive.simulation.observe import number
 from derive.spec.scene import BeamBody, RigidBody, Scene, Start
 
 
@@ -25,9 +25,9 @@ def guess(scene: Scene, native: NativeScene) -> tuple[Vector, Vector, NDArray[np
             for k in range(body.pieces):
                 _free(values, rates, piece_name(body, k), body.start, _ahead(body, k))
         else:
-            centre = tuple(_number(x) for x in body.centre)
+            centre = tuple(number(x) for x in body.centre)
             _free(values, rates, body.name, body.start, centre)
-            _held(values, rates, scene, body)
+            _guided(values, rates, body, native)
     q = np.array([values.get(name, 0.0) for name in native.coordinates])
     v = np.array([rates.get(name, 0.0) for name in native.coordinates])
     rigid = np.array([name.rsplit("_", 1)[-1] in ("c1", "c2", "phi", "s") for name in native.coordinates])
@@ -50,29 +50,20 @@ def _free(values: dict[str, float], rates: dict[str, float], name: str, start: S
     }
 
 
-def _held(values: dict[str, float], rates: dict[str, float], scene: Scene, body: RigidBody) -> None:
-    """The displacement along a guide, should the body have one; its rotation is that of the free body."""
-    for joint in scene.joints:
-        if joint.kind == "translational" and joint.second.body == body.name:
-            axis = np.array([float(x) for x in joint.axis])
-            axis /= np.linalg.norm(axis)
-            marker = next(m for m in body.markers if m.name == joint.second.marker)
-            cos, sin = math.cos(body.start.angle), math.sin(body.start.angle)
-            x, y = _number(marker.x), _number(marker.y)
-            from_ground = next((p for p in scene.ground if p.name == joint.first.marker), None)
-            origin = (_number(from_ground.x), _number(from_ground.y)) if from_ground else (0.0, 0.0)
-            arm = np.array([cos * x - sin * y, sin * x + cos * y])
-            place = np.array(body.start.position) + arm - np.array(origin)
-            values[f"{body.name}_s"] = float(axis @ place)
-            rates[f"{body.name}_s"] = float(axis @ np.array(body.start.velocity))
-            return
+def _guided(values: dict[str, float], rates: dict[str, float], body: RigidBody, native: NativeScene) -> None:
+    """The displacement along a guide, from where the body is without it and the way that it goes."""
+    name = f"{body.name}_s"
+    if name not in native.coordinates:
+        return
+    q, k, place = np.zeros(native.nq), native.setup(), native.bodies.index(body.name)
+    origin = native.poses(0.0, q, k)[place, :2]
+    q[native.coordinates.index(name)] = 1.0
+    axis = native.poses(0.0, q, k)[place, :2] - origin
+    values[name] = float(axis @ (np.array(body.start.position) - origin))
+    rates[name] = float(axis @ np.array(body.start.velocity))
 
 
 def _ahead(rod: BeamBody, k: int) -> tuple[float, float]:
     """Where the centre of piece k lies along the undeformed rod, from the centre of that."""
-    piece = _number(rod.beam.length) / rod.pieces
+    piece = number(rod.beam.length) / rod.pieces
     return (k - (rod.pieces - 1) / 2) * piece, 0.0
-
-
-def _number(quantity: Quantity) -> float:
-    return quantity.default if isinstance(quantity, Parameter) else float(quantity)

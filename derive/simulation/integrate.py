@@ -10,12 +10,15 @@ import numpy as np
 from scipy.integrate import DOP853, RK45
 
 from derive.native import ModelError, Vector
-from derive.simulation.errors import DriftTooLarge
+from derive.simulation.errors import DriftTooLarge, IntegrationStopped
 from derive.simulation.evaluator import Evaluator
 from derive.simulation.mechanism import Mechanism
 from derive.simulation.rows import Rows
 from derive.simulation.stopped import explained, reason_to_stop
 from derive.simulation.trajectory import Cost, Trajectory
+
+MOST_STEPS = 20_000
+"""Steps for each row on average; more than that lead nowhere."""
 
 METHODS: dict[str, Any] = {"DOP853": DOP853, "RK45": RK45}
 
@@ -59,6 +62,8 @@ def integrate(
             if message is not None:
                 raise reason_to_stop(native, k, t, y, evaluator.refused, message)
             steps += 1
+            if steps > MOST_STEPS * len(instants):
+                raise IntegrationStopped(t, f"{steps} steps have not got further")
             if instants[rows.count] < solver.t:
                 dense = solver.dense_output()
                 while rows.count < len(instants) and instants[rows.count] < solver.t:

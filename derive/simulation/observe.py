@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -39,7 +39,6 @@ class Motion:
     t: Array
     q: Array
     v: Array
-    multipliers: Array = field(default_factory=lambda: np.zeros((0, 0)))
 
     @cached_property
     def poses(self) -> Array:

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from fractions import Fraction
 
 import numpy as np
 
 from derive.mechanics.conditions import assumed_shapes
-from derive.mechanics.mechanism.members import piece_name
+from derive.mechanics.mechanism.members import piece_name, piece_of, place_in_piece
 from derive.simulation.observe import Array, Motion, number, placed
 from derive.spec.body import Polynomial
 from derive.spec.scene import BeamBody
@@ -24,9 +23,7 @@ def pieces(rod: BeamBody) -> tuple[str, ...]:
 
 def piece(rod: BeamBody, at: Fraction) -> tuple[int, float]:
     """The piece in which a point of a rod lies, counted from 0, and its xi there; where two meet, the left one."""
-    along = (at + 1) * rod.pieces / 2
-    index = max(math.ceil(along) - 1, 0)
-    return index, float(2 * (along - index) - 1)
+    return piece_of(at, rod.pieces), float(place_in_piece(at, rod.pieces))
 
 
 def half_length(rod: BeamBody) -> float:

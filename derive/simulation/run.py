@@ -12,11 +12,11 @@ from derive.derivation import derive, lower
 from derive.emit.model_files import model_files
 from derive.kernel.model import Model
 from derive.native import Vector, load_scene
-from derive.simulation.guess import guess
+from derive.simulation.begin import begin
 from derive.simulation.integrate import integrate
 from derive.simulation.observe import Motion, drive_unit, driven
 from derive.simulation.record import Column
-from derive.simulation.start import Start, consistent
+from derive.simulation.start import Start
 from derive.simulation.trajectory import Trajectory
 from derive.spec.scene import Scene, Simulation
 
@@ -41,7 +41,7 @@ def run(scene: Scene, progress: Callable[[float], None] | None = None) -> Run:
     model = lower(derive(scene))
     native = load_scene(model_files(model, scene))
     k = native.setup()
-    start = consistent(native, k, *guess(scene, native))
+    start = begin(scene, native, k)
     found = integrate(
         native,
         k,

@@ -140,6 +140,12 @@ class Torque:
     against: Place | None = None
 
 
+SPRING_UNITS = {
+    "linear": {"stiffness": "N/m", "damping": "N s/m", "rest": "m"},
+    "rotational": {"stiffness": "N m/rad", "damping": "N m s/rad", "rest": "rad"},
+}
+
+
 @dataclass(frozen=True)
 class Spring:
     """A spring with a damper between two places: along the line between them, or `rotational`, about e3.

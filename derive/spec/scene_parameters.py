@@ -9,10 +9,10 @@ from derive.spec import paper, values
 from derive.spec.errors import quoted
 from derive.spec.faults import Fault, KeyPath, readable
 from derive.spec.names import name_problem
-from derive.spec.scene import GROUND
+from derive.spec.scene import GROUND, SPRING_UNITS
 from derive.spec.scene_bodies import INERTIA_UNIT, LENGTH_UNIT
 from derive.spec.scene_names import taken_names
-from derive.spec.scene_tables import SPEED_UNITS, SPRING_UNITS
+from derive.spec.scene_tables import SPEED_UNITS
 from derive.spec.scene_view import View
 
 GRAVITY_UNIT = "m/s^2"

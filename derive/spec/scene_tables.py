@@ -10,6 +10,7 @@ from pydantic import BeforeValidator, Field, PlainValidator, WithJsonSchema, mod
 from derive.spec import scene_values, values
 from derive.spec.parser import MAX_LENGTH
 from derive.spec.scene import (
+    SPRING_UNITS,
     Deflection,
     Drive,
     Force,
@@ -29,10 +30,6 @@ from derive.spec.tables import NotNegativeInput, Number, SignedInput, Table, com
 
 MAX_STEPS = 10**7
 SPEED_UNITS = {"revolute": "rad/s", "translational": "m/s"}
-SPRING_UNITS = {
-    "linear": {"stiffness": "N/m", "damping": "N s/m", "rest": "m"},
-    "rotational": {"stiffness": "N m/rad", "damping": "N m s/rad", "rest": "rad"},
-}
 
 _PLACE = {"type": "string", "pattern": r"^[^.]+\.[^.]+$"}
 _TIME = {"anyOf": [{"type": "number"}, {"type": "string", "minLength": 1, "maxLength": MAX_LENGTH}]}

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from derive.native import NativeScene, Vector
+from derive.simulation.begin import begin
 from derive.simulation.guess import guess
 from derive.simulation.integrate import integrate
 from derive.simulation.mechanism import constraint_matrix
@@ -33,7 +34,7 @@ def period(scene: Scene) -> tuple[float, str]:
 
 def start(scene: Scene, native: NativeScene, k: Vector) -> State:
     """The consistent state at t = 0. Raises InconsistentStart."""
-    found = consistent(native, k, *guess(scene, native))
+    found = begin(scene, native, k)
     return 0.0, found.q, found.v
 
 

@@ -5603,13 +5603,13 @@ int crank_slider_3_accel_batch(
             const double rod_1_phi = q_block[2 * stride + b];
             const double rod_2_phi = q_block[7 * stride + b];
             const double rod_3_phi = q_block[12 * stride + b];
-            const double crank_phi = 150.0 * t;
             rod_1_cos_phi[b] = cos(rod_1_phi);
             rod_1_sin_phi[b] = sin(rod_1_phi);
             rod_2_cos_phi[b] = cos(rod_2_phi);
             rod_2_sin_phi[b] = sin(rod_2_phi);
             rod_3_cos_phi[b] = cos(rod_3_phi);
             rod_3_sin_phi[b] = sin(rod_3_phi);
+            const double crank_phi = 150.0 * t;
             crank_cos_phi[b] = cos(crank_phi);
             crank_sin_phi[b] = sin(crank_phi);
         }

@@ -12,6 +12,10 @@ The floating frame has its origin at c and is turned by Q. In it are resolved: r
 shapes Phi_i, and their moments c1 .. c8, d1, D2, d3, J, so that e1, e2 there are its axes.
 In the inertial base are resolved: c, momenta, and markers.
 Of beams c is where the centre of the undeformed beam lies in the floating frame.
+Deflection of upper, along its e2: alpha1 phi_1 + ..., phi_1 = 3*xi^2/2 - 1/2, phi_2 = 5*xi^3/2 -
+    3*xi/2; xi = 2 x / length.
+Deflection of lower, along its e2: alpha1 phi_1 + ..., phi_1 = 3*xi^2/2 - 1/2, phi_2 = 5*xi^3/2 -
+    3*xi/2; xi = 2 x / length.
 In M bodies share no inertia: joints couple them through constraints.
 
 Coordinates q:
@@ -375,7 +379,8 @@ def mass(q, k):
 
 
 def force(t, q, v, k):
-    """Forces h of M vdot + h = 0: centrifugal, Coriolis and elastic.
+    """Forces h of M vdot + h = G^T lambda: centrifugal, Coriolis and elastic, and those of gravity,
+        springs and applied loads.
 
     t: time
     q: generalized coordinates (10)
@@ -733,7 +738,7 @@ def accel(t, q, v, k):
 
 
 def energy(q, v, k):
-    """Kinetic and strain energy, and the potential of gravity.
+    """Kinetic and strain energy (with that of springs), and the potential of gravity.
 
     q: generalized coordinates (10)
     v: rates (10)

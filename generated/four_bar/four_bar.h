@@ -14,6 +14,12 @@
  * shapes Phi_i, and their moments c1 .. c8, d1, D2, d3, J, so that e1, e2 there are its axes.
  * In the inertial base are resolved: c, momenta, and markers.
  * Of beams c is where the centre of the undeformed beam lies in the floating frame.
+ * Deflection of crank, along its e2: alpha1 phi_1 + ..., phi_1 = 3*xi^2/2 - 1/2, phi_2 = 5*xi^3/2 -
+ *     3*xi/2; xi = 2 x / length.
+ * Deflection of coupler, along its e2: alpha1 phi_1 + ..., phi_1 = 3*xi^2/2 - 1/2, phi_2 = 5*xi^3/2
+ *     - 3*xi/2; xi = 2 x / length.
+ * Deflection of rocker, along its e2: alpha1 phi_1 + ..., phi_1 = 3*xi^2/2 - 1/2, phi_2 = 5*xi^3/2
+ *     - 3*xi/2; xi = 2 x / length.
  * In M bodies share no inertia: joints couple them through constraints.
  *
  * Coordinates q:
@@ -367,7 +373,8 @@ int four_bar_mass(
     double *M);
 
 /*
- * Forces h of M vdot + h = 0: centrifugal, Coriolis and elastic.
+ * Forces h of M vdot + h = G^T lambda: centrifugal, Coriolis and elastic, and those of gravity,
+ *     springs and applied loads.
  *
  * t: time
  * q: generalized coordinates (15)
@@ -435,7 +442,7 @@ int four_bar_accel(
     double *vdot);
 
 /*
- * Kinetic and strain energy.
+ * Kinetic and strain energy (with that of springs).
  *
  * q: generalized coordinates (15)
  * v: rates (15)

@@ -14,10 +14,10 @@ import derive
 from beams import run_module
 from conftest import ROOT
 from derive.native import NativeScene, load_scene
-from derive.simulation.guess import guess
+from derive.simulation.begin import begin
 from derive.simulation.integrate import integrate
 from derive.simulation.observe import Motion, deflection
-from derive.simulation.start import Start, consistent
+from derive.simulation.start import Start
 from derive.simulation.trajectory import Trajectory
 from derive.spec import parse
 from derive.spec.scene import Scene
@@ -42,7 +42,7 @@ class Made:
     def start(self, p: np.ndarray | None = None) -> tuple[np.ndarray, Start]:
         """k and the consistent start."""
         k = self.native.setup(p)
-        return k, consistent(self.native, k, *guess(self.spec, self.native))
+        return k, begin(self.spec, self.native, k)
 
     def run(self, times: np.ndarray, p: np.ndarray | None = None, tolerance: float = 1e-9) -> Trajectory:
         """The motion from the start of the specification."""

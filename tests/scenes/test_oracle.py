@@ -157,10 +157,7 @@ def test_python_is_the_same_and_takes_batches(name: str) -> None:
                 close(member, call(t[i, 0], q[i, j], v[i, j]), limit)
 
 
-def test_batches_of_c_are_the_same_bit_for_bit(name: str, request: pytest.FixtureRequest) -> None:
-    if name == "REDUCED":
-        why = "c_batch: an angle that is made of a sine is computed before that sine"
-        request.applymarker(pytest.mark.xfail(reason=why))
+def test_batches_of_c_are_the_same_bit_for_bit(name: str) -> None:
     native = in_zoo(name).native
     k = native.setup()
     states = [state(native, seed) for seed in range(7)]

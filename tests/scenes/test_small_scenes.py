@@ -89,8 +89,7 @@ def test_they_are_what_the_oracle_says(made: Made) -> None:
     close(made.python["accel"](t, q, v, k), seen.vdot, 1e-12)
 
 
-def test_batches_of_c_are_the_same_bit_for_bit(made: Made, request: pytest.FixtureRequest) -> None:
-    not_yet(request, ["a root in a drive"], "an angle that is made of a sine is computed before that sine")
+def test_batches_of_c_are_the_same_bit_for_bit(made: Made) -> None:
     native = made.native
     t, q, v = state(native, 3)
     k = native.setup()
@@ -98,12 +97,5 @@ def test_batches_of_c_are_the_same_bit_for_bit(made: Made, request: pytest.Fixtu
     assert np.array_equal(batch[1], native.accel(t, q, v, k))
 
 
-def test_their_code_compiles_without_a_warning(made: Made, request: pytest.FixtureRequest) -> None:
-    not_yet(request, ["a guide, at an angle", "a pendulum", "a free body"], "helpers of batches that nobody calls")
+def test_their_code_compiles_without_a_warning(made: Made) -> None:
     load(made.files, STRICT)
-
-
-def not_yet(request: pytest.FixtureRequest, names: list[str], why: str) -> None:
-    """What is known to be wrong with some of the scenes."""
-    if request.node.callspec.params["made"] in names:
-        request.applymarker(pytest.mark.xfail(reason=why))

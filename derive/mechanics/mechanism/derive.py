@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import chain
@@ -9,7 +10,9 @@ from itertools import chain
 import sympy as sp
 
 from derive.mechanics import quantity
+from derive.mechanics.beam import shape_text
 from derive.mechanics.body import equations as equations_of
+from derive.mechanics.conditions import assumed_shapes
 from derive.mechanics.equations import (
     Coefficient,
     Constraint,
@@ -31,7 +34,7 @@ from derive.mechanics.mechanism.reduce import Reduced, ground, reduced
 from derive.mechanics.mechanism.time import function, t
 from derive.spec import Problem, SpecError
 from derive.spec.body import Parameter, Quantity
-from derive.spec.scene import GROUND, BeamBody, Drive, Joint, Place, RigidBody, Scene
+from derive.spec.scene import GROUND, SPRING_UNITS, BeamBody, Drive, Function, Joint, Place, RigidBody, Scene
 
 Points = Mapping[str, Mapping[str, PointMotion]]
 
@@ -156,6 +159,8 @@ class _Assembly:
 
     def _actions(self, rows: tuple[Row, ...]) -> list[actions.Action]:
         scene = self.scene
+        for name, of in _functions_of(scene):
+            _function(of, name)
         found = [actions.force(f, self._at(self._place(f.at)), rows) for f in scene.forces]
         for torque in scene.torques:
             against = self._at(self._place(torque.against)) if torque.against else None
@@ -163,7 +168,7 @@ class _Assembly:
         for spring in scene.springs:
             constants = tuple(
                 self._constant(f"{spring.name}_{what}", getattr(spring, what), f"{what} of spring {spring.name}", unit)
-                for what, unit in _SPRING_UNITS[spring.kind].items()
+                for what, unit in SPRING_UNITS[spring.kind].items()
             )
             ends = self._at(self._place(spring.first)), self._at(self._place(spring.second))
             found.append(actions.spring(spring, *ends, constants, rows))
@@ -186,7 +191,7 @@ class _Assembly:
 
     def _motion(self, drive: Drive) -> sp.Expr:
         if drive.motion is not None:
-            return function(drive.motion)
+            return _function(drive.motion, f"drives.{drive.name}.motion")
         assert drive.speed is not None
         speed = self._constant(f"{drive.name}_speed", drive.speed, f"speed of drive {drive.name}", "")
         return speed * t + sp.Rational(drive.offset)
@@ -212,6 +217,8 @@ class _Assembly:
         made = [self.bodies[name] for name in self.made]
         definitions = tuple(chain(*(b.definitions for b in made), of_joints, *(a.definitions for a in forces)))
         moving = _moving(definitions)
+        coefficients = self._coefficients(bodies)
+        _distinct(rows, found, coefficients, definitions)
 
         def summed(of: Iterable[sp.Expr]) -> sp.Expr:
             """What does not depend on time alone; a prescribed motion brings and takes energy as it needs."""
@@ -230,7 +237,7 @@ class _Assembly:
             rows=rows,
             rates=tuple(row.v for row in rows),
             parameters=self.parameters,
-            coefficients=self._coefficients(bodies),
+            coefficients=coefficients,
             definitions=definitions,
             terms=terms,
             vanished=tuple(v for b in bodies for v in b.vanished),
@@ -244,8 +251,14 @@ class _Assembly:
             markers=tuple(m for m in _markers(bodies) if not _depends(m.definitions, m.position, moving)),
             constraints=found,
             poses=self._poses(),
-            left_out=tuple(self.left_out),
+            left_out=(*self.left_out, *self._carried(moving)),
         )
+
+    def _carried(self, moving: frozenset[sp.Symbol]) -> list[LeftOut]:
+        """Bodies that stand on what a drive moves: functions without t cannot speak of them."""
+        reason = "a drive carries it along, and these functions know no time"
+        names = [name for name, body in self.bodies.items() if body.rows and _of_time(body, moving)]
+        return [LeftOut(f"{name} in energy, momentum and markers", reason) for name in names]
 
     def _coefficients(self, bodies: list[Placed]) -> tuple[Coefficient, ...]:
         """Each symbol once, with one symbol for each parameter, whatever it is assumed to be where it is used."""
@@ -268,10 +281,19 @@ class _Assembly:
         return tuple(found)
 
 
-_SPRING_UNITS = {
-    "linear": {"stiffness": "N/m", "damping": "N s/m", "rest": "m"},
-    "rotational": {"stiffness": "N m/rad", "damping": "N m s/rad", "rest": "rad"},
-}
+def _distinct(
+    rows: tuple[Row, ...],
+    found: tuple[Constraint, ...],
+    coefficients: tuple[Coefficient, ...],
+    definitions: tuple[Definition, ...],
+) -> None:
+    """Names that are joined of others may meet; then one of the two has to be called otherwise."""
+    names = [str(s) for row in rows for s in (row.name, row.v, row.a)]
+    names += [c.name for c in found] + [str(c.symbol) for c in coefficients] + [str(d.symbol) for d in definitions]
+    twice = sorted(name for name, count in Counter(names).items() if count > 1)
+    if twice:
+        text = f"two things of this scene would be called {', '.join(twice)} in the code; give one another name"
+        raise SpecError((Problem("bodies", text),))
 
 
 def _moving(definitions: tuple[Definition, ...]) -> frozenset[sp.Symbol]:
@@ -313,12 +335,42 @@ def _mass(rows: tuple[Row, ...], terms: tuple[Term, ...]) -> sp.ImmutableMatrix:
     return sp.ImmutableMatrix(entries.applyfunc(sp.expand))
 
 
+def _functions_of(scene: Scene) -> Iterator[tuple[str, Function]]:
+    """Where functions of t stand in forces and torques, and these."""
+    for force in scene.forces:
+        yield from ((f"forces.{force.name}.components", component) for component in force.components)
+    for torque in scene.torques:
+        yield f"torques.{torque.name}.value", torque.value
+
+
+def _function(of: Function, path: str) -> sp.Expr:
+    """A function of t. Raises SpecError where it has no value for any t."""
+    expr = function(of)
+    if expr.has(sp.zoo, sp.nan, sp.oo, -sp.oo, sp.I):
+        raise SpecError((Problem(path, f"this is {expr} for every t; a finite function of t is needed"),))
+    return expr
+
+
+def _of_time(body: Placed, moving: frozenset[sp.Symbol]) -> bool:
+    """Whether energy or momentum of a body depend on the time: it stands on what a drive moves."""
+    return any(e.free_symbols & moving for e in (*body.energies, *body.linear, *body.angular))
+
+
 def _origin(scene: Scene) -> str:
     """What one should know of the bodies' equations, in words."""
     cut = [f"{b.name}_1" for b in scene.bodies if isinstance(b, BeamBody) and b.pieces > 1]
     alike = f" What is told of {', '.join(cut)} holds of the other pieces as well." if cut else ""
     centre = "Of beams c is where the centre of the undeformed beam lies in the floating frame."
-    return f"{centre}\nIn M {BETWEEN_BODIES}.{alike}"
+    shapes = "".join(f"\n{_shapes(b)}" for b in scene.bodies if isinstance(b, BeamBody))
+    return f"{centre}{shapes}\nIn M {BETWEEN_BODIES}.{alike}"
+
+
+def _shapes(rod: BeamBody) -> str:
+    """The shapes of a rod as a user of the code needs them to draw it."""
+    shapes = assumed_shapes(rod.beam.ansatz, rod.beam.frame, rod.beam.orthogonal)
+    said = ", ".join(f"phi_{i} = {shape_text(shape)}" for i, shape in enumerate(shapes, 1))
+    each = f"{rod.name}, each of {rod.pieces} pieces" if rod.pieces > 1 else rod.name
+    return f"Deflection of {each}, along its e2: alpha1 phi_1 + ..., {said}; xi = 2 x / length."
 
 
 def _doc(scene: Scene, coordinates: tuple[Coordinate, ...], found: tuple[Constraint, ...]) -> str:

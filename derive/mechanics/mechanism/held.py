@@ -5,8 +5,10 @@ Only rigid bodies are reduced: of a flexible one a joint holds a point, not a co
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from fractions import Fraction
 
 import sympy as sp
 
@@ -78,10 +80,14 @@ def sliding(name: str, motion: Motion, at: PointMotion, axis: sp.Matrix, turn: s
 
 
 def unit_axis(joint: Joint) -> sp.Matrix:
-    """The direction of a translational joint, of length one: exactly if its length is rational."""
+    """The direction of a translational joint, of length one exactly: a point of the circle that is rational."""
     axis = sp.Matrix([sp.Rational(x) for x in joint.axis])
     length = sp.sqrt(axis.dot(axis))
-    return axis / (length if length.is_Rational else sp.Rational(float(length)))
+    if length.is_Rational:
+        return axis / length
+    angle = math.atan2(*map(float, reversed(joint.axis)))
+    half = sp.Rational(Fraction(math.tan(angle / 2)).limit_denominator(10**9))
+    return sp.Matrix([1 - half**2, 2 * half]) / (1 + half**2)
 
 
 def is_still(at: PointMotion) -> bool:

@@ -49,7 +49,7 @@ def beam_members(rod: BeamBody, gravity: tuple[Coefficient, ...]) -> tuple[Membe
     body = replace(beam_body(replace(rod.beam, markers=()), n), gravity=gravity)
     found = []
     for k in range(n):
-        own = [Marker(m.name, _place_in_piece(m.at, n)) for m in rod.beam.markers if _piece(m.at, n) == k]
+        own = [Marker(m.name, place_in_piece(m.at, n)) for m in rod.beam.markers if piece_of(m.at, n) == k]
         ends = [Marker(CUT[0], Fraction(-1))] if k else []
         ends += [Marker(CUT[1], Fraction(1))] if k < n - 1 else []
         sections = {m.name: Section(beam_point(m, rod.beam, n), section_turns(m, rod.beam, n)) for m in (*own, *ends)}
@@ -62,14 +62,15 @@ def piece_name(rod: BeamBody, k: int) -> str:
     return f"{rod.name}_{k + 1}" if rod.pieces > 1 else rod.name
 
 
-def _piece(at: Fraction, pieces: int) -> int:
-    """The piece in which a place of the rod lies; of two that meet there, the left one."""
+def piece_of(at: Fraction, pieces: int) -> int:
+    """The piece in which a place of the rod lies, counted from 0; of two that meet there, the left one."""
     along = (at + 1) / 2 * pieces
     return max(-(-along.numerator // along.denominator) - 1, 0)
 
 
-def _place_in_piece(at: Fraction, pieces: int) -> Fraction:
-    return (at + 1) * pieces - 2 * _piece(at, pieces) - 1
+def place_in_piece(at: Fraction, pieces: int) -> Fraction:
+    """Its xi in that piece."""
+    return (at + 1) * pieces - 2 * piece_of(at, pieces) - 1
 
 
 def welds(rod: BeamBody) -> tuple[Joint, ...]:
@@ -103,7 +104,7 @@ def place_of(place: Place, rods: Mapping[str, BeamBody]) -> Place:
     if rod is None:
         return place
     at = next(m.at for m in rod.beam.markers if m.name == place.marker)
-    return Place(piece_name(rod, _piece(at, rod.pieces)), place.marker)
+    return Place(piece_name(rod, piece_of(at, rod.pieces)), place.marker)
 
 
 def parameters(scene: Scene) -> tuple[ParameterSymbol, ...]:
