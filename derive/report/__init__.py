@@ -1,0 +1,1 @@
+"""The report: every equation of a model shown, with its reasons and its code."""
