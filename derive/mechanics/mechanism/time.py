@@ -32,4 +32,6 @@ def function(of: Function) -> sp.Expr:
 
 def rounded(expr: sp.Expr) -> sp.Expr:
     """A number that is no fraction, such as cos(1/2), as the double next to it, which is the same on any machine."""
-    return sp.Rational(float(expr.evalf(30))) if expr.is_number and not expr.is_Rational else expr
+    if not expr.is_number or expr.is_Rational or not (expr.is_real and expr.is_finite):
+        return expr
+    return sp.Rational(float(expr.evalf(30)))
