@@ -18,6 +18,7 @@ examples:
   tisserand compare scenes/free_beam_mean.toml scenes/free_beam_point.toml
   tisserand simulate scenes/crank_slider_3.toml
   tisserand study frames scenes/crank_slider_3.toml
+  tisserand report scenes/free_beam_mean.toml --pdf
   tisserand check
 
 exit codes: 0 done; 1 a check failed; 2 the input or the machine does not allow it
@@ -53,6 +54,9 @@ def parser() -> argparse.ArgumentParser:
 
     _studies(commands.add_parser("study", help="what the frame of the beams of a scene costs, and does to pivots"))
 
+    report = commands.add_parser("report", help="a page with every equation of a body, its reasons and its code")
+    _report(report)
+
     check = commands.add_parser("check", help="regenerate everything in memory and compare with the files")
     check.add_argument("scenes", nargs="?", type=Path, default=Path("scenes"), help="default: scenes")
     check.add_argument("--out", type=Path, default=Path("generated"), metavar="FOLDER", help="default: generated")
@@ -62,6 +66,17 @@ def parser() -> argparse.ArgumentParser:
 
     commands.add_parser("schema", help="print the JSON schema of specifications, for editors")
     return main
+
+
+def _report(report: argparse.ArgumentParser) -> None:
+    what = report.add_mutually_exclusive_group(required=True)
+    what.add_argument("spec", nargs="?", type=Path, metavar="SPEC", help="specification file (.toml) of a body")
+    what.add_argument("--paper", action="store_true", help="the audit of the paper instead")
+    report.add_argument("--out", type=Path, metavar="FILE", help="default: results/NAME/NAME.report.html")
+    report.add_argument("--pdf", action="store_true", help="write a PDF beside it")
+    report.add_argument("--tex", action="store_true", help="write LaTeX beside it")
+    report.add_argument("--markdown", action="store_true", help="write Markdown beside it")
+    report.add_argument("--json", action="store_true", help="print what was written as JSON")
 
 
 def _studies(study: argparse.ArgumentParser) -> None:
@@ -145,8 +160,10 @@ def _is_explained(error: Exception) -> bool:
     from derive.host.library import HostError
     from derive.kernel.graph import LoweringError
     from derive.native import CompilerError, ModelError
+    from derive.report.pdf import NoTypst
     from derive.simulation.errors import SimulationError
     from derive.spec import SpecError
 
     explained = SpecError | NotOurs | LoweringError | CompilerError | ModelError | SimulationError | HostError | OSError
+    explained |= NoTypst
     return isinstance(error, explained)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from derive.report.audit.reader import equation
-from derive.report.formula import Equation
+from derive.report.formula import Equation, Number
 from derive.report.page import Block, Heading, Paragraph
 from derive.report.page import Equations as Lines
 from derive.report.tables import Said, table
@@ -57,5 +57,5 @@ def _residuals(spec: NodalBody) -> list[Block]:
     return [table("How far the modes are from the mean frame", ("", "as given", "as used"), rows, "lrr")]
 
 
-def _both(before: float, after: float) -> tuple[str, str]:
-    return f"{before:.1e}", f"{after:.1e}"
+def _both(before: float, after: float) -> tuple[Number, Number]:
+    return Number(f"{before:.1e}"), Number(f"{after:.1e}")

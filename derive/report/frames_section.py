@@ -14,16 +14,16 @@ from derive.mechanics.equations import Equations
 from derive.report.formula import Equation
 from derive.report.frame_section import paper_numbers
 from derive.report.labels import variation
-from derive.report.matrix_picture import mass_matrix, picture
+from derive.report.matrix_picture import Matrix, mass_matrix, picture
 from derive.report.notation import Notation
-from derive.report.page import Block, Columns, Details, Heading, Paragraph, Picture
+from derive.report.page import Block, Columns, Heading, Paragraph, Picture
 from derive.report.page import Equations as Lines
 from derive.report.tables import Said, table
 from derive.report.terms import expansion, written_row
 from derive.spec.body import Frame, PlanarBeam
 
-MOST_SUMMANDS = 60
-"""Summands of the equations in the other frame that are shown."""
+MOST_SUMMANDS = 40
+"""Summands of the equations in a frame that are shown."""
 
 OTHERS = (Frame("mean"), Frame("point", Fraction(0)))
 
@@ -66,24 +66,23 @@ def variants(spec: PlanarBeam, equations: Equations, model: Model) -> tuple[Vari
 
 
 def frames_blocks(found: Sequence[Variant], notation: Notation) -> tuple[Block, ...]:
-    """Patterns, counts, and the equations in the other frames."""
+    """Patterns, equations and counts side by side."""
     if len(found) < 2:
         return ()
     matrices = [mass_matrix(v.model, v.equations) for v in found]
     against = " against ".join(f"{m.count} in the {v.title}" for v, m in zip(found, matrices, strict=True))
-    columns = tuple(
-        (Picture(picture(m), f"Mass matrix in the {v.title}: {m.count} entries", f"{v.title}: {m.count}"),)
-        for v, m in zip(found, matrices, strict=True)
-    )
-    own = found[0].title
+    columns = tuple((_picture(v, m), *_equations(v, notation)) for v, m in zip(found, matrices, strict=True))
     return (
         Heading("In another frame", "frames"),
         Paragraph((f"The same beam with the same ansatz. Entries of the mass matrix: {against}.",)),
         Columns(columns),
         _counts(found),
-        *(_equations(v, notation) for v in found[1:]),
-        Paragraph((f"All else on this page is about the {own}.",)),
     )
+
+
+def _picture(variant: Variant, matrix: Matrix) -> Picture:
+    said = f"{variant.title}: {matrix.count}"
+    return Picture(picture(matrix), f"Mass matrix in the {said} entries", said)
 
 
 def _counts(found: Sequence[Variant]) -> Block:
@@ -109,18 +108,15 @@ OPERATIONS = {
 }
 
 
-def _equations(variant: Variant, notation: Notation) -> Block:
-    """The rows of another frame, written out, where they are short enough."""
+def _equations(variant: Variant, notation: Notation) -> tuple[Block, ...]:
+    """The rows of a frame, written out, where they are short enough."""
     written = expansion(variant.equations)
     rows = [(row.name, written_row(variant.equations, row.name, written, notation)) for row in variant.equations.rows]
     total = sum(len(parts) for _, parts in rows)
     if total > MOST_SUMMANDS:
-        said = f"Written out in coordinates they have {total} summands; a report of that frame shows them."
-        return Details(f"Equations of motion in the {variant.title}", (Paragraph((said,)),))
+        return (Paragraph((f"Written out in coordinates its equations of motion have {total} summands.",)),)
     numbers = paper_numbers(variant.spec)
     number = numbers.motion if numbers else ""
     last = len(rows) - 1
-    lines = tuple(
-        Equation(variation(name), parts, ":", number if k == last else "") for k, (name, parts) in enumerate(rows)
-    )
-    return Details(f"Equations of motion in the {variant.title}", (Lines(lines),))
+    lines = (Equation(variation(name), parts, ":", number if k == last else "") for k, (name, parts) in enumerate(rows))
+    return (Lines(tuple(lines)),)

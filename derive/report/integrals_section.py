@@ -93,7 +93,7 @@ def _tables(equations: GenericEquations) -> Block:
     for t in equations.tables:
         name: Said = whole(t.name) if t.name in SHAPES else Code(t.name)
         rows.append([name, doc(t.doc), entries(t, equations.modes), kinds[t.kind], unit(t.unit), reason(t.zero)])
-    head = ("integral", "what it is", "entries", "of which there are", "unit", "the others vanish by")
+    head = ("integral", "what it is", "entries", "of which there", "unit", "the others vanish by")
     return table("Integrals of the body, which are tables for all shapes", head, rows, "llrlll")
 
 

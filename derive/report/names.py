@@ -94,7 +94,7 @@ def column(dots: int = 0, transposed: bool = False) -> Name:
 def _component(found: re.Match[str], above: tuple[str, ...]) -> Known:
     letters, number, dots = found.groups()
     n = DOTS[dots or ""]
-    kind = Kind.TURN if letters == "e" else Kind(MOTION[n] + (letters == "omega"))
+    kind = Kind(MOTION[n] + (letters == "omega"))
     return Known(kind, Name(letters, dots=n, below=(number,) if number else (), above=above))
 
 

@@ -34,8 +34,8 @@ def doc(text: str) -> Text:
 
 
 def unit(text: str) -> str:
-    """A unit with its powers raised."""
-    return re.sub(r"\^([0-9]+)", lambda found: found[1].translate(RAISED), text)
+    """A unit with its powers raised, on one line."""
+    return re.sub(r"\^([0-9]+)", lambda found: found[1].translate(RAISED), text).replace(" ", "\N{NO-BREAK SPACE}")
 
 
 def formula_of(text: str) -> Formula | None:

@@ -6,11 +6,11 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Literal
 
-from derive.report.formula import Formula, Operator, Part, Row
+from derive.report.formula import Formula
 from derive.report.page import Block, Cell, Code, Details, Inline, Link, Math, Strong, Table
 
-MOST = 60
-"""Rows that a table shows; of a longer one so many are folded away, and the others are counted."""
+MOST, ALL = 60, 150
+"""Rows that a table shows, and up to which it is folded away as a whole; of a longer one the first are."""
 
 Said = str | Math | Link | Code | Strong | Cell | Formula | int | tuple[Inline, ...]
 
@@ -37,19 +37,11 @@ def cell(said: Said, title: str = "", mark: Literal["", "zero", "entry", "good",
     return Cell((Math(said),), title, mark)
 
 
-def summands(parts: Sequence[Part]) -> tuple[Inline, ...]:
-    """A sum within text, which may break between its summands."""
-    found: list[Inline] = []
-    for k, part in enumerate(parts):
-        found += [" "] if k else []
-        signed = Row((Operator(part.sign), part.formula)) if k or part.sign == "-" else part.formula
-        found.append(Math(signed))
-    return tuple(found)
-
-
 def folded(whole: Table, summary: str) -> Block:
-    """A table as it is, or, where it is long, its first rows folded away; the summary says of how many."""
+    """A table as it is; folded away where it is long, and of a very long one the first rows."""
     count = len(whole.rows)
     if count <= MOST:
         return whole
+    if count <= ALL:
+        return Details(f"{summary}: {count}", (whole,))
     return Details(f"{summary}: the first {MOST} of {count}", (replace(whole, rows=whole.rows[:MOST]),))

@@ -9,7 +9,7 @@ import sympy as sp
 
 from derive.mechanics.equations import Equations, Term
 from derive.mechanics.generic import GenericEquations
-from derive.report.formula import Equation, Formula, Name, Part
+from derive.report.formula import Equation, Formula, Name, Number, Part
 from derive.report.formula import Matrix as Array
 from derive.report.integrals_section import family_of
 from derive.report.labels import delta, label
@@ -20,7 +20,7 @@ from derive.report.notation import Notation
 from derive.report.page import Block, Heading, Inline, Math, Paragraph, Picture
 from derive.report.page import Equations as Lines
 from derive.report.said import reason
-from derive.report.tables import Said, folded, summands, table
+from derive.report.tables import Said, folded, table
 
 SMALL, FEW, SUMMANDS = 6, 8, 4
 """Rows of a matrix that is written out; names that are listed; summands of a vanished term that is shown."""
@@ -88,9 +88,9 @@ def vanished_blocks(equations: Equations | GenericEquations, notation: Notation)
 def _would_be(term: Term, notation: Notation) -> Said:
     """What a vanished term stands for, where that is short."""
     if term.expr == 0:
-        return "0 in any body"
-    parts = notation.parts(term.expr)
-    return summands(parts) if len(parts) <= SUMMANDS else f"a sum of {len(parts)}"
+        return Number("0")
+    count = len(sp.Add.make_args(term.expr))
+    return notation.formula(term.expr) if count <= SUMMANDS else f"a sum of {count}"
 
 
 def _integrals(equations: Equations, notation: Notation) -> list[Block]:
