@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from derive.emit.template import render
 from derive.report.equation_html import equations_html
@@ -21,6 +22,11 @@ def equation_html(equation: Equation) -> str:
 
 
 def equations_shown(equations: Sequence[Equation]) -> str:
-    """Equations below each other, with their own style."""
+    """Equations below each other, with their own style, and without the anchors and links that a page gives them."""
     style = render("report/display.css", {})
-    return f"<style>\n{style}</style>\n{equations_html(equations)}"
+    return f"<style>\n{style}</style>\n{equations_html([_loose(one) for one in equations])}"
+
+
+def _loose(equation: Equation) -> Equation:
+    parts = tuple(replace(part, anchor="", to="") for part in equation.parts)
+    return replace(equation, anchor="", parts=parts)

@@ -41,10 +41,11 @@ def _number(equation: Equation) -> str:
     if not equation.number:
         return ""
     text = f"({escape(equation.number)})"
+    kind = "n w" if len(equation.number) > 3 else "n"
     return (
-        f'<a class="n" href="#{escape(equation.anchor)}">{text}</a>'
+        f'<a class="{kind}" href="#{escape(equation.anchor)}">{text}</a>'
         if equation.anchor
-        else f'<span class="n">{text}</span>'
+        else f'<span class="{kind}">{text}</span>'
     )
 
 

@@ -20,6 +20,7 @@ from derive.report.page import (
     Details,
     Equations,
     Heading,
+    Inline,
     Link,
     Listing,
     Math,
@@ -33,7 +34,8 @@ from derive.report.page import (
 from derive.report.picture import inline
 
 ALIGN = {"r": ' class="r"', "c": ' class="c"'}
-LONG = 40
+MARKS = tuple(",.;:)!?'\u2019")
+LONG, SOME = 40, 16
 """Columns of more characters keep room for them."""
 MANY = 200
 """Tables with more told cells than this are not walked through by the tab key."""
@@ -92,11 +94,16 @@ class _Writer:
 
 
 def text(parts: Text) -> str:
-    """Text with its formulas, links and words of code."""
-    return "".join(_inline(part) for part in parts)
+    """Text with its formulas, links and words of code. No line ends between a formula and a mark behind it."""
+    out = []
+    for k, part in enumerate(parts):
+        following = parts[k + 1] if k + 1 < len(parts) else None
+        close = isinstance(part, Math) and isinstance(following, str) and following[:1] in MARKS
+        out.append(_inline(part) + ("\u2060" if close else ""))
+    return "".join(out)
 
 
-def _inline(part: str | Math | Link | Code | Strong) -> str:
+def _inline(part: Inline) -> str:
     match part:
         case str():
             return escape(part, quote=False)
@@ -125,11 +132,15 @@ def _table(table: Table) -> str:
 
 def _head(table: Table, column: int, side: str) -> str:
     """A head; that of a column of much text keeps room for it."""
-    texts = [row[column].text for row in table.rows]
-    long = max((sum(len(part) for part in said if isinstance(part, str)) for said in texts), default=0) > LONG
-    names = [*([side[8:-1]] if side else []), *(["long"] if long else [])]
+    longest = max((sum(map(_length, row[column].text)) for row in table.rows), default=0)
+    names = [*([side[8:-1]] if side else []), *(["long"] if longest > LONG else ["some"] if longest > SOME else [])]
     kind = f' class="{" ".join(names)}"' if names else ""
     return f'<th scope="col"{kind}>{text(table.head[column])}</th>'
+
+
+def _length(part: Inline) -> int:
+    """Characters that a line may break between."""
+    return len(part) if isinstance(part, str) else 0 if isinstance(part, Math | Code) else len(part.text)
 
 
 def _cells(row: Sequence[Cell], align: Sequence[str], told: bool) -> str:

@@ -57,10 +57,7 @@ def math_in_text(formula: Formula) -> str:
 
 
 def _piece(parts: Sequence[Formula], first: bool) -> str:
-    said = escape(words(Row(tuple(parts))))
-    if first or not isinstance(parts[0], Operator):
-        return f'<math alttext="{said}">{_row(parts)}</math>'
-    return f'<math alttext="{said}"><mo form="infix">{_sign(parts[0].text)}</mo>{_row(parts[1:])}</math>'
+    return f'<math alttext="{escape(words(Row(tuple(parts))))}">{_row(parts, behind=not first)}</math>'
 
 
 def summand_math(part: Part, first: bool) -> str:
@@ -105,7 +102,11 @@ def mathml(formula: Formula, last: bool = True) -> str:
             return f"<mrow><mo>[</mo><mtable>{cells}</mtable><mo>]</mo></mrow>"
 
 
-def _row(parts: Sequence[Formula]) -> str:
+def _row(parts: Sequence[Formula], behind: bool = False) -> str:
+    """Formulas beside each other; a sign that they start with stands between, where they are `behind` others."""
+    start = parts[0] if parts else None
+    if isinstance(start, Operator) and (behind or start.text in ("+", "=")):
+        return f'<mo form="infix">{_sign(start.text)}</mo>{_row(parts[1:])}'
     out = []
     for k, part in enumerate(parts):
         following = parts[k + 1] if k + 1 < len(parts) else None

@@ -78,7 +78,8 @@ def words(formula: Formula) -> str:
 
 def equation_words(equation: Equation) -> str:
     """An equation in words."""
-    said = [words(equation.left), SIGNS.get(equation.relation, equation.relation)]
+    relation = equation.relation if equation.relation == ":" else SIGNS.get(equation.relation, equation.relation)
+    said = [words(equation.left), relation]
     for k, part in enumerate(equation.parts):
         said += [SIGNS[part.sign]] if k or part.sign == "-" else []
         said.append(words(summand(part.formula, part.sign)))

@@ -1,0 +1,113 @@
+"""A page as PDF: whole, the same each time, of text that is never markup."""
+
+# ruff: noqa: RUF001 - letters are what is tested
+
+from __future__ import annotations
+
+import builtins
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+import sample_report
+from sample_report import EVERYTHING, EVIL, PHI, row, square
+
+from derive.emit.files import MARK
+from derive.report.formula import Call, Fenced, Formula, Fraction, Matrix, Name, Number, Operator, Part
+from derive.report.pdf import NoTypst, pdf
+from derive.report.typst import typst
+from derive.report.typst_math import string, summand_typst, typst_math
+
+
+def text_of(data: bytes, folder: Path) -> str:
+    """The text of a PDF, or of what made it where there is no reader."""
+    (folder / "a.pdf").write_bytes(data)
+    return subprocess.run(
+        ["pdftotext", "-layout", folder / "a.pdf", "-"], capture_output=True, text=True, check=True
+    ).stdout
+
+
+def test_it_is_made_and_the_same_each_time() -> None:
+    pytest.importorskip("typst")
+    data = pdf(sample_report.page(8))
+    assert data.startswith(b"%PDF-") and MARK.encode() in data and len(data) < 400_000
+    code = "import sample_report as s, sys; from derive.report.pdf import pdf; sys.stdout.buffer.write(pdf(s.page(8)))"
+    env = {"PYTHONHASHSEED": "7", "PYTHONPATH": f"{Path(__file__).parents[3]}:.", "TZ": "Asia/Tokyo", "HOME": "/"}
+    done = subprocess.run(
+        [sys.executable, "-c", code], cwd=Path(__file__).parent, env=env, capture_output=True, check=True
+    )
+    assert done.stdout == data
+
+
+@pytest.mark.skipif(shutil.which("pdftotext") is None, reason="there is no pdftotext here")
+def test_what_it_says(tmp_path: Path) -> None:
+    pytest.importorskip("typst")
+    said = " ".join(text_of(pdf(sample_report.page()), tmp_path).split())
+    for word in (
+        "Kinematics",
+        "(33)",
+        "accelerations",
+        "Nothing is left out.",
+        "int free_beam_mass(",
+        "What was given:",
+    ):
+        assert word in said, word
+    assert "#set $x$ `q` | _a_ *b* 100% {c}" in said
+
+
+def test_strings() -> None:
+    assert string('a"b\\c') == '"a\\"b\\\\c"' and string("a\nb") == '"a b"'
+    made = typst(sample_report.page())
+    assert string(EVIL) in made and EVIL not in re.sub(r'"(\\.|[^"\\])*"', '""', made)
+
+
+@pytest.mark.parametrize(
+    ("formula", "shown"),
+    [
+        (Name("alpha", 2, ("1",)), "attach(dot.double(α), b: 1)"),
+        (Name("omega", style="vector"), "bold(italic(ω))"),
+        (Name("J", style="tensor"), "bold(upright(J))"),
+        (Name("Phi"), "italic(Φ)"),
+        (Name("EI"), 'italic("EI")'),
+        (Name("max", style="word"), 'upright("max")'),
+        (Name("$x"), 'italic("$x")'),
+        (Operator("#"), '"#"'),
+        (row(Number("2"), Number("3")), "2 dot.op 3"),
+        (square(Name("c", below=("1",))), "attach(c, b: 1, t: 2)"),
+        (square(Call("sin", PHI)), 'attach(op("sin"), t: 2) φ'),
+        (Fenced(Fraction(Name("a"), Name("b")), "{", "}"), "lr(brace.l frac(a, b) brace.r)"),
+        (Matrix(((Name("a"), None),)), 'mat(delim: "[", a, dot.op)'),
+        (Number("-1"), '"\u22121"'),
+    ],
+)
+def test_formulas(formula: Formula, shown: str) -> None:
+    assert typst_math(formula) == shown
+
+
+def test_signs() -> None:
+    assert summand_typst(Part("-", Name("a")), True) == 'class("unary", minus) a'
+    assert summand_typst(Part("+", Name("a")), False) == 'zws class("binary", +) a'
+
+
+def test_every_formula_is_taken(tmp_path: Path) -> None:
+    wheel = pytest.importorskip("typst")
+    odd = [Operator(c) for c in "#$\\\"'`@_^&/:;,!?~%*()[]{}|<>=+-"] + [Name(c) for c in "#$\\\"'`@_^&/"]
+    body = " ".join(f"${typst_math(one)}$" for one in [*odd, EVERYTHING, Call("#", PHI), Number("#")])
+    assert wheel.compile(body.encode(), format="pdf", ignore_system_fonts=True).startswith(b"%PDF")
+
+
+def test_a_missing_wheel_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    real = builtins.__import__
+
+    def without(name: str, *others: Any) -> Any:
+        if name == "typst":
+            raise ImportError(name)
+        return real(name, *others)
+
+    monkeypatch.setattr(builtins, "__import__", without)
+    with pytest.raises(NoTypst, match=r"pip install 'tisserand\[report\]'"):
+        pdf(sample_report.page())
