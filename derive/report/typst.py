@@ -168,5 +168,7 @@ def math(formula: Formula) -> str:
 
 
 def _display(shown: str, said: str) -> str:
-    """A piece of an equation."""
+    """A piece of an equation; there may be nothing to show."""
+    if not shown.strip():
+        return "[]"
     return f"math.equation(alt: {string(said)}, $display({shown})$)"
