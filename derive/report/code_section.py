@@ -16,19 +16,25 @@ LONG = 400
 
 @dataclass(frozen=True)
 class Targets:
-    """What lines lead to: terms by the lines that store them, and the anchors of moments by their names in the code."""
+    """What lines lead to: terms by the lines that store them, and the anchors of moments by their names in the code.
+
+    `wanted` are the lines that other places lead to.
+    """
 
     terms: Mapping[int, tuple[Place, ...]]
     moments: Mapping[str, str]
+    wanted: frozenset[int] = frozenset()
 
 
 def targets(places: Iterable[Place], moments: Mapping[str, str]) -> Targets:
     """What lines lead to."""
     found: dict[int, list[Place]] = {}
+    wanted: set[int] = set()
     for place in places:
+        wanted |= {number for _, number in place.names}
         for number in place.stores:
             found.setdefault(number, []).append(place)
-    return Targets({number: tuple(some) for number, some in found.items()}, moments)
+    return Targets({number: tuple(some) for number, some in found.items()}, moments, frozenset(wanted))
 
 
 def code_blocks(code: Sources, lead: Targets) -> tuple[Block, ...]:
@@ -58,7 +64,7 @@ def code_blocks(code: Sources, lead: Targets) -> tuple[Block, ...]:
 def _listing(function: Source, lead: Targets, caption: str) -> Listing:
     names = {number: name for name, number in function.definitions.items()}
     lines = tuple(_line(number, text, names.get(number, ""), lead) for number, text in function.numbered)
-    return Listing("c", caption, lines if len(lines) <= LONG else _shortened(lines))
+    return Listing("c", caption, lines if len(lines) <= LONG else _shortened(lines, lead.wanted))
 
 
 def _line(number: int, text: str, name: str, lead: Targets) -> Line:
@@ -68,10 +74,10 @@ def _line(number: int, text: str, name: str, lead: Targets) -> Line:
     return Line(number, text, line_anchor(number), tuple(links))
 
 
-def _shortened(lines: Sequence[Line]) -> tuple[Line, ...]:
-    """The first line, the lines that lead somewhere, the comments before them, and the last line."""
+def _shortened(lines: Sequence[Line], wanted: frozenset[int]) -> tuple[Line, ...]:
+    """The first line, those that lead somewhere or that something leads to, comments before them, and the last."""
     kept = {0, len(lines) - 1}
     for k, line in enumerate(lines):
-        if line.links:
+        if line.links or line.number in wanted:
             kept |= {k, k - 1} if "/*" in lines[k - 1].text or "*/" in lines[k - 1].text else {k}
     return tuple(lines[k] for k in sorted(kept))

@@ -82,7 +82,7 @@ def frames_blocks(found: Sequence[Variant], notation: Notation) -> tuple[Block, 
 
 def _picture(variant: Variant, matrix: Matrix) -> Picture:
     said = f"{variant.title}: {matrix.count}"
-    return Picture(picture(matrix), f"Mass matrix in the {said} entries", said)
+    return Picture(picture(matrix, reasons=False), f"Mass matrix in the {said} entries", said)
 
 
 def _counts(found: Sequence[Variant]) -> Block:

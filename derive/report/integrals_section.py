@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from itertools import groupby
 
 import sympy as sp
 
-from derive.mechanics.equations import Coefficient, Definition, Equations
+from derive.mechanics.equations import Coefficient, Equations
 from derive.mechanics.generic import Contraction, GenericEquations, Table, Total, indices, labels
 from derive.mechanics.series import family
 from derive.report.formula import Equation, Fenced, Name, Part
@@ -103,15 +104,34 @@ def entries(given: Table, modes: int) -> int:
     return shapes * len(labels(given.name))
 
 
-def moment_blocks(
-    equations: Equations | GenericEquations, notation: Notation, lines: Mapping[str, int]
-) -> tuple[Block, ...]:
-    """d1, D2, d3, J and what else has a name, in shape integrals and coordinates."""
-    found = [("", d.symbol, notation.parts(d.expr), d.equation) for d in _told(equations.definitions)]
+@dataclass(frozen=True)
+class Moment:
+    """A moment with its summands and its equation number."""
+
+    symbol: sp.Symbol
+    parts: tuple[Part, ...]
+    number: str
+
+    @property
+    def family(self) -> str:
+        """The moment without its indices."""
+        return family(self.symbol.name)
+
+
+def moments(equations: Equations | GenericEquations, notation: Notation) -> tuple[tuple[Moment, ...], ...]:
+    """d1, D2, d3, J and what else has a name, by families. Q stands in the kinematics, products of omega as such."""
+    told = [d for d in equations.definitions if not d.zero and d.section not in ("oo", "Q")]
+    found = [Moment(d.symbol, notation.parts(d.expr), d.equation) for d in told]
     if isinstance(equations, GenericEquations):
-        found += [("", sp.Symbol(c.name), _contracted(c, notation), APPENDIX) for c in equations.contractions]
-        found += [("", sp.Symbol(t.name), _summed(t, notation), APPENDIX) for t in equations.totals]
-    named = [(family(symbol.name), _line(symbol, parts, number, notation, lines)) for _, symbol, parts, number in found]
+        found += [Moment(sp.Symbol(c.name), _contracted(c, notation), APPENDIX) for c in equations.contractions]
+        found += [Moment(sp.Symbol(t.name), _summed(t, notation), APPENDIX) for t in equations.totals]
+    return tuple(tuple(group) for _, group in groupby(found, key=lambda moment: moment.family))
+
+
+def moment_blocks(
+    families: Sequence[Sequence[Moment]], notation: Notation, lines: Mapping[str, int]
+) -> tuple[Block, ...]:
+    """The moments in shape integrals and coordinates; of many of a family the first ones, folded away."""
     blocks: list[Block] = [
         Heading("Moments", "moments"),
         Paragraph(
@@ -123,14 +143,15 @@ def moment_blocks(
         ),
     ]
     short: list[Equation] = []
-    for name, group in groupby(named, key=lambda pair: pair[0]):
-        some = [one for _, one in group]
+    for some in families:
+        shown = [_line(moment, notation, lines) for moment in some[:MOST]]
         if len(some) <= MANY:
-            short += some
+            short += shown
             continue
         blocks += [Lines(tuple(short))] if short else []
         short = []
-        blocks.append(Details(f"{_title(name)}: {len(some)} equations", (Lines(tuple(some)),)))
+        count = f"{len(some)} equations" if len(some) <= MOST else f"the first {MOST} of {len(some)} equations"
+        blocks.append(Details(f"{_title(some[0].family)}: {count}", (Lines(tuple(shown)),)))
     return (*blocks, *([Lines(tuple(short))] if short else []))
 
 
@@ -138,21 +159,14 @@ def _title(name: str) -> str:
     return {"S": "S, the symmetric part of D2"}.get(name, name)
 
 
-def _told(definitions: Iterable[Definition]) -> list[Definition]:
-    """Definitions but those that vanish, products of omega, and Q, which stands in the kinematics."""
-    return [d for d in definitions if not d.zero and d.section not in ("oo", "Q")]
-
-
-def _line(
-    symbol: sp.Symbol, parts: tuple[Part, ...], number: str, notation: Notation, lines: Mapping[str, int]
-) -> Equation:
-    place = lines.get(array(symbol.name))
-    to = f"#{line_anchor(place)}" if place else ""
-    first = Part(parts[0].sign, parts[0].formula, title=f"{symbol} in the code", to=to)
-    told = "" if number == APPENDIX else number.strip("()")
-    return Equation(
-        notation.known(symbol).formula, (first, *parts[1:]), number=told, anchor=definition_anchor(symbol.name)
-    )
+def _line(moment: Moment, notation: Notation, lines: Mapping[str, int]) -> Equation:
+    """The equation of a moment, which leads to its line."""
+    name = moment.symbol.name
+    place = lines.get(array(name))
+    first = replace(moment.parts[0], title=f"{name} in the code", to=f"#{line_anchor(place)}" if place else "")
+    told = "" if moment.number == APPENDIX else moment.number.strip("()")
+    parts = (first, *moment.parts[1:])
+    return Equation(notation.known(moment.symbol).formula, parts, number=told, anchor=definition_anchor(name))
 
 
 def definition_anchor(name: str) -> str:
@@ -160,12 +174,11 @@ def definition_anchor(name: str) -> str:
     return anchor("def", "Q" if name in ("cos_phi", "sin_phi") or name.startswith("Q_") else name)
 
 
-def moment_anchors(equations: Equations | GenericEquations) -> dict[str, str]:
-    """The anchors of the equations of moments, by their names in the code."""
-    found = [d.symbol.name for d in equations.definitions if not d.zero and d.section != "oo"]
-    if isinstance(equations, GenericEquations):
-        found += [c.name for c in equations.contractions] + [t.name for t in equations.totals]
-    return {array(name): definition_anchor(name) for name in found}
+def moment_anchors(equations: Equations | GenericEquations, families: Sequence[Sequence[Moment]]) -> dict[str, str]:
+    """The anchors of the equations that are shown, by the names in the code."""
+    names = [d.symbol.name for d in equations.definitions if d.section == "Q"]
+    names += [moment.symbol.name for some in families for moment in some[:MOST]]
+    return {array(name): definition_anchor(name) for name in names}
 
 
 def _contracted(given: Contraction, notation: Notation) -> tuple[Part, ...]:

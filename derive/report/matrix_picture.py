@@ -70,8 +70,8 @@ def _of_blocks(model: Model, size: int, entries: frozenset[tuple[int, int]]) -> 
                 yield (i, j), reasons[f"M[{block[i]}, {block[j]}]"]
 
 
-def picture(matrix: Matrix) -> str:
-    """The picture as SVG."""
+def picture(matrix: Matrix, reasons: bool = True) -> str:
+    """The picture as SVG, with the reasons of its zeros or without."""
     n = matrix.size
     named = n <= SMALL
     cell = CELL if named else max(2, WIDTH // n)
@@ -81,7 +81,8 @@ def picture(matrix: Matrix) -> str:
     lines = _labels(matrix, left, top) if named else []
     lines.append(f'  <rect class="frame" x="{left}" y="{top}" width="{n * cell}" height="{n * cell}" rx="3"/>')
     lines += _values(matrix, left, top, cell)
-    lines += _zeros(matrix, left, top, cell, named)
+    lines += _dots(matrix, left, top) if named else []
+    lines += _reasons(matrix, left, top, cell) if reasons else []
     head = f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" width="{width}" role="img">'
     title = f"  <title>Mass matrix: {matrix.count} entries</title>"
     return "\n".join([head, f"  <!-- {MARK} -->", title, STYLE, *lines, "</svg>\n"])
@@ -111,24 +112,27 @@ def _values(matrix: Matrix, left: int, top: int, cell: int) -> list[str]:
     return lines
 
 
-def _zeros(matrix: Matrix, left: int, top: int, cell: int, named: bool) -> list[str]:
-    """A dot for each zero of a small matrix, and over runs of zeros with one reason what tells it."""
+def _dots(matrix: Matrix, left: int, top: int) -> list[str]:
+    """A dot for each zero."""
+    middle = CELL // 2
+    places = ((i, j) for i in range(matrix.size) for j in range(matrix.size) if (i, j) not in matrix.entries)
+    return [
+        f'  <circle class="zero" cx="{left + j * CELL + middle}" cy="{top + i * CELL + middle}" r="2"/>'
+        for i, j in places
+    ]
+
+
+def _reasons(matrix: Matrix, left: int, top: int, cell: int) -> list[str]:
+    """Over each run of zeros with one reason what tells it."""
     lines = []
     for i, name in enumerate(matrix.names):
         absent = [j for j in range(matrix.size) if (i, j) not in matrix.entries]
-        y = top + i * cell
-        if named:
-            for j in absent:
-                middle = cell // 2
-                lines.append(f'  <circle class="zero" cx="{left + j * cell + middle}" cy="{y + middle}" r="2"/>')
-        by_reason = [list(group) for _, group in groupby(absent, key=lambda j, i=i: matrix.reasons[i, j])]  # type: ignore[misc]
-        for run in (piece for group in by_reason for piece in _runs(group)):
-            first, count = run
-            said = f"{_place(matrix, name, first, count)}: {matrix.reasons[i, first]}"
-            lines.append(
-                f'  <rect class="none" x="{left + first * cell}" y="{y}" width="{count * cell}" height="{cell}">'
-                f"<title>{escape(said, quote=False)}</title></rect>"
-            )
+        why = {j: matrix.reasons[i, j] for j in absent}
+        for _, group in groupby(absent, key=why.__getitem__):
+            for first, count in _runs(list(group)):
+                said = escape(f"{_place(matrix, name, first, count)}: {why[first]}", quote=False)
+                box = f'x="{left + first * cell}" y="{top + i * cell}" width="{count * cell}" height="{cell}"'
+                lines.append(f'  <rect class="none" {box}><title>{said}</title></rect>')
     return lines
 
 

@@ -13,7 +13,7 @@ from derive.report.calling_section import calling_blocks, listing
 from derive.report.code_section import code_blocks, targets
 from derive.report.frame_section import frame_blocks, paper_numbers
 from derive.report.frames_section import frames_blocks, variants
-from derive.report.integrals_section import integral_blocks, moment_anchors, moment_blocks
+from derive.report.integrals_section import integral_blocks, moment_anchors, moment_blocks, moments
 from derive.report.kinematics_section import kinematics_blocks
 from derive.report.manifest_section import manifest_blocks
 from derive.report.matrix_picture import mass_matrix
@@ -48,6 +48,7 @@ def model_page(built: Built, specification: Text) -> Page:
     written = notation(equations)
     code = sources(f"{model.name}.c", _file(built.files, ".c"), model.name)
     terms = places(equations, model, code)
+    families = moments(equations, written)
     numbers = paper_numbers(spec) if isinstance(spec, PlanarBeam) else None
     matrix = mass_matrix(model, equations)
     blocks = (
@@ -56,14 +57,14 @@ def model_page(built: Built, specification: Text) -> Page:
         *kinematics_blocks(spec, equations, written),
         *(frame_blocks(spec) if isinstance(spec, PlanarBeam) else body_frame_blocks(spec, built.notes)),
         *integral_blocks(equations, written),
-        *moment_blocks(equations, written, definition_lines(code)),
+        *moment_blocks(families, written, definition_lines(code)),
         *_motion(equations),
         *row_blocks(equations, terms, written, numbers.motion if numbers else ""),
         *mass_blocks(equations, matrix, written),
         *vanished_blocks(equations, written),
         *_frames(built, written),
         *operation_blocks(equations, model),
-        *code_blocks(code, targets(terms, moment_anchors(equations))),
+        *code_blocks(code, targets(terms, moment_anchors(equations, families))),
         *calling_blocks(model),
         *manifest_blocks(built.files),
     )
