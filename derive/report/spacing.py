@@ -19,7 +19,8 @@ def factors(row: Row) -> list[Formula]:
 def gap(left: Formula, right: Formula) -> Gap:
     """What stands between two formulas: nothing, an invisible sign, that and a thin space, or a dot."""
     if _is_sign(left) or isinstance(right, Operator):
-        return "none"
+        differential = right == Operator("d") and not _is_sign(left)
+        return "thin" if differential else "none"
     if isinstance(left, Number) and _starts_with_digit(right):
         return "dot"
     return "thin" if _is_word(left) or _is_word(right) else "times"

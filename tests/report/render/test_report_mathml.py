@@ -66,6 +66,7 @@ def test_products() -> None:
     assert plain(row(Number("2"), Fraction(Number("1"), Number("3")))) == "2⋅13"
     assert 'lspace=".17em"' in mathml(row(Name("EI"), Name("l")))
     assert plain(row(Operator("δ"), Name("c"))) == "δc"
+    assert plain(row(Name("rho"), Operator("d"), Name("V"))) == f"ρ{TIMES}dV"
     assert plain(row(Name("a"), Operator("-"), Name("b"))) == f"a{M}b"
 
 
