@@ -101,6 +101,7 @@ def test_displacement_in_the_frame_of_the_middle_is_30() -> None:
 
 
 @pytest.mark.equation("38")
+@pytest.mark.statement("Numerical results, the fields of the rod")
 def test_displacement_in_the_mean_frame_is_38() -> None:
     assert _sum_of_shapes("mean") == sp.expand(printed.displacement_38(*printed.MEAN_SHAPES))
 

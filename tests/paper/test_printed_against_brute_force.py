@@ -301,6 +301,7 @@ def motion_1(Q: Matrix) -> Matrix:
 
 
 @pytest.mark.equation("5")
+@pytest.mark.statement("sentence under (6)")
 def test_5_is_the_second_derivative_of_1() -> None:
     Q = general_rotation()
     # omega from Q^c . Qdot; brought to normal form first, which keeps the products below short.
@@ -314,6 +315,7 @@ def test_5_is_the_second_derivative_of_1() -> None:
 
 
 @pytest.mark.equation("6")
+@pytest.mark.statement("sentence under (6)")
 def test_6_is_the_variation_of_1() -> None:
     Q = general_rotation()
     variation = (
