@@ -55,6 +55,7 @@ def scene_page(built: Built, specification: Text, results: Sequence[Result] = ()
     terms = places(equations, model, code)
     shown = _of_first_pieces(spec, equations)
     families = moments(shown, written)
+    visible = [p for p in terms if p.term.row in {row.name for row in shown.rows}]
     blocks = (
         *specification_blocks(specification),
         *_bodies(spec, model),
@@ -63,13 +64,13 @@ def scene_page(built: Built, specification: Text, results: Sequence[Result] = ()
         *integral_blocks(equations, written),
         *moment_blocks(families, written, definition_lines(code)),
         *_law(spec),
-        *row_blocks(shown, [p for p in terms if p.term.row in {row.name for row in shown.rows}], written),
+        *row_blocks(shown, visible, written),
         *_constraints(equations, written),
         *mass_blocks(equations, _matrix(spec, equations), written),
         *vanished_blocks(shown, written),
         *_kkt(model, model.kkt),
         *_results(results),
-        *code_blocks(code, targets(terms, moment_anchors(equations, families))),
+        *code_blocks(code, targets(visible, moment_anchors(shown, families))),
         *manifest_blocks(built.files),
     )
     return Page(model.name, model.doc, blocks)
@@ -191,7 +192,7 @@ def _constraints(equations: Equations, written: Notation) -> tuple[Block, ...]:
     if not equations.constraints:
         return ()
     lines = tuple(
-        Equation(Name("g", below=(c.name.replace("_", " "),)), written.parts(c.position, title=c.doc))
+        Equation(Name("g", below=(c.name.replace("_", ","),)), written.parts(c.position, title=c.doc))
         for c in equations.constraints
     )
     said = (
