@@ -104,19 +104,18 @@ def _overview(sections: Sequence[Section]) -> Table:
     """One line for each equation."""
     return Table(
         "The equations and their verdicts",
-        (("",), ("Equation",), ("Verdict",), ("Derived by",), ("Tests",)),
+        (("",), ("Equation",), ("Verdict",), ("Tests",)),
         tuple(
             (
                 Cell((Link(name(row), f"#{row.anchor}"),)),
                 Cell((row.title,)),
                 Cell((row.verdict,), title=plain(row.correction), mark=MARKS.get(row.verdict, "")),
-                Cell((row.by,)),
                 Cell((str(len(row.tests)),)),
             )
             for section in sections
             for row in section.rows
         ),
-        align="llllr",
+        align="lllr",
     )
 
 
