@@ -12,7 +12,7 @@ from pathlib import Path
 from derive.commands.build import build_all
 from derive.emit.files import MARK, File, NotOurs, write
 from derive.report.page import Page
-from derive.spec import Problem, SpecError
+from derive.spec import Problem, SpecError, read
 from derive.spec.scene import Scene
 
 PAPER = "paper"
@@ -38,10 +38,10 @@ def _of_model(path: Path) -> tuple[str, Page]:
     """The page of a specification file."""
     from derive.report.model_page import Text, model_page
 
-    (built,) = build_all([path])
-    if isinstance(built.spec, Scene):
+    if isinstance(read(path), Scene):
         said = "this is a scene, and scenes have no report yet; see scenes/free_beam_mean.toml for a body"
         raise SpecError((Problem("", said),), str(path))
+    (built,) = build_all([path])
     text = Text(path.name, path.read_text(encoding="utf-8"))
     return built.model.name, model_page(built, text)
 
@@ -67,7 +67,7 @@ def _write(page: Page, target: Path, options: argparse.Namespace) -> list[Path]:
 
         pictures = f"{stem}.pictures"
         files.append(File(f"{stem}.md", markdown(page, pictures)))
-        files += [File(f"{pictures}/{name}", text) for name, text in picture_files(page)]
+        files += [File(f"{pictures}/{name}", f"<!-- {MARK} -->\n{text}") for name, text in picture_files(page)]
     made = _pdf(page) if options.pdf else None
     paper = target.parent / f"{stem}.pdf"
     if made is not None:

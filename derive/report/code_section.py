@@ -53,7 +53,7 @@ def code_blocks(code: Sources, lead: Targets) -> tuple[Block, ...]:
             )
         ),
         _listing(code.functions["mass"], lead, "mass: the mass matrix, lower triangle by columns"),
-        _listing(code.functions["force"], lead, "force: h of M v̇ + h = 0"),
+        _listing(code.functions["force"], lead, "force: the forces h"),
         Details(
             f"setup: what depends on parameters alone, once ({len(setup.lines)} lines)",
             (_listing(setup, Targets({}, {}), "setup"),),

@@ -11,6 +11,7 @@ from derive.pipeline import Built
 from derive.report.body_frame_section import body_frame_blocks
 from derive.report.calling_section import calling_blocks, listing
 from derive.report.code_section import code_blocks, targets
+from derive.report.formula import Name, Number, Operator, Row
 from derive.report.frame_section import frame_blocks, paper_numbers
 from derive.report.frames_section import frames_blocks, variants
 from derive.report.integrals_section import integral_blocks, moment_anchors, moment_blocks, moments
@@ -19,7 +20,7 @@ from derive.report.manifest_section import manifest_blocks
 from derive.report.matrix_picture import mass_matrix
 from derive.report.notation import Notation, notation
 from derive.report.operations_section import operation_blocks
-from derive.report.page import Block, Details, Heading, Page, Paragraph
+from derive.report.page import Block, Details, Heading, Math, Page, Paragraph
 from derive.report.places import definition_lines, places
 from derive.report.source import sources
 from derive.report.state_section import state_blocks
@@ -91,9 +92,16 @@ def _specification(given: Text) -> tuple[Block, ...]:
 def _motion(equations: Equations | GenericEquations) -> tuple[Block, ...]:
     """What the rows are."""
     loops = " There is one row for each shape i." if isinstance(equations, GenericEquations) else ""
-    said = (
-        "The virtual work of the inertia on each virtual displacement, with the variation of the strain energy: the "
-        "factor of every variation vanishes, M(q) v̇ + h(t, q, v) = 0. A term leads to the line of the generated C "
-        f"that computes it, and a line leads back.{loops}"
+    law = Row((Name("M", style="tensor"), Name("v", 1, style="vector"), Operator("+"), Name("h", style="vector")))
+    return (
+        Heading("Equations of motion", "motion"),
+        Paragraph(
+            (
+                "The virtual work of the inertia on each virtual displacement, with the variation of the strain "
+                "energy: the factor of every variation vanishes, ",
+                Math(Row((law, Operator("="), Number("0")))),
+                ". A term leads to the line of the generated C that computes it, and a line leads back to its terms."
+                f"{loops}",
+            )
+        ),
     )
-    return (Heading("Equations of motion", "motion"), Paragraph((said,)))

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-
 import sympy as sp
 
 from derive.kernel.ir import Kernel
@@ -22,8 +20,7 @@ def operation_blocks(equations: Equations | GenericEquations, model: Model) -> t
     """Operations by step, then by function."""
     said = (
         "Operations of the mass matrix (lower triangle) and the forces together. Additions, products, divisions, "
-        "powers, sines and cosines count as one each; the first three rows are SymPy's counts, the others are those of "
-        "the generated code."
+        "powers, sines and cosines count as one each; before the generated code the counts are SymPy's."
     )
     return (
         Heading("Operations", "operations"),
@@ -36,17 +33,14 @@ def operation_blocks(equations: Equations | GenericEquations, model: Model) -> t
 def _steps(equations: Equations | GenericEquations, model: Model) -> list[list[Said]]:
     rows: list[list[Said]] = []
     if isinstance(equations, Equations) and len(equations.definitions) <= MOST:
-        rows = [
-            ["written out", "in coordinates, rates and parameters, term by term", written_out(equations)],
-            ["integrals named", "what depends on parameters alone is computed before", written_out(equations, False)],
-            ["moments named", "d1, D2, d3, J and the like are computed once", named(equations)],
-        ]
-    both, alone = model.kernel("mass_force"), [model.kernel(name) for name in ("mass", "force")]
-    rows += [
-        ["mass and force apart", "what the terms of a function share is computed once", _sum(alone)],
-        ["mass_force", "what mass matrix and forces share is computed once", both.operations],
-        ["setup", "once for a set of parameters, besides", model.kernel("setup").operations],
-    ]
+        rows.append(["written out", "in coordinates, rates and parameters, term by term", written_out(equations)])
+        if any(not c.value.is_Atom for c in equations.coefficients):
+            said = "what depends on parameters alone is computed before"
+            rows.append(["integrals named", said, written_out(equations, integrals=False)])
+        rows.append(["moments named", "d1, D2, d3, J and the like are computed once", named(equations)])
+    both, setup = model.kernel("mass_force").operations, model.kernel("setup").operations
+    rows.append(["generated code", "what the terms share is computed once: the function mass_force", both])
+    rows.append(["besides, once", "for a set of parameters: the function setup", setup])
     return rows
 
 
@@ -72,10 +66,6 @@ def _wanted(equations: Equations) -> list[sp.Expr]:
     """The entries of the lower triangle of M, and h."""
     mass, size = equations.mass, len(equations.rows)
     return [*(mass[i, j] for i in range(size) for j in range(i + 1)), *equations.force]
-
-
-def _sum(kernels: Iterable[Kernel]) -> int:
-    return sum(kernel.operations for kernel in kernels)
 
 
 def _function(kernel: Kernel) -> list[Said]:

@@ -22,15 +22,16 @@ OTHER = re.compile(r"\be[123]\b|\bxi\b|\bm I\b|omega x \(J \. omega\) = 0")
 
 
 def doc(text: str) -> Text:
-    """What an integral is, such as `int rho X . e1`: words, then a formula where there is one."""
+    """What an integral is, such as `int rho X . e1, for each i`: words, a formula where there is one, and words."""
     place = text.find("int ")
     if place < 0:
         return reason(text)
-    formula = formula_of(text[place:])
-    words = text[:place].rstrip(": ") if text[:place].endswith(": ") else text[:place]
+    told, comma, rest = text[place:].partition(", ")
+    formula = formula_of(told)
     if formula is None:
         return (text,)
-    return (f"{words} ", Math(formula)) if words.strip() else (Math(formula),)
+    before = text[:place].removesuffix(": ").strip()
+    return (*((f"{before} ",) if before else ()), Math(formula), *((comma + rest,) if rest else ()))
 
 
 def unit(text: str) -> str:

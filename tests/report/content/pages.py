@@ -1,0 +1,108 @@
+"""Pages that many tests look at, built once, and what is found on them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from functools import cache
+from typing import Any
+
+import beams
+import derive
+from conftest import ROOT
+from derive.pipeline import Built, build
+from derive.report.formula import Equation
+from derive.report.model_page import Text as Given
+from derive.report.model_page import model_page
+from derive.report.page import Block, Columns, Details, Equations, Heading, Listing, Math, Page, Table, Text
+from derive.report.words import words
+
+SCENES = {"point": "free_beam_point", "mean": "free_beam_mean", "block": "block", "loops": "body_symbolic"}
+
+
+def spec(name: str) -> Any:
+    """A body that is specified here."""
+    if name.startswith("beam_"):
+        frame, n = name.removeprefix("beam_").rsplit("_", 1)
+        return beams.beam(frame, int(n))
+    gravity = [0, 0.5, -9.81]
+    match name:
+        case "heavy":
+            return beams.beam("tangent", 2, mass=2.5, gravity=[0, -9.81], ansatz=["1", "xi", "1+xi^2", "xi^3-xi/2"])
+        case "flat":
+            return derive.symbolic_body("flat", 1, frame="given", lowering="flat", damping=True, gravity=gravity)
+        case "loops_given":
+            return derive.symbolic_body(
+                "loops_given", 2, frame="given", lowering="table", damping=True, gravity=gravity
+            )
+        case "rigid":
+            return derive.symbolic_body("rigid", 0)
+        case "hundred":
+            return derive.symbolic_body("hundred", 100)
+    raise KeyError(name)
+
+
+@cache
+def built(name: str) -> Built:
+    """A body through all stages."""
+    if name in SCENES:
+        return build(ROOT / "scenes" / f"{SCENES[name]}.toml")
+    made = beams.build(spec(name))
+    return Built(made.spec, made.equations, made.model, made.files, ())
+
+
+@cache
+def page(name: str) -> Page:
+    """The page of a body."""
+    return model_page(built(name), given(name))
+
+
+def given(name: str) -> Given:
+    """The specification as text."""
+    file = ROOT / "scenes" / f"{SCENES.get(name, '')}.toml"
+    return Given(file.name, file.read_text() if name in SCENES else f'name = "{name}"')
+
+
+def everything(blocks: Sequence[Block]) -> Iterator[Block]:
+    """All blocks, those in others too."""
+    for block in blocks:
+        yield block
+        match block:
+            case Details(_, inner):
+                yield from everything(inner)
+            case Columns(columns):
+                for one in columns:
+                    yield from everything(one)
+
+
+def section(name: str, anchor: str) -> tuple[Block, ...]:
+    """The blocks from a heading to the next one of its level or above."""
+    blocks = list(everything(page(name).blocks))
+    start = next(k for k, b in enumerate(blocks) if isinstance(b, Heading) and b.anchor == anchor)
+    level = blocks[start].level
+    rest = blocks[start + 1 :]
+    end = next((k for k, b in enumerate(rest) if isinstance(b, Heading) and b.level <= level), len(rest))
+    return tuple(rest[:end])
+
+
+def equations(blocks: Sequence[Block]) -> list[Equation]:
+    return [line for block in blocks if isinstance(block, Equations) for line in block.rows]
+
+
+def tables(blocks: Sequence[Block]) -> list[Table]:
+    return [block for block in blocks if isinstance(block, Table)]
+
+
+def listings(blocks: Sequence[Block]) -> list[Listing]:
+    return [block for block in blocks if isinstance(block, Listing)]
+
+
+def plain(text: Text) -> str:
+    """Text with its formulas in words."""
+    return "".join(
+        one if isinstance(one, str) else words(one.formula) if isinstance(one, Math) else one.text for one in text
+    )
+
+
+def page_blocks(name: str) -> tuple[Block, ...]:
+    """All blocks of a page."""
+    return tuple(everything(page(name).blocks))

@@ -1,0 +1,48 @@
+"""Pages stay small and readable: with eight shapes, and with a hundred."""
+
+from __future__ import annotations
+
+import re
+
+import pages
+import pytest
+
+from derive.report.html import html
+from derive.report.model_page import model_page
+from derive.report.tables import ALL, MOST, folded, table
+
+
+def without_pictures(name: str) -> int:
+    return len(re.sub(r"<svg.*?</svg>", "", html(pages.page(name)), flags=re.S).encode())
+
+
+@pytest.mark.parametrize("name", ["beam_mean_8", "beam_point_8", "block", "hundred"])
+def test_pages_are_below_300_kb_without_pictures(name: str) -> None:
+    assert without_pictures(name) < 300_000
+
+
+def test_a_hundred_modes_are_counted_not_listed() -> None:
+    blocks = pages.page_blocks("hundred")
+    assert sum(len(t.rows) for t in pages.tables(blocks)) < 200
+    assert sum(len(line.parts) for line in pages.equations(blocks)) < 200
+    (integrals,) = pages.tables(pages.section("hundred", "integrals"))
+    counts = {pages.plain(row[0].text): int(pages.plain(row[2].text)) for row in integrals.rows}
+    assert counts["C sub 5"] == 6 * 100 * 101 // 2 and counts["c sub 7"] == 3 * 100 * 99 // 2
+    said = pages.plain(next(b for b in pages.section("hundred", "mass")).text)
+    assert "712 of 11236 entries" in said
+
+
+def test_long_tables_are_folded() -> None:
+    def rows(n: int):
+        return folded(table("", ("a",), [[k] for k in range(n)]), "numbers")
+
+    assert len(rows(MOST).rows) == MOST
+    assert rows(MOST + 1).summary == f"numbers: {MOST + 1}" and len(rows(MOST + 1).blocks[0].rows) == MOST + 1
+    assert rows(ALL + 1).summary == f"numbers: the first {MOST} of {ALL + 1}"
+    assert len(rows(ALL + 1).blocks[0].rows) == MOST
+
+
+def test_the_same_body_gives_the_same_page() -> None:
+    again = model_page(pages.built("block"), pages.given("block"))
+    assert again == pages.page("block")
+    assert html(again) == html(pages.page("block"))
