@@ -152,7 +152,7 @@ def test_the_surface_term_of_11_is_the_work_of_12() -> None:
         assert sp.expand(printed_continuum.surface_11(T, F, n, DELTA_X) - work) == 0
 
 
-@pytest.mark.equation("13")
+@pytest.mark.equation("8", "13")
 def test_13_is_11_with_the_stress_8_and_a_free_surface() -> None:
     E = printed.green_lagrange_9(F)
     inside = printed_continuum.volume_11(printed_continuum.stress_8(E, MU, LAMDA), delta_E(), RHO, XDDOT, DELTA_X)

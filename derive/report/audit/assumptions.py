@@ -81,8 +81,7 @@ ASSUMPTIONS = (
         "In the mean frame $c_1 = 0$.",
         ("body.frame", "bodies.*.centre"),
         "Bodies of nodes: O is the centre of mass in the frame `mean`, the node in the frame `point`, and the origin "
-        "of "
-        "the positions in `given`. Rigid bodies of a scene: anywhere. A beam: O is its centre.",
+        "of the positions in `given`. Rigid bodies of a scene: anywhere. A beam: O is its centre.",
     ),
     Assumption(
         "Motion in a plane",

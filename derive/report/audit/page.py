@@ -33,8 +33,7 @@ Mark = Literal["", "zero", "entry", "good", "bad"]
 TITLE = "The paper, equation by equation"
 SUBTITLE = (
     "W. P. Koppens, A. A. H. J. Sauren, F. E. Veldpaus, D. H. van Campen: The dynamics of a deformable body "
-    "experiencing "
-    "large displacements. Journal of Applied Mechanics 55 (1988), 676-680"
+    "experiencing large displacements. Journal of Applied Mechanics 55 (1988), 676-680"
 )
 MEANINGS: dict[Verdict, str] = {
     "equal": "The equation as the text shows it is what is derived, and a test compares the two.",
@@ -73,10 +72,9 @@ def _introduction(rows: Sequence[AuditRow]) -> Iterator[Block]:
     yield Paragraph(
         said(
             "Every equation of the paper and every line of its appendix, beside what this tool derives. The text of "
-            "the "
-            "paper went through character recognition, which loses dots and mistakes letters: it is shown as it came "
-            "out. The printed equations are used by nothing that derives; what is derived comes out of "
-            "$x = c + Q . (X + u)$ and virtual work, and the column that shows it is computed for this page: terms in "
+            "the paper went through character recognition, which loses dots and mistakes letters: it is written down "
+            "as it came out. The printed equations are used by nothing that derives; what is derived comes out of $x "
+            "= c + Q . (X + u)$ and virtual work, and the column that shows it is computed for this page: terms in "
             "components are read back as products of vectors, and have the same components."
         )
     )

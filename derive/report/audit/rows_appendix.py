@@ -60,8 +60,7 @@ COMPOSED = (
         holds=("J = C_3 + alpha^T (C_4 + C_4^c) + alpha^T C_5 alpha",),
         correction="What the text shows as $C_5$ and $C_8$ is the conjugate of $C_4$, and $C_5$.",
         note="As derived with the symmetric parts of $C_4$ and of $D_2$, which is $S$. It is also the sum over the "
-        "nodes in "
-        "their deformed places.",
+        "nodes in their deformed places.",
         tests=tests(FILE, "test_J"),
     ),
     AuditRow(

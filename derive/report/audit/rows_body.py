@@ -115,8 +115,7 @@ MOTION = (
         stated("delta U = sum_{i j} delta alpha_i K_{i j} alpha_j"),
         "the user",
         note="Isotropic, linear elastic, without stress in the reference configuration. Here a body brings a "
-        "stiffness, "
-        "whatever material it comes from.",
+        "stiffness, whatever material it comes from.",
         where=("derive/mechanics/body.py::stiffness",),
         tests=tests(CONTINUUM, "test_13_is_11_with_the_stress_8_and_a_free_surface"),
     ),
@@ -194,8 +193,8 @@ DISCRETE = (
         "definition",
         lambda: (derived.series("d1"),),
         "the package",
-        note="Defines $alpha$ and $Phi$. The derivation uses it in every moment of $r = X + u$; as derived, the "
-        "first one.",
+        note="Defines $alpha$ and $Phi$. The derivation uses it in every moment of $r = X + u$; as derived, the first "
+        "one.",
         where=("derive/mechanics/spatial.py::spatial_series", "derive/mechanics/integrals.py::definitions"),
         tests=tests(SPACE, "test_place_of_a_material_point_is_1_with_14"),
     ),

@@ -97,9 +97,8 @@ POINT = (
             "+ 64 alpha_1 EI/l^3",
             "delta alpha_2: m {l phi''/10 - phi'^2 alpha_2/7 + alpha''_2/7} + 192 alpha_2 EI/l^3",
         ),
-        correction="$c_1$ and $c_2$ stand under an arrow or a bar where they have two dots, and the angle has one "
-        "dot in "
-        "place of two in the acceleration terms of the first three rows. Exact as printed with the dots restored.",
+        correction="$c_1$ and $c_2$ stand under an arrow or a bar where they have two dots, and the angle has one dot "
+        "in place of two in the acceleration terms of the first three rows. Exact as printed with the dots restored.",
         note="Derived, in the kernels, in the generated Python and in the compiled C; each of the 27 terms is needed.",
         tests=WHOLE,
         scalars=True,
@@ -158,8 +157,7 @@ MEAN = (
             "delta alpha_2: (m/7) (alpha''_2 - phi'^2 alpha_2) + 1200 alpha_2 EI/l^3",
         ),
         correction="$c_1$ and $c_2$ stand under a bar where they have two dots, and the first term of the third row "
-        "has "
-        "one dot in place of two. Exact as printed with the dots restored.",
+        "has one dot in place of two. Exact as printed with the dots restored.",
         note="Derived, in the kernels, in the generated Python and in the compiled C; each of the 13 terms is needed.",
         tests=WHOLE,
         scalars=True,

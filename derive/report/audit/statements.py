@@ -88,8 +88,7 @@ STATEMENTS = (
         "The deflection of the middle of the rod for one, two and three beams.",
         "not compared",
         "The paper gives no parameters, and its figure no values. `tisserand simulate scenes/crank_slider_3.toml` "
-        "takes "
-        "a set of the literature, and says which.",
+        "takes a set of the literature, and says which.",
     ),
     Statement(
         "Numerical results, CPU times",
