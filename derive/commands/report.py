@@ -12,7 +12,6 @@ from pathlib import Path
 from derive.commands.build import build_all
 from derive.emit.files import MARK, File, NotOurs, write
 from derive.report.page import Page
-from derive.spec import Problem, SpecError, read
 from derive.spec.scene import Scene
 
 PAPER = "paper"
@@ -35,15 +34,18 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _of_model(path: Path) -> tuple[str, Page]:
-    """The page of a specification file."""
-    from derive.report.model_page import Text, model_page
+    """The page of a specification file; of a scene with the pictures that `simulate` and `study` have left."""
+    from derive.report.model_page import model_page
+    from derive.report.scene_page import Result, scene_page
+    from derive.report.specification_section import Text
 
-    if isinstance(read(path), Scene):
-        said = "this is a scene, and scenes have no report yet; see scenes/free_beam_mean.toml for a body"
-        raise SpecError((Problem("", said),), str(path))
     (built,) = build_all([path])
-    text = Text(path.name, path.read_text(encoding="utf-8"))
-    return built.model.name, model_page(built, text)
+    name = built.model.name
+    text = Text(path.name, path.read_text(encoding="utf-8-sig"))
+    if not isinstance(built.spec, Scene):
+        return name, model_page(built, text)
+    pictures = sorted((Path("results") / name).glob("*.svg"))
+    return name, scene_page(built, text, [Result(p.stem, p.read_text(encoding="utf-8")) for p in pictures])
 
 
 def _paper() -> tuple[str, Page]:

@@ -178,8 +178,19 @@ def _word(text: str) -> str:
 
 
 def _index(indices: tuple[str, ...]) -> str:
-    out = [_index_word(one) for one in index(indices)]
+    out = [_index_word(one) for one in index(indices)] if not any(" " in one for one in indices) else _spaced(indices)
     return "".join(out) if len(out) < 2 else f"<mrow>{''.join(out)}</mrow>"
+
+
+def _spaced(indices: tuple[str, ...]) -> list[str]:
+    """Indices of several words, such as the piece of a rod, with room between the words."""
+    out: list[str] = []
+    for k, one in enumerate(indices):
+        out += ["<mo>,</mo>"] if k else []
+        for j, word in enumerate(one.split(" ")):
+            out += ['<mspace width=".25em"/>'] if j else []
+            out += map(_index_word, index((word,)))
+    return out
 
 
 def _index_word(text: str) -> str:

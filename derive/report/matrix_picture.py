@@ -15,6 +15,9 @@ from derive.report.labels import label
 CELL, EDGE, SMALL, WIDTH = 28, 6, 24, 560
 """Side of a cell, margin, the most rows with names, and the width of larger pictures."""
 
+SHORT = 3
+"""Letters of a name that fits above a column."""
+
 STYLE = """\
   <style>
     text { font: 13px system-ui, sans-serif; fill: #1c2733; }
@@ -75,8 +78,9 @@ def picture(matrix: Matrix, reasons: bool = True) -> str:
     n = matrix.size
     named = n <= SMALL
     cell = CELL if named else max(2, WIDTH // n)
-    left = EDGE + (max(len(label(name)) for name in matrix.names) * 9 + 10 if named else 0)
-    top = EDGE + (20 if named else 0)
+    longest = max(len(label(name)) for name in matrix.names)
+    left = EDGE + (longest * 9 + 10 if named else 0)
+    top = EDGE + ((20 if longest <= SHORT else longest * 9) if named else 0)
     width, height = left + n * cell + EDGE, top + n * cell + EDGE
     lines = _labels(matrix, left, top) if named else []
     lines.append(f'  <rect class="frame" x="{left}" y="{top}" width="{n * cell}" height="{n * cell}" rx="3"/>')
@@ -94,7 +98,12 @@ def _labels(matrix: Matrix, left: int, top: int) -> list[str]:
         middle = k * CELL + CELL // 2
         said = escape(label(name))
         lines.append(f'  <text x="{left - 8}" y="{top + middle + 4}" text-anchor="end">{said}</text>')
-        lines.append(f'  <text x="{left + middle}" y="{top - 8}" text-anchor="middle">{said}</text>')
+        x, y = left + middle, top - 8
+        if any(len(label(name)) > SHORT for name in matrix.names):  # they would run into each other
+            turn = f'text-anchor="start" transform="rotate(-90 {x + 4} {y})"'
+            lines.append(f'  <text x="{x + 4}" y="{y}" {turn}>{said}</text>')
+        else:
+            lines.append(f'  <text x="{x}" y="{y}" text-anchor="middle">{said}</text>')
     return lines
 
 

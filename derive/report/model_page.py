@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from derive.emit.files import File
 from derive.mechanics.equations import Equations
 from derive.mechanics.generic import GenericEquations
 from derive.pipeline import Built
 from derive.report.body_frame_section import body_frame_blocks
-from derive.report.calling_section import calling_blocks, listing
+from derive.report.calling_section import calling_blocks
 from derive.report.code_section import code_blocks, targets
 from derive.report.formula import Name, Number, Operator, Row
 from derive.report.frame_section import frame_blocks, paper_numbers
@@ -20,25 +18,15 @@ from derive.report.manifest_section import manifest_blocks
 from derive.report.matrix_picture import mass_matrix
 from derive.report.notation import Notation, notation
 from derive.report.operations_section import operation_blocks
-from derive.report.page import Block, Details, Heading, Math, Page, Paragraph
+from derive.report.page import Block, Heading, Math, Page, Paragraph
 from derive.report.places import definition_lines, places
 from derive.report.source import sources
+from derive.report.specification_section import Text, specification_blocks
 from derive.report.state_section import state_blocks
 from derive.report.terms import row_blocks
 from derive.report.zeros_section import mass_blocks, vanished_blocks
 from derive.spec.body import PlanarBeam
 from derive.spec.scene import Scene
-
-LONG = 60
-"""Lines of a specification that are shown at once."""
-
-
-@dataclass(frozen=True)
-class Text:
-    """The specification as it was written: the name of its file, and its lines."""
-
-    name: str
-    text: str
 
 
 def model_page(built: Built, specification: Text) -> Page:
@@ -53,7 +41,7 @@ def model_page(built: Built, specification: Text) -> Page:
     numbers = paper_numbers(spec) if isinstance(spec, PlanarBeam) else None
     matrix = mass_matrix(model, equations)
     blocks = (
-        *_specification(specification),
+        *specification_blocks(specification),
         *state_blocks(model, written),
         *kinematics_blocks(spec, equations, written),
         *(frame_blocks(spec) if isinstance(spec, PlanarBeam) else body_frame_blocks(spec, built.notes)),
@@ -80,13 +68,6 @@ def _frames(built: Built, written: Notation) -> tuple[Block, ...]:
 
 def _file(files: tuple[File, ...], ending: str) -> str:
     return next(file.text for file in files if file.path.endswith(ending))
-
-
-def _specification(given: Text) -> tuple[Block, ...]:
-    shown = listing("toml", given.name, given.text.strip("\n"))
-    count = len(shown.lines)
-    block: Block = shown if count <= LONG else Details(f"{given.name}, {count} lines", (shown,))
-    return (Heading("Specification", "specification"), block)
 
 
 def _motion(equations: Equations | GenericEquations) -> tuple[Block, ...]:

@@ -192,7 +192,7 @@ def _constraints(equations: Equations, written: Notation) -> tuple[Block, ...]:
     if not equations.constraints:
         return ()
     lines = tuple(
-        Equation(Name("g", below=(c.name.replace("_", ","),)), written.parts(c.position, title=c.doc))
+        Equation(Name("g", below=(c.name.replace("_", " "),)), written.parts(c.position, title=c.doc))
         for c in equations.constraints
     )
     said = (

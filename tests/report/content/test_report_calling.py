@@ -19,6 +19,10 @@ def program(name: str, language: str) -> str:
     return "\n".join(line.text for line in listing.lines) + "\n"
 
 
+def test_a_body_in_space_starts_with_a_unit_quaternion() -> None:
+    assert all("q[3] = 1.0" in program("loops", language) for language in ("c", "python"))
+
+
 def expected(native: Native) -> np.ndarray:
     q, v = np.zeros(native.nq), np.zeros(native.nv)
     q[7 if native.nq > native.nv else 3 :][:1] = 0.01

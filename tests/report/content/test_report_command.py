@@ -65,10 +65,10 @@ def test_without_typst_it_says_what_to_install(
     assert "typst" in capsys.readouterr().err and list(tmp_path.iterdir()) == []
 
 
-def test_a_scene_has_no_report_yet(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["report", SCENE, "--out", str(tmp_path / "s.html")]) == 2
-    assert "this is a scene, and scenes have no report yet" in capsys.readouterr().err
-    assert list(tmp_path.iterdir()) == []
+def test_a_scene_has_a_page(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["report", SCENE, "--out", str(tmp_path / "s.html")]) == 0
+    assert "15 coordinates, 9 constraints" in capsys.readouterr().out
+    assert "The KKT matrix" in (tmp_path / "s.html").read_text()
 
 
 def test_faults_of_a_specification_are_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
