@@ -90,3 +90,9 @@ class Model:
         if found is None:
             raise KeyError(f"{output} of {kernel} is no sparse matrix")
         return found
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows; the report is imported when one asks."""
+        from derive.report.notebook import model_html
+
+        return model_html(self)

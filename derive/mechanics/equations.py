@@ -199,3 +199,9 @@ class Equations:
         for definition in reversed(self.definitions):
             expr = expr.subs(definition.symbol, definition.expr)
         return sp.expand(expr.subs({c.symbol: c.value for c in self.coefficients}))
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows; the report is imported when one asks."""
+        from derive.report.notebook import equations_html
+
+        return equations_html(self)

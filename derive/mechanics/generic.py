@@ -141,6 +141,12 @@ class GenericEquations:
         """The left-hand side of one equation of motion; that of a shape has the name alpha_i."""
         return sp.Add(*(t.expr for t in self.terms if t.row == row))
 
+    def _repr_html_(self) -> str:
+        """What a notebook shows; the report is imported when one asks."""
+        from derive.report.notebook import equations_html
+
+        return equations_html(self)
+
 
 def generic_equations(
     name: str,

@@ -1,0 +1,46 @@
+"""How notebooks show equations and models: `_repr_html_` of the main types comes from here."""
+
+from __future__ import annotations
+
+from html import escape
+
+from derive.kernel.model import Model
+from derive.mechanics.equations import Equations
+from derive.mechanics.generic import GenericEquations
+from derive.report.display import equations_shown
+from derive.report.formula import Equation
+from derive.report.labels import variation
+from derive.report.matrix_picture import Matrix, picture
+from derive.report.notation import notation
+from derive.report.places import group, place_in_row, title
+from derive.report.terms import row_names
+
+MOST_ROWS = 16
+"""Rows of equations that a notebook shows."""
+
+
+def equations_html(equations: Equations | GenericEquations) -> str:
+    """The equations of motion row by row, grouped by accelerations, rates and the rest."""
+    written = notation(equations)
+    rows = []
+    for name in list(row_names(equations))[:MOST_ROWS]:
+        terms = sorted((t for t in equations.terms if t.row == name), key=place_in_row)
+        parts = tuple(part for t in terms for part in written.parts(t.expr, "", group(t), title(t)))
+        rows.append(Equation(variation(name), parts, ":"))
+    more = len(row_names(equations)) - len(rows)
+    said = f"<p>and {more} more rows</p>" if more > 0 else ""
+    return f"<p>{escape(equations.name)}: {escape(equations.doc)}</p>{equations_shown(rows)}{said}"
+
+
+def model_html(model: Model) -> str:
+    """What a model is, its operations, and the pattern of its mass matrix."""
+    pattern = model.pattern("mass", "M")
+    names = tuple(f"{r.name}{k}" if r.size > 1 else r.name for r in model.rows for k in range(1, r.size + 1))
+    entries = frozenset(pattern.entries) | {(j, i) for i, j in pattern.entries}
+    drawn = picture(Matrix(names, entries, {}), reasons=False)
+    functions = "".join(
+        f"<tr><td><code>{escape(kernel.name)}</code></td><td>{kernel.operations}</td></tr>" for kernel in model.kernels
+    )
+    table = f"<table><tr><th>function</th><th>operations</th></tr>{functions}</table>"
+    folded = f"<details><summary>functions</summary>{table}</details>"
+    return f"<p>{escape(model.name)}: {escape(model.doc)}</p>{drawn}{folded}"
