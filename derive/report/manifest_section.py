@@ -15,7 +15,7 @@ def manifest_blocks(files: Sequence[File]) -> tuple[Block, ...]:
     given = json.loads(next(file.text for file in files if file.path.endswith("manifest.json")))
     tools = ", ".join(f"{name} {version}" for name, version in given["tools"].items())
     hashes: list[list[Said]] = [["specification", Code(given["specification_sha256"])]]
-    hashes += [[path, Code(digest)] for path, digest in given["files"].items()]
+    hashes += [[path.rpartition("/")[2], Code(digest)] for path, digest in given["files"].items()]
     return (
         Heading("Manifest", "manifest"),
         Paragraph((f"Made by {tools}; interface number {given['abi']}. The same specification gives the same bytes.",)),
