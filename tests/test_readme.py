@@ -34,7 +34,7 @@ def commands() -> list[str]:
 def copy(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The tree without its environment, which is linked; `make` finds it up to date."""
     folder = tmp_path_factory.mktemp("readme") / "tree"
-    ignore = shutil.ignore_patterns(".venv", ".git", "__pycache__", ".*_cache")
+    ignore = shutil.ignore_patterns(".venv", ".git", "__pycache__", ".*_cache", "results")
     shutil.copytree(ROOT, folder, ignore=ignore)
     (folder / ".venv" / "bin").mkdir(parents=True)
     for tool in ("tisserand", "python"):
