@@ -176,7 +176,7 @@ def spatial_series() -> tuple[Series, ...]:
         inertia = ((ALPHA, f"C4_j_{a}{b}"), (ALPHA, f"S_j_{a}{b}"))
         define(f"J_{a}{b}", f"C3_{a}{b}", "int rho ((r . r) I - r r)", *inertia)
     for a, b in PAIRS:
-        define(f"Sdot_{a}{b}", None, "sum alphadot_i S_i", (ALPHADOT, f"S_j_{a}{b}"))
+        define(f"Sdot_{a}{b}", None, "S of the shapes, summed with their rates", (ALPHADOT, f"S_j_{a}{b}"))
     for k in AXES:
         define(f"c7dot_i_{k}", None, f"int rho Phi_i x rdot . e{k}", (ALPHADOT, f"c7_i_j_{k}"))
     for k in AXES:

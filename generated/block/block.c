@@ -261,7 +261,10 @@ int block_force(
         + S_3_33 * alpha3 + S_4_33 * alpha4 + S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7
         + S_8_33 * alpha8;
 
-    /* Sdot (appendix): Sdot_11 = sum alphadot_0 S_0; ...; Sdot_33 = sum alphadot_0 S_0 */
+    /*
+     * Sdot (appendix): Sdot_11 = S of the shapes, summed with their rates; ...; Sdot_33 = S of the
+     *     shapes, summed with their rates
+     */
     const double Sdot_11 = alpha1dot * S_1_11 + alpha2dot * S_2_11 + alpha3dot * S_3_11
         + alpha4dot * S_4_11 + alpha5dot * S_5_11 + alpha6dot * S_6_11 + alpha7dot * S_7_11
         + alpha8dot * S_8_11;
@@ -545,7 +548,10 @@ int block_mass_force(
         + S_3_33 * alpha3 + S_4_33 * alpha4 + S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7
         + S_8_33 * alpha8;
 
-    /* Sdot (appendix): Sdot_11 = sum alphadot_0 S_0; ...; Sdot_33 = sum alphadot_0 S_0 */
+    /*
+     * Sdot (appendix): Sdot_11 = S of the shapes, summed with their rates; ...; Sdot_33 = S of the
+     *     shapes, summed with their rates
+     */
     const double Sdot_11 = alpha1dot * S_1_11 + alpha2dot * S_2_11 + alpha3dot * S_3_11
         + alpha4dot * S_4_11 + alpha5dot * S_5_11 + alpha6dot * S_6_11 + alpha7dot * S_7_11
         + alpha8dot * S_8_11;
@@ -790,7 +796,10 @@ int block_accel(
     const double oo_23 = omega2 * omega3;
     const double oo_33 = omega3 * omega3;
 
-    /* Sdot (appendix): Sdot_11 = sum alphadot_0 S_0; ...; Sdot_33 = sum alphadot_0 S_0 */
+    /*
+     * Sdot (appendix): Sdot_11 = S of the shapes, summed with their rates; ...; Sdot_33 = S of the
+     *     shapes, summed with their rates
+     */
     const double Sdot_11 = alpha1dot * S_1_11 + alpha2dot * S_2_11 + alpha3dot * S_3_11
         + alpha4dot * S_4_11 + alpha5dot * S_5_11 + alpha6dot * S_6_11 + alpha7dot * S_7_11
         + alpha8dot * S_8_11;
@@ -2014,7 +2023,10 @@ int block_residual(
         + S_3_33 * alpha3 + S_4_33 * alpha4 + S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7
         + S_8_33 * alpha8;
 
-    /* Sdot (appendix): Sdot_11 = sum alphadot_0 S_0; ...; Sdot_33 = sum alphadot_0 S_0 */
+    /*
+     * Sdot (appendix): Sdot_11 = S of the shapes, summed with their rates; ...; Sdot_33 = S of the
+     *     shapes, summed with their rates
+     */
     const double Sdot_11 = alpha1dot * S_1_11 + alpha2dot * S_2_11 + alpha3dot * S_3_11
         + alpha4dot * S_4_11 + alpha5dot * S_5_11 + alpha6dot * S_6_11 + alpha7dot * S_7_11
         + alpha8dot * S_8_11;
@@ -2293,7 +2305,10 @@ int block_jacobian(
         + S_3_33 * alpha3 + S_4_33 * alpha4 + S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7
         + S_8_33 * alpha8;
 
-    /* Sdot (appendix): Sdot_11 = sum alphadot_0 S_0; ...; Sdot_33 = sum alphadot_0 S_0 */
+    /*
+     * Sdot (appendix): Sdot_11 = S of the shapes, summed with their rates; ...; Sdot_33 = S of the
+     *     shapes, summed with their rates
+     */
     const double Sdot_11 = alpha1dot * S_1_11 + alpha2dot * S_2_11 + alpha3dot * S_3_11
         + alpha4dot * S_4_11 + alpha5dot * S_5_11 + alpha6dot * S_6_11 + alpha7dot * S_7_11
         + alpha8dot * S_8_11;

@@ -576,7 +576,8 @@ def force(t, q, v, k):
             + S_7_33 * alpha7 + S_8_33 * alpha8
     )
 
-    # Sdot (appendix): Sdot_11 = sum alphadot_0 S_0; ...; Sdot_33 = sum alphadot_0 S_0
+    # Sdot (appendix): Sdot_11 = S of the shapes, summed with their rates; ...; Sdot_33 = S of the
+    #     shapes, summed with their rates
     Sdot_11 = (
         alpha1dot * S_1_11 + alpha2dot * S_2_11 + alpha3dot * S_3_11 + alpha4dot * S_4_11
             + alpha5dot * S_5_11 + alpha6dot * S_6_11 + alpha7dot * S_7_11 + alpha8dot * S_8_11
@@ -925,7 +926,8 @@ def mass_force(t, q, v, k):
             + S_7_33 * alpha7 + S_8_33 * alpha8
     )
 
-    # Sdot (appendix): Sdot_11 = sum alphadot_0 S_0; ...; Sdot_33 = sum alphadot_0 S_0
+    # Sdot (appendix): Sdot_11 = S of the shapes, summed with their rates; ...; Sdot_33 = S of the
+    #     shapes, summed with their rates
     Sdot_11 = (
         alpha1dot * S_1_11 + alpha2dot * S_2_11 + alpha3dot * S_3_11 + alpha4dot * S_4_11
             + alpha5dot * S_5_11 + alpha6dot * S_6_11 + alpha7dot * S_7_11 + alpha8dot * S_8_11
@@ -1214,7 +1216,8 @@ def accel(t, q, v, k):
     oo_23 = omega2 * omega3
     oo_33 = omega3 * omega3
 
-    # Sdot (appendix): Sdot_11 = sum alphadot_0 S_0; ...; Sdot_33 = sum alphadot_0 S_0
+    # Sdot (appendix): Sdot_11 = S of the shapes, summed with their rates; ...; Sdot_33 = S of the
+    #     shapes, summed with their rates
     Sdot_11 = (
         alpha1dot * S_1_11 + alpha2dot * S_2_11 + alpha3dot * S_3_11 + alpha4dot * S_4_11
             + alpha5dot * S_5_11 + alpha6dot * S_6_11 + alpha7dot * S_7_11 + alpha8dot * S_8_11
@@ -2631,7 +2634,8 @@ def residual(t, y, ydot, k):
             + S_7_33 * alpha7 + S_8_33 * alpha8
     )
 
-    # Sdot (appendix): Sdot_11 = sum alphadot_0 S_0; ...; Sdot_33 = sum alphadot_0 S_0
+    # Sdot (appendix): Sdot_11 = S of the shapes, summed with their rates; ...; Sdot_33 = S of the
+    #     shapes, summed with their rates
     Sdot_11 = (
         alpha1dot * S_1_11 + alpha2dot * S_2_11 + alpha3dot * S_3_11 + alpha4dot * S_4_11
             + alpha5dot * S_5_11 + alpha6dot * S_6_11 + alpha7dot * S_7_11 + alpha8dot * S_8_11
@@ -2965,7 +2969,8 @@ def jacobian(t, y, ydot, cj, k):
             + S_7_33 * alpha7 + S_8_33 * alpha8
     )
 
-    # Sdot (appendix): Sdot_11 = sum alphadot_0 S_0; ...; Sdot_33 = sum alphadot_0 S_0
+    # Sdot (appendix): Sdot_11 = S of the shapes, summed with their rates; ...; Sdot_33 = S of the
+    #     shapes, summed with their rates
     Sdot_11 = (
         alpha1dot * S_1_11 + alpha2dot * S_2_11 + alpha3dot * S_3_11 + alpha4dot * S_4_11
             + alpha5dot * S_5_11 + alpha6dot * S_6_11 + alpha7dot * S_7_11 + alpha8dot * S_8_11

@@ -264,8 +264,8 @@ int body_symbolic_force(
     }
 
     /*
-     * sums (appendix): J = int rho ((r . r) I - r r); Sdot = sum alphadot_i S_i; d3dot = int rho r
-     *     x rdot
+     * sums (appendix): J = int rho ((r . r) I - r r); Sdot = S of the shapes, summed with their
+     *     rates; d3dot = int rho r x rdot
      */
     double sums1[15][4];
     TISSERAND_LANES for (int i = 0; i < 15; i++)
@@ -433,8 +433,8 @@ int body_symbolic_mass_force(
     }
 
     /*
-     * sums (appendix): J = int rho ((r . r) I - r r); Sdot = sum alphadot_i S_i; d3dot = int rho r
-     *     x rdot
+     * sums (appendix): J = int rho ((r . r) I - r r); Sdot = S of the shapes, summed with their
+     *     rates; d3dot = int rho r x rdot
      */
     double sums1[15][4];
     TISSERAND_LANES for (int i = 0; i < 15; i++)
@@ -614,8 +614,8 @@ int body_symbolic_accel(
     }
 
     /*
-     * sums (appendix): J = int rho ((r . r) I - r r); Sdot = sum alphadot_i S_i; d3dot = int rho r
-     *     x rdot
+     * sums (appendix): J = int rho ((r . r) I - r r); Sdot = S of the shapes, summed with their
+     *     rates; d3dot = int rho r x rdot
      */
     double sums1[15][4];
     TISSERAND_LANES for (int i = 0; i < 15; i++)
@@ -1193,8 +1193,8 @@ int body_symbolic_residual(
     }
 
     /*
-     * sums (appendix): J = int rho ((r . r) I - r r); Sdot = sum alphadot_i S_i; d3dot = int rho r
-     *     x rdot; d3ddot = int rho r x rddot
+     * sums (appendix): J = int rho ((r . r) I - r r); Sdot = S of the shapes, summed with their
+     *     rates; d3dot = int rho r x rdot; d3ddot = int rho r x rddot
      */
     double sums1[18][4];
     for (int i = 0; i < 18; i++)
@@ -1419,8 +1419,8 @@ int body_symbolic_jacobian(
     }
 
     /*
-     * sums (appendix): J = int rho ((r . r) I - r r); Sdot = sum alphadot_i S_i; d3dot = int rho r
-     *     x rdot
+     * sums (appendix): J = int rho ((r . r) I - r r); Sdot = S of the shapes, summed with their
+     *     rates; d3dot = int rho r x rdot
      */
     double sums1[15][4];
     TISSERAND_LANES for (int i = 0; i < 15; i++)

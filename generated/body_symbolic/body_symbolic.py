@@ -366,8 +366,8 @@ def force(t, q, v, k):
     c7dot_2 = _product(xp, alphadot, _table(tables, 9, 7, 8))
     c7dot_3 = _product(xp, alphadot, _table(tables, 9, 8, 8))
 
-    # sums (appendix): J = int rho ((r . r) I - r r); Sdot = sum alphadot_i S_i; d3dot = int rho r x
-    #     rdot
+    # sums (appendix): J = int rho ((r . r) I - r r); Sdot = S of the shapes, summed with their
+    #     rates; d3dot = int rho r x rdot
     J_11 = C3_11 + xp.sum(alpha * (C4_11 + S_11), axis=-1)
     J_12 = C3_12 + xp.sum(alpha * (C4_12 + S_12), axis=-1)
     J_13 = C3_13 + xp.sum(alpha * (C4_13 + S_13), axis=-1)
@@ -488,8 +488,8 @@ def mass_force(t, q, v, k):
     c7dot_2 = _product(xp, alphadot, _table(tables, 9, 7, 8))
     c7dot_3 = _product(xp, alphadot, _table(tables, 9, 8, 8))
 
-    # sums (appendix): J = int rho ((r . r) I - r r); Sdot = sum alphadot_i S_i; d3dot = int rho r x
-    #     rdot
+    # sums (appendix): J = int rho ((r . r) I - r r); Sdot = S of the shapes, summed with their
+    #     rates; d3dot = int rho r x rdot
     J_11 = C3_11 + xp.sum(alpha * (C4_11 + S_11), axis=-1)
     J_12 = C3_12 + xp.sum(alpha * (C4_12 + S_12), axis=-1)
     J_13 = C3_13 + xp.sum(alpha * (C4_13 + S_13), axis=-1)
@@ -621,8 +621,8 @@ def accel(t, q, v, k):
     c7dot_2 = _product(xp, alphadot, _table(tables, 9, 7, 8))
     c7dot_3 = _product(xp, alphadot, _table(tables, 9, 8, 8))
 
-    # sums (appendix): J = int rho ((r . r) I - r r); Sdot = sum alphadot_i S_i; d3dot = int rho r x
-    #     rdot
+    # sums (appendix): J = int rho ((r . r) I - r r); Sdot = S of the shapes, summed with their
+    #     rates; d3dot = int rho r x rdot
     J_11 = C3_11 + xp.sum(alpha * (C4_11 + S_11), axis=-1)
     J_12 = C3_12 + xp.sum(alpha * (C4_12 + S_12), axis=-1)
     J_13 = C3_13 + xp.sum(alpha * (C4_13 + S_13), axis=-1)
@@ -1050,8 +1050,8 @@ def residual(t, y, ydot, k):
     c7dot_2 = _product(xp, alphadot, _table(tables, 9, 7, 8))
     c7dot_3 = _product(xp, alphadot, _table(tables, 9, 8, 8))
 
-    # sums (appendix): J = int rho ((r . r) I - r r); Sdot = sum alphadot_i S_i; d3dot = int rho r x
-    #     rdot; d3ddot = int rho r x rddot
+    # sums (appendix): J = int rho ((r . r) I - r r); Sdot = S of the shapes, summed with their
+    #     rates; d3dot = int rho r x rdot; d3ddot = int rho r x rddot
     J_11 = C3_11 + xp.sum(alpha * (C4_11 + S_11), axis=-1)
     J_12 = C3_12 + xp.sum(alpha * (C4_12 + S_12), axis=-1)
     J_13 = C3_13 + xp.sum(alpha * (C4_13 + S_13), axis=-1)
@@ -1204,8 +1204,8 @@ def jacobian(t, y, ydot, cj, k):
     C5dot_33 = _product(xp, alphadot, _table(tables, 9, 5, 8))
     c7ddot_3 = _product(xp, alphaddot, _table(tables, 9, 8, 8))
 
-    # sums (appendix): J = int rho ((r . r) I - r r); Sdot = sum alphadot_i S_i; d3dot = int rho r x
-    #     rdot
+    # sums (appendix): J = int rho ((r . r) I - r r); Sdot = S of the shapes, summed with their
+    #     rates; d3dot = int rho r x rdot
     J_11 = C3_11 + xp.sum(alpha * (C4_11 + S_11), axis=-1)
     J_12 = C3_12 + xp.sum(alpha * (C4_12 + S_12), axis=-1)
     J_13 = C3_13 + xp.sum(alpha * (C4_13 + S_13), axis=-1)
