@@ -44,8 +44,8 @@ def _of_model(path: Path) -> tuple[str, Page]:
     text = Text(path.name, path.read_text(encoding="utf-8-sig"))
     if not isinstance(built.spec, Scene):
         return name, model_page(built, text)
-    pictures = sorted((Path("results") / name).glob("*.svg"))
-    return name, scene_page(built, text, [Result(p.stem, p.read_text(encoding="utf-8")) for p in pictures])
+    pictures = ((p.stem, p.read_text(encoding="utf-8")) for p in sorted((Path("results") / name).glob("*.svg")))
+    return name, scene_page(built, text, [Result(stem, svg) for stem, svg in pictures if MARK in svg[:1000]])
 
 
 def _paper() -> tuple[str, Page]:
