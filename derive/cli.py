@@ -54,7 +54,7 @@ def parser() -> argparse.ArgumentParser:
 
     _studies(commands.add_parser("study", help="what the frame of the beams of a scene costs, and does to pivots"))
 
-    report = commands.add_parser("report", help="a page with every equation of a body or a scene, its reasons and its code")
+    report = commands.add_parser("report", help="a page with every equation of a model, its reasons and its code")
     _report(report)
 
     check = commands.add_parser("check", help="regenerate everything in memory and compare with the files")
