@@ -11,7 +11,7 @@ import numpy as np
 from callgrind import Count, count
 from numpy.typing import NDArray
 
-from derive.native import compiler
+from derive.compiler import compiler
 
 Matrix = NDArray[np.float64]
 

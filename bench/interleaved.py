@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from derive.native import compiler
+from derive.compiler import compiler
 
 Array = NDArray[np.float64]
 

@@ -7,7 +7,7 @@ import subprocess
 from importlib.metadata import version
 from pathlib import Path
 
-from derive.native import compiler
+from derive.compiler import compiler
 
 NO_AVX512 = "-mno-avx512f"
 

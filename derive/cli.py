@@ -156,10 +156,11 @@ def _said(error: Exception) -> str:
 
 def _is_explained(error: Exception) -> bool:
     """Whether the text of an error says where, what, and what to do."""
+    from derive.compiler import CompilerError
     from derive.emit.files import NotOurs
     from derive.host.library import HostError
     from derive.kernel.graph import LoweringError
-    from derive.native import CompilerError, ModelError
+    from derive.native import ModelError
     from derive.report.pdf import NoTypst
     from derive.simulation.errors import SimulationError
     from derive.spec import SpecError

@@ -3,33 +3,22 @@
 from __future__ import annotations
 
 import ctypes
-import os
-import shlex
-import shutil
-import subprocess
-import sys
 import tempfile
 from collections.abc import Callable, Sequence
-from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from derive.compiler import FLAGS, CompilerError, compile_shared
+from derive.descriptor import DaeStruct, Doubles, ModelStruct, names_of, pattern_of
 from derive.emit.c import ABI
 from derive.emit.files import File, write
 from derive.kernel.pattern import Pattern
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
-
-FLAGS = ("-std=c99", "-O2", "-ffp-contract=off")
-"""No contraction into fused operations: compilers then agree bit for bit."""
-
-
-class CompilerError(RuntimeError):
-    """No compiler was found, or it refused the code; the text says which and why."""
 
 
 class ModelError(ArithmeticError):
@@ -39,40 +28,6 @@ class ModelError(ArithmeticError):
         self.code = code
         meaning = {1: "a pivot vanished", 2: "a value is not finite or not positive"}.get(code, "unknown")
         super().__init__(f"{function} returned {code}: {meaning}")
-
-
-def compiler() -> list[str]:
-    """The C compiler to call: $CC, cc, gcc, clang, or the one in the Python package `ziglang`."""
-    if chosen := os.environ.get("CC", "").strip():
-        try:
-            return shlex.split(chosen)
-        except ValueError as error:
-            raise CompilerError(f"CC={chosen}: this is no command line: {error}") from error
-    for name in ("cc", "gcc", "clang"):
-        if path := shutil.which(name):
-            return [path]
-    if find_spec("ziglang"):
-        return [sys.executable, "-m", "ziglang", "cc"]
-    raise CompilerError("no C compiler found: set CC, install gcc or clang, or `pip install tisserand[compiler]`")
-
-
-def compile_shared(sources: Sequence[Path], library: Path, flags: Sequence[str] = FLAGS) -> Path:
-    """Compile C files into a shared library. Raises CompilerError with what the compiler said."""
-    compile_c(sources, library, [*flags, "-shared", "-fPIC"])
-    return library
-
-
-def compile_c(sources: Sequence[Path], target: Path, flags: Sequence[str], link: Sequence[str] = ()) -> None:
-    """Compile C files and link them with `link`. Raises CompilerError with what the compiler said."""
-    command = [*compiler(), *flags, "-o", str(target), *map(str, sources), *link, "-lm"]
-    try:
-        done = subprocess.run(command, capture_output=True, text=True, check=False)
-    except OSError as error:
-        raise CompilerError(f"{command[0]}: {error.strerror}") from error
-    if done.returncode:
-        raise CompilerError(f"{shlex.join(command)}\n{done.stderr}")
-    if not target.exists():
-        raise CompilerError(f"{shlex.join(command)}\nit made no {target.name}; is {command[0]} a C compiler?")
 
 
 def load(files: Sequence[File], flags: Sequence[str] = FLAGS) -> Native:
@@ -95,101 +50,6 @@ def load_scene(files: Sequence[File], flags: Sequence[str] = FLAGS) -> NativeSce
     return native
 
 
-class _Variable(ctypes.Structure):
-    _fields_ = [
-        ("name", ctypes.c_char_p),
-        ("unit", ctypes.c_char_p),
-        ("doc", ctypes.c_char_p),
-        ("value", ctypes.c_double),
-        ("size", ctypes.c_int),
-    ]
-
-
-class _Pattern(ctypes.Structure):
-    _fields_ = [
-        *((name, ctypes.c_int) for name in ("rows", "cols", "nnz", "symmetric")),
-        ("colptr", ctypes.POINTER(ctypes.c_int)),
-        ("rowidx", ctypes.POINTER(ctypes.c_int)),
-        ("fill", ctypes.CFUNCTYPE(ctypes.c_int, ctypes.POINTER(ctypes.c_int), ctypes.POINTER(ctypes.c_int))),
-    ]
-
-
-_Pointer = ctypes.POINTER(ctypes.c_double)
-
-
-def _function(*arguments: Any) -> Any:
-    return ctypes.CFUNCTYPE(ctypes.c_int, *arguments)
-
-
-class _Marker(ctypes.Structure):
-    _fields_ = [
-        ("name", ctypes.c_char_p),
-        ("dimension", ctypes.c_int),
-        ("pattern", ctypes.POINTER(_Pattern)),
-        ("evaluate", _function(*[_Pointer] * 6)),
-        ("load", _function(*[_Pointer] * 4)),
-    ]
-
-
-_T = ctypes.c_double
-
-
-class _Dae(ctypes.Structure):
-    _fields_ = [
-        ("name", ctypes.c_char_p),
-        ("size", ctypes.c_int),
-        ("pattern", ctypes.POINTER(_Pattern)),
-        ("residual", _function(_T, *[_Pointer] * 4)),
-        ("jacobian", _function(_T, _Pointer, _Pointer, _T, _Pointer, _Pointer)),
-    ]
-
-
-class _Scene(ctypes.Structure):
-    _fields_ = [
-        ("nbodies", ctypes.c_int),
-        ("multipliers", ctypes.POINTER(_Variable)),
-        ("bodies", ctypes.POINTER(ctypes.c_char_p)),
-        ("pattern", ctypes.POINTER(_Pattern)),
-        ("forms", ctypes.POINTER(_Dae)),
-        ("nforms", ctypes.c_int),
-        ("constraints", _function(_T, *[_Pointer] * 3)),
-        ("constraint_rates", _function(_T, *[_Pointer] * 4)),
-        ("constraint_jacobian", _function(_T, *[_Pointer] * 3)),
-        ("constraint_bias", _function(_T, *[_Pointer] * 4)),
-        ("solve", _function(_T, *[_Pointer] * 5)),
-        ("correct", _function(_T, *[_Pointer] * 4)),
-        ("poses", _function(_T, *[_Pointer] * 3)),
-    ]
-
-
-class _Model(ctypes.Structure):
-    _fields_ = [
-        ("abi", ctypes.c_int),
-        ("name", ctypes.c_char_p),
-        *((n, ctypes.c_int) for n in ("nq", "nv", "np", "nk", "nlambda")),
-        *((f"variables_{n}", ctypes.c_int) for n in "qvpk"),
-        *((n, ctypes.c_int) for n in ("nmarkers", "nenergy", "nmomentum")),
-        *((n, ctypes.POINTER(_Variable)) for n in ("q", "v", "p", "k")),
-        *((n, ctypes.POINTER(_Pattern)) for n in ("mass_pattern", "jacobian_pattern")),
-        ("markers", ctypes.POINTER(_Marker)),
-        ("defaults", _function(_Pointer)),
-        ("setup", _function(_Pointer, _Pointer)),
-        ("mass", _function(_Pointer, _Pointer, _Pointer)),
-        ("force", _function(_T, *[_Pointer] * 4)),
-        ("mass_force", _function(_T, *[_Pointer] * 5)),
-        ("accel", _function(_T, *[_Pointer] * 4)),
-        ("energy", _function(*[_Pointer] * 4)),
-        ("momentum", _function(*[_Pointer] * 4)),
-        ("rates", _function(*[_Pointer] * 4)),
-        ("residual", _function(_T, *[_Pointer] * 4)),
-        ("jacobian", _function(_T, _Pointer, _Pointer, _T, _Pointer, _Pointer)),
-        ("mass_batch", _function(ctypes.c_int, *[_Pointer] * 3)),
-        ("force_batch", _function(ctypes.c_int, _T, *[_Pointer] * 4)),
-        ("accel_batch", _function(ctypes.c_int, _T, *[_Pointer] * 4)),
-        ("scene", ctypes.POINTER(_Scene)),
-    ]
-
-
 class Native:
     """A compiled model. Arrays are vectors of doubles; matrices come as the values of their pattern.
 
@@ -198,21 +58,25 @@ class Native:
 
     def __init__(self, library: ctypes.CDLL, name: str) -> None:
         entry = getattr(library, f"{name}_model")
-        entry.restype = ctypes.POINTER(_Model)
+        entry.restype = ctypes.POINTER(ModelStruct)
         self._library = library  # keeps the code loaded
         self._model = m = entry().contents
         if m.abi != ABI:
             raise CompilerError(f"{name}: its interface has number {m.abi}, this Tisserand knows {ABI}")
         self.name = name
         self.nq, self.nv, self.np, self.nk, self.nlambda = m.nq, m.nv, m.np, m.nk, m.nlambda
-        self.parameters = _names(m.p, m.variables_p)
-        self.coordinates = _names(m.q, m.variables_q)
-        self.rates_of_rows = _names(m.v, m.variables_v)
+        self.parameters = names_of(m.p, m.variables_p)
+        self.coordinates = names_of(m.q, m.variables_q)
+        self.rates_of_rows = names_of(m.v, m.variables_v)
         self.defaults = np.empty(m.np)
-        m.defaults(self.defaults.ctypes.data_as(_Pointer))
-        self.mass_pattern = _pattern(m.mass_pattern.contents)
-        self.jacobian_pattern = _pattern(m.jacobian_pattern.contents)
+        m.defaults(self.defaults.ctypes.data_as(Doubles))
+        self.mass_pattern = pattern_of(m.mass_pattern.contents)
+        self.jacobian_pattern = pattern_of(m.jacobian_pattern.contents)
         self.markers = tuple(m.markers[i].name.decode() for i in range(m.nmarkers))
+
+    def function(self, name: str) -> Any:
+        """The function of that name in the descriptor, to be called with addresses; to look it up takes its time."""
+        return getattr(self._model, name)
 
     def setup(self, p: ArrayLike | None = None) -> Vector:
         """k of the parameters p, or of their defaults."""
@@ -291,7 +155,7 @@ class Native:
 
     def marker_pattern(self, name: str) -> Pattern:
         """The pattern of the Jacobian of a marker."""
-        return _pattern(self._marker(name).pattern.contents)
+        return pattern_of(self._marker(name).pattern.contents)
 
     def _marker(self, name: str) -> Any:
         if name not in self.markers:
@@ -321,17 +185,17 @@ class Native:
         result = np.empty((size, count))
         arrays = [*turned, _array(self.nk, k, name), result]
         function: Callable[..., int] = getattr(self._model, name)
-        code = function(count, *map(float, t), *(a.ctypes.data_as(_Pointer) for a in arrays))
+        code = function(count, *map(float, t), *(a.ctypes.data_as(Doubles) for a in arrays))
         return np.ascontiguousarray(result.T), code
 
 
 class Dae:
     """One form F(t, y, ydot) = 0 of a scene's equations; `pattern` is that of its iteration matrix."""
 
-    def __init__(self, form: _Dae, scene: str, nk: int) -> None:
+    def __init__(self, form: DaeStruct, scene: str, nk: int) -> None:
         self._form, self._nk = form, nk
         self.name, self.size = form.name.decode(), form.size
-        self.pattern = _pattern(form.pattern.contents)
+        self.pattern = pattern_of(form.pattern.contents)
         self._called = f"{scene}, form {self.name}: "
 
     def residual(self, t: float, y: ArrayLike, ydot: ArrayLike, k: ArrayLike) -> Vector:
@@ -357,9 +221,9 @@ class NativeScene(Native):
     def __init__(self, library: ctypes.CDLL, name: str) -> None:
         super().__init__(library, name)
         self._scene = s = self._model.scene.contents
-        self.multipliers = _names(s.multipliers, self.nlambda)
+        self.multipliers = names_of(s.multipliers, self.nlambda)
         self.bodies = tuple(s.bodies[i].decode() for i in range(s.nbodies))
-        self.constraint_pattern = _pattern(s.pattern.contents)
+        self.constraint_pattern = pattern_of(s.pattern.contents)
         self.dae = {form.name: form for form in (Dae(s.forms[i], name, self.nk) for i in range(s.nforms))}
 
     def constraints(self, t: float, q: ArrayLike, k: ArrayLike) -> Vector:
@@ -401,7 +265,7 @@ class NativeScene(Native):
 
 def _invoke(name: str, function: Callable[..., int], arguments: list[Any], results: list[Vector]) -> None:
     given = [_array(a[0], a[1], name) if isinstance(a, tuple) else float(a) for a in arguments]
-    pointers = [a.ctypes.data_as(_Pointer) if isinstance(a, np.ndarray) else a for a in [*given, *results]]
+    pointers = [a.ctypes.data_as(Doubles) if isinstance(a, np.ndarray) else a for a in [*given, *results]]
     if code := function(*pointers):
         raise ModelError(name, code)
 
@@ -418,20 +282,3 @@ def _array(size: int, given: ArrayLike, name: str) -> Vector:
     if array.shape != (size,):
         raise ValueError(f"{name}: a vector of {size} is needed, not an array of shape {array.shape}")
     return array
-
-
-def _names(variables: Any, count: int) -> tuple[str, ...]:
-    """Names of variables; the elements of an array are numbered from 1."""
-    found: list[str] = []
-    for i in range(count):
-        name, size = variables[i].name.decode(), variables[i].size
-        found += [name] if size == 1 else [f"{name}{k}" for k in range(1, size + 1)]
-    return tuple(found)
-
-
-def _pattern(p: _Pattern) -> Pattern:
-    colptr, rowidx = p.colptr, p.rowidx
-    if not colptr:
-        colptr, rowidx = (ctypes.c_int * (p.cols + 1))(), (ctypes.c_int * p.nnz)()
-        p.fill(colptr, rowidx)
-    return Pattern(p.rows, p.cols, tuple(colptr[: p.cols + 1]), tuple(rowidx[: p.nnz]), bool(p.symmetric))

@@ -5,13 +5,13 @@ from __future__ import annotations
 import argparse
 import json
 import re
-import sys
 from dataclasses import asdict
 from pathlib import Path
 
 from derive.emit.files import write
 from derive.pipeline import Built, Stage, build
 from derive.spec import Problem, SpecError
+from derive.terminal import show
 
 
 def run(options: argparse.Namespace) -> int:
@@ -32,8 +32,7 @@ def build_all(paths: list[Path]) -> list[Built]:
     errors: list[SpecError] = []
     homes: dict[str, Path] = {}
     for path in dict.fromkeys(paths):
-        if sys.stderr.isatty():
-            print(f"building {path} ...", end="\r", file=sys.stderr, flush=True)
+        show(f"building {path} ...")
         try:
             made = build(path)
         except SpecError as error:
@@ -43,8 +42,7 @@ def build_all(paths: list[Path]) -> list[Built]:
             errors.append(SpecError((Problem("name", clash),), str(path)))
         homes[made.model.name] = path
         built.append(made)
-    if sys.stderr.isatty():
-        print("\x1b[K", end="", file=sys.stderr, flush=True)
+    show()
     if errors:
         raise errors[0] if len(errors) == 1 else ManyErrors(errors)
     return built

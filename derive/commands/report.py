@@ -4,28 +4,26 @@ from __future__ import annotations
 
 import argparse
 import json
-import os
-import sys
-import tempfile
 from pathlib import Path
 
 from derive.commands.build import build_all
-from derive.emit.files import MARK, File, NotOurs, write
+from derive.emit.files import MARK, File, NotOurs, replace_file, write
 from derive.report.page import Page
 from derive.spec.scene import Scene
+from derive.terminal import show
 
 PAPER = "paper"
 
 
 def run(options: argparse.Namespace) -> int:
     """Make the page, then write it in every language that was asked for."""
-    _show("building ...")
+    show("building ...")
     try:
         name, page = _paper() if options.paper else _of_model(options.spec)
         target = options.out or Path("results") / name / f"{name}.report.html"
         written = _write(page, target, options)
     finally:
-        _show()
+        show()
     if options.json:
         print(json.dumps({"name": name, "title": page.title, "files": [str(path) for path in written]}, indent=2))
     else:
@@ -57,7 +55,7 @@ def _paper() -> tuple[str, Page]:
 
 def _write(page: Page, target: Path, options: argparse.Namespace) -> list[Path]:
     """Write the page; all texts are made before the first file is touched."""
-    _show("writing ...")
+    show("writing ...")
     stem = target.name.removesuffix(".html")
     files = [File(target.name, _html(page))]
     if options.tex:
@@ -76,7 +74,7 @@ def _write(page: Page, target: Path, options: argparse.Namespace) -> list[Path]:
         _check_pdf(paper)
     write(files, target.parent)
     if made is not None:
-        _write_pdf(paper, made)
+        replace_file(paper, made.rstrip(b"\n") + b"\n" + SIGN)
     return [*(target.parent / file.path for file in files), *([paper] if made is not None else [])]
 
 
@@ -101,23 +99,3 @@ def _check_pdf(target: Path) -> None:
 
 SIGN = f"% {MARK}\n".encode()
 """The last line of our PDFs: a comment, which says whose they are."""
-
-
-def _write_pdf(target: Path, data: bytes) -> None:
-    """Write a PDF whole or not at all."""
-    target.parent.mkdir(parents=True, exist_ok=True)
-    handle, temporary = tempfile.mkstemp(prefix=f".{target.name}.", dir=target.parent)
-    try:
-        with os.fdopen(handle, "wb") as stream:
-            stream.write(data.rstrip(b"\n") + b"\n" + SIGN)
-        os.chmod(temporary, 0o644)
-        os.replace(temporary, target)
-    except BaseException:
-        Path(temporary).unlink(missing_ok=True)
-        raise
-
-
-def _show(what: str = "") -> None:
-    """A line on the terminal that tells what is done; nothing where stderr is no terminal."""
-    if sys.stderr.isatty():
-        print(f"\r{what}\x1b[K", end="", file=sys.stderr, flush=True)

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import argparse
 import json
-import sys
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -20,6 +19,8 @@ from derive.spec import Problem, SpecError, read
 from derive.spec.read import with_lines
 from derive.spec.scene import BeamBody, Plot, Scene
 from derive.spec.scene_tables import MAX_STEPS
+from derive.study.text import beams, table
+from derive.terminal import show
 
 Shown = tuple[Plot, tuple[Line, ...]]
 
@@ -75,7 +76,7 @@ class Runs:
         key = tuple((b.name, b.pieces) for b in bodies if isinstance(b, BeamBody))
         if key not in self.done:
             assert self.scene.simulation is not None
-            said = ", ".join([self.scene.name, *(f"{name} in {_beams(n)}" for name, n in key)])
+            said = ", ".join([self.scene.name, *(f"{name} in {beams(n)}" for name, n in key)])
             progress = Progress(said, self.scene.simulation.duration)
             try:
                 self.done[key] = simulate(replace(self.scene, bodies=bodies), progress)
@@ -91,23 +92,20 @@ class Progress:
 
     def __init__(self, said: str, duration: float) -> None:
         self._said, self._duration, self._next = said, duration, 0.0
-        self._write: Callable[[str], object] | None = sys.stderr.write if sys.stderr.isatty() else None
         self._show("building ...")
 
     def __call__(self, reached: float) -> None:
         """The simulation is at this time (s). Told ten times a second."""
-        if self._write and time.monotonic() >= self._next:
+        if time.monotonic() >= self._next:
             self._next = time.monotonic() + 0.1
             self._show(f"{min(reached, self._duration):.4g} of {self._duration:g} s")
 
     def end(self) -> None:
         """Leave no trace."""
-        self._show("", "")
+        show()
 
-    def _show(self, what: str, before: str = "simulating ") -> None:
-        if self._write:
-            self._write(f"\r{before}{self._said if before else ''}{': ' if what else ''}{what}\x1b[K")
-            sys.stderr.flush()
+    def _show(self, what: str) -> None:
+        show(f"simulating {self._said}: {what}")
 
 
 def _files(main: Run, shown: Sequence[Shown]) -> list[File]:
@@ -124,11 +122,7 @@ def _files(main: Run, shown: Sequence[Shown]) -> list[File]:
 
 
 def _label(plot: Plot, pieces: int) -> str:
-    return _beams(pieces) if pieces else f"{plot.quantity.marker.body}.{plot.quantity.marker.marker}"
-
-
-def _beams(pieces: int) -> str:
-    return f"{pieces} beam{'s' if pieces > 1 else ''}"
+    return beams(pieces) if pieces else f"{plot.quantity.marker.body}.{plot.quantity.marker.marker}"
 
 
 def _summary(runs: Runs, shown: Sequence[Shown], files: list[str]) -> dict[str, Any]:
@@ -177,11 +171,11 @@ def _summary(runs: Runs, shown: Sequence[Shown], files: list[str]) -> dict[str, 
 def _text(summary: dict[str, Any]) -> str:
     rows = [["", "coordinates", "constraints", "steps", "evaluations", "CPU s", "drift", "of rates"]]
     for each in summary["runs"]:
-        name = ", ".join(f"{name} in {_beams(n)}" for name, n in each["pieces"].items()) or "all rigid"
+        name = ", ".join(f"{name} in {beams(n)}" for name, n in each["pieces"].items()) or "all rigid"
         counts = (str(each[key]) for key in ("coordinates", "constraints", "steps", "evaluations"))
         drifts = (f"{each[key]:.1e}" for key in ("drift", "drift_of_rates"))
         rows.append([name, *counts, f"{each['cpu_seconds']:.2f}", *drifts])
-    lines = [f"{summary['name']}: {summary['duration']:g} s", *_table(rows)]
+    lines = [f"{summary['name']}: {summary['duration']:g} s", *table(rows)]
     lines += ["  drift: the largest violation of a constraint (m or rad), and of its rate (1/s)"]
     lines += _warnings(summary)
     for plot in summary["plots"]:
@@ -190,7 +184,7 @@ def _text(summary: dict[str, Any]) -> str:
             values = (f"{each[end][key]:.6g}" for end in ("least", "largest") for key in ("value", "at"))
             errors = [f"{figures.percent(each['error'][key])} %" for key in ("rms", "max")] if each["error"] else []
             rows.append([each["label"], *values, *errors])
-        lines += ["", f"{plot['name']}: {plot['quantity']}; over {plot['over']}", *_table(rows)]
+        lines += ["", f"{plot['name']}: {plot['quantity']}; over {plot['over']}", *table(rows)]
         if any(each["error"] for each in plot["curves"]):
             lines.append(f"  errors: against {plot['reference']}, of its peak")
         elif plot["reference"]:
@@ -203,18 +197,8 @@ def _warnings(summary: dict[str, Any]) -> list[str]:
     found = []
     for each in summary["runs"]:
         for name, most in each["bending"].items():
-            said = f"  warning: {name} in {_beams(each['pieces'][name])} bends by {most:.2g} of the length of a beam;"
+            said = f"  warning: {name} in {beams(each['pieces'][name])} bends by {most:.2g} of the length of a beam;"
             found += [f"{said} the equations hold up to about {rods.TRUSTED:g}"] if most > rods.TRUSTED else []
         if each["deformed_start"]:
             found.append("  warning: no rigid bodies can start so; some are deformed, or deforming, at t = 0")
     return list(dict.fromkeys(found))
-
-
-def _table(rows: list[list[str]]) -> list[str]:
-    """Rows of text, the first column to the left, the others to the right; short rows end early."""
-    widths = [max(len(row[i]) for row in rows if i < len(row)) for i in range(max(map(len, rows)))]
-    return [
-        "  "
-        + "  ".join(f"{c:<{w}}" if not i else f"{c:>{w}}" for i, (c, w) in enumerate(zip(row, widths, strict=False)))
-        for row in rows
-    ]

@@ -11,8 +11,9 @@ from derive.emit.files import File, write
 from derive.spec import Problem, SpecError
 from derive.spec.read import with_lines
 from derive.spec.scene import Scene
-from derive.study import chart, frames, frames_table, pivots, pivots_table, progress, states
+from derive.study import chart, frames, frames_table, pivots, pivots_table, states
 from derive.study.variants import rods, variant
+from derive.terminal import show
 
 
 def run(options: argparse.Namespace) -> int:
@@ -23,7 +24,7 @@ def run(options: argparse.Namespace) -> int:
     except SpecError as error:
         raise with_lines(error, options.spec) from None
     finally:
-        progress.show()
+        show()
 
 
 def _scene(path: Path) -> Scene:
@@ -38,7 +39,7 @@ def _scene(path: Path) -> Scene:
 def _frames(scene: Scene, options: argparse.Namespace) -> int:
     names = options.frames
     rows = frames.study(scene, options.pieces, names, options.runs)
-    progress.show()
+    show()
     target = options.chart or Path("results") / scene.name / "frames.svg"
     write([File(target.name, chart.svg(scene.name, names, rows))], target.parent)
     if options.json:
@@ -57,7 +58,7 @@ def _pivots(scene: Scene, options: argparse.Namespace) -> int:
             pivots.look(variant(scene, n, name), options.states, options.numberings) for name in options.frames
         )
         found.append((n, (first, second)))
-    progress.show()
+    show()
     if options.json:
         print(json.dumps([pivots_table.plain(scene.name, n, both) for n, both in found], indent=2))
     else:

@@ -38,10 +38,10 @@ def write(files: Sequence[File], folder: str | Path) -> None:
     for target, data in targets:
         if not (target.exists() and target.read_bytes() == data):
             target.parent.mkdir(parents=True, exist_ok=True)
-            _replace(target, data)
+            replace_file(target, data)
 
 
-def _replace(target: Path, data: bytes) -> None:
+def replace_file(target: Path, data: bytes) -> None:
     """Put the data into a temporary file beside the target, then rename it over the target."""
     handle, temporary = tempfile.mkstemp(prefix=f".{target.name}.", dir=target.parent)
     try:

@@ -8,9 +8,9 @@ from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
 
+from derive.compiler import FLAGS, CompilerError, compile_c
 from derive.emit.files import File, write
 from derive.emit.template import render
-from derive.native import FLAGS, CompilerError, compile_c
 
 Flags = tuple[list[str], list[str]]
 """To compile, and to link."""

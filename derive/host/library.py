@@ -13,9 +13,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from derive.compiler import FLAGS, compile_c
 from derive.emit.files import File
 from derive.host.build import header, written
-from derive.native import FLAGS, Native, NativeScene, Vector, compile_c
+from derive.native import Native, NativeScene, Vector
 
 Array = NDArray[np.float64]
 

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from derive.compiler import FLAGS, compile_c
 from derive.emit.files import File
 from derive.host.build import header, klu, sundials, written
 from derive.host.library import (
@@ -25,7 +26,6 @@ from derive.host.library import (
     times,
     types,
 )
-from derive.native import FLAGS, compile_c
 
 CONSISTENT = 1e-12
 """The largest g (m, rad) and gdot (m/s, rad/s) that hosts leave."""

@@ -125,7 +125,7 @@ def svg(chart: Chart) -> str:
         text = io.StringIO()
         FigureCanvasSVG(figure)
         figure.savefig(text, format="svg", metadata={"Date": None, "Creator": None, "Format": None, "Type": None})
-    return _page(text.getvalue(), chart)
+    return page(text.getvalue(), chart)
 
 
 def _curves(axes: Axes, chart: Chart) -> None:
@@ -204,7 +204,7 @@ def _legend(figure: Figure, axes: Axes, chart: Chart, left: float, top: float) -
     )
 
 
-def _page(text: str, chart: Chart) -> str:
+def page(text: str, chart: Chart) -> str:
     """The picture with our mark, a title for those who do not see it, fonts of the page, and colours of a dark one."""
     rules = [
         f'    [style*="{kind}: {light}"] {{ {kind}: {dark} !important; }}'

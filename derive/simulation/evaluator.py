@@ -42,7 +42,7 @@ class Evaluator:
         size = np.dtype(float).itemsize
         q, v = _address(self._y), _address(self._y, self._nq * size)
         k, vdot = _address(self._k), _address(self._ydot, self._nq * size)
-        accel: Callable[..., int] = native._model.accel  # each look-up makes a new object: once is enough
+        accel: Callable[..., int] = native.function("accel")
         return lambda t: accel(t, q, v, k, vdot)
 
     def _interpreted(self, native: Mechanism) -> Callable[[float], int]:

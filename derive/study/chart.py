@@ -60,7 +60,7 @@ def svg(name: str, frames: tuple[str, str], rows: Sequence[Row]) -> str:
         text = io.StringIO()
         FigureCanvasSVG(figure)
         figure.savefig(text, format="svg", metadata={"Date": None, "Creator": None, "Format": None, "Type": None})
-    return style._page(text.getvalue(), style.Chart("; ".join([title, *_said(rows)]), "", "", ()))
+    return style.page(text.getvalue(), style.Chart("; ".join([title, *_said(rows)]), "", "", ()))
 
 
 def _lines(axes: Axes, frames: tuple[str, str], rows: Sequence[Row]) -> None:

@@ -16,11 +16,12 @@ from derive.mechanics.equations import Equations
 from derive.native import Vector
 from derive.simulation.mechanism import mass_matrix
 from derive.spec.scene import Scene
-from derive.study import progress, states
+from derive.study import states
 from derive.study.clock import Times, native_of, times
 from derive.study.counts import Counts, counts
 from derive.study.matrices import kkt_matrix
 from derive.study.variants import Variant, variant
+from derive.terminal import show
 
 PAPER = {1: 0.97, 2: 0.93, 3: 0.92}
 """CPU time of the mean over the standard version, for 1, 2 and 3 beams: the paper, "Numerical Results".
@@ -74,7 +75,7 @@ def _build(
     one: Variant, pool: ThreadPoolExecutor
 ) -> tuple[Variant, Counts, dict[str, float], Future[tuple[FixedStep, float]]]:
     """A variant that is being compiled."""
-    progress.show(f"deriving and lowering: {_said(one)}")
+    show(f"deriving and lowering: {_said(one)}")
     marks = [time.perf_counter()]
     equations = derive(one.scene)
     assert isinstance(equations, Equations)
@@ -94,7 +95,7 @@ def _build(
 
 
 def _compiled(one: Variant, found: Counts, seconds: dict[str, float], host: Future[tuple[FixedStep, float]]) -> _Built:
-    progress.show(f"compiling: {_said(one)}")
+    show(f"compiling: {_said(one)}")
     made, took = host.result()
     return _Built(one, made, found, {**seconds, "compile": took})
 
@@ -107,9 +108,9 @@ def _row(pieces: int, first: _Built, second: _Built, runs: int) -> Row:
     said = f"{pieces} beam{'s' if pieces > 1 else ''}"
 
     def told(run: int) -> None:
-        progress.show(f"timing {said}: run {run + 1} of {runs}")
+        show(f"timing {said}: run {run + 1} of {runs}")
 
-    progress.show(f"timing {said}")
+    show(f"timing {said}")
     timed = times((first.host, second.host), (starts[0], starts[1]), simulation.duration, runs, told)
     framed = [_framed(b, q) for b, (_, q, _) in zip(both, starts, strict=True)]
     return Row(pieces, (framed[0], framed[1]), timed)

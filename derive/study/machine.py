@@ -6,7 +6,7 @@ import platform
 import subprocess
 from pathlib import Path
 
-from derive.native import FLAGS, compiler
+from derive.compiler import FLAGS, compiler
 
 
 def described() -> dict[str, str]:

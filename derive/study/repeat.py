@@ -9,7 +9,8 @@ from pathlib import Path
 
 import numpy as np
 
-from derive.native import Matrix, ModelError, NativeScene, Vector, compile_shared
+from derive.compiler import compile_shared
+from derive.native import Matrix, ModelError, NativeScene, Vector
 
 SOURCE = """\
 typedef int function(double t, const double *q, const double *v, const double *k, double *result);
@@ -45,7 +46,7 @@ class Repeater:
 
         Raises ModelError.
         """
-        address = ctypes.cast(getattr(native._model, function), ctypes.c_void_p)
+        address = ctypes.cast(native.function(function), ctypes.c_void_p)
         arrays = [np.ascontiguousarray(x) for x in (t, q, v, native.setup())] + [np.empty(native.nv)]
         given = [x.ctypes.data for x in arrays]
         before = time.thread_time()

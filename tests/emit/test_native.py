@@ -14,9 +14,11 @@ from toolchain import special, tool
 
 import beams
 import derive
+from derive import compiler as compiler_module
 from derive import native as native_module
+from derive.compiler import CompilerError
 from derive.emit.c import ABI
-from derive.native import CompilerError, Native
+from derive.native import Native
 
 Q, V = beams.state(2)
 Y = np.concatenate([Q, V])
@@ -148,16 +150,16 @@ def test_an_empty_cc_is_no_choice(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_compilers_are_looked_for_in_order(monkeypatch: pytest.MonkeyPatch) -> None:
     present = {"clang", "gcc"}
     monkeypatch.delenv("CC", raising=False)
-    monkeypatch.setattr(native_module.shutil, "which", lambda name: f"/bin/{name}" if name in present else None)
-    assert native_module.compiler() == ["/bin/gcc"]
+    monkeypatch.setattr(compiler_module.shutil, "which", lambda name: f"/bin/{name}" if name in present else None)
+    assert compiler_module.compiler() == ["/bin/gcc"]
     present.remove("gcc")
-    assert native_module.compiler() == ["/bin/clang"]
+    assert compiler_module.compiler() == ["/bin/clang"]
     present.clear()
-    monkeypatch.setattr(native_module, "find_spec", lambda name: name == "ziglang" or None)
-    assert native_module.compiler() == [sys.executable, "-m", "ziglang", "cc"]
-    monkeypatch.setattr(native_module, "find_spec", lambda name: None)
+    monkeypatch.setattr(compiler_module, "find_spec", lambda name: name == "ziglang" or None)
+    assert compiler_module.compiler() == [sys.executable, "-m", "ziglang", "cc"]
+    monkeypatch.setattr(compiler_module, "find_spec", lambda name: None)
     with pytest.raises(CompilerError, match="no C compiler found: set CC, install gcc or clang, or `pip install"):
-        native_module.compiler()
+        compiler_module.compiler()
 
 
 def test_nothing_is_left_behind(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:

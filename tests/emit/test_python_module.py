@@ -16,8 +16,9 @@ from toolchain import MODELS, run, text_of, written
 
 import beams
 import derive
+from derive.compiler import FLAGS
 from derive.kernel.ir import Kernel
-from derive.native import FLAGS, Native
+from derive.native import Native
 
 SOME = (
     *("mean_2", "point_2", "tangent_5", "folded_mean", "folded_point", "half_folded", "no_markers", "unlucky_names"),

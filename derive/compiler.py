@@ -1,0 +1,53 @@
+"""The C compiler: which one, how it is called, and what it says when it refuses."""
+
+from __future__ import annotations
+
+import os
+import shlex
+import shutil
+import subprocess
+import sys
+from collections.abc import Sequence
+from importlib.util import find_spec
+from pathlib import Path
+
+FLAGS = ("-std=c99", "-O2", "-ffp-contract=off")
+"""No contraction into fused operations: compilers then agree bit for bit."""
+
+
+class CompilerError(RuntimeError):
+    """No compiler was found, or it refused the code; the text says which and why."""
+
+
+def compiler() -> list[str]:
+    """The C compiler to call: $CC, cc, gcc, clang, or the one in the Python package `ziglang`."""
+    if chosen := os.environ.get("CC", "").strip():
+        try:
+            return shlex.split(chosen)
+        except ValueError as error:
+            raise CompilerError(f"CC={chosen}: this is no command line: {error}") from error
+    for name in ("cc", "gcc", "clang"):
+        if path := shutil.which(name):
+            return [path]
+    if find_spec("ziglang"):
+        return [sys.executable, "-m", "ziglang", "cc"]
+    raise CompilerError("no C compiler found: set CC, install gcc or clang, or `pip install tisserand[compiler]`")
+
+
+def compile_shared(sources: Sequence[Path], library: Path, flags: Sequence[str] = FLAGS) -> Path:
+    """Compile C files into a shared library. Raises CompilerError with what the compiler said."""
+    compile_c(sources, library, [*flags, "-shared", "-fPIC"])
+    return library
+
+
+def compile_c(sources: Sequence[Path], target: Path, flags: Sequence[str], link: Sequence[str] = ()) -> None:
+    """Compile C files and link them with `link`. Raises CompilerError with what the compiler said."""
+    command = [*compiler(), *flags, "-o", str(target), *map(str, sources), *link, "-lm"]
+    try:
+        done = subprocess.run(command, capture_output=True, text=True, check=False)
+    except OSError as error:
+        raise CompilerError(f"{command[0]}: {error.strerror}") from error
+    if done.returncode:
+        raise CompilerError(f"{shlex.join(command)}\n{done.stderr}")
+    if not target.exists():
+        raise CompilerError(f"{shlex.join(command)}\nit made no {target.name}; is {command[0]} a C compiler?")
