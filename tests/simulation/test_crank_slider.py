@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from compiled import Compiled, crank_slider
+from marching import march
 
 from derive.simulation.constraints import analyse, check
-from derive.simulation.fixed_step import march
 from derive.simulation.frequency import natural_frequencies, rk4_step_limit
 from derive.simulation.integrate import integrate
 from derive.simulation.trajectory import Trajectory

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from double import Array, Double
+from marching import march
 from mechanisms import CRANK, ROD, crank_slider, four_bar, pendulum, pushed_crank
 
 from derive.simulation.errors import DriftTooLarge, DriveCannotBeFollowed
-from derive.simulation.fixed_step import march
 from derive.simulation.frequency import natural_frequencies, rk4_step_limit
 from derive.simulation.integrate import integrate
 from derive.simulation.start import consistent
