@@ -11,8 +11,8 @@ from interleaved import Way, interleaved
 from limited import limited
 
 import derive
-from derive.compiler import compiler
-from derive.emit.c import c_files
+from derive.backends.c.source import c_files
+from derive.runtime.compiler import compiler
 
 STATES = 8
 TOLERANCE = 1e-9

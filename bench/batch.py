@@ -21,9 +21,9 @@ from machine import described
 from problem import beam
 
 import derive
-from derive.compiler import compiler
-from derive.emit.c import c_files
-from derive.kernel.model import Model
+from derive.backends.c.source import c_files
+from derive.ir.model import Model
+from derive.runtime.compiler import compiler
 
 FLAGS = ("-O3 -march=native", "-O3")
 KERNELS = ("mass", "force", "accel")

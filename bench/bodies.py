@@ -10,7 +10,7 @@ import numpy as np
 from numpy.polynomial.legendre import legval
 from numpy.typing import NDArray
 
-from derive.mechanics.modal import ModalBody
+from derive.mechanics.bodies.modal_body import ModalBody
 
 Array = NDArray[np.float64]
 

@@ -11,7 +11,7 @@ import numpy as np
 from callgrind import Count, count
 from numpy.typing import NDArray
 
-from derive.compiler import compiler
+from derive.runtime.compiler import compiler
 
 Matrix = NDArray[np.float64]
 

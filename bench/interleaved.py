@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from derive.compiler import compiler
+from derive.runtime.compiler import compiler
 
 Array = NDArray[np.float64]
 

@@ -7,7 +7,7 @@ import subprocess
 from importlib.metadata import version
 from pathlib import Path
 
-from derive.compiler import compiler
+from derive.runtime.compiler import compiler
 
 NO_AVX512 = "-mno-avx512f"
 

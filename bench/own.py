@@ -17,8 +17,8 @@ import numpy as np
 from bodies import BODIES
 
 import derive
-from derive.emit.c import c_files
-from derive.kernel.model import Model
+from derive.backends.c.source import c_files
+from derive.ir.model import Model
 
 SEPARATE = ("setup", "mass", "force", "jacobian", "mass_force", "accel")
 

@@ -26,7 +26,7 @@ from interleaved import Way, interleaved
 from limited import Done, limited
 from machine import described
 
-from derive.compiler import compiler
+from derive.runtime.compiler import compiler
 
 HERE = Path(__file__).parent
 ITEMS = ("mass", "force", "jacobian")

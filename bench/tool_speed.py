@@ -24,13 +24,13 @@ FRAMES = ("mean", "point")
 RUN = """
 import json, sys
 from pathlib import Path
-import derive.spec.check, derive.spec.schema
+import derive.spec.toml.check, derive.spec.toml.schema
 from derive.pipeline import build
 print(json.dumps([stage.seconds for stage in build(Path(sys.argv[1])).stages]))
 """
 IMPORTS = (
     "pass", "import derive", "import sympy", "import casadi", "from derive import read", "import derive.pipeline",
-    "import derive.native",
+    "import derive.runtime.native",
 )  # fmt: skip
 
 

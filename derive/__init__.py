@@ -18,43 +18,36 @@ from typing import TYPE_CHECKING, Any
 from derive.version import VERSION as __version__  # noqa: N811  the name Python expects
 
 if TYPE_CHECKING:
+    from derive.artifacts import File, write
+    from derive.backends.model_files import model_files
     from derive.derivation import derive, derive_modal, lower, modal, parameters
-    from derive.emit.files import File, write
-    from derive.emit.model_files import model_files
-    from derive.kernel.interpret import interpret
-    from derive.kernel.model import Model
+    from derive.errors import SpecError
+    from derive.ir.interpreter import interpret
+    from derive.ir.model import Model
+    from derive.mechanics.bodies.modal_body import ModalBody
     from derive.mechanics.equations import Equations
-    from derive.mechanics.generic import GenericEquations
-    from derive.mechanics.modal import ModalBody
-    from derive.native import Native, load
-    from derive.spec import (
-        Frame,
-        Marker,
-        NodalBody,
-        Parameter,
-        PlanarBeam,
-        SpecError,
-        SymbolicBody,
-        nodal_body,
-        planar_beam,
-        read,
-        symbolic_body,
-    )
+    from derive.mechanics.indexed_equations import GenericEquations
+    from derive.runtime.native import Native, load
+    from derive.spec.model.body import Frame, Marker, NodalBody, Parameter, PlanarBeam, SymbolicBody
+    from derive.spec.toml.read import nodal_body, planar_beam, read, symbolic_body
 
 _HOME = {
-    "File": "derive.emit.files",
-    "write": "derive.emit.files",
-    "model_files": "derive.emit.model_files",
-    "interpret": "derive.kernel.interpret",
+    "File": "derive.artifacts",
+    "write": "derive.artifacts",
+    "model_files": "derive.backends.model_files",
+    "interpret": "derive.ir.interpreter",
     **dict.fromkeys(("derive", "derive_modal", "lower", "modal", "parameters"), "derive.derivation"),
-    "Model": "derive.kernel.model",
+    "Model": "derive.ir.model",
     "Equations": "derive.mechanics.equations",
-    "GenericEquations": "derive.mechanics.generic",
-    "ModalBody": "derive.mechanics.modal",
-    "Native": "derive.native",
-    "load": "derive.native",
-    **dict.fromkeys(("Frame", "Marker", "Parameter", "PlanarBeam", "SpecError", "planar_beam", "read"), "derive.spec"),
-    **dict.fromkeys(("NodalBody", "SymbolicBody", "nodal_body", "symbolic_body"), "derive.spec"),
+    "GenericEquations": "derive.mechanics.indexed_equations",
+    "ModalBody": "derive.mechanics.bodies.modal_body",
+    "Native": "derive.runtime.native",
+    "load": "derive.runtime.native",
+    "SpecError": "derive.errors",
+    **dict.fromkeys(
+        ("Frame", "Marker", "NodalBody", "Parameter", "PlanarBeam", "SymbolicBody"), "derive.spec.model.body"
+    ),
+    **dict.fromkeys(("nodal_body", "planar_beam", "read", "symbolic_body"), "derive.spec.toml.read"),
 }
 
 __all__ = [

@@ -1,5 +1,5 @@
 """`python -m derive` is `tisserand`."""
 
-from derive.cli import main
+from derive.cli.main import main
 
 raise SystemExit(main())

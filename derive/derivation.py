@@ -11,18 +11,19 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from derive.kernel import choice
-from derive.kernel import lower as flat
-from derive.kernel.model import Model
-from derive.mechanics import beam, general
+from derive.errors import Problem, SpecError
+from derive.ir.model import Model
+from derive.lowering import cost_model as choice
+from derive.lowering.flat import lower as flat
+from derive.mechanics.bodies import beam
+from derive.mechanics.bodies import spatial_body as general
+from derive.mechanics.bodies.modal_body import ModalBody
 from derive.mechanics.equations import Equations
-from derive.mechanics.generic import GenericEquations
-from derive.mechanics.mechanism import derive as mechanism
-from derive.mechanics.modal import ModalBody
-from derive.spec import Problem, SpecError
-from derive.spec.body import Gravity, Lowering, NodalBody, PlanarBeam, SymbolicBody
-from derive.spec.scene import Scene
-from derive.spec.specification import Specification
+from derive.mechanics.indexed_equations import GenericEquations
+from derive.mechanics.multibody import assembly as mechanism
+from derive.spec.model.body import Gravity, Lowering, NodalBody, PlanarBeam, SymbolicBody
+from derive.spec.model.scene import Scene
+from derive.spec.model.specification import Specification
 
 
 def derive(spec: Specification) -> Equations | GenericEquations:
@@ -76,7 +77,7 @@ def parameters(body: ModalBody, spec: SymbolicBody) -> NDArray[np.float64]:
 def lower(equations: Equations | GenericEquations) -> Model:
     """The kernels of a model: straight lines, or loops where the equations are those of a generic shape."""
     if isinstance(equations, GenericEquations):
-        from derive.kernel.table import lower_tables
+        from derive.lowering.loops.functions import lower_tables
 
         return lower_tables(equations)
     return flat.lower(equations)

@@ -6,14 +6,16 @@ import time
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from derive.artifacts import File
+from derive.backends.model_files import model_files
 from derive.derivation import derive, lower
-from derive.emit.files import File
-from derive.emit.model_files import model_files
-from derive.kernel.model import Model
+from derive.errors import SpecError
+from derive.ir.model import Model
 from derive.mechanics.equations import Equations
-from derive.mechanics.generic import GenericEquations
-from derive.spec import NodalBody, SpecError, Specification, read
-from derive.spec.read import with_lines
+from derive.mechanics.indexed_equations import GenericEquations
+from derive.spec.model.body import NodalBody
+from derive.spec.model.specification import Specification
+from derive.spec.toml.read import read, with_lines
 
 
 @dataclass(frozen=True)

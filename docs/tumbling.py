@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 import derive
-from derive.emit.c import c_files
-from derive.spec.body import Damping, NodalBody
+from derive.backends.c.source import c_files
+from derive.spec.model.body import Damping, NodalBody
 
 Array = NDArray[np.float64]
 

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 import derive
-from derive.native import Native
+from derive.runtime.native import Native
 
 FRAMES: dict[str, Any] = {
     "mean": "mean",

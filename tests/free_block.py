@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 import derive
 from conftest import ROOT
 from derive import ModalBody, Model, Native, NodalBody
-from derive.emit.c import c_files
-from derive.mechanics.general import modal_tables, parameters
-from derive.spec.body import BodyFrame
+from derive.backends.c.source import c_files
+from derive.mechanics.bodies.spatial_body import modal_tables, parameters
+from derive.spec.model.body import BodyFrame
 
 Array = NDArray[np.float64]
 

@@ -13,7 +13,7 @@ import pytest
 import derive
 from conftest import ROOT
 from derive import sid
-from derive.cli import main
+from derive.cli.main import main
 
 MEAN, POINT = str(ROOT / "scenes/free_beam_mean.toml"), str(ROOT / "scenes/free_beam_point.toml")
 BLOCK = str(ROOT / "scenes/block.toml")

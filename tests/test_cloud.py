@@ -16,10 +16,10 @@ import pytest
 
 import derive
 from derive import ModalBody, Model, NodalBody
-from derive.emit.c import c_files
-from derive.emit.python import python_file
-from derive.mechanics.general import modal_tables, parameters, symbolic_tables
-from derive.native import Native
+from derive.backends.c.source import c_files
+from derive.backends.python.module import python_file
+from derive.mechanics.bodies.spatial_body import modal_tables, parameters, symbolic_tables
+from derive.runtime.native import Native
 
 SHAPES = (0, 1, 3, 8)
 KINDS = ("numbers flat", "numbers table", "parameters flat", "parameters table")

@@ -18,9 +18,9 @@ import pytest
 import sympy as sp
 
 import beams
-from derive.kernel.context import Context
-from derive.kernel.expression import Num
-from derive.kernel.interpret import interpret
+from derive.ir.expressions import Num
+from derive.ir.interpreter import interpret
+from derive.lowering.flat.context import Context
 
 TOLERANCE = 1e-14
 SHAPES = range(1, 9)

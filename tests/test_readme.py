@@ -78,8 +78,8 @@ def test_python_runs(copy: Path) -> None:
 
 
 def test_specification_is_the_scene() -> None:
-    from derive.emit.model_files import specification
-    from derive.spec import parse
+    from derive.backends.model_files import specification
+    from derive.spec.toml.read import parse
 
     beam, body, scene = blocks("toml")
     assert parse(beam, "README.md") == derive.read(ROOT / "scenes/free_beam_mean.toml")

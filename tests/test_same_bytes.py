@@ -14,7 +14,7 @@ import pytest
 import beams
 import derive
 from conftest import ROOT
-from derive.cli import main
+from derive.cli.main import main
 
 BUILD = """
 import hashlib, sys

@@ -16,9 +16,9 @@ import pytest
 
 import beams
 import derive
-from derive.kernel.interpret import interpret
-from derive.native import NativeScene, load_scene
-from derive.spec.scene import RigidBody, Scene
+from derive.ir.interpreter import interpret
+from derive.runtime.native import NativeScene, load_scene
+from derive.spec.model.scene import RigidBody, Scene
 
 SCENES = Path(__file__).parent.parent / "scenes"
 

@@ -9,8 +9,8 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import derive
-from derive.emit.c import c_files
-from derive.native import Native, Vector
+from derive.backends.c.source import c_files
+from derive.runtime.native import Native, Vector
 
 
 @cache

@@ -1,0 +1,1 @@
+"""Derivation of the equations of motion with SymPy: exact numbers, named terms, no files."""

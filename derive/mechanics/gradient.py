@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import sympy as sp
 
-from derive.mechanics.generic import Contraction, GenericEquations, is_indexed
+from derive.mechanics.indexed_equations import Contraction, GenericEquations, is_indexed
 from derive.mechanics.series import PARITY, family, swapped
 
 DOTS = {"alpha": "", "alphadot": "dot", "alphaddot": "ddot"}

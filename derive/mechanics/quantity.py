@@ -5,7 +5,7 @@ from __future__ import annotations
 import sympy as sp
 
 from derive.mechanics.equations import Coefficient, ParameterSymbol
-from derive.spec.body import Parameter, Quantity
+from derive.spec.model.body import Parameter, Quantity
 
 NO_GRAVITY = "the specification (no gravity along this axis)"
 

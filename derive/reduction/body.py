@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.sparse import csr_array
 
-from derive.mechanics.modal import ModalBody, ModalPoint
+from derive.mechanics.bodies.modal_body import ModalBody, ModalPoint
 from derive.reduction.arithmetic import Array, symmetric
 from derive.reduction.checks import check_body, check_modes
 from derive.reduction.damping import damping_matrix
@@ -18,7 +18,7 @@ from derive.reduction.mass import canonical, products
 from derive.reduction.reasons import Parities, structure
 from derive.reduction.rigid import rigid_basis, without
 from derive.reduction.symmetry import Mirror, apart, mirrors, with_parities
-from derive.spec.body import NodalBody
+from derive.spec.model.body import NodalBody
 
 
 @dataclass(frozen=True, eq=False)

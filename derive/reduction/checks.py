@@ -8,13 +8,13 @@ import numpy as np
 from scipy.sparse import csr_array, identity
 from scipy.sparse.linalg import splu
 
+from derive.errors import Problem, SpecError
 from derive.reduction.arithmetic import Array, eigh, symmetric, total
 from derive.reduction.eigen import modal_stiffness, most_modes
 from derive.reduction.frames import Shapes, centred, holds, neighbours
 from derive.reduction.mass import canonical, products
 from derive.reduction.rigid import rigid_basis, rigid_fields, without
-from derive.spec.body import NodalBody
-from derive.spec.errors import Problem, SpecError
+from derive.spec.model.body import NodalBody
 
 DEPENDENT = 1e-5
 """Modes whose part without rigid motion has a singular value below this part of the largest are dependent."""

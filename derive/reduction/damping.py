@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from derive.reduction.arithmetic import Array, cholesky, eigh, forward, product, symmetric
-from derive.spec.body import Damping
+from derive.spec.model.body import Damping
 
 
 def damping_matrix(damping: Damping, c8: Array, stiffness: Array) -> Array:

@@ -12,12 +12,12 @@ import scipy.linalg
 from scipy.sparse import csr_array, identity, kron
 from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigsh, splu
 
+from derive.errors import Problem, SpecError
 from derive.reduction.arithmetic import Array, gram, symmetric
 from derive.reduction.frames import centred
 from derive.reduction.mass import canonical, products, times
 from derive.reduction.rigid import rigid_basis, without
-from derive.spec.body import NodalBody
-from derive.spec.errors import Problem, SpecError
+from derive.spec.model.body import NodalBody
 
 DENSE = 900
 """Up to so many displacements the eigenvalue problem is solved with full matrices."""

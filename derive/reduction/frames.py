@@ -10,7 +10,7 @@ from scipy.sparse import csr_array
 from derive.reduction.arithmetic import Array, cholesky, eigh, forward, gram, product, symmetric, total
 from derive.reduction.mass import products, weighted
 from derive.reduction.rigid import rigid_basis, without
-from derive.spec.body import BodyFrame
+from derive.spec.model.body import BodyFrame
 
 FLAT = 1e-6
 """Neighbours are enough for a rotation if their least moment about the node is not below this part of the largest."""

@@ -12,7 +12,7 @@ from derive.reduction.frames import centred, in_frame, orthonormal
 from derive.reduction.mass import canonical
 from derive.reduction.residuals import departure
 from derive.reduction.rigid import rigid_fields
-from derive.spec.body import BodyFrame
+from derive.spec.model.body import BodyFrame
 
 __all__ = ["residuals", "rigid_fields", "to_mean_frame"]
 

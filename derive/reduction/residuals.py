@@ -10,7 +10,7 @@ from scipy.sparse import csr_array
 
 from derive.reduction.arithmetic import Array
 from derive.reduction.integrals import Integrals, integrals
-from derive.spec.body import NodalBody
+from derive.spec.model.body import NodalBody
 
 
 @dataclass(frozen=True)

@@ -2,31 +2,31 @@
 
 from __future__ import annotations
 
-from derive.emit.files import File
+from derive.artifacts import File
 from derive.mechanics.equations import Equations
-from derive.mechanics.generic import GenericEquations
+from derive.mechanics.indexed_equations import GenericEquations
 from derive.pipeline import Built
-from derive.report.body_frame_section import body_frame_blocks
-from derive.report.calling_section import calling_blocks
-from derive.report.code_section import code_blocks, targets
-from derive.report.formula import Name, Number, Operator, Row
-from derive.report.frame_section import frame_blocks, paper_numbers
-from derive.report.frames_section import frames_blocks, variants
-from derive.report.integrals_section import integral_blocks, moment_anchors, moment_blocks, moments
-from derive.report.kinematics_section import kinematics_blocks
-from derive.report.manifest_section import manifest_blocks
-from derive.report.matrix_picture import mass_matrix
-from derive.report.notation import Notation, notation
-from derive.report.operations_section import operation_blocks
-from derive.report.page import Block, Heading, Math, Page, Paragraph
-from derive.report.places import definition_lines, places
-from derive.report.source import sources
-from derive.report.specification_section import Text, specification_blocks
-from derive.report.state_section import state_blocks
-from derive.report.terms import row_blocks
-from derive.report.zeros_section import mass_blocks, vanished_blocks
-from derive.spec.body import PlanarBeam
-from derive.spec.scene import Scene
+from derive.report.document.formula import Name, Number, Operator, Row
+from derive.report.document.page import Block, Heading, Math, Page, Paragraph
+from derive.report.notation.expressions import Notation, notation
+from derive.report.sections.beam_frame import frame_blocks, paper_numbers
+from derive.report.sections.body_frame import body_frame_blocks
+from derive.report.sections.calling import calling_blocks
+from derive.report.sections.code import code_blocks, targets
+from derive.report.sections.frame_comparison import frames_blocks, variants
+from derive.report.sections.integrals import integral_blocks, moment_anchors, moment_blocks, moments
+from derive.report.sections.kinematics import kinematics_blocks
+from derive.report.sections.manifest import manifest_blocks
+from derive.report.sections.mass_matrix_picture import mass_matrix
+from derive.report.sections.operations import operation_blocks
+from derive.report.sections.source import sources
+from derive.report.sections.specification import Text, specification_blocks
+from derive.report.sections.state import state_blocks
+from derive.report.sections.term_lines import definition_lines, places
+from derive.report.sections.terms import row_blocks
+from derive.report.sections.zeros import mass_blocks, vanished_blocks
+from derive.spec.model.body import PlanarBeam
+from derive.spec.model.scene import Scene
 
 
 def model_page(built: Built, specification: Text) -> Page:

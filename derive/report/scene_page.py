@@ -5,30 +5,30 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
-from derive.emit.files import File
-from derive.kernel.model import Kkt, Model
+from derive.artifacts import File
+from derive.ir.model import Kkt, Model
 from derive.mechanics.equations import Equations
-from derive.mechanics.mechanism.derive import BETWEEN_BODIES
-from derive.mechanics.mechanism.members import piece_name
+from derive.mechanics.multibody.assembly import BETWEEN_BODIES
+from derive.mechanics.multibody.components import piece_name
 from derive.pipeline import Built
-from derive.report.code_section import code_blocks, targets
-from derive.report.formula import Equation, Name
-from derive.report.integrals_section import integral_blocks, moment_anchors, moment_blocks, moments
-from derive.report.kkt_picture import kkt_picture
-from derive.report.manifest_section import manifest_blocks
-from derive.report.matrix_picture import Matrix
-from derive.report.notation import Notation, notation
-from derive.report.page import Block, Code, Details, Heading, Page, Paragraph, Picture
-from derive.report.page import Equations as Lines
-from derive.report.places import definition_lines, places
-from derive.report.source import sources
-from derive.report.specification_section import Text, specification_blocks
-from derive.report.state_section import state_blocks
-from derive.report.tables import Said, table
-from derive.report.terms import row_blocks
-from derive.report.zeros_section import mass_blocks, vanished_blocks
-from derive.spec.body import Parameter, Quantity
-from derive.spec.scene import BeamBody, Place, Scene, SceneBody
+from derive.report.document.formula import Equation, Name
+from derive.report.document.page import Block, Code, Details, Heading, Page, Paragraph, Picture
+from derive.report.document.page import Equations as Lines
+from derive.report.document.tables import Said, table
+from derive.report.notation.expressions import Notation, notation
+from derive.report.sections.code import code_blocks, targets
+from derive.report.sections.integrals import integral_blocks, moment_anchors, moment_blocks, moments
+from derive.report.sections.manifest import manifest_blocks
+from derive.report.sections.mass_matrix_picture import Matrix
+from derive.report.sections.source import sources
+from derive.report.sections.specification import Text, specification_blocks
+from derive.report.sections.state import state_blocks
+from derive.report.sections.term_lines import definition_lines, places
+from derive.report.sections.terms import row_blocks
+from derive.report.sections.zeros import mass_blocks, vanished_blocks
+from derive.spec.model.body import Parameter, Quantity
+from derive.spec.model.scene import BeamBody, Place, Scene, SceneBody
+from derive.visual.kkt_matrix import kkt_picture
 
 COUNTED = ("mass_force", "constraints", "constraint_jacobian", "accel", "solve", "correct", "residual", "jacobian")
 """Functions whose operations are told."""

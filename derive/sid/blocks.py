@@ -5,8 +5,8 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass, field
 
+from derive.errors import quoted
 from derive.sid.errors import SidProblem
-from derive.spec.errors import quoted
 
 _END = re.compile(r"end\s+(\w+)\s*$", re.IGNORECASE)
 _NEW = re.compile(r"new\s+(\w+)\s*(?:=\s*(.*?))?\s*$", re.IGNORECASE)

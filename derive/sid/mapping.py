@@ -35,7 +35,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from derive.mechanics.modal import ModalBody
+from derive.mechanics.bodies.modal_body import ModalBody
 from derive.sid.taylor import SYMMETRIC, Array, Taylor, constant
 
 MATRICES = ("mdCM", "J", "Ct", "Cr", "Me", "Gr", "Ge", "Oe", "ksigma", "Ke", "De")

@@ -8,10 +8,10 @@ from itertools import permutations
 
 import numpy as np
 
+from derive.errors import quoted
 from derive.sid.blocks import Block, Entry
 from derive.sid.errors import SidProblem
 from derive.sid.taylor import DIAGONAL, SYMMETRIC, UNIT, ZERO, Array, Taylor
-from derive.spec.errors import quoted
 
 _NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eEdD][-+]?\d+)?$")
 HEAD = ("order", "nrow", "ncol", "nq", "structure")

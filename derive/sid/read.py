@@ -6,7 +6,7 @@ import re
 
 import numpy as np
 
-from derive.mechanics.modal import ModalBody, ModalPoint
+from derive.mechanics.bodies.modal_body import ModalBody, ModalPoint
 from derive.reduction.integrals import Integrals
 from derive.reduction.reasons import entries
 from derive.sid.blocks import Block, blocks

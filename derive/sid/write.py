@@ -8,7 +8,7 @@ from typing import Literal
 
 import numpy as np
 
-from derive.mechanics.modal import ModalBody, ModalPoint
+from derive.mechanics.bodies.modal_body import ModalBody, ModalPoint
 from derive.sid.mapping import MATRICES, VECTOR, to_matrices
 from derive.sid.taylor import GENERAL, SYMMETRIC, Array, Taylor, constant
 

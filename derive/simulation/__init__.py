@@ -1,1 +1,1 @@
-"""The numerics on top of a compiled scene: consistent start, integration, analysis of constraints, pictures."""
+"""Simulation of a compiled scene: consistent initialisation, integration, analysis of constraints."""

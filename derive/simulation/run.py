@@ -8,17 +8,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from derive.backends.model_files import model_files
 from derive.derivation import derive, lower
-from derive.emit.model_files import model_files
-from derive.kernel.model import Model
-from derive.native import Vector, load_scene
-from derive.simulation.begin import begin
-from derive.simulation.integrate import integrate
-from derive.simulation.observe import Motion, drive_unit, driven
-from derive.simulation.record import Column
-from derive.simulation.start import Start
-from derive.simulation.trajectory import Trajectory
-from derive.spec.scene import Scene, Simulation
+from derive.ir.model import Model
+from derive.runtime.native import Vector, load_scene
+from derive.simulation.initial.consistent_state import Start
+from derive.simulation.initial.initial_state import begin
+from derive.simulation.integration.explicit import integrate
+from derive.simulation.integration.trajectory import Trajectory
+from derive.simulation.observables.csv_writer import Column
+from derive.simulation.observables.observables import Motion, drive_unit, driven
+from derive.spec.model.scene import Scene, Simulation
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,9 +7,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from statistics import median
 
-from derive.host.run import FixedStep
-from derive.native import NativeScene
-from derive.simulation.frequency import rk4_step_limit
+from derive.runtime.integrators.run import FixedStep
+from derive.runtime.native import NativeScene
+from derive.simulation.integration.step_limit import rk4_step_limit
 from derive.study.matrices import State
 from derive.study.repeat import Repeater
 

@@ -6,13 +6,13 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from derive.kernel.constraints import accelerations, jacobian_entries, kkt_factors, kkt_pattern
-from derive.kernel.context import Context, stores
-from derive.kernel.factor import Factorisation
-from derive.kernel.functions import force
-from derive.kernel.ir import Output
-from derive.kernel.schedule import Step
-from derive.kernel.symbols import Symbols
+from derive.ir.kernel import Output
+from derive.lowering.flat.casadi_symbols import Symbols
+from derive.lowering.flat.constraints import accelerations, jacobian_entries, kkt_factors, kkt_pattern
+from derive.lowering.flat.context import Context, stores
+from derive.lowering.flat.functions import force
+from derive.lowering.flat.schedule import Step
+from derive.lowering.ldlt import Factorisation
 from derive.mechanics.equations import Equations
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from derive.native import Matrix, Vector
+from derive.runtime.native import Matrix, Vector
 
 VANISHING = 1e-8
 """A pivot below this part of the largest entry of its column has vanished."""

@@ -9,13 +9,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from derive.backends.model_files import model_files
 from derive.derivation import derive, lower
-from derive.emit.model_files import model_files
-from derive.host.run import FixedStep
 from derive.mechanics.equations import Equations
-from derive.native import Vector
-from derive.simulation.mechanism import mass_matrix
-from derive.spec.scene import Scene
+from derive.runtime.integrators.run import FixedStep
+from derive.runtime.native import Vector
+from derive.simulation.compiled_scene import mass_matrix
+from derive.spec.model.scene import Scene
 from derive.study import states
 from derive.study.clock import Times, native_of, times
 from derive.study.counts import Counts, counts

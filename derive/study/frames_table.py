@@ -9,7 +9,7 @@ from typing import Any
 from derive.study import machine
 from derive.study.clock import DRIFT, SAFE, Ratio
 from derive.study.frames import PAPER, Framed, Row
-from derive.study.text import beams, short, table, wrapped
+from derive.study.text_table import beams, short, table, wrapped
 
 HEAD = (
     *("beams", "frame", "nnz(M)", "nnz(KKT)", "fill-in", "LDL^T", "in code", "force", "accel", "cond(M)", "cond(KKT)"),

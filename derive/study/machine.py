@@ -6,7 +6,7 @@ import platform
 import subprocess
 from pathlib import Path
 
-from derive.compiler import FLAGS, compiler
+from derive.runtime.compiler import FLAGS, compiler
 
 
 def described() -> dict[str, str]:

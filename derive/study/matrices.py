@@ -7,9 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from derive.kernel.pattern import Pattern
-from derive.native import Matrix, NativeScene, Vector
-from derive.simulation.mechanism import constraint_matrix, mass_matrix
+from derive.ir.patterns import Pattern
+from derive.runtime.native import Matrix, NativeScene, Vector
+from derive.simulation.compiled_scene import constraint_matrix, mass_matrix
 
 State = tuple[float, Vector, Vector]
 """t, q and v."""

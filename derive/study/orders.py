@@ -10,9 +10,9 @@ import numpy as np
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import min_weight_full_bipartite_matching
 
-from derive.kernel.factor import elimination_order, saddle_order
-from derive.kernel.pattern import Pattern
-from derive.native import Matrix
+from derive.ir.patterns import Pattern
+from derive.lowering.ldlt import elimination_order, saddle_order
+from derive.runtime.native import Matrix
 from derive.study.matrices import present
 
 THRESHOLD = 0.1

@@ -11,13 +11,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from derive.backends.model_files import model_files
 from derive.derivation import derive, lower
-from derive.emit.model_files import model_files
-from derive.kernel.constraints import kkt_pattern
-from derive.kernel.context import Context
-from derive.kernel.pattern import Pattern, pattern
+from derive.ir.patterns import Pattern, pattern
+from derive.lowering.flat.constraints import kkt_pattern
+from derive.lowering.flat.context import Context
 from derive.mechanics.equations import Equations
-from derive.native import Matrix, load_scene
+from derive.runtime.native import Matrix, load_scene
 from derive.study import states
 from derive.study.counts import Counts, counts
 from derive.study.eliminate import backward_error, eliminate

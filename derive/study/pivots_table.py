@@ -10,7 +10,7 @@ from typing import Any
 from derive.study.eliminate import VANISHING
 from derive.study.orders import THRESHOLD
 from derive.study.pivots import InFrame, Pivots
-from derive.study.text import beams, short, table, wrapped
+from derive.study.text_table import beams, short, table, wrapped
 from derive.study.verdict import verdict
 
 LEGEND = (

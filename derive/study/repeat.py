@@ -9,8 +9,8 @@ from pathlib import Path
 
 import numpy as np
 
-from derive.compiler import compile_shared
-from derive.native import Matrix, ModelError, NativeScene, Vector
+from derive.runtime.compiler import compile_shared
+from derive.runtime.native import Matrix, ModelError, NativeScene, Vector
 
 SOURCE = """\
 typedef int function(double t, const double *q, const double *v, const double *k, double *result);

@@ -8,14 +8,14 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from derive.native import NativeScene, Vector
-from derive.simulation.begin import begin
-from derive.simulation.guess import guess
-from derive.simulation.integrate import integrate
-from derive.simulation.mechanism import constraint_matrix
-from derive.simulation.observe import number
-from derive.simulation.start import consistent
-from derive.spec.scene import Scene
+from derive.runtime.native import NativeScene, Vector
+from derive.simulation.compiled_scene import constraint_matrix
+from derive.simulation.initial.consistent_state import consistent
+from derive.simulation.initial.initial_guess import guess
+from derive.simulation.initial.initial_state import begin
+from derive.simulation.integration.explicit import integrate
+from derive.simulation.observables.observables import number
+from derive.spec.model.scene import Scene
 from derive.study.matrices import State
 
 ITERATIONS, CLOSED = 20, 1e-12

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from derive.spec import values
-from derive.spec.beam_tables import frame_from
-from derive.spec.scene import BeamBody, Scene
+from derive.spec.model.scene import BeamBody, Scene
+from derive.spec.toml import values
+from derive.spec.toml.beam_tables import frame_from
 
 
 @dataclass(frozen=True)

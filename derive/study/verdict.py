@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from derive.study.pivots import InFrame, Looked, Pivots
-from derive.study.text import short
+from derive.study.text_table import short
 
 SUBSTANTIAL, ROUNDING = 10.0, 1e-15
 """Backward errors that differ by this factor differ substantially; those below `ROUNDING` are as good as none."""

@@ -11,8 +11,8 @@ import pytest
 from toolchain import C99, CPP11, MODELS, WARNINGS, run, run_together, special, tool, written
 
 import beams
-from derive.emit.c import ABI
-from derive.kernel.model import Model
+from derive.backends.c.source import ABI
+from derive.ir.model import Model
 
 # Relocations would put constant pointers among writable data, which says nothing of the code.
 FIXED = ("-fno-pic", "-fno-pie", "-c")

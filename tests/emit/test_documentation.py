@@ -11,8 +11,8 @@ import pytest
 from toolchain import MODELS, text_of
 
 import beams
-from derive.emit.c import ABI
-from derive.kernel.ir import Kernel, Output
+from derive.backends.c.source import ABI
+from derive.ir.kernel import Kernel, Output
 
 EVERY_MODEL = pytest.mark.parametrize("model", MODELS)
 

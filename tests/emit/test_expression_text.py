@@ -9,10 +9,10 @@ from fractions import Fraction
 
 import pytest
 
-from derive.emit.expression import WIDTH, c_number, python_number, statement, text
-from derive.kernel.expression import Expr, Num, Op, Ref
-from derive.kernel.interpret import interpret
-from derive.kernel.ir import Argument, Kernel, Output, Section, Store
+from derive.backends.expression_text import WIDTH, c_number, python_number, statement, text
+from derive.ir.expressions import Expr, Num, Op, Ref
+from derive.ir.interpreter import interpret
+from derive.ir.kernel import Argument, Kernel, Output, Section, Store
 
 VALUES = {"a": 1.7, "b": -0.3, "c": 0.9}
 NUMBERS = [Fraction(2), Fraction(-3), Fraction(1, 3), Fraction(-5, 7), Fraction(1, 4), Fraction(2**60 + 1, 3)]

@@ -14,11 +14,11 @@ from toolchain import special, tool
 
 import beams
 import derive
-from derive import compiler as compiler_module
-from derive import native as native_module
-from derive.compiler import CompilerError
-from derive.emit.c import ABI
-from derive.native import Native
+from derive.backends.c.source import ABI
+from derive.runtime import compiler as compiler_module
+from derive.runtime import native as native_module
+from derive.runtime.compiler import CompilerError
+from derive.runtime.native import Native
 
 Q, V = beams.state(2)
 Y = np.concatenate([Q, V])

@@ -16,9 +16,9 @@ from toolchain import MODELS, run, text_of, written
 
 import beams
 import derive
-from derive.compiler import FLAGS
-from derive.kernel.ir import Kernel
-from derive.native import Native
+from derive.ir.kernel import Kernel
+from derive.runtime.compiler import FLAGS
+from derive.runtime.native import Native
 
 SOME = (
     *("mean_2", "point_2", "tangent_5", "folded_mean", "folded_point", "half_folded", "no_markers", "unlucky_names"),

@@ -8,8 +8,8 @@ from toolchain import special
 
 import beams
 import derive
-from derive.kernel.functions import VANISHING
-from derive.native import ModelError, Native
+from derive.lowering.flat.functions import VANISHING
+from derive.runtime.native import ModelError, Native
 
 BAD = [-1.0, 0.0, -0.0, np.nan, np.inf, -np.inf]
 

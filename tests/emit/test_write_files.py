@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 import beams
-from derive.emit.files import MARK, File, NotOurs, write
+from derive.artifacts import MARK, File, NotOurs, write
 
 FILES = (File("a/one.c", f"/* {MARK} */\nint one;\n"), File("a/two.c", f"/* {MARK} */\nint two;\n"))
 
@@ -90,7 +90,7 @@ def test_a_crash_leaves_the_old_file_and_no_temporary(
     def failing(*_: Any, **__: Any) -> None:
         raise crash
 
-    monkeypatch.setattr(f"derive.emit.files.os.{call}", failing)
+    monkeypatch.setattr(f"derive.artifacts.os.{call}", failing)
     with pytest.raises(type(crash)):
         write(FILES, tmp_path)
     assert contents(tmp_path) == {old.path: old.text}
@@ -118,7 +118,7 @@ def test_a_crash_between_writes_leaves_no_half_file(tmp_path: Path, monkeypatch:
             raise OSError("disk full")
 
     write(FILES[:1], tmp_path)
-    monkeypatch.setattr("derive.emit.files.os.fdopen", lambda handle, _: Half(handle))
+    monkeypatch.setattr("derive.artifacts.os.fdopen", lambda handle, _: Half(handle))
     with pytest.raises(OSError, match="disk full"):
         write(FILES, tmp_path)
     assert contents(tmp_path) == {FILES[0].path: FILES[0].text}

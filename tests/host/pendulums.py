@@ -15,10 +15,10 @@ from scipy.integrate import solve_ivp
 from scipy.special import ellipj, ellipk
 
 import derive
-from derive.emit.c import ABI
-from derive.host.build import LibraryMissing
-from derive.host.library import Integration
-from derive.host.run import FixedStep, GeneralisedAlpha, Ida
+from derive.backends.c.source import ABI
+from derive.runtime.integrators.build import LibraryMissing
+from derive.runtime.integrators.library import Integration
+from derive.runtime.integrators.run import FixedStep, GeneralisedAlpha, Ida
 
 Made = TypeVar("Made")
 HERE = Path(__file__).parent

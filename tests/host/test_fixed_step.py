@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from pendulums import DISTANCE, GRAVITY, LEVEL, MASS, REST, driven, energy, exact, fixed, gap
 
-from derive.host.library import HostError, Integration
+from derive.runtime.integrators.library import HostError, Integration
 
 DURATION = 4.0
 OFF = np.array([0.05, 0.02, 0.0])

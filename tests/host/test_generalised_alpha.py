@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from pendulums import DISTANCE, INERTIA, LEVEL, MASS, REST, alpha, driven, exact, fixed, gap
 
-from derive.host.library import HostError
+from derive.runtime.integrators.library import HostError
 
 DURATION = 4.0
 

@@ -10,10 +10,10 @@ from pendulums import ROOT, needed
 from toolchain import block
 
 import derive
-from derive.host.library import Host, HostError, Integration
-from derive.host.run import FixedStep, GeneralisedAlpha, Ida
-from derive.simulation.guess import guess
-from derive.simulation.start import consistent
+from derive.runtime.integrators.library import Host, HostError, Integration
+from derive.runtime.integrators.run import FixedStep, GeneralisedAlpha, Ida
+from derive.simulation.initial.consistent_state import consistent
+from derive.simulation.initial.initial_guess import guess
 
 DURATION, ROWS = 0.02, 21  # half a turn of the crank
 FAST = ["-O1"]  # to compile

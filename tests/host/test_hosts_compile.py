@@ -9,8 +9,8 @@ import pytest
 from pendulums import FILES, LEVEL, REST, alpha, fixed, ida
 from toolchain import C99, CPP11, WARNINGS, run, tool
 
-from derive.host.build import header, sundials, written
-from derive.host.run import program
+from derive.runtime.integrators.build import header, sundials, written
+from derive.runtime.integrators.run import program
 
 CPP14 = ("-x", "c++", "-std=c++14", *WARNINGS)  # headers of SUNDIALS 6 need it
 PLAIN = [("fixed_step", ()), ("simulate", ()), ("simulate", ("-DTISSERAND_IDA", "-DTISSERAND_ALPHA"))]

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from pendulums import FILES, LEVEL, REST, driven, exact, fixed, gap, ida
 
-from derive.host import build as host_build
-from derive.host.build import LibraryMissing
-from derive.host.library import HostError
-from derive.host.run import GeneralisedAlpha, Ida, run_ida
+from derive.runtime.integrators import build as host_build
+from derive.runtime.integrators.build import LibraryMissing
+from derive.runtime.integrators.library import HostError
+from derive.runtime.integrators.run import GeneralisedAlpha, Ida, run_ida
 
 
 @pytest.mark.parametrize("form", ["ggl", "index1"])

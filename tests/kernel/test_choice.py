@@ -9,9 +9,9 @@ import pytest
 
 import derive
 from conftest import ROOT
-from derive.cli import main
-from derive.kernel.choice import choose, straight_operations
-from derive.mechanics.general import modal_tables, present_modal, present_symbolic, symbolic_tables
+from derive.cli.main import main
+from derive.lowering.cost_model import choose, straight_operations
+from derive.mechanics.bodies.spatial_body import modal_tables, present_modal, present_symbolic, symbolic_tables
 
 
 @pytest.mark.parametrize(("n", "frame"), [(2, "given"), (4, "mean"), (5, "given"), (6, "mean")])

@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 import beams
-from derive.kernel.expression import Op, Ref, walk
-from derive.kernel.ir import Kernel
+from derive.ir.expressions import Op, Ref, walk
+from derive.ir.kernel import Kernel
 
 STRUCTURE = {
     ("point", 2): 15,

@@ -6,8 +6,8 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from derive.kernel.factor import elimination_order, factorise, solve
-from derive.kernel.pattern import Pattern, pattern
+from derive.ir.patterns import Pattern, pattern
+from derive.lowering.ldlt import elimination_order, factorise, solve
 
 
 def random_pattern(n: int, density: float, seed: int) -> Pattern:

@@ -8,9 +8,9 @@ import casadi as ca
 import pytest
 import sympy as sp
 
-from derive.kernel.expression import Num, Op, Ref
-from derive.kernel.graph import Constants, Graph, read
-from derive.kernel.symbols import Symbols
+from derive.ir.expressions import Num, Op, Ref
+from derive.lowering.flat.casadi_symbols import Symbols
+from derive.lowering.flat.graph import Constants, Graph, read
 
 X, Y, C, D = sp.symbols("x y c d")
 NONE: frozenset[sp.Symbol] = frozenset()

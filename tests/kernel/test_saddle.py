@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from derive.kernel.factor import elimination_order, factorise, saddle_order, solve
-from derive.kernel.pattern import Pattern, pattern
+from derive.ir.patterns import Pattern, pattern
+from derive.lowering.ldlt import elimination_order, factorise, saddle_order, solve
 
 N, MULTIPLIERS = 9, 5
 

@@ -10,11 +10,11 @@ import pytest
 
 import beams
 import derive
-from derive.kernel.expression import Let
-from derive.kernel.interpret import RequirementError, interpret
-from derive.kernel.ir import Require, Store
-from derive.kernel.loops import Contract, Each, Packing, Pairs, Reduce
-from derive.native import ModelError, Native
+from derive.ir.expressions import Let
+from derive.ir.interpreter import RequirementError, interpret
+from derive.ir.kernel import Require, Store
+from derive.ir.loops import Contract, Each, Packing, Pairs, Reduce
+from derive.runtime.native import ModelError, Native
 
 CASES = [(n, frame) for n in (0, 1, 2, 3, 5, 8, 13) for frame in ("given", "mean")]
 GRAVITY = [1, {"symbol": "gy", "default": 2.0}, "-981/100"]

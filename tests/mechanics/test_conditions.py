@@ -7,8 +7,8 @@ from fractions import Fraction
 import pytest
 import sympy as sp
 
-from derive.mechanics.conditions import ConditionError, assumed_shapes, conditions, integral, xi
-from derive.spec import Frame, Polynomial
+from derive.mechanics.reference_conditions import ConditionError, assumed_shapes, conditions, integral, xi
+from derive.spec.model.body import Frame, Polynomial
 
 ZERO = Fraction(0)
 FRAMES = {

@@ -6,8 +6,8 @@ import pytest
 import sympy as sp
 
 import beams
-from derive.mechanics.conditions import assumed_shapes
 from derive.mechanics.kinematics import PHI, R
+from derive.mechanics.reference_conditions import assumed_shapes
 from derive.mechanics.virtual_work import PlanarMoments, total
 from paper import brute_force
 

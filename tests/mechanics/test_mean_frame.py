@@ -7,7 +7,7 @@ import pytest
 
 import derive
 import test_cloud
-from derive.emit.c import c_files
+from derive.backends.c.source import c_files
 from derive.reduction.body import prepare
 from derive.reduction.mean_frame import residuals, rigid_fields, to_mean_frame
 

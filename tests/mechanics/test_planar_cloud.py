@@ -10,10 +10,10 @@ from functools import cache
 
 import sympy as sp
 
-from derive.mechanics.body import Body, equations
 from derive.mechanics.equations import Coefficient, Equations
 from derive.mechanics.integrals import Value, coefficients
 from derive.mechanics.planar import planar_motion
+from derive.mechanics.virtual_work_equations import Body, equations
 from paper import brute_force
 
 MASSES = (sp.Integer(2), sp.Rational(1, 3), sp.Integer(1))

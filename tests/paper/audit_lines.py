@@ -11,10 +11,10 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
-from derive.report.audit import SECTIONS
-from derive.report.audit.reader import equation
-from derive.report.formula import Formula
-from derive.report.notation import join
+from derive.report.document.formula import Formula
+from derive.report.notation.expressions import join
+from derive.report.notation.formula_reader import equation
+from derive.report.paper import SECTIONS
 
 from .formula_value import Meaning, Value
 

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
-from derive.report.formula import Call, Fenced, Formula, Fraction, Name, Number, Operator, Power, Row
+from derive.report.document.formula import Call, Fenced, Formula, Fraction, Name, Number, Operator, Power, Row
 
 CROSS = "\u00d7"
 

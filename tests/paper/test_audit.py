@@ -15,9 +15,9 @@ from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
-from derive.report.audit import ASSUMPTIONS, SECTIONS, STATEMENTS
-from derive.report.audit.model import COMPARED, AuditRow
-from derive.spec import json_schema
+from derive.report.paper import ASSUMPTIONS, SECTIONS, STATEMENTS
+from derive.report.paper.model import COMPARED, AuditRow
+from derive.spec.toml.read import json_schema
 
 ROOT = Path(__file__).parent.parent.parent
 FOLDER = ROOT / "tests" / "paper"

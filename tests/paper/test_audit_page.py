@@ -10,14 +10,14 @@ import pytest
 import sympy as sp
 
 from derive.mechanics.spatial import vector
-from derive.report.audit import SECTIONS, audit_page
-from derive.report.audit.breaking import broken
-from derive.report.audit.page import counts
-from derive.report.audit.reader import equation, formula
-from derive.report.audit.vectors import summand, summands
-from derive.report.formula import Equation, Fenced, Name, Operator, Row
-from derive.report.page import Equations, Heading, Link, Page, Paragraph, Table
-from derive.report.words import words
+from derive.report.document.formula import Equation, Fenced, Name, Operator, Row
+from derive.report.document.page import Equations, Heading, Link, Page, Paragraph, Table
+from derive.report.notation.formula_reader import equation, formula
+from derive.report.notation.spoken_math import words
+from derive.report.paper import SECTIONS, audit_page
+from derive.report.paper.breaking import broken
+from derive.report.paper.page import counts
+from derive.report.paper.vectors import summand, summands
 
 ROWS = tuple(row for section in SECTIONS for row in section.rows)
 
@@ -58,9 +58,9 @@ def test_links_of_the_page_lead_somewhere() -> None:
 
 def test_page_is_written_in_every_language() -> None:
     """The renderers' own tests look closer; here that they take all that the audit holds."""
-    from derive.report.html import html
-    from derive.report.latex import latex
-    from derive.report.markdown import markdown
+    from derive.report.writers.html import html
+    from derive.report.writers.latex import latex
+    from derive.report.writers.markdown import markdown
 
     shown = html(page())
     assert all(f"({row.number})" in shown for row in ROWS) and len(shown) < 300_000

@@ -6,12 +6,13 @@ import pytest
 import sympy as sp
 
 import beams
-from derive.mechanics.conditions import assumed_shapes, conditions
 from derive.mechanics.equations import Equations
 from derive.mechanics.kinematics import ONE, R
 from derive.mechanics.planar import planar_motion
+from derive.mechanics.reference_conditions import assumed_shapes, conditions
 from derive.mechanics.spatial import rotation_of
-from derive.spec import Frame, planar_beam
+from derive.spec.model.body import Frame
+from derive.spec.toml.read import planar_beam
 from paper import printed, printed_continuum
 from paper.printed import xi
 

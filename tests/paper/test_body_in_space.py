@@ -10,15 +10,14 @@ import sympy as sp
 from scipy.linalg import eigh
 from scipy.sparse import csr_array, diags_array
 
-from derive.mechanics.body import Body, equations
-from derive.mechanics.conditions import conditions, xi
 from derive.mechanics.kinematics import PHI, RDDOT, RDOT, R, add
 from derive.mechanics.points import MaterialPoint, vector_at
+from derive.mechanics.reference_conditions import conditions, xi
 from derive.mechanics.spatial import rotation_of, spatial_motion, symbols_of_rotation, vector
+from derive.mechanics.virtual_work_equations import Body, equations
 from derive.reduction.frames import in_frame
 from derive.reduction.rigid import rigid_fields
-from derive.spec import Frame
-from derive.spec.body import BodyFrame
+from derive.spec.model.body import BodyFrame, Frame
 from paper import printed, printed_continuum
 
 Q = symbols_of_rotation()

@@ -9,7 +9,7 @@ import pytest
 import sympy as sp
 
 import beams
-from derive.kernel.interpret import interpret
+from derive.ir.interpreter import interpret
 from paper.printed import EQUATION_33, EQUATION_41, MEAN_SHAPES, POINT_SHAPES, PrintedTerm, row_sum
 
 ROWS = ("c1", "c2", "phi", "alpha1", "alpha2")
@@ -119,7 +119,7 @@ def test_a_changed_term_is_noticed(frame: str, index: int, sign: int) -> None:
 @pytest.mark.equation("31", "32", "39", "40")
 @pytest.mark.parametrize(("frame", "printed"), [("point", POINT_SHAPES), ("mean", MEAN_SHAPES)])
 def test_shapes_are_the_printed_ones(frame: str, printed: tuple[sp.Expr, ...]) -> None:
-    from derive.mechanics.conditions import assumed_shapes
+    from derive.mechanics.reference_conditions import assumed_shapes
 
     spec = beams.beam(frame)
     xi = sp.Symbol("xi")

@@ -5,9 +5,9 @@ from __future__ import annotations
 import pytest
 import sympy as sp
 
-from derive.mechanics.conditions import conditions, xi
 from derive.mechanics.kinematics import PHI, RDDOT, RDOT, MovingFrame, PlanarRotation, R
-from derive.spec import Frame
+from derive.mechanics.reference_conditions import conditions, xi
+from derive.spec.model.body import Frame
 from paper import printed
 
 ANGLE, OMEGA, ALPHA = sp.symbols("phi phidot phiddot")

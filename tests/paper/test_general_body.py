@@ -7,16 +7,9 @@ from functools import cache
 import pytest
 import sympy as sp
 
-from derive.mechanics.body import Body, equations
 from derive.mechanics.equations import Coefficient, Equations
-from derive.mechanics.spatial import (
-    PAIRS,
-    quaternion_rates,
-    rotation_of,
-    skew,
-    spatial_motion,
-    symbols_of_rotation,
-)
+from derive.mechanics.spatial import PAIRS, quaternion_rates, rotation_of, skew, spatial_motion, symbols_of_rotation
+from derive.mechanics.virtual_work_equations import Body, equations
 from paper.printed_general import General, PrintedVector, axial, equation_15, first, gram, tensor
 
 ROTATION = symbols_of_rotation()

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import sympy as sp
 
-from derive.report.audit.reader import formula
+from derive.report.notation.formula_reader import formula
 
 from . import printed_appendix, printed_continuum
 from .audit_lines import left, lines, right, sides, zero

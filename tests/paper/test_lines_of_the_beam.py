@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 import sympy as sp
 
-from derive.report.audit.reader import equation
+from derive.report.notation.formula_reader import equation
 
 from . import printed
 from .audit_lines import ROWS, left, lines, right, sides, zero

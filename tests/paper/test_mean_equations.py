@@ -7,8 +7,8 @@ from functools import cache
 import pytest
 import sympy as sp
 
-from derive.mechanics.body import linear_momentum
 from derive.mechanics.spatial import spatial_motion
+from derive.mechanics.virtual_work_equations import linear_momentum
 from paper.printed_general import General, PrintedVector, axial, equation_15, equation_20, first, gram
 from paper.test_general_body import ROTATION, derived, derived_rows, differing
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.sparse import csr_array, diags_array
 
-from derive.spec.body import BodyFrame, Damping, NodalBody, NodeData, NodeMarker
+from derive.spec.model.body import BodyFrame, Damping, NodalBody, NodeData, NodeMarker
 
 MEAN, GIVEN = BodyFrame("mean"), BodyFrame("given")
 

@@ -14,7 +14,7 @@ from scipy.optimize import brentq
 from scipy.sparse import csr_array
 
 from derive.reduction import reduce, residuals
-from derive.spec.body import NodeData
+from derive.spec.model.body import NodeData
 
 SCENES = Path(__file__).parents[2] / "scenes"
 LENGTH, WIDTH, HEIGHT = 0.4, 0.1, 0.06

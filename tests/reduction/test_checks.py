@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 from scipy.sparse import csr_array, diags_array
 
+from derive.errors import SpecError
 from derive.reduction import eigen, reduce
 from derive.reduction.rigid import rigid_fields
-from derive.spec.body import BodyFrame, NodalBody, NodeData, NodeMarker
-from derive.spec.errors import SpecError
+from derive.spec.model.body import BodyFrame, NodalBody, NodeData, NodeMarker
 
 
 def refused(body: NodalBody) -> dict[str, str]:

@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 import scipy.linalg
 
-from derive.mechanics.modal import ModalBody
+from derive.mechanics.bodies.modal_body import ModalBody
 from derive.reduction import loose_modes, reduce, residuals
 from derive.reduction.body import prepare
-from derive.spec.body import BodyFrame, Damping, NodalBody
+from derive.spec.model.body import BodyFrame, Damping, NodalBody
 
 
 def sums(body: NodalBody) -> dict[str, np.ndarray]:

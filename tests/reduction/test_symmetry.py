@@ -14,7 +14,7 @@ from derive.reduction.body import prepare
 from derive.reduction.integrals import integrals
 from derive.reduction.reasons import entries
 from derive.reduction.symmetry import mirrors
-from derive.spec.body import BodyFrame, NodalBody
+from derive.spec.model.body import BodyFrame, NodalBody
 
 MIRROR = "mirror symmetry in the plane normal to e"
 

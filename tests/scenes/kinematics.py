@@ -13,8 +13,8 @@ from typing import Any
 import mpmath
 from shapes import at, gauss, shapes
 
-from derive.spec.body import Parameter, Quantity
-from derive.spec.scene import GROUND, BeamBody, Function, Joint, Place, RigidBody, Scene
+from derive.spec.model.body import Parameter, Quantity
+from derive.spec.model.scene import GROUND, BeamBody, Function, Joint, Place, RigidBody, Scene
 
 DIGITS = 50
 Real = Any

@@ -13,14 +13,14 @@ import zoo
 import derive
 from beams import run_module
 from conftest import ROOT
-from derive.native import NativeScene, load_scene
-from derive.simulation.begin import begin
-from derive.simulation.integrate import integrate
-from derive.simulation.observe import Motion, deflection
-from derive.simulation.start import Start
-from derive.simulation.trajectory import Trajectory
-from derive.spec import parse
-from derive.spec.scene import Scene
+from derive.runtime.native import NativeScene, load_scene
+from derive.simulation.initial.consistent_state import Start
+from derive.simulation.initial.initial_state import begin
+from derive.simulation.integration.explicit import integrate
+from derive.simulation.integration.trajectory import Trajectory
+from derive.simulation.observables.observables import Motion, deflection
+from derive.spec.model.scene import Scene
+from derive.spec.toml.read import parse
 
 FLAGS = ("-std=c99", "-O0", "-ffp-contract=off")
 

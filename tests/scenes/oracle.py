@@ -15,7 +15,7 @@ import numpy as np
 from kinematics import DIGITS, Kinematics, Real
 from shapes import at, gauss
 
-from derive.spec.scene import GROUND
+from derive.spec.model.scene import GROUND
 
 STEP = mpmath.mpf(10) ** -12
 

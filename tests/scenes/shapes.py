@@ -7,7 +7,7 @@ from functools import cache
 
 import mpmath
 
-from derive.spec.body import Frame, PlanarBeam
+from derive.spec.model.body import Frame, PlanarBeam
 
 Shape = tuple[Fraction, ...]
 POINTS = 6

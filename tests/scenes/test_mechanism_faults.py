@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 from made import Made, of
 
-from derive.simulation.constraints import analyse
+from derive.simulation.constraints.redundancy import analyse
 from derive.simulation.errors import BentStart, DriveCannotBeFollowed, RedundantConstraints, SingularConfiguration
-from derive.simulation.integrate import integrate
-from derive.simulation.start import consistent
+from derive.simulation.initial.consistent_state import consistent
+from derive.simulation.integration.explicit import integrate
 
 ONE_BEAM = ("pieces = 3 ", "pieces = 1 ")
 

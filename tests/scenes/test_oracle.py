@@ -12,7 +12,7 @@ import pytest
 from made import Made, close, in_zoo, parameters, state
 from oracle import Oracle, Seen
 
-from derive.simulation.mechanism import constraint_matrix, dense, mass_matrix
+from derive.simulation.compiled_scene import constraint_matrix, dense, mass_matrix
 
 ZOO = ("JOINTS", "REDUCED", "KEPT", "ACTIONS")
 SEEDS = (1, 2)

@@ -7,10 +7,11 @@ import pytest
 from made import make
 
 import derive
-from derive.simulation.begin import begin
+from derive.errors import SpecError
 from derive.simulation.errors import IntegrationStopped
-from derive.simulation.integrate import integrate
-from derive.spec import SpecError, parse
+from derive.simulation.initial.initial_state import begin
+from derive.simulation.integration.explicit import integrate
+from derive.spec.toml.read import parse
 
 PENDULUM = """
 name = "pendulum"
@@ -77,6 +78,6 @@ between = ["base.g", "ring.p"]
 def test_an_integration_that_gets_nowhere_ends(monkeypatch: pytest.MonkeyPatch) -> None:
     made = make(parse(PENDULUM.replace("mass = 1", "mass = 1\nstart = { spin = 30 }")))
     k, start = made.start()
-    monkeypatch.setattr("derive.simulation.integrate.MOST_STEPS", 2)
+    monkeypatch.setattr("derive.simulation.integration.explicit.MOST_STEPS", 2)
     with pytest.raises(IntegrationStopped, match="5 steps have not got further"):
         integrate(made.native, k, start.q, start.v, np.array([0.0, 10.0]), max_step=0.1)

@@ -7,8 +7,8 @@ import pytest
 from made import Made, close, make, state
 from oracle import Oracle
 
-from derive.native import load
-from derive.spec import parse
+from derive.runtime.native import load
+from derive.spec.toml.read import parse
 
 STRICT = ("-std=c99", "-O0", "-pedantic", "-Wall", "-Wextra", "-Wconversion", "-Wshadow", "-Werror")
 

@@ -8,8 +8,8 @@ from made import of
 
 import derive
 from beams import build
-from derive.simulation.integrate import integrate
-from derive.simulation.mechanism import dense, mass_matrix
+from derive.simulation.compiled_scene import dense, mass_matrix
+from derive.simulation.integration.explicit import integrate
 
 LATE = 10.0
 """s: the knock is 3e-12 N then."""

@@ -10,12 +10,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from derive.mechanics.modal import ModalBody
+from derive.mechanics.bodies.modal_body import ModalBody
 from derive.reduction import reduce
 from derive.reduction.body import prepare
 from derive.sid import SidError, read, write
 from derive.sid.mapping import SQUARES, to_matrices
-from derive.spec.body import BodyFrame, Damping, NodalBody, NodeMarker
+from derive.spec.model.body import BodyFrame, Damping, NodalBody, NodeMarker
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "reduction"))
 import bodies_of_nodes as bodies

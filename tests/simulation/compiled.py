@@ -10,12 +10,12 @@ import numpy as np
 
 import derive
 from conftest import ROOT
-from derive.native import NativeScene, Vector, load_scene
-from derive.simulation.guess import guess
-from derive.simulation.start import Start, consistent
-from derive.spec import parse
-from derive.spec.body import Frame
-from derive.spec.scene import BeamBody, Scene
+from derive.runtime.native import NativeScene, Vector, load_scene
+from derive.simulation.initial.consistent_state import Start, consistent
+from derive.simulation.initial.initial_guess import guess
+from derive.spec.model.body import Frame
+from derive.spec.model.scene import BeamBody, Scene
+from derive.spec.toml.read import parse
 
 
 @dataclass(frozen=True, eq=False)

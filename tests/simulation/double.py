@@ -11,8 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from derive.kernel.pattern import Pattern, pattern
-from derive.native import ModelError
+from derive.ir.patterns import Pattern, pattern
+from derive.runtime.native import ModelError
 
 Array = NDArray[np.float64]
 Point = tuple[float, float]

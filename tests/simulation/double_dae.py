@@ -7,7 +7,7 @@ from typing import Literal
 import numpy as np
 from double import Array, Double
 
-from derive.kernel.pattern import pattern
+from derive.ir.patterns import pattern
 
 
 class DoubleDae:

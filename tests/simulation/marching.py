@@ -6,10 +6,10 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from derive.native import Vector
-from derive.simulation.evaluator import Evaluator
-from derive.simulation.mechanism import Mechanism
-from derive.simulation.projection import project
+from derive.runtime.native import Vector
+from derive.simulation.compiled_scene import Mechanism
+from derive.simulation.constraints.projection import project
+from derive.simulation.integration.evaluator import Evaluator
 
 
 def march(

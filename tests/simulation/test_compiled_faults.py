@@ -15,8 +15,8 @@ from derive.simulation.errors import (
     RedundantConstraints,
     SingularConfiguration,
 )
-from derive.simulation.ida import integrate_ida
-from derive.simulation.integrate import integrate
+from derive.simulation.integration.explicit import integrate
+from derive.simulation.integration.ida import integrate_ida
 
 METHODS = [integrate, pytest.param(integrate_ida, marks=pytest.mark.skipif(not find_spec("sksundae"), reason="no IDA"))]
 

@@ -8,7 +8,7 @@ from double import Array, Double
 from mechanisms import CRANK, ROD, crank_slider, four_bar, pendulum, pushed_crank
 
 from derive.simulation.errors import InconsistentStart, SingularConfiguration
-from derive.simulation.start import Start, consistent
+from derive.simulation.initial.consistent_state import Start, consistent
 
 
 def start(model: Double, q: Array, v: Array, t: float = 0.0) -> Start:

@@ -7,7 +7,7 @@ import pytest
 from double import Body, Double, Motion, Pin
 from mechanisms import CRANK, ROD, crank_slider, four_bar, pendulum, pushed_crank
 
-from derive.simulation.constraints import analyse, check
+from derive.simulation.constraints.redundancy import analyse, check
 from derive.simulation.errors import MasslessMotion, RedundantConstraints, SingularConfiguration
 
 NONE = np.zeros(0)

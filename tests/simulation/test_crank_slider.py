@@ -7,10 +7,10 @@ import pytest
 from compiled import Compiled, crank_slider
 from marching import march
 
-from derive.simulation.constraints import analyse, check
-from derive.simulation.frequency import natural_frequencies, rk4_step_limit
-from derive.simulation.integrate import integrate
-from derive.simulation.trajectory import Trajectory
+from derive.simulation.constraints.redundancy import analyse, check
+from derive.simulation.integration.explicit import integrate
+from derive.simulation.integration.step_limit import natural_frequencies, rk4_step_limit
+from derive.simulation.integration.trajectory import Trajectory
 
 TABLE = {
     (1, "mean"): (0.0142043, -0.0141303, 0.206, 0.53, 2.9e3),

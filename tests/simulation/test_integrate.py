@@ -9,10 +9,10 @@ from marching import march
 from mechanisms import CRANK, ROD, crank_slider, four_bar, pendulum, pushed_crank
 
 from derive.simulation.errors import DriftTooLarge, DriveCannotBeFollowed
-from derive.simulation.frequency import natural_frequencies, rk4_step_limit
-from derive.simulation.integrate import integrate
-from derive.simulation.start import consistent
-from derive.simulation.trajectory import Trajectory
+from derive.simulation.initial.consistent_state import consistent
+from derive.simulation.integration.explicit import integrate
+from derive.simulation.integration.step_limit import natural_frequencies, rk4_step_limit
+from derive.simulation.integration.trajectory import Trajectory
 
 NONE = np.zeros(0)
 

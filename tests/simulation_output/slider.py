@@ -7,11 +7,11 @@ from fractions import Fraction
 
 import numpy as np
 
-from derive.mechanics.conditions import assumed_shapes
-from derive.simulation.observe import Motion, number
-from derive.simulation.rods import piece, pieces
-from derive.spec.body import Frame, Marker, PlanarBeam
-from derive.spec.scene import (
+from derive.mechanics.reference_conditions import assumed_shapes
+from derive.simulation.observables.observables import Motion, number
+from derive.simulation.observables.rods import piece, pieces
+from derive.spec.model.body import Frame, Marker, PlanarBeam
+from derive.spec.model.scene import (
     BeamBody,
     Deflection,
     Drive,

@@ -10,8 +10,8 @@ from pathlib import Path
 
 import numpy as np
 
-from derive.emit.files import MARK
-from derive.simulation.chart import DARK, Chart, Curve, svg
+from derive.artifacts import MARK
+from derive.visual.line_chart import DARK, Chart, Curve, svg
 
 DRAW = """
 import sys

@@ -10,16 +10,16 @@ import numpy as np
 import pytest
 import slider
 
-import derive.commands.simulate as command
+import derive.cli.simulate as command
 from conftest import ROOT
-from derive.cli import main
-from derive.kernel.model import Variable
+from derive.cli.main import main
+from derive.ir.model import Variable
 from derive.simulation.errors import IntegrationStopped
-from derive.simulation.observe import Motion
+from derive.simulation.initial.consistent_state import Start
+from derive.simulation.integration.trajectory import Cost, Trajectory
+from derive.simulation.observables.observables import Motion
 from derive.simulation.run import Run, instants
-from derive.simulation.start import Start
-from derive.simulation.trajectory import Cost, Trajectory
-from derive.spec.scene import Scene
+from derive.spec.model.scene import Scene
 
 DEFORMING = "deforming"
 SCENE = ROOT / "scenes/crank_slider_3.toml"

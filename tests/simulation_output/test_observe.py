@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 import slider
 
-from derive.simulation.chart import svg
-from derive.simulation.figures import chart, line, percent
-from derive.simulation.observe import deviation, driven, evaluate, positions
-from derive.simulation.rods import bending, piece
+from derive.simulation.observables.observables import deviation, driven, evaluate, positions
+from derive.simulation.observables.plots import chart, line, percent
+from derive.simulation.observables.rods import bending, piece
 from derive.simulation.run import instants
-from derive.spec.scene import BeamBody, Drive, Function, Place, Reference, Simulation
+from derive.spec.model.scene import BeamBody, Drive, Function, Place, Reference, Simulation
+from derive.visual.line_chart import svg
 
 T = Function("t")
 

@@ -13,11 +13,11 @@ import numpy as np
 import pytest
 import slider
 
-from derive.emit.files import MARK
-from derive.simulation.observe import Motion, positions
-from derive.simulation.player import FRAMES, content, island, page, speeds
-from derive.simulation.record import Column
-from derive.spec.scene import Place, Point, RigidBody
+from derive.artifacts import MARK
+from derive.simulation.observables.csv_writer import Column
+from derive.simulation.observables.observables import Motion, positions
+from derive.spec.model.scene import Place, Point, RigidBody
+from derive.visual.player import FRAMES, content, island, page, speeds
 
 EVIL = "</script><script>alert(1)</script>&<!--"
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")

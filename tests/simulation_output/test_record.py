@@ -6,8 +6,8 @@ import io
 
 import numpy as np
 
-from derive.emit.files import MARK
-from derive.simulation.record import Column, csv
+from derive.artifacts import MARK
+from derive.simulation.observables.csv_writer import Column, csv
 
 COLUMNS = [
     Column("t", "s", np.array([0.0, 1e-4, 0.2])),

@@ -10,11 +10,11 @@ import pytest
 
 import derive
 from conftest import ROOT
-from derive.cli import main
+from derive.cli.main import main
 from derive.simulation import run as running
-from derive.simulation.observe import positions
-from derive.simulation.rods import curve
-from derive.spec.scene import Place
+from derive.simulation.observables.observables import positions
+from derive.simulation.observables.rods import curve
+from derive.spec.model.scene import Place
 
 SCENE = ROOT / "scenes/crank_slider_3.toml"
 

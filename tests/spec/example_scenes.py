@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from derive.spec import SpecError, parse
+from derive.errors import SpecError
+from derive.spec.toml.read import parse
 
 EVERYTHING = """\
 name = "all"

@@ -25,20 +25,9 @@ from bodies import (
 )
 from scipy.sparse import bsr_array, coo_array, coo_matrix, csr_array
 
-from derive.spec import (
-    BodyFrame,
-    Damping,
-    NodalBody,
-    NodeMarker,
-    Parameter,
-    SpecError,
-    SymbolicBody,
-    nodal_body,
-    parse,
-    planar_beam,
-    read,
-    symbolic_body,
-)
+from derive.errors import SpecError
+from derive.spec.model.body import BodyFrame, Damping, NodalBody, NodeMarker, Parameter, SymbolicBody
+from derive.spec.toml.read import nodal_body, parse, planar_beam, read, symbolic_body
 
 F = Fraction
 

@@ -4,7 +4,9 @@ import numpy as np
 import pytest
 from bodies import LUMPED_BODY, MODAL_BODY, MODES, POSITIONS, STIFFNESS, N, save, toml, without
 
-from derive.spec import BodyFrame, SpecError, nodal_body, parse, planar_beam, symbolic_body
+from derive.errors import SpecError
+from derive.spec.model.body import BodyFrame
+from derive.spec.toml.read import nodal_body, parse, planar_beam, symbolic_body
 
 
 @pytest.fixture

@@ -4,7 +4,14 @@ from fractions import Fraction
 
 import pytest
 
-from derive.spec.expression import MAX_DEGREE, MAX_DIGITS, MAX_LENGTH, ExpressionError, parse_number, polynomial
+from derive.spec.expressions.polynomial import (
+    MAX_DEGREE,
+    MAX_DIGITS,
+    MAX_LENGTH,
+    ExpressionError,
+    parse_number,
+    polynomial,
+)
 
 
 @pytest.mark.parametrize(

@@ -4,8 +4,8 @@ import pickle
 
 import pytest
 
-from derive.spec import Problem, SpecError, parse, planar_beam, read
-from derive.spec.read import MAX_BYTES
+from derive.errors import Problem, SpecError
+from derive.spec.toml.read import MAX_BYTES, parse, planar_beam, read
 
 
 def errors(text):

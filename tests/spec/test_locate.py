@@ -4,7 +4,7 @@ import tomllib
 
 import pytest
 
-from derive.spec.locate import line_of, lines
+from derive.spec.toml.locate import line_of, lines
 
 TEXT = (
     '''\

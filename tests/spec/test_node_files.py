@@ -22,7 +22,9 @@ from bodies import (
 )
 from scipy.sparse import csr_array
 
-from derive.spec import SpecError, nodal_body, node_data, node_files, parse
+from derive.errors import SpecError
+from derive.spec.nodes import node_data, node_files
+from derive.spec.toml.read import nodal_body, parse
 
 START = "body.nodes"
 

@@ -10,7 +10,8 @@ from types import MappingProxyType
 
 import pytest
 
-from derive.spec import Frame, Marker, Parameter, PlanarBeam, json_schema, parse, planar_beam, read
+from derive.spec.model.body import Frame, Marker, Parameter, PlanarBeam
+from derive.spec.toml.read import json_schema, parse, planar_beam, read
 
 SCENES = Path(__file__).parents[2] / "scenes"
 

@@ -7,8 +7,9 @@ from pathlib import Path
 import pytest
 from example_scenes import EVERYTHING, SMALL, small
 
-from derive.spec import Frame, Marker, Parameter, PlanarBeam, Scene, parse, read
-from derive.spec.scene import (
+from derive.spec.expressions.time_expression import time_function
+from derive.spec.model.body import Frame, Marker, Parameter, PlanarBeam
+from derive.spec.model.scene import (
     BeamBody,
     Deflection,
     Drive,
@@ -20,12 +21,13 @@ from derive.spec.scene import (
     Point,
     Reference,
     RigidBody,
+    Scene,
     Simulation,
     Spring,
     Start,
     Torque,
 )
-from derive.spec.time_expression import time_function
+from derive.spec.toml.read import parse, read
 
 SCENES = Path(__file__).parents[2] / "scenes"
 ZERO = Fraction(0)

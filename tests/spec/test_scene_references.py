@@ -3,8 +3,8 @@
 import pytest
 from example_scenes import errors, small
 
-from derive.spec import parse
-from derive.spec.scene import Reference
+from derive.spec.model.scene import Reference
+from derive.spec.toml.read import parse
 
 PLOT = '[plots.p]\ndeflection = "bar.b"\nchord = ["rod.left", "rod.right"]\ndivided_by = 1\n'
 

@@ -5,9 +5,9 @@ from fractions import Fraction
 
 import pytest
 
-from derive.spec.parser import MAX_DEPTH, MAX_LENGTH, ExpressionError
-from derive.spec.scene import Function
-from derive.spec.time_expression import constant_value, time_function
+from derive.spec.expressions.parser import MAX_DEPTH, MAX_LENGTH, ExpressionError
+from derive.spec.expressions.time_expression import constant_value, time_function
+from derive.spec.model.scene import Function
 
 T = Function("t")
 SAMPLES = (-2.5, -0.3, 0.1, 0.7, 1.0, 3.25)

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from conftest import ROOT
-from derive.cli import main
+from derive.cli.main import main
 
 SCENE = str(ROOT / "scenes/crank_slider_3.toml")
 

@@ -6,8 +6,8 @@ import pytest
 
 import derive
 from conftest import ROOT
-from derive.kernel.factor import factorise
-from derive.kernel.pattern import pattern
+from derive.ir.patterns import pattern
+from derive.lowering.ldlt import factorise
 from derive.study.counts import Counts, counts, flops
 from derive.study.variants import rods, variant
 

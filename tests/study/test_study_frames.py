@@ -10,8 +10,9 @@ from pathlib import Path
 import pytest
 from made_up import row
 
-from derive.emit.files import MARK
-from derive.study import chart, frames_table
+from derive.artifacts import MARK
+from derive.study import frames_chart as chart
+from derive.study import frames_table
 from derive.study.clock import interleaved, ratio
 
 FRAMES = ("mean", "point")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from derive.kernel.pattern import pattern
+from derive.ir.patterns import pattern
 from derive.study.orders import ORDERS, Order, matching, without_diagonal
 
 A = np.array(

@@ -9,8 +9,20 @@ import numpy as np
 import sympy as sp
 
 from derive.mechanics.motion import MASS
-from derive.report.formula import Call, Fenced, Formula, Fraction, Name, Number, Operator, Part, Power, Root, Row
-from derive.report.notation import Notation
+from derive.report.document.formula import (
+    Call,
+    Fenced,
+    Formula,
+    Fraction,
+    Name,
+    Number,
+    Operator,
+    Part,
+    Power,
+    Root,
+    Row,
+)
+from derive.report.notation.expressions import Notation
 
 Numbers = Mapping[Formula, float]
 SUM = "\N{N-ARY SUMMATION}"

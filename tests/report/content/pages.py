@@ -10,11 +10,11 @@ import beams
 import derive
 from conftest import ROOT
 from derive.pipeline import Built, build
-from derive.report.formula import Equation
+from derive.report.document.formula import Equation
+from derive.report.document.page import Block, Columns, Details, Equations, Heading, Listing, Math, Page, Table, Text
 from derive.report.model_page import Text as Given
 from derive.report.model_page import model_page
-from derive.report.page import Block, Columns, Details, Equations, Heading, Listing, Math, Page, Table, Text
-from derive.report.words import words
+from derive.report.notation.spoken_math import words
 
 SCENES = {"point": "free_beam_point", "mean": "free_beam_mean", "block": "block", "loops": "body_symbolic"}
 

@@ -11,7 +11,7 @@ import pytest
 import toolchain
 
 import derive
-from derive.native import Native
+from derive.runtime.native import Native
 
 
 def program(name: str, language: str) -> str:

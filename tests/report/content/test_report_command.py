@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from conftest import ROOT
-from derive.cli import main
-from derive.emit.files import MARK
+from derive.artifacts import MARK
+from derive.cli.main import main
 
 MEAN, SCENE = str(ROOT / "scenes/free_beam_mean.toml"), str(ROOT / "scenes/four_bar.toml")
 

@@ -10,14 +10,14 @@ import pytest
 import sympy as sp
 from formula_number import Draw, magnitude, number, total
 
-from derive.mechanics.conditions import assumed_shapes
 from derive.mechanics.equations import Equations
-from derive.report.formula import Equation, Matrix, Name, Row
-from derive.report.integrals_section import moments
-from derive.report.labels import variation
-from derive.report.names import known
-from derive.report.notation import notation
-from derive.report.terms import row_names
+from derive.mechanics.reference_conditions import assumed_shapes
+from derive.report.document.formula import Equation, Matrix, Name, Row
+from derive.report.document.labels import variation
+from derive.report.notation.expressions import notation
+from derive.report.notation.names import known
+from derive.report.sections.integrals import moments
+from derive.report.sections.terms import row_names
 
 BODIES = (
     "point", "mean", "block", "loops", "beam_chord_2", "beam_point_8", "beam_mean_8",

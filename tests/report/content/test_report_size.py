@@ -7,9 +7,9 @@ import re
 import pages
 import pytest
 
-from derive.report.html import html
+from derive.report.document.tables import ALL, MOST, folded, table
 from derive.report.model_page import model_page
-from derive.report.tables import ALL, MOST, folded, table
+from derive.report.writers.html import html
 
 
 def without_pictures(name: str) -> int:

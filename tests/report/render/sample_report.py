@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from derive.report.formula import (
+from derive.report.document.formula import (
     Call,
     Equation,
     Fenced,
@@ -17,7 +17,7 @@ from derive.report.formula import (
     Root,
     Row,
 )
-from derive.report.page import (
+from derive.report.document.page import (
     Cell,
     Code,
     Columns,

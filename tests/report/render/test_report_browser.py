@@ -13,8 +13,8 @@ from typing import Any
 import pytest
 import sample_report
 
-from derive.report.display import equation_html
-from derive.report.html import html
+from derive.report.writers.display import equation_html
+from derive.report.writers.html import html
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
 PROBE = """

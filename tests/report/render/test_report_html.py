@@ -12,13 +12,13 @@ import pytest
 import sample_report
 import strict_html
 
-from derive.emit.files import MARK
-from derive.report.comments import comments
-from derive.report.display import equation_html, formula_html
-from derive.report.html import html
-from derive.report.page import Cell, Line, Link, Listing, Page, Paragraph, Picture, Table
-from derive.report.picture import inline, scoped, standalone
-from derive.report.targets import faults
+from derive.artifacts import MARK
+from derive.report.document.anchors import faults
+from derive.report.document.comments import comments
+from derive.report.document.page import Cell, Line, Link, Listing, Page, Paragraph, Picture, Table
+from derive.report.writers.display import equation_html, formula_html
+from derive.report.writers.html import html
+from derive.report.writers.picture import inline, scoped, standalone
 
 CSS = Path(__file__).parents[3] / "templates" / "report" / "colours.css"
 
@@ -139,7 +139,8 @@ def test_equations_by_themselves() -> None:
 def test_the_same_page_gives_the_same_bytes() -> None:
     """Whatever the seed of hashes is."""
     code = (
-        "import sample_report, sys; from derive.report.html import html; sys.stdout.write(html(sample_report.page()))"
+        "import sample_report, sys; from derive.report.writers.html import html; "
+        "sys.stdout.write(html(sample_report.page()))"
     )
     made = [
         subprocess.run(

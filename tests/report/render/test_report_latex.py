@@ -12,12 +12,23 @@ import pytest
 import sample_report
 from sample_report import EVERYTHING, PHI, row, square
 
-from derive.report.formula import Call, Fenced, Formula, Fraction, Matrix, Name, Number, Operator, Part, Power
-from derive.report.latex import latex
-from derive.report.latex_math import latex_math
-from derive.report.latex_text import escaped
-from derive.report.lines import lines, part_width
-from derive.report.page import Cell, Page, Paragraph, Table
+from derive.report.document.formula import (
+    Call,
+    Fenced,
+    Formula,
+    Fraction,
+    Matrix,
+    Name,
+    Number,
+    Operator,
+    Part,
+    Power,
+)
+from derive.report.document.page import Cell, Page, Paragraph, Table
+from derive.report.notation.line_breaking import lines, part_width
+from derive.report.writers.latex import latex
+from derive.report.writers.latex_math import latex_math
+from derive.report.writers.latex_text import escaped
 
 TEX = next(filter(None, map(shutil.which, ("pdflatex", "lualatex", "tectonic"))), None)
 

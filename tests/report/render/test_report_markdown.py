@@ -7,10 +7,10 @@ import re
 import sample_report
 from sample_report import EVERYTHING, EVIL, row
 
-from derive.emit.files import MARK
-from derive.report.formula import Fenced, Matrix, Name, Number
-from derive.report.markdown import markdown, math, picture_files, plain, text
-from derive.report.page import Cell, Code, Line, Link, Listing, Math, Page, Paragraph, Table
+from derive.artifacts import MARK
+from derive.report.document.formula import Fenced, Matrix, Name, Number
+from derive.report.document.page import Cell, Code, Line, Link, Listing, Math, Page, Paragraph, Table
+from derive.report.writers.markdown import markdown, math, picture_files, plain, text
 
 
 def of(*blocks: object) -> Page:

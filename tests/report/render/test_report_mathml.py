@@ -11,10 +11,22 @@ import pytest
 import sample_report
 from sample_report import EVERYTHING, PHI, PHI1, alpha, row, square
 
-from derive.report.formula import Call, Fenced, Formula, Fraction, Matrix, Name, Number, Operator, Part, Power, Root
-from derive.report.letters import index, number, styled
-from derive.report.mathml import math, math_in_text, mathml, summand_math
-from derive.report.words import equation_words, words
+from derive.report.document.formula import (
+    Call,
+    Fenced,
+    Formula,
+    Fraction,
+    Matrix,
+    Name,
+    Number,
+    Operator,
+    Part,
+    Power,
+    Root,
+)
+from derive.report.notation.glyphs import index, number, styled
+from derive.report.notation.spoken_math import equation_words, words
+from derive.report.writers.mathml import math, math_in_text, mathml, summand_math
 
 M, TIMES, APPLY = "\u2212", "\u2062", "\u2061"
 

@@ -16,11 +16,11 @@ import pytest
 import sample_report
 from sample_report import EVERYTHING, EVIL, PHI, row, square
 
-from derive.emit.files import MARK
-from derive.report.formula import Call, Fenced, Formula, Fraction, Matrix, Name, Number, Operator, Part
-from derive.report.pdf import NoTypst, pdf
-from derive.report.typst import typst
-from derive.report.typst_math import string, summand_typst, typst_math
+from derive.artifacts import MARK
+from derive.report.document.formula import Call, Fenced, Formula, Fraction, Matrix, Name, Number, Operator, Part
+from derive.report.writers.pdf import NoTypst, pdf
+from derive.report.writers.typst import typst
+from derive.report.writers.typst_math import string, summand_typst, typst_math
 
 
 def text_of(data: bytes, folder: Path) -> str:
@@ -35,7 +35,10 @@ def test_it_is_made_and_the_same_each_time() -> None:
     pytest.importorskip("typst")
     data = pdf(sample_report.page(8))
     assert data.startswith(b"%PDF-") and MARK.encode() in data and len(data) < 400_000
-    code = "import sample_report as s, sys; from derive.report.pdf import pdf; sys.stdout.buffer.write(pdf(s.page(8)))"
+    code = (
+        "import sample_report as s, sys; from derive.report.writers.pdf import pdf; "
+        "sys.stdout.buffer.write(pdf(s.page(8)))"
+    )
     env = {"PYTHONHASHSEED": "7", "PYTHONPATH": f"{Path(__file__).parents[3]}:.", "TZ": "Asia/Tokyo", "HOME": "/"}
     done = subprocess.run(
         [sys.executable, "-c", code], cwd=Path(__file__).parent, env=env, capture_output=True, check=True

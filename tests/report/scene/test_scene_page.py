@@ -8,14 +8,14 @@ from pathlib import Path
 
 import pytest
 
-from derive.kernel.factor import fill_in
+from derive.lowering.ldlt import fill_in
 from derive.pipeline import Built, build
-from derive.report.html import html
-from derive.report.kkt_picture import factor_entries, kkt_picture
-from derive.report.page import Page
+from derive.report.document.anchors import faults
+from derive.report.document.page import Page
 from derive.report.scene_page import Result, scene_page
-from derive.report.specification_section import Text
-from derive.report.targets import faults
+from derive.report.sections.specification import Text
+from derive.report.writers.html import html
+from derive.visual.kkt_matrix import factor_entries, kkt_picture
 
 SCENES = Path(__file__).parents[3] / "scenes"
 DRAWING = '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 9 9"><rect width="9" height="9"/></svg>'

@@ -1,0 +1,335 @@
+"""Kernels of many states at once in C: vector units take several states in one operation.
+
+Arrays of a batch are structures of arrays: element e of state b lies at e * n + b. A function takes blocks of states.
+In a block, straight lines run in a loop over its states, the innermost one, and every loop over the shapes has such a
+loop inside. Each state has the operations of the scalar kernel in their order, so its bits are equal.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
+from itertools import groupby
+
+from derive.backends.c.batch_loops import BlockLoops, Lines, Names, put, rows_helper, totals
+from derive.backends.expression_text import statement
+from derive.ir.expressions import Expr, Let, Op, Ref, walk
+from derive.ir.kernel import Kernel, Require, Store, expressions, reads
+from derive.ir.loops import Contract, Each, Reduce, Substitute
+from derive.ir.model import Model
+from derive.rendering import WIDTH, render
+
+KERNELS = ("mass", "force", "accel")
+WIDTHS = {32: 256, 16: 256, 8: 512, 4: None}
+"""States of a block, the best first, and the kilobytes of stack that it may take.
+
+More than sixteen need no `TISSERAND_LANES`; fewer than eight read the tables too often.
+"""
+
+Line = Let | Store | Require
+Loop = Each | Reduce | Contract | Substitute
+Part = tuple[Line, ...] | Loop
+"""Straight lines, or a loop over the shapes."""
+
+
+@dataclass(frozen=True)
+class Run:
+    """Straight lines; `early` are the sines and cosines, with what they need, that a loop of their own computes.
+
+    Compilers make no vectors of those, and none of a loop that has one.
+    """
+
+    early: tuple[Let, ...]
+    lines: tuple[Line, ...]
+
+
+def batch_widths(model: Model) -> dict[str, int]:
+    """States of a block, by the name of the kernel."""
+
+    def fits(name: str, width: int, most: int | None) -> bool:
+        return most is None or stack(model, name, width) <= 1024 * most
+
+    return {name: next(w for w, most in WIDTHS.items() if fits(name, w, most)) for name in KERNELS}
+
+
+def stack(model: Model, name: str, width: int) -> int:
+    """Bytes that the arrays of a block take."""
+    return 8 * width * _Body(model.kernel(name), model.name, width).rows
+
+
+def batch_body(model: Model, kernel: Kernel, width: int) -> Lines:
+    """The body of the function of a kernel."""
+    return _Body(kernel, model.name, width).text()
+
+
+@dataclass(frozen=True)
+class Helpers:
+    """What the functions with blocks of one width call: `fills` where kernels read states, `takes` arrays of q or v."""
+
+    name: str
+    width: int
+    fills: bool
+    takes: bool
+    products: str
+
+
+def batch_helpers(model: Model, widths: Mapping[str, int]) -> str:
+    """What the functions of the batches call, for each width of a block."""
+    blocks = []
+    for width in sorted({*widths.values()}):
+        name = f"{model.name}_block{width}"
+        kernels = [model.kernel(kernel) for kernel, w in widths.items() if w == width]
+        takes = any(a.arrays for kernel in kernels for a in kernel.arguments if a.name != "k")
+        sizes = {s.packing.padded for k in kernels for s in k.statements if isinstance(s, Contract)}
+        products = "".join(f"{line}\n" for size in sizes for line in rows_helper(name, size, width))
+        fills = any(_Body(kernel, model.name, width).states for kernel in kernels)
+        blocks.append(Helpers(name, width, fills, takes, products))
+    checked = any(isinstance(s, Require) for kernel in KERNELS for s in model.kernel(kernel).statements)
+    return render("c/block.c.jinja", {"name": model.name, "blocks": blocks, "checked": checked})
+
+
+class _Body:
+    """The text of one function."""
+
+    def __init__(self, kernel: Kernel, model: str, width: int) -> None:
+        self.kernel, self.model, self.width = kernel, model, width
+        self.prefix = f"{model}_block{width}"
+        (self.output,) = kernel.outputs
+        used = kernel.used
+        states = [a for a in kernel.arguments if not a.scalar and a.name != "k"]
+        self.states = [a for a in states if used & {*a.elements}]
+        self.views = [(a.name, view) for a in states for view in a.arrays if view.name in used]
+        read = {a.name for a in self.states} | {name for name, _ in self.views}
+        self.unused = [a.name for a in kernel.arguments if a.name != "k" and a.name not in read]
+        self.moved = [a.name for a in states if a.name in read]
+        (self.k,) = (a for a in kernel.arguments if a.name == "k")
+        parts = _parts(kernel)
+        self.parts = [_run(part, n) if isinstance(part, tuple) else part for n, part in enumerate(parts, 1)]
+        elements = {name: (a.name, place) for a in states for place, name in a.places}
+        names = Names(width, elements, frozenset(v.name for v in self.k.arrays), _wide(self.parts))
+        contracts = [part for part in parts if isinstance(part, Contract)]
+        vectors = frozenset(vector for c in contracts for lane in c.lanes for vector, _ in lane.sums)
+        self.loops = BlockLoops(names, self.prefix, vectors)
+        self.stored = sorted(s.index for s in kernel.statements if isinstance(s, Store))
+        self.checked = any(isinstance(s, Require) for s in kernel.statements)
+        self.failed = False
+        self.inner = self._inner()
+        self.tails = {f"{a.name}_tail": len(a.elements) for a in self.states}
+        self.rows_of = {**self.loops.arrays, **({f"{self.output.name}_block": len(self.stored)} if self.stored else {})}
+        self.lines = [*sorted(names.wide, key=_natural), *(["codes"] if self.checked else [])]
+
+    @property
+    def rows(self) -> int:
+        """Numbers of one state that lie on the stack."""
+        return sum(self.tails.values()) + sum(self.rows_of.values()) + len(self.lines)
+
+    def text(self) -> Lines:
+        """All lines of the body."""
+        lines = [f"    (void) {name};" for name in self.unused]
+        used = self.kernel.used
+        lines += [f"    const double {name} = k[{place}];" for place, name in self.k.places if name in used]
+        views = [v for v in self.k.arrays if v.name in used]
+        lines += [f"    const double *{v.name} = k{f' + {v.offset}' if v.offset else ''};" for v in views]
+        if not views and not any(name in used for name in self.k.elements):
+            lines.append("    (void) k;")
+        width = self.width
+        lines += _declared([f"{name}[{rows * width}]" for name, rows in self.tails.items()])
+        lines += _declared([f"{name}[{width}]" for name in self.lines])
+        lines += _declared([f"{name}[{rows}][{width}]" for name, rows in self.rows_of.items()])
+        lines += ["    const ptrdiff_t all = n;", *(["    int code = 0;"] if self.checked else [])]
+        return [
+            *lines,
+            "",
+            f"    for (int left = n; left > 0; left -= {width}) {{",
+            f"        const int count = left < {width} ? left : {width};",
+            *(f"        {line}" if line else "" for line in (*self._blocks(), *self.inner, *self._outputs())),
+            *(f"        {name} += count;" for name in (*self.moved, self.output.name)),
+            "    }",
+            *(["    return code;"] if self.checked else ["    return 0;"]),
+        ]
+
+    def _blocks(self) -> Lines:
+        """Where the states of a block are: among all, or, of the last block, in a copy."""
+        if not self.states:
+            return []
+        width = self.width
+        strides = any("stride" in line for line in self.inner)  # the first element of a state needs none
+        return [
+            *([f"const ptrdiff_t stride = count < {width} ? {width} : all;"] if strides else []),
+            *(
+                f"const double *{a.name}_block = count < {width} ? "
+                f"{self.prefix}_fill(all, count, {len(a.elements)}, {a.name}, {a.name}_tail) : {a.name};"
+                for a in self.states
+            ),
+        ]
+
+    def _inner(self) -> Lines:
+        lines = [line for argument, view in self.views for line in self.loops.view(view, argument)]
+        for n, part in enumerate(self.parts, 1):
+            match part:
+                case Run():
+                    lines += self._run(part)
+                case Each():
+                    lines += self.loops.each(part)
+                case Reduce():
+                    lines += self.loops.reduce(part, f"sums{n}")
+                case Contract():
+                    lines += self.loops.contract(part)
+                case Substitute():
+                    lines += self.loops.substitute(part)
+        return lines
+
+    def _run(self, run: Run) -> Lines:
+        names = self.loops.names
+        lines = []
+        if run.early:
+            loads = names.loads(let.expr for let in run.early)
+            lines = names.loop([*loads, *(line for let in run.early for line in self._line(let))])
+        body = names.loads(e for line in run.lines for e in expressions(line))
+        checks: list[Lines] = []
+        for line in run.lines:
+            if isinstance(line, Require):
+                checks.append(self._check(line))
+            else:
+                body += self._line(line)
+        if checks:
+            # The first check that fails gives the code, so it comes last; and what failed before keeps its own.
+            body += ["    double code_b = 0.0;", *(text for check in reversed(checks) for text in check)]
+            body.append(f"    codes[b] = {'codes[b] > 0.0 ? codes[b] : ' if self.failed else ''}code_b;")
+            self.failed = True
+        return [*lines, *names.loop(body)]
+
+    def _line(self, line: Let | Store) -> Lines:
+        names, value = self.loops.names, self.loops.names.text(line.expr)
+        if isinstance(line, Store):
+            place = self.stored.index(line.index)
+            return statement("    ", f"{line.output}_block[{place}][b] = ", value, ";")
+        if line.name in names.wide:
+            return statement("    ", f"{line.name}[b] = ", value, ";")
+        return statement("    ", f"const double {line.name} = ", value, ";")
+
+    def _check(self, line: Require) -> Lines:
+        """Both values are computed before one is chosen, so that compilers need no branch."""
+        value = self.loops.names.text(line.expr)
+        told = f" /* {line.text} */"
+        if line.kind == "positive":
+            return statement("    ", "code_b = ", f"{value} > 0.0", f" ? code_b : {line.code}.0;{told}")
+        # A difference of what is not finite is a NaN.
+        lines = statement("    ", "const double finite = ", value, ";")
+        return [*lines, f"    code_b = finite - finite == 0.0 ? code_b : {line.code}.0;{told}"]
+
+    def _outputs(self) -> Lines:
+        name, lines = self.output.name, []
+        for _, run in groupby(enumerate(self.stored), lambda pair: pair[1] - pair[0]):
+            pairs = list(run)
+            place, first = pairs[0]
+            to = f"{name} + {first} * all" if first else name
+            lines.append(put(self.prefix, len(pairs), to, f"{name}_block", place))
+        if self.checked:
+            rows, refuse = self.output.size, f"{self.model}_block_refuse"
+            lines += [
+                f"const int failed = {refuse}(all, count, {rows}, codes, {name});",
+                "if (code == 0) code = failed;",
+            ]
+        return lines
+
+
+def _parts(kernel: Kernel) -> list[Part]:
+    """Loops, and the straight lines between them, with those that add the lanes of a sum."""
+    found: list[Part] = []
+    lines: tuple[Line, ...] = ()
+    for s in kernel.statements:
+        if isinstance(s, Let | Store | Require):
+            lines += (s,)
+            continue
+        assert isinstance(s, Each | Reduce | Contract | Substitute), f"no batch of {type(s).__name__}"
+        found += [lines] if lines else []
+        lines = ()
+        found.append(s)
+        if isinstance(s, Reduce):
+            lines = totals(s, f"sums{len(found)}")
+    return [*found, lines] if lines else found
+
+
+def _run(lines: tuple[Line, ...], number: int) -> Run:
+    """Take sines and cosines out."""
+    named: dict[Expr, str] = {}
+    for line in lines:
+        if isinstance(line, Let) and _is_trig(line.expr):
+            named.setdefault(line.expr, line.name)
+        for part in (part for e in expressions(line) for part in walk(e) if _is_trig(part)):
+            assert isinstance(part, Op)
+            named.setdefault(part, f"{part.kind}_{number}_{len(named)}")
+    if not named:
+        return Run((), lines)
+    needed = {name for expr, name in named.items() for name in reads(Let(name, expr))}
+    before: set[str] = set()
+    for line in reversed(lines):
+        if isinstance(line, Let) and line.name in needed and not _is_trig(line.expr):
+            before.add(line.name)
+            needed |= set(reads(line))
+    early: dict[str, Let] = {}  # in their order: an angle may itself be made of a sine
+    for line in lines:
+        for part in (part for e in expressions(line) for part in walk(e) if part in named):
+            early.setdefault(named[part], Let(named[part], part))
+        if isinstance(line, Let) and line.name in before:
+            early[line.name] = replace(line, expr=_swapped(line.expr, named))
+    rest = tuple(replace(line, expr=_swapped(line.expr, named)) for line in lines)
+    told = tuple(line for line in rest if not _says_nothing(line))
+    return Run(tuple(early.values()), _read(told, frozenset(before)))
+
+
+def _read(lines: tuple[Line, ...], early: frozenset[str]) -> tuple[Line, ...]:
+    """Lines without those that sines and cosines alone needed."""
+    kept: list[Line] = []
+    used: set[str] = set()
+    for line in reversed(lines):
+        if isinstance(line, Let) and line.name in early and line.name not in used:
+            continue
+        used |= set(reads(line))
+        kept.insert(0, line)
+    return tuple(kept)
+
+
+def _is_trig(expr: Expr) -> bool:
+    return isinstance(expr, Op) and expr.kind in ("sin", "cos")
+
+
+def _swapped(expr: Expr, named: dict[Expr, str]) -> Expr:
+    if expr in named:
+        return Ref(named[expr])
+    return Op(expr.kind, tuple(_swapped(arg, named) for arg in expr.args)) if isinstance(expr, Op) else expr
+
+
+def _says_nothing(line: Line) -> bool:
+    return isinstance(line, Let) and line.expr == Ref(line.name)
+
+
+def _wide(parts: Iterable[Run | Loop]) -> frozenset[str]:
+    """Scalars that are computed in one loop over the states and read in another."""
+    written: dict[str, int] = {}
+    found = set()
+    place = 0
+    for part in parts:
+        for lines in (part.early, part.lines) if isinstance(part, Run) else ((part,),):
+            place += 1
+            own = {line.name for line in lines if isinstance(line, Let)}
+            for line in lines:
+                found |= {n for n in reads(line) if n in written and written[n] != place and n not in own}
+            written |= dict.fromkeys(own, place)
+    return frozenset(found)
+
+
+def _natural(name: str) -> tuple[int, str]:
+    return len(name), name
+
+
+def _declared(arrays: list[str]) -> Lines:
+    """Arrays in as many declarations as lines."""
+    lines: Lines = []
+    for name in arrays:
+        if lines and len(lines[-1]) + len(name) + 3 <= WIDTH:
+            lines[-1] = f"{lines[-1][:-1]}, {name};"
+        else:
+            lines.append(f"    double {name};")
+    return lines

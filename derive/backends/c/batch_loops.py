@@ -1,0 +1,211 @@
+"""Loops over the shapes as C for a block of states: inside each of them runs a loop over the states, the innermost.
+
+Additions have the order of the loops of one state: four lanes in a sum, panels of four columns in a table.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from fractions import Fraction
+
+from derive.backends.c.loops import SHORT
+from derive.backends.expression_text import c_number, statement, text
+from derive.ir.expressions import At, Entry, Expr, Let, Num, Op, Ref, walk
+from derive.ir.kernel import View
+from derive.ir.loops import LANES, Contract, Each, Put, Reduce, StoreAt, Substitute, padded
+
+Lines = list[str]
+
+ROWS = 4
+"""Rows of a table that are taken together, so that what they are multiplied with is read once."""
+
+
+@dataclass(frozen=True)
+class Names:
+    """How names are written in a loop over the states b of a block of `width` states.
+
+    `elements` says where an element of q or v lies; `wide` are the scalars that have a value for each state. Arrays
+    are of k, if they are among `constants`, else local ones with a row for each element.
+    """
+
+    width: int
+    elements: Mapping[str, tuple[str, int]]
+    constants: frozenset[str]
+    wide: frozenset[str]
+
+    def text(self, expr: Expr) -> str:
+        """An expression."""
+        return text(expr, c_number, name=self.leaf)
+
+    def leaf(self, leaf: Ref | At | Entry) -> str:
+        """A name, or an element of an array."""
+        assert not isinstance(leaf, Entry), "pairs are of matrices, of which there is no batch"
+        if isinstance(leaf, Ref):
+            return f"{leaf.name}[b]" if leaf.name in self.wide else leaf.name
+        if not leaf.stride:
+            return self.element(leaf.array, str(leaf.offset))
+        place = leaf.index if leaf.stride == 1 else f"{leaf.stride} * {leaf.index}"
+        return self.element(leaf.array, f"{place} + {leaf.offset}" if leaf.offset else place)
+
+    def element(self, array: str, place: str) -> str:
+        """Element `place` of an array, for state b."""
+        return f"{array}[{place}]" if array in self.constants else f"{array}[{place}][b]"
+
+    def loads(self, exprs: Iterable[Expr]) -> Lines:
+        """Name the elements of q and v that are read."""
+        used = {part.name for e in exprs for part in walk(e) if isinstance(part, Ref)}
+        return [
+            f"    const double {name} = {argument}_block[{f'{place} * stride + ' if place else ''}b];"
+            for name, (argument, place) in self.elements.items()
+            if name in used
+        ]
+
+    def loop(self, body: Lines) -> Lines:
+        """The loop over the states."""
+        return [states(self.width), *body, "}"]
+
+
+@dataclass
+class BlockLoops:
+    """The loops of one function; what they declare gathers in `arrays` with its number of rows.
+
+    `vectors` are the arrays that tables are multiplied with: they are padded with zeros.
+    """
+
+    names: Names
+    prefix: str
+    vectors: frozenset[str]
+    arrays: dict[str, int] = field(default_factory=dict)
+
+    def view(self, view: View, argument: str) -> Lines:
+        """A part of q or v, for the states of a block."""
+        self.arrays[view.name] = padded(view.size)
+        take = f"{self.prefix}_take(all, count, {view.size}, {argument} + {view.offset} * all, {view.name});"
+        return [take, *self._padding(view.name, view.size)]
+
+    def each(self, loop: Each) -> Lines:
+        """Rows of an output go to local ones first: n may be anything, so compilers could not tell them apart."""
+        names, stored = self.names, [item for item in loop.body if isinstance(item, StoreAt)]
+        body, padding = names.loads(item.expr for item in loop.body), []
+        for item in loop.body:
+            value = names.text(item.expr)
+            if isinstance(item, Let):
+                body += statement("    ", f"const double {item.name} = ", value, ";")
+            elif isinstance(item, Put):
+                self.arrays[item.array] = padded(loop.count)
+                padding += self._padding(item.array, loop.count)
+                body += statement("    ", f"{item.array}[i][b] = ", value, ";")
+            else:
+                body += statement("    ", f"rows[{stored.index(item)}][b] = ", value, ";")
+        if stored:
+            self.arrays["rows"] = max(self.arrays.get("rows", 0), len(stored))
+        inner = names.loop(body)
+        for k, item in enumerate(stored):
+            index = "i" if item.stride == 1 else f"{item.stride} * i"
+            place = f"({item.offset} + {index})" if item.offset else index
+            inner.append(put(self.prefix, 1, f"{item.output} + {place} * all", "rows", k))
+        return [_for("i", loop.count), *map(_indented, inner), "}", *padding]
+
+    def reduce(self, loop: Reduce, name: str) -> Lines:
+        """Lanes of sums in the array `name`; `totals` adds them."""
+        many, names = len(loop.sums), self.names
+        self.arrays[name] = many * LANES
+        body = names.loads((*(let.expr for let in loop.lets), *(one.term for one in loop.sums)))
+        for let in loop.lets:
+            body += statement("    ", f"const double {let.name} = ", names.text(let.expr), ";")
+        for k, one in enumerate(loop.sums):
+            body += statement("    ", f"{name}[{k * LANES} + l][b] += ", names.text(one.term), ";")
+        zero = names.loop([f"    {name}[i][b] = 0.0;"])
+        return [
+            *(_for("i", many * LANES), *map(_indented, zero), "}"),
+            *(_for("i", loop.count), f"    const int l = i % {LANES};", *map(_indented, names.loop(body)), "}"),
+        ]
+
+    def contract(self, loop: Contract) -> Lines:
+        """Some rows of all products, panel by panel."""
+        packing, names = loop.packing, self.names
+        size, tables = packing.padded, len(packing.tables)
+        self.arrays |= {lane.name: size for lane in loop.lanes}
+        start = [
+            f"    {lane.name}[r][b] = {names.element(lane.base, 'r') if lane.base else '0.0'};" for lane in loop.lanes
+        ]
+        first = [f"for (int r = i; r < i + {ROWS}; r++) {{", *map(_indented, names.loop(start)), "}"]
+        calls = []
+        for lane in loop.lanes:
+            for vector, table in lane.sums:
+                place = packing.tables.index(table) * LANES * size
+                calls.append(f"    {self.prefix}_rows(panel + {place}, {vector} + j, {lane.name} + i);")
+        panel = f"    const double *panel = {packing.array} + {tables * size} * j + i;"
+        inner = [*first, f"for (int j = 0; j < {size}; j += {LANES}) {{", panel, *calls, "}"]
+        return [f"for (int i = 0; i < {size}; i += {ROWS}) {{", *map(_indented, inner), "}"]
+
+    def substitute(self, loop: Substitute) -> Lines:
+        """Row by row, each of all states."""
+        n, lines = loop.count, []
+        for y in loop.arrays:
+            to, by = ("j", "i") if loop.transposed else ("i", "j")
+            scale = self.names.loop([f"    {y}[j][b] *= {loop.factor}[{n + 1} * j];"])
+            update = self.names.loop([f"    {y}[{to}][b] -= {loop.factor}[{n} * j + i] * {y}[{by}][b];"])
+            rest = [f"for (int i = j + 1; i < {n}; i++) {{", *map(_indented, update), "}"]
+            inner = [*rest, *scale] if loop.transposed else [*scale, *rest]
+            head = f"for (int j = {n - 1}; j >= 0; j--) {{" if loop.transposed else _for("j", n)
+            lines += [head, *map(_indented, inner), "}"]
+        return lines
+
+    def _padding(self, array: str, count: int) -> Lines:
+        if array not in self.vectors or count == padded(count):
+            return []
+        zero = self.names.loop([f"    {array}[i][b] = 0.0;"])
+        return [f"for (int i = {count}; i < {padded(count)}; i++) {{", *map(_indented, zero), "}"]
+
+
+def totals(loop: Reduce, name: str) -> tuple[Let, ...]:
+    """The sums of a loop as statements: their lanes in the array `name`, added."""
+
+    def lane(k: int) -> At:
+        return At(name, "i", 0, k)
+
+    def whole(k: int) -> Op:
+        return Op("add", (Op("add", (lane(k), lane(k + 1))), Op("add", (lane(k + 2), lane(k + 3)))))
+
+    sums = [(one, whole(k * LANES)) for k, one in enumerate(loop.sums)]
+    return tuple(Let(s.name, w if s.base == Num(Fraction(0)) else Op("add", (s.base, w))) for s, w in sums)
+
+
+def states(width: int) -> str:
+    """The head of a loop over states; see `LANES_MACRO` for what stands before a short one."""
+    return f"{'TISSERAND_LANES ' if width <= SHORT else ''}for (int b = 0; b < {width}; b++) {{"
+
+
+def put(prefix: str, rows: int, to: str, source: str, first: int = 0) -> str:
+    """Copy rows of a block to an output."""
+    return f"{prefix}_put(all, count, {rows}, {source}{f' + {first}' if first else ''}, {to});"
+
+
+def rows_helper(prefix: str, size: int, width: int) -> Lines:
+    """y += A x for some rows and four columns of A, of which a row has the states of a block."""
+    lines = [
+        f"/* y += A x for {ROWS} rows and {LANES} columns of A, where rows of x and y have {width} states */",
+        f"static inline void {prefix}_rows(",
+        "    const double *TISSERAND_RESTRICT a,",
+        f"    double (*TISSERAND_RESTRICT x)[{width}],",
+        f"    double (*TISSERAND_RESTRICT y)[{width}])",
+        "{",
+    ]
+    for r in range(ROWS):
+        places = (" + ".join(filter(None, [str(c * size) if c else "", str(r) if r else ""])) for c in range(LANES))
+        lines.append(f"    const double {', '.join(f'a{r}{c} = a[{place or 0}]' for c, place in enumerate(places))};")
+    body = [f"    const double {', '.join(f'x{c} = x[{c}][b]' for c in range(LANES))};"]
+    for r in range(ROWS):
+        body.append(f"    y[{r}][b] = y[{r}][b] + {' + '.join(f'a{r}{c} * x{c}' for c in range(LANES))};")
+    loop = [states(width), *body, "}"]
+    return [*lines, *map(_indented, loop), "}", ""]
+
+
+def _for(index: str, stop: int) -> str:
+    return f"for (int {index} = 0; {index} < {stop}; {index}++) {{"
+
+
+def _indented(line: str) -> str:
+    return f"    {line}"

@@ -1,0 +1,254 @@
+"""What the generated files say of a model, the same words for every language."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from derive.ir.kernel import Argument, Kernel, Output, Section
+from derive.ir.model import Model, Variable, Zero
+from derive.ir.patterns import Pattern
+from derive.rendering import wrapped
+
+MOST_ROWS = 40
+"""Rows of a mass matrix that are drawn with letters."""
+
+LICENCE = "SPDX-License-Identifier: 0BSD"
+
+
+@dataclass(frozen=True)
+class PatternText:
+    """A sparsity pattern as a language writes it: its name, and its integers as lines.
+
+    Of a pattern with groups of columns `fill` are the loops that write it, in C, and `groups` is what they say.
+    """
+
+    name: str
+    pattern: Pattern
+    colptr: str
+    rowidx: str
+    fill: str
+    groups: str
+
+
+def pattern_texts(model: Model, indent: str) -> list[PatternText]:
+    """The patterns of a model: mass, jacobian, marker_NAME."""
+    found = [("mass", model.pattern("mass", "M")), ("jacobian", model.pattern("jacobian", "jac"))]
+    found += [(f"marker_{m.name}", model.pattern(f"marker_{m.name}", "jacobian")) for m in model.markers]
+    if model.bodies:
+        found.append(("constraint_jacobian", model.pattern("constraint_jacobian", "G")))
+        found += [(f"jacobian_{form}", model.pattern(f"jacobian_{form}", "jac")) for form in ("ggl", "index1")]
+
+    def lines(values: tuple[int, ...]) -> str:
+        return "\n".join(wrapped([", ".join(map(str, values))], indent))
+
+    return [
+        PatternText(name, p, "", "", _fill(p), _groups(p, indent))
+        if p.groups
+        else PatternText(name, p, lines(p.colptr), lines(p.rowidx), "", "")
+        for name, p in found
+    ]
+
+
+def _fill(pattern: Pattern) -> str:
+    """Loops that write the compressed columns of groups, in C."""
+    lines = ["    int n = 0;", "    *colptr++ = 0;"]
+    for group in pattern.groups:
+        lines.append(f"    for (int j = 0; j < {group.count}; j++) {{")
+        for piece in group.pieces:
+            if piece.kind == "row":
+                lines.append(f"        rowidx[n++] = {piece.first};")
+            elif piece.kind == "diagonal":
+                lines.append(f"        rowidx[n++] = {piece.first} + j;")
+            else:
+                start = "j" if piece.kind == "triangle" else "0"
+                lines.append(f"        for (int i = {start}; i < {piece.count}; i++) rowidx[n++] = {piece.first} + i;")
+        lines += ["        *colptr++ = n;", "    }"]
+    return "\n".join(lines)
+
+
+def _groups(pattern: Pattern, indent: str) -> str:
+    """The groups of columns as nested tuples, in Python."""
+    lines = []
+    for group in pattern.groups:
+        pieces = "".join(f'("{p.kind}", {p.first}, {p.count}), ' for p in group.pieces)
+        lines.append(f"{indent}({group.count}, ({pieces.rstrip()})),")
+    return "\n".join(lines)
+
+
+@dataclass(frozen=True)
+class ModelText:
+    """Lines that describe a model: state, parameters, constants, the mass matrix and its zeros."""
+
+    title: str
+    origin: str
+    choice: str
+    state: tuple[str, ...]
+    rates: tuple[str, ...]
+    parameters: tuple[str, ...]
+    constants: tuple[str, ...]
+    picture: tuple[str, ...]
+    zeros: tuple[str, ...]
+    vanished: tuple[str, ...]
+    bodies: tuple[str, ...]
+    multipliers: tuple[str, ...]
+    left_out: tuple[str, ...]
+
+
+def model_text(model: Model) -> ModelText:
+    """The description of a model."""
+    names = [row.name for row in model.rows]
+    width = max(len(q.name) for q in model.coordinates)
+    state = tuple(f"{k}  {q.name:<{width}}  [{q.unit}]  {q.doc}" for k, q in _counted(model.coordinates))
+    rates = tuple(
+        f"{k}  {v.name}  [{v.unit}]  {v.doc}; its row, {row.name}, [{row.unit}]"
+        for (k, v), row in zip(_counted(model.rates), model.rows, strict=True)
+    )
+    mass = model.pattern("mass", "M")
+    return ModelText(
+        title=f"{model.name}: {model.doc}",
+        origin=model.origin,
+        choice=f"Kernels are {model.choice}." if model.choice else "",
+        state=state,
+        rates=rates,
+        parameters=tuple(
+            f"{p.name}  [{p.unit}]  {p.doc}, {f'{p.size} values' if p.size > 1 else f'default {p.default!r}'}"
+            for p in model.parameters
+        )
+        or ("none: every number of the specification is folded into the code",),
+        constants=tuple(
+            f"{c.name}{f'  [{c.unit}]' if c.unit else ''}  {c.doc}{f', {c.size} values' if c.size > 1 else ''}"
+            for c in model.constants
+        )
+        or ("none",),
+        picture=_picture(mass, names),
+        zeros=_by_reason(model.zeros),
+        vanished=_by_reason(model.vanished),
+        bodies=model.bodies,
+        multipliers=tuple(f"{k}  {m.name}  [{m.unit}]  {m.doc}" for k, m in enumerate(model.multipliers)),
+        left_out=tuple(f"{out.what}: {out.reason}" for out in model.left_out),
+    )
+
+
+def _counted(variables: tuple[Variable, ...]) -> Iterator[tuple[str, Variable]]:
+    """Variables with their indices: 3, or 7 .. 14 for an array."""
+    place = 0
+    for v in variables:
+        yield str(place) if v.size == 1 else f"{place} .. {place + v.size - 1}", v
+        place += v.size
+
+
+def description(said: ModelText) -> tuple[str, ...]:
+    """The head of a generated file."""
+
+    def block(title: str, lines: tuple[str, ...]) -> tuple[str, ...]:
+        return ("", title, *(f"  {line}" for line in lines))
+
+    law = (
+        (
+            "Equations of motion M(q) vdot + h(t, q, v) = G^T lambda with constraints g(t, q) = 0, G = dg/dq,",
+            "G vdot = gamma, from x = c + Q (X + u) and d'Alembert's virtual",
+        )
+        if said.bodies
+        else ("Equations of motion M(q) vdot + h(t, q, v) = 0, from x = c + Q (X + u) and d'Alembert's virtual",)
+    )
+    return (
+        said.title,
+        "",
+        *law,
+        "work: (15) of Koppens, Sauren, Veldpaus & van Campen, J. Appl. Mech. 55 (1988) 676-680, whose",
+        "equation numbers these are. Units are SI where the parameters are; any consistent set will do.",
+        "",
+        "The floating frame has its origin at c and is turned by Q. In it are resolved: r = X + u, the",
+        "shapes Phi_i, and their moments c1 .. c8, d1, D2, d3, J, so that e1, e2 there are its axes.",
+        "In the inertial base are resolved: c, momenta, and markers.",
+        *(said.origin.splitlines()),
+        *((said.choice,) if said.choice else ()),
+        *block("Coordinates q:", said.state),
+        *block("Rates v and the rows of the equations of motion, with their units:", said.rates),
+        *(
+            block("Multipliers lambda, what joints exert on their second bodies:", said.multipliers)
+            if said.multipliers
+            else ()
+        ),
+        *(block("What is not modelled, and why:", said.left_out) if said.left_out else ()),
+        *block("Parameters p:", said.parameters),
+        *block("Constants k, made of them by setup:", said.constants),
+        *block("Mass matrix, x a value and . a structural zero:", said.picture),
+        *block("Why its zeros are zero:", said.zeros),
+        *block("Terms of (15) that vanish:", said.vanished),
+    )
+
+
+def section_text(section: Section) -> str:
+    """The line above a section of a function."""
+    equation = f" {section.equation}" if section.equation.startswith("(") else f" ({section.equation})"
+    return f"{section.name}{equation if section.equation else ''}: {section.doc}"
+
+
+def _by_reason(zeros: tuple[Zero, ...]) -> tuple[str, ...]:
+    """What vanishes, gathered by reason."""
+    gathered: dict[str, list[str]] = {}
+    for zero in zeros:
+        gathered.setdefault(zero.reason, []).append(zero.what)
+    return tuple(f"{', '.join(whats)}: {reason}" for reason, whats in gathered.items()) or ("none",)
+
+
+def _picture(pattern: Pattern, names: list[str]) -> tuple[str, ...]:
+    """The pattern of a symmetric matrix with named rows; of many shapes the first and the last."""
+    if len(names) < pattern.rows:
+        return _blocks(pattern, names)
+    present = set(pattern.entries) | {(j, i) for i, j in pattern.entries}
+    width = max(map(len, names))
+    if len(names) > MOST_ROWS:
+        names = []
+    rows = (
+        f"{name:<{width}}  " + " ".join("x" if (i, j) in present else "." for j in range(pattern.cols))
+        for i, name in enumerate(names)
+    )
+    count = f"{pattern.full_nnz} of {pattern.rows * pattern.cols} entries are structural non-zeros"
+    return (*rows, f"{count}; the {len(pattern.rowidx)} of the lower triangle are stored")
+
+
+def _blocks(pattern: Pattern, names: list[str]) -> tuple[str, ...]:
+    """The same where the rows of the shapes, the last name, are a block: shown by two of them."""
+    rigid = len(names) - 1
+    kept = [*range(rigid), *([rigid, pattern.rows - 1] if pattern.rows - rigid > 1 else [rigid])]
+    present = set(pattern.entries) | {(j, i) for i, j in pattern.entries}
+    labels = [*names[:rigid], f"{names[-1]}1", f"{names[-1]}{pattern.rows - rigid}"][: len(kept)]
+    width = max(map(len, labels))
+    rows = (
+        f"{label:<{width}}  " + " ".join("x" if (i, j) in present else "." for j in kept)
+        for label, i in zip(labels, kept, strict=True)
+    )
+    count = f"{pattern.full_nnz} of {pattern.rows * pattern.cols} entries are structural non-zeros"
+    return (
+        *rows,
+        "(of the shapes the first and the last)",
+        f"{count}; the {len(pattern.rowidx)} of the lower triangle",
+    )
+
+
+def kernel_text(kernel: Kernel) -> tuple[str, ...]:
+    """What a function is for, what it takes and gives, and what it costs."""
+    lines = [kernel.doc, ""]
+    lines += [f"{a.name}: {_argument(a)}" for a in kernel.arguments]
+    for output in kernel.outputs:
+        lines += [f"{output.name}: {_output(output)}"]
+    equations = dict.fromkeys(s.equation for s in kernel.sections if s.equation)
+    lines += ["", f"From {', '.join(equations)}." if equations else "", f"{kernel.operations} operations."]
+    return tuple(line for k, line in enumerate(lines) if line or (k and lines[k - 1]))
+
+
+def _argument(argument: Argument) -> str:
+    if argument.scalar:
+        return argument.doc
+    return f"{argument.doc} ({argument.size})"
+
+
+def _output(output: Output) -> str:
+    if output.pattern is None:
+        return f"{output.doc} ({output.size}): {', '.join(output.elements)}"
+    shape = f"{output.pattern.rows} x {output.pattern.cols}"
+    symmetric = f", {output.pattern.full_nnz} in both triangles" if output.pattern.symmetric else ""
+    return f"{output.doc}, {shape}, {output.size} values{symmetric}"

@@ -1,0 +1,92 @@
+"""A model to files: the third arrow of the house."""
+
+from __future__ import annotations
+
+import dataclasses
+import hashlib
+import json
+from fractions import Fraction
+from importlib.metadata import version
+
+from derive.artifacts import MARK, File
+from derive.backends.c.source import ABI, c_files
+from derive.backends.python.module import python_file
+from derive.ir.model import Model
+from derive.spec.model.body import NodalBody, PlanarBeam, SymbolicBody
+from derive.spec.model.scene import Scene
+from derive.spec.model.specification import Specification
+from derive.version import VERSION
+
+
+def model_files(model: Model, spec: Specification) -> tuple[File, ...]:
+    """The C, the Python and the manifest of a model; `spec` is what it was made from."""
+    description = specification(spec)
+    fingerprint = hashlib.sha256(json.dumps(description, sort_keys=True).encode()).hexdigest()
+    files = (*c_files(model, fingerprint), python_file(model, fingerprint))
+    return (*files, _manifest(model, description, fingerprint, files))
+
+
+KINDS = {PlanarBeam: "planar_beam", NodalBody: "nodal_body", SymbolicBody: "symbolic_body", Scene: "scene"}
+
+
+def specification(spec: Specification) -> dict[str, object]:
+    """A specification as plain data, exact numbers as text; of the numbers of nodes their sizes and their SHA-256."""
+    fields = {f.name: getattr(spec, f.name) for f in dataclasses.fields(spec)}
+    if isinstance(spec, NodalBody):
+        data = spec.data
+        given = 0 if data.modes is None else len(data.modes)
+        fields["data"] = {"nodes": len(data.positions), "modes": given, "sha256": data.sha256}
+    if isinstance(spec, Scene):  # what is done with the model later is no part of it
+        fields = {name: value for name, value in fields.items() if name not in ("simulation", "plots")}
+    plain = json.loads(json.dumps(fields, default=_exact))
+    return {"kind": KINDS[type(spec)], **{key: value for key, value in plain.items() if value is not None}}
+
+
+def _exact(value: object) -> object:
+    if isinstance(value, Fraction):
+        return str(value)
+    if dataclasses.is_dataclass(value) and not isinstance(value, type):
+        return dataclasses.asdict(value)
+    raise TypeError(f"{value!r} is no plain data")
+
+
+def _manifest(model: Model, description: dict[str, object], fingerprint: str, files: tuple[File, ...]) -> File:
+    """What was made, from what, by which tools, at what cost."""
+    mass, jacobian = model.pattern("mass", "M"), model.pattern("jacobian", "jac")
+    content = {
+        "generator": f"{MARK}. Do not edit.",
+        "name": model.name,
+        "specification": description,
+        "specification_sha256": fingerprint,
+        "abi": ABI,
+        "tools": {"tisserand": VERSION, **{name: version(name) for name in ("sympy", "casadi", "jinja2")}},
+        "lowering": {"kind": model.lowering, "choice": model.choice},
+        "operations": {kernel.name: kernel.operations for kernel in model.kernels},
+        "nonzeros": {
+            "mass": {"structural": mass.full_nnz, "of": mass.rows * mass.cols, "stored": len(mass.rowidx)},
+            "jacobian": {"structural": len(jacobian.rowidx), "of": jacobian.rows * jacobian.cols},
+        },
+        **_of_scene(model),
+        "files": {file.path: hashlib.sha256(file.text.encode()).hexdigest() for file in files},
+    }
+    return File(f"{model.name}/manifest.json", json.dumps(content, indent=2) + "\n")
+
+
+def _of_scene(model: Model) -> dict[str, object]:
+    """What a scene has besides: constraints, the structure of its KKT matrix, and what is not modelled."""
+    if model.kkt is None:
+        return {}
+    jacobian = model.pattern("constraint_jacobian", "G")
+    return {
+        "scene": {
+            "coordinates": len(model.coordinates),
+            "constraints": len(model.multipliers),
+            "constraint_jacobian": {"structural": len(jacobian.rowidx), "of": jacobian.rows * jacobian.cols},
+            "kkt": {
+                "structural": model.kkt.pattern.full_nnz,
+                "of": model.kkt.pattern.rows**2,
+                "fill_in": model.kkt.fill,
+            },
+            "left_out": {out.what: out.reason for out in model.left_out},
+        }
+    }

@@ -1,0 +1,1 @@
+"""A Python module of a model, which needs NumPy alone."""

@@ -1,0 +1,1 @@
+"""The intermediate representation: expressions, statements, sparsity patterns, models, and an interpreter."""

@@ -1,0 +1,71 @@
+"""Straight line or loops: the choice for a body in space, from the non-zeros of its tables.
+
+Straight lines cost by the entry that is there, loops by the entry that could be. Times are those of h, measured with
+gcc 12 at -O3 -march=native on a server processor with AVX-512 (bench/scale.py measures them anew):
+
+    straight line   0.075 ns an operation
+    loops           27 ns, 1 ns for each shape, and 0.022 ns an operation, of which there are 2 for each place (i, j)
+
+The first serves to about 15 000 operations of h: from there on, derivation and compilers take minutes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from derive.mechanics.bodies.spatial_body import Present
+from derive.mechanics.indexed_equations import Table, indices, labels
+
+MOST = 15_000
+"""Operations of h in straight line that derivation and compilers still take in seconds."""
+
+
+class TooLong(ValueError):
+    """Straight-line code was asked for where there would be too much of it."""
+
+
+@dataclass(frozen=True)
+class Choice:
+    """What was chosen, and the times of h in nanoseconds that were foreseen for both."""
+
+    lowering: str
+    flat: float
+    table: float
+    operations: int
+
+    def taken(self, asked: str) -> str:
+        """The lowering that is taken; `asked` is auto, flat or table. Raises TooLong."""
+        if asked == "flat" and self.operations > MOST:
+            raise TooLong(
+                f"written out for each shape, the forces alone would take some {self.operations} operations, "
+                f'and {MOST} is the most; use lowering = "table" or "auto", or fewer modes'
+            )
+        return self.lowering if asked == "auto" else asked
+
+    def reason(self, asked: str) -> str:
+        """The rule with its numbers, in a line."""
+        way = {"flat": "written out for each shape", "table": "loops over the shapes"}[self.taken(asked)]
+        why = "as the specification asks" if asked != "auto" else "the faster"
+        return f"{way}, {why}: for h {self.flat:.0f} ns are foreseen written out, {self.table:.0f} ns in loops"
+
+
+def choose(tables: Sequence[Table], present: Present, modes: int) -> Choice:
+    """The faster way for a body with these tables and entries."""
+    operations = straight_operations(present)
+    full = sum(len(labels(t.name)) for t in tables if t.kind == "full" and indices(t.name) == "ij" and t.name != "c8")
+    flat, table = 0.075 * operations, 27 + modes + 0.022 * 2 * full * modes**2
+    return Choice("table" if table < flat or operations > MOST else "flat", flat, table, operations)
+
+
+def straight_operations(present: Present) -> int:
+    """About how many operations h takes in straight line: see tests/kernel/test_choice.py.
+
+    Two for each entry (i, j) and each component of C4; five for each component of an S_i that is there (J, Sdot and
+    h_i), four for c7dot_i and c2_i, two for c6_i; and those of the rigid motion.
+    """
+    pairs = sum(int(present[name].sum()) for name in ("C5", "c7", "K", "B"))
+    s = present["C4"] | present["C5"].any(axis=1)
+    c7dot = present["c7"].any(axis=1)
+    vectors = 4 * int(c7dot.sum() + present["c2"].sum()) + 2 * int(present["c6"].sum() + present["C4"].sum())
+    return 2 * pairs + 5 * int(s.sum()) + vectors + (150 if present["c2"].any() else 60)

@@ -1,0 +1,1 @@
+"""Lowering to straight-line code: every sum over the shapes is unrolled."""

@@ -1,0 +1,141 @@
+"""SymPy expressions to CasADi: the way from the derivation into the lowering.
+
+Exact numbers do not survive as CasADi constants (doubles), so every number that is no integer becomes a symbol of its
+own; `Symbols.leaf` says what each CasADi symbol stands for.
+"""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from functools import reduce
+from operator import mul
+
+import casadi as ca
+import sympy as sp
+
+from derive.ir.expressions import Leaf, Num
+
+
+class Symbols:
+    """What SymPy symbols are in CasADi, and what CasADi's symbols are in the Kernel.
+
+    Products begin with the factors in `early` (rates, whose products many terms share) and end with those in `late`
+    (the rotation, which the rows of a vector do not share).
+    """
+
+    def __init__(self, early: frozenset[sp.Symbol], late: frozenset[sp.Symbol]) -> None:
+        self.early, self.late = early, late
+        self.values: dict[sp.Symbol, ca.SX] = {}
+        self.inputs: list[ca.SX] = []
+        self.leaves: list[Leaf] = []
+        self._numbers: dict[Fraction, ca.SX] = {}
+        self._known: dict[sp.Expr, ca.SX] = {}
+
+    def input(self, symbol: sp.Symbol, leaf: Leaf) -> None:
+        """Declare a symbol that the kernel reads: an element of an argument, a coefficient, or a folded number."""
+        self.values[symbol] = self._leaf(leaf)
+
+    def define(self, symbol: sp.Symbol, expr: sp.Expr) -> ca.SX:
+        """Give a symbol the value of an expression, and return that."""
+        self.values[symbol] = self(expr)
+        return self.values[symbol]
+
+    def named(self, name: str) -> ca.SX:
+        """The symbol of that name."""
+        return self.values[sp.Symbol(name)]
+
+    def number(self, value: Fraction) -> ca.SX:
+        """A number, exactly."""
+        if value.denominator == 1 and abs(value.numerator) < 2**53:
+            return ca.SX(int(value))
+        return self._exact(value)
+
+    def _exact(self, value: Fraction) -> ca.SX:
+        """A number as a symbol, which CasADi cannot round, as it would the derivative of x / 10."""
+        if value not in self._numbers:
+            self._numbers[value] = self._leaf(Num(value))
+        return self._numbers[value]
+
+    def _leaf(self, leaf: Leaf) -> ca.SX:
+        symbol = ca.SX.sym(f"in{len(self.leaves)}")
+        self.inputs.append(symbol)
+        self.leaves.append(leaf)
+        return symbol
+
+    def __call__(self, expr: sp.Expr) -> ca.SX:
+        """A SymPy expression of + * integer powers, square roots, sin and cos, in CasADi."""
+        if expr not in self._known:
+            self._known[expr] = self._convert(sp.sympify(expr))
+        return self._known[expr]
+
+    def _convert(self, expr: sp.Expr) -> ca.SX:
+        if expr.is_Symbol:
+            return self.values[expr]
+        if expr.is_Rational:
+            return self.number(Fraction(int(expr.p), int(expr.q)))
+        if expr.is_Add:
+            return self._sum(expr)
+        if expr.is_Mul or expr.is_Pow:
+            return self._product(expr)
+        if isinstance(expr, sp.sin | sp.cos):
+            return (ca.sin if isinstance(expr, sp.sin) else ca.cos)(self(expr.args[0]))
+        raise TypeError(f"no lowering for {expr.func.__name__}: {expr}")
+
+    def _sum(self, expr: sp.Expr) -> ca.SX:
+        """Terms in a fixed order, gathered by the factors in `late`; a sum begins with a positive term if it can."""
+        terms = [_signed(term) for term in self._gathered(expr)]
+        terms.sort(key=lambda signed: (signed[0] < 0, sp.default_sort_key(signed[1])))
+        total = self(terms[0][1] if terms[0][0] > 0 else -terms[0][1])
+        for sign, term in terms[1:]:
+            total = total + self(term) if sign > 0 else total - self(term)
+        return total
+
+    def _gathered(self, expr: sp.Expr) -> list[sp.Expr]:
+        """a cos + b cos becomes (a + b) cos, so that the rows of a rotated vector share a + b."""
+        left = list(expr.args)
+        gathered = []
+        for symbol in sorted(self.late & expr.free_symbols, key=sp.default_sort_key):
+            group = [t for t in left if t.as_powers_dict().get(symbol) == 1]
+            if len(group) > 1:
+                left = [t for t in left if t not in group]
+                gathered.append(sp.Mul(symbol, sp.Add(*(t / symbol for t in group))))
+        return left + gathered
+
+    def _product(self, expr: sp.Expr) -> ca.SX:
+        """Early factors, the one division, the number, then the other factors: what terms share comes first."""
+        weight, rest = expr.as_coeff_Mul()
+        magnitude = abs(Fraction(int(weight.p), int(weight.q)))
+        first: list[ca.SX] = []
+        last: list[ca.SX] = []
+        below: list[ca.SX] = []
+        for base, exponent in sorted((f.as_base_exp() for f in sp.Mul.make_args(rest)), key=self._order):
+            if not (2 * exponent).is_Integer:
+                raise TypeError(f"no lowering for the power {base}**{exponent}")
+            above = first if base in self.early else last
+            value = self(base) if exponent.is_Integer else ca.sqrt(self(base))
+            (above if exponent > 0 else below).extend(
+                [value] * abs(int(exponent if exponent.is_Integer else 2 * exponent))
+            )
+        if magnitude.numerator == 1 and (first or last) and not _is_dyadic(magnitude):
+            below.append(self._exact(1 / magnitude))  # m/7 is rounded once, m*(1/7) twice
+        elif magnitude != 1 or not (first or last):
+            last.insert(0, self.number(magnitude))
+        if not first:
+            first, last = last, []
+        result = reduce(mul, first) / reduce(mul, below) if below else reduce(mul, first)
+        result = reduce(mul, last, result)
+        return -result if weight < 0 else result
+
+    def _order(self, factor: tuple[sp.Expr, sp.Expr]) -> tuple[int, tuple[object, ...]]:
+        base, _ = factor
+        rank = 0 if base in self.early else 2 if base in self.late else 1
+        return rank, sp.default_sort_key(base)
+
+
+def _signed(term: sp.Expr) -> tuple[int, sp.Expr]:
+    """A term as its sign and a term that does not ask for a minus."""
+    return (-1, -term) if term.could_extract_minus_sign() else (1, term)
+
+
+def _is_dyadic(value: Fraction) -> bool:
+    return value.denominator & (value.denominator - 1) == 0

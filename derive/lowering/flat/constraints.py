@@ -1,0 +1,218 @@
+"""The functions of a scene: its constraints, and accelerations with multipliers from the KKT matrix.
+
+Unknowns are v and lambda of [M, -G^T; -G, 0] [vdot; lambda] = [-h; -gamma]: M vdot + h = G^T lambda, G vdot = gamma.
+"""
+
+from __future__ import annotations
+
+import casadi as ca
+
+from derive.ir.kernel import Argument, Kernel, Output
+from derive.ir.model import Kkt
+from derive.ir.patterns import Pattern, pattern
+from derive.lowering.flat.casadi_symbols import Symbols
+from derive.lowering.flat.context import Context, stores
+from derive.lowering.flat.functions import NOT_FINITE, pivot_checks
+from derive.lowering.flat.schedule import Named, Required, Step
+from derive.lowering.ldlt import Factorisation, factorise, fill_in, saddle_order, solve
+
+
+def constraint_kernels(context: Context) -> tuple[Kernel, ...]:
+    """All functions of a scene that a body has not, but for the forms F(t, y, ydot)."""
+    return (
+        constraints(context),
+        constraint_rates(context),
+        constraint_jacobian(context),
+        constraint_bias(context),
+        solved(context),
+        correct(context),
+        poses(context),
+    )
+
+
+def constraints(context: Context) -> Kernel:
+    """g(t, q)."""
+    symbols = context.symbols(context.t, context.q)
+    values = [symbols(c.position) for c in context.equations.constraints]
+    return context.kernel(
+        "constraints",
+        "Constraints g(t, q) = 0.",
+        (context.t, context.q, context.k),
+        (Output("g", context.multipliers, "what is left of the constraints"),),
+        symbols,
+        Step("g", "(1)", "second place minus first, from x = c + Q r", stores("g", values)),
+    )
+
+
+def constraint_rates(context: Context) -> Kernel:
+    """gdot = G v + g_t."""
+    symbols = context.symbols(context.t, context.q, context.v)
+    values = [symbols(c.rate) for c in context.equations.constraints]
+    return context.kernel(
+        "constraint_rates",
+        "Rates of the constraints, gdot = G v + dg/dt.",
+        (context.t, context.q, context.v, context.k),
+        (Output("gdot", context.multipliers, "rates of the constraints"),),
+        symbols,
+        Step("gdot", "(1)", "velocities of the second place minus those of the first", stores("gdot", values)),
+    )
+
+
+def constraint_jacobian(context: Context) -> Kernel:
+    """G(t, q)."""
+    symbols = context.symbols(context.t, context.q)
+    shape = jacobian_pattern(context)
+    values = jacobian_entries(context, symbols)
+    labels = tuple(f"G[{context.multipliers[i]}, {context.rows[j]}]" for i, j in shape.entries)
+    return context.kernel(
+        "constraint_jacobian",
+        "Jacobian G = d gdot / dv of the constraints: values by columns.",
+        (context.t, context.q, context.k),
+        (Output("G", labels, "values of G by columns", shape),),
+        symbols,
+        Step("G", "(6)", "factors of the rates", stores("G", [values[entry] for entry in shape.entries])),
+    )
+
+
+def constraint_bias(context: Context) -> Kernel:
+    """gamma of G vdot = gamma."""
+    symbols = context.symbols(context.t, context.q, context.v)
+    return context.kernel(
+        "constraint_bias",
+        "Right-hand side gamma of the constraints on accelerations, G vdot = gamma.",
+        (context.t, context.q, context.v, context.k),
+        (Output("gamma", context.multipliers, "what the accelerations have to make up for"),),
+        symbols,
+        Step("gamma", "(5)", "centrifugal, Coriolis and prescribed parts", stores("gamma", _bias(context, symbols))),
+    )
+
+
+def solved(context: Context) -> Kernel:
+    """vdot and lambda."""
+    symbols = context.symbols(context.t, context.q, context.v)
+    right = [-symbols(h) for h in context.equations.force] + [-gamma for gamma in _bias(context, symbols)]
+    doc = "Accelerations vdot and multipliers lambda of M vdot + h = G^T lambda, G vdot = gamma."
+    outputs = (
+        Output("vdot", context.accelerations, "accelerations"),
+        Output("lam", context.multipliers, "forces and torques of the joints on their second bodies"),
+    )
+    arguments = (context.t, context.q, context.v, context.k)
+    return _by_factors(context, "solve", doc, arguments, outputs, symbols, right)
+
+
+def accelerations(context: Context) -> Kernel:
+    """vdot alone: what any integrator of first-order equations asks for."""
+    symbols = context.symbols(context.t, context.q, context.v)
+    right = [-symbols(h) for h in context.equations.force] + [-gamma for gamma in _bias(context, symbols)]
+    doc = "Accelerations vdot of M vdot + h = G^T lambda, G vdot = gamma; `solve` gives lambda as well."
+    outputs = (Output("vdot", context.accelerations, "accelerations"),)
+    arguments = (context.t, context.q, context.v, context.k)
+    return _by_factors(context, "accel", doc, arguments, outputs, symbols, right)
+
+
+def correct(context: Context) -> Kernel:
+    """The smallest dv with G dv = r."""
+    asked = Argument("r", tuple(f"r_{name}" for name in context.multipliers), "change of the constraints' rates")
+    symbols = context.symbols(context.t, context.q, asked)
+    right = [ca.SX(0) for _ in context.rows]
+    right += [-symbols.named(name) for name in asked.elements]
+    doc = (
+        "The smallest change dv of the rates, measured by dv . M dv, with G dv = r: with r = -gdot it brings rates "
+        "onto the constraints, with r = -g, repeated, coordinates."
+    )
+    outputs = (Output("dv", context.rates, "change of the rates"),)
+    arguments = (context.t, context.q, context.k, asked)
+    return _by_factors(context, "correct", doc, arguments, outputs, symbols, right)
+
+
+def poses(context: Context) -> Kernel:
+    """Where every body is, those without coordinates too."""
+    symbols = context.symbols(context.t, context.q)
+    found = context.equations.poses
+    values = [symbols(e) for pose in found for e in (*pose.position, pose.turn)]
+    labels = tuple(f"{pose.name}.{what}" for pose in found for what in ("c1", "c2", "phi"))
+    return context.kernel(
+        "poses",
+        "Position of the origin and rotation of the base of every body, also of those without coordinates.",
+        (context.t, context.q, context.k),
+        (Output("pose", labels, "c1, c2 [m] and phi [rad] of each body"),),
+        symbols,
+        Step("poses", "(1)", "bodies in the order of the specification", stores("pose", values)),
+    )
+
+
+def jacobian_pattern(context: Context) -> Pattern:
+    """The compressed columns of G."""
+    place = {name: j for j, name in enumerate(context.rows)}
+    entries = {(i, place[row]) for i, c in enumerate(context.equations.constraints) for row, _ in c.jacobian}
+    return pattern(len(context.multipliers), len(context.rows), entries)
+
+
+def jacobian_entries(context: Context, symbols: Symbols) -> dict[tuple[int, int], ca.SX]:
+    """The entries of G."""
+    place = {name: j for j, name in enumerate(context.rows)}
+    every = enumerate(context.equations.constraints)
+    return {(i, place[row]): symbols(factor) for i, c in every for row, factor in c.jacobian}
+
+
+def kkt_pattern(context: Context) -> Pattern:
+    """The lower triangle of [M, -G^T; -G, 0], without a diagonal for the multipliers."""
+    n = len(context.rows)
+    entries = set(context.mass_pattern().entries) | {(n + i, j) for i, j in jacobian_pattern(context).entries}
+    size = n + len(context.multipliers)
+    return pattern(size, size, entries, symmetric=True)
+
+
+def kkt(context: Context) -> Kkt:
+    """The structure of the KKT matrix, and how it is eliminated."""
+    shape = kkt_pattern(context)
+    order = saddle_order(shape, len(context.rows))
+    return Kkt(shape, order, fill_in(shape, order))
+
+
+def kkt_factors(context: Context, symbols: Symbols) -> Factorisation:
+    """The factorisation of the KKT matrix in its order."""
+    n = len(context.rows)
+    entries = {(i, j): symbols(context.equations.mass[i, j]) for i, j in context.mass_pattern().entries}
+    entries |= {(n + i, j): -value for (i, j), value in jacobian_entries(context, symbols).items()}
+    shape = kkt_pattern(context)
+    return factorise(shape, entries, saddle_order(shape, n), n)
+
+
+def _bias(context: Context, symbols: Symbols) -> list[ca.SX]:
+    return [-symbols(c.bias) for c in context.equations.constraints]
+
+
+def _by_factors(
+    context: Context,
+    name: str,
+    doc: str,
+    arguments: tuple[Argument, ...],
+    outputs: tuple[Output, ...],
+    symbols: Symbols,
+    right: list[ca.SX],
+) -> Kernel:
+    """A kernel that solves with the KKT matrix and checks its pivots."""
+    factors = kkt_factors(context, symbols)
+    names = (*context.rows, *context.multipliers)
+    solution = solve(factors, right)
+    pivots = zip(factors.pivots, factors.order, strict=True)
+    named = tuple(Named(f"pivot_{names[j]}", pivot) for pivot, j in pivots)
+    checks = pivot_checks(symbols, factors, names)
+    places, start = [], 0
+    for output in outputs:
+        places.append(stores(output.name, solution[start : start + output.size]))
+        start += output.size
+    total = sum(solution[1:start], start=solution[0])
+    finite = Required("finite", total, NOT_FINITE, "a result is not finite")
+    order = ", ".join(names[j] for j in factors.order)
+    return context.kernel(
+        name,
+        doc,
+        arguments,
+        outputs,
+        symbols,
+        Step("pivots", "LDL^T", f"eliminate {order}; {factors.fill} entries are filled in", (*named, *checks)),
+        Step("solution", "LDL^T", "forward, diagonal and back substitution", tuple(w for some in places for w in some)),
+        Step("check", "", "refuse what is not finite", (finite,)),
+    )

@@ -1,0 +1,111 @@
+"""What the kernels of one model share: their arguments, their symbols, and the constants that setup computes."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import casadi as ca
+import sympy as sp
+
+from derive.ir.expressions import Num, Ref
+from derive.ir.kernel import Argument, Kernel, Output
+from derive.ir.patterns import Pattern, pattern
+from derive.lowering.flat.casadi_symbols import Symbols
+from derive.lowering.flat.graph import Constants, Graph, held
+from derive.lowering.flat.schedule import Named, Step, Stored, Want, schedule
+from derive.mechanics.equations import Definition, Equations
+
+
+class Context:
+    """One model in the course of its lowering."""
+
+    def __init__(self, equations: Equations) -> None:
+        self.equations = equations
+        self.coefficients = tuple(c for c in equations.coefficients if not c.zero)
+        symbolic = (str(c.symbol) for c in self.coefficients if not c.value.is_Rational)
+        self.constants = Constants(frozenset(symbolic))
+        self.names = tuple(str(c.q) for c in equations.coordinates)
+        self.rows = tuple(row.name for row in equations.rows)
+        self.rates = tuple(str(row.v) for row in equations.rows)
+        self.accelerations = tuple(str(row.a) for row in equations.rows)
+        self.t = Argument(
+            "t",
+            (),
+            "time" if equations.constraints or equations.poses else "time (a free body does not depend on it)",
+            scalar=True,
+        )
+        self.q = Argument("q", self.names, "generalized coordinates")
+        self.v = Argument("v", self.rates, "rates")
+        self.k = Argument("k", (), "constants from setup")
+        self.y = Argument("y", self.names + self.rates, "first-order state [q; v]")
+        self.ydot = Argument("ydot", tuple(f"{n}_t" for n in self.names) + self.accelerations, "time derivative of y")
+        self.multipliers = tuple(c.name for c in equations.constraints)
+        self.forces = tuple(f"lambda_{name}" for name in self.multipliers)
+        self.cj = Argument("cj", (), "factor of dF/dydot", scalar=True)
+
+    def symbols(self, *arguments: Argument) -> Symbols:
+        """CasADi symbols for some arguments, the coefficients, and every definition that follows from them."""
+        eq = self.equations
+        rotation = frozenset(d.symbol for d in eq.definitions if d.section.split()[-1] == "Q")
+        symbols = Symbols(early=frozenset(row.v for row in eq.rows), late=rotation)
+        for c in self.coefficients:
+            value = c.value
+            known = Num(held(Fraction(int(value.p), int(value.q)))) if value.is_Rational else Ref(str(c.symbol))
+            symbols.input(c.symbol, known)
+        for argument in arguments:
+            for name in (argument.name,) if argument.scalar else argument.elements:
+                symbols.input(sp.Symbol(name), Ref(name))
+        define(symbols, eq.definitions)
+        return symbols
+
+    def definition_steps(self, symbols: Symbols) -> tuple[Step, ...]:
+        """A section for each group of definitions, in the order of the derivation."""
+        sections: dict[str, list[Definition]] = {}
+        for d in self.equations.definitions:
+            if d.symbol in symbols.values and not d.zero:
+                sections.setdefault(d.section, []).append(d)
+        return tuple(
+            Step(name, group[0].equation, "; ".join(_unique(group)), define(symbols, tuple(group)))
+            for name, group in sections.items()
+        )
+
+    def kernel(
+        self,
+        name: str,
+        doc: str,
+        arguments: tuple[Argument, ...],
+        outputs: tuple[Output, ...],
+        symbols: Symbols,
+        *steps: Step,
+    ) -> Kernel:
+        """A kernel made of the definitions and these steps."""
+        sections = schedule(Graph(self.constants), symbols, self.definition_steps(symbols), steps)
+        return Kernel(name, doc, arguments, outputs, sections)
+
+    def mass_pattern(self) -> Pattern:
+        """The lower triangle of the mass matrix, without its structural zeros."""
+        mass = self.equations.mass
+        n = mass.rows
+        return pattern(n, n, {(i, j) for i in range(n) for j in range(i + 1) if mass[i, j] != 0}, symmetric=True)
+
+
+def define(symbols: Symbols, definitions: tuple[Definition, ...]) -> tuple[Named, ...]:
+    """Define what can be computed from the symbols known so far; returns it by name."""
+    found = []
+    for d in definitions:
+        if d.expr.free_symbols <= symbols.values.keys():
+            found.append(Named(str(d.symbol), symbols.define(d.symbol, d.expr)))
+    return tuple(found)
+
+
+def stores(output: str, values: list[ca.SX]) -> tuple[Want, ...]:
+    """All elements of an output, in order."""
+    return tuple(Stored(output, index, value) for index, value in enumerate(values))
+
+
+def _unique(definitions: list[Definition]) -> list[str]:
+    """`D2_i: int rho r . Phi_i` once for all indices."""
+    first, last = definitions[0], definitions[-1]
+    if len(definitions) == 1:
+        return [f"{first.symbol} = {first.doc}"]
+    return [f"{first.symbol} = {first.doc}", *(["..."] if len(definitions) > 2 else []), f"{last.symbol} = {last.doc}"]

@@ -1,0 +1,106 @@
+"""The equations of a scene as F(t, y, ydot) = 0 for implicit integrators, in three forms, with their Jacobians.
+
+`index3`: y = [q; v; lambda], the last block is g. `index1`: the same with G vdot - gamma. `ggl`, stabilised index 2 of
+Gear, Gupta & Leimkuhler: y = [q; v; lambda; mu], qdot = v - G^T mu, with both gdot and g.
+"""
+
+from __future__ import annotations
+
+import casadi as ca
+import sympy as sp
+
+from derive.ir.kernel import Argument, Kernel, Output
+from derive.ir.patterns import pattern
+from derive.lowering.flat.casadi_symbols import Symbols
+from derive.lowering.flat.constraints import jacobian_entries
+from derive.lowering.flat.context import Context, stores
+from derive.lowering.flat.schedule import Step
+
+FORMS = {
+    "index3": "index 3: [qdot - v; M vdot + h - G^T lambda; g]",
+    "ggl": "stabilised index 2: [qdot - v + G^T mu; M vdot + h - G^T lambda; gdot; g]",
+    "index1": "index 1: [qdot - v; M vdot + h - G^T lambda; G vdot - gamma]",
+}
+
+
+def form_kernels(context: Context) -> tuple[Kernel, ...]:
+    """Residual and Jacobian of each form; those of index 3 have the plain names."""
+    found = []
+    for form in FORMS:
+        suffix = "" if form == "index3" else f"_{form}"
+        found += [_residual(context, form, f"residual{suffix}"), _jacobian(context, form, f"jacobian{suffix}")]
+    return tuple(found)
+
+
+def _states(context: Context, form: str) -> tuple[Argument, Argument]:
+    """y and ydot."""
+    extra = context.forces + (tuple(f"mu_{name}" for name in context.multipliers) if form == "ggl" else ())
+    blocks = "[q; v; lambda; mu]" if form == "ggl" else "[q; v; lambda]"
+    y = Argument("y", context.names + context.rates + extra, f"state {blocks}")
+    rates = tuple(f"{name}_t" for name in context.names) + context.accelerations
+    return y, Argument("ydot", rates + tuple(f"{name}_t" for name in extra), "time derivative of y")
+
+
+def _rows(context: Context, form: str, symbols: Symbols) -> list[ca.SX]:
+    eq = context.equations
+    entries = jacobian_entries(context, symbols)
+
+    def transposed(names: tuple[str, ...]) -> list[ca.SX]:
+        """G^T times some multipliers."""
+        total = [ca.SX(0) for _ in context.rows]
+        for (i, j), value in entries.items():
+            total[j] = total[j] + value * symbols.named(names[i])
+        return total
+
+    rows = [symbols.named(f"{c.q}_t") - symbols(rate) for c, rate in zip(eq.coordinates, eq.rates, strict=True)]
+    if form == "ggl":  # in the plane rates are those of the coordinates, one to one
+        mu = transposed(tuple(f"mu_{name}" for name in context.multipliers))
+        rows = [row + part for row, part in zip(rows, mu, strict=True)]
+    reactions = transposed(context.forces)
+    rows += [symbols(eq.sum_of(row.name)) - f for row, f in zip(eq.rows, reactions, strict=True)]
+    if form == "ggl":
+        rows += [symbols(c.rate) for c in eq.constraints]
+    if form in ("index3", "ggl"):
+        return rows + [symbols(c.position) for c in eq.constraints]
+    return rows + [_second(c.bias, dict(c.jacobian), context, symbols) for c in eq.constraints]
+
+
+def _second(bias: sp.Expr, factors: dict[str, sp.Expr], context: Context, symbols: Symbols) -> ca.SX:
+    """G vdot - gamma of one constraint."""
+    acceleration = {row.name: row.a for row in context.equations.rows}
+    return sum((symbols(f) * symbols.values[acceleration[row]] for row, f in factors.items()), symbols(bias))
+
+
+def _residual(context: Context, form: str, name: str) -> Kernel:
+    y, ydot = _states(context, form)
+    symbols = context.symbols(context.t, y, ydot)
+    rows = _rows(context, form, symbols)
+    return context.kernel(
+        name,
+        f"Residual F(t, y, ydot) of {FORMS[form]}.",
+        (context.t, y, ydot, context.k),
+        (Output("F", y.elements, "residual, one row a state"),),
+        symbols,
+        Step("residual", "(15)", "kinematics, equations of motion, constraints", stores("F", rows)),
+    )
+
+
+def _jacobian(context: Context, form: str, name: str) -> Kernel:
+    y, ydot = _states(context, form)
+    symbols = context.symbols(context.t, y, ydot, context.cj)
+    rows = ca.vertcat(*_rows(context, form, symbols))
+    by_y, by_ydot = (ca.jacobian(rows, ca.vertcat(*map(symbols.named, a.elements))) for a in (y, ydot))
+    matrix = by_y + symbols.named("cj") * by_ydot
+    diagonal = {(i, i) for i in range(y.size)}
+    shape = pattern(y.size, y.size, diagonal | set(zip(*matrix.sparsity().get_triplet(), strict=True)))
+    labels = tuple(f"d F[{y.elements[i]}] / d {y.elements[j]}" for i, j in shape.entries)
+    return context.kernel(
+        name,
+        f"Iteration matrix dF/dy + cj dF/dydot of {FORMS[form]}: values by columns, diagonal included.",
+        (context.t, y, ydot, context.cj, context.k),
+        (Output("jac", labels, "values of the iteration matrix by columns", shape),),
+        symbols,
+        Step(
+            "jacobian", "(15)", "derivatives of the residual", stores("jac", [matrix[i, j] for i, j in shape.entries])
+        ),
+    )

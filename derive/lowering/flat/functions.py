@@ -1,0 +1,262 @@
+"""The functions of a model, each from the equations of motion to a Kernel."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import casadi as ca
+import sympy as sp
+
+from derive.ir.kernel import Argument, Kernel, Output
+from derive.ir.patterns import pattern
+from derive.lowering.flat.casadi_symbols import Symbols
+from derive.lowering.flat.context import Context, define, stores
+from derive.lowering.flat.schedule import Named, Required, Step, Stored
+from derive.lowering.ldlt import Factorisation, factorise, solve
+from derive.mechanics.equations import MarkerEquations
+
+PIVOT, NOT_FINITE = 1, 2
+"""Return codes, both recoverable: a pivot vanished; a value is not finite."""
+
+VANISHING = Fraction(1, 2**44)
+"""A pivot below this part of its diagonal entry is rounding error, not inertia."""
+
+
+def mass(context: Context) -> Kernel:
+    """M(q)."""
+    symbols = context.symbols(context.q)
+    doc = "Mass matrix M(q): values of the lower triangle by columns."
+    outputs = (_mass_output(context),)
+    return context.kernel("mass", doc, (context.q, context.k), outputs, symbols, _mass_step(context, symbols))
+
+
+def force(context: Context) -> Kernel:
+    """h(t, q, v)."""
+    symbols = context.symbols(context.t, context.q, context.v)
+    law = "M vdot + h = G^T lambda" if context.equations.poses else "M vdot + h = 0"
+    also = ", and those of gravity, springs and applied loads" if context.equations.poses else ""
+    doc = f"Forces h of {law}: centrifugal, Coriolis and elastic{also}."
+    arguments = (context.t, context.q, context.v, context.k)
+    return context.kernel("force", doc, arguments, (_force_output(context),), symbols, _force_step(context, symbols))
+
+
+def mass_force(context: Context) -> Kernel:
+    """M and h at once."""
+    symbols = context.symbols(context.t, context.q, context.v)
+    doc = "Mass matrix and forces together; what they share is computed once."
+    arguments = (context.t, context.q, context.v, context.k)
+    outputs = (_mass_output(context), _force_output(context))
+    entries, forces = context.mass_pattern().entries, context.equations.force
+    steps = []
+    # From the last row to the first, which begin with what is cheap: compilers keep it in registers.
+    for row in reversed(range(len(context.rows))):
+        h = Stored("h", row, symbols(forces[row]))
+        places = [(place, entry) for place, entry in enumerate(entries) if entry[1] == row]
+        column = (Stored("M", place, symbols(context.equations.mass[entry])) for place, entry in places)
+        text = f"force and column of M of {context.rows[row]}"
+        steps.append(Step(context.rows[row], "(15)", text, (h, *column)))
+    return context.kernel("mass_force", doc, arguments, outputs, symbols, *steps)
+
+
+def accel(context: Context) -> Kernel:
+    """vdot of M vdot + h = 0."""
+    symbols = context.symbols(context.q, context.v)
+    eq = context.equations
+    shape = context.mass_pattern()
+    entries = {(i, j): symbols(eq.mass[i, j]) for i, j in shape.entries}
+    factors = factorise(shape, entries)
+    solution = solve(factors, [-symbols(h) for h in eq.force])
+    pivots = list(zip(factors.pivots, factors.order, strict=True))
+    named = tuple(Named(f"pivot_{context.rows[j]}", pivot) for pivot, j in pivots)
+    required = pivot_checks(symbols, factors, context.rows)
+    total = sum(solution[1:], start=solution[0])
+    finite = Required("finite", total, NOT_FINITE, "an acceleration is not finite")
+    order = ", ".join(context.rows[j] for j in factors.order)
+    fill = f"fill-in {factors.fill}" if factors.fill else "no fill-in"
+    return context.kernel(
+        "accel",
+        "Accelerations vdot of M vdot + h = 0, by a sparse LDL^T fixed at generation time.",
+        (context.t, context.q, context.v, context.k),
+        (Output("vdot", context.accelerations, "accelerations"),),
+        symbols,
+        Step("pivots", "LDL^T", f"eliminate {order}; {fill}", (*named, *required)),
+        Step("solution", "LDL^T", "forward, diagonal and back substitution", stores("vdot", solution)),
+        Step("check", "", "refuse what is not finite", (finite,)),
+    )
+
+
+def pivot_checks(symbols: Symbols, factors: Factorisation, names: tuple[str, ...]) -> tuple[Required, ...]:
+    """Every pivot has to be more than rounding error: positive for a coordinate, negative for a multiplier."""
+    margin = symbols.number(VANISHING)
+    found = []
+    for pivot, scale, j in zip(factors.pivots, factors.scales, factors.order, strict=True):
+        above = pivot if pivot is scale else pivot - margin * scale
+        text = f"the pivot of {names[j]} vanished"
+        found.append(Required("positive", above if j < factors.coordinates else -above, PIVOT, text))
+    return tuple(found)
+
+
+def energy(context: Context) -> Kernel:
+    """Kinetic and strain energy."""
+    symbols = context.symbols(context.q, context.v)
+    eq = context.equations
+    twice = (sp.expand(2 * e) for e in (eq.kinetic_energy, eq.strain_energy))  # so that 1/2 is applied once
+    values = [symbols.number(Fraction(1, 2)) * symbols(e) for e in twice]
+    weight = eq.weight_energy is not None
+    springs = " (with that of springs)" if eq.poses else ""
+    values += [symbols(eq.weight_energy)] if weight else []
+    return context.kernel(
+        "energy",
+        f"Kinetic and strain energy{springs}{', and the potential of gravity' if weight else ''}.",
+        (context.q, context.v, context.k),
+        (Output("energy", ("kinetic", "strain", *(["gravity"] if weight else [])), "energies [J]"),),
+        symbols,
+        Step("energy", "(22)", "1/2 int rho xdot . xdot and the strain energy", stores("energy", values)),
+    )
+
+
+def momentum(context: Context) -> Kernel:
+    """Linear momentum, and angular momentum about the inertial origin."""
+    symbols = context.symbols(context.q, context.v)
+    eq = context.equations
+    values = [symbols(p) for p in (*eq.linear_momentum, *eq.angular_momentum)]
+    linear = [f"linear_{k}" for k, _ in enumerate(eq.linear_momentum, 1)]
+    angular = (
+        [f"angular_{k}" for k, _ in enumerate(eq.angular_momentum, 1)] if len(eq.angular_momentum) > 1 else ["angular"]
+    )
+    return context.kernel(
+        "momentum",
+        "Linear momentum, and angular momentum about the inertial origin.",
+        (context.q, context.v, context.k),
+        (Output("momentum", (*linear, *angular), "linear [N s] and angular [N m s]"),),
+        symbols,
+        Step("momentum", "(1)", "int rho xdot and int rho x x xdot", stores("momentum", values)),
+    )
+
+
+def rates(context: Context) -> Kernel:
+    """qdot from v."""
+    symbols = context.symbols(context.q, context.v)
+    values = [symbols(rate) for rate in context.equations.rates]
+    return context.kernel(
+        "rates",
+        "Time derivative of the coordinates from the rates.",
+        (context.q, context.v, context.k),
+        (Output("qdot", tuple(f"{n}_t" for n in context.names), "time derivative of q"),),
+        symbols,
+        Step("rates", "(1)", "from Qdot = Q (omega x)", stores("qdot", values)),
+    )
+
+
+def marker(context: Context, point: MarkerEquations) -> Kernel:
+    """Position, velocity and Jacobian of a material point."""
+    symbols = context.symbols(context.q, context.v)
+    named = define(symbols, tuple(d for d in point.definitions if not d.zero))
+    matrix = point.jacobian
+    rows, cols = matrix.shape
+    axes = range(1, rows + 1)
+    shape = pattern(rows, cols, {(i, j) for i in range(rows) for j in range(cols) if matrix[i, j] != 0})
+    labels = tuple(f"d x{i + 1}dot / d {context.rates[j]}" for i, j in shape.entries)
+    wants = (
+        *stores("x", [symbols(e) for e in point.position]),
+        *stores("xdot", [symbols(e) for e in point.velocity]),
+        *stores("jacobian", [symbols(matrix[i, j]) for i, j in shape.entries]),
+    )
+    return context.kernel(
+        f"marker_{point.name}",
+        f"Marker {point.name}, {point.doc}: position, velocity and its Jacobian d(velocity)/dv.",
+        (context.q, context.v, context.k),
+        (
+            Output("x", tuple(f"x{k}" for k in axes), "position in the inertial base [m]"),
+            Output("xdot", tuple(f"x{k}dot" for k in axes), "velocity in the inertial base [m/s]"),
+            Output("jacobian", labels, "values of d(velocity)/dv by columns", shape),
+        ),
+        symbols,
+        Step("r", "(14)", "X + u and its rate at the marker, in the body base", named),
+        Step("marker", "(1)", "x = c + Q r, its rate and its derivatives", wants),
+    )
+
+
+def load(context: Context, point: MarkerEquations) -> Kernel:
+    """Generalized forces of a force at a marker."""
+    components = tuple(map(str, point.force))
+    force = Argument("F", components, "force at the marker, in the inertial base [N]")
+    symbols = context.symbols(context.q, force)
+    turned = define(symbols, point.force_definitions)
+    named = define(symbols, tuple(d for d in point.definitions if not d.zero))
+    return context.kernel(
+        f"load_{point.name}",
+        f"Generalized forces f of a force at marker {point.name}: then M vdot + h = f.",
+        (context.q, force, context.k),
+        (Output("f", tuple(f"f[{n}]" for n in context.rows), "generalized forces, one row a coordinate"),),
+        symbols,
+        Step("F", "(10)", "the force seen from the body base", turned),
+        Step("r", "(1)", "the marker in the body base", named),
+        Step("f", "(10)", "virtual work of the force", stores("f", [symbols(e) for e in point.load])),
+    )
+
+
+def residual(context: Context) -> Kernel:
+    """F(t, y, ydot)."""
+    symbols, rows = _first_order(context)
+    return context.kernel(
+        "residual",
+        "First-order form F(t, y, ydot) = [qdot - v; M vdot + h] = 0 with y = [q; v].",
+        (context.t, context.y, context.ydot, context.k),
+        (Output("F", context.names + context.rates, "residual, one row a state"),),
+        symbols,
+        Step("residual", "(15)", "kinematics, then the equations of motion", stores("F", rows)),
+    )
+
+
+def jacobian(context: Context) -> Kernel:
+    """dF/dy + cj dF/dydot. Derivatives and their sparsity are CasADi's; the diagonal is always there."""
+    symbols, rows = _first_order(context)
+    y = ca.vertcat(*(symbols.values[sp.Symbol(name)] for name in context.y.elements))
+    ydot = ca.vertcat(*(symbols.values[sp.Symbol(name)] for name in context.ydot.elements))
+    cj = symbols.values[sp.Symbol("cj")]
+    matrix = ca.jacobian(ca.vertcat(*rows), y) + cj * ca.jacobian(ca.vertcat(*rows), ydot)
+    diagonal = {(i, i) for i in range(len(rows))}
+    shape = pattern(len(rows), len(rows), diagonal | set(zip(*matrix.sparsity().get_triplet(), strict=True)))
+    states = context.y.elements
+    labels = tuple(f"d F[{states[i]}] / d {states[j]}" for i, j in shape.entries)
+    return context.kernel(
+        "jacobian",
+        "Iteration matrix dF/dy + cj dF/dydot of the first-order form, values by columns, diagonal included.",
+        (context.t, context.y, context.ydot, context.cj, context.k),
+        (Output("jac", labels, "values of the iteration matrix by columns", shape),),
+        symbols,
+        Step(
+            "jacobian", "(15)", "derivatives of the residual", stores("jac", [matrix[i, j] for i, j in shape.entries])
+        ),
+    )
+
+
+def _first_order(context: Context) -> tuple[Symbols, list[ca.SX]]:
+    """The residual row by row, in symbols that the Jacobian can be taken of."""
+    symbols = context.symbols(context.y, context.ydot, context.cj)
+    eq = context.equations
+    pairs = zip(eq.coordinates, eq.rates, strict=True)
+    kinematic = [symbols(sp.Symbol(f"{c.q}_t")) - symbols(rate) for c, rate in pairs]
+    return symbols, kinematic + [symbols(eq.sum_of(row.name)) for row in eq.rows]
+
+
+def _mass_output(context: Context) -> Output:
+    shape = context.mass_pattern()
+    labels = tuple(f"M[{context.rows[i]}, {context.rows[j]}]" for i, j in shape.entries)
+    return Output("M", labels, "values of the mass matrix, lower triangle by columns", shape)
+
+
+def _force_output(context: Context) -> Output:
+    return Output("h", tuple(f"h[{n}]" for n in context.rows), "forces, one row a coordinate")
+
+
+def _mass_step(context: Context, symbols: Symbols) -> Step:
+    entries = context.mass_pattern().entries
+    values = [symbols(context.equations.mass[i, j]) for i, j in entries]
+    return Step("M", "(15)", "factors of the accelerations", stores("M", values))
+
+
+def _force_step(context: Context, symbols: Symbols) -> Step:
+    values = [symbols(h) for h in context.equations.force]
+    return Step("h", "(15)", "centrifugal, Coriolis and elastic terms", stores("h", values))

@@ -1,0 +1,237 @@
+"""A CasADi function, read instruction by instruction into a graph of exact operations.
+
+CasADi has shared the common sub-expressions; here its doubles become exact numbers again, what is known at generation
+time is folded, and what depends on coefficients alone is found, to be moved to setup.
+"""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import dataclass
+from fractions import Fraction
+
+import casadi as ca
+import sympy as sp
+
+from derive.ir.expressions import At, Entry, Expr, Leaf, Num, Op, Ref
+from derive.ir.kernel import Require
+from derive.lowering.flat.casadi_symbols import Symbols
+
+BINARY = {ca.OP_ADD: "add", ca.OP_SUB: "sub", ca.OP_MUL: "mul", ca.OP_DIV: "div"}
+LEAST, MOST = Fraction(sys.float_info.min), Fraction(sys.float_info.max)
+SHORT = 9
+"""Nodes of an expression of coefficients that gets one name; a longer one is made of named ones."""
+
+UNARY = {ca.OP_NEG: "neg", ca.OP_SIN: "sin", ca.OP_COS: "cos", ca.OP_SQRT: "sqrt"}
+
+
+@dataclass(frozen=True)
+class Node:
+    """A leaf or the kind of an operation with the numbers of its operands."""
+
+    leaf: Leaf | None
+    kind: str = ""
+    args: tuple[int, ...] = ()
+
+
+class LoweringError(ValueError):
+    """A model that cannot be computed with doubles: a number that they do not hold, or a pivot that vanishes."""
+
+
+class Constants:
+    """What is computed once, in setup: coefficients by name, and expressions of coefficients that kernels need."""
+
+    def __init__(self, coefficients: frozenset[str]) -> None:
+        self.coefficients = coefficients
+        self.hoisted: dict[Expr, str] = {}
+        self.requirements: list[Require] = []
+
+    def require(self, kind: str, expr: Expr, code: int, text: str) -> None:
+        """Let setup check a value that depends on coefficients alone."""
+        if not any(r.kind == kind and r.expr == expr for r in self.requirements):
+            self.requirements.append(Require(kind, expr, code, text))
+
+    def name(self, expr: Expr) -> str:
+        """The name under which setup keeps an expression of coefficients."""
+        if expr not in self.hoisted:
+            unnamed = sum(name.startswith("constant_") for name in self.hoisted.values())
+            self.hoisted[expr] = self._describe(expr) or f"constant_{unnamed + 1}"
+        return self.hoisted[expr]
+
+    def _describe(self, expr: Expr) -> str | None:
+        match expr:
+            case Op("div", (Num(Fraction(numerator=1, denominator=1)), Ref(name))):
+                return f"inverse_{name}"
+            case Op("neg", (Ref(name),)):
+                return f"minus_{name}"
+        return None
+
+
+class Graph:
+    """Nodes of one kernel, each once; operands come before what uses them.
+
+    An operation on coefficients alone becomes a constant of setup as soon as something else uses it.
+    """
+
+    def __init__(self, constants: Constants) -> None:
+        self.constants = constants
+        self.nodes: list[Node] = []
+        self._index: dict[Node, int] = {}
+        self._constant: list[bool] = []
+        self._size: list[int] = []
+
+    def leaf(self, leaf: Leaf) -> int:
+        """The node of a number or a name."""
+        return self._intern(Node(leaf))
+
+    def number(self, value: int | Fraction) -> int:
+        """The node of a number. Raises LoweringError when no double is near it."""
+        return self.leaf(Num(held(Fraction(value))))
+
+    def apply(self, kind: str, *args: int) -> int:
+        """The node of an operation, folded when its operands are numbers or make it trivial."""
+        folded = self._fold(kind, args)
+        if folded is not None:
+            return folded
+        if not all(self._constant[a] for a in args):
+            args = tuple(self.settled(a) for a in args)
+        return self._intern(Node(None, kind, args))
+
+    def settled(self, node: int) -> int:
+        """The node itself, or, for an operation on coefficients alone, the constant of setup that replaces it."""
+        n = self.nodes[node]
+        if n.leaf is not None or not self._constant[node]:
+            return node
+        expr = self.expr(node) if self._size[node] <= SHORT else Op(n.kind, self._settled_args(n))
+        return self.leaf(Ref(self.constants.name(expr)))
+
+    def _settled_args(self, node: Node) -> tuple[Expr, ...]:
+        return tuple(self.expr(self.settled(a)) for a in node.args)
+
+    def value(self, node: int) -> Fraction | None:
+        """The number that a node is, if it is one."""
+        leaf = self.nodes[node].leaf
+        return leaf.value if isinstance(leaf, Num) else None
+
+    def expr(self, node: int) -> Expr:
+        """The whole expression of a node."""
+        n = self.nodes[node]
+        return n.leaf if n.leaf is not None else Op(n.kind, tuple(self.expr(a) for a in n.args))
+
+    def _intern(self, node: Node) -> int:
+        if node not in self._index:
+            self._index[node] = len(self.nodes)
+            self.nodes.append(node)
+            self._constant.append(self._depends_on_constants(node))
+            self._size.append(1 + sum(self._size[a] for a in node.args))
+        return self._index[node]
+
+    def is_constant(self, node: int) -> bool:
+        """Whether a node depends on nothing but numbers and coefficients."""
+        return self._constant[node]
+
+    def _depends_on_constants(self, node: Node) -> bool:
+        match node.leaf:
+            case Num():
+                return True
+            case Ref(name):
+                return name in self.constants.coefficients or name in self.constants.hoisted.values()
+            case At() | Entry():
+                return False
+        return all(self._constant[a] for a in node.args)
+
+    def _fold(self, kind: str, args: tuple[int, ...]) -> int | None:
+        values = [self.value(a) for a in args]
+        if kind in ("sin", "cos", "sqrt"):
+            return self.number(1 if kind == "cos" else 0) if values[0] == 0 else None
+        known = [v for v in values if v is not None]
+        if len(known) == len(values):
+            return self.number(_exact(kind, known))
+        if kind == "neg":
+            inner = self.nodes[args[0]]
+            return inner.args[0] if inner.kind == "neg" else None
+        return self._neutral(kind, args, values)
+
+    def _neutral(self, kind: str, args: tuple[int, ...], values: list[Fraction | None]) -> int | None:
+        """x * 1, x / 1, x * -1, signs that a sum can absorb, numbers first, and divisions that setup can do.
+
+        Zeros do not come this far: the derivation drops them, with their reasons.
+        """
+        (a, b), (va, vb) = args, values
+        negated = self.nodes[b].args[0] if self.nodes[b].kind == "neg" else None
+        if kind in ("mul", "div") and vb == 1:
+            return a
+        if kind == "mul" and va == 1:
+            return b
+        if kind == "mul" and -1 in (va, vb):
+            return self.apply("neg", b if va == -1 else a)
+        if kind in ("add", "sub") and negated is not None:
+            return self.apply("sub" if kind == "add" else "add", a, negated)
+        if kind == "mul" and vb is not None:
+            return self.apply("mul", b, a)
+        if kind == "div" and vb is None and self._constant[b] and not self._constant[a]:
+            return self.apply("mul", a, self.apply("div", self.number(1), b))  # setup divides
+        return None
+
+
+def held(value: Fraction) -> Fraction:
+    """The number, if a double can hold it (rounded)."""
+    if value and not LEAST <= abs(value) <= MOST:
+        raise LoweringError(
+            f"the numbers of the specification lead to {sp.Rational(value).n(3)}, which no double holds; "
+            "choose units in which mass, length and stiffness are nearer to one"
+        )
+    return value
+
+
+def _exact(kind: str, values: list[Fraction]) -> Fraction:
+    if kind == "neg":
+        return -values[0]
+    a, b = values
+    return {"add": a.__add__, "sub": a.__sub__, "mul": a.__mul__, "div": a.__truediv__}[kind](b)
+
+
+def read(graph: Graph, symbols: Symbols, outputs: list[ca.SX]) -> list[int]:
+    """The nodes of some CasADi scalars, added to the graph."""
+    column = ca.vertcat(*outputs) if outputs else ca.SX(0, 1)
+    options = {"cse": True, "live_variables": False}
+    function = ca.Function("kernel", [ca.vertcat(*symbols.inputs)], [ca.densify(column)], options)
+    work: dict[int, int] = {}
+    found = [0] * len(outputs)
+    for k in range(function.n_instructions()):
+        operation, inputs, results = (
+            function.instruction_id(k),
+            function.instruction_input(k),
+            function.instruction_output(k),
+        )
+        if operation == ca.OP_OUTPUT:
+            found[results[1]] = graph.settled(work[inputs[0]])
+        elif operation == ca.OP_INPUT:
+            work[results[0]] = graph.leaf(symbols.leaves[inputs[1]])
+        elif operation == ca.OP_CONST:
+            work[results[0]] = graph.number(_integer(function.instruction_constant(k)))
+        else:
+            work[results[0]] = _operation(graph, operation, [work[i] for i in inputs])
+    return found
+
+
+def _operation(graph: Graph, operation: int, args: list[int]) -> int:
+    if operation in BINARY:
+        return graph.apply(BINARY[operation], *args)
+    if operation in UNARY:
+        return graph.apply(UNARY[operation], args[0])
+    if operation == ca.OP_SQ:
+        return graph.apply("mul", args[0], args[0])
+    if operation == ca.OP_TWICE:
+        return graph.apply("mul", graph.number(2), args[0])
+    if operation == ca.OP_INV:
+        return graph.apply("div", graph.number(1), args[0])
+    if operation == ca.OP_FABS:
+        raise LoweringError("the root of a square, such as sqrt(t^2), has a kink; write the function without it")
+    raise NotImplementedError(f"CasADi operation {operation} has no counterpart in the Kernel")
+
+
+def _integer(value: float) -> int:
+    if value != int(value):
+        raise ArithmeticError(f"the number {value} came out of CasADi rounded")
+    return int(value)

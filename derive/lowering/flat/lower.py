@@ -1,0 +1,62 @@
+"""Equations to kernels: the second arrow of the house."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from derive.ir.kernel import Kernel
+from derive.ir.model import Model, Variable, Zero
+from derive.lowering.flat import constraints, dae, functions
+from derive.lowering.flat.context import Context
+from derive.lowering.flat.setup import setup_kernel
+from derive.mechanics.equations import Equations
+
+
+def lower(equations: Equations) -> Model:
+    """The kernels of a model, with names, units, patterns and the reasons of its zeros."""
+    context = Context(equations)
+    scene = bool(equations.poses)
+    kernels = (
+        functions.mass(context),
+        functions.force(context),
+        functions.mass_force(context),
+        constraints.accelerations(context) if scene else functions.accel(context),
+        functions.energy(context),
+        functions.momentum(context),
+        functions.rates(context),
+        *(functions.marker(context, marker) for marker in equations.markers),
+        *(functions.load(context, marker) for marker in equations.markers),
+        *(
+            (*constraints.constraint_kernels(context), *dae.form_kernels(context))
+            if scene
+            else (functions.residual(context), functions.jacobian(context))
+        ),
+    )
+    setup, constants = setup_kernel(context, kernels)
+    names = tuple(c.name for c in constants)
+    coordinates = equations.coordinates
+    return Model(
+        name=equations.name,
+        doc=equations.doc,
+        origin=equations.origin,
+        coordinates=tuple(Variable(str(c.q), c.doc, c.unit) for c in coordinates),
+        rates=tuple(Variable(str(row.v), row.doc, row.unit) for row in equations.rows),
+        rows=tuple(Variable(row.name, f"row of delta {row.name}", row.work) for row in equations.rows),
+        parameters=tuple(Variable(str(p.symbol), p.doc, p.unit, p.default) for p in equations.parameters),
+        constants=constants,
+        kernels=(setup, *(_with_constants(kernel, names) for kernel in kernels)),
+        markers=tuple(Variable(m.name, m.doc, "m") for m in equations.markers),
+        zeros=tuple(Zero(f"M[{context.rows[i]}, {context.rows[j]}]", why) for i, j, why in equations.mass_zeros),
+        choice=equations.choice,
+        multipliers=tuple(Variable(c.name, c.doc, c.force_unit) for c in equations.constraints),
+        bodies=tuple(pose.name for pose in equations.poses),
+        kkt=constraints.kkt(context) if scene else None,
+        left_out=tuple(Zero(out.what, out.reason) for out in equations.left_out),
+        vanished=tuple(Zero(f"{v.term.name} term of row {v.term.row}", v.reason) for v in equations.vanished),
+    )
+
+
+def _with_constants(kernel: Kernel, names: tuple[str, ...]) -> Kernel:
+    """Tell a kernel where its constants lie; known only when all kernels are."""
+    arguments = (replace(a, elements=names) if a.name == "k" else a for a in kernel.arguments)
+    return replace(kernel, arguments=tuple(arguments))

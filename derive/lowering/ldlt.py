@@ -1,0 +1,143 @@
+"""A sparse LDL^T factorisation, written out for a fixed pattern: the order is chosen at generation time."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import casadi as ca
+
+from derive.ir.patterns import Pattern
+
+Entries = dict[tuple[int, int], ca.SX]
+
+
+@dataclass(frozen=True)
+class Factorisation:
+    """A = P^T L D L^T P: `order` lists the pivots; `lower` holds the columns of L (row, entry), numbered as in A.
+
+    `scales` are what the pivots are to be measured by: the diagonal entry, or for a multiplier, which has none, what
+    its coordinates give. `fill` counts new entries.
+    """
+
+    order: tuple[int, ...]
+    pivots: tuple[ca.SX, ...]
+    scales: tuple[ca.SX, ...]
+    inverses: tuple[ca.SX, ...]
+    lower: dict[int, tuple[tuple[int, ca.SX], ...]]
+    fill: int
+    coordinates: int
+
+
+def elimination_order(pattern: Pattern) -> tuple[int, ...]:
+    """The approximate minimum degree order of a symmetric pattern (CasADi's AMD)."""
+    rows = [i for i, j in pattern.entries] + [j for i, j in pattern.entries]
+    cols = [j for i, j in pattern.entries] + [i for i, j in pattern.entries]
+    diagonal = list(range(pattern.rows))
+    return tuple(ca.Sparsity.triplet(pattern.rows, pattern.cols, rows + diagonal, cols + diagonal).amd())
+
+
+def saddle_order(pattern: Pattern, coordinates: int) -> tuple[int, ...]:
+    """The order of [M, -G^T; -G, 0], whose first rows are coordinates: that of AMD, but each multiplier waits for its
+    coordinates.
+
+    Then no pivot vanishes in any state in which M is positive definite and the rows of G are independent, whatever
+    entries of G vanish there: eliminated multipliers always stand with all of their rows of G, so that what is
+    eliminated is regular; pivots of coordinates are positive, those of multipliers negative.
+    """
+    missing: dict[int, set[int]] = {k: set() for k in range(coordinates, pattern.rows)}
+    for i, j in pattern.entries:
+        if i >= coordinates > j:
+            missing[i].add(j)
+    order: list[int] = []
+    waiting: list[int] = []
+    for node in elimination_order(pattern):
+        if node >= coordinates:
+            waiting.append(node)
+        else:
+            order.append(node)
+            for coordinates_of in missing.values():
+                coordinates_of.discard(node)
+        ready = [k for k in waiting if not missing[k]]
+        order += ready
+        waiting = [k for k in waiting if missing[k]]
+    return tuple(order)
+
+
+def factorise(
+    pattern: Pattern, values: Entries, order: tuple[int, ...] | None = None, coordinates: int | None = None
+) -> Factorisation:
+    """Eliminate in an order, that of AMD if none is given; `values` are the entries of the lower triangle.
+
+    Rows from `coordinates` on are those of multipliers; without it there are none.
+    """
+    order = elimination_order(pattern) if order is None else order
+    coordinates = pattern.rows if coordinates is None else coordinates
+    place = {row: k for k, row in enumerate(order)}
+    work = {_ordered(i, j, place): value for (i, j), value in values.items()}
+    of_coordinates: Entries = {}
+    pivots: list[ca.SX] = []
+    scales: list[ca.SX] = []
+    inverses: list[ca.SX] = []
+    lower: dict[int, tuple[tuple[int, ca.SX], ...]] = {}
+    neighbours: dict[int, set[int]] = {row: set() for row in order}
+    for i, j in work:
+        if i != j:
+            neighbours[j].add(i)
+    for j in order:
+        if j >= coordinates:
+            scales.append(of_coordinates[j, j])
+            work[j, j] = scales[-1] + work[j, j] if (j, j) in work else scales[-1]
+        else:
+            scales.append(values[j, j])
+        pivots.append(work[j, j])
+        inverses.append(1 / work[j, j])  # one division a pivot, or none where setup can do it
+        below = sorted(neighbours[j], key=place.__getitem__)
+        factors = {i: work[i, j] * inverses[-1] for i in below}
+        lower[j] = tuple(factors.items())
+        for a, i in enumerate(below):
+            for other in below[: a + 1]:
+                update = factors[i] * work[other, j]
+                store = of_coordinates if i == other >= coordinates > j else work
+                old = store.get((i, other))
+                store[i, other] = -update if old is None else old - update
+                if i != other:
+                    neighbours[other].add(i)
+    fill = fill_in(pattern, order)
+    return Factorisation(order, tuple(pivots), tuple(scales), tuple(inverses), lower, fill, coordinates)
+
+
+def fill_in(pattern: Pattern, order: tuple[int, ...]) -> int:
+    """Entries of L that the matrix has not, below the diagonal."""
+    graph: dict[int, set[int]] = {node: set() for node in order}
+    for i, j in pattern.entries:
+        if i != j:
+            graph[i].add(j)
+            graph[j].add(i)
+    present = sum(map(len, graph.values())) // 2
+    stored = 0
+    for node in order:
+        neighbours = graph.pop(node)
+        stored += len(neighbours)
+        for other in neighbours:
+            graph[other] |= neighbours
+            graph[other] -= {node, other}
+    return stored - present
+
+
+def _ordered(i: int, j: int, place: dict[int, int]) -> tuple[int, int]:
+    """The entry below the diagonal of the permuted matrix."""
+    return (i, j) if place[i] >= place[j] else (j, i)
+
+
+def solve(factors: Factorisation, right: list[ca.SX]) -> list[ca.SX]:
+    """x of L D L^T x = right, in the numbering of A."""
+    x = list(right)
+    for j in factors.order:
+        for i, entry in factors.lower[j]:
+            x[i] = x[i] - entry * x[j]
+    for inverse, j in zip(factors.inverses, factors.order, strict=True):
+        x[j] = x[j] * inverse
+    for j in reversed(factors.order):
+        for i, entry in factors.lower[j]:
+            x[j] = x[j] - entry * x[i]
+    return x

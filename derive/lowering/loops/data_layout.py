@@ -1,0 +1,234 @@
+"""Where the numbers of a table model lie: in the parameters p as they are given, in the constants k as loops want them.
+
+In p an integral is what the appendix says: for each shape i, or each pair i <= j (i < j where the integral is odd) by
+rows, its components. In k the square tables are packed in panels, vectors over the shapes are padded to a multiple of
+four, and scalars come last.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+
+import sympy as sp
+
+from derive.ir.expressions import At, Expr, Num, Ref
+from derive.ir.kernel import Argument, Kernel, Output, Require, Section, Statement, Store, View
+from derive.ir.loops import Clear, Each, Pack, Packing, RequireAll, Root, Source, StoreAt, padded
+from derive.ir.model import Model, Variable, Zero
+from derive.lowering.flat.functions import NOT_FINITE, PIVOT
+from derive.mechanics.indexed_equations import GenericEquations, Table, indices, labels
+from derive.mechanics.series import PARITY
+
+TABLES, TRIANGLE, ROOT = "tables", "c8_pairs", "root"
+PACKED = ("C5", "K", "c7", "B", "c8")
+
+
+@dataclass(frozen=True)
+class Memory:
+    """The constants of one model: the argument k, the packing of its tables, and what scalars are in the Kernel.
+
+    `parameters` are the variables of p, in order; `triangle` is the array of c8 for i <= j.
+    """
+
+    argument: Argument
+    packing: Packing
+    scalars: dict[sp.Symbol, Num | Ref]
+    parameters: tuple[Variable, ...]
+    sources: tuple[tuple[Table, int], ...]
+    triangle: str = TRIANGLE
+
+
+def component(name: str, label: str) -> str:
+    """The array or scalar of one component: C5_11, K."""
+    return f"{name}_{label}" if label else name
+
+
+def size(table: Table, n: int) -> int:
+    """How many parameters a table has."""
+    if table.kind in ("zero", "unit"):
+        return 0
+    pairs = n * (n + PARITY.get(table.name, 1)) // 2
+    counts = {"": 1, "i": n, "ij": n if table.kind == "diagonal" else pairs}
+    return counts[indices(table.name)] * len(labels(table.name))
+
+
+def memory(eq: GenericEquations) -> Memory:
+    """Lay out p and k."""
+    n = eq.modes
+    kept = [t for t in eq.tables if size(t, n)]
+    packed = [t for name in PACKED for t in kept if t.name == name and t.kind == "full"]
+    names = tuple(component(t.name, label) for t in packed for label in labels(t.name))
+    packing = Packing(TABLES, n, names)
+    views = [View(TABLES, 0, packing.size)] if names else []
+    vectors = [
+        component(t.name, label)
+        for t in kept
+        if t.kind == "diagonal" or indices(t.name) == "i"
+        for label in labels(t.name)
+    ]
+    place = packing.size if names else 0
+    for name, length in [(v, padded(n)) for v in vectors] + _c8_arrays(eq):
+        views.append(View(name, place, length))
+        place += length
+    scalars: dict[sp.Symbol, Num | Ref] = {}
+    for c in eq.scalars:
+        number = c.value.is_Rational
+        scalars[c.symbol] = Num(Fraction(int(c.value.p), int(c.value.q))) if number else Ref(str(c.symbol))
+    for t in kept:
+        if indices(t.name) == "":
+            scalars |= {sp.Symbol(component(t.name, label)): Ref(component(t.name, label)) for label in labels(t.name)}
+    elements = tuple(leaf.name for leaf in scalars.values() if isinstance(leaf, Ref))
+    positions = tuple(range(place, place + len(elements)))
+    argument = Argument("k", elements, "constants from setup", arrays=tuple(views), positions=positions)
+    return Memory(argument, packing, scalars, _parameters(eq, kept), tuple(_offsets(eq, kept)))
+
+
+def _c8_arrays(eq: GenericEquations) -> list[tuple[str, int]]:
+    n = eq.modes
+    return [(TRIANGLE, n * (n + 1) // 2), (ROOT, n * n)] if n and eq.table("c8").kind == "full" else []
+
+
+def _parameters(eq: GenericEquations, kept: list[Table]) -> tuple[Variable, ...]:
+    first, *rest = (Variable(str(p.symbol), p.doc, p.unit, p.default) for p in eq.parameters)
+    tables = (Variable(t.name, _doc(t), t.unit, 0.0, size(t, eq.modes)) for t in kept)
+    return (first, *tables, *rest)
+
+
+def _doc(table: Table) -> str:
+    parts = [table.doc]
+    counted = indices(table.name)
+    if counted == "ij" and table.kind == "full":
+        parts.append("for i <= j by rows" if PARITY[table.name] > 0 else "for i < j by rows")
+    elif counted:
+        parts.append("for each i")
+    if len(labels(table.name)) > 1:
+        parts.append(f"components {' '.join(labels(table.name))} together")
+    return ", ".join(parts)
+
+
+def _offsets(eq: GenericEquations, kept: list[Table]) -> list[tuple[Table, int]]:
+    found, place = [], 1
+    for t in kept:
+        found.append((t, place))
+        place += size(t, eq.modes)
+    return found
+
+
+def copied(output: str, offset: int, source: str, count: int) -> Section:
+    """A section that copies an array to an output."""
+    loop = Each(count, (StoreAt(output, offset, 1, At(source, "i")),))
+    return Section("c8", "appendix", "int rho Phi_i . Phi_j, which does not change", (loop,))
+
+
+def setup(eq: GenericEquations, memory: Memory) -> Kernel:
+    """p -> k: packing, and the Cholesky factor of c8 where it is full."""
+    n = eq.modes
+    views = tuple(View(f"p_{t.name}", place, size(t, n)) for t, place in memory.sources if indices(t.name))
+    elements, positions = _scalar_elements(eq, memory)
+    p = Argument("p", elements, "parameters", arrays=views, positions=positions)
+    k = memory.argument
+    total = k.size
+    body: list[Statement] = [Clear("k", total)]
+    sources = [
+        Source(component(t.name, label), f"p_{t.name}", c, len(labels(t.name)), PARITY[t.name])
+        for t, _ in memory.sources
+        if t.name in PACKED and t.kind == "full"
+        for c, label in enumerate(labels(t.name))
+    ]
+    ordered = tuple(s for name in memory.packing.tables for s in sources if s.table == name)
+    body += [Pack(memory.packing, "k", ordered)] if ordered else []
+    places = {view.name: view.offset for view in k.arrays}
+    rows = [
+        StoreAt("k", places[component(t.name, label)], 1, At(f"p_{t.name}", "i", len(labels(t.name)), c))
+        for t, _ in memory.sources
+        if indices(t.name) == "i" or t.kind == "diagonal"
+        for c, label in enumerate(labels(t.name))
+    ]
+    body += [Each(n, tuple(rows))] if rows else []
+    values: dict[str, Expr] = {str(c.symbol): Ref(f"p_{c.value}") for c in eq.scalars}
+    body += [Store("k", place, values.get(name, Ref(f"p_{name}"))) for place, name in k.places]
+    checks: list[Statement] = [
+        RequireAll("p", p.size, NOT_FINITE, "a parameter is not finite"),
+        *(
+            Require("positive", Ref(f"p_{q.symbol}"), NOT_FINITE, f"{q.symbol} must be positive")
+            for q in eq.parameters
+            if q.positive
+        ),
+    ]
+    sections = [
+        Section("checks", "", "refuse parameters that make no body", tuple(checks)),
+        Section("constants", "appendix", "shape integrals and stiffness as loops want them", tuple(body)),
+    ]
+    if TRIANGLE in places:
+        pairs = n * (n + 1) // 2
+        sections.append(copied("k", places[TRIANGLE], "p_c8", pairs))
+        root = Root("k", places[ROOT], "p_c8", n, PIVOT, "c8 is not positive definite")
+        sections.append(Section("root", "LDL^T", "Cholesky factor of c8", (root,)))
+    doc = "Constants k from the parameters p: once for a set of parameters."
+    return Kernel("setup", doc, (p,), (Output("k", (), "constants", None, total),), tuple(sections))
+
+
+def _scalar_elements(eq: GenericEquations, memory: Memory) -> tuple[tuple[str, ...], tuple[int, ...]]:
+    """The parameters that are no arrays, with their places in p."""
+    found = [(f"p_{eq.parameters[0].symbol}", 0)]
+    end = 1
+    for t, place in memory.sources:
+        if not indices(t.name):
+            found += [(f"p_{component(t.name, label)}", place + c) for c, label in enumerate(labels(t.name))]
+        end = place + size(t, eq.modes)
+    found += [(f"p_{q.symbol}", end + c) for c, q in enumerate(eq.parameters[1:])]
+    return tuple(name for name, _ in found), tuple(place for _, place in found)
+
+
+def model(eq: GenericEquations, memory: Memory, kernels: tuple[Kernel, ...], zeros: tuple[Zero, ...]) -> Model:
+    """The kernels of a model with names, units and reasons."""
+    n = eq.modes
+
+    def of_shapes(name: str, doc: str, unit: str) -> tuple[Variable, ...]:
+        """An array, whose elements are numbered where they are told apart; one alone has its number itself."""
+        return (Variable(f"{name}1" if n == 1 else name, doc, unit, 0.0, n),) if n else ()
+
+    told = {component(t.name, label): t for t in eq.tables for label in labels(t.name)}
+    docs = {name: (t.doc, t.unit) for name, t in told.items()}
+    docs |= {str(c.symbol): (c.doc, c.unit) for c in eq.scalars}
+    docs |= {TABLES: (", ".join(memory.packing.tables), ""), TRIANGLE: ("c8 for i <= j", "kg"), ROOT: ("of c8", "")}
+    constants = tuple(Variable(v.name, docs[v.name][0], docs[v.name][1], 0.0, v.size) for v in memory.argument.arrays)
+    constants += tuple(Variable(name, *docs[name]) for name in memory.argument.elements)
+    return Model(
+        name=eq.name,
+        doc=eq.doc,
+        origin=eq.origin,
+        coordinates=tuple(Variable(str(c.q), c.doc, c.unit) for c in eq.coordinates[:7])
+        + of_shapes("alpha", "amplitudes of the assumed shapes", "m"),
+        rates=tuple(Variable(str(r.v), r.doc, r.unit) for r in eq.rows)
+        + of_shapes("alphadot", "rates of alpha", "m/s"),
+        rows=tuple(Variable(r.name, f"row of delta {r.name}", r.work) for r in eq.rows)
+        + of_shapes("alpha", "rows of delta alpha", "N"),
+        parameters=memory.parameters,
+        constants=constants,
+        kernels=(setup(eq, memory), *kernels),
+        markers=tuple(Variable(p.name, p.doc, "m") for p in eq.points),
+        zeros=zeros,
+        vanished=tuple(Zero(f"{v.term.name} term of row {v.term.row}", v.reason) for v in eq.vanished),
+        lowering="table",
+        choice=eq.choice,
+        data=_data(eq, memory),
+    )
+
+
+def _data(eq: GenericEquations, memory: Memory) -> tuple[tuple[int, float], ...]:
+    """The defaults: those of a body given by data, or a unit ball of inertia whose modes do not couple."""
+    if eq.data is not None:
+        return tuple((k, value) for k, value in enumerate(eq.data) if value)
+    n, end = eq.modes, 1
+    found = [(0, eq.parameters[0].default)]
+    for t, place in memory.sources:
+        if t.name == "C3":
+            found += [(place + k, 1.0) for k, label in enumerate(labels("C3")) if label[0] == label[1]]
+        elif t.name in ("c8", "K"):
+            diagonal = range(n) if t.kind == "diagonal" else (i * n - i * (i - 1) // 2 for i in range(n))
+            found += [(place + k, 1.0) for k in diagonal]
+        end = place + size(t, n)
+    found += [(end + k, q.default) for k, q in enumerate(eq.parameters[1:])]
+    return tuple(found)

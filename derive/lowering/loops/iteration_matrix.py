@@ -1,0 +1,115 @@
+"""The iteration matrix of a table model in closed form, column by column: derivatives of sums are sums again."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import sympy as sp
+
+from derive.ir.kernel import Kernel, Store
+from derive.ir.loops import Pairs, StoreAt
+from derive.ir.patterns import Columns, Piece, block_pattern
+from derive.lowering.loops.program import NOTHING, Row, Scalar
+from derive.lowering.loops.tables import ALPHA, ALPHADDOT, ALPHADOT, RIGID, SHAPE, Tables, output
+
+
+def jacobian(tables: Tables) -> Kernel:
+    """dF/dy + cj dF/dydot in closed form: derivatives of sums are sums again."""
+    columns = _Columns(tables)
+    for k, name in enumerate(tables.q.elements):
+        columns.coordinate(k, name)
+    columns.shapes(ALPHA, None, sp.Symbol("cj"))
+    for r, row in enumerate(tables.equations.rows):
+        columns.rate(r, str(row.v), row.a)
+    columns.shapes(ALPHADOT, ALPHADDOT, -sp.S.One)
+    program = tables.program(tables.y, tables.ydot, tables.cj)
+    doc = "derivatives of the residual"
+    program.phase("jacobian", "(15)", doc, columns.scalars, columns.rows, columns.pairs)
+    size = 2 * tables.n + 2 * RIGID + 1
+    shape = block_pattern(size, tuple(columns.groups))
+    return program.kernel(
+        "jacobian",
+        "Iteration matrix dF/dy + cj dF/dydot of the first-order form, values by columns, diagonal included.",
+        (tables.t, tables.y, tables.ydot, tables.cj, tables.k),
+        (output("jac", "values of the iteration matrix by columns", ("see its pattern",), len(shape.rowidx), shape),),
+    )
+
+
+class _Columns:
+    """The columns of the iteration matrix, one after the other."""
+
+    def __init__(self, tables: Tables) -> None:
+        self.tables = tables
+        self.scalars: list[Scalar] = []
+        self.rows: list[Row] = []
+        self.pairs: list[tuple[Pairs, sp.Expr, sp.Expr]] = []
+        self.groups: list[Columns] = []
+        self.place = 0
+        self.first = RIGID + 1 + tables.n
+
+    def coordinate(self, k: int, name: str) -> None:
+        """The column of c1 .. c3, e0 .. e3."""
+        symbol, cj = sp.Symbol(name), sp.Symbol("cj")
+        kinematic = [
+            (r, -rate.diff(symbol) + (cj if r == k else 0)) for r, rate in enumerate(self.tables.equations.rates)
+        ]
+        self._single(kinematic, lambda e: self._total(e, symbol))
+
+    def rate(self, r: int, name: str, acceleration: sp.Symbol) -> None:
+        """The column of a rigid rate."""
+        symbol, cj = sp.Symbol(name), sp.Symbol("cj")
+        kinematic = [(k, -rate.diff(symbol)) for k, rate in enumerate(self.tables.equations.rates)]
+        self._single(kinematic, lambda e: self._total(e, symbol) + cj * e.diff(acceleration))
+
+    def _total(self, expr: sp.Expr, symbol: sp.Symbol) -> sp.Expr:
+        """A derivative, through the definitions as well."""
+        found = expr.diff(symbol)
+        for d in self.tables.equations.definitions:
+            if not d.zero and expr.has(d.symbol):
+                found += expr.diff(d.symbol) * self._total(d.expr, symbol)
+        return sp.expand(found)
+
+    def _single(self, kinematic: list[tuple[int, sp.Expr]], derivative: Callable[[sp.Expr], sp.Expr]) -> None:
+        left = self.tables.left
+        dynamic = [(self.first + r, derivative(left[name])) for r, name in enumerate(self.tables.rows)]
+        entries = [(row, e) for row, e in (*kinematic, *dynamic) if e != 0]
+        self.scalars += [(Store("jac", self.place + k, NOTHING), e) for k, (_, e) in enumerate(entries)]
+        self.place += len(entries)
+        pieces = [Piece("row", row) for row, _ in entries]
+        shape = derivative(left[SHAPE]) if self.tables.n else sp.S.Zero
+        if shape != 0:
+            self.rows.append((StoreAt("jac", self.place, 1, NOTHING), shape))
+            self.place += self.tables.n
+            pieces.append(Piece("range", self.first + RIGID, self.tables.n))
+        self.groups.append(Columns(1, tuple(pieces)))
+
+    def shapes(self, vector: str, acceleration: str | None, kinematic: sp.Expr) -> None:
+        """The columns of alpha or alphadot."""
+        tables, n, cj = self.tables, self.tables.n, sp.Symbol("cj")
+        if not n:
+            return
+        gradient = tables.gradient
+
+        def of(expr: sp.Expr) -> sp.Expr:
+            accelerated = cj * gradient.of_scalar(expr, acceleration) if acceleration else 0
+            return sp.expand(gradient.of_scalar(expr, vector) + accelerated)
+
+        rigid = [(self.first + r, of(tables.left[name])) for r, name in enumerate(tables.rows)]
+        entries = [(row, e) for row, e in rigid if e != 0]
+        full, diagonal = gradient.of_row(tables.left[SHAPE], vector)
+        if acceleration:
+            more, below = gradient.of_row(tables.left[SHAPE], acceleration)
+            full, diagonal = sp.expand(full + cj * more), sp.expand(diagonal + cj * below)
+        block = Piece("range", self.first + RIGID, n) if full != 0 else Piece("diagonal", self.first + RIGID)
+        stride = 1 + len(entries) + (n if full != 0 else 1)
+        self.rows.append((StoreAt("jac", self.place, stride, NOTHING), kinematic))
+        for k, (_, e) in enumerate(entries, 1):
+            self.rows.append((StoreAt("jac", self.place + k, stride, NOTHING), e))
+        offset = self.place + 1 + len(entries)
+        if full != 0:
+            self.pairs.append((Pairs(tables.memory.packing, "jac", offset, stride, NOTHING, None), full, diagonal))
+        else:
+            self.rows.append((StoreAt("jac", offset, stride, NOTHING), diagonal))
+        pieces = (Piece("diagonal", RIGID + 1), *(Piece("row", r) for r, _ in entries))
+        self.groups.append(Columns(n, (*pieces, block)))
+        self.place += n * stride

@@ -1,0 +1,288 @@
+"""Kernels with loops over the shapes, put together section by section from generic equations.
+
+What expressions need is computed before them: contractions of tables first, then totals over the shapes, then scalars.
+In a loop, expressions are sums of products of what depends on its index; their factors are computed before it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import replace
+from fractions import Fraction
+from itertools import count
+
+import casadi as ca
+import sympy as sp
+
+from derive.ir.expressions import At, Entry, Expr, Leaf, Let, Num, Op, Ref
+from derive.ir.kernel import Argument, Kernel, Output, Require, Section, Statement, Store, reads
+from derive.ir.loops import Contract, Each, Lane, Packing, Pairs, Put, Reduce, StoreAt, Sum
+from derive.lowering.flat.casadi_symbols import Symbols
+from derive.lowering.flat.graph import Constants, Graph
+from derive.lowering.flat.schedule import Named, Step, Stored, Want, schedule
+from derive.mechanics.equations import Definition
+from derive.mechanics.indexed_equations import Contraction, Total, is_indexed
+from derive.mechanics.series import canonical
+
+Scalar = tuple[Let | Store | Require, sp.Expr]
+"""Where a scalar goes, by a statement whose expression is replaced, and its value."""
+
+Row = tuple[Put | StoreAt, sp.Expr]
+"""Where an expression of index i goes, likewise."""
+
+Place = Let | Store | Require | Put | StoreAt
+
+NOTHING = Num(Fraction(0))
+
+
+class Program:
+    """A kernel in the making; `known` says what scalars are in the Kernel."""
+
+    def __init__(
+        self,
+        packing: Packing,
+        known: Mapping[sp.Symbol, Num | Ref],
+        definitions: Iterable[Definition],
+        contractions: Iterable[Contraction],
+        totals: Iterable[Total],
+    ) -> None:
+        self.packing = packing
+        self.known: dict[sp.Symbol, Num | Ref] = dict(known)
+        self.definitions = [d for d in definitions if not d.zero]
+        self.contractions = {sp.Symbol(c.name): c for c in contractions}
+        self.totals = {sp.Symbol(t.name): t for t in totals}
+        self.sections: list[Section] = []
+        self._arrays: set[str] = set()
+        self._temporaries = (f"t{k}" for k in count(1))
+        self._factors: dict[sp.Expr, sp.Symbol] = {}
+
+    def sums(self, exprs: Iterable[sp.Expr]) -> None:
+        """Compute the contractions and the totals that expressions are made of."""
+        symbols = _symbols(exprs)
+        totals = [t for s, t in self.totals.items() if s in symbols and s not in self.known]
+        inside = symbols | _symbols(e for t in totals for e in (t.base, t.term))
+        self._contract([c for s, c in self.contractions.items() if s in inside and c.name not in self._arrays])
+        self.reduce(totals)
+
+    def _contract(self, contractions: list[Contraction]) -> None:
+        lanes = []
+        for c in contractions:
+            self._arrays.add(c.name)
+            pairs = tuple((self._vector(vector, entry), array(canonical(entry))) for vector, entry in c.sums)
+            lanes.append(Lane(array(c.name), array(str(c.base)) if c.base != 0 else "", pairs))
+        if lanes:
+            section = Section("tables", "appendix", _said(contractions), (Contract(self.packing, tuple(lanes)),))
+            self.sections.append(section)
+
+    def _vector(self, vector: str, entry: str) -> str:
+        """The factor of a table; of an odd table with its indices exchanged, the factor with its sign changed."""
+        if canonical(entry) == entry:
+            return vector
+        name = f"minus_{vector}"
+        if name not in self._arrays:
+            self._arrays.add(name)
+            turned = Put(name, Op("neg", (At(vector, "i"),)))
+            self.sections.append(Section(name, "", f"{vector} with its sign changed", (self._each((turned,)),)))
+        return name
+
+    def reduce(self, totals: Iterable[Total]) -> None:
+        """Compute sums over the shapes, all in one loop."""
+        totals = tuple(totals)
+        if not totals:
+            return
+        body = self._loop([(Put("", NOTHING), by_vector(t.term)) for t in totals])
+        lets = tuple(item for item in body if isinstance(item, Let))
+        terms = [item.expr for item in body if not isinstance(item, Let)]
+        bases: list[Leaf] = [NOTHING if t.base == 0 else self.known[t.base] for t in totals]
+        sums = tuple(Sum(t.name, base, term) for t, base, term in zip(totals, bases, terms, strict=True))
+        loop = Reduce(self.packing.count, lets, sums)
+        self.sections.append(Section("sums", "appendix", _said(totals), (loop,)))
+        self.known |= {sp.Symbol(t.name): Ref(t.name) for t in totals}
+
+    def scalars(self, name: str, equation: str, doc: str, wants: Iterable[Scalar]) -> None:
+        """Compute scalars in straight line, with the definitions that they need; a `Let` is known from then on."""
+        wants = tuple(wants)
+        if wants:
+            self.straight(name, equation, doc, lambda symbols: [(t, symbols(expr)) for t, expr in wants])
+
+    def straight(
+        self, name: str, equation: str, doc: str, make: Callable[[Symbols], list[tuple[Let | Store | Require, ca.SX]]]
+    ) -> None:
+        """Like `scalars`, of what `make` makes of the symbols."""
+        symbols = Symbols(early=frozenset(), late=self._rotation())
+        for symbol, leaf in self.known.items():
+            symbols.input(symbol, leaf)
+        groups: dict[str, list[Definition]] = {}
+        for d in self.definitions:
+            if d.symbol not in symbols.values and d.expr.free_symbols <= symbols.values.keys():
+                symbols.define(d.symbol, d.expr)
+                groups.setdefault(d.section, []).append(d)
+        steps = tuple(
+            Step(section, ds[0].equation, ds[0].doc, tuple(Named(str(d.symbol), symbols.values[d.symbol]) for d in ds))
+            for section, ds in groups.items()
+        )
+        wants = make(symbols)
+        stored: list[Want] = []
+        for k, (target, value) in enumerate(wants):
+            stored += [Named(target.name, value)] if isinstance(target, Let) else []
+            stored.append(Stored("", k, value))
+        targets = [target for target, _ in wants]
+        for section in schedule(
+            Graph(Constants(frozenset())),
+            symbols,
+            steps,
+            (Step(name, equation, doc, tuple(stored)),),
+            self._temporaries,
+        ):
+            placed = (_targeted(item, targets) for item in section.body)
+            body = tuple(t for t in placed if isinstance(t, Let | Store | Require) and not _says_nothing(t))
+            names = {item.name for item in section.body if isinstance(item, Let)}
+            self.known |= {d.symbol: Ref(str(d.symbol)) for d in self.definitions if str(d.symbol) in names}
+            self.sections.append(Section(section.name, section.equation, section.doc, body))
+        self.known |= {sp.Symbol(t.name): Ref(t.name) for t in targets if isinstance(t, Let)}
+
+    def _rotation(self) -> frozenset[sp.Symbol]:
+        return frozenset(d.symbol for d in self.definitions if d.section == "Q")
+
+    def phase(
+        self,
+        name: str,
+        equation: str,
+        doc: str,
+        scalars: Iterable[Scalar] = (),
+        rows: Iterable[Row] = (),
+        pairs: Iterable[tuple[Pairs, sp.Expr, sp.Expr]] = (),
+    ) -> None:
+        """Scalars, then a loop for rows, then a loop for each block of pairs (its expression, that of its diagonal)."""
+        scalars, rows, pairs = tuple(scalars), tuple(rows), tuple(pairs)
+        self.sums([*(e for _, e in (*scalars, *rows)), *(e for _, *both in pairs for e in both)])
+        before = len(self._factors)
+        lines = [(target, self.linear(expr)) for target, expr in rows]
+        blocks = [(loop, self.linear(full), self.linear(diagonal)) for loop, full, diagonal in pairs]
+        fresh = list(self._factors.items())[before:]
+        factors: list[Scalar] = [(Let(str(symbol), NOTHING), expr) for expr, symbol in fresh]
+        self.scalars(name, equation, doc, (*factors, *scalars))
+        loops: list[Statement] = []
+        if lines and self.packing.count:
+            loops.append(self._each(self._loop(lines)))
+        for loop, full, diagonal in blocks:
+            inside, extra = self._pair(full), None if diagonal == 0 else self._pair(diagonal)
+            loops.append(Pairs(loop.packing, loop.output, loop.offset, loop.stride, inside, extra))
+        if loops and self.packing.count:
+            self.sections.append(Section(f"{name}_i", equation, f"{doc}, for each shape", tuple(loops)))
+
+    def kernel(
+        self, name: str, doc: str, arguments: tuple[Argument, ...], outputs: tuple[Output, ...], *more: Section
+    ) -> Kernel:
+        """The kernel, without names that nothing reads; `more` sections follow those of the program."""
+        sections = [*self.sections, *more]
+        while True:
+            used = {n for section in sections for statement in section.body for n in reads(statement)}
+            kept = [
+                replace(s, body=tuple(b for b in s.body if not isinstance(b, Let) or b.name in used)) for s in sections
+            ]
+            if kept == sections:
+                return Kernel(name, doc, arguments, outputs, tuple(s for s in sections if s.body))
+            sections = kept
+
+    def linear(self, expr: sp.Expr) -> sp.Expr:
+        """An expression of indices as a sum of products of indexed symbols, with scalar factors that have a name."""
+        grouped: dict[sp.Expr, sp.Expr] = {}
+        for term in sp.Add.make_args(sp.expand(expr)):
+            scalar, indexed = term.as_independent(*(s for s in term.free_symbols if is_indexed(s)), as_Add=False)
+            grouped[indexed] = grouped.get(indexed, sp.S.Zero) + scalar
+        return sp.Add(*(self._factor(scalar) * indexed for indexed, scalar in grouped.items()))
+
+    def _factor(self, expr: sp.Expr) -> sp.Expr:
+        """A scalar as it stands in a loop: a number, a known name, or a new name for it; signs stay outside."""
+        if expr.could_extract_minus_sign():
+            return -self._factor(-expr)
+        if expr.is_Rational or expr in self.known:
+            return expr
+        if expr not in self._factors:
+            own = sp.Symbol(f"f{len(self._factors) + 1}")
+            self._factors[expr] = expr if any(d.symbol == expr for d in self.definitions) else own
+        return self._factors[expr]
+
+    def _each(self, body: tuple[Let | Put | StoreAt, ...]) -> Each:
+        return Each(self.packing.count, body)
+
+    def _loop(self, rows: list[Row]) -> tuple[Let | Put | StoreAt, ...]:
+        """The body of a loop over i."""
+        symbols = Symbols(early=frozenset(self.known), late=frozenset())
+        for symbol in sorted(_symbols(e for _, e in rows), key=str):
+            symbols.input(symbol, At(array(str(symbol)), "i") if is_indexed(symbol) else self.known[symbol])
+        stored = tuple(Stored("", k, symbols(expr)) for k, (_, expr) in enumerate(rows))
+        step = Step("loop", "", "", stored)
+        (section,) = schedule(Graph(Constants(frozenset())), symbols, (), (step,), self._temporaries)
+        targets = [target for target, _ in rows]
+        placed = (_targeted(item, targets) for item in section.body)
+        return tuple(item for item in placed if isinstance(item, Let | Put | StoreAt))
+
+    def _pair(self, expr: sp.Expr) -> Expr:
+        """An expression of i and j, without names in between."""
+        symbols = Symbols(early=frozenset(self.known), late=frozenset())
+        for symbol in sorted(expr.free_symbols, key=str):
+            symbols.input(symbol, _pair_leaf(symbol) if is_indexed(symbol) else self.known[symbol])
+        step = Step("pair", "", "", (Stored("", 0, symbols(expr)),))
+        (section,) = schedule(Graph(Constants(frozenset())), symbols, (), (step,), self._temporaries)
+        (item,) = section.body
+        assert isinstance(item, Store)
+        return item.expr
+
+
+def array(name: str) -> str:
+    """What an indexed quantity is called as an array: S_i_11 is S_11."""
+    return "_".join(part for part in name.split("_") if part not in ("i", "j"))
+
+
+def by_vector(term: sp.Expr) -> sp.Expr:
+    """alpha_i a + alpha_i b as alpha_i (a + b)."""
+    vectors = sp.symbols("alpha_i alphadot_i alphaddot_i")
+    grouped: dict[sp.Expr, list[sp.Expr]] = {}
+    for part in sp.Add.make_args(sp.expand(term)):
+        first = next((v for v in vectors if v in part.free_symbols), sp.S.One)
+        grouped.setdefault(first, []).append(part / first)
+    return sp.Add(*(sp.Mul(v, sp.Add(*rest), evaluate=False) for v, rest in grouped.items()), evaluate=False)
+
+
+def _pair_leaf(symbol: sp.Symbol) -> Leaf:
+    parts = symbol.name.split("_")
+    return Entry(array(symbol.name)) if {"i", "j"} <= set(parts) else At(array(symbol.name), "i")
+
+
+def _targeted(item: Statement, targets: Sequence[Place]) -> Place:
+    """A statement of a schedule with its place filled in."""
+    if not isinstance(item, Store):
+        assert isinstance(item, Let | Require)
+        return item
+    match targets[item.index]:
+        case Let(name):
+            return Let(name, item.expr)
+        case Store(output, index):
+            return Store(output, index, item.expr)
+        case Require(kind, _, code, text):
+            return Require(kind, item.expr, code, text)
+        case Put(name):
+            return Put(name, item.expr)
+        case StoreAt(output, offset, stride):
+            return StoreAt(output, offset, stride, item.expr)
+    raise AssertionError("a target is a place for a value")
+
+
+def _says_nothing(item: Place) -> bool:
+    """Whether a definition that loops need has been written under its name already."""
+    return isinstance(item, Let) and item.expr == Ref(item.name)
+
+
+def _symbols(exprs: Iterable[sp.Expr]) -> set[sp.Symbol]:
+    return {s for e in exprs for s in sp.sympify(e).free_symbols}
+
+
+def _said(sums: Iterable[Contraction | Total]) -> str:
+    """`S_i = ...` once for all components."""
+    said: dict[str, str] = {}
+    for s in sums:
+        stem = "_".join(part for part in s.name.split("_") if not part.isdigit())
+        said.setdefault(stem, s.doc.split(" . e")[0])
+    return "; ".join(f"{stem} = {doc}" for stem, doc in said.items())

@@ -1,0 +1,163 @@
+"""The uniform slender beam in a plane, (21)-(27): its shape integrals and its strain energy, exactly.
+
+The inertia of (15) sees int rho ... dOmega = m/2 int ... dxi over -1 <= xi <= 1, with X = xi l/2 e1 (24) and
+Phi_i = phi_i(xi) e2 (25). The rotary inertia of the cross-section is neglected, the axis does not stretch.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import sympy as sp
+
+from derive.mechanics import quantity
+from derive.mechanics.equations import Coefficient, Equations
+from derive.mechanics.integrals import Value, coefficients
+from derive.mechanics.planar import planar_motion
+from derive.mechanics.points import MaterialPoint
+from derive.mechanics.reference_conditions import assumed_shapes, integral, xi
+from derive.mechanics.virtual_work_equations import Body, equations
+from derive.spec.model.body import Marker, Parameter, PlanarBeam, Polynomial
+
+LATERAL = "geometry (the beam lies along e1 and deflects along e2)"
+PARALLEL = "geometry (all deflections are along e2)"
+CENTRED = "the choice of O (the centre of the undeformed beam)"
+CONDITION_17 = "condition (17) (no mean displacement)"
+CONDITION_19 = "condition (19) (no mean rotation)"
+PARITY = "parity (the integrand is odd in xi)"
+BY_CHANCE = "these shapes (the integral vanishes exactly)"
+ORTHOGONAL = "orthogonality (the integral vanishes exactly)"
+
+
+def derive(beam: PlanarBeam) -> Equations:
+    """The equations of motion of a planar beam: (33) or (41) for the paper's cubic in its two frames.
+
+    Raises ConditionError when the ansatz does not fit the frame.
+    """
+    return equations(beam_body(beam))
+
+
+def beam_body(beam: PlanarBeam, pieces: int = 1) -> Body:
+    """A planar beam, or one of so many equal pieces of it, as (15) needs to know it. Raises ConditionError when the
+    ansatz does not fit the frame."""
+    shapes = assumed_shapes(beam.ansatz, beam.frame, beam.orthogonal)
+    mass, length, bending = (quantity.value(q) for q in (beam.mass, beam.length, beam.bending_stiffness))
+    mass, length = mass / pieces, length / pieces
+    gravity, gravity_parameters = quantity.gravity(beam.gravity)
+    docs = {"mass": "mass of the beam", "length": "length of the beam", "bending_stiffness": "bending stiffness EI"}
+    return Body(
+        name=beam.name,
+        doc=f"free planar beam, {beam.frame.kind} frame, shapes {', '.join(map(shape_text, shapes))}",
+        origin="X = xi l/2 e1 (24), so c is where the centre of the undeformed beam lies in the floating frame.",
+        motion=planar_motion(len(shapes)),
+        mass=mass,
+        integrals=coefficients(BeamIntegrals(shapes, mass, length, beam.frame.kind == "mean"), len(shapes)),
+        stiffness=_stiffness(shapes, length, bending),
+        points=tuple(beam_point(marker, beam, pieces) for marker in beam.markers),
+        parameters=tuple(
+            quantity.parameter(getattr(beam, field), doc)
+            for field, doc in docs.items()
+            if isinstance(getattr(beam, field), Parameter)
+        )
+        + gravity_parameters,
+        gravity=gravity,
+    )
+
+
+def section_turns(marker: Marker, beam: PlanarBeam, pieces: int = 1) -> tuple[Coefficient, ...]:
+    """The rotation of the section at a marker for unit amplitudes: dv/dx of each shape, to first order as in (22)."""
+    at, length = sp.Rational(marker.at), quantity.value(beam.length) / pieces
+    found = []
+    for i, shape in enumerate(assumed_shapes(beam.ansatz, beam.frame, beam.orthogonal), 1):
+        slope = _poly(shape).diff(xi).eval(at)
+        zero = None if slope else "these shapes (no slope there)"
+        doc = f"rotation of the section at marker {marker.name} for a unit of shape {i}: d phi_{i}/dx"
+        found.append(Coefficient(sp.Symbol(f"turn_{marker.name}_{i}"), 2 * slope / length, "(21)", doc, "1/m", zero))
+    return tuple(found)
+
+
+def _poly(coefficients: Polynomial) -> sp.Poly:
+    return sp.Poly([sp.Rational(c) for c in reversed(coefficients)], xi, domain="QQ")
+
+
+def shape_text(coefficients: Polynomial) -> str:
+    """A shape in xi as it is written."""
+    return str(_poly(coefficients).as_expr()).replace("**", "^")
+
+
+@dataclass(frozen=True)
+class BeamIntegrals:
+    """Moments of X (index 0) and of the shapes phi_i(xi) of a uniform beam; see FieldIntegrals."""
+
+    shapes: tuple[Polynomial, ...]
+    mass: sp.Expr
+    length: sp.Expr
+    mean_frame: bool
+
+    def first(self, i: int, component: int) -> Value:
+        """X lies along e1 and the shapes along e2."""
+        if (i == 0) != (component == 1):
+            return Value(sp.S.Zero, LATERAL)
+        if i == 0:
+            return self._value(self._field(0), self.length / 2, CENTRED)
+        return self._value(self._field(i), sp.S.One, CONDITION_17 if self.mean_frame else None, BY_CHANCE)
+
+    def trace(self, i: int, j: int) -> Value:
+        """X . X, X . Phi_j or Phi_i . Phi_j."""
+        if (i == 0) != (j == 0):
+            return Value(sp.S.Zero, LATERAL)
+        factor = self.length**2 / 4 if i == 0 else sp.S.One
+        return self._value(self._field(i) * self._field(j), factor)
+
+    def axial(self, i: int, j: int) -> Value:
+        """X x Phi_j; the shapes are parallel to each other."""
+        if i and j:
+            return Value(sp.S.Zero, PARALLEL)
+        condition = CONDITION_19 if self.mean_frame else None
+        return self._value(self._field(i) * self._field(j), self.length / 2, condition)
+
+    def _field(self, i: int) -> sp.Poly:
+        return _poly(self.shapes[i - 1]) if i else sp.Poly(xi, xi, domain="QQ")
+
+    def _value(
+        self, integrand: sp.Poly, factor: sp.Expr, reason: str | None = None, otherwise: str = ORTHOGONAL
+    ) -> Value:
+        """m/2 int integrand dxi times factor, with the reason if it is zero."""
+        value = integral(integrand)
+        if value:
+            return Value(self.mass * factor * value / 2)
+        odd = all(n % 2 for (n,), _ in integrand.terms())
+        return Value(sp.S.Zero, reason or (PARITY if odd else otherwise))
+
+
+def _stiffness(shapes: tuple[Polynomial, ...], length: sp.Expr, bending: sp.Expr) -> tuple[Coefficient, ...]:
+    """K_ij of U = 1/2 EI int (d^2v/dx^2)^2 dx, which is (22) since x = xi l/2."""
+    dxi_dx = 2 / length
+    dx_dxi = length / 2
+    curvatures = [_poly(s).diff((xi, 2)) for s in shapes]
+    found = []
+    for i, first in enumerate(curvatures, 1):
+        for j, second in enumerate(curvatures[i - 1 :], i):
+            value = integral(first * second)
+            odd = all(n % 2 for (n,), _ in (first * second).terms())
+            zero = None if value else PARITY if odd else ORTHOGONAL
+            doc = f"stiffness: int EI (d2 phi_{i}/dx2) (d2 phi_{j}/dx2) dx"
+            expr = bending * dxi_dx**4 * dx_dxi * value
+            found.append(Coefficient(sp.Symbol(f"K_{i}_{j}"), expr, "(22)", doc, "N/m", zero))
+    return tuple(found)
+
+
+def beam_point(marker: Marker, beam: PlanarBeam, pieces: int = 1) -> MaterialPoint:
+    """A point of the beam, or of one of its pieces, of which the marker then is."""
+    shapes, length = assumed_shapes(beam.ansatz, beam.frame, beam.orthogonal), quantity.value(beam.length) / pieces
+    at = sp.Rational(marker.at)
+    position = sp.Symbol(f"X_{marker.name}")
+    zero = None if at else "the choice of O (the marker is there)"
+    doc = f"reference position of marker {marker.name}"
+    return MaterialPoint(
+        name=marker.name,
+        doc=f"material point at xi = {at}",
+        position=sp.ImmutableMatrix([position, 0]),
+        shapes=tuple(sp.ImmutableMatrix([0, _poly(s).eval(at)]) for s in shapes),
+        coefficients=(Coefficient(position, at * length / 2, "(24)", doc, "m", zero),),
+    )

@@ -1,0 +1,70 @@
+"""The rigid body in the plane: no shapes, and the moments of X about the origin of its base."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import sympy as sp
+
+from derive.mechanics.equations import Coefficient
+from derive.mechanics.integrals import Value, coefficients
+from derive.mechanics.planar import planar_motion
+from derive.mechanics.points import MaterialPoint
+from derive.mechanics.virtual_work_equations import Body
+
+AT_CENTRE = "the choice of O (the centre of mass)"
+
+
+@dataclass(frozen=True)
+class RigidIntegrals:
+    """Moments of X of a rigid body whose centre of mass lies at `centre`; see FieldIntegrals."""
+
+    mass: sp.Expr
+    inertia: sp.Expr
+    centre: sp.Matrix
+
+    def first(self, i: int, component: int) -> Value:
+        """int rho X . e_component."""
+        value = sp.expand(self.mass * self.centre[component - 1])
+        return Value(value, None if value else AT_CENTRE)
+
+    def trace(self, i: int, j: int) -> Value:
+        """int rho X . X: the moment of inertia about O, by Steiner."""
+        return Value(sp.expand(self.inertia + self.mass * self.centre.dot(self.centre)))
+
+    def axial(self, i: int, j: int) -> Value:
+        """There are no shapes to ask for."""
+        raise IndexError("a rigid body has no shapes")
+
+
+def rigid_body(
+    name: str,
+    mass: sp.Expr,
+    inertia: sp.Expr,
+    centre: sp.Matrix,
+    points: tuple[MaterialPoint, ...],
+    gravity: tuple[Coefficient, ...],
+) -> Body:
+    """A rigid body; `inertia` is about the centre of mass, `centre` and points count from O."""
+    return Body(
+        name=name,
+        doc="rigid body in the plane",
+        origin="",
+        motion=planar_motion(0),
+        mass=mass,
+        integrals=coefficients(RigidIntegrals(mass, inertia, centre), 0),
+        stiffness=(),
+        points=points,
+        parameters=(),
+        gravity=gravity,
+    )
+
+
+def rigid_point(name: str, position: sp.Matrix) -> MaterialPoint:
+    """A point of a rigid body at `position` from O."""
+    symbols = [sp.Symbol(f"X_{name}_{k}") for k in (1, 2)]
+    found = tuple(
+        Coefficient(s, sp.expand(x), "(24)", f"X . e{k} of {name}", "m", None if x else "the choice of O")
+        for k, (s, x) in enumerate(zip(symbols, position, strict=True), 1)
+    )
+    return MaterialPoint(name, f"point {name}", sp.ImmutableMatrix(symbols), (), found)

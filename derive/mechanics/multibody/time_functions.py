@@ -1,0 +1,37 @@
+"""Functions of time of a specification in SymPy."""
+
+from __future__ import annotations
+
+import sympy as sp
+
+from derive.spec.model.scene import Function
+
+t = sp.Symbol("t")
+
+_BUILD = {
+    "add": lambda a, b: a + b,
+    "sub": lambda a, b: a - b,
+    "mul": lambda a, b: a * b,
+    "div": lambda a, b: a / b,
+    "pow": lambda a, b: a**b,
+    "neg": lambda a: -a,
+    "sin": sp.sin,
+    "cos": sp.cos,
+    "sqrt": sp.sqrt,
+}
+
+
+def function(of: Function) -> sp.Expr:
+    """The expression of t; numbers stay exact."""
+    if of.kind == "number":
+        return sp.Rational(of.value)
+    if of.kind == "t":
+        return t
+    return rounded(_BUILD[of.kind](*map(function, of.args)))
+
+
+def rounded(expr: sp.Expr) -> sp.Expr:
+    """A number that is no fraction, such as cos(1/2), as the double next to it, which is the same on any machine."""
+    if not expr.is_number or expr.is_Rational or not (expr.is_real and expr.is_finite):
+        return expr
+    return sp.Rational(float(expr.evalf(30)))

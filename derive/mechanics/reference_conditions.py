@@ -1,0 +1,169 @@
+"""Conditions that keep rigid motion out of the assumed displacement fields: (16)-(19), (28)-(40).
+
+A frame is a set of linear conditions on v(xi). They are solved exactly on the span of the ansatz; what is left are
+the assumed shapes phi_i of (30) and (38).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from fractions import Fraction
+
+import sympy as sp
+
+from derive.spec.model.body import Frame, Polynomial
+
+xi = sp.Symbol("xi")
+NOTHING = sp.Poly(0, xi, domain="QQ")
+
+
+class ConditionError(ValueError):
+    """An ansatz and a frame that do not make a set of assumed shapes; `problems` says why, one text a fault."""
+
+    def __init__(self, problems: Iterable[str]) -> None:
+        self.problems = tuple(problems)
+        super().__init__("; ".join(self.problems))
+
+
+@dataclass(frozen=True)
+class Condition:
+    """A linear condition on v(xi): `text` as an equation, its number in the paper, its value on a polynomial."""
+
+    text: str
+    equation: str
+    functional: Callable[[sp.Poly], sp.Rational]
+
+    def on(self, polynomial: sp.Poly) -> sp.Rational:
+        """The left-hand side of the condition for v = polynomial."""
+        return self.functional(polynomial)
+
+
+def integral(polynomial: sp.Poly) -> sp.Rational:
+    """The exact integral of a polynomial over the beam, -1 <= xi <= 1."""
+    return sum((2 * c / (n + 1) for (n,), c in polynomial.terms() if n % 2 == 0), sp.S.Zero)
+
+
+def conditions(frame: Frame) -> tuple[Condition, ...]:
+    """The conditions of a frame: mean (34), (36); point and tangent v = v' = 0 (28), (29); chord v = 0 twice."""
+    at = sp.Rational(frame.at) if frame.at is not None else sp.S.Zero
+    times_xi = sp.Poly(xi, xi, domain="QQ")
+    if frame.kind == "mean":
+        return (
+            Condition("int v dxi = 0", "(17), (34)", integral),
+            Condition("int xi v dxi = 0", "(19), (36)", lambda p: integral(p * times_xi)),
+        )
+    if frame.kind in ("point", "tangent"):
+        return (
+            Condition(f"v({at}) = 0", "(16), (28)", lambda p: p.eval(at)),
+            Condition(f"v'({at}) = 0", "(29)", lambda p: p.diff(xi).eval(at)),
+        )
+    if frame.kind == "chord":
+        return (
+            Condition("v(-1) = 0", "(16)", lambda p: p.eval(-1)),
+            Condition("v(1) = 0", "(16)", lambda p: p.eval(1)),
+        )
+    return ()
+
+
+def assumed_shapes(ansatz: tuple[Polynomial, ...], frame: Frame, orthogonal: bool) -> tuple[Polynomial, ...]:
+    """The shapes phi_i(xi) that an ansatz leaves in a frame, exactly; coefficients of 1, xi, xi^2, ...
+
+    The conditions remove the lowest ansatz terms, as (28)-(32) and (34)-(40) do. `orthogonal` then makes each shape
+    orthogonal to those before it in the mass metric. A shape is scaled so that it is one at xi = 1, or, where it
+    vanishes there, so that the first derivative which does not is one: (31), (32), (39), (40).
+
+    Raises ConditionError when the ansatz is linearly dependent, when nothing is left, or when a combination of the
+    shapes is a rigid motion.
+    """
+    polynomials = [_poly(p) for p in ansatz]
+    dependent = _dependencies(polynomials, [_text(p) for p in polynomials])
+    if dependent:
+        raise ConditionError(f"the ansatz is linearly dependent: {d} = 0; leave one of these out" for d in dependent)
+    left = _solve(polynomials, conditions(frame))
+    if not left:
+        raise ConditionError([_nothing_left(frame)])
+    if orthogonal:
+        left = _orthogonal(left)
+    rigid = _rigid_motions(left)
+    if rigid:
+        raise ConditionError(rigid)
+    shapes = [_normalised(p) for p in left]
+    return tuple(tuple(Fraction(int(c.p), int(c.q)) for c in reversed(p.all_coeffs())) for p in shapes)
+
+
+def _poly(coefficients: Polynomial) -> sp.Poly:
+    return sp.Poly([sp.Rational(c) for c in reversed(coefficients)] or [0], xi, domain="QQ")
+
+
+def _text(polynomial: sp.Poly) -> str:
+    """A polynomial as the specification writes it."""
+    return str(polynomial.as_expr()).replace("**", "^")
+
+
+def _solve(ansatz: list[sp.Poly], frame_conditions: tuple[Condition, ...]) -> list[sp.Poly]:
+    """A basis of the part of span(ansatz) on which all conditions hold; the leading ansatz terms are eliminated."""
+    if not frame_conditions:
+        return ansatz
+    values = sp.Matrix([[condition.on(p) for p in ansatz] for condition in frame_conditions])
+    return [_combination(ansatz, vector) for vector in values.nullspace()]
+
+
+def _combination(polynomials: list[sp.Poly], weights: Iterable[sp.Rational]) -> sp.Poly:
+    return sum((p * w for p, w in zip(polynomials, weights, strict=True)), NOTHING)
+
+
+def _orthogonal(polynomials: list[sp.Poly]) -> list[sp.Poly]:
+    """Gram-Schmidt in the mass metric of a uniform beam, in the order of the ansatz."""
+    result: list[sp.Poly] = []
+    for p in polynomials:
+        known = (other * (integral(p * other) / integral(other * other)) for other in result)
+        result.append(p - sum(known, NOTHING))
+    return result
+
+
+def _normalised(polynomial: sp.Poly) -> sp.Poly:
+    derivative = polynomial
+    while derivative.eval(1) == 0:
+        derivative = derivative.diff(xi)
+    return polynomial * (1 / derivative.eval(1))
+
+
+def _nothing_left(frame: Frame) -> str:
+    asked = " and ".join(c.text for c in conditions(frame)) or "no condition"
+    empty = f"the ansatz is empty after the conditions of the {frame.kind} frame ({asked})"
+    return f"{empty}; add polynomials of higher degree"
+
+
+def _rigid_motions(shapes: list[sp.Poly]) -> list[str]:
+    """A message for each rigid motion (a + b xi, the linear part of (18)) that a combination of shapes makes."""
+    names = [f"({_text(p)})" for p in shapes]
+    rigid = [sp.Poly(1, xi, domain="QQ"), sp.Poly(xi, xi, domain="QQ")]
+    messages = []
+    for weights in _null_vectors([*rigid, *shapes]):
+        motion = _combination(rigid, [-w for w in weights[:2]])
+        sign = -1 if motion.LC() < 0 else 1
+        kind = "translation" if motion.degree() == 0 else "rotation" if motion.eval(0) == 0 else "rigid motion"
+        combination = _sum_text([sign * w for w in weights[2:]], names)
+        messages.append(
+            f"rigid motion is left in the shapes: {combination} = {_text(sign * motion)}, a {kind}; "
+            "the mass matrix would be singular: choose the frame mean, point, chord or tangent, or take it out"
+        )
+    return messages
+
+
+def _dependencies(polynomials: list[sp.Poly], names: list[str]) -> list[str]:
+    return [_sum_text(weights, [f"({n})" for n in names]) for weights in _null_vectors(polynomials)]
+
+
+def _null_vectors(polynomials: list[sp.Poly]) -> list[list[sp.Rational]]:
+    """Weights, whole numbers, of all independent combinations that vanish identically (exact rank)."""
+    height = max(p.degree() for p in polynomials if not p.is_zero) + 1 if any(polynomials) else 1
+    columns = [[p.coeff_monomial(xi**n) for n in range(height)] for p in polynomials]
+    vectors = (list(vector) for vector in sp.Matrix(columns).T.nullspace())
+    return [[w * sp.ilcm(1, *(x.q for x in vector)) for w in vector] for vector in vectors]
+
+
+def _sum_text(weights: Iterable[sp.Rational], names: list[str]) -> str:
+    parts = [f"{'' if w == 1 else '-' if w == -1 else f'{w}*'}{n}" for w, n in zip(weights, names, strict=True) if w]
+    return " + ".join(parts).replace("+ -", "- ")

@@ -1,0 +1,1 @@
+"""A report as data: pages, formulas, tables and anchors."""

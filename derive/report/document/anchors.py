@@ -1,0 +1,84 @@
+"""The anchors of a page, with what they are on: for languages that name the places that links lead to by themselves."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from derive.report.document.page import (
+    Block,
+    Columns,
+    Details,
+    Equations,
+    Heading,
+    Link,
+    Listing,
+    Page,
+    Paragraph,
+    Table,
+)
+
+
+def targets(page: Page) -> dict[str, str]:
+    """A short name for each anchor of the page; a summand has that of its equation, which is what one can turn to."""
+    names: dict[str, str] = {}
+    for k, anchors in enumerate(_anchors(page.blocks), 1):
+        names |= {anchor: f"at-{k}" for anchor in anchors if anchor and anchor not in names}
+    return names
+
+
+def _anchors(blocks: Sequence[Block]) -> Iterator[tuple[str, ...]]:
+    """The anchors of each place."""
+    for block in blocks:
+        match block:
+            case Heading():
+                yield (block.anchor,)
+            case Equations(rows):
+                for equation in rows:
+                    yield (equation.anchor, *(part.anchor for part in equation.parts))
+            case Listing():
+                for line in block.lines:
+                    yield (line.anchor,)
+            case Details():
+                yield from _anchors(block.blocks)
+            case Columns(columns):
+                for column in columns:
+                    yield from _anchors(column)
+
+
+def faults(page: Page) -> tuple[str, ...]:
+    """What is wrong with the links of a page: anchors that come twice, links to none."""
+    found, seen = [], set()
+    for anchors in _anchors(page.blocks):
+        for anchor in filter(None, anchors):
+            found += [f"the anchor {anchor!r} comes twice"] if anchor in seen else []
+            seen.add(anchor)
+    return (*found, *(f"nothing has the anchor {to[1:]!r}" for to in _links(page.blocks) if to[1:] not in seen))
+
+
+def linked(page: Page) -> frozenset[str]:
+    """The anchors that links of the page lead to."""
+    return frozenset(to[1:] for to in _links(page.blocks))
+
+
+def _links(blocks: Sequence[Block]) -> Iterator[str]:
+    """Where the links of blocks lead within the page."""
+    return (to for to in _all_links(blocks) if to.startswith("#"))
+
+
+def _all_links(blocks: Sequence[Block]) -> Iterator[str]:
+    for block in blocks:
+        match block:
+            case Paragraph(said):
+                yield from (one.to for one in said if isinstance(one, Link))
+            case Equations(rows):
+                yield from (part.to for equation in rows for part in equation.parts)
+            case Table():
+                texts = (*block.head, *(cell.text for row in block.rows for cell in row))
+                yield from (one.to for text in texts for one in text if isinstance(one, Link))
+            case Listing():
+                yield from (link.to for line in block.lines for link in line.links)
+            case Details():
+                yield from _all_links(block.blocks)
+            case Columns(columns):
+                for column in columns:
+                    yield from _all_links(column)

@@ -1,0 +1,139 @@
+"""A report as data: headings, paragraphs, equations, tables, pictures and code, which every language lays out."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+from derive.report.document.formula import Equation, Formula
+
+
+@dataclass(frozen=True)
+class Math:
+    """A formula within text."""
+
+    formula: Formula
+
+
+@dataclass(frozen=True)
+class Link:
+    """Text that leads to an anchor of this page (`#...`), or to an address."""
+
+    text: str
+    to: str
+
+
+@dataclass(frozen=True)
+class Code:
+    """A word of code within text."""
+
+    text: str
+
+
+@dataclass(frozen=True)
+class Strong:
+    """A word that is to be seen."""
+
+    text: str
+
+
+Inline = str | Math | Link | Code | Strong
+Text = tuple[Inline, ...]
+
+
+@dataclass(frozen=True)
+class Heading:
+    """A heading of level 2 or 3 (the title is 1), with an anchor."""
+
+    text: str
+    anchor: str
+    level: int = 2
+
+
+@dataclass(frozen=True)
+class Paragraph:
+    """A paragraph."""
+
+    text: Text
+
+
+@dataclass(frozen=True)
+class Equations:
+    """Equations below each other, aligned at their relations. A long one breaks between its parts."""
+
+    rows: tuple[Equation, ...]
+
+
+@dataclass(frozen=True)
+class Cell:
+    """A cell of a table; `title` is told on hover, `mark` lets it be coloured (zero, entry, good, bad)."""
+
+    text: Text
+    title: str = ""
+    mark: Literal["", "zero", "entry", "good", "bad"] = ""
+
+
+@dataclass(frozen=True)
+class Table:
+    """A table with a caption; `wide` ones may scroll. `align` has l, r or c for each column."""
+
+    caption: str
+    head: tuple[Text, ...]
+    rows: tuple[tuple[Cell, ...], ...]
+    align: str = ""
+    wide: bool = False
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A picture as SVG text, with words for those who do not see it."""
+
+    svg: str
+    alt: str
+    caption: str
+
+
+@dataclass(frozen=True)
+class Line:
+    """A line of code with an anchor, and the anchors it leads to (with the text of each link)."""
+
+    number: int
+    text: str
+    anchor: str = ""
+    links: tuple[Link, ...] = ()
+
+
+@dataclass(frozen=True)
+class Listing:
+    """Lines of code of a file."""
+
+    language: str
+    caption: str
+    lines: tuple[Line, ...]
+
+
+@dataclass(frozen=True)
+class Details:
+    """What is folded away until somebody wants it."""
+
+    summary: str
+    blocks: tuple[Block, ...]
+
+
+@dataclass(frozen=True)
+class Columns:
+    """Blocks side by side, as two frames of one body; below each other where there is no room."""
+
+    columns: tuple[tuple[Block, ...], ...]
+
+
+Block = Heading | Paragraph | Equations | Table | Picture | Listing | Details | Columns
+
+
+@dataclass(frozen=True)
+class Page:
+    """A whole report."""
+
+    title: str
+    subtitle: str
+    blocks: tuple[Block, ...]

@@ -1,0 +1,230 @@
+"""SymPy expressions as formulas in the order of a mechanics paper.
+
+In a product stand: the number, masses and stiffness, moments, amplitudes, rates, accelerations, sines and cosines; in
+a sum: accelerations, rates, the rest.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+
+import sympy as sp
+
+from derive.mechanics.equations import Equations
+from derive.mechanics.indexed_equations import GenericEquations
+from derive.mechanics.motion import MASS
+from derive.report.document.formula import (
+    Call,
+    Fenced,
+    Formula,
+    Fraction,
+    Name,
+    Number,
+    Operator,
+    Part,
+    Power,
+    Root,
+    Row,
+)
+from derive.report.notation.names import Kind, Known, constant, known
+
+SMALL, LARGE = 1000, 10**7
+"""Denominators up to the first and numerators up to the second are written as they are."""
+
+DIGITS = 6
+
+FIRST = {"c": 0, "p": 1, "o": 1}
+"""Coordinates in their order: c; phi and omega; alpha last."""
+
+Key = tuple[object, ...]
+
+
+@dataclass(frozen=True)
+class Notation:
+    """How the symbols of a model are written. `constants` are those that the specification chose, in its order."""
+
+    constants: tuple[sp.Symbol, ...] = ()
+    mass: sp.Symbol | None = None
+
+    def known(self, symbol: sp.Symbol) -> Known:
+        """What a symbol is, and how it is written."""
+        if symbol == MASS and self.mass is not None:
+            symbol = self.mass
+        found = None if symbol in self.constants and not symbol.name.endswith("_") else known(symbol.name)
+        return found or Known(Kind.CONSTANT, constant(symbol.name))
+
+    def formula(self, expr: sp.Expr) -> Formula:
+        """An expression."""
+        if isinstance(expr, sp.Add):
+            return join(self.parts(expr))
+        negative, formula = self._summand(expr)
+        return Row((Operator("-"), formula)) if negative else formula
+
+    def factor(self, expr: sp.Expr) -> Formula:
+        """An expression as a factor of a product: a sum in brackets."""
+        formula = self.formula(expr)
+        return Fenced(formula) if isinstance(formula, Row) else formula
+
+    def parts(
+        self, expr: sp.Expr, anchor: str = "", group: str = "", title: str = "", to: str = ""
+    ) -> tuple[Part, ...]:
+        """The summands of an expression, in order; the first has the anchor."""
+        found = []
+        for k, summand in enumerate(sorted(sp.Add.make_args(expr), key=self.order)):
+            negative, formula = self._summand(summand)
+            found.append(Part("-" if negative else "+", formula, "" if k else anchor, group, title, to))
+        return tuple(found)
+
+    def order(self, summand: sp.Expr) -> Key:
+        """Where a summand stands: by its accelerations, its rates, its amplitudes, then by what is left."""
+        powers = summand.as_powers_dict()
+        by_kind: dict[Kind, list[Key]] = {kind: [] for kind in Kind}
+        for base, exponent in powers.items():
+            if isinstance(base, sp.Symbol):
+                by_kind[self.known(base).kind].append((*self._rank(base), float(exponent)))
+        found: list[object] = []
+        for kind in (Kind.ACCELERATION, Kind.RATE, Kind.AMPLITUDE, Kind.MOMENT, Kind.CONSTANT, Kind.SINE, Kind.TURN):
+            keys = sorted(by_kind[kind])
+            found += [not keys if kind in (Kind.ACCELERATION, Kind.RATE) else bool(keys), tuple(keys)]
+        return (*found, sp.default_sort_key(summand))
+
+    def _rank(self, symbol: sp.Symbol) -> tuple[int, int, tuple[tuple[int, int, str], ...]]:
+        """The place of a factor: its kind; the order of the specification, or c, phi, alpha; numbers as numbers."""
+        kind = self.known(symbol).kind
+        place = FIRST.get(symbol.name.rsplit("_", 1)[-1].rstrip("dot0123456789")[:1], len(FIRST))
+        if kind == Kind.CONSTANT:
+            place = self.constants.index(symbol) if symbol in self.constants else len(self.constants)
+        return int(kind), place, natural(symbol.name)
+
+    def _summand(self, expr: sp.Expr) -> tuple[bool, Formula]:
+        """A product: whether it is negative, and the formula of its magnitude."""
+        number, rest = expr.as_coeff_Mul()
+        above, below, others = self._sorted(rest)
+        negative = number < 0
+        top, bottom = _number(abs(number))
+        up = [*top, *above]
+        down = [*bottom, *below]
+        front = [Fraction(row(up) if up else Number("1"), row(down))] if down else up
+        return bool(negative), row([*front, *others]) if front or others else Number("1")
+
+    def _sorted(self, product: sp.Expr) -> tuple[list[Formula], list[Formula], list[Formula]]:
+        """Constants above and below a fraction, and the other factors."""
+        above: list[tuple[Key, Formula]] = []
+        below: list[tuple[Key, Formula]] = []
+        others: list[tuple[Key, Formula]] = []
+        for factor in sp.Mul.make_args(product):
+            if factor == 1:
+                continue
+            base, exponent = factor.as_base_exp()
+            under = exponent.is_Rational and exponent < 0
+            formula = self._power(base, -exponent if under else exponent)
+            plain = isinstance(base, sp.Symbol)
+            key: Key = self._rank(base) if plain else (int(Kind.SINE) + 1, 0, natural(str(base)))
+            place = below if under else above if plain and key[0] == Kind.CONSTANT else others
+            place.append((key, formula))
+        return _in_order(above), _in_order(below), _in_order(others)
+
+    def _power(self, base: sp.Expr, exponent: sp.Expr) -> Formula:
+        if exponent == 1:
+            return self._atom(base)
+        if exponent == sp.S.Half:
+            return Root(self.formula(base))
+        return Power(self._atom(base), self.formula(exponent))
+
+    def _atom(self, expr: sp.Expr) -> Formula:
+        if isinstance(expr, sp.Symbol):
+            formula = self.known(expr).formula
+            return Fenced(formula) if isinstance(formula, Row) and _of_columns(formula) else formula
+        if expr.is_Rational:
+            return self.factor(expr)
+        if expr == sp.pi:
+            return Name("pi")
+        if isinstance(expr, sp.Function):
+            return Call(type(expr).__name__, self.formula(expr.args[0]))
+        return self.factor(expr)
+
+
+def notation(equations: Equations | GenericEquations) -> Notation:
+    """The notation of a model: its own parameters, and m as they call it."""
+    coefficients = equations.coefficients if isinstance(equations, Equations) else equations.scalars
+    value = next((c.value for c in coefficients if c.symbol == MASS), None)
+    chosen = tuple(p.symbol for p in equations.parameters)
+    return Notation(chosen, value if isinstance(value, sp.Symbol) else None)
+
+
+def polynomial(coefficients: Sequence[sp.Rational], variable: Formula) -> tuple[Part, ...]:
+    """A polynomial with ascending powers, behind its common denominator if it has one: 1/2 (-1 + 3 xi^2)."""
+    shared = sp.ilcm(1, *(c.q for c in coefficients))
+    parts = []
+    for power, c in enumerate(coefficients):
+        whole = abs(c) * shared
+        if whole:
+            factor = [] if whole == 1 and power else [Number(str(whole))]
+            parts.append(Part("-" if c < 0 else "+", row([*factor, *_to_the(variable, power)])))
+    if shared == 1:
+        return tuple(parts)
+    fraction = Fraction(Number("1"), Number(str(shared)))
+    if len(parts) == 1 and parts[0].sign == "+":
+        return (Part("+", row([fraction, parts[0].formula])),)
+    return (Part("+", Row((fraction, Fenced(join(parts))))),)
+
+
+def _to_the(variable: Formula, power: int) -> list[Formula]:
+    if power == 0:
+        return []
+    return [variable if power == 1 else Power(variable, Number(str(power)))]
+
+
+def row(factors: Sequence[Formula]) -> Formula:
+    """Factors beside each other; one of them is a formula by itself."""
+    return factors[0] if len(factors) == 1 else Row(tuple(factors))
+
+
+def join(parts: Iterable[Part]) -> Formula:
+    """A sum as one formula."""
+    found: list[Formula] = []
+    for k, part in enumerate(parts):
+        found += [Operator(part.sign)] if k or part.sign == "-" else []
+        found.append(part.formula)
+    return row(found) if found else Number("0")
+
+
+def number(value: sp.Rational) -> Formula:
+    """A number: a fraction of small whole numbers, or a decimal; six digits of those that do not end before."""
+    negative, (above, below) = value < 0, _number(abs(value))
+    top = above[0] if above else Number("1")
+    formula = Fraction(top, below[0]) if below else top
+    return Row((Operator("-"), formula)) if negative else formula
+
+
+def _number(value: sp.Expr) -> tuple[list[Formula], list[Formula]]:
+    """What stands above and below the line of a positive number; nothing for a one."""
+    if not value.is_Rational:
+        return [Number(f"{float(value):.{DIGITS}g}")], []
+    if value.q <= SMALL and value.p < LARGE:
+        return [Number(str(n))] if (n := value.p) != 1 else [], [Number(str(n))] if (n := value.q) != 1 else []
+    return [Number(decimal(value))], []
+
+
+def decimal(value: sp.Rational) -> str:
+    """A positive number as a decimal: all of it if it ends within twelve digits, else six."""
+    short, long = f"{float(value):.{DIGITS}g}", f"{float(value):.12g}"
+    return long if sp.Rational(long) == value else short
+
+
+def natural(name: str) -> tuple[tuple[int, int, str], ...]:
+    """A name with its numbers as numbers, so that alpha10 comes after alpha9."""
+    found = re.findall(r"([0-9]+)|([^0-9]+)", name)
+    return tuple((1, int(digits), "") if digits else (0, 0, text) for digits, text in found)
+
+
+def _of_columns(formula: Row) -> bool:
+    """Whether a row is a product of matrices, which stands in brackets among other factors."""
+    return any(isinstance(part, Name) and part.style == "vector" for part in formula.parts)
+
+
+def _in_order(keyed: list[tuple[Key, Formula]]) -> list[Formula]:
+    by_key: Callable[[tuple[Key, Formula]], Key] = lambda pair: pair[0]  # noqa: E731
+    return [formula for _, formula in sorted(keyed, key=by_key)]

@@ -1,0 +1,184 @@
+"""Formulas written in a line, such as `Q . {X + u}`, as trees: how the audit writes down what the text shows.
+
+Names are single letters, Greek letters by their names, and the words below; primes are dots of time, `_1` and `_{ij}`
+indices. A superscript of digits is a power, any other stays with its name (`Q^c`). The signs `.`, `><` and `:` are the
+products of vectors and tensors; `delta`, `partial` and the d of `dxi` stand before what they act on; `int` and `sum`
+may have limits; `1/2` with spaces around it is a fraction, other strokes stay in the line.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from typing import Literal
+
+from derive.report.document.formula import (
+    Call,
+    Equation,
+    Fenced,
+    Formula,
+    Fraction,
+    Name,
+    Number,
+    Operator,
+    Part,
+    Power,
+    Row,
+)
+from derive.report.notation.glyphs import GREEK
+
+Style = Literal["scalar", "vector", "tensor", "word"]
+
+_TOKEN = re.compile(
+    r"(?P<space>\s+)|(?P<half>1/2(?=\s))|(?P<number>\d+)|(?P<letters>[A-Za-z]+)|(?P<prime>'+)|(?P<script>[_^])"
+    r"|(?P<sign>><|!=|[-+=.:/,|])|(?P<open>[({\[])|(?P<close>[)}\]])"
+)
+_CLOSING = {"(": ")", "[": "]", "{": "}"}
+_SIGNS = {".": "·", "><": "\u00d7", "delta": "δ", "partial": "∂"}
+_BIG = {"int": "∫", "sum": "\u2211", "nabla": "∇"}
+_WORDS = {"EI", "tr", "det", "rotation", "for", "and", "each"}
+
+VECTORS = {"x", "X", "c", "u", "b", "n", "q", "e", "v", "w", "p", "d", "r", "omega", "pi", "Phi", "alpha", "nabla"}
+TENSORS = {"Q", "F", "I", "T", "E", "J", "C", "D", "S", "c8", "K"}
+"""Which letters are bold: vectors and columns; tensors and matrices."""
+
+BOLD = {"Q", "X", "c", "e", "u", "omega", "pi"}
+"""Those that are bold for the beam as well, whose components are scalars."""
+
+
+def formula(text: str, scalars: bool = False) -> Formula:
+    """A formula of one line; `scalars` says that its letters are scalars, as for the beam in components."""
+    return _plain(_Reader(text, scalars).parts())
+
+
+def equation(text: str, scalars: bool = False) -> Equation:
+    """A line `left = right`, or `name: right`, whose right side may break between its summands."""
+    parts = _Reader(text, scalars).parts()
+    signs = list(map(text_of, parts))
+    at = next((signs.index(sign) for sign in ("=", ":") if sign in signs), None)
+    if at is None:
+        return Equation(Row(()), tuple(_summands(parts)), relation="")
+    return Equation(_plain(parts[:at]), tuple(_summands(parts[at + 1 :])), relation=text_of(parts[at]))
+
+
+def text_of(part: Formula) -> str:
+    """The sign that an operator is; nothing for other formulas."""
+    return part.text if isinstance(part, Operator) else ""
+
+
+def _plain(parts: tuple[Formula, ...]) -> Formula:
+    return parts[0] if len(parts) == 1 else Row(parts)
+
+
+class _Reader:
+    """The words of a line, one after the other."""
+
+    def __init__(self, text: str, scalars: bool) -> None:
+        self.text = text
+        self.scalars = scalars
+        self.indexed = ("c",) if scalars else ()
+        self.words: list[tuple[str, str]] = []
+        self.at = 0
+        place = 0
+        while place < len(text):
+            found = _TOKEN.match(text, place)
+            if found is None or found.lastgroup is None:
+                raise ValueError(f"{text!r}: what is {text[place:]!r}?")
+            if found.lastgroup != "space":
+                self.words.append((found.lastgroup, found[0]))
+            place = found.end()
+
+    def parts(self, close: str = "") -> tuple[Formula, ...]:
+        """The formulas up to a closing bracket, or to the end."""
+        found: list[Formula] = []
+        while self.at < len(self.words) and self.words[self.at][1] != close:
+            found += self._one()
+        if close:
+            self._take(close)
+        return tuple(found)
+
+    def _take(self, wanted: str = "") -> tuple[str, str]:
+        if self.at == len(self.words) or (wanted and self.words[self.at][1] != wanted):
+            raise ValueError(f"{self.text!r}: {wanted or 'something'} is missing")
+        self.at += 1
+        return self.words[self.at - 1]
+
+    def _next(self, kind: str) -> bool:
+        return self.at < len(self.words) and self.words[self.at][0] == kind
+
+    def _one(self) -> Iterator[Formula]:
+        kind, text = self._take()
+        if kind == "number":
+            yield self._raised(Number(text))
+        elif kind == "half":
+            yield Fraction(Number("1"), Number("2"))
+        elif kind == "sign":
+            yield Operator(_SIGNS.get(text, text))
+        elif kind == "open":
+            yield self._raised(Fenced(_plain(self.parts(_CLOSING[text])), text, _CLOSING[text]))
+        elif kind != "letters":
+            raise ValueError(f"{self.text!r}: {text} cannot stand there")
+        elif text in ("sin", "cos"):
+            yield Call(text, next(self._one()))
+        elif text in ("delta", "partial"):
+            yield self._raised(Operator(_SIGNS[text]))
+        else:
+            yield from self._letters(text)
+
+    def _letters(self, text: str) -> Iterator[Formula]:
+        if text not in GREEK and text not in _BIG and text not in _WORDS and len(text) > 1:
+            if not text.startswith("d"):
+                raise ValueError(f"{self.text!r}: {text} is no name")
+            yield Operator("d")
+            text = text[1:]
+        dots = len(self._take()[1]) if self._next("prime") else 0
+        below: tuple[str, ...] = ()
+        above: tuple[str, ...] = ()
+        while self._next("script"):
+            if self._take()[1] == "_":
+                below = (self._script(),)
+            elif self._next("number") and text not in _BIG:
+                name = Name(_BIG.get(text, text), dots, below, above, self._style(text, below))
+                yield Power(name, Number(self._script()))
+                return
+            else:
+                above = (self._script(),)
+        yield Name(_BIG.get(text, text), dots, below, above, self._style(text, below))
+
+    def _script(self) -> str:
+        """An index: one word, or what stands in braces."""
+        text = self._take()[1]
+        if text != "{":
+            return text
+        words = []
+        while (text := self._take()[1]) != "}":
+            words.append(text)
+        return " ".join(words).replace(" ,", ",").replace("- ", "-")
+
+    def _raised(self, base: Formula) -> Formula:
+        if not self._next("script") or self.words[self.at][1] != "^":
+            return base
+        self._take()
+        word = self._script()
+        return Power(base, Number(word) if word.isdigit() else Name(word, style="word"))
+
+    def _style(self, text: str, below: tuple[str, ...]) -> Style:
+        if text in _WORDS or text in ("int", "sum"):
+            return "scalar" if text == "EI" else "word"
+        if (below and text in ("alpha", "K", *self.indexed)) or (self.scalars and text not in BOLD):
+            return "scalar"
+        if text in TENSORS or text + "".join(below)[:1] in TENSORS:
+            return "tensor"
+        return "vector" if text in VECTORS else "scalar"
+
+
+def _summands(parts: tuple[Formula, ...]) -> Iterator[Part]:
+    sign, gathered = "+", list[Formula]()
+    for part in parts:
+        if text_of(part) in ("+", "-"):
+            if gathered:
+                yield Part("-" if sign == "-" else "+", _plain(tuple(gathered)))
+            sign, gathered = text_of(part), []
+        else:
+            gathered.append(part)
+    yield Part("-" if sign == "-" else "+", _plain(tuple(gathered)))

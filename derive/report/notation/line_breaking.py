@@ -1,0 +1,86 @@
+"""How wide formulas are, and the lines that a long sum takes: for languages that cannot break lines by themselves."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import groupby, pairwise
+
+from derive.report.document.formula import (
+    Call,
+    Fenced,
+    Formula,
+    Fraction,
+    Matrix,
+    Name,
+    Number,
+    Operator,
+    Part,
+    Power,
+    Root,
+    Row,
+)
+from derive.report.notation.glyphs import BIG, index, letter, number
+from derive.report.notation.spacing import bare, factors, gap, summand
+
+LETTER, SMALL, SIGN = 0.57, 0.4, 1.4
+GAPS = {"none": 0.0, "times": 0.0, "thin": 0.17, "dot": 0.7}
+
+
+def lines(parts: Sequence[Part], room: float) -> tuple[tuple[int, ...], ...]:
+    """The parts of each line, by their places, no wider than `room` em where that can be. A group that does not fit
+    behind the last one starts a line of its own."""
+    found: list[list[int]] = [[]]
+    used = 0.0
+    for _, group in groupby(range(len(parts)), lambda k: parts[k].group):
+        places = list(group)
+        whole = sum(part_width(parts[k]) for k in places)
+        if found[-1] and used + whole > room:
+            found.append([])
+            used = 0.0
+        for k in places:
+            own = part_width(parts[k])
+            if found[-1] and used + own > room:
+                found.append([])
+                used = 0.0
+            found[-1].append(k)
+            used += own
+    return tuple(tuple(line) for line in found if line)
+
+
+def part_width(part: Part) -> float:
+    """The width of a summand with its sign, in em."""
+    return SIGN + width(summand(part.formula, part.sign))
+
+
+def width(formula: Formula) -> float:
+    """The width of a formula, in em, about."""
+    match formula:
+        case Number(text):
+            mantissa, exponent = number(text)
+            return 0.5 * len(mantissa) + (1.7 + SMALL * len(exponent) if exponent else 0)
+        case Name():
+            return _name(formula)
+        case Operator(text):
+            return LETTER if text.isalpha() else 0.6 if text in "∫∂" else SIGN
+        case Row():
+            parts = factors(formula)
+            return sum(width(part) for part in parts) + sum(GAPS[gap(a, b)] for a, b in pairwise(parts))
+        case Fraction(above, below):
+            return 0.25 + max(width(above), width(below))
+        case Power(base, exponent):
+            return width(base) + 0.7 * width(exponent)
+        case Root(of):
+            return 0.9 + width(of)
+        case Fenced(of):
+            return 0.9 + width(of)
+        case Call(name, of):
+            return 0.5 * len(name) + width(of) + (0.17 if bare(formula, True) else 0.9)
+        case Matrix(rows):
+            columns = list(zip(*rows, strict=True))
+            cells = [max(0.3 if one is None else width(one) for one in column) for column in columns]
+            return 1.0 + sum(cells) + 0.9 * len(cells)
+
+
+def _name(name: Name) -> float:
+    below, above = (sum(SMALL * len(letter(one)) for one in index(indices)) for indices in (name.below, name.above))
+    return (1.0 if name.text in BIG else LETTER * len(letter(name.text))) + max(below, above)

@@ -1,0 +1,109 @@
+"""What stands between the factors of a formula, and where brackets are needed: the same in every language."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from derive.report.document.formula import (
+    Call,
+    Equation,
+    Fenced,
+    Formula,
+    Fraction,
+    Matrix,
+    Name,
+    Number,
+    Operator,
+    Power,
+    Row,
+)
+from derive.report.notation.glyphs import BIG, is_letter
+
+Gap = Literal["none", "times", "thin", "dot"]
+SUMS = {"+", "-", "\u2212", "±"}
+
+
+def factors(row: Row) -> list[Formula]:
+    """The formulas of a row, with those of rows in it."""
+    return [one for part in row.parts for one in (factors(part) if isinstance(part, Row) else [part])]
+
+
+def gap(left: Formula, right: Formula) -> Gap:
+    """What stands between two formulas: nothing, an invisible sign, that and a thin space, or a dot."""
+    if _is_sign(left) or isinstance(right, Operator):
+        differential = right == Operator("d") and not _is_sign(left)
+        return "thin" if differential else "none"
+    if isinstance(left, Number) and _starts_with_digit(right):
+        return "dot"
+    return "thin" if _is_word(left) or _is_word(right) else "times"
+
+
+def _is_sign(formula: Formula) -> bool:
+    return isinstance(formula, Operator) or (isinstance(formula, Name) and formula.text in BIG)
+
+
+def _starts_with_digit(formula: Formula) -> bool:
+    inner = formula.base if isinstance(formula, Power) else formula
+    return isinstance(inner, Number) or (isinstance(inner, Fraction) and isinstance(inner.above, Number))
+
+
+def _is_word(formula: Formula) -> bool:
+    inner = formula.base if isinstance(formula, Power) else formula
+    return isinstance(inner, Call) or (isinstance(inner, Name) and (not is_letter(inner.text) or inner.text in BIG))
+
+
+def needs_brackets(base: Formula) -> bool:
+    """Whether a base of a power has to stand in brackets."""
+    many = isinstance(base, Row) and len(factors(base)) != 1
+    return many or isinstance(base, Fraction | Power) or (isinstance(base, Number) and not base.text.isdecimal())
+
+
+def is_sum(formula: Formula) -> bool:
+    """Whether there is a plus or minus after the start of a formula, outside brackets."""
+    return isinstance(formula, Row) and any(
+        isinstance(one, Operator) and one.text in SUMS for one in factors(formula)[1:]
+    )
+
+
+def summand(formula: Formula, sign: str) -> Formula:
+    """A formula behind a sign; a sum behind a minus gets brackets."""
+    return Fenced(formula) if sign == "-" and is_sum(formula) else formula
+
+
+def bare(call: Call, last: bool) -> bool:
+    """Whether the argument of a function needs no brackets: one letter or number, and nothing that follows it."""
+    return last and isinstance(call.of, Name | Number)
+
+
+def is_tall(formula: Formula) -> bool:
+    """Whether brackets around a formula have to be higher than a line."""
+    match formula:
+        case Fraction() | Matrix():
+            return True
+        case Row(parts):
+            return any(is_tall(part) for part in parts)
+        case Power(base, _):
+            return is_tall(base)
+        case Fenced(of):
+            return is_tall(of)
+        case _:
+            return False
+
+
+def has_matrix(equation: Equation) -> bool:
+    """Whether an equation holds a matrix, which cannot be broken."""
+    return any(_has_matrix(one) for one in (equation.left, *(part.formula for part in equation.parts)))
+
+
+def _has_matrix(formula: Formula) -> bool:
+    match formula:
+        case Matrix():
+            return True
+        case Row(parts):
+            return any(_has_matrix(part) for part in parts)
+        case Fenced(of):
+            return _has_matrix(of)
+        case Power(base, _):
+            return _has_matrix(base)
+        case _:
+            return False

@@ -1,0 +1,109 @@
+"""Formulas in words, as one reads them aloud."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+from derive.report.document.formula import (
+    Call,
+    Equation,
+    Fenced,
+    Formula,
+    Fraction,
+    Matrix,
+    Name,
+    Number,
+    Operator,
+    Power,
+    Root,
+    Row,
+)
+from derive.report.notation.glyphs import BIG, NAMES, index, number
+from derive.report.notation.spacing import bare, factors, gap, needs_brackets, summand
+
+SIGNS = {
+    **{
+        "=": "equals",
+        "+": "plus",
+        "-": "minus",
+        "\u2212": "minus",
+        "·": "dot",
+        "⋅": "dot",
+        "\u00d7": "cross",
+        "∂": "partial",
+    },
+    **{"≤": "at most", "≥": "at least", "<": "less than", ">": "greater than", "≈": "about", "→": "to", "∈": "in"},
+    **{"/": "over", "±": "plus or minus", ",": ",", "…": "and so on", ":": "double dot product", "≡": "is"},
+    **{"\u2032": "prime", "'": "prime", "*": "star"},
+    **BIG,
+}
+DOTS = ("", " dot", " double dot", " triple dot")
+POWERS = {"2": "squared", "3": "cubed"}
+
+
+def words(formula: Formula) -> str:
+    """A formula in words."""
+    match formula:
+        case Number(text):
+            return _number(text)
+        case Name():
+            return _name(formula)
+        case Operator(text):
+            return SIGNS.get(text, NAMES.get(text, text))
+        case Row():
+            return _row(factors(formula))
+        case Fraction(above, below):
+            plain = all(isinstance(one, Name | Number) for one in (above, below))
+            said = f"{words(above)} over {words(below)}"
+            return said if plain else f"fraction {said} end fraction"
+        case Power(base, exponent):
+            inner = Fenced(base) if needs_brackets(base) else base
+            raised = POWERS.get(exponent.text) if isinstance(exponent, Number) else None
+            return f"{words(inner)} {raised or f'to the power {words(exponent)}'}"
+        case Root(of):
+            return f"root of {words(of)} end root"
+        case Fenced(of, left, right):
+            kind = {"(": "bracket", "[": "square bracket", "{": "brace", "|": "bar"}.get(left, "bracket")
+            return f"{'open ' + kind if left else ''} {words(of)} {'close ' + kind if right else ''}".strip()
+        case Call(name, of):
+            inner = of if bare(formula, True) or isinstance(of, Fenced) else Fenced(of)
+            return f"{name} of {words(inner)}"
+        case Matrix(rows):
+            said = "; ".join(
+                f"row {k}: {', '.join('zero' if one is None else words(one) for one in row)}"
+                for k, row in enumerate(rows, 1)
+            )
+            return f"{len(rows)} by {len(rows[0]) if rows else 0} matrix, {said}, end matrix"
+
+
+def equation_words(equation: Equation) -> str:
+    """An equation in words."""
+    relation = equation.relation if equation.relation == ":" else SIGNS.get(equation.relation, equation.relation)
+    said = [words(equation.left), relation]
+    for k, part in enumerate(equation.parts):
+        said += [SIGNS[part.sign]] if k or part.sign == "-" else []
+        said.append(words(summand(part.formula, part.sign)))
+    return " ".join(one for one in said if one)
+
+
+def _number(text: str) -> str:
+    mantissa, exponent = number(text)
+    said = mantissa.replace("-", "minus ").replace("\u2212", "minus ")
+    return f"{said} times 10 to the power {exponent.replace('-', 'minus ')}" if exponent else said
+
+
+def _name(name: Name) -> str:
+    said = SIGNS.get(name.text, NAMES.get(name.text, name.text)) + DOTS[min(name.dots, 3)]
+    links = (" from", " to") if name.text in BIG else (" sub", " super")
+    for link, indices in zip(links, (name.below, name.above), strict=True):
+        spoken = [SIGNS.get(one, NAMES.get(one, one)) for one in index(indices) if one != ","]
+        said += f"{link} {' '.join(spoken)}" if spoken else ""
+    return said
+
+
+def _row(parts: list[Formula]) -> str:
+    said = [words(part) for part in parts[:1]]
+    for left, right in pairwise(parts):
+        said += ["times"] if gap(left, right) == "dot" else []
+        said.append(words(right))
+    return " ".join(one for one in said if one)

@@ -1,0 +1,66 @@
+"""Long brackets broken between their summands, so that a line of the paper may break on a narrow page."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+from derive.report.document.formula import Equation, Fenced, Formula, Fraction, Operator, Part, Row
+from derive.report.notation.expressions import row
+from derive.report.notation.spacing import factors
+
+LONG = 9
+"""A bracket of more names than this is broken."""
+
+
+def broken(equation: Equation) -> Equation:
+    """An equation whose long brackets are several parts: the first opens the bracket, the last closes it."""
+    return replace(equation, parts=tuple(piece for part in equation.parts for piece in _pieces(part)))
+
+
+def _pieces(part: Part) -> Iterator[Part]:
+    parts = factors(part.formula) if isinstance(part.formula, Row) else [part.formula]
+    long = [k for k, one in enumerate(parts) if isinstance(one, Fenced) and size(one) > LONG]
+    if len(long) != 1:
+        yield part
+        return
+    (at,) = long
+    bracket = parts[at]
+    assert isinstance(bracket, Fenced)
+    terms = list(_terms(bracket.of))
+    if len(terms) == 1:
+        yield part
+        return
+    for k, (sign, term) in enumerate(terms):
+        first, last = k == 0, k == len(terms) - 1
+        opening = [*parts[:at], Operator(bracket.left), *([Operator("-")] if sign == "-" else [])]
+        closing = [Operator(bracket.right), *parts[at + 1 :]]
+        whole = [*(opening if first else []), *term, *(closing if last else [])]
+        yield replace(part, formula=row(whole)) if first else Part("-" if sign == "-" else "+", row(whole))
+
+
+def _terms(of: Formula) -> Iterator[tuple[str, list[Formula]]]:
+    sign, gathered = "+", list[Formula]()
+    for one in factors(of) if isinstance(of, Row) else [of]:
+        if isinstance(one, Operator) and one.text in ("+", "-"):
+            if gathered:
+                yield sign, gathered
+            sign, gathered = one.text, []
+        else:
+            gathered.append(one)
+    yield sign, gathered
+
+
+def size(of: Formula) -> int:
+    """How many names and numbers a formula has beside each other."""
+    match of:
+        case Row():
+            return sum(map(size, factors(of)))
+        case Fraction(above, below):
+            return max(size(above), size(below))
+        case Operator():
+            return 0
+        case Fenced(inside):
+            return size(inside)
+        case _:
+            return 1

@@ -1,0 +1,181 @@
+"""What the derivation gives for the paper's beam: its kinematics, the conditions of both frames, (33) and (41)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from fractions import Fraction as Exact
+from functools import cache
+
+import sympy as sp
+
+from derive.derivation import derive
+from derive.mechanics.bodies.beam import beam_point
+from derive.mechanics.equations import Equations
+from derive.mechanics.kinematics import ONE
+from derive.mechanics.planar import planar_motion
+from derive.mechanics.reference_conditions import Condition, assumed_shapes, conditions, xi
+from derive.report.document.formula import Call, Equation, Formula, Matrix, Name, Number, Part, Row
+from derive.report.notation.expressions import Notation, notation, polynomial
+from derive.report.notation.formula_reader import equation, formula
+from derive.spec.model.body import Frame, Marker, PlanarBeam
+from derive.spec.toml.read import planar_beam
+
+FRAMES = {"point": Frame("point", Exact(0)), "mean": Frame("mean")}
+AMPLITUDES = sp.symbols("a0 a1 a2 a3")
+MOTION = planar_motion(2)
+PLAIN = Notation()
+
+
+@cache
+def beam(frame: str) -> PlanarBeam:
+    """The free beam of the paper: nothing is specified but its frame and three markers."""
+    return planar_beam("audit", frame=FRAMES[frame], markers={"left": -1, "inside": "1/3", "right": 1})
+
+
+@cache
+def equations(frame: str) -> Equations:
+    """Its equations of motion."""
+    found = derive(beam(frame))
+    assert isinstance(found, Equations)
+    return found
+
+
+def rows(frame: str) -> tuple[Equation, ...]:
+    """Each equation of motion, with its virtual displacement before it."""
+    found = equations(frame)
+    how = notation(found)
+    return tuple(
+        Equation(
+            Row((formula("delta"), how.formula(coordinate.q))), how.parts(found.row(str(coordinate.q))), relation=":"
+        )
+        for coordinate in found.coordinates
+    )
+
+
+def ansatz() -> tuple[Equation, ...]:
+    """v of (21), from the ansatz that a beam has where its specification says nothing."""
+    terms = sp.Add(*(a * _poly(p).as_expr() for a, p in zip(AMPLITUDES, beam("mean").ansatz, strict=True)))
+    parts = [Part("+", PLAIN.formula(terms.coeff(a) * a)) for a in AMPLITUDES]
+    return (Equation(formula("v", scalars=True), tuple(parts)),)
+
+
+def strain_energy() -> tuple[Equation, ...]:
+    """U in both frames."""
+    return tuple(
+        Equation(Name("U", below=(frame,)), notation(equations(frame)).parts(_expanded(frame))) for frame in FRAMES
+    )
+
+
+def _expanded(frame: str) -> sp.Expr:
+    found = equations(frame)
+    return found.expanded(found.strain_energy)
+
+
+def translation() -> tuple[Equation, ...]:
+    """c in its components."""
+    return (Equation(formula("c"), _components(MOTION.position[ONE])),)
+
+
+def points() -> tuple[Equation, ...]:
+    """X of three markers."""
+    found = []
+    for marker in beam("mean").markers:
+        point = beam_point(marker, beam("mean"))
+        values = {c.symbol: c.value for c in point.coefficients}
+        found.append(Equation(_at("X", marker), _components(point.position.xreplace(values))))
+    return tuple(found)
+
+
+def displacements() -> tuple[Equation, ...]:
+    """u of three markers of the beam in the mean frame."""
+    found = []
+    for marker in beam("mean").markers:
+        shapes = beam_point(marker, beam("mean")).shapes
+        total = sum((shape * alpha for shape, alpha in zip(shapes, MOTION.alpha, strict=True)), sp.zeros(2, 1))
+        found.append(Equation(_at("u", marker), _components(total)))
+    return tuple(found)
+
+
+def _at(letter: str, marker: Marker) -> Formula:
+    return Row((Name(letter, style="vector"), formula(f"({marker.at})", scalars=True)))
+
+
+def _components(vector: sp.Matrix) -> tuple[Part, ...]:
+    parts = []
+    for k, entry in enumerate(vector, 1):
+        if entry != 0:
+            negative = entry.could_extract_minus_sign()
+            base = Name("e", below=(str(k),), style="vector")
+            parts.append(Part("-" if negative else "+", Row((PLAIN.factor(-entry if negative else entry), base))))
+    return tuple(parts)
+
+
+def rotation() -> tuple[Equation, ...]:
+    """Q in the plane."""
+    return (Equation(formula("Q"), (Part("+", _matrix(MOTION.rotation)),)),)
+
+
+def spin() -> tuple[Equation, ...]:
+    """The tensor whose axial vector is omega, by differentiation of Q; delta pi in the same way."""
+    varied = MOTION.frame.spin.xreplace({MOTION.frame.omega[0]: sp.Symbol("delta_phi")})
+    variation = Matrix(tuple(tuple(None if e == 0 else _varied(e) for e in varied.row(k)) for k in range(varied.rows)))
+    return (
+        Equation(formula("Q^c . Q'"), (Part("+", _matrix(MOTION.frame.spin)),)),
+        Equation(formula("Q^c . delta Q"), (Part("+", variation),)),
+    )
+
+
+def _varied(entry: sp.Expr) -> Formula:
+    return formula("- delta phi" if entry.could_extract_minus_sign() else "delta phi", scalars=True)
+
+
+def _matrix(matrix: sp.Matrix) -> Matrix:
+    return Matrix(tuple(tuple(None if e == 0 else PLAIN.formula(e) for e in matrix.row(k)) for k in range(matrix.rows)))
+
+
+def condition(frame: str, k: int, at: Exact | None = None) -> tuple[Equation, ...]:
+    """A condition of a frame as it stands in the derivation, for v."""
+    return (equation(_condition(frame, k, at).text.replace("v'", "(dv/dxi)"), scalars=True),)
+
+
+def condition_on_the_cubic(frame: str, k: int) -> tuple[Equation, ...]:
+    """What a condition says of a0 .. a3: its value on each power of xi."""
+    value = _condition(frame, k).on
+    total = sum((a * value(sp.Poly(xi**n, xi, domain="QQ")) for n, a in enumerate(AMPLITUDES)), sp.S.Zero)
+    return (Equation(_sum(a * total.coeff(a) for a in AMPLITUDES), (Part("+", Number("0")),)),)
+
+
+def _condition(frame: str, k: int, at: Exact | None = None) -> Condition:
+    given = Frame("mean") if frame == "mean" else Frame("point", Exact(0) if at is None else at)
+    return conditions(given)[k]
+
+
+def _sum(terms: Iterable[sp.Expr]) -> Formula:
+    return PLAIN.formula(sp.Add(*terms))
+
+
+def expansion(frame: str) -> tuple[Equation, ...]:
+    """v by the shapes of a frame."""
+    shapes = _shapes(frame)
+    names = [Call(f"phi_{k}", Name("xi")) for k in range(1, len(shapes) + 1)]
+    parts = []
+    for alpha, name in zip(MOTION.alpha, names, strict=True):
+        letter, index = name.name.split("_")
+        parts.append(Part("+", Row((PLAIN.formula(alpha), Name(letter, below=(index,)), formula("(xi)")))))
+    return (Equation(formula("v", scalars=True), tuple(parts)),)
+
+
+def shape(frame: str, k: int) -> tuple[Equation, ...]:
+    """A shape that the conditions leave of the ansatz."""
+    coefficients = [sp.Rational(c) for c in _shapes(frame)[k - 1]]
+    left = Row((Name("phi", below=(str(k),)), formula("(xi)")))
+    return (Equation(left, polynomial(coefficients, Name("xi"))),)
+
+
+def _shapes(frame: str) -> tuple[tuple[Exact, ...], ...]:
+    found = beam(frame)
+    return assumed_shapes(found.ansatz, found.frame, found.orthogonal)
+
+
+def _poly(coefficients: tuple[Exact, ...]) -> sp.Poly:
+    return sp.Poly([sp.Rational(c) for c in reversed(coefficients)], xi, domain="QQ")

@@ -1,0 +1,171 @@
+"""What the derivation gives for a body in space: kinematics, the equations of motion (15) and (20), the appendix."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import cache
+from itertools import groupby
+
+import sympy as sp
+
+from derive.mechanics import virtual_work_equations as body
+from derive.mechanics.bodies import spatial_body as general
+from derive.mechanics.equations import Term
+from derive.mechanics.indexed_equations import FORCE_SERIES, GenericEquations
+from derive.mechanics.kinematics import PHI, RDDOT, RDOT, Field, R, add
+from derive.mechanics.points import vector_at
+from derive.mechanics.series import Series
+from derive.mechanics.spatial import rotation_of, spatial_motion, spatial_series, spatial_sums, vector
+from derive.report.document.formula import Equation, Formula, Name, Number, Operator, Part, Row
+from derive.report.notation.doc_formulas import doc, formula_of
+from derive.report.notation.formula_reader import formula
+from derive.report.notation.names import table
+from derive.report.paper.vectors import summand, summands
+from derive.spec.toml.read import symbolic_body
+
+MOTION = spatial_motion(0)
+AT = {R: vector("r"), RDOT: vector("rdot"), RDDOT: vector("rddot"), PHI: vector("Phi_i")}
+VARIED = {"c": "delta c", "pi": "delta pi", "alpha": "delta alpha_i"}
+
+
+def position() -> tuple[Equation, ...]:
+    """x, from the field of the positions."""
+    return (Equation(formula("x"), summands(vector_at(MOTION, MOTION.position, AT))),)
+
+
+def acceleration() -> tuple[Equation, ...]:
+    """The acceleration: the field of the positions, differentiated twice."""
+    return (Equation(formula("x''"), summands(vector_at(MOTION, MOTION.acceleration, AT))),)
+
+
+def virtual_displacement() -> tuple[Equation, ...]:
+    """The virtual displacement: the velocity with the rates varied."""
+    fields: list[Field] = []
+    for amounts, units in (("delta_c", MOTION.translations), ("delta_pi", MOTION.frame.rotations())):
+        for amount, unit in zip(vector(amounts), units, strict=True):
+            fields.append({name: amount * tensor for name, tensor in unit.items()})
+    amplitude = sp.Symbol("delta_alpha_i")
+    fields.append({name: amplitude * tensor for name, tensor in MOTION.frame.deformation().items()})
+    return (Equation(formula("delta x"), summands(vector_at(MOTION, add(*fields), AT))),)
+
+
+def rotation() -> tuple[Equation, ...]:
+    """The displacement by a small rotation: the derivative of the rotation tensor of a quaternion."""
+    angle = sp.Symbol("chi")
+    turned = rotation_of((sp.cos(angle / 2), *(sp.sin(angle / 2) * vector("e"))))
+    small = (turned.diff(angle).subs(angle, 0) * vector("X")).expand()
+    (part,) = summands(small)
+    left = formula("u_{rotation}")
+    return (Equation(left, (Part(part.sign, Row((Name("chi"), part.formula))),)),)
+
+
+def equations_of_motion() -> tuple[Equation, ...]:
+    """(15): every term of the derivation, read back as a vector; and the strain energy."""
+    return _rows(frozenset())
+
+
+def mean_equations_of_motion() -> tuple[Equation, ...]:
+    """(20): those terms that a body in the mean frame keeps, and what is left of d3."""
+    gone = frozenset((_row(v.term), v.term.name) for v in _mean().vanished)
+    left = next(c for c in _mean().contractions if c.name == "d3_i_1")
+    d3 = next(s for s in spatial_series() if s.name == "d3_i_1")
+    assert left.base == 0 and left.sums == d3.sums
+    return (*_rows(gone), series("d3_i", base=False))
+
+
+def vanished() -> tuple[tuple[str, str, str], ...]:
+    """The terms of (15) that a body in the mean frame loses: row, term, reason; one for each vector."""
+    found = [(VARIED[_row(v.term)], v.term.name, v.reason) for v in _mean().vanished if v.reason]
+    return tuple(dict.fromkeys(found))
+
+
+@cache
+def _mean() -> GenericEquations:
+    found = general.generic_symbolic(symbolic_body("audit", 3, frame="mean", damping=True))
+    assert isinstance(found, GenericEquations)
+    return found
+
+
+def _rows(gone: frozenset[tuple[str, str]]) -> tuple[Equation, ...]:
+    terms = (*body.rigid_inertia(MOTION), *body.generic_inertia(MOTION))
+    found = []
+    for row, of_row in groupby(terms, _row):
+        kept = [(name, expr) for name, expr in _vectors(of_row) if (row, name) not in gone]
+        parts = tuple(summand(expr, name, f"the {name} term of the row {row}") for name, expr in kept)
+        parts += (_elastic(),) if row == "alpha" else ()
+        found.append(Equation(formula(VARIED[row]), parts, relation=":"))
+    return tuple(found)
+
+
+def _row(term: Term) -> str:
+    return term.row.removesuffix("_i").rstrip("123")
+
+
+def _vectors(terms: Iterator[Term]) -> Iterator[tuple[str, list[sp.Expr]]]:
+    """The terms of three rows with the same name together, in the order of the first row."""
+    found: dict[str, list[sp.Expr]] = {}
+    for term in terms:
+        found.setdefault(term.name, []).append(term.expr)
+    yield from found.items()
+
+
+def _elastic() -> Part:
+    elastic = next(s for s in FORCE_SERIES if s.name == "elastic_i")
+    return Part("+", _sum_of(*elastic.sums[0]), group="elastic", title=elastic.doc)
+
+
+def series(name: str, base: bool = True) -> Equation:
+    """A moment of the appendix as the sum over the shapes that it is, for its first component."""
+    every = {s.name: s for s in (*spatial_series(), *spatial_sums())}
+    found: Series = next(s for label in ("", "_1", "_11") if (s := every.get(name + label)))
+    parts = [Part("+", _written(found.base))] if found.base and base else []
+    parts += [Part("+", _sum_of(*pair)) for pair in found.sums]
+    return Equation(_written(found.name), tuple(parts))
+
+
+def _sum_of(factor: str, entry: str) -> Formula:
+    dots = {"alpha": 0, "alphadot": 1, "alphaddot": 2}[factor]
+    return Row((Name("\u2211", below=("j",)), Name("alpha", dots, ("j",)), _written(entry)))
+
+
+def _written(name: str) -> Formula:
+    """A name of the derivation without its component, as the vector or tensor that it is a component of."""
+    letter, number = name[0], name[1:].split("_", maxsplit=1)[0]
+    dots = number.count("d") and len(number.replace("ot", "").lstrip("0123456789"))
+    index = " ".join(part for part in name.split("_")[1:] if part in ("i", "j"))
+    below = " ".join(part for part in (number.rstrip("dot"), index) if part)
+    entry = letter + number[:1] in ("c8", "K")
+    style = "scalar" if entry else table(letter + number[:1]).style
+    return Name(letter, dots, (below,) if below else (), style=style)
+
+
+def moments() -> tuple[Equation, ...]:
+    """d1, d3, J and the symmetric part S of D2."""
+    return tuple(map(series, ("d1", "S_i", "d3_i", "J")))
+
+
+def integral(name: str) -> tuple[Equation, ...]:
+    """A shape integral as the derivation defines it."""
+    words, _ = general.DOCS[name]
+    text = words.removeprefix("symmetric part of ")
+    found = formula_of(text)
+    assert found is not None, doc(words)
+    index = {"c1": "", "C3": "", "c2": "i", "C4": "i", "c6": "i"}.get(name, "i j")
+    left: Formula = Name(name[0], below=(f"{name[1]} {index}".strip(),), style=table(name).style)
+    if text != words:
+        left = Row((Name("sym", style="word"), left))
+        found = Row((Name("sym", style="word"), found))
+    return (Equation(left, (Part("+", found),)),)
+
+
+def vanishing(name: str) -> Equation:
+    """An integral that is zero in the mean frame; the tables of the body say so."""
+    assert _mean().table(name).kind == "zero"
+    return Equation(Name(name[0], below=(f"{name[1]} i",), style="vector"), (Part("+", Number("0")),))
+
+
+def strain() -> tuple[Equation, ...]:
+    """The first term of (13) for a body of modes."""
+    energy = Row((Operator("δ"), Name("U")))
+    elastic = Row((Operator("δ"), Name("alpha", below=("i",)), _elastic().formula))
+    return (Equation(energy, (Part("+", Row((Name("\u2211", below=("i",)), elastic))),)),)

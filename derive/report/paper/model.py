@@ -1,0 +1,99 @@
+"""What a row of the audit says."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Literal
+
+from derive.report.document.formula import Equation
+
+Verdict = Literal["equal", "equal after the correction", "definition", "assumption"]
+"""`equal`: the formula as the text shows it is what is derived; `equal after the correction`: it is so once the faults
+of the text are mended; `definition`: it says what a name means; `assumption`: the paper, or a user, chooses it."""
+
+COMPARED: tuple[Verdict, ...] = ("equal", "equal after the correction")
+"""Verdicts that a test has to have compared."""
+
+Derived = Callable[[], tuple[Equation, ...]]
+"""What the derivation gives: worked out when the page is built."""
+
+Source = Literal["the package", "a test", "the user"]
+"""Who derives, or chooses: the derivation that makes code, a test that the package does not need, the specification."""
+
+
+@dataclass(frozen=True)
+class AuditRow:
+    """One equation of the paper, or one line of its appendix.
+
+    `shown` are its lines as the recognised text has them, `holds` the same lines with the faults mended (empty where
+    nothing is to be mended), both in the notation of `reader`. `where` are the places that define it here, each as
+    `file::name`; `tests` the node ids of the tests that compare it.
+    """
+
+    number: str
+    title: str
+    shown: tuple[str, ...]
+    verdict: Verdict
+    derived: Derived
+    by: Source
+    holds: tuple[str, ...] = ()
+    correction: str = ""
+    note: str = ""
+    where: tuple[str, ...] = ()
+    tests: tuple[str, ...] = ()
+    scalars: bool = False
+
+    @property
+    def true(self) -> tuple[str, ...]:
+        """The lines that hold."""
+        return self.holds or self.shown
+
+    @property
+    def anchor(self) -> str:
+        """Where the row is on the page."""
+        return f"eq-{self.number}"
+
+
+@dataclass(frozen=True)
+class Section:
+    """The rows of one section of the paper."""
+
+    title: str
+    anchor: str
+    rows: tuple[AuditRow, ...]
+
+
+@dataclass(frozen=True)
+class Assumption:
+    """What the paper assumes in words, where, what it means here, and the option that lifts it.
+
+    `options` are keys of a specification, such as `beam.gravity`; none where nothing lifts it yet. `lifts` says in
+    words what they do, and what they leave.
+    """
+
+    name: str
+    place: str
+    here: str
+    options: tuple[str, ...] = ()
+    lifts: str = ""
+
+
+@dataclass(frozen=True)
+class Statement:
+    """What the paper says in words besides, in words of our own: where, what holds, and the tests that prove it.
+
+    The place is also the key by which tests are marked. Formulas stand between dollar signs, code between backticks;
+    likewise in the texts of rows and assumptions.
+    """
+
+    place: str
+    shown: str
+    verdict: Literal["holds", "holds after the correction", "not compared"]
+    holds: str
+    tests: tuple[str, ...] = ()
+
+
+def tests(file: str, *names: str) -> tuple[str, ...]:
+    """Node ids of tests of the paper."""
+    return tuple(f"tests/paper/{file}::{name}" for name in names)

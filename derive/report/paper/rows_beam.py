@@ -1,0 +1,104 @@
+"""The free uniform beam: (21) to (27)."""
+
+from __future__ import annotations
+
+from derive.report.paper import derived_beam as derived
+from derive.report.paper.model import AuditRow, Section, tests
+
+BEAM = "test_beam.py"
+DIFFERENTIATED = "test_printed_against_brute_force.py"
+PLANE = "test_derived_kinematics.py"
+PLACES = tests(BEAM, "test_places_of_markers_are_1_with_23_to_26")
+
+ROWS = (
+    AuditRow(
+        "21",
+        "Lateral displacement",
+        ("v(xi, t) = a_0(t) + a_1(t) xi + a_2(t) xi^2 + a_3(t) xi^3",),
+        "definition",
+        derived.ansatz,
+        "the user",
+        note="What a beam has where its specification says nothing; any polynomials may stand there.",
+        where=("derive/spec/paper.py::ANSATZ",),
+        tests=tests(BEAM, "test_ansatz_without_a_specification_is_21"),
+        scalars=True,
+    ),
+    AuditRow(
+        "22",
+        "Strain energy",
+        ("U = (4 EI/l^3) int_{-1}^1 (partial^2 v/partial xi^2)^2 dxi",),
+        "equal",
+        derived.strain_energy,
+        "the package",
+        note="As derived with the shapes of both frames. It is half of $EI$ times the squared curvature along the "
+        "beam.",
+        tests=(
+            *tests(BEAM, "test_strain_energy_is_22"),
+            *tests(DIFFERENTIATED, "test_22_is_the_energy_of_curvature", "test_22_of_a_uniform_curvature"),
+        ),
+        scalars=True,
+    ),
+    AuditRow(
+        "23",
+        "Translation in components",
+        ("c = c_1 e_1 + c_2 e_2",),
+        "definition",
+        derived.translation,
+        "the package",
+        where=("derive/mechanics/planar.py::_coordinates",),
+        tests=(*tests(BEAM, "test_translation_is_23"), *PLACES),
+        scalars=True,
+    ),
+    AuditRow(
+        "24",
+        "Place in the reference configuration",
+        ("X = 1/2 xi l e_1",),
+        "definition",
+        derived.points,
+        "the package",
+        note="As derived for three points of the beam.",
+        where=("derive/mechanics/beam.py::beam_point",),
+        tests=PLACES,
+        scalars=True,
+    ),
+    AuditRow(
+        "25",
+        "Displacement due to deformation",
+        ("u = v(xi, t) e_2",),
+        "definition",
+        derived.displacements,
+        "the package",
+        note="As derived for the same points, in the mean frame.",
+        where=("derive/mechanics/beam.py::beam_point",),
+        tests=PLACES,
+        scalars=True,
+    ),
+    AuditRow(
+        "26",
+        "Rotation tensor",
+        ("Q = (e_1 e_1 + e_2 e_2) cos phi + (e_2 e_1 - e_1 e_2) sin phi + e_3 e_3",),
+        "equal",
+        derived.rotation,
+        "the package",
+        note="The rotation tensor of a quaternion, for a turn about the third axis, is the same.",
+        tests=(
+            *tests(BEAM, "test_rotation_tensor_of_a_turn_about_e3_is_26"),
+            *tests(PLANE, "test_rotation_is_26_and_its_axis_27"),
+            *tests(DIFFERENTIATED, "test_26_turns_the_axis_of_the_beam"),
+        ),
+        scalars=True,
+    ),
+    AuditRow(
+        "27",
+        "Angular velocity and virtual rotation",
+        ("omega = phi' e_3", "delta pi = delta phi e_3"),
+        "equal",
+        derived.spin,
+        "the package",
+        note="As derived by differentiation of (26): skew tensors with these axial vectors.",
+        tests=tests(BEAM, "test_rates_and_variations_of_the_turn_have_the_axis_27"),
+        scalars=True,
+    ),
+)
+
+SECTIONS = (Section("Free uniform beam", "beam", ROWS),)

@@ -1,0 +1,140 @@
+"""Components of the derivation read back as vectors: `Q_11 d1_3 omega2dot - ...` is Q . (omegadot x d1).
+
+The derivation works in components. Every product of the vectors and tensors of a term, each as often as it stands
+there, is tried until one has the same components for all values of the symbols, up to a number. Nothing of the paper
+is used, and a term that is no such product is an error.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from functools import cache
+from itertools import combinations
+from random import Random
+from typing import Literal
+
+import numpy as np
+import sympy as sp
+from numpy.typing import NDArray
+
+from derive.report.document.formula import Fenced, Formula, Name, Number, Operator, Part, Row
+from derive.report.paper.atoms import ATOMS, PRODUCTS, atom_of
+
+Tree = str | tuple[Literal["dot", "cross", "scale"], "Tree", "Tree"]
+"""An atom (with ^c: conjugated), or a product of two trees."""
+
+Rank = Literal[0, 1, 2]
+
+SIGNS = {"dot": (Operator("·"),), "cross": (Operator("\u00d7"),), "scale": ()}
+
+
+def summand(components: Sequence[sp.Expr], group: str = "", title: str = "") -> Part:
+    """A term of the derivation, in three components or in one, as a product of vectors with its sign."""
+    wanted = sp.ImmutableMatrix(components).xreplace(PRODUCTS).expand()
+    used = _used(wanted)
+    point = _point(used)
+    target = np.array(wanted.xreplace(point), dtype=object).ravel()
+    rank: Rank = 1 if len(wanted) > 1 else 0
+    for tree in sorted(_trees(used, rank), key=lambda t: repr(t).count("^c")):
+        factor = _ratio(target, _value(tree, point).ravel())
+        if factor and (sp.Matrix(_value(tree, {})).reshape(len(wanted), 1) * factor - wanted).expand().is_zero_matrix:
+            number = () if abs(factor) == 1 else (Number(str(abs(factor))),)
+            return Part("-" if factor < 0 else "+", Row((*number, formula(tree))), group=group, title=title)
+    raise ArithmeticError(f"no product of {', '.join(used)} is {list(wanted)}")
+
+
+def summands(components: Sequence[sp.Expr]) -> tuple[Part, ...]:
+    """A vector of the derivation as a sum of products: its terms sorted by what stands in them."""
+    found: dict[tuple[str, ...], list[sp.Expr]] = {}
+    for k, entry in enumerate(components):
+        for term in sp.Add.make_args(sp.expand(entry)):
+            kept = found.setdefault(_used(sp.ImmutableMatrix([term])), [sp.S.Zero] * len(components))
+            kept[k] += term
+    return tuple(summand(kept) for kept in found.values())
+
+
+def _used(components: sp.ImmutableMatrix) -> tuple[str, ...]:
+    """The atoms of a term, each as often as it stands there."""
+    entry = next(e for e in components if e != 0)
+    powers = sp.Add.make_args(entry)[0].as_powers_dict()
+    names = [atom_of(symbol) for symbol, power in powers.items() if symbol.is_Symbol for _ in range(int(power))]
+    return tuple(name for name in ATOMS for _ in range(names.count(name)))
+
+
+def _rank(atom: str) -> Rank:
+    rows, columns = ATOMS[atom].components.shape
+    return 2 if columns > 1 else 1 if rows > 1 else 0
+
+
+@cache
+def _trees(atoms: tuple[str, ...], rank: Rank) -> tuple[Tree, ...]:
+    """All products of some atoms that have this rank."""
+    if len(atoms) == 1:
+        (atom,) = atoms
+        return () if _rank(atom) != rank else (atom, f"{atom}^c") if atom == "Q" else (atom,)
+    return tuple(tree for left, right in _splits(atoms) for tree in _joined(left, right, rank))
+
+
+def _joined(left: tuple[str, ...], right: tuple[str, ...], rank: Rank) -> Iterator[Tree]:
+    ways: list[tuple[Literal["dot", "cross", "scale"], Rank, Rank]]
+    ways = [("dot", 1, 1)] if rank == 0 else [("scale", 0, 1), ("dot", 2, 1), ("cross", 1, 1)] if rank == 1 else []
+    for sign, first, second in ways:
+        for a in _trees(left, first):
+            for b in _trees(right, second):
+                yield sign, a, b
+
+
+def _splits(atoms: tuple[str, ...]) -> Iterator[tuple[tuple[str, ...], tuple[str, ...]]]:
+    """The atoms in two parts, the shorter first parts before the longer."""
+    places = range(len(atoms))
+    seen = set()
+    for count in range(1, len(atoms)):
+        for chosen in combinations(places, count):
+            pair = tuple(atoms[k] for k in chosen), tuple(atoms[k] for k in places if k not in chosen)
+            if pair not in seen:
+                seen.add(pair)
+                yield pair
+
+
+def _point(used: tuple[str, ...]) -> dict[sp.Symbol, int]:
+    random = Random(1988)
+    symbols = sorted({s for name in used for s in ATOMS[name].components.free_symbols}, key=str)
+    return {s: 2 * random.randint(-999, 999) for s in symbols}
+
+
+def _value(tree: Tree, point: dict[sp.Symbol, int]) -> NDArray[np.object_]:
+    """The components of a tree, as integers at a point, or in symbols."""
+    if isinstance(tree, str):
+        found = np.array(ATOMS[tree.removesuffix("^c")].components.xreplace(point), dtype=object)
+        return found.T if tree.endswith("^c") else found if found.shape[1] > 1 else found[:, 0]
+    sign, left, right = tree
+    a, b = _value(left, point), _value(right, point)
+    if sign == "cross":
+        pairs = ((1, 2), (2, 0), (0, 1))
+        return np.array([a[j] * b[k] - a[k] * b[j] for j, k in pairs], dtype=object)
+    return np.asarray(a * b if sign == "scale" else np.atleast_1d(a @ b), dtype=object)
+
+
+def _ratio(wanted: NDArray[np.object_], found: NDArray[np.object_]) -> sp.Rational | None:
+    """The number that wanted is times found, if there is one."""
+    if wanted.shape != found.shape or not any(found):
+        return None
+    k = next(k for k, value in enumerate(found) if value)
+    factor = sp.Rational(int(wanted[k]), int(found[k]))
+    return factor if factor and all(w == factor * f for w, f in zip(wanted, found, strict=True)) else None
+
+
+def formula(tree: Tree) -> Formula:
+    """A product in the notation of the paper."""
+    if isinstance(tree, str):
+        found = ATOMS[tree.removesuffix("^c")].formula
+        conjugate = isinstance(found, Name) and tree.endswith("^c")
+        return Name(found.text, above=("c",), style="tensor") if conjugate and isinstance(found, Name) else found
+    sign, left, right = tree
+    return Row((_inner(left), *SIGNS[sign], _inner(right)))
+
+
+def _inner(tree: Tree) -> Formula:
+    found = formula(tree)
+    closed = isinstance(found, Name) or (isinstance(found, Row) and isinstance(found.parts[0], Operator))
+    return found if closed else Fenced(found)

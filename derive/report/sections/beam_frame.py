@@ -1,0 +1,174 @@
+"""The frame of a beam: the conditions on its ansatz, what they remove, and the shapes that are left."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import sympy as sp
+
+from derive.mechanics.reference_conditions import Condition, assumed_shapes, conditions, xi
+from derive.report.document.formula import Equation, Fenced, Formula, Name, Number, Operator, Part, Row
+from derive.report.document.page import Block, Heading, Inline, Math, Paragraph
+from derive.report.document.page import Equations as Lines
+from derive.report.notation.expressions import join, number, polynomial, row
+from derive.report.notation.formula_reader import equation, formula
+from derive.spec.model.body import PlanarBeam, Polynomial
+
+
+@dataclass(frozen=True)
+class Numbers:
+    """Numbers of the paper's results for its own ansatz (21), in one of its frames."""
+
+    conditions: tuple[str, str]
+    shapes: tuple[str, str]
+    deflection: str
+    motion: str
+
+
+MEAN = Numbers(("35", "37"), ("39", "40"), "38", "41")
+POINT = Numbers(("28", "29"), ("31", "32"), "30", "33")
+
+SHAPE = "\N{GREEK PHI SYMBOL}"
+"""The letter of the shapes; the rotation is the other phi."""
+
+FRAMES = {
+    "mean": "The frame follows the mean motion: the deformation neither displaces the beam nor turns it on average.",
+    "point": "The frame is that of a section: the deformation neither displaces it nor turns it.",
+    "tangent": "The frame is that of an end: the deformation neither displaces it nor turns it.",
+    "chord": "The frame follows the chord: the deformation displaces neither end across it.",
+    "given": "The shapes are used as they stand; no combination of them is a rigid motion.",
+}
+
+
+@dataclass(frozen=True)
+class OnAnsatz:
+    """A condition as an equation for the factors a_0, a_1, ... of the ansatz, in whole numbers without a divisor."""
+
+    condition: Condition
+    factors: tuple[int, ...]
+
+
+def on_ansatz(spec: PlanarBeam) -> tuple[OnAnsatz, ...]:
+    """The conditions of the frame of a beam on the factors of its ansatz: 3 a_0 + a_2 = 0."""
+    terms = [_poly(p) for p in spec.ansatz]
+    return tuple(OnAnsatz(c, _whole([c.on(term) for term in terms])) for c in conditions(spec.frame))
+
+
+def removed(spec: PlanarBeam) -> tuple[int, ...]:
+    """The terms of the ansatz that the conditions eliminate."""
+    found = on_ansatz(spec)
+    return tuple(sp.Matrix([list(one.factors) for one in found]).rref()[1]) if found else ()
+
+
+def of_paper(spec: PlanarBeam) -> bool:
+    """Whether the ansatz of a beam is the cubic of the paper."""
+    return spec.ansatz == tuple((0,) * k + (1,) for k in range(4))
+
+
+def paper_numbers(spec: PlanarBeam) -> Numbers | None:
+    """The numbers that the paper gives its results for this beam, if it has it."""
+    if not of_paper(spec) or spec.gravity is not None:
+        return None
+    if spec.frame.kind == "mean":
+        return MEAN
+    return POINT if spec.frame.kind == "point" and spec.frame.at == 0 else None
+
+
+def frame_blocks(spec: PlanarBeam) -> tuple[Block, ...]:
+    """From the ansatz to the assumed shapes."""
+    numbers = paper_numbers(spec)
+    shapes = assumed_shapes(spec.ansatz, spec.frame, spec.orthogonal)
+    lines = (_shape(k, shape, numbers.shapes[k - 1] if numbers else "") for k, shape in enumerate(shapes, 1))
+    ansatz = Equation(formula("v", scalars=True), _ansatz(spec.ansatz), number="21" if of_paper(spec) else "")
+    return (
+        Heading("The frame and what it removes", "frame"),
+        Paragraph((FRAMES[spec.frame.kind], " The deflection starts as")),
+        Lines((ansatz,)),
+        *_conditions(spec, numbers),
+        Paragraph(_left(spec, len(shapes))),
+        Lines((_deflection(numbers.deflection if numbers else ""), *lines)),
+    )
+
+
+def _conditions(spec: PlanarBeam, numbers: Numbers | None) -> tuple[Block, ...]:
+    found = on_ansatz(spec)
+    if not found:
+        return ()
+    lines = []
+    for k, one in enumerate(found):
+        lines.append(_asked(one.condition))
+        parts = tuple(
+            Part("-" if f < 0 else "+", row([*([Number(str(abs(f)))] if abs(f) != 1 else []), _a(j)]))
+            for j, f in enumerate(one.factors)
+            if f
+        )
+        result = join(parts) if parts else Number("0")
+        own = numbers.conditions[k] if numbers else ""
+        lines.append(Equation(result, (Part("+", Number("0")),), number=own))
+    return (Paragraph(("Its conditions, each followed by what it asks of the ansatz:",)), Lines(tuple(lines)))
+
+
+def _asked(condition: Condition) -> Equation:
+    """A condition as it is said: `int xi v dxi = 0` or `v'(1/2) = 0`."""
+    left, _, _ = condition.text.partition(" = ")
+    numbers = condition.equation.strip("()")
+    if left.startswith("int"):
+        line = equation(left.replace("int", "int_{-1}^1", 1) + " = 0", scalars=True)
+        return Equation(line.left, line.parts, line.relation, numbers)
+    name, _, at = left.partition("(")
+    place = Fenced(number(sp.Rational(at.rstrip(")"))))
+    slope = Row((Name("v"), Operator("\N{PRIME}"), place)) if name.endswith("'") else Row((Name("v"), place))
+    return Equation(slope, (Part("+", Number("0")),), number=numbers)
+
+
+def _left(spec: PlanarBeam, shapes: int) -> tuple[Inline, ...]:
+    gone = removed(spec)
+    said: list[Inline] = []
+    if gone:
+        said.append(f"Of the {len(spec.ansatz)} terms of the ansatz the conditions eliminate {len(gone)}: ")
+        for k, j in enumerate(gone):
+            said += [" and "] if k else []
+            said.append(Math(_a(j)))
+        said.append(" follow from the others. ")
+    said.append(f"{shapes} {'shapes are' if shapes > 1 else 'shape is'} left, scaled to one at the right end")
+    if spec.orthogonal:
+        said.append(", each made orthogonal to those before it in the mass of the beam")
+    said.append(":")
+    return tuple(said)
+
+
+def _ansatz(terms: tuple[Polynomial, ...]) -> tuple[Part, ...]:
+    parts = []
+    for j, term in enumerate(terms):
+        own = polynomial([sp.Rational(c) for c in term], Name("xi"))
+        plain = len(own) == 1 and own[0].sign == "+"
+        factor: list[Formula] = [own[0].formula] if plain else [Fenced(join(own))]
+        parts.append(Part("+", row([_a(j), *([] if plain and own[0].formula == Number("1") else factor)])))
+    return tuple(parts)
+
+
+def _deflection(number: str) -> Equation:
+    """v as a sum of the shapes."""
+    total = Row((Name("\N{N-ARY SUMMATION}", below=("i",)), Name("alpha", below=("i",)), Name(SHAPE, below=("i",))))
+    return Equation(Name("v"), (Part("+", total),), number=number)
+
+
+def _shape(k: int, shape: Polynomial, own: str) -> Equation:
+    left = Name(SHAPE, below=(str(k),))
+    return Equation(left, polynomial([sp.Rational(c) for c in shape], Name("xi")), number=own)
+
+
+def _a(j: int) -> Name:
+    return Name("a", below=(str(j),))
+
+
+def _poly(coefficients: Polynomial) -> sp.Poly:
+    return sp.Poly([sp.Rational(c) for c in reversed(coefficients)] or [0], xi, domain="QQ")
+
+
+def _whole(values: list[sp.Rational]) -> tuple[int, ...]:
+    """Numbers in the same proportions, whole, without a common divisor, the first of them positive."""
+    scaled = [v * sp.ilcm(1, *(x.q for x in values)) for v in values]
+    divisor = sp.igcd(*scaled) or 1
+    first = next((v for v in scaled if v), 1)
+    return tuple(int(v / divisor * (-1 if first < 0 else 1)) for v in scaled)

@@ -1,0 +1,83 @@
+"""The generated C of mass matrix and forces, each line with the terms that it computes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+
+from derive.report.document.labels import delta
+from derive.report.document.page import Block, Code, Details, Heading, Line, Link, Listing, Paragraph
+from derive.report.sections.source import Source, Sources
+from derive.report.sections.term_lines import Place, line_anchor
+
+LONG = 400
+"""Lines of a function that is shown as a whole; of a longer one those that compute a term or a moment."""
+
+
+@dataclass(frozen=True)
+class Targets:
+    """What lines lead to: terms by the lines that store them, and the anchors of moments by their names in the code.
+
+    `wanted` are the lines that other places lead to.
+    """
+
+    terms: Mapping[int, tuple[Place, ...]]
+    moments: Mapping[str, str]
+    wanted: frozenset[int] = frozenset()
+
+
+def targets(places: Iterable[Place], moments: Mapping[str, str]) -> Targets:
+    """What lines lead to."""
+    found: dict[int, list[Place]] = {}
+    wanted: set[int] = set()
+    for place in places:
+        wanted |= {number for _, number in place.names}
+        for number in place.stores:
+            found.setdefault(number, []).append(place)
+    return Targets({number: tuple(some) for number, some in found.items()}, moments, frozenset(wanted))
+
+
+def code_blocks(code: Sources, lead: Targets) -> tuple[Block, ...]:
+    """The functions `mass` and `force`, and `setup` folded."""
+    setup = code.functions["setup"]
+    return (
+        Heading("The generated C", "c"),
+        Paragraph(
+            (
+                "From ",
+                Code(code.file),
+                ", with the numbers of its lines. Behind a line stand the terms of the equations of motion that it "
+                "computes; ",
+                Code("mass_force"),
+                " gives both at once.",
+            )
+        ),
+        _listing(code.functions["mass"], lead, "mass: the mass matrix, lower triangle by columns"),
+        _listing(code.functions["force"], lead, "force: the forces h"),
+        Details(
+            f"setup: what depends on parameters alone, once ({len(setup.lines)} lines)",
+            (_listing(setup, Targets({}, {}), "setup"),),
+        ),
+    )
+
+
+def _listing(function: Source, lead: Targets, caption: str) -> Listing:
+    names = {number: name for name, number in function.definitions.items()}
+    lines = tuple(_line(number, text, names.get(number, ""), lead) for number, text in function.numbered)
+    return Listing("c", caption, lines if len(lines) <= LONG else _shortened(lines, lead.wanted))
+
+
+def _line(number: int, text: str, name: str, lead: Targets) -> Line:
+    links = [Link(f"{p.term.name} {delta(p.term.row)}", f"#{p.anchor}") for p in lead.terms.get(number, ())]
+    if name in lead.moments:
+        links.append(Link(name, f"#{lead.moments[name]}"))
+    return Line(number, text, line_anchor(number), tuple(links))
+
+
+def _shortened(lines: Sequence[Line], wanted: frozenset[int]) -> tuple[Line, ...]:
+    """The first line, those that lead somewhere or that something leads to, comments before them, and the last."""
+    kept = {0, len(lines) - 1}
+    for k, line in enumerate(lines):
+        if line.links or line.number in wanted:
+            kept |= {k, k - 1} if "/*" in lines[k - 1].text or "*/" in lines[k - 1].text else {k}
+    return tuple(lines[k] for k in sorted(kept))

@@ -1,0 +1,148 @@
+"""The kinematics of a body: (1), (5), (6), (14), and what they are in its coordinates."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import sympy as sp
+
+from derive.mechanics import quantity
+from derive.mechanics.equations import Equations
+from derive.mechanics.indexed_equations import GenericEquations
+from derive.mechanics.kinematics import RDDOT, RDOT, R
+from derive.mechanics.planar import planar_motion
+from derive.report.document.formula import Equation, Fenced, Formula, Matrix, Name, Number, Operator, Part, Power, Row
+from derive.report.document.formula import Fraction as Over
+from derive.report.document.page import Block, Heading, Math, Paragraph
+from derive.report.document.page import Equations as Lines
+from derive.report.notation.expressions import Notation, row
+from derive.report.notation.formula_reader import equation, formula
+from derive.report.paper.derived_space import acceleration, position, virtual_displacement
+from derive.spec.model.body import PlanarBeam
+from derive.spec.model.specification import Specification
+
+
+def kinematics_blocks(
+    spec: Specification, equations: Equations | GenericEquations, notation: Notation
+) -> tuple[Block, ...]:
+    """From the position of a material point to its acceleration and its virtual displacement."""
+    special = _beam(spec, equations, notation) if isinstance(spec, PlanarBeam) else _space(equations, notation)
+    return (
+        Heading("Kinematics", "kinematics"),
+        Paragraph(
+            (
+                "A material point that lies at ",
+                Math(formula("X")),
+                " in the reference configuration is displaced by the deformation ",
+                Math(formula("u")),
+                ", then turned by ",
+                Math(formula("Q")),
+                " and moved by ",
+                Math(formula("c")),
+                ". Two time derivatives give its acceleration, the variation its virtual displacement.",
+            )
+        ),
+        Lines(
+            (
+                *_numbered(position(), "1"),
+                equation("r = X + u"),
+                _sum_of_shapes(),
+                *_numbered(acceleration(), "5"),
+                *_numbered(virtual_displacement(), "6"),
+            )
+        ),
+        *special,
+        *_origin(equations.origin),
+    )
+
+
+def _origin(text: str) -> tuple[Block, ...]:
+    """Where c is, in a sentence."""
+    where = text.partition("c is where ")[2]
+    return (Paragraph((Math(formula("c")), f" is where {where}")),) if where else ()
+
+
+def _numbered(lines: Iterable[Equation], number: str) -> list[Equation]:
+    return [Equation(line.left, line.parts, line.relation, number) for line in lines]
+
+
+def _sum_of_shapes() -> Equation:
+    shape = Name("Phi", below=("i",), style="vector")
+    total = Row((Name("\N{N-ARY SUMMATION}", below=("i",)), Name("alpha", below=("i",)), shape))
+    return Equation(formula("u"), (Part("+", total),), number="14")
+
+
+def _beam(spec: PlanarBeam, equations: Equations | GenericEquations, notation: Notation) -> tuple[Block, ...]:
+    """(23)-(27), and the acceleration in components."""
+    length = notation.formula(quantity.value(spec.length))
+    xi = Name("xi")
+    along = Row((Over(Number("1"), Number("2")), xi, length, Name("e", below=("1",), style="vector")))
+    motion = planar_motion(0)
+    turning, coriolis, relative = (motion.acceleration[field] for field in (R, RDOT, RDDOT))
+    assert relative == sp.eye(2)
+    parts = (
+        Row((_tensor(turning, notation), formula("r"))),
+        Row((_tensor(coriolis, notation), formula("r'"))),
+        formula("r''"),
+    )
+    inner = Row(tuple(piece for k, part in enumerate(parts) for piece in ([Operator("+")] if k else []) + [part]))
+    components = Equation(
+        formula("x''"),
+        (Part("+", formula("c''")), Part("+", Row((formula("Q"), Operator("·"), Fenced(inner, "{", "}"))))),
+    )
+    return (
+        Paragraph(("The beam moves in a plane and deflects across its axis:",)),
+        Lines(
+            (
+                Equation(formula("c"), _components(("c1", "c2")), number="23"),
+                Equation(formula("X"), (Part("+", along),), number="24"),
+                Equation(formula("u"), (Part("+", Row((Name("v"), _base(2)))),), number="25"),
+                Equation(formula("Q"), (Part("+", _tensor(motion.rotation, notation)),), number="26", anchor="def-Q"),
+                Equation(formula("omega"), (Part("+", Row((Name("phi", dots=1), _base(3)))),), number="27"),
+                components,
+            )
+        ),
+    )
+
+
+def _base(k: int) -> Name:
+    return Name("e", below=(str(k),), style="vector")
+
+
+def _components(names: Iterable[str]) -> tuple[Part, ...]:
+    return tuple(Part("+", Row((Name(name[0], below=(name[1:],)), _base(k)))) for k, name in enumerate(names, 1))
+
+
+def _tensor(matrix: sp.Matrix, notation: Notation) -> Matrix:
+    """A matrix of expressions, with its zeros as dots."""
+
+    def entry(expr: sp.Expr) -> Formula | None:
+        return notation.formula(expr) if expr != 0 else None
+
+    return Matrix(tuple(tuple(entry(matrix[i, j]) for j in range(matrix.cols)) for i in range(matrix.rows)))
+
+
+def _space(equations: Equations | GenericEquations, notation: Notation) -> tuple[Block, ...]:
+    """Q by a unit quaternion, and how that changes with omega."""
+    entries = [d.expr for d in equations.definitions if d.section == "Q"]
+    rotation = sp.Matrix(3, 3, entries)
+    rates = [
+        Equation(Name("e", dots=1, below=(str(k),)), notation.parts(rate))
+        for k, rate in enumerate(equations.rates[3:7])
+    ]
+    unit = row([*(p for k in range(4) for p in ([Operator("+")] if k else []) + [_squared(k)])])
+    return (
+        Paragraph(
+            (
+                "The rotation is that of a unit quaternion, ",
+                Math(unit),
+                Math(Row((Operator("="), Number("1")))),
+                "; the angular velocity and the virtual rotation are resolved in the body base.",
+            )
+        ),
+        Lines((Equation(formula("Q"), (Part("+", _tensor(rotation, notation)),), anchor="def-Q"), *rates)),
+    )
+
+
+def _squared(k: int) -> Formula:
+    return Power(Name("e", below=(str(k),)), Number("2"))

@@ -1,0 +1,161 @@
+"""The pattern of a mass matrix as a picture: a square for an entry, a dot for a zero that tells its reason on hover."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from html import escape
+from itertools import groupby
+
+from derive.artifacts import MARK
+from derive.ir.model import Model
+from derive.mechanics.equations import Equations
+from derive.report.document.labels import label
+
+CELL, EDGE, SMALL, WIDTH = 28, 6, 24, 560
+"""Side of a cell, margin, the most rows with names, and the width of larger pictures."""
+
+SHORT = 3
+"""Letters of a name that fits above a column."""
+
+STYLE = """\
+  <style>
+    text { font: 13px system-ui, sans-serif; fill: #1c2733; }
+    .value { fill: #1f6f8b; } .zero { fill: #8795a1; } .frame { fill: none; stroke: #b8c2cc; }
+    .none { fill: #ffffff; fill-opacity: 0; }
+    @media (prefers-color-scheme: dark) {
+      text { fill: #e6edf3; } .value { fill: #5fb6d4; } .zero { fill: #75818c; } .frame { stroke: #55606b; }
+    }
+  </style>"""
+
+Reasons = dict[tuple[int, int], str]
+
+
+@dataclass(frozen=True)
+class Matrix:
+    """A symmetric pattern: names of the rows, the entries of both triangles, the reason of each zero."""
+
+    names: tuple[str, ...]
+    entries: frozenset[tuple[int, int]]
+    reasons: Reasons
+
+    @property
+    def size(self) -> int:
+        """Rows."""
+        return len(self.names)
+
+    @property
+    def count(self) -> str:
+        """How many entries there are, of how many."""
+        return f"{len(self.entries)} of {self.size**2}"
+
+
+def mass_matrix(model: Model, equations: object) -> Matrix:
+    """The pattern of the mass matrix of a model."""
+    pattern = model.pattern("mass", "M")
+    names = [f"{row.name}{k}" if row.size > 1 else row.name for row in model.rows for k in range(1, row.size + 1)]
+    lower = pattern.entries
+    entries = frozenset(lower) | {(j, i) for i, j in lower}
+    if isinstance(equations, Equations):
+        given = {(i, j): reason for i, j, reason in equations.mass_zeros}
+    else:
+        given = dict(_of_blocks(model, len(names), entries))
+    return Matrix(tuple(names), entries, given | {(j, i): reason for (i, j), reason in given.items()})
+
+
+def _of_blocks(model: Model, size: int, entries: frozenset[tuple[int, int]]) -> Iterator[tuple[tuple[int, int], str]]:
+    """Zeros of the lower triangle by the reason of their block, such as `M[alpha, c]`."""
+    block = ["c"] * 3 + ["pi"] * 3 + ["alpha"] * (size - 6)
+    reasons = {zero.what.removesuffix(" off the diagonal"): zero.reason for zero in model.zeros}
+    for i in range(size):
+        for j in range(i + 1):
+            if (i, j) not in entries:
+                yield (i, j), reasons[f"M[{block[i]}, {block[j]}]"]
+
+
+def picture(matrix: Matrix, reasons: bool = True) -> str:
+    """The picture as SVG, with the reasons of its zeros or without."""
+    n = matrix.size
+    named = n <= SMALL
+    cell = CELL if named else max(2, WIDTH // n)
+    longest = max(len(label(name)) for name in matrix.names)
+    left = EDGE + (longest * 9 + 10 if named else 0)
+    top = EDGE + ((20 if longest <= SHORT else longest * 9) if named else 0)
+    width, height = left + n * cell + EDGE, top + n * cell + EDGE
+    lines = _labels(matrix, left, top) if named else []
+    lines.append(f'  <rect class="frame" x="{left}" y="{top}" width="{n * cell}" height="{n * cell}" rx="3"/>')
+    lines += _values(matrix, left, top, cell)
+    lines += _dots(matrix, left, top) if named else []
+    lines += _reasons(matrix, left, top, cell) if reasons else []
+    head = f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" width="{width}" role="img">'
+    title = f"  <title>Mass matrix: {matrix.count} entries</title>"
+    return "\n".join([head, f"  <!-- {MARK} -->", title, STYLE, *lines, "</svg>\n"])
+
+
+def _labels(matrix: Matrix, left: int, top: int) -> list[str]:
+    lines = []
+    for k, name in enumerate(matrix.names):
+        middle = k * CELL + CELL // 2
+        said = escape(label(name))
+        lines.append(f'  <text x="{left - 8}" y="{top + middle + 4}" text-anchor="end">{said}</text>')
+        x, y = left + middle, top - 8
+        if any(len(label(name)) > SHORT for name in matrix.names):  # they would run into each other
+            turn = f'text-anchor="start" transform="rotate(-90 {x + 4} {y})"'
+            lines.append(f'  <text x="{x + 4}" y="{y}" {turn}>{said}</text>')
+        else:
+            lines.append(f'  <text x="{x}" y="{y}" text-anchor="middle">{said}</text>')
+    return lines
+
+
+def _values(matrix: Matrix, left: int, top: int, cell: int) -> list[str]:
+    """A square for each entry, of large matrices a bar for each run of entries."""
+    gap = 4 if cell == CELL else 0 if cell < 8 else 1
+    corner = ' rx="2"' if gap else ""
+    lines = []
+    for i in range(matrix.size):
+        present = [j for j in range(matrix.size) if (i, j) in matrix.entries]
+        for first, count in _runs(present) if cell < CELL else [(j, 1) for j in present]:
+            x, y, side = left + first * cell + gap, top + i * cell + gap, cell - 2 * gap
+            long = count * cell - 2 * gap
+            lines.append(f'  <rect class="value" x="{x}" y="{y}" width="{long}" height="{side}"{corner}/>')
+    return lines
+
+
+def _dots(matrix: Matrix, left: int, top: int) -> list[str]:
+    """A dot for each zero."""
+    middle = CELL // 2
+    places = ((i, j) for i in range(matrix.size) for j in range(matrix.size) if (i, j) not in matrix.entries)
+    return [
+        f'  <circle class="zero" cx="{left + j * CELL + middle}" cy="{top + i * CELL + middle}" r="2"/>'
+        for i, j in places
+    ]
+
+
+def _reasons(matrix: Matrix, left: int, top: int, cell: int) -> list[str]:
+    """Over each run of zeros with one reason what tells it."""
+    lines = []
+    for i, name in enumerate(matrix.names):
+        absent = [j for j in range(matrix.size) if (i, j) not in matrix.entries]
+        why = {j: matrix.reasons[i, j] for j in absent}
+        for _, group in groupby(absent, key=why.__getitem__):
+            for first, count in _runs(list(group)):
+                said = escape(f"{_place(matrix, name, first, count)}: {why[first]}", quote=False)
+                box = f'x="{left + first * cell}" y="{top + i * cell}" width="{count * cell}" height="{cell}"'
+                lines.append(f'  <rect class="none" {box}><title>{said}</title></rect>')
+    return lines
+
+
+def _place(matrix: Matrix, row: str, first: int, count: int) -> str:
+    last = f" to {label(matrix.names[first + count - 1])}" if count > 1 else ""
+    return f"M[{label(row)}, {label(matrix.names[first])}{last}] = 0"
+
+
+def _runs(numbers: Sequence[int]) -> list[tuple[int, int]]:
+    """Runs of consecutive numbers: the first and how many."""
+    found: list[tuple[int, int]] = []
+    for number in numbers:
+        if found and number == found[-1][0] + found[-1][1]:
+            found[-1] = (found[-1][0], found[-1][1] + 1)
+        else:
+            found.append((number, 1))
+    return found

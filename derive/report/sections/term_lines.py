@@ -1,0 +1,132 @@
+"""Where the generated C computes each term: the lines that store its row, and those that define the names in it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+
+import sympy as sp
+
+from derive.ir.model import Model
+from derive.mechanics.equations import Equations, Term
+from derive.mechanics.indexed_equations import GenericEquations
+from derive.mechanics.series import ALPHADDOT
+from derive.report.document.labels import anchor
+from derive.report.sections.source import Source, Sources
+
+SHAPE = "alpha_i"
+
+GROUPS = {
+    **dict.fromkeys(("translation", "Euler", "relative"), "accelerations"),
+    **dict.fromkeys(("centrifugal", "Coriolis"), "rates"),
+}
+"""What a term is grouped by; any other term is a group by itself."""
+
+
+ORDER = ("accelerations", "rates", "elastic", "damping", "gravity")
+"""Groups as they follow each other; others come last."""
+
+
+def group(term: Term) -> str:
+    """What a term is grouped by."""
+    return GROUPS.get(term.name, term.name)
+
+
+def place_in_row(term: Term) -> int:
+    """Where a term stands in its row, by its group."""
+    return ORDER.index(group(term)) if group(term) in ORDER else len(ORDER)
+
+
+def title(term: Term) -> str:
+    """What a term is, in a few words."""
+    return f"{term.name} term, {term.equation}"
+
+
+@dataclass(frozen=True)
+class Place:
+    """A term with the lines of the generated C that belong to it: those that store it, and names with their lines."""
+
+    term: Term
+    stores: tuple[int, ...]
+    names: tuple[tuple[sp.Symbol, int], ...]
+
+    @property
+    def anchor(self) -> str:
+        """Its anchor."""
+        return anchor("term", self.term.row, self.term.name)
+
+
+def places(equations: Equations | GenericEquations, model: Model, code: Sources) -> tuple[Place, ...]:
+    """Every term with its lines."""
+    finder = _Finder(equations, model, code)
+    return tuple(finder.place(term) for term in equations.terms)
+
+
+def definition_lines(code: Sources) -> dict[str, int]:
+    """The line that computes each name: of `force`, or of `mass` if it stands there alone."""
+    return {**code.functions["mass"].definitions, **code.functions["force"].definitions}
+
+
+def line_anchor(number: int) -> str:
+    """The anchor of a line of the generated C."""
+    return f"c-{number}"
+
+
+class _Finder:
+    """Rows and accelerations of a model, by their places in M and h."""
+
+    def __init__(self, equations: Equations | GenericEquations, model: Model, code: Sources) -> None:
+        self.equations, self.code = equations, code
+        self.rigid = len(equations.rows)
+        self.rows = {row.name: k for k, row in enumerate(equations.rows)}
+        self.accelerations = {row.a: k for k, row in enumerate(equations.rows)}
+        self.totals: dict[sp.Symbol, sp.Expr] = {}
+        if isinstance(equations, GenericEquations):
+            self.rows[SHAPE] = self.accelerations[sp.Symbol(f"{ALPHADDOT}_i")] = self.rigid
+            self.totals = {sp.Symbol(t.name): t.term for t in equations.totals}
+            self.totals |= {sp.Symbol(c.name): _inside(c.sums) for c in equations.contractions}
+        self.pattern = model.pattern("mass", "M")
+        self.stored = tuple(self._stored(code.functions["mass"]))
+
+    def place(self, term: Term) -> Place:
+        """The lines of one term."""
+        row = self.rows[term.row]
+        columns = {k for a, k in self.accelerations.items() if a in self._behind(term.expr)}
+        if columns:
+            pairs = {(min(row, column), max(row, column)) for column in columns}
+            lines = tuple(sorted({number for entry, number in self.stored if entry in pairs}))
+            return Place(term, lines, self._names(term, self.code.functions["mass"]))
+        force = self.code.functions["force"]
+        looped = isinstance(self.equations, GenericEquations) and row == self.rigid
+        found = force.stores.get(("h", row, looped))
+        return Place(term, (found,) if found else (), self._names(term, force))
+
+    def _stored(self, mass: Source) -> Iterator[tuple[tuple[int, int], int]]:
+        """The entry that each line of `mass` stores; entries of the shapes count as one where there are loops."""
+        entries = self.pattern.entries
+        for (output, index, _), number in mass.stores.items():
+            if output == "M":
+                i, j = (min(k, self.rigid) for k in entries[index])
+                yield (j, i), number
+
+    def _behind(self, expr: sp.Expr) -> set[sp.Symbol]:
+        """All symbols in an expression and in the sums that it is made of."""
+        found, fresh = set(), set(expr.free_symbols)
+        while fresh:
+            found |= fresh
+            fresh = {s for f in fresh if f in self.totals for s in self.totals[f].free_symbols} - found
+        return found
+
+    def _names(self, term: Term, function: Source) -> tuple[tuple[sp.Symbol, int], ...]:
+        lines = function.definitions
+        found = [(symbol, lines[name]) for symbol in term.expr.free_symbols if (name := array(symbol.name)) in lines]
+        return tuple(sorted(found, key=lambda pair: pair[1]))
+
+
+def array(name: str) -> str:
+    """What a generic name is called in a loop: S_i_11 is the array S_11."""
+    return "_".join(part for part in name.split("_") if part not in ("i", "j"))
+
+
+def _inside(sums: Iterable[tuple[str, str]]) -> sp.Expr:
+    return sp.Add(*(sp.Symbol(f"{factor}_i") * sp.Symbol(entry) for factor, entry in sums))

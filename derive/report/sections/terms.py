@@ -1,0 +1,179 @@
+"""The equations of motion row by row: in shape integrals and moments, and written out in coordinates.
+
+Every term keeps its name and its number, and leads to the lines of the generated C that compute it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import groupby
+
+import sympy as sp
+
+from derive.mechanics.equations import Equations
+from derive.mechanics.indexed_equations import GenericEquations
+from derive.report.document.formula import Equation, Part
+from derive.report.document.formula import Row as Beside
+from derive.report.document.labels import anchor, delta, variation
+from derive.report.document.page import Block, Cell, Details, Heading, Inline, Link, Math, Table
+from derive.report.document.page import Equations as Lines
+from derive.report.document.tables import Said, table
+from derive.report.notation.expressions import Notation
+from derive.report.sections.term_lines import SHAPE, Place, group, line_anchor, place_in_row, title
+
+MOST_ROWS, MOST_SUMMANDS = 16, 240
+"""Rows that are shown, others are folded; summands of all rows up to which they are written out in coordinates."""
+
+
+@dataclass(frozen=True)
+class Expansion:
+    """What the symbols of equations stand for, written out in coordinates, rates and parameters."""
+
+    values: Mapping[sp.Symbol, sp.Expr]
+
+    def __call__(self, expr: sp.Expr) -> sp.Expr:
+        """An expression written out."""
+        return sp.expand(expr.xreplace(self.values))
+
+
+def expansion(equations: Equations, integrals: bool = True) -> Expansion:
+    """Definitions written out, and shape integrals too if they are not to stay names."""
+    values: dict[sp.Symbol, sp.Expr] = {c.symbol: c.value for c in equations.coefficients if integrals or c.zero}
+    for definition in equations.definitions:
+        values[definition.symbol] = sp.expand(definition.expr.xreplace(values))
+    return Expansion(values)
+
+
+def row_blocks(
+    equations: Equations | GenericEquations, places: Sequence[Place], notation: Notation, number: str = ""
+) -> tuple[Block, ...]:
+    """Every row: its equation and its terms; `number` is that of the rows written out, if the paper has them."""
+    written = _short(equations)
+    names = row_names(equations)
+    shown = [_row(name, names[name], places, notation, written, number) for name in names]
+    if len(shown) <= MOST_ROWS:
+        return tuple(block for blocks in shown for block in blocks)
+    first = tuple(block for blocks in shown[:MOST_ROWS] for block in blocks)
+    rest = tuple(block for blocks in shown[MOST_ROWS:] for block in blocks)
+    return (*first, Details(f"The other {len(shown) - MOST_ROWS} rows", rest))
+
+
+def _short(equations: Equations | GenericEquations) -> Expansion | None:
+    """How to write the rows out, if that makes not too many summands."""
+    if isinstance(equations, GenericEquations):
+        return None
+    written = expansion(equations)
+    count = 0
+    for term in equations.terms:
+        count += len(sp.Add.make_args(written(term.expr)))
+        if count > MOST_SUMMANDS:
+            return None
+    return written
+
+
+def row_names(equations: Equations | GenericEquations) -> dict[str, str]:
+    """The rows with what their virtual displacements are."""
+    found = {row.name: _meaning(row.name, row.doc) for row in equations.rows}
+    if isinstance(equations, GenericEquations) and equations.modes:
+        found[SHAPE] = f"each of the {equations.modes} shapes"
+    return found
+
+
+def _meaning(name: str, doc: str) -> str:
+    about = doc.removeprefix("angular velocity ")
+    return f"rotation {about}" if about != doc else ""
+
+
+def _row(
+    name: str,
+    meaning: str,
+    places: Sequence[Place],
+    notation: Notation,
+    written: Expansion | None,
+    number: str,
+) -> tuple[Block, ...]:
+    own = ordered(p for p in places if p.term.row == name)
+    head = Heading(f"{delta(name)}{f': {meaning}' if meaning else ''}", anchor("row", name), 3)
+    if not own:
+        return (head, Lines((Equation(variation(name), (), ":"),)))
+    parts = tuple(part for place in own for part in _parts(place, notation))
+    lines = [Equation(variation(name), parts, ":", "15")]
+    if written:
+        summands = tuple(part for place in own for part in _written(place, written, notation))
+        if not _same(parts, summands):
+            lines.append(Equation(Beside(()), summands, "=", number))
+    return (head, Lines(tuple(lines)), _table(own, notation))
+
+
+def ordered(places: Iterable[Place]) -> list[Place]:
+    """Accelerations first, then rates, elastic, and the rest; within a group as they were derived."""
+    return sorted(places, key=lambda place: place_in_row(place.term))
+
+
+def _parts(place: Place, notation: Notation) -> tuple[Part, ...]:
+    to = f"#{line_anchor(place.stores[0])}" if place.stores else ""
+    return notation.parts(place.term.expr, place.anchor, group(place.term), title(place.term), to)
+
+
+def _written(place: Place, written: Expansion, notation: Notation) -> tuple[Part, ...]:
+    expr = written(place.term.expr)
+    return notation.parts(expr, "", group(place.term), title(place.term), f"#{place.anchor}")
+
+
+def _same(parts: Sequence[Part], others: Sequence[Part]) -> bool:
+    """Whether nothing is gained by writing a row out."""
+    return [(p.sign, p.formula) for p in parts] == [(p.sign, p.formula) for p in others]
+
+
+def _table(places: Sequence[Place], notation: Notation) -> Table:
+    """The terms of a row with their lines."""
+    rows: list[list[Said]] = [
+        [_linked(p), group(p.term), p.term.equation, lines(p.stores), _names(p, notation)] for p in places
+    ]
+    head = ("term", "group", "from", "stored in line", "made of")
+    return table("", head, rows)
+
+
+def _linked(place: Place) -> Cell:
+    return Cell((Link(place.term.name, f"#{place.anchor}"),))
+
+
+def lines(numbers: Sequence[int]) -> tuple[Inline, ...]:
+    """Numbers of lines as links, those that follow each other as one."""
+    found: list[Inline] = []
+    for first, last in runs(numbers):
+        said = str(first) if first == last else f"{first}\N{EN DASH}{last}"
+        found += [", "] if found else []
+        found.append(Link(said, f"#{line_anchor(first)}"))
+    return tuple(found)
+
+
+def runs(numbers: Sequence[int]) -> list[tuple[int, int]]:
+    """First and last of numbers that follow each other."""
+    groups = groupby(enumerate(numbers), key=lambda pair: pair[1] - pair[0])
+    pieces = ([number for _, number in group] for _, group in groups)
+    return [(piece[0], piece[-1]) for piece in pieces]
+
+
+def _names(place: Place, notation: Notation) -> tuple[Inline, ...]:
+    """The names that a term is made of, with the lines that define them; those that follow each other together."""
+    by_line = {number: symbol for symbol, number in place.names}
+    found: list[Inline] = []
+    for first, last in runs(sorted(by_line)):
+        between = [number for number in (first, last) if first != last or number == first][: 2 if first != last else 1]
+        found += ["; "] if found else []
+        for k, number in enumerate(between):
+            found += [" … "] if k and last > first + 1 else [", "] if k else []
+            found.append(Math(notation.formula(by_line[number])))
+        said = f"line {first}" if first == last else f"lines {first}\N{EN DASH}{last}"
+        found += [" ", Link(said, f"#{line_anchor(first)}")]
+    return tuple(found)
+
+
+def written_row(equations: Equations, name: str, written: Expansion, notation: Notation) -> tuple[Part, ...]:
+    """A row written out in coordinates, term by term, without links."""
+    found: list[Part] = []
+    for term in sorted((t for t in equations.terms if t.row == name), key=place_in_row):
+        found += notation.parts(written(term.expr), group=group(term), title=title(term))
+    return tuple(found)

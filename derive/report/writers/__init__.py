@@ -1,0 +1,1 @@
+"""Writers: a page as HTML, LaTeX, Markdown, Typst and PDF."""

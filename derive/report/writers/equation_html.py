@@ -1,0 +1,71 @@
+"""Equations as HTML: small pieces of MathML that a line may end between, aligned at their relations."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from html import escape
+from itertools import groupby
+
+from derive.report.document.address import address
+from derive.report.document.formula import Equation, Formula, Part
+from derive.report.notation.spacing import has_matrix
+from derive.report.notation.spoken_math import equation_words, words
+from derive.report.writers.mathml import math, relation_math, summand_math
+
+LONG = 6
+"""Equations of more parts tell their groups, each on lines of its own."""
+
+
+def equations_html(equations: Sequence[Equation]) -> str:
+    """Equations below each other, aligned at their relations."""
+    kind = "eqs wide" if any(has_matrix(one) for one in equations) else "eqs"
+    return f'<div class="{kind}">{"".join(_equation(one) for one in equations)}</div>'
+
+
+def _equation(equation: Equation) -> str:
+    said = escape(f"{f'({equation.number}): ' if equation.number else ''}{equation_words(equation)}")
+    anchor = f' id="{escape(equation.anchor)}"' if equation.anchor else ""
+    return (
+        f'<div class="eq"{anchor} role="group" aria-label="{said}">'
+        f'<span class="l">{_piece(equation.left)}</span>'
+        f'<span class="r">{relation_math(equation.relation) if equation.relation else ""}</span>'
+        f'<span class="b">{_groups(equation.parts)}</span>{_number(equation)}</div>'
+    )
+
+
+def _piece(formula: Formula) -> str:
+    return math(formula).replace(f' alttext="{escape(words(formula))}"', "", 1)
+
+
+def _number(equation: Equation) -> str:
+    if not equation.number:
+        return ""
+    text = f"({escape(equation.number)})"
+    kind = "n w" if len(equation.number) > 3 else "n"
+    return (
+        f'<a class="{kind}" href="#{escape(equation.anchor)}">{text}</a>'
+        if equation.anchor
+        else f'<span class="{kind}">{text}</span>'
+    )
+
+
+def _groups(parts: Sequence[Part]) -> str:
+    numbered = list(enumerate(parts))
+    groups = [(name, list(some)) for name, some in groupby(numbered, lambda one: one[1].group)]
+    told = len(parts) > LONG and len(groups) > 1
+    return "".join(_group(name if told else "", [_part(part, k == 0) for k, part in some]) for name, some in groups)
+
+
+def _group(name: str, pieces: Sequence[str]) -> str:
+    label = f"<small>{escape(name)}</small>" if name else ""
+    return f'<span class="{"g t" if name else "g"}">{"".join(pieces)}{label}</span>'
+
+
+def _part(part: Part, first: bool) -> str:
+    shown = summand_math(part, first)
+    title = f' title="{escape(part.title)}"' if part.title else ""
+    to = part.to or (f"#{part.anchor}" if part.anchor else "")
+    anchor = f' id="{escape(part.anchor)}"' if part.anchor else ""
+    if to:
+        return f'<a{anchor} href="{escape(address(to))}"{title}>{shown}</a>'
+    return f'<span{title} tabindex="0">{shown}</span>' if title else f"<span>{shown}</span>"

@@ -1,0 +1,154 @@
+"""A page as one HTML file that needs nothing else: no script, no font, no picture from outside."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from html import escape
+from itertools import count
+
+from derive.artifacts import MARK
+from derive.rendering import render
+from derive.report.document.address import address
+from derive.report.document.page import (
+    Block,
+    Cell,
+    Code,
+    Columns,
+    Details,
+    Equations,
+    Heading,
+    Inline,
+    Link,
+    Listing,
+    Math,
+    Page,
+    Paragraph,
+    Picture,
+    Strong,
+    Table,
+    Text,
+)
+from derive.report.writers.code_html import listing_html
+from derive.report.writers.equation_html import equations_html
+from derive.report.writers.mathml import math_in_text
+from derive.report.writers.picture import inline
+
+ALIGN = {"r": ' class="r"', "c": ' class="c"'}
+MARKS = tuple(",.;:)!?'\u2019")
+LONG, SOME = 40, 16
+"""Columns of more characters keep room for them."""
+MANY = 200
+"""Tables with more told cells than this are not walked through by the tab key."""
+
+
+def html(page: Page) -> str:
+    """The page as HTML."""
+    values = {
+        "mark": MARK,
+        "title": escape(page.title),
+        "subtitle": escape(page.subtitle),
+        "contents": _contents([block for block in page.blocks if isinstance(block, Heading)]),
+        "body": _Writer().blocks(page.blocks),
+    }
+    return render("report/page.html.jinja", values)
+
+
+def _contents(headings: Sequence[Heading]) -> str:
+    lines = [
+        f'<li class="h{heading.level}"><a href="#{escape(heading.anchor)}">{escape(heading.text)}</a></li>'
+        for heading in headings
+    ]
+    return "\n".join(lines)
+
+
+class _Writer:
+    """Writes blocks; it counts the pictures, whose names have to differ."""
+
+    def __init__(self) -> None:
+        self._pictures = count(1)
+
+    def blocks(self, blocks: Sequence[Block]) -> str:
+        return "\n".join(self._block(block) for block in blocks)
+
+    def _block(self, block: Block) -> str:
+        match block:
+            case Heading(said, anchor, level):
+                return f'<h{level} id="{escape(anchor)}">{escape(said)}</h{level}>'
+            case Paragraph(said):
+                return f"<p>{text(said)}</p>"
+            case Equations(rows):
+                return equations_html(rows)
+            case Table():
+                return _table(block)
+            case Picture(svg, alt, caption):
+                drawn = inline(svg, f"picture-{next(self._pictures)}", alt)
+                said = f"<figcaption>{escape(caption)}</figcaption>" if caption else ""
+                return f'<figure class="picture">{drawn}{said}</figure>'
+            case Listing():
+                return listing_html(block)
+            case Details(summary, inner):
+                return f"<details><summary>{escape(summary)}</summary>\n{self.blocks(inner)}\n</details>"
+            case Columns(columns):
+                sides = "\n".join(f"<div>\n{self.blocks(one)}\n</div>" for one in columns)
+                return f'<div class="columns">\n{sides}\n</div>'
+
+
+def text(parts: Text) -> str:
+    """Text with its formulas, links and words of code. No line ends between a formula and a mark behind it."""
+    out = []
+    for k, part in enumerate(parts):
+        following = parts[k + 1] if k + 1 < len(parts) else None
+        close = isinstance(part, Math) and isinstance(following, str) and following[:1] in MARKS
+        out.append(_inline(part) + ("\u2060" if close else ""))
+    return "".join(out)
+
+
+def _inline(part: Inline) -> str:
+    match part:
+        case str():
+            return escape(part, quote=False)
+        case Math(formula):
+            return math_in_text(formula)
+        case Link(said, to):
+            return f'<a href="{escape(address(to))}">{escape(said, quote=False)}</a>'
+        case Code(said):
+            return f"<code>{escape(said, quote=False)}</code>"
+        case Strong(said):
+            return f"<strong>{escape(said, quote=False)}</strong>"
+
+
+def _table(table: Table) -> str:
+    align = [ALIGN.get(one, "") for one in table.align.ljust(len(table.head), "l")]
+    told = sum(bool(cell.title) for row in table.rows for cell in row) <= MANY
+    head = "".join(_head(table, k, side) for k, side in enumerate(align))
+    rows = "\n".join(f"<tr>{_cells(row, align, told)}</tr>" for row in table.rows)
+    caption = f"<caption>{escape(table.caption)}</caption>" if table.caption else ""
+    label = escape(table.caption or "Table")
+    kind = f'table wide" role="region" aria-label="{label}" tabindex="0' if table.wide else "table"
+    return (
+        f'<div class="{kind}"><table>{caption}\n<thead><tr>{head}</tr></thead>\n<tbody>\n{rows}\n</tbody></table></div>'
+    )
+
+
+def _head(table: Table, column: int, side: str) -> str:
+    """A head; that of a column of much text keeps room for it."""
+    longest = max((sum(map(_length, row[column].text)) for row in table.rows), default=0)
+    names = [*([side[8:-1]] if side else []), *(["long"] if longest > LONG else ["some"] if longest > SOME else [])]
+    kind = f' class="{" ".join(names)}"' if names else ""
+    return f'<th scope="col"{kind}>{text(table.head[column])}</th>'
+
+
+def _length(part: Inline) -> int:
+    """Characters that a line may break between."""
+    return len(part) if isinstance(part, str) else 0 if isinstance(part, Math | Code) else len(part.text)
+
+
+def _cells(row: Sequence[Cell], align: Sequence[str], told: bool) -> str:
+    out = []
+    for k, (cell, side) in enumerate(zip(row, align, strict=True)):
+        tag = "td" if k else 'th scope="row"'
+        names = [name for name in (cell.mark, side[8:-1]) if name]
+        kind = f' class="{" ".join(names)}"' if names else ""
+        title = f' title="{escape(cell.title)}"' + (' tabindex="0"' if told else "") if cell.title else ""
+        out.append(f"<{tag}{kind}{title}>{text(cell.text)}</{tag[:2]}>")
+    return "".join(out)

@@ -1,0 +1,132 @@
+"""A page as an article for LaTeX, with amsmath, longtable, booktabs and hyperref."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from derive.artifacts import MARK
+from derive.rendering import render
+from derive.report.document.address import address
+from derive.report.document.anchors import targets
+from derive.report.document.formula import Equation
+from derive.report.document.page import (
+    Block,
+    Code,
+    Columns,
+    Details,
+    Equations,
+    Heading,
+    Line,
+    Link,
+    Listing,
+    Math,
+    Page,
+    Paragraph,
+    Picture,
+    Strong,
+    Table,
+    Text,
+)
+from derive.report.notation.line_breaking import lines, width
+from derive.report.writers.latex_math import latex_math, relation_latex, summand_latex
+from derive.report.writers.latex_table import tabular
+from derive.report.writers.latex_text import escaped
+
+ROOM = 29.0
+"""The width of a line of formulas, in em, with the number of the equation taken off."""
+
+
+def latex(page: Page) -> str:
+    """The page as LaTeX."""
+    title = escaped(page.title)
+    values = {
+        "mark": MARK,
+        "plain": "".join(c for c in page.title if c.isascii() and (c.isalnum() or c in " .,-")),
+        "title": f"{title}\\\\[1ex] \\large {escaped(page.subtitle)}" if page.subtitle else title,
+        "body": _Writer(targets(page)).blocks(page.blocks),
+    }
+    return render("report/article.tex.jinja", values)
+
+
+class _Writer:
+    """Writes blocks; it knows the names of all places, which links lead to."""
+
+    def __init__(self, names: Mapping[str, str]) -> None:
+        self._names = names
+
+    def blocks(self, blocks: Sequence[Block]) -> str:
+        return "\n\n".join(self._block(block) for block in blocks)
+
+    def _block(self, block: Block) -> str:
+        match block:
+            case Heading(said, anchor, level):
+                kind = "section" if level == 2 else "subsection"
+                return f"\\{kind}{{{escaped(said)}}}{self._label(anchor)}"
+            case Paragraph(said):
+                return self.text(said)
+            case Equations(rows):
+                return "\n".join(["\\begin{align}", " \\\\\n".join(map(self._equation, rows)), "\\end{align}"])
+            case Table():
+                return tabular(block, self.text)
+            case Picture(_, alt, caption):
+                shown = f"\\fbox{{\\parbox{{0.8\\linewidth}}{{\\itshape {escaped(alt)}}}}}"
+                said = f"\n\\caption{{{escaped(caption)}}}" if caption else ""
+                return f"\\begin{{figure}}[htbp]\n\\centering\n{shown}{said}\n\\end{{figure}}"
+            case Listing():
+                return self._listing(block)
+            case Details(summary, inner):
+                return f"\\paragraph{{{escaped(summary)}}}\n\n{self.blocks(inner)}"
+            case Columns(columns):
+                return "\n\n".join(self.blocks(one) for one in columns)
+
+    def text(self, said: Text) -> str:
+        return "".join(map(self._inline, said))
+
+    def _inline(self, part: str | Math | Link | Code | Strong) -> str:
+        match part:
+            case str():
+                return escaped(part)
+            case Math(formula):
+                return f"${latex_math(formula)}$"
+            case Link():
+                return self._link(part)
+            case Code(said):
+                return f"\\texttt{{{escaped(said)}}}"
+            case Strong(said):
+                return f"\\textbf{{{escaped(said)}}}"
+
+    def _link(self, link: Link) -> str:
+        said = escaped(link.text)
+        if link.to.startswith("#"):
+            name = self._names.get(link.to[1:])
+            return f"\\hyperref[{name}]{{{said}}}" if name else said
+        if not link.to.isascii() or set(link.to) & set('\\{}^ "<>`|'):
+            return said
+        to = "".join(f"\\{c}" if c in "#%&_$" else c for c in address(link.to))
+        return f"\\href{{{to}}}{{{said}}}"
+
+    def _label(self, anchor: str) -> str:
+        return f"\\label{{{self._names[anchor]}}}" if anchor else ""
+
+    def _equation(self, equation: Equation) -> str:
+        anchors = [one for one in (equation.anchor, *(part.anchor for part in equation.parts)) if one]
+        label = self._label(anchors[0]) if anchors else ""
+        tag = f"\\tag{{{escaped(equation.number)}}}" if equation.number else "\\tag*{}" if label else "\\notag"
+        summands = [summand_latex(part, k == 0) for k, part in enumerate(equation.parts)]
+        broken = lines(equation.parts, ROOM - width(equation.left))
+        rows = [" ".join(summands[k] for k in places) for places in broken] or [""]
+        start = f"{latex_math(equation.left)} &{relation_latex(equation.relation)} "
+        body = " \\notag \\\\\n  &\\quad ".join(rows)
+        return f"{start}{body} {tag}{label}"
+
+    def _listing(self, listing: Listing) -> str:
+        caption = f"\\noindent\\textit{{{escaped(listing.caption)}}}\n" if listing.caption else ""
+        body = "\n".join(map(self._line, listing.lines))
+        return f"{caption}\\begin{{code}}\n{body}\n\\end{{code}}"
+
+    def _line(self, line: Line) -> str:
+        code = line.text.expandtabs(4)
+        indent = len(code) - len(code.lstrip())
+        links = "".join(f"\\quad\\textrm{{{self._link(link)}}}" for link in line.links)
+        place = f"\\phantomsection{self._label(line.anchor)}" if line.anchor else ""
+        return f"\\codeline{{{line.number}}}{{{place}{'~' * indent}{escaped(code.lstrip())}{links}}}"

@@ -1,0 +1,111 @@
+"""Text for LaTeX: nothing of it is ever a command."""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+
+from derive.report.notation.glyphs import GREEK as GREEK_NAMES
+from derive.report.notation.glyphs import NAMES
+
+SPECIAL = {
+    **{c: f"\\{c}" for c in "#$%&_{}"},
+    **{c: f"{{{c}}}" for c in "[]*"},
+    "\\": "\\textbackslash{}",
+    "~": "\\textasciitilde{}",
+    "^": "\\textasciicircum{}",
+    "<": "\\textless{}",
+    ">": "\\textgreater{}",
+    "|": "\\textbar{}",
+    "`": "`{}",
+    "\1": "{}",
+    "\n": " ",
+    "\t": " ",
+    "\u00a0": "~",
+}
+ACCENTS = dict(
+    zip(
+        "\u0300\u0301\u0302\u0303\u0308\u030a\u030c\u0327\u0304\u0306\u0307\u030b",
+        ("`", "'", "^", "~", '"', "r", "v", "c", "=", "u", ".", "H"),
+        strict=True,
+    )
+)
+LETTERS = {"ß": "{\\ss}", "æ": "{\\ae}", "Æ": "{\\AE}", "ø": "{\\o}", "Ø": "{\\O}", "œ": "{\\oe}", "ł": "{\\l}"}
+SIGNS = {
+    **{
+        "\u2013": "--",
+        "\u2014": "---",
+        "\u2018": "`{}",
+        "\u2019": "'",
+        "\u201c": "``",
+        "\u201d": "''",
+        "…": "\\dots{}",
+    },
+    **{"\u2212": "$-$", "·": "$\\cdot$", "⋅": "$\\cdot$", "\u00d7": "$\\times$", "±": "$\\pm$", "°": "$^{\\circ}$"},
+    **{"≤": "$\\leq$", "≥": "$\\geq$", "≠": "$\\neq$", "≈": "$\\approx$", "→": "$\\to$", "←": "$\\leftarrow$"},
+    **{"∫": "$\\int$", "∑": "$\\sum$", "∂": "$\\partial$", "√": "$\\surd$", "∞": "$\\infty$", "∈": "$\\in$"},
+    **{
+        "\u2032": "$'$",
+        "‖": "$\\Vert$",
+        "§": "\\S{}",
+        "µ": "$\\mu$",
+        "✓": "$\\surd$",
+        "¬": "$\\neg$",
+        "⋮": "$\\vdots$",
+    },
+}
+_LATIN = {
+    **{
+        "Alpha": "A",
+        "Beta": "B",
+        "Epsilon": "E",
+        "Zeta": "Z",
+        "Eta": "H",
+        "Iota": "I",
+        "Kappa": "K",
+        "Mu": "M",
+        "Nu": "N",
+    },
+    **{"Omicron": "O", "Rho": "P", "Tau": "T", "Chi": "X"},
+}
+GREEK = {
+    **{letter: f"\\{name}" for letter, name in NAMES.items()},
+    **{"ε": "\\varepsilon", "φ": "\\varphi", "ϕ": "\\phi", "\u03bf": "o"},
+    **{GREEK_NAMES[name]: f"\\mathrm{{{c}}}" for name, c in _LATIN.items()},
+}
+DERIVATIVES = {"\u0307": "\\dot", "\u0308": "\\ddot"}
+
+
+def escaped(text: str) -> str:
+    """Text as LaTeX shows it; characters that its fonts lack are told by their numbers."""
+    text = "".join(c for c in unicodedata.normalize("NFC", text) if c.isprintable() or c in "\n\t\u00a0")
+    dotted = re.sub(r"(\w)([\u0307\u0308])", lambda found: f"\0{found[2]}{found[1]}", text)
+    dotted = re.sub(r"-(?=-)", "-\1", dotted)
+    out, k = [], 0
+    while k < len(dotted):
+        if dotted[k] == "\0" and k + 2 < len(dotted):
+            out.append(f"${DERIVATIVES[dotted[k + 1]]}{{{GREEK.get(dotted[k + 2], dotted[k + 2])}}}$")
+            k += 3
+        else:
+            out.append(_character(dotted[k]))
+            k += 1
+    return "".join(out)
+
+
+def _character(c: str) -> str:
+    if c in SPECIAL:
+        return SPECIAL[c]
+    if " " <= c <= "~":
+        return c
+    if c in LETTERS or c in SIGNS:
+        return LETTERS.get(c) or SIGNS[c]
+    if c in GREEK:
+        return f"${GREEK[c]}$"
+    parts = unicodedata.decomposition(c).split()
+    if len(parts) == 2 and parts[0] in ("<super>", "<sub>") and (small := chr(int(parts[1], 16))).isascii():
+        return f"${'^' if parts[0] == '<super>' else '_'}{{{small}}}$"
+    if len(parts) == 2 and not parts[0].startswith("<"):
+        base, accent = (chr(int(one, 16)) for one in parts)
+        if base.isascii() and accent in ACCENTS:
+            return f"\\{ACCENTS[accent]}{{{base}}}"
+    return f"\\texttt{{U+{ord(c):04X}}}"

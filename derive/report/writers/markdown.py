@@ -1,0 +1,196 @@
+"""A page as GitHub flavoured Markdown, with formulas between dollars and in `math` blocks."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from itertools import count
+
+from derive.artifacts import MARK
+from derive.report.document.address import address
+from derive.report.document.anchors import linked
+from derive.report.document.comments import gaps
+from derive.report.document.formula import Equation, Formula
+from derive.report.document.page import (
+    Block,
+    Code,
+    Columns,
+    Details,
+    Equations,
+    Heading,
+    Link,
+    Listing,
+    Math,
+    Page,
+    Paragraph,
+    Picture,
+    Strong,
+    Table,
+    Text,
+)
+from derive.report.notation.line_breaking import lines, width
+from derive.report.writers.latex_math import latex_math, relation_latex, summand_latex
+from derive.report.writers.picture import standalone
+
+ROOM = 44.0
+"""The width of a line of formulas, in em."""
+SIDES = {"l": "---", "r": "---:", "c": ":---:"}
+SAFER = {"\\{": "\\lbrace ", "\\}": "\\rbrace ", "\\,": "\\thinspace ", "\\\\": "\\cr ", "<": "\\lt ", ">": "\\gt "}
+"""What Markdown might take for its own, within a line, and the words for it."""
+
+
+def markdown(page: Page, pictures: str = "") -> str:
+    """The page as Markdown. Its pictures are words, or files of the folder `pictures`, which `picture_files` has."""
+    head = [f"<!-- {MARK} -->", f"# {plain(page.title)}", *([f"*{plain(page.subtitle)}*"] if page.subtitle else [])]
+    writer = _Writer(pictures, linked(page))
+    return "\n\n".join([*head, *writer.blocks(page.blocks)]) + "\n"
+
+
+def picture_files(page: Page) -> tuple[tuple[str, str], ...]:
+    """The names and texts of the pictures of a page."""
+    return tuple((f"picture-{k}.svg", standalone(svg)) for k, svg in enumerate(_pictures(page.blocks), 1))
+
+
+def _pictures(blocks: Sequence[Block]) -> list[str]:
+    found: list[str] = []
+    for block in blocks:
+        match block:
+            case Picture(svg):
+                found.append(svg)
+            case Details(_, inner):
+                found += _pictures(inner)
+            case Columns(columns):
+                found += [svg for one in columns for svg in _pictures(one)]
+    return found
+
+
+class _Writer:
+    """Writes blocks; it counts the pictures and knows the anchors that links lead to."""
+
+    def __init__(self, folder: str, wanted: frozenset[str]) -> None:
+        self._folder = folder
+        self._wanted = wanted
+        self._pictures = count(1)
+
+    def blocks(self, blocks: Sequence[Block]) -> list[str]:
+        return [piece for block in blocks for piece in self._block(block)]
+
+    def _block(self, block: Block) -> list[str]:
+        match block:
+            case Heading(said, anchor, level):
+                return [*self._anchors([anchor]), f"{'#' * level} {plain(said)}"]
+            case Paragraph(said):
+                return [text(said)]
+            case Equations(rows):
+                anchors = [one for row in rows for one in (row.anchor, *(part.anchor for part in row.parts))]
+                return [*self._anchors(anchors), _equations(rows)]
+            case Table():
+                return [*([f"*{plain(block.caption)}*"] if block.caption else []), _table(block)]
+            case Picture(_, alt, caption):
+                name = f"picture-{next(self._pictures)}.svg"
+                shown = f"![{plain(alt)}]({self._folder}/{name})" if self._folder else f"> {plain(alt)}"
+                return [shown, *([f"*{plain(caption)}*"] if caption else [])]
+            case Listing():
+                return [*([f"*{plain(block.caption)}*"] if block.caption else []), *_listing(block)]
+            case Details(summary, inner):
+                return [f"<details><summary>{_html(summary)}</summary>", *self.blocks(inner), "</details>"]
+            case Columns(columns):
+                return [piece for one in columns for piece in self.blocks(one)]
+
+    def _anchors(self, anchors: Sequence[str]) -> list[str]:
+        wanted = [one for one in anchors if one in self._wanted]
+        return ["".join(f'<a id="{_html(one)}"></a>' for one in wanted)] if wanted else []
+
+
+def text(said: Text) -> str:
+    """Text with its formulas, links and words of code."""
+    shown = "".join(_inline(part) for part in said)
+    return re.sub(r"^([-+]|\d+(?=[.)]))", _guarded, shown)
+
+
+def _guarded(found: re.Match[str]) -> str:
+    return f"\\{found[1]}" if found[1] in "-+" else f"{found[1]}\u200b"
+
+
+def plain(said: str) -> str:
+    """Text of which nothing is a mark of Markdown."""
+    joined = " ".join(said.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;").split("\n"))
+    return re.sub(r"([\\`*_{}\[\]#|~$!])", r"\\\1", joined)
+
+
+def _html(said: str) -> str:
+    return said.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;").replace('"', "&quot;")
+
+
+def _inline(part: str | Math | Link | Code | Strong) -> str:
+    match part:
+        case str():
+            return plain(part)
+        case Math(formula):
+            return f"${math(formula)}$"
+        case Link(said, to):
+            return f"[{plain(said)}](<{address(to).replace('<', '%3C').replace('>', '%3E')}>)"
+        case Code(said):
+            return _code(said)
+        case Strong(said):
+            return f"**{plain(said)}**"
+
+
+def math(formula: Formula) -> str:
+    """A formula within a line."""
+    return _safer(latex_math(formula, _odd))
+
+
+def _safer(shown: str) -> str:
+    return re.sub(r"\\[{},\\]|[<>]", lambda found: SAFER[found[0]], shown)
+
+
+def _odd(said: str) -> str:
+    """A word within a formula, of which nothing is a mark of LaTeX, Markdown or HTML."""
+    return "".join(c if c.isalnum() or c in " .:;()/+=-" else "?" for c in said)
+
+
+def _code(said: str) -> str:
+    longest = max((len(run) for run in re.findall("`+", said)), default=0)
+    fence, room = "`" * (longest + 1), " " if said[:1] in ("`", " ") or said[-1:] in ("`", " ") else ""
+    return f"{fence}{room}{said}{room}{fence}" if said else ""
+
+
+def _equations(rows: Sequence[Equation]) -> str:
+    shown = " \\\\\n".join(_equation(one) for one in rows)
+    return f"```math\n\\begin{{align}}\n{shown}\n\\end{{align}}\n```"
+
+
+def _equation(equation: Equation) -> str:
+    tag = f" \\tag{{{_odd(equation.number)}}}" if equation.number else " \\notag"
+    summands = [summand_latex(part, k == 0, _odd) for k, part in enumerate(equation.parts)]
+    broken = lines(equation.parts, ROOM - width(equation.left))
+    rows = [" ".join(summands[k] for k in places) for places in broken] or [""]
+    body = " \\notag \\\\\n  &\\quad ".join(rows)
+    return f"{latex_math(equation.left, _odd)} &{relation_latex(equation.relation)} {body}{tag}"
+
+
+def _table(table: Table) -> str:
+    sides = [SIDES[one] for one in table.align.ljust(len(table.head), "l")]
+    rows = [table.head, *(tuple(cell.text for cell in row) for row in table.rows)]
+    shown = [_row([_cell(said) for said in row]) for row in rows]
+    return "\n".join([shown[0], _row(sides), *shown[1:]])
+
+
+def _row(cells: Sequence[str]) -> str:
+    return f"| {' | '.join(cells)} |"
+
+
+def _cell(said: Text) -> str:
+    return "".join(_inline(part).replace("|", "\\|") if isinstance(part, Code) else _inline(part) for part in said)
+
+
+def _listing(listing: Listing) -> list[str]:
+    """A block of code for each run of lines that follow each other."""
+    runs: list[list[str]] = [[]]
+    for line, gap in zip(listing.lines, gaps(listing.lines), strict=True):
+        runs += [[]] if gap else []
+        runs[-1].append(line.text)
+    longest = max((len(run) for line in listing.lines for run in re.findall("`+", line.text)), default=0)
+    fence = "`" * max(3, longest + 1)
+    return ["\n".join([f"{fence}{listing.language}", *run, fence]) for run in runs if run]

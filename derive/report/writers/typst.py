@@ -1,0 +1,174 @@
+"""A page as a document for Typst. All text is in strings, so that none of it is markup."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from itertools import groupby
+
+from derive.artifacts import MARK
+from derive.rendering import render
+from derive.report.document.address import address
+from derive.report.document.anchors import targets
+from derive.report.document.comments import comments
+from derive.report.document.formula import Equation, Formula
+from derive.report.document.page import (
+    Block,
+    Cell,
+    Code,
+    Columns,
+    Details,
+    Equations,
+    Heading,
+    Line,
+    Link,
+    Listing,
+    Math,
+    Page,
+    Paragraph,
+    Picture,
+    Strong,
+    Table,
+    Text,
+)
+from derive.report.notation.spoken_math import words
+from derive.report.writers.equation_html import LONG
+from derive.report.writers.picture import standalone
+from derive.report.writers.typst_math import relation_typst, string, summand_typst, typst_math
+
+SIDES = {"l": "left", "r": "right", "c": "center"}
+
+
+def typst(page: Page) -> str:
+    """The page as a document for Typst."""
+    values = {
+        "mark": MARK,
+        "title": string(page.title),
+        "subtitle": string(page.subtitle),
+        "body": _Writer(targets(page)).blocks(page.blocks),
+    }
+    return render("report/page.typ.jinja", values)
+
+
+def _list(parts: Sequence[str]) -> str:
+    return f"({', '.join(parts)}{',' if len(parts) == 1 else ''})"
+
+
+class _Writer:
+    """Writes blocks; it knows the names of all places, which links lead to."""
+
+    def __init__(self, names: Mapping[str, str]) -> None:
+        self._names = names
+        self._placed: set[str] = set()
+
+    def blocks(self, blocks: Sequence[Block]) -> str:
+        return "\n".join(self._block(block) for block in blocks)
+
+    def _block(self, block: Block) -> str:
+        match block:
+            case Heading(said, anchor, level):
+                return f"heading(level: {level - 1}, {string(said)})\n{self._place(anchor)}"
+            case Paragraph(said):
+                return f"par({self.text(said)})"
+            case Equations(rows):
+                return f"rows({', '.join(self._equation(one) for one in rows)})"
+            case Table():
+                return self._table(block)
+            case Picture(svg, alt, caption):
+                shown = string(caption) if caption else "none"
+                return f"picture({string(standalone(svg))}, {string(alt)}, {shown})"
+            case Listing():
+                lines = zip(block.lines, comments(block), strict=True)
+                shown = ", ".join(self._line(line, comment) for line, comment in lines)
+                return f"listing({string(block.caption)}, {shown})"
+            case Details(summary, inner):
+                return f"details({string(summary)}, {{\n{self.blocks(inner)}\n}})"
+            case Columns(columns):
+                return self._columns(columns)
+
+    def text(self, said: Text) -> str:
+        return "{ " + "; ".join(self._inline(part) for part in said) + " }"
+
+    def _inline(self, part: str | Math | Link | Code | Strong) -> str:
+        match part:
+            case str():
+                return string(part)
+            case Math(formula):
+                return math(formula)
+            case Link(said, to):
+                name = self._names.get(to[1:])
+                if to.startswith("#"):
+                    return f'link(label("{name}"), {string(said)})' if name else string(said)
+                return f"link({string(address(to))}, {string(said)})"
+            case Code(said):
+                return f"raw({string(said)})"
+            case Strong(said):
+                return f"strong({string(said)})"
+
+    def _place(self, anchor: str) -> str:
+        return "".join(f"at({name})" for name in self._new([anchor]))
+
+    def _new(self, anchors: Sequence[str]) -> list[str]:
+        """The names of anchors that have no place yet."""
+        names = list(dict.fromkeys(self._names[one] for one in anchors if one))
+        found = [name for name in names if name not in self._placed]
+        self._placed.update(found)
+        return [string(name) for name in found]
+
+    def _equation(self, equation: Equation) -> str:
+        numbered = list(enumerate(equation.parts))
+        groups = [(name, list(some)) for name, some in groupby(numbered, lambda one: one[1].group)]
+        told = len(numbered) > LONG and len(groups) > 1
+        shown = [
+            f"(name: {string(name if told else '')}, pieces: "
+            f"{_list([_display(summand_typst(part, k == 0), words(part.formula)) for k, part in some])})"
+            for name, some in groups
+        ]
+        anchors = (equation.anchor, *(part.anchor for part in equation.parts))
+        return (
+            f"(left: {_display(typst_math(equation.left), words(equation.left))}, "
+            f"relation: {_display(relation_typst(equation.relation), equation.relation)}, groups: {_list(shown)}, "
+            f"number: {string(equation.number)}, places: {_list(self._new(anchors))})"
+        )
+
+    def _table(self, table: Table) -> str:
+        align = table.align.ljust(len(table.head), "l")
+        size = "9pt" if len(table.head) < 8 else "7.5pt" if len(table.head) < 12 else "6pt"
+        head = _list([self.text(said) for said in table.head])
+        cells = _list([self._cell(cell) for row in table.rows for cell in row])
+        caption = string(table.caption) if table.caption else "none"
+        return f"tabular({caption}, {size}, {_list([SIDES[one] for one in align])}, {head}, {cells})"
+
+    def _cell(self, cell: Cell) -> str:
+        return f'cell("{cell.mark}", {self.text(cell.text)})'
+
+    def _line(self, line: Line, comment: tuple[int, int]) -> str:
+        indent = len(line.text) - len(line.text.lstrip())
+        code = "\u00a0" * indent + line.text[indent:]
+        start, stop = comment
+        pieces = [code[:start], code[start:stop], code[stop:]]
+        shown = [f"raw({string(pieces[0])})", f"note(raw({string(pieces[1])}))", f"raw({string(pieces[2])})"]
+        body = "; ".join(one for one, piece in zip(shown, pieces, strict=True) if piece)
+        place = self._new([line.anchor])
+        links = _list([self._inline(link) for link in line.links])
+        return (
+            f'(number: "{line.number}", place: {place[0] if place else string("")}, code: {{ {body} }}, links: {links})'
+        )
+
+    def _columns(self, columns: Sequence[Sequence[Block]]) -> str:
+        narrow = all(isinstance(block, Picture | Paragraph | Heading) for column in columns for block in column)
+        bodies = [f"{{\n{self.blocks(column)}\n}}" for column in columns]
+        if not narrow:
+            return "\n".join(bodies)
+        return f"grid(columns: {_list(['1fr'] * len(bodies))}, gutter: 1.5em, {', '.join(bodies)})"
+
+
+def math(formula: Formula) -> str:
+    """A formula within text, with its words."""
+    return f"math.equation(alt: {string(words(formula))}, ${typst_math(formula)}$)"
+
+
+def _display(shown: str, said: str) -> str:
+    """A piece of an equation; there may be nothing to show."""
+    if not shown.strip():
+        return "[]"
+    return f"math.equation(alt: {string(said)}, $display({shown})$)"

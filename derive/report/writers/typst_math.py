@@ -1,0 +1,150 @@
+"""Formulas as Typst: what is no letter, number or known sign is a string there, and never markup."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from derive.report.document.formula import (
+    Call,
+    Fenced,
+    Formula,
+    Fraction,
+    Matrix,
+    Name,
+    Number,
+    Operator,
+    Part,
+    Power,
+    Root,
+    Row,
+)
+from derive.report.notation.glyphs import BIG, GREEK, index, letter, minus, number
+from derive.report.notation.spacing import Gap, bare, factors, gap, needs_brackets, summand
+
+GAPS: dict[Gap, str] = {"none": " ", "times": " ", "thin": " thin ", "dot": " dot.op "}
+SIGNS = {
+    **{"-": "minus", "\u2212": "minus", "+": "+", "=": "=", "<": "lt", ">": "gt", "/": "slash", ",": "comma"},
+    **{":": "colon"},
+    **{";": "semi", "'": "prime", "\u2032": "prime", "*": "dot.op", "·": "dot.op", "⋅": "dot.op", "\u00d7": "times"},
+    **{"<=": "lt.eq", ">=": "gt.eq", "≤": "lt.eq", "≥": "gt.eq", "≠": "eq.not", "≈": "approx", "≡": "equiv"},
+    **{"→": "arrow.r", "->": "arrow.r", "∈": "in", "…": "dots.h", "...": "dots.h", "±": "plus.minus", "∂": "partial"},
+    **{"∫": "integral", "∑": "sum", "∏": "product", "⊗": "times.o", "∘": "compose", "∞": "infinity", "!": "excl"},
+    **{"(": "paren.l", ")": "paren.r", "[": "bracket.l", "]": "bracket.r", "{": "brace.l", "}": "brace.r"},
+    **{"|": "bar.v", "‖": "bar.v.double", "⟨": "chevron.l", "⟩": "chevron.r", "d": "upright(d)"},
+}
+DOTS = ("", "dot", "dot.double", "dot.triple")
+
+
+def string(text: str) -> str:
+    """Text as a string of Typst."""
+    plain = "".join(c if c.isprintable() else " " for c in text)
+    return '"' + plain.replace("\\", "\\\\").replace('"', '\\"') + '"'
+
+
+def typst_math(formula: Formula, last: bool = True) -> str:
+    """A formula within dollars of Typst; `last` says that nothing follows that could be taken for an argument's."""
+    match formula:
+        case Number(text):
+            return _number(text)
+        case Name():
+            return _scripts(_nucleus(formula), _index(formula.below), _index(formula.above))
+        case Operator(text):
+            return _sign(text)
+        case Row():
+            return _row(factors(formula))
+        case Fraction(above, below):
+            return f"frac({typst_math(above)}, {typst_math(below)})"
+        case Power(base, exponent):
+            return _power(base, typst_math(exponent), last)
+        case Root(of):
+            return f"sqrt({typst_math(of)})"
+        case Fenced(of, left, right):
+            return f"lr({_sign(left) if left else ''} {typst_math(of)} {_sign(right) if right else ''})"
+        case Call():
+            return f"op({string(formula.name)}) {_argument(formula, last)}"
+        case Matrix(rows):
+            lines = "; ".join(", ".join("dot.op" if one is None else typst_math(one) for one in row) for row in rows)
+            return f'mat(delim: "[", {lines})'
+
+
+def summand_typst(part: Part, first: bool) -> str:
+    """A summand with its sign; that of a first one stands close."""
+    sign = "" if first and part.sign == "+" else _sign(part.sign)
+    kind = f'class("{"unary" if first else "binary"}", {sign}) ' if sign else ""
+    return f"{'' if first else 'zws '}{kind}{typst_math(summand(part.formula, part.sign))}"
+
+
+def relation_typst(text: str) -> str:
+    """A relation."""
+    return _sign(text) if text else ""
+
+
+def _row(parts: Sequence[Formula]) -> str:
+    out = []
+    for k, part in enumerate(parts):
+        following = parts[k + 1] if k + 1 < len(parts) else None
+        out.append(typst_math(part, following is None or isinstance(following, Operator)))
+        called = isinstance(part, Call) or isinstance(following, Call)
+        out.append("" if following is None else " " if called else GAPS[gap(part, following)])
+    return "".join(out)
+
+
+def _number(text: str) -> str:
+    mantissa, exponent = number(text)
+    digits = minus(mantissa)
+    shown = mantissa if mantissa.replace(".", "", 1).isdecimal() and mantissa.isascii() else string(digits)
+    return f"{shown} dot.op 10^{string(minus(exponent))}" if exponent else shown
+
+
+def _sign(text: str) -> str:
+    if text in SIGNS:
+        return SIGNS[text]
+    one = letter(text)
+    return one if len(one) == 1 and one.isalpha() else string(text)
+
+
+def _nucleus(name: Name) -> str:
+    text = letter(name.text)
+    if text in BIG:
+        return SIGNS[text]
+    plain = text if len(text) == 1 and (text in GREEK.values() or text.isalpha()) else string(text)
+    match name.style:
+        case "vector":
+            base = f"bold(italic({plain}))"
+        case "tensor":
+            base = f"bold(upright({plain}))"
+        case "word":
+            base = f"upright({plain})"
+        case _:
+            base = f"italic({plain})" if len(text) > 1 or text.isupper() else plain
+    return f"{DOTS[min(name.dots, 3)]}({base})" if name.dots else base
+
+
+def _scripts(base: str, below: str, above: str) -> str:
+    scripts = [f"{place}: {one}" for place, one in (("b", below), ("t", above)) if one]
+    return f"attach({', '.join([base, *scripts])})" if scripts else base
+
+
+def _index(indices: tuple[str, ...]) -> str:
+    return " ".join(_index_word(one) for one in index(indices))
+
+
+def _index_word(text: str) -> str:
+    if text[0].isdigit():
+        return text
+    return _sign(text) if text in SIGNS and text != "d" else letter(text) if len(letter(text)) == 1 else string(text)
+
+
+def _power(base: Formula, exponent: str, last: bool) -> str:
+    if isinstance(base, Call):
+        return f"{_scripts(f'op({string(base.name)})', '', exponent)} {_argument(base, last)}"
+    if isinstance(base, Name) and not base.above:
+        return _scripts(_nucleus(base), _index(base.below), exponent)
+    fenced = needs_brackets(base) or isinstance(base, Name)
+    return _scripts(typst_math(Fenced(base) if fenced else base), "", exponent)
+
+
+def _argument(call: Call, last: bool) -> str:
+    if bare(call, last):
+        return typst_math(call.of)
+    return typst_math(call.of if isinstance(call.of, Fenced) else Fenced(call.of))

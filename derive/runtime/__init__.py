@@ -1,0 +1,1 @@
+"""Compile generated C, load it, and call it through NumPy."""

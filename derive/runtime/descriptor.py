@@ -1,0 +1,133 @@
+"""The descriptor of a generated model as ctypes see it: the structures of its header, member by member."""
+
+from __future__ import annotations
+
+import ctypes
+from typing import Any
+
+from derive.ir.patterns import Pattern
+
+
+class VariableStruct(ctypes.Structure):
+    """tisserand_variable."""
+
+    _fields_ = [
+        ("name", ctypes.c_char_p),
+        ("unit", ctypes.c_char_p),
+        ("doc", ctypes.c_char_p),
+        ("value", ctypes.c_double),
+        ("size", ctypes.c_int),
+    ]
+
+
+class PatternStruct(ctypes.Structure):
+    """tisserand_pattern."""
+
+    _fields_ = [
+        *((name, ctypes.c_int) for name in ("rows", "cols", "nnz", "symmetric")),
+        ("colptr", ctypes.POINTER(ctypes.c_int)),
+        ("rowidx", ctypes.POINTER(ctypes.c_int)),
+        ("fill", ctypes.CFUNCTYPE(ctypes.c_int, ctypes.POINTER(ctypes.c_int), ctypes.POINTER(ctypes.c_int))),
+    ]
+
+
+Doubles = ctypes.POINTER(ctypes.c_double)
+
+
+def _function(*arguments: Any) -> Any:
+    return ctypes.CFUNCTYPE(ctypes.c_int, *arguments)
+
+
+class MarkerStruct(ctypes.Structure):
+    """tisserand_marker."""
+
+    _fields_ = [
+        ("name", ctypes.c_char_p),
+        ("dimension", ctypes.c_int),
+        ("pattern", ctypes.POINTER(PatternStruct)),
+        ("evaluate", _function(*[Doubles] * 6)),
+        ("load", _function(*[Doubles] * 4)),
+    ]
+
+
+_T = ctypes.c_double
+
+
+class DaeStruct(ctypes.Structure):
+    """tisserand_dae."""
+
+    _fields_ = [
+        ("name", ctypes.c_char_p),
+        ("size", ctypes.c_int),
+        ("pattern", ctypes.POINTER(PatternStruct)),
+        ("residual", _function(_T, *[Doubles] * 4)),
+        ("jacobian", _function(_T, Doubles, Doubles, _T, Doubles, Doubles)),
+    ]
+
+
+class SceneStruct(ctypes.Structure):
+    """tisserand_scene."""
+
+    _fields_ = [
+        ("nbodies", ctypes.c_int),
+        ("multipliers", ctypes.POINTER(VariableStruct)),
+        ("bodies", ctypes.POINTER(ctypes.c_char_p)),
+        ("pattern", ctypes.POINTER(PatternStruct)),
+        ("forms", ctypes.POINTER(DaeStruct)),
+        ("nforms", ctypes.c_int),
+        ("constraints", _function(_T, *[Doubles] * 3)),
+        ("constraint_rates", _function(_T, *[Doubles] * 4)),
+        ("constraint_jacobian", _function(_T, *[Doubles] * 3)),
+        ("constraint_bias", _function(_T, *[Doubles] * 4)),
+        ("solve", _function(_T, *[Doubles] * 5)),
+        ("correct", _function(_T, *[Doubles] * 4)),
+        ("poses", _function(_T, *[Doubles] * 3)),
+    ]
+
+
+class ModelStruct(ctypes.Structure):
+    """tisserand_model."""
+
+    _fields_ = [
+        ("abi", ctypes.c_int),
+        ("name", ctypes.c_char_p),
+        *((n, ctypes.c_int) for n in ("nq", "nv", "np", "nk", "nlambda")),
+        *((f"variables_{n}", ctypes.c_int) for n in "qvpk"),
+        *((n, ctypes.c_int) for n in ("nmarkers", "nenergy", "nmomentum")),
+        *((n, ctypes.POINTER(VariableStruct)) for n in ("q", "v", "p", "k")),
+        *((n, ctypes.POINTER(PatternStruct)) for n in ("mass_pattern", "jacobian_pattern")),
+        ("markers", ctypes.POINTER(MarkerStruct)),
+        ("defaults", _function(Doubles)),
+        ("setup", _function(Doubles, Doubles)),
+        ("mass", _function(Doubles, Doubles, Doubles)),
+        ("force", _function(_T, *[Doubles] * 4)),
+        ("mass_force", _function(_T, *[Doubles] * 5)),
+        ("accel", _function(_T, *[Doubles] * 4)),
+        ("energy", _function(*[Doubles] * 4)),
+        ("momentum", _function(*[Doubles] * 4)),
+        ("rates", _function(*[Doubles] * 4)),
+        ("residual", _function(_T, *[Doubles] * 4)),
+        ("jacobian", _function(_T, Doubles, Doubles, _T, Doubles, Doubles)),
+        ("mass_batch", _function(ctypes.c_int, *[Doubles] * 3)),
+        ("force_batch", _function(ctypes.c_int, _T, *[Doubles] * 4)),
+        ("accel_batch", _function(ctypes.c_int, _T, *[Doubles] * 4)),
+        ("scene", ctypes.POINTER(SceneStruct)),
+    ]
+
+
+def names_of(variables: Any, count: int) -> tuple[str, ...]:
+    """Names of variables; the elements of an array are numbered from 1."""
+    found: list[str] = []
+    for i in range(count):
+        name, size = variables[i].name.decode(), variables[i].size
+        found += [name] if size == 1 else [f"{name}{k}" for k in range(1, size + 1)]
+    return tuple(found)
+
+
+def pattern_of(p: PatternStruct) -> Pattern:
+    """The compressed columns of a pattern, written by its `fill` if they are not stored."""
+    colptr, rowidx = p.colptr, p.rowidx
+    if not colptr:
+        colptr, rowidx = (ctypes.c_int * (p.cols + 1))(), (ctypes.c_int * p.nnz)()
+        p.fill(colptr, rowidx)
+    return Pattern(p.rows, p.cols, tuple(colptr[: p.cols + 1]), tuple(rowidx[: p.nnz]), bool(p.symmetric))

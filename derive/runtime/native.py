@@ -1,0 +1,284 @@
+"""Compile a generated model and call it through NumPy: everything it needs it reads from the model's descriptor."""
+
+from __future__ import annotations
+
+import ctypes
+import tempfile
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from derive.artifacts import File, write
+from derive.backends.c.source import ABI
+from derive.ir.patterns import Pattern
+from derive.runtime.compiler import FLAGS, CompilerError, compile_shared
+from derive.runtime.descriptor import DaeStruct, Doubles, ModelStruct, names_of, pattern_of
+
+Vector = NDArray[np.float64]
+Matrix = NDArray[np.float64]
+
+
+class ModelError(ArithmeticError):
+    """A function of a model returned a code other than 0 (see the header of the model)."""
+
+    def __init__(self, function: str, code: int) -> None:
+        self.code = code
+        meaning = {1: "a pivot vanished", 2: "a value is not finite or not positive"}.get(code, "unknown")
+        super().__init__(f"{function} returned {code}: {meaning}")
+
+
+def load(files: Sequence[File], flags: Sequence[str] = FLAGS) -> Native:
+    """Compile the C of one model in a temporary folder and load it."""
+    with tempfile.TemporaryDirectory(prefix="tisserand-") as folder:
+        write(files, Path(folder))
+        sources = [Path(folder) / file.path for file in files if file.path.endswith(".c")]
+        if not sources:
+            raise ValueError("there is no C file among these files")
+        library = compile_shared(sources, Path(folder) / "model.so", flags)
+        found = ctypes.CDLL(str(library))
+        return (NativeScene if hasattr(found, f"{sources[0].stem}_poses") else Native)(found, sources[0].stem)
+
+
+def load_scene(files: Sequence[File], flags: Sequence[str] = FLAGS) -> NativeScene:
+    """The same for a scene. Raises ValueError when the model is that of a body."""
+    native = load(files, flags)
+    if not isinstance(native, NativeScene):
+        raise ValueError(f"{native.name} is a body, not a scene")
+    return native
+
+
+class Native:
+    """A compiled model. Arrays are vectors of doubles; matrices come as the values of their pattern.
+
+    Functions raise ModelError when the model returns a code other than 0, ValueError on a wrong length.
+    """
+
+    def __init__(self, library: ctypes.CDLL, name: str) -> None:
+        entry = getattr(library, f"{name}_model")
+        entry.restype = ctypes.POINTER(ModelStruct)
+        self._library = library  # keeps the code loaded
+        self._model = m = entry().contents
+        if m.abi != ABI:
+            raise CompilerError(f"{name}: its interface has number {m.abi}, this Tisserand knows {ABI}")
+        self.name = name
+        self.nq, self.nv, self.np, self.nk, self.nlambda = m.nq, m.nv, m.np, m.nk, m.nlambda
+        self.parameters = names_of(m.p, m.variables_p)
+        self.coordinates = names_of(m.q, m.variables_q)
+        self.rates_of_rows = names_of(m.v, m.variables_v)
+        self.defaults = np.empty(m.np)
+        m.defaults(self.defaults.ctypes.data_as(Doubles))
+        self.mass_pattern = pattern_of(m.mass_pattern.contents)
+        self.jacobian_pattern = pattern_of(m.jacobian_pattern.contents)
+        self.markers = tuple(m.markers[i].name.decode() for i in range(m.nmarkers))
+
+    def function(self, name: str) -> Any:
+        """The function of that name in the descriptor, to be called with addresses; to look it up takes its time."""
+        return getattr(self._model, name)
+
+    def setup(self, p: ArrayLike | None = None) -> Vector:
+        """k of the parameters p, or of their defaults."""
+        return self._call("setup", [(self.np, self.defaults if p is None else p)], self.nk)
+
+    def mass(self, q: ArrayLike, k: ArrayLike) -> Vector:
+        """Values of M(q)."""
+        return self._call("mass", [(self.nq, q), (self.nk, k)], len(self.mass_pattern.rowidx))
+
+    def force(self, t: float, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> Vector:
+        """h(t, q, v)."""
+        return self._call("force", [t, *self._state(q, v, k)], self.nv)
+
+    def mass_force(self, t: float, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> tuple[Vector, Vector]:
+        """Values of M, and h."""
+        values, h = np.empty(len(self.mass_pattern.rowidx)), np.empty(self.nv)
+        self._invoke("mass_force", self._model.mass_force, [t, *self._state(q, v, k)], [values, h])
+        return values, h
+
+    def accel(self, t: float, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> Vector:
+        """vdot."""
+        return self._call("accel", [t, *self._state(q, v, k)], self.nv)
+
+    def energy(self, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> Vector:
+        """Kinetic and strain energy, and the potential of gravity where there is gravity."""
+        return self._call("energy", self._state(q, v, k), self._model.nenergy)
+
+    def momentum(self, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> Vector:
+        """Linear and angular momentum."""
+        return self._call("momentum", self._state(q, v, k), self._model.nmomentum)
+
+    def rates(self, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> Vector:
+        """qdot."""
+        return self._call("rates", self._state(q, v, k), self.nq)
+
+    def residual(self, t: float, y: ArrayLike, ydot: ArrayLike, k: ArrayLike) -> Vector:
+        """F(t, y, ydot); of a scene that of index 3."""
+        n = self.nq + self.nv + self.nlambda
+        return self._call("residual", [t, (n, y), (n, ydot), (self.nk, k)], n)
+
+    def jacobian(self, t: float, y: ArrayLike, ydot: ArrayLike, cj: float, k: ArrayLike) -> Vector:
+        """Values of dF/dy + cj dF/dydot."""
+        n = self.nq + self.nv + self.nlambda
+        arguments = [t, (n, y), (n, ydot), cj, (self.nk, k)]
+        return self._call("jacobian", arguments, len(self.jacobian_pattern.rowidx))
+
+    def mass_batch(self, q: ArrayLike, k: ArrayLike) -> Matrix:
+        """Values of M for each row of q. The batches of C hold elements by rows; they are turned here and back."""
+        return self._batch("mass", [], [(self.nq, q)], k, len(self.mass_pattern.rowidx))[0]
+
+    def force_batch(self, t: float, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> Matrix:
+        """h for each row of q and v."""
+        return self._batch("force", [t], [(self.nq, q), (self.nv, v)], k, self.nv)[0]
+
+    def accel_batch(self, t: float, q: ArrayLike, v: ArrayLike, k: ArrayLike, check: bool = True) -> Matrix:
+        """vdot for each row of q and v. Without `check` states that fail have NaN, and no error is raised."""
+        result, code = self._batch("accel", [t], [(self.nq, q), (self.nv, v)], k, self.nv)
+        if code and check:
+            raise ModelError(f"{self.name}_accel_batch", code)
+        return result
+
+    def marker(self, name: str, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> tuple[Vector, Vector, Vector]:
+        """Position, velocity and values of the Jacobian of a marker."""
+        marker = self._marker(name)
+        results = [np.empty(marker.dimension), np.empty(marker.dimension), np.empty(marker.pattern.contents.nnz)]
+        self._invoke(f"marker_{name}", marker.evaluate, self._state(q, v, k), results)
+        return results[0], results[1], results[2]
+
+    def load(self, name: str, q: ArrayLike, force: ArrayLike, k: ArrayLike) -> Vector:
+        """Generalized forces f of a force at a marker, in the inertial base: M vdot + h = f."""
+        marker = self._marker(name)
+        result = np.empty(self.nv)
+        arguments = [(self.nq, q), (marker.dimension, force), (self.nk, k)]
+        self._invoke(f"load_{name}", marker.load, arguments, [result])
+        return result
+
+    def marker_pattern(self, name: str) -> Pattern:
+        """The pattern of the Jacobian of a marker."""
+        return pattern_of(self._marker(name).pattern.contents)
+
+    def _marker(self, name: str) -> Any:
+        if name not in self.markers:
+            raise ValueError(f"{self.name} has no marker {name!r}; it has {', '.join(self.markers) or 'none'}")
+        return self._model.markers[self.markers.index(name)]
+
+    def _state(self, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> list[Any]:
+        return [(self.nq, q), (self.nv, v), (self.nk, k)]
+
+    def _call(self, name: str, arguments: list[Any], size: int) -> Vector:
+        result = np.empty(size)
+        self._invoke(name, getattr(self._model, name), arguments, [result])
+        return result
+
+    def _invoke(self, name: str, function: Callable[..., int], arguments: list[Any], results: list[Vector]) -> None:
+        _invoke(f"{self.name}_{name}", function, arguments, results)
+
+    def _batch(
+        self, kernel: str, t: list[float], states: list[tuple[int, ArrayLike]], k: ArrayLike, size: int
+    ) -> tuple[Matrix, int]:
+        name = f"{kernel}_batch"
+        rows = [_rows(columns, given, name) for columns, given in states]
+        count = len(rows[0])
+        if any(len(given) != count for given in rows):
+            raise ValueError(f"{name}: {' and '.join(str(len(given)) for given in rows)} states do not go together")
+        turned = [np.ascontiguousarray(given.T) for given in rows]
+        result = np.empty((size, count))
+        arrays = [*turned, _array(self.nk, k, name), result]
+        function: Callable[..., int] = getattr(self._model, name)
+        code = function(count, *map(float, t), *(a.ctypes.data_as(Doubles) for a in arrays))
+        return np.ascontiguousarray(result.T), code
+
+
+class Dae:
+    """One form F(t, y, ydot) = 0 of a scene's equations; `pattern` is that of its iteration matrix."""
+
+    def __init__(self, form: DaeStruct, scene: str, nk: int) -> None:
+        self._form, self._nk = form, nk
+        self.name, self.size = form.name.decode(), form.size
+        self.pattern = pattern_of(form.pattern.contents)
+        self._called = f"{scene}, form {self.name}: "
+
+    def residual(self, t: float, y: ArrayLike, ydot: ArrayLike, k: ArrayLike) -> Vector:
+        """F(t, y, ydot)."""
+        result = np.empty(self.size)
+        _invoke(f"{self._called}residual", self._form.residual, [t, *self._state(y, ydot), (self._nk, k)], [result])
+        return result
+
+    def jacobian(self, t: float, y: ArrayLike, ydot: ArrayLike, cj: float, k: ArrayLike) -> Vector:
+        """Values of dF/dy + cj dF/dydot."""
+        result = np.empty(len(self.pattern.rowidx))
+        arguments = [t, *self._state(y, ydot), cj, (self._nk, k)]
+        _invoke(f"{self._called}jacobian", self._form.jacobian, arguments, [result])
+        return result
+
+    def _state(self, y: ArrayLike, ydot: ArrayLike) -> list[Any]:
+        return [(self.size, y), (self.size, ydot)]
+
+
+class NativeScene(Native):
+    """A compiled scene: M vdot + h = G^T lambda with constraints g(t, q) = 0."""
+
+    def __init__(self, library: ctypes.CDLL, name: str) -> None:
+        super().__init__(library, name)
+        self._scene = s = self._model.scene.contents
+        self.multipliers = names_of(s.multipliers, self.nlambda)
+        self.bodies = tuple(s.bodies[i].decode() for i in range(s.nbodies))
+        self.constraint_pattern = pattern_of(s.pattern.contents)
+        self.dae = {form.name: form for form in (Dae(s.forms[i], name, self.nk) for i in range(s.nforms))}
+
+    def constraints(self, t: float, q: ArrayLike, k: ArrayLike) -> Vector:
+        """g(t, q)."""
+        return self._ask("constraints", [t, (self.nq, q), (self.nk, k)], self.nlambda)
+
+    def constraint_rates(self, t: float, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> Vector:
+        """gdot = G v + dg/dt."""
+        return self._ask("constraint_rates", [t, *self._state(q, v, k)], self.nlambda)
+
+    def constraint_jacobian(self, t: float, q: ArrayLike, k: ArrayLike) -> Vector:
+        """Values of G by columns."""
+        size = len(self.constraint_pattern.rowidx)
+        return self._ask("constraint_jacobian", [t, (self.nq, q), (self.nk, k)], size)
+
+    def constraint_bias(self, t: float, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> Vector:
+        """gamma of G vdot = gamma."""
+        return self._ask("constraint_bias", [t, *self._state(q, v, k)], self.nlambda)
+
+    def solve(self, t: float, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> tuple[Vector, Vector]:
+        """vdot and lambda, what joints exert on their second bodies."""
+        vdot, multipliers = np.empty(self.nv), np.empty(self.nlambda)
+        _invoke(f"{self.name}_solve", self._scene.solve, [t, *self._state(q, v, k)], [vdot, multipliers])
+        return vdot, multipliers
+
+    def correct(self, t: float, q: ArrayLike, k: ArrayLike, r: ArrayLike) -> Vector:
+        """The smallest change dv of the rates, measured by dv . M dv, with G dv = r."""
+        return self._ask("correct", [t, (self.nq, q), (self.nk, k), (self.nlambda, r)], self.nv)
+
+    def poses(self, t: float, q: ArrayLike, k: ArrayLike) -> Matrix:
+        """c1, c2 and phi of each body, (bodies, 3)."""
+        return self._ask("poses", [t, (self.nq, q), (self.nk, k)], 3 * len(self.bodies)).reshape(-1, 3)
+
+    def _ask(self, name: str, arguments: list[Any], size: int) -> Vector:
+        result = np.empty(size)
+        _invoke(f"{self.name}_{name}", getattr(self._scene, name), arguments, [result])
+        return result
+
+
+def _invoke(name: str, function: Callable[..., int], arguments: list[Any], results: list[Vector]) -> None:
+    given = [_array(a[0], a[1], name) if isinstance(a, tuple) else float(a) for a in arguments]
+    pointers = [a.ctypes.data_as(Doubles) if isinstance(a, np.ndarray) else a for a in [*given, *results]]
+    if code := function(*pointers):
+        raise ModelError(name, code)
+
+
+def _rows(columns: int, given: ArrayLike, name: str) -> Matrix:
+    array = np.asarray(given, dtype=np.float64)
+    if array.ndim != 2 or array.shape[1] != columns:
+        raise ValueError(f"{name}: rows of {columns} are needed, not an array of shape {array.shape}")
+    return array
+
+
+def _array(size: int, given: ArrayLike, name: str) -> Vector:
+    array = np.ascontiguousarray(given, dtype=np.float64)
+    if array.shape != (size,):
+        raise ValueError(f"{name}: a vector of {size} is needed, not an array of shape {array.shape}")
+    return array

@@ -1,0 +1,1 @@
+"""Analysis of constraints: scaling, redundancy, neighbouring states, projection."""

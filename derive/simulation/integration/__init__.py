@@ -1,0 +1,1 @@
+"""Time integration of a compiled scene, and the diagnosis of failures."""

@@ -1,0 +1,53 @@
+"""The highest natural frequency of a mechanism in a state, and the longest step that an explicit method takes there."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.linalg import null_space, solve_triangular
+
+from derive.runtime.native import Matrix, Vector
+from derive.simulation.compiled_scene import Mechanism, constraint_matrix, mass_matrix
+from derive.simulation.constraints.scaling import metric, per_speed, sizes
+
+RK4_LIMIT = float(np.sqrt(8.0))
+"""The classical Runge-Kutta method is stable for an oscillation of omega rad/s up to this product of step and omega."""
+
+
+def natural_frequencies(native: Mechanism, k: Vector, t: float, q: Vector, v: Vector, loaded: bool = True) -> Vector:
+    """Undamped natural frequencies (rad/s, rising) of small motions about a state that the constraints allow.
+
+    Those of M ddq + K dq = 0 with G dq = 0 and K = d/dq (M vdot + h - G^T lambda), at vdot and lambda of the state; not
+    `loaded`, those of the structure itself: at rest, and without reactions. A motion that grows, or that nothing
+    holds back, has 0.
+    """
+    R = metric(mass_matrix(native, q, k))
+    scaled = per_speed(constraint_matrix(native, t, q, k), R) / sizes(native, k, t, q, R)[:, None]
+    allowed = null_space(scaled) if len(scaled) else np.eye(native.nv)
+    motions = solve_triangular(R, allowed)  # columns of unit kinetic energy
+    if not motions.size:
+        return np.zeros(0)
+    K = _stiffness(native, k, t, q, v if loaded else np.zeros(native.nv), motions, loaded)
+    squares = np.linalg.eigvals(motions.T @ K)
+    return np.asarray(np.sqrt(np.sort(np.maximum(squares.real, 0.0))))
+
+
+def rk4_step_limit(native: Mechanism, k: Vector, t: float, q: Vector, v: Vector) -> float:
+    """The step (s) above which the classical Runge-Kutta method is unstable in this state; infinite if none is."""
+    highest = float(np.max(natural_frequencies(native, k, t, q, v), initial=0.0))
+    return RK4_LIMIT / highest if highest > 0.0 else float("inf")
+
+
+def _stiffness(native: Mechanism, k: Vector, t: float, q: Vector, v: Vector, motions: Matrix, loaded: bool) -> Matrix:
+    """Central differences of M vdot + h - G^T lambda along each column of `motions`."""
+    vdot, lam = native.solve(t, q, v, k) if loaded else (np.zeros(native.nv), np.zeros(native.nlambda))
+
+    def unbalanced(at: Vector) -> Vector:
+        inertia = mass_matrix(native, at, k) @ vdot
+        reactions = constraint_matrix(native, t, at, k).T @ lam
+        return np.asarray(inertia + native.force(t, at, v, k) - reactions)
+
+    columns = []
+    for motion in motions.T:
+        step = 1e-6 * max(1e-3, float(np.max(np.abs(q)))) / float(np.max(np.abs(motion)))
+        columns.append((unbalanced(q + step * motion) - unbalanced(q - step * motion)) / (2 * step))
+    return np.array(columns).T

@@ -1,0 +1,1 @@
+"""Observables of a motion: marker positions, deflections, plots, CSV files."""

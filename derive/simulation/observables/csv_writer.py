@@ -1,0 +1,42 @@
+"""A motion as CSV: the time, what drives prescribe, coordinates, rates and multipliers, a row an instant."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from derive.artifacts import MARK
+
+
+@dataclass(frozen=True, eq=False)
+class Column:
+    """A column of a record: its name, its unit, its values (n,)."""
+
+    name: str
+    unit: str
+    values: NDArray[np.float64]
+
+
+def csv(title: str, columns: Sequence[Column]) -> str:
+    """The text of a CSV file: two lines of comment with title and units, a line of names, then the numbers.
+
+    Numbers have eleven digits, so that the same numbers give the same bytes anywhere. Read it with
+    `pandas.read_csv(path, comment="#")` or `numpy.genfromtxt(path, delimiter=",", names=True, skip_header=2)`.
+    """
+    rows = np.column_stack([column.values for column in columns]) + 0.0  # no -0
+    return "\n".join(
+        [
+            f"# {MARK}. {_one_line(title)}",
+            f"# units: {','.join(column.unit for column in columns)}",
+            ",".join(column.name for column in columns),
+            *(",".join([f"{value:.10e}" for value in row]) for row in rows.tolist()),
+            "",
+        ]
+    )
+
+
+def _one_line(text: str) -> str:
+    return " ".join(text.split())

@@ -1,0 +1,1 @@
+"""Parsers for the expressions of a specification: polynomials in xi, and functions of time."""

@@ -1,0 +1,256 @@
+"""A recursive descent that expressions of a specification share; what their values are is for others to say.
+
+    sum     = [sign] product { ("+" | "-") product }
+    product = power { "*" factor | "/" factor }
+    factor  = [sign] power
+    power   = atom [ ("^" | "**") whole number ]
+    atom    = number | name | function "(" sum ")" | "(" sum ")"
+
+The text may come from anywhere, so sizes are limited while they are small, and names are those of a list.
+"""
+
+from __future__ import annotations
+
+import difflib
+import re
+from fractions import Fraction
+from typing import ClassVar, Generic, NamedTuple, NoReturn, TypeVar
+
+from derive.errors import quoted
+
+MAX_LENGTH = 200
+MAX_POWER = 40
+MAX_DIGITS = 60
+TOO_LARGE: int = 10**MAX_DIGITS
+MAX_DEPTH = 20
+
+Value = TypeVar("Value")
+
+
+class ExpressionError(ValueError):
+    """Text that is no expression of its kind; the message says where and what to write instead."""
+
+
+class Token(NamedTuple):
+    """A number, name or operator; its column counts from 1."""
+
+    kind: str
+    text: str
+    column: int
+
+
+_TOKEN = re.compile(
+    r"\s*(?:(?P<number>(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?)"
+    r"|(?P<name>[^\W\d]\w*)|(?P<operator>\*\*|[-+*/^()])|(?P<end>$)|(?P<other>.))",
+    re.DOTALL,
+)
+
+
+class Parser(Generic[Value]):
+    """Recursive descent over the tokens of a text; a subclass says what numbers, names and operators mean."""
+
+    made_of: ClassVar[str]
+    names: ClassVar[tuple[str, ...]] = ()
+    functions: ClassVar[tuple[str, ...]] = ()
+
+    def __init__(self, text: str) -> None:
+        self.text = text
+        if not text.strip():
+            raise ExpressionError(f"the text is empty: {self.made_of}")
+        if len(text) > MAX_LENGTH:
+            raise ExpressionError(f"the text has {len(text)} characters; at most {MAX_LENGTH} are read")
+        self.tokens = self._tokens()
+        self.place = 0
+        self.depth = 0
+
+    def constant(self, value: Fraction, at: Token) -> Value:
+        """A number."""
+        raise NotImplementedError
+
+    def named(self, name: str, at: Token) -> Value:
+        """One of `names`."""
+        raise NotImplementedError
+
+    def called(self, function: str, argument: Value, at: Token) -> Value:
+        """One of `functions` of an argument."""
+        raise NotImplementedError
+
+    def added(self, a: Value, b: Value, at: Token) -> Value:
+        """a + b."""
+        raise NotImplementedError
+
+    def negative(self, a: Value, at: Token) -> Value:
+        """-a."""
+        raise NotImplementedError
+
+    def subtracted(self, a: Value, b: Value, at: Token) -> Value:
+        """a - b."""
+        return self.added(a, self.negative(b, at), at)
+
+    def times(self, a: Value, b: Value, at: Token) -> Value:
+        """a * b."""
+        raise NotImplementedError
+
+    def divided(self, a: Value, b: Value, at: Token, divisor_at: Token) -> Value:
+        """a / b."""
+        raise NotImplementedError
+
+    def raised(self, a: Value, power: int, at: Token) -> Value:
+        """a ^ power."""
+        raise NotImplementedError
+
+    def parse(self) -> Value:
+        """The whole text."""
+        result = self._sum()
+        if self._next.kind != "end":
+            self._unexpected()
+        return result
+
+    def _sum(self) -> Value:
+        result = self._product()
+        while self._next.text in ("+", "-"):
+            sign = self._take()
+            term = self._product()
+            result = (self.added if sign.text == "+" else self.subtracted)(result, term, sign)
+        return result
+
+    def _product(self) -> Value:
+        result = self._factor()
+        while self._next.text in ("*", "/"):
+            operator = self._take()
+            at = self._next
+            factor = self._factor()
+            if operator.text == "*":
+                result = self.times(result, factor, operator)
+            else:
+                result = self.divided(result, factor, operator, at)
+        return result
+
+    def _factor(self) -> Value:
+        minus: Token | None = None
+        while self._next.text in ("+", "-"):
+            sign = self._take()
+            if sign.text == "-":
+                minus = sign if minus is None else None
+        value = self._power()
+        return value if minus is None else self.negative(value, minus)
+
+    def _power(self) -> Value:
+        base = self._atom()
+        if self._next.text not in ("^", "**"):
+            return base
+        operator = self._take()
+        exponent = self._take()
+        such = f"such as {self.names[0]}^2" if self.names else "such as 2^3"
+        if exponent.kind != "number" or not exponent.text.isdigit():
+            self.fail(exponent, f"a power is a whole number, zero or more, {such}")
+        if self._next.text in ("^", "**"):
+            name = self.names[0] if self.names else "2"
+            self.fail(self._next, f"a power of a power needs parentheses, such as ({name}^2)^3")
+        if int(exponent.text) > MAX_POWER:
+            self.fail(exponent, f"the power is too high; the highest is {MAX_POWER}")
+        return self.raised(base, int(exponent.text), operator)
+
+    def _atom(self) -> Value:
+        token = self._take()
+        if token.kind == "number":
+            return self.constant(self._number(token), token)
+        if token.kind == "name":
+            return self._name(token)
+        if token.text == "(":
+            return self._parentheses(token)
+        if token.kind == "end":
+            self.fail(token, "something is missing at the end")
+        expected = ["a number", *self.names] if len(self.names) < 2 else ["a number", "a name"]
+        self.fail(token, f"{', '.join(expected)} or ( is expected before {token.text}")
+
+    def _parentheses(self, opening: Token) -> Value:
+        self.depth += 1
+        if self.depth > MAX_DEPTH:
+            self.fail(opening, f"more than {MAX_DEPTH} parentheses are open")
+        result = self._sum()
+        if self._next.text != ")":
+            if self._next.kind == "end":
+                self.fail(opening, "this parenthesis is never closed")
+            self._unexpected()
+        self._take()
+        self.depth -= 1
+        return result
+
+    def _number(self, token: Token) -> Fraction:
+        _, _, exponent = token.text.lower().partition("e")
+        # The exponent is looked at before 10 is raised to it.
+        if exponent and abs(int(exponent)) >= MAX_DIGITS:
+            self.too_large(token)
+        value = Fraction(token.text)
+        if not fits(value):
+            self.too_large(token)
+        return value
+
+    def _name(self, token: Token) -> Value:
+        called = self._next.text == "("
+        if called and token.text in self.functions:
+            return self.called(token.text, self._parentheses(self._take()), token)
+        if called and token.text in self.names:
+            self.fail(self._next, f"an operator is missing: for a product write {token.text}*(")
+        if token.text in self.functions:
+            self.fail(token, f"{token.text} is a function; write {token.text}({(*self.names, '2')[0]})")
+        if token.text not in self.names:
+            self.unknown(token, called)
+        return self.named(token.text, token)
+
+    def unknown(self, token: Token, called: bool) -> NoReturn:
+        """A name, or a function if it is `called`, that is not in the list."""
+        if called and not self.functions:
+            self.fail(token, f"{quoted(token.text)} is called here, and there are no functions: {self.made_of}")
+        known = self.functions if called else self.names
+        near = difflib.get_close_matches(token.text[:40].lower(), known, n=1, cutoff=0.5)
+        if not near and len(known) == 1 and len(token.text) == 1:
+            near = [*known]
+        hint = f"; did you mean {quoted(near[0])}?" if near else f": {self.made_of}"
+        self.fail(token, f"the {'function' if called else 'name'} {quoted(token.text)} is unknown{hint}")
+
+    def too_large(self, at: Token) -> NoReturn:
+        """A number beyond the digits that are kept."""
+        self.fail(
+            at,
+            f"a number is too large, too small or too long: exact numbers have at most {MAX_DIGITS} digits above "
+            "and below the fraction bar",
+        )
+
+    def fail(self, at: Token, why: str) -> NoReturn:
+        """A fault at a token."""
+        raise ExpressionError(f"column {at.column} of {quoted(self.text, MAX_LENGTH)}: {why}")
+
+    @property
+    def _next(self) -> Token:
+        return self.tokens[self.place]
+
+    def _take(self) -> Token:
+        token = self._next
+        # The last token is the end, which is never passed.
+        self.place = min(self.place + 1, len(self.tokens) - 1)
+        return token
+
+    def _unexpected(self) -> NoReturn:
+        token = self._next
+        if token.text == ")":
+            self.fail(token, "this parenthesis was never opened")
+        self.fail(token, f"an operator is missing before {quoted(token.text)}; for a product write *")
+
+    def _tokens(self) -> list[Token]:
+        tokens = []
+        for match in _TOKEN.finditer(self.text):
+            kind = str(match.lastgroup)
+            token = Token(kind, match[kind], match.start(kind) + 1)
+            if kind == "other":
+                self.fail(token, f"{quoted(token.text)} has no meaning here: {self.made_of}")
+            tokens.append(token)
+            if kind == "end":
+                break
+        return tokens
+
+
+def fits(value: Fraction) -> bool:
+    """Whether an exact number has few enough digits to be kept."""
+    return max(abs(value.numerator), value.denominator) < TOO_LARGE

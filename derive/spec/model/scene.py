@@ -1,0 +1,224 @@
+"""What a scene says, as frozen data: planar bodies, joints, drives, forces, and what to simulate."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Literal
+
+from derive.spec.model.body import PlanarBeam, Quantity
+
+GROUND = "ground"
+"""The name under which joints and forces speak of the inertial base."""
+
+
+@dataclass(frozen=True)
+class Function:
+    """An expression of the time t: `kind` is number, t, add, sub, mul, div, pow, neg, sin, cos or sqrt.
+
+    `args` are its operands; a number has its `value` instead (pi is the double next to it, exactly).
+    """
+
+    kind: str
+    args: tuple[Function, ...] = ()
+    value: Fraction = Fraction(0)
+
+
+@dataclass(frozen=True)
+class Point:
+    """A named material point of a rigid body or of the ground, with its coordinates in the base of that body."""
+
+    name: str
+    x: Quantity
+    y: Quantity
+
+
+@dataclass(frozen=True)
+class Start:
+    """A guess of the initial state: position of the origin of a body, angle, velocity, spin; deformation is zero.
+
+    The initial state of a scene is the consistent one next to it, see `derive.simulation.initial.consistent_state`.
+    """
+
+    position: tuple[float, float] = (0.0, 0.0)
+    angle: float = 0.0
+    velocity: tuple[float, float] = (0.0, 0.0)
+    spin: float = 0.0
+
+
+@dataclass(frozen=True)
+class RigidBody:
+    """A rigid body in the plane. Its base has its origin where the markers' coordinates count from.
+
+    `inertia` is about the centre of mass, which lies at `centre` in the base of the body. A body whose motion is
+    prescribed needs neither mass nor inertia (None). With `keep_coordinates` it has three coordinates however it is
+    held, so that its joints and drives are constraints and their multipliers tell what they exert.
+    """
+
+    name: str
+    mass: Quantity | None
+    inertia: Quantity | None
+    centre: tuple[Quantity, Quantity]
+    markers: tuple[Point, ...]
+    start: Start = Start()
+    keep_coordinates: bool = False
+
+
+@dataclass(frozen=True)
+class BeamBody:
+    """A flexible rod in a scene: a free planar beam, cut into `pieces` beams of equal length that are welded together.
+
+    `beam` is the whole rod: its name, mass, length and markers are those before it is cut; its gravity is None.
+    `start` is that of the centre of the undeformed rod.
+    """
+
+    name: str
+    beam: PlanarBeam
+    pieces: int = 1
+    start: Start = Start()
+
+
+SceneBody = RigidBody | BeamBody
+
+
+@dataclass(frozen=True)
+class Place:
+    """A marker of a body, or of the ground."""
+
+    body: str
+    marker: str
+
+
+JointKind = Literal["revolute", "weld", "fixed", "translational"]
+
+
+@dataclass(frozen=True)
+class Joint:
+    """A joint between two places. Its multipliers are the force and the torque it exerts on the second body.
+
+    `revolute`: the places coincide; `weld`, `fixed`: so do they, and their rotations differ by `angle`, constant;
+    `translational`: the second place stays on a line through the first, along `axis` in the base of the first body,
+    and the rotations differ by `angle`.
+    """
+
+    name: str
+    kind: JointKind
+    first: Place
+    second: Place
+    angle: float = 0.0
+    axis: tuple[Fraction, Fraction] = (Fraction(1), Fraction(0))
+
+
+@dataclass(frozen=True)
+class Drive:
+    """A prescribed motion of a joint: the rotation of the second place against the first of a revolute joint, or the
+    displacement along the axis of a translational one, is a `motion` of t, or `speed` * t + `offset`."""
+
+    name: str
+    joint: str
+    motion: Function | None
+    speed: Quantity | None = None
+    offset: Fraction = Fraction(0)
+
+
+@dataclass(frozen=True)
+class Force:
+    """A force at a place, with components in the inertial base that are functions of t."""
+
+    name: str
+    at: Place
+    components: tuple[Function, Function]
+
+
+@dataclass(frozen=True)
+class Torque:
+    """A torque at a place, a function of t; its reaction acts at `against`, if that is given."""
+
+    name: str
+    at: Place
+    value: Function
+    against: Place | None = None
+
+
+SPRING_UNITS = {
+    "linear": {"stiffness": "N/m", "damping": "N s/m", "rest": "m"},
+    "rotational": {"stiffness": "N m/rad", "damping": "N m s/rad", "rest": "rad"},
+}
+
+
+@dataclass(frozen=True)
+class Spring:
+    """A spring with a damper between two places: along the line between them, or `rotational`, about e3.
+
+    Its force is stiffness * (length - rest) + damping * (rate of the length); for rotational ones the length is the
+    rotation of the second place against the first.
+    """
+
+    name: str
+    kind: Literal["linear", "rotational"]
+    first: Place
+    second: Place
+    stiffness: Quantity
+    damping: Quantity
+    rest: Quantity
+
+
+@dataclass(frozen=True)
+class Deflection:
+    """The distance of `marker` from the chord `start` -> `end`, to its left, divided by `over` (m)."""
+
+    marker: Place
+    start: Place
+    end: Place
+    over: float
+
+
+@dataclass(frozen=True)
+class Reference:
+    """Columns `x` and `y` of a CSV file to compare with; `rows` are its numbers."""
+
+    file: str
+    x: str
+    y: str
+    rows: tuple[tuple[float, float], ...]
+
+
+@dataclass(frozen=True)
+class Plot:
+    """A picture that `simulate` draws: `quantity` over the time, or over the motion of the drive `over`.
+
+    `pieces` repeats it with the beam body `cut` cut into so many pieces each.
+    """
+
+    name: str
+    quantity: Deflection
+    over: str | None
+    cut: str | None
+    pieces: tuple[int, ...]
+    reference: Reference | None
+
+
+@dataclass(frozen=True)
+class Simulation:
+    """How long, how often the state is written, and how exactly."""
+
+    duration: float
+    output: float
+    tolerance: float = 1e-9
+
+
+@dataclass(frozen=True)
+class Scene:
+    """Planar bodies with joints, drives, forces and gravity: what `[scene]` and its companions specify."""
+
+    name: str
+    ground: tuple[Point, ...]
+    gravity: tuple[Quantity, Quantity] | None
+    bodies: tuple[SceneBody, ...]
+    joints: tuple[Joint, ...]
+    drives: tuple[Drive, ...] = ()
+    forces: tuple[Force, ...] = ()
+    torques: tuple[Torque, ...] = ()
+    springs: tuple[Spring, ...] = ()
+    simulation: Simulation | None = None
+    plots: tuple[Plot, ...] = ()

@@ -1,0 +1,1 @@
+"""Bodies given by finite-element nodes: their files, arrays, units and checks."""

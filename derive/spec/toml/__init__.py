@@ -1,0 +1,1 @@
+"""Reading specifications: TOML, validation, error locations and the JSON schema."""

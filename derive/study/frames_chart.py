@@ -1,0 +1,102 @@
+"""The chart of `tisserand study frames`: what one frame costs, as a part of the other. Same numbers, same bytes."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from derive.study.frames import PAPER, Framed, Row
+from derive.study.text_table import beams
+from derive.visual import line_chart as style
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+WIDTH, HEIGHT = 8.3, 4.9  # inches
+MEASURED, PAPER_COLOUR = "#d0702a", "#b3468a"
+
+
+@dataclass(frozen=True)
+class Line:
+    """A ratio over the number of beams: what it is of, its marker, colour and dashes."""
+
+    label: str
+    of: Callable[[Framed], int]
+    marker: str
+    colour: str
+    dashes: tuple[float, ...]
+
+
+LINES = (
+    Line("non-zeros of M", lambda f: f.counts.mass, "s", "#8661c1", (2, 1.4)),
+    Line("non-zeros of the KKT matrix", lambda f: f.counts.kkt, "D", "#5c8a2b", (9, 2)),
+    Line("operations of LDLᵀ", lambda f: f.counts.flops, "^", "#8c6d46", (6, 1.6, 1.4, 1.6)),
+    Line("operations of the accelerations", lambda f: f.counts.accel, "v", "#1f8fbf", (6, 2)),
+)
+
+
+def svg(name: str, frames: tuple[str, str], rows: Sequence[Row]) -> str:
+    """The text of the picture."""
+    import matplotlib as mpl
+    from matplotlib.backends.backend_svg import FigureCanvasSVG
+    from matplotlib.figure import Figure
+
+    title = f"{name}: what the {frames[0]} frame takes, as a part of what the {frames[1]} frame takes"
+    with mpl.rc_context():
+        mpl.rcdefaults()
+        mpl.rcParams.update(style.SETTINGS)
+        figure = Figure(figsize=(WIDTH, HEIGHT))
+        left, head, foot = 0.62, 1.12, 0.55
+        size = ((WIDTH - left - 0.12) / WIDTH, (HEIGHT - head - foot) / HEIGHT)
+        axes = figure.add_axes((left / WIDTH, foot / HEIGHT, *size))
+        _lines(axes, frames, rows)
+        figure.text(left / WIDTH, 1 - 0.1 / HEIGHT, title, va="top", fontweight="bold", fontsize=11)
+        place: Any = {"loc": "upper left", "bbox_to_anchor": (left / WIDTH, 1 - 0.36 / HEIGHT), "ncols": 2}
+        space: Any = {"borderaxespad": 0, "borderpad": 0, "handlelength": 3, "columnspacing": 3, "labelspacing": 0.35}
+        handles, labels = axes.get_legend_handles_labels()
+        figure.legend(handles=handles, labels=labels, **place, **space)
+        text = io.StringIO()
+        FigureCanvasSVG(figure)
+        figure.savefig(text, format="svg", metadata={"Date": None, "Creator": None, "Format": None, "Type": None})
+    return style.page(text.getvalue(), style.Chart("; ".join([title, *_said(rows)]), "", "", ()))
+
+
+def _lines(axes: Axes, frames: tuple[str, str], rows: Sequence[Row]) -> None:
+    places = range(len(rows))
+    axes.axhline(1, color=style.REFERENCE, linewidth=2, alpha=0.55)
+    _bars(axes, rows)
+    for line in LINES:
+        ratios = [line.of(row.framed[0]) / max(line.of(row.framed[1]), 1) for row in rows]
+        marks: Any = {"marker": line.marker, "markersize": 5, "dashes": line.dashes, "linewidth": 1.4}
+        axes.plot(places, ratios, label=line.label, color=line.colour, **marks)
+    known = [(i, PAPER[row.pieces]) for i, row in enumerate(rows) if row.pieces in PAPER]
+    if frames == ("mean", "point") and known:
+        marks = {"linestyle": "none", "marker": "o", "markersize": 8, "fillstyle": "none", "markeredgewidth": 2}
+        axes.plot(*zip(*known, strict=True), label="CPU time in the paper (1988, DADS)", color=PAPER_COLOUR, **marks)
+    axes.set_ylim(0, 1.1)
+    axes.set_xticks(list(places), [beams(row.pieces) for row in rows])
+    axes.set_xlim(-0.5, len(rows) - 0.5)
+    axes.tick_params(length=3)
+    axes.grid(axis="x", visible=False)
+    axes.set_ylabel(f"{frames[0]} / {frames[1]}")
+    axes.set_xlabel("the rod is cut into")
+
+
+def _bars(axes: Axes, rows: Sequence[Row]) -> None:
+    """What was measured, with its spread."""
+    found = [row.times.integration_ratio for row in rows]
+    middle = [r.median for r in found]
+    spread = [[r.median - r.least for r in found], [r.most - r.median for r in found]]
+    places, label = range(len(rows)), f"CPU time of an integration, its spread in {rows[0].times.runs} runs"
+    axes.bar(places, middle, 0.56, color=MEASURED, alpha=0.45, label=label)
+    marks: Any = {"color": MEASURED, "linestyle": "none", "linewidth": 2, "capsize": 9}
+    axes.errorbar(places, middle, yerr=spread, **marks)
+    for place, value in zip(places, middle, strict=True):
+        axes.text(place, 0.03, f"{value:.2f}", ha="center", fontweight="bold", fontsize=12)
+
+
+def _said(rows: Sequence[Row]) -> list[str]:
+    """For those who do not see it."""
+    return [f"{beams(row.pieces)}: CPU time {row.times.integration_ratio.median:.2f}" for row in rows]

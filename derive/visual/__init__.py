@@ -1,0 +1,1 @@
+"""Pictures: sparsity patterns, line charts, and the player of a motion."""

@@ -1,0 +1,239 @@
+"""Line charts as SVG: curves beside their reference, and how far they are from it. Same input, same bytes."""
+
+from __future__ import annotations
+
+import io
+import math
+import re
+import textwrap
+from collections.abc import Sequence
+from dataclasses import dataclass
+from html import escape
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from derive.artifacts import MARK
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+Array = NDArray[np.float64]
+
+INK, FAINT, LIGHT, REFERENCE = "#1c2733", "#8a949e", "#c9d0d6", "#9aa5af"
+DARK = {INK: "#e6edf3", FAINT: "#7d8790", LIGHT: "#3a434c", REFERENCE: "#76828d"}
+"""Colours of text, axes, grid and reference, and what they become on a dark page."""
+
+STYLES = (
+    ("#d0702a", (6, 2)),
+    ("#8661c1", (6, 1.6, 1.4, 1.6)),
+    ("#1f8fbf", ()),
+    ("#b3468a", (2, 1.4)),
+    ("#5c8a2b", (9, 2)),
+    ("#8c6d46", (1, 1)),
+)
+"""Colours that are told apart on white and on black, and by colour-blind people, who have the dashes as well."""
+
+POINTS = 800
+"""More points of a curve than these are not seen."""
+
+TITLE = 78
+"""Characters of a line of the title."""
+
+WIDTH, HEIGHT, LOWER = 8.3, 3.7, 1.5  # inches: of all, of a chart, and of the deviations below it
+SETTINGS: Any = {
+    "svg.hashsalt": "tisserand",
+    "svg.fonttype": "none",
+    "font.family": "DejaVu Sans",
+    "font.size": 10,
+    "figure.facecolor": "none",
+    "axes.facecolor": "none",
+    "axes.labelcolor": INK,
+    "axes.edgecolor": FAINT,
+    "axes.linewidth": 0.8,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "grid.color": LIGHT,
+    "grid.linewidth": 0.6,
+    "text.color": INK,
+    "xtick.color": FAINT,
+    "ytick.color": FAINT,
+    "xtick.labelcolor": INK,
+    "ytick.labelcolor": INK,
+    "legend.frameon": False,
+    "path.simplify": False,
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Curve:
+    """y (n,) over x (n,), and what the legend says of it."""
+
+    label: str
+    x: Array
+    y: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Chart:
+    """What is drawn; below it the deviations from the reference, in percent of its peak, if they are known."""
+
+    title: str
+    x_label: str
+    y_label: str
+    curves: tuple[Curve, ...]
+    reference: Curve | None = None
+    deviations: tuple[Curve, ...] = ()
+
+
+def svg(chart: Chart) -> str:
+    """The text of a picture."""
+    import matplotlib as mpl
+    from matplotlib.backends.backend_svg import FigureCanvasSVG
+    from matplotlib.figure import Figure
+
+    with mpl.rc_context():
+        mpl.rcdefaults()
+        mpl.rcParams.update(SETTINGS)
+        title = textwrap.wrap(chart.title, TITLE)
+        panels = [HEIGHT, LOWER] if chart.deviations else [HEIGHT]
+        below = 0.14 + 0.2 * len(title)
+        head, foot, gap = below + 0.08 + 0.21 * len(_legend_rows(chart)), 0.55, 0.18
+        height = head + foot + sum(panels) + gap * (len(panels) - 1)
+        figure = Figure(figsize=(WIDTH, height))
+        left, right = 0.82 / WIDTH, 1 - 0.12 / WIDTH
+        axes, top = [], height - head
+        for panel in panels:
+            axes.append(figure.add_axes((left, (top - panel) / height, right - left, panel / height)))
+            top -= panel + gap
+        _curves(axes[0], chart)
+        if chart.deviations:
+            axes[0].tick_params(labelbottom=False)
+            _deviations(axes[1], chart)
+        for axis in axes:
+            axis.set_xlim(*_range(chart))
+            _ticks(axis, chart.x_label)
+            axis.tick_params(length=3)
+        axes[-1].set_xlabel(chart.x_label)
+        figure.align_ylabels(axes)
+        figure.text(left, 1 - 0.1 / height, "\n".join(title), va="top", fontweight="bold", fontsize=11)
+        _legend(figure, axes[0], chart, left, 1 - below / height)
+        text = io.StringIO()
+        FigureCanvasSVG(figure)
+        figure.savefig(text, format="svg", metadata={"Date": None, "Creator": None, "Format": None, "Type": None})
+    return page(text.getvalue(), chart)
+
+
+def _curves(axes: Axes, chart: Chart) -> None:
+    axes.set_ylabel(chart.y_label)
+    if chart.reference is not None:
+        x, y = _thinned(chart.reference)
+        axes.plot(x, y, color=REFERENCE, linewidth=5, alpha=0.55, solid_capstyle="round", label=chart.reference.label)
+    for number, curve in enumerate(chart.curves):
+        axes.plot(*_thinned(curve), label=curve.label, **_style(number))
+
+
+def _deviations(axes: Axes, chart: Chart) -> None:
+    axes.set_ylabel("deviation,\n% of peak")
+    axes.axhline(0, color=REFERENCE, linewidth=2, alpha=0.55)
+    for number, curve in enumerate(chart.deviations):
+        axes.plot(*_thinned(curve), **_style(number, 1.2))
+
+
+def _style(number: int, width: float = 1.6) -> dict[str, Any]:
+    colour, dashes = STYLES[number % len(STYLES)]
+    return {"color": colour, "linewidth": width, "dashes": dashes or (None, None), "dash_capstyle": "butt"}
+
+
+def _thinned(curve: Curve) -> tuple[Array, Array]:
+    stride = max(1, math.ceil((len(curve.x) - 1) / POINTS))
+    chosen = np.unique(np.append(np.arange(0, len(curve.x), stride), len(curve.x) - 1))
+    return curve.x[chosen], curve.y[chosen]
+
+
+def _range(chart: Chart) -> tuple[float, float]:
+    """Of x, over the curves alone: a reference may know more."""
+    low, high = min(c.x.min() for c in chart.curves), max(c.x.max() for c in chart.curves)
+    return (low, high) if high > low else (low - 1, low + 1)
+
+
+def _ticks(axes: Axes, label: str) -> None:
+    """Of an angle over more than half a turn, at multiples of pi."""
+    from matplotlib.ticker import FuncFormatter, MultipleLocator
+
+    low, high = axes.get_xlim()
+    if not label.endswith("rad") or high - low < math.pi:
+        return
+    step = next((s for s in (0.25, 0.5, 1, 2, 4, 10, 20, 100) if (high - low) / math.pi / s <= 10), None)
+    if step is not None:
+        axes.xaxis.set_major_locator(MultipleLocator(step * math.pi))
+        axes.xaxis.set_major_formatter(FuncFormatter(lambda x, _: _of_pi(x / math.pi)))
+
+
+def _of_pi(value: float) -> str:
+    said = f"{abs(value):.2f}".rstrip("0").rstrip(".")
+    sign = "\N{MINUS SIGN}" if value < 0 else ""
+    return "0" if said == "0" else f"{sign}π" if said == "1" else f"{sign}{said}π"
+
+
+def _legend_rows(chart: Chart) -> range:
+    count = len(chart.curves) + (chart.reference is not None)
+    return range(0 if count == 1 else math.ceil(count / 2))
+
+
+def _legend(figure: Figure, axes: Axes, chart: Chart, left: float, top: float) -> None:
+    """Below the title, in two columns."""
+    if not _legend_rows(chart):
+        return
+    handles, labels = axes.get_legend_handles_labels()
+    figure.legend(
+        handles,
+        labels,
+        loc="upper left",
+        bbox_to_anchor=(left, top),
+        ncols=2,
+        borderaxespad=0,
+        borderpad=0,
+        handlelength=3,
+        columnspacing=3,
+        labelspacing=0.35,
+    )
+
+
+def page(text: str, chart: Chart) -> str:
+    """The picture with our mark, a title for those who do not see it, fonts of the page, and colours of a dark one."""
+    rules = [
+        f'    [style*="{kind}: {light}"] {{ {kind}: {dark} !important; }}'
+        for light, dark in DARK.items()
+        for kind in ("fill", "stroke")
+    ]
+    said = escape("; ".join([chart.title, *_labels(chart)]), quote=False)
+    head = "\n".join(
+        [
+            f"  <!-- {MARK} -->",
+            f"  <title>{said}</title>",
+            "  <style>",
+            "    @media (prefers-color-scheme: dark) {",
+            *rules,
+            "    }",
+            "  </style>",
+        ]
+    )
+    text = re.sub(r"<\?xml.*?<svg ([^>]*)>\n", lambda m: f'<svg role="img" {m[1]}>\n{head}\n', text, flags=re.DOTALL)
+    text = re.sub(r'(?<= d=")[^"]*', lambda m: _shorter(m[0]), text)
+    text = re.sub(r"(font: [^;\"]*?px) [^;\"]*", r"\1 system-ui, 'DejaVu Sans', sans-serif", text)
+    return "".join(line.rstrip() + "\n" for line in text.splitlines())
+
+
+def _shorter(path: str) -> str:
+    """A path on one line, to a hundredth of a point."""
+    return re.sub(r"-?\d+\.\d+", lambda m: f"{float(m[0]):.2f}".rstrip("0").rstrip("."), " ".join(path.split()))
+
+
+def _labels(chart: Chart) -> Sequence[str]:
+    found = [curve.label for curve in chart.curves]
+    return found if chart.reference is None else [chart.reference.label, *found]

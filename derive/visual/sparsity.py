@@ -1,0 +1,77 @@
+"""Sparsity patterns as a picture (SVG): a square for a value, a dot for a structural zero."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from html import escape
+
+from derive.artifacts import MARK
+from derive.ir.model import Model
+
+CELL, GAP, LABEL, HEAD, FOOT, FEW = 28, 44, 64, 56, 40, 24
+STYLE = """\
+  <style>
+    text { font: 13px system-ui, sans-serif; fill: #1c2733; }
+    .title { font-weight: 600; font-size: 15px; }
+    .value { fill: #1f6f8b; } .zero { fill: #b8c2cc; } .frame { fill: none; stroke: #b8c2cc; }
+    @media (prefers-color-scheme: dark) {
+      text { fill: #e6edf3; } .value { fill: #5fb6d4; } .zero { fill: #55606b; } .frame { stroke: #55606b; }
+    }
+  </style>"""
+
+
+def mass_patterns(models: Sequence[Model]) -> str:
+    """The patterns of the mass matrices of some models side by side, with named rows."""
+    size = max(model.pattern("mass", "M").rows for model in models)
+    cell = CELL if size <= FEW else max(2, FEW * CELL // size)
+    width = len(models) * (LABEL + size * cell) + (len(models) - 1) * GAP + 64
+    height = HEAD + size * cell + FOOT
+    parts = [_panel(model, 8 + k * (LABEL + size * cell + GAP), cell) for k, model in enumerate(models)]
+    said = "; ".join(f"{m.name}: {_count(m)}" for m in models)
+    return "\n".join(
+        [
+            f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" width="{width}" role="img">',
+            f"  <!-- {MARK} -->",
+            f"  <title>Structural non-zeros of the mass matrix. {escape(said)}</title>",
+            STYLE,
+            *parts,
+            "</svg>\n",
+        ]
+    )
+
+
+def _count(model: Model) -> str:
+    pattern = model.pattern("mass", "M")
+    return f"{pattern.full_nnz} of {pattern.rows * pattern.cols}"
+
+
+def _names(model: Model) -> list[str]:
+    """The names of the rows; those of many shapes are numbered."""
+    return [f"{row.name}{k}" if row.size > 1 else row.name for row in model.rows for k in range(1, row.size + 1)]
+
+
+def _panel(model: Model, left: int, cell: int) -> str:
+    pattern = model.pattern("mass", "M")
+    present = set(pattern.entries) | {(j, i) for i, j in pattern.entries}
+    x0, n = left + LABEL, pattern.rows
+    lines = [
+        f'  <text class="title" x="{x0}" y="20">{escape(model.name)}</text>',
+        f'  <rect class="frame" x="{x0}" y="{HEAD - 16}" width="{n * cell}" height="{n * cell}" rx="3"/>',
+    ]
+    gap = 4 if cell == CELL else 0 if cell < 8 else 1
+    for i, name in enumerate(_names(model)):
+        y = HEAD - 16 + i * cell
+        middle = y + cell // 2
+        if cell > 12:
+            lines.append(f'  <text x="{x0 - 8}" y="{middle + 4}" text-anchor="end">{escape(name)}</text>')
+        for j in range(n):
+            x = x0 + j * cell
+            if (i, j) in present:
+                side = cell - 2 * gap
+                lines.append(
+                    f'  <rect class="value" x="{x + gap}" y="{y + gap}" width="{side}" height="{side}" rx="2"/>'
+                )
+            elif cell == CELL:
+                lines.append(f'  <circle class="zero" cx="{x + cell // 2}" cy="{middle}" r="2"/>')
+    lines.append(f'  <text x="{x0}" y="{HEAD + n * cell + 8}">{_count(model)} structural non-zeros</text>')
+    return "\n".join(lines)
