@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from derive.artifacts import File, write
     from derive.backends.model_files import model_files
     from derive.derivation import derive, derive_modal, lower, modal, parameters
-    from derive.errors import SpecError
+    from derive.errors import SpecError, TisserandError
     from derive.ir.interpreter import interpret
     from derive.ir.model import Model
     from derive.mechanics.bodies.modal_body import ModalBody
@@ -43,7 +43,7 @@ _HOME = {
     "ModalBody": "derive.mechanics.bodies.modal_body",
     "Native": "derive.runtime.native",
     "load": "derive.runtime.native",
-    "SpecError": "derive.errors",
+    **dict.fromkeys(("SpecError", "TisserandError"), "derive.errors"),
     **dict.fromkeys(
         ("Frame", "Marker", "NodalBody", "Parameter", "PlanarBeam", "SymbolicBody"), "derive.spec.model.body"
     ),
@@ -64,6 +64,7 @@ __all__ = [
     "PlanarBeam",
     "SpecError",
     "SymbolicBody",
+    "TisserandError",
     "__version__",
     "derive",
     "derive_modal",

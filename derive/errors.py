@@ -1,20 +1,32 @@
-"""What is wrong with a specification: every fault at once, each with its place and its line."""
+"""The base class of all errors of the package, and the error of a specification.
+
+Every exception class of the package derives from TisserandError; its text says what failed, where, and what to do, so
+that the command line prints it and ends with exit code 2.
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 
+class TisserandError(Exception):
+    """An error that its text explains: the base class of all exceptions of this package."""
+
+
 @dataclass(frozen=True)
 class Problem:
-    """One fault: its key (`beam.ansatz[2]`, or "" for the file itself), what to do, and the line if known."""
+    """One fault of a specification.
+
+    path: its key, such as `beam.ansatz[2]`; "" for the file itself. message: what is wrong, and what to write instead.
+    line: the line of the TOML file, from 1; None if it is not known, or if there is no file.
+    """
 
     path: str
     message: str
     line: int | None = None
 
 
-class SpecError(Exception):
+class SpecError(TisserandError):
     """A specification that cannot be used; `problems` holds all its faults, `source` the file."""
 
     def __init__(self, problems: tuple[Problem, ...], source: str | None = None) -> None:

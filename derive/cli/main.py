@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from importlib import import_module
 from pathlib import Path
 
+from derive.errors import TisserandError
 from derive.version import VERSION
 
 DESCRIPTION = "Equations of motion of deformable bodies: from a specification to C and Python kernels."
@@ -141,30 +142,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return 0
     except KeyboardInterrupt:
         return 130
-    except Exception as error:
-        if not _is_explained(error):
-            raise
-        print(_said(error), file=sys.stderr)
+    except (TisserandError, OSError) as error:
+        print(_message(error), file=sys.stderr)
         return 2
 
 
-def _said(error: Exception) -> str:
+def _message(error: TisserandError | OSError) -> str:
     if isinstance(error, OSError) and error.filename is not None:
         return f"{error.filename}: {error.strerror}"
     return str(error)
-
-
-def _is_explained(error: Exception) -> bool:
-    """Whether the text of an error says where, what, and what to do."""
-    from derive.artifacts import NotOurs
-    from derive.errors import SpecError
-    from derive.lowering.flat.graph import LoweringError
-    from derive.report.writers.pdf import NoTypst
-    from derive.runtime.compiler import CompilerError
-    from derive.runtime.integrators.library import HostError
-    from derive.runtime.native import ModelError
-    from derive.simulation.errors import SimulationError
-
-    explained = SpecError | NotOurs | LoweringError | CompilerError | ModelError | SimulationError | HostError | OSError
-    explained |= NoTypst
-    return isinstance(error, explained)

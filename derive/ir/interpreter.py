@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping
 from fractions import Fraction
 from typing import Any
 
+from derive.errors import TisserandError
 from derive.ir.expressions import At, Entry, Expr, Let, Num, Ref
 from derive.ir.kernel import Kernel, Require, Statement, Store
 from derive.ir.loops import (
@@ -32,7 +33,7 @@ BINARY: dict[str, Callable[[Any, Any], Any]] = {
 }
 
 
-class RequirementError(ArithmeticError):
+class RequirementError(TisserandError):
     """A requirement of a kernel does not hold; `code` is what the generated C returns."""
 
     def __init__(self, code: int, text: str) -> None:

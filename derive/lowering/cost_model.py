@@ -14,6 +14,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from derive.errors import TisserandError
 from derive.mechanics.bodies.spatial_body import Present
 from derive.mechanics.indexed_equations import Table, indices, labels
 
@@ -21,7 +22,7 @@ MOST = 15_000
 """Operations of h in straight line that derivation and compilers still take in seconds."""
 
 
-class TooLong(ValueError):
+class TooLong(TisserandError):
     """Straight-line code was asked for where there would be too much of it."""
 
 

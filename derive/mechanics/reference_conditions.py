@@ -12,13 +12,14 @@ from fractions import Fraction
 
 import sympy as sp
 
+from derive.errors import TisserandError
 from derive.spec.model.body import Frame, Polynomial
 
 xi = sp.Symbol("xi")
 NOTHING = sp.Poly(0, xi, domain="QQ")
 
 
-class ConditionError(ValueError):
+class ConditionError(TisserandError):
     """An ansatz and a frame that do not make a set of assumed shapes; `problems` says why, one text a fault."""
 
     def __init__(self, problems: Iterable[str]) -> None:

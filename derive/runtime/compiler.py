@@ -11,11 +11,13 @@ from collections.abc import Sequence
 from importlib.util import find_spec
 from pathlib import Path
 
+from derive.errors import TisserandError
+
 FLAGS = ("-std=c99", "-O2", "-ffp-contract=off")
 """No contraction into fused operations: compilers then agree bit for bit."""
 
 
-class CompilerError(RuntimeError):
+class CompilerError(TisserandError):
     """No compiler was found, or it refused the code; the text says which and why."""
 
 

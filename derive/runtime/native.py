@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from derive.artifacts import File, write
 from derive.backends.c.source import ABI
+from derive.errors import TisserandError
 from derive.ir.patterns import Pattern
 from derive.runtime.compiler import FLAGS, CompilerError, compile_shared
 from derive.runtime.descriptor import DaeStruct, Doubles, ModelStruct, names_of, pattern_of
@@ -21,7 +22,7 @@ Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
 
 
-class ModelError(ArithmeticError):
+class ModelError(TisserandError):
     """A function of a model returned a code other than 0 (see the header of the model)."""
 
     def __init__(self, function: str, code: int) -> None:

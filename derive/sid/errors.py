@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from derive.errors import TisserandError
+
 
 @dataclass(frozen=True)
 class SidProblem:
@@ -13,7 +15,7 @@ class SidProblem:
     message: str
 
 
-class SidError(ValueError):
+class SidError(TisserandError):
     """A SID text that cannot be used; `problems` holds all that is wrong with it, in the order of the lines."""
 
     def __init__(self, problems: list[SidProblem]) -> None:

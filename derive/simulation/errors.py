@@ -5,13 +5,15 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+from derive.errors import TisserandError
+
 AT_DEAD_CENTRE = (
     "Start next to this state instead of in it, drive another joint, or change lengths so that the mechanism "
     "does not come there."
 )
 
 
-class SimulationError(Exception):
+class SimulationError(TisserandError):
     """A simulation that cannot start or go on, for a reason that the text explains."""
 
 

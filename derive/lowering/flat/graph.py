@@ -13,6 +13,7 @@ from fractions import Fraction
 import casadi as ca
 import sympy as sp
 
+from derive.errors import TisserandError
 from derive.ir.expressions import At, Entry, Expr, Leaf, Num, Op, Ref
 from derive.ir.kernel import Require
 from derive.lowering.flat.casadi_symbols import Symbols
@@ -34,7 +35,7 @@ class Node:
     args: tuple[int, ...] = ()
 
 
-class LoweringError(ValueError):
+class LoweringError(TisserandError):
     """A model that cannot be computed with doubles: a number that they do not hold, or a pivot that vanishes."""
 
 

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from derive.errors import TisserandError
 from derive.report.document.page import Page
 from derive.report.writers.typst import typst
 
 
-class NoTypst(Exception):
+class NoTypst(TisserandError):
     """The wheel that makes PDF is not installed."""
 
 

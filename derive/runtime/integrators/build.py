@@ -9,6 +9,7 @@ from functools import cache
 from pathlib import Path
 
 from derive.artifacts import File, write
+from derive.errors import TisserandError
 from derive.rendering import render
 from derive.runtime.compiler import FLAGS, CompilerError, compile_c
 
@@ -16,7 +17,7 @@ Flags = tuple[list[str], list[str]]
 """To compile, and to link."""
 
 
-class LibraryMissing(RuntimeError):
+class LibraryMissing(TisserandError):
     """SUNDIALS or SuiteSparse is not there; the text says how to install it."""
 
 

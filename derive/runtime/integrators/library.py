@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from derive.artifacts import File
+from derive.errors import TisserandError
 from derive.runtime.compiler import FLAGS, compile_c
 from derive.runtime.integrators.build import header, written
 from derive.runtime.native import Native, NativeScene, Vector
@@ -35,7 +36,7 @@ CODES = {
 """What the codes of the hosts mean; negative ones are those of IDA."""
 
 
-class HostError(ArithmeticError):
+class HostError(TisserandError):
     """An integration stopped with a code other than 0; `partial` is what it had reached, then NaN."""
 
     def __init__(self, name: str, code: int, partial: Integration, meanings: Mapping[int, str] = CODES) -> None:

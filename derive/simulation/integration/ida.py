@@ -20,10 +20,10 @@ from derive.simulation.integration.failure_diagnosis import explained, reason_to
 from derive.simulation.integration.trajectory import Cost, Trajectory
 from derive.simulation.integration.trajectory_writer import Rows
 
-NO_SAY = 1e30
+NO_ERROR_CONTROL = 1e30
 """The absolute tolerance of multipliers: steps and Newton's method look at q and v alone. What is rounding there is far
 above any tolerance in the multipliers of a short step."""
-STUCK, NO_WAY = 2000, 1e-9
+STALL_STEPS, STALL_PROGRESS = 2000, 1e-9
 """After so many steps it is looked whether IDA has come further than that part of the whole time: it never gives up
 where steps do not change the time any more."""
 
@@ -90,9 +90,9 @@ def integrate_ida(
                 calls, steps = calls + 1, steps + (found.t > t)  # a call after a row gives the last step again
                 if not found.success:
                     raise reason_to_stop(native, k, t, y, None, f"IDA: {found.message}")
-                if calls % STUCK == 0:
-                    if found.t - mark < NO_WAY * (instants[-1] - instants[0]):
-                        raise reason_to_stop(native, k, t, y, None, f"{STUCK} steps of IDA lead nowhere")
+                if calls % STALL_STEPS == 0:
+                    if found.t - mark < STALL_PROGRESS * (instants[-1] - instants[0]):
+                        raise reason_to_stop(native, k, t, y, None, f"{STALL_STEPS} steps of IDA lead nowhere")
                     mark = found.t
                 t, y = found.t, found.y[:n]
                 if progress is not None:
@@ -122,7 +122,7 @@ def _solver(form: Form, native: Mechanism, k: Vector, tolerance: float, order: i
         out[:] = form.jacobian(t, y, ydot, cj, k)
 
     n, p = native.nq + native.nv, form.pattern
-    absolute = np.full(form.size, NO_SAY)
+    absolute = np.full(form.size, NO_ERROR_CONTROL)
     absolute[:n] = tolerance
     indices = (np.array(p.rowidx, dtype=np.int32), np.array(p.colptr, dtype=np.int32))  # the integers it is made for
     with warnings.catch_warnings():

@@ -16,7 +16,7 @@ import re
 from fractions import Fraction
 from typing import ClassVar, Generic, NamedTuple, NoReturn, TypeVar
 
-from derive.errors import quoted
+from derive.errors import TisserandError, quoted
 
 MAX_LENGTH = 200
 MAX_POWER = 40
@@ -27,7 +27,7 @@ MAX_DEPTH = 20
 Value = TypeVar("Value")
 
 
-class ExpressionError(ValueError):
+class ExpressionError(TisserandError, ValueError):
     """Text that is no expression of its kind; the message says where and what to write instead."""
 
 

@@ -11,6 +11,8 @@ import re
 import tomllib
 from collections.abc import Mapping
 
+from derive.errors import TisserandError
+
 Path = tuple[str | int, ...]
 
 # What the specifications of this package never reach, so that hostile nesting cannot exhaust the stack.
@@ -41,7 +43,7 @@ def line_of(path: Path, lines: Mapping[Path, int]) -> int | None:
     return None
 
 
-class _UnexpectedError(Exception):
+class _UnexpectedError(TisserandError):
     """The text is not what the scanner can follow."""
 
 

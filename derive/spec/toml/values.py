@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import TypeVar
 
-from derive.errors import quoted
+from derive.errors import TisserandError, quoted
 from derive.spec.expressions.polynomial import MAX_DEGREE, MAX_DIGITS, parse_number, polynomial
 from derive.spec.model.body import BodyFrameKind, FrameKind, Lowering, Polynomial, SymbolicFrame
 from derive.spec.toml.names import name_problem
@@ -28,7 +28,7 @@ LOWERINGS: tuple[Lowering, ...] = ("auto", "flat", "table")
 _Text = TypeVar("_Text", bound=str)
 
 
-class WrongValueError(ValueError):
+class WrongValueError(TisserandError, ValueError):
     """A value that is not what its key needs; the message says what to write instead."""
 
 
