@@ -35,7 +35,7 @@ def _of_model(path: Path) -> tuple[str, Page]:
     """The page of a specification file; of a scene with the pictures that `simulate` and `study` have left."""
     from derive.report.model_page import model_page
     from derive.report.scene_page import Result, scene_page
-    from derive.report.sections.specification import Text
+    from derive.report.sections.provenance import Text
 
     (built,) = build_all([path])
     name = built.model.name
@@ -85,7 +85,7 @@ def _html(page: Page) -> str:
 
 
 def _pdf(page: Page) -> bytes:
-    from derive.report.writers.pdf import pdf
+    from derive.report.writers.typst import pdf
 
     return pdf(page)
 

@@ -9,22 +9,21 @@ from derive.pipeline import Built
 from derive.report.document.formula import Name, Number, Operator, Row
 from derive.report.document.page import Block, Heading, Math, Page, Paragraph
 from derive.report.notation.expressions import Notation, notation
-from derive.report.sections.beam_frame import frame_blocks, paper_numbers
-from derive.report.sections.body_frame import body_frame_blocks
 from derive.report.sections.calling import calling_blocks
 from derive.report.sections.code import code_blocks, targets
+from derive.report.sections.frame import body_frame_blocks, frame_blocks, paper_numbers
 from derive.report.sections.frame_comparison import frames_blocks, variants
-from derive.report.sections.integrals import integral_blocks, moment_anchors, moment_blocks, moments
+from derive.report.sections.integrals import integral_blocks
 from derive.report.sections.kinematics import kinematics_blocks
-from derive.report.sections.manifest import manifest_blocks
-from derive.report.sections.mass_matrix_picture import mass_matrix
+from derive.report.sections.mass_matrix import mass_blocks, mass_matrix
+from derive.report.sections.moments import moment_anchors, moment_blocks, moments
 from derive.report.sections.operations import operation_blocks
+from derive.report.sections.provenance import Text, manifest_blocks, specification_blocks
 from derive.report.sections.source import sources
-from derive.report.sections.specification import Text, specification_blocks
 from derive.report.sections.state import state_blocks
 from derive.report.sections.term_lines import definition_lines, places
 from derive.report.sections.terms import row_blocks
-from derive.report.sections.zeros import mass_blocks, vanished_blocks
+from derive.report.sections.zeros import vanished_blocks
 from derive.spec.model.body import PlanarBeam
 from derive.spec.model.scene import Scene
 

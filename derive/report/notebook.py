@@ -8,12 +8,12 @@ from derive.ir.model import Model
 from derive.mechanics.equations import Equations
 from derive.mechanics.indexed_equations import GenericEquations
 from derive.report.document.formula import Equation
-from derive.report.document.labels import variation
 from derive.report.notation.expressions import notation
-from derive.report.sections.mass_matrix_picture import Matrix, picture
+from derive.report.notation.labels import variation
+from derive.report.sections.mass_matrix import Matrix, picture
 from derive.report.sections.term_lines import group, place_in_row, title
 from derive.report.sections.terms import row_names
-from derive.report.writers.display import equations_shown
+from derive.report.writers.equation_html import equations_shown
 
 MOST_ROWS = 16
 """Rows of equations that a notebook shows."""

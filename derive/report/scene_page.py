@@ -17,15 +17,15 @@ from derive.report.document.page import Equations as Lines
 from derive.report.document.tables import Said, table
 from derive.report.notation.expressions import Notation, notation
 from derive.report.sections.code import code_blocks, targets
-from derive.report.sections.integrals import integral_blocks, moment_anchors, moment_blocks, moments
-from derive.report.sections.manifest import manifest_blocks
-from derive.report.sections.mass_matrix_picture import Matrix
+from derive.report.sections.integrals import integral_blocks
+from derive.report.sections.mass_matrix import Matrix, mass_blocks
+from derive.report.sections.moments import moment_anchors, moment_blocks, moments
+from derive.report.sections.provenance import Text, manifest_blocks, specification_blocks
 from derive.report.sections.source import sources
-from derive.report.sections.specification import Text, specification_blocks
 from derive.report.sections.state import state_blocks
 from derive.report.sections.term_lines import definition_lines, places
 from derive.report.sections.terms import row_blocks
-from derive.report.sections.zeros import mass_blocks, vanished_blocks
+from derive.report.sections.zeros import vanished_blocks
 from derive.spec.model.body import Parameter, Quantity
 from derive.spec.model.scene import BeamBody, Place, Scene, SceneBody
 from derive.visual.kkt_matrix import kkt_picture

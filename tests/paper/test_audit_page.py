@@ -14,10 +14,10 @@ from derive.report.document.formula import Equation, Fenced, Name, Operator, Row
 from derive.report.document.page import Equations, Heading, Link, Page, Paragraph, Table
 from derive.report.notation.formula_reader import equation, formula
 from derive.report.notation.spoken_math import words
+from derive.report.notation.vector_form import summand, summands
 from derive.report.paper import SECTIONS, audit_page
 from derive.report.paper.breaking import broken
 from derive.report.paper.page import counts
-from derive.report.paper.vectors import summand, summands
 
 ROWS = tuple(row for section in SECTIONS for row in section.rows)
 

@@ -1,7 +1,8 @@
-"""The anchors of a page, with what they are on: for languages that name the places that links lead to by themselves."""
+"""The anchors of a page and the links that lead to them."""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Sequence
 
 from derive.report.document.page import (
@@ -82,3 +83,16 @@ def _all_links(blocks: Sequence[Block]) -> Iterator[str]:
             case Columns(columns):
                 for column in columns:
                     yield from _all_links(column)
+
+
+def address(to: str) -> str:
+    """An address that a link may lead to: within the page, beside it, or on the web. Raises ValueError of others."""
+    kind, colon, _ = to.partition(":")
+    if colon and not to.startswith("#") and kind.lower() not in ("http", "https", "mailto"):
+        raise ValueError(f"a link leads to {to!r}")
+    return to
+
+
+def anchor(*names: str) -> str:
+    """An anchor made of names."""
+    return "-".join(re.sub(r"[^A-Za-z0-9_.]+", "-", name) for name in names)

@@ -1,4 +1,4 @@
-"""What the derivation gives for a body in space: kinematics, the equations of motion (15) and (20), the appendix."""
+"""What the derivation gives for a body in space: the equations of motion (15) and (20), the appendix."""
 
 from __future__ import annotations
 
@@ -12,41 +12,17 @@ from derive.mechanics import virtual_work_equations as body
 from derive.mechanics.bodies import spatial_body as general
 from derive.mechanics.equations import Term
 from derive.mechanics.indexed_equations import FORCE_SERIES, GenericEquations
-from derive.mechanics.kinematics import PHI, RDDOT, RDOT, Field, R, add
-from derive.mechanics.points import vector_at
 from derive.mechanics.series import Series
-from derive.mechanics.spatial import rotation_of, spatial_motion, spatial_series, spatial_sums, vector
+from derive.mechanics.spatial import rotation_of, spatial_series, spatial_sums, vector
 from derive.report.document.formula import Equation, Formula, Name, Number, Operator, Part, Row
 from derive.report.notation.doc_formulas import doc, formula_of
 from derive.report.notation.formula_reader import formula
 from derive.report.notation.names import table
-from derive.report.paper.vectors import summand, summands
+from derive.report.notation.vector_form import summand, summands
+from derive.report.sections.kinematics import MOTION
 from derive.spec.toml.read import symbolic_body
 
-MOTION = spatial_motion(0)
-AT = {R: vector("r"), RDOT: vector("rdot"), RDDOT: vector("rddot"), PHI: vector("Phi_i")}
 VARIED = {"c": "delta c", "pi": "delta pi", "alpha": "delta alpha_i"}
-
-
-def position() -> tuple[Equation, ...]:
-    """x, from the field of the positions."""
-    return (Equation(formula("x"), summands(vector_at(MOTION, MOTION.position, AT))),)
-
-
-def acceleration() -> tuple[Equation, ...]:
-    """The acceleration: the field of the positions, differentiated twice."""
-    return (Equation(formula("x''"), summands(vector_at(MOTION, MOTION.acceleration, AT))),)
-
-
-def virtual_displacement() -> tuple[Equation, ...]:
-    """The virtual displacement: the velocity with the rates varied."""
-    fields: list[Field] = []
-    for amounts, units in (("delta_c", MOTION.translations), ("delta_pi", MOTION.frame.rotations())):
-        for amount, unit in zip(vector(amounts), units, strict=True):
-            fields.append({name: amount * tensor for name, tensor in unit.items()})
-    amplitude = sp.Symbol("delta_alpha_i")
-    fields.append({name: amplitude * tensor for name, tensor in MOTION.frame.deformation().items()})
-    return (Equation(formula("delta x"), summands(vector_at(MOTION, add(*fields), AT))),)
 
 
 def rotation() -> tuple[Equation, ...]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from derive.report.notation.formula_reader import equation
 from derive.report.paper import derived_space as derived
 from derive.report.paper.model import AuditRow, Derived, Section, tests
+from derive.report.sections import kinematics
 
 CONTINUUM = "test_continuum.py"
 DIFFERENTIATED = "test_printed_against_brute_force.py"
@@ -24,7 +25,7 @@ KINEMATICS = (
         "Place of a material point",
         ("x(X, t) = c(t) + Q(t) . {X + u(X, t)}",),
         "definition",
-        derived.position,
+        kinematics.position,
         "the package",
         note="Defines $c$, $Q$ and $u$; $r$ stands for $X + u$.",
         where=("derive/mechanics/kinematics.py::position", "derive/mechanics/motion.py::position"),
@@ -68,7 +69,7 @@ KINEMATICS = (
         "Acceleration of a material point",
         ("x'' = c'' + Q . {omega >< [omega >< (X + u)] + omega' >< (X + u) + 2 omega >< u' + u''}",),
         "equal",
-        derived.acceleration,
+        kinematics.acceleration,
         "the package",
         tests=(
             *tests(SPACE, "test_acceleration_in_space_is_5"),
@@ -81,7 +82,7 @@ KINEMATICS = (
         "Virtual displacement of a material point",
         ("delta x'' = delta c'' + Q . {delta pi >< (X + u) + delta u''}",),
         "equal after the correction",
-        derived.virtual_displacement,
+        kinematics.virtual_displacement,
         "the package",
         holds=("delta x = delta c + Q . {delta pi >< (X + u) + delta u}",),
         correction="The text puts two dots on $x$, $c$ and $u$ that do not belong there: these are variations, no "
@@ -116,7 +117,7 @@ MOTION = (
         "the user",
         note="Isotropic, linear elastic, without stress in the reference configuration. Here a body brings a "
         "stiffness, whatever material it comes from.",
-        where=("derive/mechanics/body.py::stiffness",),
+        where=("derive/mechanics/virtual_work_equations.py::stiffness",),
         tests=tests(CONTINUUM, "test_13_is_11_with_the_stress_8_and_a_free_surface"),
     ),
     AuditRow(

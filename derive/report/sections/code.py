@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from derive.report.document.labels import delta
 from derive.report.document.page import Block, Code, Details, Heading, Line, Link, Listing, Paragraph
+from derive.report.notation.labels import delta
 from derive.report.sections.source import Source, Sources
 from derive.report.sections.term_lines import Place, line_anchor
 

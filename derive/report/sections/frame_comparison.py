@@ -12,13 +12,13 @@ from derive.mechanics.bodies import beam
 from derive.mechanics.equations import Equations
 from derive.mechanics.reference_conditions import ConditionError
 from derive.report.document.formula import Equation
-from derive.report.document.labels import variation
 from derive.report.document.page import Block, Columns, Heading, Paragraph, Picture
 from derive.report.document.page import Equations as Lines
 from derive.report.document.tables import Said, table
 from derive.report.notation.expressions import Notation
-from derive.report.sections.beam_frame import paper_numbers
-from derive.report.sections.mass_matrix_picture import Matrix, mass_matrix, picture
+from derive.report.notation.labels import variation
+from derive.report.sections.frame import paper_numbers
+from derive.report.sections.mass_matrix import Matrix, mass_matrix, picture
 from derive.report.sections.terms import expansion, written_row
 from derive.spec.model.body import Frame, PlanarBeam
 

@@ -1,30 +1,20 @@
-"""Shape integrals and stiffness with their values, and the moments made of them."""
+"""Shape integrals and stiffness with their values."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
-from itertools import groupby
+from collections.abc import Iterable
 
 import sympy as sp
 
 from derive.mechanics.equations import Coefficient, Equations
-from derive.mechanics.indexed_equations import Contraction, GenericEquations, Table, Total, indices, labels
+from derive.mechanics.indexed_equations import GenericEquations, Table, indices, labels
 from derive.mechanics.series import family
-from derive.report.document.formula import Equation, Fenced, Name, Part
-from derive.report.document.labels import anchor
-from derive.report.document.page import Block, Code, Details, Heading, Paragraph, Text
-from derive.report.document.page import Equations as Lines
+from derive.report.document.page import Block, Code, Heading, Paragraph, Text
 from derive.report.document.tables import MOST, Said, folded, table
 from derive.report.notation.doc_formulas import doc, reason, unit
-from derive.report.notation.expressions import SMALL, Notation, decimal, row
+from derive.report.notation.expressions import SMALL, Notation, decimal
 from derive.report.notation.names import SHAPES
 from derive.report.notation.names import table as whole
-from derive.report.sections.term_lines import array, line_anchor
-
-APPENDIX = "appendix"
-MANY = 12
-"""Moments of one family that are shown; of more of them, the rest is folded."""
 
 
 def integral_blocks(equations: Equations | GenericEquations, notation: Notation) -> tuple[Block, ...]:
@@ -102,99 +92,3 @@ def entries(given: Table, modes: int) -> int:
     """Independent entries of a table."""
     shapes = {"": 1, "i": modes, "ij": modes * (modes + (-1 if given.name == "c7" else 1)) // 2}[indices(given.name)]
     return shapes * len(labels(given.name))
-
-
-@dataclass(frozen=True)
-class Moment:
-    """A moment with its summands and its equation number."""
-
-    symbol: sp.Symbol
-    parts: tuple[Part, ...]
-    number: str
-
-    @property
-    def family(self) -> str:
-        """The moment without its indices."""
-        return family(self.symbol.name)
-
-
-def moments(equations: Equations | GenericEquations, notation: Notation) -> tuple[tuple[Moment, ...], ...]:
-    """d1, D2, d3, J and what else has a name, by families. Q stands in the kinematics, products of omega as such."""
-    told = [d for d in equations.definitions if not d.zero and d.section not in ("oo", "Q")]
-    found = [Moment(d.symbol, notation.parts(d.expr), d.equation) for d in told]
-    if isinstance(equations, GenericEquations):
-        found += [Moment(sp.Symbol(c.name), _contracted(c, notation), APPENDIX) for c in equations.contractions]
-        found += [Moment(sp.Symbol(t.name), _summed(t, notation), APPENDIX) for t in equations.totals]
-    return tuple(tuple(group) for _, group in groupby(found, key=lambda moment: moment.family))
-
-
-def moment_blocks(
-    families: Sequence[Sequence[Moment]], notation: Notation, lines: Mapping[str, int]
-) -> tuple[Block, ...]:
-    """The moments in shape integrals and coordinates; of many of a family the first ones, folded away."""
-    blocks: list[Block] = [
-        Heading("Moments", "moments"),
-        Paragraph(
-            (
-                "What the terms of (15) are made of, as in the appendix of the paper; each is computed once, and leads "
-                "to the line that does it. The first index is the number of the moment, then come the shape and the "
-                "components.",
-            )
-        ),
-    ]
-    short: list[Equation] = []
-    for some in families:
-        shown = [_line(moment, notation, lines) for moment in some[:MOST]]
-        if len(some) <= MANY:
-            short += shown
-            continue
-        blocks += [Lines(tuple(short))] if short else []
-        short = []
-        count = f"{len(some)} equations" if len(some) <= MOST else f"the first {MOST} of {len(some)} equations"
-        blocks.append(Details(f"{_title(some[0].family)}: {count}", (Lines(tuple(shown)),)))
-    return (*blocks, *([Lines(tuple(short))] if short else []))
-
-
-def _title(name: str) -> str:
-    return {"S": "S, the symmetric part of D2"}.get(name, name)
-
-
-def _line(moment: Moment, notation: Notation, lines: Mapping[str, int]) -> Equation:
-    """The equation of a moment, which leads to its line."""
-    name = moment.symbol.name
-    place = lines.get(array(name))
-    first = replace(moment.parts[0], title=f"{name} in the code", to=f"#{line_anchor(place)}" if place else "")
-    told = "" if moment.number == APPENDIX else moment.number.strip("()")
-    parts = (first, *moment.parts[1:])
-    return Equation(notation.known(moment.symbol).formula, parts, number=told, anchor=definition_anchor(name))
-
-
-def definition_anchor(name: str) -> str:
-    """The anchor of the equation of a moment; sine, cosine and the entries of Q have one together."""
-    return anchor("def", "Q" if name in ("cos_phi", "sin_phi") or name.startswith("Q_") else name)
-
-
-def moment_anchors(equations: Equations | GenericEquations, families: Sequence[Sequence[Moment]]) -> dict[str, str]:
-    """The anchors of the equations that are shown, by the names in the code."""
-    names = [d.symbol.name for d in equations.definitions if d.section == "Q"]
-    names += [moment.symbol.name for some in families for moment in some[:MOST]]
-    return {array(name): definition_anchor(name) for name in names}
-
-
-def _contracted(given: Contraction, notation: Notation) -> tuple[Part, ...]:
-    """base + sum over j of factor_j table_i_j."""
-    base = notation.parts(given.base) if given.base != 0 else ()
-    sums = (sp.Symbol(f"{factor}_j") * sp.Symbol(entry) for factor, entry in given.sums)
-    return (*base, *(Part("+", row([big("j"), notation.formula(term)])) for term in sums))
-
-
-def _summed(given: Total, notation: Notation) -> tuple[Part, ...]:
-    """base + sum over i of term."""
-    base = notation.parts(given.base) if given.base != 0 else ()
-    term = notation.formula(given.term)
-    return (*base, Part("+", row([big("i"), Fenced(term) if isinstance(given.term, sp.Add) else term])))
-
-
-def big(index: str) -> Name:
-    """A sum over the shapes."""
-    return Name("\N{N-ARY SUMMATION}", below=(index,))

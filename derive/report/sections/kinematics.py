@@ -9,17 +9,43 @@ import sympy as sp
 from derive.mechanics import quantity
 from derive.mechanics.equations import Equations
 from derive.mechanics.indexed_equations import GenericEquations
-from derive.mechanics.kinematics import RDDOT, RDOT, R
+from derive.mechanics.kinematics import PHI, RDDOT, RDOT, Field, R, add
 from derive.mechanics.planar import planar_motion
+from derive.mechanics.points import vector_at
+from derive.mechanics.spatial import spatial_motion, vector
 from derive.report.document.formula import Equation, Fenced, Formula, Matrix, Name, Number, Operator, Part, Power, Row
 from derive.report.document.formula import Fraction as Over
 from derive.report.document.page import Block, Heading, Math, Paragraph
 from derive.report.document.page import Equations as Lines
 from derive.report.notation.expressions import Notation, row
 from derive.report.notation.formula_reader import equation, formula
-from derive.report.paper.derived_space import acceleration, position, virtual_displacement
+from derive.report.notation.vector_form import summands
 from derive.spec.model.body import PlanarBeam
 from derive.spec.model.specification import Specification
+
+MOTION = spatial_motion(0)
+AT = {R: vector("r"), RDOT: vector("rdot"), RDDOT: vector("rddot"), PHI: vector("Phi_i")}
+
+
+def position() -> tuple[Equation, ...]:
+    """x, from the field of the positions."""
+    return (Equation(formula("x"), summands(vector_at(MOTION, MOTION.position, AT))),)
+
+
+def acceleration() -> tuple[Equation, ...]:
+    """The acceleration: the field of the positions, differentiated twice."""
+    return (Equation(formula("x''"), summands(vector_at(MOTION, MOTION.acceleration, AT))),)
+
+
+def virtual_displacement() -> tuple[Equation, ...]:
+    """The virtual displacement: the velocity with the rates varied."""
+    fields: list[Field] = []
+    for amounts, units in (("delta_c", MOTION.translations), ("delta_pi", MOTION.frame.rotations())):
+        for amount, unit in zip(vector(amounts), units, strict=True):
+            fields.append({name: amount * tensor for name, tensor in unit.items()})
+    amplitude = sp.Symbol("delta_alpha_i")
+    fields.append({name: amplitude * tensor for name, tensor in MOTION.frame.deformation().items()})
+    return (Equation(formula("delta x"), summands(vector_at(MOTION, add(*fields), AT))),)
 
 
 def kinematics_blocks(

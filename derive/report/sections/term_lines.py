@@ -11,7 +11,7 @@ from derive.ir.model import Model
 from derive.mechanics.equations import Equations, Term
 from derive.mechanics.indexed_equations import GenericEquations
 from derive.mechanics.series import ALPHADDOT
-from derive.report.document.labels import anchor
+from derive.report.document.anchors import anchor
 from derive.report.sections.source import Source, Sources
 
 SHAPE = "alpha_i"

@@ -13,13 +13,14 @@ import sympy as sp
 
 from derive.mechanics.equations import Equations
 from derive.mechanics.indexed_equations import GenericEquations
+from derive.report.document.anchors import anchor
 from derive.report.document.formula import Equation, Part
 from derive.report.document.formula import Row as Beside
-from derive.report.document.labels import anchor, delta, variation
 from derive.report.document.page import Block, Cell, Details, Heading, Inline, Link, Math, Table
 from derive.report.document.page import Equations as Lines
 from derive.report.document.tables import Said, table
 from derive.report.notation.expressions import Notation
+from derive.report.notation.labels import delta, variation
 from derive.report.sections.term_lines import SHAPE, Place, group, line_anchor, place_in_row, title
 
 MOST_ROWS, MOST_SUMMANDS = 16, 240

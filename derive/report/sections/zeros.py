@@ -1,69 +1,26 @@
-"""The mass matrix with its structural zeros, and all that vanishes, with the reasons."""
+"""Structural zeros: integrals and terms that vanish, with the reasons."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from itertools import groupby
 
 import sympy as sp
 
 from derive.mechanics.equations import Equations, Term
 from derive.mechanics.indexed_equations import GenericEquations
-from derive.report.document.formula import Equation, Formula, Name, Number, Part
-from derive.report.document.formula import Matrix as Array
-from derive.report.document.labels import delta, label
-from derive.report.document.page import Block, Heading, Inline, Math, Paragraph, Picture
-from derive.report.document.page import Equations as Lines
+from derive.report.document.formula import Number
+from derive.report.document.page import Block, Heading, Inline, Math, Paragraph
 from derive.report.document.tables import Said, folded, table
 from derive.report.notation.doc_formulas import reason
 from derive.report.notation.expressions import Notation
+from derive.report.notation.labels import delta
 from derive.report.notation.names import SHAPES
 from derive.report.notation.names import table as whole
 from derive.report.sections.integrals import family_of
-from derive.report.sections.mass_matrix_picture import Matrix, picture
 
-SMALL, FEW, SUMMANDS = 6, 8, 4
-"""Rows of a matrix that is written out; names that are listed; summands of a vanished term that is shown."""
-
-
-def mass_blocks(equations: Equations | GenericEquations, matrix: Matrix, notation: Notation) -> tuple[Block, ...]:
-    """The pattern as a picture, the matrix itself where it is small, and its zeros by reason."""
-    said = (
-        f"{matrix.count} entries are structural non-zeros. The matrix is symmetric; of each pair one entry is stored. "
-        "A dot is a zero in every state: its reason is told on hover, and in the table below."
-    )
-    shown = Picture(picture(matrix), f"Pattern of the mass matrix: {matrix.count} entries", "")
-    written = _written(equations.mass, notation) if isinstance(equations, Equations) and matrix.size <= SMALL else ()
-    return (Heading("Mass matrix", "mass"), Paragraph((said,)), shown, *written, *_zeros_of(matrix))
-
-
-def _written(mass: Iterable[object], notation: Notation) -> tuple[Block, ...]:
-    entries = list(mass)
-    size = round(len(entries) ** 0.5)
-    cells: list[Formula | None] = [notation.formula(entry) if entry != 0 else None for entry in entries]
-    rows = tuple(tuple(cells[i * size : (i + 1) * size]) for i in range(size))
-    return (Lines((Equation(Name("M", style="tensor"), (Part("+", Array(rows)),), number="15"),)),)
-
-
-def _zeros_of(matrix: Matrix) -> tuple[Block, ...]:
-    """The zeros of the lower triangle by reason."""
-    gathered: dict[str, list[tuple[int, int]]] = {}
-    for (i, j), why in sorted(matrix.reasons.items()):
-        if i >= j:
-            gathered.setdefault(why, []).append((i, j))
-    if not gathered:
-        return ()
-    rows: list[list[Said]] = [
-        [_pairs(matrix, pairs), sum(1 + (i != j) for i, j in pairs), reason(why)] for why, pairs in gathered.items()
-    ]
-    said = table("Zeros of the mass matrix", ("entries below the diagonal", "zeros", "because"), rows, "lrl")
-    return (folded(said, "Zeros of the mass matrix"),)
-
-
-def _pairs(matrix: Matrix, pairs: Sequence[tuple[int, int]]) -> str:
-    said = [f"{label(matrix.names[i])}, {label(matrix.names[j])}" for i, j in pairs]
-    shown = said if len(said) <= FEW else [*said[: FEW - 2], "…", said[-1]]
-    return "; ".join(shown)
+FEW, SUMMANDS = 8, 4
+"""Names that are listed; summands of a vanished term that is shown."""
 
 
 def vanished_blocks(equations: Equations | GenericEquations, notation: Notation) -> tuple[Block, ...]:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from html import escape
 
-from derive.report.document.address import address
-from derive.report.document.comments import comments, gaps
+from derive.report.document.anchors import address
+from derive.report.document.code_comments import comments, gaps
 from derive.report.document.page import Line, Link, Listing
 
 

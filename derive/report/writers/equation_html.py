@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from html import escape
 from itertools import groupby
 
-from derive.report.document.address import address
+from derive.rendering import render
+from derive.report.document.anchors import address
 from derive.report.document.formula import Equation, Formula, Part
 from derive.report.notation.spacing import has_matrix
 from derive.report.notation.spoken_math import equation_words, words
@@ -69,3 +71,24 @@ def _part(part: Part, first: bool) -> str:
     if to:
         return f'<a{anchor} href="{escape(address(to))}"{title}>{shown}</a>'
     return f'<span{title} tabindex="0">{shown}</span>' if title else f"<span>{shown}</span>"
+
+
+def formula_html(formula: Formula) -> str:
+    """A formula, within a line."""
+    return math(formula)
+
+
+def equation_html(equation: Equation) -> str:
+    """An equation with its own style."""
+    return equations_shown((equation,))
+
+
+def equations_shown(equations: Sequence[Equation]) -> str:
+    """Equations below each other, with their own style, and without the anchors and links that a page gives them."""
+    style = render("report/display.css", {})
+    return f"<style>\n{style}</style>\n{equations_html([_loose(one) for one in equations])}"
+
+
+def _loose(equation: Equation) -> Equation:
+    parts = tuple(replace(part, anchor="", to="") for part in equation.parts)
+    return replace(equation, anchor="", parts=parts)

@@ -8,7 +8,7 @@ from itertools import count
 
 from derive.artifacts import MARK
 from derive.rendering import render
-from derive.report.document.address import address
+from derive.report.document.anchors import address
 from derive.report.document.page import (
     Block,
     Cell,

@@ -6,8 +6,7 @@ from collections.abc import Mapping, Sequence
 
 from derive.artifacts import MARK
 from derive.rendering import render
-from derive.report.document.address import address
-from derive.report.document.anchors import targets
+from derive.report.document.anchors import address, targets
 from derive.report.document.formula import Equation
 from derive.report.document.page import (
     Block,
@@ -29,8 +28,7 @@ from derive.report.document.page import (
 )
 from derive.report.notation.line_breaking import lines, width
 from derive.report.writers.latex_math import latex_math, relation_latex, summand_latex
-from derive.report.writers.latex_table import tabular
-from derive.report.writers.latex_text import escaped
+from derive.report.writers.latex_text import escaped, tabular
 
 ROOM = 29.0
 """The width of a line of formulas, in em, with the number of the equation taken off."""

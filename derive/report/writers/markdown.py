@@ -7,9 +7,8 @@ from collections.abc import Sequence
 from itertools import count
 
 from derive.artifacts import MARK
-from derive.report.document.address import address
-from derive.report.document.anchors import linked
-from derive.report.document.comments import gaps
+from derive.report.document.anchors import address, linked
+from derive.report.document.code_comments import gaps
 from derive.report.document.formula import Equation, Formula
 from derive.report.document.page import (
     Block,

@@ -1,4 +1,4 @@
-"""A page as a document for Typst. All text is in strings, so that none of it is markup."""
+"""A page as a document for Typst, and as PDF. All text is in strings, so that none of it is markup."""
 
 from __future__ import annotations
 
@@ -6,10 +6,10 @@ from collections.abc import Mapping, Sequence
 from itertools import groupby
 
 from derive.artifacts import MARK
+from derive.errors import TisserandError
 from derive.rendering import render
-from derive.report.document.address import address
-from derive.report.document.anchors import targets
-from derive.report.document.comments import comments
+from derive.report.document.anchors import address, targets
+from derive.report.document.code_comments import comments
 from derive.report.document.formula import Equation, Formula
 from derive.report.document.page import (
     Block,
@@ -172,3 +172,17 @@ def _display(shown: str, said: str) -> str:
     if not shown.strip():
         return "[]"
     return f"math.equation(alt: {string(said)}, $display({shown})$)"
+
+
+class NoTypst(TisserandError):
+    """The wheel that makes PDF is not installed."""
+
+
+def pdf(page: Page) -> bytes:
+    """The page as PDF: the same bytes for the same page and version of Typst. Raises NoTypst."""
+    try:
+        import typst as wheel
+    except ImportError as error:
+        raise NoTypst("PDF needs the Python package typst: pip install 'tisserand[report]'") from error
+    made: bytes = wheel.compile(typst(page).encode(), format="pdf", ignore_system_fonts=True, timestamp=0)
+    return made

@@ -13,10 +13,10 @@ from formula_number import Draw, magnitude, number, total
 from derive.mechanics.equations import Equations
 from derive.mechanics.reference_conditions import assumed_shapes
 from derive.report.document.formula import Equation, Matrix, Name, Row
-from derive.report.document.labels import variation
 from derive.report.notation.expressions import notation
+from derive.report.notation.labels import variation
 from derive.report.notation.names import known
-from derive.report.sections.integrals import moments
+from derive.report.sections.moments import moments
 from derive.report.sections.terms import row_names
 
 BODIES = (

@@ -10,7 +10,7 @@ from formula_number import number
 import beams
 import derive
 from derive.report.document.formula import Name
-from derive.report.sections.beam_frame import on_ansatz, removed
+from derive.report.sections.frame import on_ansatz, removed
 from paper.printed import CONDITION_28, CONDITION_29, CONDITION_35, CONDITION_37
 
 A = sp.symbols("a0 a1 a2 a3")

@@ -8,8 +8,8 @@ import pages
 import pytest
 
 from derive.report.document.anchors import faults
-from derive.report.document.labels import delta
 from derive.report.document.page import Link
+from derive.report.notation.labels import delta
 from derive.report.sections.term_lines import place_in_row
 
 BODIES = ("point", "mean", "block", "loops", "beam_point_8", "heavy", "flat", "loops_given", "rigid", "hundred")

@@ -9,10 +9,10 @@ import pages
 import pytest
 
 from derive.mechanics.equations import Equations
-from derive.report.document.labels import delta
 from derive.report.document.page import Picture
 from derive.report.notation.doc_formulas import reason
-from derive.report.sections.mass_matrix_picture import mass_matrix, picture
+from derive.report.notation.labels import delta
+from derive.report.sections.mass_matrix import mass_matrix, picture
 
 BODIES = ("point", "mean", "block", "loops", "beam_point_8", "heavy", "flat", "loops_given", "rigid", "hundred")
 

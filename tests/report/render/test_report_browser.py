@@ -13,7 +13,7 @@ from typing import Any
 import pytest
 import sample_report
 
-from derive.report.writers.display import equation_html
+from derive.report.writers.equation_html import equation_html
 from derive.report.writers.html import html
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")

@@ -14,9 +14,9 @@ import strict_html
 
 from derive.artifacts import MARK
 from derive.report.document.anchors import faults
-from derive.report.document.comments import comments
+from derive.report.document.code_comments import comments
 from derive.report.document.page import Cell, Line, Link, Listing, Page, Paragraph, Picture, Table
-from derive.report.writers.display import equation_html, formula_html
+from derive.report.writers.equation_html import equation_html, formula_html
 from derive.report.writers.html import html
 from derive.report.writers.picture import inline, scoped, standalone
 

@@ -18,8 +18,7 @@ from sample_report import EVERYTHING, EVIL, PHI, row, square
 
 from derive.artifacts import MARK
 from derive.report.document.formula import Call, Fenced, Formula, Fraction, Matrix, Name, Number, Operator, Part
-from derive.report.writers.pdf import NoTypst, pdf
-from derive.report.writers.typst import typst
+from derive.report.writers.typst import NoTypst, pdf, typst
 from derive.report.writers.typst_math import string, summand_typst, typst_math
 
 
@@ -36,7 +35,7 @@ def test_it_is_made_and_the_same_each_time() -> None:
     data = pdf(sample_report.page(8))
     assert data.startswith(b"%PDF-") and MARK.encode() in data and len(data) < 400_000
     code = (
-        "import sample_report as s, sys; from derive.report.writers.pdf import pdf; "
+        "import sample_report as s, sys; from derive.report.writers.typst import pdf; "
         "sys.stdout.buffer.write(pdf(s.page(8)))"
     )
     env = {"PYTHONHASHSEED": "7", "PYTHONPATH": f"{Path(__file__).parents[3]}:.", "TZ": "Asia/Tokyo", "HOME": "/"}

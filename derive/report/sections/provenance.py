@@ -1,13 +1,34 @@
-"""From what the model was made, by which tools, and the hashes of its files."""
+"""The specification as it was written, the tools that made the model, and the hashes of its files."""
 
 from __future__ import annotations
 
 import json
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 from derive.artifacts import File
-from derive.report.document.page import Block, Code, Heading, Paragraph
+from derive.report.document.page import Block, Code, Details, Heading, Paragraph
 from derive.report.document.tables import Said, table
+from derive.report.sections.calling import listing
+
+LONG = 60
+"""Lines of a specification that are shown at once."""
+
+
+@dataclass(frozen=True)
+class Text:
+    """The specification as it was written: the name of its file, and its lines."""
+
+    name: str
+    text: str
+
+
+def specification_blocks(given: Text) -> tuple[Block, ...]:
+    """The specification, folded if it is long."""
+    shown = listing("toml", given.name, given.text.strip("\n"))
+    count = len(shown.lines)
+    block: Block = shown if count <= LONG else Details(f"{given.name}, {count} lines", (shown,))
+    return (Heading("Specification", "specification"), block)
 
 
 def manifest_blocks(files: Sequence[File]) -> tuple[Block, ...]:

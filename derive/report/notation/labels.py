@@ -34,8 +34,3 @@ def variation(row: str) -> Formula:
         return Row((Operator("δ"), Name("pi", below=(found[1],))))
     entry = known(row)
     return Row((Operator("δ"), entry.formula if entry else Name(row, style="word")))
-
-
-def anchor(*names: str) -> str:
-    """An anchor made of names."""
-    return "-".join(re.sub(r"[^A-Za-z0-9_.]+", "-", name) for name in names)

@@ -1,8 +1,8 @@
-"""The pattern of a mass matrix as a picture: a square for an entry, a dot for a zero that tells its reason on hover."""
+"""The mass matrix: its pattern as a picture, its entries, and its structural zeros grouped by reason."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from html import escape
 from itertools import groupby
@@ -10,10 +10,21 @@ from itertools import groupby
 from derive.artifacts import MARK
 from derive.ir.model import Model
 from derive.mechanics.equations import Equations
-from derive.report.document.labels import label
+from derive.mechanics.indexed_equations import GenericEquations
+from derive.report.document.formula import Equation, Formula, Name, Part
+from derive.report.document.formula import Matrix as Array
+from derive.report.document.page import Block, Heading, Paragraph, Picture
+from derive.report.document.page import Equations as Lines
+from derive.report.document.tables import Said, folded, table
+from derive.report.notation.doc_formulas import reason
+from derive.report.notation.expressions import Notation
+from derive.report.notation.labels import label
 
 CELL, EDGE, SMALL, WIDTH = 28, 6, 24, 560
 """Side of a cell, margin, the most rows with names, and the width of larger pictures."""
+
+WRITTEN, FEW = 6, 8
+"""The most rows of a matrix whose entries are shown as formulas, and the most entries that a table lists."""
 
 SHORT = 3
 """Letters of a name that fits above a column."""
@@ -159,3 +170,43 @@ def _runs(numbers: Sequence[int]) -> list[tuple[int, int]]:
         else:
             found.append((number, 1))
     return found
+
+
+def mass_blocks(equations: Equations | GenericEquations, matrix: Matrix, notation: Notation) -> tuple[Block, ...]:
+    """The pattern as a picture, the matrix itself where it is small, and its zeros by reason."""
+    said = (
+        f"{matrix.count} entries are structural non-zeros. The matrix is symmetric; of each pair one entry is stored. "
+        "A dot is a zero in every state: its reason is told on hover, and in the table below."
+    )
+    shown = Picture(picture(matrix), f"Pattern of the mass matrix: {matrix.count} entries", "")
+    written = _written(equations.mass, notation) if isinstance(equations, Equations) and matrix.size <= WRITTEN else ()
+    return (Heading("Mass matrix", "mass"), Paragraph((said,)), shown, *written, *_zeros_of(matrix))
+
+
+def _written(mass: Iterable[object], notation: Notation) -> tuple[Block, ...]:
+    entries = list(mass)
+    size = round(len(entries) ** 0.5)
+    cells: list[Formula | None] = [notation.formula(entry) if entry != 0 else None for entry in entries]
+    rows = tuple(tuple(cells[i * size : (i + 1) * size]) for i in range(size))
+    return (Lines((Equation(Name("M", style="tensor"), (Part("+", Array(rows)),), number="15"),)),)
+
+
+def _zeros_of(matrix: Matrix) -> tuple[Block, ...]:
+    """The zeros of the lower triangle by reason."""
+    gathered: dict[str, list[tuple[int, int]]] = {}
+    for (i, j), why in sorted(matrix.reasons.items()):
+        if i >= j:
+            gathered.setdefault(why, []).append((i, j))
+    if not gathered:
+        return ()
+    rows: list[list[Said]] = [
+        [_pairs(matrix, pairs), sum(1 + (i != j) for i, j in pairs), reason(why)] for why, pairs in gathered.items()
+    ]
+    said = table("Zeros of the mass matrix", ("entries below the diagonal", "zeros", "because"), rows, "lrl")
+    return (folded(said, "Zeros of the mass matrix"),)
+
+
+def _pairs(matrix: Matrix, pairs: Sequence[tuple[int, int]]) -> str:
+    said = [f"{label(matrix.names[i])}, {label(matrix.names[j])}" for i, j in pairs]
+    shown = said if len(said) <= FEW else [*said[: FEW - 2], "…", said[-1]]
+    return "; ".join(shown)

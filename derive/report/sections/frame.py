@@ -1,7 +1,8 @@
-"""The frame of a beam: the conditions on its ansatz, what they remove, and the shapes that are left."""
+"""The floating frame of a body: its reference conditions, what they eliminate, and the assumed modes that are left."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import sympy as sp
@@ -10,9 +11,10 @@ from derive.mechanics.reference_conditions import Condition, assumed_shapes, con
 from derive.report.document.formula import Equation, Fenced, Formula, Name, Number, Operator, Part, Row
 from derive.report.document.page import Block, Heading, Inline, Math, Paragraph
 from derive.report.document.page import Equations as Lines
+from derive.report.document.tables import Said, table
 from derive.report.notation.expressions import join, number, polynomial, row
 from derive.report.notation.formula_reader import equation, formula
-from derive.spec.model.body import PlanarBeam, Polynomial
+from derive.spec.model.body import NodalBody, PlanarBeam, Polynomial, SymbolicBody
 
 
 @dataclass(frozen=True)
@@ -172,3 +174,53 @@ def _whole(values: list[sp.Rational]) -> tuple[int, ...]:
     divisor = sp.igcd(*scaled) or 1
     first = next((v for v in scaled if v), 1)
     return tuple(int(v / divisor * (-1 if first < 0 else 1)) for v in scaled)
+
+
+MEAN_OF_MODES = "The frame follows the mean motion: no mode displaces the body or turns it on average."
+GIVEN_MODES = "The modes are used as they are given; no condition is imposed on them."
+
+
+def body_frame_blocks(spec: NodalBody | SymbolicBody, notes: Sequence[str]) -> tuple[Block, ...]:
+    """What is asked of the modes, and, of a body of nodes, how far they were from it."""
+    kind = spec.frame if isinstance(spec, SymbolicBody) else spec.frame.kind
+    found: list[Block] = [Heading("The frame and what it removes", "frame")]
+    if kind == "mean":
+        found += [Paragraph((MEAN_OF_MODES,)), Lines((_line("17", "int_Omega rho Phi_i dOmega = 0"), _rotation()))]
+    elif kind == "point":
+        assert isinstance(spec, NodalBody)
+        said = (
+            f"The frame is held by node {spec.frame.node}: no mode displaces it, nor turns it and its neighbours on "
+            "average."
+        )
+        found += [Paragraph((said,)), Lines((_line("16", "Phi_i(P_c) = 0"),))]
+    else:
+        found.append(Paragraph((GIVEN_MODES,)))
+    if isinstance(spec, NodalBody):
+        found += _residuals(spec)
+    return (*found, *(Paragraph((note.removeprefix("warning: "),)) for note in notes if note.startswith("warning")))
+
+
+def _line(number: str, text: str) -> Equation:
+    line = equation(text)
+    return Equation(line.left, line.parts, line.relation, number)
+
+
+def _rotation() -> Equation:
+    return _line("19", "int_Omega rho X >< Phi_i dOmega = 0")
+
+
+def _residuals(spec: NodalBody) -> list[Block]:
+    """Numbers without units, before and after the modes were brought to the frame."""
+    from derive.reduction import residuals
+
+    found = residuals(spec)
+    rows: list[list[Said]] = [
+        ["mean displacement of a mode, of its size (17)", *_both(found.before.displacement, found.after.displacement)],
+        ["mean rotation of a mode, of its size (19)", *_both(found.before.rotation, found.after.rotation)],
+        ["distance of O from the centre of mass", *_both(found.before.centre, found.after.centre)],
+    ]
+    return [table("How far the modes are from the mean frame", ("", "as given", "as used"), rows, "lrr")]
+
+
+def _both(before: float, after: float) -> tuple[Number, Number]:
+    return Number(f"{before:.1e}"), Number(f"{after:.1e}")
