@@ -61,7 +61,7 @@ def _evaluate(native: Native) -> dict[str, object]:
     return {
         "name": native.name,
         "coordinates": list(native.coordinates),
-        "rates": list(native.rates_of_rows),
+        "rates": list(native.velocities),
         "q": q.tolist(),
         "v": v.tolist(),
         "mass": matrix,
@@ -74,7 +74,7 @@ def _show(native: Native, result: dict[str, object]) -> str:
     matrix = result["mass"]
     force = result["force"]
     assert isinstance(matrix, list) and isinstance(force, list)
-    names = native.coordinates if native.nq == native.nv else native.rates_of_rows
+    names = native.coordinates if native.nq == native.nv else native.velocities
     width = max(len(n) for n in names)
     pattern = native.mass_pattern
     lines = [

@@ -6,13 +6,14 @@ from dataclasses import dataclass
 
 from derive.ir.kernel import Kernel
 from derive.ir.patterns import Pattern
+from derive.roles import Role
 
 
 @dataclass(frozen=True)
 class Variable:
     """A coordinate, rate, parameter or constant: its name, what it is, its unit; a parameter has a default.
 
-    With a `size` it is an array of so many values.
+    With a `size` it is an array of so many values. Coordinates have a role.
     """
 
     name: str
@@ -20,6 +21,7 @@ class Variable:
     unit: str
     default: float = 0.0
     size: int = 1
+    role: Role | None = None
 
 
 @dataclass(frozen=True)

@@ -6,14 +6,17 @@ from dataclasses import dataclass
 
 import sympy as sp
 
+from derive.roles import Role
+
 
 @dataclass(frozen=True)
 class Coordinate:
-    """A generalized coordinate: its symbol, what it is, its unit."""
+    """A generalised coordinate: its symbol, what it is, its unit, and its role."""
 
     q: sp.Symbol
     doc: str
     unit: str
+    role: Role
 
 
 @dataclass(frozen=True)

@@ -20,6 +20,7 @@ from derive.mechanics.kinematics import PHI, RDOT, R
 from derive.mechanics.motion import MASS, Motion
 from derive.mechanics.series import ALPHA, ALPHADOT, Series, family
 from derive.mechanics.spatial import AXES, PAIRS, spatial_motion, spatial_series, spatial_sums
+from derive.roles import Role
 
 Kind = Literal["full", "diagonal", "unit", "zero"]
 
@@ -187,7 +188,10 @@ def generic_equations(
         origin=origin,
         modes=modes,
         coordinates=rigid.coordinates
-        + tuple(Coordinate(sp.Symbol(f"{ALPHA}{i}"), f"amplitude of assumed shape {i}", "m") for i in numbered),
+        + tuple(
+            Coordinate(sp.Symbol(f"{ALPHA}{i}"), f"amplitude of assumed shape {i}", "m", Role.AMPLITUDE)
+            for i in numbered
+        ),
         rows=rigid.rows,
         rates=rigid.rates,
         parameters=parameters,

@@ -9,6 +9,7 @@ from derive.mechanics.integrals import definitions, sums
 from derive.mechanics.kinematics import MovingFrame, PlanarRotation
 from derive.mechanics.motion import MASS, Motion
 from derive.mechanics.virtual_work import PlanarMoments
+from derive.roles import Role
 
 
 def planar_motion(n: int) -> Motion:
@@ -40,10 +41,17 @@ def planar_motion(n: int) -> Motion:
 def _coordinates(n: int) -> tuple[Coordinate, ...]:
     """c1, c2, phi, alpha1..alphaN: (14), (23), (27)."""
     return (
-        Coordinate(sp.Symbol("c1"), "position of the origin of the floating frame along the inertial e1", "m"),
-        Coordinate(sp.Symbol("c2"), "position of the origin of the floating frame along the inertial e2", "m"),
-        Coordinate(sp.Symbol("phi"), "rotation of the floating frame", "rad"),
-        *(Coordinate(sp.Symbol(f"alpha{i}"), f"amplitude of assumed shape {i}", "m") for i in range(1, n + 1)),
+        Coordinate(
+            sp.Symbol("c1"), "position of the origin of the floating frame along the inertial e1", "m", Role.TRANSLATION
+        ),
+        Coordinate(
+            sp.Symbol("c2"), "position of the origin of the floating frame along the inertial e2", "m", Role.TRANSLATION
+        ),
+        Coordinate(sp.Symbol("phi"), "rotation of the floating frame", "rad", Role.ROTATION),
+        *(
+            Coordinate(sp.Symbol(f"alpha{i}"), f"amplitude of assumed shape {i}", "m", Role.AMPLITUDE)
+            for i in range(1, n + 1)
+        ),
     )
 
 

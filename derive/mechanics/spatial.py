@@ -18,6 +18,7 @@ from derive.mechanics.kinematics import PHI, RDDOT, RDOT, MovingFrame, R
 from derive.mechanics.motion import MASS, Motion
 from derive.mechanics.series import ALPHA, ALPHADDOT, ALPHADOT, Series, written_out
 from derive.mechanics.virtual_work import FIRST, transposed
+from derive.roles import Role
 
 Vectors = dict[str, Sequence[sp.Symbol]]
 
@@ -111,9 +112,15 @@ def spatial_motion(n: int) -> Motion:
 
 def _coordinates(alpha: tuple[sp.Symbol, ...]) -> tuple[Coordinate, ...]:
     return (
-        *(Coordinate(sp.Symbol(f"c{k}"), f"translation of the floating frame along e{k}", "m") for k in AXES),
-        *(Coordinate(sp.Symbol(f"e{k}"), "unit quaternion of the floating frame, scalar first", "1") for k in range(4)),
-        *(Coordinate(a, f"amplitude of assumed shape {i}", "m") for i, a in enumerate(alpha, 1)),
+        *(
+            Coordinate(sp.Symbol(f"c{k}"), f"translation of the floating frame along e{k}", "m", Role.TRANSLATION)
+            for k in AXES
+        ),
+        *(
+            Coordinate(sp.Symbol(f"e{k}"), "unit quaternion of the floating frame, scalar first", "1", Role.QUATERNION)
+            for k in range(4)
+        ),
+        *(Coordinate(a, f"amplitude of assumed shape {i}", "m", Role.AMPLITUDE) for i, a in enumerate(alpha, 1)),
     )
 
 

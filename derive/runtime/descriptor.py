@@ -6,6 +6,7 @@ import ctypes
 from typing import Any
 
 from derive.ir.patterns import Pattern
+from derive.roles import Role
 
 
 class VariableStruct(ctypes.Structure):
@@ -17,6 +18,7 @@ class VariableStruct(ctypes.Structure):
         ("doc", ctypes.c_char_p),
         ("value", ctypes.c_double),
         ("size", ctypes.c_int),
+        ("role", ctypes.c_int),
     ]
 
 
@@ -80,7 +82,7 @@ class SceneStruct(ctypes.Structure):
         ("constraint_jacobian", _function(_T, *[Doubles] * 3)),
         ("constraint_bias", _function(_T, *[Doubles] * 4)),
         ("solve", _function(_T, *[Doubles] * 5)),
-        ("correct", _function(_T, *[Doubles] * 4)),
+        ("project_velocity", _function(_T, *[Doubles] * 4)),
         ("poses", _function(_T, *[Doubles] * 3)),
     ]
 
@@ -122,6 +124,11 @@ def names_of(variables: Any, count: int) -> tuple[str, ...]:
         name, size = variables[i].name.decode(), variables[i].size
         found += [name] if size == 1 else [f"{name}{k}" for k in range(1, size + 1)]
     return tuple(found)
+
+
+def roles_of(variables: Any, count: int) -> tuple[Role, ...]:
+    """Roles of coordinates, one for each element of an array. Raises ValueError for a variable without a role."""
+    return tuple(Role(variables[i].role) for i in range(count) for _ in range(variables[i].size))
 
 
 def pattern_of(p: PatternStruct) -> Pattern:

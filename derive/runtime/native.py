@@ -16,7 +16,7 @@ from derive.backends.c.source import ABI
 from derive.errors import TisserandError
 from derive.ir.patterns import Pattern
 from derive.runtime.compiler import FLAGS, CompilerError, compile_shared
-from derive.runtime.descriptor import DaeStruct, Doubles, ModelStruct, names_of, pattern_of
+from derive.runtime.descriptor import DaeStruct, Doubles, ModelStruct, names_of, pattern_of, roles_of
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
@@ -68,7 +68,8 @@ class Native:
         self.nq, self.nv, self.np, self.nk, self.nlambda = m.nq, m.nv, m.np, m.nk, m.nlambda
         self.parameters = names_of(m.p, m.variables_p)
         self.coordinates = names_of(m.q, m.variables_q)
-        self.rates_of_rows = names_of(m.v, m.variables_v)
+        self.roles = roles_of(m.q, m.variables_q)
+        self.velocities = names_of(m.v, m.variables_v)
         self.defaults = np.empty(m.np)
         m.defaults(self.defaults.ctypes.data_as(Doubles))
         self.mass_pattern = pattern_of(m.mass_pattern.contents)
@@ -250,9 +251,9 @@ class NativeScene(Native):
         _invoke(f"{self.name}_solve", self._scene.solve, [t, *self._state(q, v, k)], [vdot, multipliers])
         return vdot, multipliers
 
-    def correct(self, t: float, q: ArrayLike, k: ArrayLike, r: ArrayLike) -> Vector:
+    def project_velocity(self, t: float, q: ArrayLike, k: ArrayLike, r: ArrayLike) -> Vector:
         """The smallest change dv of the rates, measured by dv . M dv, with G dv = r."""
-        return self._ask("correct", [t, (self.nq, q), (self.nk, k), (self.nlambda, r)], self.nv)
+        return self._ask("project_velocity", [t, (self.nq, q), (self.nk, k), (self.nlambda, r)], self.nv)
 
     def poses(self, t: float, q: ArrayLike, k: ArrayLike) -> Matrix:
         """c1, c2 and phi of each body, (bodies, 3)."""

@@ -43,7 +43,7 @@ class Mechanism(Protocol):
     def constraint_jacobian(self, t: float, q: Vector, k: Vector) -> Vector:
         """Values of G."""
 
-    def correct(self, t: float, q: Vector, k: Vector, r: Vector) -> Vector:
+    def project_velocity(self, t: float, q: Vector, k: Vector, r: Vector) -> Vector:
         """The smallest change of v, in the metric of M, with G dv = r."""
 
 

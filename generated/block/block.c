@@ -2794,7 +2794,7 @@ int block_jacobian(
 /* ---- batches: each state b of a block as the functions above have it ---- */
 
 /* The rows of a block that is not full: its last state is repeated. */
-static const double *block_block32_fill(ptrdiff_t all, int count, int rows, const double *from, double *to)
+static const double *block_block32_pad(ptrdiff_t all, int count, int rows, const double *from, double *to)
 {
     for (int e = 0; e < rows; e++)
         for (int b = 0; b < 32; b++) to[e * 32 + b] = from[e * all + (b < count ? b : count - 1)];
@@ -2802,7 +2802,7 @@ static const double *block_block32_fill(ptrdiff_t all, int count, int rows, cons
 }
 
 /* The rows of a block to their places among those of all states. */
-static inline void block_block32_put(
+static inline void block_block32_scatter(
     ptrdiff_t all, int count, int rows, double (*TISSERAND_RESTRICT from)[32], double *TISSERAND_RESTRICT to)
 {
     for (int e = 0; e < rows; e++) {
@@ -2818,7 +2818,7 @@ static inline void block_block32_put(
 }
 
 /* NaN for the states that fail, and the code of the first of them. */
-static int block_block_refuse(ptrdiff_t all, int count, int rows, const double *codes, double *to)
+static int block_block_fail(ptrdiff_t all, int count, int rows, const double *codes, double *to)
 {
     int code = 0;
     for (int b = 0; b < count; b++) {
@@ -2843,7 +2843,7 @@ int block_mass_batch(
     for (int left = n; left > 0; left -= 32) {
         const int count = left < 32 ? left : 32;
         const ptrdiff_t stride = count < 32 ? 32 : all;
-        const double *q_block = count < 32 ? block_block32_fill(all, count, 15, q, q_tail) : q;
+        const double *q_block = count < 32 ? block_block32_pad(all, count, 15, q, q_tail) : q;
         for (int b = 0; b < 32; b++) {
             const double alpha1 = q_block[7 * stride + b];
             const double alpha2 = q_block[8 * stride + b];
@@ -2970,7 +2970,7 @@ int block_mass_batch(
             M_block[35][b] = 1.0;
             M_block[36][b] = 1.0;
         }
-        block_block32_put(all, count, 37, M_block, M);
+        block_block32_scatter(all, count, 37, M_block, M);
         q += count;
         M += count;
     }
@@ -2994,8 +2994,8 @@ int block_force_batch(
     for (int left = n; left > 0; left -= 32) {
         const int count = left < 32 ? left : 32;
         const ptrdiff_t stride = count < 32 ? 32 : all;
-        const double *q_block = count < 32 ? block_block32_fill(all, count, 15, q, q_tail) : q;
-        const double *v_block = count < 32 ? block_block32_fill(all, count, 14, v, v_tail) : v;
+        const double *q_block = count < 32 ? block_block32_pad(all, count, 15, q, q_tail) : q;
+        const double *v_block = count < 32 ? block_block32_pad(all, count, 14, v, v_tail) : v;
         for (int b = 0; b < 32; b++) {
             const double alpha1 = q_block[7 * stride + b];
             const double alpha2 = q_block[8 * stride + b];
@@ -3160,7 +3160,7 @@ int block_force_batch(
             h_block[13][b] = 2561832557.220976 * alpha8 - S_8_11 * oo_11 - 2.0 * S_8_12 * oo_12
                 - S_8_22 * oo_22 - 2.0 * S_8_23 * oo_23 - S_8_33 * oo_33 + t10 * t3 + t12 * t9;
         }
-        block_block32_put(all, count, 14, h_block, h);
+        block_block32_scatter(all, count, 14, h_block, h);
         q += count;
         v += count;
         h += count;
@@ -3187,8 +3187,8 @@ int block_accel_batch(
     for (int left = n; left > 0; left -= 32) {
         const int count = left < 32 ? left : 32;
         const ptrdiff_t stride = count < 32 ? 32 : all;
-        const double *q_block = count < 32 ? block_block32_fill(all, count, 15, q, q_tail) : q;
-        const double *v_block = count < 32 ? block_block32_fill(all, count, 14, v, v_tail) : v;
+        const double *q_block = count < 32 ? block_block32_pad(all, count, 15, q, q_tail) : q;
+        const double *v_block = count < 32 ? block_block32_pad(all, count, 14, v, v_tail) : v;
         for (int b = 0; b < 32; b++) {
             const double alpha1 = q_block[7 * stride + b];
             const double alpha2 = q_block[8 * stride + b];
@@ -3448,8 +3448,8 @@ int block_accel_batch(
                 - 5.684341886080802e-14 * J_11 > 0.0 ? code_b : 1.0; /* the pivot of pi1 vanished */
             codes[b] = code_b;
         }
-        block_block32_put(all, count, 14, vdot_block, vdot);
-        const int failed = block_block_refuse(all, count, 14, codes, vdot);
+        block_block32_scatter(all, count, 14, vdot_block, vdot);
+        const int failed = block_block_fail(all, count, 14, codes, vdot);
         if (code == 0) code = failed;
         q += count;
         v += count;
@@ -3560,38 +3560,38 @@ const tisserand_pattern *block_pattern_marker_end(void)
 /* ---- the descriptor ---- */
 
 static const tisserand_variable block_table_q[] = {
-    {"c1", "m", "translation of the floating frame along e1", 0.0, 1},
-    {"c2", "m", "translation of the floating frame along e2", 0.0, 1},
-    {"c3", "m", "translation of the floating frame along e3", 0.0, 1},
-    {"e0", "1", "unit quaternion of the floating frame, scalar first", 0.0, 1},
-    {"e1", "1", "unit quaternion of the floating frame, scalar first", 0.0, 1},
-    {"e2", "1", "unit quaternion of the floating frame, scalar first", 0.0, 1},
-    {"e3", "1", "unit quaternion of the floating frame, scalar first", 0.0, 1},
-    {"alpha1", "m", "amplitude of assumed shape 1", 0.0, 1},
-    {"alpha2", "m", "amplitude of assumed shape 2", 0.0, 1},
-    {"alpha3", "m", "amplitude of assumed shape 3", 0.0, 1},
-    {"alpha4", "m", "amplitude of assumed shape 4", 0.0, 1},
-    {"alpha5", "m", "amplitude of assumed shape 5", 0.0, 1},
-    {"alpha6", "m", "amplitude of assumed shape 6", 0.0, 1},
-    {"alpha7", "m", "amplitude of assumed shape 7", 0.0, 1},
-    {"alpha8", "m", "amplitude of assumed shape 8", 0.0, 1},
+    {"c1", "m", "translation of the floating frame along e1", 0.0, 1, TISSERAND_ROLE_TRANSLATION},
+    {"c2", "m", "translation of the floating frame along e2", 0.0, 1, TISSERAND_ROLE_TRANSLATION},
+    {"c3", "m", "translation of the floating frame along e3", 0.0, 1, TISSERAND_ROLE_TRANSLATION},
+    {"e0", "1", "unit quaternion of the floating frame, scalar first", 0.0, 1, TISSERAND_ROLE_QUATERNION},
+    {"e1", "1", "unit quaternion of the floating frame, scalar first", 0.0, 1, TISSERAND_ROLE_QUATERNION},
+    {"e2", "1", "unit quaternion of the floating frame, scalar first", 0.0, 1, TISSERAND_ROLE_QUATERNION},
+    {"e3", "1", "unit quaternion of the floating frame, scalar first", 0.0, 1, TISSERAND_ROLE_QUATERNION},
+    {"alpha1", "m", "amplitude of assumed shape 1", 0.0, 1, TISSERAND_ROLE_AMPLITUDE},
+    {"alpha2", "m", "amplitude of assumed shape 2", 0.0, 1, TISSERAND_ROLE_AMPLITUDE},
+    {"alpha3", "m", "amplitude of assumed shape 3", 0.0, 1, TISSERAND_ROLE_AMPLITUDE},
+    {"alpha4", "m", "amplitude of assumed shape 4", 0.0, 1, TISSERAND_ROLE_AMPLITUDE},
+    {"alpha5", "m", "amplitude of assumed shape 5", 0.0, 1, TISSERAND_ROLE_AMPLITUDE},
+    {"alpha6", "m", "amplitude of assumed shape 6", 0.0, 1, TISSERAND_ROLE_AMPLITUDE},
+    {"alpha7", "m", "amplitude of assumed shape 7", 0.0, 1, TISSERAND_ROLE_AMPLITUDE},
+    {"alpha8", "m", "amplitude of assumed shape 8", 0.0, 1, TISSERAND_ROLE_AMPLITUDE},
 };
 
 static const tisserand_variable block_table_v[] = {
-    {"c1dot", "m/s", "rate of c1", 0.0, 1},
-    {"c2dot", "m/s", "rate of c2", 0.0, 1},
-    {"c3dot", "m/s", "rate of c3", 0.0, 1},
-    {"omega1", "rad/s", "angular velocity about the body axis 1", 0.0, 1},
-    {"omega2", "rad/s", "angular velocity about the body axis 2", 0.0, 1},
-    {"omega3", "rad/s", "angular velocity about the body axis 3", 0.0, 1},
-    {"alpha1dot", "m/s", "rate of alpha1", 0.0, 1},
-    {"alpha2dot", "m/s", "rate of alpha2", 0.0, 1},
-    {"alpha3dot", "m/s", "rate of alpha3", 0.0, 1},
-    {"alpha4dot", "m/s", "rate of alpha4", 0.0, 1},
-    {"alpha5dot", "m/s", "rate of alpha5", 0.0, 1},
-    {"alpha6dot", "m/s", "rate of alpha6", 0.0, 1},
-    {"alpha7dot", "m/s", "rate of alpha7", 0.0, 1},
-    {"alpha8dot", "m/s", "rate of alpha8", 0.0, 1},
+    {"c1dot", "m/s", "rate of c1", 0.0, 1, 0},
+    {"c2dot", "m/s", "rate of c2", 0.0, 1, 0},
+    {"c3dot", "m/s", "rate of c3", 0.0, 1, 0},
+    {"omega1", "rad/s", "angular velocity about the body axis 1", 0.0, 1, 0},
+    {"omega2", "rad/s", "angular velocity about the body axis 2", 0.0, 1, 0},
+    {"omega3", "rad/s", "angular velocity about the body axis 3", 0.0, 1, 0},
+    {"alpha1dot", "m/s", "rate of alpha1", 0.0, 1, 0},
+    {"alpha2dot", "m/s", "rate of alpha2", 0.0, 1, 0},
+    {"alpha3dot", "m/s", "rate of alpha3", 0.0, 1, 0},
+    {"alpha4dot", "m/s", "rate of alpha4", 0.0, 1, 0},
+    {"alpha5dot", "m/s", "rate of alpha5", 0.0, 1, 0},
+    {"alpha6dot", "m/s", "rate of alpha6", 0.0, 1, 0},
+    {"alpha7dot", "m/s", "rate of alpha7", 0.0, 1, 0},
+    {"alpha8dot", "m/s", "rate of alpha8", 0.0, 1, 0},
 };
 
 static const tisserand_marker block_table_markers[] = {
@@ -3604,7 +3604,7 @@ static const tisserand_marker block_table_markers[] = {
 };
 
 static const tisserand_model block_descriptor = {
-    3,
+    4,
     "block",
     BLOCK_NQ,
     BLOCK_NV,

@@ -190,7 +190,7 @@ COORDINATES = (
     "c1", "c2", "c3", "e0", "e1", "e2", "e3", "alpha1", "alpha2", "alpha3", "alpha4", "alpha5",
     "alpha6", "alpha7", "alpha8",
 )
-RATES = (
+VELOCITIES = (
     "c1dot", "c2dot", "c3dot", "omega1", "omega2", "omega3", "alpha1dot", "alpha2dot",
     "alpha3dot", "alpha4dot", "alpha5dot", "alpha6dot", "alpha7dot", "alpha8dot",
 )
@@ -274,11 +274,11 @@ def dense(pattern, values):
     values = numpy.asarray(values)
     matrix = numpy.zeros((*values.shape[:-1], pattern.rows, pattern.cols), values.dtype)
     for j in range(pattern.cols):
-        for place in range(pattern.colptr[j], pattern.colptr[j + 1]):
-            i = pattern.rowidx[place]
-            matrix[..., i, j] = values[..., place]
+        for position in range(pattern.colptr[j], pattern.colptr[j + 1]):
+            i = pattern.rowidx[position]
+            matrix[..., i, j] = values[..., position]
             if pattern.symmetric:
-                matrix[..., j, i] = values[..., place]
+                matrix[..., j, i] = values[..., position]
     return matrix
 
 

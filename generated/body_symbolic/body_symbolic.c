@@ -1631,7 +1631,7 @@ int body_symbolic_jacobian(
 /* ---- batches: each state b of a block as the functions above have it ---- */
 
 /* The rows of a block that is not full: its last state is repeated. */
-static const double *body_symbolic_block32_fill(ptrdiff_t all, int count, int rows, const double *from, double *to)
+static const double *body_symbolic_block32_pad(ptrdiff_t all, int count, int rows, const double *from, double *to)
 {
     for (int e = 0; e < rows; e++)
         for (int b = 0; b < 32; b++) to[e * 32 + b] = from[e * all + (b < count ? b : count - 1)];
@@ -1639,7 +1639,7 @@ static const double *body_symbolic_block32_fill(ptrdiff_t all, int count, int ro
 }
 
 /* The rows of a block to their places among those of all states. */
-static inline void body_symbolic_block32_put(
+static inline void body_symbolic_block32_scatter(
     ptrdiff_t all, int count, int rows, double (*TISSERAND_RESTRICT from)[32], double *TISSERAND_RESTRICT to)
 {
     for (int e = 0; e < rows; e++) {
@@ -1655,7 +1655,7 @@ static inline void body_symbolic_block32_put(
 }
 
 /* Rows of all states to those of a block; where that is not full, its last state is repeated. */
-static inline void body_symbolic_block32_take(
+static inline void body_symbolic_block32_gather(
     ptrdiff_t all, int count, int rows, const double *TISSERAND_RESTRICT from, double (*TISSERAND_RESTRICT to)[32])
 {
     for (int e = 0; e < rows; e++) {
@@ -1688,7 +1688,7 @@ static inline void body_symbolic_block32_rows(
 }
 
 /* NaN for the states that fail, and the code of the first of them. */
-static int body_symbolic_block_refuse(ptrdiff_t all, int count, int rows, const double *codes, double *to)
+static int body_symbolic_block_fail(ptrdiff_t all, int count, int rows, const double *codes, double *to)
 {
     int code = 0;
     for (int b = 0; b < count; b++) {
@@ -1726,7 +1726,7 @@ int body_symbolic_mass_batch(
 
     for (int left = n; left > 0; left -= 32) {
         const int count = left < 32 ? left : 32;
-        body_symbolic_block32_take(all, count, 8, q + 7 * all, alpha);
+        body_symbolic_block32_gather(all, count, 8, q + 7 * all, alpha);
         for (int i = 0; i < 8; i++) {
             for (int b = 0; b < 32; b++) {
                 minus_alpha[i][b] = -alpha[i][b];
@@ -1799,14 +1799,14 @@ int body_symbolic_mass_batch(
                 rows[2][b] = d3_3[i][b];
                 rows[3][b] = 1.0;
             }
-            body_symbolic_block32_put(all, count, 1, rows, M + (6 + i) * all);
-            body_symbolic_block32_put(all, count, 1, rows + 1, M + (16 + i) * all);
-            body_symbolic_block32_put(all, count, 1, rows + 2, M + (25 + i) * all);
-            body_symbolic_block32_put(all, count, 1, rows + 3, M + (33 + i) * all);
+            body_symbolic_block32_scatter(all, count, 1, rows, M + (6 + i) * all);
+            body_symbolic_block32_scatter(all, count, 1, rows + 1, M + (16 + i) * all);
+            body_symbolic_block32_scatter(all, count, 1, rows + 2, M + (25 + i) * all);
+            body_symbolic_block32_scatter(all, count, 1, rows + 3, M + (33 + i) * all);
         }
-        body_symbolic_block32_put(all, count, 6, M_block, M);
-        body_symbolic_block32_put(all, count, 2, M_block + 6, M + 14 * all);
-        body_symbolic_block32_put(all, count, 1, M_block + 8, M + 24 * all);
+        body_symbolic_block32_scatter(all, count, 6, M_block, M);
+        body_symbolic_block32_scatter(all, count, 2, M_block + 6, M + 14 * all);
+        body_symbolic_block32_scatter(all, count, 1, M_block + 8, M + 24 * all);
         q += count;
         M += count;
     }
@@ -1846,9 +1846,9 @@ int body_symbolic_force_batch(
     for (int left = n; left > 0; left -= 32) {
         const int count = left < 32 ? left : 32;
         const ptrdiff_t stride = count < 32 ? 32 : all;
-        const double *v_block = count < 32 ? body_symbolic_block32_fill(all, count, 6, v, v_tail) : v;
-        body_symbolic_block32_take(all, count, 8, q + 7 * all, alpha);
-        body_symbolic_block32_take(all, count, 8, v + 6 * all, alphadot);
+        const double *v_block = count < 32 ? body_symbolic_block32_pad(all, count, 6, v, v_tail) : v;
+        body_symbolic_block32_gather(all, count, 8, q + 7 * all, alpha);
+        body_symbolic_block32_gather(all, count, 8, v + 6 * all, alphadot);
         for (int i = 0; i < 8; i += 4) {
             for (int r = i; r < i + 4; r++) {
                 for (int b = 0; b < 32; b++) {
@@ -1954,9 +1954,9 @@ int body_symbolic_force_batch(
                     - f5[b] * S_13[i][b] - oo_22[b] * S_22[i][b] - f6[b] * S_23[i][b] - oo_33[b] * S_33[i][b]
                     - f7[b] * c7dot_1[i][b] - f8[b] * c7dot_2[i][b] - f9[b] * c7dot_3[i][b];
             }
-            body_symbolic_block32_put(all, count, 1, rows, h + (6 + i) * all);
+            body_symbolic_block32_scatter(all, count, 1, rows, h + (6 + i) * all);
         }
-        body_symbolic_block32_put(all, count, 6, h_block, h);
+        body_symbolic_block32_scatter(all, count, 6, h_block, h);
         q += count;
         v += count;
         h += count;
@@ -2004,9 +2004,9 @@ int body_symbolic_accel_batch(
     for (int left = n; left > 0; left -= 32) {
         const int count = left < 32 ? left : 32;
         const ptrdiff_t stride = count < 32 ? 32 : all;
-        const double *v_block = count < 32 ? body_symbolic_block32_fill(all, count, 6, v, v_tail) : v;
-        body_symbolic_block32_take(all, count, 8, q + 7 * all, alpha);
-        body_symbolic_block32_take(all, count, 8, v + 6 * all, alphadot);
+        const double *v_block = count < 32 ? body_symbolic_block32_pad(all, count, 6, v, v_tail) : v;
+        body_symbolic_block32_gather(all, count, 8, q + 7 * all, alpha);
+        body_symbolic_block32_gather(all, count, 8, v + 6 * all, alphadot);
         for (int i = 0; i < 8; i++) {
             for (int b = 0; b < 32; b++) {
                 minus_alpha[i][b] = -alpha[i][b];
@@ -2215,7 +2215,7 @@ int body_symbolic_accel_batch(
             for (int b = 0; b < 32; b++) {
                 rows[0][b] = x[i][b];
             }
-            body_symbolic_block32_put(all, count, 1, rows, vdot + (6 + i) * all);
+            body_symbolic_block32_scatter(all, count, 1, rows, vdot + (6 + i) * all);
         }
         for (int i = 0; i < 4; i++) {
             for (int b = 0; b < 32; b++) {
@@ -2236,8 +2236,8 @@ int body_symbolic_accel_batch(
             code_b = finite - finite == 0.0 ? code_b : 2.0; /* an acceleration is not finite */
             codes[b] = codes[b] > 0.0 ? codes[b] : code_b;
         }
-        body_symbolic_block32_put(all, count, 6, vdot_block, vdot);
-        const int failed = body_symbolic_block_refuse(all, count, 14, codes, vdot);
+        body_symbolic_block32_scatter(all, count, 6, vdot_block, vdot);
+        const int failed = body_symbolic_block_fail(all, count, 14, codes, vdot);
         if (code == 0) code = failed;
         q += count;
         v += count;
@@ -2248,14 +2248,14 @@ int body_symbolic_accel_batch(
 
 int body_symbolic_defaults(double *p)
 {
-    static const int places[] = {
+    static const int indices[] = {
         0, 1, 4, 6, 355, 356, 357, 358, 359, 360, 361, 362
     };
     static const double values[] = {
         1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0
     };
     for (int i = 0; i < 363; i++) p[i] = 0.0;
-    for (int i = 0; i < 12; i++) p[places[i]] = values[i];
+    for (int i = 0; i < 12; i++) p[indices[i]] = values[i];
     return 0;
 }
 
@@ -2434,55 +2434,55 @@ const tisserand_pattern *body_symbolic_pattern_jacobian(void)
 /* ---- the descriptor ---- */
 
 static const tisserand_variable body_symbolic_table_p[] = {
-    {"m", "kg", "mass of the body", 1.0, 1},
-    {"C3", "kg m^2", "int rho ((X . X) I - X X), components 11 12 13 22 23 33 together", 0.0, 6},
-    {"C4", "kg m", "symmetric part of int rho ((Phi_i . X) I - Phi_i X), for each i, components 11 12 13 22 23 33 together", 0.0, 48},
-    {"C5", "kg", "symmetric part of int rho ((Phi_i . Phi_j) I - Phi_i Phi_j), for i <= j by rows, components 11 12 13 22 23 33 together", 0.0, 216},
-    {"c7", "kg", "int rho Phi_i x Phi_j, for i < j by rows, components 1 2 3 together", 0.0, 84},
-    {"K", "N/m", "stiffness, for each i", 0.0, 8},
+    {"m", "kg", "mass of the body", 1.0, 1, 0},
+    {"C3", "kg m^2", "int rho ((X . X) I - X X), components 11 12 13 22 23 33 together", 0.0, 6, 0},
+    {"C4", "kg m", "symmetric part of int rho ((Phi_i . X) I - Phi_i X), for each i, components 11 12 13 22 23 33 together", 0.0, 48, 0},
+    {"C5", "kg", "symmetric part of int rho ((Phi_i . Phi_j) I - Phi_i Phi_j), for i <= j by rows, components 11 12 13 22 23 33 together", 0.0, 216, 0},
+    {"c7", "kg", "int rho Phi_i x Phi_j, for i < j by rows, components 1 2 3 together", 0.0, 84, 0},
+    {"K", "N/m", "stiffness, for each i", 0.0, 8, 0},
 };
 
 static const tisserand_variable body_symbolic_table_k[] = {
-    {"tables", "", "C5_11, C5_12, C5_13, C5_22, C5_23, C5_33, c7_1, c7_2, c7_3", 0.0, 576},
-    {"C4_11", "kg m", "symmetric part of int rho ((Phi_i . X) I - Phi_i X)", 0.0, 8},
-    {"C4_12", "kg m", "symmetric part of int rho ((Phi_i . X) I - Phi_i X)", 0.0, 8},
-    {"C4_13", "kg m", "symmetric part of int rho ((Phi_i . X) I - Phi_i X)", 0.0, 8},
-    {"C4_22", "kg m", "symmetric part of int rho ((Phi_i . X) I - Phi_i X)", 0.0, 8},
-    {"C4_23", "kg m", "symmetric part of int rho ((Phi_i . X) I - Phi_i X)", 0.0, 8},
-    {"C4_33", "kg m", "symmetric part of int rho ((Phi_i . X) I - Phi_i X)", 0.0, 8},
-    {"K", "N/m", "stiffness", 0.0, 8},
-    {"mass", "kg", "mass of the body", 0.0, 1},
-    {"C3_11", "kg m^2", "int rho ((X . X) I - X X)", 0.0, 1},
-    {"C3_12", "kg m^2", "int rho ((X . X) I - X X)", 0.0, 1},
-    {"C3_13", "kg m^2", "int rho ((X . X) I - X X)", 0.0, 1},
-    {"C3_22", "kg m^2", "int rho ((X . X) I - X X)", 0.0, 1},
-    {"C3_23", "kg m^2", "int rho ((X . X) I - X X)", 0.0, 1},
-    {"C3_33", "kg m^2", "int rho ((X . X) I - X X)", 0.0, 1},
+    {"tables", "", "C5_11, C5_12, C5_13, C5_22, C5_23, C5_33, c7_1, c7_2, c7_3", 0.0, 576, 0},
+    {"C4_11", "kg m", "symmetric part of int rho ((Phi_i . X) I - Phi_i X)", 0.0, 8, 0},
+    {"C4_12", "kg m", "symmetric part of int rho ((Phi_i . X) I - Phi_i X)", 0.0, 8, 0},
+    {"C4_13", "kg m", "symmetric part of int rho ((Phi_i . X) I - Phi_i X)", 0.0, 8, 0},
+    {"C4_22", "kg m", "symmetric part of int rho ((Phi_i . X) I - Phi_i X)", 0.0, 8, 0},
+    {"C4_23", "kg m", "symmetric part of int rho ((Phi_i . X) I - Phi_i X)", 0.0, 8, 0},
+    {"C4_33", "kg m", "symmetric part of int rho ((Phi_i . X) I - Phi_i X)", 0.0, 8, 0},
+    {"K", "N/m", "stiffness", 0.0, 8, 0},
+    {"mass", "kg", "mass of the body", 0.0, 1, 0},
+    {"C3_11", "kg m^2", "int rho ((X . X) I - X X)", 0.0, 1, 0},
+    {"C3_12", "kg m^2", "int rho ((X . X) I - X X)", 0.0, 1, 0},
+    {"C3_13", "kg m^2", "int rho ((X . X) I - X X)", 0.0, 1, 0},
+    {"C3_22", "kg m^2", "int rho ((X . X) I - X X)", 0.0, 1, 0},
+    {"C3_23", "kg m^2", "int rho ((X . X) I - X X)", 0.0, 1, 0},
+    {"C3_33", "kg m^2", "int rho ((X . X) I - X X)", 0.0, 1, 0},
 };
 
 static const tisserand_variable body_symbolic_table_q[] = {
-    {"c1", "m", "translation of the floating frame along e1", 0.0, 1},
-    {"c2", "m", "translation of the floating frame along e2", 0.0, 1},
-    {"c3", "m", "translation of the floating frame along e3", 0.0, 1},
-    {"e0", "1", "unit quaternion of the floating frame, scalar first", 0.0, 1},
-    {"e1", "1", "unit quaternion of the floating frame, scalar first", 0.0, 1},
-    {"e2", "1", "unit quaternion of the floating frame, scalar first", 0.0, 1},
-    {"e3", "1", "unit quaternion of the floating frame, scalar first", 0.0, 1},
-    {"alpha", "m", "amplitudes of the assumed shapes", 0.0, 8},
+    {"c1", "m", "translation of the floating frame along e1", 0.0, 1, TISSERAND_ROLE_TRANSLATION},
+    {"c2", "m", "translation of the floating frame along e2", 0.0, 1, TISSERAND_ROLE_TRANSLATION},
+    {"c3", "m", "translation of the floating frame along e3", 0.0, 1, TISSERAND_ROLE_TRANSLATION},
+    {"e0", "1", "unit quaternion of the floating frame, scalar first", 0.0, 1, TISSERAND_ROLE_QUATERNION},
+    {"e1", "1", "unit quaternion of the floating frame, scalar first", 0.0, 1, TISSERAND_ROLE_QUATERNION},
+    {"e2", "1", "unit quaternion of the floating frame, scalar first", 0.0, 1, TISSERAND_ROLE_QUATERNION},
+    {"e3", "1", "unit quaternion of the floating frame, scalar first", 0.0, 1, TISSERAND_ROLE_QUATERNION},
+    {"alpha", "m", "amplitudes of the assumed shapes", 0.0, 8, TISSERAND_ROLE_AMPLITUDE},
 };
 
 static const tisserand_variable body_symbolic_table_v[] = {
-    {"c1dot", "m/s", "rate of c1", 0.0, 1},
-    {"c2dot", "m/s", "rate of c2", 0.0, 1},
-    {"c3dot", "m/s", "rate of c3", 0.0, 1},
-    {"omega1", "rad/s", "angular velocity about the body axis 1", 0.0, 1},
-    {"omega2", "rad/s", "angular velocity about the body axis 2", 0.0, 1},
-    {"omega3", "rad/s", "angular velocity about the body axis 3", 0.0, 1},
-    {"alphadot", "m/s", "rates of alpha", 0.0, 8},
+    {"c1dot", "m/s", "rate of c1", 0.0, 1, 0},
+    {"c2dot", "m/s", "rate of c2", 0.0, 1, 0},
+    {"c3dot", "m/s", "rate of c3", 0.0, 1, 0},
+    {"omega1", "rad/s", "angular velocity about the body axis 1", 0.0, 1, 0},
+    {"omega2", "rad/s", "angular velocity about the body axis 2", 0.0, 1, 0},
+    {"omega3", "rad/s", "angular velocity about the body axis 3", 0.0, 1, 0},
+    {"alphadot", "m/s", "rates of alpha", 0.0, 8, 0},
 };
 
 static const tisserand_model body_symbolic_descriptor = {
-    3,
+    4,
     "body_symbolic",
     BODY_SYMBOLIC_NQ,
     BODY_SYMBOLIC_NV,

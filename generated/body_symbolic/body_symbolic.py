@@ -125,7 +125,7 @@ COORDINATES = (
     "c1", "c2", "c3", "e0", "e1", "e2", "e3", "alpha1", "alpha2", "alpha3", "alpha4", "alpha5",
     "alpha6", "alpha7", "alpha8",
 )
-RATES = (
+VELOCITIES = (
     "c1dot", "c2dot", "c3dot", "omega1", "omega2", "omega3", "alphadot1", "alphadot2",
     "alphadot3", "alphadot4", "alphadot5", "alphadot6", "alphadot7", "alphadot8",
 )
@@ -184,11 +184,11 @@ def dense(pattern, values):
     values = numpy.asarray(values)
     matrix = numpy.zeros((*values.shape[:-1], pattern.rows, pattern.cols), values.dtype)
     for j in range(pattern.cols):
-        for place in range(pattern.colptr[j], pattern.colptr[j + 1]):
-            i = pattern.rowidx[place]
-            matrix[..., i, j] = values[..., place]
+        for position in range(pattern.colptr[j], pattern.colptr[j + 1]):
+            i = pattern.rowidx[position]
+            matrix[..., i, j] = values[..., position]
             if pattern.symmetric:
-                matrix[..., j, i] = values[..., place]
+                matrix[..., j, i] = values[..., position]
     return matrix
 
 
@@ -1450,10 +1450,10 @@ def _last(value):
     return value if isinstance(value, (int, float)) else value[..., None]
 
 
-def _table(tables, many, place, count):
+def _table(tables, number, index, count):
     """A packed table as a matrix (..., j, i): panels of 4 columns hold the tables one after the other."""
     size = -(-count // 4) * 4
-    panels = tables.reshape((*tables.shape[:-1], size // 4, many, 4, size))[..., place, :, :]
+    panels = tables.reshape((*tables.shape[:-1], size // 4, number, 4, size))[..., index, :, :]
     return panels.reshape((*tables.shape[:-1], size, size))[..., :count, :count]
 
 
@@ -1464,34 +1464,34 @@ def _product(xp, vector, matrix):
 
 def _pairs(count, parity):
     """Where the entries (i, j), by rows, lie among those for i <= j (i < j if odd), and their signs."""
-    places, signs = [], []
+    positions, signs = [], []
     for i in range(count):
         for j in range(count):
             low, high = min(i, j), max(i, j)
             if parity > 0:
-                places.append(low * count - low * (low - 1) // 2 + high - low)
+                positions.append(low * count - low * (low - 1) // 2 + high - low)
                 signs.append(1.0)
             else:
-                places.append(low * (count - 1) - low * (low - 1) // 2 + high - low - 1 if i != j else 0)
+                positions.append(low * (count - 1) - low * (low - 1) // 2 + high - low - 1 if i != j else 0)
                 signs.append(float(i < j) - float(i > j))
-    return places, signs
+    return positions, signs
 
 
-def _square(xp, given, count):
+def _square(xp, values, count):
     """A symmetric matrix (..., i, j) of its entries for i <= j."""
-    places, _ = _pairs(count, 1)
-    return xp.asarray(given[..., places]).reshape((*given.shape[:-1], count, count))
+    positions, _ = _pairs(count, 1)
+    return xp.asarray(values[..., positions]).reshape((*values.shape[:-1], count, count))
 
 
-def _pack(xp, k, given, pairs, many, place, count, parity):
+def _pack(xp, k, values, pairs, number, index, count, parity):
     """Write one table into the packed ones; columns j, in them rows i."""
-    places, signs = pairs
-    if given.shape[-1] == 0:
+    positions, signs = pairs
+    if values.shape[-1] == 0:
         return
-    matrix = (given[..., places] * xp.asarray(signs)).reshape((*given.shape[:-1], count, count))
+    matrix = (values[..., positions] * xp.asarray(signs)).reshape((*values.shape[:-1], count, count))
     size = -(-count // 4) * 4
     for j in range(count):
-        first = ((j // 4 * many + place) * 4 + j % 4) * size
+        first = ((j // 4 * number + index) * 4 + j % 4) * size
         k[..., first : first + count] = matrix[..., :, j]
 
 

@@ -2412,7 +2412,7 @@ int crank_slider_3_solve(
     return 0;
 }
 
-int crank_slider_3_correct(
+int crank_slider_3_project_velocity(
     double t,
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT k,
@@ -5412,7 +5412,7 @@ int crank_slider_3_jacobian_index1(
 /* ---- batches: each state b of a block as the functions above have it ---- */
 
 /* The rows of a block that is not full: its last state is repeated. */
-static const double *crank_slider_3_block32_fill(ptrdiff_t all, int count, int rows, const double *from, double *to)
+static const double *crank_slider_3_block32_pad(ptrdiff_t all, int count, int rows, const double *from, double *to)
 {
     for (int e = 0; e < rows; e++)
         for (int b = 0; b < 32; b++) to[e * 32 + b] = from[e * all + (b < count ? b : count - 1)];
@@ -5420,7 +5420,7 @@ static const double *crank_slider_3_block32_fill(ptrdiff_t all, int count, int r
 }
 
 /* The rows of a block to their places among those of all states. */
-static inline void crank_slider_3_block32_put(
+static inline void crank_slider_3_block32_scatter(
     ptrdiff_t all, int count, int rows, double (*TISSERAND_RESTRICT from)[32], double *TISSERAND_RESTRICT to)
 {
     for (int e = 0; e < rows; e++) {
@@ -5436,7 +5436,7 @@ static inline void crank_slider_3_block32_put(
 }
 
 /* NaN for the states that fail, and the code of the first of them. */
-static int crank_slider_3_block_refuse(ptrdiff_t all, int count, int rows, const double *codes, double *to)
+static int crank_slider_3_block_fail(ptrdiff_t all, int count, int rows, const double *codes, double *to)
 {
     int code = 0;
     for (int b = 0; b < count; b++) {
@@ -5461,7 +5461,7 @@ int crank_slider_3_mass_batch(
     for (int left = n; left > 0; left -= 32) {
         const int count = left < 32 ? left : 32;
         const ptrdiff_t stride = count < 32 ? 32 : all;
-        const double *q_block = count < 32 ? crank_slider_3_block32_fill(all, count, 16, q, q_tail) : q;
+        const double *q_block = count < 32 ? crank_slider_3_block32_pad(all, count, 16, q, q_tail) : q;
         for (int b = 0; b < 32; b++) {
             const double rod_1_alpha1 = q_block[3 * stride + b];
             const double rod_1_alpha2 = q_block[4 * stride + b];
@@ -5498,7 +5498,7 @@ int crank_slider_3_mass_batch(
             M_block[14][b] = (33377851.0 / 10500000000.0);
             M_block[15][b] = (33377851.0 / 1000000000.0);
         }
-        crank_slider_3_block32_put(all, count, 16, M_block, M);
+        crank_slider_3_block32_scatter(all, count, 16, M_block, M);
         q += count;
         M += count;
     }
@@ -5522,8 +5522,8 @@ int crank_slider_3_force_batch(
     for (int left = n; left > 0; left -= 32) {
         const int count = left < 32 ? left : 32;
         const ptrdiff_t stride = count < 32 ? 32 : all;
-        const double *q_block = count < 32 ? crank_slider_3_block32_fill(all, count, 16, q, q_tail) : q;
-        const double *v_block = count < 32 ? crank_slider_3_block32_fill(all, count, 16, v, v_tail) : v;
+        const double *q_block = count < 32 ? crank_slider_3_block32_pad(all, count, 16, q, q_tail) : q;
+        const double *v_block = count < 32 ? crank_slider_3_block32_pad(all, count, 16, v, v_tail) : v;
         for (int b = 0; b < 32; b++) {
             const double rod_1_alpha1 = q_block[3 * stride + b];
             const double rod_1_alpha2 = q_block[4 * stride + b];
@@ -5569,7 +5569,7 @@ int crank_slider_3_force_batch(
             h_block[14][b] = (381703506.0 / 25.0) * rod_3_alpha2 - t3 * rod_3_D2_2;
             h_block[15][b] = 0.0;
         }
-        crank_slider_3_block32_put(all, count, 16, h_block, h);
+        crank_slider_3_block32_scatter(all, count, 16, h_block, h);
         q += count;
         v += count;
         h += count;
@@ -5597,8 +5597,8 @@ int crank_slider_3_accel_batch(
     for (int left = n; left > 0; left -= 32) {
         const int count = left < 32 ? left : 32;
         const ptrdiff_t stride = count < 32 ? 32 : all;
-        const double *q_block = count < 32 ? crank_slider_3_block32_fill(all, count, 16, q, q_tail) : q;
-        const double *v_block = count < 32 ? crank_slider_3_block32_fill(all, count, 16, v, v_tail) : v;
+        const double *q_block = count < 32 ? crank_slider_3_block32_pad(all, count, 16, q, q_tail) : q;
+        const double *v_block = count < 32 ? crank_slider_3_block32_pad(all, count, 16, v, v_tail) : v;
         for (int b = 0; b < 32; b++) {
             const double rod_1_phi = q_block[2 * stride + b];
             const double rod_2_phi = q_block[7 * stride + b];
@@ -6002,8 +6002,8 @@ int crank_slider_3_accel_batch(
             code_b = rod_1_J > 0.0 ? code_b : 1.0; /* the pivot of rod_1_phi vanished */
             codes[b] = code_b;
         }
-        crank_slider_3_block32_put(all, count, 16, vdot_block, vdot);
-        const int failed = crank_slider_3_block_refuse(all, count, 16, codes, vdot);
+        crank_slider_3_block32_scatter(all, count, 16, vdot_block, vdot);
+        const int failed = crank_slider_3_block_fail(all, count, 16, codes, vdot);
         if (code == 0) code = failed;
         q += count;
         v += count;
@@ -6209,54 +6209,54 @@ const tisserand_pattern *crank_slider_3_pattern_jacobian_index1(void)
 /* ---- the descriptor ---- */
 
 static const tisserand_variable crank_slider_3_table_q[] = {
-    {"rod_1_c1", "m", "rod_1: position of the origin of the floating frame along the inertial e1", 0.0, 1},
-    {"rod_1_c2", "m", "rod_1: position of the origin of the floating frame along the inertial e2", 0.0, 1},
-    {"rod_1_phi", "rad", "rod_1: rotation of the floating frame", 0.0, 1},
-    {"rod_1_alpha1", "m", "rod_1: amplitude of assumed shape 1", 0.0, 1},
-    {"rod_1_alpha2", "m", "rod_1: amplitude of assumed shape 2", 0.0, 1},
-    {"rod_2_c1", "m", "rod_2: position of the origin of the floating frame along the inertial e1", 0.0, 1},
-    {"rod_2_c2", "m", "rod_2: position of the origin of the floating frame along the inertial e2", 0.0, 1},
-    {"rod_2_phi", "rad", "rod_2: rotation of the floating frame", 0.0, 1},
-    {"rod_2_alpha1", "m", "rod_2: amplitude of assumed shape 1", 0.0, 1},
-    {"rod_2_alpha2", "m", "rod_2: amplitude of assumed shape 2", 0.0, 1},
-    {"rod_3_c1", "m", "rod_3: position of the origin of the floating frame along the inertial e1", 0.0, 1},
-    {"rod_3_c2", "m", "rod_3: position of the origin of the floating frame along the inertial e2", 0.0, 1},
-    {"rod_3_phi", "rad", "rod_3: rotation of the floating frame", 0.0, 1},
-    {"rod_3_alpha1", "m", "rod_3: amplitude of assumed shape 1", 0.0, 1},
-    {"rod_3_alpha2", "m", "rod_3: amplitude of assumed shape 2", 0.0, 1},
-    {"slider_s", "m", "displacement of slider along its guide", 0.0, 1},
+    {"rod_1_c1", "m", "rod_1: position of the origin of the floating frame along the inertial e1", 0.0, 1, TISSERAND_ROLE_TRANSLATION},
+    {"rod_1_c2", "m", "rod_1: position of the origin of the floating frame along the inertial e2", 0.0, 1, TISSERAND_ROLE_TRANSLATION},
+    {"rod_1_phi", "rad", "rod_1: rotation of the floating frame", 0.0, 1, TISSERAND_ROLE_ROTATION},
+    {"rod_1_alpha1", "m", "rod_1: amplitude of assumed shape 1", 0.0, 1, TISSERAND_ROLE_AMPLITUDE},
+    {"rod_1_alpha2", "m", "rod_1: amplitude of assumed shape 2", 0.0, 1, TISSERAND_ROLE_AMPLITUDE},
+    {"rod_2_c1", "m", "rod_2: position of the origin of the floating frame along the inertial e1", 0.0, 1, TISSERAND_ROLE_TRANSLATION},
+    {"rod_2_c2", "m", "rod_2: position of the origin of the floating frame along the inertial e2", 0.0, 1, TISSERAND_ROLE_TRANSLATION},
+    {"rod_2_phi", "rad", "rod_2: rotation of the floating frame", 0.0, 1, TISSERAND_ROLE_ROTATION},
+    {"rod_2_alpha1", "m", "rod_2: amplitude of assumed shape 1", 0.0, 1, TISSERAND_ROLE_AMPLITUDE},
+    {"rod_2_alpha2", "m", "rod_2: amplitude of assumed shape 2", 0.0, 1, TISSERAND_ROLE_AMPLITUDE},
+    {"rod_3_c1", "m", "rod_3: position of the origin of the floating frame along the inertial e1", 0.0, 1, TISSERAND_ROLE_TRANSLATION},
+    {"rod_3_c2", "m", "rod_3: position of the origin of the floating frame along the inertial e2", 0.0, 1, TISSERAND_ROLE_TRANSLATION},
+    {"rod_3_phi", "rad", "rod_3: rotation of the floating frame", 0.0, 1, TISSERAND_ROLE_ROTATION},
+    {"rod_3_alpha1", "m", "rod_3: amplitude of assumed shape 1", 0.0, 1, TISSERAND_ROLE_AMPLITUDE},
+    {"rod_3_alpha2", "m", "rod_3: amplitude of assumed shape 2", 0.0, 1, TISSERAND_ROLE_AMPLITUDE},
+    {"slider_s", "m", "displacement of slider along its guide", 0.0, 1, TISSERAND_ROLE_DISPLACEMENT},
 };
 
 static const tisserand_variable crank_slider_3_table_v[] = {
-    {"rod_1_c1dot", "m/s", "rate of rod_1_c1", 0.0, 1},
-    {"rod_1_c2dot", "m/s", "rate of rod_1_c2", 0.0, 1},
-    {"rod_1_phidot", "rad/s", "rate of rod_1_phi", 0.0, 1},
-    {"rod_1_alpha1dot", "m/s", "rate of rod_1_alpha1", 0.0, 1},
-    {"rod_1_alpha2dot", "m/s", "rate of rod_1_alpha2", 0.0, 1},
-    {"rod_2_c1dot", "m/s", "rate of rod_2_c1", 0.0, 1},
-    {"rod_2_c2dot", "m/s", "rate of rod_2_c2", 0.0, 1},
-    {"rod_2_phidot", "rad/s", "rate of rod_2_phi", 0.0, 1},
-    {"rod_2_alpha1dot", "m/s", "rate of rod_2_alpha1", 0.0, 1},
-    {"rod_2_alpha2dot", "m/s", "rate of rod_2_alpha2", 0.0, 1},
-    {"rod_3_c1dot", "m/s", "rate of rod_3_c1", 0.0, 1},
-    {"rod_3_c2dot", "m/s", "rate of rod_3_c2", 0.0, 1},
-    {"rod_3_phidot", "rad/s", "rate of rod_3_phi", 0.0, 1},
-    {"rod_3_alpha1dot", "m/s", "rate of rod_3_alpha1", 0.0, 1},
-    {"rod_3_alpha2dot", "m/s", "rate of rod_3_alpha2", 0.0, 1},
-    {"slider_sdot", "m/s", "rate of slider_s", 0.0, 1},
+    {"rod_1_c1dot", "m/s", "rate of rod_1_c1", 0.0, 1, 0},
+    {"rod_1_c2dot", "m/s", "rate of rod_1_c2", 0.0, 1, 0},
+    {"rod_1_phidot", "rad/s", "rate of rod_1_phi", 0.0, 1, 0},
+    {"rod_1_alpha1dot", "m/s", "rate of rod_1_alpha1", 0.0, 1, 0},
+    {"rod_1_alpha2dot", "m/s", "rate of rod_1_alpha2", 0.0, 1, 0},
+    {"rod_2_c1dot", "m/s", "rate of rod_2_c1", 0.0, 1, 0},
+    {"rod_2_c2dot", "m/s", "rate of rod_2_c2", 0.0, 1, 0},
+    {"rod_2_phidot", "rad/s", "rate of rod_2_phi", 0.0, 1, 0},
+    {"rod_2_alpha1dot", "m/s", "rate of rod_2_alpha1", 0.0, 1, 0},
+    {"rod_2_alpha2dot", "m/s", "rate of rod_2_alpha2", 0.0, 1, 0},
+    {"rod_3_c1dot", "m/s", "rate of rod_3_c1", 0.0, 1, 0},
+    {"rod_3_c2dot", "m/s", "rate of rod_3_c2", 0.0, 1, 0},
+    {"rod_3_phidot", "rad/s", "rate of rod_3_phi", 0.0, 1, 0},
+    {"rod_3_alpha1dot", "m/s", "rate of rod_3_alpha1", 0.0, 1, 0},
+    {"rod_3_alpha2dot", "m/s", "rate of rod_3_alpha2", 0.0, 1, 0},
+    {"slider_sdot", "m/s", "rate of slider_s", 0.0, 1, 0},
 };
 
 static const tisserand_variable crank_slider_3_table_lambda[] = {
-    {"crank_pin_1", "N", "crank.pin and rod_1.left coincide along e1", 0.0, 1},
-    {"crank_pin_2", "N", "crank.pin and rod_1.left coincide along e2", 0.0, 1},
-    {"slider_pin_1", "N", "rod_3.right and slider.pin coincide along e1", 0.0, 1},
-    {"slider_pin_2", "N", "rod_3.right and slider.pin coincide along e2", 0.0, 1},
-    {"rod_cut_1_1", "N", "rod_1.cut_right and rod_2.cut_left coincide along e1", 0.0, 1},
-    {"rod_cut_1_2", "N", "rod_1.cut_right and rod_2.cut_left coincide along e2", 0.0, 1},
-    {"rod_cut_1_turn", "N m", "rod_1.cut_right and rod_2.cut_left turn together", 0.0, 1},
-    {"rod_cut_2_1", "N", "rod_2.cut_right and rod_3.cut_left coincide along e1", 0.0, 1},
-    {"rod_cut_2_2", "N", "rod_2.cut_right and rod_3.cut_left coincide along e2", 0.0, 1},
-    {"rod_cut_2_turn", "N m", "rod_2.cut_right and rod_3.cut_left turn together", 0.0, 1},
+    {"crank_pin_1", "N", "crank.pin and rod_1.left coincide along e1", 0.0, 1, 0},
+    {"crank_pin_2", "N", "crank.pin and rod_1.left coincide along e2", 0.0, 1, 0},
+    {"slider_pin_1", "N", "rod_3.right and slider.pin coincide along e1", 0.0, 1, 0},
+    {"slider_pin_2", "N", "rod_3.right and slider.pin coincide along e2", 0.0, 1, 0},
+    {"rod_cut_1_1", "N", "rod_1.cut_right and rod_2.cut_left coincide along e1", 0.0, 1, 0},
+    {"rod_cut_1_2", "N", "rod_1.cut_right and rod_2.cut_left coincide along e2", 0.0, 1, 0},
+    {"rod_cut_1_turn", "N m", "rod_1.cut_right and rod_2.cut_left turn together", 0.0, 1, 0},
+    {"rod_cut_2_1", "N", "rod_2.cut_right and rod_3.cut_left coincide along e1", 0.0, 1, 0},
+    {"rod_cut_2_2", "N", "rod_2.cut_right and rod_3.cut_left coincide along e2", 0.0, 1, 0},
+    {"rod_cut_2_turn", "N m", "rod_2.cut_right and rod_3.cut_left turn together", 0.0, 1, 0},
 };
 
 static const tisserand_marker crank_slider_3_table_markers[] = {
@@ -6296,12 +6296,12 @@ static const tisserand_scene crank_slider_3_scene = {
     crank_slider_3_constraint_jacobian,
     crank_slider_3_constraint_bias,
     crank_slider_3_solve,
-    crank_slider_3_correct,
+    crank_slider_3_project_velocity,
     crank_slider_3_poses
 };
 
 static const tisserand_model crank_slider_3_descriptor = {
-    3,
+    4,
     "crank_slider_3",
     CRANK_SLIDER_3_NQ,
     CRANK_SLIDER_3_NV,

@@ -160,7 +160,7 @@ COORDINATES = (
     "rod_2_phi", "rod_2_alpha1", "rod_2_alpha2", "rod_3_c1", "rod_3_c2", "rod_3_phi",
     "rod_3_alpha1", "rod_3_alpha2", "slider_s",
 )
-RATES = (
+VELOCITIES = (
     "rod_1_c1dot", "rod_1_c2dot", "rod_1_phidot", "rod_1_alpha1dot", "rod_1_alpha2dot",
     "rod_2_c1dot", "rod_2_c2dot", "rod_2_phidot", "rod_2_alpha1dot", "rod_2_alpha2dot",
     "rod_3_c1dot", "rod_3_c2dot", "rod_3_phidot", "rod_3_alpha1dot", "rod_3_alpha2dot",
@@ -328,11 +328,11 @@ def dense(pattern, values):
     values = numpy.asarray(values)
     matrix = numpy.zeros((*values.shape[:-1], pattern.rows, pattern.cols), values.dtype)
     for j in range(pattern.cols):
-        for place in range(pattern.colptr[j], pattern.colptr[j + 1]):
-            i = pattern.rowidx[place]
-            matrix[..., i, j] = values[..., place]
+        for position in range(pattern.colptr[j], pattern.colptr[j + 1]):
+            i = pattern.rowidx[position]
+            matrix[..., i, j] = values[..., position]
             if pattern.symmetric:
-                matrix[..., j, i] = values[..., place]
+                matrix[..., j, i] = values[..., position]
     return matrix
 
 
@@ -2836,7 +2836,7 @@ def solve(t, q, v, k):
     return _where(xp, valid_1 & valid_2 & valid_3 & valid_4 & valid_5 & valid_6 & valid_7 & valid_8 & valid_9 & valid_10 & valid_11 & valid_12 & valid_13, vdot), _where(xp, valid_1 & valid_2 & valid_3 & valid_4 & valid_5 & valid_6 & valid_7 & valid_8 & valid_9 & valid_10 & valid_11 & valid_12 & valid_13, lam)
 
 
-def correct(t, q, k, r):
+def project_velocity(t, q, k, r):
     """The smallest change dv of the rates, measured by dv . M dv, with G dv = r: with r = -gdot it
         brings rates onto the constraints, with r = -g, repeated, coordinates.
 

@@ -1637,7 +1637,7 @@ int double_pendulum_solve(
     return 0;
 }
 
-int double_pendulum_correct(
+int double_pendulum_project_velocity(
     double t,
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT k,
@@ -3176,7 +3176,7 @@ int double_pendulum_jacobian_index1(
 /* ---- batches: each state b of a block as the functions above have it ---- */
 
 /* The rows of a block that is not full: its last state is repeated. */
-static const double *double_pendulum_block32_fill(ptrdiff_t all, int count, int rows, const double *from, double *to)
+static const double *double_pendulum_block32_pad(ptrdiff_t all, int count, int rows, const double *from, double *to)
 {
     for (int e = 0; e < rows; e++)
         for (int b = 0; b < 32; b++) to[e * 32 + b] = from[e * all + (b < count ? b : count - 1)];
@@ -3184,7 +3184,7 @@ static const double *double_pendulum_block32_fill(ptrdiff_t all, int count, int 
 }
 
 /* The rows of a block to their places among those of all states. */
-static inline void double_pendulum_block32_put(
+static inline void double_pendulum_block32_scatter(
     ptrdiff_t all, int count, int rows, double (*TISSERAND_RESTRICT from)[32], double *TISSERAND_RESTRICT to)
 {
     for (int e = 0; e < rows; e++) {
@@ -3200,7 +3200,7 @@ static inline void double_pendulum_block32_put(
 }
 
 /* NaN for the states that fail, and the code of the first of them. */
-static int double_pendulum_block_refuse(ptrdiff_t all, int count, int rows, const double *codes, double *to)
+static int double_pendulum_block_fail(ptrdiff_t all, int count, int rows, const double *codes, double *to)
 {
     int code = 0;
     for (int b = 0; b < count; b++) {
@@ -3225,7 +3225,7 @@ int double_pendulum_mass_batch(
     for (int left = n; left > 0; left -= 32) {
         const int count = left < 32 ? left : 32;
         const ptrdiff_t stride = count < 32 ? 32 : all;
-        const double *q_block = count < 32 ? double_pendulum_block32_fill(all, count, 10, q, q_tail) : q;
+        const double *q_block = count < 32 ? double_pendulum_block32_pad(all, count, 10, q, q_tail) : q;
         for (int b = 0; b < 32; b++) {
             const double upper_alpha1 = q_block[3 * stride + b];
             const double upper_alpha2 = q_block[4 * stride + b];
@@ -3250,7 +3250,7 @@ int double_pendulum_mass_batch(
             M_block[8][b] = (98897337.0 / 5000000000.0);
             M_block[9][b] = (14128191.0 / 1000000000.0);
         }
-        double_pendulum_block32_put(all, count, 10, M_block, M);
+        double_pendulum_block32_scatter(all, count, 10, M_block, M);
         q += count;
         M += count;
     }
@@ -3274,8 +3274,8 @@ int double_pendulum_force_batch(
     for (int left = n; left > 0; left -= 32) {
         const int count = left < 32 ? left : 32;
         const ptrdiff_t stride = count < 32 ? 32 : all;
-        const double *q_block = count < 32 ? double_pendulum_block32_fill(all, count, 10, q, q_tail) : q;
-        const double *v_block = count < 32 ? double_pendulum_block32_fill(all, count, 10, v, v_tail) : v;
+        const double *q_block = count < 32 ? double_pendulum_block32_pad(all, count, 10, q, q_tail) : q;
+        const double *v_block = count < 32 ? double_pendulum_block32_pad(all, count, 10, v, v_tail) : v;
         for (int b = 0; b < 32; b++) {
             const double upper_alpha1 = q_block[3 * stride + b];
             const double upper_alpha2 = q_block[4 * stride + b];
@@ -3306,7 +3306,7 @@ int double_pendulum_force_batch(
             h_block[8][b] = (226194669.0 / 625000.0) * lower_alpha1 - t2 * lower_D2_1;
             h_block[9][b] = (75398223.0 / 25000.0) * lower_alpha2 - t2 * lower_D2_2;
         }
-        double_pendulum_block32_put(all, count, 10, h_block, h);
+        double_pendulum_block32_scatter(all, count, 10, h_block, h);
         q += count;
         v += count;
         h += count;
@@ -3333,8 +3333,8 @@ int double_pendulum_accel_batch(
     for (int left = n; left > 0; left -= 32) {
         const int count = left < 32 ? left : 32;
         const ptrdiff_t stride = count < 32 ? 32 : all;
-        const double *q_block = count < 32 ? double_pendulum_block32_fill(all, count, 10, q, q_tail) : q;
-        const double *v_block = count < 32 ? double_pendulum_block32_fill(all, count, 10, v, v_tail) : v;
+        const double *q_block = count < 32 ? double_pendulum_block32_pad(all, count, 10, q, q_tail) : q;
+        const double *v_block = count < 32 ? double_pendulum_block32_pad(all, count, 10, v, v_tail) : v;
         for (int b = 0; b < 32; b++) {
             const double upper_phi = q_block[2 * stride + b];
             const double lower_phi = q_block[7 * stride + b];
@@ -3493,8 +3493,8 @@ int double_pendulum_accel_batch(
             code_b = lower_J > 0.0 ? code_b : 1.0; /* the pivot of lower_phi vanished */
             codes[b] = code_b;
         }
-        double_pendulum_block32_put(all, count, 10, vdot_block, vdot);
-        const int failed = double_pendulum_block_refuse(all, count, 10, codes, vdot);
+        double_pendulum_block32_scatter(all, count, 10, vdot_block, vdot);
+        const int failed = double_pendulum_block_fail(all, count, 10, codes, vdot);
         if (code == 0) code = failed;
         q += count;
         v += count;
@@ -3708,36 +3708,36 @@ const tisserand_pattern *double_pendulum_pattern_jacobian_index1(void)
 /* ---- the descriptor ---- */
 
 static const tisserand_variable double_pendulum_table_q[] = {
-    {"upper_c1", "m", "upper: position of the origin of the floating frame along the inertial e1", 0.0, 1},
-    {"upper_c2", "m", "upper: position of the origin of the floating frame along the inertial e2", 0.0, 1},
-    {"upper_phi", "rad", "upper: rotation of the floating frame", 0.0, 1},
-    {"upper_alpha1", "m", "upper: amplitude of assumed shape 1", 0.0, 1},
-    {"upper_alpha2", "m", "upper: amplitude of assumed shape 2", 0.0, 1},
-    {"lower_c1", "m", "lower: position of the origin of the floating frame along the inertial e1", 0.0, 1},
-    {"lower_c2", "m", "lower: position of the origin of the floating frame along the inertial e2", 0.0, 1},
-    {"lower_phi", "rad", "lower: rotation of the floating frame", 0.0, 1},
-    {"lower_alpha1", "m", "lower: amplitude of assumed shape 1", 0.0, 1},
-    {"lower_alpha2", "m", "lower: amplitude of assumed shape 2", 0.0, 1},
+    {"upper_c1", "m", "upper: position of the origin of the floating frame along the inertial e1", 0.0, 1, TISSERAND_ROLE_TRANSLATION},
+    {"upper_c2", "m", "upper: position of the origin of the floating frame along the inertial e2", 0.0, 1, TISSERAND_ROLE_TRANSLATION},
+    {"upper_phi", "rad", "upper: rotation of the floating frame", 0.0, 1, TISSERAND_ROLE_ROTATION},
+    {"upper_alpha1", "m", "upper: amplitude of assumed shape 1", 0.0, 1, TISSERAND_ROLE_AMPLITUDE},
+    {"upper_alpha2", "m", "upper: amplitude of assumed shape 2", 0.0, 1, TISSERAND_ROLE_AMPLITUDE},
+    {"lower_c1", "m", "lower: position of the origin of the floating frame along the inertial e1", 0.0, 1, TISSERAND_ROLE_TRANSLATION},
+    {"lower_c2", "m", "lower: position of the origin of the floating frame along the inertial e2", 0.0, 1, TISSERAND_ROLE_TRANSLATION},
+    {"lower_phi", "rad", "lower: rotation of the floating frame", 0.0, 1, TISSERAND_ROLE_ROTATION},
+    {"lower_alpha1", "m", "lower: amplitude of assumed shape 1", 0.0, 1, TISSERAND_ROLE_AMPLITUDE},
+    {"lower_alpha2", "m", "lower: amplitude of assumed shape 2", 0.0, 1, TISSERAND_ROLE_AMPLITUDE},
 };
 
 static const tisserand_variable double_pendulum_table_v[] = {
-    {"upper_c1dot", "m/s", "rate of upper_c1", 0.0, 1},
-    {"upper_c2dot", "m/s", "rate of upper_c2", 0.0, 1},
-    {"upper_phidot", "rad/s", "rate of upper_phi", 0.0, 1},
-    {"upper_alpha1dot", "m/s", "rate of upper_alpha1", 0.0, 1},
-    {"upper_alpha2dot", "m/s", "rate of upper_alpha2", 0.0, 1},
-    {"lower_c1dot", "m/s", "rate of lower_c1", 0.0, 1},
-    {"lower_c2dot", "m/s", "rate of lower_c2", 0.0, 1},
-    {"lower_phidot", "rad/s", "rate of lower_phi", 0.0, 1},
-    {"lower_alpha1dot", "m/s", "rate of lower_alpha1", 0.0, 1},
-    {"lower_alpha2dot", "m/s", "rate of lower_alpha2", 0.0, 1},
+    {"upper_c1dot", "m/s", "rate of upper_c1", 0.0, 1, 0},
+    {"upper_c2dot", "m/s", "rate of upper_c2", 0.0, 1, 0},
+    {"upper_phidot", "rad/s", "rate of upper_phi", 0.0, 1, 0},
+    {"upper_alpha1dot", "m/s", "rate of upper_alpha1", 0.0, 1, 0},
+    {"upper_alpha2dot", "m/s", "rate of upper_alpha2", 0.0, 1, 0},
+    {"lower_c1dot", "m/s", "rate of lower_c1", 0.0, 1, 0},
+    {"lower_c2dot", "m/s", "rate of lower_c2", 0.0, 1, 0},
+    {"lower_phidot", "rad/s", "rate of lower_phi", 0.0, 1, 0},
+    {"lower_alpha1dot", "m/s", "rate of lower_alpha1", 0.0, 1, 0},
+    {"lower_alpha2dot", "m/s", "rate of lower_alpha2", 0.0, 1, 0},
 };
 
 static const tisserand_variable double_pendulum_table_lambda[] = {
-    {"hinge_1", "N", "ground.hook and upper.left coincide along e1", 0.0, 1},
-    {"hinge_2", "N", "ground.hook and upper.left coincide along e2", 0.0, 1},
-    {"elbow_1", "N", "upper.right and lower.left coincide along e1", 0.0, 1},
-    {"elbow_2", "N", "upper.right and lower.left coincide along e2", 0.0, 1},
+    {"hinge_1", "N", "ground.hook and upper.left coincide along e1", 0.0, 1, 0},
+    {"hinge_2", "N", "ground.hook and upper.left coincide along e2", 0.0, 1, 0},
+    {"elbow_1", "N", "upper.right and lower.left coincide along e1", 0.0, 1, 0},
+    {"elbow_2", "N", "upper.right and lower.left coincide along e2", 0.0, 1, 0},
 };
 
 static const tisserand_marker double_pendulum_table_markers[] = {
@@ -3778,12 +3778,12 @@ static const tisserand_scene double_pendulum_scene = {
     double_pendulum_constraint_jacobian,
     double_pendulum_constraint_bias,
     double_pendulum_solve,
-    double_pendulum_correct,
+    double_pendulum_project_velocity,
     double_pendulum_poses
 };
 
 static const tisserand_model double_pendulum_descriptor = {
-    3,
+    4,
     "double_pendulum",
     DOUBLE_PENDULUM_NQ,
     DOUBLE_PENDULUM_NV,

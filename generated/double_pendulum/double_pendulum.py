@@ -147,7 +147,7 @@ COORDINATES = (
     "upper_c1", "upper_c2", "upper_phi", "upper_alpha1", "upper_alpha2", "lower_c1", "lower_c2",
     "lower_phi", "lower_alpha1", "lower_alpha2",
 )
-RATES = (
+VELOCITIES = (
     "upper_c1dot", "upper_c2dot", "upper_phidot", "upper_alpha1dot", "upper_alpha2dot",
     "lower_c1dot", "lower_c2dot", "lower_phidot", "lower_alpha1dot", "lower_alpha2dot",
 )
@@ -309,11 +309,11 @@ def dense(pattern, values):
     values = numpy.asarray(values)
     matrix = numpy.zeros((*values.shape[:-1], pattern.rows, pattern.cols), values.dtype)
     for j in range(pattern.cols):
-        for place in range(pattern.colptr[j], pattern.colptr[j + 1]):
-            i = pattern.rowidx[place]
-            matrix[..., i, j] = values[..., place]
+        for position in range(pattern.colptr[j], pattern.colptr[j + 1]):
+            i = pattern.rowidx[position]
+            matrix[..., i, j] = values[..., position]
             if pattern.symmetric:
-                matrix[..., j, i] = values[..., place]
+                matrix[..., j, i] = values[..., position]
     return matrix
 
 
@@ -2067,7 +2067,7 @@ def solve(t, q, v, k):
     return _where(xp, valid_1 & valid_2 & valid_3 & valid_4 & valid_5 & valid_6, vdot), _where(xp, valid_1 & valid_2 & valid_3 & valid_4 & valid_5 & valid_6, lam)
 
 
-def correct(t, q, k, r):
+def project_velocity(t, q, k, r):
     """The smallest change dv of the rates, measured by dv . M dv, with G dv = r: with r = -gdot it
         brings rates onto the constraints, with r = -g, repeated, coordinates.
 

@@ -2756,7 +2756,7 @@ int four_bar_solve(
     return 0;
 }
 
-int four_bar_correct(
+int four_bar_project_velocity(
     double t,
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT k,
@@ -5474,7 +5474,7 @@ int four_bar_jacobian_index1(
 /* ---- batches: each state b of a block as the functions above have it ---- */
 
 /* The rows of a block that is not full: its last state is repeated. */
-static const double *four_bar_block32_fill(ptrdiff_t all, int count, int rows, const double *from, double *to)
+static const double *four_bar_block32_pad(ptrdiff_t all, int count, int rows, const double *from, double *to)
 {
     for (int e = 0; e < rows; e++)
         for (int b = 0; b < 32; b++) to[e * 32 + b] = from[e * all + (b < count ? b : count - 1)];
@@ -5482,7 +5482,7 @@ static const double *four_bar_block32_fill(ptrdiff_t all, int count, int rows, c
 }
 
 /* The rows of a block to their places among those of all states. */
-static inline void four_bar_block32_put(
+static inline void four_bar_block32_scatter(
     ptrdiff_t all, int count, int rows, double (*TISSERAND_RESTRICT from)[32], double *TISSERAND_RESTRICT to)
 {
     for (int e = 0; e < rows; e++) {
@@ -5498,7 +5498,7 @@ static inline void four_bar_block32_put(
 }
 
 /* NaN for the states that fail, and the code of the first of them. */
-static int four_bar_block_refuse(ptrdiff_t all, int count, int rows, const double *codes, double *to)
+static int four_bar_block_fail(ptrdiff_t all, int count, int rows, const double *codes, double *to)
 {
     int code = 0;
     for (int b = 0; b < count; b++) {
@@ -5523,7 +5523,7 @@ int four_bar_mass_batch(
     for (int left = n; left > 0; left -= 32) {
         const int count = left < 32 ? left : 32;
         const ptrdiff_t stride = count < 32 ? 32 : all;
-        const double *q_block = count < 32 ? four_bar_block32_fill(all, count, 15, q, q_tail) : q;
+        const double *q_block = count < 32 ? four_bar_block32_pad(all, count, 15, q, q_tail) : q;
         for (int b = 0; b < 32; b++) {
             const double crank_alpha1 = q_block[3 * stride + b];
             const double crank_alpha2 = q_block[4 * stride + b];
@@ -5559,7 +5559,7 @@ int four_bar_mass_batch(
             M_block[13][b] = (12362167.0 / 100000000.0);
             M_block[14][b] = (12362167.0 / 140000000.0);
         }
-        four_bar_block32_put(all, count, 15, M_block, M);
+        four_bar_block32_scatter(all, count, 15, M_block, M);
         q += count;
         M += count;
     }
@@ -5588,8 +5588,8 @@ int four_bar_force_batch(
     for (int left = n; left > 0; left -= 32) {
         const int count = left < 32 ? left : 32;
         const ptrdiff_t stride = count < 32 ? 32 : all;
-        const double *q_block = count < 32 ? four_bar_block32_fill(all, count, 15, q, q_tail) : q;
-        const double *v_block = count < 32 ? four_bar_block32_fill(all, count, 15, v, v_tail) : v;
+        const double *q_block = count < 32 ? four_bar_block32_pad(all, count, 15, q, q_tail) : q;
+        const double *v_block = count < 32 ? four_bar_block32_pad(all, count, 15, v, v_tail) : v;
         for (int b = 0; b < 32; b++) {
             const double crank_alpha1 = q_block[3 * stride + b];
             const double crank_alpha2 = q_block[4 * stride + b];
@@ -5635,7 +5635,7 @@ int four_bar_force_batch(
             h_block[13][b] = rocker_K_1_1 * rocker_alpha1 - t3 * rocker_D2_1;
             h_block[14][b] = rocker_K_2_2 * rocker_alpha2 - t3 * rocker_D2_2;
         }
-        four_bar_block32_put(all, count, 15, h_block, h);
+        four_bar_block32_scatter(all, count, 15, h_block, h);
         q += count;
         v += count;
         h += count;
@@ -5668,8 +5668,8 @@ int four_bar_accel_batch(
     for (int left = n; left > 0; left -= 32) {
         const int count = left < 32 ? left : 32;
         const ptrdiff_t stride = count < 32 ? 32 : all;
-        const double *q_block = count < 32 ? four_bar_block32_fill(all, count, 15, q, q_tail) : q;
-        const double *v_block = count < 32 ? four_bar_block32_fill(all, count, 15, v, v_tail) : v;
+        const double *q_block = count < 32 ? four_bar_block32_pad(all, count, 15, q, q_tail) : q;
+        const double *v_block = count < 32 ? four_bar_block32_pad(all, count, 15, v, v_tail) : v;
         for (int b = 0; b < 32; b++) {
             const double crank_phi = q_block[2 * stride + b];
             const double coupler_phi = q_block[7 * stride + b];
@@ -6004,8 +6004,8 @@ int four_bar_accel_batch(
             code_b = crank_J > 0.0 ? code_b : 1.0; /* the pivot of crank_phi vanished */
             codes[b] = code_b;
         }
-        four_bar_block32_put(all, count, 15, vdot_block, vdot);
-        const int failed = four_bar_block_refuse(all, count, 15, codes, vdot);
+        four_bar_block32_scatter(all, count, 15, vdot_block, vdot);
+        const int failed = four_bar_block_fail(all, count, 15, codes, vdot);
         if (code == 0) code = failed;
         q += count;
         v += count;
@@ -6287,64 +6287,64 @@ const tisserand_pattern *four_bar_pattern_jacobian_index1(void)
 /* ---- the descriptor ---- */
 
 static const tisserand_variable four_bar_table_p[] = {
-    {"EI", "N m^2", "bending stiffness EI of crank; bending stiffness EI of coupler; bending stiffness EI of rocker", 98.17477, 1},
+    {"EI", "N m^2", "bending stiffness EI of crank; bending stiffness EI of coupler; bending stiffness EI of rocker", 98.17477, 1, 0},
 };
 
 static const tisserand_variable four_bar_table_k[] = {
-    {"crank_K_1_1", "N/m", "stiffness: int EI (d2 phi_1/dx2) (d2 phi_1/dx2) dx; crank", 0.0, 1},
-    {"crank_K_2_2", "N/m", "stiffness: int EI (d2 phi_2/dx2) (d2 phi_2/dx2) dx; crank", 0.0, 1},
-    {"coupler_K_1_1", "N/m", "stiffness: int EI (d2 phi_1/dx2) (d2 phi_1/dx2) dx; coupler", 0.0, 1},
-    {"coupler_K_2_2", "N/m", "stiffness: int EI (d2 phi_2/dx2) (d2 phi_2/dx2) dx; coupler", 0.0, 1},
-    {"rocker_K_1_1", "N/m", "stiffness: int EI (d2 phi_1/dx2) (d2 phi_1/dx2) dx; rocker", 0.0, 1},
-    {"rocker_K_2_2", "N/m", "stiffness: int EI (d2 phi_2/dx2) (d2 phi_2/dx2) dx; rocker", 0.0, 1},
+    {"crank_K_1_1", "N/m", "stiffness: int EI (d2 phi_1/dx2) (d2 phi_1/dx2) dx; crank", 0.0, 1, 0},
+    {"crank_K_2_2", "N/m", "stiffness: int EI (d2 phi_2/dx2) (d2 phi_2/dx2) dx; crank", 0.0, 1, 0},
+    {"coupler_K_1_1", "N/m", "stiffness: int EI (d2 phi_1/dx2) (d2 phi_1/dx2) dx; coupler", 0.0, 1, 0},
+    {"coupler_K_2_2", "N/m", "stiffness: int EI (d2 phi_2/dx2) (d2 phi_2/dx2) dx; coupler", 0.0, 1, 0},
+    {"rocker_K_1_1", "N/m", "stiffness: int EI (d2 phi_1/dx2) (d2 phi_1/dx2) dx; rocker", 0.0, 1, 0},
+    {"rocker_K_2_2", "N/m", "stiffness: int EI (d2 phi_2/dx2) (d2 phi_2/dx2) dx; rocker", 0.0, 1, 0},
 };
 
 static const tisserand_variable four_bar_table_q[] = {
-    {"crank_c1", "m", "crank: position of the origin of the floating frame along the inertial e1", 0.0, 1},
-    {"crank_c2", "m", "crank: position of the origin of the floating frame along the inertial e2", 0.0, 1},
-    {"crank_phi", "rad", "crank: rotation of the floating frame", 0.0, 1},
-    {"crank_alpha1", "m", "crank: amplitude of assumed shape 1", 0.0, 1},
-    {"crank_alpha2", "m", "crank: amplitude of assumed shape 2", 0.0, 1},
-    {"coupler_c1", "m", "coupler: position of the origin of the floating frame along the inertial e1", 0.0, 1},
-    {"coupler_c2", "m", "coupler: position of the origin of the floating frame along the inertial e2", 0.0, 1},
-    {"coupler_phi", "rad", "coupler: rotation of the floating frame", 0.0, 1},
-    {"coupler_alpha1", "m", "coupler: amplitude of assumed shape 1", 0.0, 1},
-    {"coupler_alpha2", "m", "coupler: amplitude of assumed shape 2", 0.0, 1},
-    {"rocker_c1", "m", "rocker: position of the origin of the floating frame along the inertial e1", 0.0, 1},
-    {"rocker_c2", "m", "rocker: position of the origin of the floating frame along the inertial e2", 0.0, 1},
-    {"rocker_phi", "rad", "rocker: rotation of the floating frame", 0.0, 1},
-    {"rocker_alpha1", "m", "rocker: amplitude of assumed shape 1", 0.0, 1},
-    {"rocker_alpha2", "m", "rocker: amplitude of assumed shape 2", 0.0, 1},
+    {"crank_c1", "m", "crank: position of the origin of the floating frame along the inertial e1", 0.0, 1, TISSERAND_ROLE_TRANSLATION},
+    {"crank_c2", "m", "crank: position of the origin of the floating frame along the inertial e2", 0.0, 1, TISSERAND_ROLE_TRANSLATION},
+    {"crank_phi", "rad", "crank: rotation of the floating frame", 0.0, 1, TISSERAND_ROLE_ROTATION},
+    {"crank_alpha1", "m", "crank: amplitude of assumed shape 1", 0.0, 1, TISSERAND_ROLE_AMPLITUDE},
+    {"crank_alpha2", "m", "crank: amplitude of assumed shape 2", 0.0, 1, TISSERAND_ROLE_AMPLITUDE},
+    {"coupler_c1", "m", "coupler: position of the origin of the floating frame along the inertial e1", 0.0, 1, TISSERAND_ROLE_TRANSLATION},
+    {"coupler_c2", "m", "coupler: position of the origin of the floating frame along the inertial e2", 0.0, 1, TISSERAND_ROLE_TRANSLATION},
+    {"coupler_phi", "rad", "coupler: rotation of the floating frame", 0.0, 1, TISSERAND_ROLE_ROTATION},
+    {"coupler_alpha1", "m", "coupler: amplitude of assumed shape 1", 0.0, 1, TISSERAND_ROLE_AMPLITUDE},
+    {"coupler_alpha2", "m", "coupler: amplitude of assumed shape 2", 0.0, 1, TISSERAND_ROLE_AMPLITUDE},
+    {"rocker_c1", "m", "rocker: position of the origin of the floating frame along the inertial e1", 0.0, 1, TISSERAND_ROLE_TRANSLATION},
+    {"rocker_c2", "m", "rocker: position of the origin of the floating frame along the inertial e2", 0.0, 1, TISSERAND_ROLE_TRANSLATION},
+    {"rocker_phi", "rad", "rocker: rotation of the floating frame", 0.0, 1, TISSERAND_ROLE_ROTATION},
+    {"rocker_alpha1", "m", "rocker: amplitude of assumed shape 1", 0.0, 1, TISSERAND_ROLE_AMPLITUDE},
+    {"rocker_alpha2", "m", "rocker: amplitude of assumed shape 2", 0.0, 1, TISSERAND_ROLE_AMPLITUDE},
 };
 
 static const tisserand_variable four_bar_table_v[] = {
-    {"crank_c1dot", "m/s", "rate of crank_c1", 0.0, 1},
-    {"crank_c2dot", "m/s", "rate of crank_c2", 0.0, 1},
-    {"crank_phidot", "rad/s", "rate of crank_phi", 0.0, 1},
-    {"crank_alpha1dot", "m/s", "rate of crank_alpha1", 0.0, 1},
-    {"crank_alpha2dot", "m/s", "rate of crank_alpha2", 0.0, 1},
-    {"coupler_c1dot", "m/s", "rate of coupler_c1", 0.0, 1},
-    {"coupler_c2dot", "m/s", "rate of coupler_c2", 0.0, 1},
-    {"coupler_phidot", "rad/s", "rate of coupler_phi", 0.0, 1},
-    {"coupler_alpha1dot", "m/s", "rate of coupler_alpha1", 0.0, 1},
-    {"coupler_alpha2dot", "m/s", "rate of coupler_alpha2", 0.0, 1},
-    {"rocker_c1dot", "m/s", "rate of rocker_c1", 0.0, 1},
-    {"rocker_c2dot", "m/s", "rate of rocker_c2", 0.0, 1},
-    {"rocker_phidot", "rad/s", "rate of rocker_phi", 0.0, 1},
-    {"rocker_alpha1dot", "m/s", "rate of rocker_alpha1", 0.0, 1},
-    {"rocker_alpha2dot", "m/s", "rate of rocker_alpha2", 0.0, 1},
+    {"crank_c1dot", "m/s", "rate of crank_c1", 0.0, 1, 0},
+    {"crank_c2dot", "m/s", "rate of crank_c2", 0.0, 1, 0},
+    {"crank_phidot", "rad/s", "rate of crank_phi", 0.0, 1, 0},
+    {"crank_alpha1dot", "m/s", "rate of crank_alpha1", 0.0, 1, 0},
+    {"crank_alpha2dot", "m/s", "rate of crank_alpha2", 0.0, 1, 0},
+    {"coupler_c1dot", "m/s", "rate of coupler_c1", 0.0, 1, 0},
+    {"coupler_c2dot", "m/s", "rate of coupler_c2", 0.0, 1, 0},
+    {"coupler_phidot", "rad/s", "rate of coupler_phi", 0.0, 1, 0},
+    {"coupler_alpha1dot", "m/s", "rate of coupler_alpha1", 0.0, 1, 0},
+    {"coupler_alpha2dot", "m/s", "rate of coupler_alpha2", 0.0, 1, 0},
+    {"rocker_c1dot", "m/s", "rate of rocker_c1", 0.0, 1, 0},
+    {"rocker_c2dot", "m/s", "rate of rocker_c2", 0.0, 1, 0},
+    {"rocker_phidot", "rad/s", "rate of rocker_phi", 0.0, 1, 0},
+    {"rocker_alpha1dot", "m/s", "rate of rocker_alpha1", 0.0, 1, 0},
+    {"rocker_alpha2dot", "m/s", "rate of rocker_alpha2", 0.0, 1, 0},
 };
 
 static const tisserand_variable four_bar_table_lambda[] = {
-    {"shaft_1", "N", "ground.left and crank.left coincide along e1", 0.0, 1},
-    {"shaft_2", "N", "ground.left and crank.left coincide along e2", 0.0, 1},
-    {"motor", "N m", "drive motor turns crank", 0.0, 1},
-    {"crank_pin_1", "N", "crank.right and coupler.left coincide along e1", 0.0, 1},
-    {"crank_pin_2", "N", "crank.right and coupler.left coincide along e2", 0.0, 1},
-    {"rocker_pin_1", "N", "coupler.right and rocker.right coincide along e1", 0.0, 1},
-    {"rocker_pin_2", "N", "coupler.right and rocker.right coincide along e2", 0.0, 1},
-    {"pivot_1", "N", "ground.right and rocker.left coincide along e1", 0.0, 1},
-    {"pivot_2", "N", "ground.right and rocker.left coincide along e2", 0.0, 1},
+    {"shaft_1", "N", "ground.left and crank.left coincide along e1", 0.0, 1, 0},
+    {"shaft_2", "N", "ground.left and crank.left coincide along e2", 0.0, 1, 0},
+    {"motor", "N m", "drive motor turns crank", 0.0, 1, 0},
+    {"crank_pin_1", "N", "crank.right and coupler.left coincide along e1", 0.0, 1, 0},
+    {"crank_pin_2", "N", "crank.right and coupler.left coincide along e2", 0.0, 1, 0},
+    {"rocker_pin_1", "N", "coupler.right and rocker.right coincide along e1", 0.0, 1, 0},
+    {"rocker_pin_2", "N", "coupler.right and rocker.right coincide along e2", 0.0, 1, 0},
+    {"pivot_1", "N", "ground.right and rocker.left coincide along e1", 0.0, 1, 0},
+    {"pivot_2", "N", "ground.right and rocker.left coincide along e2", 0.0, 1, 0},
 };
 
 static const tisserand_marker four_bar_table_markers[] = {
@@ -6392,12 +6392,12 @@ static const tisserand_scene four_bar_scene = {
     four_bar_constraint_jacobian,
     four_bar_constraint_bias,
     four_bar_solve,
-    four_bar_correct,
+    four_bar_project_velocity,
     four_bar_poses
 };
 
 static const tisserand_model four_bar_descriptor = {
-    3,
+    4,
     "four_bar",
     FOUR_BAR_NQ,
     FOUR_BAR_NV,

@@ -185,7 +185,7 @@ COORDINATES = (
     "coupler_c2", "coupler_phi", "coupler_alpha1", "coupler_alpha2", "rocker_c1", "rocker_c2",
     "rocker_phi", "rocker_alpha1", "rocker_alpha2",
 )
-RATES = (
+VELOCITIES = (
     "crank_c1dot", "crank_c2dot", "crank_phidot", "crank_alpha1dot", "crank_alpha2dot",
     "coupler_c1dot", "coupler_c2dot", "coupler_phidot", "coupler_alpha1dot", "coupler_alpha2dot",
     "rocker_c1dot", "rocker_c2dot", "rocker_phidot", "rocker_alpha1dot", "rocker_alpha2dot",
@@ -406,11 +406,11 @@ def dense(pattern, values):
     values = numpy.asarray(values)
     matrix = numpy.zeros((*values.shape[:-1], pattern.rows, pattern.cols), values.dtype)
     for j in range(pattern.cols):
-        for place in range(pattern.colptr[j], pattern.colptr[j + 1]):
-            i = pattern.rowidx[place]
-            matrix[..., i, j] = values[..., place]
+        for position in range(pattern.colptr[j], pattern.colptr[j + 1]):
+            i = pattern.rowidx[position]
+            matrix[..., i, j] = values[..., position]
             if pattern.symmetric:
-                matrix[..., j, i] = values[..., place]
+                matrix[..., j, i] = values[..., position]
     return matrix
 
 
@@ -3323,7 +3323,7 @@ def solve(t, q, v, k):
     return _where(xp, valid_1 & valid_2 & valid_3 & valid_4 & valid_5 & valid_6 & valid_7 & valid_8 & valid_9 & valid_10 & valid_11 & valid_12, vdot), _where(xp, valid_1 & valid_2 & valid_3 & valid_4 & valid_5 & valid_6 & valid_7 & valid_8 & valid_9 & valid_10 & valid_11 & valid_12, lam)
 
 
-def correct(t, q, k, r):
+def project_velocity(t, q, k, r):
     """The smallest change dv of the rates, measured by dv . M dv, with G dv = r: with r = -gdot it
         brings rates onto the constraints, with r = -g, repeated, coordinates.
 

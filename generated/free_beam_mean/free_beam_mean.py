@@ -109,7 +109,7 @@ class Pattern(NamedTuple):
 
 NAME = "free_beam_mean"
 COORDINATES = ("c1", "c2", "phi", "alpha1", "alpha2")
-RATES = ("c1dot", "c2dot", "phidot", "alpha1dot", "alpha2dot")
+VELOCITIES = ("c1dot", "c2dot", "phidot", "alpha1dot", "alpha2dot")
 PARAMETERS = ("m", "l", "EI")
 SIZES = (1, 1, 1)
 UNITS = ("kg", "m", "N m^2")
@@ -182,11 +182,11 @@ def dense(pattern, values):
     values = numpy.asarray(values)
     matrix = numpy.zeros((*values.shape[:-1], pattern.rows, pattern.cols), values.dtype)
     for j in range(pattern.cols):
-        for place in range(pattern.colptr[j], pattern.colptr[j + 1]):
-            i = pattern.rowidx[place]
-            matrix[..., i, j] = values[..., place]
+        for position in range(pattern.colptr[j], pattern.colptr[j + 1]):
+            i = pattern.rowidx[position]
+            matrix[..., i, j] = values[..., position]
             if pattern.symmetric:
-                matrix[..., j, i] = values[..., place]
+                matrix[..., j, i] = values[..., position]
     return matrix
 
 

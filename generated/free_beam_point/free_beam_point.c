@@ -874,7 +874,7 @@ int free_beam_point_jacobian(
 /* ---- batches: each state b of a block as the functions above have it ---- */
 
 /* The rows of a block that is not full: its last state is repeated. */
-static const double *free_beam_point_block32_fill(ptrdiff_t all, int count, int rows, const double *from, double *to)
+static const double *free_beam_point_block32_pad(ptrdiff_t all, int count, int rows, const double *from, double *to)
 {
     for (int e = 0; e < rows; e++)
         for (int b = 0; b < 32; b++) to[e * 32 + b] = from[e * all + (b < count ? b : count - 1)];
@@ -882,7 +882,7 @@ static const double *free_beam_point_block32_fill(ptrdiff_t all, int count, int 
 }
 
 /* The rows of a block to their places among those of all states. */
-static inline void free_beam_point_block32_put(
+static inline void free_beam_point_block32_scatter(
     ptrdiff_t all, int count, int rows, double (*TISSERAND_RESTRICT from)[32], double *TISSERAND_RESTRICT to)
 {
     for (int e = 0; e < rows; e++) {
@@ -898,7 +898,7 @@ static inline void free_beam_point_block32_put(
 }
 
 /* NaN for the states that fail, and the code of the first of them. */
-static int free_beam_point_block_refuse(ptrdiff_t all, int count, int rows, const double *codes, double *to)
+static int free_beam_point_block_fail(ptrdiff_t all, int count, int rows, const double *codes, double *to)
 {
     int code = 0;
     for (int b = 0; b < count; b++) {
@@ -930,7 +930,7 @@ int free_beam_point_mass_batch(
     for (int left = n; left > 0; left -= 32) {
         const int count = left < 32 ? left : 32;
         const ptrdiff_t stride = count < 32 ? 32 : all;
-        const double *q_block = count < 32 ? free_beam_point_block32_fill(all, count, 5, q, q_tail) : q;
+        const double *q_block = count < 32 ? free_beam_point_block32_pad(all, count, 5, q, q_tail) : q;
         for (int b = 0; b < 32; b++) {
             const double phi = q_block[2 * stride + b];
             cos_phi[b] = cos(phi);
@@ -954,7 +954,7 @@ int free_beam_point_mass_batch(
             M_block[8][b] = c8_1_1;
             M_block[9][b] = c8_2_2;
         }
-        free_beam_point_block32_put(all, count, 10, M_block, M);
+        free_beam_point_block32_scatter(all, count, 10, M_block, M);
         q += count;
         M += count;
     }
@@ -983,8 +983,8 @@ int free_beam_point_force_batch(
     for (int left = n; left > 0; left -= 32) {
         const int count = left < 32 ? left : 32;
         const ptrdiff_t stride = count < 32 ? 32 : all;
-        const double *q_block = count < 32 ? free_beam_point_block32_fill(all, count, 5, q, q_tail) : q;
-        const double *v_block = count < 32 ? free_beam_point_block32_fill(all, count, 5, v, v_tail) : v;
+        const double *q_block = count < 32 ? free_beam_point_block32_pad(all, count, 5, q, q_tail) : q;
+        const double *v_block = count < 32 ? free_beam_point_block32_pad(all, count, 5, v, v_tail) : v;
         for (int b = 0; b < 32; b++) {
             const double phi = q_block[2 * stride + b];
             cos_phi[b] = cos(phi);
@@ -1011,7 +1011,7 @@ int free_beam_point_force_batch(
             h_block[3][b] = K_1_1 * alpha1 - t1 * D2_1;
             h_block[4][b] = K_2_2 * alpha2 - t1 * D2_2;
         }
-        free_beam_point_block32_put(all, count, 5, h_block, h);
+        free_beam_point_block32_scatter(all, count, 5, h_block, h);
         q += count;
         v += count;
         h += count;
@@ -1049,8 +1049,8 @@ int free_beam_point_accel_batch(
     for (int left = n; left > 0; left -= 32) {
         const int count = left < 32 ? left : 32;
         const ptrdiff_t stride = count < 32 ? 32 : all;
-        const double *q_block = count < 32 ? free_beam_point_block32_fill(all, count, 5, q, q_tail) : q;
-        const double *v_block = count < 32 ? free_beam_point_block32_fill(all, count, 5, v, v_tail) : v;
+        const double *q_block = count < 32 ? free_beam_point_block32_pad(all, count, 5, q, q_tail) : q;
+        const double *v_block = count < 32 ? free_beam_point_block32_pad(all, count, 5, v, v_tail) : v;
         for (int b = 0; b < 32; b++) {
             const double phi = q_block[2 * stride + b];
             cos_phi[b] = cos(phi);
@@ -1114,8 +1114,8 @@ int free_beam_point_accel_batch(
                 - 5.684341886080802e-14 * J > 0.0 ? code_b : 1.0; /* the pivot of phi vanished */
             codes[b] = code_b;
         }
-        free_beam_point_block32_put(all, count, 5, vdot_block, vdot);
-        const int failed = free_beam_point_block_refuse(all, count, 5, codes, vdot);
+        free_beam_point_block32_scatter(all, count, 5, vdot_block, vdot);
+        const int failed = free_beam_point_block_fail(all, count, 5, codes, vdot);
         if (code == 0) code = failed;
         q += count;
         v += count;
@@ -1219,44 +1219,44 @@ const tisserand_pattern *free_beam_point_pattern_marker_right(void)
 /* ---- the descriptor ---- */
 
 static const tisserand_variable free_beam_point_table_p[] = {
-    {"m", "kg", "mass of the beam", 1.0, 1},
-    {"l", "m", "length of the beam", 1.0, 1},
-    {"EI", "N m^2", "bending stiffness EI", 1.0, 1},
+    {"m", "kg", "mass of the beam", 1.0, 1, 0},
+    {"l", "m", "length of the beam", 1.0, 1, 0},
+    {"EI", "N m^2", "bending stiffness EI", 1.0, 1, 0},
 };
 
 static const tisserand_variable free_beam_point_table_k[] = {
-    {"mass", "kg", "mass of the body", 0.0, 1},
-    {"c2_1_2", "kg", "int rho Phi_1 . e2", 0.0, 1},
-    {"C3", "kg m^2", "int rho X . X", 0.0, 1},
-    {"c6_2", "kg m", "int rho X x Phi_2", 0.0, 1},
-    {"c8_1_1", "kg", "int rho Phi_1 . Phi_1", 0.0, 1},
-    {"c8_2_2", "kg", "int rho Phi_2 . Phi_2", 0.0, 1},
-    {"K_1_1", "N/m", "stiffness: int EI (d2 phi_1/dx2) (d2 phi_1/dx2) dx", 0.0, 1},
-    {"K_2_2", "N/m", "stiffness: int EI (d2 phi_2/dx2) (d2 phi_2/dx2) dx", 0.0, 1},
-    {"X_left", "m", "reference position of marker left", 0.0, 1},
-    {"X_right", "m", "reference position of marker right", 0.0, 1},
-    {"minus_c2_1_2", "", "-c2_1_2", 0.0, 1},
-    {"constant_1", "", "(c6_2 / c8_2_2) * c6_2", 0.0, 1},
-    {"constant_2", "", "1/17592186044416 * mass", 0.0, 1},
-    {"constant_3", "", "1/17592186044416 * c8_1_1", 0.0, 1},
-    {"constant_4", "", "c6_2 / c8_2_2", 0.0, 1},
-    {"inverse_c8_2_2", "", "1 / c8_2_2", 0.0, 1},
+    {"mass", "kg", "mass of the body", 0.0, 1, 0},
+    {"c2_1_2", "kg", "int rho Phi_1 . e2", 0.0, 1, 0},
+    {"C3", "kg m^2", "int rho X . X", 0.0, 1, 0},
+    {"c6_2", "kg m", "int rho X x Phi_2", 0.0, 1, 0},
+    {"c8_1_1", "kg", "int rho Phi_1 . Phi_1", 0.0, 1, 0},
+    {"c8_2_2", "kg", "int rho Phi_2 . Phi_2", 0.0, 1, 0},
+    {"K_1_1", "N/m", "stiffness: int EI (d2 phi_1/dx2) (d2 phi_1/dx2) dx", 0.0, 1, 0},
+    {"K_2_2", "N/m", "stiffness: int EI (d2 phi_2/dx2) (d2 phi_2/dx2) dx", 0.0, 1, 0},
+    {"X_left", "m", "reference position of marker left", 0.0, 1, 0},
+    {"X_right", "m", "reference position of marker right", 0.0, 1, 0},
+    {"minus_c2_1_2", "", "-c2_1_2", 0.0, 1, 0},
+    {"constant_1", "", "(c6_2 / c8_2_2) * c6_2", 0.0, 1, 0},
+    {"constant_2", "", "1/17592186044416 * mass", 0.0, 1, 0},
+    {"constant_3", "", "1/17592186044416 * c8_1_1", 0.0, 1, 0},
+    {"constant_4", "", "c6_2 / c8_2_2", 0.0, 1, 0},
+    {"inverse_c8_2_2", "", "1 / c8_2_2", 0.0, 1, 0},
 };
 
 static const tisserand_variable free_beam_point_table_q[] = {
-    {"c1", "m", "position of the origin of the floating frame along the inertial e1", 0.0, 1},
-    {"c2", "m", "position of the origin of the floating frame along the inertial e2", 0.0, 1},
-    {"phi", "rad", "rotation of the floating frame", 0.0, 1},
-    {"alpha1", "m", "amplitude of assumed shape 1", 0.0, 1},
-    {"alpha2", "m", "amplitude of assumed shape 2", 0.0, 1},
+    {"c1", "m", "position of the origin of the floating frame along the inertial e1", 0.0, 1, TISSERAND_ROLE_TRANSLATION},
+    {"c2", "m", "position of the origin of the floating frame along the inertial e2", 0.0, 1, TISSERAND_ROLE_TRANSLATION},
+    {"phi", "rad", "rotation of the floating frame", 0.0, 1, TISSERAND_ROLE_ROTATION},
+    {"alpha1", "m", "amplitude of assumed shape 1", 0.0, 1, TISSERAND_ROLE_AMPLITUDE},
+    {"alpha2", "m", "amplitude of assumed shape 2", 0.0, 1, TISSERAND_ROLE_AMPLITUDE},
 };
 
 static const tisserand_variable free_beam_point_table_v[] = {
-    {"c1dot", "m/s", "rate of c1", 0.0, 1},
-    {"c2dot", "m/s", "rate of c2", 0.0, 1},
-    {"phidot", "rad/s", "rate of phi", 0.0, 1},
-    {"alpha1dot", "m/s", "rate of alpha1", 0.0, 1},
-    {"alpha2dot", "m/s", "rate of alpha2", 0.0, 1},
+    {"c1dot", "m/s", "rate of c1", 0.0, 1, 0},
+    {"c2dot", "m/s", "rate of c2", 0.0, 1, 0},
+    {"phidot", "rad/s", "rate of phi", 0.0, 1, 0},
+    {"alpha1dot", "m/s", "rate of alpha1", 0.0, 1, 0},
+    {"alpha2dot", "m/s", "rate of alpha2", 0.0, 1, 0},
 };
 
 static const tisserand_marker free_beam_point_table_markers[] = {
@@ -1269,7 +1269,7 @@ static const tisserand_marker free_beam_point_table_markers[] = {
 };
 
 static const tisserand_model free_beam_point_descriptor = {
-    3,
+    4,
     "free_beam_point",
     FREE_BEAM_POINT_NQ,
     FREE_BEAM_POINT_NV,

@@ -786,7 +786,7 @@ int spinning_beam_solve(
     return 0;
 }
 
-int spinning_beam_correct(
+int spinning_beam_project_velocity(
     double t,
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT k,
@@ -1298,7 +1298,7 @@ int spinning_beam_jacobian_index1(
 /* ---- batches: each state b of a block as the functions above have it ---- */
 
 /* The rows of a block that is not full: its last state is repeated. */
-static const double *spinning_beam_block32_fill(ptrdiff_t all, int count, int rows, const double *from, double *to)
+static const double *spinning_beam_block32_pad(ptrdiff_t all, int count, int rows, const double *from, double *to)
 {
     for (int e = 0; e < rows; e++)
         for (int b = 0; b < 32; b++) to[e * 32 + b] = from[e * all + (b < count ? b : count - 1)];
@@ -1306,7 +1306,7 @@ static const double *spinning_beam_block32_fill(ptrdiff_t all, int count, int ro
 }
 
 /* The rows of a block to their places among those of all states. */
-static inline void spinning_beam_block32_put(
+static inline void spinning_beam_block32_scatter(
     ptrdiff_t all, int count, int rows, double (*TISSERAND_RESTRICT from)[32], double *TISSERAND_RESTRICT to)
 {
     for (int e = 0; e < rows; e++) {
@@ -1322,7 +1322,7 @@ static inline void spinning_beam_block32_put(
 }
 
 /* NaN for the states that fail, and the code of the first of them. */
-static int spinning_beam_block_refuse(ptrdiff_t all, int count, int rows, const double *codes, double *to)
+static int spinning_beam_block_fail(ptrdiff_t all, int count, int rows, const double *codes, double *to)
 {
     int code = 0;
     for (int b = 0; b < count; b++) {
@@ -1350,7 +1350,7 @@ int spinning_beam_mass_batch(
     for (int left = n; left > 0; left -= 32) {
         const int count = left < 32 ? left : 32;
         const ptrdiff_t stride = count < 32 ? 32 : all;
-        const double *q_block = count < 32 ? spinning_beam_block32_fill(all, count, 5, q, q_tail) : q;
+        const double *q_block = count < 32 ? spinning_beam_block32_pad(all, count, 5, q, q_tail) : q;
         for (int b = 0; b < 32; b++) {
             const double beam_alpha1 = q_block[3 * stride + b];
             const double beam_alpha2 = q_block[4 * stride + b];
@@ -1363,7 +1363,7 @@ int spinning_beam_mass_batch(
             M_block[3][b] = beam_c8_1_1;
             M_block[4][b] = beam_c8_2_2;
         }
-        spinning_beam_block32_put(all, count, 5, M_block, M);
+        spinning_beam_block32_scatter(all, count, 5, M_block, M);
         q += count;
         M += count;
     }
@@ -1391,8 +1391,8 @@ int spinning_beam_force_batch(
     for (int left = n; left > 0; left -= 32) {
         const int count = left < 32 ? left : 32;
         const ptrdiff_t stride = count < 32 ? 32 : all;
-        const double *q_block = count < 32 ? spinning_beam_block32_fill(all, count, 5, q, q_tail) : q;
-        const double *v_block = count < 32 ? spinning_beam_block32_fill(all, count, 5, v, v_tail) : v;
+        const double *q_block = count < 32 ? spinning_beam_block32_pad(all, count, 5, q, q_tail) : q;
+        const double *v_block = count < 32 ? spinning_beam_block32_pad(all, count, 5, v, v_tail) : v;
         for (int b = 0; b < 32; b++) {
             const double beam_phi = q_block[2 * stride + b];
             beam_cos_phi[b] = cos(beam_phi);
@@ -1417,7 +1417,7 @@ int spinning_beam_force_batch(
             h_block[3][b] = beam_K_1_1 * beam_alpha1 + 0.5 * knock_2 * beam_cos_phi[b] - t2 * beam_D2_1;
             h_block[4][b] = beam_K_2_2 * beam_alpha2 - t2 * beam_D2_2;
         }
-        spinning_beam_block32_put(all, count, 5, h_block, h);
+        spinning_beam_block32_scatter(all, count, 5, h_block, h);
         q += count;
         v += count;
         h += count;
@@ -1451,8 +1451,8 @@ int spinning_beam_accel_batch(
     for (int left = n; left > 0; left -= 32) {
         const int count = left < 32 ? left : 32;
         const ptrdiff_t stride = count < 32 ? 32 : all;
-        const double *q_block = count < 32 ? spinning_beam_block32_fill(all, count, 5, q, q_tail) : q;
-        const double *v_block = count < 32 ? spinning_beam_block32_fill(all, count, 5, v, v_tail) : v;
+        const double *q_block = count < 32 ? spinning_beam_block32_pad(all, count, 5, q, q_tail) : q;
+        const double *v_block = count < 32 ? spinning_beam_block32_pad(all, count, 5, v, v_tail) : v;
         for (int b = 0; b < 32; b++) {
             const double beam_phi = q_block[2 * stride + b];
             beam_cos_phi[b] = cos(beam_phi);
@@ -1488,8 +1488,8 @@ int spinning_beam_accel_batch(
             code_b = beam_J > 0.0 ? code_b : 1.0; /* the pivot of beam_phi vanished */
             codes[b] = code_b;
         }
-        spinning_beam_block32_put(all, count, 5, vdot_block, vdot);
-        const int failed = spinning_beam_block_refuse(all, count, 5, codes, vdot);
+        spinning_beam_block32_scatter(all, count, 5, vdot_block, vdot);
+        const int failed = spinning_beam_block_fail(all, count, 5, codes, vdot);
         if (code == 0) code = failed;
         q += count;
         v += count;
@@ -1640,39 +1640,39 @@ const tisserand_pattern *spinning_beam_pattern_jacobian_index1(void)
 /* ---- the descriptor ---- */
 
 static const tisserand_variable spinning_beam_table_p[] = {
-    {"m", "kg", "mass of beam", 1.0, 1},
-    {"l", "m", "length of beam", 1.0, 1},
-    {"EI", "N m^2", "bending stiffness EI of beam", 1.0, 1},
+    {"m", "kg", "mass of beam", 1.0, 1, 0},
+    {"l", "m", "length of beam", 1.0, 1, 0},
+    {"EI", "N m^2", "bending stiffness EI of beam", 1.0, 1, 0},
 };
 
 static const tisserand_variable spinning_beam_table_k[] = {
-    {"beam_mass", "kg", "mass of the body; beam", 0.0, 1},
-    {"beam_C3", "kg m^2", "int rho X . X; beam", 0.0, 1},
-    {"beam_c8_1_1", "kg", "int rho Phi_1 . Phi_1; beam", 0.0, 1},
-    {"beam_c8_2_2", "kg", "int rho Phi_2 . Phi_2; beam", 0.0, 1},
-    {"beam_K_1_1", "N/m", "stiffness: int EI (d2 phi_1/dx2) (d2 phi_1/dx2) dx; beam", 0.0, 1},
-    {"beam_K_2_2", "N/m", "stiffness: int EI (d2 phi_2/dx2) (d2 phi_2/dx2) dx; beam", 0.0, 1},
-    {"beam_X_left", "m", "reference position of marker left; beam", 0.0, 1},
-    {"beam_X_right", "m", "reference position of marker right; beam", 0.0, 1},
-    {"inverse_beam_mass", "", "1 / beam_mass", 0.0, 1},
-    {"inverse_beam_c8_1_1", "", "1 / beam_c8_1_1", 0.0, 1},
-    {"inverse_beam_c8_2_2", "", "1 / beam_c8_2_2", 0.0, 1},
+    {"beam_mass", "kg", "mass of the body; beam", 0.0, 1, 0},
+    {"beam_C3", "kg m^2", "int rho X . X; beam", 0.0, 1, 0},
+    {"beam_c8_1_1", "kg", "int rho Phi_1 . Phi_1; beam", 0.0, 1, 0},
+    {"beam_c8_2_2", "kg", "int rho Phi_2 . Phi_2; beam", 0.0, 1, 0},
+    {"beam_K_1_1", "N/m", "stiffness: int EI (d2 phi_1/dx2) (d2 phi_1/dx2) dx; beam", 0.0, 1, 0},
+    {"beam_K_2_2", "N/m", "stiffness: int EI (d2 phi_2/dx2) (d2 phi_2/dx2) dx; beam", 0.0, 1, 0},
+    {"beam_X_left", "m", "reference position of marker left; beam", 0.0, 1, 0},
+    {"beam_X_right", "m", "reference position of marker right; beam", 0.0, 1, 0},
+    {"inverse_beam_mass", "", "1 / beam_mass", 0.0, 1, 0},
+    {"inverse_beam_c8_1_1", "", "1 / beam_c8_1_1", 0.0, 1, 0},
+    {"inverse_beam_c8_2_2", "", "1 / beam_c8_2_2", 0.0, 1, 0},
 };
 
 static const tisserand_variable spinning_beam_table_q[] = {
-    {"beam_c1", "m", "beam: position of the origin of the floating frame along the inertial e1", 0.0, 1},
-    {"beam_c2", "m", "beam: position of the origin of the floating frame along the inertial e2", 0.0, 1},
-    {"beam_phi", "rad", "beam: rotation of the floating frame", 0.0, 1},
-    {"beam_alpha1", "m", "beam: amplitude of assumed shape 1", 0.0, 1},
-    {"beam_alpha2", "m", "beam: amplitude of assumed shape 2", 0.0, 1},
+    {"beam_c1", "m", "beam: position of the origin of the floating frame along the inertial e1", 0.0, 1, TISSERAND_ROLE_TRANSLATION},
+    {"beam_c2", "m", "beam: position of the origin of the floating frame along the inertial e2", 0.0, 1, TISSERAND_ROLE_TRANSLATION},
+    {"beam_phi", "rad", "beam: rotation of the floating frame", 0.0, 1, TISSERAND_ROLE_ROTATION},
+    {"beam_alpha1", "m", "beam: amplitude of assumed shape 1", 0.0, 1, TISSERAND_ROLE_AMPLITUDE},
+    {"beam_alpha2", "m", "beam: amplitude of assumed shape 2", 0.0, 1, TISSERAND_ROLE_AMPLITUDE},
 };
 
 static const tisserand_variable spinning_beam_table_v[] = {
-    {"beam_c1dot", "m/s", "rate of beam_c1", 0.0, 1},
-    {"beam_c2dot", "m/s", "rate of beam_c2", 0.0, 1},
-    {"beam_phidot", "rad/s", "rate of beam_phi", 0.0, 1},
-    {"beam_alpha1dot", "m/s", "rate of beam_alpha1", 0.0, 1},
-    {"beam_alpha2dot", "m/s", "rate of beam_alpha2", 0.0, 1},
+    {"beam_c1dot", "m/s", "rate of beam_c1", 0.0, 1, 0},
+    {"beam_c2dot", "m/s", "rate of beam_c2", 0.0, 1, 0},
+    {"beam_phidot", "rad/s", "rate of beam_phi", 0.0, 1, 0},
+    {"beam_alpha1dot", "m/s", "rate of beam_alpha1", 0.0, 1, 0},
+    {"beam_alpha2dot", "m/s", "rate of beam_alpha2", 0.0, 1, 0},
 };
 
 static const tisserand_marker spinning_beam_table_markers[] = {
@@ -1706,12 +1706,12 @@ static const tisserand_scene spinning_beam_scene = {
     spinning_beam_constraint_jacobian,
     spinning_beam_constraint_bias,
     spinning_beam_solve,
-    spinning_beam_correct,
+    spinning_beam_project_velocity,
     spinning_beam_poses
 };
 
 static const tisserand_model spinning_beam_descriptor = {
-    3,
+    4,
     "spinning_beam",
     SPINNING_BEAM_NQ,
     SPINNING_BEAM_NV,

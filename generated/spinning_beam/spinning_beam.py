@@ -117,7 +117,7 @@ class Pattern(NamedTuple):
 
 NAME = "spinning_beam"
 COORDINATES = ("beam_c1", "beam_c2", "beam_phi", "beam_alpha1", "beam_alpha2")
-RATES = ("beam_c1dot", "beam_c2dot", "beam_phidot", "beam_alpha1dot", "beam_alpha2dot")
+VELOCITIES = ("beam_c1dot", "beam_c2dot", "beam_phidot", "beam_alpha1dot", "beam_alpha2dot")
 PARAMETERS = ("m", "l", "EI")
 SIZES = (1, 1, 1)
 UNITS = ("kg", "m", "N m^2")
@@ -226,11 +226,11 @@ def dense(pattern, values):
     values = numpy.asarray(values)
     matrix = numpy.zeros((*values.shape[:-1], pattern.rows, pattern.cols), values.dtype)
     for j in range(pattern.cols):
-        for place in range(pattern.colptr[j], pattern.colptr[j + 1]):
-            i = pattern.rowidx[place]
-            matrix[..., i, j] = values[..., place]
+        for position in range(pattern.colptr[j], pattern.colptr[j + 1]):
+            i = pattern.rowidx[position]
+            matrix[..., i, j] = values[..., position]
             if pattern.symmetric:
-                matrix[..., j, i] = values[..., place]
+                matrix[..., j, i] = values[..., position]
     return matrix
 
 
@@ -1119,7 +1119,7 @@ def solve(t, q, v, k):
     return _where(xp, valid_1, vdot), _where(xp, valid_1, lam)
 
 
-def correct(t, q, k, r):
+def project_velocity(t, q, k, r):
     """The smallest change dv of the rates, measured by dv . M dv, with G dv = r: with r = -gdot it
         brings rates onto the constraints, with r = -g, repeated, coordinates.
 

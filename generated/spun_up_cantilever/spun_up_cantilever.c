@@ -1046,7 +1046,7 @@ int spun_up_cantilever_solve(
     return 0;
 }
 
-int spun_up_cantilever_correct(
+int spun_up_cantilever_project_velocity(
     double t,
     const double *TISSERAND_RESTRICT q,
     const double *TISSERAND_RESTRICT k,
@@ -2188,7 +2188,7 @@ int spun_up_cantilever_jacobian_index1(
 /* ---- batches: each state b of a block as the functions above have it ---- */
 
 /* The rows of a block that is not full: its last state is repeated. */
-static const double *spun_up_cantilever_block32_fill(ptrdiff_t all, int count, int rows, const double *from, double *to)
+static const double *spun_up_cantilever_block32_pad(ptrdiff_t all, int count, int rows, const double *from, double *to)
 {
     for (int e = 0; e < rows; e++)
         for (int b = 0; b < 32; b++) to[e * 32 + b] = from[e * all + (b < count ? b : count - 1)];
@@ -2196,7 +2196,7 @@ static const double *spun_up_cantilever_block32_fill(ptrdiff_t all, int count, i
 }
 
 /* The rows of a block to their places among those of all states. */
-static inline void spun_up_cantilever_block32_put(
+static inline void spun_up_cantilever_block32_scatter(
     ptrdiff_t all, int count, int rows, double (*TISSERAND_RESTRICT from)[32], double *TISSERAND_RESTRICT to)
 {
     for (int e = 0; e < rows; e++) {
@@ -2212,7 +2212,7 @@ static inline void spun_up_cantilever_block32_put(
 }
 
 /* NaN for the states that fail, and the code of the first of them. */
-static int spun_up_cantilever_block_refuse(ptrdiff_t all, int count, int rows, const double *codes, double *to)
+static int spun_up_cantilever_block_fail(ptrdiff_t all, int count, int rows, const double *codes, double *to)
 {
     int code = 0;
     for (int b = 0; b < count; b++) {
@@ -2238,7 +2238,7 @@ int spun_up_cantilever_mass_batch(
     for (int left = n; left > 0; left -= 32) {
         const int count = left < 32 ? left : 32;
         const ptrdiff_t stride = count < 32 ? 32 : all;
-        const double *q_block = count < 32 ? spun_up_cantilever_block32_fill(all, count, 6, q, q_tail) : q;
+        const double *q_block = count < 32 ? spun_up_cantilever_block32_pad(all, count, 6, q, q_tail) : q;
         for (int b = 0; b < 32; b++) {
             const double beam_phi = q_block[2 * stride + b];
             beam_cos_phi[b] = cos(beam_phi);
@@ -2278,7 +2278,7 @@ int spun_up_cantilever_mass_batch(
             M_block[18][b] = (18.0 / 5.0);
             M_block[19][b] = (44.0 / 15.0);
         }
-        spun_up_cantilever_block32_put(all, count, 20, M_block, M);
+        spun_up_cantilever_block32_scatter(all, count, 20, M_block, M);
         q += count;
         M += count;
     }
@@ -2303,8 +2303,8 @@ int spun_up_cantilever_force_batch(
     for (int left = n; left > 0; left -= 32) {
         const int count = left < 32 ? left : 32;
         const ptrdiff_t stride = count < 32 ? 32 : all;
-        const double *q_block = count < 32 ? spun_up_cantilever_block32_fill(all, count, 6, q, q_tail) : q;
-        const double *v_block = count < 32 ? spun_up_cantilever_block32_fill(all, count, 6, v, v_tail) : v;
+        const double *q_block = count < 32 ? spun_up_cantilever_block32_pad(all, count, 6, q, q_tail) : q;
+        const double *v_block = count < 32 ? spun_up_cantilever_block32_pad(all, count, 6, v, v_tail) : v;
         for (int b = 0; b < 32; b++) {
             const double beam_phi = q_block[2 * stride + b];
             beam_cos_phi[b] = cos(beam_phi);
@@ -2341,7 +2341,7 @@ int spun_up_cantilever_force_batch(
             h_block[4][b] = 168.0 * beam_alpha2 - t1 * beam_D2_2;
             h_block[5][b] = t5 + (504.0 / 5.0) * beam_alpha3 - t1 * beam_D2_3;
         }
-        spun_up_cantilever_block32_put(all, count, 6, h_block, h);
+        spun_up_cantilever_block32_scatter(all, count, 6, h_block, h);
         q += count;
         v += count;
         h += count;
@@ -2368,8 +2368,8 @@ int spun_up_cantilever_accel_batch(
     for (int left = n; left > 0; left -= 32) {
         const int count = left < 32 ? left : 32;
         const ptrdiff_t stride = count < 32 ? 32 : all;
-        const double *q_block = count < 32 ? spun_up_cantilever_block32_fill(all, count, 6, q, q_tail) : q;
-        const double *v_block = count < 32 ? spun_up_cantilever_block32_fill(all, count, 6, v, v_tail) : v;
+        const double *q_block = count < 32 ? spun_up_cantilever_block32_pad(all, count, 6, q, q_tail) : q;
+        const double *v_block = count < 32 ? spun_up_cantilever_block32_pad(all, count, 6, v, v_tail) : v;
         for (int b = 0; b < 32; b++) {
             const double beam_phi = q_block[2 * stride + b];
             beam_cos_phi[b] = cos(beam_phi);
@@ -2517,8 +2517,8 @@ int spun_up_cantilever_accel_batch(
                 - (39.0 / 153931627888640.0) > 0.0 ? code_b : 1.0; /* the pivot of beam_alpha2 vanished */
             codes[b] = code_b;
         }
-        spun_up_cantilever_block32_put(all, count, 6, vdot_block, vdot);
-        const int failed = spun_up_cantilever_block_refuse(all, count, 6, codes, vdot);
+        spun_up_cantilever_block32_scatter(all, count, 6, vdot_block, vdot);
+        const int failed = spun_up_cantilever_block_fail(all, count, 6, codes, vdot);
         if (code == 0) code = failed;
         q += count;
         v += count;
@@ -2658,27 +2658,27 @@ const tisserand_pattern *spun_up_cantilever_pattern_jacobian_index1(void)
 /* ---- the descriptor ---- */
 
 static const tisserand_variable spun_up_cantilever_table_q[] = {
-    {"beam_c1", "m", "beam: position of the origin of the floating frame along the inertial e1", 0.0, 1},
-    {"beam_c2", "m", "beam: position of the origin of the floating frame along the inertial e2", 0.0, 1},
-    {"beam_phi", "rad", "beam: rotation of the floating frame", 0.0, 1},
-    {"beam_alpha1", "m", "beam: amplitude of assumed shape 1", 0.0, 1},
-    {"beam_alpha2", "m", "beam: amplitude of assumed shape 2", 0.0, 1},
-    {"beam_alpha3", "m", "beam: amplitude of assumed shape 3", 0.0, 1},
+    {"beam_c1", "m", "beam: position of the origin of the floating frame along the inertial e1", 0.0, 1, TISSERAND_ROLE_TRANSLATION},
+    {"beam_c2", "m", "beam: position of the origin of the floating frame along the inertial e2", 0.0, 1, TISSERAND_ROLE_TRANSLATION},
+    {"beam_phi", "rad", "beam: rotation of the floating frame", 0.0, 1, TISSERAND_ROLE_ROTATION},
+    {"beam_alpha1", "m", "beam: amplitude of assumed shape 1", 0.0, 1, TISSERAND_ROLE_AMPLITUDE},
+    {"beam_alpha2", "m", "beam: amplitude of assumed shape 2", 0.0, 1, TISSERAND_ROLE_AMPLITUDE},
+    {"beam_alpha3", "m", "beam: amplitude of assumed shape 3", 0.0, 1, TISSERAND_ROLE_AMPLITUDE},
 };
 
 static const tisserand_variable spun_up_cantilever_table_v[] = {
-    {"beam_c1dot", "m/s", "rate of beam_c1", 0.0, 1},
-    {"beam_c2dot", "m/s", "rate of beam_c2", 0.0, 1},
-    {"beam_phidot", "rad/s", "rate of beam_phi", 0.0, 1},
-    {"beam_alpha1dot", "m/s", "rate of beam_alpha1", 0.0, 1},
-    {"beam_alpha2dot", "m/s", "rate of beam_alpha2", 0.0, 1},
-    {"beam_alpha3dot", "m/s", "rate of beam_alpha3", 0.0, 1},
+    {"beam_c1dot", "m/s", "rate of beam_c1", 0.0, 1, 0},
+    {"beam_c2dot", "m/s", "rate of beam_c2", 0.0, 1, 0},
+    {"beam_phidot", "rad/s", "rate of beam_phi", 0.0, 1, 0},
+    {"beam_alpha1dot", "m/s", "rate of beam_alpha1", 0.0, 1, 0},
+    {"beam_alpha2dot", "m/s", "rate of beam_alpha2", 0.0, 1, 0},
+    {"beam_alpha3dot", "m/s", "rate of beam_alpha3", 0.0, 1, 0},
 };
 
 static const tisserand_variable spun_up_cantilever_table_lambda[] = {
-    {"clamp_1", "N", "hub.centre and beam.root coincide along e1", 0.0, 1},
-    {"clamp_2", "N", "hub.centre and beam.root coincide along e2", 0.0, 1},
-    {"clamp_turn", "N m", "hub.centre and beam.root turn together", 0.0, 1},
+    {"clamp_1", "N", "hub.centre and beam.root coincide along e1", 0.0, 1, 0},
+    {"clamp_2", "N", "hub.centre and beam.root coincide along e2", 0.0, 1, 0},
+    {"clamp_turn", "N m", "hub.centre and beam.root turn together", 0.0, 1, 0},
 };
 
 static const tisserand_marker spun_up_cantilever_table_markers[] = {
@@ -2711,12 +2711,12 @@ static const tisserand_scene spun_up_cantilever_scene = {
     spun_up_cantilever_constraint_jacobian,
     spun_up_cantilever_constraint_bias,
     spun_up_cantilever_solve,
-    spun_up_cantilever_correct,
+    spun_up_cantilever_project_velocity,
     spun_up_cantilever_poses
 };
 
 static const tisserand_model spun_up_cantilever_descriptor = {
-    3,
+    4,
     "spun_up_cantilever",
     SPUN_UP_CANTILEVER_NQ,
     SPUN_UP_CANTILEVER_NV,

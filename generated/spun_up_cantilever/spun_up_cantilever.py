@@ -86,7 +86,7 @@ class Pattern(NamedTuple):
 
 NAME = "spun_up_cantilever"
 COORDINATES = ("beam_c1", "beam_c2", "beam_phi", "beam_alpha1", "beam_alpha2", "beam_alpha3")
-RATES = (
+VELOCITIES = (
     "beam_c1dot", "beam_c2dot", "beam_phidot", "beam_alpha1dot", "beam_alpha2dot",
     "beam_alpha3dot",
 )
@@ -192,11 +192,11 @@ def dense(pattern, values):
     values = numpy.asarray(values)
     matrix = numpy.zeros((*values.shape[:-1], pattern.rows, pattern.cols), values.dtype)
     for j in range(pattern.cols):
-        for place in range(pattern.colptr[j], pattern.colptr[j + 1]):
-            i = pattern.rowidx[place]
-            matrix[..., i, j] = values[..., place]
+        for position in range(pattern.colptr[j], pattern.colptr[j + 1]):
+            i = pattern.rowidx[position]
+            matrix[..., i, j] = values[..., position]
             if pattern.symmetric:
-                matrix[..., j, i] = values[..., place]
+                matrix[..., j, i] = values[..., position]
     return matrix
 
 
@@ -1280,7 +1280,7 @@ def solve(t, q, v, k):
     return _where(xp, valid_1 & valid_2 & valid_3 & valid_4 & valid_5 & valid_6 & valid_7, vdot), _where(xp, valid_1 & valid_2 & valid_3 & valid_4 & valid_5 & valid_6 & valid_7, lam)
 
 
-def correct(t, q, k, r):
+def project_velocity(t, q, k, r):
     """The smallest change dv of the rates, measured by dv . M dv, with G dv = r: with r = -gdot it
         brings rates onto the constraints, with r = -g, repeated, coordinates.
 

@@ -73,7 +73,7 @@ int tisserand_project(const tisserand_model *model, double t, const double *k, d
         if (i == ITERATIONS) {
             return TISSERAND_OFF;
         }
-        code = scene->correct(t, q, k, r, dv);
+        code = scene->project_velocity(t, q, k, r, dv);
         counts->corrections++;
         if (code == 0) {
             code = model->rates(q, dv, k, dq);
@@ -87,7 +87,7 @@ int tisserand_project(const tisserand_model *model, double t, const double *k, d
     counts->constraints++;
     /* gdot is linear in v: one correction is all there is to do. */
     if (code == 0 && !within(model->nlambda, tolerance, r)) {
-        code = scene->correct(t, q, k, r, dv);
+        code = scene->project_velocity(t, q, k, r, dv);
         counts->corrections++;
         add(model->nv, 1.0, dv, v);
     }

@@ -36,7 +36,7 @@ typedef struct {
     long steps;
     long accelerations; /* calls of accel and solve */
     long constraints;   /* calls of constraints and constraint_rates */
-    long corrections;   /* calls of correct, each about as dear as one of accel */
+    long corrections;   /* calls of project_velocity, each about as dear as one of accel */
 } tisserand_fixed_counts;
 
 /* Doubles that the functions need as `work`; its contents need not survive between calls. */

@@ -14,7 +14,9 @@ from toolchain import special, tool
 
 import beams
 import derive
+import free_block
 from derive.backends.c.source import ABI
+from derive.roles import Role
 from derive.runtime import compiler as compiler_module
 from derive.runtime import native as native_module
 from derive.runtime.compiler import CompilerError
@@ -96,6 +98,16 @@ def test_an_unknown_marker_is_named() -> None:
     for call in (lambda: model.marker("nowhere", Q, V, model.setup()), lambda: model.marker_pattern("nowhere")):
         with pytest.raises(ValueError, match=r"nowhere.*left, inside, right"):
             call()
+
+
+def test_roles_of_the_coordinates() -> None:
+    assert beams.native("point", 2).roles == (*[Role.TRANSLATION] * 2, Role.ROTATION, *[Role.AMPLITUDE] * 2)
+
+
+@pytest.mark.parametrize("lowering", ["flat", "table"])
+def test_roles_of_a_spatial_body_in_both_lowerings(lowering: str) -> None:
+    expected = (*[Role.TRANSLATION] * 3, *[Role.QUATERNION] * 4, *[Role.AMPLITUDE] * 2)
+    assert free_block.native("mean", lowering, 2).roles == expected
 
 
 def test_another_interface_number_is_refused() -> None:

@@ -126,7 +126,7 @@ def test_describes_the_model() -> None:
         assert len(names["CONSTANTS"]) == c.nk
         assert len(names["UNITS"]) == c.np
         if "e0" not in names["COORDINATES"]:
-            assert tuple(f"{name}dot" for name in names["COORDINATES"]) == names["RATES"]
+            assert tuple(f"{name}dot" for name in names["COORDINATES"]) == names["VELOCITIES"]
         patterns = {"MASS": c.mass_pattern, "JACOBIAN": c.jacobian_pattern}
         patterns |= {f"MARKER_{m.upper()}": c.marker_pattern(m) for m in c.markers}
         for name, pattern in patterns.items():

@@ -16,14 +16,15 @@ from scipy.special import ellipj, ellipk
 
 import derive
 from derive.backends.c.source import ABI
+from derive.rendering import render
+from derive.roles import Role
 from derive.runtime.integrators.build import LibraryMissing
 from derive.runtime.integrators.library import Integration
 from derive.runtime.integrators.run import FixedStep, GeneralisedAlpha, Ida
 
 Made = TypeVar("Made")
 HERE = Path(__file__).parent
-ROOT = HERE.parent.parent
-SHARED, OWN = "/* ---- shared by all models", "/* ---- sizes and indices"
+SHARED = "/* ---- shared by all models"
 
 
 def _text(path: Path) -> str:
@@ -31,9 +32,8 @@ def _text(path: Path) -> str:
     text = path.read_text()
     if path.suffix != ".h":
         return text
-    template = (ROOT / "templates" / "c" / "model.h.jinja").read_text().replace("{{ abi }}", str(ABI))
     line = next(line for line in text.splitlines() if line.startswith(SHARED))
-    return text.replace(line, template[template.index(SHARED) : template.index(OWN)])
+    return text.replace(line, render("c/descriptor.h.jinja", {"abi": ABI, "roles": Role}))
 
 
 FILES = tuple(derive.File(f"pendulum/{p.name}", _text(p)) for p in sorted((HERE / "pendulum").iterdir()))

@@ -86,7 +86,7 @@ def test_corrections_are_the_smallest(name: str) -> None:
     made, k, (t, q, _), seen = oracle(name, SEEDS[0])
     M, G = seen.M.astype(float), seen.G.astype(float)
     r = np.random.default_rng(0).normal(size=len(G))
-    dv = made.native.correct(t, q, k, r)
+    dv = made.native.project_velocity(t, q, k, r)
     inverse = np.linalg.solve(M, G.T)
     close(dv, inverse @ np.linalg.solve(G @ inverse, r), 1e-10)
 
@@ -140,7 +140,7 @@ def test_python_is_the_same_and_takes_batches(name: str) -> None:
         "gdot": (python["constraint_rates"](t, q, v, k), lambda t, q, v: native.constraint_rates(t, q, v, k)),
         "G": (python["constraint_jacobian"](t, q, k), lambda t, q, v: native.constraint_jacobian(t, q, k)),
         "gamma": (python["constraint_bias"](t, q, v, k), lambda t, q, v: native.constraint_bias(t, q, v, k)),
-        "dv": (python["correct"](t, q, k, r), lambda t, q, v: native.correct(t, q, k, r)),
+        "dv": (python["project_velocity"](t, q, k, r), lambda t, q, v: native.project_velocity(t, q, k, r)),
         "poses": (python["poses"](t, q, k), lambda t, q, v: native.poses(t, q, k).ravel()),
         "energy": (python["energy"](q, v, k), lambda t, q, v: native.energy(q, v, k)),
         "momentum": (python["momentum"](q, v, k), lambda t, q, v: native.momentum(q, v, k)),

@@ -7,6 +7,7 @@ import pytest
 from made import Made, close, make, state
 from oracle import Oracle
 
+from derive.roles import Role
 from derive.runtime.native import load
 from derive.spec.toml.read import parse
 
@@ -87,6 +88,19 @@ def test_they_are_what_the_oracle_says(made: Made) -> None:
     close(native.poses(t, q, k), seen.poses, 1e-14)
     close(native.energy(q, v, k), seen.energy, 1e-14)
     close(made.python["accel"](t, q, v, k), seen.vdot, 1e-12)
+
+
+@pytest.mark.parametrize(
+    ("scene", "roles"),
+    [
+        ("a guide, at an angle", (Role.DISPLACEMENT,)),
+        ("a pendulum", (Role.ROTATION,)),
+        ("a free body", (Role.TRANSLATION, Role.TRANSLATION, Role.ROTATION)),
+        ("given shapes", (Role.TRANSLATION, Role.TRANSLATION, Role.ROTATION, Role.AMPLITUDE, Role.AMPLITUDE)),
+    ],
+)
+def test_roles_of_the_coordinates(scene: str, roles: tuple[Role, ...]) -> None:
+    assert make(parse(SCENES[scene])).native.roles == roles
 
 
 def test_batches_of_c_are_the_same_bit_for_bit(made: Made) -> None:

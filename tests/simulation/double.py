@@ -125,7 +125,7 @@ class Double:
     def accel(self, t: float, q: Array, v: Array, k: Array) -> Array:
         return self.solve(t, q, v, k)[0]
 
-    def correct(self, t: float, q: Array, k: Array, r: Array) -> Array:
+    def project_velocity(self, t: float, q: Array, k: Array, r: Array) -> Array:
         return self._kkt(q, np.zeros(self.nv), r)[: self.nv]
 
     def _kkt(self, q: Array, upper: Array, lower: Array) -> Array:

@@ -158,7 +158,7 @@ class _Body:
             *([f"const ptrdiff_t stride = count < {width} ? {width} : all;"] if strides else []),
             *(
                 f"const double *{a.name}_block = count < {width} ? "
-                f"{self.prefix}_fill(all, count, {len(a.elements)}, {a.name}, {a.name}_tail) : {a.name};"
+                f"{self.prefix}_pad(all, count, {len(a.elements)}, {a.name}, {a.name}_tail) : {a.name};"
                 for a in self.states
             ),
         ]
@@ -226,7 +226,7 @@ class _Body:
             to = f"{name} + {first} * all" if first else name
             lines.append(put(self.prefix, len(pairs), to, f"{name}_block", place))
         if self.checked:
-            rows, refuse = self.output.size, f"{self.model}_block_refuse"
+            rows, refuse = self.output.size, f"{self.model}_block_fail"
             lines += [
                 f"const int failed = {refuse}(all, count, {rows}, codes, {name});",
                 "if (code == 0) code = failed;",

@@ -81,7 +81,7 @@ class BlockLoops:
     def view(self, view: View, argument: str) -> Lines:
         """A part of q or v, for the states of a block."""
         self.arrays[view.name] = padded(view.size)
-        take = f"{self.prefix}_take(all, count, {view.size}, {argument} + {view.offset} * all, {view.name});"
+        take = f"{self.prefix}_gather(all, count, {view.size}, {argument} + {view.offset} * all, {view.name});"
         return [take, *self._padding(view.name, view.size)]
 
     def each(self, loop: Each) -> Lines:
@@ -180,7 +180,7 @@ def states(width: int) -> str:
 
 def put(prefix: str, rows: int, to: str, source: str, first: int = 0) -> str:
     """Copy rows of a block to an output."""
-    return f"{prefix}_put(all, count, {rows}, {source}{f' + {first}' if first else ''}, {to});"
+    return f"{prefix}_scatter(all, count, {rows}, {source}{f' + {first}' if first else ''}, {to});"
 
 
 def rows_helper(prefix: str, size: int, width: int) -> Lines:

@@ -16,8 +16,9 @@ from derive.ir.kernel import Kernel, Require, Store
 from derive.ir.loops import Contract, Reduce, RequireAll
 from derive.ir.model import Model, Variable
 from derive.rendering import comment, render, wrapped
+from derive.roles import Role
 
-ABI = 3
+ABI = 4
 
 FORMS = {"index3": "", "ggl": "_ggl", "index1": "_index1"}
 """The forms of the equations of a scene, with what the names of their functions end in."""
@@ -46,6 +47,7 @@ def c_files(model: Model, fingerprint: str) -> tuple[File, ...]:
         "name": model.name,
         "macro": model.name.upper(),
         "abi": ABI,
+        "roles": Role,
         "title": "\n".join(comment((*mark, f"{said.title}; see {model.name}.h."))),
         "description": "\n".join(comment((*mark, *description(said)))),
         "helpers": _helpers(model, widths),
@@ -159,9 +161,9 @@ def defaults_text(model: Model) -> str:
     numbers = wrapped([", ".join(repr(x) for _, x in kept)], "        ")
     return "\n".join(
         [
-            *("    static const int places[] = {", *places, "    };"),
+            *("    static const int indices[] = {", *places, "    };"),
             *("    static const double values[] = {", *numbers, "    };"),
             f"    for (int i = 0; i < {len(values)}; i++) p[i] = 0.0;",
-            f"    for (int i = 0; i < {len(kept)}; i++) p[places[i]] = values[i];",
+            f"    for (int i = 0; i < {len(kept)}; i++) p[indices[i]] = values[i];",
         ]
     )

@@ -162,10 +162,10 @@ def _last(value):
     return value if isinstance(value, (int, float)) else value[..., None]
 
 
-def _table(tables, many, place, count):
+def _table(tables, number, index, count):
     """A packed table as a matrix (..., j, i): panels of {LANES} columns hold the tables one after the other."""
     size = -(-count // {LANES}) * {LANES}
-    panels = tables.reshape((*tables.shape[:-1], size // {LANES}, many, {LANES}, size))[..., place, :, :]
+    panels = tables.reshape((*tables.shape[:-1], size // {LANES}, number, {LANES}, size))[..., index, :, :]
     return panels.reshape((*tables.shape[:-1], size, size))[..., :count, :count]
 
 
@@ -176,34 +176,34 @@ def _product(xp, vector, matrix):
 
 def _pairs(count, parity):
     """Where the entries (i, j), by rows, lie among those for i <= j (i < j if odd), and their signs."""
-    places, signs = [], []
+    positions, signs = [], []
     for i in range(count):
         for j in range(count):
             low, high = min(i, j), max(i, j)
             if parity > 0:
-                places.append(low * count - low * (low - 1) // 2 + high - low)
+                positions.append(low * count - low * (low - 1) // 2 + high - low)
                 signs.append(1.0)
             else:
-                places.append(low * (count - 1) - low * (low - 1) // 2 + high - low - 1 if i != j else 0)
+                positions.append(low * (count - 1) - low * (low - 1) // 2 + high - low - 1 if i != j else 0)
                 signs.append(float(i < j) - float(i > j))
-    return places, signs
+    return positions, signs
 
 
-def _square(xp, given, count):
+def _square(xp, values, count):
     """A symmetric matrix (..., i, j) of its entries for i <= j."""
-    places, _ = _pairs(count, 1)
-    return xp.asarray(given[..., places]).reshape((*given.shape[:-1], count, count))
+    positions, _ = _pairs(count, 1)
+    return xp.asarray(values[..., positions]).reshape((*values.shape[:-1], count, count))
 
 
-def _pack(xp, k, given, pairs, many, place, count, parity):
+def _pack(xp, k, values, pairs, number, index, count, parity):
     """Write one table into the packed ones; columns j, in them rows i."""
-    places, signs = pairs
-    if given.shape[-1] == 0:
+    positions, signs = pairs
+    if values.shape[-1] == 0:
         return
-    matrix = (given[..., places] * xp.asarray(signs)).reshape((*given.shape[:-1], count, count))
+    matrix = (values[..., positions] * xp.asarray(signs)).reshape((*values.shape[:-1], count, count))
     size = -(-count // {LANES}) * {LANES}
     for j in range(count):
-        first = ((j // {LANES} * many + place) * {LANES} + j % {LANES}) * size
+        first = ((j // {LANES} * number + index) * {LANES} + j % {LANES}) * size
         k[..., first : first + count] = matrix[..., :, j]
 
 

@@ -135,7 +135,7 @@ def _tables(model: Model) -> list[Table]:
 
     return [
         table("COORDINATES", _each_name(model.coordinates)),
-        table("RATES", _each_name(model.rates)),
+        table("VELOCITIES", _each_name(model.rates)),
         table("PARAMETERS", (v.name for v in model.parameters)),
         table("SIZES", (v.size for v in model.parameters)),
         table("UNITS", (v.unit for v in model.parameters)),

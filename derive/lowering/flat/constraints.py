@@ -25,7 +25,7 @@ def constraint_kernels(context: Context) -> tuple[Kernel, ...]:
         constraint_jacobian(context),
         constraint_bias(context),
         solved(context),
-        correct(context),
+        project_velocity(context),
         poses(context),
     )
 
@@ -110,7 +110,7 @@ def accelerations(context: Context) -> Kernel:
     return _by_factors(context, "accel", doc, arguments, outputs, symbols, right)
 
 
-def correct(context: Context) -> Kernel:
+def project_velocity(context: Context) -> Kernel:
     """The smallest dv with G dv = r."""
     asked = Argument("r", tuple(f"r_{name}" for name in context.multipliers), "change of the constraints' rates")
     symbols = context.symbols(context.t, context.q, asked)
@@ -122,7 +122,7 @@ def correct(context: Context) -> Kernel:
     )
     outputs = (Output("dv", context.rates, "change of the rates"),)
     arguments = (context.t, context.q, context.k, asked)
-    return _by_factors(context, "correct", doc, arguments, outputs, symbols, right)
+    return _by_factors(context, "project_velocity", doc, arguments, outputs, symbols, right)
 
 
 def poses(context: Context) -> Kernel:

@@ -19,6 +19,7 @@ from derive.ir.model import Model, Variable, Zero
 from derive.lowering.flat.functions import NOT_FINITE, PIVOT
 from derive.mechanics.indexed_equations import GenericEquations, Table, indices, labels
 from derive.mechanics.series import PARITY
+from derive.roles import Role
 
 TABLES, TRIANGLE, ROOT = "tables", "c8_pairs", "root"
 PACKED = ("C5", "K", "c7", "B", "c8")
@@ -185,9 +186,9 @@ def model(eq: GenericEquations, memory: Memory, kernels: tuple[Kernel, ...], zer
     """The kernels of a model with names, units and reasons."""
     n = eq.modes
 
-    def of_shapes(name: str, doc: str, unit: str) -> tuple[Variable, ...]:
+    def of_shapes(name: str, doc: str, unit: str, role: Role | None = None) -> tuple[Variable, ...]:
         """An array, whose elements are numbered where they are told apart; one alone has its number itself."""
-        return (Variable(f"{name}1" if n == 1 else name, doc, unit, 0.0, n),) if n else ()
+        return (Variable(f"{name}1" if n == 1 else name, doc, unit, 0.0, n, role),) if n else ()
 
     told = {component(t.name, label): t for t in eq.tables for label in labels(t.name)}
     docs = {name: (t.doc, t.unit) for name, t in told.items()}
@@ -199,8 +200,8 @@ def model(eq: GenericEquations, memory: Memory, kernels: tuple[Kernel, ...], zer
         name=eq.name,
         doc=eq.doc,
         origin=eq.origin,
-        coordinates=tuple(Variable(str(c.q), c.doc, c.unit) for c in eq.coordinates[:7])
-        + of_shapes("alpha", "amplitudes of the assumed shapes", "m"),
+        coordinates=tuple(Variable(str(c.q), c.doc, c.unit, role=c.role) for c in eq.coordinates[:7])
+        + of_shapes("alpha", "amplitudes of the assumed shapes", "m", Role.AMPLITUDE),
         rates=tuple(Variable(str(r.v), r.doc, r.unit) for r in eq.rows)
         + of_shapes("alphadot", "rates of alpha", "m/s"),
         rows=tuple(Variable(r.name, f"row of delta {r.name}", r.work) for r in eq.rows)

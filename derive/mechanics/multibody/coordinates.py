@@ -16,6 +16,7 @@ from derive.mechanics.equations import Coordinate, Definition, Row
 from derive.mechanics.motion import Motion
 from derive.mechanics.multibody.point_motion import PointMotion
 from derive.mechanics.multibody.time_functions import t
+from derive.roles import Role
 from derive.spec.model.scene import Joint
 
 
@@ -41,7 +42,9 @@ def free(name: str, motion: Motion) -> Held:
     coordinates, rows = [], []
     values: dict[sp.Basic, sp.Basic] = {}
     for coordinate, row in zip(motion.coordinates, motion.rows, strict=True):
-        new, new_row = _coordinate(f"{name}_{coordinate.q}", f"{name}: {coordinate.doc}", coordinate.unit)
+        new, new_row = _coordinate(
+            f"{name}_{coordinate.q}", f"{name}: {coordinate.doc}", coordinate.unit, coordinate.role
+        )
         coordinates.append(new)
         rows.append(new_row)
         values |= {coordinate.q: new.q, row.v: new_row.v, row.a: new_row.a}
@@ -61,7 +64,7 @@ def known(name: str, motion: Motion, at: PointMotion, turn: tuple[sp.Expr, sp.Ex
 def turning(name: str, motion: Motion, at: PointMotion, reason: str) -> Held:
     """The rotation alone: O follows a known point."""
     values, definitions = _origin(name, motion, at)
-    coordinate, row = _coordinate(f"{name}_phi", f"rotation of {name}", "rad")
+    coordinate, row = _coordinate(f"{name}_phi", f"rotation of {name}", "rad", Role.ROTATION)
     values |= dict(zip(_symbols(motion, 2), (coordinate.q, row.v, row.a), strict=True))
     weights = {motion.rows[2].name: sp.S.One}
     return Held((coordinate,), (row,), values, (weights,), tuple(definitions), reason)
@@ -69,7 +72,7 @@ def turning(name: str, motion: Motion, at: PointMotion, reason: str) -> Held:
 
 def sliding(name: str, motion: Motion, at: PointMotion, axis: sp.Matrix, turn: sp.Expr, reason: str) -> Held:
     """The displacement s along an axis through a point of the ground alone."""
-    coordinate, row = _coordinate(f"{name}_s", f"displacement of {name} along its guide", "m")
+    coordinate, row = _coordinate(f"{name}_s", f"displacement of {name} along its guide", "m", Role.DISPLACEMENT)
     values: dict[sp.Basic, sp.Basic] = {}
     for k in range(2):
         q, v, a = _symbols(motion, k)
@@ -100,10 +103,10 @@ def time_derivatives(of: sp.Expr) -> tuple[sp.Expr, sp.Expr, sp.Expr]:
     return of, of.diff(t), of.diff(t, 2)
 
 
-def _coordinate(name: str, doc: str, unit: str) -> tuple[Coordinate, Row]:
+def _coordinate(name: str, doc: str, unit: str, role: Role) -> tuple[Coordinate, Row]:
     v, a = sp.symbols(f"{name}dot {name}ddot")
     work = "N m" if unit == "rad" else "N"
-    return Coordinate(sp.Symbol(name), doc, unit), Row(name, v, a, f"rate of {name}", f"{unit}/s", work)
+    return Coordinate(sp.Symbol(name), doc, unit, role), Row(name, v, a, f"rate of {name}", f"{unit}/s", work)
 
 
 def _symbols(motion: Motion, k: int) -> tuple[sp.Symbol, sp.Symbol, sp.Symbol]:

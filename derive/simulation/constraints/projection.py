@@ -37,7 +37,7 @@ def project(native: Mechanism, k: Vector, t: float, q: Vector, v: Vector) -> tup
     for _ in range(NEWTON_STEPS):
         if largest(g) <= ROUNDING * max(1.0, largest(q)):
             break
-        moved = q + native.correct(t, q, k, -g)
+        moved = q + native.project_velocity(t, q, k, -g)
         g_moved = native.constraints(t, moved, k)
         if not largest(g_moved) < largest(g):
             break
@@ -45,7 +45,7 @@ def project(native: Mechanism, k: Vector, t: float, q: Vector, v: Vector) -> tup
         q, g = moved, g_moved
         if done:
             break
-    return q, v + native.correct(t, q, k, -native.constraint_rates(t, q, v, k))
+    return q, v + native.project_velocity(t, q, k, -native.constraint_rates(t, q, v, k))
 
 
 def keep(native: Mechanism, k: Vector, t: float, q: Vector, v: Vector, tolerance: float) -> Drift:

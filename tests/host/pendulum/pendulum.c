@@ -133,7 +133,7 @@ static int accel(double t, const double *q, const double *v, const double *k, do
     return solve(t, q, v, k, vdot, lambda);
 }
 
-static int correct(double t, const double *q, const double *k, const double *r, double *dv)
+static int project_velocity(double t, const double *q, const double *k, const double *r, double *dv)
 {
     const double h[NQ] = {0.0, 0.0, 0.0};
     double lambda[NL];
@@ -286,13 +286,13 @@ static int jacobian_ggl(double t, const double *y, const double *ydot, double cj
 /* ---- the descriptor ---- */
 
 static const tisserand_variable TABLE_Q[] = {
-    {"x", "m", "", 0.0, 1}, {"y", "m", "", -0.5, 1}, {"phi", "rad", "", -1.5707963267948966, 1}};
+    {"x", "m", "", 0.0, 1, TISSERAND_ROLE_TRANSLATION}, {"y", "m", "", -0.5, 1, TISSERAND_ROLE_TRANSLATION}, {"phi", "rad", "", -1.5707963267948966, 1, TISSERAND_ROLE_ROTATION}};
 static const tisserand_variable TABLE_V[] = {
-    {"x_dot", "m/s", "", 0.0, 1}, {"y_dot", "m/s", "", 0.0, 1}, {"phi_dot", "rad/s", "", 0.0, 1}};
+    {"x_dot", "m/s", "", 0.0, 1, 0}, {"y_dot", "m/s", "", 0.0, 1, 0}, {"phi_dot", "rad/s", "", 0.0, 1, 0}};
 static const tisserand_variable TABLE_P[] = {
-    {"a", "m", "", 0.5, 1},      {"m", "kg", "", 2.0, 1}, {"J", "kg m^2", "", 0.125, 1},
-    {"g", "m/s^2", "", 9.81, 1}, {"s", "m", "", 0.0, 1},  {"w", "rad/s", "", 3.0, 1}};
-static const tisserand_variable TABLE_LAMBDA[] = {{"pivot_1", "N", "", 0.0, 1}, {"pivot_2", "N", "", 0.0, 1}};
+    {"a", "m", "", 0.5, 1, 0},      {"m", "kg", "", 2.0, 1, 0}, {"J", "kg m^2", "", 0.125, 1, 0},
+    {"g", "m/s^2", "", 9.81, 1, 0}, {"s", "m", "", 0.0, 1, 0},  {"w", "rad/s", "", 3.0, 1, 0}};
+static const tisserand_variable TABLE_LAMBDA[] = {{"pivot_1", "N", "", 0.0, 1, 0}, {"pivot_2", "N", "", 0.0, 1, 0}};
 static const char *const BODIES[] = {"rod"};
 
 static const tisserand_dae FORMS[] = {
@@ -313,7 +313,7 @@ static const tisserand_scene SCENE = {
     .constraint_jacobian = constraint_jacobian,
     .constraint_bias = constraint_bias,
     .solve = solve,
-    .correct = correct,
+    .project_velocity = project_velocity,
     .poses = pendulum_poses,
 };
 
