@@ -1,28 +1,35 @@
-# `make run` shows the tool at work, `make test` proves it; both set up what they need in .venv.
+# `make run` installs Tisserand into .venv and builds the two beams of the README.
+# `make test` also installs the test tools and runs all checks and tests.
 
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
+PIP := $(BIN)/python -m pip install --disable-pip-version-check --constraint constraints.txt
 
-.PHONY: run test setup clean
+.PHONY: run test clean
 
-run: setup
+run: $(VENV)/installed
 	$(BIN)/tisserand build scenes/free_beam_mean.toml scenes/free_beam_point.toml
 	$(BIN)/tisserand compare scenes/free_beam_mean.toml scenes/free_beam_point.toml
 
-test: setup
+test: $(VENV)/installed-test
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/tisserand check
 	$(BIN)/pytest --numprocesses 2 --dist loadfile
 
-setup: $(VENV)/installed
-
 $(VENV)/installed: pyproject.toml constraints.txt
-	$(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[test]'
-	touch $@
+	@echo "Creating the virtual environment $(VENV) ..."
+	@$(PYTHON) -m venv $(VENV)
+	@echo "Installing Tisserand and its dependencies into $(VENV); the first time this takes about a minute ..."
+	@$(PIP) --editable .
+	@touch $@
+
+$(VENV)/installed-test: $(VENV)/installed
+	@echo "Installing the test tools into $(VENV) ..."
+	@$(PIP) --editable '.[test]'
+	@touch $@
 
 clean:
 	rm -rf $(VENV) build dist
