@@ -6,10 +6,11 @@ from functools import cache
 
 import numpy as np
 import pytest
-from pendulums import ROOT, needed
+from pendulums import needed
 from toolchain import block
 
 import derive
+from conftest import ROOT
 from derive.runtime.integrators.library import Host, HostError, Integration
 from derive.runtime.integrators.run import FixedStep, GeneralisedAlpha, Ida
 from derive.simulation.initial.consistent_state import consistent
