@@ -24,7 +24,7 @@ FRAMES = ("mean", "point")
 RUN = """
 import json, sys
 from pathlib import Path
-import derive.spec.toml.check, derive.spec.toml.schema
+import derive.spec.checks.validation, derive.spec.tables.specification
 from derive.pipeline import build
 print(json.dumps([stage.seconds for stage in build(Path(sys.argv[1])).stages]))
 """

@@ -28,9 +28,70 @@ if TYPE_CHECKING:
     from derive.mechanics.equations import Equations
     from derive.mechanics.indexed_equations import GenericEquations
     from derive.runtime.native import Native, load
-    from derive.spec.model.body import Frame, Marker, NodalBody, Parameter, PlanarBeam, SymbolicBody
-    from derive.spec.toml.read import nodal_body, planar_beam, read, symbolic_body
+    from derive.spec.construction import nodal_body, planar_beam, scene, symbolic_body, validated
+    from derive.spec.model.body import (
+        BodyFrame,
+        Damping,
+        Frame,
+        Marker,
+        NodalBody,
+        NodeData,
+        NodeMarker,
+        Parameter,
+        PlanarBeam,
+        SymbolicBody,
+    )
+    from derive.spec.model.scene import (
+        BeamBody,
+        Deflection,
+        Drive,
+        Force,
+        InitialGuess,
+        Joint,
+        MarkerRef,
+        Plot,
+        PointMarker,
+        ReferenceCurve,
+        RigidBody,
+        Scene,
+        Simulation,
+        Spring,
+        TimeFunction,
+        Torque,
+    )
+    from derive.spec.parsing.time_expression import time_function
+    from derive.spec.toml.read import read
 
+_BODY_TYPES = (
+    "BodyFrame",
+    "Damping",
+    "Frame",
+    "Marker",
+    "NodalBody",
+    "NodeData",
+    "NodeMarker",
+    "Parameter",
+    "PlanarBeam",
+    "SymbolicBody",
+)
+_SCENE_TYPES = (
+    "BeamBody",
+    "Deflection",
+    "Drive",
+    "Force",
+    "InitialGuess",
+    "Joint",
+    "MarkerRef",
+    "Plot",
+    "PointMarker",
+    "ReferenceCurve",
+    "RigidBody",
+    "Scene",
+    "Simulation",
+    "Spring",
+    "TimeFunction",
+    "Torque",
+)
 _HOME = {
     "File": "derive.artifacts",
     "write": "derive.artifacts",
@@ -44,27 +105,48 @@ _HOME = {
     "Native": "derive.runtime.native",
     "load": "derive.runtime.native",
     **dict.fromkeys(("SpecError", "TisserandError"), "derive.errors"),
-    **dict.fromkeys(
-        ("Frame", "Marker", "NodalBody", "Parameter", "PlanarBeam", "SymbolicBody"), "derive.spec.model.body"
-    ),
-    **dict.fromkeys(("nodal_body", "planar_beam", "read", "symbolic_body"), "derive.spec.toml.read"),
+    **dict.fromkeys(_BODY_TYPES, "derive.spec.model.body"),
+    **dict.fromkeys(_SCENE_TYPES, "derive.spec.model.scene"),
+    **dict.fromkeys(("nodal_body", "planar_beam", "scene", "symbolic_body", "validated"), "derive.spec.construction"),
+    "read": "derive.spec.toml.read",
+    "time_function": "derive.spec.parsing.time_expression",
 }
 
 __all__ = [
+    "BeamBody",
+    "BodyFrame",
+    "Damping",
+    "Deflection",
+    "Drive",
     "Equations",
     "File",
+    "Force",
     "Frame",
     "GenericEquations",
+    "InitialGuess",
+    "Joint",
     "Marker",
+    "MarkerRef",
     "ModalBody",
     "Model",
     "Native",
     "NodalBody",
+    "NodeData",
+    "NodeMarker",
     "Parameter",
     "PlanarBeam",
+    "Plot",
+    "PointMarker",
+    "ReferenceCurve",
+    "RigidBody",
+    "Scene",
+    "Simulation",
     "SpecError",
+    "Spring",
     "SymbolicBody",
+    "TimeFunction",
     "TisserandError",
+    "Torque",
     "__version__",
     "derive",
     "derive_modal",
@@ -77,7 +159,10 @@ __all__ = [
     "parameters",
     "planar_beam",
     "read",
+    "scene",
     "symbolic_body",
+    "time_function",
+    "validated",
     "write",
 ]
 

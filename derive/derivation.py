@@ -22,8 +22,7 @@ from derive.mechanics.equations import Equations
 from derive.mechanics.indexed_equations import GenericEquations
 from derive.mechanics.multibody import assembly as mechanism
 from derive.spec.model.body import Gravity, Lowering, NodalBody, PlanarBeam, SymbolicBody
-from derive.spec.model.scene import Scene
-from derive.spec.model.specification import Specification
+from derive.spec.model.scene import Scene, Specification
 
 
 def derive(spec: Specification) -> Equations | GenericEquations:

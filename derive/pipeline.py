@@ -14,7 +14,7 @@ from derive.ir.model import Model
 from derive.mechanics.equations import Equations
 from derive.mechanics.indexed_equations import GenericEquations
 from derive.spec.model.body import NodalBody
-from derive.spec.model.specification import Specification
+from derive.spec.model.scene import Specification
 from derive.spec.toml.read import read, with_lines
 
 

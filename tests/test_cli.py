@@ -37,7 +37,7 @@ def test_without_arguments_it_helps(capsys: pytest.CaptureFixture[str]) -> None:
 def test_help_imports_nothing_heavy() -> None:
     code = (
         "import sys\n"
-        "from derive.cli import main\n"
+        "from derive.cli.main import main\n"
         "try: main(['--help'])\n"
         "except SystemExit: pass\n"
         "print([m for m in ('sympy', 'casadi', 'numpy', 'pydantic', 'jinja2') if m in sys.modules])"

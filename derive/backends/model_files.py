@@ -13,8 +13,7 @@ from derive.backends.c.source import ABI, c_files
 from derive.backends.python.module import python_file
 from derive.ir.model import Model
 from derive.spec.model.body import NodalBody, PlanarBeam, SymbolicBody
-from derive.spec.model.scene import Scene
-from derive.spec.model.specification import Specification
+from derive.spec.model.scene import Scene, Specification
 from derive.version import VERSION
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from derive.spec.toml.read import json_schema
+from derive.spec.tables.specification import json_schema
 
 
 def run(_: argparse.Namespace) -> int:

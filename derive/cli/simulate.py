@@ -19,8 +19,8 @@ from derive.simulation.observables.plots import Line
 from derive.simulation.run import Run, columns
 from derive.simulation.run import run as simulate
 from derive.spec.model.scene import BeamBody, Plot, Scene
+from derive.spec.tables.scene import MAX_STEPS
 from derive.spec.toml.read import read, with_lines
-from derive.spec.toml.scene.tables import MAX_STEPS
 from derive.study.text_table import beams, table
 from derive.terminal import show
 from derive.visual import line_chart as chart

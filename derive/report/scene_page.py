@@ -27,7 +27,7 @@ from derive.report.sections.term_lines import definition_lines, places
 from derive.report.sections.terms import row_blocks
 from derive.report.sections.zeros import vanished_blocks
 from derive.spec.model.body import Parameter, Quantity
-from derive.spec.model.scene import BeamBody, Place, Scene, SceneBody
+from derive.spec.model.scene import BeamBody, MarkerRef, Scene, SceneBody
 from derive.visual.kkt_matrix import kkt_picture
 
 COUNTED = (
@@ -183,7 +183,7 @@ def _acting(spec: Scene) -> tuple[Block, ...]:
     return (table("What acts", ("what", "name", "where"), rows),) if rows else ()
 
 
-def _place(place: Place) -> str:
+def _place(place: MarkerRef) -> str:
     return f"{place.body}.{place.marker}"
 
 

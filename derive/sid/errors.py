@@ -15,7 +15,7 @@ class SidProblem:
     message: str
 
 
-class SidError(TisserandError):
+class SidError(TisserandError, ValueError):
     """A SID text that cannot be used; `problems` holds all that is wrong with it, in the order of the lines."""
 
     def __init__(self, problems: list[SidProblem]) -> None:

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from derive.spec.model.scene import BeamBody, Scene
-from derive.spec.toml import values
-from derive.spec.toml.beam_tables import frame_from
+from derive.spec.parsing import values
+from derive.spec.tables.beam import frame_from
 
 
 @dataclass(frozen=True)

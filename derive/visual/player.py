@@ -16,7 +16,7 @@ from derive.rendering import render
 from derive.simulation.observables import rods
 from derive.simulation.observables.csv_writer import Column
 from derive.simulation.observables.observables import Motion, drive_unit, driven, local, number, placed, positions
-from derive.spec.model.scene import GROUND, BeamBody, Joint, Place, RigidBody, Scene
+from derive.spec.model.scene import GROUND, BeamBody, Joint, MarkerRef, RigidBody, Scene
 
 Array = NDArray[np.float64]
 Plain = dict[str, Any]
@@ -48,8 +48,8 @@ def content(motion: Motion, curves: Sequence[Column]) -> Plain:
     scene = motion.scene
     chosen = _instants(motion, len(curves) + len(scene.drives))
     seen = Motion(scene, motion.native, motion.k, motion.t[chosen], motion.q[chosen], motion.v[chosen])
-    places = [Place(GROUND, p.name) for p in scene.ground]
-    places += [Place(b.name, m.name) for b in scene.bodies for m in _markers(b)]
+    places = [MarkerRef(GROUND, p.name) for p in scene.ground]
+    places += [MarkerRef(b.name, m.name) for b in scene.bodies for m in _markers(b)]
     at = {place: positions(seen, place) for place in places}
     beams = [b for b in scene.bodies if isinstance(b, BeamBody)]
     low, high = _view([*at.values(), *(c for rod in beams for c in rods.curve(seen, rod))])
@@ -143,7 +143,7 @@ def _markers(body: RigidBody | BeamBody) -> Sequence[Any]:
     return body.markers if isinstance(body, RigidBody) else body.beam.markers
 
 
-def _place(scene: Scene, place: Place) -> Plain:
+def _place(scene: Scene, place: MarkerRef) -> Plain:
     """Where a place is on its body: x and y, or the piece of a rod and xi there."""
     rod = next((b for b in scene.bodies if b.name == place.body and isinstance(b, BeamBody)), None)
     on = local(scene, place).tolist() if rod is None else _on(rod, place.marker)
@@ -154,7 +154,7 @@ def _on(rod: BeamBody, marker: str) -> list[float]:
     return [*rods.piece(rod, next(m.at for m in rod.beam.markers if m.name == marker))]
 
 
-def _joint(motion: Motion, joint: Joint, places: list[Place], at: dict[Place, Array]) -> Plain:
+def _joint(motion: Motion, joint: Joint, places: list[MarkerRef], at: dict[MarkerRef, Array]) -> Plain:
     """Its places; of a translational one its line, and how far the second place moves on it."""
     found: Plain = {"kind": joint.kind, "first": places.index(joint.first), "second": places.index(joint.second)}
     if joint.kind == "translational":

@@ -17,7 +17,7 @@ from pathlib import Path
 
 from derive.report.paper import ASSUMPTIONS, SECTIONS, STATEMENTS
 from derive.report.paper.model import COMPARED, AuditRow
-from derive.spec.toml.read import json_schema
+from derive.spec.tables.specification import json_schema
 
 ROOT = Path(__file__).parent.parent.parent
 FOLDER = ROOT / "tests" / "paper"

@@ -11,8 +11,8 @@ from derive.mechanics.kinematics import ONE, R
 from derive.mechanics.planar import planar_motion
 from derive.mechanics.reference_conditions import assumed_shapes, conditions
 from derive.mechanics.spatial import rotation_of
+from derive.spec.construction import planar_beam
 from derive.spec.model.body import Frame
-from derive.spec.toml.read import planar_beam
 from paper import printed, printed_continuum
 from paper.printed import xi
 

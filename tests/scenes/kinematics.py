@@ -14,7 +14,7 @@ import mpmath
 from shapes import at, gauss, shapes
 
 from derive.spec.model.body import Parameter, Quantity
-from derive.spec.model.scene import GROUND, BeamBody, Function, Joint, Place, RigidBody, Scene
+from derive.spec.model.scene import GROUND, BeamBody, Joint, MarkerRef, RigidBody, Scene, TimeFunction
 
 DIGITS = 50
 Real = Any
@@ -150,13 +150,13 @@ class Kinematics:
     def _in_piece(self, piece: Piece, xi: Real) -> Spot:
         return Spot(piece.name, (xi * piece.length / 2, mpmath.mpf(0)), *piece.basis(xi), piece.columns)
 
-    def _places(self) -> set[Place]:
+    def _places(self) -> set[MarkerRef]:
         """All places that anybody speaks of."""
         scene = self.scene
         pairs = [p for one in (*scene.joints, *scene.springs) for p in (one.first, one.second)]
         return {*pairs, *self._acted_on()}
 
-    def _spot(self, place: Place) -> Spot:
+    def _spot(self, place: MarkerRef) -> Spot:
         """The point of a body, or of a piece of a rod; where two pieces meet, that of the left one."""
         if place.body in self.rods:
             pieces = self.rods[place.body]
@@ -178,7 +178,7 @@ class Kinematics:
             return self.of_time(drive.motion, t)
         return self.number(drive.speed) * t + self.number(drive.offset)
 
-    def of_time(self, f: Function, t: Real) -> Real:
+    def of_time(self, f: TimeFunction, t: Real) -> Real:
         """A function of t."""
         if f.kind == "number":
             return self.number(f.value)
@@ -297,11 +297,11 @@ class Kinematics:
                 found.append(mpmath.hypot(other[0] - one[0], other[1] - one[1]))
         return found
 
-    def _acted_on(self) -> list[Place]:
+    def _acted_on(self) -> list[MarkerRef]:
         scene = self.scene
         ends = [p for t in scene.torques for p in ((t.at, t.against) if t.against else (t.at,))]
         return [f.at for f in scene.forces] + ends + [self._marker(name) for name in self.markers]
 
-    def _marker(self, name: str) -> Place:
+    def _marker(self, name: str) -> MarkerRef:
         every = ((b.name, m.name) for b in self.scene.bodies for m in getattr(b, "beam", b).markers)
-        return next(Place(body, marker) for body, marker in every if f"{body}_{marker}" == name)
+        return next(MarkerRef(body, marker) for body, marker in every if f"{body}_{marker}" == name)

@@ -16,10 +16,10 @@ from derive.spec.model.scene import (
     Deflection,
     Drive,
     Joint,
-    Place,
+    MarkerRef,
     Plot,
-    Point,
-    Reference,
+    PointMarker,
+    ReferenceCurve,
     RigidBody,
     Scene,
     Simulation,
@@ -45,22 +45,22 @@ def scene(count: int = 3, name: str = "slider") -> Scene:
         None,
         None,
         (nothing, nothing),
-        (Point("hub", nothing, nothing), Point("pin", fraction("0.15"), nothing)),
+        (PointMarker("hub", nothing, nothing), PointMarker("pin", fraction("0.15"), nothing)),
     )
     mass, inertia = fraction("0.03"), fraction("1e-6")
-    slider = RigidBody("slider", mass, inertia, (nothing, nothing), (Point("pin", nothing, nothing),))
-    quantity = Deflection(Place("rod", "middle"), Place("rod", "left"), Place("rod", "right"), 0.3)
-    reference = Reference("given.csv", "x", "y", tuple((0.1 * i, deflection(0.1 * i) / 0.3) for i in range(100)))
+    slider = RigidBody("slider", mass, inertia, (nothing, nothing), (PointMarker("pin", nothing, nothing),))
+    quantity = Deflection(MarkerRef("rod", "middle"), MarkerRef("rod", "left"), MarkerRef("rod", "right"), 0.3)
+    reference = ReferenceCurve("given.csv", "x", "y", tuple((0.1 * i, deflection(0.1 * i) / 0.3) for i in range(100)))
     return Scene(
         name,
-        (Point("bearing", nothing, nothing),),
+        (PointMarker("bearing", nothing, nothing),),
         None,
         (crank, BeamBody("rod", beam, count), slider),
         (
-            Joint("crank_bearing", "revolute", Place("ground", "bearing"), Place("crank", "hub")),
-            Joint("crank_pin", "revolute", Place("crank", "pin"), Place("rod", "left")),
-            Joint("slider_pin", "revolute", Place("rod", "right"), Place("slider", "pin")),
-            Joint("guide", "translational", Place("ground", "bearing"), Place("slider", "pin")),
+            Joint("crank_bearing", "revolute", MarkerRef("ground", "bearing"), MarkerRef("crank", "hub")),
+            Joint("crank_pin", "revolute", MarkerRef("crank", "pin"), MarkerRef("rod", "left")),
+            Joint("slider_pin", "revolute", MarkerRef("rod", "right"), MarkerRef("slider", "pin")),
+            Joint("guide", "translational", MarkerRef("ground", "bearing"), MarkerRef("slider", "pin")),
         ),
         (Drive("motor", "crank_bearing", None, fraction("150")),),
         simulation=Simulation(0.1, 1e-4),

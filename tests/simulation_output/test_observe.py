@@ -13,20 +13,20 @@ from derive.simulation.observables.observables import deviation, driven, evaluat
 from derive.simulation.observables.plots import chart, line, percent
 from derive.simulation.observables.rods import bending, piece
 from derive.simulation.run import instants
-from derive.spec.model.scene import BeamBody, Drive, Function, Place, Reference, Simulation
+from derive.spec.model.scene import BeamBody, Drive, MarkerRef, ReferenceCurve, Simulation, TimeFunction
 from derive.visual.line_chart import svg
 
-T = Function("t")
+T = TimeFunction("t")
 
 
 def test_places_of_every_kind_of_body() -> None:
     motion = slider.motion(3, 11)
     angle = slider.SPEED * motion.t
     pin = 0.15 * np.stack([np.cos(angle), np.sin(angle)], axis=1)
-    np.testing.assert_allclose(positions(motion, Place("crank", "pin")), pin, atol=1e-15)
-    np.testing.assert_allclose(positions(motion, Place("rod", "left")), pin, atol=1e-4)  # as far as shapes can
-    np.testing.assert_allclose(positions(motion, Place("slider", "pin"))[:, 1], 0, atol=0)
-    assert not positions(motion, Place("ground", "bearing")).any()
+    np.testing.assert_allclose(positions(motion, MarkerRef("crank", "pin")), pin, atol=1e-15)
+    np.testing.assert_allclose(positions(motion, MarkerRef("rod", "left")), pin, atol=1e-4)  # as far as shapes can
+    np.testing.assert_allclose(positions(motion, MarkerRef("slider", "pin"))[:, 1], 0, atol=0)
+    assert not positions(motion, MarkerRef("ground", "bearing")).any()
 
 
 @pytest.mark.parametrize(("count", "most"), [(1, 0.04), (3, 1e-3)])
@@ -59,15 +59,15 @@ def test_bending_is_that_of_a_piece(count: int) -> None:
 
 def test_drives_are_functions_of_time() -> None:
     t = np.array([0.0, 0.5, 1.0])
-    two = Function("number", value=Fraction(2))
-    motion = Function("add", (Function("pow", (T, two)), Function("sin", (Function("neg", (T,)),))))
+    two = TimeFunction("number", value=Fraction(2))
+    motion = TimeFunction("add", (TimeFunction("pow", (T, two)), TimeFunction("sin", (TimeFunction("neg", (T,)),))))
     np.testing.assert_allclose(evaluate(motion, t), t**2 - np.sin(t))
     np.testing.assert_allclose(driven(Drive("m", "j", two), t), [2, 2, 2])
     np.testing.assert_allclose(driven(Drive("m", "j", None, Fraction(3), Fraction(1)), t), 1 + 3 * t)
 
 
 def test_deviation_is_of_the_peak_and_where_both_are() -> None:
-    reference = Reference("r.csv", "x", "y", ((0, 0), (1, 2), (2, -4), (9, 1)))
+    reference = ReferenceCurve("r.csv", "x", "y", ((0, 0), (1, 2), (2, -4), (9, 1)))
     x, y = np.array([0.0, 2.0]), np.array([0.4, 0.4])
     for sign in (1, -1):
         at, off = deviation(x[::sign], y[::sign], reference)

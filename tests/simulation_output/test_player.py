@@ -16,7 +16,7 @@ import slider
 from derive.artifacts import MARK
 from derive.simulation.observables.csv_writer import Column
 from derive.simulation.observables.observables import Motion, positions
-from derive.spec.model.scene import Place, Point, RigidBody
+from derive.spec.model.scene import MarkerRef, PointMarker, RigidBody
 from derive.visual.player import FRAMES, content, island, page, speeds
 
 EVIL = "</script><script>alert(1)</script>&<!--"
@@ -66,7 +66,7 @@ def test_frames_are_few_and_true() -> None:
         y = sum(a * np.polynomial.Polynomial(s)(xi) for a, s in zip(alphas, rod["shapes"], strict=True))
         x = xi * rod["half"]
         at = np.stack([c1 + np.cos(phi) * x - np.sin(phi) * y, c2 + np.sin(phi) * x + np.cos(phi) * y], axis=1)
-        wanted = positions(motion, Place("rod", place["marker"]))[::2]
+        wanted = positions(motion, MarkerRef("rod", place["marker"]))[::2]
         np.testing.assert_allclose(at, wanted, atol=5e-6)  # m
 
 
@@ -82,7 +82,7 @@ def test_what_does_not_change_is_told_once_and_much_is_thinned() -> None:
 def test_outlines_speeds_and_guides() -> None:
     motion = slider.motion(1, 5)
     corners = [("a", 0, 0), ("b", 2, 0), ("c", 1, 1), ("d", 1, 0), ("e", 0, 2)]
-    plate = RigidBody("crank", None, None, (0, 0), tuple(Point(n, x, y) for n, x, y in corners))
+    plate = RigidBody("crank", None, None, (0, 0), tuple(PointMarker(n, x, y) for n, x, y in corners))
     crank = replace(plate, markers=(*plate.markers, *motion.scene.bodies[0].markers))
     scene = replace(motion.scene, bodies=(crank, *motion.scene.bodies[1:]))
     found = content(Motion(scene, motion.native, motion.k, motion.t, motion.q, motion.v), [])

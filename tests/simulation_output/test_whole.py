@@ -14,7 +14,7 @@ from derive.cli.main import main
 from derive.simulation import run as running
 from derive.simulation.observables.observables import positions
 from derive.simulation.observables.rods import curve
-from derive.spec.model.scene import Place
+from derive.spec.model.scene import MarkerRef
 
 SCENE = ROOT / "scenes/crank_slider_3.toml"
 
@@ -53,9 +53,9 @@ def test_poses_and_amplitudes_tell_where_markers_are(short: Path) -> None:
     rod = scene.bodies[1]
     left, middle, right = curve(motion, rod)
     for name, shown in (("left", left), ("middle", middle), ("right", right)):
-        np.testing.assert_allclose(positions(motion, Place("rod", name)), shown, atol=1e-14)
-    np.testing.assert_allclose(positions(motion, Place("crank", "pin")), left, atol=1e-12)
-    np.testing.assert_allclose(positions(motion, Place("slider", "pin")), right, atol=1e-12)
+        np.testing.assert_allclose(positions(motion, MarkerRef("rod", name)), shown, atol=1e-14)
+    np.testing.assert_allclose(positions(motion, MarkerRef("crank", "pin")), left, atol=1e-12)
+    np.testing.assert_allclose(positions(motion, MarkerRef("slider", "pin")), right, atol=1e-12)
     angle = 150 * motion.t
     pin = 0.15 * np.stack([np.cos(angle), np.sin(angle)], axis=1)
-    np.testing.assert_allclose(positions(motion, Place("crank", "pin")), pin, atol=1e-14)
+    np.testing.assert_allclose(positions(motion, MarkerRef("crank", "pin")), pin, atol=1e-14)

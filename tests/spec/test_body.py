@@ -26,8 +26,9 @@ from bodies import (
 from scipy.sparse import bsr_array, coo_array, coo_matrix, csr_array
 
 from derive.errors import SpecError
+from derive.spec.construction import nodal_body, planar_beam, symbolic_body
 from derive.spec.model.body import BodyFrame, Damping, NodalBody, NodeMarker, Parameter, SymbolicBody
-from derive.spec.toml.read import nodal_body, parse, planar_beam, read, symbolic_body
+from derive.spec.toml.read import parse, read
 
 F = Fraction
 
@@ -374,7 +375,7 @@ def test_the_gravity_of_a_beam():
 
 def test_a_beam_and_a_symbolic_body_do_without_numpy_and_scipy():
     code = (
-        "import sys, derive.spec as s; s.symbolic_body('b', 3)\n"
+        "import sys, derive as s; s.symbolic_body('b', 3)\n"
         "s.planar_beam('b'); print({'numpy', 'scipy'} & set(sys.modules))"
     )
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

@@ -4,7 +4,7 @@ from fractions import Fraction
 
 import pytest
 
-from derive.spec.expressions.polynomial import (
+from derive.spec.parsing.polynomial import (
     MAX_DEGREE,
     MAX_DIGITS,
     MAX_LENGTH,

@@ -5,7 +5,8 @@ import pickle
 import pytest
 
 from derive.errors import Problem, SpecError
-from derive.spec.toml.read import MAX_BYTES, parse, planar_beam, read
+from derive.spec.construction import planar_beam
+from derive.spec.toml.read import MAX_BYTES, parse, read
 
 
 def errors(text):

@@ -4,7 +4,8 @@ import tomllib
 
 import pytest
 
-from derive.spec.toml.locate import line_of, lines
+from derive.spec.parsing.faults import line_of
+from derive.spec.toml.key_lines import lines
 
 TEXT = (
     '''\

@@ -4,7 +4,7 @@ import keyword
 
 import pytest
 
-from derive.spec.toml.names import name_problem
+from derive.spec.parsing.names import name_problem
 
 
 @pytest.mark.parametrize("text", ["m", "EI", "free_beam_mean", "a1_b2", "A" * 40, "xi", "q", "integer", "Double"])

@@ -23,8 +23,9 @@ from bodies import (
 from scipy.sparse import csr_array
 
 from derive.errors import SpecError
-from derive.spec.nodes import node_data, node_files
-from derive.spec.toml.read import nodal_body, parse
+from derive.spec.construction import nodal_body
+from derive.spec.files import node_data, node_files
+from derive.spec.toml.read import parse
 
 START = "body.nodes"
 

@@ -10,8 +10,10 @@ from types import MappingProxyType
 
 import pytest
 
+from derive.spec.construction import planar_beam
 from derive.spec.model.body import Frame, Marker, Parameter, PlanarBeam
-from derive.spec.toml.read import json_schema, parse, planar_beam, read
+from derive.spec.tables.specification import json_schema
+from derive.spec.toml.read import parse, read
 
 SCENES = Path(__file__).parents[2] / "scenes"
 

@@ -7,26 +7,26 @@ from pathlib import Path
 import pytest
 from example_scenes import EVERYTHING, SMALL, small
 
-from derive.spec.expressions.time_expression import time_function
 from derive.spec.model.body import Frame, Marker, Parameter, PlanarBeam
 from derive.spec.model.scene import (
     BeamBody,
     Deflection,
     Drive,
     Force,
-    Function,
+    InitialGuess,
     Joint,
-    Place,
+    MarkerRef,
     Plot,
-    Point,
-    Reference,
+    PointMarker,
+    ReferenceCurve,
     RigidBody,
     Scene,
     Simulation,
     Spring,
-    Start,
+    TimeFunction,
     Torque,
 )
+from derive.spec.parsing.time_expression import time_function
 from derive.spec.toml.read import parse, read
 
 SCENES = Path(__file__).parents[2] / "scenes"
@@ -35,15 +35,15 @@ POWERS = tuple((ZERO,) * n + (Fraction(1),) for n in range(5))
 
 
 def place(text):
-    return Place(*text.split("."))
+    return MarkerRef(*text.split("."))
 
 
 def point(name, x=ZERO, y=ZERO):
-    return Point(name, x, y)
+    return PointMarker(name, x, y)
 
 
 def number(value):
-    return Function("number", value=Fraction(value))
+    return TimeFunction("number", value=Fraction(value))
 
 
 def test_the_crank_slider_of_the_scenes():
@@ -68,7 +68,7 @@ def test_the_crank_slider_of_the_scenes():
                     orthogonal=True,
                 ),
                 pieces=3,
-                start=Start((0.3, 0.0)),
+                start=InitialGuess((0.3, 0.0)),
             ),
             RigidBody(
                 "slider",
@@ -76,7 +76,7 @@ def test_the_crank_slider_of_the_scenes():
                 Fraction("1e-6"),
                 (ZERO, ZERO),
                 (point("pin"),),
-                Start((0.45, 0.0)),
+                InitialGuess((0.45, 0.0)),
             ),
         ),
         joints=(
@@ -94,7 +94,9 @@ def test_the_crank_slider_of_the_scenes():
                 over="motor",
                 cut="rod",
                 pieces=(1, 2, 3),
-                reference=Reference("crank_slider_A.csv", "crank_angle_rad", "midpoint_deflection_over_L", rows=rows),
+                reference=ReferenceCurve(
+                    "crank_slider_A.csv", "crank_angle_rad", "midpoint_deflection_over_L", rows=rows
+                ),
             ),
         ),
     )
@@ -122,9 +124,9 @@ def test_a_scene_with_every_key_there_is():
             Parameter("I", "kg m^2", 0.25),
             (Fraction("0.1"), Parameter("e", "mm", 0.0)),
             (point("hub"), point("pin", Fraction("0.15"), Fraction("-0.5"))),
-            Start((1.0, 0.5), 0.3, (0.0, -1.5), 3.0),
+            InitialGuess((1.0, 0.5), 0.3, (0.0, -1.5), 3.0),
         ),
-        BeamBody("rod", rod, 2, Start(angle=-0.5)),
+        BeamBody("rod", rod, 2, InitialGuess(angle=-0.5)),
         RigidBody("slider", Fraction("0.5"), Fraction("1e-6"), (ZERO, ZERO), (point("pin"),)),
         RigidBody("plate", None, None, (ZERO, ZERO), (point("a"),)),
     )
@@ -210,7 +212,7 @@ def test_a_body_with_one_key_of_a_beam_is_a_beam(key):
     (body,) = parse(f'name = "s"\n[bodies.rod]\n{key}\n').bodies
     assert isinstance(body, BeamBody)
     assert body.beam.mass == Parameter("m", "kg", 1.0)
-    assert (body.pieces, body.start, body.beam.gravity) == (1, Start(), None)
+    assert (body.pieces, body.start, body.beam.gravity) == (1, InitialGuess(), None)
 
 
 def test_a_body_without_such_a_key_is_rigid():

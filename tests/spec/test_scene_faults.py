@@ -5,8 +5,8 @@ from example_scenes import EVERYTHING, SMALL, errors, small
 
 from derive.cli.main import main
 from derive.errors import SpecError
+from derive.spec.tables.scene_bodies import MAX_NAMED
 from derive.spec.toml.read import parse
-from derive.spec.toml.scene.body_tables import MAX_NAMED
 
 NUMBER = 'a number is needed, such as 2, 0.5 or "1/3"'
 WHOLE = "a whole number is needed, zero or more, such as 8"

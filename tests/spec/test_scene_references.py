@@ -3,7 +3,7 @@
 import pytest
 from example_scenes import errors, small
 
-from derive.spec.model.scene import Reference
+from derive.spec.model.scene import ReferenceCurve
 from derive.spec.toml.read import parse
 
 PLOT = '[plots.p]\ndeflection = "bar.b"\nchord = ["rod.left", "rod.right"]\ndivided_by = 1\n'
@@ -19,7 +19,7 @@ divided_by = 1
 reference = { file = "c.csv", x = "x", y = "y, m" }
 """
     scene = parse(small(more=plot), str(tmp_path / "s.toml"))
-    assert scene.plots[0].reference == Reference("c.csv", "x", "y, m", ((1.0, -2e-3), (0.5, 3.0)))
+    assert scene.plots[0].reference == ReferenceCurve("c.csv", "x", "y, m", ((1.0, -2e-3), (0.5, 3.0)))
 
 
 @pytest.mark.parametrize(

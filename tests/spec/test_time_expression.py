@@ -5,16 +5,16 @@ from fractions import Fraction
 
 import pytest
 
-from derive.spec.expressions.parser import MAX_DEPTH, MAX_LENGTH, ExpressionError
-from derive.spec.expressions.time_expression import constant_value, time_function
-from derive.spec.model.scene import Function
+from derive.spec.model.scene import TimeFunction
+from derive.spec.parsing.parser import MAX_DEPTH, MAX_LENGTH, ExpressionError
+from derive.spec.parsing.time_expression import constant_value, time_function
 
-T = Function("t")
+T = TimeFunction("t")
 SAMPLES = (-2.5, -0.3, 0.1, 0.7, 1.0, 3.25)
 
 
 def number(value):
-    return Function("number", value=Fraction(value))
+    return TimeFunction("number", value=Fraction(value))
 
 
 def value(f, t):
@@ -72,15 +72,15 @@ def test_a_function_is_what_it_says(text, expected):
         ("0.1", number("0.1")),
         ("1/3 - 1/2", number("-1/6")),
         ("pi", number(math.pi)),
-        ("2*pi*t", Function("mul", (number(Fraction(math.pi) * 2), T))),
-        ("t + 1", Function("add", (T, number(1)))),
-        ("-t", Function("neg", (T,))),
-        ("t - 2^3", Function("sub", (T, number(8)))),
-        ("t/4", Function("div", (T, number(4)))),
-        ("t^3", Function("pow", (T, number(3)))),
-        ("sin(t)", Function("sin", (T,))),
+        ("2*pi*t", TimeFunction("mul", (number(Fraction(math.pi) * 2), T))),
+        ("t + 1", TimeFunction("add", (T, number(1)))),
+        ("-t", TimeFunction("neg", (T,))),
+        ("t - 2^3", TimeFunction("sub", (T, number(8)))),
+        ("t/4", TimeFunction("div", (T, number(4)))),
+        ("t^3", TimeFunction("pow", (T, number(3)))),
+        ("sin(t)", TimeFunction("sin", (T,))),
         ("sin(0) + cos(1 - 1) + sqrt(9/4)", number("5/2")),
-        ("sqrt(2)", Function("sqrt", (number(2),))),
+        ("sqrt(2)", TimeFunction("sqrt", (number(2),))),
     ],
 )
 def test_what_is_made_of_numbers_is_computed_exactly(text, function):
@@ -88,11 +88,11 @@ def test_what_is_made_of_numbers_is_computed_exactly(text, function):
 
 
 def test_numbers_of_too_many_digits_are_left_to_the_code():
-    third = Function("pow", (number("1/3"), number(40)))
+    third = TimeFunction("pow", (number("1/3"), number(40)))
     power = time_function("(1/3)^40")
     assert power == number(Fraction(1, 3**40))
     assert time_function("((1/3)^40)^40").kind == "pow"
-    assert time_function("pi^8") == Function("pow", (number(math.pi), number(8)))
+    assert time_function("pi^8") == TimeFunction("pow", (number(math.pi), number(8)))
     assert constant_value(third) == pytest.approx(3.0**-40)
 
 

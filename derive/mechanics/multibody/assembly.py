@@ -36,7 +36,17 @@ from derive.mechanics.multibody.time_functions import function, t
 from derive.mechanics.reference_conditions import assumed_shapes
 from derive.mechanics.virtual_work_equations import equations as equations_of
 from derive.spec.model.body import Parameter, Quantity
-from derive.spec.model.scene import GROUND, SPRING_UNITS, BeamBody, Drive, Function, Joint, Place, RigidBody, Scene
+from derive.spec.model.scene import (
+    GROUND,
+    SPRING_UNITS,
+    BeamBody,
+    Drive,
+    Joint,
+    MarkerRef,
+    RigidBody,
+    Scene,
+    TimeFunction,
+)
 
 Points = Mapping[str, Mapping[str, PointMotion]]
 
@@ -176,10 +186,10 @@ class _Assembly:
             found.append(actions.spring(spring, *ends, constants, rows))
         return found
 
-    def _at(self, place: Place) -> PointMotion:
+    def _at(self, place: MarkerRef) -> PointMotion:
         return self.points[place.body][place.marker]
 
-    def _place(self, place: Place) -> Place:
+    def _place(self, place: MarkerRef) -> MarkerRef:
         return members.place_of(place, self.rods)
 
     def _ground(self) -> dict[str, sp.Matrix]:
@@ -337,7 +347,7 @@ def _mass(rows: tuple[Row, ...], terms: tuple[Term, ...]) -> sp.ImmutableMatrix:
     return sp.ImmutableMatrix(entries.applyfunc(sp.expand))
 
 
-def _functions_of(scene: Scene) -> Iterator[tuple[str, Function]]:
+def _functions_of(scene: Scene) -> Iterator[tuple[str, TimeFunction]]:
     """Where functions of t stand in forces and torques, and these."""
     for force in scene.forces:
         yield from ((f"forces.{force.name}.components", component) for component in force.components)
@@ -345,7 +355,7 @@ def _functions_of(scene: Scene) -> Iterator[tuple[str, Function]]:
         yield f"torques.{torque.name}.value", torque.value
 
 
-def _function(of: Function, path: str) -> sp.Expr:
+def _function(of: TimeFunction, path: str) -> sp.Expr:
     """A function of t. Raises SpecError where it has no value for any t."""
     expr = function(of)
     if expr.has(sp.zoo, sp.nan, sp.oo, -sp.oo, sp.I):

@@ -15,7 +15,7 @@ from derive.mechanics.equations import Coefficient, ParameterSymbol
 from derive.mechanics.points import MaterialPoint
 from derive.mechanics.virtual_work_equations import Body
 from derive.spec.model.body import Marker, Parameter, Quantity
-from derive.spec.model.scene import BeamBody, Joint, Place, RigidBody, Scene
+from derive.spec.model.scene import BeamBody, Joint, MarkerRef, RigidBody, Scene
 
 CUT = ("cut_left", "cut_right")
 """The ends at which pieces are welded together."""
@@ -77,7 +77,7 @@ def welds(rod: BeamBody) -> tuple[Joint, ...]:
     """What holds the pieces of a rod together."""
     pairs = ((piece_name(rod, k), piece_name(rod, k + 1)) for k in range(rod.pieces - 1))
     return tuple(
-        Joint(f"{rod.name}_cut_{k}", "weld", Place(left, CUT[1]), Place(right, CUT[0]))
+        Joint(f"{rod.name}_cut_{k}", "weld", MarkerRef(left, CUT[1]), MarkerRef(right, CUT[0]))
         for k, (left, right) in enumerate(pairs, 1)
     )
 
@@ -98,13 +98,13 @@ BASE = "base"
 """The point of a rigid body from which its markers count."""
 
 
-def place_of(place: Place, rods: Mapping[str, BeamBody]) -> Place:
+def place_of(place: MarkerRef, rods: Mapping[str, BeamBody]) -> MarkerRef:
     """Where a marker is: in a rod cut into pieces, in one of these."""
     rod = rods.get(place.body)
     if rod is None:
         return place
     at = next(m.at for m in rod.beam.markers if m.name == place.marker)
-    return Place(piece_name(rod, piece_of(at, rod.pieces)), place.marker)
+    return MarkerRef(piece_name(rod, piece_of(at, rod.pieces)), place.marker)
 
 
 def parameters(scene: Scene) -> tuple[ParameterSymbol, ...]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sympy as sp
 
-from derive.spec.model.scene import Function
+from derive.spec.model.scene import TimeFunction
 
 t = sp.Symbol("t")
 
@@ -21,7 +21,7 @@ _BUILD = {
 }
 
 
-def function(of: Function) -> sp.Expr:
+def function(of: TimeFunction) -> sp.Expr:
     """The expression of t; numbers stay exact."""
     if of.kind == "number":
         return sp.Rational(of.value)

@@ -17,8 +17,8 @@ from derive.mechanics.reference_conditions import Condition, assumed_shapes, con
 from derive.report.document.formula import Call, Equation, Formula, Matrix, Name, Number, Part, Row
 from derive.report.notation.expressions import Notation, notation, polynomial
 from derive.report.notation.formula_reader import equation, formula
+from derive.spec.construction import planar_beam
 from derive.spec.model.body import Frame, Marker, PlanarBeam
-from derive.spec.toml.read import planar_beam
 
 FRAMES = {"point": Frame("point", Exact(0)), "mean": Frame("mean")}
 AMPLITUDES = sp.symbols("a0 a1 a2 a3")

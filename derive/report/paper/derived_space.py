@@ -20,7 +20,7 @@ from derive.report.notation.formula_reader import formula
 from derive.report.notation.names import table
 from derive.report.notation.vector_form import summand, summands
 from derive.report.sections.kinematics import MOTION
-from derive.spec.toml.read import symbolic_body
+from derive.spec.construction import symbolic_body
 
 VARIED = {"c": "delta c", "pi": "delta pi", "alpha": "delta alpha_i"}
 

@@ -21,7 +21,7 @@ from derive.report.notation.expressions import Notation, row
 from derive.report.notation.formula_reader import equation, formula
 from derive.report.notation.vector_form import summands
 from derive.spec.model.body import PlanarBeam
-from derive.spec.model.specification import Specification
+from derive.spec.model.scene import Specification
 
 MOTION = spatial_motion(0)
 AT = {R: vector("r"), RDOT: vector("rdot"), RDDOT: vector("rddot"), PHI: vector("Phi_i")}

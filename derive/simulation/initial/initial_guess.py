@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from derive.mechanics.multibody.components import piece_name
 from derive.runtime.native import NativeScene, Vector
 from derive.simulation.observables.observables import number
-from derive.spec.model.scene import BeamBody, RigidBody, Scene, Start
+from derive.spec.model.scene import BeamBody, InitialGuess, RigidBody, Scene
 
 
 def guess(scene: Scene, native: NativeScene) -> tuple[Vector, Vector, NDArray[np.bool_]]:
@@ -34,7 +34,9 @@ def guess(scene: Scene, native: NativeScene) -> tuple[Vector, Vector, NDArray[np
     return q, v, rigid
 
 
-def _free(values: dict[str, float], rates: dict[str, float], name: str, start: Start, at: tuple[float, ...]) -> None:
+def _free(
+    values: dict[str, float], rates: dict[str, float], name: str, start: InitialGuess, at: tuple[float, ...]
+) -> None:
     """c1, c2, phi of the point `at` of a body, which is where its coordinates have their origin."""
     cos, sin = math.cos(start.angle), math.sin(start.angle)
     arm = (cos * at[0] - sin * at[1], sin * at[0] + cos * at[1])

@@ -12,7 +12,17 @@ from scipy.interpolate import CubicSpline
 
 from derive.runtime.native import NativeScene
 from derive.spec.model.body import Parameter, Quantity
-from derive.spec.model.scene import GROUND, Deflection, Drive, Function, Place, Point, Reference, RigidBody, Scene
+from derive.spec.model.scene import (
+    GROUND,
+    Deflection,
+    Drive,
+    MarkerRef,
+    PointMarker,
+    ReferenceCurve,
+    RigidBody,
+    Scene,
+    TimeFunction,
+)
 
 Array = NDArray[np.float64]
 
@@ -57,7 +67,7 @@ def number(quantity: Quantity) -> float:
     return quantity.default if isinstance(quantity, Parameter) else float(quantity)
 
 
-def points(scene: Scene, body: str) -> tuple[Point, ...]:
+def points(scene: Scene, body: str) -> tuple[PointMarker, ...]:
     """The material points of a rigid body or of the ground."""
     if body == GROUND:
         return scene.ground
@@ -65,13 +75,13 @@ def points(scene: Scene, body: str) -> tuple[Point, ...]:
     return found.markers if isinstance(found, RigidBody) else ()
 
 
-def local(scene: Scene, place: Place) -> Array:
+def local(scene: Scene, place: MarkerRef) -> Array:
     """(2,): a place of a rigid body or of the ground, in the base of that body, m."""
     point = next(p for p in points(scene, place.body) if p.name == place.marker)
     return np.array([number(point.x), number(point.y)])
 
 
-def positions(motion: Motion, place: Place) -> Array:
+def positions(motion: Motion, place: MarkerRef) -> Array:
     """(n, 2): where a place is, in the inertial base, m."""
     native = motion.native
     if place.body == GROUND:
@@ -115,7 +125,7 @@ def drive_unit(scene: Scene, drive: Drive) -> str:
     return "m" if kind == "translational" else "rad"
 
 
-def evaluate(function: Function, t: Array) -> Array:
+def evaluate(function: TimeFunction, t: Array) -> Array:
     """A function of time at the instants t."""
     if function.kind == "number":
         return np.asarray(float(function.value))
@@ -124,7 +134,7 @@ def evaluate(function: Function, t: Array) -> Array:
     return OPERATIONS[function.kind](*(evaluate(a, t) for a in function.args))
 
 
-def deviation(x: Array, y: Array, reference: Reference) -> tuple[Array, Array] | None:
+def deviation(x: Array, y: Array, reference: ReferenceCurve) -> tuple[Array, Array] | None:
     """x, and y(x) less its reference over the reference's peak, where both are there.
 
     Between its values y is a cubic spline. None where x turns back, or where they have nothing in common.

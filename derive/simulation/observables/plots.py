@@ -9,7 +9,7 @@ from pathlib import PurePath
 import numpy as np
 
 from derive.simulation.observables.observables import Array, Motion, curve, deflection, deviation, drive_unit, driven
-from derive.spec.model.scene import Place, Plot, Scene
+from derive.spec.model.scene import MarkerRef, Plot, Scene
 from derive.visual.line_chart import Chart, Curve
 
 
@@ -97,7 +97,7 @@ def _share(plot: Plot) -> str:
     return "" if plot.quantity.over == 1 else f" / {plot.quantity.over:g} m"
 
 
-def _place(place: Place) -> str:
+def _place(place: MarkerRef) -> str:
     return f"{place.body}.{place.marker}"
 
 

@@ -30,6 +30,14 @@ Quantity = Parameter | Fraction
 """A physical constant of the body: a run-time parameter, or a number folded into the code."""
 
 
+DEFAULT_ANSATZ = ("1", "xi", "xi^2", "xi^3")
+DEFAULT_FRAME = "mean"
+DEFAULT_MASS = Parameter("m", "kg", 1.0)
+DEFAULT_LENGTH = Parameter("l", "m", 1.0)
+DEFAULT_BENDING_STIFFNESS = Parameter("EI", "N m^2", 1.0)
+"""The free beam of the paper, (21)-(27): what a beam is for the keys that a specification leaves out."""
+
+
 @dataclass(frozen=True)
 class Frame:
     """How rigid motion is kept out of the displacements due to deformation: conditions (16) or (17), (19).

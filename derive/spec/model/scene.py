@@ -6,26 +6,26 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Literal
 
-from derive.spec.model.body import PlanarBeam, Quantity
+from derive.spec.model.body import NodalBody, PlanarBeam, Quantity, SymbolicBody
 
 GROUND = "ground"
 """The name under which joints and forces speak of the inertial base."""
 
 
 @dataclass(frozen=True)
-class Function:
+class TimeFunction:
     """An expression of the time t: `kind` is number, t, add, sub, mul, div, pow, neg, sin, cos or sqrt.
 
     `args` are its operands; a number has its `value` instead (pi is the double next to it, exactly).
     """
 
     kind: str
-    args: tuple[Function, ...] = ()
+    args: tuple[TimeFunction, ...] = ()
     value: Fraction = Fraction(0)
 
 
 @dataclass(frozen=True)
-class Point:
+class PointMarker:
     """A named material point of a rigid body or of the ground, with its coordinates in the base of that body."""
 
     name: str
@@ -34,7 +34,7 @@ class Point:
 
 
 @dataclass(frozen=True)
-class Start:
+class InitialGuess:
     """A guess of the initial state: position of the origin of a body, angle, velocity, spin; deformation is zero.
 
     The initial state of a scene is the consistent one next to it, see `derive.simulation.initial.consistent_state`.
@@ -56,11 +56,11 @@ class RigidBody:
     """
 
     name: str
-    mass: Quantity | None
-    inertia: Quantity | None
-    centre: tuple[Quantity, Quantity]
-    markers: tuple[Point, ...]
-    start: Start = Start()
+    mass: Quantity | None = None
+    inertia: Quantity | None = None
+    centre: tuple[Quantity, Quantity] = (Fraction(0), Fraction(0))
+    markers: tuple[PointMarker, ...] = ()
+    start: InitialGuess = InitialGuess()
     keep_coordinates: bool = False
 
 
@@ -75,14 +75,14 @@ class BeamBody:
     name: str
     beam: PlanarBeam
     pieces: int = 1
-    start: Start = Start()
+    start: InitialGuess = InitialGuess()
 
 
 SceneBody = RigidBody | BeamBody
 
 
 @dataclass(frozen=True)
-class Place:
+class MarkerRef:
     """A marker of a body, or of the ground."""
 
     body: str
@@ -103,8 +103,8 @@ class Joint:
 
     name: str
     kind: JointKind
-    first: Place
-    second: Place
+    first: MarkerRef
+    second: MarkerRef
     angle: float = 0.0
     axis: tuple[Fraction, Fraction] = (Fraction(1), Fraction(0))
 
@@ -116,7 +116,7 @@ class Drive:
 
     name: str
     joint: str
-    motion: Function | None
+    motion: TimeFunction | None
     speed: Quantity | None = None
     offset: Fraction = Fraction(0)
 
@@ -126,8 +126,8 @@ class Force:
     """A force at a place, with components in the inertial base that are functions of t."""
 
     name: str
-    at: Place
-    components: tuple[Function, Function]
+    at: MarkerRef
+    components: tuple[TimeFunction, TimeFunction]
 
 
 @dataclass(frozen=True)
@@ -135,9 +135,9 @@ class Torque:
     """A torque at a place, a function of t; its reaction acts at `against`, if that is given."""
 
     name: str
-    at: Place
-    value: Function
-    against: Place | None = None
+    at: MarkerRef
+    value: TimeFunction
+    against: MarkerRef | None = None
 
 
 SPRING_UNITS = {
@@ -156,8 +156,8 @@ class Spring:
 
     name: str
     kind: Literal["linear", "rotational"]
-    first: Place
-    second: Place
+    first: MarkerRef
+    second: MarkerRef
     stiffness: Quantity
     damping: Quantity
     rest: Quantity
@@ -167,14 +167,14 @@ class Spring:
 class Deflection:
     """The distance of `marker` from the chord `start` -> `end`, to its left, divided by `over` (m)."""
 
-    marker: Place
-    start: Place
-    end: Place
+    marker: MarkerRef
+    start: MarkerRef
+    end: MarkerRef
     over: float
 
 
 @dataclass(frozen=True)
-class Reference:
+class ReferenceCurve:
     """Columns `x` and `y` of a CSV file to compare with; `rows` are its numbers."""
 
     file: str
@@ -195,7 +195,7 @@ class Plot:
     over: str | None
     cut: str | None
     pieces: tuple[int, ...]
-    reference: Reference | None
+    reference: ReferenceCurve | None
 
 
 @dataclass(frozen=True)
@@ -212,7 +212,7 @@ class Scene:
     """Planar bodies with joints, drives, forces and gravity: what `[scene]` and its companions specify."""
 
     name: str
-    ground: tuple[Point, ...]
+    ground: tuple[PointMarker, ...]
     gravity: tuple[Quantity, Quantity] | None
     bodies: tuple[SceneBody, ...]
     joints: tuple[Joint, ...]
@@ -222,3 +222,7 @@ class Scene:
     springs: tuple[Spring, ...] = ()
     simulation: Simulation | None = None
     plots: tuple[Plot, ...] = ()
+
+
+Specification = PlanarBeam | NodalBody | SymbolicBody | Scene
+"""What `read` returns and `derive` takes: a body alone, or a scene of bodies."""

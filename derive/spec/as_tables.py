@@ -1,0 +1,213 @@
+"""Specifications built in Python as the tables that a TOML file would hold, so that both pass the same checks."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import asdict
+from typing import Any
+
+from derive.errors import Problem, SpecError, quoted
+from derive.spec.model.body import (
+    BodyFrame,
+    Damping,
+    Frame,
+    Marker,
+    NodalBody,
+    NodeMarker,
+    Parameter,
+    PlanarBeam,
+    SymbolicBody,
+)
+from derive.spec.model.scene import (
+    BeamBody,
+    Drive,
+    Force,
+    InitialGuess,
+    Joint,
+    MarkerRef,
+    Plot,
+    PointMarker,
+    ReferenceCurve,
+    RigidBody,
+    Scene,
+    Simulation,
+    Specification,
+    Spring,
+    Torque,
+)
+
+Data = dict[str, object]
+
+NAMED = {
+    "bodies": "body",
+    "joints": "joint",
+    "drives": "drive",
+    "forces": "force",
+    "torques": "torque",
+    "springs": "spring",
+    "plots": "plot",
+}
+"""The tables of a scene whose elements have names, and what one element is called."""
+
+
+def specification_tables(spec: Specification) -> Data:
+    """A whole specification as tables."""
+    if isinstance(spec, Scene):
+        return scene_tables(spec)
+    kind = "beam" if isinstance(spec, PlanarBeam) else "body"
+    return {"name": spec.name, kind: as_table(spec)}
+
+
+def scene_tables(scene: Scene) -> Data:
+    """A scene as tables. Raises SpecError where two elements of one kind have the same name."""
+    tables: Data = {"name": scene.name, "ground": {"markers": named("ground", scene.ground)}}
+    if scene.gravity is not None:
+        tables["scene"] = {"gravity": as_table(scene.gravity)}
+    for kind in NAMED:
+        if elements := getattr(scene, kind):
+            tables[kind] = named(kind, elements)
+    if scene.simulation is not None:
+        tables["simulation"] = as_table(scene.simulation)
+    return tables
+
+
+def named(kind: str, elements: Any) -> Any:
+    """Elements with names, given as a mapping or as a sequence of typed values, as one table.
+
+    Anything else stays what it is, for the checks to refuse. Raises SpecError where two elements have the same name.
+    """
+    if not isinstance(elements, (list, tuple)) or not all(type(element) in _CONVERT for element in elements):
+        return as_table(elements)
+    tables: Data = {}
+    for element in elements:
+        if element.name in tables:
+            what = "marker" if kind == "ground" else NAMED[kind]
+            path = "ground.markers" if kind == "ground" else kind
+            text = f"{quoted(element.name)} is taken: there is a {what} {quoted(element.name)}"
+            raise SpecError((Problem(f"{path}.{element.name}", f"{text}; names must differ in more than case"),))
+        tables[element.name] = as_table(element)
+    return tables
+
+
+def as_table(value: Any) -> Any:
+    """A value as it would be written in a table; tables and sequences with all they hold."""
+    convert = _CONVERT.get(type(value))
+    if convert is not None:
+        return as_table(convert(value))
+    if isinstance(value, Mapping):
+        return {key: as_table(item) for key, item in value.items()}
+    if isinstance(value, (list, tuple)):
+        return type(value)(as_table(item) for item in value)
+    return value
+
+
+def _given(**keys: object) -> Data:
+    return {key: value for key, value in keys.items() if value is not None}
+
+
+def _markers(markers: Iterable[Marker | NodeMarker | PointMarker]) -> Data:
+    return {marker.name: as_table(marker) for marker in markers}
+
+
+def _beam(beam: PlanarBeam) -> Data:
+    return _given(
+        ansatz=beam.ansatz,
+        frame=beam.frame,
+        orthogonal=beam.orthogonal,
+        mass=beam.mass,
+        length=beam.length,
+        bending_stiffness=beam.bending_stiffness,
+        markers=_markers(beam.markers),
+        gravity=beam.gravity,
+    )
+
+
+def _nodal_body(body: NodalBody) -> Data:
+    return _given(
+        nodes=body.data,
+        units="SI",
+        modes=body.modes,
+        frame=body.frame,
+        orthonormal=body.orthonormal,
+        damping=as_table(body.damping),
+        gravity=body.gravity,
+        lowering=body.lowering,
+        markers=_markers(body.markers),
+    )
+
+
+def _symbolic_body(body: SymbolicBody) -> Data:
+    return _given(
+        integrals="symbolic",
+        modes=body.modes,
+        frame=body.frame,
+        damping=body.damping,
+        gravity=body.gravity,
+        lowering=body.lowering,
+    )
+
+
+def _rigid_body(body: RigidBody) -> Data:
+    return _given(
+        mass=body.mass,
+        inertia=body.inertia,
+        centre=body.centre,
+        markers=_markers(body.markers),
+        start=body.start,
+        keep_coordinates=body.keep_coordinates,
+    )
+
+
+def _joint(joint: Joint) -> Data:
+    default = Joint(joint.name, joint.kind, joint.first, joint.second)
+    return _given(
+        kind=joint.kind,
+        between=[joint.first, joint.second],
+        angle=joint.angle if joint.angle != default.angle else None,
+        axis=joint.axis if joint.axis != default.axis else None,
+    )
+
+
+def _plot(plot: Plot) -> Data:
+    deflection = plot.quantity
+    return _given(
+        deflection=deflection.marker,
+        chord=[deflection.start, deflection.end],
+        divided_by=deflection.over,
+        over=plot.over,
+        cut=plot.cut,
+        pieces=plot.pieces or None,
+        reference=plot.reference,
+    )
+
+
+_CONVERT: Mapping[type, Callable[[Any], object]] = {
+    Parameter: asdict,
+    Frame: lambda frame: _given(kind=frame.kind, at=frame.at),
+    BodyFrame: lambda frame: _given(kind=frame.kind, node=frame.node, around=frame.around or None),
+    Damping: lambda damping: {key: value for key, value in asdict(damping).items() if value} or None,
+    Marker: lambda marker: marker.at,
+    NodeMarker: lambda marker: marker.node,
+    PointMarker: lambda marker: [marker.x, marker.y],
+    MarkerRef: lambda ref: f"{ref.body}.{ref.marker}",
+    PlanarBeam: _beam,
+    NodalBody: _nodal_body,
+    SymbolicBody: _symbolic_body,
+    RigidBody: _rigid_body,
+    BeamBody: lambda body: {**_beam(body.beam), "pieces": body.pieces, "start": body.start},
+    InitialGuess: asdict,
+    Joint: _joint,
+    Drive: lambda drive: _given(joint=drive.joint, motion=drive.motion, speed=drive.speed, offset=drive.offset or None),
+    Force: lambda force: _given(at=force.at, components=force.components),
+    Torque: lambda torque: _given(at=torque.at, value=torque.value, against=torque.against),
+    Spring: lambda spring: _given(
+        kind=spring.kind,
+        between=[spring.first, spring.second],
+        stiffness=spring.stiffness,
+        damping=spring.damping,
+        rest=spring.rest,
+    ),
+    Simulation: asdict,
+    Plot: _plot,
+    ReferenceCurve: lambda curve: {"file": curve.file, "x": curve.x, "y": curve.y},
+}

@@ -1,0 +1,1 @@
+"""Checks of a whole specification, and the sentences in which faults are reported."""

@@ -1,0 +1,134 @@
+"""What pydantic reports, as faults: the path as it is written, and a sentence of our own."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from pydantic import BaseModel, ValidationError
+from pydantic_core import ErrorDetails
+
+from derive.spec.checks import scene_messages
+from derive.spec.model.body import DEFAULT_BENDING_STIFFNESS, DEFAULT_LENGTH, DEFAULT_MASS
+from derive.spec.parsing.faults import Fault, KeyPath, unknown_key
+from derive.spec.parsing.values import kind_of
+from derive.spec.tables.beam import BeamTable, FrameTable
+from derive.spec.tables.body import (
+    BodyFrameTable,
+    DampingTable,
+    NodalTable,
+    SymbolicTable,
+    UnitsTable,
+    kind_of_body,
+)
+from derive.spec.tables.shared import ParameterTable
+from derive.spec.tables.specification import SCENE, SpecificationTable
+
+MAX_FAULTS = 100
+QUANTITIES = {"mass": DEFAULT_MASS, "length": DEFAULT_LENGTH, "bending_stiffness": DEFAULT_BENDING_STIFFNESS}
+
+
+def key_faults(error: ValidationError, data: Mapping[str, object]) -> list[Fault]:
+    """What is wrong with single keys; of a flood of faults the first."""
+    details = error.errors(include_url=False)
+    faults = [_fault(one, data) for one in details[:MAX_FAULTS]]
+    if len(details) > MAX_FAULTS:
+        faults.append(Fault((), f"{len(details) - MAX_FAULTS} more problems are not shown"))
+    return faults
+
+
+def _fault(error: ErrorDetails, data: Mapping[str, object]) -> Fault:
+    path = _path(error["loc"])
+    match error["type"]:
+        case "value_error":
+            return Fault(path, str(error["ctx"]["error"]))
+        case "missing":
+            return Fault(path, f"this key is missing; write {_example(path)}")
+        case "extra_forbidden":
+            return Fault(path, _unknown_key(path, data))
+        case "model_type":
+            such = ", such as { ratio = 0.01 }" if path == ("body", "damping") else ""
+            return Fault(path, f"a table is needed here{such}, not {kind_of(error['input'])}")
+        case "invalid_key":
+            return Fault(path, "a key has to be text")
+    raise AssertionError(f"pydantic reports {error['type']}, for which there is no sentence yet")
+
+
+def _path(location: KeyPath) -> KeyPath:
+    """The keys of the data, without what pydantic puts between them for unions and keys of dicts."""
+    path: KeyPath = ()
+    skip = False
+    for part in location:
+        if skip:
+            skip = False
+            continue
+        path += (part,)
+        skip = _is_union(path)
+    return path[:-1] if path[-1:] == ("[key]",) else path
+
+
+def _is_union(path: KeyPath) -> bool:
+    match path:
+        case ("body",) | ("beam" | "body", "frame") | ("body", "units") | ("beam" | "body", "gravity", int()):
+            return True
+        case ("beam", key):
+            return key in QUANTITIES
+    return scene_messages.is_union(path)
+
+
+def _example(path: KeyPath) -> str:
+    match path:
+        case (*_, "gravity", int(i), "symbol"):
+            return f'symbol = "g{i + 1}"'
+        case (*_, "gravity", int(), "default"):
+            return "default = -9.81"
+        case (*_, str(key), "symbol") if key in QUANTITIES:
+            return f'symbol = "{QUANTITIES[key].symbol}"'
+        case ("body", "nodes"):
+            return 'nodes = "block.npz"'
+        case ("body", "units"):
+            return 'units = "SI", or those of the files, such as { length = "mm", mass = "t", time = "s" }'
+        case ("body", "units", key):
+            return {"length": 'length = "mm"', "mass": 'mass = "t"'}.get(str(key), 'time = "s"')
+        case ("body", "modes"):
+            return "modes = 8"
+        case (_, "frame", "kind") | (_, _, "frame", "kind"):
+            return 'kind = "point"'
+        case ("name",):
+            return 'name = "free_beam"'
+    return scene_messages.example(path)
+
+
+def _table(path: KeyPath, data: Mapping[str, object]) -> type[BaseModel]:
+    """The model of the table at a path."""
+    match path:
+        case ():
+            return SpecificationTable
+        case ("beam",):
+            return BeamTable
+        case ("body",):
+            return SymbolicTable if kind_of_body(data.get("body")) == "symbolic" else NodalTable
+        case ("beam", "frame"):
+            return FrameTable
+        case ("body", "frame"):
+            return BodyFrameTable
+        case ("body", "units"):
+            return UnitsTable
+        case ("body", "damping"):
+            return DampingTable
+    return scene_messages.table(path, data) or ParameterTable
+
+
+def _unknown_key(path: KeyPath, data: Mapping[str, object]) -> str:
+    key, body = str(path[-1]), data.get("body")
+    if len(path) == 1:
+        tables = {"beam": {*BeamTable.model_fields}, "body": {*NodalTable.model_fields, *SymbolicTable.model_fields}}
+        if any(name in data for name in SCENE):
+            tables = scene_messages.PLAIN_TABLES
+        for name in sorted(tables, key=lambda name: name not in data):
+            if key in tables[name]:
+                return f"this key belongs in the table [{name}]"
+    if path[1:] == ("name",):
+        return f"this key belongs above the table [{path[0]}]"
+    if path[0] == "body" and len(path) == 2 and kind_of_body(body) == "symbolic" and key in NodalTable.model_fields:
+        return "a symbolic body has no such key: its numbers are run-time parameters; leave this or `integrals` out"
+    return scene_messages.unknown(path, data) or unknown_key(key, _table(path[:-1], data).model_fields)

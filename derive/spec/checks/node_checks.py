@@ -1,0 +1,102 @@
+"""What the numbers of a body of nodes have to say about its other keys."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+
+from derive.spec.files.node_data import Checked, node_data
+from derive.spec.files.node_files import read_nodes
+from derive.spec.files.node_format import Units
+from derive.spec.model.body import NodeData
+from derive.spec.parsing import values
+from derive.spec.parsing.faults import Fault, Faults, KeyPath, readable
+from derive.spec.parsing.values import MAX_MODES
+from derive.spec.tables.body import MAX_AROUND, NodalTable
+from derive.spec.tables.shared import MAX_MARKERS
+
+
+def nodes_of(body: Mapping[str, object], table: NodalTable | None, folder: Path) -> tuple[NodeData | None, Faults]:
+    """The numbers of a body, and what is wrong with them or with the keys that speak of them.
+
+    `table` is the body if its keys are right. If they are not, the files are looked at none the less.
+    """
+    if "nodes" not in body:
+        return None, Faults()
+    found = read_nodes(body["nodes"], folder)
+    units = Units() if table is None else table.scales()
+    checked = node_data(found, units)
+    faults = Faults([*found.faults, *checked.faults])
+    if isinstance(body["nodes"], NodeData) and units != Units():
+        faults.append(Fault(("body", "units"), "NodeData are in SI units; leave `units` out"))
+    if found.complete:
+        faults += _mode_faults(body, {key.removesuffix("_value") for key in found.arrays}, checked)
+    if checked.nodes is not None:
+        faults += _node_faults(body, checked.nodes)
+    return checked.data, faults
+
+
+def _mode_faults(body: Mapping[str, object], arrays: set[str], checked: Checked) -> Iterator[Fault]:
+    """A number of modes that cannot be had."""
+    asked = readable(values.mode_count, body.get("modes"))
+    if "modes" in arrays:
+        given = checked.modes
+        count = given if asked is None else asked
+        if given is not None and asked is not None and asked > given:
+            yield Fault(("body", "modes"), f"{asked} modes are asked for, and there are {given} in the files")
+            return
+        if not {"modal_stiffness", "stiffness"} & arrays and count != 0:
+            yield Fault(("body", "nodes"), "the modes have no stiffness: add modal_stiffness, or stiffness")
+    else:
+        count = asked
+        if "stiffness" not in arrays and asked != 0:
+            yield Fault(
+                ("body", "modes") if asked else ("body", "nodes"),
+                "there is nothing to take modes from: add modes and modal_stiffness, or a stiffness to compute them "
+                "with mass, or write modes = 0 for a rigid body",
+            )
+        elif "modes" not in body:
+            yield Fault(
+                ("body", "modes"),
+                "this key is missing; write modes = 8 to have so many computed from mass and stiffness",
+            )
+        if body.get("orthonormal") is False:
+            yield Fault(
+                ("body", "orthonormal"), "modes that are computed are orthonormal; leave this out, or give the modes"
+            )
+    if count is None or checked.nodes is None:
+        return
+    most = max(3 * checked.nodes - 6, 0)
+    if count > most:
+        yield Fault(
+            ("body", "modes"),
+            f"{count} modes are too many: {checked.nodes} nodes have {3 * checked.nodes} displacements, of which 6 are "
+            f"rigid motion, so that there are {most} at most",
+        )
+    elif count > MAX_MODES:
+        yield Fault(
+            ("body", "modes"),
+            f"there are {count} modes in the files, and {MAX_MODES} are allowed; keep fewer: modes = 8",
+        )
+
+
+def _node_faults(body: Mapping[str, object], nodes: int) -> Iterator[Fault]:
+    """Nodes that do not exist."""
+    for path, value in _node_numbers(body):
+        node = readable(values.whole, value)
+        if node is not None and node >= nodes:
+            which = f"node {node}" if node < 10**18 else "such node"
+            yield Fault(path, f"there is no {which}: the nodes are 0 to {nodes - 1}")
+
+
+def _node_numbers(body: Mapping[str, object]) -> Iterator[tuple[KeyPath, object]]:
+    frame, markers = body.get("frame"), body.get("markers")
+    if isinstance(frame, Mapping):
+        yield ("body", "frame", "node"), frame.get("node")
+        around = frame.get("around")
+        if isinstance(around, (list, tuple)):
+            for i, node in enumerate(around[:MAX_AROUND]):
+                yield ("body", "frame", "around", i), node
+    if isinstance(markers, Mapping) and len(markers) <= MAX_MARKERS:
+        for name, node in markers.items():
+            yield ("body", "markers", str(name)), node

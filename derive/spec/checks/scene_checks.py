@@ -1,0 +1,164 @@
+"""What is wrong between the tables of a scene: names that nobody has, joints and drives that cannot be."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+from derive.errors import quoted
+from derive.spec.checks.body_checks import shape_faults
+from derive.spec.checks.scene_data import Raw, SceneData
+from derive.spec.checks.scene_names import name_faults
+from derive.spec.checks.scene_parameters import parameter_faults
+from derive.spec.model.scene import GROUND, MarkerRef
+from derive.spec.parsing.faults import Fault, KeyPath, did_you_mean
+from derive.spec.tables.scene_bodies import RigidTable
+
+HELD = ("weld", "fixed")
+"""Joints in which nothing moves."""
+
+
+def scene_faults(data: Raw) -> list[Fault]:
+    """All that is wrong with a scene beyond its single keys."""
+    bodies = data.get("bodies", {})
+    if isinstance(bodies, Mapping) and not bodies:
+        return [Fault(("bodies",), "a scene needs bodies; write one, such as [bodies.rod]")]
+    view = SceneData(data)
+    faults = [*_ground(view), *name_faults(view), *parameter_faults(view), *_shapes(view)]
+    if view.complete:
+        faults += [*_places(view), *_joints(view), *_drives(view), *_weightless(view), *_actions(view), *_plots(view)]
+    return faults
+
+
+def _ground(view: SceneData) -> Iterator[Fault]:
+    for name in view.names_of_bodies:
+        if name.lower() == GROUND:
+            text = f"{quoted(name)} is the name of the inertial base, whose markers are in [ground.markers]"
+            yield Fault(("bodies", name), f"{text}; choose another name")
+
+
+def _places(view: SceneData) -> Iterator[Fault]:
+    """Places that do not exist."""
+    for path, place in view.places():
+        if place.body != GROUND and place.body not in view.names_of_bodies:
+            bodies = f"the bodies are {', '.join(view.names_of_bodies)}, and there is the ground"
+            hint = did_you_mean(place.body, (*view.names_of_bodies, GROUND), bodies)
+            yield Fault(path, f"there is no body {quoted(place.body)}{hint}")
+            continue
+        markers = view.markers(place.body)
+        if markers is not None and place.marker not in markers:
+            yield Fault(path, _no_marker(view, place, markers))
+
+
+def _no_marker(view: SceneData, place: MarkerRef, markers: list[str]) -> str:
+    who = "the ground" if place.body == GROUND else f"the body {place.body}"
+    said = f"{who} has no marker {quoted(place.marker)}"
+    if not markers:
+        such = "-1" if view.is_beam(place.body) else "[0, 0]"
+        table = "[ground.markers]" if place.body == GROUND else f"[bodies.{place.body}.markers]"
+        return f"{said}, and no others; write {table} with {place.marker} = {such}"
+    there = f"it has the marker{'s' * (len(markers) > 1)} {', '.join(markers)}"
+    return said + did_you_mean(place.marker, markers, there)
+
+
+def _joints(view: SceneData) -> Iterator[Fault]:
+    for name, joint in view.tables["joints"].items():
+        places = view.pair("joints", name)
+        if places is None:
+            continue
+        first, second = (place.body for place in places)
+        path: KeyPath = ("joints", name, "between")
+        if first == second == GROUND:
+            yield Fault(path, "both places are on the ground, which does not move; one of them must be on a body")
+        elif first == second and first in view.names_of_bodies:
+            yield Fault(path, f"both places are on the body {first}; a joint is between two bodies, or ground and body")
+        elif joint.get("kind") == "translational" and view.is_beam(first):
+            text = f"the line must belong to the ground or to a rigid body, and {first} is a beam"
+            if view.is_beam(second):
+                yield Fault(path, f"{text}, as {second} is; weld a rigid body to {first}, and let {second} slide on it")
+            else:
+                yield Fault(path, f"{text}; swap the two places")
+
+
+def _drives(view: SceneData) -> Iterator[Fault]:
+    joints = view.data.get("joints", {})
+    driven: dict[str, str] = {}
+    for name, drive in view.tables["drives"].items():
+        joint = drive.get("joint")
+        if not isinstance(joint, str) or not isinstance(joints, Mapping):
+            continue
+        path: KeyPath = ("drives", name, "joint")
+        if joint not in joints:
+            there = f"the joints are {', '.join(map(str, joints))}" if joints else "write one, such as [joints.bearing]"
+            yield Fault(path, f"there is no joint {quoted(joint)}{did_you_mean(joint, map(str, joints), there)}")
+            continue
+        kind = view.tables["joints"].get(joint, {}).get("kind")
+        if kind in HELD:
+            yield Fault(path, f"nothing moves in the {kind} joint {joint}; drive a revolute or a translational one")
+        other = driven.setdefault(joint, name)
+        if other != name:
+            yield Fault(path, f"the joint {joint} is driven by {other} already; leave one of the drives out")
+
+
+def _weightless(view: SceneData) -> Iterator[Fault]:
+    """Bodies that need a mass, since no drive can prescribe how they move."""
+    held, prescribed = set(), set()
+    driven = {str(drive.get("joint")) for drive in view.tables["drives"].values()}
+    for name, joint in view.tables["joints"].items():
+        bodies = {place.body for place in view.pair("joints", name) or ()}
+        held |= bodies
+        # What a weld holds may be held to a body whose motion is prescribed: that is for the derivation to find out.
+        if name in driven or joint.get("kind") in HELD:
+            prescribed |= bodies
+    unreadable = any(view.pair("joints", name) is None for name in view.tables["joints"])
+    for name, body in view.bodies.items():
+        missing = [key for key in ("mass", "inertia") if key not in body]
+        misspelt = any(key not in RigidTable.model_fields for key in body)
+        if view.is_beam(name) or not missing or name in prescribed or unreadable or misspelt:
+            continue
+        such = " and ".join(f"{key} = 1.0" for key in missing)
+        if name in held:
+            text = f"no drive prescribes the motion of this body, so that it needs {' and '.join(missing)}"
+        else:
+            text = f"no joint holds this body, so that it needs {' and '.join(missing)}"
+        yield Fault(("bodies", name), f"{text}; write {such}")
+
+
+def _actions(view: SceneData) -> Iterator[Fault]:
+    """Forces, torques and springs that move nothing."""
+    for kind in ("forces", "torques"):
+        for name, table in view.tables[kind].items():
+            at = table.get("at")
+            if isinstance(at, str) and at.startswith(f"{GROUND}.") and "against" not in table:
+                text = f"a {kind[:-1]} on the ground moves nothing; name a marker of a body"
+                yield Fault((kind, name, "at"), text)
+    for name in view.tables["springs"]:
+        places = view.pair("springs", name)
+        if places and places[0] == places[1]:
+            yield Fault(("springs", name, "between"), "a spring is between two places, and these are the same")
+
+
+def _plots(view: SceneData) -> Iterator[Fault]:
+    drives = view.data.get("drives", {})
+    known = [str(drive) for drive in drives] if isinstance(drives, Mapping) else []
+    for name, plot in view.tables["plots"].items():
+        over, cut = plot.get("over"), plot.get("cut")
+        if isinstance(over, str) and over not in known:
+            there = f"the drives are {', '.join(known)}" if known else "leave `over` out, for a plot over the time"
+            yield Fault(("plots", name, "over"), f"there is no drive {quoted(over)}{did_you_mean(over, known, there)}")
+        beams = [body for body in view.bodies if view.is_beam(body)]
+        if isinstance(cut, str) and cut not in beams:
+            there = f"the beams are {', '.join(beams)}" if beams else "leave `cut` and `pieces` out"
+            if cut in view.bodies:
+                text = f"the body {cut} is rigid, and beams alone are cut into pieces; {there}"
+            else:
+                text = f"there is no body {quoted(cut)}{did_you_mean(cut, beams, there)}"
+            yield Fault(("plots", name, "cut"), text)
+        chord = view.pair("plots", name, "chord")
+        if chord and chord[0] == chord[1]:
+            yield Fault(("plots", name, "chord"), "a chord is between two places, and these are the same")
+
+
+def _shapes(view: SceneData) -> Iterator[Fault]:
+    for name, body in view.bodies.items():
+        if view.is_beam(name):
+            yield from shape_faults(("bodies", name), body)

@@ -1,0 +1,103 @@
+"""A scene as it was written, for checks that look at several of its tables; any of them may be at fault."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+from derive.spec.model.scene import GROUND, MarkerRef
+from derive.spec.parsing import scene_values
+from derive.spec.parsing.faults import KeyPath, readable
+from derive.spec.tables.scene_bodies import MAX_NAMED, kind_of_scene_body
+from derive.spec.tables.shared import MAX_MARKERS
+
+Raw = Mapping[str, object]
+
+NAMED = ("bodies", "joints", "drives", "forces", "torques", "springs", "plots")
+"""The keys under which tables have names."""
+
+
+class WrittenPlace(NamedTuple):
+    """A place, where it is written, and what the place is for."""
+
+    path: KeyPath
+    place: MarkerRef
+
+
+@dataclass(frozen=True)
+class SceneData:
+    """The named tables of a scene, those alone that are tables."""
+
+    data: Raw
+    tables: Mapping[str, Mapping[str, Raw]] = field(init=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "tables", {kind: _tables(self.data.get(kind)) for kind in NAMED})
+
+    @property
+    def bodies(self) -> Mapping[str, Raw]:
+        """The bodies by their names."""
+        return self.tables["bodies"]
+
+    @property
+    def names_of_bodies(self) -> list[str]:
+        """All bodies, with those that are no tables."""
+        bodies = self.data.get("bodies")
+        return [name for name in bodies if isinstance(name, str)] if isinstance(bodies, Mapping) else []
+
+    @property
+    def complete(self) -> bool:
+        """Whether what is not here is really missing."""
+        sections = [self.data.get(kind, {}) for kind in NAMED]
+        return all(isinstance(one, Mapping) and len(one) <= MAX_NAMED for one in sections)
+
+    def is_beam(self, body: str) -> bool:
+        """Whether a name is that of a beam."""
+        return body in self.bodies and kind_of_scene_body(self.bodies[body]) == "beam"
+
+    def markers(self, body: str) -> list[str] | None:
+        """The markers of a body or of the ground; None where that is unknown."""
+        table = self.data.get(GROUND, {}) if body == GROUND else self.bodies.get(body)
+        markers = table.get("markers", {}) if isinstance(table, Mapping) else None
+        if not isinstance(markers, Mapping) or len(markers) > MAX_MARKERS:
+            return None
+        return [name for name in markers if isinstance(name, str)]
+
+    def pair(self, kind: str, name: str, key: str = "between") -> tuple[MarkerRef, MarkerRef] | None:
+        """The two places of a joint, a spring or a chord, if they can be read."""
+        value = self.tables[kind][name].get(key)
+        if not isinstance(value, (list, tuple)) or len(value) != 2:
+            return None
+        first, second = (readable(scene_values.place, one) for one in value)
+        return None if first is None or second is None else (first, second)
+
+    def places(self) -> Iterator[WrittenPlace]:
+        """All places of the scene that can be read."""
+        keys = {
+            "joints": ("between",),
+            "forces": ("at",),
+            "torques": ("at", "against"),
+            "springs": ("between",),
+            "plots": ("deflection", "chord"),
+        }
+        for kind, of in keys.items():
+            for name, table in self.tables[kind].items():
+                for key in of:
+                    yield from _places((kind, name, key), table.get(key))
+
+
+def _places(path: KeyPath, value: object) -> Iterator[WrittenPlace]:
+    if isinstance(value, (list, tuple)):
+        for i, one in enumerate(value[:2]):
+            yield from _places((*path, i), one)
+    elif isinstance(value, str):
+        place = readable(scene_values.place, value)
+        if place is not None:
+            yield WrittenPlace(path, place)
+
+
+def _tables(value: object) -> dict[str, Raw]:
+    if not isinstance(value, Mapping) or len(value) > MAX_NAMED:
+        return {}
+    return {name: table for name, table in value.items() if isinstance(name, str) and isinstance(table, Mapping)}

@@ -1,0 +1,134 @@
+"""What messages need to know of the keys of a scene: which table is where, and what a missing key looks like."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from pydantic import BaseModel
+
+from derive.spec.parsing.faults import KeyPath, did_you_mean
+from derive.spec.tables.beam import FrameTable
+from derive.spec.tables.scene import (
+    DriveTable,
+    ForceTable,
+    JointTable,
+    PlotTable,
+    ReferenceTable,
+    SimulationTable,
+    SpringTable,
+    TorqueTable,
+)
+from derive.spec.tables.scene_bodies import (
+    BEAM_KEYS,
+    BeamBodyTable,
+    GroundTable,
+    RigidTable,
+    SceneTable,
+    StartTable,
+    kind_of_scene_body,
+)
+
+_NAMED: dict[str | int, type[BaseModel]] = {
+    "joints": JointTable,
+    "drives": DriveTable,
+    "forces": ForceTable,
+    "torques": TorqueTable,
+    "springs": SpringTable,
+    "plots": PlotTable,
+}
+_PLAIN: dict[str | int, type[BaseModel]] = {"ground": GroundTable, "scene": SceneTable, "simulation": SimulationTable}
+PLAIN_TABLES = {str(name): {*table.model_fields} for name, table in _PLAIN.items()}
+"""The keys of the tables that there is one of."""
+
+_EXAMPLES = {
+    ("joints", "kind"): 'kind = "revolute"',
+    ("joints", "between"): 'between = ["ground.bearing", "crank.hub"]',
+    ("drives", "joint"): 'joint = "bearing"',
+    ("forces", "at"): 'at = "rod.right"',
+    ("forces", "components"): "components = [0, -10]",
+    ("torques", "at"): 'at = "crank.hub"',
+    ("torques", "value"): "value = 1.5",
+    ("springs", "between"): 'between = ["ground.bearing", "slider.pin"]',
+    ("springs", "stiffness"): "stiffness = 1000",
+    ("plots", "deflection"): 'deflection = "rod.middle"',
+    ("plots", "chord"): 'chord = ["rod.left", "rod.right"]',
+    ("plots", "divided_by"): "divided_by = 0.3",
+}
+_SYMBOLS = {"inertia": "I", "speed": "Omega", "stiffness": "k", "damping": "d", "rest": "l0"}
+
+
+def is_union(path: KeyPath) -> bool:
+    """Whether a value can be written in two ways, between which pydantic tells in its path."""
+    match path:
+        case ("bodies", _) | ("bodies", _, "frame"):
+            return True
+        case ("bodies", _, "mass" | "inertia" | "length" | "bending_stiffness"):
+            return True
+        case ("bodies", _, "centre", int()) | ("bodies", _, "markers", _, int()) | ("ground", "markers", _, int()):
+            return True
+        case ("scene", "gravity", int()) | ("drives", _, "speed"):
+            return True
+        case ("springs", _, "stiffness" | "damping" | "rest"):
+            return True
+    return False
+
+
+def example(path: KeyPath) -> str:
+    """How a missing key may be written."""
+    match path:
+        case ("simulation", "duration"):
+            return "duration = 1.0"
+        case ("simulation", _):
+            return "output = 1e-3"
+        case ("plots", _, "reference", "file"):
+            return 'file = "curve.csv"'
+        case ("plots", _, "reference", key):
+            return f'{key} = "the name of a column"'
+        case (*_, key, "symbol"):
+            return f'symbol = "{_SYMBOLS.get(str(key), "a")}"'
+        case (*_, "default"):
+            return "default = 0.1"
+        case (kind, _, key):
+            return _EXAMPLES[str(kind), str(key)]
+    raise AssertionError(f"there is no example of {path} yet")
+
+
+def table(path: KeyPath, data: Mapping[str, object]) -> type[BaseModel] | None:
+    """The model of the table at a path, if it is one of a scene and no parameter."""
+    match path:
+        case (kind,):
+            return _PLAIN.get(kind)
+        case ("bodies", name):
+            return BeamBodyTable if _kind(name, data) == "beam" else RigidTable
+        case ("bodies", _, "start"):
+            return StartTable
+        case ("bodies", _, "frame"):
+            return FrameTable
+        case ("plots", _, "reference"):
+            return ReferenceTable
+        case (kind, _):
+            return _NAMED.get(kind)
+    return None
+
+
+def unknown(path: KeyPath, data: Mapping[str, object]) -> str | None:
+    """What to say of a key that belongs to the other kind of body, if that is what it is."""
+    if len(path) != 3 or path[0] != "bodies":
+        return None
+    key, kind = str(path[2]), _kind(path[1], data)
+    keys = ", ".join(BEAM_KEYS)
+    if kind == "rigid" and key in BeamBodyTable.model_fields:
+        return f"a rigid body has no such key; leave it out, or make the body a beam by one of {keys}"
+    if kind == "beam" and key in RigidTable.model_fields:
+        return f"a beam has no such key; leave it out, or make the body rigid: without {keys}"
+    if key == "gravity":
+        return "gravity acts on all bodies; write it in the table [scene]"
+    own, other = (BeamBodyTable, RigidTable) if kind == "beam" else (RigidTable, BeamBodyTable)
+    both = [*own.model_fields, *(key for key in other.model_fields if key not in own.model_fields)]
+    what = "beam" if kind == "beam" else "rigid body"
+    return f"unknown key{did_you_mean(key, both, f'the keys of a {what} are ' + ', '.join(own.model_fields))}"
+
+
+def _kind(name: str | int, data: Mapping[str, object]) -> str:
+    bodies = data.get("bodies")
+    return kind_of_scene_body(bodies.get(name) if isinstance(bodies, Mapping) else None)

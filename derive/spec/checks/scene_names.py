@@ -1,0 +1,148 @@
+"""Names that a scene makes out of those that are written, and which of them meet.
+
+Coordinates, multipliers and definitions begin with the name of what they belong to: rod_c1, rod_2_alpha1, pin_1. In the
+code some of them are in upper case, so that names must differ in more than case.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from derive.errors import quoted
+from derive.spec.checks.scene_data import NAMED, Raw, SceneData
+from derive.spec.model.body import DEFAULT_ANSATZ
+from derive.spec.model.scene import GROUND
+from derive.spec.parsing import scene_values
+from derive.spec.parsing.faults import Fault, KeyPath, readable
+from derive.spec.parsing.names import name_problem
+from derive.spec.tables.beam import MAX_SHAPES
+
+RESERVED = {
+    "t": "it is the time",
+    "pi": "it is the number pi",
+    "g_1": "it is a component of gravity",
+    "g_2": "it is a component of gravity",
+}
+OWN_MARKERS = ("base", "cut_left", "cut_right")
+"""Points of bodies that the derivation gives names to."""
+RATES = ("", "dot", "ddot")
+
+_DRIVE = ("", "_speed")
+_OTHER = {
+    "joints": ("_1", "_2", "_turn", "_normal", "_axis_1", "_axis_2"),
+    "forces": ("_1", "_2"),
+    "torques": ("_torque",),
+    "springs": tuple(
+        f"_{what}"
+        for what in "stiffness damping rest apart_1 apart_2 length rate pull".split()  # noqa: SIM905
+    ),
+}
+_CONSTRAINT = ("_1", "_2", "_turn")
+
+Made = tuple[KeyPath, str, str]
+"""Where the name is written that another comes from; that other; what it is."""
+
+
+def name_faults(view: SceneData) -> Iterator[Fault]:
+    """Names that are taken, each reported once, where the later of the two is written."""
+    again = list(_written_twice(view))
+    yield from again
+    yield from _markers(view)
+    told = {fault.path for fault in again}
+    first: dict[str, tuple[KeyPath, str]] = {name: ((), why) for name, why in RESERVED.items()}
+    model = view.data.get("name")
+    if isinstance(model, str):
+        first[model.lower()] = (("name",), "it is the name of the model")
+    for path, name, what in made_names(view):
+        other, why = first.setdefault(name.lower(), (path, f"it is {what}"))
+        if other != path and path not in told:
+            told.add(path)
+            reason = (
+                f"{quoted(name)}, {what}, is taken: {why}" if name != path[1] else f"{quoted(name)} is taken: {why}"
+            )
+            yield Fault(path, f"{reason}; choose another name")
+
+
+def taken_names(view: SceneData) -> dict[str, str]:
+    """The names in lower case that no symbol may have, with the reason."""
+    return {**RESERVED, **{name.lower(): f"it is {what}" for _, name, what in made_names(view)}}
+
+
+def made_names(view: SceneData) -> Iterator[Made]:
+    """All names that a scene makes."""
+    for name, body in _named(view, "bodies"):
+        path: KeyPath = ("bodies", name)
+        if not view.is_beam(name):
+            yield from _coordinates(path, name, 0, f"the body {name}")
+            continue
+        ansatz = body.get("ansatz", DEFAULT_ANSATZ)
+        shapes = min(len(ansatz), MAX_SHAPES) if isinstance(ansatz, (list, tuple)) else 0
+        for count in _piece_counts(view, name, body):
+            if count == 1:
+                yield from _coordinates(path, name, shapes, f"the body {name}")
+                continue
+            for k in range(1, count + 1):
+                yield from _coordinates(path, f"{name}_{k}", shapes, f"piece {k} of the body {name}")
+                for end in _CONSTRAINT:
+                    yield path, f"{name}_cut_{k}{end}", f"a multiplier of cut {k} of the body {name}"
+    for kind, ends in {**_OTHER, "drives": _DRIVE}.items():
+        for name, _ in _named(view, kind):
+            what = "the multiplier" if kind == "drives" else "a name"
+            for end in ends:
+                yield (kind, name), f"{name}{end}", f"{what} of the {kind[:-1]} {name}"
+
+
+def _coordinates(path: KeyPath, name: str, shapes: int, of: str) -> Iterator[Made]:
+    for end in ("c1", "c2", "phi", "s", *(f"alpha{i}" for i in range(1, shapes + 1))):
+        for rate in RATES:
+            yield path, f"{name}_{end}{rate}", f"a {'rate' if rate else 'coordinate'} of {of}"
+
+
+def _piece_counts(view: SceneData, name: str, body: Raw) -> list[int]:
+    """Into how many pieces a body is cut, here and in plots."""
+    counts = [body.get("pieces", 1)]
+    for plot in view.tables["plots"].values():
+        pieces = plot.get("pieces")
+        if plot.get("cut") == name and isinstance(pieces, (list, tuple)):
+            counts += pieces[: scene_values.MAX_PIECES]
+    read = {readable(scene_values.piece_count, count) for count in counts}
+    return sorted(count for count in read if count is not None)
+
+
+def _named(view: SceneData, kind: str) -> Iterator[tuple[str, Raw]]:
+    for name, table in view.tables[kind].items():
+        if not name_problem(name):
+            yield name, table
+
+
+def _written_twice(view: SceneData) -> Iterator[Fault]:
+    """Names of one kind that differ in case alone."""
+    for kind in NAMED:
+        first: dict[str, str] = {}
+        for name in view.tables[kind]:
+            other = first.setdefault(name.lower(), name)
+            if other != name:
+                text = f"there is a {'body' if kind == 'bodies' else kind[:-1]} {quoted(other)}"
+                yield Fault((kind, name), f"{quoted(name)} is taken: {text}; names must differ in more than case")
+
+
+def _markers(view: SceneData) -> Iterator[Fault]:
+    """Markers that have one name, once the name of their body is in front of it."""
+    first: dict[str, tuple[str, str]] = {}
+    for body in (GROUND, *view.bodies):
+        for marker in view.markers(body) or ():
+            path: KeyPath = (GROUND, "markers", marker) if body == GROUND else ("bodies", body, "markers", marker)
+            if name_problem(marker) or (body != GROUND and name_problem(body)):
+                continue
+            if body != GROUND and marker.lower() in OWN_MARKERS:
+                text = f"{quoted(marker)} is taken: it is what a point of every body is called"
+                yield Fault(path, f"{text}; choose another name")
+            other = first.setdefault(f"{body}_{marker}".lower(), (body, marker))
+            if other == (body, marker):
+                continue
+            if other[0] == body:
+                text = f"there is a marker {quoted(other[1])}; names must differ in more than case"
+                yield Fault(path, f"{quoted(marker)} is taken: {text}")
+            else:
+                text = f"{body}_{marker} would be this marker and the marker {other[1]} of the body {other[0]}"
+                yield Fault(path, f"{text}; choose another name")

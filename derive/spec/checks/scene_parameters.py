@@ -1,0 +1,127 @@
+"""The parameters of a scene: one symbol is one parameter, wherever it is written."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import NamedTuple
+
+from derive.errors import quoted
+from derive.spec.checks.scene_data import SceneData
+from derive.spec.checks.scene_names import taken_names
+from derive.spec.model.body import DEFAULT_BENDING_STIFFNESS, DEFAULT_LENGTH, DEFAULT_MASS
+from derive.spec.model.scene import GROUND, SPRING_UNITS
+from derive.spec.parsing import values
+from derive.spec.parsing.faults import Fault, KeyPath, readable
+from derive.spec.parsing.names import name_problem
+from derive.spec.tables.scene import SPEED_UNITS
+from derive.spec.tables.scene_bodies import INERTIA_UNIT, LENGTH_UNIT
+
+GRAVITY_UNIT = "m/s^2"
+BEAM = {"mass": DEFAULT_MASS, "length": DEFAULT_LENGTH, "bending_stiffness": DEFAULT_BENDING_STIFFNESS}
+RIGID = {"mass": DEFAULT_MASS.unit, "inertia": INERTIA_UNIT}
+
+
+class Written(NamedTuple):
+    """A constant of a scene: where it is, what it is, and the unit of a parameter that says none."""
+
+    path: KeyPath
+    value: object
+    what: str
+    unit: str | None
+    given: bool = True
+
+
+def parameter_faults(view: SceneData) -> Iterator[Fault]:
+    """Symbols that are taken, and symbols that stand for two parameters."""
+    taken = taken_names(view)
+    model = view.data.get("name")
+    if isinstance(model, str):
+        taken[model.lower()] = "it is the name of the model"
+    first: dict[str, Written] = {}
+    # Symbols that nobody wrote come first, so that a fault is reported where something was written.
+    for one in (*_unwritten(view), *written(view)):
+        symbol = _symbol(one.value)
+        if symbol is None:
+            continue
+        path = (*one.path, "symbol") if one.given else one.path
+        if symbol.lower() in taken:
+            yield Fault(path, f"{quoted(symbol)} is taken: {taken[symbol.lower()]}; choose another symbol")
+            continue
+        other = first.setdefault(symbol.lower(), one)
+        if _symbol(other.value) != symbol:
+            text = f"{quoted(symbol)} is taken: {quoted(str(_symbol(other.value)))} is the symbol of {other.what}"
+            yield Fault(path, f"{text}; names must differ in more than case")
+        elif differs := _difference(one, other):
+            text = f"{quoted(symbol)} is the symbol of {other.what}, {differs}"
+            yield Fault(path, f"{text}; one symbol is one parameter: write both alike, or choose another symbol")
+
+
+def _difference(one: Written, other: Written) -> str | None:
+    """What two parameters of one symbol do not agree in; None if they do, or if that cannot be said."""
+    for noun, ours, theirs in (("unit", _unit(one), _unit(other)), ("default", _default(one), _default(other))):
+        if None not in (ours, theirs) and ours != theirs:
+            return f"with the {noun} {theirs}, not {ours}"
+    return None
+
+
+def _symbol(value: object) -> str | None:
+    symbol = value.get("symbol") if isinstance(value, Mapping) else None
+    return symbol if isinstance(symbol, str) and not name_problem(symbol) else None
+
+
+def _unit(one: Written) -> str | None:
+    assert isinstance(one.value, Mapping)
+    return readable(values.unit, one.value["unit"]) if "unit" in one.value else one.unit
+
+
+def _default(one: Written) -> float | None:
+    assert isinstance(one.value, Mapping)
+    if "default" in one.value:
+        return readable(values.any_float, one.value["default"])
+    return 1.0  # of masses and the like; where a default has to be written, that is said elsewhere
+
+
+def _unwritten(view: SceneData) -> Iterator[Written]:
+    for name, body in view.bodies.items():
+        for key, like in BEAM.items() if view.is_beam(name) else ():
+            if key not in body:
+                what = f"{key} of the body {name} if none is given"
+                yield Written(("bodies", name, key), {"symbol": like.symbol}, what, like.unit, given=False)
+
+
+def written(view: SceneData) -> Iterator[Written]:
+    """All constants of a scene that may be parameters."""
+    scene = view.data.get("scene")
+    if isinstance(scene, Mapping):
+        yield from _components(("scene", "gravity"), scene.get("gravity"), "gravity", GRAVITY_UNIT)
+    for name, body in view.bodies.items():
+        of = f"of the body {name}"
+        if view.is_beam(name):
+            for key, like in BEAM.items():
+                yield Written(("bodies", name, key), body.get(key), f"{key} {of}", like.unit)
+            continue
+        for key, unit in RIGID.items():
+            yield Written(("bodies", name, key), body.get(key), f"{key} {of}", unit)
+        yield from _components(("bodies", name, "centre"), body.get("centre"), f"the centre {of}", LENGTH_UNIT)
+        yield from _markers(("bodies", name, "markers"), body.get("markers"), of)
+    ground = view.data.get(GROUND)
+    if isinstance(ground, Mapping):
+        yield from _markers((GROUND, "markers"), ground.get("markers"), "of the ground")
+    for name, drive in view.tables["drives"].items():
+        joint = view.tables["joints"].get(str(drive.get("joint")), {})
+        speed_unit = SPEED_UNITS.get(str(joint.get("kind")))
+        yield Written(("drives", name, "speed"), drive.get("speed"), f"the speed of the drive {name}", speed_unit)
+    for name, spring in view.tables["springs"].items():
+        units = SPRING_UNITS.get(str(spring.get("kind", "linear")), {})
+        for key in ("stiffness", "damping", "rest"):
+            yield Written(("springs", name, key), spring.get(key), f"{key} of the spring {name}", units.get(key))
+
+
+def _components(path: KeyPath, value: object, what: str, unit: str) -> Iterator[Written]:
+    for i, component in enumerate(value[:2] if isinstance(value, (list, tuple)) else ()):
+        yield Written((*path, i), component, f"component {i + 1} of {what}", unit)
+
+
+def _markers(path: KeyPath, markers: object, of: str) -> Iterator[Written]:
+    for name, at in markers.items() if isinstance(markers, Mapping) else ():
+        yield from _components((*path, str(name)), at, f"the marker {name} {of}", LENGTH_UNIT)

@@ -1,0 +1,166 @@
+"""All faults of the data of a specification at once, each as its path and a sentence of our own."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator, Mapping
+from pathlib import Path
+from types import MappingProxyType
+
+from pydantic import ValidationError
+
+from derive.errors import Problem, SpecError, quoted
+from derive.spec.checks.body_checks import shape_faults
+from derive.spec.checks.messages import QUANTITIES, key_faults
+from derive.spec.checks.scene_checks import scene_faults
+from derive.spec.files.reference_curves import Rows, references
+from derive.spec.model.body import NodeData
+from derive.spec.model.scene import Specification
+from derive.spec.parsing.faults import Fault, KeyPath, line_of, path_text
+from derive.spec.parsing.names import name_problem
+from derive.spec.tables.body import NodalTable, SymbolicTable, kind_of_body
+from derive.spec.tables.shared import MAX_MARKERS
+from derive.spec.tables.specification import SCENE, SpecificationTable
+
+Curves = Mapping[str, Rows]
+
+INTEGRALS = "m|c[1-8](_[0-9]+)*|[kb](_[0-9]+)*|(x|phi)[0-9]+(_[0-9]+)*"
+"""The names of the parameters of a body in space: m, c2_1_3, C3, C3_11, K_1_2, B_1_2, and X1, Phi1 of its markers."""
+
+
+def validate(
+    data: Mapping[str, object],
+    source: str | None = None,
+    lines: Callable[[], Mapping[KeyPath, int]] = dict,
+    curves: Curves = MappingProxyType({}),
+) -> Specification:
+    """What `data` specify. Raises SpecError with all that is wrong with them.
+
+    source: the file they come from, beside which other files are; lines: the lines of its keys, asked for only if they
+    are needed; curves: the numbers of reference curves that are known already, by the names of their plots.
+    """
+    result = _checked(data, Path() if source is None else Path(source).parent, curves)
+    if not isinstance(result, list):
+        return result
+    known = lines()
+    problems = [Problem(path_text(path), message, line_of(path, known)) for path, message in result]
+    # In the order of the file; what is not in it comes first.
+    raise SpecError(tuple(sorted(problems, key=lambda problem: problem.line or 0)), source)
+
+
+def _checked(data: Mapping[str, object], folder: Path, known: Curves) -> Specification | list[Fault]:
+    """What `data` specify, with files of numbers relative to `folder`; or all that is wrong with them."""
+    specification = None
+    faults: list[Fault] = []
+    try:
+        specification = SpecificationTable.model_validate(data)
+    except ValidationError as error:
+        faults = key_faults(error, data)
+    kinds = _kinds(data)
+    if len(kinds) > 1:
+        return [_mixed(kinds)]  # what else there is follows from this
+    if not kinds:
+        text = "this key is missing; write [beam], [body] for a body in space, or [bodies.rod] for a scene"
+        faults.append(Fault(("beam",), text))
+    faults += _repeated_names(data)
+    faults += _names_of_integrals(data)
+    faults += shape_faults(("beam",), data.get("beam"))
+    nodes, node_faults = _nodes(data, specification, folder)
+    curves, curve_faults = references(data, folder, known)
+    faults += node_faults + curve_faults
+    if any(key in data for key in SCENE):
+        faults += scene_faults(data)
+    if specification is None or faults:
+        return faults
+    return _specified(specification, nodes, curves)
+
+
+def _kinds(data: Mapping[str, object]) -> list[str]:
+    """What is specified, by its key: a beam, a body, or a scene, of which bodies come first."""
+    scene = [key for key in ("bodies", *SCENE) if key in data]
+    return [*(key for key in ("beam", "body") if key in data), *scene[:1]]
+
+
+def _mixed(kinds: list[str]) -> Fault:
+    tables = " and ".join(f"[{kind}]" for kind in kinds)
+    what = "one body" if kinds == ["beam", "body"] else "a body alone or a scene"
+    return Fault((kinds[-1],), f"a file specifies {what}, and here are {tables}; leave one of them out")
+
+
+def _specified(specification: SpecificationTable, nodes: NodeData | None, curves: Mapping[str, Rows]) -> Specification:
+    name, body = specification.name, specification.body
+    if specification.bodies is not None:
+        return specification.scene_of(curves)
+    if isinstance(body, SymbolicTable):
+        return body.body(name)
+    if isinstance(body, NodalTable):
+        assert nodes is not None
+        return body.body(name, nodes)
+    assert specification.beam is not None
+    return specification.beam.free_beam(name)
+
+
+def _repeated_names(data: Mapping[str, object]) -> Iterator[Fault]:
+    """Names that are not told apart; constants are written in upper case, so that m and M are the same."""
+    for kind in ("beam", "body"):
+        table = data.get(kind)
+        if not isinstance(table, Mapping):
+            continue
+        for names in (_symbols(data.get("name"), kind, table), _marker_names(kind, table.get("markers"))):
+            first: dict[str, str] = {}
+            for path, name, where in names:
+                if name_problem(name):
+                    continue
+                other = first.setdefault(name.lower(), where)
+                if other != where:
+                    yield Fault(path, f"{quoted(name)} is taken: {other}; names must differ in more than case")
+
+
+def _names_of_integrals(data: Mapping[str, object]) -> Iterator[Fault]:
+    """Symbols of gravity that are names of the other parameters of a body in space."""
+    body = data.get("body")
+    if isinstance(body, Mapping):
+        for path, name, _ in _symbols(None, "body", body):
+            if re.fullmatch(INTEGRALS, name, re.IGNORECASE):
+                yield Fault(path, f"{quoted(name)} is taken: it is the name of another parameter of a body in space")
+
+
+def _symbols(model: object, kind: str, table: Mapping[str, object]) -> Iterator[tuple[KeyPath, str, str]]:
+    # Symbols that nobody wrote come first, so that a clash is reported where something was written.
+    for key, parameter in QUANTITIES.items() if kind == "beam" else ():
+        if key not in table:
+            yield (kind, key), parameter.symbol, f"it is the symbol of {key} if none is given"
+    if isinstance(model, str):
+        yield ("name",), model, "it is the name of the model"
+    for key in QUANTITIES if kind == "beam" else ():
+        yield from _symbol((kind, key), table.get(key), f"it is the symbol of {key}")
+    gravity = table.get("gravity")
+    for i, component in enumerate(gravity[:3] if isinstance(gravity, (list, tuple)) else ()):
+        yield from _symbol((kind, "gravity", i), component, f"it is the symbol of component {i + 1} of gravity")
+
+
+def _symbol(path: KeyPath, quantity: object, where: str) -> Iterator[tuple[KeyPath, str, str]]:
+    symbol = quantity.get("symbol") if isinstance(quantity, Mapping) else None
+    if isinstance(symbol, str):
+        yield (*path, "symbol"), symbol, where
+
+
+def _marker_names(kind: str, markers: object) -> Iterator[tuple[KeyPath, str, str]]:
+    if isinstance(markers, Mapping) and len(markers) <= MAX_MARKERS:
+        for name in markers:
+            if isinstance(name, str):
+                yield (kind, "markers", name), name, f"there is a marker {quoted(name)}"
+
+
+def _nodes(
+    data: Mapping[str, object], specification: SpecificationTable | None, folder: Path
+) -> tuple[NodeData | None, list[Fault]]:
+    """The numbers of a body of nodes, if there is one; they are checked even if another key is at fault."""
+    body = data.get("body")
+    if not isinstance(body, Mapping) or kind_of_body(body) != "nodal":
+        return None, []
+    # NumPy and SciPy are not for specifications that have no arrays.
+    from derive.spec.checks.node_checks import nodes_of
+
+    table = specification.body if specification is not None else None
+    return nodes_of(body, table if isinstance(table, NodalTable) else None, folder)

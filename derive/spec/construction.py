@@ -1,0 +1,198 @@
+"""Specifications built in Python: typed values or mappings, with the keys, the defaults and the checks of a TOML file.
+
+Every function raises SpecError with all that is wrong; paths are those of a TOML file, without lines.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from fractions import Fraction
+from typing import Any, TypeVar
+
+from derive.spec.as_tables import NAMED, as_table, named, specification_tables
+from derive.spec.model.body import (
+    DEFAULT_ANSATZ,
+    DEFAULT_BENDING_STIFFNESS,
+    DEFAULT_FRAME,
+    DEFAULT_LENGTH,
+    DEFAULT_MASS,
+    BodyFrame,
+    Damping,
+    Frame,
+    Lowering,
+    NodalBody,
+    NodeData,
+    Parameter,
+    PlanarBeam,
+    Polynomial,
+    SymbolicBody,
+    SymbolicFrame,
+)
+from derive.spec.model.scene import (
+    Drive,
+    Force,
+    Joint,
+    Plot,
+    PointMarker,
+    Scene,
+    SceneBody,
+    Simulation,
+    Specification,
+    Spring,
+    Torque,
+)
+
+Number = int | float | Fraction | str
+Constant = Number | Mapping[str, object] | Parameter
+Nodes = str | os.PathLike[str] | Mapping[str, Any] | NodeData
+Table = Mapping[str, object]
+Element = TypeVar("Element")
+Named = Mapping[str, Element | Table] | Sequence[Element]
+"""Elements with names: a mapping from names to tables or typed values, or a sequence of typed values."""
+
+S = TypeVar("S", bound=Specification)
+
+
+def planar_beam(
+    name: str,
+    *,
+    ansatz: Sequence[str | Polynomial] = DEFAULT_ANSATZ,
+    frame: str | Mapping[str, object] | Frame = DEFAULT_FRAME,
+    mass: Constant = DEFAULT_MASS,
+    length: Constant = DEFAULT_LENGTH,
+    bending_stiffness: Constant = DEFAULT_BENDING_STIFFNESS,
+    markers: Mapping[str, Number] | None = None,
+    orthogonal: bool | None = None,
+    gravity: Sequence[Constant] | None = None,
+) -> PlanarBeam:
+    """A uniform slender beam that moves in a plane.
+
+    ansatz: shape functions, texts such as "xi^2 - 1/3" or tuples of coefficients; frame: "mean", "point", "chord",
+    "given", or a Frame; mass (kg), length (m) and bending_stiffness (N m^2): numbers or parameters, where a float is
+    the decimal it is printed as; markers: names and places xi from -1 to 1; gravity: two components, m/s^2.
+    """
+    keys = {"ansatz": ansatz, "frame": frame, "mass": mass, "length": length, "bending_stiffness": bending_stiffness}
+    optional = {"orthogonal": orthogonal, "gravity": gravity}
+    result = _validate({"name": name, "beam": {**keys, "markers": markers or {}, **_given(optional)}})
+    assert isinstance(result, PlanarBeam)
+    return result
+
+
+def nodal_body(
+    name: str,
+    nodes: Nodes,
+    *,
+    units: str | Mapping[str, str] | None = None,
+    modes: int | None = None,
+    frame: str | Mapping[str, object] | BodyFrame = "mean",
+    orthonormal: bool | None = None,
+    damping: Mapping[str, Number] | Damping | None = None,
+    gravity: Sequence[Constant] | None = None,
+    lowering: Lowering = "auto",
+    markers: Mapping[str, int] | None = None,
+) -> NodalBody:
+    """A deformable body in space made of the nodes of a finite-element program.
+
+    nodes: a .npz file, a table of MatrixMarket files or of arrays with the names they have in a .npz file, or NodeData,
+    which are in SI units; units: "SI" or a table of length, mass and time; modes: how many are computed or kept;
+    markers: names and numbers of nodes, from 0; gravity: three components, m/s^2.
+    """
+    optional = {
+        "units": "SI" if units is None and isinstance(nodes, NodeData) else units,
+        "modes": modes,
+        "orthonormal": orthonormal,
+        "damping": as_table(damping),
+        "gravity": gravity,
+        "markers": markers,
+    }
+    body = {"nodes": nodes, "frame": frame, "lowering": lowering, **_given(optional)}
+    result = _validate({"name": name, "body": body})
+    assert isinstance(result, NodalBody)
+    return result
+
+
+def symbolic_body(
+    name: str,
+    modes: int,
+    *,
+    frame: SymbolicFrame = "mean",
+    damping: bool = False,
+    gravity: Sequence[Constant] | None = None,
+    lowering: Lowering = "auto",
+) -> SymbolicBody:
+    """A deformable body in space whose mass, shape integrals and stiffness are run-time parameters."""
+    keys = {"modes": modes, "frame": frame, "damping": damping, "lowering": lowering, **_given({"gravity": gravity})}
+    result = _validate({"name": name, "body": {"integrals": "symbolic", **keys}})
+    assert isinstance(result, SymbolicBody)
+    return result
+
+
+def scene(
+    name: str | Table,
+    *,
+    ground: Mapping[str, Sequence[Constant]] | Sequence[PointMarker] = (),
+    gravity: Sequence[Constant] | None = None,
+    bodies: Named[SceneBody] = (),
+    joints: Named[Joint] = (),
+    drives: Named[Drive] = (),
+    forces: Named[Force] = (),
+    torques: Named[Torque] = (),
+    springs: Named[Spring] = (),
+    simulation: Simulation | Table | None = None,
+    plots: Named[Plot] = (),
+) -> Scene:
+    """A mechanism: planar bodies with joints, drives, forces and gravity.
+
+    name: the name of the model; or, alone, the tables of a whole TOML file as one mapping. ground: the markers of the
+    inertial frame. bodies and the others: mappings from names to the tables of a TOML file or to typed values such as
+    RigidBody and Joint, or sequences of typed values. gravity: two components, m/s^2. Files of reference curves are
+    relative to the working directory.
+    """
+    elements = {
+        "bodies": bodies,
+        "joints": joints,
+        "drives": drives,
+        "forces": forces,
+        "torques": torques,
+        "springs": springs,
+        "plots": plots,
+    }
+    if isinstance(name, Mapping):
+        data = {key: named(key, table) if key in NAMED else table for key, table in name.items()}
+    else:
+        markers = named("ground", ground)
+        data = {
+            "name": name,
+            **({"ground": {"markers": markers}} if markers else {}),
+            **({} if gravity is None else {"scene": {"gravity": gravity}}),
+            "bodies": named("bodies", bodies),
+            **{kind: tables for kind, given in elements.items() if (tables := named(kind, given))},
+            **_given({"simulation": simulation}),
+        }
+    result = _validate(data)
+    if not isinstance(result, Scene):
+        raise TypeError(f"these tables specify a {type(result).__name__}, not a Scene")
+    return result
+
+
+def validated(spec: S) -> S:
+    """A specification built of dataclasses, checked as a TOML file is; numbers and texts become exact values.
+
+    The dataclasses themselves check nothing, so that `Scene(...)` built by hand goes through this function first.
+    """
+    curves = {plot.name: plot.reference.rows for plot in getattr(spec, "plots", ()) if plot.reference}
+    result = _validate(specification_tables(spec), curves)
+    assert isinstance(result, type(spec))
+    return result
+
+
+def _validate(data: Mapping[str, object], curves: Mapping[str, tuple[tuple[float, float], ...]] = {}) -> Specification:
+    # pydantic is imported only when there is something to check.
+    from derive.spec.checks.validation import validate
+
+    return validate(as_table(data), curves=curves)
+
+
+def _given(keys: Mapping[str, object]) -> dict[str, object]:
+    return {key: value for key, value in keys.items() if value is not None}

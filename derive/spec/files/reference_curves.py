@@ -1,0 +1,85 @@
+"""Curves that plots are compared with: two columns of a CSV file, none of it trusted."""
+
+from __future__ import annotations
+
+import csv
+import math
+import re
+from collections.abc import Mapping
+from pathlib import Path
+
+from derive.errors import quoted
+from derive.spec.files.file_content import file_content
+from derive.spec.parsing.faults import Faults, did_you_mean
+from derive.spec.parsing.values import WrongValueError
+
+MAX_BYTES = 5_000_000
+_NUMBER = re.compile(r"[-+]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][-+]?[0-9]+)?")
+
+Rows = tuple[tuple[float, float], ...]
+
+
+def references(data: Mapping[str, object], folder: Path, known: Mapping[str, Rows]) -> tuple[dict[str, Rows], Faults]:
+    """The numbers of the plots that have a reference, and what is wrong with their files.
+
+    Files are relative to `folder`; those of plots whose numbers are `known` are not read.
+    """
+    rows: dict[str, Rows] = {name: of for name, of in known.items() if of}
+    faults = Faults()
+    plots = data.get("plots")
+    for name, plot in plots.items() if isinstance(plots, Mapping) else ():
+        reference = plot.get("reference") if isinstance(plot, Mapping) else None
+        if not isinstance(reference, Mapping) or name in rows:
+            continue
+        path = ("plots", str(name), "reference")
+        file, columns = reference.get("file"), [reference.get(key) for key in ("x", "y")]
+        if not isinstance(file, str) or not file:
+            continue
+        table: list[tuple[int, list[str]]] = []
+        with faults.at(*path, "file"):
+            table = _table(file_content(file, folder, MAX_BYTES, ", the most that is read"), quoted(file))
+        places = []
+        for key, column in zip(("x", "y"), columns, strict=True):
+            with faults.at(*path, key):
+                if table and isinstance(column, str):
+                    places.append(_column(column, table[0][1], quoted(file)))
+        if len(places) == 2:
+            with faults.at(*path, "file"):
+                x, y = ([_number(row, place, at, quoted(file)) for at, row in table[1:]] for place in places)
+                rows[str(name)] = tuple(zip(x, y, strict=True))
+    return rows, faults
+
+
+def _table(content: bytes, file: str) -> list[tuple[int, list[str]]]:
+    """The rows of a file with their lines, the header first, without comments and empty lines."""
+    try:
+        lines = content.decode("utf-8-sig").splitlines()
+    except UnicodeDecodeError:
+        raise WrongValueError(f"{file} is not UTF-8 text; save it as a CSV file in UTF-8") from None
+    kept = [(number, line) for number, line in enumerate(lines, 1) if line.strip() and not line.startswith("#")]
+    try:
+        rows = csv.reader((line for _, line in kept), strict=True)
+        table = [(number, [cell.strip() for cell in next(rows)]) for number, _ in kept]
+    except (csv.Error, StopIteration) as error:
+        raise WrongValueError(f"{file} is no CSV file: {error}") from None
+    if len(table) < 3:
+        raise WrongValueError(f"{file} has no curve: a line with the names of the columns and two rows are needed")
+    return table
+
+
+def _column(name: str, header: list[str], file: str) -> int:
+    if header.count(name) > 1:
+        raise WrongValueError(f"{file} has more than one column {quoted(name)}; rename one of them")
+    if name not in header:
+        columns = f"its columns are {', '.join(quoted(column) for column in header[:20])}"
+        raise WrongValueError(f"{file} has no column {quoted(name)}{did_you_mean(name, header, columns)}")
+    return header.index(name)
+
+
+def _number(row: list[str], place: int, line: int, file: str) -> float:
+    cell = row[place] if place < len(row) else ""
+    value = float(cell) if _NUMBER.fullmatch(cell) else math.nan
+    if not math.isfinite(value):
+        found = f"{quoted(cell)} is no finite number" if cell else f"there is no number in column {place + 1}"
+        raise WrongValueError(f"line {line} of {file}: {found}")
+    return value

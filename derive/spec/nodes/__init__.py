@@ -1,1 +1,0 @@
-"""Bodies given by finite-element nodes: their files, arrays, units and checks."""

@@ -1,0 +1,75 @@
+"""Faults of the data of a specification, collected while it is looked at."""
+
+from __future__ import annotations
+
+import difflib
+import re
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from typing import NamedTuple, TypeVar
+
+from derive.errors import printable, quoted
+from derive.spec.parsing.values import WrongValueError
+
+Result = TypeVar("Result")
+KeyPath = tuple[str | int, ...]
+
+
+class Fault(NamedTuple):
+    """What is wrong at a path of the data; the empty path is the whole of it."""
+
+    path: KeyPath
+    message: str
+
+
+class Faults(list[Fault]):
+    """The faults found so far."""
+
+    @contextmanager
+    def at(self, *path: str | int) -> Iterator[None]:
+        """What is wrong within becomes a fault at the path, and the search goes on behind it."""
+        try:
+            yield
+        except WrongValueError as error:
+            self.append(Fault(path, str(error)))
+
+
+def readable(reader: Callable[[object], Result], value: object) -> Result | None:
+    """What a value means; None if it is faulty, which is said elsewhere."""
+    try:
+        return reader(value)
+    except ValueError:
+        return None
+
+
+def unknown_key(key: str, known: Iterable[str]) -> str:
+    """What to say of a key that nobody knows."""
+    keys = list(known)
+    return "unknown key" + did_you_mean(key, keys, f"the keys here are {', '.join(keys)}")
+
+
+def did_you_mean(name: str, known: Iterable[str], otherwise: str) -> str:
+    """The end of a sentence on a name that nobody knows: the one that is near it, or something else."""
+    lower = {one.lower(): one for one in known}
+    near = difflib.get_close_matches(name[:40].lower(), lower, n=1)
+    return f"; did you mean {quoted(lower[near[0]])}?" if near else f"; {otherwise}"
+
+
+def path_text(path: KeyPath) -> str:
+    """A path as messages show it: beam.ansatz[2], beam.markers."left end"."""
+    text = ""
+    for part in path:
+        if isinstance(part, int):
+            text += f"[{part}]"
+        else:
+            key = printable(part[:60])
+            text += "." * bool(text) + (key if re.fullmatch("[A-Za-z0-9_-]+", key) else f'"{key}"')
+    return text
+
+
+def line_of(path: KeyPath, lines: Mapping[KeyPath, int]) -> int | None:
+    """The line of a key, or of the nearest key that encloses it; None if nothing does."""
+    for length in range(len(path), 0, -1):
+        if path[:length] in lines:
+            return lines[path[:length]]
+    return None

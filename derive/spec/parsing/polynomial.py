@@ -1,0 +1,106 @@
+"""Polynomials in xi, and exact numbers, read from text by a parser that knows nothing else.
+
+Coefficients are exact: 0.1 is 1/10. Only a number may stand after a /.
+"""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from typing import ClassVar, NoReturn
+
+from derive.errors import quoted
+from derive.spec.model.body import Polynomial
+from derive.spec.parsing.parser import MAX_DIGITS, MAX_LENGTH, MAX_POWER, ExpressionError, Parser, Token, fits
+
+__all__ = ["MAX_DEGREE", "MAX_DIGITS", "MAX_LENGTH", "ExpressionError", "parse_number", "polynomial"]
+
+MAX_DEGREE = MAX_POWER
+
+ZERO: Polynomial = ()
+ONE: Polynomial = (Fraction(1),)
+XI: Polynomial = (Fraction(0), Fraction(1))
+
+
+def polynomial(text: str) -> Polynomial:
+    """The polynomial in xi that `text` says, such as "xi^2 - 1/3"."""
+    return _Polynomials(text).parse()
+
+
+def parse_number(text: str) -> Fraction:
+    """The exact constant that `text` says, such as "1/3" or "-0.5"."""
+    constant = _Numbers(text).parse()
+    return constant[0] if constant else Fraction(0)
+
+
+class _Polynomials(Parser[Polynomial]):
+    made_of = "a polynomial is made of numbers, xi, + - * / ^ and parentheses"
+    names: ClassVar[tuple[str, ...]] = ("xi",)
+
+    def constant(self, value: Fraction, at: Token) -> Polynomial:
+        return _trimmed([value])
+
+    def named(self, name: str, at: Token) -> Polynomial:
+        return XI
+
+    def added(self, a: Polynomial, b: Polynomial, at: Token) -> Polynomial:
+        return self._limited(_add(a, b), at)
+
+    def negative(self, a: Polynomial, at: Token) -> Polynomial:
+        return _scale(a, Fraction(-1))
+
+    def times(self, a: Polynomial, b: Polynomial, at: Token) -> Polynomial:
+        if len(a) + len(b) - 2 > MAX_DEGREE:
+            self.fail(at, f"the degree is too high; the highest is {MAX_DEGREE}")
+        return self._limited(_multiply(a, b), at)
+
+    def divided(self, a: Polynomial, b: Polynomial, at: Token, divisor_at: Token) -> Polynomial:
+        if b == ZERO:
+            self.fail(divisor_at, "division by zero")
+        if len(b) > 1:
+            self.fail(divisor_at, "division by xi makes no polynomial; only a number may stand after /")
+        return self._limited(_scale(a, 1 / b[0]), at)
+
+    def raised(self, a: Polynomial, power: int, at: Token) -> Polynomial:
+        result = ONE
+        for _ in range(power):
+            result = self.times(result, a, at)
+        return result
+
+    def _limited(self, value: Polynomial, at: Token) -> Polynomial:
+        if not all(map(fits, value)):
+            self.too_large(at)
+        return value
+
+
+class _Numbers(_Polynomials):
+    made_of = "a number is written like 2, 0.5 or 1/3"
+    names = ()
+
+    def unknown(self, token: Token, called: bool) -> NoReturn:
+        if called:
+            super().unknown(token, called)
+        self.fail(token, f"{quoted(token.text)} is no number; {self.made_of}")
+
+
+def _trimmed(coefficients: list[Fraction]) -> Polynomial:
+    while coefficients and coefficients[-1] == 0:
+        coefficients.pop()
+    return tuple(coefficients)
+
+
+def _scale(p: Polynomial, factor: Fraction) -> Polynomial:
+    return _trimmed([c * factor for c in p])
+
+
+def _add(a: Polynomial, b: Polynomial) -> Polynomial:
+    size = max(len(a), len(b))
+    padded = [p + (Fraction(0),) * (size - len(p)) for p in (a, b)]
+    return _trimmed([x + y for x, y in zip(*padded, strict=True)])
+
+
+def _multiply(a: Polynomial, b: Polynomial) -> Polynomial:
+    result = [Fraction(0)] * max(len(a) + len(b) - 1, 0)
+    for i, x in enumerate(a):
+        for j, y in enumerate(b):
+            result[i + j] += x * y
+    return _trimmed(result)

@@ -1,0 +1,95 @@
+"""The single values of a scene: each function takes what was written and returns what is meant.
+
+Like those of `values`, they raise WrongValueError with a sentence that says what to write.
+"""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from typing import Literal, get_args
+
+from derive.errors import quoted
+from derive.spec.model.scene import JointKind, MarkerRef, TimeFunction
+from derive.spec.parsing import values
+from derive.spec.parsing.time_expression import number_function, time_function
+
+MAX_PIECES = 64
+JOINT_KINDS: tuple[JointKind, ...] = get_args(JointKind)
+
+SpringKind = Literal["linear", "rotational"]
+SPRING_KINDS: tuple[SpringKind, ...] = get_args(SpringKind)
+
+
+def place(value: object) -> MarkerRef:
+    """A marker of a body or of the ground, written with a dot between."""
+    if not isinstance(value, str):
+        raise values.WrongValueError(
+            f'a body and one of its markers is needed, such as "rod.left" or "ground.bearing", not '
+            f"{values.kind_of(value)}"
+        )
+    body, dot, marker = value.partition(".")
+    if not dot or not body or not marker or "." in marker:
+        raise values.WrongValueError(
+            f"{quoted(value)} is no place: write a body and one of its markers with a dot between, such as "
+            '"rod.left" or "ground.bearing"'
+        )
+    return MarkerRef(body, marker)
+
+
+def name_of(value: object) -> str:
+    """The name of something else in the specification; whether there is such a thing is looked at elsewhere."""
+    if not isinstance(value, str):
+        raise values.WrongValueError(
+            f'a name in quotation marks is needed, such as "motor", not {values.kind_of(value)}'
+        )
+    return value
+
+
+def text(value: object) -> str:
+    """The name of a file or of a column."""
+    if not isinstance(value, str) or not value:
+        found = "empty text" if value == "" else values.kind_of(value)
+        raise values.WrongValueError(f'text in quotation marks is needed, such as "curve.csv", not {found}')
+    return value
+
+
+def function(value: object) -> TimeFunction:
+    """A function of the time: text such as "2*pi*t", a number, or, in Python, a TimeFunction."""
+    if isinstance(value, TimeFunction):
+        return value
+    if isinstance(value, str):
+        return time_function(value)
+    return number_function(values.number(value))
+
+
+def piece_count(value: object) -> int:
+    """Into how many beams a rod is cut."""
+    count = values.whole(value)
+    if not 1 <= count <= MAX_PIECES:
+        raise values.WrongValueError(f"a beam is cut into 1 to {MAX_PIECES} pieces, not {values.shown(count)}")
+    return count
+
+
+def joint_kind(value: object) -> JointKind:
+    """One of the kinds of joints."""
+    return values.choice(value, JOINT_KINDS, "the joint")
+
+
+def spring_kind(value: object) -> SpringKind:
+    """One of the kinds of springs."""
+    return values.choice(value, SPRING_KINDS, "the spring")
+
+
+def axis(value: tuple[Fraction, Fraction]) -> tuple[Fraction, Fraction]:
+    """A direction, of any length but zero."""
+    if not any(value):
+        raise values.WrongValueError("[0, 0] is no direction; write one such as [1, 0]")
+    return value
+
+
+def tolerance(value: object) -> float:
+    """How exactly is integrated."""
+    exact = values.positive(value)
+    if exact >= 1:
+        raise values.WrongValueError(f"a tolerance is a small positive number, such as 1e-9, not {exact}")
+    return float(exact)

@@ -1,0 +1,221 @@
+"""The single values of a specification: each function takes what was written and returns what is meant.
+
+What cannot be meant raises WrongValueError, with a sentence that says what to write.
+"""
+
+from __future__ import annotations
+
+import math
+import operator
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import TypeVar
+
+from derive.errors import TisserandError, quoted
+from derive.spec.model.body import BodyFrameKind, FrameKind, Lowering, Polynomial, SymbolicFrame
+from derive.spec.parsing.names import name_problem
+from derive.spec.parsing.polynomial import MAX_DEGREE, MAX_DIGITS, parse_number, polynomial
+
+UNIT_PATTERN = "[A-Za-z0-9(]([A-Za-z0-9 .^*/()-]{0,22}[A-Za-z0-9)])?"
+MAX_MODES = 300
+FRAME_KINDS: tuple[FrameKind, ...] = ("mean", "point", "chord", "tangent", "given")
+BODY_FRAME_KINDS: tuple[BodyFrameKind, ...] = ("mean", "point", "given")
+SYMBOLIC_FRAMES: tuple[SymbolicFrame, ...] = ("mean", "given")
+LOWERINGS: tuple[Lowering, ...] = ("auto", "flat", "table")
+
+_Text = TypeVar("_Text", bound=str)
+
+
+class WrongValueError(TisserandError, ValueError):
+    """A value that is not what its key needs; the message says what to write instead."""
+
+
+@dataclass(frozen=True)
+class TomlFloat:
+    """A float of a TOML file as it was written: read as a binary float, 0.3 would not be 3/10."""
+
+    text: str
+
+
+def kind_of(value: object) -> str:
+    """What a value is, in words."""
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, (int, float, Fraction, TomlFloat)):
+        return "a number"
+    if isinstance(value, str):
+        return "text"
+    if isinstance(value, (list, tuple)):
+        return "a list"
+    if isinstance(value, Mapping):
+        return "a table"
+    return f"a value of type {type(value).__name__}"
+
+
+def name(value: object) -> str:
+    """A name that can stand in the generated code."""
+    if not isinstance(value, str):
+        raise WrongValueError(f'a name in quotation marks is needed, such as "beam_1", not {kind_of(value)}')
+    problem = name_problem(value)
+    if problem:
+        raise WrongValueError(problem)
+    return value
+
+
+def number(value: object) -> Fraction:
+    """An exact number; a float means the shortest decimal that reads as this float."""
+    if isinstance(value, bool) or not isinstance(value, (int, float, Fraction, TomlFloat, str)):
+        raise WrongValueError(f'a number is needed, such as 2, 0.5 or "1/3", not {kind_of(value)}')
+    if isinstance(value, str):
+        return parse_number(value)
+    if isinstance(value, (float, TomlFloat)):
+        text = value.text.replace("_", "") if isinstance(value, TomlFloat) else float.__repr__(value)
+        if text.lstrip("+-") in ("inf", "nan"):
+            raise WrongValueError(f"a finite number is needed, not {text}")
+        return parse_number(text)
+    exact = Fraction(value)
+    if max(abs(exact.numerator), exact.denominator) >= 10**MAX_DIGITS:
+        raise WrongValueError(
+            f"the number has too many digits; at most {MAX_DIGITS} above and below the fraction bar are kept"
+        )
+    return exact
+
+
+def positive(value: object) -> Fraction:
+    """A physical constant that is folded into the code."""
+    exact = number(value)
+    if exact <= 0:
+        raise WrongValueError(f"a positive number is needed, not {exact}")
+    return exact
+
+
+def positive_float(value: object) -> float:
+    """The default of a parameter."""
+    return float(positive(value))
+
+
+def any_float(value: object) -> float:
+    """The default of a parameter that may have any sign."""
+    return float(number(value))
+
+
+def not_negative(value: object) -> Fraction:
+    """A number that is zero or more."""
+    exact = number(value)
+    if exact < 0:
+        raise WrongValueError(f"zero or a positive number is needed, not {exact}")
+    return exact
+
+
+def not_negative_float(value: object) -> float:
+    """The default of a parameter that may be zero."""
+    return float(not_negative(value))
+
+
+def whole(value: object) -> int:
+    """A whole number, zero or more."""
+    try:
+        count = None if isinstance(value, bool) else operator.index(value)  # type: ignore[arg-type]
+    except TypeError:
+        count = None
+    if count is None or count < 0:
+        found = kind_of(value) if count is None else shown(count)
+        found = f"{found} in decimals" if isinstance(value, (float, Fraction, TomlFloat)) else found
+        raise WrongValueError(f"a whole number is needed, zero or more, such as 8, not {found}")
+    return count
+
+
+def shown(count: int) -> str:
+    """A whole number as messages show it."""
+    return str(count) if abs(count) < 10**18 else "a very large one"
+
+
+def mode_count(value: object) -> int:
+    """How many modes a body has."""
+    count = whole(value)
+    if count > MAX_MODES:
+        raise WrongValueError(f"at most {MAX_MODES} modes are allowed, not {shown(count)}")
+    return count
+
+
+def place(value: object) -> Fraction:
+    """The dimensionless distance xi of a point of the beam."""
+    exact = number(value)
+    if not -1 <= exact <= 1:
+        raise WrongValueError(f"xi = {exact} is not on the beam: it goes from -1, the left end, to 1, the right end")
+    return exact
+
+
+def truth(value: object) -> bool:
+    """True or false, and nothing that is merely like it."""
+    if not isinstance(value, bool):
+        raise WrongValueError(f"true or false is needed, without quotation marks, not {kind_of(value)}")
+    return value
+
+
+def unit(value: object) -> str:
+    """A unit, as comments and reports show it."""
+    if not isinstance(value, str):
+        raise WrongValueError(f'a unit in quotation marks is needed, such as "N m^2", not {kind_of(value)}')
+    # A unit ends up in a comment of the generated C, which it must neither end nor open anew.
+    if not re.fullmatch(UNIT_PATTERN, value) or "*/" in value or "/*" in value:
+        raise WrongValueError(
+            f"{quoted(value)} cannot be a unit: write at most 24 letters, digits, spaces and . ^ * / ( ) -, "
+            'such as "N m^2", and leave `unit` out for SI'
+        )
+    return value
+
+
+def shape(value: object) -> Polynomial:
+    """A polynomial of the ansatz: text such as "xi^2 - 1/3", or the tuple of its coefficients."""
+    if isinstance(value, tuple):
+        result = [number(coefficient) for coefficient in value]
+        while result and result[-1] == 0:
+            result.pop()
+        if len(result) > MAX_DEGREE + 1:
+            raise WrongValueError(f"the degree is {len(result) - 1}; the highest is {MAX_DEGREE}")
+    elif isinstance(value, str):
+        result = list(polynomial(value))
+    else:
+        raise WrongValueError(f'a polynomial in quotation marks is needed, such as "xi^2", not {kind_of(value)}')
+    if not result:
+        raise WrongValueError("the polynomial is zero everywhere, so that it describes no displacement; leave it out")
+    return tuple(result)
+
+
+def digits(p: Polynomial) -> int:
+    """The digits of the common denominator of a polynomial and of its largest numerator over it."""
+    denominator = math.lcm(*(c.denominator for c in p))
+    return len(str(denominator)) + len(str(max(abs(int(c * denominator)) for c in p)))
+
+
+def choice(value: object, options: tuple[_Text, ...], noun: str) -> _Text:
+    """One of several words."""
+    for option in options:
+        if isinstance(value, str) and value == option:
+            return option
+    words = ", ".join(quoted(option) for option in options)
+    found = quoted(value) if isinstance(value, str) else kind_of(value)
+    raise WrongValueError(f"{noun} is one of {words}, not {found}")
+
+
+def frame_kind(value: object) -> FrameKind:
+    """One of the kinds of frames of a beam."""
+    return choice(value, FRAME_KINDS, "the frame")
+
+
+def body_frame_kind(value: object) -> BodyFrameKind:
+    """One of the kinds of frames of a body of nodes."""
+    return choice(value, BODY_FRAME_KINDS, "the frame")
+
+
+def symbolic_frame(value: object) -> SymbolicFrame:
+    """One of the frames of a body that is all parameters."""
+    return choice(value, SYMBOLIC_FRAMES, "the frame of a symbolic body")
+
+
+def lowering(value: object) -> Lowering:
+    """How the integrals become code."""
+    return choice(value, LOWERINGS, "the lowering")

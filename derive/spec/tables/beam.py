@@ -1,0 +1,224 @@
+"""The tables of a beam as pydantic models."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from typing import Annotated
+
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Discriminator,
+    Field,
+    PlainValidator,
+    Tag,
+    WithJsonSchema,
+    model_validator,
+)
+
+from derive.spec.model.body import (
+    DEFAULT_ANSATZ,
+    DEFAULT_BENDING_STIFFNESS,
+    DEFAULT_FRAME,
+    DEFAULT_LENGTH,
+    DEFAULT_MASS,
+    Frame,
+    FrameKind,
+    Marker,
+    Parameter,
+    PlanarBeam,
+    Polynomial,
+    Quantity,
+)
+from derive.spec.parsing import values
+from derive.spec.parsing.polynomial import MAX_LENGTH
+from derive.spec.tables.shared import (
+    MAX_MARKERS,
+    Name,
+    ParameterTable,
+    PlanarGravity,
+    QuantityInput,
+    TomlTable,
+    acceleration,
+    few,
+    few_markers,
+    number_schema,
+    quantity,
+    written_as,
+)
+
+MAX_SHAPES = 20
+MAX_DIGITS = 800
+
+
+def _few_shapes(value: object) -> object:
+    if not isinstance(value, (list, tuple)):
+        kind = values.kind_of(value)
+        raise values.WrongValueError(f'a list of polynomials is needed, such as ["1", "xi", "xi^2"], not {kind}')
+    few(len(value), 1, MAX_SHAPES, "polynomials")
+    return value
+
+
+def _few_digits(ansatz: tuple[Polynomial, ...]) -> tuple[Polynomial, ...]:
+    # Shapes are found exactly, and their fractions are about as long as those of the whole ansatz together.
+    digits = sum(values.digits(shape) for shape in ansatz)
+    if digits > MAX_DIGITS:
+        raise values.WrongValueError(
+            f"over common denominators, the coefficients of the ansatz have {digits} digits, and at most "
+            f"{MAX_DIGITS} are allowed; round them"
+        )
+    return ansatz
+
+
+_SHAPE = {"type": "string", "minLength": 1, "maxLength": MAX_LENGTH}
+_PLACE = number_schema(minimum=-1, maximum=1)
+# A plain "tangent" would not say which end is meant.
+_PLAIN_FRAMES = [kind for kind in values.FRAME_KINDS if kind != "tangent"]
+
+
+def frame_from(kind: FrameKind, at: Fraction | None) -> Frame:
+    """A frame, if its kind and its place go together; a point is the middle of the beam by default."""
+    if kind == "point":
+        return Frame(kind, Fraction(0) if at is None else at)
+    if kind == "tangent":
+        if at not in (-1, 1):
+            raise values.WrongValueError(
+                'a tangent frame needs the end it is at: { kind = "tangent", at = -1 } or at = 1'
+            )
+        return Frame(kind, at)
+    if at is not None:
+        raise values.WrongValueError(f'the frame "{kind}" has no place; leave `at` out, or choose "point"')
+    return Frame(kind)
+
+
+def _plain_frame(value: object) -> Frame:
+    """A frame written as text alone."""
+    return frame_from(values.frame_kind(value), None)
+
+
+Place = Annotated[Fraction, PlainValidator(values.place), WithJsonSchema(_PLACE)]
+Shape = Annotated[Polynomial, PlainValidator(values.shape), WithJsonSchema(_SHAPE)]
+
+
+class FrameTable(TomlTable):
+    """A frame, and the place it is at."""
+
+    kind: Annotated[FrameKind, PlainValidator(values.frame_kind), WithJsonSchema({"enum": [*values.FRAME_KINDS]})]
+    at: Annotated[
+        Fraction | None,
+        PlainValidator(values.place),
+        WithJsonSchema(_PLACE),
+        Field(description="The place xi of a point frame (default 0), or the end, -1 or 1, of a tangent frame."),
+    ] = None
+
+    @model_validator(mode="after")
+    def check(self) -> FrameTable:
+        """Kind and place have to go together."""
+        self.frame()
+        return self
+
+    def frame(self) -> Frame:
+        """The frame that the table describes."""
+        return frame_from(self.kind, self.at)
+
+
+FrameInput = Annotated[
+    Annotated[Frame, PlainValidator(_plain_frame), WithJsonSchema({"enum": _PLAIN_FRAMES}), Tag("plain")]
+    | Annotated[FrameTable, Tag("table")],
+    Discriminator(written_as),
+]
+
+
+def _frame(value: Frame | FrameTable) -> Frame:
+    return value.frame() if isinstance(value, FrameTable) else value
+
+
+def _as_table(parameter: Parameter) -> ParameterTable:
+    return ParameterTable(symbol=parameter.symbol, unit=parameter.unit, default=parameter.default)
+
+
+class ShapeKeys(BaseModel):
+    """The keys of a beam that say which shapes it has; they are checked even if another key is at fault."""
+
+    model_config = ConfigDict(extra="ignore", frozen=True)
+
+    ansatz: Annotated[
+        tuple[Shape, ...],
+        BeforeValidator(_few_shapes),
+        AfterValidator(_few_digits),
+        Field(
+            description="The polynomials in xi of the displacement, before the conditions of the frame.",
+            json_schema_extra={"default": [*DEFAULT_ANSATZ], "minItems": 1, "maxItems": MAX_SHAPES},
+        ),
+    ] = tuple(values.shape(text) for text in DEFAULT_ANSATZ)
+    frame: Annotated[
+        FrameInput,
+        Field(
+            description="How rigid motion is kept out of the displacements: mean (no mean displacement or "
+            "rotation), point (clamped at a point), chord (no displacement at the ends), tangent (clamped at "
+            "an end), given (the ansatz as it stands).",
+            json_schema_extra={"default": DEFAULT_FRAME},
+        ),
+    ] = Frame("mean")
+    orthogonal: Annotated[
+        bool | None,
+        PlainValidator(values.truth),
+        WithJsonSchema({"type": "boolean"}),
+        Field(description="Whether the shapes are made orthogonal; by default only for the frame mean."),
+    ] = None
+
+    def shape_keys(self) -> tuple[tuple[Polynomial, ...], Frame, bool]:
+        """What the algebra needs: the ansatz, the frame, and whether the shapes are made orthogonal."""
+        frame = _frame(self.frame)
+        return self.ansatz, frame, frame.kind == "mean" if self.orthogonal is None else self.orthogonal
+
+
+class BeamKeys(ShapeKeys):
+    """The keys of a beam, whether it is free or part of a scene."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    mass: Annotated[QuantityInput, Field(description="The mass: a parameter, or a number fixed in the code.")] = (
+        _as_table(DEFAULT_MASS)
+    )
+    length: Annotated[QuantityInput, Field(description="The length: a parameter, or a number fixed in the code.")] = (
+        _as_table(DEFAULT_LENGTH)
+    )
+    bending_stiffness: Annotated[
+        QuantityInput, Field(description="The bending stiffness: a parameter, or a number fixed in the code.")
+    ] = _as_table(DEFAULT_BENDING_STIFFNESS)
+    markers: Annotated[
+        dict[Name, Place],
+        few_markers("places"),
+        Field(
+            description="Named points of the beam and their places xi, from -1 (left end) to 1 (right end).",
+            json_schema_extra={"maxProperties": MAX_MARKERS, "additionalProperties": False},
+        ),
+    ] = {}
+
+    def planar_beam(self, name: str, gravity: tuple[Quantity, Quantity] | None = None) -> PlanarBeam:
+        """The beam as the derivation takes it."""
+        ansatz, frame, orthogonal = self.shape_keys()
+        return PlanarBeam(
+            name=name,
+            ansatz=ansatz,
+            frame=frame,
+            mass=quantity(self.mass, DEFAULT_MASS.unit),
+            length=quantity(self.length, DEFAULT_LENGTH.unit),
+            bending_stiffness=quantity(self.bending_stiffness, DEFAULT_BENDING_STIFFNESS.unit),
+            markers=tuple(Marker(name, at) for name, at in self.markers.items()),
+            orthogonal=orthogonal,
+            gravity=gravity,
+        )
+
+
+class BeamTable(BeamKeys):
+    """A uniform slender free beam that moves in a plane."""
+
+    gravity: PlanarGravity = None
+
+    def free_beam(self, name: str) -> PlanarBeam:
+        """The beam as the derivation takes it, with gravity."""
+        return self.planar_beam(name, self.gravity and (acceleration(self.gravity[0]), acceleration(self.gravity[1])))

@@ -1,0 +1,288 @@
+"""The tables of a body in space as pydantic models: made of nodes, or with parameters for all its integrals."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from fractions import Fraction
+from typing import Annotated, Any, Literal
+
+from pydantic import BeforeValidator, Discriminator, Field, PlainValidator, Tag, WithJsonSchema, model_validator
+
+from derive.spec.files.node_format import FILES, LENGTHS, MASSES, TIMES, Units
+from derive.spec.model.body import (
+    BodyFrame,
+    BodyFrameKind,
+    Damping,
+    Gravity,
+    Lowering,
+    NodalBody,
+    NodeData,
+    NodeMarker,
+    SymbolicBody,
+    SymbolicFrame,
+)
+from derive.spec.parsing import values
+from derive.spec.tables.shared import (
+    MAX_MARKERS,
+    Name,
+    NotNegative,
+    SignedInput,
+    SpatialGravity,
+    TomlTable,
+    Truth,
+    acceleration,
+    few,
+    few_markers,
+    written_as,
+)
+
+MAX_AROUND = 1000
+
+_FILE = {"type": "string", "minLength": 1}
+_NODES = {
+    "anyOf": [
+        _FILE,
+        {
+            "type": "object",
+            "properties": {key: {**_FILE, "description": text} for key, text in FILES.items()},
+            "required": ["positions", "mass"],
+            "additionalProperties": False,
+        },
+    ]
+}
+_COUNT = {"type": "integer", "minimum": 0}
+_MODES = {**_COUNT, "maximum": values.MAX_MODES}
+
+Count = Annotated[int, PlainValidator(values.whole), WithJsonSchema(_COUNT)]
+ModeCount = Annotated[int, PlainValidator(values.mode_count), WithJsonSchema(_MODES)]
+
+
+def _one_of(table: Mapping[str, Fraction], noun: str) -> PlainValidator:
+    return PlainValidator(lambda value: table[values.choice(value, tuple(table), f"the unit of {noun}")])
+
+
+class UnitsTable(TomlTable):
+    """The units of the numbers in the files of a body; stiffness is in mass per time squared."""
+
+    length: Annotated[Fraction, _one_of(LENGTHS, "length"), WithJsonSchema({"enum": [*LENGTHS]})]
+    mass: Annotated[Fraction, _one_of(MASSES, "mass"), WithJsonSchema({"enum": [*MASSES]})]
+    time: Annotated[Fraction, _one_of(TIMES, "time"), WithJsonSchema({"enum": [*TIMES]})]
+
+
+def _plain_units(value: object) -> Units:
+    if value != "SI":
+        raise values.WrongValueError(
+            'units are "SI", or a table of all three such as { length = "mm", mass = "t", time = "s" }'
+        )
+    return Units()
+
+
+UnitsInput = Annotated[
+    Annotated[Units, PlainValidator(_plain_units), WithJsonSchema({"const": "SI"}), Tag("plain")]
+    | Annotated[UnitsTable, Tag("table")],
+    Discriminator(written_as),
+]
+
+
+def _few_around(value: object) -> object:
+    if not isinstance(value, (list, tuple)):
+        raise values.WrongValueError(f"a list of nodes is needed, such as [3, 4, 5], not {values.kind_of(value)}")
+    few(len(value), 0, MAX_AROUND, "nodes")
+    return value
+
+
+class BodyFrameTable(TomlTable):
+    """A frame, and the nodes it is at."""
+
+    kind: Annotated[
+        BodyFrameKind, PlainValidator(values.body_frame_kind), WithJsonSchema({"enum": [*values.BODY_FRAME_KINDS]})
+    ]
+    node: Annotated[Count | None, Field(description="The node that a point frame is at, from 0.")] = None
+    around: Annotated[
+        tuple[Count, ...],
+        BeforeValidator(_few_around),
+        Field(
+            description="The nodes with which a point frame turns; the nearest neighbours of `node` if left out.",
+            json_schema_extra={"maxItems": MAX_AROUND},
+        ),
+    ] = ()
+
+    @model_validator(mode="after")
+    def check(self) -> BodyFrameTable:
+        """Kind and nodes have to go together."""
+        self.frame()
+        return self
+
+    def frame(self) -> BodyFrame:
+        """The frame that the table describes."""
+        if self.kind == "point":
+            if self.node is None:
+                raise values.WrongValueError(_POINT)
+            if len({self.node, *self.around}) <= len(self.around):
+                raise values.WrongValueError("a node is named twice; `node` and those in `around` have to differ")
+        elif self.node is not None or self.around:
+            raise values.WrongValueError(f'the frame "{self.kind}" is at no node; leave `node` and `around` out')
+        return BodyFrame(self.kind, self.node, self.around)
+
+
+_POINT = (
+    "a point frame needs the node it is at, and turns with those in `around`, or with its nearest neighbours: "
+    '{ kind = "point", node = 12, around = [3, 4, 5] }'
+)
+
+
+def _plain_frame(value: object) -> BodyFrame:
+    kind = values.body_frame_kind(value)
+    if kind == "point":
+        raise values.WrongValueError(_POINT)
+    return BodyFrame(kind)
+
+
+BodyFrameInput = Annotated[
+    Annotated[BodyFrame, PlainValidator(_plain_frame), WithJsonSchema({"enum": ["mean", "given"]}), Tag("plain")]
+    | Annotated[BodyFrameTable, Tag("table")],
+    Discriminator(written_as),
+]
+
+
+class DampingTable(TomlTable):
+    """Viscous damping: a share of the critical, or proportional to mass and stiffness."""
+
+    ratio: Annotated[
+        NotNegative | None, Field(description="The share of critical damping of each mode, such as 0.01.")
+    ] = None
+    mass: Annotated[NotNegative | None, Field(description="The damping in proportion to the mass, 1/s.")] = None
+    stiffness: Annotated[NotNegative | None, Field(description="The damping in proportion to the stiffness, s.")] = None
+
+    @model_validator(mode="after")
+    def check(self) -> DampingTable:
+        """One of the two ways to say it."""
+        proportional = self.mass is not None or self.stiffness is not None
+        if (self.ratio is not None) == proportional:
+            raise values.WrongValueError(
+                "write either { ratio = 0.01 }, of critical damping, or { mass = 0.1, stiffness = 1e-5 }, in 1/s and s"
+            )
+        return self
+
+    def damping(self) -> Damping:
+        """The damping that the table describes."""
+        return Damping(*(value or Fraction(0) for value in (self.ratio, self.mass, self.stiffness)))
+
+
+LoweringInput = Annotated[
+    Lowering,
+    PlainValidator(values.lowering),
+    WithJsonSchema({"enum": [*values.LOWERINGS]}),
+    Field(description="How sums over the modes become code: flat (written out), table (loops over arrays), or auto."),
+]
+
+
+class NodalTable(TomlTable):
+    """A deformable body in space made of nodes, as a finite-element program gives it."""
+
+    nodes: Annotated[
+        Any,
+        WithJsonSchema(_NODES),
+        Field(description="The numbers: a .npz file, or a MatrixMarket file each; paths begin at this file."),
+    ]
+    units: Annotated[
+        UnitsInput, Field(description='The units of the numbers in the files: "SI", or those of length, mass and time.')
+    ]
+    modes: Annotated[
+        ModeCount | None,
+        Field(description="How many modes are computed, or kept of those given; all those given if left out."),
+    ] = None
+    frame: Annotated[
+        BodyFrameInput,
+        Field(
+            description="How rigid motion is kept out of the modes: mean (no mean displacement or rotation), point "
+            "(clamped at a node), given (the modes as they stand).",
+            json_schema_extra={"default": "mean"},
+        ),
+    ] = BodyFrame("mean")
+    orthonormal: Annotated[
+        Truth | None,
+        Field(
+            description="Whether the modes are made orthonormal in the mass; by default in the frame mean, and if "
+            "they are computed."
+        ),
+    ] = None
+    damping: Annotated[DampingTable | None, Field(description="Viscous damping; none if left out.")] = None
+    gravity: SpatialGravity = None
+    lowering: LoweringInput = "auto"
+    markers: Annotated[
+        dict[Name, Count],
+        few_markers("nodes"),
+        Field(
+            description="Named nodes and their numbers, from 0.",
+            json_schema_extra={"maxProperties": MAX_MARKERS, "additionalProperties": False},
+        ),
+    ] = {}  # noqa: RUF012  as in BeamTable: pydantic copies it
+
+    def scales(self) -> Units:
+        """The units, however they are written."""
+        told = self.units
+        return Units(told.length, told.mass, told.time) if isinstance(told, UnitsTable) else told
+
+    def body_frame(self) -> BodyFrame:
+        """The frame, however it is written."""
+        return self.frame.frame() if isinstance(self.frame, BodyFrameTable) else self.frame
+
+    def body(self, name: str, data: NodeData) -> NodalBody:
+        """The body as the reduction takes it."""
+        frame = self.body_frame()
+        by_default = frame.kind == "mean" or data.modes is None
+        return NodalBody(
+            name=name,
+            data=data,
+            modes=self.modes,
+            frame=frame,
+            orthonormal=by_default if self.orthonormal is None else self.orthonormal,
+            damping=Damping() if self.damping is None else self.damping.damping(),
+            gravity=_gravity(self.gravity),
+            markers=tuple(NodeMarker(marker, node) for marker, node in self.markers.items()),
+            lowering=self.lowering,
+        )
+
+
+def _symbolic(value: object) -> str:
+    return values.choice(value, ("symbolic",), "`integrals`")
+
+
+class SymbolicTable(TomlTable):
+    """A deformable body in space whose mass, shape integrals and stiffness are run-time parameters."""
+
+    integrals: Annotated[
+        Literal["symbolic"],
+        PlainValidator(_symbolic),
+        WithJsonSchema({"const": "symbolic"}),
+        Field(description="That mass, shape integrals and stiffness are run-time parameters, and not those of nodes."),
+    ]
+    modes: Annotated[ModeCount, Field(description="How many modes the body has.")]
+    frame: Annotated[
+        SymbolicFrame,
+        PlainValidator(values.symbolic_frame),
+        WithJsonSchema({"enum": [*values.SYMBOLIC_FRAMES]}),
+        Field(description="What is known of the modes: mean (orthonormal in the mean frame), or given (nothing)."),
+    ] = "mean"
+    damping: Annotated[Truth, Field(description="Whether viscous damping is among the parameters.")] = False
+    gravity: SpatialGravity = None
+    lowering: LoweringInput = "auto"
+
+    def body(self, name: str) -> SymbolicBody:
+        """The body as the derivation takes it."""
+        return SymbolicBody(name, self.modes, self.frame, self.damping, _gravity(self.gravity), self.lowering)
+
+
+def _gravity(value: tuple[SignedInput, SignedInput, SignedInput] | None) -> Gravity | None:
+    return value and (acceleration(value[0]), acceleration(value[1]), acceleration(value[2]))
+
+
+def kind_of_body(value: Any) -> str:
+    """Which kind of body a table describes: a discriminator."""
+    return "symbolic" if isinstance(value, Mapping) and "integrals" in value else "nodal"
+
+
+BodyInput = Annotated[
+    Annotated[NodalTable, Tag("nodal")] | Annotated[SymbolicTable, Tag("symbolic")], Discriminator(kind_of_body)
+]

@@ -1,0 +1,167 @@
+"""What the tables of all specifications share: names, numbers and parameters as pydantic types.
+
+Values are read by the functions of `values`; a model says which keys a table has and what they mean.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from fractions import Fraction
+from typing import Annotated, Any
+
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Discriminator,
+    Field,
+    PlainValidator,
+    Tag,
+    WithJsonSchema,
+)
+
+from derive.spec.model.body import Parameter, Quantity
+from derive.spec.parsing import values
+from derive.spec.parsing.names import MAX_LENGTH as MAX_NAME
+from derive.spec.parsing.names import PATTERN as NAME_PATTERN
+from derive.spec.parsing.polynomial import MAX_LENGTH
+
+MAX_MARKERS = 64
+
+
+def few(count: int, least: int, most: int, noun: str) -> None:
+    """A check that comes before the elements are looked at, so that a flood of them costs nothing."""
+    if not least <= count <= most:
+        raise values.WrongValueError(f"there are {count} {noun}, and {least} to {most} are allowed")
+
+
+def few_markers(what: str) -> BeforeValidator:
+    """A table of at most so many markers, which are named `what`."""
+
+    def check(value: object) -> object:
+        if not isinstance(value, Mapping):
+            raise values.WrongValueError(f"a table of names and {what} is needed, not {values.kind_of(value)}")
+        few(len(value), 0, MAX_MARKERS, "markers")
+        return value
+
+    return BeforeValidator(check)
+
+
+def number_schema(**limits: float) -> dict[str, Any]:
+    """What an editor accepts for a number."""
+    exact = {"type": "string", "maxLength": MAX_LENGTH, "description": 'An exact number, such as "1/3".'}
+    return {"anyOf": [{"type": "number", **limits}, exact]}
+
+
+def written_as(value: Any) -> str:
+    """Which of two ways of writing was taken: a discriminator."""
+    return "table" if isinstance(value, Mapping) else "plain"
+
+
+_NAME = {"type": "string", "pattern": f"^{NAME_PATTERN}$", "maxLength": MAX_NAME}
+_UNIT = {"type": "string", "pattern": f"^{values.UNIT_PATTERN}$"}
+_POSITIVE = number_schema(exclusiveMinimum=0)
+_NOT_NEGATIVE = number_schema(minimum=0)
+
+
+class TomlTable(BaseModel):
+    """A table in which every key is known."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+Name = Annotated[str, PlainValidator(values.name), WithJsonSchema(_NAME)]
+Number = Annotated[Fraction, PlainValidator(values.number), WithJsonSchema(number_schema())]
+Positive = Annotated[Fraction, PlainValidator(values.positive), WithJsonSchema(_POSITIVE)]
+NotNegative = Annotated[Fraction, PlainValidator(values.not_negative), WithJsonSchema(_NOT_NEGATIVE)]
+Truth = Annotated[bool, PlainValidator(values.truth), WithJsonSchema({"type": "boolean"})]
+Symbol = Annotated[Name, Field(description="Its name in the code and in the equations.")]
+Unit = Annotated[
+    str | None,
+    PlainValidator(values.unit),
+    WithJsonSchema(_UNIT),
+    Field(description="Its unit in comments and in the report; the SI unit if left out."),
+]
+
+
+class ParameterTable(TomlTable):
+    """A run-time parameter of the generated code."""
+
+    symbol: Symbol
+    unit: Unit = None
+    default: Annotated[
+        float,
+        PlainValidator(values.positive_float),
+        WithJsonSchema(_POSITIVE),
+        Field(description="Its value until another is set."),
+    ] = 1.0
+
+
+class NotNegativeTable(TomlTable):
+    """A number that may be zero as a run-time parameter of the generated code."""
+
+    symbol: Symbol
+    unit: Unit = None
+    default: Annotated[
+        float,
+        PlainValidator(values.not_negative_float),
+        WithJsonSchema(_NOT_NEGATIVE),
+        Field(description="Its value until another is set."),
+    ]
+
+
+class SignedTable(TomlTable):
+    """A number of any sign as a run-time parameter of the generated code."""
+
+    symbol: Symbol
+    unit: Unit = None
+    default: Annotated[
+        float,
+        PlainValidator(values.any_float),
+        WithJsonSchema(number_schema()),
+        Field(description="Its value until another is set."),
+    ]
+
+
+QuantityInput = Annotated[
+    Annotated[Positive, Tag("plain")] | Annotated[ParameterTable, Tag("table")], Discriminator(written_as)
+]
+NotNegativeInput = Annotated[
+    Annotated[NotNegative, Tag("plain")] | Annotated[NotNegativeTable, Tag("table")], Discriminator(written_as)
+]
+SignedInput = Annotated[
+    Annotated[Number, Tag("plain")] | Annotated[SignedTable, Tag("table")], Discriminator(written_as)
+]
+
+
+def quantity(value: Fraction | ParameterTable | NotNegativeTable | SignedTable, unit: str) -> Quantity:
+    """A physical constant as the derivation takes it; `unit` is that of a parameter which says none."""
+    return value if isinstance(value, Fraction) else Parameter(value.symbol, value.unit or unit, value.default)
+
+
+def acceleration(value: Fraction | SignedTable) -> Quantity:
+    """A component of gravity as the derivation takes it."""
+    return quantity(value, "m/s^2")
+
+
+def components(example: Sequence[str], noun: str = "components") -> BeforeValidator:
+    """A list of as many elements as the example has."""
+
+    def check(value: object) -> object:
+        if not isinstance(value, (list, tuple)) or len(value) != len(example):
+            found = f"{len(value)}" if isinstance(value, (list, tuple)) else values.kind_of(value)
+            raise values.WrongValueError(
+                f"a list of {len(example)} {noun} is needed, such as [{', '.join(example)}], not {found}"
+            )
+        return tuple(value)
+
+    return BeforeValidator(check)
+
+
+_GRAVITY = Field(
+    description="The acceleration of free fall in the inertial base, m/s^2; each component a parameter or a number."
+)
+PlanarGravity = Annotated[tuple[SignedInput, SignedInput] | None, components(("0", "-9.81")), _GRAVITY]
+SpatialGravity = Annotated[
+    tuple[SignedInput, SignedInput, SignedInput] | None, components(("0", "0", "-9.81")), _GRAVITY
+]

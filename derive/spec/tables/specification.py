@@ -1,0 +1,125 @@
+"""A whole specification as a pydantic model, which also makes the JSON schema for editors."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from typing import Annotated, Any
+
+from pydantic import ConfigDict, Field
+
+from derive.spec.files.reference_curves import Rows
+from derive.spec.model.scene import Scene
+from derive.spec.tables.beam import BeamTable
+from derive.spec.tables.body import BodyInput
+from derive.spec.tables.scene import (
+    DriveTable,
+    ForceTable,
+    JointTable,
+    PlotTable,
+    SimulationTable,
+    SpringTable,
+    TorqueTable,
+)
+from derive.spec.tables.scene_bodies import MAX_NAMED, Bodies, GroundTable, SceneTable, few_named, scene_bodies
+from derive.spec.tables.shared import Name, TomlTable, acceleration
+
+SCENE = (
+    "ground",
+    "scene",
+    "bodies",
+    "joints",
+    "drives",
+    "forces",
+    "torques",
+    "springs",
+    "simulation",
+    "plots",
+)
+"""The keys of a specification that make it a scene."""
+
+_NAMED = {"maxProperties": MAX_NAMED, "additionalProperties": False}
+
+
+class SpecificationTable(TomlTable):
+    """What Tisserand makes C and Python kernels of: a beam, a body in space, or a scene of bodies in a plane."""
+
+    model_config = ConfigDict(
+        json_schema_extra={
+            "oneOf": [{"required": ["beam"]}, {"required": ["body"]}, {"required": ["bodies"]}],
+            "dependentRequired": {key: ["bodies"] for key in SCENE if key != "bodies"},
+        }
+    )
+
+    name: Annotated[Name, Field(description="The name of the model: of its files, and in front of all its functions.")]
+    beam: BeamTable | None = None
+    body: BodyInput | None = None
+    ground: GroundTable | None = None
+    scene: SceneTable | None = None
+    bodies: Bodies | None = None
+    joints: Annotated[
+        dict[Name, JointTable],
+        few_named("joints", "[joints.pin]"),
+        Field(description="The joints of a scene by their names.", json_schema_extra=_NAMED),
+    ] = {}  # noqa: RUF012  pydantic copies it
+    drives: Annotated[
+        dict[Name, DriveTable],
+        few_named("drives", "[drives.motor]"),
+        Field(description="The joints whose motion is prescribed.", json_schema_extra=_NAMED),
+    ] = {}  # noqa: RUF012
+    forces: Annotated[
+        dict[Name, ForceTable],
+        few_named("forces", "[forces.load]"),
+        Field(description="The forces on bodies by their names.", json_schema_extra=_NAMED),
+    ] = {}  # noqa: RUF012
+    torques: Annotated[
+        dict[Name, TorqueTable],
+        few_named("torques", "[torques.load]"),
+        Field(description="The torques on bodies by their names.", json_schema_extra=_NAMED),
+    ] = {}  # noqa: RUF012
+    springs: Annotated[
+        dict[Name, SpringTable],
+        few_named("springs", "[springs.mount]"),
+        Field(description="The springs and dampers by their names.", json_schema_extra=_NAMED),
+    ] = {}  # noqa: RUF012
+    simulation: SimulationTable | None = None
+    plots: Annotated[
+        dict[Name, PlotTable],
+        few_named("plots", "[plots.deflection]"),
+        Field(description="The pictures that a simulation draws, by their names.", json_schema_extra=_NAMED),
+    ] = {}  # noqa: RUF012
+
+    def scene_of(self, references: Mapping[str, Rows]) -> Scene:
+        """The scene as the derivation takes it; `references` are the numbers of plots with a reference."""
+        gravity = None if self.scene is None else self.scene.gravity
+        return Scene(
+            name=self.name,
+            ground=() if self.ground is None else self.ground.points(),
+            gravity=gravity and (acceleration(gravity[0]), acceleration(gravity[1])),
+            bodies=scene_bodies(self.bodies or {}),
+            joints=tuple(table.joint(name) for name, table in self.joints.items()),
+            drives=tuple(table.drive(name, self.joints[table.joint].kind) for name, table in self.drives.items()),
+            forces=tuple(table.force(name) for name, table in self.forces.items()),
+            torques=tuple(table.torque(name) for name, table in self.torques.items()),
+            springs=tuple(table.spring(name) for name, table in self.springs.items()),
+            simulation=None if self.simulation is None else self.simulation.simulation(),
+            plots=tuple(table.plot(name, references.get(name, ())) for name, table in self.plots.items()),
+        )
+
+
+def json_schema() -> str:
+    """The JSON schema of a specification, with which editors complete and check TOML files."""
+    schema = {"$schema": "https://json-schema.org/draft/2020-12/schema", **SpecificationTable.model_json_schema()}
+    return json.dumps(_plain(schema), indent=2, ensure_ascii=False) + "\n"
+
+
+def _plain(node: Any) -> Any:
+    """A schema without what pydantic adds: titles that repeat the key, and null for what may be left out."""
+    if isinstance(node, list):
+        return [_plain(item) for item in node]
+    if isinstance(node, dict):
+        kept = {k: v for k, v in node.items() if k not in ("title", "anyOf") and not (k == "default" and v is None)}
+        options = [option for option in node.get("anyOf", []) if option != {"type": "null"}]
+        several = {"anyOf": options} if len(options) > 1 else dict(*options)
+        return {key: _plain(value) for key, value in {**several, **kept}.items()}
+    return node

@@ -1,1 +1,0 @@
-"""The tables of a scene: bodies, joints, drives, forces, and the checks between them."""
