@@ -114,7 +114,7 @@ def test_two_files_with_one_name_are_refused(tmp_path: Path, capsys: pytest.Capt
 @pytest.mark.parametrize(
     ("first", "second", "said"),
     [
-        ("beam", "Beam", "differ in more than case"),
+        ("beam", "Beam", "differs in more than case"),
         ("beam", "beam_pattern", "make the same names in C"),
         ("a_p", "a", "make"),
     ],
@@ -189,6 +189,34 @@ def test_wrong_arguments(arguments: list[str], capsys: pytest.CaptureFixture[str
     assert "usage:" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize(
+    ("arguments", "hint"),
+    [
+        (["bild"], "did you mean 'build'?"),
+        (["study", "pivot"], "did you mean 'pivots'?"),
+        (["x"], "choose from build,"),
+    ],
+)
+def test_unknown_commands_get_a_suggestion(arguments: list[str], hint: str, capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as stopped:
+        main(arguments)
+    assert stopped.value.code == 2
+    output = capsys.readouterr()
+    assert hint in output.err and output.out == ""
+
+
+def test_every_command_explains_its_options(capsys: pytest.CaptureFixture[str]) -> None:
+    for command in ("build", "compare", "simulate", "study", "report", "check", "sid", "schema"):
+        with pytest.raises(SystemExit) as stopped:
+            main([command, "--help"])
+        assert stopped.value.code == 0
+        help_text = " ".join(capsys.readouterr().out.split())
+        assert help_text.startswith(f"usage: tisserand {command}")
+        assert main([]) == 0
+        line = next(line for line in capsys.readouterr().out.splitlines() if line.startswith(f"    {command} "))
+        assert " ".join(line.split()[1:4]).lower() in help_text.lower()
+
+
 def test_a_closed_pipe_is_no_error() -> None:
     done = subprocess.run(
         f"{sys.executable} -m derive schema | head -1", shell=True, capture_output=True, text=True, check=True
@@ -235,7 +263,7 @@ def test_sid_is_printed_and_reads_back(tmp_path: Path, capsys: pytest.CaptureFix
     flat = derive.lower(derive.derive_modal(again, None, "flat"))
     assert flat.pattern("mass", "M") == derive.lower(derive.derive_modal(body, None, "flat")).pattern("mass", "M")
     assert main(["sid", MEAN]) == 2
-    assert "a SID holds the numbers of a body of nodes" in capsys.readouterr().err
+    assert "SID describes a body given by nodes" in capsys.readouterr().err
 
 
 def test_compare_shows_the_first_rows_of_a_large_body(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -244,5 +272,5 @@ def test_compare_shows_the_first_rows_of_a_large_body(tmp_path: Path, capsys: py
     picture = tmp_path / "large.svg"
     assert main(["compare", str(spec), "--picture", str(picture)]) == 0
     said = capsys.readouterr().out
-    assert "of 36 rows and columns the first 14" in said
+    assert "the first 14 of 36 rows and columns" in said
     assert "222 of 1296 structural non-zeros" in said and "222 of 1296" in picture.read_text()

@@ -79,8 +79,8 @@ def test_check_shows_what_differs(tmp_path: Path, capsys: pytest.CaptureFixture[
     shutil.copy(scene, scenes)
     assert main(["check", str(scenes), "--out", str(out)]) == 1
     said_of_all = capsys.readouterr().out
-    assert "old.c: no specification makes this file" in said_of_all and "notes.txt" not in said_of_all
-    assert f"to accept: tisserand build {scene} --out {out}" in said
+    assert "old.c: no specification gives this file" in said_of_all and "notes.txt" not in said_of_all
+    assert f"to accept these differences: tisserand build {scene} --out {out}" in said
 
 
 def test_python_and_toml_give_the_same_files() -> None:

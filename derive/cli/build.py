@@ -1,4 +1,4 @@
-"""`tisserand build`: specifications to files, with a table of the stages."""
+"""`tisserand build`: generate the files of specifications and print a table of the stages."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from derive.terminal import show
 
 
 def run(options: argparse.Namespace) -> int:
-    """Build all specifications, then write; nothing is written when one of them is wrong."""
+    """Build all specifications, then write all files; an error in any specification prevents all writing."""
     built = build_all(options.specs)
     files = [file for b in built for file in b.files]
     write(files, options.out)
@@ -27,35 +27,38 @@ def run(options: argparse.Namespace) -> int:
 
 
 def build_all(paths: list[Path]) -> list[Built]:
-    """Build every specification; the errors of all files are raised at once."""
+    """Build every specification.
+
+    Raises SpecError with the problems of all files, also when two models would have the same name in C.
+    """
     built: list[Built] = []
     errors: list[SpecError] = []
-    homes: dict[str, Path] = {}
+    paths_by_name: dict[str, Path] = {}
     for path in dict.fromkeys(paths):
         show(f"building {path} ...")
         try:
-            made = build(path)
+            result = build(path)
         except SpecError as error:
             errors.append(error)
             continue
-        if clash := _clash(made.model.name, homes):
-            errors.append(SpecError((Problem("name", clash),), str(path)))
-        homes[made.model.name] = path
-        built.append(made)
+        if conflict := _name_conflict(result.model.name, paths_by_name):
+            errors.append(SpecError((Problem("name", conflict),), str(path)))
+        paths_by_name[result.model.name] = path
+        built.append(result)
     show()
     if errors:
         raise errors[0] if len(errors) == 1 else ManyErrors(errors)
     return built
 
 
-def _clash(name: str, homes: dict[str, Path]) -> str:
-    """Why a model cannot have this name beside those that are there; empty if it can."""
-    for other, path in homes.items():
+def _name_conflict(name: str, paths_by_name: dict[str, Path]) -> str:
+    """Return why a model cannot have this name beside the other models; empty if it can."""
+    for other, path in paths_by_name.items():
         if name.lower() == other.lower():
-            return f"the name {name!r} is taken by {path}; names of models must differ in more than case"
+            return f"the name {name!r} is taken by {path}; choose a name that differs in more than case"
         short, long = sorted((name.lower(), other.lower()), key=len)
         if re.match(rf"{short}_(marker|pattern|table|colptr|rowidx|sparsity|p|k|nnz)(_|$)", long):
-            return f"the names {name!r} and {other!r} of {path} make the same names in C; choose another"
+            return f"the names {name!r} and {other!r} of {path} make the same names in C; choose another name"
     return ""
 
 
@@ -87,8 +90,8 @@ def _table(built: Built, out: Path) -> str:
             f"{built.model.name}: {built.model.doc}",
             *(f"  {note}" for note in built.notes),
             *(f"  {line}" for line in lines),
-            f"  non-zeros are of the {mass.rows * mass.cols} entries of the mass matrix; operations are those of",
-            f"  mass matrix and forces together, after {setup} on parameters alone in setup",
+            f"  non-zeros: of the {mass.rows * mass.cols} entries of the mass matrix; operations: of one evaluation of",
+            f"  mass matrix and forces together, after {setup} operations in setup, which depend on parameters alone",
             *(f"  wrote {out / file.path}" for file in built.files),
         ]
     )

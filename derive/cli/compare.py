@@ -1,24 +1,26 @@
-"""`tisserand compare`: compile models, evaluate them at a state, and show what they give side by side."""
+"""`tisserand compare`: compile models and print their mass matrices and forces in one state."""
 
 from __future__ import annotations
 
 import argparse
 import json
 import math
+from typing import assert_never
 
 import numpy as np
 
 from derive.artifacts import File, write
 from derive.cli.build import build_all
+from derive.roles import Role
 from derive.runtime.native import Native, Vector, load
 from derive.visual.sparsity import mass_patterns
 
-MOST, DIGITS = 14, 12
-"""Rows and columns that are shown, and the width of a number."""
+MAX_ROWS, WIDTH = 14, 12
+"""Rows and columns that are printed, and the characters of a number."""
 
 
 def run(options: argparse.Namespace) -> int:
-    """Mass matrix and forces of each model, by the compiled C, at a state of the same numbers."""
+    """Print mass matrix and forces of each model from the compiled C; every model gets the same kind of state."""
     built = build_all(options.specs)
     natives = [load(b.files) for b in built]
     results = [_evaluate(native) for native in natives]
@@ -33,25 +35,37 @@ def run(options: argparse.Namespace) -> int:
 
 
 def state(native: Native) -> tuple[Vector, Vector]:
-    """Bent bodies that turn by 0.5 rad about e3, at 3 rad/s: alpha_i = 0.02/i m, alphadot_i = 0.1 m/s."""
-    if "e0" in native.coordinates:  # in space the last rate of the rigid motion is the spin about e3
-        shapes = np.arange(1, native.nq - 6)
-        turn = [0.0, 0.0, 0.0, math.cos(0.25), 0.0, 0.0, math.sin(0.25)]
-        return np.array([*turn, *0.02 / shapes]), np.array([*[0.0] * 5, 3.0, *np.full(len(shapes), 0.1)])
-    names = [name.rsplit("_", 1)[-1] for name in native.coordinates]  # in a scene the body stands before
-    found = [_bent(name) for name in names]
-    return np.array([q for q, _ in found]), np.array([v for _, v in found])
+    """Return q and v of bent bodies at an angle of 0.5 rad about e3 that rotate at 3 rad/s.
 
-
-def _bent(name: str) -> tuple[float, float]:
-    """A coordinate and its rate in that state."""
-    if name.startswith("alpha"):
-        return 0.02 / int(name[len("alpha") :]), 0.1
-    return (0.5, 3.0) if name == "phi" else (0.0, 0.0)
+    The amplitudes of each body are alpha_i = 0.02/i m and their velocities 0.1 m/s; all positions are 0.
+    """
+    q: list[float] = []
+    v: list[float] = []
+    amplitudes = quaternions = 0
+    for role in native.roles:
+        amplitudes = amplitudes + 1 if role is Role.AMPLITUDE else 0
+        match role:
+            case Role.AMPLITUDE:
+                q.append(0.02 / amplitudes)
+                v.append(0.1)
+            case Role.ROTATION:
+                q.append(0.5)
+                v.append(3.0)
+            case Role.QUATERNION:
+                q.append((math.cos(0.25), 0.0, 0.0, math.sin(0.25))[quaternions % 4])
+                if quaternions % 4:  # three angular velocities belong to four elements of the quaternion
+                    v.append((0.0, 0.0, 3.0)[quaternions % 4 - 1])
+                quaternions += 1
+            case Role.TRANSLATION | Role.DISPLACEMENT:
+                q.append(0.0)
+                v.append(0.0)
+            case _:
+                assert_never(role)
+    return np.array(q), np.array(v)
 
 
 def _evaluate(native: Native) -> dict[str, object]:
-    """Raises ModelError when the defaults of the parameters make no body."""
+    """Evaluate a model in that state. Raises ModelError if setup refuses the default parameters."""
     q, v = state(native)
     values, h = native.mass_force(0.0, q, v, native.setup())
     pattern = native.mass_pattern
@@ -78,19 +92,19 @@ def _show(native: Native, result: dict[str, object]) -> str:
     width = max(len(n) for n in names)
     pattern = native.mass_pattern
     lines = [
-        f"{native.name}, compiled C, parameters at their defaults, at",
+        f"{native.name}, compiled C, default parameters, in the state",
         f"  q = {_numbers(q)}",
         f"  v = {_numbers(v)}",
         f"  mass matrix M ({pattern.full_nnz} of {pattern.rows * pattern.cols} structural non-zeros) and forces h",
     ]
-    for name, row, h in zip(names[:MOST], matrix, force, strict=False):
-        cells = " ".join(f"{'.':>{DIGITS}}" if x is None else f"{x:{DIGITS}.6g}" for x in row[:MOST])
-        lines.append(f"  {name:<{width}} {cells}   {h:{DIGITS}.6g}")
-    if len(names) > MOST:
-        lines.append(f"  ... of {len(names)} rows and columns the first {MOST}; --json has them all")
+    for name, row, h in zip(names[:MAX_ROWS], matrix, force, strict=False):
+        cells = " ".join(f"{'.':>{WIDTH}}" if x is None else f"{x:{WIDTH}.6g}" for x in row[:MAX_ROWS])
+        lines.append(f"  {name:<{width}} {cells}   {h:{WIDTH}.6g}")
+    if len(names) > MAX_ROWS:
+        lines.append(f"  ... the first {MAX_ROWS} of {len(names)} rows and columns; --json prints all")
     return "\n".join(lines)
 
 
 def _numbers(values: Vector) -> str:
-    shown = [f"{x:g}" for x in values[: MOST + 1]] + (["..."] if len(values) > MOST + 1 else [])
-    return "[" + ", ".join(shown) + "]"
+    texts = [f"{x:g}" for x in values[: MAX_ROWS + 1]] + (["..."] if len(values) > MAX_ROWS + 1 else [])
+    return "[" + ", ".join(texts) + "]"

@@ -1,4 +1,4 @@
-"""`tisserand schema`: the JSON schema of specifications."""
+"""`tisserand schema`: print the JSON schema of specifications, or the reference that is made from it."""
 
 from __future__ import annotations
 
@@ -7,7 +7,12 @@ import argparse
 from derive.spec.tables.specification import json_schema
 
 
-def run(_: argparse.Namespace) -> int:
-    """Print the schema."""
-    print(json_schema(), end="")
+def run(options: argparse.Namespace) -> int:
+    """Print the schema as JSON or as Markdown."""
+    if options.markdown:
+        from derive.cli.toml_reference import markdown
+
+        print(markdown(json_schema()), end="")
+    else:
+        print(json_schema(), end="")
     return 0

@@ -1,4 +1,4 @@
-"""`tisserand sid`: print a body of nodes as standard input data (SID), the text that other multibody programs read."""
+"""`tisserand sid`: print a finite-element body as standard input data (SID), which other multibody programs read."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ def run(options: argparse.Namespace) -> int:
     """Print the SID of a body."""
     spec = read(options.spec)
     if not isinstance(spec, NodalBody):
-        said = "a SID holds the numbers of a body of nodes, and there is none here; see scenes/block.toml"
-        raise SpecError((Problem("", said),), str(options.spec))
+        message = "SID describes a body given by nodes, and this specification has none; see scenes/block.toml"
+        raise SpecError((Problem("", message),), str(options.spec))
     try:
         body = modal(spec)
     except SpecError as error:

@@ -1,4 +1,4 @@
-"""`tisserand simulate`: a scene in motion, as numbers (CSV), as pictures (SVG), and as a page that plays it (HTML)."""
+"""`tisserand simulate`: simulate a scene; write its trajectory (CSV), its plots (SVG) and an animation (HTML)."""
 
 from __future__ import annotations
 
@@ -27,17 +27,18 @@ from derive.visual import line_chart as chart
 from derive.visual import player
 
 Shown = tuple[Plot, tuple[Line, ...]]
+"""A plot and its curves."""
 
 
 def run(options: argparse.Namespace) -> int:
-    """Simulate the scene, and again with every number of pieces that a plot asks for; then write all files."""
+    """Simulate the scene as specified and with each number of pieces that a plot requests; then write all files."""
     scene = scene_of(options.spec, options.duration)
     runs = Runs(options.spec, scene)
     main = runs.of(None, 0)
     shown: list[Shown] = []
     for plot in scene.plots:
-        found = [(_label(plot, n), runs.of(plot.cut, n)) for n in plot.pieces or (0,)]
-        shown.append((plot, tuple(figures.line(plot, each.motion, label) for label, each in found)))
+        variants = [(_label(plot, n), runs.of(plot.cut, n)) for n in plot.pieces or (0,)]
+        shown.append((plot, tuple(figures.line(plot, each.motion, label) for label, each in variants)))
     files = _files(main, shown)
     write(files, options.out)
     summary = _summary(runs, shown, [str(options.out / file.path) for file in files])
@@ -46,42 +47,40 @@ def run(options: argparse.Namespace) -> int:
 
 
 def scene_of(path: Path, duration: float | None) -> Scene:
-    """The scene of a file, with another duration (s) if one is given. SpecError if nothing can be simulated."""
+    """Read the scene of a file, with another `duration` (s) if given. Raises SpecError if it cannot be simulated."""
     scene = read(path)
     if not isinstance(scene, Scene):
-        said = (
-            "this is a body alone, and there is no motion in it to simulate; see scenes/crank_slider_3.toml for a scene"
-        )
-        raise SpecError((Problem("", said),), str(path))
+        message = "a scene is needed, and this is a single body; put it into [bodies], see scenes/spinning_beam.toml"
+        raise SpecError((Problem("", message),), str(path))
     if scene.simulation is None:
-        said = "there is no such table; add it, with `duration` (s) and `output`, the time between rows (s)"
-        raise SpecError((Problem("simulation", said),), str(path))
+        message = "this table is missing; add it, with `duration` (s) and `output`, the time between rows (s)"
+        raise SpecError((Problem("simulation", message),), str(path))
     if duration is None:
         return scene
     if duration > MAX_STEPS * scene.simulation.output:
-        said = f"with --duration {duration:g} there would be more than {MAX_STEPS} rows; write `output` less often"
-        raise SpecError((Problem("simulation.output", said),), str(path))
+        message = f"--duration {duration:g} would give more than {MAX_STEPS} rows; make `output` longer"
+        raise SpecError((Problem("simulation.output", message),), str(path))
     return replace(scene, simulation=replace(scene.simulation, duration=duration))
 
 
 @dataclass
 class Runs:
-    """The simulations of one scene, each done once: as it is, and with a rod cut into other numbers of pieces."""
+    """The simulations of one scene, each run once: as specified, and with other numbers of pieces of a rod."""
 
     path: Path
     scene: Scene
     done: dict[tuple[tuple[str, int], ...], Run] = field(default_factory=dict)
 
     def of(self, cut: str | None, pieces: int) -> Run:
-        """The simulation with the rod `cut` in so many pieces, or of the scene as it is."""
+        """Return the simulation with `pieces` pieces of the rod `cut`, or of the scene as specified if that is None."""
         bodies = tuple(
             replace(b, pieces=pieces) if isinstance(b, BeamBody) and b.name == cut else b for b in self.scene.bodies
         )
         key = tuple((b.name, b.pieces) for b in bodies if isinstance(b, BeamBody))
         if key not in self.done:
             assert self.scene.simulation is not None
-            said = ", ".join([self.scene.name, *(f"{name} in {beams(n)}" for name, n in key)])
-            progress = Progress(said, self.scene.simulation.duration)
+            title = ", ".join([self.scene.name, *(f"{name} in {beams(n)}" for name, n in key)])
+            progress = Progress(title, self.scene.simulation.duration)
             try:
                 self.done[key] = simulate(replace(self.scene, bodies=bodies), progress)
             except SpecError as error:
@@ -92,24 +91,24 @@ class Runs:
 
 
 class Progress:
-    """A line on the terminal that tells how far a simulation is; nothing where stderr is no terminal."""
+    """A line on the terminal with the time that a simulation has reached; it stays silent if stderr is no terminal."""
 
-    def __init__(self, said: str, duration: float) -> None:
-        self._said, self._duration, self._next = said, duration, 0.0
-        self._show("building ...")
+    def __init__(self, title: str, duration: float) -> None:
+        self._title, self._duration, self._next = title, duration, 0.0
+        self._show("deriving and compiling ...")
 
     def __call__(self, reached: float) -> None:
-        """The simulation is at this time (s). Told ten times a second."""
+        """Show the time (s) that the simulation has reached, at most ten times a second."""
         if time.monotonic() >= self._next:
             self._next = time.monotonic() + 0.1
             self._show(f"{min(reached, self._duration):.4g} of {self._duration:g} s")
 
     def end(self) -> None:
-        """Leave no trace."""
+        """Remove the line."""
         show()
 
-    def _show(self, what: str) -> None:
-        show(f"simulating {self._said}: {what}")
+    def _show(self, text: str) -> None:
+        show(f"simulating {self._title}: {text}")
 
 
 def _files(main: Run, shown: Sequence[Shown]) -> list[File]:
@@ -130,7 +129,7 @@ def _label(plot: Plot, pieces: int) -> str:
 
 
 def _summary(runs: Runs, shown: Sequence[Shown], files: list[str]) -> dict[str, Any]:
-    """What is printed, as plain data; times in s, drift in m or rad and their rates, errors over the peak."""
+    """Return the summary as plain data: times in s, drift in m, rad, m/s and rad/s, errors relative to the peak."""
     assert runs.scene.simulation is not None
     return {
         "name": runs.scene.name,
@@ -173,36 +172,42 @@ def _summary(runs: Runs, shown: Sequence[Shown], files: list[str]) -> dict[str, 
 
 
 def _text(summary: dict[str, Any]) -> str:
-    rows = [["", "coordinates", "constraints", "steps", "evaluations", "CPU s", "drift", "of rates"]]
+    rows = [["", "coordinates", "constraints", "steps", "evaluations", "CPU s", "drift", "of velocities"]]
     for each in summary["runs"]:
         name = ", ".join(f"{name} in {beams(n)}" for name, n in each["pieces"].items()) or "all rigid"
         counts = (str(each[key]) for key in ("coordinates", "constraints", "steps", "evaluations"))
         drifts = (f"{each[key]:.1e}" for key in ("drift", "drift_of_rates"))
         rows.append([name, *counts, f"{each['cpu_seconds']:.2f}", *drifts])
     lines = [f"{summary['name']}: {summary['duration']:g} s", *table(rows)]
-    lines += ["  drift: the largest violation of a constraint (m or rad), and of its rate (1/s)"]
+    lines += ["  drift: the largest violation of the constraints (m, rad) and of their time derivatives (m/s, rad/s)"]
     lines += _warnings(summary)
     for plot in summary["plots"]:
-        rows = [["", "least", "at", "largest", "at", *(["rms error", "max error"] if plot["reference"] else [])]]
+        rows = [["", "minimum", "at", "maximum", "at", *(["rms error", "max error"] if plot["reference"] else [])]]
         for each in plot["curves"]:
             values = (f"{each[end][key]:.6g}" for end in ("least", "largest") for key in ("value", "at"))
             errors = [f"{figures.percent(each['error'][key])} %" for key in ("rms", "max")] if each["error"] else []
             rows.append([each["label"], *values, *errors])
         lines += ["", f"{plot['name']}: {plot['quantity']}; over {plot['over']}", *table(rows)]
         if any(each["error"] for each in plot["curves"]):
-            lines.append(f"  errors: against {plot['reference']}, of its peak")
+            lines.append(f"  errors: deviations from {plot['reference']}, relative to its peak")
         elif plot["reference"]:
-            lines.append(f"  not compared with {plot['reference']}: they have no part in common")
+            lines.append(f"  no errors: the curves and {plot['reference']} do not overlap")
     return "\n".join([*lines, "", *(f"wrote {file}" for file in summary["files"])])
 
 
 def _warnings(summary: dict[str, Any]) -> list[str]:
-    """Beams that bend further than their equations hold, and starts that are not those of rigid bodies."""
-    found = []
+    """Warn of beams that bend further than their equations hold, and of initial states with deformed bodies."""
+    warnings: list[str] = []
     for each in summary["runs"]:
         for name, most in each["bending"].items():
-            said = f"  warning: {name} in {beams(each['pieces'][name])} bends by {most:.2g} of the length of a beam;"
-            found += [f"{said} the equations hold up to about {rods.TRUSTED:g}"] if most > rods.TRUSTED else []
+            if most > rods.TRUSTED:
+                beam = f"{name} in {beams(each['pieces'][name])}"
+                warnings.append(
+                    f"  warning: {beam} bends by {most:.2g} of the length of a beam; first-order equations hold up to "
+                    f"about {rods.TRUSTED:g}"
+                )
         if each["deformed_start"]:
-            found.append("  warning: no rigid bodies can start so; some are deformed, or deforming, at t = 0")
-    return list(dict.fromkeys(found))
+            warnings.append(
+                "  warning: no undeformed state satisfies the constraints; some bodies are deformed at t = 0"
+            )
+    return list(dict.fromkeys(warnings))

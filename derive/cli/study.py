@@ -1,4 +1,4 @@
-"""`tisserand study`: what the frame of the beams of a scene costs, and what it does to pivots."""
+"""`tisserand study`: compare two floating frames of the beams of a scene."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from derive.terminal import show
 
 
 def run(options: argparse.Namespace) -> int:
-    """Run the study that was asked for."""
+    """Run the study `frames` or `pivots`."""
     scene = _scene(options.spec)
     try:
         return _frames(scene, options) if options.study == "frames" else _pivots(scene, options)
@@ -29,11 +29,11 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _scene(path: Path) -> Scene:
-    """The scene of a file. SpecError if there is no beam in it, or nothing to simulate."""
+    """Read the scene of a file. Raises SpecError if it has no beam or no [simulation]."""
     scene = scene_of(path, None)
     if not rods(scene):
-        said = "there is no beam among them, and without one there is no frame to study; see scenes/crank_slider_3.toml"
-        raise SpecError((Problem("bodies", said),), str(path))
+        message = "there is no beam here, and only beams have a frame to study; see scenes/crank_slider_3.toml"
+        raise SpecError((Problem("bodies", message),), str(path))
     return scene
 
 
@@ -52,17 +52,17 @@ def _frames(scene: Scene, options: argparse.Namespace) -> int:
 
 def _pivots(scene: Scene, options: argparse.Namespace) -> int:
     along = states.period(scene)[1]
-    every = options.pieces or sorted({rod.pieces for rod in rods(scene)})
-    found = []
-    for n in every:
+    numbers = options.pieces or sorted({rod.pieces for rod in rods(scene)})
+    results = []
+    for n in numbers:
         first, second = (
             pivots.look(variant(scene, n, name), options.states, options.numberings) for name in options.frames
         )
-        found.append((n, (first, second)))
+        results.append((n, (first, second)))
     show()
     if options.json:
-        print(json.dumps([pivots_table.plain(scene.name, n, both) for n, both in found], indent=2))
+        print(json.dumps([pivots_table.plain(scene.name, n, both) for n, both in results], indent=2))
     else:
-        blocks = [pivots_table.text(scene.name, n, along, both) for n, both in found]
+        blocks = [pivots_table.text(scene.name, n, along, both) for n, both in results]
         print("\n\n".join([*blocks, pivots_table.legend()]))
     return 0

@@ -73,7 +73,7 @@ def test_a_body_alone_and_a_scene_without_beams_are_refused(
     study: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main(["study", study, str(ROOT / "scenes/free_beam_mean.toml")]) == 2
-    assert "a body alone" in capsys.readouterr().err
+    assert "this is a single body" in capsys.readouterr().err
     rigid = tmp_path / "rigid.toml"
     rigid.write_text(
         'name = "rigid"\n[bodies.bob]\nmass = 1\ninertia = 1\nmarkers = { end = [0, 1] }\n'
@@ -81,7 +81,7 @@ def test_a_body_alone_and_a_scene_without_beams_are_refused(
         "[simulation]\nduration = 1\noutput = 0.1\n"
     )
     assert main(["study", study, str(rigid)]) == 2
-    assert "bodies: there is no beam among them" in capsys.readouterr().err
+    assert "bodies: there is no beam here" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(

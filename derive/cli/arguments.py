@@ -1,0 +1,203 @@
+"""The arguments of the command `tisserand` and their help texts. Only the standard library is imported here."""
+
+from __future__ import annotations
+
+import argparse
+import difflib
+import math
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from derive.version import VERSION
+
+DESCRIPTION = """\
+Tisserand compiles flexible multibody dynamics in the floating frame of reference: it derives the equations of motion
+of a flexible body or of a planar mechanism and generates C and Python code with explicit sparsity.
+"""
+EPILOG = """\
+examples:
+  tisserand build scenes/free_beam_mean.toml
+  tisserand build scenes/block.toml scenes/body_symbolic.toml
+  tisserand compare scenes/free_beam_mean.toml scenes/free_beam_point.toml
+  tisserand simulate scenes/crank_slider_3.toml
+  tisserand study frames scenes/crank_slider_3.toml
+  tisserand report scenes/free_beam_mean.toml --pdf
+  tisserand check
+
+`tisserand COMMAND --help` lists the options of a command. Results go to standard output, errors to standard error.
+
+exit codes:
+  0  success
+  1  `check` has found a file that differs from its specification
+  2  an error in the arguments, the specification or the environment; the message says where and what to do
+"""
+SPEC = "specification file (.toml)"
+MAX_PIECES = 64
+"""The largest number of beams that a study divides a rod into."""
+
+
+class Parser(argparse.ArgumentParser):
+    """An argument parser that suggests the command which an unknown one resembles."""
+
+    def _check_value(self, action: argparse.Action, value: Any) -> None:
+        """Refuse a value that is not among the choices of an argument."""
+        if action.choices is not None and value not in action.choices:
+            choices = [str(choice) for choice in action.choices]
+            close = difflib.get_close_matches(str(value), choices, n=1)
+            hint = f"did you mean {close[0]!r}?" if close else f"choose from {', '.join(choices)}"
+            raise argparse.ArgumentError(action, f"unknown: {value!r}; {hint}")
+
+
+def parser() -> argparse.ArgumentParser:
+    """Return the parser with all commands."""
+    main = Parser(
+        prog="tisserand",
+        description=DESCRIPTION,
+        epilog=EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    main.add_argument("--version", action="version", version=f"tisserand {VERSION}")
+    commands = main.add_subparsers(dest="command", metavar="COMMAND", title="commands")
+    _add_build(commands)
+    _add_compare(commands)
+    _add_simulate(commands)
+    _add_study(commands)
+    _add_report(commands)
+    _add_check(commands)
+    _add_sid(commands)
+    _add_schema(commands)
+    return main
+
+
+def _add(commands: Any, name: str, text: str) -> argparse.ArgumentParser:
+    """Add a command; `text` is its line in the list of commands and the description in its own help."""
+    command: argparse.ArgumentParser = commands.add_parser(name, help=text, description=f"{text[0].upper()}{text[1:]}.")
+    return command
+
+
+def _add_build(commands: Any) -> None:
+    build = _add(commands, "build", "generate C, Python and a manifest from specifications")
+    build.add_argument("specs", nargs="+", type=Path, metavar="SPEC", help=SPEC)
+    _add_folder(build, "generated")
+    build.add_argument("--json", action="store_true", help="print the table of stages as JSON")
+
+
+def _add_compare(commands: Any) -> None:
+    compare = _add(commands, "compare", "compile models and print their mass matrices and forces in one state")
+    compare.add_argument("specs", nargs="+", type=Path, metavar="SPEC", help=SPEC)
+    compare.add_argument("--json", action="store_true", help="print the numbers as JSON")
+    compare.add_argument("--picture", type=Path, metavar="FILE", help="write a drawing of the sparsity patterns (SVG)")
+
+
+def _add_simulate(commands: Any) -> None:
+    simulate = _add(commands, "simulate", "simulate a scene: trajectory (CSV), plots (SVG) and an animation (HTML)")
+    simulate.add_argument("spec", type=Path, metavar="SPEC", help=f"{SPEC} with a [simulation] table")
+    _add_folder(simulate, "results")
+    simulate.add_argument(
+        "--duration", type=_seconds, metavar="S", help="duration in seconds, in place of that of the specification"
+    )
+    simulate.add_argument("--json", action="store_true", help="print the summary as JSON")
+
+
+def _add_study(commands: Any) -> None:
+    study = _add(commands, "study", "compare two floating frames of the beams of a scene: cost, or pivots")
+    studies = study.add_subparsers(dest="study", metavar="STUDY", required=True, title="studies")
+    frames = _add(studies, "frames", "compare non-zeros, operations and CPU time in two frames")
+    pivots = _add(studies, "pivots", "compare vanishing pivots, pivot growth and backward errors in two frames")
+    for command in (frames, pivots):
+        command.add_argument("spec", type=Path, metavar="SPEC", help=f"{SPEC} of a scene with a beam")
+        command.add_argument(
+            "--frames", type=_frames, default=("mean", "point"), metavar="A,B", help="two frames (default: mean,point)"
+        )
+        command.add_argument("--json", action="store_true", help="print the numbers as JSON")
+    frames.add_argument(
+        "--pieces",
+        type=_pieces,
+        default=(1, 2, 3, 10, 30),
+        metavar="N,...",
+        help="numbers of beams per rod (default: 1,2,3,10,30)",
+    )
+    frames.add_argument(
+        "--runs", type=_count, default=15, metavar="N", help="interleaved measurements of each frame (default: 15)"
+    )
+    frames.add_argument("--chart", type=Path, metavar="FILE", help="chart (default: results/NAME/frames.svg)")
+    pivots.add_argument(
+        "--pieces", type=_pieces, metavar="N,...", help="numbers of beams per rod (default: as specified)"
+    )
+    pivots.add_argument(
+        "--states", type=_count, default=361, metavar="N", help="states along the motion (default: 361)"
+    )
+    pivots.add_argument(
+        "--numberings", type=_count, default=100, metavar="N", help="random numberings of the unknowns (default: 100)"
+    )
+
+
+def _add_report(commands: Any) -> None:
+    report = _add(commands, "report", "write a page with every equation of a model, its terms, zeros and code (HTML)")
+    subject = report.add_mutually_exclusive_group(required=True)
+    subject.add_argument("spec", nargs="?", type=Path, metavar="SPEC", help=f"{SPEC} of a body or a scene")
+    subject.add_argument("--paper", action="store_true", help="write the audit of the paper instead")
+    report.add_argument("--out", type=Path, metavar="FILE", help="the page (default: results/NAME/NAME.report.html)")
+    report.add_argument("--pdf", action="store_true", help="write a PDF beside the page")
+    report.add_argument("--tex", action="store_true", help="write LaTeX beside the page")
+    report.add_argument("--markdown", action="store_true", help="write Markdown beside the page")
+    report.add_argument("--json", action="store_true", help="print the names of the files as JSON")
+
+
+def _add_check(commands: Any) -> None:
+    check = _add(commands, "check", "regenerate all models in memory and compare them with the generated files")
+    check.add_argument(
+        "scenes",
+        nargs="?",
+        type=Path,
+        default=Path("scenes"),
+        help="folder of specifications, or one specification (default: scenes)",
+    )
+    _add_folder(check, "generated")
+
+
+def _add_sid(commands: Any) -> None:
+    sid = _add(commands, "sid", "print a finite-element body as standard input data (SID)")
+    sid.add_argument("spec", type=Path, metavar="SPEC", help=f"{SPEC} with a [body] given by nodes")
+
+
+def _add_schema(commands: Any) -> None:
+    schema = _add(commands, "schema", "print the JSON schema of specifications, with which editors check TOML files")
+    schema.add_argument("--markdown", action="store_true", help="print docs/reference_toml.md instead")
+
+
+def _add_folder(command: argparse.ArgumentParser, default: str) -> None:
+    command.add_argument(
+        "--out", type=Path, default=Path(default), metavar="FOLDER", help=f"output folder (default: {default})"
+    )
+
+
+def _count(text: str) -> int:
+    if not text.strip().isdecimal() or int(text) < 1:
+        raise argparse.ArgumentTypeError(f"expected a positive integer, not {text!r}")
+    return int(text)
+
+
+def _pieces(text: str) -> tuple[int, ...]:
+    numbers = tuple(dict.fromkeys(_count(part) for part in text.split(",")))
+    if max(numbers) > MAX_PIECES:
+        raise argparse.ArgumentTypeError(f"a rod is divided into at most {MAX_PIECES} beams, not {max(numbers)}")
+    return numbers
+
+
+def _frames(text: str) -> Sequence[str]:
+    names = tuple(text.split(","))
+    if len(set(names)) != 2 or len(names) != 2 or not set(names) <= {"mean", "point", "chord"}:
+        raise argparse.ArgumentTypeError(f"expected two of mean, point and chord, such as mean,point, not {text!r}")
+    return names
+
+
+def _seconds(text: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not 0 < value < math.inf:
+        raise argparse.ArgumentTypeError(f"expected a positive number of seconds, not {text!r}")
+    return value
