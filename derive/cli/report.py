@@ -19,7 +19,7 @@ def run(options: argparse.Namespace) -> int:
     """Make the page, then write it in every language that was asked for."""
     show("building ...")
     try:
-        name, page = _paper() if options.paper else _of_model(options.spec)
+        name, doc, page = _paper() if options.paper else _of_model(options.spec)
         target = options.out or Path("results") / name / f"{name}.report.html"
         written = _write(page, target, options)
     finally:
@@ -27,30 +27,35 @@ def run(options: argparse.Namespace) -> int:
     if options.json:
         print(json.dumps({"name": name, "title": page.title, "files": [str(path) for path in written]}, indent=2))
     else:
-        print("\n".join([f"{page.title}: {page.subtitle}", *(f"  wrote {path}" for path in written)]))
+        print("\n".join([f"{page.title}: {doc}", *(f"  wrote {path}" for path in written)]))
     return 0
 
 
-def _of_model(path: Path) -> tuple[str, Page]:
+def _of_model(path: Path) -> tuple[str, str, Page]:
     """The page of a specification file; of a scene with the pictures that `simulate` and `study` have left."""
     from derive.report.model_page import model_page
     from derive.report.scene_page import Result, scene_page
-    from derive.report.sections.provenance import Text
+    from derive.report.sections.provenance import SpecificationText
 
     (built,) = build_all([path])
     name = built.model.name
-    text = Text(path.name, path.read_text(encoding="utf-8-sig"))
+    text = SpecificationText(path.name, path.read_text(encoding="utf-8-sig"))
     if not isinstance(built.spec, Scene):
-        return name, model_page(built, text)
+        return name, built.model.doc, model_page(built, text)
     pictures = ((p.stem, p.read_text(encoding="utf-8")) for p in sorted((Path("results") / name).glob("*.svg")))
-    return name, scene_page(built, text, [Result(stem, svg) for stem, svg in pictures if MARK in svg[:1000]])
+    return (
+        name,
+        built.model.doc,
+        scene_page(built, text, [Result(stem, svg) for stem, svg in pictures if MARK in svg[:1000]]),
+    )
 
 
-def _paper() -> tuple[str, Page]:
+def _paper() -> tuple[str, str, Page]:
     """The audit of the paper."""
     from derive.report.paper import audit_page
+    from derive.report.paper.page import SUBTITLE
 
-    return PAPER, audit_page()
+    return PAPER, SUBTITLE, audit_page()
 
 
 def _write(page: Page, target: Path, options: argparse.Namespace) -> list[Path]:

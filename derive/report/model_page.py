@@ -7,18 +7,18 @@ from derive.mechanics.equations import Equations
 from derive.mechanics.indexed_equations import GenericEquations
 from derive.pipeline import Built
 from derive.report.document.formula import Name, Number, Operator, Row
-from derive.report.document.page import Block, Heading, Math, Page, Paragraph
+from derive.report.document.page import Block, Heading, Math, Page, Paragraph, Text
 from derive.report.notation.expressions import Notation, notation
 from derive.report.sections.calling import calling_blocks
 from derive.report.sections.code import code_blocks, targets
-from derive.report.sections.frame import body_frame_blocks, frame_blocks, paper_numbers
+from derive.report.sections.frame import beam_subtitle, body_frame_blocks, frame_blocks, paper_numbers
 from derive.report.sections.frame_comparison import frames_blocks, variants
 from derive.report.sections.integrals import integral_blocks
 from derive.report.sections.kinematics import kinematics_blocks
 from derive.report.sections.mass_matrix import mass_blocks, mass_matrix
 from derive.report.sections.moments import moment_anchors, moment_blocks, moments
 from derive.report.sections.operations import operation_blocks
-from derive.report.sections.provenance import Text, manifest_blocks, specification_blocks
+from derive.report.sections.provenance import SpecificationText, manifest_blocks, specification_blocks
 from derive.report.sections.source import sources
 from derive.report.sections.state import state_blocks
 from derive.report.sections.term_lines import definition_lines, places
@@ -28,7 +28,7 @@ from derive.spec.model.body import PlanarBeam
 from derive.spec.model.scene import Scene
 
 
-def model_page(built: Built, specification: Text) -> Page:
+def model_page(built: Built, specification: SpecificationText) -> Page:
     """The report of a body. Raises TypeError for a scene, which has a page of its own."""
     spec, equations, model = built.spec, built.equations, built.model
     if isinstance(spec, Scene):
@@ -56,7 +56,12 @@ def model_page(built: Built, specification: Text) -> Page:
         *calling_blocks(model),
         *manifest_blocks(built.files),
     )
-    return Page(model.name, model.doc, blocks)
+    return Page(model.name, _subtitle(built), blocks)
+
+
+def _subtitle(built: Built) -> Text:
+    """What the body is; the assumed modes of a beam as formulas."""
+    return beam_subtitle(built.spec) if isinstance(built.spec, PlanarBeam) else (built.model.doc,)
 
 
 def _frames(built: Built, written: Notation) -> tuple[Block, ...]:

@@ -1,4 +1,4 @@
-"""The pattern of a KKT matrix in the order in which it is eliminated, with what is filled in."""
+"""The pattern of a KKT matrix in its elimination order, with the fill-in of its factorisation."""
 
 from __future__ import annotations
 
@@ -8,19 +8,24 @@ from derive.artifacts import MARK
 from derive.ir.model import Kkt
 
 CELL, EDGE, WIDTH = 14, 6, 640
+"""Side of a cell, margin, and width of larger pictures, in pixels."""
+
+NAMED, LETTER, FOOT, LEGEND = 45, 6.2, 24, 240
+"""The most rows with names, width of a letter, height and width of the legend."""
 
 STYLE = """\
   <style>
-    .value { fill: #1f6f8b; } .fill { fill: #d98a3d; } .frame { fill: none; stroke: #b8c2cc; }
-    .line { stroke: #b8c2cc; stroke-width: 1; fill: none; }
+    text { font: 11px system-ui, sans-serif; fill: #1c2733; } .ground { fill: #ffffff; }
+    .value, .own { fill: #1f6f8b; } .fill, .new { fill: #d98a3d; } .frame { fill: none; stroke: #b8c2cc; }
     @media (prefers-color-scheme: dark) {
-      .value { fill: #5fb6d4; } .fill { fill: #e0a564; } .frame, .line { stroke: #55606b; }
+      text { fill: #e6edf3; } .ground { fill: #13171b; }
+      .value, .own { fill: #5fb6d4; } .fill, .new { fill: #e0a564; } .frame { stroke: #55606b; }
     }
   </style>"""
 
 
 def factor_entries(kkt: Kkt) -> tuple[frozenset[tuple[int, int]], frozenset[tuple[int, int]]]:
-    """Entries below the diagonal, by places in the order: those of the matrix, and those that are filled in."""
+    """Entries below the diagonal, by places in the order: those of the matrix, and the fill-in."""
     place = {node: k for k, node in enumerate(kkt.order)}
     pairs = ((place[i], place[j]) for i, j in kkt.pattern.entries if i != j)
     own = frozenset((max(pair), min(pair)) for pair in pairs)
@@ -36,21 +41,42 @@ def factor_entries(kkt: Kkt) -> tuple[frozenset[tuple[int, int]], frozenset[tupl
 
 
 def kkt_picture(kkt: Kkt, names: tuple[str, ...]) -> str:
-    """The lower triangle as SVG; `names` are those of coordinates and multipliers, told on hover."""
+    """The lower triangle as SVG in its elimination order, with a legend.
+
+    `names` are those of coordinates and multipliers; they label the rows of matrices of up to NAMED rows, and the
+    pointer shows them on every entry.
+    """
     own, filled = factor_entries(kkt)
     n = len(kkt.order)
     cell = min(CELL, max(2, WIDTH // n))
-    size = n * cell + 2 * EDGE
-    gap = 1 if cell > 4 else 0
-    lines = [f'  <rect class="frame" x="{EDGE}" y="{EDGE}" width="{n * cell}" height="{n * cell}" rx="3"/>']
-    diagonal = {(k, k) for k in range(n)}
-    for kind, entries in (("value", own | diagonal), ("fill", filled)):
+    left = EDGE + (round(LETTER * max(map(len, names))) + 8 if n <= NAMED else 0)
+    side, gap = n * cell, 1 if cell > 4 else 0
+    width, height = max(left + side + EDGE, LEGEND), side + 2 * EDGE + FOOT
+    lines = [f'  <rect class="ground" width="{width}" height="{height}"/>']
+    lines.append(f'  <rect class="frame" x="{left}" y="{EDGE}" width="{side}" height="{side}" rx="3"/>')
+    if n <= NAMED:
+        lines += [
+            f'  <text x="{left - 5}" y="{EDGE + k * cell + cell - 3}" text-anchor="end">{escape(names[node])}</text>'
+            for k, node in enumerate(kkt.order)
+        ]
+    for kind, entries in (("value", own | {(k, k) for k in range(n)}), ("fill", filled)):
         for i, j in sorted(entries):
-            what = names[kkt.order[i]] if i == j else f"{names[kkt.order[i]]}, {names[kkt.order[j]]}"
-            said = f"{what}: filled in" if kind == "fill" else f"pivot of {what}" if i == j else what
+            entry = names[kkt.order[i]] if i == j else f"{names[kkt.order[i]]}, {names[kkt.order[j]]}"
+            text = f"{entry}: fill-in" if kind == "fill" else f"pivot of {entry}" if i == j else entry
             lines.append(
-                f'  <rect class="{kind}" x="{EDGE + j * cell + gap}" y="{EDGE + i * cell + gap}" '
-                f'width="{cell - 2 * gap}" height="{cell - 2 * gap}"><title>{escape(said, quote=False)}</title></rect>'
+                f'  <rect class="{kind}" x="{left + j * cell + gap}" y="{EDGE + i * cell + gap}" '
+                f'width="{cell - 2 * gap}" height="{cell - 2 * gap}"><title>{escape(text, quote=False)}</title></rect>'
             )
-    head = f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {size} {size}" width="{size}" role="img">'
+    lines += _legend(height - FOOT)
+    head = f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" width="{width}" role="img">'
     return "\n".join([head, f"  <!-- {MARK} -->", STYLE, *lines, "</svg>\n"])
+
+
+def _legend(top: int) -> list[str]:
+    """What the two colours are."""
+    return [
+        f'  <rect class="own" x="{EDGE}" y="{top + 6}" width="11" height="11"/>',
+        f'  <text x="{EDGE + 17}" y="{top + 16}">entry of M or G</text>',
+        f'  <rect class="new" x="{EDGE + 130}" y="{top + 6}" width="11" height="11"/>',
+        f'  <text x="{EDGE + 147}" y="{top + 16}">fill-in of L</text>',
+    ]

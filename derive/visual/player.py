@@ -61,7 +61,7 @@ def content(motion: Motion, curves: Sequence[Column]) -> Plain:
         "view": [*map(_nice, (*low, *high))],
         "time": _channel(seen.t, 1e-6 * duration or 1.0),
         "rigid": [
-            {"name": b.name, "outline": _outline(b), "pose": _pose(seen, b.name, step)}
+            {"name": b.name, "outline": outline(b), "pose": _pose(seen, b.name, step)}
             for b in scene.bodies
             if isinstance(b, RigidBody)
         ],
@@ -168,7 +168,7 @@ def _joint(motion: Motion, joint: Joint, places: list[MarkerRef], at: dict[Marke
     return found
 
 
-def _outline(body: RigidBody) -> list[list[float]]:
+def outline(body: RigidBody) -> list[list[float]]:
     """The corners of the least convex polygon around the markers of a body, counter-clockwise; two make a line."""
     found = sorted({(number(m.x), number(m.y)) for m in body.markers})
     if len(found) < 3:

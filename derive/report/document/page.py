@@ -86,11 +86,12 @@ class Table:
 
 @dataclass(frozen=True)
 class Picture:
-    """A picture as SVG text, with words for those who do not see it."""
+    """A picture as SVG text, with an alternative text. `hint` tells readers of the screen what the pointer shows."""
 
     svg: str
     alt: str
     caption: str
+    hint: str = ""
 
 
 @dataclass(frozen=True)
@@ -135,5 +136,5 @@ class Page:
     """A whole report."""
 
     title: str
-    subtitle: str
+    subtitle: Text
     blocks: tuple[Block, ...]

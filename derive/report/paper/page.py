@@ -60,7 +60,7 @@ def build(sections: Sequence[Section], statements: Sequence[Statement], assumpti
         blocks.append(Heading(section.title, section.anchor))
         blocks += [block for row in section.rows for block in _record(row)]
     blocks += [*_statements(statements), *_assumptions(assumptions)]
-    return Page(TITLE, SUBTITLE, tuple(blocks))
+    return Page(TITLE, (SUBTITLE,), tuple(blocks))
 
 
 def counts(rows: Sequence[AuditRow]) -> dict[Verdict, int]:

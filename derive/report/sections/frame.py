@@ -9,7 +9,7 @@ import sympy as sp
 
 from derive.mechanics.reference_conditions import Condition, assumed_shapes, conditions, xi
 from derive.report.document.formula import Equation, Fenced, Formula, Name, Number, Operator, Part, Row
-from derive.report.document.page import Block, Heading, Inline, Math, Paragraph
+from derive.report.document.page import Block, Heading, Inline, Math, Paragraph, Text
 from derive.report.document.page import Equations as Lines
 from derive.report.document.tables import Said, table
 from derive.report.notation.expressions import join, number, polynomial, row
@@ -32,6 +32,9 @@ POINT = Numbers(("28", "29"), ("31", "32"), "30", "33")
 
 SHAPE = "\N{GREEK PHI SYMBOL}"
 """The letter of the shapes; the rotation is the other phi."""
+
+LISTED = 3
+"""Assumed modes that a subtitle lists."""
 
 FRAMES = {
     "mean": "The frame follows the mean motion: the deformation neither displaces the beam nor turns it on average.",
@@ -90,6 +93,19 @@ def frame_blocks(spec: PlanarBeam) -> tuple[Block, ...]:
         Paragraph(_left(spec, len(shapes))),
         Lines((_deflection(numbers.deflection if numbers else ""), *lines)),
     )
+
+
+def beam_subtitle(spec: PlanarBeam) -> Text:
+    """A beam in a line: its frame and its assumed modes."""
+    shapes = assumed_shapes(spec.ansatz, spec.frame, spec.orthogonal)
+    text: list[Inline] = [f"free planar beam, {spec.frame.kind} frame, "]
+    if len(shapes) > LISTED:
+        return (*text, f"{len(shapes)} assumed modes")
+    text.append("assumed mode " if len(shapes) == 1 else "assumed modes ")
+    for k, shape in enumerate(shapes):
+        text += [" and " if k + 1 == len(shapes) else ", "] if k else []
+        text.append(Math(join(polynomial([sp.Rational(c) for c in shape], Name("xi")))))
+    return tuple(text)
 
 
 def _conditions(spec: PlanarBeam, numbers: Numbers | None) -> tuple[Block, ...]:

@@ -32,12 +32,19 @@ SHORT = 3
 STYLE = """\
   <style>
     text { font: 13px system-ui, sans-serif; fill: #1c2733; }
-    .value { fill: #1f6f8b; } .zero { fill: #8795a1; } .frame { fill: none; stroke: #b8c2cc; }
+    .ground { fill: #ffffff; } .value, .own { fill: #1f6f8b; } .zero, .dot { fill: #8795a1; }
+    .frame { fill: none; stroke: #b8c2cc; }
     .none { fill: #ffffff; fill-opacity: 0; }
     @media (prefers-color-scheme: dark) {
-      text { fill: #e6edf3; } .value { fill: #5fb6d4; } .zero { fill: #75818c; } .frame { stroke: #55606b; }
+      text { fill: #e6edf3; } .ground { fill: #13171b; }
+      .value, .own { fill: #5fb6d4; } .zero, .dot { fill: #75818c; } .frame { stroke: #55606b; }
     }
   </style>"""
+
+FOOT, LEGEND = 26, 200
+"""Height and width of the legend, in pixels."""
+
+HINT = "The pointer shows the reason of a zero."
 
 Reasons = dict[tuple[int, int], str]
 
@@ -92,8 +99,9 @@ def picture(matrix: Matrix, reasons: bool = True) -> str:
     longest = max(len(label(name)) for name in matrix.names)
     left = EDGE + (longest * 9 + 10 if named else 0)
     top = EDGE + ((20 if longest <= SHORT else longest * 9) if named else 0)
-    width, height = left + n * cell + EDGE, top + n * cell + EDGE
-    lines = _labels(matrix, left, top) if named else []
+    width, height = max(left + n * cell + EDGE, LEGEND), top + n * cell + EDGE + FOOT
+    lines = [f'  <rect class="ground" width="{width}" height="{height}"/>', *_legend(height - FOOT, named)]
+    lines += _labels(matrix, left, top) if named else []
     lines.append(f'  <rect class="frame" x="{left}" y="{top}" width="{n * cell}" height="{n * cell}" rx="3"/>')
     lines += _values(matrix, left, top, cell)
     lines += _dots(matrix, left, top) if named else []
@@ -101,6 +109,17 @@ def picture(matrix: Matrix, reasons: bool = True) -> str:
     head = f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" width="{width}" role="img">'
     title = f"  <title>Mass matrix: {matrix.count} entries</title>"
     return "\n".join([head, f"  <!-- {MARK} -->", title, STYLE, *lines, "</svg>\n"])
+
+
+def _legend(top: int, dots: bool) -> list[str]:
+    """What squares and dots are."""
+    found = [
+        f'  <rect class="own" x="{EDGE}" y="{top + 6}" width="12" height="12" rx="2"/>',
+        f'  <text x="{EDGE + 18}" y="{top + 16}">non-zero</text>',
+    ]
+    mark = f'  <circle class="dot" cx="{EDGE + 92}" cy="{top + 12}" r="2"/>' if dots else ""
+    text = f'  <text x="{EDGE + 100}" y="{top + 16}">always zero</text>' if dots else ""
+    return [*found, *filter(None, (mark, text))]
 
 
 def _labels(matrix: Matrix, left: int, top: int) -> list[str]:
@@ -176,9 +195,9 @@ def mass_blocks(equations: Equations | GenericEquations, matrix: Matrix, notatio
     """The pattern as a picture, the matrix itself where it is small, and its zeros by reason."""
     said = (
         f"{matrix.count} entries are structural non-zeros. The matrix is symmetric; of each pair one entry is stored. "
-        "A dot is a zero in every state: its reason is told on hover, and in the table below."
+        "The other entries are zero in every state; the table below gives the reasons."
     )
-    shown = Picture(picture(matrix), f"Pattern of the mass matrix: {matrix.count} entries", "")
+    shown = Picture(picture(matrix), f"Pattern of the mass matrix: {matrix.count} entries", "", HINT)
     written = _written(equations.mass, notation) if isinstance(equations, Equations) and matrix.size <= WRITTEN else ()
     return (Heading("Mass matrix", "mass"), Paragraph((said,)), shown, *written, *_zeros_of(matrix))
 

@@ -16,14 +16,14 @@ LONG = 60
 
 
 @dataclass(frozen=True)
-class Text:
+class SpecificationText:
     """The specification as it was written: the name of its file, and its lines."""
 
     name: str
     text: str
 
 
-def specification_blocks(given: Text) -> tuple[Block, ...]:
+def specification_blocks(given: SpecificationText) -> tuple[Block, ...]:
     """The specification, folded if it is long."""
     shown = listing("toml", given.name, given.text.strip("\n"))
     count = len(shown.lines)

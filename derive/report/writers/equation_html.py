@@ -30,8 +30,8 @@ def _equation(equation: Equation) -> str:
     return (
         f'<div class="eq"{anchor} role="group" aria-label="{said}">'
         f'<span class="l">{_piece(equation.left)}</span>'
-        f'<span class="r">{relation_math(equation.relation) if equation.relation else ""}</span>'
-        f'<span class="b">{_groups(equation.parts)}</span>{_number(equation)}</div>'
+        f'<span class="q"><span class="r">{relation_math(equation.relation) if equation.relation else ""}</span>'
+        f"{_groups(equation.parts)}</span>{_number(equation)}</div>"
     )
 
 
@@ -55,7 +55,10 @@ def _groups(parts: Sequence[Part]) -> str:
     numbered = list(enumerate(parts))
     groups = [(name, list(some)) for name, some in groupby(numbered, lambda one: one[1].group)]
     told = len(parts) > LONG and len(groups) > 1
-    return "".join(_group(name if told else "", [_part(part, k == 0) for k, part in some]) for name, some in groups)
+    if len(groups) == 1:
+        return f'<span class="b g">{"".join(_part(part, k == 0) for k, part in numbered)}</span>'
+    inner = (_group(name if told else "", [_part(part, k == 0) for k, part in some]) for name, some in groups)
+    return f'<span class="b">{"".join(inner)}</span>'
 
 
 def _group(name: str, pieces: Sequence[str]) -> str:

@@ -46,7 +46,7 @@ def html(page: Page) -> str:
     values = {
         "mark": MARK,
         "title": escape(page.title),
-        "subtitle": escape(page.subtitle),
+        "subtitle": text(page.subtitle),
         "contents": _contents([block for block in page.blocks if isinstance(block, Heading)]),
         "body": _Writer().blocks(page.blocks),
     }
@@ -80,9 +80,10 @@ class _Writer:
                 return equations_html(rows)
             case Table():
                 return _table(block)
-            case Picture(svg, alt, caption):
+            case Picture(svg, alt, caption, hint):
                 drawn = inline(svg, f"picture-{next(self._pictures)}", alt)
-                said = f"<figcaption>{escape(caption)}</figcaption>" if caption else ""
+                told = f' <span class="hint">{escape(hint)}</span>' if hint else ""
+                said = f"<figcaption>{escape(caption)}{told}</figcaption>" if caption or hint else ""
                 return f'<figure class="picture">{drawn}{said}</figure>'
             case Listing():
                 return listing_html(block)

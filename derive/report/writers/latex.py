@@ -37,11 +37,12 @@ ROOM = 29.0
 def latex(page: Page) -> str:
     """The page as LaTeX."""
     title = escaped(page.title)
+    writer = _Writer(targets(page))
     values = {
         "mark": MARK,
         "plain": "".join(c for c in page.title if c.isascii() and (c.isalnum() or c in " .,-")),
-        "title": f"{title}\\\\[1ex] \\large {escaped(page.subtitle)}" if page.subtitle else title,
-        "body": _Writer(targets(page)).blocks(page.blocks),
+        "title": f"{title}\\\\[1ex] \\large {writer.text(page.subtitle)}" if page.subtitle else title,
+        "body": writer.blocks(page.blocks),
     }
     return render("report/article.tex.jinja", values)
 

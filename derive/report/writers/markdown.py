@@ -40,7 +40,7 @@ SAFER = {"\\{": "\\lbrace ", "\\}": "\\rbrace ", "\\,": "\\thinspace ", "\\\\": 
 
 def markdown(page: Page, pictures: str = "") -> str:
     """The page as Markdown. Its pictures are words, or files of the folder `pictures`, which `picture_files` has."""
-    head = [f"<!-- {MARK} -->", f"# {plain(page.title)}", *([f"*{plain(page.subtitle)}*"] if page.subtitle else [])]
+    head = [f"<!-- {MARK} -->", f"# {plain(page.title)}", *([text(page.subtitle)] if page.subtitle else [])]
     writer = _Writer(pictures, linked(page))
     return "\n\n".join([*head, *writer.blocks(page.blocks)]) + "\n"
 

@@ -178,6 +178,10 @@ def _word(text: str) -> str:
 
 
 def _index(indices: tuple[str, ...]) -> str:
+    """Indices beside each other; numbers and commas alone are one element, which keeps large pages small."""
+    words = index(indices)
+    if len(words) > 1 and all(word == "," or word.isdigit() for word in words):
+        return f"<mn>{''.join(words)}</mn>"
     out = [_index_word(one) for one in index(indices)] if not any(" " in one for one in indices) else _spaced(indices)
     return "".join(out) if len(out) < 2 else f"<mrow>{''.join(out)}</mrow>"
 

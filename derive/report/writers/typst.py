@@ -40,11 +40,12 @@ SIDES = {"l": "left", "r": "right", "c": "center"}
 
 def typst(page: Page) -> str:
     """The page as a document for Typst."""
+    writer = _Writer(targets(page))
     values = {
         "mark": MARK,
         "title": string(page.title),
-        "subtitle": string(page.subtitle),
-        "body": _Writer(targets(page)).blocks(page.blocks),
+        "subtitle": writer.text(page.subtitle) if page.subtitle else "none",
+        "body": writer.blocks(page.blocks),
     }
     return render("report/page.typ.jinja", values)
 

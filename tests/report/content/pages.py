@@ -12,9 +12,9 @@ from conftest import ROOT
 from derive.pipeline import Built, build
 from derive.report.document.formula import Equation
 from derive.report.document.page import Block, Columns, Details, Equations, Heading, Listing, Math, Page, Table, Text
-from derive.report.model_page import Text as Given
 from derive.report.model_page import model_page
 from derive.report.notation.spoken_math import words
+from derive.report.sections.provenance import SpecificationText
 
 SCENES = {"point": "free_beam_point", "mean": "free_beam_mean", "block": "block", "loops": "body_symbolic"}
 
@@ -56,10 +56,10 @@ def page(name: str) -> Page:
     return model_page(built(name), given(name))
 
 
-def given(name: str) -> Given:
+def given(name: str) -> SpecificationText:
     """The specification as text."""
     file = ROOT / "scenes" / f"{SCENES.get(name, '')}.toml"
-    return Given(file.name, file.read_text() if name in SCENES else f'name = "{name}"')
+    return SpecificationText(file.name, file.read_text() if name in SCENES else f'name = "{name}"')
 
 
 def everything(blocks: Sequence[Block]) -> Iterator[Block]:

@@ -241,7 +241,7 @@ def page(n: int = 3) -> Page:
     rows = (turning(n), *(deforming(i) for i in range(1, n + 1)))
     return Page(
         "The free beam in the mean frame",
-        "Equations of motion, with the reasons of their zeros and the code that computes them",
+        ("Equations of motion, with the reasons of their zeros and the code that computes them",),
         (
             Heading("Kinematics", "kinematics"),
             Paragraph(

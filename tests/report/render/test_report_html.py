@@ -24,7 +24,7 @@ CSS = Path(__file__).parents[3] / "templates" / "report" / "colours.css"
 
 
 def of(*blocks: object) -> Page:
-    return Page("t", "", blocks)  # type: ignore[arg-type]
+    return Page("t", (), blocks)  # type: ignore[arg-type]
 
 
 def test_it_is_valid_and_every_link_leads_somewhere() -> None:
@@ -56,7 +56,7 @@ def test_text_is_never_markup() -> None:
     cell = Cell((evil,), evil)
     page = Page(
         evil,
-        evil,
+        (evil,),
         (
             Paragraph((evil, Link(evil, "#a"))),
             Table(evil, ((evil,),), ((cell,),)),

@@ -55,7 +55,7 @@ def test_it_is_whole() -> None:
     ],
 )
 def test_the_reader_is_strict(a: str, b: str) -> None:
-    text = latex(Page("t", "", (*sample_report.page().blocks, Paragraph((sample_report.Link("x", "#kinematics"),)))))
+    text = latex(Page("t", (), (*sample_report.page().blocks, Paragraph((sample_report.Link("x", "#kinematics"),)))))
     assert latex_reader.faults(text) == [] and a in text
     assert latex_reader.faults(text.replace(a, b, 1)) != []
 
@@ -125,6 +125,6 @@ def test_long_sums_break_between_parts_and_sooner_between_groups() -> None:
 
 def test_columns_of_much_text_are_paragraphs() -> None:
     table = Table("", (("a",), ("b",)), ((Cell(("short",)), Cell(("long " * 30,))),), "lr")
-    text = latex(Page("", "", (table,)))
+    text = latex(Page("", (), (table,)))
     found = re.search(r"\{longtable\}\{@\{\}l(p\{0\.\d+\\linewidth\})@\{\}\}", text)
     assert found and latex_reader.faults(text) == [] and "\\addtocounter{table}{-1}" in text

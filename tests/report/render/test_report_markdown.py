@@ -14,7 +14,7 @@ from derive.report.writers.markdown import markdown, math, picture_files, plain,
 
 
 def of(*blocks: object) -> Page:
-    return Page("t", "", blocks)  # type: ignore[arg-type]
+    return Page("t", (), blocks)  # type: ignore[arg-type]
 
 
 def test_the_page() -> None:

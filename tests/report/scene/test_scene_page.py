@@ -13,7 +13,7 @@ from derive.pipeline import Built, build
 from derive.report.document.anchors import faults
 from derive.report.document.page import Page
 from derive.report.scene_page import Result, scene_page
-from derive.report.sections.provenance import Text
+from derive.report.sections.provenance import SpecificationText
 from derive.report.writers.html import html
 from derive.visual.kkt_matrix import factor_entries, kkt_picture
 
@@ -29,7 +29,7 @@ def built(name: str) -> Built:
 @cache
 def page(name: str) -> Page:
     text = (SCENES / f"{name}.toml").read_text()
-    return scene_page(built(name), Text(f"{name}.toml", text), [Result("deflection", DRAWING)])
+    return scene_page(built(name), SpecificationText(f"{name}.toml", text), [Result("deflection", DRAWING)])
 
 
 def missing(names: Iterable[str], text: str) -> list[str]:
@@ -73,10 +73,10 @@ def test_every_zero_of_the_mass_matrix_has_its_reason() -> None:
 def test_results_that_are_there_are_shown() -> None:
     assert "Results" in html(page("crank_slider_3"))
     text = (SCENES / "crank_slider_3.toml").read_text()
-    assert 'id="results"' not in html(scene_page(built("crank_slider_3"), Text("x.toml", text)))
+    assert 'id="results"' not in html(scene_page(built("crank_slider_3"), SpecificationText("x.toml", text)))
 
 
 def test_a_body_is_no_scene() -> None:
     body = build(SCENES / "free_beam_mean.toml")
     with pytest.raises(TypeError):
-        scene_page(body, Text("x.toml", ""))
+        scene_page(body, SpecificationText("x.toml", ""))

@@ -1,0 +1,133 @@
+"""The bodies, joints, loads and constraints of a mechanism, with a drawing of its initial configuration."""
+
+from __future__ import annotations
+
+from derive.ir.model import Model
+from derive.mechanics.equations import Constraint, Equations
+from derive.report.document.formula import Equation, Name
+from derive.report.document.page import Block, Code, Details, Heading, Paragraph, Picture
+from derive.report.document.page import Equations as Lines
+from derive.report.document.tables import Said, table
+from derive.report.notation.expressions import Notation
+from derive.spec.model.body import Parameter, Quantity
+from derive.spec.model.scene import BeamBody, MarkerRef, Scene, SceneBody
+from derive.visual.mechanism import mechanism_picture
+
+MANY = 24
+"""Constraints that are shown; further ones are folded."""
+
+LEGEND = (
+    "Circles are joints, black squares are welds and fixed joints, parallel lines guide a translational joint, "
+    "hatching is the ground; orange arrows are drives and loads. Flexible rods are drawn undeformed, as light bands "
+    "that are cut where the rod is divided into beams."
+)
+
+
+def mechanism_blocks(spec: Scene) -> tuple[Block, ...]:
+    """The drawing of the mechanism, to scale."""
+    names = ", ".join(body.name for body in spec.bodies)
+    caption = f"The mechanism at t = 0, to scale. {LEGEND}"
+    return (
+        Heading("Mechanism", "mechanism"),
+        Picture(mechanism_picture(spec), f"The mechanism at t = 0 with its bodies {names}", caption),
+    )
+
+
+def body_blocks(spec: Scene, model: Model) -> tuple[Block, ...]:
+    """The bodies with their coordinates, and what is eliminated."""
+    reasons = {out.what: out.reason for out in model.left_out}
+    rows: list[list[Said]] = [["ground", "the inertial frame", "", "0", reasons.get("ground", "")]]
+    for body in spec.bodies:
+        kept = [q.name for q in model.coordinates if q.name.startswith(f"{body.name}_")]
+        rows.append([body.name, _kind(body), _weight(body), str(len(kept)), reasons.get(body.name, "")])
+    others: list[list[Said]] = [[out.what, out.reason] for out in model.left_out if out.what not in _names(spec)]
+    blocks: list[Block] = [
+        Heading("Bodies", "bodies"),
+        Paragraph((f"A {model.doc}. Coordinates and constraints that the mechanism does not need are eliminated.",)),
+        table("Bodies", ("body", "kind", "mass and stiffness", "coordinates", "eliminated"), rows, "lllrl"),
+    ]
+    return (*blocks, table("Also eliminated", ("what", "reason"), others)) if others else tuple(blocks)
+
+
+def _names(spec: Scene) -> set[str]:
+    return {"ground", *(body.name for body in spec.bodies)}
+
+
+def _kind(body: SceneBody) -> str:
+    if not isinstance(body, BeamBody):
+        return "rigid"
+    cut = f" in {body.pieces} pieces" if body.pieces > 1 else ""
+    return f"flexible{cut}, {body.beam.frame.kind} frame"
+
+
+def _weight(body: SceneBody) -> str:
+    if isinstance(body, BeamBody):
+        beam = body.beam
+        return f"{_quantity(beam.mass)} kg, {_quantity(beam.length)} m, EI {_quantity(beam.bending_stiffness)} N m²"
+    if body.mass is None:
+        return ""
+    return f"{_quantity(body.mass)} kg" + (f", {_quantity(body.inertia)} kg m²" if body.inertia is not None else "")
+
+
+def _quantity(quantity: Quantity) -> str:
+    return quantity.symbol if isinstance(quantity, Parameter) else f"{float(quantity):g}"
+
+
+def joint_blocks(spec: Scene, equations: Equations) -> tuple[Block, ...]:
+    """The joints with their drives and multipliers, and the loads."""
+    own: dict[str, list[Constraint]] = {}
+    for constraint in equations.constraints:
+        own.setdefault(constraint.of, []).append(constraint)
+    rows: list[list[Said]] = []
+    for joint in spec.joints:
+        drive = next((d.name for d in spec.drives if d.joint == joint.name), "")
+        names = [c.name for c in (*own.pop(joint.name, ()), *own.pop(drive, ()))]
+        exerted = ", ".join(names) or "none: it eliminates coordinates"
+        rows.append([joint.name, joint.kind, _marker(joint.first), _marker(joint.second), drive, exerted])
+    cuts = sum(map(len, own.values()))
+    multipliers: list[list[Said]] = [[Code(c.name), c.force_unit, c.doc] for c in equations.constraints]
+    whole = table("", ("multiplier", "unit", "constraint"), multipliers)
+    return (
+        Heading("Joints", "joints"),
+        Paragraph(
+            (
+                "A multiplier is the constraint reaction on body 2: a force, in components of the inertial frame, or "
+                "a torque; on body 1 the joint exerts the opposite.",
+                f" The welds between the beams of a rod have {cuts} further multipliers." if cuts else "",
+            )
+        ),
+        table("Joints", ("joint", "kind", "marker 1", "marker 2", "drive", "multipliers"), rows),
+        *([Details(f"The {len(multipliers)} multipliers", (whole,))] if multipliers else []),
+        *_loads(spec),
+    )
+
+
+def _loads(spec: Scene) -> tuple[Block, ...]:
+    rows: list[list[Said]] = [["force", f.name, _marker(f.at)] for f in spec.forces]
+    for torque in spec.torques:
+        against = f", against {_marker(torque.against)}" if torque.against else ""
+        rows.append(["torque", torque.name, _marker(torque.at) + against])
+    rows += [[f"{s.kind} spring", s.name, f"{_marker(s.first)} to {_marker(s.second)}"] for s in spec.springs]
+    return (table("Loads", ("load", "name", "marker"), rows),) if rows else ()
+
+
+def _marker(marker: MarkerRef) -> str:
+    return f"{marker.body}.{marker.marker}"
+
+
+def constraint_blocks(equations: Equations, written: Notation) -> tuple[Block, ...]:
+    """The constraints on position level."""
+    if not equations.constraints:
+        return ()
+    lines = tuple(
+        Equation(Name("g", below=(c.name.replace("_", " "),)), written.parts(c.position, title=c.doc))
+        for c in equations.constraints
+    )
+    text = (
+        "Each constraint g = 0 is the position of marker 2 minus that of marker 1, from x = c + Q r. G holds the "
+        "coefficients of the generalised velocities in its time derivative."
+    )
+    blocks: list[Block] = [Heading("Constraints", "constraints"), Paragraph((text,)), Lines(lines[:MANY])]
+    if len(lines) > MANY:
+        blocks.append(Details(f"The other {len(lines) - MANY} constraints", (Lines(lines[MANY:]),)))
+    return tuple(blocks)
