@@ -16,7 +16,8 @@ from dataclasses import dataclass
 
 from derive.errors import TisserandError
 from derive.mechanics.bodies.spatial_body import Present
-from derive.mechanics.indexed_equations import Table, indices, labels
+from derive.mechanics.indexed_equations import Table
+from derive.mechanics.symbols import Family
 
 MOST = 15_000
 """Operations of h in straight line that derivation and compilers still take in seconds."""
@@ -54,7 +55,7 @@ class Choice:
 def choose(tables: Sequence[Table], present: Present, modes: int) -> Choice:
     """The faster way for a body with these tables and entries."""
     operations = straight_operations(present)
-    full = sum(len(labels(t.name)) for t in tables if t.kind == "full" and indices(t.name) == "ij" and t.name != "c8")
+    full = sum(len(t.components) for t in tables if t.kind == "full" and t.counted == 2 and t.family is not Family.C8)
     flat, table = 0.075 * operations, 27 + modes + 0.022 * 2 * full * modes**2
     return Choice("table" if table < flat or operations > MOST else "flat", flat, table, operations)
 
@@ -65,8 +66,9 @@ def straight_operations(present: Present) -> int:
     Two for each entry (i, j) and each component of C4; five for each component of an S_i that is there (J, Sdot and
     h_i), four for c7dot_i and c2_i, two for c6_i; and those of the rigid motion.
     """
-    pairs = sum(int(present[name].sum()) for name in ("C5", "c7", "K", "B"))
-    s = present["C4"] | present["C5"].any(axis=1)
-    c7dot = present["c7"].any(axis=1)
-    vectors = 4 * int(c7dot.sum() + present["c2"].sum()) + 2 * int(present["c6"].sum() + present["C4"].sum())
-    return 2 * pairs + 5 * int(s.sum()) + vectors + (150 if present["c2"].any() else 60)
+    pairs = sum(int(present[name].sum()) for name in (Family.C5, Family.C7, Family.STIFFNESS, Family.DAMPING))
+    s = present[Family.C4] | present[Family.C5].any(axis=1)
+    c7dot = present[Family.C7].any(axis=1)
+    c2, c4, c6 = (int(present[family].sum()) for family in (Family.C2, Family.C4, Family.C6))
+    vectors = 4 * (int(c7dot.sum()) + c2) + 2 * (c6 + c4)
+    return 2 * pairs + 5 * int(s.sum()) + vectors + (150 if present[Family.C2].any() else 60)

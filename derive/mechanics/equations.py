@@ -2,21 +2,36 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import sympy as sp
 
+from derive.mechanics.symbols import Family, identity
 from derive.roles import Role
+
+ROLES = {
+    Family.TRANSLATION: Role.TRANSLATION,
+    Family.ANGLE: Role.ROTATION,
+    Family.QUATERNION: Role.QUATERNION,
+    Family.GUIDE: Role.DISPLACEMENT,
+    Family.AMPLITUDE: Role.AMPLITUDE,
+}
+"""The roles of coordinates, by their families."""
 
 
 @dataclass(frozen=True)
 class Coordinate:
-    """A generalised coordinate: its symbol, what it is, its unit, and its role."""
+    """A generalised coordinate: its symbol, what it is, and its unit."""
 
     q: sp.Symbol
     doc: str
     unit: str
-    role: Role
+
+    @property
+    def role(self) -> Role:
+        """What the coordinate describes."""
+        return ROLES[identity(self.q).family]
 
 
 @dataclass(frozen=True)
@@ -69,6 +84,12 @@ class Definition:
     equation: str
     doc: str
     zero: str | None = None
+
+
+def rotation_symbols(definitions: Iterable[Definition]) -> frozenset[sp.Symbol]:
+    """The entries of rotation tensors, and the sines and cosines in them."""
+    families = (Family.ROTATION_TENSOR, Family.COSINE, Family.SINE)
+    return frozenset(d.symbol for d in definitions if identity(d.symbol).family in families)
 
 
 @dataclass(frozen=True)

@@ -8,73 +8,76 @@ from __future__ import annotations
 
 import sympy as sp
 
-from derive.mechanics.indexed_equations import Contraction, GenericEquations, is_indexed
-from derive.mechanics.series import PARITY, family, swapped
+from derive.mechanics.indexed_equations import Contraction, GenericEquations
+from derive.mechanics.series import ALPHA, ALPHADDOT, ALPHADOT, PARITY, canonical, exchanged, swapped
+from derive.mechanics.symbols import Family, I, J, Symbol, is_indexed, quantity
 
-DOTS = {"alpha": "", "alphadot": "dot", "alphaddot": "ddot"}
+SUMS = {Family.C5: Family.C5_SUM, Family.C7: Family.C7_SUM, Family.C8: Family.C8_SUM}
+"""What the sum of a table over one of its indices is called."""
+
+DERIVATIVES = {ALPHA: 0, ALPHADOT: 1, ALPHADDOT: 2}
 
 
 class Gradient:
-    """Derivatives of expressions of one model; `contractions` are its own and those that derivatives need besides."""
+    """Derivatives of expressions of one model; `contractions` are its own and those that derivatives need besides.
+
+    `factor` is what derivatives are taken with respect to: ALPHA, ALPHADOT or ALPHADDOT.
+    """
 
     def __init__(self, equations: GenericEquations) -> None:
-        self.totals = {sp.Symbol(t.name): t for t in equations.totals}
+        self.totals = {t.symbol: t for t in equations.totals}
         self.contractions = list(equations.contractions)
 
-    def of_scalar(self, expr: sp.Expr, vector: str) -> sp.Expr:
-        """d expr / d vector_i, as an expression of index i, of an expression in totals."""
-        factors = ((total, expr.diff(symbol)) for symbol, total in self.totals.items() if expr.has(symbol))
-        return sp.expand(sum((factor * self._of_sum(total.term, vector) for total, factor in factors), sp.S.Zero))
+    def of_scalar(self, expr: sp.Expr, factor: Symbol) -> sp.Expr:
+        """d expr / d factor_i, as an expression of index i, of an expression in totals."""
+        pairs = ((total, expr.diff(symbol)) for symbol, total in self.totals.items() if expr.has(symbol))
+        return sp.expand(sum((weight * self._of_sum(total.term, factor) for total, weight in pairs), sp.S.Zero))
 
-    def of_row(self, expr: sp.Expr, vector: str) -> tuple[sp.Expr, sp.Expr]:
-        """d expr_i / d vector_j, split into a part in tables (i, j) and a part on the diagonal, in index i."""
+    def of_row(self, expr: sp.Expr, factor: Symbol) -> tuple[sp.Expr, sp.Expr]:
+        """d expr_i / d factor_j, split into a part in tables (i, j) and a part on the diagonal, in index i."""
         full = sp.S.Zero
         for contraction in self._in(expr):
-            factor = expr.diff(sp.Symbol(contraction.name))
-            for name, entry in contraction.sums:
-                full += factor * _of_ij(entry) if name == vector else 0
-        return sp.expand(full), sp.expand(expr.diff(sp.Symbol(f"{vector}_i")))
+            weight = expr.diff(contraction.symbol)
+            for other, entry in contraction.sums:
+                full += weight * _of_ij(entry) if other == factor else 0
+        return sp.expand(full), sp.expand(expr.diff(exchanged(factor, {J: I})))
 
     def _in(self, expr: sp.Expr) -> list[Contraction]:
-        return [c for c in self.contractions if expr.has(sp.Symbol(c.name))]
+        return [c for c in self.contractions if expr.has(c.symbol)]
 
-    def _of_sum(self, term: sp.Expr, vector: str) -> sp.Expr:
-        """d (sum over l of term_l) / d vector_i."""
-        found = sp.expand(term).diff(sp.Symbol(f"{vector}_i"))
+    def _of_sum(self, term: sp.Expr, factor: Symbol) -> sp.Expr:
+        """d (sum over l of term_l) / d factor_i."""
+        result = sp.expand(term).diff(exchanged(factor, {J: I}))
         for contraction in self._in(term):
-            factor = sp.expand(term.diff(sp.Symbol(contraction.name)))
-            for name, entry in contraction.sums:
-                if name == vector:
-                    found += self._contracted(factor, entry)
-        return found
+            weight = sp.expand(term.diff(contraction.symbol))
+            for other, entry in contraction.sums:
+                if other == factor:
+                    result += self._contracted(weight, entry)
+        return result
 
-    def _contracted(self, factor: sp.Expr, entry: str) -> sp.Expr:
-        """sum over l of factor_l entry_li, where `entry` is written for i and j: l stands first, i second."""
-        weight, symbol = factor.as_coeff_Mul()
-        if not (symbol.is_Symbol and is_indexed(symbol)):
+    def _contracted(self, expr: sp.Expr, entry: Symbol) -> sp.Expr:
+        """sum over l of expr_l entry_li, where `entry` is written for i and j: l stands first, i second."""
+        weight, symbol = expr.as_coeff_Mul()
+        factor = exchanged(symbol, {I: J}) if is_indexed(symbol) else None
+        if factor not in DERIVATIVES:
             raise ArithmeticError(
-                f"the derivative of a sum has the factor {factor}, which is no sequence over the shapes"
+                f"the derivative of a sum has the factor {expr}, which is no sequence over the shapes"
             )
-        vector = family(symbol.name)
-        turned = swapped(entry)
+        turned, parity = swapped(entry), PARITY[entry.identity.family]
         for c in self.contractions:
-            if c.sums == ((vector, turned),):
-                return weight * (sp.Symbol(c.name) - c.base)
-            if c.sums == ((vector, entry),):
-                return weight * PARITY[family(entry)] * (sp.Symbol(c.name) - c.base)
-        head, *indices = entry.split("_")
-        rest = [part for part in indices if part not in ("i", "j")]
-        name = "_".join([f"{head}{DOTS[vector]}", "i", *rest])
-        kept = "_".join([head, "i", "j", *rest])
-        doc = f"sum over the shapes of {vector}_j {kept}"
-        self.contractions.append(Contraction(name, sp.S.Zero, ((vector, kept),), doc))
-        sign = 1 if turned == kept else PARITY[head]
-        return weight * sign * sp.Symbol(name)
+            if c.sums == ((factor, turned),):
+                return weight * (c.symbol - c.base)
+            if c.sums == ((factor, entry),):
+                return weight * parity * (c.symbol - c.base)
+        kept = canonical(entry)
+        family, components = SUMS[entry.identity.family], entry.identity.components
+        new = quantity(family, *components, derivative=DERIVATIVES[factor], shapes=(I,))
+        doc = f"sum over the shapes of {factor} {kept}"
+        self.contractions.append(Contraction(new, sp.S.Zero, ((factor, kept),), doc))
+        return weight * (1 if turned == kept else parity) * new
 
 
-def _of_ij(entry: str) -> sp.Expr:
+def _of_ij(entry: Symbol) -> sp.Expr:
     """An entry as a symbol whose indices are in the order i, j."""
-    parts = entry.split("_")
-    if parts.index("i") < parts.index("j"):
-        return sp.Symbol(entry)
-    return PARITY[parts[0]] * sp.Symbol(swapped(entry))
+    kept = canonical(entry)
+    return kept if kept == entry else PARITY[entry.identity.family] * kept

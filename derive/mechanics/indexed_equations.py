@@ -18,65 +18,105 @@ from derive.mechanics import zeros
 from derive.mechanics.equations import Coefficient, Coordinate, Definition, ParameterSymbol, Row, Term, Vanished
 from derive.mechanics.kinematics import PHI, RDOT, R
 from derive.mechanics.motion import MASS, Motion
-from derive.mechanics.series import ALPHA, ALPHADOT, Series, family
+from derive.mechanics.series import ALPHA, ALPHADOT, Series, exchanged
 from derive.mechanics.spatial import AXES, PAIRS, spatial_motion, spatial_series, spatial_sums
-from derive.roles import Role
+from derive.mechanics.symbols import Family, I, Identity, J, ShapeIndex, Symbol, amplitude, is_indexed, quantity, vector
 
-Kind = Literal["full", "diagonal", "unit", "zero"]
-
-TENSORS, SCALARS = ("C3", "C4", "C5"), ("c8", "K", "B")
+TableKind = Literal["full", "diagonal", "unit", "zero"]
 
 INDICES = {
-    "c1": "",
-    "C3": "",
-    "c2": "i",
-    "C4": "i",
-    "c6": "i",
-    "C5": "ij",
-    "c7": "ij",
-    "c8": "ij",
-    "K": "ij",
-    "B": "ij",
+    Family.C1: 0,
+    Family.C3: 0,
+    Family.C2: 1,
+    Family.C4: 1,
+    Family.C6: 1,
+    Family.C5: 2,
+    Family.C7: 2,
+    Family.C8: 2,
+    Family.STIFFNESS: 2,
+    Family.DAMPING: 2,
+    Family.POINT_POSITION: 0,
+    Family.POINT_SHAPE: 1,
 }
+"""How many shape indices the entries of a table are counted by."""
 
-FORCE_SERIES = (
-    Series("elastic_i", None, ((ALPHA, "K_i_j"),), "gradient of the strain energy"),
-    Series("damping_i", None, ((ALPHADOT, "B_i_j"),), "damping force"),
-    Series("strain", None, ((ALPHA, "elastic_j"),), "twice the strain energy"),
-)
-STRAIN = sp.Symbol("strain")
-FORCES = (
-    Term("alpha_i", "elastic", "(13), (22)", sp.Symbol("elastic_i")),
-    Term("alpha_i", "damping", "(13)", sp.Symbol("damping_i")),
-)
+TENSORS, SCALARS = (Family.C3, Family.C4, Family.C5), (Family.C8, Family.STIFFNESS, Family.DAMPING)
 
 
 @dataclass(frozen=True)
 class Table:
-    """A shape integral, stiffness K or damping B: which of its entries there are, and why there are not more."""
+    """A shape integral, stiffness K or damping B: which of its entries there are, and why there are not more.
 
-    name: str
-    kind: Kind
+    X and the shapes at a material point are tables as well; `point` is the number of the point.
+    """
+
+    family: Family
+    kind: TableKind
     doc: str
     unit: str
     zero: str = ""
+    point: str = ""
+
+    @property
+    def symbol(self) -> Symbol:
+        """The table as a whole."""
+        return Symbol(Identity(self.family, point=self.point))
+
+    @property
+    def name(self) -> str:
+        """The printed name of the whole table."""
+        return self.symbol.identity.name
+
+    @property
+    def counted(self) -> int:
+        """How many shape indices an entry has."""
+        return INDICES[self.family]
+
+    @property
+    def components(self) -> tuple[tuple[int, ...], ...]:
+        """The components of an entry: 1 2 3, or 11 12 13 22 23 33; one without indices of a scalar."""
+        if self.family in SCALARS:
+            return ((),)
+        return PAIRS if self.family in TENSORS else tuple((k,) for k in AXES)
+
+    def entry(self, component: tuple[int, ...], *shapes: ShapeIndex) -> Symbol:
+        """An entry, or without shapes the array of one component for all shapes."""
+        return Symbol(Identity(self.family, shapes, component, point=self.point))
+
+    @property
+    def generic_entries(self) -> tuple[Symbol, ...]:
+        """The components for generic indices: c2_i_1, c2_i_2, c2_i_3."""
+        return tuple(self.entry(component, *(I, J)[: self.counted]) for component in self.components)
+
+
+ELASTIC, DAMPING_FORCE = (quantity(family, shapes=(I,)) for family in (Family.ELASTIC, Family.DAMPING_FORCE))
+STRAIN = quantity(Family.STRAIN)
+FORCE_SERIES = (
+    Series(ELASTIC, None, ((ALPHA, quantity(Family.STIFFNESS, shapes=(I, J))),), "gradient of the strain energy"),
+    Series(DAMPING_FORCE, None, ((ALPHADOT, quantity(Family.DAMPING, shapes=(I, J))),), "damping force"),
+    Series(STRAIN, None, ((ALPHA, quantity(Family.ELASTIC, shapes=(J,))),), "twice the strain energy"),
+)
+FORCES = (
+    Term("alpha_i", "elastic", "(13), (22)", ELASTIC),
+    Term("alpha_i", "damping", "(13)", DAMPING_FORCE),
+)
 
 
 @dataclass(frozen=True)
 class Contraction:
-    """name_i = base + sum over j of factor_j table_i_j; `sums` are pairs (factor, table entry)."""
+    """symbol_i = base + sum over j of factor_j table_i_j; `sums` are pairs (factor, table entry)."""
 
-    name: str
+    symbol: Symbol
     base: sp.Expr
-    sums: tuple[tuple[str, str], ...]
+    sums: tuple[tuple[Symbol, Symbol], ...]
     doc: str
 
 
 @dataclass(frozen=True)
 class Total:
-    """name = base + sum over i of term, which is an expression of index i."""
+    """symbol = base + sum over i of term, which is an expression of index i."""
 
-    name: str
+    symbol: Symbol
     base: sp.Expr
     term: sp.Expr
     doc: str
@@ -135,9 +175,9 @@ class GenericEquations:
     data: tuple[float, ...] | None = None
     choice: str = ""
 
-    def table(self, name: str) -> Table:
-        """The table of that name."""
-        return next(t for t in self.tables if t.name == name)
+    def table(self, family: Family) -> Table:
+        """The table of an integral."""
+        return next(t for t in self.tables if t.family is family)
 
     def sum_of(self, row: str) -> sp.Expr:
         """The left-hand side of one equation of motion; that of a shape has the name alpha_i."""
@@ -170,7 +210,7 @@ def generic_equations(
     named = tuple(d for d in motion.definitions if d.section == "oo")
     definitions = (*motion.rotation_definitions, *named, *body.gravity_definitions(motion, gravity))
     kept, reasons = zeros.drop_definitions(definitions, zeros.reasons_of(scalars))
-    sums = _Sums({t.name: t for t in tables}, {**reasons, **_zero_entries(tables)})
+    sums = _Sums({t.family: t for t in tables if not t.point}, {**reasons, **_zero_entries(tables)})
     for series in (*spatial_series(), *spatial_sums(), *FORCE_SERIES):
         sums.add(series)
     complete = (*body.rigid_inertia(motion), *body.generic_inertia(motion), *FORCES)
@@ -188,10 +228,7 @@ def generic_equations(
         origin=origin,
         modes=modes,
         coordinates=rigid.coordinates
-        + tuple(
-            Coordinate(sp.Symbol(f"{ALPHA}{i}"), f"amplitude of assumed shape {i}", "m", Role.AMPLITUDE)
-            for i in numbered
-        ),
+        + tuple(Coordinate(amplitude(i), f"amplitude of assumed shape {i}", "m") for i in numbered),
         rows=rigid.rows,
         rates=rigid.rates,
         parameters=parameters,
@@ -217,45 +254,27 @@ def _zero_entries(tables: tuple[Table, ...]) -> zeros.Reasons:
     found: zeros.Reasons = {}
     for t in tables:
         if t.kind == "zero":
-            found |= dict.fromkeys(entries(t.name), ((t.name, t.zero),))
+            found |= dict.fromkeys(t.generic_entries, ((t.symbol, t.zero),))
     return found
-
-
-def entries(name: str) -> tuple[sp.Symbol, ...]:
-    """The components of an integral for generic indices: c2_i_1, c2_i_2, c2_i_3."""
-    return tuple(sp.Symbol("_".join([name, *indices(name), *([label] if label else [])])) for label in labels(name))
-
-
-def indices(table: str) -> str:
-    """What the entries of a table are counted by: nothing, a shape i, or a pair of shapes ij."""
-    if table.startswith(("X", "Phi")):
-        return "i" if table.startswith("Phi") else ""
-    return INDICES[table]
-
-
-def labels(table: str) -> tuple[str, ...]:
-    """The components of a table as names have them: 1 2 3, or 11 12 13 22 23 33; one empty label if it has none."""
-    if table in SCALARS:
-        return ("",)
-    return tuple(f"{a}{b}" for a, b in PAIRS) if table in TENSORS else tuple(map(str, AXES))
 
 
 def point_tables(number: int, name: str) -> tuple[Table, Table]:
     """X and the shapes at a marker, as tables X1 and Phi1 of the first marker."""
-    position = Table(f"X{number}", "full", f"X of marker {name}", "m")
-    return position, Table(f"Phi{number}", "full", f"the shapes at marker {name}", "")
+    position = Table(Family.POINT_POSITION, "full", f"X of marker {name}", "m", point=str(number))
+    return position, Table(Family.POINT_SHAPE, "full", f"the shapes at marker {name}", "", point=str(number))
 
 
 def _point(motion: Motion, number: int, name: str, doc: str, deforms: bool) -> GenericPoint:
     """A marker, from the same fields taken at that point."""
-    x, phi = ([sp.Symbol(f"{table}_{k}") for k in AXES] for table in (f"X{number}", f"Phi{number}_i"))
+    x, phi = (table.generic_entries for table in point_tables(number, name))
+    r, rdot = (vector(Family.RADIUS, len(AXES), derivative=d) for d in (0, 1))
     totals = []
     for k, place, shape in zip(AXES, x, phi, strict=True):
         if deforms:
-            totals.append(Total(f"r_{k}", place, sp.Symbol("alpha_i") * shape, f"X + u at the marker . e{k}"))
-            totals.append(Total(f"rdot_{k}", sp.S.Zero, sp.Symbol("alphadot_i") * shape, f"its rate . e{k}"))
-    r = sp.Matrix([sp.Symbol(f"r_{k}") for k in AXES]) if deforms else sp.Matrix(x)
-    rdot = sp.Matrix([sp.Symbol(f"rdot_{k}") for k in AXES]) if deforms else sp.zeros(3, 1)
+            totals.append(Total(r[k - 1], place, amplitude(I) * shape, "X + u at the marker"))
+            totals.append(Total(rdot[k - 1], sp.S.Zero, amplitude(I, 1) * shape, "its rate"))
+    if not deforms:
+        r, rdot = sp.Matrix(x), sp.zeros(3, 1)
     at = {R: r, RDOT: rdot, PHI: sp.Matrix(phi)}
     displacements = (*motion.translations, *motion.frame.rotations())
     return GenericPoint(
@@ -275,7 +294,7 @@ def _point(motion: Motion, number: int, name: str, doc: str, deforms: bool) -> G
 class _Sums:
     """Series sorted into what is summed by loops, what is written where it is used, and what vanishes."""
 
-    def __init__(self, tables: Mapping[str, Table], reasons: zeros.Reasons) -> None:
+    def __init__(self, tables: Mapping[Family, Table], reasons: zeros.Reasons) -> None:
         self.tables = tables
         self.reasons = reasons
         self.contractions: list[Contraction] = []
@@ -284,61 +303,50 @@ class _Sums:
 
     def add(self, series: Series) -> None:
         """Sort one series in; those that it is made of came before."""
-        behind: list[tuple[str, str]] = []
+        behind: list[tuple[sp.Symbol, str]] = []
         base = self._entry(series.base, behind) if series.base else sp.S.Zero
-        sums: list[tuple[str, str]] = []
+        sums: list[tuple[Symbol, Symbol]] = []
         for factor, entry in series.sums:
-            own = sp.Symbol(f"{factor}_i")
+            own = exchanged(factor, {J: I})
             if not series.indexed:
-                base += own * self._entry(_of_i(entry), behind)
+                base += own * self._entry(exchanged(entry, {J: I}), behind)
             elif self._kind(entry, behind) == "full":
                 sums.append((factor, entry))
             elif self._kind(entry, []) == "diagonal":
-                base += own * sp.Symbol(f"{family(entry)}_i")
+                base += own * quantity(entry.identity.family, shapes=(I,))
             elif self._kind(entry, []) == "unit":
                 base += own
-        symbol = sp.Symbol(series.name)
         if not series.indexed:
             self._scalar(series, sp.expand(base), behind)
         elif sums:
-            self.contractions.append(Contraction(series.name, base, tuple(sums), series.doc))
+            self.contractions.append(Contraction(series.symbol, base, tuple(sums), series.doc.format(i="i")))
         elif base != 0:
-            self.inlined[symbol] = base
+            self.inlined[series.symbol] = base
         else:
-            self.reasons[symbol] = tuple(dict.fromkeys(behind))
+            self.reasons[series.symbol] = tuple(dict.fromkeys(behind))
 
-    def _scalar(self, series: Series, expr: sp.Expr, behind: list[tuple[str, str]]) -> None:
+    def _scalar(self, series: Series, expr: sp.Expr, behind: list[tuple[sp.Symbol, str]]) -> None:
         terms = sp.Add.make_args(expr)
         inside = sp.Add(*(t for t in terms if any(is_indexed(s) for s in t.free_symbols)))
         base = expr - inside
         if inside != 0:
-            self.totals.append(Total(series.name, base, inside, series.doc))
+            self.totals.append(Total(series.symbol, base, inside, series.doc.format(i="i")))
         elif base != 0:
-            self.inlined[sp.Symbol(series.name)] = base
+            self.inlined[series.symbol] = base
         else:
-            self.reasons[sp.Symbol(series.name)] = tuple(dict.fromkeys(behind))
+            self.reasons[series.symbol] = tuple(dict.fromkeys(behind))
 
-    def _entry(self, name: str, behind: list[tuple[str, str]]) -> sp.Expr:
+    def _entry(self, symbol: Symbol, behind: list[tuple[sp.Symbol, str]]) -> sp.Expr:
         """An integral or an earlier series, zero if it vanishes."""
-        symbol = sp.Symbol(name)
         if symbol in self.reasons:
             behind += self.reasons[symbol]
             return sp.S.Zero
-        if family(name) in self.tables and self._kind(name, behind) == "zero":
+        if symbol.identity.family in self.tables and self._kind(symbol, behind) == "zero":
             return sp.S.Zero
         return self.inlined.get(symbol, symbol)
 
-    def _kind(self, name: str, behind: list[tuple[str, str]]) -> Kind:
-        table = self.tables[family(name)]
+    def _kind(self, entry: Symbol, behind: list[tuple[sp.Symbol, str]]) -> TableKind:
+        table = self.tables[entry.identity.family]
         if table.kind == "zero":
-            behind.append((table.name, table.zero))
+            behind.append((table.symbol, table.zero))
         return table.kind
-
-
-def is_indexed(symbol: sp.Symbol) -> bool:
-    """Whether there is one for each shape i."""
-    return "i" in symbol.name.split("_")
-
-
-def _of_i(name: str) -> str:
-    return "_".join("i" if part == "j" else part for part in name.split("_"))

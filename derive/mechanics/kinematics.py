@@ -16,6 +16,8 @@ from dataclasses import dataclass
 
 import sympy as sp
 
+from derive.mechanics.symbols import Family, quantity
+
 Field = dict[str, sp.Matrix]
 
 ONE, HERE, R, RDOT, RDDOT, PHI = "1", "1 in the body base", "r", "rdot", "rddot", "Phi_i"
@@ -44,12 +46,12 @@ class PlanarRotation:
     @property
     def cos(self) -> sp.Symbol:
         """The symbol for the cosine."""
-        return sp.Symbol(f"cos_{self.angle}")
+        return quantity(Family.COSINE)
 
     @property
     def sin(self) -> sp.Symbol:
         """The symbol for the sine."""
-        return sp.Symbol(f"sin_{self.angle}")
+        return quantity(Family.SINE)
 
     @property
     def functions(self) -> dict[sp.Symbol, sp.Expr]:

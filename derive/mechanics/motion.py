@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
+from itertools import groupby
 
 import sympy as sp
 
 from derive.mechanics.equations import Coordinate, Definition, Row
 from derive.mechanics.kinematics import ONE, Field, MovingFrame
+from derive.mechanics.series import Series, Vectors, exchanged, written_out
+from derive.mechanics.symbols import MASS, I
 from derive.mechanics.virtual_work import Moments, total
 
-MASS = sp.Symbol("mass")
+__all__ = ["MASS", "Motion"]
 
 
 @dataclass(frozen=True)
@@ -69,3 +73,24 @@ class Motion:
     def summed(self, expr: sp.Expr) -> sp.Expr:
         """An expression with the sums that have no name of their own written out."""
         return sp.expand(expr.xreplace(self.sums))
+
+
+def definitions_of(series: Iterable[Series], vectors: Vectors, n: int) -> tuple[Definition, ...]:
+    """The series written out for each of n shapes, moment by moment; zeros still inside."""
+    found: list[Definition] = []
+    for section, group in groupby(series, lambda s: s.section):
+        members = tuple(group)
+        for i in range(1, n + 1) if members[0].indexed else (0,):
+            for s in members:
+                symbol, doc = exchanged(s.symbol, {I: i}), s.described(i)
+                found.append(Definition(symbol, written_out(s, i, vectors), section, "appendix", doc))
+    return tuple(found)
+
+
+def sums_of(series: Iterable[Series], vectors: Vectors, n: int) -> dict[sp.Symbol, sp.Expr]:
+    """The series written out, each in those before it."""
+    found: dict[sp.Symbol, sp.Expr] = {}
+    for s in series:
+        for i in range(1, n + 1) if s.indexed else (0,):
+            found[exchanged(s.symbol, {I: i})] = sp.expand(written_out(s, i, vectors).xreplace(found))
+    return found

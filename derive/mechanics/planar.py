@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-import sympy as sp
+from dataclasses import replace
 
 from derive.mechanics.equations import Coordinate, Definition, Row
-from derive.mechanics.integrals import definitions, sums
+from derive.mechanics.integrals import planar_series, planar_sums
 from derive.mechanics.kinematics import MovingFrame, PlanarRotation
-from derive.mechanics.motion import MASS, Motion
+from derive.mechanics.motion import MASS, Motion, definitions_of, sums_of
+from derive.mechanics.series import ALPHA, ALPHADDOT, ALPHADOT
+from derive.mechanics.symbols import Family, Symbol, amplitude, identity, quantity
 from derive.mechanics.virtual_work import PlanarMoments
-from derive.roles import Role
 
 
 def planar_motion(n: int) -> Motion:
@@ -20,7 +21,7 @@ def planar_motion(n: int) -> Motion:
     rotation, phi = PlanarRotation(coordinates[2].q), rows[2]
     turn = rotation.generator  # about e3, which both bases share
     shapes = rows[3:]
-    alphadot, alphaddot = tuple(row.v for row in shapes), tuple(row.a for row in shapes)
+    vectors = {ALPHA: alpha, ALPHADOT: tuple(row.v for row in shapes), ALPHADDOT: tuple(row.a for row in shapes)}
     return Motion(
         coordinates=coordinates,
         rows=rows,
@@ -30,8 +31,8 @@ def planar_motion(n: int) -> Motion:
         rotation_definitions=_rotation_definitions(rotation),
         frame=MovingFrame((turn,), (phi.v,), (phi.a,)),
         moments=PlanarMoments(MASS, rotation.tensor),
-        definitions=definitions(alpha, alphadot),
-        sums=sums(alphadot, alphaddot),
+        definitions=definitions_of(planar_series(), vectors, n),
+        sums=sums_of(planar_sums(), vectors, n),
         products={},
         turns=((turn, turn),),
         identities={("phi", "centrifugal"): "planar motion: omega x (J . omega) = 0"},
@@ -40,25 +41,19 @@ def planar_motion(n: int) -> Motion:
 
 def _coordinates(n: int) -> tuple[Coordinate, ...]:
     """c1, c2, phi, alpha1..alphaN: (14), (23), (27)."""
+    c1, c2 = (quantity(Family.TRANSLATION, k) for k in (1, 2))
     return (
-        Coordinate(
-            sp.Symbol("c1"), "position of the origin of the floating frame along the inertial e1", "m", Role.TRANSLATION
-        ),
-        Coordinate(
-            sp.Symbol("c2"), "position of the origin of the floating frame along the inertial e2", "m", Role.TRANSLATION
-        ),
-        Coordinate(sp.Symbol("phi"), "rotation of the floating frame", "rad", Role.ROTATION),
-        *(
-            Coordinate(sp.Symbol(f"alpha{i}"), f"amplitude of assumed shape {i}", "m", Role.AMPLITUDE)
-            for i in range(1, n + 1)
-        ),
+        Coordinate(c1, "position of the origin of the floating frame along the inertial e1", "m"),
+        Coordinate(c2, "position of the origin of the floating frame along the inertial e2", "m"),
+        Coordinate(quantity(Family.ANGLE), "rotation of the floating frame", "rad"),
+        *(Coordinate(amplitude(i), f"amplitude of assumed shape {i}", "m") for i in range(1, n + 1)),
     )
 
 
 def _row(coordinate: Coordinate) -> Row:
     """In the plane every coordinate has its row, and its rate is its time derivative."""
-    name = str(coordinate.q)
-    v, a = sp.symbols(f"{name}dot {name}ddot")
+    name, known = str(coordinate.q), identity(coordinate.q)
+    v, a = (Symbol(replace(known, derivative=d)) for d in (1, 2))
     return Row(name, v, a, f"rate of {name}", f"{coordinate.unit}/s", "N m" if coordinate.unit == "rad" else "N")
 
 

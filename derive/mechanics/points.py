@@ -11,6 +11,7 @@ from derive.mechanics import zeros
 from derive.mechanics.equations import Coefficient, Definition, MarkerEquations
 from derive.mechanics.kinematics import ONE, PHI, RDOT, Field, R
 from derive.mechanics.motion import Motion
+from derive.mechanics.symbols import Family, quantity, vector
 
 
 @dataclass(frozen=True)
@@ -41,13 +42,13 @@ def work_at(motion: Motion, field: Field, values: Mapping[str, sp.Matrix]) -> sp
 
 def force_vector(motion: Motion) -> sp.Matrix:
     """A force F_1, F_2, ... in the inertial base."""
-    return sp.Matrix([sp.Symbol(f"F_{k + 1}") for k in range(motion.rotation.rows)])
+    return vector(Family.FORCE, motion.rotation.rows)
 
 
 def force_definitions(motion: Motion) -> tuple[Definition, ...]:
     """The force in the body base."""
     return tuple(
-        Definition(sp.Symbol(f"Fb_{k}"), expr, "F", "(10)", f"force along the axis {k} of the floating frame")
+        Definition(quantity(Family.BODY_FORCE, k), expr, "F", "(10)", f"force along the axis {k} of the floating frame")
         for k, expr in enumerate(motion.rotation.T * force_vector(motion), 1)
     )
 
@@ -58,18 +59,19 @@ def marker(motion: Motion, point: MaterialPoint, reasons: zeros.Reasons) -> Mark
     def at_point(amplitudes: tuple[sp.Symbol, ...], base: sp.Matrix) -> sp.Matrix:
         return sum((shape * a for shape, a in zip(point.shapes, amplitudes, strict=True)), base)
 
-    names, axes = {R: "r", RDOT: "rdot"}, range(motion.rotation.rows)
+    derivatives, axes = {R: 0, RDOT: 1}, range(motion.rotation.rows)
     still = sp.zeros(len(axes), 1)
     values = {R: at_point(motion.alpha, sp.Matrix(point.position)), RDOT: at_point(motion.alphadot, still)}
     local = tuple(
-        Definition(sp.Symbol(f"{names[f]}_{k + 1}"), value[k], "r", "(1), (14)", f"{names[f]} . e{k + 1} at the marker")
+        Definition(symbol, value[k], "r", "(1), (14)", f"{symbol.identity.section} . e{k + 1} at the marker")
         for f, value in values.items()
         for k in axes
+        for symbol in [quantity(Family.RADIUS, k + 1, derivative=derivatives[f])]
     )
     kept, known = zeros.drop_definitions(local, reasons)
-    vectors = {f: sp.Matrix([sp.Symbol(f"{name}_{k + 1}") for k in axes]) for f, name in names.items()}
+    vectors = {f: vector(Family.RADIUS, len(axes), derivative=d) for f, d in derivatives.items()}
 
-    def vector(field: Field) -> sp.Matrix:
+    def inertial(field: Field) -> sp.Matrix:
         return vector_at(motion, field, vectors).applyfunc(lambda e: zeros.drop(e, known))
 
     def work(field: Field) -> sp.Expr:
@@ -77,11 +79,11 @@ def marker(motion: Motion, point: MaterialPoint, reasons: zeros.Reasons) -> Mark
 
     columns, load = [], []
     for field in (*motion.translations, *motion.frame.rotations()):
-        columns.append(vector(field))
+        columns.append(inertial(field))
         load.append(work(field))
     for shape in point.shapes:
         vectors[PHI] = sp.Matrix(shape)
-        columns.append(vector(motion.frame.deformation()))
+        columns.append(inertial(motion.frame.deformation()))
         load.append(work(motion.frame.deformation()))
     return MarkerEquations(
         name=point.name,
@@ -90,7 +92,7 @@ def marker(motion: Motion, point: MaterialPoint, reasons: zeros.Reasons) -> Mark
         force=sp.ImmutableMatrix(force_vector(motion)),
         force_definitions=force_definitions(motion),
         load=tuple(load),
-        position=sp.ImmutableMatrix(vector(motion.position)),
-        velocity=sp.ImmutableMatrix(vector(motion.velocity)),
+        position=sp.ImmutableMatrix(inertial(motion.position)),
+        velocity=sp.ImmutableMatrix(inertial(motion.velocity)),
         jacobian=sp.ImmutableMatrix.hstack(*columns),
     )

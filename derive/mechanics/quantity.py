@@ -5,6 +5,9 @@ from __future__ import annotations
 import sympy as sp
 
 from derive.mechanics.equations import Coefficient, ParameterSymbol
+from derive.mechanics.symbols import Family
+from derive.mechanics.symbols import parameter as parameter_symbol
+from derive.mechanics.symbols import quantity as quantity_symbol
 from derive.spec.model.body import Parameter, Quantity
 
 NO_GRAVITY = "the specification (no gravity along this axis)"
@@ -13,7 +16,7 @@ NO_GRAVITY = "the specification (no gravity along this axis)"
 def value(quantity: Quantity, positive: bool = True) -> sp.Expr:
     """The symbol of a parameter, or the number."""
     if isinstance(quantity, Parameter):
-        return sp.Symbol(quantity.symbol, positive=positive or None)
+        return parameter_symbol(quantity.symbol, positive)
     return sp.Rational(quantity)
 
 
@@ -29,7 +32,7 @@ def gravity(components: tuple[Quantity, ...] | None) -> tuple[tuple[Coefficient,
         doc = f"acceleration of free fall along the inertial e{axis}"
         expr = value(component, positive=False)
         zero = NO_GRAVITY if expr == 0 else None
-        coefficients.append(Coefficient(sp.Symbol(f"g_{axis}"), expr, "(10)", doc, "m/s^2", zero))
+        coefficients.append(Coefficient(quantity_symbol(Family.GRAVITY, axis), expr, "(10)", doc, "m/s^2", zero))
         if isinstance(component, Parameter):
             parameters.append(parameter(component, doc, positive=False))
     return tuple(coefficients), tuple(parameters)

@@ -7,33 +7,56 @@ C4 and C5 below are the symmetric parts: what the appendix of the paper holds tw
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
-from itertools import combinations_with_replacement, groupby
+from itertools import combinations_with_replacement
 
 import sympy as sp
 
 from derive.mechanics.equations import Coordinate, Definition, Row
 from derive.mechanics.kinematics import PHI, RDDOT, RDOT, MovingFrame, R
-from derive.mechanics.motion import MASS, Motion
-from derive.mechanics.series import ALPHA, ALPHADDOT, ALPHADOT, Series, written_out
-from derive.mechanics.virtual_work import FIRST, transposed
-from derive.roles import Role
-
-Vectors = dict[str, Sequence[sp.Symbol]]
+from derive.mechanics.motion import MASS, Motion, definitions_of, sums_of
+from derive.mechanics.series import ALPHA, ALPHADDOT, ALPHADOT, Series
+from derive.mechanics.symbols import (
+    Family,
+    I,
+    J,
+    ShapeIndex,
+    Symbol,
+    amplitude,
+    local,
+    quantity,
+)
+from derive.mechanics.virtual_work import FIRST, Moment, moment, transposed
 
 AXES = (1, 2, 3)
 PAIRS = tuple(combinations_with_replacement(AXES, 2))
 """Index pairs of a symmetric tensor: 11, 12, 13, 22, 23, 33."""
 
-SYMMETRIC = {(R, R): "J", (R, RDOT): "Sdot", (R, PHI): "S_i"}
+SYMMETRIC: dict[tuple[str, str], Moment] = {
+    (R, R): (Family.INERTIA, 0, ()),
+    (R, RDOT): (Family.S, 1, ()),
+    (R, PHI): (Family.S, 0, (I,)),
+}
 """int rho ((f . g) I - sym f g^T): J, the symmetric part of D2_i, and its sum with the rates."""
 
-AXIAL = {(R, RDOT): "d3dot", (R, RDDOT): "d3ddot", (R, PHI): "d3_i", (PHI, RDOT): "c7dot_i"}
+AXIAL: dict[tuple[str, str], Moment] = {
+    (R, RDOT): (Family.D3, 1, ()),
+    (R, RDDOT): (Family.D3, 2, ()),
+    (R, PHI): (Family.D3, 0, (I,)),
+    (PHI, RDOT): (Family.C7_SUM, 1, (I,)),
+}
 """int rho f x g, odd in f and g."""
 
-TRACE = {(PHI, RDDOT): "c8ddot_i", (RDOT, RDOT): "c8dotdot"}
+TRACE: dict[tuple[str, str], Moment] = {
+    (PHI, RDDOT): (Family.C8_SUM, 2, (I,)),
+    (RDOT, RDOT): (Family.RATE_PRODUCT, 0, ()),
+}
 """int rho f . g."""
+
+EVEN = sp.Matrix(3, 3, lambda i, j: local("even", *sorted((i + 1, j + 1))))
+ODD = sp.Matrix([local("odd", k) for k in AXES])
+"""The parts of a second moment that have no name."""
 
 
 def skew(v: Iterable[sp.Expr]) -> sp.Matrix:
@@ -42,14 +65,9 @@ def skew(v: Iterable[sp.Expr]) -> sp.Matrix:
     return sp.Matrix([[0, -c, b], [c, 0, -a], [-b, a, 0]])
 
 
-def vector(name: str) -> sp.Matrix:
-    """A vector of symbols name_1, name_2, name_3."""
-    return sp.Matrix([sp.Symbol(f"{name}_{k}") for k in AXES])
-
-
-def symmetric(name: str) -> sp.Matrix:
-    """A symmetric tensor of symbols name_11, name_12, ..."""
-    return sp.Matrix(3, 3, lambda i, j: sp.Symbol("{}_{}{}".format(name, *sorted((i + 1, j + 1)))))
+def symmetric(family: Family, derivative: int = 0, shapes: tuple[ShapeIndex, ...] = ()) -> sp.Matrix:
+    """A symmetric tensor of symbols with the components 11, 12, ..."""
+    return sp.Matrix(3, 3, lambda i, j: quantity(family, *sorted((i + 1, j + 1)), derivative=derivative, shapes=shapes))
 
 
 @dataclass(frozen=True)
@@ -58,24 +76,24 @@ class SpatialMoments:
 
     mass: sp.Symbol
     rotation: sp.Matrix
-    unknown: frozenset[sp.Symbol] = frozenset((*symmetric("even"), *vector("odd")))
+    unknown: frozenset[sp.Symbol] = frozenset((*EVEN, *ODD))
 
     def first(self, field: str) -> sp.Matrix:
         """int rho f."""
-        return vector(FIRST[field])
+        return sp.Matrix([moment(FIRST[field], k) for k in AXES])
 
     def second(self, f: str, g: str) -> sp.Matrix:
         """int rho f g^T from its symmetric and its axial part; what has no name must cancel."""
         if transposed(f, g, {**SYMMETRIC, **AXIAL, **TRACE}):
             return self.second(g, f).T
-        even, odd = symmetric("even"), vector("odd")
+        even, odd = EVEN, ODD
         if (f, g) in SYMMETRIC:
-            tensor = symmetric(SYMMETRIC[f, g])
+            tensor = symmetric(*SYMMETRIC[f, g])
             even = sp.eye(3) * tensor.trace() / 2 - tensor
         elif (f, g) in TRACE:
-            even = even + sp.eye(3) * (sp.Symbol(TRACE[f, g]) - even.trace()) / 3
+            even = even + sp.eye(3) * (moment(TRACE[f, g]) - even.trace()) / 3
         if (f, g) in AXIAL:
-            odd = vector(AXIAL[f, g])
+            odd = sp.Matrix([moment(AXIAL[f, g], k) for k in AXES])
         elif f == g:
             odd = sp.zeros(3, 1)
         return even - skew(odd) / 2
@@ -84,13 +102,13 @@ class SpatialMoments:
 def spatial_motion(n: int) -> Motion:
     """The motion of a body in space with n shapes."""
     shapes = range(1, n + 1)
-    alpha = tuple(sp.Symbol(f"alpha{i}") for i in shapes)
+    alpha = tuple(amplitude(i) for i in shapes)
     rows = _rows(shapes)
-    rotation, quaternion = symbols_of_rotation(), sp.symbols("e0 e1 e2 e3")
+    rotation, quaternion = symbols_of_rotation(), tuple(quantity(Family.QUATERNION, k) for k in range(4))
     omega, omegadot = (tuple(getattr(row, x) for row in rows[3:6]) for x in ("v", "a"))
     alphadot, alphaddot = (tuple(getattr(row, x) for row in rows[6:]) for x in ("v", "a"))
-    vectors: Vectors = {ALPHA: alpha, ALPHADOT: alphadot, ALPHADDOT: alphaddot}
-    products = {omega[i - 1] * omega[j - 1]: sp.Symbol(f"oo_{i}{j}") for i, j in PAIRS}
+    vectors = {ALPHA: alpha, ALPHADOT: alphadot, ALPHADDOT: alphaddot}
+    products = {omega[i - 1] * omega[j - 1]: quantity(Family.OMEGA_PRODUCT, i, j) for i, j in PAIRS}
     named = tuple(Definition(s, p, "oo", "(5)", "products of omega") for p, s in products.items())
     axes = sp.eye(3)
     return Motion(
@@ -102,8 +120,8 @@ def spatial_motion(n: int) -> Motion:
         rotation_definitions=_rotation_definitions(rotation, quaternion),
         frame=MovingFrame(tuple(skew(axes[:, k]) for k in range(3)), omega, omegadot),
         moments=SpatialMoments(MASS, rotation),
-        definitions=(*named, *_definitions(vectors)),
-        sums=_sums(vectors),
+        definitions=(*named, *definitions_of(spatial_series(), vectors, n)),
+        sums=sums_of(spatial_sums(), vectors, n),
         products=products,
         turns=tuple((skew(axes[:, k]), skew(rotation[k, :])) for k in range(3)),
         identities={},
@@ -113,32 +131,32 @@ def spatial_motion(n: int) -> Motion:
 def _coordinates(alpha: tuple[sp.Symbol, ...]) -> tuple[Coordinate, ...]:
     return (
         *(
-            Coordinate(sp.Symbol(f"c{k}"), f"translation of the floating frame along e{k}", "m", Role.TRANSLATION)
+            Coordinate(quantity(Family.TRANSLATION, k), f"translation of the floating frame along e{k}", "m")
             for k in AXES
         ),
         *(
-            Coordinate(sp.Symbol(f"e{k}"), "unit quaternion of the floating frame, scalar first", "1", Role.QUATERNION)
+            Coordinate(quantity(Family.QUATERNION, k), "unit quaternion of the floating frame, scalar first", "1")
             for k in range(4)
         ),
-        *(Coordinate(a, f"amplitude of assumed shape {i}", "m", Role.AMPLITUDE) for i, a in enumerate(alpha, 1)),
+        *(Coordinate(a, f"amplitude of assumed shape {i}", "m") for i, a in enumerate(alpha, 1)),
     )
 
 
 def _rows(shapes: range) -> tuple[Row, ...]:
-    def row(name: str, rate: str, doc: str, unit: str, work: str) -> Row:
-        acceleration = f"{rate}dot" if name.startswith("pi") else f"{name}ddot"
-        return Row(name, sp.Symbol(rate), sp.Symbol(acceleration), doc, unit, work)
-
-    return (
-        *(row(f"c{k}", f"c{k}dot", f"rate of c{k}", "m/s", "N") for k in AXES),
-        *(row(f"pi{k}", f"omega{k}", f"angular velocity about the body axis {k}", "rad/s", "N m") for k in AXES),
-        *(row(f"alpha{i}", f"alpha{i}dot", f"rate of alpha{i}", "m/s", "N") for i in shapes),
-    )
+    translations, spins = [], []
+    for k in AXES:
+        v, a = (quantity(Family.TRANSLATION, k, derivative=d) for d in (1, 2))
+        translations.append(Row(f"c{k}", v, a, f"rate of c{k}", "m/s", "N"))
+        v, a = (quantity(Family.ANGULAR_VELOCITY, k, derivative=d) for d in (0, 1))
+        name = quantity(Family.VIRTUAL_ROTATION, k).name
+        spins.append(Row(name, v, a, f"angular velocity about the body axis {k}", "rad/s", "N m"))
+    of_shapes = (Row(f"alpha{i}", amplitude(i, 1), amplitude(i, 2), f"rate of alpha{i}", "m/s", "N") for i in shapes)
+    return (*translations, *spins, *of_shapes)
 
 
 def symbols_of_rotation() -> sp.Matrix:
     """Q in symbols Q_11 .. Q_33."""
-    return sp.Matrix(3, 3, lambda i, j: sp.Symbol(f"Q_{i + 1}{j + 1}"))
+    return sp.Matrix(3, 3, lambda i, j: quantity(Family.ROTATION_TENSOR, i + 1, j + 1))
 
 
 def rotation_of(quaternion: tuple[sp.Symbol, ...]) -> sp.Matrix:
@@ -168,59 +186,60 @@ def spatial_series() -> tuple[Series, ...]:
     """
     found: list[Series] = []
 
-    def define(name: str, base: str | None, doc: str, *sums: tuple[str, str]) -> None:
-        found.append(Series(name, base, sums, doc))
+    def define(symbol: Symbol, base: Symbol | None, doc: str, *sums: tuple[Symbol, Symbol]) -> None:
+        found.append(Series(symbol, base, sums, doc))
+
+    def each(family: Family, *components: int, derivative: int = 0, index: ShapeIndex = I) -> Symbol:
+        """A quantity of each shape."""
+        return quantity(family, *components, derivative=derivative, shapes=(index,))
 
     for k in AXES:
-        define(f"d1_{k}", f"c1_{k}", f"int rho r . e{k}", (ALPHA, f"c2_j_{k}"))
+        sums = ((ALPHA, each(Family.C2, k, index=J)),)
+        define(quantity(Family.D1, k), quantity(Family.C1, k), "int rho r", *sums)
     for k in AXES:
-        define(f"d1dot_{k}", None, f"int rho rdot . e{k}", (ALPHADOT, f"c2_j_{k}"))
-    for a, b in PAIRS:
-        define(f"S_i_{a}{b}", f"C4_i_{a}{b}", "symmetric part of D2_i", (ALPHA, f"C5_i_j_{a}{b}"))
+        sums = ((ALPHADOT, each(Family.C2, k, index=J)),)
+        define(quantity(Family.D1, k, derivative=1), None, "int rho rdot", *sums)
+    for ab in PAIRS:
+        sums = ((ALPHA, quantity(Family.C5, *ab, shapes=(I, J))),)
+        define(each(Family.S, *ab), each(Family.C4, *ab), "symmetric part of D2_{i}", *sums)
     for k in AXES:
-        define(f"d3_i_{k}", f"c6_i_{k}", f"int rho r x Phi_i . e{k}", (ALPHA, f"c7_j_i_{k}"))
-    for a, b in PAIRS:
-        inertia = ((ALPHA, f"C4_j_{a}{b}"), (ALPHA, f"S_j_{a}{b}"))
-        define(f"J_{a}{b}", f"C3_{a}{b}", "int rho ((r . r) I - r r)", *inertia)
-    for a, b in PAIRS:
-        define(f"Sdot_{a}{b}", None, "S of the shapes, summed with their rates", (ALPHADOT, f"S_j_{a}{b}"))
+        sums = ((ALPHA, quantity(Family.C7, k, shapes=(J, I))),)
+        define(each(Family.D3, k), each(Family.C6, k), "int rho r x Phi_{i}", *sums)
+    for ab in PAIRS:
+        inertia = ((ALPHA, each(Family.C4, *ab, index=J)), (ALPHA, each(Family.S, *ab, index=J)))
+        define(quantity(Family.INERTIA, *ab), quantity(Family.C3, *ab), "int rho ((r . r) I - r r)", *inertia)
+    for ab in PAIRS:
+        sums = ((ALPHADOT, each(Family.S, *ab, index=J)),)
+        define(quantity(Family.S, *ab, derivative=1), None, "S of the shapes, summed with their rates", *sums)
     for k in AXES:
-        define(f"c7dot_i_{k}", None, f"int rho Phi_i x rdot . e{k}", (ALPHADOT, f"c7_i_j_{k}"))
+        sums = ((ALPHADOT, quantity(Family.C7, k, shapes=(I, J))),)
+        define(each(Family.C7_SUM, k, derivative=1), None, "int rho Phi_{i} x rdot", *sums)
     for k in AXES:
-        define(f"d3dot_{k}", None, f"int rho r x rdot . e{k}", (ALPHADOT, f"c6_j_{k}"), (ALPHA, f"c7dot_j_{k}"))
+        c7dot_j = each(Family.C7_SUM, k, derivative=1, index=J)
+        sums = ((ALPHADOT, each(Family.C6, k, index=J)), (ALPHA, c7dot_j))
+        define(quantity(Family.D3, k, derivative=1), None, "int rho r x rdot", *sums)
     return tuple(found)
 
 
 def spatial_sums() -> tuple[Series, ...]:
     """What has no name in the flat form: sums with accelerations, and those that stand in one place alone."""
-    return (
-        *(Series(f"d1ddot_{k}", None, ((ALPHADDOT, f"c2_j_{k}"),), f"int rho rddot . e{k}") for k in AXES),
-        *(Series(f"d3ddot_{k}", None, ((ALPHADDOT, f"d3_j_{k}"),), f"int rho r x rddot . e{k}") for k in AXES),
-        Series("c8ddot_i", None, ((ALPHADDOT, "c8_i_j"),), "int rho Phi_i . rddot"),
-        Series("c8dot_i", None, ((ALPHADOT, "c8_i_j"),), "int rho Phi_i . rdot"),
-        Series("c8dotdot", None, ((ALPHADOT, "c8dot_j"),), "int rho rdot . rdot"),
+    c8_ij = quantity(Family.C8, shapes=(I, J))
+    c8ddot_i, c8dot_i = (quantity(Family.C8_SUM, derivative=d, shapes=(I,)) for d in (2, 1))
+    c8dot_j = quantity(Family.C8_SUM, derivative=1, shapes=(J,))
+    d1ddot, d3ddot = (
+        [
+            Series(quantity(family, k, derivative=2), None, ((ALPHADDOT, quantity(entry, k, shapes=(J,))),), doc)
+            for k in AXES
+        ]
+        for family, entry, doc in (
+            (Family.D1, Family.C2, "int rho rddot"),
+            (Family.D3, Family.D3, "int rho r x rddot"),
+        )
     )
-
-
-def _definitions(vectors: Vectors) -> tuple[Definition, ...]:
-    """The series written out for each shape; zeros still inside."""
-    found: list[Definition] = []
-    for section, group in groupby(spatial_series(), lambda s: s.section):
-        members = tuple(group)
-        for i in range(1, len(vectors[ALPHA]) + 1) if members[0].indexed else (0,):
-            for s in members:
-                doc = s.doc.replace("_i", f"_{i}")
-                found.append(Definition(_symbol(s.name, i), written_out(s, i, vectors), section, "appendix", doc))
-    return tuple(found)
-
-
-def _sums(vectors: Vectors) -> dict[sp.Symbol, sp.Expr]:
-    found: dict[sp.Symbol, sp.Expr] = {}
-    for s in spatial_sums():
-        for i in range(1, len(vectors[ALPHA]) + 1) if s.indexed else (0,):
-            found[_symbol(s.name, i)] = sp.expand(written_out(s, i, vectors).xreplace(found))
-    return found
-
-
-def _symbol(name: str, i: int) -> sp.Symbol:
-    return sp.Symbol("_".join(str(i) if part == "i" else part for part in name.split("_")))
+    return (
+        *d1ddot,
+        *d3ddot,
+        Series(c8ddot_i, None, ((ALPHADDOT, c8_ij),), "int rho Phi_{i} . rddot"),
+        Series(c8dot_i, None, ((ALPHADOT, c8_ij),), "int rho Phi_{i} . rdot"),
+        Series(quantity(Family.RATE_PRODUCT), None, ((ALPHADOT, c8dot_j),), "int rho rdot . rdot"),
+    )

@@ -7,23 +7,50 @@ The equations of motion do not change when the body base is turned, so the last 
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Protocol
 
 import sympy as sp
 
 from derive.mechanics.kinematics import HERE, ONE, PHI, RDDOT, RDOT, Field, R
+from derive.mechanics.symbols import Family, I, ShapeIndex, Symbol, local, quantity
 
-STRETCH, SHEAR, NAMELESS = sp.symbols("stretch shear nameless")
+STRETCH, SHEAR, NAMELESS = local("stretch"), local("shear"), local("nameless")
 
-FIRST = {R: "d1", RDOT: "d1dot", RDDOT: "d1ddot", PHI: "c2_i"}
+Moment = tuple[Family, int, tuple[ShapeIndex, ...]]
+"""What a moment is called: its family, its time derivative and its shapes."""
+
+FIRST: dict[str, Moment] = {
+    R: (Family.D1, 0, ()),
+    RDOT: (Family.D1, 1, ()),
+    RDDOT: (Family.D1, 2, ()),
+    PHI: (Family.C2, 0, (I,)),
+}
 """int rho f of the appendix: d1 and its rates, c2_i."""
 
-TRACE = {(R, R): "J", (R, RDOT): "D2dot", (R, PHI): "D2_i", (PHI, RDDOT): "c8ddot_i", (RDOT, RDOT): "c8dotdot"}
+TRACE: dict[tuple[str, str], Moment] = {
+    (R, R): (Family.INERTIA, 0, ()),
+    (R, RDOT): (Family.D2, 1, ()),
+    (R, PHI): (Family.D2, 0, (I,)),
+    (PHI, RDDOT): (Family.C8_SUM, 2, (I,)),
+    (RDOT, RDOT): (Family.RATE_PRODUCT, 0, ()),
+}
 """int rho f . g: J, D2_i, its sum with the rates, and the sums of c8_ij with accelerations and with rates."""
 
-AXIAL = {(R, RDOT): "d3dot", (R, RDDOT): "d3ddot", (R, PHI): "d3_i", (PHI, RDOT): "c7dot_i"}
+AXIAL: dict[tuple[str, str], Moment] = {
+    (R, RDOT): (Family.D3, 1, ()),
+    (R, RDDOT): (Family.D3, 2, ()),
+    (R, PHI): (Family.D3, 0, (I,)),
+    (PHI, RDOT): (Family.C7_SUM, 1, (I,)),
+}
 """int rho f x g, odd in f and g: d3_i, its sums with rates and accelerations, and that of c7_ij with the rates."""
+
+
+def moment(name: Moment, *components: int) -> Symbol:
+    """The symbol of a moment, or of a component of it."""
+    family, derivative, shapes = name
+    return quantity(family, *components, derivative=derivative, shapes=shapes)
 
 
 class Moments(Protocol):
@@ -61,18 +88,18 @@ class PlanarMoments:
 
     def first(self, field: str) -> sp.Matrix:
         """int rho f."""
-        return sp.Matrix(sp.symbols(f"{FIRST[field]}_1 {FIRST[field]}_2"))
+        return sp.Matrix([moment(FIRST[field], k) for k in (1, 2)])
 
     def second(self, f: str, g: str) -> sp.Matrix:
         """int rho f g^T: trace, axial part, and two entries that no equation of motion may keep."""
         if transposed(f, g, {**TRACE, **AXIAL}):
             return self.second(g, f).T
-        trace = sp.Symbol(TRACE.get((f, g), NAMELESS.name))
-        axial = sp.S.Zero if f == g else sp.Symbol(AXIAL.get((f, g), NAMELESS.name))
+        trace = moment(TRACE[f, g]) if (f, g) in TRACE else NAMELESS
+        axial = sp.S.Zero if f == g else moment(AXIAL[f, g]) if (f, g) in AXIAL else NAMELESS
         return sp.Matrix([[trace + STRETCH, axial + SHEAR], [SHEAR - axial, trace - STRETCH]]) / 2
 
 
-def transposed(f: str, g: str, names: dict[tuple[str, str], str]) -> bool:
+def transposed(f: str, g: str, names: Mapping[tuple[str, str], object]) -> bool:
     """Whether a second moment has its names the other way round. Raises ArithmeticError when it has none."""
     if (f, g) not in names and (g, f) not in names:
         raise ArithmeticError(f"the moment of {f} and {g} has no name in the appendix")

@@ -13,10 +13,11 @@ import sympy as sp
 
 from derive.mechanics import zeros
 from derive.mechanics.equations import Coefficient, Definition, Equations, ParameterSymbol, Term
-from derive.mechanics.integrals import of_index
 from derive.mechanics.kinematics import HERE, ONE, RDDOT, RDOT, Field, R
 from derive.mechanics.motion import MASS, Motion
 from derive.mechanics.points import MaterialPoint, marker
+from derive.mechanics.series import of_index
+from derive.mechanics.symbols import Family, pair, quantity, vector
 
 TRANSLATIONS = "the mass enters as m I, so translations along different axes do not couple"
 
@@ -128,7 +129,7 @@ def _of_each_shape(motion: Motion, generic: tuple[Term, ...]) -> Iterator[Term]:
 def _strain_energy(motion: Motion, stiffness: tuple[Coefficient, ...]) -> sp.Expr:
     entries = {c.symbol for c in stiffness}
     n = len(motion.alpha)
-    pairs = [(i, j, sp.Symbol(f"K_{i + 1}_{j + 1}")) for i in range(n) for j in range(i, n)]
+    pairs = [(i, j, pair(Family.STIFFNESS, i + 1, j + 1)) for i in range(n) for j in range(i, n)]
     weights = ((sp.S.Half if i == j else sp.S.One, i, j, k) for i, j, k in pairs if k in entries)
     return sum((w * k * motion.alpha[i] * motion.alpha[j] for w, i, j, k in weights), sp.S.Zero)
 
@@ -145,7 +146,7 @@ def _damping(motion: Motion, damping: tuple[Coefficient, ...]) -> tuple[Term, ..
     shapes = range(1, len(motion.alpha) + 1)
     found = []
     for i in shapes:
-        entries = [sp.Symbol("B_{}_{}".format(*sorted((i, j)))) for j in shapes]
+        entries = [pair(Family.DAMPING, i, j) for j in shapes]
         pairs = zip(entries, motion.alphadot, strict=True)
         force = sp.Add(*(b * rate for b, rate in pairs if b in present))
         found += [Term(str(motion.alpha[i - 1]), "damping", "(13)", force)] if force != 0 else []
@@ -154,7 +155,7 @@ def _damping(motion: Motion, damping: tuple[Coefficient, ...]) -> tuple[Term, ..
 
 def gravity_vector(motion: Motion) -> sp.Matrix:
     """The acceleration of free fall, g_1, g_2, ..., in the inertial base."""
-    return sp.Matrix([sp.Symbol(f"g_{k + 1}") for k in range(motion.rotation.rows)])
+    return vector(Family.GRAVITY, motion.rotation.rows)
 
 
 def gravity_definitions(motion: Motion, gravity: tuple[Coefficient, ...]) -> tuple[Definition, ...]:
@@ -163,14 +164,16 @@ def gravity_definitions(motion: Motion, gravity: tuple[Coefficient, ...]) -> tup
         return ()
     seen = motion.rotation.T * gravity_vector(motion)
     return tuple(
-        Definition(sp.Symbol(f"gb_{k}"), expr, "gb", "(1)", f"gravity along the axis {k} of the floating frame")
+        Definition(
+            quantity(Family.BODY_GRAVITY, k), expr, "gb", "(1)", f"gravity along the axis {k} of the floating frame"
+        )
         for k, expr in enumerate(seen, 1)
     )
 
 
 def _work_of(motion: Motion, displacement: Field) -> sp.Expr:
     """The work int rho g . f of gravity on a field: g as it is on a translation, from the body base on the rest."""
-    seen = sp.Matrix([sp.Symbol(f"gb_{k + 1}") for k in range(motion.rotation.rows)])
+    seen = vector(Family.BODY_GRAVITY, motion.rotation.rows)
     translation = {ONE: displacement[ONE]} if ONE in displacement else {}
     rest = {name: tensor for name, tensor in displacement.items() if name != ONE}
     return motion.product({ONE: gravity_vector(motion)}, translation) + motion.product({HERE: seen}, rest)

@@ -7,14 +7,15 @@ from dataclasses import replace
 import sympy as sp
 
 from derive.mechanics.equations import Coefficient, Definition, Term, Vanished
+from derive.mechanics.symbols import identity
 
-Reasons = dict[sp.Symbol, tuple[tuple[str, str], ...]]
-"""For each vanishing symbol the integrals behind it, as pairs (name of the integral, reason)."""
+Reasons = dict[sp.Symbol, tuple[tuple[sp.Symbol, str], ...]]
+"""For each vanishing symbol the integrals behind it, as pairs (integral, reason)."""
 
 
 def reasons_of(coefficients: tuple[Coefficient, ...]) -> Reasons:
     """The coefficients that vanish, each with its reason."""
-    return {c.symbol: ((str(c.symbol), c.zero),) for c in coefficients if c.zero}
+    return {c.symbol: ((c.symbol, c.zero),) for c in coefficients if c.zero}
 
 
 def drop(expr: sp.Expr, reasons: Reasons) -> sp.Expr:
@@ -27,16 +28,16 @@ def why(expr: sp.Expr, reasons: Reasons) -> str:
     return _text(_behind(expr, reasons))
 
 
-def _behind(expr: sp.Expr, reasons: Reasons) -> tuple[tuple[str, str], ...]:
+def _behind(expr: sp.Expr, reasons: Reasons) -> tuple[tuple[sp.Symbol, str], ...]:
     pairs = {pair for symbol in expr.free_symbols if symbol in reasons for pair in reasons[symbol]}
     return tuple(sorted(pairs, key=lambda pair: _order(pair[0])))
 
 
-def _text(behind: tuple[tuple[str, str], ...]) -> str:
+def _text(behind: tuple[tuple[sp.Symbol, str], ...]) -> str:
     """`c6_1 .. c6_8 = 0 by condition (19); ...`"""
     by_reason: dict[str, list[str]] = {}
-    for name, reason in behind:
-        by_reason.setdefault(reason, []).append(name)
+    for symbol, reason in behind:
+        by_reason.setdefault(reason, []).append(symbol.name)
     return "; ".join(
         f"{', '.join(names) if len(names) < 4 else f'{names[0]} .. {names[-1]}'} = 0 by {reason}"
         for reason, names in by_reason.items()
@@ -69,7 +70,7 @@ def drop_terms(terms: tuple[Term, ...], reasons: Reasons) -> tuple[tuple[Term, .
     return tuple(stay), tuple(gone)
 
 
-def _order(name: str) -> tuple[str, tuple[int, ...]]:
-    """Names with indices sort by their indices as numbers: c8_2_1 before c8_10_1."""
-    head, *indices = name.split("_")
-    return head, tuple(int(i) for i in indices if i.isdigit())
+def _order(symbol: sp.Symbol) -> tuple[str, tuple[int, ...], tuple[int, ...], str]:
+    """Integrals sort by their family, then by their indices as numbers: c8_2_1 before c8_10_1."""
+    known = identity(symbol)
+    return known.section, tuple(s for s in known.shapes if isinstance(s, int)), known.components, known.name

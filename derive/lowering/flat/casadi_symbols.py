@@ -6,6 +6,7 @@ own; `Symbols.leaf` says what each CasADi symbol stands for.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from fractions import Fraction
 from functools import reduce
 from operator import mul
@@ -40,9 +41,9 @@ class Symbols:
         self.values[symbol] = self(expr)
         return self.values[symbol]
 
-    def named(self, name: str) -> ca.SX:
-        """The symbol of that name."""
-        return self.values[sp.Symbol(name)]
+    def many(self, symbols: Iterable[sp.Symbol]) -> list[ca.SX]:
+        """Several symbols."""
+        return [self.values[symbol] for symbol in symbols]
 
     def number(self, value: Fraction) -> ca.SX:
         """A number, exactly."""

@@ -7,14 +7,15 @@ from __future__ import annotations
 
 import casadi as ca
 
-from derive.ir.kernel import Argument, Kernel, Output
+from derive.ir.kernel import Kernel, Output
 from derive.ir.model import Kkt
 from derive.ir.patterns import Pattern, pattern
 from derive.lowering.flat.casadi_symbols import Symbols
-from derive.lowering.flat.context import Context, stores
+from derive.lowering.flat.context import Context, Input, array_input, stores
 from derive.lowering.flat.functions import NOT_FINITE, pivot_checks
 from derive.lowering.flat.schedule import Named, Required, Step
 from derive.lowering.ldlt import Factorisation, factorise, fill_in, saddle_order, solve
+from derive.mechanics.symbols import local
 
 
 def constraint_kernels(context: Context) -> tuple[Kernel, ...]:
@@ -112,10 +113,11 @@ def accelerations(context: Context) -> Kernel:
 
 def project_velocity(context: Context) -> Kernel:
     """The smallest dv with G dv = r."""
-    asked = Argument("r", tuple(f"r_{name}" for name in context.multipliers), "change of the constraints' rates")
+    changes = (local(f"r_{name}") for name in context.multipliers)
+    asked = array_input("r", changes, "change of the constraints' rates")
     symbols = context.symbols(context.t, context.q, asked)
     right = [ca.SX(0) for _ in context.rows]
-    right += [-symbols.named(name) for name in asked.elements]
+    right += [-value for value in symbols.many(asked.symbols)]
     doc = (
         "The smallest change dv of the rates, measured by dv . M dv, with G dv = r: with r = -gdot it brings rates "
         "onto the constraints, with r = -g, repeated, coordinates."
@@ -187,7 +189,7 @@ def _by_factors(
     context: Context,
     name: str,
     doc: str,
-    arguments: tuple[Argument, ...],
+    inputs: tuple[Input, ...],
     outputs: tuple[Output, ...],
     symbols: Symbols,
     right: list[ca.SX],
@@ -209,7 +211,7 @@ def _by_factors(
     return context.kernel(
         name,
         doc,
-        arguments,
+        inputs,
         outputs,
         symbols,
         Step("pivots", "LDL^T", f"eliminate {order}; {factors.fill} entries are filled in", (*named, *checks)),

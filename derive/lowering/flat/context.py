@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from dataclasses import dataclass
 from fractions import Fraction
+from itertools import chain
 
 import casadi as ca
 import sympy as sp
@@ -13,7 +16,32 @@ from derive.ir.patterns import Pattern, pattern
 from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.graph import Constants, Graph, held
 from derive.lowering.flat.schedule import Named, Step, Stored, Want, schedule
-from derive.mechanics.equations import Definition, Equations
+from derive.mechanics.equations import Definition, Equations, rotation_symbols
+from derive.mechanics.symbols import local, state_rate, t
+
+
+@dataclass(frozen=True)
+class Input:
+    """An argument of a kernel, and the symbols of the derivation that its elements are."""
+
+    argument: Argument
+    symbols: tuple[sp.Symbol, ...]
+
+    @property
+    def elements(self) -> tuple[str, ...]:
+        """The names of the elements."""
+        return self.argument.elements
+
+
+def array_input(name: str, symbols: Iterable[sp.Symbol], doc: str) -> Input:
+    """An argument whose elements have the names of their symbols."""
+    symbols = tuple(symbols)
+    return Input(Argument(name, tuple(s.name for s in symbols), doc), symbols)
+
+
+def scalar_input(symbol: sp.Symbol, doc: str) -> Input:
+    """An argument that is one number."""
+    return Input(Argument(symbol.name, (), doc, scalar=True), (symbol,))
 
 
 class Context:
@@ -28,33 +56,29 @@ class Context:
         self.rows = tuple(row.name for row in equations.rows)
         self.rates = tuple(str(row.v) for row in equations.rows)
         self.accelerations = tuple(str(row.a) for row in equations.rows)
-        self.t = Argument(
-            "t",
-            (),
-            "time" if equations.constraints or equations.poses else "time (a free body does not depend on it)",
-            scalar=True,
-        )
-        self.q = Argument("q", self.names, "generalized coordinates")
-        self.v = Argument("v", self.rates, "rates")
-        self.k = Argument("k", (), "constants from setup")
-        self.y = Argument("y", self.names + self.rates, "first-order state [q; v]")
-        self.ydot = Argument("ydot", tuple(f"{n}_t" for n in self.names) + self.accelerations, "time derivative of y")
+        scene = bool(equations.constraints or equations.poses)
+        self.t = scalar_input(t, "time" if scene else "time (a free body does not depend on it)")
+        q, v = tuple(c.q for c in equations.coordinates), tuple(row.v for row in equations.rows)
+        self.state, self.state_rates = q + v, (*map(state_rate, q), *(row.a for row in equations.rows))
+        self.q = array_input("q", q, "generalized coordinates")
+        self.v = array_input("v", v, "rates")
+        self.k = Input(Argument("k", (), "constants from setup"), ())
+        self.y = array_input("y", self.state, "first-order state [q; v]")
+        self.ydot = array_input("ydot", self.state_rates, "time derivative of y")
         self.multipliers = tuple(c.name for c in equations.constraints)
-        self.forces = tuple(f"lambda_{name}" for name in self.multipliers)
-        self.cj = Argument("cj", (), "factor of dF/dydot", scalar=True)
+        self.forces = tuple(local(f"lambda_{name}") for name in self.multipliers)
+        self.cj = scalar_input(local("cj"), "factor of dF/dydot")
 
-    def symbols(self, *arguments: Argument) -> Symbols:
+    def symbols(self, *inputs: Input) -> Symbols:
         """CasADi symbols for some arguments, the coefficients, and every definition that follows from them."""
         eq = self.equations
-        rotation = frozenset(d.symbol for d in eq.definitions if d.section.split()[-1] == "Q")
-        symbols = Symbols(early=frozenset(row.v for row in eq.rows), late=rotation)
+        symbols = Symbols(early=frozenset(row.v for row in eq.rows), late=rotation_symbols(eq.definitions))
         for c in self.coefficients:
             value = c.value
             known = Num(held(Fraction(int(value.p), int(value.q)))) if value.is_Rational else Ref(str(c.symbol))
             symbols.input(c.symbol, known)
-        for argument in arguments:
-            for name in (argument.name,) if argument.scalar else argument.elements:
-                symbols.input(sp.Symbol(name), Ref(name))
+        for symbol in chain.from_iterable(given.symbols for given in inputs):
+            symbols.input(symbol, Ref(symbol.name))
         define(symbols, eq.definitions)
         return symbols
 
@@ -73,14 +97,14 @@ class Context:
         self,
         name: str,
         doc: str,
-        arguments: tuple[Argument, ...],
+        inputs: tuple[Input, ...],
         outputs: tuple[Output, ...],
         symbols: Symbols,
         *steps: Step,
     ) -> Kernel:
         """A kernel made of the definitions and these steps."""
         sections = schedule(Graph(self.constants), symbols, self.definition_steps(symbols), steps)
-        return Kernel(name, doc, arguments, outputs, sections)
+        return Kernel(name, doc, tuple(given.argument for given in inputs), outputs, sections)
 
     def mass_pattern(self) -> Pattern:
         """The lower triangle of the mass matrix, without its structural zeros."""

@@ -9,12 +9,13 @@ from __future__ import annotations
 import casadi as ca
 import sympy as sp
 
-from derive.ir.kernel import Argument, Kernel, Output
+from derive.ir.kernel import Kernel, Output
 from derive.ir.patterns import pattern
 from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.constraints import jacobian_entries
-from derive.lowering.flat.context import Context, stores
+from derive.lowering.flat.context import Context, Input, array_input, stores
 from derive.lowering.flat.schedule import Step
+from derive.mechanics.symbols import local, state_rate
 
 FORMS = {
     "index3": "index 3: [qdot - v; M vdot + h - G^T lambda; g]",
@@ -32,29 +33,33 @@ def form_kernels(context: Context) -> tuple[Kernel, ...]:
     return tuple(found)
 
 
-def _states(context: Context, form: str) -> tuple[Argument, Argument]:
+def _states(context: Context, form: str) -> tuple[Input, Input]:
     """y and ydot."""
-    extra = context.forces + (tuple(f"mu_{name}" for name in context.multipliers) if form == "ggl" else ())
+    extra = context.forces + (_stabilising(context) if form == "ggl" else ())
     blocks = "[q; v; lambda; mu]" if form == "ggl" else "[q; v; lambda]"
-    y = Argument("y", context.names + context.rates + extra, f"state {blocks}")
-    rates = tuple(f"{name}_t" for name in context.names) + context.accelerations
-    return y, Argument("ydot", rates + tuple(f"{name}_t" for name in extra), "time derivative of y")
+    y = array_input("y", context.state + extra, f"state {blocks}")
+    return y, array_input("ydot", (*context.state_rates, *map(state_rate, extra)), "time derivative of y")
+
+
+def _stabilising(context: Context) -> tuple[sp.Symbol, ...]:
+    """The multipliers mu that keep the coordinates on the constraints."""
+    return tuple(local(f"mu_{name}") for name in context.multipliers)
 
 
 def _rows(context: Context, form: str, symbols: Symbols) -> list[ca.SX]:
     eq = context.equations
     entries = jacobian_entries(context, symbols)
 
-    def transposed(names: tuple[str, ...]) -> list[ca.SX]:
+    def transposed(multipliers: tuple[sp.Symbol, ...]) -> list[ca.SX]:
         """G^T times some multipliers."""
         total = [ca.SX(0) for _ in context.rows]
         for (i, j), value in entries.items():
-            total[j] = total[j] + value * symbols.named(names[i])
+            total[j] = total[j] + value * symbols.values[multipliers[i]]
         return total
 
-    rows = [symbols.named(f"{c.q}_t") - symbols(rate) for c, rate in zip(eq.coordinates, eq.rates, strict=True)]
+    rows = [symbols.values[state_rate(c.q)] - symbols(rate) for c, rate in zip(eq.coordinates, eq.rates, strict=True)]
     if form == "ggl":  # in the plane rates are those of the coordinates, one to one
-        mu = transposed(tuple(f"mu_{name}" for name in context.multipliers))
+        mu = transposed(_stabilising(context))
         rows = [row + part for row, part in zip(rows, mu, strict=True)]
     reactions = transposed(context.forces)
     rows += [symbols(eq.sum_of(row.name)) - f for row, f in zip(eq.rows, reactions, strict=True)]
@@ -89,10 +94,12 @@ def _jacobian(context: Context, form: str, name: str) -> Kernel:
     y, ydot = _states(context, form)
     symbols = context.symbols(context.t, y, ydot, context.cj)
     rows = ca.vertcat(*_rows(context, form, symbols))
-    by_y, by_ydot = (ca.jacobian(rows, ca.vertcat(*map(symbols.named, a.elements))) for a in (y, ydot))
-    matrix = by_y + symbols.named("cj") * by_ydot
-    diagonal = {(i, i) for i in range(y.size)}
-    shape = pattern(y.size, y.size, diagonal | set(zip(*matrix.sparsity().get_triplet(), strict=True)))
+    by_y, by_ydot = (ca.jacobian(rows, ca.vertcat(*symbols.many(given.symbols))) for given in (y, ydot))
+    (cj,) = symbols.many(context.cj.symbols)
+    matrix = by_y + cj * by_ydot
+    diagonal = {(i, i) for i in range(len(y.symbols))}
+    size = len(y.symbols)
+    shape = pattern(size, size, diagonal | set(zip(*matrix.sparsity().get_triplet(), strict=True)))
     labels = tuple(f"d F[{y.elements[i]}] / d {y.elements[j]}" for i, j in shape.entries)
     return context.kernel(
         name,

@@ -7,13 +7,14 @@ from fractions import Fraction
 import casadi as ca
 import sympy as sp
 
-from derive.ir.kernel import Argument, Kernel, Output
+from derive.ir.kernel import Kernel, Output
 from derive.ir.patterns import pattern
 from derive.lowering.flat.casadi_symbols import Symbols
-from derive.lowering.flat.context import Context, define, stores
+from derive.lowering.flat.context import Context, array_input, define, stores
 from derive.lowering.flat.schedule import Named, Required, Step, Stored
 from derive.lowering.ldlt import Factorisation, factorise, solve
 from derive.mechanics.equations import MarkerEquations
+from derive.mechanics.symbols import state_rate
 
 PIVOT, NOT_FINITE = 1, 2
 """Return codes, both recoverable: a pivot vanished; a value is not finite."""
@@ -179,8 +180,7 @@ def marker(context: Context, point: MarkerEquations) -> Kernel:
 
 def load(context: Context, point: MarkerEquations) -> Kernel:
     """Generalized forces of a force at a marker."""
-    components = tuple(map(str, point.force))
-    force = Argument("F", components, "force at the marker, in the inertial base [N]")
+    force = array_input("F", point.force, "force at the marker, in the inertial base [N]")
     symbols = context.symbols(context.q, force)
     turned = define(symbols, point.force_definitions)
     named = define(symbols, tuple(d for d in point.definitions if not d.zero))
@@ -212,9 +212,8 @@ def residual(context: Context) -> Kernel:
 def jacobian(context: Context) -> Kernel:
     """dF/dy + cj dF/dydot. Derivatives and their sparsity are CasADi's; the diagonal is always there."""
     symbols, rows = _first_order(context)
-    y = ca.vertcat(*(symbols.values[sp.Symbol(name)] for name in context.y.elements))
-    ydot = ca.vertcat(*(symbols.values[sp.Symbol(name)] for name in context.ydot.elements))
-    cj = symbols.values[sp.Symbol("cj")]
+    y, ydot = (ca.vertcat(*symbols.many(given.symbols)) for given in (context.y, context.ydot))
+    (cj,) = symbols.many(context.cj.symbols)
     matrix = ca.jacobian(ca.vertcat(*rows), y) + cj * ca.jacobian(ca.vertcat(*rows), ydot)
     diagonal = {(i, i) for i in range(len(rows))}
     shape = pattern(len(rows), len(rows), diagonal | set(zip(*matrix.sparsity().get_triplet(), strict=True)))
@@ -237,7 +236,7 @@ def _first_order(context: Context) -> tuple[Symbols, list[ca.SX]]:
     symbols = context.symbols(context.y, context.ydot, context.cj)
     eq = context.equations
     pairs = zip(eq.coordinates, eq.rates, strict=True)
-    kinematic = [symbols(sp.Symbol(f"{c.q}_t")) - symbols(rate) for c, rate in pairs]
+    kinematic = [symbols(state_rate(c.q)) - symbols(rate) for c, rate in pairs]
     return symbols, kinematic + [symbols(eq.sum_of(row.name)) for row in eq.rows]
 
 

@@ -5,27 +5,27 @@ from __future__ import annotations
 import casadi as ca
 import sympy as sp
 
-from derive.ir.expressions import Let
 from derive.ir.kernel import Kernel, Require, Section, Store
 from derive.ir.loops import Put, StoreAt, Substitute
 from derive.ir.patterns import pattern
 from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.functions import NOT_FINITE, PIVOT, VANISHING
 from derive.lowering.ldlt import elimination_order, factorise, solve
-from derive.lowering.loops.program import NOTHING, Program, Row, Scalar
+from derive.lowering.loops.program import NOTHING, Program, Row, Scalar, Target
 from derive.lowering.loops.tables import RIGID, SHAPE, Tables, output
 from derive.mechanics.indexed_equations import Total
+from derive.mechanics.symbols import Family, I, local, quantity
 
 
 def accel(tables: Tables) -> Kernel:
     """M vdot = -h by the Schur complement of the shapes, whose mass matrix c8 is constant: factorised in setup."""
     program = tables.program(tables.q, tables.v)
     coupled = tuple(tables.coupling)
-    b = {r: sp.Symbol(f"B_i_{r + 1}") for r in coupled}
-    h = sp.Symbol("h_i")
-    scalars: list[Scalar] = [(Let(f"h_{name}", NOTHING), tables.at_rest(tables.left[name])) for name in tables.rows]
+    b = {r: local("B", r + 1, shapes=(I,)) for r in coupled}
+    h = local("h", shapes=(I,))
+    scalars: list[Scalar] = [(local(f"h_{name}"), tables.at_rest(tables.left[name])) for name in tables.rows]
     places = [(r, c) for c in range(RIGID) for r in range(c, RIGID) if tables.mass_entry(r, c) != 0]
-    scalars += [(Let(f"M_{r + 1}{c + 1}", NOTHING), tables.mass_entry(r, c)) for r, c in places]
+    scalars += [(local("M", r + 1, c + 1), tables.mass_entry(r, c)) for r, c in places]
     rows: list[Row] = [(Put("h", NOTHING), tables.at_rest(tables.left[SHAPE]))] if tables.n else []
     rows += [(Put(f"B_{r + 1}", NOTHING), tables.coupling[r]) for r in coupled]
     program.phase("h and B", "(15)", "forces, and coupling of rigid motion and shapes", scalars, rows)
@@ -34,25 +34,25 @@ def accel(tables: Tables) -> Kernel:
     if tables.c8 == "full" and tables.n:
         program.sections.append(_substituted(tables, arrays, transposed=False))
     elif tables.c8 == "diagonal":
-        weight = 1 / sp.Symbol("c8_i")
+        weight = 1 / quantity(Family.C8, shapes=(I,))
     totals = [
-        Total(f"BB_{r + 1}{c + 1}", sp.S.Zero, weight * b[r] * b[c], "B^T c8^-1 B")
+        Total(local("BB", r + 1, c + 1), sp.S.Zero, weight * b[r] * b[c], "B^T c8^-1 B")
         for c in coupled
         for r in coupled
         if r >= c
     ]
-    totals += [Total(f"Bh_{r + 1}", sp.S.Zero, weight * b[r] * h, "B^T c8^-1 h") for r in coupled]
+    totals += [Total(local("Bh", r + 1), sp.S.Zero, weight * b[r] * h, "B^T c8^-1 h") for r in coupled]
     program.reduce(totals if tables.n else [])
     _rigid_accelerations(tables, program, places, coupled)
-    rest = h + sum((b[r] * sp.Symbol(str(tables.equations.rows[r].a)) for r in coupled), sp.S.Zero)
+    rest = h + sum((b[r] * tables.equations.rows[r].a for r in coupled), sp.S.Zero)
     if tables.n:
-        x = sp.Symbol("x_i")
+        x = local("x", shapes=(I,))
         program.phase("alphaddot", "(15)", "accelerations of the shapes", (), [(Put("x", NOTHING), -weight * rest)])
         if tables.c8 == "full":
             program.sections.append(_substituted(tables, ("x",), transposed=True))
         program.phase("vdot", "", "accelerations of the shapes", (), [(StoreAt("vdot", RIGID, 1, NOTHING), x)])
-        program.reduce([Total("shapes", sp.S.Zero, x, "what shows that all are finite")])
-    every = sp.Add(*(row.a for row in tables.equations.rows), *([sp.Symbol("shapes")] if tables.n else []))
+        program.reduce([Total(local("shapes"), sp.S.Zero, x, "what shows that all are finite")])
+    every = sp.Add(*(row.a for row in tables.equations.rows), *([local("shapes")] if tables.n else []))
     finite = Require("finite", NOTHING, NOT_FINITE, "an acceleration is not finite")
     program.scalars("check", "", "refuse what is not finite", [(finite, every)])
     names = tuple(str(row.a) for row in tables.equations.rows)
@@ -77,22 +77,22 @@ def _rigid_accelerations(
     schur = {(r, c) for r in coupled for c in coupled if r >= c}
     shape = pattern(RIGID, RIGID, schur | set(places), symmetric=True)
 
-    def make(symbols: Symbols) -> list[tuple[Let | Store | Require, ca.SX]]:
-        def known(name: str) -> ca.SX:
-            return symbols.values[sp.Symbol(name)]
+    def make(symbols: Symbols) -> list[tuple[Target, ca.SX]]:
+        def known(label: str, *components: int) -> ca.SX:
+            return symbols.values[local(label, *components)]
 
-        whole = {(r, c): known(f"M_{r + 1}{c + 1}") for r, c in places}
+        whole = {(r, c): known("M", r + 1, c + 1) for r, c in places}
         entries = dict(whole)
         for r, c in schur:
-            inner = known(f"BB_{r + 1}{c + 1}")
+            inner = known("BB", r + 1, c + 1)
             entries[r, c] = whole[r, c] - inner if (r, c) in whole else -inner
         right = [
-            -known(f"h_{name}") + (known(f"Bh_{r + 1}") if r in coupled else 0) for r, name in enumerate(tables.rows)
+            -known(f"h_{name}") + (known("Bh", r + 1) if r in coupled else 0) for r, name in enumerate(tables.rows)
         ]
         factors = factorise(shape, {entry: entries[entry] for entry in shape.entries})
         solution = solve(factors, right)
         margin = symbols.number(VANISHING)
-        wants: list[tuple[Let | Store | Require, ca.SX]] = [
+        wants: list[tuple[Target, ca.SX]] = [
             (
                 Require("positive", NOTHING, PIVOT, f"the pivot of {tables.rows[j]} vanished"),
                 pivot - margin * whole[j, j],
@@ -100,7 +100,7 @@ def _rigid_accelerations(
             for pivot, j in zip(factors.pivots, factors.order, strict=True)
         ]
         for r, x in enumerate(solution):
-            wants.append((Let(str(tables.equations.rows[r].a), NOTHING), x))
+            wants.append((tables.equations.rows[r].a, x))
             wants.append((Store("vdot", r, NOTHING), x))
         return wants
 

@@ -17,12 +17,13 @@ from derive.ir.kernel import Argument, Kernel, Output, Require, Section, Stateme
 from derive.ir.loops import Clear, Each, Pack, Packing, RequireAll, Root, Source, StoreAt, padded
 from derive.ir.model import Model, Variable, Zero
 from derive.lowering.flat.functions import NOT_FINITE, PIVOT
-from derive.mechanics.indexed_equations import GenericEquations, Table, indices, labels
+from derive.mechanics.indexed_equations import GenericEquations, Table
 from derive.mechanics.series import PARITY
+from derive.mechanics.symbols import Family
 from derive.roles import Role
 
 TABLES, TRIANGLE, ROOT = "tables", "c8_pairs", "root"
-PACKED = ("C5", "K", "c7", "B", "c8")
+PACKED = (Family.C5, Family.STIFFNESS, Family.C7, Family.DAMPING, Family.C8)
 
 
 @dataclass(frozen=True)
@@ -40,34 +41,29 @@ class Memory:
     triangle: str = TRIANGLE
 
 
-def component(name: str, label: str) -> str:
-    """The array or scalar of one component: C5_11, K."""
-    return f"{name}_{label}" if label else name
+def arrays(table: Table) -> tuple[str, ...]:
+    """The arrays or scalars of a table, one for each component: C5_11, C5_12, ...; K."""
+    return tuple(table.entry(component).name for component in table.components)
 
 
 def size(table: Table, n: int) -> int:
     """How many parameters a table has."""
     if table.kind in ("zero", "unit"):
         return 0
-    pairs = n * (n + PARITY.get(table.name, 1)) // 2
-    counts = {"": 1, "i": n, "ij": n if table.kind == "diagonal" else pairs}
-    return counts[indices(table.name)] * len(labels(table.name))
+    pairs = n * (n + PARITY.get(table.family, 1)) // 2
+    counts = (1, n, n if table.kind == "diagonal" else pairs)
+    return counts[table.counted] * len(table.components)
 
 
 def memory(eq: GenericEquations) -> Memory:
     """Lay out p and k."""
     n = eq.modes
     kept = [t for t in eq.tables if size(t, n)]
-    packed = [t for name in PACKED for t in kept if t.name == name and t.kind == "full"]
-    names = tuple(component(t.name, label) for t in packed for label in labels(t.name))
+    packed = [t for family in PACKED for t in kept if t.family is family and t.kind == "full"]
+    names = tuple(name for t in packed for name in arrays(t))
     packing = Packing(TABLES, n, names)
     views = [View(TABLES, 0, packing.size)] if names else []
-    vectors = [
-        component(t.name, label)
-        for t in kept
-        if t.kind == "diagonal" or indices(t.name) == "i"
-        for label in labels(t.name)
-    ]
+    vectors = [name for t in kept if t.kind == "diagonal" or t.counted == 1 for name in arrays(t)]
     place = packing.size if names else 0
     for name, length in [(v, padded(n)) for v in vectors] + _c8_arrays(eq):
         views.append(View(name, place, length))
@@ -77,8 +73,8 @@ def memory(eq: GenericEquations) -> Memory:
         number = c.value.is_Rational
         scalars[c.symbol] = Num(Fraction(int(c.value.p), int(c.value.q))) if number else Ref(str(c.symbol))
     for t in kept:
-        if indices(t.name) == "":
-            scalars |= {sp.Symbol(component(t.name, label)): Ref(component(t.name, label)) for label in labels(t.name)}
+        if not t.counted:
+            scalars |= {symbol: Ref(symbol.name) for symbol in t.generic_entries}
     elements = tuple(leaf.name for leaf in scalars.values() if isinstance(leaf, Ref))
     positions = tuple(range(place, place + len(elements)))
     argument = Argument("k", elements, "constants from setup", arrays=tuple(views), positions=positions)
@@ -87,7 +83,7 @@ def memory(eq: GenericEquations) -> Memory:
 
 def _c8_arrays(eq: GenericEquations) -> list[tuple[str, int]]:
     n = eq.modes
-    return [(TRIANGLE, n * (n + 1) // 2), (ROOT, n * n)] if n and eq.table("c8").kind == "full" else []
+    return [(TRIANGLE, n * (n + 1) // 2), (ROOT, n * n)] if n and eq.table(Family.C8).kind == "full" else []
 
 
 def _parameters(eq: GenericEquations, kept: list[Table]) -> tuple[Variable, ...]:
@@ -98,13 +94,13 @@ def _parameters(eq: GenericEquations, kept: list[Table]) -> tuple[Variable, ...]
 
 def _doc(table: Table) -> str:
     parts = [table.doc]
-    counted = indices(table.name)
-    if counted == "ij" and table.kind == "full":
-        parts.append("for i <= j by rows" if PARITY[table.name] > 0 else "for i < j by rows")
-    elif counted:
+    if table.counted == 2 and table.kind == "full":
+        parts.append("for i <= j by rows" if PARITY[table.family] > 0 else "for i < j by rows")
+    elif table.counted:
         parts.append("for each i")
-    if len(labels(table.name)) > 1:
-        parts.append(f"components {' '.join(labels(table.name))} together")
+    if len(table.components) > 1:
+        labels = ("".join(map(str, component)) for component in table.components)
+        parts.append(f"components {' '.join(labels)} together")
     return ", ".join(parts)
 
 
@@ -125,26 +121,26 @@ def copied(output: str, offset: int, source: str, count: int) -> Section:
 def setup(eq: GenericEquations, memory: Memory) -> Kernel:
     """p -> k: packing, and the Cholesky factor of c8 where it is full."""
     n = eq.modes
-    views = tuple(View(f"p_{t.name}", place, size(t, n)) for t, place in memory.sources if indices(t.name))
+    views = tuple(View(f"p_{t.name}", place, size(t, n)) for t, place in memory.sources if t.counted)
     elements, positions = _scalar_elements(eq, memory)
     p = Argument("p", elements, "parameters", arrays=views, positions=positions)
     k = memory.argument
     total = k.size
     body: list[Statement] = [Clear("k", total)]
     sources = [
-        Source(component(t.name, label), f"p_{t.name}", c, len(labels(t.name)), PARITY[t.name])
+        Source(name, f"p_{t.name}", c, len(t.components), PARITY[t.family])
         for t, _ in memory.sources
-        if t.name in PACKED and t.kind == "full"
-        for c, label in enumerate(labels(t.name))
+        if t.family in PACKED and t.kind == "full"
+        for c, name in enumerate(arrays(t))
     ]
     ordered = tuple(s for name in memory.packing.tables for s in sources if s.table == name)
     body += [Pack(memory.packing, "k", ordered)] if ordered else []
     places = {view.name: view.offset for view in k.arrays}
     rows = [
-        StoreAt("k", places[component(t.name, label)], 1, At(f"p_{t.name}", "i", len(labels(t.name)), c))
+        StoreAt("k", places[name], 1, At(f"p_{t.name}", "i", len(t.components), c))
         for t, _ in memory.sources
-        if indices(t.name) == "i" or t.kind == "diagonal"
-        for c, label in enumerate(labels(t.name))
+        if t.counted == 1 or t.kind == "diagonal"
+        for c, name in enumerate(arrays(t))
     ]
     body += [Each(n, tuple(rows))] if rows else []
     values: dict[str, Expr] = {str(c.symbol): Ref(f"p_{c.value}") for c in eq.scalars}
@@ -175,8 +171,8 @@ def _scalar_elements(eq: GenericEquations, memory: Memory) -> tuple[tuple[str, .
     found = [(f"p_{eq.parameters[0].symbol}", 0)]
     end = 1
     for t, place in memory.sources:
-        if not indices(t.name):
-            found += [(f"p_{component(t.name, label)}", place + c) for c, label in enumerate(labels(t.name))]
+        if not t.counted:
+            found += [(f"p_{name}", place + c) for c, name in enumerate(arrays(t))]
         end = place + size(t, eq.modes)
     found += [(f"p_{q.symbol}", end + c) for c, q in enumerate(eq.parameters[1:])]
     return tuple(name for name, _ in found), tuple(place for _, place in found)
@@ -190,7 +186,7 @@ def model(eq: GenericEquations, memory: Memory, kernels: tuple[Kernel, ...], zer
         """An array, whose elements are numbered where they are told apart; one alone has its number itself."""
         return (Variable(f"{name}1" if n == 1 else name, doc, unit, 0.0, n, role),) if n else ()
 
-    told = {component(t.name, label): t for t in eq.tables for label in labels(t.name)}
+    told = {name: t for t in eq.tables for name in arrays(t)}
     docs = {name: (t.doc, t.unit) for name, t in told.items()}
     docs |= {str(c.symbol): (c.doc, c.unit) for c in eq.scalars}
     docs |= {TABLES: (", ".join(memory.packing.tables), ""), TRIANGLE: ("c8 for i <= j", "kg"), ROOT: ("of c8", "")}
@@ -225,9 +221,9 @@ def _data(eq: GenericEquations, memory: Memory) -> tuple[tuple[int, float], ...]
     n, end = eq.modes, 1
     found = [(0, eq.parameters[0].default)]
     for t, place in memory.sources:
-        if t.name == "C3":
-            found += [(place + k, 1.0) for k, label in enumerate(labels("C3")) if label[0] == label[1]]
-        elif t.name in ("c8", "K"):
+        if t.family is Family.C3:
+            found += [(place + k, 1.0) for k, (a, b) in enumerate(t.components) if a == b]
+        elif t.family in (Family.C8, Family.STIFFNESS):
             diagonal = range(n) if t.kind == "diagonal" else (i * n - i * (i - 1) // 2 for i in range(n))
             found += [(place + k, 1.0) for k in diagonal]
         end = place + size(t, n)

@@ -6,8 +6,7 @@ the mean frame), or is a unit or diagonal matrix, is known here and costs nothin
 
 from __future__ import annotations
 
-import sympy as sp
-
+from derive.ir.expressions import Ref
 from derive.ir.kernel import Argument, Kernel, Output, Store
 from derive.ir.loops import StoreAt
 from derive.ir.model import Model, Zero
@@ -16,9 +15,10 @@ from derive.lowering.loops import data_layout as store
 from derive.lowering.loops.accelerations import accel
 from derive.lowering.loops.iteration_matrix import jacobian
 from derive.lowering.loops.program import NOTHING, Row, Scalar
-from derive.lowering.loops.tables import ALPHADOT, RIGID, SHAPE, Tables, output, row_labels
+from derive.lowering.loops.tables import RIGID, SHAPE, Tables, output, row_labels
 from derive.mechanics.indexed_equations import GenericEquations, GenericPoint
 from derive.mechanics.spatial import AXES
+from derive.mechanics.symbols import Family, I, amplitude, quantity, state_rate
 from derive.mechanics.virtual_work_equations import TRANSLATIONS
 
 
@@ -105,7 +105,7 @@ def _momentum(tables: Tables) -> Kernel:
 def _rates(tables: Tables) -> Kernel:
     program = tables.program(tables.q, tables.v)
     wants: list[Scalar] = [(Store("qdot", k, NOTHING), rate) for k, rate in enumerate(tables.equations.rates)]
-    rows: list[Row] = [(StoreAt("qdot", RIGID + 1, 1, NOTHING), sp.Symbol(f"{ALPHADOT}_i"))]
+    rows: list[Row] = [(StoreAt("qdot", RIGID + 1, 1, NOTHING), amplitude(I, 1))]
     program.phase("rates", "(1)", "from Qdot = Q (omega x)", wants, rows)
     labels = (*(f"{name}_t" for name in tables.q.elements), *([f"alpha1_t .. alpha{tables.n}_t"] if tables.n else []))
     values = output("qdot", "time derivative of q", labels, RIGID + 1 + tables.n)
@@ -116,7 +116,7 @@ def _rates(tables: Tables) -> Kernel:
 def _marker(tables: Tables, point: GenericPoint) -> Kernel:
     """Position, velocity and Jacobian of a material point, full columns of three."""
     program = tables.program(tables.q, tables.v)
-    program.totals |= {sp.Symbol(t.name): t for t in point.totals}
+    program.totals |= {t.symbol: t for t in point.totals}
     scalars: list[Scalar] = [(Store("x", k, NOTHING), e) for k, e in enumerate(point.position)]
     scalars += [(Store("xdot", k, NOTHING), e) for k, e in enumerate(point.velocity)]
     groups, place = [], 0
@@ -143,8 +143,10 @@ def _marker(tables: Tables, point: GenericPoint) -> Kernel:
 
 def _load(tables: Tables, point: GenericPoint) -> Kernel:
     force = Argument("F", tuple(f"F_{k}" for k in AXES), "force at the marker, in the inertial base [N]")
-    program = tables.program(tables.q, force)
-    program.totals |= {sp.Symbol(t.name): t for t in point.totals}
+    components = tuple(quantity(Family.FORCE, k) for k in AXES)
+    program = tables.program(tables.q)
+    program.known |= {symbol: Ref(symbol.name) for symbol in components}
+    program.totals |= {t.symbol: t for t in point.totals}
     program.definitions += point.force
     wants: list[Scalar] = [(Store("f", r, NOTHING), e) for r, e in enumerate(point.load)]
     rows: list[Row] = [(StoreAt("f", RIGID, 1, NOTHING), point.shape_load)]
@@ -162,12 +164,12 @@ def _residual(tables: Tables) -> Kernel:
     program = tables.program(tables.y, tables.ydot)
     first = RIGID + 1 + n
     scalars: list[Scalar] = [
-        (Store("F", k, NOTHING), sp.Symbol(f"{name}_t") - rate)
-        for k, (name, rate) in enumerate(zip(tables.q.elements, eq.rates, strict=True))
+        (Store("F", k, NOTHING), state_rate(q) - rate)
+        for k, (q, rate) in enumerate(zip(tables.elements["q"], eq.rates, strict=True))
     ]
     scalars += [(Store("F", first + r, NOTHING), tables.left[name]) for r, name in enumerate(tables.rows)]
     rows: list[Row] = [
-        (StoreAt("F", RIGID + 1, 1, NOTHING), sp.Symbol("alpha_t_i") - sp.Symbol(f"{ALPHADOT}_i")),
+        (StoreAt("F", RIGID + 1, 1, NOTHING), state_rate(amplitude(I)) - amplitude(I, 1)),
         (StoreAt("F", first + RIGID, 1, NOTHING), tables.left[SHAPE]),
     ]
     program.phase("F", "(15)", "qdot less its value from v, then M vdot + h", scalars, rows)
@@ -182,11 +184,16 @@ def _zeros(tables: Tables) -> tuple[Zero, ...]:
     eq = tables.equations
     found = [Zero("M[c, c] off the diagonal", TRANSLATIONS)]
     if all(tables.mass_entry(r, c) == 0 for r in (3, 4, 5) for c in (0, 1, 2)):
-        found.append(Zero("M[pi, c]", "; ".join(f"{t.name} = 0 by {t.zero}" for t in map(eq.table, ("c1", "c2")))))
+        found.append(Zero("M[pi, c]", _vanished(eq, Family.C1, Family.C2)))
     if tables.n and not any(r in tables.coupling for r in (0, 1, 2)):
-        found.append(Zero("M[alpha, c]", f"c2 = 0 by {eq.table('c2').zero}"))
+        found.append(Zero("M[alpha, c]", _vanished(eq, Family.C2)))
     if tables.n and not any(r in tables.coupling for r in (3, 4, 5)):
-        found.append(Zero("M[alpha, pi]", "; ".join(f"{t.name} = 0 by {t.zero}" for t in map(eq.table, ("c6", "c7")))))
+        found.append(Zero("M[alpha, pi]", _vanished(eq, Family.C6, Family.C7)))
     if tables.n > 1 and tables.c8 != "full":
-        found.append(Zero("M[alpha, alpha] off the diagonal", eq.table("c8").zero))
+        found.append(Zero("M[alpha, alpha] off the diagonal", eq.table(Family.C8).zero))
     return tuple(found)
+
+
+def _vanished(eq: GenericEquations, *families: Family) -> str:
+    """Why tables vanish."""
+    return "; ".join(f"{t.name} = 0 by {t.zero}" for t in map(eq.table, families))

@@ -10,17 +10,19 @@ from derive.ir.kernel import Kernel, Store
 from derive.ir.loops import Pairs, StoreAt
 from derive.ir.patterns import Columns, Piece, block_pattern
 from derive.lowering.loops.program import NOTHING, Row, Scalar
-from derive.lowering.loops.tables import ALPHA, ALPHADDOT, ALPHADOT, RIGID, SHAPE, Tables, output
+from derive.lowering.loops.tables import CJ, RIGID, SHAPE, Tables, output
+from derive.mechanics.series import ALPHA, ALPHADDOT, ALPHADOT
+from derive.mechanics.symbols import Symbol
 
 
 def jacobian(tables: Tables) -> Kernel:
     """dF/dy + cj dF/dydot in closed form: derivatives of sums are sums again."""
     columns = _Columns(tables)
-    for k, name in enumerate(tables.q.elements):
-        columns.coordinate(k, name)
-    columns.shapes(ALPHA, None, sp.Symbol("cj"))
+    for k, q in enumerate(tables.elements["q"]):
+        columns.coordinate(k, q)
+    columns.shapes(ALPHA, None, CJ)
     for r, row in enumerate(tables.equations.rows):
-        columns.rate(r, str(row.v), row.a)
+        columns.rate(r, row.v, row.a)
     columns.shapes(ALPHADOT, ALPHADDOT, -sp.S.One)
     program = tables.program(tables.y, tables.ydot, tables.cj)
     doc = "derivatives of the residual"
@@ -47,19 +49,17 @@ class _Columns:
         self.place = 0
         self.first = RIGID + 1 + tables.n
 
-    def coordinate(self, k: int, name: str) -> None:
+    def coordinate(self, k: int, symbol: sp.Symbol) -> None:
         """The column of c1 .. c3, e0 .. e3."""
-        symbol, cj = sp.Symbol(name), sp.Symbol("cj")
         kinematic = [
-            (r, -rate.diff(symbol) + (cj if r == k else 0)) for r, rate in enumerate(self.tables.equations.rates)
+            (r, -rate.diff(symbol) + (CJ if r == k else 0)) for r, rate in enumerate(self.tables.equations.rates)
         ]
         self._single(kinematic, lambda e: self._total(e, symbol))
 
-    def rate(self, r: int, name: str, acceleration: sp.Symbol) -> None:
+    def rate(self, r: int, symbol: sp.Symbol, acceleration: sp.Symbol) -> None:
         """The column of a rigid rate."""
-        symbol, cj = sp.Symbol(name), sp.Symbol("cj")
         kinematic = [(k, -rate.diff(symbol)) for k, rate in enumerate(self.tables.equations.rates)]
-        self._single(kinematic, lambda e: self._total(e, symbol) + cj * e.diff(acceleration))
+        self._single(kinematic, lambda e: self._total(e, symbol) + CJ * e.diff(acceleration))
 
     def _total(self, expr: sp.Expr, symbol: sp.Symbol) -> sp.Expr:
         """A derivative, through the definitions as well."""
@@ -83,23 +83,23 @@ class _Columns:
             pieces.append(Piece("range", self.first + RIGID, self.tables.n))
         self.groups.append(Columns(1, tuple(pieces)))
 
-    def shapes(self, vector: str, acceleration: str | None, kinematic: sp.Expr) -> None:
+    def shapes(self, factor: Symbol, acceleration: Symbol | None, kinematic: sp.Expr) -> None:
         """The columns of alpha or alphadot."""
-        tables, n, cj = self.tables, self.tables.n, sp.Symbol("cj")
+        tables, n = self.tables, self.tables.n
         if not n:
             return
         gradient = tables.gradient
 
         def of(expr: sp.Expr) -> sp.Expr:
-            accelerated = cj * gradient.of_scalar(expr, acceleration) if acceleration else 0
-            return sp.expand(gradient.of_scalar(expr, vector) + accelerated)
+            accelerated = CJ * gradient.of_scalar(expr, acceleration) if acceleration else 0
+            return sp.expand(gradient.of_scalar(expr, factor) + accelerated)
 
         rigid = [(self.first + r, of(tables.left[name])) for r, name in enumerate(tables.rows)]
         entries = [(row, e) for row, e in rigid if e != 0]
-        full, diagonal = gradient.of_row(tables.left[SHAPE], vector)
+        full, diagonal = gradient.of_row(tables.left[SHAPE], factor)
         if acceleration:
             more, below = gradient.of_row(tables.left[SHAPE], acceleration)
-            full, diagonal = sp.expand(full + cj * more), sp.expand(diagonal + cj * below)
+            full, diagonal = sp.expand(full + CJ * more), sp.expand(diagonal + CJ * below)
         block = Piece("range", self.first + RIGID, n) if full != 0 else Piece("diagonal", self.first + RIGID)
         stride = 1 + len(entries) + (n if full != 0 else 1)
         self.rows.append((StoreAt("jac", self.place, stride, NOTHING), kinematic))

@@ -20,12 +20,16 @@ from derive.ir.loops import Contract, Each, Lane, Packing, Pairs, Put, Reduce, S
 from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.graph import Constants, Graph
 from derive.lowering.flat.schedule import Named, Step, Stored, Want, schedule
-from derive.mechanics.equations import Definition
-from derive.mechanics.indexed_equations import Contraction, Total, is_indexed
+from derive.mechanics.equations import Definition, rotation_symbols
+from derive.mechanics.indexed_equations import Contraction, Total
 from derive.mechanics.series import canonical
+from derive.mechanics.symbols import I, Symbol, amplitude, identity, is_indexed, local
 
-Scalar = tuple[Let | Store | Require, sp.Expr]
-"""Where a scalar goes, by a statement whose expression is replaced, and its value."""
+Target = Symbol | Store | Require
+"""Where a scalar goes: a symbol that is known from then on, or a statement whose expression is replaced."""
+
+Scalar = tuple[Target, sp.Expr]
+"""A scalar: where it goes, and its value."""
 
 Row = tuple[Put | StoreAt, sp.Expr]
 """Where an expression of index i goes, likewise."""
@@ -49,38 +53,39 @@ class Program:
         self.packing = packing
         self.known: dict[sp.Symbol, Num | Ref] = dict(known)
         self.definitions = [d for d in definitions if not d.zero]
-        self.contractions = {sp.Symbol(c.name): c for c in contractions}
-        self.totals = {sp.Symbol(t.name): t for t in totals}
+        self.contractions = {c.symbol: c for c in contractions}
+        self.totals = {t.symbol: t for t in totals}
         self.sections: list[Section] = []
-        self._arrays: set[str] = set()
+        self._arrays: set[sp.Symbol] = set()
         self._temporaries = (f"t{k}" for k in count(1))
-        self._factors: dict[sp.Expr, sp.Symbol] = {}
+        self._factors: dict[sp.Expr, Symbol] = {}
 
     def sums(self, exprs: Iterable[sp.Expr]) -> None:
         """Compute the contractions and the totals that expressions are made of."""
         symbols = _symbols(exprs)
         totals = [t for s, t in self.totals.items() if s in symbols and s not in self.known]
         inside = symbols | _symbols(e for t in totals for e in (t.base, t.term))
-        self._contract([c for s, c in self.contractions.items() if s in inside and c.name not in self._arrays])
+        self._contract([c for s, c in self.contractions.items() if s in inside and s not in self._arrays])
         self.reduce(totals)
 
     def _contract(self, contractions: list[Contraction]) -> None:
         lanes = []
         for c in contractions:
-            self._arrays.add(c.name)
-            pairs = tuple((self._vector(vector, entry), array(canonical(entry))) for vector, entry in c.sums)
-            lanes.append(Lane(array(c.name), array(str(c.base)) if c.base != 0 else "", pairs))
+            self._arrays.add(c.symbol)
+            pairs = tuple((self._vector(factor, entry), array(canonical(entry))) for factor, entry in c.sums)
+            lanes.append(Lane(array(c.symbol), array(c.base) if c.base != 0 else "", pairs))
         if lanes:
             section = Section("tables", "appendix", _said(contractions), (Contract(self.packing, tuple(lanes)),))
             self.sections.append(section)
 
-    def _vector(self, vector: str, entry: str) -> str:
+    def _vector(self, factor: Symbol, entry: Symbol) -> str:
         """The factor of a table; of an odd table with its indices exchanged, the factor with its sign changed."""
+        vector = array(factor)
         if canonical(entry) == entry:
             return vector
         name = f"minus_{vector}"
-        if name not in self._arrays:
-            self._arrays.add(name)
+        if local(name) not in self._arrays:
+            self._arrays.add(local(name))
             turned = Put(name, Op("neg", (At(vector, "i"),)))
             self.sections.append(Section(name, "", f"{vector} with its sign changed", (self._each((turned,)),)))
         return name
@@ -94,19 +99,19 @@ class Program:
         lets = tuple(item for item in body if isinstance(item, Let))
         terms = [item.expr for item in body if not isinstance(item, Let)]
         bases: list[Leaf] = [NOTHING if t.base == 0 else self.known[t.base] for t in totals]
-        sums = tuple(Sum(t.name, base, term) for t, base, term in zip(totals, bases, terms, strict=True))
+        sums = tuple(Sum(t.symbol.name, base, term) for t, base, term in zip(totals, bases, terms, strict=True))
         loop = Reduce(self.packing.count, lets, sums)
         self.sections.append(Section("sums", "appendix", _said(totals), (loop,)))
-        self.known |= {sp.Symbol(t.name): Ref(t.name) for t in totals}
+        self.known |= {t.symbol: Ref(t.symbol.name) for t in totals}
 
     def scalars(self, name: str, equation: str, doc: str, wants: Iterable[Scalar]) -> None:
-        """Compute scalars in straight line, with the definitions that they need; a `Let` is known from then on."""
+        """Compute scalars in straight line, with the definitions that they need; symbols are known from then on."""
         wants = tuple(wants)
         if wants:
             self.straight(name, equation, doc, lambda symbols: [(t, symbols(expr)) for t, expr in wants])
 
     def straight(
-        self, name: str, equation: str, doc: str, make: Callable[[Symbols], list[tuple[Let | Store | Require, ca.SX]]]
+        self, name: str, equation: str, doc: str, make: Callable[[Symbols], list[tuple[Target, ca.SX]]]
     ) -> None:
         """Like `scalars`, of what `make` makes of the symbols."""
         symbols = Symbols(early=frozenset(), late=self._rotation())
@@ -124,9 +129,9 @@ class Program:
         wants = make(symbols)
         stored: list[Want] = []
         for k, (target, value) in enumerate(wants):
-            stored += [Named(target.name, value)] if isinstance(target, Let) else []
+            stored += [Named(target.name, value)] if isinstance(target, Symbol) else []
             stored.append(Stored("", k, value))
-        targets = [target for target, _ in wants]
+        targets = [Let(t.name, NOTHING) if isinstance(t, Symbol) else t for t, _ in wants]
         for section in schedule(
             Graph(Constants(frozenset())),
             symbols,
@@ -139,10 +144,10 @@ class Program:
             names = {item.name for item in section.body if isinstance(item, Let)}
             self.known |= {d.symbol: Ref(str(d.symbol)) for d in self.definitions if str(d.symbol) in names}
             self.sections.append(Section(section.name, section.equation, section.doc, body))
-        self.known |= {sp.Symbol(t.name): Ref(t.name) for t in targets if isinstance(t, Let)}
+        self.known |= {t: Ref(t.name) for t, _ in wants if isinstance(t, Symbol)}
 
     def _rotation(self) -> frozenset[sp.Symbol]:
-        return frozenset(d.symbol for d in self.definitions if d.section == "Q")
+        return rotation_symbols(self.definitions)
 
     def phase(
         self,
@@ -160,7 +165,7 @@ class Program:
         lines = [(target, self.linear(expr)) for target, expr in rows]
         blocks = [(loop, self.linear(full), self.linear(diagonal)) for loop, full, diagonal in pairs]
         fresh = list(self._factors.items())[before:]
-        factors: list[Scalar] = [(Let(str(symbol), NOTHING), expr) for expr, symbol in fresh]
+        factors: list[Scalar] = [(symbol, expr) for expr, symbol in fresh]
         self.scalars(name, equation, doc, (*factors, *scalars))
         loops: list[Statement] = []
         if lines and self.packing.count:
@@ -200,7 +205,7 @@ class Program:
         if expr.is_Rational or expr in self.known:
             return expr
         if expr not in self._factors:
-            own = sp.Symbol(f"f{len(self._factors) + 1}")
+            own = local(f"f{len(self._factors) + 1}")
             self._factors[expr] = expr if any(d.symbol == expr for d in self.definitions) else own
         return self._factors[expr]
 
@@ -211,7 +216,7 @@ class Program:
         """The body of a loop over i."""
         symbols = Symbols(early=frozenset(self.known), late=frozenset())
         for symbol in sorted(_symbols(e for _, e in rows), key=str):
-            symbols.input(symbol, At(array(str(symbol)), "i") if is_indexed(symbol) else self.known[symbol])
+            symbols.input(symbol, At(array(symbol), "i") if is_indexed(symbol) else self.known[symbol])
         stored = tuple(Stored("", k, symbols(expr)) for k, (_, expr) in enumerate(rows))
         step = Step("loop", "", "", stored)
         (section,) = schedule(Graph(Constants(frozenset())), symbols, (), (step,), self._temporaries)
@@ -231,14 +236,14 @@ class Program:
         return item.expr
 
 
-def array(name: str) -> str:
+def array(symbol: sp.Basic) -> str:
     """What an indexed quantity is called as an array: S_i_11 is S_11."""
-    return "_".join(part for part in name.split("_") if part not in ("i", "j"))
+    return replace(identity(symbol), shapes=()).name
 
 
 def by_vector(term: sp.Expr) -> sp.Expr:
     """alpha_i a + alpha_i b as alpha_i (a + b)."""
-    vectors = sp.symbols("alpha_i alphadot_i alphaddot_i")
+    vectors = [amplitude(I, derivative) for derivative in range(3)]
     grouped: dict[sp.Expr, list[sp.Expr]] = {}
     for part in sp.Add.make_args(sp.expand(term)):
         first = next((v for v in vectors if v in part.free_symbols), sp.S.One)
@@ -247,8 +252,7 @@ def by_vector(term: sp.Expr) -> sp.Expr:
 
 
 def _pair_leaf(symbol: sp.Symbol) -> Leaf:
-    parts = symbol.name.split("_")
-    return Entry(array(symbol.name)) if {"i", "j"} <= set(parts) else At(array(symbol.name), "i")
+    return Entry(array(symbol)) if len(identity(symbol).shapes) == 2 else At(array(symbol), "i")
 
 
 def _targeted(item: Statement, targets: Sequence[Place]) -> Place:
@@ -283,6 +287,6 @@ def _said(sums: Iterable[Contraction | Total]) -> str:
     """`S_i = ...` once for all components."""
     said: dict[str, str] = {}
     for s in sums:
-        stem = "_".join(part for part in s.name.split("_") if not part.isdigit())
-        said.setdefault(stem, s.doc.split(" . e")[0])
+        stem = replace(s.symbol.identity, components=()).name
+        said.setdefault(stem, s.doc)
     return "; ".join(f"{stem} = {doc}" for stem, doc in said.items())

@@ -11,12 +11,17 @@ from derive.ir.kernel import Argument, Output, Section, Store, View
 from derive.ir.loops import StoreAt
 from derive.ir.patterns import Columns, Pattern, Piece, block_pattern
 from derive.lowering.loops import data_layout as store
-from derive.lowering.loops.program import NOTHING, Program, Row, Scalar
+from derive.lowering.loops.program import NOTHING, Program, Row, Scalar, array
 from derive.mechanics.gradient import Gradient
 from derive.mechanics.indexed_equations import GenericEquations
+from derive.mechanics.series import ALPHADDOT
+from derive.mechanics.symbols import Family, I, amplitude, local, quantity, state_rate, t
 
-ALPHA, ALPHADOT, ALPHADDOT = "alpha", "alphadot", "alphaddot"
+ALPHAS = tuple(array(amplitude(I, derivative)) for derivative in range(3))
+"""The arrays of the amplitudes, their velocities and their accelerations."""
 SHAPE = "alpha_i"
+CJ = local("cj")
+"""The factor of dF/dydot in the iteration matrix."""
 RIGID = 6
 """Rows before those of the shapes; coordinates are one more, a quaternion."""
 
@@ -29,25 +34,26 @@ class Tables:
         self.n = eq.modes
         self.gradient = Gradient(eq)
         self.rows = tuple(row.name for row in eq.rows)
-        positions = tuple(str(c.q) for c in eq.coordinates[:7])
-        rates, accelerations = tuple(str(r.v) for r in eq.rows), tuple(str(r.a) for r in eq.rows)
+        q, v, a = tuple(c.q for c in eq.coordinates[:7]), tuple(r.v for r in eq.rows), tuple(r.a for r in eq.rows)
+        self.elements = {"t": (t,), "q": q, "v": v, "cj": (CJ,), "y": q + v, "ydot": (*map(state_rate, q), *a)}
+        positions, rates, accelerations = (tuple(s.name for s in symbols) for symbols in (q, v, a))
         n, coordinates = self.n, len(positions)
         self.t = Argument("t", (), "time (a free body does not depend on it)", scalar=True)
-        self.q = Argument("q", positions, "generalized coordinates", arrays=(View(ALPHA, coordinates, n),))
-        self.v = Argument("v", rates, "rates", arrays=(View(ALPHADOT, RIGID, n),))
+        self.q = Argument("q", positions, "generalized coordinates", arrays=(View(ALPHAS[0], coordinates, n),))
+        self.v = Argument("v", rates, "rates", arrays=(View(ALPHAS[1], RIGID, n),))
         behind = tuple(range(coordinates)) + tuple(range(coordinates + n, coordinates + n + RIGID))
         self.y = Argument(
             "y",
             positions + rates,
             "first-order state [q; v]",
-            arrays=(View(ALPHA, coordinates, n), View(ALPHADOT, coordinates + n + RIGID, n)),
+            arrays=(View(ALPHAS[0], coordinates, n), View(ALPHAS[1], coordinates + n + RIGID, n)),
             positions=behind,
         )
         self.ydot = Argument(
             "ydot",
-            tuple(f"{name}_t" for name in positions) + accelerations,
+            tuple(state_rate(symbol).name for symbol in q) + accelerations,
             "time derivative of y",
-            arrays=(View("alpha_t", coordinates, n), View(ALPHADDOT, coordinates + n + RIGID, n)),
+            arrays=(View("alpha_t", coordinates, n), View(ALPHAS[2], coordinates + n + RIGID, n)),
             positions=behind,
         )
         self.cj = Argument("cj", (), "factor of dF/dydot", scalar=True)
@@ -60,18 +66,15 @@ class Tables:
         """An empty kernel that reads these arguments."""
         known: dict[sp.Symbol, Num | Ref] = dict(self.memory.scalars)
         for a in arguments:
-            names = (a.name,) if a.scalar else a.elements
-            known |= {sp.Symbol(name): Ref(name) for name in names}
+            known |= {symbol: Ref(symbol.name) for symbol in self.elements[a.name]}
         eq = self.equations
         return Program(self.memory.packing, known, eq.definitions, self.gradient.contractions, eq.totals)
 
     def at_rest(self, expr: sp.Expr) -> sp.Expr:
         """An expression without what the accelerations do."""
-        gone = {row.a: sp.S.Zero for row in self.equations.rows} | {sp.Symbol(f"{ALPHADDOT}_i"): sp.S.Zero}
-        gone |= {sp.Symbol(t.name): sp.S.Zero for t in self.equations.totals if t.term.has(sp.Symbol("alphaddot_i"))}
-        gone |= {
-            sp.Symbol(c.name): sp.S.Zero for c in self.gradient.contractions if c.sums and c.sums[0][0] == ALPHADDOT
-        }
+        gone = {row.a: sp.S.Zero for row in self.equations.rows} | {amplitude(I, 2): sp.S.Zero}
+        gone |= {s.symbol: sp.S.Zero for s in self.equations.totals if s.term.has(amplitude(I, 2))}
+        gone |= {c.symbol: sp.S.Zero for c in self.gradient.contractions if c.sums and c.sums[0][0] == ALPHADDOT}
         return expr.xreplace(gone)
 
     def mass_entry(self, row: int, column: int) -> sp.Expr:
@@ -86,7 +89,7 @@ class Tables:
     @property
     def c8(self) -> str:
         """What the mass matrix of the shapes is: full, diagonal or unit."""
-        return self.equations.table("c8").kind
+        return self.equations.table(Family.C8).kind
 
     def mass_pattern(self) -> Pattern:
         """The lower triangle of the mass matrix."""
@@ -119,7 +122,7 @@ class Tables:
         return scalars, rows
 
     def _c8_diagonal(self) -> sp.Expr:
-        return sp.Symbol("c8_i") if self.c8 == "diagonal" else sp.S.One
+        return quantity(Family.C8, shapes=(I,)) if self.c8 == "diagonal" else sp.S.One
 
     def force_wants(self, output: str = "h") -> tuple[list[Scalar], list[Row]]:
         """h, row by row."""

@@ -16,6 +16,7 @@ from derive.mechanics.integrals import Value, coefficients
 from derive.mechanics.planar import planar_motion
 from derive.mechanics.points import MaterialPoint
 from derive.mechanics.reference_conditions import assumed_shapes, integral, xi
+from derive.mechanics.symbols import Family, Identity, Symbol, pair
 from derive.mechanics.virtual_work_equations import Body, equations
 from derive.spec.model.body import Marker, Parameter, PlanarBeam, Polynomial
 
@@ -72,7 +73,8 @@ def section_turns(marker: Marker, beam: PlanarBeam, pieces: int = 1) -> tuple[Co
         slope = _poly(shape).diff(xi).eval(at)
         zero = None if slope else "these shapes (no slope there)"
         doc = f"rotation of the section at marker {marker.name} for a unit of shape {i}: d phi_{i}/dx"
-        found.append(Coefficient(sp.Symbol(f"turn_{marker.name}_{i}"), 2 * slope / length, "(21)", doc, "1/m", zero))
+        symbol = Symbol(Identity(Family.SECTION_ROTATION, shapes=(i,), point=marker.name))
+        found.append(Coefficient(symbol, 2 * slope / length, "(21)", doc, "1/m", zero))
     return tuple(found)
 
 
@@ -143,7 +145,7 @@ def _stiffness(shapes: tuple[Polynomial, ...], length: sp.Expr, bending: sp.Expr
             zero = None if value else PARITY if odd else ORTHOGONAL
             doc = f"stiffness: int EI (d2 phi_{i}/dx2) (d2 phi_{j}/dx2) dx"
             expr = bending * dxi_dx**4 * dx_dxi * value
-            found.append(Coefficient(sp.Symbol(f"K_{i}_{j}"), expr, "(22)", doc, "N/m", zero))
+            found.append(Coefficient(pair(Family.STIFFNESS, i, j), expr, "(22)", doc, "N/m", zero))
     return tuple(found)
 
 
@@ -151,7 +153,7 @@ def beam_point(marker: Marker, beam: PlanarBeam, pieces: int = 1) -> MaterialPoi
     """A point of the beam, or of one of its pieces, of which the marker then is."""
     shapes, length = assumed_shapes(beam.ansatz, beam.frame, beam.orthogonal), quantity.value(beam.length) / pieces
     at = sp.Rational(marker.at)
-    position = sp.Symbol(f"X_{marker.name}")
+    position = Symbol(Identity(Family.POINT_POSITION, point=marker.name))
     zero = None if at else "the choice of O (the marker is there)"
     doc = f"reference position of marker {marker.name}"
     return MaterialPoint(

@@ -10,6 +10,7 @@ from derive.mechanics.equations import Coefficient
 from derive.mechanics.integrals import Value, coefficients
 from derive.mechanics.planar import planar_motion
 from derive.mechanics.points import MaterialPoint
+from derive.mechanics.symbols import Family, Identity, Symbol
 from derive.mechanics.virtual_work_equations import Body
 
 AT_CENTRE = "the choice of O (the centre of mass)"
@@ -62,7 +63,7 @@ def rigid_body(
 
 def rigid_point(name: str, position: sp.Matrix) -> MaterialPoint:
     """A point of a rigid body at `position` from O."""
-    symbols = [sp.Symbol(f"X_{name}_{k}") for k in (1, 2)]
+    symbols = [Symbol(Identity(Family.POINT_POSITION, components=(k,), point=name)) for k in (1, 2)]
     found = tuple(
         Coefficient(s, sp.expand(x), "(24)", f"X . e{k} of {name}", "m", None if x else "the choice of O")
         for k, (s, x) in enumerate(zip(symbols, position, strict=True), 1)

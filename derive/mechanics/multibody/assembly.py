@@ -32,8 +32,9 @@ from derive.mechanics.multibody.constraints import constraints, drive_motion
 from derive.mechanics.multibody.instances import Placed, placed
 from derive.mechanics.multibody.joint_elimination import Reduced, ground, reduced
 from derive.mechanics.multibody.point_motion import PointMotion
-from derive.mechanics.multibody.time_functions import function, t
+from derive.mechanics.multibody.time_functions import function
 from derive.mechanics.reference_conditions import assumed_shapes
+from derive.mechanics.symbols import Symbol, element, t
 from derive.mechanics.virtual_work_equations import equations as equations_of
 from derive.spec.model.body import Parameter, Quantity
 from derive.spec.model.scene import (
@@ -179,7 +180,9 @@ class _Assembly:
             found.append(actions.torque(torque, self._at(self._place(torque.at)), against, rows))
         for spring in scene.springs:
             constants = tuple(
-                self._constant(f"{spring.name}_{what}", getattr(spring, what), f"{what} of spring {spring.name}", unit)
+                self._constant(
+                    element(spring.name, what), getattr(spring, what), f"{what} of spring {spring.name}", unit
+                )
                 for what, unit in SPRING_UNITS[spring.kind].items()
             )
             ends = self._at(self._place(spring.first)), self._at(self._place(spring.second))
@@ -196,7 +199,7 @@ class _Assembly:
         doc = "point of the ground along e"
         return {
             p.name: sp.Matrix(
-                [self._constant(f"ground_{p.name}_{k}", x, f"{doc}{k}", "m") for k, x in enumerate((p.x, p.y), 1)]
+                [self._constant(element(GROUND, p.name, k), x, f"{doc}{k}", "m") for k, x in enumerate((p.x, p.y), 1)]
             )
             for p in self.scene.ground
         }
@@ -205,14 +208,13 @@ class _Assembly:
         if drive.motion is not None:
             return _function(drive.motion, f"drives.{drive.name}.motion")
         assert drive.speed is not None
-        speed = self._constant(f"{drive.name}_speed", drive.speed, f"speed of drive {drive.name}", "")
+        speed = self._constant(element(drive.name, "speed"), drive.speed, f"speed of drive {drive.name}", "")
         return speed * t + sp.Rational(drive.offset)
 
-    def _constant(self, name: str, value: Quantity, doc: str, unit: str) -> sp.Expr:
+    def _constant(self, symbol: Symbol, value: Quantity, doc: str, unit: str) -> sp.Expr:
         """A number as it is; a parameter as a coefficient, under which kernels know it."""
         if not isinstance(value, Parameter):
             return sp.Rational(value)
-        symbol = sp.Symbol(name)
         self.constants.append(Coefficient(symbol, quantity.value(value, False), "", doc, unit or value.unit))
         return symbol
 

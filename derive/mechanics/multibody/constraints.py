@@ -11,6 +11,7 @@ from derive.mechanics.equations import Constraint, Definition, Row
 from derive.mechanics.multibody.coordinates import time_derivatives, unit_axis
 from derive.mechanics.multibody.point_motion import PointMotion
 from derive.mechanics.multibody.time_functions import rounded
+from derive.mechanics.symbols import element
 from derive.spec.model.scene import Joint
 
 
@@ -87,7 +88,7 @@ def _guide(
         along = axis
     else:
         cos, sin = rounded(sp.cos(first.turn)), rounded(sp.sin(first.turn))
-        along = sp.Matrix([sp.Symbol(f"{joint.name}_axis_{k}") for k in (1, 2)])
+        along = sp.Matrix([element(joint.name, "axis", k) for k in (1, 2)])
         values = sp.Matrix([[cos, -sin], [sin, cos]]) * axis
         doc = f"axis of {joint.name} along e"
         definitions = [

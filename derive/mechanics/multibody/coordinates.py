@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 
 import sympy as sp
@@ -15,8 +15,7 @@ import sympy as sp
 from derive.mechanics.equations import Coordinate, Definition, Row
 from derive.mechanics.motion import Motion
 from derive.mechanics.multibody.point_motion import PointMotion
-from derive.mechanics.multibody.time_functions import t
-from derive.roles import Role
+from derive.mechanics.symbols import Family, Symbol, owned, quantity, t
 from derive.spec.model.scene import Joint
 
 
@@ -42,9 +41,7 @@ def free(name: str, motion: Motion) -> Held:
     coordinates, rows = [], []
     values: dict[sp.Basic, sp.Basic] = {}
     for coordinate, row in zip(motion.coordinates, motion.rows, strict=True):
-        new, new_row = _coordinate(
-            f"{name}_{coordinate.q}", f"{name}: {coordinate.doc}", coordinate.unit, coordinate.role
-        )
+        new, new_row = _coordinate(owned(coordinate.q, name), f"{name}: {coordinate.doc}", coordinate.unit)
         coordinates.append(new)
         rows.append(new_row)
         values |= {coordinate.q: new.q, row.v: new_row.v, row.a: new_row.a}
@@ -54,8 +51,8 @@ def free(name: str, motion: Motion) -> Held:
 def known(name: str, motion: Motion, at: PointMotion, turn: tuple[sp.Expr, sp.Expr, sp.Expr], reason: str) -> Held:
     """No coordinates: O follows a known point, and the rotation and its two derivatives are known functions of t."""
     values, definitions = _origin(name, motion, at)
-    for symbol, value, what in zip(_symbols(motion, 2), turn, ("", "dot", "ddot"), strict=True):
-        new, found = _named(f"{name}_phi{what}", value, f"prescribed rotation of {name}")
+    for symbol, value in zip(_symbols(motion, 2), turn, strict=True):
+        new, found = _named(name, symbol, value, f"prescribed rotation of {name}")
         values[symbol] = new
         definitions += found
     return Held((), (), values, (), tuple(definitions), reason)
@@ -64,7 +61,7 @@ def known(name: str, motion: Motion, at: PointMotion, turn: tuple[sp.Expr, sp.Ex
 def turning(name: str, motion: Motion, at: PointMotion, reason: str) -> Held:
     """The rotation alone: O follows a known point."""
     values, definitions = _origin(name, motion, at)
-    coordinate, row = _coordinate(f"{name}_phi", f"rotation of {name}", "rad", Role.ROTATION)
+    coordinate, row = _coordinate(owned(quantity(Family.ANGLE), name), f"rotation of {name}", "rad")
     values |= dict(zip(_symbols(motion, 2), (coordinate.q, row.v, row.a), strict=True))
     weights = {motion.rows[2].name: sp.S.One}
     return Held((coordinate,), (row,), values, (weights,), tuple(definitions), reason)
@@ -72,7 +69,7 @@ def turning(name: str, motion: Motion, at: PointMotion, reason: str) -> Held:
 
 def sliding(name: str, motion: Motion, at: PointMotion, axis: sp.Matrix, turn: sp.Expr, reason: str) -> Held:
     """The displacement s along an axis through a point of the ground alone."""
-    coordinate, row = _coordinate(f"{name}_s", f"displacement of {name} along its guide", "m", Role.DISPLACEMENT)
+    coordinate, row = _coordinate(owned(quantity(Family.GUIDE), name), f"displacement of {name} along its guide", "m")
     values: dict[sp.Basic, sp.Basic] = {}
     for k in range(2):
         q, v, a = _symbols(motion, k)
@@ -103,10 +100,11 @@ def time_derivatives(of: sp.Expr) -> tuple[sp.Expr, sp.Expr, sp.Expr]:
     return of, of.diff(t), of.diff(t, 2)
 
 
-def _coordinate(name: str, doc: str, unit: str, role: Role) -> tuple[Coordinate, Row]:
-    v, a = sp.symbols(f"{name}dot {name}ddot")
+def _coordinate(q: Symbol, doc: str, unit: str) -> tuple[Coordinate, Row]:
+    name = q.name
+    v, a = (Symbol(replace(q.identity, derivative=d)) for d in (1, 2))
     work = "N m" if unit == "rad" else "N"
-    return Coordinate(sp.Symbol(name), doc, unit, role), Row(name, v, a, f"rate of {name}", f"{unit}/s", work)
+    return Coordinate(q, doc, unit), Row(name, v, a, f"rate of {name}", f"{unit}/s", work)
 
 
 def _symbols(motion: Motion, k: int) -> tuple[sp.Symbol, sp.Symbol, sp.Symbol]:
@@ -117,18 +115,18 @@ def _origin(name: str, motion: Motion, at: PointMotion) -> tuple[dict[sp.Basic, 
     """c of a body whose origin O follows a known point; what moves has a name."""
     values: dict[sp.Basic, sp.Basic] = {}
     definitions: list[Definition] = []
-    for k, axis in enumerate("12"):
+    for k in range(2):
         moved = (at.position[k], at.velocity[k], at.acceleration[k])
-        for symbol, value, what in zip(_symbols(motion, k), moved, ("", "dot", "ddot"), strict=True):
-            new, found = _named(f"{name}_c{axis}{what}", value, f"prescribed motion of the origin of {name}")
+        for symbol, value in zip(_symbols(motion, k), moved, strict=True):
+            new, found = _named(name, symbol, value, f"prescribed motion of the origin of {name}")
             values[symbol] = new
             definitions += found
     return values, definitions
 
 
-def _named(name: str, value: sp.Expr, doc: str) -> tuple[sp.Expr, list[Definition]]:
+def _named(name: str, symbol: sp.Symbol, value: sp.Expr, doc: str) -> tuple[sp.Expr, list[Definition]]:
     """A number or a symbol as it is; else a definition."""
     if value.is_Rational or value.is_Symbol:
         return value, []
-    symbol = sp.Symbol(name)
-    return symbol, [Definition(symbol, value, name.rsplit("_", 1)[0], "(1)", doc)]
+    new = owned(symbol, name)
+    return new, [Definition(new, value, name, "(1)", doc)]

@@ -10,6 +10,7 @@ from derive.mechanics.equations import Definition, Row, Term
 from derive.mechanics.multibody.constraints import link
 from derive.mechanics.multibody.point_motion import PointMotion
 from derive.mechanics.multibody.time_functions import function, rounded
+from derive.mechanics.symbols import Symbol, element
 from derive.spec.model.scene import Force, Spring, Torque
 
 
@@ -27,14 +28,14 @@ def force(of: Force, at: PointMotion, rows: tuple[Row, ...]) -> Action:
     definitions: list[Definition] = []
     values = []
     for k, component in enumerate(of.components, 1):
-        values.append(_named(f"{of.name}_{k}", function(component), f"force {of.name} along e{k}", definitions))
+        values.append(_named(element(of.name, "", k), function(component), f"force {of.name} along e{k}", definitions))
     return Action(_force_terms(f"force {of.name}", at, sp.Matrix(values), rows), tuple(definitions))
 
 
 def torque(of: Torque, at: PointMotion, against: PointMotion | None, rows: tuple[Row, ...]) -> Action:
     """A torque about e3 that is a function of t, with its reaction."""
     definitions: list[Definition] = []
-    value = _named(f"{of.name}_torque", function(of.value), f"torque {of.name}", definitions)
+    value = _named(element(of.name, "torque"), function(of.value), f"torque {of.name}", definitions)
     terms = _torque_terms(f"torque {of.name}", at, value, rows)
     if against is not None:
         terms += _torque_terms(f"torque {of.name}", against, -value, rows)
@@ -59,34 +60,34 @@ def spring(
     apart, rate_apart, _ = between.apart
     definitions: list[Definition] = []
 
-    def define(what: str, expr: sp.Expr, doc: str) -> sp.Expr:
+    def define(expr: sp.Expr, doc: str, what: str, *components: int) -> sp.Expr:
         if expr.is_number:
             return rounded(expr)
-        symbol = sp.Symbol(f"{of.name}_{what}")
+        symbol = element(of.name, what, *components)
         definitions.append(Definition(symbol, expr, of.name, "(10)", f"{doc} of spring {of.name}"))
         return symbol
 
-    vector = sp.Matrix([define(f"apart_{k + 1}", sp.expand(apart[k]), f"vector along e{k + 1}") for k in range(2)])
+    vector = sp.Matrix([define(sp.expand(apart[k]), f"vector along e{k + 1}", "apart", k + 1) for k in range(2)])
     if rest == 0 and damping == 0:  # linear, without a square root
         pull, potential = stiffness * vector, stiffness * vector.dot(vector) / 2
     else:
-        length = define("length", sp.sqrt(vector.dot(vector)), "length")
+        length = define(sp.sqrt(vector.dot(vector)), "length", "length")
         tension = stiffness * (length - rest)
         potential = stiffness * (length - rest) ** 2 / 2
         if damping != 0:
-            rate = define("rate", sp.expand(vector.dot(rate_apart)) / length, "rate of the length")
+            rate = define(sp.expand(vector.dot(rate_apart)) / length, "rate of the length", "rate")
             tension += damping * rate
-        pull = define("pull", tension / length, "tension over length") * vector
+        pull = define(tension / length, "tension over length", "pull") * vector
     terms = _force_terms(name, second, -pull, rows) + _force_terms(name, first, pull, rows)
     return Action(terms, tuple(definitions), sp.expand(potential))
 
 
-def _named(name: str, value: sp.Expr, doc: str, definitions: list[Definition]) -> sp.Expr:
+def _named(symbol: Symbol, value: sp.Expr, doc: str, definitions: list[Definition]) -> sp.Expr:
     """A number as it is; else a definition."""
     if value.is_Rational:
         return value
-    definitions.append(Definition(sp.Symbol(name), value, name, "(10)", doc))
-    return sp.Symbol(name)
+    definitions.append(Definition(symbol, value, symbol.name, "(10)", doc))
+    return symbol
 
 
 def _force_terms(name: str, at: PointMotion, force_on: sp.Matrix, rows: tuple[Row, ...]) -> tuple[Term, ...]:

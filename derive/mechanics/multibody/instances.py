@@ -24,6 +24,7 @@ from derive.mechanics.multibody.coordinates import Held
 from derive.mechanics.multibody.point_motion import PointMotion, point_motion
 from derive.mechanics.multibody.time_functions import rounded
 from derive.mechanics.points import marker
+from derive.mechanics.symbols import Family, identity, owned
 
 Symbols = dict[sp.Basic, sp.Basic]
 
@@ -81,25 +82,26 @@ def placed(member: Member, equations: Equations, held: Held) -> Placed:
     )
 
 
-GLOBAL = ("g_1", "g_2")
-"""Coefficients that all bodies share."""
-
-
 def _renamed(group: str, coefficients: tuple[Coefficient, ...]) -> Symbols:
-    return {c.symbol: sp.Symbol(f"{group}_{c.symbol}") for c in coefficients if c.symbol.name not in GLOBAL}
+    return {c.symbol: owned(c.symbol, group) for c in coefficients if not _is_shared(c)}
+
+
+def _is_shared(c: Coefficient) -> bool:
+    """Whether all bodies share a coefficient: gravity is resolved in the inertial frame."""
+    return identity(c.symbol).family is Family.GRAVITY
 
 
 def _coefficient(group: str, c: Coefficient) -> Coefficient:
-    if c.symbol.name in GLOBAL:
+    if _is_shared(c):
         return c
-    return replace(c, symbol=sp.Symbol(f"{group}_{c.symbol}"), doc=f"{c.doc}; {group}")
+    return replace(c, symbol=owned(c.symbol, group), doc=f"{c.doc}; {group}")
 
 
 def _rotation(motion: Motion) -> tuple[Definition, ...]:
     return motion.rotation_definitions
 
 
-def _definitions(name: str, definitions: tuple[Definition, ...], change: Symbols) -> list[Definition]:
+def _definitions(name: str, definitions: tuple[Definition, ...], change: Symbols, point: str = "") -> list[Definition]:
     """Definitions under names of the scene; `change` learns them, and numbers for those that are constant here."""
     found = []
     for d in definitions:
@@ -109,9 +111,10 @@ def _definitions(name: str, definitions: tuple[Definition, ...], change: Symbols
         if expr.is_Rational or expr.is_Symbol:
             change[d.symbol] = expr
             continue
-        symbol = sp.Symbol(f"{name}_{d.symbol}")
+        symbol = owned(d.symbol, name, point)
         change[d.symbol] = symbol
-        found.append(replace(d, symbol=symbol, expr=expr, section=f"{name} {d.section}"))
+        where = f"{name}_{point}" if point else name
+        found.append(replace(d, symbol=symbol, expr=expr, section=f"{where} {d.section}"))
     return found
 
 
@@ -153,8 +156,8 @@ def _marker(member: Member, name: str, reasons: zeros.Reasons, held: Held, chang
     """A marker with its Jacobian and load in the coordinates that the body keeps."""
     free = marker(member.body.motion, member.sections[name].point, reasons)
     own = dict(change)
-    definitions = tuple(_definitions(f"{member.name}_{name}", free.definitions, own))
-    turned = tuple(_definitions(f"{member.name}_{name}", free.force_definitions, own))
+    definitions = tuple(_definitions(member.name, free.definitions, own, name))
+    turned = tuple(_definitions(member.name, free.force_definitions, own, name))
     rows = [row.name for row in member.body.motion.rows]
 
     def combined(values: Mapping[str, sp.Expr], weights: Mapping[str, sp.Expr]) -> sp.Expr:

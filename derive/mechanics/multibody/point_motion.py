@@ -12,6 +12,7 @@ from derive.mechanics.equations import Coefficient, Definition
 from derive.mechanics.kinematics import ONE, RDDOT, RDOT, Field, R
 from derive.mechanics.motion import Motion
 from derive.mechanics.points import MaterialPoint
+from derive.mechanics.symbols import Family, Identity, Symbol
 
 
 @dataclass(frozen=True)
@@ -57,23 +58,26 @@ def point_motion(
     def sum_of(factors: tuple[sp.Symbol, ...], vectors: list[sp.Matrix], base: sp.Matrix) -> sp.Matrix:
         return sum((v * a for v, a in zip(vectors, factors, strict=True)), base)
 
-    def named(what: str, values: sp.Matrix, doc: str) -> list[Definition]:
+    def symbols(family: Family, derivative: int = 0) -> sp.Matrix:
+        named = (Identity(family, components=(k,), derivative=derivative, point=point.name) for k in axes)
+        return sp.Matrix([Symbol(known) for known in named])
+
+    def define(vector: sp.Matrix, values: sp.Matrix, doc: str) -> list[Definition]:
         where = point.name
         return [
-            Definition(sp.Symbol(f"{where}_{what}_{k}"), values[k - 1], where, "(1)", f"{doc} {where}, along e{k}")
-            for k in axes
+            Definition(symbol, value, where, "(1)", f"{doc} {where}, along e{k}")
+            for k, symbol, value in zip(axes, vector, values, strict=True)
         ]
 
-    def symbols(what: str) -> sp.Matrix:
-        return sp.Matrix([sp.Symbol(f"{point.name}_{what}_{k}") for k in axes])
-
     shapes = [sp.Matrix(s) for s in point.shapes]
-    seen = named("r", sum_of(motion.alpha, shapes, sp.Matrix(point.position)), "r = X + u at")
-    seen += named("rdot", sum_of(motion.alphadot, shapes, still), "rate of r at")
-    lever = named("s", rotation * symbols("r"), "Q r at") + named("sdot", rotation * symbols("rdot"), "Q rdot at")
+    r, rdot = symbols(Family.RADIUS), symbols(Family.RADIUS, 1)
+    s, sdot = symbols(Family.LEVER), symbols(Family.LEVER, 1)
+    seen = define(r, sum_of(motion.alpha, shapes, sp.Matrix(point.position)), "r = X + u at")
+    seen += define(rdot, sum_of(motion.alphadot, shapes, still), "rate of r at")
+    lever = define(s, rotation * r, "Q r at") + define(sdot, rotation * rdot, "Q rdot at")
     kept, known = zeros.drop_definitions((*seen, *lever), reasons)
     accelerations = tuple(row.a for row in shape_rows)
-    world = {R: symbols("s"), RDOT: symbols("sdot"), RDDOT: rotation * sum_of(accelerations, shapes, still)}
+    world = {R: s, RDOT: sdot, RDDOT: rotation * sum_of(accelerations, shapes, still)}
 
     def vector(field: Field) -> sp.ImmutableMatrix:
         total = field.get(ONE, still)

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import sympy as sp
 
+from derive.mechanics.symbols import t
 from derive.spec.model.scene import TimeFunction
-
-t = sp.Symbol("t")
 
 _BUILD = {
     "add": lambda a, b: a + b,

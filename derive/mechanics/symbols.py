@@ -1,0 +1,273 @@
+"""Typed symbols: what a symbol of the derivation stands for, as data from which its name is printed.
+
+Every SymPy symbol of the derivation is a `Symbol` with an `Identity`: the family of the quantity, the shapes and
+components it is counted by, its time derivative, and in a mechanism the body or element it belongs to. Code that
+needs a fact about a symbol reads it from the identity; the name is printed for people and compilers and never parsed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from enum import Enum
+from functools import cache, cached_property
+from typing import Any
+
+import sympy as sp
+
+
+class Index(Enum):
+    """The generic indices of shapes, which sums run over."""
+
+    I = "i"  # noqa: E741  the name of the index
+    J = "j"
+
+
+I, J = Index.I, Index.J  # noqa: E741
+
+ShapeIndex = int | Index
+"""The number of a shape, counted from 1, or a generic index."""
+
+DOTS = ("", "dot", "ddot")
+"""How names write time derivatives."""
+
+
+class Kind(Enum):
+    """What a family of quantities is, from which follows how its names are printed."""
+
+    MOTION = "coordinates, velocities and accelerations"
+    INTEGRAL = "integrals over the undeformed body, stiffness and damping"
+    MOMENT = "moments of the deformed body, and sums over the shapes"
+    ROTATION = "entries of the rotation tensor, and products of angular velocities"
+    VECTOR = "gravity and forces"
+    POINT = "constants of a material point"
+    MOVING_POINT = "the position of a material point in the body frame, or turned to the inertial frame"
+    CHOSEN = "quantities whose names the specification chooses"
+    LOCAL = "intermediate results of a lowering"
+
+
+class Family(Enum):
+    """The families of quantities that the derivation knows: the stem of their names, and their kind."""
+
+    TRANSLATION = "c", Kind.MOTION
+    ANGLE = "phi", Kind.MOTION
+    QUATERNION = "e", Kind.MOTION
+    ANGULAR_VELOCITY = "omega", Kind.MOTION
+    VIRTUAL_ROTATION = "pi", Kind.MOTION
+    AMPLITUDE = "alpha", Kind.MOTION
+    GUIDE = "s", Kind.MOTION
+    MASS = "mass", Kind.INTEGRAL
+    C1 = "c1", Kind.INTEGRAL
+    C2 = "c2", Kind.INTEGRAL
+    C3 = "C3", Kind.INTEGRAL
+    C4 = "C4", Kind.INTEGRAL
+    C5 = "C5", Kind.INTEGRAL
+    C6 = "c6", Kind.INTEGRAL
+    C7 = "c7", Kind.INTEGRAL
+    C8 = "c8", Kind.INTEGRAL
+    STIFFNESS = "K", Kind.INTEGRAL
+    DAMPING = "B", Kind.INTEGRAL
+    D1 = "d1", Kind.MOMENT
+    D2 = "D2", Kind.MOMENT
+    D3 = "d3", Kind.MOMENT
+    S = "S", Kind.MOMENT
+    INERTIA = "J", Kind.MOMENT
+    C5_SUM = "C5", Kind.MOMENT
+    C7_SUM = "c7", Kind.MOMENT
+    C8_SUM = "c8", Kind.MOMENT
+    RATE_PRODUCT = "c8dotdot", Kind.MOMENT
+    ELASTIC = "elastic", Kind.MOMENT
+    DAMPING_FORCE = "damping", Kind.MOMENT
+    STRAIN = "strain", Kind.MOMENT
+    COSINE = "cos_phi", Kind.ROTATION
+    SINE = "sin_phi", Kind.ROTATION
+    ROTATION_TENSOR = "Q", Kind.ROTATION
+    OMEGA_PRODUCT = "oo", Kind.ROTATION
+    GRAVITY = "g", Kind.VECTOR
+    BODY_GRAVITY = "gb", Kind.VECTOR
+    FORCE = "F", Kind.VECTOR
+    BODY_FORCE = "Fb", Kind.VECTOR
+    POINT_POSITION = "X", Kind.POINT
+    POINT_SHAPE = "Phi", Kind.POINT
+    SECTION_ROTATION = "turn", Kind.POINT
+    RADIUS = "r", Kind.MOVING_POINT
+    LEVER = "s", Kind.MOVING_POINT
+    PARAMETER = "parameter", Kind.CHOSEN
+    ELEMENT = "element", Kind.CHOSEN
+    TIME = "t", Kind.CHOSEN
+    LOCAL = "local", Kind.LOCAL
+
+    @property
+    def stem(self) -> str:
+        """What the names of the family begin with."""
+        return self.value[0]
+
+    @property
+    def kind(self) -> Kind:
+        """What the family is."""
+        return self.value[1]
+
+
+@dataclass(frozen=True)
+class Identity:
+    """What a symbol stands for.
+
+    `shapes` are the shapes it is counted by, `components` its axes (from 1; the scalar of a quaternion is 0),
+    `derivative` the number of time derivatives. `owner` is the body or element of a mechanism, `point` a material
+    point, `label` the text that a specification or a lowering chose. A `parameter` is the value of the same quantity
+    at run time, where the quantity itself is a constant computed from it.
+    """
+
+    family: Family
+    shapes: tuple[ShapeIndex, ...] = ()
+    components: tuple[int, ...] = ()
+    derivative: int = 0
+    owner: str = ""
+    point: str = ""
+    label: str = ""
+    parameter: bool = False
+
+    @cached_property
+    def name(self) -> str:
+        """The printed name."""
+        shapes = [str(s.value if isinstance(s, Index) else s) for s in self.shapes]
+        components = "".join(map(str, self.components))
+        stem = f"{self.family.stem}{DOTS[self.derivative]}"
+        match self.family.kind:
+            case Kind.MOTION if not self.indexed:
+                number = "".join(shapes) + components
+                parts = [f"{self.family.stem}{number}{DOTS[self.derivative]}"]
+            case Kind.POINT if self.point.isdigit():
+                parts = [f"{stem}{self.point}", *shapes, components]
+            case Kind.POINT:
+                parts = [stem, self.point, *shapes, components]
+            case Kind.CHOSEN | Kind.LOCAL:
+                parts = [self.label, *shapes, components]
+            case _:
+                parts = [self.point, stem, *shapes, components]
+        return "_".join(part for part in (self.owner, *parts) if part) + ("_" if self.parameter else "")
+
+    @property
+    def indexed(self) -> bool:
+        """Whether there is one for each shape of a generic index."""
+        return any(isinstance(s, Index) for s in self.shapes)
+
+    @property
+    def section(self) -> str:
+        """The family with its time derivatives, under which generated code groups definitions."""
+        return f"{self.family.stem}{DOTS[self.derivative]}"
+
+    @property
+    def symbol(self) -> Symbol:
+        """The symbol of this identity."""
+        return Symbol(self)
+
+    def __lt__(self, other: Identity) -> bool:
+        """An order for SymPy, which asks for it where two names are equal."""
+        return repr(self) < repr(other)
+
+    def __gt__(self, other: Identity) -> bool:
+        """See `__lt__`."""
+        return repr(self) > repr(other)
+
+
+class Symbol(sp.Symbol):  # type: ignore[misc]  # SymPy has no types
+    """A SymPy symbol with an identity.
+
+    SymPy orders sums and products by the names of classes first. This class has the name of its base, so that typed
+    and plain symbols sort alike.
+    """
+
+    __slots__ = ("identity",)
+    identity: Identity
+
+    def __new__(cls, identity: Identity, **assumptions: bool | None) -> Symbol:
+        """The symbol of an identity, the same object for equal arguments."""
+        return _interned(identity, tuple(sorted((k, v) for k, v in assumptions.items() if v is not None)))
+
+    def _hashable_content(self) -> tuple[Any, ...]:
+        return (*super()._hashable_content(), self.identity)
+
+    def __getnewargs_ex__(self) -> tuple[tuple[Identity], dict[str, bool]]:
+        """Arguments for copying and pickling."""
+        return (self.identity,), self._assumptions_orig
+
+
+@cache
+def _interned(identity: Identity, assumptions: tuple[tuple[str, bool], ...]) -> Symbol:
+    made: Symbol = sp.Symbol.__xnew__(Symbol, identity.name, **dict(assumptions))
+    made.identity = identity
+    return made
+
+
+def identity(symbol: sp.Basic) -> Identity:
+    """The identity of a symbol. Raises TypeError for a symbol that has none."""
+    if not isinstance(symbol, Symbol):
+        raise TypeError(f"{symbol} is no symbol of the derivation")
+    return symbol.identity
+
+
+def is_indexed(symbol: sp.Basic) -> bool:
+    """Whether there is one for each shape of a generic index."""
+    return isinstance(symbol, Symbol) and symbol.identity.indexed
+
+
+def owned(symbol: sp.Basic, owner: str, point: str = "") -> Symbol:
+    """The same quantity of a body of a mechanism, or of one of its points."""
+    known = identity(symbol)
+    return Symbol(replace(known, owner=owner, point=point or known.point))
+
+
+# ---- constructors, one for each layout ----
+
+
+def quantity(family: Family, *components: int, derivative: int = 0, shapes: Iterable[ShapeIndex] = ()) -> Symbol:
+    """A quantity of a family with its components, shapes and time derivatives."""
+    return Symbol(Identity(family, tuple(shapes), components, derivative))
+
+
+def vector(family: Family, dimension: int, derivative: int = 0, shapes: Iterable[ShapeIndex] = ()) -> sp.Matrix:
+    """The components of a vector quantity, from 1 to `dimension`, as a column."""
+    shapes = tuple(shapes)
+    axes = range(1, dimension + 1)
+    return sp.Matrix([quantity(family, k, derivative=derivative, shapes=shapes) for k in axes])
+
+
+def amplitude(shape: ShapeIndex, derivative: int = 0) -> Symbol:
+    """alpha of a shape, or its time derivative."""
+    return quantity(Family.AMPLITUDE, derivative=derivative, shapes=(shape,))
+
+
+def pair(family: Family, i: int, j: int, *components: int) -> Symbol:
+    """The entry (i, j) of a symmetric table, which has a name for i <= j alone."""
+    return quantity(family, *components, shapes=sorted((i, j)))
+
+
+def parameter(label: str, positive: bool = False) -> Symbol:
+    """A run-time parameter under the name that the specification gives it."""
+    return Symbol(Identity(Family.PARAMETER, label=label), positive=positive or None)
+
+
+def element(owner: str, label: str, *components: int) -> Symbol:
+    """A quantity of a joint, a drive, a force or the ground: `spring_length`."""
+    return Symbol(Identity(Family.ELEMENT, components=components, owner=owner, label=label))
+
+
+def local(label: str, *components: int, shapes: Iterable[ShapeIndex] = ()) -> Symbol:
+    """An intermediate result of a lowering."""
+    return Symbol(Identity(Family.LOCAL, tuple(shapes), components, label=label))
+
+
+def state_rate(symbol: sp.Basic) -> Symbol:
+    """The time derivative of an element of a first-order state, where it is an unknown of its own: `phi_t`."""
+    known = identity(symbol)
+    if known.indexed:
+        return Symbol(Identity(Family.LOCAL, known.shapes, label=f"{replace(known, shapes=()).name}_t"))
+    return local(f"{known.name}_t")
+
+
+t = Symbol(Identity(Family.TIME, label="t"))
+"""The time."""
+
+MASS = quantity(Family.MASS)
+"""The mass of the body."""
