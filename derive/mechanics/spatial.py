@@ -216,8 +216,8 @@ def spatial_series() -> tuple[Series, ...]:
         define(each(Family.C7_SUM, k, derivative=1), None, "int rho Phi_{i} x rdot", *sums)
     for k in AXES:
         c7dot_j = each(Family.C7_SUM, k, derivative=1, index=J)
-        sums = ((ALPHADOT, each(Family.C6, k, index=J)), (ALPHA, c7dot_j))
-        define(quantity(Family.D3, k, derivative=1), None, "int rho r x rdot", *sums)
+        moved = ((ALPHADOT, each(Family.C6, k, index=J)), (ALPHA, c7dot_j))
+        define(quantity(Family.D3, k, derivative=1), None, "int rho r x rdot", *moved)
     return tuple(found)
 
 

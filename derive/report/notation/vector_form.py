@@ -7,7 +7,6 @@ is used, and a term that is no such product is an error.
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache
@@ -19,7 +18,9 @@ import numpy as np
 import sympy as sp
 from numpy.typing import NDArray
 
-from derive.mechanics.spatial import PAIRS, skew, symbols_of_rotation, symmetric, vector
+from derive.mechanics.spatial import AXES, PAIRS, skew, symbols_of_rotation, symmetric
+from derive.mechanics.symbols import MASS, Family, I, ShapeIndex, local, quantity
+from derive.mechanics.symbols import vector as components_of
 from derive.report.document.formula import Fenced, Formula, Name, Number, Operator, Part, Row
 
 
@@ -44,39 +45,56 @@ def _sum(dots: int, of: Name) -> Row:
     return Row((_column(dots, transposed=True), of))
 
 
-def _turned(even: str, odd: str) -> sp.Matrix:
+def arrow(label: str) -> sp.Matrix:
+    """A vector that the report writes in components and the derivation does not know."""
+    return sp.Matrix([local(label, k) for k in AXES])
+
+
+def _vector(family: Family, derivative: int = 0, *shapes: ShapeIndex) -> sp.Matrix:
+    return components_of(family, len(AXES), derivative, shapes)
+
+
+def _second_moment(derivative: int, *shapes: ShapeIndex) -> sp.Matrix:
     """D2 v = S v - d3 x v / 2, see `spatial`."""
-    return symmetric(even) - skew(vector(odd)) / 2
+    return symmetric(Family.S, derivative, shapes) - skew(_vector(Family.D3, derivative, *shapes)) / 2
+
+
+C8DDOT = quantity(Family.C8_SUM, derivative=2, shapes=(I,))
+DELTA_ALPHA = local("delta_alpha_i")
+"""The variation of an amplitude."""
 
 
 def _atoms() -> dict[str, Atom]:
     given: dict[str, tuple[Formula, sp.Matrix]] = {
-        "mass": (Name("m"), sp.Matrix([sp.Symbol("mass")])),
+        "mass": (Name("m"), sp.Matrix([MASS])),
         "Q": (_name("Q", tensor=True), symbols_of_rotation()),
-        "cddot": (_name("c", dots=2), sp.Matrix(sp.symbols("c1ddot c2ddot c3ddot"))),
-        "omega": (_name("omega"), sp.Matrix(sp.symbols("omega1:4"))),
-        "omegadot": (_name("omega", dots=1), sp.Matrix(sp.symbols("omega1dot omega2dot omega3dot"))),
-        "c": (_name("c"), sp.Matrix(sp.symbols("c1:4"))),
-        "delta_c": (Row((Operator("δ"), _name("c"))), vector("delta_c")),
-        "delta_alpha_i": (Row((Operator("δ"), Name("alpha", below=("i",)))), sp.Matrix([sp.Symbol("delta_alpha_i")])),
-        "delta_pi": (Row((Operator("δ"), _name("pi"))), vector("delta_pi")),
-        "e": (_name("e"), vector("e")),
-        "J": (_name("J", tensor=True), symmetric("J")),
-        "D2dot": (_sum(1, _name("D", "2", tensor=True)), _turned("Sdot", "d3dot")),
-        "D2_i": (_name("D", "2 i", tensor=True), _turned("S_i", "d3_i")),
-        "X": (_name("X"), vector("X")),
-        "r": (_name("r"), vector("r")),
-        "rdot": (_name("r", dots=1), vector("rdot")),
-        "rddot": (_name("r", dots=2), vector("rddot")),
-        "Phi_i": (_name("Phi", "i"), vector("Phi_i")),
-        "d1": (_name("d", "1"), vector("d1")),
-        "d1dot": (_sum(1, _name("c", "2")), vector("d1dot")),
-        "d1ddot": (_sum(2, _name("c", "2")), vector("d1ddot")),
-        "d3ddot": (_sum(2, _name("d", "3")), vector("d3ddot")),
-        "c2_i": (_name("c", "2 i"), vector("c2_i")),
-        "d3_i": (_name("d", "3 i"), vector("d3_i")),
-        "c7dot_i": (Row((_name("c", "7 i"), _column(1))), vector("c7dot_i")),
-        "c8ddot_i": (Row((_name("c", "8 i", tensor=True), _column(2))), sp.Matrix([sp.Symbol("c8ddot_i")])),
+        "cddot": (_name("c", dots=2), _vector(Family.TRANSLATION, 2)),
+        "omega": (_name("omega"), _vector(Family.ANGULAR_VELOCITY)),
+        "omegadot": (_name("omega", dots=1), _vector(Family.ANGULAR_VELOCITY, 1)),
+        "c": (_name("c"), _vector(Family.TRANSLATION)),
+        "delta_c": (Row((Operator("δ"), _name("c"))), arrow("delta_c")),
+        "delta_alpha_i": (Row((Operator("δ"), Name("alpha", below=("i",)))), sp.Matrix([DELTA_ALPHA])),
+        "delta_pi": (Row((Operator("δ"), _name("pi"))), arrow("delta_pi")),
+        "e": (_name("e"), arrow("e")),
+        "J": (_name("J", tensor=True), symmetric(Family.INERTIA)),
+        "D2dot": (_sum(1, _name("D", "2", tensor=True)), _second_moment(1)),
+        "D2_i": (_name("D", "2 i", tensor=True), _second_moment(0, I)),
+        "X": (_name("X"), arrow("X")),
+        "r": (_name("r"), arrow("r")),
+        "rdot": (_name("r", dots=1), arrow("rdot")),
+        "rddot": (_name("r", dots=2), arrow("rddot")),
+        "Phi_i": (_name("Phi", "i"), arrow("Phi_i")),
+        "d1": (_name("d", "1"), _vector(Family.D1)),
+        "d1dot": (_sum(1, _name("c", "2")), _vector(Family.D1, 1)),
+        "d1ddot": (_sum(2, _name("c", "2")), _vector(Family.D1, 2)),
+        "d3ddot": (_sum(2, _name("d", "3")), _vector(Family.D3, 2)),
+        "c2_i": (_name("c", "2 i"), _vector(Family.C2, 0, I)),
+        "d3_i": (_name("d", "3 i"), _vector(Family.D3, 0, I)),
+        "c7dot_i": (Row((_name("c", "7 i"), _column(1))), _vector(Family.C7_SUM, 1, I)),
+        "c8ddot_i": (
+            Row((_name("c", "8 i", tensor=True), _column(2))),
+            sp.Matrix([C8DDOT]),
+        ),
     }
     return {name: Atom(formula, sp.ImmutableMatrix(value)) for name, (formula, value) in given.items()}
 
@@ -84,18 +102,25 @@ def _atoms() -> dict[str, Atom]:
 ATOMS = _atoms()
 """In the order in which a product is tried."""
 
-SAME = {"Sdot": "D2dot", "d3dot": "D2dot", "S_i": "D2_i"}
-"""Symmetric and antisymmetric parts that the derivation holds apart."""
-
-PRODUCTS = {sp.Symbol(f"oo_{i}{j}"): sp.Symbol(f"omega{i}") * sp.Symbol(f"omega{j}") for i, j in PAIRS}
+PRODUCTS = {
+    quantity(Family.OMEGA_PRODUCT, i, j): quantity(Family.ANGULAR_VELOCITY, i) * quantity(Family.ANGULAR_VELOCITY, j)
+    for i, j in PAIRS
+}
 """Products of omega that have a name of their own."""
 
 
-def atom_of(symbol: sp.Symbol) -> str:
-    """The name of the atom that a symbol is a component of."""
-    stem = re.sub(r"_\d+$", "", symbol.name)
-    stem = re.sub(r"^(c|omega)\d(d*o*t*)$", r"\1\2", stem)
-    return SAME.get(stem, stem)
+def _owners() -> dict[sp.Symbol, str]:
+    """The atom that each symbol is a component of; parts of D2 that are atoms themselves count as such."""
+    composed = ("D2dot", "D2_i")
+    owners: dict[sp.Symbol, str] = {}
+    for name in (*(n for n in ATOMS if n not in composed), *composed):
+        for symbol in ATOMS[name].components.free_symbols:
+            owners.setdefault(symbol, name)
+    return owners
+
+
+ATOM_OF = _owners()
+"""The atom that a symbol is a component of."""
 
 
 Tree = str | tuple[Literal["dot", "cross", "scale"], "Tree", "Tree"]
@@ -135,7 +160,7 @@ def _used(components: sp.ImmutableMatrix) -> tuple[str, ...]:
     """The atoms of a term, each as often as it stands there."""
     entry = next(e for e in components if e != 0)
     powers = sp.Add.make_args(entry)[0].as_powers_dict()
-    names = [atom_of(symbol) for symbol, power in powers.items() if symbol.is_Symbol for _ in range(int(power))]
+    names = [ATOM_OF[symbol] for symbol, power in powers.items() if symbol.is_Symbol for _ in range(int(power))]
     return tuple(name for name in ATOMS for _ in range(names.count(name)))
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from functools import cache
 from itertools import groupby
 
@@ -11,25 +12,30 @@ import sympy as sp
 from derive.mechanics import virtual_work_equations as body
 from derive.mechanics.bodies import spatial_body as general
 from derive.mechanics.equations import Term
-from derive.mechanics.indexed_equations import FORCE_SERIES, GenericEquations
+from derive.mechanics.indexed_equations import ELASTIC, FORCE_SERIES, GenericEquations
 from derive.mechanics.series import Series
-from derive.mechanics.spatial import rotation_of, spatial_series, spatial_sums, vector
+from derive.mechanics.spatial import AXES, rotation_of, spatial_series, spatial_sums
+from derive.mechanics.symbols import Family, I, Index, Symbol, quantity
 from derive.report.document.formula import Equation, Formula, Name, Number, Operator, Part, Row
 from derive.report.notation.doc_formulas import doc, formula_of
 from derive.report.notation.formula_reader import formula
 from derive.report.notation.names import table
-from derive.report.notation.vector_form import summand, summands
+from derive.report.notation.vector_form import arrow, summand, summands
 from derive.report.sections.kinematics import MOTION
 from derive.spec.construction import symbolic_body
 
 VARIED = {"c": "delta c", "pi": "delta pi", "alpha": "delta alpha_i"}
 
 
+INTEGRALS = {family.stem: family for family in general.DOCS}
+"""Shape integrals, stiffness and damping by their printed names."""
+
+
 def rotation() -> tuple[Equation, ...]:
     """The displacement by a small rotation: the derivative of the rotation tensor of a quaternion."""
     angle = sp.Symbol("chi")
-    turned = rotation_of((sp.cos(angle / 2), *(sp.sin(angle / 2) * vector("e"))))
-    small = (turned.diff(angle).subs(angle, 0) * vector("X")).expand()
+    turned = rotation_of((sp.cos(angle / 2), *(sp.sin(angle / 2) * arrow("e"))))
+    small = (turned.diff(angle).subs(angle, 0) * arrow("X")).expand()
     (part,) = summands(small)
     left = formula("u_{rotation}")
     return (Equation(left, (Part(part.sign, Row((Name("chi"), part.formula))),)),)
@@ -43,8 +49,9 @@ def equations_of_motion() -> tuple[Equation, ...]:
 def mean_equations_of_motion() -> tuple[Equation, ...]:
     """(20): those terms that a body in the mean frame keeps, and what is left of d3."""
     gone = frozenset((_row(v.term), v.term.name) for v in _mean().vanished)
-    left = next(c for c in _mean().contractions if c.name == "d3_i_1")
-    d3 = next(s for s in spatial_series() if s.name == "d3_i_1")
+    symbol = quantity(Family.D3, 1, shapes=(I,))
+    left = next(c for c in _mean().contractions if c.symbol == symbol)
+    d3 = next(s for s in spatial_series() if s.symbol == symbol)
     assert left.base == 0 and left.sums == d3.sums
     return (*_rows(gone), series("d3_i", base=False))
 
@@ -73,8 +80,12 @@ def _rows(gone: frozenset[tuple[str, str]]) -> tuple[Equation, ...]:
     return tuple(found)
 
 
+ROWS = {row.name: "c" if k < len(AXES) else "pi" for k, row in enumerate(MOTION.rows)} | {"alpha_i": "alpha"}
+"""The variation that each row belongs to."""
+
+
 def _row(term: Term) -> str:
-    return term.row.removesuffix("_i").rstrip("123")
+    return ROWS[term.row]
 
 
 def _vectors(terms: Iterator[Term]) -> Iterator[tuple[str, list[sp.Expr]]]:
@@ -86,33 +97,32 @@ def _vectors(terms: Iterator[Term]) -> Iterator[tuple[str, list[sp.Expr]]]:
 
 
 def _elastic() -> Part:
-    elastic = next(s for s in FORCE_SERIES if s.name == "elastic_i")
+    elastic = next(s for s in FORCE_SERIES if s.symbol == ELASTIC)
     return Part("+", _sum_of(*elastic.sums[0]), group="elastic", title=elastic.doc)
 
 
 def series(name: str, base: bool = True) -> Equation:
     """A moment of the appendix as the sum over the shapes that it is, for its first component."""
-    every = {s.name: s for s in (*spatial_series(), *spatial_sums())}
-    found: Series = next(s for label in ("", "_1", "_11") if (s := every.get(name + label)))
+    every = (*spatial_series(), *spatial_sums())
+    found: Series = next(s for s in every if replace(s.symbol.identity, components=()).name == name)
     parts = [Part("+", _written(found.base))] if found.base and base else []
     parts += [Part("+", _sum_of(*pair)) for pair in found.sums]
-    return Equation(_written(found.name), tuple(parts))
+    return Equation(_written(found.symbol), tuple(parts))
 
 
-def _sum_of(factor: str, entry: str) -> Formula:
-    dots = {"alpha": 0, "alphadot": 1, "alphaddot": 2}[factor]
-    return Row((Name("\u2211", below=("j",)), Name("alpha", dots, ("j",)), _written(entry)))
+def _sum_of(factor: Symbol, entry: Symbol) -> Formula:
+    return Row((Name("\u2211", below=("j",)), Name("alpha", factor.identity.derivative, ("j",)), _written(entry)))
 
 
-def _written(name: str) -> Formula:
-    """A name of the derivation without its component, as the vector or tensor that it is a component of."""
-    letter, number = name[0], name[1:].split("_", maxsplit=1)[0]
-    dots = number.count("d") and len(number.replace("ot", "").lstrip("0123456789"))
-    index = " ".join(part for part in name.split("_")[1:] if part in ("i", "j"))
-    below = " ".join(part for part in (number.rstrip("dot"), index) if part)
-    entry = letter + number[:1] in ("c8", "K")
-    style = "scalar" if entry else table(letter + number[:1]).style
-    return Name(letter, dots, (below,) if below else (), style=style)
+def _written(symbol: Symbol) -> Formula:
+    """A symbol of the derivation without its component, as the vector or tensor that it is a component of."""
+    known = symbol.identity
+    letter, number = known.family.stem[:1], known.family.stem[1:]
+    index = " ".join(s.value for s in known.shapes if isinstance(s, Index))
+    below = " ".join(part for part in (number, index) if part)
+    scalar = known.family in (Family.C8, Family.STIFFNESS)
+    style = "scalar" if scalar else table(known.family.stem).style
+    return Name(letter, known.derivative, (below,) if below else (), style=style)
 
 
 def moments() -> tuple[Equation, ...]:
@@ -122,7 +132,7 @@ def moments() -> tuple[Equation, ...]:
 
 def integral(name: str) -> tuple[Equation, ...]:
     """A shape integral as the derivation defines it."""
-    words, _ = general.DOCS[name]
+    words, _ = general.DOCS[INTEGRALS[name]]
     text = words.removeprefix("symmetric part of ")
     found = formula_of(text)
     assert found is not None, doc(words)
@@ -136,7 +146,7 @@ def integral(name: str) -> tuple[Equation, ...]:
 
 def vanishing(name: str) -> Equation:
     """An integral that is zero in the mean frame; the tables of the body say so."""
-    assert _mean().table(name).kind == "zero"
+    assert _mean().table(INTEGRALS[name]).kind == "zero"
     return Equation(Name(name[0], below=(f"{name[1]} i",), style="vector"), (Part("+", Number("0")),))
 
 

@@ -7,8 +7,8 @@ from collections.abc import Iterable
 import sympy as sp
 
 from derive.mechanics.equations import Coefficient, Equations
-from derive.mechanics.indexed_equations import GenericEquations, Table, indices, labels
-from derive.mechanics.series import family
+from derive.mechanics.indexed_equations import GenericEquations, Table
+from derive.mechanics.symbols import Family, identity
 from derive.report.document.page import Block, Code, Heading, Paragraph, Text
 from derive.report.document.tables import MOST, Said, folded, table
 from derive.report.notation.doc_formulas import doc, reason, unit
@@ -51,16 +51,18 @@ def _value(coefficient: Coefficient, notation: Notation) -> Said:
     return "a parameter" if same else notation.formula(value)
 
 
-def family_of(name: str) -> str:
+def family_of(symbol: sp.Symbol) -> str:
     """The integral that an entry is of; markers and gravity by what they are."""
-    return {"X": "points", "g": "gravity", "mass": "mass"}.get(family(name), family(name))
+    known = identity(symbol)
+    named = {Family.POINT_POSITION: "points", Family.GRAVITY: "gravity"}
+    return known.owner or named.get(known.family, known.section)
 
 
 def _families(coefficients: Iterable[Coefficient]) -> Block:
     """How many entries each integral has, and how many do not vanish."""
     gathered: dict[str, list[Coefficient]] = {}
     for c in coefficients:
-        gathered.setdefault(family_of(c.symbol.name), []).append(c)
+        gathered.setdefault(family_of(c.symbol), []).append(c)
     rows: list[list[Said]] = []
     for name, some in gathered.items():
         first = whole(name) if name in SHAPES else name
@@ -90,5 +92,5 @@ def _tables(equations: GenericEquations) -> Block:
 
 def entries(given: Table, modes: int) -> int:
     """Independent entries of a table."""
-    shapes = {"": 1, "i": modes, "ij": modes * (modes + (-1 if given.name == "c7" else 1)) // 2}[indices(given.name)]
-    return shapes * len(labels(given.name))
+    pairs = modes * (modes + (-1 if given.family is Family.C7 else 1)) // 2
+    return (1, modes, pairs)[given.counted] * len(given.components)

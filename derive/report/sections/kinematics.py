@@ -12,19 +12,19 @@ from derive.mechanics.indexed_equations import GenericEquations
 from derive.mechanics.kinematics import PHI, RDDOT, RDOT, Field, R, add
 from derive.mechanics.planar import planar_motion
 from derive.mechanics.points import vector_at
-from derive.mechanics.spatial import spatial_motion, vector
+from derive.mechanics.spatial import spatial_motion
 from derive.report.document.formula import Equation, Fenced, Formula, Matrix, Name, Number, Operator, Part, Power, Row
 from derive.report.document.formula import Fraction as Over
 from derive.report.document.page import Block, Heading, Math, Paragraph
 from derive.report.document.page import Equations as Lines
 from derive.report.notation.expressions import Notation, row
 from derive.report.notation.formula_reader import equation, formula
-from derive.report.notation.vector_form import summands
+from derive.report.notation.vector_form import DELTA_ALPHA, arrow, summands
 from derive.spec.model.body import PlanarBeam
 from derive.spec.model.scene import Specification
 
 MOTION = spatial_motion(0)
-AT = {R: vector("r"), RDOT: vector("rdot"), RDDOT: vector("rddot"), PHI: vector("Phi_i")}
+AT = {R: arrow("r"), RDOT: arrow("rdot"), RDDOT: arrow("rddot"), PHI: arrow("Phi_i")}
 
 
 def position() -> tuple[Equation, ...]:
@@ -41,10 +41,9 @@ def virtual_displacement() -> tuple[Equation, ...]:
     """The virtual displacement: the velocity with the rates varied."""
     fields: list[Field] = []
     for amounts, units in (("delta_c", MOTION.translations), ("delta_pi", MOTION.frame.rotations())):
-        for amount, unit in zip(vector(amounts), units, strict=True):
+        for amount, unit in zip(arrow(amounts), units, strict=True):
             fields.append({name: amount * tensor for name, tensor in unit.items()})
-    amplitude = sp.Symbol("delta_alpha_i")
-    fields.append({name: amplitude * tensor for name, tensor in MOTION.frame.deformation().items()})
+    fields.append({name: DELTA_ALPHA * tensor for name, tensor in MOTION.frame.deformation().items()})
     return (Equation(formula("delta x"), summands(vector_at(MOTION, add(*fields), AT))),)
 
 

@@ -10,7 +10,7 @@ import sympy as sp
 
 from derive.mechanics.equations import Equations
 from derive.mechanics.indexed_equations import Contraction, GenericEquations, Total
-from derive.mechanics.series import family
+from derive.mechanics.symbols import Family, identity
 from derive.report.document.anchors import anchor
 from derive.report.document.formula import Equation, Fenced, Name, Part
 from derive.report.document.page import Block, Details, Heading, Paragraph
@@ -35,7 +35,8 @@ class Moment:
     @property
     def family(self) -> str:
         """The moment without its indices."""
-        return family(self.symbol.name)
+        known = identity(self.symbol)
+        return known.owner or known.section
 
 
 def moments(equations: Equations | GenericEquations, notation: Notation) -> tuple[tuple[Moment, ...], ...]:
@@ -43,8 +44,8 @@ def moments(equations: Equations | GenericEquations, notation: Notation) -> tupl
     told = [d for d in equations.definitions if not d.zero and d.section not in ("oo", "Q")]
     found = [Moment(d.symbol, notation.parts(d.expr), d.equation) for d in told]
     if isinstance(equations, GenericEquations):
-        found += [Moment(sp.Symbol(c.name), _contracted(c, notation), APPENDIX) for c in equations.contractions]
-        found += [Moment(sp.Symbol(t.name), _summed(t, notation), APPENDIX) for t in equations.totals]
+        found += [Moment(c.symbol, _contracted(c, notation), APPENDIX) for c in equations.contractions]
+        found += [Moment(t.symbol, _summed(t, notation), APPENDIX) for t in equations.totals]
     return tuple(tuple(group) for _, group in groupby(found, key=lambda moment: moment.family))
 
 
@@ -82,29 +83,33 @@ def _title(name: str) -> str:
 def _line(moment: Moment, notation: Notation, lines: Mapping[str, int]) -> Equation:
     """The equation of a moment, which leads to its line."""
     name = moment.symbol.name
-    place = lines.get(array(name))
+    place = lines.get(array(moment.symbol))
     first = replace(moment.parts[0], title=f"{name} in the code", to=f"#{line_anchor(place)}" if place else "")
     told = "" if moment.number == APPENDIX else moment.number.strip("()")
     parts = (first, *moment.parts[1:])
-    return Equation(notation.known(moment.symbol).formula, parts, number=told, anchor=definition_anchor(name))
+    return Equation(notation.known(moment.symbol).formula, parts, number=told, anchor=definition_anchor(moment.symbol))
 
 
-def definition_anchor(name: str) -> str:
+ROTATION = (Family.COSINE, Family.SINE, Family.ROTATION_TENSOR)
+
+
+def definition_anchor(symbol: sp.Symbol) -> str:
     """The anchor of the equation of a moment; sine, cosine and the entries of Q have one together."""
-    return anchor("def", "Q" if name in ("cos_phi", "sin_phi") or name.startswith("Q_") else name)
+    known = identity(symbol)
+    return anchor("def", "Q" if known.family in ROTATION and not known.owner else symbol.name)
 
 
 def moment_anchors(equations: Equations | GenericEquations, families: Sequence[Sequence[Moment]]) -> dict[str, str]:
     """The anchors of the equations that are shown, by the names in the code."""
-    names = [d.symbol.name for d in equations.definitions if d.section == "Q"]
-    names += [moment.symbol.name for some in families for moment in some[:MOST]]
-    return {array(name): definition_anchor(name) for name in names}
+    symbols = [d.symbol for d in equations.definitions if d.section == "Q"]
+    symbols += [moment.symbol for some in families for moment in some[:MOST]]
+    return {array(symbol): definition_anchor(symbol) for symbol in symbols}
 
 
 def _contracted(given: Contraction, notation: Notation) -> tuple[Part, ...]:
     """base + sum over j of factor_j table_i_j."""
     base = notation.parts(given.base) if given.base != 0 else ()
-    sums = (sp.Symbol(f"{factor}_j") * sp.Symbol(entry) for factor, entry in given.sums)
+    sums = (factor * entry for factor, entry in given.sums)
     return (*base, *(Part("+", row([big("j"), notation.formula(term)])) for term in sums))
 
 

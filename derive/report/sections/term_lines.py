@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import sympy as sp
 
 from derive.ir.model import Model
 from derive.mechanics.equations import Equations, Term
 from derive.mechanics.indexed_equations import GenericEquations
-from derive.mechanics.series import ALPHADDOT
+from derive.mechanics.series import exchanged
+from derive.mechanics.symbols import I, J, Symbol, amplitude, identity
 from derive.report.document.anchors import anchor
 from derive.report.sections.source import Source, Sources
 
@@ -82,9 +83,9 @@ class _Finder:
         self.accelerations = {row.a: k for k, row in enumerate(equations.rows)}
         self.totals: dict[sp.Symbol, sp.Expr] = {}
         if isinstance(equations, GenericEquations):
-            self.rows[SHAPE] = self.accelerations[sp.Symbol(f"{ALPHADDOT}_i")] = self.rigid
-            self.totals = {sp.Symbol(t.name): t.term for t in equations.totals}
-            self.totals |= {sp.Symbol(c.name): _inside(c.sums) for c in equations.contractions}
+            self.rows[SHAPE] = self.accelerations[amplitude(I, 2)] = self.rigid
+            self.totals = {t.symbol: t.term for t in equations.totals}
+            self.totals |= {c.symbol: _inside(c.sums) for c in equations.contractions}
         self.pattern = model.pattern("mass", "M")
         self.stored = tuple(self._stored(code.functions["mass"]))
 
@@ -119,14 +120,15 @@ class _Finder:
 
     def _names(self, term: Term, function: Source) -> tuple[tuple[sp.Symbol, int], ...]:
         lines = function.definitions
-        found = [(symbol, lines[name]) for symbol in term.expr.free_symbols if (name := array(symbol.name)) in lines]
+        found = [(symbol, lines[name]) for symbol in term.expr.free_symbols if (name := array(symbol)) in lines]
         return tuple(sorted(found, key=lambda pair: pair[1]))
 
 
-def array(name: str) -> str:
-    """What a generic name is called in a loop: S_i_11 is the array S_11."""
-    return "_".join(part for part in name.split("_") if part not in ("i", "j"))
+def array(symbol: sp.Symbol) -> str:
+    """What an indexed quantity is called in a loop: S_i_11 is the array S_11."""
+    known = identity(symbol)
+    return replace(known, shapes=()).name if known.indexed else known.name
 
 
-def _inside(sums: Iterable[tuple[str, str]]) -> sp.Expr:
-    return sp.Add(*(sp.Symbol(f"{factor}_i") * sp.Symbol(entry) for factor, entry in sums))
+def _inside(sums: Iterable[tuple[Symbol, Symbol]]) -> sp.Expr:
+    return sp.Add(*(exchanged(factor, {J: I}) * entry for factor, entry in sums))

@@ -52,17 +52,17 @@ def _would_be(term: Term, notation: Notation) -> Said:
 
 def _integrals(equations: Equations, notation: Notation) -> list[Block]:
     """Shape integrals that vanish, by reason and family."""
-    gathered: dict[str, list[str]] = {}
+    gathered: dict[str, list[sp.Symbol]] = {}
     for c in equations.coefficients:
         if c.zero:
-            gathered.setdefault(c.zero, []).append(c.symbol.name)
+            gathered.setdefault(c.zero, []).append(c.symbol)
     if not gathered:
         return []
     rows: list[list[Said]] = [[_names(names, notation), len(names), reason(why)] for why, names in gathered.items()]
     return [table("Shape integrals that vanish", ("integrals", "how many", "because"), rows, "lrl")]
 
 
-def _names(names: Sequence[str], notation: Notation) -> tuple[Inline, ...]:
+def _names(names: Sequence[sp.Symbol], notation: Notation) -> tuple[Inline, ...]:
     """Integrals, family by family; of many of a family the first and the last."""
     found: list[Inline] = []
     for name, group in groupby(names, key=family_of):
@@ -73,5 +73,5 @@ def _names(names: Sequence[str], notation: Notation) -> tuple[Inline, ...]:
             continue
         for k, one in enumerate(some):
             found += [", "] if k else []
-            found.append(Math(notation.formula(sp.Symbol(one))))
+            found.append(Math(notation.formula(one)))
     return tuple(found)
