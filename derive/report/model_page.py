@@ -17,6 +17,7 @@ from derive.report.sections.integrals import integral_blocks
 from derive.report.sections.kinematics import kinematics_blocks
 from derive.report.sections.mass_matrix import mass_blocks, mass_matrix
 from derive.report.sections.moments import moment_anchors, moment_blocks, moments
+from derive.report.sections.nomenclature import nomenclature_blocks
 from derive.report.sections.operations import operation_blocks
 from derive.report.sections.provenance import SpecificationText, manifest_blocks, specification_blocks
 from derive.report.sections.source import sources
@@ -42,6 +43,7 @@ def model_page(built: Built, specification: SpecificationText) -> Page:
     blocks = (
         *specification_blocks(specification),
         *state_blocks(model, written),
+        *nomenclature_blocks(constrained=False),
         *kinematics_blocks(spec, equations, written),
         *(frame_blocks(spec) if isinstance(spec, PlanarBeam) else body_frame_blocks(spec, built.notes)),
         *integral_blocks(equations, written),

@@ -18,6 +18,7 @@ from derive.report.sections.kkt import kkt_blocks
 from derive.report.sections.mass_matrix import Matrix, mass_blocks
 from derive.report.sections.mechanism import body_blocks, constraint_blocks, joint_blocks, mechanism_blocks
 from derive.report.sections.moments import moment_anchors, moment_blocks, moments
+from derive.report.sections.nomenclature import nomenclature_blocks
 from derive.report.sections.provenance import SpecificationText, manifest_blocks, specification_blocks
 from derive.report.sections.source import sources
 from derive.report.sections.state import state_blocks
@@ -53,6 +54,7 @@ def scene_page(built: Built, specification: SpecificationText, results: Sequence
         *joint_blocks(spec, equations),
         *specification_blocks(specification),
         *state_blocks(model, written),
+        *nomenclature_blocks(constrained=True),
         *integral_blocks(equations, written),
         *moment_blocks(families, written, definition_lines(code)),
         *_law(spec),

@@ -5,6 +5,7 @@ from __future__ import annotations
 from derive.ir.model import Model
 from derive.report.document.page import Block, Code, Heading, Line, Listing, Paragraph
 from derive.report.sections.state import size
+from derive.roles import Role
 
 C = """\
 #include "{name}.h"
@@ -69,8 +70,7 @@ def python_program(model: Model) -> str:
 
 def _start(model: Model) -> list[str]:
     """A bent body that spins, in assignments that both languages understand."""
-    names = [q.name for q in model.coordinates]
-    if "e0" in names:
+    if any(q.role is Role.QUATERNION for q in model.coordinates):
         lines, first = ["q[3] = 1.0", "v[5] = 3.0"], 7
     else:
         lines, first = ["v[2] = 3.0"], 3

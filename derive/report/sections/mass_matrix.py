@@ -13,7 +13,7 @@ from derive.mechanics.equations import Equations
 from derive.mechanics.indexed_equations import GenericEquations
 from derive.report.document.formula import Equation, Formula, Name, Part
 from derive.report.document.formula import Matrix as Array
-from derive.report.document.page import Block, Heading, Paragraph, Picture
+from derive.report.document.page import Block, Details, Heading, Paragraph, Picture, Table
 from derive.report.document.page import Equations as Lines
 from derive.report.document.tables import Said, folded, table
 from derive.report.notation.doc_formulas import reason
@@ -40,6 +40,9 @@ STYLE = """\
       .value, .own { fill: #5fb6d4; } .zero, .dot { fill: #75818c; } .frame { stroke: #55606b; }
     }
   </style>"""
+
+SHOWN = 3
+"""Reasons that are listed without being folded."""
 
 FOOT, LEGEND = 26, 200
 """Height and width of the legend, in pixels."""
@@ -219,10 +222,12 @@ def _zeros_of(matrix: Matrix) -> tuple[Block, ...]:
     if not gathered:
         return ()
     rows: list[list[Said]] = [
-        [_pairs(matrix, pairs), sum(1 + (i != j) for i, j in pairs), reason(why)] for why, pairs in gathered.items()
+        [reason(why), sum(1 + (i != j) for i, j in pairs), _pairs(matrix, pairs)] for why, pairs in gathered.items()
     ]
-    said = table("Zeros of the mass matrix", ("entries below the diagonal", "zeros", "because"), rows, "lrl")
-    return (folded(said, "Zeros of the mass matrix"),)
+    whole = table("Zeros of the mass matrix", ("reason", "zeros", "entries below the diagonal"), rows, "lrl")
+    block = folded(whole, "Zeros of the mass matrix")
+    summary = f"{len(matrix.reasons)} zeros of the mass matrix, by {len(gathered)} reasons"
+    return (Details(summary, (whole,)) if len(gathered) > SHOWN and isinstance(block, Table) else block,)
 
 
 def _pairs(matrix: Matrix, pairs: Sequence[tuple[int, int]]) -> str:

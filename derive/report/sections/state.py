@@ -1,4 +1,4 @@
-"""The coordinates, rates, parameters and constants of a model."""
+"""The coordinates, generalised velocities, parameters and constants of a model."""
 
 from __future__ import annotations
 
@@ -13,22 +13,24 @@ from derive.report.document.tables import Said, folded, table
 from derive.report.notation.doc_formulas import doc, unit
 from derive.report.notation.expressions import Notation
 from derive.report.notation.names import constant, known
+from derive.roles import Role
 
 HEAD = ("", "in the code", "unit", "what it is")
 
 
 def state_blocks(model: Model, notation: Notation) -> tuple[Block, ...]:
     """How many of each there are, and what they are."""
-    said = f"{size(model.coordinates)} coordinates q, {size(model.rates)} rates v"
+    text = f"{size(model.coordinates)} coordinates q, {size(model.rates)} generalised velocities v"
     count = size(model.parameters)
-    told = (
-        f", and {count} parameter{'' if count == 1 else 's'}." if count else "; every number is folded into the code."
-    )
-    rows = [_variable(v, _coordinate(v)) for v in (*model.coordinates, *_other_rates(model))]
+    end = f", and {count} parameter{'' if count == 1 else 's'}." if count else "; every number is folded into the code."
+    coordinates = table("Coordinates q", HEAD, [_variable(v, _variable_formula(v)) for v in model.coordinates])
+    velocities = table("Generalised velocities v", HEAD, [_variable(v, _variable_formula(v)) for v in model.rates])
+    derivatives = "The generalised velocities are the time derivatives of the coordinates, in the same order."
     found: list[Block] = [
         Heading("Coordinates and parameters", "coordinates"),
-        Paragraph((said + told,)),
-        folded(table("Coordinates and rates", HEAD, rows), "Coordinates and rates"),
+        Paragraph((text + end,)),
+        folded(coordinates, "Coordinates"),
+        folded(velocities, "Generalised velocities") if _is_spatial(model) else Paragraph((derivatives,)),
     ]
     if model.parameters:
         given = [[*_variable(p, _parameter(p, notation)), _default(p)] for p in model.parameters]
@@ -43,10 +45,9 @@ def state_blocks(model: Model, notation: Notation) -> tuple[Block, ...]:
     return tuple(found)
 
 
-def _other_rates(model: Model) -> tuple[Variable, ...]:
-    """Rates that are not the time derivative of a coordinate of the same name."""
-    names = {f"{q.name}dot" for q in model.coordinates}
-    return tuple(v for v in model.rates if v.name not in names)
+def _is_spatial(model: Model) -> bool:
+    """Whether the generalised velocities are not the time derivatives of the coordinates."""
+    return any(q.role is Role.QUATERNION for q in model.coordinates)
 
 
 def _variable(variable: Variable, formula: Formula) -> list[Said]:
@@ -54,9 +55,9 @@ def _variable(variable: Variable, formula: Formula) -> list[Said]:
     return [formula, Code(variable.name), unit(variable.unit), (*doc(variable.doc), values)]
 
 
-def _coordinate(variable: Variable) -> Formula:
-    """A coordinate, of an array its element i."""
-    entry = known(f"{variable.name}_i" if variable.name == "alpha" else variable.name)
+def _variable_formula(variable: Variable) -> Formula:
+    """A coordinate or velocity, of an array its element i."""
+    entry = known(f"{variable.name}_i" if variable.name in ("alpha", "alphadot") else variable.name)
     return entry.formula if entry else constant(variable.name)
 
 

@@ -10,7 +10,7 @@ import sympy as sp
 from derive.mechanics.equations import Equations, Term
 from derive.mechanics.indexed_equations import GenericEquations
 from derive.report.document.formula import Number
-from derive.report.document.page import Block, Heading, Inline, Math, Paragraph
+from derive.report.document.page import Block, Details, Heading, Inline, Math, Paragraph, Table
 from derive.report.document.tables import Said, folded, table
 from derive.report.notation.doc_formulas import reason
 from derive.report.notation.expressions import Notation
@@ -33,13 +33,37 @@ def vanished_blocks(equations: Equations | GenericEquations, notation: Notation)
         rows: list[list[Said]] = [
             [term.name, delta(term.row), _would_be(term, notation), reason(why)] for term, why in terms
         ]
-        count = f"{len(terms)} terms of (15) are no part of this model."
-        found.append(Paragraph((count,)))
-        said = table("Terms that vanish", ("term", "row", "it would be", "because"), rows)
-        found.append(folded(said, "Terms that vanish"))
+        found.append(Paragraph((f"{len(terms)} terms of (15) are no part of this model.",)))
+        found.append(_by_reason(terms))
+        whole = table("Terms that vanish", ("term", "row", "it would be", "because"), rows)
+        single = folded(whole, "Terms that vanish")
+        found.append(Details(f"The terms one by one: {len(terms)}", (whole,)) if isinstance(single, Table) else single)
     if len(found) == 1:
         found.append(Paragraph(("Nothing vanishes in this model.",)))
     return tuple(found)
+
+
+def _by_reason(terms: Sequence[tuple[Term, str]]) -> Table:
+    """Terms that vanish for the same reason in one row: their names, each with the rows of the equations it is of."""
+    gathered: dict[str, dict[str, list[str]]] = {}
+    for term, why in terms:
+        gathered.setdefault(why, {}).setdefault(term.name, []).append(term.row)
+    rows: list[list[Said]] = [
+        [
+            reason(why),
+            sum(map(len, by_name.values())),
+            "; ".join(f"{name} in {_rows(own)}" for name, own in by_name.items()),
+        ]
+        for why, by_name in gathered.items()
+    ]
+    return table("Terms that vanish, by reason", ("reason", "terms", "which"), rows, "lrl")
+
+
+def _rows(names: Sequence[str]) -> str:
+    """Rows by their virtual displacements; of many the first and the last."""
+    shown = names if len(names) <= FEW else (*names[: FEW - 2], names[-1])
+    text = [delta(name) for name in shown]
+    return ", ".join(text if len(names) <= FEW else [*text[:-1], "…", text[-1]])
 
 
 def _would_be(term: Term, notation: Notation) -> Said:
@@ -58,8 +82,8 @@ def _integrals(equations: Equations, notation: Notation) -> list[Block]:
             gathered.setdefault(c.zero, []).append(c.symbol)
     if not gathered:
         return []
-    rows: list[list[Said]] = [[_names(names, notation), len(names), reason(why)] for why, names in gathered.items()]
-    return [table("Shape integrals that vanish", ("integrals", "how many", "because"), rows, "lrl")]
+    rows: list[list[Said]] = [[reason(why), len(names), _names(names, notation)] for why, names in gathered.items()]
+    return [table("Shape integrals that vanish", ("reason", "integrals", "which"), rows, "lrl")]
 
 
 def _names(names: Sequence[sp.Symbol], notation: Notation) -> tuple[Inline, ...]:

@@ -1,0 +1,95 @@
+"""The nomenclature of a report: the symbols of the equations of motion, and the two meanings of the letter c."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from derive.report.document.formula import Name
+from derive.report.document.page import Block, Code, Details, Heading, Math, Paragraph
+from derive.report.document.tables import Said, table
+from derive.report.notation.formula_reader import formula
+
+Entry = tuple[str, str, str]
+"""A symbol as the formula reader takes it, its meaning, and the equation or place of the paper that introduces it."""
+
+POSITION: tuple[Entry, ...] = (
+    ("x", "position of a material point in the inertial frame", "(1)"),
+    ("X", "position of the point in the undeformed body, from O, in the floating frame", "(1)"),
+    ("u", "displacement of the point due to deformation", "(1)"),
+    ("r", "X + u, position in the deformed body", "(2)"),
+    ("c", "position of O, the origin of the floating frame, in the inertial frame", "(1)"),
+    ("Q", "rotation tensor of the floating frame", "(1)"),
+    ("omega", "angular velocity of the floating frame, in its own components", "(5)"),
+    ("delta pi", "virtual rotation of the floating frame", "(6)"),
+    ("Phi_i", "assumed mode i, a field over the body", "(14)"),
+    ("alpha_i", "amplitude of the assumed mode i; bold, the column of all amplitudes", "(14)"),
+)
+INTEGRALS: tuple[Entry, ...] = (
+    ("m", "mass of the body", "appendix"),
+    ("c_1", "shape integral: first moment of the mass about O", "appendix"),
+    ("c_2", "shape integral: first moments of the modes", "appendix"),
+    ("C_3", "shape integral: inertia tensor of the undeformed body", "appendix"),
+    ("C_4", "shape integral: mixed second moments of position and mode", "appendix"),
+    ("C_5", "shape integral: second moments of two modes", "appendix"),
+    ("c_6", "shape integral: moments of position and mode, antisymmetric part", "appendix"),
+    ("c_7", "shape integral: moments of two modes, antisymmetric part", "appendix"),
+    ("c_8", "shape integral: mass matrix of the modes", "appendix"),
+    ("d_1", "first moment of the mass of the deformed body", "(15)"),
+    ("D_2", "mixed moments of r and mode; S is the symmetric part", "(15)"),
+    ("d_3", "antisymmetric part of these moments", "(15)"),
+    ("J", "inertia tensor of the deformed body", "(15)"),
+    ("K", "stiffness matrix of the modes; B, their damping", "(13)"),
+)
+SYSTEM: tuple[Entry, ...] = (
+    ("M", "mass matrix", "(15)"),
+    ("h", "forces: all terms without accelerations", "(15)"),
+)
+CONSTRAINTS: tuple[Entry, ...] = (
+    ("g", "constraints on position level, one for each multiplier", ""),
+    ("G", "constraint Jacobian with respect to the generalised velocities", ""),
+    ("lambda", "multipliers: constraint reactions on body 2", ""),
+)
+BOLD: dict[str, Name] = {
+    "M": Name("M", style="tensor"),
+    "G": Name("G", style="tensor"),
+    **{letter: Name(letter, style="vector") for letter in ("h", "g", "lambda")},
+}
+"""Matrices and columns of the whole system, whose letters the formula reader takes for scalars."""
+
+
+def nomenclature_blocks(constrained: bool) -> tuple[Block, ...]:
+    """The table of symbols, and why the letter c occurs twice; `constrained`: whether there are multipliers."""
+    entries = (*POSITION, *INTEGRALS, *SYSTEM, *(CONSTRAINTS if constrained else ()))
+    return (
+        Heading("Nomenclature", "nomenclature"),
+        Paragraph(
+            (
+                "The notation is that of the paper, in which the letter c has two meanings. ",
+                Math(formula("c")),
+                " without an index is the position of the origin of the floating frame; its components are the "
+                "coordinates ",
+                Math(formula("c_1", scalars=True)),
+                ", ",
+                Math(formula("c_2", scalars=True)),
+                " and ",
+                Math(formula("c_3", scalars=True)),
+                ". ",
+                Math(formula("c_1")),
+                ", ",
+                Math(formula("c_2")),
+                " to ",
+                Math(formula("c_8")),
+                " in bold are shape integrals, and so are their components, which have further indices behind a "
+                "comma: first the modes, then the component. In the code ",
+                Code("c1"),
+                " is a coordinate, and ",
+                Code("c1_1"),
+                " is component 1 of the first shape integral.",
+            )
+        ),
+        Details(f"The {len(entries)} symbols", (table("Symbols", ("symbol", "meaning", "from"), _rows(entries)),)),
+    )
+
+
+def _rows(entries: Sequence[Entry]) -> list[list[Said]]:
+    return [[BOLD.get(symbol) or formula(symbol), meaning, place] for symbol, meaning, place in entries]
