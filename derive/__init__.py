@@ -1,13 +1,32 @@
-"""Tisserand: equations of motion of deformable bodies, from a specification to C and Python kernels.
+"""Tisserand: a compiler for flexible multibody dynamics, from a specification to C and Python kernels.
 
     beam = derive.read("scenes/free_beam_mean.toml")    # or derive.planar_beam(...)
     equations = derive.derive(beam)                     # SymPy, named terms
     model = derive.lower(equations)                     # kernels with explicit sparsity
     files = derive.model_files(model, beam)             # C99, Python, manifest
-    derive.write(files, Path("generated"))
+    derive.write(files, "generated")
     native = derive.load(files)                         # compiled, called through NumPy
 
-Names are imported when they are first used, so that nothing pays for what it does not need.
+    scene = derive.read("scenes/crank_slider_3.toml")
+    trajectory = derive.simulate(scene)                 # consistent initialisation and integration
+
+The public interface, by stages:
+
+    specification   read, validated; scene, planar_beam, nodal_body, symbolic_body
+                    bodies: PlanarBeam, SymbolicBody, NodalBody with NodeData, NodeMarker, BodyFrame, Damping
+                    scenes: Scene, RigidBody, BeamBody, PointMarker, MarkerRef, InitialGuess, Joint, Drive, Force,
+                    Torque, Spring, TimeFunction, time_function, Simulation, Plot, Deflection, ReferenceCurve
+                    both: Frame, Marker, Parameter
+    equations       derive, modal, derive_modal, parameters; Equations, GenericEquations, ModalBody
+    kernels         lower, interpret; Model
+    files           model_files, write; File
+    compiled code   load, load_scene; Native, NativeScene, Role
+    simulation      simulate, initial_state, integrate; Trajectory, Solution, InitialState, INTEGRATORS
+    C integrators   FixedStep, GeneralisedAlpha, Ida; Integration
+    errors          TisserandError and its subclasses SpecError, UnknownNameError, CompilerError, ModelError, HostError,
+                    SimulationError
+
+Names are imported when they are first used, so that `import derive` is fast and nothing pays for what it does not need.
 """
 
 from __future__ import annotations
@@ -27,7 +46,19 @@ if TYPE_CHECKING:
     from derive.mechanics.bodies.modal_body import ModalBody
     from derive.mechanics.equations import Equations
     from derive.mechanics.indexed_equations import GenericEquations
-    from derive.runtime.native import Native, load
+    from derive.registry import UnknownNameError
+    from derive.roles import Role
+    from derive.runtime.compiler import CompilerError
+    from derive.runtime.integrators.library import HostError, Integration
+    from derive.runtime.integrators.run import FixedStep, GeneralisedAlpha, Ida
+    from derive.runtime.native import ModelError, Native, NativeScene, load, load_scene
+    from derive.simulation.errors import SimulationError
+    from derive.simulation.initial.consistent_state import InitialState
+    from derive.simulation.initial.initial_state import initial_state
+    from derive.simulation.integration.registry import INTEGRATORS
+    from derive.simulation.integration.scipy_methods import integrate
+    from derive.simulation.integration.solution import Solution
+    from derive.simulation.simulate import Trajectory, simulate
     from derive.spec.construction import nodal_body, planar_beam, scene, symbolic_body, validated
     from derive.spec.model.body import (
         BodyFrame,
@@ -62,74 +93,127 @@ if TYPE_CHECKING:
     from derive.spec.parsing.time_expression import time_function
     from derive.spec.toml.read import read
 
-_BODY_TYPES = (
-    "BodyFrame",
-    "Damping",
-    "Frame",
-    "Marker",
-    "NodalBody",
-    "NodeData",
-    "NodeMarker",
-    "Parameter",
-    "PlanarBeam",
-    "SymbolicBody",
-)
-_SCENE_TYPES = (
-    "BeamBody",
-    "Deflection",
-    "Drive",
-    "Force",
-    "InitialGuess",
-    "Joint",
-    "MarkerRef",
-    "Plot",
-    "PointMarker",
-    "ReferenceCurve",
-    "RigidBody",
-    "Scene",
-    "Simulation",
-    "Spring",
-    "TimeFunction",
-    "Torque",
-)
-_HOME = {
-    "File": "derive.artifacts",
-    "write": "derive.artifacts",
-    "model_files": "derive.backends.model_files",
-    "interpret": "derive.ir.interpreter",
-    **dict.fromkeys(("derive", "derive_modal", "lower", "modal", "parameters"), "derive.derivation"),
-    "Model": "derive.ir.model",
-    "Equations": "derive.mechanics.equations",
-    "GenericEquations": "derive.mechanics.indexed_equations",
-    "ModalBody": "derive.mechanics.bodies.modal_body",
-    "Native": "derive.runtime.native",
-    "load": "derive.runtime.native",
-    **dict.fromkeys(("SpecError", "TisserandError"), "derive.errors"),
-    **dict.fromkeys(_BODY_TYPES, "derive.spec.model.body"),
-    **dict.fromkeys(_SCENE_TYPES, "derive.spec.model.scene"),
-    **dict.fromkeys(("nodal_body", "planar_beam", "scene", "symbolic_body", "validated"), "derive.spec.construction"),
-    "read": "derive.spec.toml.read",
-    "time_function": "derive.spec.parsing.time_expression",
+_MODULES = {
+    "derive.artifacts": (
+        "File",
+        "write",
+    ),
+    "derive.backends.model_files": ("model_files",),
+    "derive.derivation": (
+        "derive",
+        "derive_modal",
+        "lower",
+        "modal",
+        "parameters",
+    ),
+    "derive.errors": (
+        "SpecError",
+        "TisserandError",
+    ),
+    "derive.ir.interpreter": ("interpret",),
+    "derive.ir.model": ("Model",),
+    "derive.mechanics.bodies.modal_body": ("ModalBody",),
+    "derive.mechanics.equations": ("Equations",),
+    "derive.mechanics.indexed_equations": ("GenericEquations",),
+    "derive.registry": ("UnknownNameError",),
+    "derive.roles": ("Role",),
+    "derive.runtime.compiler": ("CompilerError",),
+    "derive.runtime.integrators.library": (
+        "HostError",
+        "Integration",
+    ),
+    "derive.runtime.integrators.run": (
+        "FixedStep",
+        "GeneralisedAlpha",
+        "Ida",
+    ),
+    "derive.runtime.native": (
+        "ModelError",
+        "Native",
+        "NativeScene",
+        "load",
+        "load_scene",
+    ),
+    "derive.simulation.errors": ("SimulationError",),
+    "derive.simulation.initial.consistent_state": ("InitialState",),
+    "derive.simulation.initial.initial_state": ("initial_state",),
+    "derive.simulation.integration.registry": ("INTEGRATORS",),
+    "derive.simulation.integration.scipy_methods": ("integrate",),
+    "derive.simulation.integration.solution": ("Solution",),
+    "derive.simulation.simulate": (
+        "Trajectory",
+        "simulate",
+    ),
+    "derive.spec.construction": (
+        "nodal_body",
+        "planar_beam",
+        "scene",
+        "symbolic_body",
+        "validated",
+    ),
+    "derive.spec.model.body": (
+        "BodyFrame",
+        "Damping",
+        "Frame",
+        "Marker",
+        "NodalBody",
+        "NodeData",
+        "NodeMarker",
+        "Parameter",
+        "PlanarBeam",
+        "SymbolicBody",
+    ),
+    "derive.spec.model.scene": (
+        "BeamBody",
+        "Deflection",
+        "Drive",
+        "Force",
+        "InitialGuess",
+        "Joint",
+        "MarkerRef",
+        "Plot",
+        "PointMarker",
+        "ReferenceCurve",
+        "RigidBody",
+        "Scene",
+        "Simulation",
+        "Spring",
+        "TimeFunction",
+        "Torque",
+    ),
+    "derive.spec.parsing.time_expression": ("time_function",),
+    "derive.spec.toml.read": ("read",),
 }
+_MODULE_OF = {name: module for module, names in _MODULES.items() for name in names}
 
 __all__ = [
+    "INTEGRATORS",
     "BeamBody",
     "BodyFrame",
+    "CompilerError",
     "Damping",
     "Deflection",
     "Drive",
     "Equations",
     "File",
+    "FixedStep",
     "Force",
     "Frame",
+    "GeneralisedAlpha",
     "GenericEquations",
+    "HostError",
+    "Ida",
     "InitialGuess",
+    "InitialState",
+    "Integration",
     "Joint",
     "Marker",
     "MarkerRef",
     "ModalBody",
     "Model",
+    "ModelError",
     "Native",
+    "NativeScene",
     "NodalBody",
     "NodeData",
     "NodeMarker",
@@ -139,19 +223,27 @@ __all__ = [
     "PointMarker",
     "ReferenceCurve",
     "RigidBody",
+    "Role",
     "Scene",
     "Simulation",
+    "SimulationError",
+    "Solution",
     "SpecError",
     "Spring",
     "SymbolicBody",
     "TimeFunction",
     "TisserandError",
     "Torque",
+    "Trajectory",
+    "UnknownNameError",
     "__version__",
     "derive",
     "derive_modal",
+    "initial_state",
+    "integrate",
     "interpret",
     "load",
+    "load_scene",
     "lower",
     "modal",
     "model_files",
@@ -160,6 +252,7 @@ __all__ = [
     "planar_beam",
     "read",
     "scene",
+    "simulate",
     "symbolic_body",
     "time_function",
     "validated",
@@ -168,6 +261,10 @@ __all__ = [
 
 
 def __getattr__(name: str) -> Any:
-    if name not in _HOME:
+    if name not in _MODULE_OF:
         raise AttributeError(f"module 'derive' has no attribute {name!r}")
-    return getattr(import_module(_HOME[name]), name)
+    return getattr(import_module(_MODULE_OF[name]), name)
+
+
+def __dir__() -> list[str]:
+    return __all__

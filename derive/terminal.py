@@ -1,12 +1,66 @@
-"""One line on the terminal that tells what is being done; nothing where stderr is no terminal."""
+"""Output on the terminal: a line of progress, tables, wrapped sentences."""
 
 from __future__ import annotations
 
 import sys
+import textwrap
+import time
+from collections.abc import Iterable, Sequence
+
+WIDTH = 116
+"""The characters of a line of prose."""
 
 
-def show(what: str = "") -> None:
-    """Say what is being done, in place of what was said before; nothing at all removes the line."""
+def show_progress(text: str = "") -> None:
+    """Replace the line of progress on stderr; an empty text removes it. Nothing is written where stderr is no tty."""
     if sys.stderr.isatty():
-        sys.stderr.write(f"\r{what}\x1b[K")
+        sys.stderr.write(f"\r{text}\x1b[K")
         sys.stderr.flush()
+
+
+class SimulationProgress:
+    """The line of progress of a simulation: `label` and the time that it has reached, ten times a second at most."""
+
+    def __init__(self, label: str, duration: float) -> None:
+        self._label, self._duration, self._next = label, duration, 0.0
+        show_progress(f"simulating {label}: deriving and compiling ...")
+
+    def __call__(self, reached: float) -> None:
+        """The simulation has reached this time (s)."""
+        if time.monotonic() >= self._next:
+            self._next = time.monotonic() + 0.1
+            reached = min(reached, self._duration)
+            show_progress(f"simulating {self._label}: {reached:.4g} of {self._duration:g} s")
+
+    def end(self) -> None:
+        """Remove the line."""
+        show_progress()
+
+
+def table(rows: Sequence[Sequence[str]], left: int = 1) -> list[str]:
+    """The lines of a table: the first `left` columns left-aligned, the others right-aligned; rows may be short."""
+    widths = [max(len(row[i]) for row in rows if i < len(row)) for i in range(max(map(len, rows)))]
+    lines = (
+        "  ".join(f"{c:<{w}}" if i < left else f"{c:>{w}}" for i, (c, w) in enumerate(zip(row, widths, strict=False)))
+        for row in rows
+    )
+    return [f"  {line}".rstrip() for line in lines]
+
+
+def wrapped(sentences: Iterable[str], indent: str = "") -> list[str]:
+    """The lines of sentences, each of which starts on a new line."""
+    return [
+        line
+        for sentence in sentences
+        for line in textwrap.wrap(sentence, WIDTH, initial_indent=indent, subsequent_indent=f"{indent}  ")
+    ]
+
+
+def beam_count(pieces: int) -> str:
+    """A number of beams in words: "1 beam", "3 beams"."""
+    return f"{pieces} beam{'s' if pieces > 1 else ''}"
+
+
+def magnitude(value: float) -> str:
+    """A number with two significant digits, in exponential notation; "0" for zero."""
+    return f"{value:.1e}" if value else "0"

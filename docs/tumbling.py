@@ -16,8 +16,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 import derive
-from derive.backends.c.source import c_files
-from derive.spec.model.body import Damping, NodalBody
 
 Array = NDArray[np.float64]
 
@@ -28,21 +26,21 @@ LEFT, WIDTH, HEIGHT, GAP, TOP, FULL = 62, 740, 170, 56, 58, 22  # pixels; FULL r
 COLOURS = {"omega1": "#c8742f", "omega2": "#2f8fb3", "omega3": "#4f9a4a"}
 
 
-def bodies() -> dict[str, NodalBody]:
+def bodies() -> dict[str, derive.NodalBody]:
     """What is spun, and what is written above it."""
     block = derive.read(HERE.parent / "scenes/block.toml")
-    assert isinstance(block, NodalBody) and block.data.modal_stiffness is not None
+    assert isinstance(block, derive.NodalBody) and block.data.modal_stiffness is not None
     soft = replace(block.data, stiffness=None, modal_stiffness=4e-6 * block.data.modal_stiffness)
-    damped = replace(block, data=soft, damping=Damping(stiffness=Fraction(6, 100)))
+    damped = replace(block, data=soft, damping=derive.Damping(stiffness=Fraction(6, 100)))
     return {
         "Rigid: it flips for ever": replace(block, modes=0),
         "Soft and damped: it goes over to a rotation about axis 3, that of the largest moment of inertia": damped,
     }
 
 
-def spun(body: NodalBody) -> Array:
+def spun(body: derive.NodalBody) -> Array:
     """Omega over time, by the Runge-Kutta method of fourth order: (times, 3)."""
-    native = derive.load(c_files(derive.lower(derive.derive(body)), "docs/tumbling.py"))
+    native = derive.load(derive.model_files(derive.lower(derive.derive(body)), body))
     k, n, shapes = native.setup(), native.nq, native.nv - 6
 
     def rate(y: Array) -> Array:

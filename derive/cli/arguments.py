@@ -97,6 +97,9 @@ def _add_simulate(commands: Any) -> None:
     simulate.add_argument(
         "--duration", type=_seconds, metavar="S", help="duration in seconds, in place of that of the specification"
     )
+    simulate.add_argument(
+        "--integrator", default="dop853", metavar="NAME", help="dop853 (default), rk45, ida, c_rk4, c_ida, ..."
+    )
     simulate.add_argument("--json", action="store_true", help="print the summary as JSON")
 
 

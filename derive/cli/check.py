@@ -9,7 +9,7 @@ from difflib import unified_diff
 from pathlib import Path
 
 from derive.artifacts import MARK, File
-from derive.cli.build import build_all
+from derive.cli.specifications import build_all
 
 MAX_LINES = 60
 """Lines of a difference that are printed."""

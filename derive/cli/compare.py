@@ -10,7 +10,7 @@ from typing import assert_never
 import numpy as np
 
 from derive.artifacts import File, write
-from derive.cli.build import build_all
+from derive.cli.specifications import build_all
 from derive.roles import Role
 from derive.runtime.native import Native, Vector, load
 from derive.visual.sparsity import mass_patterns

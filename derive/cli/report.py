@@ -7,23 +7,23 @@ import json
 from pathlib import Path
 
 from derive.artifacts import MARK, File, NotOurs, replace_file, write
-from derive.cli.build import build_all
+from derive.cli.specifications import build_all
 from derive.report.document.page import Page
 from derive.spec.model.scene import Scene
-from derive.terminal import show
+from derive.terminal import show_progress
 
 PAPER = "paper"
 
 
 def run(options: argparse.Namespace) -> int:
     """Make the page, then write it in every language that was asked for."""
-    show("building ...")
+    show_progress("building ...")
     try:
         name, doc, page = _paper() if options.paper else _of_model(options.spec)
         target = options.out or Path("results") / name / f"{name}.report.html"
         written = _write(page, target, options)
     finally:
-        show()
+        show_progress()
     if options.json:
         print(json.dumps({"name": name, "title": page.title, "files": [str(path) for path in written]}, indent=2))
     else:
@@ -60,7 +60,7 @@ def _paper() -> tuple[str, str, Page]:
 
 def _write(page: Page, target: Path, options: argparse.Namespace) -> list[Path]:
     """Write the page; all texts are made before the first file is touched."""
-    show("writing ...")
+    show_progress("writing ...")
     stem = target.name.removesuffix(".html")
     files = [File(target.name, _html(page))]
     if options.tex:

@@ -4,85 +4,68 @@ from __future__ import annotations
 
 import argparse
 import json
-import time
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 from derive.artifacts import File, write
-from derive.errors import Problem, SpecError
-from derive.simulation.observables import csv_writer as record
-from derive.simulation.observables import plots as figures
-from derive.simulation.observables import rods
-from derive.simulation.observables.plots import Line
-from derive.simulation.run import Run, columns
-from derive.simulation.run import run as simulate
+from derive.cli.specifications import read_scene
+from derive.errors import SpecError
+from derive.simulation.observables.beams import LINEAR_LIMIT, beam_bodies, relative_deflection
+from derive.simulation.observables.csv_writer import Column, csv
+from derive.simulation.observables.player_data import player_data
+from derive.simulation.observables.plots import PlotCurve, percent, plot_curve, plot_doc, x_label, y_unit
+from derive.simulation.simulate import Trajectory, simulate
 from derive.spec.model.scene import BeamBody, Plot, Scene
-from derive.spec.tables.scene import MAX_STEPS
-from derive.spec.toml.read import read, with_lines
-from derive.study.text_table import beams, table
-from derive.terminal import show
-from derive.visual import line_chart as chart
-from derive.visual import player
+from derive.spec.toml.read import with_lines
+from derive.terminal import SimulationProgress, beam_count, table
+from derive.visual.line_chart import svg
+from derive.visual.player import player_page
+from derive.visual.plot_chart import plot_chart
 
-Shown = tuple[Plot, tuple[Line, ...]]
+PlotCurves = tuple[Plot, tuple[PlotCurve, ...]]
 """A plot and its curves."""
 
 
 def run(options: argparse.Namespace) -> int:
     """Simulate the scene as specified and with each number of pieces that a plot requests; then write all files."""
-    scene = scene_of(options.spec, options.duration)
-    runs = Runs(options.spec, scene)
-    main = runs.of(None, 0)
-    shown: list[Shown] = []
+    scene = read_scene(options.spec, options.duration)
+    simulations = Simulations(options.spec, scene, options.integrator)
+    main = simulations.trajectory(None, 0)
+    shown: list[PlotCurves] = []
     for plot in scene.plots:
-        variants = [(_label(plot, n), runs.of(plot.cut, n)) for n in plot.pieces or (0,)]
-        shown.append((plot, tuple(figures.line(plot, each.motion, label) for label, each in variants)))
+        variants = [(_label(plot, n), simulations.trajectory(plot.cut, n)) for n in plot.pieces or (0,)]
+        shown.append((plot, tuple(plot_curve(plot, each.motion, label) for label, each in variants)))
     files = _files(main, shown)
     write(files, options.out)
-    summary = _summary(runs, shown, [str(options.out / file.path) for file in files])
+    summary = _summary(simulations, shown, [str(options.out / file.path) for file in files])
     print(json.dumps(summary, indent=2) if options.json else _text(summary))
     return 0
 
 
-def scene_of(path: Path, duration: float | None) -> Scene:
-    """Read the scene of a file, with another `duration` (s) if given. Raises SpecError if it cannot be simulated."""
-    scene = read(path)
-    if not isinstance(scene, Scene):
-        message = "a scene is needed, and this is a single body; put it into [bodies], see scenes/spinning_beam.toml"
-        raise SpecError((Problem("", message),), str(path))
-    if scene.simulation is None:
-        message = "this table is missing; add it, with `duration` (s) and `output`, the time between rows (s)"
-        raise SpecError((Problem("simulation", message),), str(path))
-    if duration is None:
-        return scene
-    if duration > MAX_STEPS * scene.simulation.output:
-        message = f"--duration {duration:g} would give more than {MAX_STEPS} rows; make `output` longer"
-        raise SpecError((Problem("simulation.output", message),), str(path))
-    return replace(scene, simulation=replace(scene.simulation, duration=duration))
-
-
 @dataclass
-class Runs:
-    """The simulations of one scene, each run once: as specified, and with other numbers of pieces of a rod."""
+class Simulations:
+    """The simulations of one scene, each run once: as specified, and with other numbers of pieces of a beam."""
 
     path: Path
     scene: Scene
-    done: dict[tuple[tuple[str, int], ...], Run] = field(default_factory=dict)
+    integrator: str
+    done: dict[tuple[tuple[str, int], ...], Trajectory] = field(default_factory=dict)
 
-    def of(self, cut: str | None, pieces: int) -> Run:
-        """Return the simulation with `pieces` pieces of the rod `cut`, or of the scene as specified if that is None."""
+    def trajectory(self, cut: str | None, pieces: int) -> Trajectory:
+        """Return the simulation with `pieces` pieces of the beam `cut`, or of the scene as specified if it is None."""
         bodies = tuple(
             replace(b, pieces=pieces) if isinstance(b, BeamBody) and b.name == cut else b for b in self.scene.bodies
         )
         key = tuple((b.name, b.pieces) for b in bodies if isinstance(b, BeamBody))
         if key not in self.done:
             assert self.scene.simulation is not None
-            title = ", ".join([self.scene.name, *(f"{name} in {beams(n)}" for name, n in key)])
-            progress = Progress(title, self.scene.simulation.duration)
+            title = ", ".join([self.scene.name, *(f"{name} in {beam_count(n)}" for name, n in key)])
+            progress = SimulationProgress(title, self.scene.simulation.duration)
             try:
-                self.done[key] = simulate(replace(self.scene, bodies=bodies), progress)
+                scene = replace(self.scene, bodies=bodies)
+                self.done[key] = simulate(scene, integrator=self.integrator, progress=progress)
             except SpecError as error:
                 raise with_lines(error, self.path) from None
             finally:
@@ -90,70 +73,46 @@ class Runs:
         return self.done[key]
 
 
-class Progress:
-    """A line on the terminal with the time that a simulation has reached; it stays silent if stderr is no terminal."""
-
-    def __init__(self, title: str, duration: float) -> None:
-        self._title, self._duration, self._next = title, duration, 0.0
-        self._show("deriving and compiling ...")
-
-    def __call__(self, reached: float) -> None:
-        """Show the time (s) that the simulation has reached, at most ten times a second."""
-        if time.monotonic() >= self._next:
-            self._next = time.monotonic() + 0.1
-            self._show(f"{min(reached, self._duration):.4g} of {self._duration:g} s")
-
-    def end(self) -> None:
-        """Remove the line."""
-        show()
-
-    def _show(self, text: str) -> None:
-        show(f"simulating {self._title}: {text}")
-
-
-def _files(main: Run, shown: Sequence[Shown]) -> list[File]:
+def _files(main: Trajectory, shown: Sequence[PlotCurves]) -> list[File]:
     scene = main.scene
-    curves = [
-        record.Column(figures.said(plot), figures.unit(plot), figures.line(plot, main.motion, "").y)
-        for plot, _ in shown
-    ]
+    columns = [Column(plot_doc(plot), y_unit(plot), plot_curve(plot, main.motion, "").y) for plot, _ in shown]
     return [
-        File(f"{scene.name}/{scene.name}.csv", record.csv(f"The motion of {scene.name}.", columns(main))),
-        *(File(f"{scene.name}/{p.name}.svg", chart.svg(figures.chart(scene, p, lines))) for p, lines in shown),
-        File(f"{scene.name}/{scene.name}.html", player.page(main.motion, curves)),
+        File(f"{scene.name}/{scene.name}.csv", csv(f"The motion of {scene.name}.", main.table)),
+        *(File(f"{scene.name}/{p.name}.svg", svg(plot_chart(scene, p, curves))) for p, curves in shown),
+        File(f"{scene.name}/{scene.name}.html", player_page(player_data(main.motion, columns))),
     ]
 
 
 def _label(plot: Plot, pieces: int) -> str:
-    return beams(pieces) if pieces else f"{plot.quantity.marker.body}.{plot.quantity.marker.marker}"
+    return beam_count(pieces) if pieces else f"{plot.quantity.marker.body}.{plot.quantity.marker.marker}"
 
 
-def _summary(runs: Runs, shown: Sequence[Shown], files: list[str]) -> dict[str, Any]:
+def _summary(simulations: Simulations, shown: Sequence[PlotCurves], files: list[str]) -> dict[str, Any]:
     """Return the summary as plain data: times in s, drift in m, rad, m/s and rad/s, errors relative to the peak."""
-    assert runs.scene.simulation is not None
+    assert simulations.scene.simulation is not None
     return {
-        "name": runs.scene.name,
-        "duration": runs.scene.simulation.duration,
+        "name": simulations.scene.name,
+        "duration": simulations.scene.simulation.duration,
         "runs": [
             {
                 "pieces": dict(key),
                 "coordinates": done.motion.native.nq,
                 "constraints": done.motion.native.nlambda,
-                "steps": done.trajectory.cost.steps,
-                "evaluations": done.trajectory.cost.evaluations,
-                "cpu_seconds": done.trajectory.cost.seconds,
-                "drift": done.trajectory.drift[:, 0].max(),
-                "drift_of_rates": done.trajectory.drift[:, 1].max(),
-                "deformed_start": done.start.deformed or done.start.deforming,
-                "bending": {b.name: rods.bending(done.motion, b) for b in done.scene.bodies if isinstance(b, BeamBody)},
+                "steps": done.solution.cost.steps,
+                "evaluations": done.solution.cost.evaluations,
+                "cpu_seconds": done.solution.cost.seconds,
+                "drift": done.solution.drift[:, 0].max(),
+                "drift_of_rates": done.solution.drift[:, 1].max(),
+                "deformed_start": done.initial.deformed or done.initial.deforming,
+                "bending": {b.name: relative_deflection(done.motion, b) for b in beam_bodies(done.scene)},
             }
-            for key, done in sorted(runs.done.items())
+            for key, done in sorted(simulations.done.items())
         ],
         "plots": [
             {
                 "name": plot.name,
-                "quantity": figures.said(plot),
-                "over": figures.over(runs.scene, plot),
+                "quantity": plot_doc(plot),
+                "over": x_label(simulations.scene, plot),
                 "reference": plot.reference.file if plot.reference else None,
                 "curves": [
                     {
@@ -162,10 +121,10 @@ def _summary(runs: Runs, shown: Sequence[Shown], files: list[str]) -> dict[str, 
                         "largest": dict(zip(("value", "at"), each.largest, strict=True)),
                         "error": dict(zip(("rms", "max"), each.error, strict=True)) if each.error else None,
                     }
-                    for each in lines
+                    for each in curves
                 ],
             }
-            for plot, lines in shown
+            for plot, curves in shown
         ],
         "files": files,
     }
@@ -174,7 +133,7 @@ def _summary(runs: Runs, shown: Sequence[Shown], files: list[str]) -> dict[str, 
 def _text(summary: dict[str, Any]) -> str:
     rows = [["", "coordinates", "constraints", "steps", "evaluations", "CPU s", "drift", "of velocities"]]
     for each in summary["runs"]:
-        name = ", ".join(f"{name} in {beams(n)}" for name, n in each["pieces"].items()) or "all rigid"
+        name = ", ".join(f"{name} in {beam_count(n)}" for name, n in each["pieces"].items()) or "all rigid"
         counts = (str(each[key]) for key in ("coordinates", "constraints", "steps", "evaluations"))
         drifts = (f"{each[key]:.1e}" for key in ("drift", "drift_of_rates"))
         rows.append([name, *counts, f"{each['cpu_seconds']:.2f}", *drifts])
@@ -185,7 +144,7 @@ def _text(summary: dict[str, Any]) -> str:
         rows = [["", "minimum", "at", "maximum", "at", *(["rms error", "max error"] if plot["reference"] else [])]]
         for each in plot["curves"]:
             values = (f"{each[end][key]:.6g}" for end in ("least", "largest") for key in ("value", "at"))
-            errors = [f"{figures.percent(each['error'][key])} %" for key in ("rms", "max")] if each["error"] else []
+            errors = [f"{percent(each['error'][key])} %" for key in ("rms", "max")] if each["error"] else []
             rows.append([each["label"], *values, *errors])
         lines += ["", f"{plot['name']}: {plot['quantity']}; over {plot['over']}", *table(rows)]
         if any(each["error"] for each in plot["curves"]):
@@ -200,11 +159,11 @@ def _warnings(summary: dict[str, Any]) -> list[str]:
     warnings: list[str] = []
     for each in summary["runs"]:
         for name, most in each["bending"].items():
-            if most > rods.TRUSTED:
-                beam = f"{name} in {beams(each['pieces'][name])}"
+            if most > LINEAR_LIMIT:
+                beam = f"{name} in {beam_count(each['pieces'][name])}"
                 warnings.append(
                     f"  warning: {beam} bends by {most:.2g} of the length of a beam; first-order equations hold up to "
-                    f"about {rods.TRUSTED:g}"
+                    f"about {LINEAR_LIMIT:g}"
                 )
         if each["deformed_start"]:
             warnings.append(

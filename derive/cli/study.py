@@ -7,14 +7,14 @@ import json
 from pathlib import Path
 
 from derive.artifacts import File, write
-from derive.cli.simulate import scene_of
+from derive.cli.specifications import read_scene
 from derive.errors import Problem, SpecError
 from derive.spec.model.scene import Scene
 from derive.spec.toml.read import with_lines
 from derive.study import frames, frames_table, pivots, pivots_table, states
 from derive.study import frames_chart as chart
 from derive.study.variants import rods, variant
-from derive.terminal import show
+from derive.terminal import show_progress
 
 
 def run(options: argparse.Namespace) -> int:
@@ -25,12 +25,12 @@ def run(options: argparse.Namespace) -> int:
     except SpecError as error:
         raise with_lines(error, options.spec) from None
     finally:
-        show()
+        show_progress()
 
 
 def _scene(path: Path) -> Scene:
     """Read the scene of a file. Raises SpecError if it has no beam or no [simulation]."""
-    scene = scene_of(path, None)
+    scene = read_scene(path)
     if not rods(scene):
         message = "there is no beam here, and only beams have a frame to study; see scenes/crank_slider_3.toml"
         raise SpecError((Problem("bodies", message),), str(path))
@@ -40,7 +40,7 @@ def _scene(path: Path) -> Scene:
 def _frames(scene: Scene, options: argparse.Namespace) -> int:
     names = options.frames
     rows = frames.study(scene, options.pieces, names, options.runs)
-    show()
+    show_progress()
     target = options.chart or Path("results") / scene.name / "frames.svg"
     write([File(target.name, chart.svg(scene.name, names, rows))], target.parent)
     if options.json:
@@ -59,7 +59,7 @@ def _pivots(scene: Scene, options: argparse.Namespace) -> int:
             pivots.look(variant(scene, n, name), options.states, options.numberings) for name in options.frames
         )
         results.append((n, (first, second)))
-    show()
+    show_progress()
     if options.json:
         print(json.dumps([pivots_table.plain(scene.name, n, both) for n, both in results], indent=2))
     else:

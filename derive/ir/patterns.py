@@ -6,6 +6,10 @@ from collections import Counter
 from dataclasses import dataclass
 from itertools import accumulate
 
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.sparse import csc_array
+
 
 @dataclass(frozen=True)
 class Piece:
@@ -54,6 +58,46 @@ class Pattern:
     def full_nnz(self) -> int:
         """Structural non-zeros of the whole matrix, both triangles counted."""
         return len(self.rowidx) + sum(i != j for i, j in self.entries if self.symmetric)
+
+    def dense(self, values: ArrayLike) -> NDArray[np.float64]:
+        """The matrices (..., rows, cols) of `values` (..., nnz), both triangles of a symmetric pattern.
+
+        Raises ValueError if the last axis of `values` does not have one element for each entry.
+        """
+        numbers = self._checked(values)
+        full = np.zeros((*numbers.shape[:-1], self.rows, self.cols))
+        rows, cols = self._indices()
+        full[..., rows, cols] = numbers
+        if self.symmetric:
+            full[..., cols, rows] = numbers
+        return full
+
+    def sparse(self, values: ArrayLike) -> csc_array:
+        """The matrix (rows, cols) of `values` (nnz,) in SciPy's compressed columns, both triangles of a symmetric one.
+
+        All structural non-zeros are stored, also those whose value is 0. Raises ValueError as `dense`, and if `values`
+        is not one vector.
+        """
+        numbers = self._checked(values)
+        if numbers.ndim != 1:
+            raise ValueError(f"a sparse matrix takes one vector of values, not an array of shape {numbers.shape}")
+        rows, cols = self._indices()
+        if self.symmetric:
+            below = rows != cols
+            rows, cols = np.concatenate([rows, cols[below]]), np.concatenate([cols, rows[below]])
+            numbers = np.concatenate([numbers, numbers[below]])
+        return csc_array((numbers, (rows, cols)), shape=(self.rows, self.cols))
+
+    def _checked(self, values: ArrayLike) -> NDArray[np.float64]:
+        numbers = np.asarray(values, dtype=np.float64)
+        if numbers.ndim == 0 or numbers.shape[-1] != len(self.rowidx):
+            raise ValueError(f"this pattern has {len(self.rowidx)} entries; the values have shape {numbers.shape}")
+        return numbers
+
+    def _indices(self) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+        """Row and column (nnz,) of each stored value."""
+        cols = np.repeat(np.arange(self.cols, dtype=np.intp), np.diff(self.colptr))
+        return np.array(self.rowidx, dtype=np.intp), cols
 
 
 def pattern(rows: int, cols: int, entries: set[tuple[int, int]], symmetric: bool = False) -> Pattern:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import tempfile
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +15,7 @@ from derive.artifacts import File, write
 from derive.backends.c.source import ABI
 from derive.errors import TisserandError
 from derive.ir.patterns import Pattern
+from derive.registry import UnknownNameError
 from derive.runtime.compiler import FLAGS, CompilerError, compile_shared
 from derive.runtime.descriptor import DaeStruct, Doubles, ModelStruct, names_of, pattern_of, roles_of
 
@@ -52,7 +53,10 @@ def load_scene(files: Sequence[File], flags: Sequence[str] = FLAGS) -> NativeSce
 
 
 class Native:
-    """A compiled model. Arrays are vectors of doubles; matrices come as the values of their pattern.
+    """A compiled model. Arrays are vectors of doubles in SI units; matrices come as the values of their pattern.
+
+    The pattern makes a matrix of them, dense or in SciPy's compressed columns:
+    `native.mass_pattern.dense(native.mass(q, k))`, `native.jacobian_pattern.sparse(native.jacobian(t, y, ydot, c, k))`.
 
     Functions raise ModelError when the model returns a code other than 0, ValueError on a wrong length.
     """
@@ -80,9 +84,27 @@ class Native:
         """The function of that name in the descriptor, to be called with addresses; to look it up takes its time."""
         return getattr(self._model, name)
 
-    def setup(self, p: ArrayLike | None = None) -> Vector:
-        """k of the parameters p, or of their defaults."""
-        return self._call("setup", [(self.np, self.defaults if p is None else p)], self.nk)
+    def setup(self, p: ArrayLike | Mapping[str, float] | None = None, /, **named: float) -> Vector:
+        """The constants k (nk,) that all other functions take, from the parameters.
+
+        p: all parameters (np,) in SI units, in the order of `parameters`; or some of them by name, in a mapping or as
+        keyword arguments: `setup(EI=30)`, `setup({"EI": 30})`. Those that are not given have their defaults.
+
+        Raises UnknownNameError for a name that is not in `parameters`, ValueError on a wrong length, ModelError.
+        """
+        return self._call("setup", [(self.np, self.parameter_values(p, named))], self.nk)
+
+    def parameter_values(self, p: ArrayLike | Mapping[str, float] | None, named: Mapping[str, float]) -> Vector:
+        """All parameters (np,): `p` as `setup` takes it, or the defaults, and those that are `named` instead."""
+        if isinstance(p, Mapping):
+            named = {**p, **named}
+            p = None
+        values = np.array(self.defaults if p is None else p, dtype=np.float64)
+        for name, value in named.items():
+            if name not in self.parameters:
+                raise UnknownNameError(f"parameter of {self.name}", name, self.parameters)
+            values[self.parameters.index(name)] = value
+        return values
 
     def mass(self, q: ArrayLike, k: ArrayLike) -> Vector:
         """Values of M(q)."""
@@ -161,7 +183,7 @@ class Native:
 
     def _marker(self, name: str) -> Any:
         if name not in self.markers:
-            raise ValueError(f"{self.name} has no marker {name!r}; it has {', '.join(self.markers) or 'none'}")
+            raise UnknownNameError(f"marker of {self.name}", name, self.markers)
         return self._model.markers[self.markers.index(name)]
 
     def _state(self, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> list[Any]:

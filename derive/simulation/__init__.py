@@ -1,1 +1,1 @@
-"""Simulation of a compiled scene: consistent initialisation, integration, analysis of constraints."""
+"""Simulation of a scene: consistent initialisation, integration, constraints, observables."""

@@ -1,4 +1,4 @@
-"""What the numerics asks of a compiled scene, and its matrices as arrays."""
+"""What the numerical methods need of a compiled scene: its functions as a protocol, and its matrices as arrays."""
 
 from __future__ import annotations
 
@@ -11,7 +11,10 @@ from derive.runtime.native import Matrix, Vector
 
 
 class Mechanism(Protocol):
-    """M(q) vdot + h(t, q, v) = G^T lambda, g(t, q) = 0, qdot = v: the methods of a compiled scene (`Native`)."""
+    """M(q) vdot + h(t, q, v) = G^T lambda with constraints g(t, q) = 0 and qdot = v, as `NativeScene` computes them.
+
+    q, v are (nq,) = (nv,), k (nk,) the constants of `setup`, lambda and g (nlambda,), all in SI units.
+    """
 
     name: str
     nq: int
@@ -47,22 +50,24 @@ class Mechanism(Protocol):
         """The smallest change of v, in the metric of M, with G dv = r."""
 
 
-def dense(pattern: Pattern, values: Vector) -> Matrix:
-    """The matrix (rows, cols) of the values of a pattern, both triangles of a symmetric one."""
-    full = np.zeros((pattern.rows, pattern.cols))
-    rows = np.array(pattern.rowidx, dtype=int)
-    cols = np.repeat(np.arange(pattern.cols), np.diff(pattern.colptr))
-    full[rows, cols] = values
-    if pattern.symmetric:
-        full[cols, rows] = values
-    return full
-
-
 def mass_matrix(native: Mechanism, q: Vector, k: Vector) -> Matrix:
     """M (nv, nv)."""
-    return dense(native.mass_pattern, native.mass(q, k))
+    return native.mass_pattern.dense(native.mass(q, k))
 
 
 def constraint_matrix(native: Mechanism, t: float, q: Vector, k: Vector) -> Matrix:
     """G (nlambda, nv)."""
-    return dense(native.constraint_pattern, native.constraint_jacobian(t, q, k))
+    return native.constraint_pattern.dense(native.constraint_jacobian(t, q, k))
+
+
+def kkt_matrix(native: Mechanism, t: float, q: Vector, k: Vector) -> Matrix:
+    """[M, -G^T; -G, 0] (nv + nlambda, nv + nlambda), in SI units, not scaled."""
+    M, G = mass_matrix(native, q, k), constraint_matrix(native, t, q, k)
+    return np.block([[M, -G.T], [-G, np.zeros((len(G), len(G)))]])
+
+
+def max_norm(values: Vector) -> float:
+    """The largest absolute value: infinite if one is not finite, 0 of an empty vector."""
+    if not np.all(np.isfinite(values)):
+        return float("inf")
+    return float(np.max(np.abs(values), initial=0.0))

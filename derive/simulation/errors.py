@@ -1,4 +1,4 @@
-"""What stops a simulation: every text says where, what, by how much, and what to do."""
+"""The errors of a simulation: every text says where, what, by how much, and what to do."""
 
 from __future__ import annotations
 
@@ -19,48 +19,54 @@ class SimulationError(TisserandError):
 
 @dataclass(frozen=True)
 class Dependence:
-    """A constraint, and those that together say the same; both by the names of their multipliers."""
+    """A constraint, and those that together imply it; all by the names of their multipliers."""
 
     name: str
     on: tuple[str, ...]
 
 
-class InconsistentStart(SimulationError):
-    """No state near the guess meets the constraints. `unmet`: multiplier and what is missing (m, rad; /s)."""
+class InconsistentInitialState(SimulationError):
+    """No state near the initial guess meets the constraints.
 
-    def __init__(self, what: str, unmet: Sequence[tuple[str, float]], t: float) -> None:
+    level: "positions" or "velocities". unmet: the names of multipliers, and the violations (m, rad; m/s, rad/s).
+    """
+
+    def __init__(self, level: str, unmet: Sequence[tuple[str, float]], t: float) -> None:
         self.unmet = tuple(unmet)
         width = max((len(name) for name, _ in unmet), default=0)
-        unit = "m or rad" if what == "positions" else "m/s or rad/s"
+        unit = "m or rad" if level == "positions" else "m/s or rad/s"
         advice = {
             "positions": "Give bodies a start nearer to the closed mechanism, check that lengths can reach, and that "
             "every drive begins where the mechanism can be.",
             "velocities": "Check that every drive can be followed from this position, and that drives do not "
             "contradict each other.",
-        }[what]
-        lines = [f"the constraints cannot be met by any {what} near the start at t = {t:g} s; what is left ({unit}):"]
+        }[level]
+        lines = [f"no {level} near the initial guess at t = {t:g} s meet the constraints; violations in {unit}:"]
         lines += [f"  {name.ljust(width)}  {amount:.3g}" for name, amount in unmet]
         super().__init__("\n".join([*lines, advice]))
 
 
-class BentStart(SimulationError):
-    """Joints can be met, but only by beams that bend far. `bent`: by how much of the length of a piece, by rods."""
+class ExcessiveDeformation(SimulationError):
+    """Only beams that bend far meet the constraints initially.
 
-    def __init__(self, bent: Mapping[str, float]) -> None:
-        self.bent = dict(bent)
-        said = ", ".join(f"{name} by {most:.2g} of the length of a beam" for name, most in bent.items())
+    deflections: by names of beams, the largest deflection divided by the length of a piece.
+    """
+
+    def __init__(self, deflections: Mapping[str, float]) -> None:
+        self.deflections = dict(deflections)
+        beams = ", ".join(f"{name} by {value:.2g} of the length of a beam" for name, value in deflections.items())
         super().__init__(
-            f"the joints can be met at the start only by bending {said}, which linear displacements do not describe. "
+            f"the initial state meets the joints only by bending {beams}, which linear displacements do not describe. "
             "Check that lengths can reach, or give bodies a start nearer to the closed mechanism."
         )
 
 
 class RedundantConstraints(SimulationError):
-    """Constraints that say what others say already, in this state and in those around it."""
+    """Constraints that others imply, in this state and in those around it."""
 
     def __init__(self, redundant: Sequence[Dependence]) -> None:
         self.redundant = tuple(redundant)
-        lines = [f"  {d.name} says the same as {_together(d.on)}" for d in redundant]
+        lines = [f"  {d.name} is implied by {_enumeration(d.on)}" for d in redundant]
         advice = (
             "Their multipliers have no unique value. Remove as many constraints (a weaker kind of joint, or none), or "
             "let a body deform where the others hold it."
@@ -69,13 +75,17 @@ class RedundantConstraints(SimulationError):
 
 
 class SingularConfiguration(SimulationError):
-    """A dead centre: the constraints depend on each other in this state alone."""
+    """A dead centre: the constraints depend on each other in this state alone.
+
+    t: in s. smallest: the smallest singular value of the scaled constraints. multipliers: the names of those that grow.
+    """
 
     def __init__(self, t: float, smallest: float, multipliers: Sequence[str], advice: str = AT_DEAD_CENTRE) -> None:
         self.t, self.smallest, self.multipliers = t, smallest, tuple(multipliers)
+        grow = "grow" if len(multipliers) > 1 else "grows"
         super().__init__(
             f"the mechanism is at a dead centre at t = {t:.9g} s: the smallest singular value of its scaled "
-            f"constraints is {smallest:.2g}, and {_together(multipliers)} {_grows(multipliers)} without bound. {advice}"
+            f"constraints is {smallest:.2g}, and {_enumeration(multipliers)} {grow} without bound. {advice}"
         )
 
 
@@ -84,35 +94,38 @@ class DriveCannotBeFollowed(SingularConfiguration):
 
     def __init__(self, t: float, smallest: float, multipliers: Sequence[str], drives: Sequence[str]) -> None:
         self.drives = tuple(drives)
-        told = f"What drives prescribe in {_together(drives)} cannot be followed. {AT_DEAD_CENTRE}"
-        super().__init__(t, smallest, multipliers, told)
+        advice = f"What drives prescribe in {_enumeration(drives)} cannot be followed. {AT_DEAD_CENTRE}"
+        super().__init__(t, smallest, multipliers, advice)
 
 
 class MasslessMotion(SimulationError):
-    """A motion that the constraints allow and that moves no mass."""
+    """A motion that the constraints allow and that moves no mass; `coordinates` take part in it."""
 
     def __init__(self, coordinates: Sequence[str]) -> None:
         self.coordinates = tuple(coordinates)
         super().__init__(
-            f"a motion of {_together(coordinates)} moves no mass, and no constraint prevents it, so that its "
+            f"a motion of {_enumeration(coordinates)} moves no mass, and no constraint prevents it, so that its "
             "acceleration has no value. Give the body a mass and an inertia, or prescribe its motion by joints and "
             "drives."
         )
 
 
 class DriftTooLarge(SimulationError):
-    """The constraints are violated by more than the tolerance."""
+    """A constraint is violated by more than the tolerance.
 
-    def __init__(self, t: float, what: str, name: str, amount: float, tolerance: float) -> None:
+    level: "position" or "rate". name: that of the multiplier. amount, tolerance: in m, rad, m/s or rad/s.
+    """
+
+    def __init__(self, t: float, level: str, name: str, amount: float, tolerance: float) -> None:
         self.t, self.name, self.amount, self.tolerance = t, name, amount, tolerance
         super().__init__(
-            f"at t = {t:.9g} s the {what} of constraint {name} is off by {amount:.2g}, more than the tolerance of "
+            f"at t = {t:.9g} s the {level} of constraint {name} is off by {amount:.2g}, more than the tolerance of "
             f"drift {tolerance:.2g}. Integrate with a smaller tolerance, with projection, or allow more drift."
         )
 
 
 class IntegrationStopped(SimulationError):
-    """The integrator cannot go on, and no singular constraint is the reason."""
+    """The integrator cannot go on after t (s), and no singular constraint is the reason."""
 
     def __init__(self, t: float, reason: str) -> None:
         self.t = t
@@ -124,9 +137,5 @@ class IntegrationStopped(SimulationError):
         )
 
 
-def _together(names: Sequence[str]) -> str:
+def _enumeration(names: Sequence[str]) -> str:
     return ", ".join(names[:-1]) + " and " + names[-1] if len(names) > 1 else "".join(names)
-
-
-def _grows(names: Sequence[str]) -> str:
-    return "grow" if len(names) > 1 else "grows"

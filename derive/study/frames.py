@@ -14,14 +14,13 @@ from derive.derivation import derive, lower
 from derive.mechanics.equations import Equations
 from derive.runtime.integrators.run import FixedStep
 from derive.runtime.native import Vector
-from derive.simulation.compiled_scene import mass_matrix
+from derive.simulation.compiled_scene import kkt_matrix, mass_matrix
 from derive.spec.model.scene import Scene
 from derive.study import states
 from derive.study.clock import Times, native_of, times
 from derive.study.counts import Counts, counts
-from derive.study.matrices import kkt_matrix
 from derive.study.variants import Variant, variant
-from derive.terminal import show
+from derive.terminal import show_progress
 
 PAPER = {1: 0.97, 2: 0.93, 3: 0.92}
 """CPU time of the mean over the standard version, for 1, 2 and 3 beams: the paper, "Numerical Results".
@@ -75,7 +74,7 @@ def _build(
     one: Variant, pool: ThreadPoolExecutor
 ) -> tuple[Variant, Counts, dict[str, float], Future[tuple[FixedStep, float]]]:
     """A variant that is being compiled."""
-    show(f"deriving and lowering: {_said(one)}")
+    show_progress(f"deriving and lowering: {_said(one)}")
     marks = [time.perf_counter()]
     equations = derive(one.scene)
     assert isinstance(equations, Equations)
@@ -95,7 +94,7 @@ def _build(
 
 
 def _compiled(one: Variant, found: Counts, seconds: dict[str, float], host: Future[tuple[FixedStep, float]]) -> _Built:
-    show(f"compiling: {_said(one)}")
+    show_progress(f"compiling: {_said(one)}")
     made, took = host.result()
     return _Built(one, made, found, {**seconds, "compile": took})
 
@@ -108,9 +107,9 @@ def _row(pieces: int, first: _Built, second: _Built, runs: int) -> Row:
     said = f"{pieces} beam{'s' if pieces > 1 else ''}"
 
     def told(run: int) -> None:
-        show(f"timing {said}: run {run + 1} of {runs}")
+        show_progress(f"timing {said}: run {run + 1} of {runs}")
 
-    show(f"timing {said}")
+    show_progress(f"timing {said}")
     timed = times((first.host, second.host), (starts[0], starts[1]), simulation.duration, runs, told)
     framed = [_framed(b, q) for b, (_, q, _) in zip(both, starts, strict=True)]
     return Row(pieces, (framed[0], framed[1]), timed)
@@ -122,7 +121,7 @@ def _framed(built: _Built, q: Vector) -> Framed:
     return Framed(
         built.counts,
         float(np.linalg.cond(mass_matrix(native, q, k))),
-        float(np.linalg.cond(kkt_matrix(native, k, 0.0, q))),
+        float(np.linalg.cond(kkt_matrix(native, 0.0, q, k))),
         built.seconds,
     )
 

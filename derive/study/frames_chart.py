@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from derive.study.frames import PAPER, Framed, Row
-from derive.study.text_table import beams
+from derive.terminal import beam_count
 from derive.visual import line_chart as style
 
 if TYPE_CHECKING:
@@ -76,7 +76,7 @@ def _lines(axes: Axes, frames: tuple[str, str], rows: Sequence[Row]) -> None:
         marks = {"linestyle": "none", "marker": "o", "markersize": 8, "fillstyle": "none", "markeredgewidth": 2}
         axes.plot(*zip(*known, strict=True), label="CPU time in the paper (1988, DADS)", color=PAPER_COLOUR, **marks)
     axes.set_ylim(0, 1.1)
-    axes.set_xticks(list(places), [beams(row.pieces) for row in rows])
+    axes.set_xticks(list(places), [beam_count(row.pieces) for row in rows])
     axes.set_xlim(-0.5, len(rows) - 0.5)
     axes.tick_params(length=3)
     axes.grid(axis="x", visible=False)
@@ -99,4 +99,4 @@ def _bars(axes: Axes, rows: Sequence[Row]) -> None:
 
 def _said(rows: Sequence[Row]) -> list[str]:
     """For those who do not see it."""
-    return [f"{beams(row.pieces)}: CPU time {row.times.integration_ratio.median:.2f}" for row in rows]
+    return [f"{beam_count(row.pieces)}: CPU time {row.times.integration_ratio.median:.2f}" for row in rows]

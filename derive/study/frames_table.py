@@ -9,7 +9,7 @@ from typing import Any
 from derive.study import machine
 from derive.study.clock import DRIFT, SAFE, Ratio
 from derive.study.frames import PAPER, Framed, Row
-from derive.study.text_table import beams, short, table, wrapped
+from derive.terminal import beam_count, magnitude, table, wrapped
 
 HEAD = (
     *("beams", "frame", "nnz(M)", "nnz(KKT)", "fill-in", "LDL^T", "in code", "force", "accel", "cond(M)", "cond(KKT)"),
@@ -81,7 +81,7 @@ def _numbers(framed: Framed) -> tuple[float, ...]:
 
 def _counts(framed: Framed) -> list[str]:
     *counted, mass, kkt = _numbers(framed)
-    return [*(str(n) for n in counted), short(mass), short(kkt)]
+    return [*(str(n) for n in counted), magnitude(mass), magnitude(kkt)]
 
 
 def _nano(seconds: float) -> str:
@@ -99,8 +99,8 @@ def _paper(frames: tuple[str, str], pieces: int) -> float | None:
 
 def _notes(frames: tuple[str, str], rows: Sequence[Row]) -> list[str]:
     known, runs = machine.described(), rows[0].times.runs
-    steps = (f"{beams(r.pieces)}: {r.times.steps} of {r.times.step:.2g} s" for r in rows)
-    corrections = (f"{beams(r.pieces)}: {' and '.join(map(str, r.times.corrections))}" for r in rows)
+    steps = (f"{beam_count(r.pieces)}: {r.times.steps} of {r.times.step:.2g} s" for r in rows)
+    corrections = (f"{beam_count(r.pieces)}: {' and '.join(map(str, r.times.corrections))}" for r in rows)
     first, second = frames
     notes = [
         "non-zeros: structural, of both triangles; fill-in: of one",

@@ -9,21 +9,15 @@ from numpy.typing import NDArray
 
 from derive.ir.patterns import Pattern
 from derive.runtime.native import Matrix, NativeScene, Vector
-from derive.simulation.compiled_scene import constraint_matrix, mass_matrix
+from derive.simulation.compiled_scene import kkt_matrix
 
 State = tuple[float, Vector, Vector]
 """t, q and v."""
 
 
-def kkt_matrix(native: NativeScene, k: Vector, t: float, q: Vector) -> Matrix:
-    """The matrix (nv + nlambda, nv + nlambda) in a state, in SI units, not scaled."""
-    M, G = mass_matrix(native, q, k), constraint_matrix(native, t, q, k)
-    return np.block([[M, -G.T], [-G, np.zeros((len(G), len(G)))]])
-
-
 def systems(native: NativeScene, k: Vector, states: Sequence[State]) -> tuple[Matrix, Matrix]:
     """Matrices (states, n, n) and right-hand sides [-h; -gamma] (states, n) of vdot and lambda."""
-    left = np.array([kkt_matrix(native, k, t, q) for t, q, _ in states])
+    left = np.array([kkt_matrix(native, t, q, k) for t, q, _ in states])
     right = [-np.concatenate([native.force(t, q, v, k), native.constraint_bias(t, q, v, k)]) for t, q, v in states]
     return left, np.array(right)
 

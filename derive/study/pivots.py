@@ -24,7 +24,7 @@ from derive.study.eliminate import backward_error, eliminate
 from derive.study.matrices import equilibrated, present, systems
 from derive.study.orders import ORDERS, Order, without_diagonal
 from derive.study.variants import Variant
-from derive.terminal import show
+from derive.terminal import show_progress
 
 QUICK = ("-std=c99", "-O0", "-ffp-contract=off")
 """Flags of the compiler: here no time is measured."""
@@ -83,15 +83,15 @@ class InFrame:
 def look(variant: Variant, count: int, numberings: int) -> InFrame:
     """Look at one frame in `count` states of each kind. Raises SpecError, CompilerError, SimulationError."""
     said = f"{variant.scene.name}, {variant.frame} frame: "
-    show(f"{said}building")
+    show_progress(f"{said}building")
     equations = derive(variant.scene)
     assert isinstance(equations, Equations)
     native = load_scene(model_files(lower(equations), variant.scene), QUICK)
     k, shape = native.setup(), kkt_pattern(Context(equations))
-    show(f"{said}simulating")
+    show_progress(f"{said}simulating")
     moved = states.simulated(variant.scene, native, k, count)
     kinds = (states.undeformed(variant.scene, native, k, moved), moved)
-    show(f"{said}eliminating")
+    show_progress(f"{said}eliminating")
     at_rest, moving = (systems(native, k, kind) for kind in kinds)
     largest = np.maximum(np.abs(at_rest[0]).max(axis=0), np.abs(moving[0]).max(axis=0))
     scaled_at_rest, scaled = equilibrated(*at_rest), equilibrated(*moving)
@@ -126,7 +126,7 @@ def broken(
     random, failed = np.random.default_rng(1988), dict.fromkeys(ORDERS, 0)
     new, multipliers = np.arange(shape.rows), shape.rows - coordinates
     for number in range(numberings):
-        show(f"{said}numbering {number + 1} of {numberings}")
+        show_progress(f"{said}numbering {number + 1} of {numberings}")
         place = np.argsort(new)
         pairs = ((int(place[i]), int(place[j])) for i, j in shape.entries)
         again = pattern(shape.rows, shape.cols, {(max(p), min(p)) for p in pairs}, symmetric=True)

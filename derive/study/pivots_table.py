@@ -10,8 +10,8 @@ from typing import Any
 from derive.study.eliminate import VANISHING
 from derive.study.orders import THRESHOLD
 from derive.study.pivots import InFrame, Pivots
-from derive.study.text_table import beams, short, table, wrapped
 from derive.study.verdict import verdict
+from derive.terminal import beam_count, magnitude, table, wrapped
 
 LEGEND = (
     "fixed: the order of the generated code; each multiplier waits for all of its coordinates",
@@ -38,10 +38,10 @@ def plain(name: str, pieces: int, found: tuple[InFrame, InFrame]) -> dict[str, A
 
 def text(name: str, pieces: int, along: str, found: tuple[InFrame, InFrame]) -> str:
     """Two tables and the verdict."""
-    count = found[0].simulated.states
+    count, title = found[0].simulated.states, f"{name}, {beam_count(pieces)}"
     return "\n".join(
         [
-            f"{name}, {beams(pieces)}: {count} states of {along}, undeformed and as simulated, no exchange of pivots",
+            f"{title}: {count} states of {along}, undeformed and as simulated; no exchange of pivots",
             *table(_entries(found), left=2),
             "",
             *table(_orders(found), left=3),
@@ -63,7 +63,7 @@ def _entries(found: Sequence[InFrame]) -> list[list[str]]:
         for kind, looked in (("undeformed", one.undeformed), ("simulated", one.simulated)):
             counted = (one.counts.mass, looked.vanishing_mass, one.counts.kkt, looked.vanishing_kkt, one.counts.fill)
             sizes = (looked.condition, looked.scaled_condition, looked.pivoted_backward_error)
-            rows.append([one.frame, kind, *map(str, counted), str(one.counts.flops), *map(short, sizes)])
+            rows.append([one.frame, kind, *map(str, counted), str(one.counts.flops), *map(magnitude, sizes)])
     return rows
 
 
@@ -81,7 +81,7 @@ def _orders(found: Sequence[InFrame]) -> list[list[str]]:
 
 def _cells(p: Pivots) -> list[str]:
     sizes = (p.smallest, p.typical_growth, p.growth, p.backward_error)
-    return [*map(str, (p.without_diagonal, p.vanishing, p.failures)), *map(short, sizes)]
+    return [*map(str, (p.without_diagonal, p.vanishing, p.failures)), *map(magnitude, sizes)]
 
 
 def _finite(value: Any) -> Any:

@@ -10,11 +10,10 @@ from numpy.typing import NDArray
 
 from derive.runtime.native import NativeScene, Vector
 from derive.simulation.compiled_scene import constraint_matrix
-from derive.simulation.initial.consistent_state import consistent
-from derive.simulation.initial.initial_guess import guess
-from derive.simulation.initial.initial_state import begin
-from derive.simulation.integration.explicit import integrate
-from derive.simulation.observables.observables import number
+from derive.simulation.initial.consistent_state import consistent_state
+from derive.simulation.initial.initial_state import initial_guess, initial_state
+from derive.simulation.integration.scipy_methods import integrate
+from derive.simulation.observables.motion import si_value
 from derive.spec.model.scene import Scene
 from derive.study.matrices import State
 
@@ -26,15 +25,15 @@ def period(scene: Scene) -> tuple[float, str]:
     """The time (s) that is looked at, and what it is: a revolution of a drive, or the time of the simulation."""
     turning = {joint.name for joint in scene.joints if joint.kind == "revolute"}
     for drive in scene.drives:
-        if drive.speed is not None and drive.joint in turning and number(drive.speed):
-            return 2 * math.pi / abs(number(drive.speed)), f"one revolution of {drive.name}"
+        if drive.speed is not None and drive.joint in turning and si_value(drive.speed):
+            return 2 * math.pi / abs(si_value(drive.speed)), f"one revolution of {drive.name}"
     assert scene.simulation is not None
     return scene.simulation.duration, f"{scene.simulation.duration:g} s"
 
 
 def start(scene: Scene, native: NativeScene, k: Vector) -> State:
-    """The consistent state at t = 0. Raises InconsistentStart."""
-    found = begin(scene, native, k)
+    """The consistent_state state at t = 0. Raises InconsistentStart."""
+    found = initial_state(scene, native, k)
     return 0.0, found.q, found.v
 
 
@@ -51,12 +50,12 @@ def simulated(
 
 def undeformed(scene: Scene, native: NativeScene, k: Vector, moved: list[State]) -> list[State]:
     """The states of rigid bodies next to these, with no deformation. Raises InconsistentStart."""
-    rigid = guess(scene, native)[2]
+    rigid = initial_guess(scene, native)[2]
     return [_rigid(native, k, t, np.where(rigid, q, 0.0), np.where(rigid, v, 0.0), rigid) for t, q, v in moved]
 
 
 def _rigid(native: NativeScene, k: Vector, t: float, q: Vector, v: Vector, rigid: NDArray[np.bool_]) -> State:
-    """Newton's method in the coordinates that are no deformation; where it does not close, what `consistent` finds.
+    """Newton's method in the coordinates that are no deformation; or `consistent_state` if that fails.
 
     It is quick, as there are hundreds of states; they are next to states that the constraints allow.
     """
@@ -69,5 +68,5 @@ def _rigid(native: NativeScene, k: Vector, t: float, q: Vector, v: Vector, rigid
             v[rigid] -= np.linalg.lstsq(G, missing, rcond=None)[0]
             return t, closed, v
         closed[rigid] -= np.linalg.lstsq(G, g, rcond=None)[0]
-    found = consistent(native, k, q, v, rigid, t)
+    found = consistent_state(native, k, q, v, rigid, t)
     return t, found.q, found.v

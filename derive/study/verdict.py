@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from derive.study.pivots import InFrame, Looked, Pivots
-from derive.study.text_table import short
+from derive.terminal import magnitude
 
 SUBSTANTIAL, ROUNDING = 10.0, 1e-15
 """Backward errors that differ by this factor differ substantially; those below `ROUNDING` are as good as none."""
@@ -43,10 +43,10 @@ def judge(order: str, sparse: InFrame, full: InFrame) -> Judged:
     a, b = sparse.broken[order], full.broken[order]
     if a == b == 0 and not any(_vanish(one, order) for one in (sparse, full)):
         gain = _error_gain(order, sparse, full)
-        numbers = (
-            f"growth {short(_worst(sparse, order).growth)} and {short(_worst(full, order).growth)}, backward error "
-            f"{short(_worst(sparse, order).backward_error)} and {short(_worst(full, order).backward_error)}"
-        )
+        worst = (_worst(sparse, order), _worst(full, order))
+        growth = " and ".join(magnitude(p.growth) for p in worst)
+        error = " and ".join(magnitude(p.backward_error) for p in worst)
+        numbers = f"growth {growth}, backward error {error}"
         said = f"no pivot vanishes in either frame; {numbers} ({sparse.frame}, {full.frame})"
     else:
         gain = (b - a >= SHARE) - (a - b >= SHARE)

@@ -11,10 +11,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from derive.artifacts import MARK
-from derive.simulation.observables.observables import driven, evaluate, local, number, placed
+from derive.simulation.observables.motion import (
+    body_coordinates,
+    drive_values,
+    function_values,
+    outline,
+    si_value,
+    transformed,
+)
 from derive.spec.model.body import Marker
 from derive.spec.model.scene import GROUND, BeamBody, Force, Joint, MarkerRef, PointMarker, RigidBody, Scene, Spring
-from derive.visual.player import outline
 
 Array = NDArray[np.float64]
 Poses = Mapping[str, Array]
@@ -83,14 +89,14 @@ def position(scene: Scene, place: MarkerRef, poses: Poses) -> Array:
     body = next((b for b in scene.bodies if b.name == place.body), None)
     if isinstance(body, BeamBody):
         at = next(m.at for m in body.beam.markers if m.name == place.marker)
-        point = np.array([float(at) * number(body.beam.length) / 2, 0.0])
+        point = np.array([float(at) * si_value(body.beam.length) / 2, 0.0])
     else:
-        point = local(scene, place)
+        point = body_coordinates(scene, place)
     return _placed(poses[place.body], point)
 
 
 def _placed(pose: Array, point: Array) -> Array:
-    moved: Array = placed(pose[None, :], point)[0]
+    moved: Array = transformed(pose[None, :], point)[0]
     return moved
 
 
@@ -99,7 +105,7 @@ def _residuals(scene: Scene, joint: Joint, poses: Poses) -> Iterator[float]:
     apart = position(scene, joint.second, poses) - position(scene, joint.first, poses)
     first, second = poses[joint.first.body], poses[joint.second.body]
     drive = next((d for d in scene.drives if d.joint == joint.name), None)
-    value = float(driven(drive, np.zeros(1))[0]) if drive else 0.0
+    value = float(drive_values(drive, np.zeros(1))[0]) if drive else 0.0
     if joint.kind == "translational":
         along = _axis(joint, first)
         yield float(along[0] * apart[1] - along[1] * apart[0])
@@ -219,7 +225,7 @@ def _markers(body: RigidBody | BeamBody) -> tuple[PointMarker | Marker, ...]:
 
 def _rod(drawing: _Drawing, body: BeamBody, poses: Poses) -> None:
     """A band along the axis, cut where the rod is cut into beams."""
-    half = number(body.beam.length) / 2
+    half = si_value(body.beam.length) / 2
     pose = poses[body.name]
     start, end = (drawing.at(_placed(pose, np.array([x, 0.0]))) for x in (-half, half))
     drawing.path("rod", [start, end])
@@ -265,7 +271,7 @@ def _supports(drawing: _Drawing, scene: Scene) -> None:
     connections: tuple[Joint | Spring, ...] = (*scene.joints, *scene.springs)
     ends = [end for one in connections for end in (one.first, one.second)]
     for marker in sorted({end.marker for end in ends if end.body == GROUND}):
-        x, y = drawing.at(local(scene, MarkerRef(GROUND, marker)))
+        x, y = drawing.at(body_coordinates(scene, MarkerRef(GROUND, marker)))
         drawing.path("fixed", [(x, y), (x - 9, y + 15), (x + 9, y + 15)], True)
         for k in range(-10, 11, 5):
             drawing.path("fixed", [(x + k, y + 15), (x + k - 4, y + 20)])
@@ -346,7 +352,7 @@ def _loads(drawing: _Drawing, scene: Scene, poses: Poses) -> None:
 def _greatest(scene: Scene, force: Force) -> Array:
     """The direction of a force at the instant at which it is greatest; along e1 if it is always zero."""
     t = np.linspace(0.0, scene.simulation.duration if scene.simulation else 1.0, INSTANTS)
-    values = np.array([np.broadcast_to(evaluate(component, t), t.shape) for component in force.components])
+    values = np.array([np.broadcast_to(function_values(component, t), t.shape) for component in force.components])
     sizes = np.hypot(*values)
     k = int(sizes.argmax())
     direction: Array = values[:, k] / sizes[k] if sizes[k] else np.array([1.0, 0.0])

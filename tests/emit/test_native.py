@@ -96,7 +96,7 @@ def test_models_live_side_by_side() -> None:
 def test_an_unknown_marker_is_named() -> None:
     model = beams.native("point", 2)
     for call in (lambda: model.marker("nowhere", Q, V, model.setup()), lambda: model.marker_pattern("nowhere")):
-        with pytest.raises(ValueError, match=r"nowhere.*left, inside, right"):
+        with pytest.raises(derive.UnknownNameError, match=r"nowhere.*left, inside, right"):
             call()
 
 
@@ -108,6 +108,35 @@ def test_roles_of_the_coordinates() -> None:
 def test_roles_of_a_spatial_body_in_both_lowerings(lowering: str) -> None:
     expected = (*[Role.TRANSLATION] * 3, *[Role.QUATERNION] * 4, *[Role.AMPLITUDE] * 2)
     assert free_block.native("mean", lowering, 2).roles == expected
+
+
+def test_parameters_by_name() -> None:
+    model = beams.native("point", 2)
+    m, length, _ = model.defaults
+    assert model.parameters == ("m", "l", "EI")
+    assert np.array_equal(model.setup(EI=30), model.setup([m, length, 30]))
+    assert np.array_equal(model.setup({"EI": 30, "m": 2}), model.setup([2, length, 30]))
+    assert np.array_equal(model.setup([2, 1.5, 1], EI=30), model.setup([2, 1.5, 30]))
+    with pytest.raises(derive.UnknownNameError, match=r"no parameter of .* \"ei\".*known: m, l, EI"):
+        model.setup(ei=30)
+
+
+def test_matrices_dense_and_sparse() -> None:
+    """Of a symmetric pattern and of one that is not; of many states at once; zeros that are structural are absent."""
+    model = beams.native("point", 2)
+    k = model.setup()
+    values = model.mass(Q, k)
+    dense = model.mass_pattern.dense(values)
+    assert np.array_equal(dense, dense.T) and np.all(np.linalg.eigvalsh(dense) > 0)
+    assert [dense[entry] for entry in model.mass_pattern.entries] == values.tolist()
+    sparse = model.mass_pattern.sparse(values)
+    assert np.array_equal(sparse.toarray(), dense) and sparse.nnz == model.mass_pattern.full_nnz
+    assert np.array_equal(model.mass_pattern.dense(model.mass_batch([Q, Q], k)), [dense, dense])
+    jacobian, pattern = model.marker("left", Q, V, k)[2], model.marker_pattern("left")
+    assert np.allclose(pattern.dense(jacobian) @ V, model.marker("left", Q, V, k)[1])
+    assert np.array_equal(pattern.sparse(jacobian).toarray(), pattern.dense(jacobian))
+    with pytest.raises(ValueError, match=r"entries; the values have shape \(2,\)"):
+        pattern.dense([1.0, 2.0])
 
 
 def test_another_interface_number_is_refused() -> None:

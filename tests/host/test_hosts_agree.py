@@ -13,8 +13,8 @@ import derive
 from conftest import ROOT
 from derive.runtime.integrators.library import Host, HostError, Integration
 from derive.runtime.integrators.run import FixedStep, GeneralisedAlpha, Ida
-from derive.simulation.initial.consistent_state import consistent
-from derive.simulation.initial.initial_guess import guess
+from derive.simulation.initial.consistent_state import consistent_state
+from derive.simulation.initial.initial_state import initial_guess
 
 DURATION, ROWS = 0.02, 21  # half a turn of the crank
 FAST = ["-O1"]  # to compile
@@ -28,7 +28,7 @@ def files() -> tuple[derive.File, ...]:
 
 def start(host: Host) -> tuple[object, object]:
     scene, native = derive.read(ROOT / "scenes" / "crank_slider_3.toml"), host.native
-    found = consistent(native, native.setup(), *guess(scene, native))
+    found = consistent_state(native, native.setup(), *initial_guess(scene, native))
     return found.q, found.v
 
 

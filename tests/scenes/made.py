@@ -14,11 +14,11 @@ import derive
 from beams import run_module
 from conftest import ROOT
 from derive.runtime.native import NativeScene, load_scene
-from derive.simulation.initial.consistent_state import Start
-from derive.simulation.initial.initial_state import begin
-from derive.simulation.integration.explicit import integrate
-from derive.simulation.integration.trajectory import Trajectory
-from derive.simulation.observables.observables import Motion, deflection
+from derive.simulation.initial.consistent_state import InitialState
+from derive.simulation.initial.initial_state import initial_state
+from derive.simulation.integration.scipy_methods import integrate
+from derive.simulation.integration.solution import Solution
+from derive.simulation.observables.motion import Motion, deflection
 from derive.spec.model.scene import Scene
 from derive.spec.toml.read import parse
 
@@ -39,17 +39,17 @@ class Made:
         """The names of the generated Python."""
         return run_module(self.files)
 
-    def start(self, p: np.ndarray | None = None) -> tuple[np.ndarray, Start]:
+    def start(self, p: np.ndarray | None = None) -> tuple[np.ndarray, InitialState]:
         """k and the consistent start."""
         k = self.native.setup(p)
-        return k, begin(self.spec, self.native, k)
+        return k, initial_state(self.spec, self.native, k)
 
-    def run(self, times: np.ndarray, p: np.ndarray | None = None, tolerance: float = 1e-9) -> Trajectory:
+    def run(self, times: np.ndarray, p: np.ndarray | None = None, tolerance: float = 1e-9) -> Solution:
         """The motion from the start of the specification."""
         k, start = self.start(p)
         return integrate(self.native, k, start.q, start.v, times, tolerance=tolerance)
 
-    def bent(self, found: Trajectory, plot: str, p: np.ndarray | None = None) -> np.ndarray:
+    def bent(self, found: Solution, plot: str, p: np.ndarray | None = None) -> np.ndarray:
         """What a plot of the scene shows of a motion."""
         quantity = next(one.quantity for one in self.spec.plots if one.name == plot)
         motion = Motion(self.spec, self.native, self.native.setup(p), found.t, found.q, found.v)

@@ -10,10 +10,15 @@ import numpy as np
 import pytest
 from made import Made, of
 
-from derive.simulation.constraints.redundancy import analyse
-from derive.simulation.errors import BentStart, DriveCannotBeFollowed, RedundantConstraints, SingularConfiguration
-from derive.simulation.initial.consistent_state import consistent
-from derive.simulation.integration.explicit import integrate
+from derive.simulation.constraints.redundancy import analyse_constraints
+from derive.simulation.errors import (
+    DriveCannotBeFollowed,
+    ExcessiveDeformation,
+    RedundantConstraints,
+    SingularConfiguration,
+)
+from derive.simulation.initial.consistent_state import consistent_state
+from derive.simulation.integration.scipy_methods import integrate
 
 ONE_BEAM = ("pieces = 3 ", "pieces = 1 ")
 
@@ -73,7 +78,7 @@ def test_a_crank_as_long_as_the_rod_is_singular_where_it_folds() -> None:
     for t in (1.5, 1.56, np.pi / 2):
         q = turned(made, t)
         assert np.abs(made.native.constraints(t, q, k)).max() < 1e-15
-        found = analyse(made.native, k, t, q)
+        found = analyse_constraints(made.native, k, t, q)
         smallest.append(found.smallest)
     assert smallest[0] / np.cos(1.5) == pytest.approx(smallest[1] / np.cos(1.56), rel=0.01)
     assert smallest[2] < 1e-15
@@ -95,7 +100,7 @@ def test_a_slider_that_is_driven_cannot_start_in_line(angle: float) -> None:
     t, q = straight(made, angle)
     rigid = np.array(["alpha" not in name for name in made.native.coordinates])
     with pytest.raises(SingularConfiguration, match=r"dead centre at t = .*crank_pin_1 and slider_pin_1") as error:
-        consistent(made.native, made.native.setup(), q, 0 * q, rigid, t)
+        consistent_state(made.native, made.native.setup(), q, 0 * q, rigid, t)
     assert error.value.t == pytest.approx(t)
     assert error.value.smallest < 1e-9
 
@@ -106,7 +111,7 @@ def test_a_slider_that_is_driven_into_line_cannot_be_followed() -> None:
     t, q = straight(made, 2.0)
     k, native = made.native.setup(), made.native
     rigid = np.array(["alpha" not in name for name in native.coordinates])
-    start = consistent(native, k, q, 0 * q, rigid, t)
+    start = consistent_state(native, k, q, 0 * q, rigid, t)
     assert start.q == pytest.approx(q, abs=1e-14) and start.velocity_error < 1e-14
     with pytest.raises(DriveCannotBeFollowed, match="crank_pin_1 and slider_pin_1") as error:
         integrate(native, k, start.q, start.v, np.linspace(t, 1.2, 31), tolerance=1e-7)
@@ -121,7 +126,7 @@ def twice(text: str) -> str:
 
 def test_a_joint_that_is_there_twice_is_named() -> None:
     made = of("four_bar", twice)
-    with pytest.raises(RedundantConstraints, match=r"again_1 says the same as rocker_pin_1\n.*again_2 says") as error:
+    with pytest.raises(RedundantConstraints, match=r"again_1 is implied by rocker_pin_1\n.*again_2 is") as error:
         made.start()
     assert [(d.name, d.on) for d in error.value.redundant] == [
         ("again_1", ("rocker_pin_1",)),
@@ -153,7 +158,7 @@ def test_a_four_bar_closes_from_a_poor_guess() -> None:
     rigid = np.array(["alpha" not in name for name in native.coordinates])
     for seed in range(5):
         rng = np.random.default_rng(seed)
-        found = consistent(
+        found = consistent_state(
             native, k, rng.uniform(-2, 2, native.nq) * rigid, rng.uniform(-3, 3, native.nv) * rigid, rigid
         )
         assert found.position_error < 1e-12 and found.velocity_error < 1e-11
@@ -167,5 +172,5 @@ def apart(text: str) -> str:
 
 def test_links_that_are_too_short_to_close_are_not_bent_until_they_do() -> None:
     """They could be, by more than twice the length of the rocker."""
-    with pytest.raises(BentStart, match=r"only by bending .*rocker by 2\.\d+ of the length"):
+    with pytest.raises(ExcessiveDeformation, match=r"only by bending .*rocker by 2\.\d+ of the length"):
         of("four_bar", apart).start()

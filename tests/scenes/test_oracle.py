@@ -12,7 +12,7 @@ import pytest
 from made import Made, close, in_zoo, parameters, state
 from oracle import Oracle, Seen
 
-from derive.simulation.compiled_scene import constraint_matrix, dense, mass_matrix
+from derive.simulation.compiled_scene import constraint_matrix, mass_matrix
 
 ZOO = ("JOINTS", "REDUCED", "KEPT", "ACTIONS")
 SEEDS = (1, 2)
@@ -37,7 +37,7 @@ def test_mass_and_forces(name: str, seed: int) -> None:
     close(mass_matrix(made.native, q, k), seen.M, 1e-14)
     close(made.native.force(t, q, v, k), seen.h, 1e-14)
     values, h = made.native.mass_force(t, q, v, k)
-    close(dense(made.native.mass_pattern, values), seen.M, 1e-14)
+    close(made.native.mass_pattern.dense(values), seen.M, 1e-14)
     close(h, seen.h, 1e-14)
 
 
@@ -77,7 +77,7 @@ def test_markers_and_loads(name: str, seed: int) -> None:
         found = made.native.marker(marker, q, v, k)
         close(found[0], x, 1e-14)
         close(found[1], xdot, 1e-14)
-        close(dense(made.native.marker_pattern(marker), found[2]), J, 1e-14)
+        close(made.native.marker_pattern(marker).dense(found[2]), J, 1e-14)
         close(made.native.load(marker, q, force, k), J.T @ force, 1e-14)
 
 
@@ -110,7 +110,7 @@ def test_residuals_and_iteration_matrices(name: str, form: str) -> None:
     cj, step = 2.3, 1e-30
     steps = 1j * step * np.eye(len(y))
     numeric = residual(t, y + steps, ydot + cj * steps, k).imag.T / step
-    matrix = dense(dae.pattern, dae.jacobian(t, y, ydot, cj, k))
+    matrix = dae.pattern.dense(dae.jacobian(t, y, ydot, cj, k))
     scale = np.abs(numeric).max(axis=1, keepdims=True)
     assert np.max(np.abs(matrix - numeric) / scale) < 1e-12
     by_python = made.python[f"jacobian{FORMS[form]}"](t, y, ydot, cj, k)

@@ -9,8 +9,8 @@ from made import make
 import derive
 from derive.errors import SpecError
 from derive.simulation.errors import IntegrationStopped
-from derive.simulation.initial.initial_state import begin
-from derive.simulation.integration.explicit import integrate
+from derive.simulation.initial.initial_state import initial_state
+from derive.simulation.integration.scipy_methods import integrate
 from derive.spec.toml.read import parse
 
 PENDULUM = """
@@ -69,7 +69,7 @@ between = ["base.g", "ring.p"]
     )
     made = make(scene)
     k = made.native.setup()
-    start = begin(scene, made.native, k)
+    start = initial_state(scene, made.native, k)
     place = made.native.bodies.index("ring")
     assert made.native.poses(0.0, start.q, k)[place] == pytest.approx([5.0, 0.0, 0.0])
     assert start.v == pytest.approx([0.5])
@@ -78,6 +78,6 @@ between = ["base.g", "ring.p"]
 def test_an_integration_that_gets_nowhere_ends(monkeypatch: pytest.MonkeyPatch) -> None:
     made = make(parse(PENDULUM.replace("mass = 1", "mass = 1\nstart = { spin = 30 }")))
     k, start = made.start()
-    monkeypatch.setattr("derive.simulation.integration.explicit.MOST_STEPS", 2)
+    monkeypatch.setattr("derive.simulation.integration.scipy_methods.MAX_STEPS_PER_ROW", 2)
     with pytest.raises(IntegrationStopped, match="5 steps have not got further"):
         integrate(made.native, k, start.q, start.v, np.array([0.0, 10.0]), max_step=0.1)

@@ -8,8 +8,8 @@ from made import of
 
 import derive
 from beams import build
-from derive.simulation.compiled_scene import dense, mass_matrix
-from derive.simulation.integration.explicit import integrate
+from derive.simulation.compiled_scene import mass_matrix
+from derive.simulation.integration.scipy_methods import integrate
 
 LATE = 10.0
 """s: the knock is 3e-12 N then."""
@@ -32,7 +32,7 @@ def test_the_scene_is_the_free_beam() -> None:
     ks, kb = scene.setup(p), body.setup(p)
     for t in (0.0, 0.01, 2.0):
         q, v = STATE.uniform(-2, 2, 5), STATE.uniform(-3, 3, 5)
-        mass = dense(body.mass_pattern, body.mass(q, kb))
+        mass = body.mass_pattern.dense(body.mass(q, kb))
         assert mass_matrix(scene, q, ks) == pytest.approx(mass, rel=1e-14)
         knock = np.array([0, 0.2 / (1 + (50 * t) ** 2) ** 2])
         right = body.load("middle", q, knock, kb) - body.force(t, q, v, kb)

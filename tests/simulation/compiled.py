@@ -11,8 +11,8 @@ import numpy as np
 import derive
 from conftest import ROOT
 from derive.runtime.native import NativeScene, Vector, load_scene
-from derive.simulation.initial.consistent_state import Start, consistent
-from derive.simulation.initial.initial_guess import guess
+from derive.simulation.initial.consistent_state import InitialState, consistent_state
+from derive.simulation.initial.initial_state import initial_guess
 from derive.spec.model.body import Frame
 from derive.spec.model.scene import BeamBody, Scene
 from derive.spec.toml.read import parse
@@ -26,9 +26,9 @@ class Compiled:
     native: NativeScene
     k: Vector
 
-    def start(self, t: float = 0.0) -> Start:
-        """The consistent state next to what the specification says, at the time t (s)."""
-        return consistent(self.native, self.k, *guess(self.scene, self.native), t)
+    def start(self, t: float = 0.0) -> InitialState:
+        """The consistent_state state next to what the specification says, at the time t (s)."""
+        return consistent_state(self.native, self.k, *initial_guess(self.scene, self.native), t)
 
 
 @cache

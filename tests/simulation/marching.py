@@ -9,7 +9,7 @@ import numpy as np
 from derive.runtime.native import Vector
 from derive.simulation.compiled_scene import Mechanism
 from derive.simulation.constraints.projection import project
-from derive.simulation.integration.evaluator import Evaluator
+from derive.simulation.integration.scipy_methods import Evaluator
 
 
 def march(

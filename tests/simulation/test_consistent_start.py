@@ -7,12 +7,12 @@ import pytest
 from double import Array, Double
 from mechanisms import CRANK, ROD, crank_slider, four_bar, pendulum, pushed_crank
 
-from derive.simulation.errors import InconsistentStart, SingularConfiguration
-from derive.simulation.initial.consistent_state import Start, consistent
+from derive.simulation.errors import InconsistentInitialState, SingularConfiguration
+from derive.simulation.initial.consistent_state import InitialState, consistent_state
 
 
-def start(model: Double, q: Array, v: Array, t: float = 0.0) -> Start:
-    return consistent(model, model.setup(), q, v, np.ones(model.nq, dtype=bool), t)
+def start(model: Double, q: Array, v: Array, t: float = 0.0) -> InitialState:
+    return consistent_state(model, model.setup(), q, v, np.ones(model.nq, dtype=bool), t)
 
 
 def test_a_poor_guess_of_a_crank_slider_closes_and_moves_as_rigid_bodies_do() -> None:
@@ -80,7 +80,7 @@ def test_a_guess_that_closes_at_a_change_point_is_refused() -> None:
 
 def test_a_drive_that_begins_out_of_reach_is_told_with_what_is_missing() -> None:
     with pytest.raises(
-        InconsistentStart, match=r"(?s)cannot be met by any positions.*push +-0\.\d+.*lengths can reach"
+        InconsistentInitialState, match=r"(?s)no positions near the initial guess.*push +-0\.\d+.*lengths can reach"
     ) as e:
         start(*pushed_crank(CRANK + ROD + 0.05, 0.0))
     assert sum(amount**2 for _, amount in e.value.unmet) ** 0.5 == pytest.approx(0.05, rel=0.5)
@@ -95,5 +95,5 @@ def test_two_drives_that_contradict_each_other_in_speed_alone() -> None:
     from double import Turn, steady
 
     model, q, v = crank_slider(extra=(Turn("second", None, "crank", steady(100.0)),))
-    with pytest.raises(Exception, match="motor says the same as second"):
+    with pytest.raises(Exception, match="motor is implied by second"):
         start(model, q, v)

@@ -7,10 +7,10 @@ import pytest
 from compiled import Compiled, crank_slider
 from marching import march
 
-from derive.simulation.constraints.redundancy import analyse, check
-from derive.simulation.integration.explicit import integrate
+from derive.simulation.constraints.redundancy import analyse_constraints, check_constraints
+from derive.simulation.integration.scipy_methods import integrate
+from derive.simulation.integration.solution import Solution
 from derive.simulation.integration.step_limit import natural_frequencies, rk4_step_limit
-from derive.simulation.integration.trajectory import Trajectory
 
 TABLE = {
     (1, "mean"): (0.0142043, -0.0141303, 0.206, 0.53, 2.9e3),
@@ -22,12 +22,12 @@ TABLE = {
 reference over its peak, condition of the matrix of M and G."""
 
 
-def run(made: Compiled, times: np.ndarray, **options: float) -> Trajectory:
+def run(made: Compiled, times: np.ndarray, **options: float) -> Solution:
     start = made.start()
     return integrate(made.native, made.k, start.q, start.v, times, **options)
 
 
-def deflections(made: Compiled, found: Trajectory) -> np.ndarray:
+def deflections(made: Compiled, found: Solution) -> np.ndarray:
     """Of the middle of the rod from its chord, to the left, over the length."""
     result = []
     for q, v in zip(found.q, found.v, strict=True):
@@ -53,7 +53,7 @@ def test_the_deflection_of_the_rod_is_that_of_an_independent_prototype(pieces: i
     assert np.sqrt(np.mean(error**2)) == pytest.approx(rms, abs=6e-4)
     assert error.max() == pytest.approx(worst, abs=6e-3)
     assert found.drift.max() < 1e-12
-    analysis = analyse(made.native, made.k, 0.0, found.q[0])
+    analysis = analyse_constraints(made.native, made.k, 0.0, found.q[0])
     assert (analysis.rank, analysis.condition) == (made.native.nlambda, pytest.approx(condition, rel=0.05))
 
 
@@ -65,7 +65,7 @@ def test_the_rod_starts_undeformed_and_moves_as_a_rigid_body() -> None:
     turns = [made.native.coordinates.index(f"rod_{i}_phi") for i in (1, 2, 3)]
     assert start.v[turns] == pytest.approx([-75.0] * 3, rel=1e-12)
     assert not (start.deformed or start.deforming)
-    check(made.native, made.k, 0.0, start.q)
+    check_constraints(made.native, made.k, 0.0, start.q)
 
 
 def test_multipliers_give_the_work_of_the_crank() -> None:

@@ -9,17 +9,17 @@ from marching import march
 from mechanisms import CRANK, ROD, crank_slider, four_bar, pendulum, pushed_crank
 
 from derive.simulation.errors import DriftTooLarge, DriveCannotBeFollowed
-from derive.simulation.initial.consistent_state import consistent
-from derive.simulation.integration.explicit import integrate
+from derive.simulation.initial.consistent_state import consistent_state
+from derive.simulation.integration.scipy_methods import integrate
+from derive.simulation.integration.solution import Solution
 from derive.simulation.integration.step_limit import natural_frequencies, rk4_step_limit
-from derive.simulation.integration.trajectory import Trajectory
 
 NONE = np.zeros(0)
 
 
-def run(mechanism: tuple[Double, Array, Array], times: Array, **options: object) -> Trajectory:
+def run(mechanism: tuple[Double, Array, Array], times: Array, **options: object) -> Solution:
     model, q, v = mechanism
-    found = consistent(model, NONE, q, v, np.ones(model.nq, dtype=bool))
+    found = consistent_state(model, NONE, q, v, np.ones(model.nq, dtype=bool))
     return integrate(model, NONE, found.q, found.v, times, **options)  # type: ignore[arg-type]
 
 

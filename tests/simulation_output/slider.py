@@ -8,8 +8,8 @@ from fractions import Fraction
 import numpy as np
 
 from derive.mechanics.reference_conditions import assumed_shapes
-from derive.simulation.observables.observables import Motion, number
-from derive.simulation.observables.rods import piece, pieces
+from derive.simulation.observables.beams import piece_at, piece_names
+from derive.simulation.observables.motion import Motion, si_value
 from derive.spec.model.body import Frame, Marker, PlanarBeam
 from derive.spec.model.scene import (
     BeamBody,
@@ -85,7 +85,7 @@ class Double:
             np.polynomial.Polynomial([float(c) for c in s])
             for s in assumed_shapes(self.rod.beam.ansatz, self.rod.beam.frame, self.rod.beam.orthogonal)
         ]
-        self.beams = pieces(self.rod)
+        self.beams = piece_names(self.rod)
         self.bodies = ("crank", *self.beams, "slider")
         names = ("c1", "c2", "phi", *(f"alpha{i + 1}" for i in range(len(self.shapes))))
         self.coordinates = (*(f"{b}_{n}" for b in self.beams for n in names), "slider_s")
@@ -117,11 +117,11 @@ class Double:
 
     def marker(self, name: str, q: np.ndarray, v: np.ndarray, k: np.ndarray) -> tuple[np.ndarray, np.ndarray, None]:
         at = next(m.at for m in self.rod.beam.markers if f"rod_{m.name}" == name)
-        index, xi = piece(self.rod, at)
+        index, xi = piece_at(self.rod, at)
         width = 3 + len(self.shapes)
         c1, c2, phi, *alphas = q[index * width : (index + 1) * width]
         x, y = (
-            xi * number(self.rod.beam.length) / len(self.beams) / 2,
+            xi * si_value(self.rod.beam.length) / len(self.beams) / 2,
             sum(a * s(xi) for a, s in zip(alphas, self.shapes, strict=True)),
         )
         turned = [np.cos(phi) * x - np.sin(phi) * y, np.sin(phi) * x + np.cos(phi) * y]

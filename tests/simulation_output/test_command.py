@@ -15,10 +15,10 @@ from conftest import ROOT
 from derive.cli.main import main
 from derive.ir.model import Variable
 from derive.simulation.errors import IntegrationStopped
-from derive.simulation.initial.consistent_state import Start
-from derive.simulation.integration.trajectory import Cost, Trajectory
-from derive.simulation.observables.observables import Motion
-from derive.simulation.run import Run, instants
+from derive.simulation.initial.consistent_state import InitialState
+from derive.simulation.integration.solution import Cost, Solution
+from derive.simulation.observables.motion import Motion
+from derive.simulation.simulate import Trajectory, output_times
 from derive.spec.model.scene import Scene
 
 DEFORMING = "deforming"
@@ -32,22 +32,22 @@ class Names:
     multipliers: tuple[Variable, ...]
 
 
-def simulated(scene: Scene, progress=None) -> Run:
+def simulated(scene: Scene, progress=None) -> Trajectory:
     assert scene.simulation is not None
     native = slider.Double(scene)
-    t = instants(scene.simulation)
+    t = output_times(scene.simulation)
     q = np.array([native.state(x) for x in t])
     lam = np.ones((len(t), native.nlambda))
     if progress:
         progress(t[-1])
-    found = Trajectory(t, q, 0 * q, lam, np.full((len(t), 2), 1e-12), np.zeros((len(t), 2)), Cost(1234, 99, 0.5))
+    found = Solution(t, q, 0 * q, lam, np.full((len(t), 2), 1e-12), np.zeros((len(t), 2)), Cost(1234, 99, 0.5))
     units = [Variable(name, "", "m") for name in native.coordinates]
     rates = tuple(Variable(f"{x.name}dot", "", "m/s") for x in units)
     names = Names(tuple(units), rates, tuple(Variable(x, "", "N") for x in native.multipliers))
-    return Run(
+    return Trajectory(
         scene,
         names,
-        Start(0.0, q[0], 0 * q[0], 0.0, 0.0, False, DEFORMING in scene.name),
+        InitialState(0.0, q[0], 0 * q[0], 0.0, 0.0, False, DEFORMING in scene.name),
         Motion(scene, native, np.zeros(0), t, q, 0 * q),
         found,
     )
@@ -57,7 +57,9 @@ def simulated(scene: Scene, progress=None) -> Run:
 def quick(monkeypatch: pytest.MonkeyPatch) -> list[Scene]:
     """Scenes that were simulated, quickly."""
     asked: list[Scene] = []
-    monkeypatch.setattr(command, "simulate", lambda scene, progress: asked.append(scene) or simulated(scene, progress))
+    monkeypatch.setattr(
+        command, "simulate", lambda scene, integrator, progress: asked.append(scene) or simulated(scene, progress)
+    )
     return asked
 
 
@@ -127,7 +129,7 @@ def test_a_scene_has_to_say_how_long(tmp_path: Path, capsys: pytest.CaptureFixtu
 def test_a_failing_integration_is_explained(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    def stopped(scene: Scene, progress: object) -> Run:
+    def stopped(scene: Scene, integrator: str, progress: object) -> Trajectory:
         raise IntegrationStopped(0.03, "steps are too small")
 
     monkeypatch.setattr(command, "simulate", stopped)

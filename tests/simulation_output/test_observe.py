@@ -9,12 +9,13 @@ import numpy as np
 import pytest
 import slider
 
-from derive.simulation.observables.observables import deviation, driven, evaluate, positions
-from derive.simulation.observables.plots import chart, line, percent
-from derive.simulation.observables.rods import bending, piece
-from derive.simulation.run import instants
+from derive.simulation.observables.beams import piece_at, relative_deflection
+from derive.simulation.observables.motion import deviation, drive_values, function_values, marker_positions
+from derive.simulation.observables.plots import percent, plot_curve
+from derive.simulation.simulate import output_times
 from derive.spec.model.scene import BeamBody, Drive, MarkerRef, ReferenceCurve, Simulation, TimeFunction
 from derive.visual.line_chart import svg
+from derive.visual.plot_chart import plot_chart
 
 T = TimeFunction("t")
 
@@ -23,16 +24,18 @@ def test_places_of_every_kind_of_body() -> None:
     motion = slider.motion(3, 11)
     angle = slider.SPEED * motion.t
     pin = 0.15 * np.stack([np.cos(angle), np.sin(angle)], axis=1)
-    np.testing.assert_allclose(positions(motion, MarkerRef("crank", "pin")), pin, atol=1e-15)
-    np.testing.assert_allclose(positions(motion, MarkerRef("rod", "left")), pin, atol=1e-4)  # as far as shapes can
-    np.testing.assert_allclose(positions(motion, MarkerRef("slider", "pin"))[:, 1], 0, atol=0)
-    assert not positions(motion, MarkerRef("ground", "bearing")).any()
+    np.testing.assert_allclose(marker_positions(motion, MarkerRef("crank", "pin")), pin, atol=1e-15)
+    np.testing.assert_allclose(
+        marker_positions(motion, MarkerRef("rod", "left")), pin, atol=1e-4
+    )  # as far as shapes can
+    np.testing.assert_allclose(marker_positions(motion, MarkerRef("slider", "pin"))[:, 1], 0, atol=0)
+    assert not marker_positions(motion, MarkerRef("ground", "bearing")).any()
 
 
 @pytest.mark.parametrize(("count", "most"), [(1, 0.04), (3, 1e-3)])
 def test_deflection_is_to_the_left_of_the_chord(count: int, most: float) -> None:
     motion = slider.motion(count, 201)
-    shown = line(motion.scene.plots[0], motion, "")
+    shown = plot_curve(motion.scene.plots[0], motion, "")
     wanted = slider.deflection(shown.x) / 0.3
     assert np.abs(shown.y - wanted).max() < most * wanted.max()
     assert shown.x[-1] == pytest.approx(15)
@@ -42,8 +45,8 @@ def test_deflection_is_to_the_left_of_the_chord(count: int, most: float) -> None
 
 def test_pieces_of_a_rod() -> None:
     rod = next(b for b in slider.scene(3).bodies if isinstance(b, BeamBody))
-    assert [piece(rod, Fraction(at)) for at in (-1, 0, 1)] == [(0, -1), (1, 0), (2, 1)]
-    assert piece(replace(rod, pieces=2), Fraction(0)) == (0, 1)
+    assert [piece_at(rod, Fraction(at)) for at in (-1, 0, 1)] == [(0, -1), (1, 0), (2, 1)]
+    assert piece_at(replace(rod, pieces=2), Fraction(0)) == (0, 1)
 
 
 @pytest.mark.parametrize("count", [1, 3])
@@ -54,16 +57,16 @@ def test_bending_is_that_of_a_piece(count: int) -> None:
     most = np.abs(slider.deflection(slider.SPEED * motion.t)).max() / slider.ROD
     part = most * (1 - np.sin(np.pi / 2 / count) / (np.pi / 2 / count)) * count
     ends = most * (np.sin(np.pi / 2 / count) / (np.pi / 2 / count) - np.cos(np.pi / 2 / count)) * count
-    assert bending(motion, rod) == pytest.approx(max(part, ends), rel=0.1)
+    assert relative_deflection(motion, rod) == pytest.approx(max(part, ends), rel=0.1)
 
 
 def test_drives_are_functions_of_time() -> None:
     t = np.array([0.0, 0.5, 1.0])
     two = TimeFunction("number", value=Fraction(2))
     motion = TimeFunction("add", (TimeFunction("pow", (T, two)), TimeFunction("sin", (TimeFunction("neg", (T,)),))))
-    np.testing.assert_allclose(evaluate(motion, t), t**2 - np.sin(t))
-    np.testing.assert_allclose(driven(Drive("m", "j", two), t), [2, 2, 2])
-    np.testing.assert_allclose(driven(Drive("m", "j", None, Fraction(3), Fraction(1)), t), 1 + 3 * t)
+    np.testing.assert_allclose(function_values(motion, t), t**2 - np.sin(t))
+    np.testing.assert_allclose(drive_values(Drive("m", "j", two), t), [2, 2, 2])
+    np.testing.assert_allclose(drive_values(Drive("m", "j", None, Fraction(3), Fraction(1)), t), 1 + 3 * t)
 
 
 def test_deviation_is_of_the_peak_and_where_both_are() -> None:
@@ -78,22 +81,22 @@ def test_deviation_is_of_the_peak_and_where_both_are() -> None:
 
 
 def test_rows_end_with_the_duration() -> None:
-    assert len(instants(Simulation(0.1, 1e-4))) == 1001
-    assert instants(Simulation(0.1, 1e-4))[-1] == 0.1
-    np.testing.assert_allclose(instants(Simulation(0.25, 0.1)), [0, 0.1, 0.2, 0.25])
-    np.testing.assert_allclose(instants(Simulation(0.05, 0.1)), [0, 0.05])
+    assert len(output_times(Simulation(0.1, 1e-4))) == 1001
+    assert output_times(Simulation(0.1, 1e-4))[-1] == 0.1
+    np.testing.assert_allclose(output_times(Simulation(0.25, 0.1)), [0, 0.1, 0.2, 0.25])
+    np.testing.assert_allclose(output_times(Simulation(0.05, 0.1)), [0, 0.05])
 
 
 def test_the_legend_tells_errors() -> None:
     motion = slider.motion(2, 101)
     plot = motion.scene.plots[0]
-    shown = line(plot, motion, "2 beams")
-    text = svg(chart(motion.scene, plot, [shown]))
+    shown = plot_curve(plot, motion, "2 beams")
+    text = svg(plot_chart(motion.scene, plot, [shown]))
     rms, most = shown.error or (0, 0)
     assert f"2 beams: rms {percent(rms)} %, max {percent(most)} %" in text
     assert "reference: given.csv" in text and "angle of motor, rad" in text and "deviation," in text
     alone = replace(plot, reference=None, over=None, cut=None, pieces=())
-    text = svg(chart(motion.scene, alone, [line(alone, motion, "rod.middle")]))
+    text = svg(plot_chart(motion.scene, alone, [plot_curve(alone, motion, "rod.middle")]))
     assert "reference" not in text and "time, s" in text and "deviation," not in text
 
 

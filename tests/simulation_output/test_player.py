@@ -15,12 +15,17 @@ import slider
 
 from derive.artifacts import MARK
 from derive.simulation.observables.csv_writer import Column
-from derive.simulation.observables.observables import Motion, positions
+from derive.simulation.observables.motion import Motion, marker_positions
+from derive.simulation.observables.player_data import MAX_FRAMES, player_data, speeds
 from derive.spec.model.scene import MarkerRef, PointMarker, RigidBody
-from derive.visual.player import FRAMES, content, island, page, speeds
+from derive.visual.player import json_island, player_page
 
 EVIL = "</script><script>alert(1)</script>&<!--"
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+
+
+def page(motion: Motion, curves: list[Column]) -> str:
+    return player_page(player_data(motion, curves))
 
 
 def decoded(channel: dict) -> np.ndarray:
@@ -33,7 +38,7 @@ def data_of(text: str) -> dict:
 
 def test_the_island_comes_back_and_cannot_be_left() -> None:
     given = {"name": EVIL, "x": [1.5, 2]}
-    text = island(given)
+    text = json_island(given)
     assert json.loads(text) == given
     assert not set("<>&") & set(text)
     evil = slider.motion(1, 3, EVIL)
@@ -52,9 +57,9 @@ def test_it_needs_nothing_from_outside() -> None:
 
 def test_frames_are_few_and_true() -> None:
     motion = slider.motion(3)
-    found = content(motion, [])
+    found = player_data(motion, [])
     t = decoded(found["time"])
-    assert len(t) == 501 <= FRAMES and t[-1] == pytest.approx(0.1)
+    assert len(t) == 501 <= MAX_FRAMES and t[-1] == pytest.approx(0.1)
     rod = found["rods"][0]
     for place in found["places"]:
         if place["body"] != "rod":
@@ -66,17 +71,17 @@ def test_frames_are_few_and_true() -> None:
         y = sum(a * np.polynomial.Polynomial(s)(xi) for a, s in zip(alphas, rod["shapes"], strict=True))
         x = xi * rod["half"]
         at = np.stack([c1 + np.cos(phi) * x - np.sin(phi) * y, c2 + np.sin(phi) * x + np.cos(phi) * y], axis=1)
-        wanted = positions(motion, MarkerRef("rod", place["marker"]))[::2]
+        wanted = marker_positions(motion, MarkerRef("rod", place["marker"]))[::2]
         np.testing.assert_allclose(at, wanted, atol=5e-6)  # m
 
 
 def test_what_does_not_change_is_told_once_and_much_is_thinned() -> None:
-    found = content(slider.motion(1, 7), [])
+    found = player_data(slider.motion(1, 7), [])
     assert len(found["rigid"][0]["pose"][0]["values"]) == 1
     assert len(found["time"]["values"]) == 7
     many = slider.motion(32, 401)
     text = page(many, [])
-    assert len(text) < 300_000 and 100 < len(data_of(text)["time"]["values"]) <= FRAMES
+    assert len(text) < 300_000 and 100 < len(data_of(text)["time"]["values"]) <= MAX_FRAMES
 
 
 def test_outlines_speeds_and_guides() -> None:
@@ -85,7 +90,7 @@ def test_outlines_speeds_and_guides() -> None:
     plate = RigidBody("crank", None, None, (0, 0), tuple(PointMarker(n, x, y) for n, x, y in corners))
     crank = replace(plate, markers=(*plate.markers, *motion.scene.bodies[0].markers))
     scene = replace(motion.scene, bodies=(crank, *motion.scene.bodies[1:]))
-    found = content(Motion(scene, motion.native, motion.k, motion.t, motion.q, motion.v), [])
+    found = player_data(Motion(scene, motion.native, motion.k, motion.t, motion.q, motion.v), [])
     assert found["rigid"][0]["outline"] == [[0, 0], [2, 0], [0, 2]]
     guide = found["joints"][3]
     assert guide["kind"] == "translational" and guide["axis"] == [1, 0]

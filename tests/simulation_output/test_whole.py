@@ -11,9 +11,8 @@ import pytest
 import derive
 from conftest import ROOT
 from derive.cli.main import main
-from derive.simulation import run as running
-from derive.simulation.observables.observables import positions
-from derive.simulation.observables.rods import curve
+from derive.simulation.observables.beams import beam_points
+from derive.simulation.observables.motion import marker_positions
 from derive.spec.model.scene import MarkerRef
 
 SCENE = ROOT / "scenes/crank_slider_3.toml"
@@ -49,13 +48,13 @@ def test_simulate(short: Path, capsys: pytest.CaptureFixture[str]) -> None:
 def test_poses_and_amplitudes_tell_where_markers_are(short: Path) -> None:
     """What the player draws is where the model says that its points are, and joints hold them together."""
     scene = derive.read(short)
-    motion = running.run(scene).motion
+    motion = derive.simulate(scene).motion
     rod = scene.bodies[1]
-    left, middle, right = curve(motion, rod)
+    left, middle, right = beam_points(motion, rod)
     for name, shown in (("left", left), ("middle", middle), ("right", right)):
-        np.testing.assert_allclose(positions(motion, MarkerRef("rod", name)), shown, atol=1e-14)
-    np.testing.assert_allclose(positions(motion, MarkerRef("crank", "pin")), left, atol=1e-12)
-    np.testing.assert_allclose(positions(motion, MarkerRef("slider", "pin")), right, atol=1e-12)
+        np.testing.assert_allclose(marker_positions(motion, MarkerRef("rod", name)), shown, atol=1e-14)
+    np.testing.assert_allclose(marker_positions(motion, MarkerRef("crank", "pin")), left, atol=1e-12)
+    np.testing.assert_allclose(marker_positions(motion, MarkerRef("slider", "pin")), right, atol=1e-12)
     angle = 150 * motion.t
     pin = 0.15 * np.stack([np.cos(angle), np.sin(angle)], axis=1)
-    np.testing.assert_allclose(positions(motion, MarkerRef("crank", "pin")), pin, atol=1e-14)
+    np.testing.assert_allclose(marker_positions(motion, MarkerRef("crank", "pin")), pin, atol=1e-14)

@@ -1,1 +1,1 @@
-"""Analysis of constraints: scaling, redundancy, neighbouring states, projection."""
+"""Constraints of a compiled scene: scaling, closest consistent states, redundancy, projection."""

@@ -1,4 +1,4 @@
-"""States around one that a mechanism can reach: with what it is free to do, with its drives released, and in time."""
+"""Consistent states around a given one: along free motions, with drives released, and a little earlier or later."""
 
 from __future__ import annotations
 
@@ -8,88 +8,90 @@ import numpy as np
 from scipy.linalg import null_space, solve_triangular
 
 from derive.runtime.native import Vector
-from derive.simulation.compiled_scene import Mechanism, constraint_matrix, mass_matrix
-from derive.simulation.constraints.scaling import metric, per_speed, sizes
-from derive.simulation.initial.closest_state import close, damped_step, largest
+from derive.simulation.compiled_scene import Mechanism, constraint_matrix, mass_matrix, max_norm
+from derive.simulation.constraints.closest_state import closest_state, damped_step
+from derive.simulation.constraints.scaling import in_mass_metric, mass_factor, typical_row_norms
 
-TURN = 0.05
-"""rad: how far bodies turn to the states around; of lengths, the part of the size of the mechanism."""
-TRIES = 3
-SHORTEST, DOUBLINGS = 1e-6, 30
-"""s: drives are followed for this time, or twice as long and so on, until they have moved something that far."""
+ANGLE = 0.05
+"""rad: the rotation of bodies to the neighbouring states; of lengths, the part of the size of the mechanism."""
+DIRECTIONS = 3
+FIRST_DELAY, DOUBLINGS = 1e-6, 30
+"""s: drives are followed for this time, then twice as long and so on, until they have moved something by ANGLE."""
 
 
-def nearby(
+def neighbouring_states(
     native: Mechanism, k: Vector, t: float, q: Vector, drives: Sequence[str] = ()
 ) -> Iterator[tuple[float, Vector]]:
-    """A few (time, state) near a consistent state q (nq,) that meet the constraints, all but `drives` (multipliers).
+    """A few pairs of time (s) and configuration (nq,) near a consistent configuration q (nq,).
 
-    Only q again where a mechanism cannot move, and its drives do not.
+    drives: names of multipliers whose constraints are released; the states meet all other constraints. The iterator
+    yields q alone where the mechanism cannot move and its drives stand still.
     """
-    kept = [i for i, name in enumerate(native.multipliers) if name not in drives]
-    times = [later for sign in (1.0, -1.0) if (later := _later(native, k, t, q, sign)) is not None]
+    active = [i for i, name in enumerate(native.multipliers) if name not in drives]
+    times = [time for sign in (1.0, -1.0) if (time := _time_of_motion(native, k, t, q, sign)) is not None]
     everything = np.ones(native.nq, dtype=bool)
-    for direction in _directions(native, k, t, q, kept):
-        yield t, _returned(native, k, t, q, direction, kept)
-        for later in times:  # from aside, since from a dead centre no way leads on
-            found = close(native, k, later, q + direction, everything)
-            if found.closed:
-                yield later, found.q
+    for direction in _directions(native, k, t, q, active):
+        yield t, _projected(native, k, t, q, direction, active)
+        for time in times:  # from beside q: a dead centre itself has no continuation
+            state = closest_state(native, k, time, q + direction, everything)
+            if state.converged:
+                yield time, state.q
 
 
-def _directions(native: Mechanism, k: Vector, t: float, q: Vector, kept: list[int]) -> Iterator[Vector]:
-    """Small motions (nq,) that the constraints `kept` allow to first order; one that is none if they allow none."""
-    R = metric(mass_matrix(native, q, k))
-    scaled = (per_speed(constraint_matrix(native, t, q, k), R) / sizes(native, k, t, q, R)[:, None])[kept]
-    allowed = null_space(scaled, rcond=1e-6) if len(scaled) else np.eye(native.nv)
-    random = np.random.default_rng(0)
-    for _ in range(TRIES if allowed.size else 0):
-        direction = solve_triangular(R, allowed @ random.standard_normal(allowed.shape[1]))
-        yield direction * _length(native, q, direction)
-    if not allowed.size:
-        yield np.zeros(native.nq)
-
-
-def _returned(native: Mechanism, k: Vector, t: float, q: Vector, direction: Vector, kept: list[int]) -> Vector:
-    """The state next to q + direction that meets the constraints `kept` as q does; q again if there is no other."""
-    R = metric(mass_matrix(native, q, k))
-    lengths = sizes(native, k, t, q, R)[kept]
-    moved, asked = q + direction, native.constraints(t, q, k)[kept]
-    for _ in range(20):
-        g = native.constraints(t, moved, k)[kept] - asked
-        if largest(g) < 1e-12 * max(1.0, largest(q)):
-            break
-        rows = constraint_matrix(native, t, moved, k)[kept]
-        A = per_speed(rows, R) / lengths[:, None]
-        moved = moved + solve_triangular(R, damped_step(A, -g / lengths, 0.0))
-    return moved
-
-
-def _later(native: Mechanism, k: Vector, t: float, q: Vector, direction: float) -> float | None:
-    """When drives will have moved, or had moved, by TURN; None if they stand still."""
-    now = native.constraints(t, q, k)
-    for doubling in range(DOUBLINGS):
-        later = t + direction * SHORTEST * 2.0**doubling
-        if largest(native.constraints(later, q, k) - now) >= TURN * _size(native, q):
-            return later
-    return None
-
-
-def drives_of(native: Mechanism, k: Vector, t: float, q: Vector) -> tuple[str, ...]:
-    """The multipliers of constraints that change with time."""
+def driven_multipliers(native: Mechanism, k: Vector, t: float, q: Vector) -> tuple[str, ...]:
+    """The names of the multipliers whose constraints change with time."""
     rates = native.constraint_rates(t, q, np.zeros(native.nv), k)
     return tuple(name for name, rate in zip(native.multipliers, rates, strict=True) if rate != 0.0)
 
 
-def _length(native: Mechanism, q: Vector, direction: Vector) -> float:
-    """How far to go: until a body turns by TURN, but no further than that part of the size of the mechanism."""
-    turns = np.array([name.endswith("phi") for name in native.coordinates])
-    turn, shift = largest(direction[turns]), largest(direction[~turns])
-    limits = (TURN / turn if turn > 0 else np.inf, _size(native, q) * TURN / shift if shift > 0 else np.inf)
-    return min(limits)
+def _directions(native: Mechanism, k: Vector, t: float, q: Vector, active: list[int]) -> Iterator[Vector]:
+    """Small motions (nq,) that the active constraints allow to first order; zero alone if they allow none."""
+    R = mass_factor(mass_matrix(native, q, k))
+    G = in_mass_metric(constraint_matrix(native, t, q, k), R)
+    scaled = (G / typical_row_norms(native, k, t, q, R)[:, None])[active]
+    allowed = null_space(scaled, rcond=1e-6) if len(scaled) else np.eye(native.nv)
+    random = np.random.default_rng(0)
+    for _ in range(DIRECTIONS if allowed.size else 0):
+        direction = solve_triangular(R, allowed @ random.standard_normal(allowed.shape[1]))
+        yield direction * _step_length(native, q, direction)
+    if not allowed.size:
+        yield np.zeros(native.nq)
+
+
+def _projected(native: Mechanism, k: Vector, t: float, q: Vector, direction: Vector, active: list[int]) -> Vector:
+    """The configuration next to q + direction with the same g of the active constraints as q."""
+    R = mass_factor(mass_matrix(native, q, k))
+    norms = typical_row_norms(native, k, t, q, R)[active]
+    moved, target = q + direction, native.constraints(t, q, k)[active]
+    for _ in range(20):
+        g = native.constraints(t, moved, k)[active] - target
+        if max_norm(g) < 1e-12 * max(1.0, max_norm(q)):
+            break
+        rows = constraint_matrix(native, t, moved, k)[active]
+        A = in_mass_metric(rows, R) / norms[:, None]
+        moved = moved + solve_triangular(R, damped_step(A, -g / norms, 0.0))
+    return moved
+
+
+def _time_of_motion(native: Mechanism, k: Vector, t: float, q: Vector, sign: float) -> float | None:
+    """The time (s), after or before t, at which drives have moved something by ANGLE; None if they stand still."""
+    now = native.constraints(t, q, k)
+    for doubling in range(DOUBLINGS):
+        time = t + sign * FIRST_DELAY * 2.0**doubling
+        if max_norm(native.constraints(time, q, k) - now) >= ANGLE * _size(native, q):
+            return time
+    return None
+
+
+def _step_length(native: Mechanism, q: Vector, direction: Vector) -> float:
+    """The factor of a direction: until a body rotates by ANGLE, at most that part of the size of the mechanism."""
+    angles = np.array([name.endswith("phi") for name in native.coordinates])
+    rotation, shift = max_norm(direction[angles]), max_norm(direction[~angles])
+    size = _size(native, q)
+    return min(ANGLE / rotation if rotation > 0 else np.inf, size * ANGLE / shift if shift > 0 else np.inf)
 
 
 def _size(native: Mechanism, q: Vector) -> float:
-    """The size of a mechanism (m): how far bodies are from where coordinates count."""
-    turns = np.array([name.endswith("phi") for name in native.coordinates])
-    return max(largest(q[~turns]), 1e-3)
+    """The size of a mechanism (m): the largest displacement among its coordinates."""
+    angles = np.array([name.endswith("phi") for name in native.coordinates])
+    return max(max_norm(q[~angles]), 1e-3)

@@ -1,4 +1,4 @@
-"""Constraints that say what others say, always or in one state alone, found out and named."""
+"""Redundant and singular constraints: those that depend on others in every state, or in one state alone, by name."""
 
 from __future__ import annotations
 
@@ -9,19 +9,18 @@ import numpy as np
 from scipy.linalg import null_space, qr
 
 from derive.runtime.native import Matrix, Vector
-from derive.simulation.compiled_scene import Mechanism, constraint_matrix, mass_matrix
-from derive.simulation.constraints.neighbouring_states import nearby
+from derive.simulation.compiled_scene import Mechanism, constraint_matrix, kkt_matrix, mass_matrix
+from derive.simulation.constraints.neighbouring_states import neighbouring_states
 from derive.simulation.constraints.scaling import SINGULAR, Spectrum, spectrum
 from derive.simulation.errors import Dependence, MasslessMotion, RedundantConstraints, SingularConfiguration
 
 
 @dataclass(frozen=True)
-class Analysis:
-    """Constraints in one state: how many there are, and are independent; the smallest singular value of scaled G.
+class ConstraintAnalysis:
+    """Constraints in one state: their number and rank; the smallest singular value of the scaled G.
 
-    `condition` is the condition number of [M G^T; G 0] as it stands, in SI units. `dependent`: a minimal set of
-    constraints that the others imply in this state. `involved`: multipliers with a part in what vanishes, or comes
-    nearest to it.
+    condition: the condition number of [M, -G^T; -G, 0] in SI units, not scaled. dependent: a minimal set of constraints
+    that the others imply in this state. involved: the multipliers that take part in the smallest singular values.
     """
 
     count: int
@@ -32,75 +31,69 @@ class Analysis:
     involved: tuple[str, ...]
 
 
-def analyse(native: Mechanism, k: Vector, t: float, q: Vector) -> Analysis:
-    """Rank and conditioning of the constraints in a state."""
-    found = spectrum(native, k, t, q)
-    return Analysis(
+def analyse_constraints(native: Mechanism, k: Vector, t: float, q: Vector) -> ConstraintAnalysis:
+    """Rank and conditioning of the constraints in the configuration q (nq,) at t (s)."""
+    singular = spectrum(native, k, t, q)
+    return ConstraintAnalysis(
         count=native.nlambda,
-        rank=found.rank,
-        smallest=found.smallest,
-        condition=_condition(native, k, t, q),
-        dependent=dependences(found, native.multipliers),
-        involved=involved(found, native.multipliers),
+        rank=singular.rank,
+        smallest=singular.smallest,
+        condition=float(np.linalg.cond(kkt_matrix(native, t, q, k))),
+        dependent=dependences(singular, native.multipliers),
+        involved=involved(singular, native.multipliers),
     )
 
 
-def check(native: Mechanism, k: Vector, t: float, q: Vector, drives: Sequence[str] = ()) -> None:
-    """Raise RedundantConstraints, SingularConfiguration or MasslessMotion if multipliers or accelerations of a
-    consistent state are not unique.
+def check_constraints(native: Mechanism, k: Vector, t: float, q: Vector, drives: Sequence[str] = ()) -> None:
+    """Raise an error if multipliers or accelerations of the consistent configuration q (nq,) at t (s) are not unique.
 
-    What depends on each other in this state is redundant if it does so in all states around it as well: those that the
-    mechanism is free to reach, also with its `drives` (multipliers) released, and those where it is a little earlier
-    or later. A mechanism that cannot move at all has redundant constraints.
+    drives: names of multipliers that are released to reach neighbouring states. Constraints that depend on each other
+    in q and in all neighbouring states are redundant (RedundantConstraints); those that do so in q alone make it a
+    dead centre (SingularConfiguration). A mechanism that cannot move at all has redundant constraints. MasslessMotion:
+    the constraints allow a motion that moves no mass.
     """
-    found = spectrum(native, k, t, q)
-    if found.rank < native.nlambda:
-        around = [spectrum(native, k, at, state) for at, state in nearby(native, k, t, q, drives)]
-        best = max(around, key=lambda s: (s.rank, s.smallest), default=found)
+    singular = spectrum(native, k, t, q)
+    if singular.rank < native.nlambda:
+        around = [spectrum(native, k, time, state) for time, state in neighbouring_states(native, k, t, q, drives)]
+        best = max(around, key=lambda s: (s.rank, s.smallest), default=singular)
         if best.rank < native.nlambda:
             raise RedundantConstraints(dependences(best, native.multipliers))
-        raise SingularConfiguration(t, found.smallest, involved(found, native.multipliers))
+        raise SingularConfiguration(t, singular.smallest, involved(singular, native.multipliers))
     _check_mass(native, k, t, q)
 
 
-def involved(found: Spectrum, names: Sequence[str], limit: float = SINGULAR) -> tuple[str, ...]:
-    """The multipliers with a share of 1 % or more in what vanishes."""
-    return tuple(name for name, share in zip(names, found.involved(limit), strict=True) if share > 0.01)
+def involved(singular: Spectrum, names: Sequence[str], limit: float = SINGULAR) -> tuple[str, ...]:
+    """The names of multipliers with a share above 1 % in singular values up to `limit`, or in the smallest one."""
+    return tuple(name for name, share in zip(names, singular.participation(limit), strict=True) if share > 0.01)
 
 
-def dependences(found: Spectrum, names: Sequence[str]) -> tuple[Dependence, ...]:
-    """A minimal set of constraints that the others imply: the last ones, if numbers allow the choice."""
-    kept = _independent(found.scaled, found.rank)
-    rows = found.scaled[kept]
+def dependences(singular: Spectrum, names: Sequence[str]) -> tuple[Dependence, ...]:
+    """A minimal set of constraints that the others imply: the last ones, if the numbers allow the choice."""
+    basis = _independent_rows(singular.scaled, singular.rank)
+    rows = singular.scaled[basis]
     result = []
-    for i in (i for i in range(len(names)) if i not in kept):
-        factors = np.linalg.lstsq(rows.T, found.scaled[i], rcond=None)[0] if kept else np.zeros(0)
-        result.append(
-            Dependence(names[i], tuple(names[j] for j, x in zip(kept, factors, strict=True) if abs(x) > 1e-5))
-        )
+    for i in (i for i in range(len(names)) if i not in basis):
+        factors = np.linalg.lstsq(rows.T, singular.scaled[i], rcond=None)[0] if basis else np.zeros(0)
+        others = tuple(names[j] for j, factor in zip(basis, factors, strict=True) if abs(factor) > 1e-5)
+        result.append(Dependence(names[i], others))
     return tuple(result)
 
 
-def _independent(scaled: Matrix, rank: int) -> list[int]:
-    """`rank` independent rows: each that is not in the span of those before it, or else those that pivoting picks."""
-    kept: list[int] = []
+def _independent_rows(scaled: Matrix, rank: int) -> list[int]:
+    """`rank` independent rows: each that is not in the span of those before it, or else those that pivoting selects."""
+    chosen: list[int] = []
     basis = np.zeros((0, scaled.shape[1]))
     for i, row in enumerate(scaled):
         rest = row - basis.T @ (basis @ row)
         rest -= basis.T @ (basis @ rest)
         size = np.linalg.norm(rest)
         if size > 10 * SINGULAR:
-            kept.append(i)
+            chosen.append(i)
             basis = np.vstack([basis, rest / size])
-    if len(kept) == rank:
-        return kept
+    if len(chosen) == rank:
+        return chosen
     _, _, order = qr(scaled.T, mode="economic", pivoting=True)
     return sorted(int(i) for i in order[:rank])
-
-
-def _condition(native: Mechanism, k: Vector, t: float, q: Vector) -> float:
-    M, G = mass_matrix(native, q, k), constraint_matrix(native, t, q, k)
-    return float(np.linalg.cond(np.block([[M, G.T], [G, np.zeros((len(G), len(G)))]])))
 
 
 def _check_mass(native: Mechanism, k: Vector, t: float, q: Vector) -> None:

@@ -1,4 +1,4 @@
-"""Constraints without units: G seen in the metric of the mass, with rows whose length is 1 as a rule."""
+"""Constraints without units: G in the metric of the mass matrix, its rows scaled to a typical length of 1."""
 
 from __future__ import annotations
 
@@ -13,18 +13,19 @@ from derive.simulation.compiled_scene import Mechanism, constraint_matrix, mass_
 
 Mask = NDArray[np.bool_]
 
-TURNED = 7
-"""In so many states with all bodies turned at random is seen how large a constraint is."""
+RANDOM_ORIENTATIONS = 7
+"""The number of random orientations of all bodies in which the typical length of a constraint's row is measured."""
 SINGULAR = 1e-7
 """Singular values of scaled constraints below this count as zero. A rod in 30 beams that are welded together has 1e-2,
 and where a dead centre is a double root, positions are good to the root of the rounding error, 1e-8."""
 
 
-def metric(M: Matrix) -> Matrix:
-    """Upper triangular R with R^T R = M, in which coordinates without mass have that of others.
+def mass_factor(M: Matrix) -> Matrix:
+    """Upper triangular R with R^T R = M (n, n), in which coordinates without mass get the median mass of the others.
 
-    How large does not matter, as constraints say all about their motion, but it must not be small: they would hide the
-    rest of a constraint. A little is added for bodies whose mass is in a point.
+    The size of that substitute does not matter, since the constraints determine the motion of such coordinates; but it
+    must not be small, or else they would dominate the rows of their constraints. A relative 1e-12 is added to the
+    diagonal for bodies whose mass is concentrated in a point.
     """
     diagonal = np.diag(M).copy()
     empty = diagonal <= 0.0
@@ -33,29 +34,30 @@ def metric(M: Matrix) -> Matrix:
     return np.asarray(cholesky(full))
 
 
-def per_speed(G: Matrix, R: Matrix) -> Matrix:
-    """G R^-1: what rates of unit kinetic energy (times 2) do to the constraints."""
+def in_mass_metric(G: Matrix, R: Matrix) -> Matrix:
+    """G R^-1: the rates of the constraints due to velocities whose kinetic energy is 1/2 J."""
     return np.asarray(solve_triangular(R, G.T, trans="T").T) if G.size else G
 
 
-def sizes(native: Mechanism, k: Vector, t: float, q: Vector, R: Matrix, free: Mask | None = None) -> Vector:
-    """How long a row of G R^-1 (nlambda, `free` columns) is as a rule: in this state, and with bodies turned anyhow.
+def typical_row_norms(native: Mechanism, k: Vector, t: float, q: Vector, R: Matrix, free: Mask | None = None) -> Vector:
+    """The root mean square lengths (nlambda,) of the rows of G R^-1, over this state and random orientations of bodies.
 
-    A row may vanish at a dead centre, where a drive has a body of one coordinate on a line; so its length there is no
-    measure. 1 for rows that are always zero.
+    free: the columns of G that count, all by default. The length in one state is no measure: a row may vanish at a dead
+    centre, where a drive finds a body of one coordinate on a line. Rows that are zero in all states get 1.
     """
-    turns = np.array([name.endswith("phi") for name in native.coordinates])
+    angles = np.array([name.endswith("phi") for name in native.coordinates])
     random = np.random.default_rng(0)
-    states = [q, *(np.where(turns, random.uniform(-np.pi, np.pi, native.nq), q) for _ in range(TURNED))]
+    states = [q]
+    states += [np.where(angles, random.uniform(-np.pi, np.pi, native.nq), q) for _ in range(RANDOM_ORIENTATIONS)]
     columns = slice(None) if free is None else free
-    squares = [np.sum(per_speed(constraint_matrix(native, t, s, k)[:, columns], R) ** 2, axis=1) for s in states]
-    found = np.sqrt(np.mean(squares, axis=0))
-    return np.where(found > 0.0, found, 1.0)
+    squares = [np.sum(in_mass_metric(constraint_matrix(native, t, s, k)[:, columns], R) ** 2, axis=1) for s in states]
+    norms = np.sqrt(np.mean(squares, axis=0))
+    return np.where(norms > 0.0, norms, 1.0)
 
 
 @dataclass(frozen=True)
 class Spectrum:
-    """Scaled G (nlambda, nv) and its singular values with the left vectors as columns, one for each constraint."""
+    """The scaled G (nlambda, nv) and its singular values, one for each constraint, with the left vectors as columns."""
 
     scaled: Matrix
     values: Vector
@@ -63,24 +65,25 @@ class Spectrum:
 
     @property
     def rank(self) -> int:
-        """How many constraints are independent."""
+        """The number of independent constraints."""
         return int(np.sum(self.values > SINGULAR))
 
     @property
     def smallest(self) -> float:
-        """The smallest singular value: 1 if there is no constraint."""
+        """The smallest singular value; 1 if there is no constraint."""
         return float(self.values[-1]) if len(self.values) else 1.0
 
-    def involved(self, limit: float = SINGULAR) -> Vector:
-        """The share of each constraint in what vanishes (0 to 1), of singular values up to the smallest or `limit`."""
+    def participation(self, limit: float = SINGULAR) -> Vector:
+        """The share (nlambda,), 0 to 1, of each constraint in the singular values up to the smallest one or `limit`."""
         vanishing = self.left[:, self.values <= max(limit, self.smallest)]
         return np.asarray(np.sqrt(np.sum(vanishing**2, axis=1)))
 
 
 def spectrum(native: Mechanism, k: Vector, t: float, q: Vector) -> Spectrum:
-    """Singular values of the scaled constraints in a state."""
-    R = metric(mass_matrix(native, q, k))
-    scaled = per_speed(constraint_matrix(native, t, q, k), R) / sizes(native, k, t, q, R)[:, None]
+    """The singular values of the scaled constraints in the configuration q (nq,) at t (s)."""
+    R = mass_factor(mass_matrix(native, q, k))
+    G = in_mass_metric(constraint_matrix(native, t, q, k), R)
+    scaled = G / typical_row_norms(native, k, t, q, R)[:, None]
     count, columns = scaled.shape
     if count == 0:
         return Spectrum(scaled, np.zeros(0), np.zeros((0, 0)))

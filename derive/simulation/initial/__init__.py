@@ -1,1 +1,1 @@
-"""Consistent initialisation: the initial guess and the closest consistent state."""
+"""Consistent initialisation of a scene."""

@@ -1,28 +1,98 @@
-"""The state that a scene starts from: the consistent one next to what the specification guesses."""
+"""The initial state of a scene: the guess of its specification in the coordinates of the scene, made consistent."""
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
+from numpy.typing import NDArray
 
+from derive.mechanics.multibody.components import piece_name
 from derive.runtime.native import NativeScene, Vector
-from derive.simulation.errors import BentStart
-from derive.simulation.initial.consistent_state import Start, consistent
-from derive.simulation.initial.initial_guess import guess
-from derive.simulation.observables import rods
-from derive.simulation.observables.observables import Motion
-from derive.spec.model.scene import BeamBody, Scene
+from derive.simulation.errors import ExcessiveDeformation
+from derive.simulation.initial.consistent_state import InitialState, consistent_state
+from derive.simulation.observables.beams import beam_bodies, relative_deflection
+from derive.simulation.observables.motion import Motion, si_value
+from derive.spec.model.scene import BeamBody, InitialGuess, RigidBody, Scene
 
-MOST = 0.3
-"""Of the length of a beam: what bends further to meet the joints is no start of this mechanism."""
+MAX_DEFLECTION = 0.3
+"""Of the length of a beam: an initial state with a larger deflection is not one of this mechanism."""
 
 
-def begin(scene: Scene, native: NativeScene, k: Vector) -> Start:
-    """The consistent start of a scene. Raises SimulationError with what cannot be met, and BentStart where joints are
-    met only by beams that bend beyond all that linear displacements describe."""
-    start = consistent(native, k, *guess(scene, native))
-    if start.deformed:
-        motion = Motion(scene, native, k, np.array([start.t]), start.q[None], start.v[None])
-        bent = {b.name: rods.bending(motion, b) for b in scene.bodies if isinstance(b, BeamBody)}
-        if far := {name: most for name, most in bent.items() if most > MOST}:
-            raise BentStart(far)
-    return start
+def initial_state(scene: Scene, native: NativeScene, k: Vector | None = None) -> InitialState:
+    """The consistent state at t = 0 closest to the initial guess of a scene.
+
+    native: the compiled scene. k: the constants (nk,) of `native.setup`, those of the default parameters if None.
+
+    Raises SimulationError with the constraints that cannot be met, and ExcessiveDeformation where they can be met only
+    by beams that bend beyond what linear displacements describe.
+    """
+    constants = native.setup() if k is None else k
+    state = consistent_state(native, constants, *initial_guess(scene, native))
+    if state.deformed:
+        motion = Motion(scene, native, constants, np.array([state.t]), state.q[None], state.v[None])
+        deflections = {b.name: relative_deflection(motion, b) for b in beam_bodies(scene)}
+        if excessive := {name: value for name, value in deflections.items() if value > MAX_DEFLECTION}:
+            raise ExcessiveDeformation(excessive)
+    return state
+
+
+def initial_guess(scene: Scene, native: NativeScene) -> tuple[Vector, Vector, NDArray[np.bool_]]:
+    """The guesses of q (nq,) and v (nv,), and the mask (nq,) of the coordinates of rigid-body motion.
+
+    Each body moves as a rigid one, and all pieces of a beam as parts of it. Of a body whose coordinates a joint
+    eliminates, the guess concerns those that remain.
+    """
+    values: dict[str, float] = {}
+    rates: dict[str, float] = {}
+    for body in scene.bodies:
+        if isinstance(body, BeamBody):
+            for k in range(body.pieces):
+                _guess_frame(values, rates, piece_name(body, k), body.start, _piece_centre(body, k))
+        else:
+            centre = tuple(si_value(x) for x in body.centre)
+            _guess_frame(values, rates, body.name, body.start, centre)
+            _guess_displacement(values, rates, body, native)
+    q = np.array([values.get(name, 0.0) for name in native.coordinates])
+    v = np.array([rates.get(name, 0.0) for name in native.coordinates])
+    rigid = np.array([name.rsplit("_", 1)[-1] in ("c1", "c2", "phi", "s") for name in native.coordinates])
+    return q, v, rigid
+
+
+def _guess_frame(
+    values: dict[str, float], rates: dict[str, float], name: str, start: InitialGuess, origin: tuple[float, ...]
+) -> None:
+    """c1, c2, phi and their rates of a body frame whose origin lies at the point `origin` (2,), m, of the body."""
+    cos, sin = math.cos(start.angle), math.sin(start.angle)
+    arm = (cos * origin[0] - sin * origin[1], sin * origin[0] + cos * origin[1])
+    values |= {
+        f"{name}_c1": start.position[0] + arm[0],
+        f"{name}_c2": start.position[1] + arm[1],
+        f"{name}_phi": start.angle,
+    }
+    rates |= {
+        f"{name}_c1": start.velocity[0] - start.spin * arm[1],
+        f"{name}_c2": start.velocity[1] + start.spin * arm[0],
+        f"{name}_phi": start.spin,
+    }
+
+
+def _guess_displacement(
+    values: dict[str, float], rates: dict[str, float], body: RigidBody, native: NativeScene
+) -> None:
+    """The displacement along a guide, of a body that has no other coordinate: from where it is at 0, along its axis."""
+    name = f"{body.name}_s"
+    if name not in native.coordinates:
+        return
+    q, k, index = np.zeros(native.nq), native.setup(), native.bodies.index(body.name)
+    origin = native.poses(0.0, q, k)[index, :2]
+    q[native.coordinates.index(name)] = 1.0
+    axis = native.poses(0.0, q, k)[index, :2] - origin
+    values[name] = float(axis @ (np.array(body.start.position) - origin))
+    rates[name] = float(axis @ np.array(body.start.velocity))
+
+
+def _piece_centre(beam: BeamBody, k: int) -> tuple[float, float]:
+    """The centre (m) of piece k along the undeformed beam, from the centre of the beam."""
+    length = si_value(beam.beam.length) / beam.pieces
+    return (k - (beam.pieces - 1) / 2) * length, 0.0

@@ -1,1 +1,1 @@
-"""Time integration of a compiled scene, and the diagnosis of failures."""
+"""Time integration of a compiled scene: the registry of integrators, and the diagnosis of failures."""

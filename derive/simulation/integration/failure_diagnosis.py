@@ -1,4 +1,4 @@
-"""Why an integration cannot go on: a dead centre, a drive that cannot be followed, or something else."""
+"""The reason why an integration cannot go on: a dead centre, a drive that cannot be followed, or something else."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import numpy as np
 
 from derive.runtime.native import ModelError, Vector
 from derive.simulation.compiled_scene import Mechanism
-from derive.simulation.constraints.neighbouring_states import drives_of
+from derive.simulation.constraints.neighbouring_states import driven_multipliers
 from derive.simulation.constraints.redundancy import involved
 from derive.simulation.constraints.scaling import spectrum
 from derive.simulation.errors import (
@@ -17,21 +17,16 @@ from derive.simulation.errors import (
     SingularConfiguration,
 )
 
-NEAR = 1e-3
-"""A singular value of scaled constraints below this, where an integrator is stuck, is taken for the reason."""
+NEARLY_SINGULAR = 1e-3
+"""A singular value of the scaled constraints below this is taken for the reason why an integrator fails."""
 
 
-def reason_to_stop(
-    native: Mechanism,
-    k: Vector,
-    t: float,
-    y: Vector,
-    refused: tuple[float, ModelError] | None,
-    message: str,
+def diagnose_failure(
+    native: Mechanism, k: Vector, t: float, y: Vector, refused: tuple[float, ModelError] | None, message: str
 ) -> SimulationError:
-    """The error that explains why nothing goes on from the last state y = [q; v], near t.
+    """The error that explains why an integrator cannot go on from its last state y = [q; v], near t (s).
 
-    `refused`: when a model last refused a state, and how; `message`: what the integrator has to say.
+    refused: the time and the error with which the model last refused a state. message: that of the integrator.
     """
     if (dead_centre := _dead_centre(native, k, t, y)) is not None:
         return dead_centre
@@ -39,21 +34,23 @@ def reason_to_stop(
     return IntegrationStopped(t, reason)
 
 
-def explained(native: Mechanism, k: Vector, t: float, y: Vector, error: ModelError | DriftTooLarge) -> SimulationError:
-    """What is behind an error after the last good state y = [q; v] at t: a dead centre, or what the error says."""
+def diagnose_error(
+    native: Mechanism, k: Vector, t: float, y: Vector, error: ModelError | DriftTooLarge
+) -> SimulationError:
+    """The error that explains an error after the last good state y = [q; v] at t (s): a dead centre, or itself."""
     if isinstance(error, DriftTooLarge):
         return _dead_centre(native, k, t, y) or error
-    return reason_to_stop(native, k, t, y, None, str(error))
+    return diagnose_failure(native, k, t, y, None, str(error))
 
 
 def _dead_centre(native: Mechanism, k: Vector, t: float, y: Vector) -> SingularConfiguration | None:
     if not np.all(np.isfinite(y)):
         return None
-    found = spectrum(native, k, t, y[: native.nq])
-    if found.smallest >= NEAR:
+    singular = spectrum(native, k, t, y[: native.nq])
+    if singular.smallest >= NEARLY_SINGULAR:
         return None
-    names = involved(found, native.multipliers, NEAR)
-    driven = [name for name in names if name in drives_of(native, k, t, y[: native.nq])]
+    names = involved(singular, native.multipliers, NEARLY_SINGULAR)
+    driven = [name for name in names if name in driven_multipliers(native, k, t, y[: native.nq])]
     if driven:
-        return DriveCannotBeFollowed(t, found.smallest, names, driven)
-    return SingularConfiguration(t, found.smallest, names)
+        return DriveCannotBeFollowed(t, singular.smallest, names, driven)
+    return SingularConfiguration(t, singular.smallest, names)

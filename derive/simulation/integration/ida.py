@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from importlib import import_module
 from typing import Any, Literal, Protocol
 
@@ -15,16 +15,14 @@ from derive.ir.patterns import Pattern
 from derive.runtime.native import ModelError, Vector
 from derive.simulation.compiled_scene import Mechanism
 from derive.simulation.errors import DriftTooLarge, SimulationError
-from derive.simulation.integration.explicit import increasing
-from derive.simulation.integration.failure_diagnosis import explained, reason_to_stop
-from derive.simulation.integration.trajectory import Cost, Trajectory
-from derive.simulation.integration.trajectory_writer import Rows
+from derive.simulation.integration.failure_diagnosis import diagnose_error, diagnose_failure
+from derive.simulation.integration.solution import Cost, Progress, Solution, SolutionWriter, row_times
 
 NO_ERROR_CONTROL = 1e30
-"""The absolute tolerance of multipliers: steps and Newton's method look at q and v alone. What is rounding there is far
-above any tolerance in the multipliers of a short step."""
+"""The absolute tolerance of multipliers: error control and Newton's method consider q and v alone. In a short step the
+rounding errors of these exceed any tolerance in the multipliers."""
 STALL_STEPS, STALL_PROGRESS = 2000, 1e-9
-"""After so many steps it is looked whether IDA has come further than that part of the whole time: it never gives up
+"""After so many steps IDA must have advanced by more than that part of the whole time: by itself it never gives up
 where steps do not change the time any more."""
 
 
@@ -64,44 +62,45 @@ def integrate_ida(
     drift: float = 1e-9,
     projected: bool = True,
     max_step: float = 0.0,
-    progress: Callable[[float], None] | None = None,
-) -> Trajectory:
-    """The motion from the consistent state (q, v) at times[0], at all `times` (s, increasing), by variable-order BDF.
+    progress: Progress | None = None,
+) -> Solution:
+    """The motion of a compiled scene from a consistent state, by the variable-order BDF of IDA.
 
-    As `integrate`, but that rows are projected, never the state of IDA: the stabilised form of index 2 ("ggl") keeps it
-    on the constraints by itself, "index1" lets it drift. `order` 2 steps over vibrations that orders 3 to 5 have to
-    follow with short steps, and damps them. `max_step` 0 is any.
+    native, k, q, v, times, tolerance, drift, progress: as for `integrate`. form: the equations, of `native.dae`; the
+    stabilised form of index 2 ("ggl") keeps the state on the constraints, "index1" lets it drift. order: the highest
+    order; 2 steps over vibrations that orders 3 to 5 have to resolve with short steps, and damps them. projected:
+    whether rows are projected; the state of IDA never is. max_step: in s, 0 for none.
 
-    Raises IdaMissing besides.
+    Raises IdaMissing without the package scikit-sundae, and what `integrate` raises.
     """
     began = time.process_time()
-    instants = increasing(times)
-    rows = Rows(native, k, len(instants), drift, projected)
+    instants = row_times(times)
+    rows = SolutionWriter(native, k, len(instants), drift, projected)
     solver = _solver(native.dae[form], native, k, tolerance, order, max_step)
     n = native.nq + native.nv
     t, y, found = float(instants[0]), np.concatenate([q, v]), None
     steps, calls, mark = 0, 0, t
     try:
-        rows.write(t, y)
+        rows.append(t, y)
         found = solver.init_step(t, *_initial(native, k, t, q, v, native.dae[form].size))
         for at in instants[1:]:
             while t < at:
                 found = _step(solver, at, "onestep", instants[-1])
                 calls, steps = calls + 1, steps + (found.t > t)  # a call after a row gives the last step again
                 if not found.success:
-                    raise reason_to_stop(native, k, t, y, None, f"IDA: {found.message}")
+                    raise diagnose_failure(native, k, t, y, None, f"IDA: {found.message}")
                 if calls % STALL_STEPS == 0:
                     if found.t - mark < STALL_PROGRESS * (instants[-1] - instants[0]):
-                        raise reason_to_stop(native, k, t, y, None, f"{STALL_STEPS} steps of IDA lead nowhere")
+                        raise diagnose_failure(native, k, t, y, None, f"{STALL_STEPS} steps of IDA lead nowhere")
                     mark = found.t
                 t, y = found.t, found.y[:n]
                 if progress is not None:
                     progress(t)
-            rows.write(float(at), _step(solver, at, "normal", instants[-1]).y[:n] if t > at else y)
+            rows.append(float(at), _step(solver, at, "normal", instants[-1]).y[:n] if t > at else y)
     except (ModelError, DriftTooLarge) as error:
-        raise explained(native, k, t, y, error) from error
+        raise diagnose_error(native, k, t, y, error) from error
     cost = Cost(found.nfev if found else 0, steps, time.process_time() - began, found.njev if found else 0)
-    return rows.trajectory(instants, cost)
+    return rows.solution(instants, cost)
 
 
 def _step(solver: Any, at: float, method: str, last: float) -> Any:

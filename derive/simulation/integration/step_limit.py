@@ -1,4 +1,4 @@
-"""The highest natural frequency of a mechanism in a state, and the longest step that an explicit method takes there."""
+"""Natural frequencies of a mechanism in a state, and the stability limit of explicit steps there."""
 
 from __future__ import annotations
 
@@ -7,21 +7,22 @@ from scipy.linalg import null_space, solve_triangular
 
 from derive.runtime.native import Matrix, Vector
 from derive.simulation.compiled_scene import Mechanism, constraint_matrix, mass_matrix
-from derive.simulation.constraints.scaling import metric, per_speed, sizes
+from derive.simulation.constraints.scaling import in_mass_metric, mass_factor, typical_row_norms
 
 RK4_LIMIT = float(np.sqrt(8.0))
 """The classical Runge-Kutta method is stable for an oscillation of omega rad/s up to this product of step and omega."""
 
 
 def natural_frequencies(native: Mechanism, k: Vector, t: float, q: Vector, v: Vector, loaded: bool = True) -> Vector:
-    """Undamped natural frequencies (rad/s, rising) of small motions about a state that the constraints allow.
+    """Undamped natural frequencies (rad/s, ascending) of small motions about a consistent state (q, v) at t (s).
 
-    Those of M ddq + K dq = 0 with G dq = 0 and K = d/dq (M vdot + h - G^T lambda), at vdot and lambda of the state; not
-    `loaded`, those of the structure itself: at rest, and without reactions. A motion that grows, or that nothing
-    holds back, has 0.
+    They are those of M ddq + K dq = 0 with G dq = 0 and K = d/dq (M vdot + h - G^T lambda), at vdot and lambda of the
+    state. loaded: if false, those at rest and without constraint reactions. A motion that grows, or that is
+    unconstrained and has no stiffness, has 0.
     """
-    R = metric(mass_matrix(native, q, k))
-    scaled = per_speed(constraint_matrix(native, t, q, k), R) / sizes(native, k, t, q, R)[:, None]
+    R = mass_factor(mass_matrix(native, q, k))
+    G = in_mass_metric(constraint_matrix(native, t, q, k), R)
+    scaled = G / typical_row_norms(native, k, t, q, R)[:, None]
     allowed = null_space(scaled) if len(scaled) else np.eye(native.nv)
     motions = solve_triangular(R, allowed)  # columns of unit kinetic energy
     if not motions.size:
@@ -41,13 +42,13 @@ def _stiffness(native: Mechanism, k: Vector, t: float, q: Vector, v: Vector, mot
     """Central differences of M vdot + h - G^T lambda along each column of `motions`."""
     vdot, lam = native.solve(t, q, v, k) if loaded else (np.zeros(native.nv), np.zeros(native.nlambda))
 
-    def unbalanced(at: Vector) -> Vector:
-        inertia = mass_matrix(native, at, k) @ vdot
-        reactions = constraint_matrix(native, t, at, k).T @ lam
-        return np.asarray(inertia + native.force(t, at, v, k) - reactions)
+    def residual(q: Vector) -> Vector:
+        inertia = mass_matrix(native, q, k) @ vdot
+        reactions = constraint_matrix(native, t, q, k).T @ lam
+        return np.asarray(inertia + native.force(t, q, v, k) - reactions)
 
     columns = []
     for motion in motions.T:
         step = 1e-6 * max(1e-3, float(np.max(np.abs(q)))) / float(np.max(np.abs(motion)))
-        columns.append((unbalanced(q + step * motion) - unbalanced(q - step * motion)) / (2 * step))
+        columns.append((residual(q + step * motion) - residual(q - step * motion)) / (2 * step))
     return np.array(columns).T

@@ -1,4 +1,4 @@
-"""A motion as CSV: the time, what drives prescribe, coordinates, rates and multipliers, a row an instant."""
+"""Named columns of numbers, and their text as a CSV file."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from derive.artifacts import MARK
 
 @dataclass(frozen=True, eq=False)
 class Column:
-    """A column of a record: its name, its unit, its values (n,)."""
+    """A column of a table: its name, its unit, its values (n,)."""
 
     name: str
     unit: str
@@ -29,14 +29,10 @@ def csv(title: str, columns: Sequence[Column]) -> str:
     rows = np.column_stack([column.values for column in columns]) + 0.0  # no -0
     return "\n".join(
         [
-            f"# {MARK}. {_one_line(title)}",
+            f"# {MARK}. {' '.join(title.split())}",
             f"# units: {','.join(column.unit for column in columns)}",
             ",".join(column.name for column in columns),
             *(",".join([f"{value:.10e}" for value in row]) for row in rows.tolist()),
             "",
         ]
     )
-
-
-def _one_line(text: str) -> str:
-    return " ".join(text.split())

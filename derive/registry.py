@@ -1,0 +1,65 @@
+"""Open sets of named things: joints, bodies, integrators, backends; an unknown name is an error that lists them."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable, Iterator, Mapping
+from typing import Generic, TypeVar
+
+from derive.errors import TisserandError, quoted
+
+T = TypeVar("T")
+
+
+class UnknownNameError(TisserandError, KeyError):
+    """A name that is not in an open set.
+
+    name: as it was given; known: the names of the set, in its order. The text lists these, or the nearest one.
+    """
+
+    def __init__(self, kind: str, name: str, known: Iterable[str]) -> None:
+        self.name, self.known = name, tuple(known)
+        names = ", ".join(self.known) or "none"
+        near = difflib.get_close_matches(name[:40], self.known, n=1)
+        hint = f"did you mean {quoted(near[0])}? " if near else ""
+        self.message = f"there is no {kind} {quoted(name)}; {hint}known: {names}"
+        super().__init__(self.message)
+
+    def __str__(self) -> str:
+        return self.message  # that of KeyError is in quotation marks
+
+
+class Registry(Mapping[str, T], Generic[T]):
+    """The members of an open set by their names, in the order of their registration.
+
+    `registry[name]` raises UnknownNameError if there is no such member. `kind` is what messages call a member.
+    """
+
+    def __init__(self, kind: str, members: Mapping[str, T] | None = None) -> None:
+        self.kind = kind
+        self._members: dict[str, T] = dict(members or {})
+
+    def register(self, name: str, member: T) -> None:
+        """Add a member. Raises ValueError if the name is taken: two members of one name hide each other."""
+        if name in self._members:
+            raise ValueError(f"the {self.kind} {quoted(name)} is registered already")
+        self._members[name] = member
+
+    def unregister(self, name: str) -> None:
+        """Remove a member. Raises UnknownNameError."""
+        self[name]
+        del self._members[name]
+
+    def __getitem__(self, name: str) -> T:
+        if name not in self._members:
+            raise UnknownNameError(self.kind, name, self._members)
+        return self._members[name]
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._members
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._members)
+
+    def __len__(self) -> int:
+        return len(self._members)

@@ -1,0 +1,76 @@
+"""The closest consistent state: the configuration next to a guess with g(t, q) = 0, by damped Newton steps."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import solve_triangular
+
+from derive.runtime.native import Matrix, Vector
+from derive.simulation.compiled_scene import Mechanism, constraint_matrix, mass_matrix, max_norm
+from derive.simulation.constraints.scaling import SINGULAR, Mask, in_mass_metric, mass_factor, typical_row_norms
+
+CONSISTENT = 1e-11
+"""Constraints with |g| below this (m, rad; times the largest coordinate if that is above 1) are met."""
+ITERATIONS = 100
+
+
+@dataclass(frozen=True)
+class ClosestState:
+    """The result of an iteration: the configuration q (nq,), and g (nlambda,) there."""
+
+    q: Vector
+    g: Vector
+
+    @property
+    def error(self) -> float:
+        """The largest |g| (m, rad)."""
+        return max_norm(self.g)
+
+    @property
+    def converged(self) -> bool:
+        """Whether the constraints are met."""
+        return self.error <= CONSISTENT * max(1.0, max_norm(self.q))
+
+
+def closest_state(native: Mechanism, k: Vector, t: float, guess: Vector, free: Mask) -> ClosestState:
+    """The configuration next to `guess` (nq,) that meets the constraints to rounding errors, if there is one.
+
+    free: mask (nq,) of the coordinates that may change. The method is a Levenberg-Marquardt iteration in the metric of
+    the mass matrix; where it converges it takes Newton steps of the least change. It stops when nothing improves any
+    more: see `ClosestState.converged`.
+    """
+    R = mass_factor(mass_matrix(native, guess, k)[np.ix_(free, free)])
+    q, g = guess.copy(), native.constraints(t, guess, k)
+    G = constraint_matrix(native, t, q, k)[:, free]
+    norms = typical_row_norms(native, k, t, guess, R, free)
+    damping = 0.0
+    for _ in range(ITERATIONS):
+        if not g.size or max_norm(g) == 0.0 or not np.isfinite(damping):
+            break
+        A = in_mass_metric(G, R) / norms[:, None]
+        trial = q.copy()
+        trial[free] += solve_triangular(R, damped_step(A, -g / norms, damping))
+        g_trial = native.constraints(t, trial, k)
+        before, after = np.linalg.norm(g / norms), np.linalg.norm(g_trial / norms)
+        if after < before:  # also false for NaN
+            q, g, G = trial, g_trial, constraint_matrix(native, t, trial, k)[:, free]
+            damping = 0.0 if after < 0.5 * before else damping / 4
+            if after > (1 - 1e-9) * before:
+                break
+        elif max_norm(g) <= CONSISTENT * max(1.0, max_norm(q)):
+            break
+        else:
+            damping = max(8 * damping, 1e-6)
+            if damping > 1e6:
+                break
+    return ClosestState(q, g)
+
+
+def damped_step(A: Matrix, r: Vector, damping: float) -> Vector:
+    """The least-norm x (n,) of A x = r for A (m, n), each singular value s damped to s^2 + damping; s = 0 dropped."""
+    U, s, V = np.linalg.svd(A, full_matrices=False)
+    nonzero = s > SINGULAR
+    factor = np.where(nonzero, s / np.where(nonzero, s**2 + damping, 1.0), 0.0)
+    return np.asarray(V.T @ (factor * (U.T @ r)))

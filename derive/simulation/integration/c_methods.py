@@ -1,0 +1,124 @@
+"""Integration of a scene by the C integrators that are compiled with its model: RK4, generalised-alpha, IDA."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from itertools import pairwise
+
+import numpy as np
+
+from derive.artifacts import File
+from derive.runtime.integrators.library import Host, HostError, Integration
+from derive.runtime.integrators.run import FixedStep, GeneralisedAlpha, Ida
+from derive.runtime.native import NativeScene, Vector
+from derive.simulation.integration.failure_diagnosis import diagnose_failure
+from derive.simulation.integration.integrator import Integrator, Settings
+from derive.simulation.integration.solution import Cost, Solution, SolutionWriter, row_times
+from derive.simulation.integration.step_limit import rk4_step_limit
+
+STABLE = 0.5
+"""The step of RK4, unless it is given, divided by the longest stable step in the initial state."""
+
+STEPS_PER_ROW = 10
+"""The steps of the generalised-alpha method between two rows, unless the step is given."""
+
+Run = Callable[[Vector, Vector, float, float, int], Integration]
+"""The rows from q, v at t0 (s), with an interval (s) between rows, and their number without the first."""
+
+
+def rk4(files: Sequence[File]) -> Integrator:
+    """The classical Runge-Kutta method with fixed steps and projection. Raises CompilerError."""
+    host = FixedStep(files)
+    native = _scene(host)
+
+    def integrate(k: Vector, q: Vector, v: Vector, times: Vector, settings: Settings) -> Solution:
+        step = settings.step or STABLE * rk4_step_limit(native, k, float(times[0]), q, v)
+
+        def run(q0: Vector, v0: Vector, t0: float, interval: float, rows: int) -> Integration:
+            every = max(1, math.ceil(interval / step * (1 - 1e-12)))
+            return host.run(q0, v0, step=interval / every, steps=rows * every, every=every, k=k, t0=t0)
+
+        return _solution(native, run, k, q, v, times, settings)
+
+    return Integrator(native, integrate)
+
+
+def generalised_alpha(files: Sequence[File]) -> Integrator:
+    """The generalised-alpha method with fixed steps. Raises CompilerError, LibraryMissing."""
+    host = GeneralisedAlpha(files)
+    native = _scene(host)
+
+    def integrate(k: Vector, q: Vector, v: Vector, times: Vector, settings: Settings) -> Solution:
+        def run(q0: Vector, v0: Vector, t0: float, interval: float, rows: int) -> Integration:
+            step = settings.step or interval / STEPS_PER_ROW
+            every = max(1, math.ceil(interval / step * (1 - 1e-12)))
+            return host.run(q0, v0, step=interval / every, steps=rows * every, every=every, k=k, t0=t0)
+
+        return _solution(native, run, k, q, v, times, settings)
+
+    return Integrator(native, integrate)
+
+
+def ida(files: Sequence[File]) -> Integrator:
+    """IDA of SUNDIALS with the stabilised form of index 2. Raises CompilerError, LibraryMissing."""
+    host = Ida(files)
+    native = _scene(host)
+
+    def integrate(k: Vector, q: Vector, v: Vector, times: Vector, settings: Settings) -> Solution:
+        def run(q0: Vector, v0: Vector, t0: float, interval: float, rows: int) -> Integration:
+            return host.run(q0, v0, interval=interval, rows=rows + 1, rtol=settings.tolerance, k=k, t0=t0)
+
+        return _solution(native, run, k, q, v, times, settings)
+
+    return Integrator(native, integrate)
+
+
+def _scene(host: Host) -> NativeScene:
+    if not isinstance(host.native, NativeScene):
+        raise ValueError(f"{host.native.name} is a body, not a scene")
+    return host.native
+
+
+def _solution(
+    native: NativeScene, run: Run, k: Vector, q: Vector, v: Vector, times: Sequence[float] | Vector, settings: Settings
+) -> Solution:
+    """Run over each part of `times` with equal intervals; raises SimulationError with the reason of a failure."""
+    instants = row_times(times)
+    rows = SolutionWriter(native, k, len(instants), settings.drift, projected=True)
+    rows.append(float(instants[0]), np.concatenate([q, v]))
+    evaluations = steps = jacobians = 0
+    seconds = 0.0
+    for first, last in _equal_intervals(instants):
+        t0, interval = float(instants[first]), float((instants[last] - instants[first]) / (last - first))
+        try:
+            part = run(q, v, t0, interval, last - first)
+        except HostError as error:
+            raise _diagnosed(native, k, np.concatenate([q, v]), t0, error) from error
+        for i in range(1, last - first + 1):
+            rows.append(float(instants[first + i]), np.concatenate([part.q[i], part.v[i]]))
+        q, v = rows.states[last, : native.nq], rows.states[last, native.nq :]
+        evaluations += part.counts.get("accelerations", 0) + part.counts.get("residuals", 0)
+        steps, jacobians = steps + part.counts["steps"], jacobians + part.counts.get("jacobians", 0)
+        seconds += part.seconds
+        if settings.progress is not None:
+            settings.progress(float(instants[last]))
+    return rows.solution(instants, Cost(evaluations, steps, seconds, jacobians))
+
+
+def _equal_intervals(times: Vector) -> list[tuple[int, int]]:
+    """The first and the last index of each longest part of `times` (n,) whose intervals are equal."""
+    intervals = np.diff(times)
+    changes = [i + 1 for i in range(len(intervals) - 1) if abs(intervals[i + 1] / intervals[i] - 1) > 1e-6]
+    return list(pairwise([0, *changes, len(intervals)])) if len(intervals) else []
+
+
+def _diagnosed(native: NativeScene, k: Vector, y: Vector, t: float, error: HostError) -> Exception:
+    """The reason of a failure after the last row that the C integrator has reached."""
+    partial = error.partial
+    for row in range(len(partial.t)):
+        state = np.concatenate([partial.q[row], partial.v[row]])
+        if not np.all(np.isfinite(state)):
+            break
+        t, y = float(partial.t[row]), state
+    return diagnose_failure(native, k, t, y, None, str(error))

@@ -1,0 +1,41 @@
+"""The interface of integrators: a compiled scene together with a method that integrates it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+from derive.artifacts import File
+from derive.runtime.native import NativeScene, Vector
+from derive.simulation.integration.solution import Progress, Solution
+
+
+@dataclass(frozen=True)
+class Settings:
+    """Settings that integrators share; each ignores those that it has no use for.
+
+    tolerance: the error of a step, relative and absolute (SI), of methods with adaptive steps. drift: the limit of |g|
+    (m, rad) and |gdot| (m/s, rad/s) in every row. step: that of methods with fixed steps, s; None lets them choose.
+    progress: called with the time (s) that is reached.
+    """
+
+    tolerance: float = 1e-9
+    drift: float = 1e-9
+    step: float | None = None
+    progress: Progress | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Integrator:
+    """A compiled scene, and the function that integrates it.
+
+    `integrate(k, q, v, times, settings)` takes the constants k (nk,) of `native.setup`, a consistent state q (nq,),
+    v (nv,) at times[0], and the times (n,) of the rows, s. It raises SimulationError.
+    """
+
+    native: NativeScene
+    integrate: Callable[[Vector, Vector, Vector, Vector, Settings], Solution]
+
+
+Compile = Callable[[Sequence[File]], Integrator]
+"""Compiles the generated files of a scene for an integrator. Raises CompilerError, LibraryMissing."""

@@ -1,0 +1,53 @@
+"""The registry of integrators, which `derive.simulate` and `tisserand simulate --integrator` choose from."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Literal
+
+from derive.artifacts import File
+from derive.registry import Registry
+from derive.runtime.native import Vector, load_scene
+from derive.simulation.integration import c_methods
+from derive.simulation.integration.ida import integrate_ida
+from derive.simulation.integration.integrator import Compile, Integrator, Settings
+from derive.simulation.integration.scipy_methods import integrate
+from derive.simulation.integration.solution import Solution
+
+
+def _scipy(method: Literal["DOP853", "RK45"]) -> Compile:
+    def compiled(files: Sequence[File]) -> Integrator:
+        native = load_scene(files)
+
+        def run(k: Vector, q: Vector, v: Vector, times: Vector, s: Settings) -> Solution:
+            return integrate(
+                native, k, q, v, times, method=method, tolerance=s.tolerance, drift=s.drift, progress=s.progress
+            )
+
+        return Integrator(native, run)
+
+    return compiled
+
+
+def _ida(files: Sequence[File]) -> Integrator:
+    native = load_scene(files)
+
+    def run(k: Vector, q: Vector, v: Vector, times: Vector, s: Settings) -> Solution:
+        return integrate_ida(native, k, q, v, times, tolerance=s.tolerance, drift=s.drift, progress=s.progress)
+
+    return Integrator(native, run)
+
+
+INTEGRATORS: Registry[Compile] = Registry(
+    "integrator",
+    {
+        "dop853": _scipy("DOP853"),
+        "rk45": _scipy("RK45"),
+        "ida": _ida,
+        "c_rk4": c_methods.rk4,
+        "c_generalised_alpha": c_methods.generalised_alpha,
+        "c_ida": c_methods.ida,
+    },
+)
+"""Integrators by name: SciPy's DOP853 (Runge-Kutta of order 8) and RK45; IDA of SUNDIALS through scikit-sundae; and the
+C integrators of `templates/host`, compiled with the model."""

@@ -1,0 +1,131 @@
+"""Explicit integration of a compiled scene by SciPy: adaptive Runge-Kutta steps, projected onto the constraints."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from ctypes import POINTER, c_double, c_void_p, cast
+from typing import Any, Literal
+
+import numpy as np
+from scipy.integrate import DOP853, RK45
+
+from derive.runtime.native import ModelError, Native, Vector
+from derive.simulation.compiled_scene import Mechanism
+from derive.simulation.errors import DriftTooLarge, IntegrationStopped
+from derive.simulation.integration.failure_diagnosis import diagnose_error, diagnose_failure
+from derive.simulation.integration.solution import Cost, Progress, Solution, SolutionWriter, row_times
+
+MAX_STEPS_PER_ROW = 20_000
+"""The limit of steps for each row on average: an integration that needs more does not get on."""
+
+METHODS: dict[str, Any] = {"DOP853": DOP853, "RK45": RK45}
+
+
+def integrate(
+    native: Mechanism,
+    k: Vector,
+    q: Vector,
+    v: Vector,
+    times: Sequence[float] | Vector,
+    *,
+    method: Literal["DOP853", "RK45"] = "DOP853",
+    tolerance: float = 1e-9,
+    drift: float = 1e-9,
+    projected: bool = True,
+    max_step: float = np.inf,
+    progress: Progress | None = None,
+) -> Solution:
+    """The motion of a compiled scene from a consistent state.
+
+    native: the compiled scene. k: the constants (nk,) of `native.setup`. q, v: the consistent state (nq,), (nv,) at
+    times[0], in SI units. times: those of the rows (n,), s, increasing. tolerance: the error of a step, relative and
+    absolute (SI). drift: the limit of |g| (m, rad) and of |gdot| (m/s, rad/s) in every row, and after every projected
+    step. projected: whether the state is projected onto the constraints after each step, and rows within a step as
+    well. max_step: in s. progress: called with the time reached after each step.
+
+    Raises SingularConfiguration or DriveCannotBeFollowed at a dead centre, DriftTooLarge, IntegrationStopped.
+    """
+    began = time.process_time()
+    instants = row_times(times)
+    evaluator = Evaluator(native, k)
+    rows = SolutionWriter(native, k, len(instants), drift, projected)
+    t, y, steps = float(instants[0]), np.concatenate([q, v]), 0
+    try:
+        rows.append(t, y)
+        solver = METHODS[method](
+            evaluator, t, y, instants[-1], rtol=max(tolerance, 1e-13), atol=tolerance, max_step=max_step
+        )
+        while rows.count < len(instants):
+            evaluator.refused = None
+            message = solver.step()
+            if message is not None:
+                raise diagnose_failure(native, k, t, y, evaluator.refused, message)
+            steps += 1
+            if steps > MAX_STEPS_PER_ROW * len(instants):
+                raise IntegrationStopped(t, f"{steps} steps have not got further")
+            if instants[rows.count] < solver.t:
+                dense = solver.dense_output()
+                while rows.count < len(instants) and instants[rows.count] < solver.t:
+                    rows.append(float(instants[rows.count]), dense(instants[rows.count]))
+            if rows.count < len(instants) and instants[rows.count] == solver.t:
+                rows.append(float(solver.t), solver.y)
+            if projected:
+                solver.y = rows.projected_state(solver.t, solver.y)
+                solver.f = evaluator(solver.t, solver.y)
+            t, y = float(solver.t), solver.y
+            if progress is not None:
+                progress(t)
+    except (ModelError, DriftTooLarge) as error:
+        raise diagnose_error(native, k, t, y, error) from error
+    return rows.solution(instants, Cost(evaluator.evaluations, steps, time.process_time() - began))
+
+
+class Evaluator:
+    """f(t, y) -> ydot for explicit integrators, with y and ydot = [v; vdot] (nq + nv,).
+
+    Where the model returns an error the derivative is NaN, so that integrators take a smaller step; `refused` then is
+    the time and the error. `evaluations` counts calls. Buffers are reused and C is called through their addresses,
+    because a call through NumPy takes longer than the C.
+    """
+
+    def __init__(self, native: Mechanism, k: Vector) -> None:
+        self.evaluations = 0
+        self.refused: tuple[float, ModelError] | None = None
+        self._nq, self._name = native.nq, native.name
+        self._y, self._ydot = np.zeros(native.nq + native.nv), np.zeros(native.nq + native.nv)
+        self._k = np.ascontiguousarray(k, dtype=float)
+        self._accel = self._compiled(native) if isinstance(native, Native) else self._interpreted(native)
+
+    def __call__(self, t: float, y: Vector) -> Vector:
+        """[v; vdot], a new array."""
+        self.evaluations += 1
+        self._y[:] = y
+        if code := self._accel(t):
+            self.refused = (t, ModelError(f"{self._name}_accel", code))
+            return np.full(len(self._y), np.nan)
+        ydot = self._ydot.copy()
+        ydot[: self._nq] = y[self._nq :]
+        return ydot
+
+    def _compiled(self, native: Native) -> Callable[[float], int]:
+        size = np.dtype(float).itemsize
+        q, v = _address(self._y), _address(self._y, self._nq * size)
+        k, vdot = _address(self._k), _address(self._ydot, self._nq * size)
+        accel: Callable[..., int] = native.function("accel")
+        return lambda t: accel(t, q, v, k, vdot)
+
+    def _interpreted(self, native: Mechanism) -> Callable[[float], int]:
+        def accel(t: float) -> int:
+            try:
+                self._ydot[self._nq :] = native.accel(t, self._y[: self._nq], self._y[self._nq :], self._k)
+            except ModelError as error:
+                return error.code
+            return 0
+
+        return accel
+
+
+def _address(array: Vector, offset: int = 0) -> Any:
+    """A pointer to an element of an array, which must outlive it."""
+    return cast(c_void_p(array.ctypes.data + offset), POINTER(c_double))

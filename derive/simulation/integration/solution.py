@@ -1,0 +1,97 @@
+"""The result of an integration: states at the requested times, their drift, the cost; and the writer that fills it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from derive.runtime.native import Matrix, Vector
+from derive.simulation.compiled_scene import Mechanism
+from derive.simulation.constraints.projection import check_drift, drift, project
+
+Progress = Callable[[float], None]
+"""Called with the time (s) that an integration has reached."""
+
+
+@dataclass(frozen=True, eq=False)
+class Cost:
+    """Evaluations of vdot, or of the residual; steps; CPU seconds of the whole integration; Jacobians, if any."""
+
+    evaluations: int
+    steps: int
+    seconds: float
+    jacobians: int = 0
+
+
+@dataclass(frozen=True, eq=False)
+class Solution:
+    """t (n,) in s, q (n, nq), v (n, nv) and the multipliers lam (n, nlambda) in SI units.
+
+    drift (n, 2): the largest violation of g (m, rad) and of its rate (m/s, rad/s) in each row. drift_before (n, 2): the
+    same before the projection of the row, which is the drift of one step and the error of interpolation within it.
+    """
+
+    t: Vector
+    q: Matrix
+    v: Matrix
+    lam: Matrix
+    drift: Matrix
+    drift_before: Matrix
+    cost: Cost
+
+
+@dataclass
+class SolutionWriter:
+    """Fills a solution row by row: projects each state if `projected`, checks its drift against `limit`, solves for
+    its multipliers. `size` is the number of rows, `count` that of the rows written so far."""
+
+    native: Mechanism
+    k: Vector
+    size: int
+    limit: float
+    projected: bool
+    count: int = 0
+    states: Matrix = field(init=False)
+    lam: Matrix = field(init=False)
+    drift: Matrix = field(init=False)
+    drift_before: Matrix = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.states = np.zeros((self.size, self.native.nq + self.native.nv))
+        self.lam = np.zeros((self.size, self.native.nlambda))
+        self.drift, self.drift_before = np.zeros((self.size, 2)), np.zeros((self.size, 2))
+
+    def append(self, t: float, y: Vector) -> None:
+        """Write the row of the state y = [q; v] at t (s). Raises DriftTooLarge, ModelError."""
+        n, i = self.native.nq, self.count
+        q, v = y[:n], y[n:]
+        before = drift(self.native, self.k, t, q, v)
+        if self.projected:
+            q, v = project(self.native, self.k, t, q, v)
+        after = check_drift(self.native, self.k, t, q, v, self.limit)
+        self.states[i, :n], self.states[i, n:] = q, v
+        self.lam[i] = self.native.solve(t, q, v, self.k)[1]
+        self.drift_before[i] = before.position, before.velocity
+        self.drift[i] = after.position, after.velocity
+        self.count += 1
+
+    def projected_state(self, t: float, y: Vector) -> Vector:
+        """The state y = [q; v] on its constraints. Raises DriftTooLarge where they cannot be met."""
+        q, v = project(self.native, self.k, t, y[: self.native.nq], y[self.native.nq :])
+        check_drift(self.native, self.k, t, q, v, self.limit)
+        return np.concatenate([q, v])
+
+    def solution(self, t: Vector, cost: Cost) -> Solution:
+        """All rows, at the times t (n,)."""
+        n = self.native.nq
+        return Solution(t, self.states[:, :n], self.states[:, n:], self.lam, self.drift, self.drift_before, cost)
+
+
+def row_times(times: Sequence[float] | Vector) -> Vector:
+    """The times (n,) of rows, s. Raises ValueError if there are none, or if they do not increase."""
+    instants = np.array(times, dtype=float)
+    if instants.ndim != 1 or not len(instants) or not np.all(np.diff(instants) > 0.0):
+        raise ValueError("the times of rows have to be a list that increases")
+    return instants

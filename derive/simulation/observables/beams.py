@@ -1,0 +1,71 @@
+"""Beams in motion: their pieces, modal amplitudes, deformed shapes, and the size of their deflection."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import numpy as np
+
+from derive.mechanics.multibody.components import piece_name, piece_of, place_in_piece
+from derive.mechanics.reference_conditions import assumed_shapes
+from derive.simulation.observables.motion import Array, Motion, si_value, transformed
+from derive.spec.model.body import Polynomial
+from derive.spec.model.scene import BeamBody, Scene
+
+LINEAR_LIMIT = 0.1
+"""Of the length of a beam: displacements that are linear in the amplitudes do not describe larger deflections."""
+
+
+def beam_bodies(scene: Scene) -> tuple[BeamBody, ...]:
+    """The flexible bodies of a scene."""
+    return tuple(body for body in scene.bodies if isinstance(body, BeamBody))
+
+
+def piece_names(beam: BeamBody) -> tuple[str, ...]:
+    """The names of the pieces that a beam is cut into, from its left to its right end."""
+    return tuple(piece_name(beam, k) for k in range(beam.pieces))
+
+
+def piece_at(beam: BeamBody, xi: Fraction) -> tuple[int, float]:
+    """The index, from 0, of the piece at a point of a beam, and xi in that piece; of two adjacent ones the left one."""
+    return piece_of(xi, beam.pieces), float(place_in_piece(xi, beam.pieces))
+
+
+def half_length(beam: BeamBody) -> float:
+    """Half the length of a piece, m."""
+    return si_value(beam.beam.length) / beam.pieces / 2
+
+
+def shape_functions(beam: BeamBody) -> tuple[Polynomial, ...]:
+    """The shape functions of each piece, polynomials in xi."""
+    return assumed_shapes(beam.beam.ansatz, beam.beam.frame, beam.beam.orthogonal)
+
+
+def amplitudes(motion: Motion, beam: BeamBody, piece: str) -> Array:
+    """(n, shapes): the modal amplitudes of a piece, m."""
+    columns = [motion.native.coordinates.index(f"{piece}_alpha{i + 1}") for i in range(len(shape_functions(beam)))]
+    values: Array = motion.q[:, columns]
+    return values
+
+
+def deflections(motion: Motion, beam: BeamBody, piece: str, xi: Array) -> Array:
+    """(n, len(xi)): the distances of points of a piece from its axis, m."""
+    shapes = [sum(float(c) * xi**n for n, c in enumerate(shape)) for shape in shape_functions(beam)]
+    values: Array = amplitudes(motion, beam, piece) @ np.array(shapes)
+    return values
+
+
+def beam_points(motion: Motion, beam: BeamBody) -> list[Array]:
+    """(n, 2) each: the positions (m) of the ends and the middle of every piece, in the inertial frame."""
+    xi, points = np.array([-1.0, 0.0, 1.0]), []
+    for piece in piece_names(beam):
+        for x, y in zip(xi * half_length(beam), deflections(motion, beam, piece, xi).T, strict=True):
+            points.append(transformed(motion.pose(piece), np.stack([np.full_like(y, x), y], axis=1)))
+    return points
+
+
+def relative_deflection(motion: Motion, beam: BeamBody) -> float:
+    """The largest deflection of a piece from its axis, divided by the length of the piece."""
+    xi = np.linspace(-1, 1, 21)
+    largest = max(float(np.abs(deflections(motion, beam, piece, xi)).max()) for piece in piece_names(beam))
+    return largest / (2 * half_length(beam))

@@ -1,0 +1,178 @@
+"""A scene in motion: positions of markers, prescribed motions of drives, deflections, deviations from references."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
+
+from derive.runtime.native import NativeScene
+from derive.spec.model.body import Parameter, Quantity
+from derive.spec.model.scene import (
+    GROUND,
+    Deflection,
+    Drive,
+    MarkerRef,
+    PointMarker,
+    ReferenceCurve,
+    RigidBody,
+    Scene,
+    TimeFunction,
+)
+
+Array = NDArray[np.float64]
+
+OPERATIONS: dict[str, Callable[..., Array]] = {
+    "add": np.add,
+    "sub": np.subtract,
+    "mul": np.multiply,
+    "div": np.divide,
+    "pow": np.power,
+    "neg": np.negative,
+    "sin": np.sin,
+    "cos": np.cos,
+    "sqrt": np.sqrt,
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """A scene at the times t (n,), s: q (n, nq) and v (n, nv) in SI units, and the constants k (nk,) of `setup`."""
+
+    scene: Scene
+    native: NativeScene
+    k: Array
+    t: Array
+    q: Array
+    v: Array
+
+    @cached_property
+    def poses(self) -> Array:
+        """(n, bodies, 3): position (m) and rotation (rad) of each body frame, in the order of `native.bodies`."""
+        states = zip(self.t, self.q, strict=True)
+        return np.array([self.native.poses(float(t), q, self.k) for t, q in states])
+
+    def pose(self, body: str) -> Array:
+        """(n, 3): position and rotation of the frame of a body, or of a piece of a beam."""
+        pose: Array = self.poses[:, self.native.bodies.index(body)]
+        return pose
+
+
+def si_value(quantity: Quantity) -> float:
+    """A quantity in SI units; the default of a parameter."""
+    return quantity.default if isinstance(quantity, Parameter) else float(quantity)
+
+
+def material_points(scene: Scene, body: str) -> tuple[PointMarker, ...]:
+    """The markers of a rigid body or of the ground, given by coordinates; none of a beam."""
+    if body == GROUND:
+        return scene.ground
+    owner = next(b for b in scene.bodies if b.name == body)
+    return owner.markers if isinstance(owner, RigidBody) else ()
+
+
+def body_coordinates(scene: Scene, marker: MarkerRef) -> Array:
+    """(2,): the coordinates (m) of a marker of a rigid body or of the ground, in the frame of that body."""
+    point = next(p for p in material_points(scene, marker.body) if p.name == marker.marker)
+    return np.array([si_value(point.x), si_value(point.y)])
+
+
+def outline(body: RigidBody) -> list[list[float]]:
+    """The convex hull of the markers of a body, counter-clockwise; two markers make a line."""
+    points = sorted({(si_value(m.x), si_value(m.y)) for m in body.markers})
+    if len(points) < 3:
+        return [list(p) for p in points]
+    corners: list[tuple[float, float]] = []
+    for ordered in (points, points[::-1]):
+        chain: list[tuple[float, float]] = []
+        for x, y in ordered:
+            while len(chain) > 1 and _orientation(chain[-2], chain[-1], (x, y)) <= 0:
+                chain.pop()
+            chain.append((x, y))
+        corners += chain[:-1]
+    return [list(p) for p in corners]
+
+
+def _orientation(a: tuple[float, float], b: tuple[float, float], c: tuple[float, float]) -> float:
+    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+
+
+def marker_positions(motion: Motion, marker: MarkerRef) -> Array:
+    """(n, 2): the positions (m) of a marker in the inertial frame."""
+    native = motion.native
+    if marker.body == GROUND:
+        return np.tile(body_coordinates(motion.scene, marker), (len(motion.t), 1))
+    body = next(b for b in motion.scene.bodies if b.name == marker.body)
+    if isinstance(body, RigidBody):
+        return transformed(motion.pose(body.name), body_coordinates(motion.scene, marker))
+    name, states = f"{marker.body}_{marker.marker}", zip(motion.q, motion.v, strict=True)
+    return np.array([native.marker(name, q, v, motion.k)[0] for q, v in states])
+
+
+def transformed(pose: Array, x: Array) -> Array:
+    """c + Q(phi) x (n, 2) of poses (c1, c2, phi) (n, 3); x is one point (2,), or a point for each pose (n, 2)."""
+    cosine, sine = np.cos(pose[:, 2]), np.sin(pose[:, 2])
+    x1, x2 = x.T
+    rotated: Array = np.stack([cosine * x1 - sine * x2, sine * x1 + cosine * x2], axis=1)
+    return pose[:, :2] + rotated
+
+
+def deflection(motion: Motion, quantity: Deflection) -> Array:
+    """(n,): the distance of a marker from a chord, positive to its left, divided by `quantity.over` (m)."""
+    start, end = marker_positions(motion, quantity.start), marker_positions(motion, quantity.end)
+    chord, arm = end - start, marker_positions(motion, quantity.marker) - start
+    area = chord[:, 0] * arm[:, 1] - chord[:, 1] * arm[:, 0]
+    distance: Array = area / np.hypot(*chord.T)
+    return distance / quantity.over
+
+
+def drive_values(drive: Drive, t: Array) -> Array:
+    """(n,): the prescribed rotation (rad) or displacement (m) of a drive at the times t (n,), s."""
+    if drive.motion is not None:
+        return np.broadcast_to(function_values(drive.motion, t), t.shape)
+    assert drive.speed is not None
+    return si_value(drive.speed) * t + float(drive.offset)
+
+
+def drive_unit(scene: Scene, drive: Drive) -> str:
+    """rad of a rotation, m of a displacement."""
+    kind = next(joint.kind for joint in scene.joints if joint.name == drive.joint)
+    return "m" if kind == "translational" else "rad"
+
+
+def function_values(function: TimeFunction, t: Array) -> Array:
+    """A function of time at the times t (n,), s; (), if it is a constant."""
+    if function.kind == "number":
+        return np.asarray(float(function.value))
+    if function.kind == "t":
+        return t
+    return OPERATIONS[function.kind](*(function_values(a, t) for a in function.args))
+
+
+def deviation(x: Array, y: Array, reference: ReferenceCurve) -> tuple[Array, Array] | None:
+    """The common x (m,), and y(x) minus the reference (m,), divided by the peak of the reference.
+
+    x, y: a curve (n,), interpolated by a cubic spline. None where x is not monotonic, or has no point in common with
+    the reference.
+    """
+    if len(x) < 2 or not (np.all(np.diff(x) > 0) or np.all(np.diff(x) < 0)):
+        return None
+    order = slice(None, None, 1 if x[1] > x[0] else -1)
+    reference_x, reference_y = reference_curve(reference.rows)
+    slack = 1e-9 * (x.max() - x.min())
+    common = (reference_x >= x.min() - slack) & (reference_x <= x.max() + slack)
+    peak = np.abs(reference_y).max(initial=0.0)
+    if not common.any() or peak == 0:
+        return None
+    interpolated: Array = CubicSpline(x[order], y[order])(reference_x[common])
+    return reference_x[common], (interpolated - reference_y[common]) / peak
+
+
+def reference_curve(rows: Sequence[tuple[float, float]]) -> tuple[Array, Array]:
+    """x (n,) and y (n,) of the rows of a reference."""
+    columns = np.array(rows, dtype=np.float64).reshape(-1, 2).T
+    return columns[0], columns[1]

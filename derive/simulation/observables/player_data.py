@@ -1,0 +1,172 @@
+"""The data of the player of a motion: everything that its page shows, as plain data in whole steps."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from derive.simulation.observables.beams import (
+    amplitudes,
+    beam_bodies,
+    beam_points,
+    half_length,
+    piece_at,
+    piece_names,
+    shape_functions,
+)
+from derive.simulation.observables.csv_writer import Column
+from derive.simulation.observables.motion import (
+    Array,
+    Motion,
+    body_coordinates,
+    drive_unit,
+    drive_values,
+    marker_positions,
+    outline,
+    transformed,
+)
+from derive.spec.model.scene import GROUND, BeamBody, Joint, MarkerRef, RigidBody, Scene
+
+Plain = dict[str, Any]
+
+MAX_FRAMES, MAX_NUMBERS = 600, 40_000
+"""The largest numbers of instants and of values of a page, which then has less than 300 kB."""
+
+RESOLUTION = 2e-6
+"""The step to which lengths are rounded, in sizes of the scene; angles in rad."""
+
+SECONDS = 10.0
+"""The time that a page plays at its default speed, about."""
+
+
+def player_data(motion: Motion, curves: Sequence[Column]) -> Plain:
+    """The content of the page of a motion: lengths in m, angles in rad, times in s.
+
+    curves: columns with a value for each instant, which the page draws over time below the scene.
+    """
+    scene = motion.scene
+    chosen = _instants(motion, len(curves) + len(scene.drives))
+    shown = Motion(scene, motion.native, motion.k, motion.t[chosen], motion.q[chosen], motion.v[chosen])
+    markers = [MarkerRef(GROUND, p.name) for p in scene.ground]
+    markers += [MarkerRef(b.name, m.name) for b in scene.bodies for m in _markers(b)]
+    at = {marker: marker_positions(shown, marker) for marker in markers}
+    beams = beam_bodies(scene)
+    low, high = _view([*at.values(), *(c for beam in beams for c in beam_points(shown, beam))])
+    step = _rounded(RESOLUTION * float(max(high - low)))
+    duration = float(shown.t[-1] - shown.t[0])
+    middle = [i for i, p in enumerate(markers) if p.marker == "middle" and p.body in {beam.name for beam in beams}]
+    return {
+        "name": scene.name,
+        "view": [*map(_rounded, (*low, *high))],
+        "time": _channel(shown.t, 1e-6 * duration or 1.0),
+        "rigid": [
+            {"name": b.name, "outline": outline(b), "pose": _pose(shown, b.name, step)}
+            for b in scene.bodies
+            if isinstance(b, RigidBody)
+        ],
+        "rods": [_beam(shown, beam, step) for beam in beams],
+        "places": [_marker(scene, marker) for marker in markers],
+        "joints": [_joint(shown, joint, markers, at) for joint in scene.joints],
+        "springs": [[markers.index(s.first), markers.index(s.second)] for s in scene.springs if s.kind == "linear"],
+        "drives": [
+            {"name": d.name, "unit": drive_unit(scene, d), "values": _channel(drive_values(d, shown.t), 1e-4)}
+            for d in scene.drives
+        ],
+        "curves": [
+            {"name": c.name, "unit": c.unit, "values": _channel(c.values[chosen], 1e-4 * float(np.abs(c.values).max()))}
+            for c in curves
+        ],
+        "speeds": speeds(duration),
+        "trace": (middle or [len(markers) - 1])[0],
+    }
+
+
+def speeds(duration: float) -> list[float]:
+    """Seven speeds relative to real time, from slow to fast; a page plays for about SECONDS at the middle one."""
+    wanted = math.log10(duration / SECONDS) if duration > 0 else 0.0
+    ladder = [float(f"{m}e{e}") for e in range(math.floor(wanted) - 2, math.floor(wanted) + 3) for m in (1, 2, 5)]
+    middle = min(range(3, len(ladder) - 3), key=lambda i: abs(math.log10(ladder[i]) - wanted))
+    return ladder[middle - 3 : middle + 4]
+
+
+def _instants(motion: Motion, others: int) -> NDArray[np.intp]:
+    """The indices of every instant, or of every second, third, ... one, and of the last."""
+    channels = 1 + others + 3 * motion.poses.shape[1] + motion.q.shape[1]
+    limit = max(2, min(MAX_FRAMES, MAX_NUMBERS // channels))
+    stride = max(1, math.ceil((len(motion.t) - 1) / (limit - 1)))
+    return np.unique(np.append(np.arange(0, len(motion.t), stride), len(motion.t) - 1))
+
+
+def _channel(values: Array, step: float) -> Plain:
+    """Numbers as differences in whole steps; a single number if they do not change."""
+    step = _rounded(step) or 1.0
+    rounded = np.rint(np.asarray(values) / step).astype(np.int64)
+    if np.all(rounded == rounded[0]):
+        rounded = rounded[:1]
+    return {"step": step, "values": np.diff(rounded, prepend=0).tolist()}
+
+
+def _rounded(value: float) -> float:
+    """Five significant digits."""
+    return float(f"{value:.5g}")
+
+
+def _view(paths: Sequence[Array]) -> tuple[Array, Array]:
+    """The lower left and the upper right corner around all paths, with a margin, of a moderate aspect ratio."""
+    low, high = (extreme(np.concatenate(paths), axis=0) for extreme in (np.min, np.max))
+    size = float(max(high - low)) or 1.0
+    margin = np.maximum(0.09 * size, (np.array([0.25, 0.4]) * size - (high - low)) / 2)
+    return low - margin, high + margin
+
+
+def _pose(motion: Motion, name: str, step: float) -> list[Plain]:
+    c1, c2, phi = motion.pose(name).T
+    return [_channel(c1, step), _channel(c2, step), _channel(phi, RESOLUTION)]
+
+
+def _beam(motion: Motion, beam: BeamBody, step: float) -> Plain:
+    return {
+        "name": beam.name,
+        "half": half_length(beam),
+        "shapes": [[_rounded(float(c)) for c in shape] for shape in shape_functions(beam)],
+        "pieces": [
+            {
+                "pose": _pose(motion, name, step),
+                "amplitudes": [_channel(a, step) for a in amplitudes(motion, beam, name).T],
+            }
+            for name in piece_names(beam)
+        ],
+    }
+
+
+def _markers(body: RigidBody | BeamBody) -> Sequence[Any]:
+    return body.markers if isinstance(body, RigidBody) else body.beam.markers
+
+
+def _marker(scene: Scene, marker: MarkerRef) -> Plain:
+    """A marker on its body: its coordinates (m), or the index of the piece of a beam and xi there."""
+    beam = next((b for b in scene.bodies if b.name == marker.body and isinstance(b, BeamBody)), None)
+    on = body_coordinates(scene, marker).tolist() if beam is None else _on_beam(beam, marker.marker)
+    return {"body": marker.body, "marker": marker.marker, "on": on}
+
+
+def _on_beam(beam: BeamBody, marker: str) -> list[float]:
+    return [*piece_at(beam, next(m.at for m in beam.beam.markers if m.name == marker))]
+
+
+def _joint(motion: Motion, joint: Joint, markers: list[MarkerRef], at: dict[MarkerRef, Array]) -> Plain:
+    """The markers of a joint; of a translational one its axis, and the range of the second marker along it."""
+    data: Plain = {"kind": joint.kind, "first": markers.index(joint.first), "second": markers.index(joint.second)}
+    if joint.kind == "translational":
+        axis = np.array([float(a) for a in joint.axis])
+        axis /= np.hypot(*axis)
+        on_ground = joint.first.body == GROUND
+        phi = np.zeros(len(motion.t)) if on_ground else motion.pose(joint.first.body)[:, 2]
+        axes = transformed(np.stack([0 * phi, 0 * phi, phi], axis=1), axis)
+        along_axis = np.sum((at[joint.second] - at[joint.first]) * axes, axis=1)
+        data |= {"axis": axis.tolist(), "way": [_rounded(along_axis.min()), _rounded(along_axis.max())]}
+    return data

@@ -1,0 +1,116 @@
+"""`derive.simulate`: named columns, integrators by name, and errors that say what is known."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import cache
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+import derive
+from conftest import ROOT
+from derive.simulation.integration.integrator import Integrator, Settings
+from derive.simulation.integration.solution import Cost, Solution
+from derive.spec.model.scene import Scene
+
+END = 0.5  # s
+
+
+def pendulum() -> Scene:
+    scene = derive.read(ROOT / "scenes/double_pendulum.toml")
+    assert isinstance(scene, Scene)
+    return scene
+
+
+@cache
+def trajectory(integrator: str = "dop853", step: float | None = None) -> derive.Trajectory:
+    return derive.simulate(pendulum(), duration=END, output=0.03, integrator=integrator, step=step)
+
+
+def test_columns_have_names_units_and_values() -> None:
+    found = trajectory()
+    assert found.columns[0] == "t" and len(set(found.columns)) == len(found.columns) == len(found)
+    assert found.t[0] == 0 and found.t[1] == 0.03 and found.t[-1] == END  # also where it is no multiple of the output
+    names = found.model.coordinates
+    assert np.array_equal(np.stack([found[x.name] for x in names], axis=1), found.q)
+    assert np.array_equal(np.stack([found[x.name] for x in found.model.rates], axis=1), found.v)
+    assert np.array_equal(np.stack([found[x.name] for x in found.model.multipliers], axis=1), found.lam)
+    assert {x.name: found.units[x.name] for x in names} == {x.name: x.unit for x in names}
+    assert found.units["t"] == "s"
+    with pytest.raises(
+        derive.UnknownNameError, match=rf"no column of double_pendulum \"{names[0].name}x\"; did you mean"
+    ):
+        found[names[0].name + "x"]
+    assert found.get("nothing") is None and names[0].name in found
+
+
+def test_pandas_has_the_same_numbers(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Pandas itself is no dependency: a stand-in receives what it would."""
+    found = trajectory()
+    stand_in = SimpleNamespace(Index=lambda values, name: (name, values), DataFrame=lambda data, index: (data, index))
+    monkeypatch.setitem(sys.modules, "pandas", stand_in)
+    data, (name, index) = found.to_pandas()
+    assert (*data,) == found.columns[1:] and name == "t" and index is found.t
+    assert all(data[column] is found[column] for column in data)
+    monkeypatch.setitem(sys.modules, "pandas", None)
+    with pytest.raises(derive.TisserandError, match="pip install pandas"):
+        found.to_pandas()
+
+
+@pytest.mark.parametrize(
+    ("integrator", "step", "tolerance"),
+    [("rk45", None, 1e-6), ("c_rk4", 5e-4, 1e-6), ("c_generalised_alpha", 1e-3, 2e-3), ("c_ida", None, 1e-5)],
+)
+def test_integrators_agree(integrator: str, step: float | None, tolerance: float) -> None:
+    try:
+        found = trajectory(integrator, step)
+    except derive.TisserandError as error:
+        if "was not found. Install it" in str(error):
+            pytest.skip(str(error).splitlines()[0])
+        raise
+    assert np.array_equal(found.t, trajectory().t)
+    assert np.max(np.abs(found.q - trajectory().q)) < tolerance
+    assert np.max(found.solution.drift) < 1e-9 and found.solution.cost.steps > 0
+
+
+def test_an_unknown_integrator_names_the_known_ones() -> None:
+    known = "dop853, rk45, ida, c_rk4, c_generalised_alpha, c_ida"
+    with pytest.raises(derive.UnknownNameError, match=f'no integrator "dop85"; did .* "dop853"[?] known: {known}'):
+        derive.simulate(pendulum(), integrator="dop85")
+
+
+def test_an_integrator_from_outside() -> None:
+    """Euler steps between rows, written here, are an integrator as good as any other."""
+
+    def euler(files: Sequence[derive.File]) -> Integrator:
+        native = derive.load_scene(files)
+
+        def integrate(k: np.ndarray, q: np.ndarray, v: np.ndarray, times: np.ndarray, settings: Settings) -> Solution:
+            states = [(q, v)]
+            for t, interval in zip(times, np.diff(times), strict=False):
+                q, v = q + interval * v, v + interval * native.accel(t, q, v, k)
+                states.append((q, v))
+            qs, vs = (np.array(x) for x in zip(*states, strict=True))
+            lam = np.array([native.solve(t, *state, k)[1] for t, state in zip(times, states, strict=True)])
+            return Solution(times, qs, vs, lam, np.zeros((len(times), 2)), np.zeros((len(times), 2)), Cost(0, 0, 0.0))
+
+        return Integrator(native, integrate)
+
+    derive.INTEGRATORS.register("euler", euler)
+    try:
+        found = derive.simulate(pendulum(), duration=2e-3, output=1e-4, integrator="euler")
+        exact = derive.simulate(pendulum(), duration=2e-3, output=1e-4)
+        assert 1e-9 < np.max(np.abs(found.q - exact.q)) < 1e-3
+    finally:
+        derive.INTEGRATORS.unregister("euler")
+
+
+def test_a_scene_without_simulation_needs_duration_and_output() -> None:
+    scene = replace(pendulum(), simulation=None)
+    with pytest.raises(derive.SpecError, match="simulation: this table is missing"):
+        derive.simulate(scene, duration=1.0)
+    assert len(derive.simulate(scene, duration=2e-3, output=1e-3).t) == 3
