@@ -18,7 +18,7 @@ import pytest
 import sympy as sp
 
 import beams
-from derive.ir.expressions import Num
+from derive.ir.expressions import Number
 from derive.ir.interpreter import interpret
 from derive.lowering.flat.context import Context
 
@@ -120,7 +120,7 @@ def mass_and_force_by_casadi(frame: str, n: int, q: np.ndarray, v: np.ndarray, k
     named = dict(zip((c.name for c in made.model.constants), k, strict=True))
     named |= dict(zip(context.names, q, strict=True)) | dict(zip(context.rates, v, strict=True))
     unused = 0.0  # a coefficient that no kernel reads is not in k
-    leaves = [float(x.value) if isinstance(x, Num) else named.get(x.name, unused) for x in symbols.leaves]
+    leaves = [float(x.value) if isinstance(x, Number) else named.get(x.name, unused) for x in symbols.leaves]
     return np.array(function(leaves)).ravel()
 
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import assert_never
 
-from derive.ir.kernel import Argument, Kernel, Output, Section
-from derive.ir.model import Model, Variable, Zero
-from derive.ir.patterns import Pattern
+from derive.ir.model import Argument, Kernel, Model, Output, Section, Variable, Zero
+from derive.ir.patterns import Pattern, RowSetKind
 from derive.rendering import wrapped
 
 MOST_ROWS = 40
@@ -56,13 +56,18 @@ def _fill(pattern: Pattern) -> str:
     for group in pattern.groups:
         lines.append(f"    for (int j = 0; j < {group.count}; j++) {{")
         for piece in group.pieces:
-            if piece.kind == "row":
-                lines.append(f"        rowidx[n++] = {piece.first};")
-            elif piece.kind == "diagonal":
-                lines.append(f"        rowidx[n++] = {piece.first} + j;")
-            else:
-                start = "j" if piece.kind == "triangle" else "0"
-                lines.append(f"        for (int i = {start}; i < {piece.count}; i++) rowidx[n++] = {piece.first} + i;")
+            rows = f"i < {piece.count}; i++) rowidx[n++] = {piece.first} + i;"
+            match piece.kind:
+                case RowSetKind.ROW:
+                    lines.append(f"        rowidx[n++] = {piece.first};")
+                case RowSetKind.DIAGONAL:
+                    lines.append(f"        rowidx[n++] = {piece.first} + j;")
+                case RowSetKind.RANGE:
+                    lines.append(f"        for (int i = 0; {rows}")
+                case RowSetKind.TRIANGLE:
+                    lines.append(f"        for (int i = j; {rows}")
+                case _:
+                    assert_never(piece.kind)
         lines += ["        *colptr++ = n;", "    }"]
     return "\n".join(lines)
 
@@ -71,7 +76,7 @@ def _groups(pattern: Pattern, indent: str) -> str:
     """The groups of columns as nested tuples, in Python."""
     lines = []
     for group in pattern.groups:
-        pieces = "".join(f'("{p.kind}", {p.first}, {p.count}), ' for p in group.pieces)
+        pieces = "".join(f'("{p.kind.value}", {p.first}, {p.count}), ' for p in group.pieces)
         lines.append(f"{indent}({group.count}, ({pieces.rstrip()})),")
     return "\n".join(lines)
 

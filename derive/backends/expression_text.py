@@ -6,11 +6,11 @@ import re
 from collections.abc import Callable
 from fractions import Fraction
 
-from derive.ir.expressions import At, Entry, Expr, Num, Ref
+from derive.ir.expressions import ArrayAccess, Expr, MatrixEntry, Number, Operator, ScalarRef
 from derive.rendering import WIDTH
 
-SIGN = {"add": " + ", "sub": " - ", "mul": " * ", "div": " / "}
-STRENGTH = {"add": 1, "sub": 1, "neg": 2, "mul": 2, "div": 2}
+SIGN = {Operator.ADD: " + ", Operator.SUB: " - ", Operator.MUL: " * ", Operator.DIV: " / "}
+STRENGTH = {Operator.ADD: 1, Operator.SUB: 1, Operator.NEG: 2, Operator.MUL: 2, Operator.DIV: 2}
 
 
 def text(
@@ -18,7 +18,7 @@ def text(
     number: Callable[[Fraction], str],
     call: str = "",
     index: str = "i",
-    name: Callable[[Ref | At | Entry], str] | None = None,
+    name: Callable[[ScalarRef | ArrayAccess | MatrixEntry], str] | None = None,
 ) -> str:
     """An expression; `number` writes constants, `call` is what sine and cosine are members of.
 
@@ -27,11 +27,11 @@ def text(
     return _text(expr, number, call, name or (lambda leaf: element(leaf, index)))[0]
 
 
-def element(leaf: Ref | At | Entry, index: str) -> str:
+def element(leaf: ScalarRef | ArrayAccess | MatrixEntry, index: str) -> str:
     """A name, or an element of an array in a loop, in C."""
-    if isinstance(leaf, Ref):
+    if isinstance(leaf, ScalarRef):
         return leaf.name
-    if isinstance(leaf, Entry):
+    if isinstance(leaf, MatrixEntry):
         return f"{leaf.table}[{index}]"
     place = (
         index if leaf.stride == 1 else f"{leaf.stride} * {index}" if index.isalpha() else f"{leaf.stride} * ({index})"
@@ -40,19 +40,22 @@ def element(leaf: Ref | At | Entry, index: str) -> str:
 
 
 def _text(
-    expr: Expr, number: Callable[[Fraction], str], call: str, name: Callable[[Ref | At | Entry], str]
+    expr: Expr,
+    number: Callable[[Fraction], str],
+    call: str,
+    name: Callable[[ScalarRef | ArrayAccess | MatrixEntry], str],
 ) -> tuple[str, int]:
     """The text and how strongly it binds."""
-    if isinstance(expr, Num):
+    if isinstance(expr, Number):
         written = number(expr.value)
         return written, 2 if expr.value < 0 else 3
-    if isinstance(expr, Ref | At | Entry):
+    if isinstance(expr, ScalarRef | ArrayAccess | MatrixEntry):
         return name(expr), 3
-    if expr.kind not in STRENGTH:
-        return f"{call}{expr.kind}({_text(expr.args[0], number, call, name)[0]})", 3
+    if expr.kind.function:
+        return f"{call}{expr.kind.value}({_text(expr.args[0], number, call, name)[0]})", 3
     strength = STRENGTH[expr.kind]
     parts = [_text(arg, number, call, name) for arg in expr.args]
-    if expr.kind == "neg":
+    if expr.kind is Operator.NEG:
         inner, binds = parts[0]
         return f"-{inner}" if binds > strength else f"-({inner})", strength
     (left, left_binds), (right, right_binds) = parts

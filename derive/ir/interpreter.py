@@ -3,40 +3,49 @@
 from __future__ import annotations
 
 import math
+import operator
 from collections.abc import Callable, Mapping
 from fractions import Fraction
-from typing import Any
+from typing import Any, assert_never
 
 from derive.errors import TisserandError
-from derive.ir.expressions import At, Entry, Expr, Let, Num, Ref
-from derive.ir.kernel import Kernel, Require, Statement, Store
-from derive.ir.loops import (
+from derive.ir.expressions import ArrayAccess, Expr, MatrixEntry, Number, Operation, Operator, ScalarRef
+from derive.ir.model import Kernel
+from derive.ir.statements import (
     LANES,
+    Accumulate,
+    Cholesky,
     Clear,
-    Contract,
-    Each,
+    Let,
+    Map,
+    MatrixStore,
+    MatVec,
     Pack,
     Packing,
-    Pairs,
-    Put,
-    Reduce,
-    RequireAll,
-    Root,
-    Substitute,
+    Require,
+    RequireFinite,
+    Requirement,
+    ReturnCode,
+    Statement,
+    Store,
+    StoreLocal,
+    StoreStrided,
+    TriangularSolve,
 )
 
-BINARY: dict[str, Callable[[Any, Any], Any]] = {
-    "add": lambda a, b: a + b,
-    "sub": lambda a, b: a - b,
-    "mul": lambda a, b: a * b,
-    "div": lambda a, b: a / b,
+BINARY: dict[Operator, Callable[[Any, Any], Any]] = {
+    Operator.ADD: operator.add,
+    Operator.SUB: operator.sub,
+    Operator.MUL: operator.mul,
+    Operator.DIV: operator.truediv,
 }
+"""The operators of two operands."""
 
 
-class RequirementError(TisserandError):
+class RequirementError(TisserandError, ArithmeticError):
     """A requirement of a kernel does not hold; `code` is what the generated C returns."""
 
-    def __init__(self, code: int, text: str) -> None:
+    def __init__(self, code: ReturnCode, text: str) -> None:
         self.code = code
         super().__init__(text)
 
@@ -52,10 +61,11 @@ def interpret(
     """The outputs of a kernel: lists of the sizes of `kernel.outputs`.
 
     `arguments` maps each argument to a sequence (to a number, if scalar); `number` turns exact constants into the
-    numbers wanted, `functions` gives their `sin`, `cos` and, for `Root`, `sqrt`. Raises RequirementError (with
+    numbers wanted, `functions` gives their `sin`, `cos` and, for `Cholesky`, `sqrt`. Raises RequirementError (with
     `check`).
     """
-    call = {"sin": math.sin, "cos": math.cos, "sqrt": math.sqrt, **(functions or {})}
+    call = {Operator.SIN: math.sin, Operator.COS: math.cos, Operator.SQRT: math.sqrt}
+    call |= {Operator(name): function for name, function in (functions or {}).items()}
     run = _Run(kernel, arguments, number, call, check)
     for statement in kernel.statements:
         run.step(statement)
@@ -70,7 +80,7 @@ class _Run:
         kernel: Kernel,
         arguments: Mapping[str, Any],
         number: Callable[[Fraction], Any],
-        call: Mapping[str, Callable[[Any], Any]],
+        call: Mapping[Operator, Callable[[Any], Any]],
         check: bool,
     ) -> None:
         self.number, self.call, self.check = number, call, check
@@ -85,27 +95,29 @@ class _Run:
             if len(given) != a.size:
                 raise ValueError(f"{a.name} needs {a.size} elements, not {len(given)}")
             self.arrays[a.name] = list(given)
-            self.values |= {name: given[place] for place, name in a.places}
+            self.values |= {name: given[index] for index, name in a.named_elements}
             self.arrays |= {v.name: list(given[v.offset : v.offset + v.size]) for v in a.arrays}
         self.outputs: dict[str, list[Any]] = {o.name: [None] * o.size for o in kernel.outputs}
 
     def value(self, expr: Expr, i: int = 0, j: int = 0, packing: Packing | None = None) -> Any:
         """An expression, in a loop at i (and j)."""
         match expr:
-            case Num():
+            case Number():
                 return self.number(expr.value)
-            case Ref():
+            case ScalarRef():
                 return self.values[expr.name]
-            case At():
-                place = expr.offset + expr.stride * (i if expr.index == "i" else j)
-                return self.arrays[expr.array][place]
-            case Entry():
+            case ArrayAccess():
+                return self.arrays[expr.array][expr.offset + expr.stride * (i if expr.index == "i" else j)]
+            case MatrixEntry():
                 assert packing is not None
-                return self.arrays[packing.array][packing.place(expr.table, i, j)]
-        operands = [self.value(arg, i, j, packing) for arg in expr.args]
-        if expr.kind == "neg":
-            return -operands[0]
-        return BINARY[expr.kind](*operands) if expr.kind in BINARY else self.call[expr.kind](*operands)
+                return self.arrays[packing.array][packing.position(expr.table, i, j)]
+            case Operation():
+                operands = [self.value(arg, i, j, packing) for arg in expr.args]
+                if expr.kind is Operator.NEG:
+                    return -operands[0]
+                return BINARY[expr.kind](*operands) if expr.kind in BINARY else self.call[expr.kind](*operands)
+            case _:
+                assert_never(expr)
 
     def step(self, statement: Statement) -> None:
         """Run one statement."""
@@ -116,69 +128,74 @@ class _Run:
                 self.outputs[statement.output][statement.index] = self.value(statement.expr)
             case Require():
                 self._require(statement)
-            case Each():
-                self._each(statement)
-            case Reduce():
-                self._reduce(statement)
-            case Contract():
-                self._contract(statement)
-            case Pairs():
-                self._pairs(statement)
+            case Map():
+                self._map(statement)
+            case Accumulate():
+                self._accumulate(statement)
+            case MatVec():
+                self._matvec(statement)
+            case MatrixStore():
+                self._matrix_store(statement)
             case Pack():
                 self._pack(statement)
             case Clear():
                 self.outputs[statement.output] = [self.zero] * statement.count
-            case RequireAll():
+            case RequireFinite():
                 if self.check and not all(map(math.isfinite, self.arrays[statement.argument])):
                     raise RequirementError(statement.code, statement.text)
-            case Root():
-                self._root(statement)
-            case Substitute():
-                self._substitute(statement)
+            case Cholesky():
+                self._cholesky(statement)
+            case TriangularSolve():
+                self._triangular_solve(statement)
+            case _:
+                assert_never(statement)
 
     def _require(self, statement: Require) -> None:
         result = self.value(statement.expr)
-        if self.check and not (result > 0 if statement.kind == "positive" else math.isfinite(result)):
+        if self.check and not _meets(result, statement.kind):
             raise RequirementError(statement.code, statement.text)
 
-    def _each(self, loop: Each) -> None:
+    def _map(self, loop: Map) -> None:
         for item in loop.body:
-            if isinstance(item, Put):
+            if isinstance(item, StoreLocal):
                 self.arrays[item.array] = [self.zero] * loop.count
         for i in range(loop.count):
             for item in loop.body:
                 value = self.value(item.expr, i)
-                if isinstance(item, Let):
-                    self.values[item.name] = value
-                elif isinstance(item, Put):
-                    self.arrays[item.array][i] = value
-                else:
-                    self.outputs[item.output][item.offset + item.stride * i] = value
+                match item:
+                    case Let():
+                        self.values[item.name] = value
+                    case StoreLocal():
+                        self.arrays[item.array][i] = value
+                    case StoreStrided():
+                        self.outputs[item.output][item.offset + item.stride * i] = value
+                    case _:
+                        assert_never(item)
 
-    def _reduce(self, loop: Reduce) -> None:
+    def _accumulate(self, loop: Accumulate) -> None:
         lanes = [[self.zero] * LANES for _ in loop.sums]
         for i in range(loop.count):
             for let in loop.lets:
                 self.values[let.name] = self.value(let.expr, i)
-            for lane, one in zip(lanes, loop.sums, strict=True):
-                lane[i % LANES] = lane[i % LANES] + self.value(one.term, i)
-        for (a, b, c, d), one in zip(lanes, loop.sums, strict=True):
-            self.values[one.name] = self.value(one.base) + ((a + b) + (c + d))
+            for lane, total in zip(lanes, loop.sums, strict=True):
+                lane[i % LANES] = lane[i % LANES] + self.value(total.term, i)
+        for (a, b, c, d), total in zip(lanes, loop.sums, strict=True):
+            self.values[total.name] = self.value(total.base) + ((a + b) + (c + d))
 
-    def _contract(self, loop: Contract) -> None:
+    def _matvec(self, loop: MatVec) -> None:
         packing = loop.packing
         tables, n = self.arrays[packing.array], packing.count
-        for lane in loop.lanes:
-            y = list(self.arrays[lane.base][:n]) if lane.base else [self.zero] * n
+        for term in loop.terms:
+            y = list(self.arrays[term.base][:n]) if term.base else [self.zero] * n
             for first in range(0, n, LANES):
-                for vector, table in lane.sums:
+                for vector, table in term.sums:
                     x = self.arrays[vector]
                     for i in range(n):
                         for j in range(first, min(first + LANES, n)):
-                            y[i] = y[i] + tables[packing.place(table, i, j)] * x[j]
-            self.arrays[lane.name] = y
+                            y[i] = y[i] + tables[packing.position(table, i, j)] * x[j]
+            self.arrays[term.name] = y
 
-    def _pairs(self, loop: Pairs) -> None:
+    def _matrix_store(self, loop: MatrixStore) -> None:
         for j in range(loop.packing.count):
             for i in range(loop.packing.count):
                 value = self.value(loop.expr, i, j, loop.packing)
@@ -191,28 +208,28 @@ class _Run:
         for source in loop.sources:
             for i in range(n):
                 for j in range(n):
-                    place = triangle(n, min(i, j), max(i, j), source.parity)
+                    index = triangle(n, min(i, j), max(i, j), source.parity)
                     value = self.zero
-                    if place is not None:
-                        value = self.arrays[source.array][place * source.components + source.component]
+                    if index is not None:
+                        value = self.arrays[source.array][index * source.components + source.component]
                         value = -value if i > j and source.parity < 0 else value
-                    self.outputs[loop.output][loop.packing.place(source.table, i, j)] = value
+                    self.outputs[loop.output][loop.packing.position(source.table, i, j)] = value
 
-    def _root(self, s: Root) -> None:
+    def _cholesky(self, s: Cholesky) -> None:
         n, source = s.count, self.arrays[s.source]
         low = [[self.zero] * n for _ in range(n)]
         for i in range(n):
             for j in range(i + 1):
-                place = triangle(n, j, i, 1)
-                assert place is not None
-                low[i][j] = source[place]
+                index = triangle(n, j, i, 1)
+                assert index is not None
+                low[i][j] = source[index]
         for j in range(n):
             for i in range(j, n):
                 for m in range(j):
                     low[i][j] = low[i][j] - low[i][m] * low[j][m]
             if self.check and not low[j][j] > 0:
                 raise RequirementError(s.code, s.text)
-            inverse = self.number(Fraction(1)) / self.call["sqrt"](low[j][j])
+            inverse = self.number(Fraction(1)) / self.call[Operator.SQRT](low[j][j])
             for i in range(j + 1, n):
                 low[i][j] = low[i][j] * inverse
             low[j][j] = inverse
@@ -220,7 +237,7 @@ class _Run:
             for i in range(n):
                 self.outputs[s.output][s.offset + j * n + i] = low[i][j]
 
-    def _substitute(self, s: Substitute) -> None:
+    def _triangular_solve(self, s: TriangularSolve) -> None:
         n, low = s.count, self.arrays[s.factor]
         for name in s.arrays:
             y = self.arrays[name]
@@ -234,8 +251,18 @@ class _Run:
                         y[i] = y[i] - low[j * n + i] * y[j]
 
 
+def _meets(value: Any, requirement: Requirement) -> bool:
+    match requirement:
+        case Requirement.POSITIVE:
+            return bool(value > 0)
+        case Requirement.FINITE:
+            return math.isfinite(value)
+        case _:
+            assert_never(requirement)
+
+
 def triangle(n: int, i: int, j: int, parity: int) -> int | None:
-    """Where the pair i <= j lies among those of the upper triangle by rows; an odd table has no diagonal."""
+    """The index of the pair i <= j in the upper triangle by rows; an odd matrix (parity -1) has no diagonal."""
     if parity > 0:
         return i * n - i * (i - 1) // 2 + j - i
     return None if i == j else i * (n - 1) - i * (i - 1) // 2 + j - i - 1

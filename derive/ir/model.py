@@ -1,12 +1,126 @@
-"""What `lower` returns: the kernels of one model with the names, units, patterns and reasons they are told with."""
+"""The result of a lowering: a model with its kernels, and the names, units, patterns and reasons of its quantities.
+
+A Kernel is a small program in static single assignment, between the mechanics and the emitted text. It consists of
+sections that follow the physics; it knows numbers, names and operations, no mechanics and no language.
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from enum import Enum
 
-from derive.ir.kernel import Kernel
+from derive.ir.cost import operations
 from derive.ir.patterns import Pattern
+from derive.ir.statements import Statement, reads
 from derive.roles import Role
+
+
+@dataclass(frozen=True)
+class Section:
+    """A named part of a kernel, with the equation it computes."""
+
+    name: str
+    equation: str
+    doc: str
+    body: tuple[Statement, ...]
+
+
+@dataclass(frozen=True)
+class View:
+    """An array that is a part of an argument."""
+
+    name: str
+    offset: int
+    size: int
+
+
+@dataclass(frozen=True)
+class Argument:
+    """An input: a scalar (no elements) or an array whose elements have names.
+
+    `arrays` are parts of it with one name; `positions` are the indices of the named elements, if those do not follow
+    each other from 0.
+    """
+
+    name: str
+    elements: tuple[str, ...]
+    doc: str
+    scalar: bool = False
+    arrays: tuple[View, ...] = ()
+    positions: tuple[int, ...] = ()
+
+    @property
+    def named_elements(self) -> tuple[tuple[int, str], ...]:
+        """The index and the name of each named element."""
+        return tuple(zip(self.positions or range(len(self.elements)), self.elements, strict=True))
+
+    @property
+    def size(self) -> int:
+        """Elements of the array."""
+        return len(self.elements) + sum(view.size for view in self.arrays)
+
+
+class OutputKind(Enum):
+    """What the values of an output are."""
+
+    NAMED = "named"
+    """Values with a name each."""
+    COUNTED = "counted"
+    """So many values that only groups of them have names: loops over the modes write them."""
+    MATRIX = "matrix"
+    """Values of a sparse matrix in the order of its pattern."""
+
+
+@dataclass(frozen=True)
+class Output:
+    """An output array; `elements` says what each value is; a matrix has a pattern for its values.
+
+    Where there are too many values for names, `size` counts them and `elements` describes groups of them.
+    """
+
+    name: str
+    elements: tuple[str, ...]
+    doc: str
+    pattern: Pattern | None = None
+    count: int | None = None
+
+    @property
+    def size(self) -> int:
+        """Values of the array."""
+        return len(self.elements) if self.count is None else self.count
+
+    @property
+    def kind(self) -> OutputKind:
+        """What its values are."""
+        if self.pattern is not None:
+            return OutputKind.MATRIX
+        return OutputKind.NAMED if self.count is None else OutputKind.COUNTED
+
+
+@dataclass(frozen=True)
+class Kernel:
+    """One function of the generated code."""
+
+    name: str
+    doc: str
+    arguments: tuple[Argument, ...]
+    outputs: tuple[Output, ...]
+    sections: tuple[Section, ...]
+
+    @property
+    def statements(self) -> tuple[Statement, ...]:
+        """All statements, in order."""
+        return tuple(statement for section in self.sections for statement in section.body)
+
+    @property
+    def operations(self) -> int:
+        """Arithmetic operations of one evaluation; a sine or a cosine counts as one, padding does not count."""
+        return sum(operations(s) for s in self.statements)
+
+    @property
+    def used(self) -> frozenset[str]:
+        """The names that the kernel reads."""
+        return frozenset(name for s in self.statements for name in reads(s))
 
 
 @dataclass(frozen=True)

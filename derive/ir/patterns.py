@@ -1,38 +1,60 @@
-"""Sparsity: the compressed columns of a matrix, and patterns whose size is the number of shapes in a few words."""
+"""Sparsity: the compressed columns of a matrix, and groups of equal columns whose size is the number of modes."""
 
 from __future__ import annotations
 
 from collections import Counter
 from dataclasses import dataclass
+from enum import Enum
 from itertools import accumulate
+from typing import assert_never
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.sparse import csc_array
 
 
-@dataclass(frozen=True)
-class Piece:
-    """Rows that each column j of a group has: one `row`, the row first + j (`diagonal`), `count` rows, or those of a
-    lower `triangle`, first + j to first + count - 1."""
+class RowSetKind(Enum):
+    """How the rows of a column depend on its index in a group; the values are those of the generated Python."""
 
-    kind: str
+    ROW = "row"
+    DIAGONAL = "diagonal"
+    RANGE = "range"
+    TRIANGLE = "triangle"
+
+
+@dataclass(frozen=True)
+class RowSet:
+    """Rows that each column j of a group has.
+
+    ROW is the row `first`, DIAGONAL the row first + j, RANGE are `count` rows from `first` on, TRIANGLE those of a
+    lower triangle, first + j to first + count - 1.
+    """
+
+    kind: RowSetKind
     first: int
     count: int = 1
 
     def rows(self, j: int) -> range:
         """The rows in column j of the group."""
-        if self.kind == "diagonal":
-            return range(self.first + j, self.first + j + 1)
-        return range(self.first + (j if self.kind == "triangle" else 0), self.first + self.count)
+        match self.kind:
+            case RowSetKind.ROW:
+                return range(self.first, self.first + 1)
+            case RowSetKind.DIAGONAL:
+                return range(self.first + j, self.first + j + 1)
+            case RowSetKind.RANGE:
+                return range(self.first, self.first + self.count)
+            case RowSetKind.TRIANGLE:
+                return range(self.first + j, self.first + self.count)
+            case _:
+                assert_never(self.kind)
 
 
 @dataclass(frozen=True)
-class Columns:
+class ColumnGroup:
     """`count` columns that are alike, with their pieces from the first row to the last."""
 
     count: int
-    pieces: tuple[Piece, ...]
+    pieces: tuple[RowSet, ...]
 
 
 @dataclass(frozen=True)
@@ -47,7 +69,7 @@ class Pattern:
     colptr: tuple[int, ...]
     rowidx: tuple[int, ...]
     symmetric: bool
-    groups: tuple[Columns, ...] = ()
+    groups: tuple[ColumnGroup, ...] = ()
 
     @property
     def entries(self) -> tuple[tuple[int, int], ...]:
@@ -108,7 +130,7 @@ def pattern(rows: int, cols: int, entries: set[tuple[int, int]], symmetric: bool
     return Pattern(rows, cols, colptr, tuple(i for i, _ in ordered), symmetric)
 
 
-def block_pattern(rows: int, groups: tuple[Columns, ...], symmetric: bool = False) -> Pattern:
+def block_pattern(rows: int, groups: tuple[ColumnGroup, ...], symmetric: bool = False) -> Pattern:
     """The compressed columns of groups of columns."""
     columns = [[i for piece in g.pieces for i in piece.rows(j)] for g in groups for j in range(g.count)]
     colptr = tuple(accumulate(map(len, columns), initial=0))

@@ -15,6 +15,7 @@ from derive.artifacts import File, write
 from derive.backends.c.source import ABI
 from derive.errors import TisserandError
 from derive.ir.patterns import Pattern
+from derive.ir.statements import ReturnCode
 from derive.registry import UnknownNameError
 from derive.runtime.compiler import FLAGS, CompilerError, compile_shared
 from derive.runtime.descriptor import DaeStruct, Doubles, ModelStruct, names_of, pattern_of, roles_of
@@ -23,12 +24,12 @@ Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
 
 
-class ModelError(TisserandError):
+class ModelError(TisserandError, ArithmeticError):
     """A function of a model returned a code other than 0 (see the header of the model)."""
 
     def __init__(self, function: str, code: int) -> None:
         self.code = code
-        meaning = {1: "a pivot vanished", 2: "a value is not finite or not positive"}.get(code, "unknown")
+        meaning = ReturnCode(code).meaning if code in tuple(ReturnCode) else "unknown"
         super().__init__(f"{function} returned {code}: {meaning}")
 
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from derive.ir.kernel import Output
+from derive.ir.model import Output
 from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.constraints import accelerations, jacobian_entries, kkt_factors, kkt_pattern
 from derive.lowering.flat.context import Context, stores

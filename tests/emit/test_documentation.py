@@ -12,7 +12,7 @@ from toolchain import MODELS, text_of
 
 import beams
 from derive.backends.c.source import ABI
-from derive.ir.kernel import Kernel, Output
+from derive.ir.model import Kernel, Output
 
 EVERY_MODEL = pytest.mark.parametrize("model", MODELS)
 

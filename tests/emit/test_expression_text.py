@@ -10,9 +10,10 @@ from fractions import Fraction
 import pytest
 
 from derive.backends.expression_text import WIDTH, c_number, python_number, statement, text
-from derive.ir.expressions import Expr, Num, Op, Ref
+from derive.ir.expressions import Expr, Number, Operation, Operator, ScalarRef
 from derive.ir.interpreter import interpret
-from derive.ir.kernel import Argument, Kernel, Output, Section, Store
+from derive.ir.model import Argument, Kernel, Output, Section
+from derive.ir.statements import Store
 
 VALUES = {"a": 1.7, "b": -0.3, "c": 0.9}
 NUMBERS = [Fraction(2), Fraction(-3), Fraction(1, 3), Fraction(-5, 7), Fraction(1, 4), Fraction(2**60 + 1, 3)]
@@ -20,10 +21,10 @@ NUMBERS = [Fraction(2), Fraction(-3), Fraction(1, 3), Fraction(-5, 7), Fraction(
 
 def random_tree(rng: random.Random, depth: int) -> Expr:
     if depth == 0:
-        return Ref(rng.choice("abc")) if rng.random() < 0.7 else Num(rng.choice(NUMBERS))
-    kind = rng.choice(["add", "sub", "mul", "div", "add", "sub", "mul", "neg", "sin"])
-    count = 1 if kind in ("neg", "sin") else 2
-    return Op(kind, tuple(random_tree(rng, rng.randrange(depth)) for _ in range(count)))
+        return ScalarRef(rng.choice("abc")) if rng.random() < 0.7 else Number(rng.choice(NUMBERS))
+    kind = Operator(rng.choice(["add", "sub", "mul", "div", "add", "sub", "mul", "neg", "sin"]))
+    count = 2 if kind.binary else 1
+    return Operation(kind, tuple(random_tree(rng, rng.randrange(depth)) for _ in range(count)))
 
 
 def value_of(expr: Expr) -> float:
@@ -52,15 +53,30 @@ def test_text_keeps_the_order_of_operations(number: Callable[[Fraction], str]) -
 @pytest.mark.parametrize(
     ("tree", "expected"),
     [
-        (Op("add", (Ref("a"), Op("add", (Ref("b"), Ref("c"))))), "a + (b + c)"),
-        (Op("add", (Op("add", (Ref("a"), Ref("b"))), Ref("c"))), "a + b + c"),
-        (Op("sub", (Ref("a"), Op("mul", (Ref("b"), Ref("c"))))), "a - b * c"),
-        (Op("mul", (Op("sub", (Ref("a"), Ref("b"))), Ref("c"))), "(a - b) * c"),
-        (Op("div", (Ref("a"), Op("mul", (Ref("b"), Ref("c"))))), "a / (b * c)"),
-        (Op("neg", (Op("neg", (Ref("a"),)),)), "-(-a)"),
-        (Op("mul", (Num(Fraction(1, 3)), Ref("a"))), "(1.0 / 3.0) * a"),
-        (Op("div", (Ref("m"), Num(Fraction(7)))), "m / 7.0"),
-        (Op("sin", (Op("add", (Ref("a"), Ref("b"))),)), "sin(a + b)"),
+        (
+            Operation(Operator.ADD, (ScalarRef("a"), Operation(Operator.ADD, (ScalarRef("b"), ScalarRef("c"))))),
+            "a + (b + c)",
+        ),
+        (
+            Operation(Operator.ADD, (Operation(Operator.ADD, (ScalarRef("a"), ScalarRef("b"))), ScalarRef("c"))),
+            "a + b + c",
+        ),
+        (
+            Operation(Operator.SUB, (ScalarRef("a"), Operation(Operator.MUL, (ScalarRef("b"), ScalarRef("c"))))),
+            "a - b * c",
+        ),
+        (
+            Operation(Operator.MUL, (Operation(Operator.SUB, (ScalarRef("a"), ScalarRef("b"))), ScalarRef("c"))),
+            "(a - b) * c",
+        ),
+        (
+            Operation(Operator.DIV, (ScalarRef("a"), Operation(Operator.MUL, (ScalarRef("b"), ScalarRef("c"))))),
+            "a / (b * c)",
+        ),
+        (Operation(Operator.NEG, (Operation(Operator.NEG, (ScalarRef("a"),)),)), "-(-a)"),
+        (Operation(Operator.MUL, (Number(Fraction(1, 3)), ScalarRef("a"))), "(1.0 / 3.0) * a"),
+        (Operation(Operator.DIV, (ScalarRef("m"), Number(Fraction(7)))), "m / 7.0"),
+        (Operation(Operator.SIN, (Operation(Operator.ADD, (ScalarRef("a"), ScalarRef("b"))),)), "sin(a + b)"),
     ],
 )
 def test_no_parentheses_more_than_needed(tree: Expr, expected: str) -> None:

@@ -16,7 +16,7 @@ from toolchain import MODELS, run, text_of, written
 
 import beams
 import derive
-from derive.ir.kernel import Kernel
+from derive.ir.model import Kernel
 from derive.runtime.compiler import FLAGS
 from derive.runtime.native import Native
 

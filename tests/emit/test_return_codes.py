@@ -8,6 +8,7 @@ from toolchain import special
 
 import beams
 import derive
+from derive.errors import TisserandError
 from derive.lowering.flat.functions import VANISHING
 from derive.runtime.native import ModelError, Native
 
@@ -109,6 +110,6 @@ def test_a_folded_model_needs_no_parameters() -> None:
 
 def test_errors_of_a_model_are_arithmetic_errors() -> None:
     error = ModelError("beam_accel", 1)
-    assert isinstance(error, ArithmeticError)
+    assert isinstance(error, ArithmeticError) and isinstance(error, TisserandError)
     assert str(error) == "beam_accel returned 1: a pivot vanished"
     assert str(ModelError("beam_accel", 7)) == "beam_accel returned 7: unknown"

@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 import beams
-from derive.ir.expressions import Op, Ref, walk
-from derive.ir.kernel import Kernel
+from derive.ir.expressions import Operation, ScalarRef, walk
+from derive.ir.model import Kernel
 
 STRUCTURE = {
     ("point", 2): 15,
@@ -78,8 +78,8 @@ def setup_for(setup: Kernel, kernel: Kernel) -> int:
     count = 0
     while needed:
         for part in walk(needed.pop()):
-            count += isinstance(part, Op)
-            if isinstance(part, Ref) and part.name in exprs and part.name not in seen:
+            count += isinstance(part, Operation)
+            if isinstance(part, ScalarRef) and part.name in exprs and part.name not in seen:
                 seen.add(part.name)
                 needed.append(exprs[part.name])
     return count
@@ -91,14 +91,14 @@ def test_no_kernel_does_work_on_parameters_alone(frame: str) -> None:
         constants = {name for a in kernel.arguments if a.name == "k" for name in a.elements}
         for item in kernel.statements:
             for part in walk(item.expr):
-                refs = {e.name for e in walk(part) if isinstance(e, Ref)}
-                assert not (isinstance(part, Op) and refs <= constants), (kernel.name, part)
+                refs = {e.name for e in walk(part) if isinstance(e, ScalarRef)}
+                assert not (isinstance(part, Operation) and refs <= constants), (kernel.name, part)
 
 
 @pytest.mark.parametrize("frame", beams.FRAMES)
 def test_nothing_is_computed_twice_or_for_nothing(frame: str) -> None:
     for kernel in beams.made(frame, 4).model.kernels:
-        parts = [part for item in kernel.statements for part in walk(item.expr) if isinstance(part, Op)]
+        parts = [part for item in kernel.statements for part in walk(item.expr) if isinstance(part, Operation)]
         assert len(parts) == len(set(parts)), kernel.name
         lets = [item.name for item in kernel.statements if hasattr(item, "name")]
         assert len(lets) == len(set(lets))

@@ -10,10 +10,8 @@ import pytest
 
 import beams
 import derive
-from derive.ir.expressions import Let
 from derive.ir.interpreter import RequirementError, interpret
-from derive.ir.kernel import Require, Store
-from derive.ir.loops import Contract, Each, Packing, Pairs, Reduce
+from derive.ir.statements import Accumulate, Let, Map, MatrixStore, MatVec, Packing, Require, Store
 from derive.runtime.native import ModelError, Native
 
 CASES = [(n, frame) for n in (0, 1, 2, 3, 5, 8, 13) for frame in ("given", "mean")]
@@ -191,18 +189,18 @@ def test_loops_of_a_kernel_are_few_and_simple() -> None:
     """What a reader of the code meets: one contraction, one loop of sums, one loop of rows; no table is read twice."""
     kernel = symbolic(8, "mean").kernel("force")
     loops = [s for s in kernel.statements if not isinstance(s, Let | Store | Require)]
-    assert [type(loop) for loop in loops] == [Contract, Reduce, Each]
-    (contract,) = (loop for loop in loops if isinstance(loop, Contract))
-    tables = [table for lane in contract.lanes for _, table in lane.sums]
+    assert [type(loop) for loop in loops] == [MatVec, Accumulate, Map]
+    (contract,) = (loop for loop in loops if isinstance(loop, MatVec))
+    tables = [table for lane in contract.terms for _, table in lane.sums]
     assert len(tables) == len(set(tables)) == 9
-    pairs = [s for s in symbolic(8, "mean").kernel("jacobian").statements if isinstance(s, Pairs)]
+    pairs = [s for s in symbolic(8, "mean").kernel("jacobian").statements if isinstance(s, MatrixStore)]
     assert len(pairs) == 2  # by alpha, by alphadot
 
 
 @pytest.mark.parametrize("n", [1, 4, 5, 9])
 def test_packing_puts_each_entry_in_a_place_of_its_own(n: int) -> None:
     packing = Packing("tables", n, ("a", "b", "c"))
-    places = {packing.place(t, i, j) for t in packing.tables for i in range(n) for j in range(n)}
+    places = {packing.position(t, i, j) for t in packing.tables for i in range(n) for j in range(n)}
     assert len(places) == 3 * n * n and max(places) < packing.size
 
 

@@ -13,10 +13,20 @@ from itertools import groupby
 
 from derive.backends.c.batch_loops import BlockLoops, Lines, Names, put, rows_helper, totals
 from derive.backends.expression_text import statement
-from derive.ir.expressions import Expr, Let, Op, Ref, walk
-from derive.ir.kernel import Kernel, Require, Store, expressions, reads
-from derive.ir.loops import Contract, Each, Reduce, Substitute
-from derive.ir.model import Model
+from derive.ir.expressions import Expr, Operation, Operator, ScalarRef, walk
+from derive.ir.model import Kernel, Model
+from derive.ir.statements import (
+    Accumulate,
+    Let,
+    Map,
+    MatVec,
+    Require,
+    Requirement,
+    Store,
+    TriangularSolve,
+    expressions,
+    reads,
+)
 from derive.rendering import WIDTH, render
 
 KERNELS = ("mass", "force", "accel")
@@ -27,7 +37,7 @@ More than sixteen need no `TISSERAND_LANES`; fewer than eight read the tables to
 """
 
 Line = Let | Store | Require
-Loop = Each | Reduce | Contract | Substitute
+Loop = Map | Accumulate | MatVec | TriangularSolve
 Part = tuple[Line, ...] | Loop
 """Straight lines, or a loop over the shapes."""
 
@@ -80,7 +90,7 @@ def batch_helpers(model: Model, widths: Mapping[str, int]) -> str:
         name = f"{model.name}_block{width}"
         kernels = [model.kernel(kernel) for kernel, w in widths.items() if w == width]
         takes = any(a.arrays for kernel in kernels for a in kernel.arguments if a.name != "k")
-        sizes = {s.packing.padded for k in kernels for s in k.statements if isinstance(s, Contract)}
+        sizes = {s.packing.padded for k in kernels for s in k.statements if isinstance(s, MatVec)}
         products = "".join(f"{line}\n" for size in sizes for line in rows_helper(name, size, width))
         fills = any(_Body(kernel, model.name, width).states for kernel in kernels)
         blocks.append(Helpers(name, width, fills, takes, products))
@@ -105,10 +115,10 @@ class _Body:
         (self.k,) = (a for a in kernel.arguments if a.name == "k")
         parts = _parts(kernel)
         self.parts = [_run(part, n) if isinstance(part, tuple) else part for n, part in enumerate(parts, 1)]
-        elements = {name: (a.name, place) for a in states for place, name in a.places}
+        elements = {name: (a.name, place) for a in states for place, name in a.named_elements}
         names = Names(width, elements, frozenset(v.name for v in self.k.arrays), _wide(self.parts))
-        contracts = [part for part in parts if isinstance(part, Contract)]
-        vectors = frozenset(vector for c in contracts for lane in c.lanes for vector, _ in lane.sums)
+        contracts = [part for part in parts if isinstance(part, MatVec)]
+        vectors = frozenset(vector for c in contracts for lane in c.terms for vector, _ in lane.sums)
         self.loops = BlockLoops(names, self.prefix, vectors)
         self.stored = sorted(s.index for s in kernel.statements if isinstance(s, Store))
         self.checked = any(isinstance(s, Require) for s in kernel.statements)
@@ -127,7 +137,7 @@ class _Body:
         """All lines of the body."""
         lines = [f"    (void) {name};" for name in self.unused]
         used = self.kernel.used
-        lines += [f"    const double {name} = k[{place}];" for place, name in self.k.places if name in used]
+        lines += [f"    const double {name} = k[{place}];" for place, name in self.k.named_elements if name in used]
         views = [v for v in self.k.arrays if v.name in used]
         lines += [f"    const double *{v.name} = k{f' + {v.offset}' if v.offset else ''};" for v in views]
         if not views and not any(name in used for name in self.k.elements):
@@ -169,13 +179,13 @@ class _Body:
             match part:
                 case Run():
                     lines += self._run(part)
-                case Each():
+                case Map():
                     lines += self.loops.each(part)
-                case Reduce():
+                case Accumulate():
                     lines += self.loops.reduce(part, f"sums{n}")
-                case Contract():
+                case MatVec():
                     lines += self.loops.contract(part)
-                case Substitute():
+                case TriangularSolve():
                     lines += self.loops.substitute(part)
         return lines
 
@@ -212,7 +222,7 @@ class _Body:
         """Both values are computed before one is chosen, so that compilers need no branch."""
         value = self.loops.names.text(line.expr)
         told = f" /* {line.text} */"
-        if line.kind == "positive":
+        if line.kind is Requirement.POSITIVE:
             return statement("    ", "code_b = ", f"{value} > 0.0", f" ? code_b : {line.code}.0;{told}")
         # A difference of what is not finite is a NaN.
         lines = statement("    ", "const double finite = ", value, ";")
@@ -242,11 +252,11 @@ def _parts(kernel: Kernel) -> list[Part]:
         if isinstance(s, Let | Store | Require):
             lines += (s,)
             continue
-        assert isinstance(s, Each | Reduce | Contract | Substitute), f"no batch of {type(s).__name__}"
+        assert isinstance(s, Map | Accumulate | MatVec | TriangularSolve), f"no batch of {type(s).__name__}"
         found += [lines] if lines else []
         lines = ()
         found.append(s)
-        if isinstance(s, Reduce):
+        if isinstance(s, Accumulate):
             lines = totals(s, f"sums{len(found)}")
     return [*found, lines] if lines else found
 
@@ -258,8 +268,8 @@ def _run(lines: tuple[Line, ...], number: int) -> Run:
         if isinstance(line, Let) and _is_trig(line.expr):
             named.setdefault(line.expr, line.name)
         for part in (part for e in expressions(line) for part in walk(e) if _is_trig(part)):
-            assert isinstance(part, Op)
-            named.setdefault(part, f"{part.kind}_{number}_{len(named)}")
+            assert isinstance(part, Operation)
+            named.setdefault(part, f"{part.kind.value}_{number}_{len(named)}")
     if not named:
         return Run((), lines)
     needed = {name for expr, name in named.items() for name in reads(Let(name, expr))}
@@ -292,17 +302,19 @@ def _read(lines: tuple[Line, ...], early: frozenset[str]) -> tuple[Line, ...]:
 
 
 def _is_trig(expr: Expr) -> bool:
-    return isinstance(expr, Op) and expr.kind in ("sin", "cos")
+    return isinstance(expr, Operation) and expr.kind in (Operator.SIN, Operator.COS)
 
 
 def _swapped(expr: Expr, named: dict[Expr, str]) -> Expr:
     if expr in named:
-        return Ref(named[expr])
-    return Op(expr.kind, tuple(_swapped(arg, named) for arg in expr.args)) if isinstance(expr, Op) else expr
+        return ScalarRef(named[expr])
+    return (
+        Operation(expr.kind, tuple(_swapped(arg, named) for arg in expr.args)) if isinstance(expr, Operation) else expr
+    )
 
 
 def _says_nothing(line: Line) -> bool:
-    return isinstance(line, Let) and line.expr == Ref(line.name)
+    return isinstance(line, Let) and line.expr == ScalarRef(line.name)
 
 
 def _wide(parts: Iterable[Run | Loop]) -> frozenset[str]:

@@ -11,9 +11,9 @@ from fractions import Fraction
 
 from derive.backends.c.loops import SHORT
 from derive.backends.expression_text import c_number, statement, text
-from derive.ir.expressions import At, Entry, Expr, Let, Num, Op, Ref, walk
-from derive.ir.kernel import View
-from derive.ir.loops import LANES, Contract, Each, Put, Reduce, StoreAt, Substitute, padded
+from derive.ir.expressions import ArrayAccess, Expr, MatrixEntry, Number, Operation, Operator, ScalarRef, walk
+from derive.ir.model import View
+from derive.ir.statements import LANES, Accumulate, Let, Map, MatVec, StoreLocal, StoreStrided, TriangularSolve, padded
 
 Lines = list[str]
 
@@ -38,10 +38,10 @@ class Names:
         """An expression."""
         return text(expr, c_number, name=self.leaf)
 
-    def leaf(self, leaf: Ref | At | Entry) -> str:
+    def leaf(self, leaf: ScalarRef | ArrayAccess | MatrixEntry) -> str:
         """A name, or an element of an array."""
-        assert not isinstance(leaf, Entry), "pairs are of matrices, of which there is no batch"
-        if isinstance(leaf, Ref):
+        assert not isinstance(leaf, MatrixEntry), "pairs are of matrices, of which there is no batch"
+        if isinstance(leaf, ScalarRef):
             return f"{leaf.name}[b]" if leaf.name in self.wide else leaf.name
         if not leaf.stride:
             return self.element(leaf.array, str(leaf.offset))
@@ -54,7 +54,7 @@ class Names:
 
     def loads(self, exprs: Iterable[Expr]) -> Lines:
         """Name the elements of q and v that are read."""
-        used = {part.name for e in exprs for part in walk(e) if isinstance(part, Ref)}
+        used = {part.name for e in exprs for part in walk(e) if isinstance(part, ScalarRef)}
         return [
             f"    const double {name} = {argument}_block[{f'{place} * stride + ' if place else ''}b];"
             for name, (argument, place) in self.elements.items()
@@ -84,15 +84,15 @@ class BlockLoops:
         take = f"{self.prefix}_gather(all, count, {view.size}, {argument} + {view.offset} * all, {view.name});"
         return [take, *self._padding(view.name, view.size)]
 
-    def each(self, loop: Each) -> Lines:
+    def each(self, loop: Map) -> Lines:
         """Rows of an output go to local ones first: n may be anything, so compilers could not tell them apart."""
-        names, stored = self.names, [item for item in loop.body if isinstance(item, StoreAt)]
+        names, stored = self.names, [item for item in loop.body if isinstance(item, StoreStrided)]
         body, padding = names.loads(item.expr for item in loop.body), []
         for item in loop.body:
             value = names.text(item.expr)
             if isinstance(item, Let):
                 body += statement("    ", f"const double {item.name} = ", value, ";")
-            elif isinstance(item, Put):
+            elif isinstance(item, StoreLocal):
                 self.arrays[item.array] = padded(loop.count)
                 padding += self._padding(item.array, loop.count)
                 body += statement("    ", f"{item.array}[i][b] = ", value, ";")
@@ -107,7 +107,7 @@ class BlockLoops:
             inner.append(put(self.prefix, 1, f"{item.output} + {place} * all", "rows", k))
         return [_for("i", loop.count), *map(_indented, inner), "}", *padding]
 
-    def reduce(self, loop: Reduce, name: str) -> Lines:
+    def reduce(self, loop: Accumulate, name: str) -> Lines:
         """Lanes of sums in the array `name`; `totals` adds them."""
         many, names = len(loop.sums), self.names
         self.arrays[name] = many * LANES
@@ -122,17 +122,17 @@ class BlockLoops:
             *(_for("i", loop.count), f"    const int l = i % {LANES};", *map(_indented, names.loop(body)), "}"),
         ]
 
-    def contract(self, loop: Contract) -> Lines:
+    def contract(self, loop: MatVec) -> Lines:
         """Some rows of all products, panel by panel."""
         packing, names = loop.packing, self.names
         size, tables = packing.padded, len(packing.tables)
-        self.arrays |= {lane.name: size for lane in loop.lanes}
+        self.arrays |= {lane.name: size for lane in loop.terms}
         start = [
-            f"    {lane.name}[r][b] = {names.element(lane.base, 'r') if lane.base else '0.0'};" for lane in loop.lanes
+            f"    {lane.name}[r][b] = {names.element(lane.base, 'r') if lane.base else '0.0'};" for lane in loop.terms
         ]
         first = [f"for (int r = i; r < i + {ROWS}; r++) {{", *map(_indented, names.loop(start)), "}"]
         calls = []
-        for lane in loop.lanes:
+        for lane in loop.terms:
             for vector, table in lane.sums:
                 place = packing.tables.index(table) * LANES * size
                 calls.append(f"    {self.prefix}_rows(panel + {place}, {vector} + j, {lane.name} + i);")
@@ -140,7 +140,7 @@ class BlockLoops:
         inner = [*first, f"for (int j = 0; j < {size}; j += {LANES}) {{", panel, *calls, "}"]
         return [f"for (int i = 0; i < {size}; i += {ROWS}) {{", *map(_indented, inner), "}"]
 
-    def substitute(self, loop: Substitute) -> Lines:
+    def substitute(self, loop: TriangularSolve) -> Lines:
         """Row by row, each of all states."""
         n, lines = loop.count, []
         for y in loop.arrays:
@@ -160,17 +160,22 @@ class BlockLoops:
         return [f"for (int i = {count}; i < {padded(count)}; i++) {{", *map(_indented, zero), "}"]
 
 
-def totals(loop: Reduce, name: str) -> tuple[Let, ...]:
+def totals(loop: Accumulate, name: str) -> tuple[Let, ...]:
     """The sums of a loop as statements: their lanes in the array `name`, added."""
 
-    def lane(k: int) -> At:
-        return At(name, "i", 0, k)
+    def lane(k: int) -> ArrayAccess:
+        return ArrayAccess(name, "i", 0, k)
 
-    def whole(k: int) -> Op:
-        return Op("add", (Op("add", (lane(k), lane(k + 1))), Op("add", (lane(k + 2), lane(k + 3)))))
+    def whole(k: int) -> Operation:
+        return Operation(
+            Operator.ADD,
+            (Operation(Operator.ADD, (lane(k), lane(k + 1))), Operation(Operator.ADD, (lane(k + 2), lane(k + 3)))),
+        )
 
     sums = [(one, whole(k * LANES)) for k, one in enumerate(loop.sums)]
-    return tuple(Let(s.name, w if s.base == Num(Fraction(0)) else Op("add", (s.base, w))) for s, w in sums)
+    return tuple(
+        Let(s.name, w if s.base == Number(Fraction(0)) else Operation(Operator.ADD, (s.base, w))) for s, w in sums
+    )
 
 
 def states(width: int) -> str:

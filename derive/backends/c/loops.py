@@ -9,26 +9,27 @@ from collections.abc import Callable, Iterator
 from itertools import count
 
 from derive.backends.expression_text import c_number, statement, text
-from derive.ir.expressions import Entry, Expr, Let, walk
-from derive.ir.loops import (
+from derive.ir.expressions import Expr, MatrixEntry, walk
+from derive.ir.statements import (
     LANES,
+    Accumulate,
+    Cholesky,
     Clear,
-    Contract,
-    Each,
+    Let,
+    Map,
+    MatrixStore,
+    MatVec,
     Pack,
-    Pairs,
-    Put,
-    Reduce,
-    RequireAll,
-    Root,
-    Source,
-    StoreAt,
-    Substitute,
+    PackSource,
+    RequireFinite,
+    StoreLocal,
+    StoreStrided,
+    TriangularSolve,
     padded,
 )
 
 Lines = list[str]
-Loop = Each | Reduce | Contract | Pairs | Pack | Clear | RequireAll | Root | Substitute
+Loop = Map | Accumulate | MatVec | MatrixStore | Pack | Clear | RequireFinite | Cholesky | TriangularSolve
 
 
 class Loops:
@@ -42,22 +43,22 @@ class Loops:
     def lines(self, loop: Loop, indent: str = "    ") -> Lines:
         """One statement with loops."""
         writers: dict[type, Callable[..., Lines]] = {
-            Each: self._each,
-            Reduce: self._reduce,
-            Contract: self._contract,
-            Pairs: self._pairs,
+            Map: self._each,
+            Accumulate: self._reduce,
+            MatVec: self._contract,
+            MatrixStore: self._pairs,
             Pack: self._pack,
             Clear: self._clear,
-            RequireAll: self._require_all,
-            Root: self._root,
-            Substitute: self._substitute,
+            RequireFinite: self._require_all,
+            Cholesky: self._root,
+            TriangularSolve: self._substitute,
         }
         return [f"{indent}{line}" if line else "" for line in writers[type(loop)](loop)]
 
-    def _each(self, loop: Each) -> Lines:
+    def _each(self, loop: Map) -> Lines:
         lines = []
         for item in loop.body:
-            if isinstance(item, Put) and item.array not in self._arrays:
+            if isinstance(item, StoreLocal) and item.array not in self._arrays:
                 self._arrays.add(item.array)
                 lines.append(f"double {item.array}[{padded(loop.count)}];")
         body = []
@@ -65,13 +66,13 @@ class Loops:
             value = text(item.expr, c_number)
             if isinstance(item, Let):
                 body += statement("    ", f"const double {item.name} = ", value, ";")
-            elif isinstance(item, Put):
+            elif isinstance(item, StoreLocal):
                 body += statement("    ", f"{item.array}[i] = ", value, ";")
             else:
                 body += statement("    ", f"{item.output}[{_place(item)}] = ", value, ";")
         return [*lines, _for("i", loop.count), *body, "}"]
 
-    def _reduce(self, loop: Reduce) -> Lines:
+    def _reduce(self, loop: Accumulate) -> Lines:
         name = f"sums{next(self._numbers)}"
         many = len(loop.sums)
 
@@ -104,11 +105,11 @@ class Loops:
             )
         return lines
 
-    def _contract(self, loop: Contract) -> Lines:
+    def _contract(self, loop: MatVec) -> Lines:
         packing = loop.packing
         size, tables = packing.padded, len(packing.tables)
         lines = []
-        for vector in dict.fromkeys(vector for lane in loop.lanes for vector, _ in lane.sums):
+        for vector in dict.fromkeys(vector for lane in loop.terms for vector, _ in lane.sums):
             if f"x_{vector}" in self._arrays:
                 continue
             self._arrays.add(f"x_{vector}")
@@ -118,11 +119,11 @@ class Loops:
             ]
             if size > packing.count:
                 lines.append(f"for (int i = {packing.count}; i < {size}; i++) x_{vector}[i] = 0.0;")
-        lines += [f"double {lane.name}[{size}];" for lane in loop.lanes]
-        start = (f"{lane.name}[i] = {f'{lane.base}[i]' if lane.base else '0.0'};" for lane in loop.lanes)
+        lines += [f"double {lane.name}[{size}];" for lane in loop.terms]
+        start = (f"{lane.name}[i] = {f'{lane.base}[i]' if lane.base else '0.0'};" for lane in loop.terms)
         lines += [_for("i", size), *map(_indented, start), "}"]
         calls = []
-        for lane in loop.lanes:
+        for lane in loop.terms:
             for vector, table in lane.sums:
                 place = packing.tables.index(table) * LANES * size
                 calls.append(f"{self.panel}({lane.name}, panel + {place}, x_{vector} + j);")
@@ -130,7 +131,7 @@ class Loops:
         pointer = f"const double *panel = {packing.array} + {tables * size} * j;"
         return [*lines, head, *map(_indented, [pointer, *calls]), "}"]
 
-    def _pairs(self, loop: Pairs) -> Lines:
+    def _pairs(self, loop: MatrixStore) -> Lines:
         packing = loop.packing
         used = [t for t in packing.tables if _reads(loop.expr, t)]
         lines = [f"double *column = {loop.output} + {loop.offset} + {loop.stride} * j;"]
@@ -151,7 +152,7 @@ class Loops:
         even = [s for s in loop.sources if s.parity > 0]
         odd = [s for s in loop.sources if s.parity < 0]
 
-        def place(source: Source) -> int:
+        def place(source: PackSource) -> int:
             return packing.tables.index(source.table) * LANES * size
 
         inner = [
@@ -173,11 +174,11 @@ class Loops:
     def _clear(self, loop: Clear) -> Lines:
         return [f"for (int i = 0; i < {loop.count}; i++) {loop.output}[i] = 0.0;"]
 
-    def _require_all(self, loop: RequireAll) -> Lines:
+    def _require_all(self, loop: RequireFinite) -> Lines:
         head = f"for (int i = 0; i < {loop.count}; i++)"
         return [head, f"    if (!isfinite({loop.argument}[i])) return {loop.code}; /* {loop.text} */"]
 
-    def _root(self, loop: Root) -> Lines:
+    def _root(self, loop: Cholesky) -> Lines:
         n = loop.count
         return [
             f"double *low = {loop.output} + {loop.offset};",
@@ -196,7 +197,7 @@ class Loops:
             "}",
         ]
 
-    def _substitute(self, loop: Substitute) -> Lines:
+    def _substitute(self, loop: TriangularSolve) -> Lines:
         """All arrays in one pass, so that each entry of the factor is read once."""
         n, many = loop.count, range(len(loop.arrays))
         scale = [f"{name}[j] *= {loop.factor}[{n + 1} * j];" for name in loop.arrays]
@@ -250,16 +251,16 @@ def _indented(line: str) -> str:
     return f"    {line}"
 
 
-def _place(item: StoreAt) -> str:
+def _place(item: StoreStrided) -> str:
     index = "i" if item.stride == 1 else f"{item.stride} * i"
     return f"{item.offset} + {index}" if item.offset else index
 
 
-def _parameter(source: Source, index: str) -> str:
+def _parameter(source: PackSource, index: str) -> str:
     if source.components == 1:
         return f"{source.array}[{index}]"
     return f"{source.array}[{source.components} * {index} + {source.component}]"
 
 
 def _reads(expr: Expr, table: str) -> bool:
-    return any(isinstance(part, Entry) and part.table == table for part in walk(expr))
+    return any(isinstance(part, MatrixEntry) and part.table == table for part in walk(expr))

@@ -11,10 +11,8 @@ from derive.backends.c.batch import batch_body, batch_helpers, batch_widths, sta
 from derive.backends.c.loops import LANES_MACRO, SHORT, Loops, panel_helper
 from derive.backends.description import LICENCE, description, kernel_text, model_text, pattern_texts, section_text
 from derive.backends.expression_text import c_number, statement, text
-from derive.ir.expressions import Let
-from derive.ir.kernel import Kernel, Require, Store
-from derive.ir.loops import Contract, Reduce, RequireAll
-from derive.ir.model import Model, Variable
+from derive.ir.model import Kernel, Model, Variable
+from derive.ir.statements import Accumulate, Let, MatVec, Require, RequireFinite, Requirement, Store
 from derive.rendering import comment, render, wrapped
 from derive.roles import Role
 
@@ -77,8 +75,8 @@ def c_files(model: Model, fingerprint: str) -> tuple[File, ...]:
 def _helpers(model: Model, widths: Mapping[str, int]) -> str:
     """What the loops of a model call."""
     every = [s for kernel in model.kernels for s in kernel.statements]
-    lines = [LANES_MACRO] if min(widths.values()) <= SHORT or any(isinstance(s, Reduce) for s in every) else []
-    sizes = {s.packing.padded for s in every if isinstance(s, Contract)}
+    lines = [LANES_MACRO] if min(widths.values()) <= SHORT or any(isinstance(s, Accumulate) for s in every) else []
+    sizes = {s.packing.padded for s in every if isinstance(s, MatVec)}
     lines += [line for size in sizes for line in panel_helper(f"{model.name}_panel", size)]
     return "\n".join(lines)
 
@@ -116,9 +114,9 @@ def _parameters(kernel: Kernel) -> list[str]:
 def _loads(kernel: Kernel) -> list[str]:
     """Name the elements and arrays that are read; say which arguments are not."""
     lines = []
-    used = kernel.used | {s.argument for s in kernel.statements if isinstance(s, RequireAll)}
+    used = kernel.used | {s.argument for s in kernel.statements if isinstance(s, RequireFinite)}
     for argument in kernel.arguments:
-        read = [(k, n) for k, n in argument.places if n in used]
+        read = [(k, n) for k, n in argument.named_elements if n in used]
         arrays = [view for view in argument.arrays if view.name in used]
         lines += [f"    const double {name} = {argument.name}[{k}];" for k, name in read]
         lines += [
@@ -136,7 +134,7 @@ def _statement(item: Let | Store | Require) -> list[str]:
         return statement("    ", f"const double {item.name} = ", value, ";")
     if isinstance(item, Store):
         return statement("    ", f"{item.output}[{item.index}] = ", value, ";")
-    test = f"!({value} > 0.0)" if item.kind == "positive" else f"!isfinite({value})"
+    test = f"!({value} > 0.0)" if item.kind is Requirement.POSITIVE else f"!isfinite({value})"
     return statement("    ", "if (", test, f") return {item.code}; /* {item.text} */")
 
 

@@ -6,12 +6,25 @@ In pairs of shapes the last two axes are j and i. Scalars get axes of length one
 from __future__ import annotations
 
 from derive.backends.expression_text import python_number, text
-from derive.ir.expressions import At, Entry, Let, Ref, walk
-from derive.ir.kernel import Argument
-from derive.ir.loops import LANES, Clear, Contract, Each, Pack, Pairs, Put, Reduce, RequireAll, Root, Substitute
+from derive.ir.expressions import ArrayAccess, MatrixEntry, ScalarRef, walk
+from derive.ir.model import Argument
+from derive.ir.statements import (
+    LANES,
+    Accumulate,
+    Cholesky,
+    Clear,
+    Let,
+    Map,
+    MatrixStore,
+    MatVec,
+    Pack,
+    RequireFinite,
+    StoreLocal,
+    TriangularSolve,
+)
 
 Lines = list[str]
-Loop = Each | Reduce | Contract | Pairs | Pack | Clear | RequireAll | Root | Substitute
+Loop = Map | Accumulate | MatVec | MatrixStore | Pack | Clear | RequireFinite | Cholesky | TriangularSolve
 
 
 class Loops:
@@ -24,30 +37,30 @@ class Loops:
     def lines(self, loop: Loop) -> Lines:
         """One statement with loops."""
         match loop:
-            case Each():
+            case Map():
                 return self._each(loop)
-            case Reduce():
+            case Accumulate():
                 return self._reduce(loop)
-            case Contract():
+            case MatVec():
                 return self._contract(loop)
-            case Pairs():
+            case MatrixStore():
                 return self._pairs(loop)
             case Pack():
                 return _pack(loop)
             case Clear():
                 return []
-            case RequireAll():
+            case RequireFinite():
                 return [f'_require(xp.all(xp.isfinite({loop.argument})), "{loop.text}")']
-            case Root():
+            case Cholesky():
                 return _root(loop)
-            case Substitute():
+            case TriangularSolve():
                 return _substitute(loop)
 
-    def _leaf(self, leaf: Ref | At | Entry, count: int, depth: int = 1) -> str:
+    def _leaf(self, leaf: ScalarRef | ArrayAccess | MatrixEntry, count: int, depth: int = 1) -> str:
         """A name or an array in a loop of so many steps; in pairs (depth 2), an array of index i has an axis for j."""
-        if isinstance(leaf, Entry):
+        if isinstance(leaf, MatrixEntry):
             return leaf.table
-        if isinstance(leaf, Ref):
+        if isinstance(leaf, ScalarRef):
             if leaf.name in self.inside:
                 return leaf.name
             return f"_last({leaf.name})" if depth == 1 else f"_last(_last({leaf.name}))"
@@ -57,21 +70,21 @@ class Loops:
         cut = leaf.array if known == count else f"{leaf.array}[..., :{count}]"
         return cut if depth == 1 else f"{cut}[..., None, :]"
 
-    def _each(self, loop: Each) -> Lines:
+    def _each(self, loop: Map) -> Lines:
         n, lines = loop.count, []
         for item in loop.body:
             value = text(item.expr, python_number, "xp.", name=lambda leaf: self._leaf(leaf, n))
             if isinstance(item, Let):
                 self.inside.add(item.name)
                 lines.append(f"{item.name} = {value}")
-            elif isinstance(item, Put):
+            elif isinstance(item, StoreLocal):
                 self.lengths[item.array] = n
                 lines.append(f"{item.array} = {value}")
             else:
                 lines.append(f"{item.output}[{_slice(item.offset, item.stride, n)}] = {value}")
         return lines
 
-    def _reduce(self, loop: Reduce) -> Lines:
+    def _reduce(self, loop: Accumulate) -> Lines:
         n, lines = loop.count, []
         for let in loop.lets:
             self.inside.add(let.name)
@@ -83,11 +96,11 @@ class Loops:
             lines.append(f"{one.name} = {total}" if base == "0" else f"{one.name} = {base} + {total}")
         return lines
 
-    def _contract(self, loop: Contract) -> Lines:
+    def _contract(self, loop: MatVec) -> Lines:
         packing = loop.packing
         n, lines = packing.count, []
-        for lane in loop.lanes:
-            terms = [self._leaf(At(lane.base, "i"), n)] if lane.base else []
+        for lane in loop.terms:
+            terms = [self._leaf(ArrayAccess(lane.base, "i"), n)] if lane.base else []
             for vector, table in lane.sums:
                 place = packing.tables.index(table)
                 matrix = f"_table({packing.array}, {len(packing.tables)}, {place}, {n})"
@@ -96,11 +109,11 @@ class Loops:
             self.lengths[lane.name] = n
         return lines
 
-    def _pairs(self, loop: Pairs) -> Lines:
+    def _pairs(self, loop: MatrixStore) -> Lines:
         packing = loop.packing
         n, lines = packing.count, []
         for place, name in enumerate(packing.tables):
-            if any(isinstance(e, Entry) and e.table == name for e in walk(loop.expr)):
+            if any(isinstance(e, MatrixEntry) and e.table == name for e in walk(loop.expr)):
                 lines.append(f"{name} = _table({packing.array}, {len(packing.tables)}, {place}, {n})")
         block = text(loop.expr, python_number, "xp.", name=lambda leaf: self._leaf(leaf, n, 2))
         lines.append(f"block = {block}")
@@ -134,7 +147,7 @@ def _pack(loop: Pack) -> Lines:
     return lines
 
 
-def _root(loop: Root) -> Lines:
+def _root(loop: Cholesky) -> Lines:
     n = loop.count
     return [
         f"low = _square(xp, {loop.source}, {n})",
@@ -150,7 +163,7 @@ def _root(loop: Root) -> Lines:
     ]
 
 
-def _substitute(loop: Substitute) -> Lines:
+def _substitute(loop: TriangularSolve) -> Lines:
     call = "_back" if loop.transposed else "_forward"
     return [f"{name} = {call}(xp, {loop.factor}, {name}, {loop.count})" for name in loop.arrays]
 

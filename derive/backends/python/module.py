@@ -9,9 +9,9 @@ from derive.artifacts import MARK, File
 from derive.backends.description import LICENCE, description, kernel_text, model_text, pattern_texts, section_text
 from derive.backends.expression_text import python_number, statement, text
 from derive.backends.python.loops import HELPERS, Loops
-from derive.ir.expressions import Let, Ref
-from derive.ir.kernel import Kernel, Output, Require, Store
-from derive.ir.model import Model, Variable
+from derive.ir.expressions import ScalarRef
+from derive.ir.model import Kernel, Model, Output, Variable
+from derive.ir.statements import Let, Require, Requirement, Store
 from derive.rendering import WIDTH, render, wrapped
 
 
@@ -47,7 +47,7 @@ def _function(kernel: Kernel) -> Function:
     lines = [f"    xp, batch, {own} = _arrays(dict({sizes}), {names})"]
     used = kernel.used
     for argument in kernel.arguments:
-        lines += [f"    {name} = {argument.name}[..., {k}]" for k, name in argument.places if name in used]
+        lines += [f"    {name} = {argument.name}[..., {k}]" for k, name in argument.named_elements if name in used]
         lines += [
             f"    {v.name} = {argument.name}[..., {v.offset}:{v.offset + v.size}]"
             for v in argument.arrays
@@ -86,11 +86,11 @@ def _statement(item: Let | Store | Require, raises: bool, required: list[str], w
     if isinstance(item, Store):
         place = f"{item.output}[..., {item.index}]" if item.output in whole else f"{item.output}_{item.index}"
         return _assignment(place, value)
-    operand = value if isinstance(item.expr, Ref) else f"({value})"
-    holds = f"{operand} > 0" if item.kind == "positive" else f"xp.isfinite({value})"
+    operand = value if isinstance(item.expr, ScalarRef) else f"({value})"
+    holds = f"{operand} > 0" if item.kind is Requirement.POSITIVE else f"xp.isfinite({value})"
     if raises:
         return [f'    _require(xp.all({holds}), "{item.text}")']
-    if item.kind == "finite":  # the value itself says so
+    if item.kind is Requirement.FINITE:  # the value itself says so
         return []
     required.append(f"valid_{len(required) + 1}")
     return _assignment(required[-1], holds)

@@ -14,7 +14,7 @@ from operator import mul
 import casadi as ca
 import sympy as sp
 
-from derive.ir.expressions import Leaf, Num
+from derive.ir.expressions import Leaf, Number
 
 
 class Symbols:
@@ -54,7 +54,7 @@ class Symbols:
     def _exact(self, value: Fraction) -> ca.SX:
         """A number as a symbol, which CasADi cannot round, as it would the derivative of x / 10."""
         if value not in self._numbers:
-            self._numbers[value] = self._leaf(Num(value))
+            self._numbers[value] = self._leaf(Number(value))
         return self._numbers[value]
 
     def _leaf(self, leaf: Leaf) -> ca.SX:

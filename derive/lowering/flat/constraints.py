@@ -7,12 +7,12 @@ from __future__ import annotations
 
 import casadi as ca
 
-from derive.ir.kernel import Kernel, Output
-from derive.ir.model import Kkt
+from derive.ir.model import Kernel, Kkt, Output
 from derive.ir.patterns import Pattern, pattern
+from derive.ir.statements import Requirement, ReturnCode
 from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.context import Context, Input, array_input, stores
-from derive.lowering.flat.functions import NOT_FINITE, pivot_checks
+from derive.lowering.flat.functions import pivot_checks
 from derive.lowering.flat.schedule import Named, Required, Step
 from derive.lowering.ldlt import Factorisation, factorise, fill_in, saddle_order, solve
 from derive.mechanics.symbols import local
@@ -206,7 +206,7 @@ def _by_factors(
         places.append(stores(output.name, solution[start : start + output.size]))
         start += output.size
     total = sum(solution[1:start], start=solution[0])
-    finite = Required("finite", total, NOT_FINITE, "a result is not finite")
+    finite = Required(Requirement.FINITE, total, ReturnCode.NOT_FINITE, "a result is not finite")
     order = ", ".join(names[j] for j in factors.order)
     return context.kernel(
         name,

@@ -10,8 +10,8 @@ from itertools import chain
 import casadi as ca
 import sympy as sp
 
-from derive.ir.expressions import Num, Ref
-from derive.ir.kernel import Argument, Kernel, Output
+from derive.ir.expressions import Number, ScalarRef
+from derive.ir.model import Argument, Kernel, Output
 from derive.ir.patterns import Pattern, pattern
 from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.graph import Constants, Graph, held
@@ -75,10 +75,12 @@ class Context:
         symbols = Symbols(early=frozenset(row.v for row in eq.rows), late=rotation_symbols(eq.definitions))
         for c in self.coefficients:
             value = c.value
-            known = Num(held(Fraction(int(value.p), int(value.q)))) if value.is_Rational else Ref(str(c.symbol))
+            known = (
+                Number(held(Fraction(int(value.p), int(value.q)))) if value.is_Rational else ScalarRef(str(c.symbol))
+            )
             symbols.input(c.symbol, known)
         for symbol in chain.from_iterable(given.symbols for given in inputs):
-            symbols.input(symbol, Ref(symbol.name))
+            symbols.input(symbol, ScalarRef(symbol.name))
         define(symbols, eq.definitions)
         return symbols
 

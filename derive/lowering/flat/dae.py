@@ -9,7 +9,7 @@ from __future__ import annotations
 import casadi as ca
 import sympy as sp
 
-from derive.ir.kernel import Kernel, Output
+from derive.ir.model import Kernel, Output
 from derive.ir.patterns import pattern
 from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.constraints import jacobian_entries

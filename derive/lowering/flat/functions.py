@@ -7,17 +7,15 @@ from fractions import Fraction
 import casadi as ca
 import sympy as sp
 
-from derive.ir.kernel import Kernel, Output
+from derive.ir.model import Kernel, Output
 from derive.ir.patterns import pattern
+from derive.ir.statements import Requirement, ReturnCode
 from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.context import Context, array_input, define, stores
 from derive.lowering.flat.schedule import Named, Required, Step, Stored
 from derive.lowering.ldlt import Factorisation, factorise, solve
 from derive.mechanics.equations import MarkerEquations
 from derive.mechanics.symbols import state_rate
-
-PIVOT, NOT_FINITE = 1, 2
-"""Return codes, both recoverable: a pivot vanished; a value is not finite."""
 
 VANISHING = Fraction(1, 2**44)
 """A pivot below this part of its diagonal entry is rounding error, not inertia."""
@@ -71,7 +69,7 @@ def accel(context: Context) -> Kernel:
     named = tuple(Named(f"pivot_{context.rows[j]}", pivot) for pivot, j in pivots)
     required = pivot_checks(symbols, factors, context.rows)
     total = sum(solution[1:], start=solution[0])
-    finite = Required("finite", total, NOT_FINITE, "an acceleration is not finite")
+    finite = Required(Requirement.FINITE, total, ReturnCode.NOT_FINITE, "an acceleration is not finite")
     order = ", ".join(context.rows[j] for j in factors.order)
     fill = f"fill-in {factors.fill}" if factors.fill else "no fill-in"
     return context.kernel(
@@ -93,7 +91,9 @@ def pivot_checks(symbols: Symbols, factors: Factorisation, names: tuple[str, ...
     for pivot, scale, j in zip(factors.pivots, factors.scales, factors.order, strict=True):
         above = pivot if pivot is scale else pivot - margin * scale
         text = f"the pivot of {names[j]} vanished"
-        found.append(Required("positive", above if j < factors.coordinates else -above, PIVOT, text))
+        found.append(
+            Required(Requirement.POSITIVE, above if j < factors.coordinates else -above, ReturnCode.PIVOT, text)
+        )
     return tuple(found)
 
 

@@ -14,16 +14,16 @@ import casadi as ca
 import sympy as sp
 
 from derive.errors import TisserandError
-from derive.ir.expressions import At, Entry, Expr, Leaf, Num, Op, Ref
-from derive.ir.kernel import Require
+from derive.ir.expressions import ArrayAccess, Expr, Leaf, MatrixEntry, Number, Operation, Operator, ScalarRef
+from derive.ir.statements import Require, Requirement, ReturnCode
 from derive.lowering.flat.casadi_symbols import Symbols
 
-BINARY = {ca.OP_ADD: "add", ca.OP_SUB: "sub", ca.OP_MUL: "mul", ca.OP_DIV: "div"}
+BINARY = {ca.OP_ADD: Operator.ADD, ca.OP_SUB: Operator.SUB, ca.OP_MUL: Operator.MUL, ca.OP_DIV: Operator.DIV}
 LEAST, MOST = Fraction(sys.float_info.min), Fraction(sys.float_info.max)
 SHORT = 9
 """Nodes of an expression of coefficients that gets one name; a longer one is made of named ones."""
 
-UNARY = {ca.OP_NEG: "neg", ca.OP_SIN: "sin", ca.OP_COS: "cos", ca.OP_SQRT: "sqrt"}
+UNARY = {ca.OP_NEG: Operator.NEG, ca.OP_SIN: Operator.SIN, ca.OP_COS: Operator.COS, ca.OP_SQRT: Operator.SQRT}
 
 
 @dataclass(frozen=True)
@@ -31,8 +31,14 @@ class Node:
     """A leaf or the kind of an operation with the numbers of its operands."""
 
     leaf: Leaf | None
-    kind: str = ""
+    kind: Operator | None = None
     args: tuple[int, ...] = ()
+
+    @property
+    def operator(self) -> Operator:
+        """The operator of a node that is no leaf."""
+        assert self.kind is not None, "a leaf has no operator"
+        return self.kind
 
 
 class LoweringError(TisserandError):
@@ -47,7 +53,7 @@ class Constants:
         self.hoisted: dict[Expr, str] = {}
         self.requirements: list[Require] = []
 
-    def require(self, kind: str, expr: Expr, code: int, text: str) -> None:
+    def require(self, kind: Requirement, expr: Expr, code: ReturnCode, text: str) -> None:
         """Let setup check a value that depends on coefficients alone."""
         if not any(r.kind == kind and r.expr == expr for r in self.requirements):
             self.requirements.append(Require(kind, expr, code, text))
@@ -61,9 +67,9 @@ class Constants:
 
     def _describe(self, expr: Expr) -> str | None:
         match expr:
-            case Op("div", (Num(Fraction(numerator=1, denominator=1)), Ref(name))):
+            case Operation(Operator.DIV, (Number(Fraction(numerator=1, denominator=1)), ScalarRef(name))):
                 return f"inverse_{name}"
-            case Op("neg", (Ref(name),)):
+            case Operation(Operator.NEG, (ScalarRef(name),)):
                 return f"minus_{name}"
         return None
 
@@ -87,9 +93,9 @@ class Graph:
 
     def number(self, value: int | Fraction) -> int:
         """The node of a number. Raises LoweringError when no double is near it."""
-        return self.leaf(Num(held(Fraction(value))))
+        return self.leaf(Number(held(Fraction(value))))
 
-    def apply(self, kind: str, *args: int) -> int:
+    def apply(self, kind: Operator, *args: int) -> int:
         """The node of an operation, folded when its operands are numbers or make it trivial."""
         folded = self._fold(kind, args)
         if folded is not None:
@@ -103,8 +109,8 @@ class Graph:
         n = self.nodes[node]
         if n.leaf is not None or not self._constant[node]:
             return node
-        expr = self.expr(node) if self._size[node] <= SHORT else Op(n.kind, self._settled_args(n))
-        return self.leaf(Ref(self.constants.name(expr)))
+        expr = self.expr(node) if self._size[node] <= SHORT else Operation(n.operator, self._settled_args(n))
+        return self.leaf(ScalarRef(self.constants.name(expr)))
 
     def _settled_args(self, node: Node) -> tuple[Expr, ...]:
         return tuple(self.expr(self.settled(a)) for a in node.args)
@@ -112,12 +118,12 @@ class Graph:
     def value(self, node: int) -> Fraction | None:
         """The number that a node is, if it is one."""
         leaf = self.nodes[node].leaf
-        return leaf.value if isinstance(leaf, Num) else None
+        return leaf.value if isinstance(leaf, Number) else None
 
     def expr(self, node: int) -> Expr:
         """The whole expression of a node."""
         n = self.nodes[node]
-        return n.leaf if n.leaf is not None else Op(n.kind, tuple(self.expr(a) for a in n.args))
+        return n.leaf if n.leaf is not None else Operation(n.operator, tuple(self.expr(a) for a in n.args))
 
     def _intern(self, node: Node) -> int:
         if node not in self._index:
@@ -133,45 +139,45 @@ class Graph:
 
     def _depends_on_constants(self, node: Node) -> bool:
         match node.leaf:
-            case Num():
+            case Number():
                 return True
-            case Ref(name):
+            case ScalarRef(name):
                 return name in self.constants.coefficients or name in self.constants.hoisted.values()
-            case At() | Entry():
+            case ArrayAccess() | MatrixEntry():
                 return False
         return all(self._constant[a] for a in node.args)
 
-    def _fold(self, kind: str, args: tuple[int, ...]) -> int | None:
+    def _fold(self, kind: Operator, args: tuple[int, ...]) -> int | None:
         values = [self.value(a) for a in args]
-        if kind in ("sin", "cos", "sqrt"):
-            return self.number(1 if kind == "cos" else 0) if values[0] == 0 else None
+        if kind.function:
+            return self.number(1 if kind is Operator.COS else 0) if values[0] == 0 else None
         known = [v for v in values if v is not None]
         if len(known) == len(values):
             return self.number(_exact(kind, known))
-        if kind == "neg":
+        if kind is Operator.NEG:
             inner = self.nodes[args[0]]
-            return inner.args[0] if inner.kind == "neg" else None
+            return inner.args[0] if inner.kind is Operator.NEG else None
         return self._neutral(kind, args, values)
 
-    def _neutral(self, kind: str, args: tuple[int, ...], values: list[Fraction | None]) -> int | None:
+    def _neutral(self, kind: Operator, args: tuple[int, ...], values: list[Fraction | None]) -> int | None:
         """x * 1, x / 1, x * -1, signs that a sum can absorb, numbers first, and divisions that setup can do.
 
         Zeros do not come this far: the derivation drops them, with their reasons.
         """
         (a, b), (va, vb) = args, values
-        negated = self.nodes[b].args[0] if self.nodes[b].kind == "neg" else None
-        if kind in ("mul", "div") and vb == 1:
+        negated = self.nodes[b].args[0] if self.nodes[b].kind is Operator.NEG else None
+        if kind in (Operator.MUL, Operator.DIV) and vb == 1:
             return a
-        if kind == "mul" and va == 1:
+        if kind is Operator.MUL and va == 1:
             return b
-        if kind == "mul" and -1 in (va, vb):
-            return self.apply("neg", b if va == -1 else a)
-        if kind in ("add", "sub") and negated is not None:
-            return self.apply("sub" if kind == "add" else "add", a, negated)
-        if kind == "mul" and vb is not None:
-            return self.apply("mul", b, a)
-        if kind == "div" and vb is None and self._constant[b] and not self._constant[a]:
-            return self.apply("mul", a, self.apply("div", self.number(1), b))  # setup divides
+        if kind is Operator.MUL and -1 in (va, vb):
+            return self.apply(Operator.NEG, b if va == -1 else a)
+        if kind in (Operator.ADD, Operator.SUB) and negated is not None:
+            return self.apply(Operator.SUB if kind is Operator.ADD else Operator.ADD, a, negated)
+        if kind is Operator.MUL and vb is not None:
+            return self.apply(Operator.MUL, b, a)
+        if kind is Operator.DIV and vb is None and self._constant[b] and not self._constant[a]:
+            return self.apply(Operator.MUL, a, self.apply(Operator.DIV, self.number(1), b))  # setup divides
         return None
 
 
@@ -185,11 +191,13 @@ def held(value: Fraction) -> Fraction:
     return value
 
 
-def _exact(kind: str, values: list[Fraction]) -> Fraction:
-    if kind == "neg":
+def _exact(kind: Operator, values: list[Fraction]) -> Fraction:
+    if kind is Operator.NEG:
         return -values[0]
     a, b = values
-    return {"add": a.__add__, "sub": a.__sub__, "mul": a.__mul__, "div": a.__truediv__}[kind](b)
+    return {Operator.ADD: a.__add__, Operator.SUB: a.__sub__, Operator.MUL: a.__mul__, Operator.DIV: a.__truediv__}[
+        kind
+    ](b)
 
 
 def read(graph: Graph, symbols: Symbols, outputs: list[ca.SX]) -> list[int]:
@@ -222,11 +230,11 @@ def _operation(graph: Graph, operation: int, args: list[int]) -> int:
     if operation in UNARY:
         return graph.apply(UNARY[operation], args[0])
     if operation == ca.OP_SQ:
-        return graph.apply("mul", args[0], args[0])
+        return graph.apply(Operator.MUL, args[0], args[0])
     if operation == ca.OP_TWICE:
-        return graph.apply("mul", graph.number(2), args[0])
+        return graph.apply(Operator.MUL, graph.number(2), args[0])
     if operation == ca.OP_INV:
-        return graph.apply("div", graph.number(1), args[0])
+        return graph.apply(Operator.DIV, graph.number(1), args[0])
     if operation == ca.OP_FABS:
         raise LoweringError("the root of a square, such as sqrt(t^2), has a kink; write the function without it")
     raise NotImplementedError(f"CasADi operation {operation} has no counterpart in the Kernel")

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from derive.ir.kernel import Kernel
-from derive.ir.model import Model, Variable, Zero
+from derive.ir.model import Kernel, Model, Variable, Zero
 from derive.lowering.flat import constraints, dae, functions
 from derive.lowering.flat.context import Context
 from derive.lowering.flat.setup import setup_kernel

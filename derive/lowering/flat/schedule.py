@@ -10,8 +10,9 @@ from itertools import count
 
 import casadi as ca
 
-from derive.ir.expressions import Expr, Let, Num, Op, Ref
-from derive.ir.kernel import Require, Section, Statement, Store
+from derive.ir.expressions import Expr, Number, Operation, Operator, ScalarRef
+from derive.ir.model import Section
+from derive.ir.statements import Let, Require, Requirement, ReturnCode, Statement, Store
 from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.graph import Graph, LoweringError, read
 
@@ -37,9 +38,9 @@ class Stored:
 class Required:
     """A value that must be `positive` or `finite`; else the kernel returns `code`."""
 
-    kind: str
+    kind: Requirement
     value: ca.SX
-    code: int
+    code: ReturnCode
     text: str
 
 
@@ -100,7 +101,7 @@ def _moved_to_setup(graph: Graph, want: Required, node: int) -> bool:
     if not graph.is_constant(node):
         return False
     number = graph.value(node)
-    if number is not None and want.kind == "positive" and number <= 0:
+    if number is not None and want.kind is Requirement.POSITIVE and number <= 0:
         raise LoweringError(
             f"{want.text}, whatever the state: shapes are too nearly dependent to compute with (make them orthogonal), "
             "or joints hold the same bodies twice (leave one out)"
@@ -139,32 +140,32 @@ class _Writer:
         if n.leaf is not None:
             return n.leaf
         if node in self.written:
-            return Ref(self.written[node])
-        if n.kind == "neg" and self._stands_alone(n.args[0]):
+            return ScalarRef(self.written[node])
+        if n.kind is Operator.NEG and self._stands_alone(n.args[0]):
             expr = self._negative(n.args[0], out)
-        elif n.kind == "div" and self.divisors[n.args[1]] > 1:
+        elif n.kind is Operator.DIV and self.divisors[n.args[1]] > 1:
             if self.graph.value(n.args[0]) == 1:
                 return self._inverse(n.args[1], out)
-            expr = Op("mul", (self._expr(n.args[0], out), self._inverse(n.args[1], out)))
+            expr = Operation(Operator.MUL, (self._expr(n.args[0], out), self._inverse(n.args[1], out)))
         else:
-            expr = Op(n.kind, tuple(self._expr(a, out) for a in n.args))
+            expr = Operation(n.operator, tuple(self._expr(a, out) for a in n.args))
         if self._stands_alone(node):
             return expr
         self.written[node] = self.names.get(node) or self._next_name()
         out.append(Let(self.written[node], expr))
-        return Ref(self.written[node])
+        return ScalarRef(self.written[node])
 
     def _negative(self, node: int, out: list[Statement]) -> Expr:
         """-(a + b) as -a - b, and -(c x) as (-c) x with -c from setup: the sign then costs nothing."""
         n = self.graph.nodes[node]
-        if n.kind == "add" and self._stands_alone(n.args[0]):
-            return Op("sub", (self._negative(n.args[0], out), self._expr(n.args[1], out)))
-        if n.kind == "mul" and self._stands_alone(node):
+        if n.kind is Operator.ADD and self._stands_alone(n.args[0]):
+            return Operation(Operator.SUB, (self._negative(n.args[0], out), self._expr(n.args[1], out)))
+        if n.kind is Operator.MUL and self._stands_alone(node):
             for constant, other in (n.args, n.args[::-1]):
                 if self.graph.is_constant(constant):
-                    minus = self.graph.settled(self.graph.apply("neg", constant))
-                    return Op("mul", (self._expr(minus, out), self._expr(other, out)))
-        return Op("neg", (self._expr(node, out),))
+                    minus = self.graph.settled(self.graph.apply(Operator.NEG, constant))
+                    return Operation(Operator.MUL, (self._expr(minus, out), self._expr(other, out)))
+        return Operation(Operator.NEG, (self._expr(node, out),))
 
     def _stands_alone(self, node: int) -> bool:
         """Whether a node is an operation that is written where it is used."""
@@ -174,10 +175,10 @@ class _Writer:
         """One division serves all quotients with the same divisor."""
         if node not in self.inverses:
             divisor = self._expr(node, out)
-            name = f"inverse_{divisor.name}" if isinstance(divisor, Ref) else self._next_name()
+            name = f"inverse_{divisor.name}" if isinstance(divisor, ScalarRef) else self._next_name()
             self.inverses[node] = name
-            out.append(Let(name, Op("div", (Num(Fraction(1)), divisor))))
-        return Ref(self.inverses[node])
+            out.append(Let(name, Operation(Operator.DIV, (Number(Fraction(1)), divisor))))
+        return ScalarRef(self.inverses[node])
 
     def _next_name(self) -> str:
         return next(self.temporaries)
@@ -188,7 +189,7 @@ def _divisors(graph: Graph, uses: Counter[int]) -> Counter[int]:
     return Counter(
         n.args[1]
         for node, n in enumerate(graph.nodes)
-        if n.kind == "div" and uses[node] and graph.value(n.args[1]) is None
+        if n.kind is Operator.DIV and uses[node] and graph.value(n.args[1]) is None
     )
 
 

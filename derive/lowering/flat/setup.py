@@ -6,17 +6,21 @@ from collections.abc import Callable, Iterable
 
 import casadi as ca
 
-from derive.ir.expressions import Expr, Num, Op, Ref, walk
+from derive.ir.expressions import Expr, Number, Operation, Operator, ScalarRef, walk
 from derive.ir.interpreter import BINARY
-from derive.ir.kernel import Argument, Kernel, Output
-from derive.ir.model import Variable
+from derive.ir.model import Argument, Kernel, Output, Variable
+from derive.ir.statements import Requirement, ReturnCode
 from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.context import Context
-from derive.lowering.flat.functions import NOT_FINITE
 from derive.lowering.flat.graph import Constants, Graph
 from derive.lowering.flat.schedule import Named, Required, Step, Stored, schedule
 
-UNARY: dict[str, Callable[[ca.SX], ca.SX]] = {"neg": lambda a: -a, "sin": ca.sin, "cos": ca.cos, "sqrt": ca.sqrt}
+UNARY: dict[Operator, Callable[[ca.SX], ca.SX]] = {
+    Operator.NEG: lambda a: -a,
+    Operator.SIN: ca.sin,
+    Operator.COS: ca.cos,
+    Operator.SQRT: ca.sqrt,
+}
 
 
 def setup_kernel(context: Context, kernels: Iterable[Kernel]) -> tuple[Kernel, tuple[Variable, ...]]:
@@ -24,7 +28,7 @@ def setup_kernel(context: Context, kernels: Iterable[Kernel]) -> tuple[Kernel, t
     parameters = context.equations.parameters
     symbols = Symbols(early=frozenset(p.symbol for p in parameters), late=frozenset())
     for p in parameters:
-        symbols.input(p.symbol, Ref(f"p_{p.symbol}"))
+        symbols.input(p.symbol, ScalarRef(f"p_{p.symbol}"))
     used = frozenset().union(*(kernel.used for kernel in kernels))
     hoisted = {name: expr for expr, name in context.constants.hoisted.items()}
     needed = _needed(used, hoisted, (r.expr for r in context.constants.requirements))
@@ -43,12 +47,20 @@ def setup_kernel(context: Context, kernels: Iterable[Kernel]) -> tuple[Kernel, t
     named = tuple(Named(name, value) for name, value in values.items())
     checks = [
         *(
-            Required("positive", symbols.values[p.symbol], NOT_FINITE, f"{p.symbol} must be positive")
+            Required(
+                Requirement.POSITIVE, symbols.values[p.symbol], ReturnCode.NOT_FINITE, f"{p.symbol} must be positive"
+            )
             for p in parameters
             if p.positive
         ),
-        *(Required("finite", symbols.values[p.symbol], NOT_FINITE, f"{p.symbol} must be finite") for p in parameters),
-        *(Required("finite", values[c.name], NOT_FINITE, f"{c.name} is not finite") for c in constants),
+        *(
+            Required(Requirement.FINITE, symbols.values[p.symbol], ReturnCode.NOT_FINITE, f"{p.symbol} must be finite")
+            for p in parameters
+        ),
+        *(
+            Required(Requirement.FINITE, values[c.name], ReturnCode.NOT_FINITE, f"{c.name} is not finite")
+            for c in constants
+        ),
         *(Required(r.kind, _casadi(r.expr, values, symbols), r.code, r.text) for r in context.constants.requirements),
     ]
     stored = tuple(Stored("k", index, values[c.name]) for index, c in enumerate(constants))
@@ -71,7 +83,7 @@ def _needed(used: frozenset[str], hoisted: dict[str, Expr], checked: Iterable[Ex
     """The names of all constants behind the used ones and the checked expressions."""
 
     def names(expr: Expr) -> set[str]:
-        return {e.name for e in walk(expr) if isinstance(e, Ref)}
+        return {e.name for e in walk(expr) if isinstance(e, ScalarRef)}
 
     needed = set(used).union(*map(names, checked))
     for name, expr in reversed(hoisted.items()):  # an expression refers to earlier ones only
@@ -82,24 +94,24 @@ def _needed(used: frozenset[str], hoisted: dict[str, Expr], checked: Iterable[Ex
 
 def _casadi(expr: Expr, values: dict[str, ca.SX], symbols: Symbols) -> ca.SX:
     """An expression of coefficients, in CasADi."""
-    if isinstance(expr, Num):
+    if isinstance(expr, Number):
         return symbols.number(expr.value)
-    if isinstance(expr, Ref):
+    if isinstance(expr, ScalarRef):
         return values[expr.name]
-    assert isinstance(expr, Op), "setup has no loops here"
+    assert isinstance(expr, Operation), "setup has no loops here"
     args = [_casadi(a, values, symbols) for a in expr.args]
     return UNARY[expr.kind](args[0]) if expr.kind in UNARY else BINARY[expr.kind](*args)
 
 
 def _text(expr: Expr) -> str:
     """An expression as the generated comments show it."""
-    if isinstance(expr, Num):
+    if isinstance(expr, Number):
         return str(expr.value)
-    if isinstance(expr, Ref):
+    if isinstance(expr, ScalarRef):
         return expr.name
-    assert isinstance(expr, Op), "setup has no loops here"
-    args = [f"({_text(a)})" if isinstance(a, Op) else _text(a) for a in expr.args]
-    sign = {"add": " + ", "sub": " - ", "mul": " * ", "div": " / "}
-    if expr.kind in ("sin", "cos", "sqrt"):
-        return f"{expr.kind}({_text(expr.args[0])})"
-    return f"-{args[0]}" if expr.kind == "neg" else sign[expr.kind].join(args)
+    assert isinstance(expr, Operation), "setup has no loops here"
+    args = [f"({_text(a)})" if isinstance(a, Operation) else _text(a) for a in expr.args]
+    sign = {Operator.ADD: " + ", Operator.SUB: " - ", Operator.MUL: " * ", Operator.DIV: " / "}
+    if expr.kind.function:
+        return f"{expr.kind.value}({_text(expr.args[0])})"
+    return f"-{args[0]}" if expr.kind is Operator.NEG else sign[expr.kind].join(args)

@@ -5,11 +5,11 @@ from __future__ import annotations
 import casadi as ca
 import sympy as sp
 
-from derive.ir.kernel import Kernel, Require, Section, Store
-from derive.ir.loops import Put, StoreAt, Substitute
+from derive.ir.model import Kernel, Section
 from derive.ir.patterns import pattern
+from derive.ir.statements import Require, Requirement, ReturnCode, Store, StoreLocal, StoreStrided, TriangularSolve
 from derive.lowering.flat.casadi_symbols import Symbols
-from derive.lowering.flat.functions import NOT_FINITE, PIVOT, VANISHING
+from derive.lowering.flat.functions import VANISHING
 from derive.lowering.ldlt import elimination_order, factorise, solve
 from derive.lowering.loops.program import NOTHING, Program, Row, Scalar, Target
 from derive.lowering.loops.tables import RIGID, SHAPE, Tables, output
@@ -26,8 +26,8 @@ def accel(tables: Tables) -> Kernel:
     scalars: list[Scalar] = [(local(f"h_{name}"), tables.at_rest(tables.left[name])) for name in tables.rows]
     places = [(r, c) for c in range(RIGID) for r in range(c, RIGID) if tables.mass_entry(r, c) != 0]
     scalars += [(local("M", r + 1, c + 1), tables.mass_entry(r, c)) for r, c in places]
-    rows: list[Row] = [(Put("h", NOTHING), tables.at_rest(tables.left[SHAPE]))] if tables.n else []
-    rows += [(Put(f"B_{r + 1}", NOTHING), tables.coupling[r]) for r in coupled]
+    rows: list[Row] = [(StoreLocal("h", NOTHING), tables.at_rest(tables.left[SHAPE]))] if tables.n else []
+    rows += [(StoreLocal(f"B_{r + 1}", NOTHING), tables.coupling[r]) for r in coupled]
     program.phase("h and B", "(15)", "forces, and coupling of rigid motion and shapes", scalars, rows)
     arrays = ("h", *(f"B_{r + 1}" for r in coupled))
     weight = sp.S.One
@@ -47,13 +47,15 @@ def accel(tables: Tables) -> Kernel:
     rest = h + sum((b[r] * tables.equations.rows[r].a for r in coupled), sp.S.Zero)
     if tables.n:
         x = local("x", shapes=(I,))
-        program.phase("alphaddot", "(15)", "accelerations of the shapes", (), [(Put("x", NOTHING), -weight * rest)])
+        program.phase(
+            "alphaddot", "(15)", "accelerations of the shapes", (), [(StoreLocal("x", NOTHING), -weight * rest)]
+        )
         if tables.c8 == "full":
             program.sections.append(_substituted(tables, ("x",), transposed=True))
-        program.phase("vdot", "", "accelerations of the shapes", (), [(StoreAt("vdot", RIGID, 1, NOTHING), x)])
+        program.phase("vdot", "", "accelerations of the shapes", (), [(StoreStrided("vdot", RIGID, 1, NOTHING), x)])
         program.reduce([Total(local("shapes"), sp.S.Zero, x, "what shows that all are finite")])
     every = sp.Add(*(row.a for row in tables.equations.rows), *([local("shapes")] if tables.n else []))
-    finite = Require("finite", NOTHING, NOT_FINITE, "an acceleration is not finite")
+    finite = Require(Requirement.FINITE, NOTHING, ReturnCode.NOT_FINITE, "an acceleration is not finite")
     program.scalars("check", "", "refuse what is not finite", [(finite, every)])
     names = tuple(str(row.a) for row in tables.equations.rows)
     labels = (*names, *([f"alpha1ddot .. alpha{tables.n}ddot"] if tables.n else []))
@@ -67,7 +69,7 @@ def accel(tables: Tables) -> Kernel:
 
 def _substituted(tables: Tables, arrays: tuple[str, ...], transposed: bool) -> Section:
     doc = "back substitution with the Cholesky factor of c8" if transposed else "forward substitution with it"
-    return Section("c8", "appendix", doc, (Substitute("root", tables.n, arrays, transposed),))
+    return Section("c8", "appendix", doc, (TriangularSolve("root", tables.n, arrays, transposed),))
 
 
 def _rigid_accelerations(
@@ -94,7 +96,7 @@ def _rigid_accelerations(
         margin = symbols.number(VANISHING)
         wants: list[tuple[Target, ca.SX]] = [
             (
-                Require("positive", NOTHING, PIVOT, f"the pivot of {tables.rows[j]} vanished"),
+                Require(Requirement.POSITIVE, NOTHING, ReturnCode.PIVOT, f"the pivot of {tables.rows[j]} vanished"),
                 pivot - margin * whole[j, j],
             )
             for pivot, j in zip(factors.pivots, factors.order, strict=True)

@@ -12,11 +12,24 @@ from fractions import Fraction
 
 import sympy as sp
 
-from derive.ir.expressions import At, Expr, Num, Ref
-from derive.ir.kernel import Argument, Kernel, Output, Require, Section, Statement, Store, View
-from derive.ir.loops import Clear, Each, Pack, Packing, RequireAll, Root, Source, StoreAt, padded
-from derive.ir.model import Model, Variable, Zero
-from derive.lowering.flat.functions import NOT_FINITE, PIVOT
+from derive.ir.expressions import ArrayAccess, Expr, Number, ScalarRef
+from derive.ir.model import Argument, Kernel, Model, Output, Section, Variable, View, Zero
+from derive.ir.statements import (
+    Cholesky,
+    Clear,
+    Map,
+    Pack,
+    Packing,
+    PackSource,
+    Require,
+    RequireFinite,
+    Requirement,
+    ReturnCode,
+    Statement,
+    Store,
+    StoreStrided,
+    padded,
+)
 from derive.mechanics.indexed_equations import GenericEquations, Table
 from derive.mechanics.series import PARITY
 from derive.mechanics.symbols import Family
@@ -35,7 +48,7 @@ class Memory:
 
     argument: Argument
     packing: Packing
-    scalars: dict[sp.Symbol, Num | Ref]
+    scalars: dict[sp.Symbol, Number | ScalarRef]
     parameters: tuple[Variable, ...]
     sources: tuple[tuple[Table, int], ...]
     triangle: str = TRIANGLE
@@ -68,14 +81,14 @@ def memory(eq: GenericEquations) -> Memory:
     for name, length in [(v, padded(n)) for v in vectors] + _c8_arrays(eq):
         views.append(View(name, place, length))
         place += length
-    scalars: dict[sp.Symbol, Num | Ref] = {}
+    scalars: dict[sp.Symbol, Number | ScalarRef] = {}
     for c in eq.scalars:
         number = c.value.is_Rational
-        scalars[c.symbol] = Num(Fraction(int(c.value.p), int(c.value.q))) if number else Ref(str(c.symbol))
+        scalars[c.symbol] = Number(Fraction(int(c.value.p), int(c.value.q))) if number else ScalarRef(str(c.symbol))
     for t in kept:
         if not t.counted:
-            scalars |= {symbol: Ref(symbol.name) for symbol in t.generic_entries}
-    elements = tuple(leaf.name for leaf in scalars.values() if isinstance(leaf, Ref))
+            scalars |= {symbol: ScalarRef(symbol.name) for symbol in t.generic_entries}
+    elements = tuple(leaf.name for leaf in scalars.values() if isinstance(leaf, ScalarRef))
     positions = tuple(range(place, place + len(elements)))
     argument = Argument("k", elements, "constants from setup", arrays=tuple(views), positions=positions)
     return Memory(argument, packing, scalars, _parameters(eq, kept), tuple(_offsets(eq, kept)))
@@ -114,7 +127,7 @@ def _offsets(eq: GenericEquations, kept: list[Table]) -> list[tuple[Table, int]]
 
 def copied(output: str, offset: int, source: str, count: int) -> Section:
     """A section that copies an array to an output."""
-    loop = Each(count, (StoreAt(output, offset, 1, At(source, "i")),))
+    loop = Map(count, (StoreStrided(output, offset, 1, ArrayAccess(source, "i")),))
     return Section("c8", "appendix", "int rho Phi_i . Phi_j, which does not change", (loop,))
 
 
@@ -128,7 +141,7 @@ def setup(eq: GenericEquations, memory: Memory) -> Kernel:
     total = k.size
     body: list[Statement] = [Clear("k", total)]
     sources = [
-        Source(name, f"p_{t.name}", c, len(t.components), PARITY[t.family])
+        PackSource(name, f"p_{t.name}", c, len(t.components), PARITY[t.family])
         for t, _ in memory.sources
         if t.family in PACKED and t.kind == "full"
         for c, name in enumerate(arrays(t))
@@ -137,18 +150,20 @@ def setup(eq: GenericEquations, memory: Memory) -> Kernel:
     body += [Pack(memory.packing, "k", ordered)] if ordered else []
     places = {view.name: view.offset for view in k.arrays}
     rows = [
-        StoreAt("k", places[name], 1, At(f"p_{t.name}", "i", len(t.components), c))
+        StoreStrided("k", places[name], 1, ArrayAccess(f"p_{t.name}", "i", len(t.components), c))
         for t, _ in memory.sources
         if t.counted == 1 or t.kind == "diagonal"
         for c, name in enumerate(arrays(t))
     ]
-    body += [Each(n, tuple(rows))] if rows else []
-    values: dict[str, Expr] = {str(c.symbol): Ref(f"p_{c.value}") for c in eq.scalars}
-    body += [Store("k", place, values.get(name, Ref(f"p_{name}"))) for place, name in k.places]
+    body += [Map(n, tuple(rows))] if rows else []
+    values: dict[str, Expr] = {str(c.symbol): ScalarRef(f"p_{c.value}") for c in eq.scalars}
+    body += [Store("k", place, values.get(name, ScalarRef(f"p_{name}"))) for place, name in k.named_elements]
     checks: list[Statement] = [
-        RequireAll("p", p.size, NOT_FINITE, "a parameter is not finite"),
+        RequireFinite("p", p.size, ReturnCode.NOT_FINITE, "a parameter is not finite"),
         *(
-            Require("positive", Ref(f"p_{q.symbol}"), NOT_FINITE, f"{q.symbol} must be positive")
+            Require(
+                Requirement.POSITIVE, ScalarRef(f"p_{q.symbol}"), ReturnCode.NOT_FINITE, f"{q.symbol} must be positive"
+            )
             for q in eq.parameters
             if q.positive
         ),
@@ -160,7 +175,7 @@ def setup(eq: GenericEquations, memory: Memory) -> Kernel:
     if TRIANGLE in places:
         pairs = n * (n + 1) // 2
         sections.append(copied("k", places[TRIANGLE], "p_c8", pairs))
-        root = Root("k", places[ROOT], "p_c8", n, PIVOT, "c8 is not positive definite")
+        root = Cholesky("k", places[ROOT], "p_c8", n, ReturnCode.PIVOT, "c8 is not positive definite")
         sections.append(Section("root", "LDL^T", "Cholesky factor of c8", (root,)))
     doc = "Constants k from the parameters p: once for a set of parameters."
     return Kernel("setup", doc, (p,), (Output("k", (), "constants", None, total),), tuple(sections))

@@ -6,11 +6,10 @@ the mean frame), or is a unit or diagonal matrix, is known here and costs nothin
 
 from __future__ import annotations
 
-from derive.ir.expressions import Ref
-from derive.ir.kernel import Argument, Kernel, Output, Store
-from derive.ir.loops import StoreAt
-from derive.ir.model import Model, Zero
-from derive.ir.patterns import Columns, Piece, block_pattern
+from derive.ir.expressions import ScalarRef
+from derive.ir.model import Argument, Kernel, Model, Output, Zero
+from derive.ir.patterns import ColumnGroup, RowSet, RowSetKind, block_pattern
+from derive.ir.statements import Store, StoreStrided
 from derive.lowering.loops import data_layout as store
 from derive.lowering.loops.accelerations import accel
 from derive.lowering.loops.iteration_matrix import jacobian
@@ -105,7 +104,7 @@ def _momentum(tables: Tables) -> Kernel:
 def _rates(tables: Tables) -> Kernel:
     program = tables.program(tables.q, tables.v)
     wants: list[Scalar] = [(Store("qdot", k, NOTHING), rate) for k, rate in enumerate(tables.equations.rates)]
-    rows: list[Row] = [(StoreAt("qdot", RIGID + 1, 1, NOTHING), amplitude(I, 1))]
+    rows: list[Row] = [(StoreStrided("qdot", RIGID + 1, 1, NOTHING), amplitude(I, 1))]
     program.phase("rates", "(1)", "from Qdot = Q (omega x)", wants, rows)
     labels = (*(f"{name}_t" for name in tables.q.elements), *([f"alpha1_t .. alpha{tables.n}_t"] if tables.n else []))
     values = output("qdot", "time derivative of q", labels, RIGID + 1 + tables.n)
@@ -124,9 +123,9 @@ def _marker(tables: Tables, point: GenericPoint) -> Kernel:
         kept = [(r, e) for r, e in enumerate(column) if e != 0]
         scalars += [(Store("jacobian", place + k, NOTHING), e) for k, (_, e) in enumerate(kept)]
         place += len(kept)
-        groups.append(Columns(1, tuple(Piece("row", r) for r, _ in kept)))
-    rows: list[Row] = [(StoreAt("jacobian", place + r, 3, NOTHING), e) for r, e in enumerate(point.shape)]
-    groups += [Columns(tables.n, (Piece("range", 0, 3),))] if tables.n else []
+        groups.append(ColumnGroup(1, tuple(RowSet(RowSetKind.ROW, r) for r, _ in kept)))
+    rows: list[Row] = [(StoreStrided("jacobian", place + r, 3, NOTHING), e) for r, e in enumerate(point.shape)]
+    groups += [ColumnGroup(tables.n, (RowSet(RowSetKind.RANGE, 0, 3),))] if tables.n else []
     program.phase("marker", "(1)", "x = c + Q r, its rate and its derivatives", scalars, rows)
     shape = block_pattern(3, tuple(groups))
     return program.kernel(
@@ -145,11 +144,11 @@ def _load(tables: Tables, point: GenericPoint) -> Kernel:
     force = Argument("F", tuple(f"F_{k}" for k in AXES), "force at the marker, in the inertial base [N]")
     components = tuple(quantity(Family.FORCE, k) for k in AXES)
     program = tables.program(tables.q)
-    program.known |= {symbol: Ref(symbol.name) for symbol in components}
+    program.known |= {symbol: ScalarRef(symbol.name) for symbol in components}
     program.totals |= {t.symbol: t for t in point.totals}
     program.definitions += point.force
     wants: list[Scalar] = [(Store("f", r, NOTHING), e) for r, e in enumerate(point.load)]
-    rows: list[Row] = [(StoreAt("f", RIGID, 1, NOTHING), point.shape_load)]
+    rows: list[Row] = [(StoreStrided("f", RIGID, 1, NOTHING), point.shape_load)]
     program.phase("f", "(10)", "virtual work of the force", wants, rows)
     return program.kernel(
         f"load_{point.name}",
@@ -169,8 +168,8 @@ def _residual(tables: Tables) -> Kernel:
     ]
     scalars += [(Store("F", first + r, NOTHING), tables.left[name]) for r, name in enumerate(tables.rows)]
     rows: list[Row] = [
-        (StoreAt("F", RIGID + 1, 1, NOTHING), state_rate(amplitude(I)) - amplitude(I, 1)),
-        (StoreAt("F", first + RIGID, 1, NOTHING), tables.left[SHAPE]),
+        (StoreStrided("F", RIGID + 1, 1, NOTHING), state_rate(amplitude(I)) - amplitude(I, 1)),
+        (StoreStrided("F", first + RIGID, 1, NOTHING), tables.left[SHAPE]),
     ]
     program.phase("F", "(15)", "qdot less its value from v, then M vdot + h", scalars, rows)
     labels = (*(f"{name}_t - ..." for name in tables.q.elements), "...", *row_labels("M vdot + h", tables))

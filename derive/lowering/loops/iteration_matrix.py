@@ -6,9 +6,9 @@ from collections.abc import Callable
 
 import sympy as sp
 
-from derive.ir.kernel import Kernel, Store
-from derive.ir.loops import Pairs, StoreAt
-from derive.ir.patterns import Columns, Piece, block_pattern
+from derive.ir.model import Kernel
+from derive.ir.patterns import ColumnGroup, RowSet, RowSetKind, block_pattern
+from derive.ir.statements import MatrixStore, Store, StoreStrided
 from derive.lowering.loops.program import NOTHING, Row, Scalar
 from derive.lowering.loops.tables import CJ, RIGID, SHAPE, Tables, output
 from derive.mechanics.series import ALPHA, ALPHADDOT, ALPHADOT
@@ -44,8 +44,8 @@ class _Columns:
         self.tables = tables
         self.scalars: list[Scalar] = []
         self.rows: list[Row] = []
-        self.pairs: list[tuple[Pairs, sp.Expr, sp.Expr]] = []
-        self.groups: list[Columns] = []
+        self.pairs: list[tuple[MatrixStore, sp.Expr, sp.Expr]] = []
+        self.groups: list[ColumnGroup] = []
         self.place = 0
         self.first = RIGID + 1 + tables.n
 
@@ -75,13 +75,13 @@ class _Columns:
         entries = [(row, e) for row, e in (*kinematic, *dynamic) if e != 0]
         self.scalars += [(Store("jac", self.place + k, NOTHING), e) for k, (_, e) in enumerate(entries)]
         self.place += len(entries)
-        pieces = [Piece("row", row) for row, _ in entries]
+        pieces = [RowSet(RowSetKind.ROW, row) for row, _ in entries]
         shape = derivative(left[SHAPE]) if self.tables.n else sp.S.Zero
         if shape != 0:
-            self.rows.append((StoreAt("jac", self.place, 1, NOTHING), shape))
+            self.rows.append((StoreStrided("jac", self.place, 1, NOTHING), shape))
             self.place += self.tables.n
-            pieces.append(Piece("range", self.first + RIGID, self.tables.n))
-        self.groups.append(Columns(1, tuple(pieces)))
+            pieces.append(RowSet(RowSetKind.RANGE, self.first + RIGID, self.tables.n))
+        self.groups.append(ColumnGroup(1, tuple(pieces)))
 
     def shapes(self, factor: Symbol, acceleration: Symbol | None, kinematic: sp.Expr) -> None:
         """The columns of alpha or alphadot."""
@@ -100,16 +100,22 @@ class _Columns:
         if acceleration:
             more, below = gradient.of_row(tables.left[SHAPE], acceleration)
             full, diagonal = sp.expand(full + CJ * more), sp.expand(diagonal + CJ * below)
-        block = Piece("range", self.first + RIGID, n) if full != 0 else Piece("diagonal", self.first + RIGID)
+        block = (
+            RowSet(RowSetKind.RANGE, self.first + RIGID, n)
+            if full != 0
+            else RowSet(RowSetKind.DIAGONAL, self.first + RIGID)
+        )
         stride = 1 + len(entries) + (n if full != 0 else 1)
-        self.rows.append((StoreAt("jac", self.place, stride, NOTHING), kinematic))
+        self.rows.append((StoreStrided("jac", self.place, stride, NOTHING), kinematic))
         for k, (_, e) in enumerate(entries, 1):
-            self.rows.append((StoreAt("jac", self.place + k, stride, NOTHING), e))
+            self.rows.append((StoreStrided("jac", self.place + k, stride, NOTHING), e))
         offset = self.place + 1 + len(entries)
         if full != 0:
-            self.pairs.append((Pairs(tables.memory.packing, "jac", offset, stride, NOTHING, None), full, diagonal))
+            self.pairs.append(
+                (MatrixStore(tables.memory.packing, "jac", offset, stride, NOTHING, None), full, diagonal)
+            )
         else:
-            self.rows.append((StoreAt("jac", offset, stride, NOTHING), diagonal))
-        pieces = (Piece("diagonal", RIGID + 1), *(Piece("row", r) for r, _ in entries))
-        self.groups.append(Columns(n, (*pieces, block)))
+            self.rows.append((StoreStrided("jac", offset, stride, NOTHING), diagonal))
+        pieces = (RowSet(RowSetKind.DIAGONAL, RIGID + 1), *(RowSet(RowSetKind.ROW, r) for r, _ in entries))
+        self.groups.append(ColumnGroup(n, (*pieces, block)))
         self.place += n * stride

@@ -14,9 +14,24 @@ from itertools import count
 import casadi as ca
 import sympy as sp
 
-from derive.ir.expressions import At, Entry, Expr, Leaf, Let, Num, Op, Ref
-from derive.ir.kernel import Argument, Kernel, Output, Require, Section, Statement, Store, reads
-from derive.ir.loops import Contract, Each, Lane, Packing, Pairs, Put, Reduce, StoreAt, Sum
+from derive.ir.expressions import ArrayAccess, Expr, Leaf, MatrixEntry, Number, Operation, Operator, ScalarRef
+from derive.ir.model import Argument, Kernel, Output, Section
+from derive.ir.statements import (
+    Accumulate,
+    Let,
+    Map,
+    MatrixStore,
+    MatVec,
+    MatVecTerm,
+    Packing,
+    Require,
+    Statement,
+    Store,
+    StoreLocal,
+    StoreStrided,
+    Sum,
+    reads,
+)
 from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.graph import Constants, Graph
 from derive.lowering.flat.schedule import Named, Step, Stored, Want, schedule
@@ -31,12 +46,12 @@ Target = Symbol | Store | Require
 Scalar = tuple[Target, sp.Expr]
 """A scalar: where it goes, and its value."""
 
-Row = tuple[Put | StoreAt, sp.Expr]
+Row = tuple[StoreLocal | StoreStrided, sp.Expr]
 """Where an expression of index i goes, likewise."""
 
-Place = Let | Store | Require | Put | StoreAt
+Place = Let | Store | Require | StoreLocal | StoreStrided
 
-NOTHING = Num(Fraction(0))
+NOTHING = Number(Fraction(0))
 
 
 class Program:
@@ -45,13 +60,13 @@ class Program:
     def __init__(
         self,
         packing: Packing,
-        known: Mapping[sp.Symbol, Num | Ref],
+        known: Mapping[sp.Symbol, Number | ScalarRef],
         definitions: Iterable[Definition],
         contractions: Iterable[Contraction],
         totals: Iterable[Total],
     ) -> None:
         self.packing = packing
-        self.known: dict[sp.Symbol, Num | Ref] = dict(known)
+        self.known: dict[sp.Symbol, Number | ScalarRef] = dict(known)
         self.definitions = [d for d in definitions if not d.zero]
         self.contractions = {c.symbol: c for c in contractions}
         self.totals = {t.symbol: t for t in totals}
@@ -73,9 +88,9 @@ class Program:
         for c in contractions:
             self._arrays.add(c.symbol)
             pairs = tuple((self._vector(factor, entry), array(canonical(entry))) for factor, entry in c.sums)
-            lanes.append(Lane(array(c.symbol), array(c.base) if c.base != 0 else "", pairs))
+            lanes.append(MatVecTerm(array(c.symbol), array(c.base) if c.base != 0 else "", pairs))
         if lanes:
-            section = Section("tables", "appendix", _said(contractions), (Contract(self.packing, tuple(lanes)),))
+            section = Section("tables", "appendix", _said(contractions), (MatVec(self.packing, tuple(lanes)),))
             self.sections.append(section)
 
     def _vector(self, factor: Symbol, entry: Symbol) -> str:
@@ -86,7 +101,7 @@ class Program:
         name = f"minus_{vector}"
         if local(name) not in self._arrays:
             self._arrays.add(local(name))
-            turned = Put(name, Op("neg", (At(vector, "i"),)))
+            turned = StoreLocal(name, Operation(Operator.NEG, (ArrayAccess(vector, "i"),)))
             self.sections.append(Section(name, "", f"{vector} with its sign changed", (self._each((turned,)),)))
         return name
 
@@ -95,14 +110,14 @@ class Program:
         totals = tuple(totals)
         if not totals:
             return
-        body = self._loop([(Put("", NOTHING), by_vector(t.term)) for t in totals])
+        body = self._loop([(StoreLocal("", NOTHING), by_vector(t.term)) for t in totals])
         lets = tuple(item for item in body if isinstance(item, Let))
         terms = [item.expr for item in body if not isinstance(item, Let)]
         bases: list[Leaf] = [NOTHING if t.base == 0 else self.known[t.base] for t in totals]
         sums = tuple(Sum(t.symbol.name, base, term) for t, base, term in zip(totals, bases, terms, strict=True))
-        loop = Reduce(self.packing.count, lets, sums)
+        loop = Accumulate(self.packing.count, lets, sums)
         self.sections.append(Section("sums", "appendix", _said(totals), (loop,)))
-        self.known |= {t.symbol: Ref(t.symbol.name) for t in totals}
+        self.known |= {t.symbol: ScalarRef(t.symbol.name) for t in totals}
 
     def scalars(self, name: str, equation: str, doc: str, wants: Iterable[Scalar]) -> None:
         """Compute scalars in straight line, with the definitions that they need; symbols are known from then on."""
@@ -142,9 +157,9 @@ class Program:
             placed = (_targeted(item, targets) for item in section.body)
             body = tuple(t for t in placed if isinstance(t, Let | Store | Require) and not _says_nothing(t))
             names = {item.name for item in section.body if isinstance(item, Let)}
-            self.known |= {d.symbol: Ref(str(d.symbol)) for d in self.definitions if str(d.symbol) in names}
+            self.known |= {d.symbol: ScalarRef(str(d.symbol)) for d in self.definitions if str(d.symbol) in names}
             self.sections.append(Section(section.name, section.equation, section.doc, body))
-        self.known |= {t: Ref(t.name) for t, _ in wants if isinstance(t, Symbol)}
+        self.known |= {t: ScalarRef(t.name) for t, _ in wants if isinstance(t, Symbol)}
 
     def _rotation(self) -> frozenset[sp.Symbol]:
         return rotation_symbols(self.definitions)
@@ -156,7 +171,7 @@ class Program:
         doc: str,
         scalars: Iterable[Scalar] = (),
         rows: Iterable[Row] = (),
-        pairs: Iterable[tuple[Pairs, sp.Expr, sp.Expr]] = (),
+        pairs: Iterable[tuple[MatrixStore, sp.Expr, sp.Expr]] = (),
     ) -> None:
         """Scalars, then a loop for rows, then a loop for each block of pairs (its expression, that of its diagonal)."""
         scalars, rows, pairs = tuple(scalars), tuple(rows), tuple(pairs)
@@ -172,7 +187,7 @@ class Program:
             loops.append(self._each(self._loop(lines)))
         for loop, full, diagonal in blocks:
             inside, extra = self._pair(full), None if diagonal == 0 else self._pair(diagonal)
-            loops.append(Pairs(loop.packing, loop.output, loop.offset, loop.stride, inside, extra))
+            loops.append(MatrixStore(loop.packing, loop.output, loop.offset, loop.stride, inside, extra))
         if loops and self.packing.count:
             self.sections.append(Section(f"{name}_i", equation, f"{doc}, for each shape", tuple(loops)))
 
@@ -209,20 +224,20 @@ class Program:
             self._factors[expr] = expr if any(d.symbol == expr for d in self.definitions) else own
         return self._factors[expr]
 
-    def _each(self, body: tuple[Let | Put | StoreAt, ...]) -> Each:
-        return Each(self.packing.count, body)
+    def _each(self, body: tuple[Let | StoreLocal | StoreStrided, ...]) -> Map:
+        return Map(self.packing.count, body)
 
-    def _loop(self, rows: list[Row]) -> tuple[Let | Put | StoreAt, ...]:
+    def _loop(self, rows: list[Row]) -> tuple[Let | StoreLocal | StoreStrided, ...]:
         """The body of a loop over i."""
         symbols = Symbols(early=frozenset(self.known), late=frozenset())
         for symbol in sorted(_symbols(e for _, e in rows), key=str):
-            symbols.input(symbol, At(array(symbol), "i") if is_indexed(symbol) else self.known[symbol])
+            symbols.input(symbol, ArrayAccess(array(symbol), "i") if is_indexed(symbol) else self.known[symbol])
         stored = tuple(Stored("", k, symbols(expr)) for k, (_, expr) in enumerate(rows))
         step = Step("loop", "", "", stored)
         (section,) = schedule(Graph(Constants(frozenset())), symbols, (), (step,), self._temporaries)
         targets = [target for target, _ in rows]
         placed = (_targeted(item, targets) for item in section.body)
-        return tuple(item for item in placed if isinstance(item, Let | Put | StoreAt))
+        return tuple(item for item in placed if isinstance(item, Let | StoreLocal | StoreStrided))
 
     def _pair(self, expr: sp.Expr) -> Expr:
         """An expression of i and j, without names in between."""
@@ -252,7 +267,7 @@ def by_vector(term: sp.Expr) -> sp.Expr:
 
 
 def _pair_leaf(symbol: sp.Symbol) -> Leaf:
-    return Entry(array(symbol)) if len(identity(symbol).shapes) == 2 else At(array(symbol), "i")
+    return MatrixEntry(array(symbol)) if len(identity(symbol).shapes) == 2 else ArrayAccess(array(symbol), "i")
 
 
 def _targeted(item: Statement, targets: Sequence[Place]) -> Place:
@@ -267,16 +282,16 @@ def _targeted(item: Statement, targets: Sequence[Place]) -> Place:
             return Store(output, index, item.expr)
         case Require(kind, _, code, text):
             return Require(kind, item.expr, code, text)
-        case Put(name):
-            return Put(name, item.expr)
-        case StoreAt(output, offset, stride):
-            return StoreAt(output, offset, stride, item.expr)
+        case StoreLocal(name):
+            return StoreLocal(name, item.expr)
+        case StoreStrided(output, offset, stride):
+            return StoreStrided(output, offset, stride, item.expr)
     raise AssertionError("a target is a place for a value")
 
 
 def _says_nothing(item: Place) -> bool:
     """Whether a definition that loops need has been written under its name already."""
-    return isinstance(item, Let) and item.expr == Ref(item.name)
+    return isinstance(item, Let) and item.expr == ScalarRef(item.name)
 
 
 def _symbols(exprs: Iterable[sp.Expr]) -> set[sp.Symbol]:

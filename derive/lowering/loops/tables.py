@@ -6,10 +6,10 @@ from collections.abc import Iterable
 
 import sympy as sp
 
-from derive.ir.expressions import Num, Ref
-from derive.ir.kernel import Argument, Output, Section, Store, View
-from derive.ir.loops import StoreAt
-from derive.ir.patterns import Columns, Pattern, Piece, block_pattern
+from derive.ir.expressions import Number, ScalarRef
+from derive.ir.model import Argument, Output, Section, View
+from derive.ir.patterns import ColumnGroup, Pattern, RowSet, RowSetKind, block_pattern
+from derive.ir.statements import Store, StoreStrided
 from derive.lowering.loops import data_layout as store
 from derive.lowering.loops.program import NOTHING, Program, Row, Scalar, array
 from derive.mechanics.gradient import Gradient
@@ -64,9 +64,9 @@ class Tables:
 
     def program(self, *arguments: Argument) -> Program:
         """An empty kernel that reads these arguments."""
-        known: dict[sp.Symbol, Num | Ref] = dict(self.memory.scalars)
+        known: dict[sp.Symbol, Number | ScalarRef] = dict(self.memory.scalars)
         for a in arguments:
-            known |= {symbol: Ref(symbol.name) for symbol in self.elements[a.name]}
+            known |= {symbol: ScalarRef(symbol.name) for symbol in self.elements[a.name]}
         eq = self.equations
         return Program(self.memory.packing, known, eq.definitions, self.gradient.contractions, eq.totals)
 
@@ -95,11 +95,11 @@ class Tables:
         """The lower triangle of the mass matrix."""
         groups = []
         for c in range(RIGID):
-            rigid = tuple(Piece("row", r) for r in range(c, RIGID) if self.mass_entry(r, c) != 0)
-            shapes = (Piece("range", RIGID, self.n),) if c in self.coupling else ()
-            groups.append(Columns(1, (*rigid, *shapes)))
-        kind = Piece("triangle", RIGID, self.n) if self.c8 == "full" else Piece("diagonal", RIGID)
-        groups += [Columns(self.n, (kind,))] if self.n else []
+            rigid = tuple(RowSet(RowSetKind.ROW, r) for r in range(c, RIGID) if self.mass_entry(r, c) != 0)
+            shapes = (RowSet(RowSetKind.RANGE, RIGID, self.n),) if c in self.coupling else ()
+            groups.append(ColumnGroup(1, (*rigid, *shapes)))
+        kind = RowSet(RowSetKind.TRIANGLE, RIGID, self.n) if self.c8 == "full" else RowSet(RowSetKind.DIAGONAL, RIGID)
+        groups += [ColumnGroup(self.n, (kind,))] if self.n else []
         return block_pattern(RIGID + self.n, tuple(groups), symmetric=True)
 
     # ---- what several kernels store ----
@@ -115,10 +115,10 @@ class Tables:
                     scalars.append((Store("M", place, NOTHING), entry))
                     place += 1
             if c in self.coupling:
-                rows.append((StoreAt("M", place, 1, NOTHING), self.coupling[c]))
+                rows.append((StoreStrided("M", place, 1, NOTHING), self.coupling[c]))
                 place += self.n
         if self.c8 != "full":
-            rows.append((StoreAt("M", place, 1, NOTHING), self._c8_diagonal()))
+            rows.append((StoreStrided("M", place, 1, NOTHING), self._c8_diagonal()))
         return scalars, rows
 
     def _c8_diagonal(self) -> sp.Expr:
@@ -129,7 +129,7 @@ class Tables:
         scalars: list[Scalar] = [
             (Store(output, r, NOTHING), self.at_rest(self.left[name])) for r, name in enumerate(self.rows)
         ]
-        rows: list[Row] = [(StoreAt(output, RIGID, 1, NOTHING), self.at_rest(self.left[SHAPE]))]
+        rows: list[Row] = [(StoreStrided(output, RIGID, 1, NOTHING), self.at_rest(self.left[SHAPE]))]
         return scalars, rows
 
     def shapes_of_mass(self) -> tuple[Section, ...]:

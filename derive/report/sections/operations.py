@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import sympy as sp
 
-from derive.ir.kernel import Kernel
-from derive.ir.model import Model
+from derive.ir.model import Kernel, Model
 from derive.mechanics.equations import Equations
 from derive.mechanics.indexed_equations import GenericEquations
 from derive.report.document.page import Block, Code, Heading, Paragraph

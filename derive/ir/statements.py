@@ -1,0 +1,302 @@
+"""Statements of a Kernel: scalar statements in straight line, and statements that run over the modes of a body.
+
+A loop states what it computes; how a language writes it is up to its backend. The set of statements is closed:
+`Statement` is their union, and whatever distinguishes statements ends in `assert_never`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from enum import Enum, IntEnum
+from typing import assert_never
+
+from derive.ir.expressions import ArrayAccess, Expr, ScalarRef, walk
+
+LANES = 4
+"""Lanes of a sum and columns of a panel: what vector units take at once, so that no compiler need reorder a sum."""
+
+
+class ReturnCode(IntEnum):
+    """What a generated function returns: 0 means success, positive codes are recoverable."""
+
+    OK = 0
+    PIVOT = 1
+    NOT_FINITE = 2
+
+    @property
+    def meaning(self) -> str:
+        """The code in words."""
+        match self:
+            case ReturnCode.OK:
+                return "success"
+            case ReturnCode.PIVOT:
+                return "a pivot vanished"
+            case ReturnCode.NOT_FINITE:
+                return "a value is not finite or not positive"
+            case _:
+                assert_never(self)
+
+
+class Requirement(Enum):
+    """What a value has to be; a NaN meets neither requirement."""
+
+    POSITIVE = "positive"
+    FINITE = "finite"
+
+
+# Statements in straight line
+
+
+@dataclass(frozen=True)
+class Let:
+    """Name a value."""
+
+    name: str
+    expr: Expr
+
+
+@dataclass(frozen=True)
+class Store:
+    """Write element `index` of an output."""
+
+    output: str
+    index: int
+    expr: Expr
+
+
+@dataclass(frozen=True)
+class Require:
+    """Leave with return code `code` unless the value meets the requirement."""
+
+    kind: Requirement
+    expr: Expr
+    code: ReturnCode
+    text: str
+
+
+ScalarStatement = Let | Store | Require
+"""A statement in straight line; also the part of a loop over the states of a batch."""
+
+
+# Statements that run over the modes
+
+
+@dataclass(frozen=True)
+class StoreLocal:
+    """Write element i of a local array, in a `Map`."""
+
+    array: str
+    expr: Expr
+
+
+@dataclass(frozen=True)
+class StoreStrided:
+    """Write element offset + stride * i of an output, in a `Map`."""
+
+    output: str
+    offset: int
+    stride: int
+    expr: Expr
+
+
+MapItem = Let | StoreLocal | StoreStrided
+"""A statement in the body of a `Map`."""
+
+
+@dataclass(frozen=True)
+class Map:
+    """The body for i = 0 .. count - 1, independent of each other."""
+
+    count: int
+    body: tuple[MapItem, ...]
+
+
+@dataclass(frozen=True)
+class Sum:
+    """name = base + sum over i of term."""
+
+    name: str
+    base: Expr
+    term: Expr
+
+
+@dataclass(frozen=True)
+class Accumulate:
+    """Sums over i = 0 .. count - 1. Element i goes to lane i mod 4; lanes are added as (0 + 1) + (2 + 3), then base."""
+
+    count: int
+    lets: tuple[Let, ...]
+    sums: tuple[Sum, ...]
+
+
+@dataclass(frozen=True)
+class Packing:
+    """Square matrices of one size in one array: panels of four columns j, in each the matrices, their columns, rows i.
+
+    Rows and columns are padded with zeros to a multiple of four.
+    """
+
+    array: str
+    count: int
+    tables: tuple[str, ...]
+
+    @property
+    def padded(self) -> int:
+        """Rows of a column."""
+        return padded(self.count)
+
+    @property
+    def size(self) -> int:
+        """Elements of the array."""
+        return len(self.tables) * self.padded**2
+
+    def position(self, table: str, i: int, j: int) -> int:
+        """The index of entry (i, j) of a matrix in the array."""
+        panel = (j // LANES * len(self.tables) + self.tables.index(table)) * LANES + j % LANES
+        return panel * self.padded + i
+
+
+def padded(count: int) -> int:
+    """The next multiple of four."""
+    return -(-count // LANES) * LANES
+
+
+@dataclass(frozen=True)
+class MatVecTerm:
+    """Local array name_i = base_i + sum over j of vector_j matrix_ij, for pairs (vector, matrix); no base is zero."""
+
+    name: str
+    base: str
+    sums: tuple[tuple[str, str], ...]
+
+
+@dataclass(frozen=True)
+class MatVec:
+    """Matrix-vector products of packed matrices, panel by panel."""
+
+    packing: Packing
+    terms: tuple[MatVecTerm, ...]
+
+
+@dataclass(frozen=True)
+class MatrixStore:
+    """output[offset + stride * j + i] = expr for all i, j; on the diagonal `diagonal` is added."""
+
+    packing: Packing
+    output: str
+    offset: int
+    stride: int
+    expr: Expr
+    diagonal: Expr | None
+
+
+@dataclass(frozen=True)
+class PackSource:
+    """A matrix in the parameters: entries for i <= j (i < j, if odd) by rows, `components` together."""
+
+    table: str
+    array: str
+    component: int
+    components: int
+    parity: int
+
+
+@dataclass(frozen=True)
+class Pack:
+    """Fill an output with the packed matrices, from their sources."""
+
+    packing: Packing
+    output: str
+    sources: tuple[PackSource, ...]
+
+
+@dataclass(frozen=True)
+class Clear:
+    """Set all elements of an output to zero."""
+
+    output: str
+    count: int
+
+
+@dataclass(frozen=True)
+class RequireFinite:
+    """Leave with return code `code` unless all elements of an argument are finite."""
+
+    argument: str
+    count: int
+    code: ReturnCode
+    text: str
+
+
+@dataclass(frozen=True)
+class Cholesky:
+    """The Cholesky factor L of a matrix given by its entries i <= j, into an output from `offset` on, by columns.
+
+    The diagonal holds 1/L_ii. Leaves with `code` when a pivot is not positive.
+    """
+
+    output: str
+    offset: int
+    source: str
+    count: int
+    code: ReturnCode
+    text: str
+
+
+@dataclass(frozen=True)
+class TriangularSolve:
+    """Overwrite local arrays y by L^-1 y, or by L^-T y if `transposed`; `factor` is what `Cholesky` wrote."""
+
+    factor: str
+    count: int
+    arrays: tuple[str, ...]
+    transposed: bool
+
+
+Loop = Map | Accumulate | MatVec | MatrixStore | Pack | Clear | RequireFinite | Cholesky | TriangularSolve
+Statement = ScalarStatement | Loop
+
+
+def expressions(statement: Statement) -> tuple[Expr, ...]:
+    """The expressions in a statement."""
+    match statement:
+        case Let() | Store() | Require():
+            return (statement.expr,)
+        case Map():
+            return tuple(item.expr for item in statement.body)
+        case Accumulate():
+            return (*(let.expr for let in statement.lets), *(e for s in statement.sums for e in (s.base, s.term)))
+        case MatrixStore():
+            return (statement.expr,) if statement.diagonal is None else (statement.expr, statement.diagonal)
+        case MatVec() | Pack() | Clear() | RequireFinite() | Cholesky() | TriangularSolve():
+            return ()
+        case _:
+            assert_never(statement)
+
+
+def reads(statement: Statement) -> Iterator[str]:
+    """The names that a statement reads: scalars and arrays, but not the argument of a `RequireFinite` as a whole."""
+    for part in (part for expr in expressions(statement) for part in walk(expr)):
+        if isinstance(part, ScalarRef):
+            yield part.name
+        elif isinstance(part, ArrayAccess):
+            yield part.array
+    match statement:
+        case MatVec():
+            yield statement.packing.array
+            for term in statement.terms:
+                yield from (vector for vector, _ in term.sums)
+                yield from (term.base,) if term.base else ()
+        case MatrixStore():
+            yield statement.packing.array
+        case Pack():
+            yield from (source.array for source in statement.sources)
+        case Cholesky():
+            yield statement.source
+        case TriangularSolve():
+            yield statement.factor
+        case Let() | Store() | Require() | Map() | Accumulate() | Clear() | RequireFinite():
+            pass
+        case _:
+            assert_never(statement)

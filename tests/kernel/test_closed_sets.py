@@ -1,0 +1,55 @@
+"""The sets of statements, operators and return codes are closed: what is not in them is an error everywhere."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any
+
+import pytest
+
+import beams
+from derive.ir.cost import operations
+from derive.ir.interpreter import interpret
+from derive.ir.model import Kernel
+from derive.ir.statements import ReturnCode, expressions, reads
+from derive.runtime.native import ModelError
+
+
+@dataclass(frozen=True)
+class Unknown:
+    """No statement."""
+
+    output: str = "M"
+
+
+def kernel() -> Kernel:
+    """`mass` of a beam with a statement that nobody knows."""
+    mass = beams.made("mean", 2).model.kernel("mass")
+    section: Any = replace(mass.sections[-1], body=(*mass.sections[-1].body, Unknown()))
+    return replace(mass, sections=(*mass.sections[:-1], section))
+
+
+USES: dict[str, Callable[[], Any]] = {
+    "operations": lambda: operations(Unknown()),  # type: ignore[arg-type]
+    "operations of a kernel": lambda: kernel().operations,
+    "expressions": lambda: expressions(Unknown()),  # type: ignore[arg-type]
+    "reads": lambda: list(reads(Unknown())),  # type: ignore[arg-type]
+    "interpreter": lambda: interpret(kernel(), {"q": [0.0] * 5, "k": [1.0] * len(kernel().arguments[1].elements)}),
+}
+
+
+@pytest.mark.parametrize("use", USES)
+def test_an_unknown_statement_is_an_error(use: str) -> None:
+    with pytest.raises(AssertionError, match="Unknown"):
+        USES[use]()
+
+
+@pytest.mark.parametrize("code", ReturnCode)
+def test_errors_give_the_meaning_of_their_code(code: ReturnCode) -> None:
+    assert str(ModelError("f", code)) == f"f returned {int(code)}: {code.meaning}"
+    assert ModelError("f", code).code == code
+
+
+def test_an_unknown_code() -> None:
+    assert str(ModelError("f", 7)) == "f returned 7: unknown"
