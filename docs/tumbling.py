@@ -72,7 +72,7 @@ def panel(title: str, omega: Array, top: int) -> list[str]:
         x = LEFT + value / SECONDS * WIDTH
         text.append(f'  <path class="axis" d="M{x:.1f} {bottom}v5"/>')
         text.append(f'  <text x="{x:.1f}" y="{bottom + 19}" text-anchor="middle">{value}</text>')
-    text.append(f'  <rect class="axis" x="{LEFT}" y="{top}" width="{WIDTH}" height="{HEIGHT}"/>')
+    text.append(f'  <rect class="frame axis" x="{LEFT}" y="{top}" width="{WIDTH}" height="{HEIGHT}"/>')
     text.append(f'  <text transform="translate(18 {middle}) rotate(-90)" text-anchor="middle">omega, rad/s</text>')
     for name, values in zip(COLOURS, omega.T, strict=True):
         x = np.rint(10 * (LEFT + np.linspace(0, WIDTH, len(values)))).astype(int)
@@ -101,11 +101,12 @@ def picture() -> str:
         "  <title>Angular velocity of a block spun about its intermediate axis: rigid, and soft and damped</title>",
         "  <style>",
         "    text { font: 13px system-ui, sans-serif; fill: #1c2733; } .title { font-weight: 600; }",
-        "    path, rect { fill: none; stroke-width: 1.5; stroke-linejoin: round; }",
+        "    .ground { fill: #ffffff; } path, .frame { fill: none; stroke-width: 1.5; stroke-linejoin: round; }",
         "    .axis { stroke: #8a949e; stroke-width: 1; } .grid { stroke: #8a949e; stroke-width: 0.4; }",
         *(f"    .{name} {{ stroke: {colour}; }}" for name, colour in COLOURS.items()),
-        "    @media (prefers-color-scheme: dark) { text { fill: #e6edf3; } }",
+        "    @media (prefers-color-scheme: dark) { text { fill: #e6edf3; } .ground { fill: #13171b; } }",
         "  </style>",
+        f'  <rect class="ground" width="820" height="{height}"/>',
         *legend(),
     ]
     for (title, body), top in zip(bodies().items(), tops, strict=True):

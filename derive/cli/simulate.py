@@ -15,7 +15,7 @@ from derive.errors import SpecError
 from derive.simulation.observables.beams import LINEAR_LIMIT, beam_bodies, relative_deflection
 from derive.simulation.observables.csv_writer import Column, csv
 from derive.simulation.observables.player_data import player_data
-from derive.simulation.observables.plots import PlotCurve, percent, plot_curve, plot_doc, x_label, y_unit
+from derive.simulation.observables.plots import PlotCurve, percent, plot_curve, plot_doc, x_label, x_unit, y_unit
 from derive.simulation.simulate import Trajectory, simulate
 from derive.spec.model.scene import BeamBody, Plot, Scene
 from derive.spec.toml.read import with_lines
@@ -112,7 +112,7 @@ def _summary(simulations: Simulations, shown: Sequence[PlotCurves], files: list[
             {
                 "name": plot.name,
                 "quantity": plot_doc(plot),
-                "over": x_label(simulations.scene, plot),
+                "over": f"{x_label(simulations.scene, plot)}, {x_unit(simulations.scene, plot)}",
                 "reference": plot.reference.file if plot.reference else None,
                 "curves": [
                     {

@@ -40,9 +40,14 @@ def load(files: Sequence[File], flags: Sequence[str] = FLAGS) -> Native:
         sources = [Path(folder) / file.path for file in files if file.path.endswith(".c")]
         if not sources:
             raise ValueError("there is no C file among these files")
-        library = compile_shared(sources, Path(folder) / "model.so", flags)
-        found = ctypes.CDLL(str(library))
-        return (NativeScene if hasattr(found, f"{sources[0].stem}_poses") else Native)(found, sources[0].stem)
+        library = ctypes.CDLL(str(compile_shared(sources, Path(folder) / "model.so", flags)))
+        return native_model(library, sources[0].stem)
+
+
+def native_model(library: ctypes.CDLL, name: str) -> Native:
+    """The model of that name in a library that is loaded: a NativeScene if its descriptor is that of a scene."""
+    model = Native(library, name)
+    return NativeScene(library, name) if model.is_scene else model
 
 
 def load_scene(files: Sequence[File], flags: Sequence[str] = FLAGS) -> NativeScene:
@@ -70,6 +75,7 @@ class Native:
         if m.abi != ABI:
             raise CompilerError(f"{name}: its interface has number {m.abi}, this Tisserand knows {ABI}")
         self.name = name
+        self.is_scene = bool(m.scene)
         self.nq, self.nv, self.np, self.nk, self.nlambda = m.nq, m.nv, m.np, m.nk, m.nlambda
         self.parameters = names_of(m.p, m.variables_p)
         self.coordinates = names_of(m.q, m.variables_q)

@@ -5,9 +5,13 @@ from __future__ import annotations
 from typing import Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from derive.ir.patterns import Pattern
+from derive.roles import Role
 from derive.runtime.native import Matrix, Vector
+
+Mask = NDArray[np.bool_]
 
 
 class Mechanism(Protocol):
@@ -21,6 +25,7 @@ class Mechanism(Protocol):
     nv: int
     nlambda: int
     coordinates: tuple[str, ...]
+    roles: tuple[Role, ...]
     multipliers: tuple[str, ...]
     mass_pattern: Pattern
     constraint_pattern: Pattern
@@ -64,6 +69,11 @@ def kkt_matrix(native: Mechanism, t: float, q: Vector, k: Vector) -> Matrix:
     """[M, -G^T; -G, 0] (nv + nlambda, nv + nlambda), in SI units, not scaled."""
     M, G = mass_matrix(native, q, k), constraint_matrix(native, t, q, k)
     return np.block([[M, -G.T], [-G, np.zeros((len(G), len(G)))]])
+
+
+def coordinates_with(native: Mechanism, *roles: Role) -> Mask:
+    """The mask (nq,) of the coordinates with one of these roles."""
+    return np.array([role in roles for role in native.roles], dtype=bool)
 
 
 def max_norm(values: Vector) -> float:

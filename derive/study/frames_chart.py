@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -40,7 +39,6 @@ LINES = (
 def svg(name: str, frames: tuple[str, str], rows: Sequence[Row]) -> str:
     """The text of the picture."""
     import matplotlib as mpl
-    from matplotlib.backends.backend_svg import FigureCanvasSVG
     from matplotlib.figure import Figure
 
     title = f"{name}: what the {frames[0]} frame takes, as a part of what the {frames[1]} frame takes"
@@ -57,10 +55,7 @@ def svg(name: str, frames: tuple[str, str], rows: Sequence[Row]) -> str:
         space: Any = {"borderaxespad": 0, "borderpad": 0, "handlelength": 3, "columnspacing": 3, "labelspacing": 0.35}
         handles, labels = axes.get_legend_handles_labels()
         figure.legend(handles=handles, labels=labels, **place, **space)
-        text = io.StringIO()
-        FigureCanvasSVG(figure)
-        figure.savefig(text, format="svg", metadata={"Date": None, "Creator": None, "Format": None, "Type": None})
-    return style.page(text.getvalue(), style.Chart("; ".join([title, *_said(rows)]), "", "", ()))
+        return style.figure_svg(figure, "; ".join([title, *_said(rows)]))
 
 
 def _lines(axes: Axes, frames: tuple[str, str], rows: Sequence[Row]) -> None:

@@ -1,4 +1,4 @@
-"""Line charts as SVG: curves beside their reference, and how far they are from it. Same input, same bytes."""
+"""Line charts as SVG: curves, their reference, and the deviations from it. The same input gives the same bytes."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ import io
 import math
 import re
 import textwrap
-from collections.abc import Sequence
 from dataclasses import dataclass
 from html import escape
 from typing import TYPE_CHECKING, Any
@@ -22,9 +21,13 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-INK, FAINT, LIGHT, REFERENCE = "#1c2733", "#8a949e", "#c9d0d6", "#9aa5af"
-DARK = {INK: "#e6edf3", FAINT: "#7d8790", LIGHT: "#3a434c", REFERENCE: "#76828d"}
-"""Colours of text, axes, grid and reference, and what they become on a dark page."""
+INK, FAINT, LIGHT, REFERENCE, BACKGROUND = "#1c2733", "#8a949e", "#c9d0d6", "#9aa5af", "#ffffff"
+DARK = {INK: "#e6edf3", FAINT: "#7d8790", LIGHT: "#3a434c", REFERENCE: "#76828d", BACKGROUND: "#13171b"}
+"""Colours of text, axes, grid, reference and background, and those of the dark colour scheme.
+
+The background is opaque: the colours of text follow the colour scheme of the desktop, which need not be that of the
+page around the picture.
+"""
 
 STYLES = (
     ("#d0702a", (6, 2)),
@@ -34,21 +37,22 @@ STYLES = (
     ("#5c8a2b", (9, 2)),
     ("#8c6d46", (1, 1)),
 )
-"""Colours that are told apart on white and on black, and by colour-blind people, who have the dashes as well."""
+"""Colours that differ on white and on black, also for colour-blind people, who have the dashes as well; and dashes."""
 
-POINTS = 800
-"""More points of a curve than these are not seen."""
+MAX_POINTS = 800
+"""The largest number of points of a curve that a reader can distinguish."""
 
-TITLE = 78
+TITLE_WIDTH = 78
 """Characters of a line of the title."""
 
-WIDTH, HEIGHT, LOWER = 8.3, 3.7, 1.5  # inches: of all, of a chart, and of the deviations below it
+WIDTH, HEIGHT, DEVIATIONS_HEIGHT = 8.3, 3.7, 1.5
+"""Width of the picture, heights of the chart and of the deviations below it, in inches."""
 SETTINGS: Any = {
     "svg.hashsalt": "tisserand",
     "svg.fonttype": "none",
     "font.family": "DejaVu Sans",
     "font.size": 10,
-    "figure.facecolor": "none",
+    "figure.facecolor": BACKGROUND,
     "axes.facecolor": "none",
     "axes.labelcolor": INK,
     "axes.edgecolor": FAINT,
@@ -71,7 +75,7 @@ SETTINGS: Any = {
 
 @dataclass(frozen=True, eq=False)
 class Curve:
-    """y (n,) over x (n,), and what the legend says of it."""
+    """y (n,) over x (n,), and its label in the legend."""
 
     label: str
     x: Array
@@ -80,10 +84,14 @@ class Curve:
 
 @dataclass(frozen=True, eq=False)
 class Chart:
-    """What is drawn; below it the deviations from the reference, in percent of its peak, if they are known."""
+    """Curves and their reference; below them the deviations from the reference, in percent of its peak, if known.
+
+    x_unit: the unit of x; angles in rad have ticks at multiples of pi.
+    """
 
     title: str
     x_label: str
+    x_unit: str
     y_label: str
     curves: tuple[Curve, ...]
     reference: Curve | None = None
@@ -91,16 +99,15 @@ class Chart:
 
 
 def svg(chart: Chart) -> str:
-    """The text of a picture."""
+    """The text of the picture."""
     import matplotlib as mpl
-    from matplotlib.backends.backend_svg import FigureCanvasSVG
     from matplotlib.figure import Figure
 
     with mpl.rc_context():
         mpl.rcdefaults()
         mpl.rcParams.update(SETTINGS)
-        title = textwrap.wrap(chart.title, TITLE)
-        panels = [HEIGHT, LOWER] if chart.deviations else [HEIGHT]
+        title = textwrap.wrap(chart.title, TITLE_WIDTH)
+        panels = [HEIGHT, DEVIATIONS_HEIGHT] if chart.deviations else [HEIGHT]
         below = 0.14 + 0.2 * len(title)
         head, foot, gap = below + 0.08 + 0.21 * len(_legend_rows(chart)), 0.55, 0.18
         height = head + foot + sum(panels) + gap * (len(panels) - 1)
@@ -116,16 +123,15 @@ def svg(chart: Chart) -> str:
             _deviations(axes[1], chart)
         for axis in axes:
             axis.set_xlim(*_range(chart))
-            _ticks(axis, chart.x_label)
+            _ticks(axis, chart.x_unit)
             axis.tick_params(length=3)
-        axes[-1].set_xlabel(chart.x_label)
+        axes[-1].set_xlabel(f"{chart.x_label}, {chart.x_unit}")
         figure.align_ylabels(axes)
         figure.text(left, 1 - 0.1 / height, "\n".join(title), va="top", fontweight="bold", fontsize=11)
         _legend(figure, axes[0], chart, left, 1 - below / height)
-        text = io.StringIO()
-        FigureCanvasSVG(figure)
-        figure.savefig(text, format="svg", metadata={"Date": None, "Creator": None, "Format": None, "Type": None})
-    return page(text.getvalue(), chart)
+        labels = [curve.label for curve in chart.curves]
+        reference = [] if chart.reference is None else [chart.reference.label]
+        return figure_svg(figure, "; ".join([chart.title, *reference, *labels]))
 
 
 def _curves(axes: Axes, chart: Chart) -> None:
@@ -150,34 +156,34 @@ def _style(number: int, width: float = 1.6) -> dict[str, Any]:
 
 
 def _thinned(curve: Curve) -> tuple[Array, Array]:
-    stride = max(1, math.ceil((len(curve.x) - 1) / POINTS))
+    stride = max(1, math.ceil((len(curve.x) - 1) / MAX_POINTS))
     chosen = np.unique(np.append(np.arange(0, len(curve.x), stride), len(curve.x) - 1))
     return curve.x[chosen], curve.y[chosen]
 
 
 def _range(chart: Chart) -> tuple[float, float]:
-    """Of x, over the curves alone: a reference may know more."""
+    """The range of x of the curves; that of the reference may be larger."""
     low, high = min(c.x.min() for c in chart.curves), max(c.x.max() for c in chart.curves)
     return (low, high) if high > low else (low - 1, low + 1)
 
 
-def _ticks(axes: Axes, label: str) -> None:
-    """Of an angle over more than half a turn, at multiples of pi."""
+def _ticks(axes: Axes, unit: str) -> None:
+    """Ticks of an angle over more than half a revolution: multiples of pi."""
     from matplotlib.ticker import FuncFormatter, MultipleLocator
 
     low, high = axes.get_xlim()
-    if not label.endswith("rad") or high - low < math.pi:
+    if unit != "rad" or high - low < math.pi:
         return
     step = next((s for s in (0.25, 0.5, 1, 2, 4, 10, 20, 100) if (high - low) / math.pi / s <= 10), None)
     if step is not None:
         axes.xaxis.set_major_locator(MultipleLocator(step * math.pi))
-        axes.xaxis.set_major_formatter(FuncFormatter(lambda x, _: _of_pi(x / math.pi)))
+        axes.xaxis.set_major_formatter(FuncFormatter(lambda x, _: _multiple_of_pi(x / math.pi)))
 
 
-def _of_pi(value: float) -> str:
-    said = f"{abs(value):.2f}".rstrip("0").rstrip(".")
+def _multiple_of_pi(value: float) -> str:
+    text = f"{abs(value):.2f}".rstrip("0").rstrip(".")
     sign = "\N{MINUS SIGN}" if value < 0 else ""
-    return "0" if said == "0" else f"{sign}π" if said == "1" else f"{sign}{said}π"
+    return "0" if text == "0" else f"{sign}π" if text == "1" else f"{sign}{text}π"
 
 
 def _legend_rows(chart: Chart) -> range:
@@ -186,7 +192,7 @@ def _legend_rows(chart: Chart) -> range:
 
 
 def _legend(figure: Figure, axes: Axes, chart: Chart, left: float, top: float) -> None:
-    """Below the title, in two columns."""
+    """The legend below the title, in two columns."""
     if not _legend_rows(chart):
         return
     handles, labels = axes.get_legend_handles_labels()
@@ -204,18 +210,25 @@ def _legend(figure: Figure, axes: Axes, chart: Chart, left: float, top: float) -
     )
 
 
-def page(text: str, chart: Chart) -> str:
-    """The picture with our mark, a title for those who do not see it, fonts of the page, and colours of a dark one."""
+def figure_svg(figure: Figure, title: str) -> str:
+    """The text of a figure of matplotlib as SVG, with `title` for readers who do not see it.
+
+    It carries our mark, uses the fonts of the page, follows the dark colour scheme, and has the same bytes each time.
+    """
+    from matplotlib.backends.backend_svg import FigureCanvasSVG
+
+    stream = io.StringIO()
+    FigureCanvasSVG(figure)
+    figure.savefig(stream, format="svg", metadata={"Date": None, "Creator": None, "Format": None, "Type": None})
     rules = [
         f'    [style*="{kind}: {light}"] {{ {kind}: {dark} !important; }}'
         for light, dark in DARK.items()
         for kind in ("fill", "stroke")
     ]
-    said = escape("; ".join([chart.title, *_labels(chart)]), quote=False)
     head = "\n".join(
         [
             f"  <!-- {MARK} -->",
-            f"  <title>{said}</title>",
+            f"  <title>{escape(title, quote=False)}</title>",
             "  <style>",
             "    @media (prefers-color-scheme: dark) {",
             *rules,
@@ -223,7 +236,8 @@ def page(text: str, chart: Chart) -> str:
             "  </style>",
         ]
     )
-    text = re.sub(r"<\?xml.*?<svg ([^>]*)>\n", lambda m: f'<svg role="img" {m[1]}>\n{head}\n', text, flags=re.DOTALL)
+    svg_tag = re.compile(r"<\?xml.*?<svg ([^>]*)>\n", re.DOTALL)
+    text = svg_tag.sub(lambda m: f'<svg role="img" {m[1]}>\n{head}\n', stream.getvalue())
     text = re.sub(r'(?<= d=")[^"]*', lambda m: _shorter(m[0]), text)
     text = re.sub(r"(font: [^;\"]*?px) [^;\"]*", r"\1 system-ui, 'DejaVu Sans', sans-serif", text)
     return "".join(line.rstrip() + "\n" for line in text.splitlines())
@@ -232,8 +246,3 @@ def page(text: str, chart: Chart) -> str:
 def _shorter(path: str) -> str:
     """A path on one line, to a hundredth of a point."""
     return re.sub(r"-?\d+\.\d+", lambda m: f"{float(m[0]):.2f}".rstrip("0").rstrip("."), " ".join(path.split()))
-
-
-def _labels(chart: Chart) -> Sequence[str]:
-    found = [curve.label for curve in chart.curves]
-    return found if chart.reference is None else [chart.reference.label, *found]

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import PurePath
 
 from derive.simulation.observables.motion import reference_curve
-from derive.simulation.observables.plots import PlotCurve, deflection_doc, percent, x_label, y_unit
+from derive.simulation.observables.plots import PlotCurve, deflection_doc, percent, x_label, x_unit, y_unit
 from derive.spec.model.scene import Plot, Scene
 from derive.visual.line_chart import Chart, Curve
 
@@ -20,6 +20,7 @@ def plot_chart(scene: Scene, plot: Plot, curves: Sequence[PlotCurve]) -> Chart:
     return Chart(
         f"{scene.name}: {deflection_doc(plot)}",
         x_label(scene, plot),
+        x_unit(scene, plot),
         ", ".join(part for part in ("deflection" + _divisor(plot), y_unit(plot)) if part),
         tuple(Curve(_legend(curve), curve.x, curve.y) for curve in curves),
         reference,

@@ -11,11 +11,12 @@ from derive.ir.model import Model
 CELL, GAP, LABEL, HEAD, FOOT, FEW = 28, 44, 64, 56, 40, 24
 STYLE = """\
   <style>
-    text { font: 13px system-ui, sans-serif; fill: #1c2733; }
+    text { font: 13px system-ui, sans-serif; fill: #1c2733; } .ground { fill: #ffffff; }
     .title { font-weight: 600; font-size: 15px; }
     .value { fill: #1f6f8b; } .zero { fill: #b8c2cc; } .frame { fill: none; stroke: #b8c2cc; }
     @media (prefers-color-scheme: dark) {
-      text { fill: #e6edf3; } .value { fill: #5fb6d4; } .zero { fill: #55606b; } .frame { stroke: #55606b; }
+      text { fill: #e6edf3; } .ground { fill: #13171b; }
+      .value { fill: #5fb6d4; } .zero { fill: #55606b; } .frame { stroke: #55606b; }
     }
   </style>"""
 
@@ -27,13 +28,14 @@ def mass_patterns(models: Sequence[Model]) -> str:
     width = len(models) * (LABEL + size * cell) + (len(models) - 1) * GAP + 64
     height = HEAD + size * cell + FOOT
     parts = [_panel(model, 8 + k * (LABEL + size * cell + GAP), cell) for k, model in enumerate(models)]
-    said = "; ".join(f"{m.name}: {_count(m)}" for m in models)
+    counts = "; ".join(f"{m.name}: {_count(m)}" for m in models)
     return "\n".join(
         [
             f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" width="{width}" role="img">',
             f"  <!-- {MARK} -->",
-            f"  <title>Structural non-zeros of the mass matrix. {escape(said)}</title>",
+            f"  <title>Structural non-zeros of the mass matrix. {escape(counts)}</title>",
             STYLE,
+            f'  <rect class="ground" width="{width}" height="{height}"/>',
             *parts,
             "</svg>\n",
         ]

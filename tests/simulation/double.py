@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from derive.ir.patterns import Pattern, pattern
+from derive.roles import Role
 from derive.runtime.native import ModelError
 
 Array = NDArray[np.float64]
@@ -78,6 +79,7 @@ class Double:
         self.diagonal = np.array([m for b in bodies for m in (b.mass, b.mass, b.inertia)])
         self.nq = self.nv = len(self.diagonal)
         self.nk = 0
+        self.roles = (Role.TRANSLATION, Role.TRANSLATION, Role.ROTATION) * len(self.bodies)
         self.coordinates = tuple(f"{b}_{c}" for b in self.bodies for c in ("c1", "c2", "phi"))
         self.rates = tuple(f"{c}_dot" for c in self.coordinates)
         self.multipliers = tuple(n for c in conditions for n in _names(c))

@@ -25,7 +25,7 @@ def drawn() -> Chart:
     x = np.linspace(0, 15, 1001)
     curves = tuple(Curve(f"{n} beam{'s' * (n > 1)}", x, np.sin(x) / n) for n in (1, 2, 3))
     off = tuple(Curve("", c.x, 100 * (c.y - np.sin(x))) for c in curves)
-    return Chart("A <title> & more", "angle of motor, rad", "deflection", curves, Curve("known", x, np.sin(x)), off)
+    return Chart("A <title> & more", "angle of motor", "rad", "deflection", curves, Curve("known", x, np.sin(x)), off)
 
 
 def test_bytes_do_not_depend_on_hash_seed_or_settings(tmp_path: Path) -> None:
@@ -59,6 +59,6 @@ def test_angles_are_told_in_pi_and_dark_pages_are_known() -> None:
 
 def test_a_curve_of_one_point_and_many_curves() -> None:
     one = Curve("a", np.zeros(1), np.zeros(1))
-    assert svg(Chart("t", "time, s", "y", (one,))).endswith("</svg>\n")
+    assert svg(Chart("t", "time", "s", "y", (one,))).endswith("</svg>\n")
     x = np.linspace(0, 1, 5)
-    assert "7 beams" in svg(Chart("t", "time, s", "y", tuple(Curve(f"{n} beams", x, n * x) for n in range(1, 8))))
+    assert "7 beams" in svg(Chart("t", "time", "s", "y", tuple(Curve(f"{n} beams", x, n * x) for n in range(1, 8))))

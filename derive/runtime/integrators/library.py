@@ -17,7 +17,7 @@ from derive.artifacts import File
 from derive.errors import TisserandError
 from derive.runtime.compiler import FLAGS, compile_c
 from derive.runtime.integrators.build import header, written
-from derive.runtime.native import Native, NativeScene, Vector
+from derive.runtime.native import Vector, native_model
 
 Array = NDArray[np.float64]
 
@@ -77,8 +77,7 @@ class Host:
             library = Path(folder) / "host.so"
             compile_c(sources, library, [*FLAGS, *extra, *header(name, Path(folder)), "-shared", "-fPIC"], link)
             self.library = ctypes.CDLL(str(library))
-        scene = hasattr(self.library, f"{name}_poses")
-        self.native = (NativeScene if scene else Native)(self.library, name)
+        self.native = native_model(self.library, name)
         self.model = ctypes.cast(getattr(self.library, f"{name}_model")(), ctypes.c_void_p)
         self.width: int = self.library.tisserand_fixed_row(self.model)
 

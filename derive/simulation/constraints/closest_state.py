@@ -8,8 +8,8 @@ import numpy as np
 from scipy.linalg import solve_triangular
 
 from derive.runtime.native import Matrix, Vector
-from derive.simulation.compiled_scene import Mechanism, constraint_matrix, mass_matrix, max_norm
-from derive.simulation.constraints.scaling import SINGULAR, Mask, in_mass_metric, mass_factor, typical_row_norms
+from derive.simulation.compiled_scene import Mask, Mechanism, constraint_matrix, mass_matrix, max_norm
+from derive.simulation.constraints.scaling import SINGULAR, in_mass_metric, mass_factor, typical_row_norms
 
 CONSISTENT = 1e-11
 """Constraints with |g| below this (m, rad; times the largest coordinate if that is above 1) are met."""

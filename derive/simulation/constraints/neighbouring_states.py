@@ -7,8 +7,9 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from scipy.linalg import null_space, solve_triangular
 
+from derive.roles import Role
 from derive.runtime.native import Vector
-from derive.simulation.compiled_scene import Mechanism, constraint_matrix, mass_matrix, max_norm
+from derive.simulation.compiled_scene import Mechanism, constraint_matrix, coordinates_with, mass_matrix, max_norm
 from derive.simulation.constraints.closest_state import closest_state, damped_step
 from derive.simulation.constraints.scaling import in_mass_metric, mass_factor, typical_row_norms
 
@@ -85,7 +86,7 @@ def _time_of_motion(native: Mechanism, k: Vector, t: float, q: Vector, sign: flo
 
 def _step_length(native: Mechanism, q: Vector, direction: Vector) -> float:
     """The factor of a direction: until a body rotates by ANGLE, at most that part of the size of the mechanism."""
-    angles = np.array([name.endswith("phi") for name in native.coordinates])
+    angles = coordinates_with(native, Role.ROTATION)
     rotation, shift = max_norm(direction[angles]), max_norm(direction[~angles])
     size = _size(native, q)
     return min(ANGLE / rotation if rotation > 0 else np.inf, size * ANGLE / shift if shift > 0 else np.inf)
@@ -93,5 +94,5 @@ def _step_length(native: Mechanism, q: Vector, direction: Vector) -> float:
 
 def _size(native: Mechanism, q: Vector) -> float:
     """The size of a mechanism (m): the largest displacement among its coordinates."""
-    angles = np.array([name.endswith("phi") for name in native.coordinates])
+    angles = coordinates_with(native, Role.ROTATION)
     return max(max_norm(q[~angles]), 1e-3)

@@ -5,13 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import cholesky, solve_triangular
 
+from derive.roles import Role
 from derive.runtime.native import Matrix, Vector
-from derive.simulation.compiled_scene import Mechanism, constraint_matrix, mass_matrix
-
-Mask = NDArray[np.bool_]
+from derive.simulation.compiled_scene import Mask, Mechanism, constraint_matrix, coordinates_with, mass_matrix
 
 RANDOM_ORIENTATIONS = 7
 """The number of random orientations of all bodies in which the typical length of a constraint's row is measured."""
@@ -45,7 +43,7 @@ def typical_row_norms(native: Mechanism, k: Vector, t: float, q: Vector, R: Matr
     free: the columns of G that count, all by default. The length in one state is no measure: a row may vanish at a dead
     centre, where a drive finds a body of one coordinate on a line. Rows that are zero in all states get 1.
     """
-    angles = np.array([name.endswith("phi") for name in native.coordinates])
+    angles = coordinates_with(native, Role.ROTATION)
     random = np.random.default_rng(0)
     states = [q]
     states += [np.where(angles, random.uniform(-np.pi, np.pi, native.nq), q) for _ in range(RANDOM_ORIENTATIONS)]

@@ -7,11 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import solve_triangular
 
+from derive.roles import Role
 from derive.runtime.native import Vector
-from derive.simulation.compiled_scene import Mechanism, constraint_matrix, mass_matrix, max_norm
+from derive.simulation.compiled_scene import Mask, Mechanism, constraint_matrix, coordinates_with, mass_matrix, max_norm
 from derive.simulation.constraints.closest_state import CONSISTENT, ClosestState, closest_state, damped_step
 from derive.simulation.constraints.redundancy import check_constraints
-from derive.simulation.constraints.scaling import Mask, in_mass_metric, mass_factor, typical_row_norms
+from derive.simulation.constraints.scaling import in_mass_metric, mass_factor, typical_row_norms
 from derive.simulation.errors import InconsistentInitialState
 
 RATES_CONSISTENT = 1e-9
@@ -73,7 +74,7 @@ def _positions(native: Mechanism, k: Vector, t: float, guess: Vector, rigid: Mas
 
 def _perturbed(native: Mechanism, guess: Vector, angle: float, rigid: Mask) -> Vector:
     """The guess with each rotation changed by up to `angle` (rad), the same each time; positions follow."""
-    angles = np.array([name.endswith("phi") for name in native.coordinates]) & rigid
+    angles = coordinates_with(native, Role.ROTATION) & rigid
     numbers = np.random.default_rng(0).uniform(-1.0, 1.0, len(guess))
     return np.asarray(guess + angle * np.where(angles, numbers, 0.0))
 

@@ -5,10 +5,12 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from derive.mechanics.multibody.components import piece_name
+from derive.mechanics.symbols import Family, owned, quantity
+from derive.roles import Role
 from derive.runtime.native import NativeScene, Vector
+from derive.simulation.compiled_scene import Mask, coordinates_with
 from derive.simulation.errors import ExcessiveDeformation
 from derive.simulation.initial.consistent_state import InitialState, consistent_state
 from derive.simulation.observables.beams import beam_bodies, relative_deflection
@@ -37,7 +39,7 @@ def initial_state(scene: Scene, native: NativeScene, k: Vector | None = None) ->
     return state
 
 
-def initial_guess(scene: Scene, native: NativeScene) -> tuple[Vector, Vector, NDArray[np.bool_]]:
+def initial_guess(scene: Scene, native: NativeScene) -> tuple[Vector, Vector, Mask]:
     """The guesses of q (nq,) and v (nv,), and the mask (nq,) of the coordinates of rigid-body motion.
 
     Each body moves as a rigid one, and all pieces of a beam as parts of it. Of a body whose coordinates a joint
@@ -55,8 +57,7 @@ def initial_guess(scene: Scene, native: NativeScene) -> tuple[Vector, Vector, ND
             _guess_displacement(values, rates, body, native)
     q = np.array([values.get(name, 0.0) for name in native.coordinates])
     v = np.array([rates.get(name, 0.0) for name in native.coordinates])
-    rigid = np.array([name.rsplit("_", 1)[-1] in ("c1", "c2", "phi", "s") for name in native.coordinates])
-    return q, v, rigid
+    return q, v, ~coordinates_with(native, Role.AMPLITUDE)
 
 
 def _guess_frame(
@@ -65,15 +66,12 @@ def _guess_frame(
     """c1, c2, phi and their rates of a body frame whose origin lies at the point `origin` (2,), m, of the body."""
     cos, sin = math.cos(start.angle), math.sin(start.angle)
     arm = (cos * origin[0] - sin * origin[1], sin * origin[0] + cos * origin[1])
-    values |= {
-        f"{name}_c1": start.position[0] + arm[0],
-        f"{name}_c2": start.position[1] + arm[1],
-        f"{name}_phi": start.angle,
-    }
+    c1, c2, phi = (_name(name, *c) for c in ((Family.TRANSLATION, 1), (Family.TRANSLATION, 2), (Family.ANGLE,)))
+    values |= {c1: start.position[0] + arm[0], c2: start.position[1] + arm[1], phi: start.angle}
     rates |= {
-        f"{name}_c1": start.velocity[0] - start.spin * arm[1],
-        f"{name}_c2": start.velocity[1] + start.spin * arm[0],
-        f"{name}_phi": start.spin,
+        c1: start.velocity[0] - start.spin * arm[1],
+        c2: start.velocity[1] + start.spin * arm[0],
+        phi: start.spin,
     }
 
 
@@ -81,7 +79,7 @@ def _guess_displacement(
     values: dict[str, float], rates: dict[str, float], body: RigidBody, native: NativeScene
 ) -> None:
     """The displacement along a guide, of a body that has no other coordinate: from where it is at 0, along its axis."""
-    name = f"{body.name}_s"
+    name = _name(body.name, Family.GUIDE)
     if name not in native.coordinates:
         return
     q, k, index = np.zeros(native.nq), native.setup(), native.bodies.index(body.name)
@@ -90,6 +88,12 @@ def _guess_displacement(
     axis = native.poses(0.0, q, k)[index, :2] - origin
     values[name] = float(axis @ (np.array(body.start.position) - origin))
     rates[name] = float(axis @ np.array(body.start.velocity))
+
+
+def _name(body: str, family: Family, *components: int) -> str:
+    """The name of a coordinate of a body."""
+    name: str = owned(quantity(family, *components), body).name
+    return name
 
 
 def _piece_centre(beam: BeamBody, k: int) -> tuple[float, float]:

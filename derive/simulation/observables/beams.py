@@ -8,6 +8,7 @@ import numpy as np
 
 from derive.mechanics.multibody.components import piece_name, piece_of, place_in_piece
 from derive.mechanics.reference_conditions import assumed_shapes
+from derive.mechanics.symbols import amplitude, owned
 from derive.simulation.observables.motion import Array, Motion, si_value, transformed
 from derive.spec.model.body import Polynomial
 from derive.spec.model.scene import BeamBody, Scene
@@ -43,7 +44,8 @@ def shape_functions(beam: BeamBody) -> tuple[Polynomial, ...]:
 
 def amplitudes(motion: Motion, beam: BeamBody, piece: str) -> Array:
     """(n, shapes): the modal amplitudes of a piece, m."""
-    columns = [motion.native.coordinates.index(f"{piece}_alpha{i + 1}") for i in range(len(shape_functions(beam)))]
+    names = [owned(amplitude(i + 1), piece).name for i in range(len(shape_functions(beam)))]
+    columns = [motion.native.coordinates.index(name) for name in names]
     values: Array = motion.q[:, columns]
     return values
 

@@ -69,12 +69,16 @@ def y_unit(plot: Plot) -> str:
 
 
 def x_label(scene: Scene, plot: Plot) -> str:
-    """The label of the x axis of a plot, with its unit."""
+    """The quantity of the x axis of a plot: time, or the motion of a drive."""
+    if plot.over is None:
+        return "time"
+    return f"{'angle' if x_unit(scene, plot) == 'rad' else 'displacement'} of {plot.over}"
+
+
+def x_unit(scene: Scene, plot: Plot) -> str:
+    """The unit of the x axis of a plot: s, rad or m."""
     drive = next((d for d in scene.drives if d.name == plot.over), None)
-    if drive is None:
-        return "time, s"
-    unit = drive_unit(scene, drive)
-    return f"{'angle' if unit == 'rad' else 'displacement'} of {drive.name}, {unit}"
+    return "s" if drive is None else drive_unit(scene, drive)
 
 
 def percent(ratio: float) -> str:

@@ -1,0 +1,58 @@
+"""Every picture has an opaque background, light and dark as its text: the page around it may have another scheme."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+
+import derive
+from conftest import ROOT
+from derive.spec.model.scene import Scene
+from derive.visual.kkt_matrix import kkt_picture
+from derive.visual.line_chart import Chart, Curve, svg
+from derive.visual.mechanism import mechanism_picture
+from derive.visual.sparsity import mass_patterns
+
+SVG = "{http://www.w3.org/2000/svg}"
+LIGHT, DARK = "#ffffff", "#13171b"
+
+
+def pictures() -> Iterator[tuple[str, str]]:
+    """The committed pictures, and one of each kind that the code draws."""
+    for path in sorted((ROOT / "docs").rglob("*.svg")):
+        yield path.name, path.read_text(encoding="utf-8")
+    scene = derive.read(ROOT / "scenes/double_pendulum.toml")
+    assert isinstance(scene, Scene)
+    model = derive.lower(derive.derive(scene))
+    assert model.kkt is not None
+    yield "mass", mass_patterns([model])
+    yield "kkt", kkt_picture(model.kkt, tuple(x.name for x in (*model.coordinates, *model.multipliers)))
+    yield "mechanism", mechanism_picture(scene)
+    yield "chart", svg(Chart("title", "time", "s", "y", (Curve("a", np.arange(3.0), np.arange(3.0)),)))
+
+
+def backgrounds(text: str) -> tuple[str, str]:
+    """The colours of the first thing that is drawn, which covers the whole picture, in both schemes."""
+    root = ElementTree.fromstring(text)
+    width, height = (float(x) for x in root.attrib["viewBox"].split()[2:])
+    style, dark = text.split("</style>", 1)[0].split("prefers-color-scheme: dark", 1)
+    first = next(e for e in root if e.tag in (SVG + "rect", SVG + "g"))
+    if first.tag == SVG + "rect":
+        assert (float(first.attrib["width"]), float(first.attrib["height"])) == (width, height)
+        pattern = rf"\.{first.attrib['class']} {{ fill: (#\w+);? }}"
+        return re.search(pattern, style)[1], re.search(pattern, dark)[1]  # type: ignore[index]
+    path = next(first.iter(SVG + "path"))
+    x, y = np.reshape([float(n) for n in re.findall(r"[\d.]+", path.attrib["d"])], (-1, 2)).T
+    assert (x.min(), x.max(), y.min(), y.max()) == (0, width, 0, height)
+    fill = re.search(r"fill: (#\w+)", path.attrib["style"])[1]  # type: ignore[index]
+    return fill, re.search(rf'style\*="fill: {fill}"\] {{ fill: (#\w+) !important', dark)[1]  # type: ignore[index]
+
+
+@pytest.mark.parametrize(("name", "text"), [pytest.param(*each, id=Path(each[0]).stem) for each in pictures()])
+def test_the_background_is_opaque(name: str, text: str) -> None:
+    assert backgrounds(text) == (LIGHT, DARK)
