@@ -11,7 +11,7 @@ from derive.errors import Problem, SpecError
 from derive.pipeline import Built, build
 from derive.simulation.simulate import simulation_settings
 from derive.spec.model.scene import Scene
-from derive.spec.tables.scene import MAX_STEPS
+from derive.spec.tables.simulation import MAX_STEPS
 from derive.spec.toml.read import read
 from derive.terminal import show_progress
 

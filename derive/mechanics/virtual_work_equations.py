@@ -43,12 +43,17 @@ class Body:
     gravity: tuple[Coefficient, ...] = ()
 
 
+def constants_of(body: Body) -> tuple[Coefficient, ...]:
+    """The constants of a body with their values: mass, integrals, stiffness, damping, gravity, and those of points."""
+    mass = Coefficient(MASS, body.mass, "(15)", "mass of the body", "kg")
+    of_points = tuple(c for point in body.points for c in point.coefficients)
+    return (mass, *body.integrals, *body.stiffness, *body.damping, *body.gravity, *of_points)
+
+
 def equations(body: Body) -> Equations:
     """The equations of motion of a body, with energy, momentum and markers."""
     motion = body.motion
-    mass = Coefficient(MASS, body.mass, "(15)", "mass of the body", "kg")
-    of_points = tuple(c for point in body.points for c in point.coefficients)
-    every = (mass, *body.integrals, *body.stiffness, *body.damping, *body.gravity, *of_points)
+    every = constants_of(body)
     needed = (*gravity_definitions(motion, body.gravity), *motion.definitions)
     composed, reasons = zeros.drop_definitions(needed, zeros.reasons_of(every))
     strain = _strain_energy(motion, body.stiffness)

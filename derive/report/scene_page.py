@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 
 from derive.artifacts import File
 from derive.mechanics.equations import Equations
-from derive.mechanics.multibody.assembly import BETWEEN_BODIES
-from derive.mechanics.multibody.components import piece_name
+from derive.mechanics.multibody.bodies.beam import piece_name
+from derive.mechanics.multibody.expansion import BETWEEN_BODIES
 from derive.pipeline import Built
 from derive.report.document.page import Block, Heading, Page, Paragraph, Picture
 from derive.report.notation.expressions import notation

@@ -20,6 +20,8 @@ from derive.spec.model.body import (
 )
 from derive.spec.model.scene import (
     BeamBody,
+    CustomBody,
+    CustomJoint,
     Drive,
     Force,
     InitialGuess,
@@ -165,6 +167,7 @@ def _joint(joint: Joint) -> Data:
         between=[joint.first, joint.second],
         angle=joint.angle if joint.angle != default.angle else None,
         axis=joint.axis if joint.axis != default.axis else None,
+        **(joint.values if isinstance(joint, CustomJoint) else {}),
     )
 
 
@@ -195,8 +198,10 @@ _CONVERT: Mapping[type, Callable[[Any], object]] = {
     SymbolicBody: _symbolic_body,
     RigidBody: _rigid_body,
     BeamBody: lambda body: {**_beam(body.beam), "pieces": body.pieces, "start": body.start},
+    CustomBody: lambda body: {**body.values, "markers": _markers(body.markers), "start": body.start},
     InitialGuess: asdict,
     Joint: _joint,
+    CustomJoint: _joint,
     Drive: lambda drive: _given(joint=drive.joint, motion=drive.motion, speed=drive.speed, offset=drive.offset or None),
     Force: lambda force: _given(at=force.at, components=force.components),
     Torque: lambda torque: _given(at=torque.at, value=torque.value, against=torque.against),

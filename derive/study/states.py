@@ -8,6 +8,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from derive.mechanics.multibody.joints.registry import JOINTS
 from derive.runtime.native import NativeScene, Vector
 from derive.simulation.compiled_scene import constraint_matrix
 from derive.simulation.initial.consistent_state import consistent_state
@@ -23,9 +24,9 @@ ITERATIONS, CLOSED = 20, 1e-12
 
 def period(scene: Scene) -> tuple[float, str]:
     """The time (s) that is looked at, and what it is: a revolution of a drive, or the time of the simulation."""
-    turning = {joint.name for joint in scene.joints if joint.kind == "revolute"}
+    rotating = {j.name for j in scene.joints if (driven := JOINTS[j.kind].driven) and driven.unit == "rad"}
     for drive in scene.drives:
-        if drive.speed is not None and drive.joint in turning and si_value(drive.speed):
+        if drive.speed is not None and drive.joint in rotating and si_value(drive.speed):
             return 2 * math.pi / abs(si_value(drive.speed)), f"one revolution of {drive.name}"
     assert scene.simulation is not None
     return scene.simulation.duration, f"{scene.simulation.duration:g} s"

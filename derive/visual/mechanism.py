@@ -19,8 +19,7 @@ from derive.simulation.observables.motion import (
     si_value,
     transformed,
 )
-from derive.spec.model.body import Marker
-from derive.spec.model.scene import GROUND, BeamBody, Force, Joint, MarkerRef, PointMarker, RigidBody, Scene, Spring
+from derive.spec.model.scene import GROUND, BeamBody, CustomBody, Force, Joint, MarkerRef, RigidBody, Scene, Spring
 
 Array = NDArray[np.float64]
 Poses = Mapping[str, Array]
@@ -191,7 +190,7 @@ def mechanism_picture(scene: Scene) -> str:
     """The mechanism as SVG, to scale, in its initial configuration with rods undeformed."""
     poses = initial_poses(scene)
     places = [MarkerRef(GROUND, p.name) for p in scene.ground]
-    places += [MarkerRef(b.name, m.name) for b in scene.bodies for m in _markers(b)]
+    places += [MarkerRef(b.name, m.name) for b in scene.bodies for m in b.markers]
     points = np.array([position(scene, place, poses) for place in places] or [np.zeros(2)])
     low, high = points.min(axis=0), points.max(axis=0)
     span = np.maximum(high - low, 1e-12)
@@ -219,10 +218,6 @@ def mechanism_picture(scene: Scene) -> str:
     return "\n".join([head, f"  <!-- {MARK} -->", title, STYLE, ground, *drawing.lines, "</svg>\n"])
 
 
-def _markers(body: RigidBody | BeamBody) -> tuple[PointMarker | Marker, ...]:
-    return body.markers if isinstance(body, RigidBody) else body.beam.markers
-
-
 def _rod(drawing: _Drawing, body: BeamBody, poses: Poses) -> None:
     """A band along the axis, cut where the rod is cut into beams."""
     half = si_value(body.beam.length) / 2
@@ -238,7 +233,7 @@ def _rod(drawing: _Drawing, body: BeamBody, poses: Poses) -> None:
     drawing.label((start[0] + end[0]) / 2, (start[1] + end[1]) / 2, body.name, "bodies")
 
 
-def _rigid(drawing: _Drawing, body: RigidBody, poses: Poses) -> None:
+def _rigid(drawing: _Drawing, body: RigidBody | CustomBody, poses: Poses) -> None:
     """The hull of the markers; a bar where there are two, a block where there is one."""
     pose = poses[body.name]
     corners = [drawing.at(_placed(pose, np.array(point))) for point in outline(body)]

@@ -123,7 +123,10 @@ def test_dataclasses_check_nothing_until_they_are_validated():
     scene = pendulum()
     hinge = replace(scene.joints[0], angle=0.5)
     assert problems(lambda: derive.validated(replace(scene, joints=(hinge,)))) == [
-        ("joints.hinge", 'a revolute joint turns freely; leave `angle` out, or choose "weld"')
+        (
+            "joints.hinge",
+            'a revolute joint has no angle; leave `angle` out, or choose "weld", "fixed" or "translational"',
+        )
     ]
     rod = replace(scene.bodies[0], mass=Fraction(-1))
     assert problems(lambda: derive.validated(replace(scene, bodies=(rod,)))) == [

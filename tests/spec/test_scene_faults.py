@@ -148,7 +148,8 @@ NO_NAME = "cannot be a name: only the letters a to z and A to Z, digits and _ ar
         (
             'kind = "revolute"',
             'kind = "revolute"\nangle = 1',
-            '11: joints.pin: a revolute joint turns freely; leave `angle` out, or choose "weld"',
+            "11: joints.pin: a revolute joint has no angle; leave `angle` out, or choose "
+            '"weld", "fixed" or "translational"',
         ),
         (
             'kind = "revolute"',

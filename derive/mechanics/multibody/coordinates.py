@@ -1,31 +1,29 @@
-"""Which coordinates a body keeps: a joint to the ground, or to a body whose motion is known, takes some away.
+"""Minimal coordinates: the free coordinates of a body as functions of those that it has in a mechanism.
 
-Only rigid bodies are reduced: of a flexible one a joint holds a point, not a coordinate.
+A joint to the ground, or to a body whose motion is known, eliminates coordinates of a rigid body. A flexible body keeps
+all: of it a joint holds a point, not a coordinate.
 """
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from fractions import Fraction
 
 import sympy as sp
 
 from derive.mechanics.equations import Coordinate, Definition, Row
 from derive.mechanics.motion import Motion
-from derive.mechanics.multibody.point_motion import PointMotion
-from derive.mechanics.symbols import Family, Symbol, owned, quantity, t
-from derive.spec.model.scene import Joint
+from derive.mechanics.multibody.point_motion import Derivatives, PointMotion
+from derive.mechanics.symbols import Family, Symbol, owned, quantity
 
 
 @dataclass(frozen=True)
-class Held:
-    """The coordinates of a body in a scene.
+class CoordinateMap:
+    """The coordinates of a body in a mechanism, and those of the free body as functions of them.
 
-    `values` says what each coordinate, rate and acceleration of the free body is; `weights` what each new row is made
-    of, by the names of the free body's rows. `definitions` are those of a prescribed motion, `reason` says what was
-    left out.
+    `values` gives each coordinate, velocity and acceleration of the free body; `weights` the combination of rows of the
+    free body that each new row is, by their names. `definitions` are those of a prescribed motion, `reason` says why
+    coordinates are eliminated.
     """
 
     coordinates: tuple[Coordinate, ...]
@@ -36,7 +34,7 @@ class Held:
     reason: str = ""
 
 
-def free(name: str, motion: Motion) -> Held:
+def free(name: str, motion: Motion) -> CoordinateMap:
     """All coordinates, with the name of the body in front."""
     coordinates, rows = [], []
     values: dict[sp.Basic, sp.Basic] = {}
@@ -45,59 +43,40 @@ def free(name: str, motion: Motion) -> Held:
         coordinates.append(new)
         rows.append(new_row)
         values |= {coordinate.q: new.q, row.v: new_row.v, row.a: new_row.a}
-    return Held(tuple(coordinates), tuple(rows), values, tuple({row.name: sp.S.One} for row in motion.rows))
+    return CoordinateMap(tuple(coordinates), tuple(rows), values, tuple({row.name: sp.S.One} for row in motion.rows))
 
 
-def known(name: str, motion: Motion, at: PointMotion, turn: tuple[sp.Expr, sp.Expr, sp.Expr], reason: str) -> Held:
+def prescribed(name: str, motion: Motion, at: PointMotion, rotation: Derivatives, reason: str) -> CoordinateMap:
     """No coordinates: O follows a known point, and the rotation and its two derivatives are known functions of t."""
     values, definitions = _origin(name, motion, at)
-    for symbol, value in zip(_symbols(motion, 2), turn, strict=True):
-        new, found = _named(name, symbol, value, f"prescribed rotation of {name}")
+    for symbol, value in zip(_symbols(motion, 2), rotation, strict=True):
+        new, own = _named(name, symbol, value, f"prescribed rotation of {name}")
         values[symbol] = new
-        definitions += found
-    return Held((), (), values, (), tuple(definitions), reason)
+        definitions += own
+    return CoordinateMap((), (), values, (), tuple(definitions), reason)
 
 
-def turning(name: str, motion: Motion, at: PointMotion, reason: str) -> Held:
+def rotation_only(name: str, motion: Motion, at: PointMotion, reason: str) -> CoordinateMap:
     """The rotation alone: O follows a known point."""
     values, definitions = _origin(name, motion, at)
     coordinate, row = _coordinate(owned(quantity(Family.ANGLE), name), f"rotation of {name}", "rad")
     values |= dict(zip(_symbols(motion, 2), (coordinate.q, row.v, row.a), strict=True))
     weights = {motion.rows[2].name: sp.S.One}
-    return Held((coordinate,), (row,), values, (weights,), tuple(definitions), reason)
+    return CoordinateMap((coordinate,), (row,), values, (weights,), tuple(definitions), reason)
 
 
-def sliding(name: str, motion: Motion, at: PointMotion, axis: sp.Matrix, turn: sp.Expr, reason: str) -> Held:
+def displacement_only(
+    name: str, motion: Motion, at: PointMotion, axis: sp.Matrix, rotation: sp.Expr, reason: str
+) -> CoordinateMap:
     """The displacement s along an axis through a point of the ground alone."""
     coordinate, row = _coordinate(owned(quantity(Family.GUIDE), name), f"displacement of {name} along its guide", "m")
     values: dict[sp.Basic, sp.Basic] = {}
     for k in range(2):
         q, v, a = _symbols(motion, k)
         values |= {q: at.position[k] + axis[k] * coordinate.q, v: axis[k] * row.v, a: axis[k] * row.a}
-    values |= dict(zip(_symbols(motion, 2), (turn, sp.S.Zero, sp.S.Zero), strict=True))
+    values |= dict(zip(_symbols(motion, 2), (rotation, sp.S.Zero, sp.S.Zero), strict=True))
     weights = {motion.rows[k].name: axis[k] for k in range(2) if axis[k]}
-    return Held((coordinate,), (row,), values, (weights,), (), reason)
-
-
-def unit_axis(joint: Joint) -> sp.Matrix:
-    """The direction of a translational joint, of length one exactly: a point of the circle that is rational."""
-    axis = sp.Matrix([sp.Rational(x) for x in joint.axis])
-    length = sp.sqrt(axis.dot(axis))
-    if length.is_Rational:
-        return axis / length
-    angle = math.atan2(*map(float, reversed(joint.axis)))
-    half = sp.Rational(Fraction(math.tan(angle / 2)).limit_denominator(10**9))
-    return sp.Matrix([1 - half**2, 2 * half]) / (1 + half**2)
-
-
-def is_still(at: PointMotion) -> bool:
-    """Whether a known point does not move."""
-    return not any((*at.velocity, *at.acceleration, at.spin, at.spin_rate))
-
-
-def time_derivatives(of: sp.Expr) -> tuple[sp.Expr, sp.Expr, sp.Expr]:
-    """A function of time with its first two derivatives."""
-    return of, of.diff(t), of.diff(t, 2)
+    return CoordinateMap((coordinate,), (row,), values, (weights,), (), reason)
 
 
 def _coordinate(q: Symbol, doc: str, unit: str) -> tuple[Coordinate, Row]:
@@ -118,9 +97,9 @@ def _origin(name: str, motion: Motion, at: PointMotion) -> tuple[dict[sp.Basic, 
     for k in range(2):
         moved = (at.position[k], at.velocity[k], at.acceleration[k])
         for symbol, value in zip(_symbols(motion, k), moved, strict=True):
-            new, found = _named(name, symbol, value, f"prescribed motion of the origin of {name}")
+            new, own = _named(name, symbol, value, f"prescribed motion of the origin of {name}")
             values[symbol] = new
-            definitions += found
+            definitions += own
     return values, definitions
 
 

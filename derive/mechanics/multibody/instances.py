@@ -1,4 +1,4 @@
-"""A body in its scene: its equations of motion in the coordinates that it keeps there, under names of the scene."""
+"""The equations of one instance of a body: those of its kind in the coordinates and under the names of a mechanism."""
 
 from __future__ import annotations
 
@@ -18,20 +18,21 @@ from derive.mechanics.equations import (
     Term,
     Vanished,
 )
-from derive.mechanics.motion import Motion
-from derive.mechanics.multibody.components import Member
-from derive.mechanics.multibody.coordinates import Held
+from derive.mechanics.multibody.components import Component
+from derive.mechanics.multibody.coordinates import CoordinateMap
+from derive.mechanics.multibody.mechanism import BodyInstance, BodyKind
 from derive.mechanics.multibody.point_motion import PointMotion, point_motion
 from derive.mechanics.multibody.time_functions import rounded
 from derive.mechanics.points import marker
 from derive.mechanics.symbols import Family, identity, owned
+from derive.mechanics.virtual_work_equations import constants_of
 
 Symbols = dict[sp.Basic, sp.Basic]
 
 
 @dataclass(frozen=True)
-class Placed:
-    """What a body contributes to the equations of a scene; `points` are its markers."""
+class InstanceEquations:
+    """What an instance contributes to the equations of a mechanism; `points` are the motions of its markers."""
 
     coordinates: tuple[Coordinate, ...]
     rows: tuple[Row, ...]
@@ -47,39 +48,67 @@ class Placed:
     points: Mapping[str, PointMotion]
 
 
-def placed(member: Member, equations: Equations, held: Held) -> Placed:
-    """A member of a scene; `equations` are those of its body, without markers, in its own symbols."""
-    motion = member.body.motion
-    reasons = zeros.reasons_of(equations.coefficients)
-    of_points = tuple(c for s in member.sections.values() for c in (*s.point.coefficients, *s.turns))
-    coefficients = (*(equations.coefficients if held.rows else ()), *of_points)
-    change: Symbols = {**held.values, **_renamed(member.group, (*equations.coefficients, *of_points))}
-    definitions = list(held.definitions)
-    definitions += _definitions(member.name, equations.definitions if held.rows else _rotation(motion), change)
-    reasons |= zeros.reasons_of(of_points)
-    points = {}
-    for name, section in member.sections.items():
-        moved = point_motion(motion, section.point, section.turns, reasons)
-        definitions += _definitions(member.name, moved.definitions, change)
-        points[name] = moved.replaced(change)
-    shown = held.rows and member.shown
-    return Placed(
-        coordinates=held.coordinates,
-        rows=held.rows,
-        coefficients=tuple(_coefficient(member.group, c) for c in coefficients),
-        definitions=tuple(definitions),
-        terms=tuple(_terms(equations, held, change)),
-        vanished=tuple(_vanished(member, equations, held)),
-        mass_zeros=tuple(_mass_zeros(equations, held)),
+def instance_equations(instance: BodyInstance, kind: BodyKind, repeated: bool) -> InstanceEquations:
+    """The equations of an instance.
+
+    `repeated` says that an instance of the same group and kind has gone before: what vanishes, and why, is said once.
+    """
+    component, coordinates, equations = instance.component, instance.coordinates, kind.equations
+    moved = _moved(instance, kind)
+    change = moved.change
+    shown = component.markers if instance.moves else ()
+    return InstanceEquations(
+        coordinates=coordinates.coordinates,
+        rows=coordinates.rows,
+        coefficients=tuple(_coefficient(component.group, c) for c in moved.constants),
+        definitions=moved.definitions,
+        terms=tuple(_terms(equations, coordinates, change)),
+        vanished=() if repeated else tuple(_vanished(equations, coordinates)),
+        mass_zeros=() if repeated else tuple(_mass_zeros(equations, coordinates)),
         energies=tuple(
             sp.expand((e or sp.S.Zero).xreplace(change))
             for e in (equations.kinetic_energy, equations.strain_energy, equations.weight_energy)
         ),
         linear=tuple(sp.expand(e.xreplace(change)) for e in equations.linear_momentum),
         angular=tuple(sp.expand(e.xreplace(change)) for e in equations.angular_momentum),
-        markers=tuple(_marker(member, name, reasons, held, change) for name in shown or ()),
-        points=points,
+        markers=tuple(_marker(component, name, moved.reasons, coordinates, change) for name in shown),
+        points=moved.points,
     )
+
+
+def point_motions(instance: BodyInstance, kind: BodyKind) -> Mapping[str, PointMotion]:
+    """The motions of the markers of an instance in the coordinates of the mechanism."""
+    return _moved(instance, kind).points
+
+
+@dataclass(frozen=True)
+class _Moved:
+    """The kinematics of an instance: the symbols of its kind in those of the mechanism, and its markers."""
+
+    change: Symbols
+    constants: tuple[Coefficient, ...]
+    definitions: tuple[Definition, ...]
+    reasons: zeros.Reasons
+    points: Mapping[str, PointMotion]
+
+
+def _moved(instance: BodyInstance, kind: BodyKind) -> _Moved:
+    component, coordinates, motion = instance.component, instance.coordinates, kind.motion
+    of_body = constants_of(component.body)
+    reasons = zeros.reasons_of(of_body)
+    of_points = tuple(c for s in component.sections.values() for c in (*s.point.coefficients, *s.rotations))
+    change: Symbols = {**coordinates.values, **_renamed(component.group, (*of_body, *of_points))}
+    definitions = list(coordinates.definitions)
+    own = kind.equations.definitions if instance.moves else motion.rotation_definitions
+    definitions += _definitions(component.name, own, change)
+    reasons |= zeros.reasons_of(of_points)
+    points = {}
+    for name, section in component.sections.items():
+        moved = point_motion(motion, section.point, section.rotations, reasons)
+        definitions += _definitions(component.name, moved.definitions, change)
+        points[name] = moved.replaced(change)
+    constants = (*(of_body if instance.moves else ()), *of_points)
+    return _Moved(change, constants, tuple(definitions), reasons, points)
 
 
 def _renamed(group: str, coefficients: tuple[Coefficient, ...]) -> Symbols:
@@ -95,10 +124,6 @@ def _coefficient(group: str, c: Coefficient) -> Coefficient:
     if _is_shared(c):
         return c
     return replace(c, symbol=owned(c.symbol, group), doc=f"{c.doc}; {group}")
-
-
-def _rotation(motion: Motion) -> tuple[Definition, ...]:
-    return motion.rotation_definitions
 
 
 def _definitions(name: str, definitions: tuple[Definition, ...], change: Symbols, point: str = "") -> list[Definition]:
@@ -118,9 +143,9 @@ def _definitions(name: str, definitions: tuple[Definition, ...], change: Symbols
     return found
 
 
-def _terms(equations: Equations, held: Held, change: Symbols) -> list[Term]:
+def _terms(equations: Equations, coordinates: CoordinateMap, change: Symbols) -> list[Term]:
     found = []
-    for row, weights in zip(held.rows, held.weights, strict=True):
+    for row, weights in zip(coordinates.rows, coordinates.weights, strict=True):
         for old, weight in weights.items():
             for term in equations.terms:
                 expr = sp.expand(weight * term.expr.xreplace(change)) if term.row == old else sp.S.Zero
@@ -129,22 +154,22 @@ def _terms(equations: Equations, held: Held, change: Symbols) -> list[Term]:
     return found
 
 
-def _kept(held: Held) -> dict[str, str]:
+def _kept(coordinates: CoordinateMap) -> dict[str, str]:
     """The rows that are those of the free body, by their names there."""
     found = {}
-    for row, weights in zip(held.rows, held.weights, strict=True):
+    for row, weights in zip(coordinates.rows, coordinates.weights, strict=True):
         if len(weights) == 1:
             found[next(iter(weights))] = row.name
     return found
 
 
-def _vanished(member: Member, equations: Equations, held: Held) -> list[Vanished]:
-    names = _kept(held)
+def _vanished(equations: Equations, coordinates: CoordinateMap) -> list[Vanished]:
+    names = _kept(coordinates)
     return [replace(v, term=replace(v.term, row=names[v.term.row])) for v in equations.vanished if v.term.row in names]
 
 
-def _mass_zeros(equations: Equations, held: Held) -> list[tuple[str, str, str]]:
-    names, rows = _kept(held), [row.name for row in equations.rows]
+def _mass_zeros(equations: Equations, coordinates: CoordinateMap) -> list[tuple[str, str, str]]:
+    names, rows = _kept(coordinates), [row.name for row in equations.rows]
     return [
         (names[rows[i]], names[rows[j]], why)
         for i, j, why in equations.mass_zeros
@@ -152,13 +177,15 @@ def _mass_zeros(equations: Equations, held: Held) -> list[tuple[str, str, str]]:
     ]
 
 
-def _marker(member: Member, name: str, reasons: zeros.Reasons, held: Held, change: Symbols) -> MarkerEquations:
+def _marker(
+    component: Component, name: str, reasons: zeros.Reasons, coordinates: CoordinateMap, change: Symbols
+) -> MarkerEquations:
     """A marker with its Jacobian and load in the coordinates that the body keeps."""
-    free = marker(member.body.motion, member.sections[name].point, reasons)
+    free = marker(component.body.motion, component.sections[name].point, reasons)
     own = dict(change)
-    definitions = tuple(_definitions(member.name, free.definitions, own, name))
-    turned = tuple(_definitions(member.name, free.force_definitions, own, name))
-    rows = [row.name for row in member.body.motion.rows]
+    definitions = tuple(_definitions(component.name, free.definitions, own, name))
+    force_definitions = tuple(_definitions(component.name, free.force_definitions, own, name))
+    rows = [row.name for row in component.body.motion.rows]
 
     def combined(values: Mapping[str, sp.Expr], weights: Mapping[str, sp.Expr]) -> sp.Expr:
         return sp.expand(sp.Add(*(w * values[old].xreplace(own) for old, w in weights.items())))
@@ -166,19 +193,19 @@ def _marker(member: Member, name: str, reasons: zeros.Reasons, held: Held, chang
     load = dict(zip(rows, free.load, strict=True))
     columns = {row: free.jacobian[:, j] for j, row in enumerate(rows)}
     jacobian = [
-        [combined({old: column[i] for old, column in columns.items()}, weights) for weights in held.weights]
+        [combined({old: column[i] for old, column in columns.items()}, weights) for weights in coordinates.weights]
         for i in range(2)
     ]
     return replace(
         free,
-        name=f"{member.group}_{name}",
-        doc=f"{free.doc} of {member.name}",
+        name=f"{component.group}_{name}",
+        doc=f"{free.doc} of {component.name}",
         definitions=definitions,
         position=_vector(free.position, own),
         velocity=_vector(free.velocity, own),
         jacobian=sp.ImmutableMatrix(jacobian),
-        force_definitions=turned,
-        load=tuple(combined(load, weights) for weights in held.weights),
+        force_definitions=force_definitions,
+        load=tuple(combined(load, weights) for weights in coordinates.weights),
     )
 
 

@@ -1,4 +1,4 @@
-"""How a material point of a planar body moves, with the section of the body there: what joints and forces need."""
+"""The motion of a material point of a planar body with the section there, and the relative motion of two points."""
 
 from __future__ import annotations
 
@@ -14,10 +14,13 @@ from derive.mechanics.motion import Motion
 from derive.mechanics.points import MaterialPoint
 from derive.mechanics.symbols import Family, Identity, Symbol
 
+Derivatives = tuple[sp.Expr, sp.Expr, sp.Expr]
+"""A quantity with its first and second time derivative."""
+
 
 @dataclass(frozen=True)
 class PointMotion:
-    """Position, velocity and acceleration (columns of 2, inertial base), and the rotation of the section about e3.
+    """Position, velocity and acceleration (columns of 2, inertial frame), and the rotation of the section about e3.
 
     Accelerations are linear in those of the coordinates, whose factors are the columns of the Jacobian.
     """
@@ -26,9 +29,19 @@ class PointMotion:
     position: sp.ImmutableMatrix
     velocity: sp.ImmutableMatrix
     acceleration: sp.ImmutableMatrix
-    turn: sp.Expr
-    spin: sp.Expr
-    spin_rate: sp.Expr
+    rotation: sp.Expr
+    angular_velocity: sp.Expr
+    angular_acceleration: sp.Expr
+
+    @property
+    def rotation_derivatives(self) -> Derivatives:
+        """The rotation of the section with its derivatives."""
+        return self.rotation, self.angular_velocity, self.angular_acceleration
+
+    @property
+    def is_still(self) -> bool:
+        """Whether the point does not move."""
+        return not any((*self.velocity, *self.acceleration, self.angular_velocity, self.angular_acceleration))
 
     def replaced(self, by: Mapping[sp.Basic, sp.Basic]) -> PointMotion:
         """The same in other symbols; definitions are renamed but stay what they are."""
@@ -37,20 +50,20 @@ class PointMotion:
             return expr.xreplace(by)
 
         vectors = (v.applyfunc(change) for v in (self.position, self.velocity, self.acceleration))
-        scalars = (change(e) for e in (self.turn, self.spin, self.spin_rate))
+        scalars = (change(e) for e in self.rotation_derivatives)
         return PointMotion(self.definitions, *vectors, *scalars)
 
 
-def fixed_point(position: sp.Matrix, turn: sp.Expr = sp.S.Zero) -> PointMotion:
+def fixed_point(position: sp.Matrix) -> PointMotion:
     """A point of the ground."""
     still = sp.ImmutableMatrix([0, 0])
-    return PointMotion((), sp.ImmutableMatrix(position), still, still, turn, sp.S.Zero, sp.S.Zero)
+    return PointMotion((), sp.ImmutableMatrix(position), still, still, sp.S.Zero, sp.S.Zero, sp.S.Zero)
 
 
 def point_motion(
-    motion: Motion, point: MaterialPoint, turns: tuple[Coefficient, ...], reasons: zeros.Reasons
+    motion: Motion, point: MaterialPoint, rotations: tuple[Coefficient, ...], reasons: zeros.Reasons
 ) -> PointMotion:
-    """The motion of a material point from (1) and (5); `turns` are the rotations of the section by each shape."""
+    """The motion of a material point from (1) and (5); `rotations` are those of the section by each shape."""
     rotation, (generator,), axes = motion.rotation, motion.frame.generators, (1, 2)
     shape_rows = motion.rows[len(motion.rows) - len(motion.alpha) :]
     still = sp.zeros(2, 1)
@@ -88,11 +101,11 @@ def point_motion(
                 total = total + tensor * world[name]
         return sp.ImmutableMatrix(total.expand().applyfunc(lambda e: zeros.drop(e, known)))
 
-    slopes = tuple(c.symbol for c in turns)
+    slopes = tuple(c.symbol for c in rotations)
 
-    def turned(angle: sp.Symbol, amplitudes: tuple[sp.Symbol, ...]) -> sp.Expr:
+    def rotated(angle: sp.Symbol, amplitudes: tuple[sp.Symbol, ...]) -> sp.Expr:
         total = sp.Add(angle, *(s * a for s, a in zip(slopes, amplitudes, strict=bool(slopes))))
-        return zeros.drop(total, {**known, **zeros.reasons_of(turns)})
+        return zeros.drop(total, {**known, **zeros.reasons_of(rotations)})
 
     phi, row = motion.coordinates[2].q, motion.rows[2]
     assert generator[1, 0] == 1, "phi is counted about e3"
@@ -101,7 +114,40 @@ def point_motion(
         position=vector(motion.position),
         velocity=vector(motion.velocity),
         acceleration=vector(motion.acceleration),
-        turn=turned(phi, motion.alpha),
-        spin=turned(row.v, motion.alphadot),
-        spin_rate=turned(row.a, accelerations),
+        rotation=rotated(phi, motion.alpha),
+        angular_velocity=rotated(row.v, motion.alphadot),
+        angular_acceleration=rotated(row.a, accelerations),
     )
+
+
+@dataclass(frozen=True)
+class Link:
+    """The motion of a second point relative to a first: displacement (columns of 2) and rotation, with derivatives."""
+
+    first: PointMotion
+    second: PointMotion
+
+    @property
+    def displacement(self) -> tuple[sp.Matrix, sp.Matrix, sp.Matrix]:
+        """From the first point to the second, in the inertial frame."""
+        first, second = self.first, self.second
+        return (
+            sp.Matrix(second.position - first.position),
+            sp.Matrix(second.velocity - first.velocity),
+            sp.Matrix(second.acceleration - first.acceleration),
+        )
+
+    @property
+    def rotation(self) -> Derivatives:
+        """The rotation of the second section relative to the first."""
+        return added(self.second.rotation_derivatives, self.first.rotation_derivatives, -1)
+
+    def component(self, k: int) -> Derivatives:
+        """The displacement along axis k of the inertial frame, counted from 0."""
+        position, velocity, acceleration = self.displacement
+        return position[k], velocity[k], acceleration[k]
+
+
+def added(a: Derivatives, b: Derivatives, sign: int = 1) -> Derivatives:
+    """a + sign b, with derivatives."""
+    return a[0] + sign * b[0], a[1] + sign * b[1], a[2] + sign * b[2]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sympy as sp
 
+from derive.errors import Problem, SpecError
 from derive.mechanics.symbols import t
 from derive.spec.model.scene import TimeFunction
 
@@ -34,3 +35,16 @@ def rounded(expr: sp.Expr) -> sp.Expr:
     if not expr.is_number or expr.is_Rational or not (expr.is_real and expr.is_finite):
         return expr
     return sp.Rational(float(expr.evalf(30)))
+
+
+def time_derivatives(of: sp.Expr) -> tuple[sp.Expr, sp.Expr, sp.Expr]:
+    """A function of time with its first two derivatives."""
+    return of, of.diff(t), of.diff(t, 2)
+
+
+def finite_function(of: TimeFunction, path: str) -> sp.Expr:
+    """A function of t. Raises SpecError at `path` where it has no value for any t."""
+    expr = function(of)
+    if expr.has(sp.zoo, sp.nan, sp.oo, -sp.oo, sp.I):
+        raise SpecError((Problem(path, f"this is {expr} for every t; a finite function of t is needed"),))
+    return expr

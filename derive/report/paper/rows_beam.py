@@ -19,7 +19,7 @@ ROWS = (
         derived.ansatz,
         "the user",
         note="What a beam has where its specification says nothing; any polynomials may stand there.",
-        where=("derive/spec/toml/paper_beam.py::ANSATZ",),
+        where=("derive/spec/model/body.py::DEFAULT_ANSATZ",),
         tests=tests(BEAM, "test_ansatz_without_a_specification_is_21"),
         scalars=True,
     ),

@@ -10,7 +10,7 @@ from derive.report.document.page import Equations as Lines
 from derive.report.document.tables import Said, table
 from derive.report.notation.expressions import Notation
 from derive.spec.model.body import Parameter, Quantity
-from derive.spec.model.scene import BeamBody, MarkerRef, Scene, SceneBody
+from derive.spec.model.scene import BeamBody, MarkerRef, RigidBody, Scene, SceneBody
 from derive.visual.mechanism import mechanism_picture
 
 MANY = 24
@@ -55,7 +55,7 @@ def _names(spec: Scene) -> set[str]:
 
 def _kind(body: SceneBody) -> str:
     if not isinstance(body, BeamBody):
-        return "rigid"
+        return body.kind
     cut = f" in {body.pieces} pieces" if body.pieces > 1 else ""
     return f"flexible{cut}, {body.beam.frame.kind} frame"
 
@@ -64,7 +64,7 @@ def _weight(body: SceneBody) -> str:
     if isinstance(body, BeamBody):
         beam = body.beam
         return f"{_quantity(beam.mass)} kg, {_quantity(beam.length)} m, EI {_quantity(beam.bending_stiffness)} N m²"
-    if body.mass is None:
+    if not isinstance(body, RigidBody) or body.mass is None:
         return ""
     return f"{_quantity(body.mass)} kg" + (f", {_quantity(body.inertia)} kg m²" if body.inertia is not None else "")
 

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from derive.mechanics.multibody.components import piece_name
+from derive.mechanics.multibody.bodies.beam import piece_name
 from derive.mechanics.symbols import Family, owned, quantity
 from derive.roles import Role
 from derive.runtime.native import NativeScene, Vector
@@ -15,7 +15,7 @@ from derive.simulation.errors import ExcessiveDeformation
 from derive.simulation.initial.consistent_state import InitialState, consistent_state
 from derive.simulation.observables.beams import beam_bodies, relative_deflection
 from derive.simulation.observables.motion import Motion, si_value
-from derive.spec.model.scene import BeamBody, InitialGuess, RigidBody, Scene
+from derive.spec.model.scene import BeamBody, CustomBody, InitialGuess, RigidBody, Scene
 
 MAX_DEFLECTION = 0.3
 """Of the length of a beam: an initial state with a larger deflection is not one of this mechanism."""
@@ -52,7 +52,7 @@ def initial_guess(scene: Scene, native: NativeScene) -> tuple[Vector, Vector, Ma
             for k in range(body.pieces):
                 _guess_frame(values, rates, piece_name(body, k), body.start, _piece_centre(body, k))
         else:
-            centre = tuple(si_value(x) for x in body.centre)
+            centre = tuple(si_value(x) for x in body.centre) if isinstance(body, RigidBody) else (0.0, 0.0)
             _guess_frame(values, rates, body.name, body.start, centre)
             _guess_displacement(values, rates, body, native)
     q = np.array([values.get(name, 0.0) for name in native.coordinates])
@@ -76,7 +76,7 @@ def _guess_frame(
 
 
 def _guess_displacement(
-    values: dict[str, float], rates: dict[str, float], body: RigidBody, native: NativeScene
+    values: dict[str, float], rates: dict[str, float], body: RigidBody | CustomBody, native: NativeScene
 ) -> None:
     """The displacement along a guide, of a body that has no other coordinate: from where it is at 0, along its axis."""
     name = _name(body.name, Family.GUIDE)

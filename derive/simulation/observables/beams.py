@@ -6,7 +6,7 @@ from fractions import Fraction
 
 import numpy as np
 
-from derive.mechanics.multibody.components import piece_name, piece_of, place_in_piece
+from derive.mechanics.multibody.bodies.beam import piece_name, piece_of, place_in_piece
 from derive.mechanics.reference_conditions import assumed_shapes
 from derive.mechanics.symbols import amplitude, owned
 from derive.simulation.observables.motion import Array, Motion, si_value, transformed

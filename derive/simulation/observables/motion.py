@@ -10,10 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
+from derive.mechanics.multibody.joints.registry import JOINTS
 from derive.runtime.native import NativeScene
 from derive.spec.model.body import Parameter, Quantity
 from derive.spec.model.scene import (
     GROUND,
+    BeamBody,
+    CustomBody,
     Deflection,
     Drive,
     MarkerRef,
@@ -72,7 +75,7 @@ def material_points(scene: Scene, body: str) -> tuple[PointMarker, ...]:
     if body == GROUND:
         return scene.ground
     owner = next(b for b in scene.bodies if b.name == body)
-    return owner.markers if isinstance(owner, RigidBody) else ()
+    return () if isinstance(owner, BeamBody) else owner.markers
 
 
 def body_coordinates(scene: Scene, marker: MarkerRef) -> Array:
@@ -81,7 +84,7 @@ def body_coordinates(scene: Scene, marker: MarkerRef) -> Array:
     return np.array([si_value(point.x), si_value(point.y)])
 
 
-def outline(body: RigidBody) -> list[list[float]]:
+def outline(body: RigidBody | CustomBody) -> list[list[float]]:
     """The convex hull of the markers of a body, counter-clockwise; two markers make a line."""
     points = sorted({(si_value(m.x), si_value(m.y)) for m in body.markers})
     if len(points) < 3:
@@ -141,7 +144,9 @@ def drive_values(drive: Drive, t: Array) -> Array:
 def drive_unit(scene: Scene, drive: Drive) -> str:
     """rad of a rotation, m of a displacement."""
     kind = next(joint.kind for joint in scene.joints if joint.name == drive.joint)
-    return "m" if kind == "translational" else "rad"
+    driven = JOINTS[kind].driven
+    assert driven is not None, "the specification refuses other drives"
+    return driven.unit
 
 
 def function_values(function: TimeFunction, t: Array) -> Array:

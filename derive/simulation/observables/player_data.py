@@ -29,7 +29,7 @@ from derive.simulation.observables.motion import (
     outline,
     transformed,
 )
-from derive.spec.model.scene import GROUND, BeamBody, Joint, MarkerRef, RigidBody, Scene
+from derive.spec.model.scene import GROUND, BeamBody, Joint, MarkerRef, Scene
 
 Plain = dict[str, Any]
 
@@ -52,7 +52,7 @@ def player_data(motion: Motion, curves: Sequence[Column]) -> Plain:
     chosen = _instants(motion, len(curves) + len(scene.drives))
     shown = Motion(scene, motion.native, motion.k, motion.t[chosen], motion.q[chosen], motion.v[chosen])
     markers = [MarkerRef(GROUND, p.name) for p in scene.ground]
-    markers += [MarkerRef(b.name, m.name) for b in scene.bodies for m in _markers(b)]
+    markers += [MarkerRef(b.name, m.name) for b in scene.bodies for m in b.markers]
     at = {marker: marker_positions(shown, marker) for marker in markers}
     beams = beam_bodies(scene)
     low, high = _view([*at.values(), *(c for beam in beams for c in beam_points(shown, beam))])
@@ -66,7 +66,7 @@ def player_data(motion: Motion, curves: Sequence[Column]) -> Plain:
         "rigid": [
             {"name": b.name, "outline": outline(b), "pose": _pose(shown, b.name, step)}
             for b in scene.bodies
-            if isinstance(b, RigidBody)
+            if not isinstance(b, BeamBody)
         ],
         "rods": [_beam(shown, beam, step) for beam in beams],
         "places": [_marker(scene, marker) for marker in markers],
@@ -141,10 +141,6 @@ def _beam(motion: Motion, beam: BeamBody, step: float) -> Plain:
             for name in piece_names(beam)
         ],
     }
-
-
-def _markers(body: RigidBody | BeamBody) -> Sequence[Any]:
-    return body.markers if isinstance(body, RigidBody) else body.beam.markers
 
 
 def _marker(scene: Scene, marker: MarkerRef) -> Plain:

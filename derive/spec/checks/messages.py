@@ -21,7 +21,7 @@ from derive.spec.tables.body import (
     kind_of_body,
 )
 from derive.spec.tables.shared import ParameterTable
-from derive.spec.tables.specification import SCENE, SpecificationTable
+from derive.spec.tables.specification import SCENE, specification_table
 
 MAX_FAULTS = 100
 QUANTITIES = {"mass": DEFAULT_MASS, "length": DEFAULT_LENGTH, "bending_stiffness": DEFAULT_BENDING_STIFFNESS}
@@ -102,7 +102,7 @@ def _table(path: KeyPath, data: Mapping[str, object]) -> type[BaseModel]:
     """The model of the table at a path."""
     match path:
         case ():
-            return SpecificationTable
+            return specification_table()
         case ("beam",):
             return BeamTable
         case ("body",):

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 
 from derive.errors import quoted
+from derive.mechanics.multibody.joints.joint_type import JointType
+from derive.mechanics.multibody.joints.registry import JOINTS
 from derive.spec.checks.body_checks import shape_faults
 from derive.spec.checks.scene_data import Raw, SceneData
 from derive.spec.checks.scene_names import name_faults
@@ -12,9 +14,6 @@ from derive.spec.checks.scene_parameters import parameter_faults
 from derive.spec.model.scene import GROUND, MarkerRef
 from derive.spec.parsing.faults import Fault, KeyPath, did_you_mean
 from derive.spec.tables.scene_bodies import RigidTable
-
-HELD = ("weld", "fixed")
-"""Joints in which nothing moves."""
 
 
 def scene_faults(data: Raw) -> list[Fault]:
@@ -71,7 +70,7 @@ def _joints(view: SceneData) -> Iterator[Fault]:
             yield Fault(path, "both places are on the ground, which does not move; one of them must be on a body")
         elif first == second and first in view.names_of_bodies:
             yield Fault(path, f"both places are on the body {first}; a joint is between two bodies, or ground and body")
-        elif joint.get("kind") == "translational" and view.is_beam(first):
+        elif (joint_type := _type(joint)) and joint_type.rigid_first and view.is_beam(first):
             text = f"the line must belong to the ground or to a rigid body, and {first} is a beam"
             if view.is_beam(second):
                 yield Fault(path, f"{text}, as {second} is; weld a rigid body to {first}, and let {second} slide on it")
@@ -91,12 +90,23 @@ def _drives(view: SceneData) -> Iterator[Fault]:
             there = f"the joints are {', '.join(map(str, joints))}" if joints else "write one, such as [joints.bearing]"
             yield Fault(path, f"there is no joint {quoted(joint)}{did_you_mean(joint, map(str, joints), there)}")
             continue
-        kind = view.tables["joints"].get(joint, {}).get("kind")
-        if kind in HELD:
-            yield Fault(path, f"nothing moves in the {kind} joint {joint}; drive a revolute or a translational one")
+        joint_table = view.tables["joints"].get(joint, {})
+        joint_type, kind = _type(joint_table), joint_table.get("kind")
+        if joint_type and not joint_type.driven:
+            why = "nothing moves in" if joint_type.freedom == 0 else "no drive can prescribe the motion of"
+            yield Fault(path, f"{why} the {kind} joint {joint}; drive a {_driven_kinds()} one")
         other = driven.setdefault(joint, name)
         if other != name:
             yield Fault(path, f"the joint {joint} is driven by {other} already; leave one of the drives out")
+
+
+def _type(joint: Raw) -> JointType | None:
+    """The type of a joint, if its kind is right."""
+    return JOINTS.get(str(joint.get("kind")))
+
+
+def _driven_kinds() -> str:
+    return " or a ".join(kind for kind, joint_type in JOINTS.items() if joint_type.driven)
 
 
 def _weightless(view: SceneData) -> Iterator[Fault]:
@@ -107,13 +117,14 @@ def _weightless(view: SceneData) -> Iterator[Fault]:
         bodies = {place.body for place in view.pair("joints", name) or ()}
         held |= bodies
         # What a weld holds may be held to a body whose motion is prescribed: that is for the derivation to find out.
-        if name in driven or joint.get("kind") in HELD:
+        joint_type = _type(joint)
+        if name in driven or (joint_type and joint_type.freedom == 0):
             prescribed |= bodies
     unreadable = any(view.pair("joints", name) is None for name in view.tables["joints"])
     for name, body in view.bodies.items():
         missing = [key for key in ("mass", "inertia") if key not in body]
         misspelt = any(key not in RigidTable.model_fields for key in body)
-        if view.is_beam(name) or not missing or name in prescribed or unreadable or misspelt:
+        if view.kind(name) != "rigid" or not missing or name in prescribed or unreadable or misspelt:
             continue
         such = " and ".join(f"{key} = 1.0" for key in missing)
         if name in held:

@@ -9,7 +9,8 @@ from typing import NamedTuple
 from derive.spec.model.scene import GROUND, MarkerRef
 from derive.spec.parsing import scene_values
 from derive.spec.parsing.faults import KeyPath, readable
-from derive.spec.tables.scene_bodies import MAX_NAMED, kind_of_scene_body
+from derive.spec.tables.markers import MAX_NAMED
+from derive.spec.tables.scene_bodies import kind_of_scene_body
 from derive.spec.tables.shared import MAX_MARKERS
 
 Raw = Mapping[str, object]
@@ -52,9 +53,13 @@ class SceneData:
         sections = [self.data.get(kind, {}) for kind in NAMED]
         return all(isinstance(one, Mapping) and len(one) <= MAX_NAMED for one in sections)
 
+    def kind(self, body: str) -> str:
+        """The kind of a body."""
+        return kind_of_scene_body(self.bodies.get(body))
+
     def is_beam(self, body: str) -> bool:
         """Whether a name is that of a beam."""
-        return body in self.bodies and kind_of_scene_body(self.bodies[body]) == "beam"
+        return body in self.bodies and self.kind(body) == "beam"
 
     def markers(self, body: str) -> list[str] | None:
         """The markers of a body or of the ground; None where that is unknown."""
@@ -69,7 +74,7 @@ class SceneData:
         value = self.tables[kind][name].get(key)
         if not isinstance(value, (list, tuple)) or len(value) != 2:
             return None
-        first, second = (readable(scene_values.place, one) for one in value)
+        first, second = (readable(scene_values.marker_ref, one) for one in value)
         return None if first is None or second is None else (first, second)
 
     def places(self) -> Iterator[WrittenPlace]:
@@ -92,7 +97,7 @@ def _places(path: KeyPath, value: object) -> Iterator[WrittenPlace]:
         for i, one in enumerate(value[:2]):
             yield from _places((*path, i), one)
     elif isinstance(value, str):
-        place = readable(scene_values.place, value)
+        place = readable(scene_values.marker_ref, value)
         if place is not None:
             yield WrittenPlace(path, place)
 

@@ -2,22 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping
+from itertools import chain
 
 from pydantic import BaseModel
 
+from derive.mechanics.multibody.bodies.registry import BODIES
+from derive.mechanics.multibody.keys import Key, KeyType
 from derive.spec.parsing.faults import KeyPath, did_you_mean
 from derive.spec.tables.beam import FrameTable
-from derive.spec.tables.scene import (
-    DriveTable,
-    ForceTable,
-    JointTable,
-    PlotTable,
-    ReferenceTable,
-    SimulationTable,
-    SpringTable,
-    TorqueTable,
-)
+from derive.spec.tables.forces import ForceTable, TorqueTable, spring_table
+from derive.spec.tables.joints import DriveTable, joint_table
 from derive.spec.tables.scene_bodies import (
     BEAM_KEYS,
     BeamBodyTable,
@@ -25,16 +20,18 @@ from derive.spec.tables.scene_bodies import (
     RigidTable,
     SceneTable,
     StartTable,
+    body_tables,
     kind_of_scene_body,
 )
+from derive.spec.tables.simulation import PlotTable, ReferenceTable, SimulationTable
 
-_NAMED: dict[str | int, type[BaseModel]] = {
-    "joints": JointTable,
-    "drives": DriveTable,
-    "forces": ForceTable,
-    "torques": TorqueTable,
-    "springs": SpringTable,
-    "plots": PlotTable,
+_NAMED: dict[str | int, Callable[[], type[BaseModel]]] = {
+    "joints": joint_table,
+    "drives": lambda: DriveTable,
+    "forces": lambda: ForceTable,
+    "torques": lambda: TorqueTable,
+    "springs": spring_table,
+    "plots": lambda: PlotTable,
 }
 _PLAIN: dict[str | int, type[BaseModel]] = {"ground": GroundTable, "scene": SceneTable, "simulation": SimulationTable}
 PLAIN_TABLES = {str(name): {*table.model_fields} for name, table in _PLAIN.items()}
@@ -70,7 +67,14 @@ def is_union(path: KeyPath) -> bool:
             return True
         case ("springs", _, "stiffness" | "damping" | "rest"):
             return True
+        case ("bodies", _, key):
+            return any(own.name == key and own.type is KeyType.POSITIVE_QUANTITY for own in _custom_keys())
     return False
+
+
+def _custom_keys() -> Iterator[Key]:
+    """The keys that types of bodies declare."""
+    return chain.from_iterable(body_type.keys for body_type in BODIES.values())
 
 
 def example(path: KeyPath) -> str:
@@ -88,6 +92,8 @@ def example(path: KeyPath) -> str:
             return f'symbol = "{_SYMBOLS.get(str(key), "a")}"'
         case (*_, "default"):
             return "default = 0.1"
+        case ("bodies", _, key):
+            return f"{key} = 1.0"
         case (kind, _, key):
             return _EXAMPLES[str(kind), str(key)]
     raise AssertionError(f"there is no example of {path} yet")
@@ -99,23 +105,24 @@ def table(path: KeyPath, data: Mapping[str, object]) -> type[BaseModel] | None:
         case (kind,):
             return _PLAIN.get(kind)
         case ("bodies", name):
-            return BeamBodyTable if _kind(name, data) == "beam" else RigidTable
+            return body_tables()[_kind(name, data)]
         case ("bodies", _, "start"):
             return StartTable
         case ("bodies", _, "frame"):
             return FrameTable
         case ("plots", _, "reference"):
             return ReferenceTable
-        case (kind, _):
-            return _NAMED.get(kind)
+        case (kind, _) if kind in _NAMED:
+            return _NAMED[kind]()
     return None
 
 
 def unknown(path: KeyPath, data: Mapping[str, object]) -> str | None:
     """What to say of a key that belongs to the other kind of body, if that is what it is."""
-    if len(path) != 3 or path[0] != "bodies":
+    kind = _kind(path[1], data) if len(path) == 3 and path[0] == "bodies" else ""
+    if kind not in ("rigid", "beam"):
         return None
-    key, kind = str(path[2]), _kind(path[1], data)
+    key = str(path[2])
     keys = ", ".join(BEAM_KEYS)
     if kind == "rigid" and key in BeamBodyTable.model_fields:
         return f"a rigid body has no such key; leave it out, or make the body a beam by one of {keys}"

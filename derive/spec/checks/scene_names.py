@@ -9,6 +9,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from derive.errors import quoted
+from derive.mechanics.multibody.forces.registry import FORCES
+from derive.mechanics.multibody.joints.registry import JOINTS
 from derive.spec.checks.scene_data import NAMED, Raw, SceneData
 from derive.spec.model.body import DEFAULT_ANSATZ
 from derive.spec.model.scene import GROUND
@@ -27,17 +29,17 @@ OWN_MARKERS = ("base", "cut_left", "cut_right")
 """Points of bodies that the derivation gives names to."""
 RATES = ("", "dot", "ddot")
 
-_DRIVE = ("", "_speed")
-_OTHER = {
-    "joints": ("_1", "_2", "_turn", "_normal", "_axis_1", "_axis_2"),
-    "forces": ("_1", "_2"),
-    "torques": ("_torque",),
-    "springs": tuple(
-        f"_{what}"
-        for what in "stiffness damping rest apart_1 apart_2 length rate pull".split()  # noqa: SIM905
-    ),
-}
-_CONSTRAINT = ("_1", "_2", "_turn")
+
+def _labels(kind: str) -> tuple[str, ...]:
+    """What the names begin with the name of an element that are not its own: multipliers, constants, intermediates."""
+    if kind == "drives":
+        return ("", "_speed")
+    if kind == "joints":
+        made = ((*(m.label for m in joint.multipliers), *joint.intermediates) for joint in JOINTS.values())
+    else:
+        made = ((*force.units, *force.intermediates) for force in FORCES.values() if force.section == kind)
+    return tuple(dict.fromkeys(f"_{label}" for labels in made for label in labels))
+
 
 Made = tuple[KeyPath, str, str]
 """Where the name is written that another comes from; that other; what it is."""
@@ -83,12 +85,12 @@ def made_names(view: SceneData) -> Iterator[Made]:
                 continue
             for k in range(1, count + 1):
                 yield from _coordinates(path, f"{name}_{k}", shapes, f"piece {k} of the body {name}")
-                for end in _CONSTRAINT:
-                    yield path, f"{name}_cut_{k}{end}", f"a multiplier of cut {k} of the body {name}"
-    for kind, ends in {**_OTHER, "drives": _DRIVE}.items():
+                for weld in JOINTS["weld"].multipliers:
+                    yield path, f"{name}_cut_{k}_{weld.label}", f"a multiplier of cut {k} of the body {name}"
+    for kind in ("joints", "forces", "torques", "springs", "drives"):
         for name, _ in _named(view, kind):
             what = "the multiplier" if kind == "drives" else "a name"
-            for end in ends:
+            for end in _labels(kind):
                 yield (kind, name), f"{name}{end}", f"{what} of the {kind[:-1]} {name}"
 
 

@@ -6,14 +6,17 @@ from collections.abc import Iterator, Mapping
 from typing import NamedTuple
 
 from derive.errors import quoted
+from derive.mechanics.multibody.bodies.registry import BODIES
+from derive.mechanics.multibody.keys import KeyType
 from derive.spec.checks.scene_data import SceneData
 from derive.spec.checks.scene_names import taken_names
 from derive.spec.model.body import DEFAULT_BENDING_STIFFNESS, DEFAULT_LENGTH, DEFAULT_MASS
-from derive.spec.model.scene import GROUND, SPRING_UNITS
+from derive.spec.model.scene import GROUND
 from derive.spec.parsing import values
 from derive.spec.parsing.faults import Fault, KeyPath, readable
 from derive.spec.parsing.names import name_problem
-from derive.spec.tables.scene import SPEED_UNITS
+from derive.spec.tables.forces import spring_kinds
+from derive.spec.tables.joints import speed_unit
 from derive.spec.tables.scene_bodies import INERTIA_UNIT, LENGTH_UNIT
 
 GRAVITY_UNIT = "m/s^2"
@@ -100,7 +103,8 @@ def written(view: SceneData) -> Iterator[Written]:
             for key, like in BEAM.items():
                 yield Written(("bodies", name, key), body.get(key), f"{key} {of}", like.unit)
             continue
-        for key, unit in RIGID.items():
+        kind = view.kind(name)
+        for key, unit in RIGID.items() if kind == "rigid" else _quantities(kind):
             yield Written(("bodies", name, key), body.get(key), f"{key} {of}", unit)
         yield from _components(("bodies", name, "centre"), body.get("centre"), f"the centre {of}", LENGTH_UNIT)
         yield from _markers(("bodies", name, "markers"), body.get("markers"), of)
@@ -109,12 +113,18 @@ def written(view: SceneData) -> Iterator[Written]:
         yield from _markers((GROUND, "markers"), ground.get("markers"), "of the ground")
     for name, drive in view.tables["drives"].items():
         joint = view.tables["joints"].get(str(drive.get("joint")), {})
-        speed_unit = SPEED_UNITS.get(str(joint.get("kind")))
-        yield Written(("drives", name, "speed"), drive.get("speed"), f"the speed of the drive {name}", speed_unit)
+        of_speed = speed_unit(str(joint.get("kind")))
+        yield Written(("drives", name, "speed"), drive.get("speed"), f"the speed of the drive {name}", of_speed)
     for name, spring in view.tables["springs"].items():
-        units = SPRING_UNITS.get(str(spring.get("kind", "linear")), {})
+        spring_type = spring_kinds().get(str(spring.get("kind", "linear")))
+        units = spring_type.units if spring_type else {}
         for key in ("stiffness", "damping", "rest"):
             yield Written(("springs", name, key), spring.get(key), f"{key} of the spring {name}", units.get(key))
+
+
+def _quantities(kind: str) -> list[tuple[str, str]]:
+    """The keys of a type of body that may be parameters, with their units."""
+    return [(key.name, key.unit) for key in BODIES[kind].keys if key.type is KeyType.POSITIVE_QUANTITY]
 
 
 def _components(path: KeyPath, value: object, what: str, unit: str) -> Iterator[Written]:

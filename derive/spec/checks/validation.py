@@ -20,7 +20,7 @@ from derive.spec.parsing.faults import Fault, KeyPath, line_of, path_text
 from derive.spec.parsing.names import name_problem
 from derive.spec.tables.body import NodalTable, SymbolicTable, kind_of_body
 from derive.spec.tables.shared import MAX_MARKERS
-from derive.spec.tables.specification import SCENE, SpecificationTable
+from derive.spec.tables.specification import SCENE, SpecificationTable, specification_table
 
 Curves = Mapping[str, Rows]
 
@@ -53,7 +53,7 @@ def _checked(data: Mapping[str, object], folder: Path, known: Curves) -> Specifi
     specification = None
     faults: list[Fault] = []
     try:
-        specification = SpecificationTable.model_validate(data)
+        specification = specification_table().model_validate(data)
     except ValidationError as error:
         faults = key_faults(error, data)
     kinds = _kinds(data)

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from fractions import Fraction
-from typing import Literal
+from typing import ClassVar
 
-from derive.spec.model.body import NodalBody, PlanarBeam, Quantity, SymbolicBody
+from derive.spec.model.body import Marker, NodalBody, PlanarBeam, Quantity, SymbolicBody
 
 GROUND = "ground"
 """The name under which joints and forces speak of the inertial base."""
@@ -62,6 +63,7 @@ class RigidBody:
     markers: tuple[PointMarker, ...] = ()
     start: InitialGuess = InitialGuess()
     keep_coordinates: bool = False
+    kind: ClassVar[str] = "rigid"
 
 
 @dataclass(frozen=True)
@@ -76,9 +78,26 @@ class BeamBody:
     beam: PlanarBeam
     pieces: int = 1
     start: InitialGuess = InitialGuess()
+    kind: ClassVar[str] = "beam"
+
+    @property
+    def markers(self) -> tuple[Marker, ...]:
+        """Those of the whole rod."""
+        return self.beam.markers
 
 
-SceneBody = RigidBody | BeamBody
+@dataclass(frozen=True)
+class CustomBody:
+    """A body of a type that is registered from outside the package; `values` are those of the keys of the type."""
+
+    name: str
+    kind: str
+    values: Mapping[str, object] = field(default_factory=dict, hash=False)
+    markers: tuple[PointMarker, ...] = ()
+    start: InitialGuess = InitialGuess()
+
+
+SceneBody = RigidBody | BeamBody | CustomBody
 
 
 @dataclass(frozen=True)
@@ -89,24 +108,28 @@ class MarkerRef:
     marker: str
 
 
-JointKind = Literal["revolute", "weld", "fixed", "translational"]
-
-
 @dataclass(frozen=True)
 class Joint:
-    """A joint between two places. Its multipliers are the force and the torque it exerts on the second body.
+    """A joint between two markers. Its multipliers are the force and the torque it exerts on the second body.
 
-    `revolute`: the places coincide; `weld`, `fixed`: so do they, and their rotations differ by `angle`, constant;
-    `translational`: the second place stays on a line through the first, along `axis` in the base of the first body,
-    and the rotations differ by `angle`.
+    `kind` is a name of the registry of joints. `revolute`: the markers coincide; `weld`, `fixed`: so do they, and their
+    rotations differ by `angle`, constant; `translational`: the second marker stays on a line through the first, along
+    `axis` in the frame of the first body, and the rotations differ by `angle`.
     """
 
     name: str
-    kind: JointKind
+    kind: str
     first: MarkerRef
     second: MarkerRef
     angle: float = 0.0
     axis: tuple[Fraction, Fraction] = (Fraction(1), Fraction(0))
+
+
+@dataclass(frozen=True)
+class CustomJoint(Joint):
+    """A joint of a kind that is registered from outside the package; `values` are those of the keys of the kind."""
+
+    values: Mapping[str, object] = field(default_factory=dict, hash=False)
 
 
 @dataclass(frozen=True)
@@ -140,22 +163,16 @@ class Torque:
     against: MarkerRef | None = None
 
 
-SPRING_UNITS = {
-    "linear": {"stiffness": "N/m", "damping": "N s/m", "rest": "m"},
-    "rotational": {"stiffness": "N m/rad", "damping": "N m s/rad", "rest": "rad"},
-}
-
-
 @dataclass(frozen=True)
 class Spring:
-    """A spring with a damper between two places: along the line between them, or `rotational`, about e3.
+    """A spring with a damper between two markers: along the line between them, or `rotational`, about e3.
 
-    Its force is stiffness * (length - rest) + damping * (rate of the length); for rotational ones the length is the
-    rotation of the second place against the first.
+    `kind` is a name of the registry of forces. Its force is stiffness * (length - rest) + damping * (rate of the
+    length); for rotational ones the length is the rotation of the second marker against the first.
     """
 
     name: str
-    kind: Literal["linear", "rotational"]
+    kind: str
     first: MarkerRef
     second: MarkerRef
     stiffness: Quantity

@@ -6,21 +6,16 @@ Like those of `values`, they raise WrongValueError with a sentence that says wha
 from __future__ import annotations
 
 from fractions import Fraction
-from typing import Literal, get_args
 
 from derive.errors import quoted
-from derive.spec.model.scene import JointKind, MarkerRef, TimeFunction
+from derive.spec.model.scene import MarkerRef, TimeFunction
 from derive.spec.parsing import values
 from derive.spec.parsing.time_expression import number_function, time_function
 
 MAX_PIECES = 64
-JOINT_KINDS: tuple[JointKind, ...] = get_args(JointKind)
-
-SpringKind = Literal["linear", "rotational"]
-SPRING_KINDS: tuple[SpringKind, ...] = get_args(SpringKind)
 
 
-def place(value: object) -> MarkerRef:
+def marker_ref(value: object) -> MarkerRef:
     """A marker of a body or of the ground, written with a dot between."""
     if not isinstance(value, str):
         raise values.WrongValueError(
@@ -68,16 +63,6 @@ def piece_count(value: object) -> int:
     if not 1 <= count <= MAX_PIECES:
         raise values.WrongValueError(f"a beam is cut into 1 to {MAX_PIECES} pieces, not {values.shown(count)}")
     return count
-
-
-def joint_kind(value: object) -> JointKind:
-    """One of the kinds of joints."""
-    return values.choice(value, JOINT_KINDS, "the joint")
-
-
-def spring_kind(value: object) -> SpringKind:
-    """One of the kinds of springs."""
-    return values.choice(value, SPRING_KINDS, "the spring")
 
 
 def axis(value: tuple[Fraction, Fraction]) -> tuple[Fraction, Fraction]:

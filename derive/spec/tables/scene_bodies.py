@@ -4,86 +4,25 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from fractions import Fraction
-from typing import Annotated, Any
+from functools import cache, reduce
+from operator import or_
+from typing import Annotated, Any, ClassVar
 
-from pydantic import (
-    AfterValidator,
-    BeforeValidator,
-    ConfigDict,
-    Discriminator,
-    Field,
-    PlainValidator,
-    Tag,
-    WithJsonSchema,
-)
+from pydantic import ConfigDict, Discriminator, Field, Tag, create_model
 
+from derive.mechanics.multibody.bodies.body_type import BodyType
+from derive.mechanics.multibody.bodies.registry import BODIES
 from derive.spec.model.body import DEFAULT_LENGTH, DEFAULT_MASS, Quantity
-from derive.spec.model.scene import BeamBody, InitialGuess, PointMarker, RigidBody, SceneBody
-from derive.spec.parsing import scene_values, values
+from derive.spec.model.scene import BeamBody, CustomBody, InitialGuess, PointMarker, RigidBody, SceneBody
 from derive.spec.tables.beam import BeamKeys
-from derive.spec.tables.shared import (
-    MAX_MARKERS,
-    Name,
-    PlanarGravity,
-    QuantityInput,
-    SignedInput,
-    TomlTable,
-    Truth,
-    components,
-    few,
-    few_markers,
-    number_schema,
-    quantity,
-)
+from derive.spec.tables.joints import key_field, key_value
+from derive.spec.tables.markers import MAX_NAMED, Coordinates, Float, FloatPair, Markers, PieceCount, few_named
+from derive.spec.tables.shared import Name, PlanarGravity, QuantityInput, TomlTable, Truth, quantity
 
-MAX_NAMED = 100
-BEAM_KEYS = ("length", "bending_stiffness", "ansatz", "frame")
+BEAM_KEYS = BODIES["beam"].identifying_keys
 """A body with one of these keys is a beam."""
 INERTIA_UNIT = "kg m^2"
 LENGTH_UNIT = DEFAULT_LENGTH.unit
-
-
-def few_named(noun: str, example: str) -> BeforeValidator:
-    """A table of at most so many tables."""
-
-    def check(value: object) -> object:
-        if not isinstance(value, Mapping):
-            raise values.WrongValueError(
-                f"a table of {noun} by their names is needed, such as {example}, not {values.kind_of(value)}"
-            )
-        few(len(value), 0, MAX_NAMED, noun)
-        return value
-
-    return BeforeValidator(check)
-
-
-Float = Annotated[float, PlainValidator(values.any_float), WithJsonSchema(number_schema())]
-PositiveFloat = Annotated[
-    float, PlainValidator(values.positive_float), WithJsonSchema(number_schema(exclusiveMinimum=0))
-]
-FloatPair = Annotated[tuple[Float, Float], components(("0.1", "0"), "numbers")]
-NumberPair = Annotated[
-    tuple[
-        Annotated[Fraction, PlainValidator(values.number), WithJsonSchema(number_schema())],
-        Annotated[Fraction, PlainValidator(values.number), WithJsonSchema(number_schema())],
-    ],
-    components(("1", "0"), "numbers"),
-]
-Axis = Annotated[NumberPair, AfterValidator(scene_values.axis)]
-Coordinates = Annotated[tuple[SignedInput, SignedInput], components(("0.15", "0"), "coordinates")]
-PieceCount = Annotated[
-    int,
-    PlainValidator(scene_values.piece_count),
-    WithJsonSchema({"type": "integer", "minimum": 1, "maximum": scene_values.MAX_PIECES}),
-]
-Markers = Annotated[
-    dict[Name, Coordinates],
-    few_markers("coordinates"),
-    Field(
-        description="Named points and their coordinates, [x, y], in the base of the body or of the ground, m.",
-        json_schema_extra={"maxProperties": MAX_MARKERS, "additionalProperties": False},
-    ),
-]
 
 
 def _points(markers: Mapping[str, Coordinates]) -> tuple[PointMarker, ...]:
@@ -178,24 +117,60 @@ class BeamBodyTable(BeamKeys):
         return BeamBody(name, self.planar_beam(name), self.pieces, self.start.start())
 
 
+class CustomBodyTable(TomlTable):
+    """A body of a type that is registered from outside the package."""
+
+    kind_of_body: ClassVar[str]
+    markers: Markers = {}  # noqa: RUF012  pydantic copies it
+    start: StartInput = StartTable()
+
+    def body(self, name: str) -> CustomBody:
+        """The body as the derivation takes it."""
+        given = {key.name: key_value(key, getattr(self, key.name)) for key in BODIES[self.kind_of_body].keys}
+        given = {key: value for key, value in given.items() if value is not None}
+        return CustomBody(name, self.kind_of_body, given, _points(self.markers), self.start.start())
+
+
+BodyTable = RigidTable | BeamBodyTable | CustomBodyTable
+_OWN: dict[str, type[BodyTable]] = {"rigid": RigidTable, "beam": BeamBodyTable}
+
+
+def body_tables() -> dict[str, type[BodyTable]]:
+    """The tables of all types of bodies that are registered now."""
+    return {kind: _OWN.get(kind) or _custom_table(kind, body_type) for kind, body_type in BODIES.items()}
+
+
+@cache
+def _custom_table(kind: str, body_type: BodyType[Any]) -> type[CustomBodyTable]:
+    keys: dict[str, Any] = {key.name: key_field(key, key.required) for key in body_type.keys}
+    table = create_model(f"{kind.capitalize()}Table", __base__=CustomBodyTable, __doc__=body_type.doc, **keys)
+    table.kind_of_body = kind
+    return table
+
+
 def kind_of_scene_body(value: Any) -> str:
     """Which kind of body a table describes: a discriminator."""
-    return "beam" if isinstance(value, Mapping) and any(key in value for key in BEAM_KEYS) else "rigid"
+    if isinstance(value, Mapping):
+        for kind, body_type in BODIES.items():
+            if any(key in value for key in body_type.identifying_keys):
+                return kind
+    return "rigid"
 
 
-SceneBodyInput = Annotated[
-    Annotated[RigidTable, Tag("rigid")] | Annotated[BeamBodyTable, Tag("beam")], Discriminator(kind_of_scene_body)
-]
-Bodies = Annotated[
-    dict[Name, SceneBodyInput],
-    few_named("bodies", "[bodies.rod]"),
-    Field(
-        description="The bodies of a scene by their names: beams, and rigid bodies.",
-        json_schema_extra={"minProperties": 1, "maxProperties": MAX_NAMED, "additionalProperties": False},
-    ),
-]
+def bodies_field(tables: Mapping[str, type[BodyTable]]) -> Any:
+    """The table of the bodies of a scene, each of which is described by one of the tables."""
+    options = [Annotated[table, Tag(kind)] for kind, table in tables.items()]
+    body: Any = Annotated[reduce(or_, options), Discriminator(kind_of_scene_body)]
+    return Annotated[
+        dict[Name, body],
+        few_named("bodies", "[bodies.rod]"),
+        Field(
+            description="The bodies of a scene by their names: beams, and rigid bodies.",
+            json_schema_extra={"minProperties": 1, "maxProperties": MAX_NAMED, "additionalProperties": False},
+        ),
+    ]
 
 
-def scene_bodies(bodies: Mapping[str, RigidTable | BeamBodyTable]) -> tuple[SceneBody, ...]:
+def scene_bodies(bodies: Mapping[str, BodyTable]) -> tuple[SceneBody, ...]:
     """The bodies as the derivation takes them."""
     return tuple(table.body(name) for name, table in bodies.items())

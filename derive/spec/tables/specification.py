@@ -4,25 +4,21 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
+from functools import cache
 from typing import Annotated, Any
 
-from pydantic import ConfigDict, Field
+from pydantic import ConfigDict, Field, create_model
 
 from derive.spec.files.reference_curves import Rows
 from derive.spec.model.scene import Scene
 from derive.spec.tables.beam import BeamTable
 from derive.spec.tables.body import BodyInput
-from derive.spec.tables.scene import (
-    DriveTable,
-    ForceTable,
-    JointTable,
-    PlotTable,
-    SimulationTable,
-    SpringTable,
-    TorqueTable,
-)
-from derive.spec.tables.scene_bodies import MAX_NAMED, Bodies, GroundTable, SceneTable, few_named, scene_bodies
+from derive.spec.tables.forces import ForceTable, SpringTable, TorqueTable, spring_table
+from derive.spec.tables.joints import DriveTable, JointTable, joint_table
+from derive.spec.tables.markers import MAX_NAMED, few_named
+from derive.spec.tables.scene_bodies import BodyTable, GroundTable, SceneTable, bodies_field, body_tables, scene_bodies
 from derive.spec.tables.shared import Name, TomlTable, acceleration
+from derive.spec.tables.simulation import PlotTable, SimulationTable
 
 SCENE = (
     "ground",
@@ -56,12 +52,8 @@ class SpecificationTable(TomlTable):
     body: BodyInput | None = None
     ground: GroundTable | None = None
     scene: SceneTable | None = None
-    bodies: Bodies | None = None
-    joints: Annotated[
-        dict[Name, JointTable],
-        few_named("joints", "[joints.pin]"),
-        Field(description="The joints of a scene by their names.", json_schema_extra=_NAMED),
-    ] = {}  # noqa: RUF012  pydantic copies it
+    bodies: dict[str, Any] | None = None
+    joints: dict[str, JointTable] = {}  # noqa: RUF012  pydantic copies it
     drives: Annotated[
         dict[Name, DriveTable],
         few_named("drives", "[drives.motor]"),
@@ -77,11 +69,7 @@ class SpecificationTable(TomlTable):
         few_named("torques", "[torques.load]"),
         Field(description="The torques on bodies by their names.", json_schema_extra=_NAMED),
     ] = {}  # noqa: RUF012
-    springs: Annotated[
-        dict[Name, SpringTable],
-        few_named("springs", "[springs.mount]"),
-        Field(description="The springs and dampers by their names.", json_schema_extra=_NAMED),
-    ] = {}  # noqa: RUF012
+    springs: dict[str, SpringTable] = {}  # noqa: RUF012
     simulation: SimulationTable | None = None
     plots: Annotated[
         dict[Name, PlotTable],
@@ -98,7 +86,7 @@ class SpecificationTable(TomlTable):
             gravity=gravity and (acceleration(gravity[0]), acceleration(gravity[1])),
             bodies=scene_bodies(self.bodies or {}),
             joints=tuple(table.joint(name) for name, table in self.joints.items()),
-            drives=tuple(table.drive(name, self.joints[table.joint].kind) for name, table in self.drives.items()),
+            drives=tuple(table.drive(name, self.joints) for name, table in self.drives.items()),
             forces=tuple(table.force(name) for name, table in self.forces.items()),
             torques=tuple(table.torque(name) for name, table in self.torques.items()),
             springs=tuple(table.spring(name) for name, table in self.springs.items()),
@@ -107,9 +95,38 @@ class SpecificationTable(TomlTable):
         )
 
 
+def specification_table() -> type[SpecificationTable]:
+    """The table of a whole specification, with the joints, bodies and springs that are registered now."""
+    return _specification_table(joint_table(), spring_table(), tuple(body_tables().items()))
+
+
+@cache
+def _specification_table(
+    joint: type[JointTable], spring: type[SpringTable], bodies: tuple[tuple[str, type[BodyTable]], ...]
+) -> type[SpecificationTable]:
+    joints = Annotated[
+        dict[Name, joint],  # type: ignore[valid-type]  # made of a registry
+        few_named("joints", "[joints.pin]"),
+        Field(description="The joints of a scene by their names.", json_schema_extra=_NAMED),
+    ]
+    springs = Annotated[
+        dict[Name, spring],  # type: ignore[valid-type]
+        few_named("springs", "[springs.mount]"),
+        Field(description="The springs and dampers by their names.", json_schema_extra=_NAMED),
+    ]
+    return create_model(
+        "SpecificationTable",
+        __base__=SpecificationTable,
+        __doc__=SpecificationTable.__doc__,
+        bodies=(bodies_field(dict(bodies)) | None, None),
+        joints=(joints, {}),
+        springs=(springs, {}),
+    )
+
+
 def json_schema() -> str:
     """The JSON schema of a specification, with which editors complete and check TOML files."""
-    schema = {"$schema": "https://json-schema.org/draft/2020-12/schema", **SpecificationTable.model_json_schema()}
+    schema = {"$schema": "https://json-schema.org/draft/2020-12/schema", **specification_table().model_json_schema()}
     return json.dumps(_plain(schema), indent=2, ensure_ascii=False) + "\n"
 
 

@@ -1,0 +1,82 @@
+"""The flexible rod in a mechanism: a planar beam, cut into pieces of equal length that are welded together."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from fractions import Fraction
+
+from derive.mechanics.bodies.beam import beam_body, beam_point, section_turns, shape_text
+from derive.mechanics.equations import Coefficient
+from derive.mechanics.multibody.bodies.body_type import BodyType, Constant
+from derive.mechanics.multibody.components import Component, Section
+from derive.mechanics.reference_conditions import assumed_shapes
+from derive.spec.model.body import Marker
+from derive.spec.model.scene import BeamBody, Joint, MarkerRef
+
+CUT = ("cut_left", "cut_right")
+"""The ends at which pieces are welded together."""
+
+
+class Beam(BodyType[BeamBody]):
+    """A rod of planar beams; it keeps all its coordinates."""
+
+    doc = "beam"
+    identifying_keys = ("length", "bending_stiffness", "ansatz", "frame")
+
+    def components(self, body: BeamBody, gravity: tuple[Coefficient, ...]) -> tuple[Component, ...]:
+        """The pieces of the rod from its left to its right end."""
+        n = body.pieces
+        piece = replace(beam_body(replace(body.beam, markers=()), n), gravity=gravity)
+        result = []
+        for k in range(n):
+            own = [Marker(m.name, place_in_piece(m.at, n)) for m in body.beam.markers if piece_of(m.at, n) == k]
+            ends = [Marker(CUT[0], Fraction(-1))] if k else []
+            ends += [Marker(CUT[1], Fraction(1))] if k < n - 1 else []
+            sections = {
+                m.name: Section(beam_point(m, body.beam, n), section_turns(m, body.beam, n)) for m in (*own, *ends)
+            }
+            result.append(Component(piece_name(body, k), body.name, piece, sections, tuple(m.name for m in own)))
+        return tuple(result)
+
+    def constants(self, body: BeamBody) -> Iterator[Constant]:
+        """Mass, length and bending stiffness."""
+        yield Constant(body.beam.mass, f"mass of {body.name}", positive=True)
+        yield Constant(body.beam.length, f"length of {body.name}", positive=True)
+        yield Constant(body.beam.bending_stiffness, f"bending stiffness EI of {body.name}", positive=True)
+
+    def joints(self, body: BeamBody) -> tuple[Joint, ...]:
+        """The welds between its pieces."""
+        pairs = ((piece_name(body, k), piece_name(body, k + 1)) for k in range(body.pieces - 1))
+        return tuple(
+            Joint(f"{body.name}_cut_{k}", "weld", MarkerRef(left, CUT[1]), MarkerRef(right, CUT[0]))
+            for k, (left, right) in enumerate(pairs, 1)
+        )
+
+    def located(self, body: BeamBody, marker: str) -> MarkerRef:
+        """The piece that a marker lies on."""
+        at = next(m.at for m in body.beam.markers if m.name == marker)
+        return MarkerRef(piece_name(body, piece_of(at, body.pieces)), marker)
+
+    def note(self, body: BeamBody) -> str:
+        """The shapes, as one needs them to draw the rod."""
+        shapes = assumed_shapes(body.beam.ansatz, body.beam.frame, body.beam.orthogonal)
+        texts = ", ".join(f"phi_{i} = {shape_text(shape)}" for i, shape in enumerate(shapes, 1))
+        each = f"{body.name}, each of {body.pieces} pieces" if body.pieces > 1 else body.name
+        return f"Deflection of {each}, along its e2: alpha1 phi_1 + ..., {texts}; xi = 2 x / length."
+
+
+def piece_name(rod: BeamBody, k: int) -> str:
+    """The name of piece k, counted from 0."""
+    return f"{rod.name}_{k + 1}" if rod.pieces > 1 else rod.name
+
+
+def piece_of(at: Fraction, pieces: int) -> int:
+    """The piece in which a place xi of the rod lies, counted from 0; of two that meet there, the left one."""
+    along = (at + 1) / 2 * pieces
+    return max(-(-along.numerator // along.denominator) - 1, 0)
+
+
+def place_in_piece(at: Fraction, pieces: int) -> Fraction:
+    """Its xi in that piece."""
+    return (at + 1) * pieces - 2 * piece_of(at, pieces) - 1

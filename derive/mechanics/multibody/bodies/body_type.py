@@ -1,0 +1,66 @@
+"""What a type of body declares: its keys, its components, and what joints may eliminate."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import ClassVar, Generic, TypeVar
+
+from derive.mechanics.equations import Coefficient
+from derive.mechanics.multibody.components import Component
+from derive.mechanics.multibody.keys import Key
+from derive.spec.model.body import Quantity
+from derive.spec.model.scene import Joint, MarkerRef, SceneBody
+
+B = TypeVar("B", bound=SceneBody)
+
+
+@dataclass(frozen=True)
+class Constant:
+    """A physical constant of a body that may be a run-time parameter: what it is, and whether it must be positive."""
+
+    value: Quantity | None
+    doc: str
+    positive: bool = False
+
+
+class BodyType(ABC, Generic[B]):
+    """A type of body in a mechanism. Subclasses are registered in `registry.BODIES`.
+
+    doc: what the body is, in a clause; identifying_keys: a table with one of them describes a body of this type (none
+    for the rigid body, which a table describes otherwise); keys: what its table has besides `markers` and `start`;
+    empty for bodies whose tables the specification layer knows by itself.
+    """
+
+    doc: ClassVar[str]
+    identifying_keys: ClassVar[tuple[str, ...]] = ()
+    keys: ClassVar[tuple[Key, ...]] = ()
+
+    @abstractmethod
+    def components(self, body: B, gravity: tuple[Coefficient, ...]) -> tuple[Component, ...]:
+        """The bodies of the equations of motion that it consists of, free of joints."""
+
+    @abstractmethod
+    def constants(self, body: B) -> Iterator[Constant]:
+        """What may be a run-time parameter, in the order in which parameters are listed."""
+
+    def about(self, body: B, marker: str, gravity: tuple[Coefficient, ...]) -> Component | None:
+        """The body with its origin O in a marker, for joints that eliminate coordinates; None if it keeps all."""
+        return None
+
+    def missing(self, body: B) -> tuple[str, ...]:
+        """The keys that it needs to move freely and does not have."""
+        return ()
+
+    def joints(self, body: B) -> tuple[Joint, ...]:
+        """The joints between its components."""
+        return ()
+
+    def located(self, body: B, marker: str) -> MarkerRef:
+        """The component that a marker lies on, and the name of the marker there."""
+        return MarkerRef(body.name, marker)
+
+    def note(self, body: B) -> str:
+        """What a user of the generated code should know of the body, as a sentence; empty if there is nothing."""
+        return ""

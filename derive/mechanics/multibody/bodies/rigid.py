@@ -1,0 +1,77 @@
+"""The rigid body in a mechanism, with its origin in its centre of mass or in a marker."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import sympy as sp
+
+from derive.mechanics import quantity
+from derive.mechanics.bodies.rigid import rigid_body, rigid_point
+from derive.mechanics.equations import Coefficient
+from derive.mechanics.multibody.bodies.body_type import BodyType, Constant
+from derive.mechanics.multibody.components import Component, Section
+from derive.spec.model.scene import PointMarker, RigidBody
+
+BODY_FRAME = "base"
+"""The name of the origin of the body frame, from which markers count, as a point of the body."""
+
+
+class Rigid(BodyType[RigidBody]):
+    """A rigid body; a joint may eliminate coordinates of it."""
+
+    doc = "rigid body"
+
+    def components(self, body: RigidBody, gravity: tuple[Coefficient, ...]) -> tuple[Component, ...]:
+        """The body with its origin O in its centre of mass."""
+        return (_component(body, None, gravity),)
+
+    def about(self, body: RigidBody, marker: str, gravity: tuple[Coefficient, ...]) -> Component | None:
+        """The body with its origin O in a marker, unless the specification wants all its coordinates."""
+        return None if body.keep_coordinates else _component(body, marker, gravity)
+
+    def missing(self, body: RigidBody) -> tuple[str, ...]:
+        """Its mass and inertia, which a body whose motion is prescribed does not need."""
+        return tuple(key for key in ("mass", "inertia") if getattr(body, key) is None)
+
+    def constants(self, body: RigidBody) -> Iterator[Constant]:
+        """Mass, inertia, centre of mass and markers."""
+        yield Constant(body.mass, f"mass of {body.name}", positive=True)
+        yield Constant(body.inertia, f"moment of inertia of {body.name} about its centre of mass", positive=True)
+        for axis, x in enumerate(body.centre, 1):
+            yield Constant(x, f"centre of mass of {body.name} along its e{axis}")
+        yield from marker_constants(body.name, body.markers)
+
+
+def marker_constants(body: str, markers: tuple[PointMarker, ...]) -> Iterator[Constant]:
+    """The coordinates of the markers of a body."""
+    for m in markers:
+        yield Constant(m.x, f"marker {m.name} of {body} along its e1")
+        yield Constant(m.y, f"marker {m.name} of {body} along its e2")
+
+
+def rigid_component(
+    name: str,
+    mass: sp.Expr,
+    inertia: sp.Expr,
+    centre: sp.Matrix,
+    markers: tuple[PointMarker, ...],
+    about: str | None,
+    gravity: tuple[Coefficient, ...],
+) -> Component:
+    """A rigid component with its origin O in the marker `about`, or in its centre of mass.
+
+    `inertia` is about the centre of mass; `centre` and the markers count from the origin of the body frame.
+    """
+    positions = {m.name: sp.Matrix([quantity.value(x, positive=False) for x in (m.x, m.y)]) for m in markers}
+    origin = positions[about] if about else centre
+    sections = {marker: Section(rigid_point(marker, position - origin)) for marker, position in positions.items()}
+    sections[BODY_FRAME] = Section(rigid_point(BODY_FRAME, -origin))
+    body = rigid_body(name, mass, inertia, centre - origin, (), gravity)
+    return Component(name, name, body, sections, tuple(positions))
+
+
+def _component(body: RigidBody, about: str | None, gravity: tuple[Coefficient, ...]) -> Component:
+    centre = sp.Matrix([quantity.value(x, positive=False) for x in body.centre])
+    mass, inertia = (sp.S.Zero if x is None else quantity.value(x) for x in (body.mass, body.inertia))
+    return rigid_component(body.name, mass, inertia, centre, body.markers, about, gravity)

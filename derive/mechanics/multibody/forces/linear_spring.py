@@ -1,0 +1,60 @@
+"""A spring with a damper along the line between two markers."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+import sympy as sp
+
+from derive.mechanics.equations import Definition, Row
+from derive.mechanics.multibody.forces.force_type import Constants, ForceType, GeneralisedForce, force_terms
+from derive.mechanics.multibody.point_motion import Link, PointMotion
+from derive.mechanics.multibody.time_functions import rounded
+from derive.mechanics.symbols import element as element_symbol
+from derive.spec.model.scene import MarkerRef, Spring
+
+
+class LinearSpring(ForceType[Spring]):
+    """A tension stiffness * (length - rest) + damping * (rate of the length)."""
+
+    section = "springs"
+    doc = "along the line between the markers"
+    units: ClassVar[dict[str, str]] = {"stiffness": "N/m", "damping": "N s/m", "rest": "m"}
+    lengths = ("rest",)
+    intermediates = ("apart_1", "apart_2", "length", "rate", "pull")
+
+    def markers(self, element: Spring) -> tuple[MarkerRef, ...]:
+        """Its two ends."""
+        return (element.first, element.second)
+
+    def generalised_force(
+        self, element: Spring, points: tuple[PointMotion, ...], constants: Constants, rows: tuple[Row, ...]
+    ) -> GeneralisedForce:
+        """The virtual work of the tension at both ends, and the energy of the spring."""
+        stiffness, damping, rest = (constants[key] for key in self.units)
+        name, (first, second) = f"spring {element.name}", points
+        displacement, rate_of_displacement, _ = Link(first, second).displacement
+        definitions: list[Definition] = []
+
+        def intermediate(expr: sp.Expr, doc: str, what: str, *components: int) -> sp.Expr:
+            if expr.is_number:
+                return rounded(expr)
+            symbol = element_symbol(element.name, what, *components)
+            definitions.append(Definition(symbol, expr, element.name, "(10)", f"{doc} of {name}"))
+            return symbol
+
+        vector = sp.Matrix(
+            [intermediate(sp.expand(displacement[k]), f"vector along e{k + 1}", "apart", k + 1) for k in range(2)]
+        )
+        if rest == 0 and damping == 0:  # linear, without a square root
+            pull, potential = stiffness * vector, stiffness * vector.dot(vector) / 2
+        else:
+            length = intermediate(sp.sqrt(vector.dot(vector)), "length", "length")
+            tension = stiffness * (length - rest)
+            potential = stiffness * (length - rest) ** 2 / 2
+            if damping != 0:
+                along = sp.expand(vector.dot(rate_of_displacement)) / length
+                tension += damping * intermediate(along, "rate of the length", "rate")
+            pull = intermediate(tension / length, "tension over length", "pull") * vector
+        terms = force_terms(name, second, -pull, rows) + force_terms(name, first, pull, rows)
+        return GeneralisedForce(terms, tuple(definitions), sp.expand(potential))

@@ -1,0 +1,131 @@
+"""What a type of joint declares: its keys, constraints, minimal coordinates, multipliers, drive and drawing."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from typing import ClassVar
+
+import sympy as sp
+
+from derive.mechanics.equations import Definition
+from derive.mechanics.motion import Motion
+from derive.mechanics.multibody.coordinates import CoordinateMap
+from derive.mechanics.multibody.keys import Key
+from derive.mechanics.multibody.point_motion import Derivatives, Link, PointMotion
+from derive.spec.model.scene import Joint
+
+
+@dataclass(frozen=True)
+class Multiplier:
+    """A constraint of a joint and its multiplier.
+
+    The name is that of the joint with `label` behind it. `doc` is a template with the fields {markers}, {second} (the
+    second body) and {joint}. `unit` is that of g, `force_unit` that of the multiplier.
+    """
+
+    label: str
+    doc: str
+    unit: str
+    force_unit: str
+
+
+@dataclass(frozen=True)
+class DrivenCoordinate:
+    """The relative coordinate of a joint that a drive prescribes: its unit, that of its speed and of the multiplier.
+
+    `doc` is a template with the fields {drive} and {second}.
+    """
+
+    unit: str
+    speed_unit: str
+    force_unit: str
+    doc: str
+
+
+Point = tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Drawing:
+    """A symbol at the markers, in lengths of a marker; x points along the axis of the joint.
+
+    `lines` are open polygons, `circles` have a centre and a radius. A `guide` is a line through the first marker, as
+    long as the second marker moves.
+    """
+
+    lines: tuple[tuple[Point, ...], ...] = ()
+    circles: tuple[tuple[Point, float], ...] = ()
+    guide: bool = False
+
+
+@dataclass(frozen=True)
+class JointEquations:
+    """What a joint demands: g with its first and second time derivative for each multiplier, in their order.
+
+    `driven` is the relative coordinate that a drive may prescribe, with its derivatives. `definitions` are
+    intermediate quantities of both.
+    """
+
+    residuals: tuple[Derivatives, ...]
+    driven: Derivatives | None = None
+    definitions: tuple[Definition, ...] = ()
+
+
+@dataclass(frozen=True)
+class PrescribedMotion:
+    """A drive of a joint: its name, and its motion as a function of t with two time derivatives."""
+
+    name: str
+    motion: Derivatives
+
+
+@dataclass(frozen=True)
+class Support:
+    """A rigid body that a joint connects to a marker whose motion is known.
+
+    `motion` is that of the body, whose origin O is its marker of the joint; `marker` is the known marker, `base` what
+    it is on, in words. `sign` is 1 if the body is the joint's second, -1 if it is the first.
+    """
+
+    body: str
+    motion: Motion
+    marker: PointMotion
+    base: str
+    sign: int
+    drive: PrescribedMotion | None
+
+
+class JointType(ABC):
+    """A type of joint between two markers. Subclasses are registered in `registry.JOINTS`.
+
+    doc: what the joint does, in a clause; keys: what its table has besides `kind` and `between`; freedom: the number of
+    relative motions it leaves; multipliers: its constraints, in the order of `equations`; intermediates: the labels of
+    the definitions it makes, so that no other name of a scene meets them; driven: the coordinate that a drive may
+    prescribe; rigid_first: whether its first marker must be on a rigid body or on the ground.
+    """
+
+    doc: ClassVar[str]
+    keys: ClassVar[tuple[Key, ...]] = ()
+    freedom: ClassVar[int]
+    multipliers: ClassVar[tuple[Multiplier, ...]]
+    intermediates: ClassVar[tuple[str, ...]] = ()
+    driven: ClassVar[DrivenCoordinate | None] = None
+    rigid_first: ClassVar[bool] = False
+    drawing: ClassVar[Drawing]
+
+    @abstractmethod
+    def equations(self, joint: Joint, link: Link) -> JointEquations:
+        """The constraints of a joint, from the motion of its markers."""
+
+    def minimal_coordinates(self, joint: Joint, support: Support) -> CoordinateMap | None:
+        """The coordinates that the joint leaves a rigid body; None if it takes none away.
+
+        With a drive they must follow the drive, since neither the joint nor the drive is a constraint then.
+        """
+        return None
+
+
+def offset(rotation: Derivatives, angle: float) -> Derivatives:
+    """A relative rotation that differs from a constant angle by nothing: g with its derivatives."""
+    return (rotation[0] - sp.Rational(angle), *rotation[1:])

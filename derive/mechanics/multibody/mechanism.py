@@ -1,0 +1,145 @@
+"""A mechanism before it is written out: equations once for each kind of body, and instances that refer to a kind."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import sympy as sp
+
+from derive.mechanics.equations import Coefficient, Equations, LeftOut, ParameterSymbol
+from derive.mechanics.motion import Motion
+from derive.mechanics.multibody.components import Component
+from derive.mechanics.multibody.coordinates import CoordinateMap
+from derive.mechanics.multibody.forces.force_type import ForceType
+from derive.mechanics.multibody.joints.joint_type import JointType, PrescribedMotion
+from derive.mechanics.multibody.point_motion import PointMotion
+from derive.mechanics.virtual_work_equations import Body, equations
+from derive.spec.model.scene import Force, Joint, MarkerRef, Scene, Spring, Torque
+
+
+@dataclass(frozen=True)
+class BodyKind:
+    """The equations of a free body in its own symbols; instances differ in the values of its constants alone.
+
+    `body` is what they are derived from, with all values 0: which of its integrals vanish, and why, is what makes two
+    bodies of one kind.
+    """
+
+    body: Body
+    equations: Equations
+
+    @property
+    def motion(self) -> Motion:
+        """The motion of the free body."""
+        return self.body.motion
+
+
+@dataclass(frozen=True)
+class BodyInstance:
+    """A component of a mechanism: an instance of a kind, by its number, with its coordinates in the mechanism."""
+
+    component: Component
+    kind: int
+    coordinates: CoordinateMap
+
+    @property
+    def name(self) -> str:
+        """The name of the component."""
+        return self.component.name
+
+    @property
+    def moves(self) -> bool:
+        """Whether it has coordinates; the motion of the others is prescribed."""
+        return bool(self.coordinates.rows)
+
+
+@dataclass(frozen=True)
+class JointInstance:
+    """A joint that is a constraint: its markers are on instances or on the ground."""
+
+    joint: Joint
+    type: JointType
+    drive: PrescribedMotion | None
+
+
+@dataclass(frozen=True)
+class ForceInstance:
+    """A force, torque or spring, with the markers of instances that it acts at, and its constants."""
+
+    element: Force | Torque | Spring
+    type: ForceType[Any]
+    markers: tuple[MarkerRef, ...]
+    constants: Mapping[str, sp.Expr]
+
+
+@dataclass(frozen=True)
+class Mechanism:
+    """What a scene consists of. `expansion.expanded` writes out its equations.
+
+    kinds: the equations of its bodies, each once; instances: its bodies in the order of the specification; order: their
+    names in the order in which their definitions follow each other, since a body may follow another's motion; ground:
+    the markers of the inertial frame; joints: those that are constraints, with their drives; forces: what acts on
+    markers; constants: parameters of drives, ground and forces; eliminated: what the equations need not contain.
+    """
+
+    scene: Scene
+    kinds: tuple[BodyKind, ...]
+    instances: tuple[BodyInstance, ...]
+    order: tuple[str, ...]
+    ground: Mapping[str, PointMotion]
+    joints: tuple[JointInstance, ...]
+    forces: tuple[ForceInstance, ...]
+    parameters: tuple[ParameterSymbol, ...]
+    constants: tuple[Coefficient, ...]
+    eliminated: tuple[LeftOut, ...]
+
+    def instance(self, name: str) -> BodyInstance:
+        """An instance by its name."""
+        return next(instance for instance in self.instances if instance.name == name)
+
+    def __str__(self) -> str:
+        lines = [f"mechanism {self.scene.name}"]
+        for number, kind in enumerate(self.kinds):
+            names = [instance.name for instance in self.instances if instance.kind == number]
+            shapes = len(kind.motion.alpha)
+            lines.append(f"  kind {number}, {shapes} shapes: {', '.join(names)}")
+        joints = (f"{j.joint.name} ({j.joint.kind}{', driven' if j.drive else ''})" for j in self.joints)
+        lines.append(f"  constraints: {', '.join(joints) or 'none'}")
+        lines.append(f"  forces: {', '.join(force.element.name for force in self.forces) or 'none'}")
+        return "\n".join([*lines, *(f"  {e.what}: {e.reason}" for e in self.eliminated)])
+
+
+class Kinds:
+    """The kinds of bodies that have been found so far; equal ones are derived once."""
+
+    def __init__(self) -> None:
+        self.found: list[BodyKind] = []
+
+    def number(self, body: Body) -> int:
+        """The number of the kind of a body."""
+        form = _without_values(body)
+        for number, kind in enumerate(self.found):
+            if kind.body == form:
+                return number
+        self.found.append(BodyKind(form, equations(form)))
+        return len(self.found) - 1
+
+
+def _without_values(body: Body) -> Body:
+    def plain(constants: tuple[Coefficient, ...]) -> tuple[Coefficient, ...]:
+        return tuple(replace(c, value=sp.S.Zero) for c in constants)
+
+    return replace(
+        body,
+        name="",
+        doc="",
+        origin="",
+        mass=sp.S.Zero,
+        integrals=plain(body.integrals),
+        stiffness=plain(body.stiffness),
+        damping=plain(body.damping),
+        gravity=plain(body.gravity),
+        parameters=(),
+    )
