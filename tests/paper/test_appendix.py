@@ -15,6 +15,7 @@ from derive.reduction import reduce
 from derive.spec.model.body import BodyFrame, Damping, NodalBody, NodeData
 from paper import printed_appendix as appendix
 from paper.printed_appendix import Cloud
+from plain_symbols import plain
 
 MASSES = np.array([1, 2, 3, 1, 2, 5])
 X = np.array([[1, 0, 2], [-1, 3, 1], [2, -2, 0], [0, 1, -4], [3, 1, 1], [-2, -1, 3]])
@@ -126,7 +127,7 @@ def composed() -> dict[str, sp.Expr]:
             vector(f"c7_{i + 1}_{j + 1}", appendix.appendix_c7(at, i, j))
     known = {sp.Symbol(name): value for name, value in values.items()}
     for definition in spatial_motion(2).definitions:
-        known[definition.symbol] = sp.expand(definition.expr.xreplace(known))
+        known[plain(definition.symbol)] = sp.expand(plain(definition.expr).xreplace(known))
     return {symbol.name: value for symbol, value in known.items()}
 
 

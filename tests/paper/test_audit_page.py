@@ -9,12 +9,12 @@ from functools import cache
 import pytest
 import sympy as sp
 
-from derive.mechanics.spatial import vector
+from derive.mechanics.symbols import Family, vector
 from derive.report.document.formula import Equation, Fenced, Name, Operator, Row
 from derive.report.document.page import Equations, Heading, Link, Page, Paragraph, Table
 from derive.report.notation.formula_reader import equation, formula
 from derive.report.notation.spoken_math import words
-from derive.report.notation.vector_form import summand, summands
+from derive.report.notation.vector_form import arrow, summand, summands
 from derive.report.paper import SECTIONS, audit_page
 from derive.report.paper.breaking import broken
 from derive.report.paper.page import counts
@@ -89,10 +89,10 @@ def _flat(formula: object) -> str:
 
 
 def test_vectors_are_read_back_from_components_or_refused() -> None:
-    r, omega = vector("r"), sp.Matrix(sp.symbols("omega1:4"))
+    r, omega = arrow("r"), vector(Family.ANGULAR_VELOCITY, 3)
     part = summand(-3 * omega.cross(omega.cross(r)))
     assert (part.sign, words(part.formula)) == ("-", "3 omega cross open bracket omega cross r close bracket")
-    assert len(summands(omega.cross(r) + vector("rdot"))) == 2
+    assert len(summands(omega.cross(r) + arrow("rdot"))) == 2
     with pytest.raises(ArithmeticError, match="no product"):
         summand(sp.Matrix([r[1], r[0], r[2]]))
 

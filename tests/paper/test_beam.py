@@ -15,9 +15,9 @@ from derive.spec.construction import planar_beam
 from derive.spec.model.body import Frame
 from paper import printed, printed_continuum
 from paper.printed import xi
+from plain_symbols import plain
 
 FRAMES = {"point": printed.POINT_SHAPES, "mean": printed.MEAN_SHAPES}
-PLAIN = {sp.Symbol(name, positive=True): sp.Symbol(name) for name in ("m", "l", "EI")}
 MARKERS = {"left": -1, "inside": sp.Rational(1, 3), "right": 1}
 
 
@@ -44,13 +44,13 @@ def test_ansatz_without_a_specification_is_21() -> None:
 @pytest.mark.parametrize("frame", FRAMES)
 def test_strain_energy_is_22(frame: str) -> None:
     v = printed.displacement_30(*FRAMES[frame])
-    found = derived(frame).expanded(derived(frame).strain_energy).xreplace(PLAIN)
+    found = plain(derived(frame).expanded(derived(frame).strain_energy))
     assert sp.expand(found - printed.strain_energy_22(v)) == 0
 
 
 @pytest.mark.equation("23")
 def test_translation_is_23() -> None:
-    assert planar_motion(2).position[ONE] == printed.TRANSLATION_23[:2, :]
+    assert plain(planar_motion(2).position[ONE]) == printed.TRANSLATION_23[:2, :]
 
 
 @pytest.mark.equation("23", "24", "25")
@@ -63,7 +63,7 @@ def test_places_of_markers_are_1_with_23_to_26(frame: str) -> None:
         X, u = (place.subs(xi, at) for place in (printed.POSITION_24, printed.displacement_25(v)))
         stated = printed_continuum.position_1(printed.TRANSLATION_23, printed.ROTATION_26, X, u)
         local = {d.symbol: d.expr for d in found[name].definitions}
-        place = found[name].position.xreplace(local).applyfunc(derived(frame).expanded).xreplace(PLAIN)
+        place = plain(found[name].position.xreplace(local).applyfunc(derived(frame).expanded))
         assert (place - stated[:2, :]).expand() == sp.zeros(2, 1)
 
 
@@ -81,8 +81,8 @@ def test_rates_and_variations_of_the_turn_have_the_axis_27() -> None:
     motion = planar_motion(2)
     r = sp.Matrix([*sp.symbols("r_1 r_2"), 0])
     (turn,) = motion.frame.rotations()
-    varied = sp.Symbol("delta_phi") * turn[R] * r[:2, :]
-    spun = motion.frame.velocity[R] * r[:2, :]
+    varied = sp.Symbol("delta_phi") * plain(turn[R]) * r[:2, :]
+    spun = plain(motion.frame.velocity[R]) * r[:2, :]
     assert varied == printed.axial_27(sp.Symbol("delta_phi")).cross(r)[:2, :]
     assert spun == printed.axial_27(printed.phidot).cross(r)[:2, :]
 
@@ -108,7 +108,7 @@ def test_displacement_in_the_mean_frame_is_38() -> None:
 
 
 def _sum_of_shapes(frame: str) -> sp.Expr:
-    alpha = (c.q for c in derived(frame).coordinates[3:])
+    alpha = (plain(c.q) for c in derived(frame).coordinates[3:])
     return sp.expand(sum(a * shape for a, shape in zip(alpha, polynomials(frame), strict=True)))
 
 
@@ -144,7 +144,7 @@ def test_rotation_couples_with_deformation_in_products_alone_in_41() -> None:
     phi = {printed.phidot, printed.phiddot}
     found = {}
     for row in ("phi", "alpha1", "alpha2"):
-        for term in sp.Add.make_args(derived("mean").row(row)):
+        for term in sp.Add.make_args(plain(derived("mean").row(row))):
             powers = term.as_powers_dict()
             orders = tuple(sum(int(powers[s]) for s in group if s in powers) for group in (shapes, phi))
             if all(orders):

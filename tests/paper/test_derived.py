@@ -11,6 +11,7 @@ import sympy as sp
 import beams
 from derive.ir.interpreter import interpret
 from paper.printed import EQUATION_33, EQUATION_41, MEAN_SHAPES, POINT_SHAPES, PrintedTerm, row_sum
+from plain_symbols import plain
 
 ROWS = ("c1", "c2", "phi", "alpha1", "alpha2")
 PRINTED = {"point": EQUATION_33, "mean": EQUATION_41}
@@ -23,7 +24,7 @@ PARAMETERS = sp.symbols("m l EI", positive=True)
 
 def derived_rows(frame: str) -> dict[str, sp.Expr]:
     equations = beams.made(frame).equations
-    return {row: equations.row(row).xreplace(PLAIN) for row in ROWS}
+    return {row: plain(equations.row(row)) for row in ROWS}
 
 
 def rows_of(mass: Any, force: Any, entries: tuple[tuple[int, int], ...]) -> dict[str, sp.Expr]:

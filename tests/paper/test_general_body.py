@@ -9,30 +9,32 @@ import sympy as sp
 
 from derive.mechanics.equations import Coefficient, Equations
 from derive.mechanics.spatial import PAIRS, quaternion_rates, rotation_of, skew, spatial_motion, symbols_of_rotation
+from derive.mechanics.symbols import Family, Symbol, pair, parameter, quantity
 from derive.mechanics.virtual_work_equations import Body, equations
 from paper.printed_general import General, PrintedVector, axial, equation_15, first, gram, tensor
+from plain_symbols import plain
 
-ROTATION = symbols_of_rotation()
+ROTATION = plain(symbols_of_rotation())
 MEAN = "a condition of the test"
 
 
-def values(n: int, mean: bool) -> dict[str, sp.Expr]:
-    """The shape integrals, as the derivation names them, in terms of the free moments; (17), (19) and a centred
+def values(n: int, mean: bool) -> dict[Symbol, sp.Expr]:
+    """The shape integrals of the derivation in terms of the free moments; (17), (19) and a centred
     reference if asked for."""
-    found: dict[str, sp.Expr] = {}
+    found: dict[Symbol, sp.Expr] = {}
     shapes = range(1, n + 1)
     nothing = 0 if mean else 1
     for k in range(3):
-        found[f"c1_{k + 1}"] = nothing * first(0)[k]
-        found |= {f"c2_{i}_{k + 1}": nothing * first(i)[k] for i in shapes}
-        found |= {f"c6_{i}_{k + 1}": nothing * axial(0, i)[k] for i in shapes}
-        found |= {f"c7_{i}_{j}_{k + 1}": axial(i, j)[k] for i in shapes for j in shapes if i < j}
+        found[quantity(Family.C1, k + 1)] = nothing * first(0)[k]
+        found |= {quantity(Family.C2, k + 1, shapes=(i,)): nothing * first(i)[k] for i in shapes}
+        found |= {quantity(Family.C6, k + 1, shapes=(i,)): nothing * axial(0, i)[k] for i in shapes}
+        found |= {pair(Family.C7, i, j, k + 1): axial(i, j)[k] for i in shapes for j in shapes if i < j}
     for a, b in PAIRS:
-        for name, p, q in [("C3", 0, 0), *((f"C4_{i}", i, 0) for i in shapes)]:
-            found[f"{name}_{a}{b}"] = _symmetric(p, q)[a - 1, b - 1]
+        found[quantity(Family.C3, a, b)] = _symmetric(0, 0)[a - 1, b - 1]
         for i in shapes:
-            found |= {f"C5_{i}_{j}_{a}{b}": _symmetric(i, j)[a - 1, b - 1] for j in shapes if i <= j}
-    found |= {f"c8_{i}_{j}": gram(i, j).trace() for i in shapes for j in shapes if i <= j}
+            found[quantity(Family.C4, a, b, shapes=(i,))] = _symmetric(i, 0)[a - 1, b - 1]
+            found |= {pair(Family.C5, i, j, a, b): _symmetric(i, j)[a - 1, b - 1] for j in shapes if i <= j}
+    found |= {pair(Family.C8, i, j): gram(i, j).trace() for i in shapes for j in shapes if i <= j}
     return found
 
 
@@ -44,18 +46,18 @@ def _symmetric(p: int, q: int) -> sp.Matrix:
 @cache
 def derived(n: int, mean: bool = False) -> Equations:
     integrals = tuple(
-        Coefficient(sp.Symbol(name), value, "", "", "", MEAN if value == 0 else None)
-        for name, value in values(n, mean).items()
+        Coefficient(symbol, value, "", "", "", MEAN if value == 0 else None)
+        for symbol, value in values(n, mean).items()
     )
-    return equations(Body("general", "", "", spatial_motion(n), sp.Symbol("m"), integrals, (), (), ()))
+    return equations(Body("general", "", "", spatial_motion(n), parameter("m"), integrals, (), (), ()))
 
 
 def written_out(eq: Equations, expr: sp.Expr) -> sp.Expr:
-    """All but the rotation tensor, which both sides keep as nine symbols."""
+    """All but the rotation tensor, which both sides keep as nine symbols; in plain symbols."""
     for definition in reversed(eq.definitions):
         if definition.section != "Q":
             expr = expr.xreplace({definition.symbol: definition.expr})
-    return sp.expand(expr.xreplace({c.symbol: c.value for c in eq.coefficients}))
+    return plain(sp.expand(expr.xreplace({c.symbol: c.value for c in eq.coefficients})))
 
 
 @cache

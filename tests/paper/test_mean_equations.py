@@ -8,6 +8,7 @@ import pytest
 import sympy as sp
 
 from derive.mechanics.spatial import spatial_motion
+from derive.mechanics.symbols import MASS, Family, identity, vector
 from derive.mechanics.virtual_work_equations import linear_momentum
 from paper.printed_general import General, PrintedVector, axial, equation_15, equation_20, first, gram
 from paper.test_general_body import ROTATION, derived, derived_rows, differing
@@ -104,8 +105,8 @@ def test_c_is_the_translation_of_the_centre_of_mass_when_o_is_there() -> None:
     motion = spatial_motion(2)
     momentum = sp.Matrix([sp.expand(motion.summed(p)) for p in linear_momentum(motion)])
     written = momentum.xreplace({d.symbol: d.expr for d in motion.definitions})
-    of_c = sp.Symbol("mass") * sp.Matrix(sp.symbols("c1dot c2dot c3dot"))
-    c1, c2 = ({s for s in written.free_symbols if s.name.startswith(f"{name}_")} for name in ("c1", "c2"))
+    of_c = MASS * vector(Family.TRANSLATION, 3, derivative=1)
+    c1, c2 = ({s for s in written.free_symbols if identity(s).family is f} for f in (Family.C1, Family.C2))
     assert c1 and c2
     with_17 = written.xreplace(dict.fromkeys(c2, sp.S.Zero))
     assert (with_17 - of_c).expand() != sp.zeros(3, 1)

@@ -196,7 +196,7 @@ DISCRETE = (
         "the package",
         note="Defines $alpha$ and $Phi$. The derivation uses it in every moment of $r = X + u$; as derived, the first "
         "one.",
-        where=("derive/mechanics/spatial.py::spatial_series", "derive/mechanics/integrals.py::definitions"),
+        where=("derive/mechanics/spatial.py::spatial_series", "derive/mechanics/integrals.py::planar_series"),
         tests=tests(SPACE, "test_place_of_a_material_point_is_1_with_14"),
     ),
     AuditRow(

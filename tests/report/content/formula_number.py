@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 
 import numpy as np
 import sympy as sp
 
-from derive.mechanics.motion import MASS
+from derive.mechanics.symbols import MASS, Symbol, identity
 from derive.report.document.formula import (
     Call,
     Fenced,
@@ -108,7 +109,7 @@ class Draw:
         """The symbol that stands for the same: an integral for the parameter that it is, m for the mass."""
         if symbol == MASS and self.notation.mass is not None:
             return self.notation.mass
-        return sp.Symbol(symbol.name.removesuffix("_")) if symbol.name.endswith("_") else symbol
+        return Symbol(replace(symbol.identity, parameter=False)) if identity(symbol).parameter else symbol
 
     def of(self, expr: sp.Expr) -> float:
         """The number of an expression."""

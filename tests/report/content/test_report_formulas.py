@@ -12,6 +12,7 @@ from formula_number import Draw, magnitude, number, total
 
 from derive.mechanics.equations import Equations
 from derive.mechanics.reference_conditions import assumed_shapes
+from derive.mechanics.symbols import Family, identity, quantity
 from derive.report.document.formula import Equation, Matrix, Name, Row
 from derive.report.notation.expressions import notation
 from derive.report.notation.labels import variation
@@ -36,8 +37,8 @@ def draw(name: str) -> Draw:
     if isinstance(equations, Equations):
         found.add(*(s for c in equations.coefficients for s in (c.symbol, c.value)))
     for symbol in list(found.symbols):  # sines and products of omega are what they are
-        if symbol.name.startswith("oo_"):
-            first, second = (sp.Symbol(f"omega{k}") for k in symbol.name[-2:])
+        if identity(symbol).family is Family.OMEGA_PRODUCT:
+            first, second = (quantity(Family.ANGULAR_VELOCITY, k) for k in identity(symbol).components)
             found.add(first, second)
             found.give(symbol, found.symbols[first] * found.symbols[second])
     return found
@@ -114,8 +115,8 @@ def test_moments_are_those_derived(name: str) -> None:
     by_name = {d.symbol: d.expr for d in equations.definitions}
     if not isinstance(equations, Equations):
         for c in equations.contractions:
-            by_name[sp.Symbol(c.name)] = c.base + sum(sp.Symbol(f"{f}_j") * sp.Symbol(entry) for f, entry in c.sums)
-        by_name |= {sp.Symbol(t.name): t.base + t.term for t in equations.totals}
+            by_name[c.symbol] = c.base + sum(factor * entry for factor, entry in c.sums)
+        by_name |= {t.symbol: t.base + t.term for t in equations.totals}
     numbers.add(*by_name, *by_name.values())
     found = [moment for some in moments(equations, numbers.notation) for moment in some]
     assert len(found) == len({m.symbol for m in found}) and (found or name == "rigid")
