@@ -17,7 +17,9 @@ The public interface, by stages:
                     scenes: Scene, RigidBody, BeamBody, PointMarker, MarkerRef, InitialGuess, Joint, Drive, Force,
                     Torque, Spring, TimeFunction, time_function, Simulation, Plot, Deflection, ReferenceCurve
                     both: Frame, Marker, Parameter
+                    registries: JOINTS, BODIES, FORCES; CustomJoint, CustomBody
     equations       derive, modal, derive_modal, parameters; Equations, GenericEquations, ModalBody
+                    mechanism; Mechanism, which keeps the equations once for each kind of body
     kernels         lower, interpret; Model
     files           model_files, write; File
     compiled code   load, load_scene; Native, NativeScene, Role
@@ -46,6 +48,11 @@ if TYPE_CHECKING:
     from derive.mechanics.bodies.modal_body import ModalBody
     from derive.mechanics.equations import Equations
     from derive.mechanics.indexed_equations import GenericEquations
+    from derive.mechanics.multibody.assembly import mechanism
+    from derive.mechanics.multibody.bodies.registry import BODIES
+    from derive.mechanics.multibody.forces.registry import FORCES
+    from derive.mechanics.multibody.joints.registry import JOINTS
+    from derive.mechanics.multibody.mechanism import Mechanism
     from derive.registry import UnknownNameError
     from derive.roles import Role
     from derive.runtime.compiler import CompilerError
@@ -74,6 +81,8 @@ if TYPE_CHECKING:
     )
     from derive.spec.model.scene import (
         BeamBody,
+        CustomBody,
+        CustomJoint,
         Deflection,
         Drive,
         Force,
@@ -115,6 +124,11 @@ _MODULES = {
     "derive.mechanics.bodies.modal_body": ("ModalBody",),
     "derive.mechanics.equations": ("Equations",),
     "derive.mechanics.indexed_equations": ("GenericEquations",),
+    "derive.mechanics.multibody.assembly": ("mechanism",),
+    "derive.mechanics.multibody.bodies.registry": ("BODIES",),
+    "derive.mechanics.multibody.forces.registry": ("FORCES",),
+    "derive.mechanics.multibody.joints.registry": ("JOINTS",),
+    "derive.mechanics.multibody.mechanism": ("Mechanism",),
     "derive.registry": ("UnknownNameError",),
     "derive.roles": ("Role",),
     "derive.runtime.compiler": ("CompilerError",),
@@ -165,6 +179,8 @@ _MODULES = {
     ),
     "derive.spec.model.scene": (
         "BeamBody",
+        "CustomBody",
+        "CustomJoint",
         "Deflection",
         "Drive",
         "Force",
@@ -187,10 +203,15 @@ _MODULES = {
 _MODULE_OF = {name: module for module, names in _MODULES.items() for name in names}
 
 __all__ = [
+    "BODIES",
+    "FORCES",
     "INTEGRATORS",
+    "JOINTS",
     "BeamBody",
     "BodyFrame",
     "CompilerError",
+    "CustomBody",
+    "CustomJoint",
     "Damping",
     "Deflection",
     "Drive",
@@ -209,6 +230,7 @@ __all__ = [
     "Joint",
     "Marker",
     "MarkerRef",
+    "Mechanism",
     "ModalBody",
     "Model",
     "ModelError",
@@ -245,6 +267,7 @@ __all__ = [
     "load",
     "load_scene",
     "lower",
+    "mechanism",
     "modal",
     "model_files",
     "nodal_body",

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 from itertools import chain
-from typing import Any
+from typing import Any, cast
 
 import sympy as sp
 
@@ -21,12 +21,13 @@ from derive.mechanics.multibody.forces.registry import elements
 from derive.mechanics.multibody.instances import point_motions
 from derive.mechanics.multibody.joints.joint_type import PrescribedMotion, Support
 from derive.mechanics.multibody.joints.registry import JOINTS
+from derive.mechanics.multibody.keys import quantities
 from derive.mechanics.multibody.mechanism import BodyInstance, ForceInstance, JointInstance, Kinds, Mechanism
 from derive.mechanics.multibody.point_motion import PointMotion, fixed_point
 from derive.mechanics.multibody.time_functions import finite_function, time_derivatives
 from derive.mechanics.symbols import Symbol, element, t
 from derive.spec.model.body import Parameter, Quantity
-from derive.spec.model.scene import GROUND, Drive, Joint, MarkerRef, Scene, SceneBody
+from derive.spec.model.scene import GROUND, CustomJoint, Drive, Joint, MarkerRef, Scene, SceneBody
 
 
 def derive(scene: Scene) -> Equations:
@@ -57,6 +58,7 @@ class _Assembly:
         self.gravity, _ = quantity.gravity(scene.gravity)
         joints = [*scene.joints, *chain.from_iterable(body_type(b).joints(b) for b in scene.bodies)]
         self.joints = [replace(j, first=self._located(j.first), second=self._located(j.second)) for j in joints]
+        self.joints = [self._with_constants(joint) for joint in self.joints]
         self.drives = {d.joint: PrescribedMotion(d.name, time_derivatives(self._motion(d))) for d in scene.drives}
         self.known: dict[str, Mapping[str, PointMotion]] = {GROUND: self._ground()}
         self.kinds = Kinds()
@@ -164,6 +166,17 @@ class _Assembly:
             result.append(ForceInstance(force, force_type, markers, constants))
         return tuple(result)
 
+    def _with_constants(self, joint: Joint) -> Joint:
+        """A joint whose values are expressions of the derivation, parameters among them."""
+        if not isinstance(joint, CustomJoint):
+            return joint
+        values = dict(joint.values)
+        for key, unit in quantities(JOINTS[joint.kind].keys).items():
+            if key in values:
+                symbol, doc = element(joint.name, key), f"{key} of joint {joint.name}"
+                values[key] = self._constant(symbol, cast(Quantity, values[key]), doc, unit)
+        return replace(joint, values=values)
+
     def _located(self, marker: MarkerRef) -> MarkerRef:
         """A marker of a body as that of a component; other names are those of components or of the ground already."""
         body = self.bodies.get(marker.body)
@@ -208,6 +221,11 @@ def parameters(scene: Scene) -> tuple[ParameterSymbol, ...]:
     for point in scene.ground:
         constants.append(Constant(point.x, f"point {point.name} of the ground along e1"))
         constants.append(Constant(point.y, f"point {point.name} of the ground along e2"))
+    for joint in scene.joints:
+        if isinstance(joint, CustomJoint):
+            keys = [key for key in quantities(JOINTS[joint.kind].keys) if key in joint.values]
+            values = [cast(Quantity, joint.values[key]) for key in keys]
+            constants += [Constant(v, f"{k} of joint {joint.name}", True) for k, v in zip(keys, values, strict=True)]
     constants += [Constant(drive.speed, f"speed of drive {drive.name}") for drive in scene.drives]
     for force, force_type in elements(scene):
         constants += [Constant(getattr(force, key), f"{key} of spring {force.name}") for key in force_type.units]

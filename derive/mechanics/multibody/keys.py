@@ -27,3 +27,8 @@ class Key:
     unit: str
     description: str
     required: bool = False
+
+
+def quantities(keys: tuple[Key, ...]) -> dict[str, str]:
+    """The keys that may be run-time parameters, with their units."""
+    return {key.name: key.unit for key in keys if key.type is KeyType.POSITIVE_QUANTITY}

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
-from itertools import chain
+from collections.abc import Callable, Mapping
 
 from pydantic import BaseModel
 
 from derive.mechanics.multibody.bodies.registry import BODIES
-from derive.mechanics.multibody.keys import Key, KeyType
+from derive.mechanics.multibody.joints.registry import JOINTS
+from derive.mechanics.multibody.keys import quantities
 from derive.spec.parsing.faults import KeyPath, did_you_mean
 from derive.spec.tables.beam import FrameTable
 from derive.spec.tables.forces import ForceTable, TorqueTable, spring_table
@@ -68,13 +68,10 @@ def is_union(path: KeyPath) -> bool:
         case ("springs", _, "stiffness" | "damping" | "rest"):
             return True
         case ("bodies", _, key):
-            return any(own.name == key and own.type is KeyType.POSITIVE_QUANTITY for own in _custom_keys())
+            return any(key in quantities(body_type.keys) for body_type in BODIES.values())
+        case ("joints", _, key):
+            return any(key in quantities(joint_type.keys) for joint_type in JOINTS.values())
     return False
-
-
-def _custom_keys() -> Iterator[Key]:
-    """The keys that types of bodies declare."""
-    return chain.from_iterable(body_type.keys for body_type in BODIES.values())
 
 
 def example(path: KeyPath) -> str:

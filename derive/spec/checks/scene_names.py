@@ -11,6 +11,7 @@ from collections.abc import Iterator
 from derive.errors import quoted
 from derive.mechanics.multibody.forces.registry import FORCES
 from derive.mechanics.multibody.joints.registry import JOINTS
+from derive.mechanics.multibody.keys import quantities
 from derive.spec.checks.scene_data import NAMED, Raw, SceneData
 from derive.spec.model.body import DEFAULT_ANSATZ
 from derive.spec.model.scene import GROUND
@@ -35,7 +36,10 @@ def _labels(kind: str) -> tuple[str, ...]:
     if kind == "drives":
         return ("", "_speed")
     if kind == "joints":
-        made = ((*(m.label for m in joint.multipliers), *joint.intermediates) for joint in JOINTS.values())
+        made = (
+            (*(m.label for m in joint.multipliers), *quantities(joint.keys), *joint.intermediates)
+            for joint in JOINTS.values()
+        )
     else:
         made = ((*force.units, *force.intermediates) for force in FORCES.values() if force.section == kind)
     return tuple(dict.fromkeys(f"_{label}" for labels in made for label in labels))

@@ -7,7 +7,8 @@ from typing import NamedTuple
 
 from derive.errors import quoted
 from derive.mechanics.multibody.bodies.registry import BODIES
-from derive.mechanics.multibody.keys import KeyType
+from derive.mechanics.multibody.joints.registry import JOINTS
+from derive.mechanics.multibody.keys import quantities
 from derive.spec.checks.scene_data import SceneData
 from derive.spec.checks.scene_names import taken_names
 from derive.spec.model.body import DEFAULT_BENDING_STIFFNESS, DEFAULT_LENGTH, DEFAULT_MASS
@@ -104,13 +105,17 @@ def written(view: SceneData) -> Iterator[Written]:
                 yield Written(("bodies", name, key), body.get(key), f"{key} {of}", like.unit)
             continue
         kind = view.kind(name)
-        for key, unit in RIGID.items() if kind == "rigid" else _quantities(kind):
+        for key, unit in (RIGID if kind == "rigid" else quantities(BODIES[kind].keys)).items():
             yield Written(("bodies", name, key), body.get(key), f"{key} {of}", unit)
         yield from _components(("bodies", name, "centre"), body.get("centre"), f"the centre {of}", LENGTH_UNIT)
         yield from _markers(("bodies", name, "markers"), body.get("markers"), of)
     ground = view.data.get(GROUND)
     if isinstance(ground, Mapping):
         yield from _markers((GROUND, "markers"), ground.get("markers"), "of the ground")
+    for name, joint in view.tables["joints"].items():
+        joint_type = JOINTS.get(str(joint.get("kind")))
+        for key, unit in quantities(joint_type.keys if joint_type else ()).items():
+            yield Written(("joints", name, key), joint.get(key), f"{key} of the joint {name}", unit)
     for name, drive in view.tables["drives"].items():
         joint = view.tables["joints"].get(str(drive.get("joint")), {})
         of_speed = speed_unit(str(joint.get("kind")))
@@ -120,11 +125,6 @@ def written(view: SceneData) -> Iterator[Written]:
         units = spring_type.units if spring_type else {}
         for key in ("stiffness", "damping", "rest"):
             yield Written(("springs", name, key), spring.get(key), f"{key} of the spring {name}", units.get(key))
-
-
-def _quantities(kind: str) -> list[tuple[str, str]]:
-    """The keys of a type of body that may be parameters, with their units."""
-    return [(key.name, key.unit) for key in BODIES[kind].keys if key.type is KeyType.POSITIVE_QUANTITY]
 
 
 def _components(path: KeyPath, value: object, what: str, unit: str) -> Iterator[Written]:

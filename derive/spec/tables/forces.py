@@ -56,7 +56,10 @@ class SpringTable(TomlTable):
 
     @model_validator(mode="after")
     def check(self) -> SpringTable:
-        """A length is not negative; an angle may be."""
+        """A length is not negative; an angle may be. Other kinds may do without some keys."""
+        for key in ("damping", "rest"):
+            if key not in FORCES[self.kind].units and getattr(self, key) != 0:
+                raise values.WrongValueError(f"a {self.kind} spring has no {key}; leave `{key}` out")
         rest = self.rest if isinstance(self.rest, Fraction) else self.rest.default
         if "rest" in FORCES[self.kind].lengths and rest < 0:
             raise values.WrongValueError(
@@ -66,14 +69,14 @@ class SpringTable(TomlTable):
 
     def spring(self, name: str) -> Spring:
         """The spring as the derivation takes it."""
-        unit = FORCES[self.kind].units
+        units = FORCES[self.kind].units
         return Spring(
             name,
             self.kind,
             *self.between,
-            stiffness=quantity(self.stiffness, unit["stiffness"]),
-            damping=quantity(self.damping, unit["damping"]),
-            rest=quantity(self.rest, unit["rest"]),
+            stiffness=quantity(self.stiffness, units.get("stiffness", "")),
+            damping=quantity(self.damping, units.get("damping", "")),
+            rest=quantity(self.rest, units.get("rest", "")),
         )
 
 

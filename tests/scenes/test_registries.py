@@ -1,0 +1,217 @@
+"""Joints, bodies and forces from outside the package: registered, read from TOML, compiled, and compared with physics.
+
+The toys know nothing of the rest but the types that they derive from: a rod without mass that keeps the distance of two
+markers, a disc that is described by its radius, and a spring with a cubic law.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import sympy as sp
+from scipy.integrate import solve_ivp
+
+import derive
+from derive.mechanics import quantity
+from derive.mechanics.multibody.assembly import mechanism
+from derive.mechanics.multibody.bodies.body_type import BodyType, Constant
+from derive.mechanics.multibody.bodies.registry import BODIES
+from derive.mechanics.multibody.bodies.rigid import marker_constants, rigid_component
+from derive.mechanics.multibody.forces.force_type import ForceType, GeneralisedForce, force_terms
+from derive.mechanics.multibody.forces.registry import FORCES
+from derive.mechanics.multibody.joints.joint_type import Drawing, JointEquations, JointType, Multiplier
+from derive.mechanics.multibody.joints.registry import JOINTS
+from derive.mechanics.multibody.keys import Key, KeyType
+from derive.mechanics.multibody.point_motion import Link
+from derive.registry import UnknownNameError
+from derive.spec.tables.specification import json_schema
+from derive.spec.toml.read import parse
+
+G = 9.81
+
+
+class Distance(JointType):
+    """A rod without mass: the distance of two markers is constant."""
+
+    doc = "the distance of the markers is constant"
+    keys = (Key("distance", KeyType.POSITIVE_QUANTITY, "m", "The distance of the markers, m.", required=True),)
+    freedom = 2
+    multipliers = (Multiplier("tension", "{markers} keep their distance", "m", "N"),)
+    drawing = Drawing()
+
+    def equations(self, joint, link):
+        d, v, a = link.displacement
+        length = joint.values["distance"]
+        g = (d.dot(d) - length**2) / (2 * length)
+        return JointEquations(((g, d.dot(v) / length, (v.dot(v) + d.dot(a)) / length),))
+
+
+class Disc(BodyType):
+    """A homogeneous disc."""
+
+    doc = "a homogeneous disc"
+    identifying_keys = ("radius",)
+    keys = (
+        Key("radius", KeyType.POSITIVE, "m", "Its radius, m.", required=True),
+        Key("mass", KeyType.POSITIVE_QUANTITY, "kg", "Its mass, kg.", required=True),
+    )
+
+    def components(self, body, gravity):
+        return (self.about(body, None, gravity),)
+
+    def about(self, body, marker, gravity):
+        mass, radius = quantity.value(body.values["mass"]), sp.Rational(body.values["radius"])
+        inertia = mass * radius**2 / 2
+        return rigid_component(body.name, mass, inertia, sp.zeros(2, 1), body.markers, marker, gravity)
+
+    def constants(self, body):
+        yield Constant(body.values["mass"], f"mass of {body.name}", positive=True)
+        yield from marker_constants(body.name, body.markers)
+
+
+class CubicSpring(ForceType):
+    """A spring whose force is stiffness * displacement^3; it has neither damping nor rest length."""
+
+    section = "springs"
+    doc = "with a cubic law"
+    units = {"stiffness": "N/m^3"}  # noqa: RUF012
+    intermediates = ()
+
+    def markers(self, element):
+        return (element.first, element.second)
+
+    def generalised_force(self, element, points, constants, rows):
+        first, second = points
+        d, _, _ = Link(first, second).displacement
+        squared = sp.expand(d.dot(d))
+        force = constants["stiffness"] * squared * d
+        name = f"spring {element.name}"
+        terms = force_terms(name, second, -force, rows) + force_terms(name, first, force, rows)
+        return GeneralisedForce(terms, (), sp.expand(constants["stiffness"] * squared**2) / 4)
+
+
+@pytest.fixture
+def toys():
+    JOINTS.register("distance", Distance())
+    BODIES.register("disc", Disc())
+    FORCES.register("cubic", CubicSpring())
+    yield
+    JOINTS.unregister("distance")
+    BODIES.unregister("disc")
+    FORCES.unregister("cubic")
+
+
+HEAD = f'name = "toy"\nground.markers = {{ pivot = [0, 0] }}\nscene.gravity = [0, -{G}]\n'
+RUN = "\n[simulation]\nduration = 1.0\noutput = 0.05\ntolerance = 1e-10\n"
+
+POINT = """
+[bodies.bob]
+mass = 2
+inertia = 0.1
+markers = { centre = [0, 0] }
+start = { position = [0.3, -0.4] }
+[joints.rope]
+kind = "distance"
+between = ["ground.pivot", "bob.centre"]
+distance = { symbol = "L", default = 0.5 }
+"""
+
+ROLLED = """
+[bodies.wheel]
+radius = 0.2
+mass = { symbol = "m", default = 3 }
+markers = { rim = [0, 0.2] }
+start = { position = [0.2, 0], angle = 1.5707963267948966 }
+[joints.pin]
+kind = "revolute"
+between = ["ground.pivot", "wheel.rim"]
+"""
+
+SPRUNG = """
+[bodies.block]
+mass = 2
+inertia = 1
+markers = { middle = [0, 0] }
+start = { position = [0.1, 0], velocity = [0.7, 0] }
+[joints.guide]
+kind = "translational"
+between = ["ground.pivot", "block.middle"]
+[springs.hard]
+kind = "cubic"
+between = ["ground.pivot", "block.middle"]
+stiffness = 500
+"""
+
+
+def solution(derivative, start, times):
+    """An accurate solution of an ordinary differential equation at the times."""
+    tolerances = {"rtol": 1e-12, "atol": 1e-12}
+    return solve_ivp(derivative, (0, times[-1]), start, "DOP853", times, **tolerances).y[0]
+
+
+def pendulum(length, angle, times):
+    """The angle of a pendulum from the vertical, which starts at rest."""
+    return solution(lambda t, y: [y[1], -G / length * np.sin(y[0])], [angle, 0.0], times)
+
+
+def test_a_joint_that_keeps_a_distance(toys):
+    scene = parse(HEAD + POINT + RUN)
+    assert scene.joints[0].values["distance"] == derive.Parameter("L", "m", 0.5)
+    assert derive.validated(scene) == scene
+    found = derive.simulate(scene)
+    x, y = found["bob_c1"], found["bob_c2"]
+    np.testing.assert_allclose(np.hypot(x, y), 0.5, rtol=1e-9)
+    np.testing.assert_allclose(np.arctan2(x, -y), pendulum(0.5, np.arctan2(0.3, 0.4), found.t), atol=1e-8)
+    # The rope pulls with m g cos + m v^2 / L, towards the ground.
+    cosine, speed = -y / 0.5, np.hypot(found["bob_c1dot"], found["bob_c2dot"])
+    np.testing.assert_allclose(np.abs(found["rope_tension"]), 2 * (G * cosine + speed**2 / 0.5), rtol=1e-7)
+
+
+def test_a_body_that_is_described_by_its_radius(toys):
+    scene = parse(HEAD + ROLLED + RUN)
+    assert scene.bodies[0].kind == "disc"
+    assert derive.validated(scene) == scene
+    found = derive.simulate(scene)
+    assert found.q.shape[1] == 1  # the revolute joint eliminates the other coordinates
+    # About the rim J = 3/2 m r^2, so that the reduced length is 3/2 r.
+    np.testing.assert_allclose(found["wheel_phi"], pendulum(0.3, np.pi / 2, found.t), atol=1e-8)
+    assert derive.scene("two", bodies=[*scene.bodies]).bodies == scene.bodies
+
+
+def test_a_spring_with_a_cubic_law(toys):
+    found = derive.simulate(parse(HEAD + SPRUNG + RUN))
+    exact = solution(lambda t, y: [y[1], -250 * y[0] ** 3], [0.1, 0.7], found.t)
+    np.testing.assert_allclose(found["block_s"], exact, atol=1e-8)
+
+
+def refused(text: str) -> str:
+    with pytest.raises(derive.SpecError) as caught:
+        parse(HEAD + text)
+    return str(caught.value)
+
+
+def test_what_is_registered_is_in_the_schema_and_in_messages(toys):
+    assert "the distance of the markers is constant" in json_schema()
+    assert "needs the key `distance`: the distance of the markers, m" in refused(POINT.replace("distance =", "# "))
+    message = 'a revolute joint has no distance; leave `distance` out, or choose "distance"'
+    assert message in refused(POINT.replace('"distance"', '"revolute"'))
+    assert 'unknown key; did you mean "radius"?' in refused(ROLLED.replace("mass =", "radus = 1\nmass ="))
+    assert "bodies.wheel.mass: this key is missing; write mass = 1.0" in refused(ROLLED.replace("mass =", "# "))
+    assert "a cubic spring has no damping; leave `damping` out" in refused(SPRUNG + "damping = 1\n")
+    twice = refused(POINT.replace("mass = 2", 'mass = { symbol = "L" }'))
+    assert '"L" is the symbol of mass of the body bob, with the unit kg, not m' in twice
+
+
+def test_a_kind_that_is_not_registered_is_an_error():
+    assert 'the joint is one of "revolute", "weld", "fixed", "translational", not "distance"' in refused(POINT)
+    assert "the distance of the markers is constant" not in json_schema()
+    scene = parse(HEAD + SPRUNG.replace('"cubic"', '"linear"'))
+    bad_joint = replace(scene.joints[0], kind="hinge")
+    with pytest.raises(UnknownNameError, match='no joint "hinge"; known: revolute, weld, fixed, translational'):
+        mechanism(replace(scene, joints=(bad_joint,)))
+    with pytest.raises(UnknownNameError, match='there is no body "cone"'):
+        mechanism(replace(scene, bodies=(derive.CustomBody("c", "cone"),)))
+    with pytest.raises(UnknownNameError, match='there is no force "magnet"'):
+        mechanism(replace(scene, springs=(replace(scene.springs[0], kind="magnet"),)))
