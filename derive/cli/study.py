@@ -9,11 +9,16 @@ from pathlib import Path
 from derive.artifacts import File, write
 from derive.cli.specifications import read_scene
 from derive.errors import Problem, SpecError
+from derive.simulation.observables.beams import beam_bodies
 from derive.spec.model.scene import Scene
 from derive.spec.toml.read import with_lines
-from derive.study import frames, frames_table, pivots, pivots_table, states
-from derive.study import frames_chart as chart
-from derive.study.variants import rods, variant
+from derive.study.frame_cost import compare_frames
+from derive.study.frame_cost_chart import frame_cost_svg
+from derive.study.frame_cost_table import frame_cost_data, frame_cost_text
+from derive.study.pivot_stability import frame_stability
+from derive.study.pivot_table import pivot_data, pivot_legend, pivot_text
+from derive.study.states import period
+from derive.study.variants import variant
 from derive.terminal import show_progress
 
 
@@ -31,7 +36,7 @@ def run(options: argparse.Namespace) -> int:
 def _scene(path: Path) -> Scene:
     """Read the scene of a file. Raises SpecError if it has no beam or no [simulation]."""
     scene = read_scene(path)
-    if not rods(scene):
+    if not beam_bodies(scene):
         message = "there is no beam here, and only beams have a frame to study; see scenes/crank_slider_3.toml"
         raise SpecError((Problem("bodies", message),), str(path))
     return scene
@@ -39,30 +44,30 @@ def _scene(path: Path) -> Scene:
 
 def _frames(scene: Scene, options: argparse.Namespace) -> int:
     names = options.frames
-    rows = frames.study(scene, options.pieces, names, options.runs)
+    rows = compare_frames(scene, options.pieces, names, options.runs)
     show_progress()
     target = options.chart or Path("results") / scene.name / "frames.svg"
-    write([File(target.name, chart.svg(scene.name, names, rows))], target.parent)
+    write([File(target.name, frame_cost_svg(scene.name, names, rows))], target.parent)
     if options.json:
-        print(json.dumps({**frames_table.plain(scene.name, names, rows), "files": [str(target)]}, indent=2))
+        print(json.dumps({**frame_cost_data(scene.name, names, rows), "files": [str(target)]}, indent=2))
     else:
-        print(f"{frames_table.text(scene.name, names, rows)}\n\nwrote {target}")
+        print(f"{frame_cost_text(scene.name, names, rows)}\n\nwrote {target}")
     return 0
 
 
 def _pivots(scene: Scene, options: argparse.Namespace) -> int:
-    along = states.period(scene)[1]
-    numbers = options.pieces or sorted({rod.pieces for rod in rods(scene)})
+    along = period(scene)[1]
+    numbers = options.pieces or sorted({beam.pieces for beam in beam_bodies(scene)})
     results = []
     for n in numbers:
         first, second = (
-            pivots.look(variant(scene, n, name), options.states, options.numberings) for name in options.frames
+            frame_stability(variant(scene, n, name), options.states, options.numberings) for name in options.frames
         )
         results.append((n, (first, second)))
     show_progress()
     if options.json:
-        print(json.dumps([pivots_table.plain(scene.name, n, both) for n, both in results], indent=2))
+        print(json.dumps([pivot_data(scene.name, n, both) for n, both in results], indent=2))
     else:
-        blocks = [pivots_table.text(scene.name, n, along, both) for n, both in results]
-        print("\n\n".join([*blocks, pivots_table.legend()]))
+        blocks = [pivot_text(scene.name, n, along, both) for n, both in results]
+        print("\n\n".join([*blocks, pivot_legend()]))
     return 0

@@ -1,9 +1,19 @@
-"""One scene in several frames, its rods cut into several numbers of beams."""
+"""One scene in several frames, its beams cut into several numbers of pieces, and the operation counts of each."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
+import casadi as ca
+
+from derive.ir.model import Output
+from derive.lowering.flat.casadi_symbols import Symbols
+from derive.lowering.flat.constraints import accelerations, jacobian_entries, kkt_factors, kkt_pattern
+from derive.lowering.flat.context import Context, stores
+from derive.lowering.flat.functions import force
+from derive.lowering.flat.schedule import Step
+from derive.lowering.ldlt import Factorisation
+from derive.mechanics.equations import Equations
 from derive.spec.model.scene import BeamBody, Scene
 from derive.spec.parsing import values
 from derive.spec.tables.beam import frame_from
@@ -11,7 +21,7 @@ from derive.spec.tables.beam import frame_from
 
 @dataclass(frozen=True)
 class Variant:
-    """A scene whose rods are cut into `pieces` beams each, all of them in the frame `frame` (its kind)."""
+    """A scene whose beams are cut into `pieces` each, all of them in the frame of the kind `frame`."""
 
     pieces: int
     frame: str
@@ -19,19 +29,75 @@ class Variant:
 
 
 def variant(scene: Scene, pieces: int, frame: str) -> Variant:
-    """The scene with all of its rods cut and framed so."""
-    bodies = tuple(_framed(b, pieces, frame) if isinstance(b, BeamBody) else b for b in scene.bodies)
+    """The scene with each beam cut into `pieces`, in the frame of the kind `frame`."""
+    bodies = tuple(_in_frame(b, pieces, frame) if isinstance(b, BeamBody) else b for b in scene.bodies)
     return Variant(pieces, frame, replace(scene, bodies=bodies))
 
 
-def rods(scene: Scene) -> tuple[BeamBody, ...]:
-    """The flexible bodies of a scene."""
-    return tuple(b for b in scene.bodies if isinstance(b, BeamBody))
-
-
-def _framed(rod: BeamBody, pieces: int, name: str) -> BeamBody:
-    """A rod as a specification with this frame gives it; one that has the frame already stays as it is."""
+def _in_frame(beam: BeamBody, pieces: int, name: str) -> BeamBody:
+    """The beam that a specification with this frame gives; a beam in this frame keeps its shape functions."""
     frame = frame_from(values.frame_kind(name), None)
-    if frame == rod.beam.frame:
-        return replace(rod, pieces=pieces)
-    return replace(rod, pieces=pieces, beam=replace(rod.beam, frame=frame, orthogonal=frame.kind == "mean"))
+    if frame == beam.beam.frame:
+        return replace(beam, pieces=pieces)
+    return replace(beam, pieces=pieces, beam=replace(beam.beam, frame=frame, orthogonal=frame.kind == "mean"))
+
+
+@dataclass(frozen=True)
+class OperationCounts:
+    """Counts of one scene; non-zeros (`mass`, `kkt`) are structural, of both triangles.
+
+    fill: the fill-in of LDL^T in one triangle. flops: the operations of LDL^T, if no entry is known before run time.
+    factorise: those of LDL^T in the generated code, which computes what depends on parameters alone in setup. force,
+    accel: those of these kernels, in which a sine operation_counts as one.
+    """
+
+    coordinates: int
+    multipliers: int
+    mass: int
+    kkt: int
+    fill: int
+    flops: int
+    factorise: int
+    force: int
+    accel: int
+
+
+def operation_counts(equations: Equations) -> OperationCounts:
+    """The operation_counts of the equations of a scene."""
+    context = Context(equations)
+    factors = kkt_factors(context, context.symbols(context.t, context.q))
+    return OperationCounts(
+        coordinates=len(context.rows),
+        multipliers=len(context.multipliers),
+        mass=context.mass_pattern().full_nnz,
+        kkt=kkt_pattern(context).full_nnz,
+        fill=factors.fill,
+        flops=flops(factors),
+        factorise=_generated(context),
+        force=force(context).operations,
+        accel=accelerations(context).operations,
+    )
+
+
+def flops(factors: Factorisation) -> int:
+    """Divisions, products and sums of LDL^T: 1 + c + c (c + 1) for a column with c entries below its pivot."""
+    below = (len(column) for column in factors.lower.values())
+    return sum(1 + c + c * (c + 1) for c in below)
+
+
+def _generated(context: Context) -> int:
+    """The operations of a kernel that computes L and D, minus those of one that computes the entries of M and G."""
+    symbols = context.symbols(context.t, context.q)
+    values = [symbols(context.equations.mass[entry]) for entry in context.mass_pattern().entries]
+    values += jacobian_entries(context, symbols).values()
+    entries = _operations(context, symbols, values)
+    symbols = context.symbols(context.t, context.q)
+    factors = kkt_factors(context, symbols)
+    values = [*factors.pivots, *factors.inverses, *(x for column in factors.lower.values() for _, x in column)]
+    return _operations(context, symbols, values) - entries
+
+
+def _operations(context: Context, symbols: Symbols, values: list[ca.SX]) -> int:
+    output = Output("A", tuple(f"A{k}" for k in range(len(values))), "values")
+    step = Step("A", "", "values", stores("A", values))
+    return context.kernel("values", "Values.", (context.t, context.q, context.k), (output,), symbols, step).operations

@@ -1,31 +1,31 @@
-"""What the numbers say of Haug's conjecture, in words: no word is decided before the numbers are known."""
+"""The verdict on Haug's conjecture in sentences, all of which follow from the numbers."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from derive.study.pivots import InFrame, Looked, Pivots
+from derive.study.pivot_stability import FrameStability, PivotStatistics, StateStatistics
 from derive.terminal import magnitude
 
 SUBSTANTIAL, ROUNDING = 10.0, 1e-15
-"""Backward errors that differ by this factor differ substantially; those below `ROUNDING` are as good as none."""
+"""Backward errors that differ by this factor differ substantially; those below `ROUNDING` count as `ROUNDING`."""
 
 SHARE = 0.1
-"""So does the share of numberings in which a pivot vanishes, if it differs by this much."""
+"""Shares of numberings in which a pivot vanishes differ substantially if they differ by this much."""
 
 
 @dataclass(frozen=True)
-class Judged:
-    """An order: `gain` is 1 where the frame with more zeros is substantially more stable, -1 where the other one is."""
+class OrderVerdict:
+    """The verdict on one order: `gain` is 1 if the frame with more zeros is substantially more stable, -1 if less."""
 
     order: str
     gain: int
     words: str
 
 
-def verdict(first: InFrame, second: InFrame) -> list[str]:
-    """Sentences: what holds, order by order, and what is left of the conjecture."""
+def verdict(first: FrameStability, second: FrameStability) -> list[str]:
+    """The sentences of the verdict: the zeros, each order, the conclusion, condition and cost."""
     if first.counts.mass == second.counts.mass:
         return ["Both frames have equally many zeros in M: of these the conjecture says nothing."]
     sparse, full = (first, second) if first.counts.mass < second.counts.mass else (second, first)
@@ -38,8 +38,8 @@ def verdict(first: InFrame, second: InFrame) -> list[str]:
     ]
 
 
-def judge(order: str, sparse: InFrame, full: InFrame) -> Judged:
-    """Compare one order in both frames."""
+def judge(order: str, sparse: FrameStability, full: FrameStability) -> OrderVerdict:
+    """The verdict on one order in both frames."""
     a, b = sparse.broken[order], full.broken[order]
     if a == b == 0 and not any(_vanish(one, order) for one in (sparse, full)):
         gain = _error_gain(order, sparse, full)
@@ -47,18 +47,20 @@ def judge(order: str, sparse: InFrame, full: InFrame) -> Judged:
         growth = " and ".join(magnitude(p.growth) for p in worst)
         error = " and ".join(magnitude(p.backward_error) for p in worst)
         numbers = f"growth {growth}, backward error {error}"
-        said = f"no pivot vanishes in either frame; {numbers} ({sparse.frame}, {full.frame})"
+        text = f"no pivot vanishes in either frame; {numbers} ({sparse.frame}, {full.frame})"
     else:
         gain = (b - a >= SHARE) - (a - b >= SHARE)
         shares = (
             f"{_percent(one.broken[order])} in the {one.frame} frame{_missing(one, order)}" for one in (sparse, full)
         )
-        said = f"of the numberings some pivot vanishes in {' and in '.join(shares)}"
-    return Judged(order, gain, f"{order}: {said}: {_gained(gain, sparse, full)}.{_reason(order, gain, sparse, full)}")
+        text = f"of the numberings some pivot vanishes in {' and in '.join(shares)}"
+    return OrderVerdict(
+        order, gain, f"{order}: {text}: {_gained(gain, sparse, full)}.{_reason(order, gain, sparse, full)}"
+    )
 
 
-def conclusion(judged: Sequence[Judged], sparse: InFrame, full: InFrame) -> str:
-    """What is left of the conjecture."""
+def conclusion(judged: Sequence[OrderVerdict], sparse: FrameStability, full: FrameStability) -> str:
+    """The sentence that says whether the conjecture holds."""
     by_gain = {gain: [j.order for j in judged if j.gain == gain] for gain in (1, 0, -1)}
     if not by_gain[0] and not by_gain[-1]:
         return f"Haug's conjecture holds here: with every order the {sparse.frame} frame is substantially more stable."
@@ -77,23 +79,23 @@ def conclusion(judged: Sequence[Judged], sparse: InFrame, full: InFrame) -> str:
     return f"Haug's conjecture holds in part: {', '.join(parts)}."
 
 
-def _premise(sparse: InFrame, full: InFrame) -> str:
+def _premise(sparse: FrameStability, full: FrameStability) -> str:
     size = sparse.counts.coordinates**2
     zeros = f"M has {size - sparse.counts.mass} zeros of {size} in the {sparse.frame} frame"
     zeros += f", {size - full.counts.mass} in the {full.frame} frame"
     gone = [max(one.undeformed.vanishing_mass, one.simulated.vanishing_mass) for one in (sparse, full)]
     if not any(gone):
         return f"{zeros}; no other entry vanishes in any state."
-    told = (
+    vanishing = (
         f"of its other {sparse.counts.mass} and {full.counts.mass} entries {gone[0]} and {gone[1]} vanish in some state"
     )
-    return f"{zeros}; {told}."
+    return f"{zeros}; {vanishing}."
 
 
-def _reason(order: str, gain: int, sparse: InFrame, full: InFrame) -> str:
-    """Why minimum degree gives another order, if the numbers bear it out."""
+def _reason(order: str, gain: int, sparse: FrameStability, full: FrameStability) -> str:
+    """The reason why minimum degree gives another order, if the numbers confirm it."""
     (a, x), (b, y) = sparse.neighbours, full.neighbours
-    if order != "blind" or gain != 1 or not a / max(x, 1e-9) < b / max(y, 1e-9):
+    if order != "unconstrained" or gain != 1 or not a / max(x, 1e-9) < b / max(y, 1e-9):
         return ""
     return (
         f" Minimum degree takes first what is coupled with least: on average a coordinate with {a:.1f} others in the "
@@ -101,25 +103,25 @@ def _reason(order: str, gain: int, sparse: InFrame, full: InFrame) -> str:
     )
 
 
-def _missing(one: InFrame, order: str) -> str:
+def _missing(one: FrameStability, order: str) -> str:
     missing = one.simulated.orders[order].without_diagonal
     come = "multiplier comes before all of its" if missing == 1 else "multipliers come before all of their"
     return f" (here {missing} {come} coordinates)" if missing else ""
 
 
-def _besides(sparse: InFrame, full: InFrame) -> list[str]:
-    """Condition, and what it costs."""
+def _besides(sparse: FrameStability, full: FrameStability) -> list[str]:
+    """The sentences on condition numbers and on cost."""
     a, b = _condition(sparse), _condition(full)
     c, d = sparse.counts, full.counts
     return [
         f"The condition of the KKT matrix is {_times(b[0], a[0])} in the {sparse.frame} frame, and "
         f"{_times(b[1], a[1])} once rows and columns are scaled to 1.",
-        f"LDL^T fills {c.fill} entries in, against {d.fill}, with {c.flops} operations against {d.flops} "
+        f"LDL^T has a fill-in of {c.fill} against {d.fill} entries and takes {c.flops} operations against {d.flops} "
         f"({100 * (c.flops / d.flops - 1):+.0f} %): that is cost, not stability.",
     ]
 
 
-def _condition(one: InFrame) -> tuple[float, float]:
+def _condition(one: FrameStability) -> tuple[float, float]:
     both = (one.undeformed, one.simulated)
     return max(x.condition for x in both), max(x.scaled_condition for x in both)
 
@@ -130,23 +132,23 @@ def _times(full: float, sparse: float) -> str:
     return f"{full / sparse:.1f} times smaller" if full > sparse else f"{sparse / full:.1f} times larger"
 
 
-def _error_gain(order: str, sparse: InFrame, full: InFrame) -> int:
+def _error_gain(order: str, sparse: FrameStability, full: FrameStability) -> int:
     a, b = (max(_worst(one, order).backward_error, ROUNDING) for one in (sparse, full))
     return int(b >= SUBSTANTIAL * a) - int(a >= SUBSTANTIAL * b)
 
 
-def _worst(one: InFrame, order: str) -> Pivots:
-    """The kind of states in which the backward error is larger."""
-    kinds: tuple[Looked, Looked] = (one.undeformed, one.simulated)
+def _worst(one: FrameStability, order: str) -> PivotStatistics:
+    """The statistics of the kind of states with the larger backward error."""
+    kinds: tuple[StateStatistics, StateStatistics] = (one.undeformed, one.simulated)
     return max((kind.orders[order] for kind in kinds), key=lambda p: p.backward_error)
 
 
-def _vanish(one: InFrame, order: str) -> bool:
+def _vanish(one: FrameStability, order: str) -> bool:
     kinds = (one.undeformed.orders[order], one.simulated.orders[order])
     return any(p.without_diagonal or p.vanishing or p.failures for p in kinds)
 
 
-def _gained(gain: int, sparse: InFrame, full: InFrame) -> str:
+def _gained(gain: int, sparse: FrameStability, full: FrameStability) -> str:
     if not gain:
         return "no substantial difference"
     return f"substantially more stable in the {(sparse if gain > 0 else full).frame} frame"

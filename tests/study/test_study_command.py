@@ -46,16 +46,18 @@ def test_pivots(capsys: pytest.CaptureFixture[str]) -> None:
     mean, point = found["frames"]
     for kind in ("undeformed", "simulated"):
         assert mean[kind]["vanishing_mass"] == 0 and point[kind]["vanishing_mass"] == 6  # the c-phi entries, twice, ...
-        for name in ("fixed", "paired", "kept"):
+        for name in ("constrained", "matched", "markowitz"):
             for one in (mean, point):
                 pivots = one[kind]["orders"][name]
                 assert (pivots["without_diagonal"], pivots["vanishing"], pivots["failures"]) == (0, 0, 0)
                 assert pivots["backward_error"] < 1e-11
         # the blind order takes a multiplier before its coordinates in the point frame alone
-        assert mean[kind]["orders"]["blind"]["failures"] == 0
-        blind = point[kind]["orders"]["blind"]
+        assert mean[kind]["orders"]["unconstrained"]["failures"] == 0
+        blind = point[kind]["orders"]["unconstrained"]
         assert (blind["without_diagonal"], blind["failures"], blind["growth"]) == (1, 37, None)
-    assert mean["broken"]["fixed"] == point["broken"]["fixed"] == 0 and point["broken"]["blind"] == 1
+    assert (
+        mean["broken"]["constrained"] == point["broken"]["constrained"] == 0 and point["broken"]["unconstrained"] == 1
+    )
     assert any("holds in part" in sentence for sentence in found["verdict"])
 
 
@@ -64,7 +66,7 @@ def test_pivots_for_people(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["study", "pivots", SCENE, *asked]) == 0
     text = capsys.readouterr().out
     assert "crank_slider_3, 1 beam: 9 states of one revolution of motor" in text
-    assert len([line for line in text.splitlines() if line.startswith("  fixed   chord")]) == 2
+    assert len([line for line in text.splitlines() if line.startswith("  constrained    chord")]) == 2
     assert "Haug's conjecture" in text
 
 

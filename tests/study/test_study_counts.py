@@ -8,8 +8,8 @@ import derive
 from conftest import ROOT
 from derive.ir.patterns import pattern
 from derive.lowering.ldlt import factorise
-from derive.study.counts import Counts, counts, flops
-from derive.study.variants import rods, variant
+from derive.simulation.observables.beams import beam_bodies
+from derive.study.variants import OperationCounts, flops, operation_counts, variant
 
 SCENE = derive.read(ROOT / "scenes/crank_slider_3.toml")
 
@@ -27,7 +27,9 @@ EXPECTED = {
 @pytest.mark.parametrize(("frame", "pieces"), EXPECTED)
 def test_counts(frame: str, pieces: int) -> None:
     """A smaller number is progress: write it above."""
-    assert counts(derive.derive(variant(SCENE, pieces, frame).scene)) == Counts(*EXPECTED[frame, pieces])
+    assert operation_counts(derive.derive(variant(SCENE, pieces, frame).scene)) == OperationCounts(
+        *EXPECTED[frame, pieces]
+    )
 
 
 def test_a_variant_is_what_a_specification_with_its_frame_gives(tmp_path) -> None:
@@ -35,8 +37,8 @@ def test_a_variant_is_what_a_specification_with_its_frame_gives(tmp_path) -> Non
     changed = text.replace('frame = "mean"', 'frame = "point"').replace("pieces = 3 ", "pieces = 2 ")
     (tmp_path / "crank_slider_A.csv").write_text((ROOT / "scenes/crank_slider_A.csv").read_text())
     (tmp_path / "scene.toml").write_text(changed)
-    (rod,) = rods(derive.read(tmp_path / "scene.toml"))
-    assert rods(variant(SCENE, 2, "point").scene) == (rod,)
+    (rod,) = beam_bodies(derive.read(tmp_path / "scene.toml"))
+    assert beam_bodies(variant(SCENE, 2, "point").scene) == (rod,)
     assert variant(SCENE, 3, "mean").scene == SCENE
 
 

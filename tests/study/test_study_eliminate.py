@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from derive.study.eliminate import backward_error, eliminate
+from derive.study.elimination import backward_error, eliminate
 
 
 def turned(values: list[float]) -> np.ndarray:

@@ -11,9 +11,9 @@ import pytest
 from made_up import row
 
 from derive.artifacts import MARK
-from derive.study import frames_chart as chart
-from derive.study import frames_table
-from derive.study.clock import interleaved, ratio
+from derive.study.frame_cost_chart import frame_cost_svg
+from derive.study.frame_cost_table import frame_cost_data, frame_cost_text
+from derive.study.timing import interleaved, ratio
 
 FRAMES = ("mean", "point")
 DRAW = """
@@ -25,7 +25,7 @@ sys.stdout.write(drawn())
 
 
 def drawn() -> str:
-    return chart.svg("slider & more", FRAMES, [row(1), row(3, 0.7e-6), row(30)])
+    return frame_cost_svg("slider & more", FRAMES, [row(1), row(3, 0.7e-6), row(30)])
 
 
 def test_frames_take_turns() -> None:
@@ -45,7 +45,7 @@ def test_ratios_are_of_pairs() -> None:
 
 
 def test_the_table() -> None:
-    lines = frames_table.text("slider", FRAMES, [row(1), row(3), row(10)]).splitlines()
+    lines = frame_cost_text("slider", FRAMES, [row(1), row(3), row(10)]).splitlines()
     cells = [line.split() for line in lines]
     assert cells[7][:9] == ["3", "mean", "16", "138", "29", "594", "411", "42", "922"]
     assert cells[5][:3] == ["ratio", "0.35", "0.82"]
@@ -58,13 +58,13 @@ def test_the_table() -> None:
 
 
 def test_the_paper_compares_other_frames_with_nothing() -> None:
-    said = frames_table.text("slider", ("chord", "point"), [row(1)])
+    said = frame_cost_text("slider", ("chord", "point"), [row(1)])
     assert "DADS" not in said and "0.97" not in said
-    assert "DADS" not in chart.svg("slider", ("chord", "point"), [row(1)])
+    assert "DADS" not in frame_cost_svg("slider", ("chord", "point"), [row(1)])
 
 
 def test_nothing_names_the_machine_or_a_path() -> None:
-    known = frames_table.plain("slider", FRAMES, [row(1)])
+    known = frame_cost_data("slider", FRAMES, [row(1)])
     assert known["flags"].split()[:2] == ["-std=c99", "-O2"] and known["compiler"]
     assert not any("/" in known[key] or not known[key] for key in ("flags", "machine"))
 
@@ -85,4 +85,4 @@ def test_the_chart_is_a_picture_with_its_numbers() -> None:
 
 @pytest.mark.parametrize("pieces", [1, 30])
 def test_one_row_is_a_chart_as_well(pieces: int) -> None:
-    ElementTree.fromstring(chart.svg("slider", FRAMES, [row(pieces)]))
+    ElementTree.fromstring(frame_cost_svg("slider", FRAMES, [row(pieces)]))

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from derive.ir.patterns import pattern
-from derive.study.orders import ORDERS, Order, matching, without_diagonal
+from derive.study.elimination_orders import ORDERS, Order, matching, without_diagonal
 
 A = np.array(
     [
@@ -27,18 +27,18 @@ def test_orders_name_every_unknown_once(name: str) -> None:
 
 
 def test_fixed_multipliers_wait_for_all_of_their_coordinates() -> None:
-    order = ORDERS["fixed"](SHAPE, 3, A).rows
+    order = ORDERS["constrained"](SHAPE, 3, A).rows
     assert all(order.index(i) > order.index(j) for i, j in SHAPE.entries if i >= 3)
 
 
 def test_paired_multipliers_come_behind_what_they_are_matched_with() -> None:
     assert matching(3, A) == {3: 0, 4: 1}  # 1 * 4 is more than 1e-3 * 4 and than 1e-3 * 3
-    order = ORDERS["paired"](SHAPE, 3, A).rows
+    order = ORDERS["matched"](SHAPE, 3, A).rows
     assert all(order.index(i) == order.index(j) + 1 for i, j in matching(3, A).items())
 
 
 def test_kept_pivots_are_large_enough_in_the_first_matrix() -> None:
-    order = ORDERS["kept"](SHAPE, 3, A)
+    order = ORDERS["markowitz"](SHAPE, 3, A)
     work = A[np.ix_(order.rows, order.cols)]
     for j in range(5):
         assert abs(work[j, j]) >= 0.1 * np.abs(work[j:, j]).max()

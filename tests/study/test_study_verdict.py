@@ -18,40 +18,52 @@ def said(mean: dict[str, object], point: dict[str, object], *broken: dict[str, f
 
 
 def test_it_holds_in_part_where_one_order_fails_in_one_frame() -> None:
-    text = said({"fixed": FINE, "blind": FINE}, {"fixed": FINE, "blind": BAD}, {}, {"blind": 1.0})
-    assert "more stable with the order blind, not substantially different with fixed." in text
+    text = said(
+        {"constrained": FINE, "unconstrained": FINE},
+        {"constrained": FINE, "unconstrained": BAD},
+        {},
+        {"unconstrained": 1.0},
+    )
+    assert "more stable with the order unconstrained, not substantially different with constrained." in text
     assert "100 % in the point frame (here 3 multipliers come before all of their coordinates)" in text
     assert "Minimum degree takes first" in text
 
 
 def test_it_does_not_hold_where_nothing_differs() -> None:
-    text = said({"fixed": FINE, "blind": FINE}, {"fixed": worse(growth=50), "blind": worse(error=5)})
+    text = said(
+        {"constrained": FINE, "unconstrained": FINE}, {"constrained": worse(growth=50), "unconstrained": worse(error=5)}
+    )
     assert "does not hold here: the zeros make no substantial difference" in text
     assert "Minimum degree" not in text and "no pivot vanishes in either frame" in text
 
 
 def test_it_holds_where_every_order_is_substantially_better() -> None:
-    assert "conjecture holds here: with every order" in said({"fixed": FINE}, {"fixed": worse(error=50)})
-    below_rounding = {"fixed": replace(FINE, backward_error=1e-17)}
-    assert "does not hold here" in said(below_rounding, {"fixed": replace(FINE, backward_error=5e-16)})
+    assert "conjecture holds here: with every order" in said({"constrained": FINE}, {"constrained": worse(error=50)})
+    below_rounding = {"constrained": replace(FINE, backward_error=1e-17)}
+    assert "does not hold here" in said(below_rounding, {"constrained": replace(FINE, backward_error=5e-16)})
 
 
 def test_it_may_be_the_other_way_round() -> None:
-    text = said({"fixed": FINE, "kept": FINE}, {"fixed": FINE, "kept": FINE}, {"kept": 0.4}, {"kept": 0.1})
+    text = said(
+        {"constrained": FINE, "markowitz": FINE},
+        {"constrained": FINE, "markowitz": FINE},
+        {"markowitz": 0.4},
+        {"markowitz": 0.1},
+    )
     assert "does not hold here: the mean frame is nowhere substantially more stable, and less so" in text
     assert "some pivot vanishes in 40 % in the mean frame and in 10 % in the point frame: substantially" in text
-    gained = [judge(order, *sorted_frames()) for order in ("fixed", "kept", "blind")]
+    gained = [judge(order, *sorted_frames()) for order in ("constrained", "markowitz", "unconstrained")]
     assert [j.gain for j in gained] == [0, -1, 1]
-    assert "substantially less stable with kept" in conclusion(gained, *sorted_frames())
+    assert "substantially less stable with markowitz" in conclusion(gained, *sorted_frames())
 
 
 def sorted_frames():
-    orders = {"fixed": FINE, "kept": FINE, "blind": FINE}
-    return in_frame("mean", orders, {"kept": 0.4}), in_frame("point", orders, {"blind": 0.5})
+    orders = {"constrained": FINE, "markowitz": FINE, "unconstrained": FINE}
+    return in_frame("mean", orders, {"markowitz": 0.4}), in_frame("point", orders, {"unconstrained": 0.5})
 
 
 def test_what_is_told_besides_follows_the_numbers() -> None:
-    mean, point = in_frame("mean", {"fixed": FINE}), in_frame("point", {"fixed": FINE})
+    mean, point = in_frame("mean", {"constrained": FINE}), in_frame("point", {"constrained": FINE})
     text = "\n".join(verdict(mean, point))
     assert "M has 240 zeros of 256 in the mean frame, 210 in the point frame" in text
     assert "of its other 16 and 46 entries 0 and 18 vanish" in text
@@ -61,12 +73,12 @@ def test_what_is_told_besides_follows_the_numbers() -> None:
 
 
 def test_it_does_not_matter_which_frame_comes_first() -> None:
-    mean, point = in_frame("mean", {"fixed": FINE}), in_frame("point", {"fixed": worse(error=50)})
+    mean, point = in_frame("mean", {"constrained": FINE}), in_frame("point", {"constrained": worse(error=50)})
     assert verdict(mean, point) == verdict(point, mean)
 
 
 def test_equal_frames_say_nothing() -> None:
-    one = in_frame("mean", {"fixed": FINE})
+    one = in_frame("mean", {"constrained": FINE})
     assert verdict(one, replace(one, frame="chord")) == [
         "Both frames have equally many zeros in M: of these the conjecture says nothing."
     ]

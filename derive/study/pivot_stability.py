@@ -1,4 +1,4 @@
-"""Haug's conjecture in numbers: pivots of the KKT matrix in both frames, in orders that are found once and kept.
+"""Haug's conjecture in numbers: pivots of the KKT matrix in two frames, in elimination orders that are determined once.
 
 "He expects that the sparse matrix symbolic factorization will be substantially more stable when there is a larger
 number of precisely zero terms in the system mass matrix" (the paper, concluding remarks).
@@ -18,27 +18,26 @@ from derive.lowering.flat.constraints import kkt_pattern
 from derive.lowering.flat.context import Context
 from derive.mechanics.equations import Equations
 from derive.runtime.native import Matrix, load_scene
-from derive.study import states
-from derive.study.counts import Counts, counts
-from derive.study.eliminate import backward_error, eliminate
-from derive.study.matrices import equilibrated, present, systems
-from derive.study.orders import ORDERS, Order, without_diagonal
-from derive.study.variants import Variant
+from derive.study.elimination import backward_error, eliminate, entry_mask, equilibrated, kkt_systems
+from derive.study.elimination_orders import ORDERS, Order, without_diagonal
+from derive.study.states import simulated_states, undeformed_states
+from derive.study.variants import OperationCounts, Variant, operation_counts
 from derive.terminal import show_progress
 
 QUICK = ("-std=c99", "-O0", "-ffp-contract=off")
-"""Flags of the compiler: here no time is measured."""
+"""Flags of the compiler: this study measures no time."""
 
-FEW = 40
-"""About as many states of each kind are enough to try an order in."""
+TRIAL_STATES = 40
+"""The number of states of each kind, about, in which random numberings are tried."""
 
 
 @dataclass(frozen=True)
-class Pivots:
-    """What one order gives in some states, rows and columns scaled: the worst of all, `typical_growth` the median.
+class PivotStatistics:
+    """The pivots of one order in some states, with rows and columns scaled: the worst values, and the median growth.
 
-    `without_diagonal` are zero by structure, `vanishing` others that vanish in a state or between two, if none before
-    them does; `failures` are states without a result. `smallest` is a pivot over the largest entry of its column.
+    without_diagonal: the pivots that are zero by structure. vanishing: the others that vanish in a state or between two
+    where no earlier pivot does. failures: the states without a result. smallest: the least pivot, divided by the
+    largest entry of its column.
     """
 
     without_diagonal: int
@@ -51,9 +50,9 @@ class Pivots:
 
 
 @dataclass(frozen=True)
-class Looked:
-    """One frame in some states: entries of M and of the KKT matrix that vanish in one of them or between two, what LU
-    with partial pivoting gives, and what each order does."""
+class StateStatistics:
+    """One frame in some states: the entries of M and of the KKT matrix that vanish in a state or between two, condition
+    numbers, the backward error of LU with partial pivoting, and the pivots of each order."""
 
     states: int
     vanishing_mass: int
@@ -61,51 +60,54 @@ class Looked:
     condition: float
     scaled_condition: float
     pivoted_backward_error: float
-    orders: dict[str, Pivots]
+    orders: dict[str, PivotStatistics]
 
 
 @dataclass(frozen=True)
-class InFrame:
-    """One frame; `broken` is the share of `numberings` of the unknowns in which an order has a pivot that vanishes.
+class FrameStability:
+    """The stability of one frame.
 
-    `neighbours` are the average numbers of other unknowns that a coordinate and a multiplier are coupled with.
+    neighbours: the average numbers of unknowns that a coordinate and a multiplier are coupled with. broken: for each
+    order the share of `numberings` of the unknowns in which a pivot vanishes.
     """
 
     frame: str
-    counts: Counts
+    counts: OperationCounts
     neighbours: tuple[float, float]
-    undeformed: Looked
-    simulated: Looked
+    undeformed: StateStatistics
+    simulated: StateStatistics
     numberings: int
     broken: dict[str, float]
 
 
-def look(variant: Variant, count: int, numberings: int) -> InFrame:
-    """Look at one frame in `count` states of each kind. Raises SpecError, CompilerError, SimulationError."""
-    said = f"{variant.scene.name}, {variant.frame} frame: "
-    show_progress(f"{said}building")
+def frame_stability(variant: Variant, count: int, numberings: int) -> FrameStability:
+    """The pivots of a variant in `count` states of each kind. Raises SpecError, CompilerError, SimulationError."""
+    label = f"{variant.scene.name}, {variant.frame} frame: "
+    show_progress(f"{label}deriving and compiling")
     equations = derive(variant.scene)
     assert isinstance(equations, Equations)
     native = load_scene(model_files(lower(equations), variant.scene), QUICK)
     k, shape = native.setup(), kkt_pattern(Context(equations))
-    show_progress(f"{said}simulating")
-    moved = states.simulated(variant.scene, native, k, count)
-    kinds = (states.undeformed(variant.scene, native, k, moved), moved)
-    show_progress(f"{said}eliminating")
-    at_rest, moving = (systems(native, k, kind) for kind in kinds)
+    show_progress(f"{label}simulating")
+    moving_states = simulated_states(variant.scene, native, k, count)
+    kinds = (undeformed_states(variant.scene, native, k, moving_states), moving_states)
+    show_progress(f"{label}eliminating")
+    at_rest, moving = (kkt_systems(native, k, kind) for kind in kinds)
     largest = np.maximum(np.abs(at_rest[0]).max(axis=0), np.abs(moving[0]).max(axis=0))
     scaled_at_rest, scaled = equilibrated(*at_rest), equilibrated(*moving)
-    found = {name: order(shape, native.nv, scaled_at_rest[0][0]) for name, order in ORDERS.items()}
-    some = slice(None, None, max(1, count // FEW))
+    orders = {name: order(shape, native.nv, scaled_at_rest[0][0]) for name, order in ORDERS.items()}
+    some = slice(None, None, max(1, count // TRIAL_STATES))
     tried = [np.concatenate([a[some], b[some]]) for a, b in zip(scaled_at_rest, scaled, strict=True)]
-    return InFrame(
+    return FrameStability(
         variant.frame,
-        counts(equations),
+        operation_counts(equations),
         _neighbours(shape, native.nv),
-        _looked(at_rest[0], vanishing(at_rest[0], largest, present(shape)), scaled_at_rest, shape, native.nv, found),
-        _looked(moving[0], vanishing(moving[0], largest, present(shape)), scaled, shape, native.nv, found),
+        _statistics(
+            at_rest[0], vanishing(at_rest[0], largest, entry_mask(shape)), scaled_at_rest, shape, native.nv, orders
+        ),
+        _statistics(moving[0], vanishing(moving[0], largest, entry_mask(shape)), scaled, shape, native.nv, orders),
         numberings,
-        broken(shape, native.nv, (scaled_at_rest[0][0], at_rest[0][0]), (tried[0], tried[1]), numberings, said),
+        broken(shape, native.nv, (scaled_at_rest[0][0], at_rest[0][0]), (tried[0], tried[1]), numberings, label),
     )
 
 
@@ -115,50 +117,50 @@ def broken(
     firsts: tuple[Matrix, Matrix],
     system: tuple[Matrix, Matrix],
     numberings: int,
-    said: str = "",
+    label: str = "",
 ) -> dict[str, float]:
-    """The share of numberings in which a pivot of an order vanishes: the one that is there, and random ones.
+    """The share of numberings of the unknowns, the given one and random ones, in which a pivot of each order vanishes.
 
-    Orders choose among equals by their numbers, so that what one numbering gives may be luck; and those that look at
-    values depend on units. So they look at each of `firsts` by turns, the first matrix scaled and in SI units.
-    Coordinates keep the numbers before multipliers.
+    Orders break ties by the numbers of the unknowns, so that the result of one numbering may be chance; and orders that
+    depend on values depend on units. They therefore use the matrices of `firsts` alternately, the first matrix scaled
+    and in SI units. Coordinates keep the numbers before those of multipliers.
     """
     random, failed = np.random.default_rng(1988), dict.fromkeys(ORDERS, 0)
     new, multipliers = np.arange(shape.rows), shape.rows - coordinates
     for number in range(numberings):
-        show_progress(f"{said}numbering {number + 1} of {numberings}")
+        show_progress(f"{label}numbering {number + 1} of {numberings}")
         place = np.argsort(new)
         pairs = ((int(place[i]), int(place[j])) for i, j in shape.entries)
         again = pattern(shape.rows, shape.cols, {(max(p), min(p)) for p in pairs}, symmetric=True)
         for name, order in ORDERS.items():
-            found = order(again, coordinates, firsts[number % 2][np.ix_(new, new)])
-            back = Order(tuple(int(new[i]) for i in found.rows), tuple(int(new[j]) for j in found.cols))
+            renumbered = order(again, coordinates, firsts[number % 2][np.ix_(new, new)])
+            back = Order(tuple(int(new[i]) for i in renumbered.rows), tuple(int(new[j]) for j in renumbered.cols))
             failed[name] += bool(np.any(eliminate(*system, back.rows, back.cols).vanished))
         new = np.concatenate([random.permutation(coordinates), coordinates + random.permutation(multipliers)])
     return {name: count / numberings for name, count in failed.items()}
 
 
 def vanishing(A: Matrix, scale: Matrix, there: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Which structural entries (n, n) vanish in one of the matrices (states, n, n), or between two.
+    """The mask (n, n) of the structural entries that vanish in one of the matrices (states, n, n), or between two.
 
-    Entries that are 1e-12 of their largest values, `scale`, have vanished.
+    there: the mask of structural entries. scale (n, n): their largest values; an entry below 1e-12 of it has vanished.
     """
     zero = np.any(np.abs(A) <= 1e-12 * scale, axis=0)
     changed = np.any(A[1:] * A[:-1] < 0, axis=0)
     return np.asarray(there & (zero | changed))
 
 
-def _looked(
+def _statistics(
     raw: Matrix,
     gone: NDArray[np.bool_],
     scaled: tuple[Matrix, Matrix],
     shape: Pattern,
     coordinates: int,
     orders: dict[str, Order],
-) -> Looked:
+) -> StateStatistics:
     A, b = scaled
     pivoted = np.asarray(np.linalg.solve(A, b[:, :, None])[:, :, 0], dtype=np.float64)
-    return Looked(
+    return StateStatistics(
         states=len(A),
         vanishing_mass=int(gone[:coordinates, :coordinates].sum()),
         vanishing_kkt=int(gone.sum()),
@@ -169,10 +171,10 @@ def _looked(
     )
 
 
-def _pivots(A: Matrix, b: Matrix, shape: Pattern, coordinates: int, order: Order) -> Pivots:
+def _pivots(A: Matrix, b: Matrix, shape: Pattern, coordinates: int, order: Order) -> PivotStatistics:
     found = eliminate(A, b, order.rows, order.cols)
     missing = without_diagonal(shape, coordinates, order)
-    return Pivots(
+    return PivotStatistics(
         without_diagonal=missing,
         vanishing=int(found.vanished.sum()) - (missing > 0),
         failures=int(found.failed.sum()),
@@ -184,5 +186,5 @@ def _pivots(A: Matrix, b: Matrix, shape: Pattern, coordinates: int, order: Order
 
 
 def _neighbours(shape: Pattern, coordinates: int) -> tuple[float, float]:
-    others = present(shape).sum(axis=1) - np.diag(present(shape))
+    others = entry_mask(shape).sum(axis=1) - np.diag(entry_mask(shape))
     return float(others[:coordinates].mean()), float(others[coordinates:].mean()) if len(others) > coordinates else 0.0

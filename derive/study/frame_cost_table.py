@@ -6,9 +6,8 @@ from collections.abc import Sequence
 from dataclasses import asdict
 from typing import Any
 
-from derive.study import machine
-from derive.study.clock import DRIFT, SAFE, Ratio
-from derive.study.frames import PAPER, Framed, Row
+from derive.study.frame_cost import PAPER, FrameComparison, FrameCost
+from derive.study.timing import DRIFT, STABLE, Ratio, machine_description
 from derive.terminal import beam_count, magnitude, table, wrapped
 
 HEAD = (
@@ -18,18 +17,18 @@ HEAD = (
 UNITS = ("", "", "", "", "", "flops", "flops", "flops", "flops", "", "", "ns", "ns", "ns", "of step", "")
 
 
-def plain(name: str, frames: tuple[str, str], rows: Sequence[Row]) -> dict[str, Any]:
-    """All numbers; times in seconds of CPU."""
+def frame_cost_data(name: str, frames: tuple[str, str], rows: Sequence[FrameComparison]) -> dict[str, Any]:
+    """All numbers as plain data; times are CPU seconds."""
     first, second = frames
     return {
         "name": name,
         "frames": list(frames),
-        **machine.described(),
+        **machine_description(),
         "rows": [
             {
                 "pieces": row.pieces,
-                first: asdict(row.framed[0]),
-                second: asdict(row.framed[1]),
+                first: asdict(row.costs[0]),
+                second: asdict(row.costs[1]),
                 "times": asdict(row.times),
                 "paper": _paper(frames, row.pieces),
             }
@@ -38,8 +37,8 @@ def plain(name: str, frames: tuple[str, str], rows: Sequence[Row]) -> dict[str, 
     }
 
 
-def text(name: str, frames: tuple[str, str], rows: Sequence[Row]) -> str:
-    """One table, and what is to be known of it."""
+def frame_cost_text(name: str, frames: tuple[str, str], rows: Sequence[FrameComparison]) -> str:
+    """The table with its notes."""
     first, second = frames
     cells: list[Sequence[str]] = [HEAD, UNITS]
     for row in rows:
@@ -53,12 +52,12 @@ def text(name: str, frames: tuple[str, str], rows: Sequence[Row]) -> str:
     )
 
 
-def _block(frames: tuple[str, str], row: Row) -> list[list[str]]:
+def _block(frames: tuple[str, str], row: FrameComparison) -> list[list[str]]:
     times, lines = row.times, []
-    for side, (frame, framed) in enumerate(zip(frames, row.framed, strict=True)):
+    for side, (frame, framed) in enumerate(zip(frames, row.costs, strict=True)):
         taken = (times.force[side], times.accel[side], times.per_step[side])
         lines.append([str(row.pieces) if not side else "", frame, *_counts(framed), *(_nano(x) for x in taken)])
-    pairs = zip(_numbers(row.framed[0]), _numbers(row.framed[1]), strict=True)
+    pairs = zip(_numbers(row.costs[0]), _numbers(row.costs[1]), strict=True)
     measured = (times.force_ratio, times.accel_ratio, times.integration_ratio)
     paper = _paper(frames, row.pieces)
     lines.append(
@@ -73,13 +72,13 @@ def _block(frames: tuple[str, str], row: Row) -> list[list[str]]:
     return lines
 
 
-def _numbers(framed: Framed) -> tuple[float, ...]:
+def _numbers(framed: FrameCost) -> tuple[float, ...]:
     c = framed.counts
     counted = (c.mass, c.kkt, c.fill, c.flops, c.factorise, c.force, c.accel)
     return (*counted, framed.condition_mass, framed.condition_kkt)
 
 
-def _counts(framed: Framed) -> list[str]:
+def _counts(framed: FrameCost) -> list[str]:
     *counted, mass, kkt = _numbers(framed)
     return [*(str(n) for n in counted), magnitude(mass), magnitude(kkt)]
 
@@ -97,21 +96,21 @@ def _paper(frames: tuple[str, str], pieces: int) -> float | None:
     return PAPER.get(pieces) if frames == ("mean", "point") else None
 
 
-def _notes(frames: tuple[str, str], rows: Sequence[Row]) -> list[str]:
-    known, runs = machine.described(), rows[0].times.runs
+def _notes(frames: tuple[str, str], rows: Sequence[FrameComparison]) -> list[str]:
+    machine, runs = machine_description(), rows[0].times.runs
     steps = (f"{beam_count(r.pieces)}: {r.times.steps} of {r.times.step:.2g} s" for r in rows)
     corrections = (f"{beam_count(r.pieces)}: {' and '.join(map(str, r.times.corrections))}" for r in rows)
     first, second = frames
     notes = [
         "non-zeros: structural, of both triangles; fill-in: of one",
-        "LDL^T: operations of the factorisation, were each non-zero a number that is known at run time only; in code: "
-        "those that are left of it in the generated code, where what depends on parameters alone is known before",
+        "LDL^T: operations of the factorisation, if no entry is known before run time; in code: those of the generated "
+        "code, which computes what depends on parameters alone in setup",
         "force, accel: all operations of these functions; a sine counts as one",
-        "conditions: at the start, in SI units, not scaled",
-        f"times: CPU, median of {runs} runs by turns ({first}, {second}, {first}, ...); spread: of the ratios of pairs",
-        f"step: of the same RK4 loop in C with the same step, {SAFE:g} of the longest stable one; constraints are kept "
+        "conditions: in the initial state, in SI units, not scaled",
+        f"times: CPU, median of {runs} interleaved runs ({first}, {second}, ...); spread: of the ratios of pairs",
+        f"step: of the same RK4 loop in C with the same step, {STABLE:g} of the longest stable one; drift is kept "
         f"below {DRIFT:g}; {'; '.join(steps)}; corrections in {first} and {second}: {'; '.join(corrections)}",
-        f"compiled by {known['compiler']}, {known['flags']}; {known['machine']}",
+        f"compiled by {machine['compiler']}, {machine['flags']}; {machine['machine']}",
     ]
     if any(_paper(frames, row.pieces) for row in rows):
         notes.append(

@@ -1,4 +1,4 @@
-"""Orders in which the KKT matrix is eliminated without exchanges of rows: found once, and kept for all states."""
+"""Elimination orders of the KKT matrix that are determined once and used in all states, without exchanges of rows."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from scipy.sparse.csgraph import min_weight_full_bipartite_matching
 from derive.ir.patterns import Pattern
 from derive.lowering.ldlt import elimination_order, saddle_order
 from derive.runtime.native import Matrix
-from derive.study.matrices import present
+from derive.study.elimination import entry_mask
 
 THRESHOLD = 0.1
-"""A pivot that `kept` takes is at least this part of the largest entry of its column: the usual value of MA28."""
+"""The threshold of `markowitz` for a pivot, relative to the largest entry of its column: the usual value of MA28."""
 
 
 @dataclass(frozen=True)
@@ -27,18 +27,18 @@ class Order:
     cols: tuple[int, ...]
 
 
-def fixed(shape: Pattern, coordinates: int, _: Matrix) -> Order:
-    """That of the generated code, from the pattern: each multiplier waits for all of its coordinates."""
+def constrained(shape: Pattern, coordinates: int, _: Matrix) -> Order:
+    """Minimum degree (AMD) with multipliers after all of their coordinates: the order of the generated code."""
     order = saddle_order(shape, coordinates)
     return Order(order, order)
 
 
-def paired(shape: Pattern, coordinates: int, first: Matrix) -> Order:
-    """Each multiplier directly behind one of its coordinates, pairs in the order of AMD.
+def matched(shape: Pattern, coordinates: int, first: Matrix) -> Order:
+    """Each multiplier directly after one of its coordinates, the pairs in the order of AMD.
 
-    Behind its coordinate, of inertia m, the pivot of a multiplier is -g^2/m: the matching takes what makes the product
-    of all of them largest in the first state. Preprocessing of indefinite matrices does it so (Duff and Pralet, 2005,
-    SIAM J. Matrix Anal. Appl. 27, 313-340), but lets pivots be exchanged later.
+    After its coordinate, of inertia m, the pivot of a multiplier is -g^2/m; the matching maximises the product of these
+    pivots in the first state. Solvers of indefinite systems preprocess matrices in this way (Duff and Pralet, 2005,
+    SIAM J. Matrix Anal. Appl. 27, 313-340), but allow exchanges of pivots afterwards.
     """
     pairs = matching(coordinates, first)
     groups = [(coordinate, multiplier) for multiplier, coordinate in pairs.items()]
@@ -52,14 +52,14 @@ def paired(shape: Pattern, coordinates: int, first: Matrix) -> Order:
     return Order(order, order)
 
 
-def kept(shape: Pattern, _: int, first: Matrix) -> Order:
-    """Pivots that a general sparse code chooses in the first matrix, and then keeps: those of 1988 worked so.
+def markowitz(shape: Pattern, _: int, first: Matrix) -> Order:
+    """The pivots that a general sparse solver of 1988 selects in the first matrix and then uses in all states.
 
-    Each has the least (r - 1)(c - 1), for r and c entries in its row and column (Markowitz), among entries that are no
-    less than `THRESHOLD` of the largest in their column (Duff, 1977, AERE R 8730: MA28).
+    Each has the least (r - 1)(c - 1), for r and c entries in its row and column (Markowitz), among entries of at least
+    `THRESHOLD` times the largest in their column (Duff, 1977, AERE R 8730: MA28).
     """
     work, n = first.copy(), shape.rows
-    there = present(shape)
+    there = entry_mask(shape)
     left_rows, left_cols = np.ones(n, dtype=bool), np.ones(n, dtype=bool)
     rows, cols = [], []
     for _ in range(n):
@@ -78,23 +78,23 @@ def kept(shape: Pattern, _: int, first: Matrix) -> Order:
     return Order(tuple(rows), tuple(cols))
 
 
-def blind(shape: Pattern, _: int, __: Matrix) -> Order:
-    """AMD, from the pattern, as if the matrix were positive definite: multipliers are like any other unknown."""
+def unconstrained(shape: Pattern, _: int, __: Matrix) -> Order:
+    """AMD as for a positive definite matrix: multipliers are treated as any other unknown."""
     order = elimination_order(shape)
     return Order(order, order)
 
 
 ORDERS: dict[str, Callable[[Pattern, int, Matrix], Order]] = {
-    "fixed": fixed,
-    "paired": paired,
-    "kept": kept,
-    "blind": blind,
+    "constrained": constrained,
+    "matched": matched,
+    "markowitz": markowitz,
+    "unconstrained": unconstrained,
 }
-"""Functions of the pattern, the number of coordinates, and the matrix in the first state."""
+"""The orders by name: functions of the pattern, the number of coordinates, and the matrix in the first state."""
 
 
 def matching(coordinates: int, first: Matrix) -> dict[int, int]:
-    """A coordinate for each multiplier: the product of g^2/m over all pairs is as large as it can be."""
+    """A coordinate for each multiplier, so that the product of g^2/m over all pairs is largest."""
     G, inertia = first[coordinates:, :coordinates], np.diag(first)[:coordinates]
     if not len(G):
         return {}
@@ -106,7 +106,7 @@ def matching(coordinates: int, first: Matrix) -> dict[int, int]:
 
 
 def without_diagonal(shape: Pattern, coordinates: int, order: Order) -> int:
-    """Multipliers that come before all of their coordinates: their pivots are zero in every state."""
+    """The number of multipliers that come before all of their coordinates: their pivots are zero in every state."""
     if order.rows != order.cols:
         return 0
     place = {node: k for k, node in enumerate(order.rows)}

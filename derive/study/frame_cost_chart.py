@@ -1,4 +1,4 @@
-"""The chart of `tisserand study frames`: what one frame costs, as a part of the other. Same numbers, same bytes."""
+"""The chart of `tisserand study frames`: the cost of one frame divided by that of the other."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from derive.study.frames import PAPER, Framed, Row
+from derive.study.frame_cost import PAPER, FrameComparison, FrameCost
 from derive.terminal import beam_count
 from derive.visual import line_chart as style
 
@@ -18,30 +18,30 @@ MEASURED, PAPER_COLOUR = "#d0702a", "#b3468a"
 
 
 @dataclass(frozen=True)
-class Line:
-    """A ratio over the number of beams: what it is of, its marker, colour and dashes."""
+class RatioLine:
+    """The line of a ratio over the number of beams: its label, the count, marker, colour and dashes."""
 
     label: str
-    of: Callable[[Framed], int]
+    count: Callable[[FrameCost], int]
     marker: str
     colour: str
     dashes: tuple[float, ...]
 
 
 LINES = (
-    Line("non-zeros of M", lambda f: f.counts.mass, "s", "#8661c1", (2, 1.4)),
-    Line("non-zeros of the KKT matrix", lambda f: f.counts.kkt, "D", "#5c8a2b", (9, 2)),
-    Line("operations of LDLᵀ", lambda f: f.counts.flops, "^", "#8c6d46", (6, 1.6, 1.4, 1.6)),
-    Line("operations of the accelerations", lambda f: f.counts.accel, "v", "#1f8fbf", (6, 2)),
+    RatioLine("non-zeros of M", lambda f: f.counts.mass, "s", "#8661c1", (2, 1.4)),
+    RatioLine("non-zeros of the KKT matrix", lambda f: f.counts.kkt, "D", "#5c8a2b", (9, 2)),
+    RatioLine("operations of LDLᵀ", lambda f: f.counts.flops, "^", "#8c6d46", (6, 1.6, 1.4, 1.6)),
+    RatioLine("operations of the accelerations", lambda f: f.counts.accel, "v", "#1f8fbf", (6, 2)),
 )
 
 
-def svg(name: str, frames: tuple[str, str], rows: Sequence[Row]) -> str:
-    """The text of the picture."""
+def frame_cost_svg(name: str, frames: tuple[str, str], rows: Sequence[FrameComparison]) -> str:
+    """The text of the chart. The same numbers give the same bytes."""
     import matplotlib as mpl
     from matplotlib.figure import Figure
 
-    title = f"{name}: what the {frames[0]} frame takes, as a part of what the {frames[1]} frame takes"
+    title = f"{name}: cost in the {frames[0]} frame divided by cost in the {frames[1]} frame"
     with mpl.rc_context():
         mpl.rcdefaults()
         mpl.rcParams.update(style.SETTINGS)
@@ -55,15 +55,15 @@ def svg(name: str, frames: tuple[str, str], rows: Sequence[Row]) -> str:
         space: Any = {"borderaxespad": 0, "borderpad": 0, "handlelength": 3, "columnspacing": 3, "labelspacing": 0.35}
         handles, labels = axes.get_legend_handles_labels()
         figure.legend(handles=handles, labels=labels, **place, **space)
-        return style.figure_svg(figure, "; ".join([title, *_said(rows)]))
+        return style.figure_svg(figure, "; ".join([title, *_values(rows)]))
 
 
-def _lines(axes: Axes, frames: tuple[str, str], rows: Sequence[Row]) -> None:
+def _lines(axes: Axes, frames: tuple[str, str], rows: Sequence[FrameComparison]) -> None:
     places = range(len(rows))
     axes.axhline(1, color=style.REFERENCE, linewidth=2, alpha=0.55)
     _bars(axes, rows)
     for line in LINES:
-        ratios = [line.of(row.framed[0]) / max(line.of(row.framed[1]), 1) for row in rows]
+        ratios = [line.count(row.costs[0]) / max(line.count(row.costs[1]), 1) for row in rows]
         marks: Any = {"marker": line.marker, "markersize": 5, "dashes": line.dashes, "linewidth": 1.4}
         axes.plot(places, ratios, label=line.label, color=line.colour, **marks)
     known = [(i, PAPER[row.pieces]) for i, row in enumerate(rows) if row.pieces in PAPER]
@@ -79,11 +79,11 @@ def _lines(axes: Axes, frames: tuple[str, str], rows: Sequence[Row]) -> None:
     axes.set_xlabel("the rod is cut into")
 
 
-def _bars(axes: Axes, rows: Sequence[Row]) -> None:
-    """What was measured, with its spread."""
-    found = [row.times.integration_ratio for row in rows]
-    middle = [r.median for r in found]
-    spread = [[r.median - r.least for r in found], [r.most - r.median for r in found]]
+def _bars(axes: Axes, rows: Sequence[FrameComparison]) -> None:
+    """The measured CPU times, with their spread."""
+    ratios = [row.times.integration_ratio for row in rows]
+    middle = [r.median for r in ratios]
+    spread = [[r.median - r.least for r in ratios], [r.most - r.median for r in ratios]]
     places, label = range(len(rows)), f"CPU time of an integration, its spread in {rows[0].times.runs} runs"
     axes.bar(places, middle, 0.56, color=MEASURED, alpha=0.45, label=label)
     marks: Any = {"color": MEASURED, "linestyle": "none", "linewidth": 2, "capsize": 9}
@@ -92,6 +92,6 @@ def _bars(axes: Axes, rows: Sequence[Row]) -> None:
         axes.text(place, 0.03, f"{value:.2f}", ha="center", fontweight="bold", fontsize=12)
 
 
-def _said(rows: Sequence[Row]) -> list[str]:
-    """For those who do not see it."""
+def _values(rows: Sequence[FrameComparison]) -> list[str]:
+    """The numbers of the chart in words, for its title."""
     return [f"{beam_count(row.pieces)}: CPU time {row.times.integration_ratio.median:.2f}" for row in rows]

@@ -1,0 +1,133 @@
+"""The cost of a frame: non-zeros, operations and CPU time of one scene in two frames, for several numbers of beams."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import dataclass
+
+import numpy as np
+
+from derive.backends.model_files import model_files
+from derive.derivation import derive, lower
+from derive.mechanics.equations import Equations
+from derive.runtime.integrators.run import FixedStep
+from derive.runtime.native import Vector
+from derive.simulation.compiled_scene import kkt_matrix, mass_matrix
+from derive.spec.model.scene import Scene
+from derive.study.states import start_state
+from derive.study.timing import InterleavedTimes, interleaved_times, scene_of
+from derive.study.variants import OperationCounts, Variant, operation_counts, variant
+from derive.terminal import beam_count, show_progress
+
+PAPER = {1: 0.97, 2: 0.93, 3: 0.92}
+"""CPU time in the mean frame over that of the standard version for 1, 2, 3 beams: the paper, "Numerical Results".
+
+It is that of a whole program (DADS, 1988) with another integrator and a general sparse solver.
+"""
+
+
+@dataclass(frozen=True)
+class FrameCost:
+    """The cost of one frame: counts, and condition numbers of M and of the initial KKT matrix, in SI units, not scaled.
+
+    seconds: of the stages derive, lower, emit (with the counts), compile.
+    """
+
+    counts: OperationCounts
+    condition_mass: float
+    condition_kkt: float
+    seconds: dict[str, float]
+
+
+@dataclass(frozen=True)
+class FrameComparison:
+    """The cost of two frames for a number of pieces, and the CPU times."""
+
+    pieces: int
+    costs: tuple[FrameCost, FrameCost]
+    times: InterleavedTimes
+
+
+@dataclass(frozen=True)
+class _Built:
+    variant: Variant
+    host: FixedStep
+    counts: OperationCounts
+    seconds: dict[str, float]
+
+
+def compare_frames(
+    scene: Scene, pieces: Sequence[int], frames: tuple[str, str], runs: int
+) -> tuple[FrameComparison, ...]:
+    """The comparison of two frames for each number of pieces: first all variants are compiled, then they are timed.
+
+    Raises SpecError, CompilerError, SimulationError, HostError.
+    """
+    with ThreadPoolExecutor(2) as pool:
+        pending = [_build(variant(scene, n, frame), pool) for n in pieces for frame in frames]
+        built = [_compiled(*item) for item in pending]
+    return tuple(_comparison(n, built[2 * i], built[2 * i + 1], runs) for i, n in enumerate(pieces))
+
+
+def _build(
+    variant: Variant, pool: ThreadPoolExecutor
+) -> tuple[Variant, OperationCounts, dict[str, float], Future[tuple[FixedStep, float]]]:
+    """A variant whose compilation has been submitted to the pool."""
+    show_progress(f"deriving and lowering: {_label(variant)}")
+    marks = [time.perf_counter()]
+    equations = derive(variant.scene)
+    assert isinstance(equations, Equations)
+    marks.append(time.perf_counter())
+    model = lower(equations)
+    marks.append(time.perf_counter())
+    files, counts = model_files(model, variant.scene), operation_counts(equations)
+    marks.append(time.perf_counter())
+    seconds = dict(zip(("derive", "lower", "emit"), np.diff(marks).tolist(), strict=True))
+
+    def compiled() -> tuple[FixedStep, float]:
+        before = time.perf_counter()
+        host = FixedStep(files)
+        return host, time.perf_counter() - before
+
+    return variant, counts, seconds, pool.submit(compiled)
+
+
+def _compiled(
+    variant: Variant, counts: OperationCounts, seconds: dict[str, float], host: Future[tuple[FixedStep, float]]
+) -> _Built:
+    show_progress(f"compiling: {_label(variant)}")
+    compiled, took = host.result()
+    return _Built(variant, compiled, counts, {**seconds, "compile": took})
+
+
+def _comparison(pieces: int, first: _Built, second: _Built, runs: int) -> FrameComparison:
+    both = (first, second)
+    starts = tuple(start_state(b.variant.scene, scene_of(b.host), scene_of(b.host).setup()) for b in both)
+    simulation = first.variant.scene.simulation
+    assert simulation is not None
+
+    def progress(run: int) -> None:
+        show_progress(f"timing {beam_count(pieces)}: run {run + 1} of {runs}")
+
+    show_progress(f"timing {beam_count(pieces)}")
+    hosts = (first.host, second.host)
+    times = interleaved_times(hosts, (starts[0], starts[1]), simulation.duration, runs, progress)
+    costs = [_cost(b, q) for b, (_, q, _) in zip(both, starts, strict=True)]
+    return FrameComparison(pieces, (costs[0], costs[1]), times)
+
+
+def _cost(built: _Built, q: Vector) -> FrameCost:
+    native = scene_of(built.host)
+    k = native.setup()
+    return FrameCost(
+        built.counts,
+        float(np.linalg.cond(mass_matrix(native, q, k))),
+        float(np.linalg.cond(kkt_matrix(native, 0.0, q, k))),
+        built.seconds,
+    )
+
+
+def _label(variant: Variant) -> str:
+    return f"{beam_count(variant.pieces)}, {variant.frame} frame"
