@@ -11,7 +11,7 @@ from interleaved import Way, interleaved
 from limited import limited
 
 import derive
-from derive.backends.c.source import c_files
+from derive.backends.c.source import CBackend
 from derive.runtime.compiler import compiler
 
 STATES = 8
@@ -47,7 +47,7 @@ def accelerations(size: int, flags: str, repeats: int, folder: Path) -> dict[str
     """Nanoseconds: M and h, our accelerations, LAPACK's solution, and M and h with LAPACK's solution."""
     spec = derive.symbolic_body("body", size, frame="mean", lowering="table")
     model = derive.lower(derive.derive(spec))
-    derive.write(c_files(model, "a benchmark"), folder)
+    derive.write(CBackend().files(model, "a benchmark"), folder)
     source = folder / "body" / "body.c"
     command = [*compiler(), *shlex.split(flags), "-w", "-c", source, "-o", source.with_suffix(".o")]
     limited(command)

@@ -21,7 +21,7 @@ from machine import described
 from problem import beam
 
 import derive
-from derive.backends.c.source import c_files
+from derive.backends.c.source import CBackend
 from derive.ir.model import Model
 from derive.runtime.compiler import compiler
 
@@ -83,7 +83,7 @@ def given_states(model: Model, count: int) -> tuple[np.ndarray, np.ndarray]:
 
 def nanoseconds(model: Model, p: np.ndarray, flags: str, count: int, repeats: int, folder: Path) -> list[float]:
     """By the order of `ways`. Raises ArithmeticError when a batch gives other values."""
-    derive.write(c_files(model, "a benchmark"), folder)
+    derive.write(CBackend().files(model, "a benchmark"), folder)
     source = folder / model.name / f"{model.name}.c"
     limited([*compiler(), *shlex.split(flags), "-w", "-c", source, "-o", source.with_suffix(".o")])
     q, v = given_states(model, count)

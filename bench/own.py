@@ -17,7 +17,7 @@ import numpy as np
 from bodies import BODIES
 
 import derive
-from derive.backends.c.source import c_files
+from derive.backends.c.source import CBackend
 from derive.ir.model import Model
 
 SEPARATE = ("setup", "mass", "force", "jacobian", "mass_force", "accel")
@@ -44,7 +44,7 @@ def main(argv: list[str]) -> None:
     data, size, lowering, folder = argv[0], int(argv[1]), argv[2], Path(argv[3])
     start = time.perf_counter()
     made, p = model(data, size, lowering, f"{data}_{size}_{lowering}")
-    header, source = c_files(made, "a benchmark")
+    header, source = CBackend().files(made, "a benchmark")
     seconds = time.perf_counter() - start
     prefix = f"own_{lowering}_"
     head = source.text[: source.text.index(f"int {made.name}_setup(")]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
@@ -32,32 +33,51 @@ def render(name: str, values: Mapping[str, object]) -> str:
     return _environment().get_template(name).render(values)
 
 
-def wrapped(lines: Iterable[str], prefix: str) -> list[str]:
+@dataclass(frozen=True)
+class Item:
+    """An entry of a list: a line of prose that is indented."""
+
+    text: str
+
+
+Prose = str | Item
+"""A paragraph, or an entry of a list."""
+
+
+def broken(lines: Iterable[Prose], width: int) -> list[str]:
+    """Paragraphs and entries of lists on lines of `width` characters; words are not broken."""
+    return [part for line in lines for part in _broken(line, width)]
+
+
+def _broken(line: Prose, width: int) -> list[str]:
+    text, indent = (line.text, "  ") if isinstance(line, Item) else (line, "")
+    if len(indent) + len(text) <= width:
+        return [f"{indent}{text}".rstrip()]
+    return textwrap.wrap(
+        text,
+        width,
+        initial_indent=indent,
+        subsequent_indent=f"{indent}    ",
+        break_long_words=False,
+        break_on_hyphens=False,
+    )
+
+
+def wrapped(lines: Iterable[Prose], prefix: str) -> list[str]:
     """Lines of prose, broken at the width of the generated files, each behind a prefix."""
-    found = []
-    for line in lines:
-        indent = " " * (len(line) - len(line.lstrip()))
-        parts = (
-            textwrap.wrap(
-                line.strip(),
-                WIDTH - len(prefix),
-                initial_indent=indent,
-                subsequent_indent=f"{indent}    ",
-                break_long_words=False,
-                break_on_hyphens=False,
-            )
-            if len(line) > WIDTH - len(prefix)
-            else [line]
-        )
-        found += [f"{prefix}{part}".rstrip() for part in parts]
-    return found
+    return [f"{prefix}{part}".rstrip() for part in broken(lines, WIDTH - len(prefix))]
 
 
-def comment(lines: str | Iterable[str], indent: str = "") -> list[str]:
+def comment(lines: Iterable[Prose], indent: str = "") -> list[str]:
     """A C comment block."""
-    if isinstance(lines, str):
-        lines = (lines,)
-    body = wrapped((line.replace("*/", "* /") for line in lines), f"{indent} * ")
+    prefix = f"{indent} * "
+    body = broken(map(_harmless, lines), WIDTH - len(prefix))
     if len(body) == 1:
-        return [f"{indent}/* {body[0].removeprefix(f'{indent} * ')} */"]
-    return [f"{indent}/*", *body, f"{indent} */"]
+        return [f"{indent}/* {body[0]} */"]
+    return [f"{indent}/*", *(f"{prefix}{line}".rstrip() for line in body), f"{indent} */"]
+
+
+def _harmless(line: Prose) -> Prose:
+    """A line that does not end the comment."""
+    text = (line.text if isinstance(line, Item) else line).replace("*/", "* /")
+    return Item(text) if isinstance(line, Item) else text

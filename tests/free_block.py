@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 import derive
 from conftest import ROOT
 from derive import ModalBody, Model, Native, NodalBody
-from derive.backends.c.source import c_files
+from derive.backends.c.source import CBackend
 from derive.mechanics.bodies.spatial_body import modal_tables, parameters
 from derive.spec.model.body import BodyFrame
 
@@ -44,7 +44,7 @@ def model(frame: str = "mean", lowering: str = "flat", modes: int = 8) -> Model:
 
 @cache
 def native(frame: str = "mean", lowering: str = "flat", modes: int = 8) -> Native:
-    return derive.load(c_files(model(frame, lowering, modes), "test"), FLAGS)
+    return derive.load(CBackend().files(model(frame, lowering, modes), "test"), FLAGS)
 
 
 def fastest(frame: str = "mean", modes: int = 8) -> float:
@@ -56,7 +56,9 @@ def fastest(frame: str = "mean", modes: int = 8) -> float:
 def _rubber() -> tuple[Native, ModalBody]:
     """The block in loops, whose stiffness and damping are numbers that can still be set."""
     damped = replace(body(), damping=np.diag(np.diag(body().stiffness)))
-    return derive.load(c_files(derive.lower(derive.derive_modal(damped, None, "table")), "test"), FLAGS), damped
+    return derive.load(
+        CBackend().files(derive.lower(derive.derive_modal(damped, None, "table")), "test"), FLAGS
+    ), damped
 
 
 def rubber(stiffness: float, relaxation: float = 0.0) -> tuple[Native, Array]:

@@ -16,8 +16,8 @@ import pytest
 
 import derive
 from derive import ModalBody, Model, NodalBody
-from derive.backends.c.source import c_files
-from derive.backends.python.module import python_file
+from derive.backends.c.source import CBackend
+from derive.backends.python.module import PythonBackend
 from derive.mechanics.bodies.spatial_body import modal_tables, parameters, symbolic_tables
 from derive.runtime.native import Native
 
@@ -90,13 +90,13 @@ def model(n: int, kind: str) -> Model:
 
 @cache
 def compiled(n: int, kind: str) -> Native:
-    return derive.load(c_files(model(n, kind), "test"), ("-std=c99", "-O1", "-ffp-contract=off"))
+    return derive.load(CBackend().files(model(n, kind), "test"), ("-std=c99", "-O1", "-ffp-contract=off"))
 
 
 @cache
 def module(n: int, kind: str) -> dict[str, Any]:
     names: dict[str, Any] = {}
-    exec(python_file(model(n, kind), "test").text, names)
+    exec(PythonBackend().files(model(n, kind), "test")[0].text, names)
     return names
 
 

@@ -9,7 +9,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import derive
-from derive.backends.c.source import c_files
+from derive.backends.c.source import CBackend
 from derive.runtime.native import Native, Vector
 
 
@@ -27,7 +27,7 @@ def block(flexible: bool, stiffness: float = 400.0) -> Native:
     spec = derive.nodal_body(
         "block", nodes, units="SI", frame="given", modes=len(modes), markers={"corner": 7}, **given
     )
-    return derive.load(c_files(derive.lower(derive.derive(spec)), "test"))
+    return derive.load(CBackend().files(derive.lower(derive.derive(spec)), "test"))
 
 
 def flow(native: Native, k: Vector):

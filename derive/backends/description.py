@@ -8,7 +8,7 @@ from typing import assert_never
 
 from derive.ir.model import Argument, Kernel, Model, Output, Section, Variable, Zero
 from derive.ir.patterns import Pattern, RowSetKind
-from derive.rendering import wrapped
+from derive.rendering import Item, Prose, wrapped
 
 MOST_ROWS = 40
 """Rows of a mass matrix that are drawn with letters."""
@@ -143,11 +143,11 @@ def _counted(variables: tuple[Variable, ...]) -> Iterator[tuple[str, Variable]]:
         place += v.size
 
 
-def description(said: ModelText) -> tuple[str, ...]:
+def description(said: ModelText) -> tuple[Prose, ...]:
     """The head of a generated file."""
 
-    def block(title: str, lines: tuple[str, ...]) -> tuple[str, ...]:
-        return ("", title, *(f"  {line}" for line in lines))
+    def block(title: str, lines: tuple[str, ...]) -> tuple[Prose, ...]:
+        return ("", title, *map(Item, lines))
 
     law = (
         (

@@ -1,99 +1,169 @@
-"""Expressions as text: the order of operations of the Kernel, no parentheses more than that needs."""
+"""Expressions as code: the order of operations of the Kernel, no parentheses more than that needs.
+
+Code carries what a printer has to know of it, where a line may be broken and how strongly it binds, so that nothing
+reads the text again.
+"""
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable
+from dataclasses import dataclass
 from fractions import Fraction
+from typing import assert_never
 
-from derive.ir.expressions import ArrayAccess, Expr, MatrixEntry, Number, Operator, ScalarRef
+from derive.ir.expressions import ArrayAccess, Expr, MatrixEntry, Number, Operation, Operator, ScalarRef
 from derive.rendering import WIDTH
 
 SIGN = {Operator.ADD: " + ", Operator.SUB: " - ", Operator.MUL: " * ", Operator.DIV: " / "}
-STRENGTH = {Operator.ADD: 1, Operator.SUB: 1, Operator.NEG: 2, Operator.MUL: 2, Operator.DIV: 2}
+SUM, PRODUCT, ATOM = 1, 2, 3
+"""How strongly a text binds: sums, products with signed numbers, and what needs no parentheses anywhere."""
+BINDING = {
+    **dict.fromkeys((Operator.ADD, Operator.SUB), SUM),
+    **dict.fromkeys((Operator.MUL, Operator.DIV, Operator.NEG), PRODUCT),
+}
 
 
-def text(
-    expr: Expr,
-    number: Callable[[Fraction], str],
-    call: str = "",
-    index: str = "i",
-    name: Callable[[ScalarRef | ArrayAccess | MatrixEntry], str] | None = None,
-) -> str:
-    """An expression; `number` writes constants, `call` is what sine and cosine are members of.
+@dataclass(frozen=True)
+class Code:
+    """A text that may be broken into lines before each of its pieces but the first."""
 
-    `index` is what a loop counts with; `name` writes names and elements, as C does if it is not given.
+    pieces: tuple[str, ...]
+
+    def __str__(self) -> str:
+        return "".join(self.pieces)
+
+    def __len__(self) -> int:
+        return sum(map(len, self.pieces))
+
+
+PLUS = Code(("", " + "))
+"""A plus before which a line may be broken."""
+
+
+def join(*parts: str | Code) -> Code:
+    """Texts one after the other; they can be broken where their parts can."""
+    pieces = [""]
+    for part in parts:
+        first, *rest = part.pieces if isinstance(part, Code) else (part,)
+        pieces[-1] += first
+        pieces += rest
+    return Code(tuple(pieces))
+
+
+Named = ScalarRef | ArrayAccess | MatrixEntry
+"""What an expression calls by a name."""
+
+
+@dataclass(frozen=True)
+class Dialect:
+    """How a language writes numbers and calls functions.
+
+    suffix: what follows an integer, so that quotients are not those of integers; namespace: what precedes a function.
     """
-    return _text(expr, number, call, name or (lambda leaf: element(leaf, index)))[0]
+
+    suffix: str
+    namespace: str
+
+    def number(self, value: Fraction) -> _Text:
+        """An exact number: an integer, a quotient of integers, or the nearest double where that is the number itself.
+
+        Integers of Python have no suffix, so that exact types stay exact.
+        """
+        binding = PRODUCT if value < 0 else ATOM
+        if value.denominator == 1 and abs(value.numerator) < 2**53:
+            return _Text(Code((f"{value.numerator}{self.suffix}",)), binding, value < 0)
+        if Fraction(float(value)) == value or max(abs(value.numerator), value.denominator) >= 2**53:
+            return _Text(Code((repr(float(value)),)), binding, value < 0)
+        quotient = f"({value.numerator}{self.suffix} / {value.denominator}{self.suffix})"
+        return _Text(Code((quotient,)), binding, False)
 
 
-def element(leaf: ScalarRef | ArrayAccess | MatrixEntry, index: str) -> str:
-    """A name, or an element of an array in a loop, in C."""
-    if isinstance(leaf, ScalarRef):
-        return leaf.name
-    if isinstance(leaf, MatrixEntry):
-        return f"{leaf.table}[{index}]"
-    place = (
-        index if leaf.stride == 1 else f"{leaf.stride} * {index}" if index.isalpha() else f"{leaf.stride} * ({index})"
-    )
-    return f"{leaf.array}[{f'{place} + {leaf.offset}' if leaf.offset else place}]"
+C = Dialect(".0", "")
+PYTHON = Dialect("", "xp.")
 
 
-def _text(
-    expr: Expr,
-    number: Callable[[Fraction], str],
-    call: str,
-    name: Callable[[ScalarRef | ArrayAccess | MatrixEntry], str],
-) -> tuple[str, int]:
-    """The text and how strongly it binds."""
-    if isinstance(expr, Number):
-        written = number(expr.value)
-        return written, 2 if expr.value < 0 else 3
-    if isinstance(expr, ScalarRef | ArrayAccess | MatrixEntry):
-        return name(expr), 3
+@dataclass(frozen=True)
+class _Text:
+    """Code of an expression, how strongly it binds, and whether it begins with a minus sign."""
+
+    code: Code
+    binding: int
+    signed: bool
+
+
+def text(expr: Expr, dialect: Dialect, name: Callable[[Named], Code] | None = None) -> Code:
+    """The code of an expression; `name` writes names and elements, as `element` does with the index i if not given."""
+    return _text(expr, dialect, name or element).code
+
+
+def element(leaf: Named, index: Code | None = None) -> Code:
+    """A name, or an element of an array in a loop, in C.
+
+    `index` is what counts the loop, as a sum where it is one; if it is not given, the index of the leaf.
+    """
+    match leaf:
+        case ScalarRef():
+            return Code((leaf.name,))
+        case MatrixEntry():
+            return join(leaf.table, "[", index or "i", "]")
+        case ArrayAccess():
+            return join(leaf.array, "[", strided(leaf.offset, leaf.stride, index), "]")
+        case _:
+            assert_never(leaf)
+
+
+def strided(offset: int, stride: int, index: Code | None = None) -> Code:
+    """stride * index + offset."""
+    if stride == 1:
+        product = index or Code(("i",))
+    elif index is None or len(index.pieces) == 1:
+        product = join(f"{stride} * ", index or "i")
+    else:
+        product = join(f"{stride} * (", index, ")")
+    return join(product, PLUS, str(offset)) if offset else product
+
+
+def _text(expr: Expr, dialect: Dialect, name: Callable[[Named], Code]) -> _Text:
+    match expr:
+        case Number():
+            return dialect.number(expr.value)
+        case ScalarRef() | ArrayAccess() | MatrixEntry():
+            return _Text(name(expr), ATOM, False)
+        case Operation():
+            return _operation(expr, dialect, name)
+        case _:
+            assert_never(expr)
+
+
+def _operation(expr: Operation, dialect: Dialect, name: Callable[[Named], Code]) -> _Text:
+    operands = [_text(arg, dialect, name) for arg in expr.args]
     if expr.kind.function:
-        return f"{call}{expr.kind.value}({_text(expr.args[0], number, call, name)[0]})", 3
-    strength = STRENGTH[expr.kind]
-    parts = [_text(arg, number, call, name) for arg in expr.args]
+        return _Text(join(f"{dialect.namespace}{expr.kind.value}(", operands[0].code, ")"), ATOM, False)
+    binding = BINDING[expr.kind]
     if expr.kind is Operator.NEG:
-        inner, binds = parts[0]
-        return f"-{inner}" if binds > strength else f"-({inner})", strength
-    (left, left_binds), (right, right_binds) = parts
-    left = left if left_binds >= strength and not left.startswith("-") or strength == 1 else f"({left})"
-    right = right if right_binds > strength else f"({right})"
-    return f"{left}{SIGN[expr.kind]}{right}", strength
+        return _Text(join("-", _enclosed(operands[0], operands[0].binding <= binding)), binding, True)
+    left, right = operands
+    enclosed = binding != SUM and (left.binding < binding or left.signed)
+    sign = SIGN[expr.kind]
+    code = join(
+        _enclosed(left, enclosed),
+        Code(("", sign)) if binding == SUM else sign,
+        _enclosed(right, right.binding <= binding),
+    )
+    return _Text(code, binding, left.signed and not enclosed)
 
 
-def c_number(value: Fraction) -> str:
-    """An exact number in C: a quotient of integers, or the nearest double where that is the number itself."""
-    if value.denominator == 1 and abs(value.numerator) < 2**53:
-        return f"{value.numerator}.0"
-    if Fraction(float(value)) == value or max(abs(value.numerator), value.denominator) >= 2**53:
-        return repr(float(value))
-    return f"({value.numerator}.0 / {value.denominator}.0)"
+def _enclosed(operand: _Text, enclosed: bool) -> Code:
+    return join("(", operand.code, ")") if enclosed else operand.code
 
 
-def python_number(value: Fraction) -> str:
-    """An exact number in Python; integers stay integers, so that exact types stay exact."""
-    if value.denominator == 1 and abs(value.numerator) < 2**53:
-        return str(value.numerator)
-    if Fraction(float(value)) == value or max(abs(value.numerator), value.denominator) >= 2**53:
-        return repr(float(value))
-    return f"({value.numerator} / {value.denominator})"
-
-
-def statement(indent: str, head: str, expression: str, end: str) -> list[str]:
+def statement(indent: str, head: str, expression: Code, end: str) -> list[str]:
     """`head expression end` on as many lines as it needs, broken before a plus or a minus."""
     lines, current = [], f"{indent}{head}"
-    for piece in _pieces(f"{expression}{end}"):
+    for piece in join(expression, end).pieces:
         if len(current) + len(piece) > WIDTH and current.strip():
             lines.append(current.rstrip())
             current = f"{indent}    {piece.lstrip()}"
         else:
             current += piece
     return [*lines, current]
-
-
-def _pieces(expression: str) -> list[str]:
-    """The text cut before each ` + ` and ` - `."""
-    return re.split(r"(?= [+-] )", expression)

@@ -1,27 +1,36 @@
-"""A model to files: the third arrow of the house."""
+"""The files of a model: what its backends emit, and the manifest."""
 
 from __future__ import annotations
 
 import dataclasses
 import hashlib
 import json
+from collections.abc import Sequence
 from fractions import Fraction
 from importlib.metadata import version
 
 from derive.artifacts import MARK, File
-from derive.backends.c.source import ABI, c_files
-from derive.backends.python.module import python_file
+from derive.backends.c.source import ABI, CBackend
+from derive.backends.protocol import Backend
+from derive.backends.python.module import PythonBackend
 from derive.ir.model import Model
+from derive.registry import Registry
 from derive.spec.model.body import NodalBody, PlanarBeam, SymbolicBody
 from derive.spec.model.scene import Scene, Specification
 from derive.version import VERSION
 
+BACKENDS: Registry[Backend] = Registry("backend", {"c": CBackend(), "python": PythonBackend()})
+"""The backends by their names."""
 
-def model_files(model: Model, spec: Specification) -> tuple[File, ...]:
-    """The C, the Python and the manifest of a model; `spec` is what it was made from."""
+
+def model_files(model: Model, spec: Specification, backends: Sequence[str] = ("c", "python")) -> tuple[File, ...]:
+    """The files that the backends of these names emit for a model, and the manifest.
+
+    spec: the specification that the model was made from. Raises UnknownNameError for a name that is not in BACKENDS.
+    """
     description = specification(spec)
     fingerprint = hashlib.sha256(json.dumps(description, sort_keys=True).encode()).hexdigest()
-    files = (*c_files(model, fingerprint), python_file(model, fingerprint))
+    files = tuple(file for name in backends for file in BACKENDS[name].files(model, fingerprint))
     return (*files, _manifest(model, description, fingerprint, files))
 
 

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 import random
-from collections.abc import Callable
+from dataclasses import replace
 from fractions import Fraction
 
 import pytest
 
-from derive.backends.expression_text import WIDTH, c_number, python_number, statement, text
+from derive.backends.expression_text import PLUS, PYTHON, WIDTH, C, Dialect, join, statement, text
 from derive.ir.expressions import Expr, Number, Operation, Operator, ScalarRef
 from derive.ir.interpreter import interpret
 from derive.ir.model import Argument, Kernel, Output, Section
@@ -34,8 +34,8 @@ def value_of(expr: Expr) -> float:
     return float(interpret(kernel, {"x": list(VALUES.values())})["y"][0])
 
 
-@pytest.mark.parametrize("number", [c_number, python_number])
-def test_text_keeps_the_order_of_operations(number: Callable[[Fraction], str]) -> None:
+@pytest.mark.parametrize("dialect", [C, replace(PYTHON, namespace="")])
+def test_text_keeps_the_order_of_operations(dialect: Dialect) -> None:
     """Python and C read these operators alike; doubles tell (a + b) + c from a + (b + c)."""
     rng = random.Random(1)
     for _ in range(3000):
@@ -44,8 +44,8 @@ def test_text_keeps_the_order_of_operations(number: Callable[[Fraction], str]) -
             expected = value_of(tree)
         except ZeroDivisionError:
             continue
-        written = text(tree, number)
-        assert eval(written, {"sin": math.sin, **VALUES}) == expected, written
+        written = text(tree, dialect)
+        assert eval(str(written), {"sin": math.sin, **VALUES}) == expected, written
         lines = statement("    ", "y = (", written, ")")
         assert eval("\n".join(lines).strip().removeprefix("y = "), {"sin": math.sin, **VALUES}) == expected
 
@@ -80,7 +80,7 @@ def test_text_keeps_the_order_of_operations(number: Callable[[Fraction], str]) -
     ],
 )
 def test_no_parentheses_more_than_needed(tree: Expr, expected: str) -> None:
-    assert text(tree, c_number) == expected
+    assert str(text(tree, C)) == expected
 
 
 @pytest.mark.parametrize(
@@ -96,8 +96,8 @@ def test_no_parentheses_more_than_needed(tree: Expr, expected: str) -> None:
     ],
 )
 def test_numbers(value: Fraction, c: str, python: str) -> None:
-    assert c_number(value) == c
-    assert python_number(value) == python
+    assert str(text(Number(value), C)) == c
+    assert str(text(Number(value), PYTHON)) == python
 
 
 def test_numbers_are_the_nearest_doubles() -> None:
@@ -105,12 +105,12 @@ def test_numbers_are_the_nearest_doubles() -> None:
     rng = random.Random(2)
     for _ in range(2000):
         value = Fraction(rng.randrange(-(10**20), 10**20), rng.randrange(1, 10 ** rng.randrange(1, 20)))
-        for number in (c_number, python_number):
-            assert eval(number(value)) == float(value)
+        for dialect in (C, PYTHON):
+            assert eval(str(text(Number(value), dialect))) == float(value)
 
 
 def test_long_statements_break_before_a_sign() -> None:
-    terms = " + ".join(f"a_long_name_{k} * b" for k in range(12))
+    terms = join("a_long_name_0 * b", *(part for k in range(1, 12) for part in (PLUS, f"a_long_name_{k} * b")))
     first, *others = statement("    ", "const double x = ", terms, ";")
     assert len(others) > 1
     assert all(len(line) <= WIDTH for line in (first, *others))

@@ -9,9 +9,12 @@ from typing import Any
 import pytest
 
 import beams
+from derive.backends.c.batch import batch_body
+from derive.backends.c.source import CBackend
+from derive.backends.python.module import PythonBackend
 from derive.ir.cost import operations
 from derive.ir.interpreter import interpret
-from derive.ir.model import Kernel
+from derive.ir.model import Kernel, Model
 from derive.ir.statements import ReturnCode, expressions, reads
 from derive.runtime.native import ModelError
 
@@ -30,11 +33,20 @@ def kernel() -> Kernel:
     return replace(mass, sections=(*mass.sections[:-1], section))
 
 
+def model() -> Model:
+    """The beam with that kernel."""
+    whole = beams.made("mean", 2).model
+    return replace(whole, kernels=tuple(kernel() if k.name == "mass" else k for k in whole.kernels))
+
+
 USES: dict[str, Callable[[], Any]] = {
     "operations": lambda: operations(Unknown()),  # type: ignore[arg-type]
     "operations of a kernel": lambda: kernel().operations,
     "expressions": lambda: expressions(Unknown()),  # type: ignore[arg-type]
     "reads": lambda: list(reads(Unknown())),  # type: ignore[arg-type]
+    "C": lambda: CBackend().files(model(), ""),
+    "Python": lambda: PythonBackend().files(model(), ""),
+    "a batch in C": lambda: batch_body(model(), kernel(), 32),
     "interpreter": lambda: interpret(kernel(), {"q": [0.0] * 5, "k": [1.0] * len(kernel().arguments[1].elements)}),
 }
 

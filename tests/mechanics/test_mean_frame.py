@@ -7,7 +7,7 @@ import pytest
 
 import derive
 import test_cloud
-from derive.backends.c.source import c_files
+from derive.backends.c.source import CBackend
 from derive.reduction.body import prepare
 from derive.reduction.mean_frame import residuals, rigid_fields, to_mean_frame
 
@@ -69,7 +69,7 @@ def test_couplings_vanish_and_the_points_move_as_they_must(n: int, monkeypatch: 
     x, modes, stiffness = shapes.x, shapes.phi, shapes.stiffness
     monkeypatch.setattr(test_cloud, "damping_matrix", lambda _: body.damping)
     monkeypatch.setattr(test_cloud, "cloud", lambda _: test_cloud.Cloud(c.masses, x, modes, stiffness))
-    native = derive.load(c_files(model, "test"))
+    native = derive.load(CBackend().files(model, "test"))
     k = native.setup(np.zeros(0))
     for seed in range(2):
         q, v, a = test_cloud.state(n, seed)

@@ -10,9 +10,10 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from itertools import groupby
+from typing import assert_never
 
-from derive.backends.c.batch_loops import BlockLoops, Lines, Names, put, rows_helper, totals
-from derive.backends.expression_text import statement
+from derive.backends.c.batch_loops import BlockLoops, Lines, Names, rows_helper, scatter, totals
+from derive.backends.expression_text import join, statement
 from derive.ir.expressions import Expr, Operation, Operator, ScalarRef, walk
 from derive.ir.model import Kernel, Model
 from derive.ir.statements import (
@@ -118,7 +119,7 @@ class _Body:
         elements = {name: (a.name, place) for a in states for place, name in a.named_elements}
         names = Names(width, elements, frozenset(v.name for v in self.k.arrays), _wide(self.parts))
         contracts = [part for part in parts if isinstance(part, MatVec)]
-        vectors = frozenset(vector for c in contracts for lane in c.terms for vector, _ in lane.sums)
+        vectors = frozenset(vector for c in contracts for term in c.terms for vector, _ in term.sums)
         self.loops = BlockLoops(names, self.prefix, vectors)
         self.stored = sorted(s.index for s in kernel.statements if isinstance(s, Store))
         self.checked = any(isinstance(s, Require) for s in kernel.statements)
@@ -163,7 +164,7 @@ class _Body:
         if not self.states:
             return []
         width = self.width
-        strides = any("stride" in line for line in self.inner)  # the first element of a state needs none
+        strides = any(self.loops.names.indices)  # the first element of a state needs none
         return [
             *([f"const ptrdiff_t stride = count < {width} ? {width} : all;"] if strides else []),
             *(
@@ -180,13 +181,15 @@ class _Body:
                 case Run():
                     lines += self._run(part)
                 case Map():
-                    lines += self.loops.each(part)
+                    lines += self.loops.map(part)
                 case Accumulate():
-                    lines += self.loops.reduce(part, f"sums{n}")
+                    lines += self.loops.accumulate(part, f"sums{n}")
                 case MatVec():
-                    lines += self.loops.contract(part)
+                    lines += self.loops.matvec(part)
                 case TriangularSolve():
-                    lines += self.loops.substitute(part)
+                    lines += self.loops.triangular_solve(part)
+                case _:
+                    assert_never(part)
         return lines
 
     def _run(self, run: Run) -> Lines:
@@ -212,8 +215,8 @@ class _Body:
     def _line(self, line: Let | Store) -> Lines:
         names, value = self.loops.names, self.loops.names.text(line.expr)
         if isinstance(line, Store):
-            place = self.stored.index(line.index)
-            return statement("    ", f"{line.output}_block[{place}][b] = ", value, ";")
+            row = self.stored.index(line.index)
+            return statement("    ", f"{line.output}_block[{row}][b] = ", value, ";")
         if line.name in names.wide:
             return statement("    ", f"{line.name}[b] = ", value, ";")
         return statement("    ", f"const double {line.name} = ", value, ";")
@@ -221,12 +224,15 @@ class _Body:
     def _check(self, line: Require) -> Lines:
         """Both values are computed before one is chosen, so that compilers need no branch."""
         value = self.loops.names.text(line.expr)
-        told = f" /* {line.text} */"
-        if line.kind is Requirement.POSITIVE:
-            return statement("    ", "code_b = ", f"{value} > 0.0", f" ? code_b : {line.code}.0;{told}")
-        # A difference of what is not finite is a NaN.
-        lines = statement("    ", "const double finite = ", value, ";")
-        return [*lines, f"    code_b = finite - finite == 0.0 ? code_b : {line.code}.0;{told}"]
+        end = f" ? code_b : {line.code}.0; /* {line.text} */"
+        match line.kind:
+            case Requirement.POSITIVE:
+                return statement("    ", "code_b = ", join(value, " > 0.0"), end)
+            case Requirement.FINITE:  # a difference of what is not finite is a NaN
+                lines = statement("    ", "const double finite = ", value, ";")
+                return [*lines, f"    code_b = finite - finite == 0.0{end}"]
+            case _:
+                assert_never(line.kind)
 
     def _outputs(self) -> Lines:
         name, lines = self.output.name, []
@@ -234,7 +240,7 @@ class _Body:
             pairs = list(run)
             place, first = pairs[0]
             to = f"{name} + {first} * all" if first else name
-            lines.append(put(self.prefix, len(pairs), to, f"{name}_block", place))
+            lines.append(scatter(self.prefix, len(pairs), to, f"{name}_block", place))
         if self.checked:
             rows, refuse = self.output.size, f"{self.model}_block_fail"
             lines += [
@@ -246,19 +252,20 @@ class _Body:
 
 def _parts(kernel: Kernel) -> list[Part]:
     """Loops, and the straight lines between them, with those that add the lanes of a sum."""
-    found: list[Part] = []
+    parts: list[Part] = []
     lines: tuple[Line, ...] = ()
     for s in kernel.statements:
         if isinstance(s, Let | Store | Require):
             lines += (s,)
             continue
-        assert isinstance(s, Map | Accumulate | MatVec | TriangularSolve), f"no batch of {type(s).__name__}"
-        found += [lines] if lines else []
+        if not isinstance(s, Map | Accumulate | MatVec | TriangularSolve):
+            raise AssertionError(f"no batch of {type(s).__name__}: {s}")
+        parts += [lines] if lines else []
         lines = ()
-        found.append(s)
+        parts.append(s)
         if isinstance(s, Accumulate):
-            lines = totals(s, f"sums{len(found)}")
-    return [*found, lines] if lines else found
+            lines = totals(s, f"sums{len(parts)}")
+    return [*parts, lines] if lines else parts
 
 
 def _run(lines: tuple[Line, ...], number: int) -> Run:

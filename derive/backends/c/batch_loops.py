@@ -8,9 +8,10 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
+from typing import assert_never
 
 from derive.backends.c.loops import SHORT
-from derive.backends.expression_text import c_number, statement, text
+from derive.backends.expression_text import C, Code, Named, join, statement, strided, text
 from derive.ir.expressions import ArrayAccess, Expr, MatrixEntry, Number, Operation, Operator, ScalarRef, walk
 from derive.ir.model import View
 from derive.ir.statements import LANES, Accumulate, Let, Map, MatVec, StoreLocal, StoreStrided, TriangularSolve, padded
@@ -25,40 +26,49 @@ ROWS = 4
 class Names:
     """How names are written in a loop over the states b of a block of `width` states.
 
-    `elements` says where an element of q or v lies; `wide` are the scalars that have a value for each state. Arrays
-    are of k, if they are among `constants`, else local ones with a row for each element.
+    `elements` are the argument and the index of the elements of q and v; `wide` are the scalars that have a value for
+    each state. Arrays are of k, if they are among `constants`, else local ones with a row for each element. `indices`
+    gathers those of the elements that are read.
     """
 
     width: int
     elements: Mapping[str, tuple[str, int]]
     constants: frozenset[str]
     wide: frozenset[str]
+    indices: set[int] = field(default_factory=set)
 
-    def text(self, expr: Expr) -> str:
+    def text(self, expr: Expr) -> Code:
         """An expression."""
-        return text(expr, c_number, name=self.leaf)
+        return text(expr, C, self.leaf)
 
-    def leaf(self, leaf: ScalarRef | ArrayAccess | MatrixEntry) -> str:
+    def leaf(self, leaf: Named) -> Code:
         """A name, or an element of an array."""
-        assert not isinstance(leaf, MatrixEntry), "pairs are of matrices, of which there is no batch"
-        if isinstance(leaf, ScalarRef):
-            return f"{leaf.name}[b]" if leaf.name in self.wide else leaf.name
-        if not leaf.stride:
-            return self.element(leaf.array, str(leaf.offset))
-        place = leaf.index if leaf.stride == 1 else f"{leaf.stride} * {leaf.index}"
-        return self.element(leaf.array, f"{place} + {leaf.offset}" if leaf.offset else place)
+        match leaf:
+            case ScalarRef():
+                return Code((f"{leaf.name}[b]" if leaf.name in self.wide else leaf.name,))
+            case ArrayAccess():
+                constant = not leaf.stride
+                index = (
+                    Code((str(leaf.offset),)) if constant else strided(leaf.offset, leaf.stride, Code((leaf.index,)))
+                )
+                return self.element(leaf.array, index)
+            case MatrixEntry():
+                raise TypeError("matrices have no batch")
+            case _:
+                assert_never(leaf)
 
-    def element(self, array: str, place: str) -> str:
-        """Element `place` of an array, for state b."""
-        return f"{array}[{place}]" if array in self.constants else f"{array}[{place}][b]"
+    def element(self, array: str, index: Code) -> Code:
+        """Element `index` of an array, for state b."""
+        return join(array, "[", index, "]" if array in self.constants else "][b]")
 
     def loads(self, exprs: Iterable[Expr]) -> Lines:
         """Name the elements of q and v that are read."""
         used = {part.name for e in exprs for part in walk(e) if isinstance(part, ScalarRef)}
+        read = {name: where for name, where in self.elements.items() if name in used}
+        self.indices.update(index for _, index in read.values())
         return [
-            f"    const double {name} = {argument}_block[{f'{place} * stride + ' if place else ''}b];"
-            for name, (argument, place) in self.elements.items()
-            if name in used
+            f"    const double {name} = {argument}_block[{f'{index} * stride + ' if index else ''}b];"
+            for name, (argument, index) in read.items()
         ]
 
     def loop(self, body: Lines) -> Lines:
@@ -81,66 +91,70 @@ class BlockLoops:
     def view(self, view: View, argument: str) -> Lines:
         """A part of q or v, for the states of a block."""
         self.arrays[view.name] = padded(view.size)
-        take = f"{self.prefix}_gather(all, count, {view.size}, {argument} + {view.offset} * all, {view.name});"
-        return [take, *self._padding(view.name, view.size)]
+        gather = f"{self.prefix}_gather(all, count, {view.size}, {argument} + {view.offset} * all, {view.name});"
+        return [gather, *self._padding(view.name, view.size)]
 
-    def each(self, loop: Map) -> Lines:
+    def map(self, loop: Map) -> Lines:
         """Rows of an output go to local ones first: n may be anything, so compilers could not tell them apart."""
         names, stored = self.names, [item for item in loop.body if isinstance(item, StoreStrided)]
         body, padding = names.loads(item.expr for item in loop.body), []
         for item in loop.body:
             value = names.text(item.expr)
-            if isinstance(item, Let):
-                body += statement("    ", f"const double {item.name} = ", value, ";")
-            elif isinstance(item, StoreLocal):
-                self.arrays[item.array] = padded(loop.count)
-                padding += self._padding(item.array, loop.count)
-                body += statement("    ", f"{item.array}[i][b] = ", value, ";")
-            else:
-                body += statement("    ", f"rows[{stored.index(item)}][b] = ", value, ";")
+            match item:
+                case Let():
+                    body += statement("    ", f"const double {item.name} = ", value, ";")
+                case StoreLocal():
+                    self.arrays[item.array] = padded(loop.count)
+                    padding += self._padding(item.array, loop.count)
+                    body += statement("    ", f"{item.array}[i][b] = ", value, ";")
+                case StoreStrided():
+                    body += statement("    ", f"rows[{stored.index(item)}][b] = ", value, ";")
+                case _:
+                    assert_never(item)
         if stored:
             self.arrays["rows"] = max(self.arrays.get("rows", 0), len(stored))
         inner = names.loop(body)
         for k, item in enumerate(stored):
             index = "i" if item.stride == 1 else f"{item.stride} * i"
             place = f"({item.offset} + {index})" if item.offset else index
-            inner.append(put(self.prefix, 1, f"{item.output} + {place} * all", "rows", k))
+            inner.append(scatter(self.prefix, 1, f"{item.output} + {place} * all", "rows", k))
         return [_for("i", loop.count), *map(_indented, inner), "}", *padding]
 
-    def reduce(self, loop: Accumulate, name: str) -> Lines:
+    def accumulate(self, loop: Accumulate, name: str) -> Lines:
         """Lanes of sums in the array `name`; `totals` adds them."""
         many, names = len(loop.sums), self.names
         self.arrays[name] = many * LANES
-        body = names.loads((*(let.expr for let in loop.lets), *(one.term for one in loop.sums)))
+        body = names.loads((*(let.expr for let in loop.lets), *(total.term for total in loop.sums)))
         for let in loop.lets:
             body += statement("    ", f"const double {let.name} = ", names.text(let.expr), ";")
-        for k, one in enumerate(loop.sums):
-            body += statement("    ", f"{name}[{k * LANES} + l][b] += ", names.text(one.term), ";")
+        for k, total in enumerate(loop.sums):
+            body += statement("    ", f"{name}[{k * LANES} + l][b] += ", names.text(total.term), ";")
         zero = names.loop([f"    {name}[i][b] = 0.0;"])
         return [
             *(_for("i", many * LANES), *map(_indented, zero), "}"),
             *(_for("i", loop.count), f"    const int l = i % {LANES};", *map(_indented, names.loop(body)), "}"),
         ]
 
-    def contract(self, loop: MatVec) -> Lines:
+    def matvec(self, loop: MatVec) -> Lines:
         """Some rows of all products, panel by panel."""
         packing, names = loop.packing, self.names
         size, tables = packing.padded, len(packing.tables)
-        self.arrays |= {lane.name: size for lane in loop.terms}
+        self.arrays |= {term.name: size for term in loop.terms}
         start = [
-            f"    {lane.name}[r][b] = {names.element(lane.base, 'r') if lane.base else '0.0'};" for lane in loop.terms
+            f"    {term.name}[r][b] = {names.element(term.base, Code(('r',))) if term.base else '0.0'};"
+            for term in loop.terms
         ]
         first = [f"for (int r = i; r < i + {ROWS}; r++) {{", *map(_indented, names.loop(start)), "}"]
         calls = []
-        for lane in loop.terms:
-            for vector, table in lane.sums:
-                place = packing.tables.index(table) * LANES * size
-                calls.append(f"    {self.prefix}_rows(panel + {place}, {vector} + j, {lane.name} + i);")
+        for term in loop.terms:
+            for vector, table in term.sums:
+                first_row = packing.tables.index(table) * LANES * size
+                calls.append(f"    {self.prefix}_rows(panel + {first_row}, {vector} + j, {term.name} + i);")
         panel = f"    const double *panel = {packing.array} + {tables * size} * j + i;"
         inner = [*first, f"for (int j = 0; j < {size}; j += {LANES}) {{", panel, *calls, "}"]
         return [f"for (int i = 0; i < {size}; i += {ROWS}) {{", *map(_indented, inner), "}"]
 
-    def substitute(self, loop: TriangularSolve) -> Lines:
+    def triangular_solve(self, loop: TriangularSolve) -> Lines:
         """Row by row, each of all states."""
         n, lines = loop.count, []
         for y in loop.arrays:
@@ -183,7 +197,7 @@ def states(width: int) -> str:
     return f"{'TISSERAND_LANES ' if width <= SHORT else ''}for (int b = 0; b < {width}; b++) {{"
 
 
-def put(prefix: str, rows: int, to: str, source: str, first: int = 0) -> str:
+def scatter(prefix: str, rows: int, to: str, source: str, first: int = 0) -> str:
     """Copy rows of a block to an output."""
     return f"{prefix}_scatter(all, count, {rows}, {source}{f' + {first}' if first else ''}, {to});"
 

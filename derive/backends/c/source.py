@@ -1,18 +1,20 @@
-"""A model as C99: a header and a source file."""
+"""The backend of C99: the functions of a model, their batches, patterns and descriptor."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import accumulate
+from typing import assert_never
 
 from derive.artifacts import MARK, File
 from derive.backends.c.batch import batch_body, batch_helpers, batch_widths, stack
 from derive.backends.c.loops import LANES_MACRO, SHORT, Loops, panel_helper
 from derive.backends.description import LICENCE, description, kernel_text, model_text, pattern_texts, section_text
-from derive.backends.expression_text import c_number, statement, text
+from derive.backends.expression_text import C, join, statement, text
+from derive.backends.source_map import Line, SourceBuilder, defining, plain, storing
 from derive.ir.model import Kernel, Model, Variable
-from derive.ir.statements import Accumulate, Let, MatVec, Require, RequireFinite, Requirement, Store
+from derive.ir.statements import Accumulate, Let, MatVec, Require, RequireFinite, Requirement, ScalarStatement, Store
 from derive.rendering import comment, render, wrapped
 from derive.roles import Role
 
@@ -22,35 +24,65 @@ FORMS = {"index3": "", "ggl": "_ggl", "index1": "_index1"}
 """The forms of the equations of a scene, with what the names of their functions end in."""
 
 
-@dataclass(frozen=True)
-class Function:
-    """One C function as text."""
+class CBackend:
+    """C99 that is also valid C++: a header and a source file."""
 
-    name: str
+    name = "c"
+
+    def file_names(self, model: str) -> tuple[str, ...]:
+        """The paths of the files of a model below the output folder: the header and the source file."""
+        return f"{model}/{model}.h", f"{model}/{model}.c"
+
+    def files(self, model: Model, fingerprint: str) -> tuple[File, ...]:
+        """`NAME.h`, and `NAME.c` with its source map; `fingerprint` is that of the specification."""
+        header, source = self.file_names(model.name)
+        values = _template_values(model, fingerprint)
+        builder = SourceBuilder()
+        builder.text(render("c/prologue.c.jinja", values))
+        for kernel in model.kernels:
+            builder.function(kernel, _function(model, kernel))
+            builder.text("\n")
+        builder.text(render("c/epilogue.c.jinja", values))
+        return File(header, render("c/model.h.jinja", values)), builder.file(self.name, source)
+
+
+@dataclass(frozen=True)
+class Declaration:
+    """The signature of a function, with the comment before it in the header."""
+
     doc: str
+    signature: str
+
+
+@dataclass(frozen=True)
+class BatchFunction:
+    """A function of a batch as text."""
+
     signature: str
     body: str
 
 
-def c_files(model: Model, fingerprint: str) -> tuple[File, ...]:
-    """`NAME.h` and `NAME.c`."""
-    said = model_text(model)
+def _template_values(model: Model, fingerprint: str) -> dict[str, object]:
+    text_of_model = model_text(model)
     tables = [("p", model.parameters), ("k", model.constants), ("q", model.coordinates), ("v", model.rates)]
     tables += [("lambda", model.multipliers)] if model.bodies else []
     sizes = {name: sum(v.size for v in variables) for name, variables in tables}
     mark = (f"{MARK} from a specification with SHA-256", f"{fingerprint}. Do not edit.", LICENCE, "")
     widths = batch_widths(model)
-    names = {
+    return {
         "model": model,
         "name": model.name,
         "macro": model.name.upper(),
         "abi": ABI,
         "roles": Role,
-        "title": "\n".join(comment((*mark, f"{said.title}; see {model.name}.h."))),
-        "description": "\n".join(comment((*mark, *description(said)))),
+        "title": "\n".join(comment((*mark, f"{text_of_model.title}; see {model.name}.h."))),
+        "description": "\n".join(comment((*mark, *description(text_of_model)))),
         "helpers": _helpers(model, widths),
         "defaults": defaults_text(model),
-        "functions": [_function(model, kernel) for kernel in model.kernels],
+        "declarations": [
+            Declaration("\n".join(comment(kernel_text(kernel))), "\n".join(_signature_of(model, kernel)))
+            for kernel in model.kernels
+        ],
         "batch_helpers": batch_helpers(model, widths),
         "batches": [_batch(model, name, width) for name, width in widths.items()],
         "batch_width": " or ".join(str(w) for w in sorted({*widths.values()})),
@@ -60,48 +92,54 @@ def c_files(model: Model, fingerprint: str) -> tuple[File, ...]:
         "forms": FORMS if model.bodies else {},
         "energies": len(model.kernel("energy").outputs[0].elements),
         "sizes": sizes,
-        "places": {name: placed(variables) for name, variables in tables},
+        "places": {name: _first_indices(variables) for name, variables in tables},
         "momenta": len(model.kernel("momentum").outputs[0].elements),
         "tables": [{"name": n, "variables": variables} for n, variables in tables if variables],
         "members": {n: f"{model.name}_table_{n}" if variables else "0" for n, variables in tables}
         | {"markers": f"{model.name}_table_markers" if model.markers else "0"},
     }
-    return (
-        File(f"{model.name}/{model.name}.h", render("c/model.h.jinja", names)),
-        File(f"{model.name}/{model.name}.c", render("c/model.c.jinja", names)),
-    )
 
 
 def _helpers(model: Model, widths: Mapping[str, int]) -> str:
     """What the loops of a model call."""
     every = [s for kernel in model.kernels for s in kernel.statements]
-    lines = [LANES_MACRO] if min(widths.values()) <= SHORT or any(isinstance(s, Accumulate) for s in every) else []
+    lanes = min(widths.values()) <= SHORT or any(isinstance(s, Accumulate) for s in every)
+    lines = [LANES_MACRO] if lanes else []
     sizes = {s.packing.padded for s in every if isinstance(s, MatVec)}
     lines += [line for size in sizes for line in panel_helper(f"{model.name}_panel", size)]
     return "\n".join(lines)
 
 
-def _function(model: Model, kernel: Kernel) -> Function:
-    lines = _loads(kernel)
+def _function(model: Model, kernel: Kernel) -> list[Line]:
+    """The function of a kernel."""
+    lines = plain(*_signature_of(model, kernel), "{", *_loads(kernel))
     loops = Loops(f"{model.name}_panel")
-    for section in kernel.sections:
-        lines += ["", *comment(section_text(section), "    ")]
-        for item in section.body:
-            lines += _statement(item) if isinstance(item, Let | Store | Require) else loops.lines(item)
-    name = f"{model.name}_{kernel.name}"
-    doc = "\n".join(comment(kernel_text(kernel)))
-    return Function(name, doc, _signature(name, _parameters(kernel)), "\n".join(lines))
+    for k, section in enumerate(kernel.sections):
+        lines += plain("", *comment([section_text(section)], "    "))
+        for n, item in enumerate(section.body):
+            match item:
+                case Let() | Store() | Require():
+                    printed = _statement(item)
+                case _:
+                    printed = loops.lines(item)
+            lines += [line.of(k, n) for line in printed]
+    return [*lines, *plain("    return 0;", "}")]
 
 
-def _batch(model: Model, name: str, width: int) -> Function:
+def _batch(model: Model, name: str, width: int) -> BatchFunction:
     kernel = model.kernel(name)
-    called = f"{model.name}_{name}_batch"
-    signature = _signature(called, ["int n", *_parameters(kernel)])
-    return Function(called, "", signature, "\n".join(batch_body(model, kernel, width)))
+    signature = _signature(f"{model.name}_{name}_batch", ["int n", *_parameters(kernel)])
+    return BatchFunction("\n".join(signature), "\n".join(batch_body(model, kernel, width)))
 
 
-def _signature(name: str, parameters: list[str]) -> str:
-    return f"int {name}(\n    " + ",\n    ".join(parameters) + ")"
+def _signature_of(model: Model, kernel: Kernel) -> list[str]:
+    return _signature(f"{model.name}_{kernel.name}", _parameters(kernel))
+
+
+def _signature(name: str, parameters: list[str]) -> list[str]:
+    """The lines of a signature, with one parameter in each."""
+    *others, last = parameters
+    return [f"int {name}(", *(f"    {parameter}," for parameter in others), f"    {last})"]
 
 
 def _parameters(kernel: Kernel) -> list[str]:
@@ -128,20 +166,25 @@ def _loads(kernel: Kernel) -> list[str]:
     return lines
 
 
-def _statement(item: Let | Store | Require) -> list[str]:
-    value = text(item.expr, c_number)
-    if isinstance(item, Let):
-        return statement("    ", f"const double {item.name} = ", value, ";")
-    if isinstance(item, Store):
-        return statement("    ", f"{item.output}[{item.index}] = ", value, ";")
-    test = f"!({value} > 0.0)" if item.kind is Requirement.POSITIVE else f"!isfinite({value})"
-    return statement("    ", "if (", test, f") return {item.code}; /* {item.text} */")
+def _statement(item: ScalarStatement) -> list[Line]:
+    value = text(item.expr, C)
+    match item:
+        case Let():
+            return defining(statement("    ", f"const double {item.name} = ", value, ";"), item.name)
+        case Store():
+            target = f"{item.output}[{item.index}] = "
+            return storing(statement("    ", target, value, ";"), item.output, item.index)
+        case Require():
+            test = join("!(", value, " > 0.0)") if item.kind is Requirement.POSITIVE else join("!isfinite(", value, ")")
+            return plain(*statement("    ", "if (", test, f") return {item.code}; /* {item.text} */"))
+        case _:
+            assert_never(item)
 
 
-def placed(variables: tuple[Variable, ...]) -> list[tuple[str, int]]:
-    """Where each variable begins."""
-    places = accumulate((v.size for v in variables), initial=0)
-    return [(v.name, place) for v, place in zip(variables, places, strict=False)]
+def _first_indices(variables: tuple[Variable, ...]) -> list[tuple[str, int]]:
+    """The index of the first value of each variable."""
+    indices = accumulate((v.size for v in variables), initial=0)
+    return [(v.name, index) for v, index in zip(variables, indices, strict=False)]
 
 
 def defaults_text(model: Model) -> str:

@@ -1,12 +1,16 @@
-"""Loops of a Kernel as NumPy: a loop over the shapes is an axis, the last one; tables are matrices.
+"""Loops of a Kernel as NumPy: a loop over the modes is an axis, the last one; packed tables are matrices.
 
-In pairs of shapes the last two axes are j and i. Scalars get axes of length one by `_last`.
+In a matrix the last two axes are j and i. Scalars get axes of length one by `_last`.
 """
 
 from __future__ import annotations
 
-from derive.backends.expression_text import python_number, text
-from derive.ir.expressions import ArrayAccess, MatrixEntry, ScalarRef, walk
+from fractions import Fraction
+from typing import assert_never
+
+from derive.backends.expression_text import PLUS, PYTHON, Code, Named, join, statement, text
+from derive.backends.source_map import Line, defining, plain, storing
+from derive.ir.expressions import ArrayAccess, Expr, MatrixEntry, Number, ScalarRef, walk
 from derive.ir.model import Argument
 from derive.ir.statements import (
     LANES,
@@ -14,116 +18,154 @@ from derive.ir.statements import (
     Cholesky,
     Clear,
     Let,
+    Loop,
     Map,
+    MapItem,
     MatrixStore,
     MatVec,
     Pack,
     RequireFinite,
     StoreLocal,
+    StoreStrided,
     TriangularSolve,
 )
+from derive.rendering import WIDTH
 
-Lines = list[str]
-Loop = Map | Accumulate | MatVec | MatrixStore | Pack | Clear | RequireFinite | Cholesky | TriangularSolve
+Lines = list[Line]
+ZERO = Number(Fraction(0))
+
+
+def assignment(name: str, value: str | Code) -> list[str]:
+    """`name = value` in a function, in parentheses where it takes several lines."""
+    code = join(value)
+    lines = statement("    ", f"{name} = ", code, "")
+    if len(lines) == 1:
+        return lines
+    return [f"    {name} = (", *statement("        ", "", code, ""), "    )"]
+
+
+def _short(name: str, value: str | Code) -> list[str]:
+    """An assignment on one line if that is not too long."""
+    line = f"    {name} = {value}"
+    return [line] if len(line) <= WIDTH else assignment(name, value)
 
 
 class Loops:
-    """The loops of one function; `arrays` are those that it knows, with their lengths."""
+    """The loops of one function; `lengths` are those of the arrays that it knows."""
 
     def __init__(self, arguments: tuple[Argument, ...]) -> None:
         self.lengths = {view.name: view.size for a in arguments for view in a.arrays}
         self.inside: set[str] = set()
 
     def lines(self, loop: Loop) -> Lines:
-        """One statement with loops."""
+        """The lines of one statement, as they stand in a function."""
         match loop:
             case Map():
-                return self._each(loop)
+                return [line for item in loop.body for line in self._map_item(item, loop.count)]
             case Accumulate():
-                return self._reduce(loop)
+                return self._accumulate(loop)
             case MatVec():
-                return self._contract(loop)
+                return self._matvec(loop)
             case MatrixStore():
-                return self._pairs(loop)
+                return self._matrix_store(loop)
             case Pack():
                 return _pack(loop)
             case Clear():
-                return []
+                return []  # outputs are zero when they are made
             case RequireFinite():
-                return [f'_require(xp.all(xp.isfinite({loop.argument})), "{loop.text}")']
+                return plain(f'    _require(xp.all(xp.isfinite({loop.argument})), "{loop.text}")')
             case Cholesky():
-                return _root(loop)
+                return _cholesky(loop)
             case TriangularSolve():
-                return _substitute(loop)
+                return _triangular_solve(loop)
+            case _:
+                assert_never(loop)
 
-    def _leaf(self, leaf: ScalarRef | ArrayAccess | MatrixEntry, count: int, depth: int = 1) -> str:
-        """A name or an array in a loop of so many steps; in pairs (depth 2), an array of index i has an axis for j."""
-        if isinstance(leaf, MatrixEntry):
-            return leaf.table
-        if isinstance(leaf, ScalarRef):
-            if leaf.name in self.inside:
-                return leaf.name
-            return f"_last({leaf.name})" if depth == 1 else f"_last(_last({leaf.name}))"
-        if leaf.stride > 1:
-            return f"{leaf.array}[..., {leaf.offset}::{leaf.stride}]"
-        known = self.lengths.get(leaf.array, count)
-        cut = leaf.array if known == count else f"{leaf.array}[..., :{count}]"
+    def _text(self, expr: Expr, count: int, depth: int = 1) -> Code:
+        """An expression in a loop of so many steps; in a matrix (depth 2), an array of index i has an axis for j."""
+
+        def name(leaf: Named) -> Code:
+            match leaf:
+                case MatrixEntry():
+                    return Code((leaf.table,))
+                case ScalarRef():
+                    scalar = leaf.name if leaf.name in self.inside else f"_last({leaf.name})"
+                    return Code((scalar if depth == 1 or leaf.name in self.inside else f"_last({scalar})",))
+                case ArrayAccess():
+                    return Code((self._array(leaf, count, depth),))
+                case _:
+                    assert_never(leaf)
+
+        return text(expr, PYTHON, name)
+
+    def _array(self, access: ArrayAccess, count: int, depth: int = 1) -> str:
+        if access.stride > 1:
+            return f"{access.array}[..., {access.offset}::{access.stride}]"
+        known = self.lengths.get(access.array, count)
+        cut = access.array if known == count else f"{access.array}[..., :{count}]"
         return cut if depth == 1 else f"{cut}[..., None, :]"
 
-    def _each(self, loop: Map) -> Lines:
-        n, lines = loop.count, []
-        for item in loop.body:
-            value = text(item.expr, python_number, "xp.", name=lambda leaf: self._leaf(leaf, n))
-            if isinstance(item, Let):
+    def _map_item(self, item: MapItem, count: int) -> Lines:
+        value = self._text(item.expr, count)
+        match item:
+            case Let():
                 self.inside.add(item.name)
-                lines.append(f"{item.name} = {value}")
-            elif isinstance(item, StoreLocal):
-                self.lengths[item.array] = n
-                lines.append(f"{item.array} = {value}")
-            else:
-                lines.append(f"{item.output}[{_slice(item.offset, item.stride, n)}] = {value}")
-        return lines
+                return defining(_short(item.name, value), item.name)
+            case StoreLocal():
+                self.lengths[item.array] = count
+                return defining(_short(item.array, value), item.array)
+            case StoreStrided():
+                target = f"{item.output}[{_slice(item.offset, item.stride, count)}]"
+                return storing(_short(target, value), item.output, item.offset, over_modes=True)
+            case _:
+                assert_never(item)
 
-    def _reduce(self, loop: Accumulate) -> Lines:
-        n, lines = loop.count, []
+    def _accumulate(self, loop: Accumulate) -> Lines:
+        lines: Lines = []
         for let in loop.lets:
             self.inside.add(let.name)
-            lines.append(f"{let.name} = {text(let.expr, python_number, 'xp.', name=lambda leaf: self._leaf(leaf, n))}")
-        for one in loop.sums:
-            base = text(one.base, python_number)
-            term = text(one.term, python_number, "xp.", name=lambda leaf: self._leaf(leaf, n))
-            total = f"xp.sum({term}, axis=-1)"
-            lines.append(f"{one.name} = {total}" if base == "0" else f"{one.name} = {base} + {total}")
+            lines += defining(_short(let.name, self._text(let.expr, loop.count)), let.name)
+        for item in loop.sums:
+            total = join("xp.sum(", self._text(item.term, loop.count), ", axis=-1)")
+            value = total if item.base == ZERO else join(text(item.base, PYTHON), PLUS, total)
+            lines += defining(_short(item.name, value), item.name)
         return lines
 
-    def _contract(self, loop: MatVec) -> Lines:
+    def _matvec(self, loop: MatVec) -> Lines:
         packing = loop.packing
-        n, lines = packing.count, []
-        for lane in loop.terms:
-            terms = [self._leaf(ArrayAccess(lane.base, "i"), n)] if lane.base else []
-            for vector, table in lane.sums:
-                place = packing.tables.index(table)
-                matrix = f"_table({packing.array}, {len(packing.tables)}, {place}, {n})"
-                terms.append(f"_product(xp, {vector}, {matrix})")
-            lines.append(f"{lane.name} = {' + '.join(terms)}")
-            self.lengths[lane.name] = n
+        n = packing.count
+        lines: Lines = []
+        for term in loop.terms:
+            parts = [self._array(ArrayAccess(term.base, "i"), n)] if term.base else []
+            for vector, table in term.sums:
+                index = packing.tables.index(table)
+                matrix = f"_table({packing.array}, {len(packing.tables)}, {index}, {n})"
+                parts.append(f"_product(xp, {vector}, {matrix})")
+            value = join(parts[0], *(part for other in parts[1:] for part in (PLUS, other)))
+            lines += defining(_short(term.name, value), term.name)
+            self.lengths[term.name] = n
         return lines
 
-    def _pairs(self, loop: MatrixStore) -> Lines:
+    def _matrix_store(self, loop: MatrixStore) -> Lines:
         packing = loop.packing
-        n, lines = packing.count, []
-        for place, name in enumerate(packing.tables):
+        n = packing.count
+        texts: list[str] = []
+        for index, name in enumerate(packing.tables):
             if any(isinstance(e, MatrixEntry) and e.table == name for e in walk(loop.expr)):
-                lines.append(f"{name} = _table({packing.array}, {len(packing.tables)}, {place}, {n})")
-        block = text(loop.expr, python_number, "xp.", name=lambda leaf: self._leaf(leaf, n, 2))
-        lines.append(f"block = {block}")
-        lines.append(f"for j in range({n}):")
-        lines.append(f"    first = {loop.offset} + {loop.stride} * j")
-        lines.append(f"    {loop.output}[..., first : first + {n}] = block[..., j, :]")
+                texts += _short(name, f"_table({packing.array}, {len(packing.tables)}, {index}, {n})")
+        texts += _short("block", self._text(loop.expr, n, 2))
+        texts += [f"    for j in range({n}):", f"        first = {loop.offset} + {loop.stride} * j"]
+        lines = plain(*texts)
+        lines += storing(
+            [f"        {loop.output}[..., first : first + {n}] = block[..., j, :]"],
+            loop.output,
+            loop.offset,
+            over_modes=True,
+        )
         if loop.diagonal is not None:
-            diagonal = text(loop.diagonal, python_number, "xp.", name=lambda leaf: self._leaf(leaf, n))
-            where = _slice(loop.offset, loop.stride + 1, n)
-            lines.append(f"{loop.output}[{where}] = {loop.output}[{where}] + ({diagonal})")
+            diagonal = self._text(loop.diagonal, n)
+            target = f"{loop.output}[{_slice(loop.offset, loop.stride + 1, n)}]"
+            lines += plain(*_short(target, join(target, PLUS, "(", diagonal, ")")))
         return lines
 
 
@@ -138,34 +180,37 @@ def _pack(loop: Pack) -> Lines:
     lines = []
     for parity, name in ((1, "even"), (-1, "odd")):
         if any(s.parity == parity for s in loop.sources):
-            lines.append(f"{name} = _pairs({n}, {parity})")
+            lines.append(f"    {name} = _pairs({n}, {parity})")
     for s in loop.sources:
-        given = s.array if s.components == 1 else f"{s.array}[..., {s.component}::{s.components}]"
-        index = "even" if s.parity > 0 else "odd"
-        place = packing.tables.index(s.table)
-        lines.append(f"_pack(xp, {loop.output}, {given}, {index}, {len(packing.tables)}, {place}, {n}, {s.parity})")
-    return lines
+        values = s.array if s.components == 1 else f"{s.array}[..., {s.component}::{s.components}]"
+        pairs = "even" if s.parity > 0 else "odd"
+        index = packing.tables.index(s.table)
+        arguments = f"{values}, {pairs}, {len(packing.tables)}, {index}, {n}, {s.parity}"
+        lines.append(f"    _pack(xp, {loop.output}, {arguments})")
+    return plain(*lines)
 
 
-def _root(loop: Cholesky) -> Lines:
+def _cholesky(loop: Cholesky) -> Lines:
     n = loop.count
-    return [
-        f"low = _square(xp, {loop.source}, {n})",
-        f"for j in range({n}):",
-        "    for m in range(j):",
-        "        low[..., j, j:] = low[..., j, j:] - low[..., m, j:] * low[..., m, j, None]",
-        f'    _require(xp.all(low[..., j, j] > 0), "{loop.text}")',
-        "    inverse = 1 / xp.sqrt(low[..., j, j])",
-        "    low[..., j, j + 1 :] = low[..., j, j + 1 :] * inverse[..., None]",
-        "    low[..., j, j] = inverse",
-        "    low[..., j, :j] = 0.0",
-        f"{loop.output}[..., {loop.offset}:{loop.offset + n * n}] = xp.reshape(low, (*low.shape[:-2], {n * n}))",
-    ]
+    target = f"{loop.output}[..., {loop.offset}:{loop.offset + n * n}]"
+    return plain(
+        *_short("low", f"_square(xp, {loop.source}, {n})"),
+        f"    for j in range({n}):",
+        "        for m in range(j):",
+        "            low[..., j, j:] = low[..., j, j:] - low[..., m, j:] * low[..., m, j, None]",
+        f'        _require(xp.all(low[..., j, j] > 0), "{loop.text}")',
+        "        inverse = 1 / xp.sqrt(low[..., j, j])",
+        "        low[..., j, j + 1 :] = low[..., j, j + 1 :] * inverse[..., None]",
+        "        low[..., j, j] = inverse",
+        "        low[..., j, :j] = 0.0",
+        *_short(target, f"xp.reshape(low, (*low.shape[:-2], {n * n}))"),
+    )
 
 
-def _substitute(loop: TriangularSolve) -> Lines:
+def _triangular_solve(loop: TriangularSolve) -> Lines:
     call = "_back" if loop.transposed else "_forward"
-    return [f"{name} = {call}(xp, {loop.factor}, {name}, {loop.count})" for name in loop.arrays]
+    lines = [_short(name, f"{call}(xp, {loop.factor}, {name}, {loop.count})") for name in loop.arrays]
+    return plain(*(text for texts in lines for text in texts))
 
 
 HELPERS = f'''

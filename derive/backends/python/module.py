@@ -1,50 +1,66 @@
-"""A model as a Python module: the same functions and patterns as the C, over leading batch axes."""
+"""The backend of Python: the same functions and patterns as the C, over leading batch axes."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import assert_never
 
 from derive.artifacts import MARK, File
 from derive.backends.description import LICENCE, description, kernel_text, model_text, pattern_texts, section_text
-from derive.backends.expression_text import python_number, statement, text
-from derive.backends.python.loops import HELPERS, Loops
+from derive.backends.expression_text import PYTHON, join, text
+from derive.backends.python.loops import HELPERS, Loops, assignment
+from derive.backends.source_map import Line, SourceBuilder, defining, plain, storing
 from derive.ir.expressions import ScalarRef
 from derive.ir.model import Kernel, Model, Output, Variable
-from derive.ir.statements import Let, Require, Requirement, Store
-from derive.rendering import WIDTH, render, wrapped
+from derive.ir.statements import Let, Require, Requirement, Statement, Store
+from derive.rendering import WIDTH, broken, render, wrapped
 
 
-@dataclass(frozen=True)
-class Function:
-    """One Python function as text."""
+class PythonBackend:
+    """A Python module that needs NumPy alone; arrays of any array-API namespace will do."""
 
-    name: str
-    arguments: str
-    doc: str
-    body: str
+    name = "python"
+
+    def file_names(self, model: str) -> tuple[str, ...]:
+        """The path of the module of a model below the output folder."""
+        return (f"{model}/{model}.py",)
+
+    def files(self, model: Model, fingerprint: str) -> tuple[File, ...]:
+        """`NAME.py` with its source map; `fingerprint` is that of the specification."""
+        values = {
+            "mark": f"# {MARK} from a specification with SHA-256\n# {fingerprint}. Do not edit.\n# {LICENCE}",
+            "model": model,
+            "description": "\n".join(wrapped(description(model_text(model)), "")),
+            "patterns": pattern_texts(model, "        "),
+            "tables": _tables(model),
+            "helpers": f"\n{HELPERS.rstrip()}" if model.lowering == "table" else "",
+            "defaults": _defaults(model),
+        }
+        builder = SourceBuilder()
+        builder.text(render("python/prologue.py.jinja", values))
+        for kernel in model.kernels:
+            builder.text("\n")
+            builder.function(kernel, _function(kernel))
+            builder.text("\n")
+        builder.text(render("python/epilogue.py.jinja", values))
+        (path,) = self.file_names(model.name)
+        return (builder.file(self.name, path),)
 
 
-def python_file(model: Model, fingerprint: str) -> File:
-    """`NAME.py`, which needs NumPy alone; arrays of any array-API namespace will do."""
-    values = {
-        "mark": f"# {MARK} from a specification with SHA-256\n# {fingerprint}. Do not edit.\n# {LICENCE}",
-        "model": model,
-        "description": "\n".join(wrapped(description(model_text(model)), "")),
-        "functions": [_function(kernel) for kernel in model.kernels],
-        "patterns": pattern_texts(model, "        "),
-        "tables": _tables(model),
-        "helpers": f"\n{HELPERS.rstrip()}" if model.lowering == "table" else "",
-        "defaults": _defaults(model),
-    }
-    return File(f"{model.name}/{model.name}.py", render("python/model.py.jinja", values))
-
-
-def _function(kernel: Kernel) -> Function:
+def _function(kernel: Kernel) -> list[Line]:
+    """The function of a kernel."""
     names = ", ".join(a.name for a in kernel.arguments)
     sizes = ", ".join(f"{a.name}={None if a.scalar else a.size}" for a in kernel.arguments)
     own = _tuple([a.name for a in kernel.arguments])
-    lines = [f"    xp, batch, {own} = _arrays(dict({sizes}), {names})"]
+    first, *doc = broken(kernel_text(kernel), WIDTH - len("    "))
+    lines = [
+        f"def {kernel.name}({names}):",
+        f'    """{first}',
+        *(f"    {line}" if line else "" for line in doc),
+        '    """',
+        f"    xp, batch, {own} = _arrays(dict({sizes}), {names})",
+    ]
     used = kernel.used
     for argument in kernel.arguments:
         lines += [f"    {name} = {argument.name}[..., {k}]" for k, name in argument.named_elements if name in used]
@@ -53,54 +69,54 @@ def _function(kernel: Kernel) -> Function:
             for v in argument.arrays
             if v.name in used
         ]
-    looped = any(output.count is not None for output in kernel.outputs)
-    if looped:
-        lines += [f"    {o.name} = _empty(xp, batch, {o.size})" for o in kernel.outputs if o.count is not None]
-    loops = Loops(kernel.arguments)
-    whole = {o.name for o in kernel.outputs if o.count is not None}
-    required: list[str] = []
-    for section in kernel.sections:
-        body = []
-        for item in section.body:
-            if isinstance(item, Let | Store | Require):
-                body += _statement(item, kernel.name == "setup", required, whole)
-            else:
-                body += [part for line in loops.lines(item) for part in _long(line)]
-        lines += ["", *wrapped([section_text(section)], "    # "), *body] if body else []
-    doc = "\n".join(wrapped(kernel_text(kernel), "    ")).strip()
-    return Function(kernel.name, names, doc, "\n".join([*lines, "", *_results(kernel.outputs, required)]))
+    lines += [f"    {o.name} = _empty(xp, batch, {o.size})" for o in kernel.outputs if o.count is not None]
+    printer = _Statements(kernel)
+    body: list[Line] = []
+    for k, section in enumerate(kernel.sections):
+        printed = [line.of(k, n) for n, item in enumerate(section.body) for line in printer.lines(item)]
+        body += [*plain("", *wrapped([section_text(section)], "    # ")), *printed] if printed else []
+    return [*plain(*lines), *body, *plain("", *_results(kernel.outputs, printer.required))]
 
 
-def _long(line: str) -> list[str]:
-    """A line of a loop, broken if it is an assignment that is too long."""
-    head, sign, value = line.partition(" = ")
-    if len(line) + 4 <= WIDTH or not sign or line.startswith(" "):
-        return [f"    {line}"]
-    return _assignment(head, value)
+class _Statements:
+    """The statements of one function; `required` are the names of what has to hold."""
 
+    def __init__(self, kernel: Kernel) -> None:
+        self.raises = kernel.name == "setup"
+        self.loops = Loops(kernel.arguments)
+        self.whole = {o.name for o in kernel.outputs if o.count is not None}
+        self.required: list[str] = []
 
-def _statement(item: Let | Store | Require, raises: bool, required: list[str], whole: set[str]) -> list[str]:
-    value = text(item.expr, python_number, "xp.")
-    if isinstance(item, Let):
-        return _assignment(item.name, value)
-    if isinstance(item, Store):
-        place = f"{item.output}[..., {item.index}]" if item.output in whole else f"{item.output}_{item.index}"
-        return _assignment(place, value)
-    operand = value if isinstance(item.expr, ScalarRef) else f"({value})"
-    holds = f"{operand} > 0" if item.kind is Requirement.POSITIVE else f"xp.isfinite({value})"
-    if raises:
-        return [f'    _require(xp.all({holds}), "{item.text}")']
-    if item.kind is Requirement.FINITE:  # the value itself says so
-        return []
-    required.append(f"valid_{len(required) + 1}")
-    return _assignment(required[-1], holds)
+    def lines(self, item: Statement) -> list[Line]:
+        """The lines of a statement."""
+        match item:
+            case Let():
+                return defining(assignment(item.name, text(item.expr, PYTHON)), item.name)
+            case Store():
+                whole = item.output in self.whole
+                target = f"{item.output}[..., {item.index}]" if whole else f"{item.output}_{item.index}"
+                return storing(assignment(target, text(item.expr, PYTHON)), item.output, item.index)
+            case Require():
+                return plain(*self._require(item))
+            case _:
+                return self.loops.lines(item)
 
-
-def _assignment(name: str, value: str) -> list[str]:
-    lines = statement("    ", f"{name} = ", value, "")
-    if len(lines) == 1:
-        return lines
-    return [f"    {name} = (", *statement("        ", "", value, ""), "    )"]
+    def _require(self, item: Require) -> list[str]:
+        value = text(item.expr, PYTHON)
+        match item.kind:
+            case Requirement.POSITIVE:
+                operand = value if isinstance(item.expr, ScalarRef) else join("(", value, ")")
+                holds = join(operand, " > 0")
+            case Requirement.FINITE:
+                holds = join("xp.isfinite(", value, ")")
+            case _:
+                assert_never(item.kind)
+        if self.raises:
+            return [f'    _require(xp.all({holds}), "{item.text}")']
+        if item.kind is Requirement.FINITE:  # a value that is not finite shows it
+            return []
+        self.required.append(f"valid_{len(self.required) + 1}")
+        return assignment(self.required[-1], holds)
 
 
 def _results(outputs: tuple[Output, ...], required: list[str]) -> list[str]:

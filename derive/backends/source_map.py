@@ -1,0 +1,161 @@
+"""Where each statement of a model stands in an emitted file: a typed map that is made while the file is printed."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+from derive.artifacts import File
+from derive.ir.model import Kernel, Section
+from derive.ir.statements import Statement
+
+
+@dataclass(frozen=True)
+class StoredValue:
+    """What a line writes: element `index` of an output; of a loop over the modes, `index` is the first element."""
+
+    output: str
+    index: int
+    over_modes: bool = False
+
+
+@dataclass(frozen=True)
+class Line:
+    """A line of a function.
+
+    stores: the value that the line writes to an output; defines: the scalar or the local array that it computes. A
+    statement of several lines stores or defines in the first of them. section and statement are the indices of the
+    section in its kernel and of the statement in its section; None for lines that belong to no statement.
+    """
+
+    text: str
+    stores: StoredValue | None = None
+    defines: str | None = None
+    section: int | None = None
+    statement: int | None = None
+
+    def indented(self) -> Line:
+        """The line, one step further to the right; an empty line stays empty."""
+        return replace(self, text=f"    {self.text}") if self.text else self
+
+    def of(self, section: int, statement: int) -> Line:
+        """The line as a part of a statement."""
+        return replace(self, section=section, statement=statement)
+
+
+def plain(*texts: str) -> list[Line]:
+    """Lines that neither store nor define anything."""
+    return [Line(text) for text in texts]
+
+
+def storing(texts: Iterable[str], output: str, index: int, over_modes: bool = False) -> list[Line]:
+    """The lines of a statement that writes to an output."""
+    first, *rest = texts
+    return [Line(first, stores=StoredValue(output, index, over_modes)), *map(Line, rest)]
+
+
+def defining(texts: Iterable[str], name: str) -> list[Line]:
+    """The lines of a statement that computes a scalar or a local array."""
+    first, *rest = texts
+    return [Line(first, defines=name), *map(Line, rest)]
+
+
+@dataclass(frozen=True)
+class FunctionLines:
+    """The lines of the function of one kernel, from its signature to its end.
+
+    first: the number of its first line in the file, from 1.
+    """
+
+    kernel: Kernel
+    first: int
+    lines: tuple[Line, ...]
+
+    @property
+    def name(self) -> str:
+        """The name of the kernel."""
+        return self.kernel.name
+
+    @property
+    def last(self) -> int:
+        """The number of its last line."""
+        return self.first + len(self.lines) - 1
+
+    @property
+    def numbered(self) -> Iterator[tuple[int, Line]]:
+        """The lines with their numbers."""
+        return enumerate(self.lines, self.first)
+
+    def section(self, line: Line) -> Section | None:
+        """The section that a line belongs to."""
+        return None if line.section is None else self.kernel.sections[line.section]
+
+    def statement(self, line: Line) -> Statement | None:
+        """The statement that a line belongs to."""
+        section = self.section(line)
+        return None if section is None or line.statement is None else section.body[line.statement]
+
+    @cached_property
+    def stores(self) -> Mapping[StoredValue, int]:
+        """The number of the line that writes each value."""
+        return {line.stores: number for number, line in self.numbered if line.stores}
+
+    @cached_property
+    def definitions(self) -> Mapping[str, int]:
+        """The number of the line that computes each name; of an array that is summed up, where that ends.
+
+        Names that are loaded from an argument have no line.
+        """
+        return {line.defines: number for number, line in self.numbered if line.defines}
+
+
+@dataclass(frozen=True)
+class SourceMap:
+    """The functions of an emitted file by the names of their kernels.
+
+    language: the name of the backend; path: that of the file.
+    """
+
+    language: str
+    path: str
+    functions: Mapping[str, FunctionLines]
+
+
+@dataclass(frozen=True)
+class SourceFile(File):
+    """An emitted file with its source map."""
+
+    source_map: SourceMap
+
+
+class SourceBuilder:
+    """A file in the making: texts and functions, one after the other, with the numbers of their lines."""
+
+    def __init__(self) -> None:
+        self._texts: list[str] = []
+        self._lines = 0
+        self._functions: dict[str, FunctionLines] = {}
+
+    def text(self, text: str) -> None:
+        """Add text that belongs to no kernel."""
+        self._texts.append(text)
+        self._lines += text.count("\n")
+
+    def function(self, kernel: Kernel, lines: Iterable[Line]) -> None:
+        """Add the function of a kernel, on lines of its own."""
+        function = FunctionLines(kernel, self._lines + 1, tuple(lines))
+        self._functions[kernel.name] = function
+        self.text("".join(f"{line.text}\n" for line in function.lines))
+
+    def file(self, language: str, path: str) -> SourceFile:
+        """The file."""
+        return SourceFile(path, "".join(self._texts), SourceMap(language, path, self._functions))
+
+
+def source_map(files: Iterable[File], language: str) -> SourceMap:
+    """The source map of the file that the backend of a language emitted. Raises ValueError if there is none."""
+    for file in files:
+        if isinstance(file, SourceFile) and file.source_map.language == language:
+            return file.source_map
+    raise ValueError(f"no file of the backend {language!r} is among these files")

@@ -1,0 +1,197 @@
+"""Source maps say where statements stand in the emitted files: as reading the files back finds it."""
+
+from __future__ import annotations
+
+import ast
+import json
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import pytest
+from read_back import sources
+
+import beams
+import derive
+import free_block
+from conftest import ROOT
+from derive.artifacts import MARK, File
+from derive.backends.c.source import CBackend
+from derive.backends.model_files import BACKENDS, model_files
+from derive.backends.protocol import Backend
+from derive.backends.python.module import PythonBackend
+from derive.backends.source_map import (
+    FunctionLines,
+    SourceBuilder,
+    SourceFile,
+    SourceMap,
+    StoredValue,
+    plain,
+    source_map,
+    storing,
+)
+from derive.ir.model import Kernel, Model
+from derive.ir.statements import Accumulate, Let, Map, MatVec, Store, StoreLocal
+from derive.registry import UnknownNameError
+
+MODELS: dict[str, Callable[[], Model]] = {
+    "beam, mean frame": lambda: beams.made("mean", 3).model,
+    "beam, point frame": lambda: beams.made("point", 2).model,
+    "block, flat": lambda: free_block.model("point", "flat", 2),
+    "block, loops": lambda: free_block.model("mean", "table", 5),
+    "block, loops, point frame": lambda: free_block.model("point", "table", 3),
+    "symbolic body, loops": lambda: lowered("body_symbolic"),
+    "scene": lambda: lowered("double_pendulum"),
+}
+
+
+def lowered(name: str) -> Model:
+    return derive.lower(derive.derive(derive.read(ROOT / "scenes" / f"{name}.toml")))
+
+
+@pytest.fixture(params=MODELS, scope="module")
+def model(request: pytest.FixtureRequest) -> Model:
+    return MODELS[request.param]()
+
+
+def emitted(backend: Backend, model: Model) -> tuple[SourceMap, str]:
+    """The map and the text of the file that has one."""
+    (file,) = (file for file in backend.files(model, "test") if isinstance(file, SourceFile))
+    assert file.source_map.path == file.path and file.source_map.language == backend.name
+    return file.source_map, file.text
+
+
+def names_defined(kernel: Kernel) -> Iterator[str]:
+    """All names that statements of a kernel give to values."""
+    for statement in kernel.statements:
+        match statement:
+            case Let():
+                yield statement.name
+            case Map():
+                yield from (item.name for item in statement.body if isinstance(item, Let))
+                yield from (item.array for item in statement.body if isinstance(item, StoreLocal))
+            case Accumulate():
+                yield from (item.name for item in (*statement.lets, *statement.sums))
+            case MatVec():
+                yield from (term.name for term in statement.terms)
+            case _:
+                pass
+
+
+def test_the_map_of_c_is_what_reading_it_back_finds(model: Model) -> None:
+    found, text = emitted(CBackend(), model)
+    expected = sources(f"{model.name}.c", text, model.name)
+    assert list(found.functions) == [kernel.name for kernel in model.kernels]
+    for name, function in found.functions.items():
+        read = expected.functions[name]
+        assert (function.first, tuple(line.text for line in function.lines)) == (read.first, read.lines)
+        stores = {(s.output, s.index, s.over_modes): n for s, n in function.stores.items() if s.output in ("M", "h")}
+        assert stores == read.stores
+        defined = {*names_defined(model.kernel(name))}
+        assert dict(function.definitions) == {n: line for n, line in read.definitions.items() if n in defined}
+        assert defined == {*function.definitions}
+
+
+def test_the_map_of_python_is_what_its_parser_finds(model: Model) -> None:
+    found, text = emitted(PythonBackend(), model)
+    functions = {node.name: node for node in ast.parse(text).body if isinstance(node, ast.FunctionDef)}
+    for name, function in found.functions.items():
+        node = functions[name]
+        assert (function.first, function.last) == (node.lineno, node.end_lineno)
+        for defined, number in function.definitions.items():
+            assert number in lines_that_assign(node, defined)
+        counted = {output.name for output in model.kernel(name).outputs if output.count is not None}
+        for stored, number in function.stores.items():
+            target = stored.output if stored.output in counted else f"{stored.output}_{stored.index}"
+            assert number in lines_that_assign(node, target)
+
+
+def lines_that_assign(node: ast.FunctionDef, name: str) -> set[int]:
+    """The first lines of assignments to a name or to elements of it."""
+    targets = ((child.lineno, child.targets[0]) for child in ast.walk(node) if isinstance(child, ast.Assign))
+    bases = ((n, t.value if isinstance(t, ast.Subscript) else t) for n, t in targets)
+    return {n for n, base in bases if isinstance(base, ast.Name) and base.id == name}
+
+
+@pytest.mark.parametrize("backend", [CBackend(), PythonBackend()], ids=lambda backend: backend.name)
+def test_lines_know_their_statements(model: Model, backend: Backend) -> None:
+    """Each statement of a kernel stands in lines one after the other, in its section."""
+    found, _ = emitted(backend, model)
+    for kernel in model.kernels:
+        function = found.functions[kernel.name]
+        seen = [line for line in function.lines if line.statement is not None]
+        places = [(line.section, line.statement) for line in seen]
+        assert places == sorted(places)
+        for line in seen:
+            section, statement = function.section(line), function.statement(line)
+            assert section is not None and statement in section.body
+            if isinstance(statement, Let) and line.defines:
+                assert line.defines == statement.name
+            if isinstance(statement, Store) and line.stores:
+                assert line.stores == StoredValue(statement.output, statement.index)
+        stored = [statement for statement in kernel.statements if isinstance(statement, Store)]
+        assert {(s.output, s.index) for s in stored} <= {(s.output, s.index) for s in function.stores}
+
+
+def test_the_map_is_found_by_its_language() -> None:
+    files = beams.made("mean", 2).files
+    assert source_map(files, "c").path == "beam_mean_2/beam_mean_2.c"
+    assert source_map(files, "python").path == "beam_mean_2/beam_mean_2.py"
+    with pytest.raises(ValueError, match="cobol"):
+        source_map(files, "cobol")
+
+
+# A backend from outside the package
+
+
+class Outline:
+    """Lists what each kernel stores, as JSON that is easy to read line by line."""
+
+    name = "outline"
+
+    def file_names(self, model: str) -> tuple[str, ...]:
+        return (f"{model}/{model}.json",)
+
+    def files(self, model: Model, fingerprint: str) -> tuple[File, ...]:
+        builder = SourceBuilder()
+        builder.text(f'{{"generator": "{MARK}", "specification": "{fingerprint}",\n')
+        for kernel in model.kernels:
+            lines = plain(f'"{kernel.name}": [')
+            for k, section in enumerate(kernel.sections):
+                for n, statement in enumerate(section.body):
+                    if isinstance(statement, Store):
+                        text = f'    ["{statement.output}", {statement.index}],'
+                        lines += [line.of(k, n) for line in storing([text], statement.output, statement.index)]
+            builder.function(kernel, [*lines, *plain("    null],")])
+        builder.text('"end": null}\n')
+        (path,) = self.file_names(model.name)
+        return (builder.file(self.name, path),)
+
+
+@pytest.fixture
+def outline() -> Iterator[Any]:
+    BACKENDS.register("outline", Outline())
+    yield
+    BACKENDS.unregister("outline")
+
+
+@pytest.mark.usefixtures("outline")
+def test_a_backend_from_outside_emits_a_file_and_its_map() -> None:
+    made = beams.made("mean", 2)
+    *files, manifest = model_files(made.model, made.spec, ("c", "outline"))
+    (names,) = ([file.path for file in files],)
+    assert names == [*CBackend().file_names("beam_mean_2"), *Outline().file_names("beam_mean_2")]
+    assert set(json.loads(manifest.text)["files"]) == {*names}
+    content = json.loads(files[-1].text)
+    assert content["mass"] == [*(["M", k] for k in range(5)), None]
+    function: FunctionLines = source_map(files, "outline").functions["force"]
+    lines = files[-1].text.splitlines()
+    assert function.stores == {StoredValue("h", k): function.first + 1 + k for k in range(len(function.stores))}
+    assert (
+        lines[function.first - 1] == '"force": [' and lines[function.stores[StoredValue("h", 3)] - 1] == '    ["h", 3],'
+    )
+
+
+def test_an_unknown_backend_is_an_error_that_names_the_known_ones() -> None:
+    made = beams.made("mean", 2)
+    with pytest.raises(UnknownNameError, match='there is no backend "fortran"; known: c, python'):
+        model_files(made.model, made.spec, ("fortran",))
