@@ -103,11 +103,43 @@ class Term:
 
 
 @dataclass(frozen=True)
+class Reason:
+    """Why an entry or a term vanishes: the integrals that are zero in it, each with its own reason.
+
+    `identity` is the reason of what vanishes in every body, without an integral. The text gathers the integrals by
+    reason: `c6_1 .. c6_8 = 0 by condition (19); ...`.
+    """
+
+    causes: tuple[tuple[sp.Symbol, str], ...] = ()
+    identity: str = ""
+
+    @property
+    def by_reason(self) -> dict[str, tuple[sp.Symbol, ...]]:
+        """The integrals by their reasons, in the order in which these occur."""
+        gathered: dict[str, list[sp.Symbol]] = {}
+        for symbol, reason in self.causes:
+            gathered.setdefault(reason, []).append(symbol)
+        return {reason: tuple(symbols) for reason, symbols in gathered.items()}
+
+    def __bool__(self) -> bool:
+        """Whether there is a reason."""
+        return bool(self.causes or self.identity)
+
+    def __str__(self) -> str:
+        """The reason as plain text."""
+        texts = [
+            f"{', '.join(s.name for s in some) if len(some) < 4 else f'{some[0].name} .. {some[-1].name}'} = 0 by {why}"
+            for why, some in self.by_reason.items()
+        ]
+        return "; ".join(texts) or self.identity
+
+
+@dataclass(frozen=True)
 class Vanished:
     """A term of (15) that is no part of this model, with the reason."""
 
     term: Term
-    reason: str
+    reason: Reason
 
 
 @dataclass(frozen=True)
@@ -192,7 +224,7 @@ class Equations:
     terms: tuple[Term, ...]
     vanished: tuple[Vanished, ...]
     mass: sp.ImmutableMatrix
-    mass_zeros: tuple[tuple[int, int, str], ...]
+    mass_zeros: tuple[tuple[int, int, Reason], ...]
     kinetic_energy: sp.Expr
     strain_energy: sp.Expr
     weight_energy: sp.Expr | None

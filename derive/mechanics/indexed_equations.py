@@ -15,7 +15,7 @@ import sympy as sp
 from derive.mechanics import points as at_point
 from derive.mechanics import virtual_work_equations as body
 from derive.mechanics import zeros
-from derive.mechanics.equations import Coefficient, Coordinate, Definition, ParameterSymbol, Row, Term, Vanished
+from derive.mechanics.equations import Coefficient, Coordinate, Definition, ParameterSymbol, Reason, Row, Term, Vanished
 from derive.mechanics.kinematics import PHI, RDOT, R
 from derive.mechanics.motion import MASS, Motion
 from derive.mechanics.series import ALPHA, ALPHADOT, Series, exchanged
@@ -178,6 +178,10 @@ class GenericEquations:
     def table(self, family: Family) -> Table:
         """The table of an integral."""
         return next(t for t in self.tables if t.family is family)
+
+    def reason(self, *families: Family) -> Reason:
+        """Why tables vanish."""
+        return Reason(tuple((t.symbol, t.zero) for t in map(self.table, families)))
 
     def sum_of(self, row: str) -> sp.Expr:
         """The left-hand side of one equation of motion; that of a shape has the name alpha_i."""

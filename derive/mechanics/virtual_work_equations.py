@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import sympy as sp
 
 from derive.mechanics import zeros
-from derive.mechanics.equations import Coefficient, Definition, Equations, ParameterSymbol, Term
+from derive.mechanics.equations import Coefficient, Definition, Equations, ParameterSymbol, Reason, Term
 from derive.mechanics.kinematics import HERE, ONE, RDDOT, RDOT, Field, R
 from derive.mechanics.motion import MASS, Motion
 from derive.mechanics.points import MaterialPoint, marker
@@ -212,23 +212,28 @@ def _mass_matrix(motion: Motion, terms: tuple[Term, ...]) -> sp.ImmutableMatrix:
     return sp.ImmutableMatrix([[left.diff(row.a) for row in motion.rows] for left in sums_of])
 
 
-def _mass_zeros(motion: Motion, complete: tuple[Term, ...], reasons: zeros.Reasons) -> tuple[tuple[int, int, str], ...]:
+def _mass_zeros(
+    motion: Motion, complete: tuple[Term, ...], reasons: zeros.Reasons
+) -> tuple[tuple[int, int, Reason], ...]:
     """Row, column and reason of each structural zero of the mass matrix (lower triangle)."""
     full = _mass_matrix(motion, complete)
     n = len(motion.rows)
     lower = ((i, j, full[i, j]) for i in range(n) for j in range(i + 1))
     vanishing = ((i, j, entry) for i, j, entry in lower if zeros.drop(entry, reasons) == 0)
-    return tuple((i, j, zeros.why(entry, reasons) or _uncoupled(motion, i, j)) for i, j, entry in vanishing)
+    return tuple((i, j, _reason(motion, entry, reasons, i, j)) for i, j, entry in vanishing)
 
 
-def _uncoupled(motion: Motion, i: int, j: int) -> str:
-    """The reason of a zero of the mass matrix in which no integral stands."""
+def _reason(motion: Motion, entry: sp.Expr, reasons: zeros.Reasons, i: int, j: int) -> Reason:
+    """The reason of a zero of the mass matrix: the integrals in it, or that translations are independent."""
+    known = zeros.why(entry, reasons)
+    if known:
+        return known
     if max(i, j) < motion.rotation.rows:
-        return TRANSLATIONS
+        return Reason(identity=TRANSLATIONS)
     raise ArithmeticError(f"entry {i}, {j} of the mass matrix vanishes without a reason")
 
 
-def _identity(motion: Motion, term: Term) -> str:
+def _identity(motion: Motion, term: Term) -> Reason:
     """The reason of a vanished term in which no integral stands."""
     odd = "c7 is odd in its indices, so that one shape does not act on itself"
     known = motion.identities | {(str(a), "Coriolis"): odd for a in motion.alpha}
@@ -237,7 +242,7 @@ def _identity(motion: Motion, term: Term) -> str:
         known |= dict.fromkeys(pairs, "a rigid body has no shapes")
     if (term.row, term.name) not in known:
         raise ArithmeticError(f"the {term.name} term of row {term.row} vanishes without a reason")
-    return known[term.row, term.name]
+    return Reason(identity=known[term.row, term.name])
 
 
 def kinetic_energy(motion: Motion) -> sp.Expr:

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import sympy as sp
 
-from derive.mechanics.equations import Coefficient, Definition, Term, Vanished
+from derive.mechanics.equations import Coefficient, Definition, Reason, Term, Vanished
 from derive.mechanics.symbols import identity
 
 Reasons = dict[sp.Symbol, tuple[tuple[sp.Symbol, str], ...]]
@@ -23,25 +23,14 @@ def drop(expr: sp.Expr, reasons: Reasons) -> sp.Expr:
     return expr.xreplace(dict.fromkeys(reasons, sp.S.Zero))
 
 
-def why(expr: sp.Expr, reasons: Reasons) -> str:
-    """Why an expression vanishes: the integrals that are zero in it, gathered by reason; empty if there are none."""
-    return _text(_behind(expr, reasons))
+def why(expr: sp.Expr, reasons: Reasons) -> Reason:
+    """Why an expression vanishes: the integrals that are zero in it; an empty reason if there are none."""
+    return Reason(_behind(expr, reasons))
 
 
 def _behind(expr: sp.Expr, reasons: Reasons) -> tuple[tuple[sp.Symbol, str], ...]:
     pairs = {pair for symbol in expr.free_symbols if symbol in reasons for pair in reasons[symbol]}
     return tuple(sorted(pairs, key=lambda pair: _order(pair[0])))
-
-
-def _text(behind: tuple[tuple[sp.Symbol, str], ...]) -> str:
-    """`c6_1 .. c6_8 = 0 by condition (19); ...`"""
-    by_reason: dict[str, list[str]] = {}
-    for symbol, reason in behind:
-        by_reason.setdefault(reason, []).append(symbol.name)
-    return "; ".join(
-        f"{', '.join(names) if len(names) < 4 else f'{names[0]} .. {names[-1]}'} = 0 by {reason}"
-        for reason, names in by_reason.items()
-    )
 
 
 def drop_definitions(definitions: tuple[Definition, ...], reasons: Reasons) -> tuple[tuple[Definition, ...], Reasons]:
@@ -53,7 +42,7 @@ def drop_definitions(definitions: tuple[Definition, ...], reasons: Reasons) -> t
         if expr == 0:
             behind = _behind(definition.expr, known)
             known[definition.symbol] = behind
-            zero = _text(behind) or "it vanishes identically"
+            zero = str(Reason(behind, "it vanishes identically"))
         kept.append(replace(definition, expr=expr, zero=zero))
     return tuple(kept), known
 

@@ -42,7 +42,7 @@ def model_page(built: Built, specification: SpecificationText) -> Page:
     matrix = mass_matrix(model, equations)
     blocks = (
         *specification_blocks(specification),
-        *state_blocks(model, written),
+        *state_blocks(model, equations, written),
         *nomenclature_blocks(constrained=False),
         *kinematics_blocks(spec, equations, written),
         *(frame_blocks(spec) if isinstance(spec, PlanarBeam) else body_frame_blocks(spec, built.notes)),

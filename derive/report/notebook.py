@@ -9,7 +9,6 @@ from derive.mechanics.equations import Equations
 from derive.mechanics.indexed_equations import GenericEquations
 from derive.report.document.formula import Equation
 from derive.report.notation.expressions import notation
-from derive.report.notation.labels import variation
 from derive.report.sections.mass_matrix import Matrix, picture
 from derive.report.sections.term_lines import group, place_in_row, title
 from derive.report.sections.terms import row_names
@@ -26,7 +25,7 @@ def equations_html(equations: Equations | GenericEquations) -> str:
     for name in list(row_names(equations))[:MOST_ROWS]:
         terms = sorted((t for t in equations.terms if t.row == name), key=place_in_row)
         parts = tuple(part for t in terms for part in written.parts(t.expr, "", group(t), title(t)))
-        rows.append(Equation(variation(name), parts, ":"))
+        rows.append(Equation(written.variation(name), parts, ":"))
     more = len(row_names(equations)) - len(rows)
     said = f"<p>and {more} more rows</p>" if more > 0 else ""
     return f"<p>{escape(equations.name)}: {escape(equations.doc)}</p>{equations_shown(rows)}{said}"

@@ -6,12 +6,14 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from derive.artifacts import File
-from derive.mechanics.equations import Equations
+from derive.mechanics.equations import Equations, Reason
 from derive.mechanics.multibody.bodies.beam import piece_name
 from derive.mechanics.multibody.expansion import BETWEEN_BODIES
+from derive.mechanics.symbols import identity
 from derive.pipeline import Built
 from derive.report.document.page import Block, Heading, Page, Paragraph, Picture
 from derive.report.notation.expressions import notation
+from derive.report.notation.labels import label, row_identities
 from derive.report.sections.code import code_blocks, targets
 from derive.report.sections.integrals import integral_blocks
 from derive.report.sections.kkt import kkt_blocks
@@ -53,7 +55,7 @@ def scene_page(built: Built, specification: SpecificationText, results: Sequence
         *body_blocks(spec, model),
         *joint_blocks(spec, equations),
         *specification_blocks(specification),
-        *state_blocks(model, written),
+        *state_blocks(model, equations, written),
         *nomenclature_blocks(constrained=True),
         *integral_blocks(equations, written),
         *moment_blocks(families, written, definition_lines(code)),
@@ -81,12 +83,14 @@ def _other_pieces(spec: Scene) -> tuple[str, ...]:
 
 def _of_first_pieces(spec: Scene, equations: Equations) -> Equations:
     """The equations without those of pieces that are like the first of their rod."""
-    others = tuple(f"{name}_" for name in _other_pieces(spec))
+    others = _other_pieces(spec)
+    kept = tuple(row for row in equations.rows if identity(row.v).owner not in others)
+    names = {row.name for row in kept}
     return replace(
         equations,
-        rows=tuple(row for row in equations.rows if not row.name.startswith(others)),
-        terms=tuple(term for term in equations.terms if not term.row.startswith(others)),
-        definitions=tuple(d for d in equations.definitions if not d.symbol.name.startswith(others)),
+        rows=kept,
+        terms=tuple(term for term in equations.terms if term.row in names),
+        definitions=tuple(d for d in equations.definitions if identity(d.symbol).owner not in others),
     )
 
 
@@ -103,26 +107,22 @@ def _law(spec: Scene) -> tuple[Block, ...]:
 def _matrix(spec: Scene, equations: Equations) -> Matrix:
     """The pattern of M, with the reasons of all of its zeros: within bodies those of the first piece, between bodies
     that they share no inertia."""
-    names = tuple(row.name for row in equations.rows)
-    n = len(names)
+    rows = list(row_identities(equations).values())
+    n = len(rows)
     mass = equations.mass
     entries = frozenset((i, j) for i in range(n) for j in range(n) if mass[i, j] != 0)
-    known = {(names[i], names[j]): why for i, j, why in equations.mass_zeros}
+    known = {(rows[i], rows[j]): why for i, j, why in equations.mass_zeros}
     firsts = dict(_firsts(spec))
-
-    def of_first(name: str) -> str:
-        other = next((piece for piece in firsts if name.startswith(f"{piece}_")), None)
-        return f"{firsts[other]}{name[len(other) :]}" if other else name
-
-    reasons: dict[tuple[int, int], str] = {}
+    alike = [replace(row, owner=firsts.get(row.owner, row.owner)) for row in rows]
+    between = Reason(identity=BETWEEN_BODIES)
+    reasons: dict[tuple[int, int], Reason] = {}
     for i in range(n):
         for j in range(i + 1):
             if (i, j) not in entries:
-                same = names[i].rsplit("_", 1)[0] == names[j].rsplit("_", 1)[0]
-                pair = (of_first(names[i]), of_first(names[j]))
-                why = known.get(pair, BETWEEN_BODIES) if same else BETWEEN_BODIES
+                same = rows[i].owner == rows[j].owner
+                why = known.get((alike[i], alike[j]), between) if same else between
                 reasons[i, j] = reasons[j, i] = why
-    return Matrix(names, entries, reasons)
+    return Matrix(tuple(map(label, rows)), entries, reasons)
 
 
 def _firsts(spec: Scene) -> Iterator[tuple[str, str]]:

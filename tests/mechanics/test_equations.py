@@ -63,7 +63,7 @@ def test_markers_are_those_of_the_brute_force(frame: str, n: int) -> None:
 @pytest.mark.parametrize(("frame", "n"), [(f, n) for f in beams.FRAMES for n in (1, 2, 5, 8)])
 def test_every_zero_has_its_reason_and_no_other_entry_is_zero(frame: str, n: int) -> None:
     equations = beams.made(frame, n).equations
-    zeros = {(i, j): reason for i, j, reason in equations.mass_zeros}
+    zeros = {(i, j): str(reason) for i, j, reason in equations.mass_zeros}
     size = equations.mass.rows
     for i in range(size):
         for j in range(i + 1):
@@ -74,12 +74,12 @@ def test_every_zero_has_its_reason_and_no_other_entry_is_zero(frame: str, n: int
 
 
 def test_reasons_are_the_conditions_of_the_paper() -> None:
-    zeros = {(i, j): reason for i, j, reason in beams.made("mean", 2).equations.mass_zeros}
+    zeros = {(i, j): str(reason) for i, j, reason in beams.made("mean", 2).equations.mass_zeros}
     assert "condition (17)" in zeros[3, 0] and "condition (17)" in zeros[2, 0]
     assert "condition (19)" in zeros[3, 2]
     assert "parity" in zeros[4, 3]
-    assert "orthogonality" in {(i, j): r for i, j, r in beams.made("mean", 4).equations.mass_zeros}[5, 3]
-    assert "(19)" not in {(i, j): r for i, j, r in beams.made("point", 2).equations.mass_zeros}[3, 2]
+    assert "orthogonality" in {(i, j): str(r) for i, j, r in beams.made("mean", 4).equations.mass_zeros}[5, 3]
+    assert "(19)" not in {(i, j): str(r) for i, j, r in beams.made("point", 2).equations.mass_zeros}[3, 2]
 
 
 @pytest.mark.parametrize("frame", beams.FRAMES)
@@ -87,12 +87,12 @@ def test_reasons_without_an_integral_are_the_known_identities(frame: str) -> Non
     """In the plane omega is parallel to J omega; translations do not couple; one shape does not act on itself."""
     for n in (1, 3):
         equations = beams.made(frame, n).equations
-        bare = {(v.term.row, v.term.name): v.reason for v in equations.vanished if " = 0 by " not in v.reason}
+        bare = {(v.term.row, v.term.name): str(v.reason) for v in equations.vanished if not v.reason.causes}
         assert bare.pop(("phi", "centrifugal")) == "planar motion: omega x (J . omega) = 0"
         assert {name for _, name in bare} <= {"Coriolis"}
         assert list(bare) == ([("alpha1", "Coriolis")] if n == 1 else [])
         assert all("odd in its indices" in reason for reason in bare.values())
-        assert [(i, j) for i, j, reason in equations.mass_zeros if " = 0 by " not in reason] == [(1, 0)]
+        assert [(i, j) for i, j, reason in equations.mass_zeros if not reason.causes] == [(1, 0)]
 
 
 def test_terms_add_up_to_mass_and_force() -> None:

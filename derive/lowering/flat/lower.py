@@ -45,13 +45,13 @@ def lower(equations: Equations) -> Model:
         constants=constants,
         kernels=(setup, *(_with_constants(kernel, names) for kernel in kernels)),
         markers=tuple(Variable(m.name, m.doc, "m") for m in equations.markers),
-        zeros=tuple(Zero(f"M[{context.rows[i]}, {context.rows[j]}]", why) for i, j, why in equations.mass_zeros),
+        zeros=tuple(Zero(f"M[{context.rows[i]}, {context.rows[j]}]", str(why)) for i, j, why in equations.mass_zeros),
         choice=equations.choice,
         multipliers=tuple(Variable(c.name, c.doc, c.force_unit) for c in equations.constraints),
         bodies=tuple(pose.name for pose in equations.poses),
         kkt=constraints.kkt(context) if scene else None,
         left_out=tuple(Zero(out.what, out.reason) for out in equations.left_out),
-        vanished=tuple(Zero(f"{v.term.name} term of row {v.term.row}", v.reason) for v in equations.vanished),
+        vanished=tuple(Zero(f"{v.term.name} term of row {v.term.row}", str(v.reason)) for v in equations.vanished),
     )
 
 

@@ -222,7 +222,7 @@ def model(eq: GenericEquations, memory: Memory, kernels: tuple[Kernel, ...], zer
         kernels=(setup(eq, memory), *kernels),
         markers=tuple(Variable(p.name, p.doc, "m") for p in eq.points),
         zeros=zeros,
-        vanished=tuple(Zero(f"{v.term.name} term of row {v.term.row}", v.reason) for v in eq.vanished),
+        vanished=tuple(Zero(f"{v.term.name} term of row {v.term.row}", str(v.reason)) for v in eq.vanished),
         lowering="table",
         choice=eq.choice,
         data=_data(eq, memory),

@@ -195,4 +195,4 @@ def _zeros(tables: Tables) -> tuple[Zero, ...]:
 
 def _vanished(eq: GenericEquations, *families: Family) -> str:
     """Why tables vanish."""
-    return "; ".join(f"{t.name} = 0 by {t.zero}" for t in map(eq.table, families))
+    return str(eq.reason(*families))

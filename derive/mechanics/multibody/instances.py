@@ -14,6 +14,7 @@ from derive.mechanics.equations import (
     Definition,
     Equations,
     MarkerEquations,
+    Reason,
     Row,
     Term,
     Vanished,
@@ -40,7 +41,7 @@ class InstanceEquations:
     definitions: tuple[Definition, ...]
     terms: tuple[Term, ...]
     vanished: tuple[Vanished, ...]
-    mass_zeros: tuple[tuple[str, str, str], ...]
+    mass_zeros: tuple[tuple[str, str, Reason], ...]
     energies: tuple[sp.Expr, sp.Expr, sp.Expr]
     linear: tuple[sp.Expr, ...]
     angular: tuple[sp.Expr, ...]
@@ -168,7 +169,7 @@ def _vanished(equations: Equations, coordinates: CoordinateMap) -> list[Vanished
     return [replace(v, term=replace(v.term, row=names[v.term.row])) for v in equations.vanished if v.term.row in names]
 
 
-def _mass_zeros(equations: Equations, coordinates: CoordinateMap) -> list[tuple[str, str, str]]:
+def _mass_zeros(equations: Equations, coordinates: CoordinateMap) -> list[tuple[str, str, Reason]]:
     names, rows = _kept(coordinates), [row.name for row in equations.rows]
     return [
         (names[rows[i]], names[rows[j]], why)

@@ -1,20 +1,19 @@
 """SymPy expressions as formulas in the order of a mechanics paper.
 
-In a product stand: the number, masses and stiffness, moments, amplitudes, rates, accelerations, sines and cosines; in
-a sum: accelerations, rates, the rest.
+In a product stand: the number, masses and stiffness, moments, amplitudes, velocities, accelerations, sines and
+cosines; in a sum: accelerations, velocities, the rest.
 """
 
 from __future__ import annotations
 
-import re
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
 
 import sympy as sp
 
 from derive.mechanics.equations import Equations
 from derive.mechanics.indexed_equations import GenericEquations
-from derive.mechanics.motion import MASS
+from derive.mechanics.symbols import MASS, Family, Identity, Symbol
 from derive.report.document.formula import (
     Call,
     Fenced,
@@ -28,32 +27,54 @@ from derive.report.document.formula import (
     Root,
     Row,
 )
-from derive.report.notation.names import Kind, Known, constant, known
+from derive.report.notation.families import Rank, Written, written
+from derive.report.notation.labels import delta, label, row_identities, variation
 
 SMALL, LARGE = 1000, 10**7
 """Denominators up to the first and numerators up to the second are written as they are."""
 
 DIGITS = 6
 
-FIRST = {"c": 0, "p": 1, "o": 1}
+FIRST = {Family.TRANSLATION: 0, **dict.fromkeys((Family.ANGLE, Family.ANGULAR_VELOCITY, Family.VIRTUAL_ROTATION), 1)}
 """Coordinates in their order: c; phi and omega; alpha last."""
 
+FAMILIES = {family: k for k, family in enumerate(Family)}
+
 Key = tuple[object, ...]
+
+ORDER = (Rank.ACCELERATION, Rank.VELOCITY, Rank.AMPLITUDE, Rank.MOMENT, Rank.CONSTANT, Rank.SINE, Rank.ROTATION)
+"""In this order factors decide where a summand stands."""
 
 
 @dataclass(frozen=True)
 class Notation:
-    """How the symbols of a model are written. `constants` are those that the specification chose, in its order."""
+    """How the symbols and the rows of a model are written.
+
+    `constants` are the symbols that the specification chose, in its order; `mass` is the one of the mass, if it has
+    one; `rows` are the virtual displacements of the equations of motion, by the names of the rows.
+    """
 
     constants: tuple[sp.Symbol, ...] = ()
     mass: sp.Symbol | None = None
+    rows: Mapping[str, Identity] = field(default_factory=dict)
 
-    def known(self, symbol: sp.Symbol) -> Known:
-        """What a symbol is, and how it is written."""
+    def written(self, symbol: sp.Symbol) -> Written:
+        """How a symbol is written, and where it stands in a product."""
         if symbol == MASS and self.mass is not None:
             symbol = self.mass
-        found = None if symbol in self.constants and not symbol.name.endswith("_") else known(symbol.name)
-        return found or Known(Kind.CONSTANT, constant(symbol.name))
+        return written(symbol)
+
+    def label(self, row: str) -> str:
+        """A row in plain letters: the coordinate that its virtual displacement is of."""
+        return label(self.rows[row])
+
+    def delta(self, row: str) -> str:
+        """The virtual displacement of a row in plain letters."""
+        return delta(self.rows[row])
+
+    def variation(self, row: str) -> Formula:
+        """The virtual displacement of a row as a formula."""
+        return variation(self.rows[row])
 
     def formula(self, expr: sp.Expr) -> Formula:
         """An expression."""
@@ -80,23 +101,28 @@ class Notation:
     def order(self, summand: sp.Expr) -> Key:
         """Where a summand stands: by its accelerations, its rates, its amplitudes, then by what is left."""
         powers = summand.as_powers_dict()
-        by_kind: dict[Kind, list[Key]] = {kind: [] for kind in Kind}
+        by_rank: dict[Rank, list[Key]] = {rank: [] for rank in Rank}
         for base, exponent in powers.items():
             if isinstance(base, sp.Symbol):
-                by_kind[self.known(base).kind].append((*self._rank(base), float(exponent)))
+                by_rank[self.written(base).rank].append((*self._rank(base), float(exponent)))
         found: list[object] = []
-        for kind in (Kind.ACCELERATION, Kind.RATE, Kind.AMPLITUDE, Kind.MOMENT, Kind.CONSTANT, Kind.SINE, Kind.TURN):
-            keys = sorted(by_kind[kind])
-            found += [not keys if kind in (Kind.ACCELERATION, Kind.RATE) else bool(keys), tuple(keys)]
+        for rank in ORDER:
+            keys = sorted(by_rank[rank])
+            found += [not keys if rank in (Rank.ACCELERATION, Rank.VELOCITY) else bool(keys), tuple(keys)]
         return (*found, sp.default_sort_key(summand))
 
-    def _rank(self, symbol: sp.Symbol) -> tuple[int, int, tuple[tuple[int, int, str], ...]]:
-        """The place of a factor: its kind; the order of the specification, or c, phi, alpha; numbers as numbers."""
-        kind = self.known(symbol).kind
-        place = FIRST.get(symbol.name.rsplit("_", 1)[-1].rstrip("dot0123456789")[:1], len(FIRST))
-        if kind == Kind.CONSTANT:
+    def _rank(self, symbol: sp.Symbol) -> Key:
+        """The place of a factor: its rank; the order of the specification, or c, phi, alpha; then its indices."""
+        rank = self.written(symbol).rank
+        if not isinstance(symbol, Symbol):
+            return int(rank), len(self.constants), (symbol.name,)
+        known = symbol.identity
+        place = FIRST.get(known.family, len(FIRST))
+        if rank == Rank.CONSTANT:
             place = self.constants.index(symbol) if symbol in self.constants else len(self.constants)
-        return int(kind), place, natural(symbol.name)
+        shapes = tuple(s if isinstance(s, int) else 0 for s in known.shapes)
+        own = (known.owner, FAMILIES[known.family], known.point, shapes, known.components, known.name)
+        return int(rank), place, own
 
     def _summand(self, expr: sp.Expr) -> tuple[bool, Formula]:
         """A product: whether it is negative, and the formula of its magnitude."""
@@ -121,8 +147,8 @@ class Notation:
             under = exponent.is_Rational and exponent < 0
             formula = self._power(base, -exponent if under else exponent)
             plain = isinstance(base, sp.Symbol)
-            key: Key = self._rank(base) if plain else (int(Kind.SINE) + 1, 0, natural(str(base)))
-            place = below if under else above if plain and key[0] == Kind.CONSTANT else others
+            key: Key = self._rank(base) if plain else (int(Rank.SINE) + 1, 0, (str(base),))
+            place = below if under else above if plain and key[0] == Rank.CONSTANT else others
             place.append((key, formula))
         return _in_order(above), _in_order(below), _in_order(others)
 
@@ -135,7 +161,7 @@ class Notation:
 
     def _atom(self, expr: sp.Expr) -> Formula:
         if isinstance(expr, sp.Symbol):
-            formula = self.known(expr).formula
+            formula = self.written(expr).formula
             return Fenced(formula) if isinstance(formula, Row) and _of_columns(formula) else formula
         if expr.is_Rational:
             return self.factor(expr)
@@ -150,8 +176,9 @@ def notation(equations: Equations | GenericEquations) -> Notation:
     """The notation of a model: its own parameters, and m as they call it."""
     coefficients = equations.coefficients if isinstance(equations, Equations) else equations.scalars
     value = next((c.value for c in coefficients if c.symbol == MASS), None)
-    chosen = tuple(p.symbol for p in equations.parameters)
-    return Notation(chosen, value if isinstance(value, sp.Symbol) else None)
+    parameters = tuple(p.symbol for p in equations.parameters)
+    mass = value if isinstance(value, sp.Symbol) else None
+    return Notation(parameters, mass, row_identities(equations))
 
 
 def polynomial(coefficients: Sequence[sp.Rational], variable: Formula) -> tuple[Part, ...]:
@@ -212,12 +239,6 @@ def decimal(value: sp.Rational) -> str:
     """A positive number as a decimal: all of it if it ends within twelve digits, else six."""
     short, long = f"{float(value):.{DIGITS}g}", f"{float(value):.12g}"
     return long if sp.Rational(long) == value else short
-
-
-def natural(name: str) -> tuple[tuple[int, int, str], ...]:
-    """A name with its numbers as numbers, so that alpha10 comes after alpha9."""
-    found = re.findall(r"([0-9]+)|([^0-9]+)", name)
-    return tuple((1, int(digits), "") if digits else (0, 0, text) for digits, text in found)
 
 
 def _of_columns(formula: Row) -> bool:

@@ -1,36 +1,58 @@
-"""Names of rows in plain letters, for headings, pictures and links: `alpha1` is α₁."""
+"""Rows of the equations of motion, by the coordinates that they are of: as formulas, and in plain letters."""
 
 from __future__ import annotations
 
-import re
+from dataclasses import replace
 
-from derive.report.document.formula import Formula, Name, Operator, Row
+from derive.mechanics.equations import Equations
+from derive.mechanics.indexed_equations import GenericEquations
+from derive.mechanics.symbols import Family, I, Identity, Symbol, amplitude, identity
+from derive.report.document.formula import Formula, Operator, Row
+from derive.report.notation.families import index_text, written
 from derive.report.notation.glyphs import letter
-from derive.report.notation.names import known
 
 SUBSCRIPT = str.maketrans("0123456789i", "₀₁₂₃₄₅₆₇₈₉ᵢ")
-ROW = re.compile(r"(?:(.*)_)?(c|phi|pi|alpha|s)_?([0-9]+|i)?")
+
+SHAPE = "alpha_i"
+"""The name of the row of a generic shape."""
 
 
-def label(row: str) -> str:
-    """A row by its letter, behind its body if it has one."""
-    found = ROW.fullmatch(row)
-    if found is None:
-        return row
-    body, name, number = found.groups()
-    said = letter(name) + (number or "").translate(SUBSCRIPT)
-    return f"{body.replace('_', ' ')} {said}" if body else said
+def row_identities(equations: Equations | GenericEquations) -> dict[str, Identity]:
+    """The coordinates or virtual rotations that the rows are of, by the names of the rows."""
+    found = {row.name: _varied(identity(row.v)) for row in equations.rows}
+    if isinstance(equations, GenericEquations):
+        found[SHAPE] = amplitude(I).identity
+    return found
 
 
-def delta(row: str) -> str:
-    """The virtual displacement of a row."""
-    before, _, own = label(row).rpartition(" ")
-    return f"{before} δ{own}".strip()
+def _varied(velocity: Identity) -> Identity:
+    """What is varied: a coordinate by its velocity, the virtual rotation by the angular velocity."""
+    if velocity.family is Family.ANGULAR_VELOCITY:
+        return replace(velocity, family=Family.VIRTUAL_ROTATION)
+    return replace(velocity, derivative=0)
 
 
-def variation(row: str) -> Formula:
-    """The virtual displacement of a row as a formula."""
-    if found := re.fullmatch(r"pi([0-9])", row):
-        return Row((Operator("δ"), Name("pi", below=(found[1],))))
-    entry = known(row)
-    return Row((Operator("δ"), entry.formula if entry else Name(row, style="word")))
+def label(known: Identity) -> str:
+    """A coordinate in plain letters, behind its body if it has one: rod 1 α₁."""
+    own = _letters(known)
+    return f"{_body(known)} {own}" if known.owner else own
+
+
+def delta(known: Identity) -> str:
+    """A virtual displacement in plain letters: rod 1 δα₁."""
+    own = f"δ{_letters(known)}"
+    return f"{_body(known)} {own}" if known.owner else own
+
+
+def variation(known: Identity) -> Formula:
+    """A virtual displacement as a formula."""
+    return Row((Operator("δ"), written(Symbol(known)).formula))
+
+
+def _letters(known: Identity) -> str:
+    indices = "".join((*map(index_text, known.shapes), *map(str, known.components)))
+    return letter(known.family.stem) + indices.translate(SUBSCRIPT)
+
+
+def _body(known: Identity) -> str:
+    return known.owner.replace("_", " ")

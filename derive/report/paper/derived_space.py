@@ -12,14 +12,14 @@ import sympy as sp
 from derive.mechanics import virtual_work_equations as body
 from derive.mechanics.bodies import spatial_body as general
 from derive.mechanics.equations import Term
-from derive.mechanics.indexed_equations import ELASTIC, FORCE_SERIES, GenericEquations
+from derive.mechanics.indexed_equations import ELASTIC, FORCE_SERIES, INDICES, GenericEquations
 from derive.mechanics.series import Series
 from derive.mechanics.spatial import AXES, rotation_of, spatial_series, spatial_sums
-from derive.mechanics.symbols import Family, I, Index, Symbol, quantity
+from derive.mechanics.symbols import Family, I, J, Symbol, quantity
 from derive.report.document.formula import Equation, Formula, Name, Number, Operator, Part, Row
-from derive.report.notation.doc_formulas import doc, formula_of
+from derive.report.notation.families import indexed
 from derive.report.notation.formula_reader import formula
-from derive.report.notation.names import table
+from derive.report.notation.integral_formulas import SYMMETRIC, integral_formula
 from derive.report.notation.vector_form import arrow, summand, summands
 from derive.report.sections.kinematics import MOTION
 from derive.spec.construction import symbolic_body
@@ -58,7 +58,7 @@ def mean_equations_of_motion() -> tuple[Equation, ...]:
 
 def vanished() -> tuple[tuple[str, str, str], ...]:
     """The terms of (15) that a body in the mean frame loses: row, term, reason; one for each vector."""
-    found = [(VARIED[_row(v.term)], v.term.name, v.reason) for v in _mean().vanished if v.reason]
+    found = [(VARIED[_row(v.term)], v.term.name, str(v.reason)) for v in _mean().vanished if v.reason]
     return tuple(dict.fromkeys(found))
 
 
@@ -117,12 +117,8 @@ def _sum_of(factor: Symbol, entry: Symbol) -> Formula:
 def _written(symbol: Symbol) -> Formula:
     """A symbol of the derivation without its component, as the vector or tensor that it is a component of."""
     known = symbol.identity
-    letter, number = known.family.stem[:1], known.family.stem[1:]
-    index = " ".join(s.value for s in known.shapes if isinstance(s, Index))
-    below = " ".join(part for part in (number, index) if part)
-    scalar = known.family in (Family.C8, Family.STIFFNESS)
-    style = "scalar" if scalar else table(known.family.stem).style
-    return Name(letter, known.derivative, (below,) if below else (), style=style)
+    name = replace(indexed(known.family, *known.shapes), dots=known.derivative)
+    return replace(name, style="scalar") if known.family in (Family.C8, Family.STIFFNESS) else name
 
 
 def moments() -> tuple[Equation, ...]:
@@ -132,22 +128,19 @@ def moments() -> tuple[Equation, ...]:
 
 def integral(name: str) -> tuple[Equation, ...]:
     """A shape integral as the derivation defines it."""
-    words, _ = general.DOCS[INTEGRALS[name]]
-    text = words.removeprefix("symmetric part of ")
-    found = formula_of(text)
-    assert found is not None, doc(words)
-    index = {"c1": "", "C3": "", "c2": "i", "C4": "i", "c6": "i"}.get(name, "i j")
-    left: Formula = Name(name[0], below=(f"{name[1]} {index}".strip(),), style=table(name).style)
-    if text != words:
-        left = Row((Name("sym", style="word"), left))
-        found = Row((Name("sym", style="word"), found))
-    return (Equation(left, (Part("+", found),)),)
+    family = INTEGRALS[name]
+    shapes = (I, J)[: INDICES[family]]
+    left: Formula = indexed(family, *shapes)
+    right = integral_formula(family, shapes)
+    if family in SYMMETRIC:
+        left, right = (Row((Name("sym", style="word"), side)) for side in (left, right))
+    return (Equation(left, (Part("+", right),)),)
 
 
 def vanishing(name: str) -> Equation:
     """An integral that is zero in the mean frame; the tables of the body say so."""
     assert _mean().table(INTEGRALS[name]).kind == "zero"
-    return Equation(Name(name[0], below=(f"{name[1]} i",), style="vector"), (Part("+", Number("0")),))
+    return Equation(indexed(INTEGRALS[name], I), (Part("+", Number("0")),))
 
 
 def strain() -> tuple[Equation, ...]:

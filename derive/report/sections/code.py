@@ -68,7 +68,7 @@ def _listing(function: Source, lead: Targets, caption: str) -> Listing:
 
 
 def _line(number: int, text: str, name: str, lead: Targets) -> Line:
-    links = [Link(f"{p.term.name} {delta(p.term.row)}", f"#{p.anchor}") for p in lead.terms.get(number, ())]
+    links = [Link(f"{p.term.name} {delta(p.variation)}", f"#{p.anchor}") for p in lead.terms.get(number, ())]
     if name in lead.moments:
         links.append(Link(name, f"#{lead.moments[name]}"))
     return Line(number, text, line_anchor(number), tuple(links))

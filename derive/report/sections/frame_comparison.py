@@ -16,7 +16,6 @@ from derive.report.document.page import Block, Columns, Heading, Paragraph, Pict
 from derive.report.document.page import Equations as Lines
 from derive.report.document.tables import Said, table
 from derive.report.notation.expressions import Notation
-from derive.report.notation.labels import variation
 from derive.report.sections.frame import paper_numbers
 from derive.report.sections.mass_matrix import Matrix, mass_matrix, picture
 from derive.report.sections.terms import expansion, written_row
@@ -118,5 +117,8 @@ def _equations(variant: Variant, notation: Notation) -> tuple[Block, ...]:
     numbers = paper_numbers(variant.spec)
     number = numbers.motion if numbers else ""
     last = len(rows) - 1
-    lines = (Equation(variation(name), parts, ":", number if k == last else "") for k, (name, parts) in enumerate(rows))
+    lines = (
+        Equation(notation.variation(name), parts, ":", number if k == last else "")
+        for k, (name, parts) in enumerate(rows)
+    )
     return (Lines(tuple(lines)),)

@@ -8,35 +8,36 @@ import sympy as sp
 
 from derive.mechanics.equations import Coefficient, Equations
 from derive.mechanics.indexed_equations import GenericEquations, Table
-from derive.mechanics.symbols import Family, identity
-from derive.report.document.page import Block, Code, Heading, Paragraph, Text
+from derive.mechanics.symbols import Family, I, Identity, J, identity
+from derive.report.document.page import Block, Code, Heading, Math, Paragraph
 from derive.report.document.tables import MOST, Said, folded, table
-from derive.report.notation.doc_formulas import doc, reason, unit
 from derive.report.notation.expressions import SMALL, Notation, decimal
-from derive.report.notation.names import SHAPES
-from derive.report.notation.names import table as whole
+from derive.report.notation.families import whole
+from derive.report.notation.integral_formulas import INTEGRANDS, meaning, reason, unit
+from derive.roles import Role
 
 
 def integral_blocks(equations: Equations | GenericEquations, notation: Notation) -> tuple[Block, ...]:
     """The integrals that are there, with their values; those that vanish are told elsewhere."""
     head = Heading("Shape integrals", "integrals")
     if isinstance(equations, GenericEquations):
-        return (head, _tables(equations))
+        return (head, _tables(equations, notation))
+    planar = all(q.role is not Role.QUATERNION for q in equations.coordinates)
     there = [c for c in equations.coefficients if not c.zero]
     many = len(equations.coefficients) > MOST
-    rows = [_integral(c, notation, told=not many) for c in there]
-    said = table("", ("integral", *([] if many else ["what it is"]), "value", "unit", "in the code"), rows)
+    rows = [_integral(c, notation, planar, described=not many) for c in there]
+    whole_table = table("", ("integral", *([] if many else ["definition"]), "value", "unit", "in the code"), rows)
     rounded = "Values that do not end are shown to six digits; the code has all of them."
     return (
         head,
-        *((_families(equations.coefficients),) if many else ()),
-        folded(said, "Integrals with their values"),
+        *((_families(equations.coefficients, planar),) if many else ()),
+        folded(whole_table, "Integrals with their values"),
         *((Paragraph((rounded,)),) if any(_rounded(c.value) for c in there) else ()),
     )
 
 
-def _integral(c: Coefficient, notation: Notation, told: bool) -> list[Said]:
-    what: list[Said] = [doc(c.doc)] if told else []
+def _integral(c: Coefficient, notation: Notation, planar: bool, described: bool) -> list[Said]:
+    what: list[Said] = [meaning(identity(c.symbol), c.doc, planar)] if described else []
     return [notation.formula(c.symbol), *what, _value(c, notation), unit(c.unit), Code(str(c.symbol))]
 
 
@@ -51,42 +52,47 @@ def _value(coefficient: Coefficient, notation: Notation) -> Said:
     return "a parameter" if same else notation.formula(value)
 
 
-def family_of(symbol: sp.Symbol) -> str:
-    """The integral that an entry is of; markers and gravity by what they are."""
-    known = identity(symbol)
-    named = {Family.POINT_POSITION: "points", Family.GRAVITY: "gravity"}
-    return known.owner or named.get(known.family, known.section)
+NAMED = {Family.POINT_POSITION: "points", Family.GRAVITY: "gravity", Family.MASS: "mass"}
+"""Families whose entries stand together under a word."""
+
+TABLES = (*INTEGRANDS, Family.STIFFNESS, Family.DAMPING)
+"""Families with a table of entries."""
 
 
-def _families(coefficients: Iterable[Coefficient]) -> Block:
+def _families(coefficients: Iterable[Coefficient], planar: bool) -> Block:
     """How many entries each integral has, and how many do not vanish."""
-    gathered: dict[str, list[Coefficient]] = {}
+    gathered: dict[tuple[str, Family], list[Coefficient]] = {}
     for c in coefficients:
-        gathered.setdefault(family_of(c.symbol), []).append(c)
+        known = identity(c.symbol)
+        gathered.setdefault((known.owner, known.family), []).append(c)
     rows: list[list[Said]] = []
-    for name, some in gathered.items():
-        first = whole(name) if name in SHAPES else name
-        there = sum(not c.zero for c in some)
-        rows.append([first, generic_doc(some[0].doc) if name in SHAPES else "", len(some), there, unit(some[0].unit)])
+    for (owner, family), some in gathered.items():
+        first = Math(whole(family)) if family in TABLES else NAMED.get(family, family.stem)
+        name: Said = (first, f" of {owner}") if owner else first
+        generic = Identity(family, (I, J)[: len(identity(some[0].symbol).shapes)])
+        what = meaning(generic, "", planar) if family in INTEGRANDS else _kind(family)
+        rows.append([name, what, len(some), sum(not c.zero for c in some), unit(some[0].unit)])
     return table("Integrals, and how many of them do not vanish", HEAD, rows, "llrrl")
 
 
-HEAD = ("integral", "what it is", "entries", "of which not zero", "unit")
+HEAD = ("integral", "definition", "entries", "of which not zero", "unit")
 
 
-def generic_doc(text: str) -> Text:
-    """What an integral is for any shape: the first index is i, the second j."""
-    return doc(text.replace("_2", "_j").replace("_1", "_i"))
+def _kind(family: Family) -> str:
+    """What the entries of a family are that is no integral."""
+    return {Family.STIFFNESS: "stiffness", Family.DAMPING: "damping"}.get(family, "")
 
 
-def _tables(equations: GenericEquations) -> Block:
+def _tables(equations: GenericEquations, notation: Notation) -> Block:
     """The tables of a body with loops: what is there, and why there is not more."""
     rows: list[list[Said]] = []
     kinds = {"full": "all", "diagonal": "the diagonal", "unit": "the unit matrix", "zero": "none"}
     for t in equations.tables:
-        name: Said = whole(t.name) if t.name in SHAPES else Code(t.name)
-        rows.append([name, doc(t.doc), entries(t, equations.modes), kinds[t.kind], unit(t.unit), reason(t.zero)])
-    head = ("integral", "what it is", "entries", "of which there", "unit", "the others vanish by")
+        name: Said = whole(t.family) if t.family in TABLES else Code(t.name)
+        what = meaning(Identity(t.family, (I, J)[: t.counted]), t.doc, planar=False)
+        zero = reason(t.zero, notation)
+        rows.append([name, what, entries(t, equations.modes), kinds[t.kind], unit(t.unit), zero])
+    head = ("integral", "definition", "entries", "of which there", "unit", "the others vanish by")
     return table("Integrals of the body, which are tables for all shapes", head, rows, "llrlll")
 
 

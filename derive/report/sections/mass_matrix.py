@@ -6,19 +6,22 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from html import escape
 from itertools import groupby
+from operator import itemgetter
 
 from derive.artifacts import MARK
 from derive.ir.model import Model
-from derive.mechanics.equations import Equations
+from derive.mechanics.equations import Equations, Reason
 from derive.mechanics.indexed_equations import GenericEquations
+from derive.mechanics.symbols import Family, Identity, amplitude
+from derive.mechanics.virtual_work_equations import TRANSLATIONS
 from derive.report.document.formula import Equation, Formula, Name, Part
 from derive.report.document.formula import Matrix as Array
 from derive.report.document.page import Block, Details, Heading, Paragraph, Picture, Table
 from derive.report.document.page import Equations as Lines
 from derive.report.document.tables import Said, folded, table
-from derive.report.notation.doc_formulas import reason
 from derive.report.notation.expressions import Notation
-from derive.report.notation.labels import label
+from derive.report.notation.integral_formulas import reason
+from derive.report.notation.labels import SHAPE, label, row_identities
 
 CELL, EDGE, SMALL, WIDTH = 28, 6, 24, 560
 """Side of a cell, margin, the most rows with names, and the width of larger pictures."""
@@ -49,21 +52,21 @@ FOOT, LEGEND = 26, 200
 
 HINT = "The pointer shows the reason of a zero."
 
-Reasons = dict[tuple[int, int], str]
+Reasons = dict[tuple[int, int], Reason]
 
 
 @dataclass(frozen=True)
 class Matrix:
-    """A symmetric pattern: names of the rows, the entries of both triangles, the reason of each zero."""
+    """A symmetric pattern: labels of the rows, the entries of both triangles, the reason of each zero."""
 
-    names: tuple[str, ...]
+    labels: tuple[str, ...]
     entries: frozenset[tuple[int, int]]
     reasons: Reasons
 
     @property
     def size(self) -> int:
         """Rows."""
-        return len(self.names)
+        return len(self.labels)
 
     @property
     def count(self) -> str:
@@ -71,27 +74,38 @@ class Matrix:
         return f"{len(self.entries)} of {self.size**2}"
 
 
-def mass_matrix(model: Model, equations: object) -> Matrix:
+def mass_matrix(model: Model, equations: Equations | GenericEquations) -> Matrix:
     """The pattern of the mass matrix of a model."""
-    pattern = model.pattern("mass", "M")
-    names = [f"{row.name}{k}" if row.size > 1 else row.name for row in model.rows for k in range(1, row.size + 1)]
-    lower = pattern.entries
+    lower = model.pattern("mass", "M").entries
     entries = frozenset(lower) | {(j, i) for i, j in lower}
-    if isinstance(equations, Equations):
-        given = {(i, j): reason for i, j, reason in equations.mass_zeros}
+    rows = [known for name, known in row_identities(equations).items() if name != SHAPE]
+    if isinstance(equations, GenericEquations):
+        rows += [amplitude(i).identity for i in range(1, equations.modes + 1)]
+        given = dict(_of_blocks(equations, rows, entries))
     else:
-        given = dict(_of_blocks(model, len(names), entries))
-    return Matrix(tuple(names), entries, given | {(j, i): reason for (i, j), reason in given.items()})
+        given = {(i, j): reason for i, j, reason in equations.mass_zeros}
+    return Matrix(tuple(map(label, rows)), entries, given | {(j, i): reason for (i, j), reason in given.items()})
 
 
-def _of_blocks(model: Model, size: int, entries: frozenset[tuple[int, int]]) -> Iterator[tuple[tuple[int, int], str]]:
-    """Zeros of the lower triangle by the reason of their block, such as `M[alpha, c]`."""
-    block = ["c"] * 3 + ["pi"] * 3 + ["alpha"] * (size - 6)
-    reasons = {zero.what.removesuffix(" off the diagonal"): zero.reason for zero in model.zeros}
-    for i in range(size):
-        for j in range(i + 1):
+BLOCKS = {
+    (Family.VIRTUAL_ROTATION, Family.TRANSLATION): (Family.C1, Family.C2),
+    (Family.AMPLITUDE, Family.TRANSLATION): (Family.C2,),
+    (Family.AMPLITUDE, Family.VIRTUAL_ROTATION): (Family.C6, Family.C7),
+}
+"""The integrals that the blocks of a mass matrix are made of, by the families of its rows and columns."""
+
+
+def _of_blocks(
+    equations: GenericEquations, rows: Sequence[Identity], entries: frozenset[tuple[int, int]]
+) -> Iterator[tuple[tuple[int, int], Reason]]:
+    """Zeros of the lower triangle with the reasons of their blocks."""
+    reasons = {block: equations.reason(*families) for block, families in BLOCKS.items()}
+    reasons[Family.TRANSLATION, Family.TRANSLATION] = Reason(identity=TRANSLATIONS)
+    reasons[Family.AMPLITUDE, Family.AMPLITUDE] = Reason(identity=equations.table(Family.C8).zero)
+    for i, row in enumerate(rows):
+        for j, column in enumerate(rows[: i + 1]):
             if (i, j) not in entries:
-                yield (i, j), reasons[f"M[{block[i]}, {block[j]}]"]
+                yield (i, j), reasons[row.family, column.family]
 
 
 def picture(matrix: Matrix, reasons: bool = True) -> str:
@@ -99,7 +113,7 @@ def picture(matrix: Matrix, reasons: bool = True) -> str:
     n = matrix.size
     named = n <= SMALL
     cell = CELL if named else max(2, WIDTH // n)
-    longest = max(len(label(name)) for name in matrix.names)
+    longest = max(map(len, matrix.labels))
     left = EDGE + (longest * 9 + 10 if named else 0)
     top = EDGE + ((20 if longest <= SHORT else longest * 9) if named else 0)
     width, height = max(left + n * cell + EDGE, LEGEND), top + n * cell + EDGE + FOOT
@@ -127,12 +141,12 @@ def _legend(top: int, dots: bool) -> list[str]:
 
 def _labels(matrix: Matrix, left: int, top: int) -> list[str]:
     lines = []
-    for k, name in enumerate(matrix.names):
+    for k, name in enumerate(matrix.labels):
         middle = k * CELL + CELL // 2
-        said = escape(label(name))
+        said = escape(name)
         lines.append(f'  <text x="{left - 8}" y="{top + middle + 4}" text-anchor="end">{said}</text>')
         x, y = left + middle, top - 8
-        if any(len(label(name)) > SHORT for name in matrix.names):  # they would run into each other
+        if any(len(other) > SHORT for other in matrix.labels):  # they would run into each other
             turn = f'text-anchor="start" transform="rotate(-90 {x + 4} {y})"'
             lines.append(f'  <text x="{x + 4}" y="{y}" {turn}>{said}</text>')
         else:
@@ -167,7 +181,7 @@ def _dots(matrix: Matrix, left: int, top: int) -> list[str]:
 def _reasons(matrix: Matrix, left: int, top: int, cell: int) -> list[str]:
     """Over each run of zeros with one reason what tells it."""
     lines = []
-    for i, name in enumerate(matrix.names):
+    for i, name in enumerate(matrix.labels):
         absent = [j for j in range(matrix.size) if (i, j) not in matrix.entries]
         why = {j: matrix.reasons[i, j] for j in absent}
         for _, group in groupby(absent, key=why.__getitem__):
@@ -179,8 +193,8 @@ def _reasons(matrix: Matrix, left: int, top: int, cell: int) -> list[str]:
 
 
 def _place(matrix: Matrix, row: str, first: int, count: int) -> str:
-    last = f" to {label(matrix.names[first + count - 1])}" if count > 1 else ""
-    return f"M[{label(row)}, {label(matrix.names[first])}{last}] = 0"
+    last = f" to {matrix.labels[first + count - 1]}" if count > 1 else ""
+    return f"M[{row}, {matrix.labels[first]}{last}] = 0"
 
 
 def _runs(numbers: Sequence[int]) -> list[tuple[int, int]]:
@@ -202,7 +216,7 @@ def mass_blocks(equations: Equations | GenericEquations, matrix: Matrix, notatio
     )
     shown = Picture(picture(matrix), f"Pattern of the mass matrix: {matrix.count} entries", "", HINT)
     written = _written(equations.mass, notation) if isinstance(equations, Equations) and matrix.size <= WRITTEN else ()
-    return (Heading("Mass matrix", "mass"), Paragraph((said,)), shown, *written, *_zeros_of(matrix))
+    return (Heading("Mass matrix", "mass"), Paragraph((said,)), shown, *written, *_zeros_of(matrix, notation))
 
 
 def _written(mass: Iterable[object], notation: Notation) -> tuple[Block, ...]:
@@ -213,16 +227,17 @@ def _written(mass: Iterable[object], notation: Notation) -> tuple[Block, ...]:
     return (Lines((Equation(Name("M", style="tensor"), (Part("+", Array(rows)),), number="15"),)),)
 
 
-def _zeros_of(matrix: Matrix) -> tuple[Block, ...]:
+def _zeros_of(matrix: Matrix, notation: Notation) -> tuple[Block, ...]:
     """The zeros of the lower triangle by reason."""
-    gathered: dict[str, list[tuple[int, int]]] = {}
-    for (i, j), why in sorted(matrix.reasons.items()):
+    gathered: dict[Reason, list[tuple[int, int]]] = {}
+    for (i, j), why in sorted(matrix.reasons.items(), key=itemgetter(0)):
         if i >= j:
             gathered.setdefault(why, []).append((i, j))
     if not gathered:
         return ()
     rows: list[list[Said]] = [
-        [reason(why), sum(1 + (i != j) for i, j in pairs), _pairs(matrix, pairs)] for why, pairs in gathered.items()
+        [reason(why, notation), sum(1 + (i != j) for i, j in pairs), _pairs(matrix, pairs)]
+        for why, pairs in gathered.items()
     ]
     whole = table("Zeros of the mass matrix", ("reason", "zeros", "entries below the diagonal"), rows, "lrl")
     block = folded(whole, "Zeros of the mass matrix")
@@ -231,6 +246,6 @@ def _zeros_of(matrix: Matrix) -> tuple[Block, ...]:
 
 
 def _pairs(matrix: Matrix, pairs: Sequence[tuple[int, int]]) -> str:
-    said = [f"{label(matrix.names[i])}, {label(matrix.names[j])}" for i, j in pairs]
+    said = [f"{matrix.labels[i]}, {matrix.labels[j]}" for i, j in pairs]
     shown = said if len(said) <= FEW else [*said[: FEW - 2], "…", said[-1]]
     return "; ".join(shown)

@@ -87,7 +87,9 @@ def _line(moment: Moment, notation: Notation, lines: Mapping[str, int]) -> Equat
     first = replace(moment.parts[0], title=f"{name} in the code", to=f"#{line_anchor(place)}" if place else "")
     told = "" if moment.number == APPENDIX else moment.number.strip("()")
     parts = (first, *moment.parts[1:])
-    return Equation(notation.known(moment.symbol).formula, parts, number=told, anchor=definition_anchor(moment.symbol))
+    return Equation(
+        notation.written(moment.symbol).formula, parts, number=told, anchor=definition_anchor(moment.symbol)
+    )
 
 
 ROTATION = (Family.COSINE, Family.SINE, Family.ROTATION_TENSOR)

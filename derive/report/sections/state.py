@@ -3,28 +3,36 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 
 import sympy as sp
 
 from derive.ir.model import Model, Variable
+from derive.mechanics.equations import Equations
+from derive.mechanics.indexed_equations import GenericEquations
+from derive.mechanics.symbols import I, Identity, amplitude, identity
 from derive.report.document.formula import Formula
 from derive.report.document.page import Block, Code, Details, Heading, Paragraph
 from derive.report.document.tables import Said, folded, table
-from derive.report.notation.doc_formulas import doc, unit
 from derive.report.notation.expressions import Notation
-from derive.report.notation.names import constant, known
+from derive.report.notation.families import chosen, written
+from derive.report.notation.integral_formulas import unit
 from derive.roles import Role
 
 HEAD = ("", "in the code", "unit", "what it is")
 
 
-def state_blocks(model: Model, notation: Notation) -> tuple[Block, ...]:
+def state_blocks(model: Model, equations: Equations | GenericEquations, notation: Notation) -> tuple[Block, ...]:
     """How many of each there are, and what they are."""
     text = f"{size(model.coordinates)} coordinates q, {size(model.rates)} generalised velocities v"
     count = size(model.parameters)
     end = f", and {count} parameter{'' if count == 1 else 's'}." if count else "; every number is folded into the code."
-    coordinates = table("Coordinates q", HEAD, [_variable(v, _variable_formula(v)) for v in model.coordinates])
-    velocities = table("Generalised velocities v", HEAD, [_variable(v, _variable_formula(v)) for v in model.rates])
+    coordinates = table(
+        "Coordinates q", HEAD, _rows(model.coordinates, (c.q for c in equations.coordinates), amplitude(I))
+    )
+    velocities = table(
+        "Generalised velocities v", HEAD, _rows(model.rates, (r.v for r in equations.rows), amplitude(I, 1))
+    )
     derivatives = "The generalised velocities are the time derivatives of the coordinates, in the same order."
     found: list[Block] = [
         Heading("Coordinates and parameters", "coordinates"),
@@ -33,7 +41,7 @@ def state_blocks(model: Model, notation: Notation) -> tuple[Block, ...]:
         folded(velocities, "Generalised velocities") if _is_spatial(model) else Paragraph((derivatives,)),
     ]
     if model.parameters:
-        given = [[*_variable(p, _parameter(p, notation)), _default(p)] for p in model.parameters]
+        given = [[*_row(p, _parameter(p, notation)), _default(p)] for p in model.parameters]
         found.append(folded(table("Parameters", (*HEAD, "default"), given, "llllr"), "Parameters"))
     if model.choice:
         found.append(Paragraph((f"The functions are {model.choice}.",)))
@@ -50,20 +58,27 @@ def _is_spatial(model: Model) -> bool:
     return any(q.role is Role.QUATERNION for q in model.coordinates)
 
 
-def _variable(variable: Variable, formula: Formula) -> list[Said]:
+def _rows(variables: Iterable[Variable], symbols: Iterable[sp.Symbol], whole: sp.Symbol) -> list[list[Said]]:
+    """The rows of a table of coordinates or velocities; `whole` stands for the array of those of all shapes."""
+    by_name = {symbol.name: symbol for symbol in symbols}
+    return [_row(v, written(by_name.get(v.name, whole)).formula) for v in variables]
+
+
+def _row(variable: Variable, formula: Formula) -> list[Said]:
     values = f" ({variable.size} values)" if variable.size > 1 else ""
-    return [formula, Code(variable.name), unit(variable.unit), (*doc(variable.doc), values)]
-
-
-def _variable_formula(variable: Variable) -> Formula:
-    """A coordinate or velocity, of an array its element i."""
-    entry = known(f"{variable.name}_i" if variable.name in ("alpha", "alphadot") else variable.name)
-    return entry.formula if entry else constant(variable.name)
+    return [formula, Code(variable.name), unit(variable.unit), (variable.doc, values)]
 
 
 def _parameter(variable: Variable, notation: Notation) -> Formula:
-    symbol = next((s for s in notation.constants if s.name == variable.name), sp.Symbol(variable.name))
-    return notation.formula(symbol)
+    """A parameter: an integral that is given at run time, or a name that the specification chose."""
+    by_name = {_without_mark(s).name: s for s in notation.constants}
+    symbol = by_name.get(variable.name)
+    return notation.formula(symbol) if symbol is not None else chosen(variable.name)
+
+
+def _without_mark(symbol: sp.Symbol) -> Identity:
+    """A parameter under the name that it has in the interface."""
+    return replace(identity(symbol), parameter=False)
 
 
 def _default(variable: Variable) -> str:

@@ -11,11 +11,10 @@ from derive.ir.model import Model
 from derive.mechanics.equations import Equations, Term
 from derive.mechanics.indexed_equations import GenericEquations
 from derive.mechanics.series import exchanged
-from derive.mechanics.symbols import I, J, Symbol, amplitude, identity
+from derive.mechanics.symbols import I, Identity, J, Symbol, amplitude, identity
 from derive.report.document.anchors import anchor
+from derive.report.notation.labels import SHAPE, row_identities
 from derive.report.sections.source import Source, Sources
-
-SHAPE = "alpha_i"
 
 GROUPS = {
     **dict.fromkeys(("translation", "Euler", "relative"), "accelerations"),
@@ -48,6 +47,7 @@ class Place:
     """A term with the lines of the generated C that belong to it: those that store it, and names with their lines."""
 
     term: Term
+    variation: Identity
     stores: tuple[int, ...]
     names: tuple[tuple[sp.Symbol, int], ...]
 
@@ -79,6 +79,7 @@ class _Finder:
     def __init__(self, equations: Equations | GenericEquations, model: Model, code: Sources) -> None:
         self.equations, self.code = equations, code
         self.rigid = len(equations.rows)
+        self.variations = row_identities(equations)
         self.rows = {row.name: k for k, row in enumerate(equations.rows)}
         self.accelerations = {row.a: k for k, row in enumerate(equations.rows)}
         self.totals: dict[sp.Symbol, sp.Expr] = {}
@@ -96,11 +97,11 @@ class _Finder:
         if columns:
             pairs = {(min(row, column), max(row, column)) for column in columns}
             lines = tuple(sorted({number for entry, number in self.stored if entry in pairs}))
-            return Place(term, lines, self._names(term, self.code.functions["mass"]))
+            return Place(term, self.variations[term.row], lines, self._names(term, self.code.functions["mass"]))
         force = self.code.functions["force"]
         looped = isinstance(self.equations, GenericEquations) and row == self.rigid
         found = force.stores.get(("h", row, looped))
-        return Place(term, (found,) if found else (), self._names(term, force))
+        return Place(term, self.variations[term.row], (found,) if found else (), self._names(term, force))
 
     def _stored(self, mass: Source) -> Iterator[tuple[tuple[int, int], int]]:
         """The entry that each line of `mass` stores; entries of the shapes count as one where there are loops."""

@@ -20,8 +20,8 @@ from derive.report.document.page import Block, Cell, Details, Heading, Inline, L
 from derive.report.document.page import Equations as Lines
 from derive.report.document.tables import Said, table
 from derive.report.notation.expressions import Notation
-from derive.report.notation.labels import delta, variation
-from derive.report.sections.term_lines import SHAPE, Place, group, line_anchor, place_in_row, title
+from derive.report.notation.labels import SHAPE
+from derive.report.sections.term_lines import Place, group, line_anchor, place_in_row, title
 
 MOST_ROWS, MOST_SUMMANDS = 16, 240
 """Rows that are shown, others are folded; summands of all rows up to which they are written out in coordinates."""
@@ -95,11 +95,11 @@ def _row(
     number: str,
 ) -> tuple[Block, ...]:
     own = ordered(p for p in places if p.term.row == name)
-    head = Heading(f"{delta(name)}{f': {meaning}' if meaning else ''}", anchor("row", name), 3)
+    head = Heading(f"{notation.delta(name)}{f': {meaning}' if meaning else ''}", anchor("row", name), 3)
     if not own:
-        return (head, Lines((Equation(variation(name), (), ":"),)))
+        return (head, Lines((Equation(notation.variation(name), (), ":"),)))
     parts = tuple(part for place in own for part in _parts(place, notation))
-    lines = [Equation(variation(name), parts, ":", "15")]
+    lines = [Equation(notation.variation(name), parts, ":", "15")]
     if written:
         summands = tuple(part for place in own for part in _written(place, written, notation))
         if not _same(parts, summands):

@@ -7,17 +7,15 @@ from itertools import groupby
 
 import sympy as sp
 
-from derive.mechanics.equations import Equations, Term
+from derive.mechanics.equations import Equations, Reason, Term
 from derive.mechanics.indexed_equations import GenericEquations
+from derive.mechanics.symbols import Family, identity
 from derive.report.document.formula import Number
 from derive.report.document.page import Block, Details, Heading, Inline, Math, Paragraph, Table
 from derive.report.document.tables import Said, folded, table
-from derive.report.notation.doc_formulas import reason
 from derive.report.notation.expressions import Notation
-from derive.report.notation.labels import delta
-from derive.report.notation.names import SHAPES
-from derive.report.notation.names import table as whole
-from derive.report.sections.integrals import family_of
+from derive.report.notation.families import whole
+from derive.report.notation.integral_formulas import INTEGRANDS, reason
 
 FEW, SUMMANDS = 8, 4
 """Names that are listed; summands of a vanished term that is shown."""
@@ -31,10 +29,11 @@ def vanished_blocks(equations: Equations | GenericEquations, notation: Notation)
     terms = [(v.term, v.reason) for v in equations.vanished]
     if terms:
         rows: list[list[Said]] = [
-            [term.name, delta(term.row), _would_be(term, notation), reason(why)] for term, why in terms
+            [term.name, notation.delta(term.row), _would_be(term, notation), reason(why, notation)]
+            for term, why in terms
         ]
         found.append(Paragraph((f"{len(terms)} terms of (15) are no part of this model.",)))
-        found.append(_by_reason(terms))
+        found.append(_by_reason(terms, notation))
         whole = table("Terms that vanish", ("term", "row", "it would be", "because"), rows)
         single = folded(whole, "Terms that vanish")
         found.append(Details(f"The terms one by one: {len(terms)}", (whole,)) if isinstance(single, Table) else single)
@@ -43,26 +42,26 @@ def vanished_blocks(equations: Equations | GenericEquations, notation: Notation)
     return tuple(found)
 
 
-def _by_reason(terms: Sequence[tuple[Term, str]]) -> Table:
+def _by_reason(terms: Sequence[tuple[Term, Reason]], notation: Notation) -> Table:
     """Terms that vanish for the same reason in one row: their names, each with the rows of the equations it is of."""
-    gathered: dict[str, dict[str, list[str]]] = {}
+    gathered: dict[Reason, dict[str, list[str]]] = {}
     for term, why in terms:
         gathered.setdefault(why, {}).setdefault(term.name, []).append(term.row)
     rows: list[list[Said]] = [
         [
-            reason(why),
+            reason(why, notation),
             sum(map(len, by_name.values())),
-            "; ".join(f"{name} in {_rows(own)}" for name, own in by_name.items()),
+            "; ".join(f"{name} in {_rows(own, notation)}" for name, own in by_name.items()),
         ]
         for why, by_name in gathered.items()
     ]
     return table("Terms that vanish, by reason", ("reason", "terms", "which"), rows, "lrl")
 
 
-def _rows(names: Sequence[str]) -> str:
+def _rows(names: Sequence[str], notation: Notation) -> str:
     """Rows by their virtual displacements; of many the first and the last."""
     shown = names if len(names) <= FEW else (*names[: FEW - 2], names[-1])
-    text = [delta(name) for name in shown]
+    text = [notation.delta(name) for name in shown]
     return ", ".join(text if len(names) <= FEW else [*text[:-1], "…", text[-1]])
 
 
@@ -82,20 +81,27 @@ def _integrals(equations: Equations, notation: Notation) -> list[Block]:
             gathered.setdefault(c.zero, []).append(c.symbol)
     if not gathered:
         return []
-    rows: list[list[Said]] = [[reason(why), len(names), _names(names, notation)] for why, names in gathered.items()]
+    rows: list[list[Said]] = [
+        [reason(why, notation), len(names), _names(names, notation)] for why, names in gathered.items()
+    ]
     return [table("Shape integrals that vanish", ("reason", "integrals", "which"), rows, "lrl")]
 
 
-def _names(names: Sequence[sp.Symbol], notation: Notation) -> tuple[Inline, ...]:
-    """Integrals, family by family; of many of a family the first and the last."""
-    found: list[Inline] = []
-    for name, group in groupby(names, key=family_of):
+def _names(symbols: Sequence[sp.Symbol], notation: Notation) -> tuple[Inline, ...]:
+    """Integrals, family by family; of many of a family how many there are."""
+    text: list[Inline] = []
+    for (owner, family), group in groupby(symbols, key=_family):
         some = list(group)
-        found += ["; "] if found else []
-        if len(some) > FEW and name in SHAPES:
-            found += [f"{len(some)} of ", Math(whole(name))]
+        text += ["; "] if text else []
+        if len(some) > FEW and family in INTEGRANDS and not owner:
+            text += [f"{len(some)} of ", Math(whole(family))]
             continue
-        for k, one in enumerate(some):
-            found += [", "] if k else []
-            found.append(Math(notation.formula(one)))
-    return tuple(found)
+        for k, symbol in enumerate(some):
+            text += [", "] if k else []
+            text.append(Math(notation.formula(symbol)))
+    return tuple(text)
+
+
+def _family(symbol: sp.Symbol) -> tuple[str, Family]:
+    known = identity(symbol)
+    return known.owner, known.family

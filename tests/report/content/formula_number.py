@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 import sympy as sp
 
-from derive.mechanics.symbols import MASS, Symbol, identity
+from derive.mechanics.symbols import MASS, Symbol
 from derive.report.document.formula import (
     Call,
     Fenced,
@@ -103,13 +103,15 @@ class Draw:
         assert self._owner.setdefault(written, owner) == owner, f"{symbol} and {self._owner[written]}"
         self.symbols[symbol] = value
         self.formulas[written] = value
-        self.formulas[self.notation.known(symbol).formula] = value
+        self.formulas[self.notation.written(symbol).formula] = value
 
     def _same(self, symbol: sp.Symbol) -> sp.Symbol:
         """The symbol that stands for the same: an integral for the parameter that it is, m for the mass."""
         if symbol == MASS and self.notation.mass is not None:
             return self.notation.mass
-        return Symbol(replace(symbol.identity, parameter=False)) if identity(symbol).parameter else symbol
+        if isinstance(symbol, Symbol) and symbol.identity.parameter:
+            return Symbol(replace(symbol.identity, parameter=False))
+        return symbol
 
     def of(self, expr: sp.Expr) -> float:
         """The number of an expression."""

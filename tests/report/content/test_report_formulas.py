@@ -10,13 +10,14 @@ import pytest
 import sympy as sp
 from formula_number import Draw, magnitude, number, total
 
+from derive.mechanics.bodies.spatial_body import DOCS
 from derive.mechanics.equations import Equations
 from derive.mechanics.reference_conditions import assumed_shapes
-from derive.mechanics.symbols import Family, identity, quantity
-from derive.report.document.formula import Equation, Matrix, Name, Row
+from derive.mechanics.symbols import MASS, Family, amplitude, identity, owned, quantity
+from derive.report.document.formula import Call, Equation, Matrix, Name, Row
 from derive.report.notation.expressions import notation
-from derive.report.notation.labels import variation
-from derive.report.notation.names import known
+from derive.report.notation.families import WRITERS, chosen, written
+from derive.report.notation.integral_formulas import INTEGRANDS, SYMMETRIC
 from derive.report.sections.moments import moments
 from derive.report.sections.terms import row_names
 
@@ -64,7 +65,8 @@ def close(parts, known_numbers, expected: float, digits: float = 1e-9) -> bool:
 def rows(name: str) -> dict[str, list[Equation]]:
     """The equations of motion of a page by their rows."""
     found: dict[str, list[Equation]] = {}
-    names = {variation(row): row for row in row_names(pages.built(name).equations)}
+    equations = pages.built(name).equations
+    names = {notation(equations).variation(row): row for row in row_names(equations)}
     row = ""
     for line in pages.equations(pages.section(name, "motion")):
         row = names.get(line.left, row)
@@ -86,7 +88,7 @@ def test_rows_in_integrals_are_those_derived(name: str) -> None:
 def test_rows_written_out_are_the_same(name: str) -> None:
     """With numbers of the state alone: in coordinates, rates, accelerations and parameters."""
     equations, numbers = pages.built(name).equations, consistent(name)
-    plain = {numbers.notation.formula(s) for c in equations.coefficients for s in (c.symbol,) if s.name != "mass"}
+    plain = {numbers.notation.formula(s) for c in equations.coefficients for s in (c.symbol,) if s != MASS}
     plain |= {numbers.notation.formula(d.symbol) for d in equations.definitions if d.section not in ("Q", "oo")}
     state = {f: x for f, x in numbers.formulas.items() if f not in plain}
     for p in equations.parameters:
@@ -115,7 +117,7 @@ def test_moments_are_those_derived(name: str) -> None:
     by_name = {d.symbol: d.expr for d in equations.definitions}
     if not isinstance(equations, Equations):
         for c in equations.contractions:
-            by_name[c.symbol] = c.base + sum(factor * entry for factor, entry in c.sums)
+            by_name[c.symbol] = c.base + sum(f * entry for f, entry in c.sums)
         by_name |= {t.symbol: t.base + t.term for t in equations.totals}
     numbers.add(*by_name, *by_name.values())
     found = [moment for some in moments(equations, numbers.notation) for moment in some]
@@ -123,7 +125,7 @@ def test_moments_are_those_derived(name: str) -> None:
     for moment in found:
         assert close(moment.parts, numbers.formulas, numbers.of(by_name[moment.symbol]))
     shown = {line.left for line in pages.equations(pages.section(name, "moments"))}
-    assert shown == {numbers.notation.known(m.symbol).formula for m in found}
+    assert shown == {numbers.notation.written(m.symbol).formula for m in found}
 
 
 @pytest.mark.parametrize("name", FLAT)
@@ -191,9 +193,30 @@ def test_kinematics_in_components_are_those_derived() -> None:
         assert np.allclose(found, np.array(expected.tolist(), dtype=float))
 
 
-def test_names_of_scenes_have_their_body_above() -> None:
-    found = {name: known(name) for name in ("rod_2_alpha1dot", "slider_sddot", "rod_cos_phi", "crank_X_hub_1")}
-    assert found["rod_2_alpha1dot"].formula == Name("alpha", 1, ("1",), ("rod 2",))
-    assert found["slider_sddot"].formula == Name("s", 2, (), ("slider",))
-    assert found["rod_cos_phi"].formula.of == Name("phi", 0, (), ("rod",))
-    assert found["crank_X_hub_1"].formula == Name("X", 0, ("hub 1",), ("crank",))
+def test_every_family_is_written() -> None:
+    assert set(WRITERS) == set(Family)
+
+
+def test_quantities_of_scenes_have_their_body_above() -> None:
+    rod = owned(amplitude(1, 1), "rod_2")
+    assert written(rod).formula == Name("alpha", 1, ("1",), ("rod 2",))
+    assert written(owned(quantity(Family.GUIDE, derivative=2), "slider")).formula == Name("s", 2, (), ("slider",))
+    cosine = written(owned(quantity(Family.COSINE), "rod")).formula
+    assert isinstance(cosine, Call) and cosine.of == Name("phi", 0, (), ("rod",))
+    hub = owned(quantity(Family.POINT_POSITION, 1), "crank", "hub")
+    assert written(hub).formula == Name("X", 0, ("hub 1",), ("crank",))
+
+
+def test_formulas_of_integrals_are_those_of_the_derivation() -> None:
+    """What the report shows of a table of a body in space is what its generated code says."""
+    for family, (text, _) in DOCS.items():
+        if family in INTEGRANDS:
+            plain = INTEGRANDS[family].replace("><", "x").replace("{", "").replace("}", "")
+            assert text.removeprefix("symmetric part of ") == f"int rho {plain}"
+            assert (family in SYMMETRIC) == text.startswith("symmetric")
+
+
+def test_names_that_users_choose() -> None:
+    shown = {text: chosen(text) for text in ("EI", "l1", "m_rod", "k2_left_end")}
+    assert shown["EI"] == Name("EI") and shown["l1"] == Name("l", below=("1",))
+    assert shown["m_rod"] == Name("m", below=("rod",)) and shown["k2_left_end"] == Name("k", below=("2,left end",))

@@ -9,7 +9,7 @@ import pytest
 
 from derive.report.document.anchors import faults
 from derive.report.document.page import Link
-from derive.report.notation.labels import delta
+from derive.report.notation.expressions import notation
 from derive.report.sections.term_lines import place_in_row
 
 BODIES = ("point", "mean", "block", "loops", "beam_point_8", "heavy", "flat", "loops_given", "rigid", "hundred")
@@ -80,7 +80,7 @@ def test_a_term_leads_to_the_line_that_stores_it_and_back(name: str) -> None:
             assert stores
             for link in stores:
                 line = shown[link.to.removeprefix("#")]
-                assert Link(f"{term.name} {delta(term.row)}", own) in line.links
+                assert Link(f"{term.name} {notation(built.equations).delta(term.row)}", own) in line.links
                 stored = re.match(r"\s*(h|M)\[(\d+)", line.text)
                 assert stored
                 if stored[1] == "h":

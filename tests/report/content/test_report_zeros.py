@@ -8,17 +8,17 @@ from xml.etree import ElementTree
 import pages
 import pytest
 
-from derive.mechanics.equations import Equations
+from derive.mechanics.equations import Equations, Reason
 from derive.report.document.page import Picture
-from derive.report.notation.doc_formulas import reason
-from derive.report.notation.labels import delta
+from derive.report.notation.expressions import notation
+from derive.report.notation.integral_formulas import reason
 from derive.report.sections.mass_matrix import mass_matrix, picture
 
 BODIES = ("point", "mean", "block", "loops", "beam_point_8", "heavy", "flat", "loops_given", "rigid", "hundred")
 
 
-def told(reason_text: str) -> str:
-    return pages.plain(reason(reason_text))
+def told(name: str, why: Reason | str) -> str:
+    return pages.plain(reason(why, notation(pages.built(name).equations)))
 
 
 @pytest.mark.parametrize("name", BODIES)
@@ -31,15 +31,16 @@ def test_every_reason_is_on_the_page(name: str) -> None:
     else:
         reasons |= {t.zero for t in built.equations.tables if t.zero}
     reasons |= set(mass_matrix(built.model, built.equations).reasons.values())
-    assert {told(r) for r in reasons} <= cells
+    assert {told(name, r) for r in reasons} <= cells
 
 
 @pytest.mark.parametrize("name", ["point", "mean", "block", "loops", "heavy"])
 def test_every_vanished_term_is_told_with_its_reason(name: str) -> None:
     vanished = pages.built(name).equations.vanished
+    written = notation(pages.built(name).equations)
     tables = [t for t in pages.tables(pages.section(name, "zeros")) if t.caption == "Terms that vanish"]
     rows = [tuple(pages.plain(cell.text) for cell in row) for t in tables for row in t.rows]
-    expected = [(v.term.name, delta(v.term.row), told(v.reason)) for v in vanished]
+    expected = [(v.term.name, written.delta(v.term.row), told(name, v.reason)) for v in vanished]
     assert [(row[0], row[1], row[3]) for row in rows] == expected
 
 
@@ -68,7 +69,7 @@ def test_the_picture_tells_the_reason_of_each_zero(name: str) -> None:
             i, j = (int(element.get("y")) - top) // cell, (int(element.get("x")) - left) // cell
             for k in range(int(element.get("width")) // cell):
                 found[i, j + k] = element[0].text.partition(" = 0: ")[2]
-    assert found == matrix.reasons
+    assert found == {place: str(why) for place, why in matrix.reasons.items()}
 
 
 @pytest.mark.parametrize("name", ["mean", "block"])
@@ -79,7 +80,7 @@ def test_the_picture_has_a_square_for_each_entry(name: str) -> None:
     assert len(re.findall('class="value"', svg)) == len(matrix.entries)
     assert len(re.findall('class="zero"', svg)) == len(matrix.reasons)
     for row in built.equations.rows:
-        assert delta(row.name).replace("δ", "") in svg
+        assert notation(built.equations).label(row.name) in svg
 
 
 def test_both_frames_side_by_side() -> None:

@@ -1,0 +1,266 @@
+"""How the quantities of the derivation are written in formulas: a table from families to the notation of the paper.
+
+Indices are the number of the integral, the shapes and the components, separated by commas. In a mechanism the body
+stands above. A sum over the shapes that has a name of its own in the code, such as D2dot, is written as the product
+that it is.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from enum import IntEnum
+from itertools import takewhile
+
+import sympy as sp
+
+from derive.mechanics.symbols import Family, Identity, Index, ShapeIndex, Symbol
+from derive.report.document.formula import Call, Formula, Name, Power, Row
+from derive.report.document.formula import Number as Digits
+
+
+class Rank(IntEnum):
+    """Where a factor stands in a product: factors follow each other in this order."""
+
+    CONSTANT = 0
+    MOMENT = 1
+    AMPLITUDE = 2
+    VELOCITY = 3
+    ACCELERATION = 4
+    ROTATION = 5
+    SINE = 6
+
+
+@dataclass(frozen=True)
+class Written:
+    """A symbol in formulas: its place in products, and how it is written."""
+
+    rank: Rank
+    formula: Formula
+
+
+MOTION = (Rank.AMPLITUDE, Rank.VELOCITY, Rank.ACCELERATION)
+"""Ranks of coordinates by their time derivatives."""
+
+TENSORS = {Family.C3, Family.C4, Family.C5, Family.C8, Family.D2, Family.S, Family.INERTIA}
+TENSORS |= {Family.STIFFNESS, Family.DAMPING}
+"""Families whose whole tables are tensors or matrices; those of the others are vectors or columns."""
+
+
+def written(symbol: sp.Symbol) -> Written:
+    """How a symbol is written. One without an identity is a letter that the report itself chose."""
+    if not isinstance(symbol, Symbol):
+        return Written(Rank.CONSTANT, chosen(symbol.name))
+    known = symbol.identity
+    above = (known.owner.replace("_", " "),) if known.owner else ()
+    return WRITERS[known.family](known, above)
+
+
+def chosen(text: str) -> Name:
+    """A name that the user of a specification chose: its letters, then digits and what follows them as an index.
+
+    `EI` stays as it is, `l1` is l with the index 1, `m_rod` is m with the index rod. This is typography alone: no fact
+    about a quantity is taken from such a name.
+    """
+    letters = "".join(takewhile(lambda c: c.isascii() and c.isalpha(), text))
+    if not letters:
+        return Name(text, style="word")
+    rest = text[len(letters) :]
+    digits = "".join(takewhile(str.isdigit, rest))
+    words = rest[len(digits) :].removeprefix("_").replace("_", " ").strip()
+    below = ",".join(part for part in (digits, words) if part)
+    return Name(letters, below=(below,) if below else ())
+
+
+def whole(family: Family) -> Name:
+    """A whole integral or moment, without the indices of shapes and components: the vector c2, the tensor C4."""
+    letter, number = _stem(family)
+    return Name(letter, below=(number,) if number else (), style="tensor" if family in TENSORS else "vector")
+
+
+def indexed(family: Family, *shapes: ShapeIndex) -> Name:
+    """A whole integral or moment of some shapes, without the indices of its components: c2 i."""
+    letter, number = _stem(family)
+    below = " ".join(part for part in (number, *map(index_text, shapes)) if part)
+    return Name(letter, below=(below,) if below else (), style="tensor" if family in TENSORS else "vector")
+
+
+def index_text(shape: ShapeIndex) -> str:
+    """A shape index as text: 1, 2, ... or i, j."""
+    return shape.value if isinstance(shape, Index) else str(shape)
+
+
+def column(dots: int = 0, transposed: bool = False) -> Name:
+    """The column of the amplitudes, or of their derivatives."""
+    return Name("alpha", dots=dots, above=("T",) if transposed else (), style="vector")
+
+
+def _stem(family: Family) -> tuple[str, str]:
+    """The letter and the number of an integral or a moment."""
+    return family.stem[:1], family.stem[1:]
+
+
+def _below(number: str, known: Identity) -> tuple[str, ...]:
+    """The number of the integral, the shapes and the components, separated by commas."""
+    shapes = [index_text(s) for s in known.shapes]
+    close = " " if known.indexed else ""
+    beside = close.join(shapes) if all(len(s) == 1 for s in shapes) else ",".join(shapes)
+    text = ",".join(part for part in (number, beside, _components(known)) if part)
+    return (text,) if text else ()
+
+
+def _components(known: Identity) -> str:
+    return "".join(map(str, known.components))
+
+
+def _motion(letter: str) -> Callable[[Identity, tuple[str, ...]], Written]:
+    """A coordinate, its velocity or its acceleration; of an angular velocity the rank is one higher."""
+
+    def write(known: Identity, above: tuple[str, ...]) -> Written:
+        below = (*map(index_text, known.shapes), *map(str, known.components))
+        rank = MOTION[known.derivative + (known.family is Family.ANGULAR_VELOCITY)]
+        return Written(rank, Name(letter, dots=known.derivative, below=below, above=above))
+
+    return write
+
+
+def _mass(known: Identity, above: tuple[str, ...]) -> Written:
+    return Written(Rank.CONSTANT, Name("m", above=above))
+
+
+def _integral(known: Identity, above: tuple[str, ...]) -> Written:
+    letter, number = _stem(known.family)
+    return Written(Rank.CONSTANT, Name(letter, below=_below(number, known), above=above))
+
+
+SUMMED = {Family.D1: Family.C2, Family.D2: Family.D2, Family.D3: Family.D3, Family.S: Family.S}
+"""What the time derivatives of moments sum over the shapes, with the velocities or accelerations of the amplitudes."""
+
+
+def _moment(known: Identity, above: tuple[str, ...]) -> Written:
+    """A moment; its derivatives, which are sums over the shapes, as products with the column of alpha."""
+    letter, number = _stem(known.family)
+    single = known.family is Family.D1 and known.derivative == 1
+    if not known.derivative or single:
+        below = _below(number, known)
+        return Written(Rank.MOMENT, Name(letter, dots=known.derivative, below=below, above=above))
+    letter, number = _stem(SUMMED[known.family])
+    moment = Name(letter, below=_below(number, known), above=above)
+    return Written(Rank.MOMENT, Row((column(known.derivative, transposed=True), moment)))
+
+
+def _row_times_column(known: Identity, above: tuple[str, ...]) -> Written:
+    """c7dot_i and c8ddot_i: row i of a table times the velocities, or the accelerations."""
+    _, number = _stem(known.family)
+    parts = (number, *map(index_text, known.shapes), _components(known))
+    below = ",".join(part for part in parts if part)
+    table = Name(known.family.stem[:1], below=(below,), above=above)
+    return Written(Rank.MOMENT, Row((table, column(known.derivative))))
+
+
+def _rate_product(known: Identity, above: tuple[str, ...]) -> Written:
+    matrix = Name("c", below=("8",), above=above, style="tensor")
+    return Written(Rank.MOMENT, Row((column(1, transposed=True), matrix, column(1))))
+
+
+def _force_of_modes(letter: str, dots: int) -> Callable[[Identity, tuple[str, ...]], Written]:
+    """Row i of the stiffness times the amplitudes, or of the damping times their velocities."""
+
+    def write(known: Identity, above: tuple[str, ...]) -> Written:
+        table = Name(letter, below=tuple(map(index_text, known.shapes)), above=above)
+        return Written(Rank.MOMENT, Row((table, column(dots))))
+
+    return write
+
+
+def _strain(known: Identity, above: tuple[str, ...]) -> Written:
+    return Written(Rank.MOMENT, Row((column(transposed=True), whole(Family.STIFFNESS), column())))
+
+
+def _sine(name: str) -> Callable[[Identity, tuple[str, ...]], Written]:
+    return lambda known, above: Written(Rank.SINE, Call(name, Name("phi", above=above)))
+
+
+def _rotation_tensor(known: Identity, above: tuple[str, ...]) -> Written:
+    return Written(Rank.ROTATION, Name("Q", below=(_components(known),), above=above))
+
+
+def _omega_product(known: Identity, above: tuple[str, ...]) -> Written:
+    first, second = (Name("omega", below=(str(k),), above=above) for k in known.components)
+    return Written(Rank.VELOCITY, Power(first, Digits("2")) if first == second else Row((first, second)))
+
+
+def _vector(letter: str, in_body: bool) -> Callable[[Identity, tuple[str, ...]], Written]:
+    """Gravity or a force, in components of the inertial frame, or of the floating frame, with a b above."""
+    rank = Rank.ROTATION if in_body else Rank.CONSTANT
+    frame = ("b",) if in_body else ()
+    return lambda known, above: Written(rank, Name(letter, below=(_components(known),), above=(*above, *frame)))
+
+
+def _of_point(letter: str) -> Callable[[Identity, tuple[str, ...]], Written]:
+    """A constant of a material point: the point, the shapes and the components below."""
+
+    def write(known: Identity, above: tuple[str, ...]) -> Written:
+        parts = (known.point.replace("_", " "), *map(index_text, known.shapes), _components(known))
+        sign = "," if known.point.isdigit() else " "
+        below = sign.join(part for part in parts if part)
+        return Written(Rank.CONSTANT, Name(letter, dots=known.derivative, below=(below,) if below else (), above=above))
+
+    return write
+
+
+def _moving_point(letter: str) -> Callable[[Identity, tuple[str, ...]], Written]:
+    """The position of a material point in the floating frame, or in inertial directions, with the point above."""
+
+    def write(known: Identity, above: tuple[str, ...]) -> Written:
+        place = " ".join(part.replace("_", " ") for part in (known.owner, known.point) if part)
+        name = Name(letter, dots=known.derivative, below=(_components(known),), above=(place,) if place else ())
+        return Written(Rank.MOMENT, name)
+
+    return write
+
+
+def _named(known: Identity, above: tuple[str, ...]) -> Written:
+    """A parameter, or a quantity of a joint, a drive or the ground, under the name that it was given."""
+    name = chosen(known.label) if known.label else Name("F")
+    numbers = (*map(index_text, known.shapes), _components(known))
+    below = " ".join(part for part in (*name.below, *numbers) if part)
+    return Written(Rank.CONSTANT, Name(name.text, below=(below,) if below else (), above=above, style=name.style))
+
+
+WRITERS: dict[Family, Callable[[Identity, tuple[str, ...]], Written]] = {
+    Family.TRANSLATION: _motion("c"),
+    Family.ANGLE: _motion("phi"),
+    Family.QUATERNION: _motion("e"),
+    Family.ANGULAR_VELOCITY: _motion("omega"),
+    Family.VIRTUAL_ROTATION: _motion("pi"),
+    Family.AMPLITUDE: _motion("alpha"),
+    Family.GUIDE: _motion("s"),
+    Family.MASS: _mass,
+    **dict.fromkeys((Family.C1, Family.C2, Family.C3, Family.C4, Family.C5, Family.C6), _integral),
+    **dict.fromkeys((Family.C7, Family.C8, Family.STIFFNESS, Family.DAMPING), _integral),
+    **dict.fromkeys((Family.D1, Family.D2, Family.D3, Family.S, Family.INERTIA), _moment),
+    **dict.fromkeys((Family.C5_SUM, Family.C7_SUM, Family.C8_SUM), _row_times_column),
+    Family.RATE_PRODUCT: _rate_product,
+    Family.ELASTIC: _force_of_modes("K", 0),
+    Family.DAMPING_FORCE: _force_of_modes("B", 1),
+    Family.STRAIN: _strain,
+    Family.COSINE: _sine("cos"),
+    Family.SINE: _sine("sin"),
+    Family.ROTATION_TENSOR: _rotation_tensor,
+    Family.OMEGA_PRODUCT: _omega_product,
+    Family.GRAVITY: _vector("g", in_body=False),
+    Family.BODY_GRAVITY: _vector("g", in_body=True),
+    Family.FORCE: _vector("F", in_body=False),
+    Family.BODY_FORCE: _vector("F", in_body=True),
+    Family.POINT_POSITION: _of_point("X"),
+    Family.POINT_SHAPE: _of_point("Phi"),
+    Family.SECTION_ROTATION: _of_point("theta"),
+    Family.RADIUS: _moving_point("r"),
+    Family.LEVER: _moving_point("s"),
+    Family.PARAMETER: _named,
+    Family.ELEMENT: _named,
+    Family.TIME: _named,
+    Family.LOCAL: _named,
+}
+"""How the symbols of each family are written: from an identity and what stands above to the formula."""

@@ -1,0 +1,107 @@
+"""Shape integrals as formulas, by their families; units, and the reasons of zeros with the integrals in them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import sympy as sp
+
+from derive.mechanics.equations import Reason
+from derive.mechanics.symbols import Family, Identity, ShapeIndex, Symbol
+from derive.report.document.formula import Formula, Fraction, Name, Number, Operator, Power, Row
+from derive.report.document.page import Inline, Math, Text
+from derive.report.notation.expressions import Notation
+from derive.report.notation.families import index_text, whole
+from derive.report.notation.formula_reader import formula
+
+INTEGRANDS: dict[Family, str] = {
+    Family.C1: "X",
+    Family.C2: "Phi_{i}",
+    Family.C3: "((X . X) I - X X)",
+    Family.C4: "((Phi_{i} . X) I - Phi_{i} X)",
+    Family.C5: "((Phi_{i} . Phi_{j}) I - Phi_{i} Phi_{j})",
+    Family.C6: "X >< Phi_{i}",
+    Family.C7: "Phi_{i} >< Phi_{j}",
+    Family.C8: "Phi_{i} . Phi_{j}",
+}
+"""What the shape integrals integrate over the mass, for the shapes i and j."""
+
+PLANAR = {Family.C3: "X . X", Family.C4: "X . Phi_{i}"}
+"""The integrands of bodies in the plane, where they differ."""
+
+SYMMETRIC = (Family.C4, Family.C5)
+"""Tensors of which a body in space has the symmetric part alone."""
+
+SHAPE = "\N{GREEK PHI SYMBOL}"
+"""The letter of the shape functions of a beam; its rotation is the other phi."""
+
+CROSS = (Family.C6, Family.C7)
+
+FEW = 4
+"""From so many integrals on, a list is shortened to its first and its last."""
+
+RAISED = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
+def integral_formula(
+    family: Family, shapes: Sequence[ShapeIndex] = (), component: int = 0, planar: bool = False
+) -> Formula:
+    """A shape integral of some shapes; of a vector the component, if it is not 0."""
+    integrand = PLANAR.get(family, INTEGRANDS[family]) if planar else INTEGRANDS[family]
+    for index, shape in zip("ij", shapes, strict=False):
+        integrand = integrand.replace(f"{{{index}}}", f"{{{index_text(shape)}}}")
+    if component:
+        integrand = f"({integrand}) . e_{component}" if family in CROSS else f"{integrand} . e_{component}"
+    return formula(f"int rho {integrand} dOmega")
+
+
+def stiffness_formula(shapes: Sequence[ShapeIndex]) -> Formula:
+    """An entry of the stiffness of a beam, (22)."""
+    second = Power(Operator("d"), Number("2"))
+    below = Row((Operator("d"), Power(Name("x"), Number("2"))))
+    curvatures = (Fraction(Row((second, Name(SHAPE, below=(index_text(shape),)))), below) for shape in shapes)
+    return Row((Name("∫"), Name("EI"), *curvatures, Operator("d"), Name("x")))
+
+
+def meaning(known: Identity, doc: str, planar: bool) -> Text:
+    """What an integral is: its formula, or the words of the derivation where it has none."""
+    if known.family in INTEGRANDS:
+        component = known.components[0] if len(known.components) == 1 else 0
+        shown = Math(integral_formula(known.family, known.shapes, component, planar))
+        return ("symmetric part of ", shown) if known.family in SYMMETRIC and not planar else (shown,)
+    if known.family is Family.STIFFNESS and planar and known.shapes:
+        return ("stiffness ", Math(stiffness_formula(known.shapes)))
+    return (doc,)
+
+
+def unit(text: str) -> str:
+    """A unit with its powers raised, on one line."""
+    first, *powers = text.split("^")
+    raised = (f"{power[:1].translate(RAISED)}{power[1:]}" for power in powers)
+    return "".join((first, *raised)).replace(" ", "\N{NO-BREAK SPACE}")
+
+
+def reason(why: Reason | str, notation: Notation) -> Text:
+    """Why something vanishes, with the integrals in it as formulas."""
+    if isinstance(why, str):
+        return (why,)
+    text: list[Inline] = []
+    for words, symbols in why.by_reason.items():
+        text += ["; "] if text else []
+        text += _listed(symbols, notation)
+        text.append(f" = 0 by {words}")
+    return tuple(text) or (why.identity,)
+
+
+def _listed(symbols: Sequence[sp.Symbol], notation: Notation) -> list[Inline]:
+    if len(symbols) >= FEW:
+        return [_integral(symbols[0], notation), " … ", _integral(symbols[-1], notation)]
+    return [part for k, s in enumerate(symbols) for part in ([", "] if k else []) + [_integral(s, notation)]]
+
+
+def _integral(symbol: sp.Symbol, notation: Notation) -> Inline:
+    """An integral; a whole table where it has no indices."""
+    known = symbol.identity if isinstance(symbol, Symbol) else None
+    if known is not None and known.family in INTEGRANDS and not known.shapes and not known.components:
+        return Math(whole(known.family))
+    return Math(notation.formula(symbol))
