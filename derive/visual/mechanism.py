@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
 from html import escape
 
 import numpy as np
+import sympy as sp
 from numpy.typing import NDArray
 
 from derive.artifacts import MARK
+from derive.mechanics.multibody.joints.registry import JOINTS
+from derive.mechanics.multibody.point_motion import Link, PointMotion, fixed_point
 from derive.simulation.observables.motion import (
     body_coordinates,
     drive_values,
@@ -19,7 +22,19 @@ from derive.simulation.observables.motion import (
     si_value,
     transformed,
 )
-from derive.spec.model.scene import GROUND, BeamBody, CustomBody, Force, Joint, MarkerRef, RigidBody, Scene, Spring
+from derive.spec.model.body import Parameter
+from derive.spec.model.scene import (
+    GROUND,
+    BeamBody,
+    CustomBody,
+    CustomJoint,
+    Force,
+    Joint,
+    MarkerRef,
+    RigidBody,
+    Scene,
+    Spring,
+)
 
 Array = NDArray[np.float64]
 Poses = Mapping[str, Array]
@@ -32,6 +47,9 @@ STEPS, CLOSED, DIFFERENCE = 80, 1e-10, 1e-7
 
 LETTER, LINE = 6.6, 15
 """Width of a letter and height of a line of a label, in pixels."""
+
+SYMBOL = 5
+"""The unit of the symbols of joints, in pixels."""
 
 INSTANTS = 101
 """Instants at which the direction of a force is looked for."""
@@ -100,21 +118,27 @@ def _placed(pose: Array, point: Array) -> Array:
 
 
 def _residuals(scene: Scene, joint: Joint, poses: Poses) -> Iterator[float]:
-    """The constraints of a joint and its drive at t = 0; a kind that is not listed has none here."""
-    apart = position(scene, joint.second, poses) - position(scene, joint.first, poses)
-    first, second = poses[joint.first.body], poses[joint.second.body]
+    """The constraints of a joint and its drive at t = 0, from the equations of its type."""
+    joint_type = JOINTS[joint.kind]
+    link = Link(*(_still(position(scene, end, poses), poses[end.body][2]) for end in (joint.first, joint.second)))
+    if isinstance(joint, CustomJoint):
+        joint = replace(
+            joint, values={k: si_value(v) if isinstance(v, Parameter) else v for k, v in joint.values.items()}
+        )
+    equations = joint_type.equations(joint, link)
+    known = {definition.symbol: definition.expr for definition in equations.definitions}
+    for multiplier, (residual, _, _) in zip(joint_type.multipliers, equations.residuals, strict=True):
+        value = float(sp.sympify(residual).xreplace(known))
+        yield _angle(value) if multiplier.unit == "rad" else value
     drive = next((d for d in scene.drives if d.joint == joint.name), None)
-    value = float(drive_values(drive, np.zeros(1))[0]) if drive else 0.0
-    if joint.kind == "translational":
-        along = _axis(joint, first)
-        yield float(along[0] * apart[1] - along[1] * apart[0])
-        yield _angle(second[2] - first[2] - joint.angle)
-        if drive:
-            yield float(along @ apart) - value
-    elif joint.kind in ("revolute", "weld", "fixed"):
-        yield from map(float, apart)
-        if drive or joint.kind != "revolute":
-            yield _angle(second[2] - first[2] - (value if drive else joint.angle))
+    if drive and joint_type.driven and equations.driven:
+        value = float(sp.sympify(equations.driven[0]).xreplace(known)) - float(drive_values(drive, np.zeros(1))[0])
+        yield _angle(value) if joint_type.driven.unit == "rad" else value
+
+
+def _still(at: Array, rotation: float) -> PointMotion:
+    """A marker at rest."""
+    return replace(fixed_point(sp.Matrix(at)), rotation=sp.Float(rotation))
 
 
 def _axis(joint: Joint, pose: Array) -> Array:
@@ -273,37 +297,26 @@ def _supports(drawing: _Drawing, scene: Scene) -> None:
         drawing.taken.append((x - 14, y, 28, 20))
 
 
-def _circle(x: float, y: float) -> str:
-    return f'  <circle class="joint" cx="{x:g}" cy="{y:g}" r="5"/>'
-
-
-def _square(x: float, y: float) -> str:
-    return f'  <rect class="weld" x="{x - 5:g}" y="{y - 5:g}" width="10" height="10"/>'
-
-
-SYMBOLS: dict[str, Callable[[float, float], str]] = {
-    "revolute": _circle,
-    "weld": _square,
-    "fixed": _square,
-    "translational": _circle,
-}
-"""How joints are drawn; a kind that is not listed is a circle."""
-
-
 def _joint(drawing: _Drawing, scene: Scene, joint: Joint, poses: Poses) -> None:
     x, y = drawing.at(position(scene, joint.second, poses))
-    if joint.kind == "translational":
+    symbol = JOINTS[joint.kind].drawing
+    if symbol.guide:
         along = _axis(joint, poses[joint.first.body]) * (1, -1)
         across = np.array([-along[1], along[0]])
         for side in (14, -14):
             ends = [np.array([x, y]) + side * across + way * along for way in (-38, 38)]
             drawing.path("fixed", [tuple(np.round(p, 1)) for p in ends])
             _along(drawing, (float(ends[0][0]), float(ends[0][1])), (float(ends[1][0]), float(ends[1][1])))
-    drawing.lines.append(SYMBOLS.get(joint.kind, _circle)(x, y))
+    for (cx, cy), radius in symbol.circles:
+        centre = f'cx="{x + SYMBOL * cx:g}" cy="{y - SYMBOL * cy:g}"'
+        drawing.lines.append(f'  <circle class="joint" {centre} r="{SYMBOL * radius:g}"/>')
+    for points in symbol.lines:
+        kind = "weld" if points[0] == points[-1] else "fixed"
+        drawing.path(kind, [(x + SYMBOL * px, y - SYMBOL * py) for px, py in points])
     drawing.label(x, y, joint.name, "joints")
     for drive in scene.drives:
         if drive.joint == joint.name:
-            _arrow(drawing, x, y, None if joint.kind != "translational" else _axis(joint, poses[joint.first.body]))
+            _arrow(drawing, x, y, _axis(joint, poses[joint.first.body]) if symbol.guide else None)
             drawing.label(x, y, drive.name, "drives")
 
 

@@ -26,8 +26,10 @@ from derive.mechanics.multibody.joints.registry import JOINTS
 from derive.mechanics.multibody.keys import Key, KeyType
 from derive.mechanics.multibody.point_motion import Link
 from derive.registry import UnknownNameError
+from derive.simulation.observables.player_data import player_data
 from derive.spec.tables.specification import json_schema
 from derive.spec.toml.read import parse
+from derive.visual.mechanism import initial_poses, mechanism_picture
 
 G = 9.81
 
@@ -39,7 +41,7 @@ class Distance(JointType):
     keys = (Key("distance", KeyType.POSITIVE_QUANTITY, "m", "The distance of the markers, m.", required=True),)
     freedom = 2
     multipliers = (Multiplier("tension", "{markers} keep their distance", "m", "N"),)
-    drawing = Drawing()
+    drawing = Drawing(lines=(((-1, -2), (1, 2)),))
 
     def equations(self, joint, link):
         d, v, a = link.displacement
@@ -167,6 +169,15 @@ def test_a_joint_that_keeps_a_distance(toys):
     # The rope pulls with m g cos + m v^2 / L, towards the ground.
     cosine, speed = -y / 0.5, np.hypot(found["bob_c1dot"], found["bob_c2dot"])
     np.testing.assert_allclose(np.abs(found["rope_tension"]), 2 * (G * cosine + speed**2 / 0.5), rtol=1e-7)
+
+
+def test_a_joint_is_drawn_as_it_declares(toys):
+    scene = parse(HEAD + POINT.replace("default = 0.5", "default = 0.6") + RUN)
+    x, y, _ = initial_poses(scene)["bob"]  # closed by the equations of the joint, which the picture knows nothing of
+    assert np.hypot(x, y) == pytest.approx(0.6)
+    assert '<polyline class="fixed"' in mechanism_picture(scene)
+    (joint,) = player_data(derive.simulate(scene).motion, [])["joints"]
+    assert joint["lines"] == Distance.drawing.lines and "axis" not in joint
 
 
 def test_a_body_that_is_described_by_its_radius(toys):

@@ -93,7 +93,8 @@ def test_outlines_speeds_and_guides() -> None:
     found = player_data(Motion(scene, motion.native, motion.k, motion.t, motion.q, motion.v), [])
     assert found["rigid"][0]["outline"] == [[0, 0], [2, 0], [0, 2]]
     guide = found["joints"][3]
-    assert guide["kind"] == "translational" and guide["axis"] == [1, 0]
+    assert guide["axis"] == [1, 0] and "axis" not in found["joints"][0]
+    assert found["joints"][0]["circles"] == (((0.0, 0.0), 1.0),) and not found["joints"][0]["lines"]
     assert 0.15 <= guide["way"][0] < guide["way"][1] <= 0.45
     assert speeds(0.1) == [0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1]
     assert speeds(10)[3] == 1 and speeds(15)[3] in (1, 2) and len(speeds(0)) == 7

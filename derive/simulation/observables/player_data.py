@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from derive.mechanics.multibody.joints.registry import JOINTS
 from derive.simulation.observables.beams import (
     amplitudes,
     beam_bodies,
@@ -155,9 +156,15 @@ def _on_beam(beam: BeamBody, marker: str) -> list[float]:
 
 
 def _joint(motion: Motion, joint: Joint, markers: list[MarkerRef], at: dict[MarkerRef, Array]) -> Plain:
-    """The markers of a joint; of a translational one its axis, and the range of the second marker along it."""
-    data: Plain = {"kind": joint.kind, "first": markers.index(joint.first), "second": markers.index(joint.second)}
-    if joint.kind == "translational":
+    """The markers and the symbol of a joint; of a guide its axis, and the range of the second marker along it."""
+    drawing = JOINTS[joint.kind].drawing
+    data: Plain = {
+        "first": markers.index(joint.first),
+        "second": markers.index(joint.second),
+        "lines": drawing.lines,
+        "circles": drawing.circles,
+    }
+    if drawing.guide:
         axis = np.array([float(a) for a in joint.axis])
         axis /= np.hypot(*axis)
         on_ground = joint.first.body == GROUND

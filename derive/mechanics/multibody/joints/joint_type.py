@@ -48,10 +48,10 @@ Point = tuple[float, float]
 
 @dataclass(frozen=True)
 class Drawing:
-    """A symbol at the markers, in lengths of a marker; x points along the axis of the joint.
+    """A symbol at the second marker, in the frame of its body; its unit is half the size of the symbol of a weld.
 
-    `lines` are open polygons, `circles` have a centre and a radius. A `guide` is a line through the first marker, as
-    long as the second marker moves.
+    `lines` are open polygons, `circles` have a centre and a radius. With a `guide` the symbol is on a line through the
+    first marker, along `joint.axis` in the frame of the first body, as long as the second marker moves.
     """
 
     lines: tuple[tuple[Point, ...], ...] = ()

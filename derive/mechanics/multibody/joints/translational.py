@@ -44,7 +44,7 @@ class Translational(JointType):
     intermediates = ("axis_1", "axis_2")
     driven: ClassVar[DrivenCoordinate] = DrivenCoordinate("m", "m/s", "N", "drive {drive} displaces {second}")
     rigid_first = True
-    drawing = Drawing(lines=(((-1.5, -1.0), (1.5, -1.0), (1.5, 1.0), (-1.5, 1.0), (-1.5, -1.0)),), guide=True)
+    drawing = Drawing(circles=(((0.0, 0.0), 1.0),), guide=True)
 
     def equations(self, joint: Joint, link: Link) -> JointEquations:
         """The axis rotates with the first body; its normal is e3 x axis."""
