@@ -17,7 +17,7 @@ def main() -> float:
     values = np.geomspace(1, 1000, 7)
     frequencies = []
     for stiffness in values:
-        k = native.setup([1.0, 1.0, stiffness])
+        k = native.setup(EI=stiffness)
         acceleration = native.accel(0.0, [0, 0, 0, 1e-3, 0], np.zeros(5), k)[3]
         frequencies.append(np.sqrt(-acceleration / 1e-3))
     for stiffness, frequency in zip(values, frequencies, strict=True):

@@ -8,10 +8,37 @@ from pathlib import Path
 
 import pytest
 
+import derive
 from conftest import ROOT
+from derive.backends.model_files import specification
 from derive.cli.main import main
+from derive.spec.toml.read import parse
+from markdown_pages import blocks, copy_tree, run_page
 
 PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md"), ROOT / "bench/README.md"])
+
+RUN = [page for page in PAGES if page.parent == ROOT / "docs" and blocks(page)]
+
+
+@pytest.mark.parametrize("page", RUN, ids=lambda page: page.stem)
+def test_code_runs_as_printed(page: Path, tmp_path: Path) -> None:
+    tree = copy_tree(tmp_path)
+    committed = {p: p.read_bytes() for folder in ("generated", "docs") for p in (tree / folder).rglob("*.*")}
+    outputs = run_page(page, tree)
+    assert len(outputs) >= 2
+    assert {p: p.read_bytes() for p in committed} == committed
+
+
+def test_tutorials_are_run() -> None:
+    assert {page.stem for page in RUN} == {"commands", "tutorial_body", "tutorial_c", "tutorial_mechanism"}
+
+
+def test_shown_specifications_are_the_scenes() -> None:
+    for page in RUN:
+        for block in blocks(page, "toml"):
+            if not block.comment:
+                shown = parse(block.text, str(ROOT / "scenes/shown.toml"))
+                assert specification(shown) == specification(derive.read(ROOT / f"scenes/{shown.name}.toml"))
 
 
 def test_reference_of_keys_is_that_of_the_schema(

@@ -32,21 +32,48 @@ def hilbert_condition(shapes: int) -> float:
 
 
 CHECKS: dict[str, Check] = {
+    "andrews_squeezer": near(  # IVP Test Set; nine digits
+        {
+            "beta": 15.81077119629904,
+            "gamma": 0.04082224013073101,
+            "delta": 0.5244099658805304,
+            "epsilon": 1.048080741042263,
+        },
+        5e-10,
+    ),
     "batch_of_states": lambda value: value == 0,
     "block_frequencies": lambda value: value < 1e-9,
     "block_tumbling": near(1, 1e-9),
     "call_c_from_c": near(-7.2, 1e-14),
+    "crank_slider_beams": near([0.206, 0.030], 0.015),  # an independent prototype
+    "crank_slider_frames": lambda value: (  # an independent prototype
+        [count for count, _ in value.values()] == [6, 16]
+        and [y for _, y in value.values()] == pytest.approx([0.0142043, 0.0142163], abs=6e-8)
+    ),
+    "damped_oscillator": lambda value: value < 1e-9,
+    "dense_and_sparse": lambda value: value < 1e-10,
+    "dop853_or_ida": lambda value: 0 < value < 1e-4,
+    "double_pendulum_energy": lambda value: value < 1e-8,
+    "four_bar_rigid": lambda value: value < 1e-9,
     "free_beam_frequencies": near(2.5e-4, 0.02),  # of the Ritz method with P2 to P7
+    "gravity_pendulum": near(1, 1e-9),
     "mean_or_point_frame": lambda value: value == (15, 5),
     "monomial_conditioning": lambda value: value == pytest.approx((hilbert_condition(10), 23 / 5), rel=1e-6),
     "parameter_sweep": near(0.5, 1e-12),
+    "pendulum_reaction": near(2.5, 1e-6),
     "python_without_tisserand": near(1.6875, 1e-14),
     "runge_kutta_step_limit": lambda value: value[0] < 1e-3 and value[1] > 1e3,
     "sid_round_trip": lambda value: value == 0,
+    "slider_crank_rigid": lambda value: value < 1e-9,
     "spin_softening": lambda value: (
         value["mean"] == pytest.approx(np.sqrt([720, 8400]), rel=1e-6)
         and value["point"] == pytest.approx(np.sqrt([720, 8400 / 6.25]), rel=1e-6)
     ),
+    "spun_up_cantilever": lambda value: (
+        value[0] == pytest.approx(3.5160, rel=5e-4) and value[1] == pytest.approx(1, abs=0.01) and value[2] > 10
+    ),
+    "static_equilibrium": near(1, 1e-5),
+    "symbolic_body": lambda value: value < 1e-9,
 }
 
 

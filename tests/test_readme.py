@@ -1,101 +1,71 @@
-"""Every command and every piece of code of the README, as printed, in a copy of the tree."""
+"""The README: every command and every piece of code as printed, and what its readers look for."""
 
 from __future__ import annotations
 
-import os
-import re
-import shutil
-import subprocess
-import sys
 from pathlib import Path
 
-import numpy as np
 import pytest
 
-import derive
 from conftest import ROOT
+from markdown_pages import RUN_BY_CI, blocks, copy_tree, run_page
 
-RUN_BY_CI = ("make test", ".venv/bin/pytest")
-"""These two run this test."""
-INSTALLS = ("python3 -m venv", ".venv/bin/pip install")
-"""Run by tests/test_package.py in an environment of their own; here .venv is the one that runs the tests."""
-
-
-def blocks(language: str) -> list[str]:
-    return re.findall(rf"```{language}\n(.*?)```", (ROOT / "README.md").read_text(), re.DOTALL)
-
-
-def commands() -> list[str]:
-    lines = [line.split("  #")[0].strip() for block in blocks("sh") for line in block.splitlines()]
-    return [line for line in lines if line and line not in RUN_BY_CI and not line.startswith(INSTALLS)]
+README = ROOT / "README.md"
 
 
 @pytest.fixture(scope="module")
-def copy(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The tree without its environment, which is linked; `make` finds it up to date."""
-    folder = tmp_path_factory.mktemp("readme") / "tree"
-    ignore = shutil.ignore_patterns(".venv", ".git", "__pycache__", ".*_cache", "results")
-    shutil.copytree(ROOT, folder, ignore=ignore)
-    (folder / ".venv" / "bin").mkdir(parents=True)
-    for tool in ("tisserand", "python"):
-        found = Path(sys.executable).parent / tool
-        script = folder / ".venv" / "bin" / tool
-        script.write_text(f'#!/bin/sh\nexec "{found}" "$@"\n')
-        script.chmod(0o755)
-    (folder / ".venv" / "installed").touch()
-    return folder
+def outputs(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
+    """What the blocks of the README print; it must leave the committed files as they are."""
+    tree = copy_tree(tmp_path_factory.mktemp("readme"))
+    committed = {p: p.read_bytes() for folder in ("generated", "docs") for p in (tree / folder).rglob("*.*")}
+    outputs = run_page(README, tree)
+    assert {p: p.read_bytes() for p in committed} == committed
+    return {block.text: output for block, output in outputs.items()}
 
 
-def test_commands_are_found() -> None:
-    assert len(commands()) >= 6
+def test_commands_run(outputs: dict[str, str]) -> None:
+    commands = [line for block in blocks(README, "sh") for line in block.commands()]
+    assert len(commands) == 5 and "make run" in commands[0]
+    assert RUN_BY_CI in README.read_text()
+    assert "5 of 25 structural non-zeros" in "".join(outputs.values())
 
 
-@pytest.mark.parametrize("command", commands())
-def test_command_runs(command: str, copy: Path) -> None:
-    before = {p: p.read_bytes() for folder in ("generated", "docs") for p in (copy / folder).rglob("*") if p.is_file()}
-    environment = {**os.environ, "PYTHONPATH": str(copy)}
-    done = subprocess.run(command, shell=True, cwd=copy, capture_output=True, text=True, env=environment, check=False)
-    assert done.returncode == 0, done.stderr
-    assert done.stdout and not done.stderr
-    after = {p: p.read_bytes() for p in before}
-    assert after == before  # what the README makes is what is committed
-
-
-def test_python_runs(copy: Path) -> None:
-    printed = []
-    for block in blocks("python"):
-        assert len([line for line in block.splitlines() if line and not line.startswith(("from", "import"))]) <= 10
-        done = subprocess.run([sys.executable, "-c", block], cwd=copy, capture_output=True, text=True, check=False)
-        assert done.returncode == 0, done.stderr
-        printed.append(done.stdout)
-    beam, body, scene = printed
-    assert "'steps': 1000" in scene
-    assert "144*EI*alpha1/l**3" in beam
-    inertia = 6.48 / 12 * np.array([0.1**2 + 0.06**2, 0.4**2 + 0.06**2, 0.4**2 + 0.1**2])
-    omega = np.array([1.0, 2.0, 3.0])
-    euler = -np.cross(omega, inertia * omega) / inertia
-    assert np.allclose([float(x) for x in body.strip(" []\n").split()], euler, rtol=1e-6)
-
-
-def test_specification_is_the_scene() -> None:
-    from derive.backends.model_files import specification
-    from derive.spec.toml.read import parse
-
-    beam, body, scene = blocks("toml")
-    assert parse(beam, "README.md") == derive.read(ROOT / "scenes/free_beam_mean.toml")
-    read = parse(body, str(ROOT / "scenes/README.md"))
-    assert specification(read) == specification(derive.read(ROOT / "scenes/block.toml"))
-    found = parse(scene, "README.md")
-    assert specification(found) == specification(derive.read(ROOT / "scenes/crank_slider_3.toml"))
+def test_five_lines_of_python(outputs: dict[str, str]) -> None:
+    (block,) = blocks(README, "python")
+    assert len(block.text.split("\n\n")[1].splitlines()) <= 5
+    accelerations = [float(x) for x in outputs[block.text].strip(" []\n").split()]
+    assert accelerations[3] == pytest.approx((9 - 720 * 30) * 0.01, rel=1e-6)  # (41) with EI = 30, m = l = 1
 
 
 def test_shown_c_is_the_generated_one() -> None:
-    (block,) = blocks("c")
-    assert block in (ROOT / "generated/free_beam_mean/free_beam_mean.c").read_text()
-    assert block.startswith("int free_beam_mean_mass(") and block.endswith("}\n")
+    (block,) = blocks(README, "c")
+    assert block.text in (ROOT / "generated/free_beam_mean/free_beam_mean.c").read_text()
+    assert block.text.startswith("int free_beam_mean_mass(") and block.text.endswith("}\n")
 
 
-def test_links_lead_somewhere() -> None:
-    for page in ("README.md", "CONTRIBUTING.md"):
-        for target in re.findall(r"\]\(([^)#:]+)\)", (ROOT / page).read_text()):
-            assert (ROOT / target).exists(), target
+@pytest.mark.parametrize(
+    "phrase",
+    ["flexible multibody dynamics", "floating frame of reference", "assumed modes", "generalised velocities", "planar"],
+)
+def test_a_specialist_meets_the_terms_of_the_field_at_once(phrase: str) -> None:
+    assert phrase in " ".join(README.read_text().splitlines()[:10])
+
+
+def test_running_needs_no_test_tools() -> None:
+    makefile = (ROOT / "Makefile").read_text()
+    rule = makefile.split("$(VENV)/installed:")[1].split("\n\n")[0]
+    assert "--editable .\n" in rule and "[test]" not in rule
+    assert "run: $(VENV)/installed\n" in makefile
+    assert all("[test]" not in block.text for block in blocks(README, "sh"))
+
+
+def test_it_is_read_in_five_minutes() -> None:
+    text = README.read_text()
+    for block in blocks(README):
+        text = text.replace(block.text, "")
+    assert len(text.split()) < 1300  # 250 words a minute
+
+
+def test_every_example_and_page_is_there() -> None:
+    for name in ("tutorial_mechanism", "tutorial_body", "tutorial_c", "theory", "reference_toml"):
+        assert f"docs/{name}.md" in README.read_text()
+        assert Path(ROOT / "docs" / f"{name}.md").exists()

@@ -53,12 +53,12 @@ class Trajectory(Mapping[str, Vector]):
         solution, model = self.solution, self.model
         columns = [Column("t", "s", solution.t)]
         columns += [Column(d.name, drive_unit(self.scene, d), drive_values(d, solution.t)) for d in self.scene.drives]
-        for variables, values in (
-            (model.coordinates, solution.q),
-            (model.rates, solution.v),
-            (model.multipliers, solution.lam),
+        for prefix, variables, values in (
+            ("", model.coordinates, solution.q),
+            ("", model.rates, solution.v),
+            ("lambda_", model.multipliers, solution.lam),  # a drive and its multiplier have one name otherwise
         ):
-            columns += [Column(x.name, x.unit, column) for x, column in zip(variables, values.T, strict=True)]
+            columns += [Column(f"{prefix}{x.name}", x.unit, y) for x, y in zip(variables, values.T, strict=True)]
         return tuple(columns)
 
     @property
