@@ -1,0 +1,178 @@
+"""Typed symbols: how they are printed, compared, ordered and stored, and that no model has two of one name."""
+
+from __future__ import annotations
+
+import copy
+import pickle
+from collections.abc import Iterator
+from dataclasses import fields, is_dataclass
+from functools import cache
+from typing import Any
+
+import pytest
+import sympy as sp
+
+import beams
+import derive
+from conftest import ROOT
+from derive.mechanics.symbols import (
+    MASS,
+    Family,
+    I,
+    Identity,
+    J,
+    Symbol,
+    amplitude,
+    element,
+    identity,
+    is_indexed,
+    local,
+    owned,
+    pair,
+    parameter,
+    quantity,
+    state_rate,
+    t,
+    vector,
+)
+from plain_symbols import plain
+
+
+def at_point(family: Family, point: str, component: int, *shapes: Any, **more: Any) -> Symbol:
+    return Symbol(Identity(family, shapes, (component,), point=point, **more))
+
+
+F = Family
+NAMES = {
+    "c1": quantity(F.TRANSLATION, 1),
+    "c2ddot": quantity(F.TRANSLATION, 2, derivative=2),
+    "phidot": quantity(F.ANGLE, derivative=1),
+    "e0": quantity(F.QUATERNION, 0),
+    "omega3dot": quantity(F.ANGULAR_VELOCITY, 3, derivative=1),
+    "pi2": quantity(F.VIRTUAL_ROTATION, 2),
+    "alpha12ddot": amplitude(12, 2),
+    "alphadot_j": amplitude(J, 1),
+    "sdot": quantity(F.GUIDE, derivative=1),
+    "mass": MASS,
+    "c1_1": quantity(F.C1, 1),
+    "c2_i_3": quantity(F.C2, 3, shapes=(I,)),
+    "C3": quantity(F.C3),
+    "C4_2_13": quantity(F.C4, 1, 3, shapes=(2,)),
+    "C5_1_2_23": pair(F.C5, 2, 1, 2, 3),
+    "c6_2": quantity(F.C6, shapes=(2,)),
+    "c7_i_j_1": quantity(F.C7, 1, shapes=(I, J)),
+    "c8_1_12": pair(F.C8, 12, 1),
+    "K_1_2": pair(F.STIFFNESS, 1, 2),
+    "B_3_3": pair(F.DAMPING, 3, 3),
+    "C3_11_": Symbol(Identity(F.C3, components=(1, 1), parameter=True)),
+    "d1dot_2": quantity(F.D1, 2, derivative=1),
+    "D2_1": quantity(F.D2, shapes=(1,)),
+    "d3_i_1": quantity(F.D3, 1, shapes=(I,)),
+    "Sdot_12": quantity(F.S, 1, 2, derivative=1),
+    "J_33": quantity(F.INERTIA, 3, 3),
+    "C5_4": quantity(F.C5_SUM, shapes=(4,)),
+    "c7dot_2_3": quantity(F.C7_SUM, 3, derivative=1, shapes=(2,)),
+    "c8ddot_i": quantity(F.C8_SUM, derivative=2, shapes=(I,)),
+    "c8dotdot": quantity(F.RATE_PRODUCT),
+    "elastic_i": quantity(F.ELASTIC, shapes=(I,)),
+    "damping_2": quantity(F.DAMPING_FORCE, shapes=(2,)),
+    "strain": quantity(F.STRAIN),
+    "crank_cos_phi": owned(quantity(F.COSINE), "crank"),
+    "sin_phi": quantity(F.SINE),
+    "Q_31": quantity(F.ROTATION_TENSOR, 3, 1),
+    "oo_12": quantity(F.OMEGA_PRODUCT, 1, 2),
+    "g_1": quantity(F.GRAVITY, 1),
+    "gb_3": quantity(F.BODY_GRAVITY, 3),
+    "F_2": quantity(F.FORCE, 2),
+    "Fb_1": quantity(F.BODY_FORCE, 1),
+    "X0_1": at_point(F.POINT_POSITION, "0", 1),
+    "Phi0_i_2": at_point(F.POINT_SHAPE, "0", 2, I),
+    "crank_X_hub_1": at_point(F.POINT_POSITION, "hub", 1, owner="crank"),
+    "rod_1_Phi_right_3_2": at_point(F.POINT_SHAPE, "right", 2, 3, owner="rod_1"),
+    "turn_hub_3": Symbol(Identity(F.SECTION_ROTATION, (3,), point="hub")),
+    "rdot_1": quantity(F.RADIUS, 1, derivative=1),
+    "crank_hub_s_1": at_point(F.LEVER, "hub", 1, owner="crank"),
+    "EI": parameter("EI"),
+    "spring_length": element("spring", "length"),
+    "t": t,
+    "even_11": local("even", 1, 1),
+    "phi_t": state_rate(quantity(F.ANGLE)),
+}
+SYMBOLS = tuple(NAMES.values())
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_names_are_as_printed(name: str) -> None:
+    assert str(NAMES[name]) == NAMES[name].name == NAMES[name].identity.name == name
+
+
+def test_every_family_has_a_name_here() -> None:
+    assert {s.identity.family for s in SYMBOLS} == set(Family)
+
+
+def test_a_symbol_is_its_identity_and_no_plain_symbol() -> None:
+    for symbol in SYMBOLS:
+        again = symbol.identity.symbol
+        assert again == symbol and hash(again) == hash(symbol) and again is symbol
+        assert symbol != sp.Symbol(symbol.name) and identity(symbol) is symbol.identity
+    guide, lever = (Symbol(Identity(family, owner="crank")) for family in (F.GUIDE, F.LEVER))
+    assert guide.name == lever.name == "crank_s" and guide != lever and sp.expand(guide - lever) != 0
+    assert parameter("m", positive=True) != parameter("m") and parameter("m", positive=True).is_positive
+    with pytest.raises(TypeError, match="x is no symbol of the derivation"):
+        identity(sp.Symbol("x"))
+
+
+def test_generic_indices_are_known() -> None:
+    assert [is_indexed(NAMES[n]) for n in ("alphadot_j", "c7_i_j_1", "alpha12ddot", "c8_1_12")] == [1, 1, 0, 0]
+    assert not is_indexed(sp.Symbol("c2_i_1")) and not is_indexed(sp.S.One)
+    assert vector(F.C2, 3, shapes=(I,)).free_symbols == {quantity(F.C2, k, shapes=(I,)) for k in (1, 2, 3)}
+
+
+@pytest.mark.parametrize("symbol", [*SYMBOLS, parameter("m", positive=True)], ids=str)
+def test_symbols_survive_pickling_and_copying(symbol: Symbol) -> None:
+    for again in (pickle.loads(pickle.dumps(symbol)), copy.copy(symbol), copy.deepcopy(symbol)):
+        assert again == symbol and again.identity == symbol.identity and again.assumptions0 == symbol.assumptions0
+    expr = 2 * symbol**2 + sp.sin(symbol)
+    assert pickle.loads(pickle.dumps(expr)) == expr
+
+
+def test_sums_and_products_are_ordered_like_those_of_plain_symbols() -> None:
+    expr = sp.expand(sum(SYMBOLS[::3]) * sum(SYMBOLS[1::3]) - 3 * sum(SYMBOLS[2::3]) ** 2 + sp.prod(SYMBOLS))
+    assert str(expr) == str(plain(expr))
+    ordered = [[list(map(str, part.args)) for part in (whole, *whole.args)] for whole in (expr, plain(expr))]
+    assert ordered[0] == ordered[1] and len(expr.args) > 400
+    assert list(map(str, sorted(SYMBOLS, key=sp.default_sort_key))) == list(
+        map(str, sorted(map(plain, SYMBOLS), key=sp.default_sort_key))
+    )
+
+
+# Models.
+
+
+@cache
+def model(name: str) -> Any:
+    if name == "flat beam":
+        return beams.made("point", 2).equations
+    return derive.derive(derive.read(ROOT / "scenes" / f"{name}.toml"))
+
+
+def symbols_of(value: Any) -> Iterator[sp.Symbol]:
+    """All symbols that the parts of a dataclass hold."""
+    if isinstance(value, sp.Basic | sp.MatrixBase):
+        yield from value.free_symbols
+    elif is_dataclass(value):
+        for field in fields(value):
+            yield from symbols_of(getattr(value, field.name))
+    elif isinstance(value, tuple | list | set | frozenset):
+        for part in value:
+            yield from symbols_of(part)
+    elif isinstance(value, dict):
+        for item in value.items():
+            yield from symbols_of(item)
+
+
+@pytest.mark.parametrize("name", ["flat beam", "body_symbolic", "double_pendulum", "crank_slider_3"])
+def test_no_two_symbols_of_a_model_have_one_name(name: str) -> None:
+    found = set(symbols_of(model(name)))
+    assert len(found) > 20 and all(isinstance(symbol, Symbol) for symbol in found)
+    assert len({symbol.name for symbol in found}) == len(found)
