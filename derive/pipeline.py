@@ -76,7 +76,7 @@ def _of_scene(model: Model) -> tuple[str, ...]:
         f"KKT matrix: {size} x {size}, {entries} non-zeros, {model.kkt.fill} filled in; accelerations and multipliers "
         f"take {model.kernel('solve').operations} operations"
     )
-    return (*(f"left out: {out.what}: {out.reason}" for out in model.left_out), solving)
+    return (*(f"left out: {out.what}: {out.reason}" for out in model.eliminated), solving)
 
 
 def _of_modes(spec: Specification) -> tuple[str, ...]:

@@ -97,7 +97,7 @@ class ModelText:
     vanished: tuple[str, ...]
     bodies: tuple[str, ...]
     multipliers: tuple[str, ...]
-    left_out: tuple[str, ...]
+    eliminated: tuple[str, ...]
 
 
 def model_text(model: Model) -> ModelText:
@@ -131,7 +131,7 @@ def model_text(model: Model) -> ModelText:
         vanished=_by_reason(model.vanished),
         bodies=model.bodies,
         multipliers=tuple(f"{k}  {m.name}  [{m.unit}]  {m.doc}" for k, m in enumerate(model.multipliers)),
-        left_out=tuple(f"{out.what}: {out.reason}" for out in model.left_out),
+        eliminated=tuple(f"{out.what}: {out.reason}" for out in model.eliminated),
     )
 
 
@@ -176,7 +176,7 @@ def description(said: ModelText) -> tuple[Prose, ...]:
             if said.multipliers
             else ()
         ),
-        *(block("What is not modelled, and why:", said.left_out) if said.left_out else ()),
+        *(block("What is not modelled, and why:", said.eliminated) if said.eliminated else ()),
         *block("Parameters p:", said.parameters),
         *block("Constants k, made of them by setup:", said.constants),
         *block("Mass matrix, x a value and . a structural zero:", said.picture),

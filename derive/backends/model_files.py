@@ -95,6 +95,6 @@ def _of_scene(model: Model) -> dict[str, object]:
                 "of": model.kkt.pattern.rows**2,
                 "fill_in": model.kkt.fill,
             },
-            "left_out": {out.what: out.reason for out in model.left_out},
+            "left_out": {out.what: out.reason for out in model.eliminated},
         }
     }

@@ -183,7 +183,7 @@ class Model:
     data: tuple[tuple[int, float], ...] = ()
     multipliers: tuple[Variable, ...] = ()
     bodies: tuple[str, ...] = ()
-    left_out: tuple[Zero, ...] = ()
+    eliminated: tuple[Zero, ...] = ()
     kkt: Kkt | None = None
 
     @property

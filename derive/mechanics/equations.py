@@ -189,7 +189,7 @@ class Pose:
 
 
 @dataclass(frozen=True)
-class LeftOut:
+class Eliminated:
     """What a scene does not need and the model does not have, with the reason."""
 
     what: str
@@ -201,7 +201,7 @@ class Equations:
     """The equations of motion of one model: the sum of the terms of each row is zero (no load at markers).
 
     A scene has the bodies' equations one after the other, with `constraints`: then the sum of a row is not zero, but
-    what the multipliers contribute, sum lambda_k jacobian_k. `poses` are those of its bodies, `left_out` says what is
+    what the multipliers contribute, sum lambda_k jacobian_k. `poses` are those of its bodies, `eliminated` says what is
     not modelled.
 
     `weight_energy` is the potential of gravity, None where there is none. `choice` says why the equations are written
@@ -234,7 +234,7 @@ class Equations:
     choice: str = ""
     constraints: tuple[Constraint, ...] = ()
     poses: tuple[Pose, ...] = ()
-    left_out: tuple[LeftOut, ...] = ()
+    eliminated: tuple[Eliminated, ...] = ()
 
     @property
     def force(self) -> tuple[sp.Expr, ...]:

@@ -122,16 +122,17 @@ NO_NAME = "cannot be a name: only the letters a to z and A to Z, digits and _ ar
         (
             '"ground.o"',
             '"bar.b"',
-            "13: joints.pin.between: both places are on the body bar; a joint is between two bodies, or ground and "
+            "13: joints.pin.between: both markers are on the body bar; a joint is between two bodies, or ground and "
             "body",
         ),
         (
             '"bar.a"',
             '"ground.o"',
-            "13: joints.pin.between: both places are on the ground, which does not move; one of them must be on a body",
+            "13: joints.pin.between: both markers are on the ground, which does not move; "
+            "one of them must be on a body",
         ),
-        ('"ground.o"', '"ground"', f'13: joints.pin.between[0]: "ground" is no place: {PLACE}'),
-        ('"ground.o"', '"a.b.c"', f'13: joints.pin.between[0]: "a.b.c" is no place: {PLACE}'),
+        ('"ground.o"', '"ground"', f'13: joints.pin.between[0]: "ground" is no marker: {PLACE}'),
+        ('"ground.o"', '"a.b.c"', f'13: joints.pin.between[0]: "a.b.c" is no marker: {PLACE}'),
         (
             '"ground.o"',
             "3",
@@ -141,7 +142,7 @@ NO_NAME = "cannot be a name: only the letters a to z and A to Z, digits and _ ar
         (
             '["ground.o", "bar.a"]',
             '"ground.o"',
-            '13: joints.pin.between: a list of 2 places is needed, such as ["ground.bearing", "crank.hub"], not text',
+            '13: joints.pin.between: a list of 2 markers is needed, such as ["ground.bearing", "crank.hub"], not text',
         ),
         ('kind = "revolute"', 'kind = "hinge"', f'12: joints.pin.kind: {JOINTS}, not "hinge"'),
         ('kind = "revolute"', "", '11: joints.pin.kind: this key is missing; write kind = "revolute"'),
@@ -217,7 +218,7 @@ SLIDE = "[joints.slide]\nkind = 'translational'\nbetween = ['rod.left', 'bar.b']
         (
             SLIDE,
             "16: joints.slide.between: the line must belong to the ground or to a rigid body, and rod is a beam; swap "
-            "the two places",
+            "the two markers",
         ),
         (
             SLIDE.replace("bar.b", "bow.c") + "[bodies.bow]\nlength = 1\nmarkers = { c = 0 }",
@@ -252,7 +253,7 @@ SLIDE = "[joints.slide]\nkind = 'translational'\nbetween = ['rod.left', 'bar.b']
         ("[torques.m]\nat = 'bar.a'", "14: torques.m.value: this key is missing; write value = 1.5"),
         (
             "[springs.s1]\nbetween = ['bar.a', 'bar.a']\nstiffness = 1",
-            "15: springs.s1.between: a spring is between two places, and these are the same",
+            "15: springs.s1.between: a spring is between two markers, and these are the same",
         ),
         (
             f"{BOTH}stiffness = 1\nkind = 'helix'",
@@ -312,7 +313,7 @@ SLIDE = "[joints.slide]\nkind = 'translational'\nbetween = ['rod.left', 'bar.b']
         ),
         (
             PLOT.replace("rod.right", "rod.left"),
-            "16: plots.p.chord: a chord is between two places, and these are the same",
+            "16: plots.p.chord: a chord is between two markers, and these are the same",
         ),
         (PLOT.replace("= 1", "= 0"), "17: plots.p.divided_by: a positive number is needed, not 0"),
         (

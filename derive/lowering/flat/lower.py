@@ -50,7 +50,7 @@ def lower(equations: Equations) -> Model:
         multipliers=tuple(Variable(c.name, c.doc, c.force_unit) for c in equations.constraints),
         bodies=tuple(pose.name for pose in equations.poses),
         kkt=constraints.kkt(context) if scene else None,
-        left_out=tuple(Zero(out.what, out.reason) for out in equations.left_out),
+        eliminated=tuple(Zero(out.what, out.reason) for out in equations.eliminated),
         vanished=tuple(Zero(f"{v.term.name} term of row {v.term.row}", str(v.reason)) for v in equations.vanished),
     )
 

@@ -11,7 +11,7 @@ import sympy as sp
 
 from derive.errors import Problem, SpecError
 from derive.mechanics import quantity
-from derive.mechanics.equations import Coefficient, Equations, LeftOut, ParameterSymbol
+from derive.mechanics.equations import Coefficient, Eliminated, Equations, ParameterSymbol
 from derive.mechanics.multibody.bodies.body_type import BodyType, Constant
 from derive.mechanics.multibody.bodies.registry import BODIES
 from derive.mechanics.multibody.components import Component
@@ -22,7 +22,7 @@ from derive.mechanics.multibody.instances import point_motions
 from derive.mechanics.multibody.joints.joint_type import PrescribedMotion, Support
 from derive.mechanics.multibody.joints.registry import JOINTS
 from derive.mechanics.multibody.keys import quantities
-from derive.mechanics.multibody.mechanism import BodyInstance, ForceInstance, JointInstance, Kinds, Mechanism
+from derive.mechanics.multibody.mechanism import BodyInstance, BodyKinds, ForceInstance, JointInstance, Mechanism
 from derive.mechanics.multibody.point_motion import PointMotion, fixed_point
 from derive.mechanics.multibody.time_functions import finite_function, time_derivatives
 from derive.mechanics.symbols import Symbol, element, t
@@ -61,9 +61,9 @@ class _Assembly:
         self.joints = [self._with_constants(joint) for joint in self.joints]
         self.drives = {d.joint: PrescribedMotion(d.name, time_derivatives(self._motion(d))) for d in scene.drives}
         self.known: dict[str, Mapping[str, PointMotion]] = {GROUND: self._ground()}
-        self.kinds = Kinds()
+        self.kinds = BodyKinds()
         self.instances: dict[str, BodyInstance] = {}
-        self.eliminated = [LeftOut(GROUND, "it does not move: no coordinates")]
+        self.eliminated = [Eliminated(GROUND, "it does not move: no coordinates")]
         self.used_joints: set[str] = set()
 
     def mechanism(self) -> Mechanism:
@@ -81,7 +81,7 @@ class _Assembly:
         forces = self._forces()
         return Mechanism(
             scene=self.scene,
-            kinds=tuple(self.kinds.found),
+            kinds=tuple(self.kinds.kinds),
             instances=tuple(ordered),
             order=tuple(self.instances),
             ground=self.known[GROUND],
@@ -101,7 +101,7 @@ class _Assembly:
             body, joint, component, coordinates = step
             waiting.remove(body)
             self.used_joints.add(joint.name)
-            self.eliminated.append(LeftOut(body.name, coordinates.reason))
+            self.eliminated.append(Eliminated(body.name, coordinates.reason))
             if coordinates.rows:
                 self._complete(body)
             self._add(component, coordinates)
@@ -146,7 +146,7 @@ class _Assembly:
         instance = BodyInstance(component, self.kinds.number(component.body), coordinates)
         self.instances[component.name] = instance
         if not instance.moves:
-            self.known[component.name] = point_motions(instance, self.kinds.found[instance.kind])
+            self.known[component.name] = point_motions(instance, self.kinds.kinds[instance.kind])
 
     # ---- joints, drives and forces ----
 

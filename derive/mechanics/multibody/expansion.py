@@ -15,8 +15,8 @@ from derive.mechanics.equations import (
     Constraint,
     Coordinate,
     Definition,
+    Eliminated,
     Equations,
-    LeftOut,
     MarkerEquations,
     Pose,
     Row,
@@ -124,15 +124,15 @@ def _gathered(
         markers=tuple(m for m in _markers(bodies) if not _depends(m.definitions, m.position, moving)),
         constraints=conditions,
         poses=tuple(_pose(name, instance) for name, instance in instances.items()),
-        left_out=(*mechanism.eliminated, *_carried(instances, moving)),
+        eliminated=(*mechanism.eliminated, *_carried(instances, moving)),
     )
 
 
-def _carried(instances: Instances, moving: frozenset[sp.Symbol]) -> list[LeftOut]:
+def _carried(instances: Instances, moving: frozenset[sp.Symbol]) -> list[Eliminated]:
     """Bodies that stand on what a drive moves: functions without t cannot speak of them."""
     reason = "a drive carries it along, and these functions know no time"
     names = [name for name, instance in instances.items() if instance.rows and _of_time(instance, moving)]
-    return [LeftOut(f"{name} in energy, momentum and markers", reason) for name in names]
+    return [Eliminated(f"{name} in energy, momentum and markers", reason) for name in names]
 
 
 def _coefficients(mechanism: Mechanism, bodies: list[InstanceEquations]) -> tuple[Coefficient, ...]:

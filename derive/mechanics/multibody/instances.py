@@ -129,7 +129,7 @@ def _coefficient(group: str, c: Coefficient) -> Coefficient:
 
 def _definitions(name: str, definitions: tuple[Definition, ...], change: Symbols, point: str = "") -> list[Definition]:
     """Definitions under names of the scene; `change` learns them, and numbers for those that are constant here."""
-    found = []
+    result = []
     for d in definitions:
         if d.zero:
             continue
@@ -140,28 +140,28 @@ def _definitions(name: str, definitions: tuple[Definition, ...], change: Symbols
         symbol = owned(d.symbol, name, point)
         change[d.symbol] = symbol
         where = f"{name}_{point}" if point else name
-        found.append(replace(d, symbol=symbol, expr=expr, section=f"{where} {d.section}"))
-    return found
+        result.append(replace(d, symbol=symbol, expr=expr, section=f"{where} {d.section}"))
+    return result
 
 
 def _terms(equations: Equations, coordinates: CoordinateMap, change: Symbols) -> list[Term]:
-    found = []
+    result = []
     for row, weights in zip(coordinates.rows, coordinates.weights, strict=True):
         for old, weight in weights.items():
             for term in equations.terms:
                 expr = sp.expand(weight * term.expr.xreplace(change)) if term.row == old else sp.S.Zero
                 if expr != 0:
-                    found.append(replace(term, row=row.name, expr=expr))
-    return found
+                    result.append(replace(term, row=row.name, expr=expr))
+    return result
 
 
 def _kept(coordinates: CoordinateMap) -> dict[str, str]:
     """The rows that are those of the free body, by their names there."""
-    found = {}
+    result = {}
     for row, weights in zip(coordinates.rows, coordinates.weights, strict=True):
         if len(weights) == 1:
-            found[next(iter(weights))] = row.name
-    return found
+            result[next(iter(weights))] = row.name
+    return result
 
 
 def _vanished(equations: Equations, coordinates: CoordinateMap) -> list[Vanished]:

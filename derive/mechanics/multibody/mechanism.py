@@ -8,7 +8,7 @@ from typing import Any
 
 import sympy as sp
 
-from derive.mechanics.equations import Coefficient, Equations, LeftOut, ParameterSymbol
+from derive.mechanics.equations import Coefficient, Eliminated, Equations, ParameterSymbol
 from derive.mechanics.motion import Motion
 from derive.mechanics.multibody.components import Component
 from derive.mechanics.multibody.coordinates import CoordinateMap
@@ -93,7 +93,7 @@ class Mechanism:
     forces: tuple[ForceInstance, ...]
     parameters: tuple[ParameterSymbol, ...]
     constants: tuple[Coefficient, ...]
-    eliminated: tuple[LeftOut, ...]
+    eliminated: tuple[Eliminated, ...]
 
     def instance(self, name: str) -> BodyInstance:
         """An instance by its name."""
@@ -111,20 +111,20 @@ class Mechanism:
         return "\n".join([*lines, *(f"  {e.what}: {e.reason}" for e in self.eliminated)])
 
 
-class Kinds:
+class BodyKinds:
     """The kinds of bodies that have been found so far; equal ones are derived once."""
 
     def __init__(self) -> None:
-        self.found: list[BodyKind] = []
+        self.kinds: list[BodyKind] = []
 
     def number(self, body: Body) -> int:
         """The number of the kind of a body."""
         form = _without_values(body)
-        for number, kind in enumerate(self.found):
+        for number, kind in enumerate(self.kinds):
             if kind.body == form:
                 return number
-        self.found.append(BodyKind(form, equations(form)))
-        return len(self.found) - 1
+        self.kinds.append(BodyKind(form, equations(form)))
+        return len(self.kinds) - 1
 
 
 def _without_values(body: Body) -> Body:

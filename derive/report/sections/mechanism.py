@@ -35,12 +35,12 @@ def mechanism_blocks(spec: Scene) -> tuple[Block, ...]:
 
 def body_blocks(spec: Scene, model: Model) -> tuple[Block, ...]:
     """The bodies with their coordinates, and what is eliminated."""
-    reasons = {out.what: out.reason for out in model.left_out}
+    reasons = {out.what: out.reason for out in model.eliminated}
     rows: list[list[Said]] = [["ground", "the inertial frame", "", "0", reasons.get("ground", "")]]
     for body in spec.bodies:
         kept = [q.name for q in model.coordinates if q.name.startswith(f"{body.name}_")]
         rows.append([body.name, _kind(body), _weight(body), str(len(kept)), reasons.get(body.name, "")])
-    others: list[list[Said]] = [[out.what, out.reason] for out in model.left_out if out.what not in _names(spec)]
+    others: list[list[Said]] = [[out.what, out.reason] for out in model.eliminated if out.what not in _names(spec)]
     blocks: list[Block] = [
         Heading("Bodies", "bodies"),
         Paragraph((f"A {model.doc}. Coordinates and constraints that the mechanism does not need are eliminated.",)),

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from derive.mechanics.multibody.forces.registry import FORCES
 from derive.mechanics.multibody.joints.registry import JOINTS
 from derive.simulation.observables.beams import (
     amplitudes,
@@ -72,7 +73,9 @@ def player_data(motion: Motion, curves: Sequence[Column]) -> Plain:
         "rods": [_beam(shown, beam, step) for beam in beams],
         "places": [_marker(scene, marker) for marker in markers],
         "joints": [_joint(shown, joint, markers, at) for joint in scene.joints],
-        "springs": [[markers.index(s.first), markers.index(s.second)] for s in scene.springs if s.kind == "linear"],
+        "springs": [
+            [markers.index(s.first), markers.index(s.second)] for s in scene.springs if FORCES[s.kind].along_line
+        ],
         "drives": [
             {"name": d.name, "unit": drive_unit(scene, d), "values": _channel(drive_values(d, shown.t), 1e-4)}
             for d in scene.drives

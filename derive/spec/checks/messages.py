@@ -30,7 +30,7 @@ QUANTITIES = {"mass": DEFAULT_MASS, "length": DEFAULT_LENGTH, "bending_stiffness
 def key_faults(error: ValidationError, data: Mapping[str, object]) -> list[Fault]:
     """What is wrong with single keys; of a flood of faults the first."""
     details = error.errors(include_url=False)
-    faults = [_fault(one, data) for one in details[:MAX_FAULTS]]
+    faults = [_fault(detail, data) for detail in details[:MAX_FAULTS]]
     if len(details) > MAX_FAULTS:
         faults.append(Fault((), f"{len(details) - MAX_FAULTS} more problems are not shown"))
     return faults

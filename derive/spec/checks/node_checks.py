@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
-from derive.spec.files.node_data import Checked, node_data
+from derive.spec.files.node_data import CheckedNodes, node_data
 from derive.spec.files.node_files import read_nodes
 from derive.spec.files.node_format import Units
 from derive.spec.model.body import NodeData
@@ -23,20 +23,20 @@ def nodes_of(body: Mapping[str, object], table: NodalTable | None, folder: Path)
     """
     if "nodes" not in body:
         return None, Faults()
-    found = read_nodes(body["nodes"], folder)
+    arrays_found = read_nodes(body["nodes"], folder)
     units = Units() if table is None else table.scales()
-    checked = node_data(found, units)
-    faults = Faults([*found.faults, *checked.faults])
+    checked = node_data(arrays_found, units)
+    faults = Faults([*arrays_found.faults, *checked.faults])
     if isinstance(body["nodes"], NodeData) and units != Units():
         faults.append(Fault(("body", "units"), "NodeData are in SI units; leave `units` out"))
-    if found.complete:
-        faults += _mode_faults(body, {key.removesuffix("_value") for key in found.arrays}, checked)
+    if arrays_found.complete:
+        faults += _mode_faults(body, {key.removesuffix("_value") for key in arrays_found.arrays}, checked)
     if checked.nodes is not None:
         faults += _node_faults(body, checked.nodes)
     return checked.data, faults
 
 
-def _mode_faults(body: Mapping[str, object], arrays: set[str], checked: Checked) -> Iterator[Fault]:
+def _mode_faults(body: Mapping[str, object], arrays: set[str], checked: CheckedNodes) -> Iterator[Fault]:
     """A number of modes that cannot be had."""
     asked = readable(values.mode_count, body.get("modes"))
     if "modes" in arrays:

@@ -24,7 +24,7 @@ def scene_faults(data: Raw) -> list[Fault]:
     view = SceneData(data)
     faults = [*_ground(view), *name_faults(view), *parameter_faults(view), *_shapes(view)]
     if view.complete:
-        faults += [*_places(view), *_joints(view), *_drives(view), *_weightless(view), *_actions(view), *_plots(view)]
+        faults += [*_markers(view), *_joints(view), *_drives(view), *_weightless(view), *_actions(view), *_plots(view)]
     return faults
 
 
@@ -35,47 +35,49 @@ def _ground(view: SceneData) -> Iterator[Fault]:
             yield Fault(("bodies", name), f"{text}; choose another name")
 
 
-def _places(view: SceneData) -> Iterator[Fault]:
-    """Places that do not exist."""
-    for path, place in view.places():
-        if place.body != GROUND and place.body not in view.names_of_bodies:
+def _markers(view: SceneData) -> Iterator[Fault]:
+    """Markers that do not exist."""
+    for path, marker in view.marker_refs():
+        if marker.body != GROUND and marker.body not in view.names_of_bodies:
             bodies = f"the bodies are {', '.join(view.names_of_bodies)}, and there is the ground"
-            hint = did_you_mean(place.body, (*view.names_of_bodies, GROUND), bodies)
-            yield Fault(path, f"there is no body {quoted(place.body)}{hint}")
+            hint = did_you_mean(marker.body, (*view.names_of_bodies, GROUND), bodies)
+            yield Fault(path, f"there is no body {quoted(marker.body)}{hint}")
             continue
-        markers = view.markers(place.body)
-        if markers is not None and place.marker not in markers:
-            yield Fault(path, _no_marker(view, place, markers))
+        markers = view.markers(marker.body)
+        if markers is not None and marker.marker not in markers:
+            yield Fault(path, _no_marker(view, marker, markers))
 
 
-def _no_marker(view: SceneData, place: MarkerRef, markers: list[str]) -> str:
-    who = "the ground" if place.body == GROUND else f"the body {place.body}"
-    said = f"{who} has no marker {quoted(place.marker)}"
+def _no_marker(view: SceneData, marker: MarkerRef, markers: list[str]) -> str:
+    who = "the ground" if marker.body == GROUND else f"the body {marker.body}"
+    text = f"{who} has no marker {quoted(marker.marker)}"
     if not markers:
-        such = "-1" if view.is_beam(place.body) else "[0, 0]"
-        table = "[ground.markers]" if place.body == GROUND else f"[bodies.{place.body}.markers]"
-        return f"{said}, and no others; write {table} with {place.marker} = {such}"
-    there = f"it has the marker{'s' * (len(markers) > 1)} {', '.join(markers)}"
-    return said + did_you_mean(place.marker, markers, there)
+        such = "-1" if view.is_beam(marker.body) else "[0, 0]"
+        table = "[ground.markers]" if marker.body == GROUND else f"[bodies.{marker.body}.markers]"
+        return f"{text}, and no others; write {table} with {marker.marker} = {such}"
+    known_names = f"it has the marker{'s' * (len(markers) > 1)} {', '.join(markers)}"
+    return text + did_you_mean(marker.marker, markers, known_names)
 
 
 def _joints(view: SceneData) -> Iterator[Fault]:
     for name, joint in view.tables["joints"].items():
-        places = view.pair("joints", name)
-        if places is None:
+        markers = view.pair("joints", name)
+        if markers is None:
             continue
-        first, second = (place.body for place in places)
+        first, second = (marker.body for marker in markers)
         path: KeyPath = ("joints", name, "between")
         if first == second == GROUND:
-            yield Fault(path, "both places are on the ground, which does not move; one of them must be on a body")
+            yield Fault(path, "both markers are on the ground, which does not move; one of them must be on a body")
         elif first == second and first in view.names_of_bodies:
-            yield Fault(path, f"both places are on the body {first}; a joint is between two bodies, or ground and body")
+            yield Fault(
+                path, f"both markers are on the body {first}; a joint is between two bodies, or ground and body"
+            )
         elif (joint_type := _type(joint)) and joint_type.rigid_first and view.is_beam(first):
             text = f"the line must belong to the ground or to a rigid body, and {first} is a beam"
             if view.is_beam(second):
                 yield Fault(path, f"{text}, as {second} is; weld a rigid body to {first}, and let {second} slide on it")
             else:
-                yield Fault(path, f"{text}; swap the two places")
+                yield Fault(path, f"{text}; swap the two markers")
 
 
 def _drives(view: SceneData) -> Iterator[Fault]:
@@ -87,8 +89,10 @@ def _drives(view: SceneData) -> Iterator[Fault]:
             continue
         path: KeyPath = ("drives", name, "joint")
         if joint not in joints:
-            there = f"the joints are {', '.join(map(str, joints))}" if joints else "write one, such as [joints.bearing]"
-            yield Fault(path, f"there is no joint {quoted(joint)}{did_you_mean(joint, map(str, joints), there)}")
+            known_names = (
+                f"the joints are {', '.join(map(str, joints))}" if joints else "write one, such as [joints.bearing]"
+            )
+            yield Fault(path, f"there is no joint {quoted(joint)}{did_you_mean(joint, map(str, joints), known_names)}")
             continue
         joint_table = view.tables["joints"].get(joint, {})
         joint_type, kind = _type(joint_table), joint_table.get("kind")
@@ -111,11 +115,11 @@ def _driven_kinds() -> str:
 
 def _weightless(view: SceneData) -> Iterator[Fault]:
     """Bodies that need a mass, since no drive can prescribe how they move."""
-    held, prescribed = set(), set()
+    connected, prescribed = set(), set()
     driven = {str(drive.get("joint")) for drive in view.tables["drives"].values()}
     for name, joint in view.tables["joints"].items():
-        bodies = {place.body for place in view.pair("joints", name) or ()}
-        held |= bodies
+        bodies = {marker.body for marker in view.pair("joints", name) or ()}
+        connected |= bodies
         # What a weld holds may be held to a body whose motion is prescribed: that is for the derivation to find out.
         joint_type = _type(joint)
         if name in driven or (joint_type and joint_type.freedom == 0):
@@ -127,7 +131,7 @@ def _weightless(view: SceneData) -> Iterator[Fault]:
         if view.kind(name) != "rigid" or not missing or name in prescribed or unreadable or misspelt:
             continue
         such = " and ".join(f"{key} = 1.0" for key in missing)
-        if name in held:
+        if name in connected:
             text = f"no drive prescribes the motion of this body, so that it needs {' and '.join(missing)}"
         else:
             text = f"no joint holds this body, so that it needs {' and '.join(missing)}"
@@ -143,9 +147,9 @@ def _actions(view: SceneData) -> Iterator[Fault]:
                 text = f"a {kind[:-1]} on the ground moves nothing; name a marker of a body"
                 yield Fault((kind, name, "at"), text)
     for name in view.tables["springs"]:
-        places = view.pair("springs", name)
-        if places and places[0] == places[1]:
-            yield Fault(("springs", name, "between"), "a spring is between two places, and these are the same")
+        markers = view.pair("springs", name)
+        if markers and markers[0] == markers[1]:
+            yield Fault(("springs", name, "between"), "a spring is between two markers, and these are the same")
 
 
 def _plots(view: SceneData) -> Iterator[Fault]:
@@ -154,19 +158,23 @@ def _plots(view: SceneData) -> Iterator[Fault]:
     for name, plot in view.tables["plots"].items():
         over, cut = plot.get("over"), plot.get("cut")
         if isinstance(over, str) and over not in known:
-            there = f"the drives are {', '.join(known)}" if known else "leave `over` out, for a plot over the time"
-            yield Fault(("plots", name, "over"), f"there is no drive {quoted(over)}{did_you_mean(over, known, there)}")
+            known_names = (
+                f"the drives are {', '.join(known)}" if known else "leave `over` out, for a plot over the time"
+            )
+            yield Fault(
+                ("plots", name, "over"), f"there is no drive {quoted(over)}{did_you_mean(over, known, known_names)}"
+            )
         beams = [body for body in view.bodies if view.is_beam(body)]
         if isinstance(cut, str) and cut not in beams:
-            there = f"the beams are {', '.join(beams)}" if beams else "leave `cut` and `pieces` out"
+            known_names = f"the beams are {', '.join(beams)}" if beams else "leave `cut` and `pieces` out"
             if cut in view.bodies:
-                text = f"the body {cut} is rigid, and beams alone are cut into pieces; {there}"
+                text = f"the body {cut} is rigid, and beams alone are cut into pieces; {known_names}"
             else:
-                text = f"there is no body {quoted(cut)}{did_you_mean(cut, beams, there)}"
+                text = f"there is no body {quoted(cut)}{did_you_mean(cut, beams, known_names)}"
             yield Fault(("plots", name, "cut"), text)
         chord = view.pair("plots", name, "chord")
         if chord and chord[0] == chord[1]:
-            yield Fault(("plots", name, "chord"), "a chord is between two places, and these are the same")
+            yield Fault(("plots", name, "chord"), "a chord is between two markers, and these are the same")
 
 
 def _shapes(view: SceneData) -> Iterator[Fault]:

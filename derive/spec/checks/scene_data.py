@@ -19,11 +19,11 @@ NAMED = ("bodies", "joints", "drives", "forces", "torques", "springs", "plots")
 """The keys under which tables have names."""
 
 
-class WrittenPlace(NamedTuple):
-    """A place, where it is written, and what the place is for."""
+class WrittenRef(NamedTuple):
+    """A reference to a marker, and where it is written."""
 
     path: KeyPath
-    place: MarkerRef
+    marker: MarkerRef
 
 
 @dataclass(frozen=True)
@@ -51,7 +51,7 @@ class SceneData:
     def complete(self) -> bool:
         """Whether what is not here is really missing."""
         sections = [self.data.get(kind, {}) for kind in NAMED]
-        return all(isinstance(one, Mapping) and len(one) <= MAX_NAMED for one in sections)
+        return all(isinstance(item, Mapping) and len(item) <= MAX_NAMED for item in sections)
 
     def kind(self, body: str) -> str:
         """The kind of a body."""
@@ -70,15 +70,15 @@ class SceneData:
         return [name for name in markers if isinstance(name, str)]
 
     def pair(self, kind: str, name: str, key: str = "between") -> tuple[MarkerRef, MarkerRef] | None:
-        """The two places of a joint, a spring or a chord, if they can be read."""
+        """The two markers of a joint, a spring or a chord, if they can be read."""
         value = self.tables[kind][name].get(key)
         if not isinstance(value, (list, tuple)) or len(value) != 2:
             return None
-        first, second = (readable(scene_values.marker_ref, one) for one in value)
+        first, second = (readable(scene_values.marker_ref, item) for item in value)
         return None if first is None or second is None else (first, second)
 
-    def places(self) -> Iterator[WrittenPlace]:
-        """All places of the scene that can be read."""
+    def marker_refs(self) -> Iterator[WrittenRef]:
+        """All references to markers that can be read."""
         keys = {
             "joints": ("between",),
             "forces": ("at",),
@@ -89,17 +89,17 @@ class SceneData:
         for kind, of in keys.items():
             for name, table in self.tables[kind].items():
                 for key in of:
-                    yield from _places((kind, name, key), table.get(key))
+                    yield from _marker_refs((kind, name, key), table.get(key))
 
 
-def _places(path: KeyPath, value: object) -> Iterator[WrittenPlace]:
+def _marker_refs(path: KeyPath, value: object) -> Iterator[WrittenRef]:
     if isinstance(value, (list, tuple)):
-        for i, one in enumerate(value[:2]):
-            yield from _places((*path, i), one)
+        for i, item in enumerate(value[:2]):
+            yield from _marker_refs((*path, i), item)
     elif isinstance(value, str):
-        place = readable(scene_values.marker_ref, value)
-        if place is not None:
-            yield WrittenPlace(path, place)
+        marker = readable(scene_values.marker_ref, value)
+        if marker is not None:
+            yield WrittenRef(path, marker)
 
 
 def _tables(value: object) -> dict[str, Raw]:

@@ -36,13 +36,13 @@ def _labels(kind: str) -> tuple[str, ...]:
     if kind == "drives":
         return ("", "_speed")
     if kind == "joints":
-        made = (
+        labels_of_types = (
             (*(m.label for m in joint.multipliers), *quantities(joint.keys), *joint.intermediates)
             for joint in JOINTS.values()
         )
     else:
-        made = ((*force.units, *force.intermediates) for force in FORCES.values() if force.section == kind)
-    return tuple(dict.fromkeys(f"_{label}" for labels in made for label in labels))
+        labels_of_types = ((*force.units, *force.intermediates) for force in FORCES.values() if force.section == kind)
+    return tuple(dict.fromkeys(f"_{label}" for labels in labels_of_types for label in labels))
 
 
 Made = tuple[KeyPath, str, str]
@@ -51,18 +51,18 @@ Made = tuple[KeyPath, str, str]
 
 def name_faults(view: SceneData) -> Iterator[Fault]:
     """Names that are taken, each reported once, where the later of the two is written."""
-    again = list(_written_twice(view))
-    yield from again
+    repeated = list(_written_twice(view))
+    yield from repeated
     yield from _markers(view)
-    told = {fault.path for fault in again}
+    reported = {fault.path for fault in repeated}
     first: dict[str, tuple[KeyPath, str]] = {name: ((), why) for name, why in RESERVED.items()}
     model = view.data.get("name")
     if isinstance(model, str):
         first[model.lower()] = (("name",), "it is the name of the model")
     for path, name, what in made_names(view):
         other, why = first.setdefault(name.lower(), (path, f"it is {what}"))
-        if other != path and path not in told:
-            told.add(path)
+        if other != path and path not in reported:
+            reported.add(path)
             reason = (
                 f"{quoted(name)}, {what}, is taken: {why}" if name != path[1] else f"{quoted(name)} is taken: {why}"
             )

@@ -43,28 +43,31 @@ def parameter_faults(view: SceneData) -> Iterator[Fault]:
         taken[model.lower()] = "it is the name of the model"
     first: dict[str, Written] = {}
     # Symbols that nobody wrote come first, so that a fault is reported where something was written.
-    for one in (*_unwritten(view), *written(view)):
-        symbol = _symbol(one.value)
+    for constant in (*_unwritten(view), *written(view)):
+        symbol = _symbol(constant.value)
         if symbol is None:
             continue
-        path = (*one.path, "symbol") if one.given else one.path
+        path = (*constant.path, "symbol") if constant.given else constant.path
         if symbol.lower() in taken:
             yield Fault(path, f"{quoted(symbol)} is taken: {taken[symbol.lower()]}; choose another symbol")
             continue
-        other = first.setdefault(symbol.lower(), one)
+        other = first.setdefault(symbol.lower(), constant)
         if _symbol(other.value) != symbol:
             text = f"{quoted(symbol)} is taken: {quoted(str(_symbol(other.value)))} is the symbol of {other.what}"
             yield Fault(path, f"{text}; names must differ in more than case")
-        elif differs := _difference(one, other):
+        elif differs := _difference(constant, other):
             text = f"{quoted(symbol)} is the symbol of {other.what}, {differs}"
             yield Fault(path, f"{text}; one symbol is one parameter: write both alike, or choose another symbol")
 
 
-def _difference(one: Written, other: Written) -> str | None:
+def _difference(constant: Written, other: Written) -> str | None:
     """What two parameters of one symbol do not agree in; None if they do, or if that cannot be said."""
-    for noun, ours, theirs in (("unit", _unit(one), _unit(other)), ("default", _default(one), _default(other))):
-        if None not in (ours, theirs) and ours != theirs:
-            return f"with the {noun} {theirs}, not {ours}"
+    for noun, own, others in (
+        ("unit", _unit(constant), _unit(other)),
+        ("default", _default(constant), _default(other)),
+    ):
+        if None not in (own, others) and own != others:
+            return f"with the {noun} {others}, not {own}"
     return None
 
 
@@ -73,15 +76,15 @@ def _symbol(value: object) -> str | None:
     return symbol if isinstance(symbol, str) and not name_problem(symbol) else None
 
 
-def _unit(one: Written) -> str | None:
-    assert isinstance(one.value, Mapping)
-    return readable(values.unit, one.value["unit"]) if "unit" in one.value else one.unit
+def _unit(constant: Written) -> str | None:
+    assert isinstance(constant.value, Mapping)
+    return readable(values.unit, constant.value["unit"]) if "unit" in constant.value else constant.unit
 
 
-def _default(one: Written) -> float | None:
-    assert isinstance(one.value, Mapping)
-    if "default" in one.value:
-        return readable(values.any_float, one.value["default"])
+def _default(constant: Written) -> float | None:
+    assert isinstance(constant.value, Mapping)
+    if "default" in constant.value:
+        return readable(values.any_float, constant.value["default"])
     return 1.0  # of masses and the like; where a default has to be written, that is said elsewhere
 
 

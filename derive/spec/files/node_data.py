@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array, csr_array, diags_array, issparse
 
 from derive.spec.files.matrices import NEARLY, Entries, misfit, of_nodes, square, symmetric
-from derive.spec.files.node_files import MAX_BYTES, NODES, PARTS, SPARSE, Array, Found
+from derive.spec.files.node_files import MAX_BYTES, NODES, PARTS, SPARSE, Array, FoundArrays
 from derive.spec.files.node_format import FILES, Units
 from derive.spec.model.body import NodeData
 from derive.spec.parsing.faults import Faults
@@ -27,7 +27,7 @@ _KINDS = {"c": "complex numbers", "b": "true and false", "O": "Python objects", 
 
 
 @dataclass(frozen=True)
-class Checked:
+class CheckedNodes:
     """The data in SI units, None if anything is wrong with them; and how many nodes and modes there are, if known."""
 
     data: NodeData | None
@@ -36,7 +36,7 @@ class Checked:
     faults: Faults
 
 
-def node_data(found: Found, units: Units) -> Checked:
+def node_data(found: FoundArrays, units: Units) -> CheckedNodes:
     """All that was found, checked."""
     faults = Faults()
     arrays = {key: _checked(faults, key, array, _numbers, key) for key, array in found.arrays.items()}
@@ -67,7 +67,9 @@ def node_data(found: Found, units: Units) -> Checked:
             modal_stiffness=None if modal is None else _scaled(modal, units.stiffness),
             sha256=found.sha256,
         )
-    return Checked(data, None if positions is None else len(positions), None if modes is None else len(modes), faults)
+    return CheckedNodes(
+        data, None if positions is None else len(positions), None if modes is None else len(modes), faults
+    )
 
 
 def _checked(

@@ -35,7 +35,7 @@ Array = Any
 
 
 @dataclass(frozen=True)
-class Found:
+class FoundArrays:
     """The arrays that are there, None if one cannot be read, and the SHA-256 of their bytes."""
 
     arrays: dict[str, Array | None]
@@ -48,24 +48,24 @@ class Found:
         return bool(self.arrays) or not self.faults
 
 
-def read_nodes(nodes: object, folder: Path) -> Found:
+def read_nodes(nodes: object, folder: Path) -> FoundArrays:
     """The arrays of a .npz file, of a table of MatrixMarket files, or, in Python, as they are given."""
     if isinstance(nodes, NodeData):
         given = {f.name: getattr(nodes, f.name) for f in fields(nodes) if f.name in FILES}
-        return Found({key: array for key, array in given.items() if array is not None}, nodes.sha256, Faults())
+        return FoundArrays({key: array for key, array in given.items() if array is not None}, nodes.sha256, Faults())
     if isinstance(nodes, (str, os.PathLike)):
         return _archive(nodes, folder)
     if isinstance(nodes, Mapping):
         return _table(nodes, folder)
     wanted = 'a file is needed, such as "block.npz", or a table such as { positions = "x.mtx", mass = "m.mtx" }'
-    return Found({}, "", Faults([Fault(NODES, f"{wanted}, not {kind_of(nodes)}")]))
+    return FoundArrays({}, "", Faults([Fault(NODES, f"{wanted}, not {kind_of(nodes)}")]))
 
 
 _MAX_MB = MAX_BYTES // 1_000_000
 _SMALLER = ", the most that is read; store matrices as the entries that are not zero"
 
 
-def _archive(name: str | os.PathLike[str], folder: Path) -> Found:
+def _archive(name: str | os.PathLike[str], folder: Path) -> FoundArrays:
     """What a .npz file holds."""
     faults = Faults()
     arrays: dict[str, Array | None] = {}
@@ -76,7 +76,7 @@ def _archive(name: str | os.PathLike[str], folder: Path) -> Found:
             _members(content, quoted(os.fsdecode(name)), arrays, faults)
         except (zipfile.BadZipFile, zlib.error, OSError, EOFError, NotImplementedError, RuntimeError) as error:
             raise WrongValueError(f"the file {quoted(os.fsdecode(name))} is damaged: {_why(error)}") from None
-    return Found(arrays, hashlib.sha256(content).hexdigest(), faults)
+    return FoundArrays(arrays, hashlib.sha256(content).hexdigest(), faults)
 
 
 def _members(content: bytes, name: str, arrays: dict[str, Array | None], faults: Faults) -> None:
@@ -117,7 +117,7 @@ def _member(file: Mapping[str, Array], key: str) -> Array:
     return array
 
 
-def _table(nodes: Mapping[object, object], folder: Path) -> Found:
+def _table(nodes: Mapping[object, object], folder: Path) -> FoundArrays:
     """What MatrixMarket files hold, and arrays that are given in Python."""
     faults = Faults()
     arrays: dict[str, Array | None] = {}
@@ -141,7 +141,7 @@ def _table(nodes: Mapping[object, object], folder: Path) -> Found:
                 content = file_content(value, folder, MAX_BYTES, _SMALLER)
                 digest.update(content)
                 arrays[key] = _matrix_market(content, quoted(os.fsdecode(value)))
-    return Found(arrays, digest.hexdigest(), faults)
+    return FoundArrays(arrays, digest.hexdigest(), faults)
 
 
 def _is_array(value: object) -> bool:

@@ -38,14 +38,14 @@ def references(data: Mapping[str, object], folder: Path, known: Mapping[str, Row
         table: list[tuple[int, list[str]]] = []
         with faults.at(*path, "file"):
             table = _table(file_content(file, folder, MAX_BYTES, ", the most that is read"), quoted(file))
-        places = []
+        columns_found = []
         for key, column in zip(("x", "y"), columns, strict=True):
             with faults.at(*path, key):
                 if table and isinstance(column, str):
-                    places.append(_column(column, table[0][1], quoted(file)))
-        if len(places) == 2:
+                    columns_found.append(_column(column, table[0][1], quoted(file)))
+        if len(columns_found) == 2:
             with faults.at(*path, "file"):
-                x, y = ([_number(row, place, at, quoted(file)) for at, row in table[1:]] for place in places)
+                x, y = ([_number(row, column, at, quoted(file)) for at, row in table[1:]] for column in columns_found)
                 rows[str(name)] = tuple(zip(x, y, strict=True))
     return rows, faults
 
@@ -76,10 +76,10 @@ def _column(name: str, header: list[str], file: str) -> int:
     return header.index(name)
 
 
-def _number(row: list[str], place: int, line: int, file: str) -> float:
-    cell = row[place] if place < len(row) else ""
+def _number(row: list[str], column: int, line: int, file: str) -> float:
+    cell = row[column] if column < len(row) else ""
     value = float(cell) if _NUMBER.fullmatch(cell) else math.nan
     if not math.isfinite(value):
-        found = f"{quoted(cell)} is no finite number" if cell else f"there is no number in column {place + 1}"
-        raise WrongValueError(f"line {line} of {file}: {found}")
+        fault = f"{quoted(cell)} is no finite number" if cell else f"there is no number in column {column + 1}"
+        raise WrongValueError(f"line {line} of {file}: {fault}")
     return value

@@ -134,8 +134,8 @@ class CustomJoint(Joint):
 
 @dataclass(frozen=True)
 class Drive:
-    """A prescribed motion of a joint: the rotation of the second place against the first of a revolute joint, or the
-    displacement along the axis of a translational one, is a `motion` of t, or `speed` * t + `offset`."""
+    """A prescribed motion of a joint: its relative rotation, or its displacement along the axis, is a `motion` of t, or
+    `speed` * t + `offset`."""
 
     name: str
     joint: str
@@ -146,7 +146,7 @@ class Drive:
 
 @dataclass(frozen=True)
 class Force:
-    """A force at a place, with components in the inertial base that are functions of t."""
+    """A force at a marker, with components in the inertial frame that are functions of t."""
 
     name: str
     at: MarkerRef
@@ -155,7 +155,7 @@ class Force:
 
 @dataclass(frozen=True)
 class Torque:
-    """A torque at a place, a function of t; its reaction acts at `against`, if that is given."""
+    """A torque at a marker, a function of t; its reaction acts at `against`, if that is given."""
 
     name: str
     at: MarkerRef

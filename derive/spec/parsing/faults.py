@@ -50,7 +50,7 @@ def unknown_key(key: str, known: Iterable[str]) -> str:
 
 def did_you_mean(name: str, known: Iterable[str], otherwise: str) -> str:
     """The end of a sentence on a name that nobody knows: the one that is near it, or something else."""
-    lower = {one.lower(): one for one in known}
+    lower = {name_known.lower(): name_known for name_known in known}
     near = difflib.get_close_matches(name[:40].lower(), lower, n=1)
     return f"; did you mean {quoted(lower[near[0]])}?" if near else f"; {otherwise}"
 

@@ -25,7 +25,7 @@ def marker_ref(value: object) -> MarkerRef:
     body, dot, marker = value.partition(".")
     if not dot or not body or not marker or "." in marker:
         raise values.WrongValueError(
-            f"{quoted(value)} is no place: write a body and one of its markers with a dot between, such as "
+            f"{quoted(value)} is no marker: write a body and one of its markers with a dot between, such as "
             '"rod.left" or "ground.bearing"'
         )
     return MarkerRef(body, marker)
@@ -43,8 +43,8 @@ def name_of(value: object) -> str:
 def text(value: object) -> str:
     """The name of a file or of a column."""
     if not isinstance(value, str) or not value:
-        found = "empty text" if value == "" else values.kind_of(value)
-        raise values.WrongValueError(f'text in quotation marks is needed, such as "curve.csv", not {found}')
+        given = "empty text" if value == "" else values.kind_of(value)
+        raise values.WrongValueError(f'text in quotation marks is needed, such as "curve.csv", not {given}')
     return value
 
 

@@ -121,9 +121,9 @@ def whole(value: object) -> int:
     except TypeError:
         count = None
     if count is None or count < 0:
-        found = kind_of(value) if count is None else shown(count)
-        found = f"{found} in decimals" if isinstance(value, (float, Fraction, TomlFloat)) else found
-        raise WrongValueError(f"a whole number is needed, zero or more, such as 8, not {found}")
+        given = kind_of(value) if count is None else shown(count)
+        given = f"{given} in decimals" if isinstance(value, (float, Fraction, TomlFloat)) else given
+        raise WrongValueError(f"a whole number is needed, zero or more, such as 8, not {given}")
     return count
 
 
@@ -140,7 +140,7 @@ def mode_count(value: object) -> int:
     return count
 
 
-def place(value: object) -> Fraction:
+def beam_position(value: object) -> Fraction:
     """The dimensionless distance xi of a point of the beam."""
     exact = number(value)
     if not -1 <= exact <= 1:
@@ -197,8 +197,8 @@ def choice(value: object, options: tuple[_Text, ...], noun: str) -> _Text:
         if isinstance(value, str) and value == option:
             return option
     words = ", ".join(quoted(option) for option in options)
-    found = quoted(value) if isinstance(value, str) else kind_of(value)
-    raise WrongValueError(f"{noun} is one of {words}, not {found}")
+    given = quoted(value) if isinstance(value, str) else kind_of(value)
+    raise WrongValueError(f"{noun} is one of {words}, not {given}")
 
 
 def frame_kind(value: object) -> FrameKind:

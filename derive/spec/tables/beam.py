@@ -73,7 +73,7 @@ def _few_digits(ansatz: tuple[Polynomial, ...]) -> tuple[Polynomial, ...]:
 
 
 _SHAPE = {"type": "string", "minLength": 1, "maxLength": MAX_LENGTH}
-_PLACE = number_schema(minimum=-1, maximum=1)
+_BEAM_POSITION = number_schema(minimum=-1, maximum=1)
 # A plain "tangent" would not say which end is meant.
 _PLAIN_FRAMES = [kind for kind in values.FRAME_KINDS if kind != "tangent"]
 
@@ -98,7 +98,7 @@ def _plain_frame(value: object) -> Frame:
     return frame_from(values.frame_kind(value), None)
 
 
-Place = Annotated[Fraction, PlainValidator(values.place), WithJsonSchema(_PLACE)]
+BeamPosition = Annotated[Fraction, PlainValidator(values.beam_position), WithJsonSchema(_BEAM_POSITION)]
 Shape = Annotated[Polynomial, PlainValidator(values.shape), WithJsonSchema(_SHAPE)]
 
 
@@ -108,8 +108,8 @@ class FrameTable(TomlTable):
     kind: Annotated[FrameKind, PlainValidator(values.frame_kind), WithJsonSchema({"enum": [*values.FRAME_KINDS]})]
     at: Annotated[
         Fraction | None,
-        PlainValidator(values.place),
-        WithJsonSchema(_PLACE),
+        PlainValidator(values.beam_position),
+        WithJsonSchema(_BEAM_POSITION),
         Field(description="The place xi of a point frame (default 0), or the end, -1 or 1, of a tangent frame."),
     ] = None
 
@@ -190,7 +190,7 @@ class BeamKeys(ShapeKeys):
         QuantityInput, Field(description="The bending stiffness: a parameter, or a number fixed in the code.")
     ] = _as_table(DEFAULT_BENDING_STIFFNESS)
     markers: Annotated[
-        dict[Name, Place],
+        dict[Name, BeamPosition],
         few_markers("places"),
         Field(
             description="Named points of the beam and their places xi, from -1 (left end) to 1 (right end).",

@@ -221,8 +221,8 @@ class NodalTable(TomlTable):
 
     def scales(self) -> Units:
         """The units, however they are written."""
-        told = self.units
-        return Units(told.length, told.mass, told.time) if isinstance(told, UnitsTable) else told
+        units = self.units
+        return Units(units.length, units.mass, units.time) if isinstance(units, UnitsTable) else units
 
     def body_frame(self) -> BodyFrame:
         """The frame, however it is written."""

@@ -63,7 +63,7 @@ _TIME = {"anyOf": [{"type": "number"}, {"type": "string", "minLength": 1, "maxLe
 _NAMED = {"type": "string", "minLength": 1}
 
 MarkerInput = Annotated[MarkerRef, PlainValidator(scene_values.marker_ref), WithJsonSchema(_MARKER)]
-TwoMarkers = Annotated[tuple[MarkerInput, MarkerInput], components(('"ground.bearing"', '"crank.hub"'), "places")]
+TwoMarkers = Annotated[tuple[MarkerInput, MarkerInput], components(('"ground.bearing"', '"crank.hub"'), "markers")]
 Time = Annotated[TimeFunction, PlainValidator(scene_values.function), WithJsonSchema(_TIME)]
 NameOf = Annotated[str, PlainValidator(scene_values.name_of), WithJsonSchema(_NAMED)]
 Text = Annotated[str, PlainValidator(scene_values.text), WithJsonSchema(_NAMED)]

@@ -149,9 +149,9 @@ def components(example: Sequence[str], noun: str = "components") -> BeforeValida
 
     def check(value: object) -> object:
         if not isinstance(value, (list, tuple)) or len(value) != len(example):
-            found = f"{len(value)}" if isinstance(value, (list, tuple)) else values.kind_of(value)
+            given = f"{len(value)}" if isinstance(value, (list, tuple)) else values.kind_of(value)
             raise values.WrongValueError(
-                f"a list of {len(example)} {noun} is needed, such as [{', '.join(example)}], not {found}"
+                f"a list of {len(example)} {noun} is needed, such as [{', '.join(example)}], not {given}"
             )
         return tuple(value)
 

@@ -34,7 +34,8 @@ class ForceType(ABC, Generic[F]):
 
     section: the table of a specification that its elements are in; doc: what tells it from others of its section, empty
     if its name does; units: its constants and their units; lengths: constants that are not negative; intermediates: the
-    labels of the definitions it makes, so that no other name of a scene meets them.
+    labels of the definitions it makes, so that no other name of a scene meets them; along_line: whether it acts, and is
+    drawn, along the line between its markers.
     """
 
     section: ClassVar[str]
@@ -42,6 +43,7 @@ class ForceType(ABC, Generic[F]):
     units: ClassVar[Mapping[str, str]] = {}
     lengths: ClassVar[tuple[str, ...]] = ()
     intermediates: ClassVar[tuple[str, ...]]
+    along_line: ClassVar[bool] = False
 
     @abstractmethod
     def markers(self, element: F) -> tuple[MarkerRef, ...]:

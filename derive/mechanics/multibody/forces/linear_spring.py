@@ -21,6 +21,7 @@ class LinearSpring(ForceType[Spring]):
     doc = "along the line between the markers"
     units: ClassVar[dict[str, str]] = {"stiffness": "N/m", "damping": "N s/m", "rest": "m"}
     lengths = ("rest",)
+    along_line = True
     intermediates = ("apart_1", "apart_2", "length", "rate", "pull")
 
     def markers(self, element: Spring) -> tuple[MarkerRef, ...]:
