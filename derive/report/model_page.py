@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from derive.artifacts import File
+from derive.backends.source_map import source_map
 from derive.mechanics.equations import Equations
 from derive.mechanics.indexed_equations import GenericEquations
 from derive.pipeline import Built
@@ -20,7 +20,6 @@ from derive.report.sections.moments import moment_anchors, moment_blocks, moment
 from derive.report.sections.nomenclature import nomenclature_blocks
 from derive.report.sections.operations import operation_blocks
 from derive.report.sections.provenance import SpecificationText, manifest_blocks, specification_blocks
-from derive.report.sections.source import sources
 from derive.report.sections.state import state_blocks
 from derive.report.sections.term_lines import definition_lines, places
 from derive.report.sections.terms import row_blocks
@@ -35,7 +34,7 @@ def model_page(built: Built, specification: SpecificationText) -> Page:
     if isinstance(spec, Scene):
         raise TypeError("a scene has a page of its own")
     written = notation(equations)
-    code = sources(f"{model.name}.c", _file(built.files, ".c"), model.name)
+    code = source_map(built.files, "c")
     terms = places(equations, model, code)
     families = moments(equations, written)
     numbers = paper_numbers(spec) if isinstance(spec, PlanarBeam) else None
@@ -70,10 +69,6 @@ def _frames(built: Built, written: Notation) -> tuple[Block, ...]:
     if not isinstance(built.spec, PlanarBeam) or not isinstance(built.equations, Equations):
         return ()
     return frames_blocks(variants(built.spec, built.equations, built.model), written)
-
-
-def _file(files: tuple[File, ...], ending: str) -> str:
-    return next(file.text for file in files if file.path.endswith(ending))
 
 
 def _motion(equations: Equations | GenericEquations) -> tuple[Block, ...]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
-from derive.artifacts import File
+from derive.backends.source_map import source_map
 from derive.mechanics.equations import Equations, Reason
 from derive.mechanics.multibody.bodies.beam import piece_name
 from derive.mechanics.multibody.expansion import BETWEEN_BODIES
@@ -22,7 +22,6 @@ from derive.report.sections.mechanism import body_blocks, constraint_blocks, joi
 from derive.report.sections.moments import moment_anchors, moment_blocks, moments
 from derive.report.sections.nomenclature import nomenclature_blocks
 from derive.report.sections.provenance import SpecificationText, manifest_blocks, specification_blocks
-from derive.report.sections.source import sources
 from derive.report.sections.state import state_blocks
 from derive.report.sections.term_lines import definition_lines, places
 from derive.report.sections.terms import row_blocks
@@ -44,7 +43,7 @@ def scene_page(built: Built, specification: SpecificationText, results: Sequence
     if not isinstance(spec, Scene) or not isinstance(equations, Equations) or model.kkt is None:
         raise TypeError("this is no scene")
     written = notation(equations)
-    code = sources(f"{model.name}.c", _text(built.files, ".c"), model.name)
+    code = source_map(built.files, "c")
     terms = places(equations, model, code)
     shown = _of_first_pieces(spec, equations)
     families = moments(shown, written)
@@ -69,10 +68,6 @@ def scene_page(built: Built, specification: SpecificationText, results: Sequence
         *manifest_blocks(built.files),
     )
     return Page(model.name, (model.doc,), blocks)
-
-
-def _text(files: Sequence[File], ending: str) -> str:
-    return next(file.text for file in files if file.path.endswith(ending))
 
 
 def _other_pieces(spec: Scene) -> tuple[str, ...]:

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import PurePosixPath
 
+from derive.backends.source_map import FunctionLines, SourceMap
 from derive.report.document.page import Block, Code, Details, Heading, Line, Link, Listing, Paragraph
 from derive.report.notation.labels import delta
-from derive.report.sections.source import Source, Sources
 from derive.report.sections.term_lines import Place, line_anchor
 
 LONG = 400
@@ -37,7 +38,7 @@ def targets(places: Iterable[Place], moments: Mapping[str, str]) -> Targets:
     return Targets({number: tuple(some) for number, some in found.items()}, moments, frozenset(wanted))
 
 
-def code_blocks(code: Sources, lead: Targets) -> tuple[Block, ...]:
+def code_blocks(code: SourceMap, lead: Targets) -> tuple[Block, ...]:
     """The functions `mass` and `force`, and `setup` folded."""
     setup = code.functions["setup"]
     return (
@@ -45,7 +46,7 @@ def code_blocks(code: Sources, lead: Targets) -> tuple[Block, ...]:
         Paragraph(
             (
                 "From ",
-                Code(code.file),
+                Code(PurePosixPath(code.path).name),
                 ", with the numbers of its lines. Behind a line stand the terms of the equations of motion that it "
                 "computes; ",
                 Code("mass_force"),
@@ -61,9 +62,8 @@ def code_blocks(code: Sources, lead: Targets) -> tuple[Block, ...]:
     )
 
 
-def _listing(function: Source, lead: Targets, caption: str) -> Listing:
-    names = {number: name for name, number in function.definitions.items()}
-    lines = tuple(_line(number, text, names.get(number, ""), lead) for number, text in function.numbered)
+def _listing(function: FunctionLines, lead: Targets, caption: str) -> Listing:
+    lines = tuple(_line(number, line.text, line.defines or "", lead) for number, line in function.numbered)
     return Listing("c", caption, lines if len(lines) <= LONG else _shortened(lines, lead.wanted))
 
 

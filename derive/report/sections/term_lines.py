@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import sympy as sp
 
+from derive.backends.source_map import FunctionLines, SourceMap, StoredValue
 from derive.ir.model import Model
 from derive.mechanics.equations import Equations, Term
 from derive.mechanics.indexed_equations import GenericEquations
@@ -14,7 +15,6 @@ from derive.mechanics.series import exchanged
 from derive.mechanics.symbols import I, Identity, J, Symbol, amplitude, identity
 from derive.report.document.anchors import anchor
 from derive.report.notation.labels import SHAPE, row_identities
-from derive.report.sections.source import Source, Sources
 
 GROUPS = {
     **dict.fromkeys(("translation", "Euler", "relative"), "accelerations"),
@@ -57,13 +57,13 @@ class Place:
         return anchor("term", self.term.row, self.term.name)
 
 
-def places(equations: Equations | GenericEquations, model: Model, code: Sources) -> tuple[Place, ...]:
+def places(equations: Equations | GenericEquations, model: Model, code: SourceMap) -> tuple[Place, ...]:
     """Every term with its lines."""
     finder = _Finder(equations, model, code)
     return tuple(finder.place(term) for term in equations.terms)
 
 
-def definition_lines(code: Sources) -> dict[str, int]:
+def definition_lines(code: SourceMap) -> dict[str, int]:
     """The line that computes each name: of `force`, or of `mass` if it stands there alone."""
     return {**code.functions["mass"].definitions, **code.functions["force"].definitions}
 
@@ -76,7 +76,7 @@ def line_anchor(number: int) -> str:
 class _Finder:
     """Rows and accelerations of a model, by their places in M and h."""
 
-    def __init__(self, equations: Equations | GenericEquations, model: Model, code: Sources) -> None:
+    def __init__(self, equations: Equations | GenericEquations, model: Model, code: SourceMap) -> None:
         self.equations, self.code = equations, code
         self.rigid = len(equations.rows)
         self.variations = row_identities(equations)
@@ -100,15 +100,15 @@ class _Finder:
             return Place(term, self.variations[term.row], lines, self._names(term, self.code.functions["mass"]))
         force = self.code.functions["force"]
         looped = isinstance(self.equations, GenericEquations) and row == self.rigid
-        found = force.stores.get(("h", row, looped))
+        found = force.stores.get(StoredValue("h", row, looped))
         return Place(term, self.variations[term.row], (found,) if found else (), self._names(term, force))
 
-    def _stored(self, mass: Source) -> Iterator[tuple[tuple[int, int], int]]:
+    def _stored(self, mass: FunctionLines) -> Iterator[tuple[tuple[int, int], int]]:
         """The entry that each line of `mass` stores; entries of the shapes count as one where there are loops."""
         entries = self.pattern.entries
-        for (output, index, _), number in mass.stores.items():
-            if output == "M":
-                i, j = (min(k, self.rigid) for k in entries[index])
+        for value, number in mass.stores.items():
+            if value.output == "M":
+                i, j = (min(k, self.rigid) for k in entries[value.index])
                 yield (j, i), number
 
     def _behind(self, expr: sp.Expr) -> set[sp.Symbol]:
@@ -119,7 +119,7 @@ class _Finder:
             fresh = {s for f in fresh if f in self.totals for s in self.totals[f].free_symbols} - found
         return found
 
-    def _names(self, term: Term, function: Source) -> tuple[tuple[sp.Symbol, int], ...]:
+    def _names(self, term: Term, function: FunctionLines) -> tuple[tuple[sp.Symbol, int], ...]:
         lines = function.definitions
         found = [(symbol, lines[name]) for symbol in term.expr.free_symbols if (name := array(symbol)) in lines]
         return tuple(sorted(found, key=lambda pair: pair[1]))
