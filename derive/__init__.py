@@ -25,8 +25,8 @@ The public interface, by stages:
     compiled code   load, load_scene; Native, NativeScene, Role
     simulation      simulate, initial_state, integrate; Trajectory, Solution, InitialState, INTEGRATORS
     C integrators   FixedStep, GeneralisedAlpha, Ida; Integration
-    errors          TisserandError and its subclasses SpecError, UnknownNameError, CompilerError, ModelError, HostError,
-                    SimulationError
+    errors          TisserandError and its subclasses SpecError, UnknownNameError, CompilerError, ModelError,
+                    IntegratorError, SimulationError
 
 Names are imported when they are first used, so that `import derive` is fast and nothing pays for what it does not need.
 """
@@ -48,17 +48,15 @@ if TYPE_CHECKING:
     from derive.mechanics.bodies.modal_body import ModalBody
     from derive.mechanics.equations import Equations
     from derive.mechanics.indexed_equations import GenericEquations
-    from derive.mechanics.multibody.assembly import mechanism
-    from derive.mechanics.multibody.bodies.registry import BODIES
-    from derive.mechanics.multibody.forces.registry import FORCES
-    from derive.mechanics.multibody.joints.registry import JOINTS
-    from derive.mechanics.multibody.mechanism import Mechanism
     from derive.registry import UnknownNameError
     from derive.roles import Role
+    from derive.runtime.calls import ModelError
     from derive.runtime.compiler import CompilerError
-    from derive.runtime.integrators.library import HostError, Integration
-    from derive.runtime.integrators.run import FixedStep, GeneralisedAlpha, Ida
-    from derive.runtime.native import ModelError, Native, NativeScene, load, load_scene
+    from derive.runtime.integrators.c_integrator import Integration, IntegratorError
+    from derive.runtime.integrators.fixed_step import FixedStep
+    from derive.runtime.integrators.generalised_alpha import GeneralisedAlpha
+    from derive.runtime.integrators.ida import Ida
+    from derive.runtime.native import Native, NativeScene, load, load_scene
     from derive.simulation.errors import SimulationError
     from derive.simulation.initial.consistent_state import InitialState
     from derive.simulation.initial.initial_state import initial_state
@@ -81,8 +79,6 @@ if TYPE_CHECKING:
     )
     from derive.spec.model.scene import (
         BeamBody,
-        CustomBody,
-        CustomJoint,
         Deflection,
         Drive,
         Force,
@@ -124,25 +120,18 @@ _MODULES = {
     "derive.mechanics.bodies.modal_body": ("ModalBody",),
     "derive.mechanics.equations": ("Equations",),
     "derive.mechanics.indexed_equations": ("GenericEquations",),
-    "derive.mechanics.multibody.assembly": ("mechanism",),
-    "derive.mechanics.multibody.bodies.registry": ("BODIES",),
-    "derive.mechanics.multibody.forces.registry": ("FORCES",),
-    "derive.mechanics.multibody.joints.registry": ("JOINTS",),
-    "derive.mechanics.multibody.mechanism": ("Mechanism",),
     "derive.registry": ("UnknownNameError",),
     "derive.roles": ("Role",),
+    "derive.runtime.calls": ("ModelError",),
     "derive.runtime.compiler": ("CompilerError",),
-    "derive.runtime.integrators.library": (
-        "HostError",
+    "derive.runtime.integrators.c_integrator": (
         "Integration",
+        "IntegratorError",
     ),
-    "derive.runtime.integrators.run": (
-        "FixedStep",
-        "GeneralisedAlpha",
-        "Ida",
-    ),
+    "derive.runtime.integrators.fixed_step": ("FixedStep",),
+    "derive.runtime.integrators.generalised_alpha": ("GeneralisedAlpha",),
+    "derive.runtime.integrators.ida": ("Ida",),
     "derive.runtime.native": (
-        "ModelError",
         "Native",
         "NativeScene",
         "load",
@@ -179,8 +168,6 @@ _MODULES = {
     ),
     "derive.spec.model.scene": (
         "BeamBody",
-        "CustomBody",
-        "CustomJoint",
         "Deflection",
         "Drive",
         "Force",
@@ -203,15 +190,10 @@ _MODULES = {
 _MODULE_OF = {name: module for module, names in _MODULES.items() for name in names}
 
 __all__ = [
-    "BODIES",
-    "FORCES",
     "INTEGRATORS",
-    "JOINTS",
     "BeamBody",
     "BodyFrame",
     "CompilerError",
-    "CustomBody",
-    "CustomJoint",
     "Damping",
     "Deflection",
     "Drive",
@@ -222,15 +204,14 @@ __all__ = [
     "Frame",
     "GeneralisedAlpha",
     "GenericEquations",
-    "HostError",
     "Ida",
     "InitialGuess",
     "InitialState",
     "Integration",
+    "IntegratorError",
     "Joint",
     "Marker",
     "MarkerRef",
-    "Mechanism",
     "ModalBody",
     "Model",
     "ModelError",
@@ -267,7 +248,6 @@ __all__ = [
     "load",
     "load_scene",
     "lower",
-    "mechanism",
     "modal",
     "model_files",
     "nodal_body",

@@ -11,7 +11,8 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import beams
-from derive.runtime.native import Native, Vector
+from derive.runtime.calls import Vector
+from derive.runtime.native import Native
 
 P = np.array([1.3, 0.7, 2.1])
 UNIT = math.sqrt(P[2] / (P[0] * P[1] ** 3))

@@ -10,7 +10,8 @@ from scipy.integrate import solve_ivp
 
 import derive
 from derive.backends.c.source import CBackend
-from derive.runtime.native import Native, Vector
+from derive.runtime.calls import Vector
+from derive.runtime.native import Native
 
 
 @cache

@@ -12,7 +12,8 @@ import numpy as np
 from derive.artifacts import File, write
 from derive.cli.specifications import build_all
 from derive.roles import Role
-from derive.runtime.native import Native, Vector, load
+from derive.runtime.calls import Vector
+from derive.runtime.native import Native, load
 from derive.visual.sparsity import mass_patterns
 
 MAX_ROWS, WIDTH = 14, 12

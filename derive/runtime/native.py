@@ -1,4 +1,4 @@
-"""Compile a generated model and call it through NumPy: everything it needs it reads from the model's descriptor."""
+"""Compiled models: a generated model is compiled, loaded, and called through NumPy by means of its descriptor."""
 
 from __future__ import annotations
 
@@ -9,32 +9,23 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from derive.artifacts import File, write
 from derive.backends.c.source import ABI
-from derive.errors import TisserandError
 from derive.ir.patterns import Pattern
-from derive.ir.statements import ReturnCode
 from derive.registry import UnknownNameError
+from derive.runtime.calls import Matrix, ModelError, Vector, checked_rows, checked_vector, invoke
 from derive.runtime.compiler import FLAGS, CompilerError, compile_shared
 from derive.runtime.descriptor import DaeStruct, Doubles, ModelStruct, names_of, pattern_of, roles_of
 
-Vector = NDArray[np.float64]
-Matrix = NDArray[np.float64]
-
-
-class ModelError(TisserandError, ArithmeticError):
-    """A function of a model returned a code other than 0 (see the header of the model)."""
-
-    def __init__(self, function: str, code: int) -> None:
-        self.code = code
-        meaning = ReturnCode(code).meaning if code in tuple(ReturnCode) else "unknown"
-        super().__init__(f"{function} returned {code}: {meaning}")
-
 
 def load(files: Sequence[File], flags: Sequence[str] = FLAGS) -> Native:
-    """Compile the C of one model in a temporary folder and load it."""
+    """Compile the C of one model in a temporary folder and load it.
+
+    files: those of `model_files`. flags: of the compiler. Returns a NativeScene for a scene. Raises CompilerError, and
+    ValueError if there is no C file.
+    """
     with tempfile.TemporaryDirectory(prefix="tisserand-") as folder:
         write(files, Path(folder))
         sources = [Path(folder) / file.path for file in files if file.path.endswith(".c")]
@@ -51,7 +42,7 @@ def native_model(library: ctypes.CDLL, name: str) -> Native:
 
 
 def load_scene(files: Sequence[File], flags: Sequence[str] = FLAGS) -> NativeScene:
-    """The same for a scene. Raises ValueError when the model is that of a body."""
+    """Compile and load a scene, as `load` does. Raises ValueError if the model is that of a body."""
     native = load(files, flags)
     if not isinstance(native, NativeScene):
         raise ValueError(f"{native.name} is a body, not a scene")
@@ -88,7 +79,7 @@ class Native:
         self.markers = tuple(m.markers[i].name.decode() for i in range(m.nmarkers))
 
     def function(self, name: str) -> Any:
-        """The function of that name in the descriptor, to be called with addresses; to look it up takes its time."""
+        """The C function of that name in the descriptor, for calls with addresses; the lookup is slow."""
         return getattr(self._model, name)
 
     def setup(self, p: ArrayLike | Mapping[str, float] | None = None, /, **named: float) -> Vector:
@@ -114,11 +105,11 @@ class Native:
         return values
 
     def mass(self, q: ArrayLike, k: ArrayLike) -> Vector:
-        """Values of M(q)."""
+        """Values of M(q), the lower triangle in the order of `mass_pattern`."""
         return self._call("mass", [(self.nq, q), (self.nk, k)], len(self.mass_pattern.rowidx))
 
     def force(self, t: float, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> Vector:
-        """h(t, q, v)."""
+        """h(t, q, v) (nv,)."""
         return self._call("force", [t, *self._state(q, v, k)], self.nv)
 
     def mass_force(self, t: float, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> tuple[Vector, Vector]:
@@ -128,7 +119,7 @@ class Native:
         return values, h
 
     def accel(self, t: float, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> Vector:
-        """vdot."""
+        """vdot (nv,) of M vdot + h = 0; of a scene with its constraint reactions."""
         return self._call("accel", [t, *self._state(q, v, k)], self.nv)
 
     def energy(self, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> Vector:
@@ -136,11 +127,11 @@ class Native:
         return self._call("energy", self._state(q, v, k), self._model.nenergy)
 
     def momentum(self, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> Vector:
-        """Linear and angular momentum."""
+        """Linear and angular momentum in the inertial frame."""
         return self._call("momentum", self._state(q, v, k), self._model.nmomentum)
 
     def rates(self, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> Vector:
-        """qdot."""
+        """qdot (nq,) of the generalised velocities v."""
         return self._call("rates", self._state(q, v, k), self.nq)
 
     def residual(self, t: float, y: ArrayLike, ydot: ArrayLike, k: ArrayLike) -> Vector:
@@ -155,29 +146,32 @@ class Native:
         return self._call("jacobian", arguments, len(self.jacobian_pattern.rowidx))
 
     def mass_batch(self, q: ArrayLike, k: ArrayLike) -> Matrix:
-        """Values of M for each row of q. The batches of C hold elements by rows; they are turned here and back."""
+        """Values of M (n, nnz) for each row of q (n, nq). The C takes structures of arrays: both are transposed."""
         return self._batch("mass", [], [(self.nq, q)], k, len(self.mass_pattern.rowidx))[0]
 
     def force_batch(self, t: float, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> Matrix:
-        """h for each row of q and v."""
+        """h (n, nv) for each row of q (n, nq) and v (n, nv)."""
         return self._batch("force", [t], [(self.nq, q), (self.nv, v)], k, self.nv)[0]
 
     def accel_batch(self, t: float, q: ArrayLike, v: ArrayLike, k: ArrayLike, check: bool = True) -> Matrix:
-        """vdot for each row of q and v. Without `check` states that fail have NaN, and no error is raised."""
+        """vdot (n, nv) for each row of q (n, nq) and v (n, nv). States that fail have NaN; `check`: ModelError."""
         result, code = self._batch("accel", [t], [(self.nq, q), (self.nv, v)], k, self.nv)
         if code and check:
             raise ModelError(f"{self.name}_accel_batch", code)
         return result
 
     def marker(self, name: str, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> tuple[Vector, Vector, Vector]:
-        """Position, velocity and values of the Jacobian of a marker."""
+        """Position (m), velocity (m/s) in the inertial frame, and values of the Jacobian of a marker.
+
+        Raises UnknownNameError.
+        """
         marker = self._marker(name)
         results = [np.empty(marker.dimension), np.empty(marker.dimension), np.empty(marker.pattern.contents.nnz)]
         self._invoke(f"marker_{name}", marker.evaluate, self._state(q, v, k), results)
         return results[0], results[1], results[2]
 
     def load(self, name: str, q: ArrayLike, force: ArrayLike, k: ArrayLike) -> Vector:
-        """Generalized forces f of a force at a marker, in the inertial base: M vdot + h = f."""
+        """Generalised forces f (nv,) of a force (N) at a marker, given in the inertial frame: M vdot + h = f."""
         marker = self._marker(name)
         result = np.empty(self.nv)
         arguments = [(self.nq, q), (marker.dimension, force), (self.nk, k)]
@@ -202,19 +196,19 @@ class Native:
         return result
 
     def _invoke(self, name: str, function: Callable[..., int], arguments: list[Any], results: list[Vector]) -> None:
-        _invoke(f"{self.name}_{name}", function, arguments, results)
+        invoke(f"{self.name}_{name}", function, arguments, results)
 
     def _batch(
         self, kernel: str, t: list[float], states: list[tuple[int, ArrayLike]], k: ArrayLike, size: int
     ) -> tuple[Matrix, int]:
         name = f"{kernel}_batch"
-        rows = [_rows(columns, given, name) for columns, given in states]
+        rows = [checked_rows(columns, given, name) for columns, given in states]
         count = len(rows[0])
         if any(len(given) != count for given in rows):
             raise ValueError(f"{name}: {' and '.join(str(len(given)) for given in rows)} states do not go together")
-        turned = [np.ascontiguousarray(given.T) for given in rows]
+        columns_first = [np.ascontiguousarray(given.T) for given in rows]
         result = np.empty((size, count))
-        arrays = [*turned, _array(self.nk, k, name), result]
+        arrays = [*columns_first, checked_vector(self.nk, k, name), result]
         function: Callable[..., int] = getattr(self._model, name)
         code = function(count, *map(float, t), *(a.ctypes.data_as(Doubles) for a in arrays))
         return np.ascontiguousarray(result.T), code
@@ -232,14 +226,14 @@ class Dae:
     def residual(self, t: float, y: ArrayLike, ydot: ArrayLike, k: ArrayLike) -> Vector:
         """F(t, y, ydot)."""
         result = np.empty(self.size)
-        _invoke(f"{self._called}residual", self._form.residual, [t, *self._state(y, ydot), (self._nk, k)], [result])
+        invoke(f"{self._called}residual", self._form.residual, [t, *self._state(y, ydot), (self._nk, k)], [result])
         return result
 
     def jacobian(self, t: float, y: ArrayLike, ydot: ArrayLike, cj: float, k: ArrayLike) -> Vector:
         """Values of dF/dy + cj dF/dydot."""
         result = np.empty(len(self.pattern.rowidx))
         arguments = [t, *self._state(y, ydot), cj, (self._nk, k)]
-        _invoke(f"{self._called}jacobian", self._form.jacobian, arguments, [result])
+        invoke(f"{self._called}jacobian", self._form.jacobian, arguments, [result])
         return result
 
     def _state(self, y: ArrayLike, ydot: ArrayLike) -> list[Any]:
@@ -275,41 +269,20 @@ class NativeScene(Native):
         return self._ask("constraint_bias", [t, *self._state(q, v, k)], self.nlambda)
 
     def solve(self, t: float, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> tuple[Vector, Vector]:
-        """vdot and lambda, what joints exert on their second bodies."""
+        """vdot (nv,) and lambda (nlambda,), the constraint reactions on body 2 of each joint."""
         vdot, multipliers = np.empty(self.nv), np.empty(self.nlambda)
-        _invoke(f"{self.name}_solve", self._scene.solve, [t, *self._state(q, v, k)], [vdot, multipliers])
+        invoke(f"{self.name}_solve", self._scene.solve, [t, *self._state(q, v, k)], [vdot, multipliers])
         return vdot, multipliers
 
     def project_velocity(self, t: float, q: ArrayLike, k: ArrayLike, r: ArrayLike) -> Vector:
-        """The smallest change dv of the rates, measured by dv . M dv, with G dv = r."""
+        """The smallest change dv (nv,) of the velocities, measured by dv . M dv, with G dv = r (nlambda,)."""
         return self._ask("project_velocity", [t, (self.nq, q), (self.nk, k), (self.nlambda, r)], self.nv)
 
     def poses(self, t: float, q: ArrayLike, k: ArrayLike) -> Matrix:
-        """c1, c2 and phi of each body, (bodies, 3)."""
+        """c1, c2 (m) and phi (rad) of the frame of each body in `bodies`, (bodies, 3)."""
         return self._ask("poses", [t, (self.nq, q), (self.nk, k)], 3 * len(self.bodies)).reshape(-1, 3)
 
     def _ask(self, name: str, arguments: list[Any], size: int) -> Vector:
         result = np.empty(size)
-        _invoke(f"{self.name}_{name}", getattr(self._scene, name), arguments, [result])
+        invoke(f"{self.name}_{name}", getattr(self._scene, name), arguments, [result])
         return result
-
-
-def _invoke(name: str, function: Callable[..., int], arguments: list[Any], results: list[Vector]) -> None:
-    given = [_array(a[0], a[1], name) if isinstance(a, tuple) else float(a) for a in arguments]
-    pointers = [a.ctypes.data_as(Doubles) if isinstance(a, np.ndarray) else a for a in [*given, *results]]
-    if code := function(*pointers):
-        raise ModelError(name, code)
-
-
-def _rows(columns: int, given: ArrayLike, name: str) -> Matrix:
-    array = np.asarray(given, dtype=np.float64)
-    if array.ndim != 2 or array.shape[1] != columns:
-        raise ValueError(f"{name}: rows of {columns} are needed, not an array of shape {array.shape}")
-    return array
-
-
-def _array(size: int, given: ArrayLike, name: str) -> Vector:
-    array = np.ascontiguousarray(given, dtype=np.float64)
-    if array.shape != (size,):
-        raise ValueError(f"{name}: a vector of {size} is needed, not an array of shape {array.shape}")
-    return array

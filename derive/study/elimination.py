@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from derive.ir.patterns import Pattern
-from derive.runtime.native import Matrix, NativeScene, Vector
+from derive.runtime.calls import Matrix, Vector
+from derive.runtime.native import NativeScene
 from derive.simulation.compiled_scene import kkt_matrix
 from derive.study.states import State
 

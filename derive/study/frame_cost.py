@@ -12,8 +12,8 @@ import numpy as np
 from derive.backends.model_files import model_files
 from derive.derivation import derive, lower
 from derive.mechanics.equations import Equations
-from derive.runtime.integrators.run import FixedStep
-from derive.runtime.native import Vector
+from derive.runtime.calls import Vector
+from derive.runtime.integrators.fixed_step import FixedStep
 from derive.simulation.compiled_scene import kkt_matrix, mass_matrix
 from derive.spec.model.scene import Scene
 from derive.study.states import start_state
@@ -63,7 +63,7 @@ def compare_frames(
 ) -> tuple[FrameComparison, ...]:
     """The comparison of two frames for each number of pieces: first all variants are compiled, then they are timed.
 
-    Raises SpecError, CompilerError, SimulationError, HostError.
+    Raises SpecError, CompilerError, SimulationError, IntegratorError.
     """
     with ThreadPoolExecutor(2) as pool:
         pending = [_build(variant(scene, n, frame), pool) for n in pieces for frame in frames]

@@ -15,9 +15,10 @@ from statistics import median
 
 import numpy as np
 
+from derive.runtime.calls import Matrix, ModelError, Vector
 from derive.runtime.compiler import FLAGS, compile_shared, compiler
-from derive.runtime.integrators.run import FixedStep
-from derive.runtime.native import Matrix, ModelError, NativeScene, Vector
+from derive.runtime.integrators.fixed_step import FixedStep
+from derive.runtime.native import NativeScene
 from derive.simulation.integration.step_limit import rk4_step_limit
 from derive.study.states import State
 
@@ -90,7 +91,7 @@ def interleaved_times(
     runs: int,
     progress: Callable[[int], None],
 ) -> InterleavedTimes:
-    """The times of the same integration in two frames. Raises HostError, ModelError."""
+    """The times of the same integration in two frames. Raises IntegratorError, ModelError."""
     step = common_step(hosts, starts)
     both = list(zip(hosts, starts, strict=True))
     trial = [_run(host, start, step, min(200, math.ceil(duration / step)), 1) for host, start in both]

@@ -10,7 +10,8 @@ import beams
 import derive
 from derive.errors import TisserandError
 from derive.lowering.flat.functions import VANISHING
-from derive.runtime.native import ModelError, Native
+from derive.runtime.calls import ModelError
+from derive.runtime.native import Native
 
 BAD = [-1.0, 0.0, -0.0, np.nan, np.inf, -np.inf]
 

@@ -18,9 +18,11 @@ import derive
 from derive.backends.c.source import ABI
 from derive.rendering import render
 from derive.roles import Role
-from derive.runtime.integrators.build import LibraryMissing
-from derive.runtime.integrators.library import Integration
-from derive.runtime.integrators.run import FixedStep, GeneralisedAlpha, Ida
+from derive.runtime.integrators.c_integrator import Integration
+from derive.runtime.integrators.compilation import LibraryMissing
+from derive.runtime.integrators.fixed_step import FixedStep
+from derive.runtime.integrators.generalised_alpha import GeneralisedAlpha
+from derive.runtime.integrators.ida import Ida
 
 Made = TypeVar("Made")
 HERE = Path(__file__).parent

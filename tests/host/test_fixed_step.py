@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from pendulums import DISTANCE, GRAVITY, LEVEL, MASS, REST, driven, energy, exact, fixed, gap
 
-from derive.runtime.integrators.library import HostError, Integration
+from derive.runtime.integrators.c_integrator import Integration, IntegratorError
 
 DURATION = 4.0
 OFF = np.array([0.05, 0.02, 0.0])
@@ -85,12 +85,12 @@ def test_batch_is_each_state_alone() -> None:
 
 
 def test_failure_tells_what_and_leaves_nan() -> None:
-    with pytest.raises(HostError, match=r"pendulum: code 3: the constraints could not be met") as caught:
+    with pytest.raises(IntegratorError, match=r"pendulum: code 3: the constraints could not be met") as caught:
         fixed().run([1e6, 1e6, 0.3], REST, step=1e-3, steps=10)
     assert caught.value.code == 3
     assert np.isnan(caught.value.partial.q).all()
     starts = np.array([LEVEL, [np.nan, 0.0, 0.0]])
-    with pytest.raises(HostError) as caught:
+    with pytest.raises(IntegratorError) as caught:
         fixed().run(starts, np.zeros((2, 3)), step=1e-3, steps=10)
     good, bad = caught.value.partial.q
     assert np.isfinite(good).all()
@@ -100,7 +100,7 @@ def test_failure_tells_what_and_leaves_nan() -> None:
 def test_failure_on_the_way_keeps_what_was_reached() -> None:
     """The pivot becomes too fast for a double, some time after the start."""
     k = [0.0, MASS, 0.125, GRAVITY, 1e308, 1.0]
-    with pytest.raises(HostError, match=r"code 2 after t = 1") as caught:
+    with pytest.raises(IntegratorError, match=r"code 2 after t = 1") as caught:
         fixed().run(LEVEL, [1e308, 0, 0], step=1e-2, steps=1000, k=k, project=False)
     finite = np.isfinite(caught.value.partial.q).all(axis=1)
     assert 100 < np.sum(finite) < 900

@@ -11,8 +11,10 @@ from toolchain import block
 
 import derive
 from conftest import ROOT
-from derive.runtime.integrators.library import Host, HostError, Integration
-from derive.runtime.integrators.run import FixedStep, GeneralisedAlpha, Ida
+from derive.runtime.integrators.c_integrator import CIntegrator, Integration, IntegratorError
+from derive.runtime.integrators.fixed_step import FixedStep
+from derive.runtime.integrators.generalised_alpha import GeneralisedAlpha
+from derive.runtime.integrators.ida import Ida
 from derive.simulation.initial.consistent_state import consistent_state
 from derive.simulation.initial.initial_state import initial_guess
 
@@ -26,7 +28,7 @@ def files() -> tuple[derive.File, ...]:
     return derive.model_files(derive.lower(derive.derive(scene)), scene)
 
 
-def start(host: Host) -> tuple[object, object]:
+def start(host: CIntegrator) -> tuple[object, object]:
     scene, native = derive.read(ROOT / "scenes" / "crank_slider_3.toml"), host.native
     found = consistent_state(native, native.setup(), *initial_guess(scene, native))
     return found.q, found.v
@@ -83,7 +85,7 @@ def test_a_body_without_joints() -> None:
     assert one.lam.shape == (11, 0)
     assert np.abs(one.q - q0).max() > 1e-3
     assert np.abs(one.q - other.q).max() < 1e-8
-    with pytest.raises(HostError, match="code 5: the model has no such form"):
+    with pytest.raises(IntegratorError, match="code 5: the model has no such form"):
         implicit.run(q0, v0, interval=2e-5, rows=11)
-    with pytest.raises(HostError, match="code 5: the model has no form of index 3, or is no planar one"):
+    with pytest.raises(IntegratorError, match="code 5: the model has no form of index 3, or is no planar one"):
         needed(lambda _: GeneralisedAlpha(made.files, FAST)).run(q0, v0, step=1e-7, steps=1)

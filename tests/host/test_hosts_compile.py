@@ -9,8 +9,7 @@ import pytest
 from pendulums import FILES, LEVEL, REST, alpha, fixed, ida
 from toolchain import C99, CPP11, WARNINGS, run, tool
 
-from derive.runtime.integrators.build import header, sundials, written
-from derive.runtime.integrators.run import program
+from derive.runtime.integrators.compilation import header_flags, program, sundials, write_sources
 
 CPP14 = ("-x", "c++", "-std=c++14", *WARNINGS)  # headers of SUNDIALS 6 need it
 PLAIN = [("fixed_step", ()), ("simulate", ()), ("simulate", ("-DTISSERAND_IDA", "-DTISSERAND_ALPHA"))]
@@ -19,8 +18,8 @@ PLAIN = [("fixed_step", ()), ("simulate", ()), ("simulate", ("-DTISSERAND_IDA", 
 @pytest.mark.parametrize("language", [("gcc", *C99), ("g++", *CPP11)], ids=["C", "C++"])
 @pytest.mark.parametrize(("host", "flags"), PLAIN)
 def test_no_warnings(host: str, flags: tuple[str, ...], language: tuple[str, ...], tmp_path: Path) -> None:
-    name, _ = written(FILES, ["fixed_step", "generalised_alpha", "ida", "simulate"], tmp_path)
-    flags = (*flags, *header(name, tmp_path), f"-DTISSERAND_MODEL={name}_model")
+    name, _ = write_sources(FILES, ["fixed_step", "generalised_alpha", "ida", "simulate"], tmp_path)
+    flags = (*flags, *header_flags(name, tmp_path), f"-DTISSERAND_MODEL={name}_model")
     run(tool(language[0]), *language[1:], "-O2", *flags, "-c", tmp_path / f"{host}.c", "-o", tmp_path / "host.o")
 
 
@@ -28,14 +27,14 @@ def test_no_warnings(host: str, flags: tuple[str, ...], language: tuple[str, ...
 @pytest.mark.parametrize("host", ["ida", "generalised_alpha"])
 def test_no_warnings_with_libraries(host: str, language: tuple[str, ...], tmp_path: Path) -> None:
     ida()
-    name, _ = written(FILES, ["fixed_step", host], tmp_path)
-    flags = (*sundials()[0], *header(name, tmp_path))
+    name, _ = write_sources(FILES, ["fixed_step", host], tmp_path)
+    flags = (*sundials()[0], *header_flags(name, tmp_path))
     run(tool(language[0]), *language[1:], "-O2", *flags, "-c", tmp_path / f"{host}.c", "-o", tmp_path / "host.o")
 
 
 def test_fixed_steps_call_nothing_but_the_library_of_mathematics(tmp_path: Path) -> None:
-    name, _ = written(FILES, ["fixed_step"], tmp_path)
-    run(tool("gcc"), "-O2", *header(name, tmp_path), "-c", tmp_path / "fixed_step.c", "-o", tmp_path / "host.o")
+    name, _ = write_sources(FILES, ["fixed_step"], tmp_path)
+    run(tool("gcc"), "-O2", *header_flags(name, tmp_path), "-c", tmp_path / "fixed_step.c", "-o", tmp_path / "host.o")
     symbols = [line.split() for line in run(tool("nm"), tmp_path / "host.o").splitlines()]
     assert {symbol[-1] for symbol in symbols if symbol[-2] == "U"} <= {"memcpy", "memset"}
     assert all(symbol[-1].startswith("tisserand_") for symbol in symbols if symbol[-2] == "T")

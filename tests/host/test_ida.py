@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 from pendulums import FILES, LEVEL, REST, driven, exact, fixed, gap, ida
 
-from derive.runtime.integrators import build as host_build
-from derive.runtime.integrators.build import LibraryMissing
-from derive.runtime.integrators.library import HostError
-from derive.runtime.integrators.run import GeneralisedAlpha, Ida, run_ida
+from derive.runtime.integrators import compilation
+from derive.runtime.integrators.c_integrator import IntegratorError
+from derive.runtime.integrators.compilation import LibraryMissing
+from derive.runtime.integrators.generalised_alpha import GeneralisedAlpha
+from derive.runtime.integrators.ida import Ida, run_ida
 
 
 @pytest.mark.parametrize("form", ["ggl", "index1"])
@@ -60,7 +61,7 @@ def test_counts() -> None:
 def test_order_is_limited() -> None:
     low, high = (ida().run(LEVEL, REST, interval=0.2, rows=11, rtol=1e-6, order=order) for order in (2, 5))
     assert low.counts["steps"] > 2 * high.counts["steps"]
-    with pytest.raises(HostError, match="code -22"):
+    with pytest.raises(IntegratorError, match="code -22"):
         ida().run(LEVEL, REST, interval=0.2, rows=11, order=6)
 
 
@@ -72,9 +73,9 @@ def test_tight_tolerances_start() -> None:
 
 
 def test_failures_tell_what() -> None:
-    with pytest.raises(HostError, match="code 5: the model has no such form"):
+    with pytest.raises(IntegratorError, match="code 5: the model has no such form"):
         ida().run(LEVEL, REST, interval=0.1, rows=2, form="index0")
-    with pytest.raises(HostError, match="code -1 after t = 0: too many steps") as caught:
+    with pytest.raises(IntegratorError, match="code -1 after t = 0: too many steps") as caught:
         ida().run(LEVEL, REST, interval=1.0, rows=3, steps_max=5)
     assert np.array_equal(caught.value.partial.q[0], LEVEL)
     assert np.isnan(caught.value.partial.q[1:]).all()
@@ -90,30 +91,30 @@ def test_missing_sundials_is_said(monkeypatch: pytest.MonkeyPatch, tmp_path: Pat
     broken.write_text('#!/bin/sh\necho "ida/ida.h: No such file or directory" >&2\nexit 1\n')
     broken.chmod(0o755)
     monkeypatch.setenv("CC", str(broken))
-    host_build._found.cache_clear()
+    compilation._library_flags.cache_clear()
     try:
         with pytest.raises(LibraryMissing, match=r"apt-get install libsundials-dev(.|\n)*ida.h: No such file"):
             run_ida(FILES, LEVEL, REST, interval=0.1, rows=2)
         with pytest.raises(LibraryMissing, match=r"KLU was not found(.|\n)*apt-get install libsuitesparse-dev`"):
             GeneralisedAlpha(FILES)
     finally:
-        host_build._found.cache_clear()
+        compilation._library_flags.cache_clear()
 
 
 def test_sundials_elsewhere(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     """SUNDIALS_DIR goes before the places of the compiler."""
     ida()
     monkeypatch.delenv("SUNDIALS_DIR", raising=False)
-    include, link = host_build.sundials()
+    include, link = compilation.sundials()
     monkeypatch.setenv("SUNDIALS_DIR", str(tmp_path))
     (tmp_path / "include").mkdir()
-    host_build._found.cache_clear()
+    compilation._library_flags.cache_clear()
     try:
-        elsewhere, linked = host_build.sundials()
+        elsewhere, linked = compilation.sundials()
         assert elsewhere[:2] == ["-isystem", str(tmp_path / "include")]
         assert linked[0] == f"-L{tmp_path}/lib"
         assert set(include) < set(elsewhere)
         assert set(link) < set(linked)
         assert isinstance(Ida(FILES), Ida)
     finally:
-        host_build._found.cache_clear()
+        compilation._library_flags.cache_clear()

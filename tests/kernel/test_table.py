@@ -12,7 +12,8 @@ import beams
 import derive
 from derive.ir.interpreter import RequirementError, interpret
 from derive.ir.statements import Accumulate, Let, Map, MatrixStore, MatVec, Packing, Require, Store
-from derive.runtime.native import ModelError, Native
+from derive.runtime.calls import ModelError
+from derive.runtime.native import Native
 
 CASES = [(n, frame) for n in (0, 1, 2, 3, 5, 8, 13) for frame in ("given", "mean")]
 GRAVITY = [1, {"symbol": "gy", "default": 2.0}, "-981/100"]

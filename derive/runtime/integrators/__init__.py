@@ -1,1 +1,1 @@
-"""Integrators in C around a compiled model: fixed-step Runge-Kutta, generalised-alpha, IDA of SUNDIALS."""
+"""Integrators in C, compiled together with a model; their sources are in `templates/host`."""

@@ -8,7 +8,7 @@ import numpy as np
 from scipy.linalg import null_space, solve_triangular
 
 from derive.roles import Role
-from derive.runtime.native import Vector
+from derive.runtime.calls import Vector
 from derive.simulation.compiled_scene import Mechanism, constraint_matrix, coordinates_with, mass_matrix, max_norm
 from derive.simulation.constraints.closest_state import closest_state, damped_step
 from derive.simulation.constraints.scaling import in_mass_metric, mass_factor, typical_row_norms

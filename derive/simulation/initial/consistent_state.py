@@ -8,7 +8,7 @@ import numpy as np
 from scipy.linalg import solve_triangular
 
 from derive.roles import Role
-from derive.runtime.native import Vector
+from derive.runtime.calls import Vector
 from derive.simulation.compiled_scene import Mask, Mechanism, constraint_matrix, coordinates_with, mass_matrix, max_norm
 from derive.simulation.constraints.closest_state import CONSISTENT, ClosestState, closest_state, damped_step
 from derive.simulation.constraints.redundancy import check_constraints

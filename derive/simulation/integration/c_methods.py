@@ -9,9 +9,12 @@ from itertools import pairwise
 import numpy as np
 
 from derive.artifacts import File
-from derive.runtime.integrators.library import Host, HostError, Integration
-from derive.runtime.integrators.run import FixedStep, GeneralisedAlpha, Ida
-from derive.runtime.native import NativeScene, Vector
+from derive.runtime.calls import Vector
+from derive.runtime.integrators.c_integrator import CIntegrator, Integration, IntegratorError
+from derive.runtime.integrators.fixed_step import FixedStep
+from derive.runtime.integrators.generalised_alpha import GeneralisedAlpha
+from derive.runtime.integrators.ida import Ida
+from derive.runtime.native import NativeScene
 from derive.simulation.integration.failure_diagnosis import diagnose_failure
 from derive.simulation.integration.integrator import Integrator, Settings
 from derive.simulation.integration.solution import Cost, Solution, SolutionWriter, row_times
@@ -74,7 +77,7 @@ def ida(files: Sequence[File]) -> Integrator:
     return Integrator(native, integrate)
 
 
-def _scene(host: Host) -> NativeScene:
+def _scene(host: CIntegrator) -> NativeScene:
     if not isinstance(host.native, NativeScene):
         raise ValueError(f"{host.native.name} is a body, not a scene")
     return host.native
@@ -93,7 +96,7 @@ def _solution(
         t0, interval = float(instants[first]), float((instants[last] - instants[first]) / (last - first))
         try:
             part = run(q, v, t0, interval, last - first)
-        except HostError as error:
+        except IntegratorError as error:
             raise _diagnosed(native, k, np.concatenate([q, v]), t0, error) from error
         for i in range(1, last - first + 1):
             rows.append(float(instants[first + i]), np.concatenate([part.q[i], part.v[i]]))
@@ -113,7 +116,7 @@ def _equal_intervals(times: Vector) -> list[tuple[int, int]]:
     return list(pairwise([0, *changes, len(intervals)])) if len(intervals) else []
 
 
-def _diagnosed(native: NativeScene, k: Vector, y: Vector, t: float, error: HostError) -> Exception:
+def _diagnosed(native: NativeScene, k: Vector, y: Vector, t: float, error: IntegratorError) -> Exception:
     """The reason of a failure after the last row that the C integrator has reached."""
     partial = error.partial
     for row in range(len(partial.t)):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from derive.runtime.native import ModelError, Vector
+from derive.runtime.calls import ModelError, Vector
 from derive.simulation.compiled_scene import Mechanism
 from derive.simulation.constraints.neighbouring_states import driven_multipliers
 from derive.simulation.constraints.redundancy import involved

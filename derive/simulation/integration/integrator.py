@@ -6,7 +6,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from derive.artifacts import File
-from derive.runtime.native import NativeScene, Vector
+from derive.runtime.calls import Vector
+from derive.runtime.native import NativeScene
 from derive.simulation.integration.solution import Progress, Solution
 
 

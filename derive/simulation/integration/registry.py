@@ -7,7 +7,8 @@ from typing import Literal
 
 from derive.artifacts import File
 from derive.registry import Registry
-from derive.runtime.native import Vector, load_scene
+from derive.runtime.calls import Vector
+from derive.runtime.native import load_scene
 from derive.simulation.integration import c_methods
 from derive.simulation.integration.ida import integrate_ida
 from derive.simulation.integration.integrator import Compile, Integrator, Settings

@@ -10,7 +10,8 @@ from typing import Any, Literal
 import numpy as np
 from scipy.integrate import DOP853, RK45
 
-from derive.runtime.native import ModelError, Native, Vector
+from derive.runtime.calls import ModelError, Vector
+from derive.runtime.native import Native
 from derive.simulation.compiled_scene import Mechanism
 from derive.simulation.errors import DriftTooLarge, IntegrationStopped
 from derive.simulation.integration.failure_diagnosis import diagnose_error, diagnose_failure

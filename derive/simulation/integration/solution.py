@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from derive.runtime.native import Matrix, Vector
+from derive.runtime.calls import Matrix, Vector
 from derive.simulation.compiled_scene import Mechanism
 from derive.simulation.constraints.projection import check_drift, drift, project
 

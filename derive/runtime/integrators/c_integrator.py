@@ -1,4 +1,4 @@
-"""What all C hosts have in common: a library that holds model and host, states that go in, rows that come out."""
+"""C integrators compiled together with a model in one shared library: their arguments, results and errors."""
 
 from __future__ import annotations
 
@@ -15,9 +15,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from derive.artifacts import File
 from derive.errors import TisserandError
+from derive.runtime.calls import Vector
 from derive.runtime.compiler import FLAGS, compile_c
-from derive.runtime.integrators.build import header, written
-from derive.runtime.native import Vector, native_model
+from derive.runtime.integrators.compilation import header_flags, write_sources
+from derive.runtime.native import native_model
 
 Array = NDArray[np.float64]
 
@@ -33,11 +34,15 @@ CODES = {
     -4: "Newton's method failed again and again",
     -6: "the Jacobian is singular",
 }
-"""What the codes of the hosts mean; negative ones are those of IDA."""
+"""The meanings of the return codes; negative ones are those of IDA."""
 
 
-class HostError(TisserandError):
-    """An integration stopped with a code other than 0; `partial` is what it had reached, then NaN."""
+CONSISTENT = 1e-12
+"""The largest |g| (m, rad) and |gdot| (m/s, rad/s) after projection."""
+
+
+class IntegratorError(TisserandError):
+    """An integration stopped with a return code other than 0; `partial` has the rows it has reached, then NaN."""
 
     def __init__(self, name: str, code: int, partial: Integration, meanings: Mapping[int, str] = CODES) -> None:
         self.code, self.partial = code, partial
@@ -48,9 +53,10 @@ class HostError(TisserandError):
 
 @dataclass(frozen=True, eq=False)
 class Integration:
-    """t (rows,) in s, and q, v and multipliers lam (rows, n) there in SI units; of many states (states, rows, n).
+    """t (rows,) in s, q (rows, nq), v (rows, nv) and multipliers lam (rows, nlambda) in SI units.
 
-    `counts`: evaluations by name; `seconds`: of CPU that the C took.
+    For many initial states q, v and lam have a first axis with one element for each. counts: evaluations by name.
+    seconds: CPU time of the C function.
     """
 
     t: Vector
@@ -62,82 +68,86 @@ class Integration:
 
 
 def fields(*names: str) -> list[tuple[str, Any]]:
-    """Members of a C structure of counts."""
+    """The members of a C structure of counts."""
     return [(name, ctypes.c_long) for name in names]
 
 
-class Host:
-    """A model and the host sources in one shared library; `native` is the model."""
+class CIntegrator:
+    """A model and C integrators in one shared library; `native` is the model.
+
+    files: those of `model_files`. sources: the integrators of `templates/host`. flags, link: of the compiler. Raises
+    CompilerError.
+    """
 
     def __init__(
-        self, files: Sequence[File], hosts: Sequence[str], extra: Sequence[str] = (), link: Sequence[str] = ()
+        self, files: Sequence[File], sources: Sequence[str], flags: Sequence[str] = (), link: Sequence[str] = ()
     ):
         with tempfile.TemporaryDirectory(prefix="tisserand-") as folder:
-            name, sources = written(files, hosts, Path(folder))
+            name, paths = write_sources(files, sources, Path(folder))
             library = Path(folder) / "host.so"
-            compile_c(sources, library, [*FLAGS, *extra, *header(name, Path(folder)), "-shared", "-fPIC"], link)
+            compile_c(paths, library, [*FLAGS, *flags, *header_flags(name, Path(folder)), "-shared", "-fPIC"], link)
             self.library = ctypes.CDLL(str(library))
         self.native = native_model(self.library, name)
         self.model = ctypes.cast(getattr(self.library, f"{name}_model")(), ctypes.c_void_p)
         self.width: int = self.library.tisserand_fixed_row(self.model)
 
     def constants(self, k: ArrayLike | None) -> Vector:
-        """k as given, or of the default parameters."""
-        return self.native.setup() if k is None else checked("k", k, (self.native.nk,))
+        """The constants k (nk,) as given, or those of the default parameters."""
+        return self.native.setup() if k is None else checked_array("k", k, (self.native.nk,))
 
     def states(self, q0: ArrayLike, v0: ArrayLike) -> tuple[Array, Array]:
-        """Copies, which the hosts overwrite."""
+        """Copies of the states q0 (..., nq), v0 (..., nv), which the C overwrites."""
         q, v = np.array(q0, dtype=float, order="C"), np.array(v0, dtype=float, order="C")
         states = q.shape[:-1]
-        return checked("q0", q, (*states, self.native.nq)), checked("v0", v, (*states, self.native.nv))
+        return checked_array("q0", q, (*states, self.native.nq)), checked_array("v0", v, (*states, self.native.nv))
 
     def state(self, q0: ArrayLike, v0: ArrayLike) -> tuple[Vector, Vector]:
-        """The same of one state."""
+        """Copies of one state q0 (nq,), v0 (nv,)."""
         q, v = self.states(q0, v0)
         if q.ndim != 1:
             raise ValueError("q0 and v0 have to be vectors: this method integrates one state")
         return q, v
 
     def integration(self, t: Vector, rows: Array, counts: ctypes.Structure, seconds: float) -> Integration:
-        """Rows of q, v, lambda taken apart."""
+        """The result from rows of q, v, lambda (..., nq + nv + nlambda)."""
         q, v, lam = np.split(rows, np.cumsum([self.native.nq, self.native.nv]), axis=-1)
         return Integration(t, q, v, lam, {n: getattr(counts, n) for n, *_ in counts._fields_}, seconds)
 
 
 def times(t0: float, interval: float, rows: int) -> Vector:
-    """The instants of the rows, s."""
+    """The times (rows,) of the rows, s."""
     return np.asarray(t0 + interval * np.arange(rows), dtype=np.float64)
 
 
 def check_steps(steps: int, every: int) -> None:
-    """Raise ValueError unless there are such steps and rows."""
+    """Raise ValueError if the numbers of steps, and of steps for each row, make no sense."""
     if steps < 0 or every < 1:
         raise ValueError(f"{steps} steps with a row every {every} steps make no sense")
 
 
 def types(letters: str) -> list[Any]:
-    """Types of arguments: a letter each, for pointer, int, long and double."""
+    """The ctypes of arguments, by the letters p (pointer), i (int), l (long), d (double)."""
     kinds = {"p": ctypes.c_void_p, "i": ctypes.c_int, "l": ctypes.c_long, "d": ctypes.c_double}
     return [kinds[letter] for letter in letters]
 
 
 def timed(function: Callable[..., int], *arguments: Any) -> tuple[int, float]:
-    """The code of a C function, and its CPU time. Arrays go as addresses."""
+    """The return code of a C function and its CPU time, s. Arrays are passed by their addresses."""
     given = [a.ctypes.data if isinstance(a, np.ndarray) else a for a in arguments]
     before = time.thread_time()
     code = function(*given)
     return code, time.thread_time() - before
 
 
-def finished(name: str, code: int, found: Integration, meanings: Mapping[int, str] = CODES) -> Integration:
-    """What was found; raises HostError, which holds it, when the code is not 0."""
+def checked_result(name: str, code: int, result: Integration, meanings: Mapping[int, str] = CODES) -> Integration:
+    """The result of an integration. Raises IntegratorError if the return code is not 0."""
     if code:
-        raise HostError(name, code, found, meanings)
-    return found
+        raise IntegratorError(name, code, result, meanings)
+    return result
 
 
-def checked(name: str, given: ArrayLike, shape: tuple[int, ...]) -> Array:
-    """An array as C takes it; raises ValueError when it has another shape."""
+def checked_array(name: str, given: ArrayLike, shape: tuple[int, ...]) -> Array:
+    """A contiguous array of doubles. Raises ValueError if it has another shape."""
     array = np.ascontiguousarray(given, dtype=np.float64)
     if array.shape != shape:
         raise ValueError(f"{name}: an array of shape {shape} is needed, not {array.shape}")

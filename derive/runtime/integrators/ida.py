@@ -1,0 +1,95 @@
+"""IDA of SUNDIALS with KLU in C, compiled with a model."""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from derive.artifacts import File
+from derive.runtime.integrators.c_integrator import (
+    CONSISTENT,
+    Array,
+    CIntegrator,
+    Integration,
+    checked_result,
+    fields,
+    timed,
+    times,
+    types,
+)
+from derive.runtime.integrators.compilation import sundials
+
+
+class _IdaOptions(ctypes.Structure):
+    _fields_ = [
+        ("form", ctypes.c_char_p),
+        ("rtol", ctypes.c_double),
+        ("atol", ctypes.c_double),
+        ("order", ctypes.c_int),
+        ("start", ctypes.c_double),
+        ("step_max", ctypes.c_double),
+        ("steps_max", ctypes.c_long),
+    ]
+
+
+class _IdaCounts(ctypes.Structure):
+    _fields_ = fields(
+        "steps", "residuals", "jacobians", "factorisations", "iterations", "error_failures", "convergence_failures"
+    )
+
+
+class Ida(CIntegrator):
+    """IDA of SUNDIALS, `templates/host/ida.h`. Raises LibraryMissing."""
+
+    def __init__(self, files: Sequence[File], flags: Sequence[str] = ()) -> None:
+        include, link = sundials()
+        super().__init__(files, ["fixed_step", "ida"], [*flags, *include], link)
+        self.library.tisserand_ida.argtypes = types("ppddlppppp")
+
+    def run(
+        self,
+        q0: ArrayLike,
+        v0: ArrayLike,
+        *,
+        interval: float,
+        rows: int,
+        form: str | None = "ggl",
+        rtol: float = 1e-9,
+        atol: float | None = None,
+        order: int = 5,
+        k: ArrayLike | None = None,
+        t0: float = 0.0,
+        consistent: float = CONSISTENT,
+        step_max: float = 0.0,
+        steps_max: int = 1_000_000,
+    ) -> Integration:
+        """Rows at t0 + i `interval`, from the state q0 (nq,), v0 (nv,). Raises IntegratorError.
+
+        `form`: "ggl" or "index1" of a scene, None for a body. `atol` is `rtol` if it is not given. `order` 2 damps
+        vibrations that higher orders follow with short steps. The first state is brought to constraints and rates below
+        `consistent`, unless that is 0. `steps_max`: between two rows.
+        """
+        q, v = self.state(q0, v0)
+        if rows < 1 or not interval > 0:
+            raise ValueError(f"{rows} rows at an interval of {interval} make no sense")
+        name, absolute = None if form is None else form.encode(), rtol if atol is None else atol
+        options = _IdaOptions(name, rtol, absolute, order, consistent, step_max, steps_max)
+        table: Array = np.empty((rows, self.width))
+        counts = _IdaCounts()
+        code, seconds = timed(
+            self.library.tisserand_ida,
+            *(self.model, ctypes.byref(options), t0, interval, rows, self.constants(k), q, v, table),
+            ctypes.byref(counts),
+        )
+        return checked_result(
+            self.native.name, code, self.integration(times(t0, interval, rows), table, counts, seconds)
+        )
+
+
+def run_ida(files: Sequence[File], q0: ArrayLike, v0: ArrayLike, **options: Any) -> Integration:
+    """`Ida.run` of a model that is compiled for it."""
+    return Ida(files).run(q0, v0, **options)
