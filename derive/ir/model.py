@@ -162,7 +162,7 @@ class Model:
     `lowering` says how they were made, flat (straight line) or table (loops over the shapes), `choice` why. `data`
     holds the defaults of parameters that are arrays, as pairs (index, value); all else is zero.
 
-    A scene has `multipliers`, with the units of what joints exert, `bodies` whose poses it tells, and `left_out`,
+    A scene has `multipliers`, with the units of what joints exert, `bodies` whose poses it tells, and `eliminated`,
     what it does not model.
     """
 
