@@ -42,7 +42,7 @@ def derive(spec: Specification) -> Equations | GenericEquations:
 def _taken(found: choice.Choice, asked: Lowering) -> str:
     try:
         return found.taken(asked)
-    except choice.TooLong as error:
+    except choice.CodeTooLong as error:
         raise SpecError((Problem("body.lowering", str(error)),)) from None
 
 

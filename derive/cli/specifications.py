@@ -53,7 +53,7 @@ def build_all(paths: Sequence[Path]) -> list[Built]:
         built.append(result)
     show_progress()
     if errors:
-        raise errors[0] if len(errors) == 1 else ManyErrors(errors)
+        raise errors[0] if len(errors) == 1 else SeveralSpecErrors(errors)
     return built
 
 
@@ -68,7 +68,7 @@ def _name_conflict(name: str, paths_by_name: dict[str, Path]) -> str:
     return ""
 
 
-class ManyErrors(SpecError):
+class SeveralSpecErrors(SpecError):
     """The errors of several specifications."""
 
     def __init__(self, errors: list[SpecError]) -> None:

@@ -23,7 +23,7 @@ MOST = 15_000
 """Operations of h in straight line that derivation and compilers still take in seconds."""
 
 
-class TooLong(TisserandError):
+class CodeTooLong(TisserandError):
     """Straight-line code was asked for where there would be too much of it."""
 
 
@@ -37,9 +37,9 @@ class Choice:
     operations: int
 
     def taken(self, asked: str) -> str:
-        """The lowering that is taken; `asked` is auto, flat or table. Raises TooLong."""
+        """The lowering that is taken; `asked` is auto, flat or table. Raises CodeTooLong."""
         if asked == "flat" and self.operations > MOST:
-            raise TooLong(
+            raise CodeTooLong(
                 f"written out for each shape, the forces alone would take some {self.operations} operations, "
                 f'and {MOST} is the most; use lowering = "table" or "auto", or fewer modes'
             )

@@ -175,15 +175,15 @@ def _display(shown: str, said: str) -> str:
     return f"math.equation(alt: {string(said)}, $display({shown})$)"
 
 
-class NoTypst(TisserandError):
+class TypstMissing(TisserandError):
     """The wheel that makes PDF is not installed."""
 
 
 def pdf(page: Page) -> bytes:
-    """The page as PDF: the same bytes for the same page and version of Typst. Raises NoTypst."""
+    """The page as PDF: the same bytes for the same page and version of Typst. Raises TypstMissing."""
     try:
         import typst as wheel
     except ImportError as error:
-        raise NoTypst("PDF needs the Python package typst: pip install 'tisserand[report]'") from error
+        raise TypstMissing("PDF needs the Python package typst: pip install 'tisserand[report]'") from error
     made: bytes = wheel.compile(typst(page).encode(), format="pdf", ignore_system_fonts=True, timestamp=0)
     return made

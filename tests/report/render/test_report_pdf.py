@@ -18,7 +18,7 @@ from sample_report import EVERYTHING, EVIL, PHI, row, square
 
 from derive.artifacts import MARK
 from derive.report.document.formula import Call, Fenced, Formula, Fraction, Matrix, Name, Number, Operator, Part
-from derive.report.writers.typst import NoTypst, pdf, typst
+from derive.report.writers.typst import TypstMissing, pdf, typst
 from derive.report.writers.typst_math import string, summand_typst, typst_math
 
 
@@ -111,5 +111,5 @@ def test_a_missing_wheel_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
         return real(name, *others)
 
     monkeypatch.setattr(builtins, "__import__", without)
-    with pytest.raises(NoTypst, match=r"pip install 'tisserand\[report\]'"):
+    with pytest.raises(TypstMissing, match=r"pip install 'tisserand\[report\]'"):
         pdf(sample_report.page())
