@@ -68,26 +68,26 @@ def build(path: Path) -> Built:
 
 
 def _of_scene(model: Model) -> tuple[str, ...]:
-    """What a scene does not need, and why; what its accelerations and multipliers cost."""
+    """Return which coordinates of a scene are eliminated and why, and the size of its KKT matrix."""
     if model.kkt is None:
         return ()
     size, entries = model.kkt.pattern.rows, model.kkt.pattern.full_nnz
     solving = (
-        f"KKT matrix: {size} x {size}, {entries} non-zeros, {model.kkt.fill} filled in; accelerations and multipliers "
+        f"KKT matrix: {size} x {size}, {entries} non-zeros, fill-in of {model.kkt.fill}; accelerations and multipliers "
         f"take {model.kernel('solve').operations} operations"
     )
-    return (*(f"left out: {out.what}: {out.reason}" for out in model.eliminated), solving)
+    return (*(f"eliminated: {out.what}: {out.reason}" for out in model.eliminated), solving)
 
 
 def _of_modes(spec: Specification) -> tuple[str, ...]:
-    """What one should know of the modes of a body of nodes: how far they were from their frame, and loose ones."""
+    """Return how far the modes of a finite-element body were from their frame, and which of them have no stiffness."""
     if not isinstance(spec, NodalBody):
         return ()
     from derive.reduction import loose_modes, residuals
 
     notes = []
-    found = residuals(spec)
-    before, after = found.before, found.after
+    frame = residuals(spec)
+    before, after = frame.before, frame.after
     if spec.frame.kind != "point" and spec.modes != 0:
         asked = "" if spec.frame.kind == "mean" else " (no condition of the frame as given)"
         notes.append(
@@ -95,6 +95,6 @@ def _of_modes(spec: Specification) -> tuple[str, ...]:
             f"{after.displacement:.1e} as used; mean rotation (19): {before.rotation:.1e}, {after.rotation:.1e}{asked}"
         )
     if loose := loose_modes(spec):
-        said = ", ".join(map(str, loose))
-        notes.append(f"warning: no stiffness in mode {said}: is a part loose, or are elements missing?")
+        modes = ", ".join(map(str, loose))
+        notes.append(f"warning: mode {modes} has no stiffness; check for loose parts and missing elements")
     return tuple(notes)

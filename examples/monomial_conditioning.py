@@ -38,7 +38,7 @@ def main(folder: str | None = None) -> tuple[float, float]:
     if folder is not None:
         import matplotlib.pyplot as plt
 
-        counts = range(2, SHAPES + 1)
+        counts = range(2, SHAPES + 1, 2)
         figure, axes = plt.subplots()
         axes.semilogy(counts, [condition_number({"kind": "point", "at": 0}, n) for n in counts], label="monomials")
         axes.semilogy(counts, [condition_number("mean", n) for n in counts], label="orthogonal shape functions")
