@@ -32,7 +32,7 @@ def beam(frame: str, shapes: int, orthogonal: bool | None = None) -> derive.Plan
 
 def problem(spec: derive.PlanarBeam, phi: float | None = None) -> Problem:
     """Equations, kernels, files and states: rotations evenly over one turn or as given, the rest at random."""
-    equations = derive.derive(spec)
+    equations = derive.derive(spec).expanded()
     model = derive.lower(equations)
     nv = len(equations.rows)
     states = np.random.default_rng(1).uniform(-1.0, 1.0, (STATES, 2 * nv))

@@ -18,7 +18,6 @@ The public interface, by stages:
                     Torque, Spring, TimeFunction, time_function, Simulation, Plot, Deflection, ReferenceCurve
                     both: Frame, Marker, Parameter
                     registries: JOINTS, BODIES, FORCES; CustomJoint, CustomBody
-    equations       derive, modal, derive_modal, parameters; Equations, GenericEquations, ModalBody
                     mechanism; Mechanism, which keeps the equations once for each kind of body
     kernels         lower, interpret; Model
     files           model_files, write; File
@@ -47,7 +46,6 @@ if TYPE_CHECKING:
     from derive.ir.model import Model
     from derive.mechanics.bodies.modal_body import ModalBody
     from derive.mechanics.equations import Equations
-    from derive.mechanics.indexed_equations import GenericEquations
     from derive.registry import UnknownNameError
     from derive.roles import Role
     from derive.runtime.calls import ModelError
@@ -119,7 +117,6 @@ _MODULES = {
     "derive.ir.model": ("Model",),
     "derive.mechanics.bodies.modal_body": ("ModalBody",),
     "derive.mechanics.equations": ("Equations",),
-    "derive.mechanics.indexed_equations": ("GenericEquations",),
     "derive.registry": ("UnknownNameError",),
     "derive.roles": ("Role",),
     "derive.runtime.calls": ("ModelError",),
@@ -203,7 +200,6 @@ __all__ = [
     "Force",
     "Frame",
     "GeneralisedAlpha",
-    "GenericEquations",
     "Ida",
     "InitialGuess",
     "InitialState",

@@ -1,66 +1,53 @@
-"""The two arrows that depend on what is specified: a beam, a body of nodes, a body with parameters, or a scene.
+"""`derive` and `lower`: the two stages that depend on what is specified.
 
-A body in space has two lowerings. Which one is taken follows from the counts of its non-zeros, see `choice`, unless the
-specification says it.
+A specification is a beam, a body of nodes, a body with parameters, or a scene. The equations of a body keep their sums
+over the shapes; `lower` decides whether they are unrolled or become loops, see `derive.lowering.cost_model`, unless
+the specification says it.
 """
 
 from __future__ import annotations
-
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from derive.errors import Problem, SpecError
 from derive.ir.model import Model
-from derive.lowering import cost_model as choice
-from derive.lowering.flat import lower as flat
+from derive.lowering import cost_model
+from derive.lowering.flat.lower import lower as lower_flat
+from derive.lowering.loops.functions import lower_tables
+from derive.mechanics import indexed_equations
 from derive.mechanics.bodies import beam
-from derive.mechanics.bodies import spatial_body as general
 from derive.mechanics.bodies.modal_body import ModalBody
+from derive.mechanics.bodies.spatial_body import modal_body, parametric_body, symbolic_tables
+from derive.mechanics.bodies.spatial_body import parameters as parameters_of
 from derive.mechanics.equations import Equations
-from derive.mechanics.indexed_equations import GenericEquations
-from derive.mechanics.multibody import assembly as mechanism
+from derive.mechanics.multibody import assembly
+from derive.reduction import reduce
 from derive.spec.model.body import Gravity, Lowering, NodalBody, PlanarBeam, SymbolicBody
 from derive.spec.model.scene import Scene, Specification
 
 
-def derive(spec: Specification) -> Equations | GenericEquations:
-    """The equations of motion of what is specified, written out or for a generic shape. Raises SpecError."""
-    if isinstance(spec, PlanarBeam):
-        return beam.derive(spec)
-    if isinstance(spec, Scene):
-        return mechanism.derive(spec)
-    if isinstance(spec, SymbolicBody):
-        found = choice.choose(general.symbolic_tables(spec), general.present_symbolic(spec), spec.modes)
-        if _taken(found, spec.lowering) == "flat":
-            return replace(general.derive_symbolic(spec), choice=found.reason(spec.lowering))
-        return replace(general.generic_symbolic(spec), choice=found.reason(spec.lowering))
-    return derive_modal(modal(spec), spec.gravity, spec.lowering)
-
-
-def _taken(found: choice.Choice, asked: Lowering) -> str:
-    try:
-        return found.taken(asked)
-    except choice.CodeTooLong as error:
-        raise SpecError((Problem("body.lowering", str(error)),)) from None
+def derive(spec: Specification) -> Equations:
+    """The equations of motion of what is specified. Raises SpecError."""
+    match spec:
+        case PlanarBeam():
+            return beam.derive(spec)
+        case Scene():
+            return assembly.derive(spec)
+        case SymbolicBody():
+            return indexed_equations.derive_body(parametric_body(spec), spec.lowering)
+        case NodalBody():
+            return derive_modal(modal(spec), spec.gravity, spec.lowering)
 
 
 def modal(spec: NodalBody) -> ModalBody:
     """The shape integrals of a body of nodes, in its frame. Raises SpecError with all that is wrong."""
-    from derive.reduction import reduce
-
     return reduce(spec)
 
 
-def derive_modal(
-    body: ModalBody, gravity: Gravity | None = None, lowering: Lowering = "auto"
-) -> Equations | GenericEquations:
-    """The equations of motion of a body given by its shape integrals. Raises SpecError when they are too long."""
-    found = choice.choose(general.modal_tables(body), general.present_modal(body), body.modes)
-    if _taken(found, lowering) == "flat":
-        return replace(general.derive_modal(body, gravity), choice=found.reason(lowering))
-    return replace(general.generic_modal(body, gravity), choice=found.reason(lowering))
+def derive_modal(body: ModalBody, gravity: Gravity | None = None, lowering: Lowering = "auto") -> Equations:
+    """The equations of motion of a body given by its shape integrals."""
+    return indexed_equations.derive_body(modal_body(body, gravity), lowering)
 
 
 def parameters(body: ModalBody, spec: SymbolicBody) -> NDArray[np.float64]:
@@ -70,13 +57,26 @@ def parameters(body: ModalBody, spec: SymbolicBody) -> NDArray[np.float64]:
     """
     if body.modes != spec.modes:
         raise ValueError(f"{spec.name} has {spec.modes} modes and {body.name} {body.modes}")
-    return general.parameters(body, general.symbolic_tables(spec), spec.gravity)
+    return parameters_of(body, symbolic_tables(spec), spec.gravity)
 
 
-def lower(equations: Equations | GenericEquations) -> Model:
-    """The kernels of a model: straight lines, or loops where the equations are those of a generic shape."""
-    if isinstance(equations, GenericEquations):
-        from derive.lowering.loops.functions import lower_tables
+def lower(equations: Equations) -> Model:
+    """The kernels of a model: straight-line code, or loops over the shapes of a body in space, whichever is faster.
 
-        return lower_tables(equations)
-    return flat.lower(equations)
+    Raises SpecError when the specification asks for straight-line code that would be too long.
+    """
+    body = equations.body
+    if not equations.indexed or body is None or body.dimension == 2:
+        return lower_flat(equations.expanded())
+    estimate = cost_model.choose(body)
+    try:
+        flat = estimate.taken(equations.lowering) == "flat"
+    except cost_model.CodeTooLong as error:
+        raise SpecError((Problem("body.lowering", str(error)),)) from None
+    reason = estimate.reason(equations.lowering)
+    return lower_flat(equations.expanded(), reason) if flat else lower_tables(equations, reason)
+
+
+def lowered_form(equations: Equations, model: Model) -> Equations:
+    """The form of the equations that a model was lowered from: with its sums, or written out."""
+    return equations if model.lowering == "table" else equations.expanded()

@@ -8,11 +8,10 @@ from pathlib import Path
 
 from derive.artifacts import File
 from derive.backends.model_files import model_files
-from derive.derivation import derive, lower
+from derive.derivation import derive, lower, lowered_form
 from derive.errors import SpecError
 from derive.ir.model import Model
 from derive.mechanics.equations import Equations
-from derive.mechanics.indexed_equations import GenericEquations
 from derive.spec.model.body import NodalBody
 from derive.spec.model.scene import Specification
 from derive.spec.toml.read import read, with_lines
@@ -34,7 +33,7 @@ class Built:
     """A specification with all that was made of it; `notes` are lines that one should read."""
 
     spec: Specification
-    equations: Equations | GenericEquations
+    equations: Equations
     model: Model
     files: tuple[File, ...]
     stages: tuple[Stage, ...]
@@ -52,15 +51,17 @@ def build(path: Path) -> Built:
     spec = read(path)
     reading = Stage("read", lap())
     try:
-        equations = derive(spec)
+        derived = derive(spec)
+        deriving = Stage("derive", lap(), terms=len(derived.terms))
+        model = lower(derived)
     except SpecError as error:  # a fault of the numbers, found where they are used
         raise with_lines(error, path) from None
-    deriving = Stage("derive", lap(), terms=len(equations.terms))
-    model = lower(equations)
+    equations = lowered_form(derived, model)
     operations, nonzeros = model.kernel("mass_force").operations, model.pattern("mass", "M").full_nnz
     lowering = Stage("lower", lap(), operations=operations, nonzeros=nonzeros)
-    if isinstance(equations, Equations):
-        deriving = replace(deriving, nonzeros=sum(entry != 0 for entry in equations.mass))
+    if not equations.indexed:
+        nonzeros = sum(entry != 0 for entry in equations.mass)
+        deriving = replace(deriving, terms=len(equations.terms), nonzeros=nonzeros)
     files = model_files(model, spec)
     emitting = Stage("emit", lap())
     notes = (model.choice, *_of_modes(spec)) if model.choice else _of_scene(model)

@@ -16,7 +16,7 @@ def main(folder: str | None = None) -> tuple[int, int]:
     counts = []
     patterns = []
     for frame in ({"kind": "point", "at": 0}, "mean"):
-        equations = derive.derive(derive.planar_beam("beam", frame=frame))
+        equations = derive.derive(derive.planar_beam("beam", frame=frame)).expanded()
         pattern = derive.lower(equations).pattern("mass", "M")
         counts.append(pattern.full_nnz)
         patterns.append(pattern)

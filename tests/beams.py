@@ -56,7 +56,7 @@ def made(frame: str = "mean", n: int = 2) -> Made:
 
 def build(spec: Any) -> Made:
     """All stages of one specification."""
-    equations = derive.derive(spec)
+    equations = derive.derive(spec).expanded()
     model = derive.lower(equations)
     return Made(spec, equations, model, derive.model_files(model, spec))
 

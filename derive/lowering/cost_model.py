@@ -11,13 +11,12 @@ The first serves to about 15 000 operations of h: from there on, derivation and 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 from derive.errors import TisserandError
-from derive.mechanics.bodies.spatial_body import Present
-from derive.mechanics.indexed_equations import Table
+from derive.mechanics.body import Body
 from derive.mechanics.symbols import Family
+from derive.mechanics.tables import TableKind
 
 MOST = 15_000
 """Operations of h in straight line that derivation and compilers still take in seconds."""
@@ -52,20 +51,24 @@ class Choice:
         return f"{way}, {why}: for h {self.flat:.0f} ns are foreseen written out, {self.table:.0f} ns in loops"
 
 
-def choose(tables: Sequence[Table], present: Present, modes: int) -> Choice:
-    """The faster way for a body with these tables and entries."""
-    operations = straight_operations(present)
-    full = sum(len(t.components) for t in tables if t.kind == "full" and t.counted == 2 and t.family is not Family.C8)
+def choose(body: Body) -> Choice:
+    """The faster way for a body in space."""
+    tables, modes = body.tables, body.modes
+    operations = straight_operations(body)
+    full = sum(
+        len(t.components) for t in tables if t.kind is TableKind.FULL and t.counted == 2 and t.family is not Family.C8
+    )
     flat, table = 0.075 * operations, 27 + modes + 0.022 * 2 * full * modes**2
     return Choice("table" if table < flat or operations > MOST else "flat", flat, table, operations)
 
 
-def straight_operations(present: Present) -> int:
+def straight_operations(body: Body) -> int:
     """About how many operations h takes in straight line: see tests/kernel/test_choice.py.
 
     Two for each entry (i, j) and each component of C4; five for each component of an S_i that is there (J, Sdot and
     h_i), four for c7dot_i and c2_i, two for c6_i; and those of the rigid motion.
     """
+    present = {table.family: body.values.present(table) for table in body.tables if table.counted}
     pairs = sum(int(present[name].sum()) for name in (Family.C5, Family.C7, Family.STIFFNESS, Family.DAMPING))
     s = present[Family.C4] | present[Family.C5].any(axis=1)
     c7dot = present[Family.C7].any(axis=1)

@@ -8,8 +8,9 @@ from __future__ import annotations
 
 import sympy as sp
 
-from derive.mechanics.indexed_equations import Contraction, GenericEquations
+from derive.mechanics.equations import Equations
 from derive.mechanics.series import ALPHA, ALPHADDOT, ALPHADOT, PARITY, canonical, exchanged, swapped
+from derive.mechanics.sums import Contraction
 from derive.mechanics.symbols import Family, I, J, Symbol, is_indexed, quantity
 
 SUMS = {Family.C5: Family.C5_SUM, Family.C7: Family.C7_SUM, Family.C8: Family.C8_SUM}
@@ -24,7 +25,7 @@ class Gradient:
     `factor` is what derivatives are taken with respect to: ALPHA, ALPHADOT or ALPHADDOT.
     """
 
-    def __init__(self, equations: GenericEquations) -> None:
+    def __init__(self, equations: Equations) -> None:
         self.totals = {t.symbol: t for t in equations.totals}
         self.contractions = list(equations.contractions)
 

@@ -11,9 +11,9 @@ from typing import Protocol
 
 import sympy as sp
 
-from derive.mechanics.equations import Coefficient
 from derive.mechanics.series import ALPHA, ALPHADDOT, ALPHADOT, Series
 from derive.mechanics.symbols import Family, I, J, Symbol, quantity
+from derive.mechanics.terms import Coefficient
 
 APPENDIX = "appendix"
 

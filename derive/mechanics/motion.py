@@ -8,10 +8,10 @@ from itertools import groupby
 
 import sympy as sp
 
-from derive.mechanics.equations import Coordinate, Definition, Row
 from derive.mechanics.kinematics import ONE, Field, MovingFrame
 from derive.mechanics.series import Series, Vectors, exchanged, written_out
 from derive.mechanics.symbols import MASS, I
+from derive.mechanics.terms import Coordinate, Definition, Row
 from derive.mechanics.virtual_work import Moments, total
 
 __all__ = ["MASS", "Motion"]

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from derive.mechanics.equations import Coordinate, Definition, Row
 from derive.mechanics.integrals import planar_series, planar_sums
 from derive.mechanics.kinematics import MovingFrame, PlanarRotation
 from derive.mechanics.motion import MASS, Motion, definitions_of, sums_of
 from derive.mechanics.series import ALPHA, ALPHADDOT, ALPHADOT
 from derive.mechanics.symbols import Family, Symbol, amplitude, identity, quantity
+from derive.mechanics.terms import Coordinate, Definition, Row
 from derive.mechanics.virtual_work import PlanarMoments
 
 

@@ -8,10 +8,12 @@ from dataclasses import dataclass
 import sympy as sp
 
 from derive.mechanics import zeros
-from derive.mechanics.equations import Coefficient, Definition, MarkerEquations
 from derive.mechanics.kinematics import ONE, PHI, RDOT, Field, R
 from derive.mechanics.motion import Motion
-from derive.mechanics.symbols import Family, quantity, vector
+from derive.mechanics.sums import Total
+from derive.mechanics.symbols import Family, I, amplitude, quantity, vector
+from derive.mechanics.tables import point_tables
+from derive.mechanics.terms import Coefficient, Definition, MarkerEquations
 
 
 @dataclass(frozen=True)
@@ -95,4 +97,34 @@ def marker(motion: Motion, point: MaterialPoint, reasons: zeros.Reasons) -> Mark
         position=sp.ImmutableMatrix(inertial(motion.position)),
         velocity=sp.ImmutableMatrix(inertial(motion.velocity)),
         jacobian=sp.ImmutableMatrix.hstack(*columns),
+    )
+
+
+def indexed_marker(motion: Motion, number: int, point: MaterialPoint, deforms: bool) -> MarkerEquations:
+    """The same for a generic shape, whose column and whose row of the load come last.
+
+    X and the shapes at the point are tables, see `point_tables`; `motion` is that of the rigid body.
+    """
+    dimension = motion.rotation.rows
+    x, phi = (table.generic_entries for table in point_tables(number, point.name, dimension))
+    r, rdot = (vector(Family.RADIUS, dimension, derivative=d) for d in (0, 1))
+    totals = []
+    for k, (position, shape) in enumerate(zip(x, phi, strict=True) if deforms else ()):
+        totals.append(Total(r[k], position, amplitude(I) * shape, "X + u at the marker"))
+        totals.append(Total(rdot[k], sp.S.Zero, amplitude(I, 1) * shape, "its rate"))
+    if not deforms:
+        r, rdot = sp.Matrix(x), sp.zeros(dimension, 1)
+    at = {R: r, RDOT: rdot, PHI: sp.Matrix(phi)}
+    displacements = (*motion.translations, *motion.frame.rotations(), motion.frame.deformation())
+    return MarkerEquations(
+        name=point.name,
+        doc=point.doc,
+        definitions=(),
+        totals=tuple(totals),
+        force=sp.ImmutableMatrix(force_vector(motion)),
+        force_definitions=force_definitions(motion),
+        load=tuple(work_at(motion, d, at) for d in displacements),
+        position=sp.ImmutableMatrix(vector_at(motion, motion.position, at)),
+        velocity=sp.ImmutableMatrix(vector_at(motion, motion.velocity, at)),
+        jacobian=sp.ImmutableMatrix.hstack(*(vector_at(motion, d, at) for d in displacements)),
     )

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import sympy as sp
 
-from derive.mechanics.equations import Coefficient, ParameterSymbol
 from derive.mechanics.symbols import Family
 from derive.mechanics.symbols import parameter as parameter_symbol
 from derive.mechanics.symbols import quantity as quantity_symbol
+from derive.mechanics.terms import Coefficient, ParameterSymbol
 from derive.spec.model.body import Parameter, Quantity
 
 NO_GRAVITY = "the specification (no gravity along this axis)"

@@ -9,11 +9,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from itertools import combinations_with_replacement
 
 import sympy as sp
 
-from derive.mechanics.equations import Coordinate, Definition, Row
 from derive.mechanics.kinematics import PHI, RDDOT, RDOT, MovingFrame, R
 from derive.mechanics.motion import MASS, Motion, definitions_of, sums_of
 from derive.mechanics.series import ALPHA, ALPHADDOT, ALPHADOT, Series
@@ -27,11 +25,9 @@ from derive.mechanics.symbols import (
     local,
     quantity,
 )
+from derive.mechanics.tables import AXES, PAIRS
+from derive.mechanics.terms import Coordinate, Definition, Row
 from derive.mechanics.virtual_work import FIRST, Moment, moment, transposed
-
-AXES = (1, 2, 3)
-PAIRS = tuple(combinations_with_replacement(AXES, 2))
-"""Index pairs of a symmetric tensor: 11, 12, 13, 22, 23, 33."""
 
 SYMMETRIC: dict[tuple[str, str], Moment] = {
     (R, R): (Family.INERTIA, 0, ()),

@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import sympy as sp
 
-from derive.mechanics.equations import Coefficient, Definition, Reason, Term, Vanished
 from derive.mechanics.symbols import identity
+from derive.mechanics.terms import Coefficient, Definition, Reason, Term, Vanished
 
 Reasons = dict[sp.Symbol, tuple[tuple[sp.Symbol, str], ...]]
 """For each vanishing symbol the integrals behind it, as pairs (integral, reason)."""

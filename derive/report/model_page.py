@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from derive.backends.source_map import source_map
 from derive.mechanics.equations import Equations
-from derive.mechanics.indexed_equations import GenericEquations
 from derive.pipeline import Built
 from derive.report.document.formula import Name, Number, Operator, Row
 from derive.report.document.page import Block, Heading, Math, Page, Paragraph, Text
@@ -71,9 +70,9 @@ def _frames(built: Built, written: Notation) -> tuple[Block, ...]:
     return frames_blocks(variants(built.spec, built.equations, built.model), written)
 
 
-def _motion(equations: Equations | GenericEquations) -> tuple[Block, ...]:
+def _motion(equations: Equations) -> tuple[Block, ...]:
     """What the rows are."""
-    loops = " There is one row for each shape i." if isinstance(equations, GenericEquations) else ""
+    loops = " There is one row for each shape i." if equations.indexed else ""
     law = Row((Name("M", style="tensor"), Name("v", 1, style="vector"), Operator("+"), Name("h", style="vector")))
     return (
         Heading("Equations of motion", "motion"),

@@ -6,7 +6,6 @@ from html import escape
 
 from derive.ir.model import Model
 from derive.mechanics.equations import Equations
-from derive.mechanics.indexed_equations import GenericEquations
 from derive.report.document.formula import Equation
 from derive.report.notation.expressions import notation
 from derive.report.sections.mass_matrix import Matrix, picture
@@ -18,7 +17,7 @@ MOST_ROWS = 16
 """Rows of equations that a notebook shows."""
 
 
-def equations_html(equations: Equations | GenericEquations) -> str:
+def equations_html(equations: Equations) -> str:
     """The equations of motion row by row, grouped by accelerations, rates and the rest."""
     written = notation(equations)
     rows = []

@@ -6,10 +6,11 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from derive.backends.source_map import source_map
-from derive.mechanics.equations import Equations, Reason
+from derive.mechanics.equations import Equations
 from derive.mechanics.multibody.bodies.beam import piece_name
 from derive.mechanics.multibody.expansion import BETWEEN_BODIES
 from derive.mechanics.symbols import identity
+from derive.mechanics.terms import Reason
 from derive.pipeline import Built
 from derive.report.document.page import Block, Heading, Page, Paragraph, Picture
 from derive.report.notation.expressions import notation
@@ -40,7 +41,7 @@ class Result:
 def scene_page(built: Built, specification: SpecificationText, results: Sequence[Result] = ()) -> Page:
     """The report of a scene. Raises TypeError when what was built is a body."""
     spec, equations, model = built.spec, built.equations, built.model
-    if not isinstance(spec, Scene) or not isinstance(equations, Equations) or model.kkt is None:
+    if not isinstance(spec, Scene) or equations.indexed or model.kkt is None:
         raise TypeError("this is no scene")
     written = notation(equations)
     code = source_map(built.files, "c")

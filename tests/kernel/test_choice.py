@@ -11,30 +11,30 @@ import derive
 from conftest import ROOT
 from derive.cli.main import main
 from derive.lowering.cost_model import choose, straight_operations
-from derive.mechanics.bodies.spatial_body import modal_tables, present_modal, present_symbolic, symbolic_tables
+from derive.mechanics.bodies.spatial_body import modal_body, parametric_body
 
 
 @pytest.mark.parametrize(("n", "frame"), [(2, "given"), (4, "mean"), (5, "given"), (6, "mean")])
 def test_operations_are_foreseen(n: int, frame: str) -> None:
     spec = derive.symbolic_body("b", n, frame=frame, damping=True, lowering="flat")
     counted = derive.lower(derive.derive(spec)).kernel("force").operations
-    assert straight_operations(present_symbolic(spec)) == pytest.approx(counted, rel=0.1)
+    assert straight_operations(parametric_body(spec)) == pytest.approx(counted, rel=0.1)
 
 
 def test_operations_of_the_block_are_foreseen() -> None:
     spec = derive.read(ROOT / "scenes/block.toml")
     counted = derive.lower(derive.derive(spec)).kernel("force").operations
     assert counted == 534  # the README says so
-    assert straight_operations(present_modal(derive.modal(spec))) == pytest.approx(counted, rel=0.1)
+    assert straight_operations(modal_body(derive.modal(spec))) == pytest.approx(counted, rel=0.1)
 
 
 def test_zeros_make_straight_lines_and_many_shapes_make_loops() -> None:
     spec = derive.read(ROOT / "scenes/block.toml")
     block = derive.modal(spec)
-    assert choose(modal_tables(block), present_modal(block), block.modes).lowering == "flat"
+    assert choose(modal_body(block)).lowering == "flat"
     for n, lowering in ((1, "flat"), (2, "flat"), (8, "table"), (100, "table")):
         given = derive.symbolic_body("b", n, frame="given")
-        assert choose(symbolic_tables(given), present_symbolic(given), n).lowering == lowering
+        assert choose(parametric_body(given)).lowering == lowering
 
 
 @pytest.mark.parametrize("lowering", ["flat", "table"])

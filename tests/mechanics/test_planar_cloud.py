@@ -10,11 +10,12 @@ from functools import cache
 
 import sympy as sp
 
-from derive.mechanics.equations import Coefficient, Equations
+from derive.mechanics.body import planar_body
+from derive.mechanics.equations import Equations
+from derive.mechanics.indexed_equations import derive_body
 from derive.mechanics.integrals import Value, coefficients
-from derive.mechanics.planar import planar_motion
 from derive.mechanics.symbols import Family, pair
-from derive.mechanics.virtual_work_equations import Body, equations
+from derive.mechanics.terms import Coefficient
 from paper import brute_force
 from plain_symbols import plain
 
@@ -50,8 +51,8 @@ def cloud() -> Equations:
     stiffness = tuple(
         Coefficient(pair(Family.STIFFNESS, i, j), sp.Integer(k), "", "", "") for (i, j), k in STIFFNESS.items()
     )
-    body = Body("cloud", "", "", planar_motion(2), sum(MASSES), coefficients(CloudIntegrals(), 2), stiffness, (), ())
-    return equations(body)
+    constants = (*coefficients(CloudIntegrals(), 2), *stiffness)
+    return derive_body(planar_body("cloud", "", "", 2, sum(MASSES), constants)).expanded()
 
 
 def positions() -> list[sp.Matrix]:

@@ -11,11 +11,9 @@ from scipy.linalg import eigh
 from scipy.sparse import csr_array, diags_array
 
 from derive.mechanics.kinematics import PHI, RDDOT, RDOT, R, add
-from derive.mechanics.points import MaterialPoint, vector_at
+from derive.mechanics.points import MaterialPoint, marker, vector_at
 from derive.mechanics.reference_conditions import conditions, xi
 from derive.mechanics.spatial import rotation_of, spatial_motion, symbols_of_rotation
-from derive.mechanics.symbols import parameter
-from derive.mechanics.virtual_work_equations import Body, equations
 from derive.reduction.frames import in_frame
 from derive.reduction.rigid import rigid_fields
 from derive.spec.model.body import BodyFrame, Frame
@@ -34,7 +32,7 @@ NOTHING = sp.zeros(3, 1)
 def test_place_of_a_material_point_is_1_with_14() -> None:
     X, shapes = vector("X"), (vector("Phi1"), vector("Phi2"))
     point = MaterialPoint("P", "", sp.ImmutableMatrix(X), tuple(map(sp.ImmutableMatrix, shapes)))
-    found = equations(Body("body", "", "", MOTION, parameter("m"), (), (), (point,), ())).markers[0]
+    found = marker(MOTION, point, {})
     local = {d.symbol: d.expr for d in found.definitions}
     u = printed_continuum.displacement_14(sp.symbols("alpha1:3"), shapes)
     assert (plain(found.position.xreplace(local)) - printed_continuum.position_1(C, Q, X, u)).expand() == NOTHING

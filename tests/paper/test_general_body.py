@@ -7,10 +7,14 @@ from functools import cache
 import pytest
 import sympy as sp
 
-from derive.mechanics.equations import Coefficient, Equations
-from derive.mechanics.spatial import PAIRS, quaternion_rates, rotation_of, skew, spatial_motion, symbols_of_rotation
+from derive.mechanics.bodies.spatial_body import DOCS
+from derive.mechanics.body import Body, ExactValues
+from derive.mechanics.equations import Equations
+from derive.mechanics.indexed_equations import derive_body
+from derive.mechanics.spatial import PAIRS, quaternion_rates, rotation_of, skew, symbols_of_rotation
 from derive.mechanics.symbols import Family, Symbol, pair, parameter, quantity
-from derive.mechanics.virtual_work_equations import Body, equations
+from derive.mechanics.tables import Table, TableKind
+from derive.mechanics.terms import Coefficient
 from paper.printed_general import General, PrintedVector, axial, equation_15, first, gram, tensor
 from plain_symbols import plain
 
@@ -49,7 +53,8 @@ def derived(n: int, mean: bool = False) -> Equations:
         Coefficient(symbol, value, "", "", "", MEAN if value == 0 else None)
         for symbol, value in values(n, mean).items()
     )
-    return equations(Body("general", "", "", spatial_motion(n), parameter("m"), integrals, (), (), ()))
+    tables = tuple(Table(family, TableKind.FULL, *doc) for family, doc in DOCS.items())
+    return derive_body(Body("general", "", "", 3, n, parameter("m"), tables, ExactValues(integrals))).expanded()
 
 
 def written_out(eq: Equations, expr: sp.Expr) -> sp.Expr:

@@ -16,8 +16,9 @@ from derive.ir.patterns import Pattern, pattern
 from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.graph import Constants, Graph, held
 from derive.lowering.flat.schedule import Named, Step, Stored, Want, schedule
-from derive.mechanics.equations import Definition, Equations, rotation_symbols
+from derive.mechanics.equations import Equations
 from derive.mechanics.symbols import local, state_rate, t
+from derive.mechanics.terms import Definition, rotation_symbols
 
 
 @dataclass(frozen=True)

@@ -14,8 +14,8 @@ from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.context import Context, array_input, define, stores
 from derive.lowering.flat.schedule import Named, Required, Step, Stored
 from derive.lowering.ldlt import Factorisation, factorise, solve
-from derive.mechanics.equations import MarkerEquations
 from derive.mechanics.symbols import state_rate
+from derive.mechanics.terms import MarkerEquations
 
 VANISHING = Fraction(1, 2**44)
 """A pivot below this part of its diagonal entry is rounding error, not inertia."""

@@ -11,8 +11,8 @@ from derive.lowering.flat.setup import setup_kernel
 from derive.mechanics.equations import Equations
 
 
-def lower(equations: Equations) -> Model:
-    """The kernels of a model, with names, units, patterns and the reasons of its zeros."""
+def lower(equations: Equations, choice: str = "") -> Model:
+    """The kernels of a model from its expanded equations, with names, units, patterns and the reasons of its zeros."""
     context = Context(equations)
     scene = bool(equations.poses)
     kernels = (
@@ -46,7 +46,7 @@ def lower(equations: Equations) -> Model:
         kernels=(setup, *(_with_constants(kernel, names) for kernel in kernels)),
         markers=tuple(Variable(m.name, m.doc, "m") for m in equations.markers),
         zeros=tuple(Zero(f"M[{context.rows[i]}, {context.rows[j]}]", str(why)) for i, j, why in equations.mass_zeros),
-        choice=equations.choice,
+        choice=choice,
         multipliers=tuple(Variable(c.name, c.doc, c.force_unit) for c in equations.constraints),
         bodies=tuple(pose.name for pose in equations.poses),
         kkt=constraints.kkt(context) if scene else None,

@@ -13,8 +13,9 @@ from derive.lowering.flat.functions import VANISHING
 from derive.lowering.ldlt import elimination_order, factorise, solve
 from derive.lowering.loops.program import NOTHING, Program, Row, Scalar, Target
 from derive.lowering.loops.tables import RIGID, SHAPE, Tables, output
-from derive.mechanics.indexed_equations import Total
+from derive.mechanics.sums import Total
 from derive.mechanics.symbols import Family, I, local, quantity
+from derive.mechanics.tables import TableKind
 
 
 def accel(tables: Tables) -> Kernel:
@@ -31,9 +32,9 @@ def accel(tables: Tables) -> Kernel:
     program.phase("h and B", "(15)", "forces, and coupling of rigid motion and shapes", scalars, rows)
     arrays = ("h", *(f"B_{r + 1}" for r in coupled))
     weight = sp.S.One
-    if tables.c8 == "full" and tables.n:
+    if tables.c8 is TableKind.FULL and tables.n:
         program.sections.append(_substituted(tables, arrays, transposed=False))
-    elif tables.c8 == "diagonal":
+    elif tables.c8 is TableKind.DIAGONAL:
         weight = 1 / quantity(Family.C8, shapes=(I,))
     totals = [
         Total(local("BB", r + 1, c + 1), sp.S.Zero, weight * b[r] * b[c], "B^T c8^-1 B")
@@ -44,20 +45,20 @@ def accel(tables: Tables) -> Kernel:
     totals += [Total(local("Bh", r + 1), sp.S.Zero, weight * b[r] * h, "B^T c8^-1 h") for r in coupled]
     program.reduce(totals if tables.n else [])
     _rigid_accelerations(tables, program, places, coupled)
-    rest = h + sum((b[r] * tables.equations.rows[r].a for r in coupled), sp.S.Zero)
+    rest = h + sum((b[r] * tables.rigid_rows[r].a for r in coupled), sp.S.Zero)
     if tables.n:
         x = local("x", shapes=(I,))
         program.phase(
             "alphaddot", "(15)", "accelerations of the shapes", (), [(StoreLocal("x", NOTHING), -weight * rest)]
         )
-        if tables.c8 == "full":
+        if tables.c8 is TableKind.FULL:
             program.sections.append(_substituted(tables, ("x",), transposed=True))
         program.phase("vdot", "", "accelerations of the shapes", (), [(StoreStrided("vdot", RIGID, 1, NOTHING), x)])
         program.reduce([Total(local("shapes"), sp.S.Zero, x, "what shows that all are finite")])
-    every = sp.Add(*(row.a for row in tables.equations.rows), *([local("shapes")] if tables.n else []))
+    every = sp.Add(*(row.a for row in tables.rigid_rows), *([local("shapes")] if tables.n else []))
     finite = Require(Requirement.FINITE, NOTHING, ReturnCode.NOT_FINITE, "an acceleration is not finite")
     program.scalars("check", "", "refuse what is not finite", [(finite, every)])
-    names = tuple(str(row.a) for row in tables.equations.rows)
+    names = tuple(str(row.a) for row in tables.rigid_rows)
     labels = (*names, *([f"alpha1ddot .. alpha{tables.n}ddot"] if tables.n else []))
     return program.kernel(
         "accel",
@@ -102,7 +103,7 @@ def _rigid_accelerations(
             for pivot, j in zip(factors.pivots, factors.order, strict=True)
         ]
         for r, x in enumerate(solution):
-            wants.append((tables.equations.rows[r].a, x))
+            wants.append((tables.rigid_rows[r].a, x))
             wants.append((Store("vdot", r, NOTHING), x))
         return wants
 

@@ -7,9 +7,10 @@ four, and scalars come last.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 
+import numpy as np
 import sympy as sp
 
 from derive.ir.expressions import ArrayAccess, Expr, Number, ScalarRef
@@ -30,9 +31,11 @@ from derive.ir.statements import (
     StoreStrided,
     padded,
 )
-from derive.mechanics.indexed_equations import GenericEquations, Table
+from derive.mechanics.equations import Equations
 from derive.mechanics.series import PARITY
-from derive.mechanics.symbols import Family
+from derive.mechanics.symbols import MASS, Family, parameter
+from derive.mechanics.tables import Table, TableKind
+from derive.mechanics.terms import Coefficient, ParameterSymbol
 from derive.roles import Role
 
 TABLES, TRIANGLE, ROOT = "tables", "c8_pairs", "root"
@@ -61,28 +64,28 @@ def arrays(table: Table) -> tuple[str, ...]:
 
 def size(table: Table, n: int) -> int:
     """How many parameters a table has."""
-    if table.kind in ("zero", "unit"):
+    if table.kind in (TableKind.ZERO, TableKind.UNIT):
         return 0
     pairs = n * (n + PARITY.get(table.family, 1)) // 2
-    counts = (1, n, n if table.kind == "diagonal" else pairs)
+    counts = (1, n, n if table.kind is TableKind.DIAGONAL else pairs)
     return counts[table.counted] * len(table.components)
 
 
-def memory(eq: GenericEquations) -> Memory:
+def memory(eq: Equations) -> Memory:
     """Lay out p and k."""
     n = eq.modes
     kept = [t for t in eq.tables if size(t, n)]
-    packed = [t for family in PACKED for t in kept if t.family is family and t.kind == "full"]
+    packed = [t for family in PACKED for t in kept if t.family is family and t.kind is TableKind.FULL]
     names = tuple(name for t in packed for name in arrays(t))
     packing = Packing(TABLES, n, names)
     views = [View(TABLES, 0, packing.size)] if names else []
-    vectors = [name for t in kept if t.kind == "diagonal" or t.counted == 1 for name in arrays(t)]
+    vectors = [name for t in kept if t.kind is TableKind.DIAGONAL or t.counted == 1 for name in arrays(t)]
     place = packing.size if names else 0
     for name, length in [(v, padded(n)) for v in vectors] + _c8_arrays(eq):
         views.append(View(name, place, length))
         place += length
     scalars: dict[sp.Symbol, Number | ScalarRef] = {}
-    for c in eq.scalars:
+    for c in _scalars(eq):
         number = c.value.is_Rational
         scalars[c.symbol] = Number(Fraction(int(c.value.p), int(c.value.q))) if number else ScalarRef(str(c.symbol))
     for t in kept:
@@ -94,20 +97,39 @@ def memory(eq: GenericEquations) -> Memory:
     return Memory(argument, packing, scalars, _parameters(eq, kept), tuple(_offsets(eq, kept)))
 
 
-def _c8_arrays(eq: GenericEquations) -> list[tuple[str, int]]:
+def _scalars(eq: Equations) -> tuple[Coefficient, ...]:
+    """The mass, a parameter in any case, and gravity."""
+    mass = _mass(eq)
+    return tuple(replace(c, value=mass.symbol) if c.symbol == MASS else c for c in eq.coefficients)
+
+
+def _mass(eq: Equations) -> ParameterSymbol:
+    """The parameter that is the mass: the one of the specification, or m with its number as the default."""
+    value = next(c.value for c in eq.coefficients if c.symbol == MASS)
+    known = (p for p in eq.parameters if p.symbol == value)
+    return next(known, None) or ParameterSymbol(parameter("m", positive=True), "mass of the body", "kg", float(value))
+
+
+def _others(eq: Equations) -> tuple[ParameterSymbol, ...]:
+    """The parameters besides the mass and the entries of tables, which are arrays here."""
+    mass = _mass(eq).symbol
+    return tuple(p for p in eq.parameters if p.symbol != mass and not p.symbol.identity.parameter)
+
+
+def _c8_arrays(eq: Equations) -> list[tuple[str, int]]:
     n = eq.modes
-    return [(TRIANGLE, n * (n + 1) // 2), (ROOT, n * n)] if n and eq.table(Family.C8).kind == "full" else []
+    return [(TRIANGLE, n * (n + 1) // 2), (ROOT, n * n)] if n and eq.table(Family.C8).kind is TableKind.FULL else []
 
 
-def _parameters(eq: GenericEquations, kept: list[Table]) -> tuple[Variable, ...]:
-    first, *rest = (Variable(str(p.symbol), p.doc, p.unit, p.default) for p in eq.parameters)
+def _parameters(eq: Equations, kept: list[Table]) -> tuple[Variable, ...]:
+    first, *rest = (Variable(str(p.symbol), p.doc, p.unit, p.default) for p in (_mass(eq), *_others(eq)))
     tables = (Variable(t.name, _doc(t), t.unit, 0.0, size(t, eq.modes)) for t in kept)
     return (first, *tables, *rest)
 
 
 def _doc(table: Table) -> str:
     parts = [table.doc]
-    if table.counted == 2 and table.kind == "full":
+    if table.counted == 2 and table.kind is TableKind.FULL:
         parts.append("for i <= j by rows" if PARITY[table.family] > 0 else "for i < j by rows")
     elif table.counted:
         parts.append("for each i")
@@ -117,7 +139,7 @@ def _doc(table: Table) -> str:
     return ", ".join(parts)
 
 
-def _offsets(eq: GenericEquations, kept: list[Table]) -> list[tuple[Table, int]]:
+def _offsets(eq: Equations, kept: list[Table]) -> list[tuple[Table, int]]:
     found, place = [], 1
     for t in kept:
         found.append((t, place))
@@ -131,7 +153,7 @@ def copied(output: str, offset: int, source: str, count: int) -> Section:
     return Section("c8", "appendix", "int rho Phi_i . Phi_j, which does not change", (loop,))
 
 
-def setup(eq: GenericEquations, memory: Memory) -> Kernel:
+def setup(eq: Equations, memory: Memory) -> Kernel:
     """p -> k: packing, and the Cholesky factor of c8 where it is full."""
     n = eq.modes
     views = tuple(View(f"p_{t.name}", place, size(t, n)) for t, place in memory.sources if t.counted)
@@ -143,7 +165,7 @@ def setup(eq: GenericEquations, memory: Memory) -> Kernel:
     sources = [
         PackSource(name, f"p_{t.name}", c, len(t.components), PARITY[t.family])
         for t, _ in memory.sources
-        if t.family in PACKED and t.kind == "full"
+        if t.family in PACKED and t.kind is TableKind.FULL
         for c, name in enumerate(arrays(t))
     ]
     ordered = tuple(s for name in memory.packing.tables for s in sources if s.table == name)
@@ -152,11 +174,11 @@ def setup(eq: GenericEquations, memory: Memory) -> Kernel:
     rows = [
         StoreStrided("k", places[name], 1, ArrayAccess(f"p_{t.name}", "i", len(t.components), c))
         for t, _ in memory.sources
-        if t.counted == 1 or t.kind == "diagonal"
+        if t.counted == 1 or t.kind is TableKind.DIAGONAL
         for c, name in enumerate(arrays(t))
     ]
     body += [Map(n, tuple(rows))] if rows else []
-    values: dict[str, Expr] = {str(c.symbol): ScalarRef(f"p_{c.value}") for c in eq.scalars}
+    values: dict[str, Expr] = {str(c.symbol): ScalarRef(f"p_{c.value}") for c in _scalars(eq)}
     body += [Store("k", place, values.get(name, ScalarRef(f"p_{name}"))) for place, name in k.named_elements]
     checks: list[Statement] = [
         RequireFinite("p", p.size, ReturnCode.NOT_FINITE, "a parameter is not finite"),
@@ -164,7 +186,7 @@ def setup(eq: GenericEquations, memory: Memory) -> Kernel:
             Require(
                 Requirement.POSITIVE, ScalarRef(f"p_{q.symbol}"), ReturnCode.NOT_FINITE, f"{q.symbol} must be positive"
             )
-            for q in eq.parameters
+            for q in (_mass(eq), *_others(eq))
             if q.positive
         ),
     ]
@@ -181,21 +203,21 @@ def setup(eq: GenericEquations, memory: Memory) -> Kernel:
     return Kernel("setup", doc, (p,), (Output("k", (), "constants", None, total),), tuple(sections))
 
 
-def _scalar_elements(eq: GenericEquations, memory: Memory) -> tuple[tuple[str, ...], tuple[int, ...]]:
+def _scalar_elements(eq: Equations, memory: Memory) -> tuple[tuple[str, ...], tuple[int, ...]]:
     """The parameters that are no arrays, with their places in p."""
-    found = [(f"p_{eq.parameters[0].symbol}", 0)]
+    found = [(f"p_{_mass(eq).symbol}", 0)]
     end = 1
     for t, place in memory.sources:
         if not t.counted:
             found += [(f"p_{name}", place + c) for c, name in enumerate(arrays(t))]
         end = place + size(t, eq.modes)
-    found += [(f"p_{q.symbol}", end + c) for c, q in enumerate(eq.parameters[1:])]
+    found += [(f"p_{q.symbol}", end + c) for c, q in enumerate(_others(eq))]
     return tuple(name for name, _ in found), tuple(place for _, place in found)
 
 
-def model(eq: GenericEquations, memory: Memory, kernels: tuple[Kernel, ...], zeros: tuple[Zero, ...]) -> Model:
+def model(eq: Equations, memory: Memory, kernels: tuple[Kernel, ...], zeros: tuple[Zero, ...], choice: str) -> Model:
     """The kernels of a model with names, units and reasons."""
-    n = eq.modes
+    n, rigid = eq.modes, eq.rows[:6]
 
     def of_shapes(name: str, doc: str, unit: str, role: Role | None = None) -> tuple[Variable, ...]:
         """An array, whose elements are numbered where they are told apart; one alone has its number itself."""
@@ -203,7 +225,7 @@ def model(eq: GenericEquations, memory: Memory, kernels: tuple[Kernel, ...], zer
 
     told = {name: t for t in eq.tables for name in arrays(t)}
     docs = {name: (t.doc, t.unit) for name, t in told.items()}
-    docs |= {str(c.symbol): (c.doc, c.unit) for c in eq.scalars}
+    docs |= {str(c.symbol): (c.doc, c.unit) for c in eq.coefficients}
     docs |= {TABLES: (", ".join(memory.packing.tables), ""), TRIANGLE: ("c8 for i <= j", "kg"), ROOT: ("of c8", "")}
     constants = tuple(Variable(v.name, docs[v.name][0], docs[v.name][1], 0.0, v.size) for v in memory.argument.arrays)
     constants += tuple(Variable(name, *docs[name]) for name in memory.argument.elements)
@@ -213,34 +235,37 @@ def model(eq: GenericEquations, memory: Memory, kernels: tuple[Kernel, ...], zer
         origin=eq.origin,
         coordinates=tuple(Variable(str(c.q), c.doc, c.unit, role=c.role) for c in eq.coordinates[:7])
         + of_shapes("alpha", "amplitudes of the assumed shapes", "m", Role.AMPLITUDE),
-        rates=tuple(Variable(str(r.v), r.doc, r.unit) for r in eq.rows)
-        + of_shapes("alphadot", "rates of alpha", "m/s"),
-        rows=tuple(Variable(r.name, f"row of delta {r.name}", r.work) for r in eq.rows)
+        rates=tuple(Variable(str(r.v), r.doc, r.unit) for r in rigid) + of_shapes("alphadot", "rates of alpha", "m/s"),
+        rows=tuple(Variable(r.name, f"row of delta {r.name}", r.work) for r in rigid)
         + of_shapes("alpha", "rows of delta alpha", "N"),
         parameters=memory.parameters,
         constants=constants,
         kernels=(setup(eq, memory), *kernels),
-        markers=tuple(Variable(p.name, p.doc, "m") for p in eq.points),
+        markers=tuple(Variable(p.name, p.doc, "m") for p in eq.markers),
         zeros=zeros,
         vanished=tuple(Zero(f"{v.term.name} term of row {v.term.row}", str(v.reason)) for v in eq.vanished),
         lowering="table",
-        choice=eq.choice,
+        choice=choice,
         data=_data(eq, memory),
     )
 
 
-def _data(eq: GenericEquations, memory: Memory) -> tuple[tuple[int, float], ...]:
+def _data(eq: Equations, memory: Memory) -> tuple[tuple[int, float], ...]:
     """The defaults: those of a body given by data, or a unit ball of inertia whose modes do not couple."""
-    if eq.data is not None:
-        return tuple((k, value) for k, value in enumerate(eq.data) if value)
+    assert eq.body is not None
     n, end = eq.modes, 1
-    found = [(0, eq.parameters[0].default)]
+    found = [(0, _mass(eq).default)]
+    numbers = [eq.body.values.numbers(t) for t, _ in memory.sources]
+    if all(values is not None for values in numbers):
+        gravity = [p.default for p in _others(eq)]
+        data = np.concatenate([[found[0][1]], *(v for v in numbers if v is not None), gravity])
+        return tuple((k, float(value)) for k, value in enumerate(data) if value)
     for t, place in memory.sources:
         if t.family is Family.C3:
             found += [(place + k, 1.0) for k, (a, b) in enumerate(t.components) if a == b]
         elif t.family in (Family.C8, Family.STIFFNESS):
-            diagonal = range(n) if t.kind == "diagonal" else (i * n - i * (i - 1) // 2 for i in range(n))
+            diagonal = range(n) if t.kind is TableKind.DIAGONAL else (i * n - i * (i - 1) // 2 for i in range(n))
             found += [(place + k, 1.0) for k in diagonal]
         end = place + size(t, n)
-    found += [(end + k, q.default) for k, q in enumerate(eq.parameters[1:])]
+    found += [(end + k, q.default) for k, q in enumerate(_others(eq))]
     return tuple(found)

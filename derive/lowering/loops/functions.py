@@ -15,13 +15,14 @@ from derive.lowering.loops.accelerations import accel
 from derive.lowering.loops.iteration_matrix import jacobian
 from derive.lowering.loops.program import NOTHING, Row, Scalar
 from derive.lowering.loops.tables import RIGID, SHAPE, Tables, output, row_labels
-from derive.mechanics.indexed_equations import GenericEquations, GenericPoint
-from derive.mechanics.spatial import AXES
-from derive.mechanics.symbols import Family, I, amplitude, quantity, state_rate
-from derive.mechanics.virtual_work_equations import TRANSLATIONS
+from derive.mechanics.equations import Equations
+from derive.mechanics.expansion import TRANSLATIONS
+from derive.mechanics.symbols import Family, I, amplitude, state_rate
+from derive.mechanics.tables import AXES, TableKind
+from derive.mechanics.terms import MarkerEquations
 
 
-def lower_tables(equations: GenericEquations) -> Model:
+def lower_tables(equations: Equations, choice: str = "") -> Model:
     """The kernels of a model with loops over the shapes, with names, units, patterns and the reasons of its zeros."""
     tables = Tables(equations)
     kernels = (
@@ -32,12 +33,12 @@ def lower_tables(equations: GenericEquations) -> Model:
         _energy(tables),
         _momentum(tables),
         _rates(tables),
-        *(_marker(tables, point) for point in equations.points),
-        *(_load(tables, point) for point in equations.points),
+        *(_marker(tables, point) for point in equations.markers),
+        *(_load(tables, point) for point in equations.markers),
         _residual(tables),
         jacobian(tables),
     )
-    return store.model(equations, tables.memory, kernels, _zeros(tables))
+    return store.model(equations, tables.memory, kernels, _zeros(tables), choice)
 
 
 def _mass(tables: Tables) -> Kernel:
@@ -103,7 +104,7 @@ def _momentum(tables: Tables) -> Kernel:
 
 def _rates(tables: Tables) -> Kernel:
     program = tables.program(tables.q, tables.v)
-    wants: list[Scalar] = [(Store("qdot", k, NOTHING), rate) for k, rate in enumerate(tables.equations.rates)]
+    wants: list[Scalar] = [(Store("qdot", k, NOTHING), rate) for k, rate in enumerate(tables.rigid_rates)]
     rows: list[Row] = [(StoreStrided("qdot", RIGID + 1, 1, NOTHING), amplitude(I, 1))]
     program.phase("rates", "(1)", "from Qdot = Q (omega x)", wants, rows)
     labels = (*(f"{name}_t" for name in tables.q.elements), *([f"alpha1_t .. alpha{tables.n}_t"] if tables.n else []))
@@ -112,19 +113,21 @@ def _rates(tables: Tables) -> Kernel:
     return program.kernel("rates", doc, (tables.q, tables.v, tables.k), (values,))
 
 
-def _marker(tables: Tables, point: GenericPoint) -> Kernel:
+def _marker(tables: Tables, point: MarkerEquations) -> Kernel:
     """Position, velocity and Jacobian of a material point, full columns of three."""
     program = tables.program(tables.q, tables.v)
     program.totals |= {t.symbol: t for t in point.totals}
     scalars: list[Scalar] = [(Store("x", k, NOTHING), e) for k, e in enumerate(point.position)]
     scalars += [(Store("xdot", k, NOTHING), e) for k, e in enumerate(point.velocity)]
     groups, place = [], 0
-    for column in point.columns:
-        kept = [(r, e) for r, e in enumerate(column) if e != 0]
+    for column in range(RIGID):
+        kept = [(r, e) for r, e in enumerate(point.jacobian[:, column]) if e != 0]
         scalars += [(Store("jacobian", place + k, NOTHING), e) for k, (_, e) in enumerate(kept)]
         place += len(kept)
         groups.append(ColumnGroup(1, tuple(RowSet(RowSetKind.ROW, r) for r, _ in kept)))
-    rows: list[Row] = [(StoreStrided("jacobian", place + r, 3, NOTHING), e) for r, e in enumerate(point.shape)]
+    rows: list[Row] = [
+        (StoreStrided("jacobian", place + r, 3, NOTHING), e) for r, e in enumerate(point.jacobian[:, RIGID])
+    ]
     groups += [ColumnGroup(tables.n, (RowSet(RowSetKind.RANGE, 0, 3),))] if tables.n else []
     program.phase("marker", "(1)", "x = c + Q r, its rate and its derivatives", scalars, rows)
     shape = block_pattern(3, tuple(groups))
@@ -140,15 +143,15 @@ def _marker(tables: Tables, point: GenericPoint) -> Kernel:
     )
 
 
-def _load(tables: Tables, point: GenericPoint) -> Kernel:
+def _load(tables: Tables, point: MarkerEquations) -> Kernel:
     force = Argument("F", tuple(f"F_{k}" for k in AXES), "force at the marker, in the inertial base [N]")
-    components = tuple(quantity(Family.FORCE, k) for k in AXES)
+    components = tuple(point.force)
     program = tables.program(tables.q)
     program.known |= {symbol: ScalarRef(symbol.name) for symbol in components}
     program.totals |= {t.symbol: t for t in point.totals}
-    program.definitions += point.force
-    wants: list[Scalar] = [(Store("f", r, NOTHING), e) for r, e in enumerate(point.load)]
-    rows: list[Row] = [(StoreStrided("f", RIGID, 1, NOTHING), point.shape_load)]
+    program.definitions += point.force_definitions
+    wants: list[Scalar] = [(Store("f", r, NOTHING), e) for r, e in enumerate(point.load[:RIGID])]
+    rows: list[Row] = [(StoreStrided("f", RIGID, 1, NOTHING), point.load[RIGID])]
     program.phase("f", "(10)", "virtual work of the force", wants, rows)
     return program.kernel(
         f"load_{point.name}",
@@ -159,12 +162,12 @@ def _load(tables: Tables, point: GenericPoint) -> Kernel:
 
 
 def _residual(tables: Tables) -> Kernel:
-    eq, n = tables.equations, tables.n
+    n = tables.n
     program = tables.program(tables.y, tables.ydot)
     first = RIGID + 1 + n
     scalars: list[Scalar] = [
         (Store("F", k, NOTHING), state_rate(q) - rate)
-        for k, (q, rate) in enumerate(zip(tables.elements["q"], eq.rates, strict=True))
+        for k, (q, rate) in enumerate(zip(tables.elements["q"], tables.rigid_rates, strict=True))
     ]
     scalars += [(Store("F", first + r, NOTHING), tables.left[name]) for r, name in enumerate(tables.rows)]
     rows: list[Row] = [
@@ -188,11 +191,11 @@ def _zeros(tables: Tables) -> tuple[Zero, ...]:
         found.append(Zero("M[alpha, c]", _vanished(eq, Family.C2)))
     if tables.n and not any(r in tables.coupling for r in (3, 4, 5)):
         found.append(Zero("M[alpha, pi]", _vanished(eq, Family.C6, Family.C7)))
-    if tables.n > 1 and tables.c8 != "full":
+    if tables.n > 1 and tables.c8 is not TableKind.FULL:
         found.append(Zero("M[alpha, alpha] off the diagonal", eq.table(Family.C8).zero))
     return tuple(found)
 
 
-def _vanished(eq: GenericEquations, *families: Family) -> str:
+def _vanished(eq: Equations, *families: Family) -> str:
     """Why tables vanish."""
     return str(eq.reason(*families))

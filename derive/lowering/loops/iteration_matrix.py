@@ -21,7 +21,7 @@ def jacobian(tables: Tables) -> Kernel:
     for k, q in enumerate(tables.elements["q"]):
         columns.coordinate(k, q)
     columns.shapes(ALPHA, None, CJ)
-    for r, row in enumerate(tables.equations.rows):
+    for r, row in enumerate(tables.rigid_rows):
         columns.rate(r, row.v, row.a)
     columns.shapes(ALPHADOT, ALPHADDOT, -sp.S.One)
     program = tables.program(tables.y, tables.ydot, tables.cj)
@@ -51,14 +51,12 @@ class _Columns:
 
     def coordinate(self, k: int, symbol: sp.Symbol) -> None:
         """The column of c1 .. c3, e0 .. e3."""
-        kinematic = [
-            (r, -rate.diff(symbol) + (CJ if r == k else 0)) for r, rate in enumerate(self.tables.equations.rates)
-        ]
+        kinematic = [(r, -rate.diff(symbol) + (CJ if r == k else 0)) for r, rate in enumerate(self.tables.rigid_rates)]
         self._single(kinematic, lambda e: self._total(e, symbol))
 
     def rate(self, r: int, symbol: sp.Symbol, acceleration: sp.Symbol) -> None:
         """The column of a rigid rate."""
-        kinematic = [(k, -rate.diff(symbol)) for k, rate in enumerate(self.tables.equations.rates)]
+        kinematic = [(k, -rate.diff(symbol)) for k, rate in enumerate(self.tables.rigid_rates)]
         self._single(kinematic, lambda e: self._total(e, symbol) + CJ * e.diff(acceleration))
 
     def _total(self, expr: sp.Expr, symbol: sp.Symbol) -> sp.Expr:

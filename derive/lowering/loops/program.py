@@ -35,10 +35,10 @@ from derive.ir.statements import (
 from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.graph import Constants, Graph
 from derive.lowering.flat.schedule import Named, Step, Stored, Want, schedule
-from derive.mechanics.equations import Definition, rotation_symbols
-from derive.mechanics.indexed_equations import Contraction, Total
 from derive.mechanics.series import canonical
+from derive.mechanics.sums import Contraction, Total
 from derive.mechanics.symbols import I, Symbol, amplitude, identity, is_indexed, local
+from derive.mechanics.terms import Definition, rotation_symbols
 
 Target = Symbol | Store | Require
 """Where a scalar goes: a symbol that is known from then on, or a statement whose expression is replaced."""

@@ -12,10 +12,11 @@ from derive.ir.patterns import ColumnGroup, Pattern, RowSet, RowSetKind, block_p
 from derive.ir.statements import Store, StoreStrided
 from derive.lowering.loops import data_layout as store
 from derive.lowering.loops.program import NOTHING, Program, Row, Scalar, array
+from derive.mechanics.equations import Equations
 from derive.mechanics.gradient import Gradient
-from derive.mechanics.indexed_equations import GenericEquations
 from derive.mechanics.series import ALPHADDOT
 from derive.mechanics.symbols import Family, I, amplitude, local, quantity, state_rate, t
+from derive.mechanics.tables import TableKind
 
 ALPHAS = tuple(array(amplitude(I, derivative)) for derivative in range(3))
 """The arrays of the amplitudes, their velocities and their accelerations."""
@@ -29,12 +30,17 @@ RIGID = 6
 class Tables:
     """One model in the course of its lowering to loops."""
 
-    def __init__(self, equations: GenericEquations) -> None:
+    def __init__(self, equations: Equations) -> None:
         self.equations = eq = equations
         self.n = eq.modes
         self.gradient = Gradient(eq)
-        self.rows = tuple(row.name for row in eq.rows)
-        q, v, a = tuple(c.q for c in eq.coordinates[:7]), tuple(r.v for r in eq.rows), tuple(r.a for r in eq.rows)
+        self.rigid_rows, self.rigid_rates = eq.rows[:RIGID], eq.rates[: RIGID + 1]
+        self.rows = tuple(row.name for row in self.rigid_rows)
+        q, v, a = (
+            tuple(c.q for c in eq.coordinates[:7]),
+            tuple(r.v for r in self.rigid_rows),
+            tuple(r.a for r in self.rigid_rows),
+        )
         self.elements = {"t": (t,), "q": q, "v": v, "cj": (CJ,), "y": q + v, "ydot": (*map(state_rate, q), *a)}
         positions, rates, accelerations = (tuple(s.name for s in symbols) for symbols in (q, v, a))
         n, coordinates = self.n, len(positions)
@@ -72,14 +78,14 @@ class Tables:
 
     def at_rest(self, expr: sp.Expr) -> sp.Expr:
         """An expression without what the accelerations do."""
-        gone = {row.a: sp.S.Zero for row in self.equations.rows} | {amplitude(I, 2): sp.S.Zero}
+        gone = {row.a: sp.S.Zero for row in self.rigid_rows} | {amplitude(I, 2): sp.S.Zero}
         gone |= {s.symbol: sp.S.Zero for s in self.equations.totals if s.term.has(amplitude(I, 2))}
         gone |= {c.symbol: sp.S.Zero for c in self.gradient.contractions if c.sums and c.sums[0][0] == ALPHADDOT}
         return expr.xreplace(gone)
 
     def mass_entry(self, row: int, column: int) -> sp.Expr:
         """An entry of the rigid block of the mass matrix."""
-        return sp.expand(self.left[self.rows[row]].diff(self.equations.rows[column].a))
+        return sp.expand(self.left[self.rows[row]].diff(self.rigid_rows[column].a))
 
     def _coupling(self) -> dict[int, sp.Expr]:
         """The rigid rows whose coupling with shape i does not vanish, and its entry of the mass matrix."""
@@ -87,7 +93,7 @@ class Tables:
         return {r: entry for r, entry in found.items() if entry != 0 and self.n}
 
     @property
-    def c8(self) -> str:
+    def c8(self) -> TableKind:
         """What the mass matrix of the shapes is: full, diagonal or unit."""
         return self.equations.table(Family.C8).kind
 
@@ -98,7 +104,11 @@ class Tables:
             rigid = tuple(RowSet(RowSetKind.ROW, r) for r in range(c, RIGID) if self.mass_entry(r, c) != 0)
             shapes = (RowSet(RowSetKind.RANGE, RIGID, self.n),) if c in self.coupling else ()
             groups.append(ColumnGroup(1, (*rigid, *shapes)))
-        kind = RowSet(RowSetKind.TRIANGLE, RIGID, self.n) if self.c8 == "full" else RowSet(RowSetKind.DIAGONAL, RIGID)
+        kind = (
+            RowSet(RowSetKind.TRIANGLE, RIGID, self.n)
+            if self.c8 is TableKind.FULL
+            else RowSet(RowSetKind.DIAGONAL, RIGID)
+        )
         groups += [ColumnGroup(self.n, (kind,))] if self.n else []
         return block_pattern(RIGID + self.n, tuple(groups), symmetric=True)
 
@@ -117,12 +127,12 @@ class Tables:
             if c in self.coupling:
                 rows.append((StoreStrided("M", place, 1, NOTHING), self.coupling[c]))
                 place += self.n
-        if self.c8 != "full":
+        if self.c8 is not TableKind.FULL:
             rows.append((StoreStrided("M", place, 1, NOTHING), self._c8_diagonal()))
         return scalars, rows
 
     def _c8_diagonal(self) -> sp.Expr:
-        return quantity(Family.C8, shapes=(I,)) if self.c8 == "diagonal" else sp.S.One
+        return quantity(Family.C8, shapes=(I,)) if self.c8 is TableKind.DIAGONAL else sp.S.One
 
     def force_wants(self, output: str = "h") -> tuple[list[Scalar], list[Row]]:
         """h, row by row."""
@@ -134,7 +144,7 @@ class Tables:
 
     def shapes_of_mass(self) -> tuple[Section, ...]:
         """c8, which is full: copied, as it is stored in the same order."""
-        if self.c8 != "full" or not self.n:
+        if self.c8 is not TableKind.FULL or not self.n:
             return ()
         size = self.n * (self.n + 1) // 2
         return (store.copied("M", len(self.mass_pattern().rowidx) - size, self.memory.triangle, size),)

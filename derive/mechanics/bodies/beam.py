@@ -11,13 +11,14 @@ from dataclasses import dataclass
 import sympy as sp
 
 from derive.mechanics import quantity
-from derive.mechanics.equations import Coefficient, Equations
+from derive.mechanics.body import Body, planar_body
+from derive.mechanics.equations import Equations
+from derive.mechanics.indexed_equations import derive_body
 from derive.mechanics.integrals import Value, coefficients
-from derive.mechanics.planar import planar_motion
 from derive.mechanics.points import MaterialPoint
 from derive.mechanics.reference_conditions import assumed_shapes, integral, xi
 from derive.mechanics.symbols import Family, Identity, Symbol, pair
-from derive.mechanics.virtual_work_equations import Body, equations
+from derive.mechanics.terms import Coefficient
 from derive.spec.model.body import Marker, Parameter, PlanarBeam, Polynomial
 
 LATERAL = "geometry (the beam lies along e1 and deflects along e2)"
@@ -35,7 +36,7 @@ def derive(beam: PlanarBeam) -> Equations:
 
     Raises ConditionError when the ansatz does not fit the frame.
     """
-    return equations(beam_body(beam))
+    return derive_body(beam_body(beam))
 
 
 def beam_body(beam: PlanarBeam, pieces: int = 1) -> Body:
@@ -46,14 +47,14 @@ def beam_body(beam: PlanarBeam, pieces: int = 1) -> Body:
     mass, length = mass / pieces, length / pieces
     gravity, gravity_parameters = quantity.gravity(beam.gravity)
     docs = {"mass": "mass of the beam", "length": "length of the beam", "bending_stiffness": "bending stiffness EI"}
-    return Body(
+    integrals = coefficients(BeamIntegrals(shapes, mass, length, beam.frame.kind == "mean"), len(shapes))
+    return planar_body(
         name=beam.name,
         doc=f"free planar beam, {beam.frame.kind} frame, shapes {', '.join(map(shape_text, shapes))}",
         origin="X = xi l/2 e1 (24), so c is where the centre of the undeformed beam lies in the floating frame.",
-        motion=planar_motion(len(shapes)),
+        modes=len(shapes),
         mass=mass,
-        integrals=coefficients(BeamIntegrals(shapes, mass, length, beam.frame.kind == "mean"), len(shapes)),
-        stiffness=_stiffness(shapes, length, bending),
+        constants=(*integrals, *_stiffness(shapes, length, bending)),
         points=tuple(beam_point(marker, beam, pieces) for marker in beam.markers),
         parameters=tuple(
             quantity.parameter(getattr(beam, field), doc)

@@ -6,12 +6,11 @@ from dataclasses import dataclass
 
 import sympy as sp
 
-from derive.mechanics.equations import Coefficient
+from derive.mechanics.body import Body, planar_body
 from derive.mechanics.integrals import Value, coefficients
-from derive.mechanics.planar import planar_motion
 from derive.mechanics.points import MaterialPoint
 from derive.mechanics.symbols import Family, Identity, Symbol
-from derive.mechanics.virtual_work_equations import Body
+from derive.mechanics.terms import Coefficient
 
 AT_CENTRE = "the choice of O (the centre of mass)"
 
@@ -47,18 +46,8 @@ def rigid_body(
     gravity: tuple[Coefficient, ...],
 ) -> Body:
     """A rigid body; `inertia` is about the centre of mass, `centre` and points count from O."""
-    return Body(
-        name=name,
-        doc="rigid body in the plane",
-        origin="",
-        motion=planar_motion(0),
-        mass=mass,
-        integrals=coefficients(RigidIntegrals(mass, inertia, centre), 0),
-        stiffness=(),
-        points=points,
-        parameters=(),
-        gravity=gravity,
-    )
+    constants = coefficients(RigidIntegrals(mass, inertia, centre), 0)
+    return planar_body(name, "rigid body in the plane", "", 0, mass, constants, points, (), gravity)
 
 
 def rigid_point(name: str, position: sp.Matrix) -> MaterialPoint:

@@ -6,32 +6,20 @@ The parameters of a body are m, then the tables that it has, entry by entry in t
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
-from itertools import product
+from dataclasses import dataclass, replace
 
 import numpy as np
 import sympy as sp
 from numpy.typing import NDArray
 
-from derive.mechanics import motion, quantity
-from derive.mechanics import virtual_work_equations as body
+from derive.mechanics import quantity
 from derive.mechanics.bodies.modal_body import ModalBody, ModalPoint
-from derive.mechanics.equations import Coefficient, Equations, ParameterSymbol
-from derive.mechanics.indexed_equations import (
-    SCALARS,
-    TENSORS,
-    GenericEquations,
-    Table,
-    TableKind,
-    generic_equations,
-    point_tables,
-)
+from derive.mechanics.body import Body
 from derive.mechanics.points import MaterialPoint
-from derive.mechanics.series import PARITY
-from derive.mechanics.spatial import PAIRS, spatial_motion
 from derive.mechanics.symbols import Family, Symbol
 from derive.mechanics.symbols import parameter as parameter_symbol
-from derive.mechanics.virtual_work_equations import Body
+from derive.mechanics.tables import NO_SHAPES, ODD, PAIRS, SCALARS, TENSORS, Table, TableKind, entries
+from derive.mechanics.terms import Coefficient, ParameterSymbol
 from derive.spec.model.body import Gravity, SymbolicBody
 
 Array = NDArray[np.float64]
@@ -61,54 +49,38 @@ MEAN = {
 """Why integrals vanish in the mean frame; of c8, K and B those off the diagonal."""
 
 NOTHING = "the sum over the nodes, which is exactly zero"
-NO_SHAPES = "the number of shapes (there is none)"
-ODD = "c7 is odd in its indices (one shape does not act on itself)"
 UNDAMPED = "the specification (no damping)"
 MASS = ParameterSymbol(parameter_symbol("m", positive=True), "mass of the body", "kg", 1.0)
-
-
-def entries(table: Table, n: int) -> Iterator[Symbol]:
-    """The entries of a table in the order of the parameters: C5_1_2_11."""
-    shapes = range(1, n + 1)
-    odd = PARITY.get(table.family, 1) < 0
-    counted: tuple[list[tuple[int, ...]], ...] = (
-        [()],
-        [(i,) for i in shapes],
-        [(i, j) for i in shapes for j in shapes if i < j or (i == j and not odd)],
-    )
-    for numbers, component in product(counted[table.counted], table.components):
-        yield table.entry(component, *numbers)
 
 
 def symbolic_tables(spec: SymbolicBody) -> tuple[Table, ...]:
     """What tables a body with parameters has, by its frame."""
     kinds: dict[Family, tuple[TableKind, str]] = {}
     if spec.frame == "mean":
-        kinds |= {family: ("zero", MEAN[family]) for family in (Family.C1, Family.C2, Family.C6)}
-        kinds[Family.C8] = "unit", MEAN[Family.C8]
-        kinds |= {family: ("diagonal", MEAN[family]) for family in (Family.STIFFNESS, Family.DAMPING)}
+        kinds |= {family: (TableKind.ZERO, MEAN[family]) for family in (Family.C1, Family.C2, Family.C6)}
+        kinds[Family.C8] = TableKind.UNIT, MEAN[Family.C8]
+        kinds |= {family: (TableKind.DIAGONAL, MEAN[family]) for family in (Family.STIFFNESS, Family.DAMPING)}
     if not spec.damping:
-        kinds[Family.DAMPING] = ("zero", UNDAMPED)
+        kinds[Family.DAMPING] = (TableKind.ZERO, UNDAMPED)
     return _tables(spec.modes, kinds)
 
 
 def modal_tables(given: ModalBody) -> tuple[Table, ...]:
-    """What tables a body of numbers has: those that are not zero; c8, K and B may be diagonal; its points last."""
+    """What tables a body of numbers has: those that are not zero; c8, K and B may be diagonal."""
     kinds: dict[Family, tuple[TableKind, str]] = {}
     values = {family: _values(given, _full(family)) for family in DOCS}
     for family in SCALARS:
         matrix = _matrix(given, family)
         if not np.count_nonzero(matrix - np.diag(np.diag(matrix))):
             unit = family is Family.C8 and bool(np.all(np.diag(matrix) == 1))
-            kinds[family] = "unit" if unit else "diagonal", _reason(given, family)
-    kinds |= {family: ("zero", _reason(given, family)) for family, v in values.items() if not np.any(v)}
-    points = (t for k, point in enumerate(given.points, 1) for t in point_tables(k, point.name))
-    return (*_tables(given.modes, kinds), *points)
+            kinds[family] = TableKind.UNIT if unit else TableKind.DIAGONAL, _reason(given, family)
+    kinds |= {family: (TableKind.ZERO, _reason(given, family)) for family, v in values.items() if not np.any(v)}
+    return _tables(given.modes, kinds)
 
 
 def _full(family: Family) -> Table:
     """The table of a family with all of its entries."""
-    return Table(family, "full", *DOCS[family])
+    return Table(family, TableKind.FULL, *DOCS[family])
 
 
 def _tables(n: int, kinds: dict[Family, tuple[TableKind, str]]) -> tuple[Table, ...]:
@@ -117,9 +89,9 @@ def _tables(n: int, kinds: dict[Family, tuple[TableKind, str]]) -> tuple[Table, 
         table = _full(family)
         kind, zero = kinds.get(family, (table.kind, table.zero))
         if table.counted and n == 0:
-            kind, zero = "zero", NO_SHAPES
+            kind, zero = TableKind.ZERO, NO_SHAPES
         elif family is Family.C7 and n == 1:
-            kind, zero = "zero", ODD
+            kind, zero = TableKind.ZERO, ODD
         tables.append(replace(table, kind=kind, zero=zero))
     return tuple(tables)
 
@@ -139,12 +111,23 @@ def _values(given: ModalBody, table: Table) -> Array:
         tensor = {Family.C3: given.C3, Family.C4: given.C4, Family.C5: given.C5}[family]
         even = (tensor + np.swapaxes(tensor, -1, -2)) / 2
         components = np.stack([even[..., a - 1, b - 1] for a, b in PAIRS], axis=-1)
-        return components[np.triu_indices(n)].ravel() if family is Family.C5 else components.ravel()
+        return np.asarray(components[np.triu_indices(n)] if family is Family.C5 else components).ravel()
     if family in SCALARS:
-        return np.asarray(_matrix(given, family)[np.triu_indices(n)])
+        upper: Array = _matrix(given, family)[np.triu_indices(n)]
+        return upper
     if family is Family.C7:
-        return given.c7[np.triu_indices(n, 1)].ravel()
-    return {Family.C1: given.c1, Family.C2: given.c2, Family.C6: given.c6}[family].ravel()
+        return np.asarray(given.c7[np.triu_indices(n, 1)]).ravel()
+    vectors: dict[Family, Array] = {Family.C1: given.c1, Family.C2: given.c2, Family.C6: given.c6}
+    return vectors[family].ravel()
+
+
+def _kept(table: Table, n: int, values: Array) -> Array:
+    """The entries that a table has, of all its entries in the order of `entries`."""
+    if table.kind is TableKind.DIAGONAL:
+        rows, columns = np.triu_indices(n)
+        diagonal: Array = values[rows == columns]
+        return diagonal
+    return values if table.kind is TableKind.FULL else values[:0]
 
 
 def _reason(given: ModalBody, family: Family) -> str:
@@ -161,61 +144,133 @@ def parameters(given: ModalBody, tables: tuple[Table, ...], gravity: Gravity | N
     parts = [np.array([given.mass])]
     for t in tables:
         values = _values(given, t)
-        if t.kind == "full":
+        if t.kind is TableKind.FULL:
             parts.append(values)
             continue
         diagonal = np.zeros(len(values), dtype=bool)
         if t.counted == 2:
             diagonal = np.array([i == j for i, j in zip(*np.triu_indices(given.modes), strict=True)], dtype=bool)
         size = np.abs(values).max(initial=0.0)
-        if np.any(np.abs(values[~diagonal] if t.kind != "zero" else values) > 1e-9 * max(size, given.mass)):
+        if np.any(np.abs(values[~diagonal] if t.kind is not TableKind.ZERO else values) > 1e-9 * max(size, given.mass)):
             raise ValueError(f"the model takes {t.name} to vanish ({t.zero}), but that of {given.name} does not")
-        if t.kind == "unit" and np.any(np.abs(values[diagonal] - 1) > 1e-9):
+        if t.kind is TableKind.UNIT and np.any(np.abs(values[diagonal] - 1) > 1e-9):
             raise ValueError(
                 f"the model takes {t.name} to be the unit matrix ({t.zero}), but that of {given.name} is not: "
                 "bring the body to the mean frame with orthonormal modes, or scale them to modal masses of 1 kg"
             )
-        if t.kind == "diagonal":
+        if t.kind is TableKind.DIAGONAL:
             parts.append(values[diagonal])
     _, symbols = quantity.gravity(gravity)
     return np.concatenate([*parts, [p.default for p in symbols]])
 
 
-def derive_modal(given: ModalBody, gravity: Gravity | None = None) -> Equations:
-    """The equations of motion of a body of numbers, written out; its integrals are folded as the doubles they are."""
+@dataclass(frozen=True)
+class NumberValues:
+    """Entries that are the numbers of a modal body, folded as the doubles they are."""
 
-    def number(entry: Symbol, value: float) -> tuple[sp.Expr, str | None]:
-        return sp.Rational(value), None if value else given.zeros.get(entry.name, NOTHING)
+    body: ModalBody
 
-    values = {
-        entry: number(entry, float(value))
-        for table in map(_full, DOCS)
-        for entry, value in zip(entries(table, given.modes), _values(given, table), strict=True)
-    }
-    points = tuple(map(_point, given.points))
-    return _written_out(
-        given.name, given.doc, _where(given), given.modes, values, sp.Rational(given.mass), points, (), gravity
+    def constants(self, table: Table) -> Iterator[Coefficient]:
+        """See `Values`."""
+        pairs = zip(entries(table, self.body.modes), _values(self.body, table), strict=True)
+        for entry, value in pairs:
+            zero = None if value else self.body.zeros.get(entry.name, NOTHING)
+            yield _constant(entry, sp.Rational(float(value)), zero)
+
+    def present(self, table: Table) -> NDArray[np.bool_]:
+        """See `Values`."""
+        n, components = self.body.modes, len(table.components)
+        present: NDArray[np.bool_] = _values(self.body, table) != 0
+        if table.counted < 2:
+            return present.reshape(*(n,) * table.counted, components)
+        full = np.zeros((n, n, components), dtype=bool)
+        full[np.triu_indices(n, 1 if table.family is Family.C7 else 0)] = present.reshape(-1, components)
+        return np.asarray(full | full.swapaxes(0, 1))
+
+    def numbers(self, table: Table) -> Array | None:
+        """See `Values`."""
+        return _kept(table, self.body.modes, _values(self.body, table))
+
+
+@dataclass(frozen=True)
+class ParameterValues:
+    """Entries that are run-time parameters, as far as a table has them."""
+
+    modes: int
+
+    def constants(self, table: Table) -> Iterator[Coefficient]:
+        """See `Values`."""
+        for entry in entries(table, self.modes):
+            if table.kind is TableKind.ZERO or (table.kind is not TableKind.FULL and not _on_diagonal(entry)):
+                yield _constant(entry, sp.S.Zero, table.zero)
+            elif table.kind is TableKind.UNIT:
+                yield _constant(entry, sp.S.One, None)
+            else:
+                yield _constant(entry, _as_parameter(entry), None)
+
+    def present(self, table: Table) -> NDArray[np.bool_]:
+        """See `Values`."""
+        n, components = self.modes, len(table.components)
+        full = np.full((n,) * table.counted + (components,), table.kind is TableKind.FULL)
+        if table.kind is TableKind.DIAGONAL:
+            full |= np.eye(n, dtype=bool)[..., None]
+        return full
+
+    def numbers(self, table: Table) -> Array | None:
+        """See `Values`."""
+        return None
+
+
+def _constant(entry: Symbol, value: sp.Expr, zero: str | None) -> Coefficient:
+    doc, unit = DOCS[entry.identity.family]
+    equation = "(13)" if entry.identity.family in (Family.STIFFNESS, Family.DAMPING) else "appendix"
+    return Coefficient(entry, value, equation, doc, unit, zero)
+
+
+def _as_parameter(entry: Symbol) -> Symbol:
+    """The run-time parameter that is the value of an entry."""
+    return Symbol(replace(entry.identity, parameter=True))
+
+
+def modal_body(given: ModalBody, gravity: Gravity | None = None) -> Body:
+    """A body of numbers as (15) needs to know it."""
+    weight, of_gravity = quantity.gravity(gravity)
+    return Body(
+        name=given.name,
+        doc=given.doc,
+        origin=_where(given),
+        dimension=3,
+        modes=given.modes,
+        mass=sp.Rational(given.mass),
+        tables=modal_tables(given),
+        values=NumberValues(given),
+        points=tuple(map(_point, given.points)),
+        parameters=of_gravity,
+        gravity=weight,
     )
 
 
-def derive_symbolic(spec: SymbolicBody) -> Equations:
-    """The equations of motion of a body whose mass, shape integrals and stiffness are parameters, written out."""
-    values: dict[Symbol, tuple[sp.Expr, str | None]] = {}
+def parametric_body(spec: SymbolicBody) -> Body:
+    """A body whose mass, shape integrals and stiffness are parameters."""
+    weight, of_gravity = quantity.gravity(spec.gravity)
+    tables, values = symbolic_tables(spec), ParameterValues(spec.modes)
     symbols = [MASS]
-    for t in symbolic_tables(spec):
-        for entry in entries(t, spec.modes):
-            same = _on_diagonal(entry)
-            if t.kind == "zero" or (t.kind != "full" and not same):
-                values[entry] = sp.S.Zero, t.zero
-            elif t.kind == "unit":
-                values[entry] = sp.S.One, None
-            else:
-                symbol = Symbol(replace(entry.identity, parameter=True))
-                default = float(same and t.family in (Family.C3, Family.C8, Family.STIFFNESS))
-                symbols.append(ParameterSymbol(symbol, t.doc, t.unit, default, positive=False))
-                values[entry] = symbol, None
-    doc = describe_symbolic(spec)
-    return _written_out(spec.name, doc, "", spec.modes, values, MASS.symbol, (), tuple(symbols), spec.gravity)
+    for table in tables:
+        for entry in (c.symbol for c in values.constants(table) if c.value == _as_parameter(c.symbol)):
+            one = _on_diagonal(entry) and table.family in (Family.C3, Family.C8, Family.STIFFNESS)
+            symbols.append(ParameterSymbol(_as_parameter(entry), table.doc, table.unit, float(one), positive=False))
+    return Body(
+        name=spec.name,
+        doc=describe_symbolic(spec),
+        origin="",
+        dimension=3,
+        modes=spec.modes,
+        mass=MASS.symbol,
+        tables=tables,
+        values=values,
+        parameters=(*symbols, *of_gravity),
+        gravity=weight,
+    )
 
 
 def _on_diagonal(entry: Symbol) -> bool:
@@ -231,44 +286,6 @@ def describe_symbolic(spec: SymbolicBody) -> str:
     return f"free body in space, {frame}, {spec.modes} modes, shape integrals as parameters"
 
 
-def _written_out(
-    name: str,
-    doc: str,
-    origin: str,
-    n: int,
-    values: dict[Symbol, tuple[sp.Expr, str | None]],
-    mass: sp.Expr,
-    points: tuple[MaterialPoint, ...],
-    symbols: tuple[ParameterSymbol, ...],
-    gravity: Gravity | None,
-) -> Equations:
-    forces = (Family.STIFFNESS, Family.DAMPING)
-    by_family: dict[Family, list[Coefficient]] = {family: [] for family in DOCS}
-    for entry, (value, zero) in values.items():
-        family = entry.identity.family
-        what, unit = DOCS[family]
-        equation = "(13)" if family in forces else "appendix"
-        by_family[family].append(Coefficient(entry, value, equation, what, unit, zero))
-    integrals = tuple(c for family, some in by_family.items() if family not in forces for c in some)
-    weight, of_gravity = quantity.gravity(gravity)
-    damped = any(not c.zero for c in by_family[Family.DAMPING])
-    return body.equations(
-        Body(
-            name=name,
-            doc=doc,
-            origin=origin,
-            motion=spatial_motion(n),
-            mass=mass,
-            integrals=integrals,
-            stiffness=tuple(by_family[Family.STIFFNESS]),
-            points=points,
-            parameters=(*symbols, *of_gravity),
-            damping=tuple(by_family[Family.DAMPING]) if damped else (),
-            gravity=weight,
-        )
-    )
-
-
 def _where(given: ModalBody) -> str:
     """Where c is, as a sentence."""
     return f"c is where {given.origin} lies in the floating frame." if given.origin else ""
@@ -279,68 +296,3 @@ def _point(point: ModalPoint) -> MaterialPoint:
         return sp.ImmutableMatrix([sp.Rational(float(x)) for x in vector])
 
     return MaterialPoint(point.name, point.doc, exact(point.position), tuple(map(exact, point.shapes)))
-
-
-def generic_symbolic(spec: SymbolicBody) -> GenericEquations:
-    """The equations of motion of a body with parameters, for a generic shape."""
-    return _generic(spec.name, describe_symbolic(spec), "", spec.modes, symbolic_tables(spec), spec.gravity)
-
-
-def _generic(
-    name: str, doc: str, origin: str, n: int, tables: tuple[Table, ...], gravity: Gravity | None,
-    points: tuple[ModalPoint, ...] = (), data: Array | None = None, mass: float = 1.0,
-) -> GenericEquations:  # fmt: skip
-    weight, of_gravity = quantity.gravity(gravity)
-    scalars = (Coefficient(motion.MASS, MASS.symbol, "(15)", "mass of the body", "kg"), *weight)
-    first = ParameterSymbol(MASS.symbol, MASS.doc, MASS.unit, mass)
-    return generic_equations(
-        name,
-        doc,
-        origin,
-        n,
-        tables,
-        scalars,
-        (first, *of_gravity),
-        tuple((p.name, p.doc) for p in points),
-        None if data is None else tuple(map(float, data)),
-    )
-
-
-def generic_modal(given: ModalBody, gravity: Gravity | None = None) -> GenericEquations:
-    """The equations of motion of a body of numbers, for a generic shape: its numbers are the defaults of parameters."""
-    tables = modal_tables(given)
-    data = parameters(given, tables, gravity)
-    return _generic(given.name, given.doc, _where(given), given.modes, tables, gravity, given.points, data, given.mass)
-
-
-Present = dict[Family, NDArray[np.bool_]]
-"""Which entries of C5 (N, N, 6), c7 (N, N, 3), K, B (N, N, 1), C4 (N, 6), c2 and c6 (N, 3) there are."""
-
-
-def present_modal(given: ModalBody) -> Present:
-    """The entries of a body of numbers that do not vanish."""
-    n = given.modes
-    present: Present = {}
-    for family in (Family.C4, Family.C2, Family.C6):
-        table = _full(family)
-        present[family] = (_values(given, table) != 0).reshape(n, len(table.components))
-    for family in (Family.C5, Family.C7, Family.STIFFNESS, Family.DAMPING):
-        table = _full(family)
-        full = np.zeros((n, n, len(table.components)), dtype=bool)
-        upper = np.triu_indices(n, 1 if family is Family.C7 else 0)
-        full[upper] = (_values(given, table) != 0).reshape(-1, len(table.components))
-        present[family] = full | full.swapaxes(0, 1)
-    return present
-
-
-def present_symbolic(spec: SymbolicBody) -> Present:
-    """The entries that a body with parameters has."""
-    n = spec.modes
-    present: Present = {}
-    for t in symbolic_tables(spec):
-        if t.counted:
-            full = np.full((n,) * t.counted + (len(t.components),), t.kind == "full")
-            if t.kind == "diagonal":
-                full |= np.eye(n, dtype=bool)[..., None]
-            present[t.family] = full
-    return present

@@ -11,7 +11,7 @@ import sympy as sp
 
 from derive.errors import Problem, SpecError
 from derive.mechanics import quantity
-from derive.mechanics.equations import Coefficient, Eliminated, Equations, ParameterSymbol
+from derive.mechanics.equations import Equations
 from derive.mechanics.multibody.bodies.body_type import BodyType, Constant
 from derive.mechanics.multibody.bodies.registry import BODIES
 from derive.mechanics.multibody.components import Component
@@ -26,6 +26,7 @@ from derive.mechanics.multibody.mechanism import BodyInstance, BodyKinds, ForceI
 from derive.mechanics.multibody.point_motion import PointMotion, fixed_point
 from derive.mechanics.multibody.time_functions import finite_function, time_derivatives
 from derive.mechanics.symbols import Symbol, element, t
+from derive.mechanics.terms import Coefficient, Eliminated, ParameterSymbol
 from derive.spec.model.body import Parameter, Quantity
 from derive.spec.model.scene import GROUND, CustomJoint, Drive, Joint, MarkerRef, Scene, SceneBody
 

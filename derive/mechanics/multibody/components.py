@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from derive.mechanics.equations import Coefficient
+from derive.mechanics.body import Body
 from derive.mechanics.points import MaterialPoint
-from derive.mechanics.virtual_work_equations import Body
+from derive.mechanics.terms import Coefficient
 
 
 @dataclass(frozen=True)

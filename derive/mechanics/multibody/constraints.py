@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import sympy as sp
 
-from derive.mechanics.equations import Constraint, Definition, Row
 from derive.mechanics.multibody.joints.joint_type import JointType, PrescribedMotion
 from derive.mechanics.multibody.point_motion import Derivatives, Link, added
+from derive.mechanics.terms import Constraint, Definition, Row
 from derive.spec.model.scene import Joint, MarkerRef
 
 

@@ -11,10 +11,10 @@ from dataclasses import dataclass, replace
 
 import sympy as sp
 
-from derive.mechanics.equations import Coordinate, Definition, Row
 from derive.mechanics.motion import Motion
 from derive.mechanics.multibody.point_motion import Derivatives, PointMotion
 from derive.mechanics.symbols import Family, Symbol, owned, quantity
+from derive.mechanics.terms import Coordinate, Definition, Row
 
 
 @dataclass(frozen=True)

@@ -10,18 +10,7 @@ from itertools import chain
 import sympy as sp
 
 from derive.errors import Problem, SpecError
-from derive.mechanics.equations import (
-    Coefficient,
-    Constraint,
-    Coordinate,
-    Definition,
-    Eliminated,
-    Equations,
-    MarkerEquations,
-    Pose,
-    Row,
-    Term,
-)
+from derive.mechanics.equations import Equations
 from derive.mechanics.multibody.bodies.registry import BODIES
 from derive.mechanics.multibody.bodies.rigid import BODY_FRAME
 from derive.mechanics.multibody.constraints import constraints
@@ -30,6 +19,17 @@ from derive.mechanics.multibody.instances import InstanceEquations, instance_equ
 from derive.mechanics.multibody.mechanism import Mechanism
 from derive.mechanics.multibody.point_motion import Link, PointMotion
 from derive.mechanics.symbols import t
+from derive.mechanics.terms import (
+    Coefficient,
+    Constraint,
+    Coordinate,
+    Definition,
+    Eliminated,
+    MarkerEquations,
+    Pose,
+    Row,
+    Term,
+)
 from derive.spec.model.scene import GROUND, MarkerRef, Scene
 
 BETWEEN_BODIES = "bodies share no inertia: joints couple them through constraints"

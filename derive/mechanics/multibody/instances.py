@@ -8,17 +8,8 @@ from dataclasses import dataclass, replace
 import sympy as sp
 
 from derive.mechanics import zeros
-from derive.mechanics.equations import (
-    Coefficient,
-    Coordinate,
-    Definition,
-    Equations,
-    MarkerEquations,
-    Reason,
-    Row,
-    Term,
-    Vanished,
-)
+from derive.mechanics.equations import Equations
+from derive.mechanics.expansion import constants_of
 from derive.mechanics.multibody.components import Component
 from derive.mechanics.multibody.coordinates import CoordinateMap
 from derive.mechanics.multibody.mechanism import BodyInstance, BodyKind
@@ -26,7 +17,7 @@ from derive.mechanics.multibody.point_motion import PointMotion, point_motion
 from derive.mechanics.multibody.time_functions import rounded
 from derive.mechanics.points import marker
 from derive.mechanics.symbols import Family, identity, owned
-from derive.mechanics.virtual_work_equations import constants_of
+from derive.mechanics.terms import Coefficient, Coordinate, Definition, MarkerEquations, Reason, Row, Term, Vanished
 
 Symbols = dict[sp.Basic, sp.Basic]
 
@@ -54,7 +45,7 @@ def instance_equations(instance: BodyInstance, kind: BodyKind, repeated: bool) -
 
     `repeated` says that an instance of the same group and kind has gone before: what vanishes, and why, is said once.
     """
-    component, coordinates, equations = instance.component, instance.coordinates, kind.equations
+    component, coordinates, equations = instance.component, instance.coordinates, kind.equations.expanded()
     moved = _moved(instance, kind)
     change = moved.change
     shown = component.markers if instance.moves else ()
@@ -100,7 +91,7 @@ def _moved(instance: BodyInstance, kind: BodyKind) -> _Moved:
     of_points = tuple(c for s in component.sections.values() for c in (*s.point.coefficients, *s.rotations))
     change: Symbols = {**coordinates.values, **_renamed(component.group, (*of_body, *of_points))}
     definitions = list(coordinates.definitions)
-    own = kind.equations.definitions if instance.moves else motion.rotation_definitions
+    own = kind.equations.expanded().definitions if instance.moves else motion.rotation_definitions
     definitions += _definitions(component.name, own, change)
     reasons |= zeros.reasons_of(of_points)
     points = {}

@@ -8,14 +8,16 @@ from typing import Any
 
 import sympy as sp
 
-from derive.mechanics.equations import Coefficient, Eliminated, Equations, ParameterSymbol
+from derive.mechanics.body import Body, ExactValues
+from derive.mechanics.equations import Equations
+from derive.mechanics.indexed_equations import derive_body
 from derive.mechanics.motion import Motion
 from derive.mechanics.multibody.components import Component
 from derive.mechanics.multibody.coordinates import CoordinateMap
 from derive.mechanics.multibody.forces.force_type import ForceType
 from derive.mechanics.multibody.joints.joint_type import JointType, PrescribedMotion
 from derive.mechanics.multibody.point_motion import PointMotion
-from derive.mechanics.virtual_work_equations import Body, equations
+from derive.mechanics.terms import Coefficient, Eliminated, ParameterSymbol
 from derive.spec.model.scene import Force, Joint, MarkerRef, Scene, Spring, Torque
 
 
@@ -123,7 +125,7 @@ class BodyKinds:
         for number, kind in enumerate(self.kinds):
             if kind.body == form:
                 return number
-        self.kinds.append(BodyKind(form, equations(form)))
+        self.kinds.append(BodyKind(form, derive_body(form)))
         return len(self.kinds) - 1
 
 
@@ -131,15 +133,15 @@ def _without_values(body: Body) -> Body:
     def plain(constants: tuple[Coefficient, ...]) -> tuple[Coefficient, ...]:
         return tuple(replace(c, value=sp.S.Zero) for c in constants)
 
+    assert isinstance(body.values, ExactValues), "bodies of planar mechanisms have exact integrals"
+
     return replace(
         body,
         name="",
         doc="",
         origin="",
         mass=sp.S.Zero,
-        integrals=plain(body.integrals),
-        stiffness=plain(body.stiffness),
-        damping=plain(body.damping),
+        values=ExactValues(plain(body.values.every)),
         gravity=plain(body.gravity),
         parameters=(),
     )

@@ -8,11 +8,11 @@ from dataclasses import dataclass
 import sympy as sp
 
 from derive.mechanics import zeros
-from derive.mechanics.equations import Coefficient, Definition
 from derive.mechanics.kinematics import ONE, RDDOT, RDOT, Field, R
 from derive.mechanics.motion import Motion
 from derive.mechanics.points import MaterialPoint
 from derive.mechanics.symbols import Family, Identity, Symbol
+from derive.mechanics.terms import Coefficient, Definition
 
 Derivatives = tuple[sp.Expr, sp.Expr, sp.Expr]
 """A quantity with its first and second time derivative."""

@@ -12,7 +12,6 @@ from dataclasses import dataclass, field
 import sympy as sp
 
 from derive.mechanics.equations import Equations
-from derive.mechanics.indexed_equations import GenericEquations
 from derive.mechanics.symbols import MASS, Family, Identity, Symbol
 from derive.report.document.formula import (
     Call,
@@ -172,9 +171,9 @@ class Notation:
         return self.factor(expr)
 
 
-def notation(equations: Equations | GenericEquations) -> Notation:
+def notation(equations: Equations) -> Notation:
     """The notation of a model: its own parameters, and m as they call it."""
-    coefficients = equations.coefficients if isinstance(equations, Equations) else equations.scalars
+    coefficients = equations.coefficients
     value = next((c.value for c in coefficients if c.symbol == MASS), None)
     parameters = tuple(p.symbol for p in equations.parameters)
     mass = value if isinstance(value, sp.Symbol) else None

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 import sympy as sp
 
-from derive.mechanics.equations import Reason
 from derive.mechanics.symbols import Family, Identity, ShapeIndex, Symbol
+from derive.mechanics.terms import Reason
 from derive.report.document.formula import Formula, Fraction, Name, Number, Operator, Power, Row
 from derive.report.document.page import Inline, Math, Text
 from derive.report.notation.expressions import Notation

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import replace
 
 from derive.mechanics.equations import Equations
-from derive.mechanics.indexed_equations import GenericEquations
 from derive.mechanics.symbols import Family, I, Identity, Symbol, amplitude, identity
 from derive.report.document.formula import Formula, Operator, Row
 from derive.report.notation.families import index_text, written
@@ -17,10 +16,10 @@ SHAPE = "alpha_i"
 """The name of the row of a generic shape."""
 
 
-def row_identities(equations: Equations | GenericEquations) -> dict[str, Identity]:
+def row_identities(equations: Equations) -> dict[str, Identity]:
     """The coordinates or virtual rotations that the rows are of, by the names of the rows."""
     found = {row.name: _varied(identity(row.v)) for row in equations.rows}
-    if isinstance(equations, GenericEquations):
+    if equations.indexed:
         found[SHAPE] = amplitude(I).identity
     return found
 

@@ -18,9 +18,10 @@ import numpy as np
 import sympy as sp
 from numpy.typing import NDArray
 
-from derive.mechanics.spatial import AXES, PAIRS, skew, symbols_of_rotation, symmetric
+from derive.mechanics.spatial import skew, symbols_of_rotation, symmetric
 from derive.mechanics.symbols import MASS, Family, I, ShapeIndex, local, quantity
 from derive.mechanics.symbols import vector as components_of
+from derive.mechanics.tables import AXES, PAIRS
 from derive.report.document.formula import Fenced, Formula, Name, Number, Operator, Part, Row
 
 

@@ -68,7 +68,7 @@ def strain_energy() -> tuple[Equation, ...]:
 
 def _expanded(frame: str) -> sp.Expr:
     found = equations(frame)
-    return found.expanded(found.strain_energy)
+    return found.substituted(found.strain_energy)
 
 
 def translation() -> tuple[Equation, ...]:

@@ -11,11 +11,13 @@ import sympy as sp
 
 from derive.mechanics import virtual_work_equations as body
 from derive.mechanics.bodies import spatial_body as general
-from derive.mechanics.equations import Term
-from derive.mechanics.indexed_equations import ELASTIC, FORCE_SERIES, INDICES, GenericEquations
+from derive.mechanics.equations import Equations
+from derive.mechanics.indexed_equations import ELASTIC_SERIES, derive_body
 from derive.mechanics.series import Series
-from derive.mechanics.spatial import AXES, rotation_of, spatial_series, spatial_sums
+from derive.mechanics.spatial import rotation_of, spatial_series, spatial_sums
 from derive.mechanics.symbols import Family, I, J, Symbol, quantity
+from derive.mechanics.tables import AXES, INDICES, TableKind
+from derive.mechanics.terms import Term
 from derive.report.document.formula import Equation, Formula, Name, Number, Operator, Part, Row
 from derive.report.notation.families import indexed
 from derive.report.notation.formula_reader import formula
@@ -63,10 +65,8 @@ def vanished() -> tuple[tuple[str, str, str], ...]:
 
 
 @cache
-def _mean() -> GenericEquations:
-    found = general.generic_symbolic(symbolic_body("audit", 3, frame="mean", damping=True))
-    assert isinstance(found, GenericEquations)
-    return found
+def _mean() -> Equations:
+    return derive_body(general.parametric_body(symbolic_body("audit", 3, frame="mean", damping=True)))
 
 
 def _rows(gone: frozenset[tuple[str, str]]) -> tuple[Equation, ...]:
@@ -97,7 +97,7 @@ def _vectors(terms: Iterator[Term]) -> Iterator[tuple[str, list[sp.Expr]]]:
 
 
 def _elastic() -> Part:
-    elastic = next(s for s in FORCE_SERIES if s.symbol == ELASTIC)
+    elastic = ELASTIC_SERIES[0]
     return Part("+", _sum_of(*elastic.sums[0]), group="elastic", title=elastic.doc)
 
 
@@ -139,7 +139,7 @@ def integral(name: str) -> tuple[Equation, ...]:
 
 def vanishing(name: str) -> Equation:
     """An integral that is zero in the mean frame; the tables of the body say so."""
-    assert _mean().table(INTEGRALS[name]).kind == "zero"
+    assert _mean().table(INTEGRALS[name]).kind is TableKind.ZERO
     return Equation(indexed(INTEGRALS[name], I), (Part("+", Number("0")),))
 
 

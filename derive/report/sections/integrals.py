@@ -6,9 +6,10 @@ from collections.abc import Iterable
 
 import sympy as sp
 
-from derive.mechanics.equations import Coefficient, Equations
-from derive.mechanics.indexed_equations import GenericEquations, Table
+from derive.mechanics.equations import Equations
 from derive.mechanics.symbols import Family, I, Identity, J, identity
+from derive.mechanics.tables import Table, TableKind
+from derive.mechanics.terms import Coefficient
 from derive.report.document.page import Block, Code, Heading, Math, Paragraph
 from derive.report.document.tables import MOST, Said, folded, table
 from derive.report.notation.expressions import SMALL, Notation, decimal
@@ -17,10 +18,10 @@ from derive.report.notation.integral_formulas import INTEGRANDS, meaning, reason
 from derive.roles import Role
 
 
-def integral_blocks(equations: Equations | GenericEquations, notation: Notation) -> tuple[Block, ...]:
+def integral_blocks(equations: Equations, notation: Notation) -> tuple[Block, ...]:
     """The integrals that are there, with their values; those that vanish are told elsewhere."""
     head = Heading("Shape integrals", "integrals")
-    if isinstance(equations, GenericEquations):
+    if equations.indexed:
         return (head, _tables(equations, notation))
     planar = all(q.role is not Role.QUATERNION for q in equations.coordinates)
     there = [c for c in equations.coefficients if not c.zero]
@@ -83,10 +84,15 @@ def _kind(family: Family) -> str:
     return {Family.STIFFNESS: "stiffness", Family.DAMPING: "damping"}.get(family, "")
 
 
-def _tables(equations: GenericEquations, notation: Notation) -> Block:
+def _tables(equations: Equations, notation: Notation) -> Block:
     """The tables of a body with loops: what is there, and why there is not more."""
     rows: list[list[Said]] = []
-    kinds = {"full": "all", "diagonal": "the diagonal", "unit": "the unit matrix", "zero": "none"}
+    kinds = {
+        TableKind.FULL: "all",
+        TableKind.DIAGONAL: "the diagonal",
+        TableKind.UNIT: "the unit matrix",
+        TableKind.ZERO: "none",
+    }
     for t in equations.tables:
         name: Said = whole(t.family) if t.family in TABLES else Code(t.name)
         what = meaning(Identity(t.family, (I, J)[: t.counted]), t.doc, planar=False)

@@ -8,7 +8,6 @@ import sympy as sp
 
 from derive.mechanics import quantity
 from derive.mechanics.equations import Equations
-from derive.mechanics.indexed_equations import GenericEquations
 from derive.mechanics.kinematics import PHI, RDDOT, RDOT, Field, R, add
 from derive.mechanics.planar import planar_motion
 from derive.mechanics.points import vector_at
@@ -47,9 +46,7 @@ def virtual_displacement() -> tuple[Equation, ...]:
     return (Equation(formula("delta x"), summands(vector_at(MOTION, add(*fields), AT))),)
 
 
-def kinematics_blocks(
-    spec: Specification, equations: Equations | GenericEquations, notation: Notation
-) -> tuple[Block, ...]:
+def kinematics_blocks(spec: Specification, equations: Equations, notation: Notation) -> tuple[Block, ...]:
     """From the position of a material point to its acceleration and its virtual displacement."""
     special = _beam(spec, equations, notation) if isinstance(spec, PlanarBeam) else _space(equations, notation)
     return (
@@ -97,7 +94,7 @@ def _sum_of_shapes() -> Equation:
     return Equation(formula("u"), (Part("+", total),), number="14")
 
 
-def _beam(spec: PlanarBeam, equations: Equations | GenericEquations, notation: Notation) -> tuple[Block, ...]:
+def _beam(spec: PlanarBeam, equations: Equations, notation: Notation) -> tuple[Block, ...]:
     """(23)-(27), and the acceleration in components."""
     length = notation.formula(quantity.value(spec.length))
     xi = Name("xi")
@@ -147,7 +144,7 @@ def _tensor(matrix: sp.Matrix, notation: Notation) -> Matrix:
     return Matrix(tuple(tuple(entry(matrix[i, j]) for j in range(matrix.cols)) for i in range(matrix.rows)))
 
 
-def _space(equations: Equations | GenericEquations, notation: Notation) -> tuple[Block, ...]:
+def _space(equations: Equations, notation: Notation) -> tuple[Block, ...]:
     """Q by a unit quaternion, and how that changes with omega."""
     entries = [d.expr for d in equations.definitions if d.section == "Q"]
     rotation = sp.Matrix(3, 3, entries)

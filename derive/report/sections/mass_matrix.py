@@ -10,10 +10,10 @@ from operator import itemgetter
 
 from derive.artifacts import MARK
 from derive.ir.model import Model
-from derive.mechanics.equations import Equations, Reason
-from derive.mechanics.indexed_equations import GenericEquations
+from derive.mechanics.equations import Equations
+from derive.mechanics.expansion import TRANSLATIONS
 from derive.mechanics.symbols import Family, Identity, amplitude
-from derive.mechanics.virtual_work_equations import TRANSLATIONS
+from derive.mechanics.terms import Reason
 from derive.report.document.formula import Equation, Formula, Name, Part
 from derive.report.document.formula import Matrix as Array
 from derive.report.document.page import Block, Details, Heading, Paragraph, Picture, Table
@@ -74,12 +74,12 @@ class Matrix:
         return f"{len(self.entries)} of {self.size**2}"
 
 
-def mass_matrix(model: Model, equations: Equations | GenericEquations) -> Matrix:
+def mass_matrix(model: Model, equations: Equations) -> Matrix:
     """The pattern of the mass matrix of a model."""
     lower = model.pattern("mass", "M").entries
     entries = frozenset(lower) | {(j, i) for i, j in lower}
     rows = [known for name, known in row_identities(equations).items() if name != SHAPE]
-    if isinstance(equations, GenericEquations):
+    if equations.indexed:
         rows += [amplitude(i).identity for i in range(1, equations.modes + 1)]
         given = dict(_of_blocks(equations, rows, entries))
     else:
@@ -96,7 +96,7 @@ BLOCKS = {
 
 
 def _of_blocks(
-    equations: GenericEquations, rows: Sequence[Identity], entries: frozenset[tuple[int, int]]
+    equations: Equations, rows: Sequence[Identity], entries: frozenset[tuple[int, int]]
 ) -> Iterator[tuple[tuple[int, int], Reason]]:
     """Zeros of the lower triangle with the reasons of their blocks."""
     reasons = {block: equations.reason(*families) for block, families in BLOCKS.items()}
@@ -208,14 +208,14 @@ def _runs(numbers: Sequence[int]) -> list[tuple[int, int]]:
     return found
 
 
-def mass_blocks(equations: Equations | GenericEquations, matrix: Matrix, notation: Notation) -> tuple[Block, ...]:
+def mass_blocks(equations: Equations, matrix: Matrix, notation: Notation) -> tuple[Block, ...]:
     """The pattern as a picture, the matrix itself where it is small, and its zeros by reason."""
     said = (
         f"{matrix.count} entries are structural non-zeros. The matrix is symmetric; of each pair one entry is stored. "
         "The other entries are zero in every state; the table below gives the reasons."
     )
     shown = Picture(picture(matrix), f"Pattern of the mass matrix: {matrix.count} entries", "", HINT)
-    written = _written(equations.mass, notation) if isinstance(equations, Equations) and matrix.size <= WRITTEN else ()
+    written = _written(equations.mass, notation) if not equations.indexed and matrix.size <= WRITTEN else ()
     return (Heading("Mass matrix", "mass"), Paragraph((said,)), shown, *written, *_zeros_of(matrix, notation))
 
 

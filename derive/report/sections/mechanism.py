@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from derive.ir.model import Model
-from derive.mechanics.equations import Constraint, Equations
+from derive.mechanics.equations import Equations
+from derive.mechanics.terms import Constraint
 from derive.report.document.formula import Equation, Name
 from derive.report.document.page import Block, Code, Details, Heading, Paragraph, Picture
 from derive.report.document.page import Equations as Lines

@@ -9,7 +9,7 @@ from itertools import groupby
 import sympy as sp
 
 from derive.mechanics.equations import Equations
-from derive.mechanics.indexed_equations import Contraction, GenericEquations, Total
+from derive.mechanics.sums import Contraction, Total
 from derive.mechanics.symbols import Family, identity
 from derive.report.document.anchors import anchor
 from derive.report.document.formula import Equation, Fenced, Name, Part
@@ -39,11 +39,11 @@ class Moment:
         return known.owner or known.section
 
 
-def moments(equations: Equations | GenericEquations, notation: Notation) -> tuple[tuple[Moment, ...], ...]:
+def moments(equations: Equations, notation: Notation) -> tuple[tuple[Moment, ...], ...]:
     """d1, D2, d3, J and what else has a name, by families. Q stands in the kinematics, products of omega as such."""
     told = [d for d in equations.definitions if not d.zero and d.section not in ("oo", "Q")]
     found = [Moment(d.symbol, notation.parts(d.expr), d.equation) for d in told]
-    if isinstance(equations, GenericEquations):
+    if equations.indexed:
         found += [Moment(c.symbol, _contracted(c, notation), APPENDIX) for c in equations.contractions]
         found += [Moment(t.symbol, _summed(t, notation), APPENDIX) for t in equations.totals]
     return tuple(tuple(group) for _, group in groupby(found, key=lambda moment: moment.family))
@@ -101,7 +101,7 @@ def definition_anchor(symbol: sp.Symbol) -> str:
     return anchor("def", "Q" if known.family in ROTATION and not known.owner else symbol.name)
 
 
-def moment_anchors(equations: Equations | GenericEquations, families: Sequence[Sequence[Moment]]) -> dict[str, str]:
+def moment_anchors(equations: Equations, families: Sequence[Sequence[Moment]]) -> dict[str, str]:
     """The anchors of the equations that are shown, by the names in the code."""
     symbols = [d.symbol for d in equations.definitions if d.section == "Q"]
     symbols += [moment.symbol for some in families for moment in some[:MOST]]

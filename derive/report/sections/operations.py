@@ -6,7 +6,6 @@ import sympy as sp
 
 from derive.ir.model import Kernel, Model
 from derive.mechanics.equations import Equations
-from derive.mechanics.indexed_equations import GenericEquations
 from derive.report.document.page import Block, Code, Heading, Paragraph
 from derive.report.document.tables import Said, table
 from derive.report.sections.terms import expansion
@@ -15,7 +14,7 @@ MOST = 600
 """Definitions that are written out to be counted."""
 
 
-def operation_blocks(equations: Equations | GenericEquations, model: Model) -> tuple[Block, ...]:
+def operation_blocks(equations: Equations, model: Model) -> tuple[Block, ...]:
     """Operations by step, then by function."""
     said = (
         "Operations of the mass matrix (lower triangle) and the forces together. Additions, products, divisions, "
@@ -29,9 +28,9 @@ def operation_blocks(equations: Equations | GenericEquations, model: Model) -> t
     )
 
 
-def _steps(equations: Equations | GenericEquations, model: Model) -> list[list[Said]]:
+def _steps(equations: Equations, model: Model) -> list[list[Said]]:
     rows: list[list[Said]] = []
-    if isinstance(equations, Equations) and len(equations.definitions) <= MOST:
+    if not equations.indexed and len(equations.definitions) <= MOST:
         rows.append(["written out", "in coordinates, rates and parameters, term by term", written_out(equations)])
         if any(not c.value.is_Atom for c in equations.coefficients):
             said = "what depends on parameters alone is computed before"

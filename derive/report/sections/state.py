@@ -9,7 +9,6 @@ import sympy as sp
 
 from derive.ir.model import Model, Variable
 from derive.mechanics.equations import Equations
-from derive.mechanics.indexed_equations import GenericEquations
 from derive.mechanics.symbols import I, Identity, amplitude, identity
 from derive.report.document.formula import Formula
 from derive.report.document.page import Block, Code, Details, Heading, Paragraph
@@ -22,7 +21,7 @@ from derive.roles import Role
 HEAD = ("", "in the code", "unit", "what it is")
 
 
-def state_blocks(model: Model, equations: Equations | GenericEquations, notation: Notation) -> tuple[Block, ...]:
+def state_blocks(model: Model, equations: Equations, notation: Notation) -> tuple[Block, ...]:
     """How many of each there are, and what they are."""
     text = f"{size(model.coordinates)} coordinates q, {size(model.rates)} generalised velocities v"
     count = size(model.parameters)

@@ -9,12 +9,12 @@ import sympy as sp
 
 from derive.backends.source_map import FunctionLines, SourceMap, StoredValue
 from derive.ir.model import Model
-from derive.mechanics.equations import Equations, Term
-from derive.mechanics.indexed_equations import GenericEquations
+from derive.mechanics.equations import Equations
 from derive.mechanics.series import exchanged
-from derive.mechanics.symbols import I, Identity, J, Symbol, amplitude, identity
+from derive.mechanics.symbols import I, Identity, J, Symbol, identity
+from derive.mechanics.terms import Term
 from derive.report.document.anchors import anchor
-from derive.report.notation.labels import SHAPE, row_identities
+from derive.report.notation.labels import row_identities
 
 GROUPS = {
     **dict.fromkeys(("translation", "Euler", "relative"), "accelerations"),
@@ -57,7 +57,7 @@ class Place:
         return anchor("term", self.term.row, self.term.name)
 
 
-def places(equations: Equations | GenericEquations, model: Model, code: SourceMap) -> tuple[Place, ...]:
+def places(equations: Equations, model: Model, code: SourceMap) -> tuple[Place, ...]:
     """Every term with its lines."""
     finder = _Finder(equations, model, code)
     return tuple(finder.place(term) for term in equations.terms)
@@ -76,15 +76,15 @@ def line_anchor(number: int) -> str:
 class _Finder:
     """Rows and accelerations of a model, by their places in M and h."""
 
-    def __init__(self, equations: Equations | GenericEquations, model: Model, code: SourceMap) -> None:
+    def __init__(self, equations: Equations, model: Model, code: SourceMap) -> None:
         self.equations, self.code = equations, code
-        self.rigid = len(equations.rows)
+        generic = equations.indexed and equations.modes > 0
+        self.rigid = len(equations.rows) - generic
         self.variations = row_identities(equations)
         self.rows = {row.name: k for k, row in enumerate(equations.rows)}
         self.accelerations = {row.a: k for k, row in enumerate(equations.rows)}
         self.totals: dict[sp.Symbol, sp.Expr] = {}
-        if isinstance(equations, GenericEquations):
-            self.rows[SHAPE] = self.accelerations[amplitude(I, 2)] = self.rigid
+        if equations.indexed:
             self.totals = {t.symbol: t.term for t in equations.totals}
             self.totals |= {c.symbol: _inside(c.sums) for c in equations.contractions}
         self.pattern = model.pattern("mass", "M")
@@ -99,7 +99,7 @@ class _Finder:
             lines = tuple(sorted({number for entry, number in self.stored if entry in pairs}))
             return Place(term, self.variations[term.row], lines, self._names(term, self.code.functions["mass"]))
         force = self.code.functions["force"]
-        looped = isinstance(self.equations, GenericEquations) and row == self.rigid
+        looped = self.equations.indexed and row == self.rigid
         found = force.stores.get(StoredValue("h", row, looped))
         return Place(term, self.variations[term.row], (found,) if found else (), self._names(term, force))
 

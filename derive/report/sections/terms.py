@@ -12,7 +12,6 @@ from itertools import groupby
 import sympy as sp
 
 from derive.mechanics.equations import Equations
-from derive.mechanics.indexed_equations import GenericEquations
 from derive.report.document.anchors import anchor
 from derive.report.document.formula import Equation, Part
 from derive.report.document.formula import Row as Beside
@@ -47,7 +46,7 @@ def expansion(equations: Equations, integrals: bool = True) -> Expansion:
 
 
 def row_blocks(
-    equations: Equations | GenericEquations, places: Sequence[Place], notation: Notation, number: str = ""
+    equations: Equations, places: Sequence[Place], notation: Notation, number: str = ""
 ) -> tuple[Block, ...]:
     """Every row: its equation and its terms; `number` is that of the rows written out, if the paper has them."""
     written = _short(equations)
@@ -60,9 +59,9 @@ def row_blocks(
     return (*first, Details(f"The other {len(shown) - MOST_ROWS} rows", rest))
 
 
-def _short(equations: Equations | GenericEquations) -> Expansion | None:
+def _short(equations: Equations) -> Expansion | None:
     """How to write the rows out, if that makes not too many summands."""
-    if isinstance(equations, GenericEquations):
+    if equations.indexed:
         return None
     written = expansion(equations)
     count = 0
@@ -73,10 +72,10 @@ def _short(equations: Equations | GenericEquations) -> Expansion | None:
     return written
 
 
-def row_names(equations: Equations | GenericEquations) -> dict[str, str]:
+def row_names(equations: Equations) -> dict[str, str]:
     """The rows with what their virtual displacements are."""
     found = {row.name: _meaning(row.name, row.doc) for row in equations.rows}
-    if isinstance(equations, GenericEquations) and equations.modes:
+    if equations.indexed and equations.modes:
         found[SHAPE] = f"each of the {equations.modes} shapes"
     return found
 

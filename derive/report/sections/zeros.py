@@ -7,9 +7,9 @@ from itertools import groupby
 
 import sympy as sp
 
-from derive.mechanics.equations import Equations, Reason, Term
-from derive.mechanics.indexed_equations import GenericEquations
+from derive.mechanics.equations import Equations
 from derive.mechanics.symbols import Family, identity
+from derive.mechanics.terms import Reason, Term
 from derive.report.document.formula import Number
 from derive.report.document.page import Block, Details, Heading, Inline, Math, Paragraph, Table
 from derive.report.document.tables import Said, folded, table
@@ -21,10 +21,10 @@ FEW, SUMMANDS = 8, 4
 """Names that are listed; summands of a vanished term that is shown."""
 
 
-def vanished_blocks(equations: Equations | GenericEquations, notation: Notation) -> tuple[Block, ...]:
+def vanished_blocks(equations: Equations, notation: Notation) -> tuple[Block, ...]:
     """Integrals that vanish by reason, and terms of (15) that are no part of the model."""
     found: list[Block] = [Heading("What vanishes", "zeros")]
-    if isinstance(equations, Equations):
+    if not equations.indexed:
         found += _integrals(equations, notation)
     terms = [(v.term, v.reason) for v in equations.vanished]
     if terms:

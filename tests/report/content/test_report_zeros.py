@@ -8,7 +8,8 @@ from xml.etree import ElementTree
 import pages
 import pytest
 
-from derive.mechanics.equations import Equations, Reason
+from derive.mechanics.equations import Equations
+from derive.mechanics.terms import Reason
 from derive.report.document.page import Picture
 from derive.report.notation.expressions import notation
 from derive.report.notation.integral_formulas import reason

@@ -7,10 +7,10 @@ from dataclasses import replace
 from fractions import Fraction
 
 from derive.mechanics.bodies.beam import beam_body, beam_point, section_turns, shape_text
-from derive.mechanics.equations import Coefficient
 from derive.mechanics.multibody.bodies.body_type import BodyType, Constant
 from derive.mechanics.multibody.components import Component, Section
 from derive.mechanics.reference_conditions import assumed_shapes
+from derive.mechanics.terms import Coefficient
 from derive.spec.model.body import Marker
 from derive.spec.model.scene import BeamBody, Joint, MarkerRef
 

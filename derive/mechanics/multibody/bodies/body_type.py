@@ -7,9 +7,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import ClassVar, Generic, TypeVar
 
-from derive.mechanics.equations import Coefficient
 from derive.mechanics.multibody.components import Component
 from derive.mechanics.multibody.keys import Key
+from derive.mechanics.terms import Coefficient
 from derive.spec.model.body import Quantity
 from derive.spec.model.scene import Joint, MarkerRef, SceneBody
 

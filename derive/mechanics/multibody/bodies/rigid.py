@@ -8,9 +8,9 @@ import sympy as sp
 
 from derive.mechanics import quantity
 from derive.mechanics.bodies.rigid import rigid_body, rigid_point
-from derive.mechanics.equations import Coefficient
 from derive.mechanics.multibody.bodies.body_type import BodyType, Constant
 from derive.mechanics.multibody.components import Component, Section
+from derive.mechanics.terms import Coefficient
 from derive.spec.model.scene import PointMarker, RigidBody
 
 BODY_FRAME = "base"

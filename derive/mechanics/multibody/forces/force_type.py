@@ -9,9 +9,9 @@ from typing import ClassVar, Generic, TypeVar
 
 import sympy as sp
 
-from derive.mechanics.equations import Definition, Row, Term
 from derive.mechanics.multibody.point_motion import PointMotion
 from derive.mechanics.symbols import Symbol
+from derive.mechanics.terms import Definition, Row, Term
 from derive.spec.model.scene import Force, MarkerRef, Spring, TimeFunction, Torque
 
 F = TypeVar("F", Force, Torque, Spring)

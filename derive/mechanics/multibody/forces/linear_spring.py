@@ -6,11 +6,11 @@ from typing import ClassVar
 
 import sympy as sp
 
-from derive.mechanics.equations import Definition, Row
 from derive.mechanics.multibody.forces.force_type import Constants, ForceType, GeneralisedForce, force_terms
 from derive.mechanics.multibody.point_motion import Link, PointMotion
 from derive.mechanics.multibody.time_functions import rounded
 from derive.mechanics.symbols import element as element_symbol
+from derive.mechanics.terms import Definition, Row
 from derive.spec.model.scene import MarkerRef, Spring
 
 

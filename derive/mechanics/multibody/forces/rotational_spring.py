@@ -6,9 +6,9 @@ from typing import ClassVar
 
 import sympy as sp
 
-from derive.mechanics.equations import Row
 from derive.mechanics.multibody.forces.force_type import Constants, ForceType, GeneralisedForce, torque_terms
 from derive.mechanics.multibody.point_motion import Link, PointMotion
+from derive.mechanics.terms import Row
 from derive.spec.model.scene import MarkerRef, Spring
 
 

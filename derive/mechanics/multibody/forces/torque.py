@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from derive.mechanics.equations import Definition, Row
 from derive.mechanics.multibody.forces.force_type import Constants, ForceType, GeneralisedForce, define, torque_terms
 from derive.mechanics.multibody.point_motion import PointMotion
 from derive.mechanics.multibody.time_functions import function
 from derive.mechanics.symbols import element as element_symbol
+from derive.mechanics.terms import Definition, Row
 from derive.spec.model.scene import MarkerRef, TimeFunction, Torque
 
 

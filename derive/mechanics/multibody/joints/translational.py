@@ -9,7 +9,6 @@ from typing import ClassVar
 
 import sympy as sp
 
-from derive.mechanics.equations import Definition
 from derive.mechanics.multibody.coordinates import CoordinateMap, displacement_only, prescribed
 from derive.mechanics.multibody.joints.joint_type import (
     Drawing,
@@ -25,6 +24,7 @@ from derive.mechanics.multibody.keys import Key, KeyType
 from derive.mechanics.multibody.point_motion import Derivatives, Link, PointMotion
 from derive.mechanics.multibody.time_functions import rounded
 from derive.mechanics.symbols import element
+from derive.mechanics.terms import Definition
 from derive.spec.model.scene import Joint
 
 

@@ -1,0 +1,129 @@
+"""A deformable body as the equations of motion (15) need to know it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Protocol
+
+import numpy as np
+import sympy as sp
+from numpy.typing import NDArray
+
+from derive.mechanics.motion import MASS, Motion
+from derive.mechanics.planar import planar_motion
+from derive.mechanics.points import MaterialPoint
+from derive.mechanics.spatial import spatial_motion
+from derive.mechanics.symbols import Family
+from derive.mechanics.tables import Table, planar_tables
+from derive.mechanics.terms import Coefficient, ParameterSymbol
+
+
+class Values(Protocol):
+    """The entries of the tables of a body."""
+
+    def constants(self, table: Table) -> Iterable[Coefficient]:
+        """The entries of a table in the order of `entries`, each with its value, or the reason why it vanishes."""
+
+    def present(self, table: Table) -> NDArray[np.bool_]:
+        """Which entries of a table there are, by shapes and components."""
+
+    def numbers(self, table: Table) -> NDArray[np.float64] | None:
+        """The entries of a table, i <= j (i < j of an odd one) by rows, if they are numbers."""
+
+
+@dataclass(frozen=True)
+class Body:
+    """What (15) needs to know of a body with `modes` shapes, in the plane (`dimension` 2) or in space (3).
+
+    `origin` says in words where c is. `tables` are its shape integrals, its stiffness K of U = 1/2 alpha K alpha, and
+    its damping B, the factor of the velocities; `values` are their entries. `gravity` is the acceleration of free fall
+    in the inertial frame.
+    """
+
+    name: str
+    doc: str
+    origin: str
+    dimension: int
+    modes: int
+    mass: sp.Expr
+    tables: tuple[Table, ...]
+    values: Values
+    points: tuple[MaterialPoint, ...] = ()
+    parameters: tuple[ParameterSymbol, ...] = ()
+    gravity: tuple[Coefficient, ...] = ()
+
+    @cached_property
+    def motion(self) -> Motion:
+        """Its motion, with all sums over the shapes written out."""
+        return planar_motion(self.modes) if self.dimension == 2 else spatial_motion(self.modes)
+
+    @cached_property
+    def rigid_motion(self) -> Motion:
+        """Its motion without shapes."""
+        return planar_motion(0) if self.dimension == 2 else spatial_motion(0)
+
+    @property
+    def mass_constant(self) -> Coefficient:
+        """Its mass."""
+        return Coefficient(MASS, self.mass, "(15)", "mass of the body", "kg")
+
+    @cached_property
+    def integrals(self) -> tuple[Coefficient, ...]:
+        """The shape integrals c1 to c8, entry by entry."""
+        apart = (Family.STIFFNESS, Family.DAMPING)
+        return tuple(c for table in self.tables if table.family not in apart for c in self.values.constants(table))
+
+    @cached_property
+    def stiffness(self) -> tuple[Coefficient, ...]:
+        """K_ij, i <= j."""
+        return self._constants(Family.STIFFNESS)
+
+    @cached_property
+    def damping(self) -> tuple[Coefficient, ...]:
+        """B_ij, i <= j; nothing if there is no damping at all."""
+        constants = self._constants(Family.DAMPING)
+        return constants if any(not c.zero for c in constants) else ()
+
+    def table(self, family: Family) -> Table:
+        """The table of an integral."""
+        return next(table for table in self.tables if table.family is family)
+
+    def _constants(self, family: Family) -> tuple[Coefficient, ...]:
+        return tuple(c for table in self.tables if table.family is family for c in self.values.constants(table))
+
+
+@dataclass(frozen=True)
+class ExactValues:
+    """Entries that are exact expressions, each known by itself."""
+
+    every: tuple[Coefficient, ...]
+
+    def constants(self, table: Table) -> Iterable[Coefficient]:
+        """See `Values`."""
+        return (c for c in self.every if c.symbol.identity.family is table.family)
+
+    def present(self, table: Table) -> NDArray[np.bool_]:
+        """See `Values`."""
+        raise NotImplementedError("planar bodies are lowered to straight-line code alone")
+
+    def numbers(self, table: Table) -> NDArray[np.float64] | None:
+        """See `Values`."""
+        return None
+
+
+def planar_body(
+    name: str,
+    doc: str,
+    origin: str,
+    modes: int,
+    mass: sp.Expr,
+    constants: tuple[Coefficient, ...],
+    points: tuple[MaterialPoint, ...] = (),
+    parameters: tuple[ParameterSymbol, ...] = (),
+    gravity: tuple[Coefficient, ...] = (),
+) -> Body:
+    """A planar body given by its shape integrals and its stiffness, entry by entry."""
+    tables, values = planar_tables(constants), ExactValues(constants)
+    return Body(name, doc, origin, 2, modes, mass, tables, values, points, parameters, gravity)

@@ -1,0 +1,176 @@
+"""Tables over the shapes: shape integrals, stiffness and damping, with what of them vanishes and why."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from enum import Enum
+from itertools import combinations_with_replacement, product
+
+from derive.mechanics.series import PARITY
+from derive.mechanics.symbols import Family, I, Identity, J, ShapeIndex, Symbol
+from derive.mechanics.terms import Coefficient
+
+AXES = (1, 2, 3)
+PAIRS = tuple(combinations_with_replacement(AXES, 2))
+"""Index pairs of a symmetric tensor: 11, 12, 13, 22, 23, 33."""
+
+INDICES = {
+    Family.C1: 0,
+    Family.C3: 0,
+    Family.C2: 1,
+    Family.C4: 1,
+    Family.C6: 1,
+    Family.C5: 2,
+    Family.C7: 2,
+    Family.C8: 2,
+    Family.STIFFNESS: 2,
+    Family.DAMPING: 2,
+    Family.POINT_POSITION: 0,
+    Family.POINT_SHAPE: 1,
+}
+"""How many shape indices the entries of a table are counted by."""
+
+TENSORS, SCALARS = (Family.C3, Family.C4, Family.C5), (Family.C8, Family.STIFFNESS, Family.DAMPING)
+VECTORS = (Family.C1, Family.C2, Family.POINT_POSITION, Family.POINT_SHAPE)
+
+
+NO_SHAPES = "the number of shapes (there is none)"
+ODD = "c7 is odd in its indices (one shape does not act on itself)"
+
+
+class TableKind(Enum):
+    """Which entries of a table there are."""
+
+    FULL = "full"
+    DIAGONAL = "diagonal"
+    UNIT = "unit"
+    ZERO = "zero"
+
+
+@dataclass(frozen=True)
+class Table:
+    """A shape integral, stiffness K or damping B: which of its entries there are, and why there are not more.
+
+    X and the shapes at a material point are tables as well; `point` is the number of the point. In the plane
+    (`dimension` 2) tensors and the third components of vectors are scalars. `vanishing` are components that vanish for
+    all shapes, each with its reason.
+    """
+
+    family: Family
+    kind: TableKind
+    doc: str
+    unit: str
+    zero: str = ""
+    point: str = ""
+    dimension: int = 3
+    vanishing: tuple[tuple[tuple[int, ...], str], ...] = ()
+
+    @property
+    def symbol(self) -> Symbol:
+        """The table as a whole."""
+        return Symbol(Identity(self.family, point=self.point))
+
+    @property
+    def name(self) -> str:
+        """The printed name of the whole table."""
+        return self.symbol.identity.name
+
+    @property
+    def counted(self) -> int:
+        """How many shape indices an entry has."""
+        return INDICES[self.family]
+
+    @property
+    def components(self) -> tuple[tuple[int, ...], ...]:
+        """The components of an entry: 1 2 3, or 11 12 13 22 23 33; one without indices of a scalar."""
+        if self.dimension == 2:
+            return ((1,), (2,)) if self.family in VECTORS else ((),)
+        if self.family in SCALARS:
+            return ((),)
+        return PAIRS if self.family in TENSORS else tuple((k,) for k in AXES)
+
+    def entry(self, component: tuple[int, ...], *shapes: ShapeIndex) -> Symbol:
+        """An entry, or without shapes the array of one component for all shapes."""
+        return Symbol(Identity(self.family, shapes, component, point=self.point))
+
+    @property
+    def generic_entries(self) -> tuple[Symbol, ...]:
+        """The components for generic indices: c2_i_1, c2_i_2, c2_i_3."""
+        return tuple(self.entry(component, *(I, J)[: self.counted]) for component in self.components)
+
+    @property
+    def zeros(self) -> tuple[tuple[tuple[int, ...], str], ...]:
+        """The components that vanish, with their reasons."""
+        if self.kind is TableKind.ZERO:
+            return tuple((component, self.zero) for component in self.components)
+        return self.vanishing
+
+
+def entries(table: Table, n: int) -> Iterator[Symbol]:
+    """The entries of a table for n shapes, i <= j (i < j of an odd one) by rows: C5_1_2_11."""
+    shapes = range(1, n + 1)
+    odd = PARITY.get(table.family, 1) < 0
+    counted: tuple[list[tuple[int, ...]], ...] = (
+        [()],
+        [(i,) for i in shapes],
+        [(i, j) for i in shapes for j in shapes if i < j or (i == j and not odd)],
+    )
+    for numbers, component in product(counted[table.counted], table.components):
+        yield table.entry(component, *numbers)
+
+
+def point_tables(number: int, name: str, dimension: int = 3) -> tuple[Table, Table]:
+    """X and the shapes at a marker, as tables X1 and Phi1 of the first marker."""
+    point = str(number)
+    position, shapes = f"X of marker {name}", f"the shapes at marker {name}"
+    return (
+        Table(Family.POINT_POSITION, TableKind.FULL, position, "m", point=point, dimension=dimension),
+        Table(Family.POINT_SHAPE, TableKind.FULL, shapes, "", point=point, dimension=dimension),
+    )
+
+
+PLANAR_DOCS = {
+    Family.C1: ("int rho X", "kg m"),
+    Family.C2: ("int rho Phi_i", "kg"),
+    Family.C3: ("int rho X . X", "kg m^2"),
+    Family.C4: ("int rho X . Phi_i", "kg m"),
+    Family.C6: ("int rho X x Phi_i", "kg m"),
+    Family.C7: ("int rho Phi_i x Phi_j", "kg"),
+    Family.C8: ("int rho Phi_i . Phi_j", "kg"),
+    Family.STIFFNESS: ("stiffness", "N/m"),
+}
+"""The tables of a planar body: what they are, their units."""
+
+
+def planar_tables(constants: Sequence[Coefficient]) -> tuple[Table, ...]:
+    """The tables that exact constants of a planar body make up: those that vanish, are diagonal, or full."""
+    tables = []
+    for family, (doc, unit) in PLANAR_DOCS.items():
+        of_family = [c for c in constants if c.symbol.identity.family is family]
+        if of_family:
+            tables.append(_planar_table(Table(family, TableKind.FULL, doc, unit, dimension=2), of_family))
+        elif INDICES[family]:
+            deforms = any(INDICES[c.symbol.identity.family] for c in constants)
+            tables.append(Table(family, TableKind.ZERO, doc, unit, ODD if deforms else NO_SHAPES, "", 2))
+    return tuple(tables)
+
+
+def _planar_table(full: Table, constants: Sequence[Coefficient]) -> Table:
+    reasons = {component: _reason(constants, component) for component in full.components}
+    vanishing = tuple((component, reason) for component, reason in reasons.items() if reason)
+    kind, zero = TableKind.FULL, ""
+    if len(vanishing) == len(full.components):
+        kind, zero = TableKind.ZERO, vanishing[0][1]
+    elif full.counted == 2 and (off := [c for c in constants if len(set(c.symbol.identity.shapes)) == 2]):
+        if all(c.zero for c in off):
+            kind, zero = TableKind.DIAGONAL, str(off[0].zero)
+    elif full.counted == 2:
+        kind = TableKind.DIAGONAL
+    return Table(full.family, kind, full.doc, full.unit, zero, "", 2, () if kind is TableKind.ZERO else vanishing)
+
+
+def _reason(constants: Iterable[Coefficient], component: tuple[int, ...]) -> str:
+    """Why a component vanishes for all shapes, or nothing if it does not."""
+    of_component = [c for c in constants if c.symbol.identity.components == component]
+    return str(of_component[0].zero) if of_component and all(c.zero for c in of_component) else ""
