@@ -117,7 +117,7 @@ MOTION = (
         "the user",
         note="Isotropic, linear elastic, without stress in the reference configuration. Here a body brings a "
         "stiffness, whatever material it comes from.",
-        where=("derive/mechanics/virtual_work_equations.py::stiffness",),
+        where=("derive/mechanics/body.py::stiffness",),
         tests=tests(CONTINUUM, "test_13_is_11_with_the_stress_8_and_a_free_surface"),
     ),
     AuditRow(
