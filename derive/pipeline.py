@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -40,19 +41,22 @@ class Built:
     notes: tuple[str, ...] = ()
 
 
-def build(path: Path) -> Built:
-    """Run all stages on a specification file. Raises SpecError."""
+def build(path: Path, progress: Callable[[str], None] = lambda _: None) -> Built:
+    """Run all stages on a specification file; `progress` is called with the name of each stage. Raises SpecError."""
     clock = [time.perf_counter()]
 
     def lap() -> float:
         clock.append(time.perf_counter())
         return clock[-1] - clock[-2]
 
+    progress("reading the specification")
     spec = read(path)
     reading = Stage("read", lap())
+    progress("deriving the equations of motion")
     try:
         derived = derive(spec)
         deriving = Stage("derive", lap(), terms=len(derived.terms))
+        progress("lowering to kernels")
         model = lower(derived)
     except SpecError as error:  # a fault of the numbers, found where they are used
         raise with_lines(error, path) from None
@@ -62,6 +66,7 @@ def build(path: Path) -> Built:
     if not equations.indexed:
         nonzeros = sum(entry != 0 for entry in equations.mass)
         deriving = replace(deriving, terms=len(equations.terms), nonzeros=nonzeros)
+    progress("emitting C and Python")
     files = model_files(model, spec)
     emitting = Stage("emit", lap())
     notes = (model.choice, *_of_modes(spec)) if model.choice else _of_scene(model)

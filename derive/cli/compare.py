@@ -14,6 +14,7 @@ from derive.cli.specifications import build_all
 from derive.roles import Role
 from derive.runtime.calls import Vector
 from derive.runtime.native import Native, load
+from derive.terminal import show_progress
 from derive.visual.sparsity import mass_patterns
 
 MAX_ROWS, WIDTH = 14, 12
@@ -23,7 +24,11 @@ MAX_ROWS, WIDTH = 14, 12
 def run(options: argparse.Namespace) -> int:
     """Print mass matrix and forces of each model from the compiled C; every model gets the same kind of state."""
     built = build_all(options.specs)
-    natives = [load(b.files) for b in built]
+    natives = []
+    for b in built:
+        show_progress(f"{b.model.name}: compiling the C ...")
+        natives.append(load(b.files))
+    show_progress()
     results = [_evaluate(native) for native in natives]
     if options.picture:
         picture = File(options.picture.name, mass_patterns([b.model for b in built]))

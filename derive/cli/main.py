@@ -11,6 +11,7 @@ from importlib import import_module
 
 from derive.cli.arguments import parser
 from derive.errors import TisserandError
+from derive.terminal import show_progress
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -24,7 +25,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         parser().print_help()
         return 0
     try:
-        code: int = import_module(f"derive.cli.{options.command}").run(options)
+        show_progress("loading ...")  # the first import of SymPy and CasADi takes seconds
+        command = import_module(f"derive.cli.{options.command}")
+        show_progress()
+        code: int = command.run(options)
         sys.stdout.flush()
         return code
     except BrokenPipeError:  # the reader of the pipe, such as `head`, has closed it

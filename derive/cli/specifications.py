@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 from derive.errors import Problem, SpecError
@@ -41,9 +42,8 @@ def build_all(paths: Sequence[Path]) -> list[Built]:
     errors: list[SpecError] = []
     paths_by_name: dict[str, Path] = {}
     for path in dict.fromkeys(paths):
-        show_progress(f"building {path} ...")
         try:
-            result = build(path)
+            result = build(path, partial(_show_stage, path))
         except SpecError as error:
             errors.append(error)
             continue
@@ -55,6 +55,10 @@ def build_all(paths: Sequence[Path]) -> list[Built]:
     if errors:
         raise errors[0] if len(errors) == 1 else SeveralSpecErrors(errors)
     return built
+
+
+def _show_stage(path: Path, stage: str) -> None:
+    show_progress(f"{path}: {stage} ...")
 
 
 def _name_conflict(name: str, paths_by_name: dict[str, Path]) -> str:

@@ -1,0 +1,47 @@
+"""Long work reports its progress on a terminal, in one line that disappears; in a pipe it is silent."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from conftest import ROOT
+from derive.cli.main import main
+
+BEAM = str(ROOT / "scenes/free_beam_mean.toml")
+SLIDER = str(ROOT / "scenes/crank_slider_3.toml")
+STAGES = ["reading the specification", "deriving the equations", "lowering to kernels", "emitting C"]
+
+
+def arguments(command: str, folder: Path) -> tuple[list[str], list[str]]:
+    """A command, and what its line of progress says, in this order."""
+    build = ["loading", *(f"{BEAM}: {stage}" for stage in STAGES)]
+    return {
+        "build": (["build", BEAM, "--out", str(folder)], build),
+        "compare": (["compare", BEAM], [*build, "free_beam_mean: compiling the C"]),
+        "pivots": (
+            ["study", "pivots", SLIDER, "--pieces", "1", "--states", "9", "--numberings", "1"],
+            [
+                "loading",
+                "mean frame: deriving and compiling",
+                "mean frame: simulating",
+                "point frame: numbering 1 of 1",
+            ],
+        ),
+    }[command]
+
+
+@pytest.mark.parametrize("command", ["build", "compare", "pivots"])
+def test_progress(
+    command: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    given, stages = arguments(command, tmp_path)
+    assert main(given) == 0
+    assert capsys.readouterr().err == ""
+    monkeypatch.setattr("sys.stderr.isatty", lambda: True)
+    assert main(given) == 0
+    text = capsys.readouterr().err
+    places = [text.find(stage) for stage in stages]
+    assert -1 not in places and places == sorted(places)
+    assert "\n" not in text and text.endswith("\r\x1b[K")
