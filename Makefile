@@ -16,6 +16,7 @@ test: $(VENV)/installed-test
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
+	$(BIN)/lint-imports
 	$(BIN)/tisserand check
 	$(BIN)/pytest --numprocesses 2 --dist loadfile
 

@@ -19,6 +19,7 @@ The public interface, by stages:
                     both: Frame, Marker, Parameter
                     registries: JOINTS, BODIES, FORCES; CustomJoint, CustomBody
                     mechanism; Mechanism, which keeps the equations once for each kind of body
+    equations       derive, modal, derive_modal, parameters; Equations, ModalBody
     kernels         lower, interpret; Model
     files           model_files, write; File
     compiled code   load, load_scene; Native, NativeScene, Role
@@ -35,6 +36,7 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+from derive import display as _display
 from derive.version import VERSION as __version__  # noqa: N811  the name Python expects
 
 if TYPE_CHECKING:
@@ -46,6 +48,11 @@ if TYPE_CHECKING:
     from derive.ir.model import Model
     from derive.mechanics.bodies.modal_body import ModalBody
     from derive.mechanics.equations import Equations
+    from derive.mechanics.multibody.assembly import mechanism
+    from derive.mechanics.multibody.bodies.registry import BODIES
+    from derive.mechanics.multibody.forces.registry import FORCES
+    from derive.mechanics.multibody.joints.registry import JOINTS
+    from derive.mechanics.multibody.mechanism import Mechanism
     from derive.registry import UnknownNameError
     from derive.roles import Role
     from derive.runtime.calls import ModelError
@@ -77,6 +84,8 @@ if TYPE_CHECKING:
     )
     from derive.spec.model.scene import (
         BeamBody,
+        CustomBody,
+        CustomJoint,
         Deflection,
         Drive,
         Force,
@@ -117,6 +126,11 @@ _MODULES = {
     "derive.ir.model": ("Model",),
     "derive.mechanics.bodies.modal_body": ("ModalBody",),
     "derive.mechanics.equations": ("Equations",),
+    "derive.mechanics.multibody.assembly": ("mechanism",),
+    "derive.mechanics.multibody.bodies.registry": ("BODIES",),
+    "derive.mechanics.multibody.forces.registry": ("FORCES",),
+    "derive.mechanics.multibody.joints.registry": ("JOINTS",),
+    "derive.mechanics.multibody.mechanism": ("Mechanism",),
     "derive.registry": ("UnknownNameError",),
     "derive.roles": ("Role",),
     "derive.runtime.calls": ("ModelError",),
@@ -165,6 +179,8 @@ _MODULES = {
     ),
     "derive.spec.model.scene": (
         "BeamBody",
+        "CustomBody",
+        "CustomJoint",
         "Deflection",
         "Drive",
         "Force",
@@ -187,10 +203,15 @@ _MODULES = {
 _MODULE_OF = {name: module for module, names in _MODULES.items() for name in names}
 
 __all__ = [
+    "BODIES",
+    "FORCES",
     "INTEGRATORS",
+    "JOINTS",
     "BeamBody",
     "BodyFrame",
     "CompilerError",
+    "CustomBody",
+    "CustomJoint",
     "Damping",
     "Deflection",
     "Drive",
@@ -208,6 +229,7 @@ __all__ = [
     "Joint",
     "Marker",
     "MarkerRef",
+    "Mechanism",
     "ModalBody",
     "Model",
     "ModelError",
@@ -244,6 +266,7 @@ __all__ = [
     "load",
     "load_scene",
     "lower",
+    "mechanism",
     "modal",
     "model_files",
     "nodal_body",
@@ -267,3 +290,6 @@ def __getattr__(name: str) -> Any:
 
 def __dir__() -> list[str]:
     return __all__
+
+
+_display.register(lambda shown: str(import_module("derive.report.notebook").html(shown)))

@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import Enum
 
+from derive import display
 from derive.ir.cost import operations
 from derive.ir.patterns import Pattern
 from derive.ir.statements import Statement, reads
@@ -208,7 +209,5 @@ class Model:
         return found
 
     def _repr_html_(self) -> str:
-        """What a notebook shows; the report is imported when one asks."""
-        from derive.report.notebook import model_html
-
-        return model_html(self)
+        """What a notebook shows."""
+        return display.html(self)

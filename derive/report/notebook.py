@@ -17,6 +17,15 @@ MOST_ROWS = 16
 """Rows of equations that a notebook shows."""
 
 
+def html(shown: object) -> str:
+    """Equations of motion or a model as HTML. Raises TypeError for anything else."""
+    if isinstance(shown, Equations):
+        return equations_html(shown)
+    if isinstance(shown, Model):
+        return model_html(shown)
+    raise TypeError(f"notebooks show equations and models, not {type(shown).__name__}")
+
+
 def equations_html(equations: Equations) -> str:
     """The equations of motion row by row, grouped by accelerations, rates and the rest."""
     written = notation(equations)
