@@ -174,7 +174,7 @@ def test_both_shapes_and_all_arrays_are_looked_at_at_once():
 
 @pytest.mark.parametrize(
     ("key", "where"),
-    [("positions", "where the nodes are"), ("mass", "the mass of each node, or the consistent mass matrix")],
+    [("positions", "positions of the nodes"), ("mass", "the mass of each node, or the consistent mass matrix")],
 )
 def test_positions_and_mass_are_needed(key, where):
     (line,) = faults(without(LUMPED_BODY, key))

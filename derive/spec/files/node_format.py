@@ -6,9 +6,9 @@ from fractions import Fraction
 from typing import NamedTuple
 
 FILES = {
-    "positions": "Where the nodes are, (nodes, 3).",
+    "positions": "Positions of the nodes, (nodes, 3).",
     "mass": "The mass of each node, or the consistent mass matrix.",
-    "stiffness": "The stiffness matrix, (3 nodes, 3 nodes), the three displacements of a node together.",
+    "stiffness": "The stiffness matrix, (3 nodes, 3 nodes), with adjacent displacements of a node.",
     "modes": "The modes as columns, (3 nodes, modes).",
     "modal_stiffness": "The stiffness of the modes, (modes, modes) or its diagonal.",
 }

@@ -103,14 +103,14 @@ Shape = Annotated[Polynomial, PlainValidator(values.shape), WithJsonSchema(_SHAP
 
 
 class FrameTable(TomlTable):
-    """A frame, and the place it is at."""
+    """The kind of a floating frame of a beam, and its position."""
 
     kind: Annotated[FrameKind, PlainValidator(values.frame_kind), WithJsonSchema({"enum": [*values.FRAME_KINDS]})]
     at: Annotated[
         Fraction | None,
         PlainValidator(values.beam_position),
         WithJsonSchema(_BEAM_POSITION),
-        Field(description="The place xi of a point frame (default 0), or the end, -1 or 1, of a tangent frame."),
+        Field(description="The position xi of a point frame (default 0), or the end, -1 or 1, of a tangent frame."),
     ] = None
 
     @model_validator(mode="after")
@@ -149,16 +149,16 @@ class ShapeKeys(BaseModel):
         BeforeValidator(_few_shapes),
         AfterValidator(_few_digits),
         Field(
-            description="The polynomials in xi of the displacement, before the conditions of the frame.",
+            description="Polynomials in xi whose sum is the deflection, before the conditions of the frame.",
             json_schema_extra={"default": [*DEFAULT_ANSATZ], "minItems": 1, "maxItems": MAX_SHAPES},
         ),
     ] = tuple(values.shape(text) for text in DEFAULT_ANSATZ)
     frame: Annotated[
         FrameInput,
         Field(
-            description="How rigid motion is kept out of the displacements: mean (no mean displacement or "
-            "rotation), point (clamped at a point), chord (no displacement at the ends), tangent (clamped at "
-            "an end), given (the ansatz as it stands).",
+            description="The floating frame, whose conditions remove rigid-body motion from the ansatz: mean (no mean "
+            "displacement, no mean rotation), point (no displacement and no slope at a point), chord (no displacement "
+            "at the ends), tangent (no displacement and no slope at an end), given (the ansatz is used unchanged).",
             json_schema_extra={"default": DEFAULT_FRAME},
         ),
     ] = Frame("mean")
@@ -166,7 +166,7 @@ class ShapeKeys(BaseModel):
         bool | None,
         PlainValidator(values.truth),
         WithJsonSchema({"type": "boolean"}),
-        Field(description="Whether the shapes are made orthogonal; by default only for the frame mean."),
+        Field(description="Whether the shape functions are made orthogonal; by default only in the mean frame."),
     ] = None
 
     def shape_keys(self) -> tuple[tuple[Polynomial, ...], Frame, bool]:
@@ -180,20 +180,20 @@ class BeamKeys(ShapeKeys):
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
-    mass: Annotated[QuantityInput, Field(description="The mass: a parameter, or a number fixed in the code.")] = (
-        _as_table(DEFAULT_MASS)
-    )
-    length: Annotated[QuantityInput, Field(description="The length: a parameter, or a number fixed in the code.")] = (
-        _as_table(DEFAULT_LENGTH)
+    mass: Annotated[
+        QuantityInput, Field(description="Mass, kg: a run-time parameter, or a number that is folded into the code.")
+    ] = _as_table(DEFAULT_MASS)
+    length: Annotated[QuantityInput, Field(description="Length, m: a run-time parameter or a number.")] = _as_table(
+        DEFAULT_LENGTH
     )
     bending_stiffness: Annotated[
-        QuantityInput, Field(description="The bending stiffness: a parameter, or a number fixed in the code.")
+        QuantityInput, Field(description="Bending stiffness EI, N m^2: a run-time parameter or a number.")
     ] = _as_table(DEFAULT_BENDING_STIFFNESS)
     markers: Annotated[
         dict[Name, BeamPosition],
         few_markers("places"),
         Field(
-            description="Named points of the beam and their places xi, from -1 (left end) to 1 (right end).",
+            description="Named points of the beam and their positions xi, from -1 (left end) to 1 (right end).",
             json_schema_extra={"maxProperties": MAX_MARKERS, "additionalProperties": False},
         ),
     ] = {}
@@ -215,7 +215,7 @@ class BeamKeys(ShapeKeys):
 
 
 class BeamTable(BeamKeys):
-    """A uniform slender free beam that moves in a plane."""
+    """A uniform slender beam that moves freely in a plane."""
 
     gravity: PlanarGravity = None
 

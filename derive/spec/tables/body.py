@@ -62,7 +62,7 @@ def _one_of(table: Mapping[str, Fraction], noun: str) -> PlainValidator:
 
 
 class UnitsTable(TomlTable):
-    """The units of the numbers in the files of a body; stiffness is in mass per time squared."""
+    """Units of the numbers in the files of a body; stiffness is in mass per time squared."""
 
     length: Annotated[Fraction, _one_of(LENGTHS, "length"), WithJsonSchema({"enum": [*LENGTHS]})]
     mass: Annotated[Fraction, _one_of(MASSES, "mass"), WithJsonSchema({"enum": [*MASSES]})]
@@ -92,17 +92,17 @@ def _few_around(value: object) -> object:
 
 
 class BodyFrameTable(TomlTable):
-    """A frame, and the nodes it is at."""
+    """The kind of the floating frame of a body, and its nodes."""
 
     kind: Annotated[
         BodyFrameKind, PlainValidator(values.body_frame_kind), WithJsonSchema({"enum": [*values.BODY_FRAME_KINDS]})
     ]
-    node: Annotated[Count | None, Field(description="The node that a point frame is at, from 0.")] = None
+    node: Annotated[Count | None, Field(description="The node of a point frame, counted from 0.")] = None
     around: Annotated[
         tuple[Count, ...],
         BeforeValidator(_few_around),
         Field(
-            description="The nodes with which a point frame turns; the nearest neighbours of `node` if left out.",
+            description="Nodes whose mean rotation a point frame follows; by default the nearest neighbours of `node`.",
             json_schema_extra={"maxItems": MAX_AROUND},
         ),
     ] = ()
@@ -146,13 +146,13 @@ BodyFrameInput = Annotated[
 
 
 class DampingTable(TomlTable):
-    """Viscous damping: a share of the critical, or proportional to mass and stiffness."""
+    """Viscous damping: a fraction of critical damping, or proportional to mass and stiffness."""
 
     ratio: Annotated[
-        NotNegative | None, Field(description="The share of critical damping of each mode, such as 0.01.")
+        NotNegative | None, Field(description="Fraction of critical damping of each mode, such as 0.01.")
     ] = None
-    mass: Annotated[NotNegative | None, Field(description="The damping in proportion to the mass, 1/s.")] = None
-    stiffness: Annotated[NotNegative | None, Field(description="The damping in proportion to the stiffness, s.")] = None
+    mass: Annotated[NotNegative | None, Field(description="Factor of the mass matrix, 1/s.")] = None
+    stiffness: Annotated[NotNegative | None, Field(description="Factor of the stiffness matrix, s.")] = None
 
     @model_validator(mode="after")
     def check(self) -> DampingTable:
@@ -173,48 +173,50 @@ LoweringInput = Annotated[
     Lowering,
     PlainValidator(values.lowering),
     WithJsonSchema({"enum": [*values.LOWERINGS]}),
-    Field(description="How sums over the modes become code: flat (written out), table (loops over arrays), or auto."),
+    Field(
+        description="Code of sums over the modes: flat (unrolled), table (loops), or auto (the faster, as predicted)."
+    ),
 ]
 
 
 class NodalTable(TomlTable):
-    """A deformable body in space made of nodes, as a finite-element program gives it."""
+    """A flexible body in space given by nodes, as a finite-element program exports it."""
 
     nodes: Annotated[
         Any,
         WithJsonSchema(_NODES),
-        Field(description="The numbers: a .npz file, or a MatrixMarket file each; paths begin at this file."),
+        Field(
+            description="A .npz file with the arrays, or one MatrixMarket file for each; relative to the specification."
+        ),
     ]
-    units: Annotated[
-        UnitsInput, Field(description='The units of the numbers in the files: "SI", or those of length, mass and time.')
-    ]
+    units: Annotated[UnitsInput, Field(description='Units of the numbers in the files: "SI", or a table of units.')]
     modes: Annotated[
         ModeCount | None,
-        Field(description="How many modes are computed, or kept of those given; all those given if left out."),
+        Field(description="Number of modes that are computed, or kept of the given ones; by default all given ones."),
     ] = None
     frame: Annotated[
         BodyFrameInput,
         Field(
-            description="How rigid motion is kept out of the modes: mean (no mean displacement or rotation), point "
-            "(clamped at a node), given (the modes as they stand).",
+            description="The floating frame, whose conditions remove rigid-body motion from the modes: mean (no mean "
+            "displacement, no mean rotation), point (fixed to a node), given (the modes are used unchanged).",
             json_schema_extra={"default": "mean"},
         ),
     ] = BodyFrame("mean")
     orthonormal: Annotated[
         Truth | None,
         Field(
-            description="Whether the modes are made orthonormal in the mass; by default in the frame mean, and if "
-            "they are computed."
+            description="Whether the modes are made orthonormal with respect to the mass; by default in the mean frame "
+            "and for computed modes."
         ),
     ] = None
-    damping: Annotated[DampingTable | None, Field(description="Viscous damping; none if left out.")] = None
+    damping: Annotated[DampingTable | None, Field(description="Viscous damping; none by default.")] = None
     gravity: SpatialGravity = None
     lowering: LoweringInput = "auto"
     markers: Annotated[
         dict[Name, Count],
         few_markers("nodes"),
         Field(
-            description="Named nodes and their numbers, from 0.",
+            description="Named nodes and their numbers, counted from 0.",
             json_schema_extra={"maxProperties": MAX_MARKERS, "additionalProperties": False},
         ),
     ] = {}  # noqa: RUF012  as in BeamTable: pydantic copies it
@@ -250,20 +252,20 @@ def _symbolic(value: object) -> str:
 
 
 class SymbolicTable(TomlTable):
-    """A deformable body in space whose mass, shape integrals and stiffness are run-time parameters."""
+    """A flexible body in space whose mass, shape integrals and stiffness are run-time parameters."""
 
     integrals: Annotated[
         Literal["symbolic"],
         PlainValidator(_symbolic),
         WithJsonSchema({"const": "symbolic"}),
-        Field(description="That mass, shape integrals and stiffness are run-time parameters, and not those of nodes."),
+        Field(description="Makes mass, shape integrals and stiffness run-time parameters."),
     ]
-    modes: Annotated[ModeCount, Field(description="How many modes the body has.")]
+    modes: Annotated[ModeCount, Field(description="Number of modes.")]
     frame: Annotated[
         SymbolicFrame,
         PlainValidator(values.symbolic_frame),
         WithJsonSchema({"enum": [*values.SYMBOLIC_FRAMES]}),
-        Field(description="What is known of the modes: mean (orthonormal in the mean frame), or given (nothing)."),
+        Field(description="Assumption about the modes: mean (orthonormal in the mean frame), or given (none)."),
     ] = "mean"
     damping: Annotated[Truth, Field(description="Whether viscous damping is among the parameters.")] = False
     gravity: SpatialGravity = None

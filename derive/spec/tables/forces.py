@@ -19,11 +19,11 @@ from derive.spec.tables.shared import NotNegativeInput, SignedInput, TomlTable, 
 class ForceTable(TomlTable):
     """A force at a marker."""
 
-    at: Annotated[MarkerInput, Field(description='The marker it acts at, such as "rod.right".')]
+    at: Annotated[MarkerInput, Field(description='Marker at which it acts, such as "rod.right".')]
     components: Annotated[
         tuple[Time, Time],
         components(("0", '"-10*sin(t)"'), "components"),
-        Field(description="Its components in the inertial base, N: numbers, or functions of t."),
+        Field(description="Components in the inertial frame, N: numbers, or functions of t."),
     ]
 
     def force(self, name: str) -> Force:
@@ -34,10 +34,10 @@ class ForceTable(TomlTable):
 class TorqueTable(TomlTable):
     """A torque at a marker."""
 
-    at: Annotated[MarkerInput, Field(description='The marker it acts at, such as "crank.hub".')]
-    value: Annotated[Time, Field(description="The torque, N m: a number, or a function of t.")]
+    at: Annotated[MarkerInput, Field(description='Marker at which it acts, such as "crank.hub".')]
+    value: Annotated[Time, Field(description="Torque, N m: a number, or a function of t.")]
     against: Annotated[
-        MarkerInput | None, Field(description="The marker that its reaction acts at; nowhere if left out.")
+        MarkerInput | None, Field(description="Marker at which the reaction acts; by default there is no reaction.")
     ] = None
 
     def torque(self, name: str) -> Torque:
@@ -50,9 +50,11 @@ class SpringTable(TomlTable):
 
     kind: str = "linear"
     between: Annotated[TwoMarkers, Field(description='Two markers, such as ["ground.bearing", "crank.hub"].')]
-    stiffness: Annotated[NotNegativeInput, Field(description="N/m, or N m/rad.")]
-    damping: Annotated[NotNegativeInput, Field(description="N s/m, or N m s/rad.")] = Fraction(0)
-    rest: Annotated[SignedInput, Field(description="Its length without force, m, or its angle, rad.")] = Fraction(0)
+    stiffness: Annotated[NotNegativeInput, Field(description="Stiffness, N/m or N m/rad.")]
+    damping: Annotated[NotNegativeInput, Field(description="Damping constant, N s/m or N m s/rad.")] = Fraction(0)
+    rest: Annotated[
+        SignedInput, Field(description="Length, m, or angle, rad, at which the spring exerts no force.")
+    ] = Fraction(0)
 
     @model_validator(mode="after")
     def check(self) -> SpringTable:

@@ -112,12 +112,12 @@ class DriveTable(TomlTable):
 
     joint: Annotated[NameOf, Field(description="The name of a revolute or translational joint.")]
     motion: Annotated[
-        Time | None, Field(description='Its angle or displacement as a function of t, such as "0.1*sin(2*pi*t)".')
+        Time | None, Field(description='Angle, rad, or displacement, m, as a function of t, such as "0.1*sin(2*pi*t)".')
     ] = None
-    speed: Annotated[
-        SignedInput | None, Field(description="Instead of a motion, its constant speed: rad/s or m/s.")
+    speed: Annotated[SignedInput | None, Field(description="Constant speed in place of a motion, rad/s or m/s.")] = None
+    offset: Annotated[
+        Number | None, Field(description="Angle, rad, or displacement, m, at t = 0; only with a speed.")
     ] = None
-    offset: Annotated[Number | None, Field(description="With a speed, the angle or displacement at t = 0.")] = None
 
     @model_validator(mode="after")
     def check(self) -> DriveTable:

@@ -53,7 +53,7 @@ Markers = Annotated[
     dict[Name, Coordinates],
     few_markers("coordinates"),
     Field(
-        description="Named points and their coordinates, [x, y], in the base of the body or of the ground, m.",
+        description="Named points and their coordinates [x, y], m, in the frame of the body or the inertial frame.",
         json_schema_extra={"maxProperties": MAX_MARKERS, "additionalProperties": False},
     ),
 ]

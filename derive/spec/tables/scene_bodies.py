@@ -34,7 +34,7 @@ def _pair(at: Coordinates) -> tuple[Quantity, Quantity]:
 
 
 class GroundTable(TomlTable):
-    """The inertial base, which does not move."""
+    """The inertial frame, which does not move."""
 
     markers: Markers = {}  # noqa: RUF012  pydantic copies it
 
@@ -44,40 +44,40 @@ class GroundTable(TomlTable):
 
 
 class SceneTable(TomlTable):
-    """What acts on all bodies of a scene."""
+    """Loads on all bodies of a scene."""
 
     gravity: PlanarGravity = None
 
 
 class StartTable(TomlTable):
-    """A guess of the state at the start, which is made consistent with the joints."""
+    """A guess of the initial state of a body, which is made consistent with the joints."""
 
     position: Annotated[
-        FloatPair, Field(description="Where the origin of a rigid body is, or the centre of a beam, m.")
+        FloatPair, Field(description="Position of the origin of a rigid body, or of the centre of a beam, m.")
     ] = (0.0, 0.0)
-    angle: Annotated[Float, Field(description="How far it is turned, rad.")] = 0.0
-    velocity: Annotated[FloatPair, Field(description="The velocity of that point, m/s.")] = (0.0, 0.0)
-    spin: Annotated[Float, Field(description="How fast it turns, rad/s.")] = 0.0
+    angle: Annotated[Float, Field(description="Rotation angle, rad.")] = 0.0
+    velocity: Annotated[FloatPair, Field(description="Velocity of that point, m/s.")] = (0.0, 0.0)
+    spin: Annotated[Float, Field(description="Angular velocity, rad/s.")] = 0.0
 
     def start(self) -> InitialGuess:
         """The start that the table describes."""
         return InitialGuess(self.position, self.angle, self.velocity, self.spin)
 
 
-StartInput = Annotated[StartTable, Field(description="A guess of the state at the start; all zero if left out.")]
+StartInput = Annotated[StartTable, Field(description="Guess of the initial state; all values are zero by default.")]
 
 
 class RigidTable(TomlTable):
     """A rigid body in the plane; it has none of the keys length, bending_stiffness, ansatz and frame."""
 
-    mass: Annotated[QuantityInput | None, Field(description="The mass; not needed where the motion is prescribed.")] = (
-        None
-    )
+    mass: Annotated[QuantityInput | None, Field(description="Mass, kg; not needed if the motion is prescribed.")] = None
     inertia: Annotated[
         QuantityInput | None,
-        Field(description="The moment of inertia about the centre of mass; not needed where the motion is prescribed."),
+        Field(
+            description="Moment of inertia about the centre of mass, kg m^2; not needed if the motion is prescribed."
+        ),
     ] = None
-    centre: Annotated[Coordinates, Field(description="Where the centre of mass is, in the base of the body, m.")] = (
+    centre: Annotated[Coordinates, Field(description="Position of the centre of mass in the frame of the body, m.")] = (
         Fraction(0),
         Fraction(0),
     )
@@ -86,8 +86,8 @@ class RigidTable(TomlTable):
     keep_coordinates: Annotated[
         Truth,
         Field(
-            description="Whether it has three coordinates even where a joint or a drive takes some away; the "
-            "multipliers then tell what that joint or drive exerts."
+            description="Whether the body keeps all three coordinates even if a joint or a drive could eliminate some; "
+            "the multipliers are then the constraint reactions."
         ),
     ] = False
 
@@ -109,7 +109,9 @@ class BeamBodyTable(BeamKeys):
 
     model_config = ConfigDict(json_schema_extra={"anyOf": [{"required": [key]} for key in BEAM_KEYS]})
 
-    pieces: Annotated[PieceCount, Field(description="Into how many beams of equal length it is cut.")] = 1
+    pieces: Annotated[
+        PieceCount, Field(description="Number of beams of equal length into which the rod is divided.")
+    ] = 1
     start: StartInput = StartTable()
 
     def body(self, name: str) -> BeamBody:
@@ -165,7 +167,7 @@ def bodies_field(tables: Mapping[str, type[BodyTable]]) -> Any:
         dict[Name, body],
         few_named("bodies", "[bodies.rod]"),
         Field(
-            description="The bodies of a scene by their names: beams, and rigid bodies.",
+            description="Bodies of a scene by name: beams and rigid bodies.",
             json_schema_extra={"minProperties": 1, "maxProperties": MAX_NAMED, "additionalProperties": False},
         ),
     ]

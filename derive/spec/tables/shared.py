@@ -75,12 +75,12 @@ Number = Annotated[Fraction, PlainValidator(values.number), WithJsonSchema(numbe
 Positive = Annotated[Fraction, PlainValidator(values.positive), WithJsonSchema(_POSITIVE)]
 NotNegative = Annotated[Fraction, PlainValidator(values.not_negative), WithJsonSchema(_NOT_NEGATIVE)]
 Truth = Annotated[bool, PlainValidator(values.truth), WithJsonSchema({"type": "boolean"})]
-Symbol = Annotated[Name, Field(description="Its name in the code and in the equations.")]
+Symbol = Annotated[Name, Field(description="Name in the code and in the equations.")]
 Unit = Annotated[
     str | None,
     PlainValidator(values.unit),
     WithJsonSchema(_UNIT),
-    Field(description="Its unit in comments and in the report; the SI unit if left out."),
+    Field(description="Unit in comments and in the report; by default the SI unit."),
 ]
 
 
@@ -93,7 +93,7 @@ class ParameterTable(TomlTable):
         float,
         PlainValidator(values.positive_float),
         WithJsonSchema(_POSITIVE),
-        Field(description="Its value until another is set."),
+        Field(description="Default value."),
     ] = 1.0
 
 
@@ -106,7 +106,7 @@ class NotNegativeTable(TomlTable):
         float,
         PlainValidator(values.not_negative_float),
         WithJsonSchema(_NOT_NEGATIVE),
-        Field(description="Its value until another is set."),
+        Field(description="Default value."),
     ]
 
 
@@ -119,7 +119,7 @@ class SignedTable(TomlTable):
         float,
         PlainValidator(values.any_float),
         WithJsonSchema(number_schema()),
-        Field(description="Its value until another is set."),
+        Field(description="Default value."),
     ]
 
 
@@ -159,7 +159,7 @@ def components(example: Sequence[str], noun: str = "components") -> BeforeValida
 
 
 _GRAVITY = Field(
-    description="The acceleration of free fall in the inertial base, m/s^2; each component a parameter or a number."
+    description="Acceleration of free fall in the inertial frame, m/s^2; each component a parameter or a number."
 )
 PlanarGravity = Annotated[tuple[SignedInput, SignedInput] | None, components(("0", "-9.81")), _GRAVITY]
 SpatialGravity = Annotated[

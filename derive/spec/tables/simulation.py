@@ -15,15 +15,15 @@ MAX_STEPS = 10**7
 
 
 class SimulationTable(TomlTable):
-    """How long is simulated, and how exactly."""
+    """Duration, output and accuracy of a simulation."""
 
-    duration: Annotated[PositiveFloat, Field(description="How long, s.")]
-    output: Annotated[PositiveFloat, Field(description="The time between rows of the output, s.")]
+    duration: Annotated[PositiveFloat, Field(description="Duration, s.")]
+    output: Annotated[PositiveFloat, Field(description="Time between rows of the output, s.")]
     tolerance: Annotated[
         float,
         PlainValidator(scene_values.tolerance),
         WithJsonSchema(number_schema(exclusiveMinimum=0, exclusiveMaximum=1)),
-        Field(description="The relative error that the integrator aims at."),
+        Field(description="Tolerance of the integrator for the error of a step, relative and absolute."),
     ] = 1e-9
 
     @model_validator(mode="after")
@@ -52,31 +52,31 @@ def _few_piece_counts(value: object) -> object:
 
 
 class ReferenceTable(TomlTable):
-    """A curve to compare with: two columns of a CSV file."""
+    """A reference curve: two columns of a CSV file."""
 
-    file: Annotated[Text, Field(description="The CSV file; its path begins at this file.")]
-    x: Annotated[Text, Field(description="The column of what the plot is over, as the header of the file names it.")]
-    y: Annotated[Text, Field(description="The column of what is plotted.")]
+    file: Annotated[Text, Field(description="CSV file, relative to the specification.")]
+    x: Annotated[Text, Field(description="Name of the column of the horizontal axis.")]
+    y: Annotated[Text, Field(description="Name of the column of the vertical axis.")]
 
 
 class PlotTable(TomlTable):
-    """The distance of a marker from the chord between two others, as a picture."""
+    """A plot of the distance of a marker from the chord between two others."""
 
     deflection: Annotated[
-        MarkerInput, Field(description="The marker whose distance to the left of the chord is drawn.")
+        MarkerInput, Field(description="Marker whose distance from the chord is plotted, positive to the left.")
     ]
-    chord: Annotated[TwoMarkers, Field(description="The markers that the chord begins and ends at.")]
-    divided_by: Annotated[PositiveFloat, Field(description="A length that the distance is divided by, m.")]
+    chord: Annotated[TwoMarkers, Field(description="Markers at the beginning and the end of the chord.")]
+    divided_by: Annotated[PositiveFloat, Field(description="Length by which the distance is divided, m.")]
     over: Annotated[
-        NameOf | None, Field(description="The drive over whose motion it is drawn; over the time if left out.")
+        NameOf | None, Field(description="Drive whose motion is the horizontal axis; by default the time.")
     ] = None
-    cut: Annotated[NameOf | None, Field(description="The beam that is cut into other numbers of pieces.")] = None
+    cut: Annotated[NameOf | None, Field(description="Beam that is divided into other numbers of pieces.")] = None
     pieces: Annotated[
         tuple[PieceCount, ...] | None,
         BeforeValidator(_few_piece_counts),
-        Field(description="The numbers of pieces, a curve for each."),
+        Field(description="Numbers of pieces, one curve for each."),
     ] = None
-    reference: Annotated[ReferenceTable | None, Field(description="A curve to compare with.")] = None
+    reference: Annotated[ReferenceTable | None, Field(description="Reference curve.")] = None
 
     @model_validator(mode="after")
     def check(self) -> PlotTable:

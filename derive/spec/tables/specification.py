@@ -38,7 +38,7 @@ _NAMED = {"maxProperties": MAX_NAMED, "additionalProperties": False}
 
 
 class SpecificationTable(TomlTable):
-    """What Tisserand makes C and Python kernels of: a beam, a body in space, or a scene of bodies in a plane."""
+    """A specification for Tisserand: a beam, a body in space, or a scene of planar bodies."""
 
     model_config = ConfigDict(
         json_schema_extra={
@@ -47,7 +47,7 @@ class SpecificationTable(TomlTable):
         }
     )
 
-    name: Annotated[Name, Field(description="The name of the model: of its files, and in front of all its functions.")]
+    name: Annotated[Name, Field(description="Name of the model and its files, and prefix of all its functions.")]
     beam: BeamTable | None = None
     body: BodyInput | None = None
     ground: GroundTable | None = None
@@ -57,24 +57,24 @@ class SpecificationTable(TomlTable):
     drives: Annotated[
         dict[Name, DriveTable],
         few_named("drives", "[drives.motor]"),
-        Field(description="The joints whose motion is prescribed.", json_schema_extra=_NAMED),
+        Field(description="Prescribed motions of joints by name.", json_schema_extra=_NAMED),
     ] = {}  # noqa: RUF012
     forces: Annotated[
         dict[Name, ForceTable],
         few_named("forces", "[forces.load]"),
-        Field(description="The forces on bodies by their names.", json_schema_extra=_NAMED),
+        Field(description="Forces by name.", json_schema_extra=_NAMED),
     ] = {}  # noqa: RUF012
     torques: Annotated[
         dict[Name, TorqueTable],
         few_named("torques", "[torques.load]"),
-        Field(description="The torques on bodies by their names.", json_schema_extra=_NAMED),
+        Field(description="Torques by name.", json_schema_extra=_NAMED),
     ] = {}  # noqa: RUF012
     springs: dict[str, SpringTable] = {}  # noqa: RUF012
     simulation: SimulationTable | None = None
     plots: Annotated[
         dict[Name, PlotTable],
         few_named("plots", "[plots.deflection]"),
-        Field(description="The pictures that a simulation draws, by their names.", json_schema_extra=_NAMED),
+        Field(description="Plots of a simulation by name.", json_schema_extra=_NAMED),
     ] = {}  # noqa: RUF012
 
     def scene_of(self, references: Mapping[str, Rows]) -> Scene:
@@ -107,12 +107,12 @@ def _specification_table(
     joints = Annotated[
         dict[Name, joint],  # type: ignore[valid-type]  # made of a registry
         few_named("joints", "[joints.pin]"),
-        Field(description="The joints of a scene by their names.", json_schema_extra=_NAMED),
+        Field(description="Joints by name.", json_schema_extra=_NAMED),
     ]
     springs = Annotated[
         dict[Name, spring],  # type: ignore[valid-type]
         few_named("springs", "[springs.mount]"),
-        Field(description="The springs and dampers by their names.", json_schema_extra=_NAMED),
+        Field(description="Springs and dampers by name.", json_schema_extra=_NAMED),
     ]
     return create_model(
         "SpecificationTable",

@@ -31,10 +31,10 @@ from derive.spec.model.scene import Joint
 class Translational(JointType):
     """Two constraints: no displacement normal to an axis that is fixed in the first body, and a constant rotation."""
 
-    doc = "the second marker stays on a line through the first"
+    doc = "the second marker stays on a line through the first, and the relative rotation is constant"
     keys = (
         ANGLE,
-        Key("axis", KeyType.DIRECTION, "", "The direction of the line of a translational joint, in the first body."),
+        Key("axis", KeyType.DIRECTION, "", "Direction of the line of a translational joint in the frame of body 1."),
     )
     freedom = 1
     multipliers = (

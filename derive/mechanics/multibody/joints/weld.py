@@ -21,7 +21,7 @@ from derive.spec.model.scene import Joint
 class Weld(JointType):
     """Three constraints: the markers coincide, and the rotations differ by a constant angle."""
 
-    doc = "nor do the bodies turn against each other"
+    doc = "the markers coincide and the relative rotation is constant"
     keys = (ANGLE,)
     freedom = 0
     multipliers = (
