@@ -232,13 +232,13 @@ def test_build_says_which_lowering_and_how_far_the_modes_are_from_the_mean_frame
 ) -> None:
     assert main(["build", BLOCK, "--out", str(tmp_path)]) == 0
     said = capsys.readouterr().out
-    assert "written out for each shape, the faster: for h" in said
+    assert "unrolled, the faster form; predicted evaluation time of h:" in said
     assert "mean displacement of the modes (17)" in said
     assert main(["build", BLOCK, "--out", str(tmp_path), "--json"]) == 0
     (model,) = json.loads(capsys.readouterr().out)
     assert model["lowering"] == "flat" and len(model["notes"]) == 2
     manifest = json.loads((tmp_path / "block/manifest.json").read_text())
-    assert manifest["lowering"]["kind"] == "flat" and "ns are foreseen" in manifest["lowering"]["choice"]
+    assert manifest["lowering"]["kind"] == "flat" and "predicted evaluation time" in manifest["lowering"]["choice"]
     assert manifest["specification"]["data"]["nodes"] == 255 and len(manifest["specification"]["data"]["sha256"]) == 64
 
 

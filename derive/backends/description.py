@@ -106,7 +106,7 @@ def model_text(model: Model) -> ModelText:
     width = max(len(q.name) for q in model.coordinates)
     state = tuple(f"{k}  {q.name:<{width}}  [{q.unit}]  {q.doc}" for k, q in _counted(model.coordinates))
     rates = tuple(
-        f"{k}  {v.name}  [{v.unit}]  {v.doc}; its row, {row.name}, [{row.unit}]"
+        f"{k}  {v.name}  [{v.unit}]  {v.doc}; equation {row.name} [{row.unit}]"
         for (k, v), row in zip(_counted(model.rates), model.rows, strict=True)
     )
     mass = model.pattern("mass", "M")
@@ -164,23 +164,23 @@ def description(said: ModelText) -> tuple[Prose, ...]:
         "work: (15) of Koppens, Sauren, Veldpaus & van Campen, J. Appl. Mech. 55 (1988) 676-680, whose",
         "equation numbers these are. Units are SI where the parameters are; any consistent set will do.",
         "",
-        "The floating frame has its origin at c and is turned by Q. In it are resolved: r = X + u, the",
-        "shapes Phi_i, and their moments c1 .. c8, d1, D2, d3, J, so that e1, e2 there are its axes.",
-        "In the inertial base are resolved: c, momenta, and markers.",
+        "The floating frame has its origin at c and the rotation Q. r = X + u, the shape functions Phi_i,",
+        "and their moments c1 .. c8, d1, D2, d3, J are resolved in the floating frame; c, momenta and",
+        "markers are resolved in the inertial frame.",
         *(said.origin.splitlines()),
         *((said.choice,) if said.choice else ()),
-        *block("Coordinates q:", said.state),
-        *block("Rates v and the rows of the equations of motion, with their units:", said.rates),
+        *block("Generalised coordinates q:", said.state),
+        *block("Generalised velocities v, and the equations of motion with their units:", said.rates),
         *(
-            block("Multipliers lambda, what joints exert on their second bodies:", said.multipliers)
+            block("Multipliers lambda, the constraint reactions on body 2 of each joint:", said.multipliers)
             if said.multipliers
             else ()
         ),
-        *(block("What is not modelled, and why:", said.eliminated) if said.eliminated else ()),
+        *(block("Not modelled, with the reasons:", said.eliminated) if said.eliminated else ()),
         *block("Parameters p:", said.parameters),
-        *block("Constants k, made of them by setup:", said.constants),
-        *block("Mass matrix, x a value and . a structural zero:", said.picture),
-        *block("Why its zeros are zero:", said.zeros),
+        *block("Constants k, computed from the parameters by setup:", said.constants),
+        *block("Mass matrix (x: structural non-zero, .: structural zero):", said.picture),
+        *block("Reasons for its structural zeros:", said.zeros),
         *block("Terms of (15) that vanish:", said.vanished),
     )
 
@@ -229,7 +229,7 @@ def _blocks(pattern: Pattern, names: list[str]) -> tuple[str, ...]:
     count = f"{pattern.full_nnz} of {pattern.rows * pattern.cols} entries are structural non-zeros"
     return (
         *rows,
-        "(of the shapes the first and the last)",
+        "(the first and the last mode are shown)",
         f"{count}; the {len(pattern.rowidx)} of the lower triangle",
     )
 

@@ -39,16 +39,16 @@ class Choice:
         """The lowering that is taken; `asked` is auto, flat or table. Raises CodeTooLong."""
         if asked == "flat" and self.operations > MOST:
             raise CodeTooLong(
-                f"written out for each shape, the forces alone would take some {self.operations} operations, "
+                f"unrolled, the forces alone would take some {self.operations} operations, "
                 f'and {MOST} is the most; use lowering = "table" or "auto", or fewer modes'
             )
         return self.lowering if asked == "auto" else asked
 
     def reason(self, asked: str) -> str:
         """The rule with its numbers, in a line."""
-        way = {"flat": "written out for each shape", "table": "loops over the shapes"}[self.taken(asked)]
-        why = "as the specification asks" if asked != "auto" else "the faster"
-        return f"{way}, {why}: for h {self.flat:.0f} ns are foreseen written out, {self.table:.0f} ns in loops"
+        way = {"flat": "unrolled", "table": "looped"}[self.taken(asked)]
+        why = "as the specification asks" if asked != "auto" else "the faster form"
+        return f"{way}, {why}; predicted evaluation time of h: {self.flat:.0f} ns unrolled, {self.table:.0f} ns looped"
 
 
 def choose(body: Body) -> Choice:

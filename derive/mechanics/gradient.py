@@ -73,7 +73,7 @@ class Gradient:
         kept = canonical(entry)
         family, components = SUMS[entry.identity.family], entry.identity.components
         new = quantity(family, *components, derivative=DERIVATIVES[factor], shapes=(I,))
-        doc = f"sum over the shapes of {factor} {kept}"
+        doc = f"sum over the modes of {factor} {kept}"
         self.contractions.append(Contraction(new, sp.S.Zero, ((factor, kept),), doc))
         return weight * (1 if turned == kept else parity) * new
 

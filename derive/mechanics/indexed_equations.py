@@ -83,7 +83,7 @@ def derive_body(body: Body, lowering: Lowering = "auto") -> Equations:
         doc=body.doc,
         origin=body.origin,
         coordinates=motion.coordinates
-        + tuple(Coordinate(amplitude(i), f"amplitude of assumed shape {i}", "m") for i in numbered),
+        + tuple(Coordinate(amplitude(i), f"amplitude of assumed mode {i}", "m") for i in numbered),
         rows=(*motion.rows, *((_shape_row(),) if body.modes else ())),
         rates=(*motion.rates, *((amplitude(I, 1),) if body.modes else ())),
         parameters=body.parameters,

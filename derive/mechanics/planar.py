@@ -46,7 +46,7 @@ def _coordinates(n: int) -> tuple[Coordinate, ...]:
         Coordinate(c1, "position of the origin of the floating frame along the inertial e1", "m"),
         Coordinate(c2, "position of the origin of the floating frame along the inertial e2", "m"),
         Coordinate(quantity(Family.ANGLE), "rotation of the floating frame", "rad"),
-        *(Coordinate(amplitude(i), f"amplitude of assumed shape {i}", "m") for i in range(1, n + 1)),
+        *(Coordinate(amplitude(i), f"amplitude of assumed mode {i}", "m") for i in range(1, n + 1)),
     )
 
 
@@ -54,7 +54,9 @@ def _row(coordinate: Coordinate) -> Row:
     """In the plane every coordinate has its row, and its rate is its time derivative."""
     name, known = str(coordinate.q), identity(coordinate.q)
     v, a = (Symbol(replace(known, derivative=d)) for d in (1, 2))
-    return Row(name, v, a, f"rate of {name}", f"{coordinate.unit}/s", "N m" if coordinate.unit == "rad" else "N")
+    return Row(
+        name, v, a, f"time derivative of {name}", f"{coordinate.unit}/s", "N m" if coordinate.unit == "rad" else "N"
+    )
 
 
 def _rotation_definitions(rotation: PlanarRotation) -> tuple[Definition, ...]:

@@ -134,7 +134,7 @@ def _coordinates(alpha: tuple[sp.Symbol, ...]) -> tuple[Coordinate, ...]:
             Coordinate(quantity(Family.QUATERNION, k), "unit quaternion of the floating frame, scalar first", "1")
             for k in range(4)
         ),
-        *(Coordinate(a, f"amplitude of assumed shape {i}", "m") for i, a in enumerate(alpha, 1)),
+        *(Coordinate(a, f"amplitude of assumed mode {i}", "m") for i, a in enumerate(alpha, 1)),
     )
 
 
@@ -142,11 +142,13 @@ def _rows(shapes: range) -> tuple[Row, ...]:
     translations, spins = [], []
     for k in AXES:
         v, a = (quantity(Family.TRANSLATION, k, derivative=d) for d in (1, 2))
-        translations.append(Row(f"c{k}", v, a, f"rate of c{k}", "m/s", "N"))
+        translations.append(Row(f"c{k}", v, a, f"time derivative of c{k}", "m/s", "N"))
         v, a = (quantity(Family.ANGULAR_VELOCITY, k, derivative=d) for d in (0, 1))
         name = quantity(Family.VIRTUAL_ROTATION, k).name
         spins.append(Row(name, v, a, f"angular velocity about the body axis {k}", "rad/s", "N m"))
-    of_shapes = (Row(f"alpha{i}", amplitude(i, 1), amplitude(i, 2), f"rate of alpha{i}", "m/s", "N") for i in shapes)
+    of_shapes = (
+        Row(f"alpha{i}", amplitude(i, 1), amplitude(i, 2), f"time derivative of alpha{i}", "m/s", "N") for i in shapes
+    )
     return (*translations, *spins, *of_shapes)
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from derive.reduction.arithmetic import Array
 from derive.reduction.integrals import Integrals
 
-CENTRE = "the choice of O (the centre of mass)"
+CENTRE = "the choice of the origin (the centre of mass)"
 DISPLACEMENT = "condition (17) (no mean displacement)"
 ROTATION = "condition (19) (no mean rotation)"
 ORTHOGONAL = "orthogonality (modes orthonormal in the mass)"

@@ -912,7 +912,7 @@ int block_accel(
     const double t65 = t44 + d3_8_1 * t60 + d3_8_3 * t55;
     vdot[13] = -t65;
 
-    /* check: refuse what is not finite */
+    /* check: check that the result is finite */
     if (!isfinite(t60 + t59 + t55 + t61 + t62 - t63 + t58 + t57 + t56 - t64
         - t65)) return 2; /* an acceleration is not finite */
     return 0;
@@ -1313,7 +1313,7 @@ int block_marker_corner(
     const double alpha8dot = v[13];
     (void) k;
 
-    /* r (14): X + u and its rate at the marker, in the body base */
+    /* r (14): X + u and its time derivative at the marker, in the body frame */
     const double r_1 = 0.5275946394495463 * alpha5 + 0.5399871638663002 * alpha6
         + 0.4769773500056812 * alpha8 - 0.2 - 0.2507781328854089 * alpha1
         - 0.36792703197185106 * alpha2 - 0.02518144397540276 * alpha3 - 0.3818220213312505 * alpha4
@@ -1365,7 +1365,7 @@ int block_marker_corner(
     const double Q_32 = t12 + t11;
     const double Q_33 = t1 + t4 - t2 - t3;
 
-    /* marker (1): x = c + Q r, its rate and its derivatives */
+    /* marker (1): x = c + Q r, its time derivative and its Jacobian */
     x[0] = c1 + r_1 * Q_11 + r_2 * Q_12 + r_3 * Q_13;
     x[1] = c2 + r_1 * Q_21 + r_2 * Q_22 + r_3 * Q_23;
     x[2] = c3 + r_1 * Q_31 + r_2 * Q_32 + r_3 * Q_33;
@@ -1493,7 +1493,7 @@ int block_marker_centre(
     const double Q_32 = t12 + t11;
     const double Q_33 = t1 + t4 - t2 - t3;
 
-    /* marker (1): x = c + Q r, its rate and its derivatives */
+    /* marker (1): x = c + Q r, its time derivative and its Jacobian */
     const double t13 = 0.4490479497916433 * alpha2;
     const double t14 = 0.4549790471738913 * alpha1 + 0.5315455430903949 * alpha8;
     x[0] = c1 - t13 * Q_12 - t14 * Q_13;
@@ -1565,7 +1565,7 @@ int block_marker_end(
     const double alpha8dot = v[13];
     (void) k;
 
-    /* r (14): X + u and its rate at the marker, in the body base */
+    /* r (14): X + u and its time derivative at the marker, in the body frame */
     const double r_1 = 0.2 - 0.5600463460571621 * alpha6;
     const double r_2 = 0.6969176041930503 * alpha2 + 0.599135556698704 * alpha5;
     const double r_3 = 0.748878107500388 * alpha1 - 0.7054512084307272 * alpha4
@@ -1600,7 +1600,7 @@ int block_marker_end(
     const double Q_32 = t12 + t11;
     const double Q_33 = t1 + t4 - t2 - t3;
 
-    /* marker (1): x = c + Q r, its rate and its derivatives */
+    /* marker (1): x = c + Q r, its time derivative and its Jacobian */
     x[0] = c1 + r_1 * Q_11 + r_2 * Q_12 + r_3 * Q_13;
     x[1] = c2 + r_1 * Q_21 + r_2 * Q_22 + r_3 * Q_23;
     x[2] = c3 + r_1 * Q_31 + r_2 * Q_32 + r_3 * Q_33;
@@ -1692,12 +1692,12 @@ int block_load_corner(
     const double Q_32 = t12 + t11;
     const double Q_33 = t1 + t4 - t2 - t3;
 
-    /* F (10): the force seen from the body base */
+    /* F (10): the force in the body frame */
     const double Fb_1 = F_1 * Q_11 + F_2 * Q_21 + F_3 * Q_31;
     const double Fb_2 = F_1 * Q_12 + F_2 * Q_22 + F_3 * Q_32;
     const double Fb_3 = F_1 * Q_13 + F_2 * Q_23 + F_3 * Q_33;
 
-    /* r (1): the marker in the body base */
+    /* r (1): the marker in the body frame */
     const double r_1 = 0.5275946394495463 * alpha5 + 0.5399871638663002 * alpha6
         + 0.4769773500056812 * alpha8 - 0.2 - 0.2507781328854089 * alpha1
         - 0.36792703197185106 * alpha2 - 0.02518144397540276 * alpha3 - 0.3818220213312505 * alpha4
@@ -1773,7 +1773,7 @@ int block_load_centre(
     const double Q_32 = t12 + t11;
     const double Q_33 = t1 + t4 - t2 - t3;
 
-    /* F (10): the force seen from the body base */
+    /* F (10): the force in the body frame */
     const double Fb_1 = F_1 * Q_11 + F_2 * Q_21 + F_3 * Q_31;
     const double Fb_2 = F_1 * Q_12 + F_2 * Q_22 + F_3 * Q_32;
     const double Fb_3 = F_1 * Q_13 + F_2 * Q_23 + F_3 * Q_33;
@@ -1845,12 +1845,12 @@ int block_load_end(
     const double Q_32 = t12 + t11;
     const double Q_33 = t1 + t4 - t2 - t3;
 
-    /* F (10): the force seen from the body base */
+    /* F (10): the force in the body frame */
     const double Fb_1 = F_1 * Q_11 + F_2 * Q_21 + F_3 * Q_31;
     const double Fb_2 = F_1 * Q_12 + F_2 * Q_22 + F_3 * Q_32;
     const double Fb_3 = F_1 * Q_13 + F_2 * Q_23 + F_3 * Q_33;
 
-    /* r (1): the marker in the body base */
+    /* r (1): the marker in the body frame */
     const double r_1 = 0.2 - 0.5600463460571621 * alpha6;
     const double r_2 = 0.6969176041930503 * alpha2 + 0.599135556698704 * alpha5;
     const double r_3 = 0.748878107500388 * alpha1 - 0.7054512084307272 * alpha4
@@ -2791,7 +2791,7 @@ int block_jacobian(
     return 0;
 }
 
-/* ---- batches: each state b of a block as the functions above have it ---- */
+/* ---- batches: the functions above for blocks of states b ---- */
 
 /* The rows of a block that is not full: its last state is repeated. */
 static const double *block_block32_pad(ptrdiff_t all, int count, int rows, const double *from, double *to)
@@ -3567,31 +3567,31 @@ static const tisserand_variable block_table_q[] = {
     {"e1", "1", "unit quaternion of the floating frame, scalar first", 0.0, 1, TISSERAND_ROLE_QUATERNION},
     {"e2", "1", "unit quaternion of the floating frame, scalar first", 0.0, 1, TISSERAND_ROLE_QUATERNION},
     {"e3", "1", "unit quaternion of the floating frame, scalar first", 0.0, 1, TISSERAND_ROLE_QUATERNION},
-    {"alpha1", "m", "amplitude of assumed shape 1", 0.0, 1, TISSERAND_ROLE_AMPLITUDE},
-    {"alpha2", "m", "amplitude of assumed shape 2", 0.0, 1, TISSERAND_ROLE_AMPLITUDE},
-    {"alpha3", "m", "amplitude of assumed shape 3", 0.0, 1, TISSERAND_ROLE_AMPLITUDE},
-    {"alpha4", "m", "amplitude of assumed shape 4", 0.0, 1, TISSERAND_ROLE_AMPLITUDE},
-    {"alpha5", "m", "amplitude of assumed shape 5", 0.0, 1, TISSERAND_ROLE_AMPLITUDE},
-    {"alpha6", "m", "amplitude of assumed shape 6", 0.0, 1, TISSERAND_ROLE_AMPLITUDE},
-    {"alpha7", "m", "amplitude of assumed shape 7", 0.0, 1, TISSERAND_ROLE_AMPLITUDE},
-    {"alpha8", "m", "amplitude of assumed shape 8", 0.0, 1, TISSERAND_ROLE_AMPLITUDE},
+    {"alpha1", "m", "amplitude of assumed mode 1", 0.0, 1, TISSERAND_ROLE_AMPLITUDE},
+    {"alpha2", "m", "amplitude of assumed mode 2", 0.0, 1, TISSERAND_ROLE_AMPLITUDE},
+    {"alpha3", "m", "amplitude of assumed mode 3", 0.0, 1, TISSERAND_ROLE_AMPLITUDE},
+    {"alpha4", "m", "amplitude of assumed mode 4", 0.0, 1, TISSERAND_ROLE_AMPLITUDE},
+    {"alpha5", "m", "amplitude of assumed mode 5", 0.0, 1, TISSERAND_ROLE_AMPLITUDE},
+    {"alpha6", "m", "amplitude of assumed mode 6", 0.0, 1, TISSERAND_ROLE_AMPLITUDE},
+    {"alpha7", "m", "amplitude of assumed mode 7", 0.0, 1, TISSERAND_ROLE_AMPLITUDE},
+    {"alpha8", "m", "amplitude of assumed mode 8", 0.0, 1, TISSERAND_ROLE_AMPLITUDE},
 };
 
 static const tisserand_variable block_table_v[] = {
-    {"c1dot", "m/s", "rate of c1", 0.0, 1, 0},
-    {"c2dot", "m/s", "rate of c2", 0.0, 1, 0},
-    {"c3dot", "m/s", "rate of c3", 0.0, 1, 0},
+    {"c1dot", "m/s", "time derivative of c1", 0.0, 1, 0},
+    {"c2dot", "m/s", "time derivative of c2", 0.0, 1, 0},
+    {"c3dot", "m/s", "time derivative of c3", 0.0, 1, 0},
     {"omega1", "rad/s", "angular velocity about the body axis 1", 0.0, 1, 0},
     {"omega2", "rad/s", "angular velocity about the body axis 2", 0.0, 1, 0},
     {"omega3", "rad/s", "angular velocity about the body axis 3", 0.0, 1, 0},
-    {"alpha1dot", "m/s", "rate of alpha1", 0.0, 1, 0},
-    {"alpha2dot", "m/s", "rate of alpha2", 0.0, 1, 0},
-    {"alpha3dot", "m/s", "rate of alpha3", 0.0, 1, 0},
-    {"alpha4dot", "m/s", "rate of alpha4", 0.0, 1, 0},
-    {"alpha5dot", "m/s", "rate of alpha5", 0.0, 1, 0},
-    {"alpha6dot", "m/s", "rate of alpha6", 0.0, 1, 0},
-    {"alpha7dot", "m/s", "rate of alpha7", 0.0, 1, 0},
-    {"alpha8dot", "m/s", "rate of alpha8", 0.0, 1, 0},
+    {"alpha1dot", "m/s", "time derivative of alpha1", 0.0, 1, 0},
+    {"alpha2dot", "m/s", "time derivative of alpha2", 0.0, 1, 0},
+    {"alpha3dot", "m/s", "time derivative of alpha3", 0.0, 1, 0},
+    {"alpha4dot", "m/s", "time derivative of alpha4", 0.0, 1, 0},
+    {"alpha5dot", "m/s", "time derivative of alpha5", 0.0, 1, 0},
+    {"alpha6dot", "m/s", "time derivative of alpha6", 0.0, 1, 0},
+    {"alpha7dot", "m/s", "time derivative of alpha7", 0.0, 1, 0},
+    {"alpha8dot", "m/s", "time derivative of alpha8", 0.0, 1, 0},
 };
 
 static const tisserand_marker block_table_markers[] = {

@@ -9,14 +9,14 @@
  * work: (15) of Koppens, Sauren, Veldpaus & van Campen, J. Appl. Mech. 55 (1988) 676-680, whose
  * equation numbers these are. Units are SI where the parameters are; any consistent set will do.
  *
- * The floating frame has its origin at c and is turned by Q. In it are resolved: r = X + u, the
- * shapes Phi_i, and their moments c1 .. c8, d1, D2, d3, J, so that e1, e2 there are its axes.
- * In the inertial base are resolved: c, momenta, and markers.
+ * The floating frame has its origin at c and the rotation Q. r = X + u, the shape functions Phi_i,
+ * and their moments c1 .. c8, d1, D2, d3, J are resolved in the floating frame; c, momenta and
+ * markers are resolved in the inertial frame.
  * c is where the centre of mass of the undeformed body lies in the floating frame.
- * Kernels are written out for each shape, the faster: for h 40 ns are foreseen written out, 60 ns
- *     in loops.
+ * Kernels are unrolled, the faster form; predicted evaluation time of h: 40 ns unrolled, 60 ns
+ *     looped.
  *
- * Coordinates q:
+ * Generalised coordinates q:
  *   0  c1      [m]  translation of the floating frame along e1
  *   1  c2      [m]  translation of the floating frame along e2
  *   2  c3      [m]  translation of the floating frame along e3
@@ -24,38 +24,38 @@
  *   4  e1      [1]  unit quaternion of the floating frame, scalar first
  *   5  e2      [1]  unit quaternion of the floating frame, scalar first
  *   6  e3      [1]  unit quaternion of the floating frame, scalar first
- *   7  alpha1  [m]  amplitude of assumed shape 1
- *   8  alpha2  [m]  amplitude of assumed shape 2
- *   9  alpha3  [m]  amplitude of assumed shape 3
- *   10  alpha4  [m]  amplitude of assumed shape 4
- *   11  alpha5  [m]  amplitude of assumed shape 5
- *   12  alpha6  [m]  amplitude of assumed shape 6
- *   13  alpha7  [m]  amplitude of assumed shape 7
- *   14  alpha8  [m]  amplitude of assumed shape 8
+ *   7  alpha1  [m]  amplitude of assumed mode 1
+ *   8  alpha2  [m]  amplitude of assumed mode 2
+ *   9  alpha3  [m]  amplitude of assumed mode 3
+ *   10  alpha4  [m]  amplitude of assumed mode 4
+ *   11  alpha5  [m]  amplitude of assumed mode 5
+ *   12  alpha6  [m]  amplitude of assumed mode 6
+ *   13  alpha7  [m]  amplitude of assumed mode 7
+ *   14  alpha8  [m]  amplitude of assumed mode 8
  *
- * Rates v and the rows of the equations of motion, with their units:
- *   0  c1dot  [m/s]  rate of c1; its row, c1, [N]
- *   1  c2dot  [m/s]  rate of c2; its row, c2, [N]
- *   2  c3dot  [m/s]  rate of c3; its row, c3, [N]
- *   3  omega1  [rad/s]  angular velocity about the body axis 1; its row, pi1, [N m]
- *   4  omega2  [rad/s]  angular velocity about the body axis 2; its row, pi2, [N m]
- *   5  omega3  [rad/s]  angular velocity about the body axis 3; its row, pi3, [N m]
- *   6  alpha1dot  [m/s]  rate of alpha1; its row, alpha1, [N]
- *   7  alpha2dot  [m/s]  rate of alpha2; its row, alpha2, [N]
- *   8  alpha3dot  [m/s]  rate of alpha3; its row, alpha3, [N]
- *   9  alpha4dot  [m/s]  rate of alpha4; its row, alpha4, [N]
- *   10  alpha5dot  [m/s]  rate of alpha5; its row, alpha5, [N]
- *   11  alpha6dot  [m/s]  rate of alpha6; its row, alpha6, [N]
- *   12  alpha7dot  [m/s]  rate of alpha7; its row, alpha7, [N]
- *   13  alpha8dot  [m/s]  rate of alpha8; its row, alpha8, [N]
+ * Generalised velocities v, and the equations of motion with their units:
+ *   0  c1dot  [m/s]  time derivative of c1; equation c1 [N]
+ *   1  c2dot  [m/s]  time derivative of c2; equation c2 [N]
+ *   2  c3dot  [m/s]  time derivative of c3; equation c3 [N]
+ *   3  omega1  [rad/s]  angular velocity about the body axis 1; equation pi1 [N m]
+ *   4  omega2  [rad/s]  angular velocity about the body axis 2; equation pi2 [N m]
+ *   5  omega3  [rad/s]  angular velocity about the body axis 3; equation pi3 [N m]
+ *   6  alpha1dot  [m/s]  time derivative of alpha1; equation alpha1 [N]
+ *   7  alpha2dot  [m/s]  time derivative of alpha2; equation alpha2 [N]
+ *   8  alpha3dot  [m/s]  time derivative of alpha3; equation alpha3 [N]
+ *   9  alpha4dot  [m/s]  time derivative of alpha4; equation alpha4 [N]
+ *   10  alpha5dot  [m/s]  time derivative of alpha5; equation alpha5 [N]
+ *   11  alpha6dot  [m/s]  time derivative of alpha6; equation alpha6 [N]
+ *   12  alpha7dot  [m/s]  time derivative of alpha7; equation alpha7 [N]
+ *   13  alpha8dot  [m/s]  time derivative of alpha8; equation alpha8 [N]
  *
  * Parameters p:
  *   none: every number of the specification is folded into the code
  *
- * Constants k, made of them by setup:
+ * Constants k, computed from the parameters by setup:
  *   none
  *
- * Mass matrix, x a value and . a structural zero:
+ * Mass matrix (x: structural non-zero, .: structural zero):
  *   c1      x . . . . . . . . . . . . .
  *   c2      . x . . . . . . . . . . . .
  *   c3      . . x . . . . . . . . . . .
@@ -72,15 +72,15 @@
  *   alpha8  . . . x . x . . . . . . . x
  *   60 of 196 entries are structural non-zeros; the 37 of the lower triangle are stored
  *
- * Why its zeros are zero:
+ * Reasons for its structural zeros:
  *   M[c2, c1], M[c3, c1], M[c3, c2]: the mass enters as m I, so translations along different axes
  *       do not couple
- *   M[pi1, c1], M[pi1, c2], M[pi1, c3]: c1_2, c1_3 = 0 by the choice of O (the centre of mass);
- *       c2_1_2 .. c2_8_3 = 0 by condition (17) (no mean displacement)
- *   M[pi2, c1], M[pi2, c2], M[pi2, c3]: c1_1, c1_3 = 0 by the choice of O (the centre of mass);
- *       c2_1_1 .. c2_8_3 = 0 by condition (17) (no mean displacement)
- *   M[pi3, c1], M[pi3, c2], M[pi3, c3]: c1_1, c1_2 = 0 by the choice of O (the centre of mass);
- *       c2_1_1 .. c2_8_2 = 0 by condition (17) (no mean displacement)
+ *   M[pi1, c1], M[pi1, c2], M[pi1, c3]: c1_2, c1_3 = 0 by the choice of the origin (the centre of
+ *       mass); c2_1_2 .. c2_8_3 = 0 by condition (17) (no mean displacement)
+ *   M[pi2, c1], M[pi2, c2], M[pi2, c3]: c1_1, c1_3 = 0 by the choice of the origin (the centre of
+ *       mass); c2_1_1 .. c2_8_3 = 0 by condition (17) (no mean displacement)
+ *   M[pi3, c1], M[pi3, c2], M[pi3, c3]: c1_1, c1_2 = 0 by the choice of the origin (the centre of
+ *       mass); c2_1_1 .. c2_8_2 = 0 by condition (17) (no mean displacement)
  *   M[alpha1, c1], M[alpha1, c2], M[alpha1, c3]: c2_1_1, c2_1_2, c2_1_3 = 0 by condition (17) (no
  *       mean displacement)
  *   M[alpha1, pi2]: c6_1_2 = 0 by condition (19) (no mean rotation); c7_1_2_2 .. c7_1_8_2 = 0 by
@@ -141,16 +141,17 @@
  * Terms of (15) that vanish:
  *   Euler term of row c1, centrifugal term of row c1, Euler term of row c2, centrifugal term of row
  *       c2, Euler term of row c3, centrifugal term of row c3: c1_1, c1_2, c1_3 = 0 by the choice of
- *       O (the centre of mass); c2_1_1 .. c2_8_3 = 0 by condition (17) (no mean displacement)
+ *       the origin (the centre of mass); c2_1_1 .. c2_8_3 = 0 by condition (17) (no mean
+ *       displacement)
  *   Coriolis term of row c1, relative term of row c1, Coriolis term of row c2, relative term of row
  *       c2, Coriolis term of row c3, relative term of row c3: c2_1_1 .. c2_8_3 = 0 by condition
  *       (17) (no mean displacement)
- *   translation term of row pi1: c1_2, c1_3 = 0 by the choice of O (the centre of mass); c2_1_2 ..
- *       c2_8_3 = 0 by condition (17) (no mean displacement)
- *   translation term of row pi2: c1_1, c1_3 = 0 by the choice of O (the centre of mass); c2_1_1 ..
- *       c2_8_3 = 0 by condition (17) (no mean displacement)
- *   translation term of row pi3: c1_1, c1_2 = 0 by the choice of O (the centre of mass); c2_1_1 ..
- *       c2_8_2 = 0 by condition (17) (no mean displacement)
+ *   translation term of row pi1: c1_2, c1_3 = 0 by the choice of the origin (the centre of mass);
+ *       c2_1_2 .. c2_8_3 = 0 by condition (17) (no mean displacement)
+ *   translation term of row pi2: c1_1, c1_3 = 0 by the choice of the origin (the centre of mass);
+ *       c2_1_1 .. c2_8_3 = 0 by condition (17) (no mean displacement)
+ *   translation term of row pi3: c1_1, c1_2 = 0 by the choice of the origin (the centre of mass);
+ *       c2_1_1 .. c2_8_2 = 0 by condition (17) (no mean displacement)
  *   translation term of row alpha1: c2_1_1, c2_1_2, c2_1_3 = 0 by condition (17) (no mean
  *       displacement)
  *   translation term of row alpha2: c2_2_1, c2_2_2, c2_2_3 = 0 by condition (17) (no mean
@@ -202,18 +203,18 @@ enum {
     TISSERAND_ROLE_AMPLITUDE = 5
 };
 
-/* A coordinate, rate, parameter or constant; a parameter has a default. An array has so many values. */
+/* A generalised coordinate, generalised velocity, parameter, constant or multiplier. */
 typedef struct {
     const char *name;
     const char *unit;
     const char *doc;
-    double value;
-    int size;
+    double value; /* the default of a parameter */
+    int size;     /* number of values, more than 1 for an array */
     int role; /* one of the roles above, for coordinates; 0 otherwise */
 } tisserand_variable;
 
-/* Compressed columns; of a symmetric matrix the lower triangle. Patterns of loops over the shapes are not
-   stored: colptr and rowidx are 0 there, and fill writes them. */
+/* Compressed columns; of a symmetric matrix the lower triangle. Patterns of looped kernels are not stored:
+   colptr and rowidx are 0 there, and fill writes them. */
 typedef struct {
     int rows;
     int cols;
@@ -225,7 +226,7 @@ typedef struct {
 } tisserand_pattern;
 
 /* A named material point; jacobian holds the values of d(velocity)/dv, in the plane d(position)/dq; load turns
-   a force F at the point, in the inertial base, into generalized forces f of M vdot + h = f. */
+   a force F at the point, in the inertial frame, into generalised forces f of M vdot + h = f. */
 typedef struct {
     const char *name;
     int dimension;
@@ -244,10 +245,10 @@ typedef struct {
     int (*jacobian)(double t, const double *y, const double *ydot, double cj, const double *k, double *jac);
 } tisserand_dae;
 
-/* What a scene has besides: constraints g(t, q) = 0 with multipliers, M vdot + h = G^T lambda, G vdot = gamma. */
+/* The additional functions of a scene: constraints g(t, q) = 0 with multipliers, M vdot + h = G^T lambda, G vdot = gamma. */
 typedef struct {
     int nbodies;
-    const tisserand_variable *lambda; /* nlambda multipliers: what joints exert on their second bodies */
+    const tisserand_variable *lambda; /* nlambda multipliers: constraint reactions on body 2 */
     const char *const *bodies;
     const tisserand_pattern *pattern; /* of G, nlambda x nv */
     const tisserand_dae *forms;
@@ -261,12 +262,12 @@ typedef struct {
     int (*poses)(double t, const double *q, const double *k, double *pose); /* c1, c2, phi of each body */
 } tisserand_scene;
 
-/* All there is to know of a model, for a host that is compiled once and serves many. */
+/* The descriptor of a model, for hosts that are compiled once and serve many models. */
 typedef struct {
     int abi;
     const char *name;
-    int nq;        /* coordinates */
-    int nv;        /* rates */
+    int nq;        /* generalised coordinates */
+    int nv;        /* generalised velocities */
     int np;        /* parameters */
     int nk;        /* constants of setup */
     int nlambda;   /* multipliers */
@@ -302,7 +303,7 @@ typedef struct {
 } tisserand_model;
 
 #elif TISSERAND_ABI != 4
-#  error "this header and one included before it were generated by Tisserand versions that do not fit"
+#  error "this header and one included before it were generated by incompatible versions of Tisserand"
 #endif
 
 /* ---- sizes and indices ---- */
@@ -322,9 +323,9 @@ enum {
     BLOCK_ABI = 4
 };
 
-/* ---- functions: 0 = ok. From setup and accel alone: 1 = a pivot vanished; 2 = a value is not finite
-   or not positive; the outputs then hold nothing of use. The others let a NaN through; accel calls a
-   NaN in its mass matrix a vanished pivot.
+/* ---- functions return 0 for success. setup and accel return 1 if a pivot vanished and 2 if a
+   value is not finite or not positive; the outputs are undefined then. All other functions propagate a NaN;
+   accel reports a NaN in its mass matrix as a vanished pivot.
    Arrays that are written must not overlap each other or arrays that are read. ---- */
 
 /*
@@ -342,7 +343,7 @@ int block_setup(
 /*
  * Mass matrix M(q): values of the lower triangle by columns.
  *
- * q: generalized coordinates (15)
+ * q: generalised coordinates (15)
  * k: constants from setup (0)
  * M: values of the mass matrix, lower triangle by columns, 14 x 14, 37 values, 60 in both triangles
  *
@@ -355,14 +356,14 @@ int block_mass(
     double *M);
 
 /*
- * Forces h of M vdot + h = 0: centrifugal, Coriolis and elastic.
+ * Forces h of M vdot + h = 0: centrifugal, Coriolis, elastic, damping and gravity.
  *
  * t: time (a free body does not depend on it)
- * q: generalized coordinates (15)
- * v: rates (14)
+ * q: generalised coordinates (15)
+ * v: generalised velocities (14)
  * k: constants from setup (0)
- * h: forces, one row a coordinate (14): h[c1], h[c2], h[c3], h[pi1], h[pi2], h[pi3], h[alpha1],
- *     h[alpha2], h[alpha3], h[alpha4], h[alpha5], h[alpha6], h[alpha7], h[alpha8]
+ * h: forces, one for each equation of motion (14): h[c1], h[c2], h[c3], h[pi1], h[pi2], h[pi3],
+ *     h[alpha1], h[alpha2], h[alpha3], h[alpha4], h[alpha5], h[alpha6], h[alpha7], h[alpha8]
  *
  * From (5), appendix, (15).
  * 534 operations.
@@ -378,12 +379,12 @@ int block_force(
  * Mass matrix and forces together; what they share is computed once.
  *
  * t: time (a free body does not depend on it)
- * q: generalized coordinates (15)
- * v: rates (14)
+ * q: generalised coordinates (15)
+ * v: generalised velocities (14)
  * k: constants from setup (0)
  * M: values of the mass matrix, lower triangle by columns, 14 x 14, 37 values, 60 in both triangles
- * h: forces, one row a coordinate (14): h[c1], h[c2], h[c3], h[pi1], h[pi2], h[pi3], h[alpha1],
- *     h[alpha2], h[alpha3], h[alpha4], h[alpha5], h[alpha6], h[alpha7], h[alpha8]
+ * h: forces, one for each equation of motion (14): h[c1], h[c2], h[c3], h[pi1], h[pi2], h[pi3],
+ *     h[alpha1], h[alpha2], h[alpha3], h[alpha4], h[alpha5], h[alpha6], h[alpha7], h[alpha8]
  *
  * From (5), appendix, (15).
  * 558 operations.
@@ -400,8 +401,8 @@ int block_mass_force(
  * Accelerations vdot of M vdot + h = 0, by a sparse LDL^T fixed at generation time.
  *
  * t: time (a free body does not depend on it)
- * q: generalized coordinates (15)
- * v: rates (14)
+ * q: generalised coordinates (15)
+ * v: generalised velocities (14)
  * k: constants from setup (0)
  * vdot: accelerations (14): c1ddot, c2ddot, c3ddot, omega1dot, omega2dot, omega3dot, alpha1ddot,
  *     alpha2ddot, alpha3ddot, alpha4ddot, alpha5ddot, alpha6ddot, alpha7ddot, alpha8ddot
@@ -419,8 +420,8 @@ int block_accel(
 /*
  * Kinetic and strain energy.
  *
- * q: generalized coordinates (15)
- * v: rates (14)
+ * q: generalised coordinates (15)
+ * v: generalised velocities (14)
  * k: constants from setup (0)
  * energy: energies [J] (2): kinetic, strain
  *
@@ -436,8 +437,8 @@ int block_energy(
 /*
  * Linear momentum, and angular momentum about the inertial origin.
  *
- * q: generalized coordinates (15)
- * v: rates (14)
+ * q: generalised coordinates (15)
+ * v: generalised velocities (14)
  * k: constants from setup (0)
  * momentum: linear [N s] and angular [N m s] (6): linear_1, linear_2, linear_3, angular_1,
  *     angular_2, angular_3
@@ -452,10 +453,10 @@ int block_momentum(
     double *momentum);
 
 /*
- * Time derivative of the coordinates from the rates.
+ * Time derivatives of the generalised coordinates from the generalised velocities.
  *
- * q: generalized coordinates (15)
- * v: rates (14)
+ * q: generalised coordinates (15)
+ * v: generalised velocities (14)
  * k: constants from setup (0)
  * qdot: time derivative of q (15): c1_t, c2_t, c3_t, e0_t, e1_t, e2_t, e3_t, alpha1_t, alpha2_t,
  *     alpha3_t, alpha4_t, alpha5_t, alpha6_t, alpha7_t, alpha8_t
@@ -472,11 +473,11 @@ int block_rates(
 /*
  * Marker corner, node 0: position, velocity and its Jacobian d(velocity)/dv.
  *
- * q: generalized coordinates (15)
- * v: rates (14)
+ * q: generalised coordinates (15)
+ * v: generalised velocities (14)
  * k: constants from setup (0)
- * x: position in the inertial base [m] (3): x1, x2, x3
- * xdot: velocity in the inertial base [m/s] (3): x1dot, x2dot, x3dot
+ * x: position in the inertial frame [m] (3): x1, x2, x3
+ * xdot: velocity in the inertial frame [m/s] (3): x1dot, x2dot, x3dot
  * jacobian: values of d(velocity)/dv by columns, 3 x 14, 36 values
  *
  * From (14), (1).
@@ -493,11 +494,11 @@ int block_marker_corner(
 /*
  * Marker centre, node 127: position, velocity and its Jacobian d(velocity)/dv.
  *
- * q: generalized coordinates (15)
- * v: rates (14)
+ * q: generalised coordinates (15)
+ * v: generalised velocities (14)
  * k: constants from setup (0)
- * x: position in the inertial base [m] (3): x1, x2, x3
- * xdot: velocity in the inertial base [m/s] (3): x1dot, x2dot, x3dot
+ * x: position in the inertial frame [m] (3): x1, x2, x3
+ * xdot: velocity in the inertial frame [m/s] (3): x1dot, x2dot, x3dot
  * jacobian: values of d(velocity)/dv by columns, 3 x 14, 21 values
  *
  * From (1).
@@ -514,11 +515,11 @@ int block_marker_centre(
 /*
  * Marker end, node 247: position, velocity and its Jacobian d(velocity)/dv.
  *
- * q: generalized coordinates (15)
- * v: rates (14)
+ * q: generalised coordinates (15)
+ * v: generalised velocities (14)
  * k: constants from setup (0)
- * x: position in the inertial base [m] (3): x1, x2, x3
- * xdot: velocity in the inertial base [m/s] (3): x1dot, x2dot, x3dot
+ * x: position in the inertial frame [m] (3): x1, x2, x3
+ * xdot: velocity in the inertial frame [m/s] (3): x1dot, x2dot, x3dot
  * jacobian: values of d(velocity)/dv by columns, 3 x 14, 30 values
  *
  * From (14), (1).
@@ -533,13 +534,14 @@ int block_marker_end(
     double *jacobian);
 
 /*
- * Generalized forces f of a force at marker corner: then M vdot + h = f.
+ * Generalised forces f of a force at marker corner: then M vdot + h = f.
  *
- * q: generalized coordinates (15)
- * F: force at the marker, in the inertial base [N] (3)
+ * q: generalised coordinates (15)
+ * F: force at the marker, in the inertial frame [N] (3)
  * k: constants from setup (0)
- * f: generalized forces, one row a coordinate (14): f[c1], f[c2], f[c3], f[pi1], f[pi2], f[pi3],
- *     f[alpha1], f[alpha2], f[alpha3], f[alpha4], f[alpha5], f[alpha6], f[alpha7], f[alpha8]
+ * f: generalised forces, one for each equation of motion (14): f[c1], f[c2], f[c3], f[pi1], f[pi2],
+ *     f[pi3], f[alpha1], f[alpha2], f[alpha3], f[alpha4], f[alpha5], f[alpha6], f[alpha7],
+ *     f[alpha8]
  *
  * From (1), (10).
  * 140 operations.
@@ -551,13 +553,14 @@ int block_load_corner(
     double *f);
 
 /*
- * Generalized forces f of a force at marker centre: then M vdot + h = f.
+ * Generalised forces f of a force at marker centre: then M vdot + h = f.
  *
- * q: generalized coordinates (15)
- * F: force at the marker, in the inertial base [N] (3)
+ * q: generalised coordinates (15)
+ * F: force at the marker, in the inertial frame [N] (3)
  * k: constants from setup (0)
- * f: generalized forces, one row a coordinate (14): f[c1], f[c2], f[c3], f[pi1], f[pi2], f[pi3],
- *     f[alpha1], f[alpha2], f[alpha3], f[alpha4], f[alpha5], f[alpha6], f[alpha7], f[alpha8]
+ * f: generalised forces, one for each equation of motion (14): f[c1], f[c2], f[c3], f[pi1], f[pi2],
+ *     f[pi3], f[alpha1], f[alpha2], f[alpha3], f[alpha4], f[alpha5], f[alpha6], f[alpha7],
+ *     f[alpha8]
  *
  * From (1), (10).
  * 56 operations.
@@ -569,13 +572,14 @@ int block_load_centre(
     double *f);
 
 /*
- * Generalized forces f of a force at marker end: then M vdot + h = f.
+ * Generalised forces f of a force at marker end: then M vdot + h = f.
  *
- * q: generalized coordinates (15)
- * F: force at the marker, in the inertial base [N] (3)
+ * q: generalised coordinates (15)
+ * F: force at the marker, in the inertial frame [N] (3)
  * k: constants from setup (0)
- * f: generalized forces, one row a coordinate (14): f[c1], f[c2], f[c3], f[pi1], f[pi2], f[pi3],
- *     f[alpha1], f[alpha2], f[alpha3], f[alpha4], f[alpha5], f[alpha6], f[alpha7], f[alpha8]
+ * f: generalised forces, one for each equation of motion (14): f[c1], f[c2], f[c3], f[pi1], f[pi2],
+ *     f[pi3], f[alpha1], f[alpha2], f[alpha3], f[alpha4], f[alpha5], f[alpha6], f[alpha7],
+ *     f[alpha8]
  *
  * From (1), (10).
  * 68 operations.
@@ -593,7 +597,7 @@ int block_load_end(
  * y: first-order state [q; v] (29)
  * ydot: time derivative of y (29)
  * k: constants from setup (0)
- * F: residual, one row a state (29): c1, c2, c3, e0, e1, e2, e3, alpha1, alpha2, alpha3, alpha4,
+ * F: residual, one for each state (29): c1, c2, c3, e0, e1, e2, e3, alpha1, alpha2, alpha3, alpha4,
  *     alpha5, alpha6, alpha7, alpha8, c1dot, c2dot, c3dot, omega1, omega2, omega3, alpha1dot,
  *     alpha2dot, alpha3dot, alpha4dot, alpha5dot, alpha6dot, alpha7dot, alpha8dot
  *
@@ -630,10 +634,10 @@ int block_jacobian(
     double *jac);
 
 /* ---- batches: mass, force and accel of n >= 0 states with the same time and constants. Element e of state
-   b lies at e * n + b, in q and v as in what is written. Where no product is fused with a sum
+   b has the index e * n + b, in inputs and outputs. Where no product is fused with a sum
    (-ffp-contract=off) the numbers are those of the functions above, bit for bit. Blocks of 32
    states are computed at a time, on some 13 kB of stack. accel_batch gives NaN for the accelerations of
-   a state that fails, and returns the code of the first of them; all other states are right. ---- */
+   a state that fails, and returns the code of the first of them; all other states are valid. ---- */
 
 int block_mass_batch(
     int n,

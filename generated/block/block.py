@@ -7,14 +7,13 @@ Equations of motion M(q) vdot + h(t, q, v) = 0, from x = c + Q (X + u) and d'Ale
 work: (15) of Koppens, Sauren, Veldpaus & van Campen, J. Appl. Mech. 55 (1988) 676-680, whose
 equation numbers these are. Units are SI where the parameters are; any consistent set will do.
 
-The floating frame has its origin at c and is turned by Q. In it are resolved: r = X + u, the
-shapes Phi_i, and their moments c1 .. c8, d1, D2, d3, J, so that e1, e2 there are its axes.
-In the inertial base are resolved: c, momenta, and markers.
+The floating frame has its origin at c and the rotation Q. r = X + u, the shape functions Phi_i,
+and their moments c1 .. c8, d1, D2, d3, J are resolved in the floating frame; c, momenta and
+markers are resolved in the inertial frame.
 c is where the centre of mass of the undeformed body lies in the floating frame.
-Kernels are written out for each shape, the faster: for h 40 ns are foreseen written out, 60 ns in
-    loops.
+Kernels are unrolled, the faster form; predicted evaluation time of h: 40 ns unrolled, 60 ns looped.
 
-Coordinates q:
+Generalised coordinates q:
   0  c1      [m]  translation of the floating frame along e1
   1  c2      [m]  translation of the floating frame along e2
   2  c3      [m]  translation of the floating frame along e3
@@ -22,38 +21,38 @@ Coordinates q:
   4  e1      [1]  unit quaternion of the floating frame, scalar first
   5  e2      [1]  unit quaternion of the floating frame, scalar first
   6  e3      [1]  unit quaternion of the floating frame, scalar first
-  7  alpha1  [m]  amplitude of assumed shape 1
-  8  alpha2  [m]  amplitude of assumed shape 2
-  9  alpha3  [m]  amplitude of assumed shape 3
-  10  alpha4  [m]  amplitude of assumed shape 4
-  11  alpha5  [m]  amplitude of assumed shape 5
-  12  alpha6  [m]  amplitude of assumed shape 6
-  13  alpha7  [m]  amplitude of assumed shape 7
-  14  alpha8  [m]  amplitude of assumed shape 8
+  7  alpha1  [m]  amplitude of assumed mode 1
+  8  alpha2  [m]  amplitude of assumed mode 2
+  9  alpha3  [m]  amplitude of assumed mode 3
+  10  alpha4  [m]  amplitude of assumed mode 4
+  11  alpha5  [m]  amplitude of assumed mode 5
+  12  alpha6  [m]  amplitude of assumed mode 6
+  13  alpha7  [m]  amplitude of assumed mode 7
+  14  alpha8  [m]  amplitude of assumed mode 8
 
-Rates v and the rows of the equations of motion, with their units:
-  0  c1dot  [m/s]  rate of c1; its row, c1, [N]
-  1  c2dot  [m/s]  rate of c2; its row, c2, [N]
-  2  c3dot  [m/s]  rate of c3; its row, c3, [N]
-  3  omega1  [rad/s]  angular velocity about the body axis 1; its row, pi1, [N m]
-  4  omega2  [rad/s]  angular velocity about the body axis 2; its row, pi2, [N m]
-  5  omega3  [rad/s]  angular velocity about the body axis 3; its row, pi3, [N m]
-  6  alpha1dot  [m/s]  rate of alpha1; its row, alpha1, [N]
-  7  alpha2dot  [m/s]  rate of alpha2; its row, alpha2, [N]
-  8  alpha3dot  [m/s]  rate of alpha3; its row, alpha3, [N]
-  9  alpha4dot  [m/s]  rate of alpha4; its row, alpha4, [N]
-  10  alpha5dot  [m/s]  rate of alpha5; its row, alpha5, [N]
-  11  alpha6dot  [m/s]  rate of alpha6; its row, alpha6, [N]
-  12  alpha7dot  [m/s]  rate of alpha7; its row, alpha7, [N]
-  13  alpha8dot  [m/s]  rate of alpha8; its row, alpha8, [N]
+Generalised velocities v, and the equations of motion with their units:
+  0  c1dot  [m/s]  time derivative of c1; equation c1 [N]
+  1  c2dot  [m/s]  time derivative of c2; equation c2 [N]
+  2  c3dot  [m/s]  time derivative of c3; equation c3 [N]
+  3  omega1  [rad/s]  angular velocity about the body axis 1; equation pi1 [N m]
+  4  omega2  [rad/s]  angular velocity about the body axis 2; equation pi2 [N m]
+  5  omega3  [rad/s]  angular velocity about the body axis 3; equation pi3 [N m]
+  6  alpha1dot  [m/s]  time derivative of alpha1; equation alpha1 [N]
+  7  alpha2dot  [m/s]  time derivative of alpha2; equation alpha2 [N]
+  8  alpha3dot  [m/s]  time derivative of alpha3; equation alpha3 [N]
+  9  alpha4dot  [m/s]  time derivative of alpha4; equation alpha4 [N]
+  10  alpha5dot  [m/s]  time derivative of alpha5; equation alpha5 [N]
+  11  alpha6dot  [m/s]  time derivative of alpha6; equation alpha6 [N]
+  12  alpha7dot  [m/s]  time derivative of alpha7; equation alpha7 [N]
+  13  alpha8dot  [m/s]  time derivative of alpha8; equation alpha8 [N]
 
 Parameters p:
   none: every number of the specification is folded into the code
 
-Constants k, made of them by setup:
+Constants k, computed from the parameters by setup:
   none
 
-Mass matrix, x a value and . a structural zero:
+Mass matrix (x: structural non-zero, .: structural zero):
   c1      x . . . . . . . . . . . . .
   c2      . x . . . . . . . . . . . .
   c3      . . x . . . . . . . . . . .
@@ -70,15 +69,15 @@ Mass matrix, x a value and . a structural zero:
   alpha8  . . . x . x . . . . . . . x
   60 of 196 entries are structural non-zeros; the 37 of the lower triangle are stored
 
-Why its zeros are zero:
+Reasons for its structural zeros:
   M[c2, c1], M[c3, c1], M[c3, c2]: the mass enters as m I, so translations along different axes do
       not couple
-  M[pi1, c1], M[pi1, c2], M[pi1, c3]: c1_2, c1_3 = 0 by the choice of O (the centre of mass); c2_1_2
-      .. c2_8_3 = 0 by condition (17) (no mean displacement)
-  M[pi2, c1], M[pi2, c2], M[pi2, c3]: c1_1, c1_3 = 0 by the choice of O (the centre of mass); c2_1_1
-      .. c2_8_3 = 0 by condition (17) (no mean displacement)
-  M[pi3, c1], M[pi3, c2], M[pi3, c3]: c1_1, c1_2 = 0 by the choice of O (the centre of mass); c2_1_1
-      .. c2_8_2 = 0 by condition (17) (no mean displacement)
+  M[pi1, c1], M[pi1, c2], M[pi1, c3]: c1_2, c1_3 = 0 by the choice of the origin (the centre of
+      mass); c2_1_2 .. c2_8_3 = 0 by condition (17) (no mean displacement)
+  M[pi2, c1], M[pi2, c2], M[pi2, c3]: c1_1, c1_3 = 0 by the choice of the origin (the centre of
+      mass); c2_1_1 .. c2_8_3 = 0 by condition (17) (no mean displacement)
+  M[pi3, c1], M[pi3, c2], M[pi3, c3]: c1_1, c1_2 = 0 by the choice of the origin (the centre of
+      mass); c2_1_1 .. c2_8_2 = 0 by condition (17) (no mean displacement)
   M[alpha1, c1], M[alpha1, c2], M[alpha1, c3]: c2_1_1, c2_1_2, c2_1_3 = 0 by condition (17) (no mean
       displacement)
   M[alpha1, pi2]: c6_1_2 = 0 by condition (19) (no mean rotation); c7_1_2_2 .. c7_1_8_2 = 0 by
@@ -138,17 +137,17 @@ Why its zeros are zero:
 
 Terms of (15) that vanish:
   Euler term of row c1, centrifugal term of row c1, Euler term of row c2, centrifugal term of row
-      c2, Euler term of row c3, centrifugal term of row c3: c1_1, c1_2, c1_3 = 0 by the choice of O
-      (the centre of mass); c2_1_1 .. c2_8_3 = 0 by condition (17) (no mean displacement)
+      c2, Euler term of row c3, centrifugal term of row c3: c1_1, c1_2, c1_3 = 0 by the choice of
+      the origin (the centre of mass); c2_1_1 .. c2_8_3 = 0 by condition (17) (no mean displacement)
   Coriolis term of row c1, relative term of row c1, Coriolis term of row c2, relative term of row
       c2, Coriolis term of row c3, relative term of row c3: c2_1_1 .. c2_8_3 = 0 by condition (17)
       (no mean displacement)
-  translation term of row pi1: c1_2, c1_3 = 0 by the choice of O (the centre of mass); c2_1_2 ..
-      c2_8_3 = 0 by condition (17) (no mean displacement)
-  translation term of row pi2: c1_1, c1_3 = 0 by the choice of O (the centre of mass); c2_1_1 ..
-      c2_8_3 = 0 by condition (17) (no mean displacement)
-  translation term of row pi3: c1_1, c1_2 = 0 by the choice of O (the centre of mass); c2_1_1 ..
-      c2_8_2 = 0 by condition (17) (no mean displacement)
+  translation term of row pi1: c1_2, c1_3 = 0 by the choice of the origin (the centre of mass);
+      c2_1_2 .. c2_8_3 = 0 by condition (17) (no mean displacement)
+  translation term of row pi2: c1_1, c1_3 = 0 by the choice of the origin (the centre of mass);
+      c2_1_1 .. c2_8_3 = 0 by condition (17) (no mean displacement)
+  translation term of row pi3: c1_1, c1_2 = 0 by the choice of the origin (the centre of mass);
+      c2_1_1 .. c2_8_2 = 0 by condition (17) (no mean displacement)
   translation term of row alpha1: c2_1_1, c2_1_2, c2_1_3 = 0 by condition (17) (no mean
       displacement)
   translation term of row alpha2: c2_2_1, c2_2_2, c2_2_3 = 0 by condition (17) (no mean
@@ -299,7 +298,7 @@ def setup(p):
 def mass(q, k):
     """Mass matrix M(q): values of the lower triangle by columns.
 
-    q: generalized coordinates (15)
+    q: generalised coordinates (15)
     k: constants from setup (0)
     M: values of the mass matrix, lower triangle by columns, 14 x 14, 37 values, 60 in both
         triangles
@@ -460,14 +459,14 @@ def mass(q, k):
 
 
 def force(t, q, v, k):
-    """Forces h of M vdot + h = 0: centrifugal, Coriolis and elastic.
+    """Forces h of M vdot + h = 0: centrifugal, Coriolis, elastic, damping and gravity.
 
     t: time (a free body does not depend on it)
-    q: generalized coordinates (15)
-    v: rates (14)
+    q: generalised coordinates (15)
+    v: generalised velocities (14)
     k: constants from setup (0)
-    h: forces, one row a coordinate (14): h[c1], h[c2], h[c3], h[pi1], h[pi2], h[pi3], h[alpha1],
-        h[alpha2], h[alpha3], h[alpha4], h[alpha5], h[alpha6], h[alpha7], h[alpha8]
+    h: forces, one for each equation of motion (14): h[c1], h[c2], h[c3], h[pi1], h[pi2], h[pi3],
+        h[alpha1], h[alpha2], h[alpha3], h[alpha4], h[alpha5], h[alpha6], h[alpha7], h[alpha8]
 
     From (5), appendix, (15).
     534 operations.
@@ -704,13 +703,13 @@ def mass_force(t, q, v, k):
     """Mass matrix and forces together; what they share is computed once.
 
     t: time (a free body does not depend on it)
-    q: generalized coordinates (15)
-    v: rates (14)
+    q: generalised coordinates (15)
+    v: generalised velocities (14)
     k: constants from setup (0)
     M: values of the mass matrix, lower triangle by columns, 14 x 14, 37 values, 60 in both
         triangles
-    h: forces, one row a coordinate (14): h[c1], h[c2], h[c3], h[pi1], h[pi2], h[pi3], h[alpha1],
-        h[alpha2], h[alpha3], h[alpha4], h[alpha5], h[alpha6], h[alpha7], h[alpha8]
+    h: forces, one for each equation of motion (14): h[c1], h[c2], h[c3], h[pi1], h[pi2], h[pi3],
+        h[alpha1], h[alpha2], h[alpha3], h[alpha4], h[alpha5], h[alpha6], h[alpha7], h[alpha8]
 
     From (5), appendix, (15).
     558 operations.
@@ -1035,8 +1034,8 @@ def accel(t, q, v, k):
     """Accelerations vdot of M vdot + h = 0, by a sparse LDL^T fixed at generation time.
 
     t: time (a free body does not depend on it)
-    q: generalized coordinates (15)
-    v: rates (14)
+    q: generalised coordinates (15)
+    v: generalised velocities (14)
     k: constants from setup (0)
     vdot: accelerations (14): c1ddot, c2ddot, c3ddot, omega1dot, omega2dot, omega3dot, alpha1ddot,
         alpha2ddot, alpha3ddot, alpha4ddot, alpha5ddot, alpha6ddot, alpha7ddot, alpha8ddot
@@ -1369,8 +1368,8 @@ def accel(t, q, v, k):
 def energy(q, v, k):
     """Kinetic and strain energy.
 
-    q: generalized coordinates (15)
-    v: rates (14)
+    q: generalised coordinates (15)
+    v: generalised velocities (14)
     k: constants from setup (0)
     energy: energies [J] (2): kinetic, strain
 
@@ -1540,8 +1539,8 @@ def energy(q, v, k):
 def momentum(q, v, k):
     """Linear momentum, and angular momentum about the inertial origin.
 
-    q: generalized coordinates (15)
-    v: rates (14)
+    q: generalised coordinates (15)
+    v: generalised velocities (14)
     k: constants from setup (0)
     momentum: linear [N s] and angular [N m s] (6): linear_1, linear_2, linear_3, angular_1,
         angular_2, angular_3
@@ -1728,10 +1727,10 @@ def momentum(q, v, k):
 
 
 def rates(q, v, k):
-    """Time derivative of the coordinates from the rates.
+    """Time derivatives of the generalised coordinates from the generalised velocities.
 
-    q: generalized coordinates (15)
-    v: rates (14)
+    q: generalised coordinates (15)
+    v: generalised velocities (14)
     k: constants from setup (0)
     qdot: time derivative of q (15): c1_t, c2_t, c3_t, e0_t, e1_t, e2_t, e3_t, alpha1_t, alpha2_t,
         alpha3_t, alpha4_t, alpha5_t, alpha6_t, alpha7_t, alpha8_t
@@ -1787,11 +1786,11 @@ def rates(q, v, k):
 def marker_corner(q, v, k):
     """Marker corner, node 0: position, velocity and its Jacobian d(velocity)/dv.
 
-    q: generalized coordinates (15)
-    v: rates (14)
+    q: generalised coordinates (15)
+    v: generalised velocities (14)
     k: constants from setup (0)
-    x: position in the inertial base [m] (3): x1, x2, x3
-    xdot: velocity in the inertial base [m/s] (3): x1dot, x2dot, x3dot
+    x: position in the inertial frame [m] (3): x1, x2, x3
+    xdot: velocity in the inertial frame [m/s] (3): x1dot, x2dot, x3dot
     jacobian: values of d(velocity)/dv by columns, 3 x 14, 36 values
 
     From (14), (1).
@@ -1828,7 +1827,7 @@ def marker_corner(q, v, k):
     alpha7dot = v[..., 12]
     alpha8dot = v[..., 13]
 
-    # r (14): X + u and its rate at the marker, in the body base
+    # r (14): X + u and its time derivative at the marker, in the body frame
     r_1 = (
         0.5275946394495463 * alpha5 + 0.5399871638663002 * alpha6 + 0.4769773500056812 * alpha8
             - 0.2 - 0.2507781328854089 * alpha1 - 0.36792703197185106 * alpha2
@@ -1889,7 +1888,7 @@ def marker_corner(q, v, k):
     Q_32 = t12 + t11
     Q_33 = t1 + t4 - t2 - t3
 
-    # marker (1): x = c + Q r, its rate and its derivatives
+    # marker (1): x = c + Q r, its time derivative and its Jacobian
     x_0 = c1 + r_1 * Q_11 + r_2 * Q_12 + r_3 * Q_13
     x_1 = c2 + r_1 * Q_21 + r_2 * Q_22 + r_3 * Q_23
     x_2 = c3 + r_1 * Q_31 + r_2 * Q_32 + r_3 * Q_33
@@ -1992,11 +1991,11 @@ def marker_corner(q, v, k):
 def marker_centre(q, v, k):
     """Marker centre, node 127: position, velocity and its Jacobian d(velocity)/dv.
 
-    q: generalized coordinates (15)
-    v: rates (14)
+    q: generalised coordinates (15)
+    v: generalised velocities (14)
     k: constants from setup (0)
-    x: position in the inertial base [m] (3): x1, x2, x3
-    xdot: velocity in the inertial base [m/s] (3): x1dot, x2dot, x3dot
+    x: position in the inertial frame [m] (3): x1, x2, x3
+    xdot: velocity in the inertial frame [m/s] (3): x1dot, x2dot, x3dot
     jacobian: values of d(velocity)/dv by columns, 3 x 14, 21 values
 
     From (1).
@@ -2046,7 +2045,7 @@ def marker_centre(q, v, k):
     Q_32 = t12 + t11
     Q_33 = t1 + t4 - t2 - t3
 
-    # marker (1): x = c + Q r, its rate and its derivatives
+    # marker (1): x = c + Q r, its time derivative and its Jacobian
     t13 = 0.4490479497916433 * alpha2
     t14 = 0.4549790471738913 * alpha1 + 0.5315455430903949 * alpha8
     x_0 = c1 - t13 * Q_12 - t14 * Q_13
@@ -2092,11 +2091,11 @@ def marker_centre(q, v, k):
 def marker_end(q, v, k):
     """Marker end, node 247: position, velocity and its Jacobian d(velocity)/dv.
 
-    q: generalized coordinates (15)
-    v: rates (14)
+    q: generalised coordinates (15)
+    v: generalised velocities (14)
     k: constants from setup (0)
-    x: position in the inertial base [m] (3): x1, x2, x3
-    xdot: velocity in the inertial base [m/s] (3): x1dot, x2dot, x3dot
+    x: position in the inertial frame [m] (3): x1, x2, x3
+    xdot: velocity in the inertial frame [m/s] (3): x1dot, x2dot, x3dot
     jacobian: values of d(velocity)/dv by columns, 3 x 14, 30 values
 
     From (14), (1).
@@ -2129,7 +2128,7 @@ def marker_end(q, v, k):
     alpha6dot = v[..., 11]
     alpha8dot = v[..., 13]
 
-    # r (14): X + u and its rate at the marker, in the body base
+    # r (14): X + u and its time derivative at the marker, in the body frame
     r_1 = 0.2 - 0.5600463460571621 * alpha6
     r_2 = 0.6969176041930503 * alpha2 + 0.599135556698704 * alpha5
     r_3 = 0.748878107500388 * alpha1 - 0.7054512084307272 * alpha4 - 0.6731445856665152 * alpha8
@@ -2162,7 +2161,7 @@ def marker_end(q, v, k):
     Q_32 = t12 + t11
     Q_33 = t1 + t4 - t2 - t3
 
-    # marker (1): x = c + Q r, its rate and its derivatives
+    # marker (1): x = c + Q r, its time derivative and its Jacobian
     x_0 = c1 + r_1 * Q_11 + r_2 * Q_12 + r_3 * Q_13
     x_1 = c2 + r_1 * Q_21 + r_2 * Q_22 + r_3 * Q_23
     x_2 = c3 + r_1 * Q_31 + r_2 * Q_32 + r_3 * Q_33
@@ -2214,13 +2213,14 @@ def marker_end(q, v, k):
 
 
 def load_corner(q, F, k):
-    """Generalized forces f of a force at marker corner: then M vdot + h = f.
+    """Generalised forces f of a force at marker corner: then M vdot + h = f.
 
-    q: generalized coordinates (15)
-    F: force at the marker, in the inertial base [N] (3)
+    q: generalised coordinates (15)
+    F: force at the marker, in the inertial frame [N] (3)
     k: constants from setup (0)
-    f: generalized forces, one row a coordinate (14): f[c1], f[c2], f[c3], f[pi1], f[pi2], f[pi3],
-        f[alpha1], f[alpha2], f[alpha3], f[alpha4], f[alpha5], f[alpha6], f[alpha7], f[alpha8]
+    f: generalised forces, one for each equation of motion (14): f[c1], f[c2], f[c3], f[pi1],
+        f[pi2], f[pi3], f[alpha1], f[alpha2], f[alpha3], f[alpha4], f[alpha5], f[alpha6], f[alpha7],
+        f[alpha8]
 
     From (1), (10).
     140 operations.
@@ -2265,12 +2265,12 @@ def load_corner(q, F, k):
     Q_32 = t12 + t11
     Q_33 = t1 + t4 - t2 - t3
 
-    # F (10): the force seen from the body base
+    # F (10): the force in the body frame
     Fb_1 = F_1 * Q_11 + F_2 * Q_21 + F_3 * Q_31
     Fb_2 = F_1 * Q_12 + F_2 * Q_22 + F_3 * Q_32
     Fb_3 = F_1 * Q_13 + F_2 * Q_23 + F_3 * Q_33
 
-    # r (1): the marker in the body base
+    # r (1): the marker in the body frame
     r_1 = (
         0.5275946394495463 * alpha5 + 0.5399871638663002 * alpha6 + 0.4769773500056812 * alpha8
             - 0.2 - 0.2507781328854089 * alpha1 - 0.36792703197185106 * alpha2
@@ -2312,13 +2312,14 @@ def load_corner(q, F, k):
 
 
 def load_centre(q, F, k):
-    """Generalized forces f of a force at marker centre: then M vdot + h = f.
+    """Generalised forces f of a force at marker centre: then M vdot + h = f.
 
-    q: generalized coordinates (15)
-    F: force at the marker, in the inertial base [N] (3)
+    q: generalised coordinates (15)
+    F: force at the marker, in the inertial frame [N] (3)
     k: constants from setup (0)
-    f: generalized forces, one row a coordinate (14): f[c1], f[c2], f[c3], f[pi1], f[pi2], f[pi3],
-        f[alpha1], f[alpha2], f[alpha3], f[alpha4], f[alpha5], f[alpha6], f[alpha7], f[alpha8]
+    f: generalised forces, one for each equation of motion (14): f[c1], f[c2], f[c3], f[pi1],
+        f[pi2], f[pi3], f[alpha1], f[alpha2], f[alpha3], f[alpha4], f[alpha5], f[alpha6], f[alpha7],
+        f[alpha8]
 
     From (1), (10).
     56 operations.
@@ -2358,7 +2359,7 @@ def load_centre(q, F, k):
     Q_32 = t12 + t11
     Q_33 = t1 + t4 - t2 - t3
 
-    # F (10): the force seen from the body base
+    # F (10): the force in the body frame
     Fb_1 = F_1 * Q_11 + F_2 * Q_21 + F_3 * Q_31
     Fb_2 = F_1 * Q_12 + F_2 * Q_22 + F_3 * Q_32
     Fb_3 = F_1 * Q_13 + F_2 * Q_23 + F_3 * Q_33
@@ -2387,13 +2388,14 @@ def load_centre(q, F, k):
 
 
 def load_end(q, F, k):
-    """Generalized forces f of a force at marker end: then M vdot + h = f.
+    """Generalised forces f of a force at marker end: then M vdot + h = f.
 
-    q: generalized coordinates (15)
-    F: force at the marker, in the inertial base [N] (3)
+    q: generalised coordinates (15)
+    F: force at the marker, in the inertial frame [N] (3)
     k: constants from setup (0)
-    f: generalized forces, one row a coordinate (14): f[c1], f[c2], f[c3], f[pi1], f[pi2], f[pi3],
-        f[alpha1], f[alpha2], f[alpha3], f[alpha4], f[alpha5], f[alpha6], f[alpha7], f[alpha8]
+    f: generalised forces, one for each equation of motion (14): f[c1], f[c2], f[c3], f[pi1],
+        f[pi2], f[pi3], f[alpha1], f[alpha2], f[alpha3], f[alpha4], f[alpha5], f[alpha6], f[alpha7],
+        f[alpha8]
 
     From (1), (10).
     68 operations.
@@ -2436,12 +2438,12 @@ def load_end(q, F, k):
     Q_32 = t12 + t11
     Q_33 = t1 + t4 - t2 - t3
 
-    # F (10): the force seen from the body base
+    # F (10): the force in the body frame
     Fb_1 = F_1 * Q_11 + F_2 * Q_21 + F_3 * Q_31
     Fb_2 = F_1 * Q_12 + F_2 * Q_22 + F_3 * Q_32
     Fb_3 = F_1 * Q_13 + F_2 * Q_23 + F_3 * Q_33
 
-    # r (1): the marker in the body base
+    # r (1): the marker in the body frame
     r_1 = 0.2 - 0.5600463460571621 * alpha6
     r_2 = 0.6969176041930503 * alpha2 + 0.599135556698704 * alpha5
     r_3 = 0.748878107500388 * alpha1 - 0.7054512084307272 * alpha4 - 0.6731445856665152 * alpha8
@@ -2474,9 +2476,9 @@ def residual(t, y, ydot, k):
     y: first-order state [q; v] (29)
     ydot: time derivative of y (29)
     k: constants from setup (0)
-    F: residual, one row a state (29): c1, c2, c3, e0, e1, e2, e3, alpha1, alpha2, alpha3, alpha4,
-        alpha5, alpha6, alpha7, alpha8, c1dot, c2dot, c3dot, omega1, omega2, omega3, alpha1dot,
-        alpha2dot, alpha3dot, alpha4dot, alpha5dot, alpha6dot, alpha7dot, alpha8dot
+    F: residual, one for each state (29): c1, c2, c3, e0, e1, e2, e3, alpha1, alpha2, alpha3,
+        alpha4, alpha5, alpha6, alpha7, alpha8, c1dot, c2dot, c3dot, omega1, omega2, omega3,
+        alpha1dot, alpha2dot, alpha3dot, alpha4dot, alpha5dot, alpha6dot, alpha7dot, alpha8dot
 
     From (5), appendix, (15).
     705 operations.

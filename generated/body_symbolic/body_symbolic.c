@@ -44,12 +44,12 @@ int body_symbolic_setup(
     const double *p_c7 = p + 271;
     const double *p_K = p + 355;
 
-    /* checks: refuse parameters that make no body */
+    /* checks: checks of the parameters */
     for (int i = 0; i < 363; i++)
         if (!isfinite(p[i])) return 2; /* a parameter is not finite */
     if (!(p_m > 0.0)) return 2; /* m must be positive */
 
-    /* constants (appendix): shape integrals and stiffness as loops want them */
+    /* constants (appendix): shape integrals and stiffness in the layout of the loops */
     for (int i = 0; i < 639; i++) k[i] = 0.0;
     TISSERAND_LANES for (int j = 0; j < 8; j++) {
         TISSERAND_LANES for (int i = 0; i < 8; i++) {
@@ -187,7 +187,7 @@ int body_symbolic_mass(
     M[15] = J_23;
     M[24] = J_33;
 
-    /* M_i (15): factors of the accelerations, for each shape */
+    /* M_i (15): factors of the accelerations, for each mode */
     TISSERAND_LANES for (int i = 0; i < 8; i++) {
         M[6 + i] = d3_1[i];
         M[16 + i] = d3_2[i];
@@ -336,7 +336,7 @@ int body_symbolic_force(
         + 2.0 * Sdot_33 * omega3 + d3dot_2 * omega1 - J_11 * oo_12 - J_12 * oo_22 - J_13 * oo_23
         - d3dot_1 * omega2;
 
-    /* h_i (15): centrifugal, Coriolis, elastic and other forces, for each shape */
+    /* h_i (15): centrifugal, Coriolis, elastic and other forces, for each mode */
     TISSERAND_LANES for (int i = 0; i < 8; i++) {
         h[6 + i] = K[i] * alpha[i] - oo_11 * S_11[i] - f4 * S_12[i] - f5 * S_13[i] - oo_22 * S_22[i]
             - f6 * S_23[i] - oo_33 * S_33[i] - f7 * c7dot_1[i] - f8 * c7dot_2[i] - f9 * c7dot_3[i];
@@ -514,7 +514,7 @@ int body_symbolic_mass_force(
         + 2.0 * Sdot_33 * omega3 + d3dot_2 * omega1 - J_11 * oo_12 - J_12 * oo_22 - J_13 * oo_23
         - d3dot_1 * omega2;
 
-    /* M and h_i (15): factors of the accelerations, and forces, for each shape */
+    /* M and h_i (15): factors of the accelerations, and forces, for each mode */
     TISSERAND_LANES for (int i = 0; i < 8; i++) {
         M[6 + i] = d3_1[i];
         M[16 + i] = d3_2[i];
@@ -663,7 +663,7 @@ int body_symbolic_accel(
     const double oo_23 = omega2 * omega3;
     const double oo_33 = omega3 * omega3;
 
-    /* h and B (15): forces, and coupling of rigid motion and shapes */
+    /* h and B (15): forces, and coupling of rigid-body motion and modes */
     const double f4 = 2.0 * oo_12;
     const double f5 = 2.0 * oo_13;
     const double f6 = 2.0 * oo_23;
@@ -695,7 +695,7 @@ int body_symbolic_accel(
     const double M_65 = J_23;
     const double M_66 = J_33;
 
-    /* h and B_i (15): forces, and coupling of rigid motion and shapes, for each shape */
+    /* h and B_i (15): forces, and coupling of rigid-body motion and modes, for each mode */
     double h[8];
     double B_4[8];
     double B_5[8];
@@ -768,18 +768,18 @@ int body_symbolic_accel(
     vdot[4] = omega2dot;
     vdot[5] = omega3dot;
 
-    /* alphaddot_i (15): accelerations of the shapes, for each shape */
+    /* alphaddot_i (15): accelerations of the modal amplitudes, for each mode */
     double x[8];
     TISSERAND_LANES for (int i = 0; i < 8; i++) {
         x[i] = -(h[i] + omega1dot * B_4[i]) - omega2dot * B_5[i] - omega3dot * B_6[i];
     }
 
-    /* vdot_i: accelerations of the shapes, for each shape */
+    /* vdot_i: accelerations of the modal amplitudes, for each mode */
     TISSERAND_LANES for (int i = 0; i < 8; i++) {
         vdot[6 + i] = x[i];
     }
 
-    /* sums (appendix): shapes = what shows that all are finite */
+    /* sums (appendix): shapes = sum that is finite if all are */
     double sums3[1][4];
     for (int i = 0; i < 1; i++)
         TISSERAND_LANES for (int l = 0; l < 4; l++) sums3[i][l] = 0.0;
@@ -790,7 +790,7 @@ int body_symbolic_accel(
     }
     const double shapes = ((sums3[0][0] + sums3[0][1]) + (sums3[0][2] + sums3[0][3]));
 
-    /* check: refuse what is not finite */
+    /* check: check that the result is finite */
     if (!isfinite(c1ddot + c2ddot + c3ddot + omega1dot + omega2dot + omega3dot
         + shapes)) return 2; /* an acceleration is not finite */
     return 0;
@@ -1076,7 +1076,7 @@ int body_symbolic_rates(
     qdot[5] = t4 * omega2 + t3 * omega1 - t1 * omega3;
     qdot[6] = t4 * omega3 + t1 * omega2 - t2 * omega1;
 
-    /* rates_i (1): from Qdot = Q (omega x), for each shape */
+    /* rates_i (1): from Qdot = Q (omega x), for each mode */
     TISSERAND_LANES for (int i = 0; i < 8; i++) {
         qdot[7 + i] = alphadot[i];
     }
@@ -1282,7 +1282,7 @@ int body_symbolic_residual(
         + J_23 * oo_13 + J_33 * omega3dot + t6 * omega1 + t7 * omega2 + 2.0 * Sdot_33 * omega3
         + d3dot_2 * omega1 - J_11 * oo_12 - J_12 * oo_22 - J_13 * oo_23 - d3dot_1 * omega2;
 
-    /* F_i (15): qdot less its value from v, then M vdot + h, for each shape */
+    /* F_i (15): qdot less its value from v, then M vdot + h, for each mode */
     TISSERAND_LANES for (int i = 0; i < 8; i++) {
         F[7 + i] = alpha_t[i] - alphadot[i];
         F[21 + i] = alphaddot[i] + K[i] * alpha[i] + omega1dot * d3_1[i] + omega2dot * d3_2[i]
@@ -1338,8 +1338,8 @@ int body_symbolic_jacobian(
 
     /*
      * tables (appendix): S_i = symmetric part of D2_i; d3_i = int rho r x Phi_i; c7dot_i = int rho
-     *     Phi_i x rdot; C5dot_i = sum over the shapes of alphadot_j C5_i_j_11; c7ddot_i = sum over
-     *     the shapes of alphaddot_j c7_i_j_1
+     *     Phi_i x rdot; C5dot_i = sum over the modes of alphadot_j C5_i_j_11; c7ddot_i = sum over
+     *     the modes of alphaddot_j c7_i_j_1
      */
     double x_alpha[8];
     for (int i = 0; i < 8; i++) x_alpha[i] = alpha[i];
@@ -1563,7 +1563,7 @@ int body_symbolic_jacobian(
     jac[156] = t27 + d3dot_1 + t29 + J_12 * omega2 + t19 * omega3 + t28 - J_33 * omega1;
     jac[157] = 2.0 * Sdot_33 + t26 + J_33 * cj - t15;
 
-    /* jacobian_i (15): derivatives of the residual, for each shape */
+    /* jacobian_i (15): derivatives of the residual, for each mode */
     TISSERAND_LANES for (int i = 0; i < 8; i++) {
         jac[19 + 12 * i] = cj;
         jac[20 + 12 * i] = c7ddot_1[i] + f4 * C5dot_11[i] + f5 * C5dot_12[i] + f6 * C5dot_13[i]
@@ -1628,7 +1628,7 @@ int body_symbolic_jacobian(
     return 0;
 }
 
-/* ---- batches: each state b of a block as the functions above have it ---- */
+/* ---- batches: the functions above for blocks of states b ---- */
 
 /* The rows of a block that is not full: its last state is repeated. */
 static const double *body_symbolic_block32_pad(ptrdiff_t all, int count, int rows, const double *from, double *to)
@@ -2468,17 +2468,17 @@ static const tisserand_variable body_symbolic_table_q[] = {
     {"e1", "1", "unit quaternion of the floating frame, scalar first", 0.0, 1, TISSERAND_ROLE_QUATERNION},
     {"e2", "1", "unit quaternion of the floating frame, scalar first", 0.0, 1, TISSERAND_ROLE_QUATERNION},
     {"e3", "1", "unit quaternion of the floating frame, scalar first", 0.0, 1, TISSERAND_ROLE_QUATERNION},
-    {"alpha", "m", "amplitudes of the assumed shapes", 0.0, 8, TISSERAND_ROLE_AMPLITUDE},
+    {"alpha", "m", "amplitudes of the assumed modes", 0.0, 8, TISSERAND_ROLE_AMPLITUDE},
 };
 
 static const tisserand_variable body_symbolic_table_v[] = {
-    {"c1dot", "m/s", "rate of c1", 0.0, 1, 0},
-    {"c2dot", "m/s", "rate of c2", 0.0, 1, 0},
-    {"c3dot", "m/s", "rate of c3", 0.0, 1, 0},
+    {"c1dot", "m/s", "time derivative of c1", 0.0, 1, 0},
+    {"c2dot", "m/s", "time derivative of c2", 0.0, 1, 0},
+    {"c3dot", "m/s", "time derivative of c3", 0.0, 1, 0},
     {"omega1", "rad/s", "angular velocity about the body axis 1", 0.0, 1, 0},
     {"omega2", "rad/s", "angular velocity about the body axis 2", 0.0, 1, 0},
     {"omega3", "rad/s", "angular velocity about the body axis 3", 0.0, 1, 0},
-    {"alphadot", "m/s", "rates of alpha", 0.0, 8, 0},
+    {"alphadot", "m/s", "time derivatives of alpha", 0.0, 8, 0},
 };
 
 static const tisserand_model body_symbolic_descriptor = {

@@ -9,13 +9,13 @@
  * work: (15) of Koppens, Sauren, Veldpaus & van Campen, J. Appl. Mech. 55 (1988) 676-680, whose
  * equation numbers these are. Units are SI where the parameters are; any consistent set will do.
  *
- * The floating frame has its origin at c and is turned by Q. In it are resolved: r = X + u, the
- * shapes Phi_i, and their moments c1 .. c8, d1, D2, d3, J, so that e1, e2 there are its axes.
- * In the inertial base are resolved: c, momenta, and markers.
- * Kernels are loops over the shapes, the faster: for h 124 ns are foreseen written out, 60 ns in
- *     loops.
+ * The floating frame has its origin at c and the rotation Q. r = X + u, the shape functions Phi_i,
+ * and their moments c1 .. c8, d1, D2, d3, J are resolved in the floating frame; c, momenta and
+ * markers are resolved in the inertial frame.
+ * Kernels are looped, the faster form; predicted evaluation time of h: 124 ns unrolled, 60 ns
+ *     looped.
  *
- * Coordinates q:
+ * Generalised coordinates q:
  *   0  c1     [m]  translation of the floating frame along e1
  *   1  c2     [m]  translation of the floating frame along e2
  *   2  c3     [m]  translation of the floating frame along e3
@@ -23,16 +23,16 @@
  *   4  e1     [1]  unit quaternion of the floating frame, scalar first
  *   5  e2     [1]  unit quaternion of the floating frame, scalar first
  *   6  e3     [1]  unit quaternion of the floating frame, scalar first
- *   7 .. 14  alpha  [m]  amplitudes of the assumed shapes
+ *   7 .. 14  alpha  [m]  amplitudes of the assumed modes
  *
- * Rates v and the rows of the equations of motion, with their units:
- *   0  c1dot  [m/s]  rate of c1; its row, c1, [N]
- *   1  c2dot  [m/s]  rate of c2; its row, c2, [N]
- *   2  c3dot  [m/s]  rate of c3; its row, c3, [N]
- *   3  omega1  [rad/s]  angular velocity about the body axis 1; its row, pi1, [N m]
- *   4  omega2  [rad/s]  angular velocity about the body axis 2; its row, pi2, [N m]
- *   5  omega3  [rad/s]  angular velocity about the body axis 3; its row, pi3, [N m]
- *   6 .. 13  alphadot  [m/s]  rates of alpha; its row, alpha, [N]
+ * Generalised velocities v, and the equations of motion with their units:
+ *   0  c1dot  [m/s]  time derivative of c1; equation c1 [N]
+ *   1  c2dot  [m/s]  time derivative of c2; equation c2 [N]
+ *   2  c3dot  [m/s]  time derivative of c3; equation c3 [N]
+ *   3  omega1  [rad/s]  angular velocity about the body axis 1; equation pi1 [N m]
+ *   4  omega2  [rad/s]  angular velocity about the body axis 2; equation pi2 [N m]
+ *   5  omega3  [rad/s]  angular velocity about the body axis 3; equation pi3 [N m]
+ *   6 .. 13  alphadot  [m/s]  time derivatives of alpha; equation alpha [N]
  *
  * Parameters p:
  *   m  [kg]  mass of the body, default 1.0
@@ -44,7 +44,7 @@
  *   c7  [kg]  int rho Phi_i x Phi_j, for i < j by rows, components 1 2 3 together, 84 values
  *   K  [N/m]  stiffness, for each i, 8 values
  *
- * Constants k, made of them by setup:
+ * Constants k, computed from the parameters by setup:
  *   tables  C5_11, C5_12, C5_13, C5_22, C5_23, C5_33, c7_1, c7_2, c7_3, 576 values
  *   C4_11  [kg m]  symmetric part of int rho ((Phi_i . X) I - Phi_i X), 8 values
  *   C4_12  [kg m]  symmetric part of int rho ((Phi_i . X) I - Phi_i X), 8 values
@@ -61,7 +61,7 @@
  *   C3_23  [kg m^2]  int rho ((X . X) I - X X)
  *   C3_33  [kg m^2]  int rho ((X . X) I - X X)
  *
- * Mass matrix, x a value and . a structural zero:
+ * Mass matrix (x: structural non-zero, .: structural zero):
  *   c1      x . . . . . . .
  *   c2      . x . . . . . .
  *   c3      . . x . . . . .
@@ -70,22 +70,22 @@
  *   pi3     . . . x x x x x
  *   alpha1  . . . x x x x .
  *   alpha8  . . . x x x . x
- *   (of the shapes the first and the last)
+ *   (the first and the last mode are shown)
  *   68 of 196 entries are structural non-zeros; the 41 of the lower triangle
  *
- * Why its zeros are zero:
+ * Reasons for its structural zeros:
  *   M[c, c] off the diagonal: the mass enters as m I, so translations along different axes do not
  *       couple
- *   M[pi, c]: c1 = 0 by the choice of O (the centre of mass); c2 = 0 by condition (17) (no mean
- *       displacement)
+ *   M[pi, c]: c1 = 0 by the choice of the origin (the centre of mass); c2 = 0 by condition (17) (no
+ *       mean displacement)
  *   M[alpha, c]: c2 = 0 by condition (17) (no mean displacement)
  *   M[alpha, alpha] off the diagonal: orthogonality (modes orthonormal in the mass)
  *
  * Terms of (15) that vanish:
  *   Euler term of row c1, centrifugal term of row c1, Euler term of row c2, centrifugal term of row
  *       c2, Euler term of row c3, centrifugal term of row c3, translation term of row pi1,
- *       translation term of row pi2, translation term of row pi3: c1 = 0 by the choice of O (the
- *       centre of mass); c2 = 0 by condition (17) (no mean displacement)
+ *       translation term of row pi2, translation term of row pi3: c1 = 0 by the choice of the
+ *       origin (the centre of mass); c2 = 0 by condition (17) (no mean displacement)
  *   Coriolis term of row c1, relative term of row c1, Coriolis term of row c2, relative term of row
  *       c2, Coriolis term of row c3, relative term of row c3, translation term of row alpha_i: c2 =
  *       0 by condition (17) (no mean displacement)
@@ -125,18 +125,18 @@ enum {
     TISSERAND_ROLE_AMPLITUDE = 5
 };
 
-/* A coordinate, rate, parameter or constant; a parameter has a default. An array has so many values. */
+/* A generalised coordinate, generalised velocity, parameter, constant or multiplier. */
 typedef struct {
     const char *name;
     const char *unit;
     const char *doc;
-    double value;
-    int size;
+    double value; /* the default of a parameter */
+    int size;     /* number of values, more than 1 for an array */
     int role; /* one of the roles above, for coordinates; 0 otherwise */
 } tisserand_variable;
 
-/* Compressed columns; of a symmetric matrix the lower triangle. Patterns of loops over the shapes are not
-   stored: colptr and rowidx are 0 there, and fill writes them. */
+/* Compressed columns; of a symmetric matrix the lower triangle. Patterns of looped kernels are not stored:
+   colptr and rowidx are 0 there, and fill writes them. */
 typedef struct {
     int rows;
     int cols;
@@ -148,7 +148,7 @@ typedef struct {
 } tisserand_pattern;
 
 /* A named material point; jacobian holds the values of d(velocity)/dv, in the plane d(position)/dq; load turns
-   a force F at the point, in the inertial base, into generalized forces f of M vdot + h = f. */
+   a force F at the point, in the inertial frame, into generalised forces f of M vdot + h = f. */
 typedef struct {
     const char *name;
     int dimension;
@@ -167,10 +167,10 @@ typedef struct {
     int (*jacobian)(double t, const double *y, const double *ydot, double cj, const double *k, double *jac);
 } tisserand_dae;
 
-/* What a scene has besides: constraints g(t, q) = 0 with multipliers, M vdot + h = G^T lambda, G vdot = gamma. */
+/* The additional functions of a scene: constraints g(t, q) = 0 with multipliers, M vdot + h = G^T lambda, G vdot = gamma. */
 typedef struct {
     int nbodies;
-    const tisserand_variable *lambda; /* nlambda multipliers: what joints exert on their second bodies */
+    const tisserand_variable *lambda; /* nlambda multipliers: constraint reactions on body 2 */
     const char *const *bodies;
     const tisserand_pattern *pattern; /* of G, nlambda x nv */
     const tisserand_dae *forms;
@@ -184,12 +184,12 @@ typedef struct {
     int (*poses)(double t, const double *q, const double *k, double *pose); /* c1, c2, phi of each body */
 } tisserand_scene;
 
-/* All there is to know of a model, for a host that is compiled once and serves many. */
+/* The descriptor of a model, for hosts that are compiled once and serve many models. */
 typedef struct {
     int abi;
     const char *name;
-    int nq;        /* coordinates */
-    int nv;        /* rates */
+    int nq;        /* generalised coordinates */
+    int nv;        /* generalised velocities */
     int np;        /* parameters */
     int nk;        /* constants of setup */
     int nlambda;   /* multipliers */
@@ -225,7 +225,7 @@ typedef struct {
 } tisserand_model;
 
 #elif TISSERAND_ABI != 4
-#  error "this header and one included before it were generated by Tisserand versions that do not fit"
+#  error "this header and one included before it were generated by incompatible versions of Tisserand"
 #endif
 
 /* ---- sizes and indices ---- */
@@ -263,9 +263,9 @@ enum {
     BODY_SYMBOLIC_ABI = 4
 };
 
-/* ---- functions: 0 = ok. From setup and accel alone: 1 = a pivot vanished; 2 = a value is not finite
-   or not positive; the outputs then hold nothing of use. The others let a NaN through; accel calls a
-   NaN in its mass matrix a vanished pivot.
+/* ---- functions return 0 for success. setup and accel return 1 if a pivot vanished and 2 if a
+   value is not finite or not positive; the outputs are undefined then. All other functions propagate a NaN;
+   accel reports a NaN in its mass matrix as a vanished pivot.
    Arrays that are written must not overlap each other or arrays that are read. ---- */
 
 /*
@@ -284,7 +284,7 @@ int body_symbolic_setup(
 /*
  * Mass matrix M(q): values of the lower triangle by columns.
  *
- * q: generalized coordinates (15)
+ * q: generalised coordinates (15)
  * k: constants from setup (639)
  * M: values of the mass matrix, lower triangle by columns, 14 x 14, 41 values, 68 in both triangles
  *
@@ -300,11 +300,11 @@ int body_symbolic_mass(
  * Forces h of M vdot + h = 0: centrifugal, Coriolis, elastic, damping and gravity.
  *
  * t: time (a free body does not depend on it)
- * q: generalized coordinates (15)
- * v: rates (14)
+ * q: generalised coordinates (15)
+ * v: generalised velocities (14)
  * k: constants from setup (639)
- * h: forces, one row a coordinate (14): h[c1], h[c2], h[c3], h[pi1], h[pi2], h[pi3], h[alpha1 ..
- *     alpha8]
+ * h: forces, one for each equation of motion (14): h[c1], h[c2], h[c3], h[pi1], h[pi2], h[pi3],
+ *     h[alpha1 .. alpha8]
  *
  * From appendix, (5), (15).
  * 1679 operations.
@@ -320,12 +320,12 @@ int body_symbolic_force(
  * Mass matrix and forces together; what they share is computed once.
  *
  * t: time (a free body does not depend on it)
- * q: generalized coordinates (15)
- * v: rates (14)
+ * q: generalised coordinates (15)
+ * v: generalised velocities (14)
  * k: constants from setup (639)
  * M: values of the mass matrix, lower triangle by columns, 14 x 14, 41 values, 68 in both triangles
- * h: forces, one row a coordinate (14): h[c1], h[c2], h[c3], h[pi1], h[pi2], h[pi3], h[alpha1 ..
- *     alpha8]
+ * h: forces, one for each equation of motion (14): h[c1], h[c2], h[c3], h[pi1], h[pi2], h[pi3],
+ *     h[alpha1 .. alpha8]
  *
  * From appendix, (5), (15).
  * 2071 operations.
@@ -339,12 +339,12 @@ int body_symbolic_mass_force(
     double *h);
 
 /*
- * Accelerations vdot of M vdot + h = 0, by the Schur complement of the shapes and a sparse LDL^T of
+ * Accelerations vdot of M vdot + h = 0, by the Schur complement of the modes and a sparse LDL^T of
  *     the rest.
  *
  * t: time (a free body does not depend on it)
- * q: generalized coordinates (15)
- * v: rates (14)
+ * q: generalised coordinates (15)
+ * v: generalised velocities (14)
  * k: constants from setup (639)
  * vdot: accelerations (14): c1ddot, c2ddot, c3ddot, omega1dot, omega2dot, omega3dot, alpha1ddot ..
  *     alpha8ddot
@@ -362,8 +362,8 @@ int body_symbolic_accel(
 /*
  * Kinetic and strain energy.
  *
- * q: generalized coordinates (15)
- * v: rates (14)
+ * q: generalised coordinates (15)
+ * v: generalised velocities (14)
  * k: constants from setup (639)
  * energy: energies [J] (2): kinetic, strain
  *
@@ -379,8 +379,8 @@ int body_symbolic_energy(
 /*
  * Linear momentum, and angular momentum about the inertial origin.
  *
- * q: generalized coordinates (15)
- * v: rates (14)
+ * q: generalised coordinates (15)
+ * v: generalised velocities (14)
  * k: constants from setup (639)
  * momentum: linear [N s] and angular [N m s] (6): linear_1, linear_2, linear_3, angular_1,
  *     angular_2, angular_3
@@ -395,10 +395,10 @@ int body_symbolic_momentum(
     double *momentum);
 
 /*
- * Time derivative of the coordinates from the rates.
+ * Time derivatives of the generalised coordinates from the generalised velocities.
  *
- * q: generalized coordinates (15)
- * v: rates (14)
+ * q: generalised coordinates (15)
+ * v: generalised velocities (14)
  * k: constants from setup (639)
  * qdot: time derivative of q (15): c1_t, c2_t, c3_t, e0_t, e1_t, e2_t, e3_t, alpha1_t .. alpha8_t
  *
@@ -412,7 +412,7 @@ int body_symbolic_rates(
     double *qdot);
 
 /*
- * Residual F(t, y, ydot) of the first-order form: [qdot - rates; M vdot + h].
+ * First-order form F(t, y, ydot) = [qdot - v; M vdot + h] = 0 with y = [q; v].
  *
  * t: time (a free body does not depend on it)
  * y: first-order state [q; v] (29)
@@ -455,10 +455,10 @@ int body_symbolic_jacobian(
     double *jac);
 
 /* ---- batches: mass, force and accel of n >= 0 states with the same time and constants. Element e of state
-   b lies at e * n + b, in q and v as in what is written. Where no product is fused with a sum
+   b has the index e * n + b, in inputs and outputs. Where no product is fused with a sum
    (-ffp-contract=off) the numbers are those of the functions above, bit for bit. Blocks of 32
    states are computed at a time, on some 76 kB of stack. accel_batch gives NaN for the accelerations of
-   a state that fails, and returns the code of the first of them; all other states are right. ---- */
+   a state that fails, and returns the code of the first of them; all other states are valid. ---- */
 
 int body_symbolic_mass_batch(
     int n,

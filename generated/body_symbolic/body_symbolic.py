@@ -7,13 +7,12 @@ Equations of motion M(q) vdot + h(t, q, v) = 0, from x = c + Q (X + u) and d'Ale
 work: (15) of Koppens, Sauren, Veldpaus & van Campen, J. Appl. Mech. 55 (1988) 676-680, whose
 equation numbers these are. Units are SI where the parameters are; any consistent set will do.
 
-The floating frame has its origin at c and is turned by Q. In it are resolved: r = X + u, the
-shapes Phi_i, and their moments c1 .. c8, d1, D2, d3, J, so that e1, e2 there are its axes.
-In the inertial base are resolved: c, momenta, and markers.
-Kernels are loops over the shapes, the faster: for h 124 ns are foreseen written out, 60 ns in
-    loops.
+The floating frame has its origin at c and the rotation Q. r = X + u, the shape functions Phi_i,
+and their moments c1 .. c8, d1, D2, d3, J are resolved in the floating frame; c, momenta and
+markers are resolved in the inertial frame.
+Kernels are looped, the faster form; predicted evaluation time of h: 124 ns unrolled, 60 ns looped.
 
-Coordinates q:
+Generalised coordinates q:
   0  c1     [m]  translation of the floating frame along e1
   1  c2     [m]  translation of the floating frame along e2
   2  c3     [m]  translation of the floating frame along e3
@@ -21,16 +20,16 @@ Coordinates q:
   4  e1     [1]  unit quaternion of the floating frame, scalar first
   5  e2     [1]  unit quaternion of the floating frame, scalar first
   6  e3     [1]  unit quaternion of the floating frame, scalar first
-  7 .. 14  alpha  [m]  amplitudes of the assumed shapes
+  7 .. 14  alpha  [m]  amplitudes of the assumed modes
 
-Rates v and the rows of the equations of motion, with their units:
-  0  c1dot  [m/s]  rate of c1; its row, c1, [N]
-  1  c2dot  [m/s]  rate of c2; its row, c2, [N]
-  2  c3dot  [m/s]  rate of c3; its row, c3, [N]
-  3  omega1  [rad/s]  angular velocity about the body axis 1; its row, pi1, [N m]
-  4  omega2  [rad/s]  angular velocity about the body axis 2; its row, pi2, [N m]
-  5  omega3  [rad/s]  angular velocity about the body axis 3; its row, pi3, [N m]
-  6 .. 13  alphadot  [m/s]  rates of alpha; its row, alpha, [N]
+Generalised velocities v, and the equations of motion with their units:
+  0  c1dot  [m/s]  time derivative of c1; equation c1 [N]
+  1  c2dot  [m/s]  time derivative of c2; equation c2 [N]
+  2  c3dot  [m/s]  time derivative of c3; equation c3 [N]
+  3  omega1  [rad/s]  angular velocity about the body axis 1; equation pi1 [N m]
+  4  omega2  [rad/s]  angular velocity about the body axis 2; equation pi2 [N m]
+  5  omega3  [rad/s]  angular velocity about the body axis 3; equation pi3 [N m]
+  6 .. 13  alphadot  [m/s]  time derivatives of alpha; equation alpha [N]
 
 Parameters p:
   m  [kg]  mass of the body, default 1.0
@@ -42,7 +41,7 @@ Parameters p:
   c7  [kg]  int rho Phi_i x Phi_j, for i < j by rows, components 1 2 3 together, 84 values
   K  [N/m]  stiffness, for each i, 8 values
 
-Constants k, made of them by setup:
+Constants k, computed from the parameters by setup:
   tables  C5_11, C5_12, C5_13, C5_22, C5_23, C5_33, c7_1, c7_2, c7_3, 576 values
   C4_11  [kg m]  symmetric part of int rho ((Phi_i . X) I - Phi_i X), 8 values
   C4_12  [kg m]  symmetric part of int rho ((Phi_i . X) I - Phi_i X), 8 values
@@ -59,7 +58,7 @@ Constants k, made of them by setup:
   C3_23  [kg m^2]  int rho ((X . X) I - X X)
   C3_33  [kg m^2]  int rho ((X . X) I - X X)
 
-Mass matrix, x a value and . a structural zero:
+Mass matrix (x: structural non-zero, .: structural zero):
   c1      x . . . . . . .
   c2      . x . . . . . .
   c3      . . x . . . . .
@@ -68,22 +67,22 @@ Mass matrix, x a value and . a structural zero:
   pi3     . . . x x x x x
   alpha1  . . . x x x x .
   alpha8  . . . x x x . x
-  (of the shapes the first and the last)
+  (the first and the last mode are shown)
   68 of 196 entries are structural non-zeros; the 41 of the lower triangle
 
-Why its zeros are zero:
+Reasons for its structural zeros:
   M[c, c] off the diagonal: the mass enters as m I, so translations along different axes do not
       couple
-  M[pi, c]: c1 = 0 by the choice of O (the centre of mass); c2 = 0 by condition (17) (no mean
-      displacement)
+  M[pi, c]: c1 = 0 by the choice of the origin (the centre of mass); c2 = 0 by condition (17) (no
+      mean displacement)
   M[alpha, c]: c2 = 0 by condition (17) (no mean displacement)
   M[alpha, alpha] off the diagonal: orthogonality (modes orthonormal in the mass)
 
 Terms of (15) that vanish:
   Euler term of row c1, centrifugal term of row c1, Euler term of row c2, centrifugal term of row
       c2, Euler term of row c3, centrifugal term of row c3, translation term of row pi1, translation
-      term of row pi2, translation term of row pi3: c1 = 0 by the choice of O (the centre of mass);
-      c2 = 0 by condition (17) (no mean displacement)
+      term of row pi2, translation term of row pi3: c1 = 0 by the choice of the origin (the centre
+      of mass); c2 = 0 by condition (17) (no mean displacement)
   Coriolis term of row c1, relative term of row c1, Coriolis term of row c2, relative term of row
       c2, Coriolis term of row c3, relative term of row c3, translation term of row alpha_i: c2 = 0
       by condition (17) (no mean displacement)
@@ -215,11 +214,11 @@ def setup(p):
     p_K = p[..., 355:363]
     k = _empty(xp, batch, 639)
 
-    # checks: refuse parameters that make no body
+    # checks: checks of the parameters
     _require(xp.all(xp.isfinite(p)), "a parameter is not finite")
     _require(xp.all(p_m > 0), "m must be positive")
 
-    # constants (appendix): shape integrals and stiffness as loops want them
+    # constants (appendix): shape integrals and stiffness in the layout of the loops
     even = _pairs(8, 1)
     odd = _pairs(8, -1)
     _pack(xp, k, p_C5[..., 0::6], even, 9, 0, 8, 1)
@@ -252,7 +251,7 @@ def setup(p):
 def mass(q, k):
     """Mass matrix M(q): values of the lower triangle by columns.
 
-    q: generalized coordinates (15)
+    q: generalised coordinates (15)
     k: constants from setup (639)
     M: values of the mass matrix, lower triangle by columns, 14 x 14, 41 values, 68 in both
         triangles
@@ -311,7 +310,7 @@ def mass(q, k):
     M[..., 15] = J_23
     M[..., 24] = J_33
 
-    # M_i (15): factors of the accelerations, for each shape
+    # M_i (15): factors of the accelerations, for each mode
     M[..., 6:14] = d3_1
     M[..., 16:24] = d3_2
     M[..., 25:33] = d3_3
@@ -324,11 +323,11 @@ def force(t, q, v, k):
     """Forces h of M vdot + h = 0: centrifugal, Coriolis, elastic, damping and gravity.
 
     t: time (a free body does not depend on it)
-    q: generalized coordinates (15)
-    v: rates (14)
+    q: generalised coordinates (15)
+    v: generalised velocities (14)
     k: constants from setup (639)
-    h: forces, one row a coordinate (14): h[c1], h[c2], h[c3], h[pi1], h[pi2], h[pi3], h[alpha1 ..
-        alpha8]
+    h: forces, one for each equation of motion (14): h[c1], h[c2], h[c3], h[pi1], h[pi2], h[pi3],
+        h[alpha1 .. alpha8]
 
     From appendix, (5), (15).
     1679 operations.
@@ -421,7 +420,7 @@ def force(t, q, v, k):
             - d3dot_1 * omega2
     )
 
-    # h_i (15): centrifugal, Coriolis, elastic and other forces, for each shape
+    # h_i (15): centrifugal, Coriolis, elastic and other forces, for each mode
     h[..., 6:14] = (
         K * alpha - _last(oo_11) * S_11 - _last(f4) * S_12 - _last(f5) * S_13 - _last(oo_22) * S_22
             - _last(f6) * S_23 - _last(oo_33) * S_33 - _last(f7) * c7dot_1 - _last(f8) * c7dot_2
@@ -435,13 +434,13 @@ def mass_force(t, q, v, k):
     """Mass matrix and forces together; what they share is computed once.
 
     t: time (a free body does not depend on it)
-    q: generalized coordinates (15)
-    v: rates (14)
+    q: generalised coordinates (15)
+    v: generalised velocities (14)
     k: constants from setup (639)
     M: values of the mass matrix, lower triangle by columns, 14 x 14, 41 values, 68 in both
         triangles
-    h: forces, one row a coordinate (14): h[c1], h[c2], h[c3], h[pi1], h[pi2], h[pi3], h[alpha1 ..
-        alpha8]
+    h: forces, one for each equation of motion (14): h[c1], h[c2], h[c3], h[pi1], h[pi2], h[pi3],
+        h[alpha1 .. alpha8]
 
     From appendix, (5), (15).
     2071 operations.
@@ -552,7 +551,7 @@ def mass_force(t, q, v, k):
             - d3dot_1 * omega2
     )
 
-    # M and h_i (15): factors of the accelerations, and forces, for each shape
+    # M and h_i (15): factors of the accelerations, and forces, for each mode
     M[..., 6:14] = d3_1
     M[..., 16:24] = d3_2
     M[..., 25:33] = d3_3
@@ -567,12 +566,12 @@ def mass_force(t, q, v, k):
 
 
 def accel(t, q, v, k):
-    """Accelerations vdot of M vdot + h = 0, by the Schur complement of the shapes and a sparse LDL^T
-        of the rest.
+    """Accelerations vdot of M vdot + h = 0, by the Schur complement of the modes and a sparse LDL^T of
+        the rest.
 
     t: time (a free body does not depend on it)
-    q: generalized coordinates (15)
-    v: rates (14)
+    q: generalised coordinates (15)
+    v: generalised velocities (14)
     k: constants from setup (639)
     vdot: accelerations (14): c1ddot, c2ddot, c3ddot, omega1dot, omega2dot, omega3dot, alpha1ddot ..
         alpha8ddot
@@ -647,7 +646,7 @@ def accel(t, q, v, k):
     oo_23 = omega2 * omega3
     oo_33 = omega3 * omega3
 
-    # h and B (15): forces, and coupling of rigid motion and shapes
+    # h and B (15): forces, and coupling of rigid-body motion and modes
     f4 = 2 * oo_12
     f5 = 2 * oo_13
     f6 = 2 * oo_23
@@ -685,7 +684,7 @@ def accel(t, q, v, k):
     M_65 = J_23
     M_66 = J_33
 
-    # h and B_i (15): forces, and coupling of rigid motion and shapes, for each shape
+    # h and B_i (15): forces, and coupling of rigid-body motion and modes, for each mode
     h = (
         K * alpha - _last(oo_11) * S_11 - _last(f4) * S_12 - _last(f5) * S_13 - _last(oo_22) * S_22
             - _last(f6) * S_23 - _last(oo_33) * S_33 - _last(f7) * c7dot_1 - _last(f8) * c7dot_2
@@ -739,13 +738,13 @@ def accel(t, q, v, k):
     vdot[..., 4] = omega2dot
     vdot[..., 5] = omega3dot
 
-    # alphaddot_i (15): accelerations of the shapes, for each shape
+    # alphaddot_i (15): accelerations of the modal amplitudes, for each mode
     x = -(h + _last(omega1dot) * B_4) - _last(omega2dot) * B_5 - _last(omega3dot) * B_6
 
-    # vdot_i: accelerations of the shapes, for each shape
+    # vdot_i: accelerations of the modal amplitudes, for each mode
     vdot[..., 6:14] = x
 
-    # sums (appendix): shapes = what shows that all are finite
+    # sums (appendix): shapes = sum that is finite if all are
     shapes = xp.sum(x, axis=-1)
 
     return _where(xp, valid_1 & valid_2 & valid_3 & valid_4 & valid_5 & valid_6, vdot)
@@ -754,8 +753,8 @@ def accel(t, q, v, k):
 def energy(q, v, k):
     """Kinetic and strain energy.
 
-    q: generalized coordinates (15)
-    v: rates (14)
+    q: generalised coordinates (15)
+    v: generalised velocities (14)
     k: constants from setup (639)
     energy: energies [J] (2): kinetic, strain
 
@@ -828,8 +827,8 @@ def energy(q, v, k):
 def momentum(q, v, k):
     """Linear momentum, and angular momentum about the inertial origin.
 
-    q: generalized coordinates (15)
-    v: rates (14)
+    q: generalised coordinates (15)
+    v: generalised velocities (14)
     k: constants from setup (639)
     momentum: linear [N s] and angular [N m s] (6): linear_1, linear_2, linear_3, angular_1,
         angular_2, angular_3
@@ -930,10 +929,10 @@ def momentum(q, v, k):
 
 
 def rates(q, v, k):
-    """Time derivative of the coordinates from the rates.
+    """Time derivatives of the generalised coordinates from the generalised velocities.
 
-    q: generalized coordinates (15)
-    v: rates (14)
+    q: generalised coordinates (15)
+    v: generalised velocities (14)
     k: constants from setup (639)
     qdot: time derivative of q (15): c1_t, c2_t, c3_t, e0_t, e1_t, e2_t, e3_t, alpha1_t .. alpha8_t
 
@@ -967,14 +966,14 @@ def rates(q, v, k):
     qdot[..., 5] = t4 * omega2 + t3 * omega1 - t1 * omega3
     qdot[..., 6] = t4 * omega3 + t1 * omega2 - t2 * omega1
 
-    # rates_i (1): from Qdot = Q (omega x), for each shape
+    # rates_i (1): from Qdot = Q (omega x), for each mode
     qdot[..., 7:15] = alphadot
 
     return qdot
 
 
 def residual(t, y, ydot, k):
-    """Residual F(t, y, ydot) of the first-order form: [qdot - rates; M vdot + h].
+    """First-order form F(t, y, ydot) = [qdot - v; M vdot + h] = 0 with y = [q; v].
 
     t: time (a free body does not depend on it)
     y: first-order state [q; v] (29)
@@ -1119,7 +1118,7 @@ def residual(t, y, ydot, k):
             - J_11 * oo_12 - J_12 * oo_22 - J_13 * oo_23 - d3dot_1 * omega2
     )
 
-    # F_i (15): qdot less its value from v, then M vdot + h, for each shape
+    # F_i (15): qdot less its value from v, then M vdot + h, for each mode
     F[..., 7:15] = alpha_t - alphadot
     F[..., 21:29] = (
         alphaddot + K * alpha + _last(omega1dot) * d3_1 + _last(omega2dot) * d3_2
@@ -1180,8 +1179,8 @@ def jacobian(t, y, ydot, cj, k):
     minus_alpha = -alpha
 
     # tables (appendix): S_i = symmetric part of D2_i; d3_i = int rho r x Phi_i; c7dot_i = int rho
-    #     Phi_i x rdot; C5dot_i = sum over the shapes of alphadot_j C5_i_j_11; c7ddot_i = sum over
-    #     the shapes of alphaddot_j c7_i_j_1
+    #     Phi_i x rdot; C5dot_i = sum over the modes of alphadot_j C5_i_j_11; c7ddot_i = sum over
+    #     the modes of alphaddot_j c7_i_j_1
     S_11 = C4_11 + _product(xp, alpha, _table(tables, 9, 0, 8))
     S_12 = C4_12 + _product(xp, alpha, _table(tables, 9, 1, 8))
     S_13 = C4_13 + _product(xp, alpha, _table(tables, 9, 2, 8))
@@ -1325,7 +1324,7 @@ def jacobian(t, y, ydot, cj, k):
     jac[..., 156] = t27 + d3dot_1 + t29 + J_12 * omega2 + t19 * omega3 + t28 - J_33 * omega1
     jac[..., 157] = 2 * Sdot_33 + t26 + J_33 * cj - t15
 
-    # jacobian_i (15): derivatives of the residual, for each shape
+    # jacobian_i (15): derivatives of the residual, for each mode
     jac[..., 19:104:12] = _last(cj)
     jac[..., 20:105:12] = (
         c7ddot_1 + _last(f4) * C5dot_11 + _last(f5) * C5dot_12 + _last(f6) * C5dot_13
@@ -1446,7 +1445,7 @@ def _require(holds, text):
 
 
 def _last(value):
-    """A scalar of each member of the batch with an axis for the shapes."""
+    """A scalar of each member of the batch with an axis for the modes."""
     return value if isinstance(value, (int, float)) else value[..., None]
 
 

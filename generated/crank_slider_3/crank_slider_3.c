@@ -420,7 +420,7 @@ int crank_slider_3_accel(
      *     crank_pin_1, crank_pin_2, rod_2_c1, rod_2_c2, rod_3_c2, slider_s, rod_3_c1, rod_3_alpha1,
      *     rod_3_alpha2, rod_3_phi, slider_pin_1, slider_pin_2, rod_2_alpha1, rod_2_alpha2,
      *     rod_2_phi, rod_cut_2_turn, rod_cut_1_1, rod_cut_1_2, rod_cut_1_turn, rod_cut_2_1,
-     *     rod_cut_2_2; 29 entries are filled in
+     *     rod_cut_2_2; fill-in 29
      */
     const double t1 = rod_1_cos_phi / (33377851.0 / 7500000000.0);
     const double t2 = t1 * rod_1_sin_phi;
@@ -752,7 +752,7 @@ int crank_slider_3_accel(
     const double t195 = t189 / (33377851.0 / 1000000000.0);
     vdot[15] = t195;
 
-    /* check: refuse what is not finite */
+    /* check: check that the result is finite */
     if (!isfinite(t172 + t174 + t175 + t176 + t178 + t180 + t182 + t184 + t185 + t187 + t190 + t191
         + t192 + t193 + t194 + t195)) return 2; /* a result is not finite */
     return 0;
@@ -988,7 +988,7 @@ int crank_slider_3_marker_rod_left(
     const double t4 = (-1.0 / 20.0) * rod_1_sin_phi;
     const double rod_1_left_s_2 = t3 + t4;
 
-    /* marker (1): x = c + Q r, its rate and its derivatives */
+    /* marker (1): x = c + Q r, its time derivative and its Jacobian */
     x[0] = rod_1_c1 + t1 - t2;
     x[1] = rod_1_c2 + t3 + t4;
     const double t5 = rod_1_left_rdot_2 + (-1.0 / 20.0) * rod_1_phidot;
@@ -1040,7 +1040,7 @@ int crank_slider_3_marker_rod_middle(
      */
     const double rod_2_cos_phi = cos(rod_2_phi);
 
-    /* marker (1): x = c + Q r, its rate and its derivatives */
+    /* marker (1): x = c + Q r, its time derivative and its Jacobian */
     x[0] = rod_2_c1 + rod_2_middle_s_1;
     const double t3 = t1 * rod_2_cos_phi;
     x[1] = rod_2_c2 - t3;
@@ -1091,7 +1091,7 @@ int crank_slider_3_marker_rod_right(
     const double t4 = (1.0 / 20.0) * rod_3_sin_phi;
     const double rod_3_right_s_2 = t3 + t4;
 
-    /* marker (1): x = c + Q r, its rate and its derivatives */
+    /* marker (1): x = c + Q r, its time derivative and its Jacobian */
     x[0] = rod_3_c1 + t1 - t2;
     x[1] = rod_3_c2 + t3 + t4;
     const double t5 = rod_3_right_rdot_2 + (1.0 / 20.0) * rod_3_phidot;
@@ -1122,7 +1122,7 @@ int crank_slider_3_marker_slider_pin(
     const double slider_sdot = v[15];
     (void) k;
 
-    /* marker (1): x = c + Q r, its rate and its derivatives */
+    /* marker (1): x = c + Q r, its time derivative and its Jacobian */
     x[0] = slider_s;
     x[1] = 0.0;
     xdot[0] = slider_sdot;
@@ -1151,7 +1151,7 @@ int crank_slider_3_load_rod_left(
     const double rod_1_cos_phi = cos(rod_1_phi);
     const double rod_1_sin_phi = sin(rod_1_phi);
 
-    /* F (10): the force seen from the body base */
+    /* F (10): the force in the body frame */
     const double rod_1_left_Fb_1 = F_1 * rod_1_cos_phi + F_2 * rod_1_sin_phi;
     const double rod_1_left_Fb_2 = F_2 * rod_1_cos_phi - F_1 * rod_1_sin_phi;
 
@@ -1200,7 +1200,7 @@ int crank_slider_3_load_rod_middle(
     const double rod_2_cos_phi = cos(rod_2_phi);
     const double rod_2_sin_phi = sin(rod_2_phi);
 
-    /* F (10): the force seen from the body base */
+    /* F (10): the force in the body frame */
     const double rod_2_middle_Fb_1 = F_1 * rod_2_cos_phi + F_2 * rod_2_sin_phi;
     const double rod_2_middle_Fb_2 = F_2 * rod_2_cos_phi - F_1 * rod_2_sin_phi;
 
@@ -1244,7 +1244,7 @@ int crank_slider_3_load_rod_right(
     const double rod_3_cos_phi = cos(rod_3_phi);
     const double rod_3_sin_phi = sin(rod_3_phi);
 
-    /* F (10): the force seen from the body base */
+    /* F (10): the force in the body frame */
     const double rod_3_right_Fb_1 = F_1 * rod_3_cos_phi + F_2 * rod_3_sin_phi;
     const double rod_3_right_Fb_2 = F_2 * rod_3_cos_phi - F_1 * rod_3_sin_phi;
 
@@ -1419,7 +1419,7 @@ int crank_slider_3_constraints(
     const double rod_3_cut_left_s_2 = rod_3_cut_left_r_2 * rod_3_cos_phi
         + (-1.0 / 20.0) * rod_3_sin_phi;
 
-    /* g (1): second place minus first, from x = c + Q r */
+    /* g (1): point of body 2 minus point of body 1, from x = c + Q r */
     g[0] = rod_1_c1 + rod_1_left_s_1 - crank_pin_s_1;
     g[1] = rod_1_c2 + rod_1_left_s_2 - crank_pin_s_2;
     g[2] = slider_s - rod_3_c1 - rod_3_right_s_1;
@@ -1573,7 +1573,7 @@ int crank_slider_3_constraint_rates(
         + (-1.0 / 20.0) * rod_3_sin_phi;
     const double rod_3_cut_left_sdot_2 = rod_3_cut_left_rdot_2 * rod_3_cos_phi;
 
-    /* gdot (1): velocities of the second place minus those of the first */
+    /* gdot (1): velocity of the point of body 2 minus that of body 1 */
     gdot[0] = 150.0 * crank_pin_s_2 + rod_1_c1dot - rod_1_left_rdot_2 * rod_1_sin_phi
         - rod_1_phidot * rod_1_left_s_2;
     gdot[1] = rod_1_c2dot + rod_1_left_sdot_2 + rod_1_phidot * rod_1_left_s_1
@@ -1694,7 +1694,7 @@ int crank_slider_3_constraint_jacobian(
     const double rod_3_cut_left_s_2 = rod_3_cut_left_r_2 * rod_3_cos_phi
         + (-1.0 / 20.0) * rod_3_sin_phi;
 
-    /* G (6): factors of the rates */
+    /* G (6): factors of the generalised velocities */
     G[0] = 1.0;
     G[1] = -1.0;
     G[2] = 1.0;
@@ -2063,7 +2063,7 @@ int crank_slider_3_solve(
      *     crank_pin_1, crank_pin_2, rod_2_c1, rod_2_c2, rod_3_c2, slider_s, rod_3_c1, rod_3_alpha1,
      *     rod_3_alpha2, rod_3_phi, slider_pin_1, slider_pin_2, rod_2_alpha1, rod_2_alpha2,
      *     rod_2_phi, rod_cut_2_turn, rod_cut_1_1, rod_cut_1_2, rod_cut_1_turn, rod_cut_2_1,
-     *     rod_cut_2_2; 29 entries are filled in
+     *     rod_cut_2_2; fill-in 29
      */
     const double t1 = rod_1_cos_phi / (33377851.0 / 7500000000.0);
     const double t2 = t1 * rod_1_sin_phi;
@@ -2405,7 +2405,7 @@ int crank_slider_3_solve(
     lam[8] = t164;
     lam[9] = t183;
 
-    /* check: refuse what is not finite */
+    /* check: check that the result is finite */
     if (!isfinite(t172 + t174 + t175 + t176 + t178 + t180 + t182 + t184 + t185 + t187 + t190 + t191
         + t192 + t193 + t194 + t195 + t170 + t169 + t189 + t188 + t168 + t167 + t166 + t165 + t164
         + t183)) return 2; /* a result is not finite */
@@ -2547,7 +2547,7 @@ int crank_slider_3_project_velocity(
      *     crank_pin_1, crank_pin_2, rod_2_c1, rod_2_c2, rod_3_c2, slider_s, rod_3_c1, rod_3_alpha1,
      *     rod_3_alpha2, rod_3_phi, slider_pin_1, slider_pin_2, rod_2_alpha1, rod_2_alpha2,
      *     rod_2_phi, rod_cut_2_turn, rod_cut_1_1, rod_cut_1_2, rod_cut_1_turn, rod_cut_2_1,
-     *     rod_cut_2_2; 29 entries are filled in
+     *     rod_cut_2_2; fill-in 29
      */
     const double t1 = rod_1_cos_phi / (33377851.0 / 7500000000.0);
     const double t2 = t1 * rod_1_sin_phi;
@@ -2805,7 +2805,7 @@ int crank_slider_3_project_velocity(
     const double t162 = t156 / (33377851.0 / 1000000000.0);
     dv[15] = t162;
 
-    /* check: refuse what is not finite */
+    /* check: check that the result is finite */
     if (!isfinite(t139 - t141 + t142 + t143 + t145 + t147 + t149 + t151 + t152 + t154 + t157 + t158
         + t159 + t160 + t161 + t162)) return 2; /* a result is not finite */
     return 0;
@@ -5409,7 +5409,7 @@ int crank_slider_3_jacobian_index1(
     return 0;
 }
 
-/* ---- batches: each state b of a block as the functions above have it ---- */
+/* ---- batches: the functions above for blocks of states b ---- */
 
 /* The rows of a block that is not full: its last state is repeated. */
 static const double *crank_slider_3_block32_pad(ptrdiff_t all, int count, int rows, const double *from, double *to)
@@ -6212,38 +6212,38 @@ static const tisserand_variable crank_slider_3_table_q[] = {
     {"rod_1_c1", "m", "rod_1: position of the origin of the floating frame along the inertial e1", 0.0, 1, TISSERAND_ROLE_TRANSLATION},
     {"rod_1_c2", "m", "rod_1: position of the origin of the floating frame along the inertial e2", 0.0, 1, TISSERAND_ROLE_TRANSLATION},
     {"rod_1_phi", "rad", "rod_1: rotation of the floating frame", 0.0, 1, TISSERAND_ROLE_ROTATION},
-    {"rod_1_alpha1", "m", "rod_1: amplitude of assumed shape 1", 0.0, 1, TISSERAND_ROLE_AMPLITUDE},
-    {"rod_1_alpha2", "m", "rod_1: amplitude of assumed shape 2", 0.0, 1, TISSERAND_ROLE_AMPLITUDE},
+    {"rod_1_alpha1", "m", "rod_1: amplitude of assumed mode 1", 0.0, 1, TISSERAND_ROLE_AMPLITUDE},
+    {"rod_1_alpha2", "m", "rod_1: amplitude of assumed mode 2", 0.0, 1, TISSERAND_ROLE_AMPLITUDE},
     {"rod_2_c1", "m", "rod_2: position of the origin of the floating frame along the inertial e1", 0.0, 1, TISSERAND_ROLE_TRANSLATION},
     {"rod_2_c2", "m", "rod_2: position of the origin of the floating frame along the inertial e2", 0.0, 1, TISSERAND_ROLE_TRANSLATION},
     {"rod_2_phi", "rad", "rod_2: rotation of the floating frame", 0.0, 1, TISSERAND_ROLE_ROTATION},
-    {"rod_2_alpha1", "m", "rod_2: amplitude of assumed shape 1", 0.0, 1, TISSERAND_ROLE_AMPLITUDE},
-    {"rod_2_alpha2", "m", "rod_2: amplitude of assumed shape 2", 0.0, 1, TISSERAND_ROLE_AMPLITUDE},
+    {"rod_2_alpha1", "m", "rod_2: amplitude of assumed mode 1", 0.0, 1, TISSERAND_ROLE_AMPLITUDE},
+    {"rod_2_alpha2", "m", "rod_2: amplitude of assumed mode 2", 0.0, 1, TISSERAND_ROLE_AMPLITUDE},
     {"rod_3_c1", "m", "rod_3: position of the origin of the floating frame along the inertial e1", 0.0, 1, TISSERAND_ROLE_TRANSLATION},
     {"rod_3_c2", "m", "rod_3: position of the origin of the floating frame along the inertial e2", 0.0, 1, TISSERAND_ROLE_TRANSLATION},
     {"rod_3_phi", "rad", "rod_3: rotation of the floating frame", 0.0, 1, TISSERAND_ROLE_ROTATION},
-    {"rod_3_alpha1", "m", "rod_3: amplitude of assumed shape 1", 0.0, 1, TISSERAND_ROLE_AMPLITUDE},
-    {"rod_3_alpha2", "m", "rod_3: amplitude of assumed shape 2", 0.0, 1, TISSERAND_ROLE_AMPLITUDE},
+    {"rod_3_alpha1", "m", "rod_3: amplitude of assumed mode 1", 0.0, 1, TISSERAND_ROLE_AMPLITUDE},
+    {"rod_3_alpha2", "m", "rod_3: amplitude of assumed mode 2", 0.0, 1, TISSERAND_ROLE_AMPLITUDE},
     {"slider_s", "m", "displacement of slider along its guide", 0.0, 1, TISSERAND_ROLE_DISPLACEMENT},
 };
 
 static const tisserand_variable crank_slider_3_table_v[] = {
-    {"rod_1_c1dot", "m/s", "rate of rod_1_c1", 0.0, 1, 0},
-    {"rod_1_c2dot", "m/s", "rate of rod_1_c2", 0.0, 1, 0},
-    {"rod_1_phidot", "rad/s", "rate of rod_1_phi", 0.0, 1, 0},
-    {"rod_1_alpha1dot", "m/s", "rate of rod_1_alpha1", 0.0, 1, 0},
-    {"rod_1_alpha2dot", "m/s", "rate of rod_1_alpha2", 0.0, 1, 0},
-    {"rod_2_c1dot", "m/s", "rate of rod_2_c1", 0.0, 1, 0},
-    {"rod_2_c2dot", "m/s", "rate of rod_2_c2", 0.0, 1, 0},
-    {"rod_2_phidot", "rad/s", "rate of rod_2_phi", 0.0, 1, 0},
-    {"rod_2_alpha1dot", "m/s", "rate of rod_2_alpha1", 0.0, 1, 0},
-    {"rod_2_alpha2dot", "m/s", "rate of rod_2_alpha2", 0.0, 1, 0},
-    {"rod_3_c1dot", "m/s", "rate of rod_3_c1", 0.0, 1, 0},
-    {"rod_3_c2dot", "m/s", "rate of rod_3_c2", 0.0, 1, 0},
-    {"rod_3_phidot", "rad/s", "rate of rod_3_phi", 0.0, 1, 0},
-    {"rod_3_alpha1dot", "m/s", "rate of rod_3_alpha1", 0.0, 1, 0},
-    {"rod_3_alpha2dot", "m/s", "rate of rod_3_alpha2", 0.0, 1, 0},
-    {"slider_sdot", "m/s", "rate of slider_s", 0.0, 1, 0},
+    {"rod_1_c1dot", "m/s", "time derivative of rod_1_c1", 0.0, 1, 0},
+    {"rod_1_c2dot", "m/s", "time derivative of rod_1_c2", 0.0, 1, 0},
+    {"rod_1_phidot", "rad/s", "time derivative of rod_1_phi", 0.0, 1, 0},
+    {"rod_1_alpha1dot", "m/s", "time derivative of rod_1_alpha1", 0.0, 1, 0},
+    {"rod_1_alpha2dot", "m/s", "time derivative of rod_1_alpha2", 0.0, 1, 0},
+    {"rod_2_c1dot", "m/s", "time derivative of rod_2_c1", 0.0, 1, 0},
+    {"rod_2_c2dot", "m/s", "time derivative of rod_2_c2", 0.0, 1, 0},
+    {"rod_2_phidot", "rad/s", "time derivative of rod_2_phi", 0.0, 1, 0},
+    {"rod_2_alpha1dot", "m/s", "time derivative of rod_2_alpha1", 0.0, 1, 0},
+    {"rod_2_alpha2dot", "m/s", "time derivative of rod_2_alpha2", 0.0, 1, 0},
+    {"rod_3_c1dot", "m/s", "time derivative of rod_3_c1", 0.0, 1, 0},
+    {"rod_3_c2dot", "m/s", "time derivative of rod_3_c2", 0.0, 1, 0},
+    {"rod_3_phidot", "rad/s", "time derivative of rod_3_phi", 0.0, 1, 0},
+    {"rod_3_alpha1dot", "m/s", "time derivative of rod_3_alpha1", 0.0, 1, 0},
+    {"rod_3_alpha2dot", "m/s", "time derivative of rod_3_alpha2", 0.0, 1, 0},
+    {"slider_sdot", "m/s", "time derivative of slider_s", 0.0, 1, 0},
 };
 
 static const tisserand_variable crank_slider_3_table_lambda[] = {

@@ -10,54 +10,54 @@
  * work: (15) of Koppens, Sauren, Veldpaus & van Campen, J. Appl. Mech. 55 (1988) 676-680, whose
  * equation numbers these are. Units are SI where the parameters are; any consistent set will do.
  *
- * The floating frame has its origin at c and is turned by Q. In it are resolved: r = X + u, the
- * shapes Phi_i, and their moments c1 .. c8, d1, D2, d3, J, so that e1, e2 there are its axes.
- * In the inertial base are resolved: c, momenta, and markers.
- * Of beams c is where the centre of the undeformed beam lies in the floating frame.
+ * The floating frame has its origin at c and the rotation Q. r = X + u, the shape functions Phi_i,
+ * and their moments c1 .. c8, d1, D2, d3, J are resolved in the floating frame; c, momenta and
+ * markers are resolved in the inertial frame.
+ * For beams, c is the position of the centre of the undeformed beam.
  * Deflection of rod, each of 3 pieces, along its e2: alpha1 phi_1 + ..., phi_1 = 3*xi^2/2 - 1/2,
  *     phi_2 = 5*xi^3/2 - 3*xi/2; xi = 2 x / length.
- * In M bodies share no inertia: joints couple them through constraints. What is told of rod_1 holds
- *     of the other pieces as well.
+ * For several bodies the mass matrix is block-diagonal, because joints couple bodies through
+ *     constraints. The statements about rod_1 hold for the other pieces as well.
  *
- * Coordinates q:
+ * Generalised coordinates q:
  *   0  rod_1_c1      [m]  rod_1: position of the origin of the floating frame along the inertial e1
  *   1  rod_1_c2      [m]  rod_1: position of the origin of the floating frame along the inertial e2
  *   2  rod_1_phi     [rad]  rod_1: rotation of the floating frame
- *   3  rod_1_alpha1  [m]  rod_1: amplitude of assumed shape 1
- *   4  rod_1_alpha2  [m]  rod_1: amplitude of assumed shape 2
+ *   3  rod_1_alpha1  [m]  rod_1: amplitude of assumed mode 1
+ *   4  rod_1_alpha2  [m]  rod_1: amplitude of assumed mode 2
  *   5  rod_2_c1      [m]  rod_2: position of the origin of the floating frame along the inertial e1
  *   6  rod_2_c2      [m]  rod_2: position of the origin of the floating frame along the inertial e2
  *   7  rod_2_phi     [rad]  rod_2: rotation of the floating frame
- *   8  rod_2_alpha1  [m]  rod_2: amplitude of assumed shape 1
- *   9  rod_2_alpha2  [m]  rod_2: amplitude of assumed shape 2
+ *   8  rod_2_alpha1  [m]  rod_2: amplitude of assumed mode 1
+ *   9  rod_2_alpha2  [m]  rod_2: amplitude of assumed mode 2
  *   10  rod_3_c1      [m]  rod_3: position of the origin of the floating frame along the inertial
  *       e1
  *   11  rod_3_c2      [m]  rod_3: position of the origin of the floating frame along the inertial
  *       e2
  *   12  rod_3_phi     [rad]  rod_3: rotation of the floating frame
- *   13  rod_3_alpha1  [m]  rod_3: amplitude of assumed shape 1
- *   14  rod_3_alpha2  [m]  rod_3: amplitude of assumed shape 2
+ *   13  rod_3_alpha1  [m]  rod_3: amplitude of assumed mode 1
+ *   14  rod_3_alpha2  [m]  rod_3: amplitude of assumed mode 2
  *   15  slider_s      [m]  displacement of slider along its guide
  *
- * Rates v and the rows of the equations of motion, with their units:
- *   0  rod_1_c1dot  [m/s]  rate of rod_1_c1; its row, rod_1_c1, [N]
- *   1  rod_1_c2dot  [m/s]  rate of rod_1_c2; its row, rod_1_c2, [N]
- *   2  rod_1_phidot  [rad/s]  rate of rod_1_phi; its row, rod_1_phi, [N m]
- *   3  rod_1_alpha1dot  [m/s]  rate of rod_1_alpha1; its row, rod_1_alpha1, [N]
- *   4  rod_1_alpha2dot  [m/s]  rate of rod_1_alpha2; its row, rod_1_alpha2, [N]
- *   5  rod_2_c1dot  [m/s]  rate of rod_2_c1; its row, rod_2_c1, [N]
- *   6  rod_2_c2dot  [m/s]  rate of rod_2_c2; its row, rod_2_c2, [N]
- *   7  rod_2_phidot  [rad/s]  rate of rod_2_phi; its row, rod_2_phi, [N m]
- *   8  rod_2_alpha1dot  [m/s]  rate of rod_2_alpha1; its row, rod_2_alpha1, [N]
- *   9  rod_2_alpha2dot  [m/s]  rate of rod_2_alpha2; its row, rod_2_alpha2, [N]
- *   10  rod_3_c1dot  [m/s]  rate of rod_3_c1; its row, rod_3_c1, [N]
- *   11  rod_3_c2dot  [m/s]  rate of rod_3_c2; its row, rod_3_c2, [N]
- *   12  rod_3_phidot  [rad/s]  rate of rod_3_phi; its row, rod_3_phi, [N m]
- *   13  rod_3_alpha1dot  [m/s]  rate of rod_3_alpha1; its row, rod_3_alpha1, [N]
- *   14  rod_3_alpha2dot  [m/s]  rate of rod_3_alpha2; its row, rod_3_alpha2, [N]
- *   15  slider_sdot  [m/s]  rate of slider_s; its row, slider_s, [N]
+ * Generalised velocities v, and the equations of motion with their units:
+ *   0  rod_1_c1dot  [m/s]  time derivative of rod_1_c1; equation rod_1_c1 [N]
+ *   1  rod_1_c2dot  [m/s]  time derivative of rod_1_c2; equation rod_1_c2 [N]
+ *   2  rod_1_phidot  [rad/s]  time derivative of rod_1_phi; equation rod_1_phi [N m]
+ *   3  rod_1_alpha1dot  [m/s]  time derivative of rod_1_alpha1; equation rod_1_alpha1 [N]
+ *   4  rod_1_alpha2dot  [m/s]  time derivative of rod_1_alpha2; equation rod_1_alpha2 [N]
+ *   5  rod_2_c1dot  [m/s]  time derivative of rod_2_c1; equation rod_2_c1 [N]
+ *   6  rod_2_c2dot  [m/s]  time derivative of rod_2_c2; equation rod_2_c2 [N]
+ *   7  rod_2_phidot  [rad/s]  time derivative of rod_2_phi; equation rod_2_phi [N m]
+ *   8  rod_2_alpha1dot  [m/s]  time derivative of rod_2_alpha1; equation rod_2_alpha1 [N]
+ *   9  rod_2_alpha2dot  [m/s]  time derivative of rod_2_alpha2; equation rod_2_alpha2 [N]
+ *   10  rod_3_c1dot  [m/s]  time derivative of rod_3_c1; equation rod_3_c1 [N]
+ *   11  rod_3_c2dot  [m/s]  time derivative of rod_3_c2; equation rod_3_c2 [N]
+ *   12  rod_3_phidot  [rad/s]  time derivative of rod_3_phi; equation rod_3_phi [N m]
+ *   13  rod_3_alpha1dot  [m/s]  time derivative of rod_3_alpha1; equation rod_3_alpha1 [N]
+ *   14  rod_3_alpha2dot  [m/s]  time derivative of rod_3_alpha2; equation rod_3_alpha2 [N]
+ *   15  slider_sdot  [m/s]  time derivative of slider_s; equation slider_s [N]
  *
- * Multipliers lambda, what joints exert on their second bodies:
+ * Multipliers lambda, the constraint reactions on body 2 of each joint:
  *   0  crank_pin_1  [N]  crank.pin and rod_1.left coincide along e1
  *   1  crank_pin_2  [N]  crank.pin and rod_1.left coincide along e2
  *   2  slider_pin_1  [N]  rod_3.right and slider.pin coincide along e1
@@ -69,7 +69,7 @@
  *   8  rod_cut_2_2  [N]  rod_2.cut_right and rod_3.cut_left coincide along e2
  *   9  rod_cut_2_turn  [N m]  rod_2.cut_right and rod_3.cut_left turn together
  *
- * What is not modelled, and why:
+ * Not modelled, with the reasons:
  *   ground: it does not move: no coordinates
  *   crank: drive motor prescribes its motion: no coordinates and no constraints, in place of 3 and
  *       3
@@ -79,10 +79,10 @@
  * Parameters p:
  *   none: every number of the specification is folded into the code
  *
- * Constants k, made of them by setup:
+ * Constants k, computed from the parameters by setup:
  *   none
  *
- * Mass matrix, x a value and . a structural zero:
+ * Mass matrix (x: structural non-zero, .: structural zero):
  *   rod_1_c1      x . . . . . . . . . . . . . . .
  *   rod_1_c2      . x . . . . . . . . . . . . . .
  *   rod_1_phi     . . x . . . . . . . . . . . . .
@@ -101,12 +101,12 @@
  *   slider_s      . . . . . . . . . . . . . . . x
  *   16 of 256 entries are structural non-zeros; the 16 of the lower triangle are stored
  *
- * Why its zeros are zero:
+ * Reasons for its structural zeros:
  *   M[rod_1_c2, rod_1_c1]: the mass enters as m I, so translations along different axes do not
  *       couple
- *   M[rod_1_phi, rod_1_c1], M[rod_1_phi, rod_1_c2]: c1_1 = 0 by the choice of O (the centre of the
- *       undeformed beam); c1_2, c2_1_1, c2_2_1 = 0 by geometry (the beam lies along e1 and deflects
- *       along e2); c2_1_2, c2_2_2 = 0 by condition (17) (no mean displacement)
+ *   M[rod_1_phi, rod_1_c1], M[rod_1_phi, rod_1_c2]: c1_1 = 0 by the choice of the origin (the
+ *       centre of the undeformed beam); c1_2, c2_1_1, c2_2_1 = 0 by geometry (the beam lies along
+ *       e1 and deflects along e2); c2_1_2, c2_2_2 = 0 by condition (17) (no mean displacement)
  *   M[rod_1_alpha1, rod_1_c1], M[rod_1_alpha1, rod_1_c2]: c2_1_1 = 0 by geometry (the beam lies
  *       along e1 and deflects along e2); c2_1_2 = 0 by condition (17) (no mean displacement)
  *   M[rod_1_alpha1, rod_1_phi]: c6_1 = 0 by condition (19) (no mean rotation); c7_1_2 = 0 by
@@ -120,9 +120,9 @@
  * Terms of (15) that vanish:
  *   Euler term of row rod_1_c1, centrifugal term of row rod_1_c1, Euler term of row rod_1_c2,
  *       centrifugal term of row rod_1_c2, translation term of row rod_1_phi: c1_1 = 0 by the choice
- *       of O (the centre of the undeformed beam); c1_2, c2_1_1, c2_2_1 = 0 by geometry (the beam
- *       lies along e1 and deflects along e2); c2_1_2, c2_2_2 = 0 by condition (17) (no mean
- *       displacement)
+ *       of the origin (the centre of the undeformed beam); c1_2, c2_1_1, c2_2_1 = 0 by geometry
+ *       (the beam lies along e1 and deflects along e2); c2_1_2, c2_2_2 = 0 by condition (17) (no
+ *       mean displacement)
  *   Coriolis term of row rod_1_c1, relative term of row rod_1_c1, Coriolis term of row rod_1_c2,
  *       relative term of row rod_1_c2: c2_1_1, c2_2_1 = 0 by geometry (the beam lies along e1 and
  *       deflects along e2); c2_1_2, c2_2_2 = 0 by condition (17) (no mean displacement)
@@ -139,8 +139,8 @@
  *       deflects along e2); c2_2_2 = 0 by condition (17) (no mean displacement)
  *   Euler term of row rod_1_alpha2: c6_2 = 0 by condition (19) (no mean rotation); c7_1_2 = 0 by
  *       geometry (all deflections are along e2)
- *   Euler term of row slider_s, centrifugal term of row slider_s: c1_1, c1_2 = 0 by the choice of O
- *       (the centre of mass)
+ *   Euler term of row slider_s, centrifugal term of row slider_s: c1_1, c1_2 = 0 by the choice of
+ *       the origin (the centre of mass)
  *   Coriolis term of row slider_s, relative term of row slider_s: a rigid body has no shapes
  */
 
@@ -177,18 +177,18 @@ enum {
     TISSERAND_ROLE_AMPLITUDE = 5
 };
 
-/* A coordinate, rate, parameter or constant; a parameter has a default. An array has so many values. */
+/* A generalised coordinate, generalised velocity, parameter, constant or multiplier. */
 typedef struct {
     const char *name;
     const char *unit;
     const char *doc;
-    double value;
-    int size;
+    double value; /* the default of a parameter */
+    int size;     /* number of values, more than 1 for an array */
     int role; /* one of the roles above, for coordinates; 0 otherwise */
 } tisserand_variable;
 
-/* Compressed columns; of a symmetric matrix the lower triangle. Patterns of loops over the shapes are not
-   stored: colptr and rowidx are 0 there, and fill writes them. */
+/* Compressed columns; of a symmetric matrix the lower triangle. Patterns of looped kernels are not stored:
+   colptr and rowidx are 0 there, and fill writes them. */
 typedef struct {
     int rows;
     int cols;
@@ -200,7 +200,7 @@ typedef struct {
 } tisserand_pattern;
 
 /* A named material point; jacobian holds the values of d(velocity)/dv, in the plane d(position)/dq; load turns
-   a force F at the point, in the inertial base, into generalized forces f of M vdot + h = f. */
+   a force F at the point, in the inertial frame, into generalised forces f of M vdot + h = f. */
 typedef struct {
     const char *name;
     int dimension;
@@ -219,10 +219,10 @@ typedef struct {
     int (*jacobian)(double t, const double *y, const double *ydot, double cj, const double *k, double *jac);
 } tisserand_dae;
 
-/* What a scene has besides: constraints g(t, q) = 0 with multipliers, M vdot + h = G^T lambda, G vdot = gamma. */
+/* The additional functions of a scene: constraints g(t, q) = 0 with multipliers, M vdot + h = G^T lambda, G vdot = gamma. */
 typedef struct {
     int nbodies;
-    const tisserand_variable *lambda; /* nlambda multipliers: what joints exert on their second bodies */
+    const tisserand_variable *lambda; /* nlambda multipliers: constraint reactions on body 2 */
     const char *const *bodies;
     const tisserand_pattern *pattern; /* of G, nlambda x nv */
     const tisserand_dae *forms;
@@ -236,12 +236,12 @@ typedef struct {
     int (*poses)(double t, const double *q, const double *k, double *pose); /* c1, c2, phi of each body */
 } tisserand_scene;
 
-/* All there is to know of a model, for a host that is compiled once and serves many. */
+/* The descriptor of a model, for hosts that are compiled once and serve many models. */
 typedef struct {
     int abi;
     const char *name;
-    int nq;        /* coordinates */
-    int nv;        /* rates */
+    int nq;        /* generalised coordinates */
+    int nv;        /* generalised velocities */
     int np;        /* parameters */
     int nk;        /* constants of setup */
     int nlambda;   /* multipliers */
@@ -277,7 +277,7 @@ typedef struct {
 } tisserand_model;
 
 #elif TISSERAND_ABI != 4
-#  error "this header and one included before it were generated by Tisserand versions that do not fit"
+#  error "this header and one included before it were generated by incompatible versions of Tisserand"
 #endif
 
 /* ---- sizes and indices ---- */
@@ -313,9 +313,9 @@ enum {
     CRANK_SLIDER_3_ABI = 4
 };
 
-/* ---- functions: 0 = ok. From setup and accel, solve and project_velocity alone: 1 = a pivot vanished; 2 = a value is not finite
-   or not positive; the outputs then hold nothing of use. The others let a NaN through; accel calls a
-   NaN in its mass matrix a vanished pivot.
+/* ---- functions return 0 for success. setup, accel, solve and project_velocity return 1 if a pivot vanished and 2 if a
+   value is not finite or not positive; the outputs are undefined then. All other functions propagate a NaN;
+   accel reports a NaN in its mass matrix as a vanished pivot.
    Arrays that are written must not overlap each other or arrays that are read. ---- */
 
 /*
@@ -333,7 +333,7 @@ int crank_slider_3_setup(
 /*
  * Mass matrix M(q): values of the lower triangle by columns.
  *
- * q: generalized coordinates (16)
+ * q: generalised coordinates (16)
  * k: constants from setup (0)
  * M: values of the mass matrix, lower triangle by columns, 16 x 16, 16 values, 16 in both triangles
  *
@@ -346,16 +346,17 @@ int crank_slider_3_mass(
     double *M);
 
 /*
- * Forces h of M vdot + h = G^T lambda: centrifugal, Coriolis and elastic, and those of gravity,
- *     springs and applied loads.
+ * Forces h of M vdot + h = G^T lambda: centrifugal, Coriolis, elastic, damping, gravity, springs
+ *     and applied loads.
  *
  * t: time
- * q: generalized coordinates (16)
- * v: rates (16)
+ * q: generalised coordinates (16)
+ * v: generalised velocities (16)
  * k: constants from setup (0)
- * h: forces, one row a coordinate (16): h[rod_1_c1], h[rod_1_c2], h[rod_1_phi], h[rod_1_alpha1],
- *     h[rod_1_alpha2], h[rod_2_c1], h[rod_2_c2], h[rod_2_phi], h[rod_2_alpha1], h[rod_2_alpha2],
- *     h[rod_3_c1], h[rod_3_c2], h[rod_3_phi], h[rod_3_alpha1], h[rod_3_alpha2], h[slider_s]
+ * h: forces, one for each equation of motion (16): h[rod_1_c1], h[rod_1_c2], h[rod_1_phi],
+ *     h[rod_1_alpha1], h[rod_1_alpha2], h[rod_2_c1], h[rod_2_c2], h[rod_2_phi], h[rod_2_alpha1],
+ *     h[rod_2_alpha2], h[rod_3_c1], h[rod_3_c2], h[rod_3_phi], h[rod_3_alpha1], h[rod_3_alpha2],
+ *     h[slider_s]
  *
  * From appendix, (15).
  * 42 operations.
@@ -371,13 +372,14 @@ int crank_slider_3_force(
  * Mass matrix and forces together; what they share is computed once.
  *
  * t: time
- * q: generalized coordinates (16)
- * v: rates (16)
+ * q: generalised coordinates (16)
+ * v: generalised velocities (16)
  * k: constants from setup (0)
  * M: values of the mass matrix, lower triangle by columns, 16 x 16, 16 values, 16 in both triangles
- * h: forces, one row a coordinate (16): h[rod_1_c1], h[rod_1_c2], h[rod_1_phi], h[rod_1_alpha1],
- *     h[rod_1_alpha2], h[rod_2_c1], h[rod_2_c2], h[rod_2_phi], h[rod_2_alpha1], h[rod_2_alpha2],
- *     h[rod_3_c1], h[rod_3_c2], h[rod_3_phi], h[rod_3_alpha1], h[rod_3_alpha2], h[slider_s]
+ * h: forces, one for each equation of motion (16): h[rod_1_c1], h[rod_1_c2], h[rod_1_phi],
+ *     h[rod_1_alpha1], h[rod_1_alpha2], h[rod_2_c1], h[rod_2_c2], h[rod_2_phi], h[rod_2_alpha1],
+ *     h[rod_2_alpha2], h[rod_3_c1], h[rod_3_c2], h[rod_3_phi], h[rod_3_alpha1], h[rod_3_alpha2],
+ *     h[slider_s]
  *
  * From (15), appendix.
  * 54 operations.
@@ -394,8 +396,8 @@ int crank_slider_3_mass_force(
  * Accelerations vdot of M vdot + h = G^T lambda, G vdot = gamma; `solve` gives lambda as well.
  *
  * t: time
- * q: generalized coordinates (16)
- * v: rates (16)
+ * q: generalised coordinates (16)
+ * v: generalised velocities (16)
  * k: constants from setup (0)
  * vdot: accelerations (16): rod_1_c1ddot, rod_1_c2ddot, rod_1_phiddot, rod_1_alpha1ddot,
  *     rod_1_alpha2ddot, rod_2_c1ddot, rod_2_c2ddot, rod_2_phiddot, rod_2_alpha1ddot,
@@ -415,8 +417,8 @@ int crank_slider_3_accel(
 /*
  * Kinetic and strain energy (with that of springs).
  *
- * q: generalized coordinates (16)
- * v: rates (16)
+ * q: generalised coordinates (16)
+ * v: generalised velocities (16)
  * k: constants from setup (0)
  * energy: energies [J] (2): kinetic, strain
  *
@@ -432,8 +434,8 @@ int crank_slider_3_energy(
 /*
  * Linear momentum, and angular momentum about the inertial origin.
  *
- * q: generalized coordinates (16)
- * v: rates (16)
+ * q: generalised coordinates (16)
+ * v: generalised velocities (16)
  * k: constants from setup (0)
  * momentum: linear [N s] and angular [N m s] (3): linear_1, linear_2, angular
  *
@@ -447,10 +449,10 @@ int crank_slider_3_momentum(
     double *momentum);
 
 /*
- * Time derivative of the coordinates from the rates.
+ * Time derivatives of the generalised coordinates from the generalised velocities.
  *
- * q: generalized coordinates (16)
- * v: rates (16)
+ * q: generalised coordinates (16)
+ * v: generalised velocities (16)
  * k: constants from setup (0)
  * qdot: time derivative of q (16): rod_1_c1_t, rod_1_c2_t, rod_1_phi_t, rod_1_alpha1_t,
  *     rod_1_alpha2_t, rod_2_c1_t, rod_2_c2_t, rod_2_phi_t, rod_2_alpha1_t, rod_2_alpha2_t,
@@ -469,11 +471,11 @@ int crank_slider_3_rates(
  * Marker rod_left, material point at xi = -1 of rod_1: position, velocity and its Jacobian
  *     d(velocity)/dv.
  *
- * q: generalized coordinates (16)
- * v: rates (16)
+ * q: generalised coordinates (16)
+ * v: generalised velocities (16)
  * k: constants from setup (0)
- * x: position in the inertial base [m] (2): x1, x2
- * xdot: velocity in the inertial base [m/s] (2): x1dot, x2dot
+ * x: position in the inertial frame [m] (2): x1, x2
+ * xdot: velocity in the inertial frame [m/s] (2): x1dot, x2dot
  * jacobian: values of d(velocity)/dv by columns, 2 x 16, 8 values
  *
  * From (1).
@@ -491,11 +493,11 @@ int crank_slider_3_marker_rod_left(
  * Marker rod_middle, material point at xi = 0 of rod_2: position, velocity and its Jacobian
  *     d(velocity)/dv.
  *
- * q: generalized coordinates (16)
- * v: rates (16)
+ * q: generalised coordinates (16)
+ * v: generalised velocities (16)
  * k: constants from setup (0)
- * x: position in the inertial base [m] (2): x1, x2
- * xdot: velocity in the inertial base [m/s] (2): x1dot, x2dot
+ * x: position in the inertial frame [m] (2): x1, x2
+ * xdot: velocity in the inertial frame [m/s] (2): x1dot, x2dot
  * jacobian: values of d(velocity)/dv by columns, 2 x 16, 6 values
  *
  * From (1), (26).
@@ -513,11 +515,11 @@ int crank_slider_3_marker_rod_middle(
  * Marker rod_right, material point at xi = 1 of rod_3: position, velocity and its Jacobian
  *     d(velocity)/dv.
  *
- * q: generalized coordinates (16)
- * v: rates (16)
+ * q: generalised coordinates (16)
+ * v: generalised velocities (16)
  * k: constants from setup (0)
- * x: position in the inertial base [m] (2): x1, x2
- * xdot: velocity in the inertial base [m/s] (2): x1dot, x2dot
+ * x: position in the inertial frame [m] (2): x1, x2
+ * xdot: velocity in the inertial frame [m/s] (2): x1dot, x2dot
  * jacobian: values of d(velocity)/dv by columns, 2 x 16, 8 values
  *
  * From (1).
@@ -534,11 +536,11 @@ int crank_slider_3_marker_rod_right(
 /*
  * Marker slider_pin, point pin of slider: position, velocity and its Jacobian d(velocity)/dv.
  *
- * q: generalized coordinates (16)
- * v: rates (16)
+ * q: generalised coordinates (16)
+ * v: generalised velocities (16)
  * k: constants from setup (0)
- * x: position in the inertial base [m] (2): x1, x2
- * xdot: velocity in the inertial base [m/s] (2): x1dot, x2dot
+ * x: position in the inertial frame [m] (2): x1, x2
+ * xdot: velocity in the inertial frame [m/s] (2): x1dot, x2dot
  * jacobian: values of d(velocity)/dv by columns, 2 x 16, 1 values
  *
  * From (1).
@@ -553,15 +555,15 @@ int crank_slider_3_marker_slider_pin(
     double *jacobian);
 
 /*
- * Generalized forces f of a force at marker rod_left: then M vdot + h = f.
+ * Generalised forces f of a force at marker rod_left: then M vdot + h = f.
  *
- * q: generalized coordinates (16)
- * F: force at the marker, in the inertial base [N] (2)
+ * q: generalised coordinates (16)
+ * F: force at the marker, in the inertial frame [N] (2)
  * k: constants from setup (0)
- * f: generalized forces, one row a coordinate (16): f[rod_1_c1], f[rod_1_c2], f[rod_1_phi],
- *     f[rod_1_alpha1], f[rod_1_alpha2], f[rod_2_c1], f[rod_2_c2], f[rod_2_phi], f[rod_2_alpha1],
- *     f[rod_2_alpha2], f[rod_3_c1], f[rod_3_c2], f[rod_3_phi], f[rod_3_alpha1], f[rod_3_alpha2],
- *     f[slider_s]
+ * f: generalised forces, one for each equation of motion (16): f[rod_1_c1], f[rod_1_c2],
+ *     f[rod_1_phi], f[rod_1_alpha1], f[rod_1_alpha2], f[rod_2_c1], f[rod_2_c2], f[rod_2_phi],
+ *     f[rod_2_alpha1], f[rod_2_alpha2], f[rod_3_c1], f[rod_3_c2], f[rod_3_phi], f[rod_3_alpha1],
+ *     f[rod_3_alpha2], f[slider_s]
  *
  * From (26), (10), (1).
  * 13 operations.
@@ -573,15 +575,15 @@ int crank_slider_3_load_rod_left(
     double *f);
 
 /*
- * Generalized forces f of a force at marker rod_middle: then M vdot + h = f.
+ * Generalised forces f of a force at marker rod_middle: then M vdot + h = f.
  *
- * q: generalized coordinates (16)
- * F: force at the marker, in the inertial base [N] (2)
+ * q: generalised coordinates (16)
+ * F: force at the marker, in the inertial frame [N] (2)
  * k: constants from setup (0)
- * f: generalized forces, one row a coordinate (16): f[rod_1_c1], f[rod_1_c2], f[rod_1_phi],
- *     f[rod_1_alpha1], f[rod_1_alpha2], f[rod_2_c1], f[rod_2_c2], f[rod_2_phi], f[rod_2_alpha1],
- *     f[rod_2_alpha2], f[rod_3_c1], f[rod_3_c2], f[rod_3_phi], f[rod_3_alpha1], f[rod_3_alpha2],
- *     f[slider_s]
+ * f: generalised forces, one for each equation of motion (16): f[rod_1_c1], f[rod_1_c2],
+ *     f[rod_1_phi], f[rod_1_alpha1], f[rod_1_alpha2], f[rod_2_c1], f[rod_2_c2], f[rod_2_phi],
+ *     f[rod_2_alpha1], f[rod_2_alpha2], f[rod_3_c1], f[rod_3_c2], f[rod_3_phi], f[rod_3_alpha1],
+ *     f[rod_3_alpha2], f[slider_s]
  *
  * From (26), (10).
  * 11 operations.
@@ -593,15 +595,15 @@ int crank_slider_3_load_rod_middle(
     double *f);
 
 /*
- * Generalized forces f of a force at marker rod_right: then M vdot + h = f.
+ * Generalised forces f of a force at marker rod_right: then M vdot + h = f.
  *
- * q: generalized coordinates (16)
- * F: force at the marker, in the inertial base [N] (2)
+ * q: generalised coordinates (16)
+ * F: force at the marker, in the inertial frame [N] (2)
  * k: constants from setup (0)
- * f: generalized forces, one row a coordinate (16): f[rod_1_c1], f[rod_1_c2], f[rod_1_phi],
- *     f[rod_1_alpha1], f[rod_1_alpha2], f[rod_2_c1], f[rod_2_c2], f[rod_2_phi], f[rod_2_alpha1],
- *     f[rod_2_alpha2], f[rod_3_c1], f[rod_3_c2], f[rod_3_phi], f[rod_3_alpha1], f[rod_3_alpha2],
- *     f[slider_s]
+ * f: generalised forces, one for each equation of motion (16): f[rod_1_c1], f[rod_1_c2],
+ *     f[rod_1_phi], f[rod_1_alpha1], f[rod_1_alpha2], f[rod_2_c1], f[rod_2_c2], f[rod_2_phi],
+ *     f[rod_2_alpha1], f[rod_2_alpha2], f[rod_3_c1], f[rod_3_c2], f[rod_3_phi], f[rod_3_alpha1],
+ *     f[rod_3_alpha2], f[slider_s]
  *
  * From (26), (10), (1).
  * 12 operations.
@@ -613,15 +615,15 @@ int crank_slider_3_load_rod_right(
     double *f);
 
 /*
- * Generalized forces f of a force at marker slider_pin: then M vdot + h = f.
+ * Generalised forces f of a force at marker slider_pin: then M vdot + h = f.
  *
- * q: generalized coordinates (16)
- * F: force at the marker, in the inertial base [N] (2)
+ * q: generalised coordinates (16)
+ * F: force at the marker, in the inertial frame [N] (2)
  * k: constants from setup (0)
- * f: generalized forces, one row a coordinate (16): f[rod_1_c1], f[rod_1_c2], f[rod_1_phi],
- *     f[rod_1_alpha1], f[rod_1_alpha2], f[rod_2_c1], f[rod_2_c2], f[rod_2_phi], f[rod_2_alpha1],
- *     f[rod_2_alpha2], f[rod_3_c1], f[rod_3_c2], f[rod_3_phi], f[rod_3_alpha1], f[rod_3_alpha2],
- *     f[slider_s]
+ * f: generalised forces, one for each equation of motion (16): f[rod_1_c1], f[rod_1_c2],
+ *     f[rod_1_phi], f[rod_1_alpha1], f[rod_1_alpha2], f[rod_2_c1], f[rod_2_c2], f[rod_2_phi],
+ *     f[rod_2_alpha1], f[rod_2_alpha2], f[rod_3_c1], f[rod_3_c2], f[rod_3_phi], f[rod_3_alpha1],
+ *     f[rod_3_alpha2], f[slider_s]
  *
  * From (10).
  * 0 operations.
@@ -636,9 +638,9 @@ int crank_slider_3_load_slider_pin(
  * Constraints g(t, q) = 0.
  *
  * t: time
- * q: generalized coordinates (16)
+ * q: generalised coordinates (16)
  * k: constants from setup (0)
- * g: what is left of the constraints (10): crank_pin_1, crank_pin_2, slider_pin_1, slider_pin_2,
+ * g: residuals of the constraints (10): crank_pin_1, crank_pin_2, slider_pin_1, slider_pin_2,
  *     rod_cut_1_1, rod_cut_1_2, rod_cut_1_turn, rod_cut_2_1, rod_cut_2_2, rod_cut_2_turn
  *
  * From (1), (26).
@@ -651,14 +653,15 @@ int crank_slider_3_constraints(
     double *g);
 
 /*
- * Rates of the constraints, gdot = G v + dg/dt.
+ * Time derivatives of the constraints, gdot = G v + dg/dt.
  *
  * t: time
- * q: generalized coordinates (16)
- * v: rates (16)
+ * q: generalised coordinates (16)
+ * v: generalised velocities (16)
  * k: constants from setup (0)
- * gdot: rates of the constraints (10): crank_pin_1, crank_pin_2, slider_pin_1, slider_pin_2,
- *     rod_cut_1_1, rod_cut_1_2, rod_cut_1_turn, rod_cut_2_1, rod_cut_2_2, rod_cut_2_turn
+ * gdot: time derivatives of the constraints (10): crank_pin_1, crank_pin_2, slider_pin_1,
+ *     slider_pin_2, rod_cut_1_1, rod_cut_1_2, rod_cut_1_turn, rod_cut_2_1, rod_cut_2_2,
+ *     rod_cut_2_turn
  *
  * From (1), (26).
  * 134 operations.
@@ -674,7 +677,7 @@ int crank_slider_3_constraint_rates(
  * Jacobian G = d gdot / dv of the constraints: values by columns.
  *
  * t: time
- * q: generalized coordinates (16)
+ * q: generalised coordinates (16)
  * k: constants from setup (0)
  * G: values of G by columns, 10 x 16, 61 values
  *
@@ -691,10 +694,10 @@ int crank_slider_3_constraint_jacobian(
  * Right-hand side gamma of the constraints on accelerations, G vdot = gamma.
  *
  * t: time
- * q: generalized coordinates (16)
- * v: rates (16)
+ * q: generalised coordinates (16)
+ * v: generalised velocities (16)
  * k: constants from setup (0)
- * gamma: what the accelerations have to make up for (10): crank_pin_1, crank_pin_2, slider_pin_1,
+ * gamma: right-hand side of G vdot = gamma (10): crank_pin_1, crank_pin_2, slider_pin_1,
  *     slider_pin_2, rod_cut_1_1, rod_cut_1_2, rod_cut_1_turn, rod_cut_2_1, rod_cut_2_2,
  *     rod_cut_2_turn
  *
@@ -712,16 +715,16 @@ int crank_slider_3_constraint_bias(
  * Accelerations vdot and multipliers lambda of M vdot + h = G^T lambda, G vdot = gamma.
  *
  * t: time
- * q: generalized coordinates (16)
- * v: rates (16)
+ * q: generalised coordinates (16)
+ * v: generalised velocities (16)
  * k: constants from setup (0)
  * vdot: accelerations (16): rod_1_c1ddot, rod_1_c2ddot, rod_1_phiddot, rod_1_alpha1ddot,
  *     rod_1_alpha2ddot, rod_2_c1ddot, rod_2_c2ddot, rod_2_phiddot, rod_2_alpha1ddot,
  *     rod_2_alpha2ddot, rod_3_c1ddot, rod_3_c2ddot, rod_3_phiddot, rod_3_alpha1ddot,
  *     rod_3_alpha2ddot, slider_sddot
- * lam: forces and torques of the joints on their second bodies (10): crank_pin_1, crank_pin_2,
- *     slider_pin_1, slider_pin_2, rod_cut_1_1, rod_cut_1_2, rod_cut_1_turn, rod_cut_2_1,
- *     rod_cut_2_2, rod_cut_2_turn
+ * lam: constraint reactions on body 2 of each joint (10): crank_pin_1, crank_pin_2, slider_pin_1,
+ *     slider_pin_2, rod_cut_1_1, rod_cut_1_2, rod_cut_1_turn, rod_cut_2_1, rod_cut_2_2,
+ *     rod_cut_2_turn
  *
  * From (26), appendix, (1), LDL^T.
  * 932 operations.
@@ -735,16 +738,17 @@ int crank_slider_3_solve(
     double *lam);
 
 /*
- * The smallest change dv of the rates, measured by dv . M dv, with G dv = r: with r = -gdot it
- *     brings rates onto the constraints, with r = -g, repeated, coordinates.
+ * The smallest change dv of the generalised velocities, in the metric of M, with G dv = r: r =
+ *     -gdot projects velocities onto the constraints; r = -g, repeated, projects coordinates.
  *
  * t: time
- * q: generalized coordinates (16)
+ * q: generalised coordinates (16)
  * k: constants from setup (0)
- * r: change of the constraints' rates (10)
- * dv: change of the rates (16): rod_1_c1dot, rod_1_c2dot, rod_1_phidot, rod_1_alpha1dot,
- *     rod_1_alpha2dot, rod_2_c1dot, rod_2_c2dot, rod_2_phidot, rod_2_alpha1dot, rod_2_alpha2dot,
- *     rod_3_c1dot, rod_3_c2dot, rod_3_phidot, rod_3_alpha1dot, rod_3_alpha2dot, slider_sdot
+ * r: prescribed change of gdot (10)
+ * dv: change of the generalised velocities (16): rod_1_c1dot, rod_1_c2dot, rod_1_phidot,
+ *     rod_1_alpha1dot, rod_1_alpha2dot, rod_2_c1dot, rod_2_c2dot, rod_2_phidot, rod_2_alpha1dot,
+ *     rod_2_alpha2dot, rod_3_c1dot, rod_3_c2dot, rod_3_phidot, rod_3_alpha1dot, rod_3_alpha2dot,
+ *     slider_sdot
  *
  * From (26), appendix, (1), LDL^T.
  * 725 operations.
@@ -757,10 +761,11 @@ int crank_slider_3_project_velocity(
     double *dv);
 
 /*
- * Position of the origin and rotation of the base of every body, also of those without coordinates.
+ * Position of the origin and rotation of the frame of every body, including bodies without
+ *     coordinates.
  *
  * t: time
- * q: generalized coordinates (16)
+ * q: generalised coordinates (16)
  * k: constants from setup (0)
  * pose: c1, c2 [m] and phi [rad] of each body (15): crank.c1, crank.c2, crank.phi, rod_1.c1,
  *     rod_1.c2, rod_1.phi, rod_2.c1, rod_2.c2, rod_2.phi, rod_3.c1, rod_3.c2, rod_3.phi, slider.c1,
@@ -782,7 +787,7 @@ int crank_slider_3_poses(
  * y: state [q; v; lambda] (42)
  * ydot: time derivative of y (42)
  * k: constants from setup (0)
- * F: residual, one row a state (42): rod_1_c1, rod_1_c2, rod_1_phi, rod_1_alpha1, rod_1_alpha2,
+ * F: residual, one for each state (42): rod_1_c1, rod_1_c2, rod_1_phi, rod_1_alpha1, rod_1_alpha2,
  *     rod_2_c1, rod_2_c2, rod_2_phi, rod_2_alpha1, rod_2_alpha2, rod_3_c1, rod_3_c2, rod_3_phi,
  *     rod_3_alpha1, rod_3_alpha2, slider_s, rod_1_c1dot, rod_1_c2dot, rod_1_phidot,
  *     rod_1_alpha1dot, rod_1_alpha2dot, rod_2_c1dot, rod_2_c2dot, rod_2_phidot, rod_2_alpha1dot,
@@ -831,7 +836,7 @@ int crank_slider_3_jacobian(
  * y: state [q; v; lambda; mu] (52)
  * ydot: time derivative of y (52)
  * k: constants from setup (0)
- * F: residual, one row a state (52): rod_1_c1, rod_1_c2, rod_1_phi, rod_1_alpha1, rod_1_alpha2,
+ * F: residual, one for each state (52): rod_1_c1, rod_1_c2, rod_1_phi, rod_1_alpha1, rod_1_alpha2,
  *     rod_2_c1, rod_2_c2, rod_2_phi, rod_2_alpha1, rod_2_alpha2, rod_3_c1, rod_3_c2, rod_3_phi,
  *     rod_3_alpha1, rod_3_alpha2, slider_s, rod_1_c1dot, rod_1_c2dot, rod_1_phidot,
  *     rod_1_alpha1dot, rod_1_alpha2dot, rod_2_c1dot, rod_2_c2dot, rod_2_phidot, rod_2_alpha1dot,
@@ -881,7 +886,7 @@ int crank_slider_3_jacobian_ggl(
  * y: state [q; v; lambda] (42)
  * ydot: time derivative of y (42)
  * k: constants from setup (0)
- * F: residual, one row a state (42): rod_1_c1, rod_1_c2, rod_1_phi, rod_1_alpha1, rod_1_alpha2,
+ * F: residual, one for each state (42): rod_1_c1, rod_1_c2, rod_1_phi, rod_1_alpha1, rod_1_alpha2,
  *     rod_2_c1, rod_2_c2, rod_2_phi, rod_2_alpha1, rod_2_alpha2, rod_3_c1, rod_3_c2, rod_3_phi,
  *     rod_3_alpha1, rod_3_alpha2, slider_s, rod_1_c1dot, rod_1_c2dot, rod_1_phidot,
  *     rod_1_alpha1dot, rod_1_alpha2dot, rod_2_c1dot, rod_2_c2dot, rod_2_phidot, rod_2_alpha1dot,
@@ -923,10 +928,10 @@ int crank_slider_3_jacobian_index1(
     double *jac);
 
 /* ---- batches: mass, force and accel of n >= 0 states with the same time and constants. Element e of state
-   b lies at e * n + b, in q and v as in what is written. Where no product is fused with a sum
+   b has the index e * n + b, in inputs and outputs. Where no product is fused with a sum
    (-ffp-contract=off) the numbers are those of the functions above, bit for bit. Blocks of 32
    states are computed at a time, on some 15 kB of stack. accel_batch gives NaN for the accelerations of
-   a state that fails, and returns the code of the first of them; all other states are right. ---- */
+   a state that fails, and returns the code of the first of them; all other states are valid. ---- */
 
 int crank_slider_3_mass_batch(
     int n,

@@ -8,52 +8,52 @@ G vdot = gamma, from x = c + Q (X + u) and d'Alembert's virtual
 work: (15) of Koppens, Sauren, Veldpaus & van Campen, J. Appl. Mech. 55 (1988) 676-680, whose
 equation numbers these are. Units are SI where the parameters are; any consistent set will do.
 
-The floating frame has its origin at c and is turned by Q. In it are resolved: r = X + u, the
-shapes Phi_i, and their moments c1 .. c8, d1, D2, d3, J, so that e1, e2 there are its axes.
-In the inertial base are resolved: c, momenta, and markers.
-Of beams c is where the centre of the undeformed beam lies in the floating frame.
+The floating frame has its origin at c and the rotation Q. r = X + u, the shape functions Phi_i,
+and their moments c1 .. c8, d1, D2, d3, J are resolved in the floating frame; c, momenta and
+markers are resolved in the inertial frame.
+For beams, c is the position of the centre of the undeformed beam.
 Deflection of rod, each of 3 pieces, along its e2: alpha1 phi_1 + ..., phi_1 = 3*xi^2/2 - 1/2, phi_2
     = 5*xi^3/2 - 3*xi/2; xi = 2 x / length.
-In M bodies share no inertia: joints couple them through constraints. What is told of rod_1 holds of
-    the other pieces as well.
+For several bodies the mass matrix is block-diagonal, because joints couple bodies through
+    constraints. The statements about rod_1 hold for the other pieces as well.
 
-Coordinates q:
+Generalised coordinates q:
   0  rod_1_c1      [m]  rod_1: position of the origin of the floating frame along the inertial e1
   1  rod_1_c2      [m]  rod_1: position of the origin of the floating frame along the inertial e2
   2  rod_1_phi     [rad]  rod_1: rotation of the floating frame
-  3  rod_1_alpha1  [m]  rod_1: amplitude of assumed shape 1
-  4  rod_1_alpha2  [m]  rod_1: amplitude of assumed shape 2
+  3  rod_1_alpha1  [m]  rod_1: amplitude of assumed mode 1
+  4  rod_1_alpha2  [m]  rod_1: amplitude of assumed mode 2
   5  rod_2_c1      [m]  rod_2: position of the origin of the floating frame along the inertial e1
   6  rod_2_c2      [m]  rod_2: position of the origin of the floating frame along the inertial e2
   7  rod_2_phi     [rad]  rod_2: rotation of the floating frame
-  8  rod_2_alpha1  [m]  rod_2: amplitude of assumed shape 1
-  9  rod_2_alpha2  [m]  rod_2: amplitude of assumed shape 2
+  8  rod_2_alpha1  [m]  rod_2: amplitude of assumed mode 1
+  9  rod_2_alpha2  [m]  rod_2: amplitude of assumed mode 2
   10  rod_3_c1      [m]  rod_3: position of the origin of the floating frame along the inertial e1
   11  rod_3_c2      [m]  rod_3: position of the origin of the floating frame along the inertial e2
   12  rod_3_phi     [rad]  rod_3: rotation of the floating frame
-  13  rod_3_alpha1  [m]  rod_3: amplitude of assumed shape 1
-  14  rod_3_alpha2  [m]  rod_3: amplitude of assumed shape 2
+  13  rod_3_alpha1  [m]  rod_3: amplitude of assumed mode 1
+  14  rod_3_alpha2  [m]  rod_3: amplitude of assumed mode 2
   15  slider_s      [m]  displacement of slider along its guide
 
-Rates v and the rows of the equations of motion, with their units:
-  0  rod_1_c1dot  [m/s]  rate of rod_1_c1; its row, rod_1_c1, [N]
-  1  rod_1_c2dot  [m/s]  rate of rod_1_c2; its row, rod_1_c2, [N]
-  2  rod_1_phidot  [rad/s]  rate of rod_1_phi; its row, rod_1_phi, [N m]
-  3  rod_1_alpha1dot  [m/s]  rate of rod_1_alpha1; its row, rod_1_alpha1, [N]
-  4  rod_1_alpha2dot  [m/s]  rate of rod_1_alpha2; its row, rod_1_alpha2, [N]
-  5  rod_2_c1dot  [m/s]  rate of rod_2_c1; its row, rod_2_c1, [N]
-  6  rod_2_c2dot  [m/s]  rate of rod_2_c2; its row, rod_2_c2, [N]
-  7  rod_2_phidot  [rad/s]  rate of rod_2_phi; its row, rod_2_phi, [N m]
-  8  rod_2_alpha1dot  [m/s]  rate of rod_2_alpha1; its row, rod_2_alpha1, [N]
-  9  rod_2_alpha2dot  [m/s]  rate of rod_2_alpha2; its row, rod_2_alpha2, [N]
-  10  rod_3_c1dot  [m/s]  rate of rod_3_c1; its row, rod_3_c1, [N]
-  11  rod_3_c2dot  [m/s]  rate of rod_3_c2; its row, rod_3_c2, [N]
-  12  rod_3_phidot  [rad/s]  rate of rod_3_phi; its row, rod_3_phi, [N m]
-  13  rod_3_alpha1dot  [m/s]  rate of rod_3_alpha1; its row, rod_3_alpha1, [N]
-  14  rod_3_alpha2dot  [m/s]  rate of rod_3_alpha2; its row, rod_3_alpha2, [N]
-  15  slider_sdot  [m/s]  rate of slider_s; its row, slider_s, [N]
+Generalised velocities v, and the equations of motion with their units:
+  0  rod_1_c1dot  [m/s]  time derivative of rod_1_c1; equation rod_1_c1 [N]
+  1  rod_1_c2dot  [m/s]  time derivative of rod_1_c2; equation rod_1_c2 [N]
+  2  rod_1_phidot  [rad/s]  time derivative of rod_1_phi; equation rod_1_phi [N m]
+  3  rod_1_alpha1dot  [m/s]  time derivative of rod_1_alpha1; equation rod_1_alpha1 [N]
+  4  rod_1_alpha2dot  [m/s]  time derivative of rod_1_alpha2; equation rod_1_alpha2 [N]
+  5  rod_2_c1dot  [m/s]  time derivative of rod_2_c1; equation rod_2_c1 [N]
+  6  rod_2_c2dot  [m/s]  time derivative of rod_2_c2; equation rod_2_c2 [N]
+  7  rod_2_phidot  [rad/s]  time derivative of rod_2_phi; equation rod_2_phi [N m]
+  8  rod_2_alpha1dot  [m/s]  time derivative of rod_2_alpha1; equation rod_2_alpha1 [N]
+  9  rod_2_alpha2dot  [m/s]  time derivative of rod_2_alpha2; equation rod_2_alpha2 [N]
+  10  rod_3_c1dot  [m/s]  time derivative of rod_3_c1; equation rod_3_c1 [N]
+  11  rod_3_c2dot  [m/s]  time derivative of rod_3_c2; equation rod_3_c2 [N]
+  12  rod_3_phidot  [rad/s]  time derivative of rod_3_phi; equation rod_3_phi [N m]
+  13  rod_3_alpha1dot  [m/s]  time derivative of rod_3_alpha1; equation rod_3_alpha1 [N]
+  14  rod_3_alpha2dot  [m/s]  time derivative of rod_3_alpha2; equation rod_3_alpha2 [N]
+  15  slider_sdot  [m/s]  time derivative of slider_s; equation slider_s [N]
 
-Multipliers lambda, what joints exert on their second bodies:
+Multipliers lambda, the constraint reactions on body 2 of each joint:
   0  crank_pin_1  [N]  crank.pin and rod_1.left coincide along e1
   1  crank_pin_2  [N]  crank.pin and rod_1.left coincide along e2
   2  slider_pin_1  [N]  rod_3.right and slider.pin coincide along e1
@@ -65,7 +65,7 @@ Multipliers lambda, what joints exert on their second bodies:
   8  rod_cut_2_2  [N]  rod_2.cut_right and rod_3.cut_left coincide along e2
   9  rod_cut_2_turn  [N m]  rod_2.cut_right and rod_3.cut_left turn together
 
-What is not modelled, and why:
+Not modelled, with the reasons:
   ground: it does not move: no coordinates
   crank: drive motor prescribes its motion: no coordinates and no constraints, in place of 3 and 3
   slider: joint guide guides it: its displacement alone, in place of 3 coordinates and 2 constraints
@@ -73,10 +73,10 @@ What is not modelled, and why:
 Parameters p:
   none: every number of the specification is folded into the code
 
-Constants k, made of them by setup:
+Constants k, computed from the parameters by setup:
   none
 
-Mass matrix, x a value and . a structural zero:
+Mass matrix (x: structural non-zero, .: structural zero):
   rod_1_c1      x . . . . . . . . . . . . . . .
   rod_1_c2      . x . . . . . . . . . . . . . .
   rod_1_phi     . . x . . . . . . . . . . . . .
@@ -95,11 +95,11 @@ Mass matrix, x a value and . a structural zero:
   slider_s      . . . . . . . . . . . . . . . x
   16 of 256 entries are structural non-zeros; the 16 of the lower triangle are stored
 
-Why its zeros are zero:
+Reasons for its structural zeros:
   M[rod_1_c2, rod_1_c1]: the mass enters as m I, so translations along different axes do not couple
-  M[rod_1_phi, rod_1_c1], M[rod_1_phi, rod_1_c2]: c1_1 = 0 by the choice of O (the centre of the
-      undeformed beam); c1_2, c2_1_1, c2_2_1 = 0 by geometry (the beam lies along e1 and deflects
-      along e2); c2_1_2, c2_2_2 = 0 by condition (17) (no mean displacement)
+  M[rod_1_phi, rod_1_c1], M[rod_1_phi, rod_1_c2]: c1_1 = 0 by the choice of the origin (the centre
+      of the undeformed beam); c1_2, c2_1_1, c2_2_1 = 0 by geometry (the beam lies along e1 and
+      deflects along e2); c2_1_2, c2_2_2 = 0 by condition (17) (no mean displacement)
   M[rod_1_alpha1, rod_1_c1], M[rod_1_alpha1, rod_1_c2]: c2_1_1 = 0 by geometry (the beam lies along
       e1 and deflects along e2); c2_1_2 = 0 by condition (17) (no mean displacement)
   M[rod_1_alpha1, rod_1_phi]: c6_1 = 0 by condition (19) (no mean rotation); c7_1_2 = 0 by geometry
@@ -113,8 +113,9 @@ Why its zeros are zero:
 Terms of (15) that vanish:
   Euler term of row rod_1_c1, centrifugal term of row rod_1_c1, Euler term of row rod_1_c2,
       centrifugal term of row rod_1_c2, translation term of row rod_1_phi: c1_1 = 0 by the choice of
-      O (the centre of the undeformed beam); c1_2, c2_1_1, c2_2_1 = 0 by geometry (the beam lies
-      along e1 and deflects along e2); c2_1_2, c2_2_2 = 0 by condition (17) (no mean displacement)
+      the origin (the centre of the undeformed beam); c1_2, c2_1_1, c2_2_1 = 0 by geometry (the beam
+      lies along e1 and deflects along e2); c2_1_2, c2_2_2 = 0 by condition (17) (no mean
+      displacement)
   Coriolis term of row rod_1_c1, relative term of row rod_1_c1, Coriolis term of row rod_1_c2,
       relative term of row rod_1_c2: c2_1_1, c2_2_1 = 0 by geometry (the beam lies along e1 and
       deflects along e2); c2_1_2, c2_2_2 = 0 by condition (17) (no mean displacement)
@@ -131,8 +132,8 @@ Terms of (15) that vanish:
       along e2); c2_2_2 = 0 by condition (17) (no mean displacement)
   Euler term of row rod_1_alpha2: c6_2 = 0 by condition (19) (no mean rotation); c7_1_2 = 0 by
       geometry (all deflections are along e2)
-  Euler term of row slider_s, centrifugal term of row slider_s: c1_1, c1_2 = 0 by the choice of O
-      (the centre of mass)
+  Euler term of row slider_s, centrifugal term of row slider_s: c1_1, c1_2 = 0 by the choice of the
+      origin (the centre of mass)
   Coriolis term of row slider_s, relative term of row slider_s: a rigid body has no shapes
 
 Arrays may have leading batch axes, which broadcast; the last axis is the one described. Sparse matrices are arrays of
@@ -353,7 +354,7 @@ def setup(p):
 def mass(q, k):
     """Mass matrix M(q): values of the lower triangle by columns.
 
-    q: generalized coordinates (16)
+    q: generalised coordinates (16)
     k: constants from setup (0)
     M: values of the mass matrix, lower triangle by columns, 16 x 16, 16 values, 16 in both
         triangles
@@ -414,16 +415,17 @@ def mass(q, k):
 
 
 def force(t, q, v, k):
-    """Forces h of M vdot + h = G^T lambda: centrifugal, Coriolis and elastic, and those of gravity,
-        springs and applied loads.
+    """Forces h of M vdot + h = G^T lambda: centrifugal, Coriolis, elastic, damping, gravity, springs
+        and applied loads.
 
     t: time
-    q: generalized coordinates (16)
-    v: rates (16)
+    q: generalised coordinates (16)
+    v: generalised velocities (16)
     k: constants from setup (0)
-    h: forces, one row a coordinate (16): h[rod_1_c1], h[rod_1_c2], h[rod_1_phi], h[rod_1_alpha1],
-        h[rod_1_alpha2], h[rod_2_c1], h[rod_2_c2], h[rod_2_phi], h[rod_2_alpha1], h[rod_2_alpha2],
-        h[rod_3_c1], h[rod_3_c2], h[rod_3_phi], h[rod_3_alpha1], h[rod_3_alpha2], h[slider_s]
+    h: forces, one for each equation of motion (16): h[rod_1_c1], h[rod_1_c2], h[rod_1_phi],
+        h[rod_1_alpha1], h[rod_1_alpha2], h[rod_2_c1], h[rod_2_c2], h[rod_2_phi], h[rod_2_alpha1],
+        h[rod_2_alpha2], h[rod_3_c1], h[rod_3_c2], h[rod_3_phi], h[rod_3_alpha1], h[rod_3_alpha2],
+        h[slider_s]
 
     From appendix, (15).
     42 operations.
@@ -496,14 +498,15 @@ def mass_force(t, q, v, k):
     """Mass matrix and forces together; what they share is computed once.
 
     t: time
-    q: generalized coordinates (16)
-    v: rates (16)
+    q: generalised coordinates (16)
+    v: generalised velocities (16)
     k: constants from setup (0)
     M: values of the mass matrix, lower triangle by columns, 16 x 16, 16 values, 16 in both
         triangles
-    h: forces, one row a coordinate (16): h[rod_1_c1], h[rod_1_c2], h[rod_1_phi], h[rod_1_alpha1],
-        h[rod_1_alpha2], h[rod_2_c1], h[rod_2_c2], h[rod_2_phi], h[rod_2_alpha1], h[rod_2_alpha2],
-        h[rod_3_c1], h[rod_3_c2], h[rod_3_phi], h[rod_3_alpha1], h[rod_3_alpha2], h[slider_s]
+    h: forces, one for each equation of motion (16): h[rod_1_c1], h[rod_1_c2], h[rod_1_phi],
+        h[rod_1_alpha1], h[rod_1_alpha2], h[rod_2_c1], h[rod_2_c2], h[rod_2_phi], h[rod_2_alpha1],
+        h[rod_2_alpha2], h[rod_3_c1], h[rod_3_c2], h[rod_3_phi], h[rod_3_alpha1], h[rod_3_alpha2],
+        h[slider_s]
 
     From (15), appendix.
     54 operations.
@@ -633,8 +636,8 @@ def accel(t, q, v, k):
     """Accelerations vdot of M vdot + h = G^T lambda, G vdot = gamma; `solve` gives lambda as well.
 
     t: time
-    q: generalized coordinates (16)
-    v: rates (16)
+    q: generalised coordinates (16)
+    v: generalised velocities (16)
     k: constants from setup (0)
     vdot: accelerations (16): rod_1_c1ddot, rod_1_c2ddot, rod_1_phiddot, rod_1_alpha1ddot,
         rod_1_alpha2ddot, rod_2_c1ddot, rod_2_c2ddot, rod_2_phiddot, rod_2_alpha1ddot,
@@ -752,7 +755,7 @@ def accel(t, q, v, k):
     #     crank_pin_1, crank_pin_2, rod_2_c1, rod_2_c2, rod_3_c2, slider_s, rod_3_c1, rod_3_alpha1,
     #     rod_3_alpha2, rod_3_phi, slider_pin_1, slider_pin_2, rod_2_alpha1, rod_2_alpha2,
     #     rod_2_phi, rod_cut_2_turn, rod_cut_1_1, rod_cut_1_2, rod_cut_1_turn, rod_cut_2_1,
-    #     rod_cut_2_2; 29 entries are filled in
+    #     rod_cut_2_2; fill-in 29
     t1 = rod_1_cos_phi / (33377851 / 7500000000)
     t2 = t1 * rod_1_sin_phi
     t3 = rod_1_cos_phi / (33377851 / 10500000000)
@@ -1128,8 +1131,8 @@ def accel(t, q, v, k):
 def energy(q, v, k):
     """Kinetic and strain energy (with that of springs).
 
-    q: generalized coordinates (16)
-    v: rates (16)
+    q: generalised coordinates (16)
+    v: generalised velocities (16)
     k: constants from setup (0)
     energy: energies [J] (2): kinetic, strain
 
@@ -1216,8 +1219,8 @@ def energy(q, v, k):
 def momentum(q, v, k):
     """Linear momentum, and angular momentum about the inertial origin.
 
-    q: generalized coordinates (16)
-    v: rates (16)
+    q: generalised coordinates (16)
+    v: generalised velocities (16)
     k: constants from setup (0)
     momentum: linear [N s] and angular [N m s] (3): linear_1, linear_2, angular
 
@@ -1293,10 +1296,10 @@ def momentum(q, v, k):
 
 
 def rates(q, v, k):
-    """Time derivative of the coordinates from the rates.
+    """Time derivatives of the generalised coordinates from the generalised velocities.
 
-    q: generalized coordinates (16)
-    v: rates (16)
+    q: generalised coordinates (16)
+    v: generalised velocities (16)
     k: constants from setup (0)
     qdot: time derivative of q (16): rod_1_c1_t, rod_1_c2_t, rod_1_phi_t, rod_1_alpha1_t,
         rod_1_alpha2_t, rod_2_c1_t, rod_2_c2_t, rod_2_phi_t, rod_2_alpha1_t, rod_2_alpha2_t,
@@ -1350,11 +1353,11 @@ def marker_rod_left(q, v, k):
     """Marker rod_left, material point at xi = -1 of rod_1: position, velocity and its Jacobian
         d(velocity)/dv.
 
-    q: generalized coordinates (16)
-    v: rates (16)
+    q: generalised coordinates (16)
+    v: generalised velocities (16)
     k: constants from setup (0)
-    x: position in the inertial base [m] (2): x1, x2
-    xdot: velocity in the inertial base [m/s] (2): x1dot, x2dot
+    x: position in the inertial frame [m] (2): x1, x2
+    xdot: velocity in the inertial frame [m/s] (2): x1dot, x2dot
     jacobian: values of d(velocity)/dv by columns, 2 x 16, 8 values
 
     From (1).
@@ -1385,7 +1388,7 @@ def marker_rod_left(q, v, k):
     t4 = (-1 / 20) * rod_1_sin_phi
     rod_1_left_s_2 = t3 + t4
 
-    # marker (1): x = c + Q r, its rate and its derivatives
+    # marker (1): x = c + Q r, its time derivative and its Jacobian
     x_0 = rod_1_c1 + t1 - t2
     x_1 = rod_1_c2 + t3 + t4
     t5 = rod_1_left_rdot_2 + (-1 / 20) * rod_1_phidot
@@ -1412,11 +1415,11 @@ def marker_rod_middle(q, v, k):
     """Marker rod_middle, material point at xi = 0 of rod_2: position, velocity and its Jacobian
         d(velocity)/dv.
 
-    q: generalized coordinates (16)
-    v: rates (16)
+    q: generalised coordinates (16)
+    v: generalised velocities (16)
     k: constants from setup (0)
-    x: position in the inertial base [m] (2): x1, x2
-    xdot: velocity in the inertial base [m/s] (2): x1dot, x2dot
+    x: position in the inertial frame [m] (2): x1, x2
+    xdot: velocity in the inertial frame [m/s] (2): x1dot, x2dot
     jacobian: values of d(velocity)/dv by columns, 2 x 16, 6 values
 
     From (1), (26).
@@ -1444,7 +1447,7 @@ def marker_rod_middle(q, v, k):
     #     rotation angle
     rod_2_cos_phi = xp.cos(rod_2_phi)
 
-    # marker (1): x = c + Q r, its rate and its derivatives
+    # marker (1): x = c + Q r, its time derivative and its Jacobian
     x_0 = rod_2_c1 + rod_2_middle_s_1
     t3 = t1 * rod_2_cos_phi
     x_1 = rod_2_c2 - t3
@@ -1469,11 +1472,11 @@ def marker_rod_right(q, v, k):
     """Marker rod_right, material point at xi = 1 of rod_3: position, velocity and its Jacobian
         d(velocity)/dv.
 
-    q: generalized coordinates (16)
-    v: rates (16)
+    q: generalised coordinates (16)
+    v: generalised velocities (16)
     k: constants from setup (0)
-    x: position in the inertial base [m] (2): x1, x2
-    xdot: velocity in the inertial base [m/s] (2): x1dot, x2dot
+    x: position in the inertial frame [m] (2): x1, x2
+    xdot: velocity in the inertial frame [m/s] (2): x1dot, x2dot
     jacobian: values of d(velocity)/dv by columns, 2 x 16, 8 values
 
     From (1).
@@ -1504,7 +1507,7 @@ def marker_rod_right(q, v, k):
     t4 = (1 / 20) * rod_3_sin_phi
     rod_3_right_s_2 = t3 + t4
 
-    # marker (1): x = c + Q r, its rate and its derivatives
+    # marker (1): x = c + Q r, its time derivative and its Jacobian
     x_0 = rod_3_c1 + t1 - t2
     x_1 = rod_3_c2 + t3 + t4
     t5 = rod_3_right_rdot_2 + (1 / 20) * rod_3_phidot
@@ -1531,11 +1534,11 @@ def marker_rod_right(q, v, k):
 def marker_slider_pin(q, v, k):
     """Marker slider_pin, point pin of slider: position, velocity and its Jacobian d(velocity)/dv.
 
-    q: generalized coordinates (16)
-    v: rates (16)
+    q: generalised coordinates (16)
+    v: generalised velocities (16)
     k: constants from setup (0)
-    x: position in the inertial base [m] (2): x1, x2
-    xdot: velocity in the inertial base [m/s] (2): x1dot, x2dot
+    x: position in the inertial frame [m] (2): x1, x2
+    xdot: velocity in the inertial frame [m/s] (2): x1dot, x2dot
     jacobian: values of d(velocity)/dv by columns, 2 x 16, 1 values
 
     From (1).
@@ -1545,7 +1548,7 @@ def marker_slider_pin(q, v, k):
     slider_s = q[..., 15]
     slider_sdot = v[..., 15]
 
-    # marker (1): x = c + Q r, its rate and its derivatives
+    # marker (1): x = c + Q r, its time derivative and its Jacobian
     x_0 = slider_s
     x_1 = 0
     xdot_0 = slider_sdot
@@ -1559,15 +1562,15 @@ def marker_slider_pin(q, v, k):
 
 
 def load_rod_left(q, F, k):
-    """Generalized forces f of a force at marker rod_left: then M vdot + h = f.
+    """Generalised forces f of a force at marker rod_left: then M vdot + h = f.
 
-    q: generalized coordinates (16)
-    F: force at the marker, in the inertial base [N] (2)
+    q: generalised coordinates (16)
+    F: force at the marker, in the inertial frame [N] (2)
     k: constants from setup (0)
-    f: generalized forces, one row a coordinate (16): f[rod_1_c1], f[rod_1_c2], f[rod_1_phi],
-        f[rod_1_alpha1], f[rod_1_alpha2], f[rod_2_c1], f[rod_2_c2], f[rod_2_phi], f[rod_2_alpha1],
-        f[rod_2_alpha2], f[rod_3_c1], f[rod_3_c2], f[rod_3_phi], f[rod_3_alpha1], f[rod_3_alpha2],
-        f[slider_s]
+    f: generalised forces, one for each equation of motion (16): f[rod_1_c1], f[rod_1_c2],
+        f[rod_1_phi], f[rod_1_alpha1], f[rod_1_alpha2], f[rod_2_c1], f[rod_2_c2], f[rod_2_phi],
+        f[rod_2_alpha1], f[rod_2_alpha2], f[rod_3_c1], f[rod_3_c2], f[rod_3_phi], f[rod_3_alpha1],
+        f[rod_3_alpha2], f[slider_s]
 
     From (26), (10), (1).
     13 operations.
@@ -1584,7 +1587,7 @@ def load_rod_left(q, F, k):
     rod_1_cos_phi = xp.cos(rod_1_phi)
     rod_1_sin_phi = xp.sin(rod_1_phi)
 
-    # F (10): the force seen from the body base
+    # F (10): the force in the body frame
     rod_1_left_Fb_1 = F_1 * rod_1_cos_phi + F_2 * rod_1_sin_phi
     rod_1_left_Fb_2 = F_2 * rod_1_cos_phi - F_1 * rod_1_sin_phi
 
@@ -1616,15 +1619,15 @@ def load_rod_left(q, F, k):
 
 
 def load_rod_middle(q, F, k):
-    """Generalized forces f of a force at marker rod_middle: then M vdot + h = f.
+    """Generalised forces f of a force at marker rod_middle: then M vdot + h = f.
 
-    q: generalized coordinates (16)
-    F: force at the marker, in the inertial base [N] (2)
+    q: generalised coordinates (16)
+    F: force at the marker, in the inertial frame [N] (2)
     k: constants from setup (0)
-    f: generalized forces, one row a coordinate (16): f[rod_1_c1], f[rod_1_c2], f[rod_1_phi],
-        f[rod_1_alpha1], f[rod_1_alpha2], f[rod_2_c1], f[rod_2_c2], f[rod_2_phi], f[rod_2_alpha1],
-        f[rod_2_alpha2], f[rod_3_c1], f[rod_3_c2], f[rod_3_phi], f[rod_3_alpha1], f[rod_3_alpha2],
-        f[slider_s]
+    f: generalised forces, one for each equation of motion (16): f[rod_1_c1], f[rod_1_c2],
+        f[rod_1_phi], f[rod_1_alpha1], f[rod_1_alpha2], f[rod_2_c1], f[rod_2_c2], f[rod_2_phi],
+        f[rod_2_alpha1], f[rod_2_alpha2], f[rod_3_c1], f[rod_3_c2], f[rod_3_phi], f[rod_3_alpha1],
+        f[rod_3_alpha2], f[slider_s]
 
     From (26), (10).
     11 operations.
@@ -1640,7 +1643,7 @@ def load_rod_middle(q, F, k):
     rod_2_cos_phi = xp.cos(rod_2_phi)
     rod_2_sin_phi = xp.sin(rod_2_phi)
 
-    # F (10): the force seen from the body base
+    # F (10): the force in the body frame
     rod_2_middle_Fb_1 = F_1 * rod_2_cos_phi + F_2 * rod_2_sin_phi
     rod_2_middle_Fb_2 = F_2 * rod_2_cos_phi - F_1 * rod_2_sin_phi
 
@@ -1668,15 +1671,15 @@ def load_rod_middle(q, F, k):
 
 
 def load_rod_right(q, F, k):
-    """Generalized forces f of a force at marker rod_right: then M vdot + h = f.
+    """Generalised forces f of a force at marker rod_right: then M vdot + h = f.
 
-    q: generalized coordinates (16)
-    F: force at the marker, in the inertial base [N] (2)
+    q: generalised coordinates (16)
+    F: force at the marker, in the inertial frame [N] (2)
     k: constants from setup (0)
-    f: generalized forces, one row a coordinate (16): f[rod_1_c1], f[rod_1_c2], f[rod_1_phi],
-        f[rod_1_alpha1], f[rod_1_alpha2], f[rod_2_c1], f[rod_2_c2], f[rod_2_phi], f[rod_2_alpha1],
-        f[rod_2_alpha2], f[rod_3_c1], f[rod_3_c2], f[rod_3_phi], f[rod_3_alpha1], f[rod_3_alpha2],
-        f[slider_s]
+    f: generalised forces, one for each equation of motion (16): f[rod_1_c1], f[rod_1_c2],
+        f[rod_1_phi], f[rod_1_alpha1], f[rod_1_alpha2], f[rod_2_c1], f[rod_2_c2], f[rod_2_phi],
+        f[rod_2_alpha1], f[rod_2_alpha2], f[rod_3_c1], f[rod_3_c2], f[rod_3_phi], f[rod_3_alpha1],
+        f[rod_3_alpha2], f[slider_s]
 
     From (26), (10), (1).
     12 operations.
@@ -1693,7 +1696,7 @@ def load_rod_right(q, F, k):
     rod_3_cos_phi = xp.cos(rod_3_phi)
     rod_3_sin_phi = xp.sin(rod_3_phi)
 
-    # F (10): the force seen from the body base
+    # F (10): the force in the body frame
     rod_3_right_Fb_1 = F_1 * rod_3_cos_phi + F_2 * rod_3_sin_phi
     rod_3_right_Fb_2 = F_2 * rod_3_cos_phi - F_1 * rod_3_sin_phi
 
@@ -1725,15 +1728,15 @@ def load_rod_right(q, F, k):
 
 
 def load_slider_pin(q, F, k):
-    """Generalized forces f of a force at marker slider_pin: then M vdot + h = f.
+    """Generalised forces f of a force at marker slider_pin: then M vdot + h = f.
 
-    q: generalized coordinates (16)
-    F: force at the marker, in the inertial base [N] (2)
+    q: generalised coordinates (16)
+    F: force at the marker, in the inertial frame [N] (2)
     k: constants from setup (0)
-    f: generalized forces, one row a coordinate (16): f[rod_1_c1], f[rod_1_c2], f[rod_1_phi],
-        f[rod_1_alpha1], f[rod_1_alpha2], f[rod_2_c1], f[rod_2_c2], f[rod_2_phi], f[rod_2_alpha1],
-        f[rod_2_alpha2], f[rod_3_c1], f[rod_3_c2], f[rod_3_phi], f[rod_3_alpha1], f[rod_3_alpha2],
-        f[slider_s]
+    f: generalised forces, one for each equation of motion (16): f[rod_1_c1], f[rod_1_c2],
+        f[rod_1_phi], f[rod_1_alpha1], f[rod_1_alpha2], f[rod_2_c1], f[rod_2_c2], f[rod_2_phi],
+        f[rod_2_alpha1], f[rod_2_alpha2], f[rod_3_c1], f[rod_3_c2], f[rod_3_phi], f[rod_3_alpha1],
+        f[rod_3_alpha2], f[slider_s]
 
     From (10).
     0 operations.
@@ -1768,9 +1771,9 @@ def constraints(t, q, k):
     """Constraints g(t, q) = 0.
 
     t: time
-    q: generalized coordinates (16)
+    q: generalised coordinates (16)
     k: constants from setup (0)
-    g: what is left of the constraints (10): crank_pin_1, crank_pin_2, slider_pin_1, slider_pin_2,
+    g: residuals of the constraints (10): crank_pin_1, crank_pin_2, slider_pin_1, slider_pin_2,
         rod_cut_1_1, rod_cut_1_2, rod_cut_1_turn, rod_cut_2_1, rod_cut_2_2, rod_cut_2_turn
 
     From (1), (26).
@@ -1857,7 +1860,7 @@ def constraints(t, q, k):
     rod_3_cut_left_s_1 = (-1 / 20) * rod_3_cos_phi - rod_3_cut_left_r_2 * rod_3_sin_phi
     rod_3_cut_left_s_2 = rod_3_cut_left_r_2 * rod_3_cos_phi + (-1 / 20) * rod_3_sin_phi
 
-    # g (1): second place minus first, from x = c + Q r
+    # g (1): point of body 2 minus point of body 1, from x = c + Q r
     g_0 = rod_1_c1 + rod_1_left_s_1 - crank_pin_s_1
     g_1 = rod_1_c2 + rod_1_left_s_2 - crank_pin_s_2
     g_2 = slider_s - rod_3_c1 - rod_3_right_s_1
@@ -1875,14 +1878,15 @@ def constraints(t, q, k):
 
 
 def constraint_rates(t, q, v, k):
-    """Rates of the constraints, gdot = G v + dg/dt.
+    """Time derivatives of the constraints, gdot = G v + dg/dt.
 
     t: time
-    q: generalized coordinates (16)
-    v: rates (16)
+    q: generalised coordinates (16)
+    v: generalised velocities (16)
     k: constants from setup (0)
-    gdot: rates of the constraints (10): crank_pin_1, crank_pin_2, slider_pin_1, slider_pin_2,
-        rod_cut_1_1, rod_cut_1_2, rod_cut_1_turn, rod_cut_2_1, rod_cut_2_2, rod_cut_2_turn
+    gdot: time derivatives of the constraints (10): crank_pin_1, crank_pin_2, slider_pin_1,
+        slider_pin_2, rod_cut_1_1, rod_cut_1_2, rod_cut_1_turn, rod_cut_2_1, rod_cut_2_2,
+        rod_cut_2_turn
 
     From (1), (26).
     134 operations.
@@ -1989,7 +1993,7 @@ def constraint_rates(t, q, v, k):
     rod_3_cut_left_s_2 = rod_3_cut_left_r_2 * rod_3_cos_phi + (-1 / 20) * rod_3_sin_phi
     rod_3_cut_left_sdot_2 = rod_3_cut_left_rdot_2 * rod_3_cos_phi
 
-    # gdot (1): velocities of the second place minus those of the first
+    # gdot (1): velocity of the point of body 2 minus that of body 1
     gdot_0 = (
         150 * crank_pin_s_2 + rod_1_c1dot - rod_1_left_rdot_2 * rod_1_sin_phi
             - rod_1_phidot * rod_1_left_s_2
@@ -2037,7 +2041,7 @@ def constraint_jacobian(t, q, k):
     """Jacobian G = d gdot / dv of the constraints: values by columns.
 
     t: time
-    q: generalized coordinates (16)
+    q: generalised coordinates (16)
     k: constants from setup (0)
     G: values of G by columns, 10 x 16, 61 values
 
@@ -2106,7 +2110,7 @@ def constraint_jacobian(t, q, k):
     rod_3_cut_left_s_1 = (-1 / 20) * rod_3_cos_phi - rod_3_cut_left_r_2 * rod_3_sin_phi
     rod_3_cut_left_s_2 = rod_3_cut_left_r_2 * rod_3_cos_phi + (-1 / 20) * rod_3_sin_phi
 
-    # G (6): factors of the rates
+    # G (6): factors of the generalised velocities
     G_0 = 1
     G_1 = -1
     G_2 = 1
@@ -2184,10 +2188,10 @@ def constraint_bias(t, q, v, k):
     """Right-hand side gamma of the constraints on accelerations, G vdot = gamma.
 
     t: time
-    q: generalized coordinates (16)
-    v: rates (16)
+    q: generalised coordinates (16)
+    v: generalised velocities (16)
     k: constants from setup (0)
-    gamma: what the accelerations have to make up for (10): crank_pin_1, crank_pin_2, slider_pin_1,
+    gamma: right-hand side of G vdot = gamma (10): crank_pin_1, crank_pin_2, slider_pin_1,
         slider_pin_2, rod_cut_1_1, rod_cut_1_2, rod_cut_1_turn, rod_cut_2_1, rod_cut_2_2,
         rod_cut_2_turn
 
@@ -2330,16 +2334,16 @@ def solve(t, q, v, k):
     """Accelerations vdot and multipliers lambda of M vdot + h = G^T lambda, G vdot = gamma.
 
     t: time
-    q: generalized coordinates (16)
-    v: rates (16)
+    q: generalised coordinates (16)
+    v: generalised velocities (16)
     k: constants from setup (0)
     vdot: accelerations (16): rod_1_c1ddot, rod_1_c2ddot, rod_1_phiddot, rod_1_alpha1ddot,
         rod_1_alpha2ddot, rod_2_c1ddot, rod_2_c2ddot, rod_2_phiddot, rod_2_alpha1ddot,
         rod_2_alpha2ddot, rod_3_c1ddot, rod_3_c2ddot, rod_3_phiddot, rod_3_alpha1ddot,
         rod_3_alpha2ddot, slider_sddot
-    lam: forces and torques of the joints on their second bodies (10): crank_pin_1, crank_pin_2,
-        slider_pin_1, slider_pin_2, rod_cut_1_1, rod_cut_1_2, rod_cut_1_turn, rod_cut_2_1,
-        rod_cut_2_2, rod_cut_2_turn
+    lam: constraint reactions on body 2 of each joint (10): crank_pin_1, crank_pin_2, slider_pin_1,
+        slider_pin_2, rod_cut_1_1, rod_cut_1_2, rod_cut_1_turn, rod_cut_2_1, rod_cut_2_2,
+        rod_cut_2_turn
 
     From (26), appendix, (1), LDL^T.
     932 operations.
@@ -2452,7 +2456,7 @@ def solve(t, q, v, k):
     #     crank_pin_1, crank_pin_2, rod_2_c1, rod_2_c2, rod_3_c2, slider_s, rod_3_c1, rod_3_alpha1,
     #     rod_3_alpha2, rod_3_phi, slider_pin_1, slider_pin_2, rod_2_alpha1, rod_2_alpha2,
     #     rod_2_phi, rod_cut_2_turn, rod_cut_1_1, rod_cut_1_2, rod_cut_1_turn, rod_cut_2_1,
-    #     rod_cut_2_2; 29 entries are filled in
+    #     rod_cut_2_2; fill-in 29
     t1 = rod_1_cos_phi / (33377851 / 7500000000)
     t2 = t1 * rod_1_sin_phi
     t3 = rod_1_cos_phi / (33377851 / 10500000000)
@@ -2837,16 +2841,17 @@ def solve(t, q, v, k):
 
 
 def project_velocity(t, q, k, r):
-    """The smallest change dv of the rates, measured by dv . M dv, with G dv = r: with r = -gdot it
-        brings rates onto the constraints, with r = -g, repeated, coordinates.
+    """The smallest change dv of the generalised velocities, in the metric of M, with G dv = r: r =
+        -gdot projects velocities onto the constraints; r = -g, repeated, projects coordinates.
 
     t: time
-    q: generalized coordinates (16)
+    q: generalised coordinates (16)
     k: constants from setup (0)
-    r: change of the constraints' rates (10)
-    dv: change of the rates (16): rod_1_c1dot, rod_1_c2dot, rod_1_phidot, rod_1_alpha1dot,
-        rod_1_alpha2dot, rod_2_c1dot, rod_2_c2dot, rod_2_phidot, rod_2_alpha1dot, rod_2_alpha2dot,
-        rod_3_c1dot, rod_3_c2dot, rod_3_phidot, rod_3_alpha1dot, rod_3_alpha2dot, slider_sdot
+    r: prescribed change of gdot (10)
+    dv: change of the generalised velocities (16): rod_1_c1dot, rod_1_c2dot, rod_1_phidot,
+        rod_1_alpha1dot, rod_1_alpha2dot, rod_2_c1dot, rod_2_c2dot, rod_2_phidot, rod_2_alpha1dot,
+        rod_2_alpha2dot, rod_3_c1dot, rod_3_c2dot, rod_3_phidot, rod_3_alpha1dot, rod_3_alpha2dot,
+        slider_sdot
 
     From (26), appendix, (1), LDL^T.
     725 operations.
@@ -2948,7 +2953,7 @@ def project_velocity(t, q, k, r):
     #     crank_pin_1, crank_pin_2, rod_2_c1, rod_2_c2, rod_3_c2, slider_s, rod_3_c1, rod_3_alpha1,
     #     rod_3_alpha2, rod_3_phi, slider_pin_1, slider_pin_2, rod_2_alpha1, rod_2_alpha2,
     #     rod_2_phi, rod_cut_2_turn, rod_cut_1_1, rod_cut_1_2, rod_cut_1_turn, rod_cut_2_1,
-    #     rod_cut_2_2; 29 entries are filled in
+    #     rod_cut_2_2; fill-in 29
     t1 = rod_1_cos_phi / (33377851 / 7500000000)
     t2 = t1 * rod_1_sin_phi
     t3 = rod_1_cos_phi / (33377851 / 10500000000)
@@ -3230,11 +3235,11 @@ def project_velocity(t, q, k, r):
 
 
 def poses(t, q, k):
-    """Position of the origin and rotation of the base of every body, also of those without
+    """Position of the origin and rotation of the frame of every body, including bodies without
         coordinates.
 
     t: time
-    q: generalized coordinates (16)
+    q: generalised coordinates (16)
     k: constants from setup (0)
     pose: c1, c2 [m] and phi [rad] of each body (15): crank.c1, crank.c2, crank.phi, rod_1.c1,
         rod_1.c2, rod_1.phi, rod_2.c1, rod_2.c2, rod_2.phi, rod_3.c1, rod_3.c2, rod_3.phi,
@@ -3287,7 +3292,7 @@ def residual(t, y, ydot, k):
     y: state [q; v; lambda] (42)
     ydot: time derivative of y (42)
     k: constants from setup (0)
-    F: residual, one row a state (42): rod_1_c1, rod_1_c2, rod_1_phi, rod_1_alpha1, rod_1_alpha2,
+    F: residual, one for each state (42): rod_1_c1, rod_1_c2, rod_1_phi, rod_1_alpha1, rod_1_alpha2,
         rod_2_c1, rod_2_c2, rod_2_phi, rod_2_alpha1, rod_2_alpha2, rod_3_c1, rod_3_c2, rod_3_phi,
         rod_3_alpha1, rod_3_alpha2, slider_s, rod_1_c1dot, rod_1_c2dot, rod_1_phidot,
         rod_1_alpha1dot, rod_1_alpha2dot, rod_2_c1dot, rod_2_c2dot, rod_2_phidot, rod_2_alpha1dot,
@@ -4019,7 +4024,7 @@ def residual_ggl(t, y, ydot, k):
     y: state [q; v; lambda; mu] (52)
     ydot: time derivative of y (52)
     k: constants from setup (0)
-    F: residual, one row a state (52): rod_1_c1, rod_1_c2, rod_1_phi, rod_1_alpha1, rod_1_alpha2,
+    F: residual, one for each state (52): rod_1_c1, rod_1_c2, rod_1_phi, rod_1_alpha1, rod_1_alpha2,
         rod_2_c1, rod_2_c2, rod_2_phi, rod_2_alpha1, rod_2_alpha2, rod_3_c1, rod_3_c2, rod_3_phi,
         rod_3_alpha1, rod_3_alpha2, slider_s, rod_1_c1dot, rod_1_c2dot, rod_1_phidot,
         rod_1_alpha1dot, rod_1_alpha2dot, rod_2_c1dot, rod_2_c2dot, rod_2_phidot, rod_2_alpha1dot,
@@ -5097,7 +5102,7 @@ def residual_index1(t, y, ydot, k):
     y: state [q; v; lambda] (42)
     ydot: time derivative of y (42)
     k: constants from setup (0)
-    F: residual, one row a state (42): rod_1_c1, rod_1_c2, rod_1_phi, rod_1_alpha1, rod_1_alpha2,
+    F: residual, one for each state (42): rod_1_c1, rod_1_c2, rod_1_phi, rod_1_alpha1, rod_1_alpha2,
         rod_2_c1, rod_2_c2, rod_2_phi, rod_2_alpha1, rod_2_alpha2, rod_3_c1, rod_3_c2, rod_3_phi,
         rod_3_alpha1, rod_3_alpha2, slider_s, rod_1_c1dot, rod_1_c2dot, rod_1_phidot,
         rod_1_alpha1dot, rod_1_alpha2dot, rod_2_c1dot, rod_2_c2dot, rod_2_phidot, rod_2_alpha1dot,

@@ -284,7 +284,7 @@ int double_pendulum_accel(
     /*
      * pivots (LDL^T): eliminate upper_c2, lower_c1, lower_c2, lower_alpha2, lower_alpha1,
      *     lower_phi, upper_c1, upper_alpha1, upper_alpha2, upper_phi, hinge_1, hinge_2, elbow_1,
-     *     elbow_2; 6 entries are filled in
+     *     elbow_2; fill-in 6
      */
     const double t1 = upper_cos_phi / (98897337.0 / 5000000000.0);
     const double t2 = t1 * upper_sin_phi;
@@ -402,7 +402,7 @@ int double_pendulum_accel(
     const double t70 = t24 * t57 - t52 / (14128191.0 / 1000000000.0) - t33 * t56;
     vdot[9] = t70;
 
-    /* check: refuse what is not finite */
+    /* check: check that the result is finite */
     if (!isfinite(t61 + t63 + t64 + t65 + t66 + t60 + t67 + t68 + t69
         + t70)) return 2; /* a result is not finite */
     return 0;
@@ -587,7 +587,7 @@ int double_pendulum_marker_upper_left(
     const double t4 = upper_left_r_2 * upper_cos_phi;
     const double upper_left_s_2 = t3 + t4;
 
-    /* marker (1): x = c + Q r, its rate and its derivatives */
+    /* marker (1): x = c + Q r, its time derivative and its Jacobian */
     x[0] = upper_c1 + t1 - t2;
     x[1] = upper_c2 + t3 + t4;
     const double t5 = upper_left_rdot_2 + (-0.5) * upper_phidot;
@@ -639,7 +639,7 @@ int double_pendulum_marker_upper_middle(
      */
     const double upper_cos_phi = cos(upper_phi);
 
-    /* marker (1): x = c + Q r, its rate and its derivatives */
+    /* marker (1): x = c + Q r, its time derivative and its Jacobian */
     x[0] = upper_c1 + upper_middle_s_1;
     const double t3 = t1 * upper_cos_phi;
     x[1] = upper_c2 - t3;
@@ -690,7 +690,7 @@ int double_pendulum_marker_upper_right(
     const double t4 = upper_right_r_2 * upper_cos_phi;
     const double upper_right_s_2 = t3 + t4;
 
-    /* marker (1): x = c + Q r, its rate and its derivatives */
+    /* marker (1): x = c + Q r, its time derivative and its Jacobian */
     x[0] = upper_c1 + t1 - t2;
     x[1] = upper_c2 + t3 + t4;
     const double t5 = upper_right_rdot_2 + 0.5 * upper_phidot;
@@ -744,7 +744,7 @@ int double_pendulum_marker_lower_left(
     const double t4 = lower_left_r_2 * lower_cos_phi;
     const double lower_left_s_2 = t3 + t4;
 
-    /* marker (1): x = c + Q r, its rate and its derivatives */
+    /* marker (1): x = c + Q r, its time derivative and its Jacobian */
     x[0] = lower_c1 + t1 - t2;
     x[1] = lower_c2 + t3 + t4;
     const double t5 = lower_left_rdot_2 + (-0.5) * lower_phidot;
@@ -796,7 +796,7 @@ int double_pendulum_marker_lower_middle(
      */
     const double lower_cos_phi = cos(lower_phi);
 
-    /* marker (1): x = c + Q r, its rate and its derivatives */
+    /* marker (1): x = c + Q r, its time derivative and its Jacobian */
     x[0] = lower_c1 + lower_middle_s_1;
     const double t3 = t1 * lower_cos_phi;
     x[1] = lower_c2 - t3;
@@ -847,7 +847,7 @@ int double_pendulum_marker_lower_right(
     const double t4 = lower_right_r_2 * lower_cos_phi;
     const double lower_right_s_2 = t3 + t4;
 
-    /* marker (1): x = c + Q r, its rate and its derivatives */
+    /* marker (1): x = c + Q r, its time derivative and its Jacobian */
     x[0] = lower_c1 + t1 - t2;
     x[1] = lower_c2 + t3 + t4;
     const double t5 = lower_right_rdot_2 + 0.5 * lower_phidot;
@@ -886,7 +886,7 @@ int double_pendulum_load_upper_left(
     const double upper_cos_phi = cos(upper_phi);
     const double upper_sin_phi = sin(upper_phi);
 
-    /* F (10): the force seen from the body base */
+    /* F (10): the force in the body frame */
     const double upper_left_Fb_1 = F_1 * upper_cos_phi + F_2 * upper_sin_phi;
     const double upper_left_Fb_2 = F_2 * upper_cos_phi - F_1 * upper_sin_phi;
 
@@ -929,7 +929,7 @@ int double_pendulum_load_upper_middle(
     const double upper_cos_phi = cos(upper_phi);
     const double upper_sin_phi = sin(upper_phi);
 
-    /* F (10): the force seen from the body base */
+    /* F (10): the force in the body frame */
     const double upper_middle_Fb_1 = F_1 * upper_cos_phi + F_2 * upper_sin_phi;
     const double upper_middle_Fb_2 = F_2 * upper_cos_phi - F_1 * upper_sin_phi;
 
@@ -967,7 +967,7 @@ int double_pendulum_load_upper_right(
     const double upper_cos_phi = cos(upper_phi);
     const double upper_sin_phi = sin(upper_phi);
 
-    /* F (10): the force seen from the body base */
+    /* F (10): the force in the body frame */
     const double upper_right_Fb_1 = F_1 * upper_cos_phi + F_2 * upper_sin_phi;
     const double upper_right_Fb_2 = F_2 * upper_cos_phi - F_1 * upper_sin_phi;
 
@@ -1011,7 +1011,7 @@ int double_pendulum_load_lower_left(
     const double lower_cos_phi = cos(lower_phi);
     const double lower_sin_phi = sin(lower_phi);
 
-    /* F (10): the force seen from the body base */
+    /* F (10): the force in the body frame */
     const double lower_left_Fb_1 = F_1 * lower_cos_phi + F_2 * lower_sin_phi;
     const double lower_left_Fb_2 = F_2 * lower_cos_phi - F_1 * lower_sin_phi;
 
@@ -1054,7 +1054,7 @@ int double_pendulum_load_lower_middle(
     const double lower_cos_phi = cos(lower_phi);
     const double lower_sin_phi = sin(lower_phi);
 
-    /* F (10): the force seen from the body base */
+    /* F (10): the force in the body frame */
     const double lower_middle_Fb_1 = F_1 * lower_cos_phi + F_2 * lower_sin_phi;
     const double lower_middle_Fb_2 = F_2 * lower_cos_phi - F_1 * lower_sin_phi;
 
@@ -1092,7 +1092,7 @@ int double_pendulum_load_lower_right(
     const double lower_cos_phi = cos(lower_phi);
     const double lower_sin_phi = sin(lower_phi);
 
-    /* F (10): the force seen from the body base */
+    /* F (10): the force in the body frame */
     const double lower_right_Fb_1 = F_1 * lower_cos_phi + F_2 * lower_sin_phi;
     const double lower_right_Fb_2 = F_2 * lower_cos_phi - F_1 * lower_sin_phi;
 
@@ -1173,7 +1173,7 @@ int double_pendulum_constraints(
     const double lower_left_s_1 = (-0.5) * lower_cos_phi - lower_left_r_2 * lower_sin_phi;
     const double lower_left_s_2 = (-0.5) * lower_sin_phi + lower_left_r_2 * lower_cos_phi;
 
-    /* g (1): second place minus first, from x = c + Q r */
+    /* g (1): point of body 2 minus point of body 1, from x = c + Q r */
     g[0] = upper_c1 + upper_left_s_1;
     g[1] = upper_c2 + upper_left_s_2;
     g[2] = lower_c1 + lower_left_s_1 - upper_c1 - upper_right_s_1;
@@ -1251,7 +1251,7 @@ int double_pendulum_constraint_rates(
     const double lower_left_s_2 = (-0.5) * lower_sin_phi + lower_left_r_2 * lower_cos_phi;
     const double lower_left_sdot_2 = lower_left_rdot_2 * lower_cos_phi;
 
-    /* gdot (1): velocities of the second place minus those of the first */
+    /* gdot (1): velocity of the point of body 2 minus that of body 1 */
     gdot[0] = upper_c1dot - upper_left_rdot_2 * upper_sin_phi - upper_phidot * upper_left_s_2;
     gdot[1] = upper_c2dot + upper_left_sdot_2 + upper_phidot * upper_left_s_1;
     gdot[2] = lower_c1dot - lower_left_rdot_2 * lower_sin_phi + upper_phidot * upper_right_s_2
@@ -1314,7 +1314,7 @@ int double_pendulum_constraint_jacobian(
     const double lower_left_s_1 = (-0.5) * lower_cos_phi - lower_left_r_2 * lower_sin_phi;
     const double lower_left_s_2 = (-0.5) * lower_sin_phi + lower_left_r_2 * lower_cos_phi;
 
-    /* G (6): factors of the rates */
+    /* G (6): factors of the generalised velocities */
     G[0] = 1.0;
     G[1] = -1.0;
     G[2] = 1.0;
@@ -1509,7 +1509,7 @@ int double_pendulum_solve(
     /*
      * pivots (LDL^T): eliminate upper_c2, lower_c1, lower_c2, lower_alpha2, lower_alpha1,
      *     lower_phi, upper_c1, upper_alpha1, upper_alpha2, upper_phi, hinge_1, hinge_2, elbow_1,
-     *     elbow_2; 6 entries are filled in
+     *     elbow_2; fill-in 6
      */
     const double t1 = upper_cos_phi / (98897337.0 / 5000000000.0);
     const double t2 = t1 * upper_sin_phi;
@@ -1631,7 +1631,7 @@ int double_pendulum_solve(
     lam[2] = t57;
     lam[3] = t56;
 
-    /* check: refuse what is not finite */
+    /* check: check that the result is finite */
     if (!isfinite(t61 + t63 + t64 + t65 + t66 + t60 + t67 + t68 + t69 + t70 + t59 + t58 + t57
         + t56)) return 2; /* a result is not finite */
     return 0;
@@ -1714,7 +1714,7 @@ int double_pendulum_project_velocity(
     /*
      * pivots (LDL^T): eliminate upper_c2, lower_c1, lower_c2, lower_alpha2, lower_alpha1,
      *     lower_phi, upper_c1, upper_alpha1, upper_alpha2, upper_phi, hinge_1, hinge_2, elbow_1,
-     *     elbow_2; 6 entries are filled in
+     *     elbow_2; fill-in 6
      */
     const double t1 = upper_cos_phi / (98897337.0 / 5000000000.0);
     const double t2 = t1 * upper_sin_phi;
@@ -1803,7 +1803,7 @@ int double_pendulum_project_velocity(
     const double t54 = t24 * t42 - t33 * t41;
     dv[9] = t54;
 
-    /* check: refuse what is not finite */
+    /* check: check that the result is finite */
     if (!isfinite(t46 - t48 + t49 + t50 + t51 + t45 + t47 + t52 + t53
         + t54)) return 2; /* a result is not finite */
     return 0;
@@ -3173,7 +3173,7 @@ int double_pendulum_jacobian_index1(
     return 0;
 }
 
-/* ---- batches: each state b of a block as the functions above have it ---- */
+/* ---- batches: the functions above for blocks of states b ---- */
 
 /* The rows of a block that is not full: its last state is repeated. */
 static const double *double_pendulum_block32_pad(ptrdiff_t all, int count, int rows, const double *from, double *to)
@@ -3711,26 +3711,26 @@ static const tisserand_variable double_pendulum_table_q[] = {
     {"upper_c1", "m", "upper: position of the origin of the floating frame along the inertial e1", 0.0, 1, TISSERAND_ROLE_TRANSLATION},
     {"upper_c2", "m", "upper: position of the origin of the floating frame along the inertial e2", 0.0, 1, TISSERAND_ROLE_TRANSLATION},
     {"upper_phi", "rad", "upper: rotation of the floating frame", 0.0, 1, TISSERAND_ROLE_ROTATION},
-    {"upper_alpha1", "m", "upper: amplitude of assumed shape 1", 0.0, 1, TISSERAND_ROLE_AMPLITUDE},
-    {"upper_alpha2", "m", "upper: amplitude of assumed shape 2", 0.0, 1, TISSERAND_ROLE_AMPLITUDE},
+    {"upper_alpha1", "m", "upper: amplitude of assumed mode 1", 0.0, 1, TISSERAND_ROLE_AMPLITUDE},
+    {"upper_alpha2", "m", "upper: amplitude of assumed mode 2", 0.0, 1, TISSERAND_ROLE_AMPLITUDE},
     {"lower_c1", "m", "lower: position of the origin of the floating frame along the inertial e1", 0.0, 1, TISSERAND_ROLE_TRANSLATION},
     {"lower_c2", "m", "lower: position of the origin of the floating frame along the inertial e2", 0.0, 1, TISSERAND_ROLE_TRANSLATION},
     {"lower_phi", "rad", "lower: rotation of the floating frame", 0.0, 1, TISSERAND_ROLE_ROTATION},
-    {"lower_alpha1", "m", "lower: amplitude of assumed shape 1", 0.0, 1, TISSERAND_ROLE_AMPLITUDE},
-    {"lower_alpha2", "m", "lower: amplitude of assumed shape 2", 0.0, 1, TISSERAND_ROLE_AMPLITUDE},
+    {"lower_alpha1", "m", "lower: amplitude of assumed mode 1", 0.0, 1, TISSERAND_ROLE_AMPLITUDE},
+    {"lower_alpha2", "m", "lower: amplitude of assumed mode 2", 0.0, 1, TISSERAND_ROLE_AMPLITUDE},
 };
 
 static const tisserand_variable double_pendulum_table_v[] = {
-    {"upper_c1dot", "m/s", "rate of upper_c1", 0.0, 1, 0},
-    {"upper_c2dot", "m/s", "rate of upper_c2", 0.0, 1, 0},
-    {"upper_phidot", "rad/s", "rate of upper_phi", 0.0, 1, 0},
-    {"upper_alpha1dot", "m/s", "rate of upper_alpha1", 0.0, 1, 0},
-    {"upper_alpha2dot", "m/s", "rate of upper_alpha2", 0.0, 1, 0},
-    {"lower_c1dot", "m/s", "rate of lower_c1", 0.0, 1, 0},
-    {"lower_c2dot", "m/s", "rate of lower_c2", 0.0, 1, 0},
-    {"lower_phidot", "rad/s", "rate of lower_phi", 0.0, 1, 0},
-    {"lower_alpha1dot", "m/s", "rate of lower_alpha1", 0.0, 1, 0},
-    {"lower_alpha2dot", "m/s", "rate of lower_alpha2", 0.0, 1, 0},
+    {"upper_c1dot", "m/s", "time derivative of upper_c1", 0.0, 1, 0},
+    {"upper_c2dot", "m/s", "time derivative of upper_c2", 0.0, 1, 0},
+    {"upper_phidot", "rad/s", "time derivative of upper_phi", 0.0, 1, 0},
+    {"upper_alpha1dot", "m/s", "time derivative of upper_alpha1", 0.0, 1, 0},
+    {"upper_alpha2dot", "m/s", "time derivative of upper_alpha2", 0.0, 1, 0},
+    {"lower_c1dot", "m/s", "time derivative of lower_c1", 0.0, 1, 0},
+    {"lower_c2dot", "m/s", "time derivative of lower_c2", 0.0, 1, 0},
+    {"lower_phidot", "rad/s", "time derivative of lower_phi", 0.0, 1, 0},
+    {"lower_alpha1dot", "m/s", "time derivative of lower_alpha1", 0.0, 1, 0},
+    {"lower_alpha2dot", "m/s", "time derivative of lower_alpha2", 0.0, 1, 0},
 };
 
 static const tisserand_variable double_pendulum_table_lambda[] = {

@@ -10,56 +10,57 @@
  * work: (15) of Koppens, Sauren, Veldpaus & van Campen, J. Appl. Mech. 55 (1988) 676-680, whose
  * equation numbers these are. Units are SI where the parameters are; any consistent set will do.
  *
- * The floating frame has its origin at c and is turned by Q. In it are resolved: r = X + u, the
- * shapes Phi_i, and their moments c1 .. c8, d1, D2, d3, J, so that e1, e2 there are its axes.
- * In the inertial base are resolved: c, momenta, and markers.
- * Of beams c is where the centre of the undeformed beam lies in the floating frame.
+ * The floating frame has its origin at c and the rotation Q. r = X + u, the shape functions Phi_i,
+ * and their moments c1 .. c8, d1, D2, d3, J are resolved in the floating frame; c, momenta and
+ * markers are resolved in the inertial frame.
+ * For beams, c is the position of the centre of the undeformed beam.
  * Deflection of upper, along its e2: alpha1 phi_1 + ..., phi_1 = 3*xi^2/2 - 1/2, phi_2 = 5*xi^3/2 -
  *     3*xi/2; xi = 2 x / length.
  * Deflection of lower, along its e2: alpha1 phi_1 + ..., phi_1 = 3*xi^2/2 - 1/2, phi_2 = 5*xi^3/2 -
  *     3*xi/2; xi = 2 x / length.
- * In M bodies share no inertia: joints couple them through constraints.
+ * For several bodies the mass matrix is block-diagonal, because joints couple bodies through
+ *     constraints.
  *
- * Coordinates q:
+ * Generalised coordinates q:
  *   0  upper_c1      [m]  upper: position of the origin of the floating frame along the inertial e1
  *   1  upper_c2      [m]  upper: position of the origin of the floating frame along the inertial e2
  *   2  upper_phi     [rad]  upper: rotation of the floating frame
- *   3  upper_alpha1  [m]  upper: amplitude of assumed shape 1
- *   4  upper_alpha2  [m]  upper: amplitude of assumed shape 2
+ *   3  upper_alpha1  [m]  upper: amplitude of assumed mode 1
+ *   4  upper_alpha2  [m]  upper: amplitude of assumed mode 2
  *   5  lower_c1      [m]  lower: position of the origin of the floating frame along the inertial e1
  *   6  lower_c2      [m]  lower: position of the origin of the floating frame along the inertial e2
  *   7  lower_phi     [rad]  lower: rotation of the floating frame
- *   8  lower_alpha1  [m]  lower: amplitude of assumed shape 1
- *   9  lower_alpha2  [m]  lower: amplitude of assumed shape 2
+ *   8  lower_alpha1  [m]  lower: amplitude of assumed mode 1
+ *   9  lower_alpha2  [m]  lower: amplitude of assumed mode 2
  *
- * Rates v and the rows of the equations of motion, with their units:
- *   0  upper_c1dot  [m/s]  rate of upper_c1; its row, upper_c1, [N]
- *   1  upper_c2dot  [m/s]  rate of upper_c2; its row, upper_c2, [N]
- *   2  upper_phidot  [rad/s]  rate of upper_phi; its row, upper_phi, [N m]
- *   3  upper_alpha1dot  [m/s]  rate of upper_alpha1; its row, upper_alpha1, [N]
- *   4  upper_alpha2dot  [m/s]  rate of upper_alpha2; its row, upper_alpha2, [N]
- *   5  lower_c1dot  [m/s]  rate of lower_c1; its row, lower_c1, [N]
- *   6  lower_c2dot  [m/s]  rate of lower_c2; its row, lower_c2, [N]
- *   7  lower_phidot  [rad/s]  rate of lower_phi; its row, lower_phi, [N m]
- *   8  lower_alpha1dot  [m/s]  rate of lower_alpha1; its row, lower_alpha1, [N]
- *   9  lower_alpha2dot  [m/s]  rate of lower_alpha2; its row, lower_alpha2, [N]
+ * Generalised velocities v, and the equations of motion with their units:
+ *   0  upper_c1dot  [m/s]  time derivative of upper_c1; equation upper_c1 [N]
+ *   1  upper_c2dot  [m/s]  time derivative of upper_c2; equation upper_c2 [N]
+ *   2  upper_phidot  [rad/s]  time derivative of upper_phi; equation upper_phi [N m]
+ *   3  upper_alpha1dot  [m/s]  time derivative of upper_alpha1; equation upper_alpha1 [N]
+ *   4  upper_alpha2dot  [m/s]  time derivative of upper_alpha2; equation upper_alpha2 [N]
+ *   5  lower_c1dot  [m/s]  time derivative of lower_c1; equation lower_c1 [N]
+ *   6  lower_c2dot  [m/s]  time derivative of lower_c2; equation lower_c2 [N]
+ *   7  lower_phidot  [rad/s]  time derivative of lower_phi; equation lower_phi [N m]
+ *   8  lower_alpha1dot  [m/s]  time derivative of lower_alpha1; equation lower_alpha1 [N]
+ *   9  lower_alpha2dot  [m/s]  time derivative of lower_alpha2; equation lower_alpha2 [N]
  *
- * Multipliers lambda, what joints exert on their second bodies:
+ * Multipliers lambda, the constraint reactions on body 2 of each joint:
  *   0  hinge_1  [N]  ground.hook and upper.left coincide along e1
  *   1  hinge_2  [N]  ground.hook and upper.left coincide along e2
  *   2  elbow_1  [N]  upper.right and lower.left coincide along e1
  *   3  elbow_2  [N]  upper.right and lower.left coincide along e2
  *
- * What is not modelled, and why:
+ * Not modelled, with the reasons:
  *   ground: it does not move: no coordinates
  *
  * Parameters p:
  *   none: every number of the specification is folded into the code
  *
- * Constants k, made of them by setup:
+ * Constants k, computed from the parameters by setup:
  *   none
  *
- * Mass matrix, x a value and . a structural zero:
+ * Mass matrix (x: structural non-zero, .: structural zero):
  *   upper_c1      x . . . . . . . . .
  *   upper_c2      . x . . . . . . . .
  *   upper_phi     . . x . . . . . . .
@@ -72,13 +73,13 @@
  *   lower_alpha2  . . . . . . . . . x
  *   10 of 100 entries are structural non-zeros; the 10 of the lower triangle are stored
  *
- * Why its zeros are zero:
+ * Reasons for its structural zeros:
  *   M[upper_c2, upper_c1], M[lower_c2, lower_c1]: the mass enters as m I, so translations along
  *       different axes do not couple
  *   M[upper_phi, upper_c1], M[upper_phi, upper_c2], M[lower_phi, lower_c1], M[lower_phi, lower_c2]:
- *       c1_1 = 0 by the choice of O (the centre of the undeformed beam); c1_2, c2_1_1, c2_2_1 = 0
- *       by geometry (the beam lies along e1 and deflects along e2); c2_1_2, c2_2_2 = 0 by condition
- *       (17) (no mean displacement)
+ *       c1_1 = 0 by the choice of the origin (the centre of the undeformed beam); c1_2, c2_1_1,
+ *       c2_2_1 = 0 by geometry (the beam lies along e1 and deflects along e2); c2_1_2, c2_2_2 = 0
+ *       by condition (17) (no mean displacement)
  *   M[upper_alpha1, upper_c1], M[upper_alpha1, upper_c2], M[lower_alpha1, lower_c1],
  *       M[lower_alpha1, lower_c2]: c2_1_1 = 0 by geometry (the beam lies along e1 and deflects
  *       along e2); c2_1_2 = 0 by condition (17) (no mean displacement)
@@ -97,9 +98,9 @@
  *       centrifugal term of row upper_c2, translation term of row upper_phi, gravity term of row
  *       upper_phi, Euler term of row lower_c1, centrifugal term of row lower_c1, Euler term of row
  *       lower_c2, centrifugal term of row lower_c2, translation term of row lower_phi, gravity term
- *       of row lower_phi: c1_1 = 0 by the choice of O (the centre of the undeformed beam); c1_2,
- *       c2_1_1, c2_2_1 = 0 by geometry (the beam lies along e1 and deflects along e2); c2_1_2,
- *       c2_2_2 = 0 by condition (17) (no mean displacement)
+ *       of row lower_phi: c1_1 = 0 by the choice of the origin (the centre of the undeformed beam);
+ *       c1_2, c2_1_1, c2_2_1 = 0 by geometry (the beam lies along e1 and deflects along e2);
+ *       c2_1_2, c2_2_2 = 0 by condition (17) (no mean displacement)
  *   Coriolis term of row upper_c1, relative term of row upper_c1, Coriolis term of row upper_c2,
  *       relative term of row upper_c2, Coriolis term of row lower_c1, relative term of row
  *       lower_c1, Coriolis term of row lower_c2, relative term of row lower_c2: c2_1_1, c2_2_1 = 0
@@ -159,18 +160,18 @@ enum {
     TISSERAND_ROLE_AMPLITUDE = 5
 };
 
-/* A coordinate, rate, parameter or constant; a parameter has a default. An array has so many values. */
+/* A generalised coordinate, generalised velocity, parameter, constant or multiplier. */
 typedef struct {
     const char *name;
     const char *unit;
     const char *doc;
-    double value;
-    int size;
+    double value; /* the default of a parameter */
+    int size;     /* number of values, more than 1 for an array */
     int role; /* one of the roles above, for coordinates; 0 otherwise */
 } tisserand_variable;
 
-/* Compressed columns; of a symmetric matrix the lower triangle. Patterns of loops over the shapes are not
-   stored: colptr and rowidx are 0 there, and fill writes them. */
+/* Compressed columns; of a symmetric matrix the lower triangle. Patterns of looped kernels are not stored:
+   colptr and rowidx are 0 there, and fill writes them. */
 typedef struct {
     int rows;
     int cols;
@@ -182,7 +183,7 @@ typedef struct {
 } tisserand_pattern;
 
 /* A named material point; jacobian holds the values of d(velocity)/dv, in the plane d(position)/dq; load turns
-   a force F at the point, in the inertial base, into generalized forces f of M vdot + h = f. */
+   a force F at the point, in the inertial frame, into generalised forces f of M vdot + h = f. */
 typedef struct {
     const char *name;
     int dimension;
@@ -201,10 +202,10 @@ typedef struct {
     int (*jacobian)(double t, const double *y, const double *ydot, double cj, const double *k, double *jac);
 } tisserand_dae;
 
-/* What a scene has besides: constraints g(t, q) = 0 with multipliers, M vdot + h = G^T lambda, G vdot = gamma. */
+/* The additional functions of a scene: constraints g(t, q) = 0 with multipliers, M vdot + h = G^T lambda, G vdot = gamma. */
 typedef struct {
     int nbodies;
-    const tisserand_variable *lambda; /* nlambda multipliers: what joints exert on their second bodies */
+    const tisserand_variable *lambda; /* nlambda multipliers: constraint reactions on body 2 */
     const char *const *bodies;
     const tisserand_pattern *pattern; /* of G, nlambda x nv */
     const tisserand_dae *forms;
@@ -218,12 +219,12 @@ typedef struct {
     int (*poses)(double t, const double *q, const double *k, double *pose); /* c1, c2, phi of each body */
 } tisserand_scene;
 
-/* All there is to know of a model, for a host that is compiled once and serves many. */
+/* The descriptor of a model, for hosts that are compiled once and serve many models. */
 typedef struct {
     int abi;
     const char *name;
-    int nq;        /* coordinates */
-    int nv;        /* rates */
+    int nq;        /* generalised coordinates */
+    int nv;        /* generalised velocities */
     int np;        /* parameters */
     int nk;        /* constants of setup */
     int nlambda;   /* multipliers */
@@ -259,7 +260,7 @@ typedef struct {
 } tisserand_model;
 
 #elif TISSERAND_ABI != 4
-#  error "this header and one included before it were generated by Tisserand versions that do not fit"
+#  error "this header and one included before it were generated by incompatible versions of Tisserand"
 #endif
 
 /* ---- sizes and indices ---- */
@@ -291,9 +292,9 @@ enum {
     DOUBLE_PENDULUM_ABI = 4
 };
 
-/* ---- functions: 0 = ok. From setup and accel, solve and project_velocity alone: 1 = a pivot vanished; 2 = a value is not finite
-   or not positive; the outputs then hold nothing of use. The others let a NaN through; accel calls a
-   NaN in its mass matrix a vanished pivot.
+/* ---- functions return 0 for success. setup, accel, solve and project_velocity return 1 if a pivot vanished and 2 if a
+   value is not finite or not positive; the outputs are undefined then. All other functions propagate a NaN;
+   accel reports a NaN in its mass matrix as a vanished pivot.
    Arrays that are written must not overlap each other or arrays that are read. ---- */
 
 /*
@@ -311,7 +312,7 @@ int double_pendulum_setup(
 /*
  * Mass matrix M(q): values of the lower triangle by columns.
  *
- * q: generalized coordinates (10)
+ * q: generalised coordinates (10)
  * k: constants from setup (0)
  * M: values of the mass matrix, lower triangle by columns, 10 x 10, 10 values, 10 in both triangles
  *
@@ -324,15 +325,16 @@ int double_pendulum_mass(
     double *M);
 
 /*
- * Forces h of M vdot + h = G^T lambda: centrifugal, Coriolis and elastic, and those of gravity,
- *     springs and applied loads.
+ * Forces h of M vdot + h = G^T lambda: centrifugal, Coriolis, elastic, damping, gravity, springs
+ *     and applied loads.
  *
  * t: time
- * q: generalized coordinates (10)
- * v: rates (10)
+ * q: generalised coordinates (10)
+ * v: generalised velocities (10)
  * k: constants from setup (0)
- * h: forces, one row a coordinate (10): h[upper_c1], h[upper_c2], h[upper_phi], h[upper_alpha1],
- *     h[upper_alpha2], h[lower_c1], h[lower_c2], h[lower_phi], h[lower_alpha1], h[lower_alpha2]
+ * h: forces, one for each equation of motion (10): h[upper_c1], h[upper_c2], h[upper_phi],
+ *     h[upper_alpha1], h[upper_alpha2], h[lower_c1], h[lower_c2], h[lower_phi], h[lower_alpha1],
+ *     h[lower_alpha2]
  *
  * From appendix, (15).
  * 28 operations.
@@ -348,12 +350,13 @@ int double_pendulum_force(
  * Mass matrix and forces together; what they share is computed once.
  *
  * t: time
- * q: generalized coordinates (10)
- * v: rates (10)
+ * q: generalised coordinates (10)
+ * v: generalised velocities (10)
  * k: constants from setup (0)
  * M: values of the mass matrix, lower triangle by columns, 10 x 10, 10 values, 10 in both triangles
- * h: forces, one row a coordinate (10): h[upper_c1], h[upper_c2], h[upper_phi], h[upper_alpha1],
- *     h[upper_alpha2], h[lower_c1], h[lower_c2], h[lower_phi], h[lower_alpha1], h[lower_alpha2]
+ * h: forces, one for each equation of motion (10): h[upper_c1], h[upper_c2], h[upper_phi],
+ *     h[upper_alpha1], h[upper_alpha2], h[lower_c1], h[lower_c2], h[lower_phi], h[lower_alpha1],
+ *     h[lower_alpha2]
  *
  * From appendix, (15).
  * 36 operations.
@@ -370,8 +373,8 @@ int double_pendulum_mass_force(
  * Accelerations vdot of M vdot + h = G^T lambda, G vdot = gamma; `solve` gives lambda as well.
  *
  * t: time
- * q: generalized coordinates (10)
- * v: rates (10)
+ * q: generalised coordinates (10)
+ * v: generalised velocities (10)
  * k: constants from setup (0)
  * vdot: accelerations (10): upper_c1ddot, upper_c2ddot, upper_phiddot, upper_alpha1ddot,
  *     upper_alpha2ddot, lower_c1ddot, lower_c2ddot, lower_phiddot, lower_alpha1ddot,
@@ -390,8 +393,8 @@ int double_pendulum_accel(
 /*
  * Kinetic and strain energy (with that of springs), and the potential of gravity.
  *
- * q: generalized coordinates (10)
- * v: rates (10)
+ * q: generalised coordinates (10)
+ * v: generalised velocities (10)
  * k: constants from setup (0)
  * energy: energies [J] (3): kinetic, strain, gravity
  *
@@ -407,8 +410,8 @@ int double_pendulum_energy(
 /*
  * Linear momentum, and angular momentum about the inertial origin.
  *
- * q: generalized coordinates (10)
- * v: rates (10)
+ * q: generalised coordinates (10)
+ * v: generalised velocities (10)
  * k: constants from setup (0)
  * momentum: linear [N s] and angular [N m s] (3): linear_1, linear_2, angular
  *
@@ -422,10 +425,10 @@ int double_pendulum_momentum(
     double *momentum);
 
 /*
- * Time derivative of the coordinates from the rates.
+ * Time derivatives of the generalised coordinates from the generalised velocities.
  *
- * q: generalized coordinates (10)
- * v: rates (10)
+ * q: generalised coordinates (10)
+ * v: generalised velocities (10)
  * k: constants from setup (0)
  * qdot: time derivative of q (10): upper_c1_t, upper_c2_t, upper_phi_t, upper_alpha1_t,
  *     upper_alpha2_t, lower_c1_t, lower_c2_t, lower_phi_t, lower_alpha1_t, lower_alpha2_t
@@ -443,11 +446,11 @@ int double_pendulum_rates(
  * Marker upper_left, material point at xi = -1 of upper: position, velocity and its Jacobian
  *     d(velocity)/dv.
  *
- * q: generalized coordinates (10)
- * v: rates (10)
+ * q: generalised coordinates (10)
+ * v: generalised velocities (10)
  * k: constants from setup (0)
- * x: position in the inertial base [m] (2): x1, x2
- * xdot: velocity in the inertial base [m/s] (2): x1dot, x2dot
+ * x: position in the inertial frame [m] (2): x1, x2
+ * xdot: velocity in the inertial frame [m/s] (2): x1dot, x2dot
  * jacobian: values of d(velocity)/dv by columns, 2 x 10, 8 values
  *
  * From (1).
@@ -465,11 +468,11 @@ int double_pendulum_marker_upper_left(
  * Marker upper_middle, material point at xi = 0 of upper: position, velocity and its Jacobian
  *     d(velocity)/dv.
  *
- * q: generalized coordinates (10)
- * v: rates (10)
+ * q: generalised coordinates (10)
+ * v: generalised velocities (10)
  * k: constants from setup (0)
- * x: position in the inertial base [m] (2): x1, x2
- * xdot: velocity in the inertial base [m/s] (2): x1dot, x2dot
+ * x: position in the inertial frame [m] (2): x1, x2
+ * xdot: velocity in the inertial frame [m/s] (2): x1dot, x2dot
  * jacobian: values of d(velocity)/dv by columns, 2 x 10, 6 values
  *
  * From (1), (26).
@@ -487,11 +490,11 @@ int double_pendulum_marker_upper_middle(
  * Marker upper_right, material point at xi = 1 of upper: position, velocity and its Jacobian
  *     d(velocity)/dv.
  *
- * q: generalized coordinates (10)
- * v: rates (10)
+ * q: generalised coordinates (10)
+ * v: generalised velocities (10)
  * k: constants from setup (0)
- * x: position in the inertial base [m] (2): x1, x2
- * xdot: velocity in the inertial base [m/s] (2): x1dot, x2dot
+ * x: position in the inertial frame [m] (2): x1, x2
+ * xdot: velocity in the inertial frame [m/s] (2): x1dot, x2dot
  * jacobian: values of d(velocity)/dv by columns, 2 x 10, 8 values
  *
  * From (1).
@@ -509,11 +512,11 @@ int double_pendulum_marker_upper_right(
  * Marker lower_left, material point at xi = -1 of lower: position, velocity and its Jacobian
  *     d(velocity)/dv.
  *
- * q: generalized coordinates (10)
- * v: rates (10)
+ * q: generalised coordinates (10)
+ * v: generalised velocities (10)
  * k: constants from setup (0)
- * x: position in the inertial base [m] (2): x1, x2
- * xdot: velocity in the inertial base [m/s] (2): x1dot, x2dot
+ * x: position in the inertial frame [m] (2): x1, x2
+ * xdot: velocity in the inertial frame [m/s] (2): x1dot, x2dot
  * jacobian: values of d(velocity)/dv by columns, 2 x 10, 8 values
  *
  * From (1).
@@ -531,11 +534,11 @@ int double_pendulum_marker_lower_left(
  * Marker lower_middle, material point at xi = 0 of lower: position, velocity and its Jacobian
  *     d(velocity)/dv.
  *
- * q: generalized coordinates (10)
- * v: rates (10)
+ * q: generalised coordinates (10)
+ * v: generalised velocities (10)
  * k: constants from setup (0)
- * x: position in the inertial base [m] (2): x1, x2
- * xdot: velocity in the inertial base [m/s] (2): x1dot, x2dot
+ * x: position in the inertial frame [m] (2): x1, x2
+ * xdot: velocity in the inertial frame [m/s] (2): x1dot, x2dot
  * jacobian: values of d(velocity)/dv by columns, 2 x 10, 6 values
  *
  * From (1), (26).
@@ -553,11 +556,11 @@ int double_pendulum_marker_lower_middle(
  * Marker lower_right, material point at xi = 1 of lower: position, velocity and its Jacobian
  *     d(velocity)/dv.
  *
- * q: generalized coordinates (10)
- * v: rates (10)
+ * q: generalised coordinates (10)
+ * v: generalised velocities (10)
  * k: constants from setup (0)
- * x: position in the inertial base [m] (2): x1, x2
- * xdot: velocity in the inertial base [m/s] (2): x1dot, x2dot
+ * x: position in the inertial frame [m] (2): x1, x2
+ * xdot: velocity in the inertial frame [m/s] (2): x1dot, x2dot
  * jacobian: values of d(velocity)/dv by columns, 2 x 10, 8 values
  *
  * From (1).
@@ -572,14 +575,14 @@ int double_pendulum_marker_lower_right(
     double *jacobian);
 
 /*
- * Generalized forces f of a force at marker upper_left: then M vdot + h = f.
+ * Generalised forces f of a force at marker upper_left: then M vdot + h = f.
  *
- * q: generalized coordinates (10)
- * F: force at the marker, in the inertial base [N] (2)
+ * q: generalised coordinates (10)
+ * F: force at the marker, in the inertial frame [N] (2)
  * k: constants from setup (0)
- * f: generalized forces, one row a coordinate (10): f[upper_c1], f[upper_c2], f[upper_phi],
- *     f[upper_alpha1], f[upper_alpha2], f[lower_c1], f[lower_c2], f[lower_phi], f[lower_alpha1],
- *     f[lower_alpha2]
+ * f: generalised forces, one for each equation of motion (10): f[upper_c1], f[upper_c2],
+ *     f[upper_phi], f[upper_alpha1], f[upper_alpha2], f[lower_c1], f[lower_c2], f[lower_phi],
+ *     f[lower_alpha1], f[lower_alpha2]
  *
  * From (26), (10), (1).
  * 13 operations.
@@ -591,14 +594,14 @@ int double_pendulum_load_upper_left(
     double *f);
 
 /*
- * Generalized forces f of a force at marker upper_middle: then M vdot + h = f.
+ * Generalised forces f of a force at marker upper_middle: then M vdot + h = f.
  *
- * q: generalized coordinates (10)
- * F: force at the marker, in the inertial base [N] (2)
+ * q: generalised coordinates (10)
+ * F: force at the marker, in the inertial frame [N] (2)
  * k: constants from setup (0)
- * f: generalized forces, one row a coordinate (10): f[upper_c1], f[upper_c2], f[upper_phi],
- *     f[upper_alpha1], f[upper_alpha2], f[lower_c1], f[lower_c2], f[lower_phi], f[lower_alpha1],
- *     f[lower_alpha2]
+ * f: generalised forces, one for each equation of motion (10): f[upper_c1], f[upper_c2],
+ *     f[upper_phi], f[upper_alpha1], f[upper_alpha2], f[lower_c1], f[lower_c2], f[lower_phi],
+ *     f[lower_alpha1], f[lower_alpha2]
  *
  * From (26), (10).
  * 11 operations.
@@ -610,14 +613,14 @@ int double_pendulum_load_upper_middle(
     double *f);
 
 /*
- * Generalized forces f of a force at marker upper_right: then M vdot + h = f.
+ * Generalised forces f of a force at marker upper_right: then M vdot + h = f.
  *
- * q: generalized coordinates (10)
- * F: force at the marker, in the inertial base [N] (2)
+ * q: generalised coordinates (10)
+ * F: force at the marker, in the inertial frame [N] (2)
  * k: constants from setup (0)
- * f: generalized forces, one row a coordinate (10): f[upper_c1], f[upper_c2], f[upper_phi],
- *     f[upper_alpha1], f[upper_alpha2], f[lower_c1], f[lower_c2], f[lower_phi], f[lower_alpha1],
- *     f[lower_alpha2]
+ * f: generalised forces, one for each equation of motion (10): f[upper_c1], f[upper_c2],
+ *     f[upper_phi], f[upper_alpha1], f[upper_alpha2], f[lower_c1], f[lower_c2], f[lower_phi],
+ *     f[lower_alpha1], f[lower_alpha2]
  *
  * From (26), (10), (1).
  * 12 operations.
@@ -629,14 +632,14 @@ int double_pendulum_load_upper_right(
     double *f);
 
 /*
- * Generalized forces f of a force at marker lower_left: then M vdot + h = f.
+ * Generalised forces f of a force at marker lower_left: then M vdot + h = f.
  *
- * q: generalized coordinates (10)
- * F: force at the marker, in the inertial base [N] (2)
+ * q: generalised coordinates (10)
+ * F: force at the marker, in the inertial frame [N] (2)
  * k: constants from setup (0)
- * f: generalized forces, one row a coordinate (10): f[upper_c1], f[upper_c2], f[upper_phi],
- *     f[upper_alpha1], f[upper_alpha2], f[lower_c1], f[lower_c2], f[lower_phi], f[lower_alpha1],
- *     f[lower_alpha2]
+ * f: generalised forces, one for each equation of motion (10): f[upper_c1], f[upper_c2],
+ *     f[upper_phi], f[upper_alpha1], f[upper_alpha2], f[lower_c1], f[lower_c2], f[lower_phi],
+ *     f[lower_alpha1], f[lower_alpha2]
  *
  * From (26), (10), (1).
  * 13 operations.
@@ -648,14 +651,14 @@ int double_pendulum_load_lower_left(
     double *f);
 
 /*
- * Generalized forces f of a force at marker lower_middle: then M vdot + h = f.
+ * Generalised forces f of a force at marker lower_middle: then M vdot + h = f.
  *
- * q: generalized coordinates (10)
- * F: force at the marker, in the inertial base [N] (2)
+ * q: generalised coordinates (10)
+ * F: force at the marker, in the inertial frame [N] (2)
  * k: constants from setup (0)
- * f: generalized forces, one row a coordinate (10): f[upper_c1], f[upper_c2], f[upper_phi],
- *     f[upper_alpha1], f[upper_alpha2], f[lower_c1], f[lower_c2], f[lower_phi], f[lower_alpha1],
- *     f[lower_alpha2]
+ * f: generalised forces, one for each equation of motion (10): f[upper_c1], f[upper_c2],
+ *     f[upper_phi], f[upper_alpha1], f[upper_alpha2], f[lower_c1], f[lower_c2], f[lower_phi],
+ *     f[lower_alpha1], f[lower_alpha2]
  *
  * From (26), (10).
  * 11 operations.
@@ -667,14 +670,14 @@ int double_pendulum_load_lower_middle(
     double *f);
 
 /*
- * Generalized forces f of a force at marker lower_right: then M vdot + h = f.
+ * Generalised forces f of a force at marker lower_right: then M vdot + h = f.
  *
- * q: generalized coordinates (10)
- * F: force at the marker, in the inertial base [N] (2)
+ * q: generalised coordinates (10)
+ * F: force at the marker, in the inertial frame [N] (2)
  * k: constants from setup (0)
- * f: generalized forces, one row a coordinate (10): f[upper_c1], f[upper_c2], f[upper_phi],
- *     f[upper_alpha1], f[upper_alpha2], f[lower_c1], f[lower_c2], f[lower_phi], f[lower_alpha1],
- *     f[lower_alpha2]
+ * f: generalised forces, one for each equation of motion (10): f[upper_c1], f[upper_c2],
+ *     f[upper_phi], f[upper_alpha1], f[upper_alpha2], f[lower_c1], f[lower_c2], f[lower_phi],
+ *     f[lower_alpha1], f[lower_alpha2]
  *
  * From (26), (10), (1).
  * 12 operations.
@@ -689,9 +692,9 @@ int double_pendulum_load_lower_right(
  * Constraints g(t, q) = 0.
  *
  * t: time
- * q: generalized coordinates (10)
+ * q: generalised coordinates (10)
  * k: constants from setup (0)
- * g: what is left of the constraints (4): hinge_1, hinge_2, elbow_1, elbow_2
+ * g: residuals of the constraints (4): hinge_1, hinge_2, elbow_1, elbow_2
  *
  * From (26), (1).
  * 33 operations.
@@ -703,13 +706,13 @@ int double_pendulum_constraints(
     double *g);
 
 /*
- * Rates of the constraints, gdot = G v + dg/dt.
+ * Time derivatives of the constraints, gdot = G v + dg/dt.
  *
  * t: time
- * q: generalized coordinates (10)
- * v: rates (10)
+ * q: generalised coordinates (10)
+ * v: generalised velocities (10)
  * k: constants from setup (0)
- * gdot: rates of the constraints (4): hinge_1, hinge_2, elbow_1, elbow_2
+ * gdot: time derivatives of the constraints (4): hinge_1, hinge_2, elbow_1, elbow_2
  *
  * From (26), (1).
  * 54 operations.
@@ -725,7 +728,7 @@ int double_pendulum_constraint_rates(
  * Jacobian G = d gdot / dv of the constraints: values by columns.
  *
  * t: time
- * q: generalized coordinates (10)
+ * q: generalised coordinates (10)
  * k: constants from setup (0)
  * G: values of G by columns, 4 x 10, 24 values
  *
@@ -742,10 +745,10 @@ int double_pendulum_constraint_jacobian(
  * Right-hand side gamma of the constraints on accelerations, G vdot = gamma.
  *
  * t: time
- * q: generalized coordinates (10)
- * v: rates (10)
+ * q: generalised coordinates (10)
+ * v: generalised velocities (10)
  * k: constants from setup (0)
- * gamma: what the accelerations have to make up for (4): hinge_1, hinge_2, elbow_1, elbow_2
+ * gamma: right-hand side of G vdot = gamma (4): hinge_1, hinge_2, elbow_1, elbow_2
  *
  * From (26), (1), (5).
  * 60 operations.
@@ -761,14 +764,13 @@ int double_pendulum_constraint_bias(
  * Accelerations vdot and multipliers lambda of M vdot + h = G^T lambda, G vdot = gamma.
  *
  * t: time
- * q: generalized coordinates (10)
- * v: rates (10)
+ * q: generalised coordinates (10)
+ * v: generalised velocities (10)
  * k: constants from setup (0)
  * vdot: accelerations (10): upper_c1ddot, upper_c2ddot, upper_phiddot, upper_alpha1ddot,
  *     upper_alpha2ddot, lower_c1ddot, lower_c2ddot, lower_phiddot, lower_alpha1ddot,
  *     lower_alpha2ddot
- * lam: forces and torques of the joints on their second bodies (4): hinge_1, hinge_2, elbow_1,
- *     elbow_2
+ * lam: constraint reactions on body 2 of each joint (4): hinge_1, hinge_2, elbow_1, elbow_2
  *
  * From (26), appendix, (1), LDL^T.
  * 329 operations.
@@ -782,15 +784,16 @@ int double_pendulum_solve(
     double *lam);
 
 /*
- * The smallest change dv of the rates, measured by dv . M dv, with G dv = r: with r = -gdot it
- *     brings rates onto the constraints, with r = -g, repeated, coordinates.
+ * The smallest change dv of the generalised velocities, in the metric of M, with G dv = r: r =
+ *     -gdot projects velocities onto the constraints; r = -g, repeated, projects coordinates.
  *
  * t: time
- * q: generalized coordinates (10)
+ * q: generalised coordinates (10)
  * k: constants from setup (0)
- * r: change of the constraints' rates (4)
- * dv: change of the rates (10): upper_c1dot, upper_c2dot, upper_phidot, upper_alpha1dot,
- *     upper_alpha2dot, lower_c1dot, lower_c2dot, lower_phidot, lower_alpha1dot, lower_alpha2dot
+ * r: prescribed change of gdot (4)
+ * dv: change of the generalised velocities (10): upper_c1dot, upper_c2dot, upper_phidot,
+ *     upper_alpha1dot, upper_alpha2dot, lower_c1dot, lower_c2dot, lower_phidot, lower_alpha1dot,
+ *     lower_alpha2dot
  *
  * From (26), appendix, (1), LDL^T.
  * 226 operations.
@@ -803,10 +806,11 @@ int double_pendulum_project_velocity(
     double *dv);
 
 /*
- * Position of the origin and rotation of the base of every body, also of those without coordinates.
+ * Position of the origin and rotation of the frame of every body, including bodies without
+ *     coordinates.
  *
  * t: time
- * q: generalized coordinates (10)
+ * q: generalised coordinates (10)
  * k: constants from setup (0)
  * pose: c1, c2 [m] and phi [rad] of each body (6): upper.c1, upper.c2, upper.phi, lower.c1,
  *     lower.c2, lower.phi
@@ -827,7 +831,7 @@ int double_pendulum_poses(
  * y: state [q; v; lambda] (24)
  * ydot: time derivative of y (24)
  * k: constants from setup (0)
- * F: residual, one row a state (24): upper_c1, upper_c2, upper_phi, upper_alpha1, upper_alpha2,
+ * F: residual, one for each state (24): upper_c1, upper_c2, upper_phi, upper_alpha1, upper_alpha2,
  *     lower_c1, lower_c2, lower_phi, lower_alpha1, lower_alpha2, upper_c1dot, upper_c2dot,
  *     upper_phidot, upper_alpha1dot, upper_alpha2dot, lower_c1dot, lower_c2dot, lower_phidot,
  *     lower_alpha1dot, lower_alpha2dot, lambda_hinge_1, lambda_hinge_2, lambda_elbow_1,
@@ -873,7 +877,7 @@ int double_pendulum_jacobian(
  * y: state [q; v; lambda; mu] (28)
  * ydot: time derivative of y (28)
  * k: constants from setup (0)
- * F: residual, one row a state (28): upper_c1, upper_c2, upper_phi, upper_alpha1, upper_alpha2,
+ * F: residual, one for each state (28): upper_c1, upper_c2, upper_phi, upper_alpha1, upper_alpha2,
  *     lower_c1, lower_c2, lower_phi, lower_alpha1, lower_alpha2, upper_c1dot, upper_c2dot,
  *     upper_phidot, upper_alpha1dot, upper_alpha2dot, lower_c1dot, lower_c2dot, lower_phidot,
  *     lower_alpha1dot, lower_alpha2dot, lambda_hinge_1, lambda_hinge_2, lambda_elbow_1,
@@ -918,7 +922,7 @@ int double_pendulum_jacobian_ggl(
  * y: state [q; v; lambda] (24)
  * ydot: time derivative of y (24)
  * k: constants from setup (0)
- * F: residual, one row a state (24): upper_c1, upper_c2, upper_phi, upper_alpha1, upper_alpha2,
+ * F: residual, one for each state (24): upper_c1, upper_c2, upper_phi, upper_alpha1, upper_alpha2,
  *     lower_c1, lower_c2, lower_phi, lower_alpha1, lower_alpha2, upper_c1dot, upper_c2dot,
  *     upper_phidot, upper_alpha1dot, upper_alpha2dot, lower_c1dot, lower_c2dot, lower_phidot,
  *     lower_alpha1dot, lower_alpha2dot, lambda_hinge_1, lambda_hinge_2, lambda_elbow_1,
@@ -957,10 +961,10 @@ int double_pendulum_jacobian_index1(
     double *jac);
 
 /* ---- batches: mass, force and accel of n >= 0 states with the same time and constants. Element e of state
-   b lies at e * n + b, in q and v as in what is written. Where no product is fused with a sum
+   b has the index e * n + b, in inputs and outputs. Where no product is fused with a sum
    (-ffp-contract=off) the numbers are those of the functions above, bit for bit. Blocks of 32
    states are computed at a time, on some 9 kB of stack. accel_batch gives NaN for the accelerations of
-   a state that fails, and returns the code of the first of them; all other states are right. ---- */
+   a state that fails, and returns the code of the first of them; all other states are valid. ---- */
 
 int double_pendulum_mass_batch(
     int n,

@@ -8,56 +8,57 @@ G vdot = gamma, from x = c + Q (X + u) and d'Alembert's virtual
 work: (15) of Koppens, Sauren, Veldpaus & van Campen, J. Appl. Mech. 55 (1988) 676-680, whose
 equation numbers these are. Units are SI where the parameters are; any consistent set will do.
 
-The floating frame has its origin at c and is turned by Q. In it are resolved: r = X + u, the
-shapes Phi_i, and their moments c1 .. c8, d1, D2, d3, J, so that e1, e2 there are its axes.
-In the inertial base are resolved: c, momenta, and markers.
-Of beams c is where the centre of the undeformed beam lies in the floating frame.
+The floating frame has its origin at c and the rotation Q. r = X + u, the shape functions Phi_i,
+and their moments c1 .. c8, d1, D2, d3, J are resolved in the floating frame; c, momenta and
+markers are resolved in the inertial frame.
+For beams, c is the position of the centre of the undeformed beam.
 Deflection of upper, along its e2: alpha1 phi_1 + ..., phi_1 = 3*xi^2/2 - 1/2, phi_2 = 5*xi^3/2 -
     3*xi/2; xi = 2 x / length.
 Deflection of lower, along its e2: alpha1 phi_1 + ..., phi_1 = 3*xi^2/2 - 1/2, phi_2 = 5*xi^3/2 -
     3*xi/2; xi = 2 x / length.
-In M bodies share no inertia: joints couple them through constraints.
+For several bodies the mass matrix is block-diagonal, because joints couple bodies through
+    constraints.
 
-Coordinates q:
+Generalised coordinates q:
   0  upper_c1      [m]  upper: position of the origin of the floating frame along the inertial e1
   1  upper_c2      [m]  upper: position of the origin of the floating frame along the inertial e2
   2  upper_phi     [rad]  upper: rotation of the floating frame
-  3  upper_alpha1  [m]  upper: amplitude of assumed shape 1
-  4  upper_alpha2  [m]  upper: amplitude of assumed shape 2
+  3  upper_alpha1  [m]  upper: amplitude of assumed mode 1
+  4  upper_alpha2  [m]  upper: amplitude of assumed mode 2
   5  lower_c1      [m]  lower: position of the origin of the floating frame along the inertial e1
   6  lower_c2      [m]  lower: position of the origin of the floating frame along the inertial e2
   7  lower_phi     [rad]  lower: rotation of the floating frame
-  8  lower_alpha1  [m]  lower: amplitude of assumed shape 1
-  9  lower_alpha2  [m]  lower: amplitude of assumed shape 2
+  8  lower_alpha1  [m]  lower: amplitude of assumed mode 1
+  9  lower_alpha2  [m]  lower: amplitude of assumed mode 2
 
-Rates v and the rows of the equations of motion, with their units:
-  0  upper_c1dot  [m/s]  rate of upper_c1; its row, upper_c1, [N]
-  1  upper_c2dot  [m/s]  rate of upper_c2; its row, upper_c2, [N]
-  2  upper_phidot  [rad/s]  rate of upper_phi; its row, upper_phi, [N m]
-  3  upper_alpha1dot  [m/s]  rate of upper_alpha1; its row, upper_alpha1, [N]
-  4  upper_alpha2dot  [m/s]  rate of upper_alpha2; its row, upper_alpha2, [N]
-  5  lower_c1dot  [m/s]  rate of lower_c1; its row, lower_c1, [N]
-  6  lower_c2dot  [m/s]  rate of lower_c2; its row, lower_c2, [N]
-  7  lower_phidot  [rad/s]  rate of lower_phi; its row, lower_phi, [N m]
-  8  lower_alpha1dot  [m/s]  rate of lower_alpha1; its row, lower_alpha1, [N]
-  9  lower_alpha2dot  [m/s]  rate of lower_alpha2; its row, lower_alpha2, [N]
+Generalised velocities v, and the equations of motion with their units:
+  0  upper_c1dot  [m/s]  time derivative of upper_c1; equation upper_c1 [N]
+  1  upper_c2dot  [m/s]  time derivative of upper_c2; equation upper_c2 [N]
+  2  upper_phidot  [rad/s]  time derivative of upper_phi; equation upper_phi [N m]
+  3  upper_alpha1dot  [m/s]  time derivative of upper_alpha1; equation upper_alpha1 [N]
+  4  upper_alpha2dot  [m/s]  time derivative of upper_alpha2; equation upper_alpha2 [N]
+  5  lower_c1dot  [m/s]  time derivative of lower_c1; equation lower_c1 [N]
+  6  lower_c2dot  [m/s]  time derivative of lower_c2; equation lower_c2 [N]
+  7  lower_phidot  [rad/s]  time derivative of lower_phi; equation lower_phi [N m]
+  8  lower_alpha1dot  [m/s]  time derivative of lower_alpha1; equation lower_alpha1 [N]
+  9  lower_alpha2dot  [m/s]  time derivative of lower_alpha2; equation lower_alpha2 [N]
 
-Multipliers lambda, what joints exert on their second bodies:
+Multipliers lambda, the constraint reactions on body 2 of each joint:
   0  hinge_1  [N]  ground.hook and upper.left coincide along e1
   1  hinge_2  [N]  ground.hook and upper.left coincide along e2
   2  elbow_1  [N]  upper.right and lower.left coincide along e1
   3  elbow_2  [N]  upper.right and lower.left coincide along e2
 
-What is not modelled, and why:
+Not modelled, with the reasons:
   ground: it does not move: no coordinates
 
 Parameters p:
   none: every number of the specification is folded into the code
 
-Constants k, made of them by setup:
+Constants k, computed from the parameters by setup:
   none
 
-Mass matrix, x a value and . a structural zero:
+Mass matrix (x: structural non-zero, .: structural zero):
   upper_c1      x . . . . . . . . .
   upper_c2      . x . . . . . . . .
   upper_phi     . . x . . . . . . .
@@ -70,13 +71,13 @@ Mass matrix, x a value and . a structural zero:
   lower_alpha2  . . . . . . . . . x
   10 of 100 entries are structural non-zeros; the 10 of the lower triangle are stored
 
-Why its zeros are zero:
+Reasons for its structural zeros:
   M[upper_c2, upper_c1], M[lower_c2, lower_c1]: the mass enters as m I, so translations along
       different axes do not couple
   M[upper_phi, upper_c1], M[upper_phi, upper_c2], M[lower_phi, lower_c1], M[lower_phi, lower_c2]:
-      c1_1 = 0 by the choice of O (the centre of the undeformed beam); c1_2, c2_1_1, c2_2_1 = 0 by
-      geometry (the beam lies along e1 and deflects along e2); c2_1_2, c2_2_2 = 0 by condition (17)
-      (no mean displacement)
+      c1_1 = 0 by the choice of the origin (the centre of the undeformed beam); c1_2, c2_1_1, c2_2_1
+      = 0 by geometry (the beam lies along e1 and deflects along e2); c2_1_2, c2_2_2 = 0 by
+      condition (17) (no mean displacement)
   M[upper_alpha1, upper_c1], M[upper_alpha1, upper_c2], M[lower_alpha1, lower_c1], M[lower_alpha1,
       lower_c2]: c2_1_1 = 0 by geometry (the beam lies along e1 and deflects along e2); c2_1_2 = 0
       by condition (17) (no mean displacement)
@@ -95,9 +96,9 @@ Terms of (15) that vanish:
       centrifugal term of row upper_c2, translation term of row upper_phi, gravity term of row
       upper_phi, Euler term of row lower_c1, centrifugal term of row lower_c1, Euler term of row
       lower_c2, centrifugal term of row lower_c2, translation term of row lower_phi, gravity term of
-      row lower_phi: c1_1 = 0 by the choice of O (the centre of the undeformed beam); c1_2, c2_1_1,
-      c2_2_1 = 0 by geometry (the beam lies along e1 and deflects along e2); c2_1_2, c2_2_2 = 0 by
-      condition (17) (no mean displacement)
+      row lower_phi: c1_1 = 0 by the choice of the origin (the centre of the undeformed beam); c1_2,
+      c2_1_1, c2_2_1 = 0 by geometry (the beam lies along e1 and deflects along e2); c2_1_2, c2_2_2
+      = 0 by condition (17) (no mean displacement)
   Coriolis term of row upper_c1, relative term of row upper_c1, Coriolis term of row upper_c2,
       relative term of row upper_c2, Coriolis term of row lower_c1, relative term of row lower_c1,
       Coriolis term of row lower_c2, relative term of row lower_c2: c2_1_1, c2_2_1 = 0 by geometry
@@ -334,7 +335,7 @@ def setup(p):
 def mass(q, k):
     """Mass matrix M(q): values of the lower triangle by columns.
 
-    q: generalized coordinates (10)
+    q: generalised coordinates (10)
     k: constants from setup (0)
     M: values of the mass matrix, lower triangle by columns, 10 x 10, 10 values, 10 in both
         triangles
@@ -379,15 +380,16 @@ def mass(q, k):
 
 
 def force(t, q, v, k):
-    """Forces h of M vdot + h = G^T lambda: centrifugal, Coriolis and elastic, and those of gravity,
-        springs and applied loads.
+    """Forces h of M vdot + h = G^T lambda: centrifugal, Coriolis, elastic, damping, gravity, springs
+        and applied loads.
 
     t: time
-    q: generalized coordinates (10)
-    v: rates (10)
+    q: generalised coordinates (10)
+    v: generalised velocities (10)
     k: constants from setup (0)
-    h: forces, one row a coordinate (10): h[upper_c1], h[upper_c2], h[upper_phi], h[upper_alpha1],
-        h[upper_alpha2], h[lower_c1], h[lower_c2], h[lower_phi], h[lower_alpha1], h[lower_alpha2]
+    h: forces, one for each equation of motion (10): h[upper_c1], h[upper_c2], h[upper_phi],
+        h[upper_alpha1], h[upper_alpha2], h[lower_c1], h[lower_c2], h[lower_phi], h[lower_alpha1],
+        h[lower_alpha2]
 
     From appendix, (15).
     28 operations.
@@ -440,13 +442,14 @@ def mass_force(t, q, v, k):
     """Mass matrix and forces together; what they share is computed once.
 
     t: time
-    q: generalized coordinates (10)
-    v: rates (10)
+    q: generalised coordinates (10)
+    v: generalised velocities (10)
     k: constants from setup (0)
     M: values of the mass matrix, lower triangle by columns, 10 x 10, 10 values, 10 in both
         triangles
-    h: forces, one row a coordinate (10): h[upper_c1], h[upper_c2], h[upper_phi], h[upper_alpha1],
-        h[upper_alpha2], h[lower_c1], h[lower_c2], h[lower_phi], h[lower_alpha1], h[lower_alpha2]
+    h: forces, one for each equation of motion (10): h[upper_c1], h[upper_c2], h[upper_phi],
+        h[upper_alpha1], h[upper_alpha2], h[lower_c1], h[lower_c2], h[lower_phi], h[lower_alpha1],
+        h[lower_alpha2]
 
     From appendix, (15).
     36 operations.
@@ -534,8 +537,8 @@ def accel(t, q, v, k):
     """Accelerations vdot of M vdot + h = G^T lambda, G vdot = gamma; `solve` gives lambda as well.
 
     t: time
-    q: generalized coordinates (10)
-    v: rates (10)
+    q: generalised coordinates (10)
+    v: generalised velocities (10)
     k: constants from setup (0)
     vdot: accelerations (10): upper_c1ddot, upper_c2ddot, upper_phiddot, upper_alpha1ddot,
         upper_alpha2ddot, lower_c1ddot, lower_c2ddot, lower_phiddot, lower_alpha1ddot,
@@ -607,8 +610,8 @@ def accel(t, q, v, k):
     lower_left_sdot_2 = lower_left_rdot_2 * lower_cos_phi
 
     # pivots (LDL^T): eliminate upper_c2, lower_c1, lower_c2, lower_alpha2, lower_alpha1, lower_phi,
-    #     upper_c1, upper_alpha1, upper_alpha2, upper_phi, hinge_1, hinge_2, elbow_1, elbow_2; 6
-    #     entries are filled in
+    #     upper_c1, upper_alpha1, upper_alpha2, upper_phi, hinge_1, hinge_2, elbow_1, elbow_2;
+    #     fill-in 6
     t1 = upper_cos_phi / (98897337 / 5000000000)
     t2 = t1 * upper_sin_phi
     t3 = upper_cos_phi / (14128191 / 1000000000)
@@ -740,8 +743,8 @@ def accel(t, q, v, k):
 def energy(q, v, k):
     """Kinetic and strain energy (with that of springs), and the potential of gravity.
 
-    q: generalized coordinates (10)
-    v: rates (10)
+    q: generalised coordinates (10)
+    v: generalised velocities (10)
     k: constants from setup (0)
     energy: energies [J] (3): kinetic, strain, gravity
 
@@ -811,8 +814,8 @@ def energy(q, v, k):
 def momentum(q, v, k):
     """Linear momentum, and angular momentum about the inertial origin.
 
-    q: generalized coordinates (10)
-    v: rates (10)
+    q: generalised coordinates (10)
+    v: generalised velocities (10)
     k: constants from setup (0)
     momentum: linear [N s] and angular [N m s] (3): linear_1, linear_2, angular
 
@@ -865,10 +868,10 @@ def momentum(q, v, k):
 
 
 def rates(q, v, k):
-    """Time derivative of the coordinates from the rates.
+    """Time derivatives of the generalised coordinates from the generalised velocities.
 
-    q: generalized coordinates (10)
-    v: rates (10)
+    q: generalised coordinates (10)
+    v: generalised velocities (10)
     k: constants from setup (0)
     qdot: time derivative of q (10): upper_c1_t, upper_c2_t, upper_phi_t, upper_alpha1_t,
         upper_alpha2_t, lower_c1_t, lower_c2_t, lower_phi_t, lower_alpha1_t, lower_alpha2_t
@@ -909,11 +912,11 @@ def marker_upper_left(q, v, k):
     """Marker upper_left, material point at xi = -1 of upper: position, velocity and its Jacobian
         d(velocity)/dv.
 
-    q: generalized coordinates (10)
-    v: rates (10)
+    q: generalised coordinates (10)
+    v: generalised velocities (10)
     k: constants from setup (0)
-    x: position in the inertial base [m] (2): x1, x2
-    xdot: velocity in the inertial base [m/s] (2): x1dot, x2dot
+    x: position in the inertial frame [m] (2): x1, x2
+    xdot: velocity in the inertial frame [m/s] (2): x1dot, x2dot
     jacobian: values of d(velocity)/dv by columns, 2 x 10, 8 values
 
     From (1).
@@ -944,7 +947,7 @@ def marker_upper_left(q, v, k):
     t4 = upper_left_r_2 * upper_cos_phi
     upper_left_s_2 = t3 + t4
 
-    # marker (1): x = c + Q r, its rate and its derivatives
+    # marker (1): x = c + Q r, its time derivative and its Jacobian
     x_0 = upper_c1 + t1 - t2
     x_1 = upper_c2 + t3 + t4
     t5 = upper_left_rdot_2 + (-0.5) * upper_phidot
@@ -971,11 +974,11 @@ def marker_upper_middle(q, v, k):
     """Marker upper_middle, material point at xi = 0 of upper: position, velocity and its Jacobian
         d(velocity)/dv.
 
-    q: generalized coordinates (10)
-    v: rates (10)
+    q: generalised coordinates (10)
+    v: generalised velocities (10)
     k: constants from setup (0)
-    x: position in the inertial base [m] (2): x1, x2
-    xdot: velocity in the inertial base [m/s] (2): x1dot, x2dot
+    x: position in the inertial frame [m] (2): x1, x2
+    xdot: velocity in the inertial frame [m/s] (2): x1dot, x2dot
     jacobian: values of d(velocity)/dv by columns, 2 x 10, 6 values
 
     From (1), (26).
@@ -1003,7 +1006,7 @@ def marker_upper_middle(q, v, k):
     #     rotation angle
     upper_cos_phi = xp.cos(upper_phi)
 
-    # marker (1): x = c + Q r, its rate and its derivatives
+    # marker (1): x = c + Q r, its time derivative and its Jacobian
     x_0 = upper_c1 + upper_middle_s_1
     t3 = t1 * upper_cos_phi
     x_1 = upper_c2 - t3
@@ -1028,11 +1031,11 @@ def marker_upper_right(q, v, k):
     """Marker upper_right, material point at xi = 1 of upper: position, velocity and its Jacobian
         d(velocity)/dv.
 
-    q: generalized coordinates (10)
-    v: rates (10)
+    q: generalised coordinates (10)
+    v: generalised velocities (10)
     k: constants from setup (0)
-    x: position in the inertial base [m] (2): x1, x2
-    xdot: velocity in the inertial base [m/s] (2): x1dot, x2dot
+    x: position in the inertial frame [m] (2): x1, x2
+    xdot: velocity in the inertial frame [m/s] (2): x1dot, x2dot
     jacobian: values of d(velocity)/dv by columns, 2 x 10, 8 values
 
     From (1).
@@ -1063,7 +1066,7 @@ def marker_upper_right(q, v, k):
     t4 = upper_right_r_2 * upper_cos_phi
     upper_right_s_2 = t3 + t4
 
-    # marker (1): x = c + Q r, its rate and its derivatives
+    # marker (1): x = c + Q r, its time derivative and its Jacobian
     x_0 = upper_c1 + t1 - t2
     x_1 = upper_c2 + t3 + t4
     t5 = upper_right_rdot_2 + 0.5 * upper_phidot
@@ -1091,11 +1094,11 @@ def marker_lower_left(q, v, k):
     """Marker lower_left, material point at xi = -1 of lower: position, velocity and its Jacobian
         d(velocity)/dv.
 
-    q: generalized coordinates (10)
-    v: rates (10)
+    q: generalised coordinates (10)
+    v: generalised velocities (10)
     k: constants from setup (0)
-    x: position in the inertial base [m] (2): x1, x2
-    xdot: velocity in the inertial base [m/s] (2): x1dot, x2dot
+    x: position in the inertial frame [m] (2): x1, x2
+    xdot: velocity in the inertial frame [m/s] (2): x1dot, x2dot
     jacobian: values of d(velocity)/dv by columns, 2 x 10, 8 values
 
     From (1).
@@ -1126,7 +1129,7 @@ def marker_lower_left(q, v, k):
     t4 = lower_left_r_2 * lower_cos_phi
     lower_left_s_2 = t3 + t4
 
-    # marker (1): x = c + Q r, its rate and its derivatives
+    # marker (1): x = c + Q r, its time derivative and its Jacobian
     x_0 = lower_c1 + t1 - t2
     x_1 = lower_c2 + t3 + t4
     t5 = lower_left_rdot_2 + (-0.5) * lower_phidot
@@ -1153,11 +1156,11 @@ def marker_lower_middle(q, v, k):
     """Marker lower_middle, material point at xi = 0 of lower: position, velocity and its Jacobian
         d(velocity)/dv.
 
-    q: generalized coordinates (10)
-    v: rates (10)
+    q: generalised coordinates (10)
+    v: generalised velocities (10)
     k: constants from setup (0)
-    x: position in the inertial base [m] (2): x1, x2
-    xdot: velocity in the inertial base [m/s] (2): x1dot, x2dot
+    x: position in the inertial frame [m] (2): x1, x2
+    xdot: velocity in the inertial frame [m/s] (2): x1dot, x2dot
     jacobian: values of d(velocity)/dv by columns, 2 x 10, 6 values
 
     From (1), (26).
@@ -1185,7 +1188,7 @@ def marker_lower_middle(q, v, k):
     #     rotation angle
     lower_cos_phi = xp.cos(lower_phi)
 
-    # marker (1): x = c + Q r, its rate and its derivatives
+    # marker (1): x = c + Q r, its time derivative and its Jacobian
     x_0 = lower_c1 + lower_middle_s_1
     t3 = t1 * lower_cos_phi
     x_1 = lower_c2 - t3
@@ -1210,11 +1213,11 @@ def marker_lower_right(q, v, k):
     """Marker lower_right, material point at xi = 1 of lower: position, velocity and its Jacobian
         d(velocity)/dv.
 
-    q: generalized coordinates (10)
-    v: rates (10)
+    q: generalised coordinates (10)
+    v: generalised velocities (10)
     k: constants from setup (0)
-    x: position in the inertial base [m] (2): x1, x2
-    xdot: velocity in the inertial base [m/s] (2): x1dot, x2dot
+    x: position in the inertial frame [m] (2): x1, x2
+    xdot: velocity in the inertial frame [m/s] (2): x1dot, x2dot
     jacobian: values of d(velocity)/dv by columns, 2 x 10, 8 values
 
     From (1).
@@ -1245,7 +1248,7 @@ def marker_lower_right(q, v, k):
     t4 = lower_right_r_2 * lower_cos_phi
     lower_right_s_2 = t3 + t4
 
-    # marker (1): x = c + Q r, its rate and its derivatives
+    # marker (1): x = c + Q r, its time derivative and its Jacobian
     x_0 = lower_c1 + t1 - t2
     x_1 = lower_c2 + t3 + t4
     t5 = lower_right_rdot_2 + 0.5 * lower_phidot
@@ -1270,14 +1273,14 @@ def marker_lower_right(q, v, k):
 
 
 def load_upper_left(q, F, k):
-    """Generalized forces f of a force at marker upper_left: then M vdot + h = f.
+    """Generalised forces f of a force at marker upper_left: then M vdot + h = f.
 
-    q: generalized coordinates (10)
-    F: force at the marker, in the inertial base [N] (2)
+    q: generalised coordinates (10)
+    F: force at the marker, in the inertial frame [N] (2)
     k: constants from setup (0)
-    f: generalized forces, one row a coordinate (10): f[upper_c1], f[upper_c2], f[upper_phi],
-        f[upper_alpha1], f[upper_alpha2], f[lower_c1], f[lower_c2], f[lower_phi], f[lower_alpha1],
-        f[lower_alpha2]
+    f: generalised forces, one for each equation of motion (10): f[upper_c1], f[upper_c2],
+        f[upper_phi], f[upper_alpha1], f[upper_alpha2], f[lower_c1], f[lower_c2], f[lower_phi],
+        f[lower_alpha1], f[lower_alpha2]
 
     From (26), (10), (1).
     13 operations.
@@ -1294,7 +1297,7 @@ def load_upper_left(q, F, k):
     upper_cos_phi = xp.cos(upper_phi)
     upper_sin_phi = xp.sin(upper_phi)
 
-    # F (10): the force seen from the body base
+    # F (10): the force in the body frame
     upper_left_Fb_1 = F_1 * upper_cos_phi + F_2 * upper_sin_phi
     upper_left_Fb_2 = F_2 * upper_cos_phi - F_1 * upper_sin_phi
 
@@ -1319,14 +1322,14 @@ def load_upper_left(q, F, k):
 
 
 def load_upper_middle(q, F, k):
-    """Generalized forces f of a force at marker upper_middle: then M vdot + h = f.
+    """Generalised forces f of a force at marker upper_middle: then M vdot + h = f.
 
-    q: generalized coordinates (10)
-    F: force at the marker, in the inertial base [N] (2)
+    q: generalised coordinates (10)
+    F: force at the marker, in the inertial frame [N] (2)
     k: constants from setup (0)
-    f: generalized forces, one row a coordinate (10): f[upper_c1], f[upper_c2], f[upper_phi],
-        f[upper_alpha1], f[upper_alpha2], f[lower_c1], f[lower_c2], f[lower_phi], f[lower_alpha1],
-        f[lower_alpha2]
+    f: generalised forces, one for each equation of motion (10): f[upper_c1], f[upper_c2],
+        f[upper_phi], f[upper_alpha1], f[upper_alpha2], f[lower_c1], f[lower_c2], f[lower_phi],
+        f[lower_alpha1], f[lower_alpha2]
 
     From (26), (10).
     11 operations.
@@ -1342,7 +1345,7 @@ def load_upper_middle(q, F, k):
     upper_cos_phi = xp.cos(upper_phi)
     upper_sin_phi = xp.sin(upper_phi)
 
-    # F (10): the force seen from the body base
+    # F (10): the force in the body frame
     upper_middle_Fb_1 = F_1 * upper_cos_phi + F_2 * upper_sin_phi
     upper_middle_Fb_2 = F_2 * upper_cos_phi - F_1 * upper_sin_phi
 
@@ -1363,14 +1366,14 @@ def load_upper_middle(q, F, k):
 
 
 def load_upper_right(q, F, k):
-    """Generalized forces f of a force at marker upper_right: then M vdot + h = f.
+    """Generalised forces f of a force at marker upper_right: then M vdot + h = f.
 
-    q: generalized coordinates (10)
-    F: force at the marker, in the inertial base [N] (2)
+    q: generalised coordinates (10)
+    F: force at the marker, in the inertial frame [N] (2)
     k: constants from setup (0)
-    f: generalized forces, one row a coordinate (10): f[upper_c1], f[upper_c2], f[upper_phi],
-        f[upper_alpha1], f[upper_alpha2], f[lower_c1], f[lower_c2], f[lower_phi], f[lower_alpha1],
-        f[lower_alpha2]
+    f: generalised forces, one for each equation of motion (10): f[upper_c1], f[upper_c2],
+        f[upper_phi], f[upper_alpha1], f[upper_alpha2], f[lower_c1], f[lower_c2], f[lower_phi],
+        f[lower_alpha1], f[lower_alpha2]
 
     From (26), (10), (1).
     12 operations.
@@ -1387,7 +1390,7 @@ def load_upper_right(q, F, k):
     upper_cos_phi = xp.cos(upper_phi)
     upper_sin_phi = xp.sin(upper_phi)
 
-    # F (10): the force seen from the body base
+    # F (10): the force in the body frame
     upper_right_Fb_1 = F_1 * upper_cos_phi + F_2 * upper_sin_phi
     upper_right_Fb_2 = F_2 * upper_cos_phi - F_1 * upper_sin_phi
 
@@ -1412,14 +1415,14 @@ def load_upper_right(q, F, k):
 
 
 def load_lower_left(q, F, k):
-    """Generalized forces f of a force at marker lower_left: then M vdot + h = f.
+    """Generalised forces f of a force at marker lower_left: then M vdot + h = f.
 
-    q: generalized coordinates (10)
-    F: force at the marker, in the inertial base [N] (2)
+    q: generalised coordinates (10)
+    F: force at the marker, in the inertial frame [N] (2)
     k: constants from setup (0)
-    f: generalized forces, one row a coordinate (10): f[upper_c1], f[upper_c2], f[upper_phi],
-        f[upper_alpha1], f[upper_alpha2], f[lower_c1], f[lower_c2], f[lower_phi], f[lower_alpha1],
-        f[lower_alpha2]
+    f: generalised forces, one for each equation of motion (10): f[upper_c1], f[upper_c2],
+        f[upper_phi], f[upper_alpha1], f[upper_alpha2], f[lower_c1], f[lower_c2], f[lower_phi],
+        f[lower_alpha1], f[lower_alpha2]
 
     From (26), (10), (1).
     13 operations.
@@ -1436,7 +1439,7 @@ def load_lower_left(q, F, k):
     lower_cos_phi = xp.cos(lower_phi)
     lower_sin_phi = xp.sin(lower_phi)
 
-    # F (10): the force seen from the body base
+    # F (10): the force in the body frame
     lower_left_Fb_1 = F_1 * lower_cos_phi + F_2 * lower_sin_phi
     lower_left_Fb_2 = F_2 * lower_cos_phi - F_1 * lower_sin_phi
 
@@ -1461,14 +1464,14 @@ def load_lower_left(q, F, k):
 
 
 def load_lower_middle(q, F, k):
-    """Generalized forces f of a force at marker lower_middle: then M vdot + h = f.
+    """Generalised forces f of a force at marker lower_middle: then M vdot + h = f.
 
-    q: generalized coordinates (10)
-    F: force at the marker, in the inertial base [N] (2)
+    q: generalised coordinates (10)
+    F: force at the marker, in the inertial frame [N] (2)
     k: constants from setup (0)
-    f: generalized forces, one row a coordinate (10): f[upper_c1], f[upper_c2], f[upper_phi],
-        f[upper_alpha1], f[upper_alpha2], f[lower_c1], f[lower_c2], f[lower_phi], f[lower_alpha1],
-        f[lower_alpha2]
+    f: generalised forces, one for each equation of motion (10): f[upper_c1], f[upper_c2],
+        f[upper_phi], f[upper_alpha1], f[upper_alpha2], f[lower_c1], f[lower_c2], f[lower_phi],
+        f[lower_alpha1], f[lower_alpha2]
 
     From (26), (10).
     11 operations.
@@ -1484,7 +1487,7 @@ def load_lower_middle(q, F, k):
     lower_cos_phi = xp.cos(lower_phi)
     lower_sin_phi = xp.sin(lower_phi)
 
-    # F (10): the force seen from the body base
+    # F (10): the force in the body frame
     lower_middle_Fb_1 = F_1 * lower_cos_phi + F_2 * lower_sin_phi
     lower_middle_Fb_2 = F_2 * lower_cos_phi - F_1 * lower_sin_phi
 
@@ -1505,14 +1508,14 @@ def load_lower_middle(q, F, k):
 
 
 def load_lower_right(q, F, k):
-    """Generalized forces f of a force at marker lower_right: then M vdot + h = f.
+    """Generalised forces f of a force at marker lower_right: then M vdot + h = f.
 
-    q: generalized coordinates (10)
-    F: force at the marker, in the inertial base [N] (2)
+    q: generalised coordinates (10)
+    F: force at the marker, in the inertial frame [N] (2)
     k: constants from setup (0)
-    f: generalized forces, one row a coordinate (10): f[upper_c1], f[upper_c2], f[upper_phi],
-        f[upper_alpha1], f[upper_alpha2], f[lower_c1], f[lower_c2], f[lower_phi], f[lower_alpha1],
-        f[lower_alpha2]
+    f: generalised forces, one for each equation of motion (10): f[upper_c1], f[upper_c2],
+        f[upper_phi], f[upper_alpha1], f[upper_alpha2], f[lower_c1], f[lower_c2], f[lower_phi],
+        f[lower_alpha1], f[lower_alpha2]
 
     From (26), (10), (1).
     12 operations.
@@ -1529,7 +1532,7 @@ def load_lower_right(q, F, k):
     lower_cos_phi = xp.cos(lower_phi)
     lower_sin_phi = xp.sin(lower_phi)
 
-    # F (10): the force seen from the body base
+    # F (10): the force in the body frame
     lower_right_Fb_1 = F_1 * lower_cos_phi + F_2 * lower_sin_phi
     lower_right_Fb_2 = F_2 * lower_cos_phi - F_1 * lower_sin_phi
 
@@ -1557,9 +1560,9 @@ def constraints(t, q, k):
     """Constraints g(t, q) = 0.
 
     t: time
-    q: generalized coordinates (10)
+    q: generalised coordinates (10)
     k: constants from setup (0)
-    g: what is left of the constraints (4): hinge_1, hinge_2, elbow_1, elbow_2
+    g: residuals of the constraints (4): hinge_1, hinge_2, elbow_1, elbow_2
 
     From (26), (1).
     33 operations.
@@ -1604,7 +1607,7 @@ def constraints(t, q, k):
     lower_left_s_1 = (-0.5) * lower_cos_phi - lower_left_r_2 * lower_sin_phi
     lower_left_s_2 = (-0.5) * lower_sin_phi + lower_left_r_2 * lower_cos_phi
 
-    # g (1): second place minus first, from x = c + Q r
+    # g (1): point of body 2 minus point of body 1, from x = c + Q r
     g_0 = upper_c1 + upper_left_s_1
     g_1 = upper_c2 + upper_left_s_2
     g_2 = lower_c1 + lower_left_s_1 - upper_c1 - upper_right_s_1
@@ -1615,13 +1618,13 @@ def constraints(t, q, k):
 
 
 def constraint_rates(t, q, v, k):
-    """Rates of the constraints, gdot = G v + dg/dt.
+    """Time derivatives of the constraints, gdot = G v + dg/dt.
 
     t: time
-    q: generalized coordinates (10)
-    v: rates (10)
+    q: generalised coordinates (10)
+    v: generalised velocities (10)
     k: constants from setup (0)
-    gdot: rates of the constraints (4): hinge_1, hinge_2, elbow_1, elbow_2
+    gdot: time derivatives of the constraints (4): hinge_1, hinge_2, elbow_1, elbow_2
 
     From (26), (1).
     54 operations.
@@ -1678,7 +1681,7 @@ def constraint_rates(t, q, v, k):
     lower_left_s_2 = (-0.5) * lower_sin_phi + lower_left_r_2 * lower_cos_phi
     lower_left_sdot_2 = lower_left_rdot_2 * lower_cos_phi
 
-    # gdot (1): velocities of the second place minus those of the first
+    # gdot (1): velocity of the point of body 2 minus that of body 1
     gdot_0 = upper_c1dot - upper_left_rdot_2 * upper_sin_phi - upper_phidot * upper_left_s_2
     gdot_1 = upper_c2dot + upper_left_sdot_2 + upper_phidot * upper_left_s_1
     gdot_2 = (
@@ -1698,7 +1701,7 @@ def constraint_jacobian(t, q, k):
     """Jacobian G = d gdot / dv of the constraints: values by columns.
 
     t: time
-    q: generalized coordinates (10)
+    q: generalised coordinates (10)
     k: constants from setup (0)
     G: values of G by columns, 4 x 10, 24 values
 
@@ -1741,7 +1744,7 @@ def constraint_jacobian(t, q, k):
     lower_left_s_1 = (-0.5) * lower_cos_phi - lower_left_r_2 * lower_sin_phi
     lower_left_s_2 = (-0.5) * lower_sin_phi + lower_left_r_2 * lower_cos_phi
 
-    # G (6): factors of the rates
+    # G (6): factors of the generalised velocities
     G_0 = 1
     G_1 = -1
     G_2 = 1
@@ -1777,10 +1780,10 @@ def constraint_bias(t, q, v, k):
     """Right-hand side gamma of the constraints on accelerations, G vdot = gamma.
 
     t: time
-    q: generalized coordinates (10)
-    v: rates (10)
+    q: generalised coordinates (10)
+    v: generalised velocities (10)
     k: constants from setup (0)
-    gamma: what the accelerations have to make up for (4): hinge_1, hinge_2, elbow_1, elbow_2
+    gamma: right-hand side of G vdot = gamma (4): hinge_1, hinge_2, elbow_1, elbow_2
 
     From (26), (1), (5).
     60 operations.
@@ -1857,14 +1860,13 @@ def solve(t, q, v, k):
     """Accelerations vdot and multipliers lambda of M vdot + h = G^T lambda, G vdot = gamma.
 
     t: time
-    q: generalized coordinates (10)
-    v: rates (10)
+    q: generalised coordinates (10)
+    v: generalised velocities (10)
     k: constants from setup (0)
     vdot: accelerations (10): upper_c1ddot, upper_c2ddot, upper_phiddot, upper_alpha1ddot,
         upper_alpha2ddot, lower_c1ddot, lower_c2ddot, lower_phiddot, lower_alpha1ddot,
         lower_alpha2ddot
-    lam: forces and torques of the joints on their second bodies (4): hinge_1, hinge_2, elbow_1,
-        elbow_2
+    lam: constraint reactions on body 2 of each joint (4): hinge_1, hinge_2, elbow_1, elbow_2
 
     From (26), appendix, (1), LDL^T.
     329 operations.
@@ -1932,8 +1934,8 @@ def solve(t, q, v, k):
     lower_left_sdot_2 = lower_left_rdot_2 * lower_cos_phi
 
     # pivots (LDL^T): eliminate upper_c2, lower_c1, lower_c2, lower_alpha2, lower_alpha1, lower_phi,
-    #     upper_c1, upper_alpha1, upper_alpha2, upper_phi, hinge_1, hinge_2, elbow_1, elbow_2; 6
-    #     entries are filled in
+    #     upper_c1, upper_alpha1, upper_alpha2, upper_phi, hinge_1, hinge_2, elbow_1, elbow_2;
+    #     fill-in 6
     t1 = upper_cos_phi / (98897337 / 5000000000)
     t2 = t1 * upper_sin_phi
     t3 = upper_cos_phi / (14128191 / 1000000000)
@@ -2068,15 +2070,16 @@ def solve(t, q, v, k):
 
 
 def project_velocity(t, q, k, r):
-    """The smallest change dv of the rates, measured by dv . M dv, with G dv = r: with r = -gdot it
-        brings rates onto the constraints, with r = -g, repeated, coordinates.
+    """The smallest change dv of the generalised velocities, in the metric of M, with G dv = r: r =
+        -gdot projects velocities onto the constraints; r = -g, repeated, projects coordinates.
 
     t: time
-    q: generalized coordinates (10)
+    q: generalised coordinates (10)
     k: constants from setup (0)
-    r: change of the constraints' rates (4)
-    dv: change of the rates (10): upper_c1dot, upper_c2dot, upper_phidot, upper_alpha1dot,
-        upper_alpha2dot, lower_c1dot, lower_c2dot, lower_phidot, lower_alpha1dot, lower_alpha2dot
+    r: prescribed change of gdot (4)
+    dv: change of the generalised velocities (10): upper_c1dot, upper_c2dot, upper_phidot,
+        upper_alpha1dot, upper_alpha2dot, lower_c1dot, lower_c2dot, lower_phidot, lower_alpha1dot,
+        lower_alpha2dot
 
     From (26), appendix, (1), LDL^T.
     226 operations.
@@ -2136,8 +2139,8 @@ def project_velocity(t, q, k, r):
     lower_left_s_2 = (-0.5) * lower_sin_phi + lower_left_r_2 * lower_cos_phi
 
     # pivots (LDL^T): eliminate upper_c2, lower_c1, lower_c2, lower_alpha2, lower_alpha1, lower_phi,
-    #     upper_c1, upper_alpha1, upper_alpha2, upper_phi, hinge_1, hinge_2, elbow_1, elbow_2; 6
-    #     entries are filled in
+    #     upper_c1, upper_alpha1, upper_alpha2, upper_phi, hinge_1, hinge_2, elbow_1, elbow_2;
+    #     fill-in 6
     t1 = upper_cos_phi / (98897337 / 5000000000)
     t2 = t1 * upper_sin_phi
     t3 = upper_cos_phi / (14128191 / 1000000000)
@@ -2233,11 +2236,11 @@ def project_velocity(t, q, k, r):
 
 
 def poses(t, q, k):
-    """Position of the origin and rotation of the base of every body, also of those without
+    """Position of the origin and rotation of the frame of every body, including bodies without
         coordinates.
 
     t: time
-    q: generalized coordinates (10)
+    q: generalised coordinates (10)
     k: constants from setup (0)
     pose: c1, c2 [m] and phi [rad] of each body (6): upper.c1, upper.c2, upper.phi, lower.c1,
         lower.c2, lower.phi
@@ -2272,7 +2275,7 @@ def residual(t, y, ydot, k):
     y: state [q; v; lambda] (24)
     ydot: time derivative of y (24)
     k: constants from setup (0)
-    F: residual, one row a state (24): upper_c1, upper_c2, upper_phi, upper_alpha1, upper_alpha2,
+    F: residual, one for each state (24): upper_c1, upper_c2, upper_phi, upper_alpha1, upper_alpha2,
         lower_c1, lower_c2, lower_phi, lower_alpha1, lower_alpha2, upper_c1dot, upper_c2dot,
         upper_phidot, upper_alpha1dot, upper_alpha2dot, lower_c1dot, lower_c2dot, lower_phidot,
         lower_alpha1dot, lower_alpha2dot, lambda_hinge_1, lambda_hinge_2, lambda_elbow_1,
@@ -2677,7 +2680,7 @@ def residual_ggl(t, y, ydot, k):
     y: state [q; v; lambda; mu] (28)
     ydot: time derivative of y (28)
     k: constants from setup (0)
-    F: residual, one row a state (28): upper_c1, upper_c2, upper_phi, upper_alpha1, upper_alpha2,
+    F: residual, one for each state (28): upper_c1, upper_c2, upper_phi, upper_alpha1, upper_alpha2,
         lower_c1, lower_c2, lower_phi, lower_alpha1, lower_alpha2, upper_c1dot, upper_c2dot,
         upper_phidot, upper_alpha1dot, upper_alpha2dot, lower_c1dot, lower_c2dot, lower_phidot,
         lower_alpha1dot, lower_alpha2dot, lambda_hinge_1, lambda_hinge_2, lambda_elbow_1,
@@ -3226,7 +3229,7 @@ def residual_index1(t, y, ydot, k):
     y: state [q; v; lambda] (24)
     ydot: time derivative of y (24)
     k: constants from setup (0)
-    F: residual, one row a state (24): upper_c1, upper_c2, upper_phi, upper_alpha1, upper_alpha2,
+    F: residual, one for each state (24): upper_c1, upper_c2, upper_phi, upper_alpha1, upper_alpha2,
         lower_c1, lower_c2, lower_phi, lower_alpha1, lower_alpha2, upper_c1dot, upper_c2dot,
         upper_phidot, upper_alpha1dot, upper_alpha2dot, lower_c1dot, lower_c2dot, lower_phidot,
         lower_alpha1dot, lower_alpha2dot, lambda_hinge_1, lambda_hinge_2, lambda_elbow_1,

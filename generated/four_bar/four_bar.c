@@ -18,7 +18,7 @@ int four_bar_setup(
 {
     const double p_EI = p[0];
 
-    /* integrals (appendix): shape integrals, stiffness, and what is made of them */
+    /* integrals (appendix): shape integrals, stiffness, and constants computed from them */
     const double crank_K_1_1 = 2250.0 * p_EI;
     const double crank_K_2_2 = 18750.0 * p_EI;
     const double coupler_K_1_1 = (250.0 / 3.0) * p_EI;
@@ -26,7 +26,7 @@ int four_bar_setup(
     const double rocker_K_1_1 = 144.0 * p_EI;
     const double rocker_K_2_2 = 1200.0 * p_EI;
 
-    /* constants: what the kernels read */
+    /* constants: constants that the kernels read */
     k[0] = crank_K_1_1;
     k[1] = crank_K_2_2;
     k[2] = coupler_K_1_1;
@@ -34,7 +34,7 @@ int four_bar_setup(
     k[4] = rocker_K_1_1;
     k[5] = rocker_K_2_2;
 
-    /* checks: refuse parameters that make no body */
+    /* checks: checks of the parameters */
     if (!(p_EI > 0.0)) return 2; /* EI must be positive */
     if (!isfinite(p_EI)) return 2; /* EI must be finite */
     if (!isfinite(crank_K_1_1)) return 2; /* crank_K_1_1 is not finite */
@@ -451,7 +451,7 @@ int four_bar_accel(
      * pivots (LDL^T): eliminate crank_c1, crank_c2, crank_phi, crank_alpha1, crank_alpha2, motor,
      *     shaft_1, shaft_2, coupler_c1, coupler_c2, rocker_c2, rocker_c1, rocker_alpha1,
      *     rocker_alpha2, rocker_phi, pivot_1, pivot_2, coupler_alpha2, coupler_phi, coupler_alpha1,
-     *     crank_pin_1, crank_pin_2, rocker_pin_1, rocker_pin_2; 20 entries are filled in
+     *     crank_pin_1, crank_pin_2, rocker_pin_1, rocker_pin_2; fill-in 20
      */
     const double inverse_crank_J = 1.0 / crank_J;
     const double t1 = crank_left_s_2 * inverse_crank_J;
@@ -711,7 +711,7 @@ int four_bar_accel(
         + t28 * t135;
     vdot[14] = t158;
 
-    /* check: refuse what is not finite */
+    /* check: check that the result is finite */
     if (!isfinite(t141 + t142 + t144 + t145 + t146 + t147 + t148 + t149 + t150 + t151 + t154 + t155
         + t156 + t157 + t158)) return 2; /* a result is not finite */
     return 0;
@@ -945,7 +945,7 @@ int four_bar_marker_crank_left(
     const double t4 = crank_left_r_2 * crank_cos_phi;
     const double crank_left_s_2 = t3 + t4;
 
-    /* marker (1): x = c + Q r, its rate and its derivatives */
+    /* marker (1): x = c + Q r, its time derivative and its Jacobian */
     x[0] = crank_c1 + t1 - t2;
     x[1] = crank_c2 + t3 + t4;
     const double t5 = crank_left_rdot_2 + (-1.0 / 5.0) * crank_phidot;
@@ -997,7 +997,7 @@ int four_bar_marker_crank_middle(
      */
     const double crank_cos_phi = cos(crank_phi);
 
-    /* marker (1): x = c + Q r, its rate and its derivatives */
+    /* marker (1): x = c + Q r, its time derivative and its Jacobian */
     x[0] = crank_c1 + crank_middle_s_1;
     const double t3 = t1 * crank_cos_phi;
     x[1] = crank_c2 - t3;
@@ -1048,7 +1048,7 @@ int four_bar_marker_crank_right(
     const double t4 = crank_right_r_2 * crank_cos_phi;
     const double crank_right_s_2 = t3 + t4;
 
-    /* marker (1): x = c + Q r, its rate and its derivatives */
+    /* marker (1): x = c + Q r, its time derivative and its Jacobian */
     x[0] = crank_c1 + t1 - t2;
     x[1] = crank_c2 + t3 + t4;
     const double t5 = crank_right_rdot_2 + (1.0 / 5.0) * crank_phidot;
@@ -1102,7 +1102,7 @@ int four_bar_marker_coupler_left(
     const double t4 = coupler_left_r_2 * coupler_cos_phi;
     const double coupler_left_s_2 = t3 + t4;
 
-    /* marker (1): x = c + Q r, its rate and its derivatives */
+    /* marker (1): x = c + Q r, its time derivative and its Jacobian */
     x[0] = coupler_c1 + t1 - t2;
     x[1] = coupler_c2 + t3 + t4;
     const double t5 = coupler_left_rdot_2 + (-3.0 / 5.0) * coupler_phidot;
@@ -1154,7 +1154,7 @@ int four_bar_marker_coupler_middle(
      */
     const double coupler_cos_phi = cos(coupler_phi);
 
-    /* marker (1): x = c + Q r, its rate and its derivatives */
+    /* marker (1): x = c + Q r, its time derivative and its Jacobian */
     x[0] = coupler_c1 + coupler_middle_s_1;
     const double t3 = t1 * coupler_cos_phi;
     x[1] = coupler_c2 - t3;
@@ -1205,7 +1205,7 @@ int four_bar_marker_coupler_right(
     const double t4 = coupler_right_r_2 * coupler_cos_phi;
     const double coupler_right_s_2 = t3 + t4;
 
-    /* marker (1): x = c + Q r, its rate and its derivatives */
+    /* marker (1): x = c + Q r, its time derivative and its Jacobian */
     x[0] = coupler_c1 + t1 - t2;
     x[1] = coupler_c2 + t3 + t4;
     const double t5 = coupler_right_rdot_2 + (3.0 / 5.0) * coupler_phidot;
@@ -1259,7 +1259,7 @@ int four_bar_marker_rocker_left(
     const double t4 = rocker_left_r_2 * rocker_cos_phi;
     const double rocker_left_s_2 = t3 + t4;
 
-    /* marker (1): x = c + Q r, its rate and its derivatives */
+    /* marker (1): x = c + Q r, its time derivative and its Jacobian */
     x[0] = rocker_c1 + t1 - t2;
     x[1] = rocker_c2 + t3 + t4;
     const double t5 = rocker_left_rdot_2 + (-0.5) * rocker_phidot;
@@ -1311,7 +1311,7 @@ int four_bar_marker_rocker_middle(
      */
     const double rocker_cos_phi = cos(rocker_phi);
 
-    /* marker (1): x = c + Q r, its rate and its derivatives */
+    /* marker (1): x = c + Q r, its time derivative and its Jacobian */
     x[0] = rocker_c1 + rocker_middle_s_1;
     const double t3 = t1 * rocker_cos_phi;
     x[1] = rocker_c2 - t3;
@@ -1362,7 +1362,7 @@ int four_bar_marker_rocker_right(
     const double t4 = rocker_right_r_2 * rocker_cos_phi;
     const double rocker_right_s_2 = t3 + t4;
 
-    /* marker (1): x = c + Q r, its rate and its derivatives */
+    /* marker (1): x = c + Q r, its time derivative and its Jacobian */
     x[0] = rocker_c1 + t1 - t2;
     x[1] = rocker_c2 + t3 + t4;
     const double t5 = rocker_right_rdot_2 + 0.5 * rocker_phidot;
@@ -1401,7 +1401,7 @@ int four_bar_load_crank_left(
     const double crank_cos_phi = cos(crank_phi);
     const double crank_sin_phi = sin(crank_phi);
 
-    /* F (10): the force seen from the body base */
+    /* F (10): the force in the body frame */
     const double crank_left_Fb_1 = F_1 * crank_cos_phi + F_2 * crank_sin_phi;
     const double crank_left_Fb_2 = F_2 * crank_cos_phi - F_1 * crank_sin_phi;
 
@@ -1449,7 +1449,7 @@ int four_bar_load_crank_middle(
     const double crank_cos_phi = cos(crank_phi);
     const double crank_sin_phi = sin(crank_phi);
 
-    /* F (10): the force seen from the body base */
+    /* F (10): the force in the body frame */
     const double crank_middle_Fb_1 = F_1 * crank_cos_phi + F_2 * crank_sin_phi;
     const double crank_middle_Fb_2 = F_2 * crank_cos_phi - F_1 * crank_sin_phi;
 
@@ -1492,7 +1492,7 @@ int four_bar_load_crank_right(
     const double crank_cos_phi = cos(crank_phi);
     const double crank_sin_phi = sin(crank_phi);
 
-    /* F (10): the force seen from the body base */
+    /* F (10): the force in the body frame */
     const double crank_right_Fb_1 = F_1 * crank_cos_phi + F_2 * crank_sin_phi;
     const double crank_right_Fb_2 = F_2 * crank_cos_phi - F_1 * crank_sin_phi;
 
@@ -1541,7 +1541,7 @@ int four_bar_load_coupler_left(
     const double coupler_cos_phi = cos(coupler_phi);
     const double coupler_sin_phi = sin(coupler_phi);
 
-    /* F (10): the force seen from the body base */
+    /* F (10): the force in the body frame */
     const double coupler_left_Fb_1 = F_1 * coupler_cos_phi + F_2 * coupler_sin_phi;
     const double coupler_left_Fb_2 = F_2 * coupler_cos_phi - F_1 * coupler_sin_phi;
 
@@ -1589,7 +1589,7 @@ int four_bar_load_coupler_middle(
     const double coupler_cos_phi = cos(coupler_phi);
     const double coupler_sin_phi = sin(coupler_phi);
 
-    /* F (10): the force seen from the body base */
+    /* F (10): the force in the body frame */
     const double coupler_middle_Fb_1 = F_1 * coupler_cos_phi + F_2 * coupler_sin_phi;
     const double coupler_middle_Fb_2 = F_2 * coupler_cos_phi - F_1 * coupler_sin_phi;
 
@@ -1632,7 +1632,7 @@ int four_bar_load_coupler_right(
     const double coupler_cos_phi = cos(coupler_phi);
     const double coupler_sin_phi = sin(coupler_phi);
 
-    /* F (10): the force seen from the body base */
+    /* F (10): the force in the body frame */
     const double coupler_right_Fb_1 = F_1 * coupler_cos_phi + F_2 * coupler_sin_phi;
     const double coupler_right_Fb_2 = F_2 * coupler_cos_phi - F_1 * coupler_sin_phi;
 
@@ -1681,7 +1681,7 @@ int four_bar_load_rocker_left(
     const double rocker_cos_phi = cos(rocker_phi);
     const double rocker_sin_phi = sin(rocker_phi);
 
-    /* F (10): the force seen from the body base */
+    /* F (10): the force in the body frame */
     const double rocker_left_Fb_1 = F_1 * rocker_cos_phi + F_2 * rocker_sin_phi;
     const double rocker_left_Fb_2 = F_2 * rocker_cos_phi - F_1 * rocker_sin_phi;
 
@@ -1729,7 +1729,7 @@ int four_bar_load_rocker_middle(
     const double rocker_cos_phi = cos(rocker_phi);
     const double rocker_sin_phi = sin(rocker_phi);
 
-    /* F (10): the force seen from the body base */
+    /* F (10): the force in the body frame */
     const double rocker_middle_Fb_1 = F_1 * rocker_cos_phi + F_2 * rocker_sin_phi;
     const double rocker_middle_Fb_2 = F_2 * rocker_cos_phi - F_1 * rocker_sin_phi;
 
@@ -1772,7 +1772,7 @@ int four_bar_load_rocker_right(
     const double rocker_cos_phi = cos(rocker_phi);
     const double rocker_sin_phi = sin(rocker_phi);
 
-    /* F (10): the force seen from the body base */
+    /* F (10): the force in the body frame */
     const double rocker_right_Fb_1 = F_1 * rocker_cos_phi + F_2 * rocker_sin_phi;
     const double rocker_right_Fb_2 = F_2 * rocker_cos_phi - F_1 * rocker_sin_phi;
 
@@ -1897,7 +1897,7 @@ int four_bar_constraints(
     const double rocker_right_s_1 = 0.5 * rocker_cos_phi - rocker_right_r_2 * rocker_sin_phi;
     const double rocker_right_s_2 = 0.5 * rocker_sin_phi + rocker_right_r_2 * rocker_cos_phi;
 
-    /* g (1): second place minus first, from x = c + Q r */
+    /* g (1): point of body 2 minus point of body 1, from x = c + Q r */
     g[0] = crank_c1 + crank_left_s_1;
     g[1] = crank_c2 + crank_left_s_2;
     const double t1 = (884279719003555.0 / 211106232532992.0) * t;
@@ -2030,7 +2030,7 @@ int four_bar_constraint_rates(
     const double rocker_right_s_2 = 0.5 * rocker_sin_phi + rocker_right_r_2 * rocker_cos_phi;
     const double rocker_right_sdot_2 = rocker_right_rdot_2 * rocker_cos_phi;
 
-    /* gdot (1): velocities of the second place minus those of the first */
+    /* gdot (1): velocity of the point of body 2 minus that of body 1 */
     gdot[0] = crank_c1dot - crank_left_rdot_2 * crank_sin_phi - crank_phidot * crank_left_s_2;
     gdot[1] = crank_c2dot + crank_left_sdot_2 + crank_phidot * crank_left_s_1;
     gdot[2] = crank_phidot + (-15.0) * crank_alpha1dot + 30.0 * crank_alpha2dot
@@ -2141,7 +2141,7 @@ int four_bar_constraint_jacobian(
     const double rocker_right_s_1 = 0.5 * rocker_cos_phi - rocker_right_r_2 * rocker_sin_phi;
     const double rocker_right_s_2 = 0.5 * rocker_sin_phi + rocker_right_r_2 * rocker_cos_phi;
 
-    /* G (6): factors of the rates */
+    /* G (6): factors of the generalised velocities */
     G[0] = 1.0;
     G[1] = -1.0;
     G[2] = 1.0;
@@ -2480,7 +2480,7 @@ int four_bar_solve(
      * pivots (LDL^T): eliminate crank_c1, crank_c2, crank_phi, crank_alpha1, crank_alpha2, motor,
      *     shaft_1, shaft_2, coupler_c1, coupler_c2, rocker_c2, rocker_c1, rocker_alpha1,
      *     rocker_alpha2, rocker_phi, pivot_1, pivot_2, coupler_alpha2, coupler_phi, coupler_alpha1,
-     *     crank_pin_1, crank_pin_2, rocker_pin_1, rocker_pin_2; 20 entries are filled in
+     *     crank_pin_1, crank_pin_2, rocker_pin_1, rocker_pin_2; fill-in 20
      */
     const double inverse_crank_J = 1.0 / crank_J;
     const double t1 = crank_left_s_2 * inverse_crank_J;
@@ -2749,7 +2749,7 @@ int four_bar_solve(
     lam[7] = t153;
     lam[8] = t152;
 
-    /* check: refuse what is not finite */
+    /* check: check that the result is finite */
     if (!isfinite(t141 + t142 + t144 + t145 + t146 + t147 + t148 + t149 + t150 + t151 + t154 + t155
         + t156 + t157 + t158 + t140 + t139 + t143 + t138 + t137 + t136 + t135 + t153
         + t152)) return 2; /* a result is not finite */
@@ -2885,7 +2885,7 @@ int four_bar_project_velocity(
      * pivots (LDL^T): eliminate crank_c1, crank_c2, crank_phi, crank_alpha1, crank_alpha2, motor,
      *     shaft_1, shaft_2, coupler_c1, coupler_c2, rocker_c2, rocker_c1, rocker_alpha1,
      *     rocker_alpha2, rocker_phi, pivot_1, pivot_2, coupler_alpha2, coupler_phi, coupler_alpha1,
-     *     crank_pin_1, crank_pin_2, rocker_pin_1, rocker_pin_2; 20 entries are filled in
+     *     crank_pin_1, crank_pin_2, rocker_pin_1, rocker_pin_2; fill-in 20
      */
     const double inverse_crank_J = 1.0 / crank_J;
     const double t1 = crank_left_s_2 * inverse_crank_J;
@@ -3085,7 +3085,7 @@ int four_bar_project_velocity(
     const double t128 = t36 * t123 + t28 * t122 - t36 * t106 + t28 * t105;
     dv[14] = t128;
 
-    /* check: refuse what is not finite */
+    /* check: check that the result is finite */
     if (!isfinite(t112 - t111 + t114 + t115 + t116 + t117 + t118 + t119 + t120 + t121 + t124 + t125
         + t126 + t127 + t128)) return 2; /* a result is not finite */
     return 0;
@@ -5471,7 +5471,7 @@ int four_bar_jacobian_index1(
     return 0;
 }
 
-/* ---- batches: each state b of a block as the functions above have it ---- */
+/* ---- batches: the functions above for blocks of states b ---- */
 
 /* The rows of a block that is not full: its last state is repeated. */
 static const double *four_bar_block32_pad(ptrdiff_t all, int count, int rows, const double *from, double *to)
@@ -6303,36 +6303,36 @@ static const tisserand_variable four_bar_table_q[] = {
     {"crank_c1", "m", "crank: position of the origin of the floating frame along the inertial e1", 0.0, 1, TISSERAND_ROLE_TRANSLATION},
     {"crank_c2", "m", "crank: position of the origin of the floating frame along the inertial e2", 0.0, 1, TISSERAND_ROLE_TRANSLATION},
     {"crank_phi", "rad", "crank: rotation of the floating frame", 0.0, 1, TISSERAND_ROLE_ROTATION},
-    {"crank_alpha1", "m", "crank: amplitude of assumed shape 1", 0.0, 1, TISSERAND_ROLE_AMPLITUDE},
-    {"crank_alpha2", "m", "crank: amplitude of assumed shape 2", 0.0, 1, TISSERAND_ROLE_AMPLITUDE},
+    {"crank_alpha1", "m", "crank: amplitude of assumed mode 1", 0.0, 1, TISSERAND_ROLE_AMPLITUDE},
+    {"crank_alpha2", "m", "crank: amplitude of assumed mode 2", 0.0, 1, TISSERAND_ROLE_AMPLITUDE},
     {"coupler_c1", "m", "coupler: position of the origin of the floating frame along the inertial e1", 0.0, 1, TISSERAND_ROLE_TRANSLATION},
     {"coupler_c2", "m", "coupler: position of the origin of the floating frame along the inertial e2", 0.0, 1, TISSERAND_ROLE_TRANSLATION},
     {"coupler_phi", "rad", "coupler: rotation of the floating frame", 0.0, 1, TISSERAND_ROLE_ROTATION},
-    {"coupler_alpha1", "m", "coupler: amplitude of assumed shape 1", 0.0, 1, TISSERAND_ROLE_AMPLITUDE},
-    {"coupler_alpha2", "m", "coupler: amplitude of assumed shape 2", 0.0, 1, TISSERAND_ROLE_AMPLITUDE},
+    {"coupler_alpha1", "m", "coupler: amplitude of assumed mode 1", 0.0, 1, TISSERAND_ROLE_AMPLITUDE},
+    {"coupler_alpha2", "m", "coupler: amplitude of assumed mode 2", 0.0, 1, TISSERAND_ROLE_AMPLITUDE},
     {"rocker_c1", "m", "rocker: position of the origin of the floating frame along the inertial e1", 0.0, 1, TISSERAND_ROLE_TRANSLATION},
     {"rocker_c2", "m", "rocker: position of the origin of the floating frame along the inertial e2", 0.0, 1, TISSERAND_ROLE_TRANSLATION},
     {"rocker_phi", "rad", "rocker: rotation of the floating frame", 0.0, 1, TISSERAND_ROLE_ROTATION},
-    {"rocker_alpha1", "m", "rocker: amplitude of assumed shape 1", 0.0, 1, TISSERAND_ROLE_AMPLITUDE},
-    {"rocker_alpha2", "m", "rocker: amplitude of assumed shape 2", 0.0, 1, TISSERAND_ROLE_AMPLITUDE},
+    {"rocker_alpha1", "m", "rocker: amplitude of assumed mode 1", 0.0, 1, TISSERAND_ROLE_AMPLITUDE},
+    {"rocker_alpha2", "m", "rocker: amplitude of assumed mode 2", 0.0, 1, TISSERAND_ROLE_AMPLITUDE},
 };
 
 static const tisserand_variable four_bar_table_v[] = {
-    {"crank_c1dot", "m/s", "rate of crank_c1", 0.0, 1, 0},
-    {"crank_c2dot", "m/s", "rate of crank_c2", 0.0, 1, 0},
-    {"crank_phidot", "rad/s", "rate of crank_phi", 0.0, 1, 0},
-    {"crank_alpha1dot", "m/s", "rate of crank_alpha1", 0.0, 1, 0},
-    {"crank_alpha2dot", "m/s", "rate of crank_alpha2", 0.0, 1, 0},
-    {"coupler_c1dot", "m/s", "rate of coupler_c1", 0.0, 1, 0},
-    {"coupler_c2dot", "m/s", "rate of coupler_c2", 0.0, 1, 0},
-    {"coupler_phidot", "rad/s", "rate of coupler_phi", 0.0, 1, 0},
-    {"coupler_alpha1dot", "m/s", "rate of coupler_alpha1", 0.0, 1, 0},
-    {"coupler_alpha2dot", "m/s", "rate of coupler_alpha2", 0.0, 1, 0},
-    {"rocker_c1dot", "m/s", "rate of rocker_c1", 0.0, 1, 0},
-    {"rocker_c2dot", "m/s", "rate of rocker_c2", 0.0, 1, 0},
-    {"rocker_phidot", "rad/s", "rate of rocker_phi", 0.0, 1, 0},
-    {"rocker_alpha1dot", "m/s", "rate of rocker_alpha1", 0.0, 1, 0},
-    {"rocker_alpha2dot", "m/s", "rate of rocker_alpha2", 0.0, 1, 0},
+    {"crank_c1dot", "m/s", "time derivative of crank_c1", 0.0, 1, 0},
+    {"crank_c2dot", "m/s", "time derivative of crank_c2", 0.0, 1, 0},
+    {"crank_phidot", "rad/s", "time derivative of crank_phi", 0.0, 1, 0},
+    {"crank_alpha1dot", "m/s", "time derivative of crank_alpha1", 0.0, 1, 0},
+    {"crank_alpha2dot", "m/s", "time derivative of crank_alpha2", 0.0, 1, 0},
+    {"coupler_c1dot", "m/s", "time derivative of coupler_c1", 0.0, 1, 0},
+    {"coupler_c2dot", "m/s", "time derivative of coupler_c2", 0.0, 1, 0},
+    {"coupler_phidot", "rad/s", "time derivative of coupler_phi", 0.0, 1, 0},
+    {"coupler_alpha1dot", "m/s", "time derivative of coupler_alpha1", 0.0, 1, 0},
+    {"coupler_alpha2dot", "m/s", "time derivative of coupler_alpha2", 0.0, 1, 0},
+    {"rocker_c1dot", "m/s", "time derivative of rocker_c1", 0.0, 1, 0},
+    {"rocker_c2dot", "m/s", "time derivative of rocker_c2", 0.0, 1, 0},
+    {"rocker_phidot", "rad/s", "time derivative of rocker_phi", 0.0, 1, 0},
+    {"rocker_alpha1dot", "m/s", "time derivative of rocker_alpha1", 0.0, 1, 0},
+    {"rocker_alpha2dot", "m/s", "time derivative of rocker_alpha2", 0.0, 1, 0},
 };
 
 static const tisserand_variable four_bar_table_lambda[] = {

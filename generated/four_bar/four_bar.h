@@ -10,59 +10,60 @@
  * work: (15) of Koppens, Sauren, Veldpaus & van Campen, J. Appl. Mech. 55 (1988) 676-680, whose
  * equation numbers these are. Units are SI where the parameters are; any consistent set will do.
  *
- * The floating frame has its origin at c and is turned by Q. In it are resolved: r = X + u, the
- * shapes Phi_i, and their moments c1 .. c8, d1, D2, d3, J, so that e1, e2 there are its axes.
- * In the inertial base are resolved: c, momenta, and markers.
- * Of beams c is where the centre of the undeformed beam lies in the floating frame.
+ * The floating frame has its origin at c and the rotation Q. r = X + u, the shape functions Phi_i,
+ * and their moments c1 .. c8, d1, D2, d3, J are resolved in the floating frame; c, momenta and
+ * markers are resolved in the inertial frame.
+ * For beams, c is the position of the centre of the undeformed beam.
  * Deflection of crank, along its e2: alpha1 phi_1 + ..., phi_1 = 3*xi^2/2 - 1/2, phi_2 = 5*xi^3/2 -
  *     3*xi/2; xi = 2 x / length.
  * Deflection of coupler, along its e2: alpha1 phi_1 + ..., phi_1 = 3*xi^2/2 - 1/2, phi_2 = 5*xi^3/2
  *     - 3*xi/2; xi = 2 x / length.
  * Deflection of rocker, along its e2: alpha1 phi_1 + ..., phi_1 = 3*xi^2/2 - 1/2, phi_2 = 5*xi^3/2
  *     - 3*xi/2; xi = 2 x / length.
- * In M bodies share no inertia: joints couple them through constraints.
+ * For several bodies the mass matrix is block-diagonal, because joints couple bodies through
+ *     constraints.
  *
- * Coordinates q:
+ * Generalised coordinates q:
  *   0  crank_c1        [m]  crank: position of the origin of the floating frame along the inertial
  *       e1
  *   1  crank_c2        [m]  crank: position of the origin of the floating frame along the inertial
  *       e2
  *   2  crank_phi       [rad]  crank: rotation of the floating frame
- *   3  crank_alpha1    [m]  crank: amplitude of assumed shape 1
- *   4  crank_alpha2    [m]  crank: amplitude of assumed shape 2
+ *   3  crank_alpha1    [m]  crank: amplitude of assumed mode 1
+ *   4  crank_alpha2    [m]  crank: amplitude of assumed mode 2
  *   5  coupler_c1      [m]  coupler: position of the origin of the floating frame along the
  *       inertial e1
  *   6  coupler_c2      [m]  coupler: position of the origin of the floating frame along the
  *       inertial e2
  *   7  coupler_phi     [rad]  coupler: rotation of the floating frame
- *   8  coupler_alpha1  [m]  coupler: amplitude of assumed shape 1
- *   9  coupler_alpha2  [m]  coupler: amplitude of assumed shape 2
+ *   8  coupler_alpha1  [m]  coupler: amplitude of assumed mode 1
+ *   9  coupler_alpha2  [m]  coupler: amplitude of assumed mode 2
  *   10  rocker_c1       [m]  rocker: position of the origin of the floating frame along the
  *       inertial e1
  *   11  rocker_c2       [m]  rocker: position of the origin of the floating frame along the
  *       inertial e2
  *   12  rocker_phi      [rad]  rocker: rotation of the floating frame
- *   13  rocker_alpha1   [m]  rocker: amplitude of assumed shape 1
- *   14  rocker_alpha2   [m]  rocker: amplitude of assumed shape 2
+ *   13  rocker_alpha1   [m]  rocker: amplitude of assumed mode 1
+ *   14  rocker_alpha2   [m]  rocker: amplitude of assumed mode 2
  *
- * Rates v and the rows of the equations of motion, with their units:
- *   0  crank_c1dot  [m/s]  rate of crank_c1; its row, crank_c1, [N]
- *   1  crank_c2dot  [m/s]  rate of crank_c2; its row, crank_c2, [N]
- *   2  crank_phidot  [rad/s]  rate of crank_phi; its row, crank_phi, [N m]
- *   3  crank_alpha1dot  [m/s]  rate of crank_alpha1; its row, crank_alpha1, [N]
- *   4  crank_alpha2dot  [m/s]  rate of crank_alpha2; its row, crank_alpha2, [N]
- *   5  coupler_c1dot  [m/s]  rate of coupler_c1; its row, coupler_c1, [N]
- *   6  coupler_c2dot  [m/s]  rate of coupler_c2; its row, coupler_c2, [N]
- *   7  coupler_phidot  [rad/s]  rate of coupler_phi; its row, coupler_phi, [N m]
- *   8  coupler_alpha1dot  [m/s]  rate of coupler_alpha1; its row, coupler_alpha1, [N]
- *   9  coupler_alpha2dot  [m/s]  rate of coupler_alpha2; its row, coupler_alpha2, [N]
- *   10  rocker_c1dot  [m/s]  rate of rocker_c1; its row, rocker_c1, [N]
- *   11  rocker_c2dot  [m/s]  rate of rocker_c2; its row, rocker_c2, [N]
- *   12  rocker_phidot  [rad/s]  rate of rocker_phi; its row, rocker_phi, [N m]
- *   13  rocker_alpha1dot  [m/s]  rate of rocker_alpha1; its row, rocker_alpha1, [N]
- *   14  rocker_alpha2dot  [m/s]  rate of rocker_alpha2; its row, rocker_alpha2, [N]
+ * Generalised velocities v, and the equations of motion with their units:
+ *   0  crank_c1dot  [m/s]  time derivative of crank_c1; equation crank_c1 [N]
+ *   1  crank_c2dot  [m/s]  time derivative of crank_c2; equation crank_c2 [N]
+ *   2  crank_phidot  [rad/s]  time derivative of crank_phi; equation crank_phi [N m]
+ *   3  crank_alpha1dot  [m/s]  time derivative of crank_alpha1; equation crank_alpha1 [N]
+ *   4  crank_alpha2dot  [m/s]  time derivative of crank_alpha2; equation crank_alpha2 [N]
+ *   5  coupler_c1dot  [m/s]  time derivative of coupler_c1; equation coupler_c1 [N]
+ *   6  coupler_c2dot  [m/s]  time derivative of coupler_c2; equation coupler_c2 [N]
+ *   7  coupler_phidot  [rad/s]  time derivative of coupler_phi; equation coupler_phi [N m]
+ *   8  coupler_alpha1dot  [m/s]  time derivative of coupler_alpha1; equation coupler_alpha1 [N]
+ *   9  coupler_alpha2dot  [m/s]  time derivative of coupler_alpha2; equation coupler_alpha2 [N]
+ *   10  rocker_c1dot  [m/s]  time derivative of rocker_c1; equation rocker_c1 [N]
+ *   11  rocker_c2dot  [m/s]  time derivative of rocker_c2; equation rocker_c2 [N]
+ *   12  rocker_phidot  [rad/s]  time derivative of rocker_phi; equation rocker_phi [N m]
+ *   13  rocker_alpha1dot  [m/s]  time derivative of rocker_alpha1; equation rocker_alpha1 [N]
+ *   14  rocker_alpha2dot  [m/s]  time derivative of rocker_alpha2; equation rocker_alpha2 [N]
  *
- * Multipliers lambda, what joints exert on their second bodies:
+ * Multipliers lambda, the constraint reactions on body 2 of each joint:
  *   0  shaft_1  [N]  ground.left and crank.left coincide along e1
  *   1  shaft_2  [N]  ground.left and crank.left coincide along e2
  *   2  motor  [N m]  drive motor turns crank
@@ -73,14 +74,14 @@
  *   7  pivot_1  [N]  ground.right and rocker.left coincide along e1
  *   8  pivot_2  [N]  ground.right and rocker.left coincide along e2
  *
- * What is not modelled, and why:
+ * Not modelled, with the reasons:
  *   ground: it does not move: no coordinates
  *
  * Parameters p:
  *   EI  [N m^2]  bending stiffness EI of crank; bending stiffness EI of coupler; bending stiffness
  *       EI of rocker, default 98.17477
  *
- * Constants k, made of them by setup:
+ * Constants k, computed from the parameters by setup:
  *   crank_K_1_1  [N/m]  stiffness: int EI (d2 phi_1/dx2) (d2 phi_1/dx2) dx; crank
  *   crank_K_2_2  [N/m]  stiffness: int EI (d2 phi_2/dx2) (d2 phi_2/dx2) dx; crank
  *   coupler_K_1_1  [N/m]  stiffness: int EI (d2 phi_1/dx2) (d2 phi_1/dx2) dx; coupler
@@ -88,7 +89,7 @@
  *   rocker_K_1_1  [N/m]  stiffness: int EI (d2 phi_1/dx2) (d2 phi_1/dx2) dx; rocker
  *   rocker_K_2_2  [N/m]  stiffness: int EI (d2 phi_2/dx2) (d2 phi_2/dx2) dx; rocker
  *
- * Mass matrix, x a value and . a structural zero:
+ * Mass matrix (x: structural non-zero, .: structural zero):
  *   crank_c1        x . . . . . . . . . . . . . .
  *   crank_c2        . x . . . . . . . . . . . . .
  *   crank_phi       . . x . . . . . . . . . . . .
@@ -106,13 +107,13 @@
  *   rocker_alpha2   . . . . . . . . . . . . . . x
  *   15 of 225 entries are structural non-zeros; the 15 of the lower triangle are stored
  *
- * Why its zeros are zero:
+ * Reasons for its structural zeros:
  *   M[crank_c2, crank_c1], M[coupler_c2, coupler_c1], M[rocker_c2, rocker_c1]: the mass enters as m
  *       I, so translations along different axes do not couple
  *   M[crank_phi, crank_c1], M[crank_phi, crank_c2], M[coupler_phi, coupler_c1], M[coupler_phi,
  *       coupler_c2], M[rocker_phi, rocker_c1], M[rocker_phi, rocker_c2]: c1_1 = 0 by the choice of
- *       O (the centre of the undeformed beam); c1_2, c2_1_1, c2_2_1 = 0 by geometry (the beam lies
- *       along e1 and deflects along e2); c2_1_2, c2_2_2 = 0 by condition (17) (no mean
+ *       the origin (the centre of the undeformed beam); c1_2, c2_1_1, c2_2_1 = 0 by geometry (the
+ *       beam lies along e1 and deflects along e2); c2_1_2, c2_2_2 = 0 by condition (17) (no mean
  *       displacement)
  *   M[crank_alpha1, crank_c1], M[crank_alpha1, crank_c2], M[coupler_alpha1, coupler_c1],
  *       M[coupler_alpha1, coupler_c2], M[rocker_alpha1, rocker_c1], M[rocker_alpha1, rocker_c2]:
@@ -137,9 +138,9 @@
  *       coupler_c1, centrifugal term of row coupler_c1, Euler term of row coupler_c2, centrifugal
  *       term of row coupler_c2, translation term of row coupler_phi, Euler term of row rocker_c1,
  *       centrifugal term of row rocker_c1, Euler term of row rocker_c2, centrifugal term of row
- *       rocker_c2, translation term of row rocker_phi: c1_1 = 0 by the choice of O (the centre of
- *       the undeformed beam); c1_2, c2_1_1, c2_2_1 = 0 by geometry (the beam lies along e1 and
- *       deflects along e2); c2_1_2, c2_2_2 = 0 by condition (17) (no mean displacement)
+ *       rocker_c2, translation term of row rocker_phi: c1_1 = 0 by the choice of the origin (the
+ *       centre of the undeformed beam); c1_2, c2_1_1, c2_2_1 = 0 by geometry (the beam lies along
+ *       e1 and deflects along e2); c2_1_2, c2_2_2 = 0 by condition (17) (no mean displacement)
  *   Coriolis term of row crank_c1, relative term of row crank_c1, Coriolis term of row crank_c2,
  *       relative term of row crank_c2, Coriolis term of row coupler_c1, relative term of row
  *       coupler_c1, Coriolis term of row coupler_c2, relative term of row coupler_c2, Coriolis term
@@ -201,18 +202,18 @@ enum {
     TISSERAND_ROLE_AMPLITUDE = 5
 };
 
-/* A coordinate, rate, parameter or constant; a parameter has a default. An array has so many values. */
+/* A generalised coordinate, generalised velocity, parameter, constant or multiplier. */
 typedef struct {
     const char *name;
     const char *unit;
     const char *doc;
-    double value;
-    int size;
+    double value; /* the default of a parameter */
+    int size;     /* number of values, more than 1 for an array */
     int role; /* one of the roles above, for coordinates; 0 otherwise */
 } tisserand_variable;
 
-/* Compressed columns; of a symmetric matrix the lower triangle. Patterns of loops over the shapes are not
-   stored: colptr and rowidx are 0 there, and fill writes them. */
+/* Compressed columns; of a symmetric matrix the lower triangle. Patterns of looped kernels are not stored:
+   colptr and rowidx are 0 there, and fill writes them. */
 typedef struct {
     int rows;
     int cols;
@@ -224,7 +225,7 @@ typedef struct {
 } tisserand_pattern;
 
 /* A named material point; jacobian holds the values of d(velocity)/dv, in the plane d(position)/dq; load turns
-   a force F at the point, in the inertial base, into generalized forces f of M vdot + h = f. */
+   a force F at the point, in the inertial frame, into generalised forces f of M vdot + h = f. */
 typedef struct {
     const char *name;
     int dimension;
@@ -243,10 +244,10 @@ typedef struct {
     int (*jacobian)(double t, const double *y, const double *ydot, double cj, const double *k, double *jac);
 } tisserand_dae;
 
-/* What a scene has besides: constraints g(t, q) = 0 with multipliers, M vdot + h = G^T lambda, G vdot = gamma. */
+/* The additional functions of a scene: constraints g(t, q) = 0 with multipliers, M vdot + h = G^T lambda, G vdot = gamma. */
 typedef struct {
     int nbodies;
-    const tisserand_variable *lambda; /* nlambda multipliers: what joints exert on their second bodies */
+    const tisserand_variable *lambda; /* nlambda multipliers: constraint reactions on body 2 */
     const char *const *bodies;
     const tisserand_pattern *pattern; /* of G, nlambda x nv */
     const tisserand_dae *forms;
@@ -260,12 +261,12 @@ typedef struct {
     int (*poses)(double t, const double *q, const double *k, double *pose); /* c1, c2, phi of each body */
 } tisserand_scene;
 
-/* All there is to know of a model, for a host that is compiled once and serves many. */
+/* The descriptor of a model, for hosts that are compiled once and serve many models. */
 typedef struct {
     int abi;
     const char *name;
-    int nq;        /* coordinates */
-    int nv;        /* rates */
+    int nq;        /* generalised coordinates */
+    int nv;        /* generalised velocities */
     int np;        /* parameters */
     int nk;        /* constants of setup */
     int nlambda;   /* multipliers */
@@ -301,7 +302,7 @@ typedef struct {
 } tisserand_model;
 
 #elif TISSERAND_ABI != 4
-#  error "this header and one included before it were generated by Tisserand versions that do not fit"
+#  error "this header and one included before it were generated by incompatible versions of Tisserand"
 #endif
 
 /* ---- sizes and indices ---- */
@@ -348,9 +349,9 @@ enum {
     FOUR_BAR_ABI = 4
 };
 
-/* ---- functions: 0 = ok. From setup and accel, solve and project_velocity alone: 1 = a pivot vanished; 2 = a value is not finite
-   or not positive; the outputs then hold nothing of use. The others let a NaN through; accel calls a
-   NaN in its mass matrix a vanished pivot.
+/* ---- functions return 0 for success. setup, accel, solve and project_velocity return 1 if a pivot vanished and 2 if a
+   value is not finite or not positive; the outputs are undefined then. All other functions propagate a NaN;
+   accel reports a NaN in its mass matrix as a vanished pivot.
    Arrays that are written must not overlap each other or arrays that are read. ---- */
 
 /*
@@ -370,7 +371,7 @@ int four_bar_setup(
 /*
  * Mass matrix M(q): values of the lower triangle by columns.
  *
- * q: generalized coordinates (15)
+ * q: generalised coordinates (15)
  * k: constants from setup (6)
  * M: values of the mass matrix, lower triangle by columns, 15 x 15, 15 values, 15 in both triangles
  *
@@ -383,17 +384,17 @@ int four_bar_mass(
     double *M);
 
 /*
- * Forces h of M vdot + h = G^T lambda: centrifugal, Coriolis and elastic, and those of gravity,
- *     springs and applied loads.
+ * Forces h of M vdot + h = G^T lambda: centrifugal, Coriolis, elastic, damping, gravity, springs
+ *     and applied loads.
  *
  * t: time
- * q: generalized coordinates (15)
- * v: rates (15)
+ * q: generalised coordinates (15)
+ * v: generalised velocities (15)
  * k: constants from setup (6)
- * h: forces, one row a coordinate (15): h[crank_c1], h[crank_c2], h[crank_phi], h[crank_alpha1],
- *     h[crank_alpha2], h[coupler_c1], h[coupler_c2], h[coupler_phi], h[coupler_alpha1],
- *     h[coupler_alpha2], h[rocker_c1], h[rocker_c2], h[rocker_phi], h[rocker_alpha1],
- *     h[rocker_alpha2]
+ * h: forces, one for each equation of motion (15): h[crank_c1], h[crank_c2], h[crank_phi],
+ *     h[crank_alpha1], h[crank_alpha2], h[coupler_c1], h[coupler_c2], h[coupler_phi],
+ *     h[coupler_alpha1], h[coupler_alpha2], h[rocker_c1], h[rocker_c2], h[rocker_phi],
+ *     h[rocker_alpha1], h[rocker_alpha2]
  *
  * From appendix, (15).
  * 42 operations.
@@ -409,14 +410,14 @@ int four_bar_force(
  * Mass matrix and forces together; what they share is computed once.
  *
  * t: time
- * q: generalized coordinates (15)
- * v: rates (15)
+ * q: generalised coordinates (15)
+ * v: generalised velocities (15)
  * k: constants from setup (6)
  * M: values of the mass matrix, lower triangle by columns, 15 x 15, 15 values, 15 in both triangles
- * h: forces, one row a coordinate (15): h[crank_c1], h[crank_c2], h[crank_phi], h[crank_alpha1],
- *     h[crank_alpha2], h[coupler_c1], h[coupler_c2], h[coupler_phi], h[coupler_alpha1],
- *     h[coupler_alpha2], h[rocker_c1], h[rocker_c2], h[rocker_phi], h[rocker_alpha1],
- *     h[rocker_alpha2]
+ * h: forces, one for each equation of motion (15): h[crank_c1], h[crank_c2], h[crank_phi],
+ *     h[crank_alpha1], h[crank_alpha2], h[coupler_c1], h[coupler_c2], h[coupler_phi],
+ *     h[coupler_alpha1], h[coupler_alpha2], h[rocker_c1], h[rocker_c2], h[rocker_phi],
+ *     h[rocker_alpha1], h[rocker_alpha2]
  *
  * From appendix, (15).
  * 54 operations.
@@ -433,8 +434,8 @@ int four_bar_mass_force(
  * Accelerations vdot of M vdot + h = G^T lambda, G vdot = gamma; `solve` gives lambda as well.
  *
  * t: time
- * q: generalized coordinates (15)
- * v: rates (15)
+ * q: generalised coordinates (15)
+ * v: generalised velocities (15)
  * k: constants from setup (6)
  * vdot: accelerations (15): crank_c1ddot, crank_c2ddot, crank_phiddot, crank_alpha1ddot,
  *     crank_alpha2ddot, coupler_c1ddot, coupler_c2ddot, coupler_phiddot, coupler_alpha1ddot,
@@ -454,8 +455,8 @@ int four_bar_accel(
 /*
  * Kinetic and strain energy (with that of springs).
  *
- * q: generalized coordinates (15)
- * v: rates (15)
+ * q: generalised coordinates (15)
+ * v: generalised velocities (15)
  * k: constants from setup (6)
  * energy: energies [J] (2): kinetic, strain
  *
@@ -471,8 +472,8 @@ int four_bar_energy(
 /*
  * Linear momentum, and angular momentum about the inertial origin.
  *
- * q: generalized coordinates (15)
- * v: rates (15)
+ * q: generalised coordinates (15)
+ * v: generalised velocities (15)
  * k: constants from setup (6)
  * momentum: linear [N s] and angular [N m s] (3): linear_1, linear_2, angular
  *
@@ -486,10 +487,10 @@ int four_bar_momentum(
     double *momentum);
 
 /*
- * Time derivative of the coordinates from the rates.
+ * Time derivatives of the generalised coordinates from the generalised velocities.
  *
- * q: generalized coordinates (15)
- * v: rates (15)
+ * q: generalised coordinates (15)
+ * v: generalised velocities (15)
  * k: constants from setup (6)
  * qdot: time derivative of q (15): crank_c1_t, crank_c2_t, crank_phi_t, crank_alpha1_t,
  *     crank_alpha2_t, coupler_c1_t, coupler_c2_t, coupler_phi_t, coupler_alpha1_t,
@@ -508,11 +509,11 @@ int four_bar_rates(
  * Marker crank_left, material point at xi = -1 of crank: position, velocity and its Jacobian
  *     d(velocity)/dv.
  *
- * q: generalized coordinates (15)
- * v: rates (15)
+ * q: generalised coordinates (15)
+ * v: generalised velocities (15)
  * k: constants from setup (6)
- * x: position in the inertial base [m] (2): x1, x2
- * xdot: velocity in the inertial base [m/s] (2): x1dot, x2dot
+ * x: position in the inertial frame [m] (2): x1, x2
+ * xdot: velocity in the inertial frame [m/s] (2): x1dot, x2dot
  * jacobian: values of d(velocity)/dv by columns, 2 x 15, 8 values
  *
  * From (1).
@@ -530,11 +531,11 @@ int four_bar_marker_crank_left(
  * Marker crank_middle, material point at xi = 0 of crank: position, velocity and its Jacobian
  *     d(velocity)/dv.
  *
- * q: generalized coordinates (15)
- * v: rates (15)
+ * q: generalised coordinates (15)
+ * v: generalised velocities (15)
  * k: constants from setup (6)
- * x: position in the inertial base [m] (2): x1, x2
- * xdot: velocity in the inertial base [m/s] (2): x1dot, x2dot
+ * x: position in the inertial frame [m] (2): x1, x2
+ * xdot: velocity in the inertial frame [m/s] (2): x1dot, x2dot
  * jacobian: values of d(velocity)/dv by columns, 2 x 15, 6 values
  *
  * From (1), (26).
@@ -552,11 +553,11 @@ int four_bar_marker_crank_middle(
  * Marker crank_right, material point at xi = 1 of crank: position, velocity and its Jacobian
  *     d(velocity)/dv.
  *
- * q: generalized coordinates (15)
- * v: rates (15)
+ * q: generalised coordinates (15)
+ * v: generalised velocities (15)
  * k: constants from setup (6)
- * x: position in the inertial base [m] (2): x1, x2
- * xdot: velocity in the inertial base [m/s] (2): x1dot, x2dot
+ * x: position in the inertial frame [m] (2): x1, x2
+ * xdot: velocity in the inertial frame [m/s] (2): x1dot, x2dot
  * jacobian: values of d(velocity)/dv by columns, 2 x 15, 8 values
  *
  * From (1).
@@ -574,11 +575,11 @@ int four_bar_marker_crank_right(
  * Marker coupler_left, material point at xi = -1 of coupler: position, velocity and its Jacobian
  *     d(velocity)/dv.
  *
- * q: generalized coordinates (15)
- * v: rates (15)
+ * q: generalised coordinates (15)
+ * v: generalised velocities (15)
  * k: constants from setup (6)
- * x: position in the inertial base [m] (2): x1, x2
- * xdot: velocity in the inertial base [m/s] (2): x1dot, x2dot
+ * x: position in the inertial frame [m] (2): x1, x2
+ * xdot: velocity in the inertial frame [m/s] (2): x1dot, x2dot
  * jacobian: values of d(velocity)/dv by columns, 2 x 15, 8 values
  *
  * From (1).
@@ -596,11 +597,11 @@ int four_bar_marker_coupler_left(
  * Marker coupler_middle, material point at xi = 0 of coupler: position, velocity and its Jacobian
  *     d(velocity)/dv.
  *
- * q: generalized coordinates (15)
- * v: rates (15)
+ * q: generalised coordinates (15)
+ * v: generalised velocities (15)
  * k: constants from setup (6)
- * x: position in the inertial base [m] (2): x1, x2
- * xdot: velocity in the inertial base [m/s] (2): x1dot, x2dot
+ * x: position in the inertial frame [m] (2): x1, x2
+ * xdot: velocity in the inertial frame [m/s] (2): x1dot, x2dot
  * jacobian: values of d(velocity)/dv by columns, 2 x 15, 6 values
  *
  * From (1), (26).
@@ -618,11 +619,11 @@ int four_bar_marker_coupler_middle(
  * Marker coupler_right, material point at xi = 1 of coupler: position, velocity and its Jacobian
  *     d(velocity)/dv.
  *
- * q: generalized coordinates (15)
- * v: rates (15)
+ * q: generalised coordinates (15)
+ * v: generalised velocities (15)
  * k: constants from setup (6)
- * x: position in the inertial base [m] (2): x1, x2
- * xdot: velocity in the inertial base [m/s] (2): x1dot, x2dot
+ * x: position in the inertial frame [m] (2): x1, x2
+ * xdot: velocity in the inertial frame [m/s] (2): x1dot, x2dot
  * jacobian: values of d(velocity)/dv by columns, 2 x 15, 8 values
  *
  * From (1).
@@ -640,11 +641,11 @@ int four_bar_marker_coupler_right(
  * Marker rocker_left, material point at xi = -1 of rocker: position, velocity and its Jacobian
  *     d(velocity)/dv.
  *
- * q: generalized coordinates (15)
- * v: rates (15)
+ * q: generalised coordinates (15)
+ * v: generalised velocities (15)
  * k: constants from setup (6)
- * x: position in the inertial base [m] (2): x1, x2
- * xdot: velocity in the inertial base [m/s] (2): x1dot, x2dot
+ * x: position in the inertial frame [m] (2): x1, x2
+ * xdot: velocity in the inertial frame [m/s] (2): x1dot, x2dot
  * jacobian: values of d(velocity)/dv by columns, 2 x 15, 8 values
  *
  * From (1).
@@ -662,11 +663,11 @@ int four_bar_marker_rocker_left(
  * Marker rocker_middle, material point at xi = 0 of rocker: position, velocity and its Jacobian
  *     d(velocity)/dv.
  *
- * q: generalized coordinates (15)
- * v: rates (15)
+ * q: generalised coordinates (15)
+ * v: generalised velocities (15)
  * k: constants from setup (6)
- * x: position in the inertial base [m] (2): x1, x2
- * xdot: velocity in the inertial base [m/s] (2): x1dot, x2dot
+ * x: position in the inertial frame [m] (2): x1, x2
+ * xdot: velocity in the inertial frame [m/s] (2): x1dot, x2dot
  * jacobian: values of d(velocity)/dv by columns, 2 x 15, 6 values
  *
  * From (1), (26).
@@ -684,11 +685,11 @@ int four_bar_marker_rocker_middle(
  * Marker rocker_right, material point at xi = 1 of rocker: position, velocity and its Jacobian
  *     d(velocity)/dv.
  *
- * q: generalized coordinates (15)
- * v: rates (15)
+ * q: generalised coordinates (15)
+ * v: generalised velocities (15)
  * k: constants from setup (6)
- * x: position in the inertial base [m] (2): x1, x2
- * xdot: velocity in the inertial base [m/s] (2): x1dot, x2dot
+ * x: position in the inertial frame [m] (2): x1, x2
+ * xdot: velocity in the inertial frame [m/s] (2): x1dot, x2dot
  * jacobian: values of d(velocity)/dv by columns, 2 x 15, 8 values
  *
  * From (1).
@@ -703,13 +704,13 @@ int four_bar_marker_rocker_right(
     double *jacobian);
 
 /*
- * Generalized forces f of a force at marker crank_left: then M vdot + h = f.
+ * Generalised forces f of a force at marker crank_left: then M vdot + h = f.
  *
- * q: generalized coordinates (15)
- * F: force at the marker, in the inertial base [N] (2)
+ * q: generalised coordinates (15)
+ * F: force at the marker, in the inertial frame [N] (2)
  * k: constants from setup (6)
- * f: generalized forces, one row a coordinate (15): f[crank_c1], f[crank_c2], f[crank_phi],
- *     f[crank_alpha1], f[crank_alpha2], f[coupler_c1], f[coupler_c2], f[coupler_phi],
+ * f: generalised forces, one for each equation of motion (15): f[crank_c1], f[crank_c2],
+ *     f[crank_phi], f[crank_alpha1], f[crank_alpha2], f[coupler_c1], f[coupler_c2], f[coupler_phi],
  *     f[coupler_alpha1], f[coupler_alpha2], f[rocker_c1], f[rocker_c2], f[rocker_phi],
  *     f[rocker_alpha1], f[rocker_alpha2]
  *
@@ -723,13 +724,13 @@ int four_bar_load_crank_left(
     double *f);
 
 /*
- * Generalized forces f of a force at marker crank_middle: then M vdot + h = f.
+ * Generalised forces f of a force at marker crank_middle: then M vdot + h = f.
  *
- * q: generalized coordinates (15)
- * F: force at the marker, in the inertial base [N] (2)
+ * q: generalised coordinates (15)
+ * F: force at the marker, in the inertial frame [N] (2)
  * k: constants from setup (6)
- * f: generalized forces, one row a coordinate (15): f[crank_c1], f[crank_c2], f[crank_phi],
- *     f[crank_alpha1], f[crank_alpha2], f[coupler_c1], f[coupler_c2], f[coupler_phi],
+ * f: generalised forces, one for each equation of motion (15): f[crank_c1], f[crank_c2],
+ *     f[crank_phi], f[crank_alpha1], f[crank_alpha2], f[coupler_c1], f[coupler_c2], f[coupler_phi],
  *     f[coupler_alpha1], f[coupler_alpha2], f[rocker_c1], f[rocker_c2], f[rocker_phi],
  *     f[rocker_alpha1], f[rocker_alpha2]
  *
@@ -743,13 +744,13 @@ int four_bar_load_crank_middle(
     double *f);
 
 /*
- * Generalized forces f of a force at marker crank_right: then M vdot + h = f.
+ * Generalised forces f of a force at marker crank_right: then M vdot + h = f.
  *
- * q: generalized coordinates (15)
- * F: force at the marker, in the inertial base [N] (2)
+ * q: generalised coordinates (15)
+ * F: force at the marker, in the inertial frame [N] (2)
  * k: constants from setup (6)
- * f: generalized forces, one row a coordinate (15): f[crank_c1], f[crank_c2], f[crank_phi],
- *     f[crank_alpha1], f[crank_alpha2], f[coupler_c1], f[coupler_c2], f[coupler_phi],
+ * f: generalised forces, one for each equation of motion (15): f[crank_c1], f[crank_c2],
+ *     f[crank_phi], f[crank_alpha1], f[crank_alpha2], f[coupler_c1], f[coupler_c2], f[coupler_phi],
  *     f[coupler_alpha1], f[coupler_alpha2], f[rocker_c1], f[rocker_c2], f[rocker_phi],
  *     f[rocker_alpha1], f[rocker_alpha2]
  *
@@ -763,13 +764,13 @@ int four_bar_load_crank_right(
     double *f);
 
 /*
- * Generalized forces f of a force at marker coupler_left: then M vdot + h = f.
+ * Generalised forces f of a force at marker coupler_left: then M vdot + h = f.
  *
- * q: generalized coordinates (15)
- * F: force at the marker, in the inertial base [N] (2)
+ * q: generalised coordinates (15)
+ * F: force at the marker, in the inertial frame [N] (2)
  * k: constants from setup (6)
- * f: generalized forces, one row a coordinate (15): f[crank_c1], f[crank_c2], f[crank_phi],
- *     f[crank_alpha1], f[crank_alpha2], f[coupler_c1], f[coupler_c2], f[coupler_phi],
+ * f: generalised forces, one for each equation of motion (15): f[crank_c1], f[crank_c2],
+ *     f[crank_phi], f[crank_alpha1], f[crank_alpha2], f[coupler_c1], f[coupler_c2], f[coupler_phi],
  *     f[coupler_alpha1], f[coupler_alpha2], f[rocker_c1], f[rocker_c2], f[rocker_phi],
  *     f[rocker_alpha1], f[rocker_alpha2]
  *
@@ -783,13 +784,13 @@ int four_bar_load_coupler_left(
     double *f);
 
 /*
- * Generalized forces f of a force at marker coupler_middle: then M vdot + h = f.
+ * Generalised forces f of a force at marker coupler_middle: then M vdot + h = f.
  *
- * q: generalized coordinates (15)
- * F: force at the marker, in the inertial base [N] (2)
+ * q: generalised coordinates (15)
+ * F: force at the marker, in the inertial frame [N] (2)
  * k: constants from setup (6)
- * f: generalized forces, one row a coordinate (15): f[crank_c1], f[crank_c2], f[crank_phi],
- *     f[crank_alpha1], f[crank_alpha2], f[coupler_c1], f[coupler_c2], f[coupler_phi],
+ * f: generalised forces, one for each equation of motion (15): f[crank_c1], f[crank_c2],
+ *     f[crank_phi], f[crank_alpha1], f[crank_alpha2], f[coupler_c1], f[coupler_c2], f[coupler_phi],
  *     f[coupler_alpha1], f[coupler_alpha2], f[rocker_c1], f[rocker_c2], f[rocker_phi],
  *     f[rocker_alpha1], f[rocker_alpha2]
  *
@@ -803,13 +804,13 @@ int four_bar_load_coupler_middle(
     double *f);
 
 /*
- * Generalized forces f of a force at marker coupler_right: then M vdot + h = f.
+ * Generalised forces f of a force at marker coupler_right: then M vdot + h = f.
  *
- * q: generalized coordinates (15)
- * F: force at the marker, in the inertial base [N] (2)
+ * q: generalised coordinates (15)
+ * F: force at the marker, in the inertial frame [N] (2)
  * k: constants from setup (6)
- * f: generalized forces, one row a coordinate (15): f[crank_c1], f[crank_c2], f[crank_phi],
- *     f[crank_alpha1], f[crank_alpha2], f[coupler_c1], f[coupler_c2], f[coupler_phi],
+ * f: generalised forces, one for each equation of motion (15): f[crank_c1], f[crank_c2],
+ *     f[crank_phi], f[crank_alpha1], f[crank_alpha2], f[coupler_c1], f[coupler_c2], f[coupler_phi],
  *     f[coupler_alpha1], f[coupler_alpha2], f[rocker_c1], f[rocker_c2], f[rocker_phi],
  *     f[rocker_alpha1], f[rocker_alpha2]
  *
@@ -823,13 +824,13 @@ int four_bar_load_coupler_right(
     double *f);
 
 /*
- * Generalized forces f of a force at marker rocker_left: then M vdot + h = f.
+ * Generalised forces f of a force at marker rocker_left: then M vdot + h = f.
  *
- * q: generalized coordinates (15)
- * F: force at the marker, in the inertial base [N] (2)
+ * q: generalised coordinates (15)
+ * F: force at the marker, in the inertial frame [N] (2)
  * k: constants from setup (6)
- * f: generalized forces, one row a coordinate (15): f[crank_c1], f[crank_c2], f[crank_phi],
- *     f[crank_alpha1], f[crank_alpha2], f[coupler_c1], f[coupler_c2], f[coupler_phi],
+ * f: generalised forces, one for each equation of motion (15): f[crank_c1], f[crank_c2],
+ *     f[crank_phi], f[crank_alpha1], f[crank_alpha2], f[coupler_c1], f[coupler_c2], f[coupler_phi],
  *     f[coupler_alpha1], f[coupler_alpha2], f[rocker_c1], f[rocker_c2], f[rocker_phi],
  *     f[rocker_alpha1], f[rocker_alpha2]
  *
@@ -843,13 +844,13 @@ int four_bar_load_rocker_left(
     double *f);
 
 /*
- * Generalized forces f of a force at marker rocker_middle: then M vdot + h = f.
+ * Generalised forces f of a force at marker rocker_middle: then M vdot + h = f.
  *
- * q: generalized coordinates (15)
- * F: force at the marker, in the inertial base [N] (2)
+ * q: generalised coordinates (15)
+ * F: force at the marker, in the inertial frame [N] (2)
  * k: constants from setup (6)
- * f: generalized forces, one row a coordinate (15): f[crank_c1], f[crank_c2], f[crank_phi],
- *     f[crank_alpha1], f[crank_alpha2], f[coupler_c1], f[coupler_c2], f[coupler_phi],
+ * f: generalised forces, one for each equation of motion (15): f[crank_c1], f[crank_c2],
+ *     f[crank_phi], f[crank_alpha1], f[crank_alpha2], f[coupler_c1], f[coupler_c2], f[coupler_phi],
  *     f[coupler_alpha1], f[coupler_alpha2], f[rocker_c1], f[rocker_c2], f[rocker_phi],
  *     f[rocker_alpha1], f[rocker_alpha2]
  *
@@ -863,13 +864,13 @@ int four_bar_load_rocker_middle(
     double *f);
 
 /*
- * Generalized forces f of a force at marker rocker_right: then M vdot + h = f.
+ * Generalised forces f of a force at marker rocker_right: then M vdot + h = f.
  *
- * q: generalized coordinates (15)
- * F: force at the marker, in the inertial base [N] (2)
+ * q: generalised coordinates (15)
+ * F: force at the marker, in the inertial frame [N] (2)
  * k: constants from setup (6)
- * f: generalized forces, one row a coordinate (15): f[crank_c1], f[crank_c2], f[crank_phi],
- *     f[crank_alpha1], f[crank_alpha2], f[coupler_c1], f[coupler_c2], f[coupler_phi],
+ * f: generalised forces, one for each equation of motion (15): f[crank_c1], f[crank_c2],
+ *     f[crank_phi], f[crank_alpha1], f[crank_alpha2], f[coupler_c1], f[coupler_c2], f[coupler_phi],
  *     f[coupler_alpha1], f[coupler_alpha2], f[rocker_c1], f[rocker_c2], f[rocker_phi],
  *     f[rocker_alpha1], f[rocker_alpha2]
  *
@@ -886,9 +887,9 @@ int four_bar_load_rocker_right(
  * Constraints g(t, q) = 0.
  *
  * t: time
- * q: generalized coordinates (15)
+ * q: generalised coordinates (15)
  * k: constants from setup (6)
- * g: what is left of the constraints (9): shaft_1, shaft_2, motor, crank_pin_1, crank_pin_2,
+ * g: residuals of the constraints (9): shaft_1, shaft_2, motor, crank_pin_1, crank_pin_2,
  *     rocker_pin_1, rocker_pin_2, pivot_1, pivot_2
  *
  * From (26), (1).
@@ -901,13 +902,13 @@ int four_bar_constraints(
     double *g);
 
 /*
- * Rates of the constraints, gdot = G v + dg/dt.
+ * Time derivatives of the constraints, gdot = G v + dg/dt.
  *
  * t: time
- * q: generalized coordinates (15)
- * v: rates (15)
+ * q: generalised coordinates (15)
+ * v: generalised velocities (15)
  * k: constants from setup (6)
- * gdot: rates of the constraints (9): shaft_1, shaft_2, motor, crank_pin_1, crank_pin_2,
+ * gdot: time derivatives of the constraints (9): shaft_1, shaft_2, motor, crank_pin_1, crank_pin_2,
  *     rocker_pin_1, rocker_pin_2, pivot_1, pivot_2
  *
  * From (26), (1).
@@ -924,7 +925,7 @@ int four_bar_constraint_rates(
  * Jacobian G = d gdot / dv of the constraints: values by columns.
  *
  * t: time
- * q: generalized coordinates (15)
+ * q: generalised coordinates (15)
  * k: constants from setup (6)
  * G: values of G by columns, 9 x 15, 51 values
  *
@@ -941,11 +942,11 @@ int four_bar_constraint_jacobian(
  * Right-hand side gamma of the constraints on accelerations, G vdot = gamma.
  *
  * t: time
- * q: generalized coordinates (15)
- * v: rates (15)
+ * q: generalised coordinates (15)
+ * v: generalised velocities (15)
  * k: constants from setup (6)
- * gamma: what the accelerations have to make up for (9): shaft_1, shaft_2, motor, crank_pin_1,
- *     crank_pin_2, rocker_pin_1, rocker_pin_2, pivot_1, pivot_2
+ * gamma: right-hand side of G vdot = gamma (9): shaft_1, shaft_2, motor, crank_pin_1, crank_pin_2,
+ *     rocker_pin_1, rocker_pin_2, pivot_1, pivot_2
  *
  * From (26), (1), (5).
  * 119 operations.
@@ -961,15 +962,15 @@ int four_bar_constraint_bias(
  * Accelerations vdot and multipliers lambda of M vdot + h = G^T lambda, G vdot = gamma.
  *
  * t: time
- * q: generalized coordinates (15)
- * v: rates (15)
+ * q: generalised coordinates (15)
+ * v: generalised velocities (15)
  * k: constants from setup (6)
  * vdot: accelerations (15): crank_c1ddot, crank_c2ddot, crank_phiddot, crank_alpha1ddot,
  *     crank_alpha2ddot, coupler_c1ddot, coupler_c2ddot, coupler_phiddot, coupler_alpha1ddot,
  *     coupler_alpha2ddot, rocker_c1ddot, rocker_c2ddot, rocker_phiddot, rocker_alpha1ddot,
  *     rocker_alpha2ddot
- * lam: forces and torques of the joints on their second bodies (9): shaft_1, shaft_2, motor,
- *     crank_pin_1, crank_pin_2, rocker_pin_1, rocker_pin_2, pivot_1, pivot_2
+ * lam: constraint reactions on body 2 of each joint (9): shaft_1, shaft_2, motor, crank_pin_1,
+ *     crank_pin_2, rocker_pin_1, rocker_pin_2, pivot_1, pivot_2
  *
  * From (26), appendix, (1), LDL^T.
  * 744 operations.
@@ -983,17 +984,17 @@ int four_bar_solve(
     double *lam);
 
 /*
- * The smallest change dv of the rates, measured by dv . M dv, with G dv = r: with r = -gdot it
- *     brings rates onto the constraints, with r = -g, repeated, coordinates.
+ * The smallest change dv of the generalised velocities, in the metric of M, with G dv = r: r =
+ *     -gdot projects velocities onto the constraints; r = -g, repeated, projects coordinates.
  *
  * t: time
- * q: generalized coordinates (15)
+ * q: generalised coordinates (15)
  * k: constants from setup (6)
- * r: change of the constraints' rates (9)
- * dv: change of the rates (15): crank_c1dot, crank_c2dot, crank_phidot, crank_alpha1dot,
- *     crank_alpha2dot, coupler_c1dot, coupler_c2dot, coupler_phidot, coupler_alpha1dot,
- *     coupler_alpha2dot, rocker_c1dot, rocker_c2dot, rocker_phidot, rocker_alpha1dot,
- *     rocker_alpha2dot
+ * r: prescribed change of gdot (9)
+ * dv: change of the generalised velocities (15): crank_c1dot, crank_c2dot, crank_phidot,
+ *     crank_alpha1dot, crank_alpha2dot, coupler_c1dot, coupler_c2dot, coupler_phidot,
+ *     coupler_alpha1dot, coupler_alpha2dot, rocker_c1dot, rocker_c2dot, rocker_phidot,
+ *     rocker_alpha1dot, rocker_alpha2dot
  *
  * From (26), appendix, (1), LDL^T.
  * 556 operations.
@@ -1006,10 +1007,11 @@ int four_bar_project_velocity(
     double *dv);
 
 /*
- * Position of the origin and rotation of the base of every body, also of those without coordinates.
+ * Position of the origin and rotation of the frame of every body, including bodies without
+ *     coordinates.
  *
  * t: time
- * q: generalized coordinates (15)
+ * q: generalised coordinates (15)
  * k: constants from setup (6)
  * pose: c1, c2 [m] and phi [rad] of each body (9): crank.c1, crank.c2, crank.phi, coupler.c1,
  *     coupler.c2, coupler.phi, rocker.c1, rocker.c2, rocker.phi
@@ -1030,7 +1032,7 @@ int four_bar_poses(
  * y: state [q; v; lambda] (39)
  * ydot: time derivative of y (39)
  * k: constants from setup (6)
- * F: residual, one row a state (39): crank_c1, crank_c2, crank_phi, crank_alpha1, crank_alpha2,
+ * F: residual, one for each state (39): crank_c1, crank_c2, crank_phi, crank_alpha1, crank_alpha2,
  *     coupler_c1, coupler_c2, coupler_phi, coupler_alpha1, coupler_alpha2, rocker_c1, rocker_c2,
  *     rocker_phi, rocker_alpha1, rocker_alpha2, crank_c1dot, crank_c2dot, crank_phidot,
  *     crank_alpha1dot, crank_alpha2dot, coupler_c1dot, coupler_c2dot, coupler_phidot,
@@ -1079,7 +1081,7 @@ int four_bar_jacobian(
  * y: state [q; v; lambda; mu] (48)
  * ydot: time derivative of y (48)
  * k: constants from setup (6)
- * F: residual, one row a state (48): crank_c1, crank_c2, crank_phi, crank_alpha1, crank_alpha2,
+ * F: residual, one for each state (48): crank_c1, crank_c2, crank_phi, crank_alpha1, crank_alpha2,
  *     coupler_c1, coupler_c2, coupler_phi, coupler_alpha1, coupler_alpha2, rocker_c1, rocker_c2,
  *     rocker_phi, rocker_alpha1, rocker_alpha2, crank_c1dot, crank_c2dot, crank_phidot,
  *     crank_alpha1dot, crank_alpha2dot, coupler_c1dot, coupler_c2dot, coupler_phidot,
@@ -1128,7 +1130,7 @@ int four_bar_jacobian_ggl(
  * y: state [q; v; lambda] (39)
  * ydot: time derivative of y (39)
  * k: constants from setup (6)
- * F: residual, one row a state (39): crank_c1, crank_c2, crank_phi, crank_alpha1, crank_alpha2,
+ * F: residual, one for each state (39): crank_c1, crank_c2, crank_phi, crank_alpha1, crank_alpha2,
  *     coupler_c1, coupler_c2, coupler_phi, coupler_alpha1, coupler_alpha2, rocker_c1, rocker_c2,
  *     rocker_phi, rocker_alpha1, rocker_alpha2, crank_c1dot, crank_c2dot, crank_phidot,
  *     crank_alpha1dot, crank_alpha2dot, coupler_c1dot, coupler_c2dot, coupler_phidot,
@@ -1170,10 +1172,10 @@ int four_bar_jacobian_index1(
     double *jac);
 
 /* ---- batches: mass, force and accel of n >= 0 states with the same time and constants. Element e of state
-   b lies at e * n + b, in q and v as in what is written. Where no product is fused with a sum
+   b has the index e * n + b, in inputs and outputs. Where no product is fused with a sum
    (-ffp-contract=off) the numbers are those of the functions above, bit for bit. Blocks of 32
    states are computed at a time, on some 14 kB of stack. accel_batch gives NaN for the accelerations of
-   a state that fails, and returns the code of the first of them; all other states are right. ---- */
+   a state that fails, and returns the code of the first of them; all other states are valid. ---- */
 
 int four_bar_mass_batch(
     int n,

@@ -8,57 +8,58 @@ G vdot = gamma, from x = c + Q (X + u) and d'Alembert's virtual
 work: (15) of Koppens, Sauren, Veldpaus & van Campen, J. Appl. Mech. 55 (1988) 676-680, whose
 equation numbers these are. Units are SI where the parameters are; any consistent set will do.
 
-The floating frame has its origin at c and is turned by Q. In it are resolved: r = X + u, the
-shapes Phi_i, and their moments c1 .. c8, d1, D2, d3, J, so that e1, e2 there are its axes.
-In the inertial base are resolved: c, momenta, and markers.
-Of beams c is where the centre of the undeformed beam lies in the floating frame.
+The floating frame has its origin at c and the rotation Q. r = X + u, the shape functions Phi_i,
+and their moments c1 .. c8, d1, D2, d3, J are resolved in the floating frame; c, momenta and
+markers are resolved in the inertial frame.
+For beams, c is the position of the centre of the undeformed beam.
 Deflection of crank, along its e2: alpha1 phi_1 + ..., phi_1 = 3*xi^2/2 - 1/2, phi_2 = 5*xi^3/2 -
     3*xi/2; xi = 2 x / length.
 Deflection of coupler, along its e2: alpha1 phi_1 + ..., phi_1 = 3*xi^2/2 - 1/2, phi_2 = 5*xi^3/2 -
     3*xi/2; xi = 2 x / length.
 Deflection of rocker, along its e2: alpha1 phi_1 + ..., phi_1 = 3*xi^2/2 - 1/2, phi_2 = 5*xi^3/2 -
     3*xi/2; xi = 2 x / length.
-In M bodies share no inertia: joints couple them through constraints.
+For several bodies the mass matrix is block-diagonal, because joints couple bodies through
+    constraints.
 
-Coordinates q:
+Generalised coordinates q:
   0  crank_c1        [m]  crank: position of the origin of the floating frame along the inertial e1
   1  crank_c2        [m]  crank: position of the origin of the floating frame along the inertial e2
   2  crank_phi       [rad]  crank: rotation of the floating frame
-  3  crank_alpha1    [m]  crank: amplitude of assumed shape 1
-  4  crank_alpha2    [m]  crank: amplitude of assumed shape 2
+  3  crank_alpha1    [m]  crank: amplitude of assumed mode 1
+  4  crank_alpha2    [m]  crank: amplitude of assumed mode 2
   5  coupler_c1      [m]  coupler: position of the origin of the floating frame along the inertial
       e1
   6  coupler_c2      [m]  coupler: position of the origin of the floating frame along the inertial
       e2
   7  coupler_phi     [rad]  coupler: rotation of the floating frame
-  8  coupler_alpha1  [m]  coupler: amplitude of assumed shape 1
-  9  coupler_alpha2  [m]  coupler: amplitude of assumed shape 2
+  8  coupler_alpha1  [m]  coupler: amplitude of assumed mode 1
+  9  coupler_alpha2  [m]  coupler: amplitude of assumed mode 2
   10  rocker_c1       [m]  rocker: position of the origin of the floating frame along the inertial
       e1
   11  rocker_c2       [m]  rocker: position of the origin of the floating frame along the inertial
       e2
   12  rocker_phi      [rad]  rocker: rotation of the floating frame
-  13  rocker_alpha1   [m]  rocker: amplitude of assumed shape 1
-  14  rocker_alpha2   [m]  rocker: amplitude of assumed shape 2
+  13  rocker_alpha1   [m]  rocker: amplitude of assumed mode 1
+  14  rocker_alpha2   [m]  rocker: amplitude of assumed mode 2
 
-Rates v and the rows of the equations of motion, with their units:
-  0  crank_c1dot  [m/s]  rate of crank_c1; its row, crank_c1, [N]
-  1  crank_c2dot  [m/s]  rate of crank_c2; its row, crank_c2, [N]
-  2  crank_phidot  [rad/s]  rate of crank_phi; its row, crank_phi, [N m]
-  3  crank_alpha1dot  [m/s]  rate of crank_alpha1; its row, crank_alpha1, [N]
-  4  crank_alpha2dot  [m/s]  rate of crank_alpha2; its row, crank_alpha2, [N]
-  5  coupler_c1dot  [m/s]  rate of coupler_c1; its row, coupler_c1, [N]
-  6  coupler_c2dot  [m/s]  rate of coupler_c2; its row, coupler_c2, [N]
-  7  coupler_phidot  [rad/s]  rate of coupler_phi; its row, coupler_phi, [N m]
-  8  coupler_alpha1dot  [m/s]  rate of coupler_alpha1; its row, coupler_alpha1, [N]
-  9  coupler_alpha2dot  [m/s]  rate of coupler_alpha2; its row, coupler_alpha2, [N]
-  10  rocker_c1dot  [m/s]  rate of rocker_c1; its row, rocker_c1, [N]
-  11  rocker_c2dot  [m/s]  rate of rocker_c2; its row, rocker_c2, [N]
-  12  rocker_phidot  [rad/s]  rate of rocker_phi; its row, rocker_phi, [N m]
-  13  rocker_alpha1dot  [m/s]  rate of rocker_alpha1; its row, rocker_alpha1, [N]
-  14  rocker_alpha2dot  [m/s]  rate of rocker_alpha2; its row, rocker_alpha2, [N]
+Generalised velocities v, and the equations of motion with their units:
+  0  crank_c1dot  [m/s]  time derivative of crank_c1; equation crank_c1 [N]
+  1  crank_c2dot  [m/s]  time derivative of crank_c2; equation crank_c2 [N]
+  2  crank_phidot  [rad/s]  time derivative of crank_phi; equation crank_phi [N m]
+  3  crank_alpha1dot  [m/s]  time derivative of crank_alpha1; equation crank_alpha1 [N]
+  4  crank_alpha2dot  [m/s]  time derivative of crank_alpha2; equation crank_alpha2 [N]
+  5  coupler_c1dot  [m/s]  time derivative of coupler_c1; equation coupler_c1 [N]
+  6  coupler_c2dot  [m/s]  time derivative of coupler_c2; equation coupler_c2 [N]
+  7  coupler_phidot  [rad/s]  time derivative of coupler_phi; equation coupler_phi [N m]
+  8  coupler_alpha1dot  [m/s]  time derivative of coupler_alpha1; equation coupler_alpha1 [N]
+  9  coupler_alpha2dot  [m/s]  time derivative of coupler_alpha2; equation coupler_alpha2 [N]
+  10  rocker_c1dot  [m/s]  time derivative of rocker_c1; equation rocker_c1 [N]
+  11  rocker_c2dot  [m/s]  time derivative of rocker_c2; equation rocker_c2 [N]
+  12  rocker_phidot  [rad/s]  time derivative of rocker_phi; equation rocker_phi [N m]
+  13  rocker_alpha1dot  [m/s]  time derivative of rocker_alpha1; equation rocker_alpha1 [N]
+  14  rocker_alpha2dot  [m/s]  time derivative of rocker_alpha2; equation rocker_alpha2 [N]
 
-Multipliers lambda, what joints exert on their second bodies:
+Multipliers lambda, the constraint reactions on body 2 of each joint:
   0  shaft_1  [N]  ground.left and crank.left coincide along e1
   1  shaft_2  [N]  ground.left and crank.left coincide along e2
   2  motor  [N m]  drive motor turns crank
@@ -69,14 +70,14 @@ Multipliers lambda, what joints exert on their second bodies:
   7  pivot_1  [N]  ground.right and rocker.left coincide along e1
   8  pivot_2  [N]  ground.right and rocker.left coincide along e2
 
-What is not modelled, and why:
+Not modelled, with the reasons:
   ground: it does not move: no coordinates
 
 Parameters p:
   EI  [N m^2]  bending stiffness EI of crank; bending stiffness EI of coupler; bending stiffness EI
       of rocker, default 98.17477
 
-Constants k, made of them by setup:
+Constants k, computed from the parameters by setup:
   crank_K_1_1  [N/m]  stiffness: int EI (d2 phi_1/dx2) (d2 phi_1/dx2) dx; crank
   crank_K_2_2  [N/m]  stiffness: int EI (d2 phi_2/dx2) (d2 phi_2/dx2) dx; crank
   coupler_K_1_1  [N/m]  stiffness: int EI (d2 phi_1/dx2) (d2 phi_1/dx2) dx; coupler
@@ -84,7 +85,7 @@ Constants k, made of them by setup:
   rocker_K_1_1  [N/m]  stiffness: int EI (d2 phi_1/dx2) (d2 phi_1/dx2) dx; rocker
   rocker_K_2_2  [N/m]  stiffness: int EI (d2 phi_2/dx2) (d2 phi_2/dx2) dx; rocker
 
-Mass matrix, x a value and . a structural zero:
+Mass matrix (x: structural non-zero, .: structural zero):
   crank_c1        x . . . . . . . . . . . . . .
   crank_c2        . x . . . . . . . . . . . . .
   crank_phi       . . x . . . . . . . . . . . .
@@ -102,13 +103,14 @@ Mass matrix, x a value and . a structural zero:
   rocker_alpha2   . . . . . . . . . . . . . . x
   15 of 225 entries are structural non-zeros; the 15 of the lower triangle are stored
 
-Why its zeros are zero:
+Reasons for its structural zeros:
   M[crank_c2, crank_c1], M[coupler_c2, coupler_c1], M[rocker_c2, rocker_c1]: the mass enters as m I,
       so translations along different axes do not couple
   M[crank_phi, crank_c1], M[crank_phi, crank_c2], M[coupler_phi, coupler_c1], M[coupler_phi,
-      coupler_c2], M[rocker_phi, rocker_c1], M[rocker_phi, rocker_c2]: c1_1 = 0 by the choice of O
-      (the centre of the undeformed beam); c1_2, c2_1_1, c2_2_1 = 0 by geometry (the beam lies along
-      e1 and deflects along e2); c2_1_2, c2_2_2 = 0 by condition (17) (no mean displacement)
+      coupler_c2], M[rocker_phi, rocker_c1], M[rocker_phi, rocker_c2]: c1_1 = 0 by the choice of the
+      origin (the centre of the undeformed beam); c1_2, c2_1_1, c2_2_1 = 0 by geometry (the beam
+      lies along e1 and deflects along e2); c2_1_2, c2_2_2 = 0 by condition (17) (no mean
+      displacement)
   M[crank_alpha1, crank_c1], M[crank_alpha1, crank_c2], M[coupler_alpha1, coupler_c1],
       M[coupler_alpha1, coupler_c2], M[rocker_alpha1, rocker_c1], M[rocker_alpha1, rocker_c2]:
       c2_1_1 = 0 by geometry (the beam lies along e1 and deflects along e2); c2_1_2 = 0 by condition
@@ -130,9 +132,9 @@ Terms of (15) that vanish:
       coupler_c1, centrifugal term of row coupler_c1, Euler term of row coupler_c2, centrifugal term
       of row coupler_c2, translation term of row coupler_phi, Euler term of row rocker_c1,
       centrifugal term of row rocker_c1, Euler term of row rocker_c2, centrifugal term of row
-      rocker_c2, translation term of row rocker_phi: c1_1 = 0 by the choice of O (the centre of the
-      undeformed beam); c1_2, c2_1_1, c2_2_1 = 0 by geometry (the beam lies along e1 and deflects
-      along e2); c2_1_2, c2_2_2 = 0 by condition (17) (no mean displacement)
+      rocker_c2, translation term of row rocker_phi: c1_1 = 0 by the choice of the origin (the
+      centre of the undeformed beam); c1_2, c2_1_1, c2_2_1 = 0 by geometry (the beam lies along e1
+      and deflects along e2); c2_1_2, c2_2_2 = 0 by condition (17) (no mean displacement)
   Coriolis term of row crank_c1, relative term of row crank_c1, Coriolis term of row crank_c2,
       relative term of row crank_c2, Coriolis term of row coupler_c1, relative term of row
       coupler_c1, Coriolis term of row coupler_c2, relative term of row coupler_c2, Coriolis term of
@@ -427,7 +429,7 @@ def setup(p):
     xp, batch, (p,) = _arrays(dict(p=1), p)
     p_EI = p[..., 0]
 
-    # integrals (appendix): shape integrals, stiffness, and what is made of them
+    # integrals (appendix): shape integrals, stiffness, and constants computed from them
     crank_K_1_1 = 2250 * p_EI
     crank_K_2_2 = 18750 * p_EI
     coupler_K_1_1 = (250 / 3) * p_EI
@@ -435,7 +437,7 @@ def setup(p):
     rocker_K_1_1 = 144 * p_EI
     rocker_K_2_2 = 1200 * p_EI
 
-    # constants: what the kernels read
+    # constants: constants that the kernels read
     k_0 = crank_K_1_1
     k_1 = crank_K_2_2
     k_2 = coupler_K_1_1
@@ -443,7 +445,7 @@ def setup(p):
     k_4 = rocker_K_1_1
     k_5 = rocker_K_2_2
 
-    # checks: refuse parameters that make no body
+    # checks: checks of the parameters
     _require(xp.all(p_EI > 0), "EI must be positive")
     _require(xp.all(xp.isfinite(p_EI)), "EI must be finite")
     _require(xp.all(xp.isfinite(crank_K_1_1)), "crank_K_1_1 is not finite")
@@ -460,7 +462,7 @@ def setup(p):
 def mass(q, k):
     """Mass matrix M(q): values of the lower triangle by columns.
 
-    q: generalized coordinates (15)
+    q: generalised coordinates (15)
     k: constants from setup (6)
     M: values of the mass matrix, lower triangle by columns, 15 x 15, 15 values, 15 in both
         triangles
@@ -522,17 +524,17 @@ def mass(q, k):
 
 
 def force(t, q, v, k):
-    """Forces h of M vdot + h = G^T lambda: centrifugal, Coriolis and elastic, and those of gravity,
-        springs and applied loads.
+    """Forces h of M vdot + h = G^T lambda: centrifugal, Coriolis, elastic, damping, gravity, springs
+        and applied loads.
 
     t: time
-    q: generalized coordinates (15)
-    v: rates (15)
+    q: generalised coordinates (15)
+    v: generalised velocities (15)
     k: constants from setup (6)
-    h: forces, one row a coordinate (15): h[crank_c1], h[crank_c2], h[crank_phi], h[crank_alpha1],
-        h[crank_alpha2], h[coupler_c1], h[coupler_c2], h[coupler_phi], h[coupler_alpha1],
-        h[coupler_alpha2], h[rocker_c1], h[rocker_c2], h[rocker_phi], h[rocker_alpha1],
-        h[rocker_alpha2]
+    h: forces, one for each equation of motion (15): h[crank_c1], h[crank_c2], h[crank_phi],
+        h[crank_alpha1], h[crank_alpha2], h[coupler_c1], h[coupler_c2], h[coupler_phi],
+        h[coupler_alpha1], h[coupler_alpha2], h[rocker_c1], h[rocker_c2], h[rocker_phi],
+        h[rocker_alpha1], h[rocker_alpha2]
 
     From appendix, (15).
     42 operations.
@@ -610,15 +612,15 @@ def mass_force(t, q, v, k):
     """Mass matrix and forces together; what they share is computed once.
 
     t: time
-    q: generalized coordinates (15)
-    v: rates (15)
+    q: generalised coordinates (15)
+    v: generalised velocities (15)
     k: constants from setup (6)
     M: values of the mass matrix, lower triangle by columns, 15 x 15, 15 values, 15 in both
         triangles
-    h: forces, one row a coordinate (15): h[crank_c1], h[crank_c2], h[crank_phi], h[crank_alpha1],
-        h[crank_alpha2], h[coupler_c1], h[coupler_c2], h[coupler_phi], h[coupler_alpha1],
-        h[coupler_alpha2], h[rocker_c1], h[rocker_c2], h[rocker_phi], h[rocker_alpha1],
-        h[rocker_alpha2]
+    h: forces, one for each equation of motion (15): h[crank_c1], h[crank_c2], h[crank_phi],
+        h[crank_alpha1], h[crank_alpha2], h[coupler_c1], h[coupler_c2], h[coupler_phi],
+        h[coupler_alpha1], h[coupler_alpha2], h[rocker_c1], h[rocker_c2], h[rocker_phi],
+        h[rocker_alpha1], h[rocker_alpha2]
 
     From appendix, (15).
     54 operations.
@@ -752,8 +754,8 @@ def accel(t, q, v, k):
     """Accelerations vdot of M vdot + h = G^T lambda, G vdot = gamma; `solve` gives lambda as well.
 
     t: time
-    q: generalized coordinates (15)
-    v: rates (15)
+    q: generalised coordinates (15)
+    v: generalised velocities (15)
     k: constants from setup (6)
     vdot: accelerations (15): crank_c1ddot, crank_c2ddot, crank_phiddot, crank_alpha1ddot,
         crank_alpha2ddot, coupler_c1ddot, coupler_c2ddot, coupler_phiddot, coupler_alpha1ddot,
@@ -878,7 +880,7 @@ def accel(t, q, v, k):
     # pivots (LDL^T): eliminate crank_c1, crank_c2, crank_phi, crank_alpha1, crank_alpha2, motor,
     #     shaft_1, shaft_2, coupler_c1, coupler_c2, rocker_c2, rocker_c1, rocker_alpha1,
     #     rocker_alpha2, rocker_phi, pivot_1, pivot_2, coupler_alpha2, coupler_phi, coupler_alpha1,
-    #     crank_pin_1, crank_pin_2, rocker_pin_1, rocker_pin_2; 20 entries are filled in
+    #     crank_pin_1, crank_pin_2, rocker_pin_1, rocker_pin_2; fill-in 20
     inverse_crank_J = 1 / crank_J
     t1 = crank_left_s_2 * inverse_crank_J
     t2 = crank_sin_phi / (12362167 / 250000000)
@@ -1153,8 +1155,8 @@ def accel(t, q, v, k):
 def energy(q, v, k):
     """Kinetic and strain energy (with that of springs).
 
-    q: generalized coordinates (15)
-    v: rates (15)
+    q: generalised coordinates (15)
+    v: generalised velocities (15)
     k: constants from setup (6)
     energy: energies [J] (2): kinetic, strain
 
@@ -1246,8 +1248,8 @@ def energy(q, v, k):
 def momentum(q, v, k):
     """Linear momentum, and angular momentum about the inertial origin.
 
-    q: generalized coordinates (15)
-    v: rates (15)
+    q: generalised coordinates (15)
+    v: generalised velocities (15)
     k: constants from setup (6)
     momentum: linear [N s] and angular [N m s] (3): linear_1, linear_2, angular
 
@@ -1324,10 +1326,10 @@ def momentum(q, v, k):
 
 
 def rates(q, v, k):
-    """Time derivative of the coordinates from the rates.
+    """Time derivatives of the generalised coordinates from the generalised velocities.
 
-    q: generalized coordinates (15)
-    v: rates (15)
+    q: generalised coordinates (15)
+    v: generalised velocities (15)
     k: constants from setup (6)
     qdot: time derivative of q (15): crank_c1_t, crank_c2_t, crank_phi_t, crank_alpha1_t,
         crank_alpha2_t, coupler_c1_t, coupler_c2_t, coupler_phi_t, coupler_alpha1_t,
@@ -1379,11 +1381,11 @@ def marker_crank_left(q, v, k):
     """Marker crank_left, material point at xi = -1 of crank: position, velocity and its Jacobian
         d(velocity)/dv.
 
-    q: generalized coordinates (15)
-    v: rates (15)
+    q: generalised coordinates (15)
+    v: generalised velocities (15)
     k: constants from setup (6)
-    x: position in the inertial base [m] (2): x1, x2
-    xdot: velocity in the inertial base [m/s] (2): x1dot, x2dot
+    x: position in the inertial frame [m] (2): x1, x2
+    xdot: velocity in the inertial frame [m/s] (2): x1dot, x2dot
     jacobian: values of d(velocity)/dv by columns, 2 x 15, 8 values
 
     From (1).
@@ -1414,7 +1416,7 @@ def marker_crank_left(q, v, k):
     t4 = crank_left_r_2 * crank_cos_phi
     crank_left_s_2 = t3 + t4
 
-    # marker (1): x = c + Q r, its rate and its derivatives
+    # marker (1): x = c + Q r, its time derivative and its Jacobian
     x_0 = crank_c1 + t1 - t2
     x_1 = crank_c2 + t3 + t4
     t5 = crank_left_rdot_2 + (-1 / 5) * crank_phidot
@@ -1441,11 +1443,11 @@ def marker_crank_middle(q, v, k):
     """Marker crank_middle, material point at xi = 0 of crank: position, velocity and its Jacobian
         d(velocity)/dv.
 
-    q: generalized coordinates (15)
-    v: rates (15)
+    q: generalised coordinates (15)
+    v: generalised velocities (15)
     k: constants from setup (6)
-    x: position in the inertial base [m] (2): x1, x2
-    xdot: velocity in the inertial base [m/s] (2): x1dot, x2dot
+    x: position in the inertial frame [m] (2): x1, x2
+    xdot: velocity in the inertial frame [m/s] (2): x1dot, x2dot
     jacobian: values of d(velocity)/dv by columns, 2 x 15, 6 values
 
     From (1), (26).
@@ -1473,7 +1475,7 @@ def marker_crank_middle(q, v, k):
     #     rotation angle
     crank_cos_phi = xp.cos(crank_phi)
 
-    # marker (1): x = c + Q r, its rate and its derivatives
+    # marker (1): x = c + Q r, its time derivative and its Jacobian
     x_0 = crank_c1 + crank_middle_s_1
     t3 = t1 * crank_cos_phi
     x_1 = crank_c2 - t3
@@ -1498,11 +1500,11 @@ def marker_crank_right(q, v, k):
     """Marker crank_right, material point at xi = 1 of crank: position, velocity and its Jacobian
         d(velocity)/dv.
 
-    q: generalized coordinates (15)
-    v: rates (15)
+    q: generalised coordinates (15)
+    v: generalised velocities (15)
     k: constants from setup (6)
-    x: position in the inertial base [m] (2): x1, x2
-    xdot: velocity in the inertial base [m/s] (2): x1dot, x2dot
+    x: position in the inertial frame [m] (2): x1, x2
+    xdot: velocity in the inertial frame [m/s] (2): x1dot, x2dot
     jacobian: values of d(velocity)/dv by columns, 2 x 15, 8 values
 
     From (1).
@@ -1533,7 +1535,7 @@ def marker_crank_right(q, v, k):
     t4 = crank_right_r_2 * crank_cos_phi
     crank_right_s_2 = t3 + t4
 
-    # marker (1): x = c + Q r, its rate and its derivatives
+    # marker (1): x = c + Q r, its time derivative and its Jacobian
     x_0 = crank_c1 + t1 - t2
     x_1 = crank_c2 + t3 + t4
     t5 = crank_right_rdot_2 + (1 / 5) * crank_phidot
@@ -1561,11 +1563,11 @@ def marker_coupler_left(q, v, k):
     """Marker coupler_left, material point at xi = -1 of coupler: position, velocity and its Jacobian
         d(velocity)/dv.
 
-    q: generalized coordinates (15)
-    v: rates (15)
+    q: generalised coordinates (15)
+    v: generalised velocities (15)
     k: constants from setup (6)
-    x: position in the inertial base [m] (2): x1, x2
-    xdot: velocity in the inertial base [m/s] (2): x1dot, x2dot
+    x: position in the inertial frame [m] (2): x1, x2
+    xdot: velocity in the inertial frame [m/s] (2): x1dot, x2dot
     jacobian: values of d(velocity)/dv by columns, 2 x 15, 8 values
 
     From (1).
@@ -1596,7 +1598,7 @@ def marker_coupler_left(q, v, k):
     t4 = coupler_left_r_2 * coupler_cos_phi
     coupler_left_s_2 = t3 + t4
 
-    # marker (1): x = c + Q r, its rate and its derivatives
+    # marker (1): x = c + Q r, its time derivative and its Jacobian
     x_0 = coupler_c1 + t1 - t2
     x_1 = coupler_c2 + t3 + t4
     t5 = coupler_left_rdot_2 + (-3 / 5) * coupler_phidot
@@ -1623,11 +1625,11 @@ def marker_coupler_middle(q, v, k):
     """Marker coupler_middle, material point at xi = 0 of coupler: position, velocity and its Jacobian
         d(velocity)/dv.
 
-    q: generalized coordinates (15)
-    v: rates (15)
+    q: generalised coordinates (15)
+    v: generalised velocities (15)
     k: constants from setup (6)
-    x: position in the inertial base [m] (2): x1, x2
-    xdot: velocity in the inertial base [m/s] (2): x1dot, x2dot
+    x: position in the inertial frame [m] (2): x1, x2
+    xdot: velocity in the inertial frame [m/s] (2): x1dot, x2dot
     jacobian: values of d(velocity)/dv by columns, 2 x 15, 6 values
 
     From (1), (26).
@@ -1655,7 +1657,7 @@ def marker_coupler_middle(q, v, k):
     #     rotation angle
     coupler_cos_phi = xp.cos(coupler_phi)
 
-    # marker (1): x = c + Q r, its rate and its derivatives
+    # marker (1): x = c + Q r, its time derivative and its Jacobian
     x_0 = coupler_c1 + coupler_middle_s_1
     t3 = t1 * coupler_cos_phi
     x_1 = coupler_c2 - t3
@@ -1680,11 +1682,11 @@ def marker_coupler_right(q, v, k):
     """Marker coupler_right, material point at xi = 1 of coupler: position, velocity and its Jacobian
         d(velocity)/dv.
 
-    q: generalized coordinates (15)
-    v: rates (15)
+    q: generalised coordinates (15)
+    v: generalised velocities (15)
     k: constants from setup (6)
-    x: position in the inertial base [m] (2): x1, x2
-    xdot: velocity in the inertial base [m/s] (2): x1dot, x2dot
+    x: position in the inertial frame [m] (2): x1, x2
+    xdot: velocity in the inertial frame [m/s] (2): x1dot, x2dot
     jacobian: values of d(velocity)/dv by columns, 2 x 15, 8 values
 
     From (1).
@@ -1715,7 +1717,7 @@ def marker_coupler_right(q, v, k):
     t4 = coupler_right_r_2 * coupler_cos_phi
     coupler_right_s_2 = t3 + t4
 
-    # marker (1): x = c + Q r, its rate and its derivatives
+    # marker (1): x = c + Q r, its time derivative and its Jacobian
     x_0 = coupler_c1 + t1 - t2
     x_1 = coupler_c2 + t3 + t4
     t5 = coupler_right_rdot_2 + (3 / 5) * coupler_phidot
@@ -1743,11 +1745,11 @@ def marker_rocker_left(q, v, k):
     """Marker rocker_left, material point at xi = -1 of rocker: position, velocity and its Jacobian
         d(velocity)/dv.
 
-    q: generalized coordinates (15)
-    v: rates (15)
+    q: generalised coordinates (15)
+    v: generalised velocities (15)
     k: constants from setup (6)
-    x: position in the inertial base [m] (2): x1, x2
-    xdot: velocity in the inertial base [m/s] (2): x1dot, x2dot
+    x: position in the inertial frame [m] (2): x1, x2
+    xdot: velocity in the inertial frame [m/s] (2): x1dot, x2dot
     jacobian: values of d(velocity)/dv by columns, 2 x 15, 8 values
 
     From (1).
@@ -1778,7 +1780,7 @@ def marker_rocker_left(q, v, k):
     t4 = rocker_left_r_2 * rocker_cos_phi
     rocker_left_s_2 = t3 + t4
 
-    # marker (1): x = c + Q r, its rate and its derivatives
+    # marker (1): x = c + Q r, its time derivative and its Jacobian
     x_0 = rocker_c1 + t1 - t2
     x_1 = rocker_c2 + t3 + t4
     t5 = rocker_left_rdot_2 + (-0.5) * rocker_phidot
@@ -1805,11 +1807,11 @@ def marker_rocker_middle(q, v, k):
     """Marker rocker_middle, material point at xi = 0 of rocker: position, velocity and its Jacobian
         d(velocity)/dv.
 
-    q: generalized coordinates (15)
-    v: rates (15)
+    q: generalised coordinates (15)
+    v: generalised velocities (15)
     k: constants from setup (6)
-    x: position in the inertial base [m] (2): x1, x2
-    xdot: velocity in the inertial base [m/s] (2): x1dot, x2dot
+    x: position in the inertial frame [m] (2): x1, x2
+    xdot: velocity in the inertial frame [m/s] (2): x1dot, x2dot
     jacobian: values of d(velocity)/dv by columns, 2 x 15, 6 values
 
     From (1), (26).
@@ -1837,7 +1839,7 @@ def marker_rocker_middle(q, v, k):
     #     rotation angle
     rocker_cos_phi = xp.cos(rocker_phi)
 
-    # marker (1): x = c + Q r, its rate and its derivatives
+    # marker (1): x = c + Q r, its time derivative and its Jacobian
     x_0 = rocker_c1 + rocker_middle_s_1
     t3 = t1 * rocker_cos_phi
     x_1 = rocker_c2 - t3
@@ -1862,11 +1864,11 @@ def marker_rocker_right(q, v, k):
     """Marker rocker_right, material point at xi = 1 of rocker: position, velocity and its Jacobian
         d(velocity)/dv.
 
-    q: generalized coordinates (15)
-    v: rates (15)
+    q: generalised coordinates (15)
+    v: generalised velocities (15)
     k: constants from setup (6)
-    x: position in the inertial base [m] (2): x1, x2
-    xdot: velocity in the inertial base [m/s] (2): x1dot, x2dot
+    x: position in the inertial frame [m] (2): x1, x2
+    xdot: velocity in the inertial frame [m/s] (2): x1dot, x2dot
     jacobian: values of d(velocity)/dv by columns, 2 x 15, 8 values
 
     From (1).
@@ -1897,7 +1899,7 @@ def marker_rocker_right(q, v, k):
     t4 = rocker_right_r_2 * rocker_cos_phi
     rocker_right_s_2 = t3 + t4
 
-    # marker (1): x = c + Q r, its rate and its derivatives
+    # marker (1): x = c + Q r, its time derivative and its Jacobian
     x_0 = rocker_c1 + t1 - t2
     x_1 = rocker_c2 + t3 + t4
     t5 = rocker_right_rdot_2 + 0.5 * rocker_phidot
@@ -1922,15 +1924,15 @@ def marker_rocker_right(q, v, k):
 
 
 def load_crank_left(q, F, k):
-    """Generalized forces f of a force at marker crank_left: then M vdot + h = f.
+    """Generalised forces f of a force at marker crank_left: then M vdot + h = f.
 
-    q: generalized coordinates (15)
-    F: force at the marker, in the inertial base [N] (2)
+    q: generalised coordinates (15)
+    F: force at the marker, in the inertial frame [N] (2)
     k: constants from setup (6)
-    f: generalized forces, one row a coordinate (15): f[crank_c1], f[crank_c2], f[crank_phi],
-        f[crank_alpha1], f[crank_alpha2], f[coupler_c1], f[coupler_c2], f[coupler_phi],
-        f[coupler_alpha1], f[coupler_alpha2], f[rocker_c1], f[rocker_c2], f[rocker_phi],
-        f[rocker_alpha1], f[rocker_alpha2]
+    f: generalised forces, one for each equation of motion (15): f[crank_c1], f[crank_c2],
+        f[crank_phi], f[crank_alpha1], f[crank_alpha2], f[coupler_c1], f[coupler_c2],
+        f[coupler_phi], f[coupler_alpha1], f[coupler_alpha2], f[rocker_c1], f[rocker_c2],
+        f[rocker_phi], f[rocker_alpha1], f[rocker_alpha2]
 
     From (26), (10), (1).
     13 operations.
@@ -1947,7 +1949,7 @@ def load_crank_left(q, F, k):
     crank_cos_phi = xp.cos(crank_phi)
     crank_sin_phi = xp.sin(crank_phi)
 
-    # F (10): the force seen from the body base
+    # F (10): the force in the body frame
     crank_left_Fb_1 = F_1 * crank_cos_phi + F_2 * crank_sin_phi
     crank_left_Fb_2 = F_2 * crank_cos_phi - F_1 * crank_sin_phi
 
@@ -1978,15 +1980,15 @@ def load_crank_left(q, F, k):
 
 
 def load_crank_middle(q, F, k):
-    """Generalized forces f of a force at marker crank_middle: then M vdot + h = f.
+    """Generalised forces f of a force at marker crank_middle: then M vdot + h = f.
 
-    q: generalized coordinates (15)
-    F: force at the marker, in the inertial base [N] (2)
+    q: generalised coordinates (15)
+    F: force at the marker, in the inertial frame [N] (2)
     k: constants from setup (6)
-    f: generalized forces, one row a coordinate (15): f[crank_c1], f[crank_c2], f[crank_phi],
-        f[crank_alpha1], f[crank_alpha2], f[coupler_c1], f[coupler_c2], f[coupler_phi],
-        f[coupler_alpha1], f[coupler_alpha2], f[rocker_c1], f[rocker_c2], f[rocker_phi],
-        f[rocker_alpha1], f[rocker_alpha2]
+    f: generalised forces, one for each equation of motion (15): f[crank_c1], f[crank_c2],
+        f[crank_phi], f[crank_alpha1], f[crank_alpha2], f[coupler_c1], f[coupler_c2],
+        f[coupler_phi], f[coupler_alpha1], f[coupler_alpha2], f[rocker_c1], f[rocker_c2],
+        f[rocker_phi], f[rocker_alpha1], f[rocker_alpha2]
 
     From (26), (10).
     11 operations.
@@ -2002,7 +2004,7 @@ def load_crank_middle(q, F, k):
     crank_cos_phi = xp.cos(crank_phi)
     crank_sin_phi = xp.sin(crank_phi)
 
-    # F (10): the force seen from the body base
+    # F (10): the force in the body frame
     crank_middle_Fb_1 = F_1 * crank_cos_phi + F_2 * crank_sin_phi
     crank_middle_Fb_2 = F_2 * crank_cos_phi - F_1 * crank_sin_phi
 
@@ -2029,15 +2031,15 @@ def load_crank_middle(q, F, k):
 
 
 def load_crank_right(q, F, k):
-    """Generalized forces f of a force at marker crank_right: then M vdot + h = f.
+    """Generalised forces f of a force at marker crank_right: then M vdot + h = f.
 
-    q: generalized coordinates (15)
-    F: force at the marker, in the inertial base [N] (2)
+    q: generalised coordinates (15)
+    F: force at the marker, in the inertial frame [N] (2)
     k: constants from setup (6)
-    f: generalized forces, one row a coordinate (15): f[crank_c1], f[crank_c2], f[crank_phi],
-        f[crank_alpha1], f[crank_alpha2], f[coupler_c1], f[coupler_c2], f[coupler_phi],
-        f[coupler_alpha1], f[coupler_alpha2], f[rocker_c1], f[rocker_c2], f[rocker_phi],
-        f[rocker_alpha1], f[rocker_alpha2]
+    f: generalised forces, one for each equation of motion (15): f[crank_c1], f[crank_c2],
+        f[crank_phi], f[crank_alpha1], f[crank_alpha2], f[coupler_c1], f[coupler_c2],
+        f[coupler_phi], f[coupler_alpha1], f[coupler_alpha2], f[rocker_c1], f[rocker_c2],
+        f[rocker_phi], f[rocker_alpha1], f[rocker_alpha2]
 
     From (26), (10), (1).
     12 operations.
@@ -2054,7 +2056,7 @@ def load_crank_right(q, F, k):
     crank_cos_phi = xp.cos(crank_phi)
     crank_sin_phi = xp.sin(crank_phi)
 
-    # F (10): the force seen from the body base
+    # F (10): the force in the body frame
     crank_right_Fb_1 = F_1 * crank_cos_phi + F_2 * crank_sin_phi
     crank_right_Fb_2 = F_2 * crank_cos_phi - F_1 * crank_sin_phi
 
@@ -2085,15 +2087,15 @@ def load_crank_right(q, F, k):
 
 
 def load_coupler_left(q, F, k):
-    """Generalized forces f of a force at marker coupler_left: then M vdot + h = f.
+    """Generalised forces f of a force at marker coupler_left: then M vdot + h = f.
 
-    q: generalized coordinates (15)
-    F: force at the marker, in the inertial base [N] (2)
+    q: generalised coordinates (15)
+    F: force at the marker, in the inertial frame [N] (2)
     k: constants from setup (6)
-    f: generalized forces, one row a coordinate (15): f[crank_c1], f[crank_c2], f[crank_phi],
-        f[crank_alpha1], f[crank_alpha2], f[coupler_c1], f[coupler_c2], f[coupler_phi],
-        f[coupler_alpha1], f[coupler_alpha2], f[rocker_c1], f[rocker_c2], f[rocker_phi],
-        f[rocker_alpha1], f[rocker_alpha2]
+    f: generalised forces, one for each equation of motion (15): f[crank_c1], f[crank_c2],
+        f[crank_phi], f[crank_alpha1], f[crank_alpha2], f[coupler_c1], f[coupler_c2],
+        f[coupler_phi], f[coupler_alpha1], f[coupler_alpha2], f[rocker_c1], f[rocker_c2],
+        f[rocker_phi], f[rocker_alpha1], f[rocker_alpha2]
 
     From (26), (10), (1).
     13 operations.
@@ -2110,7 +2112,7 @@ def load_coupler_left(q, F, k):
     coupler_cos_phi = xp.cos(coupler_phi)
     coupler_sin_phi = xp.sin(coupler_phi)
 
-    # F (10): the force seen from the body base
+    # F (10): the force in the body frame
     coupler_left_Fb_1 = F_1 * coupler_cos_phi + F_2 * coupler_sin_phi
     coupler_left_Fb_2 = F_2 * coupler_cos_phi - F_1 * coupler_sin_phi
 
@@ -2141,15 +2143,15 @@ def load_coupler_left(q, F, k):
 
 
 def load_coupler_middle(q, F, k):
-    """Generalized forces f of a force at marker coupler_middle: then M vdot + h = f.
+    """Generalised forces f of a force at marker coupler_middle: then M vdot + h = f.
 
-    q: generalized coordinates (15)
-    F: force at the marker, in the inertial base [N] (2)
+    q: generalised coordinates (15)
+    F: force at the marker, in the inertial frame [N] (2)
     k: constants from setup (6)
-    f: generalized forces, one row a coordinate (15): f[crank_c1], f[crank_c2], f[crank_phi],
-        f[crank_alpha1], f[crank_alpha2], f[coupler_c1], f[coupler_c2], f[coupler_phi],
-        f[coupler_alpha1], f[coupler_alpha2], f[rocker_c1], f[rocker_c2], f[rocker_phi],
-        f[rocker_alpha1], f[rocker_alpha2]
+    f: generalised forces, one for each equation of motion (15): f[crank_c1], f[crank_c2],
+        f[crank_phi], f[crank_alpha1], f[crank_alpha2], f[coupler_c1], f[coupler_c2],
+        f[coupler_phi], f[coupler_alpha1], f[coupler_alpha2], f[rocker_c1], f[rocker_c2],
+        f[rocker_phi], f[rocker_alpha1], f[rocker_alpha2]
 
     From (26), (10).
     11 operations.
@@ -2165,7 +2167,7 @@ def load_coupler_middle(q, F, k):
     coupler_cos_phi = xp.cos(coupler_phi)
     coupler_sin_phi = xp.sin(coupler_phi)
 
-    # F (10): the force seen from the body base
+    # F (10): the force in the body frame
     coupler_middle_Fb_1 = F_1 * coupler_cos_phi + F_2 * coupler_sin_phi
     coupler_middle_Fb_2 = F_2 * coupler_cos_phi - F_1 * coupler_sin_phi
 
@@ -2192,15 +2194,15 @@ def load_coupler_middle(q, F, k):
 
 
 def load_coupler_right(q, F, k):
-    """Generalized forces f of a force at marker coupler_right: then M vdot + h = f.
+    """Generalised forces f of a force at marker coupler_right: then M vdot + h = f.
 
-    q: generalized coordinates (15)
-    F: force at the marker, in the inertial base [N] (2)
+    q: generalised coordinates (15)
+    F: force at the marker, in the inertial frame [N] (2)
     k: constants from setup (6)
-    f: generalized forces, one row a coordinate (15): f[crank_c1], f[crank_c2], f[crank_phi],
-        f[crank_alpha1], f[crank_alpha2], f[coupler_c1], f[coupler_c2], f[coupler_phi],
-        f[coupler_alpha1], f[coupler_alpha2], f[rocker_c1], f[rocker_c2], f[rocker_phi],
-        f[rocker_alpha1], f[rocker_alpha2]
+    f: generalised forces, one for each equation of motion (15): f[crank_c1], f[crank_c2],
+        f[crank_phi], f[crank_alpha1], f[crank_alpha2], f[coupler_c1], f[coupler_c2],
+        f[coupler_phi], f[coupler_alpha1], f[coupler_alpha2], f[rocker_c1], f[rocker_c2],
+        f[rocker_phi], f[rocker_alpha1], f[rocker_alpha2]
 
     From (26), (10), (1).
     12 operations.
@@ -2217,7 +2219,7 @@ def load_coupler_right(q, F, k):
     coupler_cos_phi = xp.cos(coupler_phi)
     coupler_sin_phi = xp.sin(coupler_phi)
 
-    # F (10): the force seen from the body base
+    # F (10): the force in the body frame
     coupler_right_Fb_1 = F_1 * coupler_cos_phi + F_2 * coupler_sin_phi
     coupler_right_Fb_2 = F_2 * coupler_cos_phi - F_1 * coupler_sin_phi
 
@@ -2248,15 +2250,15 @@ def load_coupler_right(q, F, k):
 
 
 def load_rocker_left(q, F, k):
-    """Generalized forces f of a force at marker rocker_left: then M vdot + h = f.
+    """Generalised forces f of a force at marker rocker_left: then M vdot + h = f.
 
-    q: generalized coordinates (15)
-    F: force at the marker, in the inertial base [N] (2)
+    q: generalised coordinates (15)
+    F: force at the marker, in the inertial frame [N] (2)
     k: constants from setup (6)
-    f: generalized forces, one row a coordinate (15): f[crank_c1], f[crank_c2], f[crank_phi],
-        f[crank_alpha1], f[crank_alpha2], f[coupler_c1], f[coupler_c2], f[coupler_phi],
-        f[coupler_alpha1], f[coupler_alpha2], f[rocker_c1], f[rocker_c2], f[rocker_phi],
-        f[rocker_alpha1], f[rocker_alpha2]
+    f: generalised forces, one for each equation of motion (15): f[crank_c1], f[crank_c2],
+        f[crank_phi], f[crank_alpha1], f[crank_alpha2], f[coupler_c1], f[coupler_c2],
+        f[coupler_phi], f[coupler_alpha1], f[coupler_alpha2], f[rocker_c1], f[rocker_c2],
+        f[rocker_phi], f[rocker_alpha1], f[rocker_alpha2]
 
     From (26), (10), (1).
     13 operations.
@@ -2273,7 +2275,7 @@ def load_rocker_left(q, F, k):
     rocker_cos_phi = xp.cos(rocker_phi)
     rocker_sin_phi = xp.sin(rocker_phi)
 
-    # F (10): the force seen from the body base
+    # F (10): the force in the body frame
     rocker_left_Fb_1 = F_1 * rocker_cos_phi + F_2 * rocker_sin_phi
     rocker_left_Fb_2 = F_2 * rocker_cos_phi - F_1 * rocker_sin_phi
 
@@ -2304,15 +2306,15 @@ def load_rocker_left(q, F, k):
 
 
 def load_rocker_middle(q, F, k):
-    """Generalized forces f of a force at marker rocker_middle: then M vdot + h = f.
+    """Generalised forces f of a force at marker rocker_middle: then M vdot + h = f.
 
-    q: generalized coordinates (15)
-    F: force at the marker, in the inertial base [N] (2)
+    q: generalised coordinates (15)
+    F: force at the marker, in the inertial frame [N] (2)
     k: constants from setup (6)
-    f: generalized forces, one row a coordinate (15): f[crank_c1], f[crank_c2], f[crank_phi],
-        f[crank_alpha1], f[crank_alpha2], f[coupler_c1], f[coupler_c2], f[coupler_phi],
-        f[coupler_alpha1], f[coupler_alpha2], f[rocker_c1], f[rocker_c2], f[rocker_phi],
-        f[rocker_alpha1], f[rocker_alpha2]
+    f: generalised forces, one for each equation of motion (15): f[crank_c1], f[crank_c2],
+        f[crank_phi], f[crank_alpha1], f[crank_alpha2], f[coupler_c1], f[coupler_c2],
+        f[coupler_phi], f[coupler_alpha1], f[coupler_alpha2], f[rocker_c1], f[rocker_c2],
+        f[rocker_phi], f[rocker_alpha1], f[rocker_alpha2]
 
     From (26), (10).
     11 operations.
@@ -2328,7 +2330,7 @@ def load_rocker_middle(q, F, k):
     rocker_cos_phi = xp.cos(rocker_phi)
     rocker_sin_phi = xp.sin(rocker_phi)
 
-    # F (10): the force seen from the body base
+    # F (10): the force in the body frame
     rocker_middle_Fb_1 = F_1 * rocker_cos_phi + F_2 * rocker_sin_phi
     rocker_middle_Fb_2 = F_2 * rocker_cos_phi - F_1 * rocker_sin_phi
 
@@ -2355,15 +2357,15 @@ def load_rocker_middle(q, F, k):
 
 
 def load_rocker_right(q, F, k):
-    """Generalized forces f of a force at marker rocker_right: then M vdot + h = f.
+    """Generalised forces f of a force at marker rocker_right: then M vdot + h = f.
 
-    q: generalized coordinates (15)
-    F: force at the marker, in the inertial base [N] (2)
+    q: generalised coordinates (15)
+    F: force at the marker, in the inertial frame [N] (2)
     k: constants from setup (6)
-    f: generalized forces, one row a coordinate (15): f[crank_c1], f[crank_c2], f[crank_phi],
-        f[crank_alpha1], f[crank_alpha2], f[coupler_c1], f[coupler_c2], f[coupler_phi],
-        f[coupler_alpha1], f[coupler_alpha2], f[rocker_c1], f[rocker_c2], f[rocker_phi],
-        f[rocker_alpha1], f[rocker_alpha2]
+    f: generalised forces, one for each equation of motion (15): f[crank_c1], f[crank_c2],
+        f[crank_phi], f[crank_alpha1], f[crank_alpha2], f[coupler_c1], f[coupler_c2],
+        f[coupler_phi], f[coupler_alpha1], f[coupler_alpha2], f[rocker_c1], f[rocker_c2],
+        f[rocker_phi], f[rocker_alpha1], f[rocker_alpha2]
 
     From (26), (10), (1).
     12 operations.
@@ -2380,7 +2382,7 @@ def load_rocker_right(q, F, k):
     rocker_cos_phi = xp.cos(rocker_phi)
     rocker_sin_phi = xp.sin(rocker_phi)
 
-    # F (10): the force seen from the body base
+    # F (10): the force in the body frame
     rocker_right_Fb_1 = F_1 * rocker_cos_phi + F_2 * rocker_sin_phi
     rocker_right_Fb_2 = F_2 * rocker_cos_phi - F_1 * rocker_sin_phi
 
@@ -2414,9 +2416,9 @@ def constraints(t, q, k):
     """Constraints g(t, q) = 0.
 
     t: time
-    q: generalized coordinates (15)
+    q: generalised coordinates (15)
     k: constants from setup (6)
-    g: what is left of the constraints (9): shaft_1, shaft_2, motor, crank_pin_1, crank_pin_2,
+    g: residuals of the constraints (9): shaft_1, shaft_2, motor, crank_pin_1, crank_pin_2,
         rocker_pin_1, rocker_pin_2, pivot_1, pivot_2
 
     From (26), (1).
@@ -2490,7 +2492,7 @@ def constraints(t, q, k):
     rocker_right_s_1 = 0.5 * rocker_cos_phi - rocker_right_r_2 * rocker_sin_phi
     rocker_right_s_2 = 0.5 * rocker_sin_phi + rocker_right_r_2 * rocker_cos_phi
 
-    # g (1): second place minus first, from x = c + Q r
+    # g (1): point of body 2 minus point of body 1, from x = c + Q r
     g_0 = crank_c1 + crank_left_s_1
     g_1 = crank_c2 + crank_left_s_2
     t1 = (884279719003555 / 211106232532992) * t
@@ -2509,14 +2511,14 @@ def constraints(t, q, k):
 
 
 def constraint_rates(t, q, v, k):
-    """Rates of the constraints, gdot = G v + dg/dt.
+    """Time derivatives of the constraints, gdot = G v + dg/dt.
 
     t: time
-    q: generalized coordinates (15)
-    v: rates (15)
+    q: generalised coordinates (15)
+    v: generalised velocities (15)
     k: constants from setup (6)
-    gdot: rates of the constraints (9): shaft_1, shaft_2, motor, crank_pin_1, crank_pin_2,
-        rocker_pin_1, rocker_pin_2, pivot_1, pivot_2
+    gdot: time derivatives of the constraints (9): shaft_1, shaft_2, motor, crank_pin_1,
+        crank_pin_2, rocker_pin_1, rocker_pin_2, pivot_1, pivot_2
 
     From (26), (1).
     115 operations.
@@ -2610,7 +2612,7 @@ def constraint_rates(t, q, v, k):
     rocker_right_s_2 = 0.5 * rocker_sin_phi + rocker_right_r_2 * rocker_cos_phi
     rocker_right_sdot_2 = rocker_right_rdot_2 * rocker_cos_phi
 
-    # gdot (1): velocities of the second place minus those of the first
+    # gdot (1): velocity of the point of body 2 minus that of body 1
     gdot_0 = crank_c1dot - crank_left_rdot_2 * crank_sin_phi - crank_phidot * crank_left_s_2
     gdot_1 = crank_c2dot + crank_left_sdot_2 + crank_phidot * crank_left_s_1
     gdot_2 = (
@@ -2647,7 +2649,7 @@ def constraint_jacobian(t, q, k):
     """Jacobian G = d gdot / dv of the constraints: values by columns.
 
     t: time
-    q: generalized coordinates (15)
+    q: generalised coordinates (15)
     k: constants from setup (6)
     G: values of G by columns, 9 x 15, 51 values
 
@@ -2716,7 +2718,7 @@ def constraint_jacobian(t, q, k):
     rocker_right_s_1 = 0.5 * rocker_cos_phi - rocker_right_r_2 * rocker_sin_phi
     rocker_right_s_2 = 0.5 * rocker_sin_phi + rocker_right_r_2 * rocker_cos_phi
 
-    # G (6): factors of the rates
+    # G (6): factors of the generalised velocities
     G_0 = 1
     G_1 = -1
     G_2 = 1
@@ -2783,11 +2785,11 @@ def constraint_bias(t, q, v, k):
     """Right-hand side gamma of the constraints on accelerations, G vdot = gamma.
 
     t: time
-    q: generalized coordinates (15)
-    v: rates (15)
+    q: generalised coordinates (15)
+    v: generalised velocities (15)
     k: constants from setup (6)
-    gamma: what the accelerations have to make up for (9): shaft_1, shaft_2, motor, crank_pin_1,
-        crank_pin_2, rocker_pin_1, rocker_pin_2, pivot_1, pivot_2
+    gamma: right-hand side of G vdot = gamma (9): shaft_1, shaft_2, motor, crank_pin_1, crank_pin_2,
+        rocker_pin_1, rocker_pin_2, pivot_1, pivot_2
 
     From (26), (1), (5).
     119 operations.
@@ -2913,15 +2915,15 @@ def solve(t, q, v, k):
     """Accelerations vdot and multipliers lambda of M vdot + h = G^T lambda, G vdot = gamma.
 
     t: time
-    q: generalized coordinates (15)
-    v: rates (15)
+    q: generalised coordinates (15)
+    v: generalised velocities (15)
     k: constants from setup (6)
     vdot: accelerations (15): crank_c1ddot, crank_c2ddot, crank_phiddot, crank_alpha1ddot,
         crank_alpha2ddot, coupler_c1ddot, coupler_c2ddot, coupler_phiddot, coupler_alpha1ddot,
         coupler_alpha2ddot, rocker_c1ddot, rocker_c2ddot, rocker_phiddot, rocker_alpha1ddot,
         rocker_alpha2ddot
-    lam: forces and torques of the joints on their second bodies (9): shaft_1, shaft_2, motor,
-        crank_pin_1, crank_pin_2, rocker_pin_1, rocker_pin_2, pivot_1, pivot_2
+    lam: constraint reactions on body 2 of each joint (9): shaft_1, shaft_2, motor, crank_pin_1,
+        crank_pin_2, rocker_pin_1, rocker_pin_2, pivot_1, pivot_2
 
     From (26), appendix, (1), LDL^T.
     744 operations.
@@ -3041,7 +3043,7 @@ def solve(t, q, v, k):
     # pivots (LDL^T): eliminate crank_c1, crank_c2, crank_phi, crank_alpha1, crank_alpha2, motor,
     #     shaft_1, shaft_2, coupler_c1, coupler_c2, rocker_c2, rocker_c1, rocker_alpha1,
     #     rocker_alpha2, rocker_phi, pivot_1, pivot_2, coupler_alpha2, coupler_phi, coupler_alpha1,
-    #     crank_pin_1, crank_pin_2, rocker_pin_1, rocker_pin_2; 20 entries are filled in
+    #     crank_pin_1, crank_pin_2, rocker_pin_1, rocker_pin_2; fill-in 20
     inverse_crank_J = 1 / crank_J
     t1 = crank_left_s_2 * inverse_crank_J
     t2 = crank_sin_phi / (12362167 / 250000000)
@@ -3324,17 +3326,17 @@ def solve(t, q, v, k):
 
 
 def project_velocity(t, q, k, r):
-    """The smallest change dv of the rates, measured by dv . M dv, with G dv = r: with r = -gdot it
-        brings rates onto the constraints, with r = -g, repeated, coordinates.
+    """The smallest change dv of the generalised velocities, in the metric of M, with G dv = r: r =
+        -gdot projects velocities onto the constraints; r = -g, repeated, projects coordinates.
 
     t: time
-    q: generalized coordinates (15)
+    q: generalised coordinates (15)
     k: constants from setup (6)
-    r: change of the constraints' rates (9)
-    dv: change of the rates (15): crank_c1dot, crank_c2dot, crank_phidot, crank_alpha1dot,
-        crank_alpha2dot, coupler_c1dot, coupler_c2dot, coupler_phidot, coupler_alpha1dot,
-        coupler_alpha2dot, rocker_c1dot, rocker_c2dot, rocker_phidot, rocker_alpha1dot,
-        rocker_alpha2dot
+    r: prescribed change of gdot (9)
+    dv: change of the generalised velocities (15): crank_c1dot, crank_c2dot, crank_phidot,
+        crank_alpha1dot, crank_alpha2dot, coupler_c1dot, coupler_c2dot, coupler_phidot,
+        coupler_alpha1dot, coupler_alpha2dot, rocker_c1dot, rocker_c2dot, rocker_phidot,
+        rocker_alpha1dot, rocker_alpha2dot
 
     From (26), appendix, (1), LDL^T.
     556 operations.
@@ -3436,7 +3438,7 @@ def project_velocity(t, q, k, r):
     # pivots (LDL^T): eliminate crank_c1, crank_c2, crank_phi, crank_alpha1, crank_alpha2, motor,
     #     shaft_1, shaft_2, coupler_c1, coupler_c2, rocker_c2, rocker_c1, rocker_alpha1,
     #     rocker_alpha2, rocker_phi, pivot_1, pivot_2, coupler_alpha2, coupler_phi, coupler_alpha1,
-    #     crank_pin_1, crank_pin_2, rocker_pin_1, rocker_pin_2; 20 entries are filled in
+    #     crank_pin_1, crank_pin_2, rocker_pin_1, rocker_pin_2; fill-in 20
     inverse_crank_J = 1 / crank_J
     t1 = crank_left_s_2 * inverse_crank_J
     t2 = crank_sin_phi / (12362167 / 250000000)
@@ -3640,11 +3642,11 @@ def project_velocity(t, q, k, r):
 
 
 def poses(t, q, k):
-    """Position of the origin and rotation of the base of every body, also of those without
+    """Position of the origin and rotation of the frame of every body, including bodies without
         coordinates.
 
     t: time
-    q: generalized coordinates (15)
+    q: generalised coordinates (15)
     k: constants from setup (6)
     pose: c1, c2 [m] and phi [rad] of each body (9): crank.c1, crank.c2, crank.phi, coupler.c1,
         coupler.c2, coupler.phi, rocker.c1, rocker.c2, rocker.phi
@@ -3686,7 +3688,7 @@ def residual(t, y, ydot, k):
     y: state [q; v; lambda] (39)
     ydot: time derivative of y (39)
     k: constants from setup (6)
-    F: residual, one row a state (39): crank_c1, crank_c2, crank_phi, crank_alpha1, crank_alpha2,
+    F: residual, one for each state (39): crank_c1, crank_c2, crank_phi, crank_alpha1, crank_alpha2,
         coupler_c1, coupler_c2, coupler_phi, coupler_alpha1, coupler_alpha2, rocker_c1, rocker_c2,
         rocker_phi, rocker_alpha1, rocker_alpha2, crank_c1dot, crank_c2dot, crank_phidot,
         crank_alpha1dot, crank_alpha2dot, coupler_c1dot, coupler_c2dot, coupler_phidot,
@@ -4362,7 +4364,7 @@ def residual_ggl(t, y, ydot, k):
     y: state [q; v; lambda; mu] (48)
     ydot: time derivative of y (48)
     k: constants from setup (6)
-    F: residual, one row a state (48): crank_c1, crank_c2, crank_phi, crank_alpha1, crank_alpha2,
+    F: residual, one for each state (48): crank_c1, crank_c2, crank_phi, crank_alpha1, crank_alpha2,
         coupler_c1, coupler_c2, coupler_phi, coupler_alpha1, coupler_alpha2, rocker_c1, rocker_c2,
         rocker_phi, rocker_alpha1, rocker_alpha2, crank_c1dot, crank_c2dot, crank_phidot,
         crank_alpha1dot, crank_alpha2dot, coupler_c1dot, coupler_c2dot, coupler_phidot,
@@ -5344,7 +5346,7 @@ def residual_index1(t, y, ydot, k):
     y: state [q; v; lambda] (39)
     ydot: time derivative of y (39)
     k: constants from setup (6)
-    F: residual, one row a state (39): crank_c1, crank_c2, crank_phi, crank_alpha1, crank_alpha2,
+    F: residual, one for each state (39): crank_c1, crank_c2, crank_phi, crank_alpha1, crank_alpha2,
         coupler_c1, coupler_c2, coupler_phi, coupler_alpha1, coupler_alpha2, rocker_c1, rocker_c2,
         rocker_phi, rocker_alpha1, rocker_alpha2, crank_c1dot, crank_c2dot, crank_phidot,
         crank_alpha1dot, crank_alpha2dot, coupler_c1dot, coupler_c2dot, coupler_phidot,

@@ -20,7 +20,7 @@ int free_beam_mean_setup(
     const double p_l = p[1];
     const double p_EI = p[2];
 
-    /* integrals (appendix): shape integrals, stiffness, and what is made of them */
+    /* integrals (appendix): shape integrals, stiffness, and constants computed from them */
     const double t1 = p_l * p_l;
     const double C3 = t1 * p_m / 12.0;
     const double c8_1_1 = p_m / 5.0;
@@ -33,7 +33,7 @@ int free_beam_mean_setup(
     const double inverse_c8_1_1 = 1.0 / c8_1_1;
     const double inverse_c8_2_2 = 1.0 / c8_2_2;
 
-    /* constants: what the kernels read */
+    /* constants: constants that the kernels read */
     k[0] = p_m;
     k[1] = C3;
     k[2] = c8_1_1;
@@ -45,7 +45,7 @@ int free_beam_mean_setup(
     k[8] = inverse_c8_1_1;
     k[9] = inverse_c8_2_2;
 
-    /* checks: refuse parameters that make no body */
+    /* checks: checks of the parameters */
     if (!(p_m > 0.0)) return 2; /* m must be positive */
     if (!(p_l > 0.0)) return 2; /* l must be positive */
     if (!(p_EI > 0.0)) return 2; /* EI must be positive */
@@ -230,7 +230,7 @@ int free_beam_mean_accel(
     const double t4 = (K_2_2 * alpha2 - t2 * D2_2) * inverse_c8_2_2;
     vdot[4] = -t4;
 
-    /* check: refuse what is not finite */
+    /* check: check that the result is finite */
     if (!isfinite(-(t1 + t3) - t4)) return 2; /* an acceleration is not finite */
     return 0;
 }
@@ -344,7 +344,7 @@ int free_beam_mean_marker_left(
     const double alpha2dot = v[4];
     const double X_left = k[6];
 
-    /* r (14): X + u and its rate at the marker, in the body base */
+    /* r (14): X + u and its time derivative at the marker, in the body frame */
     const double r_2 = alpha1 - alpha2;
     const double rdot_2 = alpha1dot - alpha2dot;
 
@@ -352,7 +352,7 @@ int free_beam_mean_marker_left(
     const double cos_phi = cos(phi);
     const double sin_phi = sin(phi);
 
-    /* marker (1): x = c + Q r, its rate and its derivatives */
+    /* marker (1): x = c + Q r, its time derivative and its Jacobian */
     const double t1 = X_left * cos_phi;
     const double t2 = r_2 * sin_phi;
     x[0] = c1 + t1 - t2;
@@ -396,7 +396,7 @@ int free_beam_mean_marker_middle(
     const double cos_phi = cos(phi);
     const double sin_phi = sin(phi);
 
-    /* marker (1): x = c + Q r, its rate and its derivatives */
+    /* marker (1): x = c + Q r, its time derivative and its Jacobian */
     const double t1 = 0.5 * alpha1;
     const double t2 = t1 * sin_phi;
     x[0] = c1 + t2;
@@ -435,7 +435,7 @@ int free_beam_mean_marker_right(
     const double alpha2dot = v[4];
     const double X_right = k[7];
 
-    /* r (14): X + u and its rate at the marker, in the body base */
+    /* r (14): X + u and its time derivative at the marker, in the body frame */
     const double r_2 = alpha1 + alpha2;
     const double rdot_2 = alpha1dot + alpha2dot;
 
@@ -443,7 +443,7 @@ int free_beam_mean_marker_right(
     const double cos_phi = cos(phi);
     const double sin_phi = sin(phi);
 
-    /* marker (1): x = c + Q r, its rate and its derivatives */
+    /* marker (1): x = c + Q r, its time derivative and its Jacobian */
     const double t1 = X_right * cos_phi;
     const double t2 = r_2 * sin_phi;
     x[0] = c1 + t1 - t2;
@@ -483,11 +483,11 @@ int free_beam_mean_load_left(
     const double cos_phi = cos(phi);
     const double sin_phi = sin(phi);
 
-    /* F (10): the force seen from the body base */
+    /* F (10): the force in the body frame */
     const double Fb_1 = F_1 * cos_phi + F_2 * sin_phi;
     const double Fb_2 = F_2 * cos_phi - F_1 * sin_phi;
 
-    /* r (1): the marker in the body base */
+    /* r (1): the marker in the body frame */
     const double r_2 = alpha1 - alpha2;
 
     /* f (10): virtual work of the force */
@@ -515,7 +515,7 @@ int free_beam_mean_load_middle(
     const double cos_phi = cos(phi);
     const double sin_phi = sin(phi);
 
-    /* F (10): the force seen from the body base */
+    /* F (10): the force in the body frame */
     const double Fb_1 = F_1 * cos_phi + F_2 * sin_phi;
     const double Fb_2 = F_2 * cos_phi - F_1 * sin_phi;
 
@@ -545,11 +545,11 @@ int free_beam_mean_load_right(
     const double cos_phi = cos(phi);
     const double sin_phi = sin(phi);
 
-    /* F (10): the force seen from the body base */
+    /* F (10): the force in the body frame */
     const double Fb_1 = F_1 * cos_phi + F_2 * sin_phi;
     const double Fb_2 = F_2 * cos_phi - F_1 * sin_phi;
 
-    /* r (1): the marker in the body base */
+    /* r (1): the marker in the body frame */
     const double r_2 = alpha1 + alpha2;
 
     /* f (10): virtual work of the force */
@@ -680,7 +680,7 @@ int free_beam_mean_jacobian(
     return 0;
 }
 
-/* ---- batches: each state b of a block as the functions above have it ---- */
+/* ---- batches: the functions above for blocks of states b ---- */
 
 /* The rows of a block that is not full: its last state is repeated. */
 static const double *free_beam_mean_block32_pad(ptrdiff_t all, int count, int rows, const double *from, double *to)
@@ -979,16 +979,16 @@ static const tisserand_variable free_beam_mean_table_q[] = {
     {"c1", "m", "position of the origin of the floating frame along the inertial e1", 0.0, 1, TISSERAND_ROLE_TRANSLATION},
     {"c2", "m", "position of the origin of the floating frame along the inertial e2", 0.0, 1, TISSERAND_ROLE_TRANSLATION},
     {"phi", "rad", "rotation of the floating frame", 0.0, 1, TISSERAND_ROLE_ROTATION},
-    {"alpha1", "m", "amplitude of assumed shape 1", 0.0, 1, TISSERAND_ROLE_AMPLITUDE},
-    {"alpha2", "m", "amplitude of assumed shape 2", 0.0, 1, TISSERAND_ROLE_AMPLITUDE},
+    {"alpha1", "m", "amplitude of assumed mode 1", 0.0, 1, TISSERAND_ROLE_AMPLITUDE},
+    {"alpha2", "m", "amplitude of assumed mode 2", 0.0, 1, TISSERAND_ROLE_AMPLITUDE},
 };
 
 static const tisserand_variable free_beam_mean_table_v[] = {
-    {"c1dot", "m/s", "rate of c1", 0.0, 1, 0},
-    {"c2dot", "m/s", "rate of c2", 0.0, 1, 0},
-    {"phidot", "rad/s", "rate of phi", 0.0, 1, 0},
-    {"alpha1dot", "m/s", "rate of alpha1", 0.0, 1, 0},
-    {"alpha2dot", "m/s", "rate of alpha2", 0.0, 1, 0},
+    {"c1dot", "m/s", "time derivative of c1", 0.0, 1, 0},
+    {"c2dot", "m/s", "time derivative of c2", 0.0, 1, 0},
+    {"phidot", "rad/s", "time derivative of phi", 0.0, 1, 0},
+    {"alpha1dot", "m/s", "time derivative of alpha1", 0.0, 1, 0},
+    {"alpha2dot", "m/s", "time derivative of alpha2", 0.0, 1, 0},
 };
 
 static const tisserand_marker free_beam_mean_table_markers[] = {

@@ -9,31 +9,31 @@
  * work: (15) of Koppens, Sauren, Veldpaus & van Campen, J. Appl. Mech. 55 (1988) 676-680, whose
  * equation numbers these are. Units are SI where the parameters are; any consistent set will do.
  *
- * The floating frame has its origin at c and is turned by Q. In it are resolved: r = X + u, the
- * shapes Phi_i, and their moments c1 .. c8, d1, D2, d3, J, so that e1, e2 there are its axes.
- * In the inertial base are resolved: c, momenta, and markers.
+ * The floating frame has its origin at c and the rotation Q. r = X + u, the shape functions Phi_i,
+ * and their moments c1 .. c8, d1, D2, d3, J are resolved in the floating frame; c, momenta and
+ * markers are resolved in the inertial frame.
  * X = xi l/2 e1 (24), so c is where the centre of the undeformed beam lies in the floating frame.
  *
- * Coordinates q:
+ * Generalised coordinates q:
  *   0  c1      [m]  position of the origin of the floating frame along the inertial e1
  *   1  c2      [m]  position of the origin of the floating frame along the inertial e2
  *   2  phi     [rad]  rotation of the floating frame
- *   3  alpha1  [m]  amplitude of assumed shape 1
- *   4  alpha2  [m]  amplitude of assumed shape 2
+ *   3  alpha1  [m]  amplitude of assumed mode 1
+ *   4  alpha2  [m]  amplitude of assumed mode 2
  *
- * Rates v and the rows of the equations of motion, with their units:
- *   0  c1dot  [m/s]  rate of c1; its row, c1, [N]
- *   1  c2dot  [m/s]  rate of c2; its row, c2, [N]
- *   2  phidot  [rad/s]  rate of phi; its row, phi, [N m]
- *   3  alpha1dot  [m/s]  rate of alpha1; its row, alpha1, [N]
- *   4  alpha2dot  [m/s]  rate of alpha2; its row, alpha2, [N]
+ * Generalised velocities v, and the equations of motion with their units:
+ *   0  c1dot  [m/s]  time derivative of c1; equation c1 [N]
+ *   1  c2dot  [m/s]  time derivative of c2; equation c2 [N]
+ *   2  phidot  [rad/s]  time derivative of phi; equation phi [N m]
+ *   3  alpha1dot  [m/s]  time derivative of alpha1; equation alpha1 [N]
+ *   4  alpha2dot  [m/s]  time derivative of alpha2; equation alpha2 [N]
  *
  * Parameters p:
  *   m  [kg]  mass of the beam, default 1.0
  *   l  [m]  length of the beam, default 1.0
  *   EI  [N m^2]  bending stiffness EI, default 1.0
  *
- * Constants k, made of them by setup:
+ * Constants k, computed from the parameters by setup:
  *   mass  [kg]  mass of the body
  *   C3  [kg m^2]  int rho X . X
  *   c8_1_1  [kg]  int rho Phi_1 . Phi_1
@@ -45,7 +45,7 @@
  *   inverse_c8_1_1  1 / c8_1_1
  *   inverse_c8_2_2  1 / c8_2_2
  *
- * Mass matrix, x a value and . a structural zero:
+ * Mass matrix (x: structural non-zero, .: structural zero):
  *   c1      x . . . .
  *   c2      . x . . .
  *   phi     . . x . .
@@ -53,11 +53,11 @@
  *   alpha2  . . . . x
  *   5 of 25 entries are structural non-zeros; the 5 of the lower triangle are stored
  *
- * Why its zeros are zero:
+ * Reasons for its structural zeros:
  *   M[c2, c1]: the mass enters as m I, so translations along different axes do not couple
- *   M[phi, c1], M[phi, c2]: c1_1 = 0 by the choice of O (the centre of the undeformed beam); c1_2,
- *       c2_1_1, c2_2_1 = 0 by geometry (the beam lies along e1 and deflects along e2); c2_1_2,
- *       c2_2_2 = 0 by condition (17) (no mean displacement)
+ *   M[phi, c1], M[phi, c2]: c1_1 = 0 by the choice of the origin (the centre of the undeformed
+ *       beam); c1_2, c2_1_1, c2_2_1 = 0 by geometry (the beam lies along e1 and deflects along e2);
+ *       c2_1_2, c2_2_2 = 0 by condition (17) (no mean displacement)
  *   M[alpha1, c1], M[alpha1, c2]: c2_1_1 = 0 by geometry (the beam lies along e1 and deflects along
  *       e2); c2_1_2 = 0 by condition (17) (no mean displacement)
  *   M[alpha1, phi]: c6_1 = 0 by condition (19) (no mean rotation); c7_1_2 = 0 by geometry (all
@@ -70,9 +70,9 @@
  *
  * Terms of (15) that vanish:
  *   Euler term of row c1, centrifugal term of row c1, Euler term of row c2, centrifugal term of row
- *       c2, translation term of row phi: c1_1 = 0 by the choice of O (the centre of the undeformed
- *       beam); c1_2, c2_1_1, c2_2_1 = 0 by geometry (the beam lies along e1 and deflects along e2);
- *       c2_1_2, c2_2_2 = 0 by condition (17) (no mean displacement)
+ *       c2, translation term of row phi: c1_1 = 0 by the choice of the origin (the centre of the
+ *       undeformed beam); c1_2, c2_1_1, c2_2_1 = 0 by geometry (the beam lies along e1 and deflects
+ *       along e2); c2_1_2, c2_2_2 = 0 by condition (17) (no mean displacement)
  *   Coriolis term of row c1, relative term of row c1, Coriolis term of row c2, relative term of row
  *       c2: c2_1_1, c2_2_1 = 0 by geometry (the beam lies along e1 and deflects along e2); c2_1_2,
  *       c2_2_2 = 0 by condition (17) (no mean displacement)
@@ -124,18 +124,18 @@ enum {
     TISSERAND_ROLE_AMPLITUDE = 5
 };
 
-/* A coordinate, rate, parameter or constant; a parameter has a default. An array has so many values. */
+/* A generalised coordinate, generalised velocity, parameter, constant or multiplier. */
 typedef struct {
     const char *name;
     const char *unit;
     const char *doc;
-    double value;
-    int size;
+    double value; /* the default of a parameter */
+    int size;     /* number of values, more than 1 for an array */
     int role; /* one of the roles above, for coordinates; 0 otherwise */
 } tisserand_variable;
 
-/* Compressed columns; of a symmetric matrix the lower triangle. Patterns of loops over the shapes are not
-   stored: colptr and rowidx are 0 there, and fill writes them. */
+/* Compressed columns; of a symmetric matrix the lower triangle. Patterns of looped kernels are not stored:
+   colptr and rowidx are 0 there, and fill writes them. */
 typedef struct {
     int rows;
     int cols;
@@ -147,7 +147,7 @@ typedef struct {
 } tisserand_pattern;
 
 /* A named material point; jacobian holds the values of d(velocity)/dv, in the plane d(position)/dq; load turns
-   a force F at the point, in the inertial base, into generalized forces f of M vdot + h = f. */
+   a force F at the point, in the inertial frame, into generalised forces f of M vdot + h = f. */
 typedef struct {
     const char *name;
     int dimension;
@@ -166,10 +166,10 @@ typedef struct {
     int (*jacobian)(double t, const double *y, const double *ydot, double cj, const double *k, double *jac);
 } tisserand_dae;
 
-/* What a scene has besides: constraints g(t, q) = 0 with multipliers, M vdot + h = G^T lambda, G vdot = gamma. */
+/* The additional functions of a scene: constraints g(t, q) = 0 with multipliers, M vdot + h = G^T lambda, G vdot = gamma. */
 typedef struct {
     int nbodies;
-    const tisserand_variable *lambda; /* nlambda multipliers: what joints exert on their second bodies */
+    const tisserand_variable *lambda; /* nlambda multipliers: constraint reactions on body 2 */
     const char *const *bodies;
     const tisserand_pattern *pattern; /* of G, nlambda x nv */
     const tisserand_dae *forms;
@@ -183,12 +183,12 @@ typedef struct {
     int (*poses)(double t, const double *q, const double *k, double *pose); /* c1, c2, phi of each body */
 } tisserand_scene;
 
-/* All there is to know of a model, for a host that is compiled once and serves many. */
+/* The descriptor of a model, for hosts that are compiled once and serve many models. */
 typedef struct {
     int abi;
     const char *name;
-    int nq;        /* coordinates */
-    int nv;        /* rates */
+    int nq;        /* generalised coordinates */
+    int nv;        /* generalised velocities */
     int np;        /* parameters */
     int nk;        /* constants of setup */
     int nlambda;   /* multipliers */
@@ -224,7 +224,7 @@ typedef struct {
 } tisserand_model;
 
 #elif TISSERAND_ABI != 4
-#  error "this header and one included before it were generated by Tisserand versions that do not fit"
+#  error "this header and one included before it were generated by incompatible versions of Tisserand"
 #endif
 
 /* ---- sizes and indices ---- */
@@ -257,9 +257,9 @@ enum {
     FREE_BEAM_MEAN_ABI = 4
 };
 
-/* ---- functions: 0 = ok. From setup and accel alone: 1 = a pivot vanished; 2 = a value is not finite
-   or not positive; the outputs then hold nothing of use. The others let a NaN through; accel calls a
-   NaN in its mass matrix a vanished pivot.
+/* ---- functions return 0 for success. setup and accel return 1 if a pivot vanished and 2 if a
+   value is not finite or not positive; the outputs are undefined then. All other functions propagate a NaN;
+   accel reports a NaN in its mass matrix as a vanished pivot.
    Arrays that are written must not overlap each other or arrays that are read. ---- */
 
 /*
@@ -279,7 +279,7 @@ int free_beam_mean_setup(
 /*
  * Mass matrix M(q): values of the lower triangle by columns.
  *
- * q: generalized coordinates (5)
+ * q: generalised coordinates (5)
  * k: constants from setup (10)
  * M: values of the mass matrix, lower triangle by columns, 5 x 5, 5 values, 5 in both triangles
  *
@@ -292,13 +292,13 @@ int free_beam_mean_mass(
     double *M);
 
 /*
- * Forces h of M vdot + h = 0: centrifugal, Coriolis and elastic.
+ * Forces h of M vdot + h = 0: centrifugal, Coriolis, elastic, damping and gravity.
  *
  * t: time (a free body does not depend on it)
- * q: generalized coordinates (5)
- * v: rates (5)
+ * q: generalised coordinates (5)
+ * v: generalised velocities (5)
  * k: constants from setup (10)
- * h: forces, one row a coordinate (5): h[c1], h[c2], h[phi], h[alpha1], h[alpha2]
+ * h: forces, one for each equation of motion (5): h[c1], h[c2], h[phi], h[alpha1], h[alpha2]
  *
  * From appendix, (15).
  * 14 operations.
@@ -314,11 +314,11 @@ int free_beam_mean_force(
  * Mass matrix and forces together; what they share is computed once.
  *
  * t: time (a free body does not depend on it)
- * q: generalized coordinates (5)
- * v: rates (5)
+ * q: generalised coordinates (5)
+ * v: generalised velocities (5)
  * k: constants from setup (10)
  * M: values of the mass matrix, lower triangle by columns, 5 x 5, 5 values, 5 in both triangles
- * h: forces, one row a coordinate (5): h[c1], h[c2], h[phi], h[alpha1], h[alpha2]
+ * h: forces, one for each equation of motion (5): h[c1], h[c2], h[phi], h[alpha1], h[alpha2]
  *
  * From appendix, (15).
  * 18 operations.
@@ -335,8 +335,8 @@ int free_beam_mean_mass_force(
  * Accelerations vdot of M vdot + h = 0, by a sparse LDL^T fixed at generation time.
  *
  * t: time (a free body does not depend on it)
- * q: generalized coordinates (5)
- * v: rates (5)
+ * q: generalised coordinates (5)
+ * v: generalised velocities (5)
  * k: constants from setup (10)
  * vdot: accelerations (5): c1ddot, c2ddot, phiddot, alpha1ddot, alpha2ddot
  *
@@ -353,8 +353,8 @@ int free_beam_mean_accel(
 /*
  * Kinetic and strain energy.
  *
- * q: generalized coordinates (5)
- * v: rates (5)
+ * q: generalised coordinates (5)
+ * v: generalised velocities (5)
  * k: constants from setup (10)
  * energy: energies [J] (2): kinetic, strain
  *
@@ -370,8 +370,8 @@ int free_beam_mean_energy(
 /*
  * Linear momentum, and angular momentum about the inertial origin.
  *
- * q: generalized coordinates (5)
- * v: rates (5)
+ * q: generalised coordinates (5)
+ * v: generalised velocities (5)
  * k: constants from setup (10)
  * momentum: linear [N s] and angular [N m s] (3): linear_1, linear_2, angular
  *
@@ -385,10 +385,10 @@ int free_beam_mean_momentum(
     double *momentum);
 
 /*
- * Time derivative of the coordinates from the rates.
+ * Time derivatives of the generalised coordinates from the generalised velocities.
  *
- * q: generalized coordinates (5)
- * v: rates (5)
+ * q: generalised coordinates (5)
+ * v: generalised velocities (5)
  * k: constants from setup (10)
  * qdot: time derivative of q (5): c1_t, c2_t, phi_t, alpha1_t, alpha2_t
  *
@@ -404,11 +404,11 @@ int free_beam_mean_rates(
 /*
  * Marker left, material point at xi = -1: position, velocity and its Jacobian d(velocity)/dv.
  *
- * q: generalized coordinates (5)
- * v: rates (5)
+ * q: generalised coordinates (5)
+ * v: generalised velocities (5)
  * k: constants from setup (10)
- * x: position in the inertial base [m] (2): x1, x2
- * xdot: velocity in the inertial base [m/s] (2): x1dot, x2dot
+ * x: position in the inertial frame [m] (2): x1, x2
+ * xdot: velocity in the inertial frame [m/s] (2): x1dot, x2dot
  * jacobian: values of d(velocity)/dv by columns, 2 x 5, 8 values
  *
  * From (14), (26), (1).
@@ -425,11 +425,11 @@ int free_beam_mean_marker_left(
 /*
  * Marker middle, material point at xi = 0: position, velocity and its Jacobian d(velocity)/dv.
  *
- * q: generalized coordinates (5)
- * v: rates (5)
+ * q: generalised coordinates (5)
+ * v: generalised velocities (5)
  * k: constants from setup (10)
- * x: position in the inertial base [m] (2): x1, x2
- * xdot: velocity in the inertial base [m/s] (2): x1dot, x2dot
+ * x: position in the inertial frame [m] (2): x1, x2
+ * xdot: velocity in the inertial frame [m/s] (2): x1dot, x2dot
  * jacobian: values of d(velocity)/dv by columns, 2 x 5, 6 values
  *
  * From (26), (1).
@@ -446,11 +446,11 @@ int free_beam_mean_marker_middle(
 /*
  * Marker right, material point at xi = 1: position, velocity and its Jacobian d(velocity)/dv.
  *
- * q: generalized coordinates (5)
- * v: rates (5)
+ * q: generalised coordinates (5)
+ * v: generalised velocities (5)
  * k: constants from setup (10)
- * x: position in the inertial base [m] (2): x1, x2
- * xdot: velocity in the inertial base [m/s] (2): x1dot, x2dot
+ * x: position in the inertial frame [m] (2): x1, x2
+ * xdot: velocity in the inertial frame [m/s] (2): x1dot, x2dot
  * jacobian: values of d(velocity)/dv by columns, 2 x 5, 8 values
  *
  * From (14), (26), (1).
@@ -465,12 +465,13 @@ int free_beam_mean_marker_right(
     double *jacobian);
 
 /*
- * Generalized forces f of a force at marker left: then M vdot + h = f.
+ * Generalised forces f of a force at marker left: then M vdot + h = f.
  *
- * q: generalized coordinates (5)
- * F: force at the marker, in the inertial base [N] (2)
+ * q: generalised coordinates (5)
+ * F: force at the marker, in the inertial frame [N] (2)
  * k: constants from setup (10)
- * f: generalized forces, one row a coordinate (5): f[c1], f[c2], f[phi], f[alpha1], f[alpha2]
+ * f: generalised forces, one for each equation of motion (5): f[c1], f[c2], f[phi], f[alpha1],
+ *     f[alpha2]
  *
  * From (26), (10), (1).
  * 13 operations.
@@ -482,12 +483,13 @@ int free_beam_mean_load_left(
     double *f);
 
 /*
- * Generalized forces f of a force at marker middle: then M vdot + h = f.
+ * Generalised forces f of a force at marker middle: then M vdot + h = f.
  *
- * q: generalized coordinates (5)
- * F: force at the marker, in the inertial base [N] (2)
+ * q: generalised coordinates (5)
+ * F: force at the marker, in the inertial frame [N] (2)
  * k: constants from setup (10)
- * f: generalized forces, one row a coordinate (5): f[c1], f[c2], f[phi], f[alpha1], f[alpha2]
+ * f: generalised forces, one for each equation of motion (5): f[c1], f[c2], f[phi], f[alpha1],
+ *     f[alpha2]
  *
  * From (26), (10).
  * 11 operations.
@@ -499,12 +501,13 @@ int free_beam_mean_load_middle(
     double *f);
 
 /*
- * Generalized forces f of a force at marker right: then M vdot + h = f.
+ * Generalised forces f of a force at marker right: then M vdot + h = f.
  *
- * q: generalized coordinates (5)
- * F: force at the marker, in the inertial base [N] (2)
+ * q: generalised coordinates (5)
+ * F: force at the marker, in the inertial frame [N] (2)
  * k: constants from setup (10)
- * f: generalized forces, one row a coordinate (5): f[c1], f[c2], f[phi], f[alpha1], f[alpha2]
+ * f: generalised forces, one for each equation of motion (5): f[c1], f[c2], f[phi], f[alpha1],
+ *     f[alpha2]
  *
  * From (26), (10), (1).
  * 12 operations.
@@ -522,8 +525,8 @@ int free_beam_mean_load_right(
  * y: first-order state [q; v] (10)
  * ydot: time derivative of y (10)
  * k: constants from setup (10)
- * F: residual, one row a state (10): c1, c2, phi, alpha1, alpha2, c1dot, c2dot, phidot, alpha1dot,
- *     alpha2dot
+ * F: residual, one for each state (10): c1, c2, phi, alpha1, alpha2, c1dot, c2dot, phidot,
+ *     alpha1dot, alpha2dot
  *
  * From appendix, (15).
  * 31 operations.
@@ -558,10 +561,10 @@ int free_beam_mean_jacobian(
     double *jac);
 
 /* ---- batches: mass, force and accel of n >= 0 states with the same time and constants. Element e of state
-   b lies at e * n + b, in q and v as in what is written. Where no product is fused with a sum
+   b has the index e * n + b, in inputs and outputs. Where no product is fused with a sum
    (-ffp-contract=off) the numbers are those of the functions above, bit for bit. Blocks of 32
    states are computed at a time, on some 4 kB of stack. accel_batch gives NaN for the accelerations of
-   a state that fails, and returns the code of the first of them; all other states are right. ---- */
+   a state that fails, and returns the code of the first of them; all other states are valid. ---- */
 
 int free_beam_mean_mass_batch(
     int n,

@@ -7,31 +7,31 @@ Equations of motion M(q) vdot + h(t, q, v) = 0, from x = c + Q (X + u) and d'Ale
 work: (15) of Koppens, Sauren, Veldpaus & van Campen, J. Appl. Mech. 55 (1988) 676-680, whose
 equation numbers these are. Units are SI where the parameters are; any consistent set will do.
 
-The floating frame has its origin at c and is turned by Q. In it are resolved: r = X + u, the
-shapes Phi_i, and their moments c1 .. c8, d1, D2, d3, J, so that e1, e2 there are its axes.
-In the inertial base are resolved: c, momenta, and markers.
+The floating frame has its origin at c and the rotation Q. r = X + u, the shape functions Phi_i,
+and their moments c1 .. c8, d1, D2, d3, J are resolved in the floating frame; c, momenta and
+markers are resolved in the inertial frame.
 X = xi l/2 e1 (24), so c is where the centre of the undeformed beam lies in the floating frame.
 
-Coordinates q:
+Generalised coordinates q:
   0  c1      [m]  position of the origin of the floating frame along the inertial e1
   1  c2      [m]  position of the origin of the floating frame along the inertial e2
   2  phi     [rad]  rotation of the floating frame
-  3  alpha1  [m]  amplitude of assumed shape 1
-  4  alpha2  [m]  amplitude of assumed shape 2
+  3  alpha1  [m]  amplitude of assumed mode 1
+  4  alpha2  [m]  amplitude of assumed mode 2
 
-Rates v and the rows of the equations of motion, with their units:
-  0  c1dot  [m/s]  rate of c1; its row, c1, [N]
-  1  c2dot  [m/s]  rate of c2; its row, c2, [N]
-  2  phidot  [rad/s]  rate of phi; its row, phi, [N m]
-  3  alpha1dot  [m/s]  rate of alpha1; its row, alpha1, [N]
-  4  alpha2dot  [m/s]  rate of alpha2; its row, alpha2, [N]
+Generalised velocities v, and the equations of motion with their units:
+  0  c1dot  [m/s]  time derivative of c1; equation c1 [N]
+  1  c2dot  [m/s]  time derivative of c2; equation c2 [N]
+  2  phidot  [rad/s]  time derivative of phi; equation phi [N m]
+  3  alpha1dot  [m/s]  time derivative of alpha1; equation alpha1 [N]
+  4  alpha2dot  [m/s]  time derivative of alpha2; equation alpha2 [N]
 
 Parameters p:
   m  [kg]  mass of the beam, default 1.0
   l  [m]  length of the beam, default 1.0
   EI  [N m^2]  bending stiffness EI, default 1.0
 
-Constants k, made of them by setup:
+Constants k, computed from the parameters by setup:
   mass  [kg]  mass of the body
   c2_1_2  [kg]  int rho Phi_1 . e2
   C3  [kg m^2]  int rho X . X
@@ -49,7 +49,7 @@ Constants k, made of them by setup:
   constant_4  c6_2 / c8_2_2
   inverse_c8_2_2  1 / c8_2_2
 
-Mass matrix, x a value and . a structural zero:
+Mass matrix (x: structural non-zero, .: structural zero):
   c1      x . x x .
   c2      . x x x .
   phi     x x x . x
@@ -57,7 +57,7 @@ Mass matrix, x a value and . a structural zero:
   alpha2  . . x . x
   15 of 25 entries are structural non-zeros; the 10 of the lower triangle are stored
 
-Why its zeros are zero:
+Reasons for its structural zeros:
   M[c2, c1]: the mass enters as m I, so translations along different axes do not couple
   M[alpha1, phi]: c6_1 = 0 by parity (the integrand is odd in xi); c7_1_2 = 0 by geometry (all
       deflections are along e2)
@@ -192,7 +192,7 @@ def setup(p):
     p_l = p[..., 1]
     p_EI = p[..., 2]
 
-    # integrals (appendix): shape integrals, stiffness, and what is made of them
+    # integrals (appendix): shape integrals, stiffness, and constants computed from them
     c2_1_2 = p_m / 3
     t1 = p_l * p_l
     C3 = t1 * p_m / 12
@@ -211,7 +211,7 @@ def setup(p):
     constant_2 = 5.684341886080802e-14 * p_m
     constant_3 = 5.684341886080802e-14 * c8_1_1
 
-    # constants: what the kernels read
+    # constants: constants that the kernels read
     k_0 = p_m
     k_1 = c2_1_2
     k_2 = C3
@@ -229,7 +229,7 @@ def setup(p):
     k_14 = constant_4
     k_15 = inverse_c8_2_2
 
-    # checks: refuse parameters that make no body
+    # checks: checks of the parameters
     _require(xp.all(p_m > 0), "m must be positive")
     _require(xp.all(p_l > 0), "l must be positive")
     _require(xp.all(p_EI > 0), "EI must be positive")
@@ -262,7 +262,7 @@ def setup(p):
 def mass(q, k):
     """Mass matrix M(q): values of the lower triangle by columns.
 
-    q: generalized coordinates (5)
+    q: generalised coordinates (5)
     k: constants from setup (16)
     M: values of the mass matrix, lower triangle by columns, 5 x 5, 10 values, 15 in both triangles
 
@@ -312,13 +312,13 @@ def mass(q, k):
 
 
 def force(t, q, v, k):
-    """Forces h of M vdot + h = 0: centrifugal, Coriolis and elastic.
+    """Forces h of M vdot + h = 0: centrifugal, Coriolis, elastic, damping and gravity.
 
     t: time (a free body does not depend on it)
-    q: generalized coordinates (5)
-    v: rates (5)
+    q: generalised coordinates (5)
+    v: generalised velocities (5)
     k: constants from setup (16)
-    h: forces, one row a coordinate (5): h[c1], h[c2], h[phi], h[alpha1], h[alpha2]
+    h: forces, one for each equation of motion (5): h[c1], h[c2], h[phi], h[alpha1], h[alpha2]
 
     From (26), appendix, (15).
     27 operations.
@@ -372,11 +372,11 @@ def mass_force(t, q, v, k):
     """Mass matrix and forces together; what they share is computed once.
 
     t: time (a free body does not depend on it)
-    q: generalized coordinates (5)
-    v: rates (5)
+    q: generalised coordinates (5)
+    v: generalised velocities (5)
     k: constants from setup (16)
     M: values of the mass matrix, lower triangle by columns, 5 x 5, 10 values, 15 in both triangles
-    h: forces, one row a coordinate (5): h[c1], h[c2], h[phi], h[alpha1], h[alpha2]
+    h: forces, one for each equation of motion (5): h[c1], h[c2], h[phi], h[alpha1], h[alpha2]
 
     From appendix, (15), (26).
     37 operations.
@@ -456,8 +456,8 @@ def accel(t, q, v, k):
     """Accelerations vdot of M vdot + h = 0, by a sparse LDL^T fixed at generation time.
 
     t: time (a free body does not depend on it)
-    q: generalized coordinates (5)
-    v: rates (5)
+    q: generalised coordinates (5)
+    v: generalised velocities (5)
     k: constants from setup (16)
     vdot: accelerations (5): c1ddot, c2ddot, phiddot, alpha1ddot, alpha2ddot
 
@@ -554,8 +554,8 @@ def accel(t, q, v, k):
 def energy(q, v, k):
     """Kinetic and strain energy.
 
-    q: generalized coordinates (5)
-    v: rates (5)
+    q: generalised coordinates (5)
+    v: generalised velocities (5)
     k: constants from setup (16)
     energy: energies [J] (2): kinetic, strain
 
@@ -616,8 +616,8 @@ def energy(q, v, k):
 def momentum(q, v, k):
     """Linear momentum, and angular momentum about the inertial origin.
 
-    q: generalized coordinates (5)
-    v: rates (5)
+    q: generalised coordinates (5)
+    v: generalised velocities (5)
     k: constants from setup (16)
     momentum: linear [N s] and angular [N m s] (3): linear_1, linear_2, angular
 
@@ -677,10 +677,10 @@ def momentum(q, v, k):
 
 
 def rates(q, v, k):
-    """Time derivative of the coordinates from the rates.
+    """Time derivatives of the generalised coordinates from the generalised velocities.
 
-    q: generalized coordinates (5)
-    v: rates (5)
+    q: generalised coordinates (5)
+    v: generalised velocities (5)
     k: constants from setup (16)
     qdot: time derivative of q (5): c1_t, c2_t, phi_t, alpha1_t, alpha2_t
 
@@ -708,11 +708,11 @@ def rates(q, v, k):
 def marker_left(q, v, k):
     """Marker left, material point at xi = -1: position, velocity and its Jacobian d(velocity)/dv.
 
-    q: generalized coordinates (5)
-    v: rates (5)
+    q: generalised coordinates (5)
+    v: generalised velocities (5)
     k: constants from setup (16)
-    x: position in the inertial base [m] (2): x1, x2
-    xdot: velocity in the inertial base [m/s] (2): x1dot, x2dot
+    x: position in the inertial frame [m] (2): x1, x2
+    xdot: velocity in the inertial frame [m/s] (2): x1dot, x2dot
     jacobian: values of d(velocity)/dv by columns, 2 x 5, 8 values
 
     From (14), (26), (1).
@@ -731,7 +731,7 @@ def marker_left(q, v, k):
     alpha2dot = v[..., 4]
     X_left = k[..., 8]
 
-    # r (14): X + u and its rate at the marker, in the body base
+    # r (14): X + u and its time derivative at the marker, in the body frame
     r_2 = alpha1 - alpha2
     rdot_2 = alpha1dot - alpha2dot
 
@@ -739,7 +739,7 @@ def marker_left(q, v, k):
     cos_phi = xp.cos(phi)
     sin_phi = xp.sin(phi)
 
-    # marker (1): x = c + Q r, its rate and its derivatives
+    # marker (1): x = c + Q r, its time derivative and its Jacobian
     t1 = X_left * cos_phi
     t2 = r_2 * sin_phi
     x_0 = c1 + t1 - t2
@@ -769,11 +769,11 @@ def marker_left(q, v, k):
 def marker_middle(q, v, k):
     """Marker middle, material point at xi = 0: position, velocity and its Jacobian d(velocity)/dv.
 
-    q: generalized coordinates (5)
-    v: rates (5)
+    q: generalised coordinates (5)
+    v: generalised velocities (5)
     k: constants from setup (16)
-    x: position in the inertial base [m] (2): x1, x2
-    xdot: velocity in the inertial base [m/s] (2): x1dot, x2dot
+    x: position in the inertial frame [m] (2): x1, x2
+    xdot: velocity in the inertial frame [m/s] (2): x1dot, x2dot
     jacobian: values of d(velocity)/dv by columns, 2 x 5, 2 values
 
     From (1).
@@ -785,7 +785,7 @@ def marker_middle(q, v, k):
     c1dot = v[..., 0]
     c2dot = v[..., 1]
 
-    # marker (1): x = c + Q r, its rate and its derivatives
+    # marker (1): x = c + Q r, its time derivative and its Jacobian
     x_0 = c1
     x_1 = c2
     xdot_0 = c1dot
@@ -802,11 +802,11 @@ def marker_middle(q, v, k):
 def marker_right(q, v, k):
     """Marker right, material point at xi = 1: position, velocity and its Jacobian d(velocity)/dv.
 
-    q: generalized coordinates (5)
-    v: rates (5)
+    q: generalised coordinates (5)
+    v: generalised velocities (5)
     k: constants from setup (16)
-    x: position in the inertial base [m] (2): x1, x2
-    xdot: velocity in the inertial base [m/s] (2): x1dot, x2dot
+    x: position in the inertial frame [m] (2): x1, x2
+    xdot: velocity in the inertial frame [m/s] (2): x1dot, x2dot
     jacobian: values of d(velocity)/dv by columns, 2 x 5, 8 values
 
     From (14), (26), (1).
@@ -825,7 +825,7 @@ def marker_right(q, v, k):
     alpha2dot = v[..., 4]
     X_right = k[..., 9]
 
-    # r (14): X + u and its rate at the marker, in the body base
+    # r (14): X + u and its time derivative at the marker, in the body frame
     r_2 = alpha1 + alpha2
     rdot_2 = alpha1dot + alpha2dot
 
@@ -833,7 +833,7 @@ def marker_right(q, v, k):
     cos_phi = xp.cos(phi)
     sin_phi = xp.sin(phi)
 
-    # marker (1): x = c + Q r, its rate and its derivatives
+    # marker (1): x = c + Q r, its time derivative and its Jacobian
     t1 = X_right * cos_phi
     t2 = r_2 * sin_phi
     x_0 = c1 + t1 - t2
@@ -862,12 +862,13 @@ def marker_right(q, v, k):
 
 
 def load_left(q, F, k):
-    """Generalized forces f of a force at marker left: then M vdot + h = f.
+    """Generalised forces f of a force at marker left: then M vdot + h = f.
 
-    q: generalized coordinates (5)
-    F: force at the marker, in the inertial base [N] (2)
+    q: generalised coordinates (5)
+    F: force at the marker, in the inertial frame [N] (2)
     k: constants from setup (16)
-    f: generalized forces, one row a coordinate (5): f[c1], f[c2], f[phi], f[alpha1], f[alpha2]
+    f: generalised forces, one for each equation of motion (5): f[c1], f[c2], f[phi], f[alpha1],
+        f[alpha2]
 
     From (26), (10), (1).
     13 operations.
@@ -884,11 +885,11 @@ def load_left(q, F, k):
     cos_phi = xp.cos(phi)
     sin_phi = xp.sin(phi)
 
-    # F (10): the force seen from the body base
+    # F (10): the force in the body frame
     Fb_1 = F_1 * cos_phi + F_2 * sin_phi
     Fb_2 = F_2 * cos_phi - F_1 * sin_phi
 
-    # r (1): the marker in the body base
+    # r (1): the marker in the body frame
     r_2 = alpha1 - alpha2
 
     # f (10): virtual work of the force
@@ -903,12 +904,13 @@ def load_left(q, F, k):
 
 
 def load_middle(q, F, k):
-    """Generalized forces f of a force at marker middle: then M vdot + h = f.
+    """Generalised forces f of a force at marker middle: then M vdot + h = f.
 
-    q: generalized coordinates (5)
-    F: force at the marker, in the inertial base [N] (2)
+    q: generalised coordinates (5)
+    F: force at the marker, in the inertial frame [N] (2)
     k: constants from setup (16)
-    f: generalized forces, one row a coordinate (5): f[c1], f[c2], f[phi], f[alpha1], f[alpha2]
+    f: generalised forces, one for each equation of motion (5): f[c1], f[c2], f[phi], f[alpha1],
+        f[alpha2]
 
     From (10).
     0 operations.
@@ -929,12 +931,13 @@ def load_middle(q, F, k):
 
 
 def load_right(q, F, k):
-    """Generalized forces f of a force at marker right: then M vdot + h = f.
+    """Generalised forces f of a force at marker right: then M vdot + h = f.
 
-    q: generalized coordinates (5)
-    F: force at the marker, in the inertial base [N] (2)
+    q: generalised coordinates (5)
+    F: force at the marker, in the inertial frame [N] (2)
     k: constants from setup (16)
-    f: generalized forces, one row a coordinate (5): f[c1], f[c2], f[phi], f[alpha1], f[alpha2]
+    f: generalised forces, one for each equation of motion (5): f[c1], f[c2], f[phi], f[alpha1],
+        f[alpha2]
 
     From (26), (10), (1).
     12 operations.
@@ -951,11 +954,11 @@ def load_right(q, F, k):
     cos_phi = xp.cos(phi)
     sin_phi = xp.sin(phi)
 
-    # F (10): the force seen from the body base
+    # F (10): the force in the body frame
     Fb_1 = F_1 * cos_phi + F_2 * sin_phi
     Fb_2 = F_2 * cos_phi - F_1 * sin_phi
 
-    # r (1): the marker in the body base
+    # r (1): the marker in the body frame
     r_2 = alpha1 + alpha2
 
     # f (10): virtual work of the force
@@ -976,8 +979,8 @@ def residual(t, y, ydot, k):
     y: first-order state [q; v] (10)
     ydot: time derivative of y (10)
     k: constants from setup (16)
-    F: residual, one row a state (10): c1, c2, phi, alpha1, alpha2, c1dot, c2dot, phidot, alpha1dot,
-        alpha2dot
+    F: residual, one for each state (10): c1, c2, phi, alpha1, alpha2, c1dot, c2dot, phidot,
+        alpha1dot, alpha2dot
 
     From (26), appendix, (15).
     66 operations.

@@ -20,7 +20,7 @@ int spinning_beam_setup(
     const double p_l = p[1];
     const double p_EI = p[2];
 
-    /* integrals (appendix): shape integrals, stiffness, and what is made of them */
+    /* integrals (appendix): shape integrals, stiffness, and constants computed from them */
     const double t1 = p_l * p_l;
     const double beam_C3 = t1 * p_m / 12.0;
     const double beam_c8_1_1 = p_m / 5.0;
@@ -34,7 +34,7 @@ int spinning_beam_setup(
     const double inverse_beam_c8_1_1 = 1.0 / beam_c8_1_1;
     const double inverse_beam_c8_2_2 = 1.0 / beam_c8_2_2;
 
-    /* constants: what the kernels read */
+    /* constants: constants that the kernels read */
     k[0] = p_m;
     k[1] = beam_C3;
     k[2] = beam_c8_1_1;
@@ -47,7 +47,7 @@ int spinning_beam_setup(
     k[9] = inverse_beam_c8_1_1;
     k[10] = inverse_beam_c8_2_2;
 
-    /* checks: refuse parameters that make no body */
+    /* checks: checks of the parameters */
     if (!(p_m > 0.0)) return 2; /* m must be positive */
     if (!(p_l > 0.0)) return 2; /* l must be positive */
     if (!(p_EI > 0.0)) return 2; /* EI must be positive */
@@ -251,10 +251,7 @@ int spinning_beam_accel(
     /* beam J (appendix): beam_J = int rho r . r */
     const double beam_J = beam_C3 + beam_D2_1 * beam_alpha1 + beam_D2_2 * beam_alpha2;
 
-    /*
-     * pivots (LDL^T): eliminate beam_c1, beam_c2, beam_phi, beam_alpha1, beam_alpha2; 0 entries are
-     *     filled in
-     */
+    /* pivots (LDL^T): eliminate beam_c1, beam_c2, beam_phi, beam_alpha1, beam_alpha2; fill-in 0 */
     if (!(beam_J > 0.0)) return 1; /* the pivot of beam_phi vanished */
 
     /*
@@ -290,7 +287,7 @@ int spinning_beam_accel(
     const double t6 = (beam_K_2_2 * beam_alpha2 - t4 * beam_D2_2) * inverse_beam_c8_2_2;
     vdot[4] = -t6;
 
-    /* check: refuse what is not finite */
+    /* check: check that the result is finite */
     if (!isfinite(t2 - t3 - t5 - t6)) return 2; /* a result is not finite */
     return 0;
 }
@@ -423,7 +420,7 @@ int spinning_beam_marker_beam_left(
     const double t4 = beam_left_r_2 * beam_cos_phi;
     const double beam_left_s_2 = t3 + t4;
 
-    /* marker (1): x = c + Q r, its rate and its derivatives */
+    /* marker (1): x = c + Q r, its time derivative and its Jacobian */
     x[0] = beam_c1 + t1 - t2;
     x[1] = beam_c2 + t3 + t4;
     const double t5 = beam_left_rdot_2 + beam_phidot * beam_X_left;
@@ -475,7 +472,7 @@ int spinning_beam_marker_beam_middle(
      */
     const double beam_cos_phi = cos(beam_phi);
 
-    /* marker (1): x = c + Q r, its rate and its derivatives */
+    /* marker (1): x = c + Q r, its time derivative and its Jacobian */
     x[0] = beam_c1 + beam_middle_s_1;
     const double t3 = t1 * beam_cos_phi;
     x[1] = beam_c2 - t3;
@@ -526,7 +523,7 @@ int spinning_beam_marker_beam_right(
     const double t4 = beam_right_r_2 * beam_cos_phi;
     const double beam_right_s_2 = t3 + t4;
 
-    /* marker (1): x = c + Q r, its rate and its derivatives */
+    /* marker (1): x = c + Q r, its time derivative and its Jacobian */
     x[0] = beam_c1 + t1 - t2;
     x[1] = beam_c2 + t3 + t4;
     const double t5 = beam_right_rdot_2 + beam_phidot * beam_X_right;
@@ -565,7 +562,7 @@ int spinning_beam_load_beam_left(
     const double beam_cos_phi = cos(beam_phi);
     const double beam_sin_phi = sin(beam_phi);
 
-    /* F (10): the force seen from the body base */
+    /* F (10): the force in the body frame */
     const double beam_left_Fb_1 = F_1 * beam_cos_phi + F_2 * beam_sin_phi;
     const double beam_left_Fb_2 = F_2 * beam_cos_phi - F_1 * beam_sin_phi;
 
@@ -603,7 +600,7 @@ int spinning_beam_load_beam_middle(
     const double beam_cos_phi = cos(beam_phi);
     const double beam_sin_phi = sin(beam_phi);
 
-    /* F (10): the force seen from the body base */
+    /* F (10): the force in the body frame */
     const double beam_middle_Fb_1 = F_1 * beam_cos_phi + F_2 * beam_sin_phi;
     const double beam_middle_Fb_2 = F_2 * beam_cos_phi - F_1 * beam_sin_phi;
 
@@ -636,7 +633,7 @@ int spinning_beam_load_beam_right(
     const double beam_cos_phi = cos(beam_phi);
     const double beam_sin_phi = sin(beam_phi);
 
-    /* F (10): the force seen from the body base */
+    /* F (10): the force in the body frame */
     const double beam_right_Fb_1 = F_1 * beam_cos_phi + F_2 * beam_sin_phi;
     const double beam_right_Fb_2 = F_2 * beam_cos_phi - F_1 * beam_sin_phi;
 
@@ -742,10 +739,7 @@ int spinning_beam_solve(
     /* beam J (appendix): beam_J = int rho r . r */
     const double beam_J = beam_C3 + beam_D2_1 * beam_alpha1 + beam_D2_2 * beam_alpha2;
 
-    /*
-     * pivots (LDL^T): eliminate beam_c1, beam_c2, beam_phi, beam_alpha1, beam_alpha2; 0 entries are
-     *     filled in
-     */
+    /* pivots (LDL^T): eliminate beam_c1, beam_c2, beam_phi, beam_alpha1, beam_alpha2; fill-in 0 */
     if (!(beam_J > 0.0)) return 1; /* the pivot of beam_phi vanished */
 
     /*
@@ -781,7 +775,7 @@ int spinning_beam_solve(
     const double t6 = (beam_K_2_2 * beam_alpha2 - t4 * beam_D2_2) * inverse_beam_c8_2_2;
     vdot[4] = -t6;
 
-    /* check: refuse what is not finite */
+    /* check: check that the result is finite */
     if (!isfinite(t2 - t3 - t5 - t6)) return 2; /* a result is not finite */
     return 0;
 }
@@ -808,10 +802,7 @@ int spinning_beam_project_velocity(
     /* beam J (appendix): beam_J = int rho r . r */
     const double beam_J = beam_C3 + beam_D2_1 * beam_alpha1 + beam_D2_2 * beam_alpha2;
 
-    /*
-     * pivots (LDL^T): eliminate beam_c1, beam_c2, beam_phi, beam_alpha1, beam_alpha2; 0 entries are
-     *     filled in
-     */
+    /* pivots (LDL^T): eliminate beam_c1, beam_c2, beam_phi, beam_alpha1, beam_alpha2; fill-in 0 */
     if (!(beam_J > 0.0)) return 1; /* the pivot of beam_phi vanished */
 
     /* solution (LDL^T): forward, diagonal and back substitution */
@@ -1295,7 +1286,7 @@ int spinning_beam_jacobian_index1(
     return 0;
 }
 
-/* ---- batches: each state b of a block as the functions above have it ---- */
+/* ---- batches: the functions above for blocks of states b ---- */
 
 /* The rows of a block that is not full: its last state is repeated. */
 static const double *spinning_beam_block32_pad(ptrdiff_t all, int count, int rows, const double *from, double *to)
@@ -1663,16 +1654,16 @@ static const tisserand_variable spinning_beam_table_q[] = {
     {"beam_c1", "m", "beam: position of the origin of the floating frame along the inertial e1", 0.0, 1, TISSERAND_ROLE_TRANSLATION},
     {"beam_c2", "m", "beam: position of the origin of the floating frame along the inertial e2", 0.0, 1, TISSERAND_ROLE_TRANSLATION},
     {"beam_phi", "rad", "beam: rotation of the floating frame", 0.0, 1, TISSERAND_ROLE_ROTATION},
-    {"beam_alpha1", "m", "beam: amplitude of assumed shape 1", 0.0, 1, TISSERAND_ROLE_AMPLITUDE},
-    {"beam_alpha2", "m", "beam: amplitude of assumed shape 2", 0.0, 1, TISSERAND_ROLE_AMPLITUDE},
+    {"beam_alpha1", "m", "beam: amplitude of assumed mode 1", 0.0, 1, TISSERAND_ROLE_AMPLITUDE},
+    {"beam_alpha2", "m", "beam: amplitude of assumed mode 2", 0.0, 1, TISSERAND_ROLE_AMPLITUDE},
 };
 
 static const tisserand_variable spinning_beam_table_v[] = {
-    {"beam_c1dot", "m/s", "rate of beam_c1", 0.0, 1, 0},
-    {"beam_c2dot", "m/s", "rate of beam_c2", 0.0, 1, 0},
-    {"beam_phidot", "rad/s", "rate of beam_phi", 0.0, 1, 0},
-    {"beam_alpha1dot", "m/s", "rate of beam_alpha1", 0.0, 1, 0},
-    {"beam_alpha2dot", "m/s", "rate of beam_alpha2", 0.0, 1, 0},
+    {"beam_c1dot", "m/s", "time derivative of beam_c1", 0.0, 1, 0},
+    {"beam_c2dot", "m/s", "time derivative of beam_c2", 0.0, 1, 0},
+    {"beam_phidot", "rad/s", "time derivative of beam_phi", 0.0, 1, 0},
+    {"beam_alpha1dot", "m/s", "time derivative of beam_alpha1", 0.0, 1, 0},
+    {"beam_alpha2dot", "m/s", "time derivative of beam_alpha2", 0.0, 1, 0},
 };
 
 static const tisserand_marker spinning_beam_table_markers[] = {

@@ -10,29 +10,30 @@
  * work: (15) of Koppens, Sauren, Veldpaus & van Campen, J. Appl. Mech. 55 (1988) 676-680, whose
  * equation numbers these are. Units are SI where the parameters are; any consistent set will do.
  *
- * The floating frame has its origin at c and is turned by Q. In it are resolved: r = X + u, the
- * shapes Phi_i, and their moments c1 .. c8, d1, D2, d3, J, so that e1, e2 there are its axes.
- * In the inertial base are resolved: c, momenta, and markers.
- * Of beams c is where the centre of the undeformed beam lies in the floating frame.
+ * The floating frame has its origin at c and the rotation Q. r = X + u, the shape functions Phi_i,
+ * and their moments c1 .. c8, d1, D2, d3, J are resolved in the floating frame; c, momenta and
+ * markers are resolved in the inertial frame.
+ * For beams, c is the position of the centre of the undeformed beam.
  * Deflection of beam, along its e2: alpha1 phi_1 + ..., phi_1 = 3*xi^2/2 - 1/2, phi_2 = 5*xi^3/2 -
  *     3*xi/2; xi = 2 x / length.
- * In M bodies share no inertia: joints couple them through constraints.
+ * For several bodies the mass matrix is block-diagonal, because joints couple bodies through
+ *     constraints.
  *
- * Coordinates q:
+ * Generalised coordinates q:
  *   0  beam_c1      [m]  beam: position of the origin of the floating frame along the inertial e1
  *   1  beam_c2      [m]  beam: position of the origin of the floating frame along the inertial e2
  *   2  beam_phi     [rad]  beam: rotation of the floating frame
- *   3  beam_alpha1  [m]  beam: amplitude of assumed shape 1
- *   4  beam_alpha2  [m]  beam: amplitude of assumed shape 2
+ *   3  beam_alpha1  [m]  beam: amplitude of assumed mode 1
+ *   4  beam_alpha2  [m]  beam: amplitude of assumed mode 2
  *
- * Rates v and the rows of the equations of motion, with their units:
- *   0  beam_c1dot  [m/s]  rate of beam_c1; its row, beam_c1, [N]
- *   1  beam_c2dot  [m/s]  rate of beam_c2; its row, beam_c2, [N]
- *   2  beam_phidot  [rad/s]  rate of beam_phi; its row, beam_phi, [N m]
- *   3  beam_alpha1dot  [m/s]  rate of beam_alpha1; its row, beam_alpha1, [N]
- *   4  beam_alpha2dot  [m/s]  rate of beam_alpha2; its row, beam_alpha2, [N]
+ * Generalised velocities v, and the equations of motion with their units:
+ *   0  beam_c1dot  [m/s]  time derivative of beam_c1; equation beam_c1 [N]
+ *   1  beam_c2dot  [m/s]  time derivative of beam_c2; equation beam_c2 [N]
+ *   2  beam_phidot  [rad/s]  time derivative of beam_phi; equation beam_phi [N m]
+ *   3  beam_alpha1dot  [m/s]  time derivative of beam_alpha1; equation beam_alpha1 [N]
+ *   4  beam_alpha2dot  [m/s]  time derivative of beam_alpha2; equation beam_alpha2 [N]
  *
- * What is not modelled, and why:
+ * Not modelled, with the reasons:
  *   ground: it does not move: no coordinates
  *
  * Parameters p:
@@ -40,7 +41,7 @@
  *   l  [m]  length of beam, default 1.0
  *   EI  [N m^2]  bending stiffness EI of beam, default 1.0
  *
- * Constants k, made of them by setup:
+ * Constants k, computed from the parameters by setup:
  *   beam_mass  [kg]  mass of the body; beam
  *   beam_C3  [kg m^2]  int rho X . X; beam
  *   beam_c8_1_1  [kg]  int rho Phi_1 . Phi_1; beam
@@ -53,7 +54,7 @@
  *   inverse_beam_c8_1_1  1 / beam_c8_1_1
  *   inverse_beam_c8_2_2  1 / beam_c8_2_2
  *
- * Mass matrix, x a value and . a structural zero:
+ * Mass matrix (x: structural non-zero, .: structural zero):
  *   beam_c1      x . . . .
  *   beam_c2      . x . . .
  *   beam_phi     . . x . .
@@ -61,11 +62,11 @@
  *   beam_alpha2  . . . . x
  *   5 of 25 entries are structural non-zeros; the 5 of the lower triangle are stored
  *
- * Why its zeros are zero:
+ * Reasons for its structural zeros:
  *   M[beam_c2, beam_c1]: the mass enters as m I, so translations along different axes do not couple
- *   M[beam_phi, beam_c1], M[beam_phi, beam_c2]: c1_1 = 0 by the choice of O (the centre of the
- *       undeformed beam); c1_2, c2_1_1, c2_2_1 = 0 by geometry (the beam lies along e1 and deflects
- *       along e2); c2_1_2, c2_2_2 = 0 by condition (17) (no mean displacement)
+ *   M[beam_phi, beam_c1], M[beam_phi, beam_c2]: c1_1 = 0 by the choice of the origin (the centre of
+ *       the undeformed beam); c1_2, c2_1_1, c2_2_1 = 0 by geometry (the beam lies along e1 and
+ *       deflects along e2); c2_1_2, c2_2_2 = 0 by condition (17) (no mean displacement)
  *   M[beam_alpha1, beam_c1], M[beam_alpha1, beam_c2]: c2_1_1 = 0 by geometry (the beam lies along
  *       e1 and deflects along e2); c2_1_2 = 0 by condition (17) (no mean displacement)
  *   M[beam_alpha1, beam_phi]: c6_1 = 0 by condition (19) (no mean rotation); c7_1_2 = 0 by geometry
@@ -79,9 +80,9 @@
  * Terms of (15) that vanish:
  *   Euler term of row beam_c1, centrifugal term of row beam_c1, Euler term of row beam_c2,
  *       centrifugal term of row beam_c2, translation term of row beam_phi: c1_1 = 0 by the choice
- *       of O (the centre of the undeformed beam); c1_2, c2_1_1, c2_2_1 = 0 by geometry (the beam
- *       lies along e1 and deflects along e2); c2_1_2, c2_2_2 = 0 by condition (17) (no mean
- *       displacement)
+ *       of the origin (the centre of the undeformed beam); c1_2, c2_1_1, c2_2_1 = 0 by geometry
+ *       (the beam lies along e1 and deflects along e2); c2_1_2, c2_2_2 = 0 by condition (17) (no
+ *       mean displacement)
  *   Coriolis term of row beam_c1, relative term of row beam_c1, Coriolis term of row beam_c2,
  *       relative term of row beam_c2: c2_1_1, c2_2_1 = 0 by geometry (the beam lies along e1 and
  *       deflects along e2); c2_1_2, c2_2_2 = 0 by condition (17) (no mean displacement)
@@ -133,18 +134,18 @@ enum {
     TISSERAND_ROLE_AMPLITUDE = 5
 };
 
-/* A coordinate, rate, parameter or constant; a parameter has a default. An array has so many values. */
+/* A generalised coordinate, generalised velocity, parameter, constant or multiplier. */
 typedef struct {
     const char *name;
     const char *unit;
     const char *doc;
-    double value;
-    int size;
+    double value; /* the default of a parameter */
+    int size;     /* number of values, more than 1 for an array */
     int role; /* one of the roles above, for coordinates; 0 otherwise */
 } tisserand_variable;
 
-/* Compressed columns; of a symmetric matrix the lower triangle. Patterns of loops over the shapes are not
-   stored: colptr and rowidx are 0 there, and fill writes them. */
+/* Compressed columns; of a symmetric matrix the lower triangle. Patterns of looped kernels are not stored:
+   colptr and rowidx are 0 there, and fill writes them. */
 typedef struct {
     int rows;
     int cols;
@@ -156,7 +157,7 @@ typedef struct {
 } tisserand_pattern;
 
 /* A named material point; jacobian holds the values of d(velocity)/dv, in the plane d(position)/dq; load turns
-   a force F at the point, in the inertial base, into generalized forces f of M vdot + h = f. */
+   a force F at the point, in the inertial frame, into generalised forces f of M vdot + h = f. */
 typedef struct {
     const char *name;
     int dimension;
@@ -175,10 +176,10 @@ typedef struct {
     int (*jacobian)(double t, const double *y, const double *ydot, double cj, const double *k, double *jac);
 } tisserand_dae;
 
-/* What a scene has besides: constraints g(t, q) = 0 with multipliers, M vdot + h = G^T lambda, G vdot = gamma. */
+/* The additional functions of a scene: constraints g(t, q) = 0 with multipliers, M vdot + h = G^T lambda, G vdot = gamma. */
 typedef struct {
     int nbodies;
-    const tisserand_variable *lambda; /* nlambda multipliers: what joints exert on their second bodies */
+    const tisserand_variable *lambda; /* nlambda multipliers: constraint reactions on body 2 */
     const char *const *bodies;
     const tisserand_pattern *pattern; /* of G, nlambda x nv */
     const tisserand_dae *forms;
@@ -192,12 +193,12 @@ typedef struct {
     int (*poses)(double t, const double *q, const double *k, double *pose); /* c1, c2, phi of each body */
 } tisserand_scene;
 
-/* All there is to know of a model, for a host that is compiled once and serves many. */
+/* The descriptor of a model, for hosts that are compiled once and serve many models. */
 typedef struct {
     int abi;
     const char *name;
-    int nq;        /* coordinates */
-    int nv;        /* rates */
+    int nq;        /* generalised coordinates */
+    int nv;        /* generalised velocities */
     int np;        /* parameters */
     int nk;        /* constants of setup */
     int nlambda;   /* multipliers */
@@ -233,7 +234,7 @@ typedef struct {
 } tisserand_model;
 
 #elif TISSERAND_ABI != 4
-#  error "this header and one included before it were generated by Tisserand versions that do not fit"
+#  error "this header and one included before it were generated by incompatible versions of Tisserand"
 #endif
 
 /* ---- sizes and indices ---- */
@@ -272,9 +273,9 @@ enum {
     SPINNING_BEAM_ABI = 4
 };
 
-/* ---- functions: 0 = ok. From setup and accel, solve and project_velocity alone: 1 = a pivot vanished; 2 = a value is not finite
-   or not positive; the outputs then hold nothing of use. The others let a NaN through; accel calls a
-   NaN in its mass matrix a vanished pivot.
+/* ---- functions return 0 for success. setup, accel, solve and project_velocity return 1 if a pivot vanished and 2 if a
+   value is not finite or not positive; the outputs are undefined then. All other functions propagate a NaN;
+   accel reports a NaN in its mass matrix as a vanished pivot.
    Arrays that are written must not overlap each other or arrays that are read. ---- */
 
 /*
@@ -294,7 +295,7 @@ int spinning_beam_setup(
 /*
  * Mass matrix M(q): values of the lower triangle by columns.
  *
- * q: generalized coordinates (5)
+ * q: generalised coordinates (5)
  * k: constants from setup (11)
  * M: values of the mass matrix, lower triangle by columns, 5 x 5, 5 values, 5 in both triangles
  *
@@ -307,15 +308,15 @@ int spinning_beam_mass(
     double *M);
 
 /*
- * Forces h of M vdot + h = G^T lambda: centrifugal, Coriolis and elastic, and those of gravity,
- *     springs and applied loads.
+ * Forces h of M vdot + h = G^T lambda: centrifugal, Coriolis, elastic, damping, gravity, springs
+ *     and applied loads.
  *
  * t: time
- * q: generalized coordinates (5)
- * v: rates (5)
+ * q: generalised coordinates (5)
+ * v: generalised velocities (5)
  * k: constants from setup (11)
- * h: forces, one row a coordinate (5): h[beam_c1], h[beam_c2], h[beam_phi], h[beam_alpha1],
- *     h[beam_alpha2]
+ * h: forces, one for each equation of motion (5): h[beam_c1], h[beam_c2], h[beam_phi],
+ *     h[beam_alpha1], h[beam_alpha2]
  *
  * From (26), appendix, (1), (10), (15).
  * 29 operations.
@@ -331,12 +332,12 @@ int spinning_beam_force(
  * Mass matrix and forces together; what they share is computed once.
  *
  * t: time
- * q: generalized coordinates (5)
- * v: rates (5)
+ * q: generalised coordinates (5)
+ * v: generalised velocities (5)
  * k: constants from setup (11)
  * M: values of the mass matrix, lower triangle by columns, 5 x 5, 5 values, 5 in both triangles
- * h: forces, one row a coordinate (5): h[beam_c1], h[beam_c2], h[beam_phi], h[beam_alpha1],
- *     h[beam_alpha2]
+ * h: forces, one for each equation of motion (5): h[beam_c1], h[beam_c2], h[beam_phi],
+ *     h[beam_alpha1], h[beam_alpha2]
  *
  * From appendix, (15), (26), (10), (1).
  * 33 operations.
@@ -353,8 +354,8 @@ int spinning_beam_mass_force(
  * Accelerations vdot of M vdot + h = G^T lambda, G vdot = gamma; `solve` gives lambda as well.
  *
  * t: time
- * q: generalized coordinates (5)
- * v: rates (5)
+ * q: generalised coordinates (5)
+ * v: generalised velocities (5)
  * k: constants from setup (11)
  * vdot: accelerations (5): beam_c1ddot, beam_c2ddot, beam_phiddot, beam_alpha1ddot, beam_alpha2ddot
  *
@@ -371,8 +372,8 @@ int spinning_beam_accel(
 /*
  * Kinetic and strain energy (with that of springs).
  *
- * q: generalized coordinates (5)
- * v: rates (5)
+ * q: generalised coordinates (5)
+ * v: generalised velocities (5)
  * k: constants from setup (11)
  * energy: energies [J] (2): kinetic, strain
  *
@@ -388,8 +389,8 @@ int spinning_beam_energy(
 /*
  * Linear momentum, and angular momentum about the inertial origin.
  *
- * q: generalized coordinates (5)
- * v: rates (5)
+ * q: generalised coordinates (5)
+ * v: generalised velocities (5)
  * k: constants from setup (11)
  * momentum: linear [N s] and angular [N m s] (3): linear_1, linear_2, angular
  *
@@ -403,10 +404,10 @@ int spinning_beam_momentum(
     double *momentum);
 
 /*
- * Time derivative of the coordinates from the rates.
+ * Time derivatives of the generalised coordinates from the generalised velocities.
  *
- * q: generalized coordinates (5)
- * v: rates (5)
+ * q: generalised coordinates (5)
+ * v: generalised velocities (5)
  * k: constants from setup (11)
  * qdot: time derivative of q (5): beam_c1_t, beam_c2_t, beam_phi_t, beam_alpha1_t, beam_alpha2_t
  *
@@ -423,11 +424,11 @@ int spinning_beam_rates(
  * Marker beam_left, material point at xi = -1 of beam: position, velocity and its Jacobian
  *     d(velocity)/dv.
  *
- * q: generalized coordinates (5)
- * v: rates (5)
+ * q: generalised coordinates (5)
+ * v: generalised velocities (5)
  * k: constants from setup (11)
- * x: position in the inertial base [m] (2): x1, x2
- * xdot: velocity in the inertial base [m/s] (2): x1dot, x2dot
+ * x: position in the inertial frame [m] (2): x1, x2
+ * xdot: velocity in the inertial frame [m/s] (2): x1dot, x2dot
  * jacobian: values of d(velocity)/dv by columns, 2 x 5, 8 values
  *
  * From (1).
@@ -445,11 +446,11 @@ int spinning_beam_marker_beam_left(
  * Marker beam_middle, material point at xi = 0 of beam: position, velocity and its Jacobian
  *     d(velocity)/dv.
  *
- * q: generalized coordinates (5)
- * v: rates (5)
+ * q: generalised coordinates (5)
+ * v: generalised velocities (5)
  * k: constants from setup (11)
- * x: position in the inertial base [m] (2): x1, x2
- * xdot: velocity in the inertial base [m/s] (2): x1dot, x2dot
+ * x: position in the inertial frame [m] (2): x1, x2
+ * xdot: velocity in the inertial frame [m/s] (2): x1dot, x2dot
  * jacobian: values of d(velocity)/dv by columns, 2 x 5, 6 values
  *
  * From (1), (26).
@@ -467,11 +468,11 @@ int spinning_beam_marker_beam_middle(
  * Marker beam_right, material point at xi = 1 of beam: position, velocity and its Jacobian
  *     d(velocity)/dv.
  *
- * q: generalized coordinates (5)
- * v: rates (5)
+ * q: generalised coordinates (5)
+ * v: generalised velocities (5)
  * k: constants from setup (11)
- * x: position in the inertial base [m] (2): x1, x2
- * xdot: velocity in the inertial base [m/s] (2): x1dot, x2dot
+ * x: position in the inertial frame [m] (2): x1, x2
+ * xdot: velocity in the inertial frame [m/s] (2): x1dot, x2dot
  * jacobian: values of d(velocity)/dv by columns, 2 x 5, 8 values
  *
  * From (1).
@@ -486,12 +487,12 @@ int spinning_beam_marker_beam_right(
     double *jacobian);
 
 /*
- * Generalized forces f of a force at marker beam_left: then M vdot + h = f.
+ * Generalised forces f of a force at marker beam_left: then M vdot + h = f.
  *
- * q: generalized coordinates (5)
- * F: force at the marker, in the inertial base [N] (2)
+ * q: generalised coordinates (5)
+ * F: force at the marker, in the inertial frame [N] (2)
  * k: constants from setup (11)
- * f: generalized forces, one row a coordinate (5): f[beam_c1], f[beam_c2], f[beam_phi],
+ * f: generalised forces, one for each equation of motion (5): f[beam_c1], f[beam_c2], f[beam_phi],
  *     f[beam_alpha1], f[beam_alpha2]
  *
  * From (26), (10), (1).
@@ -504,12 +505,12 @@ int spinning_beam_load_beam_left(
     double *f);
 
 /*
- * Generalized forces f of a force at marker beam_middle: then M vdot + h = f.
+ * Generalised forces f of a force at marker beam_middle: then M vdot + h = f.
  *
- * q: generalized coordinates (5)
- * F: force at the marker, in the inertial base [N] (2)
+ * q: generalised coordinates (5)
+ * F: force at the marker, in the inertial frame [N] (2)
  * k: constants from setup (11)
- * f: generalized forces, one row a coordinate (5): f[beam_c1], f[beam_c2], f[beam_phi],
+ * f: generalised forces, one for each equation of motion (5): f[beam_c1], f[beam_c2], f[beam_phi],
  *     f[beam_alpha1], f[beam_alpha2]
  *
  * From (26), (10).
@@ -522,12 +523,12 @@ int spinning_beam_load_beam_middle(
     double *f);
 
 /*
- * Generalized forces f of a force at marker beam_right: then M vdot + h = f.
+ * Generalised forces f of a force at marker beam_right: then M vdot + h = f.
  *
- * q: generalized coordinates (5)
- * F: force at the marker, in the inertial base [N] (2)
+ * q: generalised coordinates (5)
+ * F: force at the marker, in the inertial frame [N] (2)
  * k: constants from setup (11)
- * f: generalized forces, one row a coordinate (5): f[beam_c1], f[beam_c2], f[beam_phi],
+ * f: generalised forces, one for each equation of motion (5): f[beam_c1], f[beam_c2], f[beam_phi],
  *     f[beam_alpha1], f[beam_alpha2]
  *
  * From (26), (10), (1).
@@ -543,9 +544,9 @@ int spinning_beam_load_beam_right(
  * Constraints g(t, q) = 0.
  *
  * t: time
- * q: generalized coordinates (5)
+ * q: generalised coordinates (5)
  * k: constants from setup (11)
- * g: what is left of the constraints (0):
+ * g: residuals of the constraints (0):
  *
  * 0 operations.
  */
@@ -556,13 +557,13 @@ int spinning_beam_constraints(
     double *g);
 
 /*
- * Rates of the constraints, gdot = G v + dg/dt.
+ * Time derivatives of the constraints, gdot = G v + dg/dt.
  *
  * t: time
- * q: generalized coordinates (5)
- * v: rates (5)
+ * q: generalised coordinates (5)
+ * v: generalised velocities (5)
  * k: constants from setup (11)
- * gdot: rates of the constraints (0):
+ * gdot: time derivatives of the constraints (0):
  *
  * 0 operations.
  */
@@ -577,7 +578,7 @@ int spinning_beam_constraint_rates(
  * Jacobian G = d gdot / dv of the constraints: values by columns.
  *
  * t: time
- * q: generalized coordinates (5)
+ * q: generalised coordinates (5)
  * k: constants from setup (11)
  * G: values of G by columns, 0 x 5, 0 values
  *
@@ -593,10 +594,10 @@ int spinning_beam_constraint_jacobian(
  * Right-hand side gamma of the constraints on accelerations, G vdot = gamma.
  *
  * t: time
- * q: generalized coordinates (5)
- * v: rates (5)
+ * q: generalised coordinates (5)
+ * v: generalised velocities (5)
  * k: constants from setup (11)
- * gamma: what the accelerations have to make up for (0):
+ * gamma: right-hand side of G vdot = gamma (0):
  *
  * 0 operations.
  */
@@ -611,11 +612,11 @@ int spinning_beam_constraint_bias(
  * Accelerations vdot and multipliers lambda of M vdot + h = G^T lambda, G vdot = gamma.
  *
  * t: time
- * q: generalized coordinates (5)
- * v: rates (5)
+ * q: generalised coordinates (5)
+ * v: generalised velocities (5)
  * k: constants from setup (11)
  * vdot: accelerations (5): beam_c1ddot, beam_c2ddot, beam_phiddot, beam_alpha1ddot, beam_alpha2ddot
- * lam: forces and torques of the joints on their second bodies (0):
+ * lam: constraint reactions on body 2 of each joint (0):
  *
  * From appendix, LDL^T, (26), (1), (10).
  * 42 operations.
@@ -629,14 +630,15 @@ int spinning_beam_solve(
     double *lam);
 
 /*
- * The smallest change dv of the rates, measured by dv . M dv, with G dv = r: with r = -gdot it
- *     brings rates onto the constraints, with r = -g, repeated, coordinates.
+ * The smallest change dv of the generalised velocities, in the metric of M, with G dv = r: r =
+ *     -gdot projects velocities onto the constraints; r = -g, repeated, projects coordinates.
  *
  * t: time
- * q: generalized coordinates (5)
+ * q: generalised coordinates (5)
  * k: constants from setup (11)
- * r: change of the constraints' rates (0)
- * dv: change of the rates (5): beam_c1dot, beam_c2dot, beam_phidot, beam_alpha1dot, beam_alpha2dot
+ * r: prescribed change of gdot (0)
+ * dv: change of the generalised velocities (5): beam_c1dot, beam_c2dot, beam_phidot,
+ *     beam_alpha1dot, beam_alpha2dot
  *
  * From appendix, LDL^T.
  * 6 operations.
@@ -649,10 +651,11 @@ int spinning_beam_project_velocity(
     double *dv);
 
 /*
- * Position of the origin and rotation of the base of every body, also of those without coordinates.
+ * Position of the origin and rotation of the frame of every body, including bodies without
+ *     coordinates.
  *
  * t: time
- * q: generalized coordinates (5)
+ * q: generalised coordinates (5)
  * k: constants from setup (11)
  * pose: c1, c2 [m] and phi [rad] of each body (3): beam.c1, beam.c2, beam.phi
  *
@@ -672,7 +675,7 @@ int spinning_beam_poses(
  * y: state [q; v; lambda] (10)
  * ydot: time derivative of y (10)
  * k: constants from setup (11)
- * F: residual, one row a state (10): beam_c1, beam_c2, beam_phi, beam_alpha1, beam_alpha2,
+ * F: residual, one for each state (10): beam_c1, beam_c2, beam_phi, beam_alpha1, beam_alpha2,
  *     beam_c1dot, beam_c2dot, beam_phidot, beam_alpha1dot, beam_alpha2dot
  *
  * From (26), appendix, (1), (10), (15).
@@ -715,7 +718,7 @@ int spinning_beam_jacobian(
  * y: state [q; v; lambda; mu] (10)
  * ydot: time derivative of y (10)
  * k: constants from setup (11)
- * F: residual, one row a state (10): beam_c1, beam_c2, beam_phi, beam_alpha1, beam_alpha2,
+ * F: residual, one for each state (10): beam_c1, beam_c2, beam_phi, beam_alpha1, beam_alpha2,
  *     beam_c1dot, beam_c2dot, beam_phidot, beam_alpha1dot, beam_alpha2dot
  *
  * From (26), appendix, (1), (10), (15).
@@ -757,7 +760,7 @@ int spinning_beam_jacobian_ggl(
  * y: state [q; v; lambda] (10)
  * ydot: time derivative of y (10)
  * k: constants from setup (11)
- * F: residual, one row a state (10): beam_c1, beam_c2, beam_phi, beam_alpha1, beam_alpha2,
+ * F: residual, one for each state (10): beam_c1, beam_c2, beam_phi, beam_alpha1, beam_alpha2,
  *     beam_c1dot, beam_c2dot, beam_phidot, beam_alpha1dot, beam_alpha2dot
  *
  * From (26), appendix, (1), (10), (15).
@@ -793,10 +796,10 @@ int spinning_beam_jacobian_index1(
     double *jac);
 
 /* ---- batches: mass, force and accel of n >= 0 states with the same time and constants. Element e of state
-   b lies at e * n + b, in q and v as in what is written. Where no product is fused with a sum
+   b has the index e * n + b, in inputs and outputs. Where no product is fused with a sum
    (-ffp-contract=off) the numbers are those of the functions above, bit for bit. Blocks of 32
    states are computed at a time, on some 5 kB of stack. accel_batch gives NaN for the accelerations of
-   a state that fails, and returns the code of the first of them; all other states are right. ---- */
+   a state that fails, and returns the code of the first of them; all other states are valid. ---- */
 
 int spinning_beam_mass_batch(
     int n,

@@ -8,29 +8,30 @@ G vdot = gamma, from x = c + Q (X + u) and d'Alembert's virtual
 work: (15) of Koppens, Sauren, Veldpaus & van Campen, J. Appl. Mech. 55 (1988) 676-680, whose
 equation numbers these are. Units are SI where the parameters are; any consistent set will do.
 
-The floating frame has its origin at c and is turned by Q. In it are resolved: r = X + u, the
-shapes Phi_i, and their moments c1 .. c8, d1, D2, d3, J, so that e1, e2 there are its axes.
-In the inertial base are resolved: c, momenta, and markers.
-Of beams c is where the centre of the undeformed beam lies in the floating frame.
+The floating frame has its origin at c and the rotation Q. r = X + u, the shape functions Phi_i,
+and their moments c1 .. c8, d1, D2, d3, J are resolved in the floating frame; c, momenta and
+markers are resolved in the inertial frame.
+For beams, c is the position of the centre of the undeformed beam.
 Deflection of beam, along its e2: alpha1 phi_1 + ..., phi_1 = 3*xi^2/2 - 1/2, phi_2 = 5*xi^3/2 -
     3*xi/2; xi = 2 x / length.
-In M bodies share no inertia: joints couple them through constraints.
+For several bodies the mass matrix is block-diagonal, because joints couple bodies through
+    constraints.
 
-Coordinates q:
+Generalised coordinates q:
   0  beam_c1      [m]  beam: position of the origin of the floating frame along the inertial e1
   1  beam_c2      [m]  beam: position of the origin of the floating frame along the inertial e2
   2  beam_phi     [rad]  beam: rotation of the floating frame
-  3  beam_alpha1  [m]  beam: amplitude of assumed shape 1
-  4  beam_alpha2  [m]  beam: amplitude of assumed shape 2
+  3  beam_alpha1  [m]  beam: amplitude of assumed mode 1
+  4  beam_alpha2  [m]  beam: amplitude of assumed mode 2
 
-Rates v and the rows of the equations of motion, with their units:
-  0  beam_c1dot  [m/s]  rate of beam_c1; its row, beam_c1, [N]
-  1  beam_c2dot  [m/s]  rate of beam_c2; its row, beam_c2, [N]
-  2  beam_phidot  [rad/s]  rate of beam_phi; its row, beam_phi, [N m]
-  3  beam_alpha1dot  [m/s]  rate of beam_alpha1; its row, beam_alpha1, [N]
-  4  beam_alpha2dot  [m/s]  rate of beam_alpha2; its row, beam_alpha2, [N]
+Generalised velocities v, and the equations of motion with their units:
+  0  beam_c1dot  [m/s]  time derivative of beam_c1; equation beam_c1 [N]
+  1  beam_c2dot  [m/s]  time derivative of beam_c2; equation beam_c2 [N]
+  2  beam_phidot  [rad/s]  time derivative of beam_phi; equation beam_phi [N m]
+  3  beam_alpha1dot  [m/s]  time derivative of beam_alpha1; equation beam_alpha1 [N]
+  4  beam_alpha2dot  [m/s]  time derivative of beam_alpha2; equation beam_alpha2 [N]
 
-What is not modelled, and why:
+Not modelled, with the reasons:
   ground: it does not move: no coordinates
 
 Parameters p:
@@ -38,7 +39,7 @@ Parameters p:
   l  [m]  length of beam, default 1.0
   EI  [N m^2]  bending stiffness EI of beam, default 1.0
 
-Constants k, made of them by setup:
+Constants k, computed from the parameters by setup:
   beam_mass  [kg]  mass of the body; beam
   beam_C3  [kg m^2]  int rho X . X; beam
   beam_c8_1_1  [kg]  int rho Phi_1 . Phi_1; beam
@@ -51,7 +52,7 @@ Constants k, made of them by setup:
   inverse_beam_c8_1_1  1 / beam_c8_1_1
   inverse_beam_c8_2_2  1 / beam_c8_2_2
 
-Mass matrix, x a value and . a structural zero:
+Mass matrix (x: structural non-zero, .: structural zero):
   beam_c1      x . . . .
   beam_c2      . x . . .
   beam_phi     . . x . .
@@ -59,11 +60,11 @@ Mass matrix, x a value and . a structural zero:
   beam_alpha2  . . . . x
   5 of 25 entries are structural non-zeros; the 5 of the lower triangle are stored
 
-Why its zeros are zero:
+Reasons for its structural zeros:
   M[beam_c2, beam_c1]: the mass enters as m I, so translations along different axes do not couple
-  M[beam_phi, beam_c1], M[beam_phi, beam_c2]: c1_1 = 0 by the choice of O (the centre of the
-      undeformed beam); c1_2, c2_1_1, c2_2_1 = 0 by geometry (the beam lies along e1 and deflects
-      along e2); c2_1_2, c2_2_2 = 0 by condition (17) (no mean displacement)
+  M[beam_phi, beam_c1], M[beam_phi, beam_c2]: c1_1 = 0 by the choice of the origin (the centre of
+      the undeformed beam); c1_2, c2_1_1, c2_2_1 = 0 by geometry (the beam lies along e1 and
+      deflects along e2); c2_1_2, c2_2_2 = 0 by condition (17) (no mean displacement)
   M[beam_alpha1, beam_c1], M[beam_alpha1, beam_c2]: c2_1_1 = 0 by geometry (the beam lies along e1
       and deflects along e2); c2_1_2 = 0 by condition (17) (no mean displacement)
   M[beam_alpha1, beam_phi]: c6_1 = 0 by condition (19) (no mean rotation); c7_1_2 = 0 by geometry
@@ -76,9 +77,9 @@ Why its zeros are zero:
 
 Terms of (15) that vanish:
   Euler term of row beam_c1, centrifugal term of row beam_c1, Euler term of row beam_c2, centrifugal
-      term of row beam_c2, translation term of row beam_phi: c1_1 = 0 by the choice of O (the centre
-      of the undeformed beam); c1_2, c2_1_1, c2_2_1 = 0 by geometry (the beam lies along e1 and
-      deflects along e2); c2_1_2, c2_2_2 = 0 by condition (17) (no mean displacement)
+      term of row beam_c2, translation term of row beam_phi: c1_1 = 0 by the choice of the origin
+      (the centre of the undeformed beam); c1_2, c2_1_1, c2_2_1 = 0 by geometry (the beam lies along
+      e1 and deflects along e2); c2_1_2, c2_2_2 = 0 by condition (17) (no mean displacement)
   Coriolis term of row beam_c1, relative term of row beam_c1, Coriolis term of row beam_c2, relative
       term of row beam_c2: c2_1_1, c2_2_1 = 0 by geometry (the beam lies along e1 and deflects along
       e2); c2_1_2, c2_2_2 = 0 by condition (17) (no mean displacement)
@@ -249,7 +250,7 @@ def setup(p):
     p_l = p[..., 1]
     p_EI = p[..., 2]
 
-    # integrals (appendix): shape integrals, stiffness, and what is made of them
+    # integrals (appendix): shape integrals, stiffness, and constants computed from them
     t1 = p_l * p_l
     beam_C3 = t1 * p_m / 12
     beam_c8_1_1 = p_m / 5
@@ -263,7 +264,7 @@ def setup(p):
     inverse_beam_c8_1_1 = 1 / beam_c8_1_1
     inverse_beam_c8_2_2 = 1 / beam_c8_2_2
 
-    # constants: what the kernels read
+    # constants: constants that the kernels read
     k_0 = p_m
     k_1 = beam_C3
     k_2 = beam_c8_1_1
@@ -276,7 +277,7 @@ def setup(p):
     k_9 = inverse_beam_c8_1_1
     k_10 = inverse_beam_c8_2_2
 
-    # checks: refuse parameters that make no body
+    # checks: checks of the parameters
     _require(xp.all(p_m > 0), "m must be positive")
     _require(xp.all(p_l > 0), "l must be positive")
     _require(xp.all(p_EI > 0), "EI must be positive")
@@ -305,7 +306,7 @@ def setup(p):
 def mass(q, k):
     """Mass matrix M(q): values of the lower triangle by columns.
 
-    q: generalized coordinates (5)
+    q: generalised coordinates (5)
     k: constants from setup (11)
     M: values of the mass matrix, lower triangle by columns, 5 x 5, 5 values, 5 in both triangles
 
@@ -339,15 +340,15 @@ def mass(q, k):
 
 
 def force(t, q, v, k):
-    """Forces h of M vdot + h = G^T lambda: centrifugal, Coriolis and elastic, and those of gravity,
-        springs and applied loads.
+    """Forces h of M vdot + h = G^T lambda: centrifugal, Coriolis, elastic, damping, gravity, springs
+        and applied loads.
 
     t: time
-    q: generalized coordinates (5)
-    v: rates (5)
+    q: generalised coordinates (5)
+    v: generalised velocities (5)
     k: constants from setup (11)
-    h: forces, one row a coordinate (5): h[beam_c1], h[beam_c2], h[beam_phi], h[beam_alpha1],
-        h[beam_alpha2]
+    h: forces, one for each equation of motion (5): h[beam_c1], h[beam_c2], h[beam_phi],
+        h[beam_alpha1], h[beam_alpha2]
 
     From (26), appendix, (1), (10), (15).
     29 operations.
@@ -400,12 +401,12 @@ def mass_force(t, q, v, k):
     """Mass matrix and forces together; what they share is computed once.
 
     t: time
-    q: generalized coordinates (5)
-    v: rates (5)
+    q: generalised coordinates (5)
+    v: generalised velocities (5)
     k: constants from setup (11)
     M: values of the mass matrix, lower triangle by columns, 5 x 5, 5 values, 5 in both triangles
-    h: forces, one row a coordinate (5): h[beam_c1], h[beam_c2], h[beam_phi], h[beam_alpha1],
-        h[beam_alpha2]
+    h: forces, one for each equation of motion (5): h[beam_c1], h[beam_c2], h[beam_phi],
+        h[beam_alpha1], h[beam_alpha2]
 
     From appendix, (15), (26), (10), (1).
     33 operations.
@@ -477,8 +478,8 @@ def accel(t, q, v, k):
     """Accelerations vdot of M vdot + h = G^T lambda, G vdot = gamma; `solve` gives lambda as well.
 
     t: time
-    q: generalized coordinates (5)
-    v: rates (5)
+    q: generalised coordinates (5)
+    v: generalised velocities (5)
     k: constants from setup (11)
     vdot: accelerations (5): beam_c1ddot, beam_c2ddot, beam_phiddot, beam_alpha1ddot,
         beam_alpha2ddot
@@ -509,8 +510,7 @@ def accel(t, q, v, k):
     # beam J (appendix): beam_J = int rho r . r
     beam_J = beam_C3 + beam_D2_1 * beam_alpha1 + beam_D2_2 * beam_alpha2
 
-    # pivots (LDL^T): eliminate beam_c1, beam_c2, beam_phi, beam_alpha1, beam_alpha2; 0 entries are
-    #     filled in
+    # pivots (LDL^T): eliminate beam_c1, beam_c2, beam_phi, beam_alpha1, beam_alpha2; fill-in 0
     valid_1 = beam_J > 0
 
     # beam Q (26): beam_cos_phi = cosine of the rotation angle; beam_sin_phi = sine of the rotation
@@ -551,8 +551,8 @@ def accel(t, q, v, k):
 def energy(q, v, k):
     """Kinetic and strain energy (with that of springs).
 
-    q: generalized coordinates (5)
-    v: rates (5)
+    q: generalised coordinates (5)
+    v: generalised velocities (5)
     k: constants from setup (11)
     energy: energies [J] (2): kinetic, strain
 
@@ -598,8 +598,8 @@ def energy(q, v, k):
 def momentum(q, v, k):
     """Linear momentum, and angular momentum about the inertial origin.
 
-    q: generalized coordinates (5)
-    v: rates (5)
+    q: generalised coordinates (5)
+    v: generalised velocities (5)
     k: constants from setup (11)
     momentum: linear [N s] and angular [N m s] (3): linear_1, linear_2, angular
 
@@ -638,10 +638,10 @@ def momentum(q, v, k):
 
 
 def rates(q, v, k):
-    """Time derivative of the coordinates from the rates.
+    """Time derivatives of the generalised coordinates from the generalised velocities.
 
-    q: generalized coordinates (5)
-    v: rates (5)
+    q: generalised coordinates (5)
+    v: generalised velocities (5)
     k: constants from setup (11)
     qdot: time derivative of q (5): beam_c1_t, beam_c2_t, beam_phi_t, beam_alpha1_t, beam_alpha2_t
 
@@ -670,11 +670,11 @@ def marker_beam_left(q, v, k):
     """Marker beam_left, material point at xi = -1 of beam: position, velocity and its Jacobian
         d(velocity)/dv.
 
-    q: generalized coordinates (5)
-    v: rates (5)
+    q: generalised coordinates (5)
+    v: generalised velocities (5)
     k: constants from setup (11)
-    x: position in the inertial base [m] (2): x1, x2
-    xdot: velocity in the inertial base [m/s] (2): x1dot, x2dot
+    x: position in the inertial frame [m] (2): x1, x2
+    xdot: velocity in the inertial frame [m/s] (2): x1dot, x2dot
     jacobian: values of d(velocity)/dv by columns, 2 x 5, 8 values
 
     From (1).
@@ -706,7 +706,7 @@ def marker_beam_left(q, v, k):
     t4 = beam_left_r_2 * beam_cos_phi
     beam_left_s_2 = t3 + t4
 
-    # marker (1): x = c + Q r, its rate and its derivatives
+    # marker (1): x = c + Q r, its time derivative and its Jacobian
     x_0 = beam_c1 + t1 - t2
     x_1 = beam_c2 + t3 + t4
     t5 = beam_left_rdot_2 + beam_phidot * beam_X_left
@@ -733,11 +733,11 @@ def marker_beam_middle(q, v, k):
     """Marker beam_middle, material point at xi = 0 of beam: position, velocity and its Jacobian
         d(velocity)/dv.
 
-    q: generalized coordinates (5)
-    v: rates (5)
+    q: generalised coordinates (5)
+    v: generalised velocities (5)
     k: constants from setup (11)
-    x: position in the inertial base [m] (2): x1, x2
-    xdot: velocity in the inertial base [m/s] (2): x1dot, x2dot
+    x: position in the inertial frame [m] (2): x1, x2
+    xdot: velocity in the inertial frame [m/s] (2): x1dot, x2dot
     jacobian: values of d(velocity)/dv by columns, 2 x 5, 6 values
 
     From (1), (26).
@@ -765,7 +765,7 @@ def marker_beam_middle(q, v, k):
     #     angle
     beam_cos_phi = xp.cos(beam_phi)
 
-    # marker (1): x = c + Q r, its rate and its derivatives
+    # marker (1): x = c + Q r, its time derivative and its Jacobian
     x_0 = beam_c1 + beam_middle_s_1
     t3 = t1 * beam_cos_phi
     x_1 = beam_c2 - t3
@@ -790,11 +790,11 @@ def marker_beam_right(q, v, k):
     """Marker beam_right, material point at xi = 1 of beam: position, velocity and its Jacobian
         d(velocity)/dv.
 
-    q: generalized coordinates (5)
-    v: rates (5)
+    q: generalised coordinates (5)
+    v: generalised velocities (5)
     k: constants from setup (11)
-    x: position in the inertial base [m] (2): x1, x2
-    xdot: velocity in the inertial base [m/s] (2): x1dot, x2dot
+    x: position in the inertial frame [m] (2): x1, x2
+    xdot: velocity in the inertial frame [m/s] (2): x1dot, x2dot
     jacobian: values of d(velocity)/dv by columns, 2 x 5, 8 values
 
     From (1).
@@ -826,7 +826,7 @@ def marker_beam_right(q, v, k):
     t4 = beam_right_r_2 * beam_cos_phi
     beam_right_s_2 = t3 + t4
 
-    # marker (1): x = c + Q r, its rate and its derivatives
+    # marker (1): x = c + Q r, its time derivative and its Jacobian
     x_0 = beam_c1 + t1 - t2
     x_1 = beam_c2 + t3 + t4
     t5 = beam_right_rdot_2 + beam_phidot * beam_X_right
@@ -851,12 +851,12 @@ def marker_beam_right(q, v, k):
 
 
 def load_beam_left(q, F, k):
-    """Generalized forces f of a force at marker beam_left: then M vdot + h = f.
+    """Generalised forces f of a force at marker beam_left: then M vdot + h = f.
 
-    q: generalized coordinates (5)
-    F: force at the marker, in the inertial base [N] (2)
+    q: generalised coordinates (5)
+    F: force at the marker, in the inertial frame [N] (2)
     k: constants from setup (11)
-    f: generalized forces, one row a coordinate (5): f[beam_c1], f[beam_c2], f[beam_phi],
+    f: generalised forces, one for each equation of motion (5): f[beam_c1], f[beam_c2], f[beam_phi],
         f[beam_alpha1], f[beam_alpha2]
 
     From (26), (10), (1).
@@ -875,7 +875,7 @@ def load_beam_left(q, F, k):
     beam_cos_phi = xp.cos(beam_phi)
     beam_sin_phi = xp.sin(beam_phi)
 
-    # F (10): the force seen from the body base
+    # F (10): the force in the body frame
     beam_left_Fb_1 = F_1 * beam_cos_phi + F_2 * beam_sin_phi
     beam_left_Fb_2 = F_2 * beam_cos_phi - F_1 * beam_sin_phi
 
@@ -895,12 +895,12 @@ def load_beam_left(q, F, k):
 
 
 def load_beam_middle(q, F, k):
-    """Generalized forces f of a force at marker beam_middle: then M vdot + h = f.
+    """Generalised forces f of a force at marker beam_middle: then M vdot + h = f.
 
-    q: generalized coordinates (5)
-    F: force at the marker, in the inertial base [N] (2)
+    q: generalised coordinates (5)
+    F: force at the marker, in the inertial frame [N] (2)
     k: constants from setup (11)
-    f: generalized forces, one row a coordinate (5): f[beam_c1], f[beam_c2], f[beam_phi],
+    f: generalised forces, one for each equation of motion (5): f[beam_c1], f[beam_c2], f[beam_phi],
         f[beam_alpha1], f[beam_alpha2]
 
     From (26), (10).
@@ -917,7 +917,7 @@ def load_beam_middle(q, F, k):
     beam_cos_phi = xp.cos(beam_phi)
     beam_sin_phi = xp.sin(beam_phi)
 
-    # F (10): the force seen from the body base
+    # F (10): the force in the body frame
     beam_middle_Fb_1 = F_1 * beam_cos_phi + F_2 * beam_sin_phi
     beam_middle_Fb_2 = F_2 * beam_cos_phi - F_1 * beam_sin_phi
 
@@ -933,12 +933,12 @@ def load_beam_middle(q, F, k):
 
 
 def load_beam_right(q, F, k):
-    """Generalized forces f of a force at marker beam_right: then M vdot + h = f.
+    """Generalised forces f of a force at marker beam_right: then M vdot + h = f.
 
-    q: generalized coordinates (5)
-    F: force at the marker, in the inertial base [N] (2)
+    q: generalised coordinates (5)
+    F: force at the marker, in the inertial frame [N] (2)
     k: constants from setup (11)
-    f: generalized forces, one row a coordinate (5): f[beam_c1], f[beam_c2], f[beam_phi],
+    f: generalised forces, one for each equation of motion (5): f[beam_c1], f[beam_c2], f[beam_phi],
         f[beam_alpha1], f[beam_alpha2]
 
     From (26), (10), (1).
@@ -957,7 +957,7 @@ def load_beam_right(q, F, k):
     beam_cos_phi = xp.cos(beam_phi)
     beam_sin_phi = xp.sin(beam_phi)
 
-    # F (10): the force seen from the body base
+    # F (10): the force in the body frame
     beam_right_Fb_1 = F_1 * beam_cos_phi + F_2 * beam_sin_phi
     beam_right_Fb_2 = F_2 * beam_cos_phi - F_1 * beam_sin_phi
 
@@ -980,9 +980,9 @@ def constraints(t, q, k):
     """Constraints g(t, q) = 0.
 
     t: time
-    q: generalized coordinates (5)
+    q: generalised coordinates (5)
     k: constants from setup (11)
-    g: what is left of the constraints (0):
+    g: residuals of the constraints (0):
 
     0 operations.
     """
@@ -993,13 +993,13 @@ def constraints(t, q, k):
 
 
 def constraint_rates(t, q, v, k):
-    """Rates of the constraints, gdot = G v + dg/dt.
+    """Time derivatives of the constraints, gdot = G v + dg/dt.
 
     t: time
-    q: generalized coordinates (5)
-    v: rates (5)
+    q: generalised coordinates (5)
+    v: generalised velocities (5)
     k: constants from setup (11)
-    gdot: rates of the constraints (0):
+    gdot: time derivatives of the constraints (0):
 
     0 operations.
     """
@@ -1013,7 +1013,7 @@ def constraint_jacobian(t, q, k):
     """Jacobian G = d gdot / dv of the constraints: values by columns.
 
     t: time
-    q: generalized coordinates (5)
+    q: generalised coordinates (5)
     k: constants from setup (11)
     G: values of G by columns, 0 x 5, 0 values
 
@@ -1029,10 +1029,10 @@ def constraint_bias(t, q, v, k):
     """Right-hand side gamma of the constraints on accelerations, G vdot = gamma.
 
     t: time
-    q: generalized coordinates (5)
-    v: rates (5)
+    q: generalised coordinates (5)
+    v: generalised velocities (5)
     k: constants from setup (11)
-    gamma: what the accelerations have to make up for (0):
+    gamma: right-hand side of G vdot = gamma (0):
 
     0 operations.
     """
@@ -1046,12 +1046,12 @@ def solve(t, q, v, k):
     """Accelerations vdot and multipliers lambda of M vdot + h = G^T lambda, G vdot = gamma.
 
     t: time
-    q: generalized coordinates (5)
-    v: rates (5)
+    q: generalised coordinates (5)
+    v: generalised velocities (5)
     k: constants from setup (11)
     vdot: accelerations (5): beam_c1ddot, beam_c2ddot, beam_phiddot, beam_alpha1ddot,
         beam_alpha2ddot
-    lam: forces and torques of the joints on their second bodies (0):
+    lam: constraint reactions on body 2 of each joint (0):
 
     From appendix, LDL^T, (26), (1), (10).
     42 operations.
@@ -1079,8 +1079,7 @@ def solve(t, q, v, k):
     # beam J (appendix): beam_J = int rho r . r
     beam_J = beam_C3 + beam_D2_1 * beam_alpha1 + beam_D2_2 * beam_alpha2
 
-    # pivots (LDL^T): eliminate beam_c1, beam_c2, beam_phi, beam_alpha1, beam_alpha2; 0 entries are
-    #     filled in
+    # pivots (LDL^T): eliminate beam_c1, beam_c2, beam_phi, beam_alpha1, beam_alpha2; fill-in 0
     valid_1 = beam_J > 0
 
     # beam Q (26): beam_cos_phi = cosine of the rotation angle; beam_sin_phi = sine of the rotation
@@ -1120,14 +1119,15 @@ def solve(t, q, v, k):
 
 
 def project_velocity(t, q, k, r):
-    """The smallest change dv of the rates, measured by dv . M dv, with G dv = r: with r = -gdot it
-        brings rates onto the constraints, with r = -g, repeated, coordinates.
+    """The smallest change dv of the generalised velocities, in the metric of M, with G dv = r: r =
+        -gdot projects velocities onto the constraints; r = -g, repeated, projects coordinates.
 
     t: time
-    q: generalized coordinates (5)
+    q: generalised coordinates (5)
     k: constants from setup (11)
-    r: change of the constraints' rates (0)
-    dv: change of the rates (5): beam_c1dot, beam_c2dot, beam_phidot, beam_alpha1dot, beam_alpha2dot
+    r: prescribed change of gdot (0)
+    dv: change of the generalised velocities (5): beam_c1dot, beam_c2dot, beam_phidot,
+        beam_alpha1dot, beam_alpha2dot
 
     From appendix, LDL^T.
     6 operations.
@@ -1146,8 +1146,7 @@ def project_velocity(t, q, k, r):
     # beam J (appendix): beam_J = int rho r . r
     beam_J = beam_C3 + beam_D2_1 * beam_alpha1 + beam_D2_2 * beam_alpha2
 
-    # pivots (LDL^T): eliminate beam_c1, beam_c2, beam_phi, beam_alpha1, beam_alpha2; 0 entries are
-    #     filled in
+    # pivots (LDL^T): eliminate beam_c1, beam_c2, beam_phi, beam_alpha1, beam_alpha2; fill-in 0
     valid_1 = beam_J > 0
 
     # solution (LDL^T): forward, diagonal and back substitution
@@ -1162,11 +1161,11 @@ def project_velocity(t, q, k, r):
 
 
 def poses(t, q, k):
-    """Position of the origin and rotation of the base of every body, also of those without
+    """Position of the origin and rotation of the frame of every body, including bodies without
         coordinates.
 
     t: time
-    q: generalized coordinates (5)
+    q: generalised coordinates (5)
     k: constants from setup (11)
     pose: c1, c2 [m] and phi [rad] of each body (3): beam.c1, beam.c2, beam.phi
 
@@ -1194,7 +1193,7 @@ def residual(t, y, ydot, k):
     y: state [q; v; lambda] (10)
     ydot: time derivative of y (10)
     k: constants from setup (11)
-    F: residual, one row a state (10): beam_c1, beam_c2, beam_phi, beam_alpha1, beam_alpha2,
+    F: residual, one for each state (10): beam_c1, beam_c2, beam_phi, beam_alpha1, beam_alpha2,
         beam_c1dot, beam_c2dot, beam_phidot, beam_alpha1dot, beam_alpha2dot
 
     From (26), appendix, (1), (10), (15).
@@ -1364,7 +1363,7 @@ def residual_ggl(t, y, ydot, k):
     y: state [q; v; lambda; mu] (10)
     ydot: time derivative of y (10)
     k: constants from setup (11)
-    F: residual, one row a state (10): beam_c1, beam_c2, beam_phi, beam_alpha1, beam_alpha2,
+    F: residual, one for each state (10): beam_c1, beam_c2, beam_phi, beam_alpha1, beam_alpha2,
         beam_c1dot, beam_c2dot, beam_phidot, beam_alpha1dot, beam_alpha2dot
 
     From (26), appendix, (1), (10), (15).
@@ -1533,7 +1532,7 @@ def residual_index1(t, y, ydot, k):
     y: state [q; v; lambda] (10)
     ydot: time derivative of y (10)
     k: constants from setup (11)
-    F: residual, one row a state (10): beam_c1, beam_c2, beam_phi, beam_alpha1, beam_alpha2,
+    F: residual, one for each state (10): beam_c1, beam_c2, beam_phi, beam_alpha1, beam_alpha2,
         beam_c1dot, beam_c2dot, beam_phidot, beam_alpha1dot, beam_alpha2dot
 
     From (26), appendix, (1), (10), (15).

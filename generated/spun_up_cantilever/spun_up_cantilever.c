@@ -276,7 +276,7 @@ int spun_up_cantilever_accel(
 
     /*
      * pivots (LDL^T): eliminate beam_c1, beam_c2, beam_alpha2, beam_alpha3, beam_alpha1, beam_phi,
-     *     clamp_1, clamp_2, clamp_turn; 9 entries are filled in
+     *     clamp_1, clamp_2, clamp_turn; fill-in 9
      */
     const double t1 = 6.0 * beam_sin_phi;
     const double t2 = t1 / 12.0;
@@ -405,7 +405,7 @@ int spun_up_cantilever_accel(
     vdot[4] = t72;
     vdot[5] = t71;
 
-    /* check: refuse what is not finite */
+    /* check: check that the result is finite */
     if (!isfinite(t73 + t74 + t69 + t70 + t72 + t71)) return 2; /* a result is not finite */
     return 0;
 }
@@ -587,7 +587,7 @@ int spun_up_cantilever_marker_beam_root(
     const double beam_root_s_1 = (-5.0) * beam_cos_phi;
     const double beam_root_s_2 = (-5.0) * beam_sin_phi;
 
-    /* marker (1): x = c + Q r, its rate and its derivatives */
+    /* marker (1): x = c + Q r, its time derivative and its Jacobian */
     x[0] = beam_c1 + beam_root_s_1;
     x[1] = beam_c2 + beam_root_s_2;
     const double t1 = (-5.0) * beam_phidot;
@@ -637,7 +637,7 @@ int spun_up_cantilever_marker_beam_tip(
     const double t4 = beam_tip_r_2 * beam_cos_phi;
     const double beam_tip_s_2 = t3 + t4;
 
-    /* marker (1): x = c + Q r, its rate and its derivatives */
+    /* marker (1): x = c + Q r, its time derivative and its Jacobian */
     x[0] = beam_c1 + t1 - t2;
     x[1] = beam_c2 + t3 + t4;
     const double t5 = beam_tip_rdot_2 + 5.0 * beam_phidot;
@@ -676,7 +676,7 @@ int spun_up_cantilever_load_beam_root(
     const double beam_cos_phi = cos(beam_phi);
     const double beam_sin_phi = sin(beam_phi);
 
-    /* F (10): the force seen from the body base */
+    /* F (10): the force in the body frame */
     const double beam_root_Fb_2 = F_2 * beam_cos_phi - F_1 * beam_sin_phi;
 
     /* f (10): virtual work of the force */
@@ -710,7 +710,7 @@ int spun_up_cantilever_load_beam_tip(
     const double beam_cos_phi = cos(beam_phi);
     const double beam_sin_phi = sin(beam_phi);
 
-    /* F (10): the force seen from the body base */
+    /* F (10): the force in the body frame */
     const double beam_tip_Fb_1 = F_1 * beam_cos_phi + F_2 * beam_sin_phi;
     const double beam_tip_Fb_2 = F_2 * beam_cos_phi - F_1 * beam_sin_phi;
 
@@ -756,7 +756,7 @@ int spun_up_cantilever_constraints(
     const double beam_root_s_1 = (-5.0) * beam_cos_phi;
     const double beam_root_s_2 = (-5.0) * beam_sin_phi;
 
-    /* g (1): second place minus first, from x = c + Q r */
+    /* g (1): point of body 2 minus point of body 1, from x = c + Q r */
     g[0] = beam_c1 + beam_root_s_1;
     g[1] = beam_c2 + beam_root_s_2;
     g[2] = beam_phi - hub_phi;
@@ -791,7 +791,7 @@ int spun_up_cantilever_constraint_rates(
     const double beam_root_s_1 = (-5.0) * beam_cos_phi;
     const double beam_root_s_2 = (-5.0) * beam_sin_phi;
 
-    /* gdot (1): velocities of the second place minus those of the first */
+    /* gdot (1): velocity of the point of body 2 minus that of body 1 */
     gdot[0] = beam_c1dot - beam_phidot * beam_root_s_2;
     gdot[1] = beam_c2dot + beam_phidot * beam_root_s_1;
     gdot[2] = beam_phidot - hub_phidot;
@@ -819,7 +819,7 @@ int spun_up_cantilever_constraint_jacobian(
     const double beam_root_s_1 = (-5.0) * beam_cos_phi;
     const double beam_root_s_2 = (-5.0) * beam_sin_phi;
 
-    /* G (6): factors of the rates */
+    /* G (6): factors of the generalised velocities */
     G[0] = 1.0;
     G[1] = 1.0;
     G[2] = -beam_root_s_2;
@@ -908,7 +908,7 @@ int spun_up_cantilever_solve(
 
     /*
      * pivots (LDL^T): eliminate beam_c1, beam_c2, beam_alpha2, beam_alpha3, beam_alpha1, beam_phi,
-     *     clamp_1, clamp_2, clamp_turn; 9 entries are filled in
+     *     clamp_1, clamp_2, clamp_turn; fill-in 9
      */
     const double t1 = 6.0 * beam_sin_phi;
     const double t2 = t1 / 12.0;
@@ -1040,7 +1040,7 @@ int spun_up_cantilever_solve(
     lam[1] = t67;
     lam[2] = t66;
 
-    /* check: refuse what is not finite */
+    /* check: check that the result is finite */
     if (!isfinite(t73 + t74 + t69 + t70 + t72 + t71 + t68 + t67
         + t66)) return 2; /* a result is not finite */
     return 0;
@@ -1091,7 +1091,7 @@ int spun_up_cantilever_project_velocity(
 
     /*
      * pivots (LDL^T): eliminate beam_c1, beam_c2, beam_alpha2, beam_alpha3, beam_alpha1, beam_phi,
-     *     clamp_1, clamp_2, clamp_turn; 9 entries are filled in
+     *     clamp_1, clamp_2, clamp_turn; fill-in 9
      */
     const double t1 = 6.0 * beam_sin_phi;
     const double t2 = t1 / 12.0;
@@ -1187,7 +1187,7 @@ int spun_up_cantilever_project_velocity(
     dv[4] = t57;
     dv[5] = t56;
 
-    /* check: refuse what is not finite */
+    /* check: check that the result is finite */
     if (!isfinite(t58 + t59 + t54 + t55 + t57 + t56)) return 2; /* a result is not finite */
     return 0;
 }
@@ -2185,7 +2185,7 @@ int spun_up_cantilever_jacobian_index1(
     return 0;
 }
 
-/* ---- batches: each state b of a block as the functions above have it ---- */
+/* ---- batches: the functions above for blocks of states b ---- */
 
 /* The rows of a block that is not full: its last state is repeated. */
 static const double *spun_up_cantilever_block32_pad(ptrdiff_t all, int count, int rows, const double *from, double *to)
@@ -2661,18 +2661,18 @@ static const tisserand_variable spun_up_cantilever_table_q[] = {
     {"beam_c1", "m", "beam: position of the origin of the floating frame along the inertial e1", 0.0, 1, TISSERAND_ROLE_TRANSLATION},
     {"beam_c2", "m", "beam: position of the origin of the floating frame along the inertial e2", 0.0, 1, TISSERAND_ROLE_TRANSLATION},
     {"beam_phi", "rad", "beam: rotation of the floating frame", 0.0, 1, TISSERAND_ROLE_ROTATION},
-    {"beam_alpha1", "m", "beam: amplitude of assumed shape 1", 0.0, 1, TISSERAND_ROLE_AMPLITUDE},
-    {"beam_alpha2", "m", "beam: amplitude of assumed shape 2", 0.0, 1, TISSERAND_ROLE_AMPLITUDE},
-    {"beam_alpha3", "m", "beam: amplitude of assumed shape 3", 0.0, 1, TISSERAND_ROLE_AMPLITUDE},
+    {"beam_alpha1", "m", "beam: amplitude of assumed mode 1", 0.0, 1, TISSERAND_ROLE_AMPLITUDE},
+    {"beam_alpha2", "m", "beam: amplitude of assumed mode 2", 0.0, 1, TISSERAND_ROLE_AMPLITUDE},
+    {"beam_alpha3", "m", "beam: amplitude of assumed mode 3", 0.0, 1, TISSERAND_ROLE_AMPLITUDE},
 };
 
 static const tisserand_variable spun_up_cantilever_table_v[] = {
-    {"beam_c1dot", "m/s", "rate of beam_c1", 0.0, 1, 0},
-    {"beam_c2dot", "m/s", "rate of beam_c2", 0.0, 1, 0},
-    {"beam_phidot", "rad/s", "rate of beam_phi", 0.0, 1, 0},
-    {"beam_alpha1dot", "m/s", "rate of beam_alpha1", 0.0, 1, 0},
-    {"beam_alpha2dot", "m/s", "rate of beam_alpha2", 0.0, 1, 0},
-    {"beam_alpha3dot", "m/s", "rate of beam_alpha3", 0.0, 1, 0},
+    {"beam_c1dot", "m/s", "time derivative of beam_c1", 0.0, 1, 0},
+    {"beam_c2dot", "m/s", "time derivative of beam_c2", 0.0, 1, 0},
+    {"beam_phidot", "rad/s", "time derivative of beam_phi", 0.0, 1, 0},
+    {"beam_alpha1dot", "m/s", "time derivative of beam_alpha1", 0.0, 1, 0},
+    {"beam_alpha2dot", "m/s", "time derivative of beam_alpha2", 0.0, 1, 0},
+    {"beam_alpha3dot", "m/s", "time derivative of beam_alpha3", 0.0, 1, 0},
 };
 
 static const tisserand_variable spun_up_cantilever_table_lambda[] = {

@@ -10,46 +10,47 @@
  * work: (15) of Koppens, Sauren, Veldpaus & van Campen, J. Appl. Mech. 55 (1988) 676-680, whose
  * equation numbers these are. Units are SI where the parameters are; any consistent set will do.
  *
- * The floating frame has its origin at c and is turned by Q. In it are resolved: r = X + u, the
- * shapes Phi_i, and their moments c1 .. c8, d1, D2, d3, J, so that e1, e2 there are its axes.
- * In the inertial base are resolved: c, momenta, and markers.
- * Of beams c is where the centre of the undeformed beam lies in the floating frame.
+ * The floating frame has its origin at c and the rotation Q. r = X + u, the shape functions Phi_i,
+ * and their moments c1 .. c8, d1, D2, d3, J are resolved in the floating frame; c, momenta and
+ * markers are resolved in the inertial frame.
+ * For beams, c is the position of the centre of the undeformed beam.
  * Deflection of beam, along its e2: alpha1 phi_1 + ..., phi_1 = xi^2/4 + xi/2 + 1/4, phi_2 =
  *     -xi^3/4 + 3*xi/4 + 1/2, phi_3 = xi^4/8 + xi/2 + 3/8; xi = 2 x / length.
- * In M bodies share no inertia: joints couple them through constraints.
+ * For several bodies the mass matrix is block-diagonal, because joints couple bodies through
+ *     constraints.
  *
- * Coordinates q:
+ * Generalised coordinates q:
  *   0  beam_c1      [m]  beam: position of the origin of the floating frame along the inertial e1
  *   1  beam_c2      [m]  beam: position of the origin of the floating frame along the inertial e2
  *   2  beam_phi     [rad]  beam: rotation of the floating frame
- *   3  beam_alpha1  [m]  beam: amplitude of assumed shape 1
- *   4  beam_alpha2  [m]  beam: amplitude of assumed shape 2
- *   5  beam_alpha3  [m]  beam: amplitude of assumed shape 3
+ *   3  beam_alpha1  [m]  beam: amplitude of assumed mode 1
+ *   4  beam_alpha2  [m]  beam: amplitude of assumed mode 2
+ *   5  beam_alpha3  [m]  beam: amplitude of assumed mode 3
  *
- * Rates v and the rows of the equations of motion, with their units:
- *   0  beam_c1dot  [m/s]  rate of beam_c1; its row, beam_c1, [N]
- *   1  beam_c2dot  [m/s]  rate of beam_c2; its row, beam_c2, [N]
- *   2  beam_phidot  [rad/s]  rate of beam_phi; its row, beam_phi, [N m]
- *   3  beam_alpha1dot  [m/s]  rate of beam_alpha1; its row, beam_alpha1, [N]
- *   4  beam_alpha2dot  [m/s]  rate of beam_alpha2; its row, beam_alpha2, [N]
- *   5  beam_alpha3dot  [m/s]  rate of beam_alpha3; its row, beam_alpha3, [N]
+ * Generalised velocities v, and the equations of motion with their units:
+ *   0  beam_c1dot  [m/s]  time derivative of beam_c1; equation beam_c1 [N]
+ *   1  beam_c2dot  [m/s]  time derivative of beam_c2; equation beam_c2 [N]
+ *   2  beam_phidot  [rad/s]  time derivative of beam_phi; equation beam_phi [N m]
+ *   3  beam_alpha1dot  [m/s]  time derivative of beam_alpha1; equation beam_alpha1 [N]
+ *   4  beam_alpha2dot  [m/s]  time derivative of beam_alpha2; equation beam_alpha2 [N]
+ *   5  beam_alpha3dot  [m/s]  time derivative of beam_alpha3; equation beam_alpha3 [N]
  *
- * Multipliers lambda, what joints exert on their second bodies:
+ * Multipliers lambda, the constraint reactions on body 2 of each joint:
  *   0  clamp_1  [N]  hub.centre and beam.root coincide along e1
  *   1  clamp_2  [N]  hub.centre and beam.root coincide along e2
  *   2  clamp_turn  [N m]  hub.centre and beam.root turn together
  *
- * What is not modelled, and why:
+ * Not modelled, with the reasons:
  *   ground: it does not move: no coordinates
  *   hub: drive motor prescribes its motion: no coordinates and no constraints, in place of 3 and 3
  *
  * Parameters p:
  *   none: every number of the specification is folded into the code
  *
- * Constants k, made of them by setup:
+ * Constants k, computed from the parameters by setup:
  *   none
  *
- * Mass matrix, x a value and . a structural zero:
+ * Mass matrix (x: structural non-zero, .: structural zero):
  *   beam_c1      x . x x x x
  *   beam_c2      . x x x x x
  *   beam_phi     x x x x x x
@@ -58,7 +59,7 @@
  *   beam_alpha3  x x x x x x
  *   34 of 36 entries are structural non-zeros; the 20 of the lower triangle are stored
  *
- * Why its zeros are zero:
+ * Reasons for its structural zeros:
  *   M[beam_c2, beam_c1]: the mass enters as m I, so translations along different axes do not couple
  *
  * Terms of (15) that vanish:
@@ -101,18 +102,18 @@ enum {
     TISSERAND_ROLE_AMPLITUDE = 5
 };
 
-/* A coordinate, rate, parameter or constant; a parameter has a default. An array has so many values. */
+/* A generalised coordinate, generalised velocity, parameter, constant or multiplier. */
 typedef struct {
     const char *name;
     const char *unit;
     const char *doc;
-    double value;
-    int size;
+    double value; /* the default of a parameter */
+    int size;     /* number of values, more than 1 for an array */
     int role; /* one of the roles above, for coordinates; 0 otherwise */
 } tisserand_variable;
 
-/* Compressed columns; of a symmetric matrix the lower triangle. Patterns of loops over the shapes are not
-   stored: colptr and rowidx are 0 there, and fill writes them. */
+/* Compressed columns; of a symmetric matrix the lower triangle. Patterns of looped kernels are not stored:
+   colptr and rowidx are 0 there, and fill writes them. */
 typedef struct {
     int rows;
     int cols;
@@ -124,7 +125,7 @@ typedef struct {
 } tisserand_pattern;
 
 /* A named material point; jacobian holds the values of d(velocity)/dv, in the plane d(position)/dq; load turns
-   a force F at the point, in the inertial base, into generalized forces f of M vdot + h = f. */
+   a force F at the point, in the inertial frame, into generalised forces f of M vdot + h = f. */
 typedef struct {
     const char *name;
     int dimension;
@@ -143,10 +144,10 @@ typedef struct {
     int (*jacobian)(double t, const double *y, const double *ydot, double cj, const double *k, double *jac);
 } tisserand_dae;
 
-/* What a scene has besides: constraints g(t, q) = 0 with multipliers, M vdot + h = G^T lambda, G vdot = gamma. */
+/* The additional functions of a scene: constraints g(t, q) = 0 with multipliers, M vdot + h = G^T lambda, G vdot = gamma. */
 typedef struct {
     int nbodies;
-    const tisserand_variable *lambda; /* nlambda multipliers: what joints exert on their second bodies */
+    const tisserand_variable *lambda; /* nlambda multipliers: constraint reactions on body 2 */
     const char *const *bodies;
     const tisserand_pattern *pattern; /* of G, nlambda x nv */
     const tisserand_dae *forms;
@@ -160,12 +161,12 @@ typedef struct {
     int (*poses)(double t, const double *q, const double *k, double *pose); /* c1, c2, phi of each body */
 } tisserand_scene;
 
-/* All there is to know of a model, for a host that is compiled once and serves many. */
+/* The descriptor of a model, for hosts that are compiled once and serve many models. */
 typedef struct {
     int abi;
     const char *name;
-    int nq;        /* coordinates */
-    int nv;        /* rates */
+    int nq;        /* generalised coordinates */
+    int nv;        /* generalised velocities */
     int np;        /* parameters */
     int nk;        /* constants of setup */
     int nlambda;   /* multipliers */
@@ -201,7 +202,7 @@ typedef struct {
 } tisserand_model;
 
 #elif TISSERAND_ABI != 4
-#  error "this header and one included before it were generated by Tisserand versions that do not fit"
+#  error "this header and one included before it were generated by incompatible versions of Tisserand"
 #endif
 
 /* ---- sizes and indices ---- */
@@ -228,9 +229,9 @@ enum {
     SPUN_UP_CANTILEVER_ABI = 4
 };
 
-/* ---- functions: 0 = ok. From setup and accel, solve and project_velocity alone: 1 = a pivot vanished; 2 = a value is not finite
-   or not positive; the outputs then hold nothing of use. The others let a NaN through; accel calls a
-   NaN in its mass matrix a vanished pivot.
+/* ---- functions return 0 for success. setup, accel, solve and project_velocity return 1 if a pivot vanished and 2 if a
+   value is not finite or not positive; the outputs are undefined then. All other functions propagate a NaN;
+   accel reports a NaN in its mass matrix as a vanished pivot.
    Arrays that are written must not overlap each other or arrays that are read. ---- */
 
 /*
@@ -248,7 +249,7 @@ int spun_up_cantilever_setup(
 /*
  * Mass matrix M(q): values of the lower triangle by columns.
  *
- * q: generalized coordinates (6)
+ * q: generalised coordinates (6)
  * k: constants from setup (0)
  * M: values of the mass matrix, lower triangle by columns, 6 x 6, 20 values, 34 in both triangles
  *
@@ -261,15 +262,15 @@ int spun_up_cantilever_mass(
     double *M);
 
 /*
- * Forces h of M vdot + h = G^T lambda: centrifugal, Coriolis and elastic, and those of gravity,
- *     springs and applied loads.
+ * Forces h of M vdot + h = G^T lambda: centrifugal, Coriolis, elastic, damping, gravity, springs
+ *     and applied loads.
  *
  * t: time
- * q: generalized coordinates (6)
- * v: rates (6)
+ * q: generalised coordinates (6)
+ * v: generalised velocities (6)
  * k: constants from setup (0)
- * h: forces, one row a coordinate (6): h[beam_c1], h[beam_c2], h[beam_phi], h[beam_alpha1],
- *     h[beam_alpha2], h[beam_alpha3]
+ * h: forces, one for each equation of motion (6): h[beam_c1], h[beam_c2], h[beam_phi],
+ *     h[beam_alpha1], h[beam_alpha2], h[beam_alpha3]
  *
  * From (26), appendix, (15).
  * 56 operations.
@@ -285,12 +286,12 @@ int spun_up_cantilever_force(
  * Mass matrix and forces together; what they share is computed once.
  *
  * t: time
- * q: generalized coordinates (6)
- * v: rates (6)
+ * q: generalised coordinates (6)
+ * v: generalised velocities (6)
  * k: constants from setup (0)
  * M: values of the mass matrix, lower triangle by columns, 6 x 6, 20 values, 34 in both triangles
- * h: forces, one row a coordinate (6): h[beam_c1], h[beam_c2], h[beam_phi], h[beam_alpha1],
- *     h[beam_alpha2], h[beam_alpha3]
+ * h: forces, one for each equation of motion (6): h[beam_c1], h[beam_c2], h[beam_phi],
+ *     h[beam_alpha1], h[beam_alpha2], h[beam_alpha3]
  *
  * From appendix, (15), (26).
  * 72 operations.
@@ -307,8 +308,8 @@ int spun_up_cantilever_mass_force(
  * Accelerations vdot of M vdot + h = G^T lambda, G vdot = gamma; `solve` gives lambda as well.
  *
  * t: time
- * q: generalized coordinates (6)
- * v: rates (6)
+ * q: generalised coordinates (6)
+ * v: generalised velocities (6)
  * k: constants from setup (0)
  * vdot: accelerations (6): beam_c1ddot, beam_c2ddot, beam_phiddot, beam_alpha1ddot,
  *     beam_alpha2ddot, beam_alpha3ddot
@@ -326,8 +327,8 @@ int spun_up_cantilever_accel(
 /*
  * Kinetic and strain energy (with that of springs).
  *
- * q: generalized coordinates (6)
- * v: rates (6)
+ * q: generalised coordinates (6)
+ * v: generalised velocities (6)
  * k: constants from setup (0)
  * energy: energies [J] (2): kinetic, strain
  *
@@ -343,8 +344,8 @@ int spun_up_cantilever_energy(
 /*
  * Linear momentum, and angular momentum about the inertial origin.
  *
- * q: generalized coordinates (6)
- * v: rates (6)
+ * q: generalised coordinates (6)
+ * v: generalised velocities (6)
  * k: constants from setup (0)
  * momentum: linear [N s] and angular [N m s] (3): linear_1, linear_2, angular
  *
@@ -358,10 +359,10 @@ int spun_up_cantilever_momentum(
     double *momentum);
 
 /*
- * Time derivative of the coordinates from the rates.
+ * Time derivatives of the generalised coordinates from the generalised velocities.
  *
- * q: generalized coordinates (6)
- * v: rates (6)
+ * q: generalised coordinates (6)
+ * v: generalised velocities (6)
  * k: constants from setup (0)
  * qdot: time derivative of q (6): beam_c1_t, beam_c2_t, beam_phi_t, beam_alpha1_t, beam_alpha2_t,
  *     beam_alpha3_t
@@ -379,11 +380,11 @@ int spun_up_cantilever_rates(
  * Marker beam_root, material point at xi = -1 of beam: position, velocity and its Jacobian
  *     d(velocity)/dv.
  *
- * q: generalized coordinates (6)
- * v: rates (6)
+ * q: generalised coordinates (6)
+ * v: generalised velocities (6)
  * k: constants from setup (0)
- * x: position in the inertial base [m] (2): x1, x2
- * xdot: velocity in the inertial base [m/s] (2): x1dot, x2dot
+ * x: position in the inertial frame [m] (2): x1, x2
+ * xdot: velocity in the inertial frame [m/s] (2): x1dot, x2dot
  * jacobian: values of d(velocity)/dv by columns, 2 x 6, 4 values
  *
  * From (26), (1).
@@ -401,11 +402,11 @@ int spun_up_cantilever_marker_beam_root(
  * Marker beam_tip, material point at xi = 1 of beam: position, velocity and its Jacobian
  *     d(velocity)/dv.
  *
- * q: generalized coordinates (6)
- * v: rates (6)
+ * q: generalised coordinates (6)
+ * v: generalised velocities (6)
  * k: constants from setup (0)
- * x: position in the inertial base [m] (2): x1, x2
- * xdot: velocity in the inertial base [m/s] (2): x1dot, x2dot
+ * x: position in the inertial frame [m] (2): x1, x2
+ * xdot: velocity in the inertial frame [m/s] (2): x1dot, x2dot
  * jacobian: values of d(velocity)/dv by columns, 2 x 6, 10 values
  *
  * From (1).
@@ -420,12 +421,12 @@ int spun_up_cantilever_marker_beam_tip(
     double *jacobian);
 
 /*
- * Generalized forces f of a force at marker beam_root: then M vdot + h = f.
+ * Generalised forces f of a force at marker beam_root: then M vdot + h = f.
  *
- * q: generalized coordinates (6)
- * F: force at the marker, in the inertial base [N] (2)
+ * q: generalised coordinates (6)
+ * F: force at the marker, in the inertial frame [N] (2)
  * k: constants from setup (0)
- * f: generalized forces, one row a coordinate (6): f[beam_c1], f[beam_c2], f[beam_phi],
+ * f: generalised forces, one for each equation of motion (6): f[beam_c1], f[beam_c2], f[beam_phi],
  *     f[beam_alpha1], f[beam_alpha2], f[beam_alpha3]
  *
  * From (26), (10).
@@ -438,12 +439,12 @@ int spun_up_cantilever_load_beam_root(
     double *f);
 
 /*
- * Generalized forces f of a force at marker beam_tip: then M vdot + h = f.
+ * Generalised forces f of a force at marker beam_tip: then M vdot + h = f.
  *
- * q: generalized coordinates (6)
- * F: force at the marker, in the inertial base [N] (2)
+ * q: generalised coordinates (6)
+ * F: force at the marker, in the inertial frame [N] (2)
  * k: constants from setup (0)
- * f: generalized forces, one row a coordinate (6): f[beam_c1], f[beam_c2], f[beam_phi],
+ * f: generalised forces, one for each equation of motion (6): f[beam_c1], f[beam_c2], f[beam_phi],
  *     f[beam_alpha1], f[beam_alpha2], f[beam_alpha3]
  *
  * From (26), (10), (1).
@@ -459,9 +460,9 @@ int spun_up_cantilever_load_beam_tip(
  * Constraints g(t, q) = 0.
  *
  * t: time
- * q: generalized coordinates (6)
+ * q: generalised coordinates (6)
  * k: constants from setup (0)
- * g: what is left of the constraints (3): clamp_1, clamp_2, clamp_turn
+ * g: residuals of the constraints (3): clamp_1, clamp_2, clamp_turn
  *
  * From (1), (26).
  * 14 operations.
@@ -473,13 +474,13 @@ int spun_up_cantilever_constraints(
     double *g);
 
 /*
- * Rates of the constraints, gdot = G v + dg/dt.
+ * Time derivatives of the constraints, gdot = G v + dg/dt.
  *
  * t: time
- * q: generalized coordinates (6)
- * v: rates (6)
+ * q: generalised coordinates (6)
+ * v: generalised velocities (6)
  * k: constants from setup (0)
- * gdot: rates of the constraints (3): clamp_1, clamp_2, clamp_turn
+ * gdot: time derivatives of the constraints (3): clamp_1, clamp_2, clamp_turn
  *
  * From (1), (26).
  * 14 operations.
@@ -495,7 +496,7 @@ int spun_up_cantilever_constraint_rates(
  * Jacobian G = d gdot / dv of the constraints: values by columns.
  *
  * t: time
- * q: generalized coordinates (6)
+ * q: generalised coordinates (6)
  * k: constants from setup (0)
  * G: values of G by columns, 3 x 6, 5 values
  *
@@ -512,10 +513,10 @@ int spun_up_cantilever_constraint_jacobian(
  * Right-hand side gamma of the constraints on accelerations, G vdot = gamma.
  *
  * t: time
- * q: generalized coordinates (6)
- * v: rates (6)
+ * q: generalised coordinates (6)
+ * v: generalised velocities (6)
  * k: constants from setup (0)
- * gamma: what the accelerations have to make up for (3): clamp_1, clamp_2, clamp_turn
+ * gamma: right-hand side of G vdot = gamma (3): clamp_1, clamp_2, clamp_turn
  *
  * From (1), (26), (5).
  * 11 operations.
@@ -531,12 +532,12 @@ int spun_up_cantilever_constraint_bias(
  * Accelerations vdot and multipliers lambda of M vdot + h = G^T lambda, G vdot = gamma.
  *
  * t: time
- * q: generalized coordinates (6)
- * v: rates (6)
+ * q: generalised coordinates (6)
+ * v: generalised velocities (6)
  * k: constants from setup (0)
  * vdot: accelerations (6): beam_c1ddot, beam_c2ddot, beam_phiddot, beam_alpha1ddot,
  *     beam_alpha2ddot, beam_alpha3ddot
- * lam: forces and torques of the joints on their second bodies (3): clamp_1, clamp_2, clamp_turn
+ * lam: constraint reactions on body 2 of each joint (3): clamp_1, clamp_2, clamp_turn
  *
  * From (26), appendix, (1), LDL^T.
  * 362 operations.
@@ -550,15 +551,15 @@ int spun_up_cantilever_solve(
     double *lam);
 
 /*
- * The smallest change dv of the rates, measured by dv . M dv, with G dv = r: with r = -gdot it
- *     brings rates onto the constraints, with r = -g, repeated, coordinates.
+ * The smallest change dv of the generalised velocities, in the metric of M, with G dv = r: r =
+ *     -gdot projects velocities onto the constraints; r = -g, repeated, projects coordinates.
  *
  * t: time
- * q: generalized coordinates (6)
+ * q: generalised coordinates (6)
  * k: constants from setup (0)
- * r: change of the constraints' rates (3)
- * dv: change of the rates (6): beam_c1dot, beam_c2dot, beam_phidot, beam_alpha1dot, beam_alpha2dot,
- *     beam_alpha3dot
+ * r: prescribed change of gdot (3)
+ * dv: change of the generalised velocities (6): beam_c1dot, beam_c2dot, beam_phidot,
+ *     beam_alpha1dot, beam_alpha2dot, beam_alpha3dot
  *
  * From (26), appendix, (1), LDL^T.
  * 261 operations.
@@ -571,10 +572,11 @@ int spun_up_cantilever_project_velocity(
     double *dv);
 
 /*
- * Position of the origin and rotation of the base of every body, also of those without coordinates.
+ * Position of the origin and rotation of the frame of every body, including bodies without
+ *     coordinates.
  *
  * t: time
- * q: generalized coordinates (6)
+ * q: generalised coordinates (6)
  * k: constants from setup (0)
  * pose: c1, c2 [m] and phi [rad] of each body (6): hub.c1, hub.c2, hub.phi, beam.c1, beam.c2,
  *     beam.phi
@@ -595,7 +597,7 @@ int spun_up_cantilever_poses(
  * y: state [q; v; lambda] (15)
  * ydot: time derivative of y (15)
  * k: constants from setup (0)
- * F: residual, one row a state (15): beam_c1, beam_c2, beam_phi, beam_alpha1, beam_alpha2,
+ * F: residual, one for each state (15): beam_c1, beam_c2, beam_phi, beam_alpha1, beam_alpha2,
  *     beam_alpha3, beam_c1dot, beam_c2dot, beam_phidot, beam_alpha1dot, beam_alpha2dot,
  *     beam_alpha3dot, lambda_clamp_1, lambda_clamp_2, lambda_clamp_turn
  *
@@ -639,7 +641,7 @@ int spun_up_cantilever_jacobian(
  * y: state [q; v; lambda; mu] (18)
  * ydot: time derivative of y (18)
  * k: constants from setup (0)
- * F: residual, one row a state (18): beam_c1, beam_c2, beam_phi, beam_alpha1, beam_alpha2,
+ * F: residual, one for each state (18): beam_c1, beam_c2, beam_phi, beam_alpha1, beam_alpha2,
  *     beam_alpha3, beam_c1dot, beam_c2dot, beam_phidot, beam_alpha1dot, beam_alpha2dot,
  *     beam_alpha3dot, lambda_clamp_1, lambda_clamp_2, lambda_clamp_turn, mu_clamp_1, mu_clamp_2,
  *     mu_clamp_turn
@@ -683,7 +685,7 @@ int spun_up_cantilever_jacobian_ggl(
  * y: state [q; v; lambda] (15)
  * ydot: time derivative of y (15)
  * k: constants from setup (0)
- * F: residual, one row a state (15): beam_c1, beam_c2, beam_phi, beam_alpha1, beam_alpha2,
+ * F: residual, one for each state (15): beam_c1, beam_c2, beam_phi, beam_alpha1, beam_alpha2,
  *     beam_alpha3, beam_c1dot, beam_c2dot, beam_phidot, beam_alpha1dot, beam_alpha2dot,
  *     beam_alpha3dot, lambda_clamp_1, lambda_clamp_2, lambda_clamp_turn
  *
@@ -720,10 +722,10 @@ int spun_up_cantilever_jacobian_index1(
     double *jac);
 
 /* ---- batches: mass, force and accel of n >= 0 states with the same time and constants. Element e of state
-   b lies at e * n + b, in q and v as in what is written. Where no product is fused with a sum
+   b has the index e * n + b, in inputs and outputs. Where no product is fused with a sum
    (-ffp-contract=off) the numbers are those of the functions above, bit for bit. Blocks of 32
    states are computed at a time, on some 7 kB of stack. accel_batch gives NaN for the accelerations of
-   a state that fails, and returns the code of the first of them; all other states are right. ---- */
+   a state that fails, and returns the code of the first of them; all other states are valid. ---- */
 
 int spun_up_cantilever_mass_batch(
     int n,

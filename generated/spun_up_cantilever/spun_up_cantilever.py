@@ -8,46 +8,47 @@ G vdot = gamma, from x = c + Q (X + u) and d'Alembert's virtual
 work: (15) of Koppens, Sauren, Veldpaus & van Campen, J. Appl. Mech. 55 (1988) 676-680, whose
 equation numbers these are. Units are SI where the parameters are; any consistent set will do.
 
-The floating frame has its origin at c and is turned by Q. In it are resolved: r = X + u, the
-shapes Phi_i, and their moments c1 .. c8, d1, D2, d3, J, so that e1, e2 there are its axes.
-In the inertial base are resolved: c, momenta, and markers.
-Of beams c is where the centre of the undeformed beam lies in the floating frame.
+The floating frame has its origin at c and the rotation Q. r = X + u, the shape functions Phi_i,
+and their moments c1 .. c8, d1, D2, d3, J are resolved in the floating frame; c, momenta and
+markers are resolved in the inertial frame.
+For beams, c is the position of the centre of the undeformed beam.
 Deflection of beam, along its e2: alpha1 phi_1 + ..., phi_1 = xi^2/4 + xi/2 + 1/4, phi_2 = -xi^3/4 +
     3*xi/4 + 1/2, phi_3 = xi^4/8 + xi/2 + 3/8; xi = 2 x / length.
-In M bodies share no inertia: joints couple them through constraints.
+For several bodies the mass matrix is block-diagonal, because joints couple bodies through
+    constraints.
 
-Coordinates q:
+Generalised coordinates q:
   0  beam_c1      [m]  beam: position of the origin of the floating frame along the inertial e1
   1  beam_c2      [m]  beam: position of the origin of the floating frame along the inertial e2
   2  beam_phi     [rad]  beam: rotation of the floating frame
-  3  beam_alpha1  [m]  beam: amplitude of assumed shape 1
-  4  beam_alpha2  [m]  beam: amplitude of assumed shape 2
-  5  beam_alpha3  [m]  beam: amplitude of assumed shape 3
+  3  beam_alpha1  [m]  beam: amplitude of assumed mode 1
+  4  beam_alpha2  [m]  beam: amplitude of assumed mode 2
+  5  beam_alpha3  [m]  beam: amplitude of assumed mode 3
 
-Rates v and the rows of the equations of motion, with their units:
-  0  beam_c1dot  [m/s]  rate of beam_c1; its row, beam_c1, [N]
-  1  beam_c2dot  [m/s]  rate of beam_c2; its row, beam_c2, [N]
-  2  beam_phidot  [rad/s]  rate of beam_phi; its row, beam_phi, [N m]
-  3  beam_alpha1dot  [m/s]  rate of beam_alpha1; its row, beam_alpha1, [N]
-  4  beam_alpha2dot  [m/s]  rate of beam_alpha2; its row, beam_alpha2, [N]
-  5  beam_alpha3dot  [m/s]  rate of beam_alpha3; its row, beam_alpha3, [N]
+Generalised velocities v, and the equations of motion with their units:
+  0  beam_c1dot  [m/s]  time derivative of beam_c1; equation beam_c1 [N]
+  1  beam_c2dot  [m/s]  time derivative of beam_c2; equation beam_c2 [N]
+  2  beam_phidot  [rad/s]  time derivative of beam_phi; equation beam_phi [N m]
+  3  beam_alpha1dot  [m/s]  time derivative of beam_alpha1; equation beam_alpha1 [N]
+  4  beam_alpha2dot  [m/s]  time derivative of beam_alpha2; equation beam_alpha2 [N]
+  5  beam_alpha3dot  [m/s]  time derivative of beam_alpha3; equation beam_alpha3 [N]
 
-Multipliers lambda, what joints exert on their second bodies:
+Multipliers lambda, the constraint reactions on body 2 of each joint:
   0  clamp_1  [N]  hub.centre and beam.root coincide along e1
   1  clamp_2  [N]  hub.centre and beam.root coincide along e2
   2  clamp_turn  [N m]  hub.centre and beam.root turn together
 
-What is not modelled, and why:
+Not modelled, with the reasons:
   ground: it does not move: no coordinates
   hub: drive motor prescribes its motion: no coordinates and no constraints, in place of 3 and 3
 
 Parameters p:
   none: every number of the specification is folded into the code
 
-Constants k, made of them by setup:
+Constants k, computed from the parameters by setup:
   none
 
-Mass matrix, x a value and . a structural zero:
+Mass matrix (x: structural non-zero, .: structural zero):
   beam_c1      x . x x x x
   beam_c2      . x x x x x
   beam_phi     x x x x x x
@@ -56,7 +57,7 @@ Mass matrix, x a value and . a structural zero:
   beam_alpha3  x x x x x x
   34 of 36 entries are structural non-zeros; the 20 of the lower triangle are stored
 
-Why its zeros are zero:
+Reasons for its structural zeros:
   M[beam_c2, beam_c1]: the mass enters as m I, so translations along different axes do not couple
 
 Terms of (15) that vanish:
@@ -217,7 +218,7 @@ def setup(p):
 def mass(q, k):
     """Mass matrix M(q): values of the lower triangle by columns.
 
-    q: generalized coordinates (6)
+    q: generalised coordinates (6)
     k: constants from setup (0)
     M: values of the mass matrix, lower triangle by columns, 6 x 6, 20 values, 34 in both triangles
 
@@ -274,15 +275,15 @@ def mass(q, k):
 
 
 def force(t, q, v, k):
-    """Forces h of M vdot + h = G^T lambda: centrifugal, Coriolis and elastic, and those of gravity,
-        springs and applied loads.
+    """Forces h of M vdot + h = G^T lambda: centrifugal, Coriolis, elastic, damping, gravity, springs
+        and applied loads.
 
     t: time
-    q: generalized coordinates (6)
-    v: rates (6)
+    q: generalised coordinates (6)
+    v: generalised velocities (6)
     k: constants from setup (0)
-    h: forces, one row a coordinate (6): h[beam_c1], h[beam_c2], h[beam_phi], h[beam_alpha1],
-        h[beam_alpha2], h[beam_alpha3]
+    h: forces, one for each equation of motion (6): h[beam_c1], h[beam_c2], h[beam_phi],
+        h[beam_alpha1], h[beam_alpha2], h[beam_alpha3]
 
     From (26), appendix, (15).
     56 operations.
@@ -339,12 +340,12 @@ def mass_force(t, q, v, k):
     """Mass matrix and forces together; what they share is computed once.
 
     t: time
-    q: generalized coordinates (6)
-    v: rates (6)
+    q: generalised coordinates (6)
+    v: generalised velocities (6)
     k: constants from setup (0)
     M: values of the mass matrix, lower triangle by columns, 6 x 6, 20 values, 34 in both triangles
-    h: forces, one row a coordinate (6): h[beam_c1], h[beam_c2], h[beam_phi], h[beam_alpha1],
-        h[beam_alpha2], h[beam_alpha3]
+    h: forces, one for each equation of motion (6): h[beam_c1], h[beam_c2], h[beam_phi],
+        h[beam_alpha1], h[beam_alpha2], h[beam_alpha3]
 
     From appendix, (15), (26).
     72 operations.
@@ -436,8 +437,8 @@ def accel(t, q, v, k):
     """Accelerations vdot of M vdot + h = G^T lambda, G vdot = gamma; `solve` gives lambda as well.
 
     t: time
-    q: generalized coordinates (6)
-    v: rates (6)
+    q: generalised coordinates (6)
+    v: generalised velocities (6)
     k: constants from setup (0)
     vdot: accelerations (6): beam_c1ddot, beam_c2ddot, beam_phiddot, beam_alpha1ddot,
         beam_alpha2ddot, beam_alpha3ddot
@@ -476,7 +477,7 @@ def accel(t, q, v, k):
     beam_root_s_2 = (-5) * beam_sin_phi
 
     # pivots (LDL^T): eliminate beam_c1, beam_c2, beam_alpha2, beam_alpha3, beam_alpha1, beam_phi,
-    #     clamp_1, clamp_2, clamp_turn; 9 entries are filled in
+    #     clamp_1, clamp_2, clamp_turn; fill-in 9
     t1 = 6 * beam_sin_phi
     t2 = t1 / 12
     t3 = 6 * beam_cos_phi
@@ -600,8 +601,8 @@ def accel(t, q, v, k):
 def energy(q, v, k):
     """Kinetic and strain energy (with that of springs).
 
-    q: generalized coordinates (6)
-    v: rates (6)
+    q: generalised coordinates (6)
+    v: generalised velocities (6)
     k: constants from setup (0)
     energy: energies [J] (2): kinetic, strain
 
@@ -667,8 +668,8 @@ def energy(q, v, k):
 def momentum(q, v, k):
     """Linear momentum, and angular momentum about the inertial origin.
 
-    q: generalized coordinates (6)
-    v: rates (6)
+    q: generalised coordinates (6)
+    v: generalised velocities (6)
     k: constants from setup (0)
     momentum: linear [N s] and angular [N m s] (3): linear_1, linear_2, angular
 
@@ -728,10 +729,10 @@ def momentum(q, v, k):
 
 
 def rates(q, v, k):
-    """Time derivative of the coordinates from the rates.
+    """Time derivatives of the generalised coordinates from the generalised velocities.
 
-    q: generalized coordinates (6)
-    v: rates (6)
+    q: generalised coordinates (6)
+    v: generalised velocities (6)
     k: constants from setup (0)
     qdot: time derivative of q (6): beam_c1_t, beam_c2_t, beam_phi_t, beam_alpha1_t, beam_alpha2_t,
         beam_alpha3_t
@@ -763,11 +764,11 @@ def marker_beam_root(q, v, k):
     """Marker beam_root, material point at xi = -1 of beam: position, velocity and its Jacobian
         d(velocity)/dv.
 
-    q: generalized coordinates (6)
-    v: rates (6)
+    q: generalised coordinates (6)
+    v: generalised velocities (6)
     k: constants from setup (0)
-    x: position in the inertial base [m] (2): x1, x2
-    xdot: velocity in the inertial base [m/s] (2): x1dot, x2dot
+    x: position in the inertial frame [m] (2): x1, x2
+    xdot: velocity in the inertial frame [m/s] (2): x1dot, x2dot
     jacobian: values of d(velocity)/dv by columns, 2 x 6, 4 values
 
     From (26), (1).
@@ -790,7 +791,7 @@ def marker_beam_root(q, v, k):
     beam_root_s_1 = (-5) * beam_cos_phi
     beam_root_s_2 = (-5) * beam_sin_phi
 
-    # marker (1): x = c + Q r, its rate and its derivatives
+    # marker (1): x = c + Q r, its time derivative and its Jacobian
     x_0 = beam_c1 + beam_root_s_1
     x_1 = beam_c2 + beam_root_s_2
     t1 = (-5) * beam_phidot
@@ -811,11 +812,11 @@ def marker_beam_tip(q, v, k):
     """Marker beam_tip, material point at xi = 1 of beam: position, velocity and its Jacobian
         d(velocity)/dv.
 
-    q: generalized coordinates (6)
-    v: rates (6)
+    q: generalised coordinates (6)
+    v: generalised velocities (6)
     k: constants from setup (0)
-    x: position in the inertial base [m] (2): x1, x2
-    xdot: velocity in the inertial base [m/s] (2): x1dot, x2dot
+    x: position in the inertial frame [m] (2): x1, x2
+    xdot: velocity in the inertial frame [m/s] (2): x1dot, x2dot
     jacobian: values of d(velocity)/dv by columns, 2 x 6, 10 values
 
     From (1).
@@ -848,7 +849,7 @@ def marker_beam_tip(q, v, k):
     t4 = beam_tip_r_2 * beam_cos_phi
     beam_tip_s_2 = t3 + t4
 
-    # marker (1): x = c + Q r, its rate and its derivatives
+    # marker (1): x = c + Q r, its time derivative and its Jacobian
     x_0 = beam_c1 + t1 - t2
     x_1 = beam_c2 + t3 + t4
     t5 = beam_tip_rdot_2 + 5 * beam_phidot
@@ -875,12 +876,12 @@ def marker_beam_tip(q, v, k):
 
 
 def load_beam_root(q, F, k):
-    """Generalized forces f of a force at marker beam_root: then M vdot + h = f.
+    """Generalised forces f of a force at marker beam_root: then M vdot + h = f.
 
-    q: generalized coordinates (6)
-    F: force at the marker, in the inertial base [N] (2)
+    q: generalised coordinates (6)
+    F: force at the marker, in the inertial frame [N] (2)
     k: constants from setup (0)
-    f: generalized forces, one row a coordinate (6): f[beam_c1], f[beam_c2], f[beam_phi],
+    f: generalised forces, one for each equation of motion (6): f[beam_c1], f[beam_c2], f[beam_phi],
         f[beam_alpha1], f[beam_alpha2], f[beam_alpha3]
 
     From (26), (10).
@@ -896,7 +897,7 @@ def load_beam_root(q, F, k):
     beam_cos_phi = xp.cos(beam_phi)
     beam_sin_phi = xp.sin(beam_phi)
 
-    # F (10): the force seen from the body base
+    # F (10): the force in the body frame
     beam_root_Fb_2 = F_2 * beam_cos_phi - F_1 * beam_sin_phi
 
     # f (10): virtual work of the force
@@ -912,12 +913,12 @@ def load_beam_root(q, F, k):
 
 
 def load_beam_tip(q, F, k):
-    """Generalized forces f of a force at marker beam_tip: then M vdot + h = f.
+    """Generalised forces f of a force at marker beam_tip: then M vdot + h = f.
 
-    q: generalized coordinates (6)
-    F: force at the marker, in the inertial base [N] (2)
+    q: generalised coordinates (6)
+    F: force at the marker, in the inertial frame [N] (2)
     k: constants from setup (0)
-    f: generalized forces, one row a coordinate (6): f[beam_c1], f[beam_c2], f[beam_phi],
+    f: generalised forces, one for each equation of motion (6): f[beam_c1], f[beam_c2], f[beam_phi],
         f[beam_alpha1], f[beam_alpha2], f[beam_alpha3]
 
     From (26), (10), (1).
@@ -936,7 +937,7 @@ def load_beam_tip(q, F, k):
     beam_cos_phi = xp.cos(beam_phi)
     beam_sin_phi = xp.sin(beam_phi)
 
-    # F (10): the force seen from the body base
+    # F (10): the force in the body frame
     beam_tip_Fb_1 = F_1 * beam_cos_phi + F_2 * beam_sin_phi
     beam_tip_Fb_2 = F_2 * beam_cos_phi - F_1 * beam_sin_phi
 
@@ -960,9 +961,9 @@ def constraints(t, q, k):
     """Constraints g(t, q) = 0.
 
     t: time
-    q: generalized coordinates (6)
+    q: generalised coordinates (6)
     k: constants from setup (0)
-    g: what is left of the constraints (3): clamp_1, clamp_2, clamp_turn
+    g: residuals of the constraints (3): clamp_1, clamp_2, clamp_turn
 
     From (1), (26).
     14 operations.
@@ -987,7 +988,7 @@ def constraints(t, q, k):
     beam_root_s_1 = (-5) * beam_cos_phi
     beam_root_s_2 = (-5) * beam_sin_phi
 
-    # g (1): second place minus first, from x = c + Q r
+    # g (1): point of body 2 minus point of body 1, from x = c + Q r
     g_0 = beam_c1 + beam_root_s_1
     g_1 = beam_c2 + beam_root_s_2
     g_2 = beam_phi - hub_phi
@@ -997,13 +998,13 @@ def constraints(t, q, k):
 
 
 def constraint_rates(t, q, v, k):
-    """Rates of the constraints, gdot = G v + dg/dt.
+    """Time derivatives of the constraints, gdot = G v + dg/dt.
 
     t: time
-    q: generalized coordinates (6)
-    v: rates (6)
+    q: generalised coordinates (6)
+    v: generalised velocities (6)
     k: constants from setup (0)
-    gdot: rates of the constraints (3): clamp_1, clamp_2, clamp_turn
+    gdot: time derivatives of the constraints (3): clamp_1, clamp_2, clamp_turn
 
     From (1), (26).
     14 operations.
@@ -1029,7 +1030,7 @@ def constraint_rates(t, q, v, k):
     beam_root_s_1 = (-5) * beam_cos_phi
     beam_root_s_2 = (-5) * beam_sin_phi
 
-    # gdot (1): velocities of the second place minus those of the first
+    # gdot (1): velocity of the point of body 2 minus that of body 1
     gdot_0 = beam_c1dot - beam_phidot * beam_root_s_2
     gdot_1 = beam_c2dot + beam_phidot * beam_root_s_1
     gdot_2 = beam_phidot - hub_phidot
@@ -1042,7 +1043,7 @@ def constraint_jacobian(t, q, k):
     """Jacobian G = d gdot / dv of the constraints: values by columns.
 
     t: time
-    q: generalized coordinates (6)
+    q: generalised coordinates (6)
     k: constants from setup (0)
     G: values of G by columns, 3 x 6, 5 values
 
@@ -1061,7 +1062,7 @@ def constraint_jacobian(t, q, k):
     beam_root_s_1 = (-5) * beam_cos_phi
     beam_root_s_2 = (-5) * beam_sin_phi
 
-    # G (6): factors of the rates
+    # G (6): factors of the generalised velocities
     G_0 = 1
     G_1 = 1
     G_2 = -beam_root_s_2
@@ -1076,10 +1077,10 @@ def constraint_bias(t, q, v, k):
     """Right-hand side gamma of the constraints on accelerations, G vdot = gamma.
 
     t: time
-    q: generalized coordinates (6)
-    v: rates (6)
+    q: generalised coordinates (6)
+    v: generalised velocities (6)
     k: constants from setup (0)
-    gamma: what the accelerations have to make up for (3): clamp_1, clamp_2, clamp_turn
+    gamma: right-hand side of G vdot = gamma (3): clamp_1, clamp_2, clamp_turn
 
     From (1), (26), (5).
     11 operations.
@@ -1114,12 +1115,12 @@ def solve(t, q, v, k):
     """Accelerations vdot and multipliers lambda of M vdot + h = G^T lambda, G vdot = gamma.
 
     t: time
-    q: generalized coordinates (6)
-    v: rates (6)
+    q: generalised coordinates (6)
+    v: generalised velocities (6)
     k: constants from setup (0)
     vdot: accelerations (6): beam_c1ddot, beam_c2ddot, beam_phiddot, beam_alpha1ddot,
         beam_alpha2ddot, beam_alpha3ddot
-    lam: forces and torques of the joints on their second bodies (3): clamp_1, clamp_2, clamp_turn
+    lam: constraint reactions on body 2 of each joint (3): clamp_1, clamp_2, clamp_turn
 
     From (26), appendix, (1), LDL^T.
     362 operations.
@@ -1155,7 +1156,7 @@ def solve(t, q, v, k):
     beam_root_s_2 = (-5) * beam_sin_phi
 
     # pivots (LDL^T): eliminate beam_c1, beam_c2, beam_alpha2, beam_alpha3, beam_alpha1, beam_phi,
-    #     clamp_1, clamp_2, clamp_turn; 9 entries are filled in
+    #     clamp_1, clamp_2, clamp_turn; fill-in 9
     t1 = 6 * beam_sin_phi
     t2 = t1 / 12
     t3 = 6 * beam_cos_phi
@@ -1281,15 +1282,15 @@ def solve(t, q, v, k):
 
 
 def project_velocity(t, q, k, r):
-    """The smallest change dv of the rates, measured by dv . M dv, with G dv = r: with r = -gdot it
-        brings rates onto the constraints, with r = -g, repeated, coordinates.
+    """The smallest change dv of the generalised velocities, in the metric of M, with G dv = r: r =
+        -gdot projects velocities onto the constraints; r = -g, repeated, projects coordinates.
 
     t: time
-    q: generalized coordinates (6)
+    q: generalised coordinates (6)
     k: constants from setup (0)
-    r: change of the constraints' rates (3)
-    dv: change of the rates (6): beam_c1dot, beam_c2dot, beam_phidot, beam_alpha1dot,
-        beam_alpha2dot, beam_alpha3dot
+    r: prescribed change of gdot (3)
+    dv: change of the generalised velocities (6): beam_c1dot, beam_c2dot, beam_phidot,
+        beam_alpha1dot, beam_alpha2dot, beam_alpha3dot
 
     From (26), appendix, (1), LDL^T.
     261 operations.
@@ -1324,7 +1325,7 @@ def project_velocity(t, q, k, r):
     beam_root_s_2 = (-5) * beam_sin_phi
 
     # pivots (LDL^T): eliminate beam_c1, beam_c2, beam_alpha2, beam_alpha3, beam_alpha1, beam_phi,
-    #     clamp_1, clamp_2, clamp_turn; 9 entries are filled in
+    #     clamp_1, clamp_2, clamp_turn; fill-in 9
     t1 = 6 * beam_sin_phi
     t2 = t1 / 12
     t3 = 6 * beam_cos_phi
@@ -1417,11 +1418,11 @@ def project_velocity(t, q, k, r):
 
 
 def poses(t, q, k):
-    """Position of the origin and rotation of the base of every body, also of those without
+    """Position of the origin and rotation of the frame of every body, including bodies without
         coordinates.
 
     t: time
-    q: generalized coordinates (6)
+    q: generalised coordinates (6)
     k: constants from setup (0)
     pose: c1, c2 [m] and phi [rad] of each body (6): hub.c1, hub.c2, hub.phi, beam.c1, beam.c2,
         beam.phi
@@ -1459,7 +1460,7 @@ def residual(t, y, ydot, k):
     y: state [q; v; lambda] (15)
     ydot: time derivative of y (15)
     k: constants from setup (0)
-    F: residual, one row a state (15): beam_c1, beam_c2, beam_phi, beam_alpha1, beam_alpha2,
+    F: residual, one for each state (15): beam_c1, beam_c2, beam_phi, beam_alpha1, beam_alpha2,
         beam_alpha3, beam_c1dot, beam_c2dot, beam_phidot, beam_alpha1dot, beam_alpha2dot,
         beam_alpha3dot, lambda_clamp_1, lambda_clamp_2, lambda_clamp_turn
 
@@ -1801,7 +1802,7 @@ def residual_ggl(t, y, ydot, k):
     y: state [q; v; lambda; mu] (18)
     ydot: time derivative of y (18)
     k: constants from setup (0)
-    F: residual, one row a state (18): beam_c1, beam_c2, beam_phi, beam_alpha1, beam_alpha2,
+    F: residual, one for each state (18): beam_c1, beam_c2, beam_phi, beam_alpha1, beam_alpha2,
         beam_alpha3, beam_c1dot, beam_c2dot, beam_phidot, beam_alpha1dot, beam_alpha2dot,
         beam_alpha3dot, lambda_clamp_1, lambda_clamp_2, lambda_clamp_turn, mu_clamp_1, mu_clamp_2,
         mu_clamp_turn
@@ -2170,7 +2171,7 @@ def residual_index1(t, y, ydot, k):
     y: state [q; v; lambda] (15)
     ydot: time derivative of y (15)
     k: constants from setup (0)
-    F: residual, one row a state (15): beam_c1, beam_c2, beam_phi, beam_alpha1, beam_alpha2,
+    F: residual, one for each state (15): beam_c1, beam_c2, beam_phi, beam_alpha1, beam_alpha2,
         beam_alpha3, beam_c1dot, beam_c2dot, beam_phidot, beam_alpha1dot, beam_alpha2dot,
         beam_alpha3dot, lambda_clamp_1, lambda_clamp_2, lambda_clamp_turn
 

@@ -74,7 +74,7 @@ def test_conditions_of_the_mean_frame() -> None:
     found, far = reduce(body), residuals(body)
     assert far.before.largest > 0.1 and far.after.largest < 1e-15 * 10
     assert not np.any(found.c1) and not np.any(found.c2) and not np.any(found.c6)
-    assert found.zeros["c1_2"] == "the choice of O (the centre of mass)"
+    assert found.zeros["c1_2"] == "the choice of the origin (the centre of mass)"
     assert found.zeros["c2_3_1"] == "condition (17) (no mean displacement)"
     assert found.zeros["c6_5_3"] == "condition (19) (no mean rotation)"
     assert found.zeros["c8_1_2"] == found.zeros["K_1_2"] == "orthogonality (modes orthonormal in the mass)"

@@ -216,7 +216,7 @@ def _triangular_solve(loop: TriangularSolve) -> Lines:
 HELPERS = f'''
 
 def _last(value):
-    """A scalar of each member of the batch with an axis for the shapes."""
+    """A scalar of each member of the batch with an axis for the modes."""
     return value if isinstance(value, (int, float)) else value[..., None]
 
 

@@ -39,9 +39,9 @@ def constraints(context: Context) -> Kernel:
         "constraints",
         "Constraints g(t, q) = 0.",
         (context.t, context.q, context.k),
-        (Output("g", context.multipliers, "what is left of the constraints"),),
+        (Output("g", context.multipliers, "residuals of the constraints"),),
         symbols,
-        Step("g", "(1)", "second place minus first, from x = c + Q r", stores("g", values)),
+        Step("g", "(1)", "point of body 2 minus point of body 1, from x = c + Q r", stores("g", values)),
     )
 
 
@@ -51,11 +51,11 @@ def constraint_rates(context: Context) -> Kernel:
     values = [symbols(c.rate) for c in context.equations.constraints]
     return context.kernel(
         "constraint_rates",
-        "Rates of the constraints, gdot = G v + dg/dt.",
+        "Time derivatives of the constraints, gdot = G v + dg/dt.",
         (context.t, context.q, context.v, context.k),
-        (Output("gdot", context.multipliers, "rates of the constraints"),),
+        (Output("gdot", context.multipliers, "time derivatives of the constraints"),),
         symbols,
-        Step("gdot", "(1)", "velocities of the second place minus those of the first", stores("gdot", values)),
+        Step("gdot", "(1)", "velocity of the point of body 2 minus that of body 1", stores("gdot", values)),
     )
 
 
@@ -71,7 +71,9 @@ def constraint_jacobian(context: Context) -> Kernel:
         (context.t, context.q, context.k),
         (Output("G", labels, "values of G by columns", shape),),
         symbols,
-        Step("G", "(6)", "factors of the rates", stores("G", [values[entry] for entry in shape.entries])),
+        Step(
+            "G", "(6)", "factors of the generalised velocities", stores("G", [values[entry] for entry in shape.entries])
+        ),
     )
 
 
@@ -82,7 +84,7 @@ def constraint_bias(context: Context) -> Kernel:
         "constraint_bias",
         "Right-hand side gamma of the constraints on accelerations, G vdot = gamma.",
         (context.t, context.q, context.v, context.k),
-        (Output("gamma", context.multipliers, "what the accelerations have to make up for"),),
+        (Output("gamma", context.multipliers, "right-hand side of G vdot = gamma"),),
         symbols,
         Step("gamma", "(5)", "centrifugal, Coriolis and prescribed parts", stores("gamma", _bias(context, symbols))),
     )
@@ -95,7 +97,7 @@ def solved(context: Context) -> Kernel:
     doc = "Accelerations vdot and multipliers lambda of M vdot + h = G^T lambda, G vdot = gamma."
     outputs = (
         Output("vdot", context.accelerations, "accelerations"),
-        Output("lam", context.multipliers, "forces and torques of the joints on their second bodies"),
+        Output("lam", context.multipliers, "constraint reactions on body 2 of each joint"),
     )
     arguments = (context.t, context.q, context.v, context.k)
     return _by_factors(context, "solve", doc, arguments, outputs, symbols, right)
@@ -114,15 +116,15 @@ def accelerations(context: Context) -> Kernel:
 def project_velocity(context: Context) -> Kernel:
     """The smallest dv with G dv = r."""
     changes = (local(f"r_{name}") for name in context.multipliers)
-    asked = array_input("r", changes, "change of the constraints' rates")
+    asked = array_input("r", changes, "prescribed change of gdot")
     symbols = context.symbols(context.t, context.q, asked)
     right = [ca.SX(0) for _ in context.rows]
     right += [-value for value in symbols.many(asked.symbols)]
     doc = (
-        "The smallest change dv of the rates, measured by dv . M dv, with G dv = r: with r = -gdot it brings rates "
-        "onto the constraints, with r = -g, repeated, coordinates."
+        "The smallest change dv of the generalised velocities, in the metric of M, with G dv = r: r = -gdot projects "
+        "velocities onto the constraints; r = -g, repeated, projects coordinates."
     )
-    outputs = (Output("dv", context.rates, "change of the rates"),)
+    outputs = (Output("dv", context.rates, "change of the generalised velocities"),)
     arguments = (context.t, context.q, context.k, asked)
     return _by_factors(context, "project_velocity", doc, arguments, outputs, symbols, right)
 
@@ -135,7 +137,7 @@ def poses(context: Context) -> Kernel:
     labels = tuple(f"{pose.name}.{what}" for pose in found for what in ("c1", "c2", "phi"))
     return context.kernel(
         "poses",
-        "Position of the origin and rotation of the base of every body, also of those without coordinates.",
+        "Position of the origin and rotation of the frame of every body, including bodies without coordinates.",
         (context.t, context.q, context.k),
         (Output("pose", labels, "c1, c2 [m] and phi [rad] of each body"),),
         symbols,
@@ -214,7 +216,7 @@ def _by_factors(
         inputs,
         outputs,
         symbols,
-        Step("pivots", "LDL^T", f"eliminate {order}; {factors.fill} entries are filled in", (*named, *checks)),
+        Step("pivots", "LDL^T", f"eliminate {order}; fill-in {factors.fill}", (*named, *checks)),
         Step("solution", "LDL^T", "forward, diagonal and back substitution", tuple(w for some in places for w in some)),
-        Step("check", "", "refuse what is not finite", (finite,)),
+        Step("check", "", "check that the result is finite", (finite,)),
     )

@@ -84,7 +84,7 @@ def _residual(context: Context, form: str, name: str) -> Kernel:
         name,
         f"Residual F(t, y, ydot) of {FORMS[form]}.",
         (context.t, y, ydot, context.k),
-        (Output("F", y.elements, "residual, one row a state"),),
+        (Output("F", y.elements, "residual, one for each state"),),
         symbols,
         Step("residual", "(15)", "kinematics, equations of motion, constraints", stores("F", rows)),
     )

@@ -33,8 +33,8 @@ def force(context: Context) -> Kernel:
     """h(t, q, v)."""
     symbols = context.symbols(context.t, context.q, context.v)
     law = "M vdot + h = G^T lambda" if context.equations.poses else "M vdot + h = 0"
-    also = ", and those of gravity, springs and applied loads" if context.equations.poses else ""
-    doc = f"Forces h of {law}: centrifugal, Coriolis and elastic{also}."
+    applied = ", damping, gravity, springs and applied loads" if context.equations.poses else ", damping and gravity"
+    doc = f"Forces h of {law}: centrifugal, Coriolis, elastic{applied}."
     arguments = (context.t, context.q, context.v, context.k)
     return context.kernel("force", doc, arguments, (_force_output(context),), symbols, _force_step(context, symbols))
 
@@ -80,7 +80,7 @@ def accel(context: Context) -> Kernel:
         symbols,
         Step("pivots", "LDL^T", f"eliminate {order}; {fill}", (*named, *required)),
         Step("solution", "LDL^T", "forward, diagonal and back substitution", stores("vdot", solution)),
-        Step("check", "", "refuse what is not finite", (finite,)),
+        Step("check", "", "check that the result is finite", (finite,)),
     )
 
 
@@ -141,7 +141,7 @@ def rates(context: Context) -> Kernel:
     values = [symbols(rate) for rate in context.equations.rates]
     return context.kernel(
         "rates",
-        "Time derivative of the coordinates from the rates.",
+        "Time derivatives of the generalised coordinates from the generalised velocities.",
         (context.q, context.v, context.k),
         (Output("qdot", tuple(f"{n}_t" for n in context.names), "time derivative of q"),),
         symbols,
@@ -168,30 +168,30 @@ def marker(context: Context, point: MarkerEquations) -> Kernel:
         f"Marker {point.name}, {point.doc}: position, velocity and its Jacobian d(velocity)/dv.",
         (context.q, context.v, context.k),
         (
-            Output("x", tuple(f"x{k}" for k in axes), "position in the inertial base [m]"),
-            Output("xdot", tuple(f"x{k}dot" for k in axes), "velocity in the inertial base [m/s]"),
+            Output("x", tuple(f"x{k}" for k in axes), "position in the inertial frame [m]"),
+            Output("xdot", tuple(f"x{k}dot" for k in axes), "velocity in the inertial frame [m/s]"),
             Output("jacobian", labels, "values of d(velocity)/dv by columns", shape),
         ),
         symbols,
-        Step("r", "(14)", "X + u and its rate at the marker, in the body base", named),
-        Step("marker", "(1)", "x = c + Q r, its rate and its derivatives", wants),
+        Step("r", "(14)", "X + u and its time derivative at the marker, in the body frame", named),
+        Step("marker", "(1)", "x = c + Q r, its time derivative and its Jacobian", wants),
     )
 
 
 def load(context: Context, point: MarkerEquations) -> Kernel:
-    """Generalized forces of a force at a marker."""
-    force = array_input("F", point.force, "force at the marker, in the inertial base [N]")
+    """Generalised forces of a force at a marker."""
+    force = array_input("F", point.force, "force at the marker, in the inertial frame [N]")
     symbols = context.symbols(context.q, force)
     turned = define(symbols, point.force_definitions)
     named = define(symbols, tuple(d for d in point.definitions if not d.zero))
     return context.kernel(
         f"load_{point.name}",
-        f"Generalized forces f of a force at marker {point.name}: then M vdot + h = f.",
+        f"Generalised forces f of a force at marker {point.name}: then M vdot + h = f.",
         (context.q, force, context.k),
-        (Output("f", tuple(f"f[{n}]" for n in context.rows), "generalized forces, one row a coordinate"),),
+        (Output("f", tuple(f"f[{n}]" for n in context.rows), "generalised forces, one for each equation of motion"),),
         symbols,
-        Step("F", "(10)", "the force seen from the body base", turned),
-        Step("r", "(1)", "the marker in the body base", named),
+        Step("F", "(10)", "the force in the body frame", turned),
+        Step("r", "(1)", "the marker in the body frame", named),
         Step("f", "(10)", "virtual work of the force", stores("f", [symbols(e) for e in point.load])),
     )
 
@@ -203,7 +203,7 @@ def residual(context: Context) -> Kernel:
         "residual",
         "First-order form F(t, y, ydot) = [qdot - v; M vdot + h] = 0 with y = [q; v].",
         (context.t, context.y, context.ydot, context.k),
-        (Output("F", context.names + context.rates, "residual, one row a state"),),
+        (Output("F", context.names + context.rates, "residual, one for each state"),),
         symbols,
         Step("residual", "(15)", "kinematics, then the equations of motion", stores("F", rows)),
     )
@@ -247,7 +247,7 @@ def _mass_output(context: Context) -> Output:
 
 
 def _force_output(context: Context) -> Output:
-    return Output("h", tuple(f"h[{n}]" for n in context.rows), "forces, one row a coordinate")
+    return Output("h", tuple(f"h[{n}]" for n in context.rows), "forces, one for each equation of motion")
 
 
 def _mass_step(context: Context, symbols: Symbols) -> Step:

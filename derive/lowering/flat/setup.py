@@ -65,9 +65,9 @@ def setup_kernel(context: Context, kernels: Iterable[Kernel]) -> tuple[Kernel, t
     ]
     stored = tuple(Stored("k", index, values[c.name]) for index, c in enumerate(constants))
     steps = (
-        Step("integrals", "appendix", "shape integrals, stiffness, and what is made of them", named),
-        Step("constants", "", "what the kernels read", stored),
-        Step("checks", "", "refuse parameters that make no body", tuple(checks)),
+        Step("integrals", "appendix", "shape integrals, stiffness, and constants computed from them", named),
+        Step("constants", "", "constants that the kernels read", stored),
+        Step("checks", "", "checks of the parameters", tuple(checks)),
     )
     kernel = Kernel(
         "setup",

@@ -29,7 +29,7 @@ def accel(tables: Tables) -> Kernel:
     scalars += [(local("M", r + 1, c + 1), tables.mass_entry(r, c)) for r, c in places]
     rows: list[Row] = [(StoreLocal("h", NOTHING), tables.at_rest(tables.left[SHAPE]))] if tables.n else []
     rows += [(StoreLocal(f"B_{r + 1}", NOTHING), tables.coupling[r]) for r in coupled]
-    program.phase("h and B", "(15)", "forces, and coupling of rigid motion and shapes", scalars, rows)
+    program.phase("h and B", "(15)", "forces, and coupling of rigid-body motion and modes", scalars, rows)
     arrays = ("h", *(f"B_{r + 1}" for r in coupled))
     weight = sp.S.One
     if tables.c8 is TableKind.FULL and tables.n:
@@ -49,20 +49,26 @@ def accel(tables: Tables) -> Kernel:
     if tables.n:
         x = local("x", shapes=(I,))
         program.phase(
-            "alphaddot", "(15)", "accelerations of the shapes", (), [(StoreLocal("x", NOTHING), -weight * rest)]
+            "alphaddot",
+            "(15)",
+            "accelerations of the modal amplitudes",
+            (),
+            [(StoreLocal("x", NOTHING), -weight * rest)],
         )
         if tables.c8 is TableKind.FULL:
             program.sections.append(_substituted(tables, ("x",), transposed=True))
-        program.phase("vdot", "", "accelerations of the shapes", (), [(StoreStrided("vdot", RIGID, 1, NOTHING), x)])
-        program.reduce([Total(local("shapes"), sp.S.Zero, x, "what shows that all are finite")])
+        program.phase(
+            "vdot", "", "accelerations of the modal amplitudes", (), [(StoreStrided("vdot", RIGID, 1, NOTHING), x)]
+        )
+        program.reduce([Total(local("shapes"), sp.S.Zero, x, "sum that is finite if all are")])
     every = sp.Add(*(row.a for row in tables.rigid_rows), *([local("shapes")] if tables.n else []))
     finite = Require(Requirement.FINITE, NOTHING, ReturnCode.NOT_FINITE, "an acceleration is not finite")
-    program.scalars("check", "", "refuse what is not finite", [(finite, every)])
+    program.scalars("check", "", "check that the result is finite", [(finite, every)])
     names = tuple(str(row.a) for row in tables.rigid_rows)
     labels = (*names, *([f"alpha1ddot .. alpha{tables.n}ddot"] if tables.n else []))
     return program.kernel(
         "accel",
-        "Accelerations vdot of M vdot + h = 0, by the Schur complement of the shapes and a sparse LDL^T of the rest.",
+        "Accelerations vdot of M vdot + h = 0, by the Schur complement of the modes and a sparse LDL^T of the rest.",
         (tables.t, tables.q, tables.v, tables.k),
         (output("vdot", "accelerations", labels, RIGID + tables.n),),
     )

@@ -191,8 +191,8 @@ def setup(eq: Equations, memory: Memory) -> Kernel:
         ),
     ]
     sections = [
-        Section("checks", "", "refuse parameters that make no body", tuple(checks)),
-        Section("constants", "appendix", "shape integrals and stiffness as loops want them", tuple(body)),
+        Section("checks", "", "checks of the parameters", tuple(checks)),
+        Section("constants", "appendix", "shape integrals and stiffness in the layout of the loops", tuple(body)),
     ]
     if TRIANGLE in places:
         pairs = n * (n + 1) // 2
@@ -234,8 +234,9 @@ def model(eq: Equations, memory: Memory, kernels: tuple[Kernel, ...], zeros: tup
         doc=eq.doc,
         origin=eq.origin,
         coordinates=tuple(Variable(str(c.q), c.doc, c.unit, role=c.role) for c in eq.coordinates[:7])
-        + of_shapes("alpha", "amplitudes of the assumed shapes", "m", Role.AMPLITUDE),
-        rates=tuple(Variable(str(r.v), r.doc, r.unit) for r in rigid) + of_shapes("alphadot", "rates of alpha", "m/s"),
+        + of_shapes("alpha", "amplitudes of the assumed modes", "m", Role.AMPLITUDE),
+        rates=tuple(Variable(str(r.v), r.doc, r.unit) for r in rigid)
+        + of_shapes("alphadot", "time derivatives of alpha", "m/s"),
         rows=tuple(Variable(r.name, f"row of delta {r.name}", r.work) for r in rigid)
         + of_shapes("alpha", "rows of delta alpha", "N"),
         parameters=memory.parameters,

@@ -75,7 +75,7 @@ def _mass_output(tables: Tables) -> Output:
 
 
 def _force_output(tables: Tables) -> Output:
-    return output("h", "forces, one row a coordinate", row_labels("h", tables), RIGID + tables.n)
+    return output("h", "forces, one for each equation of motion", row_labels("h", tables), RIGID + tables.n)
 
 
 def _energy(tables: Tables) -> Kernel:
@@ -109,7 +109,7 @@ def _rates(tables: Tables) -> Kernel:
     program.phase("rates", "(1)", "from Qdot = Q (omega x)", wants, rows)
     labels = (*(f"{name}_t" for name in tables.q.elements), *([f"alpha1_t .. alpha{tables.n}_t"] if tables.n else []))
     values = output("qdot", "time derivative of q", labels, RIGID + 1 + tables.n)
-    doc = "Time derivative of the coordinates from the rates."
+    doc = "Time derivatives of the generalised coordinates from the generalised velocities."
     return program.kernel("rates", doc, (tables.q, tables.v, tables.k), (values,))
 
 
@@ -129,22 +129,22 @@ def _marker(tables: Tables, point: MarkerEquations) -> Kernel:
         (StoreStrided("jacobian", place + r, 3, NOTHING), e) for r, e in enumerate(point.jacobian[:, RIGID])
     ]
     groups += [ColumnGroup(tables.n, (RowSet(RowSetKind.RANGE, 0, 3),))] if tables.n else []
-    program.phase("marker", "(1)", "x = c + Q r, its rate and its derivatives", scalars, rows)
+    program.phase("marker", "(1)", "x = c + Q r, its time derivative and its Jacobian", scalars, rows)
     shape = block_pattern(3, tuple(groups))
     return program.kernel(
         f"marker_{point.name}",
         f"Marker {point.name}, {point.doc}: position, velocity and its Jacobian d(velocity)/dv.",
         (tables.q, tables.v, tables.k),
         (
-            Output("x", ("x1", "x2", "x3"), "position in the inertial base [m]"),
-            Output("xdot", ("x1dot", "x2dot", "x3dot"), "velocity in the inertial base [m/s]"),
+            Output("x", ("x1", "x2", "x3"), "position in the inertial frame [m]"),
+            Output("xdot", ("x1dot", "x2dot", "x3dot"), "velocity in the inertial frame [m/s]"),
             output("jacobian", "values of d(velocity)/dv by columns", ("see its pattern",), len(shape.rowidx), shape),
         ),
     )
 
 
 def _load(tables: Tables, point: MarkerEquations) -> Kernel:
-    force = Argument("F", tuple(f"F_{k}" for k in AXES), "force at the marker, in the inertial base [N]")
+    force = Argument("F", tuple(f"F_{k}" for k in AXES), "force at the marker, in the inertial frame [N]")
     components = tuple(point.force)
     program = tables.program(tables.q)
     program.known |= {symbol: ScalarRef(symbol.name) for symbol in components}
@@ -155,9 +155,13 @@ def _load(tables: Tables, point: MarkerEquations) -> Kernel:
     program.phase("f", "(10)", "virtual work of the force", wants, rows)
     return program.kernel(
         f"load_{point.name}",
-        f"Generalized forces f of a force at marker {point.name}: then M vdot + h = f.",
+        f"Generalised forces f of a force at marker {point.name}: then M vdot + h = f.",
         (tables.q, force, tables.k),
-        (output("f", "generalized forces, one row a coordinate", row_labels("f", tables), RIGID + tables.n),),
+        (
+            output(
+                "f", "generalised forces, one for each equation of motion", row_labels("f", tables), RIGID + tables.n
+            ),
+        ),
     )
 
 
@@ -177,7 +181,7 @@ def _residual(tables: Tables) -> Kernel:
     program.phase("F", "(15)", "qdot less its value from v, then M vdot + h", scalars, rows)
     labels = (*(f"{name}_t - ..." for name in tables.q.elements), "...", *row_labels("M vdot + h", tables))
     values = output("F", "residual", labels, first + RIGID + n)
-    doc = "Residual F(t, y, ydot) of the first-order form: [qdot - rates; M vdot + h]."
+    doc = "First-order form F(t, y, ydot) = [qdot - v; M vdot + h] = 0 with y = [q; v]."
     return program.kernel("residual", doc, (tables.t, tables.y, tables.ydot, tables.k), (values,))
 
 

@@ -189,7 +189,7 @@ class Program:
             inside, extra = self._pair(full), None if diagonal == 0 else self._pair(diagonal)
             loops.append(MatrixStore(loop.packing, loop.output, loop.offset, loop.stride, inside, extra))
         if loops and self.packing.count:
-            self.sections.append(Section(f"{name}_i", equation, f"{doc}, for each shape", tuple(loops)))
+            self.sections.append(Section(f"{name}_i", equation, f"{doc}, for each mode", tuple(loops)))
 
     def kernel(
         self, name: str, doc: str, arguments: tuple[Argument, ...], outputs: tuple[Output, ...], *more: Section

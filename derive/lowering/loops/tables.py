@@ -45,8 +45,8 @@ class Tables:
         positions, rates, accelerations = (tuple(s.name for s in symbols) for symbols in (q, v, a))
         n, coordinates = self.n, len(positions)
         self.t = Argument("t", (), "time (a free body does not depend on it)", scalar=True)
-        self.q = Argument("q", positions, "generalized coordinates", arrays=(View(ALPHAS[0], coordinates, n),))
-        self.v = Argument("v", rates, "rates", arrays=(View(ALPHAS[1], RIGID, n),))
+        self.q = Argument("q", positions, "generalised coordinates", arrays=(View(ALPHAS[0], coordinates, n),))
+        self.v = Argument("v", rates, "generalised velocities", arrays=(View(ALPHAS[1], RIGID, n),))
         behind = tuple(range(coordinates)) + tuple(range(coordinates + n, coordinates + n + RIGID))
         self.y = Argument(
             "y",

@@ -23,7 +23,7 @@ from derive.spec.model.body import Marker, Parameter, PlanarBeam, Polynomial
 
 LATERAL = "geometry (the beam lies along e1 and deflects along e2)"
 PARALLEL = "geometry (all deflections are along e2)"
-CENTRED = "the choice of O (the centre of the undeformed beam)"
+CENTRED = "the choice of the origin (the centre of the undeformed beam)"
 CONDITION_17 = "condition (17) (no mean displacement)"
 CONDITION_19 = "condition (19) (no mean rotation)"
 PARITY = "parity (the integrand is odd in xi)"
@@ -73,7 +73,7 @@ def section_turns(marker: Marker, beam: PlanarBeam, pieces: int = 1) -> tuple[Co
     for i, shape in enumerate(assumed_shapes(beam.ansatz, beam.frame, beam.orthogonal), 1):
         slope = _poly(shape).diff(xi).eval(at)
         zero = None if slope else "these shapes (no slope there)"
-        doc = f"rotation of the section at marker {marker.name} for a unit of shape {i}: d phi_{i}/dx"
+        doc = f"rotation of the section at marker {marker.name} for a unit amplitude of mode {i}: d phi_{i}/dx"
         symbol = Symbol(Identity(Family.SECTION_ROTATION, shapes=(i,), point=marker.name))
         found.append(Coefficient(symbol, 2 * slope / length, "(21)", doc, "1/m", zero))
     return tuple(found)
@@ -155,7 +155,7 @@ def beam_point(marker: Marker, beam: PlanarBeam, pieces: int = 1) -> MaterialPoi
     shapes, length = assumed_shapes(beam.ansatz, beam.frame, beam.orthogonal), quantity.value(beam.length) / pieces
     at = sp.Rational(marker.at)
     position = Symbol(Identity(Family.POINT_POSITION, point=marker.name))
-    zero = None if at else "the choice of O (the marker is there)"
+    zero = None if at else "the choice of the origin (the marker is there)"
     doc = f"reference position of marker {marker.name}"
     return MaterialPoint(
         name=marker.name,

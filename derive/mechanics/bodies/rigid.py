@@ -12,7 +12,7 @@ from derive.mechanics.points import MaterialPoint
 from derive.mechanics.symbols import Family, Identity, Symbol
 from derive.mechanics.terms import Coefficient
 
-AT_CENTRE = "the choice of O (the centre of mass)"
+AT_CENTRE = "the choice of the origin (the centre of mass)"
 
 
 @dataclass(frozen=True)
@@ -54,7 +54,7 @@ def rigid_point(name: str, position: sp.Matrix) -> MaterialPoint:
     """A point of a rigid body at `position` from O."""
     symbols = [Symbol(Identity(Family.POINT_POSITION, components=(k,), point=name)) for k in (1, 2)]
     found = tuple(
-        Coefficient(s, sp.expand(x), "(24)", f"X . e{k} of {name}", "m", None if x else "the choice of O")
+        Coefficient(s, sp.expand(x), "(24)", f"X . e{k} of {name}", "m", None if x else "the choice of the origin")
         for k, (s, x) in enumerate(zip(symbols, position, strict=True), 1)
     )
     return MaterialPoint(name, f"point {name}", sp.ImmutableMatrix(symbols), (), found)

@@ -39,7 +39,7 @@ DOCS: dict[Family, tuple[str, str]] = {
 """All tables in the order of the parameters: what they are, their units."""
 
 MEAN = {
-    Family.C1: "the choice of O (the centre of mass)",
+    Family.C1: "the choice of the origin (the centre of mass)",
     Family.C2: "condition (17) (no mean displacement)",
     Family.C6: "condition (19) (no mean rotation)",
     Family.C8: "orthogonality (modes orthonormal in the mass)",

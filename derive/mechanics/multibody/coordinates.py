@@ -83,7 +83,7 @@ def _coordinate(q: Symbol, doc: str, unit: str) -> tuple[Coordinate, Row]:
     name = q.name
     v, a = (Symbol(replace(q.identity, derivative=d)) for d in (1, 2))
     work = "N m" if unit == "rad" else "N"
-    return Coordinate(q, doc, unit), Row(name, v, a, f"rate of {name}", f"{unit}/s", work)
+    return Coordinate(q, doc, unit), Row(name, v, a, f"time derivative of {name}", f"{unit}/s", work)
 
 
 def _symbols(motion: Motion, k: int) -> tuple[sp.Symbol, sp.Symbol, sp.Symbol]:

@@ -32,7 +32,7 @@ from derive.mechanics.terms import (
 )
 from derive.spec.model.scene import GROUND, MarkerRef, Scene
 
-BETWEEN_BODIES = "bodies share no inertia: joints couple them through constraints"
+BETWEEN_BODIES = "the mass matrix is block-diagonal, because joints couple bodies through constraints"
 
 Instances = Mapping[str, InstanceEquations]
 
@@ -220,11 +220,11 @@ def _frame_doc(mechanism: Mechanism) -> str:
     for instance in mechanism.instances:
         firsts.setdefault(instance.component.group, instance.name)
     cut = [first for group, first in firsts.items() if groups[group] > 1]
-    alike = f" What is told of {', '.join(cut)} holds of the other pieces as well." if cut else ""
-    centre = "Of beams c is where the centre of the undeformed beam lies in the floating frame."
+    alike = f" The statements about {', '.join(cut)} hold for the other pieces as well." if cut else ""
+    centre = "For beams, c is the position of the centre of the undeformed beam."
     texts = (BODIES[body.kind].note(body) for body in mechanism.scene.bodies)
     notes = "".join(f"\n{text}" for text in texts if text)
-    return f"{centre}{notes}\nIn M {BETWEEN_BODIES}.{alike}"
+    return f"{centre}{notes}\nFor several bodies {BETWEEN_BODIES}.{alike}"
 
 
 def _doc(scene: Scene, coordinates: tuple[Coordinate, ...], conditions: tuple[Constraint, ...]) -> str:

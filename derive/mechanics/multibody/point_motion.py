@@ -86,7 +86,7 @@ def point_motion(
     r, rdot = symbols(Family.RADIUS), symbols(Family.RADIUS, 1)
     s, sdot = symbols(Family.LEVER), symbols(Family.LEVER, 1)
     seen = define(r, sum_of(motion.alpha, shapes, sp.Matrix(point.position)), "r = X + u at")
-    seen += define(rdot, sum_of(motion.alphadot, shapes, still), "rate of r at")
+    seen += define(rdot, sum_of(motion.alphadot, shapes, still), "time derivative of r at")
     lever = define(s, rotation * r, "Q r at") + define(sdot, rotation * rdot, "Q rdot at")
     kept, known = zeros.drop_definitions((*seen, *lever), reasons)
     accelerations = tuple(row.a for row in shape_rows)

@@ -55,7 +55,7 @@ class LinearSpring(ForceType[Spring]):
             potential = stiffness * (length - rest) ** 2 / 2
             if damping != 0:
                 along = sp.expand(vector.dot(rate_of_displacement)) / length
-                tension += damping * intermediate(along, "rate of the length", "rate")
+                tension += damping * intermediate(along, "time derivative of the length", "rate")
             pull = intermediate(tension / length, "tension over length", "pull") * vector
         terms = force_terms(name, second, -pull, rows) + force_terms(name, first, pull, rows)
         return GeneralisedForce(terms, tuple(definitions), sp.expand(potential))
