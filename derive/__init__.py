@@ -18,6 +18,7 @@ The public interface, by stages:
                     Torque, Spring, TimeFunction, time_function, Simulation, Plot, Deflection, ReferenceCurve
                     both: Frame, Marker, Parameter
                     registries: JOINTS, BODIES, FORCES; CustomJoint, CustomBody
+    equations       derive, modal, derive_modal, parameters; Equations, ModalBody
                     mechanism; Mechanism, which keeps the equations once for each kind of body
     equations       derive, modal, derive_modal, parameters; Equations, ModalBody
     kernels         lower, interpret; Model

@@ -119,11 +119,11 @@ class ModelStruct(ctypes.Structure):
 
 def names_of(variables: Any, count: int) -> tuple[str, ...]:
     """Names of variables; the elements of an array are numbered from 1."""
-    found: list[str] = []
+    names: list[str] = []
     for i in range(count):
         name, size = variables[i].name.decode(), variables[i].size
-        found += [name] if size == 1 else [f"{name}{k}" for k in range(1, size + 1)]
-    return tuple(found)
+        names += [name] if size == 1 else [f"{name}{k}" for k in range(1, size + 1)]
+    return tuple(names)
 
 
 def roles_of(variables: Any, count: int) -> tuple[Role, ...]:

@@ -14,7 +14,7 @@ from derive.runtime.calls import Matrix, Vector
 Mask = NDArray[np.bool_]
 
 
-class Mechanism(Protocol):
+class ConstrainedSystem(Protocol):
     """M(q) vdot + h(t, q, v) = G^T lambda with constraints g(t, q) = 0 and qdot = v, as `NativeScene` computes them.
 
     q, v are (nq,) = (nv,), k (nk,) the constants of `setup`, lambda and g (nlambda,), all in SI units.
@@ -55,23 +55,23 @@ class Mechanism(Protocol):
         """The smallest change of v, in the metric of M, with G dv = r."""
 
 
-def mass_matrix(native: Mechanism, q: Vector, k: Vector) -> Matrix:
+def mass_matrix(native: ConstrainedSystem, q: Vector, k: Vector) -> Matrix:
     """M (nv, nv)."""
     return native.mass_pattern.dense(native.mass(q, k))
 
 
-def constraint_matrix(native: Mechanism, t: float, q: Vector, k: Vector) -> Matrix:
+def constraint_matrix(native: ConstrainedSystem, t: float, q: Vector, k: Vector) -> Matrix:
     """G (nlambda, nv)."""
     return native.constraint_pattern.dense(native.constraint_jacobian(t, q, k))
 
 
-def kkt_matrix(native: Mechanism, t: float, q: Vector, k: Vector) -> Matrix:
+def kkt_matrix(native: ConstrainedSystem, t: float, q: Vector, k: Vector) -> Matrix:
     """[M, -G^T; -G, 0] (nv + nlambda, nv + nlambda), in SI units, not scaled."""
     M, G = mass_matrix(native, q, k), constraint_matrix(native, t, q, k)
     return np.block([[M, -G.T], [-G, np.zeros((len(G), len(G)))]])
 
 
-def coordinates_with(native: Mechanism, *roles: Role) -> Mask:
+def coordinates_with(native: ConstrainedSystem, *roles: Role) -> Mask:
     """The mask (nq,) of the coordinates with one of these roles."""
     return np.array([role in roles for role in native.roles], dtype=bool)
 

@@ -23,7 +23,7 @@ from derive.simulation.integration.integrator import Settings
 from derive.simulation.integration.registry import INTEGRATORS
 from derive.simulation.integration.solution import Progress, Solution
 from derive.simulation.observables.csv_writer import Column
-from derive.simulation.observables.motion import Motion, drive_unit, drive_values
+from derive.simulation.observables.motion import SceneMotion, drive_unit, drive_values
 from derive.spec.model.scene import Scene, Simulation
 
 
@@ -44,7 +44,7 @@ class Trajectory(Mapping[str, Vector]):
     scene: Scene
     model: Model
     initial: InitialState
-    motion: Motion
+    motion: SceneMotion
     solution: Solution
 
     @cached_property
@@ -149,7 +149,7 @@ def simulate(
         output_times(settings),
         Settings(tolerance=settings.tolerance, step=step, progress=progress),
     )
-    motion = Motion(scene, native, k, solution.t, solution.q, solution.v)
+    motion = SceneMotion(scene, native, k, solution.t, solution.q, solution.v)
     return Trajectory(scene, model, initial, motion, solution)
 
 

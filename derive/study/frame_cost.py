@@ -18,7 +18,7 @@ from derive.simulation.compiled_scene import kkt_matrix, mass_matrix
 from derive.spec.model.scene import Scene
 from derive.study.states import start_state
 from derive.study.timing import InterleavedTimes, interleaved_times, scene_of
-from derive.study.variants import OperationCounts, Variant, operation_counts, variant
+from derive.study.variants import OperationCounts, SceneVariant, operation_counts, variant
 from derive.terminal import beam_count, show_progress
 
 PAPER = {1: 0.97, 2: 0.93, 3: 0.92}
@@ -52,7 +52,7 @@ class FrameComparison:
 
 @dataclass(frozen=True)
 class _Built:
-    variant: Variant
+    variant: SceneVariant
     host: FixedStep
     counts: OperationCounts
     seconds: dict[str, float]
@@ -72,8 +72,8 @@ def compare_frames(
 
 
 def _build(
-    variant: Variant, pool: ThreadPoolExecutor
-) -> tuple[Variant, OperationCounts, dict[str, float], Future[tuple[FixedStep, float]]]:
+    variant: SceneVariant, pool: ThreadPoolExecutor
+) -> tuple[SceneVariant, OperationCounts, dict[str, float], Future[tuple[FixedStep, float]]]:
     """A variant whose compilation has been submitted to the pool."""
     show_progress(f"deriving and lowering: {_label(variant)}")
     marks = [time.perf_counter()]
@@ -95,7 +95,7 @@ def _build(
 
 
 def _compiled(
-    variant: Variant, counts: OperationCounts, seconds: dict[str, float], host: Future[tuple[FixedStep, float]]
+    variant: SceneVariant, counts: OperationCounts, seconds: dict[str, float], host: Future[tuple[FixedStep, float]]
 ) -> _Built:
     show_progress(f"compiling: {_label(variant)}")
     compiled, took = host.result()
@@ -129,5 +129,5 @@ def _cost(built: _Built, q: Vector) -> FrameCost:
     )
 
 
-def _label(variant: Variant) -> str:
+def _label(variant: SceneVariant) -> str:
     return f"{beam_count(variant.pieces)}, {variant.frame} frame"

@@ -22,7 +22,7 @@ from derive.runtime.native import load_scene
 from derive.study.elimination import backward_error, eliminate, entry_mask, equilibrated, kkt_systems
 from derive.study.elimination_orders import ORDERS, Order, without_diagonal
 from derive.study.states import simulated_states, undeformed_states
-from derive.study.variants import OperationCounts, Variant, operation_counts
+from derive.study.variants import OperationCounts, SceneVariant, operation_counts
 from derive.terminal import show_progress
 
 QUICK = ("-std=c99", "-O0", "-ffp-contract=off")
@@ -81,7 +81,7 @@ class FrameStability:
     broken: dict[str, float]
 
 
-def frame_stability(variant: Variant, count: int, numberings: int) -> FrameStability:
+def frame_stability(variant: SceneVariant, count: int, numberings: int) -> FrameStability:
     """The pivots of a variant in `count` states of each kind. Raises SpecError, CompilerError, SimulationError."""
     label = f"{variant.scene.name}, {variant.frame} frame: "
     show_progress(f"{label}deriving and compiling")

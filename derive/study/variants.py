@@ -20,7 +20,7 @@ from derive.spec.tables.beam import frame_from
 
 
 @dataclass(frozen=True)
-class Variant:
+class SceneVariant:
     """A scene whose beams are cut into `pieces` each, all of them in the frame of the kind `frame`."""
 
     pieces: int
@@ -28,10 +28,10 @@ class Variant:
     scene: Scene
 
 
-def variant(scene: Scene, pieces: int, frame: str) -> Variant:
+def variant(scene: Scene, pieces: int, frame: str) -> SceneVariant:
     """The scene with each beam cut into `pieces`, in the frame of the kind `frame`."""
     bodies = tuple(_in_frame(b, pieces, frame) if isinstance(b, BeamBody) else b for b in scene.bodies)
-    return Variant(pieces, frame, replace(scene, bodies=bodies))
+    return SceneVariant(pieces, frame, replace(scene, bodies=bodies))
 
 
 def _in_frame(beam: BeamBody, pieces: int, name: str) -> BeamBody:

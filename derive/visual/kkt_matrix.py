@@ -26,8 +26,8 @@ STYLE = """\
 
 def factor_entries(kkt: Kkt) -> tuple[frozenset[tuple[int, int]], frozenset[tuple[int, int]]]:
     """Entries below the diagonal, by places in the order: those of the matrix, and the fill-in."""
-    place = {node: k for k, node in enumerate(kkt.order)}
-    pairs = ((place[i], place[j]) for i, j in kkt.pattern.entries if i != j)
+    position = {node: k for k, node in enumerate(kkt.order)}
+    pairs = ((position[i], position[j]) for i, j in kkt.pattern.entries if i != j)
     own = frozenset((max(pair), min(pair)) for pair in pairs)
     below: list[set[int]] = [set() for _ in kkt.order]
     for i, j in own:

@@ -18,7 +18,7 @@ from derive.simulation.initial.consistent_state import InitialState
 from derive.simulation.initial.initial_state import initial_state
 from derive.simulation.integration.scipy_methods import integrate
 from derive.simulation.integration.solution import Solution
-from derive.simulation.observables.motion import Motion, deflection
+from derive.simulation.observables.motion import SceneMotion, deflection
 from derive.spec.model.scene import Scene
 from derive.spec.toml.read import parse
 
@@ -52,7 +52,7 @@ class Made:
     def bent(self, found: Solution, plot: str, p: np.ndarray | None = None) -> np.ndarray:
         """What a plot of the scene shows of a motion."""
         quantity = next(one.quantity for one in self.spec.plots if one.name == plot)
-        motion = Motion(self.spec, self.native, self.native.setup(p), found.t, found.q, found.v)
+        motion = SceneMotion(self.spec, self.native, self.native.setup(p), found.t, found.q, found.v)
         return deflection(motion, quantity)
 
 

@@ -7,13 +7,20 @@ from collections.abc import Iterator
 import numpy as np
 
 from derive.runtime.calls import Vector
-from derive.simulation.compiled_scene import Mechanism
+from derive.simulation.compiled_scene import ConstrainedSystem
 from derive.simulation.constraints.projection import project
 from derive.simulation.integration.scipy_methods import Evaluator
 
 
 def march(
-    native: Mechanism, k: Vector, t: float, q: Vector, v: Vector, step: float, count: int, projected: bool = True
+    native: ConstrainedSystem,
+    k: Vector,
+    t: float,
+    q: Vector,
+    v: Vector,
+    step: float,
+    count: int,
+    projected: bool = True,
 ) -> Iterator[tuple[float, Vector, Vector]]:
     """(t, q, v) after each of `count` steps (s), each projected onto the constraints if asked for.
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from derive.mechanics.reference_conditions import assumed_shapes
 from derive.simulation.observables.beams import piece_at, piece_names
-from derive.simulation.observables.motion import Motion, si_value
+from derive.simulation.observables.motion import SceneMotion, si_value
 from derive.spec.model.body import Frame, Marker, PlanarBeam
 from derive.spec.model.scene import (
     BeamBody,
@@ -128,9 +128,9 @@ class Double:
         return np.array([c1, c2]) + turned, np.zeros(2), None
 
 
-def motion(count: int = 3, instants: int = 1001, name: str = "slider") -> Motion:
+def motion(count: int = 3, instants: int = 1001, name: str = "slider") -> SceneMotion:
     given = scene(count, name)
     native = Double(given)
     t = np.linspace(0, 0.1, instants)
     q = np.array([native.state(x) for x in t])
-    return Motion(given, native, np.zeros(0), t, q, np.zeros_like(q))
+    return SceneMotion(given, native, np.zeros(0), t, q, np.zeros_like(q))

@@ -17,7 +17,7 @@ from derive.ir.model import Variable
 from derive.simulation.errors import IntegrationStopped
 from derive.simulation.initial.consistent_state import InitialState
 from derive.simulation.integration.solution import Cost, Solution
-from derive.simulation.observables.motion import Motion
+from derive.simulation.observables.motion import SceneMotion
 from derive.simulation.simulate import Trajectory, output_times
 from derive.spec.model.scene import Scene
 
@@ -48,7 +48,7 @@ def simulated(scene: Scene, progress=None) -> Trajectory:
         scene,
         names,
         InitialState(0.0, q[0], 0 * q[0], 0.0, 0.0, False, DEFORMING in scene.name),
-        Motion(scene, native, np.zeros(0), t, q, 0 * q),
+        SceneMotion(scene, native, np.zeros(0), t, q, 0 * q),
         found,
     )
 

@@ -15,7 +15,7 @@ import slider
 
 from derive.artifacts import MARK
 from derive.simulation.observables.csv_writer import Column
-from derive.simulation.observables.motion import Motion, marker_positions
+from derive.simulation.observables.motion import SceneMotion, marker_positions
 from derive.simulation.observables.player_data import MAX_FRAMES, player_data, speeds
 from derive.spec.model.scene import MarkerRef, PointMarker, RigidBody
 from derive.visual.player import json_island, player_page
@@ -24,7 +24,7 @@ EVIL = "</script><script>alert(1)</script>&<!--"
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
 
 
-def page(motion: Motion, curves: list[Column]) -> str:
+def page(motion: SceneMotion, curves: list[Column]) -> str:
     return player_page(player_data(motion, curves))
 
 
@@ -90,7 +90,7 @@ def test_outlines_speeds_and_guides() -> None:
     plate = RigidBody("crank", None, None, (0, 0), tuple(PointMarker(n, x, y) for n, x, y in corners))
     crank = replace(plate, markers=(*plate.markers, *motion.scene.bodies[0].markers))
     scene = replace(motion.scene, bodies=(crank, *motion.scene.bodies[1:]))
-    found = player_data(Motion(scene, motion.native, motion.k, motion.t, motion.q, motion.v), [])
+    found = player_data(SceneMotion(scene, motion.native, motion.k, motion.t, motion.q, motion.v), [])
     assert found["rigid"][0]["outline"] == [[0, 0], [2, 0], [0, 2]]
     guide = found["joints"][3]
     assert guide["axis"] == [1, 0] and "axis" not in found["joints"][0]

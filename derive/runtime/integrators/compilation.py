@@ -50,11 +50,11 @@ def klu() -> Flags:
 def sundials() -> Flags:
     """The flags of SUNDIALS with KLU, in $SUNDIALS_DIR if that is set. Raises LibraryMissing."""
     libraries = tuple(f"-lsundials_{part}" for part in ("ida", "sunlinsolklu", "sunmatrixsparse", "nvecserial"))
-    wanted = ("SUNDIALS with KLU", "libsundials-dev libsuitesparse-dev", "sundials", "sunlinsol/sunlinsol_klu.h")
+    library = ("SUNDIALS with KLU", "libsundials-dev libsuitesparse-dev", "sundials", "sunlinsol/sunlinsol_klu.h")
     try:
-        return _library_flags(*wanted, libraries)
+        return _library_flags(*library, libraries)
     except LibraryMissing:
-        return _library_flags(*wanted, (*libraries, "-lsundials_core"))  # a library of its own since SUNDIALS 7
+        return _library_flags(*library, (*libraries, "-lsundials_core"))  # a library of its own since SUNDIALS 7
 
 
 @cache

@@ -9,7 +9,13 @@ from scipy.linalg import null_space, solve_triangular
 
 from derive.roles import Role
 from derive.runtime.calls import Vector
-from derive.simulation.compiled_scene import Mechanism, constraint_matrix, coordinates_with, mass_matrix, max_norm
+from derive.simulation.compiled_scene import (
+    ConstrainedSystem,
+    constraint_matrix,
+    coordinates_with,
+    mass_matrix,
+    max_norm,
+)
 from derive.simulation.constraints.closest_state import closest_state, damped_step
 from derive.simulation.constraints.scaling import in_mass_metric, mass_factor, typical_row_norms
 
@@ -21,7 +27,7 @@ FIRST_DELAY, DOUBLINGS = 1e-6, 30
 
 
 def neighbouring_states(
-    native: Mechanism, k: Vector, t: float, q: Vector, drives: Sequence[str] = ()
+    native: ConstrainedSystem, k: Vector, t: float, q: Vector, drives: Sequence[str] = ()
 ) -> Iterator[tuple[float, Vector]]:
     """A few pairs of time (s) and configuration (nq,) near a consistent configuration q (nq,).
 
@@ -39,13 +45,13 @@ def neighbouring_states(
                 yield time, state.q
 
 
-def driven_multipliers(native: Mechanism, k: Vector, t: float, q: Vector) -> tuple[str, ...]:
+def driven_multipliers(native: ConstrainedSystem, k: Vector, t: float, q: Vector) -> tuple[str, ...]:
     """The names of the multipliers whose constraints change with time."""
     rates = native.constraint_rates(t, q, np.zeros(native.nv), k)
     return tuple(name for name, rate in zip(native.multipliers, rates, strict=True) if rate != 0.0)
 
 
-def _directions(native: Mechanism, k: Vector, t: float, q: Vector, active: list[int]) -> Iterator[Vector]:
+def _directions(native: ConstrainedSystem, k: Vector, t: float, q: Vector, active: list[int]) -> Iterator[Vector]:
     """Small motions (nq,) that the active constraints allow to first order; zero alone if they allow none."""
     R = mass_factor(mass_matrix(native, q, k))
     G = in_mass_metric(constraint_matrix(native, t, q, k), R)
@@ -59,7 +65,9 @@ def _directions(native: Mechanism, k: Vector, t: float, q: Vector, active: list[
         yield np.zeros(native.nq)
 
 
-def _projected(native: Mechanism, k: Vector, t: float, q: Vector, direction: Vector, active: list[int]) -> Vector:
+def _projected(
+    native: ConstrainedSystem, k: Vector, t: float, q: Vector, direction: Vector, active: list[int]
+) -> Vector:
     """The configuration next to q + direction with the same g of the active constraints as q."""
     R = mass_factor(mass_matrix(native, q, k))
     norms = typical_row_norms(native, k, t, q, R)[active]
@@ -74,7 +82,7 @@ def _projected(native: Mechanism, k: Vector, t: float, q: Vector, direction: Vec
     return moved
 
 
-def _time_of_motion(native: Mechanism, k: Vector, t: float, q: Vector, sign: float) -> float | None:
+def _time_of_motion(native: ConstrainedSystem, k: Vector, t: float, q: Vector, sign: float) -> float | None:
     """The time (s), after or before t, at which drives have moved something by ANGLE; None if they stand still."""
     now = native.constraints(t, q, k)
     for doubling in range(DOUBLINGS):
@@ -84,7 +92,7 @@ def _time_of_motion(native: Mechanism, k: Vector, t: float, q: Vector, sign: flo
     return None
 
 
-def _step_length(native: Mechanism, q: Vector, direction: Vector) -> float:
+def _step_length(native: ConstrainedSystem, q: Vector, direction: Vector) -> float:
     """The factor of a direction: until a body rotates by ANGLE, at most that part of the size of the mechanism."""
     angles = coordinates_with(native, Role.ROTATION)
     rotation, shift = max_norm(direction[angles]), max_norm(direction[~angles])
@@ -92,7 +100,7 @@ def _step_length(native: Mechanism, q: Vector, direction: Vector) -> float:
     return min(ANGLE / rotation if rotation > 0 else np.inf, size * ANGLE / shift if shift > 0 else np.inf)
 
 
-def _size(native: Mechanism, q: Vector) -> float:
+def _size(native: ConstrainedSystem, q: Vector) -> float:
     """The size of a mechanism (m): the largest displacement among its coordinates."""
     angles = coordinates_with(native, Role.ROTATION)
     return max(max_norm(q[~angles]), 1e-3)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from derive.runtime.calls import Vector
-from derive.simulation.compiled_scene import Mechanism, max_norm
+from derive.simulation.compiled_scene import ConstrainedSystem, max_norm
 from derive.simulation.errors import DriftTooLarge
 
 NEWTON_STEPS = 6
@@ -22,12 +22,12 @@ class Drift:
     velocity: float
 
 
-def drift(native: Mechanism, k: Vector, t: float, q: Vector, v: Vector) -> Drift:
+def drift(native: ConstrainedSystem, k: Vector, t: float, q: Vector, v: Vector) -> Drift:
     """The drift of a state."""
     return Drift(max_norm(native.constraints(t, q, k)), max_norm(native.constraint_rates(t, q, v, k)))
 
 
-def project(native: Mechanism, k: Vector, t: float, q: Vector, v: Vector) -> tuple[Vector, Vector]:
+def project(native: ConstrainedSystem, k: Vector, t: float, q: Vector, v: Vector) -> tuple[Vector, Vector]:
     """The state (q, v) on its constraints, to rounding errors where Newton's method converges.
 
     Raises ModelError where the constraints are singular. From a state that is too far off Newton's method does not
@@ -48,7 +48,7 @@ def project(native: Mechanism, k: Vector, t: float, q: Vector, v: Vector) -> tup
     return q, v + native.project_velocity(t, q, k, -native.constraint_rates(t, q, v, k))
 
 
-def check_drift(native: Mechanism, k: Vector, t: float, q: Vector, v: Vector, tolerance: float) -> Drift:
+def check_drift(native: ConstrainedSystem, k: Vector, t: float, q: Vector, v: Vector, tolerance: float) -> Drift:
     """The drift of a state. Raises DriftTooLarge with the worst constraint if a |g| or |gdot| exceeds `tolerance`."""
     for level, values in (("position", native.constraints(t, q, k)), ("rate", native.constraint_rates(t, q, v, k))):
         if not max_norm(values) <= tolerance:

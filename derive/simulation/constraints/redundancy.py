@@ -9,7 +9,7 @@ import numpy as np
 from scipy.linalg import null_space, qr
 
 from derive.runtime.calls import Matrix, Vector
-from derive.simulation.compiled_scene import Mechanism, constraint_matrix, kkt_matrix, mass_matrix
+from derive.simulation.compiled_scene import ConstrainedSystem, constraint_matrix, kkt_matrix, mass_matrix
 from derive.simulation.constraints.neighbouring_states import neighbouring_states
 from derive.simulation.constraints.scaling import SINGULAR, Spectrum, spectrum
 from derive.simulation.errors import Dependence, MasslessMotion, RedundantConstraints, SingularConfiguration
@@ -31,7 +31,7 @@ class ConstraintAnalysis:
     involved: tuple[str, ...]
 
 
-def analyse_constraints(native: Mechanism, k: Vector, t: float, q: Vector) -> ConstraintAnalysis:
+def analyse_constraints(native: ConstrainedSystem, k: Vector, t: float, q: Vector) -> ConstraintAnalysis:
     """Rank and conditioning of the constraints in the configuration q (nq,) at t (s)."""
     singular = spectrum(native, k, t, q)
     return ConstraintAnalysis(
@@ -44,7 +44,7 @@ def analyse_constraints(native: Mechanism, k: Vector, t: float, q: Vector) -> Co
     )
 
 
-def check_constraints(native: Mechanism, k: Vector, t: float, q: Vector, drives: Sequence[str] = ()) -> None:
+def check_constraints(native: ConstrainedSystem, k: Vector, t: float, q: Vector, drives: Sequence[str] = ()) -> None:
     """Raise an error if multipliers or accelerations of the consistent configuration q (nq,) at t (s) are not unique.
 
     drives: names of multipliers that are released to reach neighbouring states. Constraints that depend on each other
@@ -96,7 +96,7 @@ def _independent_rows(scaled: Matrix, rank: int) -> list[int]:
     return sorted(int(i) for i in order[:rank])
 
 
-def _check_mass(native: Mechanism, k: Vector, t: float, q: Vector) -> None:
+def _check_mass(native: ConstrainedSystem, k: Vector, t: float, q: Vector) -> None:
     """Raise MasslessMotion if a motion that the constraints allow has no kinetic energy."""
     M, G = mass_matrix(native, q, k), constraint_matrix(native, t, q, k)
     size = np.sqrt(np.where(np.diag(M) > 0, np.diag(M), np.median(np.diag(M)) or 1.0))

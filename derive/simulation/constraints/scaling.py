@@ -9,7 +9,7 @@ from scipy.linalg import cholesky, solve_triangular
 
 from derive.roles import Role
 from derive.runtime.calls import Matrix, Vector
-from derive.simulation.compiled_scene import Mask, Mechanism, constraint_matrix, coordinates_with, mass_matrix
+from derive.simulation.compiled_scene import ConstrainedSystem, Mask, constraint_matrix, coordinates_with, mass_matrix
 
 RANDOM_ORIENTATIONS = 7
 """The number of random orientations of all bodies in which the typical length of a constraint's row is measured."""
@@ -37,7 +37,9 @@ def in_mass_metric(G: Matrix, R: Matrix) -> Matrix:
     return np.asarray(solve_triangular(R, G.T, trans="T").T) if G.size else G
 
 
-def typical_row_norms(native: Mechanism, k: Vector, t: float, q: Vector, R: Matrix, free: Mask | None = None) -> Vector:
+def typical_row_norms(
+    native: ConstrainedSystem, k: Vector, t: float, q: Vector, R: Matrix, free: Mask | None = None
+) -> Vector:
     """The root mean square lengths (nlambda,) of the rows of G R^-1, over this state and random orientations of bodies.
 
     free: the columns of G that count, all by default. The length in one state is no measure: a row may vanish at a dead
@@ -77,7 +79,7 @@ class Spectrum:
         return np.asarray(np.sqrt(np.sum(vanishing**2, axis=1)))
 
 
-def spectrum(native: Mechanism, k: Vector, t: float, q: Vector) -> Spectrum:
+def spectrum(native: ConstrainedSystem, k: Vector, t: float, q: Vector) -> Spectrum:
     """The singular values of the scaled constraints in the configuration q (nq,) at t (s)."""
     R = mass_factor(mass_matrix(native, q, k))
     G = in_mass_metric(constraint_matrix(native, t, q, k), R)

@@ -9,7 +9,14 @@ from scipy.linalg import solve_triangular
 
 from derive.roles import Role
 from derive.runtime.calls import Vector
-from derive.simulation.compiled_scene import Mask, Mechanism, constraint_matrix, coordinates_with, mass_matrix, max_norm
+from derive.simulation.compiled_scene import (
+    ConstrainedSystem,
+    Mask,
+    constraint_matrix,
+    coordinates_with,
+    mass_matrix,
+    max_norm,
+)
 from derive.simulation.constraints.closest_state import CONSISTENT, ClosestState, closest_state, damped_step
 from derive.simulation.constraints.redundancy import check_constraints
 from derive.simulation.constraints.scaling import in_mass_metric, mass_factor, typical_row_norms
@@ -39,7 +46,7 @@ class InitialState:
 
 
 def consistent_state(
-    native: Mechanism, k: Vector, guess_q: Vector, guess_v: Vector, rigid: Mask, t: float = 0.0
+    native: ConstrainedSystem, k: Vector, guess_q: Vector, guess_v: Vector, rigid: Mask, t: float = 0.0
 ) -> InitialState:
     """The consistent state at t (s) closest to a guess (nq,), (nv,), without change of deformations if possible.
 
@@ -57,7 +64,7 @@ def consistent_state(
     return InitialState(t, closest.q, v, closest.error, error, deformed, deforming)
 
 
-def _positions(native: Mechanism, k: Vector, t: float, guess: Vector, rigid: Mask) -> tuple[ClosestState, bool]:
+def _positions(native: ConstrainedSystem, k: Vector, t: float, guess: Vector, rigid: Mask) -> tuple[ClosestState, bool]:
     """The closest configuration, and whether deformations had to change."""
     best: ClosestState | None = None
     for free in (rigid,) if np.all(rigid) else (rigid, np.ones_like(rigid)):
@@ -72,14 +79,16 @@ def _positions(native: Mechanism, k: Vector, t: float, guess: Vector, rigid: Mas
     raise InconsistentInitialState("positions", _violations(native, best.g, limit), t)
 
 
-def _perturbed(native: Mechanism, guess: Vector, angle: float, rigid: Mask) -> Vector:
+def _perturbed(native: ConstrainedSystem, guess: Vector, angle: float, rigid: Mask) -> Vector:
     """The guess with each rotation changed by up to `angle` (rad), the same each time; positions follow."""
     angles = coordinates_with(native, Role.ROTATION) & rigid
     numbers = np.random.default_rng(0).uniform(-1.0, 1.0, len(guess))
     return np.asarray(guess + angle * np.where(angles, numbers, 0.0))
 
 
-def _velocities(native: Mechanism, k: Vector, t: float, q: Vector, guess: Vector, rigid: Mask) -> tuple[Vector, bool]:
+def _velocities(
+    native: ConstrainedSystem, k: Vector, t: float, q: Vector, guess: Vector, rigid: Mask
+) -> tuple[Vector, bool]:
     """The closest velocities, and whether rates of deformations had to change."""
     G, M = constraint_matrix(native, t, q, k), mass_matrix(native, q, k)
     v = guess
@@ -98,5 +107,5 @@ def _velocities(native: Mechanism, k: Vector, t: float, q: Vector, guess: Vector
     raise InconsistentInitialState("velocities", _violations(native, rates, 1e-3 * max_norm(rates)), t)
 
 
-def _violations(native: Mechanism, values: Vector, limit: float) -> list[tuple[str, float]]:
+def _violations(native: ConstrainedSystem, values: Vector, limit: float) -> list[tuple[str, float]]:
     return [(name, float(x)) for name, x in zip(native.multipliers, values, strict=True) if not abs(x) <= limit]

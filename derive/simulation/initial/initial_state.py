@@ -15,7 +15,7 @@ from derive.simulation.compiled_scene import Mask, coordinates_with
 from derive.simulation.errors import ExcessiveDeformation
 from derive.simulation.initial.consistent_state import InitialState, consistent_state
 from derive.simulation.observables.beams import beam_bodies, relative_deflection
-from derive.simulation.observables.motion import Motion, si_value
+from derive.simulation.observables.motion import SceneMotion, si_value
 from derive.spec.model.scene import BeamBody, CustomBody, InitialGuess, RigidBody, Scene
 
 MAX_DEFLECTION = 0.3
@@ -33,7 +33,7 @@ def initial_state(scene: Scene, native: NativeScene, k: Vector | None = None) ->
     constants = native.setup() if k is None else k
     state = consistent_state(native, constants, *initial_guess(scene, native))
     if state.deformed:
-        motion = Motion(scene, native, constants, np.array([state.t]), state.q[None], state.v[None])
+        motion = SceneMotion(scene, native, constants, np.array([state.t]), state.q[None], state.v[None])
         deflections = {b.name: relative_deflection(motion, b) for b in beam_bodies(scene)}
         if excessive := {name: value for name, value in deflections.items() if value > MAX_DEFLECTION}:
             raise ExcessiveDeformation(excessive)

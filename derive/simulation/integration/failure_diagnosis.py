@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from derive.runtime.calls import ModelError, Vector
-from derive.simulation.compiled_scene import Mechanism
+from derive.simulation.compiled_scene import ConstrainedSystem
 from derive.simulation.constraints.neighbouring_states import driven_multipliers
 from derive.simulation.constraints.redundancy import involved
 from derive.simulation.constraints.scaling import spectrum
@@ -22,7 +22,7 @@ NEARLY_SINGULAR = 1e-3
 
 
 def diagnose_failure(
-    native: Mechanism, k: Vector, t: float, y: Vector, refused: tuple[float, ModelError] | None, message: str
+    native: ConstrainedSystem, k: Vector, t: float, y: Vector, refused: tuple[float, ModelError] | None, message: str
 ) -> SimulationError:
     """The error that explains why an integrator cannot go on from its last state y = [q; v], near t (s).
 
@@ -35,7 +35,7 @@ def diagnose_failure(
 
 
 def diagnose_error(
-    native: Mechanism, k: Vector, t: float, y: Vector, error: ModelError | DriftTooLarge
+    native: ConstrainedSystem, k: Vector, t: float, y: Vector, error: ModelError | DriftTooLarge
 ) -> SimulationError:
     """The error that explains an error after the last good state y = [q; v] at t (s): a dead centre, or itself."""
     if isinstance(error, DriftTooLarge):
@@ -43,7 +43,7 @@ def diagnose_error(
     return diagnose_failure(native, k, t, y, None, str(error))
 
 
-def _dead_centre(native: Mechanism, k: Vector, t: float, y: Vector) -> SingularConfiguration | None:
+def _dead_centre(native: ConstrainedSystem, k: Vector, t: float, y: Vector) -> SingularConfiguration | None:
     if not np.all(np.isfinite(y)):
         return None
     singular = spectrum(native, k, t, y[: native.nq])

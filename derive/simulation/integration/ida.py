@@ -13,7 +13,7 @@ from scipy.sparse import csc_array
 
 from derive.ir.patterns import Pattern
 from derive.runtime.calls import ModelError, Vector
-from derive.simulation.compiled_scene import Mechanism
+from derive.simulation.compiled_scene import ConstrainedSystem
 from derive.simulation.errors import DriftTooLarge, SimulationError
 from derive.simulation.integration.failure_diagnosis import diagnose_error, diagnose_failure
 from derive.simulation.integration.solution import Cost, Progress, Solution, SolutionWriter, row_times
@@ -39,7 +39,7 @@ class Form(Protocol):
         """Values of dF/dy + cj dF/dydot."""
 
 
-class ImplicitMechanism(Mechanism, Protocol):
+class ImplicitSystem(ConstrainedSystem, Protocol):
     """A mechanism with its implicit forms."""
 
     dae: dict[str, Any]
@@ -50,7 +50,7 @@ class IdaMissing(SimulationError):
 
 
 def integrate_ida(
-    native: ImplicitMechanism,
+    native: ImplicitSystem,
     k: Vector,
     q: Vector,
     v: Vector,
@@ -78,28 +78,28 @@ def integrate_ida(
     rows = SolutionWriter(native, k, len(instants), drift, projected)
     solver = _solver(native.dae[form], native, k, tolerance, order, max_step)
     n = native.nq + native.nv
-    t, y, found = float(instants[0]), np.concatenate([q, v]), None
+    t, y, reached = float(instants[0]), np.concatenate([q, v]), None
     steps, calls, mark = 0, 0, t
     try:
         rows.append(t, y)
-        found = solver.init_step(t, *_initial(native, k, t, q, v, native.dae[form].size))
+        reached = solver.init_step(t, *_initial(native, k, t, q, v, native.dae[form].size))
         for at in instants[1:]:
             while t < at:
-                found = _step(solver, at, "onestep", instants[-1])
-                calls, steps = calls + 1, steps + (found.t > t)  # a call after a row gives the last step again
-                if not found.success:
-                    raise diagnose_failure(native, k, t, y, None, f"IDA: {found.message}")
+                reached = _step(solver, at, "onestep", instants[-1])
+                calls, steps = calls + 1, steps + (reached.t > t)  # a call after a row gives the last step again
+                if not reached.success:
+                    raise diagnose_failure(native, k, t, y, None, f"IDA: {reached.message}")
                 if calls % STALL_STEPS == 0:
-                    if found.t - mark < STALL_PROGRESS * (instants[-1] - instants[0]):
+                    if reached.t - mark < STALL_PROGRESS * (instants[-1] - instants[0]):
                         raise diagnose_failure(native, k, t, y, None, f"{STALL_STEPS} steps of IDA lead nowhere")
-                    mark = found.t
-                t, y = found.t, found.y[:n]
+                    mark = reached.t
+                t, y = reached.t, reached.y[:n]
                 if progress is not None:
                     progress(t)
             rows.append(float(at), _step(solver, at, "normal", instants[-1]).y[:n] if t > at else y)
     except (ModelError, DriftTooLarge) as error:
         raise diagnose_error(native, k, t, y, error) from error
-    cost = Cost(found.nfev if found else 0, steps, time.process_time() - began, found.njev if found else 0)
+    cost = Cost(reached.nfev if reached else 0, steps, time.process_time() - began, reached.njev if reached else 0)
     return rows.solution(instants, cost)
 
 
@@ -107,7 +107,7 @@ def _step(solver: Any, at: float, method: str, last: float) -> Any:
     return solver.step(float(at), method=method, tstop=float(last))
 
 
-def _solver(form: Form, native: Mechanism, k: Vector, tolerance: float, order: int, max_step: float) -> Any:
+def _solver(form: Form, native: ConstrainedSystem, k: Vector, tolerance: float, order: int, max_step: float) -> Any:
     """IDA with the sparse solver SuperLU_MT and the compiled Jacobian."""
     try:
         ida = import_module("sksundae.ida").IDA
@@ -140,7 +140,7 @@ def _solver(form: Form, native: Mechanism, k: Vector, tolerance: float, order: i
         )
 
 
-def _initial(native: Mechanism, k: Vector, t: float, q: Vector, v: Vector, size: int) -> tuple[Vector, Vector]:
+def _initial(native: ConstrainedSystem, k: Vector, t: float, q: Vector, v: Vector, size: int) -> tuple[Vector, Vector]:
     """y and ydot: accelerations and multipliers are the model's, the multipliers of the stabilisation are zero."""
     vdot, lam = native.solve(t, q, v, k)
     rest = np.zeros(size - len(q) - len(v) - len(lam))

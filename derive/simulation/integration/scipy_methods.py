@@ -12,7 +12,7 @@ from scipy.integrate import DOP853, RK45
 
 from derive.runtime.calls import ModelError, Vector
 from derive.runtime.native import Native
-from derive.simulation.compiled_scene import Mechanism
+from derive.simulation.compiled_scene import ConstrainedSystem
 from derive.simulation.errors import DriftTooLarge, IntegrationStopped
 from derive.simulation.integration.failure_diagnosis import diagnose_error, diagnose_failure
 from derive.simulation.integration.solution import Cost, Progress, Solution, SolutionWriter, row_times
@@ -24,7 +24,7 @@ METHODS: dict[str, Any] = {"DOP853": DOP853, "RK45": RK45}
 
 
 def integrate(
-    native: Mechanism,
+    native: ConstrainedSystem,
     k: Vector,
     q: Vector,
     v: Vector,
@@ -90,7 +90,7 @@ class Evaluator:
     because a call through NumPy takes longer than the C.
     """
 
-    def __init__(self, native: Mechanism, k: Vector) -> None:
+    def __init__(self, native: ConstrainedSystem, k: Vector) -> None:
         self.evaluations = 0
         self.refused: tuple[float, ModelError] | None = None
         self._nq, self._name = native.nq, native.name
@@ -116,7 +116,7 @@ class Evaluator:
         accel: Callable[..., int] = native.function("accel")
         return lambda t: accel(t, q, v, k, vdot)
 
-    def _interpreted(self, native: Mechanism) -> Callable[[float], int]:
+    def _interpreted(self, native: ConstrainedSystem) -> Callable[[float], int]:
         def accel(t: float) -> int:
             try:
                 self._ydot[self._nq :] = native.accel(t, self._y[: self._nq], self._y[self._nq :], self._k)

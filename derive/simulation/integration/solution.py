@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from derive.runtime.calls import Matrix, Vector
-from derive.simulation.compiled_scene import Mechanism
+from derive.simulation.compiled_scene import ConstrainedSystem
 from derive.simulation.constraints.projection import check_drift, drift, project
 
 Progress = Callable[[float], None]
@@ -47,7 +47,7 @@ class SolutionWriter:
     """Fills a solution row by row: projects each state if `projected`, checks its drift against `limit`, solves for
     its multipliers. `size` is the number of rows, `count` that of the rows written so far."""
 
-    native: Mechanism
+    native: ConstrainedSystem
     k: Vector
     size: int
     limit: float

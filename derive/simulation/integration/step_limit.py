@@ -6,14 +6,16 @@ import numpy as np
 from scipy.linalg import null_space, solve_triangular
 
 from derive.runtime.calls import Matrix, Vector
-from derive.simulation.compiled_scene import Mechanism, constraint_matrix, mass_matrix
+from derive.simulation.compiled_scene import ConstrainedSystem, constraint_matrix, mass_matrix
 from derive.simulation.constraints.scaling import in_mass_metric, mass_factor, typical_row_norms
 
 RK4_LIMIT = float(np.sqrt(8.0))
 """The classical Runge-Kutta method is stable for an oscillation of omega rad/s up to this product of step and omega."""
 
 
-def natural_frequencies(native: Mechanism, k: Vector, t: float, q: Vector, v: Vector, loaded: bool = True) -> Vector:
+def natural_frequencies(
+    native: ConstrainedSystem, k: Vector, t: float, q: Vector, v: Vector, loaded: bool = True
+) -> Vector:
     """Undamped natural frequencies (rad/s, ascending) of small motions about a consistent state (q, v) at t (s).
 
     They are those of M ddq + K dq = 0 with G dq = 0 and K = d/dq (M vdot + h - G^T lambda), at vdot and lambda of the
@@ -32,13 +34,15 @@ def natural_frequencies(native: Mechanism, k: Vector, t: float, q: Vector, v: Ve
     return np.asarray(np.sqrt(np.sort(np.maximum(squares.real, 0.0))))
 
 
-def rk4_step_limit(native: Mechanism, k: Vector, t: float, q: Vector, v: Vector) -> float:
+def rk4_step_limit(native: ConstrainedSystem, k: Vector, t: float, q: Vector, v: Vector) -> float:
     """The step (s) above which the classical Runge-Kutta method is unstable in this state; infinite if none is."""
     highest = float(np.max(natural_frequencies(native, k, t, q, v), initial=0.0))
     return RK4_LIMIT / highest if highest > 0.0 else float("inf")
 
 
-def _stiffness(native: Mechanism, k: Vector, t: float, q: Vector, v: Vector, motions: Matrix, loaded: bool) -> Matrix:
+def _stiffness(
+    native: ConstrainedSystem, k: Vector, t: float, q: Vector, v: Vector, motions: Matrix, loaded: bool
+) -> Matrix:
     """Central differences of M vdot + h - G^T lambda along each column of `motions`."""
     vdot, lam = native.solve(t, q, v, k) if loaded else (np.zeros(native.nv), np.zeros(native.nlambda))
 

@@ -9,7 +9,7 @@ import numpy as np
 from derive.mechanics.multibody.bodies.beam import piece_name, piece_of, place_in_piece
 from derive.mechanics.reference_conditions import assumed_shapes
 from derive.mechanics.symbols import amplitude, owned
-from derive.simulation.observables.motion import Array, Motion, si_value, transformed
+from derive.simulation.observables.motion import Array, SceneMotion, si_value, transformed
 from derive.spec.model.body import Polynomial
 from derive.spec.model.scene import BeamBody, Scene
 
@@ -42,7 +42,7 @@ def shape_functions(beam: BeamBody) -> tuple[Polynomial, ...]:
     return assumed_shapes(beam.beam.ansatz, beam.beam.frame, beam.beam.orthogonal)
 
 
-def amplitudes(motion: Motion, beam: BeamBody, piece: str) -> Array:
+def amplitudes(motion: SceneMotion, beam: BeamBody, piece: str) -> Array:
     """(n, shapes): the modal amplitudes of a piece, m."""
     names = [owned(amplitude(i + 1), piece).name for i in range(len(shape_functions(beam)))]
     columns = [motion.native.coordinates.index(name) for name in names]
@@ -50,14 +50,14 @@ def amplitudes(motion: Motion, beam: BeamBody, piece: str) -> Array:
     return values
 
 
-def deflections(motion: Motion, beam: BeamBody, piece: str, xi: Array) -> Array:
+def deflections(motion: SceneMotion, beam: BeamBody, piece: str, xi: Array) -> Array:
     """(n, len(xi)): the distances of points of a piece from its axis, m."""
     shapes = [sum(float(c) * xi**n for n, c in enumerate(shape)) for shape in shape_functions(beam)]
     values: Array = amplitudes(motion, beam, piece) @ np.array(shapes)
     return values
 
 
-def beam_points(motion: Motion, beam: BeamBody) -> list[Array]:
+def beam_points(motion: SceneMotion, beam: BeamBody) -> list[Array]:
     """(n, 2) each: the positions (m) of the ends and the middle of every piece, in the inertial frame."""
     xi, points = np.array([-1.0, 0.0, 1.0]), []
     for piece in piece_names(beam):
@@ -66,7 +66,7 @@ def beam_points(motion: Motion, beam: BeamBody) -> list[Array]:
     return points
 
 
-def relative_deflection(motion: Motion, beam: BeamBody) -> float:
+def relative_deflection(motion: SceneMotion, beam: BeamBody) -> float:
     """The largest deflection of a piece from its axis, divided by the length of the piece."""
     xi = np.linspace(-1, 1, 21)
     largest = max(float(np.abs(deflections(motion, beam, piece, xi)).max()) for piece in piece_names(beam))

@@ -43,7 +43,7 @@ OPERATIONS: dict[str, Callable[..., Array]] = {
 
 
 @dataclass(frozen=True, eq=False)
-class Motion:
+class SceneMotion:
     """A scene at the times t (n,), s: q (n, nq) and v (n, nv) in SI units, and the constants k (nk,) of `setup`."""
 
     scene: Scene
@@ -104,7 +104,7 @@ def _orientation(a: tuple[float, float], b: tuple[float, float], c: tuple[float,
     return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 
 
-def marker_positions(motion: Motion, marker: MarkerRef) -> Array:
+def marker_positions(motion: SceneMotion, marker: MarkerRef) -> Array:
     """(n, 2): the positions (m) of a marker in the inertial frame."""
     native = motion.native
     if marker.body == GROUND:
@@ -124,7 +124,7 @@ def transformed(pose: Array, x: Array) -> Array:
     return pose[:, :2] + rotated
 
 
-def deflection(motion: Motion, quantity: Deflection) -> Array:
+def deflection(motion: SceneMotion, quantity: Deflection) -> Array:
     """(n,): the distance of a marker from a chord, positive to its left, divided by `quantity.over` (m)."""
     start, end = marker_positions(motion, quantity.start), marker_positions(motion, quantity.end)
     chord, arm = end - start, marker_positions(motion, quantity.marker) - start

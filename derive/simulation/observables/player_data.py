@@ -23,7 +23,7 @@ from derive.simulation.observables.beams import (
 from derive.simulation.observables.csv_writer import Column
 from derive.simulation.observables.motion import (
     Array,
-    Motion,
+    SceneMotion,
     body_coordinates,
     drive_unit,
     drive_values,
@@ -45,14 +45,14 @@ SECONDS = 10.0
 """The time that a page plays at its default speed, about."""
 
 
-def player_data(motion: Motion, curves: Sequence[Column]) -> Plain:
+def player_data(motion: SceneMotion, curves: Sequence[Column]) -> Plain:
     """The content of the page of a motion: lengths in m, angles in rad, times in s.
 
     curves: columns with a value for each instant, which the page draws over time below the scene.
     """
     scene = motion.scene
     chosen = _instants(motion, len(curves) + len(scene.drives))
-    shown = Motion(scene, motion.native, motion.k, motion.t[chosen], motion.q[chosen], motion.v[chosen])
+    shown = SceneMotion(scene, motion.native, motion.k, motion.t[chosen], motion.q[chosen], motion.v[chosen])
     markers = [MarkerRef(GROUND, p.name) for p in scene.ground]
     markers += [MarkerRef(b.name, m.name) for b in scene.bodies for m in b.markers]
     at = {marker: marker_positions(shown, marker) for marker in markers}
@@ -91,13 +91,13 @@ def player_data(motion: Motion, curves: Sequence[Column]) -> Plain:
 
 def speeds(duration: float) -> list[float]:
     """Seven speeds relative to real time, from slow to fast; a page plays for about SECONDS at the middle one."""
-    wanted = math.log10(duration / SECONDS) if duration > 0 else 0.0
-    ladder = [float(f"{m}e{e}") for e in range(math.floor(wanted) - 2, math.floor(wanted) + 3) for m in (1, 2, 5)]
-    middle = min(range(3, len(ladder) - 3), key=lambda i: abs(math.log10(ladder[i]) - wanted))
+    default = math.log10(duration / SECONDS) if duration > 0 else 0.0
+    ladder = [float(f"{m}e{e}") for e in range(math.floor(default) - 2, math.floor(default) + 3) for m in (1, 2, 5)]
+    middle = min(range(3, len(ladder) - 3), key=lambda i: abs(math.log10(ladder[i]) - default))
     return ladder[middle - 3 : middle + 4]
 
 
-def _instants(motion: Motion, others: int) -> NDArray[np.intp]:
+def _instants(motion: SceneMotion, others: int) -> NDArray[np.intp]:
     """The indices of every instant, or of every second, third, ... one, and of the last."""
     channels = 1 + others + 3 * motion.poses.shape[1] + motion.q.shape[1]
     limit = max(2, min(MAX_FRAMES, MAX_NUMBERS // channels))
@@ -127,12 +127,12 @@ def _view(paths: Sequence[Array]) -> tuple[Array, Array]:
     return low - margin, high + margin
 
 
-def _pose(motion: Motion, name: str, step: float) -> list[Plain]:
+def _pose(motion: SceneMotion, name: str, step: float) -> list[Plain]:
     c1, c2, phi = motion.pose(name).T
     return [_channel(c1, step), _channel(c2, step), _channel(phi, RESOLUTION)]
 
 
-def _beam(motion: Motion, beam: BeamBody, step: float) -> Plain:
+def _beam(motion: SceneMotion, beam: BeamBody, step: float) -> Plain:
     return {
         "name": beam.name,
         "half": half_length(beam),
@@ -158,7 +158,7 @@ def _on_beam(beam: BeamBody, marker: str) -> list[float]:
     return [*piece_at(beam, next(m.at for m in beam.beam.markers if m.name == marker))]
 
 
-def _joint(motion: Motion, joint: Joint, markers: list[MarkerRef], at: dict[MarkerRef, Array]) -> Plain:
+def _joint(motion: SceneMotion, joint: Joint, markers: list[MarkerRef], at: dict[MarkerRef, Array]) -> Plain:
     """The markers and the symbol of a joint; of a guide its axis, and the range of the second marker along it."""
     drawing = JOINTS[joint.kind].drawing
     data: Plain = {

@@ -8,7 +8,7 @@ import numpy as np
 
 from derive.simulation.observables.motion import (
     Array,
-    Motion,
+    SceneMotion,
     deflection,
     deviation,
     drive_unit,
@@ -50,7 +50,7 @@ class PlotCurve:
         return float(np.sqrt(np.mean(self.deviation[1] ** 2))), float(np.abs(self.deviation[1]).max())
 
 
-def plot_curve(plot: Plot, motion: Motion, label: str) -> PlotCurve:
+def plot_curve(plot: Plot, motion: SceneMotion, label: str) -> PlotCurve:
     """The curve of a plot in a motion."""
     drive = next((d for d in motion.scene.drives if d.name == plot.over), None)
     x = motion.t if drive is None else drive_values(drive, motion.t)
