@@ -22,18 +22,22 @@ from derive.mechanics.bodies.spatial_body import modal_body, parametric_body, sy
 from derive.mechanics.bodies.spatial_body import parameters as parameters_of
 from derive.mechanics.equations import Equations
 from derive.mechanics.multibody import assembly
+from derive.mechanics.multibody.mechanism import Mechanism
 from derive.reduction import reduce
 from derive.spec.model.body import Gravity, Lowering, NodalBody, PlanarBeam, SymbolicBody
 from derive.spec.model.scene import Scene, Specification
 
 
-def derive(spec: Specification) -> Equations:
-    """The equations of motion of what is specified. Raises SpecError."""
+def derive(spec: Specification) -> Equations | Mechanism:
+    """The equations of motion of a body, or the mechanism that a scene describes. Raises SpecError.
+
+    Both have `expanded()`, which writes out the sums over the shapes, and the equations of every instance of a body.
+    """
     match spec:
         case PlanarBeam():
             return beam.derive(spec)
         case Scene():
-            return assembly.derive(spec)
+            return assembly.mechanism(spec)
         case SymbolicBody():
             return indexed_equations.derive_body(parametric_body(spec), spec.lowering)
         case NodalBody():
@@ -60,23 +64,24 @@ def parameters(body: ModalBody, spec: SymbolicBody) -> NDArray[np.float64]:
     return parameters_of(body, symbolic_tables(spec), spec.gravity)
 
 
-def lower(equations: Equations) -> Model:
+def lower(derived: Equations | Mechanism) -> Model:
     """The kernels of a model: straight-line code, or loops over the shapes of a body in space, whichever is faster.
 
     Raises SpecError when the specification asks for straight-line code that would be too long.
     """
-    body = equations.body
-    if not equations.indexed or body is None or body.dimension == 2:
-        return lower_flat(equations.expanded())
-    estimate = cost_model.choose(body)
+    if isinstance(derived, Mechanism) or derived.body is None or not derived.indexed or derived.body.dimension == 2:
+        return lower_flat(derived.expanded())
+    estimate = cost_model.choose(derived.body)
     try:
-        flat = estimate.taken(equations.lowering) == "flat"
+        flat = estimate.taken(derived.lowering) == "flat"
     except cost_model.CodeTooLong as error:
         raise SpecError((Problem("body.lowering", str(error)),)) from None
-    reason = estimate.reason(equations.lowering)
-    return lower_flat(equations.expanded(), reason) if flat else lower_tables(equations, reason)
+    reason = estimate.reason(derived.lowering)
+    return lower_flat(derived.expanded(), reason) if flat else lower_tables(derived, reason)
 
 
-def lowered_form(equations: Equations, model: Model) -> Equations:
+def lowered_form(derived: Equations | Mechanism, model: Model) -> Equations:
     """The form of the equations that a model was lowered from: with its sums, or written out."""
-    return equations if model.lowering == "table" else equations.expanded()
+    if isinstance(derived, Equations) and model.lowering == "table":
+        return derived
+    return derived.expanded()

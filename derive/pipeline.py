@@ -55,7 +55,7 @@ def build(path: Path, progress: Callable[[str], None] = lambda _: None) -> Built
     progress("deriving the equations of motion")
     try:
         derived = derive(spec)
-        deriving = Stage("derive", lap(), terms=len(derived.terms))
+        deriving = Stage("derive", lap())
         progress("lowering to kernels")
         model = lower(derived)
     except SpecError as error:  # a fault of the numbers, found where they are used
@@ -63,9 +63,9 @@ def build(path: Path, progress: Callable[[str], None] = lambda _: None) -> Built
     equations = lowered_form(derived, model)
     operations, nonzeros = model.kernel("mass_force").operations, model.pattern("mass", "M").full_nnz
     lowering = Stage("lower", lap(), operations=operations, nonzeros=nonzeros)
+    deriving = replace(deriving, terms=len(equations.terms))
     if not equations.indexed:
-        nonzeros = sum(entry != 0 for entry in equations.mass)
-        deriving = replace(deriving, terms=len(equations.terms), nonzeros=nonzeros)
+        deriving = replace(deriving, nonzeros=sum(entry != 0 for entry in equations.mass))
     progress("emitting C and Python")
     files = model_files(model, spec)
     emitting = Stage("emit", lap())

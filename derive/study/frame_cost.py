@@ -77,7 +77,7 @@ def _build(
     """A variant whose compilation has been submitted to the pool."""
     show_progress(f"deriving and lowering: {_label(variant)}")
     marks = [time.perf_counter()]
-    equations = derive(variant.scene)
+    equations = derive(variant.scene).expanded()
     assert isinstance(equations, Equations)
     marks.append(time.perf_counter())
     model = lower(equations)

@@ -85,7 +85,7 @@ def frame_stability(variant: SceneVariant, count: int, numberings: int) -> Frame
     """The pivots of a variant in `count` states of each kind. Raises SpecError, CompilerError, SimulationError."""
     label = f"{variant.scene.name}, {variant.frame} frame: "
     show_progress(f"{label}deriving and compiling")
-    equations = derive(variant.scene)
+    equations = derive(variant.scene).expanded()
     assert isinstance(equations, Equations)
     native = load_scene(model_files(lower(equations), variant.scene), QUICK)
     k, shape = native.setup(), kkt_pattern(Context(equations))

@@ -160,7 +160,8 @@ def _in_order(expr: sp.Expr) -> list[list[str]]:
 def model(name: str) -> Any:
     if name == "flat beam":
         return beams.made("point", 2).equations
-    return derive.derive(derive.read(ROOT / "scenes" / f"{name}.toml"))
+    derived = derive.derive(derive.read(ROOT / "scenes" / f"{name}.toml"))
+    return derived if name == "body_symbolic" else derived.expanded()
 
 
 def symbols_of(value: Any) -> Iterator[sp.Symbol]:

@@ -8,8 +8,7 @@ from pathlib import Path
 import pytest
 
 import derive
-from derive.mechanics.multibody import mechanism as module
-from derive.mechanics.multibody.expansion import expanded
+from derive.mechanics.multibody import kinds as module
 from derive.spec.toml.read import parse
 
 SCENES = Path(__file__).resolve().parents[2] / "scenes"
@@ -66,6 +65,11 @@ def test_what_a_joint_eliminates_has_its_reason():
 
 
 @pytest.mark.parametrize("name", ["four_bar", "crank_slider_3"])
-def test_the_equations_of_a_scene_are_those_of_its_mechanism(name):
+def test_expansion_is_the_decision_of_the_lowering(name):
+    """A mechanism keeps kinds and instances; the lowering, or who asks for it, writes out a row for each coordinate."""
     scene = derive.read(SCENES / f"{name}.toml")
-    assert expanded(derive.mechanism(scene)) == derive.derive(scene)
+    mechanism = derive.derive(scene)
+    assert mechanism == derive.mechanism(scene)
+    equations = mechanism.expanded()
+    assert len(equations.rows) == sum(len(i.coordinates.rows) for i in mechanism.instances)
+    assert derive.lower(mechanism) == derive.lower(equations)

@@ -47,8 +47,7 @@ class Rod:
 def test_non_zeros_of_the_mass_matrix(pieces: int, mean: int, point: int) -> None:
     """Beams and slider. A beam has 5 of 25 entries in the mean frame and 15 in that of its middle."""
     for frame, expected in (("mean", mean), ("point", point)):
-        equations = derive.derive(parse(Rod(pieces, frame)(text_of("crank_slider_3")), str(SCENE)))
-        assert isinstance(equations, Equations)
+        equations = derive.derive(parse(Rod(pieces, frame)(text_of("crank_slider_3")), str(SCENE))).expanded()
         assert sum(entry != 0 for entry in equations.mass) == expected
 
 

@@ -11,29 +11,23 @@ import sympy as sp
 
 from derive.errors import Problem, SpecError
 from derive.mechanics import quantity
-from derive.mechanics.equations import Equations
 from derive.mechanics.multibody.bodies.body_type import BodyType, Constant
 from derive.mechanics.multibody.bodies.registry import BODIES
 from derive.mechanics.multibody.components import Component
 from derive.mechanics.multibody.coordinates import CoordinateMap, free
-from derive.mechanics.multibody.expansion import expanded
 from derive.mechanics.multibody.forces.registry import elements
 from derive.mechanics.multibody.instances import point_motions
 from derive.mechanics.multibody.joints.joint_type import PrescribedMotion, Support
 from derive.mechanics.multibody.joints.registry import JOINTS
 from derive.mechanics.multibody.keys import quantities
-from derive.mechanics.multibody.mechanism import BodyInstance, BodyKinds, ForceInstance, JointInstance, Mechanism
+from derive.mechanics.multibody.kinds import BodyInstance, BodyKinds, ForceInstance, JointInstance
+from derive.mechanics.multibody.mechanism import Mechanism
 from derive.mechanics.multibody.point_motion import PointMotion, fixed_point
 from derive.mechanics.multibody.time_functions import finite_function, time_derivatives
 from derive.mechanics.symbols import Symbol, element, t
 from derive.mechanics.terms import Coefficient, Eliminated, ParameterSymbol
 from derive.spec.model.body import Parameter, Quantity
 from derive.spec.model.scene import GROUND, CustomJoint, Drive, Joint, MarkerRef, Scene, SceneBody
-
-
-def derive(scene: Scene) -> Equations:
-    """The equations of motion of a scene, written out. Raises SpecError with what does not go together."""
-    return expanded(mechanism(scene))
 
 
 def mechanism(scene: Scene) -> Mechanism:

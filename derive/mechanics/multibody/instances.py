@@ -12,7 +12,7 @@ from derive.mechanics.equations import Equations
 from derive.mechanics.expansion import constants_of
 from derive.mechanics.multibody.components import Component
 from derive.mechanics.multibody.coordinates import CoordinateMap
-from derive.mechanics.multibody.mechanism import BodyInstance, BodyKind
+from derive.mechanics.multibody.kinds import BodyInstance, BodyKind
 from derive.mechanics.multibody.point_motion import PointMotion, point_motion
 from derive.mechanics.multibody.time_functions import rounded
 from derive.mechanics.points import marker

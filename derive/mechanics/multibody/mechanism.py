@@ -1,84 +1,46 @@
-"""A mechanism before it is written out: equations once for each kind of body, and instances that refer to a kind."""
+"""A mechanism: equations once for each kind of body, instances that refer to a kind, and how all is written out."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from itertools import chain
 
 import sympy as sp
 
-from derive.mechanics.body import Body, ExactValues
+from derive.errors import Problem, SpecError
 from derive.mechanics.equations import Equations
-from derive.mechanics.indexed_equations import derive_body
-from derive.mechanics.motion import Motion
-from derive.mechanics.multibody.components import Component
-from derive.mechanics.multibody.coordinates import CoordinateMap
-from derive.mechanics.multibody.forces.force_type import ForceType
-from derive.mechanics.multibody.joints.joint_type import JointType, PrescribedMotion
-from derive.mechanics.multibody.point_motion import PointMotion
-from derive.mechanics.terms import Coefficient, Eliminated, ParameterSymbol
-from derive.spec.model.scene import Force, Joint, MarkerRef, Scene, Spring, Torque
+from derive.mechanics.multibody.bodies.registry import BODIES
+from derive.mechanics.multibody.bodies.rigid import BODY_FRAME
+from derive.mechanics.multibody.constraints import constraints
+from derive.mechanics.multibody.forces.force_type import GeneralisedForce
+from derive.mechanics.multibody.instances import InstanceEquations, instance_equations
+from derive.mechanics.multibody.kinds import BodyInstance, BodyKind, ForceInstance, JointInstance
+from derive.mechanics.multibody.point_motion import Link, PointMotion
+from derive.mechanics.symbols import t
+from derive.mechanics.terms import (
+    Coefficient,
+    Constraint,
+    Coordinate,
+    Definition,
+    Eliminated,
+    MarkerEquations,
+    ParameterSymbol,
+    Pose,
+    Row,
+    Term,
+)
+from derive.spec.model.scene import GROUND, MarkerRef, Scene
 
+BETWEEN_BODIES = "the mass matrix is block-diagonal, because joints couple bodies through constraints"
 
-@dataclass(frozen=True)
-class BodyKind:
-    """The equations of a free body in its own symbols; instances differ in the values of its constants alone.
-
-    `body` is what they are derived from, with all values 0: which of its integrals vanish, and why, is what makes two
-    bodies of one kind.
-    """
-
-    body: Body
-    equations: Equations
-
-    @property
-    def motion(self) -> Motion:
-        """The motion of the free body."""
-        return self.body.motion
-
-
-@dataclass(frozen=True)
-class BodyInstance:
-    """A component of a mechanism: an instance of a kind, by its number, with its coordinates in the mechanism."""
-
-    component: Component
-    kind: int
-    coordinates: CoordinateMap
-
-    @property
-    def name(self) -> str:
-        """The name of the component."""
-        return self.component.name
-
-    @property
-    def moves(self) -> bool:
-        """Whether it has coordinates; the motion of the others is prescribed."""
-        return bool(self.coordinates.rows)
-
-
-@dataclass(frozen=True)
-class JointInstance:
-    """A joint that is a constraint: its markers are on instances or on the ground."""
-
-    joint: Joint
-    type: JointType
-    drive: PrescribedMotion | None
-
-
-@dataclass(frozen=True)
-class ForceInstance:
-    """A force, torque or spring, with the markers of instances that it acts at, and its constants."""
-
-    element: Force | Torque | Spring
-    type: ForceType[Any]
-    markers: tuple[MarkerRef, ...]
-    constants: Mapping[str, sp.Expr]
+Instances = Mapping[str, InstanceEquations]
 
 
 @dataclass(frozen=True)
 class Mechanism:
-    """What a scene consists of. `expansion.expanded` writes out its equations.
+    """What a scene consists of. `expanded()` writes out its equations.
 
     kinds: the equations of its bodies, each once; instances: its bodies in the order of the specification; order: their
     names in the order in which their definitions follow each other, since a body may follow another's motion; ground:
@@ -101,6 +63,13 @@ class Mechanism:
         """An instance by its name."""
         return next(instance for instance in self.instances if instance.name == name)
 
+    def expanded(self) -> Equations:
+        """The equations of motion without reference to kinds: each instance has rows of its own.
+
+        Raises SpecError where a constraint has no coordinate that could meet it, or where two names meet.
+        """
+        return _expanded(self)
+
     def __str__(self) -> str:
         lines = [f"mechanism {self.scene.name}"]
         for number, kind in enumerate(self.kinds):
@@ -113,35 +82,198 @@ class Mechanism:
         return "\n".join([*lines, *(f"  {e.what}: {e.reason}" for e in self.eliminated)])
 
 
-class BodyKinds:
-    """The kinds of bodies that have been found so far; equal ones are derived once."""
+def _expanded(mechanism: Mechanism) -> Equations:
+    instances = _instances(mechanism)
+    rows = tuple(row for instance in instances.values() for row in instance.rows)
+    points = {GROUND: mechanism.ground, **{name: instance.points for name, instance in instances.items()}}
 
-    def __init__(self) -> None:
-        self.kinds: list[BodyKind] = []
+    def at(marker: MarkerRef) -> PointMotion:
+        return points[marker.body][marker.marker]
 
-    def number(self, body: Body) -> int:
-        """The number of the kind of a body."""
-        form = _without_values(body)
-        for number, kind in enumerate(self.kinds):
-            if kind.body == form:
-                return number
-        self.kinds.append(BodyKind(form, derive_body(form)))
-        return len(self.kinds) - 1
+    joints = [
+        constraints(j.joint, j.type, Link(at(j.joint.first), at(j.joint.second)), j.drive, rows)
+        for j in mechanism.joints
+    ]
+    conditions = tuple(c for _, of_joint in joints for c in of_joint)
+    _refuse_idle(conditions)
+    forces = [
+        f.type.generalised_force(f.element, tuple(map(at, f.markers)), f.constants, rows) for f in mechanism.forces
+    ]
+    in_order = [instances[name].definitions for name in mechanism.order]
+    definitions = tuple(chain(*in_order, *(own for own, _ in joints), *(f.definitions for f in forces)))
+    return _gathered(mechanism, instances, rows, definitions, conditions, forces)
 
 
-def _without_values(body: Body) -> Body:
-    def plain(constants: tuple[Coefficient, ...]) -> tuple[Coefficient, ...]:
-        return tuple(replace(c, value=sp.S.Zero) for c in constants)
+def _instances(mechanism: Mechanism) -> Instances:
+    result, groups = {}, set()
+    for instance in mechanism.instances:
+        group = instance.component.group
+        repeated = group in groups
+        groups.add(group)
+        result[instance.name] = instance_equations(instance, mechanism.kinds[instance.kind], repeated)
+    return result
 
-    assert isinstance(body.values, ExactValues), "bodies of planar mechanisms have exact integrals"
 
-    return replace(
-        body,
-        name="",
-        doc="",
-        origin="",
-        mass=sp.S.Zero,
-        values=ExactValues(plain(body.values.every)),
-        gravity=plain(body.gravity),
-        parameters=(),
+def _refuse_idle(conditions: tuple[Constraint, ...]) -> None:
+    idle = [c for c in conditions if not c.jacobian]
+    if idle:
+        text = "no coordinate can meet it, since the motion of both bodies is prescribed; leave out a drive or a joint"
+        raise SpecError(tuple(Problem(f"joints.{c.of}", f"{c.doc}: {text}") for c in idle))
+
+
+def _gathered(
+    mechanism: Mechanism,
+    instances: Instances,
+    rows: tuple[Row, ...],
+    definitions: tuple[Definition, ...],
+    conditions: tuple[Constraint, ...],
+    forces: Sequence[GeneralisedForce],
+) -> Equations:
+    scene, bodies = mechanism.scene, list(instances.values())
+    moving = _moving(definitions)
+    coefficients = _coefficients(mechanism, bodies)
+    _distinct(rows, conditions, coefficients, definitions)
+
+    def summed(of: Iterable[sp.Expr]) -> sp.Expr:
+        """What does not depend on time alone; a prescribed motion brings and takes energy as it needs."""
+        return sp.Add(*(e for e in of if not e.free_symbols & moving))
+
+    terms = (*chain.from_iterable(b.terms for b in bodies), *chain.from_iterable(f.terms for f in forces))
+    of_bodies = [b for b in bodies if b.rows]
+    kinetic, strain, weight = (summed(b.energies[k] for b in of_bodies) for k in range(3))
+    number = {row.name: i for i, row in enumerate(rows)}
+    coordinates = tuple(c for b in bodies for c in b.coordinates)
+    return Equations(
+        name=scene.name,
+        doc=_doc(scene, coordinates, conditions),
+        origin=_frame_doc(mechanism),
+        coordinates=coordinates,
+        rows=rows,
+        rates=tuple(row.v for row in rows),
+        parameters=mechanism.parameters,
+        coefficients=coefficients,
+        definitions=definitions,
+        terms=terms,
+        vanished=tuple(v for b in bodies for v in b.vanished),
+        mass=_mass(rows, terms),
+        mass_zeros=tuple((number[i], number[j], why) for b in bodies for i, j, why in b.mass_zeros),
+        kinetic_energy=kinetic,
+        strain_energy=strain + summed(f.potential for f in forces),
+        weight_energy=weight if scene.gravity else None,
+        linear_momentum=tuple(summed(b.linear[k] for b in of_bodies) for k in range(2)),
+        angular_momentum=(summed(b.angular[0] for b in of_bodies),),
+        markers=tuple(m for m in _markers(bodies) if not _depends(m.definitions, m.position, moving)),
+        constraints=conditions,
+        poses=tuple(_pose(name, instance) for name, instance in instances.items()),
+        eliminated=(*mechanism.eliminated, *_carried(instances, moving)),
     )
+
+
+def _carried(instances: Instances, moving: frozenset[sp.Symbol]) -> list[Eliminated]:
+    """Bodies that stand on what a drive moves: functions without t cannot speak of them."""
+    reason = "a drive carries it along, and these functions know no time"
+    names = [name for name, instance in instances.items() if instance.rows and _of_time(instance, moving)]
+    return [Eliminated(f"{name} in energy, momentum and markers", reason) for name in names]
+
+
+def _coefficients(mechanism: Mechanism, bodies: list[InstanceEquations]) -> tuple[Coefficient, ...]:
+    """Each symbol once, with one symbol for each parameter, whatever it is assumed to be where it is used."""
+    canonical = {p.symbol.name: p.symbol for p in mechanism.parameters}
+    result: dict[sp.Symbol, Coefficient] = {}
+    for c in (*mechanism.constants, *chain.from_iterable(b.coefficients for b in bodies)):
+        known = {s: canonical[s.name] for s in c.value.free_symbols if s.name in canonical}
+        result.setdefault(c.symbol, replace(c, value=c.value.xreplace(known)))
+    return tuple(result.values())
+
+
+def _pose(name: str, instance: InstanceEquations) -> Pose:
+    """Position and rotation of the body frame."""
+    if BODY_FRAME in instance.points:
+        frame = instance.points[BODY_FRAME]
+        return Pose(name, (frame.position[0], frame.position[1]), frame.rotation)
+    c1, c2, phi = (c.q for c in instance.coordinates[:3])
+    return Pose(name, (c1, c2), phi)
+
+
+def _distinct(
+    rows: tuple[Row, ...],
+    conditions: tuple[Constraint, ...],
+    coefficients: tuple[Coefficient, ...],
+    definitions: tuple[Definition, ...],
+) -> None:
+    """Names that are joined of others may meet; then one of the two has to be called otherwise."""
+    names = [str(s) for row in rows for s in (row.name, row.v, row.a)]
+    names += [c.name for c in conditions] + [str(c.symbol) for c in coefficients] + [str(d.symbol) for d in definitions]
+    twice = sorted(name for name, count in Counter(names).items() if count > 1)
+    if twice:
+        text = f"two things of this scene would be called {', '.join(twice)} in the code; give one another name"
+        raise SpecError((Problem("bodies", text),))
+
+
+def _moving(definitions: tuple[Definition, ...]) -> frozenset[sp.Symbol]:
+    """The time, and all symbols that are made of it."""
+    moving = {t}
+    for d in definitions:
+        if d.expr.free_symbols & moving:
+            moving.add(d.symbol)
+    return frozenset(moving)
+
+
+def _depends(definitions: tuple[Definition, ...], position: sp.ImmutableMatrix, moving: frozenset[sp.Symbol]) -> bool:
+    """Whether a marker needs the time, which markers do not get."""
+    every = (position.free_symbols, *(d.expr.free_symbols for d in definitions))
+    return any(symbols & moving for symbols in every)
+
+
+def _markers(bodies: Iterable[InstanceEquations]) -> Iterator[MarkerEquations]:
+    """The markers of all bodies, with a column and a row for each coordinate of the scene."""
+    bodies = tuple(bodies)
+    own = [len(body.rows) for body in bodies]
+    for k, body in enumerate(bodies):
+        before, after = sum(own[:k]), sum(own[k + 1 :])
+        for m in body.markers:
+            columns = sp.zeros(2, before), m.jacobian, sp.zeros(2, after)
+            load = (*[sp.S.Zero] * before, *m.load, *[sp.S.Zero] * after)
+            yield replace(m, jacobian=sp.ImmutableMatrix.hstack(*columns), load=load)
+
+
+def _mass(rows: tuple[Row, ...], terms: tuple[Term, ...]) -> sp.ImmutableMatrix:
+    """The factors of the accelerations in each row."""
+    column = {row.a: j for j, row in enumerate(rows)}
+    number = {row.name: i for i, row in enumerate(rows)}
+    accelerations = frozenset(column)
+    entries = sp.MutableSparseMatrix(len(rows), len(rows), {})
+    for term in terms:
+        for a in term.expr.free_symbols & accelerations:
+            entries[number[term.row], column[a]] += term.expr.coeff(a)
+    return sp.ImmutableMatrix(entries.applyfunc(sp.expand))
+
+
+def _of_time(body: InstanceEquations, moving: frozenset[sp.Symbol]) -> bool:
+    """Whether energy or momentum of a body depend on the time: it stands on what a drive moves."""
+    return any(e.free_symbols & moving for e in (*body.energies, *body.linear, *body.angular))
+
+
+def _frame_doc(mechanism: Mechanism) -> str:
+    """What a user of the code should know of the frames of the bodies, in words."""
+    groups = Counter(instance.component.group for instance in mechanism.instances)
+    firsts: dict[str, str] = {}
+    for instance in mechanism.instances:
+        firsts.setdefault(instance.component.group, instance.name)
+    cut = [first for group, first in firsts.items() if groups[group] > 1]
+    alike = f" The statements about {', '.join(cut)} hold for the other pieces as well." if cut else ""
+    centre = "For beams, c is the position of the centre of the undeformed beam."
+    texts = (BODIES[body.kind].note(body) for body in mechanism.scene.bodies)
+    notes = "".join(f"\n{text}" for text in texts if text)
+    return f"{centre}{notes}\nFor several bodies {BETWEEN_BODIES}.{alike}"
+
+
+def _doc(scene: Scene, coordinates: tuple[Coordinate, ...], conditions: tuple[Constraint, ...]) -> str:
+    return (
+        f"scene of {_count(scene.bodies, 'planar bod', 'y', 'ies')}: {_count(coordinates, 'coordinate')}, "
+        f"{_count(conditions, 'constraint')}, {_count(coordinates[len(conditions) :], 'degree')} of freedom"
+    )
+
+
+def _count(things: Sequence[object], noun: str, one: str = "", many: str = "s") -> str:
+    return f"{len(things)} {noun}{one if len(things) == 1 else many}"

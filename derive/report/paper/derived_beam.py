@@ -35,7 +35,7 @@ def beam(frame: str) -> PlanarBeam:
 @cache
 def equations(frame: str) -> Equations:
     """Its equations of motion."""
-    found = derive(beam(frame))
+    found = derive(beam(frame)).expanded()
     assert isinstance(found, Equations)
     return found
 

@@ -1,0 +1,109 @@
+"""Kinds of bodies, whose equations are derived once, and instances of bodies, joints and forces."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import sympy as sp
+
+from derive.mechanics.body import Body, ExactValues
+from derive.mechanics.equations import Equations
+from derive.mechanics.indexed_equations import derive_body
+from derive.mechanics.motion import Motion
+from derive.mechanics.multibody.components import Component
+from derive.mechanics.multibody.coordinates import CoordinateMap
+from derive.mechanics.multibody.forces.force_type import ForceType
+from derive.mechanics.multibody.joints.joint_type import JointType, PrescribedMotion
+from derive.mechanics.terms import Coefficient
+from derive.spec.model.scene import Force, Joint, MarkerRef, Spring, Torque
+
+
+@dataclass(frozen=True)
+class BodyKind:
+    """The equations of a free body in its own symbols; instances differ in the values of its constants alone.
+
+    `body` is what they are derived from, with all values 0: which of its integrals vanish, and why, is what makes two
+    bodies of one kind.
+    """
+
+    body: Body
+    equations: Equations
+
+    @property
+    def motion(self) -> Motion:
+        """The motion of the free body."""
+        return self.body.motion
+
+
+@dataclass(frozen=True)
+class BodyInstance:
+    """A component of a mechanism: an instance of a kind, by its number, with its coordinates in the mechanism."""
+
+    component: Component
+    kind: int
+    coordinates: CoordinateMap
+
+    @property
+    def name(self) -> str:
+        """The name of the component."""
+        return self.component.name
+
+    @property
+    def moves(self) -> bool:
+        """Whether it has coordinates; the motion of the others is prescribed."""
+        return bool(self.coordinates.rows)
+
+
+@dataclass(frozen=True)
+class JointInstance:
+    """A joint that is a constraint: its markers are on instances or on the ground."""
+
+    joint: Joint
+    type: JointType
+    drive: PrescribedMotion | None
+
+
+@dataclass(frozen=True)
+class ForceInstance:
+    """A force, torque or spring, with the markers of instances that it acts at, and its constants."""
+
+    element: Force | Torque | Spring
+    type: ForceType[Any]
+    markers: tuple[MarkerRef, ...]
+    constants: Mapping[str, sp.Expr]
+
+
+class BodyKinds:
+    """The kinds of bodies that have been found so far; equal ones are derived once."""
+
+    def __init__(self) -> None:
+        self.kinds: list[BodyKind] = []
+
+    def number(self, body: Body) -> int:
+        """The number of the kind of a body."""
+        form = _without_values(body)
+        for number, kind in enumerate(self.kinds):
+            if kind.body == form:
+                return number
+        self.kinds.append(BodyKind(form, derive_body(form)))
+        return len(self.kinds) - 1
+
+
+def _without_values(body: Body) -> Body:
+    def plain(constants: tuple[Coefficient, ...]) -> tuple[Coefficient, ...]:
+        return tuple(replace(c, value=sp.S.Zero) for c in constants)
+
+    assert isinstance(body.values, ExactValues), "bodies of planar mechanisms have exact integrals"
+
+    return replace(
+        body,
+        name="",
+        doc="",
+        origin="",
+        mass=sp.S.Zero,
+        values=ExactValues(plain(body.values.every)),
+        gravity=plain(body.gravity),
+        parameters=(),
+    )
