@@ -14,7 +14,6 @@ from made import of, text_of
 
 import derive
 from conftest import ROOT
-from derive.mechanics.equations import Equations
 from derive.spec.toml.read import parse
 
 SCENE = ROOT / "scenes" / "crank_slider_3.toml"
