@@ -1,4 +1,4 @@
-"""Draws tumbling.svg: the flip of the intermediate axis, of the rigid block and of a soft, damped one.
+"""Draws tumbling.svg: the tumbling of a rigid block, and of a soft and damped one.
 
     python docs/tumbling.py
 
@@ -27,19 +27,19 @@ COLOURS = {"omega1": "#c8742f", "omega2": "#2f8fb3", "omega3": "#4f9a4a"}
 
 
 def bodies() -> dict[str, derive.NodalBody]:
-    """What is spun, and what is written above it."""
+    """The bodies by the titles of their panels."""
     block = derive.read(HERE.parent / "scenes/block.toml")
     assert isinstance(block, derive.NodalBody) and block.data.modal_stiffness is not None
     soft = replace(block.data, stiffness=None, modal_stiffness=4e-6 * block.data.modal_stiffness)
     damped = replace(block, data=soft, damping=derive.Damping(stiffness=Fraction(6, 100)))
     return {
-        "Rigid: it flips for ever": replace(block, modes=0),
-        "Soft and damped: it goes over to a rotation about axis 3, that of the largest moment of inertia": damped,
+        "Rigid block: it flips periodically": replace(block, modes=0),
+        "Soft and damped block: the rotation changes to axis 3, that of the largest moment of inertia": damped,
     }
 
 
 def spun(body: derive.NodalBody) -> Array:
-    """Omega over time, by the Runge-Kutta method of fourth order: (times, 3)."""
+    """The angular velocity over time, (times, 3), by the Runge-Kutta method of order 4."""
     native = derive.load(derive.model_files(derive.lower(derive.derive(body)), body))
     k, n, shapes = native.setup(), native.nq, native.nv - 6
 
@@ -83,7 +83,7 @@ def panel(title: str, omega: Array, top: int) -> list[str]:
 
 
 def legend() -> list[str]:
-    """Which colour is which."""
+    """The legend of the colours."""
     text = []
     for x, name, what in zip((LEFT, 272, 530), COLOURS, ("least J", "intermediate J", "largest J"), strict=True):
         text.append(f'  <path class="{name}" d="M{x} 18h24"/>')

@@ -1,4 +1,4 @@
-"""Two integrators, one motion.
+"""DOP853 and IDA compute the same motion.
 
 The explicit method DOP853 of SciPy integrates the accelerations and is projected onto the constraints after each step.
 IDA of SUNDIALS solves the stabilised form of index 2 implicitly with the generated residual and Jacobian; it needs the

@@ -15,7 +15,9 @@ from derive.cli.main import main
 from derive.spec.toml.read import parse
 from markdown_pages import blocks, copy_tree, run_page
 
-PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md"), ROOT / "bench/README.md"])
+PAGES = sorted(
+    [*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md"), ROOT / "bench/README.md", ROOT / "examples/README.md"]
+)
 
 RUN = [page for page in PAGES if page.parent == ROOT / "docs" and blocks(page)]
 

@@ -90,6 +90,27 @@ def test_every_example_is_checked() -> None:
     assert sorted(CHECKS) == sorted(path.stem for path in EXAMPLES.glob("*.py"))
 
 
+INDEX = """\
+# Examples
+
+Each script prints a number that a test compares with theory, a published value or an independent computation. Run it
+with `.venv/bin/python examples/NAME.py`. Scripts that draw a picture take a folder for it as an argument.
+
+| script | shows | picture |
+|---|---|---|
+"""
+
+
+def test_index_of_the_examples(compare_or_update: Callable[[Path, str], None]) -> None:
+    rows = []
+    for path in sorted(EXAMPLES.glob("*.py")):
+        module = load(path)
+        title = module.__doc__.splitlines()[0].removesuffix(".")
+        picture = "yes" if inspect.signature(module.main).parameters else ""
+        rows.append(f"| [{path.stem}]({path.name}) | {title} | {picture} |\n")
+    compare_or_update(EXAMPLES / "README.md", INDEX + "".join(rows))
+
+
 @pytest.mark.parametrize("name", sorted(CHECKS))
 def test_example(
     name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
