@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
 from conftest import ROOT
 from derive.cli.main import main
+from derive.errors import TisserandError
 
 BEAM = str(ROOT / "scenes/free_beam_mean.toml")
 SLIDER = str(ROOT / "scenes/crank_slider_3.toml")
@@ -45,3 +47,16 @@ def test_progress(
     places = [text.find(stage) for stage in stages]
     assert -1 not in places and places == sorted(places)
     assert "\n" not in text and text.endswith("\r\x1b[K")
+
+
+def test_an_error_replaces_the_line(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def failing(path: Path, progress: Callable[[str], None]) -> None:
+        progress("lowering to kernels")
+        raise TisserandError("the message")
+
+    monkeypatch.setattr("derive.cli.specifications.build", failing)
+    monkeypatch.setattr("sys.stderr.isatty", lambda: True)
+    assert main(["build", BEAM, "--out", str(tmp_path)]) == 2
+    assert capsys.readouterr().err.endswith("lowering to kernels ...\x1b[K\r\x1b[Kthe message\n")

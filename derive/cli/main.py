@@ -35,9 +35,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
         sys.stderr.close()
         return 0
     except KeyboardInterrupt:
+        show_progress()
         print("interrupted", file=sys.stderr)
         return 130
     except (TisserandError, OSError) as error:
+        show_progress()
         print(_message(error), file=sys.stderr)
         return 2
 

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import compiled
 import numpy as np
 import pytest
 from double import Body, Double, Motion, Pin
 from mechanisms import CRANK, ROD, crank_slider, four_bar, pendulum, pushed_crank
 
+from derive.roles import Role
+from derive.simulation.compiled_scene import coordinates_with
 from derive.simulation.constraints.redundancy import analyse_constraints, check_constraints
 from derive.simulation.errors import MasslessMotion, RedundantConstraints, SingularConfiguration
 
@@ -108,3 +111,12 @@ def test_a_body_without_inertia_that_can_turn_is_told() -> None:
     model = Double((Body("bob", 1.0, 0.0),), (Pin("pin", None, (0, 0), "bob", (0, 0)),))
     with pytest.raises(MasslessMotion, match="bob_phi"):
         check_constraints(model, NONE, 0.0, np.zeros(3))
+
+
+def test_coordinates_are_selected_by_their_roles() -> None:
+    """The names of a scene say nothing here: a body may be called phi."""
+    native = compiled.crank_slider(1).native
+    assert native.coordinates == ("rod_c1", "rod_c2", "rod_phi", "rod_alpha1", "rod_alpha2", "slider_s")
+    assert coordinates_with(native, Role.ROTATION).tolist() == [False, False, True, False, False, False]
+    rigid = ~coordinates_with(native, Role.AMPLITUDE)
+    assert rigid.tolist() == [True, True, True, False, False, True]
