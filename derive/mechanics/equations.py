@@ -114,6 +114,10 @@ class Equations:
         """The table of an integral."""
         return next(t for t in self.tables if t.family is family)
 
+    def marker(self, name: str) -> MarkerEquations:
+        """The marker of that name."""
+        return next(m for m in self.markers if m.name == name)
+
     def reason(self, *families: Family) -> Reason:
         """Why tables vanish."""
         return Reason(tuple((t.symbol, t.zero) for t in map(self.table, families)))

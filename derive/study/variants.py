@@ -6,11 +6,11 @@ from dataclasses import dataclass, replace
 
 import casadi as ca
 
-from derive.ir.model import Output
+from derive.ir.cost import operations
 from derive.lowering.flat.casadi_symbols import Symbols
-from derive.lowering.flat.constraints import accelerations, jacobian_entries, kkt_factors, kkt_pattern
+from derive.lowering.flat.constraints import jacobian_entries, kkt_factors, kkt_pattern
 from derive.lowering.flat.context import Context, stores
-from derive.lowering.flat.functions import force
+from derive.lowering.flat.lower import lower
 from derive.lowering.flat.schedule import Step
 from derive.lowering.ldlt import Factorisation
 from derive.mechanics.equations import Equations
@@ -65,6 +65,7 @@ class OperationCounts:
 def operation_counts(equations: Equations) -> OperationCounts:
     """The operation_counts of the equations of a scene."""
     context = Context(equations)
+    model = lower(equations)
     factors = kkt_factors(context, context.symbols(context.t, context.q))
     return OperationCounts(
         coordinates=len(context.rows),
@@ -74,8 +75,8 @@ def operation_counts(equations: Equations) -> OperationCounts:
         fill=factors.fill,
         flops=flops(factors),
         factorise=_generated(context),
-        force=force(context).operations,
-        accel=accelerations(context).operations,
+        force=model.kernel("force").operations,
+        accel=model.kernel("accel").operations,
     )
 
 
@@ -98,6 +99,5 @@ def _generated(context: Context) -> int:
 
 
 def _operations(context: Context, symbols: Symbols, values: list[ca.SX]) -> int:
-    output = Output("A", tuple(f"A{k}" for k in range(len(values))), "values")
-    step = Step("A", "", "values", stores("A", values))
-    return context.kernel("values", "Values.", (context.t, context.q, context.k), (output,), symbols, step).operations
+    sections = context.sections(symbols, Step("A", "", "values", stores("A", values)))
+    return sum(operations(statement) for section in sections for statement in section.body)

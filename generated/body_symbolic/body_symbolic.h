@@ -418,9 +418,9 @@ int body_symbolic_rates(
  * y: first-order state [q; v] (29)
  * ydot: time derivative of y (29)
  * k: constants from setup (639)
- * F: residual (29): c1_t - ..., c2_t - ..., c3_t - ..., e0_t - ..., e1_t - ..., e2_t - ..., e3_t -
- *     ..., ..., M vdot + h[c1], M vdot + h[c2], M vdot + h[c3], M vdot + h[pi1], M vdot + h[pi2], M
- *     vdot + h[pi3], M vdot + h[alpha1 .. alpha8]
+ * F: residual, one for each state (29): c1_t - ..., c2_t - ..., c3_t - ..., e0_t - ..., e1_t - ...,
+ *     e2_t - ..., e3_t - ..., ..., M vdot + h[c1], M vdot + h[c2], M vdot + h[c3], M vdot + h[pi1],
+ *     M vdot + h[pi2], M vdot + h[pi3], M vdot + h[alpha1 .. alpha8]
  *
  * From appendix, (5), (15).
  * 2238 operations.

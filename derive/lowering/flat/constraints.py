@@ -5,71 +5,55 @@ Unknowns are v and lambda of [M, -G^T; -G, 0] [vdot; lambda] = [-h; -gamma]: M v
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import casadi as ca
 
-from derive.ir.model import Kernel, Kkt, Output
+from derive.ir.model import Kernel, Kkt
 from derive.ir.patterns import Pattern, pattern
 from derive.ir.statements import Requirement, ReturnCode
 from derive.lowering.flat.casadi_symbols import Symbols
-from derive.lowering.flat.context import Context, Input, array_input, stores
+from derive.lowering.flat.context import Context, Elements, Input, array_input, stores
 from derive.lowering.flat.functions import pivot_checks
 from derive.lowering.flat.schedule import Named, Required, Step
+from derive.lowering.functions import ModelFunction
 from derive.lowering.ldlt import Factorisation, factorise, fill_in, saddle_order, solve
 from derive.mechanics.symbols import local
 
 
-def constraint_kernels(context: Context) -> tuple[Kernel, ...]:
-    """All functions of a scene that a body has not, but for the forms F(t, y, ydot)."""
-    return (
-        constraints(context),
-        constraint_rates(context),
-        constraint_jacobian(context),
-        constraint_bias(context),
-        solved(context),
-        project_velocity(context),
-        poses(context),
-    )
-
-
-def constraints(context: Context) -> Kernel:
+def constraints(context: Context, function: ModelFunction) -> Kernel:
     """g(t, q)."""
     symbols = context.symbols(context.t, context.q)
     values = [symbols(c.position) for c in context.equations.constraints]
     return context.kernel(
-        "constraints",
-        "Constraints g(t, q) = 0.",
-        (context.t, context.q, context.k),
-        (Output("g", context.multipliers, "residuals of the constraints"),),
+        function,
+        {"g": Elements(context.multipliers)},
         symbols,
         Step("g", "(1)", "point of body 2 minus point of body 1, from x = c + Q r", stores("g", values)),
     )
 
 
-def constraint_rates(context: Context) -> Kernel:
+def constraint_rates(context: Context, function: ModelFunction) -> Kernel:
     """gdot = G v + g_t."""
     symbols = context.symbols(context.t, context.q, context.v)
     values = [symbols(c.rate) for c in context.equations.constraints]
     return context.kernel(
-        "constraint_rates",
-        "Time derivatives of the constraints, gdot = G v + dg/dt.",
-        (context.t, context.q, context.v, context.k),
-        (Output("gdot", context.multipliers, "time derivatives of the constraints"),),
+        function,
+        {"gdot": Elements(context.multipliers)},
         symbols,
         Step("gdot", "(1)", "velocity of the point of body 2 minus that of body 1", stores("gdot", values)),
     )
 
 
-def constraint_jacobian(context: Context) -> Kernel:
+def constraint_jacobian(context: Context, function: ModelFunction) -> Kernel:
     """G(t, q)."""
     symbols = context.symbols(context.t, context.q)
     shape = jacobian_pattern(context)
     values = jacobian_entries(context, symbols)
     labels = tuple(f"G[{context.multipliers[i]}, {context.rows[j]}]" for i, j in shape.entries)
     return context.kernel(
-        "constraint_jacobian",
-        "Jacobian G = d gdot / dv of the constraints: values by columns.",
-        (context.t, context.q, context.k),
-        (Output("G", labels, "values of G by columns", shape),),
+        function,
+        {"G": Elements(labels, shape)},
         symbols,
         Step(
             "G", "(6)", "factors of the generalised velocities", stores("G", [values[entry] for entry in shape.entries])
@@ -77,69 +61,51 @@ def constraint_jacobian(context: Context) -> Kernel:
     )
 
 
-def constraint_bias(context: Context) -> Kernel:
+def constraint_bias(context: Context, function: ModelFunction) -> Kernel:
     """gamma of G vdot = gamma."""
     symbols = context.symbols(context.t, context.q, context.v)
     return context.kernel(
-        "constraint_bias",
-        "Right-hand side gamma of the constraints on accelerations, G vdot = gamma.",
-        (context.t, context.q, context.v, context.k),
-        (Output("gamma", context.multipliers, "right-hand side of G vdot = gamma"),),
+        function,
+        {"gamma": Elements(context.multipliers)},
         symbols,
         Step("gamma", "(5)", "centrifugal, Coriolis and prescribed parts", stores("gamma", _bias(context, symbols))),
     )
 
 
-def solved(context: Context) -> Kernel:
+def solved(context: Context, function: ModelFunction) -> Kernel:
     """vdot and lambda."""
     symbols = context.symbols(context.t, context.q, context.v)
     right = [-symbols(h) for h in context.equations.force] + [-gamma for gamma in _bias(context, symbols)]
-    doc = "Accelerations vdot and multipliers lambda of M vdot + h = G^T lambda, G vdot = gamma."
-    outputs = (
-        Output("vdot", context.accelerations, "accelerations"),
-        Output("lam", context.multipliers, "constraint reactions on body 2 of each joint"),
-    )
-    arguments = (context.t, context.q, context.v, context.k)
-    return _by_factors(context, "solve", doc, arguments, outputs, symbols, right)
+    outputs = {"vdot": Elements(context.accelerations), "lam": Elements(context.multipliers)}
+    return _by_factors(context, function, outputs, symbols, right)
 
 
-def accelerations(context: Context) -> Kernel:
+def accelerations(context: Context, function: ModelFunction) -> Kernel:
     """vdot alone: what any integrator of first-order equations asks for."""
     symbols = context.symbols(context.t, context.q, context.v)
     right = [-symbols(h) for h in context.equations.force] + [-gamma for gamma in _bias(context, symbols)]
-    doc = "Accelerations vdot of M vdot + h = G^T lambda, G vdot = gamma; `solve` gives lambda as well."
-    outputs = (Output("vdot", context.accelerations, "accelerations"),)
-    arguments = (context.t, context.q, context.v, context.k)
-    return _by_factors(context, "accel", doc, arguments, outputs, symbols, right)
+    return _by_factors(context, function, {"vdot": Elements(context.accelerations)}, symbols, right)
 
 
-def project_velocity(context: Context) -> Kernel:
+def project_velocity(context: Context, function: ModelFunction) -> Kernel:
     """The smallest dv with G dv = r."""
     changes = (local(f"r_{name}") for name in context.multipliers)
     asked = array_input("r", changes, "prescribed change of gdot")
     symbols = context.symbols(context.t, context.q, asked)
     right = [ca.SX(0) for _ in context.rows]
     right += [-value for value in symbols.many(asked.symbols)]
-    doc = (
-        "The smallest change dv of the generalised velocities, in the metric of M, with G dv = r: r = -gdot projects "
-        "velocities onto the constraints; r = -g, repeated, projects coordinates."
-    )
-    outputs = (Output("dv", context.rates, "change of the generalised velocities"),)
-    arguments = (context.t, context.q, context.k, asked)
-    return _by_factors(context, "project_velocity", doc, arguments, outputs, symbols, right)
+    return _by_factors(context, function, {"dv": Elements(context.rates)}, symbols, right, (asked,))
 
 
-def poses(context: Context) -> Kernel:
+def poses(context: Context, function: ModelFunction) -> Kernel:
     """Where every body is, those without coordinates too."""
     symbols = context.symbols(context.t, context.q)
     found = context.equations.poses
     values = [symbols(e) for pose in found for e in (*pose.position, pose.turn)]
     labels = tuple(f"{pose.name}.{what}" for pose in found for what in ("c1", "c2", "phi"))
     return context.kernel(
-        "poses",
-        "Position of the origin and rotation of the frame of every body, including bodies without coordinates.",
-        (context.t, context.q, context.k),
-        (Output("pose", labels, "c1, c2 [m] and phi [rad] of each body"),),
+        function,
+        {"pose": Elements(labels)},
         symbols,
         Step("poses", "(1)", "bodies in the order of the specification", stores("pose", values)),
     )
@@ -189,12 +155,11 @@ def _bias(context: Context, symbols: Symbols) -> list[ca.SX]:
 
 def _by_factors(
     context: Context,
-    name: str,
-    doc: str,
-    inputs: tuple[Input, ...],
-    outputs: tuple[Output, ...],
+    function: ModelFunction,
+    outputs: Mapping[str, Elements],
     symbols: Symbols,
     right: list[ca.SX],
+    inputs: tuple[Input, ...] = (),
 ) -> Kernel:
     """A kernel that solves with the KKT matrix and checks its pivots."""
     factors = kkt_factors(context, symbols)
@@ -204,19 +169,18 @@ def _by_factors(
     named = tuple(Named(f"pivot_{names[j]}", pivot) for pivot, j in pivots)
     checks = pivot_checks(symbols, factors, names)
     places, start = [], 0
-    for output in outputs:
-        places.append(stores(output.name, solution[start : start + output.size]))
-        start += output.size
+    for name, elements in outputs.items():
+        places.append(stores(name, solution[start : start + len(elements.names)]))
+        start += len(elements.names)
     total = sum(solution[1:start], start=solution[0])
     finite = Required(Requirement.FINITE, total, ReturnCode.NOT_FINITE, "a result is not finite")
     order = ", ".join(names[j] for j in factors.order)
     return context.kernel(
-        name,
-        doc,
-        inputs,
+        function,
         outputs,
         symbols,
         Step("pivots", "LDL^T", f"eliminate {order}; fill-in {factors.fill}", (*named, *checks)),
         Step("solution", "LDL^T", "forward, diagonal and back substitution", tuple(w for some in places for w in some)),
         Step("check", "", "check that the result is finite", (finite,)),
+        inputs=inputs,
     )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import chain
@@ -11,11 +11,12 @@ import casadi as ca
 import sympy as sp
 
 from derive.ir.expressions import Number, ScalarRef
-from derive.ir.model import Argument, Kernel, Output
+from derive.ir.model import Argument, Kernel, Output, Section
 from derive.ir.patterns import Pattern, pattern
 from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.graph import Constants, Graph, held
 from derive.lowering.flat.schedule import Named, Step, Stored, Want, schedule
+from derive.lowering.functions import ModelFunction
 from derive.mechanics.equations import Equations
 from derive.mechanics.symbols import local, state_rate, t
 from derive.mechanics.terms import Definition, rotation_symbols
@@ -32,6 +33,14 @@ class Input:
     def elements(self) -> tuple[str, ...]:
         """The names of the elements."""
         return self.argument.elements
+
+
+@dataclass(frozen=True)
+class Elements:
+    """What the elements of an output are, and of a matrix the pattern of its values."""
+
+    names: tuple[str, ...]
+    pattern: Pattern | None = None
 
 
 def array_input(name: str, symbols: Iterable[sp.Symbol], doc: str) -> Input:
@@ -69,6 +78,8 @@ class Context:
         self.multipliers = tuple(c.name for c in equations.constraints)
         self.forces = tuple(local(f"lambda_{name}") for name in self.multipliers)
         self.cj = scalar_input(local("cj"), "factor of dF/dydot")
+        every = (self.t, self.q, self.v, self.k, self.y, self.ydot, self.cj)
+        self.inputs: Mapping[str, Input] = {given.argument.name: given for given in every}
 
     def symbols(self, *inputs: Input) -> Symbols:
         """CasADi symbols for some arguments, the coefficients, and every definition that follows from them."""
@@ -98,16 +109,28 @@ class Context:
 
     def kernel(
         self,
-        name: str,
-        doc: str,
-        inputs: tuple[Input, ...],
-        outputs: tuple[Output, ...],
+        function: ModelFunction,
+        outputs: Mapping[str, Elements],
         symbols: Symbols,
         *steps: Step,
+        inputs: Iterable[Input] = (),
+        method: str = "",
     ) -> Kernel:
-        """A kernel made of the definitions and these steps."""
-        sections = schedule(Graph(self.constants), symbols, self.definition_steps(symbols), steps)
-        return Kernel(name, doc, tuple(given.argument for given in inputs), outputs, sections)
+        """The kernel of a function, made of the definitions and these steps.
+
+        `outputs` gives the elements of each output; `inputs` are arguments that this function alone has, or that are
+        others here; `method` completes the sentence that says what the function computes.
+        """
+        known = {**self.inputs, **{given.argument.name: given for given in inputs}}
+        arguments = tuple(known[name].argument for name in function.arguments)
+        given = ((name, doc, outputs[name]) for name, doc in function.outputs.items())
+        results = tuple(Output(name, elements.names, doc, elements.pattern) for name, doc, elements in given)
+        sections = self.sections(symbols, *steps)
+        return Kernel(function.name, f"{function.doc}{method}", arguments, results, sections)
+
+    def sections(self, symbols: Symbols, *steps: Step) -> tuple[Section, ...]:
+        """The definitions and some steps as sections of statements."""
+        return schedule(Graph(self.constants), symbols, self.definition_steps(symbols), steps)
 
     def mass_pattern(self) -> Pattern:
         """The lower triangle of the mass matrix, without its structural zeros."""

@@ -9,28 +9,14 @@ from __future__ import annotations
 import casadi as ca
 import sympy as sp
 
-from derive.ir.model import Kernel, Output
+from derive.ir.model import Kernel
 from derive.ir.patterns import pattern
 from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.constraints import jacobian_entries
-from derive.lowering.flat.context import Context, Input, array_input, stores
+from derive.lowering.flat.context import Context, Elements, Input, array_input, stores
 from derive.lowering.flat.schedule import Step
+from derive.lowering.functions import ModelFunction
 from derive.mechanics.symbols import local, state_rate
-
-FORMS = {
-    "index3": "index 3: [qdot - v; M vdot + h - G^T lambda; g]",
-    "ggl": "stabilised index 2: [qdot - v + G^T mu; M vdot + h - G^T lambda; gdot; g]",
-    "index1": "index 1: [qdot - v; M vdot + h - G^T lambda; G vdot - gamma]",
-}
-
-
-def form_kernels(context: Context) -> tuple[Kernel, ...]:
-    """Residual and Jacobian of each form; those of index 3 have the plain names."""
-    found = []
-    for form in FORMS:
-        suffix = "" if form == "index3" else f"_{form}"
-        found += [_residual(context, form, f"residual{suffix}"), _jacobian(context, form, f"jacobian{suffix}")]
-    return tuple(found)
 
 
 def _states(context: Context, form: str) -> tuple[Input, Input]:
@@ -65,7 +51,7 @@ def _rows(context: Context, form: str, symbols: Symbols) -> list[ca.SX]:
     rows += [symbols(eq.sum_of(row.name)) - f for row, f in zip(eq.rows, reactions, strict=True)]
     if form == "ggl":
         rows += [symbols(c.rate) for c in eq.constraints]
-    if form in ("index3", "ggl"):
+    if form in ("", "ggl"):
         return rows + [symbols(c.position) for c in eq.constraints]
     return rows + [_second(c.bias, dict(c.jacobian), context, symbols) for c in eq.constraints]
 
@@ -76,21 +62,24 @@ def _second(bias: sp.Expr, factors: dict[str, sp.Expr], context: Context, symbol
     return sum((symbols(f) * symbols.values[acceleration[row]] for row, f in factors.items()), symbols(bias))
 
 
-def _residual(context: Context, form: str, name: str) -> Kernel:
+def residual(context: Context, function: ModelFunction) -> Kernel:
+    """F(t, y, ydot) in the form that is the variant of the function."""
+    form = function.variant
     y, ydot = _states(context, form)
     symbols = context.symbols(context.t, y, ydot)
     rows = _rows(context, form, symbols)
     return context.kernel(
-        name,
-        f"Residual F(t, y, ydot) of {FORMS[form]}.",
-        (context.t, y, ydot, context.k),
-        (Output("F", y.elements, "residual, one for each state"),),
+        function,
+        {"F": Elements(y.elements)},
         symbols,
         Step("residual", "(15)", "kinematics, equations of motion, constraints", stores("F", rows)),
+        inputs=(y, ydot),
     )
 
 
-def _jacobian(context: Context, form: str, name: str) -> Kernel:
+def jacobian(context: Context, function: ModelFunction) -> Kernel:
+    """dF/dy + cj dF/dydot of that form."""
+    form = function.variant
     y, ydot = _states(context, form)
     symbols = context.symbols(context.t, y, ydot, context.cj)
     rows = ca.vertcat(*_rows(context, form, symbols))
@@ -102,12 +91,11 @@ def _jacobian(context: Context, form: str, name: str) -> Kernel:
     shape = pattern(size, size, diagonal | set(zip(*matrix.sparsity().get_triplet(), strict=True)))
     labels = tuple(f"d F[{y.elements[i]}] / d {y.elements[j]}" for i, j in shape.entries)
     return context.kernel(
-        name,
-        f"Iteration matrix dF/dy + cj dF/dydot of {FORMS[form]}: values by columns, diagonal included.",
-        (context.t, y, ydot, context.cj, context.k),
-        (Output("jac", labels, "values of the iteration matrix by columns", shape),),
+        function,
+        {"jac": Elements(labels, shape)},
         symbols,
         Step(
             "jacobian", "(15)", "derivatives of the residual", stores("jac", [matrix[i, j] for i, j in shape.entries])
         ),
+        inputs=(y, ydot),
     )

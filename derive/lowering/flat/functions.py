@@ -1,4 +1,4 @@
-"""The functions of a model, each from the equations of motion to a Kernel."""
+"""Functions of bodies as straight-line code: M, h, accelerations, energies, markers, first-order form."""
 
 from __future__ import annotations
 
@@ -7,44 +7,36 @@ from fractions import Fraction
 import casadi as ca
 import sympy as sp
 
-from derive.ir.model import Kernel, Output
+from derive.ir.model import Kernel
 from derive.ir.patterns import pattern
 from derive.ir.statements import Requirement, ReturnCode
 from derive.lowering.flat.casadi_symbols import Symbols
-from derive.lowering.flat.context import Context, array_input, define, stores
+from derive.lowering.flat.context import Context, Elements, array_input, define, stores
 from derive.lowering.flat.schedule import Named, Required, Step, Stored
+from derive.lowering.functions import ModelFunction
 from derive.lowering.ldlt import Factorisation, factorise, solve
 from derive.mechanics.symbols import state_rate
-from derive.mechanics.terms import MarkerEquations
 
 VANISHING = Fraction(1, 2**44)
 """A pivot below this part of its diagonal entry is rounding error, not inertia."""
 
 
-def mass(context: Context) -> Kernel:
+def mass(context: Context, function: ModelFunction) -> Kernel:
     """M(q)."""
     symbols = context.symbols(context.q)
-    doc = "Mass matrix M(q): values of the lower triangle by columns."
-    outputs = (_mass_output(context),)
-    return context.kernel("mass", doc, (context.q, context.k), outputs, symbols, _mass_step(context, symbols))
+    return context.kernel(function, {"M": _mass_elements(context)}, symbols, _mass_step(context, symbols))
 
 
-def force(context: Context) -> Kernel:
+def force(context: Context, function: ModelFunction) -> Kernel:
     """h(t, q, v)."""
     symbols = context.symbols(context.t, context.q, context.v)
-    law = "M vdot + h = G^T lambda" if context.equations.poses else "M vdot + h = 0"
-    applied = ", damping, gravity, springs and applied loads" if context.equations.poses else ", damping and gravity"
-    doc = f"Forces h of {law}: centrifugal, Coriolis, elastic{applied}."
-    arguments = (context.t, context.q, context.v, context.k)
-    return context.kernel("force", doc, arguments, (_force_output(context),), symbols, _force_step(context, symbols))
+    return context.kernel(function, {"h": _force_elements(context)}, symbols, _force_step(context, symbols))
 
 
-def mass_force(context: Context) -> Kernel:
+def mass_force(context: Context, function: ModelFunction) -> Kernel:
     """M and h at once."""
     symbols = context.symbols(context.t, context.q, context.v)
-    doc = "Mass matrix and forces together; what they share is computed once."
-    arguments = (context.t, context.q, context.v, context.k)
-    outputs = (_mass_output(context), _force_output(context))
+    outputs = {"M": _mass_elements(context), "h": _force_elements(context)}
     entries, forces = context.mass_pattern().entries, context.equations.force
     steps = []
     # From the last row to the first, which begin with what is cheap: compilers keep it in registers.
@@ -54,10 +46,10 @@ def mass_force(context: Context) -> Kernel:
         column = (Stored("M", place, symbols(context.equations.mass[entry])) for place, entry in places)
         text = f"force and column of M of {context.rows[row]}"
         steps.append(Step(context.rows[row], "(15)", text, (h, *column)))
-    return context.kernel("mass_force", doc, arguments, outputs, symbols, *steps)
+    return context.kernel(function, outputs, symbols, *steps)
 
 
-def accel(context: Context) -> Kernel:
+def accel(context: Context, function: ModelFunction) -> Kernel:
     """vdot of M vdot + h = 0."""
     symbols = context.symbols(context.q, context.v)
     eq = context.equations
@@ -73,14 +65,13 @@ def accel(context: Context) -> Kernel:
     order = ", ".join(context.rows[j] for j in factors.order)
     fill = f"fill-in {factors.fill}" if factors.fill else "no fill-in"
     return context.kernel(
-        "accel",
-        "Accelerations vdot of M vdot + h = 0, by a sparse LDL^T fixed at generation time.",
-        (context.t, context.q, context.v, context.k),
-        (Output("vdot", context.accelerations, "accelerations"),),
+        function,
+        {"vdot": Elements(context.accelerations)},
         symbols,
         Step("pivots", "LDL^T", f"eliminate {order}; {fill}", (*named, *required)),
         Step("solution", "LDL^T", "forward, diagonal and back substitution", stores("vdot", solution)),
         Step("check", "", "check that the result is finite", (finite,)),
+        method=", by a sparse LDL^T fixed at generation time.",
     )
 
 
@@ -97,26 +88,23 @@ def pivot_checks(symbols: Symbols, factors: Factorisation, names: tuple[str, ...
     return tuple(found)
 
 
-def energy(context: Context) -> Kernel:
+def energy(context: Context, function: ModelFunction) -> Kernel:
     """Kinetic and strain energy."""
     symbols = context.symbols(context.q, context.v)
     eq = context.equations
     twice = (sp.expand(2 * e) for e in (eq.kinetic_energy, eq.strain_energy))  # so that 1/2 is applied once
     values = [symbols.number(Fraction(1, 2)) * symbols(e) for e in twice]
     weight = eq.weight_energy is not None
-    springs = " (with that of springs)" if eq.poses else ""
     values += [symbols(eq.weight_energy)] if weight else []
     return context.kernel(
-        "energy",
-        f"Kinetic and strain energy{springs}{', and the potential of gravity' if weight else ''}.",
-        (context.q, context.v, context.k),
-        (Output("energy", ("kinetic", "strain", *(["gravity"] if weight else [])), "energies [J]"),),
+        function,
+        {"energy": Elements(("kinetic", "strain", *(["gravity"] if weight else [])))},
         symbols,
         Step("energy", "(22)", "1/2 int rho xdot . xdot and the strain energy", stores("energy", values)),
     )
 
 
-def momentum(context: Context) -> Kernel:
+def momentum(context: Context, function: ModelFunction) -> Kernel:
     """Linear momentum, and angular momentum about the inertial origin."""
     symbols = context.symbols(context.q, context.v)
     eq = context.equations
@@ -126,31 +114,28 @@ def momentum(context: Context) -> Kernel:
         [f"angular_{k}" for k, _ in enumerate(eq.angular_momentum, 1)] if len(eq.angular_momentum) > 1 else ["angular"]
     )
     return context.kernel(
-        "momentum",
-        "Linear momentum, and angular momentum about the inertial origin.",
-        (context.q, context.v, context.k),
-        (Output("momentum", (*linear, *angular), "linear [N s] and angular [N m s]"),),
+        function,
+        {"momentum": Elements((*linear, *angular))},
         symbols,
         Step("momentum", "(1)", "int rho xdot and int rho x x xdot", stores("momentum", values)),
     )
 
 
-def rates(context: Context) -> Kernel:
+def rates(context: Context, function: ModelFunction) -> Kernel:
     """qdot from v."""
     symbols = context.symbols(context.q, context.v)
     values = [symbols(rate) for rate in context.equations.rates]
     return context.kernel(
-        "rates",
-        "Time derivatives of the generalised coordinates from the generalised velocities.",
-        (context.q, context.v, context.k),
-        (Output("qdot", tuple(f"{n}_t" for n in context.names), "time derivative of q"),),
+        function,
+        {"qdot": Elements(tuple(f"{n}_t" for n in context.names))},
         symbols,
         Step("rates", "(1)", "from Qdot = Q (omega x)", stores("qdot", values)),
     )
 
 
-def marker(context: Context, point: MarkerEquations) -> Kernel:
+def marker(context: Context, function: ModelFunction) -> Kernel:
     """Position, velocity and Jacobian of a material point."""
+    point = context.equations.marker(function.variant)
     symbols = context.symbols(context.q, context.v)
     named = define(symbols, tuple(d for d in point.definitions if not d.zero))
     matrix = point.jacobian
@@ -164,52 +149,48 @@ def marker(context: Context, point: MarkerEquations) -> Kernel:
         *stores("jacobian", [symbols(matrix[i, j]) for i, j in shape.entries]),
     )
     return context.kernel(
-        f"marker_{point.name}",
-        f"Marker {point.name}, {point.doc}: position, velocity and its Jacobian d(velocity)/dv.",
-        (context.q, context.v, context.k),
-        (
-            Output("x", tuple(f"x{k}" for k in axes), "position in the inertial frame [m]"),
-            Output("xdot", tuple(f"x{k}dot" for k in axes), "velocity in the inertial frame [m/s]"),
-            Output("jacobian", labels, "values of d(velocity)/dv by columns", shape),
-        ),
+        function,
+        {
+            "x": Elements(tuple(f"x{k}" for k in axes)),
+            "xdot": Elements(tuple(f"x{k}dot" for k in axes)),
+            "jacobian": Elements(labels, shape),
+        },
         symbols,
         Step("r", "(14)", "X + u and its time derivative at the marker, in the body frame", named),
         Step("marker", "(1)", "x = c + Q r, its time derivative and its Jacobian", wants),
     )
 
 
-def load(context: Context, point: MarkerEquations) -> Kernel:
+def load(context: Context, function: ModelFunction) -> Kernel:
     """Generalised forces of a force at a marker."""
+    point = context.equations.marker(function.variant)
     force = array_input("F", point.force, "force at the marker, in the inertial frame [N]")
     symbols = context.symbols(context.q, force)
     turned = define(symbols, point.force_definitions)
     named = define(symbols, tuple(d for d in point.definitions if not d.zero))
     return context.kernel(
-        f"load_{point.name}",
-        f"Generalised forces f of a force at marker {point.name}: then M vdot + h = f.",
-        (context.q, force, context.k),
-        (Output("f", tuple(f"f[{n}]" for n in context.rows), "generalised forces, one for each equation of motion"),),
+        function,
+        {"f": Elements(tuple(f"f[{n}]" for n in context.rows))},
         symbols,
         Step("F", "(10)", "the force in the body frame", turned),
         Step("r", "(1)", "the marker in the body frame", named),
         Step("f", "(10)", "virtual work of the force", stores("f", [symbols(e) for e in point.load])),
+        inputs=(force,),
     )
 
 
-def residual(context: Context) -> Kernel:
+def residual(context: Context, function: ModelFunction) -> Kernel:
     """F(t, y, ydot)."""
     symbols, rows = _first_order(context)
     return context.kernel(
-        "residual",
-        "First-order form F(t, y, ydot) = [qdot - v; M vdot + h] = 0 with y = [q; v].",
-        (context.t, context.y, context.ydot, context.k),
-        (Output("F", context.names + context.rates, "residual, one for each state"),),
+        function,
+        {"F": Elements(context.names + context.rates)},
         symbols,
         Step("residual", "(15)", "kinematics, then the equations of motion", stores("F", rows)),
     )
 
 
-def jacobian(context: Context) -> Kernel:
+def jacobian(context: Context, function: ModelFunction) -> Kernel:
     """dF/dy + cj dF/dydot. Derivatives and their sparsity are CasADi's; the diagonal is always there."""
     symbols, rows = _first_order(context)
     y, ydot = (ca.vertcat(*symbols.many(given.symbols)) for given in (context.y, context.ydot))
@@ -220,10 +201,8 @@ def jacobian(context: Context) -> Kernel:
     states = context.y.elements
     labels = tuple(f"d F[{states[i]}] / d {states[j]}" for i, j in shape.entries)
     return context.kernel(
-        "jacobian",
-        "Iteration matrix dF/dy + cj dF/dydot of the first-order form, values by columns, diagonal included.",
-        (context.t, context.y, context.ydot, context.cj, context.k),
-        (Output("jac", labels, "values of the iteration matrix by columns", shape),),
+        function,
+        {"jac": Elements(labels, shape)},
         symbols,
         Step(
             "jacobian", "(15)", "derivatives of the residual", stores("jac", [matrix[i, j] for i, j in shape.entries])
@@ -240,14 +219,13 @@ def _first_order(context: Context) -> tuple[Symbols, list[ca.SX]]:
     return symbols, kinematic + [symbols(eq.sum_of(row.name)) for row in eq.rows]
 
 
-def _mass_output(context: Context) -> Output:
+def _mass_elements(context: Context) -> Elements:
     shape = context.mass_pattern()
-    labels = tuple(f"M[{context.rows[i]}, {context.rows[j]}]" for i, j in shape.entries)
-    return Output("M", labels, "values of the mass matrix, lower triangle by columns", shape)
+    return Elements(tuple(f"M[{context.rows[i]}, {context.rows[j]}]" for i, j in shape.entries), shape)
 
 
-def _force_output(context: Context) -> Output:
-    return Output("h", tuple(f"h[{n}]" for n in context.rows), "forces, one for each equation of motion")
+def _force_elements(context: Context) -> Elements:
+    return Elements(tuple(f"h[{n}]" for n in context.rows))
 
 
 def _mass_step(context: Context, symbols: Symbols) -> Step:

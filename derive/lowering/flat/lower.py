@@ -2,35 +2,52 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 from derive.ir.model import Kernel, Model, Variable, Zero
 from derive.lowering.flat import constraints, dae, functions
 from derive.lowering.flat.context import Context
 from derive.lowering.flat.setup import setup_kernel
+from derive.lowering.functions import FunctionKind, ModelFunction, functions_of
 from derive.mechanics.equations import Equations
+
+Implementation = Callable[[Context, ModelFunction], Kernel]
+
+OF_BODIES: Mapping[FunctionKind, Implementation] = {
+    FunctionKind.MASS: functions.mass,
+    FunctionKind.FORCE: functions.force,
+    FunctionKind.MASS_FORCE: functions.mass_force,
+    FunctionKind.ACCEL: functions.accel,
+    FunctionKind.ENERGY: functions.energy,
+    FunctionKind.MOMENTUM: functions.momentum,
+    FunctionKind.RATES: functions.rates,
+    FunctionKind.MARKER: functions.marker,
+    FunctionKind.LOAD: functions.load,
+    FunctionKind.RESIDUAL: functions.residual,
+    FunctionKind.JACOBIAN: functions.jacobian,
+}
+OF_MECHANISMS: Mapping[FunctionKind, Implementation] = {
+    FunctionKind.ACCEL: constraints.accelerations,
+    FunctionKind.CONSTRAINTS: constraints.constraints,
+    FunctionKind.CONSTRAINT_RATES: constraints.constraint_rates,
+    FunctionKind.CONSTRAINT_JACOBIAN: constraints.constraint_jacobian,
+    FunctionKind.CONSTRAINT_BIAS: constraints.constraint_bias,
+    FunctionKind.SOLVE: constraints.solved,
+    FunctionKind.PROJECT_VELOCITY: constraints.project_velocity,
+    FunctionKind.POSES: constraints.poses,
+    FunctionKind.RESIDUAL: dae.residual,
+    FunctionKind.JACOBIAN: dae.jacobian,
+}
+"""Functions that mechanisms have besides, or that take constraints into account."""
 
 
 def lower(equations: Equations, choice: str = "") -> Model:
     """The kernels of a model from its expanded equations, with names, units, patterns and the reasons of its zeros."""
     context = Context(equations)
     scene = bool(equations.poses)
-    kernels = (
-        functions.mass(context),
-        functions.force(context),
-        functions.mass_force(context),
-        constraints.accelerations(context) if scene else functions.accel(context),
-        functions.energy(context),
-        functions.momentum(context),
-        functions.rates(context),
-        *(functions.marker(context, marker) for marker in equations.markers),
-        *(functions.load(context, marker) for marker in equations.markers),
-        *(
-            (*constraints.constraint_kernels(context), *dae.form_kernels(context))
-            if scene
-            else (functions.residual(context), functions.jacobian(context))
-        ),
-    )
+    implementations = {**OF_BODIES, **OF_MECHANISMS} if scene else OF_BODIES
+    kernels = tuple(implementations[function.kind](context, function) for function in functions_of(equations))
     setup, constants = setup_kernel(context, kernels)
     names = tuple(c.name for c in constants)
     coordinates = equations.coordinates

@@ -10,15 +10,16 @@ from derive.ir.patterns import pattern
 from derive.ir.statements import Require, Requirement, ReturnCode, Store, StoreLocal, StoreStrided, TriangularSolve
 from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.functions import VANISHING
+from derive.lowering.functions import ModelFunction
 from derive.lowering.ldlt import elimination_order, factorise, solve
-from derive.lowering.loops.program import NOTHING, Program, Row, Scalar, Target
-from derive.lowering.loops.tables import RIGID, SHAPE, Tables, output
+from derive.lowering.loops.program import NOTHING, Elements, Program, Row, Scalar, Target
+from derive.lowering.loops.tables import RIGID, SHAPE, Tables
 from derive.mechanics.sums import Total
 from derive.mechanics.symbols import Family, I, local, quantity
 from derive.mechanics.tables import TableKind
 
 
-def accel(tables: Tables) -> Kernel:
+def accel(tables: Tables, function: ModelFunction) -> Kernel:
     """M vdot = -h by the Schur complement of the shapes, whose mass matrix c8 is constant: factorised in setup."""
     program = tables.program(tables.q, tables.v)
     coupled = tuple(tables.coupling)
@@ -67,10 +68,10 @@ def accel(tables: Tables) -> Kernel:
     names = tuple(str(row.a) for row in tables.rigid_rows)
     labels = (*names, *([f"alpha1ddot .. alpha{tables.n}ddot"] if tables.n else []))
     return program.kernel(
-        "accel",
-        "Accelerations vdot of M vdot + h = 0, by the Schur complement of the modes and a sparse LDL^T of the rest.",
-        (tables.t, tables.q, tables.v, tables.k),
-        (output("vdot", "accelerations", labels, RIGID + tables.n),),
+        function,
+        tables.inputs,
+        {"vdot": Elements(labels, RIGID + tables.n)},
+        method=", by the Schur complement of the modes and a sparse LDL^T of the rest.",
     )
 
 

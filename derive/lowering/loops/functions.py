@@ -6,115 +6,93 @@ the mean frame), or is a unit or diagonal matrix, is known here and costs nothin
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
+
 from derive.ir.expressions import ScalarRef
-from derive.ir.model import Argument, Kernel, Model, Output, Zero
+from derive.ir.model import Argument, Kernel, Model, Zero
 from derive.ir.patterns import ColumnGroup, RowSet, RowSetKind, block_pattern
 from derive.ir.statements import Store, StoreStrided
+from derive.lowering.functions import FunctionKind, ModelFunction, functions_of
 from derive.lowering.loops import data_layout as store
 from derive.lowering.loops.accelerations import accel
 from derive.lowering.loops.iteration_matrix import jacobian
-from derive.lowering.loops.program import NOTHING, Row, Scalar
-from derive.lowering.loops.tables import RIGID, SHAPE, Tables, output, row_labels
+from derive.lowering.loops.program import NOTHING, Elements, Row, Scalar
+from derive.lowering.loops.tables import RIGID, SHAPE, Tables, row_labels
 from derive.mechanics.equations import Equations
 from derive.mechanics.expansion import TRANSLATIONS
 from derive.mechanics.symbols import Family, I, amplitude, state_rate
 from derive.mechanics.tables import AXES, TableKind
-from derive.mechanics.terms import MarkerEquations
 
 
 def lower_tables(equations: Equations, choice: str = "") -> Model:
     """The kernels of a model with loops over the shapes, with names, units, patterns and the reasons of its zeros."""
     tables = Tables(equations)
-    kernels = (
-        _mass(tables),
-        _force(tables),
-        _mass_force(tables),
-        accel(tables),
-        _energy(tables),
-        _momentum(tables),
-        _rates(tables),
-        *(_marker(tables, point) for point in equations.markers),
-        *(_load(tables, point) for point in equations.markers),
-        _residual(tables),
-        jacobian(tables),
-    )
+    kernels = tuple(IMPLEMENTATIONS[function.kind](tables, function) for function in functions_of(equations))
     return store.model(equations, tables.memory, kernels, _zeros(tables), choice)
 
 
-def _mass(tables: Tables) -> Kernel:
+def _mass(tables: Tables, function: ModelFunction) -> Kernel:
     program = tables.program(tables.q)
     program.phase("M", "(15)", "factors of the accelerations", *tables.mass_wants())
-    doc = "Mass matrix M(q): values of the lower triangle by columns."
-    outputs = (_mass_output(tables),)
-    return program.kernel("mass", doc, (tables.q, tables.k), outputs, *tables.shapes_of_mass())
+    return program.kernel(function, tables.inputs, {"M": _mass_elements(tables)}, *tables.shapes_of_mass())
 
 
-def _force(tables: Tables) -> Kernel:
+def _force(tables: Tables, function: ModelFunction) -> Kernel:
     program = tables.program(tables.q, tables.v)
     program.phase("h", "(15)", "centrifugal, Coriolis, elastic and other forces", *tables.force_wants())
-    doc = "Forces h of M vdot + h = 0: centrifugal, Coriolis, elastic, damping and gravity."
-    arguments = (tables.t, tables.q, tables.v, tables.k)
-    return program.kernel("force", doc, arguments, (_force_output(tables),))
+    return program.kernel(function, tables.inputs, {"h": _force_elements(tables)})
 
 
-def _mass_force(tables: Tables) -> Kernel:
+def _mass_force(tables: Tables, function: ModelFunction) -> Kernel:
     program = tables.program(tables.q, tables.v)
     of_mass, of_force = tables.mass_wants(), tables.force_wants()
     scalars, rows = [*of_mass[0], *of_force[0]], [*of_mass[1], *of_force[1]]
     program.phase("M and h", "(15)", "factors of the accelerations, and forces", scalars, rows)
-    doc = "Mass matrix and forces together; what they share is computed once."
-    outputs = (_mass_output(tables), _force_output(tables))
-    arguments = (tables.t, tables.q, tables.v, tables.k)
-    return program.kernel("mass_force", doc, arguments, outputs, *tables.shapes_of_mass())
+    outputs = {"M": _mass_elements(tables), "h": _force_elements(tables)}
+    return program.kernel(function, tables.inputs, outputs, *tables.shapes_of_mass())
 
 
-def _mass_output(tables: Tables) -> Output:
+def _mass_elements(tables: Tables) -> Elements:
     shape = tables.mass_pattern()
-    text = "values of the mass matrix, lower triangle by columns"
-    return output("M", text, ("see its pattern",), len(shape.rowidx), shape)
+    return Elements(("see its pattern",), len(shape.rowidx), shape)
 
 
-def _force_output(tables: Tables) -> Output:
-    return output("h", "forces, one for each equation of motion", row_labels("h", tables), RIGID + tables.n)
+def _force_elements(tables: Tables) -> Elements:
+    return Elements(row_labels("h", tables), RIGID + tables.n)
 
 
-def _energy(tables: Tables) -> Kernel:
+def _energy(tables: Tables, function: ModelFunction) -> Kernel:
     eq = tables.equations
     program = tables.program(tables.q, tables.v)
     values = [eq.kinetic_energy, eq.strain_energy, *([eq.weight_energy] if eq.weight_energy is not None else [])]
     labels = ("kinetic", "strain", "gravity")[: len(values)]
     wants: list[Scalar] = [(Store("energy", k, NOTHING), value) for k, value in enumerate(values)]
     program.phase("energy", "(22)", "1/2 int rho xdot . xdot, the strain energy, and gravity", wants)
-    doc = "Kinetic and strain energy" + (", and the potential of gravity." if len(values) > 2 else ".")
-    given = Output("energy", labels, "energies [J]")
-    return program.kernel("energy", doc, (tables.q, tables.v, tables.k), (given,))
+    return program.kernel(function, tables.inputs, {"energy": Elements(labels)})
 
 
-def _momentum(tables: Tables) -> Kernel:
+def _momentum(tables: Tables, function: ModelFunction) -> Kernel:
     eq = tables.equations
     program = tables.program(tables.q, tables.v)
     values = (*eq.linear_momentum, *eq.angular_momentum)
     wants: list[Scalar] = [(Store("momentum", k, NOTHING), value) for k, value in enumerate(values)]
     program.phase("momentum", "(1)", "int rho xdot and int rho x x xdot", wants)
     labels = tuple(f"{kind}_{k}" for kind in ("linear", "angular") for k in AXES)
-    doc = "Linear momentum, and angular momentum about the inertial origin."
-    given = Output("momentum", labels, "linear [N s] and angular [N m s]")
-    return program.kernel("momentum", doc, (tables.q, tables.v, tables.k), (given,))
+    return program.kernel(function, tables.inputs, {"momentum": Elements(labels)})
 
 
-def _rates(tables: Tables) -> Kernel:
+def _rates(tables: Tables, function: ModelFunction) -> Kernel:
     program = tables.program(tables.q, tables.v)
     wants: list[Scalar] = [(Store("qdot", k, NOTHING), rate) for k, rate in enumerate(tables.rigid_rates)]
     rows: list[Row] = [(StoreStrided("qdot", RIGID + 1, 1, NOTHING), amplitude(I, 1))]
     program.phase("rates", "(1)", "from Qdot = Q (omega x)", wants, rows)
     labels = (*(f"{name}_t" for name in tables.q.elements), *([f"alpha1_t .. alpha{tables.n}_t"] if tables.n else []))
-    values = output("qdot", "time derivative of q", labels, RIGID + 1 + tables.n)
-    doc = "Time derivatives of the generalised coordinates from the generalised velocities."
-    return program.kernel("rates", doc, (tables.q, tables.v, tables.k), (values,))
+    return program.kernel(function, tables.inputs, {"qdot": Elements(labels, RIGID + 1 + tables.n)})
 
 
-def _marker(tables: Tables, point: MarkerEquations) -> Kernel:
+def _marker(tables: Tables, function: ModelFunction) -> Kernel:
     """Position, velocity and Jacobian of a material point, full columns of three."""
+    point = tables.equations.marker(function.variant)
     program = tables.program(tables.q, tables.v)
     program.totals |= {t.symbol: t for t in point.totals}
     scalars: list[Scalar] = [(Store("x", k, NOTHING), e) for k, e in enumerate(point.position)]
@@ -131,21 +109,18 @@ def _marker(tables: Tables, point: MarkerEquations) -> Kernel:
     groups += [ColumnGroup(tables.n, (RowSet(RowSetKind.RANGE, 0, 3),))] if tables.n else []
     program.phase("marker", "(1)", "x = c + Q r, its time derivative and its Jacobian", scalars, rows)
     shape = block_pattern(3, tuple(groups))
-    return program.kernel(
-        f"marker_{point.name}",
-        f"Marker {point.name}, {point.doc}: position, velocity and its Jacobian d(velocity)/dv.",
-        (tables.q, tables.v, tables.k),
-        (
-            Output("x", ("x1", "x2", "x3"), "position in the inertial frame [m]"),
-            Output("xdot", ("x1dot", "x2dot", "x3dot"), "velocity in the inertial frame [m/s]"),
-            output("jacobian", "values of d(velocity)/dv by columns", ("see its pattern",), len(shape.rowidx), shape),
-        ),
-    )
+    outputs = {
+        "x": Elements(("x1", "x2", "x3")),
+        "xdot": Elements(("x1dot", "x2dot", "x3dot")),
+        "jacobian": Elements(("see its pattern",), len(shape.rowidx), shape),
+    }
+    return program.kernel(function, tables.inputs, outputs)
 
 
-def _load(tables: Tables, point: MarkerEquations) -> Kernel:
-    force = Argument("F", tuple(f"F_{k}" for k in AXES), "force at the marker, in the inertial frame [N]")
+def _load(tables: Tables, function: ModelFunction) -> Kernel:
+    point = tables.equations.marker(function.variant)
     components = tuple(point.force)
+    force = Argument("F", tuple(s.name for s in components), "force at the marker, in the inertial frame [N]")
     program = tables.program(tables.q)
     program.known |= {symbol: ScalarRef(symbol.name) for symbol in components}
     program.totals |= {t.symbol: t for t in point.totals}
@@ -153,19 +128,11 @@ def _load(tables: Tables, point: MarkerEquations) -> Kernel:
     wants: list[Scalar] = [(Store("f", r, NOTHING), e) for r, e in enumerate(point.load[:RIGID])]
     rows: list[Row] = [(StoreStrided("f", RIGID, 1, NOTHING), point.load[RIGID])]
     program.phase("f", "(10)", "virtual work of the force", wants, rows)
-    return program.kernel(
-        f"load_{point.name}",
-        f"Generalised forces f of a force at marker {point.name}: then M vdot + h = f.",
-        (tables.q, force, tables.k),
-        (
-            output(
-                "f", "generalised forces, one for each equation of motion", row_labels("f", tables), RIGID + tables.n
-            ),
-        ),
-    )
+    outputs = {"f": Elements(row_labels("f", tables), RIGID + tables.n)}
+    return program.kernel(function, {**tables.inputs, "F": force}, outputs)
 
 
-def _residual(tables: Tables) -> Kernel:
+def _residual(tables: Tables, function: ModelFunction) -> Kernel:
     n = tables.n
     program = tables.program(tables.y, tables.ydot)
     first = RIGID + 1 + n
@@ -180,9 +147,7 @@ def _residual(tables: Tables) -> Kernel:
     ]
     program.phase("F", "(15)", "qdot less its value from v, then M vdot + h", scalars, rows)
     labels = (*(f"{name}_t - ..." for name in tables.q.elements), "...", *row_labels("M vdot + h", tables))
-    values = output("F", "residual", labels, first + RIGID + n)
-    doc = "First-order form F(t, y, ydot) = [qdot - v; M vdot + h] = 0 with y = [q; v]."
-    return program.kernel("residual", doc, (tables.t, tables.y, tables.ydot, tables.k), (values,))
+    return program.kernel(function, tables.inputs, {"F": Elements(labels, first + RIGID + n)})
 
 
 def _zeros(tables: Tables) -> tuple[Zero, ...]:
@@ -203,3 +168,18 @@ def _zeros(tables: Tables) -> tuple[Zero, ...]:
 def _vanished(eq: Equations, *families: Family) -> str:
     """Why tables vanish."""
     return str(eq.reason(*families))
+
+
+IMPLEMENTATIONS: Mapping[FunctionKind, Callable[[Tables, ModelFunction], Kernel]] = {
+    FunctionKind.MASS: _mass,
+    FunctionKind.FORCE: _force,
+    FunctionKind.MASS_FORCE: _mass_force,
+    FunctionKind.ACCEL: accel,
+    FunctionKind.ENERGY: _energy,
+    FunctionKind.MOMENTUM: _momentum,
+    FunctionKind.RATES: _rates,
+    FunctionKind.MARKER: _marker,
+    FunctionKind.LOAD: _load,
+    FunctionKind.RESIDUAL: _residual,
+    FunctionKind.JACOBIAN: jacobian,
+}

@@ -9,13 +9,14 @@ import sympy as sp
 from derive.ir.model import Kernel
 from derive.ir.patterns import ColumnGroup, RowSet, RowSetKind, block_pattern
 from derive.ir.statements import MatrixStore, Store, StoreStrided
-from derive.lowering.loops.program import NOTHING, Row, Scalar
-from derive.lowering.loops.tables import CJ, RIGID, SHAPE, Tables, output
+from derive.lowering.functions import ModelFunction
+from derive.lowering.loops.program import NOTHING, Elements, Row, Scalar
+from derive.lowering.loops.tables import CJ, RIGID, SHAPE, Tables
 from derive.mechanics.series import ALPHA, ALPHADDOT, ALPHADOT
 from derive.mechanics.symbols import Symbol
 
 
-def jacobian(tables: Tables) -> Kernel:
+def jacobian(tables: Tables, function: ModelFunction) -> Kernel:
     """dF/dy + cj dF/dydot in closed form: derivatives of sums are sums again."""
     columns = _Columns(tables)
     for k, q in enumerate(tables.elements["q"]):
@@ -30,10 +31,9 @@ def jacobian(tables: Tables) -> Kernel:
     size = 2 * tables.n + 2 * RIGID + 1
     shape = block_pattern(size, tuple(columns.groups))
     return program.kernel(
-        "jacobian",
-        "Iteration matrix dF/dy + cj dF/dydot of the first-order form, values by columns, diagonal included.",
-        (tables.t, tables.y, tables.ydot, tables.cj, tables.k),
-        (output("jac", "values of the iteration matrix by columns", ("see its pattern",), len(shape.rowidx), shape),),
+        function,
+        tables.inputs,
+        {"jac": Elements(("see its pattern",), len(shape.rowidx), shape)},
     )
 
 

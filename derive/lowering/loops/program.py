@@ -7,7 +7,7 @@ In a loop, expressions are sums of products of what depends on its index; their 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import count
 
@@ -16,6 +16,7 @@ import sympy as sp
 
 from derive.ir.expressions import ArrayAccess, Expr, Leaf, MatrixEntry, Number, Operation, Operator, ScalarRef
 from derive.ir.model import Argument, Kernel, Output, Section
+from derive.ir.patterns import Pattern
 from derive.ir.statements import (
     Accumulate,
     Let,
@@ -35,6 +36,7 @@ from derive.ir.statements import (
 from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.graph import Constants, Graph
 from derive.lowering.flat.schedule import Named, Step, Stored, Want, schedule
+from derive.lowering.functions import ModelFunction
 from derive.mechanics.series import canonical
 from derive.mechanics.sums import Contraction, Total
 from derive.mechanics.symbols import I, Symbol, amplitude, identity, is_indexed, local
@@ -52,6 +54,15 @@ Row = tuple[StoreLocal | StoreStrided, sp.Expr]
 Place = Let | Store | Require | StoreLocal | StoreStrided
 
 NOTHING = Number(Fraction(0))
+
+
+@dataclass(frozen=True)
+class Elements:
+    """What the elements of an output are: their names, or descriptions of groups of `count` elements in all."""
+
+    names: tuple[str, ...]
+    count: int | None = None
+    pattern: Pattern | None = None
 
 
 class Program:
@@ -192,9 +203,21 @@ class Program:
             self.sections.append(Section(f"{name}_i", equation, f"{doc}, for each mode", tuple(loops)))
 
     def kernel(
-        self, name: str, doc: str, arguments: tuple[Argument, ...], outputs: tuple[Output, ...], *more: Section
+        self,
+        function: ModelFunction,
+        inputs: Mapping[str, Argument],
+        outputs: Mapping[str, Elements],
+        *more: Section,
+        method: str = "",
     ) -> Kernel:
-        """The kernel, without names that nothing reads; `more` sections follow those of the program."""
+        """The kernel of a function, without names that nothing reads.
+
+        `inputs` are the arguments by their names, `outputs` the elements of each output; `more` sections follow those
+        of the program; `method` completes the sentence that says what the function computes.
+        """
+        arguments = tuple(inputs[name] for name in function.arguments)
+        given = ((name, doc, outputs[name]) for name, doc in function.outputs.items())
+        results = tuple(Output(name, e.names, doc, e.pattern, e.count) for name, doc, e in given)
         sections = [*self.sections, *more]
         while True:
             used = {n for section in sections for statement in section.body for n in reads(statement)}
@@ -202,7 +225,8 @@ class Program:
                 replace(s, body=tuple(b for b in s.body if not isinstance(b, Let) or b.name in used)) for s in sections
             ]
             if kept == sections:
-                return Kernel(name, doc, arguments, outputs, tuple(s for s in sections if s.body))
+                doc = f"{function.doc}{method}"
+                return Kernel(function.name, doc, arguments, results, tuple(s for s in sections if s.body))
             sections = kept
 
     def linear(self, expr: sp.Expr) -> sp.Expr:

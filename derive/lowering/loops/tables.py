@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Mapping
 
 import sympy as sp
 
 from derive.ir.expressions import Number, ScalarRef
-from derive.ir.model import Argument, Output, Section, View
+from derive.ir.model import Argument, Section, View
 from derive.ir.patterns import ColumnGroup, Pattern, RowSet, RowSetKind, block_pattern
 from derive.ir.statements import Store, StoreStrided
 from derive.lowering.loops import data_layout as store
@@ -65,6 +65,8 @@ class Tables:
         self.cj = Argument("cj", (), "factor of dF/dydot", scalar=True)
         self.memory = store.memory(eq)
         self.k = self.memory.argument
+        every = (self.t, self.q, self.v, self.k, self.y, self.ydot, self.cj)
+        self.inputs: Mapping[str, Argument] = {argument.name: argument for argument in every}
         self.left = {row: eq.sum_of(row) for row in (*self.rows, SHAPE)}
         self.coupling = self._coupling()
 
@@ -148,11 +150,6 @@ class Tables:
             return ()
         size = self.n * (self.n + 1) // 2
         return (store.copied("M", len(self.mass_pattern().rowidx) - size, self.memory.triangle, size),)
-
-
-def output(name: str, doc: str, labels: Iterable[str], size: int, pattern: Pattern | None = None) -> Output:
-    """An output whose values are too many for names; `labels` describe groups of them."""
-    return Output(name, tuple(labels), doc, pattern, size)
 
 
 def row_labels(name: str, tables: Tables) -> tuple[str, ...]:

@@ -1,0 +1,182 @@
+"""The functions of a model: what each is called and computes, its arguments and its outputs.
+
+Both lowerings make their kernels from this table, so that a model has the same functions however it is lowered. To add
+a function: a kind, a line in `functions_of`, and an implementation in each lowering.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from enum import Enum
+
+from derive.mechanics.equations import Equations
+
+
+class FunctionKind(Enum):
+    """What a function computes; the value is its name, or what its name begins with."""
+
+    MASS = "mass"
+    FORCE = "force"
+    MASS_FORCE = "mass_force"
+    ACCEL = "accel"
+    ENERGY = "energy"
+    MOMENTUM = "momentum"
+    RATES = "rates"
+    MARKER = "marker"
+    LOAD = "load"
+    CONSTRAINTS = "constraints"
+    CONSTRAINT_RATES = "constraint_rates"
+    CONSTRAINT_JACOBIAN = "constraint_jacobian"
+    CONSTRAINT_BIAS = "constraint_bias"
+    SOLVE = "solve"
+    PROJECT_VELOCITY = "project_velocity"
+    POSES = "poses"
+    RESIDUAL = "residual"
+    JACOBIAN = "jacobian"
+
+
+@dataclass(frozen=True)
+class ModelFunction:
+    """A function of a model.
+
+    `arguments` are their names, `outputs` maps names to what they are. `variant` is the marker that a function belongs
+    to, or the form of the equations of a mechanism; the form of index 3 has none.
+    """
+
+    kind: FunctionKind
+    doc: str
+    arguments: tuple[str, ...]
+    outputs: Mapping[str, str]
+    variant: str = ""
+
+    @property
+    def name(self) -> str:
+        """The name in the generated code, without that of the model."""
+        return f"{self.kind.value}_{self.variant}" if self.variant else self.kind.value
+
+
+FORMS = {
+    "": "index 3: [qdot - v; M vdot + h - G^T lambda; g]",
+    "ggl": "stabilised index 2: [qdot - v + G^T mu; M vdot + h - G^T lambda; gdot; g]",
+    "index1": "index 1: [qdot - v; M vdot + h - G^T lambda; G vdot - gamma]",
+}
+"""The forms F(t, y, ydot) = 0 of the equations of a mechanism (Gear, Gupta & Leimkuhler for index 2)."""
+
+STATE, TIMED = ("q", "v", "k"), ("t", "q", "v", "k")
+MASS_OUTPUT = {"M": "values of the mass matrix, lower triangle by columns"}
+FORCE_OUTPUT = {"h": "forces, one for each equation of motion"}
+VDOT = {"vdot": "accelerations"}
+RESIDUAL = {"F": "residual, one for each state"}
+ITERATION_MATRIX = {"jac": "values of the iteration matrix by columns"}
+
+
+def functions_of(equations: Equations) -> tuple[ModelFunction, ...]:
+    """All functions of a model, in the order of the generated code."""
+    mechanism = bool(equations.poses)
+    apart = _of_mechanisms() if mechanism else _of_bodies()
+    return (*_dynamics(mechanism), *_invariants(equations, mechanism), *_of_markers(equations), *apart)
+
+
+def _dynamics(mechanism: bool) -> Iterator[ModelFunction]:
+    """M, h and the accelerations."""
+    kind = FunctionKind
+    law = "M vdot + h = G^T lambda" if mechanism else "M vdot + h = 0"
+    applied = ", damping, gravity, springs and applied loads" if mechanism else ", damping and gravity"
+    forces = f"Forces h of {law}: centrifugal, Coriolis, elastic{applied}."
+    both = "Mass matrix and forces together; what they share is computed once."
+    accelerations = (
+        f"Accelerations vdot of {law}, G vdot = gamma; `solve` gives lambda as well."
+        if mechanism
+        else f"Accelerations vdot of {law}"
+    )
+    yield ModelFunction(
+        kind.MASS, "Mass matrix M(q): values of the lower triangle by columns.", ("q", "k"), MASS_OUTPUT
+    )
+    yield ModelFunction(kind.FORCE, forces, TIMED, FORCE_OUTPUT)
+    yield ModelFunction(kind.MASS_FORCE, both, TIMED, MASS_OUTPUT | FORCE_OUTPUT)
+    yield ModelFunction(kind.ACCEL, accelerations, TIMED, VDOT)
+
+
+def _invariants(equations: Equations, mechanism: bool) -> Iterator[ModelFunction]:
+    """Energies, momenta, and the time derivatives of the coordinates."""
+    springs = " (with that of springs)" if mechanism else ""
+    gravity = ", and the potential of gravity" if equations.weight_energy is not None else ""
+    energies, momenta = {"energy": "energies [J]"}, {"momentum": "linear [N s] and angular [N m s]"}
+    about = "Linear momentum, and angular momentum about the inertial origin."
+    rates = "Time derivatives of the generalised coordinates from the generalised velocities."
+    yield ModelFunction(FunctionKind.ENERGY, f"Kinetic and strain energy{springs}{gravity}.", STATE, energies)
+    yield ModelFunction(FunctionKind.MOMENTUM, about, STATE, momenta)
+    yield ModelFunction(FunctionKind.RATES, rates, STATE, {"qdot": "time derivative of q"})
+
+
+def _of_markers(equations: Equations) -> Iterator[ModelFunction]:
+    """The motion of markers, then the generalised forces of loads there."""
+    outputs = {
+        "x": "position in the inertial frame [m]",
+        "xdot": "velocity in the inertial frame [m/s]",
+        "jacobian": "values of d(velocity)/dv by columns",
+    }
+    for m in equations.markers:
+        doc = f"Marker {m.name}, {m.doc}: position, velocity and its Jacobian d(velocity)/dv."
+        yield ModelFunction(FunctionKind.MARKER, doc, STATE, outputs, m.name)
+    for m in equations.markers:
+        doc = f"Generalised forces f of a force at marker {m.name}: then M vdot + h = f."
+        forces = {"f": "generalised forces, one for each equation of motion"}
+        yield ModelFunction(FunctionKind.LOAD, doc, ("q", "F", "k"), forces, m.name)
+
+
+def _of_bodies() -> Iterator[ModelFunction]:
+    """The first-order form of a free body."""
+    form = "First-order form F(t, y, ydot) = [qdot - v; M vdot + h] = 0 with y = [q; v]."
+    matrix = "Iteration matrix dF/dy + cj dF/dydot of the first-order form, values by columns, diagonal included."
+    yield ModelFunction(FunctionKind.RESIDUAL, form, ("t", "y", "ydot", "k"), RESIDUAL)
+    yield ModelFunction(FunctionKind.JACOBIAN, matrix, ("t", "y", "ydot", "cj", "k"), ITERATION_MATRIX)
+
+
+def _of_mechanisms() -> Iterator[ModelFunction]:
+    """Constraints, multipliers, poses, and the forms for implicit integrators."""
+    kind, timed = FunctionKind, ("t", "q", "k")
+    yield ModelFunction(kind.CONSTRAINTS, "Constraints g(t, q) = 0.", timed, {"g": "residuals of the constraints"})
+    yield ModelFunction(
+        kind.CONSTRAINT_RATES,
+        "Time derivatives of the constraints, gdot = G v + dg/dt.",
+        TIMED,
+        {"gdot": "time derivatives of the constraints"},
+    )
+    yield ModelFunction(
+        kind.CONSTRAINT_JACOBIAN,
+        "Jacobian G = d gdot / dv of the constraints: values by columns.",
+        timed,
+        {"G": "values of G by columns"},
+    )
+    yield ModelFunction(
+        kind.CONSTRAINT_BIAS,
+        "Right-hand side gamma of the constraints on accelerations, G vdot = gamma.",
+        TIMED,
+        {"gamma": "right-hand side of G vdot = gamma"},
+    )
+    yield ModelFunction(
+        kind.SOLVE,
+        "Accelerations vdot and multipliers lambda of M vdot + h = G^T lambda, G vdot = gamma.",
+        TIMED,
+        VDOT | {"lam": "constraint reactions on body 2 of each joint"},
+    )
+    yield ModelFunction(
+        kind.PROJECT_VELOCITY,
+        "The smallest change dv of the generalised velocities, in the metric of M, with G dv = r: r = -gdot projects "
+        "velocities onto the constraints; r = -g, repeated, projects coordinates.",
+        ("t", "q", "k", "r"),
+        {"dv": "change of the generalised velocities"},
+    )
+    yield ModelFunction(
+        kind.POSES,
+        "Position of the origin and rotation of the frame of every body, including bodies without coordinates.",
+        timed,
+        {"pose": "c1, c2 [m] and phi [rad] of each body"},
+    )
+    for form, text in FORMS.items():
+        residual = f"Residual F(t, y, ydot) of {text}."
+        matrix = f"Iteration matrix dF/dy + cj dF/dydot of {text}: values by columns, diagonal included."
+        yield ModelFunction(kind.RESIDUAL, residual, ("t", "y", "ydot", "k"), RESIDUAL, form)
+        yield ModelFunction(kind.JACOBIAN, matrix, ("t", "y", "ydot", "cj", "k"), ITERATION_MATRIX, form)
