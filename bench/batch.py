@@ -58,7 +58,7 @@ MODELS: dict[str, Callable[[], tuple[Model, np.ndarray]]] = {
 
 def ways(model: Model, count: int) -> list[Way]:
     """Each kernel alone, then in a batch: q, v hold a state in a row, Q, V an element in a row."""
-    nq, nv = sum(v.size for v in model.coordinates), sum(v.size for v in model.rates)
+    nq, nv = sum(v.size for v in model.coordinates), sum(v.size for v in model.velocities)
     found = []
     for kernel in KERNELS:
         size, name = model.kernel(kernel).outputs[0].size, f"{model.name}_{kernel}"

@@ -1,4 +1,4 @@
-"""What the generated files say of a model, the same words for every language."""
+"""The description of a model in its generated files, the same text in every language."""
 
 from __future__ import annotations
 
@@ -20,7 +20,8 @@ LICENCE = "SPDX-License-Identifier: 0BSD"
 class PatternText:
     """A sparsity pattern as a language writes it: its name, and its integers as lines.
 
-    Of a pattern with groups of columns `fill` are the loops that write it, in C, and `groups` is what they say.
+    A pattern with groups of columns has no integers, but `fill`, the loops of C that write them, and `groups`, the
+    groups as nested tuples of Python.
     """
 
     name: str
@@ -33,11 +34,11 @@ class PatternText:
 
 def pattern_texts(model: Model, indent: str) -> list[PatternText]:
     """The patterns of a model: mass, jacobian, marker_NAME."""
-    found = [("mass", model.pattern("mass", "M")), ("jacobian", model.pattern("jacobian", "jac"))]
-    found += [(f"marker_{m.name}", model.pattern(f"marker_{m.name}", "jacobian")) for m in model.markers]
+    patterns = [("mass", model.pattern("mass", "M")), ("jacobian", model.pattern("jacobian", "jac"))]
+    patterns += [(f"marker_{m.name}", model.pattern(f"marker_{m.name}", "jacobian")) for m in model.markers]
     if model.bodies:
-        found.append(("constraint_jacobian", model.pattern("constraint_jacobian", "G")))
-        found += [(f"jacobian_{form}", model.pattern(f"jacobian_{form}", "jac")) for form in ("ggl", "index1")]
+        patterns.append(("constraint_jacobian", model.pattern("constraint_jacobian", "G")))
+        patterns += [(f"jacobian_{form}", model.pattern(f"jacobian_{form}", "jac")) for form in ("ggl", "index1")]
 
     def lines(values: tuple[int, ...]) -> str:
         return "\n".join(wrapped([", ".join(map(str, values))], indent))
@@ -46,7 +47,7 @@ def pattern_texts(model: Model, indent: str) -> list[PatternText]:
         PatternText(name, p, "", "", _fill(p), _groups(p, indent))
         if p.groups
         else PatternText(name, p, lines(p.colptr), lines(p.rowidx), "", "")
-        for name, p in found
+        for name, p in patterns
     ]
 
 
@@ -86,10 +87,10 @@ class ModelText:
     """Lines that describe a model: state, parameters, constants, the mass matrix and its zeros."""
 
     title: str
-    origin: str
+    frame_doc: str
     choice: str
     state: tuple[str, ...]
-    rates: tuple[str, ...]
+    velocities: tuple[str, ...]
     parameters: tuple[str, ...]
     constants: tuple[str, ...]
     picture: tuple[str, ...]
@@ -102,20 +103,20 @@ class ModelText:
 
 def model_text(model: Model) -> ModelText:
     """The description of a model."""
-    names = [row.name for row in model.rows]
+    names = [row.name for row in model.equations]
     width = max(len(q.name) for q in model.coordinates)
     state = tuple(f"{k}  {q.name:<{width}}  [{q.unit}]  {q.doc}" for k, q in _counted(model.coordinates))
-    rates = tuple(
+    velocities = tuple(
         f"{k}  {v.name}  [{v.unit}]  {v.doc}; equation {row.name} [{row.unit}]"
-        for (k, v), row in zip(_counted(model.rates), model.rows, strict=True)
+        for (k, v), row in zip(_counted(model.velocities), model.equations, strict=True)
     )
     mass = model.pattern("mass", "M")
     return ModelText(
         title=f"{model.name}: {model.doc}",
-        origin=model.origin,
+        frame_doc=model.frame_doc,
         choice=f"Kernels are {model.choice}." if model.choice else "",
         state=state,
-        rates=rates,
+        velocities=velocities,
         parameters=tuple(
             f"{p.name}  [{p.unit}]  {p.doc}, {f'{p.size} values' if p.size > 1 else f'default {p.default!r}'}"
             for p in model.parameters
@@ -137,13 +138,13 @@ def model_text(model: Model) -> ModelText:
 
 def _counted(variables: tuple[Variable, ...]) -> Iterator[tuple[str, Variable]]:
     """Variables with their indices: 3, or 7 .. 14 for an array."""
-    place = 0
+    first = 0
     for v in variables:
-        yield str(place) if v.size == 1 else f"{place} .. {place + v.size - 1}", v
-        place += v.size
+        yield str(first) if v.size == 1 else f"{first} .. {first + v.size - 1}", v
+        first += v.size
 
 
-def description(said: ModelText) -> tuple[Prose, ...]:
+def description(text: ModelText) -> tuple[Prose, ...]:
     """The head of a generated file."""
 
     def block(title: str, lines: tuple[str, ...]) -> tuple[Prose, ...]:
@@ -154,11 +155,11 @@ def description(said: ModelText) -> tuple[Prose, ...]:
             "Equations of motion M(q) vdot + h(t, q, v) = G^T lambda with constraints g(t, q) = 0, G = dg/dq,",
             "G vdot = gamma, from x = c + Q (X + u) and d'Alembert's virtual",
         )
-        if said.bodies
+        if text.bodies
         else ("Equations of motion M(q) vdot + h(t, q, v) = 0, from x = c + Q (X + u) and d'Alembert's virtual",)
     )
     return (
-        said.title,
+        text.title,
         "",
         *law,
         "work: (15) of Koppens, Sauren, Veldpaus & van Campen, J. Appl. Mech. 55 (1988) 676-680, whose",
@@ -167,21 +168,21 @@ def description(said: ModelText) -> tuple[Prose, ...]:
         "The floating frame has its origin at c and the rotation Q. r = X + u, the shape functions Phi_i,",
         "and their moments c1 .. c8, d1, D2, d3, J are resolved in the floating frame; c, momenta and",
         "markers are resolved in the inertial frame.",
-        *(said.origin.splitlines()),
-        *((said.choice,) if said.choice else ()),
-        *block("Generalised coordinates q:", said.state),
-        *block("Generalised velocities v, and the equations of motion with their units:", said.rates),
+        *(text.frame_doc.splitlines()),
+        *((text.choice,) if text.choice else ()),
+        *block("Generalised coordinates q:", text.state),
+        *block("Generalised velocities v, and the equations of motion with their units:", text.velocities),
         *(
-            block("Multipliers lambda, the constraint reactions on body 2 of each joint:", said.multipliers)
-            if said.multipliers
+            block("Multipliers lambda, the constraint reactions on body 2 of each joint:", text.multipliers)
+            if text.multipliers
             else ()
         ),
-        *(block("Not modelled, with the reasons:", said.eliminated) if said.eliminated else ()),
-        *block("Parameters p:", said.parameters),
-        *block("Constants k, computed from the parameters by setup:", said.constants),
-        *block("Mass matrix (x: structural non-zero, .: structural zero):", said.picture),
-        *block("Reasons for its structural zeros:", said.zeros),
-        *block("Terms of (15) that vanish:", said.vanished),
+        *(block("Not modelled, with the reasons:", text.eliminated) if text.eliminated else ()),
+        *block("Parameters p:", text.parameters),
+        *block("Constants k, computed from the parameters by setup:", text.constants),
+        *block("Mass matrix (x: structural non-zero, .: structural zero):", text.picture),
+        *block("Reasons for its structural zeros:", text.zeros),
+        *block("Terms of (15) that vanish:", text.vanished),
     )
 
 
@@ -235,7 +236,7 @@ def _blocks(pattern: Pattern, names: list[str]) -> tuple[str, ...]:
 
 
 def kernel_text(kernel: Kernel) -> tuple[str, ...]:
-    """What a function is for, what it takes and gives, and what it costs."""
+    """The documentation of a function: purpose, arguments, outputs, equations, and operations."""
     lines = [kernel.doc, ""]
     lines += [f"{a.name}: {_argument(a)}" for a in kernel.arguments]
     for output in kernel.outputs:

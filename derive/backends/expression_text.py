@@ -1,7 +1,7 @@
 """Expressions as code: the order of operations of the Kernel, no parentheses more than that needs.
 
-Code carries what a printer has to know of it, where a line may be broken and how strongly it binds, so that nothing
-reads the text again.
+Code carries the places where a line may be broken, the strength with which it binds, and its sign as data, so that
+no printer reads its own text again.
 """
 
 from __future__ import annotations

@@ -42,9 +42,9 @@ def specification(spec: Specification) -> dict[str, object]:
     fields = {f.name: getattr(spec, f.name) for f in dataclasses.fields(spec)}
     if isinstance(spec, NodalBody):
         data = spec.data
-        given = 0 if data.modes is None else len(data.modes)
-        fields["data"] = {"nodes": len(data.positions), "modes": given, "sha256": data.sha256}
-    if isinstance(spec, Scene):  # what is done with the model later is no part of it
+        modes = 0 if data.modes is None else len(data.modes)
+        fields["data"] = {"nodes": len(data.positions), "modes": modes, "sha256": data.sha256}
+    if isinstance(spec, Scene):  # simulation and plots do not change the model
         fields = {name: value for name, value in fields.items() if name not in ("simulation", "plots")}
     plain = json.loads(json.dumps(fields, default=_exact))
     return {"kind": KINDS[type(spec)], **{key: value for key, value in plain.items() if value is not None}}
@@ -59,7 +59,7 @@ def _exact(value: object) -> object:
 
 
 def _manifest(model: Model, description: dict[str, object], fingerprint: str, files: tuple[File, ...]) -> File:
-    """What was made, from what, by which tools, at what cost."""
+    """The manifest: specification, tools, operation counts, non-zeros, and the hashes of the files."""
     mass, jacobian = model.pattern("mass", "M"), model.pattern("jacobian", "jac")
     content = {
         "generator": f"{MARK}. Do not edit.",
@@ -81,7 +81,7 @@ def _manifest(model: Model, description: dict[str, object], fingerprint: str, fi
 
 
 def _of_scene(model: Model) -> dict[str, object]:
-    """What a scene has besides: constraints, the structure of its KKT matrix, and what is not modelled."""
+    """The additional entries of a scene: constraints, the structure of its KKT matrix, and what is eliminated."""
     if model.kkt is None:
         return {}
     jacobian = model.pattern("constraint_jacobian", "G")

@@ -11,7 +11,7 @@ from derive.ir.model import Model
 class Backend(Protocol):
     """A backend; one is added by an entry in `derive.backends.model_files.BACKENDS`.
 
-    name: what the backend is registered under, and the language of its source maps.
+    name: the key in the registry, and the language of the source maps.
     """
 
     @property

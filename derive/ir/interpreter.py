@@ -58,11 +58,11 @@ def interpret(
     functions: Mapping[str, Callable[[Any], Any]] | None = None,
     check: bool = True,
 ) -> dict[str, list[Any]]:
-    """The outputs of a kernel: lists of the sizes of `kernel.outputs`.
+    """The outputs of a kernel: by their names, lists of the sizes of `kernel.outputs`.
 
-    `arguments` maps each argument to a sequence (to a number, if scalar); `number` turns exact constants into the
-    numbers wanted, `functions` gives their `sin`, `cos` and, for `Cholesky`, `sqrt`. Raises RequirementError (with
-    `check`).
+    arguments: by their names, sequences of the sizes of the arguments, or numbers for scalars; number: converts exact
+    constants into the type of number; functions: `sin`, `cos` and, for `Cholesky`, `sqrt` of that type; check: whether
+    requirements are checked. Raises RequirementError if a requirement does not hold, ValueError for a wrong length.
     """
     call = {Operator.SIN: math.sin, Operator.COS: math.cos, Operator.SQRT: math.sqrt}
     call |= {Operator(name): function for name, function in (functions or {}).items()}
@@ -88,15 +88,15 @@ class _Run:
         self.values: dict[str, Any] = {}
         self.arrays: dict[str, list[Any]] = {}
         for a in kernel.arguments:
-            given: Any = arguments[a.name]
+            values: Any = arguments[a.name]
             if a.scalar:
-                self.values[a.name] = given
+                self.values[a.name] = values
                 continue
-            if len(given) != a.size:
-                raise ValueError(f"{a.name} needs {a.size} elements, not {len(given)}")
-            self.arrays[a.name] = list(given)
-            self.values |= {name: given[index] for index, name in a.named_elements}
-            self.arrays |= {v.name: list(given[v.offset : v.offset + v.size]) for v in a.arrays}
+            if len(values) != a.size:
+                raise ValueError(f"{a.name} needs {a.size} elements, not {len(values)}")
+            self.arrays[a.name] = list(values)
+            self.values |= {name: values[index] for index, name in a.named_elements}
+            self.arrays |= {v.name: list(values[v.offset : v.offset + v.size]) for v in a.arrays}
         self.outputs: dict[str, list[Any]] = {o.name: [None] * o.size for o in kernel.outputs}
 
     def value(self, expr: Expr, i: int = 0, j: int = 0, packing: Packing | None = None) -> Any:

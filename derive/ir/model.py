@@ -13,6 +13,7 @@ from derive import display
 from derive.ir.cost import operations
 from derive.ir.patterns import Pattern
 from derive.ir.statements import Statement, reads
+from derive.registry import UnknownNameError
 from derive.roles import Role
 
 
@@ -74,7 +75,7 @@ class OutputKind(Enum):
 
 @dataclass(frozen=True)
 class Output:
-    """An output array; `elements` says what each value is; a matrix has a pattern for its values.
+    """An output array; `elements` describes each value; a matrix has a pattern for its values.
 
     Where there are too many values for names, `size` counts them and `elements` describes groups of them.
     """
@@ -126,9 +127,10 @@ class Kernel:
 
 @dataclass(frozen=True)
 class Variable:
-    """A coordinate, rate, parameter or constant: its name, what it is, its unit; a parameter has a default.
+    """A generalised coordinate, generalised velocity, equation of motion, parameter, constant, marker or multiplier.
 
-    With a `size` it is an array of so many values. Coordinates have a role.
+    doc: a description in words; unit: that of the value; default: the value of a parameter that the user does not set;
+    size: the number of values of an array; role: what a coordinate describes.
     """
 
     name: str
@@ -158,21 +160,25 @@ class Kkt:
 
 @dataclass(frozen=True)
 class Model:
-    """The kernels of one model. `kernels` begins with setup; `markers` names those that are material points.
+    """The result of a lowering: the kernels of one model and the description of its quantities.
 
-    `lowering` says how they were made, flat (straight line) or table (loops over the shapes), `choice` why. `data`
-    holds the defaults of parameters that are arrays, as pairs (index, value); all else is zero.
+    doc: the kind of model in words; frame_doc: the definition of the floating frames in words. coordinates, velocities,
+    equations: q, v, and the equations of motion with their units. kernels: the functions, setup first. markers: the
+    material points. zeros, vanished: the structural zeros of the mass matrix and the terms of (15) that vanish.
 
-    A scene has `multipliers`, with the units of what joints exert, `bodies` whose poses it tells, and `eliminated`,
-    what it does not model.
+    lowering: "flat" (straight-line code) or "table" (loops over the modes); choice: the reason for it. data: the
+    defaults of parameters that are arrays, as pairs (index, value); all other values are zero.
+
+    A scene also has multipliers (the constraint reactions on body 2 of each joint), the names of its bodies, the
+    components and constraints that are eliminated, and the structure of its KKT matrix.
     """
 
     name: str
     doc: str
-    origin: str
+    frame_doc: str
     coordinates: tuple[Variable, ...]
-    rates: tuple[Variable, ...]
-    rows: tuple[Variable, ...]
+    velocities: tuple[Variable, ...]
+    equations: tuple[Variable, ...]
     parameters: tuple[Variable, ...]
     constants: tuple[Variable, ...]
     kernels: tuple[Kernel, ...]
@@ -198,15 +204,18 @@ class Model:
         return tuple(values)
 
     def kernel(self, name: str) -> Kernel:
-        """The kernel of that name."""
-        return next(kernel for kernel in self.kernels if kernel.name == name)
+        """The kernel of that name. Raises UnknownNameError if there is none."""
+        for kernel in self.kernels:
+            if kernel.name == name:
+                return kernel
+        raise UnknownNameError("kernel", name, (kernel.name for kernel in self.kernels))
 
     def pattern(self, kernel: str, output: str) -> Pattern:
-        """The sparsity of a matrix that a kernel writes."""
-        found = next(o.pattern for o in self.kernel(kernel).outputs if o.name == output)
-        if found is None:
-            raise KeyError(f"{output} of {kernel} is no sparse matrix")
-        return found
+        """The sparsity of a matrix that a kernel writes. Raises UnknownNameError if there is no such matrix."""
+        patterns = {o.name: o.pattern for o in self.kernel(kernel).outputs if o.pattern is not None}
+        if output not in patterns:
+            raise UnknownNameError(f"matrix of {kernel}", output, patterns)
+        return patterns[output]
 
     def _repr_html_(self) -> str:
         """What a notebook shows."""

@@ -55,7 +55,7 @@ class Trajectory(Mapping[str, Vector]):
         columns += [Column(d.name, drive_unit(self.scene, d), drive_values(d, solution.t)) for d in self.scene.drives]
         for prefix, variables, values in (
             ("", model.coordinates, solution.q),
-            ("", model.rates, solution.v),
+            ("", model.velocities, solution.v),
             ("lambda_", model.multipliers, solution.lam),  # a drive and its multiplier have one name otherwise
         ):
             columns += [Column(f"{prefix}{x.name}", x.unit, y) for x, y in zip(variables, values.T, strict=True)]

@@ -129,7 +129,7 @@ def test_enum_of_the_header_gives_sizes_and_indices(model: str) -> None:
     macro = made.model.name.upper()
     found = {name: int(value) for name, value in re.findall(rf"^    {macro}_(\w+) = (\d+)", text_of(made, ".h"), re.M)}
     given = made.model
-    tables = {"Q": given.coordinates, "V": given.rates, "P": given.parameters, "K": given.constants}
+    tables = {"Q": given.coordinates, "V": given.velocities, "P": given.parameters, "K": given.constants}
     expected = {f"N{name}": sum(v.size for v in table) for name, table in tables.items()}
     expected |= {"NY": expected["NQ"] + expected["NV"] + len(given.multipliers)}
     expected |= {"NMARKERS": len(made.model.markers), "ABI": ABI}

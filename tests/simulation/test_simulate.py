@@ -37,7 +37,7 @@ def test_columns_have_names_units_and_values() -> None:
     assert found.t[0] == 0 and found.t[1] == 0.03 and found.t[-1] == END  # also where it is no multiple of the output
     names = found.model.coordinates
     assert np.array_equal(np.stack([found[x.name] for x in names], axis=1), found.q)
-    assert np.array_equal(np.stack([found[x.name] for x in found.model.rates], axis=1), found.v)
+    assert np.array_equal(np.stack([found[x.name] for x in found.model.velocities], axis=1), found.v)
     assert np.array_equal(np.stack([found[f"lambda_{x.name}"] for x in found.model.multipliers], axis=1), found.lam)
     assert {x.name: found.units[x.name] for x in names} == {x.name: x.unit for x in names}
     assert found.units["t"] == "s"

@@ -1,7 +1,7 @@
 """Kernels of many states at once in C: vector units take several states in one operation.
 
 Arrays of a batch are structures of arrays: element e of state b lies at e * n + b. A function takes blocks of states.
-In a block, straight lines run in a loop over its states, the innermost one, and every loop over the shapes has such a
+In a block, straight lines run in a loop over its states, the innermost one, and every loop over the modes has such a
 loop inside. Each state has the operations of the scalar kernel in their order, so its bits are equal.
 """
 
@@ -40,7 +40,7 @@ More than sixteen need no `TISSERAND_LANES`; fewer than eight read the tables to
 Line = Let | Store | Require
 Loop = Map | Accumulate | MatVec | TriangularSolve
 Part = tuple[Line, ...] | Loop
-"""Straight lines, or a loop over the shapes."""
+"""Straight lines, or a loop over the modes."""
 
 
 @dataclass(frozen=True)
@@ -75,26 +75,26 @@ def batch_body(model: Model, kernel: Kernel, width: int) -> Lines:
 
 @dataclass(frozen=True)
 class Helpers:
-    """What the functions with blocks of one width call: `fills` where kernels read states, `takes` arrays of q or v."""
+    """The helpers of functions with blocks of one width: `pads` where kernels read states, `gathers` their arrays."""
 
     name: str
     width: int
-    fills: bool
-    takes: bool
+    pads: bool
+    gathers: bool
     products: str
 
 
 def batch_helpers(model: Model, widths: Mapping[str, int]) -> str:
-    """What the functions of the batches call, for each width of a block."""
+    """The helpers of the functions of the batches, for each width of a block."""
     blocks = []
     for width in sorted({*widths.values()}):
         name = f"{model.name}_block{width}"
         kernels = [model.kernel(kernel) for kernel, w in widths.items() if w == width]
-        takes = any(a.arrays for kernel in kernels for a in kernel.arguments if a.name != "k")
+        gathers = any(a.arrays for kernel in kernels for a in kernel.arguments if a.name != "k")
         sizes = {s.packing.padded for k in kernels for s in k.statements if isinstance(s, MatVec)}
         products = "".join(f"{line}\n" for size in sizes for line in rows_helper(name, size, width))
-        fills = any(_Body(kernel, model.name, width).states for kernel in kernels)
-        blocks.append(Helpers(name, width, fills, takes, products))
+        pads = any(_Body(kernel, model.name, width).states for kernel in kernels)
+        blocks.append(Helpers(name, width, pads, gathers, products))
     checked = any(isinstance(s, Require) for kernel in KERNELS for s in model.kernel(kernel).statements)
     return render("c/block.c.jinja", {"name": model.name, "blocks": blocks, "checked": checked})
 
@@ -116,7 +116,7 @@ class _Body:
         (self.k,) = (a for a in kernel.arguments if a.name == "k")
         parts = _parts(kernel)
         self.parts = [_run(part, n) if isinstance(part, tuple) else part for n, part in enumerate(parts, 1)]
-        elements = {name: (a.name, place) for a in states for place, name in a.named_elements}
+        elements = {name: (a.name, index) for a in states for index, name in a.named_elements}
         names = Names(width, elements, frozenset(v.name for v in self.k.arrays), _wide(self.parts))
         contracts = [part for part in parts if isinstance(part, MatVec)]
         vectors = frozenset(vector for c in contracts for term in c.terms for vector, _ in term.sums)
@@ -138,7 +138,7 @@ class _Body:
         """All lines of the body."""
         lines = [f"    (void) {name};" for name in self.unused]
         used = self.kernel.used
-        lines += [f"    const double {name} = k[{place}];" for place, name in self.k.named_elements if name in used]
+        lines += [f"    const double {name} = k[{index}];" for index, name in self.k.named_elements if name in used]
         views = [v for v in self.k.arrays if v.name in used]
         lines += [f"    const double *{v.name} = k{f' + {v.offset}' if v.offset else ''};" for v in views]
         if not views and not any(name in used for name in self.k.elements):
@@ -238,9 +238,9 @@ class _Body:
         name, lines = self.output.name, []
         for _, run in groupby(enumerate(self.stored), lambda pair: pair[1] - pair[0]):
             pairs = list(run)
-            place, first = pairs[0]
+            row, first = pairs[0]
             to = f"{name} + {first} * all" if first else name
-            lines.append(scatter(self.prefix, len(pairs), to, f"{name}_block", place))
+            lines.append(scatter(self.prefix, len(pairs), to, f"{name}_block", row))
         if self.checked:
             rows, refuse = self.output.size, f"{self.model}_block_fail"
             lines += [
@@ -292,8 +292,8 @@ def _run(lines: tuple[Line, ...], number: int) -> Run:
         if isinstance(line, Let) and line.name in before:
             early[line.name] = replace(line, expr=_swapped(line.expr, named))
     rest = tuple(replace(line, expr=_swapped(line.expr, named)) for line in lines)
-    told = tuple(line for line in rest if not _says_nothing(line))
-    return Run(tuple(early.values()), _read(told, frozenset(before)))
+    kept = tuple(line for line in rest if not _renames_itself(line))
+    return Run(tuple(early.values()), _read(kept, frozenset(before)))
 
 
 def _read(lines: tuple[Line, ...], early: frozenset[str]) -> tuple[Line, ...]:
@@ -320,23 +320,23 @@ def _swapped(expr: Expr, named: dict[Expr, str]) -> Expr:
     )
 
 
-def _says_nothing(line: Line) -> bool:
+def _renames_itself(line: Line) -> bool:
     return isinstance(line, Let) and line.expr == ScalarRef(line.name)
 
 
 def _wide(parts: Iterable[Run | Loop]) -> frozenset[str]:
     """Scalars that are computed in one loop over the states and read in another."""
     written: dict[str, int] = {}
-    found = set()
-    place = 0
+    wide = set()
+    number = 0
     for part in parts:
         for lines in (part.early, part.lines) if isinstance(part, Run) else ((part,),):
-            place += 1
+            number += 1
             own = {line.name for line in lines if isinstance(line, Let)}
             for line in lines:
-                found |= {n for n in reads(line) if n in written and written[n] != place and n not in own}
-            written |= dict.fromkeys(own, place)
-    return frozenset(found)
+                wide |= {n for n in reads(line) if n in written and written[n] != number and n not in own}
+            written |= dict.fromkeys(own, number)
+    return frozenset(wide)
 
 
 def _natural(name: str) -> tuple[int, str]:

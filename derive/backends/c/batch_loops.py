@@ -1,6 +1,6 @@
-"""Loops over the shapes as C for a block of states: inside each of them runs a loop over the states, the innermost.
+"""Loops over the modes as C for a block of states: inside each of them runs a loop over the states, the innermost.
 
-Additions have the order of the loops of one state: four lanes in a sum, panels of four columns in a table.
+Additions have the order of the loops of one state: four lanes in a sum, panels of four columns in a matrix.
 """
 
 from __future__ import annotations
@@ -116,8 +116,8 @@ class BlockLoops:
         inner = names.loop(body)
         for k, item in enumerate(stored):
             index = "i" if item.stride == 1 else f"{item.stride} * i"
-            place = f"({item.offset} + {index})" if item.offset else index
-            inner.append(scatter(self.prefix, 1, f"{item.output} + {place} * all", "rows", k))
+            element = f"({item.offset} + {index})" if item.offset else index
+            inner.append(scatter(self.prefix, 1, f"{item.output} + {element} * all", "rows", k))
         return [_for("i", loop.count), *map(_indented, inner), "}", *padding]
 
     def accumulate(self, loop: Accumulate, name: str) -> Lines:
@@ -186,7 +186,7 @@ def totals(loop: Accumulate, name: str) -> tuple[Let, ...]:
             (Operation(Operator.ADD, (lane(k), lane(k + 1))), Operation(Operator.ADD, (lane(k + 2), lane(k + 3)))),
         )
 
-    sums = [(one, whole(k * LANES)) for k, one in enumerate(loop.sums)]
+    sums = [(total, whole(k * LANES)) for k, total in enumerate(loop.sums)]
     return tuple(
         Let(s.name, w if s.base == Number(Fraction(0)) else Operation(Operator.ADD, (s.base, w))) for s, w in sums
     )
@@ -213,8 +213,10 @@ def rows_helper(prefix: str, size: int, width: int) -> Lines:
         "{",
     ]
     for r in range(ROWS):
-        places = (" + ".join(filter(None, [str(c * size) if c else "", str(r) if r else ""])) for c in range(LANES))
-        lines.append(f"    const double {', '.join(f'a{r}{c} = a[{place or 0}]' for c, place in enumerate(places))};")
+        offsets = (" + ".join(filter(None, [str(c * size) if c else "", str(r) if r else ""])) for c in range(LANES))
+        lines.append(
+            f"    const double {', '.join(f'a{r}{c} = a[{offset or 0}]' for c, offset in enumerate(offsets))};"
+        )
     body = [f"    const double {', '.join(f'x{c} = x[{c}][b]' for c in range(LANES))};"]
     for r in range(ROWS):
         body.append(f"    y[{r}][b] = y[{r}][b] + {' + '.join(f'a{r}{c} * x{c}' for c in range(LANES))};")

@@ -21,7 +21,7 @@ from derive.roles import Role
 ABI = 4
 
 FORMS = {"index3": "", "ggl": "_ggl", "index1": "_index1"}
-"""The forms of the equations of a scene, with what the names of their functions end in."""
+"""The forms of the equations of a scene, with the suffixes of the names of their functions."""
 
 
 class CBackend:
@@ -64,7 +64,7 @@ class BatchFunction:
 
 def _template_values(model: Model, fingerprint: str) -> dict[str, object]:
     text_of_model = model_text(model)
-    tables = [("p", model.parameters), ("k", model.constants), ("q", model.coordinates), ("v", model.rates)]
+    tables = [("p", model.parameters), ("k", model.constants), ("q", model.coordinates), ("v", model.velocities)]
     tables += [("lambda", model.multipliers)] if model.bodies else []
     sizes = {name: sum(v.size for v in variables) for name, variables in tables}
     mark = (f"{MARK} from a specification with SHA-256", f"{fingerprint}. Do not edit.", LICENCE, "")
@@ -92,7 +92,7 @@ def _template_values(model: Model, fingerprint: str) -> dict[str, object]:
         "forms": FORMS if model.bodies else {},
         "energies": len(model.kernel("energy").outputs[0].elements),
         "sizes": sizes,
-        "places": {name: _first_indices(variables) for name, variables in tables},
+        "indices": {name: _first_indices(variables) for name, variables in tables},
         "momenta": len(model.kernel("momentum").outputs[0].elements),
         "tables": [{"name": n, "variables": variables} for n, variables in tables if variables],
         "members": {n: f"{model.name}_table_{n}" if variables else "0" for n, variables in tables}
@@ -150,7 +150,7 @@ def _parameters(kernel: Kernel) -> list[str]:
 
 
 def _loads(kernel: Kernel) -> list[str]:
-    """Name the elements and arrays that are read; say which arguments are not."""
+    """Name the elements and arrays that are read; mark the arguments that are not."""
     lines = []
     used = kernel.used | {s.argument for s in kernel.statements if isinstance(s, RequireFinite)}
     for argument in kernel.arguments:
@@ -198,11 +198,11 @@ def defaults_text(model: Model) -> str:
         lines = wrapped([head], "        ")
         body = ["    static const double values[] = {", *lines, "    };"]
         return "\n".join([*body, f"    for (int i = 0; i < {len(values)}; i++) p[i] = values[i];"])
-    places = wrapped([", ".join(str(k) for k, _ in kept)], "        ")
+    indices = wrapped([", ".join(str(k) for k, _ in kept)], "        ")
     numbers = wrapped([", ".join(repr(x) for _, x in kept)], "        ")
     return "\n".join(
         [
-            *("    static const int indices[] = {", *places, "    };"),
+            *("    static const int indices[] = {", *indices, "    };"),
             *("    static const double values[] = {", *numbers, "    };"),
             f"    for (int i = 0; i < {len(values)}; i++) p[i] = 0.0;",
             f"    for (int i = 0; i < {len(kept)}; i++) p[indices[i]] = values[i];",

@@ -79,7 +79,7 @@ def _function(kernel: Kernel) -> list[Line]:
 
 
 class _Statements:
-    """The statements of one function; `required` are the names of what has to hold."""
+    """The statements of one function; `required` are the names of the conditions that their results need."""
 
     def __init__(self, kernel: Kernel) -> None:
         self.raises = kernel.name == "setup"
@@ -151,7 +151,7 @@ def _tables(model: Model) -> list[Table]:
 
     return [
         table("COORDINATES", _each_name(model.coordinates)),
-        table("VELOCITIES", _each_name(model.rates)),
+        table("VELOCITIES", _each_name(model.velocities)),
         table("PARAMETERS", (v.name for v in model.parameters)),
         table("SIZES", (v.size for v in model.parameters)),
         table("UNITS", (v.unit for v in model.parameters)),

@@ -232,12 +232,12 @@ def model(eq: Equations, memory: Memory, kernels: tuple[Kernel, ...], zeros: tup
     return Model(
         name=eq.name,
         doc=eq.doc,
-        origin=eq.origin,
+        frame_doc=eq.origin,
         coordinates=tuple(Variable(str(c.q), c.doc, c.unit, role=c.role) for c in eq.coordinates[:7])
         + of_shapes("alpha", "amplitudes of the assumed modes", "m", Role.AMPLITUDE),
-        rates=tuple(Variable(str(r.v), r.doc, r.unit) for r in rigid)
+        velocities=tuple(Variable(str(r.v), r.doc, r.unit) for r in rigid)
         + of_shapes("alphadot", "time derivatives of alpha", "m/s"),
-        rows=tuple(Variable(r.name, f"row of delta {r.name}", r.work) for r in rigid)
+        equations=tuple(Variable(r.name, f"row of delta {r.name}", r.work) for r in rigid)
         + of_shapes("alpha", "rows of delta alpha", "N"),
         parameters=memory.parameters,
         constants=constants,

@@ -64,7 +64,7 @@ def c_program(model: Model) -> str:
 
 def python_program(model: Model) -> str:
     """A script in Python."""
-    sizes = {"coordinates": size(model.coordinates), "rates": size(model.rates)}
+    sizes = {"coordinates": size(model.coordinates), "rates": size(model.velocities)}
     return PYTHON.format(name=model.name, start="\n".join(_start(model)), **sizes)
 
 

@@ -24,7 +24,7 @@ HINT = "The pointer shows the row and the column of an entry."
 
 def kkt_blocks(model: Model, kkt: Kkt) -> tuple[Block, ...]:
     """The matrix in its elimination order, its structure and the operations of the functions that use it."""
-    names = (*(row.name for row in model.rows), *(m.name for m in model.multipliers))
+    names = (*(row.name for row in model.equations), *(m.name for m in model.multipliers))
     text = (
         "Accelerations and multipliers come from [M, -Gᵀ; -G, 0] by a factorisation L D Lᵀ whose elimination order is "
         "fixed at generation: minimum degree, with each multiplier eliminated after its coordinates, so that no pivot "

@@ -23,14 +23,14 @@ HEAD = ("", "in the code", "unit", "what it is")
 
 def state_blocks(model: Model, equations: Equations, notation: Notation) -> tuple[Block, ...]:
     """How many of each there are, and what they are."""
-    text = f"{size(model.coordinates)} coordinates q, {size(model.rates)} generalised velocities v"
+    text = f"{size(model.coordinates)} coordinates q, {size(model.velocities)} generalised velocities v"
     count = size(model.parameters)
     end = f", and {count} parameter{'' if count == 1 else 's'}." if count else "; every number is folded into the code."
     coordinates = table(
         "Coordinates q", HEAD, _rows(model.coordinates, (c.q for c in equations.coordinates), amplitude(I))
     )
     velocities = table(
-        "Generalised velocities v", HEAD, _rows(model.rates, (r.v for r in equations.rows), amplitude(I, 1))
+        "Generalised velocities v", HEAD, _rows(model.velocities, (r.v for r in equations.rows), amplitude(I, 1))
     )
     derivatives = "The generalised velocities are the time derivatives of the coordinates, in the same order."
     found: list[Block] = [

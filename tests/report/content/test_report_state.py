@@ -12,7 +12,7 @@ from derive.report.document.page import Details
 def test_all_velocities_of_a_body_in_space_are_listed(name: str) -> None:
     model = pages.built(name).model
     (table,) = (t for t in pages.tables(pages.section(name, "coordinates")) if t.caption == "Generalised velocities v")
-    assert [pages.plain(row[1].text) for row in table.rows] == [v.name for v in model.rates]
+    assert [pages.plain(row[1].text) for row in table.rows] == [v.name for v in model.velocities]
 
 
 @pytest.mark.parametrize("name", ["mean", "block"])

@@ -58,7 +58,7 @@ def test_the_picture_of_the_kkt_matrix_has_all_that_is_filled_in() -> None:
     own, filled = factor_entries(model.kkt)
     assert len(filled) == model.kkt.fill == fill_in(model.kkt.pattern, model.kkt.order)
     assert len(own) == sum(i != j for i, j in model.kkt.pattern.entries)
-    names = (*(row.name for row in model.rows), *(m.name for m in model.multipliers))
+    names = (*(row.name for row in model.equations), *(m.name for m in model.multipliers))
     picture = kkt_picture(model.kkt, names)
     assert picture.count('class="fill"') == model.kkt.fill
     assert picture.count("pivot of") == len(names)
