@@ -52,11 +52,11 @@ static scheme make_scheme(double rho, double h)
     return s;
 }
 
-static int find_form(const tisserand_model *model, tisserand_dae *found)
+static int find_form(const tisserand_model *model, tisserand_dae *form)
 {
     for (int i = 0; model->scene != NULL && i < model->scene->nforms; i++) {
         if (strcmp(model->scene->forms[i].name, "index3") == 0 && model->nq == model->nv) {
-            *found = model->scene->forms[i];
+            *form = model->scene->forms[i];
             return 0;
         }
     }

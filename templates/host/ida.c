@@ -64,19 +64,19 @@ static int jacobian(sunrealtype t, sunrealtype cj, N_Vector y, N_Vector ydot, N_
 }
 
 /* The form of that name; that of a body without joints is among the members of the model. */
-static int find_form(const tisserand_model *model, const char *name, tisserand_dae *found)
+static int find_form(const tisserand_model *model, const char *name, tisserand_dae *form)
 {
     if (model->scene == NULL) {
-        found->name = "ode";
-        found->size = model->nq + model->nv;
-        found->pattern = model->jacobian_pattern;
-        found->residual = model->residual;
-        found->jacobian = model->jacobian;
+        form->name = "ode";
+        form->size = model->nq + model->nv;
+        form->pattern = model->jacobian_pattern;
+        form->residual = model->residual;
+        form->jacobian = model->jacobian;
         return name == NULL ? 0 : TISSERAND_NO_FORM;
     }
     for (int i = 0; i < model->scene->nforms && name != NULL; i++) {
         if (strcmp(model->scene->forms[i].name, name) == 0) {
-            *found = model->scene->forms[i];
+            *form = model->scene->forms[i];
             return 0;
         }
     }

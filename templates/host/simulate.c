@@ -63,7 +63,7 @@ static void defaults(const tisserand_variable *table, int entries, double *value
 static int read_start(const tisserand_model *model, const char *path, double *q, double *v)
 {
     FILE *file;
-    int found = 0;
+    int count = 0;
 
     defaults(model->q, model->variables_q, q);
     defaults(model->v, model->variables_v, v);
@@ -76,13 +76,13 @@ static int read_start(const tisserand_model *model, const char *path, double *q,
         return 1;
     }
     for (int i = 0; i < model->nq + model->nv; i++) {
-        found += fscanf(file, "%lf", i < model->nq ? &q[i] : &v[i - model->nq]) == 1;
+        count += fscanf(file, "%lf", i < model->nq ? &q[i] : &v[i - model->nq]) == 1;
     }
     fclose(file);
-    if (found != model->nq + model->nv) {
+    if (count != model->nq + model->nv) {
         fprintf(stderr, "%s: %d numbers are needed: q, then v\n", path, model->nq + model->nv);
     }
-    return found != model->nq + model->nv;
+    return count != model->nq + model->nv;
 }
 
 /* Elements of arrays are numbered from 1. */
