@@ -60,7 +60,7 @@ def variants(spec: PlanarBeam, equations: Equations, model: Model) -> tuple[Vari
                 other = beam.derive(changed)
             except ConditionError:
                 continue
-            found.append(Variant(changed, other, lower.lower(other)))
+            found.append(Variant(changed, other, lower.lower(other.expanded())))
     return tuple(found)
 
 
