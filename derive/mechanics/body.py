@@ -5,11 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
-import numpy as np
 import sympy as sp
-from numpy.typing import NDArray
 
 from derive.mechanics.motion import MASS, Motion
 from derive.mechanics.planar import planar_motion
@@ -18,6 +16,10 @@ from derive.mechanics.spatial import spatial_motion
 from derive.mechanics.symbols import Family
 from derive.mechanics.tables import Table, planar_tables
 from derive.mechanics.terms import Coefficient, ParameterSymbol
+
+if TYPE_CHECKING:  # a planar body needs no NumPy, nor does a specification that is read
+    import numpy as np
+    from numpy.typing import NDArray
 
 
 class Values(Protocol):
