@@ -54,6 +54,7 @@ CHECKS: dict[str, Check] = {
     "dense_and_sparse": lambda value: value < 1e-10,
     "dop853_or_ida": lambda value: 0 < value < 1e-4,
     "double_pendulum_energy": lambda value: value < 1e-8,
+    "equations_of_motion": lambda value: value == {"point": [64, 192], "mean": [144, 1200]},  # (33), (41)
     "four_bar_rigid": lambda value: value < 1e-9,
     "free_beam_frequencies": near(2.5e-4, 0.02),  # of the Ritz method with P2 to P7
     "gravity_pendulum": near(1, 1e-9),
