@@ -57,10 +57,10 @@ def variants(spec: PlanarBeam, equations: Equations, model: Model) -> tuple[Vari
         if frame.kind not in kinds:
             changed = replace(spec, frame=frame, orthogonal=frame.kind == "mean")
             try:
-                other = beam.derive(changed)
+                other = beam.derive(changed).expanded()
             except ConditionError:
                 continue
-            found.append(Variant(changed, other, lower.lower(other.expanded())))
+            found.append(Variant(changed, other, lower.lower(other)))
     return tuple(found)
 
 
