@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import assert_never
 
-from derive.ir.model import Argument, Kernel, Model, Output, Section, Variable, Zero
+from derive.ir.model import Argument, Kernel, Model, Output, OutputKind, Section, Variable, Zero
 from derive.ir.patterns import Pattern, RowSetKind
 from derive.rendering import Item, Prose, wrapped
 
@@ -253,8 +253,13 @@ def _argument(argument: Argument) -> str:
 
 
 def _output(output: Output) -> str:
-    if output.pattern is None:
-        return f"{output.doc} ({output.size}): {', '.join(output.elements)}"
-    shape = f"{output.pattern.rows} x {output.pattern.cols}"
-    symmetric = f", {output.pattern.full_nnz} in both triangles" if output.pattern.symmetric else ""
-    return f"{output.doc}, {shape}, {output.size} values{symmetric}"
+    match output.kind:
+        case OutputKind.NAMED | OutputKind.COUNTED:
+            return f"{output.doc} ({output.size}): {', '.join(output.elements)}"
+        case OutputKind.MATRIX:
+            pattern = output.pattern
+            assert pattern is not None
+            symmetric = f", {pattern.full_nnz} in both triangles" if pattern.symmetric else ""
+            return f"{output.doc}, {pattern.rows} x {pattern.cols}, {output.size} values{symmetric}"
+        case _:
+            assert_never(output.kind)
