@@ -179,6 +179,8 @@ def test_parameters_that_make_no_body_are_explained(tmp_path: Path, capsys: pyte
 def test_check_without_specifications(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["check", str(tmp_path)]) == 2
     assert "no specification" in capsys.readouterr().err
+    assert main(["check", str(tmp_path / "absent")]) == 2
+    assert "there is no such folder or file" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("arguments", [["bild"], ["build"], ["build", MEAN, "--outt", "x"]])

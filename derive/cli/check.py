@@ -17,12 +17,12 @@ MAX_LINES = 60
 
 def run(options: argparse.Namespace) -> int:
     """Regenerate all files in memory and print the differences; return 1 if there are any."""
+    if not options.scenes.exists():
+        print(f"{options.scenes}: there is no such folder or file; name the folder of specifications", file=sys.stderr)
+        return 2
     specs = sorted(options.scenes.glob("*.toml")) if options.scenes.is_dir() else [options.scenes]
     if not specs:
-        print(
-            f"{options.scenes}: this folder holds no specification (*.toml); name another folder or file",
-            file=sys.stderr,
-        )
+        print(f"{options.scenes}: this folder holds no specification (*.toml); name another one", file=sys.stderr)
         return 2
     files = [file for built in build_all(specs) for file in built.files]
     reports = [report for file in files if (report := _difference(file, options.out))]

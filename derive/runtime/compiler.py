@@ -48,7 +48,8 @@ def compile_c(sources: Sequence[Path], target: Path, flags: Sequence[str], link:
     try:
         done = subprocess.run(command, capture_output=True, text=True, check=False)
     except OSError as error:
-        raise CompilerError(f"{command[0]}: {error.strerror}") from error
+        message = f"the C compiler {command[0]} cannot be run: {error.strerror}; set CC to a C compiler, or unset it"
+        raise CompilerError(message) from error
     if done.returncode:
         raise CompilerError(f"{shlex.join(command)}\n{done.stderr}")
     if not target.exists():
