@@ -33,7 +33,6 @@ EXEMPT = {
     "report/paper/page.py": "reads the notation in which the audit of the paper is written",
     "report/document/anchors.py": "turns any text into an address that browsers take",
     "visual/line_chart.py": "shortens the numbers of an SVG file that matplotlib wrote",
-    "lowering/flat/graph.py": UNTIL,
     "report/paper/derived_beam.py": UNTIL,
     "report/sections/frame.py": UNTIL,
     "report/sections/mechanism.py": UNTIL,

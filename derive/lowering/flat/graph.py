@@ -9,6 +9,7 @@ from __future__ import annotations
 import sys
 from dataclasses import dataclass
 from fractions import Fraction
+from itertools import count
 
 import casadi as ca
 import sympy as sp
@@ -52,6 +53,7 @@ class Constants:
         self.coefficients = coefficients
         self.hoisted: dict[Expr, str] = {}
         self.requirements: list[Require] = []
+        self._numbers = count(1)
 
     def require(self, kind: Requirement, expr: Expr, code: ReturnCode, text: str) -> None:
         """Let setup check a value that depends on coefficients alone."""
@@ -61,8 +63,7 @@ class Constants:
     def name(self, expr: Expr) -> str:
         """The name under which setup keeps an expression of coefficients."""
         if expr not in self.hoisted:
-            unnamed = sum(name.startswith("constant_") for name in self.hoisted.values())
-            self.hoisted[expr] = self._describe(expr) or f"constant_{unnamed + 1}"
+            self.hoisted[expr] = self._describe(expr) or f"constant_{next(self._numbers)}"
         return self.hoisted[expr]
 
     def _describe(self, expr: Expr) -> str | None:
