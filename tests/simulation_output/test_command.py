@@ -28,7 +28,7 @@ SCENE = ROOT / "scenes/crank_slider_3.toml"
 @dataclass
 class Names:
     coordinates: tuple[Variable, ...]
-    rates: tuple[Variable, ...]
+    velocities: tuple[Variable, ...]
     multipliers: tuple[Variable, ...]
 
 
@@ -42,8 +42,8 @@ def simulated(scene: Scene, progress=None) -> Trajectory:
         progress(t[-1])
     found = Solution(t, q, 0 * q, lam, np.full((len(t), 2), 1e-12), np.zeros((len(t), 2)), Cost(1234, 99, 0.5))
     units = [Variable(name, "", "m") for name in native.coordinates]
-    rates = tuple(Variable(f"{x.name}dot", "", "m/s") for x in units)
-    names = Names(tuple(units), rates, tuple(Variable(x, "", "N") for x in native.multipliers))
+    velocities = tuple(Variable(f"{x.name}dot", "", "m/s") for x in units)
+    names = Names(tuple(units), velocities, tuple(Variable(x, "", "N") for x in native.multipliers))
     return Trajectory(
         scene,
         names,
