@@ -6,7 +6,7 @@ the assumed shapes phi_i of (30) and (38).
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import dataclass
 from fractions import Fraction
 
@@ -28,16 +28,42 @@ class ConditionError(TisserandError):
 
 
 @dataclass(frozen=True)
-class Condition:
-    """A linear condition on v(xi): `text` as an equation, its number in the paper, its value on a polynomial."""
+class MeanCondition:
+    """The mean of xi^power v over the beam vanishes; `equation` is its number in the paper."""
 
-    text: str
+    power: int
     equation: str
-    functional: Callable[[sp.Poly], sp.Rational]
+
+    @property
+    def text(self) -> str:
+        """The condition as an equation."""
+        return f"int {'xi ' * self.power}v dxi = 0"
 
     def on(self, polynomial: sp.Poly) -> sp.Rational:
         """The left-hand side of the condition for v = polynomial."""
-        return self.functional(polynomial)
+        return integral(polynomial * sp.Poly(xi**self.power, xi, domain="QQ"))
+
+
+@dataclass(frozen=True)
+class PointCondition:
+    """v, or its derivative of some order, vanishes at a point."""
+
+    order: int
+    at: sp.Rational
+    equation: str
+
+    @property
+    def text(self) -> str:
+        """The condition as an equation."""
+        return f"v{chr(39) * self.order}({self.at}) = 0"
+
+    def on(self, polynomial: sp.Poly) -> sp.Rational:
+        """The left-hand side of the condition for v = polynomial."""
+        return (polynomial.diff((xi, self.order)) if self.order else polynomial).eval(self.at)
+
+
+Condition = MeanCondition | PointCondition
+"""A linear condition on v(xi)."""
 
 
 def integral(polynomial: sp.Poly) -> sp.Rational:
@@ -48,22 +74,12 @@ def integral(polynomial: sp.Poly) -> sp.Rational:
 def conditions(frame: Frame) -> tuple[Condition, ...]:
     """The conditions of a frame: mean (34), (36); point and tangent v = v' = 0 (28), (29); chord v = 0 twice."""
     at = sp.Rational(frame.at) if frame.at is not None else sp.S.Zero
-    times_xi = sp.Poly(xi, xi, domain="QQ")
     if frame.kind == "mean":
-        return (
-            Condition("int v dxi = 0", "(17), (34)", integral),
-            Condition("int xi v dxi = 0", "(19), (36)", lambda p: integral(p * times_xi)),
-        )
+        return MeanCondition(0, "(17), (34)"), MeanCondition(1, "(19), (36)")
     if frame.kind in ("point", "tangent"):
-        return (
-            Condition(f"v({at}) = 0", "(16), (28)", lambda p: p.eval(at)),
-            Condition(f"v'({at}) = 0", "(29)", lambda p: p.diff(xi).eval(at)),
-        )
+        return PointCondition(0, at, "(16), (28)"), PointCondition(1, at, "(29)")
     if frame.kind == "chord":
-        return (
-            Condition("v(-1) = 0", "(16)", lambda p: p.eval(-1)),
-            Condition("v(1) = 0", "(16)", lambda p: p.eval(1)),
-        )
+        return PointCondition(0, sp.S.NegativeOne, "(16)"), PointCondition(0, sp.S.One, "(16)")
     return ()
 
 

@@ -43,7 +43,7 @@ def model_page(built: Built, specification: SpecificationText) -> Page:
         *state_blocks(model, equations, written),
         *nomenclature_blocks(constrained=False),
         *kinematics_blocks(spec, equations, written),
-        *(frame_blocks(spec) if isinstance(spec, PlanarBeam) else body_frame_blocks(spec, built.notes)),
+        *(frame_blocks(spec) if isinstance(spec, PlanarBeam) else body_frame_blocks(spec)),
         *integral_blocks(equations, written),
         *moment_blocks(families, written, definition_lines(code)),
         *_motion(equations),

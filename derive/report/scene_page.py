@@ -52,7 +52,7 @@ def scene_page(built: Built, specification: SpecificationText, results: Sequence
     blocks = (
         *mechanism_blocks(spec),
         *_results(results),
-        *body_blocks(spec, model),
+        *body_blocks(spec, model, equations),
         *joint_blocks(spec, equations),
         *specification_blocks(specification),
         *state_blocks(model, equations, written),

@@ -124,8 +124,16 @@ ATOM_OF = _owners()
 """The atom that a symbol is a component of."""
 
 
-Tree = str | tuple[Literal["dot", "cross", "scale"], "Tree", "Tree"]
-"""An atom (with ^c: conjugated), or a product of two trees."""
+@dataclass(frozen=True)
+class Leaf:
+    """An atom by its name, or its conjugate."""
+
+    atom: str
+    conjugate: bool = False
+
+
+Tree = Leaf | tuple[Literal["dot", "cross", "scale"], "Tree", "Tree"]
+"""An atom, or a product of two trees."""
 
 Rank = Literal[0, 1, 2]
 
@@ -139,7 +147,7 @@ def summand(components: Sequence[sp.Expr], group: str = "", title: str = "") -> 
     point = _point(used)
     target = np.array(wanted.xreplace(point), dtype=object).ravel()
     rank: Rank = 1 if len(wanted) > 1 else 0
-    for tree in sorted(_trees(used, rank), key=lambda t: repr(t).count("^c")):
+    for tree in sorted(_trees(used, rank), key=_conjugates):
         factor = _ratio(target, _value(tree, point).ravel())
         if factor and (sp.Matrix(_value(tree, {})).reshape(len(wanted), 1) * factor - wanted).expand().is_zero_matrix:
             number = () if abs(factor) == 1 else (Number(str(abs(factor))),)
@@ -155,6 +163,14 @@ def summands(components: Sequence[sp.Expr]) -> tuple[Part, ...]:
             kept = found.setdefault(_used(sp.ImmutableMatrix([term])), [sp.S.Zero] * len(components))
             kept[k] += term
     return tuple(summand(kept) for kept in found.values())
+
+
+def _conjugates(tree: Tree) -> int:
+    """How many conjugates a tree has; trees without them are tried first."""
+    if isinstance(tree, Leaf):
+        return int(tree.conjugate)
+    _, left, right = tree
+    return _conjugates(left) + _conjugates(right)
 
 
 def _used(components: sp.ImmutableMatrix) -> tuple[str, ...]:
@@ -175,7 +191,7 @@ def _trees(atoms: tuple[str, ...], rank: Rank) -> tuple[Tree, ...]:
     """All products of some atoms that have this rank."""
     if len(atoms) == 1:
         (atom,) = atoms
-        return () if _rank(atom) != rank else (atom, f"{atom}^c") if atom == "Q" else (atom,)
+        return () if _rank(atom) != rank else (Leaf(atom), Leaf(atom, True)) if atom == "Q" else (Leaf(atom),)
     return tuple(tree for left, right in _splits(atoms) for tree in _joined(left, right, rank))
 
 
@@ -208,9 +224,9 @@ def _point(used: tuple[str, ...]) -> dict[sp.Symbol, int]:
 
 def _value(tree: Tree, point: dict[sp.Symbol, int]) -> NDArray[np.object_]:
     """The components of a tree, as integers at a point, or in symbols."""
-    if isinstance(tree, str):
-        found = np.array(ATOMS[tree.removesuffix("^c")].components.xreplace(point), dtype=object)
-        return found.T if tree.endswith("^c") else found if found.shape[1] > 1 else found[:, 0]
+    if isinstance(tree, Leaf):
+        found = np.array(ATOMS[tree.atom].components.xreplace(point), dtype=object)
+        return found.T if tree.conjugate else found if found.shape[1] > 1 else found[:, 0]
     sign, left, right = tree
     a, b = _value(left, point), _value(right, point)
     if sign == "cross":
@@ -230,10 +246,9 @@ def _ratio(wanted: NDArray[np.object_], found: NDArray[np.object_]) -> sp.Ration
 
 def formula(tree: Tree) -> Formula:
     """A product in the notation of the paper."""
-    if isinstance(tree, str):
-        found = ATOMS[tree.removesuffix("^c")].formula
-        conjugate = isinstance(found, Name) and tree.endswith("^c")
-        return Name(found.text, above=("c",), style="tensor") if conjugate and isinstance(found, Name) else found
+    if isinstance(tree, Leaf):
+        found = ATOMS[tree.atom].formula
+        return Name(found.text, above=("c",), style="tensor") if tree.conjugate and isinstance(found, Name) else found
     sign, left, right = tree
     return Row((_inner(left), *SIGNS[sign], _inner(right)))
 

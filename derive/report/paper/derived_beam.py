@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from fractions import Fraction as Exact
 from functools import cache
+from typing import assert_never
 
 import sympy as sp
 
@@ -13,8 +14,15 @@ from derive.mechanics.bodies.beam import beam_point
 from derive.mechanics.equations import Equations
 from derive.mechanics.kinematics import ONE
 from derive.mechanics.planar import planar_motion
-from derive.mechanics.reference_conditions import Condition, assumed_shapes, conditions, xi
-from derive.report.document.formula import Call, Equation, Formula, Matrix, Name, Number, Part, Row
+from derive.mechanics.reference_conditions import (
+    Condition,
+    MeanCondition,
+    PointCondition,
+    assumed_shapes,
+    conditions,
+    xi,
+)
+from derive.report.document.formula import Equation, Formula, Matrix, Name, Number, Part, Row
 from derive.report.notation.expressions import Notation, notation, polynomial
 from derive.report.notation.formula_reader import equation, formula
 from derive.spec.construction import planar_beam
@@ -135,7 +143,19 @@ def _matrix(matrix: sp.Matrix) -> Matrix:
 
 def condition(frame: str, k: int, at: Exact | None = None) -> tuple[Equation, ...]:
     """A condition of a frame as it stands in the derivation, for v."""
-    return (equation(_condition(frame, k, at).text.replace("v'", "(dv/dxi)"), scalars=True),)
+    return (_written(_condition(frame, k, at)),)
+
+
+def _written(condition: Condition) -> Equation:
+    """A condition in the notation of the paper, whose slopes are written as dv/dxi."""
+    match condition:
+        case MeanCondition(power):
+            factors = "xi " * power
+            return equation(f"int {factors}v dxi = 0", scalars=True)
+        case PointCondition(order, at):
+            return equation(f"{'(dv/dxi)' if order else 'v'}({at}) = 0", scalars=True)
+        case _:
+            assert_never(condition)
 
 
 def condition_on_the_cubic(frame: str, k: int) -> tuple[Equation, ...]:
@@ -157,11 +177,9 @@ def _sum(terms: Iterable[sp.Expr]) -> Formula:
 def expansion(frame: str) -> tuple[Equation, ...]:
     """v by the shapes of a frame."""
     shapes = _shapes(frame)
-    names = [Call(f"phi_{k}", Name("xi")) for k in range(1, len(shapes) + 1)]
     parts = []
-    for alpha, name in zip(MOTION.alpha, names, strict=True):
-        letter, index = name.name.split("_")
-        parts.append(Part("+", Row((PLAIN.formula(alpha), Name(letter, below=(index,)), formula("(xi)")))))
+    for k, alpha in zip(range(1, len(shapes) + 1), MOTION.alpha, strict=True):
+        parts.append(Part("+", Row((PLAIN.formula(alpha), Name("phi", below=(str(k),)), formula("(xi)")))))
     return (Equation(formula("v", scalars=True), tuple(parts)),)
 
 

@@ -2,12 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import assert_never
 
 import sympy as sp
 
-from derive.mechanics.reference_conditions import Condition, assumed_shapes, conditions, xi
+from derive.mechanics.reference_conditions import (
+    Condition,
+    MeanCondition,
+    PointCondition,
+    assumed_shapes,
+    conditions,
+    xi,
+)
 from derive.report.document.formula import Equation, Fenced, Formula, Name, Number, Operator, Part, Row
 from derive.report.document.page import Block, Heading, Inline, Math, Paragraph, Text
 from derive.report.document.page import Equations as Lines
@@ -127,16 +134,21 @@ def _conditions(spec: PlanarBeam, numbers: Numbers | None) -> tuple[Block, ...]:
 
 
 def _asked(condition: Condition) -> Equation:
-    """A condition as it is said: `int xi v dxi = 0` or `v'(1/2) = 0`."""
-    left, _, _ = condition.text.partition(" = ")
-    numbers = condition.equation.strip("()")
-    if left.startswith("int"):
-        line = equation(left.replace("int", "int_{-1}^1", 1) + " = 0", scalars=True)
-        return Equation(line.left, line.parts, line.relation, numbers)
-    name, _, at = left.partition("(")
-    place = Fenced(number(sp.Rational(at.rstrip(")"))))
-    slope = Row((Name("v"), Operator("\N{PRIME}"), place)) if name.endswith("'") else Row((Name("v"), place))
-    return Equation(slope, (Part("+", Number("0")),), number=numbers)
+    """A condition as an equation with its numbers in the paper."""
+    return Equation(condition_formula(condition), (Part("+", Number("0")),), number=condition.equation.strip("()"))
+
+
+def condition_formula(condition: Condition) -> Formula:
+    """The left-hand side of a condition: the integral of xi v, or v' at a point."""
+    match condition:
+        case MeanCondition(power):
+            factors = "xi " * power
+            return formula(f"int_{{-1}}^1 {factors}v dxi", scalars=True)
+        case PointCondition(order, at):
+            primes = [Operator("\N{PRIME}")] * order
+            return Row((Name("v"), *primes, Fenced(number(at))))
+        case _:
+            assert_never(condition)
 
 
 def _left(spec: PlanarBeam, shapes: int) -> tuple[Inline, ...]:
@@ -196,7 +208,7 @@ MEAN_OF_MODES = "The frame follows the mean motion: no mode displaces the body o
 GIVEN_MODES = "The modes are used as they are given; no condition is imposed on them."
 
 
-def body_frame_blocks(spec: NodalBody | SymbolicBody, notes: Sequence[str]) -> tuple[Block, ...]:
+def body_frame_blocks(spec: NodalBody | SymbolicBody) -> tuple[Block, ...]:
     """What is asked of the modes, and, of a body of nodes, how far they were from it."""
     kind = spec.frame if isinstance(spec, SymbolicBody) else spec.frame.kind
     found: list[Block] = [Heading("The frame and what it removes", "frame")]
@@ -213,7 +225,16 @@ def body_frame_blocks(spec: NodalBody | SymbolicBody, notes: Sequence[str]) -> t
         found.append(Paragraph((GIVEN_MODES,)))
     if isinstance(spec, NodalBody):
         found += _residuals(spec)
-    return (*found, *(Paragraph((note.removeprefix("warning: "),)) for note in notes if note.startswith("warning")))
+        found += _without_stiffness(spec)
+    return tuple(found)
+
+
+def _without_stiffness(spec: NodalBody) -> list[Block]:
+    """A warning where modes have no stiffness."""
+    from derive.reduction import loose_modes
+
+    modes = ", ".join(map(str, loose_modes(spec)))
+    return [Paragraph((f"No stiffness in mode {modes}: is a part loose, or are elements missing?",))] if modes else []
 
 
 def _line(number: str, text: str) -> Equation:

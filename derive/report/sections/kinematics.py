@@ -74,14 +74,15 @@ def kinematics_blocks(spec: Specification, equations: Equations, notation: Notat
             )
         ),
         *special,
-        *_origin(equations.origin),
+        *_origin(spec, equations),
     )
 
 
-def _origin(text: str) -> tuple[Block, ...]:
+def _origin(spec: Specification, equations: Equations) -> tuple[Block, ...]:
     """Where c is, in a sentence."""
-    where = text.partition("c is where ")[2]
-    return (Paragraph((Math(formula("c")), f" is where {where}")),) if where else ()
+    if isinstance(spec, PlanarBeam):
+        return (Paragraph((Math(formula("c")), " is where the centre of the undeformed beam lies.")),)
+    return (Paragraph((equations.origin,)),) if equations.origin else ()
 
 
 def _numbered(lines: Iterable[Equation], number: str) -> list[Equation]:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from derive.ir.model import Model
 from derive.mechanics.equations import Equations
+from derive.mechanics.multibody.bodies.beam import piece_name
+from derive.mechanics.symbols import identity
 from derive.mechanics.terms import Constraint
 from derive.report.document.formula import Equation, Name
 from derive.report.document.page import Block, Code, Details, Heading, Paragraph, Picture
@@ -34,13 +36,14 @@ def mechanism_blocks(spec: Scene) -> tuple[Block, ...]:
     )
 
 
-def body_blocks(spec: Scene, model: Model) -> tuple[Block, ...]:
+def body_blocks(spec: Scene, model: Model, equations: Equations) -> tuple[Block, ...]:
     """The bodies with their coordinates, and what is eliminated."""
     reasons = {out.what: out.reason for out in model.eliminated}
     rows: list[list[Said]] = [["ground", "the inertial frame", "", "0", reasons.get("ground", "")]]
     for body in spec.bodies:
-        kept = [q.name for q in model.coordinates if q.name.startswith(f"{body.name}_")]
-        rows.append([body.name, _kind(body), _weight(body), str(len(kept)), reasons.get(body.name, "")])
+        owners = {body.name, *((piece_name(body, k) for k in range(body.pieces)) if isinstance(body, BeamBody) else ())}
+        kept = sum(identity(c.q).owner in owners for c in equations.coordinates)
+        rows.append([body.name, _kind(body), _weight(body), str(kept), reasons.get(body.name, "")])
     others: list[list[Said]] = [[out.what, out.reason] for out in model.eliminated if out.what not in _names(spec)]
     blocks: list[Block] = [
         Heading("Bodies", "bodies"),

@@ -12,6 +12,7 @@ from itertools import groupby
 import sympy as sp
 
 from derive.mechanics.equations import Equations
+from derive.mechanics.symbols import Family, Identity, identity
 from derive.report.document.anchors import anchor
 from derive.report.document.formula import Equation, Part
 from derive.report.document.formula import Row as Beside
@@ -74,15 +75,17 @@ def _short(equations: Equations) -> Expansion | None:
 
 def row_names(equations: Equations) -> dict[str, str]:
     """The rows with what their virtual displacements are."""
-    found = {row.name: _meaning(row.name, row.doc) for row in equations.rows}
+    found = {row.name: _meaning(identity(row.v)) for row in equations.rows}
     if equations.indexed and equations.modes:
         found[SHAPE] = f"each of the {equations.modes} shapes"
     return found
 
 
-def _meaning(name: str, doc: str) -> str:
-    about = doc.removeprefix("angular velocity ")
-    return f"rotation {about}" if about != doc else ""
+def _meaning(velocity: Identity) -> str:
+    """What a row is of, where its coordinate does not tell."""
+    if velocity.family is not Family.ANGULAR_VELOCITY:
+        return ""
+    return f"rotation about the body axis {velocity.components[0]}"
 
 
 def _row(
