@@ -9,6 +9,7 @@ from typing import Any
 import beams
 import derive
 from conftest import ROOT
+from derive.derivation import lowered_form
 from derive.pipeline import Built, build
 from derive.report.document.formula import Equation
 from derive.report.document.page import Block, Columns, Details, Equations, Heading, Listing, Math, Page, Table, Text
@@ -46,8 +47,10 @@ def built(name: str) -> Built:
     """A body through all stages."""
     if name in SCENES:
         return build(ROOT / "scenes" / f"{SCENES[name]}.toml")
-    made = beams.build(spec(name))
-    return Built(made.spec, made.equations, made.model, made.files, ())
+    given = spec(name)
+    derived = derive.derive(given)
+    model = derive.lower(derived)
+    return Built(given, lowered_form(derived, model), model, derive.model_files(model, given), ())
 
 
 @cache
