@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from derive.mechanics.equations import Equations
-from derive.mechanics.symbols import Family, I, Identity, Symbol, amplitude, identity
+from derive.mechanics.symbols import Family, Identity, Symbol, identity
 from derive.report.document.formula import Formula, Operator, Row
 from derive.report.notation.families import index_text, written
 from derive.report.notation.glyphs import letter
@@ -18,10 +18,7 @@ SHAPE = "alpha_i"
 
 def row_identities(equations: Equations) -> dict[str, Identity]:
     """The coordinates or virtual rotations that the rows are of, by the names of the rows."""
-    found = {row.name: _varied(identity(row.v)) for row in equations.rows}
-    if equations.indexed:
-        found[SHAPE] = amplitude(I).identity
-    return found
+    return {row.name: _varied(identity(row.v)) for row in equations.rows}
 
 
 def _varied(velocity: Identity) -> Identity:

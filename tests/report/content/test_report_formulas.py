@@ -11,7 +11,6 @@ import sympy as sp
 from formula_number import Draw, magnitude, number, total
 
 from derive.mechanics.bodies.spatial_body import DOCS
-from derive.mechanics.equations import Equations
 from derive.mechanics.reference_conditions import assumed_shapes
 from derive.mechanics.symbols import MASS, Family, amplitude, identity, owned, quantity
 from derive.report.document.formula import Call, Equation, Matrix, Name, Row
@@ -35,7 +34,7 @@ def draw(name: str) -> Draw:
     found = Draw(notation(equations))
     found.add(*(t.expr for t in equations.terms), *(v.term.expr for v in equations.vanished))
     found.add(*(s for d in equations.definitions for s in (d.symbol, d.expr)))
-    if isinstance(equations, Equations):
+    if not equations.indexed:
         found.add(*(s for c in equations.coefficients for s in (c.symbol, c.value)))
     for symbol in list(found.symbols):  # sines and products of omega are what they are
         if identity(symbol).family is Family.OMEGA_PRODUCT:
@@ -115,7 +114,7 @@ def test_moments_are_those_derived(name: str) -> None:
     """Of a sum over the shapes one summand is compared."""
     equations, numbers = pages.built(name).equations, draw(name)
     by_name = {d.symbol: d.expr for d in equations.definitions}
-    if not isinstance(equations, Equations):
+    if equations.indexed:
         for c in equations.contractions:
             by_name[c.symbol] = c.base + sum(f * entry for f, entry in c.sums)
         by_name |= {t.symbol: t.base + t.term for t in equations.totals}

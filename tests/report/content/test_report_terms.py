@@ -70,7 +70,7 @@ def test_lines_are_those_of_the_file(name: str) -> None:
 def test_a_term_leads_to_the_line_that_stores_it_and_back(name: str) -> None:
     built, shown = pages.built(name), code(name)
     entries = built.model.pattern("mass", "M").entries
-    index = {row.name: k for k, row in enumerate(built.equations.rows)} | {"alpha_i": len(built.equations.rows)}
+    index = {row.name: k for k, row in enumerate(built.equations.rows)}
     rows = {f"#term-{t.row}-{t.name}": t for t in built.equations.terms}
     for table in pages.tables(pages.section(name, "motion")):
         for cells in table.rows:
