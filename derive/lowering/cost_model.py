@@ -27,7 +27,7 @@ class CodeTooLong(TisserandError):
 
 
 @dataclass(frozen=True)
-class Choice:
+class CostEstimate:
     """What was chosen, and the times of h in nanoseconds that were foreseen for both."""
 
     lowering: str
@@ -51,7 +51,7 @@ class Choice:
         return f"{way}, {why}; predicted evaluation time of h: {self.flat:.0f} ns unrolled, {self.table:.0f} ns looped"
 
 
-def choose(body: Body) -> Choice:
+def choose(body: Body) -> CostEstimate:
     """The faster way for a body in space."""
     tables, modes = body.tables, body.modes
     operations = straight_operations(body)
@@ -59,7 +59,7 @@ def choose(body: Body) -> Choice:
         len(t.components) for t in tables if t.kind is TableKind.FULL and t.counted == 2 and t.family is not Family.C8
     )
     flat, table = 0.075 * operations, 27 + modes + 0.022 * 2 * full * modes**2
-    return Choice("table" if table < flat or operations > MOST else "flat", flat, table, operations)
+    return CostEstimate("table" if table < flat or operations > MOST else "flat", flat, table, operations)
 
 
 def straight_operations(body: Body) -> int:

@@ -36,7 +36,7 @@ def elimination_order(pattern: Pattern) -> tuple[int, ...]:
     return tuple(ca.Sparsity.triplet(pattern.rows, pattern.cols, rows + diagonal, cols + diagonal).amd())
 
 
-def saddle_order(pattern: Pattern, coordinates: int) -> tuple[int, ...]:
+def kkt_elimination_order(pattern: Pattern, coordinates: int) -> tuple[int, ...]:
     """The order of [M, -G^T; -G, 0], whose first rows are coordinates: that of AMD, but each multiplier waits for its
     coordinates.
 

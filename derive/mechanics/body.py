@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING, Protocol
 
 import sympy as sp
 
-from derive.mechanics.motion import MASS, Motion
-from derive.mechanics.planar import planar_motion
-from derive.mechanics.points import MaterialPoint
-from derive.mechanics.spatial import spatial_motion
+from derive.mechanics.motion.body_motion import MASS, Motion
+from derive.mechanics.motion.material_points import MaterialPoint
+from derive.mechanics.motion.planar import planar_motion
+from derive.mechanics.motion.spatial import spatial_motion
 from derive.mechanics.symbols import Family
 from derive.mechanics.tables import Table, planar_tables
-from derive.mechanics.terms import Coefficient, ParameterSymbol
+from derive.mechanics.terms import ModelConstant, ParameterSymbol
 
 if TYPE_CHECKING:  # a planar body needs no NumPy, nor does a specification that is read
     import numpy as np
@@ -25,7 +25,7 @@ if TYPE_CHECKING:  # a planar body needs no NumPy, nor does a specification that
 class Values(Protocol):
     """The entries of the tables of a body."""
 
-    def constants(self, table: Table) -> Iterable[Coefficient]:
+    def constants(self, table: Table) -> Iterable[ModelConstant]:
         """The entries of a table in the order of `entries`, each with its value, or the reason why it vanishes."""
 
     def present(self, table: Table) -> NDArray[np.bool_]:
@@ -39,14 +39,14 @@ class Values(Protocol):
 class Body:
     """What (15) needs to know of a body with `modes` shapes, in the plane (`dimension` 2) or in space (3).
 
-    `origin` says in words where c is. `tables` are its shape integrals, its stiffness K of U = 1/2 alpha K alpha, and
+    `frame_doc` describes where c is. `tables` are its shape integrals, its stiffness K of U = 1/2 alpha K alpha, and
     its damping B, the factor of the velocities; `values` are their entries. `gravity` is the acceleration of free fall
     in the inertial frame.
     """
 
     name: str
     doc: str
-    origin: str
+    frame_doc: str
     dimension: int
     modes: int
     mass: sp.Expr
@@ -54,7 +54,7 @@ class Body:
     values: Values
     points: tuple[MaterialPoint, ...] = ()
     parameters: tuple[ParameterSymbol, ...] = ()
-    gravity: tuple[Coefficient, ...] = ()
+    gravity: tuple[ModelConstant, ...] = ()
 
     @cached_property
     def motion(self) -> Motion:
@@ -67,23 +67,23 @@ class Body:
         return planar_motion(0) if self.dimension == 2 else spatial_motion(0)
 
     @property
-    def mass_constant(self) -> Coefficient:
+    def mass_constant(self) -> ModelConstant:
         """Its mass."""
-        return Coefficient(MASS, self.mass, "(15)", "mass of the body", "kg")
+        return ModelConstant(MASS, self.mass, "(15)", "mass of the body", "kg")
 
     @cached_property
-    def integrals(self) -> tuple[Coefficient, ...]:
+    def integrals(self) -> tuple[ModelConstant, ...]:
         """The shape integrals c1 to c8, entry by entry."""
         apart = (Family.STIFFNESS, Family.DAMPING)
         return tuple(c for table in self.tables if table.family not in apart for c in self.values.constants(table))
 
     @cached_property
-    def stiffness(self) -> tuple[Coefficient, ...]:
+    def stiffness(self) -> tuple[ModelConstant, ...]:
         """K_ij, i <= j."""
         return self._constants(Family.STIFFNESS)
 
     @cached_property
-    def damping(self) -> tuple[Coefficient, ...]:
+    def damping(self) -> tuple[ModelConstant, ...]:
         """B_ij, i <= j; nothing if there is no damping at all."""
         constants = self._constants(Family.DAMPING)
         return constants if any(not c.zero for c in constants) else ()
@@ -92,7 +92,7 @@ class Body:
         """The table of an integral."""
         return next(table for table in self.tables if table.family is family)
 
-    def _constants(self, family: Family) -> tuple[Coefficient, ...]:
+    def _constants(self, family: Family) -> tuple[ModelConstant, ...]:
         return tuple(c for table in self.tables if table.family is family for c in self.values.constants(table))
 
 
@@ -100,9 +100,9 @@ class Body:
 class ExactValues:
     """Entries that are exact expressions, each known by itself."""
 
-    every: tuple[Coefficient, ...]
+    every: tuple[ModelConstant, ...]
 
-    def constants(self, table: Table) -> Iterable[Coefficient]:
+    def constants(self, table: Table) -> Iterable[ModelConstant]:
         """See `Values`."""
         return (c for c in self.every if c.symbol.identity.family is table.family)
 
@@ -118,14 +118,14 @@ class ExactValues:
 def planar_body(
     name: str,
     doc: str,
-    origin: str,
+    frame_doc: str,
     modes: int,
     mass: sp.Expr,
-    constants: tuple[Coefficient, ...],
+    constants: tuple[ModelConstant, ...],
     points: tuple[MaterialPoint, ...] = (),
     parameters: tuple[ParameterSymbol, ...] = (),
-    gravity: tuple[Coefficient, ...] = (),
+    gravity: tuple[ModelConstant, ...] = (),
 ) -> Body:
     """A planar body given by its shape integrals and its stiffness, entry by entry."""
     tables, values = planar_tables(constants), ExactValues(constants)
-    return Body(name, doc, origin, 2, modes, mass, tables, values, points, parameters, gravity)
+    return Body(name, doc, frame_doc, 2, modes, mass, tables, values, points, parameters, gravity)

@@ -14,16 +14,16 @@ from derive.mechanics.sums import Contraction, Total
 from derive.mechanics.symbols import Family
 from derive.mechanics.tables import Table
 from derive.mechanics.terms import (
-    Coefficient,
     Constraint,
     Coordinate,
-    Definition,
     Eliminated,
+    EquationOfMotion,
+    Intermediate,
     MarkerEquations,
+    ModelConstant,
     ParameterSymbol,
     Pose,
     Reason,
-    Row,
     Term,
     Vanished,
 )
@@ -44,7 +44,7 @@ class Equations:
     the multipliers contribute, sum lambda_k jacobian_k. `poses` are those of its bodies, `eliminated` says what is not
     modelled.
 
-    `origin` says in words where c is. `rates` gives the time derivatives of the coordinates. `coefficients` hold what
+    `frame_doc` describes where c is. `rates` gives the time derivatives of the coordinates. `coefficients` hold what
     depends on parameters alone, such as the shape integrals c1..c8 and the stiffness, `definitions` d1, D2, d3, J and
     what else is shared; both keep their zeros, with reasons. `mass` and `mass_zeros` belong to the expanded form: the
     mass matrix, and the row, column (lower triangle) and reason of each structural zero. `weight_energy` is the
@@ -56,13 +56,13 @@ class Equations:
 
     name: str
     doc: str
-    origin: str
+    frame_doc: str
     coordinates: tuple[Coordinate, ...]
-    rows: tuple[Row, ...]
+    rows: tuple[EquationOfMotion, ...]
     rates: tuple[sp.Expr, ...]
     parameters: tuple[ParameterSymbol, ...]
-    coefficients: tuple[Coefficient, ...]
-    definitions: tuple[Definition, ...]
+    coefficients: tuple[ModelConstant, ...]
+    definitions: tuple[Intermediate, ...]
     terms: tuple[Term, ...]
     vanished: tuple[Vanished, ...]
     mass: sp.ImmutableMatrix

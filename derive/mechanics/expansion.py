@@ -9,11 +9,19 @@ import sympy as sp
 
 from derive.mechanics import zeros
 from derive.mechanics.body import Body
-from derive.mechanics.motion import Motion
-from derive.mechanics.points import marker
-from derive.mechanics.series import of_index
+from derive.mechanics.motion.body_motion import Motion
+from derive.mechanics.motion.material_points import marker
+from derive.mechanics.sums import of_index
 from derive.mechanics.symbols import Family, pair
-from derive.mechanics.terms import Coefficient, Definition, MarkerEquations, Reason, Row, Term, Vanished
+from derive.mechanics.terms import (
+    EquationOfMotion,
+    Intermediate,
+    MarkerEquations,
+    ModelConstant,
+    Reason,
+    Term,
+    Vanished,
+)
 from derive.mechanics.virtual_work_equations import (
     angular_momentum,
     generic_inertia,
@@ -33,10 +41,10 @@ TRANSLATIONS = "the mass enters as m I, so translations along different axes do 
 class Expansion:
     """What the equations of motion of a body are when its sums are written out; see `Equations`."""
 
-    rows: tuple[Row, ...]
+    rows: tuple[EquationOfMotion, ...]
     rates: tuple[sp.Expr, ...]
-    coefficients: tuple[Coefficient, ...]
-    definitions: tuple[Definition, ...]
+    coefficients: tuple[ModelConstant, ...]
+    definitions: tuple[Intermediate, ...]
     terms: tuple[Term, ...]
     vanished: tuple[Vanished, ...]
     mass: sp.ImmutableMatrix
@@ -49,7 +57,7 @@ class Expansion:
     markers: tuple[MarkerEquations, ...]
 
 
-def constants_of(body: Body) -> tuple[Coefficient, ...]:
+def constants_of(body: Body) -> tuple[ModelConstant, ...]:
     """The constants of a body with their values: mass, integrals, stiffness, damping, gravity, and those of points."""
     of_points = tuple(c for point in body.points for c in point.coefficients)
     return (body.mass_constant, *body.integrals, *body.stiffness, *body.damping, *body.gravity, *of_points)
@@ -96,7 +104,7 @@ def _of_each_shape(motion: Motion, generic: tuple[Term, ...]) -> Iterator[Term]:
             yield replace(t, row=str(alpha), expr=motion.summed(of_index(t.expr, i)))
 
 
-def _strain_energy(motion: Motion, stiffness: tuple[Coefficient, ...]) -> sp.Expr:
+def _strain_energy(motion: Motion, stiffness: tuple[ModelConstant, ...]) -> sp.Expr:
     entries = {c.symbol for c in stiffness}
     n = len(motion.alpha)
     pairs = [(i, j, pair(Family.STIFFNESS, i + 1, j + 1)) for i in range(n) for j in range(i, n)]
@@ -110,7 +118,7 @@ def _elasticity(motion: Motion, strain: sp.Expr) -> tuple[Term, ...]:
     return tuple(Term(str(a), "elastic", "(13), (22)", force) for a, force in gradients if force != 0)
 
 
-def _damping(motion: Motion, damping: tuple[Coefficient, ...]) -> tuple[Term, ...]:
+def _damping(motion: Motion, damping: tuple[ModelConstant, ...]) -> tuple[Term, ...]:
     """B alphadot."""
     present = {c.symbol for c in damping}
     shapes = range(1, len(motion.alpha) + 1)
@@ -136,7 +144,7 @@ def _mass_matrix(motion: Motion, terms: tuple[Term, ...]) -> sp.ImmutableMatrix:
 def _mass_zeros(
     motion: Motion, complete: tuple[Term, ...], reasons: zeros.Reasons
 ) -> tuple[tuple[int, int, Reason], ...]:
-    """Row, column and reason of each structural zero of the mass matrix (lower triangle)."""
+    """EquationOfMotion, column and reason of each structural zero of the mass matrix (lower triangle)."""
     full = _mass_matrix(motion, complete)
     n = len(motion.rows)
     lower = ((i, j, full[i, j]) for i in range(n) for j in range(i + 1))

@@ -14,15 +14,14 @@ import sympy as sp
 from derive.mechanics import zeros
 from derive.mechanics.body import Body
 from derive.mechanics.equations import Equations
-from derive.mechanics.integrals import planar_series, planar_sums
-from derive.mechanics.motion import Motion
-from derive.mechanics.points import indexed_marker
-from derive.mechanics.series import ALPHA, ALPHADOT, Series, canonical, exchanged
-from derive.mechanics.spatial import spatial_series, spatial_sums
-from derive.mechanics.sums import Contraction, Total
+from derive.mechanics.motion.body_motion import Motion
+from derive.mechanics.motion.material_points import indexed_marker
+from derive.mechanics.motion.planar import planar_series, planar_sums
+from derive.mechanics.motion.spatial import spatial_series, spatial_sums
+from derive.mechanics.sums import ALPHA, ALPHADOT, Contraction, Series, Total, canonical, exchanged
 from derive.mechanics.symbols import Family, I, J, Symbol, amplitude, is_indexed, quantity
 from derive.mechanics.tables import Table, TableKind, point_tables
-from derive.mechanics.terms import Coordinate, Reason, Row, Term
+from derive.mechanics.terms import Coordinate, EquationOfMotion, Reason, Term
 from derive.mechanics.virtual_work_equations import (
     SHAPE_ROW,
     angular_momentum,
@@ -81,7 +80,7 @@ def derive_body(body: Body, lowering: Lowering = "auto") -> Equations:
     return Equations(
         name=body.name,
         doc=body.doc,
-        origin=body.origin,
+        frame_doc=body.frame_doc,
         coordinates=motion.coordinates
         + tuple(Coordinate(amplitude(i), f"amplitude of assumed mode {i}", "m") for i in numbered),
         rows=(*motion.rows, *((_shape_row(),) if body.modes else ())),
@@ -112,9 +111,9 @@ def _identity(motion: Motion, term: Term) -> Reason:
     return Reason(identity=motion.identities.get((term.row, term.name), ""))
 
 
-def _shape_row() -> Row:
+def _shape_row() -> EquationOfMotion:
     """The row of a generic shape."""
-    return Row(SHAPE_ROW, amplitude(I, 1), amplitude(I, 2), "rate of alpha_i", "m/s", "N")
+    return EquationOfMotion(SHAPE_ROW, amplitude(I, 1), amplitude(I, 2), "rate of alpha_i", "m/s", "N")
 
 
 def _zero_entries(tables: tuple[Table, ...]) -> zeros.Reasons:

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from enum import Enum
 from itertools import combinations_with_replacement, product
 
-from derive.mechanics.series import PARITY
+from derive.mechanics.sums import PARITY
 from derive.mechanics.symbols import Family, I, Identity, J, ShapeIndex, Symbol
-from derive.mechanics.terms import Coefficient
+from derive.mechanics.terms import ModelConstant
 
 AXES = (1, 2, 3)
 PAIRS = tuple(combinations_with_replacement(AXES, 2))
@@ -143,7 +143,7 @@ PLANAR_DOCS = {
 """The tables of a planar body: what they are, their units."""
 
 
-def planar_tables(constants: Sequence[Coefficient]) -> tuple[Table, ...]:
+def planar_tables(constants: Sequence[ModelConstant]) -> tuple[Table, ...]:
     """The tables that exact constants of a planar body make up: those that vanish, are diagonal, or full."""
     tables = []
     for family, (doc, unit) in PLANAR_DOCS.items():
@@ -156,7 +156,7 @@ def planar_tables(constants: Sequence[Coefficient]) -> tuple[Table, ...]:
     return tuple(tables)
 
 
-def _planar_table(full: Table, constants: Sequence[Coefficient]) -> Table:
+def _planar_table(full: Table, constants: Sequence[ModelConstant]) -> Table:
     reasons = {component: _reason(constants, component) for component in full.components}
     vanishing = tuple((component, reason) for component, reason in reasons.items() if reason)
     kind, zero = TableKind.FULL, ""
@@ -170,7 +170,7 @@ def _planar_table(full: Table, constants: Sequence[Coefficient]) -> Table:
     return Table(full.family, kind, full.doc, full.unit, zero, "", 2, () if kind is TableKind.ZERO else vanishing)
 
 
-def _reason(constants: Iterable[Coefficient], component: tuple[int, ...]) -> str:
+def _reason(constants: Iterable[ModelConstant], component: tuple[int, ...]) -> str:
     """Why a component vanishes for all shapes, or nothing if it does not."""
     of_component = [c for c in constants if c.symbol.identity.components == component]
     return str(of_component[0].zero) if of_component and all(c.zero for c in of_component) else ""

@@ -36,11 +36,11 @@ class Coordinate:
 
 
 @dataclass(frozen=True)
-class Row:
-    """A virtual displacement with its equation of motion: its name, the rate and acceleration that belong to it.
+class EquationOfMotion:
+    """A virtual displacement with its equation of motion: its name, the velocity and acceleration that belong to it.
 
-    `unit` is that of the rate, `work` that of the equation. In the plane rows and coordinates go together; in space
-    a quaternion has four coordinates and three rows.
+    `unit` is that of the velocity, `force_unit` that of the equation. In the plane there is one equation for each
+    coordinate; in space a quaternion has four coordinates and three equations.
     """
 
     name: str
@@ -48,7 +48,7 @@ class Row:
     a: sp.Symbol
     doc: str
     unit: str
-    work: str
+    force_unit: str
 
 
 @dataclass(frozen=True)
@@ -64,7 +64,7 @@ class ParameterSymbol:
 
 
 @dataclass(frozen=True)
-class Coefficient:
+class ModelConstant:
     """A shape integral or a stiffness: the work on parameters alone. `zero` says why it vanishes, if it does."""
 
     symbol: sp.Symbol
@@ -76,7 +76,7 @@ class Coefficient:
 
 
 @dataclass(frozen=True)
-class Definition:
+class Intermediate:
     """A named intermediate quantity of (15), in terms of coordinates, coefficients and earlier definitions."""
 
     symbol: sp.Symbol
@@ -87,7 +87,7 @@ class Definition:
     zero: str | None = None
 
 
-def rotation_symbols(definitions: Iterable[Definition]) -> frozenset[sp.Symbol]:
+def rotation_symbols(definitions: Iterable[Intermediate]) -> frozenset[sp.Symbol]:
     """The entries of rotation tensors, and the sines and cosines in them."""
     families = (Family.ROTATION_TENSOR, Family.COSINE, Family.SINE)
     return frozenset(d.symbol for d in definitions if identity(d.symbol).family in families)
@@ -154,12 +154,12 @@ class MarkerEquations:
 
     name: str
     doc: str
-    definitions: tuple[Definition, ...]
+    definitions: tuple[Intermediate, ...]
     position: sp.ImmutableMatrix
     velocity: sp.ImmutableMatrix
     jacobian: sp.ImmutableMatrix
     force: sp.ImmutableMatrix
-    force_definitions: tuple[Definition, ...]
+    force_definitions: tuple[Intermediate, ...]
     load: tuple[sp.Expr, ...]
     totals: tuple[Total, ...] = ()
 

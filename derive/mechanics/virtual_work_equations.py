@@ -11,10 +11,10 @@ from collections.abc import Iterator
 
 import sympy as sp
 
-from derive.mechanics.kinematics import HERE, ONE, RDDOT, RDOT, Field, R
-from derive.mechanics.motion import Motion
+from derive.mechanics.motion.body_motion import Motion
+from derive.mechanics.motion.kinematics import HERE, ONE, RDDOT, RDOT, Field, R
 from derive.mechanics.symbols import Family, quantity, vector
-from derive.mechanics.terms import Coefficient, Definition, Term
+from derive.mechanics.terms import Intermediate, ModelConstant, Term
 
 SHAPE_ROW = "alpha_i"
 """The name of the row of a generic shape."""
@@ -61,13 +61,13 @@ def gravity_vector(motion: Motion) -> sp.Matrix:
     return vector(Family.GRAVITY, motion.rotation.rows)
 
 
-def gravity_definitions(motion: Motion, gravity: tuple[Coefficient, ...]) -> tuple[Definition, ...]:
+def gravity_definitions(motion: Motion, gravity: tuple[ModelConstant, ...]) -> tuple[Intermediate, ...]:
     """Q^T g: gravity seen from the body base."""
     if not gravity:
         return ()
     seen = motion.rotation.T * gravity_vector(motion)
     return tuple(
-        Definition(
+        Intermediate(
             quantity(Family.BODY_GRAVITY, k), expr, "gb", "(1)", f"gravity along the axis {k} of the floating frame"
         )
         for k, expr in enumerate(seen, 1)

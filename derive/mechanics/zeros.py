@@ -7,13 +7,13 @@ from dataclasses import replace
 import sympy as sp
 
 from derive.mechanics.symbols import identity
-from derive.mechanics.terms import Coefficient, Definition, Reason, Term, Vanished
+from derive.mechanics.terms import Intermediate, ModelConstant, Reason, Term, Vanished
 
 Reasons = dict[sp.Symbol, tuple[tuple[sp.Symbol, str], ...]]
 """For each vanishing symbol the integrals behind it, as pairs (integral, reason)."""
 
 
-def reasons_of(coefficients: tuple[Coefficient, ...]) -> Reasons:
+def reasons_of(coefficients: tuple[ModelConstant, ...]) -> Reasons:
     """The coefficients that vanish, each with its reason."""
     return {c.symbol: ((c.symbol, c.zero),) for c in coefficients if c.zero}
 
@@ -33,7 +33,9 @@ def _behind(expr: sp.Expr, reasons: Reasons) -> tuple[tuple[sp.Symbol, str], ...
     return tuple(sorted(pairs, key=lambda pair: _order(pair[0])))
 
 
-def drop_definitions(definitions: tuple[Definition, ...], reasons: Reasons) -> tuple[tuple[Definition, ...], Reasons]:
+def drop_definitions(
+    definitions: tuple[Intermediate, ...], reasons: Reasons
+) -> tuple[tuple[Intermediate, ...], Reasons]:
     """Definitions without their vanishing parts, and the reasons with those of the vanished definitions added."""
     known, kept = dict(reasons), []
     for definition in definitions:

@@ -7,7 +7,7 @@ from fractions import Fraction
 import pytest
 import sympy as sp
 
-from derive.mechanics.reference_conditions import ConditionError, assumed_shapes, conditions, integral, xi
+from derive.mechanics.bodies.reference_conditions import ConditionError, assumed_shapes, conditions, integral, xi
 from derive.spec.model.body import Frame, Polynomial
 
 ZERO = Fraction(0)

@@ -6,10 +6,10 @@ import pytest
 import sympy as sp
 
 import beams
-from derive.mechanics.kinematics import PHI, R
-from derive.mechanics.reference_conditions import assumed_shapes
+from derive.mechanics.bodies.reference_conditions import assumed_shapes
+from derive.mechanics.motion.kinematics import PHI, R
+from derive.mechanics.motion.moments import PlanarMoments, total
 from derive.mechanics.symbols import MASS
-from derive.mechanics.virtual_work import PlanarMoments, total
 from paper import brute_force
 from plain_symbols import plain
 

@@ -10,12 +10,12 @@ from functools import cache
 
 import sympy as sp
 
+from derive.mechanics.bodies.planar_integrals import Value, coefficients
 from derive.mechanics.body import planar_body
 from derive.mechanics.equations import Equations
 from derive.mechanics.indexed_equations import derive_body
-from derive.mechanics.integrals import Value, coefficients
 from derive.mechanics.symbols import Family, pair
-from derive.mechanics.terms import Coefficient
+from derive.mechanics.terms import ModelConstant
 from paper import brute_force
 from plain_symbols import plain
 
@@ -49,7 +49,7 @@ def _field(i: int) -> tuple[tuple[sp.Expr, sp.Expr], ...]:
 @cache
 def cloud() -> Equations:
     stiffness = tuple(
-        Coefficient(pair(Family.STIFFNESS, i, j), sp.Integer(k), "", "", "") for (i, j), k in STIFFNESS.items()
+        ModelConstant(pair(Family.STIFFNESS, i, j), sp.Integer(k), "", "", "") for (i, j), k in STIFFNESS.items()
     )
     constants = (*coefficients(CloudIntegrals(), 2), *stiffness)
     return derive_body(planar_body("cloud", "", "", 2, sum(MASSES), constants)).expanded()

@@ -10,7 +10,7 @@ import sympy as sp
 from scipy.sparse import csr_array, diags_array
 
 from derive.mechanics.bodies.modal_body import ModalBody
-from derive.mechanics.spatial import PAIRS, spatial_motion
+from derive.mechanics.motion.spatial import PAIRS, spatial_motion
 from derive.reduction import reduce
 from derive.spec.model.body import BodyFrame, Damping, NodalBody, NodeData
 from paper import printed_appendix as appendix

@@ -6,11 +6,11 @@ import pytest
 import sympy as sp
 
 import beams
+from derive.mechanics.bodies.reference_conditions import assumed_shapes, conditions
 from derive.mechanics.equations import Equations
-from derive.mechanics.kinematics import ONE, R
-from derive.mechanics.planar import planar_motion
-from derive.mechanics.reference_conditions import assumed_shapes, conditions
-from derive.mechanics.spatial import rotation_of
+from derive.mechanics.motion.kinematics import ONE, R
+from derive.mechanics.motion.planar import planar_motion
+from derive.mechanics.motion.spatial import rotation_of
 from derive.spec.construction import planar_beam
 from derive.spec.model.body import Frame
 from paper import printed, printed_continuum

@@ -10,10 +10,10 @@ import sympy as sp
 from scipy.linalg import eigh
 from scipy.sparse import csr_array, diags_array
 
-from derive.mechanics.kinematics import PHI, RDDOT, RDOT, R, add
-from derive.mechanics.points import MaterialPoint, marker, vector_at
-from derive.mechanics.reference_conditions import conditions, xi
-from derive.mechanics.spatial import rotation_of, spatial_motion, symbols_of_rotation
+from derive.mechanics.bodies.reference_conditions import conditions, xi
+from derive.mechanics.motion.kinematics import PHI, RDDOT, RDOT, R, add
+from derive.mechanics.motion.material_points import MaterialPoint, marker, vector_at
+from derive.mechanics.motion.spatial import rotation_of, spatial_motion, symbols_of_rotation
 from derive.reduction.frames import in_frame
 from derive.reduction.rigid import rigid_fields
 from derive.spec.model.body import BodyFrame, Frame

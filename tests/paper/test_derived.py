@@ -120,7 +120,7 @@ def test_a_changed_term_is_noticed(frame: str, index: int, sign: int) -> None:
 @pytest.mark.equation("31", "32", "39", "40")
 @pytest.mark.parametrize(("frame", "printed"), [("point", POINT_SHAPES), ("mean", MEAN_SHAPES)])
 def test_shapes_are_the_printed_ones(frame: str, printed: tuple[sp.Expr, ...]) -> None:
-    from derive.mechanics.reference_conditions import assumed_shapes
+    from derive.mechanics.bodies.reference_conditions import assumed_shapes
 
     spec = beams.beam(frame)
     xi = sp.Symbol("xi")

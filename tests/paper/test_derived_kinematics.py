@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 import sympy as sp
 
-from derive.mechanics.kinematics import PHI, RDDOT, RDOT, MovingFrame, PlanarRotation, R
-from derive.mechanics.reference_conditions import conditions, xi
+from derive.mechanics.bodies.reference_conditions import conditions, xi
+from derive.mechanics.motion.kinematics import PHI, RDDOT, RDOT, MovingFrame, PlanarRotation, R
 from derive.spec.model.body import Frame
 from paper import printed
 

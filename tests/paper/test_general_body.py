@@ -11,10 +11,10 @@ from derive.mechanics.bodies.spatial_body import DOCS
 from derive.mechanics.body import Body, ExactValues
 from derive.mechanics.equations import Equations
 from derive.mechanics.indexed_equations import derive_body
-from derive.mechanics.spatial import PAIRS, quaternion_rates, rotation_of, skew, symbols_of_rotation
+from derive.mechanics.motion.spatial import PAIRS, quaternion_rates, rotation_of, skew, symbols_of_rotation
 from derive.mechanics.symbols import Family, Symbol, pair, parameter, quantity
 from derive.mechanics.tables import Table, TableKind
-from derive.mechanics.terms import Coefficient
+from derive.mechanics.terms import ModelConstant
 from paper.printed_general import General, PrintedVector, axial, equation_15, first, gram, tensor
 from plain_symbols import plain
 
@@ -50,7 +50,7 @@ def _symmetric(p: int, q: int) -> sp.Matrix:
 @cache
 def derived(n: int, mean: bool = False) -> Equations:
     integrals = tuple(
-        Coefficient(symbol, value, "", "", "", MEAN if value == 0 else None)
+        ModelConstant(symbol, value, "", "", "", MEAN if value == 0 else None)
         for symbol, value in values(n, mean).items()
     )
     tables = tuple(Table(family, TableKind.FULL, *doc) for family, doc in DOCS.items())

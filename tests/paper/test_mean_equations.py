@@ -7,7 +7,7 @@ from functools import cache
 import pytest
 import sympy as sp
 
-from derive.mechanics.spatial import spatial_motion
+from derive.mechanics.motion.spatial import spatial_motion
 from derive.mechanics.symbols import MASS, Family, identity, vector
 from derive.mechanics.virtual_work_equations import linear_momentum
 from paper.printed_general import General, PrintedVector, axial, equation_15, equation_20, first, gram

@@ -7,7 +7,7 @@ from fractions import Fraction
 
 import numpy as np
 
-from derive.mechanics.reference_conditions import assumed_shapes
+from derive.mechanics.bodies.reference_conditions import assumed_shapes
 from derive.simulation.observables.beams import piece_at, piece_names
 from derive.simulation.observables.motion import SceneMotion, si_value
 from derive.spec.model.body import Frame, Marker, PlanarBeam

@@ -4,14 +4,7 @@ from fractions import Fraction
 
 import pytest
 
-from derive.spec.parsing.polynomial import (
-    MAX_DEGREE,
-    MAX_DIGITS,
-    MAX_LENGTH,
-    ExpressionError,
-    parse_number,
-    polynomial,
-)
+from derive.spec.parsing.polynomial import MAX_DEGREE, MAX_DIGITS, MAX_LENGTH, ExpressionError, parse_number, polynomial
 
 
 @pytest.mark.parametrize(

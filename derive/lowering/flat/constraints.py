@@ -17,7 +17,7 @@ from derive.lowering.flat.context import Context, Elements, Input, array_input, 
 from derive.lowering.flat.functions import pivot_checks
 from derive.lowering.flat.schedule import Named, Required, Step
 from derive.lowering.functions import ModelFunction
-from derive.lowering.ldlt import Factorisation, factorise, fill_in, saddle_order, solve
+from derive.lowering.ldlt import Factorisation, factorise, fill_in, kkt_elimination_order, solve
 from derive.mechanics.symbols import local
 
 
@@ -136,7 +136,7 @@ def kkt_pattern(context: Context) -> Pattern:
 def kkt(context: Context) -> Kkt:
     """The structure of the KKT matrix, and how it is eliminated."""
     shape = kkt_pattern(context)
-    order = saddle_order(shape, len(context.rows))
+    order = kkt_elimination_order(shape, len(context.rows))
     return Kkt(shape, order, fill_in(shape, order))
 
 
@@ -146,7 +146,7 @@ def kkt_factors(context: Context, symbols: Symbols) -> Factorisation:
     entries = {(i, j): symbols(context.equations.mass[i, j]) for i, j in context.mass_pattern().entries}
     entries |= {(n + i, j): -value for (i, j), value in jacobian_entries(context, symbols).items()}
     shape = kkt_pattern(context)
-    return factorise(shape, entries, saddle_order(shape, n), n)
+    return factorise(shape, entries, kkt_elimination_order(shape, n), n)
 
 
 def _bias(context: Context, symbols: Symbols) -> list[ca.SX]:

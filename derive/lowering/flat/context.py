@@ -19,7 +19,7 @@ from derive.lowering.flat.schedule import Named, Step, Stored, Want, schedule
 from derive.lowering.functions import ModelFunction
 from derive.mechanics.equations import Equations
 from derive.mechanics.symbols import local, state_rate, t
-from derive.mechanics.terms import Definition, rotation_symbols
+from derive.mechanics.terms import Intermediate, rotation_symbols
 
 
 @dataclass(frozen=True)
@@ -98,7 +98,7 @@ class Context:
 
     def definition_steps(self, symbols: Symbols) -> tuple[Step, ...]:
         """A section for each group of definitions, in the order of the derivation."""
-        sections: dict[str, list[Definition]] = {}
+        sections: dict[str, list[Intermediate]] = {}
         for d in self.equations.definitions:
             if d.symbol in symbols.values and not d.zero:
                 sections.setdefault(d.section, []).append(d)
@@ -139,7 +139,7 @@ class Context:
         return pattern(n, n, {(i, j) for i in range(n) for j in range(i + 1) if mass[i, j] != 0}, symmetric=True)
 
 
-def define(symbols: Symbols, definitions: tuple[Definition, ...]) -> tuple[Named, ...]:
+def define(symbols: Symbols, definitions: tuple[Intermediate, ...]) -> tuple[Named, ...]:
     """Define what can be computed from the symbols known so far; returns it by name."""
     found = []
     for d in definitions:
@@ -153,7 +153,7 @@ def stores(output: str, values: list[ca.SX]) -> tuple[Want, ...]:
     return tuple(Stored(output, index, value) for index, value in enumerate(values))
 
 
-def _unique(definitions: list[Definition]) -> list[str]:
+def _unique(definitions: list[Intermediate]) -> list[str]:
     """`D2_i: int rho r . Phi_i` once for all indices."""
     first, last = definitions[0], definitions[-1]
     if len(definitions) == 1:

@@ -54,10 +54,10 @@ def lower(equations: Equations, choice: str = "") -> Model:
     return Model(
         name=equations.name,
         doc=equations.doc,
-        frame_doc=equations.origin,
+        frame_doc=equations.frame_doc,
         coordinates=tuple(Variable(str(c.q), c.doc, c.unit, role=c.role) for c in coordinates),
         velocities=tuple(Variable(str(row.v), row.doc, row.unit) for row in equations.rows),
-        equations=tuple(Variable(row.name, f"row of delta {row.name}", row.work) for row in equations.rows),
+        equations=tuple(Variable(row.name, f"row of delta {row.name}", row.force_unit) for row in equations.rows),
         parameters=tuple(Variable(str(p.symbol), p.doc, p.unit, p.default) for p in equations.parameters),
         constants=constants,
         kernels=(setup, *(_with_constants(kernel, names) for kernel in kernels)),

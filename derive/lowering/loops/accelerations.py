@@ -12,7 +12,7 @@ from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.functions import VANISHING
 from derive.lowering.functions import ModelFunction
 from derive.lowering.ldlt import elimination_order, factorise, solve
-from derive.lowering.loops.program import NOTHING, Elements, Program, Row, Scalar, Target
+from derive.lowering.loops.program import NOTHING, Elements, IndexedStore, Program, Scalar, Target
 from derive.lowering.loops.tables import RIGID, SHAPE, Tables
 from derive.mechanics.sums import Total
 from derive.mechanics.symbols import Family, I, local, quantity
@@ -28,7 +28,7 @@ def accel(tables: Tables, function: ModelFunction) -> Kernel:
     scalars: list[Scalar] = [(local(f"h_{name}"), tables.at_rest(tables.left[name])) for name in tables.rows]
     places = [(r, c) for c in range(RIGID) for r in range(c, RIGID) if tables.mass_entry(r, c) != 0]
     scalars += [(local("M", r + 1, c + 1), tables.mass_entry(r, c)) for r, c in places]
-    rows: list[Row] = [(StoreLocal("h", NOTHING), tables.at_rest(tables.left[SHAPE]))] if tables.n else []
+    rows: list[IndexedStore] = [(StoreLocal("h", NOTHING), tables.at_rest(tables.left[SHAPE]))] if tables.n else []
     rows += [(StoreLocal(f"B_{r + 1}", NOTHING), tables.coupling[r]) for r in coupled]
     program.phase("h and B", "(15)", "forces, and coupling of rigid-body motion and modes", scalars, rows)
     arrays = ("h", *(f"B_{r + 1}" for r in coupled))

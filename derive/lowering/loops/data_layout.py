@@ -32,10 +32,10 @@ from derive.ir.statements import (
     padded,
 )
 from derive.mechanics.equations import Equations
-from derive.mechanics.series import PARITY
+from derive.mechanics.sums import PARITY
 from derive.mechanics.symbols import MASS, Family, parameter
 from derive.mechanics.tables import Table, TableKind
-from derive.mechanics.terms import Coefficient, ParameterSymbol
+from derive.mechanics.terms import ModelConstant, ParameterSymbol
 from derive.roles import Role
 
 TABLES, TRIANGLE, ROOT = "tables", "c8_pairs", "root"
@@ -43,7 +43,7 @@ PACKED = (Family.C5, Family.STIFFNESS, Family.C7, Family.DAMPING, Family.C8)
 
 
 @dataclass(frozen=True)
-class Memory:
+class DataLayout:
     """The constants of one model: the argument k, the packing of its tables, and what scalars are in the Kernel.
 
     `parameters` are the variables of p, in order; `triangle` is the array of c8 for i <= j.
@@ -71,7 +71,7 @@ def size(table: Table, n: int) -> int:
     return counts[table.counted] * len(table.components)
 
 
-def memory(eq: Equations) -> Memory:
+def layout(eq: Equations) -> DataLayout:
     """Lay out p and k."""
     n = eq.modes
     kept = [t for t in eq.tables if size(t, n)]
@@ -94,10 +94,10 @@ def memory(eq: Equations) -> Memory:
     elements = tuple(leaf.name for leaf in scalars.values() if isinstance(leaf, ScalarRef))
     positions = tuple(range(place, place + len(elements)))
     argument = Argument("k", elements, "constants from setup", arrays=tuple(views), positions=positions)
-    return Memory(argument, packing, scalars, _parameters(eq, kept), tuple(_offsets(eq, kept)))
+    return DataLayout(argument, packing, scalars, _parameters(eq, kept), tuple(_offsets(eq, kept)))
 
 
-def _scalars(eq: Equations) -> tuple[Coefficient, ...]:
+def _scalars(eq: Equations) -> tuple[ModelConstant, ...]:
     """The mass, a parameter in any case, and gravity."""
     mass = _mass(eq)
     return tuple(replace(c, value=mass.symbol) if c.symbol == MASS else c for c in eq.coefficients)
@@ -153,27 +153,27 @@ def copied(output: str, offset: int, source: str, count: int) -> Section:
     return Section("c8", "appendix", "int rho Phi_i . Phi_j, which does not change", (loop,))
 
 
-def setup(eq: Equations, memory: Memory) -> Kernel:
+def setup(eq: Equations, layout: DataLayout) -> Kernel:
     """p -> k: packing, and the Cholesky factor of c8 where it is full."""
     n = eq.modes
-    views = tuple(View(f"p_{t.name}", place, size(t, n)) for t, place in memory.sources if t.counted)
-    elements, positions = _scalar_elements(eq, memory)
+    views = tuple(View(f"p_{t.name}", place, size(t, n)) for t, place in layout.sources if t.counted)
+    elements, positions = _scalar_elements(eq, layout)
     p = Argument("p", elements, "parameters", arrays=views, positions=positions)
-    k = memory.argument
+    k = layout.argument
     total = k.size
     body: list[Statement] = [Clear("k", total)]
     sources = [
         PackSource(name, f"p_{t.name}", c, len(t.components), PARITY[t.family])
-        for t, _ in memory.sources
+        for t, _ in layout.sources
         if t.family in PACKED and t.kind is TableKind.FULL
         for c, name in enumerate(arrays(t))
     ]
-    ordered = tuple(s for name in memory.packing.tables for s in sources if s.table == name)
-    body += [Pack(memory.packing, "k", ordered)] if ordered else []
+    ordered = tuple(s for name in layout.packing.tables for s in sources if s.table == name)
+    body += [Pack(layout.packing, "k", ordered)] if ordered else []
     places = {view.name: view.offset for view in k.arrays}
     rows = [
         StoreStrided("k", places[name], 1, ArrayAccess(f"p_{t.name}", "i", len(t.components), c))
-        for t, _ in memory.sources
+        for t, _ in layout.sources
         if t.counted == 1 or t.kind is TableKind.DIAGONAL
         for c, name in enumerate(arrays(t))
     ]
@@ -203,11 +203,11 @@ def setup(eq: Equations, memory: Memory) -> Kernel:
     return Kernel("setup", doc, (p,), (Output("k", (), "constants", None, total),), tuple(sections))
 
 
-def _scalar_elements(eq: Equations, memory: Memory) -> tuple[tuple[str, ...], tuple[int, ...]]:
+def _scalar_elements(eq: Equations, layout: DataLayout) -> tuple[tuple[str, ...], tuple[int, ...]]:
     """The parameters that are no arrays, with their places in p."""
     found = [(f"p_{_mass(eq).symbol}", 0)]
     end = 1
-    for t, place in memory.sources:
+    for t, place in layout.sources:
         if not t.counted:
             found += [(f"p_{name}", place + c) for c, name in enumerate(arrays(t))]
         end = place + size(t, eq.modes)
@@ -215,7 +215,9 @@ def _scalar_elements(eq: Equations, memory: Memory) -> tuple[tuple[str, ...], tu
     return tuple(name for name, _ in found), tuple(place for _, place in found)
 
 
-def model(eq: Equations, memory: Memory, kernels: tuple[Kernel, ...], zeros: tuple[Zero, ...], choice: str) -> Model:
+def model(
+    eq: Equations, layout: DataLayout, kernels: tuple[Kernel, ...], zeros: tuple[Zero, ...], choice: str
+) -> Model:
     """The kernels of a model with names, units and reasons."""
     n, rigid = eq.modes, eq.rows[:6]
 
@@ -226,42 +228,42 @@ def model(eq: Equations, memory: Memory, kernels: tuple[Kernel, ...], zeros: tup
     told = {name: t for t in eq.tables for name in arrays(t)}
     docs = {name: (t.doc, t.unit) for name, t in told.items()}
     docs |= {str(c.symbol): (c.doc, c.unit) for c in eq.coefficients}
-    docs |= {TABLES: (", ".join(memory.packing.tables), ""), TRIANGLE: ("c8 for i <= j", "kg"), ROOT: ("of c8", "")}
-    constants = tuple(Variable(v.name, docs[v.name][0], docs[v.name][1], 0.0, v.size) for v in memory.argument.arrays)
-    constants += tuple(Variable(name, *docs[name]) for name in memory.argument.elements)
+    docs |= {TABLES: (", ".join(layout.packing.tables), ""), TRIANGLE: ("c8 for i <= j", "kg"), ROOT: ("of c8", "")}
+    constants = tuple(Variable(v.name, docs[v.name][0], docs[v.name][1], 0.0, v.size) for v in layout.argument.arrays)
+    constants += tuple(Variable(name, *docs[name]) for name in layout.argument.elements)
     return Model(
         name=eq.name,
         doc=eq.doc,
-        frame_doc=eq.origin,
+        frame_doc=eq.frame_doc,
         coordinates=tuple(Variable(str(c.q), c.doc, c.unit, role=c.role) for c in eq.coordinates[:7])
         + of_shapes("alpha", "amplitudes of the assumed modes", "m", Role.AMPLITUDE),
         velocities=tuple(Variable(str(r.v), r.doc, r.unit) for r in rigid)
         + of_shapes("alphadot", "time derivatives of alpha", "m/s"),
-        equations=tuple(Variable(r.name, f"row of delta {r.name}", r.work) for r in rigid)
+        equations=tuple(Variable(r.name, f"row of delta {r.name}", r.force_unit) for r in rigid)
         + of_shapes("alpha", "rows of delta alpha", "N"),
-        parameters=memory.parameters,
+        parameters=layout.parameters,
         constants=constants,
-        kernels=(setup(eq, memory), *kernels),
+        kernels=(setup(eq, layout), *kernels),
         markers=tuple(Variable(p.name, p.doc, "m") for p in eq.markers),
         zeros=zeros,
         vanished=tuple(Zero(f"{v.term.name} term of row {v.term.row}", str(v.reason)) for v in eq.vanished),
         lowering="table",
         choice=choice,
-        data=_data(eq, memory),
+        data=_data(eq, layout),
     )
 
 
-def _data(eq: Equations, memory: Memory) -> tuple[tuple[int, float], ...]:
+def _data(eq: Equations, layout: DataLayout) -> tuple[tuple[int, float], ...]:
     """The defaults: those of a body given by data, or a unit ball of inertia whose modes do not couple."""
     assert eq.body is not None
     n, end = eq.modes, 1
     found = [(0, _mass(eq).default)]
-    numbers = [eq.body.values.numbers(t) for t, _ in memory.sources]
+    numbers = [eq.body.values.numbers(t) for t, _ in layout.sources]
     if all(values is not None for values in numbers):
         gravity = [p.default for p in _others(eq)]
         data = np.concatenate([[found[0][1]], *(v for v in numbers if v is not None), gravity])
         return tuple((k, float(value)) for k, value in enumerate(data) if value)
-    for t, place in memory.sources:
+    for t, place in layout.sources:
         if t.family is Family.C3:
             found += [(place + k, 1.0) for k, (a, b) in enumerate(t.components) if a == b]
         elif t.family in (Family.C8, Family.STIFFNESS):

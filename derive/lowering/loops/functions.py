@@ -16,7 +16,7 @@ from derive.lowering.functions import FunctionKind, ModelFunction, functions_of
 from derive.lowering.loops import data_layout as store
 from derive.lowering.loops.accelerations import accel
 from derive.lowering.loops.iteration_matrix import jacobian
-from derive.lowering.loops.program import NOTHING, Elements, Row, Scalar
+from derive.lowering.loops.program import NOTHING, Elements, IndexedStore, Scalar
 from derive.lowering.loops.tables import RIGID, SHAPE, Tables, row_labels
 from derive.mechanics.equations import Equations
 from derive.mechanics.expansion import TRANSLATIONS
@@ -28,7 +28,7 @@ def lower_tables(equations: Equations, choice: str = "") -> Model:
     """The kernels of a model with loops over the shapes, with names, units, patterns and the reasons of its zeros."""
     tables = Tables(equations)
     kernels = tuple(IMPLEMENTATIONS[function.kind](tables, function) for function in functions_of(equations))
-    return store.model(equations, tables.memory, kernels, _zeros(tables), choice)
+    return store.model(equations, tables.layout, kernels, _zeros(tables), choice)
 
 
 def _mass(tables: Tables, function: ModelFunction) -> Kernel:
@@ -84,7 +84,7 @@ def _momentum(tables: Tables, function: ModelFunction) -> Kernel:
 def _rates(tables: Tables, function: ModelFunction) -> Kernel:
     program = tables.program(tables.q, tables.v)
     wants: list[Scalar] = [(Store("qdot", k, NOTHING), rate) for k, rate in enumerate(tables.rigid_rates)]
-    rows: list[Row] = [(StoreStrided("qdot", RIGID + 1, 1, NOTHING), amplitude(I, 1))]
+    rows: list[IndexedStore] = [(StoreStrided("qdot", RIGID + 1, 1, NOTHING), amplitude(I, 1))]
     program.phase("rates", "(1)", "from Qdot = Q (omega x)", wants, rows)
     labels = (*(f"{name}_t" for name in tables.q.elements), *([f"alpha1_t .. alpha{tables.n}_t"] if tables.n else []))
     return program.kernel(function, tables.inputs, {"qdot": Elements(labels, RIGID + 1 + tables.n)})
@@ -103,7 +103,7 @@ def _marker(tables: Tables, function: ModelFunction) -> Kernel:
         scalars += [(Store("jacobian", place + k, NOTHING), e) for k, (_, e) in enumerate(kept)]
         place += len(kept)
         groups.append(ColumnGroup(1, tuple(RowSet(RowSetKind.ROW, r) for r, _ in kept)))
-    rows: list[Row] = [
+    rows: list[IndexedStore] = [
         (StoreStrided("jacobian", place + r, 3, NOTHING), e) for r, e in enumerate(point.jacobian[:, RIGID])
     ]
     groups += [ColumnGroup(tables.n, (RowSet(RowSetKind.RANGE, 0, 3),))] if tables.n else []
@@ -126,7 +126,7 @@ def _load(tables: Tables, function: ModelFunction) -> Kernel:
     program.totals |= {t.symbol: t for t in point.totals}
     program.definitions += point.force_definitions
     wants: list[Scalar] = [(Store("f", r, NOTHING), e) for r, e in enumerate(point.load[:RIGID])]
-    rows: list[Row] = [(StoreStrided("f", RIGID, 1, NOTHING), point.load[RIGID])]
+    rows: list[IndexedStore] = [(StoreStrided("f", RIGID, 1, NOTHING), point.load[RIGID])]
     program.phase("f", "(10)", "virtual work of the force", wants, rows)
     outputs = {"f": Elements(row_labels("f", tables), RIGID + tables.n)}
     return program.kernel(function, {**tables.inputs, "F": force}, outputs)
@@ -141,7 +141,7 @@ def _residual(tables: Tables, function: ModelFunction) -> Kernel:
         for k, (q, rate) in enumerate(zip(tables.elements["q"], tables.rigid_rates, strict=True))
     ]
     scalars += [(Store("F", first + r, NOTHING), tables.left[name]) for r, name in enumerate(tables.rows)]
-    rows: list[Row] = [
+    rows: list[IndexedStore] = [
         (StoreStrided("F", RIGID + 1, 1, NOTHING), state_rate(amplitude(I)) - amplitude(I, 1)),
         (StoreStrided("F", first + RIGID, 1, NOTHING), tables.left[SHAPE]),
     ]

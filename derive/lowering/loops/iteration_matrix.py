@@ -10,9 +10,9 @@ from derive.ir.model import Kernel
 from derive.ir.patterns import ColumnGroup, RowSet, RowSetKind, block_pattern
 from derive.ir.statements import MatrixStore, Store, StoreStrided
 from derive.lowering.functions import ModelFunction
-from derive.lowering.loops.program import NOTHING, Elements, Row, Scalar
+from derive.lowering.loops.program import NOTHING, Elements, IndexedStore, Scalar
 from derive.lowering.loops.tables import CJ, RIGID, SHAPE, Tables
-from derive.mechanics.series import ALPHA, ALPHADDOT, ALPHADOT
+from derive.mechanics.sums import ALPHA, ALPHADDOT, ALPHADOT
 from derive.mechanics.symbols import Symbol
 
 
@@ -43,7 +43,7 @@ class _Columns:
     def __init__(self, tables: Tables) -> None:
         self.tables = tables
         self.scalars: list[Scalar] = []
-        self.rows: list[Row] = []
+        self.rows: list[IndexedStore] = []
         self.pairs: list[tuple[MatrixStore, sp.Expr, sp.Expr]] = []
         self.groups: list[ColumnGroup] = []
         self.place = 0
@@ -110,7 +110,7 @@ class _Columns:
         offset = self.place + 1 + len(entries)
         if full != 0:
             self.pairs.append(
-                (MatrixStore(tables.memory.packing, "jac", offset, stride, NOTHING, None), full, diagonal)
+                (MatrixStore(tables.layout.packing, "jac", offset, stride, NOTHING, None), full, diagonal)
             )
         else:
             self.rows.append((StoreStrided("jac", offset, stride, NOTHING), diagonal))

@@ -37,10 +37,9 @@ from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.graph import Constants, Graph
 from derive.lowering.flat.schedule import Named, Step, Stored, Want, schedule
 from derive.lowering.functions import ModelFunction
-from derive.mechanics.series import canonical
-from derive.mechanics.sums import Contraction, Total
+from derive.mechanics.sums import Contraction, Total, canonical
 from derive.mechanics.symbols import I, Symbol, amplitude, identity, is_indexed, local
-from derive.mechanics.terms import Definition, rotation_symbols
+from derive.mechanics.terms import Intermediate, rotation_symbols
 
 Target = Symbol | Store | Require
 """Where a scalar goes: a symbol that is known from then on, or a statement whose expression is replaced."""
@@ -48,7 +47,7 @@ Target = Symbol | Store | Require
 Scalar = tuple[Target, sp.Expr]
 """A scalar: where it goes, and its value."""
 
-Row = tuple[StoreLocal | StoreStrided, sp.Expr]
+IndexedStore = tuple[StoreLocal | StoreStrided, sp.Expr]
 """Where an expression of index i goes, likewise."""
 
 Place = Let | Store | Require | StoreLocal | StoreStrided
@@ -72,7 +71,7 @@ class Program:
         self,
         packing: Packing,
         known: Mapping[sp.Symbol, Number | ScalarRef],
-        definitions: Iterable[Definition],
+        definitions: Iterable[Intermediate],
         contractions: Iterable[Contraction],
         totals: Iterable[Total],
     ) -> None:
@@ -143,7 +142,7 @@ class Program:
         symbols = Symbols(early=frozenset(), late=self._rotation())
         for symbol, leaf in self.known.items():
             symbols.input(symbol, leaf)
-        groups: dict[str, list[Definition]] = {}
+        groups: dict[str, list[Intermediate]] = {}
         for d in self.definitions:
             if d.symbol not in symbols.values and d.expr.free_symbols <= symbols.values.keys():
                 symbols.define(d.symbol, d.expr)
@@ -181,7 +180,7 @@ class Program:
         equation: str,
         doc: str,
         scalars: Iterable[Scalar] = (),
-        rows: Iterable[Row] = (),
+        rows: Iterable[IndexedStore] = (),
         pairs: Iterable[tuple[MatrixStore, sp.Expr, sp.Expr]] = (),
     ) -> None:
         """Scalars, then a loop for rows, then a loop for each block of pairs (its expression, that of its diagonal)."""
@@ -251,7 +250,7 @@ class Program:
     def _each(self, body: tuple[Let | StoreLocal | StoreStrided, ...]) -> Map:
         return Map(self.packing.count, body)
 
-    def _loop(self, rows: list[Row]) -> tuple[Let | StoreLocal | StoreStrided, ...]:
+    def _loop(self, rows: list[IndexedStore]) -> tuple[Let | StoreLocal | StoreStrided, ...]:
         """The body of a loop over i."""
         symbols = Symbols(early=frozenset(self.known), late=frozenset())
         for symbol in sorted(_symbols(e for _, e in rows), key=str):

@@ -1,4 +1,4 @@
-"""What the kernels of one table model share: arguments, memory, expressions, the pattern of the mass matrix."""
+"""What the kernels of one table model share: arguments, layout, expressions, the pattern of the mass matrix."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from derive.ir.model import Argument, Section, View
 from derive.ir.patterns import ColumnGroup, Pattern, RowSet, RowSetKind, block_pattern
 from derive.ir.statements import Store, StoreStrided
 from derive.lowering.loops import data_layout as store
-from derive.lowering.loops.program import NOTHING, Program, Row, Scalar, array
+from derive.lowering.loops.gradient import Gradient
+from derive.lowering.loops.program import NOTHING, IndexedStore, Program, Scalar, array
 from derive.mechanics.equations import Equations
-from derive.mechanics.gradient import Gradient
-from derive.mechanics.series import ALPHADDOT
+from derive.mechanics.sums import ALPHADDOT
 from derive.mechanics.symbols import Family, I, amplitude, local, quantity, state_rate, t
 from derive.mechanics.tables import TableKind
 
@@ -63,8 +63,8 @@ class Tables:
             positions=behind,
         )
         self.cj = Argument("cj", (), "factor of dF/dydot", scalar=True)
-        self.memory = store.memory(eq)
-        self.k = self.memory.argument
+        self.layout = store.layout(eq)
+        self.k = self.layout.argument
         every = (self.t, self.q, self.v, self.k, self.y, self.ydot, self.cj)
         self.inputs: Mapping[str, Argument] = {argument.name: argument for argument in every}
         self.left = {row: eq.sum_of(row) for row in (*self.rows, SHAPE)}
@@ -72,11 +72,11 @@ class Tables:
 
     def program(self, *arguments: Argument) -> Program:
         """An empty kernel that reads these arguments."""
-        known: dict[sp.Symbol, Number | ScalarRef] = dict(self.memory.scalars)
+        known: dict[sp.Symbol, Number | ScalarRef] = dict(self.layout.scalars)
         for a in arguments:
             known |= {symbol: ScalarRef(symbol.name) for symbol in self.elements[a.name]}
         eq = self.equations
-        return Program(self.memory.packing, known, eq.definitions, self.gradient.contractions, eq.totals)
+        return Program(self.layout.packing, known, eq.definitions, self.gradient.contractions, eq.totals)
 
     def at_rest(self, expr: sp.Expr) -> sp.Expr:
         """An expression without what the accelerations do."""
@@ -116,10 +116,10 @@ class Tables:
 
     # ---- what several kernels store ----
 
-    def mass_wants(self) -> tuple[list[Scalar], list[Row]]:
+    def mass_wants(self) -> tuple[list[Scalar], list[IndexedStore]]:
         """M, column by column."""
         scalars: list[Scalar] = []
-        rows: list[Row] = []
+        rows: list[IndexedStore] = []
         place = 0
         for c in range(RIGID):
             for r in range(c, RIGID):
@@ -136,12 +136,12 @@ class Tables:
     def _c8_diagonal(self) -> sp.Expr:
         return quantity(Family.C8, shapes=(I,)) if self.c8 is TableKind.DIAGONAL else sp.S.One
 
-    def force_wants(self, output: str = "h") -> tuple[list[Scalar], list[Row]]:
+    def force_wants(self, output: str = "h") -> tuple[list[Scalar], list[IndexedStore]]:
         """h, row by row."""
         scalars: list[Scalar] = [
             (Store(output, r, NOTHING), self.at_rest(self.left[name])) for r, name in enumerate(self.rows)
         ]
-        rows: list[Row] = [(StoreStrided(output, RIGID, 1, NOTHING), self.at_rest(self.left[SHAPE]))]
+        rows: list[IndexedStore] = [(StoreStrided(output, RIGID, 1, NOTHING), self.at_rest(self.left[SHAPE]))]
         return scalars, rows
 
     def shapes_of_mass(self) -> tuple[Section, ...]:
@@ -149,7 +149,7 @@ class Tables:
         if self.c8 is not TableKind.FULL or not self.n:
             return ()
         size = self.n * (self.n + 1) // 2
-        return (store.copied("M", len(self.mass_pattern().rowidx) - size, self.memory.triangle, size),)
+        return (store.copied("M", len(self.mass_pattern().rowidx) - size, self.layout.triangle, size),)
 
 
 def row_labels(name: str, tables: Tables) -> tuple[str, ...]:

@@ -11,14 +11,14 @@ from dataclasses import dataclass
 import sympy as sp
 
 from derive.mechanics import quantity
+from derive.mechanics.bodies.planar_integrals import Value, coefficients
+from derive.mechanics.bodies.reference_conditions import assumed_shapes, integral, xi
 from derive.mechanics.body import Body, planar_body
 from derive.mechanics.equations import Equations
 from derive.mechanics.indexed_equations import derive_body
-from derive.mechanics.integrals import Value, coefficients
-from derive.mechanics.points import MaterialPoint
-from derive.mechanics.reference_conditions import assumed_shapes, integral, xi
+from derive.mechanics.motion.material_points import MaterialPoint
 from derive.mechanics.symbols import Family, Identity, Symbol, pair
-from derive.mechanics.terms import Coefficient
+from derive.mechanics.terms import ModelConstant
 from derive.spec.model.body import Marker, Parameter, PlanarBeam, Polynomial
 
 LATERAL = "geometry (the beam lies along e1 and deflects along e2)"
@@ -51,7 +51,7 @@ def beam_body(beam: PlanarBeam, pieces: int = 1) -> Body:
     return planar_body(
         name=beam.name,
         doc=f"free planar beam, {beam.frame.kind} frame, shapes {', '.join(map(shape_text, shapes))}",
-        origin="X = xi l/2 e1 (24), so c is where the centre of the undeformed beam lies in the floating frame.",
+        frame_doc="X = xi l/2 e1 (24), so c is where the centre of the undeformed beam lies in the floating frame.",
         modes=len(shapes),
         mass=mass,
         constants=(*integrals, *_stiffness(shapes, length, bending)),
@@ -66,7 +66,7 @@ def beam_body(beam: PlanarBeam, pieces: int = 1) -> Body:
     )
 
 
-def section_turns(marker: Marker, beam: PlanarBeam, pieces: int = 1) -> tuple[Coefficient, ...]:
+def section_turns(marker: Marker, beam: PlanarBeam, pieces: int = 1) -> tuple[ModelConstant, ...]:
     """The rotation of the section at a marker for unit amplitudes: dv/dx of each shape, to first order as in (22)."""
     at, length = sp.Rational(marker.at), quantity.value(beam.length) / pieces
     found = []
@@ -75,7 +75,7 @@ def section_turns(marker: Marker, beam: PlanarBeam, pieces: int = 1) -> tuple[Co
         zero = None if slope else "these shapes (no slope there)"
         doc = f"rotation of the section at marker {marker.name} for a unit amplitude of mode {i}: d phi_{i}/dx"
         symbol = Symbol(Identity(Family.SECTION_ROTATION, shapes=(i,), point=marker.name))
-        found.append(Coefficient(symbol, 2 * slope / length, "(21)", doc, "1/m", zero))
+        found.append(ModelConstant(symbol, 2 * slope / length, "(21)", doc, "1/m", zero))
     return tuple(found)
 
 
@@ -133,7 +133,7 @@ class BeamIntegrals:
         return Value(sp.S.Zero, reason or (PARITY if odd else otherwise))
 
 
-def _stiffness(shapes: tuple[Polynomial, ...], length: sp.Expr, bending: sp.Expr) -> tuple[Coefficient, ...]:
+def _stiffness(shapes: tuple[Polynomial, ...], length: sp.Expr, bending: sp.Expr) -> tuple[ModelConstant, ...]:
     """K_ij of U = 1/2 EI int (d^2v/dx^2)^2 dx, which is (22) since x = xi l/2."""
     dxi_dx = 2 / length
     dx_dxi = length / 2
@@ -146,7 +146,7 @@ def _stiffness(shapes: tuple[Polynomial, ...], length: sp.Expr, bending: sp.Expr
             zero = None if value else PARITY if odd else ORTHOGONAL
             doc = f"stiffness: int EI (d2 phi_{i}/dx2) (d2 phi_{j}/dx2) dx"
             expr = bending * dxi_dx**4 * dx_dxi * value
-            found.append(Coefficient(pair(Family.STIFFNESS, i, j), expr, "(22)", doc, "N/m", zero))
+            found.append(ModelConstant(pair(Family.STIFFNESS, i, j), expr, "(22)", doc, "N/m", zero))
     return tuple(found)
 
 
@@ -162,5 +162,5 @@ def beam_point(marker: Marker, beam: PlanarBeam, pieces: int = 1) -> MaterialPoi
         doc=f"material point at xi = {at}",
         position=sp.ImmutableMatrix([position, 0]),
         shapes=tuple(sp.ImmutableMatrix([0, _poly(s).eval(at)]) for s in shapes),
-        coefficients=(Coefficient(position, at * length / 2, "(24)", doc, "m", zero),),
+        coefficients=(ModelConstant(position, at * length / 2, "(24)", doc, "m", zero),),
     )

@@ -6,11 +6,11 @@ from dataclasses import dataclass
 
 import sympy as sp
 
+from derive.mechanics.bodies.planar_integrals import Value, coefficients
 from derive.mechanics.body import Body, planar_body
-from derive.mechanics.integrals import Value, coefficients
-from derive.mechanics.points import MaterialPoint
+from derive.mechanics.motion.material_points import MaterialPoint
 from derive.mechanics.symbols import Family, Identity, Symbol
-from derive.mechanics.terms import Coefficient
+from derive.mechanics.terms import ModelConstant
 
 AT_CENTRE = "the choice of the origin (the centre of mass)"
 
@@ -43,7 +43,7 @@ def rigid_body(
     inertia: sp.Expr,
     centre: sp.Matrix,
     points: tuple[MaterialPoint, ...],
-    gravity: tuple[Coefficient, ...],
+    gravity: tuple[ModelConstant, ...],
 ) -> Body:
     """A rigid body; `inertia` is about the centre of mass, `centre` and points count from O."""
     constants = coefficients(RigidIntegrals(mass, inertia, centre), 0)
@@ -54,7 +54,7 @@ def rigid_point(name: str, position: sp.Matrix) -> MaterialPoint:
     """A point of a rigid body at `position` from O."""
     symbols = [Symbol(Identity(Family.POINT_POSITION, components=(k,), point=name)) for k in (1, 2)]
     found = tuple(
-        Coefficient(s, sp.expand(x), "(24)", f"X . e{k} of {name}", "m", None if x else "the choice of the origin")
+        ModelConstant(s, sp.expand(x), "(24)", f"X . e{k} of {name}", "m", None if x else "the choice of the origin")
         for k, (s, x) in enumerate(zip(symbols, position, strict=True), 1)
     )
     return MaterialPoint(name, f"point {name}", sp.ImmutableMatrix(symbols), (), found)

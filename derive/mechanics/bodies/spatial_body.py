@@ -15,11 +15,11 @@ from numpy.typing import NDArray
 from derive.mechanics import quantity
 from derive.mechanics.bodies.modal_body import ModalBody, ModalPoint
 from derive.mechanics.body import Body
-from derive.mechanics.points import MaterialPoint
+from derive.mechanics.motion.material_points import MaterialPoint
 from derive.mechanics.symbols import Family, Symbol
 from derive.mechanics.symbols import parameter as parameter_symbol
 from derive.mechanics.tables import NO_SHAPES, ODD, PAIRS, SCALARS, TENSORS, Table, TableKind, entries
-from derive.mechanics.terms import Coefficient, ParameterSymbol
+from derive.mechanics.terms import ModelConstant, ParameterSymbol
 from derive.spec.model.body import Gravity, SymbolicBody
 
 Array = NDArray[np.float64]
@@ -170,7 +170,7 @@ class NumberValues:
 
     body: ModalBody
 
-    def constants(self, table: Table) -> Iterator[Coefficient]:
+    def constants(self, table: Table) -> Iterator[ModelConstant]:
         """See `Values`."""
         pairs = zip(entries(table, self.body.modes), _values(self.body, table), strict=True)
         for entry, value in pairs:
@@ -198,7 +198,7 @@ class ParameterValues:
 
     modes: int
 
-    def constants(self, table: Table) -> Iterator[Coefficient]:
+    def constants(self, table: Table) -> Iterator[ModelConstant]:
         """See `Values`."""
         for entry in entries(table, self.modes):
             if table.kind is TableKind.ZERO or (table.kind is not TableKind.FULL and not _on_diagonal(entry)):
@@ -221,10 +221,10 @@ class ParameterValues:
         return None
 
 
-def _constant(entry: Symbol, value: sp.Expr, zero: str | None) -> Coefficient:
+def _constant(entry: Symbol, value: sp.Expr, zero: str | None) -> ModelConstant:
     doc, unit = DOCS[entry.identity.family]
     equation = "(13)" if entry.identity.family in (Family.STIFFNESS, Family.DAMPING) else "appendix"
-    return Coefficient(entry, value, equation, doc, unit, zero)
+    return ModelConstant(entry, value, equation, doc, unit, zero)
 
 
 def _as_parameter(entry: Symbol) -> Symbol:
@@ -238,7 +238,7 @@ def modal_body(given: ModalBody, gravity: Gravity | None = None) -> Body:
     return Body(
         name=given.name,
         doc=given.doc,
-        origin=_where(given),
+        frame_doc=_where(given),
         dimension=3,
         modes=given.modes,
         mass=sp.Rational(given.mass),
@@ -262,7 +262,7 @@ def parametric_body(spec: SymbolicBody) -> Body:
     return Body(
         name=spec.name,
         doc=describe_symbolic(spec),
-        origin="",
+        frame_doc="",
         dimension=3,
         modes=spec.modes,
         mass=MASS.symbol,

@@ -25,7 +25,7 @@ from derive.mechanics.multibody.mechanism import Mechanism
 from derive.mechanics.multibody.point_motion import PointMotion, fixed_point
 from derive.mechanics.multibody.time_functions import finite_function, time_derivatives
 from derive.mechanics.symbols import Symbol, element, t
-from derive.mechanics.terms import Coefficient, Eliminated, ParameterSymbol
+from derive.mechanics.terms import Eliminated, ModelConstant, ParameterSymbol
 from derive.spec.model.body import Parameter, Quantity
 from derive.spec.model.scene import GROUND, CustomJoint, Drive, Joint, MarkerRef, Scene, SceneBody
 
@@ -49,7 +49,7 @@ class _Assembly:
     def __init__(self, scene: Scene) -> None:
         self.scene = scene
         self.bodies = {body.name: body for body in scene.bodies}
-        self.constants: list[Coefficient] = []
+        self.constants: list[ModelConstant] = []
         self.gravity, _ = quantity.gravity(scene.gravity)
         joints = [*scene.joints, *chain.from_iterable(body_type(b).joints(b) for b in scene.bodies)]
         self.joints = [replace(j, first=self._located(j.first), second=self._located(j.second)) for j in joints]
@@ -200,7 +200,7 @@ class _Assembly:
         """A number as it is; a parameter as a coefficient, under which kernels know it."""
         if not isinstance(value, Parameter):
             return sp.Rational(value)
-        self.constants.append(Coefficient(symbol, quantity.value(value, False), "", doc, unit or value.unit))
+        self.constants.append(ModelConstant(symbol, quantity.value(value, False), "", doc, unit or value.unit))
         return symbol
 
 

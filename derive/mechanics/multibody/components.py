@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from derive.mechanics.body import Body
-from derive.mechanics.points import MaterialPoint
-from derive.mechanics.terms import Coefficient
+from derive.mechanics.motion.material_points import MaterialPoint
+from derive.mechanics.terms import ModelConstant
 
 
 @dataclass(frozen=True)
@@ -15,7 +15,7 @@ class Section:
     """A material point, and the rotations of the body's section there by each shape (none in a rigid body)."""
 
     point: MaterialPoint
-    rotations: tuple[Coefficient, ...] = ()
+    rotations: tuple[ModelConstant, ...] = ()
 
 
 @dataclass(frozen=True)

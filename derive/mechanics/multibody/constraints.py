@@ -6,13 +6,13 @@ import sympy as sp
 
 from derive.mechanics.multibody.joints.joint_type import JointType, PrescribedMotion
 from derive.mechanics.multibody.point_motion import Derivatives, Link, added
-from derive.mechanics.terms import Constraint, Definition, Row
+from derive.mechanics.terms import Constraint, EquationOfMotion, Intermediate
 from derive.spec.model.scene import Joint, MarkerRef
 
 
 def constraints(
-    joint: Joint, joint_type: JointType, link: Link, drive: PrescribedMotion | None, rows: tuple[Row, ...]
-) -> tuple[tuple[Definition, ...], tuple[Constraint, ...]]:
+    joint: Joint, joint_type: JointType, link: Link, drive: PrescribedMotion | None, rows: tuple[EquationOfMotion, ...]
+) -> tuple[tuple[Intermediate, ...], tuple[Constraint, ...]]:
     """The constraints of a joint and of its drive, and the intermediate quantities in them.
 
     `link` is the motion of its second marker relative to its first, `rows` are those of the whole mechanism.
@@ -33,7 +33,13 @@ def constraints(
 
 
 def _constraint(
-    joint: Joint, name: str, doc: str, unit: str, force_unit: str, residual: Derivatives, rows: tuple[Row, ...]
+    joint: Joint,
+    name: str,
+    doc: str,
+    unit: str,
+    force_unit: str,
+    residual: Derivatives,
+    rows: tuple[EquationOfMotion, ...],
 ) -> Constraint:
     position, rate, second = residual
     second = sp.expand(second)

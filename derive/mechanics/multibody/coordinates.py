@@ -11,10 +11,10 @@ from dataclasses import dataclass, replace
 
 import sympy as sp
 
-from derive.mechanics.motion import Motion
+from derive.mechanics.motion.body_motion import Motion
 from derive.mechanics.multibody.point_motion import Derivatives, PointMotion
 from derive.mechanics.symbols import Family, Symbol, owned, quantity
-from derive.mechanics.terms import Coordinate, Definition, Row
+from derive.mechanics.terms import Coordinate, EquationOfMotion, Intermediate
 
 
 @dataclass(frozen=True)
@@ -27,10 +27,10 @@ class CoordinateMap:
     """
 
     coordinates: tuple[Coordinate, ...]
-    rows: tuple[Row, ...]
+    rows: tuple[EquationOfMotion, ...]
     values: Mapping[sp.Basic, sp.Basic]
     weights: tuple[Mapping[str, sp.Expr], ...]
-    definitions: tuple[Definition, ...] = ()
+    definitions: tuple[Intermediate, ...] = ()
     reason: str = ""
 
 
@@ -79,21 +79,21 @@ def displacement_only(
     return CoordinateMap((coordinate,), (row,), values, (weights,), (), reason)
 
 
-def _coordinate(q: Symbol, doc: str, unit: str) -> tuple[Coordinate, Row]:
+def _coordinate(q: Symbol, doc: str, unit: str) -> tuple[Coordinate, EquationOfMotion]:
     name = q.name
     v, a = (Symbol(replace(q.identity, derivative=d)) for d in (1, 2))
     work = "N m" if unit == "rad" else "N"
-    return Coordinate(q, doc, unit), Row(name, v, a, f"time derivative of {name}", f"{unit}/s", work)
+    return Coordinate(q, doc, unit), EquationOfMotion(name, v, a, f"time derivative of {name}", f"{unit}/s", work)
 
 
 def _symbols(motion: Motion, k: int) -> tuple[sp.Symbol, sp.Symbol, sp.Symbol]:
     return motion.coordinates[k].q, motion.rows[k].v, motion.rows[k].a
 
 
-def _origin(name: str, motion: Motion, at: PointMotion) -> tuple[dict[sp.Basic, sp.Basic], list[Definition]]:
+def _origin(name: str, motion: Motion, at: PointMotion) -> tuple[dict[sp.Basic, sp.Basic], list[Intermediate]]:
     """c of a body whose origin O follows a known point; what moves has a name."""
     values: dict[sp.Basic, sp.Basic] = {}
-    definitions: list[Definition] = []
+    definitions: list[Intermediate] = []
     for k in range(2):
         moved = (at.position[k], at.velocity[k], at.acceleration[k])
         for symbol, value in zip(_symbols(motion, k), moved, strict=True):
@@ -103,9 +103,9 @@ def _origin(name: str, motion: Motion, at: PointMotion) -> tuple[dict[sp.Basic, 
     return values, definitions
 
 
-def _named(name: str, symbol: sp.Symbol, value: sp.Expr, doc: str) -> tuple[sp.Expr, list[Definition]]:
+def _named(name: str, symbol: sp.Symbol, value: sp.Expr, doc: str) -> tuple[sp.Expr, list[Intermediate]]:
     """A number or a symbol as it is; else a definition."""
     if value.is_Rational or value.is_Symbol:
         return value, []
     new = owned(symbol, name)
-    return new, [Definition(new, value, name, "(1)", doc)]
+    return new, [Intermediate(new, value, name, "(1)", doc)]

@@ -10,14 +10,23 @@ import sympy as sp
 from derive.mechanics import zeros
 from derive.mechanics.equations import Equations
 from derive.mechanics.expansion import constants_of
+from derive.mechanics.motion.material_points import marker
 from derive.mechanics.multibody.components import Component
 from derive.mechanics.multibody.coordinates import CoordinateMap
 from derive.mechanics.multibody.kinds import BodyInstance, BodyKind
 from derive.mechanics.multibody.point_motion import PointMotion, point_motion
 from derive.mechanics.multibody.time_functions import rounded
-from derive.mechanics.points import marker
 from derive.mechanics.symbols import Family, identity, owned
-from derive.mechanics.terms import Coefficient, Coordinate, Definition, MarkerEquations, Reason, Row, Term, Vanished
+from derive.mechanics.terms import (
+    Coordinate,
+    EquationOfMotion,
+    Intermediate,
+    MarkerEquations,
+    ModelConstant,
+    Reason,
+    Term,
+    Vanished,
+)
 
 Symbols = dict[sp.Basic, sp.Basic]
 
@@ -27,9 +36,9 @@ class InstanceEquations:
     """What an instance contributes to the equations of a mechanism; `points` are the motions of its markers."""
 
     coordinates: tuple[Coordinate, ...]
-    rows: tuple[Row, ...]
-    coefficients: tuple[Coefficient, ...]
-    definitions: tuple[Definition, ...]
+    rows: tuple[EquationOfMotion, ...]
+    coefficients: tuple[ModelConstant, ...]
+    definitions: tuple[Intermediate, ...]
     terms: tuple[Term, ...]
     vanished: tuple[Vanished, ...]
     mass_zeros: tuple[tuple[str, str, Reason], ...]
@@ -78,8 +87,8 @@ class _Moved:
     """The kinematics of an instance: the symbols of its kind in those of the mechanism, and its markers."""
 
     change: Symbols
-    constants: tuple[Coefficient, ...]
-    definitions: tuple[Definition, ...]
+    constants: tuple[ModelConstant, ...]
+    definitions: tuple[Intermediate, ...]
     reasons: zeros.Reasons
     points: Mapping[str, PointMotion]
 
@@ -103,22 +112,24 @@ def _moved(instance: BodyInstance, kind: BodyKind) -> _Moved:
     return _Moved(change, constants, tuple(definitions), reasons, points)
 
 
-def _renamed(group: str, coefficients: tuple[Coefficient, ...]) -> Symbols:
+def _renamed(group: str, coefficients: tuple[ModelConstant, ...]) -> Symbols:
     return {c.symbol: owned(c.symbol, group) for c in coefficients if not _is_shared(c)}
 
 
-def _is_shared(c: Coefficient) -> bool:
+def _is_shared(c: ModelConstant) -> bool:
     """Whether all bodies share a coefficient: gravity is resolved in the inertial frame."""
     return identity(c.symbol).family is Family.GRAVITY
 
 
-def _coefficient(group: str, c: Coefficient) -> Coefficient:
+def _coefficient(group: str, c: ModelConstant) -> ModelConstant:
     if _is_shared(c):
         return c
     return replace(c, symbol=owned(c.symbol, group), doc=f"{c.doc}; {group}")
 
 
-def _definitions(name: str, definitions: tuple[Definition, ...], change: Symbols, point: str = "") -> list[Definition]:
+def _definitions(
+    name: str, definitions: tuple[Intermediate, ...], change: Symbols, point: str = ""
+) -> list[Intermediate]:
     """Definitions under names of the scene; `change` learns them, and numbers for those that are constant here."""
     result = []
     for d in definitions:

@@ -11,12 +11,12 @@ import sympy as sp
 from derive.mechanics.body import Body, ExactValues
 from derive.mechanics.equations import Equations
 from derive.mechanics.indexed_equations import derive_body
-from derive.mechanics.motion import Motion
+from derive.mechanics.motion.body_motion import Motion
 from derive.mechanics.multibody.components import Component
 from derive.mechanics.multibody.coordinates import CoordinateMap
 from derive.mechanics.multibody.forces.force_type import ForceType
 from derive.mechanics.multibody.joints.joint_type import JointType, PrescribedMotion
-from derive.mechanics.terms import Coefficient
+from derive.mechanics.terms import ModelConstant
 from derive.spec.model.scene import Force, Joint, MarkerRef, Spring, Torque
 
 
@@ -92,7 +92,7 @@ class BodyKinds:
 
 
 def _without_values(body: Body) -> Body:
-    def plain(constants: tuple[Coefficient, ...]) -> tuple[Coefficient, ...]:
+    def plain(constants: tuple[ModelConstant, ...]) -> tuple[ModelConstant, ...]:
         return tuple(replace(c, value=sp.S.Zero) for c in constants)
 
     assert isinstance(body.values, ExactValues), "bodies of planar mechanisms have exact integrals"
@@ -101,7 +101,7 @@ def _without_values(body: Body) -> Body:
         body,
         name="",
         doc="",
-        origin="",
+        frame_doc="",
         mass=sp.S.Zero,
         values=ExactValues(plain(body.values.every)),
         gravity=plain(body.gravity),

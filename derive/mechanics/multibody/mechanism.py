@@ -20,15 +20,15 @@ from derive.mechanics.multibody.kinds import BodyInstance, BodyKind, ForceInstan
 from derive.mechanics.multibody.point_motion import Link, PointMotion
 from derive.mechanics.symbols import t
 from derive.mechanics.terms import (
-    Coefficient,
     Constraint,
     Coordinate,
-    Definition,
     Eliminated,
+    EquationOfMotion,
+    Intermediate,
     MarkerEquations,
+    ModelConstant,
     ParameterSymbol,
     Pose,
-    Row,
     Term,
 )
 from derive.spec.model.scene import GROUND, MarkerRef, Scene
@@ -56,7 +56,7 @@ class Mechanism:
     joints: tuple[JointInstance, ...]
     forces: tuple[ForceInstance, ...]
     parameters: tuple[ParameterSymbol, ...]
-    constants: tuple[Coefficient, ...]
+    constants: tuple[ModelConstant, ...]
     eliminated: tuple[Eliminated, ...]
 
     def instance(self, name: str) -> BodyInstance:
@@ -124,8 +124,8 @@ def _refuse_idle(conditions: tuple[Constraint, ...]) -> None:
 def _gathered(
     mechanism: Mechanism,
     instances: Instances,
-    rows: tuple[Row, ...],
-    definitions: tuple[Definition, ...],
+    rows: tuple[EquationOfMotion, ...],
+    definitions: tuple[Intermediate, ...],
     conditions: tuple[Constraint, ...],
     forces: Sequence[GeneralisedForce],
 ) -> Equations:
@@ -146,7 +146,7 @@ def _gathered(
     return Equations(
         name=scene.name,
         doc=_doc(scene, coordinates, conditions),
-        origin=_frame_doc(mechanism),
+        frame_doc=_frame_doc(mechanism),
         coordinates=coordinates,
         rows=rows,
         rates=tuple(row.v for row in rows),
@@ -176,10 +176,10 @@ def _carried(instances: Instances, moving: frozenset[sp.Symbol]) -> list[Elimina
     return [Eliminated(f"{name} in energy, momentum and markers", reason) for name in names]
 
 
-def _coefficients(mechanism: Mechanism, bodies: list[InstanceEquations]) -> tuple[Coefficient, ...]:
+def _coefficients(mechanism: Mechanism, bodies: list[InstanceEquations]) -> tuple[ModelConstant, ...]:
     """Each symbol once, with one symbol for each parameter, whatever it is assumed to be where it is used."""
     canonical = {p.symbol.name: p.symbol for p in mechanism.parameters}
-    result: dict[sp.Symbol, Coefficient] = {}
+    result: dict[sp.Symbol, ModelConstant] = {}
     for c in (*mechanism.constants, *chain.from_iterable(b.coefficients for b in bodies)):
         known = {s: canonical[s.name] for s in c.value.free_symbols if s.name in canonical}
         result.setdefault(c.symbol, replace(c, value=c.value.xreplace(known)))
@@ -196,10 +196,10 @@ def _pose(name: str, instance: InstanceEquations) -> Pose:
 
 
 def _distinct(
-    rows: tuple[Row, ...],
+    rows: tuple[EquationOfMotion, ...],
     conditions: tuple[Constraint, ...],
-    coefficients: tuple[Coefficient, ...],
-    definitions: tuple[Definition, ...],
+    coefficients: tuple[ModelConstant, ...],
+    definitions: tuple[Intermediate, ...],
 ) -> None:
     """Names that are joined of others may meet; then one of the two has to be called otherwise."""
     names = [str(s) for row in rows for s in (row.name, row.v, row.a)]
@@ -210,7 +210,7 @@ def _distinct(
         raise SpecError((Problem("bodies", text),))
 
 
-def _moving(definitions: tuple[Definition, ...]) -> frozenset[sp.Symbol]:
+def _moving(definitions: tuple[Intermediate, ...]) -> frozenset[sp.Symbol]:
     """The time, and all symbols that are made of it."""
     moving = {t}
     for d in definitions:
@@ -219,7 +219,7 @@ def _moving(definitions: tuple[Definition, ...]) -> frozenset[sp.Symbol]:
     return frozenset(moving)
 
 
-def _depends(definitions: tuple[Definition, ...], position: sp.ImmutableMatrix, moving: frozenset[sp.Symbol]) -> bool:
+def _depends(definitions: tuple[Intermediate, ...], position: sp.ImmutableMatrix, moving: frozenset[sp.Symbol]) -> bool:
     """Whether a marker needs the time, which markers do not get."""
     every = (position.free_symbols, *(d.expr.free_symbols for d in definitions))
     return any(symbols & moving for symbols in every)
@@ -237,7 +237,7 @@ def _markers(bodies: Iterable[InstanceEquations]) -> Iterator[MarkerEquations]:
             yield replace(m, jacobian=sp.ImmutableMatrix.hstack(*columns), load=load)
 
 
-def _mass(rows: tuple[Row, ...], terms: tuple[Term, ...]) -> sp.ImmutableMatrix:
+def _mass(rows: tuple[EquationOfMotion, ...], terms: tuple[Term, ...]) -> sp.ImmutableMatrix:
     """The factors of the accelerations in each row."""
     column = {row.a: j for j, row in enumerate(rows)}
     number = {row.name: i for i, row in enumerate(rows)}

@@ -8,11 +8,11 @@ from dataclasses import dataclass
 import sympy as sp
 
 from derive.mechanics import zeros
-from derive.mechanics.kinematics import ONE, RDDOT, RDOT, Field, R
-from derive.mechanics.motion import Motion
-from derive.mechanics.points import MaterialPoint
+from derive.mechanics.motion.body_motion import Motion
+from derive.mechanics.motion.kinematics import ONE, RDDOT, RDOT, Field, R
+from derive.mechanics.motion.material_points import MaterialPoint
 from derive.mechanics.symbols import Family, Identity, Symbol
-from derive.mechanics.terms import Coefficient, Definition
+from derive.mechanics.terms import Intermediate, ModelConstant
 
 Derivatives = tuple[sp.Expr, sp.Expr, sp.Expr]
 """A quantity with its first and second time derivative."""
@@ -25,7 +25,7 @@ class PointMotion:
     Accelerations are linear in those of the coordinates, whose factors are the columns of the Jacobian.
     """
 
-    definitions: tuple[Definition, ...]
+    definitions: tuple[Intermediate, ...]
     position: sp.ImmutableMatrix
     velocity: sp.ImmutableMatrix
     acceleration: sp.ImmutableMatrix
@@ -61,7 +61,7 @@ def fixed_point(position: sp.Matrix) -> PointMotion:
 
 
 def point_motion(
-    motion: Motion, point: MaterialPoint, rotations: tuple[Coefficient, ...], reasons: zeros.Reasons
+    motion: Motion, point: MaterialPoint, rotations: tuple[ModelConstant, ...], reasons: zeros.Reasons
 ) -> PointMotion:
     """The motion of a material point from (1) and (5); `rotations` are those of the section by each shape."""
     rotation, (generator,), axes = motion.rotation, motion.frame.generators, (1, 2)
@@ -75,10 +75,10 @@ def point_motion(
         named = (Identity(family, components=(k,), derivative=derivative, point=point.name) for k in axes)
         return sp.Matrix([Symbol(known) for known in named])
 
-    def define(vector: sp.Matrix, values: sp.Matrix, doc: str) -> list[Definition]:
+    def define(vector: sp.Matrix, values: sp.Matrix, doc: str) -> list[Intermediate]:
         where = point.name
         return [
-            Definition(symbol, value, where, "(1)", f"{doc} {where}, along e{k}")
+            Intermediate(symbol, value, where, "(1)", f"{doc} {where}, along e{k}")
             for k, symbol, value in zip(axes, vector, values, strict=True)
         ]
 

@@ -18,7 +18,7 @@ import numpy as np
 import sympy as sp
 from numpy.typing import NDArray
 
-from derive.mechanics.spatial import skew, symbols_of_rotation, symmetric
+from derive.mechanics.motion.spatial import skew, symbols_of_rotation, symmetric
 from derive.mechanics.symbols import MASS, Family, I, ShapeIndex, local, quantity
 from derive.mechanics.symbols import vector as components_of
 from derive.mechanics.tables import AXES, PAIRS

@@ -11,10 +11,7 @@ import sympy as sp
 
 from derive.derivation import derive
 from derive.mechanics.bodies.beam import beam_point
-from derive.mechanics.equations import Equations
-from derive.mechanics.kinematics import ONE
-from derive.mechanics.planar import planar_motion
-from derive.mechanics.reference_conditions import (
+from derive.mechanics.bodies.reference_conditions import (
     Condition,
     MeanCondition,
     PointCondition,
@@ -22,6 +19,9 @@ from derive.mechanics.reference_conditions import (
     conditions,
     xi,
 )
+from derive.mechanics.equations import Equations
+from derive.mechanics.motion.kinematics import ONE
+from derive.mechanics.motion.planar import planar_motion
 from derive.report.document.formula import Equation, Formula, Matrix, Name, Number, Part, Row
 from derive.report.notation.expressions import Notation, notation, polynomial
 from derive.report.notation.formula_reader import equation, formula

@@ -13,8 +13,8 @@ from derive.mechanics import virtual_work_equations as body
 from derive.mechanics.bodies import spatial_body as general
 from derive.mechanics.equations import Equations
 from derive.mechanics.indexed_equations import ELASTIC_SERIES, derive_body
-from derive.mechanics.series import Series
-from derive.mechanics.spatial import rotation_of, spatial_series, spatial_sums
+from derive.mechanics.motion.spatial import rotation_of, spatial_series, spatial_sums
+from derive.mechanics.sums import Series
 from derive.mechanics.symbols import Family, I, J, Symbol, quantity
 from derive.mechanics.tables import AXES, INDICES, TableKind
 from derive.mechanics.terms import Term

@@ -45,7 +45,7 @@ ROWS = (
         "definition",
         derived.translation,
         "the package",
-        where=("derive/mechanics/planar.py::_coordinates",),
+        where=("derive/mechanics/motion/planar.py::_coordinates",),
         tests=(*tests(BEAM, "test_translation_is_23"), *PLACES),
         scalars=True,
     ),

@@ -28,7 +28,7 @@ KINEMATICS = (
         kinematics.position,
         "the package",
         note="Defines $c$, $Q$ and $u$; $r$ stands for $X + u$.",
-        where=("derive/mechanics/kinematics.py::position", "derive/mechanics/motion.py::position"),
+        where=("derive/mechanics/motion/kinematics.py::position", "derive/mechanics/motion/body_motion.py::position"),
         tests=tests(SPACE, "test_place_of_a_material_point_is_1_with_14"),
     ),
     AuditRow(
@@ -196,7 +196,10 @@ DISCRETE = (
         "the package",
         note="Defines $alpha$ and $Phi$. The derivation uses it in every moment of $r = X + u$; as derived, the first "
         "one.",
-        where=("derive/mechanics/spatial.py::spatial_series", "derive/mechanics/integrals.py::planar_series"),
+        where=(
+            "derive/mechanics/motion/spatial.py::spatial_series",
+            "derive/mechanics/motion/planar.py::planar_series",
+        ),
         tests=tests(SPACE, "test_place_of_a_material_point_is_1_with_14"),
     ),
     AuditRow(

@@ -7,7 +7,7 @@ from typing import assert_never
 
 import sympy as sp
 
-from derive.mechanics.reference_conditions import (
+from derive.mechanics.bodies.reference_conditions import (
     Condition,
     MeanCondition,
     PointCondition,

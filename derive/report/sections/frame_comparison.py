@@ -9,8 +9,8 @@ from fractions import Fraction
 from derive.ir.model import Model
 from derive.lowering.flat import lower
 from derive.mechanics.bodies import beam
+from derive.mechanics.bodies.reference_conditions import ConditionError
 from derive.mechanics.equations import Equations
-from derive.mechanics.reference_conditions import ConditionError
 from derive.report.document.formula import Equation
 from derive.report.document.page import Block, Columns, Heading, Paragraph, Picture
 from derive.report.document.page import Equations as Lines

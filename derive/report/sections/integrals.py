@@ -9,7 +9,7 @@ import sympy as sp
 from derive.mechanics.equations import Equations
 from derive.mechanics.symbols import Family, I, Identity, J, identity
 from derive.mechanics.tables import Table, TableKind
-from derive.mechanics.terms import Coefficient
+from derive.mechanics.terms import ModelConstant
 from derive.report.document.page import Block, Code, Heading, Math, Paragraph
 from derive.report.document.tables import MOST, Said, folded, table
 from derive.report.notation.expressions import SMALL, Notation, decimal
@@ -37,7 +37,7 @@ def integral_blocks(equations: Equations, notation: Notation) -> tuple[Block, ..
     )
 
 
-def _integral(c: Coefficient, notation: Notation, planar: bool, described: bool) -> list[Said]:
+def _integral(c: ModelConstant, notation: Notation, planar: bool, described: bool) -> list[Said]:
     what: list[Said] = [meaning(identity(c.symbol), c.doc, planar)] if described else []
     return [notation.formula(c.symbol), *what, _value(c, notation), unit(c.unit), Code(str(c.symbol))]
 
@@ -47,7 +47,7 @@ def _rounded(value: sp.Expr) -> bool:
     return bool(value.is_Rational) and value.q > SMALL and sp.Rational(decimal(abs(value))) != abs(value)
 
 
-def _value(coefficient: Coefficient, notation: Notation) -> Said:
+def _value(coefficient: ModelConstant, notation: Notation) -> Said:
     value = coefficient.value
     same = isinstance(value, sp.Symbol) and notation.formula(value) == notation.formula(coefficient.symbol)
     return "a parameter" if same else notation.formula(value)
@@ -60,9 +60,9 @@ TABLES = (*INTEGRANDS, Family.STIFFNESS, Family.DAMPING)
 """Families with a table of entries."""
 
 
-def _families(coefficients: Iterable[Coefficient], planar: bool) -> Block:
+def _families(coefficients: Iterable[ModelConstant], planar: bool) -> Block:
     """How many entries each integral has, and how many do not vanish."""
-    gathered: dict[tuple[str, Family], list[Coefficient]] = {}
+    gathered: dict[tuple[str, Family], list[ModelConstant]] = {}
     for c in coefficients:
         known = identity(c.symbol)
         gathered.setdefault((known.owner, known.family), []).append(c)

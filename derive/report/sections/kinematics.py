@@ -8,10 +8,10 @@ import sympy as sp
 
 from derive.mechanics import quantity
 from derive.mechanics.equations import Equations
-from derive.mechanics.kinematics import PHI, RDDOT, RDOT, Field, R, add
-from derive.mechanics.planar import planar_motion
-from derive.mechanics.points import vector_at
-from derive.mechanics.spatial import spatial_motion
+from derive.mechanics.motion.kinematics import PHI, RDDOT, RDOT, Field, R, add
+from derive.mechanics.motion.material_points import vector_at
+from derive.mechanics.motion.planar import planar_motion
+from derive.mechanics.motion.spatial import spatial_motion
 from derive.report.document.formula import Equation, Fenced, Formula, Matrix, Name, Number, Operator, Part, Power, Row
 from derive.report.document.formula import Fraction as Over
 from derive.report.document.page import Block, Heading, Math, Paragraph
@@ -82,7 +82,7 @@ def _origin(spec: Specification, equations: Equations) -> tuple[Block, ...]:
     """Where c is, in a sentence."""
     if isinstance(spec, PlanarBeam):
         return (Paragraph((Math(formula("c")), " is where the centre of the undeformed beam lies.")),)
-    return (Paragraph((equations.origin,)),) if equations.origin else ()
+    return (Paragraph((equations.frame_doc,)),) if equations.frame_doc else ()
 
 
 def _numbered(lines: Iterable[Equation], number: str) -> list[Equation]:

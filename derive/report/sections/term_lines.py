@@ -10,7 +10,7 @@ import sympy as sp
 from derive.backends.source_map import FunctionLines, SourceMap, StoredValue
 from derive.ir.model import Model
 from derive.mechanics.equations import Equations
-from derive.mechanics.series import exchanged
+from derive.mechanics.sums import exchanged
 from derive.mechanics.symbols import I, Identity, J, Symbol, identity
 from derive.mechanics.terms import Term
 from derive.report.document.anchors import anchor

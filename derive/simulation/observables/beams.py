@@ -6,8 +6,8 @@ from fractions import Fraction
 
 import numpy as np
 
+from derive.mechanics.bodies.reference_conditions import assumed_shapes
 from derive.mechanics.multibody.bodies.beam import piece_name, piece_of, place_in_piece
-from derive.mechanics.reference_conditions import assumed_shapes
 from derive.mechanics.symbols import amplitude, owned
 from derive.simulation.observables.motion import Array, SceneMotion, si_value, transformed
 from derive.spec.model.body import Polynomial

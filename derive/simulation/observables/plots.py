@@ -6,14 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from derive.simulation.observables.motion import (
-    Array,
-    SceneMotion,
-    deflection,
-    deviation,
-    drive_unit,
-    drive_values,
-)
+from derive.simulation.observables.motion import Array, SceneMotion, deflection, deviation, drive_unit, drive_values
 from derive.spec.model.scene import MarkerRef, Plot, Scene
 
 

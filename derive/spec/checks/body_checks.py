@@ -15,7 +15,7 @@ def shape_faults(path: KeyPath, beam: object) -> list[Fault]:
     except ValidationError:
         return []
     # SymPy takes its time to import, which a specification that fails before has not to wait for.
-    from derive.mechanics.reference_conditions import ConditionError, assumed_shapes
+    from derive.mechanics.bodies.reference_conditions import ConditionError, assumed_shapes
 
     try:
         assumed_shapes(*keys.shape_keys())

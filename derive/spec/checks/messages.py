@@ -12,14 +12,7 @@ from derive.spec.model.body import DEFAULT_BENDING_STIFFNESS, DEFAULT_LENGTH, DE
 from derive.spec.parsing.faults import Fault, KeyPath, unknown_key
 from derive.spec.parsing.values import kind_of
 from derive.spec.tables.beam import BeamTable, FrameTable
-from derive.spec.tables.body import (
-    BodyFrameTable,
-    DampingTable,
-    NodalTable,
-    SymbolicTable,
-    UnitsTable,
-    kind_of_body,
-)
+from derive.spec.tables.body import BodyFrameTable, DampingTable, NodalTable, SymbolicTable, UnitsTable, kind_of_body
 from derive.spec.tables.shared import ParameterTable
 from derive.spec.tables.specification import SCENE, specification_table
 

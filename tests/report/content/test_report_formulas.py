@@ -10,8 +10,8 @@ import pytest
 import sympy as sp
 from formula_number import Draw, magnitude, number, total
 
+from derive.mechanics.bodies.reference_conditions import assumed_shapes
 from derive.mechanics.bodies.spatial_body import DOCS
-from derive.mechanics.reference_conditions import assumed_shapes
 from derive.mechanics.symbols import MASS, Family, amplitude, identity, owned, quantity
 from derive.report.document.formula import Call, Equation, Matrix, Name, Row
 from derive.report.notation.expressions import notation
@@ -179,8 +179,8 @@ def value(polynomial, at: Fraction) -> Fraction:
 
 
 def test_kinematics_in_components_are_those_derived() -> None:
-    from derive.mechanics.kinematics import RDOT, R
-    from derive.mechanics.planar import planar_motion
+    from derive.mechanics.motion.kinematics import RDOT, R
+    from derive.mechanics.motion.planar import planar_motion
 
     motion, numbers = planar_motion(0), draw("point")
     line = pages.equations(pages.section("point", "kinematics"))[-1]

@@ -12,18 +12,7 @@ import pytest
 import sample_report
 from sample_report import EVERYTHING, PHI, row, square
 
-from derive.report.document.formula import (
-    Call,
-    Fenced,
-    Formula,
-    Fraction,
-    Matrix,
-    Name,
-    Number,
-    Operator,
-    Part,
-    Power,
-)
+from derive.report.document.formula import Call, Fenced, Formula, Fraction, Matrix, Name, Number, Operator, Part, Power
 from derive.report.document.page import Cell, Page, Paragraph, Table
 from derive.report.notation.line_breaking import lines, part_width
 from derive.report.writers.latex import latex

@@ -7,10 +7,10 @@ from dataclasses import replace
 from fractions import Fraction
 
 from derive.mechanics.bodies.beam import beam_body, beam_point, section_turns, shape_text
+from derive.mechanics.bodies.reference_conditions import assumed_shapes
 from derive.mechanics.multibody.bodies.body_type import BodyType, Constant
 from derive.mechanics.multibody.components import Component, Section
-from derive.mechanics.reference_conditions import assumed_shapes
-from derive.mechanics.terms import Coefficient
+from derive.mechanics.terms import ModelConstant
 from derive.spec.model.body import Marker
 from derive.spec.model.scene import BeamBody, Joint, MarkerRef
 
@@ -24,7 +24,7 @@ class Beam(BodyType[BeamBody]):
     doc = "beam"
     identifying_keys = ("length", "bending_stiffness", "ansatz", "frame")
 
-    def components(self, body: BeamBody, gravity: tuple[Coefficient, ...]) -> tuple[Component, ...]:
+    def components(self, body: BeamBody, gravity: tuple[ModelConstant, ...]) -> tuple[Component, ...]:
         """The pieces of the rod from its left to its right end."""
         n = body.pieces
         piece = replace(beam_body(replace(body.beam, markers=()), n), gravity=gravity)

@@ -9,7 +9,7 @@ from typing import ClassVar, Generic, TypeVar
 
 from derive.mechanics.multibody.components import Component
 from derive.mechanics.multibody.keys import Key
-from derive.mechanics.terms import Coefficient
+from derive.mechanics.terms import ModelConstant
 from derive.spec.model.body import Quantity
 from derive.spec.model.scene import Joint, MarkerRef, SceneBody
 
@@ -38,14 +38,14 @@ class BodyType(ABC, Generic[B]):
     keys: ClassVar[tuple[Key, ...]] = ()
 
     @abstractmethod
-    def components(self, body: B, gravity: tuple[Coefficient, ...]) -> tuple[Component, ...]:
+    def components(self, body: B, gravity: tuple[ModelConstant, ...]) -> tuple[Component, ...]:
         """The bodies of the equations of motion that it consists of, free of joints."""
 
     @abstractmethod
     def constants(self, body: B) -> Iterator[Constant]:
         """What may be a run-time parameter, in the order in which parameters are listed."""
 
-    def about(self, body: B, marker: str, gravity: tuple[Coefficient, ...]) -> Component | None:
+    def about(self, body: B, marker: str, gravity: tuple[ModelConstant, ...]) -> Component | None:
         """The body with its origin O in a marker, for joints that eliminate coordinates; None if it keeps all."""
         return None
 

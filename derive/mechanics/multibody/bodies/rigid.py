@@ -10,7 +10,7 @@ from derive.mechanics import quantity
 from derive.mechanics.bodies.rigid import rigid_body, rigid_point
 from derive.mechanics.multibody.bodies.body_type import BodyType, Constant
 from derive.mechanics.multibody.components import Component, Section
-from derive.mechanics.terms import Coefficient
+from derive.mechanics.terms import ModelConstant
 from derive.spec.model.scene import PointMarker, RigidBody
 
 BODY_FRAME = "base"
@@ -22,11 +22,11 @@ class Rigid(BodyType[RigidBody]):
 
     doc = "rigid body"
 
-    def components(self, body: RigidBody, gravity: tuple[Coefficient, ...]) -> tuple[Component, ...]:
+    def components(self, body: RigidBody, gravity: tuple[ModelConstant, ...]) -> tuple[Component, ...]:
         """The body with its origin O in its centre of mass."""
         return (_component(body, None, gravity),)
 
-    def about(self, body: RigidBody, marker: str, gravity: tuple[Coefficient, ...]) -> Component | None:
+    def about(self, body: RigidBody, marker: str, gravity: tuple[ModelConstant, ...]) -> Component | None:
         """The body with its origin O in a marker, unless the specification wants all its coordinates."""
         return None if body.keep_coordinates else _component(body, marker, gravity)
 
@@ -57,7 +57,7 @@ def rigid_component(
     centre: sp.Matrix,
     markers: tuple[PointMarker, ...],
     about: str | None,
-    gravity: tuple[Coefficient, ...],
+    gravity: tuple[ModelConstant, ...],
 ) -> Component:
     """A rigid component with its origin O in the marker `about`, or in its centre of mass.
 
@@ -71,7 +71,7 @@ def rigid_component(
     return Component(name, name, body, sections, tuple(positions))
 
 
-def _component(body: RigidBody, about: str | None, gravity: tuple[Coefficient, ...]) -> Component:
+def _component(body: RigidBody, about: str | None, gravity: tuple[ModelConstant, ...]) -> Component:
     centre = sp.Matrix([quantity.value(x, positive=False) for x in body.centre])
     mass, inertia = (sp.S.Zero if x is None else quantity.value(x) for x in (body.mass, body.inertia))
     return rigid_component(body.name, mass, inertia, centre, body.markers, about, gravity)

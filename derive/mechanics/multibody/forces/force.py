@@ -10,7 +10,7 @@ from derive.mechanics.multibody.forces.force_type import Constants, ForceType, G
 from derive.mechanics.multibody.point_motion import PointMotion
 from derive.mechanics.multibody.time_functions import function
 from derive.mechanics.symbols import element as element_symbol
-from derive.mechanics.terms import Definition, Row
+from derive.mechanics.terms import EquationOfMotion, Intermediate
 from derive.spec.model.scene import Force, MarkerRef, TimeFunction
 
 
@@ -29,10 +29,10 @@ class ForceAtMarker(ForceType[Force]):
         yield from (("components", component) for component in element.components)
 
     def generalised_force(
-        self, element: Force, points: tuple[PointMotion, ...], constants: Constants, rows: tuple[Row, ...]
+        self, element: Force, points: tuple[PointMotion, ...], constants: Constants, rows: tuple[EquationOfMotion, ...]
     ) -> GeneralisedForce:
         """The virtual work of both components."""
-        definitions: list[Definition] = []
+        definitions: list[Intermediate] = []
         name, values = f"force {element.name}", []
         for k, component in enumerate(element.components, 1):
             symbol = element_symbol(element.name, "", k)

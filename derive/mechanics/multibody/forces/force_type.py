@@ -11,7 +11,7 @@ import sympy as sp
 
 from derive.mechanics.multibody.point_motion import PointMotion
 from derive.mechanics.symbols import Symbol
-from derive.mechanics.terms import Definition, Row, Term
+from derive.mechanics.terms import EquationOfMotion, Intermediate, Term
 from derive.spec.model.scene import Force, MarkerRef, Spring, TimeFunction, Torque
 
 F = TypeVar("F", Force, Torque, Spring)
@@ -25,7 +25,7 @@ class GeneralisedForce:
     """Terms on the left-hand side of the rows, the intermediate quantities in them, and the potential, if any."""
 
     terms: tuple[Term, ...]
-    definitions: tuple[Definition, ...] = ()
+    definitions: tuple[Intermediate, ...] = ()
     potential: sp.Expr = sp.S.Zero
 
 
@@ -51,7 +51,7 @@ class ForceType(ABC, Generic[F]):
 
     @abstractmethod
     def generalised_force(
-        self, element: F, points: tuple[PointMotion, ...], constants: Constants, rows: tuple[Row, ...]
+        self, element: F, points: tuple[PointMotion, ...], constants: Constants, rows: tuple[EquationOfMotion, ...]
     ) -> GeneralisedForce:
         """Its virtual work on the rows of a mechanism; `points` are the motions of its markers."""
 
@@ -60,25 +60,25 @@ class ForceType(ABC, Generic[F]):
         yield from ()
 
 
-def force_terms(name: str, at: PointMotion, force: sp.Matrix, rows: tuple[Row, ...]) -> tuple[Term, ...]:
+def force_terms(name: str, at: PointMotion, force: sp.Matrix, rows: tuple[EquationOfMotion, ...]) -> tuple[Term, ...]:
     """The virtual work of a force: its product with the columns of the Jacobian of the point."""
     return _terms(name, sp.expand(force.dot(at.acceleration)), rows)
 
 
-def torque_terms(name: str, at: PointMotion, torque: sp.Expr, rows: tuple[Row, ...]) -> tuple[Term, ...]:
+def torque_terms(name: str, at: PointMotion, torque: sp.Expr, rows: tuple[EquationOfMotion, ...]) -> tuple[Term, ...]:
     """The virtual work of a torque about e3 on the section at a point."""
     return _terms(name, sp.expand(torque * at.angular_acceleration), rows)
 
 
-def _terms(name: str, work: sp.Expr, rows: tuple[Row, ...]) -> tuple[Term, ...]:
+def _terms(name: str, work: sp.Expr, rows: tuple[EquationOfMotion, ...]) -> tuple[Term, ...]:
     present = work.free_symbols
     factors = ((row, work.coeff(row.a)) for row in rows if row.a in present)
     return tuple(Term(row.name, name, "(10)", -factor) for row, factor in factors if factor != 0)
 
 
-def define(symbol: Symbol, value: sp.Expr, doc: str, definitions: list[Definition]) -> sp.Expr:
+def define(symbol: Symbol, value: sp.Expr, doc: str, definitions: list[Intermediate]) -> sp.Expr:
     """A number as it is; else a symbol, whose definition is added to the list."""
     if value.is_Rational:
         return value
-    definitions.append(Definition(symbol, value, symbol.name, "(10)", doc))
+    definitions.append(Intermediate(symbol, value, symbol.name, "(10)", doc))
     return symbol

@@ -10,7 +10,7 @@ from derive.mechanics.multibody.forces.force_type import Constants, ForceType, G
 from derive.mechanics.multibody.point_motion import Link, PointMotion
 from derive.mechanics.multibody.time_functions import rounded
 from derive.mechanics.symbols import element as element_symbol
-from derive.mechanics.terms import Definition, Row
+from derive.mechanics.terms import EquationOfMotion, Intermediate
 from derive.spec.model.scene import MarkerRef, Spring
 
 
@@ -29,19 +29,19 @@ class LinearSpring(ForceType[Spring]):
         return (element.first, element.second)
 
     def generalised_force(
-        self, element: Spring, points: tuple[PointMotion, ...], constants: Constants, rows: tuple[Row, ...]
+        self, element: Spring, points: tuple[PointMotion, ...], constants: Constants, rows: tuple[EquationOfMotion, ...]
     ) -> GeneralisedForce:
         """The virtual work of the tension at both ends, and the energy of the spring."""
         stiffness, damping, rest = (constants[key] for key in self.units)
         name, (first, second) = f"spring {element.name}", points
         displacement, rate_of_displacement, _ = Link(first, second).displacement
-        definitions: list[Definition] = []
+        definitions: list[Intermediate] = []
 
         def intermediate(expr: sp.Expr, doc: str, what: str, *components: int) -> sp.Expr:
             if expr.is_number:
                 return rounded(expr)
             symbol = element_symbol(element.name, what, *components)
-            definitions.append(Definition(symbol, expr, element.name, "(10)", f"{doc} of {name}"))
+            definitions.append(Intermediate(symbol, expr, element.name, "(10)", f"{doc} of {name}"))
             return symbol
 
         vector = sp.Matrix(

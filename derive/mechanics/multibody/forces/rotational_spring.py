@@ -8,7 +8,7 @@ import sympy as sp
 
 from derive.mechanics.multibody.forces.force_type import Constants, ForceType, GeneralisedForce, torque_terms
 from derive.mechanics.multibody.point_motion import Link, PointMotion
-from derive.mechanics.terms import Row
+from derive.mechanics.terms import EquationOfMotion
 from derive.spec.model.scene import MarkerRef, Spring
 
 
@@ -24,7 +24,7 @@ class RotationalSpring(ForceType[Spring]):
         return (element.first, element.second)
 
     def generalised_force(
-        self, element: Spring, points: tuple[PointMotion, ...], constants: Constants, rows: tuple[Row, ...]
+        self, element: Spring, points: tuple[PointMotion, ...], constants: Constants, rows: tuple[EquationOfMotion, ...]
     ) -> GeneralisedForce:
         """The virtual work of the torque at both ends, and the energy of the spring."""
         stiffness, damping, rest = (constants[key] for key in self.units)

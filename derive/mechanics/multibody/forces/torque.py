@@ -8,7 +8,7 @@ from derive.mechanics.multibody.forces.force_type import Constants, ForceType, G
 from derive.mechanics.multibody.point_motion import PointMotion
 from derive.mechanics.multibody.time_functions import function
 from derive.mechanics.symbols import element as element_symbol
-from derive.mechanics.terms import Definition, Row
+from derive.mechanics.terms import EquationOfMotion, Intermediate
 from derive.spec.model.scene import MarkerRef, TimeFunction, Torque
 
 
@@ -27,10 +27,10 @@ class TorqueAtMarker(ForceType[Torque]):
         yield "value", element.value
 
     def generalised_force(
-        self, element: Torque, points: tuple[PointMotion, ...], constants: Constants, rows: tuple[Row, ...]
+        self, element: Torque, points: tuple[PointMotion, ...], constants: Constants, rows: tuple[EquationOfMotion, ...]
     ) -> GeneralisedForce:
         """The virtual work of the torque and of its reaction."""
-        definitions: list[Definition] = []
+        definitions: list[Intermediate] = []
         name = f"torque {element.name}"
         value = define(element_symbol(element.name, "torque"), function(element.value), name, definitions)
         terms = torque_terms(name, points[0], value, rows)

@@ -8,11 +8,11 @@ from typing import ClassVar
 
 import sympy as sp
 
-from derive.mechanics.motion import Motion
+from derive.mechanics.motion.body_motion import Motion
 from derive.mechanics.multibody.coordinates import CoordinateMap
 from derive.mechanics.multibody.keys import Key
 from derive.mechanics.multibody.point_motion import Derivatives, Link, PointMotion
-from derive.mechanics.terms import Definition
+from derive.mechanics.terms import Intermediate
 from derive.spec.model.scene import Joint
 
 
@@ -69,7 +69,7 @@ class JointEquations:
 
     residuals: tuple[Derivatives, ...]
     driven: Derivatives | None = None
-    definitions: tuple[Definition, ...] = ()
+    definitions: tuple[Intermediate, ...] = ()
 
 
 @dataclass(frozen=True)

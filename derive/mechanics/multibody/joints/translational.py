@@ -24,7 +24,7 @@ from derive.mechanics.multibody.keys import Key, KeyType
 from derive.mechanics.multibody.point_motion import Derivatives, Link, PointMotion
 from derive.mechanics.multibody.time_functions import rounded
 from derive.mechanics.symbols import element
-from derive.mechanics.terms import Definition
+from derive.mechanics.terms import Intermediate
 from derive.spec.model.scene import Joint
 
 
@@ -85,7 +85,7 @@ def unit_axis(joint: Joint) -> sp.Matrix:
     return sp.Matrix([1 - half**2, 2 * half]) / (1 + half**2)
 
 
-def _axis(joint: Joint, first: PointMotion) -> tuple[sp.Matrix, tuple[Definition, ...]]:
+def _axis(joint: Joint, first: PointMotion) -> tuple[sp.Matrix, tuple[Intermediate, ...]]:
     """The axis in the inertial frame; where the first body rotates, under names of its own."""
     axis = unit_axis(joint)
     if first.rotation.is_zero:
@@ -95,7 +95,7 @@ def _axis(joint: Joint, first: PointMotion) -> tuple[sp.Matrix, tuple[Definition
     values = sp.Matrix([[cos, -sin], [sin, cos]]) * axis
     doc = f"axis of {joint.name} along e"
     return along, tuple(
-        Definition(symbol, value, joint.name, "(26)", f"{doc}{k}")
+        Intermediate(symbol, value, joint.name, "(26)", f"{doc}{k}")
         for k, (symbol, value) in enumerate(zip(along, values, strict=True), 1)
     )
 

@@ -8,11 +8,11 @@ from itertools import groupby
 
 import sympy as sp
 
-from derive.mechanics.kinematics import ONE, Field, MovingFrame
-from derive.mechanics.series import Series, Vectors, exchanged, written_out
+from derive.mechanics.motion.kinematics import ONE, Field, MovingFrame
+from derive.mechanics.motion.moments import Moments, total
+from derive.mechanics.sums import Series, Vectors, exchanged, written_out
 from derive.mechanics.symbols import MASS, I
-from derive.mechanics.terms import Coordinate, Definition, Row
-from derive.mechanics.virtual_work import Moments, total
+from derive.mechanics.terms import Coordinate, EquationOfMotion, Intermediate
 
 __all__ = ["MASS", "Motion"]
 
@@ -27,14 +27,14 @@ class Motion:
     """
 
     coordinates: tuple[Coordinate, ...]
-    rows: tuple[Row, ...]
+    rows: tuple[EquationOfMotion, ...]
     rates: tuple[sp.Expr, ...]
     alpha: tuple[sp.Symbol, ...]
     rotation: sp.Matrix
-    rotation_definitions: tuple[Definition, ...]
+    rotation_definitions: tuple[Intermediate, ...]
     frame: MovingFrame
     moments: Moments
-    definitions: tuple[Definition, ...]
+    definitions: tuple[Intermediate, ...]
     sums: dict[sp.Symbol, sp.Expr]
     products: dict[sp.Expr, sp.Symbol]
     turns: tuple[tuple[sp.Matrix, sp.Matrix], ...]
@@ -75,15 +75,15 @@ class Motion:
         return sp.expand(expr.xreplace(self.sums))
 
 
-def definitions_of(series: Iterable[Series], vectors: Vectors, n: int) -> tuple[Definition, ...]:
+def definitions_of(series: Iterable[Series], vectors: Vectors, n: int) -> tuple[Intermediate, ...]:
     """The series written out for each of n shapes, moment by moment; zeros still inside."""
-    found: list[Definition] = []
+    found: list[Intermediate] = []
     for section, group in groupby(series, lambda s: s.section):
         members = tuple(group)
         for i in range(1, n + 1) if members[0].indexed else (0,):
             for s in members:
                 symbol, doc = exchanged(s.symbol, {I: i}), s.described(i)
-                found.append(Definition(symbol, written_out(s, i, vectors), section, "appendix", doc))
+                found.append(Intermediate(symbol, written_out(s, i, vectors), section, "appendix", doc))
     return tuple(found)
 
 

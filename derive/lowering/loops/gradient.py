@@ -9,8 +9,7 @@ from __future__ import annotations
 import sympy as sp
 
 from derive.mechanics.equations import Equations
-from derive.mechanics.series import ALPHA, ALPHADDOT, ALPHADOT, PARITY, canonical, exchanged, swapped
-from derive.mechanics.sums import Contraction
+from derive.mechanics.sums import ALPHA, ALPHADDOT, ALPHADOT, PARITY, Contraction, canonical, exchanged, swapped
 from derive.mechanics.symbols import Family, I, J, Symbol, is_indexed, quantity
 
 SUMS = {Family.C5: Family.C5_SUM, Family.C7: Family.C7_SUM, Family.C8: Family.C8_SUM}

@@ -8,12 +8,12 @@ from dataclasses import dataclass
 import sympy as sp
 
 from derive.mechanics import zeros
-from derive.mechanics.kinematics import ONE, PHI, RDOT, Field, R
-from derive.mechanics.motion import Motion
+from derive.mechanics.motion.body_motion import Motion
+from derive.mechanics.motion.kinematics import ONE, PHI, RDOT, Field, R
 from derive.mechanics.sums import Total
 from derive.mechanics.symbols import Family, I, amplitude, quantity, vector
 from derive.mechanics.tables import point_tables
-from derive.mechanics.terms import Coefficient, Definition, MarkerEquations
+from derive.mechanics.terms import Intermediate, MarkerEquations, ModelConstant
 
 
 @dataclass(frozen=True)
@@ -24,7 +24,7 @@ class MaterialPoint:
     doc: str
     position: sp.ImmutableMatrix
     shapes: tuple[sp.ImmutableMatrix, ...]
-    coefficients: tuple[Coefficient, ...] = ()
+    coefficients: tuple[ModelConstant, ...] = ()
 
 
 def vector_at(motion: Motion, field: Field, values: Mapping[str, sp.Matrix]) -> sp.Matrix:
@@ -47,10 +47,12 @@ def force_vector(motion: Motion) -> sp.Matrix:
     return vector(Family.FORCE, motion.rotation.rows)
 
 
-def force_definitions(motion: Motion) -> tuple[Definition, ...]:
+def force_definitions(motion: Motion) -> tuple[Intermediate, ...]:
     """The force in the body base."""
     return tuple(
-        Definition(quantity(Family.BODY_FORCE, k), expr, "F", "(10)", f"force along the axis {k} of the floating frame")
+        Intermediate(
+            quantity(Family.BODY_FORCE, k), expr, "F", "(10)", f"force along the axis {k} of the floating frame"
+        )
         for k, expr in enumerate(motion.rotation.T * force_vector(motion), 1)
     )
 
@@ -65,7 +67,7 @@ def marker(motion: Motion, point: MaterialPoint, reasons: zeros.Reasons) -> Mark
     still = sp.zeros(len(axes), 1)
     values = {R: at_point(motion.alpha, sp.Matrix(point.position)), RDOT: at_point(motion.alphadot, still)}
     local = tuple(
-        Definition(symbol, value[k], "r", "(1), (14)", f"{symbol.identity.section} . e{k + 1} at the marker")
+        Intermediate(symbol, value[k], "r", "(1), (14)", f"{symbol.identity.section} . e{k + 1} at the marker")
         for f, value in values.items()
         for k in axes
         for symbol in [quantity(Family.RADIUS, k + 1, derivative=derivatives[f])]

@@ -13,7 +13,7 @@ from typing import Protocol
 
 import sympy as sp
 
-from derive.mechanics.kinematics import HERE, ONE, PHI, RDDOT, RDOT, Field, R
+from derive.mechanics.motion.kinematics import HERE, ONE, PHI, RDDOT, RDOT, Field, R
 from derive.mechanics.symbols import Family, I, ShapeIndex, Symbol, local, quantity
 
 STRETCH, SHEAR, NAMELESS = local("stretch"), local("shear"), local("nameless")

@@ -12,22 +12,13 @@ from dataclasses import dataclass
 
 import sympy as sp
 
-from derive.mechanics.kinematics import PHI, RDDOT, RDOT, MovingFrame, R
-from derive.mechanics.motion import MASS, Motion, definitions_of, sums_of
-from derive.mechanics.series import ALPHA, ALPHADDOT, ALPHADOT, Series
-from derive.mechanics.symbols import (
-    Family,
-    I,
-    J,
-    ShapeIndex,
-    Symbol,
-    amplitude,
-    local,
-    quantity,
-)
+from derive.mechanics.motion.body_motion import MASS, Motion, definitions_of, sums_of
+from derive.mechanics.motion.kinematics import PHI, RDDOT, RDOT, MovingFrame, R
+from derive.mechanics.motion.moments import FIRST, Moment, moment, transposed
+from derive.mechanics.sums import ALPHA, ALPHADDOT, ALPHADOT, Series
+from derive.mechanics.symbols import Family, I, J, ShapeIndex, Symbol, amplitude, local, quantity
 from derive.mechanics.tables import AXES, PAIRS
-from derive.mechanics.terms import Coordinate, Definition, Row
-from derive.mechanics.virtual_work import FIRST, Moment, moment, transposed
+from derive.mechanics.terms import Coordinate, EquationOfMotion, Intermediate
 
 SYMMETRIC: dict[tuple[str, str], Moment] = {
     (R, R): (Family.INERTIA, 0, ()),
@@ -105,7 +96,7 @@ def spatial_motion(n: int) -> Motion:
     alphadot, alphaddot = (tuple(getattr(row, x) for row in rows[6:]) for x in ("v", "a"))
     vectors = {ALPHA: alpha, ALPHADOT: alphadot, ALPHADDOT: alphaddot}
     products = {omega[i - 1] * omega[j - 1]: quantity(Family.OMEGA_PRODUCT, i, j) for i, j in PAIRS}
-    named = tuple(Definition(s, p, "oo", "(5)", "products of omega") for p, s in products.items())
+    named = tuple(Intermediate(s, p, "oo", "(5)", "products of omega") for p, s in products.items())
     axes = sp.eye(3)
     return Motion(
         coordinates=_coordinates(alpha),
@@ -138,16 +129,17 @@ def _coordinates(alpha: tuple[sp.Symbol, ...]) -> tuple[Coordinate, ...]:
     )
 
 
-def _rows(shapes: range) -> tuple[Row, ...]:
+def _rows(shapes: range) -> tuple[EquationOfMotion, ...]:
     translations, spins = [], []
     for k in AXES:
         v, a = (quantity(Family.TRANSLATION, k, derivative=d) for d in (1, 2))
-        translations.append(Row(f"c{k}", v, a, f"time derivative of c{k}", "m/s", "N"))
+        translations.append(EquationOfMotion(f"c{k}", v, a, f"time derivative of c{k}", "m/s", "N"))
         v, a = (quantity(Family.ANGULAR_VELOCITY, k, derivative=d) for d in (0, 1))
         name = quantity(Family.VIRTUAL_ROTATION, k).name
-        spins.append(Row(name, v, a, f"angular velocity about the body axis {k}", "rad/s", "N m"))
+        spins.append(EquationOfMotion(name, v, a, f"angular velocity about the body axis {k}", "rad/s", "N m"))
     of_shapes = (
-        Row(f"alpha{i}", amplitude(i, 1), amplitude(i, 2), f"time derivative of alpha{i}", "m/s", "N") for i in shapes
+        EquationOfMotion(f"alpha{i}", amplitude(i, 1), amplitude(i, 2), f"time derivative of alpha{i}", "m/s", "N")
+        for i in shapes
     )
     return (*translations, *spins, *of_shapes)
 
@@ -172,9 +164,9 @@ def quaternion_rates(quaternion: tuple[sp.Symbol, ...], omega: tuple[sp.Symbol, 
     return (scalar.expand(), *(((e0 * w + e.cross(w)) / 2).expand()))
 
 
-def _rotation_definitions(rotation: sp.Matrix, quaternion: tuple[sp.Symbol, ...]) -> tuple[Definition, ...]:
+def _rotation_definitions(rotation: sp.Matrix, quaternion: tuple[sp.Symbol, ...]) -> tuple[Intermediate, ...]:
     pairs = zip(rotation, rotation_of(quaternion), strict=True)
-    return tuple(Definition(s, value, "Q", "(1)", "rotation tensor of the quaternion") for s, value in pairs)
+    return tuple(Intermediate(s, value, "Q", "(1)", "rotation tensor of the quaternion") for s, value in pairs)
 
 
 def spatial_series() -> tuple[Series, ...]:

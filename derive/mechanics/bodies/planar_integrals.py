@@ -1,0 +1,65 @@
+"""Shape integrals c1..c8 of a planar body, and the sums d1, D2, d3, J made of them: the appendix.
+
+Since r = X + sum alpha_i Phi_i, every moment of r is a sum of moments of X, Phi_1, ..., Phi_N: the shape integrals.
+A body supplies those as `FieldIntegrals`; the composition is the same for all bodies.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import sympy as sp
+
+from derive.mechanics.symbols import Family, Symbol, quantity
+from derive.mechanics.terms import ModelConstant
+
+APPENDIX = "appendix"
+
+
+@dataclass(frozen=True)
+class Value:
+    """The value of an integral; `zero` is the reason when it vanishes by structure."""
+
+    expr: sp.Expr
+    zero: str | None = None
+
+
+class FieldIntegrals(Protocol):
+    """Moments of the reference position X (index 0) and the shapes Phi_i (index i) of a planar body."""
+
+    def first(self, i: int, component: int) -> Value:
+        """int rho Phi_i . e_component, in kg m for X and kg for a shape; components are 1, 2."""
+
+    def trace(self, i: int, j: int) -> Value:
+        """int rho Phi_i . Phi_j."""
+
+    def axial(self, i: int, j: int) -> Value:
+        """int rho (Phi_i x Phi_j) . e3."""
+
+
+def coefficients(of: FieldIntegrals, n: int) -> tuple[ModelConstant, ...]:
+    """c1, c2, C3, C4, c6, c7 and c8 (C5 is c8 in the plane) of a body with n shapes, zeros with their reasons."""
+    found: list[ModelConstant] = []
+
+    def integral(symbol: Symbol, value: Value, doc: str, unit: str) -> None:
+        found.append(ModelConstant(symbol, value.expr, APPENDIX, doc, unit, value.zero))
+
+    shapes = range(1, n + 1)
+    for k in (1, 2):
+        integral(quantity(Family.C1, k), of.first(0, k), f"int rho X . e{k}", "kg m")
+    for i in shapes:
+        for k in (1, 2):
+            integral(quantity(Family.C2, k, shapes=(i,)), of.first(i, k), f"int rho Phi_{i} . e{k}", "kg")
+    integral(quantity(Family.C3), of.trace(0, 0), "int rho X . X", "kg m^2")
+    for i in shapes:
+        integral(quantity(Family.C4, shapes=(i,)), of.trace(0, i), f"int rho X . Phi_{i}", "kg m")
+    for i in shapes:
+        integral(quantity(Family.C6, shapes=(i,)), of.axial(0, i), f"int rho X x Phi_{i}", "kg m")
+    for i in shapes:
+        for j in range(i + 1, n + 1):
+            integral(quantity(Family.C7, shapes=(i, j)), of.axial(i, j), f"int rho Phi_{i} x Phi_{j}", "kg")
+    for i in shapes:
+        for j in range(i, n + 1):
+            integral(quantity(Family.C8, shapes=(i, j)), of.trace(i, j), f"int rho Phi_{i} . Phi_{j}", "kg")
+    return tuple(found)
