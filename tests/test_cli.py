@@ -30,8 +30,8 @@ lenght = 2
 
 def test_without_arguments_it_helps(capsys: pytest.CaptureFixture[str]) -> None:
     assert main([]) == 0
-    said = capsys.readouterr().out
-    assert "build" in said and "examples:" in said
+    output = capsys.readouterr().out
+    assert "build" in output and "examples:" in output
 
 
 def test_help_imports_nothing_heavy() -> None:
@@ -48,9 +48,9 @@ def test_help_imports_nothing_heavy() -> None:
 
 def test_build_shows_the_stages_and_writes(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["build", MEAN, POINT, "--out", str(tmp_path)]) == 0
-    said = capsys.readouterr()
-    assert said.err == ""  # quiet in a pipe
-    rows = [line.split() for line in said.out.splitlines() if line.startswith("  ") and len(line.split()) > 1]
+    output = capsys.readouterr()
+    assert output.err == ""  # quiet in a pipe
+    rows = [line.split() for line in output.out.splitlines() if line.startswith("  ") and len(line.split()) > 1]
     assert ["stage", "seconds", "terms", "operations", "non-zeros"] in rows
     lowered = [row[2:] for row in rows if row[0] == "lower"]
     assert lowered == [["18", "5"], ["37", "15"]]
@@ -79,8 +79,8 @@ def test_manifest_tells_what_was_made(tmp_path: Path) -> None:
 
 def test_compare_shows_both_frames(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["compare", MEAN, POINT]) == 0
-    said = capsys.readouterr().out
-    assert "5 of 25 structural non-zeros" in said and "15 of 25 structural non-zeros" in said
+    output = capsys.readouterr().out
+    assert "5 of 25 structural non-zeros" in output and "15 of 25 structural non-zeros" in output
     assert main(["compare", MEAN, "--json"]) == 0
     (result,) = json.loads(capsys.readouterr().out)
     assert result["mass"][0] == [1.0, None, None, None, None]
@@ -94,9 +94,9 @@ def test_all_errors_of_all_files_at_once_and_nothing_written(
     wrong.write_text(WRONG)
     out = tmp_path / "generated"
     assert main(["build", MEAN, str(wrong), str(tmp_path / "missing.toml"), "--out", str(out)]) == 2
-    said = capsys.readouterr()
-    assert said.out == "" and not out.exists()
-    lines = said.err.splitlines()
+    output = capsys.readouterr()
+    assert output.out == "" and not out.exists()
+    lines = output.err.splitlines()
     assert all(line.startswith(str(tmp_path)) for line in lines)
     for number, text in ((1, "double"), (4, "ansatz"), (5, "meen"), (6, "mass"), (7, "length")):
         assert any(line.startswith(f"{wrong}:{number}: ") and text in line for line in lines), (number, text)
@@ -112,7 +112,7 @@ def test_two_files_with_one_name_are_refused(tmp_path: Path, capsys: pytest.Capt
 
 
 @pytest.mark.parametrize(
-    ("first", "second", "said"),
+    ("first", "second", "output"),
     [
         ("beam", "Beam", "differs in more than case"),
         ("beam", "beam_pattern", "make the same names in C"),
@@ -120,36 +120,36 @@ def test_two_files_with_one_name_are_refused(tmp_path: Path, capsys: pytest.Capt
     ],
 )
 def test_models_that_meet_in_c_are_refused(
-    first: str, second: str, said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    first: str, second: str, output: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     paths = []
     for number, name in enumerate((first, second)):
         paths.append(tmp_path / f"{number}.toml")
         paths[-1].write_text(f'name = "{name}"\n[beam]\n')
     assert main(["build", *map(str, paths), "--out", str(tmp_path / "out")]) == 2
-    assert said in capsys.readouterr().err
+    assert output in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(
-    ("keys", "said"),
+    ("keys", "output"),
     [
         ('ansatz = ["1", "xi", "xi^2", "xi^2 + 1e-20*xi^3"]\northogonal = false', "the pivot of alpha2 vanished"),
         ('ansatz = ["xi^2 - 1 + 1e-50"]\nframe = "given"', "which no double holds"),
     ],
 )
 def test_folded_numbers_that_doubles_cannot_serve(
-    keys: str, said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    keys: str, output: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """With parameters setup refuses at run time; with numbers the tool knows at once."""
     numbers = (
         "mass = 1\nlength = 1\nbending_stiffness = 1"
-        if "pivot" in said
+        if "pivot" in output
         else ("mass = 1e59\nlength = 1e-59\nbending_stiffness = 1e59")
     )
     spec = tmp_path / "spec.toml"
     spec.write_text(f'name = "b"\n[beam]\n{keys}\n{numbers}\n')
     assert main(["build", str(spec), "--out", str(tmp_path / "out")]) == 2
-    assert said in capsys.readouterr().err
+    assert output in capsys.readouterr().err
 
 
 def test_files_of_others_are_left_alone(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -159,6 +159,19 @@ def test_files_of_others_are_left_alone(tmp_path: Path, capsys: pytest.CaptureFi
     assert main(["build", MEAN, "--out", str(tmp_path)]) == 2
     assert "was not generated by Tisserand" in capsys.readouterr().err
     assert mine.read_text() == "int mine;\n" and len(list(mine.parent.iterdir())) == 1
+
+
+def test_a_spring_along_its_guide_is_refused_with_advice(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Its length is the root of a square, which has a kink."""
+    spec = tmp_path / "oscillator.toml"
+    spec.write_text(
+        'name = "oscillator"\nground = { markers = { wall = [0, 0] } }\n'
+        "[bodies.mass]\nmass = 1\ninertia = 1\nmarkers = { centre = [0, 0] }\n"
+        '[joints.guide]\nkind = "translational"\nbetween = ["ground.wall", "mass.centre"]\n'
+        '[springs.spring]\nbetween = ["ground.wall", "mass.centre"]\nstiffness = 100\n'
+    )
+    assert main(["build", str(spec), "--out", str(tmp_path / "out")]) == 2
+    assert "move one of its markers off that line" in capsys.readouterr().err
 
 
 def test_no_compiler_is_explained(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
@@ -233,9 +246,9 @@ def test_build_says_which_lowering_and_how_far_the_modes_are_from_the_mean_frame
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main(["build", BLOCK, "--out", str(tmp_path)]) == 0
-    said = capsys.readouterr().out
-    assert "unrolled, the faster form; predicted evaluation time of h:" in said
-    assert "mean displacement of the modes (17)" in said
+    output = capsys.readouterr().out
+    assert "unrolled, the faster form; predicted evaluation time of h:" in output
+    assert "mean displacement of the modes (17)" in output
     assert main(["build", BLOCK, "--out", str(tmp_path), "--json"]) == 0
     (model,) = json.loads(capsys.readouterr().out)
     assert model["lowering"] == "flat" and len(model["notes"]) == 2
@@ -252,8 +265,8 @@ def test_faults_of_the_numbers_have_their_lines(tmp_path: Path, capsys: pytest.C
     spec = tmp_path / "rigid.toml"
     spec.write_text('name = "rigid"\n[body]\nnodes = "n.npz"\nunits = "SI"\nframe = "mean"\n')
     assert main(["build", str(spec), "--out", str(tmp_path / "out")]) == 2
-    said = capsys.readouterr().err
-    assert said.startswith(f"{spec}:") and "rigid motion" in said and "mode 1" in said
+    output = capsys.readouterr().err
+    assert output.startswith(f"{spec}:") and "rigid motion" in output and "mode 1" in output
     assert not (tmp_path / "out").exists()
 
 
@@ -273,6 +286,6 @@ def test_compare_shows_the_first_rows_of_a_large_body(tmp_path: Path, capsys: py
     spec.write_text('name = "large"\n[body]\nintegrals = "symbolic"\nmodes = 30\n')
     picture = tmp_path / "large.svg"
     assert main(["compare", str(spec), "--picture", str(picture)]) == 0
-    said = capsys.readouterr().out
-    assert "the first 14 of 36 rows and columns" in said
-    assert "222 of 1296 structural non-zeros" in said and "222 of 1296" in picture.read_text()
+    output = capsys.readouterr().out
+    assert "the first 14 of 36 rows and columns" in output
+    assert "222 of 1296 structural non-zeros" in output and "222 of 1296" in picture.read_text()
