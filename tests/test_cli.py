@@ -168,7 +168,7 @@ def test_a_spring_along_its_guide_is_refused_with_advice(tmp_path: Path, capsys:
         'name = "oscillator"\nground = { markers = { wall = [0, 0] } }\n'
         "[bodies.mass]\nmass = 1\ninertia = 1\nmarkers = { centre = [0, 0] }\n"
         '[joints.guide]\nkind = "translational"\nbetween = ["ground.wall", "mass.centre"]\n'
-        '[springs.spring]\nbetween = ["ground.wall", "mass.centre"]\nstiffness = 100\n'
+        '[springs.spring]\nbetween = ["ground.wall", "mass.centre"]\nstiffness = 100\nrest = 1\n'
     )
     assert main(["build", str(spec), "--out", str(tmp_path / "out")]) == 2
     assert "move one of its markers off that line" in capsys.readouterr().err
