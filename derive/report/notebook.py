@@ -35,8 +35,8 @@ def equations_html(equations: Equations) -> str:
         parts = tuple(part for t in terms for part in written.parts(t.expr, "", group(t), title(t)))
         rows.append(Equation(written.variation(name), parts, ":"))
     more = len(row_names(equations)) - len(rows)
-    said = f"<p>and {more} more rows</p>" if more > 0 else ""
-    return f"<p>{escape(equations.name)}: {escape(equations.doc)}</p>{equations_shown(rows)}{said}"
+    text = f"<p>and {more} more rows</p>" if more > 0 else ""
+    return f"<p>{escape(equations.name)}: {escape(equations.doc)}</p>{equations_shown(rows)}{text}"
 
 
 def model_html(model: Model) -> str:

@@ -93,11 +93,11 @@ def _of_first_pieces(spec: Scene, equations: Equations) -> Equations:
 def _law(spec: Scene) -> tuple[Block, ...]:
     cut = [f"{b.name}_1" for b in spec.bodies if isinstance(b, BeamBody) and b.pieces > 1]
     alike = f" Of rods that are cut, the first piece is shown ({', '.join(cut)}); the others are alike." if cut else ""
-    said = (
+    text = (
         "Each body has its rows of (15), in the coordinates that it keeps; what stands there is not zero, but what the "
         f"joints exert: M(q) v̇ + h(t, q, v) = Gᵀ λ, with g(t, q) = 0.{alike}"
     )
-    return (Heading("Equations of motion", "motion"), Paragraph((said,)))
+    return (Heading("Equations of motion", "motion"), Paragraph((text,)))
 
 
 def _matrix(spec: Scene, equations: Equations) -> Matrix:

@@ -48,12 +48,12 @@ def _anchors(blocks: Sequence[Block]) -> Iterator[tuple[str, ...]]:
 
 def faults(page: Page) -> tuple[str, ...]:
     """What is wrong with the links of a page: anchors that come twice, links to none."""
-    found, seen = [], set()
+    result, seen = [], set()
     for anchors in _anchors(page.blocks):
         for anchor in filter(None, anchors):
-            found += [f"the anchor {anchor!r} comes twice"] if anchor in seen else []
+            result += [f"the anchor {anchor!r} comes twice"] if anchor in seen else []
             seen.add(anchor)
-    return (*found, *(f"nothing has the anchor {to[1:]!r}" for to in _links(page.blocks) if to[1:] not in seen))
+    return (*result, *(f"nothing has the anchor {to[1:]!r}" for to in _links(page.blocks) if to[1:] not in seen))
 
 
 def linked(page: Page) -> frozenset[str]:
@@ -69,8 +69,8 @@ def _links(blocks: Sequence[Block]) -> Iterator[str]:
 def _all_links(blocks: Sequence[Block]) -> Iterator[str]:
     for block in blocks:
         match block:
-            case Paragraph(said):
-                yield from (one.to for one in said if isinstance(one, Link))
+            case Paragraph(words):
+                yield from (one.to for one in words if isinstance(one, Link))
             case Equations(rows):
                 yield from (part.to for equation in rows for part in equation.parts)
             case Table():

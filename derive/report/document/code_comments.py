@@ -17,15 +17,15 @@ def gaps(lines: Sequence[Line]) -> list[bool]:
 def comments(listing: Listing) -> list[tuple[int, int]]:
     """Where the comment of each line starts and stops."""
     mark = COMMENTS.get(listing.language)
-    found, within = [], False
+    result, within = [], False
     for line in listing.lines:
         if mark == "//":
             start, stop, within = _c_comment(line.text, within)
         else:
             start = _hash(line.text) if mark else len(line.text)
             stop = len(line.text)
-        found.append((start, stop))
-    return found
+        result.append((start, stop))
+    return result
 
 
 def _c_comment(text: str, within: bool) -> tuple[int, int, bool]:

@@ -12,11 +12,11 @@ from derive.report.document.page import Block, Cell, Code, Details, Inline, Link
 MOST, ALL = 60, 150
 """Rows that a table shows, and up to which it is folded away as a whole; of a longer one the first are."""
 
-Said = str | Math | Link | Code | Strong | Cell | Formula | int | tuple[Inline, ...]
+Content = str | Math | Link | Code | Strong | Cell | Formula | int | tuple[Inline, ...]
 
 
 def table(
-    caption: str, head: Sequence[Said], rows: Sequence[Sequence[Said]], align: str = "", wide: bool = False
+    caption: str, head: Sequence[Content], rows: Sequence[Sequence[Content]], align: str = "", wide: bool = False
 ) -> Table:
     """A table of text, formulas and numbers."""
     return Table(
@@ -24,17 +24,17 @@ def table(
     )
 
 
-def cell(said: Said, title: str = "", mark: Literal["", "zero", "entry", "good", "bad"] = "") -> Cell:
+def cell(words: Content, title: str = "", mark: Literal["", "zero", "entry", "good", "bad"] = "") -> Cell:
     """A cell."""
-    if isinstance(said, Cell):
-        return said
-    if isinstance(said, int):
-        said = str(said)
-    if isinstance(said, str | Math | Link | Code | Strong):
-        return Cell((said,) if said else (), title, mark)
-    if isinstance(said, tuple):
-        return Cell(said, title, mark)
-    return Cell((Math(said),), title, mark)
+    if isinstance(words, Cell):
+        return words
+    if isinstance(words, int):
+        words = str(words)
+    if isinstance(words, str | Math | Link | Code | Strong):
+        return Cell((words,) if words else (), title, mark)
+    if isinstance(words, tuple):
+        return Cell(words, title, mark)
+    return Cell((Math(words),), title, mark)
 
 
 def folded(whole: Table, summary: str) -> Block:

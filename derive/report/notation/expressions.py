@@ -91,11 +91,11 @@ class Notation:
         self, expr: sp.Expr, anchor: str = "", group: str = "", title: str = "", to: str = ""
     ) -> tuple[Part, ...]:
         """The summands of an expression, in order; the first has the anchor."""
-        found = []
+        result = []
         for k, summand in enumerate(sorted(sp.Add.make_args(expr), key=self.order)):
             negative, formula = self._summand(summand)
-            found.append(Part("-" if negative else "+", formula, "" if k else anchor, group, title, to))
-        return tuple(found)
+            result.append(Part("-" if negative else "+", formula, "" if k else anchor, group, title, to))
+        return tuple(result)
 
     def order(self, summand: sp.Expr) -> Key:
         """Where a summand stands: by its accelerations, its rates, its amplitudes, then by what is left."""
@@ -104,11 +104,11 @@ class Notation:
         for base, exponent in powers.items():
             if isinstance(base, sp.Symbol):
                 by_rank[self.written(base).rank].append((*self._rank(base), float(exponent)))
-        found: list[object] = []
+        result: list[object] = []
         for rank in ORDER:
             keys = sorted(by_rank[rank])
-            found += [not keys if rank in (Rank.ACCELERATION, Rank.VELOCITY) else bool(keys), tuple(keys)]
-        return (*found, sp.default_sort_key(summand))
+            result += [not keys if rank in (Rank.ACCELERATION, Rank.VELOCITY) else bool(keys), tuple(keys)]
+        return (*result, sp.default_sort_key(summand))
 
     def _rank(self, symbol: sp.Symbol) -> Key:
         """The place of a factor: its rank; the order of the specification, or c, phi, alpha; then its indices."""
@@ -210,11 +210,11 @@ def row(factors: Sequence[Formula]) -> Formula:
 
 def join(parts: Iterable[Part]) -> Formula:
     """A sum as one formula."""
-    found: list[Formula] = []
+    result: list[Formula] = []
     for k, part in enumerate(parts):
-        found += [Operator(part.sign)] if k or part.sign == "-" else []
-        found.append(part.formula)
-    return row(found) if found else Number("0")
+        result += [Operator(part.sign)] if k or part.sign == "-" else []
+        result.append(part.formula)
+    return row(result) if result else Number("0")
 
 
 def number(value: sp.Rational) -> Formula:

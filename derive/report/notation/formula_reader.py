@@ -81,21 +81,21 @@ class _Reader:
         self.at = 0
         place = 0
         while place < len(text):
-            found = _TOKEN.match(text, place)
-            if found is None or found.lastgroup is None:
+            result = _TOKEN.match(text, place)
+            if result is None or result.lastgroup is None:
                 raise ValueError(f"{text!r}: what is {text[place:]!r}?")
-            if found.lastgroup != "space":
-                self.words.append((found.lastgroup, found[0]))
-            place = found.end()
+            if result.lastgroup != "space":
+                self.words.append((result.lastgroup, result[0]))
+            place = result.end()
 
     def parts(self, close: str = "") -> tuple[Formula, ...]:
         """The formulas up to a closing bracket, or to the end."""
-        found: list[Formula] = []
+        result: list[Formula] = []
         while self.at < len(self.words) and self.words[self.at][1] != close:
-            found += self._one()
+            result += self._one()
         if close:
             self._take(close)
-        return tuple(found)
+        return tuple(result)
 
     def _take(self, wanted: str = "") -> tuple[str, str]:
         if self.at == len(self.words) or (wanted and self.words[self.at][1] != wanted):

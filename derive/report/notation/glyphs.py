@@ -61,8 +61,8 @@ def _styled(c: str, style: str) -> str:
 
 def number(text: str) -> tuple[str, str]:
     """A number without its exponent, and the exponent or nothing: `1.5e-05` is 1.5 and -5."""
-    found = re.fullmatch(r"([-+]?[0-9]*\.?[0-9]+)[eE]([-+]?)0*([0-9]+)", text)
-    return (found[1], found[2].replace("+", "") + found[3]) if found else (text, "")
+    result = re.fullmatch(r"([-+]?[0-9]*\.?[0-9]+)[eE]([-+]?)0*([0-9]+)", text)
+    return (result[1], result[2].replace("+", "") + result[3]) if result else (text, "")
 
 
 def index(indices: tuple[str, ...]) -> list[str]:

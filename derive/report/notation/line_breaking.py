@@ -29,22 +29,22 @@ GAPS = {"none": 0.0, "times": 0.0, "thin": 0.17, "dot": 0.7}
 def lines(parts: Sequence[Part], room: float) -> tuple[tuple[int, ...], ...]:
     """The parts of each line, by their places, no wider than `room` em where that can be. A group that does not fit
     behind the last one starts a line of its own."""
-    found: list[list[int]] = [[]]
+    result: list[list[int]] = [[]]
     used = 0.0
     for _, group in groupby(range(len(parts)), lambda k: parts[k].group):
         places = list(group)
         whole = sum(part_width(parts[k]) for k in places)
-        if found[-1] and used + whole > room:
-            found.append([])
+        if result[-1] and used + whole > room:
+            result.append([])
             used = 0.0
         for k in places:
             own = part_width(parts[k])
-            if found[-1] and used + own > room:
-                found.append([])
+            if result[-1] and used + own > room:
+                result.append([])
                 used = 0.0
-            found[-1].append(k)
+            result[-1].append(k)
             used += own
-    return tuple(tuple(line) for line in found if line)
+    return tuple(tuple(line) for line in result if line)
 
 
 def part_width(part: Part) -> float:

@@ -157,12 +157,12 @@ def summand(components: Sequence[sp.Expr], group: str = "", title: str = "") -> 
 
 def summands(components: Sequence[sp.Expr]) -> tuple[Part, ...]:
     """A vector of the derivation as a sum of products: its terms sorted by what stands in them."""
-    found: dict[tuple[str, ...], list[sp.Expr]] = {}
+    result: dict[tuple[str, ...], list[sp.Expr]] = {}
     for k, entry in enumerate(components):
         for term in sp.Add.make_args(sp.expand(entry)):
-            kept = found.setdefault(_used(sp.ImmutableMatrix([term])), [sp.S.Zero] * len(components))
+            kept = result.setdefault(_used(sp.ImmutableMatrix([term])), [sp.S.Zero] * len(components))
             kept[k] += term
-    return tuple(summand(kept) for kept in found.values())
+    return tuple(summand(kept) for kept in result.values())
 
 
 def _conjugates(tree: Tree) -> int:
@@ -225,8 +225,8 @@ def _point(used: tuple[str, ...]) -> dict[sp.Symbol, int]:
 def _value(tree: Tree, point: dict[sp.Symbol, int]) -> NDArray[np.object_]:
     """The components of a tree, as integers at a point, or in symbols."""
     if isinstance(tree, Leaf):
-        found = np.array(ATOMS[tree.atom].components.xreplace(point), dtype=object)
-        return found.T if tree.conjugate else found if found.shape[1] > 1 else found[:, 0]
+        result = np.array(ATOMS[tree.atom].components.xreplace(point), dtype=object)
+        return result.T if tree.conjugate else result if result.shape[1] > 1 else result[:, 0]
     sign, left, right = tree
     a, b = _value(left, point), _value(right, point)
     if sign == "cross":
@@ -235,25 +235,27 @@ def _value(tree: Tree, point: dict[sp.Symbol, int]) -> NDArray[np.object_]:
     return np.asarray(a * b if sign == "scale" else np.atleast_1d(a @ b), dtype=object)
 
 
-def _ratio(wanted: NDArray[np.object_], found: NDArray[np.object_]) -> sp.Rational | None:
+def _ratio(wanted: NDArray[np.object_], result: NDArray[np.object_]) -> sp.Rational | None:
     """The number that wanted is times found, if there is one."""
-    if wanted.shape != found.shape or not any(found):
+    if wanted.shape != result.shape or not any(result):
         return None
-    k = next(k for k, value in enumerate(found) if value)
-    factor = sp.Rational(int(wanted[k]), int(found[k]))
-    return factor if factor and all(w == factor * f for w, f in zip(wanted, found, strict=True)) else None
+    k = next(k for k, value in enumerate(result) if value)
+    factor = sp.Rational(int(wanted[k]), int(result[k]))
+    return factor if factor and all(w == factor * f for w, f in zip(wanted, result, strict=True)) else None
 
 
 def formula(tree: Tree) -> Formula:
     """A product in the notation of the paper."""
     if isinstance(tree, Leaf):
-        found = ATOMS[tree.atom].formula
-        return Name(found.text, above=("c",), style="tensor") if tree.conjugate and isinstance(found, Name) else found
+        result = ATOMS[tree.atom].formula
+        return (
+            Name(result.text, above=("c",), style="tensor") if tree.conjugate and isinstance(result, Name) else result
+        )
     sign, left, right = tree
     return Row((_inner(left), *SIGNS[sign], _inner(right)))
 
 
 def _inner(tree: Tree) -> Formula:
-    found = formula(tree)
-    closed = isinstance(found, Name) or (isinstance(found, Row) and isinstance(found.parts[0], Operator))
-    return found if closed else Fenced(found)
+    result = formula(tree)
+    closed = isinstance(result, Name) or (isinstance(result, Row) and isinstance(result.parts[0], Operator))
+    return result if closed else Fenced(result)

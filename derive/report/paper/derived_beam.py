@@ -43,20 +43,20 @@ def beam(frame: str) -> PlanarBeam:
 @cache
 def equations(frame: str) -> Equations:
     """Its equations of motion."""
-    found = derive(beam(frame)).expanded()
-    assert isinstance(found, Equations)
-    return found
+    result = derive(beam(frame)).expanded()
+    assert isinstance(result, Equations)
+    return result
 
 
 def rows(frame: str) -> tuple[Equation, ...]:
     """Each equation of motion, with its virtual displacement before it."""
-    found = equations(frame)
-    how = notation(found)
+    result = equations(frame)
+    how = notation(result)
     return tuple(
         Equation(
-            Row((formula("delta"), how.formula(coordinate.q))), how.parts(found.row(str(coordinate.q))), relation=":"
+            Row((formula("delta"), how.formula(coordinate.q))), how.parts(result.row(str(coordinate.q))), relation=":"
         )
-        for coordinate in found.coordinates
+        for coordinate in result.coordinates
     )
 
 
@@ -75,8 +75,8 @@ def strain_energy() -> tuple[Equation, ...]:
 
 
 def _expanded(frame: str) -> sp.Expr:
-    found = equations(frame)
-    return found.substituted(found.strain_energy)
+    result = equations(frame)
+    return result.substituted(result.strain_energy)
 
 
 def translation() -> tuple[Equation, ...]:
@@ -86,22 +86,22 @@ def translation() -> tuple[Equation, ...]:
 
 def points() -> tuple[Equation, ...]:
     """X of three markers."""
-    found = []
+    result = []
     for marker in beam("mean").markers:
         point = beam_point(marker, beam("mean"))
         values = {c.symbol: c.value for c in point.coefficients}
-        found.append(Equation(_at("X", marker), _components(point.position.xreplace(values))))
-    return tuple(found)
+        result.append(Equation(_at("X", marker), _components(point.position.xreplace(values))))
+    return tuple(result)
 
 
 def displacements() -> tuple[Equation, ...]:
     """u of three markers of the beam in the mean frame."""
-    found = []
+    result = []
     for marker in beam("mean").markers:
         shapes = beam_point(marker, beam("mean")).shapes
         total = sum((shape * alpha for shape, alpha in zip(shapes, MOTION.alpha, strict=True)), sp.zeros(2, 1))
-        found.append(Equation(_at("u", marker), _components(total)))
-    return tuple(found)
+        result.append(Equation(_at("u", marker), _components(total)))
+    return tuple(result)
 
 
 def _at(letter: str, marker: Marker) -> Formula:
@@ -191,8 +191,8 @@ def shape(frame: str, k: int) -> tuple[Equation, ...]:
 
 
 def _shapes(frame: str) -> tuple[tuple[Exact, ...], ...]:
-    found = beam(frame)
-    return assumed_shapes(found.ansatz, found.frame, found.orthogonal)
+    result = beam(frame)
+    return assumed_shapes(result.ansatz, result.frame, result.orthogonal)
 
 
 def _poly(coefficients: tuple[Exact, ...]) -> sp.Poly:

@@ -60,8 +60,8 @@ def mean_equations_of_motion() -> tuple[Equation, ...]:
 
 def vanished() -> tuple[tuple[str, str, str], ...]:
     """The terms of (15) that a body in the mean frame loses: row, term, reason; one for each vector."""
-    found = [(VARIED[_row(v.term)], v.term.name, str(v.reason)) for v in _mean().vanished if v.reason]
-    return tuple(dict.fromkeys(found))
+    result = [(VARIED[_row(v.term)], v.term.name, str(v.reason)) for v in _mean().vanished if v.reason]
+    return tuple(dict.fromkeys(result))
 
 
 @cache
@@ -71,13 +71,13 @@ def _mean() -> Equations:
 
 def _rows(gone: frozenset[tuple[str, str]]) -> tuple[Equation, ...]:
     terms = (*body.rigid_inertia(MOTION), *body.generic_inertia(MOTION))
-    found = []
+    result = []
     for row, of_row in groupby(terms, _row):
         kept = [(name, expr) for name, expr in _vectors(of_row) if (row, name) not in gone]
         parts = tuple(summand(expr, name, f"the {name} term of the row {row}") for name, expr in kept)
         parts += (_elastic(),) if row == "alpha" else ()
-        found.append(Equation(formula(VARIED[row]), parts, relation=":"))
-    return tuple(found)
+        result.append(Equation(formula(VARIED[row]), parts, relation=":"))
+    return tuple(result)
 
 
 ROWS = {row.name: "c" if k < len(AXES) else "pi" for k, row in enumerate(MOTION.rows)} | {"alpha_i": "alpha"}
@@ -90,10 +90,10 @@ def _row(term: Term) -> str:
 
 def _vectors(terms: Iterator[Term]) -> Iterator[tuple[str, list[sp.Expr]]]:
     """The terms of three rows with the same name together, in the order of the first row."""
-    found: dict[str, list[sp.Expr]] = {}
+    result: dict[str, list[sp.Expr]] = {}
     for term in terms:
-        found.setdefault(term.name, []).append(term.expr)
-    yield from found.items()
+        result.setdefault(term.name, []).append(term.expr)
+    yield from result.items()
 
 
 def _elastic() -> Part:
@@ -104,10 +104,10 @@ def _elastic() -> Part:
 def series(name: str, base: bool = True) -> Equation:
     """A moment of the appendix as the sum over the shapes that it is, for its first component."""
     every = (*spatial_series(), *spatial_sums())
-    found: Series = next(s for s in every if replace(s.symbol.identity, components=()).name == name)
-    parts = [Part("+", _written(found.base))] if found.base and base else []
-    parts += [Part("+", _sum_of(*pair)) for pair in found.sums]
-    return Equation(_written(found.symbol), tuple(parts))
+    result: Series = next(s for s in every if replace(s.symbol.identity, components=()).name == name)
+    parts = [Part("+", _written(result.base))] if result.base and base else []
+    parts += [Part("+", _sum_of(*pair)) for pair in result.sums]
+    return Equation(_written(result.symbol), tuple(parts))
 
 
 def _sum_of(factor: Symbol, entry: Symbol) -> Formula:

@@ -86,12 +86,12 @@ def _introduction(rows: Sequence[AuditRow]) -> Iterator[Block]:
             "without an equation, a test derives it. Vectors and columns are bold italic, tensors and matrices bold."
         )
     )
-    found = counts(rows)
+    result = counts(rows)
     yield Table(
         "Verdicts",
         (("Verdict",), ("Rows",), ("Meaning",)),
         tuple(
-            (Cell((verdict,), mark=MARKS.get(verdict, "")), Cell((str(found[verdict]),)), Cell((meaning,)))
+            (Cell((verdict,), mark=MARKS.get(verdict, "")), Cell((str(result[verdict]),)), Cell((meaning,)))
             for verdict, meaning in MEANINGS.items()
         ),
         align="lrl",
@@ -150,8 +150,8 @@ def _numbered(equations: Sequence[Equation], number: str, anchor: str = "") -> I
 def tests(names: Sequence[str]) -> Text:
     """The node ids of tests, without the folder."""
     short = [test.removeprefix("tests/paper/") for test in names]
-    found = tuple(part for k, one in enumerate(short) for part in (", " if k else "", Code(one)) if part)
-    return ("Tests: " if len(short) > 1 else "Test: ", *found) if short else ("No test.",)
+    result = tuple(part for k, one in enumerate(short) for part in (", " if k else "", Code(one)) if part)
+    return ("Tests: " if len(short) > 1 else "Test: ", *result) if short else ("No test.",)
 
 
 def _statements(statements: Sequence[Statement]) -> Iterator[Block]:
@@ -195,17 +195,17 @@ def _options(assumption: Assumption) -> Text:
 
 def plain(text: str) -> str:
     """Words without their marks, for what is told on hover."""
-    return re.sub(r"\$([^$]*)\$", lambda found: spoken(formula(found[1])), text).replace("`", "")
+    return re.sub(r"\$([^$]*)\$", lambda result: spoken(formula(result[1])), text).replace("`", "")
 
 
 def said(text: str, scalars: bool = False) -> Text:
     """Words with formulas between dollar signs and code between backticks."""
-    found: list[Inline] = []
+    result: list[Inline] = []
     for part in re.split(r"(\$[^$]*\$|`[^`]*`)", text):
         if part.startswith("$"):
-            found.append(Math(formula(part[1:-1], scalars)))
+            result.append(Math(formula(part[1:-1], scalars)))
         elif part.startswith("`"):
-            found.append(Code(part[1:-1]))
+            result.append(Code(part[1:-1]))
         elif part:
-            found.append(part)
-    return tuple(found)
+            result.append(part)
+    return tuple(result)

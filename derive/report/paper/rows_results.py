@@ -32,8 +32,8 @@ WHOLE = (
 )
 
 
-def _equal(number: str, title: str, shown: str, found: Derived, proof: tuple[str, ...], note: str = "") -> AuditRow:
-    return AuditRow(number, title, (shown,), "equal", found, "the package", note=note, tests=proof, scalars=True)
+def _equal(number: str, title: str, shown: str, result: Derived, proof: tuple[str, ...], note: str = "") -> AuditRow:
+    return AuditRow(number, title, (shown,), "equal", result, "the package", note=note, tests=proof, scalars=True)
 
 
 def _condition(frame: str, k: int) -> Callable[[], tuple[Equation, ...]]:

@@ -29,13 +29,13 @@ class Targets:
 
 def targets(places: Iterable[Place], moments: Mapping[str, str]) -> Targets:
     """What lines lead to."""
-    found: dict[int, list[Place]] = {}
+    result: dict[int, list[Place]] = {}
     wanted: set[int] = set()
     for place in places:
         wanted |= {number for _, number in place.names}
         for number in place.stores:
-            found.setdefault(number, []).append(place)
-    return Targets({number: tuple(some) for number, some in found.items()}, moments, frozenset(wanted))
+            result.setdefault(number, []).append(place)
+    return Targets({number: tuple(some) for number, some in result.items()}, moments, frozenset(wanted))
 
 
 def code_blocks(code: SourceMap, lead: Targets) -> tuple[Block, ...]:

@@ -18,7 +18,7 @@ from derive.mechanics.bodies.reference_conditions import (
 from derive.report.document.formula import Equation, Fenced, Formula, Name, Number, Operator, Part, Row
 from derive.report.document.page import Block, Heading, Inline, Math, Paragraph, Text
 from derive.report.document.page import Equations as Lines
-from derive.report.document.tables import Said, table
+from derive.report.document.tables import Content, table
 from derive.report.notation.expressions import join, number, polynomial, row
 from derive.report.notation.formula_reader import equation, formula
 from derive.spec.model.body import NodalBody, PlanarBeam, Polynomial, SymbolicBody
@@ -68,8 +68,8 @@ def on_ansatz(spec: PlanarBeam) -> tuple[OnAnsatz, ...]:
 
 def removed(spec: PlanarBeam) -> tuple[int, ...]:
     """The terms of the ansatz that the conditions eliminate."""
-    found = on_ansatz(spec)
-    return tuple(sp.Matrix([list(one.factors) for one in found]).rref()[1]) if found else ()
+    results = on_ansatz(spec)
+    return tuple(sp.Matrix([list(one.factors) for one in results]).rref()[1]) if results else ()
 
 
 def of_paper(spec: PlanarBeam) -> bool:
@@ -116,11 +116,11 @@ def beam_subtitle(spec: PlanarBeam) -> Text:
 
 
 def _conditions(spec: PlanarBeam, numbers: Numbers | None) -> tuple[Block, ...]:
-    found = on_ansatz(spec)
-    if not found:
+    results = on_ansatz(spec)
+    if not results:
         return ()
     lines = []
-    for k, one in enumerate(found):
+    for k, one in enumerate(results):
         lines.append(_asked(one.condition))
         parts = tuple(
             Part("-" if f < 0 else "+", row([*([Number(str(abs(f)))] if abs(f) != 1 else []), _a(j)]))
@@ -153,18 +153,18 @@ def condition_formula(condition: Condition) -> Formula:
 
 def _left(spec: PlanarBeam, shapes: int) -> tuple[Inline, ...]:
     gone = removed(spec)
-    said: list[Inline] = []
+    words: list[Inline] = []
     if gone:
-        said.append(f"Of the {len(spec.ansatz)} terms of the ansatz the conditions eliminate {len(gone)}: ")
+        words.append(f"Of the {len(spec.ansatz)} terms of the ansatz the conditions eliminate {len(gone)}: ")
         for k, j in enumerate(gone):
-            said += [" and "] if k else []
-            said.append(Math(_a(j)))
-        said.append(" follow from the others. ")
-    said.append(f"{shapes} {'shapes are' if shapes > 1 else 'shape is'} left, scaled to one at the right end")
+            words += [" and "] if k else []
+            words.append(Math(_a(j)))
+        words.append(" follow from the others. ")
+    words.append(f"{shapes} {'shapes are' if shapes > 1 else 'shape is'} left, scaled to one at the right end")
     if spec.orthogonal:
-        said.append(", each made orthogonal to those before it in the mass of the beam")
-    said.append(":")
-    return tuple(said)
+        words.append(", each made orthogonal to those before it in the mass of the beam")
+    words.append(":")
+    return tuple(words)
 
 
 def _ansatz(terms: tuple[Polynomial, ...]) -> tuple[Part, ...]:
@@ -211,22 +211,22 @@ GIVEN_MODES = "The modes are used as they are given; no condition is imposed on 
 def body_frame_blocks(spec: NodalBody | SymbolicBody) -> tuple[Block, ...]:
     """What is asked of the modes, and, of a body of nodes, how far they were from it."""
     kind = spec.frame if isinstance(spec, SymbolicBody) else spec.frame.kind
-    found: list[Block] = [Heading("The frame and what it removes", "frame")]
+    results: list[Block] = [Heading("The frame and what it removes", "frame")]
     if kind == "mean":
-        found += [Paragraph((MEAN_OF_MODES,)), Lines((_line("17", "int_Omega rho Phi_i dOmega = 0"), _rotation()))]
+        results += [Paragraph((MEAN_OF_MODES,)), Lines((_line("17", "int_Omega rho Phi_i dOmega = 0"), _rotation()))]
     elif kind == "point":
         assert isinstance(spec, NodalBody)
-        said = (
+        words = (
             f"The frame is held by node {spec.frame.node}: no mode displaces it, nor turns it and its neighbours on "
             "average."
         )
-        found += [Paragraph((said,)), Lines((_line("16", "Phi_i(P_c) = 0"),))]
+        results += [Paragraph((words,)), Lines((_line("16", "Phi_i(P_c) = 0"),))]
     else:
-        found.append(Paragraph((GIVEN_MODES,)))
+        results.append(Paragraph((GIVEN_MODES,)))
     if isinstance(spec, NodalBody):
-        found += _residuals(spec)
-        found += _without_stiffness(spec)
-    return tuple(found)
+        results += _residuals(spec)
+        results += _without_stiffness(spec)
+    return tuple(results)
 
 
 def _without_stiffness(spec: NodalBody) -> list[Block]:
@@ -250,11 +250,14 @@ def _residuals(spec: NodalBody) -> list[Block]:
     """Numbers without units, before and after the modes were brought to the frame."""
     from derive.reduction import residuals
 
-    found = residuals(spec)
-    rows: list[list[Said]] = [
-        ["mean displacement of a mode, of its size (17)", *_both(found.before.displacement, found.after.displacement)],
-        ["mean rotation of a mode, of its size (19)", *_both(found.before.rotation, found.after.rotation)],
-        ["distance of O from the centre of mass", *_both(found.before.centre, found.after.centre)],
+    results = residuals(spec)
+    rows: list[list[Content]] = [
+        [
+            "mean displacement of a mode, of its size (17)",
+            *_both(results.before.displacement, results.after.displacement),
+        ],
+        ["mean rotation of a mode, of its size (19)", *_both(results.before.rotation, results.after.rotation)],
+        ["distance of O from the centre of mass", *_both(results.before.centre, results.after.centre)],
     ]
     return [table("How far the modes are from the mean frame", ("", "as given", "as used"), rows, "lrr")]
 

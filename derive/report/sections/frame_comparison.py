@@ -14,7 +14,7 @@ from derive.mechanics.equations import Equations
 from derive.report.document.formula import Equation
 from derive.report.document.page import Block, Columns, Heading, Paragraph, Picture
 from derive.report.document.page import Equations as Lines
-from derive.report.document.tables import Said, table
+from derive.report.document.tables import Content, table
 from derive.report.notation.expressions import Notation
 from derive.report.sections.frame import paper_numbers
 from derive.report.sections.mass_matrix import Matrix, mass_matrix, picture
@@ -52,7 +52,7 @@ def variants(spec: PlanarBeam, equations: Equations, model: Model) -> tuple[Vari
     A frame that the ansatz does not fit is left out.
     """
     kinds = {spec.frame.kind}
-    found = [Variant(spec, equations, model)]
+    result = [Variant(spec, equations, model)]
     for frame in OTHERS:
         if frame.kind not in kinds:
             changed = replace(spec, frame=frame, orthogonal=frame.kind == "mean")
@@ -60,41 +60,41 @@ def variants(spec: PlanarBeam, equations: Equations, model: Model) -> tuple[Vari
                 other = beam.derive(changed).expanded()
             except ConditionError:
                 continue
-            found.append(Variant(changed, other, lower.lower(other)))
-    return tuple(found)
+            result.append(Variant(changed, other, lower.lower(other)))
+    return tuple(result)
 
 
-def frames_blocks(found: Sequence[Variant], notation: Notation) -> tuple[Block, ...]:
+def frames_blocks(result: Sequence[Variant], notation: Notation) -> tuple[Block, ...]:
     """Patterns, equations and counts side by side."""
-    if len(found) < 2:
+    if len(result) < 2:
         return ()
-    matrices = [mass_matrix(v.model, v.equations) for v in found]
-    against = " against ".join(f"{m.count} in the {v.title}" for v, m in zip(found, matrices, strict=True))
-    columns = tuple((_picture(v, m), *_equations(v, notation)) for v, m in zip(found, matrices, strict=True))
+    matrices = [mass_matrix(v.model, v.equations) for v in result]
+    against = " against ".join(f"{m.count} in the {v.title}" for v, m in zip(result, matrices, strict=True))
+    columns = tuple((_picture(v, m), *_equations(v, notation)) for v, m in zip(result, matrices, strict=True))
     return (
         Heading("In another frame", "frames"),
         Paragraph((f"The same beam with the same ansatz. Entries of the mass matrix: {against}.",)),
         Columns(columns),
-        _counts(found),
+        _counts(result),
     )
 
 
 def _picture(variant: Variant, matrix: Matrix) -> Picture:
-    said = f"{variant.title}: {matrix.count}"
-    return Picture(picture(matrix, reasons=False), f"Mass matrix in the {said} entries", said)
+    text = f"{variant.title}: {matrix.count}"
+    return Picture(picture(matrix, reasons=False), f"Mass matrix in the {text} entries", text)
 
 
-def _counts(found: Sequence[Variant]) -> Block:
-    rows: list[list[Said]] = [
-        ["terms of (15) that are there", *(len(v.equations.terms) for v in found)],
-        ["terms of (15) that vanish", *(len(v.equations.vanished) for v in found)],
-        ["entries of the mass matrix", *(v.model.pattern("mass", "M").full_nnz for v in found)],
-        ["entries of the iteration matrix", *(len(v.model.pattern("jacobian", "jac").rowidx) for v in found)],
+def _counts(result: Sequence[Variant]) -> Block:
+    rows: list[list[Content]] = [
+        ["terms of (15) that are there", *(len(v.equations.terms) for v in result)],
+        ["terms of (15) that vanish", *(len(v.equations.vanished) for v in result)],
+        ["entries of the mass matrix", *(v.model.pattern("mass", "M").full_nnz for v in result)],
+        ["entries of the iteration matrix", *(len(v.model.pattern("jacobian", "jac").rowidx) for v in result)],
     ]
-    for name, said in OPERATIONS.items():
-        rows.append([f"operations: {said}", *(v.model.kernel(name).operations for v in found)])
-    head = ("", *(v.title for v in found))
-    return table("The beam in its frames", head, rows, "l" + "r" * len(found))
+    for name, text in OPERATIONS.items():
+        rows.append([f"operations: {text}", *(v.model.kernel(name).operations for v in result)])
+    head = ("", *(v.title for v in result))
+    return table("The beam in its frames", head, rows, "l" + "r" * len(result))
 
 
 OPERATIONS = {

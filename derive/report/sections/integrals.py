@@ -11,7 +11,7 @@ from derive.mechanics.symbols import Family, I, Identity, J, identity
 from derive.mechanics.tables import Table, TableKind
 from derive.mechanics.terms import ModelConstant
 from derive.report.document.page import Block, Code, Heading, Math, Paragraph
-from derive.report.document.tables import MOST, Said, folded, table
+from derive.report.document.tables import MOST, Content, folded, table
 from derive.report.notation.expressions import SMALL, Notation, decimal
 from derive.report.notation.families import whole
 from derive.report.notation.integral_formulas import INTEGRANDS, meaning, reason, unit
@@ -37,8 +37,8 @@ def integral_blocks(equations: Equations, notation: Notation) -> tuple[Block, ..
     )
 
 
-def _integral(c: ModelConstant, notation: Notation, planar: bool, described: bool) -> list[Said]:
-    what: list[Said] = [meaning(identity(c.symbol), c.doc, planar)] if described else []
+def _integral(c: ModelConstant, notation: Notation, planar: bool, described: bool) -> list[Content]:
+    what: list[Content] = [meaning(identity(c.symbol), c.doc, planar)] if described else []
     return [notation.formula(c.symbol), *what, _value(c, notation), unit(c.unit), Code(str(c.symbol))]
 
 
@@ -47,7 +47,7 @@ def _rounded(value: sp.Expr) -> bool:
     return bool(value.is_Rational) and value.q > SMALL and sp.Rational(decimal(abs(value))) != abs(value)
 
 
-def _value(coefficient: ModelConstant, notation: Notation) -> Said:
+def _value(coefficient: ModelConstant, notation: Notation) -> Content:
     value = coefficient.value
     same = isinstance(value, sp.Symbol) and notation.formula(value) == notation.formula(coefficient.symbol)
     return "a parameter" if same else notation.formula(value)
@@ -66,10 +66,10 @@ def _families(coefficients: Iterable[ModelConstant], planar: bool) -> Block:
     for c in coefficients:
         known = identity(c.symbol)
         gathered.setdefault((known.owner, known.family), []).append(c)
-    rows: list[list[Said]] = []
+    rows: list[list[Content]] = []
     for (owner, family), some in gathered.items():
         first = Math(whole(family)) if family in TABLES else NAMED.get(family, family.stem)
-        name: Said = (first, f" of {owner}") if owner else first
+        name: Content = (first, f" of {owner}") if owner else first
         generic = Identity(family, (I, J)[: len(identity(some[0].symbol).shapes)])
         what = meaning(generic, "", planar) if family in INTEGRANDS else _kind(family)
         rows.append([name, what, len(some), sum(not c.zero for c in some), unit(some[0].unit)])
@@ -86,7 +86,7 @@ def _kind(family: Family) -> str:
 
 def _tables(equations: Equations, notation: Notation) -> Block:
     """The tables of a body with loops: what is there, and why there is not more."""
-    rows: list[list[Said]] = []
+    rows: list[list[Content]] = []
     kinds = {
         TableKind.FULL: "all",
         TableKind.DIAGONAL: "the diagonal",
@@ -94,7 +94,7 @@ def _tables(equations: Equations, notation: Notation) -> Block:
         TableKind.ZERO: "none",
     }
     for t in equations.tables:
-        name: Said = whole(t.family) if t.family in TABLES else Code(t.name)
+        name: Content = whole(t.family) if t.family in TABLES else Code(t.name)
         what = meaning(Identity(t.family, (I, J)[: t.counted]), t.doc, planar=False)
         zero = reason(t.zero, notation)
         rows.append([name, what, entries(t, equations.modes), kinds[t.kind], unit(t.unit), zero])

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from derive.ir.model import Kkt, Model
 from derive.report.document.page import Block, Code, Details, Heading, Paragraph, Picture
-from derive.report.document.tables import Said, table
+from derive.report.document.tables import Content, table
 from derive.visual.kkt_matrix import kkt_picture
 
 COUNTED = (
@@ -31,14 +31,14 @@ def kkt_blocks(model: Model, kkt: Kkt) -> tuple[Block, ...]:
         "vanishes while the constraints are independent. The picture shows the lower triangle in that order."
     )
     jacobian = model.pattern("constraint_jacobian", "G")
-    rows: list[list[Said]] = [
+    rows: list[list[Content]] = [
         ["size", str(kkt.pattern.rows)],
         ["non-zeros of M", str(model.pattern("mass", "M").full_nnz)],
         ["non-zeros of G", str(len(jacobian.rowidx))],
         ["non-zeros of the KKT matrix, both triangles", str(kkt.pattern.full_nnz)],
         ["fill-in, one triangle", str(kkt.fill)],
     ]
-    costs: list[list[Said]] = [[Code(name), str(model.kernel(name).operations)] for name in COUNTED]
+    costs: list[list[Content]] = [[Code(name), str(model.kernel(name).operations)] for name in COUNTED]
     order = ", ".join(names[k] for k in kkt.order)
     return (
         Heading("The KKT matrix", "kkt"),

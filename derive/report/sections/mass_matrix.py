@@ -18,7 +18,7 @@ from derive.report.document.formula import Equation, Formula, Name, Part
 from derive.report.document.formula import Matrix as Array
 from derive.report.document.page import Block, Details, Heading, Paragraph, Picture, Table
 from derive.report.document.page import Equations as Lines
-from derive.report.document.tables import Said, folded, table
+from derive.report.document.tables import Content, folded, table
 from derive.report.notation.expressions import Notation
 from derive.report.notation.integral_formulas import reason
 from derive.report.notation.labels import SHAPE, label, row_identities
@@ -130,27 +130,27 @@ def picture(matrix: Matrix, reasons: bool = True) -> str:
 
 def _legend(top: int, dots: bool) -> list[str]:
     """What squares and dots are."""
-    found = [
+    result = [
         f'  <rect class="own" x="{EDGE}" y="{top + 6}" width="12" height="12" rx="2"/>',
         f'  <text x="{EDGE + 18}" y="{top + 16}">non-zero</text>',
     ]
     mark = f'  <circle class="dot" cx="{EDGE + 92}" cy="{top + 12}" r="2"/>' if dots else ""
     text = f'  <text x="{EDGE + 100}" y="{top + 16}">always zero</text>' if dots else ""
-    return [*found, *filter(None, (mark, text))]
+    return [*result, *filter(None, (mark, text))]
 
 
 def _labels(matrix: Matrix, left: int, top: int) -> list[str]:
     lines = []
     for k, name in enumerate(matrix.labels):
         middle = k * CELL + CELL // 2
-        said = escape(name)
-        lines.append(f'  <text x="{left - 8}" y="{top + middle + 4}" text-anchor="end">{said}</text>')
+        words = escape(name)
+        lines.append(f'  <text x="{left - 8}" y="{top + middle + 4}" text-anchor="end">{words}</text>')
         x, y = left + middle, top - 8
         if any(len(other) > SHORT for other in matrix.labels):  # they would run into each other
             turn = f'text-anchor="start" transform="rotate(-90 {x + 4} {y})"'
-            lines.append(f'  <text x="{x + 4}" y="{y}" {turn}>{said}</text>')
+            lines.append(f'  <text x="{x + 4}" y="{y}" {turn}>{words}</text>')
         else:
-            lines.append(f'  <text x="{x}" y="{y}" text-anchor="middle">{said}</text>')
+            lines.append(f'  <text x="{x}" y="{y}" text-anchor="middle">{words}</text>')
     return lines
 
 
@@ -186,9 +186,9 @@ def _reasons(matrix: Matrix, left: int, top: int, cell: int) -> list[str]:
         why = {j: matrix.reasons[i, j] for j in absent}
         for _, group in groupby(absent, key=why.__getitem__):
             for first, count in _runs(list(group)):
-                said = escape(f"{_place(matrix, name, first, count)}: {why[first]}", quote=False)
+                words = escape(f"{_place(matrix, name, first, count)}: {why[first]}", quote=False)
                 box = f'x="{left + first * cell}" y="{top + i * cell}" width="{count * cell}" height="{cell}"'
-                lines.append(f'  <rect class="none" {box}><title>{said}</title></rect>')
+                lines.append(f'  <rect class="none" {box}><title>{words}</title></rect>')
     return lines
 
 
@@ -199,24 +199,24 @@ def _place(matrix: Matrix, row: str, first: int, count: int) -> str:
 
 def _runs(numbers: Sequence[int]) -> list[tuple[int, int]]:
     """Runs of consecutive numbers: the first and how many."""
-    found: list[tuple[int, int]] = []
+    result: list[tuple[int, int]] = []
     for number in numbers:
-        if found and number == found[-1][0] + found[-1][1]:
-            found[-1] = (found[-1][0], found[-1][1] + 1)
+        if result and number == result[-1][0] + result[-1][1]:
+            result[-1] = (result[-1][0], result[-1][1] + 1)
         else:
-            found.append((number, 1))
-    return found
+            result.append((number, 1))
+    return result
 
 
 def mass_blocks(equations: Equations, matrix: Matrix, notation: Notation) -> tuple[Block, ...]:
     """The pattern as a picture, the matrix itself where it is small, and its zeros by reason."""
-    said = (
+    words = (
         f"{matrix.count} entries are structural non-zeros. The matrix is symmetric; of each pair one entry is stored. "
         "The other entries are zero in every state; the table below gives the reasons."
     )
     shown = Picture(picture(matrix), f"Pattern of the mass matrix: {matrix.count} entries", "", HINT)
     written = _written(equations.mass, notation) if not equations.indexed and matrix.size <= WRITTEN else ()
-    return (Heading("Mass matrix", "mass"), Paragraph((said,)), shown, *written, *_zeros_of(matrix, notation))
+    return (Heading("Mass matrix", "mass"), Paragraph((words,)), shown, *written, *_zeros_of(matrix, notation))
 
 
 def _written(mass: Iterable[object], notation: Notation) -> tuple[Block, ...]:
@@ -235,7 +235,7 @@ def _zeros_of(matrix: Matrix, notation: Notation) -> tuple[Block, ...]:
             gathered.setdefault(why, []).append((i, j))
     if not gathered:
         return ()
-    rows: list[list[Said]] = [
+    rows: list[list[Content]] = [
         [reason(why, notation), sum(1 + (i != j) for i, j in pairs), _pairs(matrix, pairs)]
         for why, pairs in gathered.items()
     ]
@@ -246,6 +246,6 @@ def _zeros_of(matrix: Matrix, notation: Notation) -> tuple[Block, ...]:
 
 
 def _pairs(matrix: Matrix, pairs: Sequence[tuple[int, int]]) -> str:
-    said = [f"{matrix.labels[i]}, {matrix.labels[j]}" for i, j in pairs]
-    shown = said if len(said) <= FEW else [*said[: FEW - 2], "…", said[-1]]
+    words = [f"{matrix.labels[i]}, {matrix.labels[j]}" for i, j in pairs]
+    shown = words if len(words) <= FEW else [*words[: FEW - 2], "…", words[-1]]
     return "; ".join(shown)

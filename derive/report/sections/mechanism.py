@@ -10,7 +10,7 @@ from derive.mechanics.terms import Constraint
 from derive.report.document.formula import Equation, Name
 from derive.report.document.page import Block, Code, Details, Heading, Paragraph, Picture
 from derive.report.document.page import Equations as Lines
-from derive.report.document.tables import Said, table
+from derive.report.document.tables import Content, table
 from derive.report.notation.expressions import Notation
 from derive.spec.model.body import Parameter, Quantity
 from derive.spec.model.scene import BeamBody, MarkerRef, RigidBody, Scene, SceneBody
@@ -39,12 +39,12 @@ def mechanism_blocks(spec: Scene) -> tuple[Block, ...]:
 def body_blocks(spec: Scene, model: Model, equations: Equations) -> tuple[Block, ...]:
     """The bodies with their coordinates, and what is eliminated."""
     reasons = {out.what: out.reason for out in model.eliminated}
-    rows: list[list[Said]] = [["ground", "the inertial frame", "", "0", reasons.get("ground", "")]]
+    rows: list[list[Content]] = [["ground", "the inertial frame", "", "0", reasons.get("ground", "")]]
     for body in spec.bodies:
         owners = {body.name, *((piece_name(body, k) for k in range(body.pieces)) if isinstance(body, BeamBody) else ())}
         kept = sum(identity(c.q).owner in owners for c in equations.coordinates)
         rows.append([body.name, _kind(body), _weight(body), str(kept), reasons.get(body.name, "")])
-    others: list[list[Said]] = [[out.what, out.reason] for out in model.eliminated if out.what not in _names(spec)]
+    others: list[list[Content]] = [[out.what, out.reason] for out in model.eliminated if out.what not in _names(spec)]
     blocks: list[Block] = [
         Heading("Bodies", "bodies"),
         Paragraph((f"A {model.doc}. Coordinates and constraints that the mechanism does not need are eliminated.",)),
@@ -82,14 +82,14 @@ def joint_blocks(spec: Scene, equations: Equations) -> tuple[Block, ...]:
     own: dict[str, list[Constraint]] = {}
     for constraint in equations.constraints:
         own.setdefault(constraint.of, []).append(constraint)
-    rows: list[list[Said]] = []
+    rows: list[list[Content]] = []
     for joint in spec.joints:
         drive = next((d.name for d in spec.drives if d.joint == joint.name), "")
         names = [c.name for c in (*own.pop(joint.name, ()), *own.pop(drive, ()))]
         exerted = ", ".join(names) or "none: it eliminates coordinates"
         rows.append([joint.name, joint.kind, _marker(joint.first), _marker(joint.second), drive, exerted])
     cuts = sum(map(len, own.values()))
-    multipliers: list[list[Said]] = [[Code(c.name), c.force_unit, c.doc] for c in equations.constraints]
+    multipliers: list[list[Content]] = [[Code(c.name), c.force_unit, c.doc] for c in equations.constraints]
     whole = table("", ("multiplier", "unit", "constraint"), multipliers)
     return (
         Heading("Joints", "joints"),
@@ -107,7 +107,7 @@ def joint_blocks(spec: Scene, equations: Equations) -> tuple[Block, ...]:
 
 
 def _loads(spec: Scene) -> tuple[Block, ...]:
-    rows: list[list[Said]] = [["force", f.name, _marker(f.at)] for f in spec.forces]
+    rows: list[list[Content]] = [["force", f.name, _marker(f.at)] for f in spec.forces]
     for torque in spec.torques:
         against = f", against {_marker(torque.against)}" if torque.against else ""
         rows.append(["torque", torque.name, _marker(torque.at) + against])

@@ -41,12 +41,12 @@ class Moment:
 
 def moments(equations: Equations, notation: Notation) -> tuple[tuple[Moment, ...], ...]:
     """d1, D2, d3, J and what else has a name, by families. Q stands in the kinematics, products of omega as such."""
-    told = [d for d in equations.definitions if not d.zero and d.section not in ("oo", "Q")]
-    found = [Moment(d.symbol, notation.parts(d.expr), d.equation) for d in told]
+    listed = [d for d in equations.definitions if not d.zero and d.section not in ("oo", "Q")]
+    result = [Moment(d.symbol, notation.parts(d.expr), d.equation) for d in listed]
     if equations.indexed:
-        found += [Moment(c.symbol, _contracted(c, notation), APPENDIX) for c in equations.contractions]
-        found += [Moment(t.symbol, _summed(t, notation), APPENDIX) for t in equations.totals]
-    return tuple(tuple(group) for _, group in groupby(found, key=lambda moment: moment.family))
+        result += [Moment(c.symbol, _contracted(c, notation), APPENDIX) for c in equations.contractions]
+        result += [Moment(t.symbol, _summed(t, notation), APPENDIX) for t in equations.totals]
+    return tuple(tuple(group) for _, group in groupby(result, key=lambda moment: moment.family))
 
 
 def moment_blocks(
@@ -85,10 +85,10 @@ def _line(moment: Moment, notation: Notation, lines: Mapping[str, int]) -> Equat
     name = moment.symbol.name
     place = lines.get(array(moment.symbol))
     first = replace(moment.parts[0], title=f"{name} in the code", to=f"#{line_anchor(place)}" if place else "")
-    told = "" if moment.number == APPENDIX else moment.number.strip("()")
+    listed = "" if moment.number == APPENDIX else moment.number.strip("()")
     parts = (first, *moment.parts[1:])
     return Equation(
-        notation.written(moment.symbol).formula, parts, number=told, anchor=definition_anchor(moment.symbol)
+        notation.written(moment.symbol).formula, parts, number=listed, anchor=definition_anchor(moment.symbol)
     )
 
 

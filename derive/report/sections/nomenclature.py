@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from derive.report.document.formula import Name
 from derive.report.document.page import Block, Code, Details, Heading, Math, Paragraph
-from derive.report.document.tables import Said, table
+from derive.report.document.tables import Content, table
 from derive.report.notation.formula_reader import formula
 
 Entry = tuple[str, str, str]
@@ -91,5 +91,5 @@ def nomenclature_blocks(constrained: bool) -> tuple[Block, ...]:
     )
 
 
-def _rows(entries: Sequence[Entry]) -> list[list[Said]]:
+def _rows(entries: Sequence[Entry]) -> list[list[Content]]:
     return [[BOLD.get(symbol) or formula(symbol), meaning, place] for symbol, meaning, place in entries]

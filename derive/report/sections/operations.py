@@ -7,7 +7,7 @@ import sympy as sp
 from derive.ir.model import Kernel, Model
 from derive.mechanics.equations import Equations
 from derive.report.document.page import Block, Code, Heading, Paragraph
-from derive.report.document.tables import Said, table
+from derive.report.document.tables import Content, table
 from derive.report.sections.terms import expansion
 
 MOST = 600
@@ -16,25 +16,25 @@ MOST = 600
 
 def operation_blocks(equations: Equations, model: Model) -> tuple[Block, ...]:
     """Operations by step, then by function."""
-    said = (
+    text = (
         "Operations of the mass matrix (lower triangle) and the forces together. Additions, products, divisions, "
         "powers, sines and cosines count as one each; before the generated code the counts are SymPy's."
     )
     return (
         Heading("Operations", "operations"),
-        Paragraph((said,)),
+        Paragraph((text,)),
         table("Operations after each step", ("step", "what it does", "operations"), _steps(equations, model), "llr"),
         table("Functions", ("function", "what it gives", "operations"), list(map(_function, model.kernels)), "llr"),
     )
 
 
-def _steps(equations: Equations, model: Model) -> list[list[Said]]:
-    rows: list[list[Said]] = []
+def _steps(equations: Equations, model: Model) -> list[list[Content]]:
+    rows: list[list[Content]] = []
     if not equations.indexed and len(equations.definitions) <= MOST:
         rows.append(["written out", "in coordinates, rates and parameters, term by term", written_out(equations)])
         if any(not c.value.is_Atom for c in equations.coefficients):
-            said = "what depends on parameters alone is computed before"
-            rows.append(["integrals named", said, written_out(equations, integrals=False)])
+            text = "what depends on parameters alone is computed before"
+            rows.append(["integrals named", text, written_out(equations, integrals=False)])
         rows.append(["moments named", "d1, D2, d3, J and the like are computed once", named(equations)])
     both, setup = model.kernel("mass_force").operations, model.kernel("setup").operations
     rows.append(["generated code", "what the terms share is computed once: the function mass_force", both])
@@ -66,5 +66,5 @@ def _wanted(equations: Equations) -> list[sp.Expr]:
     return [*(mass[i, j] for i in range(size) for j in range(i + 1)), *equations.force]
 
 
-def _function(kernel: Kernel) -> list[Said]:
+def _function(kernel: Kernel) -> list[Content]:
     return [Code(kernel.name), kernel.doc, kernel.operations]

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from derive.artifacts import File
 from derive.report.document.page import Block, Code, Details, Heading, Paragraph
-from derive.report.document.tables import Said, table
+from derive.report.document.tables import Content, table
 from derive.report.sections.calling import listing
 
 LONG = 60
@@ -35,7 +35,7 @@ def manifest_blocks(files: Sequence[File]) -> tuple[Block, ...]:
     """The manifest as a table."""
     given = json.loads(next(file.text for file in files if file.path.endswith("manifest.json")))
     tools = ", ".join(f"{name} {version}" for name, version in given["tools"].items())
-    hashes: list[list[Said]] = [["specification", Code(given["specification_sha256"])]]
+    hashes: list[list[Content]] = [["specification", Code(given["specification_sha256"])]]
     hashes += [[path.rpartition("/")[2], Code(digest)] for path, digest in given["files"].items()]
     return (
         Heading("Manifest", "manifest"),

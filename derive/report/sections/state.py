@@ -12,7 +12,7 @@ from derive.mechanics.equations import Equations
 from derive.mechanics.symbols import I, Identity, amplitude, identity
 from derive.report.document.formula import Formula
 from derive.report.document.page import Block, Code, Details, Heading, Paragraph
-from derive.report.document.tables import Said, folded, table
+from derive.report.document.tables import Content, folded, table
 from derive.report.notation.expressions import Notation
 from derive.report.notation.families import chosen, written
 from derive.report.notation.integral_formulas import unit
@@ -33,7 +33,7 @@ def state_blocks(model: Model, equations: Equations, notation: Notation) -> tupl
         "Generalised velocities v", HEAD, _rows(model.velocities, (r.v for r in equations.rows), amplitude(I, 1))
     )
     derivatives = "The generalised velocities are the time derivatives of the coordinates, in the same order."
-    found: list[Block] = [
+    result: list[Block] = [
         Heading("Coordinates and parameters", "coordinates"),
         Paragraph((text + end,)),
         folded(coordinates, "Coordinates"),
@@ -41,15 +41,15 @@ def state_blocks(model: Model, equations: Equations, notation: Notation) -> tupl
     ]
     if model.parameters:
         given = [[*_row(p, _parameter(p, notation)), _default(p)] for p in model.parameters]
-        found.append(folded(table("Parameters", (*HEAD, "default"), given, "llllr"), "Parameters"))
+        result.append(folded(table("Parameters", (*HEAD, "default"), given, "llllr"), "Parameters"))
     if model.choice:
-        found.append(Paragraph((f"The functions are {model.choice}.",)))
+        result.append(Paragraph((f"The functions are {model.choice}.",)))
     if model.constants:
-        made: list[list[Said]] = [[Code(c.name), unit(c.unit), c.doc, c.size] for c in model.constants]
+        made: list[list[Content]] = [[Code(c.name), unit(c.unit), c.doc, c.size] for c in model.constants]
         whole = table("", ("in the code", "unit", "what it is", "values"), made, "lllr")
         summary = f"Constants k, made of the parameters by setup: {len(made)}"
-        found.append(Details(summary, (folded(whole, "Constants"),)))
-    return tuple(found)
+        result.append(Details(summary, (folded(whole, "Constants"),)))
+    return tuple(result)
 
 
 def _is_spatial(model: Model) -> bool:
@@ -57,13 +57,13 @@ def _is_spatial(model: Model) -> bool:
     return any(q.role is Role.QUATERNION for q in model.coordinates)
 
 
-def _rows(variables: Iterable[Variable], symbols: Iterable[sp.Symbol], whole: sp.Symbol) -> list[list[Said]]:
+def _rows(variables: Iterable[Variable], symbols: Iterable[sp.Symbol], whole: sp.Symbol) -> list[list[Content]]:
     """The rows of a table of coordinates or velocities; `whole` stands for the array of those of all shapes."""
     by_name = {symbol.name: symbol for symbol in symbols}
     return [_row(v, written(by_name.get(v.name, whole)).formula) for v in variables]
 
 
-def _row(variable: Variable, formula: Formula) -> list[Said]:
+def _row(variable: Variable, formula: Formula) -> list[Content]:
     values = f" ({variable.size} values)" if variable.size > 1 else ""
     return [formula, Code(variable.name), unit(variable.unit), (variable.doc, values)]
 

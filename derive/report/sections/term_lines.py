@@ -100,8 +100,8 @@ class _Finder:
             return Place(term, self.variations[term.row], lines, self._names(term, self.code.functions["mass"]))
         force = self.code.functions["force"]
         looped = self.equations.indexed and row == self.rigid
-        found = force.stores.get(StoredValue("h", row, looped))
-        return Place(term, self.variations[term.row], (found,) if found else (), self._names(term, force))
+        result = force.stores.get(StoredValue("h", row, looped))
+        return Place(term, self.variations[term.row], (result,) if result else (), self._names(term, force))
 
     def _stored(self, mass: FunctionLines) -> Iterator[tuple[tuple[int, int], int]]:
         """The entry that each line of `mass` stores; entries of the shapes count as one where there are loops."""
@@ -113,16 +113,16 @@ class _Finder:
 
     def _behind(self, expr: sp.Expr) -> set[sp.Symbol]:
         """All symbols in an expression and in the sums that it is made of."""
-        found, fresh = set(), set(expr.free_symbols)
+        result, fresh = set(), set(expr.free_symbols)
         while fresh:
-            found |= fresh
-            fresh = {s for f in fresh if f in self.totals for s in self.totals[f].free_symbols} - found
-        return found
+            result |= fresh
+            fresh = {s for f in fresh if f in self.totals for s in self.totals[f].free_symbols} - result
+        return result
 
     def _names(self, term: Term, function: FunctionLines) -> tuple[tuple[sp.Symbol, int], ...]:
         lines = function.definitions
-        found = [(symbol, lines[name]) for symbol in term.expr.free_symbols if (name := array(symbol)) in lines]
-        return tuple(sorted(found, key=lambda pair: pair[1]))
+        result = [(symbol, lines[name]) for symbol in term.expr.free_symbols if (name := array(symbol)) in lines]
+        return tuple(sorted(result, key=lambda pair: pair[1]))
 
 
 def array(symbol: sp.Symbol) -> str:

@@ -18,7 +18,7 @@ from derive.report.document.formula import Equation, Part
 from derive.report.document.formula import Row as Beside
 from derive.report.document.page import Block, Cell, Details, Heading, Inline, Link, Math, Table
 from derive.report.document.page import Equations as Lines
-from derive.report.document.tables import Said, table
+from derive.report.document.tables import Content, table
 from derive.report.notation.expressions import Notation
 from derive.report.notation.labels import SHAPE
 from derive.report.sections.term_lines import Place, group, line_anchor, place_in_row, title
@@ -75,10 +75,10 @@ def _short(equations: Equations) -> Expansion | None:
 
 def row_names(equations: Equations) -> dict[str, str]:
     """The rows with what their virtual displacements are."""
-    found = {row.name: _meaning(identity(row.v)) for row in equations.rows}
+    result = {row.name: _meaning(identity(row.v)) for row in equations.rows}
     if equations.indexed and equations.modes:
-        found[SHAPE] = f"each of the {equations.modes} shapes"
-    return found
+        result[SHAPE] = f"each of the {equations.modes} shapes"
+    return result
 
 
 def _meaning(velocity: Identity) -> str:
@@ -131,7 +131,7 @@ def _same(parts: Sequence[Part], others: Sequence[Part]) -> bool:
 
 def _table(places: Sequence[Place], notation: Notation) -> Table:
     """The terms of a row with their lines."""
-    rows: list[list[Said]] = [
+    rows: list[list[Content]] = [
         [_linked(p), group(p.term), p.term.equation, lines(p.stores), _names(p, notation)] for p in places
     ]
     head = ("term", "group", "from", "stored in line", "made of")
@@ -144,12 +144,12 @@ def _linked(place: Place) -> Cell:
 
 def lines(numbers: Sequence[int]) -> tuple[Inline, ...]:
     """Numbers of lines as links, those that follow each other as one."""
-    found: list[Inline] = []
+    result: list[Inline] = []
     for first, last in runs(numbers):
-        said = str(first) if first == last else f"{first}\N{EN DASH}{last}"
-        found += [", "] if found else []
-        found.append(Link(said, f"#{line_anchor(first)}"))
-    return tuple(found)
+        text = str(first) if first == last else f"{first}\N{EN DASH}{last}"
+        result += [", "] if result else []
+        result.append(Link(text, f"#{line_anchor(first)}"))
+    return tuple(result)
 
 
 def runs(numbers: Sequence[int]) -> list[tuple[int, int]]:
@@ -162,21 +162,21 @@ def runs(numbers: Sequence[int]) -> list[tuple[int, int]]:
 def _names(place: Place, notation: Notation) -> tuple[Inline, ...]:
     """The names that a term is made of, with the lines that define them; those that follow each other together."""
     by_line = {number: symbol for symbol, number in place.names}
-    found: list[Inline] = []
+    result: list[Inline] = []
     for first, last in runs(sorted(by_line)):
         between = [number for number in (first, last) if first != last or number == first][: 2 if first != last else 1]
-        found += ["; "] if found else []
+        result += ["; "] if result else []
         for k, number in enumerate(between):
-            found += [" … "] if k and last > first + 1 else [", "] if k else []
-            found.append(Math(notation.formula(by_line[number])))
-        said = f"line {first}" if first == last else f"lines {first}\N{EN DASH}{last}"
-        found += [" ", Link(said, f"#{line_anchor(first)}")]
-    return tuple(found)
+            result += [" … "] if k and last > first + 1 else [", "] if k else []
+            result.append(Math(notation.formula(by_line[number])))
+        text = f"line {first}" if first == last else f"lines {first}\N{EN DASH}{last}"
+        result += [" ", Link(text, f"#{line_anchor(first)}")]
+    return tuple(result)
 
 
 def written_row(equations: Equations, name: str, written: Expansion, notation: Notation) -> tuple[Part, ...]:
     """A row written out in coordinates, term by term, without links."""
-    found: list[Part] = []
+    result: list[Part] = []
     for term in sorted((t for t in equations.terms if t.row == name), key=place_in_row):
-        found += notation.parts(written(term.expr), group=group(term), title=title(term))
-    return tuple(found)
+        result += notation.parts(written(term.expr), group=group(term), title=title(term))
+    return tuple(result)

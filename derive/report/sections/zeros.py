@@ -12,7 +12,7 @@ from derive.mechanics.symbols import Family, identity
 from derive.mechanics.terms import Reason, Term
 from derive.report.document.formula import Number
 from derive.report.document.page import Block, Details, Heading, Inline, Math, Paragraph, Table
-from derive.report.document.tables import Said, folded, table
+from derive.report.document.tables import Content, folded, table
 from derive.report.notation.expressions import Notation
 from derive.report.notation.families import whole
 from derive.report.notation.integral_formulas import INTEGRANDS, reason
@@ -23,23 +23,23 @@ FEW, SUMMANDS = 8, 4
 
 def vanished_blocks(equations: Equations, notation: Notation) -> tuple[Block, ...]:
     """Integrals that vanish by reason, and terms of (15) that are no part of the model."""
-    found: list[Block] = [Heading("What vanishes", "zeros")]
+    result: list[Block] = [Heading("What vanishes", "zeros")]
     if not equations.indexed:
-        found += _integrals(equations, notation)
+        result += _integrals(equations, notation)
     terms = [(v.term, v.reason) for v in equations.vanished]
     if terms:
-        rows: list[list[Said]] = [
+        rows: list[list[Content]] = [
             [term.name, notation.delta(term.row), _would_be(term, notation), reason(why, notation)]
             for term, why in terms
         ]
-        found.append(Paragraph((f"{len(terms)} terms of (15) are no part of this model.",)))
-        found.append(_by_reason(terms, notation))
+        result.append(Paragraph((f"{len(terms)} terms of (15) are no part of this model.",)))
+        result.append(_by_reason(terms, notation))
         whole = table("Terms that vanish", ("term", "row", "it would be", "because"), rows)
         single = folded(whole, "Terms that vanish")
-        found.append(Details(f"The terms one by one: {len(terms)}", (whole,)) if isinstance(single, Table) else single)
-    if len(found) == 1:
-        found.append(Paragraph(("Nothing vanishes in this model.",)))
-    return tuple(found)
+        result.append(Details(f"The terms one by one: {len(terms)}", (whole,)) if isinstance(single, Table) else single)
+    if len(result) == 1:
+        result.append(Paragraph(("Nothing vanishes in this model.",)))
+    return tuple(result)
 
 
 def _by_reason(terms: Sequence[tuple[Term, Reason]], notation: Notation) -> Table:
@@ -47,7 +47,7 @@ def _by_reason(terms: Sequence[tuple[Term, Reason]], notation: Notation) -> Tabl
     gathered: dict[Reason, dict[str, list[str]]] = {}
     for term, why in terms:
         gathered.setdefault(why, {}).setdefault(term.name, []).append(term.row)
-    rows: list[list[Said]] = [
+    rows: list[list[Content]] = [
         [
             reason(why, notation),
             sum(map(len, by_name.values())),
@@ -65,7 +65,7 @@ def _rows(names: Sequence[str], notation: Notation) -> str:
     return ", ".join(text if len(names) <= FEW else [*text[:-1], "…", text[-1]])
 
 
-def _would_be(term: Term, notation: Notation) -> Said:
+def _would_be(term: Term, notation: Notation) -> Content:
     """What a vanished term stands for, where that is short."""
     if term.expr == 0:
         return Number("0")
@@ -81,7 +81,7 @@ def _integrals(equations: Equations, notation: Notation) -> list[Block]:
             gathered.setdefault(c.zero, []).append(c.symbol)
     if not gathered:
         return []
-    rows: list[list[Said]] = [
+    rows: list[list[Content]] = [
         [reason(why, notation), len(names), _names(names, notation)] for why, names in gathered.items()
     ]
     return [table("Shape integrals that vanish", ("reason", "integrals", "which"), rows, "lrl")]

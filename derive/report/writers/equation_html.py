@@ -54,10 +54,10 @@ def _number(equation: Equation) -> str:
 def _groups(parts: Sequence[Part]) -> str:
     numbered = list(enumerate(parts))
     groups = [(name, list(some)) for name, some in groupby(numbered, lambda one: one[1].group)]
-    told = len(parts) > LONG and len(groups) > 1
+    listed = len(parts) > LONG and len(groups) > 1
     if len(groups) == 1:
         return f'<span class="b g">{"".join(_part(part, k == 0) for k, part in numbered)}</span>'
-    inner = (_group(name if told else "", [_part(part, k == 0) for k, part in some]) for name, some in groups)
+    inner = (_group(name if listed else "", [_part(part, k == 0) for k, part in some]) for name, some in groups)
     return f'<span class="b">{"".join(inner)}</span>'
 
 

@@ -72,19 +72,19 @@ class _Writer:
 
     def _block(self, block: Block) -> str:
         match block:
-            case Heading(said, anchor, level):
-                return f'<h{level} id="{escape(anchor)}">{escape(said)}</h{level}>'
-            case Paragraph(said):
-                return f"<p>{text(said)}</p>"
+            case Heading(words, anchor, level):
+                return f'<h{level} id="{escape(anchor)}">{escape(words)}</h{level}>'
+            case Paragraph(words):
+                return f"<p>{text(words)}</p>"
             case Equations(rows):
                 return equations_html(rows)
             case Table():
                 return _table(block)
             case Picture(svg, alt, caption, hint):
                 drawn = inline(svg, f"picture-{next(self._pictures)}", alt)
-                told = f' <span class="hint">{escape(hint)}</span>' if hint else ""
-                said = f"<figcaption>{escape(caption)}{told}</figcaption>" if caption or hint else ""
-                return f'<figure class="picture">{drawn}{said}</figure>'
+                listed = f' <span class="hint">{escape(hint)}</span>' if hint else ""
+                words = f"<figcaption>{escape(caption)}{listed}</figcaption>" if caption or hint else ""
+                return f'<figure class="picture">{drawn}{words}</figure>'
             case Listing():
                 return listing_html(block)
             case Details(summary, inner):
@@ -110,19 +110,19 @@ def _inline(part: Inline) -> str:
             return escape(part, quote=False)
         case Math(formula):
             return math_in_text(formula)
-        case Link(said, to):
-            return f'<a href="{escape(address(to))}">{escape(said, quote=False)}</a>'
-        case Code(said):
-            return f"<code>{escape(said, quote=False)}</code>"
-        case Strong(said):
-            return f"<strong>{escape(said, quote=False)}</strong>"
+        case Link(words, to):
+            return f'<a href="{escape(address(to))}">{escape(words, quote=False)}</a>'
+        case Code(words):
+            return f"<code>{escape(words, quote=False)}</code>"
+        case Strong(words):
+            return f"<strong>{escape(words, quote=False)}</strong>"
 
 
 def _table(table: Table) -> str:
     align = [ALIGN.get(one, "") for one in table.align.ljust(len(table.head), "l")]
-    told = sum(bool(cell.title) for row in table.rows for cell in row) <= MANY
+    listed = sum(bool(cell.title) for row in table.rows for cell in row) <= MANY
     head = "".join(_head(table, k, side) for k, side in enumerate(align))
-    rows = "\n".join(f"<tr>{_cells(row, align, told)}</tr>" for row in table.rows)
+    rows = "\n".join(f"<tr>{_cells(row, align, listed)}</tr>" for row in table.rows)
     caption = f"<caption>{escape(table.caption)}</caption>" if table.caption else ""
     label = escape(table.caption or "Table")
     kind = f'table wide" role="region" aria-label="{label}" tabindex="0' if table.wide else "table"
@@ -144,12 +144,12 @@ def _length(part: Inline) -> int:
     return len(part) if isinstance(part, str) else 0 if isinstance(part, Math | Code) else len(part.text)
 
 
-def _cells(row: Sequence[Cell], align: Sequence[str], told: bool) -> str:
+def _cells(row: Sequence[Cell], align: Sequence[str], listed: bool) -> str:
     out = []
     for k, (cell, side) in enumerate(zip(row, align, strict=True)):
         tag = "td" if k else 'th scope="row"'
         names = [name for name in (cell.mark, side[8:-1]) if name]
         kind = f' class="{" ".join(names)}"' if names else ""
-        title = f' title="{escape(cell.title)}"' + (' tabindex="0"' if told else "") if cell.title else ""
+        title = f' title="{escape(cell.title)}"' + (' tabindex="0"' if listed else "") if cell.title else ""
         out.append(f"<{tag}{kind}{title}>{text(cell.text)}</{tag[:2]}>")
     return "".join(out)

@@ -58,19 +58,19 @@ class _Writer:
 
     def _block(self, block: Block) -> str:
         match block:
-            case Heading(said, anchor, level):
+            case Heading(words, anchor, level):
                 kind = "section" if level == 2 else "subsection"
-                return f"\\{kind}{{{escaped(said)}}}{self._label(anchor)}"
-            case Paragraph(said):
-                return self.text(said)
+                return f"\\{kind}{{{escaped(words)}}}{self._label(anchor)}"
+            case Paragraph(words):
+                return self.text(words)
             case Equations(rows):
                 return "\n".join(["\\begin{align}", " \\\\\n".join(map(self._equation, rows)), "\\end{align}"])
             case Table():
                 return tabular(block, self.text)
             case Picture(_, alt, caption):
                 shown = f"\\fbox{{\\parbox{{0.8\\linewidth}}{{\\itshape {escaped(alt)}}}}}"
-                said = f"\n\\caption{{{escaped(caption)}}}" if caption else ""
-                return f"\\begin{{figure}}[htbp]\n\\centering\n{shown}{said}\n\\end{{figure}}"
+                words = f"\n\\caption{{{escaped(caption)}}}" if caption else ""
+                return f"\\begin{{figure}}[htbp]\n\\centering\n{shown}{words}\n\\end{{figure}}"
             case Listing():
                 return self._listing(block)
             case Details(summary, inner):
@@ -78,8 +78,8 @@ class _Writer:
             case Columns(columns):
                 return "\n\n".join(self.blocks(one) for one in columns)
 
-    def text(self, said: Text) -> str:
-        return "".join(map(self._inline, said))
+    def text(self, words: Text) -> str:
+        return "".join(map(self._inline, words))
 
     def _inline(self, part: str | Math | Link | Code | Strong) -> str:
         match part:
@@ -89,20 +89,20 @@ class _Writer:
                 return f"${latex_math(formula)}$"
             case Link():
                 return self._link(part)
-            case Code(said):
-                return f"\\texttt{{{escaped(said)}}}"
-            case Strong(said):
-                return f"\\textbf{{{escaped(said)}}}"
+            case Code(words):
+                return f"\\texttt{{{escaped(words)}}}"
+            case Strong(words):
+                return f"\\textbf{{{escaped(words)}}}"
 
     def _link(self, link: Link) -> str:
-        said = escaped(link.text)
+        words = escaped(link.text)
         if link.to.startswith("#"):
             name = self._names.get(link.to[1:])
-            return f"\\hyperref[{name}]{{{said}}}" if name else said
+            return f"\\hyperref[{name}]{{{words}}}" if name else words
         if not link.to.isascii() or set(link.to) & set('\\{}^ "<>`|'):
-            return said
+            return words
         to = "".join(f"\\{c}" if c in "#%&_$" else c for c in address(link.to))
-        return f"\\href{{{to}}}{{{said}}}"
+        return f"\\href{{{to}}}{{{words}}}"
 
     def _label(self, anchor: str) -> str:
         return f"\\label{{{self._names[anchor]}}}" if anchor else ""

@@ -75,7 +75,7 @@ def _odd(text: str) -> str:
 
 
 def _resolved(shown: str, text: Callable[[str], str]) -> str:
-    return re.sub("\0([0-9a-f]*)\0", lambda found: text(bytes.fromhex(found[1]).decode()), shown)
+    return re.sub("\0([0-9a-f]*)\0", lambda result: text(bytes.fromhex(result[1]).decode()), shown)
 
 
 def _tree(formula: Formula, last: bool = True) -> str:

@@ -82,7 +82,7 @@ DERIVATIVES = {"\u0307": "\\dot", "\u0308": "\\ddot"}
 def escaped(text: str) -> str:
     """Text as LaTeX shows it; characters that its fonts lack are told by their numbers."""
     text = "".join(c for c in unicodedata.normalize("NFC", text) if c.isprintable() or c in "\n\t\u00a0")
-    dotted = re.sub(r"(\w)([\u0307\u0308])", lambda found: f"\0{found[2]}{found[1]}", text)
+    dotted = re.sub(r"(\w)([\u0307\u0308])", lambda result: f"\0{result[2]}{result[1]}", text)
     dotted = re.sub(r"-(?=-)", "-\1", dotted)
     out, k = [], 0
     while k < len(dotted):
@@ -122,7 +122,7 @@ def tabular(table: Table, shown: Callable[[Text], str]) -> str:
     columns = _columns(table)
     paragraphs = [column.startswith("p") for column in columns]
     caption = f"\\caption{{{shown((table.caption,))}}}\\\\\n" if table.caption else ""
-    head = _row([f"\\textbf{{{shown(said)}}}" if said else "" for said in table.head], paragraphs)
+    head = _row([f"\\textbf{{{shown(words)}}}" if words else "" for words in table.head], paragraphs)
     rows = "\n".join(_row([shown(cell.text) for cell in row], paragraphs) for row in table.rows)
     small = "\\scriptsize\\setlength{\\tabcolsep}{3pt}" if len(table.head) > MANY else "\\small"
     uncounted = "" if table.caption else "\n\\addtocounter{table}{-1}"
@@ -141,7 +141,7 @@ def _row(cells: Sequence[str], paragraphs: Sequence[bool]) -> str:
 def _columns(table: Table) -> list[str]:
     """The kind of each column: l, r or c, and a paragraph where the table would be too wide."""
     align = table.align.ljust(len(table.head), "l")
-    texts = [[said, *(row[k].text for row in table.rows)] for k, said in enumerate(table.head)]
+    texts = [[words, *(row[k].text for row in table.rows)] for k, words in enumerate(table.head)]
     widths = [max(_width(text) for text in column) for column in texts]
     if sum(widths) + 2 * len(widths) <= LINE:
         return list(align)

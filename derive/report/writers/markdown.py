@@ -51,16 +51,16 @@ def picture_files(page: Page) -> tuple[tuple[str, str], ...]:
 
 
 def _pictures(blocks: Sequence[Block]) -> list[str]:
-    found: list[str] = []
+    result: list[str] = []
     for block in blocks:
         match block:
             case Picture(svg):
-                found.append(svg)
+                result.append(svg)
             case Details(_, inner):
-                found += _pictures(inner)
+                result += _pictures(inner)
             case Columns(columns):
-                found += [svg for one in columns for svg in _pictures(one)]
-    return found
+                result += [svg for one in columns for svg in _pictures(one)]
+    return result
 
 
 class _Writer:
@@ -76,10 +76,10 @@ class _Writer:
 
     def _block(self, block: Block) -> list[str]:
         match block:
-            case Heading(said, anchor, level):
-                return [*self._anchors([anchor]), f"{'#' * level} {plain(said)}"]
-            case Paragraph(said):
-                return [text(said)]
+            case Heading(words, anchor, level):
+                return [*self._anchors([anchor]), f"{'#' * level} {plain(words)}"]
+            case Paragraph(words):
+                return [text(words)]
             case Equations(rows):
                 anchors = [one for row in rows for one in (row.anchor, *(part.anchor for part in row.parts))]
                 return [*self._anchors(anchors), _equations(rows)]
@@ -101,24 +101,24 @@ class _Writer:
         return ["".join(f'<a id="{_html(one)}"></a>' for one in wanted)] if wanted else []
 
 
-def text(said: Text) -> str:
+def text(words: Text) -> str:
     """Text with its formulas, links and words of code."""
-    shown = "".join(_inline(part) for part in said)
+    shown = "".join(_inline(part) for part in words)
     return re.sub(r"^([-+]|\d+(?=[.)]))", _guarded, shown)
 
 
-def _guarded(found: re.Match[str]) -> str:
-    return f"\\{found[1]}" if found[1] in "-+" else f"{found[1]}\u200b"
+def _guarded(result: re.Match[str]) -> str:
+    return f"\\{result[1]}" if result[1] in "-+" else f"{result[1]}\u200b"
 
 
-def plain(said: str) -> str:
+def plain(words: str) -> str:
     """Text of which nothing is a mark of Markdown."""
-    joined = " ".join(said.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;").split("\n"))
+    joined = " ".join(words.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;").split("\n"))
     return re.sub(r"([\\`*_{}\[\]#|~$!])", r"\\\1", joined)
 
 
-def _html(said: str) -> str:
-    return said.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;").replace('"', "&quot;")
+def _html(words: str) -> str:
+    return words.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;").replace('"', "&quot;")
 
 
 def _inline(part: str | Math | Link | Code | Strong) -> str:
@@ -127,12 +127,12 @@ def _inline(part: str | Math | Link | Code | Strong) -> str:
             return plain(part)
         case Math(formula):
             return f"${math(formula)}$"
-        case Link(said, to):
-            return f"[{plain(said)}](<{address(to).replace('<', '%3C').replace('>', '%3E')}>)"
-        case Code(said):
-            return _code(said)
-        case Strong(said):
-            return f"**{plain(said)}**"
+        case Link(words, to):
+            return f"[{plain(words)}](<{address(to).replace('<', '%3C').replace('>', '%3E')}>)"
+        case Code(words):
+            return _code(words)
+        case Strong(words):
+            return f"**{plain(words)}**"
 
 
 def math(formula: Formula) -> str:
@@ -141,18 +141,18 @@ def math(formula: Formula) -> str:
 
 
 def _safer(shown: str) -> str:
-    return re.sub(r"\\[{},\\]|[<>]", lambda found: SAFER[found[0]], shown)
+    return re.sub(r"\\[{},\\]|[<>]", lambda result: SAFER[result[0]], shown)
 
 
-def _odd(said: str) -> str:
+def _odd(words: str) -> str:
     """A word within a formula, of which nothing is a mark of LaTeX, Markdown or HTML."""
-    return "".join(c if c.isalnum() or c in " .:;()/+=-" else "?" for c in said)
+    return "".join(c if c.isalnum() or c in " .:;()/+=-" else "?" for c in words)
 
 
-def _code(said: str) -> str:
-    longest = max((len(run) for run in re.findall("`+", said)), default=0)
-    fence, room = "`" * (longest + 1), " " if said[:1] in ("`", " ") or said[-1:] in ("`", " ") else ""
-    return f"{fence}{room}{said}{room}{fence}" if said else ""
+def _code(words: str) -> str:
+    longest = max((len(run) for run in re.findall("`+", words)), default=0)
+    fence, room = "`" * (longest + 1), " " if words[:1] in ("`", " ") or words[-1:] in ("`", " ") else ""
+    return f"{fence}{room}{words}{room}{fence}" if words else ""
 
 
 def _equations(rows: Sequence[Equation]) -> str:
@@ -172,7 +172,7 @@ def _equation(equation: Equation) -> str:
 def _table(table: Table) -> str:
     sides = [SIDES[one] for one in table.align.ljust(len(table.head), "l")]
     rows = [table.head, *(tuple(cell.text for cell in row) for row in table.rows)]
-    shown = [_row([_cell(said) for said in row]) for row in rows]
+    shown = [_row([_cell(words) for words in row]) for row in rows]
     return "\n".join([shown[0], _row(sides), *shown[1:]])
 
 
@@ -180,8 +180,8 @@ def _row(cells: Sequence[str]) -> str:
     return f"| {' | '.join(cells)} |"
 
 
-def _cell(said: Text) -> str:
-    return "".join(_inline(part).replace("|", "\\|") if isinstance(part, Code) else _inline(part) for part in said)
+def _cell(words: Text) -> str:
+    return "".join(_inline(part).replace("|", "\\|") if isinstance(part, Code) else _inline(part) for part in words)
 
 
 def _listing(listing: Listing) -> list[str]:

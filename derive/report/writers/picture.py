@@ -56,8 +56,8 @@ def scoped(style: str, scope: str) -> str:
     if "@import" in style or "<" in style:
         raise ValueError("a picture's style brings in something from outside")
 
-    def narrowed(found: re.Match[str]) -> str:
-        selectors = found[1].strip()
+    def narrowed(result: re.Match[str]) -> str:
+        selectors = result[1].strip()
         if selectors.startswith("@"):
             return f" {selectors} {{"
         return f" {', '.join(f'{scope} {one.strip()}' for one in selectors.split(','))} {{"
@@ -82,7 +82,7 @@ def _checked(element: ElementTree.Element) -> None:
         raise ValueError(f"a picture holds <{element.tag}>, which is no drawing")
     for name, value in element.attrib.items():
         outside = name == "href" and not value.startswith("#")
-        if name.lower().startswith("on") or outside or any(not found[1] for found in _ADDRESS.finditer(value)):
+        if name.lower().startswith("on") or outside or any(not result[1] for result in _ADDRESS.finditer(value)):
             raise ValueError(f"a picture holds {name}={value!r}, which leads out of it")
 
 
@@ -94,4 +94,4 @@ def _own(element: ElementTree.Element, anchor: str) -> None:
         elif name == "href":
             element.set(name, f"#{anchor}-{value[1:]}")
         elif "url(" in value:
-            element.set(name, _ADDRESS.sub(lambda found: f"url(#{anchor}-{found[2]})", value))
+            element.set(name, _ADDRESS.sub(lambda result: f"url(#{anchor}-{result[2]})", value))

@@ -111,16 +111,16 @@ class _Writer:
     def _new(self, anchors: Sequence[str]) -> list[str]:
         """The names of anchors that have no place yet."""
         names = list(dict.fromkeys(self._names[one] for one in anchors if one))
-        found = [name for name in names if name not in self._placed]
-        self._placed.update(found)
-        return [string(name) for name in found]
+        result = [name for name in names if name not in self._placed]
+        self._placed.update(result)
+        return [string(name) for name in result]
 
     def _equation(self, equation: Equation) -> str:
         numbered = list(enumerate(equation.parts))
         groups = [(name, list(some)) for name, some in groupby(numbered, lambda one: one[1].group)]
-        told = len(numbered) > LONG and len(groups) > 1
+        listed = len(numbered) > LONG and len(groups) > 1
         shown = [
-            f"(name: {string(name if told else '')}, pieces: "
+            f"(name: {string(name if listed else '')}, pieces: "
             f"{_list([_display(summand_typst(part, k == 0), words(part.formula)) for k, part in some])})"
             for name, some in groups
         ]

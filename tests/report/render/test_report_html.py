@@ -15,10 +15,14 @@ import strict_html
 from derive.artifacts import MARK
 from derive.report.document.anchors import faults
 from derive.report.document.code_comments import comments
-from derive.report.document.page import Cell, Line, Link, Listing, Page, Paragraph, Picture, Table
+from derive.report.document.formula import Name
+from derive.report.document.page import Cell, Line, Link, Listing, Math, Page, Paragraph, Picture, Table
 from derive.report.writers.equation_html import equation_html, formula_html
 from derive.report.writers.html import html
+from derive.report.writers.latex import latex
+from derive.report.writers.markdown import markdown
 from derive.report.writers.picture import inline, scoped, standalone
+from derive.report.writers.typst import typst
 
 CSS = Path(__file__).parents[3] / "templates" / "report" / "colours.css"
 
@@ -182,3 +186,16 @@ def test_many_told_cells_are_no_stops_of_the_tab_key() -> None:
     rows = tuple(tuple(replace(cell, title="why") for cell in row) for row in table.rows)
     assert html(of(replace(table, rows=rows * 10))).count('tabindex="0"') == 120
     assert 'title="why" tabindex' not in html(of(replace(table, rows=rows * 20)))
+
+
+def test_hints_for_the_pointer_are_on_the_screen_alone() -> None:
+    page = of(Picture(sample_report.SVG, "a", "b", "The pointer shows more."))
+    assert '<span class="hint">The pointer shows more.</span>' in html(page)
+    assert "The pointer" not in typst(page) + latex(page) + markdown(page)
+    assert re.search(r"\.hint[^{]*\{ display: none; \}", (CSS.parent / "print.css").read_text())
+
+
+def test_a_subtitle_has_formulas() -> None:
+    page = Page("t", ("modes ", Math(Name("xi"))), ())
+    assert "<p>modes <math><mi>ξ</mi></math></p>" in html(page)
+    assert "ξ" in typst(page) and "\\xi" in latex(page) and "\\xi" in markdown(page)
