@@ -27,7 +27,7 @@ from derive.mechanics.terms import (
     Term,
     Vanished,
 )
-from derive.mechanics.text import MOST_EQUATIONS, block, page
+from derive.mechanics.text import block, page
 from derive.spec.model.body import Lowering
 
 
@@ -148,14 +148,14 @@ class Equations:
             sums.append((c.symbol.name, f"{c.base} + {products}" if c.base != 0 else products))
         for s in self.totals:
             sums.append((s.symbol.name, f"{s.base} + sum_i ({s.term})" if s.base != 0 else f"sum_i ({s.term})"))
-        rows = [("0", self.sum_of(row.name)) for row in self.rows]
+        rows = [(f"{row.name}: 0", self.sum_of(row.name)) for row in self.rows]
         law = "Equations of motion, without the constraint reactions" if self.constraints else "Equations of motion"
         definitions = [(d.symbol.name, d.expr) for d in self.definitions if not d.zero]
         constraints = [("0", c.position) for c in self.constraints]
         return page(
             [
                 [f"{self.name}: {self.doc}"],
-                block(f"{law}, one for each of {', '.join(row.name for row in self.rows[:MOST_EQUATIONS])}:", rows),
+                block(f"{law}:", rows),
                 block("Constraints:", constraints),
                 block("with", definitions),
                 block("and the sums over the shapes", sums),

@@ -1,0 +1,82 @@
+"""Equations with their sums over the modes kept say the same as those written out, and both print on a page."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+import sympy as sp
+
+import derive
+from beams import FRAMES
+from conftest import ROOT
+from derive.mechanics.body import Body
+from derive.mechanics.equations import Equations
+from derive.mechanics.sums import at, exchanged
+from derive.mechanics.symbols import I, J, amplitude
+
+SCENES = sorted(path for path in (ROOT / "scenes").glob("*.toml"))
+
+
+def values(body: Body) -> dict[sp.Symbol, sp.Expr]:
+    """The value of every constant of a body; of the mass, gravity and points as well."""
+    constants = [body.mass_constant, *body.gravity]
+    constants += [c for table in body.tables for c in body.values.constants(table)]
+    return {c.symbol: c.value for c in constants}
+
+
+def evaluated(equations: Equations, row: str, shape: int) -> sp.Expr:
+    """A row of the indexed form for one shape: every sum is carried out by hand, every constant has its value."""
+    assert equations.body is not None
+    known, shapes = values(equations.body), range(1, equations.modes + 1)
+    sums: dict[sp.Symbol, sp.Expr] = {}
+
+    def of(expr: sp.Expr, i: int) -> sp.Expr:
+        """An expression of the generic index i for shape i."""
+        named = {s: at(s, i, i) if s.identity.indexed else s for s in expr.free_symbols}
+        for generic, symbol in named.items():
+            if generic.identity.shapes == (I,) and len(symbol.identity.shapes) == 1 and symbol not in known | sums:
+                diagonal = exchanged(generic, {I: I}).identity  # the diagonal of a table has one index
+                pair = [s for s in known if s.identity.family is diagonal.family and s.identity.shapes == (i, i)]
+                named[generic] = pair[0] if pair else symbol
+        return expr.xreplace(named).xreplace(sums).xreplace(known)
+
+    for c in equations.contractions:
+        for i in shapes:
+            products = (exchanged(f, {J: j}) * at(e, i, j) for f, e in c.sums for j in shapes)
+            sums[at(c.symbol, i)] = sp.expand(of(c.base, i) + sp.Add(*products).xreplace(known))
+    for total in equations.totals:
+        sums[total.symbol] = sp.expand(of(total.base, 1) + sp.Add(*(of(total.term, i) for i in shapes)))
+    expr = of(equations.sum_of(row), shape)
+    for definition in reversed(equations.definitions):
+        expr = expr.xreplace({definition.symbol: definition.expr})
+    return sp.expand(expr)
+
+
+@pytest.mark.parametrize("frame", FRAMES)
+@pytest.mark.parametrize("n", [1, 2, 3])
+def test_sums_of_a_beam_are_those_written_out(frame: str, n: int) -> None:
+    spec = derive.planar_beam(
+        "beam", ansatz=["1", "xi", *(f"xi^{k}" for k in range(2, n + 2))], frame=FRAMES[frame], orthogonal=False
+    )
+    equations = derive.derive(spec)
+    assert equations.indexed and not equations.expanded().indexed
+    for row in ("c1", "c2", "phi"):
+        assert sp.expand(evaluated(equations, row, 1) - equations.row(row)) == 0
+    for i in range(1, n + 1):
+        assert sp.expand(evaluated(equations, "alpha_i", i) - equations.row(f"alpha{i}")) == 0
+        assert amplitude(i, 2) in equations.row(f"alpha{i}").free_symbols
+
+
+def test_the_size_of_the_indexed_form_does_not_depend_on_the_number_of_modes() -> None:
+    few, many = (derive.derive(derive.symbolic_body("body", n, frame="given")) for n in (3, 300))
+    assert [t.expr for t in few.terms] == [t.expr for t in many.terms] and few.totals == many.totals
+
+
+@pytest.mark.parametrize("path", SCENES, ids=lambda path: path.stem)
+def test_equations_print_on_a_page(path: Path) -> None:
+    derived = derive.derive(derive.read(path))
+    for shown in (derived, derived.expanded()):
+        lines = str(shown).splitlines()
+        assert 4 <= len(lines) <= 75 and max(map(len, lines)) <= 120
+    assert str(derived.expanded().rows[0].name) in str(derived.expanded())
