@@ -2,15 +2,15 @@
 
 A joint is a subclass of JointType, which `derive.JOINTS.register("name", MyJoint())` adds to the kinds that a
 specification may choose; bodies and forces likewise with BodyType and `derive.BODIES`, ForceType and `derive.FORCES`.
-The constraints of a joint are formulated with the Link between its markers: displacement and rotation, each with two
-time derivatives, as SymPy expressions.
+The constraints of a joint are formulated with the RelativeMotion between its markers: displacement and rotation, each
+with two time derivatives, as SymPy expressions.
 """
 
 from __future__ import annotations
 
 from derive.mechanics.multibody.bodies.body_type import BodyType, Constant
 from derive.mechanics.multibody.bodies.rigid import marker_constants, rigid_component
-from derive.mechanics.multibody.components import Component, Section
+from derive.mechanics.multibody.components import Component, CrossSection
 from derive.mechanics.multibody.coordinates import CoordinateMap
 from derive.mechanics.multibody.forces.force_type import ForceType, GeneralisedForce, define, force_terms, torque_terms
 from derive.mechanics.multibody.joints.joint_type import (
@@ -23,7 +23,7 @@ from derive.mechanics.multibody.joints.joint_type import (
     Support,
 )
 from derive.mechanics.multibody.keys import Key, KeyType
-from derive.mechanics.multibody.point_motion import Link, PointMotion
+from derive.mechanics.multibody.point_motion import PointMotion, RelativeMotion
 from derive.mechanics.quantity import value as quantity_expression
 
 __all__ = [
@@ -31,6 +31,7 @@ __all__ = [
     "Component",
     "Constant",
     "CoordinateMap",
+    "CrossSection",
     "Drawing",
     "DrivenCoordinate",
     "ForceType",
@@ -39,11 +40,10 @@ __all__ = [
     "JointType",
     "Key",
     "KeyType",
-    "Link",
     "Multiplier",
     "PointMotion",
     "PrescribedMotion",
-    "Section",
+    "RelativeMotion",
     "Support",
     "define",
     "force_terms",

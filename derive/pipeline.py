@@ -89,7 +89,7 @@ def _of_modes(spec: Specification) -> tuple[str, ...]:
     """Return how far the modes of a finite-element body were from their frame, and which of them have no stiffness."""
     if not isinstance(spec, NodalBody):
         return ()
-    from derive.reduction import loose_modes, residuals
+    from derive.reduction import residuals, zero_stiffness_modes
 
     notes = []
     frame = residuals(spec)
@@ -100,7 +100,7 @@ def _of_modes(spec: Specification) -> tuple[str, ...]:
             f"mean displacement of the modes (17): {before.displacement:.1e} of their size as given, "
             f"{after.displacement:.1e} as used; mean rotation (19): {before.rotation:.1e}, {after.rotation:.1e}{asked}"
         )
-    if loose := loose_modes(spec):
-        modes = ", ".join(map(str, loose))
-        notes.append(f"warning: mode {modes} has no stiffness; check for loose parts and missing elements")
+    if modes := zero_stiffness_modes(spec):
+        numbers = ", ".join(map(str, modes))
+        notes.append(f"warning: mode {numbers} has no stiffness; check for loose parts and missing elements")
     return tuple(notes)

@@ -24,7 +24,7 @@ BINDING = {
 
 
 @dataclass(frozen=True)
-class Code:
+class BreakableText:
     """A text that may be broken into lines before each of its pieces but the first."""
 
     pieces: tuple[str, ...]
@@ -36,18 +36,18 @@ class Code:
         return sum(map(len, self.pieces))
 
 
-PLUS = Code(("", " + "))
+PLUS = BreakableText(("", " + "))
 """A plus before which a line may be broken."""
 
 
-def join(*parts: str | Code) -> Code:
+def join(*parts: str | BreakableText) -> BreakableText:
     """Texts one after the other; they can be broken where their parts can."""
     pieces = [""]
     for part in parts:
-        first, *rest = part.pieces if isinstance(part, Code) else (part,)
+        first, *rest = part.pieces if isinstance(part, BreakableText) else (part,)
         pieces[-1] += first
         pieces += rest
-    return Code(tuple(pieces))
+    return BreakableText(tuple(pieces))
 
 
 Named = ScalarRef | ArrayAccess | MatrixEntry
@@ -71,11 +71,11 @@ class Dialect:
         """
         binding = PRODUCT if value < 0 else ATOM
         if value.denominator == 1 and abs(value.numerator) < 2**53:
-            return _Text(Code((f"{value.numerator}{self.suffix}",)), binding, value < 0)
+            return _Text(BreakableText((f"{value.numerator}{self.suffix}",)), binding, value < 0)
         if Fraction(float(value)) == value or max(abs(value.numerator), value.denominator) >= 2**53:
-            return _Text(Code((repr(float(value)),)), binding, value < 0)
+            return _Text(BreakableText((repr(float(value)),)), binding, value < 0)
         quotient = f"({value.numerator}{self.suffix} / {value.denominator}{self.suffix})"
-        return _Text(Code((quotient,)), binding, False)
+        return _Text(BreakableText((quotient,)), binding, False)
 
 
 C = Dialect(".0", "")
@@ -86,24 +86,24 @@ PYTHON = Dialect("", "xp.")
 class _Text:
     """Code of an expression, how strongly it binds, and whether it begins with a minus sign."""
 
-    code: Code
+    code: BreakableText
     binding: int
     signed: bool
 
 
-def text(expr: Expr, dialect: Dialect, name: Callable[[Named], Code] | None = None) -> Code:
+def text(expr: Expr, dialect: Dialect, name: Callable[[Named], BreakableText] | None = None) -> BreakableText:
     """The code of an expression; `name` writes names and elements, as `element` does with the index i if not given."""
     return _text(expr, dialect, name or element).code
 
 
-def element(leaf: Named, index: Code | None = None) -> Code:
+def element(leaf: Named, index: BreakableText | None = None) -> BreakableText:
     """A name, or an element of an array in a loop, in C.
 
     `index` is what counts the loop, as a sum where it is one; if it is not given, the index of the leaf.
     """
     match leaf:
         case ScalarRef():
-            return Code((leaf.name,))
+            return BreakableText((leaf.name,))
         case MatrixEntry():
             return join(leaf.table, "[", index or "i", "]")
         case ArrayAccess():
@@ -112,10 +112,10 @@ def element(leaf: Named, index: Code | None = None) -> Code:
             assert_never(leaf)
 
 
-def strided(offset: int, stride: int, index: Code | None = None) -> Code:
+def strided(offset: int, stride: int, index: BreakableText | None = None) -> BreakableText:
     """stride * index + offset."""
     if stride == 1:
-        product = index or Code(("i",))
+        product = index or BreakableText(("i",))
     elif index is None or len(index.pieces) == 1:
         product = join(f"{stride} * ", index or "i")
     else:
@@ -123,7 +123,7 @@ def strided(offset: int, stride: int, index: Code | None = None) -> Code:
     return join(product, PLUS, str(offset)) if offset else product
 
 
-def _text(expr: Expr, dialect: Dialect, name: Callable[[Named], Code]) -> _Text:
+def _text(expr: Expr, dialect: Dialect, name: Callable[[Named], BreakableText]) -> _Text:
     match expr:
         case Number():
             return dialect.number(expr.value)
@@ -135,7 +135,7 @@ def _text(expr: Expr, dialect: Dialect, name: Callable[[Named], Code]) -> _Text:
             assert_never(expr)
 
 
-def _operation(expr: Operation, dialect: Dialect, name: Callable[[Named], Code]) -> _Text:
+def _operation(expr: Operation, dialect: Dialect, name: Callable[[Named], BreakableText]) -> _Text:
     operands = [_text(arg, dialect, name) for arg in expr.args]
     if expr.kind.function:
         return _Text(join(f"{dialect.namespace}{expr.kind.value}(", operands[0].code, ")"), ATOM, False)
@@ -147,17 +147,17 @@ def _operation(expr: Operation, dialect: Dialect, name: Callable[[Named], Code])
     sign = SIGN[expr.kind]
     code = join(
         _enclosed(left, enclosed),
-        Code(("", sign)) if binding == SUM else sign,
+        BreakableText(("", sign)) if binding == SUM else sign,
         _enclosed(right, right.binding <= binding),
     )
     return _Text(code, binding, left.signed and not enclosed)
 
 
-def _enclosed(operand: _Text, enclosed: bool) -> Code:
+def _enclosed(operand: _Text, enclosed: bool) -> BreakableText:
     return join("(", operand.code, ")") if enclosed else operand.code
 
 
-def statement(indent: str, head: str, expression: Code, end: str) -> list[str]:
+def statement(indent: str, head: str, expression: BreakableText, end: str) -> list[str]:
     """`head expression end` on as many lines as it needs, broken before a plus or a minus."""
     lines, current = [], f"{indent}{head}"
     for piece in join(expression, end).pieces:

@@ -21,7 +21,7 @@ class StoredValue:
 
 
 @dataclass(frozen=True)
-class Line:
+class SourceLine:
     """A line of a function.
 
     stores: the value that the line writes to an output; defines: the scalar or the local array that it computes. A
@@ -35,30 +35,30 @@ class Line:
     section: int | None = None
     statement: int | None = None
 
-    def indented(self) -> Line:
+    def indented(self) -> SourceLine:
         """The line, one step further to the right; an empty line stays empty."""
         return replace(self, text=f"    {self.text}") if self.text else self
 
-    def of(self, section: int, statement: int) -> Line:
+    def of(self, section: int, statement: int) -> SourceLine:
         """The line as a part of a statement."""
         return replace(self, section=section, statement=statement)
 
 
-def plain(*texts: str) -> list[Line]:
+def plain(*texts: str) -> list[SourceLine]:
     """Lines that neither store nor define anything."""
-    return [Line(text) for text in texts]
+    return [SourceLine(text) for text in texts]
 
 
-def storing(texts: Iterable[str], output: str, index: int, over_modes: bool = False) -> list[Line]:
+def storing(texts: Iterable[str], output: str, index: int, over_modes: bool = False) -> list[SourceLine]:
     """The lines of a statement that writes to an output."""
     first, *rest = texts
-    return [Line(first, stores=StoredValue(output, index, over_modes)), *map(Line, rest)]
+    return [SourceLine(first, stores=StoredValue(output, index, over_modes)), *map(SourceLine, rest)]
 
 
-def defining(texts: Iterable[str], name: str) -> list[Line]:
+def defining(texts: Iterable[str], name: str) -> list[SourceLine]:
     """The lines of a statement that computes a scalar or a local array."""
     first, *rest = texts
-    return [Line(first, defines=name), *map(Line, rest)]
+    return [SourceLine(first, defines=name), *map(SourceLine, rest)]
 
 
 @dataclass(frozen=True)
@@ -70,7 +70,7 @@ class FunctionLines:
 
     kernel: Kernel
     first: int
-    lines: tuple[Line, ...]
+    lines: tuple[SourceLine, ...]
 
     @property
     def name(self) -> str:
@@ -83,15 +83,15 @@ class FunctionLines:
         return self.first + len(self.lines) - 1
 
     @property
-    def numbered(self) -> Iterator[tuple[int, Line]]:
+    def numbered(self) -> Iterator[tuple[int, SourceLine]]:
         """The lines with their numbers."""
         return enumerate(self.lines, self.first)
 
-    def section(self, line: Line) -> Section | None:
+    def section(self, line: SourceLine) -> Section | None:
         """The section that a line belongs to."""
         return None if line.section is None else self.kernel.sections[line.section]
 
-    def statement(self, line: Line) -> Statement | None:
+    def statement(self, line: SourceLine) -> Statement | None:
         """The statement that a line belongs to."""
         section = self.section(line)
         return None if section is None or line.statement is None else section.body[line.statement]
@@ -142,7 +142,7 @@ class SourceBuilder:
         self._texts.append(text)
         self._lines += text.count("\n")
 
-    def function(self, kernel: Kernel, lines: Iterable[Line]) -> None:
+    def function(self, kernel: Kernel, lines: Iterable[SourceLine]) -> None:
         """Add the function of a kernel, on lines of its own."""
         function = FunctionLines(kernel, self._lines + 1, tuple(lines))
         self._functions[kernel.name] = function

@@ -37,7 +37,7 @@ MAX_PIECES = 64
 """The largest number of beams that a study divides a rod into."""
 
 
-class Parser(argparse.ArgumentParser):
+class CommandParser(argparse.ArgumentParser):
     """An argument parser that suggests the command which an unknown one resembles."""
 
     def _check_value(self, action: argparse.Action, value: Any) -> None:
@@ -51,7 +51,7 @@ class Parser(argparse.ArgumentParser):
 
 def parser() -> argparse.ArgumentParser:
     """Return the parser with all commands."""
-    main = Parser(
+    main = CommandParser(
         prog="tisserand",
         description=DESCRIPTION,
         epilog=EPILOG,

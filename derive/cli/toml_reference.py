@@ -35,7 +35,7 @@ TITLES = {
 
 
 @dataclass
-class Section:
+class KeySection:
     """A table of the specification: its schema, its heading, and the keys that hold it."""
 
     schema: Schema
@@ -62,9 +62,9 @@ def markdown(text: str) -> str:
     return "\n".join(parts)
 
 
-def _sections(schema: Schema) -> dict[str, Section]:
+def _sections(schema: Schema) -> dict[str, KeySection]:
     """Return the definitions of a schema by their references, in the order in which the keys mention them."""
-    sections: dict[str, Section] = {}
+    sections: dict[str, KeySection] = {}
     pending = [("", schema)]
     while pending:
         path, table = pending.pop(0)
@@ -73,7 +73,7 @@ def _sections(schema: Schema) -> dict[str, Section]:
                 name = reference.removeprefix("#/$defs/")
                 here = ".".join(part for part in (path, key, "NAME" if named else "") if part)
                 if reference not in sections:
-                    sections[reference] = Section(schema["$defs"][name], TITLES.get(name, f"`[{here}]`"), [])
+                    sections[reference] = KeySection(schema["$defs"][name], TITLES.get(name, f"`[{here}]`"), [])
                     pending.append((here, schema["$defs"][name]))
                 sections[reference].paths.append(here)
     shared = [s for s in sections.values() if len(set(s.paths)) > 1 and s.heading not in TITLES.values()]
@@ -94,7 +94,7 @@ def _references(value: Any, named: bool = False) -> Iterator[tuple[str, bool]]:
             yield from _references(item, named or key == "patternProperties")
 
 
-def _table(schema: Schema, sections: Mapping[str, Section]) -> str:
+def _table(schema: Schema, sections: Mapping[str, KeySection]) -> str:
     """Return the keys of a table as a Markdown table."""
     rows = ["| key | value | default | meaning |", "|---|---|---|---|"]
     for key, value in schema["properties"].items():
@@ -118,7 +118,7 @@ def _toml(value: Any) -> str:
     return json.dumps(value)
 
 
-def _type(value: Schema, sections: Mapping[str, Section]) -> str:
+def _type(value: Schema, sections: Mapping[str, KeySection]) -> str:
     """Return what a value may be, in words, with links to the sections of tables."""
     if "$ref" in value:
         return sections[value["$ref"]].link

@@ -10,6 +10,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from enum import Enum
 
+from derive.ir.patterns import Pattern
 from derive.mechanics.equations import Equations
 
 
@@ -54,6 +55,19 @@ class ModelFunction:
     def name(self) -> str:
         """The name in the generated code, without that of the model."""
         return f"{self.kind.value}_{self.variant}" if self.variant else self.kind.value
+
+
+@dataclass(frozen=True)
+class OutputElements:
+    """The elements of one output of a function, as a lowering produces them.
+
+    `names` are the names of the elements or, where `count` is given, descriptions of groups that have `count` elements
+    in all. `pattern` is the sparsity pattern of an output that is a matrix.
+    """
+
+    names: tuple[str, ...]
+    pattern: Pattern | None = None
+    count: int | None = None
 
 
 FORMS = {

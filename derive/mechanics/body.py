@@ -14,7 +14,7 @@ from derive.mechanics.motion.material_points import MaterialPoint
 from derive.mechanics.motion.planar import planar_motion
 from derive.mechanics.motion.spatial import spatial_motion
 from derive.mechanics.symbols import Family
-from derive.mechanics.tables import Table, planar_tables
+from derive.mechanics.tables import CoefficientTable, planar_tables
 from derive.mechanics.terms import ModelConstant, ParameterSymbol
 
 if TYPE_CHECKING:  # a planar body needs no NumPy, nor does a specification that is read
@@ -25,13 +25,13 @@ if TYPE_CHECKING:  # a planar body needs no NumPy, nor does a specification that
 class Values(Protocol):
     """The entries of the tables of a body."""
 
-    def constants(self, table: Table) -> Iterable[ModelConstant]:
+    def constants(self, table: CoefficientTable) -> Iterable[ModelConstant]:
         """The entries of a table in the order of `entries`, each with its value, or the reason why it vanishes."""
 
-    def present(self, table: Table) -> NDArray[np.bool_]:
+    def present(self, table: CoefficientTable) -> NDArray[np.bool_]:
         """Which entries of a table there are, by shapes and components."""
 
-    def numbers(self, table: Table) -> NDArray[np.float64] | None:
+    def numbers(self, table: CoefficientTable) -> NDArray[np.float64] | None:
         """The entries of a table, i <= j (i < j of an odd one) by rows, if they are numbers."""
 
 
@@ -50,7 +50,7 @@ class Body:
     dimension: int
     modes: int
     mass: sp.Expr
-    tables: tuple[Table, ...]
+    tables: tuple[CoefficientTable, ...]
     values: Values
     points: tuple[MaterialPoint, ...] = ()
     parameters: tuple[ParameterSymbol, ...] = ()
@@ -88,7 +88,7 @@ class Body:
         constants = self._constants(Family.DAMPING)
         return constants if any(not c.zero for c in constants) else ()
 
-    def table(self, family: Family) -> Table:
+    def table(self, family: Family) -> CoefficientTable:
         """The table of an integral."""
         return next(table for table in self.tables if table.family is family)
 
@@ -102,15 +102,15 @@ class ExactValues:
 
     every: tuple[ModelConstant, ...]
 
-    def constants(self, table: Table) -> Iterable[ModelConstant]:
+    def constants(self, table: CoefficientTable) -> Iterable[ModelConstant]:
         """See `Values`."""
         return (c for c in self.every if c.symbol.identity.family is table.family)
 
-    def present(self, table: Table) -> NDArray[np.bool_]:
+    def present(self, table: CoefficientTable) -> NDArray[np.bool_]:
         """See `Values`."""
         raise NotImplementedError("planar bodies are lowered to straight-line code alone")
 
-    def numbers(self, table: Table) -> NDArray[np.float64] | None:
+    def numbers(self, table: CoefficientTable) -> NDArray[np.float64] | None:
         """See `Values`."""
         return None
 

@@ -10,9 +10,9 @@ import sympy as sp
 from derive import display
 from derive.mechanics.body import Body
 from derive.mechanics.expansion import expand
-from derive.mechanics.sums import Contraction, Total
+from derive.mechanics.sums import ModeSum, TableSum
 from derive.mechanics.symbols import Family
-from derive.mechanics.tables import Table
+from derive.mechanics.tables import CoefficientTable
 from derive.mechanics.terms import (
     Constraint,
     Coordinate,
@@ -37,8 +37,8 @@ class Equations:
 
     They come in two forms. As `derive` returns them for a body, sums over the shapes are kept: there are the rows of
     the rigid motion and one row for a generic shape i, whose name is alpha_i, and expressions are in `definitions`
-    (scalars), in `tables` over the shapes, in `contractions`, in `totals` made of these, and in the alpha_i. The second
-    form, `expanded()`, writes all sums out: a row for each shape, without tables, without what vanishes.
+    (scalars), in `tables`, in `table_sums`, in `mode_sums` made of these, and in the alpha_i. The second form,
+    `expanded()`, has no sums: a row for each shape function, no tables, and no terms that vanish.
 
     The expanded equations of a mechanism are those of its bodies, with `constraints`: the sum of a row is then what
     the multipliers contribute, sum lambda_k jacobian_k. `poses` are those of its bodies, `eliminated` says what is not
@@ -76,9 +76,9 @@ class Equations:
     constraints: tuple[Constraint, ...] = ()
     poses: tuple[Pose, ...] = ()
     eliminated: tuple[Eliminated, ...] = ()
-    tables: tuple[Table, ...] = ()
-    contractions: tuple[Contraction, ...] = ()
-    totals: tuple[Total, ...] = ()
+    tables: tuple[CoefficientTable, ...] = ()
+    table_sums: tuple[TableSum, ...] = ()
+    mode_sums: tuple[ModeSum, ...] = ()
     body: Body | None = None
     lowering: Lowering = "auto"
 
@@ -101,7 +101,7 @@ class Equations:
         assert self.body is not None
         form = expand(self.body)
         return replace(
-            self, tables=(), contractions=(), totals=(), **{name: getattr(form, name) for name in form.__match_args__}
+            self, tables=(), table_sums=(), mode_sums=(), **{name: getattr(form, name) for name in form.__match_args__}
         )
 
     @property
@@ -110,7 +110,7 @@ class Equations:
         at_rest = {row.a: sp.S.Zero for row in self.rows}
         return tuple(self.sum_of(row.name).xreplace(at_rest) for row in self.rows)
 
-    def table(self, family: Family) -> Table:
+    def table(self, family: Family) -> CoefficientTable:
         """The table of an integral."""
         return next(t for t in self.tables if t.family is family)
 
@@ -143,11 +143,11 @@ class Equations:
     def __str__(self) -> str:
         """The equations row by row, with their sums kept, on a page."""
         sums: list[tuple[str, sp.Expr | str]] = []
-        for c in self.contractions:
+        for c in self.table_sums:
             products = " + ".join(f"sum_j {factor}*{entry}" for factor, entry in c.sums)
-            sums.append((c.symbol.name, f"{c.base} + {products}" if c.base != 0 else products))
-        for s in self.totals:
-            sums.append((s.symbol.name, f"{s.base} + sum_i ({s.term})" if s.base != 0 else f"sum_i ({s.term})"))
+            sums.append((c.symbol.name, f"{c.offset} + {products}" if c.offset != 0 else products))
+        for s in self.mode_sums:
+            sums.append((s.symbol.name, f"{s.offset} + sum_i ({s.term})" if s.offset != 0 else f"sum_i ({s.term})"))
         rows = [(f"{row.name}: 0", self.sum_of(row.name)) for row in self.rows]
         law = "Equations of motion, without the constraint reactions" if self.constraints else "Equations of motion"
         definitions = [(d.symbol.name, d.expr) for d in self.definitions if not d.zero]

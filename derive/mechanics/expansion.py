@@ -38,7 +38,7 @@ TRANSLATIONS = "the mass enters as m I, so translations along different axes do 
 
 
 @dataclass(frozen=True)
-class Expansion:
+class ExpandedEquations:
     """What the equations of motion of a body are when its sums are written out; see `Equations`."""
 
     rows: tuple[EquationOfMotion, ...]
@@ -63,7 +63,7 @@ def constants_of(body: Body) -> tuple[ModelConstant, ...]:
     return (body.mass_constant, *body.integrals, *body.stiffness, *body.damping, *body.gravity, *of_points)
 
 
-def expand(body: Body) -> Expansion:
+def expand(body: Body) -> ExpandedEquations:
     """The equations of motion of a body for each of its shapes, with energy, momentum and markers."""
     motion = body.motion
     every = constants_of(body)
@@ -73,7 +73,7 @@ def expand(body: Body) -> Expansion:
     complete = (*_inertia(motion), *_elasticity(motion, strain), *_damping(motion, body.damping))
     complete += _weight(motion) if body.gravity else ()
     terms, vanished = zeros.drop_terms(complete, reasons)
-    return Expansion(
+    return ExpandedEquations(
         rows=motion.rows,
         rates=motion.rates,
         coefficients=every,

@@ -16,11 +16,11 @@ from derive.mechanics.body import Body
 from derive.mechanics.equations import Equations
 from derive.mechanics.motion.body_motion import Motion
 from derive.mechanics.motion.material_points import indexed_marker
-from derive.mechanics.motion.planar import planar_series, planar_sums
-from derive.mechanics.motion.spatial import spatial_series, spatial_sums
-from derive.mechanics.sums import ALPHA, ALPHADOT, Contraction, Series, Total, canonical, exchanged
+from derive.mechanics.motion.planar import planar_moment_sums, planar_row_sums
+from derive.mechanics.motion.spatial import spatial_moment_sums, spatial_row_sums
+from derive.mechanics.sums import ALPHA, ALPHADOT, IndexedSum, ModeSum, TableSum, canonical, exchanged
 from derive.mechanics.symbols import Family, I, J, Symbol, amplitude, is_indexed, quantity
-from derive.mechanics.tables import Table, TableKind, point_tables
+from derive.mechanics.tables import CoefficientTable, TableKind, point_tables
 from derive.mechanics.terms import Coordinate, EquationOfMotion, Reason, Term
 from derive.mechanics.virtual_work_equations import (
     SHAPE_ROW,
@@ -38,11 +38,13 @@ from derive.spec.model.body import Lowering
 
 ELASTIC, DAMPING_FORCE = (quantity(family, shapes=(I,)) for family in (Family.ELASTIC, Family.DAMPING_FORCE))
 STRAIN = quantity(Family.STRAIN)
-ELASTIC_SERIES = (
-    Series(ELASTIC, None, ((ALPHA, quantity(Family.STIFFNESS, shapes=(I, J))),), "gradient of the strain energy"),
-    Series(STRAIN, None, ((ALPHA, quantity(Family.ELASTIC, shapes=(J,))),), "twice the strain energy"),
+ELASTIC_SUMS = (
+    IndexedSum(ELASTIC, None, ((ALPHA, quantity(Family.STIFFNESS, shapes=(I, J))),), "gradient of the strain energy"),
+    IndexedSum(STRAIN, None, ((ALPHA, quantity(Family.ELASTIC, shapes=(J,))),), "twice the strain energy"),
 )
-DAMPING_SERIES = (Series(DAMPING_FORCE, None, ((ALPHADOT, quantity(Family.DAMPING, shapes=(I, J))),), "damping force"),)
+DAMPING_SUMS = (
+    IndexedSum(DAMPING_FORCE, None, ((ALPHADOT, quantity(Family.DAMPING, shapes=(I, J))),), "damping force"),
+)
 ELASTIC_TERM = Term(SHAPE_ROW, "elastic", "(13), (22)", ELASTIC)
 DAMPING_TERM = Term(SHAPE_ROW, "damping", "(13)", DAMPING_FORCE)
 
@@ -56,16 +58,18 @@ def derive_body(body: Body, lowering: Lowering = "auto") -> Equations:
     definitions = (*motion.rotation_definitions, *products, *gravity_definitions(motion, body.gravity))
     kept, reasons = zeros.drop_definitions(definitions, zeros.reasons_of(coefficients))
     sums = _Sums({t.family: t for t in body.tables}, {**reasons, **_zero_entries(body.tables)})
-    series = (*planar_series(), *planar_sums()) if planar else (*spatial_series(), *spatial_sums())
+    indexed_sums = (
+        (*planar_moment_sums(), *planar_row_sums()) if planar else (*spatial_moment_sums(), *spatial_row_sums())
+    )
     forces: tuple[Term, ...] = ()
     if Family.STIFFNESS in families:
-        series, forces = (*series, *ELASTIC_SERIES[:1]), (*forces, ELASTIC_TERM)
+        indexed_sums, forces = (*indexed_sums, *ELASTIC_SUMS[:1]), (*forces, ELASTIC_TERM)
     if Family.DAMPING in families:
-        series, forces = (*series, *DAMPING_SERIES), (*forces, DAMPING_TERM)
+        indexed_sums, forces = (*indexed_sums, *DAMPING_SUMS), (*forces, DAMPING_TERM)
     if Family.STIFFNESS in families:
-        series = (*series, *ELASTIC_SERIES[1:])
-    for one in series:
-        sums.add(one)
+        indexed_sums = (*indexed_sums, *ELASTIC_SUMS[1:])
+    for indexed_sum in indexed_sums:
+        sums.add(indexed_sum)
     complete = (*rigid_inertia(motion), *(generic_inertia(motion) if body.modes or not planar else ()), *forces)
     if body.gravity:
         complete += (*rigid_weight(motion), *generic_weight(motion))
@@ -99,8 +103,8 @@ def derive_body(body: Body, lowering: Lowering = "auto") -> Equations:
         angular_momentum=tuple(settled(p) for p in angular_momentum(motion)),
         markers=tuple(points),
         tables=(*body.tables, *of_points),
-        contractions=tuple(sums.contractions),
-        totals=tuple(sums.totals),
+        table_sums=tuple(sums.table_sums),
+        mode_sums=tuple(sums.mode_sums),
         body=body,
         lowering=lowering,
     )
@@ -116,7 +120,7 @@ def _shape_row() -> EquationOfMotion:
     return EquationOfMotion(SHAPE_ROW, amplitude(I, 1), amplitude(I, 2), "rate of alpha_i", "m/s", "N")
 
 
-def _zero_entries(tables: tuple[Table, ...]) -> zeros.Reasons:
+def _zero_entries(tables: tuple[CoefficientTable, ...]) -> zeros.Reasons:
     """The entries of tables that vanish for every shape, with the reasons."""
     reasons: zeros.Reasons = {}
     for t in tables:
@@ -128,52 +132,52 @@ def _zero_entries(tables: tuple[Table, ...]) -> zeros.Reasons:
 
 
 class _Sums:
-    """Series sorted into what is summed by loops, what is written where it is used, and what vanishes."""
+    """IndexedSum sorted into what is summed by loops, what is written where it is used, and what vanishes."""
 
-    def __init__(self, tables: Mapping[Family, Table], reasons: zeros.Reasons) -> None:
+    def __init__(self, tables: Mapping[Family, CoefficientTable], reasons: zeros.Reasons) -> None:
         self.tables = tables
         self.reasons = reasons
-        self.contractions: list[Contraction] = []
-        self.totals: list[Total] = []
+        self.table_sums: list[TableSum] = []
+        self.mode_sums: list[ModeSum] = []
         self.inlined: dict[sp.Symbol, sp.Expr] = {}
 
-    def add(self, series: Series) -> None:
-        """Sort one series in; those that it is made of came before."""
+    def add(self, indexed_sum: IndexedSum) -> None:
+        """Add a sum; the sums that it refers to have been added before."""
         behind: list[tuple[sp.Symbol, str]] = []
-        base = self._entry(series.base, behind) if series.base else sp.S.Zero
+        offset = self._entry(indexed_sum.offset, behind) if indexed_sum.offset else sp.S.Zero
         sums: list[tuple[Symbol, Symbol]] = []
-        for factor, entry in series.sums:
+        for factor, entry in indexed_sum.sums:
             own = exchanged(factor, {J: I})
-            if not series.indexed:
-                base += own * self._entry(exchanged(entry, {J: I}), behind)
+            if not indexed_sum.indexed:
+                offset += own * self._entry(exchanged(entry, {J: I}), behind)
             elif self._kind(entry, behind) is TableKind.FULL:
                 sums.append((factor, entry))
             elif self._kind(entry, []) is TableKind.DIAGONAL:
-                base += own * quantity(entry.identity.family, shapes=(I,))
+                offset += own * quantity(entry.identity.family, shapes=(I,))
             elif self._kind(entry, []) is TableKind.UNIT:
-                base += own
-        if not series.indexed:
-            self._scalar(series, sp.expand(base), behind)
+                offset += own
+        if not indexed_sum.indexed:
+            self._scalar(indexed_sum, sp.expand(offset), behind)
         elif sums:
-            self.contractions.append(Contraction(series.symbol, base, tuple(sums), series.doc.format(i="i")))
-        elif base != 0:
-            self.inlined[series.symbol] = base
+            self.table_sums.append(TableSum(indexed_sum.symbol, offset, tuple(sums), indexed_sum.doc.format(i="i")))
+        elif offset != 0:
+            self.inlined[indexed_sum.symbol] = offset
         else:
-            self.reasons[series.symbol] = tuple(dict.fromkeys(behind))
+            self.reasons[indexed_sum.symbol] = tuple(dict.fromkeys(behind))
 
-    def _scalar(self, series: Series, expr: sp.Expr, behind: list[tuple[sp.Symbol, str]]) -> None:
+    def _scalar(self, indexed_sum: IndexedSum, expr: sp.Expr, behind: list[tuple[sp.Symbol, str]]) -> None:
         terms = sp.Add.make_args(expr)
         inside = sp.Add(*(t for t in terms if any(is_indexed(s) for s in t.free_symbols)))
-        base = expr - inside
+        offset = expr - inside
         if inside != 0:
-            self.totals.append(Total(series.symbol, base, inside, series.doc.format(i="i")))
-        elif base != 0:
-            self.inlined[series.symbol] = base
+            self.mode_sums.append(ModeSum(indexed_sum.symbol, offset, inside, indexed_sum.doc.format(i="i")))
+        elif offset != 0:
+            self.inlined[indexed_sum.symbol] = offset
         else:
-            self.reasons[series.symbol] = tuple(dict.fromkeys(behind))
+            self.reasons[indexed_sum.symbol] = tuple(dict.fromkeys(behind))
 
     def _entry(self, symbol: Symbol, behind: list[tuple[sp.Symbol, str]]) -> sp.Expr:
-        """An integral or an earlier series, zero if it vanishes."""
+        """An integral or an earlier sum, zero if it vanishes."""
         if symbol in self.reasons:
             behind += self.reasons[symbol]
             return sp.S.Zero

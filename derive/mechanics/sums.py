@@ -24,15 +24,15 @@ Vectors = Mapping[Symbol, Sequence[Symbol]]
 
 
 @dataclass(frozen=True)
-class Series:
-    """symbol = base + sum over j of factor_j entry_j; the factors are those above.
+class IndexedSum:
+    """symbol = offset + sum over j of factor_j entry_j; the factors are those above.
 
     `doc` is a format string, in which `{i}` is the shape; it describes the whole quantity, of which the symbol may be
     a component.
     """
 
     symbol: Symbol
-    base: Symbol | None
+    offset: Symbol | None
     sums: tuple[tuple[Symbol, Symbol], ...]
     doc: str
 
@@ -94,29 +94,29 @@ def at(symbol: sp.Basic, i: int, j: int = 0) -> sp.Expr:
     return sign * Symbol(replace(known, shapes=tuple(sorted((i, j)))))
 
 
-def written_out(series: Series, i: int, vectors: Vectors) -> sp.Expr:
+def expanded_sum(indexed_sum: IndexedSum, i: int, vectors: Vectors) -> sp.Expr:
     """The sum for shape i, entry by entry."""
-    total = at(series.base, i) if series.base else sp.S.Zero
-    for factor, entry in series.sums:
+    total = at(indexed_sum.offset, i) if indexed_sum.offset else sp.S.Zero
+    for factor, entry in indexed_sum.sums:
         total += sp.Add(*(a * at(entry, i, j) for j, a in enumerate(vectors[factor], 1)))
     return total
 
 
 @dataclass(frozen=True)
-class Contraction:
-    """symbol_i = base + sum over j of factor_j table_i_j; `sums` are pairs (factor, table entry)."""
+class TableSum:
+    """symbol_i = offset + sum over j of factor_j table_i_j; `sums` are pairs (factor, table entry)."""
 
     symbol: Symbol
-    base: sp.Expr
+    offset: sp.Expr
     sums: tuple[tuple[Symbol, Symbol], ...]
     doc: str
 
 
 @dataclass(frozen=True)
-class Total:
-    """symbol = base + sum over i of term, which is an expression of index i."""
+class ModeSum:
+    """symbol = offset + sum over i of term, which is an expression of index i."""
 
     symbol: Symbol
-    base: sp.Expr
+    offset: sp.Expr
     term: sp.Expr
     doc: str

@@ -49,7 +49,7 @@ class TableKind(Enum):
 
 
 @dataclass(frozen=True)
-class Table:
+class CoefficientTable:
     """A shape integral, stiffness K or damping B: which of its entries there are, and why there are not more.
 
     X and the shapes at a material point are tables as well; `point` is the number of the point. In the plane
@@ -107,7 +107,7 @@ class Table:
         return self.vanishing
 
 
-def entries(table: Table, n: int) -> Iterator[Symbol]:
+def entries(table: CoefficientTable, n: int) -> Iterator[Symbol]:
     """The entries of a table for n shapes, i <= j (i < j of an odd one) by rows: C5_1_2_11."""
     shapes = range(1, n + 1)
     odd = PARITY.get(table.family, 1) < 0
@@ -120,13 +120,13 @@ def entries(table: Table, n: int) -> Iterator[Symbol]:
         yield table.entry(component, *numbers)
 
 
-def point_tables(number: int, name: str, dimension: int = 3) -> tuple[Table, Table]:
+def point_tables(number: int, name: str, dimension: int = 3) -> tuple[CoefficientTable, CoefficientTable]:
     """X and the shapes at a marker, as tables X1 and Phi1 of the first marker."""
     point = str(number)
     position, shapes = f"X of marker {name}", f"the shapes at marker {name}"
     return (
-        Table(Family.POINT_POSITION, TableKind.FULL, position, "m", point=point, dimension=dimension),
-        Table(Family.POINT_SHAPE, TableKind.FULL, shapes, "", point=point, dimension=dimension),
+        CoefficientTable(Family.POINT_POSITION, TableKind.FULL, position, "m", point=point, dimension=dimension),
+        CoefficientTable(Family.POINT_SHAPE, TableKind.FULL, shapes, "", point=point, dimension=dimension),
     )
 
 
@@ -143,20 +143,20 @@ PLANAR_DOCS = {
 """The tables of a planar body: what they are, their units."""
 
 
-def planar_tables(constants: Sequence[ModelConstant]) -> tuple[Table, ...]:
+def planar_tables(constants: Sequence[ModelConstant]) -> tuple[CoefficientTable, ...]:
     """The tables that exact constants of a planar body make up: those that vanish, are diagonal, or full."""
     tables = []
     for family, (doc, unit) in PLANAR_DOCS.items():
         of_family = [c for c in constants if c.symbol.identity.family is family]
         if of_family:
-            tables.append(_planar_table(Table(family, TableKind.FULL, doc, unit, dimension=2), of_family))
+            tables.append(_planar_table(CoefficientTable(family, TableKind.FULL, doc, unit, dimension=2), of_family))
         elif INDICES[family]:
             deforms = any(INDICES[c.symbol.identity.family] for c in constants)
-            tables.append(Table(family, TableKind.ZERO, doc, unit, ODD if deforms else NO_SHAPES, "", 2))
+            tables.append(CoefficientTable(family, TableKind.ZERO, doc, unit, ODD if deforms else NO_SHAPES, "", 2))
     return tuple(tables)
 
 
-def _planar_table(full: Table, constants: Sequence[ModelConstant]) -> Table:
+def _planar_table(full: CoefficientTable, constants: Sequence[ModelConstant]) -> CoefficientTable:
     reasons = {component: _reason(constants, component) for component in full.components}
     vanishing = tuple((component, reason) for component, reason in reasons.items() if reason)
     kind, zero = TableKind.FULL, ""
@@ -167,7 +167,9 @@ def _planar_table(full: Table, constants: Sequence[ModelConstant]) -> Table:
             kind, zero = TableKind.DIAGONAL, str(off[0].zero)
     elif full.counted == 2:
         kind = TableKind.DIAGONAL
-    return Table(full.family, kind, full.doc, full.unit, zero, "", 2, () if kind is TableKind.ZERO else vanishing)
+    return CoefficientTable(
+        full.family, kind, full.doc, full.unit, zero, "", 2, () if kind is TableKind.ZERO else vanishing
+    )
 
 
 def _reason(constants: Iterable[ModelConstant], component: tuple[int, ...]) -> str:

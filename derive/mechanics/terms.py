@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import sympy as sp
 
-from derive.mechanics.sums import Total
+from derive.mechanics.sums import ModeSum
 from derive.mechanics.symbols import Family, identity
 from derive.roles import Role
 
@@ -148,7 +148,7 @@ class MarkerEquations:
     """Position and velocity of a named material point, and d(velocity)/dv, in the inertial base.
 
     `load` is the virtual work of a force at the point, with the components `force` in the inertial base, row by row.
-    Where sums over the shapes are kept, `totals` are those that define the point in the body frame, and the last
+    Where sums over the shapes are kept, `mode_sums` are those that define the point in the body frame, and the last
     column and row are those of a generic shape.
     """
 
@@ -161,7 +161,7 @@ class MarkerEquations:
     force: sp.ImmutableMatrix
     force_definitions: tuple[Intermediate, ...]
     load: tuple[sp.Expr, ...]
-    totals: tuple[Total, ...] = ()
+    mode_sums: tuple[ModeSum, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -189,7 +189,7 @@ class Pose:
 
     name: str
     position: tuple[sp.Expr, sp.Expr]
-    turn: sp.Expr
+    rotation_angle: sp.Expr
 
 
 @dataclass(frozen=True)

@@ -113,5 +113,5 @@ def linear_momentum(motion: Motion) -> tuple[sp.Expr, ...]:
 def angular_momentum(motion: Motion) -> tuple[sp.Expr, ...]:
     """int rho x x xdot about the inertial origin: the virtual work of the velocity on e_k x x."""
     position = motion.position
-    turned = ({ONE: fixed * position[ONE], R: moving} for fixed, moving in motion.turns)
+    turned = ({ONE: fixed * position[ONE], R: moving} for fixed, moving in motion.rotation_generators)
     return tuple(motion.product(field, motion.velocity) for field in turned)

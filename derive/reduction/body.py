@@ -78,7 +78,7 @@ LOOSE = 1e-9
 """A mode whose stiffness is below this part of the largest is a mechanism."""
 
 
-def loose_modes(body: NodalBody) -> tuple[int, ...]:
+def zero_stiffness_modes(body: NodalBody) -> tuple[int, ...]:
     """The modes, counted from 1, that have no stiffness to speak of."""
     values = np.diag(prepare(body).shapes.stiffness)
     return tuple(i for i, value in enumerate(values, 1) if value <= LOOSE * values.max())

@@ -35,7 +35,7 @@ class Parities:
 
 
 @dataclass(frozen=True)
-class Entry:
+class IntegralEntry:
     """An integral: its name, the table it stands in and where, and its factors (field, component), field 0 being X."""
 
     name: str
@@ -44,34 +44,34 @@ class Entry:
     factors: tuple[tuple[int, int], ...]
 
 
-def entries(n: int) -> Iterator[Entry]:
+def entries(n: int) -> Iterator[IntegralEntry]:
     """All integrals by the names of the derivation, stiffness and damping among them."""
     shapes = range(1, n + 1)
     for k in range(3):
-        yield Entry(f"c1_{k + 1}", "c1", (k,), ((0, k),))
+        yield IntegralEntry(f"c1_{k + 1}", "c1", (k,), ((0, k),))
     for i in shapes:
         for k in range(3):
-            yield Entry(f"c2_{i}_{k + 1}", "c2", (i - 1, k), ((i, k),))
+            yield IntegralEntry(f"c2_{i}_{k + 1}", "c2", (i - 1, k), ((i, k),))
     for a, b in PAIRS:
-        yield Entry(f"C3_{a + 1}{b + 1}", "C3", (a, b), ((0, a), (0, b)))
+        yield IntegralEntry(f"C3_{a + 1}{b + 1}", "C3", (a, b), ((0, a), (0, b)))
     for i in shapes:
         for a, b in PAIRS:
-            yield Entry(f"C4_{i}_{a + 1}{b + 1}", "S4", (i - 1, a, b), ((i, a), (0, b)))
+            yield IntegralEntry(f"C4_{i}_{a + 1}{b + 1}", "S4", (i - 1, a, b), ((i, a), (0, b)))
     for i in shapes:
         for j in shapes[i - 1 :]:
             for a, b in PAIRS:
-                yield Entry(f"C5_{i}_{j}_{a + 1}{b + 1}", "S5", (i - 1, j - 1, a, b), ((i, a), (j, b)))
+                yield IntegralEntry(f"C5_{i}_{j}_{a + 1}{b + 1}", "S5", (i - 1, j - 1, a, b), ((i, a), (j, b)))
     for i in shapes:
         for k, (a, b) in enumerate(OTHERS):
-            yield Entry(f"c6_{i}_{k + 1}", "c6", (i - 1, k), ((0, a), (i, b)))
+            yield IntegralEntry(f"c6_{i}_{k + 1}", "c6", (i - 1, k), ((0, a), (i, b)))
     for i in shapes:
         for j in shapes[i:]:
             for k, (a, b) in enumerate(OTHERS):
-                yield Entry(f"c7_{i}_{j}_{k + 1}", "c7", (i - 1, j - 1, k), ((i, a), (j, b)))
+                yield IntegralEntry(f"c7_{i}_{j}_{k + 1}", "c7", (i - 1, j - 1, k), ((i, a), (j, b)))
     for name, table in (("c8", "c8"), ("K", "stiffness"), ("B", "damping")):
         for i in shapes:
             for j in shapes[i - 1 :]:
-                yield Entry(f"{name}_{i}_{j}", table, (i - 1, j - 1), ((i, 0), (j, 0)))
+                yield IntegralEntry(f"{name}_{i}_{j}", table, (i - 1, j - 1), ((i, 0), (j, 0)))
 
 
 def structure(
@@ -100,7 +100,7 @@ def structure(
     return found, tables["stiffness"], tables["damping"], zeros
 
 
-def _by_frame(entry: Entry, *, mean: bool, orthonormal: bool) -> str:
+def _by_frame(entry: IntegralEntry, *, mean: bool, orthonormal: bool) -> str:
     if mean and entry.table in ("c1", "c2", "c6"):
         return {"c1": CENTRE, "c2": DISPLACEMENT, "c6": ROTATION}[entry.table]
     diagonal = ("c8", "stiffness", "damping") if mean else ("c8", "stiffness")  # damping is that of the free modes
@@ -109,7 +109,7 @@ def _by_frame(entry: Entry, *, mean: bool, orthonormal: bool) -> str:
     return ""
 
 
-def _by_mirror(entry: Entry, parities: Parities) -> str:
+def _by_mirror(entry: IntegralEntry, parities: Parities) -> str:
     """An integrand that is odd under a reflection of the body has no integral."""
     scalar = entry.table in ("c8", "stiffness", "damping")
     for plane, axis in enumerate(parities.axes):

@@ -15,7 +15,7 @@ _OPEN = re.compile(r"(\w+)\s*$")
 
 
 @dataclass(frozen=True)
-class Entry:
+class BlockEntry:
     """`key( indices) = value`."""
 
     key: str
@@ -31,14 +31,14 @@ class Block:
     name: str
     line: int
     label: str = ""
-    entries: list[Entry] = field(default_factory=list)
+    entries: list[BlockEntry] = field(default_factory=list)
     blocks: list[Block] = field(default_factory=list)
 
     def find(self, name: str) -> Block | None:
         """The first block of a name within this one."""
         return next((block for block in self.blocks if block.name == name), None)
 
-    def entry(self, key: str) -> Entry | None:
+    def entry(self, key: str) -> BlockEntry | None:
         """The first entry of a name."""
         return next((entry for entry in self.entries if entry.key == key), None)
 
@@ -58,7 +58,7 @@ def blocks(text: str, problems: list[SidProblem]) -> tuple[str, Block]:
         elif new := _NEW.match(line):
             _open(stack, Block(new[1], number, new[2] or ""))
         elif entry := _ENTRY.match(line):
-            stack[-1].entries.append(Entry(entry[1], entry[2], entry[3], number))
+            stack[-1].entries.append(BlockEntry(entry[1], entry[2], entry[3], number))
         elif opened := _OPEN.match(line):
             _open(stack, Block(opened[1], number))
         else:

@@ -9,7 +9,7 @@ from itertools import permutations
 import numpy as np
 
 from derive.errors import quoted
-from derive.sid.blocks import Block, Entry
+from derive.sid.blocks import Block, BlockEntry
 from derive.sid.errors import SidProblem
 from derive.sid.taylor import DIAGONAL, SYMMETRIC, UNIT, ZERO, Array, Taylor
 
@@ -19,7 +19,7 @@ LARGEST = 10_000
 """Rows, columns or modes beyond this are a mistake rather than a body."""
 
 
-def number(entry: Entry, problems: list[SidProblem]) -> float:
+def number(entry: BlockEntry, problems: list[SidProblem]) -> float:
     """A real number, with an exponent of E or D."""
     text = entry.value.split()[0] if entry.value.split() else ""
     value = float(re.sub("[dD]", "e", text)) if _NUMBER.match(text) else math.nan
@@ -29,7 +29,7 @@ def number(entry: Entry, problems: list[SidProblem]) -> float:
     return value
 
 
-def whole(entry: Entry, problems: list[SidProblem]) -> int | None:
+def whole(entry: BlockEntry, problems: list[SidProblem]) -> int | None:
     """A whole number that is not negative."""
     text = entry.value.split()[0] if entry.value.split() else ""
     if not text.isascii() or not text.isdigit() or int(text[:20]) > LARGEST:
@@ -104,7 +104,7 @@ def _filled(block: Block, key: str, shape: tuple[int, ...], structure: int, prob
     return found
 
 
-def _place(entry: Entry, shape: tuple[int, ...], problems: list[SidProblem]) -> tuple[int, ...] | None:
+def _place(entry: BlockEntry, shape: tuple[int, ...], problems: list[SidProblem]) -> tuple[int, ...] | None:
     parts = [part.strip() for part in (entry.indices or "").split(",")]
     if len(parts) != len(shape) or not all(part.isascii() and part.isdigit() and len(part) < 9 for part in parts):
         form = "m0( row, column)" if len(shape) == 2 else "m1( row, mode, column)"
@@ -121,5 +121,5 @@ def _place(entry: Entry, shape: tuple[int, ...], problems: list[SidProblem]) -> 
     return place
 
 
-def _name(entry: Entry) -> str:
+def _name(entry: BlockEntry) -> str:
     return f"{entry.key}({entry.indices or ''})"

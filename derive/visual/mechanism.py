@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from derive.artifacts import MARK
 from derive.mechanics.multibody.joints.registry import JOINTS
-from derive.mechanics.multibody.point_motion import Link, PointMotion, fixed_point
+from derive.mechanics.multibody.point_motion import PointMotion, RelativeMotion, fixed_point
 from derive.simulation.observables.motion import (
     body_coordinates,
     drive_values,
@@ -120,12 +120,14 @@ def _placed(pose: Array, point: Array) -> Array:
 def _residuals(scene: Scene, joint: Joint, poses: Poses) -> Iterator[float]:
     """The constraints of a joint and its drive at t = 0, from the equations of its type."""
     joint_type = JOINTS[joint.kind]
-    link = Link(*(_still(position(scene, end, poses), poses[end.body][2]) for end in (joint.first, joint.second)))
+    relative = RelativeMotion(
+        *(_still(position(scene, end, poses), poses[end.body][2]) for end in (joint.first, joint.second))
+    )
     if isinstance(joint, CustomJoint):
         joint = replace(
             joint, values={k: si_value(v) if isinstance(v, Parameter) else v for k, v in joint.values.items()}
         )
-    equations = joint_type.equations(joint, link)
+    equations = joint_type.equations(joint, relative)
     known = {definition.symbol: definition.expr for definition in equations.definitions}
     for multiplier, (residual, _, _) in zip(joint_type.multipliers, equations.residuals, strict=True):
         value = float(sp.sympify(residual).xreplace(known))

@@ -13,7 +13,7 @@ from derive.mechanics.equations import Equations
 from derive.mechanics.indexed_equations import derive_body
 from derive.mechanics.motion.spatial import PAIRS, quaternion_rates, rotation_of, skew, symbols_of_rotation
 from derive.mechanics.symbols import Family, Symbol, pair, parameter, quantity
-from derive.mechanics.tables import Table, TableKind
+from derive.mechanics.tables import CoefficientTable, TableKind
 from derive.mechanics.terms import ModelConstant
 from paper.printed_general import General, PrintedVector, axial, equation_15, first, gram, tensor
 from plain_symbols import plain
@@ -53,11 +53,11 @@ def derived(n: int, mean: bool = False) -> Equations:
         ModelConstant(symbol, value, "", "", "", MEAN if value == 0 else None)
         for symbol, value in values(n, mean).items()
     )
-    tables = tuple(Table(family, TableKind.FULL, *doc) for family, doc in DOCS.items())
+    tables = tuple(CoefficientTable(family, TableKind.FULL, *doc) for family, doc in DOCS.items())
     return derive_body(Body("general", "", "", 3, n, parameter("m"), tables, ExactValues(integrals))).expanded()
 
 
-def written_out(eq: Equations, expr: sp.Expr) -> sp.Expr:
+def expanded_sum(eq: Equations, expr: sp.Expr) -> sp.Expr:
     """All but the rotation tensor, which both sides keep as nine symbols; in plain symbols."""
     for definition in reversed(eq.definitions):
         if definition.section != "Q":
@@ -68,7 +68,7 @@ def written_out(eq: Equations, expr: sp.Expr) -> sp.Expr:
 @cache
 def derived_rows(n: int, mean: bool = False) -> dict[str, tuple[sp.Expr, ...]]:
     eq = derived(n, mean)
-    rows = {row.name: written_out(eq, eq.sum_of(row.name)) for row in eq.rows}
+    rows = {row.name: expanded_sum(eq, eq.sum_of(row.name)) for row in eq.rows}
     vectors = {"c": tuple(rows[f"c{k}"] for k in (1, 2, 3)), "pi": tuple(rows[f"pi{k}"] for k in (1, 2, 3))}
     return vectors | {f"alpha{i}": (rows[f"alpha{i}"],) for i in range(1, n + 1)}
 

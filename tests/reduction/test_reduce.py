@@ -11,7 +11,7 @@ import pytest
 import scipy.linalg
 
 from derive.mechanics.bodies.modal_body import ModalBody
-from derive.reduction import loose_modes, reduce, residuals
+from derive.reduction import reduce, residuals, zero_stiffness_modes
 from derive.reduction.body import prepare
 from derive.spec.model.body import BodyFrame, Damping, NodalBody
 
@@ -171,10 +171,10 @@ def test_damping_of_the_free_body_does_not_depend_on_the_frame(frame: BodyFrame,
 
 def test_loose_parts_are_told() -> None:
     data = bodies.cloud(3)
-    assert loose_modes(bodies.nodal(data)) == ()
+    assert zero_stiffness_modes(bodies.nodal(data)) == ()
     stiffness = data.modal_stiffness.copy()
     stiffness[1] = stiffness[:, 1] = 0.0
-    assert loose_modes(bodies.nodal(replace(data, modal_stiffness=stiffness))) == (1,)
+    assert zero_stiffness_modes(bodies.nodal(replace(data, modal_stiffness=stiffness))) == (1,)
 
 
 def test_a_body_without_modes() -> None:

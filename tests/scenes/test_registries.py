@@ -24,8 +24,8 @@ from derive.extensions import (
     JointType,
     Key,
     KeyType,
-    Link,
     Multiplier,
+    RelativeMotion,
     force_terms,
     marker_constants,
     quantity_expression,
@@ -91,7 +91,7 @@ class CubicSpring(ForceType):
 
     def generalised_force(self, element, points, constants, rows):
         first, second = points
-        d, _, _ = Link(first, second).displacement
+        d, _, _ = RelativeMotion(first, second).displacement
         squared = sp.expand(d.dot(d))
         force = constants["stiffness"] * squared * d
         name = f"spring {element.name}"

@@ -11,7 +11,7 @@ from fractions import Fraction
 from typing import assert_never
 
 from derive.backends.c.loops import SHORT
-from derive.backends.expression_text import C, Code, Named, join, statement, strided, text
+from derive.backends.expression_text import BreakableText, C, Named, join, statement, strided, text
 from derive.ir.expressions import ArrayAccess, Expr, MatrixEntry, Number, Operation, Operator, ScalarRef, walk
 from derive.ir.model import View
 from derive.ir.statements import LANES, Accumulate, Let, Map, MatVec, StoreLocal, StoreStrided, TriangularSolve, padded
@@ -37,19 +37,21 @@ class Names:
     wide: frozenset[str]
     indices: set[int] = field(default_factory=set)
 
-    def text(self, expr: Expr) -> Code:
+    def text(self, expr: Expr) -> BreakableText:
         """An expression."""
         return text(expr, C, self.leaf)
 
-    def leaf(self, leaf: Named) -> Code:
+    def leaf(self, leaf: Named) -> BreakableText:
         """A name, or an element of an array."""
         match leaf:
             case ScalarRef():
-                return Code((f"{leaf.name}[b]" if leaf.name in self.wide else leaf.name,))
+                return BreakableText((f"{leaf.name}[b]" if leaf.name in self.wide else leaf.name,))
             case ArrayAccess():
                 constant = not leaf.stride
                 index = (
-                    Code((str(leaf.offset),)) if constant else strided(leaf.offset, leaf.stride, Code((leaf.index,)))
+                    BreakableText((str(leaf.offset),))
+                    if constant
+                    else strided(leaf.offset, leaf.stride, BreakableText((leaf.index,)))
                 )
                 return self.element(leaf.array, index)
             case MatrixEntry():
@@ -57,7 +59,7 @@ class Names:
             case _:
                 assert_never(leaf)
 
-    def element(self, array: str, index: Code) -> Code:
+    def element(self, array: str, index: BreakableText) -> BreakableText:
         """Element `index` of an array, for state b."""
         return join(array, "[", index, "]" if array in self.constants else "][b]")
 
@@ -141,7 +143,7 @@ class BlockLoops:
         size, tables = packing.padded, len(packing.tables)
         self.arrays |= {term.name: size for term in loop.terms}
         start = [
-            f"    {term.name}[r][b] = {names.element(term.base, Code(('r',))) if term.base else '0.0'};"
+            f"    {term.name}[r][b] = {names.element(term.base, BreakableText(('r',))) if term.base else '0.0'};"
             for term in loop.terms
         ]
         first = [f"for (int r = i; r < i + {ROWS}; r++) {{", *map(_indented, names.loop(start)), "}"]

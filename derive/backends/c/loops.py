@@ -10,8 +10,8 @@ from fractions import Fraction
 from itertools import count
 from typing import assert_never
 
-from derive.backends.expression_text import PLUS, C, Code, element, join, statement, strided, text
-from derive.backends.source_map import Line, defining, plain, storing
+from derive.backends.expression_text import PLUS, BreakableText, C, element, join, statement, strided, text
+from derive.backends.source_map import SourceLine, defining, plain, storing
 from derive.ir.expressions import Expr, MatrixEntry, Number, walk
 from derive.ir.statements import (
     LANES,
@@ -33,11 +33,11 @@ from derive.ir.statements import (
     padded,
 )
 
-Lines = list[Line]
+Lines = list[SourceLine]
 ZERO = Number(Fraction(0))
 
 
-class Loops:
+class CLoops:
     """The loops of one function; `panel` is the name of the model's helper for products with a panel."""
 
     def __init__(self, panel: str) -> None:
@@ -86,7 +86,7 @@ class Loops:
         name = f"sums{next(self._numbers)}"
         many = len(loop.sums)
 
-        def body(index: Code, lane: str) -> Lines:
+        def body(index: BreakableText, lane: str) -> Lines:
             lines = []
             for let in loop.lets:
                 value = text(let.expr, C, lambda leaf: element(leaf, index))
@@ -103,10 +103,10 @@ class Loops:
             f"    {_for('l', LANES, 0, f'{name}[i][l] = 0.0;')}",
         )
         if whole:
-            inner = [*plain(_for("l", LANES)), *body(Code(("i", " + l")), "l"), *plain("}")]
+            inner = [*plain(_for("l", LANES)), *body(BreakableText(("i", " + l")), "l"), *plain("}")]
             lines += [*plain(f"for (int i = 0; i < {whole}; i += {LANES}) {{"), *indented(inner), *plain("}")]
         if loop.count > whole:
-            lines += [*plain(_for("i", loop.count, whole)), *body(Code(("i",)), f"i % {LANES}"), *plain("}")]
+            lines += [*plain(_for("i", loop.count, whole)), *body(BreakableText(("i",)), f"i % {LANES}"), *plain("}")]
         for k, total in enumerate(loop.sums):
             lanes = f"(({name}[{k}][0] + {name}[{k}][1]) + ({name}[{k}][2] + {name}[{k}][3]))"
             value = lanes if total.base == ZERO else f"{text(total.base, C)} + {lanes}"
@@ -176,7 +176,7 @@ def _matrix_store(loop: MatrixStore) -> Lines:
     body = statement("    ", "column[i] = ", text(loop.expr, C), ";")
     lines += plain(_for("i", packing.count), *body, "}")
     if loop.diagonal is not None:
-        diagonal = text(loop.diagonal, C, lambda leaf: element(leaf, Code(("j",))))
+        diagonal = text(loop.diagonal, C, lambda leaf: element(leaf, BreakableText(("j",))))
         lines += plain(*statement("", "column[j] += ", diagonal, ";"))
     return [*plain(_for("j", packing.count)), *indented(lines), *plain("}")]
 
@@ -277,7 +277,7 @@ def _for(index: str, stop: int, start: int = 0, body: str = "{") -> str:
     return f"{short}for (int {index} = {start}; {index} < {stop}; {index}++) {body}".rstrip()
 
 
-def indented(lines: Iterable[Line]) -> Lines:
+def indented(lines: Iterable[SourceLine]) -> Lines:
     """Lines, one step further to the right."""
     return [line.indented() for line in lines]
 

@@ -9,10 +9,10 @@ from typing import assert_never
 
 from derive.artifacts import MARK, File
 from derive.backends.c.batch import batch_body, batch_helpers, batch_widths, stack
-from derive.backends.c.loops import LANES_MACRO, SHORT, Loops, panel_helper
+from derive.backends.c.loops import LANES_MACRO, SHORT, CLoops, panel_helper
 from derive.backends.description import LICENCE, description, kernel_text, model_text, pattern_texts, section_text
 from derive.backends.expression_text import C, join, statement, text
-from derive.backends.source_map import Line, SourceBuilder, defining, plain, storing
+from derive.backends.source_map import SourceBuilder, SourceLine, defining, plain, storing
 from derive.ir.model import Kernel, Model, Variable
 from derive.ir.statements import Accumulate, Let, MatVec, Require, RequireFinite, Requirement, ScalarStatement, Store
 from derive.rendering import comment, render, wrapped
@@ -110,10 +110,10 @@ def _helpers(model: Model, widths: Mapping[str, int]) -> str:
     return "\n".join(lines)
 
 
-def _function(model: Model, kernel: Kernel) -> list[Line]:
+def _function(model: Model, kernel: Kernel) -> list[SourceLine]:
     """The function of a kernel."""
     lines = plain(*_signature_of(model, kernel), "{", *_loads(kernel))
-    loops = Loops(f"{model.name}_panel")
+    loops = CLoops(f"{model.name}_panel")
     for k, section in enumerate(kernel.sections):
         lines += plain("", *comment([section_text(section)], "    "))
         for n, item in enumerate(section.body):
@@ -166,7 +166,7 @@ def _loads(kernel: Kernel) -> list[str]:
     return lines
 
 
-def _statement(item: ScalarStatement) -> list[Line]:
+def _statement(item: ScalarStatement) -> list[SourceLine]:
     value = text(item.expr, C)
     match item:
         case Let():

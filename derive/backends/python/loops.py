@@ -8,8 +8,8 @@ from __future__ import annotations
 from fractions import Fraction
 from typing import assert_never
 
-from derive.backends.expression_text import PLUS, PYTHON, Code, Named, join, statement, text
-from derive.backends.source_map import Line, defining, plain, storing
+from derive.backends.expression_text import PLUS, PYTHON, BreakableText, Named, join, statement, text
+from derive.backends.source_map import SourceLine, defining, plain, storing
 from derive.ir.expressions import ArrayAccess, Expr, MatrixEntry, Number, ScalarRef, walk
 from derive.ir.model import Argument
 from derive.ir.statements import (
@@ -31,11 +31,11 @@ from derive.ir.statements import (
 )
 from derive.rendering import WIDTH
 
-Lines = list[Line]
+Lines = list[SourceLine]
 ZERO = Number(Fraction(0))
 
 
-def assignment(name: str, value: str | Code) -> list[str]:
+def assignment(name: str, value: str | BreakableText) -> list[str]:
     """`name = value` in a function, in parentheses where it takes several lines."""
     code = join(value)
     lines = statement("    ", f"{name} = ", code, "")
@@ -44,13 +44,13 @@ def assignment(name: str, value: str | Code) -> list[str]:
     return [f"    {name} = (", *statement("        ", "", code, ""), "    )"]
 
 
-def _short(name: str, value: str | Code) -> list[str]:
+def _short(name: str, value: str | BreakableText) -> list[str]:
     """An assignment on one line if that is not too long."""
     line = f"    {name} = {value}"
     return [line] if len(line) <= WIDTH else assignment(name, value)
 
 
-class Loops:
+class PythonLoops:
     """The loops of one function; `lengths` are those of the arrays that it knows."""
 
     def __init__(self, arguments: tuple[Argument, ...]) -> None:
@@ -81,18 +81,18 @@ class Loops:
             case _:
                 assert_never(loop)
 
-    def _text(self, expr: Expr, count: int, depth: int = 1) -> Code:
+    def _text(self, expr: Expr, count: int, depth: int = 1) -> BreakableText:
         """An expression in a loop of so many steps; in a matrix (depth 2), an array of index i has an axis for j."""
 
-        def name(leaf: Named) -> Code:
+        def name(leaf: Named) -> BreakableText:
             match leaf:
                 case MatrixEntry():
-                    return Code((leaf.table,))
+                    return BreakableText((leaf.table,))
                 case ScalarRef():
                     scalar = leaf.name if leaf.name in self.inside else f"_last({leaf.name})"
-                    return Code((scalar if depth == 1 or leaf.name in self.inside else f"_last({scalar})",))
+                    return BreakableText((scalar if depth == 1 or leaf.name in self.inside else f"_last({scalar})",))
                 case ArrayAccess():
-                    return Code((self._array(leaf, count, depth),))
+                    return BreakableText((self._array(leaf, count, depth),))
                 case _:
                     assert_never(leaf)
 

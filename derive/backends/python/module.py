@@ -9,8 +9,8 @@ from typing import assert_never
 from derive.artifacts import MARK, File
 from derive.backends.description import LICENCE, description, kernel_text, model_text, pattern_texts, section_text
 from derive.backends.expression_text import PYTHON, join, text
-from derive.backends.python.loops import HELPERS, Loops, assignment
-from derive.backends.source_map import Line, SourceBuilder, defining, plain, storing
+from derive.backends.python.loops import HELPERS, PythonLoops, assignment
+from derive.backends.source_map import SourceBuilder, SourceLine, defining, plain, storing
 from derive.ir.expressions import ScalarRef
 from derive.ir.model import Kernel, Model, Output, Variable
 from derive.ir.statements import Let, Require, Requirement, Statement, Store
@@ -48,7 +48,7 @@ class PythonBackend:
         return (builder.file(self.name, path),)
 
 
-def _function(kernel: Kernel) -> list[Line]:
+def _function(kernel: Kernel) -> list[SourceLine]:
     """The function of a kernel."""
     names = ", ".join(a.name for a in kernel.arguments)
     sizes = ", ".join(f"{a.name}={None if a.scalar else a.size}" for a in kernel.arguments)
@@ -71,7 +71,7 @@ def _function(kernel: Kernel) -> list[Line]:
         ]
     lines += [f"    {o.name} = _empty(xp, batch, {o.size})" for o in kernel.outputs if o.count is not None]
     printer = _Statements(kernel)
-    body: list[Line] = []
+    body: list[SourceLine] = []
     for k, section in enumerate(kernel.sections):
         printed = [line.of(k, n) for n, item in enumerate(section.body) for line in printer.lines(item)]
         body += [*plain("", *wrapped([section_text(section)], "    # ")), *printed] if printed else []
@@ -83,11 +83,11 @@ class _Statements:
 
     def __init__(self, kernel: Kernel) -> None:
         self.raises = kernel.name == "setup"
-        self.loops = Loops(kernel.arguments)
+        self.loops = PythonLoops(kernel.arguments)
         self.whole = {o.name for o in kernel.outputs if o.count is not None}
         self.required: list[str] = []
 
-    def lines(self, item: Statement) -> list[Line]:
+    def lines(self, item: Statement) -> list[SourceLine]:
         """The lines of a statement."""
         match item:
             case Let():
@@ -135,19 +135,19 @@ def _results(outputs: tuple[Output, ...], required: list[str]) -> list[str]:
 
 
 @dataclass(frozen=True)
-class Table:
+class TupleConstant:
     """A tuple of the generated module."""
 
     name: str
     items: str
 
 
-def _tables(model: Model) -> list[Table]:
+def _tables(model: Model) -> list[TupleConstant]:
     """Names, units and defaults, as tuples of literals."""
 
-    def table(name: str, items: Iterable[object]) -> Table:
+    def table(name: str, items: Iterable[object]) -> TupleConstant:
         literals = [f'"{item}"' if isinstance(item, str) else repr(item) for item in items]
-        return Table(name, _lines(literals))
+        return TupleConstant(name, _lines(literals))
 
     return [
         table("COORDINATES", _each_name(model.coordinates)),

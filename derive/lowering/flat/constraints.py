@@ -13,10 +13,10 @@ from derive.ir.model import Kernel, Kkt
 from derive.ir.patterns import Pattern, pattern
 from derive.ir.statements import Requirement, ReturnCode
 from derive.lowering.flat.casadi_symbols import Symbols
-from derive.lowering.flat.context import Context, Elements, Input, array_input, stores
+from derive.lowering.flat.context import Context, Input, array_input, stores
 from derive.lowering.flat.functions import pivot_checks
 from derive.lowering.flat.schedule import Named, Required, Step
-from derive.lowering.functions import ModelFunction
+from derive.lowering.functions import ModelFunction, OutputElements
 from derive.lowering.ldlt import Factorisation, factorise, fill_in, kkt_elimination_order, solve
 from derive.mechanics.symbols import local
 
@@ -27,7 +27,7 @@ def constraints(context: Context, function: ModelFunction) -> Kernel:
     values = [symbols(c.position) for c in context.equations.constraints]
     return context.kernel(
         function,
-        {"g": Elements(context.multipliers)},
+        {"g": OutputElements(context.multipliers)},
         symbols,
         Step("g", "(1)", "point of body 2 minus point of body 1, from x = c + Q r", stores("g", values)),
     )
@@ -39,7 +39,7 @@ def constraint_rates(context: Context, function: ModelFunction) -> Kernel:
     values = [symbols(c.rate) for c in context.equations.constraints]
     return context.kernel(
         function,
-        {"gdot": Elements(context.multipliers)},
+        {"gdot": OutputElements(context.multipliers)},
         symbols,
         Step("gdot", "(1)", "velocity of the point of body 2 minus that of body 1", stores("gdot", values)),
     )
@@ -53,7 +53,7 @@ def constraint_jacobian(context: Context, function: ModelFunction) -> Kernel:
     labels = tuple(f"G[{context.multipliers[i]}, {context.rows[j]}]" for i, j in shape.entries)
     return context.kernel(
         function,
-        {"G": Elements(labels, shape)},
+        {"G": OutputElements(labels, shape)},
         symbols,
         Step(
             "G", "(6)", "factors of the generalised velocities", stores("G", [values[entry] for entry in shape.entries])
@@ -66,7 +66,7 @@ def constraint_bias(context: Context, function: ModelFunction) -> Kernel:
     symbols = context.symbols(context.t, context.q, context.v)
     return context.kernel(
         function,
-        {"gamma": Elements(context.multipliers)},
+        {"gamma": OutputElements(context.multipliers)},
         symbols,
         Step("gamma", "(5)", "centrifugal, Coriolis and prescribed parts", stores("gamma", _bias(context, symbols))),
     )
@@ -76,7 +76,7 @@ def solved(context: Context, function: ModelFunction) -> Kernel:
     """vdot and lambda."""
     symbols = context.symbols(context.t, context.q, context.v)
     right = [-symbols(h) for h in context.equations.force] + [-gamma for gamma in _bias(context, symbols)]
-    outputs = {"vdot": Elements(context.accelerations), "lam": Elements(context.multipliers)}
+    outputs = {"vdot": OutputElements(context.accelerations), "lam": OutputElements(context.multipliers)}
     return _by_factors(context, function, outputs, symbols, right)
 
 
@@ -84,7 +84,7 @@ def accelerations(context: Context, function: ModelFunction) -> Kernel:
     """vdot alone: what any integrator of first-order equations asks for."""
     symbols = context.symbols(context.t, context.q, context.v)
     right = [-symbols(h) for h in context.equations.force] + [-gamma for gamma in _bias(context, symbols)]
-    return _by_factors(context, function, {"vdot": Elements(context.accelerations)}, symbols, right)
+    return _by_factors(context, function, {"vdot": OutputElements(context.accelerations)}, symbols, right)
 
 
 def project_velocity(context: Context, function: ModelFunction) -> Kernel:
@@ -94,18 +94,18 @@ def project_velocity(context: Context, function: ModelFunction) -> Kernel:
     symbols = context.symbols(context.t, context.q, asked)
     right = [ca.SX(0) for _ in context.rows]
     right += [-value for value in symbols.many(asked.symbols)]
-    return _by_factors(context, function, {"dv": Elements(context.rates)}, symbols, right, (asked,))
+    return _by_factors(context, function, {"dv": OutputElements(context.rates)}, symbols, right, (asked,))
 
 
 def poses(context: Context, function: ModelFunction) -> Kernel:
     """Where every body is, those without coordinates too."""
     symbols = context.symbols(context.t, context.q)
     found = context.equations.poses
-    values = [symbols(e) for pose in found for e in (*pose.position, pose.turn)]
+    values = [symbols(e) for pose in found for e in (*pose.position, pose.rotation_angle)]
     labels = tuple(f"{pose.name}.{what}" for pose in found for what in ("c1", "c2", "phi"))
     return context.kernel(
         function,
-        {"pose": Elements(labels)},
+        {"pose": OutputElements(labels)},
         symbols,
         Step("poses", "(1)", "bodies in the order of the specification", stores("pose", values)),
     )
@@ -156,7 +156,7 @@ def _bias(context: Context, symbols: Symbols) -> list[ca.SX]:
 def _by_factors(
     context: Context,
     function: ModelFunction,
-    outputs: Mapping[str, Elements],
+    outputs: Mapping[str, OutputElements],
     symbols: Symbols,
     right: list[ca.SX],
     inputs: tuple[Input, ...] = (),

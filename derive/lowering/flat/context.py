@@ -14,9 +14,9 @@ from derive.ir.expressions import Number, ScalarRef
 from derive.ir.model import Argument, Kernel, Output, Section
 from derive.ir.patterns import Pattern, pattern
 from derive.lowering.flat.casadi_symbols import Symbols
-from derive.lowering.flat.graph import Constants, Graph, held
+from derive.lowering.flat.graph import Constants, Graph, representable
 from derive.lowering.flat.schedule import Named, Step, Stored, Want, schedule
-from derive.lowering.functions import ModelFunction
+from derive.lowering.functions import ModelFunction, OutputElements
 from derive.mechanics.equations import Equations
 from derive.mechanics.symbols import local, state_rate, t
 from derive.mechanics.terms import Intermediate, rotation_symbols
@@ -33,14 +33,6 @@ class Input:
     def elements(self) -> tuple[str, ...]:
         """The names of the elements."""
         return self.argument.elements
-
-
-@dataclass(frozen=True)
-class Elements:
-    """What the elements of an output are, and of a matrix the pattern of its values."""
-
-    names: tuple[str, ...]
-    pattern: Pattern | None = None
 
 
 def array_input(name: str, symbols: Iterable[sp.Symbol], doc: str) -> Input:
@@ -88,7 +80,9 @@ class Context:
         for c in self.coefficients:
             value = c.value
             known = (
-                Number(held(Fraction(int(value.p), int(value.q)))) if value.is_Rational else ScalarRef(str(c.symbol))
+                Number(representable(Fraction(int(value.p), int(value.q))))
+                if value.is_Rational
+                else ScalarRef(str(c.symbol))
             )
             symbols.input(c.symbol, known)
         for symbol in chain.from_iterable(given.symbols for given in inputs):
@@ -110,7 +104,7 @@ class Context:
     def kernel(
         self,
         function: ModelFunction,
-        outputs: Mapping[str, Elements],
+        outputs: Mapping[str, OutputElements],
         symbols: Symbols,
         *steps: Step,
         inputs: Iterable[Input] = (),

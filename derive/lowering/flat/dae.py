@@ -13,9 +13,9 @@ from derive.ir.model import Kernel
 from derive.ir.patterns import pattern
 from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.constraints import jacobian_entries
-from derive.lowering.flat.context import Context, Elements, Input, array_input, stores
+from derive.lowering.flat.context import Context, Input, array_input, stores
 from derive.lowering.flat.schedule import Step
-from derive.lowering.functions import ModelFunction
+from derive.lowering.functions import ModelFunction, OutputElements
 from derive.mechanics.symbols import local, state_rate
 
 
@@ -70,7 +70,7 @@ def residual(context: Context, function: ModelFunction) -> Kernel:
     rows = _rows(context, form, symbols)
     return context.kernel(
         function,
-        {"F": Elements(y.elements)},
+        {"F": OutputElements(y.elements)},
         symbols,
         Step("residual", "(15)", "kinematics, equations of motion, constraints", stores("F", rows)),
         inputs=(y, ydot),
@@ -92,7 +92,7 @@ def jacobian(context: Context, function: ModelFunction) -> Kernel:
     labels = tuple(f"d F[{y.elements[i]}] / d {y.elements[j]}" for i, j in shape.entries)
     return context.kernel(
         function,
-        {"jac": Elements(labels, shape)},
+        {"jac": OutputElements(labels, shape)},
         symbols,
         Step(
             "jacobian", "(15)", "derivatives of the residual", stores("jac", [matrix[i, j] for i, j in shape.entries])

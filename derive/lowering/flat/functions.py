@@ -11,9 +11,9 @@ from derive.ir.model import Kernel
 from derive.ir.patterns import pattern
 from derive.ir.statements import Requirement, ReturnCode
 from derive.lowering.flat.casadi_symbols import Symbols
-from derive.lowering.flat.context import Context, Elements, array_input, define, stores
+from derive.lowering.flat.context import Context, array_input, define, stores
 from derive.lowering.flat.schedule import Named, Required, Step, Stored
-from derive.lowering.functions import ModelFunction
+from derive.lowering.functions import ModelFunction, OutputElements
 from derive.lowering.ldlt import Factorisation, factorise, solve
 from derive.mechanics.symbols import state_rate
 
@@ -66,7 +66,7 @@ def accel(context: Context, function: ModelFunction) -> Kernel:
     fill = f"fill-in {factors.fill}" if factors.fill else "no fill-in"
     return context.kernel(
         function,
-        {"vdot": Elements(context.accelerations)},
+        {"vdot": OutputElements(context.accelerations)},
         symbols,
         Step("pivots", "LDL^T", f"eliminate {order}; {fill}", (*named, *required)),
         Step("solution", "LDL^T", "forward, diagonal and back substitution", stores("vdot", solution)),
@@ -98,7 +98,7 @@ def energy(context: Context, function: ModelFunction) -> Kernel:
     values += [symbols(eq.weight_energy)] if weight else []
     return context.kernel(
         function,
-        {"energy": Elements(("kinetic", "strain", *(["gravity"] if weight else [])))},
+        {"energy": OutputElements(("kinetic", "strain", *(["gravity"] if weight else [])))},
         symbols,
         Step("energy", "(22)", "1/2 int rho xdot . xdot and the strain energy", stores("energy", values)),
     )
@@ -115,7 +115,7 @@ def momentum(context: Context, function: ModelFunction) -> Kernel:
     )
     return context.kernel(
         function,
-        {"momentum": Elements((*linear, *angular))},
+        {"momentum": OutputElements((*linear, *angular))},
         symbols,
         Step("momentum", "(1)", "int rho xdot and int rho x x xdot", stores("momentum", values)),
     )
@@ -127,7 +127,7 @@ def rates(context: Context, function: ModelFunction) -> Kernel:
     values = [symbols(rate) for rate in context.equations.rates]
     return context.kernel(
         function,
-        {"qdot": Elements(tuple(f"{n}_t" for n in context.names))},
+        {"qdot": OutputElements(tuple(f"{n}_t" for n in context.names))},
         symbols,
         Step("rates", "(1)", "from Qdot = Q (omega x)", stores("qdot", values)),
     )
@@ -151,9 +151,9 @@ def marker(context: Context, function: ModelFunction) -> Kernel:
     return context.kernel(
         function,
         {
-            "x": Elements(tuple(f"x{k}" for k in axes)),
-            "xdot": Elements(tuple(f"x{k}dot" for k in axes)),
-            "jacobian": Elements(labels, shape),
+            "x": OutputElements(tuple(f"x{k}" for k in axes)),
+            "xdot": OutputElements(tuple(f"x{k}dot" for k in axes)),
+            "jacobian": OutputElements(labels, shape),
         },
         symbols,
         Step("r", "(14)", "X + u and its time derivative at the marker, in the body frame", named),
@@ -170,7 +170,7 @@ def load(context: Context, function: ModelFunction) -> Kernel:
     named = define(symbols, tuple(d for d in point.definitions if not d.zero))
     return context.kernel(
         function,
-        {"f": Elements(tuple(f"f[{n}]" for n in context.rows))},
+        {"f": OutputElements(tuple(f"f[{n}]" for n in context.rows))},
         symbols,
         Step("F", "(10)", "the force in the body frame", turned),
         Step("r", "(1)", "the marker in the body frame", named),
@@ -184,7 +184,7 @@ def residual(context: Context, function: ModelFunction) -> Kernel:
     symbols, rows = _first_order(context)
     return context.kernel(
         function,
-        {"F": Elements(context.names + context.rates)},
+        {"F": OutputElements(context.names + context.rates)},
         symbols,
         Step("residual", "(15)", "kinematics, then the equations of motion", stores("F", rows)),
     )
@@ -202,7 +202,7 @@ def jacobian(context: Context, function: ModelFunction) -> Kernel:
     labels = tuple(f"d F[{states[i]}] / d {states[j]}" for i, j in shape.entries)
     return context.kernel(
         function,
-        {"jac": Elements(labels, shape)},
+        {"jac": OutputElements(labels, shape)},
         symbols,
         Step(
             "jacobian", "(15)", "derivatives of the residual", stores("jac", [matrix[i, j] for i, j in shape.entries])
@@ -219,13 +219,13 @@ def _first_order(context: Context) -> tuple[Symbols, list[ca.SX]]:
     return symbols, kinematic + [symbols(eq.sum_of(row.name)) for row in eq.rows]
 
 
-def _mass_elements(context: Context) -> Elements:
+def _mass_elements(context: Context) -> OutputElements:
     shape = context.mass_pattern()
-    return Elements(tuple(f"M[{context.rows[i]}, {context.rows[j]}]" for i, j in shape.entries), shape)
+    return OutputElements(tuple(f"M[{context.rows[i]}, {context.rows[j]}]" for i, j in shape.entries), shape)
 
 
-def _force_elements(context: Context) -> Elements:
-    return Elements(tuple(f"h[{n}]" for n in context.rows))
+def _force_elements(context: Context) -> OutputElements:
+    return OutputElements(tuple(f"h[{n}]" for n in context.rows))
 
 
 def _mass_step(context: Context, symbols: Symbols) -> Step:

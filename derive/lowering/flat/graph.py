@@ -94,7 +94,7 @@ class Graph:
 
     def number(self, value: int | Fraction) -> int:
         """The node of a number. Raises LoweringError when no double is near it."""
-        return self.leaf(Number(held(Fraction(value))))
+        return self.leaf(Number(representable(Fraction(value))))
 
     def apply(self, kind: Operator, *args: int) -> int:
         """The node of an operation, folded when its operands are numbers or make it trivial."""
@@ -182,7 +182,7 @@ class Graph:
         return None
 
 
-def held(value: Fraction) -> Fraction:
+def representable(value: Fraction) -> Fraction:
     """The number, if a double can hold it (rounded)."""
     if value and not LEAST <= abs(value) <= MOST:
         raise LoweringError(

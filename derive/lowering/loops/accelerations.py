@@ -10,44 +10,44 @@ from derive.ir.patterns import pattern
 from derive.ir.statements import Require, Requirement, ReturnCode, Store, StoreLocal, StoreStrided, TriangularSolve
 from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.functions import VANISHING
-from derive.lowering.functions import ModelFunction
+from derive.lowering.functions import ModelFunction, OutputElements
 from derive.lowering.ldlt import elimination_order, factorise, solve
-from derive.lowering.loops.program import NOTHING, Elements, IndexedStore, Program, Scalar, Target
-from derive.lowering.loops.tables import RIGID, SHAPE, Tables
-from derive.mechanics.sums import Total
+from derive.lowering.loops.context import RIGID, SHAPE, LoopContext
+from derive.lowering.loops.program import NOTHING, IndexedStore, Program, Scalar, Target
+from derive.mechanics.sums import ModeSum
 from derive.mechanics.symbols import Family, I, local, quantity
 from derive.mechanics.tables import TableKind
 
 
-def accel(tables: Tables, function: ModelFunction) -> Kernel:
+def accel(context: LoopContext, function: ModelFunction) -> Kernel:
     """M vdot = -h by the Schur complement of the shapes, whose mass matrix c8 is constant: factorised in setup."""
-    program = tables.program(tables.q, tables.v)
-    coupled = tuple(tables.coupling)
+    program = context.program(context.q, context.v)
+    coupled = tuple(context.coupling)
     b = {r: local("B", r + 1, shapes=(I,)) for r in coupled}
     h = local("h", shapes=(I,))
-    scalars: list[Scalar] = [(local(f"h_{name}"), tables.at_rest(tables.left[name])) for name in tables.rows]
-    places = [(r, c) for c in range(RIGID) for r in range(c, RIGID) if tables.mass_entry(r, c) != 0]
-    scalars += [(local("M", r + 1, c + 1), tables.mass_entry(r, c)) for r, c in places]
-    rows: list[IndexedStore] = [(StoreLocal("h", NOTHING), tables.at_rest(tables.left[SHAPE]))] if tables.n else []
-    rows += [(StoreLocal(f"B_{r + 1}", NOTHING), tables.coupling[r]) for r in coupled]
+    scalars: list[Scalar] = [(local(f"h_{name}"), context.at_rest(context.left[name])) for name in context.rows]
+    places = [(r, c) for c in range(RIGID) for r in range(c, RIGID) if context.mass_entry(r, c) != 0]
+    scalars += [(local("M", r + 1, c + 1), context.mass_entry(r, c)) for r, c in places]
+    rows: list[IndexedStore] = [(StoreLocal("h", NOTHING), context.at_rest(context.left[SHAPE]))] if context.n else []
+    rows += [(StoreLocal(f"B_{r + 1}", NOTHING), context.coupling[r]) for r in coupled]
     program.phase("h and B", "(15)", "forces, and coupling of rigid-body motion and modes", scalars, rows)
     arrays = ("h", *(f"B_{r + 1}" for r in coupled))
     weight = sp.S.One
-    if tables.c8 is TableKind.FULL and tables.n:
-        program.sections.append(_substituted(tables, arrays, transposed=False))
-    elif tables.c8 is TableKind.DIAGONAL:
+    if context.c8 is TableKind.FULL and context.n:
+        program.sections.append(_substituted(context, arrays, transposed=False))
+    elif context.c8 is TableKind.DIAGONAL:
         weight = 1 / quantity(Family.C8, shapes=(I,))
-    totals = [
-        Total(local("BB", r + 1, c + 1), sp.S.Zero, weight * b[r] * b[c], "B^T c8^-1 B")
+    mode_sums = [
+        ModeSum(local("BB", r + 1, c + 1), sp.S.Zero, weight * b[r] * b[c], "B^T c8^-1 B")
         for c in coupled
         for r in coupled
         if r >= c
     ]
-    totals += [Total(local("Bh", r + 1), sp.S.Zero, weight * b[r] * h, "B^T c8^-1 h") for r in coupled]
-    program.reduce(totals if tables.n else [])
-    _rigid_accelerations(tables, program, places, coupled)
-    rest = h + sum((b[r] * tables.rigid_rows[r].a for r in coupled), sp.S.Zero)
-    if tables.n:
+    mode_sums += [ModeSum(local("Bh", r + 1), sp.S.Zero, weight * b[r] * h, "B^T c8^-1 h") for r in coupled]
+    program.add_mode_sums(mode_sums if context.n else [])
+    _rigid_accelerations(context, program, places, coupled)
+    rest = h + sum((b[r] * context.rigid_rows[r].a for r in coupled), sp.S.Zero)
+    if context.n:
         x = local("x", shapes=(I,))
         program.phase(
             "alphaddot",
@@ -56,32 +56,32 @@ def accel(tables: Tables, function: ModelFunction) -> Kernel:
             (),
             [(StoreLocal("x", NOTHING), -weight * rest)],
         )
-        if tables.c8 is TableKind.FULL:
-            program.sections.append(_substituted(tables, ("x",), transposed=True))
+        if context.c8 is TableKind.FULL:
+            program.sections.append(_substituted(context, ("x",), transposed=True))
         program.phase(
             "vdot", "", "accelerations of the modal amplitudes", (), [(StoreStrided("vdot", RIGID, 1, NOTHING), x)]
         )
-        program.reduce([Total(local("shapes"), sp.S.Zero, x, "sum that is finite if all are")])
-    every = sp.Add(*(row.a for row in tables.rigid_rows), *([local("shapes")] if tables.n else []))
+        program.add_mode_sums([ModeSum(local("shapes"), sp.S.Zero, x, "sum that is finite if all are")])
+    every = sp.Add(*(row.a for row in context.rigid_rows), *([local("shapes")] if context.n else []))
     finite = Require(Requirement.FINITE, NOTHING, ReturnCode.NOT_FINITE, "an acceleration is not finite")
     program.scalars("check", "", "check that the result is finite", [(finite, every)])
-    names = tuple(str(row.a) for row in tables.rigid_rows)
-    labels = (*names, *([f"alpha1ddot .. alpha{tables.n}ddot"] if tables.n else []))
+    names = tuple(str(row.a) for row in context.rigid_rows)
+    labels = (*names, *([f"alpha1ddot .. alpha{context.n}ddot"] if context.n else []))
     return program.kernel(
         function,
-        tables.inputs,
-        {"vdot": Elements(labels, RIGID + tables.n)},
+        context.inputs,
+        {"vdot": OutputElements(labels, count=RIGID + context.n)},
         method=", by the Schur complement of the modes and a sparse LDL^T of the rest.",
     )
 
 
-def _substituted(tables: Tables, arrays: tuple[str, ...], transposed: bool) -> Section:
+def _substituted(context: LoopContext, arrays: tuple[str, ...], transposed: bool) -> Section:
     doc = "back substitution with the Cholesky factor of c8" if transposed else "forward substitution with it"
-    return Section("c8", "appendix", doc, (TriangularSolve("root", tables.n, arrays, transposed),))
+    return Section("c8", "appendix", doc, (TriangularSolve("root", context.n, arrays, transposed),))
 
 
 def _rigid_accelerations(
-    tables: Tables, program: Program, places: list[tuple[int, int]], coupled: tuple[int, ...]
+    context: LoopContext, program: Program, places: list[tuple[int, int]], coupled: tuple[int, ...]
 ) -> None:
     """Solve the Schur complement for the six rigid accelerations."""
     schur = {(r, c) for r in coupled for c in coupled if r >= c}
@@ -97,22 +97,22 @@ def _rigid_accelerations(
             inner = known("BB", r + 1, c + 1)
             entries[r, c] = whole[r, c] - inner if (r, c) in whole else -inner
         right = [
-            -known(f"h_{name}") + (known("Bh", r + 1) if r in coupled else 0) for r, name in enumerate(tables.rows)
+            -known(f"h_{name}") + (known("Bh", r + 1) if r in coupled else 0) for r, name in enumerate(context.rows)
         ]
         factors = factorise(shape, {entry: entries[entry] for entry in shape.entries})
         solution = solve(factors, right)
         margin = symbols.number(VANISHING)
         wants: list[tuple[Target, ca.SX]] = [
             (
-                Require(Requirement.POSITIVE, NOTHING, ReturnCode.PIVOT, f"the pivot of {tables.rows[j]} vanished"),
+                Require(Requirement.POSITIVE, NOTHING, ReturnCode.PIVOT, f"the pivot of {context.rows[j]} vanished"),
                 pivot - margin * whole[j, j],
             )
             for pivot, j in zip(factors.pivots, factors.order, strict=True)
         ]
         for r, x in enumerate(solution):
-            wants.append((tables.rigid_rows[r].a, x))
+            wants.append((context.rigid_rows[r].a, x))
             wants.append((Store("vdot", r, NOTHING), x))
         return wants
 
-    order = ", ".join(tables.rows[j] for j in elimination_order(shape))
+    order = ", ".join(context.rows[j] for j in elimination_order(shape))
     program.straight("vdot", "LDL^T", f"accelerations of the rigid motion: eliminate {order}", make)

@@ -34,7 +34,7 @@ from derive.ir.statements import (
 from derive.mechanics.equations import Equations
 from derive.mechanics.sums import PARITY
 from derive.mechanics.symbols import MASS, Family, parameter
-from derive.mechanics.tables import Table, TableKind
+from derive.mechanics.tables import CoefficientTable, TableKind
 from derive.mechanics.terms import ModelConstant, ParameterSymbol
 from derive.roles import Role
 
@@ -53,16 +53,16 @@ class DataLayout:
     packing: Packing
     scalars: dict[sp.Symbol, Number | ScalarRef]
     parameters: tuple[Variable, ...]
-    sources: tuple[tuple[Table, int], ...]
+    sources: tuple[tuple[CoefficientTable, int], ...]
     triangle: str = TRIANGLE
 
 
-def arrays(table: Table) -> tuple[str, ...]:
+def arrays(table: CoefficientTable) -> tuple[str, ...]:
     """The arrays or scalars of a table, one for each component: C5_11, C5_12, ...; K."""
     return tuple(table.entry(component).name for component in table.components)
 
 
-def size(table: Table, n: int) -> int:
+def size(table: CoefficientTable, n: int) -> int:
     """How many parameters a table has."""
     if table.kind in (TableKind.ZERO, TableKind.UNIT):
         return 0
@@ -121,13 +121,13 @@ def _c8_arrays(eq: Equations) -> list[tuple[str, int]]:
     return [(TRIANGLE, n * (n + 1) // 2), (ROOT, n * n)] if n and eq.table(Family.C8).kind is TableKind.FULL else []
 
 
-def _parameters(eq: Equations, kept: list[Table]) -> tuple[Variable, ...]:
+def _parameters(eq: Equations, kept: list[CoefficientTable]) -> tuple[Variable, ...]:
     first, *rest = (Variable(str(p.symbol), p.doc, p.unit, p.default) for p in (_mass(eq), *_others(eq)))
     tables = (Variable(t.name, _doc(t), t.unit, 0.0, size(t, eq.modes)) for t in kept)
     return (first, *tables, *rest)
 
 
-def _doc(table: Table) -> str:
+def _doc(table: CoefficientTable) -> str:
     parts = [table.doc]
     if table.counted == 2 and table.kind is TableKind.FULL:
         parts.append("for i <= j by rows" if PARITY[table.family] > 0 else "for i < j by rows")
@@ -139,7 +139,7 @@ def _doc(table: Table) -> str:
     return ", ".join(parts)
 
 
-def _offsets(eq: Equations, kept: list[Table]) -> list[tuple[Table, int]]:
+def _offsets(eq: Equations, kept: list[CoefficientTable]) -> list[tuple[CoefficientTable, int]]:
     found, place = [], 1
     for t in kept:
         found.append((t, place))

@@ -9,7 +9,7 @@ from __future__ import annotations
 import sympy as sp
 
 from derive.mechanics.equations import Equations
-from derive.mechanics.sums import ALPHA, ALPHADDOT, ALPHADOT, PARITY, Contraction, canonical, exchanged, swapped
+from derive.mechanics.sums import ALPHA, ALPHADDOT, ALPHADOT, PARITY, TableSum, canonical, exchanged, swapped
 from derive.mechanics.symbols import Family, I, J, Symbol, is_indexed, quantity
 
 SUMS = {Family.C5: Family.C5_SUM, Family.C7: Family.C7_SUM, Family.C8: Family.C8_SUM}
@@ -19,18 +19,18 @@ DERIVATIVES = {ALPHA: 0, ALPHADOT: 1, ALPHADDOT: 2}
 
 
 class Gradient:
-    """Derivatives of expressions of one model; `contractions` are its own and those that derivatives need besides.
+    """Derivatives of expressions of one model; `table_sums` are its own and those that derivatives need besides.
 
     `factor` is what derivatives are taken with respect to: ALPHA, ALPHADOT or ALPHADDOT.
     """
 
     def __init__(self, equations: Equations) -> None:
-        self.totals = {t.symbol: t for t in equations.totals}
-        self.contractions = list(equations.contractions)
+        self.mode_sums = {t.symbol: t for t in equations.mode_sums}
+        self.table_sums = list(equations.table_sums)
 
     def of_scalar(self, expr: sp.Expr, factor: Symbol) -> sp.Expr:
-        """d expr / d factor_i, as an expression of index i, of an expression in totals."""
-        pairs = ((total, expr.diff(symbol)) for symbol, total in self.totals.items() if expr.has(symbol))
+        """d expr / d factor_i, as an expression of index i, of an expression in mode_sums."""
+        pairs = ((total, expr.diff(symbol)) for symbol, total in self.mode_sums.items() if expr.has(symbol))
         return sp.expand(sum((weight * self._of_sum(total.term, factor) for total, weight in pairs), sp.S.Zero))
 
     def of_row(self, expr: sp.Expr, factor: Symbol) -> tuple[sp.Expr, sp.Expr]:
@@ -42,8 +42,8 @@ class Gradient:
                 full += weight * _of_ij(entry) if other == factor else 0
         return sp.expand(full), sp.expand(expr.diff(exchanged(factor, {J: I})))
 
-    def _in(self, expr: sp.Expr) -> list[Contraction]:
-        return [c for c in self.contractions if expr.has(c.symbol)]
+    def _in(self, expr: sp.Expr) -> list[TableSum]:
+        return [c for c in self.table_sums if expr.has(c.symbol)]
 
     def _of_sum(self, term: sp.Expr, factor: Symbol) -> sp.Expr:
         """d (sum over l of term_l) / d factor_i."""
@@ -64,16 +64,16 @@ class Gradient:
                 f"the derivative of a sum has the factor {expr}, which is no sequence over the shapes"
             )
         turned, parity = swapped(entry), PARITY[entry.identity.family]
-        for c in self.contractions:
+        for c in self.table_sums:
             if c.sums == ((factor, turned),):
-                return weight * (c.symbol - c.base)
+                return weight * (c.symbol - c.offset)
             if c.sums == ((factor, entry),):
-                return weight * parity * (c.symbol - c.base)
+                return weight * parity * (c.symbol - c.offset)
         kept = canonical(entry)
         family, components = SUMS[entry.identity.family], entry.identity.components
         new = quantity(family, *components, derivative=DERIVATIVES[factor], shapes=(I,))
         doc = f"sum over the modes of {factor} {kept}"
-        self.contractions.append(Contraction(new, sp.S.Zero, ((factor, kept),), doc))
+        self.table_sums.append(TableSum(new, sp.S.Zero, ((factor, kept),), doc))
         return weight * (1 if turned == kept else parity) * new
 
 

@@ -9,94 +9,94 @@ import sympy as sp
 from derive.ir.model import Kernel
 from derive.ir.patterns import ColumnGroup, RowSet, RowSetKind, block_pattern
 from derive.ir.statements import MatrixStore, Store, StoreStrided
-from derive.lowering.functions import ModelFunction
-from derive.lowering.loops.program import NOTHING, Elements, IndexedStore, Scalar
-from derive.lowering.loops.tables import CJ, RIGID, SHAPE, Tables
+from derive.lowering.functions import ModelFunction, OutputElements
+from derive.lowering.loops.context import CJ, RIGID, SHAPE, LoopContext
+from derive.lowering.loops.program import NOTHING, IndexedStore, Scalar
 from derive.mechanics.sums import ALPHA, ALPHADDOT, ALPHADOT
 from derive.mechanics.symbols import Symbol
 
 
-def jacobian(tables: Tables, function: ModelFunction) -> Kernel:
+def jacobian(context: LoopContext, function: ModelFunction) -> Kernel:
     """dF/dy + cj dF/dydot in closed form: derivatives of sums are sums again."""
-    columns = _Columns(tables)
-    for k, q in enumerate(tables.elements["q"]):
+    columns = _Columns(context)
+    for k, q in enumerate(context.elements["q"]):
         columns.coordinate(k, q)
     columns.shapes(ALPHA, None, CJ)
-    for r, row in enumerate(tables.rigid_rows):
+    for r, row in enumerate(context.rigid_rows):
         columns.rate(r, row.v, row.a)
     columns.shapes(ALPHADOT, ALPHADDOT, -sp.S.One)
-    program = tables.program(tables.y, tables.ydot, tables.cj)
+    program = context.program(context.y, context.ydot, context.cj)
     doc = "derivatives of the residual"
     program.phase("jacobian", "(15)", doc, columns.scalars, columns.rows, columns.pairs)
-    size = 2 * tables.n + 2 * RIGID + 1
+    size = 2 * context.n + 2 * RIGID + 1
     shape = block_pattern(size, tuple(columns.groups))
     return program.kernel(
         function,
-        tables.inputs,
-        {"jac": Elements(("see its pattern",), len(shape.rowidx), shape)},
+        context.inputs,
+        {"jac": OutputElements(("see its pattern",), shape, len(shape.rowidx))},
     )
 
 
 class _Columns:
     """The columns of the iteration matrix, one after the other."""
 
-    def __init__(self, tables: Tables) -> None:
-        self.tables = tables
+    def __init__(self, context: LoopContext) -> None:
+        self.context = context
         self.scalars: list[Scalar] = []
         self.rows: list[IndexedStore] = []
         self.pairs: list[tuple[MatrixStore, sp.Expr, sp.Expr]] = []
         self.groups: list[ColumnGroup] = []
         self.place = 0
-        self.first = RIGID + 1 + tables.n
+        self.first = RIGID + 1 + context.n
 
     def coordinate(self, k: int, symbol: sp.Symbol) -> None:
         """The column of c1 .. c3, e0 .. e3."""
-        kinematic = [(r, -rate.diff(symbol) + (CJ if r == k else 0)) for r, rate in enumerate(self.tables.rigid_rates)]
+        kinematic = [(r, -rate.diff(symbol) + (CJ if r == k else 0)) for r, rate in enumerate(self.context.rigid_rates)]
         self._single(kinematic, lambda e: self._total(e, symbol))
 
     def rate(self, r: int, symbol: sp.Symbol, acceleration: sp.Symbol) -> None:
         """The column of a rigid rate."""
-        kinematic = [(k, -rate.diff(symbol)) for k, rate in enumerate(self.tables.rigid_rates)]
+        kinematic = [(k, -rate.diff(symbol)) for k, rate in enumerate(self.context.rigid_rates)]
         self._single(kinematic, lambda e: self._total(e, symbol) + CJ * e.diff(acceleration))
 
     def _total(self, expr: sp.Expr, symbol: sp.Symbol) -> sp.Expr:
         """A derivative, through the definitions as well."""
         found = expr.diff(symbol)
-        for d in self.tables.equations.definitions:
+        for d in self.context.equations.definitions:
             if not d.zero and expr.has(d.symbol):
                 found += expr.diff(d.symbol) * self._total(d.expr, symbol)
         return sp.expand(found)
 
     def _single(self, kinematic: list[tuple[int, sp.Expr]], derivative: Callable[[sp.Expr], sp.Expr]) -> None:
-        left = self.tables.left
-        dynamic = [(self.first + r, derivative(left[name])) for r, name in enumerate(self.tables.rows)]
+        left = self.context.left
+        dynamic = [(self.first + r, derivative(left[name])) for r, name in enumerate(self.context.rows)]
         entries = [(row, e) for row, e in (*kinematic, *dynamic) if e != 0]
         self.scalars += [(Store("jac", self.place + k, NOTHING), e) for k, (_, e) in enumerate(entries)]
         self.place += len(entries)
         pieces = [RowSet(RowSetKind.ROW, row) for row, _ in entries]
-        shape = derivative(left[SHAPE]) if self.tables.n else sp.S.Zero
+        shape = derivative(left[SHAPE]) if self.context.n else sp.S.Zero
         if shape != 0:
             self.rows.append((StoreStrided("jac", self.place, 1, NOTHING), shape))
-            self.place += self.tables.n
-            pieces.append(RowSet(RowSetKind.RANGE, self.first + RIGID, self.tables.n))
+            self.place += self.context.n
+            pieces.append(RowSet(RowSetKind.RANGE, self.first + RIGID, self.context.n))
         self.groups.append(ColumnGroup(1, tuple(pieces)))
 
     def shapes(self, factor: Symbol, acceleration: Symbol | None, kinematic: sp.Expr) -> None:
         """The columns of alpha or alphadot."""
-        tables, n = self.tables, self.tables.n
+        context, n = self.context, self.context.n
         if not n:
             return
-        gradient = tables.gradient
+        gradient = context.gradient
 
         def of(expr: sp.Expr) -> sp.Expr:
             accelerated = CJ * gradient.of_scalar(expr, acceleration) if acceleration else 0
             return sp.expand(gradient.of_scalar(expr, factor) + accelerated)
 
-        rigid = [(self.first + r, of(tables.left[name])) for r, name in enumerate(tables.rows)]
+        rigid = [(self.first + r, of(context.left[name])) for r, name in enumerate(context.rows)]
         entries = [(row, e) for row, e in rigid if e != 0]
-        full, diagonal = gradient.of_row(tables.left[SHAPE], factor)
+        full, diagonal = gradient.of_row(context.left[SHAPE], factor)
         if acceleration:
-            more, below = gradient.of_row(tables.left[SHAPE], acceleration)
+            more, below = gradient.of_row(context.left[SHAPE], acceleration)
             full, diagonal = sp.expand(full + CJ * more), sp.expand(diagonal + CJ * below)
         block = (
             RowSet(RowSetKind.RANGE, self.first + RIGID, n)
@@ -110,7 +110,7 @@ class _Columns:
         offset = self.place + 1 + len(entries)
         if full != 0:
             self.pairs.append(
-                (MatrixStore(tables.layout.packing, "jac", offset, stride, NOTHING, None), full, diagonal)
+                (MatrixStore(context.layout.packing, "jac", offset, stride, NOTHING, None), full, diagonal)
             )
         else:
             self.rows.append((StoreStrided("jac", offset, stride, NOTHING), diagonal))

@@ -1,13 +1,13 @@
 """Kernels with loops over the shapes, put together section by section from generic equations.
 
-What expressions need is computed before them: contractions of tables first, then totals over the shapes, then scalars.
+What expressions need is computed before them: table_sums of tables first, then mode_sums over the shapes, then scalars.
 In a loop, expressions are sums of products of what depends on its index; their factors are computed before it.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from fractions import Fraction
 from itertools import count
 
@@ -16,7 +16,6 @@ import sympy as sp
 
 from derive.ir.expressions import ArrayAccess, Expr, Leaf, MatrixEntry, Number, Operation, Operator, ScalarRef
 from derive.ir.model import Argument, Kernel, Output, Section
-from derive.ir.patterns import Pattern
 from derive.ir.statements import (
     Accumulate,
     Let,
@@ -36,8 +35,8 @@ from derive.ir.statements import (
 from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.graph import Constants, Graph
 from derive.lowering.flat.schedule import Named, Step, Stored, Want, schedule
-from derive.lowering.functions import ModelFunction
-from derive.mechanics.sums import Contraction, Total, canonical
+from derive.lowering.functions import ModelFunction, OutputElements
+from derive.mechanics.sums import ModeSum, TableSum, canonical
 from derive.mechanics.symbols import I, Symbol, amplitude, identity, is_indexed, local
 from derive.mechanics.terms import Intermediate, rotation_symbols
 
@@ -55,15 +54,6 @@ Place = Let | Store | Require | StoreLocal | StoreStrided
 NOTHING = Number(Fraction(0))
 
 
-@dataclass(frozen=True)
-class Elements:
-    """What the elements of an output are: their names, or descriptions of groups of `count` elements in all."""
-
-    names: tuple[str, ...]
-    count: int | None = None
-    pattern: Pattern | None = None
-
-
 class Program:
     """A kernel in the making; `known` says what scalars are in the Kernel."""
 
@@ -72,35 +62,35 @@ class Program:
         packing: Packing,
         known: Mapping[sp.Symbol, Number | ScalarRef],
         definitions: Iterable[Intermediate],
-        contractions: Iterable[Contraction],
-        totals: Iterable[Total],
+        table_sums: Iterable[TableSum],
+        mode_sums: Iterable[ModeSum],
     ) -> None:
         self.packing = packing
         self.known: dict[sp.Symbol, Number | ScalarRef] = dict(known)
         self.definitions = [d for d in definitions if not d.zero]
-        self.contractions = {c.symbol: c for c in contractions}
-        self.totals = {t.symbol: t for t in totals}
+        self.table_sums = {c.symbol: c for c in table_sums}
+        self.mode_sums = {t.symbol: t for t in mode_sums}
         self.sections: list[Section] = []
         self._arrays: set[sp.Symbol] = set()
         self._temporaries = (f"t{k}" for k in count(1))
         self._factors: dict[sp.Expr, Symbol] = {}
 
     def sums(self, exprs: Iterable[sp.Expr]) -> None:
-        """Compute the contractions and the totals that expressions are made of."""
+        """Compute the table_sums and the mode_sums that expressions are made of."""
         symbols = _symbols(exprs)
-        totals = [t for s, t in self.totals.items() if s in symbols and s not in self.known]
-        inside = symbols | _symbols(e for t in totals for e in (t.base, t.term))
-        self._contract([c for s, c in self.contractions.items() if s in inside and s not in self._arrays])
-        self.reduce(totals)
+        mode_sums = [t for s, t in self.mode_sums.items() if s in symbols and s not in self.known]
+        inside = symbols | _symbols(e for t in mode_sums for e in (t.offset, t.term))
+        self._add_table_sums([c for s, c in self.table_sums.items() if s in inside and s not in self._arrays])
+        self.add_mode_sums(mode_sums)
 
-    def _contract(self, contractions: list[Contraction]) -> None:
+    def _add_table_sums(self, table_sums: list[TableSum]) -> None:
         lanes = []
-        for c in contractions:
+        for c in table_sums:
             self._arrays.add(c.symbol)
             pairs = tuple((self._vector(factor, entry), array(canonical(entry))) for factor, entry in c.sums)
-            lanes.append(MatVecTerm(array(c.symbol), array(c.base) if c.base != 0 else "", pairs))
+            lanes.append(MatVecTerm(array(c.symbol), array(c.offset) if c.offset != 0 else "", pairs))
         if lanes:
-            section = Section("tables", "appendix", _said(contractions), (MatVec(self.packing, tuple(lanes)),))
+            section = Section("tables", "appendix", _said(table_sums), (MatVec(self.packing, tuple(lanes)),))
             self.sections.append(section)
 
     def _vector(self, factor: Symbol, entry: Symbol) -> str:
@@ -115,19 +105,19 @@ class Program:
             self.sections.append(Section(name, "", f"{vector} with its sign changed", (self._each((turned,)),)))
         return name
 
-    def reduce(self, totals: Iterable[Total]) -> None:
+    def add_mode_sums(self, mode_sums: Iterable[ModeSum]) -> None:
         """Compute sums over the shapes, all in one loop."""
-        totals = tuple(totals)
-        if not totals:
+        mode_sums = tuple(mode_sums)
+        if not mode_sums:
             return
-        body = self._loop([(StoreLocal("", NOTHING), by_vector(t.term)) for t in totals])
+        body = self._loop([(StoreLocal("", NOTHING), by_vector(t.term)) for t in mode_sums])
         lets = tuple(item for item in body if isinstance(item, Let))
         terms = [item.expr for item in body if not isinstance(item, Let)]
-        bases: list[Leaf] = [NOTHING if t.base == 0 else self.known[t.base] for t in totals]
-        sums = tuple(Sum(t.symbol.name, base, term) for t, base, term in zip(totals, bases, terms, strict=True))
+        bases: list[Leaf] = [NOTHING if t.offset == 0 else self.known[t.offset] for t in mode_sums]
+        sums = tuple(Sum(t.symbol.name, base, term) for t, base, term in zip(mode_sums, bases, terms, strict=True))
         loop = Accumulate(self.packing.count, lets, sums)
-        self.sections.append(Section("sums", "appendix", _said(totals), (loop,)))
-        self.known |= {t.symbol: ScalarRef(t.symbol.name) for t in totals}
+        self.sections.append(Section("sums", "appendix", _said(mode_sums), (loop,)))
+        self.known |= {t.symbol: ScalarRef(t.symbol.name) for t in mode_sums}
 
     def scalars(self, name: str, equation: str, doc: str, wants: Iterable[Scalar]) -> None:
         """Compute scalars in straight line, with the definitions that they need; symbols are known from then on."""
@@ -205,7 +195,7 @@ class Program:
         self,
         function: ModelFunction,
         inputs: Mapping[str, Argument],
-        outputs: Mapping[str, Elements],
+        outputs: Mapping[str, OutputElements],
         *more: Section,
         method: str = "",
     ) -> Kernel:
@@ -321,7 +311,7 @@ def _symbols(exprs: Iterable[sp.Expr]) -> set[sp.Symbol]:
     return {s for e in exprs for s in sp.sympify(e).free_symbols}
 
 
-def _said(sums: Iterable[Contraction | Total]) -> str:
+def _said(sums: Iterable[TableSum | ModeSum]) -> str:
     """`S_i = ...` once for all components."""
     said: dict[str, str] = {}
     for s in sums:

@@ -66,7 +66,7 @@ def beam_body(beam: PlanarBeam, pieces: int = 1) -> Body:
     )
 
 
-def section_turns(marker: Marker, beam: PlanarBeam, pieces: int = 1) -> tuple[ModelConstant, ...]:
+def section_rotations(marker: Marker, beam: PlanarBeam, pieces: int = 1) -> tuple[ModelConstant, ...]:
     """The rotation of the section at a marker for unit amplitudes: dv/dx of each shape, to first order as in (22)."""
     at, length = sp.Rational(marker.at), quantity.value(beam.length) / pieces
     found = []

@@ -18,7 +18,7 @@ from derive.mechanics.body import Body
 from derive.mechanics.motion.material_points import MaterialPoint
 from derive.mechanics.symbols import Family, Symbol
 from derive.mechanics.symbols import parameter as parameter_symbol
-from derive.mechanics.tables import NO_SHAPES, ODD, PAIRS, SCALARS, TENSORS, Table, TableKind, entries
+from derive.mechanics.tables import NO_SHAPES, ODD, PAIRS, SCALARS, TENSORS, CoefficientTable, TableKind, entries
 from derive.mechanics.terms import ModelConstant, ParameterSymbol
 from derive.spec.model.body import Gravity, SymbolicBody
 
@@ -53,7 +53,7 @@ UNDAMPED = "the specification (no damping)"
 MASS = ParameterSymbol(parameter_symbol("m", positive=True), "mass of the body", "kg", 1.0)
 
 
-def symbolic_tables(spec: SymbolicBody) -> tuple[Table, ...]:
+def symbolic_tables(spec: SymbolicBody) -> tuple[CoefficientTable, ...]:
     """What tables a body with parameters has, by its frame."""
     kinds: dict[Family, tuple[TableKind, str]] = {}
     if spec.frame == "mean":
@@ -65,7 +65,7 @@ def symbolic_tables(spec: SymbolicBody) -> tuple[Table, ...]:
     return _tables(spec.modes, kinds)
 
 
-def modal_tables(given: ModalBody) -> tuple[Table, ...]:
+def modal_tables(given: ModalBody) -> tuple[CoefficientTable, ...]:
     """What tables a body of numbers has: those that are not zero; c8, K and B may be diagonal."""
     kinds: dict[Family, tuple[TableKind, str]] = {}
     values = {family: _values(given, _full(family)) for family in DOCS}
@@ -78,12 +78,12 @@ def modal_tables(given: ModalBody) -> tuple[Table, ...]:
     return _tables(given.modes, kinds)
 
 
-def _full(family: Family) -> Table:
+def _full(family: Family) -> CoefficientTable:
     """The table of a family with all of its entries."""
-    return Table(family, TableKind.FULL, *DOCS[family])
+    return CoefficientTable(family, TableKind.FULL, *DOCS[family])
 
 
-def _tables(n: int, kinds: dict[Family, tuple[TableKind, str]]) -> tuple[Table, ...]:
+def _tables(n: int, kinds: dict[Family, tuple[TableKind, str]]) -> tuple[CoefficientTable, ...]:
     tables = []
     for family in DOCS:
         table = _full(family)
@@ -101,7 +101,7 @@ def _matrix(given: ModalBody, family: Family) -> Array:
     return {Family.C8: given.c8, Family.STIFFNESS: given.stiffness, Family.DAMPING: given.damping}[family]
 
 
-def _values(given: ModalBody, table: Table) -> Array:
+def _values(given: ModalBody, table: CoefficientTable) -> Array:
     """The entries of a table, in the order of `entries`."""
     n, family = given.modes, table.family
     if table.point:
@@ -121,7 +121,7 @@ def _values(given: ModalBody, table: Table) -> Array:
     return vectors[family].ravel()
 
 
-def _kept(table: Table, n: int, values: Array) -> Array:
+def _kept(table: CoefficientTable, n: int, values: Array) -> Array:
     """The entries that a table has, of all its entries in the order of `entries`."""
     if table.kind is TableKind.DIAGONAL:
         rows, columns = np.triu_indices(n)
@@ -136,7 +136,7 @@ def _reason(given: ModalBody, family: Family) -> str:
     return next((given.zeros[name] for name in names if name in given.zeros), NOTHING)
 
 
-def parameters(given: ModalBody, tables: tuple[Table, ...], gravity: Gravity | None = None) -> Array:
+def parameters(given: ModalBody, tables: tuple[CoefficientTable, ...], gravity: Gravity | None = None) -> Array:
     """The parameters p of a body for a model with these tables, gravity at its defaults.
 
     Raises ValueError when the body has an integral that the model takes to vanish.
@@ -170,14 +170,14 @@ class NumberValues:
 
     body: ModalBody
 
-    def constants(self, table: Table) -> Iterator[ModelConstant]:
+    def constants(self, table: CoefficientTable) -> Iterator[ModelConstant]:
         """See `Values`."""
         pairs = zip(entries(table, self.body.modes), _values(self.body, table), strict=True)
         for entry, value in pairs:
             zero = None if value else self.body.zeros.get(entry.name, NOTHING)
             yield _constant(entry, sp.Rational(float(value)), zero)
 
-    def present(self, table: Table) -> NDArray[np.bool_]:
+    def present(self, table: CoefficientTable) -> NDArray[np.bool_]:
         """See `Values`."""
         n, components = self.body.modes, len(table.components)
         present: NDArray[np.bool_] = _values(self.body, table) != 0
@@ -187,7 +187,7 @@ class NumberValues:
         full[np.triu_indices(n, 1 if table.family is Family.C7 else 0)] = present.reshape(-1, components)
         return np.asarray(full | full.swapaxes(0, 1))
 
-    def numbers(self, table: Table) -> Array | None:
+    def numbers(self, table: CoefficientTable) -> Array | None:
         """See `Values`."""
         return _kept(table, self.body.modes, _values(self.body, table))
 
@@ -198,7 +198,7 @@ class ParameterValues:
 
     modes: int
 
-    def constants(self, table: Table) -> Iterator[ModelConstant]:
+    def constants(self, table: CoefficientTable) -> Iterator[ModelConstant]:
         """See `Values`."""
         for entry in entries(table, self.modes):
             if table.kind is TableKind.ZERO or (table.kind is not TableKind.FULL and not _on_diagonal(entry)):
@@ -208,7 +208,7 @@ class ParameterValues:
             else:
                 yield _constant(entry, _as_parameter(entry), None)
 
-    def present(self, table: Table) -> NDArray[np.bool_]:
+    def present(self, table: CoefficientTable) -> NDArray[np.bool_]:
         """See `Values`."""
         n, components = self.modes, len(table.components)
         full = np.full((n,) * table.counted + (components,), table.kind is TableKind.FULL)
@@ -216,7 +216,7 @@ class ParameterValues:
             full |= np.eye(n, dtype=bool)[..., None]
         return full
 
-    def numbers(self, table: Table) -> Array | None:
+    def numbers(self, table: CoefficientTable) -> Array | None:
         """See `Values`."""
         return None
 

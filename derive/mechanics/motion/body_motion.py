@@ -10,7 +10,7 @@ import sympy as sp
 
 from derive.mechanics.motion.kinematics import ONE, Field, MovingFrame
 from derive.mechanics.motion.moments import Moments, total
-from derive.mechanics.sums import Series, Vectors, exchanged, written_out
+from derive.mechanics.sums import IndexedSum, Vectors, exchanged, expanded_sum
 from derive.mechanics.symbols import MASS, I
 from derive.mechanics.terms import Coordinate, EquationOfMotion, Intermediate
 
@@ -21,9 +21,10 @@ __all__ = ["MASS", "Motion"]
 class Motion:
     """How a body with some number of shapes moves: coordinates, rotation tensor Q, moving frame, and moments.
 
-    `definitions` are d1, D2, d3, J in terms of the shape integrals; `sums` stand in one row alone or hold
-    accelerations, and are written out; `products` gives names to products of rates. `turns` are the tensors e_k x, in
-    the inertial and in the body base. `identities` are the reasons of terms that cancel in any body, by row and name.
+    `definitions` are d1, D2, d3, J in terms of the shape integrals; `sums` occur in a single equation or
+    contain accelerations, and are expanded in place; `products` gives names to products of velocities.
+    `rotation_generators` are the tensors e_k x, in the inertial and in the body frame. `identities` are the reasons of
+    terms that cancel in any body, by row and name.
     """
 
     coordinates: tuple[Coordinate, ...]
@@ -37,7 +38,7 @@ class Motion:
     definitions: tuple[Intermediate, ...]
     sums: dict[sp.Symbol, sp.Expr]
     products: dict[sp.Expr, sp.Symbol]
-    turns: tuple[tuple[sp.Matrix, sp.Matrix], ...]
+    rotation_generators: tuple[tuple[sp.Matrix, sp.Matrix], ...]
     identities: dict[tuple[str, str], str]
 
     @property
@@ -71,26 +72,26 @@ class Motion:
         return total(a, b, self.moments)
 
     def summed(self, expr: sp.Expr) -> sp.Expr:
-        """An expression with the sums that have no name of their own written out."""
+        """An expression in which the sums without a name of their own are expanded."""
         return sp.expand(expr.xreplace(self.sums))
 
 
-def definitions_of(series: Iterable[Series], vectors: Vectors, n: int) -> tuple[Intermediate, ...]:
-    """The series written out for each of n shapes, moment by moment; zeros still inside."""
+def definitions_of(indexed_sums: Iterable[IndexedSum], vectors: Vectors, n: int) -> tuple[Intermediate, ...]:
+    """The sums expanded for each of n shape functions, moment by moment; terms that vanish are still included."""
     found: list[Intermediate] = []
-    for section, group in groupby(series, lambda s: s.section):
+    for section, group in groupby(indexed_sums, lambda s: s.section):
         members = tuple(group)
         for i in range(1, n + 1) if members[0].indexed else (0,):
             for s in members:
                 symbol, doc = exchanged(s.symbol, {I: i}), s.described(i)
-                found.append(Intermediate(symbol, written_out(s, i, vectors), section, "appendix", doc))
+                found.append(Intermediate(symbol, expanded_sum(s, i, vectors), section, "appendix", doc))
     return tuple(found)
 
 
-def sums_of(series: Iterable[Series], vectors: Vectors, n: int) -> dict[sp.Symbol, sp.Expr]:
-    """The series written out, each in those before it."""
+def sums_of(indexed_sums: Iterable[IndexedSum], vectors: Vectors, n: int) -> dict[sp.Symbol, sp.Expr]:
+    """The sums expanded for n shape functions; a sum that refers to an earlier one contains its expansion."""
     found: dict[sp.Symbol, sp.Expr] = {}
-    for s in series:
+    for s in indexed_sums:
         for i in range(1, n + 1) if s.indexed else (0,):
-            found[exchanged(s.symbol, {I: i})] = sp.expand(written_out(s, i, vectors).xreplace(found))
+            found[exchanged(s.symbol, {I: i})] = sp.expand(expanded_sum(s, i, vectors).xreplace(found))
     return found

@@ -81,14 +81,14 @@ class MovingFrame:
     omegadot: tuple[sp.Symbol, ...]
 
     @property
-    def spin(self) -> sp.Matrix:
+    def angular_velocity_tensor(self) -> sp.Matrix:
         """The tensor omega x."""
         return sum((g * w for g, w in zip(self.generators, self.omega, strict=True)), 0 * self.generators[0])
 
     @property
     def position(self) -> Field:
         """Q^T (x - c) = r."""
-        return {R: sp.eye(self.spin.rows)}
+        return {R: sp.eye(self.angular_velocity_tensor.rows)}
 
     @property
     def velocity(self) -> Field:
@@ -107,7 +107,7 @@ class MovingFrame:
             *({name: tensor.diff(w) * wdot for name, tensor in field.items()} for w, wdot in pairs),
             {RDOT: field[R]} if R in field else {},
             {RDDOT: field[RDOT]} if RDOT in field else {},
-            times(self.spin, field),
+            times(self.angular_velocity_tensor, field),
         )
 
     def rotations(self) -> tuple[Field, ...]:

@@ -10,7 +10,7 @@ import sympy as sp
 from derive.mechanics import zeros
 from derive.mechanics.motion.body_motion import Motion
 from derive.mechanics.motion.kinematics import ONE, PHI, RDOT, Field, R
-from derive.mechanics.sums import Total
+from derive.mechanics.sums import ModeSum
 from derive.mechanics.symbols import Family, I, amplitude, quantity, vector
 from derive.mechanics.tables import point_tables
 from derive.mechanics.terms import Intermediate, MarkerEquations, ModelConstant
@@ -60,8 +60,8 @@ def force_definitions(motion: Motion) -> tuple[Intermediate, ...]:
 def marker(motion: Motion, point: MaterialPoint, reasons: zeros.Reasons) -> MarkerEquations:
     """Position, velocity and Jacobian of a material point, from the same fields taken at that point."""
 
-    def at_point(amplitudes: tuple[sp.Symbol, ...], base: sp.Matrix) -> sp.Matrix:
-        return sum((shape * a for shape, a in zip(point.shapes, amplitudes, strict=True)), base)
+    def at_point(amplitudes: tuple[sp.Symbol, ...], offset: sp.Matrix) -> sp.Matrix:
+        return sum((shape * a for shape, a in zip(point.shapes, amplitudes, strict=True)), offset)
 
     derivatives, axes = {R: 0, RDOT: 1}, range(motion.rotation.rows)
     still = sp.zeros(len(axes), 1)
@@ -110,10 +110,10 @@ def indexed_marker(motion: Motion, number: int, point: MaterialPoint, deforms: b
     dimension = motion.rotation.rows
     x, phi = (table.generic_entries for table in point_tables(number, point.name, dimension))
     r, rdot = (vector(Family.RADIUS, dimension, derivative=d) for d in (0, 1))
-    totals = []
+    mode_sums = []
     for k, (position, shape) in enumerate(zip(x, phi, strict=True) if deforms else ()):
-        totals.append(Total(r[k], position, amplitude(I) * shape, "X + u at the marker"))
-        totals.append(Total(rdot[k], sp.S.Zero, amplitude(I, 1) * shape, "its rate"))
+        mode_sums.append(ModeSum(r[k], position, amplitude(I) * shape, "X + u at the marker"))
+        mode_sums.append(ModeSum(rdot[k], sp.S.Zero, amplitude(I, 1) * shape, "its rate"))
     if not deforms:
         r, rdot = sp.Matrix(x), sp.zeros(dimension, 1)
     at = {R: r, RDOT: rdot, PHI: sp.Matrix(phi)}
@@ -122,7 +122,7 @@ def indexed_marker(motion: Motion, number: int, point: MaterialPoint, deforms: b
         name=point.name,
         doc=point.doc,
         definitions=(),
-        totals=tuple(totals),
+        mode_sums=tuple(mode_sums),
         force=sp.ImmutableMatrix(force_vector(motion)),
         force_definitions=force_definitions(motion),
         load=tuple(work_at(motion, d, at) for d in displacements),

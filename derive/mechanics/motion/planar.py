@@ -7,7 +7,7 @@ from dataclasses import replace
 from derive.mechanics.motion.body_motion import MASS, Motion, definitions_of, sums_of
 from derive.mechanics.motion.kinematics import MovingFrame, PlanarRotation
 from derive.mechanics.motion.moments import PlanarMoments
-from derive.mechanics.sums import ALPHA, ALPHADDOT, ALPHADOT, Series
+from derive.mechanics.sums import ALPHA, ALPHADDOT, ALPHADOT, IndexedSum
 from derive.mechanics.symbols import Family, I, J, Symbol, amplitude, identity, quantity
 from derive.mechanics.terms import Coordinate, EquationOfMotion, Intermediate
 
@@ -18,7 +18,7 @@ def planar_motion(n: int) -> Motion:
     rows = tuple(map(_row, coordinates))
     alpha = tuple(c.q for c in coordinates[3:])
     rotation, phi = PlanarRotation(coordinates[2].q), rows[2]
-    turn = rotation.generator  # about e3, which both bases share
+    generator = rotation.generator  # about e3, which both bases share
     shapes = rows[3:]
     vectors = {ALPHA: alpha, ALPHADOT: tuple(row.v for row in shapes), ALPHADDOT: tuple(row.a for row in shapes)}
     return Motion(
@@ -28,12 +28,12 @@ def planar_motion(n: int) -> Motion:
         alpha=alpha,
         rotation=rotation.tensor,
         rotation_definitions=_rotation_definitions(rotation),
-        frame=MovingFrame((turn,), (phi.v,), (phi.a,)),
+        frame=MovingFrame((generator,), (phi.v,), (phi.a,)),
         moments=PlanarMoments(MASS, rotation.tensor),
-        definitions=definitions_of(planar_series(), vectors, n),
-        sums=sums_of(planar_sums(), vectors, n),
+        definitions=definitions_of(planar_moment_sums(), vectors, n),
+        sums=sums_of(planar_row_sums(), vectors, n),
         products={},
-        turns=((turn, turn),),
+        rotation_generators=((generator, generator),),
         identities={("phi", "centrifugal"): "planar motion: omega x (J . omega) = 0"},
     )
 
@@ -63,28 +63,28 @@ def _rotation_definitions(rotation: PlanarRotation) -> tuple[Intermediate, ...]:
     return tuple(Intermediate(s, value, "Q", "(26)", docs[s]) for s, value in rotation.functions.items())
 
 
-def planar_series() -> tuple[Series, ...]:
+def planar_moment_sums() -> tuple[IndexedSum, ...]:
     """d1, D2, d3, J and their sums with the velocities of alpha, from r = X + sum alpha_j Phi_j."""
     c4_j, c6_i = quantity(Family.C4, shapes=(J,)), quantity(Family.C6, shapes=(I,))
     c8_ij, c7_ji = quantity(Family.C8, shapes=(I, J)), quantity(Family.C7, shapes=(J, I))
     d2_j, d3_j = (quantity(family, shapes=(J,)) for family in (Family.D2, Family.D3))
-    found: list[Series] = []
+    found: list[IndexedSum] = []
     for k in (1, 2):
         c2_j = quantity(Family.C2, k, shapes=(J,))
         d1, d1dot = (quantity(Family.D1, k, derivative=d) for d in (0, 1))
-        found.append(Series(d1, quantity(Family.C1, k), ((ALPHA, c2_j),), "int rho r"))
-        found.append(Series(d1dot, None, ((ALPHADOT, c2_j),), "int rho rdot"))
+        found.append(IndexedSum(d1, quantity(Family.C1, k), ((ALPHA, c2_j),), "int rho r"))
+        found.append(IndexedSum(d1dot, None, ((ALPHADOT, c2_j),), "int rho rdot"))
     d2, d3 = (quantity(family, shapes=(I,)) for family in (Family.D2, Family.D3))
-    found.append(Series(d2, quantity(Family.C4, shapes=(I,)), ((ALPHA, c8_ij),), "int rho r . Phi_{i}"))
-    found.append(Series(d3, c6_i, ((ALPHA, c7_ji),), "int rho r x Phi_{i}"))  # r x Phi_i = X x Phi_i + ...
+    found.append(IndexedSum(d2, quantity(Family.C4, shapes=(I,)), ((ALPHA, c8_ij),), "int rho r . Phi_{i}"))
+    found.append(IndexedSum(d3, c6_i, ((ALPHA, c7_ji),), "int rho r x Phi_{i}"))  # r x Phi_i = X x Phi_i + ...
     inertia = ((ALPHA, c4_j), (ALPHA, d2_j))
-    found.append(Series(quantity(Family.INERTIA), quantity(Family.C3), inertia, "int rho r . r"))
-    found.append(Series(quantity(Family.D2, derivative=1), None, ((ALPHADOT, d2_j),), "int rho r . rdot"))
-    found.append(Series(quantity(Family.D3, derivative=1), None, ((ALPHADOT, d3_j),), "int rho r x rdot"))
+    found.append(IndexedSum(quantity(Family.INERTIA), quantity(Family.C3), inertia, "int rho r . r"))
+    found.append(IndexedSum(quantity(Family.D2, derivative=1), None, ((ALPHADOT, d2_j),), "int rho r . rdot"))
+    found.append(IndexedSum(quantity(Family.D3, derivative=1), None, ((ALPHADOT, d3_j),), "int rho r x rdot"))
     return tuple(found)
 
 
-def planar_sums() -> tuple[Series, ...]:
+def planar_row_sums() -> tuple[IndexedSum, ...]:
     """What (15) needs besides: the sums over the shapes that stand in one row alone, or hold accelerations."""
     c8_ij, c7_ij = (quantity(family, shapes=(I, J)) for family in (Family.C8, Family.C7))
     d3_j = quantity(Family.D3, shapes=(J,))
@@ -92,15 +92,15 @@ def planar_sums() -> tuple[Series, ...]:
     c8dot_j = quantity(Family.C8_SUM, derivative=1, shapes=(J,))
     c7dot_i = quantity(Family.C7_SUM, derivative=1, shapes=(I,))
     d1ddot = (
-        Series(quantity(Family.D1, k, derivative=2), None, ((ALPHADDOT, c2_j),), "int rho rddot")
+        IndexedSum(quantity(Family.D1, k, derivative=2), None, ((ALPHADDOT, c2_j),), "int rho rddot")
         for k in (1, 2)
         for c2_j in [quantity(Family.C2, k, shapes=(J,))]
     )
     return (
         *d1ddot,
-        Series(quantity(Family.D3, derivative=2), None, ((ALPHADDOT, d3_j),), "int rho r x rddot"),
-        Series(c8ddot_i, None, ((ALPHADDOT, c8_ij),), "int rho Phi_{i} . rddot"),
-        Series(c7dot_i, None, ((ALPHADOT, c7_ij),), "int rho Phi_{i} x rdot"),
-        Series(c8dot_i, None, ((ALPHADOT, c8_ij),), "int rho Phi_{i} . rdot"),
-        Series(quantity(Family.RATE_PRODUCT), None, ((ALPHADOT, c8dot_j),), "int rho rdot . rdot"),
+        IndexedSum(quantity(Family.D3, derivative=2), None, ((ALPHADDOT, d3_j),), "int rho r x rddot"),
+        IndexedSum(c8ddot_i, None, ((ALPHADDOT, c8_ij),), "int rho Phi_{i} . rddot"),
+        IndexedSum(c7dot_i, None, ((ALPHADOT, c7_ij),), "int rho Phi_{i} x rdot"),
+        IndexedSum(c8dot_i, None, ((ALPHADOT, c8_ij),), "int rho Phi_{i} . rdot"),
+        IndexedSum(quantity(Family.RATE_PRODUCT), None, ((ALPHADOT, c8dot_j),), "int rho rdot . rdot"),
     )

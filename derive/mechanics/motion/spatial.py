@@ -15,7 +15,7 @@ import sympy as sp
 from derive.mechanics.motion.body_motion import MASS, Motion, definitions_of, sums_of
 from derive.mechanics.motion.kinematics import PHI, RDDOT, RDOT, MovingFrame, R
 from derive.mechanics.motion.moments import FIRST, Moment, moment, transposed
-from derive.mechanics.sums import ALPHA, ALPHADDOT, ALPHADOT, Series
+from derive.mechanics.sums import ALPHA, ALPHADDOT, ALPHADOT, IndexedSum
 from derive.mechanics.symbols import Family, I, J, ShapeIndex, Symbol, amplitude, local, quantity
 from derive.mechanics.tables import AXES, PAIRS
 from derive.mechanics.terms import Coordinate, EquationOfMotion, Intermediate
@@ -107,10 +107,10 @@ def spatial_motion(n: int) -> Motion:
         rotation_definitions=_rotation_definitions(rotation, quaternion),
         frame=MovingFrame(tuple(skew(axes[:, k]) for k in range(3)), omega, omegadot),
         moments=SpatialMoments(MASS, rotation),
-        definitions=(*named, *definitions_of(spatial_series(), vectors, n)),
-        sums=sums_of(spatial_sums(), vectors, n),
+        definitions=(*named, *definitions_of(spatial_moment_sums(), vectors, n)),
+        sums=sums_of(spatial_row_sums(), vectors, n),
         products=products,
-        turns=tuple((skew(axes[:, k]), skew(rotation[k, :])) for k in range(3)),
+        rotation_generators=tuple((skew(axes[:, k]), skew(rotation[k, :])) for k in range(3)),
         identities={},
     )
 
@@ -169,15 +169,15 @@ def _rotation_definitions(rotation: sp.Matrix, quaternion: tuple[sp.Symbol, ...]
     return tuple(Intermediate(s, value, "Q", "(1)", "rotation tensor of the quaternion") for s, value in pairs)
 
 
-def spatial_series() -> tuple[Series, ...]:
+def spatial_moment_sums() -> tuple[IndexedSum, ...]:
     """d1, S, d3, J and what else (15) needs, from r = X + sum alpha_j Phi_j, for a generic shape i.
 
     rdot and rddot are sums over the shapes as well, so r x rdot = X x rdot + sum alpha_j Phi_j x rdot.
     """
-    found: list[Series] = []
+    found: list[IndexedSum] = []
 
-    def define(symbol: Symbol, base: Symbol | None, doc: str, *sums: tuple[Symbol, Symbol]) -> None:
-        found.append(Series(symbol, base, sums, doc))
+    def define(symbol: Symbol, offset: Symbol | None, doc: str, *sums: tuple[Symbol, Symbol]) -> None:
+        found.append(IndexedSum(symbol, offset, sums, doc))
 
     def each(family: Family, *components: int, derivative: int = 0, index: ShapeIndex = I) -> Symbol:
         """A quantity of each shape."""
@@ -211,14 +211,14 @@ def spatial_series() -> tuple[Series, ...]:
     return tuple(found)
 
 
-def spatial_sums() -> tuple[Series, ...]:
+def spatial_row_sums() -> tuple[IndexedSum, ...]:
     """What has no name in the flat form: sums with accelerations, and those that stand in one place alone."""
     c8_ij = quantity(Family.C8, shapes=(I, J))
     c8ddot_i, c8dot_i = (quantity(Family.C8_SUM, derivative=d, shapes=(I,)) for d in (2, 1))
     c8dot_j = quantity(Family.C8_SUM, derivative=1, shapes=(J,))
     d1ddot, d3ddot = (
         [
-            Series(quantity(family, k, derivative=2), None, ((ALPHADDOT, quantity(entry, k, shapes=(J,))),), doc)
+            IndexedSum(quantity(family, k, derivative=2), None, ((ALPHADDOT, quantity(entry, k, shapes=(J,))),), doc)
             for k in AXES
         ]
         for family, entry, doc in (
@@ -229,7 +229,7 @@ def spatial_sums() -> tuple[Series, ...]:
     return (
         *d1ddot,
         *d3ddot,
-        Series(c8ddot_i, None, ((ALPHADDOT, c8_ij),), "int rho Phi_{i} . rddot"),
-        Series(c8dot_i, None, ((ALPHADOT, c8_ij),), "int rho Phi_{i} . rdot"),
-        Series(quantity(Family.RATE_PRODUCT), None, ((ALPHADOT, c8dot_j),), "int rho rdot . rdot"),
+        IndexedSum(c8ddot_i, None, ((ALPHADDOT, c8_ij),), "int rho Phi_{i} . rddot"),
+        IndexedSum(c8dot_i, None, ((ALPHADOT, c8_ij),), "int rho Phi_{i} . rdot"),
+        IndexedSum(quantity(Family.RATE_PRODUCT), None, ((ALPHADOT, c8dot_j),), "int rho rdot . rdot"),
     )

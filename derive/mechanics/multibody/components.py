@@ -11,7 +11,7 @@ from derive.mechanics.terms import ModelConstant
 
 
 @dataclass(frozen=True)
-class Section:
+class CrossSection:
     """A material point, and the rotations of the body's section there by each shape (none in a rigid body)."""
 
     point: MaterialPoint
@@ -29,5 +29,5 @@ class Component:
     name: str
     group: str
     body: Body
-    sections: Mapping[str, Section]
+    sections: Mapping[str, CrossSection]
     markers: tuple[str, ...]

@@ -5,19 +5,23 @@ from __future__ import annotations
 import sympy as sp
 
 from derive.mechanics.multibody.joints.joint_type import JointType, PrescribedMotion
-from derive.mechanics.multibody.point_motion import Derivatives, Link, added
+from derive.mechanics.multibody.point_motion import Derivatives, RelativeMotion, added
 from derive.mechanics.terms import Constraint, EquationOfMotion, Intermediate
 from derive.spec.model.scene import Joint, MarkerRef
 
 
 def constraints(
-    joint: Joint, joint_type: JointType, link: Link, drive: PrescribedMotion | None, rows: tuple[EquationOfMotion, ...]
+    joint: Joint,
+    joint_type: JointType,
+    relative: RelativeMotion,
+    drive: PrescribedMotion | None,
+    rows: tuple[EquationOfMotion, ...],
 ) -> tuple[tuple[Intermediate, ...], tuple[Constraint, ...]]:
     """The constraints of a joint and of its drive, and the intermediate quantities in them.
 
-    `link` is the motion of its second marker relative to its first, `rows` are those of the whole mechanism.
+    `relative` is the motion of its second marker relative to its first, `rows` are those of the whole mechanism.
     """
-    equations = joint_type.equations(joint, link)
+    equations = joint_type.equations(joint, relative)
     texts = {"markers": _markers(joint), "second": joint.second.body, "joint": joint.name}
     result = []
     for multiplier, residual in zip(joint_type.multipliers, equations.residuals, strict=True):

@@ -17,7 +17,7 @@ from derive.mechanics.multibody.constraints import constraints
 from derive.mechanics.multibody.forces.force_type import GeneralisedForce
 from derive.mechanics.multibody.instances import InstanceEquations, instance_equations
 from derive.mechanics.multibody.kinds import BodyInstance, BodyKind, ForceInstance, JointInstance
-from derive.mechanics.multibody.point_motion import Link, PointMotion
+from derive.mechanics.multibody.point_motion import PointMotion, RelativeMotion
 from derive.mechanics.symbols import t
 from derive.mechanics.terms import (
     Constraint,
@@ -91,7 +91,7 @@ def _expanded(mechanism: Mechanism) -> Equations:
         return points[marker.body][marker.marker]
 
     joints = [
-        constraints(j.joint, j.type, Link(at(j.joint.first), at(j.joint.second)), j.drive, rows)
+        constraints(j.joint, j.type, RelativeMotion(at(j.joint.first), at(j.joint.second)), j.drive, rows)
         for j in mechanism.joints
     ]
     conditions = tuple(c for _, of_joint in joints for c in of_joint)

@@ -68,8 +68,8 @@ def point_motion(
     shape_rows = motion.rows[len(motion.rows) - len(motion.alpha) :]
     still = sp.zeros(2, 1)
 
-    def sum_of(factors: tuple[sp.Symbol, ...], vectors: list[sp.Matrix], base: sp.Matrix) -> sp.Matrix:
-        return sum((v * a for v, a in zip(vectors, factors, strict=True)), base)
+    def sum_of(factors: tuple[sp.Symbol, ...], vectors: list[sp.Matrix], offset: sp.Matrix) -> sp.Matrix:
+        return sum((v * a for v, a in zip(vectors, factors, strict=True)), offset)
 
     def symbols(family: Family, derivative: int = 0) -> sp.Matrix:
         named = (Identity(family, components=(k,), derivative=derivative, point=point.name) for k in axes)
@@ -121,7 +121,7 @@ def point_motion(
 
 
 @dataclass(frozen=True)
-class Link:
+class RelativeMotion:
     """The motion of a second point relative to a first: displacement (columns of 2) and rotation, with derivatives."""
 
     first: PointMotion

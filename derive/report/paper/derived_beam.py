@@ -125,10 +125,10 @@ def rotation() -> tuple[Equation, ...]:
 
 def spin() -> tuple[Equation, ...]:
     """The tensor whose axial vector is omega, by differentiation of Q; delta pi in the same way."""
-    varied = MOTION.frame.spin.xreplace({MOTION.frame.omega[0]: sp.Symbol("delta_phi")})
+    varied = MOTION.frame.angular_velocity_tensor.xreplace({MOTION.frame.omega[0]: sp.Symbol("delta_phi")})
     variation = Matrix(tuple(tuple(None if e == 0 else _varied(e) for e in varied.row(k)) for k in range(varied.rows)))
     return (
-        Equation(formula("Q^c . Q'"), (Part("+", _matrix(MOTION.frame.spin)),)),
+        Equation(formula("Q^c . Q'"), (Part("+", _matrix(MOTION.frame.angular_velocity_tensor)),)),
         Equation(formula("Q^c . delta Q"), (Part("+", variation),)),
     )
 

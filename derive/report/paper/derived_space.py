@@ -12,9 +12,9 @@ import sympy as sp
 from derive.mechanics import virtual_work_equations as body
 from derive.mechanics.bodies import spatial_body as general
 from derive.mechanics.equations import Equations
-from derive.mechanics.indexed_equations import ELASTIC_SERIES, derive_body
-from derive.mechanics.motion.spatial import rotation_of, spatial_series, spatial_sums
-from derive.mechanics.sums import Series
+from derive.mechanics.indexed_equations import ELASTIC_SUMS, derive_body
+from derive.mechanics.motion.spatial import rotation_of, spatial_moment_sums, spatial_row_sums
+from derive.mechanics.sums import IndexedSum
 from derive.mechanics.symbols import Family, I, J, Symbol, quantity
 from derive.mechanics.tables import AXES, INDICES, TableKind
 from derive.mechanics.terms import Term
@@ -52,9 +52,9 @@ def mean_equations_of_motion() -> tuple[Equation, ...]:
     """(20): those terms that a body in the mean frame keeps, and what is left of d3."""
     gone = frozenset((_row(v.term), v.term.name) for v in _mean().vanished)
     symbol = quantity(Family.D3, 1, shapes=(I,))
-    left = next(c for c in _mean().contractions if c.symbol == symbol)
-    d3 = next(s for s in spatial_series() if s.symbol == symbol)
-    assert left.base == 0 and left.sums == d3.sums
+    left = next(c for c in _mean().table_sums if c.symbol == symbol)
+    d3 = next(s for s in spatial_moment_sums() if s.symbol == symbol)
+    assert left.offset == 0 and left.sums == d3.sums
     return (*_rows(gone), series("d3_i", base=False))
 
 
@@ -97,15 +97,15 @@ def _vectors(terms: Iterator[Term]) -> Iterator[tuple[str, list[sp.Expr]]]:
 
 
 def _elastic() -> Part:
-    elastic = ELASTIC_SERIES[0]
+    elastic = ELASTIC_SUMS[0]
     return Part("+", _sum_of(*elastic.sums[0]), group="elastic", title=elastic.doc)
 
 
 def series(name: str, base: bool = True) -> Equation:
     """A moment of the appendix as the sum over the shapes that it is, for its first component."""
-    every = (*spatial_series(), *spatial_sums())
-    result: Series = next(s for s in every if replace(s.symbol.identity, components=()).name == name)
-    parts = [Part("+", _written(result.base))] if result.base and base else []
+    every = (*spatial_moment_sums(), *spatial_row_sums())
+    result: IndexedSum = next(s for s in every if replace(s.symbol.identity, components=()).name == name)
+    parts = [Part("+", _written(result.offset))] if result.offset and base else []
     parts += [Part("+", _sum_of(*pair)) for pair in result.sums]
     return Equation(_written(result.symbol), tuple(parts))
 

@@ -231,9 +231,9 @@ def body_frame_blocks(spec: NodalBody | SymbolicBody) -> tuple[Block, ...]:
 
 def _without_stiffness(spec: NodalBody) -> list[Block]:
     """A warning where modes have no stiffness."""
-    from derive.reduction import loose_modes
+    from derive.reduction import zero_stiffness_modes
 
-    modes = ", ".join(map(str, loose_modes(spec)))
+    modes = ", ".join(map(str, zero_stiffness_modes(spec)))
     return [Paragraph((f"No stiffness in mode {modes}: is a part loose, or are elements missing?",))] if modes else []
 
 

@@ -8,7 +8,7 @@ import sympy as sp
 
 from derive.mechanics.equations import Equations
 from derive.mechanics.symbols import Family, I, Identity, J, identity
-from derive.mechanics.tables import Table, TableKind
+from derive.mechanics.tables import CoefficientTable, TableKind
 from derive.mechanics.terms import ModelConstant
 from derive.report.document.page import Block, Code, Heading, Math, Paragraph
 from derive.report.document.tables import MOST, Content, folded, table
@@ -102,7 +102,7 @@ def _tables(equations: Equations, notation: Notation) -> Block:
     return table("Integrals of the body, which are tables for all shapes", head, rows, "llrlll")
 
 
-def entries(given: Table, modes: int) -> int:
+def entries(given: CoefficientTable, modes: int) -> int:
     """Independent entries of a table."""
     pairs = modes * (modes + (-1 if given.family is Family.C7 else 1)) // 2
     return (1, modes, pairs)[given.counted] * len(given.components)

@@ -9,7 +9,7 @@ from itertools import groupby
 import sympy as sp
 
 from derive.mechanics.equations import Equations
-from derive.mechanics.sums import Contraction, Total
+from derive.mechanics.sums import ModeSum, TableSum
 from derive.mechanics.symbols import Family, identity
 from derive.report.document.anchors import anchor
 from derive.report.document.formula import Equation, Fenced, Name, Part
@@ -44,8 +44,8 @@ def moments(equations: Equations, notation: Notation) -> tuple[tuple[Moment, ...
     listed = [d for d in equations.definitions if not d.zero and d.section not in ("oo", "Q")]
     result = [Moment(d.symbol, notation.parts(d.expr), d.equation) for d in listed]
     if equations.indexed:
-        result += [Moment(c.symbol, _contracted(c, notation), APPENDIX) for c in equations.contractions]
-        result += [Moment(t.symbol, _summed(t, notation), APPENDIX) for t in equations.totals]
+        result += [Moment(c.symbol, _contracted(c, notation), APPENDIX) for c in equations.table_sums]
+        result += [Moment(t.symbol, _summed(t, notation), APPENDIX) for t in equations.mode_sums]
     return tuple(tuple(group) for _, group in groupby(result, key=lambda moment: moment.family))
 
 
@@ -108,16 +108,16 @@ def moment_anchors(equations: Equations, families: Sequence[Sequence[Moment]]) -
     return {array(symbol): definition_anchor(symbol) for symbol in symbols}
 
 
-def _contracted(given: Contraction, notation: Notation) -> tuple[Part, ...]:
+def _contracted(given: TableSum, notation: Notation) -> tuple[Part, ...]:
     """base + sum over j of factor_j table_i_j."""
-    base = notation.parts(given.base) if given.base != 0 else ()
+    base = notation.parts(given.offset) if given.offset != 0 else ()
     sums = (factor * entry for factor, entry in given.sums)
     return (*base, *(Part("+", row([big("j"), notation.formula(term)])) for term in sums))
 
 
-def _summed(given: Total, notation: Notation) -> tuple[Part, ...]:
+def _summed(given: ModeSum, notation: Notation) -> tuple[Part, ...]:
     """base + sum over i of term."""
-    base = notation.parts(given.base) if given.base != 0 else ()
+    base = notation.parts(given.offset) if given.offset != 0 else ()
     term = notation.formula(given.term)
     return (*base, Part("+", row([big("i"), Fenced(term) if isinstance(given.term, sp.Add) else term])))
 

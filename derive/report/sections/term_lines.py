@@ -85,8 +85,8 @@ class _Finder:
         self.accelerations = {row.a: k for k, row in enumerate(equations.rows)}
         self.totals: dict[sp.Symbol, sp.Expr] = {}
         if equations.indexed:
-            self.totals = {t.symbol: t.term for t in equations.totals}
-            self.totals |= {c.symbol: _inside(c.sums) for c in equations.contractions}
+            self.totals = {t.symbol: t.term for t in equations.mode_sums}
+            self.totals |= {c.symbol: _inside(c.sums) for c in equations.table_sums}
         self.pattern = model.pattern("mass", "M")
         self.stored = tuple(self._stored(code.functions["mass"]))
 

@@ -25,7 +25,7 @@ BEAM = {"mass": DEFAULT_MASS, "length": DEFAULT_LENGTH, "bending_stiffness": DEF
 RIGID = {"mass": DEFAULT_MASS.unit, "inertia": INERTIA_UNIT}
 
 
-class Written(NamedTuple):
+class SceneConstant(NamedTuple):
     """A constant of a scene: where it is, what it is, and the unit of a parameter that says none."""
 
     path: KeyPath
@@ -41,7 +41,7 @@ def parameter_faults(view: SceneData) -> Iterator[Fault]:
     model = view.data.get("name")
     if isinstance(model, str):
         taken[model.lower()] = "it is the name of the model"
-    first: dict[str, Written] = {}
+    first: dict[str, SceneConstant] = {}
     # Symbols that nobody wrote come first, so that a fault is reported where something was written.
     for constant in (*_unwritten(view), *written(view)):
         symbol = _symbol(constant.value)
@@ -60,7 +60,7 @@ def parameter_faults(view: SceneData) -> Iterator[Fault]:
             yield Fault(path, f"{text}; one symbol is one parameter: write both alike, or choose another symbol")
 
 
-def _difference(constant: Written, other: Written) -> str | None:
+def _difference(constant: SceneConstant, other: SceneConstant) -> str | None:
     """What two parameters of one symbol do not agree in; None if they do, or if that cannot be said."""
     for noun, own, others in (
         ("unit", _unit(constant), _unit(other)),
@@ -76,27 +76,27 @@ def _symbol(value: object) -> str | None:
     return symbol if isinstance(symbol, str) and not name_problem(symbol) else None
 
 
-def _unit(constant: Written) -> str | None:
+def _unit(constant: SceneConstant) -> str | None:
     assert isinstance(constant.value, Mapping)
     return readable(values.unit, constant.value["unit"]) if "unit" in constant.value else constant.unit
 
 
-def _default(constant: Written) -> float | None:
+def _default(constant: SceneConstant) -> float | None:
     assert isinstance(constant.value, Mapping)
     if "default" in constant.value:
         return readable(values.any_float, constant.value["default"])
     return 1.0  # of masses and the like; where a default has to be written, that is said elsewhere
 
 
-def _unwritten(view: SceneData) -> Iterator[Written]:
+def _unwritten(view: SceneData) -> Iterator[SceneConstant]:
     for name, body in view.bodies.items():
         for key, like in BEAM.items() if view.is_beam(name) else ():
             if key not in body:
                 what = f"{key} of the body {name} if none is given"
-                yield Written(("bodies", name, key), {"symbol": like.symbol}, what, like.unit, given=False)
+                yield SceneConstant(("bodies", name, key), {"symbol": like.symbol}, what, like.unit, given=False)
 
 
-def written(view: SceneData) -> Iterator[Written]:
+def written(view: SceneData) -> Iterator[SceneConstant]:
     """All constants of a scene that may be parameters."""
     scene = view.data.get("scene")
     if isinstance(scene, Mapping):
@@ -105,11 +105,11 @@ def written(view: SceneData) -> Iterator[Written]:
         of = f"of the body {name}"
         if view.is_beam(name):
             for key, like in BEAM.items():
-                yield Written(("bodies", name, key), body.get(key), f"{key} {of}", like.unit)
+                yield SceneConstant(("bodies", name, key), body.get(key), f"{key} {of}", like.unit)
             continue
         kind = view.kind(name)
         for key, unit in (RIGID if kind == "rigid" else quantities(BODIES[kind].keys)).items():
-            yield Written(("bodies", name, key), body.get(key), f"{key} {of}", unit)
+            yield SceneConstant(("bodies", name, key), body.get(key), f"{key} {of}", unit)
         yield from _components(("bodies", name, "centre"), body.get("centre"), f"the centre {of}", LENGTH_UNIT)
         yield from _markers(("bodies", name, "markers"), body.get("markers"), of)
     ground = view.data.get(GROUND)
@@ -118,23 +118,23 @@ def written(view: SceneData) -> Iterator[Written]:
     for name, joint in view.tables["joints"].items():
         joint_type = JOINTS.get(str(joint.get("kind")))
         for key, unit in quantities(joint_type.keys if joint_type else ()).items():
-            yield Written(("joints", name, key), joint.get(key), f"{key} of the joint {name}", unit)
+            yield SceneConstant(("joints", name, key), joint.get(key), f"{key} of the joint {name}", unit)
     for name, drive in view.tables["drives"].items():
         joint = view.tables["joints"].get(str(drive.get("joint")), {})
         of_speed = speed_unit(str(joint.get("kind")))
-        yield Written(("drives", name, "speed"), drive.get("speed"), f"the speed of the drive {name}", of_speed)
+        yield SceneConstant(("drives", name, "speed"), drive.get("speed"), f"the speed of the drive {name}", of_speed)
     for name, spring in view.tables["springs"].items():
         spring_type = spring_kinds().get(str(spring.get("kind", "linear")))
         units = spring_type.units if spring_type else {}
         for key in ("stiffness", "damping", "rest"):
-            yield Written(("springs", name, key), spring.get(key), f"{key} of the spring {name}", units.get(key))
+            yield SceneConstant(("springs", name, key), spring.get(key), f"{key} of the spring {name}", units.get(key))
 
 
-def _components(path: KeyPath, value: object, what: str, unit: str) -> Iterator[Written]:
+def _components(path: KeyPath, value: object, what: str, unit: str) -> Iterator[SceneConstant]:
     for i, component in enumerate(value[:2] if isinstance(value, (list, tuple)) else ()):
-        yield Written((*path, i), component, f"component {i + 1} of {what}", unit)
+        yield SceneConstant((*path, i), component, f"component {i + 1} of {what}", unit)
 
 
-def _markers(path: KeyPath, markers: object, of: str) -> Iterator[Written]:
+def _markers(path: KeyPath, markers: object, of: str) -> Iterator[SceneConstant]:
     for name, at in markers.items() if isinstance(markers, Mapping) else ():
         yield from _components((*path, str(name)), at, f"the marker {name} {of}", LENGTH_UNIT)

@@ -115,9 +115,9 @@ def test_moments_are_those_derived(name: str) -> None:
     equations, numbers = pages.built(name).equations, draw(name)
     by_name = {d.symbol: d.expr for d in equations.definitions}
     if equations.indexed:
-        for c in equations.contractions:
-            by_name[c.symbol] = c.base + sum(f * entry for f, entry in c.sums)
-        by_name |= {t.symbol: t.base + t.term for t in equations.totals}
+        for c in equations.table_sums:
+            by_name[c.symbol] = c.offset + sum(f * entry for f, entry in c.sums)
+        by_name |= {t.symbol: t.offset + t.term for t in equations.mode_sums}
     numbers.add(*by_name, *by_name.values())
     found = [moment for some in moments(equations, numbers.notation) for moment in some]
     assert len(found) == len({m.symbol for m in found}) and (found or name == "rigid")

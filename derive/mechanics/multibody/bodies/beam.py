@@ -6,10 +6,10 @@ from collections.abc import Iterator
 from dataclasses import replace
 from fractions import Fraction
 
-from derive.mechanics.bodies.beam import beam_body, beam_point, section_turns, shape_text
+from derive.mechanics.bodies.beam import beam_body, beam_point, section_rotations, shape_text
 from derive.mechanics.bodies.reference_conditions import assumed_shapes
 from derive.mechanics.multibody.bodies.body_type import BodyType, Constant
-from derive.mechanics.multibody.components import Component, Section
+from derive.mechanics.multibody.components import Component, CrossSection
 from derive.mechanics.terms import ModelConstant
 from derive.spec.model.body import Marker
 from derive.spec.model.scene import BeamBody, Joint, MarkerRef
@@ -34,7 +34,8 @@ class Beam(BodyType[BeamBody]):
             ends = [Marker(CUT[0], Fraction(-1))] if k else []
             ends += [Marker(CUT[1], Fraction(1))] if k < n - 1 else []
             sections = {
-                m.name: Section(beam_point(m, body.beam, n), section_turns(m, body.beam, n)) for m in (*own, *ends)
+                m.name: CrossSection(beam_point(m, body.beam, n), section_rotations(m, body.beam, n))
+                for m in (*own, *ends)
             }
             result.append(Component(piece_name(body, k), body.name, piece, sections, tuple(m.name for m in own)))
         return tuple(result)

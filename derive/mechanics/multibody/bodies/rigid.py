@@ -9,7 +9,7 @@ import sympy as sp
 from derive.mechanics import quantity
 from derive.mechanics.bodies.rigid import rigid_body, rigid_point
 from derive.mechanics.multibody.bodies.body_type import BodyType, Constant
-from derive.mechanics.multibody.components import Component, Section
+from derive.mechanics.multibody.components import Component, CrossSection
 from derive.mechanics.terms import ModelConstant
 from derive.spec.model.scene import PointMarker, RigidBody
 
@@ -65,8 +65,8 @@ def rigid_component(
     """
     positions = {m.name: sp.Matrix([quantity.value(x, positive=False) for x in (m.x, m.y)]) for m in markers}
     origin = positions[about] if about else centre
-    sections = {marker: Section(rigid_point(marker, position - origin)) for marker, position in positions.items()}
-    sections[BODY_FRAME] = Section(rigid_point(BODY_FRAME, -origin))
+    sections = {marker: CrossSection(rigid_point(marker, position - origin)) for marker, position in positions.items()}
+    sections[BODY_FRAME] = CrossSection(rigid_point(BODY_FRAME, -origin))
     body = rigid_body(name, mass, inertia, centre - origin, (), gravity)
     return Component(name, name, body, sections, tuple(positions))
 

@@ -7,7 +7,7 @@ from typing import ClassVar
 import sympy as sp
 
 from derive.mechanics.multibody.forces.force_type import Constants, ForceType, GeneralisedForce, force_terms
-from derive.mechanics.multibody.point_motion import Link, PointMotion
+from derive.mechanics.multibody.point_motion import PointMotion, RelativeMotion
 from derive.mechanics.multibody.time_functions import rounded
 from derive.mechanics.symbols import element as element_symbol
 from derive.mechanics.terms import EquationOfMotion, Intermediate
@@ -34,7 +34,7 @@ class LinearSpring(ForceType[Spring]):
         """The virtual work of the tension at both ends, and the energy of the spring."""
         stiffness, damping, rest = (constants[key] for key in self.units)
         name, (first, second) = f"spring {element.name}", points
-        displacement, rate_of_displacement, _ = Link(first, second).displacement
+        displacement, rate_of_displacement, _ = RelativeMotion(first, second).displacement
         definitions: list[Intermediate] = []
 
         def intermediate(expr: sp.Expr, doc: str, what: str, *components: int) -> sp.Expr:

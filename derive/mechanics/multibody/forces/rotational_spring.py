@@ -7,7 +7,7 @@ from typing import ClassVar
 import sympy as sp
 
 from derive.mechanics.multibody.forces.force_type import Constants, ForceType, GeneralisedForce, torque_terms
-from derive.mechanics.multibody.point_motion import Link, PointMotion
+from derive.mechanics.multibody.point_motion import PointMotion, RelativeMotion
 from derive.mechanics.terms import EquationOfMotion
 from derive.spec.model.scene import MarkerRef, Spring
 
@@ -29,7 +29,7 @@ class RotationalSpring(ForceType[Spring]):
         """The virtual work of the torque at both ends, and the energy of the spring."""
         stiffness, damping, rest = (constants[key] for key in self.units)
         name, (first, second) = f"spring {element.name}", points
-        angle, rate, _ = Link(first, second).rotation
+        angle, rate, _ = RelativeMotion(first, second).rotation
         torque = sp.expand(stiffness * (angle - rest) + damping * rate)
         terms = torque_terms(name, second, -torque, rows) + torque_terms(name, first, torque, rows)
         return GeneralisedForce(terms, (), sp.expand(stiffness * (angle - rest) ** 2) / 2)

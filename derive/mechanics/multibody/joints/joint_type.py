@@ -11,7 +11,7 @@ import sympy as sp
 from derive.mechanics.motion.body_motion import Motion
 from derive.mechanics.multibody.coordinates import CoordinateMap
 from derive.mechanics.multibody.keys import Key
-from derive.mechanics.multibody.point_motion import Derivatives, Link, PointMotion
+from derive.mechanics.multibody.point_motion import Derivatives, PointMotion, RelativeMotion
 from derive.mechanics.terms import Intermediate
 from derive.spec.model.scene import Joint
 
@@ -115,7 +115,7 @@ class JointType(ABC):
     drawing: ClassVar[Drawing]
 
     @abstractmethod
-    def equations(self, joint: Joint, link: Link) -> JointEquations:
+    def equations(self, joint: Joint, relative: RelativeMotion) -> JointEquations:
         """The constraints of a joint, from the motion of its markers."""
 
     def minimal_coordinates(self, joint: Joint, support: Support) -> CoordinateMap | None:

@@ -13,7 +13,7 @@ from derive.mechanics.multibody.joints.joint_type import (
     Multiplier,
     Support,
 )
-from derive.mechanics.multibody.point_motion import Link, added
+from derive.mechanics.multibody.point_motion import RelativeMotion, added
 from derive.spec.model.scene import Joint
 
 
@@ -29,9 +29,9 @@ class Revolute(JointType):
     driven: ClassVar[DrivenCoordinate] = DrivenCoordinate("rad", "rad/s", "N m", "drive {drive} turns {second}")
     drawing = Drawing(circles=(((0.0, 0.0), 1.0),))
 
-    def equations(self, joint: Joint, link: Link) -> JointEquations:
+    def equations(self, joint: Joint, relative: RelativeMotion) -> JointEquations:
         """The markers coincide; a drive prescribes the relative rotation."""
-        return JointEquations((link.component(0), link.component(1)), link.rotation)
+        return JointEquations((relative.component(0), relative.component(1)), relative.rotation)
 
     def minimal_coordinates(self, joint: Joint, support: Support) -> CoordinateMap:
         """The rotation alone; nothing with a drive."""

@@ -21,7 +21,7 @@ from derive.mechanics.multibody.joints.joint_type import (
 )
 from derive.mechanics.multibody.joints.keys import ANGLE
 from derive.mechanics.multibody.keys import Key, KeyType
-from derive.mechanics.multibody.point_motion import Derivatives, Link, PointMotion
+from derive.mechanics.multibody.point_motion import Derivatives, PointMotion, RelativeMotion
 from derive.mechanics.multibody.time_functions import rounded
 from derive.mechanics.symbols import element
 from derive.mechanics.terms import Intermediate
@@ -46,12 +46,12 @@ class Translational(JointType):
     rigid_first = True
     drawing = Drawing(circles=(((0.0, 0.0), 1.0),), guide=True)
 
-    def equations(self, joint: Joint, link: Link) -> JointEquations:
+    def equations(self, joint: Joint, relative: RelativeMotion) -> JointEquations:
         """The axis rotates with the first body; its normal is e3 x axis."""
-        along, definitions = _axis(joint, link.first)
+        along, definitions = _axis(joint, relative.first)
         normal = sp.Matrix([-along[1], along[0]])
-        residuals = _component(link, normal), offset(link.rotation, joint.angle)
-        return JointEquations(residuals, _component(link, along), definitions)
+        residuals = _component(relative, normal), offset(relative.rotation, joint.angle)
+        return JointEquations(residuals, _component(relative, along), definitions)
 
     def minimal_coordinates(self, joint: Joint, support: Support) -> CoordinateMap | None:
         """The displacement along a line that does not move; nothing with a drive."""
@@ -100,11 +100,11 @@ def _axis(joint: Joint, first: PointMotion) -> tuple[sp.Matrix, tuple[Intermedia
     )
 
 
-def _component(link: Link, direction: sp.Matrix) -> Derivatives:
+def _component(relative: RelativeMotion, direction: sp.Matrix) -> Derivatives:
     """direction . displacement, differentiated with direction' = (angular velocity) e3 x direction."""
     across = sp.Matrix([-direction[1], direction[0]])
-    displacement, rate, second = link.displacement
-    _, omega, omegadot = link.first.rotation_derivatives
+    displacement, rate, second = relative.displacement
+    _, omega, omegadot = relative.first.rotation_derivatives
     return (
         direction.dot(displacement),
         direction.dot(rate) + omega * across.dot(displacement),

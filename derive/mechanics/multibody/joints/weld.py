@@ -7,7 +7,7 @@ import sympy as sp
 from derive.mechanics.multibody.coordinates import CoordinateMap, prescribed
 from derive.mechanics.multibody.joints.joint_type import Drawing, JointEquations, JointType, Multiplier, Support, offset
 from derive.mechanics.multibody.joints.keys import ANGLE
-from derive.mechanics.multibody.point_motion import Link
+from derive.mechanics.multibody.point_motion import RelativeMotion
 from derive.spec.model.scene import Joint
 
 
@@ -24,9 +24,9 @@ class Weld(JointType):
     )
     drawing = Drawing(lines=(((-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0)),))
 
-    def equations(self, joint: Joint, link: Link) -> JointEquations:
+    def equations(self, joint: Joint, relative: RelativeMotion) -> JointEquations:
         """The markers coincide, and the relative rotation is the angle of the joint."""
-        return JointEquations((link.component(0), link.component(1), offset(link.rotation, joint.angle)))
+        return JointEquations((relative.component(0), relative.component(1), offset(relative.rotation, joint.angle)))
 
     def minimal_coordinates(self, joint: Joint, support: Support) -> CoordinateMap:
         """Nothing: the body follows its support."""

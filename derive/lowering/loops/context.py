@@ -1,4 +1,4 @@
-"""What the kernels of one table model share: arguments, layout, expressions, the pattern of the mass matrix."""
+"""The context of a lowering to loops: arguments, data layout, expressions and the pattern of the mass matrix."""
 
 from __future__ import annotations
 
@@ -27,8 +27,8 @@ RIGID = 6
 """Rows before those of the shapes; coordinates are one more, a quaternion."""
 
 
-class Tables:
-    """One model in the course of its lowering to loops."""
+class LoopContext:
+    """The data that all kernels of one model share while it is lowered to loops."""
 
     def __init__(self, equations: Equations) -> None:
         self.equations = eq = equations
@@ -76,13 +76,13 @@ class Tables:
         for a in arguments:
             known |= {symbol: ScalarRef(symbol.name) for symbol in self.elements[a.name]}
         eq = self.equations
-        return Program(self.layout.packing, known, eq.definitions, self.gradient.contractions, eq.totals)
+        return Program(self.layout.packing, known, eq.definitions, self.gradient.table_sums, eq.mode_sums)
 
     def at_rest(self, expr: sp.Expr) -> sp.Expr:
         """An expression without what the accelerations do."""
         gone = {row.a: sp.S.Zero for row in self.rigid_rows} | {amplitude(I, 2): sp.S.Zero}
-        gone |= {s.symbol: sp.S.Zero for s in self.equations.totals if s.term.has(amplitude(I, 2))}
-        gone |= {c.symbol: sp.S.Zero for c in self.gradient.contractions if c.sums and c.sums[0][0] == ALPHADDOT}
+        gone |= {s.symbol: sp.S.Zero for s in self.equations.mode_sums if s.term.has(amplitude(I, 2))}
+        gone |= {c.symbol: sp.S.Zero for c in self.gradient.table_sums if c.sums and c.sums[0][0] == ALPHADDOT}
         return expr.xreplace(gone)
 
     def mass_entry(self, row: int, column: int) -> sp.Expr:
@@ -152,6 +152,9 @@ class Tables:
         return (store.copied("M", len(self.mass_pattern().rowidx) - size, self.layout.triangle, size),)
 
 
-def row_labels(name: str, tables: Tables) -> tuple[str, ...]:
+def row_labels(name: str, context: LoopContext) -> tuple[str, ...]:
     """What the values of an output are that has one for each row."""
-    return (*(f"{name}[{row}]" for row in tables.rows), *([f"{name}[alpha1 .. alpha{tables.n}]"] if tables.n else []))
+    return (
+        *(f"{name}[{row}]" for row in context.rows),
+        *([f"{name}[alpha1 .. alpha{context.n}]"] if context.n else []),
+    )
