@@ -18,9 +18,8 @@ The public interface, by stages:
                     Torque, Spring, TimeFunction, time_function, Simulation, Plot, Deflection, ReferenceCurve
                     both: Frame, Marker, Parameter
                     registries: JOINTS, BODIES, FORCES; CustomJoint, CustomBody
-    equations       derive, modal, derive_modal, parameters; Equations, ModalBody
-                    mechanism; Mechanism, which keeps the equations once for each kind of body
-    equations       derive, modal, derive_modal, parameters; Equations, ModalBody
+    equations       derive, modal, derive_modal, parameters; ModalBody; Equations of a body, or for a scene a
+                    Mechanism, which keeps the equations once for each kind of body
     kernels         lower, interpret; Model
     files           model_files, write; File
     compiled code   load, load_scene; Native, NativeScene, Role
@@ -49,7 +48,6 @@ if TYPE_CHECKING:
     from derive.ir.model import Model
     from derive.mechanics.bodies.modal_body import ModalBody
     from derive.mechanics.equations import Equations
-    from derive.mechanics.multibody.assembly import mechanism
     from derive.mechanics.multibody.bodies.registry import BODIES
     from derive.mechanics.multibody.forces.registry import FORCES
     from derive.mechanics.multibody.joints.registry import JOINTS
@@ -127,7 +125,6 @@ _MODULES = {
     "derive.ir.model": ("Model",),
     "derive.mechanics.bodies.modal_body": ("ModalBody",),
     "derive.mechanics.equations": ("Equations",),
-    "derive.mechanics.multibody.assembly": ("mechanism",),
     "derive.mechanics.multibody.bodies.registry": ("BODIES",),
     "derive.mechanics.multibody.forces.registry": ("FORCES",),
     "derive.mechanics.multibody.joints.registry": ("JOINTS",),
@@ -267,7 +264,6 @@ __all__ = [
     "load",
     "load_scene",
     "lower",
-    "mechanism",
     "modal",
     "model_files",
     "nodal_body",

@@ -12,7 +12,7 @@ import derive
 from conftest import ROOT
 from derive import ModalBody, Model, Native, NodalBody
 from derive.backends.c.source import CBackend
-from derive.mechanics.bodies.spatial_body import modal_tables, parameters
+from derive.mechanics.bodies.spatial_body import parameters
 from derive.spec.model.body import BodyFrame
 
 Array = NDArray[np.float64]
@@ -69,7 +69,7 @@ def rubber(stiffness: float, relaxation: float = 0.0) -> tuple[Native, Array]:
     loops, damped = _rubber()
     soft = stiffness * damped.stiffness
     changed = replace(damped, stiffness=soft, damping=relaxation * soft)
-    return loops, loops.setup(parameters(changed, modal_tables(damped)))
+    return loops, loops.setup(parameters(changed, derive.derive_modal(damped).tables))
 
 
 def start(modes: int, spin: Array | tuple[float, ...], alpha: Array | float = 0.0) -> tuple[Array, Array]:

@@ -18,7 +18,7 @@ import derive
 from derive import ModalBody, Model, NodalBody
 from derive.backends.c.source import CBackend
 from derive.backends.python.module import PythonBackend
-from derive.mechanics.bodies.spatial_body import modal_tables, parameters, symbolic_tables
+from derive.mechanics.bodies.spatial_body import parameters, symbolic_tables
 from derive.runtime.native import Native
 
 SHAPES = (0, 1, 3, 8)
@@ -105,7 +105,7 @@ def given(n: int, kind: str) -> np.ndarray:
     if kind == "numbers flat":
         return np.zeros(0)
     spec = derive.symbolic_body("cloud", n, frame="given", damping=True)
-    tables = modal_tables(body(cloud(n))) if kind == "numbers table" else symbolic_tables(spec)
+    tables = derive.derive_modal(body(cloud(n))).tables if kind == "numbers table" else symbolic_tables(spec)
     return parameters(body(cloud(n)), tables)
 
 

@@ -226,8 +226,8 @@ def test_a_kind_that_is_not_registered_is_an_error():
     scene = parse(HEAD + SPRUNG.replace('"cubic"', '"linear"'))
     bad_joint = replace(scene.joints[0], kind="hinge")
     with pytest.raises(derive.UnknownNameError, match='no joint "hinge"; known: revolute, weld, fixed, translational'):
-        derive.mechanism(replace(scene, joints=(bad_joint,)))
+        derive.derive(replace(scene, joints=(bad_joint,)))
     with pytest.raises(derive.UnknownNameError, match='there is no body "cone"'):
-        derive.mechanism(replace(scene, bodies=(derive.CustomBody("c", "cone"),)))
+        derive.derive(replace(scene, bodies=(derive.CustomBody("c", "cone"),)))
     with pytest.raises(derive.UnknownNameError, match='there is no force "magnet"'):
-        derive.mechanism(replace(scene, springs=(replace(scene.springs[0], kind="magnet"),)))
+        derive.derive(replace(scene, springs=(replace(scene.springs[0], kind="magnet"),)))
