@@ -58,6 +58,7 @@ CHECKS: dict[str, Check] = {
     "four_bar_rigid": lambda value: value < 1e-9,
     "free_beam_frequencies": near(2.5e-4, 0.02),  # of the Ritz method with P2 to P7
     "gravity_pendulum": near(1, 1e-9),
+    "joint_of_my_own": near(1, 1e-8),
     "mean_or_point_frame": lambda value: value == (15, 5),
     "monomial_conditioning": lambda value: value == pytest.approx((hilbert_condition(10), 23 / 5), rel=1e-6),
     "parameter_sweep": near(0.5, 1e-12),

@@ -9,7 +9,7 @@ import derive
 import test_cloud
 from derive.backends.c.source import CBackend
 from derive.reduction.body import prepare
-from derive.reduction.mean_frame import residuals, rigid_fields, to_mean_frame
+from mean_frame import residuals, rigid_fields, to_mean_frame
 
 
 @pytest.mark.parametrize("n", [1, 3, 8])

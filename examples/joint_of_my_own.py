@@ -1,0 +1,62 @@
+"""A joint of my own: a rod without mass, which keeps the distance of two markers.
+
+A joint is a class that declares its keys and its constraints, here g = (d . d - L^2) / (2 L) with two time derivatives
+for the displacement d between its markers. Once it is registered, a specification may use it. A body on such a rod is a
+mathematical pendulum. The number is its period over the exact one, 4 sqrt(L/g) K(sin^2(amplitude/2)).
+"""
+
+import numpy as np
+import scipy.interpolate
+import scipy.special
+
+import derive
+import derive.extensions
+
+AMPLITUDE, LENGTH, GRAVITY = 1.0, 0.5, 9.81
+
+
+class Distance(derive.extensions.JointType):
+    """A rod without mass."""
+
+    doc = "the distance of the markers is constant"
+    keys = (
+        derive.extensions.Key(
+            "distance", derive.extensions.KeyType.POSITIVE_QUANTITY, "m", "The distance, m.", required=True
+        ),
+    )
+    freedom = 2
+    multipliers = (derive.extensions.Multiplier("tension", "{markers} keep their distance", "m", "N"),)
+    drawing = derive.extensions.Drawing(lines=(((-1, -2), (1, 2)),))
+
+    def equations(self, joint, link):
+        """Return g and its first two time derivatives."""
+        d, v, a = link.displacement
+        length = joint.values["distance"]
+        g = (d.dot(d) - length**2) / (2 * length)
+        return derive.extensions.JointEquations(((g, d.dot(v) / length, (v.dot(v) + d.dot(a)) / length),))
+
+
+def main() -> float:
+    """Return the simulated period over the exact one."""
+    if "distance" not in derive.JOINTS:
+        derive.JOINTS.register("distance", Distance())
+    start = [LENGTH * np.sin(AMPLITUDE), -LENGTH * np.cos(AMPLITUDE)]
+    scene = derive.scene(
+        "own_joint",
+        ground={"pivot": [0, 0]},
+        gravity=[0, -GRAVITY],
+        bodies={"bob": {"mass": 2, "inertia": 0.1, "markers": {"centre": [0, 0]}, "start": {"position": start}}},
+        joints={"rod": {"kind": "distance", "between": ["ground.pivot", "bob.centre"], "distance": LENGTH}},
+        simulation={"duration": 5, "output": 0.01, "tolerance": 1e-10},
+    )
+    trajectory = derive.simulate(scene)
+    swing = scipy.interpolate.CubicSpline(trajectory["t"], trajectory["bob_c1"])
+    crossings = swing.roots(extrapolate=False)  # the body is below the pivot twice in a period
+    period = 2 * float(np.diff(crossings).mean())
+    exact = 4 * np.sqrt(LENGTH / GRAVITY) * scipy.special.ellipk(np.sin(AMPLITUDE / 2) ** 2)
+    print(f"period {period:.8f} s, exact {exact:.8f} s")
+    return float(period / exact)
+
+
+if __name__ == "__main__":
+    main()
