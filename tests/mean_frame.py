@@ -39,8 +39,8 @@ def to_mean_frame(
 
 def residuals(masses: ArrayLike, positions: ArrayLike, modes: ArrayLike) -> tuple[float, float]:
     """How far modes are from (17) and (19): the largest mean displacement and mean rotation, relative to the modes."""
-    found = departure(_arrays(masses), np.array(positions, dtype=np.float64), np.array(modes, dtype=np.float64))
-    return found.displacement, found.rotation
+    result = departure(_arrays(masses), np.array(positions, dtype=np.float64), np.array(modes, dtype=np.float64))
+    return result.displacement, result.rotation
 
 
 def _arrays(masses: ArrayLike) -> csr_array:

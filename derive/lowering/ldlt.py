@@ -72,8 +72,8 @@ def factorise(
     """
     order = elimination_order(pattern) if order is None else order
     coordinates = pattern.rows if coordinates is None else coordinates
-    place = {row: k for k, row in enumerate(order)}
-    work = {_ordered(i, j, place): value for (i, j), value in values.items()}
+    position = {row: k for k, row in enumerate(order)}
+    work = {_ordered(i, j, position): value for (i, j), value in values.items()}
     of_coordinates: Entries = {}
     pivots: list[ca.SX] = []
     scales: list[ca.SX] = []
@@ -91,7 +91,7 @@ def factorise(
             scales.append(values[j, j])
         pivots.append(work[j, j])
         inverses.append(1 / work[j, j])  # one division a pivot, or none where setup can do it
-        below = sorted(neighbours[j], key=place.__getitem__)
+        below = sorted(neighbours[j], key=position.__getitem__)
         factors = {i: work[i, j] * inverses[-1] for i in below}
         lower[j] = tuple(factors.items())
         for a, i in enumerate(below):
@@ -124,9 +124,9 @@ def fill_in(pattern: Pattern, order: tuple[int, ...]) -> int:
     return stored - present
 
 
-def _ordered(i: int, j: int, place: dict[int, int]) -> tuple[int, int]:
+def _ordered(i: int, j: int, position: dict[int, int]) -> tuple[int, int]:
     """The entry below the diagonal of the permuted matrix."""
-    return (i, j) if place[i] >= place[j] else (j, i)
+    return (i, j) if position[i] >= position[j] else (j, i)
 
 
 def solve(factors: Factorisation, right: list[ca.SX]) -> list[ca.SX]:

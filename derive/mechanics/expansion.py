@@ -122,13 +122,13 @@ def _damping(motion: Motion, damping: tuple[ModelConstant, ...]) -> tuple[Term, 
     """B alphadot."""
     present = {c.symbol for c in damping}
     shapes = range(1, len(motion.alpha) + 1)
-    found = []
+    result = []
     for i in shapes:
         entries = [pair(Family.DAMPING, i, j) for j in shapes]
         pairs = zip(entries, motion.alphadot, strict=True)
         force = sp.Add(*(b * rate for b, rate in pairs if b in present))
-        found += [Term(str(motion.alpha[i - 1]), "damping", "(13)", force)] if force != 0 else []
-    return tuple(found)
+        result += [Term(str(motion.alpha[i - 1]), "damping", "(13)", force)] if force != 0 else []
+    return tuple(result)
 
 
 def _weight(motion: Motion) -> tuple[Term, ...]:

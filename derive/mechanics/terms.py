@@ -145,9 +145,9 @@ class Vanished:
 
 @dataclass(frozen=True)
 class MarkerEquations:
-    """Position and velocity of a named material point, and d(velocity)/dv, in the inertial base.
+    """Position and velocity of a named material point, and d(velocity)/dv, in the inertial frame.
 
-    `load` is the virtual work of a force at the point, with the components `force` in the inertial base, row by row.
+    `load` is the virtual work of a force at the point, with the components `force` in the inertial frame, row by row.
     Where sums over the shapes are kept, `mode_sums` are those that define the point in the body frame, and the last
     column and row are those of a generic shape.
     """
@@ -185,7 +185,7 @@ class Constraint:
 
 @dataclass(frozen=True)
 class Pose:
-    """Position of the origin and rotation of a body's base: of every body, whether it has coordinates or not."""
+    """Position of the origin and rotation of a body's frame: of every body, whether it has coordinates or not."""
 
     name: str
     position: tuple[sp.Expr, sp.Expr]

@@ -57,12 +57,12 @@ def rigid_displacements(motion: Motion) -> Iterator[tuple[str, Field]]:
 
 
 def gravity_vector(motion: Motion) -> sp.Matrix:
-    """The acceleration of free fall, g_1, g_2, ..., in the inertial base."""
+    """The acceleration of free fall, g_1, g_2, ..., in the inertial frame."""
     return vector(Family.GRAVITY, motion.rotation.rows)
 
 
 def gravity_definitions(motion: Motion, gravity: tuple[ModelConstant, ...]) -> tuple[Intermediate, ...]:
-    """Q^T g: gravity seen from the body base."""
+    """Q^T g: gravity seen from the body frame."""
     if not gravity:
         return ()
     seen = motion.rotation.T * gravity_vector(motion)
@@ -75,7 +75,7 @@ def gravity_definitions(motion: Motion, gravity: tuple[ModelConstant, ...]) -> t
 
 
 def _work_of(motion: Motion, displacement: Field) -> sp.Expr:
-    """The work int rho g . f of gravity on a field: g as it is on a translation, from the body base on the rest."""
+    """The work int rho g . f of gravity on a field: g as it is on a translation, from the body frame on the rest."""
     seen = vector(Family.BODY_GRAVITY, motion.rotation.rows)
     translation = {ONE: displacement[ONE]} if ONE in displacement else {}
     rest = {name: tensor for name, tensor in displacement.items() if name != ONE}
@@ -113,5 +113,5 @@ def linear_momentum(motion: Motion) -> tuple[sp.Expr, ...]:
 def angular_momentum(motion: Motion) -> tuple[sp.Expr, ...]:
     """int rho x x xdot about the inertial origin: the virtual work of the velocity on e_k x x."""
     position = motion.position
-    turned = ({ONE: fixed * position[ONE], R: moving} for fixed, moving in motion.rotation_generators)
-    return tuple(motion.product(field, motion.velocity) for field in turned)
+    rotated = ({ONE: fixed * position[ONE], R: moving} for fixed, moving in motion.rotation_generators)
+    return tuple(motion.product(field, motion.velocity) for field in rotated)

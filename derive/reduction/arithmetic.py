@@ -1,7 +1,7 @@
 """Small linear algebra in a fixed order of additions: the same bytes on every machine with IEEE doubles.
 
 LAPACK and BLAS choose their order by processor and number of threads, and the last digits of what they give would end
-in generated code. Here each step is one elementwise operation of NumPy, or a sum whose order is written out.
+in generated code. Here each step is one elementwise operation of NumPy, or a sum whose order is explicit.
 """
 
 from __future__ import annotations
@@ -29,10 +29,10 @@ def total(terms: Array) -> Array:
 
 def product(a: Array, b: Array) -> Array:
     """The matrix product of a (rows, n) and b (n, ...)."""
-    found = np.zeros((len(a), *b.shape[1:]))
+    result = np.zeros((len(a), *b.shape[1:]))
     for column, row in zip(a.T, b, strict=True):
-        found += np.multiply.outer(column, row)
-    return found
+        result += np.multiply.outer(column, row)
+    return result
 
 
 def gram(f: Array, g: Array) -> Array:
@@ -59,11 +59,11 @@ def cholesky(a: Array) -> Array | None:
 
 def forward(lower: Array, b: Array) -> Array:
     """L^-1 b, for b (n, ...)."""
-    found = np.array(b, dtype=np.float64)
+    result = np.array(b, dtype=np.float64)
     for j in range(len(lower)):
-        found[j] /= lower[j, j]
-        found[j + 1 :] -= np.multiply.outer(lower[j + 1 :, j], found[j])
-    return found
+        result[j] /= lower[j, j]
+        result[j + 1 :] -= np.multiply.outer(lower[j + 1 :, j], result[j])
+    return result
 
 
 def eigh(a: Array) -> tuple[Array, Array]:
@@ -73,11 +73,11 @@ def eigh(a: Array) -> tuple[Array, Array]:
     vectors = np.eye(n)
     least = 1e-30 * float(np.abs(a).max(initial=0.0))
     for _ in range(SWEEPS):
-        turned = False
+        rotated = False
         for p in range(n - 1):
             for q in range(p + 1, n):
-                turned |= _rotate(a, vectors, p, q, least)
-        if not turned:
+                rotated |= _rotate(a, vectors, p, q, least)
+        if not rotated:
             break
     order = np.argsort(np.diag(a), kind="stable")
     return np.diag(a)[order], vectors[order]

@@ -42,9 +42,9 @@ def reduce(body: NodalBody) -> ModalBody:
     """
     prepared = prepare(body)
     shapes = prepared.shapes
-    found = integrals(prepared.mass, shapes.x, shapes.phi)
-    found, stiffness, damping, zeros = structure(
-        found,
+    result = integrals(prepared.mass, shapes.x, shapes.phi)
+    result, stiffness, damping, zeros = structure(
+        result,
         shapes.stiffness,
         damping_matrix(body.damping, _deforming_mass(body, prepared), shapes.stiffness),
         mean=body.frame.kind == "mean",
@@ -55,15 +55,15 @@ def reduce(body: NodalBody) -> ModalBody:
         name=body.name,
         doc=_doc(body, prepared),
         origin=shapes.origin,
-        mass=found.mass,
-        c1=found.c1,
-        c2=found.c2,
-        C3=found.C3,
-        C4=found.S4 + antisymmetric(found.c6),
-        C5=found.S5 - antisymmetric(found.c7),
-        c6=found.c6,
-        c7=found.c7,
-        c8=found.c8,
+        mass=result.mass,
+        c1=result.c1,
+        c2=result.c2,
+        C3=result.C3,
+        C4=result.S4 + antisymmetric(result.c6),
+        C5=result.S5 - antisymmetric(result.c7),
+        c6=result.c6,
+        c7=result.c7,
+        c8=result.c8,
         stiffness=stiffness,
         damping=damping,
         points=tuple(
@@ -94,7 +94,7 @@ def _deforming_mass(body: NodalBody, prepared: Prepared) -> Array:
 
 
 def prepare(body: NodalBody) -> Prepared:
-    """Modes found, brought to their frame, combined and made symmetric, as `reduce` integrates them."""
+    """Modes computed or given, in their frame, orthonormalised and symmetrised: the modes that `reduce` integrates."""
     check_body(body)
     mass = canonical(body.data.mass)
     x = np.array(body.data.positions, dtype=np.float64)

@@ -52,11 +52,11 @@ def check_modes(body: NodalBody, mass: csr_array, raw: Shapes) -> None:
 
 def _shapes(body: NodalBody) -> list[Problem]:
     """Arrays that do not fit each other."""
-    data, found = body.data, []
+    data, result = body.data, []
     n = len(data.positions)
 
     def problem(path: str, message: str) -> None:
-        found.append(Problem(path, message))
+        result.append(Problem(path, message))
 
     if data.positions.shape != (n, 3) or not n:
         problem("body.nodes", f"positions are (nodes, 3), not {data.positions.shape}")
@@ -81,7 +81,7 @@ def _shapes(body: NodalBody) -> list[Problem]:
     for name, values in arrays.items():
         if values is not None and not np.all(np.isfinite(values)):
             problem("body.nodes", f"{name} holds values that are not finite")
-    return found
+    return result
 
 
 def _mass(body: NodalBody) -> list[Problem]:
@@ -134,17 +134,17 @@ def indefinite(mass: csr_array) -> str | None:
 
 
 def _stiffness(body: NodalBody) -> list[Problem]:
-    data, found = body.data, []
+    data, result = body.data, []
     if data.stiffness is not None and _asymmetry(canonical(data.stiffness)) > ASYMMETRIC:
-        found.append(Problem("body.nodes", "the stiffness matrix is not symmetric; give both of its halves"))
+        result.append(Problem("body.nodes", "the stiffness matrix is not symmetric; give both of its halves"))
     k = data.modal_stiffness
     if k is not None and np.abs(k - k.T).max(initial=0.0) > ASYMMETRIC * np.abs(k).max(initial=0.0):
-        found.append(Problem("body.nodes", "modal_stiffness is not symmetric"))
+        result.append(Problem("body.nodes", "modal_stiffness is not symmetric"))
     if data.modes is not None and k is None and data.stiffness is None and len(data.modes):
-        found.append(Problem("body.nodes", "modes need modal_stiffness, or the stiffness matrix of the nodes"))
+        result.append(Problem("body.nodes", "modes need modal_stiffness, or the stiffness matrix of the nodes"))
     if data.modes is None and data.stiffness is None and body.modes != 0:
-        found.append(Problem("body.nodes", "give modes with modal_stiffness, or a stiffness to compute them from"))
-    return found
+        result.append(Problem("body.nodes", "give modes with modal_stiffness, or a stiffness to compute them from"))
+    return result
 
 
 def _frame(body: NodalBody) -> list[Problem]:
@@ -199,7 +199,7 @@ def rigid_problems(mass: csr_array, x: Array, phi: Array) -> list[Problem]:
     scaled = phi * scale[:, None, None]
     elastic = without(mass, rigid_basis(mass, x), scaled)
     left, vectors = eigh(symmetric(products(mass, elastic, elastic)))
-    found = []
+    result = []
     for value, vector in zip(left, vectors, strict=True):
         if value > DEPENDENT**2 * max(float(left[-1]), 1.0):
             break
@@ -210,8 +210,8 @@ def rigid_problems(mass: csr_array, x: Array, phi: Array) -> list[Problem]:
         size = float(products(mass, motion, motion)[0, 0])
         what = "rigid motion is left in the modes" if size > 1e-12 else "the modes are dependent"
         singular = f"(singular value {math.sqrt(max(float(value), 0.0)):.1e})"
-        found.append(Problem("body.modes", f"{what} {singular}: {named}; take one out"))
-    return found
+        result.append(Problem("body.modes", f"{what} {singular}: {named}; take one out"))
+    return result
 
 
 def _negative(body: NodalBody, mass: csr_array, raw: Shapes) -> list[Problem]:

@@ -18,13 +18,13 @@ def damping_matrix(damping: Damping, c8: Array, stiffness: Array) -> Array:
 
     `c8` is that of the shapes without their rigid motion.
     """
-    found = float(damping.mass) * c8 + float(damping.stiffness) * stiffness
+    result = float(damping.mass) * c8 + float(damping.stiffness) * stiffness
     if not damping.ratio:
-        return np.asarray(found)
+        return np.asarray(result)
     lower = cholesky(c8)
     if lower is None:
         raise ValueError("modes are dependent")  # refused before, with their combination
     values, vectors = eigh(symmetric(forward(lower, forward(lower, stiffness).T)))
     rates = 2 * float(damping.ratio) * np.sqrt(np.maximum(values, 0.0))
-    turned = product(lower, vectors.T)  # c8 V, since V = L^-T vectors^T
-    return np.asarray(found + symmetric(product(turned * rates, turned.T)))
+    modal = product(lower, vectors.T)  # c8 V, since V = L^-T vectors^T
+    return np.asarray(result + symmetric(product(modal * rates, modal.T)))

@@ -91,8 +91,8 @@ def _dense(k: csr_array, m: csr_array, shift: float, count: int) -> Array:
     half = scipy.linalg.solve_triangular(lower, m.toarray(), lower=True)
     inverse = scipy.linalg.solve_triangular(lower, half.T, lower=True)
     _, vectors = np.linalg.eigh(symmetric(inverse))
-    found = scipy.linalg.solve_triangular(lower, vectors[:, ::-1][:, :count], lower=True, trans="T")
-    return np.asarray(found / np.sqrt(np.einsum("ni,ni->i", found, m @ found)))
+    modes = scipy.linalg.solve_triangular(lower, vectors[:, ::-1][:, :count], lower=True, trans="T")
+    return np.asarray(modes / np.sqrt(np.einsum("ni,ni->i", modes, m @ modes)))
 
 
 def _sparse(k: csr_array, m: csr_array, shift: float, count: int) -> Array:
@@ -113,8 +113,8 @@ def _sparse(k: csr_array, m: csr_array, shift: float, count: int) -> Array:
     try:
         _, vectors = eigsh(k, k=count, M=m, sigma=-shift, OPinv=solve, v0=start, which="LM")
     except ArpackNoConvergence as error:
-        found = len(error.eigenvalues)
-        message = f"only {found} of {count} modes (6 of them rigid) were found from K and M; ask for fewer modes"
+        converged = len(error.eigenvalues)
+        message = f"only {converged} of {count} modes (6 of them rigid) were found from K and M; ask for fewer modes"
         raise SpecError((Problem("body.modes", message),)) from None
     return np.asarray(vectors)
 

@@ -51,7 +51,7 @@ def in_frame(mass: csr_array, x: Array, phi: Array, stiffness: Array, frame: Bod
         around = frame.around or neighbours(x, node)
         x = x - x[node]
         for _ in range(2):
-            phi = _held(x, phi, node, around)
+            phi = _without_motion_of_node(x, phi, node, around)
         return Shapes(x, phi, stiffness, f"node {node} of the undeformed body", around)
     return Shapes(x, phi, stiffness, "the origin of the node positions")
 
@@ -77,14 +77,17 @@ def _inertia(arms: Array) -> Array:
     return np.asarray((second[0, 0] + second[1, 1] + second[2, 2]) * np.eye(3) - second)
 
 
-def _held(x: Array, phi: Array, node: int, around: tuple[int, ...]) -> Array:
-    """Modes less the rigid motion that moves the node as they do, and turns the nodes around it most like they do."""
+def _without_motion_of_node(x: Array, phi: Array, node: int, around: tuple[int, ...]) -> Array:
+    """Modes without the rigid motion of the node and of the nodes around it.
+
+    The rotation is the least-squares fit of a rigid rotation to the displacements of the nodes around the node.
+    """
     arms = x[list(around)] - x[node]
     phi = phi - phi[:, node : node + 1]
     values, axes = eigh(_inertia(arms))
     moments = np.array([total(np.cross(arms, mode[list(around)])) for mode in phi]).reshape(len(phi), 3)
-    turns = product(product(moments, axes.T) / values, axes)
-    return np.asarray(phi - np.cross(turns[:, None], x[None] - x[node]))
+    rotations = product(product(moments, axes.T) / values, axes)
+    return np.asarray(phi - np.cross(rotations[:, None], x[None] - x[node]))
 
 
 def orthonormal(mass: csr_array, phi: Array, stiffness: Array) -> tuple[Array, Array]:

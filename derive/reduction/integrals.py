@@ -52,8 +52,8 @@ def integrals(mass: csr_array, x: Array, phi: Array) -> Integrals:
 
 def antisymmetric(axial: Array) -> Array:
     """Half of e_abk v_k of vectors v (..., 3): the antisymmetric part of C4 for v = c6, and of C5 for v = -c7."""
-    found = np.zeros((*axial.shape[:-1], 3, 3))
+    result = np.zeros((*axial.shape[:-1], 3, 3))
     for a, b, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
-        found[..., a, b] = axial[..., k] / 2
-        found[..., b, a] = -axial[..., k] / 2
-    return found
+        result[..., a, b] = axial[..., k] / 2
+        result[..., b, a] = -axial[..., k] / 2
+    return result

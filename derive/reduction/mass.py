@@ -13,28 +13,28 @@ MOST = 4_000_000
 
 def canonical(matrix: csr_array) -> csr_array:
     """A copy in order of rows and columns, each entry once and none zero."""
-    found = csr_array(matrix, dtype=np.float64, copy=True)
-    found.sum_duplicates()
-    found.eliminate_zeros()
-    return found
+    result = csr_array(matrix, dtype=np.float64, copy=True)
+    result.sum_duplicates()
+    result.eliminate_zeros()
+    return result
 
 
 def times(matrix: csr_array, columns: Array) -> Array:
     """The product of a canonical matrix and columns (n, F), summed in the order of the entries of each row."""
     rows = np.flatnonzero(np.diff(matrix.indptr))
-    found = np.zeros((matrix.shape[0], columns.shape[1]))
+    result = np.zeros((matrix.shape[0], columns.shape[1]))
     step = max(1, MOST // max(matrix.nnz, 1))
     for at in range(0, columns.shape[1] if rows.size else 0, step):
         terms = matrix.data[:, None] * columns[matrix.indices, at : at + step]
-        found[rows, at : at + step] = np.add.reduceat(terms, matrix.indptr[rows], axis=0)
-    return found
+        result[rows, at : at + step] = np.add.reduceat(terms, matrix.indptr[rows], axis=0)
+    return result
 
 
 def weighted(mass: csr_array, fields: Array) -> Array:
     """The mass times fields (F, nodes, 3), as (F, nodes, 3); `mass` is canonical."""
     columns = np.ascontiguousarray(fields.transpose(1, 0, 2)).reshape(mass.shape[0], 3 * len(fields))
-    found = times(mass, columns).reshape(mass.shape[0], len(fields), 3)
-    return np.ascontiguousarray(found.transpose(1, 0, 2))
+    result = times(mass, columns).reshape(mass.shape[0], len(fields), 3)
+    return np.ascontiguousarray(result.transpose(1, 0, 2))
 
 
 def products(mass: csr_array, f: Array, g: Array) -> Array:

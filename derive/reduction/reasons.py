@@ -96,8 +96,8 @@ def structure(
             zeros[entry.name] = reason or NOTHING
             tables[entry.table][entry.index] = 0.0
     _complete(tables, n)
-    found = Integrals(known.mass, *(tables[name] for name in names))
-    return found, tables["stiffness"], tables["damping"], zeros
+    result = Integrals(known.mass, *(tables[name] for name in names))
+    return result, tables["stiffness"], tables["damping"], zeros
 
 
 def _by_frame(entry: IntegralEntry, *, mean: bool, orthonormal: bool) -> str:

@@ -30,8 +30,11 @@ def rigid_basis(mass: csr_array, x: Array) -> Array:
 
     fields = rigid_fields(x)
     values, axes = eigh(products(mass, fields[3:], fields[3:]))
-    turns = product(axes, fields[3:])
-    kept = [*fields[:3], *(turn for turn, value in zip(turns, values, strict=True) if value > LINE**2 * values[-1])]
+    rotations = product(axes, fields[3:])
+    kept = [
+        *fields[:3],
+        *(rotation for rotation, value in zip(rotations, values, strict=True) if value > LINE**2 * values[-1]),
+    ]
     basis: list[Array] = []
     for field in kept:
         for _ in range(2):  # once more, for what rounding left

@@ -1,7 +1,7 @@
 """Mirror symmetry of a body: planes of reflection of its mass, and the parity of its modes under them.
 
 Planes pass through the centre of mass and are normal to an axis of the data: a body that is symmetric in other
-directions is turned first, by whoever knows them. Two nodes in one place have one partner and hide a plane.
+directions must be rotated first by the caller. Two nodes at the same position share a partner and hide a plane.
 """
 
 from __future__ import annotations
@@ -49,19 +49,19 @@ def mirrors(mass: csr_array, x: Array) -> tuple[Mirror, ...]:
     x = centred(mass, x)
     size = float(np.abs(x).max(initial=0.0))
     tree = KDTree(x)
-    found = []
+    result = []
     for axis in range(3):
         distance, partner = tree.query(x * np.where(np.arange(3) == axis, -1.0, 1.0))
         if np.any(distance > PLACE * size) or len(np.unique(partner)) < len(x):
             continue
         if _permuted_alike(mass, np.asarray(partner)):
-            found.append(Mirror(axis, np.asarray(partner)))
-    return tuple(found)
+            result.append(Mirror(axis, np.asarray(partner)))
+    return tuple(result)
 
 
 def apart(mass: csr_array, phi: Array, values: Array, planes: tuple[Mirror, ...]) -> Array:
     """Orthonormal modes, those of equal stiffness combined so that each has a parity where that is possible."""
-    found = phi.copy()
+    result = phi.copy()
     scale = float(np.abs(values).max(initial=0.0))
     start = 0
     for end in range(1, len(phi) + 1):
@@ -70,11 +70,11 @@ def apart(mass: csr_array, phi: Array, values: Array, planes: tuple[Mirror, ...]
         if end - start > 1 and planes:
             group = phi[start:end]
             # weights 1, 2, 4 give each combination of parities an eigenvalue of its own
-            turn = sum(2.0**k * symmetric(products(mass, group, p.image(group))) for k, p in enumerate(planes))
-            _, vectors = eigh(np.asarray(turn))
-            found[start:end] = product(vectors, group)
+            parity = sum(2.0**k * symmetric(products(mass, group, p.image(group))) for k, p in enumerate(planes))
+            _, vectors = eigh(np.asarray(parity))
+            result[start:end] = product(vectors, group)
         start = end
-    return found
+    return result
 
 
 def with_parities(shapes: Shapes, planes: tuple[Mirror, ...], stiffness: csr_array | None) -> tuple[Shapes, Parities]:

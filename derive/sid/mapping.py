@@ -1,6 +1,6 @@
 """The matrices of a SID out of the shape integrals of a modal body, and back.
 
-The equations of motion of a SID, in the base of the body, with r = X + sum a_k Phi_k and g the acceleration of O:
+The equations of motion of a SID, in the frame of the body, with r = X + sum a_k Phi_k and g the acceleration of O:
 
     m g     + mdCM~^T omegadot + Ct^T addot + 2 omega~ Ct^T adot                    + omega~ omega~ mdCM    = forces
     mdCM~ g + J omegadot       + Cr^T addot + sum_l Gr_l adot_l omega               + omega~ J omega        = moments
@@ -73,24 +73,24 @@ def symmetric_parts(tensors: Array, axial: Array) -> Array:
 
     (t + t^T) / 2 rounds; of the doubles beside it that one is taken which gives both halves back to the last bit.
     """
-    found = (tensors + np.swapaxes(tensors, -1, -2)) / 2
+    result = (tensors + np.swapaxes(tensors, -1, -2)) / 2
     for a, b, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
         first, second, half = tensors[..., a, b], tensors[..., b, a], axial[..., k] / 2
-        best = found[..., a, b]
+        best = result[..., a, b]
         for candidate in (first + half, second - half):
             exact = (candidate - half == first) & (candidate + half == second)
             best = np.where(exact, candidate, best)
-        found[..., a, b] = found[..., b, a] = best
-    return np.asarray(found)
+        result[..., a, b] = result[..., b, a] = best
+    return np.asarray(result)
 
 
 def with_axial(parts: Array, axial: Array) -> Array:
     """Tensors S - e c / 2 of their symmetric parts S and of c."""
-    found = np.array(parts)
+    result = np.array(parts)
     for a, b, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
-        found[..., a, b] -= axial[..., k] / 2
-        found[..., b, a] += axial[..., k] / 2
-    return found
+        result[..., a, b] -= axial[..., k] / 2
+        result[..., b, a] += axial[..., k] / 2
+    return result
 
 
 def to_squares(parts: Array) -> Array:
@@ -101,7 +101,7 @@ def to_squares(parts: Array) -> Array:
 
 def from_squares(columns: Array, products: tuple[tuple[int, int], ...] = SQUARES) -> Array:
     """Factors of Omega, (..., 6), as symmetric tensors."""
-    found = np.zeros((*columns.shape[:-1], 3, 3))
+    result = np.zeros((*columns.shape[:-1], 3, 3))
     for at, (a, b) in enumerate(products):
-        found[..., a, b] = found[..., b, a] = -columns[..., at] / (1 if a == b else 2)
-    return found + 0.0
+        result[..., a, b] = result[..., b, a] = -columns[..., at] / (1 if a == b else 2)
+    return result + 0.0

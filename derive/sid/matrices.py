@@ -78,47 +78,47 @@ def matrix(block: Block, shapes: tuple[tuple[int, int], ...], n: int, problems: 
 
 def _filled(block: Block, key: str, shape: tuple[int, ...], structure: int, problems: list[SidProblem]) -> Array:
     """The entries of one order, those of a symmetric matrix on both sides."""
-    found = np.zeros(shape)
+    result = np.zeros(shape)
     seen: dict[tuple[int, ...], int] = {}
     for entry in block.entries:
         if entry.key != key:
             continue
-        place = _place(entry, shape, problems)
-        if place is None:
+        index = _index(entry, shape, problems)
+        if index is None:
             continue
-        if place in seen:
-            problems.append(SidProblem(entry.line, f"{_name(entry)} stands on line {seen[place]} already"))
+        if index in seen:
+            problems.append(SidProblem(entry.line, f"{_name(entry)} stands on line {seen[index]} already"))
             continue
-        seen[place] = entry.line
+        seen[index] = entry.line
         value = number(entry, problems)
-        outside = structure in (ZERO, UNIT) or (structure == DIAGONAL and place[0] != place[-1])
+        outside = structure in (ZERO, UNIT) or (structure == DIAGONAL and index[0] != index[-1])
         if outside and value:
             problems.append(SidProblem(entry.line, f"{_name(entry)} is not zero, in a matrix of structure {structure}"))
-        found[place] = value
+        result[index] = value
         if structure == SYMMETRIC and shape[0] == shape[-1]:
-            other = (place[-1], *place[1:-1], place[0])
-            if other in seen and found[other] != value:
+            other = (index[-1], *index[1:-1], index[0])
+            if other in seen and result[other] != value:
                 message = f"{_name(entry)} differs from line {seen[other]}, in a symmetric matrix"
                 problems.append(SidProblem(entry.line, message))
-            found[other] = value
-    return found
+            result[other] = value
+    return result
 
 
-def _place(entry: BlockEntry, shape: tuple[int, ...], problems: list[SidProblem]) -> tuple[int, ...] | None:
+def _index(entry: BlockEntry, shape: tuple[int, ...], problems: list[SidProblem]) -> tuple[int, ...] | None:
     parts = [part.strip() for part in (entry.indices or "").split(",")]
     if len(parts) != len(shape) or not all(part.isascii() and part.isdigit() and len(part) < 9 for part in parts):
         form = "m0( row, column)" if len(shape) == 2 else "m1( row, mode, column)"
         problems.append(SidProblem(entry.line, f"{_name(entry)} is not of the form {form}"))
         return None
-    place = tuple(int(part) - 1 for part in parts)
-    if any(not 0 <= i < size for i, size in zip(place, shape, strict=True)):
+    index = tuple(int(part) - 1 for part in parts)
+    if any(not 0 <= i < size for i, size in zip(index, shape, strict=True)):
         sizes = " x ".join(map(str, shape))
         hint = ""
-        if len(shape) == 3 and any(all(0 <= i < s for i, s in zip(p, shape, strict=True)) for p in permutations(place)):
+        if len(shape) == 3 and any(all(0 <= i < s for i, s in zip(p, shape, strict=True)) for p in permutations(index)):
             hint = "; the mode is the second index"
         problems.append(SidProblem(entry.line, f"{_name(entry)} is outside of {sizes}{hint}"))
         return None
-    return place
+    return index
 
 
 def _name(entry: BlockEntry) -> str:

@@ -36,16 +36,16 @@ def read(text: str, name: str | None = None) -> ModalBody:
     mass, n = _refmod(modal, problems) if modal else (0.0, None)
     if modal is None or n is None:
         raise SidError(problems)
-    found, lines = _matrices(modal, n, problems)
+    matrices, lines = _matrices(modal, n, problems)
     points = _points(first, modal, n, problems)
     if problems:
         raise SidError(problems)
-    _refuse_stiffening(found, lines, problems)
-    known = _integrals(mass, found, lines, problems)
+    _refuse_stiffening(matrices, lines, problems)
+    known = _integrals(mass, matrices, lines, problems)
     if problems:
         raise SidError(problems)
-    stiffness = found["Ke"].m0
-    damping = found["De"].m0 if "De" in found else np.zeros((n, n))
+    stiffness = matrices["Ke"].m0
+    damping = matrices["De"].m0 if "De" in matrices else np.zeros((n, n))
     c7 = known.c7
     return ModalBody(
         name=name or _said(first, "name") or "body",
@@ -106,7 +106,7 @@ def _matrices(modal: Block, n: int, problems: list[SidProblem]) -> tuple[Matrice
         "Ke": ((n, n),),
         "De": ((n, n),),
     }
-    found: Matrices = {}
+    matrices: Matrices = {}
     lines: dict[str, int] = {}
     for name in MATRICES:
         block = modal.find(name)
@@ -117,8 +117,8 @@ def _matrices(modal: Block, n: int, problems: list[SidProblem]) -> tuple[Matrice
         lines[name] = block.line
         value = matrix(block, shapes[name], n, problems)
         if value is not None:
-            found[name] = value
-    return found, lines
+            matrices[name] = value
+    return matrices, lines
 
 
 def _points(first: str, modal: Block, n: int, problems: list[SidProblem]) -> tuple[ModalPoint, ...]:
@@ -150,14 +150,14 @@ def _points(first: str, modal: Block, n: int, problems: list[SidProblem]) -> tup
     return tuple(points)
 
 
-def _refuse_stiffening(found: Matrices, lines: dict[str, int], problems: list[SidProblem]) -> None:
+def _refuse_stiffening(matrices: Matrices, lines: dict[str, int], problems: list[SidProblem]) -> None:
     """What a modal body has no place for."""
-    if "ksigma" in found and (
-        np.any(found["ksigma"].m0) or found["ksigma"].m1 is not None and np.any(found["ksigma"].m1)
+    if "ksigma" in matrices and (
+        np.any(matrices["ksigma"].m0) or matrices["ksigma"].m1 is not None and np.any(matrices["ksigma"].m1)
     ):
         problems.append(SidProblem(lines["ksigma"], "ksigma is not zero: stresses of the reference are not used here"))
     for name in ("Ct", "Me", "Ge", "Ke", "De"):
-        matrix_ = found.get(name)
+        matrix_ = matrices.get(name)
         if matrix_ is not None and matrix_.m1 is not None and np.any(matrix_.m1):
             message = (
                 f"{name} has a first order: geometric stiffness is not used here; export without it (Geo_Stiff= no)"
@@ -165,13 +165,13 @@ def _refuse_stiffening(found: Matrices, lines: dict[str, int], problems: list[Si
             problems.append(SidProblem(lines[name], message))
 
 
-def _integrals(mass: float, found: Matrices, lines: dict[str, int], problems: list[SidProblem]) -> Integrals:
+def _integrals(mass: float, matrices: Matrices, lines: dict[str, int], problems: list[SidProblem]) -> Integrals:
     """The shape integrals, and what the file says twice and differently."""
-    n = len(found["Me"].m0)
-    c1, c2, c6, c8 = found["mdCM"].m0[:, 0], found["Ct"].m0, found["Cr"].m0, found["Me"].m0
-    c3, j1 = _inertia(found["J"])
-    c7 = -found["Ge"].m0.reshape(n, n, 3) / 2 + 0.0
-    c4 = found["Gr"].m0.reshape(3, n, 3).transpose(1, 0, 2) / 2
+    n = len(matrices["Me"].m0)
+    c1, c2, c6, c8 = matrices["mdCM"].m0[:, 0], matrices["Ct"].m0, matrices["Cr"].m0, matrices["Me"].m0
+    c3, j1 = _inertia(matrices["J"])
+    c7 = -matrices["Ge"].m0.reshape(n, n, 3) / 2 + 0.0
+    c4 = matrices["Gr"].m0.reshape(3, n, 3).transpose(1, 0, 2) / 2
     s4 = symmetric_parts(c4, -c6)
     size8 = float(np.abs(c8).max(initial=0.0))
     size4 = max(float(np.abs(c4).max(initial=0.0)), float(np.sqrt(size8 * np.abs(c3).max())))
@@ -181,15 +181,15 @@ def _integrals(mass: float, found: Matrices, lines: dict[str, int], problems: li
             problems.append(SidProblem(lines[name], f"{name} {message}"))
 
     agree("Gr", with_axial(s4, -c6), c4, size4, "does not agree with Cr: its antisymmetric part is Cr of the modes")
-    if found["mdCM"].m1 is not None:
-        agree("mdCM", found["mdCM"].m1[:, :, 0].T, c2, max(size4, size8), "has another first order than Ct")
+    if matrices["mdCM"].m1 is not None:
+        agree("mdCM", matrices["mdCM"].m1[:, :, 0].T, c2, max(size4, size8), "has another first order than Ct")
     if j1 is not None:
         agree("J", j1, 2 * s4, size4, "has another first order than Gr")
-    if found["Cr"].m1 is not None:
-        agree("Cr", -found["Cr"].m1, c7, size8, "has another first order than Ge")
-    columns = _products(found["Oe"].m0, s4, size4)
-    agree("Oe", from_squares(found["Oe"].m0, columns), s4, size4, "does not agree with Gr")
-    s5 = _second(found, columns)
+    if matrices["Cr"].m1 is not None:
+        agree("Cr", -matrices["Cr"].m1, c7, size8, "has another first order than Ge")
+    columns = _products(matrices["Oe"].m0, s4, size4)
+    agree("Oe", from_squares(matrices["Oe"].m0, columns), s4, size4, "does not agree with Gr")
+    s5 = _second(matrices, columns)
     if s5 is None:
         message = (
             "has no first order, which holds int rho {(Phi_i . Phi_j) I - Phi_i Phi_j}; export it with first order"
@@ -213,10 +213,10 @@ def _inertia(inertia: Taylor) -> tuple[Array, Array | None]:
 
 def _tensor(column: Array) -> Array:
     """The symmetric tensors of columns (..., 6)."""
-    found = np.zeros((*column.shape[:-1], 3, 3))
+    matrices = np.zeros((*column.shape[:-1], 3, 3))
     for at, (a, b) in enumerate(VECTOR):
-        found[..., a, b] = found[..., b, a] = column[..., at]
-    return found
+        matrices[..., a, b] = matrices[..., b, a] = column[..., at]
+    return matrices
 
 
 def _products(oe: Array, s4: Array, size: float) -> tuple[tuple[int, int], ...]:
@@ -227,25 +227,25 @@ def _products(oe: Array, s4: Array, size: float) -> tuple[tuple[int, int], ...]:
     return SQUARES
 
 
-def _second(found: Matrices, products: tuple[tuple[int, int], ...]) -> Array | None:
+def _second(matrices: Matrices, products: tuple[tuple[int, int], ...]) -> Array | None:
     """The symmetric parts of C5, of the first order of Oe, or of Gr."""
-    n = len(found["Me"].m0)
-    if found["Oe"].m1 is not None:
-        return from_squares(found["Oe"].m1, products)
-    if found["Gr"].m1 is not None:
-        c5 = found["Gr"].m1.reshape(3, n, n, 3).transpose(2, 1, 0, 3) / 2
+    n = len(matrices["Me"].m0)
+    if matrices["Oe"].m1 is not None:
+        return from_squares(matrices["Oe"].m1, products)
+    if matrices["Gr"].m1 is not None:
+        c5 = matrices["Gr"].m1.reshape(3, n, n, 3).transpose(2, 1, 0, 3) / 2
         return np.asarray((c5 + np.swapaxes(c5, -1, -2)) / 2)
     return np.zeros((0, 0, 3, 3)) if n == 0 else None
 
 
 def _zeros(known: Integrals, stiffness: Array, damping: Array) -> dict[str, str]:
     tables = {"stiffness": stiffness, "damping": damping}
-    found = {}
+    matrices = {}
     for entry in entries(len(known.c2)):
         table = tables.get(entry.table)
         if (getattr(known, entry.table) if table is None else table)[entry.index] == 0:
-            found[entry.name] = FILE
-    return found
+            matrices[entry.name] = FILE
+    return matrices
 
 
 def _said(first: str, key: str) -> str:

@@ -98,11 +98,11 @@ def project_velocity(context: Context, function: ModelFunction) -> Kernel:
 
 
 def poses(context: Context, function: ModelFunction) -> Kernel:
-    """Where every body is, those without coordinates too."""
+    """Position of the origin and rotation angle of every body, including bodies without coordinates."""
     symbols = context.symbols(context.t, context.q)
-    found = context.equations.poses
-    values = [symbols(e) for pose in found for e in (*pose.position, pose.rotation_angle)]
-    labels = tuple(f"{pose.name}.{what}" for pose in found for what in ("c1", "c2", "phi"))
+    every = context.equations.poses
+    values = [symbols(e) for pose in every for e in (*pose.position, pose.rotation_angle)]
+    labels = tuple(f"{pose.name}.{what}" for pose in every for what in ("c1", "c2", "phi"))
     return context.kernel(
         function,
         {"pose": OutputElements(labels)},
@@ -113,16 +113,16 @@ def poses(context: Context, function: ModelFunction) -> Kernel:
 
 def jacobian_pattern(context: Context) -> Pattern:
     """The compressed columns of G."""
-    place = {name: j for j, name in enumerate(context.rows)}
-    entries = {(i, place[row]) for i, c in enumerate(context.equations.constraints) for row, _ in c.jacobian}
+    column = {name: j for j, name in enumerate(context.rows)}
+    entries = {(i, column[row]) for i, c in enumerate(context.equations.constraints) for row, _ in c.jacobian}
     return pattern(len(context.multipliers), len(context.rows), entries)
 
 
 def jacobian_entries(context: Context, symbols: Symbols) -> dict[tuple[int, int], ca.SX]:
     """The entries of G."""
-    place = {name: j for j, name in enumerate(context.rows)}
+    column = {name: j for j, name in enumerate(context.rows)}
     every = enumerate(context.equations.constraints)
-    return {(i, place[row]): symbols(factor) for i, c in every for row, factor in c.jacobian}
+    return {(i, column[row]): symbols(factor) for i, c in every for row, factor in c.jacobian}
 
 
 def kkt_pattern(context: Context) -> Pattern:
@@ -168,9 +168,9 @@ def _by_factors(
     pivots = zip(factors.pivots, factors.order, strict=True)
     named = tuple(Named(f"pivot_{names[j]}", pivot) for pivot, j in pivots)
     checks = pivot_checks(symbols, factors, names)
-    places, start = [], 0
+    results, start = [], 0
     for name, elements in outputs.items():
-        places.append(stores(name, solution[start : start + len(elements.names)]))
+        results.append(stores(name, solution[start : start + len(elements.names)]))
         start += len(elements.names)
     total = sum(solution[1:start], start=solution[0])
     finite = Required(Requirement.FINITE, total, ReturnCode.NOT_FINITE, "a result is not finite")
@@ -180,7 +180,9 @@ def _by_factors(
         outputs,
         symbols,
         Step("pivots", "LDL^T", f"eliminate {order}; fill-in {factors.fill}", (*named, *checks)),
-        Step("solution", "LDL^T", "forward, diagonal and back substitution", tuple(w for some in places for w in some)),
+        Step(
+            "solution", "LDL^T", "forward, diagonal and back substitution", tuple(w for some in results for w in some)
+        ),
         Step("check", "", "check that the result is finite", (finite,)),
         inputs=inputs,
     )

@@ -135,11 +135,11 @@ class Context:
 
 def define(symbols: Symbols, definitions: tuple[Intermediate, ...]) -> tuple[Named, ...]:
     """Define what can be computed from the symbols known so far; returns it by name."""
-    found = []
+    result = []
     for d in definitions:
         if d.expr.free_symbols <= symbols.values.keys():
-            found.append(Named(str(d.symbol), symbols.define(d.symbol, d.expr)))
-    return tuple(found)
+            result.append(Named(str(d.symbol), symbols.define(d.symbol, d.expr)))
+    return tuple(result)
 
 
 def stores(output: str, values: list[ca.SX]) -> tuple[Want, ...]:

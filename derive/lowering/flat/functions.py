@@ -42,8 +42,8 @@ def mass_force(context: Context, function: ModelFunction) -> Kernel:
     # From the last row to the first, which begin with what is cheap: compilers keep it in registers.
     for row in reversed(range(len(context.rows))):
         h = Stored("h", row, symbols(forces[row]))
-        places = [(place, entry) for place, entry in enumerate(entries) if entry[1] == row]
-        column = (Stored("M", place, symbols(context.equations.mass[entry])) for place, entry in places)
+        numbered = [(index, entry) for index, entry in enumerate(entries) if entry[1] == row]
+        column = (Stored("M", index, symbols(context.equations.mass[entry])) for index, entry in numbered)
         text = f"force and column of M of {context.rows[row]}"
         steps.append(Step(context.rows[row], "(15)", text, (h, *column)))
     return context.kernel(function, outputs, symbols, *steps)
@@ -78,14 +78,14 @@ def accel(context: Context, function: ModelFunction) -> Kernel:
 def pivot_checks(symbols: Symbols, factors: Factorisation, names: tuple[str, ...]) -> tuple[Required, ...]:
     """Every pivot has to be more than rounding error: positive for a coordinate, negative for a multiplier."""
     margin = symbols.number(VANISHING)
-    found = []
+    result = []
     for pivot, scale, j in zip(factors.pivots, factors.scales, factors.order, strict=True):
         above = pivot if pivot is scale else pivot - margin * scale
         text = f"the pivot of {names[j]} vanished"
-        found.append(
+        result.append(
             Required(Requirement.POSITIVE, above if j < factors.coordinates else -above, ReturnCode.PIVOT, text)
         )
-    return tuple(found)
+    return tuple(result)
 
 
 def energy(context: Context, function: ModelFunction) -> Kernel:
@@ -166,13 +166,13 @@ def load(context: Context, function: ModelFunction) -> Kernel:
     point = context.equations.marker(function.variant)
     force = array_input("F", point.force, "force at the marker, in the inertial frame [N]")
     symbols = context.symbols(context.q, force)
-    turned = define(symbols, point.force_definitions)
+    rotated = define(symbols, point.force_definitions)
     named = define(symbols, tuple(d for d in point.definitions if not d.zero))
     return context.kernel(
         function,
         {"f": OutputElements(tuple(f"f[{n}]" for n in context.rows))},
         symbols,
-        Step("F", "(10)", "the force in the body frame", turned),
+        Step("F", "(10)", "the force in the body frame", rotated),
         Step("r", "(1)", "the marker in the body frame", named),
         Step("f", "(10)", "virtual work of the force", stores("f", [symbols(e) for e in point.load])),
         inputs=(force,),

@@ -207,7 +207,7 @@ def read(graph: Graph, symbols: Symbols, outputs: list[ca.SX]) -> list[int]:
     options = {"cse": True, "live_variables": False}
     function = ca.Function("kernel", [ca.vertcat(*symbols.inputs)], [ca.densify(column)], options)
     work: dict[int, int] = {}
-    found = [0] * len(outputs)
+    result = [0] * len(outputs)
     for k in range(function.n_instructions()):
         operation, inputs, results = (
             function.instruction_id(k),
@@ -215,14 +215,14 @@ def read(graph: Graph, symbols: Symbols, outputs: list[ca.SX]) -> list[int]:
             function.instruction_output(k),
         )
         if operation == ca.OP_OUTPUT:
-            found[results[1]] = graph.settled(work[inputs[0]])
+            result[results[1]] = graph.settled(work[inputs[0]])
         elif operation == ca.OP_INPUT:
             work[results[0]] = graph.leaf(symbols.leaves[inputs[1]])
         elif operation == ca.OP_CONST:
             work[results[0]] = graph.number(_integer(function.instruction_constant(k)))
         else:
             work[results[0]] = _operation(graph, operation, [work[i] for i in inputs])
-    return found
+    return result
 
 
 def _operation(graph: Graph, operation: int, args: list[int]) -> int:

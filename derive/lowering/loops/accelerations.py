@@ -26,8 +26,8 @@ def accel(context: LoopContext, function: ModelFunction) -> Kernel:
     b = {r: local("B", r + 1, shapes=(I,)) for r in coupled}
     h = local("h", shapes=(I,))
     scalars: list[Scalar] = [(local(f"h_{name}"), context.at_rest(context.left[name])) for name in context.rows]
-    places = [(r, c) for c in range(RIGID) for r in range(c, RIGID) if context.mass_entry(r, c) != 0]
-    scalars += [(local("M", r + 1, c + 1), context.mass_entry(r, c)) for r, c in places]
+    nonzeros = [(r, c) for c in range(RIGID) for r in range(c, RIGID) if context.mass_entry(r, c) != 0]
+    scalars += [(local("M", r + 1, c + 1), context.mass_entry(r, c)) for r, c in nonzeros]
     rows: list[IndexedStore] = [(StoreLocal("h", NOTHING), context.at_rest(context.left[SHAPE]))] if context.n else []
     rows += [(StoreLocal(f"B_{r + 1}", NOTHING), context.coupling[r]) for r in coupled]
     program.phase("h and B", "(15)", "forces, and coupling of rigid-body motion and modes", scalars, rows)
@@ -45,7 +45,7 @@ def accel(context: LoopContext, function: ModelFunction) -> Kernel:
     ]
     mode_sums += [ModeSum(local("Bh", r + 1), sp.S.Zero, weight * b[r] * h, "B^T c8^-1 h") for r in coupled]
     program.add_mode_sums(mode_sums if context.n else [])
-    _rigid_accelerations(context, program, places, coupled)
+    _rigid_accelerations(context, program, nonzeros, coupled)
     rest = h + sum((b[r] * context.rigid_rows[r].a for r in coupled), sp.S.Zero)
     if context.n:
         x = local("x", shapes=(I,))
@@ -81,17 +81,17 @@ def _substituted(context: LoopContext, arrays: tuple[str, ...], transposed: bool
 
 
 def _rigid_accelerations(
-    context: LoopContext, program: Program, places: list[tuple[int, int]], coupled: tuple[int, ...]
+    context: LoopContext, program: Program, nonzeros: list[tuple[int, int]], coupled: tuple[int, ...]
 ) -> None:
     """Solve the Schur complement for the six rigid accelerations."""
     schur = {(r, c) for r in coupled for c in coupled if r >= c}
-    shape = pattern(RIGID, RIGID, schur | set(places), symmetric=True)
+    shape = pattern(RIGID, RIGID, schur | set(nonzeros), symmetric=True)
 
     def make(symbols: Symbols) -> list[tuple[Target, ca.SX]]:
         def known(label: str, *components: int) -> ca.SX:
             return symbols.values[local(label, *components)]
 
-        whole = {(r, c): known("M", r + 1, c + 1) for r, c in places}
+        whole = {(r, c): known("M", r + 1, c + 1) for r, c in nonzeros}
         entries = dict(whole)
         for r, c in schur:
             inner = known("BB", r + 1, c + 1)

@@ -91,8 +91,8 @@ class LoopContext:
 
     def _coupling(self) -> dict[int, sp.Expr]:
         """The rigid rows whose coupling with shape i does not vanish, and its entry of the mass matrix."""
-        found = {r: self.gradient.of_scalar(self.left[name], ALPHADDOT) for r, name in enumerate(self.rows)}
-        return {r: entry for r, entry in found.items() if entry != 0 and self.n}
+        result = {r: self.gradient.of_scalar(self.left[name], ALPHADDOT) for r, name in enumerate(self.rows)}
+        return {r: entry for r, entry in result.items() if entry != 0 and self.n}
 
     @property
     def c8(self) -> TableKind:
@@ -120,17 +120,17 @@ class LoopContext:
         """M, column by column."""
         scalars: list[Scalar] = []
         rows: list[IndexedStore] = []
-        place = 0
+        offset = 0
         for c in range(RIGID):
             for r in range(c, RIGID):
                 if (entry := self.mass_entry(r, c)) != 0:
-                    scalars.append((Store("M", place, NOTHING), entry))
-                    place += 1
+                    scalars.append((Store("M", offset, NOTHING), entry))
+                    offset += 1
             if c in self.coupling:
-                rows.append((StoreStrided("M", place, 1, NOTHING), self.coupling[c]))
-                place += self.n
+                rows.append((StoreStrided("M", offset, 1, NOTHING), self.coupling[c]))
+                offset += self.n
         if self.c8 is not TableKind.FULL:
-            rows.append((StoreStrided("M", place, 1, NOTHING), self._c8_diagonal()))
+            rows.append((StoreStrided("M", offset, 1, NOTHING), self._c8_diagonal()))
         return scalars, rows
 
     def _c8_diagonal(self) -> sp.Expr:

@@ -80,10 +80,10 @@ def layout(eq: Equations) -> DataLayout:
     packing = Packing(TABLES, n, names)
     views = [View(TABLES, 0, packing.size)] if names else []
     vectors = [name for t in kept if t.kind is TableKind.DIAGONAL or t.counted == 1 for name in arrays(t)]
-    place = packing.size if names else 0
+    offset = packing.size if names else 0
     for name, length in [(v, padded(n)) for v in vectors] + _c8_arrays(eq):
-        views.append(View(name, place, length))
-        place += length
+        views.append(View(name, offset, length))
+        offset += length
     scalars: dict[sp.Symbol, Number | ScalarRef] = {}
     for c in _scalars(eq):
         number = c.value.is_Rational
@@ -92,7 +92,7 @@ def layout(eq: Equations) -> DataLayout:
         if not t.counted:
             scalars |= {symbol: ScalarRef(symbol.name) for symbol in t.generic_entries}
     elements = tuple(leaf.name for leaf in scalars.values() if isinstance(leaf, ScalarRef))
-    positions = tuple(range(place, place + len(elements)))
+    positions = tuple(range(offset, offset + len(elements)))
     argument = Argument("k", elements, "constants from setup", arrays=tuple(views), positions=positions)
     return DataLayout(argument, packing, scalars, _parameters(eq, kept), tuple(_offsets(eq, kept)))
 
@@ -140,11 +140,11 @@ def _doc(table: CoefficientTable) -> str:
 
 
 def _offsets(eq: Equations, kept: list[CoefficientTable]) -> list[tuple[CoefficientTable, int]]:
-    found, place = [], 1
+    offsets, offset = [], 1
     for t in kept:
-        found.append((t, place))
-        place += size(t, eq.modes)
-    return found
+        offsets.append((t, offset))
+        offset += size(t, eq.modes)
+    return offsets
 
 
 def copied(output: str, offset: int, source: str, count: int) -> Section:
@@ -156,7 +156,7 @@ def copied(output: str, offset: int, source: str, count: int) -> Section:
 def setup(eq: Equations, layout: DataLayout) -> Kernel:
     """p -> k: packing, and the Cholesky factor of c8 where it is full."""
     n = eq.modes
-    views = tuple(View(f"p_{t.name}", place, size(t, n)) for t, place in layout.sources if t.counted)
+    views = tuple(View(f"p_{t.name}", offset, size(t, n)) for t, offset in layout.sources if t.counted)
     elements, positions = _scalar_elements(eq, layout)
     p = Argument("p", elements, "parameters", arrays=views, positions=positions)
     k = layout.argument
@@ -170,16 +170,16 @@ def setup(eq: Equations, layout: DataLayout) -> Kernel:
     ]
     ordered = tuple(s for name in layout.packing.tables for s in sources if s.table == name)
     body += [Pack(layout.packing, "k", ordered)] if ordered else []
-    places = {view.name: view.offset for view in k.arrays}
+    offsets = {view.name: view.offset for view in k.arrays}
     rows = [
-        StoreStrided("k", places[name], 1, ArrayAccess(f"p_{t.name}", "i", len(t.components), c))
+        StoreStrided("k", offsets[name], 1, ArrayAccess(f"p_{t.name}", "i", len(t.components), c))
         for t, _ in layout.sources
         if t.counted == 1 or t.kind is TableKind.DIAGONAL
         for c, name in enumerate(arrays(t))
     ]
     body += [Map(n, tuple(rows))] if rows else []
     values: dict[str, Expr] = {str(c.symbol): ScalarRef(f"p_{c.value}") for c in _scalars(eq)}
-    body += [Store("k", place, values.get(name, ScalarRef(f"p_{name}"))) for place, name in k.named_elements]
+    body += [Store("k", offset, values.get(name, ScalarRef(f"p_{name}"))) for offset, name in k.named_elements]
     checks: list[Statement] = [
         RequireFinite("p", p.size, ReturnCode.NOT_FINITE, "a parameter is not finite"),
         *(
@@ -194,25 +194,25 @@ def setup(eq: Equations, layout: DataLayout) -> Kernel:
         Section("checks", "", "checks of the parameters", tuple(checks)),
         Section("constants", "appendix", "shape integrals and stiffness in the layout of the loops", tuple(body)),
     ]
-    if TRIANGLE in places:
+    if TRIANGLE in offsets:
         pairs = n * (n + 1) // 2
-        sections.append(copied("k", places[TRIANGLE], "p_c8", pairs))
-        root = Cholesky("k", places[ROOT], "p_c8", n, ReturnCode.PIVOT, "c8 is not positive definite")
+        sections.append(copied("k", offsets[TRIANGLE], "p_c8", pairs))
+        root = Cholesky("k", offsets[ROOT], "p_c8", n, ReturnCode.PIVOT, "c8 is not positive definite")
         sections.append(Section("root", "LDL^T", "Cholesky factor of c8", (root,)))
     doc = "Constants k from the parameters p: once for a set of parameters."
     return Kernel("setup", doc, (p,), (Output("k", (), "constants", None, total),), tuple(sections))
 
 
 def _scalar_elements(eq: Equations, layout: DataLayout) -> tuple[tuple[str, ...], tuple[int, ...]]:
-    """The parameters that are no arrays, with their places in p."""
-    found = [(f"p_{_mass(eq).symbol}", 0)]
+    """The names of the scalar parameters, and their indices in p."""
+    elements = [(f"p_{_mass(eq).symbol}", 0)]
     end = 1
-    for t, place in layout.sources:
+    for t, offset in layout.sources:
         if not t.counted:
-            found += [(f"p_{name}", place + c) for c, name in enumerate(arrays(t))]
-        end = place + size(t, eq.modes)
-    found += [(f"p_{q.symbol}", end + c) for c, q in enumerate(_others(eq))]
-    return tuple(name for name, _ in found), tuple(place for _, place in found)
+            elements += [(f"p_{name}", offset + c) for c, name in enumerate(arrays(t))]
+        end = offset + size(t, eq.modes)
+    elements += [(f"p_{q.symbol}", end + c) for c, q in enumerate(_others(eq))]
+    return tuple(name for name, _ in elements), tuple(index for _, index in elements)
 
 
 def model(
@@ -222,11 +222,11 @@ def model(
     n, rigid = eq.modes, eq.rows[:6]
 
     def of_shapes(name: str, doc: str, unit: str, role: Role | None = None) -> tuple[Variable, ...]:
-        """An array, whose elements are numbered where they are told apart; one alone has its number itself."""
+        """An array, whose elements are numbered where they are table_of apart; one alone has its number itself."""
         return (Variable(f"{name}1" if n == 1 else name, doc, unit, 0.0, n, role),) if n else ()
 
-    told = {name: t for t in eq.tables for name in arrays(t)}
-    docs = {name: (t.doc, t.unit) for name, t in told.items()}
+    table_of = {name: t for t in eq.tables for name in arrays(t)}
+    docs = {name: (t.doc, t.unit) for name, t in table_of.items()}
     docs |= {str(c.symbol): (c.doc, c.unit) for c in eq.coefficients}
     docs |= {TABLES: (", ".join(layout.packing.tables), ""), TRIANGLE: ("c8 for i <= j", "kg"), ROOT: ("of c8", "")}
     constants = tuple(Variable(v.name, docs[v.name][0], docs[v.name][1], 0.0, v.size) for v in layout.argument.arrays)
@@ -257,18 +257,18 @@ def _data(eq: Equations, layout: DataLayout) -> tuple[tuple[int, float], ...]:
     """The defaults: those of a body given by data, or a unit ball of inertia whose modes do not couple."""
     assert eq.body is not None
     n, end = eq.modes, 1
-    found = [(0, _mass(eq).default)]
+    defaults = [(0, _mass(eq).default)]
     numbers = [eq.body.values.numbers(t) for t, _ in layout.sources]
     if all(values is not None for values in numbers):
         gravity = [p.default for p in _others(eq)]
-        data = np.concatenate([[found[0][1]], *(v for v in numbers if v is not None), gravity])
+        data = np.concatenate([[defaults[0][1]], *(v for v in numbers if v is not None), gravity])
         return tuple((k, float(value)) for k, value in enumerate(data) if value)
-    for t, place in layout.sources:
+    for t, offset in layout.sources:
         if t.family is Family.C3:
-            found += [(place + k, 1.0) for k, (a, b) in enumerate(t.components) if a == b]
+            defaults += [(offset + k, 1.0) for k, (a, b) in enumerate(t.components) if a == b]
         elif t.family in (Family.C8, Family.STIFFNESS):
             diagonal = range(n) if t.kind is TableKind.DIAGONAL else (i * n - i * (i - 1) // 2 for i in range(n))
-            found += [(place + k, 1.0) for k in diagonal]
-        end = place + size(t, n)
-    found += [(end + k, q.default) for k, q in enumerate(_others(eq))]
-    return tuple(found)
+            defaults += [(offset + k, 1.0) for k in diagonal]
+        end = offset + size(t, n)
+    defaults += [(end + k, q.default) for k, q in enumerate(_others(eq))]
+    return tuple(defaults)

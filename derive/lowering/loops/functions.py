@@ -100,14 +100,14 @@ def _marker(context: LoopContext, function: ModelFunction) -> Kernel:
     program.mode_sums |= {t.symbol: t for t in point.mode_sums}
     scalars: list[Scalar] = [(Store("x", k, NOTHING), e) for k, e in enumerate(point.position)]
     scalars += [(Store("xdot", k, NOTHING), e) for k, e in enumerate(point.velocity)]
-    groups, place = [], 0
+    groups, offset = [], 0
     for column in range(RIGID):
         kept = [(r, e) for r, e in enumerate(point.jacobian[:, column]) if e != 0]
-        scalars += [(Store("jacobian", place + k, NOTHING), e) for k, (_, e) in enumerate(kept)]
-        place += len(kept)
+        scalars += [(Store("jacobian", offset + k, NOTHING), e) for k, (_, e) in enumerate(kept)]
+        offset += len(kept)
         groups.append(ColumnGroup(1, tuple(RowSet(RowSetKind.ROW, r) for r, _ in kept)))
     rows: list[IndexedStore] = [
-        (StoreStrided("jacobian", place + r, 3, NOTHING), e) for r, e in enumerate(point.jacobian[:, RIGID])
+        (StoreStrided("jacobian", offset + r, 3, NOTHING), e) for r, e in enumerate(point.jacobian[:, RIGID])
     ]
     groups += [ColumnGroup(context.n, (RowSet(RowSetKind.RANGE, 0, 3),))] if context.n else []
     program.phase("marker", "(1)", "x = c + Q r, its time derivative and its Jacobian", scalars, rows)
@@ -156,16 +156,16 @@ def _residual(context: LoopContext, function: ModelFunction) -> Kernel:
 def _zeros(context: LoopContext) -> tuple[Zero, ...]:
     """The blocks of the mass matrix that vanish, with the reasons."""
     eq = context.equations
-    found = [Zero("M[c, c] off the diagonal", TRANSLATIONS)]
+    result = [Zero("M[c, c] off the diagonal", TRANSLATIONS)]
     if all(context.mass_entry(r, c) == 0 for r in (3, 4, 5) for c in (0, 1, 2)):
-        found.append(Zero("M[pi, c]", _vanished(eq, Family.C1, Family.C2)))
+        result.append(Zero("M[pi, c]", _vanished(eq, Family.C1, Family.C2)))
     if context.n and not any(r in context.coupling for r in (0, 1, 2)):
-        found.append(Zero("M[alpha, c]", _vanished(eq, Family.C2)))
+        result.append(Zero("M[alpha, c]", _vanished(eq, Family.C2)))
     if context.n and not any(r in context.coupling for r in (3, 4, 5)):
-        found.append(Zero("M[alpha, pi]", _vanished(eq, Family.C6, Family.C7)))
+        result.append(Zero("M[alpha, pi]", _vanished(eq, Family.C6, Family.C7)))
     if context.n > 1 and context.c8 is not TableKind.FULL:
-        found.append(Zero("M[alpha, alpha] off the diagonal", eq.table(Family.C8).zero))
-    return tuple(found)
+        result.append(Zero("M[alpha, alpha] off the diagonal", eq.table(Family.C8).zero))
+    return tuple(result)
 
 
 def _vanished(eq: Equations, *families: Family) -> str:

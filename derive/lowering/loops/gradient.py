@@ -1,7 +1,7 @@
 """Derivatives of the generic equations with respect to the shapes' coordinates, rates and accelerations.
 
 A total or a contraction changes by its table: d S_l / d alpha_j = C5_lj. Where such a derivative is summed again, as in
-sum alpha_l C5_lj, the sum is recognised as a contraction that is there already, or becomes a new one.
+sum alpha_l C5_lj, the sum is recognised as an existing table sum, or becomes a new one.
 """
 
 from __future__ import annotations
@@ -19,7 +19,8 @@ DERIVATIVES = {ALPHA: 0, ALPHADOT: 1, ALPHADDOT: 2}
 
 
 class Gradient:
-    """Derivatives of expressions of one model; `table_sums` are its own and those that derivatives need besides.
+    """Derivatives of expressions of one model; `table_sums` are those of the model and those that its
+    derivatives need in addition.
 
     `factor` is what derivatives are taken with respect to: ALPHA, ALPHADOT or ALPHADDOT.
     """
@@ -29,7 +30,7 @@ class Gradient:
         self.table_sums = list(equations.table_sums)
 
     def of_scalar(self, expr: sp.Expr, factor: Symbol) -> sp.Expr:
-        """d expr / d factor_i, as an expression of index i, of an expression in mode_sums."""
+        """d expr / d factor_i, as an expression of index i, of an expression in mode sums."""
         pairs = ((total, expr.diff(symbol)) for symbol, total in self.mode_sums.items() if expr.has(symbol))
         return sp.expand(sum((weight * self._of_sum(total.term, factor) for total, weight in pairs), sp.S.Zero))
 
@@ -63,9 +64,9 @@ class Gradient:
             raise ArithmeticError(
                 f"the derivative of a sum has the factor {expr}, which is no sequence over the shapes"
             )
-        turned, parity = swapped(entry), PARITY[entry.identity.family]
+        exchanged_entry, parity = swapped(entry), PARITY[entry.identity.family]
         for c in self.table_sums:
-            if c.sums == ((factor, turned),):
+            if c.sums == ((factor, exchanged_entry),):
                 return weight * (c.symbol - c.offset)
             if c.sums == ((factor, entry),):
                 return weight * parity * (c.symbol - c.offset)
@@ -74,7 +75,7 @@ class Gradient:
         new = quantity(family, *components, derivative=DERIVATIVES[factor], shapes=(I,))
         doc = f"sum over the modes of {factor} {kept}"
         self.table_sums.append(TableSum(new, sp.S.Zero, ((factor, kept),), doc))
-        return weight * (1 if turned == kept else parity) * new
+        return weight * (1 if exchanged_entry == kept else parity) * new
 
 
 def _of_ij(entry: Symbol) -> sp.Expr:

@@ -46,7 +46,7 @@ class _Columns:
         self.rows: list[IndexedStore] = []
         self.pairs: list[tuple[MatrixStore, sp.Expr, sp.Expr]] = []
         self.groups: list[ColumnGroup] = []
-        self.place = 0
+        self.offset = 0
         self.first = RIGID + 1 + context.n
 
     def coordinate(self, k: int, symbol: sp.Symbol) -> None:
@@ -61,23 +61,23 @@ class _Columns:
 
     def _total(self, expr: sp.Expr, symbol: sp.Symbol) -> sp.Expr:
         """A derivative, through the definitions as well."""
-        found = expr.diff(symbol)
+        result = expr.diff(symbol)
         for d in self.context.equations.definitions:
             if not d.zero and expr.has(d.symbol):
-                found += expr.diff(d.symbol) * self._total(d.expr, symbol)
-        return sp.expand(found)
+                result += expr.diff(d.symbol) * self._total(d.expr, symbol)
+        return sp.expand(result)
 
     def _single(self, kinematic: list[tuple[int, sp.Expr]], derivative: Callable[[sp.Expr], sp.Expr]) -> None:
         left = self.context.left
         dynamic = [(self.first + r, derivative(left[name])) for r, name in enumerate(self.context.rows)]
         entries = [(row, e) for row, e in (*kinematic, *dynamic) if e != 0]
-        self.scalars += [(Store("jac", self.place + k, NOTHING), e) for k, (_, e) in enumerate(entries)]
-        self.place += len(entries)
+        self.scalars += [(Store("jac", self.offset + k, NOTHING), e) for k, (_, e) in enumerate(entries)]
+        self.offset += len(entries)
         pieces = [RowSet(RowSetKind.ROW, row) for row, _ in entries]
         shape = derivative(left[SHAPE]) if self.context.n else sp.S.Zero
         if shape != 0:
-            self.rows.append((StoreStrided("jac", self.place, 1, NOTHING), shape))
-            self.place += self.context.n
+            self.rows.append((StoreStrided("jac", self.offset, 1, NOTHING), shape))
+            self.offset += self.context.n
             pieces.append(RowSet(RowSetKind.RANGE, self.first + RIGID, self.context.n))
         self.groups.append(ColumnGroup(1, tuple(pieces)))
 
@@ -104,10 +104,10 @@ class _Columns:
             else RowSet(RowSetKind.DIAGONAL, self.first + RIGID)
         )
         stride = 1 + len(entries) + (n if full != 0 else 1)
-        self.rows.append((StoreStrided("jac", self.place, stride, NOTHING), kinematic))
+        self.rows.append((StoreStrided("jac", self.offset, stride, NOTHING), kinematic))
         for k, (_, e) in enumerate(entries, 1):
-            self.rows.append((StoreStrided("jac", self.place + k, stride, NOTHING), e))
-        offset = self.place + 1 + len(entries)
+            self.rows.append((StoreStrided("jac", self.offset + k, stride, NOTHING), e))
+        offset = self.offset + 1 + len(entries)
         if full != 0:
             self.pairs.append(
                 (MatrixStore(context.layout.packing, "jac", offset, stride, NOTHING, None), full, diagonal)
@@ -116,4 +116,4 @@ class _Columns:
             self.rows.append((StoreStrided("jac", offset, stride, NOTHING), diagonal))
         pieces = (RowSet(RowSetKind.DIAGONAL, RIGID + 1), *(RowSet(RowSetKind.ROW, r) for r, _ in entries))
         self.groups.append(ColumnGroup(n, (*pieces, block)))
-        self.place += n * stride
+        self.offset += n * stride

@@ -1,6 +1,7 @@
 """Kernels with loops over the shapes, put together section by section from generic equations.
 
-What expressions need is computed before them: table_sums of tables first, then mode_sums over the shapes, then scalars.
+What expressions need is computed before them: table sums first, then mode
+sums, then scalars.
 In a loop, expressions are sums of products of what depends on its index; their factors are computed before it.
 """
 
@@ -49,7 +50,8 @@ Scalar = tuple[Target, sp.Expr]
 IndexedStore = tuple[StoreLocal | StoreStrided, sp.Expr]
 """Where an expression of index i goes, likewise."""
 
-Place = Let | Store | Require | StoreLocal | StoreStrided
+Assignment = Let | Store | Require | StoreLocal | StoreStrided
+"""A statement that assigns or checks the value of one expression."""
 
 NOTHING = Number(Fraction(0))
 
@@ -76,7 +78,7 @@ class Program:
         self._factors: dict[sp.Expr, Symbol] = {}
 
     def sums(self, exprs: Iterable[sp.Expr]) -> None:
-        """Compute the table_sums and the mode_sums that expressions are made of."""
+        """Compute the table sums and the mode sums that expressions refer to."""
         symbols = _symbols(exprs)
         mode_sums = [t for s, t in self.mode_sums.items() if s in symbols and s not in self.known]
         inside = symbols | _symbols(e for t in mode_sums for e in (t.offset, t.term))
@@ -84,13 +86,13 @@ class Program:
         self.add_mode_sums(mode_sums)
 
     def _add_table_sums(self, table_sums: list[TableSum]) -> None:
-        lanes = []
+        terms = []
         for c in table_sums:
             self._arrays.add(c.symbol)
             pairs = tuple((self._vector(factor, entry), array(canonical(entry))) for factor, entry in c.sums)
-            lanes.append(MatVecTerm(array(c.symbol), array(c.offset) if c.offset != 0 else "", pairs))
-        if lanes:
-            section = Section("tables", "appendix", _said(table_sums), (MatVec(self.packing, tuple(lanes)),))
+            terms.append(MatVecTerm(array(c.symbol), array(c.offset) if c.offset != 0 else "", pairs))
+        if terms:
+            section = Section("tables", "appendix", _described(table_sums), (MatVec(self.packing, tuple(terms)),))
             self.sections.append(section)
 
     def _vector(self, factor: Symbol, entry: Symbol) -> str:
@@ -101,22 +103,22 @@ class Program:
         name = f"minus_{vector}"
         if local(name) not in self._arrays:
             self._arrays.add(local(name))
-            turned = StoreLocal(name, Operation(Operator.NEG, (ArrayAccess(vector, "i"),)))
-            self.sections.append(Section(name, "", f"{vector} with its sign changed", (self._each((turned,)),)))
+            negated = StoreLocal(name, Operation(Operator.NEG, (ArrayAccess(vector, "i"),)))
+            self.sections.append(Section(name, "", f"{vector} with its sign changed", (self._each((negated,)),)))
         return name
 
     def add_mode_sums(self, mode_sums: Iterable[ModeSum]) -> None:
-        """Compute sums over the shapes, all in one loop."""
+        """Compute mode sums in a single loop."""
         mode_sums = tuple(mode_sums)
         if not mode_sums:
             return
         body = self._loop([(StoreLocal("", NOTHING), by_vector(t.term)) for t in mode_sums])
         lets = tuple(item for item in body if isinstance(item, Let))
         terms = [item.expr for item in body if not isinstance(item, Let)]
-        bases: list[Leaf] = [NOTHING if t.offset == 0 else self.known[t.offset] for t in mode_sums]
-        sums = tuple(Sum(t.symbol.name, base, term) for t, base, term in zip(mode_sums, bases, terms, strict=True))
+        offsets: list[Leaf] = [NOTHING if t.offset == 0 else self.known[t.offset] for t in mode_sums]
+        sums = tuple(Sum(t.symbol.name, base, term) for t, base, term in zip(mode_sums, offsets, terms, strict=True))
         loop = Accumulate(self.packing.count, lets, sums)
-        self.sections.append(Section("sums", "appendix", _said(mode_sums), (loop,)))
+        self.sections.append(Section("sums", "appendix", _described(mode_sums), (loop,)))
         self.known |= {t.symbol: ScalarRef(t.symbol.name) for t in mode_sums}
 
     def scalars(self, name: str, equation: str, doc: str, wants: Iterable[Scalar]) -> None:
@@ -155,7 +157,7 @@ class Program:
             self._temporaries,
         ):
             placed = (_targeted(item, targets) for item in section.body)
-            body = tuple(t for t in placed if isinstance(t, Let | Store | Require) and not _says_nothing(t))
+            body = tuple(t for t in placed if isinstance(t, Let | Store | Require) and not _is_redundant(t))
             names = {item.name for item in section.body if isinstance(item, Let)}
             self.known |= {d.symbol: ScalarRef(str(d.symbol)) for d in self.definitions if str(d.symbol) in names}
             self.sections.append(Section(section.name, section.equation, section.doc, body))
@@ -227,7 +229,7 @@ class Program:
         return sp.Add(*(self._factor(scalar) * indexed for indexed, scalar in grouped.items()))
 
     def _factor(self, expr: sp.Expr) -> sp.Expr:
-        """A scalar as it stands in a loop: a number, a known name, or a new name for it; signs stay outside."""
+        """A scalar as it occurs in a loop: a number, a known name, or a new name for it; signs stay outside."""
         if expr.could_extract_minus_sign():
             return -self._factor(-expr)
         if expr.is_Rational or expr in self.known:
@@ -283,8 +285,8 @@ def _pair_leaf(symbol: sp.Symbol) -> Leaf:
     return MatrixEntry(array(symbol)) if len(identity(symbol).shapes) == 2 else ArrayAccess(array(symbol), "i")
 
 
-def _targeted(item: Statement, targets: Sequence[Place]) -> Place:
-    """A statement of a schedule with its place filled in."""
+def _targeted(item: Statement, targets: Sequence[Assignment]) -> Assignment:
+    """A statement of a schedule, with its target replaced by the target of the scalar."""
     if not isinstance(item, Store):
         assert isinstance(item, Let | Require)
         return item
@@ -299,11 +301,11 @@ def _targeted(item: Statement, targets: Sequence[Place]) -> Place:
             return StoreLocal(name, item.expr)
         case StoreStrided(output, offset, stride):
             return StoreStrided(output, offset, stride, item.expr)
-    raise AssertionError("a target is a place for a value")
+    raise AssertionError("a target is a statement that assigns a value")
 
 
-def _says_nothing(item: Place) -> bool:
-    """Whether a definition that loops need has been written under its name already."""
+def _is_redundant(item: Assignment) -> bool:
+    """Whether a definition only assigns a name to itself."""
     return isinstance(item, Let) and item.expr == ScalarRef(item.name)
 
 
@@ -311,10 +313,10 @@ def _symbols(exprs: Iterable[sp.Expr]) -> set[sp.Symbol]:
     return {s for e in exprs for s in sp.sympify(e).free_symbols}
 
 
-def _said(sums: Iterable[TableSum | ModeSum]) -> str:
+def _described(sums: Iterable[TableSum | ModeSum]) -> str:
     """`S_i = ...` once for all components."""
-    said: dict[str, str] = {}
+    docs: dict[str, str] = {}
     for s in sums:
         stem = replace(s.symbol.identity, components=()).name
-        said.setdefault(stem, s.doc)
-    return "; ".join(f"{stem} = {doc}" for stem, doc in said.items())
+        docs.setdefault(stem, s.doc)
+    return "; ".join(f"{stem} = {doc}" for stem, doc in docs.items())

@@ -69,14 +69,14 @@ def beam_body(beam: PlanarBeam, pieces: int = 1) -> Body:
 def section_rotations(marker: Marker, beam: PlanarBeam, pieces: int = 1) -> tuple[ModelConstant, ...]:
     """The rotation of the section at a marker for unit amplitudes: dv/dx of each shape, to first order as in (22)."""
     at, length = sp.Rational(marker.at), quantity.value(beam.length) / pieces
-    found = []
+    result = []
     for i, shape in enumerate(assumed_shapes(beam.ansatz, beam.frame, beam.orthogonal), 1):
         slope = _poly(shape).diff(xi).eval(at)
         zero = None if slope else "these shapes (no slope there)"
         doc = f"rotation of the section at marker {marker.name} for a unit amplitude of mode {i}: d phi_{i}/dx"
         symbol = Symbol(Identity(Family.SECTION_ROTATION, shapes=(i,), point=marker.name))
-        found.append(ModelConstant(symbol, 2 * slope / length, "(21)", doc, "1/m", zero))
-    return tuple(found)
+        result.append(ModelConstant(symbol, 2 * slope / length, "(21)", doc, "1/m", zero))
+    return tuple(result)
 
 
 def _poly(coefficients: Polynomial) -> sp.Poly:
@@ -138,7 +138,7 @@ def _stiffness(shapes: tuple[Polynomial, ...], length: sp.Expr, bending: sp.Expr
     dxi_dx = 2 / length
     dx_dxi = length / 2
     curvatures = [_poly(s).diff((xi, 2)) for s in shapes]
-    found = []
+    result = []
     for i, first in enumerate(curvatures, 1):
         for j, second in enumerate(curvatures[i - 1 :], i):
             value = integral(first * second)
@@ -146,8 +146,8 @@ def _stiffness(shapes: tuple[Polynomial, ...], length: sp.Expr, bending: sp.Expr
             zero = None if value else PARITY if odd else ORTHOGONAL
             doc = f"stiffness: int EI (d2 phi_{i}/dx2) (d2 phi_{j}/dx2) dx"
             expr = bending * dxi_dx**4 * dx_dxi * value
-            found.append(ModelConstant(pair(Family.STIFFNESS, i, j), expr, "(22)", doc, "N/m", zero))
-    return tuple(found)
+            result.append(ModelConstant(pair(Family.STIFFNESS, i, j), expr, "(22)", doc, "N/m", zero))
+    return tuple(result)
 
 
 def beam_point(marker: Marker, beam: PlanarBeam, pieces: int = 1) -> MaterialPoint:

@@ -13,7 +13,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class ModalPoint:
-    """A named material point: X (3,) in m and the values of the N shapes there, (N, 3), in the body base."""
+    """A named material point: X (3,) in m and the values of the N shapes there, (N, 3), in the body frame."""
 
     name: str
     doc: str

@@ -40,10 +40,10 @@ class FieldIntegrals(Protocol):
 
 def coefficients(of: FieldIntegrals, n: int) -> tuple[ModelConstant, ...]:
     """c1, c2, C3, C4, c6, c7 and c8 (C5 is c8 in the plane) of a body with n shapes, zeros with their reasons."""
-    found: list[ModelConstant] = []
+    result: list[ModelConstant] = []
 
     def integral(symbol: Symbol, value: Value, doc: str, unit: str) -> None:
-        found.append(ModelConstant(symbol, value.expr, APPENDIX, doc, unit, value.zero))
+        result.append(ModelConstant(symbol, value.expr, APPENDIX, doc, unit, value.zero))
 
     shapes = range(1, n + 1)
     for k in (1, 2):
@@ -62,4 +62,4 @@ def coefficients(of: FieldIntegrals, n: int) -> tuple[ModelConstant, ...]:
     for i in shapes:
         for j in range(i, n + 1):
             integral(quantity(Family.C8, shapes=(i, j)), of.trace(i, j), f"int rho Phi_{i} . Phi_{j}", "kg")
-    return tuple(found)
+    return tuple(result)

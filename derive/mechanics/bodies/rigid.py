@@ -1,4 +1,4 @@
-"""The rigid body in the plane: no shapes, and the moments of X about the origin of its base."""
+"""The rigid body in the plane: no shapes, and the moments of X about the origin of its frame."""
 
 from __future__ import annotations
 
@@ -53,8 +53,8 @@ def rigid_body(
 def rigid_point(name: str, position: sp.Matrix) -> MaterialPoint:
     """A point of a rigid body at `position` from O."""
     symbols = [Symbol(Identity(Family.POINT_POSITION, components=(k,), point=name)) for k in (1, 2)]
-    found = tuple(
+    result = tuple(
         ModelConstant(s, sp.expand(x), "(24)", f"X . e{k} of {name}", "m", None if x else "the choice of the origin")
         for k, (s, x) in enumerate(zip(symbols, position, strict=True), 1)
     )
-    return MaterialPoint(name, f"point {name}", sp.ImmutableMatrix(symbols), (), found)
+    return MaterialPoint(name, f"point {name}", sp.ImmutableMatrix(symbols), (), result)

@@ -257,8 +257,8 @@ def parametric_body(spec: SymbolicBody) -> Body:
     symbols = [MASS]
     for table in tables:
         for entry in (c.symbol for c in values.constants(table) if c.value == _as_parameter(c.symbol)):
-            one = _on_diagonal(entry) and table.family in (Family.C3, Family.C8, Family.STIFFNESS)
-            symbols.append(ParameterSymbol(_as_parameter(entry), table.doc, table.unit, float(one), positive=False))
+            default = _on_diagonal(entry) and table.family in (Family.C3, Family.C8, Family.STIFFNESS)
+            symbols.append(ParameterSymbol(_as_parameter(entry), table.doc, table.unit, float(default), positive=False))
     return Body(
         name=spec.name,
         doc=describe_symbolic(spec),

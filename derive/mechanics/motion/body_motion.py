@@ -78,20 +78,20 @@ class Motion:
 
 def definitions_of(indexed_sums: Iterable[IndexedSum], vectors: Vectors, n: int) -> tuple[Intermediate, ...]:
     """The sums expanded for each of n shape functions, moment by moment; terms that vanish are still included."""
-    found: list[Intermediate] = []
+    result: list[Intermediate] = []
     for section, group in groupby(indexed_sums, lambda s: s.section):
         members = tuple(group)
         for i in range(1, n + 1) if members[0].indexed else (0,):
             for s in members:
                 symbol, doc = exchanged(s.symbol, {I: i}), s.described(i)
-                found.append(Intermediate(symbol, expanded_sum(s, i, vectors), section, "appendix", doc))
-    return tuple(found)
+                result.append(Intermediate(symbol, expanded_sum(s, i, vectors), section, "appendix", doc))
+    return tuple(result)
 
 
 def sums_of(indexed_sums: Iterable[IndexedSum], vectors: Vectors, n: int) -> dict[sp.Symbol, sp.Expr]:
     """The sums expanded for n shape functions; a sum that refers to an earlier one contains its expansion."""
-    found: dict[sp.Symbol, sp.Expr] = {}
+    result: dict[sp.Symbol, sp.Expr] = {}
     for s in indexed_sums:
         for i in range(1, n + 1) if s.indexed else (0,):
-            found[exchanged(s.symbol, {I: i})] = sp.expand(expanded_sum(s, i, vectors).xreplace(found))
-    return found
+            result[exchanged(s.symbol, {I: i})] = sp.expand(expanded_sum(s, i, vectors).xreplace(result))
+    return result

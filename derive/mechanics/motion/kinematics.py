@@ -6,7 +6,7 @@ displacement field Phi_i of a generic index i. So a `Field` is a dict from the n
 depend on time alone, fields on the material point alone: what is left of the body is moments of these fields, and the
 sums over the shapes stay inside of rdot = sum alphadot_j Phi_j and rddot = sum alphaddot_j Phi_j.
 
-`ONE` is resolved in the inertial base (its tensor is a column), all other fields in the body base; `HERE` is the same
+`ONE` is resolved in the inertial frame (its tensor is a column), all other fields in the body frame; `HERE` is the same
 vector everywhere as well, but resolved there.
 """
 
@@ -20,7 +20,7 @@ from derive.mechanics.symbols import Family, quantity
 
 Field = dict[str, sp.Matrix]
 
-ONE, HERE, R, RDOT, RDDOT, PHI = "1", "1 in the body base", "r", "rdot", "rddot", "Phi_i"
+ONE, HERE, R, RDOT, RDDOT, PHI = "1", "1 in the body frame", "r", "rdot", "rddot", "Phi_i"
 
 
 def add(*fields: Field) -> Field:
@@ -74,7 +74,7 @@ class PlanarRotation:
 
 @dataclass(frozen=True)
 class MovingFrame:
-    """A body base that turns, Qdot = Q (sum omega_k generator_k): what time derivatives look like from it."""
+    """A rotating body frame, Qdot = Q (sum omega_k generator_k): what time derivatives look like from it."""
 
     generators: tuple[sp.Matrix, ...]
     omega: tuple[sp.Symbol, ...]
@@ -101,7 +101,7 @@ class MovingFrame:
         return self.dot(self.velocity)
 
     def dot(self, field: Field) -> Field:
-        """The time derivative of Q f, in the body base: fdot + omega x f."""
+        """The time derivative of Q f, in the body frame: fdot + omega x f."""
         pairs = list(zip(self.omega, self.omegadot, strict=True))
         return add(
             *({name: tensor.diff(w) * wdot for name, tensor in field.items()} for w, wdot in pairs),

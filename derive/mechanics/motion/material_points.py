@@ -18,7 +18,7 @@ from derive.mechanics.terms import Intermediate, MarkerEquations, ModelConstant
 
 @dataclass(frozen=True)
 class MaterialPoint:
-    """A named material point: its reference position X and the values of the N shapes there, in the body base."""
+    """A named material point: its reference position X and the values of the N shapes there, in the body frame."""
 
     name: str
     doc: str
@@ -28,7 +28,7 @@ class MaterialPoint:
 
 
 def vector_at(motion: Motion, field: Field, values: Mapping[str, sp.Matrix]) -> sp.Matrix:
-    """A field at a material point, in the inertial base; `values` are r, rdot and Phi_i there."""
+    """A field at a material point, in the inertial frame; `values` are r, rdot and Phi_i there."""
     still = sp.zeros(motion.rotation.rows, 1)
     moving = (tensor * values[name] for name, tensor in field.items() if name != ONE)
     return (field.get(ONE, still) + motion.rotation * sum(moving, still)).expand()
@@ -43,12 +43,12 @@ def work_at(motion: Motion, field: Field, values: Mapping[str, sp.Matrix]) -> sp
 
 
 def force_vector(motion: Motion) -> sp.Matrix:
-    """A force F_1, F_2, ... in the inertial base."""
+    """A force F_1, F_2, ... in the inertial frame."""
     return vector(Family.FORCE, motion.rotation.rows)
 
 
 def force_definitions(motion: Motion) -> tuple[Intermediate, ...]:
-    """The force in the body base."""
+    """The force in the body frame."""
     return tuple(
         Intermediate(
             quantity(Family.BODY_FORCE, k), expr, "F", "(10)", f"force along the axis {k} of the floating frame"

@@ -2,7 +2,7 @@
 
 The product of two fields, integrated over the mass, is a sum of first and second moments of r, rdot, rddot and Phi_i.
 In the plane a second moment int rho f g^T has four entries: its trace (f . g), its axial part (f x g), and two more.
-The equations of motion do not change when the body base is turned, so the last two cancel; `total` checks it.
+The equations of motion do not change when the body frame is rotated, so the last two cancel; `total` checks it.
 """
 
 from __future__ import annotations
@@ -54,7 +54,7 @@ def moment(name: Moment, *components: int) -> Symbol:
 
 
 class Moments(Protocol):
-    """The moments of the fields of a body: symbols of the appendix, in the body base; `rotation` is Q.
+    """The moments of the fields of a body: symbols of the appendix, in the body frame; `rotation` is Q.
 
     `unknown` are the entries of second moments that no equation of motion may keep.
     """
@@ -80,7 +80,7 @@ class Moments(Protocol):
 
 @dataclass(frozen=True)
 class PlanarMoments:
-    """The moments of the fields of a planar body: symbols of the appendix, in the body base; `rotation` is Q."""
+    """The moments of the fields of a planar body: symbols of the appendix, in the body frame; `rotation` is Q."""
 
     mass: sp.Symbol
     rotation: sp.Matrix
@@ -123,5 +123,5 @@ def _pair(f: str, a: sp.Matrix, g: str, b: sp.Matrix, moments: Moments) -> sp.Ex
         return (b * moments.first(g)).dot(a)
     result = sp.expand(sum((a.T * b).multiply_elementwise(moments.second(f, g)), sp.S.Zero))
     if result.free_symbols & moments.unknown:
-        raise ArithmeticError(f"the virtual work of {f} on {g} depends on the choice of the body base")
+        raise ArithmeticError(f"the virtual work of {f} on {g} depends on the choice of the body frame")
     return result

@@ -18,7 +18,7 @@ def planar_motion(n: int) -> Motion:
     rows = tuple(map(_row, coordinates))
     alpha = tuple(c.q for c in coordinates[3:])
     rotation, phi = PlanarRotation(coordinates[2].q), rows[2]
-    generator = rotation.generator  # about e3, which both bases share
+    generator = rotation.generator  # about e3, which both frames share
     shapes = rows[3:]
     vectors = {ALPHA: alpha, ALPHADOT: tuple(row.v for row in shapes), ALPHADDOT: tuple(row.a for row in shapes)}
     return Motion(
@@ -68,20 +68,20 @@ def planar_moment_sums() -> tuple[IndexedSum, ...]:
     c4_j, c6_i = quantity(Family.C4, shapes=(J,)), quantity(Family.C6, shapes=(I,))
     c8_ij, c7_ji = quantity(Family.C8, shapes=(I, J)), quantity(Family.C7, shapes=(J, I))
     d2_j, d3_j = (quantity(family, shapes=(J,)) for family in (Family.D2, Family.D3))
-    found: list[IndexedSum] = []
+    result: list[IndexedSum] = []
     for k in (1, 2):
         c2_j = quantity(Family.C2, k, shapes=(J,))
         d1, d1dot = (quantity(Family.D1, k, derivative=d) for d in (0, 1))
-        found.append(IndexedSum(d1, quantity(Family.C1, k), ((ALPHA, c2_j),), "int rho r"))
-        found.append(IndexedSum(d1dot, None, ((ALPHADOT, c2_j),), "int rho rdot"))
+        result.append(IndexedSum(d1, quantity(Family.C1, k), ((ALPHA, c2_j),), "int rho r"))
+        result.append(IndexedSum(d1dot, None, ((ALPHADOT, c2_j),), "int rho rdot"))
     d2, d3 = (quantity(family, shapes=(I,)) for family in (Family.D2, Family.D3))
-    found.append(IndexedSum(d2, quantity(Family.C4, shapes=(I,)), ((ALPHA, c8_ij),), "int rho r . Phi_{i}"))
-    found.append(IndexedSum(d3, c6_i, ((ALPHA, c7_ji),), "int rho r x Phi_{i}"))  # r x Phi_i = X x Phi_i + ...
+    result.append(IndexedSum(d2, quantity(Family.C4, shapes=(I,)), ((ALPHA, c8_ij),), "int rho r . Phi_{i}"))
+    result.append(IndexedSum(d3, c6_i, ((ALPHA, c7_ji),), "int rho r x Phi_{i}"))  # r x Phi_i = X x Phi_i + ...
     inertia = ((ALPHA, c4_j), (ALPHA, d2_j))
-    found.append(IndexedSum(quantity(Family.INERTIA), quantity(Family.C3), inertia, "int rho r . r"))
-    found.append(IndexedSum(quantity(Family.D2, derivative=1), None, ((ALPHADOT, d2_j),), "int rho r . rdot"))
-    found.append(IndexedSum(quantity(Family.D3, derivative=1), None, ((ALPHADOT, d3_j),), "int rho r x rdot"))
-    return tuple(found)
+    result.append(IndexedSum(quantity(Family.INERTIA), quantity(Family.C3), inertia, "int rho r . r"))
+    result.append(IndexedSum(quantity(Family.D2, derivative=1), None, ((ALPHADOT, d2_j),), "int rho r . rdot"))
+    result.append(IndexedSum(quantity(Family.D3, derivative=1), None, ((ALPHADOT, d3_j),), "int rho r x rdot"))
+    return tuple(result)
 
 
 def planar_row_sums() -> tuple[IndexedSum, ...]:

@@ -1,4 +1,4 @@
-"""Motion in space: translation, unit quaternion and omega in the body base, for any deformable body.
+"""Motion in space: translation, unit quaternion and omega in the body frame, for any deformable body.
 
 In space D2_i is a tensor. Its antisymmetric part is d3_i: D2_i v = S_i v - d3_i x v / 2 with S_i symmetric, and
 likewise C4_i and C5_ij have symmetric parts of their own, while their antisymmetric parts are c6_i and c7_ij. So S_i,
@@ -157,7 +157,7 @@ def rotation_of(quaternion: tuple[sp.Symbol, ...]) -> sp.Matrix:
 
 
 def quaternion_rates(quaternion: tuple[sp.Symbol, ...], omega: tuple[sp.Symbol, ...]) -> tuple[sp.Expr, ...]:
-    """Half the quaternion times (0, omega), omega in the body base: then Qdot = Q (omega x)."""
+    """Half the quaternion times (0, omega), omega in the body frame: then Qdot = Q (omega x)."""
     e0, *imaginary = quaternion
     e, w = sp.Matrix(imaginary), sp.Matrix(omega)
     scalar = -e.dot(w) / 2
@@ -174,10 +174,10 @@ def spatial_moment_sums() -> tuple[IndexedSum, ...]:
 
     rdot and rddot are sums over the shapes as well, so r x rdot = X x rdot + sum alpha_j Phi_j x rdot.
     """
-    found: list[IndexedSum] = []
+    result: list[IndexedSum] = []
 
     def define(symbol: Symbol, offset: Symbol | None, doc: str, *sums: tuple[Symbol, Symbol]) -> None:
-        found.append(IndexedSum(symbol, offset, sums, doc))
+        result.append(IndexedSum(symbol, offset, sums, doc))
 
     def each(family: Family, *components: int, derivative: int = 0, index: ShapeIndex = I) -> Symbol:
         """A quantity of each shape."""
@@ -208,7 +208,7 @@ def spatial_moment_sums() -> tuple[IndexedSum, ...]:
         c7dot_j = each(Family.C7_SUM, k, derivative=1, index=J)
         moved = ((ALPHADOT, each(Family.C6, k, index=J)), (ALPHA, c7dot_j))
         define(quantity(Family.D3, k, derivative=1), None, "int rho r x rdot", *moved)
-    return tuple(found)
+    return tuple(result)
 
 
 def spatial_row_sums() -> tuple[IndexedSum, ...]:

@@ -114,7 +114,7 @@ class _Assembly:
             body=body.name,
             motion=component.body.motion,
             marker=self.known[other.body][other.marker],
-            base="the ground" if other.body == GROUND else other.body,
+            attached_to="the ground" if other.body == GROUND else other.body,
             sign=1 if is_second else -1,
             drive=self.drives.get(joint.name),
         )

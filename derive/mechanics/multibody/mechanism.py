@@ -275,5 +275,5 @@ def _doc(scene: Scene, coordinates: tuple[Coordinate, ...], conditions: tuple[Co
     )
 
 
-def _count(things: Sequence[object], noun: str, one: str = "", many: str = "s") -> str:
-    return f"{len(things)} {noun}{one if len(things) == 1 else many}"
+def _count(things: Sequence[object], noun: str, singular: str = "", plural: str = "s") -> str:
+    return f"{len(things)} {noun}{singular if len(things) == 1 else plural}"

@@ -84,14 +84,15 @@ class PrescribedMotion:
 class Support:
     """A rigid body that a joint connects to a marker whose motion is known.
 
-    `motion` is that of the body, whose origin O is its marker of the joint; `marker` is the known marker, `base` what
-    it is on, in words. `sign` is 1 if the body is the joint's second, -1 if it is the first.
+    `motion` is that of the body, whose origin O is its marker of the joint; `marker` is the known marker, and
+    `attached_to` is the text that names the body of the known marker. `sign` is 1 if the body is body 2 of the joint,
+    -1 if it is body 1.
     """
 
     body: str
     motion: Motion
     marker: PointMotion
-    base: str
+    attached_to: str
     sign: int
     drive: PrescribedMotion | None
 

@@ -41,5 +41,5 @@ class Revolute(JointType):
             reason = f"drive {drive.name} prescribes its motion: no coordinates and no constraints, in place of 3 and 3"
             return prescribed(name, support.motion, at, rotation, reason)
         kept = "its rotation alone, in place of 3 coordinates and 2 constraints"
-        reason = f"joint {joint.name} holds a point of it to {support.base}: {kept}"
+        reason = f"joint {joint.name} holds a point of it to {support.attached_to}: {kept}"
         return rotation_only(name, support.motion, at, reason)

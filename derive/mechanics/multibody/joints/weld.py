@@ -32,8 +32,7 @@ class Weld(JointType):
         """Nothing: the body follows its support."""
         angle = support.sign * sp.Rational(joint.angle)
         rotation, *derivatives = support.marker.rotation_derivatives
-        reason = (
-            f"joint {joint.name} fixes it to {support.base}: no coordinates and no constraints, in place of 3 and 3"
-        )
+        eliminated = "no coordinates and no constraints, in place of 3 and 3"
+        reason = f"joint {joint.name} fixes it to {support.attached_to}: {eliminated}"
         at = support.marker
         return prescribed(support.body, support.motion, at, (rotation + angle, *derivatives), reason)
