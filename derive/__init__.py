@@ -54,13 +54,13 @@ if TYPE_CHECKING:
     from derive.mechanics.multibody.mechanism import Mechanism
     from derive.registry import UnknownNameError
     from derive.roles import Role
-    from derive.runtime.calls import ModelError
+    from derive.runtime.compiled_model import Native, NativeScene, load, load_scene
     from derive.runtime.compiler import CompilerError
     from derive.runtime.integrators.c_integrator import Integration, IntegratorError
     from derive.runtime.integrators.fixed_step import FixedStep
     from derive.runtime.integrators.generalised_alpha import GeneralisedAlpha
     from derive.runtime.integrators.ida import Ida
-    from derive.runtime.native import Native, NativeScene, load, load_scene
+    from derive.runtime.native_call import ModelError
     from derive.simulation.errors import SimulationError
     from derive.simulation.initial.consistent_state import InitialState
     from derive.simulation.initial.initial_state import initial_state
@@ -131,7 +131,7 @@ _MODULES = {
     "derive.mechanics.multibody.mechanism": ("Mechanism",),
     "derive.registry": ("UnknownNameError",),
     "derive.roles": ("Role",),
-    "derive.runtime.calls": ("ModelError",),
+    "derive.runtime.native_call": ("ModelError",),
     "derive.runtime.compiler": ("CompilerError",),
     "derive.runtime.integrators.c_integrator": (
         "Integration",
@@ -140,7 +140,7 @@ _MODULES = {
     "derive.runtime.integrators.fixed_step": ("FixedStep",),
     "derive.runtime.integrators.generalised_alpha": ("GeneralisedAlpha",),
     "derive.runtime.integrators.ida": ("Ida",),
-    "derive.runtime.native": (
+    "derive.runtime.compiled_model": (
         "Native",
         "NativeScene",
         "load",

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 import derive
-from derive.runtime.native import Native
+from derive.runtime.compiled_model import Native
 
 FRAMES: dict[str, Any] = {
     "mean": "mean",

@@ -19,7 +19,7 @@ from derive import ModalBody, Model, NodalBody
 from derive.backends.c.source import CBackend
 from derive.backends.python.module import PythonBackend
 from derive.mechanics.bodies.spatial_body import parameters, symbolic_tables
-from derive.runtime.native import Native
+from derive.runtime.compiled_model import Native
 
 SHAPES = (0, 1, 3, 8)
 KINDS = ("numbers flat", "numbers table", "parameters flat", "parameters table")

@@ -11,8 +11,8 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import beams
-from derive.runtime.calls import Vector
-from derive.runtime.native import Native
+from derive.runtime.compiled_model import Native
+from derive.runtime.native_call import Vector
 
 P = np.array([1.3, 0.7, 2.1])
 UNIT = math.sqrt(P[2] / (P[0] * P[1] ** 3))

@@ -17,7 +17,7 @@ import pytest
 import beams
 import derive
 from derive.ir.interpreter import interpret
-from derive.runtime.native import NativeScene, load_scene
+from derive.runtime.compiled_model import NativeScene, load_scene
 from derive.spec.model.scene import RigidBody, Scene
 
 SCENES = Path(__file__).parent.parent / "scenes"

@@ -10,8 +10,8 @@ from scipy.integrate import solve_ivp
 
 import derive
 from derive.backends.c.source import CBackend
-from derive.runtime.calls import Vector
-from derive.runtime.native import Native
+from derive.runtime.compiled_model import Native
+from derive.runtime.native_call import Vector
 
 
 @cache

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from derive.ir.patterns import Pattern
 from derive.roles import Role
-from derive.runtime.calls import Matrix, Vector
+from derive.runtime.native_call import Matrix, Vector
 
 Mask = NDArray[np.bool_]
 

@@ -16,7 +16,7 @@ from derive.derivation import derive, lower
 from derive.errors import Problem, SpecError, TisserandError
 from derive.ir.model import Model
 from derive.registry import UnknownNameError
-from derive.runtime.calls import Vector
+from derive.runtime.native_call import Vector
 from derive.simulation.initial.consistent_state import InitialState
 from derive.simulation.initial.initial_state import initial_state
 from derive.simulation.integration.integrator import Settings

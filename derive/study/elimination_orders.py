@@ -12,7 +12,7 @@ from scipy.sparse.csgraph import min_weight_full_bipartite_matching
 
 from derive.ir.patterns import Pattern
 from derive.lowering.ldlt import elimination_order, kkt_elimination_order
-from derive.runtime.calls import Matrix
+from derive.runtime.native_call import Matrix
 from derive.study.elimination import entry_mask
 
 THRESHOLD = 0.1

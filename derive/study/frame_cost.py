@@ -12,8 +12,8 @@ import numpy as np
 from derive.backends.model_files import model_files
 from derive.derivation import derive, lower
 from derive.mechanics.equations import Equations
-from derive.runtime.calls import Vector
 from derive.runtime.integrators.fixed_step import FixedStep
+from derive.runtime.native_call import Vector
 from derive.simulation.compiled_scene import kkt_matrix, mass_matrix
 from derive.spec.model.scene import Scene
 from derive.study.states import start_state

@@ -17,8 +17,8 @@ from derive.ir.patterns import Pattern, pattern
 from derive.lowering.flat.constraints import kkt_pattern
 from derive.lowering.flat.context import Context
 from derive.mechanics.equations import Equations
-from derive.runtime.calls import Matrix
-from derive.runtime.native import load_scene
+from derive.runtime.compiled_model import load_scene
+from derive.runtime.native_call import Matrix
 from derive.study.elimination import backward_error, eliminate, entry_mask, equilibrated, kkt_systems
 from derive.study.elimination_orders import ORDERS, Order, without_diagonal
 from derive.study.states import simulated_states, undeformed_states

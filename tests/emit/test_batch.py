@@ -14,8 +14,8 @@ from toolchain import C99, run, tool, written
 import beams
 import derive
 from derive.backends.c import batch as c_batch
-from derive.runtime.calls import ModelError
-from derive.runtime.native import Native
+from derive.runtime.compiled_model import Native
+from derive.runtime.native_call import ModelError
 
 SIZES = (0, 1, 31, 32, 33, 100)
 VECTORS = ("-std=c99", "-O1", "-ftree-vectorize", "-ffp-contract=off")

@@ -17,10 +17,10 @@ import derive
 import free_block
 from derive.backends.c.source import ABI
 from derive.roles import Role
+from derive.runtime import compiled_model as native_module
 from derive.runtime import compiler as compiler_module
-from derive.runtime import native as native_module
+from derive.runtime.compiled_model import Native
 from derive.runtime.compiler import CompilerError
-from derive.runtime.native import Native
 
 Q, V = beams.state(2)
 Y = np.concatenate([Q, V])

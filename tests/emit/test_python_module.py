@@ -17,8 +17,8 @@ from toolchain import MODELS, run, text_of, written
 import beams
 import derive
 from derive.ir.model import Kernel
+from derive.runtime.compiled_model import Native
 from derive.runtime.compiler import FLAGS
-from derive.runtime.native import Native
 
 SOME = (
     *("mean_2", "point_2", "tangent_5", "folded_mean", "folded_point", "half_folded", "no_markers", "unlucky_names"),

@@ -10,8 +10,8 @@ import beams
 import derive
 from derive.errors import TisserandError
 from derive.lowering.flat.functions import VANISHING
-from derive.runtime.calls import ModelError
-from derive.runtime.native import Native
+from derive.runtime.compiled_model import Native
+from derive.runtime.native_call import ModelError
 
 BAD = [-1.0, 0.0, -0.0, np.nan, np.inf, -np.inf]
 

@@ -16,7 +16,7 @@ from derive.ir.cost import operations
 from derive.ir.interpreter import interpret
 from derive.ir.model import Kernel, Model
 from derive.ir.statements import ReturnCode, expressions, reads
-from derive.runtime.calls import ModelError
+from derive.runtime.native_call import ModelError
 
 
 @dataclass(frozen=True)

@@ -12,8 +12,8 @@ import beams
 import derive
 from derive.ir.interpreter import RequirementError, interpret
 from derive.ir.statements import Accumulate, Let, Map, MatrixStore, MatVec, Packing, Require, Store
-from derive.runtime.calls import ModelError
-from derive.runtime.native import Native
+from derive.runtime.compiled_model import Native
+from derive.runtime.native_call import ModelError
 
 CASES = [(n, frame) for n in (0, 1, 2, 3, 5, 8, 13) for frame in ("given", "mean")]
 GRAVITY = [1, {"symbol": "gy", "default": 2.0}, "-981/100"]

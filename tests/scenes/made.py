@@ -13,7 +13,7 @@ import zoo
 import derive
 from beams import run_module
 from conftest import ROOT
-from derive.runtime.native import NativeScene, load_scene
+from derive.runtime.compiled_model import NativeScene, load_scene
 from derive.simulation.initial.consistent_state import InitialState
 from derive.simulation.initial.initial_state import initial_state
 from derive.simulation.integration.scipy_methods import integrate

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from derive.ir.patterns import Pattern, pattern
 from derive.roles import Role
-from derive.runtime.calls import ModelError
+from derive.runtime.native_call import ModelError
 
 Array = NDArray[np.float64]
 Point = tuple[float, float]

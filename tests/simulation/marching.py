@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from derive.runtime.calls import Vector
+from derive.runtime.native_call import Vector
 from derive.simulation.compiled_scene import ConstrainedSystem
 from derive.simulation.constraints.projection import project
 from derive.simulation.integration.scipy_methods import Evaluator

@@ -15,7 +15,7 @@ from derive.simulation.errors import (
     RedundantConstraints,
     SingularConfiguration,
 )
-from derive.simulation.integration.ida import integrate_ida
+from derive.simulation.integration.scikit_sundae import integrate_ida
 from derive.simulation.integration.scipy_methods import integrate
 
 METHODS = [integrate, pytest.param(integrate_ida, marks=pytest.mark.skipif(not find_spec("sksundae"), reason="no IDA"))]

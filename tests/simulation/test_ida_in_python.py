@@ -11,7 +11,7 @@ from double_dae import DoubleDae
 from mechanisms import pendulum
 
 from derive.simulation.errors import DriftTooLarge
-from derive.simulation.integration.ida import IdaMissing, integrate_ida
+from derive.simulation.integration.scikit_sundae import IdaMissing, integrate_ida
 from derive.simulation.integration.scipy_methods import integrate
 
 if not os.environ.get("CI"):

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import solve_triangular
 
-from derive.runtime.calls import Matrix, Vector
+from derive.runtime.native_call import Matrix, Vector
 from derive.simulation.compiled_scene import ConstrainedSystem, Mask, constraint_matrix, mass_matrix, max_norm
 from derive.simulation.constraints.scaling import SINGULAR, in_mass_metric, mass_factor, typical_row_norms
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from derive.runtime.calls import Vector
+from derive.runtime.native_call import Vector
 from derive.simulation.compiled_scene import ConstrainedSystem, max_norm
 from derive.simulation.errors import DriftTooLarge
 

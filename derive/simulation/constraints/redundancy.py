@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import null_space, qr
 
-from derive.runtime.calls import Matrix, Vector
+from derive.runtime.native_call import Matrix, Vector
 from derive.simulation.compiled_scene import ConstrainedSystem, constraint_matrix, kkt_matrix, mass_matrix
 from derive.simulation.constraints.neighbouring_states import neighbouring_states
 from derive.simulation.constraints.scaling import SINGULAR, Spectrum, spectrum

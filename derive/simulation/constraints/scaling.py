@@ -8,7 +8,7 @@ import numpy as np
 from scipy.linalg import cholesky, solve_triangular
 
 from derive.roles import Role
-from derive.runtime.calls import Matrix, Vector
+from derive.runtime.native_call import Matrix, Vector
 from derive.simulation.compiled_scene import ConstrainedSystem, Mask, constraint_matrix, coordinates_with, mass_matrix
 
 RANDOM_ORIENTATIONS = 7

@@ -8,7 +8,7 @@ import numpy as np
 from scipy.linalg import solve_triangular
 
 from derive.roles import Role
-from derive.runtime.calls import Vector
+from derive.runtime.native_call import Vector
 from derive.simulation.compiled_scene import (
     ConstrainedSystem,
     Mask,

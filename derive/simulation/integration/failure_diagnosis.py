@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from derive.runtime.calls import ModelError, Vector
+from derive.runtime.native_call import ModelError, Vector
 from derive.simulation.compiled_scene import ConstrainedSystem
 from derive.simulation.constraints.neighbouring_states import driven_multipliers
 from derive.simulation.constraints.redundancy import involved

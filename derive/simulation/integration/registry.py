@@ -7,11 +7,11 @@ from typing import Literal
 
 from derive.artifacts import File
 from derive.registry import Registry
-from derive.runtime.calls import Vector
-from derive.runtime.native import load_scene
+from derive.runtime.compiled_model import load_scene
+from derive.runtime.native_call import Vector
 from derive.simulation.integration import c_methods
-from derive.simulation.integration.ida import integrate_ida
 from derive.simulation.integration.integrator import Compile, Integrator, Settings
+from derive.simulation.integration.scikit_sundae import integrate_ida
 from derive.simulation.integration.scipy_methods import integrate
 from derive.simulation.integration.solution import Solution
 

@@ -10,8 +10,8 @@ from typing import Any, Literal
 import numpy as np
 from scipy.integrate import DOP853, RK45
 
-from derive.runtime.calls import ModelError, Vector
-from derive.runtime.native import Native
+from derive.runtime.compiled_model import Native
+from derive.runtime.native_call import ModelError, Vector
 from derive.simulation.compiled_scene import ConstrainedSystem
 from derive.simulation.errors import DriftTooLarge, IntegrationStopped
 from derive.simulation.integration.failure_diagnosis import diagnose_error, diagnose_failure

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from derive.runtime.calls import Matrix, Vector
+from derive.runtime.native_call import Matrix, Vector
 from derive.simulation.compiled_scene import ConstrainedSystem
 from derive.simulation.constraints.projection import check_drift, drift, project
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.linalg import null_space, solve_triangular
 
-from derive.runtime.calls import Matrix, Vector
+from derive.runtime.native_call import Matrix, Vector
 from derive.simulation.compiled_scene import ConstrainedSystem, constraint_matrix, mass_matrix
 from derive.simulation.constraints.scaling import in_mass_metric, mass_factor, typical_row_norms
 

@@ -11,7 +11,7 @@ import pytest
 import toolchain
 
 import derive
-from derive.runtime.native import Native
+from derive.runtime.compiled_model import Native
 
 
 def program(name: str, language: str) -> str:

@@ -12,7 +12,7 @@ import numpy as np
 from scipy.sparse import csc_array
 
 from derive.ir.patterns import Pattern
-from derive.runtime.calls import ModelError, Vector
+from derive.runtime.native_call import ModelError, Vector
 from derive.simulation.compiled_scene import ConstrainedSystem
 from derive.simulation.errors import DriftTooLarge, SimulationError
 from derive.simulation.integration.failure_diagnosis import diagnose_error, diagnose_failure

@@ -15,9 +15,9 @@ from derive.artifacts import File, write
 from derive.backends.c.source import ABI
 from derive.ir.patterns import Pattern
 from derive.registry import UnknownNameError
-from derive.runtime.calls import Matrix, ModelError, Vector, checked_rows, checked_vector, invoke
 from derive.runtime.compiler import FLAGS, CompilerError, compile_shared
 from derive.runtime.descriptor import DaeStruct, Doubles, ModelStruct, names_of, pattern_of, roles_of
+from derive.runtime.native_call import Matrix, ModelError, Vector, checked_rows, checked_vector, invoke
 
 
 def load(files: Sequence[File], flags: Sequence[str] = FLAGS) -> Native:
