@@ -84,7 +84,7 @@ def _files(main: Trajectory, shown: Sequence[PlotCurves]) -> list[File]:
 
 
 def _label(plot: Plot, pieces: int) -> str:
-    return beam_count(pieces) if pieces else f"{plot.quantity.marker.body}.{plot.quantity.marker.marker}"
+    return beam_count(pieces) if pieces else str(plot.quantity.marker)
 
 
 def _summary(simulations: Simulations, shown: Sequence[PlotCurves], files: list[str]) -> dict[str, Any]:

@@ -103,7 +103,8 @@ def as_table(value: Any) -> Any:
     return value
 
 
-def _given(**keys: object) -> Data:
+def without_none(**keys: object) -> Data:
+    """The keys whose value is not None."""
     return {key: value for key, value in keys.items() if value is not None}
 
 
@@ -112,7 +113,7 @@ def _markers(markers: Iterable[Marker | NodeMarker | PointMarker]) -> Data:
 
 
 def _beam(beam: PlanarBeam) -> Data:
-    return _given(
+    return without_none(
         ansatz=beam.ansatz,
         frame=beam.frame,
         orthogonal=beam.orthogonal,
@@ -125,7 +126,7 @@ def _beam(beam: PlanarBeam) -> Data:
 
 
 def _nodal_body(body: NodalBody) -> Data:
-    return _given(
+    return without_none(
         nodes=body.data,
         units="SI",
         modes=body.modes,
@@ -139,7 +140,7 @@ def _nodal_body(body: NodalBody) -> Data:
 
 
 def _symbolic_body(body: SymbolicBody) -> Data:
-    return _given(
+    return without_none(
         integrals="symbolic",
         modes=body.modes,
         frame=body.frame,
@@ -150,7 +151,7 @@ def _symbolic_body(body: SymbolicBody) -> Data:
 
 
 def _rigid_body(body: RigidBody) -> Data:
-    return _given(
+    return without_none(
         mass=body.mass,
         inertia=body.inertia,
         centre=body.centre,
@@ -162,7 +163,7 @@ def _rigid_body(body: RigidBody) -> Data:
 
 def _joint(joint: Joint) -> Data:
     default = Joint(joint.name, joint.kind, joint.first, joint.second)
-    return _given(
+    return without_none(
         kind=joint.kind,
         between=[joint.first, joint.second],
         angle=joint.angle if joint.angle != default.angle else None,
@@ -173,7 +174,7 @@ def _joint(joint: Joint) -> Data:
 
 def _plot(plot: Plot) -> Data:
     deflection = plot.quantity
-    return _given(
+    return without_none(
         deflection=deflection.marker,
         chord=[deflection.start, deflection.end],
         divided_by=deflection.over,
@@ -186,13 +187,13 @@ def _plot(plot: Plot) -> Data:
 
 _CONVERT: Mapping[type, Callable[[Any], object]] = {
     Parameter: asdict,
-    Frame: lambda frame: _given(kind=frame.kind, at=frame.at),
-    BodyFrame: lambda frame: _given(kind=frame.kind, node=frame.node, around=frame.around or None),
+    Frame: lambda frame: without_none(kind=frame.kind, at=frame.at),
+    BodyFrame: lambda frame: without_none(kind=frame.kind, node=frame.node, around=frame.around or None),
     Damping: lambda damping: {key: value for key, value in asdict(damping).items() if value} or None,
     Marker: lambda marker: marker.at,
     NodeMarker: lambda marker: marker.node,
     PointMarker: lambda marker: [marker.x, marker.y],
-    MarkerRef: lambda ref: f"{ref.body}.{ref.marker}",
+    MarkerRef: str,
     PlanarBeam: _beam,
     NodalBody: _nodal_body,
     SymbolicBody: _symbolic_body,
@@ -202,10 +203,12 @@ _CONVERT: Mapping[type, Callable[[Any], object]] = {
     InitialGuess: asdict,
     Joint: _joint,
     CustomJoint: _joint,
-    Drive: lambda drive: _given(joint=drive.joint, motion=drive.motion, speed=drive.speed, offset=drive.offset or None),
-    Force: lambda force: _given(at=force.at, components=force.components),
-    Torque: lambda torque: _given(at=torque.at, value=torque.value, against=torque.against),
-    Spring: lambda spring: _given(
+    Drive: lambda drive: without_none(
+        joint=drive.joint, motion=drive.motion, speed=drive.speed, offset=drive.offset or None
+    ),
+    Force: lambda force: without_none(at=force.at, components=force.components),
+    Torque: lambda torque: without_none(at=torque.at, value=torque.value, against=torque.against),
+    Spring: lambda spring: without_none(
         kind=spring.kind,
         between=[spring.first, spring.second],
         stiffness=spring.stiffness,

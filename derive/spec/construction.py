@@ -10,7 +10,7 @@ from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from typing import Any, TypeVar
 
-from derive.spec.as_tables import NAMED, as_table, named, specification_tables
+from derive.spec.as_tables import NAMED, as_table, named, specification_tables, without_none
 from derive.spec.model.body import (
     DEFAULT_ANSATZ,
     DEFAULT_BENDING_STIFFNESS,
@@ -74,7 +74,7 @@ def planar_beam(
     """
     keys = {"ansatz": ansatz, "frame": frame, "mass": mass, "length": length, "bending_stiffness": bending_stiffness}
     optional = {"orthogonal": orthogonal, "gravity": gravity}
-    result = _validate({"name": name, "beam": {**keys, "markers": markers or {}, **_given(optional)}})
+    result = _validate({"name": name, "beam": {**keys, "markers": markers or {}, **without_none(**optional)}})
     assert isinstance(result, PlanarBeam)
     return result
 
@@ -106,7 +106,7 @@ def nodal_body(
         "gravity": gravity,
         "markers": markers,
     }
-    body = {"nodes": nodes, "frame": frame, "lowering": lowering, **_given(optional)}
+    body = {"nodes": nodes, "frame": frame, "lowering": lowering, **without_none(**optional)}
     result = _validate({"name": name, "body": body})
     assert isinstance(result, NodalBody)
     return result
@@ -122,7 +122,7 @@ def symbolic_body(
     lowering: Lowering = "auto",
 ) -> SymbolicBody:
     """A deformable body in space whose mass, shape integrals and stiffness are run-time parameters."""
-    keys = {"modes": modes, "frame": frame, "damping": damping, "lowering": lowering, **_given({"gravity": gravity})}
+    keys = {"modes": modes, "frame": frame, "damping": damping, "lowering": lowering, **without_none(gravity=gravity)}
     result = _validate({"name": name, "body": {"integrals": "symbolic", **keys}})
     assert isinstance(result, SymbolicBody)
     return result
@@ -168,7 +168,7 @@ def scene(
             **({} if gravity is None else {"scene": {"gravity": gravity}}),
             "bodies": named("bodies", bodies),
             **{kind: tables for kind, given in elements.items() if (tables := named(kind, given))},
-            **_given({"simulation": simulation}),
+            **without_none(simulation=simulation),
         }
     result = _validate(data)
     if not isinstance(result, Scene):
@@ -192,7 +192,3 @@ def _validate(data: Mapping[str, object], curves: Mapping[str, tuple[tuple[float
     from derive.spec.checks.validation import validate
 
     return validate(as_table(data), curves=curves)
-
-
-def _given(keys: Mapping[str, object]) -> dict[str, object]:
-    return {key: value for key, value in keys.items() if value is not None}

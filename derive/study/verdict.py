@@ -33,7 +33,7 @@ def verdict(first: FrameStability, second: FrameStability) -> list[str]:
     return [
         _premise(sparse, full),
         *(j.words for j in judged),
-        conclusion(judged, sparse, full),
+        conclusion(judged, sparse.frame),
         *_besides(sparse, full),
     ]
 
@@ -59,21 +59,21 @@ def judge(order: str, sparse: FrameStability, full: FrameStability) -> OrderVerd
     )
 
 
-def conclusion(judged: Sequence[OrderVerdict], sparse: FrameStability, full: FrameStability) -> str:
-    """The sentence that says whether the conjecture holds."""
+def conclusion(judged: Sequence[OrderVerdict], sparse_frame: str) -> str:
+    """The sentence on whether the conjecture holds; `sparse_frame` names the frame with more zeros."""
     by_gain = {gain: [j.order for j in judged if j.gain == gain] for gain in (1, 0, -1)}
     if not by_gain[0] and not by_gain[-1]:
-        return f"Haug's conjecture holds here: with every order the {sparse.frame} frame is substantially more stable."
+        return f"Haug's conjecture holds here: with every order the {sparse_frame} frame is substantially more stable."
     if not by_gain[1] and not by_gain[-1]:
         return (
             "Haug's conjecture does not hold here: the zeros make no substantial difference to stability in any order."
         )
     if not by_gain[1]:
         return (
-            f"Haug's conjecture does not hold here: the {sparse.frame} frame is nowhere substantially more stable, and "
+            f"Haug's conjecture does not hold here: the {sparse_frame} frame is nowhere substantially more stable, and "
             f"less so with the order{_s(by_gain[-1])} {_and(by_gain[-1])}."
         )
-    parts = [f"the {sparse.frame} frame is substantially more stable with the order{_s(by_gain[1])} {_and(by_gain[1])}"]
+    parts = [f"the {sparse_frame} frame is substantially more stable with the order{_s(by_gain[1])} {_and(by_gain[1])}"]
     parts += [f"not substantially different with {_and(by_gain[0])}"] if by_gain[0] else []
     parts += [f"substantially less stable with {_and(by_gain[-1])}"] if by_gain[-1] else []
     return f"Haug's conjecture holds in part: {', '.join(parts)}."

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from made import Made, of
 
-from derive.simulation.constraints.redundancy import analyse_constraints
+from constraint_analysis import analyse_constraints
 from derive.simulation.errors import (
     DriveCannotBeFollowed,
     ExcessiveDeformation,

@@ -8,9 +8,10 @@ import pytest
 from double import Body, Double, Motion, Pin
 from mechanisms import CRANK, ROD, crank_slider, four_bar, pendulum, pushed_crank
 
+from constraint_analysis import analyse_constraints
 from derive.roles import Role
 from derive.simulation.compiled_scene import coordinates_with
-from derive.simulation.constraints.redundancy import analyse_constraints, check_constraints
+from derive.simulation.constraints.redundancy import check_constraints
 from derive.simulation.errors import MasslessMotion, RedundantConstraints, SingularConfiguration
 
 NONE = np.zeros(0)

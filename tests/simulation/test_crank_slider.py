@@ -7,7 +7,8 @@ import pytest
 from compiled import Compiled, crank_slider
 from marching import march
 
-from derive.simulation.constraints.redundancy import analyse_constraints, check_constraints
+from constraint_analysis import analyse_constraints
+from derive.simulation.constraints.redundancy import check_constraints
 from derive.simulation.integration.scipy_methods import integrate
 from derive.simulation.integration.solution import Solution
 from derive.simulation.integration.step_limit import natural_frequencies, rk4_step_limit

@@ -54,7 +54,7 @@ def test_it_may_be_the_other_way_round() -> None:
     assert "some pivot vanishes in 40 % in the mean frame and in 10 % in the point frame: substantially" in text
     gained = [judge(order, *sorted_frames()) for order in ("constrained", "markowitz", "unconstrained")]
     assert [j.gain for j in gained] == [0, -1, 1]
-    assert "substantially less stable with markowitz" in conclusion(gained, *sorted_frames())
+    assert "substantially less stable with markowitz" in conclusion(gained, sorted_frames()[0].frame)
 
 
 def sorted_frames():

@@ -7,7 +7,7 @@ import sympy as sp
 from derive.mechanics.multibody.joints.joint_type import JointType, PrescribedMotion
 from derive.mechanics.multibody.point_motion import Derivatives, RelativeMotion, added
 from derive.mechanics.terms import Constraint, EquationOfMotion, Intermediate
-from derive.spec.model.scene import Joint, MarkerRef
+from derive.spec.model.scene import Joint
 
 
 def constraints(
@@ -64,8 +64,4 @@ def _constraint(
 
 def _markers(joint: Joint) -> str:
     """The markers of a joint as a user knows them, and the components of rods as their neighbours."""
-    return f"{_text(joint.first)} and {_text(joint.second)}"
-
-
-def _text(marker: MarkerRef) -> str:
-    return f"{marker.body}.{marker.marker}"
+    return f"{joint.first} and {joint.second}"

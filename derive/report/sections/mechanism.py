@@ -13,7 +13,7 @@ from derive.report.document.page import Equations as Lines
 from derive.report.document.tables import Content, table
 from derive.report.notation.expressions import Notation
 from derive.spec.model.body import Parameter, Quantity
-from derive.spec.model.scene import BeamBody, MarkerRef, RigidBody, Scene, SceneBody
+from derive.spec.model.scene import BeamBody, RigidBody, Scene, SceneBody
 from derive.visual.mechanism import mechanism_picture
 
 MANY = 24
@@ -87,7 +87,7 @@ def joint_blocks(spec: Scene, equations: Equations) -> tuple[Block, ...]:
         drive = next((d.name for d in spec.drives if d.joint == joint.name), "")
         names = [c.name for c in (*own.pop(joint.name, ()), *own.pop(drive, ()))]
         exerted = ", ".join(names) or "none: it eliminates coordinates"
-        rows.append([joint.name, joint.kind, _marker(joint.first), _marker(joint.second), drive, exerted])
+        rows.append([joint.name, joint.kind, str(joint.first), str(joint.second), drive, exerted])
     cuts = sum(map(len, own.values()))
     multipliers: list[list[Content]] = [[Code(c.name), c.force_unit, c.doc] for c in equations.constraints]
     whole = table("", ("multiplier", "unit", "constraint"), multipliers)
@@ -107,16 +107,12 @@ def joint_blocks(spec: Scene, equations: Equations) -> tuple[Block, ...]:
 
 
 def _loads(spec: Scene) -> tuple[Block, ...]:
-    rows: list[list[Content]] = [["force", f.name, _marker(f.at)] for f in spec.forces]
+    rows: list[list[Content]] = [["force", f.name, str(f.at)] for f in spec.forces]
     for torque in spec.torques:
-        against = f", against {_marker(torque.against)}" if torque.against else ""
-        rows.append(["torque", torque.name, _marker(torque.at) + against])
-    rows += [[f"{s.kind} spring", s.name, f"{_marker(s.first)} to {_marker(s.second)}"] for s in spec.springs]
+        against = f", against {torque.against}" if torque.against else ""
+        rows.append(["torque", torque.name, f"{torque.at}{against}"])
+    rows += [[f"{s.kind} spring", s.name, f"{s.first} to {s.second}"] for s in spec.springs]
     return (table("Loads", ("load", "name", "marker"), rows),) if rows else ()
-
-
-def _marker(marker: MarkerRef) -> str:
-    return f"{marker.body}.{marker.marker}"
 
 
 def constraint_blocks(equations: Equations, written: Notation) -> tuple[Block, ...]:

@@ -3,45 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from scipy.linalg import null_space, qr
 
 from derive.runtime.native_call import Matrix, Vector
-from derive.simulation.compiled_scene import ConstrainedSystem, constraint_matrix, kkt_matrix, mass_matrix
+from derive.simulation.compiled_scene import ConstrainedSystem, constraint_matrix, mass_matrix
 from derive.simulation.constraints.neighbouring_states import neighbouring_states
 from derive.simulation.constraints.scaling import SINGULAR, Spectrum, spectrum
 from derive.simulation.errors import Dependence, MasslessMotion, RedundantConstraints, SingularConfiguration
-
-
-@dataclass(frozen=True)
-class ConstraintAnalysis:
-    """Constraints in one state: their number and rank; the smallest singular value of the scaled G.
-
-    condition: the condition number of [M, -G^T; -G, 0] in SI units, not scaled. dependent: a minimal set of constraints
-    that the others imply in this state. involved: the multipliers that take part in the smallest singular values.
-    """
-
-    count: int
-    rank: int
-    smallest: float
-    condition: float
-    dependent: tuple[Dependence, ...]
-    involved: tuple[str, ...]
-
-
-def analyse_constraints(native: ConstrainedSystem, k: Vector, t: float, q: Vector) -> ConstraintAnalysis:
-    """Rank and conditioning of the constraints in the configuration q (nq,) at t (s)."""
-    singular = spectrum(native, k, t, q)
-    return ConstraintAnalysis(
-        count=native.nlambda,
-        rank=singular.rank,
-        smallest=singular.smallest,
-        condition=float(np.linalg.cond(kkt_matrix(native, t, q, k))),
-        dependent=dependences(singular, native.multipliers),
-        involved=involved(singular, native.multipliers),
-    )
 
 
 def check_constraints(native: ConstrainedSystem, k: Vector, t: float, q: Vector, drives: Sequence[str] = ()) -> None:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from derive.simulation.observables.motion import Array, SceneMotion, deflection, deviation, drive_unit, drive_values
-from derive.spec.model.scene import MarkerRef, Plot, Scene
+from derive.spec.model.scene import Plot, Scene
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,9 +83,5 @@ def percent(ratio: float) -> str:
 def deflection_doc(plot: Plot) -> str:
     """The deflection of a plot in words, without its divisor."""
     quantity = plot.quantity
-    ends = f"{_marker(quantity.start)} to {_marker(quantity.end)}"
-    return f"deflection of {_marker(quantity.marker)} from the chord {ends}"
-
-
-def _marker(marker: MarkerRef) -> str:
-    return f"{marker.body}.{marker.marker}"
+    ends = f"{quantity.start} to {quantity.end}"
+    return f"deflection of {quantity.marker} from the chord {ends}"

@@ -8,7 +8,7 @@ from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
 from derive.spec.checks import scene_messages
-from derive.spec.model.body import DEFAULT_BENDING_STIFFNESS, DEFAULT_LENGTH, DEFAULT_MASS
+from derive.spec.model.body import BEAM_QUANTITIES
 from derive.spec.parsing.faults import Fault, KeyPath, unknown_key
 from derive.spec.parsing.values import kind_of
 from derive.spec.tables.beam import BeamTable, FrameTable
@@ -17,7 +17,6 @@ from derive.spec.tables.shared import ParameterTable
 from derive.spec.tables.specification import SCENE, specification_table
 
 MAX_FAULTS = 100
-QUANTITIES = {"mass": DEFAULT_MASS, "length": DEFAULT_LENGTH, "bending_stiffness": DEFAULT_BENDING_STIFFNESS}
 
 
 def key_faults(error: ValidationError, data: Mapping[str, object]) -> list[Fault]:
@@ -64,7 +63,7 @@ def _is_union(path: KeyPath) -> bool:
         case ("body",) | ("beam" | "body", "frame") | ("body", "units") | ("beam" | "body", "gravity", int()):
             return True
         case ("beam", key):
-            return key in QUANTITIES
+            return key in BEAM_QUANTITIES
     return scene_messages.is_union(path)
 
 
@@ -74,8 +73,8 @@ def _example(path: KeyPath) -> str:
             return f'symbol = "g{i + 1}"'
         case (*_, "gravity", int(), "default"):
             return "default = -9.81"
-        case (*_, str(key), "symbol") if key in QUANTITIES:
-            return f'symbol = "{QUANTITIES[key].symbol}"'
+        case (*_, str(key), "symbol") if key in BEAM_QUANTITIES:
+            return f'symbol = "{BEAM_QUANTITIES[key].symbol}"'
         case ("body", "nodes"):
             return 'nodes = "block.npz"'
         case ("body", "units"):

@@ -11,7 +11,7 @@ from derive.mechanics.multibody.joints.registry import JOINTS
 from derive.mechanics.multibody.keys import quantities
 from derive.spec.checks.scene_data import SceneData
 from derive.spec.checks.scene_names import taken_names
-from derive.spec.model.body import DEFAULT_BENDING_STIFFNESS, DEFAULT_LENGTH, DEFAULT_MASS
+from derive.spec.model.body import BEAM_QUANTITIES, DEFAULT_MASS
 from derive.spec.model.scene import GROUND
 from derive.spec.parsing import values
 from derive.spec.parsing.faults import Fault, KeyPath, readable
@@ -21,7 +21,6 @@ from derive.spec.tables.joints import speed_unit
 from derive.spec.tables.scene_bodies import INERTIA_UNIT, LENGTH_UNIT
 
 GRAVITY_UNIT = "m/s^2"
-BEAM = {"mass": DEFAULT_MASS, "length": DEFAULT_LENGTH, "bending_stiffness": DEFAULT_BENDING_STIFFNESS}
 RIGID = {"mass": DEFAULT_MASS.unit, "inertia": INERTIA_UNIT}
 
 
@@ -43,7 +42,7 @@ def parameter_faults(view: SceneData) -> Iterator[Fault]:
         taken[model.lower()] = "it is the name of the model"
     first: dict[str, SceneConstant] = {}
     # Symbols that nobody wrote come first, so that a fault is reported where something was written.
-    for constant in (*_unwritten(view), *written(view)):
+    for constant in (*_implied_constants(view), *scene_constants(view)):
         symbol = _symbol(constant.value)
         if symbol is None:
             continue
@@ -88,15 +87,15 @@ def _default(constant: SceneConstant) -> float | None:
     return 1.0  # of masses and the like; where a default has to be written, that is said elsewhere
 
 
-def _unwritten(view: SceneData) -> Iterator[SceneConstant]:
+def _implied_constants(view: SceneData) -> Iterator[SceneConstant]:
     for name, body in view.bodies.items():
-        for key, like in BEAM.items() if view.is_beam(name) else ():
+        for key, like in BEAM_QUANTITIES.items() if view.is_beam(name) else ():
             if key not in body:
                 what = f"{key} of the body {name} if none is given"
                 yield SceneConstant(("bodies", name, key), {"symbol": like.symbol}, what, like.unit, given=False)
 
 
-def written(view: SceneData) -> Iterator[SceneConstant]:
+def scene_constants(view: SceneData) -> Iterator[SceneConstant]:
     """All constants of a scene that may be parameters."""
     scene = view.data.get("scene")
     if isinstance(scene, Mapping):
@@ -104,7 +103,7 @@ def written(view: SceneData) -> Iterator[SceneConstant]:
     for name, body in view.bodies.items():
         of = f"of the body {name}"
         if view.is_beam(name):
-            for key, like in BEAM.items():
+            for key, like in BEAM_QUANTITIES.items():
                 yield SceneConstant(("bodies", name, key), body.get(key), f"{key} {of}", like.unit)
             continue
         kind = view.kind(name)

@@ -11,10 +11,10 @@ from pydantic import ValidationError
 
 from derive.errors import Problem, SpecError, quoted
 from derive.spec.checks.body_checks import shape_faults
-from derive.spec.checks.messages import QUANTITIES, key_faults
+from derive.spec.checks.messages import key_faults
 from derive.spec.checks.scene_checks import scene_faults
 from derive.spec.files.reference_curves import Rows, references
-from derive.spec.model.body import NodeData
+from derive.spec.model.body import BEAM_QUANTITIES, NodeData
 from derive.spec.model.scene import Specification
 from derive.spec.parsing.faults import Fault, KeyPath, line_of, path_text
 from derive.spec.parsing.names import name_problem
@@ -127,12 +127,12 @@ def _names_of_integrals(data: Mapping[str, object]) -> Iterator[Fault]:
 
 def _symbols(model: object, kind: str, table: Mapping[str, object]) -> Iterator[tuple[KeyPath, str, str]]:
     # Symbols that nobody wrote come first, so that a clash is reported where something was written.
-    for key, parameter in QUANTITIES.items() if kind == "beam" else ():
+    for key, parameter in BEAM_QUANTITIES.items() if kind == "beam" else ():
         if key not in table:
             yield (kind, key), parameter.symbol, f"it is the symbol of {key} if none is given"
     if isinstance(model, str):
         yield ("name",), model, "it is the name of the model"
-    for key in QUANTITIES if kind == "beam" else ():
+    for key in BEAM_QUANTITIES if kind == "beam" else ():
         yield from _symbol((kind, key), table.get(key), f"it is the symbol of {key}")
     gravity = table.get("gravity")
     for i, component in enumerate(gravity[:3] if isinstance(gravity, (list, tuple)) else ()):

@@ -35,6 +35,8 @@ DEFAULT_FRAME = "mean"
 DEFAULT_MASS = Parameter("m", "kg", 1.0)
 DEFAULT_LENGTH = Parameter("l", "m", 1.0)
 DEFAULT_BENDING_STIFFNESS = Parameter("EI", "N m^2", 1.0)
+BEAM_QUANTITIES = {"mass": DEFAULT_MASS, "length": DEFAULT_LENGTH, "bending_stiffness": DEFAULT_BENDING_STIFFNESS}
+"""The defaults of the physical constants of a beam, by their keys."""
 """The free beam of the paper, (21)-(27): what a beam is for the keys that a specification leaves out."""
 
 

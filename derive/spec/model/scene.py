@@ -107,6 +107,9 @@ class MarkerRef:
     body: str
     marker: str
 
+    def __str__(self) -> str:
+        return f"{self.body}.{self.marker}"
+
 
 @dataclass(frozen=True)
 class Joint:

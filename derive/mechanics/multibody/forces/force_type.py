@@ -60,6 +60,16 @@ class ForceType(ABC, Generic[F]):
         yield from ()
 
 
+class SpringType(ForceType[Spring]):
+    """The type of a spring with a damper between two markers."""
+
+    section = "springs"
+
+    def markers(self, element: Spring) -> tuple[MarkerRef, ...]:
+        """Its two ends."""
+        return (element.first, element.second)
+
+
 def force_terms(name: str, at: PointMotion, force: sp.Matrix, rows: tuple[EquationOfMotion, ...]) -> tuple[Term, ...]:
     """The virtual work of a force: its product with the columns of the Jacobian of the point."""
     return _terms(name, sp.expand(force.dot(at.acceleration)), rows)

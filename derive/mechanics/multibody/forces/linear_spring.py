@@ -6,27 +6,22 @@ from typing import ClassVar
 
 import sympy as sp
 
-from derive.mechanics.multibody.forces.force_type import Constants, ForceType, GeneralisedForce, force_terms
+from derive.mechanics.multibody.forces.force_type import Constants, GeneralisedForce, SpringType, force_terms
 from derive.mechanics.multibody.point_motion import PointMotion, RelativeMotion
 from derive.mechanics.multibody.time_functions import rounded
 from derive.mechanics.symbols import element as element_symbol
 from derive.mechanics.terms import EquationOfMotion, Intermediate
-from derive.spec.model.scene import MarkerRef, Spring
+from derive.spec.model.scene import Spring
 
 
-class LinearSpring(ForceType[Spring]):
+class LinearSpring(SpringType):
     """A tension stiffness * (length - rest) + damping * (rate of the length)."""
 
-    section = "springs"
     doc = "along the line between the markers"
     units: ClassVar[dict[str, str]] = {"stiffness": "N/m", "damping": "N s/m", "rest": "m"}
     lengths = ("rest",)
     along_line = True
     intermediates = ("apart_1", "apart_2", "length", "rate", "pull")
-
-    def markers(self, element: Spring) -> tuple[MarkerRef, ...]:
-        """Its two ends."""
-        return (element.first, element.second)
 
     def generalised_force(
         self, element: Spring, points: tuple[PointMotion, ...], constants: Constants, rows: tuple[EquationOfMotion, ...]

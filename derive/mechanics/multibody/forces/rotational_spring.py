@@ -6,22 +6,17 @@ from typing import ClassVar
 
 import sympy as sp
 
-from derive.mechanics.multibody.forces.force_type import Constants, ForceType, GeneralisedForce, torque_terms
+from derive.mechanics.multibody.forces.force_type import Constants, GeneralisedForce, SpringType, torque_terms
 from derive.mechanics.multibody.point_motion import PointMotion, RelativeMotion
 from derive.mechanics.terms import EquationOfMotion
-from derive.spec.model.scene import MarkerRef, Spring
+from derive.spec.model.scene import Spring
 
 
-class RotationalSpring(ForceType[Spring]):
+class RotationalSpring(SpringType):
     """A torque stiffness * (relative rotation - rest) + damping * (relative angular velocity)."""
 
-    section = "springs"
     units: ClassVar[dict[str, str]] = {"stiffness": "N m/rad", "damping": "N m s/rad", "rest": "rad"}
     intermediates = ()
-
-    def markers(self, element: Spring) -> tuple[MarkerRef, ...]:
-        """Its two ends."""
-        return (element.first, element.second)
 
     def generalised_force(
         self, element: Spring, points: tuple[PointMotion, ...], constants: Constants, rows: tuple[EquationOfMotion, ...]
