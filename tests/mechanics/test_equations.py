@@ -106,11 +106,11 @@ def test_terms_add_up_to_mass_and_force() -> None:
         )
 
 
-def test_a_result_that_depends_on_the_body_base_is_refused() -> None:
+def test_a_result_that_depends_on_the_body_frame_is_refused() -> None:
     """r1 phi2 alone is no invariant of the two fields: the moments refuse to name it."""
     moments = PlanarMoments(MASS, sp.eye(2))
     only_first = sp.Matrix([[1, 0], [0, 0]])
-    with pytest.raises(ArithmeticError, match="depends on the choice of the body base"):
+    with pytest.raises(ArithmeticError, match="depends on the choice of the body frame"):
         total({R: only_first}, {PHI: sp.eye(2)}, moments)
 
 
