@@ -1,8 +1,8 @@
-"""`derive` and `lower`: the two stages that depend on what is specified.
+"""`derive` and `lower`: the two stages that depend on the kind of the specification.
 
 A specification is a beam, a body of nodes, a body with parameters, or a scene. The equations of a body keep their sums
-over the shapes; `lower` decides whether they are unrolled or become loops, see `derive.lowering.cost_model`, unless
-the specification says it.
+over the modes; `lower` unrolls them or generates loops, as the specification requires or else as
+`derive.lowering.cost_model` predicts.
 """
 
 from __future__ import annotations
@@ -29,9 +29,10 @@ from derive.spec.model.scene import Scene, Specification
 
 
 def derive(spec: Specification) -> Equations | Mechanism:
-    """The equations of motion of a body, or the mechanism that a scene describes. Raises SpecError.
+    """The equations of motion of a body, or the mechanism that a scene describes.
 
-    Both have `expanded()`, which writes out the sums over the shapes, and the equations of every instance of a body.
+    Both have a method `expanded()`, which expands the sums over the modes and, for a mechanism, the equations of every
+    instance of a body. Raises SpecError if the specification has no valid equations.
     """
     match spec:
         case PlanarBeam():
@@ -45,19 +46,19 @@ def derive(spec: Specification) -> Equations | Mechanism:
 
 
 def modal(spec: NodalBody) -> ModalBody:
-    """The shape integrals of a body of nodes, in its frame. Raises SpecError with all that is wrong."""
+    """The shape integrals of a finite-element body, in its frame. Raises SpecError with a list of all faults."""
     return reduce(spec)
 
 
 def derive_modal(body: ModalBody, gravity: Gravity | None = None, lowering: Lowering = "auto") -> Equations:
-    """The equations of motion of a body given by its shape integrals."""
+    """The equations of motion of a body given by its shape integrals; `lowering` is auto, flat or table."""
     return indexed_equations.derive_body(modal_body(body, gravity), lowering)
 
 
 def parameters(body: ModalBody, spec: SymbolicBody) -> NDArray[np.float64]:
-    """The parameters p with which the model of `spec` is this body; gravity at its defaults.
+    """The parameter vector p (parameters,) with which the model of `spec` represents `body`; gravity has its defaults.
 
-    Raises ValueError when the body has not as many modes, or an integral that the model takes to vanish.
+    Raises ValueError if the numbers of modes differ, or if the body has a non-zero integral that vanishes in the model.
     """
     if body.modes != spec.modes:
         raise ValueError(f"{spec.name} has {spec.modes} modes and {body.name} {body.modes}")
@@ -65,9 +66,9 @@ def parameters(body: ModalBody, spec: SymbolicBody) -> NDArray[np.float64]:
 
 
 def lower(derived: Equations | Mechanism) -> Model:
-    """The kernels of a model: straight-line code, or loops over the shapes of a body in space, whichever is faster.
+    """The kernels of a model: straight-line code, or loops over the modes of a spatial body if these are faster.
 
-    Raises SpecError when the specification asks for straight-line code that would be too long.
+    Raises SpecError if the specification requires straight-line code that would be too long.
     """
     if isinstance(derived, Mechanism) or derived.body is None or not derived.indexed or derived.body.dimension == 2:
         return lower_flat(derived.expanded())
@@ -81,7 +82,7 @@ def lower(derived: Equations | Mechanism) -> Model:
 
 
 def lowered_form(derived: Equations | Mechanism, model: Model) -> Equations:
-    """The form of the equations that a model was lowered from: with its sums, or written out."""
+    """The form of the equations from which `model` was lowered: with sums over the modes, or expanded."""
     if isinstance(derived, Equations) and model.lowering == "table":
         return derived
     return derived.expanded()

@@ -1,4 +1,4 @@
-"""From a specification to files in one go, with what each stage took and made."""
+"""The pipeline from a specification file to generated files, with the time and the size of each stage."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from derive.spec.toml.read import read, with_lines
 
 @dataclass(frozen=True)
 class Stage:
-    """A row of the stage table; None where a column does not apply."""
+    """A stage of the pipeline: wall-clock time in seconds, and sizes (None where a size does not apply)."""
 
     name: str
     seconds: float
@@ -31,7 +31,7 @@ class Stage:
 
 @dataclass(frozen=True)
 class Built:
-    """A specification with all that was made of it; `notes` are lines that one should read."""
+    """The results of all stages for a specification; `notes` are lines of text for the user."""
 
     spec: Specification
     equations: Equations
@@ -42,7 +42,11 @@ class Built:
 
 
 def build(path: Path, progress: Callable[[str], None] = lambda _: None) -> Built:
-    """Run all stages on a specification file; `progress` is called with the name of each stage. Raises SpecError."""
+    """Run all stages on a specification file, without writing the generated files.
+
+    `path` is the TOML file; `progress` is called with a description of each stage when it begins. Raises SpecError,
+    with line numbers of the file, if the specification is invalid.
+    """
     clock = [time.perf_counter()]
 
     def lap() -> float:
@@ -58,7 +62,7 @@ def build(path: Path, progress: Callable[[str], None] = lambda _: None) -> Built
         deriving = Stage("derive", lap())
         progress("lowering to kernels")
         model = lower(derived)
-    except SpecError as error:  # a fault of the numbers, found where they are used
+    except SpecError as error:  # a numerical fault that shows only during the derivation
         raise with_lines(error, path) from None
     equations = lowered_form(derived, model)
     operations, nonzeros = model.kernel("mass_force").operations, model.pattern("mass", "M").full_nnz

@@ -1,10 +1,10 @@
-"""Straight line or loops: the choice for a body in space, from the non-zeros of its tables.
+"""Cost model: predicts whether straight-line code or loops are faster, from the non-zeros of the tables of a body.
 
 Straight lines cost by the entry that is there, loops by the entry that could be. Times are those of h, measured with
 gcc 12 at -O3 -march=native on a server processor with AVX-512 (bench/scale.py measures them anew):
 
     straight line   0.075 ns an operation
-    loops           27 ns, 1 ns for each shape, and 0.022 ns an operation, of which there are 2 for each place (i, j)
+    loops           27 ns, 1 ns for each shape, and 0.022 ns an operation, of which there are 2 for each entry (i, j)
 
 The first serves to about 15 000 operations of h: from there on, derivation and compilers take minutes.
 """
@@ -23,12 +23,12 @@ MOST = 15_000
 
 
 class CodeTooLong(TisserandError):
-    """Straight-line code was asked for where there would be too much of it."""
+    """The specification requires straight-line code, which would be too long."""
 
 
 @dataclass(frozen=True)
 class CostEstimate:
-    """What was chosen, and the times of h in nanoseconds that were foreseen for both."""
+    """The predicted evaluation times of h in nanoseconds, for both lowerings, and the faster lowering."""
 
     lowering: str
     flat: float
@@ -45,7 +45,7 @@ class CostEstimate:
         return self.lowering if asked == "auto" else asked
 
     def reason(self, asked: str) -> str:
-        """The rule with its numbers, in a line."""
+        """A line of text that states the choice and the predicted times."""
         way = {"flat": "unrolled", "table": "looped"}[self.taken(asked)]
         why = "as the specification asks" if asked != "auto" else "the faster form"
         return f"{way}, {why}; predicted evaluation time of h: {self.flat:.0f} ns unrolled, {self.table:.0f} ns looped"

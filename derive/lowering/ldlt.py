@@ -1,4 +1,4 @@
-"""A sparse LDL^T factorisation, written out for a fixed pattern: the order is chosen at generation time."""
+"""A sparse LDL^T factorisation, unrolled for a fixed pattern, with an elimination order fixed at generation time."""
 
 from __future__ import annotations
 
@@ -37,12 +37,12 @@ def elimination_order(pattern: Pattern) -> tuple[int, ...]:
 
 
 def kkt_elimination_order(pattern: Pattern, coordinates: int) -> tuple[int, ...]:
-    """The order of [M, -G^T; -G, 0], whose first rows are coordinates: that of AMD, but each multiplier waits for its
-    coordinates.
+    """The elimination order of the KKT matrix [M, -G^T; -G, 0], whose first `coordinates` rows are those of M.
 
-    Then no pivot vanishes in any state in which M is positive definite and the rows of G are independent, whatever
-    entries of G vanish there: eliminated multipliers always stand with all of their rows of G, so that what is
-    eliminated is regular; pivots of coordinates are positive, those of multipliers negative.
+    It is the order of AMD, except that each multiplier is eliminated after its coordinates. Then no pivot vanishes in
+    any state in which M is positive definite and the rows of G are independent, whatever entries of G vanish there: the
+    eliminated block contains every eliminated multiplier with its complete row of G and is therefore regular. Pivots of
+    coordinates are positive, those of multipliers negative.
     """
     missing: dict[int, set[int]] = {k: set() for k in range(coordinates, pattern.rows)}
     for i, j in pattern.entries:

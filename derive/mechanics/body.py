@@ -29,19 +29,19 @@ class Values(Protocol):
         """The entries of a table in the order of `entries`, each with its value, or the reason why it vanishes."""
 
     def present(self, table: CoefficientTable) -> NDArray[np.bool_]:
-        """Which entries of a table there are, by shapes and components."""
+        """A mask of the entries that are not structurally zero, by modes and components."""
 
     def numbers(self, table: CoefficientTable) -> NDArray[np.float64] | None:
-        """The entries of a table, i <= j (i < j of an odd one) by rows, if they are numbers."""
+        """The entries of a table, i <= j (i < j in an odd table) by rows; None if they are not numbers."""
 
 
 @dataclass(frozen=True)
 class Body:
-    """What (15) needs to know of a body with `modes` shapes, in the plane (`dimension` 2) or in space (3).
+    """The data of a deformable body in (15), with `modes` assumed modes, in the plane (`dimension` 2) or in space (3).
 
-    `frame_doc` describes where c is. `tables` are its shape integrals, its stiffness K of U = 1/2 alpha K alpha, and
-    its damping B, the factor of the velocities; `values` are their entries. `gravity` is the acceleration of free fall
-    in the inertial frame.
+    `frame_doc` describes the choice of the origin c and of the floating frame. `tables` are the shape integrals, the
+    stiffness K of U = 1/2 alpha K alpha and the damping B, the factor of alphadot; `values` are their entries.
+    `gravity` is the acceleration of free fall in the inertial frame.
     """
 
     name: str
@@ -58,17 +58,17 @@ class Body:
 
     @cached_property
     def motion(self) -> Motion:
-        """Its motion, with all sums over the shapes written out."""
+        """The motion of the body, with all sums over the modes expanded."""
         return planar_motion(self.modes) if self.dimension == 2 else spatial_motion(self.modes)
 
     @cached_property
     def rigid_motion(self) -> Motion:
-        """Its motion without shapes."""
+        """The motion of the body without assumed modes."""
         return planar_motion(0) if self.dimension == 2 else spatial_motion(0)
 
     @property
     def mass_constant(self) -> ModelConstant:
-        """Its mass."""
+        """The mass of the body."""
         return ModelConstant(MASS, self.mass, "(15)", "mass of the body", "kg")
 
     @cached_property
@@ -79,12 +79,12 @@ class Body:
 
     @cached_property
     def stiffness(self) -> tuple[ModelConstant, ...]:
-        """K_ij, i <= j."""
+        """The entries K_ij of the stiffness matrix, i <= j, in N/m."""
         return self._constants(Family.STIFFNESS)
 
     @cached_property
     def damping(self) -> tuple[ModelConstant, ...]:
-        """B_ij, i <= j; nothing if there is no damping at all."""
+        """The entries B_ij of the damping matrix, i <= j, in N s/m; empty if all of them vanish."""
         constants = self._constants(Family.DAMPING)
         return constants if any(not c.zero for c in constants) else ()
 

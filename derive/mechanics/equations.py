@@ -1,4 +1,4 @@
-"""What `derive` returns: the equations of motion of a model, with everything they are made of."""
+"""The equations of motion of a model: terms, definitions, constants, energies, markers and constraints."""
 
 from __future__ import annotations
 
@@ -84,16 +84,16 @@ class Equations:
 
     @property
     def indexed(self) -> bool:
-        """Whether sums over the shapes are kept."""
+        """Whether the equations keep their sums over the modes (the form that loops are generated from)."""
         return bool(self.tables)
 
     @property
     def modes(self) -> int:
-        """The number of shapes of a body."""
+        """The number of assumed modes of a body; 0 for a mechanism."""
         return self.body.modes if self.body else 0
 
     def expanded(self) -> Equations:
-        """The same equations with all sums over the shapes written out."""
+        """The same equations with all sums over the modes expanded, and one row for each mode."""
         return self._expanded if self.indexed else self
 
     @cached_property
@@ -106,20 +106,20 @@ class Equations:
 
     @property
     def force(self) -> tuple[sp.Expr, ...]:
-        """h of M vdot + h = 0: what is left of each row when the accelerations are zero."""
+        """The forces h of M vdot + h = 0: the rows with all accelerations set to zero."""
         at_rest = {row.a: sp.S.Zero for row in self.rows}
         return tuple(self.sum_of(row.name).xreplace(at_rest) for row in self.rows)
 
     def table(self, family: Family) -> CoefficientTable:
-        """The table of an integral."""
+        """The table of a family of integrals; StopIteration if the equations have none."""
         return next(t for t in self.tables if t.family is family)
 
     def marker(self, name: str) -> MarkerEquations:
-        """The marker of that name."""
+        """The marker with this name; StopIteration if there is none."""
         return next(m for m in self.markers if m.name == name)
 
     def reason(self, *families: Family) -> Reason:
-        """Why tables vanish."""
+        """The reason that something vanishes because the tables of these families are zero."""
         return Reason(tuple((t.symbol, t.zero) for t in map(self.table, families)))
 
     def sum_of(self, row: str) -> sp.Expr:
@@ -141,7 +141,7 @@ class Equations:
         return sp.expand(expr.subs({c.symbol: c.value for c in self.coefficients}))
 
     def __str__(self) -> str:
-        """The equations row by row, with their sums kept, on a page."""
+        """The equations row by row, with their sums kept, shortened to a page."""
         sums: list[tuple[str, sp.Expr | str]] = []
         for c in self.table_sums:
             products = " + ".join(f"sum_j {factor}*{entry}" for factor, entry in c.sums)
@@ -163,5 +163,5 @@ class Equations:
         )
 
     def _repr_html_(self) -> str:
-        """What a notebook shows."""
+        """The HTML that notebooks display."""
         return display.html(self)

@@ -1,4 +1,4 @@
-"""The equations of motion with their sums written out: a row, and terms, for each shape, without what vanishes."""
+"""Expansion of the equations of motion: one row and its terms for each mode, without the terms that vanish."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ TRANSLATIONS = "the mass enters as m I, so translations along different axes do 
 
 @dataclass(frozen=True)
 class ExpandedEquations:
-    """What the equations of motion of a body are when its sums are written out; see `Equations`."""
+    """The fields of `Equations` in the expanded form."""
 
     rows: tuple[EquationOfMotion, ...]
     rates: tuple[sp.Expr, ...]
@@ -92,13 +92,13 @@ def expand(body: Body) -> ExpandedEquations:
 
 
 def _inertia(motion: Motion) -> tuple[Term, ...]:
-    """The virtual work of the inertia, its sums written out."""
+    """The virtual work of the inertia forces, with expanded sums."""
     terms = [replace(t, expr=motion.summed(t.expr)) for t in rigid_inertia(motion)]
     return (*terms, *_of_each_shape(motion, generic_inertia(motion)))
 
 
 def _of_each_shape(motion: Motion, generic: tuple[Term, ...]) -> Iterator[Term]:
-    """The terms of a generic shape for each shape, their sums written out."""
+    """The terms of a generic mode, repeated for each mode with expanded sums."""
     for i, alpha in enumerate(motion.alpha, 1):
         for t in generic:
             yield replace(t, row=str(alpha), expr=motion.summed(of_index(t.expr, i)))
@@ -144,7 +144,7 @@ def _mass_matrix(motion: Motion, terms: tuple[Term, ...]) -> sp.ImmutableMatrix:
 def _mass_zeros(
     motion: Motion, complete: tuple[Term, ...], reasons: zeros.Reasons
 ) -> tuple[tuple[int, int, Reason], ...]:
-    """EquationOfMotion, column and reason of each structural zero of the mass matrix (lower triangle)."""
+    """Row, column and reason of each structural zero of the mass matrix (lower triangle)."""
     full = _mass_matrix(motion, complete)
     n = len(motion.rows)
     lower = ((i, j, full[i, j]) for i in range(n) for j in range(i + 1))
@@ -163,7 +163,7 @@ def _reason(motion: Motion, entry: sp.Expr, reasons: zeros.Reasons, i: int, j: i
 
 
 def _identity(motion: Motion, term: Term) -> Reason:
-    """The reason of a vanished term in which no integral stands."""
+    """The reason of a vanished term that contains no integral."""
     odd = "c7 is odd in its indices, so that one shape does not act on itself"
     known = motion.identities | {(str(a), "Coriolis"): odd for a in motion.alpha}
     if not motion.alpha:

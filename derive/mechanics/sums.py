@@ -1,7 +1,10 @@
-"""Sums over the shapes for a generic index: what loops are made of, and what is written out for each shape.
+"""Sums over the assumed modes, with generic indices i and j that run from 1 to the number of modes.
 
-The generic indices i and j run over the shapes. `C5_i_j_11` is an entry of a table, and so is `c7_i_j_1`, which is odd
-in i and j.
+Three classes describe a sum at three stages. An `IndexedSum` is a definition of the derivation (appendix of the paper)
+in which nothing vanishes yet. For a given body it becomes a `TableSum`, the product of a table with a vector of mode
+amplitudes, or a `ModeSum`, a scalar that is summed over all modes, or it vanishes. Loops compute the last two;
+`expanded_sum` expands the first for each mode. `C5_i_j_11` is an entry of a table; so is `c7_i_j_1`, which is odd in i
+and j.
 """
 
 from __future__ import annotations
@@ -14,21 +17,22 @@ import sympy as sp
 from derive.mechanics.symbols import Family, I, Index, J, ShapeIndex, Symbol, amplitude, identity
 
 PARITY = {Family.C5: 1, Family.C7: -1, Family.C8: 1, Family.STIFFNESS: 1, Family.DAMPING: 1}
-"""What an exchange of i and j does to a table; its entries have names for i <= j alone."""
+"""The sign by which an entry changes when i and j are exchanged; only the entries with i <= j have names."""
 
 ALPHA, ALPHADOT, ALPHADDOT = (amplitude(J, derivative) for derivative in range(3))
 """The factors of sums: amplitudes, their velocities and accelerations."""
 
 Vectors = Mapping[Symbol, Sequence[Symbol]]
-"""The factors of sums, written out for each shape."""
+"""The symbols of each factor of a sum, mode by mode."""
 
 
 @dataclass(frozen=True)
 class IndexedSum:
-    """symbol = offset + sum over j of factor_j entry_j; the factors are those above.
+    """The definition symbol = offset + sum over j of factor_j entry_j, for a generic mode j.
 
-    `doc` is a format string, in which `{i}` is the shape; it describes the whole quantity, of which the symbol may be
-    a component.
+    `sums` are the pairs (factor, entry); the factors are ALPHA, ALPHADOT and ALPHADDOT. `offset` is None where there is
+    no constant part. `doc` is a format string, in which `{i}` is the mode; it describes the whole quantity, of which
+    the symbol may be a component.
     """
 
     symbol: Symbol
@@ -38,16 +42,16 @@ class IndexedSum:
 
     @property
     def section(self) -> str:
-        """The moment without its indices."""
+        """The name of the moment without its indices, which names a section of the generated code."""
         return self.symbol.identity.section
 
     def described(self, i: ShapeIndex) -> str:
-        """What the symbol is for a shape."""
+        """The description of the symbol for mode i."""
         return component_doc(self.doc.format(i=i.value if isinstance(i, Index) else i), self.symbol)
 
     @property
     def indexed(self) -> bool:
-        """Whether there is one for each shape i."""
+        """Whether the symbol has the generic index i, so that the sum exists once for each mode."""
         return self.symbol.identity.indexed
 
 
@@ -58,7 +62,7 @@ def component_doc(doc: str, symbol: Symbol) -> str:
 
 
 def exchanged(symbol: sp.Basic, indices: Mapping[Index, ShapeIndex]) -> Symbol:
-    """The same quantity for other shapes; what is not in `indices` stays."""
+    """The same quantity for other modes: `indices` maps generic indices to their replacements."""
     known = identity(symbol)
     shapes = tuple(indices.get(s, s) if isinstance(s, Index) else s for s in known.shapes)
     return Symbol(replace(known, shapes=shapes))
@@ -76,13 +80,13 @@ def canonical(entry: sp.Basic) -> Symbol:
 
 
 def of_index(expr: sp.Expr, i: ShapeIndex) -> sp.Expr:
-    """An expression of the generic index i, for another shape."""
+    """An expression in the generic index i, with i replaced by a mode."""
     generic = {s: exchanged(s, {I: i}) for s in expr.free_symbols if isinstance(s, Symbol) and s.identity.indexed}
     return expr.xreplace(generic)
 
 
 def at(symbol: sp.Basic, i: int, j: int = 0) -> sp.Expr:
-    """A generic symbol for the shapes i and j; of a table that is odd, with its sign."""
+    """A generic symbol at the modes i and j; an entry of an odd table gets its sign, and is 0 for i = j."""
     known = identity(symbol)
     if set(known.shapes) != {I, J}:
         return exchanged(symbol, {I: i, J: j})
@@ -95,7 +99,7 @@ def at(symbol: sp.Basic, i: int, j: int = 0) -> sp.Expr:
 
 
 def expanded_sum(indexed_sum: IndexedSum, i: int, vectors: Vectors) -> sp.Expr:
-    """The sum for shape i, entry by entry."""
+    """The indexed sum for mode i as an explicit sum; `vectors` gives the symbols of each factor."""
     total = at(indexed_sum.offset, i) if indexed_sum.offset else sp.S.Zero
     for factor, entry in indexed_sum.sums:
         total += sp.Add(*(a * at(entry, i, j) for j, a in enumerate(vectors[factor], 1)))
@@ -104,7 +108,10 @@ def expanded_sum(indexed_sum: IndexedSum, i: int, vectors: Vectors) -> sp.Expr:
 
 @dataclass(frozen=True)
 class TableSum:
-    """symbol_i = offset + sum over j of factor_j table_i_j; `sums` are pairs (factor, table entry)."""
+    """The product of a table with a vector: symbol_i = offset_i + sum over j of factor_j table_i_j, for each mode i.
+
+    `sums` are the pairs (factor, table entry).
+    """
 
     symbol: Symbol
     offset: sp.Expr
@@ -114,7 +121,7 @@ class TableSum:
 
 @dataclass(frozen=True)
 class ModeSum:
-    """symbol = offset + sum over i of term, which is an expression of index i."""
+    """A scalar sum over the modes: symbol = offset + sum over i of term, an expression in the generic index i."""
 
     symbol: Symbol
     offset: sp.Expr

@@ -1,4 +1,4 @@
-"""Tables over the shapes: shape integrals, stiffness and damping, with what of them vanishes and why."""
+"""Tables of coefficients with mode indices: shape integrals, stiffness and damping, with their structural zeros."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ INDICES = {
     Family.POINT_POSITION: 0,
     Family.POINT_SHAPE: 1,
 }
-"""How many shape indices the entries of a table are counted by."""
+"""The number of mode indices of an entry, by the family of its table."""
 
 TENSORS, SCALARS = (Family.C3, Family.C4, Family.C5), (Family.C8, Family.STIFFNESS, Family.DAMPING)
 VECTORS = (Family.C1, Family.C2, Family.POINT_POSITION, Family.POINT_SHAPE)
@@ -40,7 +40,7 @@ ODD = "c7 is odd in its indices (one shape does not act on itself)"
 
 
 class TableKind(Enum):
-    """Which entries of a table there are."""
+    """The sparsity of a table: which of its entries are not structurally zero."""
 
     FULL = "full"
     DIAGONAL = "diagonal"
@@ -50,7 +50,7 @@ class TableKind(Enum):
 
 @dataclass(frozen=True)
 class CoefficientTable:
-    """A shape integral, stiffness K or damping B: which of its entries there are, and why there are not more.
+    """A family of constant coefficients: a shape integral, stiffness K or damping B, with the reasons of its zeros.
 
     X and the shapes at a material point are tables as well; `point` is the number of the point. In the plane
     (`dimension` 2) tensors and the third components of vectors are scalars. `vanishing` are components that vanish for
@@ -78,12 +78,12 @@ class CoefficientTable:
 
     @property
     def counted(self) -> int:
-        """How many shape indices an entry has."""
+        """The number of mode indices of an entry."""
         return INDICES[self.family]
 
     @property
     def components(self) -> tuple[tuple[int, ...], ...]:
-        """The components of an entry: 1 2 3, or 11 12 13 22 23 33; one without indices of a scalar."""
+        """The components of an entry: 1 2 3, or 11 12 13 22 23 33; a single empty one for a scalar."""
         if self.dimension == 2:
             return ((1,), (2,)) if self.family in VECTORS else ((),)
         if self.family in SCALARS:

@@ -1,4 +1,4 @@
-"""What equations of motion are made of: coordinates, constants, intermediate quantities, named terms, constraints."""
+"""The components of equations of motion: coordinates, constants, intermediate quantities, terms and constraints."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ ROLES = {
 
 @dataclass(frozen=True)
 class Coordinate:
-    """A generalised coordinate: its symbol, what it is, and its unit."""
+    """A generalised coordinate: its symbol, its description, and its unit."""
 
     q: sp.Symbol
     doc: str
@@ -31,7 +31,7 @@ class Coordinate:
 
     @property
     def role(self) -> Role:
-        """What the coordinate describes."""
+        """The role of the coordinate, which follows from the family of its symbol."""
         return ROLES[identity(self.q).family]
 
 
@@ -53,8 +53,7 @@ class EquationOfMotion:
 
 @dataclass(frozen=True)
 class ParameterSymbol:
-    """A run-time parameter: its symbol in the derivation, what it is, its unit, its default, and whether setup
-    refuses a value that is not positive."""
+    """A run-time parameter: symbol, description, unit, default, and whether setup requires a positive value."""
 
     symbol: sp.Symbol
     doc: str
@@ -65,7 +64,10 @@ class ParameterSymbol:
 
 @dataclass(frozen=True)
 class ModelConstant:
-    """A shape integral or a stiffness: the work on parameters alone. `zero` says why it vanishes, if it does."""
+    """A constant that depends on parameters alone, such as a shape integral or a stiffness.
+
+    `equation` is its number in the paper; `zero` is the reason if the constant vanishes structurally, otherwise None.
+    """
 
     symbol: sp.Symbol
     value: sp.Expr
@@ -77,7 +79,10 @@ class ModelConstant:
 
 @dataclass(frozen=True)
 class Intermediate:
-    """A named intermediate quantity of (15), in terms of coordinates, coefficients and earlier definitions."""
+    """A named intermediate quantity of (15), in terms of coordinates, model constants and earlier definitions.
+
+    `section` names the part of a kernel that computes it; `zero` is the reason if it vanishes, otherwise None.
+    """
 
     symbol: sp.Symbol
     expr: sp.Expr
@@ -123,7 +128,7 @@ class Reason:
         return {reason: tuple(symbols) for reason, symbols in gathered.items()}
 
     def __bool__(self) -> bool:
-        """Whether there is a reason."""
+        """Whether the reason is not empty."""
         return bool(self.causes or self.identity)
 
     def __str__(self) -> str:
@@ -137,7 +142,7 @@ class Reason:
 
 @dataclass(frozen=True)
 class Vanished:
-    """A term of (15) that is no part of this model, with the reason."""
+    """A term of (15) that vanishes in this model, with the reason."""
 
     term: Term
     reason: Reason
@@ -145,11 +150,11 @@ class Vanished:
 
 @dataclass(frozen=True)
 class MarkerEquations:
-    """Position and velocity of a named material point, and d(velocity)/dv, in the inertial frame.
+    """Kinematics of a marker: position, velocity (d, 1) and Jacobian d(velocity)/dv (d, rows) in the inertial frame.
 
-    `load` is the virtual work of a force at the point, with the components `force` in the inertial frame, row by row.
-    Where sums over the shapes are kept, `mode_sums` are those that define the point in the body frame, and the last
-    column and row are those of a generic shape.
+    `load` (rows,) is the virtual work of a force at the marker, with inertial components `force` (d, 1). If the
+    equations keep their sums over the modes, `mode_sums` define the point in the body frame, and the last column and
+    row belong to a generic mode. d is 2 in the plane and 3 in space.
     """
 
     name: str
@@ -166,10 +171,11 @@ class MarkerEquations:
 
 @dataclass(frozen=True)
 class Constraint:
-    """g = 0 with its multiplier, the force or torque that a joint exerts on its second body.
+    """A scalar constraint g = 0 with its multiplier, the constraint reaction on body 2 of the joint.
 
-    `position` is g, `rate` its time derivative, `bias` what is left of the second one when the accelerations are zero;
-    `jacobian` holds the factors of the rates, by row. `of` is the joint or the drive.
+    `position` is g, `rate` is gdot, and `bias` is gddot with all accelerations set to zero. `jacobian` holds the factor
+    of each generalised velocity in gdot, by the name of its row. `of` names the joint or the drive; `unit` is the unit
+    of g, `force_unit` that of the multiplier.
     """
 
     name: str
@@ -185,7 +191,7 @@ class Constraint:
 
 @dataclass(frozen=True)
 class Pose:
-    """Position of the origin and rotation of a body's frame: of every body, whether it has coordinates or not."""
+    """Position of the origin (m) and rotation angle (rad) of a body frame in the plane, with or without coordinates."""
 
     name: str
     position: tuple[sp.Expr, sp.Expr]
@@ -194,7 +200,7 @@ class Pose:
 
 @dataclass(frozen=True)
 class Eliminated:
-    """What a scene does not need and the model does not have, with the reason."""
+    """A part of a scene that joint elimination removes from the model, with the reason."""
 
     what: str
     reason: str

@@ -1,8 +1,8 @@
 """The equations of motion (15) of a deformable body, term by term, with their sums over the shapes kept.
 
 Inertia is the virtual work of the acceleration (5) on each virtual displacement (6). There is one term for each part
-of the acceleration in each row; the rows of the shapes are one row for a generic shape i. The same terms serve the
-plane and space, and what keeps sums as loops as well as what writes them out for each shape.
+of the acceleration in each row; the rows of the shapes are one row for a generic shape i. The same terms serve
+planar and spatial motion, and both forms of the equations: with indexed sums, and with expanded sums.
 """
 
 from __future__ import annotations
@@ -62,7 +62,7 @@ def gravity_vector(motion: Motion) -> sp.Matrix:
 
 
 def gravity_definitions(motion: Motion, gravity: tuple[ModelConstant, ...]) -> tuple[Intermediate, ...]:
-    """Q^T g: gravity seen from the body frame."""
+    """The definitions of Q^T g, gravity resolved in the body frame; none without gravity."""
     if not gravity:
         return ()
     seen = motion.rotation.T * gravity_vector(motion)
@@ -96,7 +96,7 @@ def generic_weight(motion: Motion) -> tuple[Term, ...]:
 
 
 def weight_energy(motion: Motion) -> sp.Expr:
-    """The potential of gravity, zero when c is the inertial origin and the body is a point there."""
+    """The potential energy of gravity in J, with its zero level at the inertial origin."""
     return -_work_of(motion, motion.position)
 
 

@@ -1,4 +1,4 @@
-"""Structural zeros: they are dropped where they stand, and each leaves its reason behind."""
+"""Structural zeros: expressions without their vanishing parts, and the reason of each zero."""
 
 from __future__ import annotations
 

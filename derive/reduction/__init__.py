@@ -1,4 +1,4 @@
-"""From nodes to numbers: `reduce` makes the modal body that the equations of motion take out of a body of nodes."""
+"""Reduction of finite-element data to modes: `reduce` computes the shape integrals of a body given by its nodes."""
 
 from derive.reduction.body import reduce, zero_stiffness_modes
 from derive.reduction.residuals import Departure, Residuals, residuals

@@ -1,4 +1,4 @@
-"""`reduce`: a body of nodes to a modal body, one step after the other."""
+"""`reduce`: the steps from finite-element data to a modal body."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from derive.spec.model.body import NodalBody
 
 @dataclass(frozen=True, eq=False)
 class Prepared:
-    """The mass, the modes as they came and as they are used, with their parities."""
+    """The mass matrix, the modes before and after their transformation to the frame, and their parities."""
 
     mass: csr_array
     raw: Shapes
@@ -33,7 +33,9 @@ class Prepared:
 
 
 def reduce(body: NodalBody) -> ModalBody:
-    """The modal body of a body of nodes. Raises SpecError with all that is wrong with it.
+    """The modal body (shape integrals, stiffness, damping) of a body given by finite-element nodes.
+
+    Raises SpecError with a list of all faults of the data.
 
     Given modes take +, -, *, / and square roots of doubles in a fixed order alone, so that the numbers are the same on
     every machine. Modes that are computed come from LAPACK or ARPACK: the same bytes on the same machine with the same
@@ -74,14 +76,14 @@ def reduce(body: NodalBody) -> ModalBody:
     )
 
 
-LOOSE = 1e-9
-"""A mode whose stiffness is below this part of the largest is a mechanism."""
+ZERO_STIFFNESS = 1e-9
+"""A mode has zero stiffness if its stiffness is at most this fraction of the largest."""
 
 
 def zero_stiffness_modes(body: NodalBody) -> tuple[int, ...]:
-    """The modes, counted from 1, that have no stiffness to speak of."""
+    """The numbers of the zero-stiffness modes, counted from 1."""
     values = np.diag(prepare(body).shapes.stiffness)
-    return tuple(i for i, value in enumerate(values, 1) if value <= LOOSE * values.max())
+    return tuple(i for i, value in enumerate(values, 1) if value <= ZERO_STIFFNESS * values.max())
 
 
 def _deforming_mass(body: NodalBody, prepared: Prepared) -> Array:

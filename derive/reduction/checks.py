@@ -1,4 +1,4 @@
-"""What is wrong with a body of nodes: everything that can be said at once is said at once."""
+"""Checks of a finite-element body, which collect all faults that can be reported together."""
 
 from __future__ import annotations
 
@@ -248,7 +248,7 @@ def _noise(body: NodalBody, mass: csr_array) -> float:
 
 
 def _disagree(body: NodalBody, raw: Shapes) -> list[Problem]:
-    """Modal stiffness and stiffness matrix that say different things."""
+    """Faults of a modal stiffness that disagrees with the stiffness matrix."""
     data = body.data
     if data.modes is None or data.modal_stiffness is None or data.stiffness is None or not len(raw.phi):
         return []

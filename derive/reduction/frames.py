@@ -1,4 +1,4 @@
-"""Rigid motion kept out of the modes: the mean frame (17), (19), a frame at a node (16), or the modes as they stand."""
+"""Rigid motion kept out of the modes: the mean frame (17), (19), a frame at a node (16), or the modes as given."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ FLAT = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class Shapes:
-    """Positions from O, modes in their frame and the stiffness of these modes; what O is, and which nodes hold it."""
+    """Positions relative to O (nodes, 3), modes (N, nodes, 3) and modal stiffness (N, N); `origin` describes O."""
 
     x: Array
     phi: Array

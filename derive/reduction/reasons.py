@@ -36,7 +36,7 @@ class Parities:
 
 @dataclass(frozen=True)
 class IntegralEntry:
-    """An integral: its name, the table it stands in and where, and its factors (field, component), field 0 being X."""
+    """An integral: name, table, index in the table, and factors as pairs (field, component); field 0 is X."""
 
     name: str
     table: str
@@ -124,7 +124,7 @@ def _by_mirror(entry: IntegralEntry, parities: Parities) -> str:
 
 
 def _complete(tables: dict[str, Array], n: int) -> None:
-    """Write the half of each table that the other half gives."""
+    """Fill the half of each symmetric or odd table that follows from the other half."""
     for a, b in PAIRS:
         tables["C3"][b, a] = tables["C3"][a, b]
         tables["S4"][:, b, a] = tables["S4"][:, a, b]

@@ -1,4 +1,4 @@
-"""The text of a SID as blocks of entries: what stands where, before anything is made of it."""
+"""The text of a SID as nested blocks of entries with their line numbers, before its interpretation."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _OPEN = re.compile(r"(\w+)\s*$")
 
 @dataclass(frozen=True)
 class BlockEntry:
-    """`key( indices) = value`."""
+    """An entry of a block, `key( indices) = value`, with its line number."""
 
     key: str
     indices: str | None
@@ -26,7 +26,7 @@ class BlockEntry:
 
 @dataclass
 class Block:
-    """What stands between a name and its end."""
+    """A named block: the entries and blocks between its first line and its end."""
 
     name: str
     line: int

@@ -1,4 +1,4 @@
-"""What is wrong with a SID text: every fault at once, each with its line."""
+"""Errors of a SID text: all faults together, each with its line."""
 
 from __future__ import annotations
 

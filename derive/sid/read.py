@@ -19,7 +19,7 @@ FILE = "the SID file, where it is exactly zero"
 """The reason of zeros in a body that was read."""
 
 AGREE = 1e-4
-"""What a SID holds twice may differ by this part of its size, since programs round what they write."""
+"""Relative tolerance for quantities that a SID contains twice, since programs round their output."""
 
 Matrices = dict[str, Taylor]
 
@@ -151,7 +151,7 @@ def _points(first: str, modal: Block, n: int, problems: list[SidProblem]) -> tup
 
 
 def _refuse_stiffening(matrices: Matrices, lines: dict[str, int], problems: list[SidProblem]) -> None:
-    """What a modal body has no place for."""
+    """Add a fault for data that a modal body cannot represent, such as geometric stiffening."""
     if "ksigma" in matrices and (
         np.any(matrices["ksigma"].m0) or matrices["ksigma"].m1 is not None and np.any(matrices["ksigma"].m1)
     ):
@@ -166,7 +166,7 @@ def _refuse_stiffening(matrices: Matrices, lines: dict[str, int], problems: list
 
 
 def _integrals(mass: float, matrices: Matrices, lines: dict[str, int], problems: list[SidProblem]) -> Integrals:
-    """The shape integrals, and what the file says twice and differently."""
+    """The shape integrals; adds a fault for each quantity that the file contains twice with different values."""
     n = len(matrices["Me"].m0)
     c1, c2, c6, c8 = matrices["mdCM"].m0[:, 0], matrices["Ct"].m0, matrices["Cr"].m0, matrices["Me"].m0
     c3, j1 = _inertia(matrices["J"])

@@ -41,12 +41,12 @@ def evaluated(equations: Equations, row: str, shape: int) -> sp.Expr:
                 named[generic] = pair[0] if pair else symbol
         return expr.xreplace(named).xreplace(sums).xreplace(known)
 
-    for c in equations.contractions:
+    for c in equations.table_sums:
         for i in shapes:
             products = (exchanged(f, {J: j}) * at(e, i, j) for f, e in c.sums for j in shapes)
-            sums[at(c.symbol, i)] = sp.expand(of(c.base, i) + sp.Add(*products).xreplace(known))
-    for total in equations.totals:
-        sums[total.symbol] = sp.expand(of(total.base, 1) + sp.Add(*(of(total.term, i) for i in shapes)))
+            sums[at(c.symbol, i)] = sp.expand(of(c.offset, i) + sp.Add(*products).xreplace(known))
+    for total in equations.mode_sums:
+        sums[total.symbol] = sp.expand(of(total.offset, 1) + sp.Add(*(of(total.term, i) for i in shapes)))
     expr = of(equations.sum_of(row), shape)
     for definition in reversed(equations.definitions):
         expr = expr.xreplace({definition.symbol: definition.expr})
@@ -55,7 +55,7 @@ def evaluated(equations: Equations, row: str, shape: int) -> sp.Expr:
 
 @pytest.mark.parametrize("frame", FRAMES)
 @pytest.mark.parametrize("n", [1, 2, 3])
-def test_sums_of_a_beam_are_those_written_out(frame: str, n: int) -> None:
+def test_sums_of_a_beam_are_the_expanded_ones(frame: str, n: int) -> None:
     spec = derive.planar_beam(
         "beam", ansatz=["1", "xi", *(f"xi^{k}" for k in range(2, n + 2))], frame=FRAMES[frame], orthogonal=False
     )
@@ -70,7 +70,7 @@ def test_sums_of_a_beam_are_those_written_out(frame: str, n: int) -> None:
 
 def test_the_size_of_the_indexed_form_does_not_depend_on_the_number_of_modes() -> None:
     few, many = (derive.derive(derive.symbolic_body("body", n, frame="given")) for n in (3, 300))
-    assert [t.expr for t in few.terms] == [t.expr for t in many.terms] and few.totals == many.totals
+    assert [t.expr for t in few.terms] == [t.expr for t in many.terms] and few.mode_sums == many.mode_sums
 
 
 @pytest.mark.parametrize("path", SCENES, ids=lambda path: path.stem)

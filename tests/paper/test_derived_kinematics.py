@@ -31,7 +31,7 @@ def test_rotation_is_26_and_its_axis_27() -> None:
     rotation, frame = fields()
     q = rotation.tensor.subs(rotation.functions)
     assert sp.Matrix(printed.ROTATION_26)[:2, :2] == q
-    assert frame.spin / OMEGA == sp.Matrix([[0, -1], [1, 0]])
+    assert frame.angular_velocity_tensor / OMEGA == sp.Matrix([[0, -1], [1, 0]])
 
 
 @pytest.mark.equation("5")

@@ -1,4 +1,4 @@
-"""What the kernels of one model share: their arguments, their symbols, and the constants that setup computes."""
+"""The context of a lowering to straight-line code: arguments, symbols, and the constants that setup computes."""
 
 from __future__ import annotations
 
@@ -42,12 +42,12 @@ def array_input(name: str, symbols: Iterable[sp.Symbol], doc: str) -> Input:
 
 
 def scalar_input(symbol: sp.Symbol, doc: str) -> Input:
-    """An argument that is one number."""
+    """A scalar argument."""
     return Input(Argument(symbol.name, (), doc, scalar=True), (symbol,))
 
 
 class Context:
-    """One model in the course of its lowering."""
+    """The data that all kernels of one model share while it is lowered to straight-line code."""
 
     def __init__(self, equations: Equations) -> None:
         self.equations = equations

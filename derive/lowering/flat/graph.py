@@ -1,7 +1,7 @@
 """A CasADi function, read instruction by instruction into a graph of exact operations.
 
 CasADi has shared the common sub-expressions; here its doubles become exact numbers again, what is known at generation
-time is folded, and what depends on coefficients alone is found, to be moved to setup.
+time is folded, and expressions of model constants alone are identified and moved to setup.
 """
 
 from __future__ import annotations
@@ -183,7 +183,7 @@ class Graph:
 
 
 def representable(value: Fraction) -> Fraction:
-    """The number, if a double can hold it (rounded)."""
+    """The number itself if a double can represent it (rounded), 0 included. Raises LoweringError otherwise."""
     if value and not LEAST <= abs(value) <= MOST:
         raise LoweringError(
             f"the numbers of the specification lead to {sp.Rational(value).n(3)}, which no double holds; "

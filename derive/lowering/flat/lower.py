@@ -1,4 +1,4 @@
-"""Equations to kernels: the second arrow of the house."""
+"""Lowering of expanded equations to kernels of straight-line code."""
 
 from __future__ import annotations
 

@@ -68,7 +68,7 @@ def schedule(
     steps: tuple[Step, ...],
     temporaries: Iterator[str] | None = None,
 ) -> tuple[Section, ...]:
-    """Sections with a `Let` for what has a name or is used more than once; the rest stands where it is used.
+    """Sections with a `Let` for what has a name or is used more than once; others are inserted where used.
 
     A section of definitions comes just before the first step that needs it. All is read back from CasADi at once, so
     that it shares. A requirement on constants alone goes to setup. `temporaries` are names for what has none.

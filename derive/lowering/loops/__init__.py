@@ -1,1 +1,1 @@
-"""Lowering to loops over the shapes: the size of the code does not depend on their number."""
+"""Lowering to loops over the assumed modes: the size of the code does not depend on the number of modes."""

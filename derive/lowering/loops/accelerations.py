@@ -1,4 +1,4 @@
-"""Accelerations of a table model: shapes are eliminated, since their mass matrix c8 is constant; six rows are left."""
+"""Accelerations with loops: the modes are eliminated, since their mass matrix c8 is constant; six rows remain."""
 
 from __future__ import annotations
 

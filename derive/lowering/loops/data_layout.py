@@ -1,4 +1,4 @@
-"""Where the numbers of a table model lie: in the parameters p as they are given, in the constants k as loops want them.
+"""Data layout of a model with loops: the parameters p in the order of the tables, the constants k packed for loops.
 
 In p an integral is what the appendix says: for each shape i, or each pair i <= j (i < j where the integral is odd) by
 rows, its components. In k the square tables are packed in panels, vectors over the shapes are padded to a multiple of
@@ -63,7 +63,7 @@ def arrays(table: CoefficientTable) -> tuple[str, ...]:
 
 
 def size(table: CoefficientTable, n: int) -> int:
-    """How many parameters a table has."""
+    """The number of parameters of a table for n modes."""
     if table.kind in (TableKind.ZERO, TableKind.UNIT):
         return 0
     pairs = n * (n + PARITY.get(table.family, 1)) // 2
@@ -72,7 +72,7 @@ def size(table: CoefficientTable, n: int) -> int:
 
 
 def layout(eq: Equations) -> DataLayout:
-    """Lay out p and k."""
+    """The layout of p and k for the equations of a body."""
     n = eq.modes
     kept = [t for t in eq.tables if size(t, n)]
     packed = [t for family in PACKED for t in kept if t.family is family and t.kind is TableKind.FULL]
@@ -222,7 +222,7 @@ def model(
     n, rigid = eq.modes, eq.rows[:6]
 
     def of_shapes(name: str, doc: str, unit: str, role: Role | None = None) -> tuple[Variable, ...]:
-        """An array, whose elements are numbered where they are table_of apart; one alone has its number itself."""
+        """A variable with one element for each mode; the name of a single element ends in 1."""
         return (Variable(f"{name}1" if n == 1 else name, doc, unit, 0.0, n, role),) if n else ()
 
     table_of = {name: t for t in eq.tables for name in arrays(t)}

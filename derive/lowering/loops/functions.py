@@ -169,7 +169,7 @@ def _zeros(context: LoopContext) -> tuple[Zero, ...]:
 
 
 def _vanished(eq: Equations, *families: Family) -> str:
-    """Why context vanish."""
+    """The reason that all tables of these families vanish."""
     return str(eq.reason(*families))
 
 

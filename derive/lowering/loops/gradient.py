@@ -13,7 +13,7 @@ from derive.mechanics.sums import ALPHA, ALPHADDOT, ALPHADOT, PARITY, TableSum, 
 from derive.mechanics.symbols import Family, I, J, Symbol, is_indexed, quantity
 
 SUMS = {Family.C5: Family.C5_SUM, Family.C7: Family.C7_SUM, Family.C8: Family.C8_SUM}
-"""What the sum of a table over one of its indices is called."""
+"""The name of the sum of a table over one of its indices."""
 
 DERIVATIVES = {ALPHA: 0, ALPHADOT: 1, ALPHADDOT: 2}
 
@@ -57,7 +57,7 @@ class Gradient:
         return result
 
     def _contracted(self, expr: sp.Expr, entry: Symbol) -> sp.Expr:
-        """sum over l of expr_l entry_li, where `entry` is written for i and j: l stands first, i second."""
+        """sum over l of expr_l entry_li; `entry` has generic indices, of which l is the first and i the second."""
         weight, symbol = expr.as_coeff_Mul()
         factor = exchanged(symbol, {I: J}) if is_indexed(symbol) else None
         if factor not in DERIVATIVES:

@@ -1,4 +1,4 @@
-"""The iteration matrix of a table model in closed form, column by column: derivatives of sums are sums again."""
+"""The iteration matrix of a model with loops in closed form, column by column: derivatives of sums are sums again."""
 
 from __future__ import annotations
 

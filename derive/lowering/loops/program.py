@@ -42,13 +42,13 @@ from derive.mechanics.symbols import I, Symbol, amplitude, identity, is_indexed,
 from derive.mechanics.terms import Intermediate, rotation_symbols
 
 Target = Symbol | Store | Require
-"""Where a scalar goes: a symbol that is known from then on, or a statement whose expression is replaced."""
+"""The target of a scalar: a symbol that is known from then on, or a statement whose expression is replaced."""
 
 Scalar = tuple[Target, sp.Expr]
-"""A scalar: where it goes, and its value."""
+"""A scalar: its target and its value."""
 
 IndexedStore = tuple[StoreLocal | StoreStrided, sp.Expr]
-"""Where an expression of index i goes, likewise."""
+"""The target of an expression in index i, and the expression."""
 
 Assignment = Let | Store | Require | StoreLocal | StoreStrided
 """A statement that assigns or checks the value of one expression."""
@@ -57,7 +57,7 @@ NOTHING = Number(Fraction(0))
 
 
 class Program:
-    """A kernel in the making; `known` says what scalars are in the Kernel."""
+    """A kernel under construction; `known` maps the scalars computed so far to their leaves in the kernel."""
 
     def __init__(
         self,
@@ -314,7 +314,7 @@ def _symbols(exprs: Iterable[sp.Expr]) -> set[sp.Symbol]:
 
 
 def _described(sums: Iterable[TableSum | ModeSum]) -> str:
-    """`S_i = ...` once for all components."""
+    """The descriptions of sums, `S_i = ...`, once for all components of a quantity."""
     docs: dict[str, str] = {}
     for s in sums:
         stem = replace(s.symbol.identity, components=()).name

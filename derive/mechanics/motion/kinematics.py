@@ -3,8 +3,8 @@
 A vector field over the body is a sum of tensors times the fields that the body knows: `ONE` (the same vector
 everywhere), `R` = r = X + u, `RDOT` and `RDDOT`, its rates at a fixed material point, and `PHI`, the assumed
 displacement field Phi_i of a generic index i. So a `Field` is a dict from the name of a field to its tensor. Tensors
-depend on time alone, fields on the material point alone: what is left of the body is moments of these fields, and the
-sums over the shapes stay inside of rdot = sum alphadot_j Phi_j and rddot = sum alphaddot_j Phi_j.
+depend on time alone, fields on the material point alone: the body enters only through the moments of these fields, and
+the sums over the modes are part of rdot = sum alphadot_j Phi_j and rddot = sum alphaddot_j Phi_j.
 
 `ONE` is resolved in the inertial frame (its tensor is a column), all other fields in the body frame; `HERE` is the same
 vector everywhere as well, but resolved there.
@@ -74,7 +74,7 @@ class PlanarRotation:
 
 @dataclass(frozen=True)
 class MovingFrame:
-    """A rotating body frame, Qdot = Q (sum omega_k generator_k): what time derivatives look like from it."""
+    """A rotating body frame, Qdot = Q (sum omega_k generator_k), and the time derivatives of fields resolved in it."""
 
     generators: tuple[sp.Matrix, ...]
     omega: tuple[sp.Symbol, ...]

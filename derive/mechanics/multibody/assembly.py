@@ -31,7 +31,7 @@ from derive.spec.model.scene import GROUND, CustomJoint, Drive, Joint, MarkerRef
 
 
 def mechanism(scene: Scene) -> Mechanism:
-    """What a scene consists of, with equations once for each kind of body.
+    """The mechanism of a scene, with equations once for each kind of body.
 
     Raises SpecError with what does not go together, UnknownNameError for a body, joint or force that no registry knows.
     """
@@ -44,7 +44,7 @@ def body_type(body: SceneBody) -> BodyType[Any]:
 
 
 class _Assembly:
-    """A scene while its bodies get their coordinates, one after the other."""
+    """The state of joint elimination: a scene whose bodies receive their coordinates in turn."""
 
     def __init__(self, scene: Scene) -> None:
         self.scene = scene
@@ -122,7 +122,7 @@ class _Assembly:
         return None if coordinates is None else (body, joint, component, coordinates)
 
     def _complete(self, body: SceneBody) -> None:
-        """A body that moves needs what it weighs."""
+        """Raise SpecError if a body that moves has no mass or inertia."""
         if missing := body_type(body).missing(body):
             text = f"{body.name} moves freely and needs {' and '.join(missing)}"
             raise SpecError((Problem(f"bodies.{body.name}", text),))

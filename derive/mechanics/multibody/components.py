@@ -12,7 +12,7 @@ from derive.mechanics.terms import ModelConstant
 
 @dataclass(frozen=True)
 class CrossSection:
-    """A material point, and the rotations of the body's section there by each shape (none in a rigid body)."""
+    """A cross-section of a body: its material point, and its rotation by each assumed mode (none in a rigid body)."""
 
     point: MaterialPoint
     rotations: tuple[ModelConstant, ...] = ()
@@ -20,10 +20,10 @@ class CrossSection:
 
 @dataclass(frozen=True)
 class Component:
-    """A body with coordinates of its own: `name` begins the names of these, `group` those of its constants.
+    """A body with its own coordinates, whose names begin with `name`; the names of its constants begin with `group`.
 
-    Pieces of one rod share their constants, so `body` is one for all of them. `sections` are its material points by
-    their names, `markers` those that the specification names.
+    The pieces of a rod share their constants, and therefore `body`. `sections` are the cross-sections of the component
+    by their names; `markers` are the names of those that the specification declares.
     """
 
     name: str

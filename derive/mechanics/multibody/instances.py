@@ -52,7 +52,7 @@ class InstanceEquations:
 def instance_equations(instance: BodyInstance, kind: BodyKind, repeated: bool) -> InstanceEquations:
     """The equations of an instance.
 
-    `repeated` says that an instance of the same group and kind has gone before: what vanishes, and why, is said once.
+    `repeated`: an earlier instance has the same group and kind, so that its vanished terms are already listed.
     """
     component, coordinates, equations = instance.component, instance.coordinates, kind.equations.expanded()
     moved = _moved(instance, kind)

@@ -76,7 +76,7 @@ class ForceInstance:
 
 
 class BodyKinds:
-    """The kinds of bodies that have been found so far; equal ones are derived once."""
+    """The kinds of bodies collected so far; equal kinds are derived once."""
 
     def __init__(self) -> None:
         self.kinds: list[BodyKind] = []

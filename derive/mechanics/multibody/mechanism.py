@@ -1,4 +1,4 @@
-"""A mechanism: equations once for each kind of body, instances that refer to a kind, and how all is written out."""
+"""A mechanism: equations once for each kind of body, instances that refer to a kind, and their expansion."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ Instances = Mapping[str, InstanceEquations]
 
 @dataclass(frozen=True)
 class Mechanism:
-    """What a scene consists of. `expanded()` writes out its equations.
+    """The kinds, instances, joints and forces of a scene. `expanded()` returns the equations of the whole mechanism.
 
     kinds: the equations of its bodies, each once; instances: its bodies in the order of the specification; order: their
     names in the order in which their definitions follow each other, since a body may follow another's motion; ground:
@@ -170,7 +170,7 @@ def _gathered(
 
 
 def _carried(instances: Instances, moving: frozenset[sp.Symbol]) -> list[Eliminated]:
-    """Bodies that stand on what a drive moves: functions without t cannot speak of them."""
+    """The bodies whose pose depends on a prescribed motion, which functions without the argument t cannot describe."""
     reason = "a drive carries it along, and these functions know no time"
     names = [name for name, instance in instances.items() if instance.rows and _of_time(instance, moving)]
     return [Eliminated(f"{name} in energy, momentum and markers", reason) for name in names]
@@ -201,7 +201,7 @@ def _distinct(
     coefficients: tuple[ModelConstant, ...],
     definitions: tuple[Intermediate, ...],
 ) -> None:
-    """Names that are joined of others may meet; then one of the two has to be called otherwise."""
+    """Raise SpecError if two composed names coincide, so that one of the two parts must be renamed."""
     names = [str(s) for row in rows for s in (row.name, row.v, row.a)]
     names += [c.name for c in conditions] + [str(c.symbol) for c in coefficients] + [str(d.symbol) for d in definitions]
     twice = sorted(name for name, count in Counter(names).items() if count > 1)
@@ -250,12 +250,12 @@ def _mass(rows: tuple[EquationOfMotion, ...], terms: tuple[Term, ...]) -> sp.Imm
 
 
 def _of_time(body: InstanceEquations, moving: frozenset[sp.Symbol]) -> bool:
-    """Whether energy or momentum of a body depend on the time: it stands on what a drive moves."""
+    """Whether energy or momentum of a body depend on time explicitly, because a drive prescribes its support."""
     return any(e.free_symbols & moving for e in (*body.energies, *body.linear, *body.angular))
 
 
 def _frame_doc(mechanism: Mechanism) -> str:
-    """What a user of the code should know of the frames of the bodies, in words."""
+    """The description of the frames of the bodies for users of the generated code."""
     groups = Counter(instance.component.group for instance in mechanism.instances)
     firsts: dict[str, str] = {}
     for instance in mechanism.instances:

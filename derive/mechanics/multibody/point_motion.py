@@ -97,7 +97,7 @@ def point_motion(
         for name, tensor in field.items():
             if name != ONE:
                 if not (rotation * tensor - tensor * rotation).expand().is_zero_matrix:
-                    raise ArithmeticError("turns in the plane commute; this tensor does not")
+                    raise ArithmeticError("rotations in the plane commute; this tensor does not")
                 total = total + tensor * world[name]
         return sp.ImmutableMatrix(total.expand().applyfunc(lambda e: zeros.drop(e, known)))
 
