@@ -34,7 +34,7 @@ def run(options: argparse.Namespace) -> int:
 def _of_model(path: Path) -> tuple[str, str, Page]:
     """The page of a specification file; of a scene with the pictures that `simulate` and `study` have left."""
     from derive.report.model_page import model_page
-    from derive.report.scene_page import Result, scene_page
+    from derive.report.scene_page import ResultPicture, scene_page
     from derive.report.sections.provenance import SpecificationText
 
     (built,) = build_all([path])
@@ -46,7 +46,7 @@ def _of_model(path: Path) -> tuple[str, str, Page]:
     return (
         name,
         built.model.doc,
-        scene_page(built, text, [Result(stem, svg) for stem, svg in pictures if MARK in svg[:1000]]),
+        scene_page(built, text, [ResultPicture(stem, svg) for stem, svg in pictures if MARK in svg[:1000]]),
     )
 
 

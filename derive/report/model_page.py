@@ -5,7 +5,7 @@ from __future__ import annotations
 from derive.backends.source_map import source_map
 from derive.mechanics.equations import Equations
 from derive.pipeline import Built
-from derive.report.document.formula import Name, Number, Operator, Row
+from derive.report.document.formula import FormulaRow, Name, NumberToken, OperatorToken
 from derive.report.document.page import Block, Heading, Math, Page, Paragraph, Text
 from derive.report.notation.expressions import Notation, notation
 from derive.report.sections.calling import calling_blocks
@@ -20,7 +20,7 @@ from derive.report.sections.nomenclature import nomenclature_blocks
 from derive.report.sections.operations import operation_blocks
 from derive.report.sections.provenance import SpecificationText, manifest_blocks, specification_blocks
 from derive.report.sections.state import state_blocks
-from derive.report.sections.term_lines import definition_lines, places
+from derive.report.sections.term_lines import definition_lines, locate_terms
 from derive.report.sections.terms import row_blocks
 from derive.report.sections.zeros import vanished_blocks
 from derive.spec.model.body import PlanarBeam
@@ -34,7 +34,7 @@ def model_page(built: Built, specification: SpecificationText) -> Page:
         raise TypeError("a scene has a page of its own")
     written = notation(equations)
     code = source_map(built.files, "c")
-    terms = places(equations, model, code)
+    terms = locate_terms(equations, model, code)
     families = moments(equations, written)
     numbers = paper_numbers(spec) if isinstance(spec, PlanarBeam) else None
     matrix = mass_matrix(model, equations)
@@ -73,14 +73,16 @@ def _frames(built: Built, written: Notation) -> tuple[Block, ...]:
 def _motion(equations: Equations) -> tuple[Block, ...]:
     """What the rows are."""
     loops = " There is one row for each shape i." if equations.indexed else ""
-    law = Row((Name("M", style="tensor"), Name("v", 1, style="vector"), Operator("+"), Name("h", style="vector")))
+    law = FormulaRow(
+        (Name("M", style="tensor"), Name("v", 1, style="vector"), OperatorToken("+"), Name("h", style="vector"))
+    )
     return (
         Heading("Equations of motion", "motion"),
         Paragraph(
             (
                 "The virtual work of the inertia on each virtual displacement, with the variation of the strain "
                 "energy: the factor of every variation vanishes, ",
-                Math(Row((law, Operator("="), Number("0")))),
+                Math(FormulaRow((law, OperatorToken("="), NumberToken("0")))),
                 ". A term leads to the line of the generated C that computes it, and a line leads back to its terms."
                 f"{loops}",
             )

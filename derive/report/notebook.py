@@ -8,8 +8,8 @@ from derive.ir.model import Model
 from derive.mechanics.equations import Equations
 from derive.report.document.formula import Equation
 from derive.report.notation.expressions import notation
-from derive.report.sections.mass_matrix import Matrix, picture
-from derive.report.sections.term_lines import group, place_in_row, title
+from derive.report.sections.mass_matrix import MassPattern, picture
+from derive.report.sections.term_lines import group, rank_in_row, title
 from derive.report.sections.terms import row_names
 from derive.report.writers.equation_html import equations_shown
 
@@ -31,7 +31,7 @@ def equations_html(equations: Equations) -> str:
     written = notation(equations)
     rows = []
     for name in list(row_names(equations))[:MOST_ROWS]:
-        terms = sorted((t for t in equations.terms if t.row == name), key=place_in_row)
+        terms = sorted((t for t in equations.terms if t.row == name), key=rank_in_row)
         parts = tuple(part for t in terms for part in written.parts(t.expr, "", group(t), title(t)))
         rows.append(Equation(written.variation(name), parts, ":"))
     more = len(row_names(equations)) - len(rows)
@@ -44,7 +44,7 @@ def model_html(model: Model) -> str:
     pattern = model.pattern("mass", "M")
     names = tuple(f"{r.name}{k}" if r.size > 1 else r.name for r in model.equations for k in range(1, r.size + 1))
     entries = frozenset(pattern.entries) | {(j, i) for i, j in pattern.entries}
-    drawn = picture(Matrix(names, entries, {}), reasons=False)
+    drawn = picture(MassPattern(names, entries, {}), reasons=False)
     functions = "".join(
         f"<tr><td><code>{escape(kernel.name)}</code></td><td>{kernel.operations}</td></tr>" for kernel in model.kernels
     )

@@ -18,34 +18,34 @@ from derive.report.notation.labels import label, row_identities
 from derive.report.sections.code import code_blocks, targets
 from derive.report.sections.integrals import integral_blocks
 from derive.report.sections.kkt import kkt_blocks
-from derive.report.sections.mass_matrix import Matrix, mass_blocks
+from derive.report.sections.mass_matrix import MassPattern, mass_blocks
 from derive.report.sections.mechanism import body_blocks, constraint_blocks, joint_blocks, mechanism_blocks
 from derive.report.sections.moments import moment_anchors, moment_blocks, moments
 from derive.report.sections.nomenclature import nomenclature_blocks
 from derive.report.sections.provenance import SpecificationText, manifest_blocks, specification_blocks
 from derive.report.sections.state import state_blocks
-from derive.report.sections.term_lines import definition_lines, places
+from derive.report.sections.term_lines import definition_lines, locate_terms
 from derive.report.sections.terms import row_blocks
 from derive.report.sections.zeros import vanished_blocks
 from derive.spec.model.scene import BeamBody, Scene
 
 
 @dataclass(frozen=True)
-class Result:
+class ResultPicture:
     """A picture of a simulation or a study of this scene: its name and its SVG."""
 
     name: str
     svg: str
 
 
-def scene_page(built: Built, specification: SpecificationText, results: Sequence[Result] = ()) -> Page:
+def scene_page(built: Built, specification: SpecificationText, results: Sequence[ResultPicture] = ()) -> Page:
     """The report of a scene. Raises TypeError when what was built is a body."""
     spec, equations, model = built.spec, built.equations, built.model
     if not isinstance(spec, Scene) or equations.indexed or model.kkt is None:
         raise TypeError("this is no scene")
     written = notation(equations)
     code = source_map(built.files, "c")
-    terms = places(equations, model, code)
+    terms = locate_terms(equations, model, code)
     shown = _of_first_pieces(spec, equations)
     families = moments(shown, written)
     visible = [p for p in terms if p.term.row in {row.name for row in shown.rows}]
@@ -100,7 +100,7 @@ def _law(spec: Scene) -> tuple[Block, ...]:
     return (Heading("Equations of motion", "motion"), Paragraph((text,)))
 
 
-def _matrix(spec: Scene, equations: Equations) -> Matrix:
+def _matrix(spec: Scene, equations: Equations) -> MassPattern:
     """The pattern of M, with the reasons of all of its zeros: within bodies those of the first piece, between bodies
     that they share no inertia."""
     rows = list(row_identities(equations).values())
@@ -118,7 +118,7 @@ def _matrix(spec: Scene, equations: Equations) -> Matrix:
                 same = rows[i].owner == rows[j].owner
                 why = known.get((alike[i], alike[j]), between) if same else between
                 reasons[i, j] = reasons[j, i] = why
-    return Matrix(tuple(map(label, rows)), entries, reasons)
+    return MassPattern(tuple(map(label, rows)), entries, reasons)
 
 
 def _firsts(spec: Scene) -> Iterator[tuple[str, str]]:
@@ -128,7 +128,7 @@ def _firsts(spec: Scene) -> Iterator[tuple[str, str]]:
                 yield piece_name(rod, k), piece_name(rod, 0)
 
 
-def _results(results: Sequence[Result]) -> tuple[Block, ...]:
+def _results(results: Sequence[ResultPicture]) -> tuple[Block, ...]:
     if not results:
         return ()
     pictures = (Picture(result.svg, f"Result {result.name}", result.name) for result in results)

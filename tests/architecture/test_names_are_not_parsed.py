@@ -22,7 +22,6 @@ STRIPS = {"strip", "lstrip", "rstrip"}
 ATTRIBUTES = {"name", "doc", "zero", "reason", "row", "section"}
 VARIABLES = {"name", "symbol"}
 
-UNTIL = "until rewritten"
 EXEMPT = {
     "report/writers/picture.py": "reads SVG pictures of users: addresses, sizes and style sheets",
     "report/writers/markdown.py": "escapes text for Markdown",
@@ -33,11 +32,8 @@ EXEMPT = {
     "report/paper/page.py": "reads the notation in which the audit of the paper is written",
     "report/document/anchors.py": "turns any text into an address that browsers take",
     "visual/line_chart.py": "shortens the numbers of an SVG file that matplotlib wrote",
-    "report/paper/derived_beam.py": UNTIL,
-    "report/sections/frame.py": UNTIL,
-    "report/sections/mechanism.py": UNTIL,
 }
-"""Files that may read text, and why. What is not yet rewritten is here for now, and leaves when it is."""
+"""Files that may read text, and why."""
 
 
 def receives_a_name(node: ast.expr) -> bool:

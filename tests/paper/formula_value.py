@@ -13,7 +13,17 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
-from derive.report.document.formula import Call, Fenced, Formula, Fraction, Name, Number, Operator, Power, Row
+from derive.report.document.formula import (
+    Call,
+    Fenced,
+    Formula,
+    FormulaRow,
+    Name,
+    NumberToken,
+    OperatorToken,
+    Power,
+    Quotient,
+)
 
 CROSS = "\u00d7"
 
@@ -99,9 +109,9 @@ class _Evaluation:
 
     def value(self, formula: Formula) -> Value:
         match formula:
-            case Number(text):
+            case NumberToken(text):
                 return scalar(sp.Integer(text))
-            case Fraction(above, below):
+            case Quotient(above, below):
                 return product("", self.value(above), scalar(1 / self.value(below).data.item()))
             case Fenced(of):
                 return self.value(of)
@@ -113,7 +123,7 @@ class _Evaluation:
                 return scalar(self.value(base).data.item() ** self.value(exponent).data.item())
             case Call(name, of):
                 return scalar(getattr(sp, name)(self.value(of).data.item()))
-            case Row(parts):
+            case FormulaRow(parts):
                 return self._sum(list(parts))
         raise TypeError(formula)
 
@@ -131,9 +141,9 @@ class _Evaluation:
         terms: list[tuple[int, list[Formula]]] = [(1, [])]
         inside = False
         for part in parts:
-            inside = (inside or _is_integral(part)) and part != Operator("d")
-            if part in (Operator("+"), Operator("-")) and not inside:
-                terms.append((1 if part == Operator("+") else -1, []))
+            inside = (inside or _is_integral(part)) and part != OperatorToken("d")
+            if part in (OperatorToken("+"), OperatorToken("-")) and not inside:
+                terms.append((1 if part == OperatorToken("+") else -1, []))
             else:
                 terms[-1][1].append(part)
         values = [(sign, self._product(factors)) for sign, factors in terms if factors]
@@ -149,18 +159,18 @@ class _Evaluation:
         while at < len(factors):
             factor = factors[at]
             at += 1
-            if isinstance(factor, Operator) and factor.text in ("·", CROSS, ":", "/"):
+            if isinstance(factor, OperatorToken) and factor.text in ("·", CROSS, ":", "/"):
                 sign = factor.text
                 continue
             if _is_integral(factor):
-                end = factors.index(Operator("d"), at)
-                integrand = Row(tuple(factors[at:end]))
+                end = factors.index(OperatorToken("d"), at)
+                integrand = FormulaRow(tuple(factors[at:end]))
                 assert self.integral is not None
                 found = self.integral(lambda names, f=integrand: _Evaluation(names, self.integral).value(f))
                 at = end + 2
-            elif isinstance(factor, Power) and factor.base == Operator("∂"):
+            elif isinstance(factor, Power) and factor.base == OperatorToken("∂"):
                 found, at = self.names["second derivative"], at + 4
-            elif isinstance(factor, Operator):  # delta x, d X
+            elif isinstance(factor, OperatorToken):  # delta x, d X
                 following = factors[at]
                 assert isinstance(following, Name)
                 found, at = self.names[f"{factor.text} {following.text}"], at + 1

@@ -10,8 +10,8 @@ import pytest
 import sympy as sp
 
 from derive.mechanics.symbols import Family, vector
-from derive.report.document.formula import Equation, Fenced, Name, Operator, Row
-from derive.report.document.page import Equations, Heading, Link, Page, Paragraph, Table
+from derive.report.document.formula import Equation, Fenced, FormulaRow, Name, OperatorToken
+from derive.report.document.page import EquationBlock, Heading, Hyperlink, Page, Paragraph, TableBlock
 from derive.report.notation.formula_reader import equation, formula
 from derive.report.notation.spoken_math import words
 from derive.report.notation.vector_form import arrow, summand, summands
@@ -28,7 +28,7 @@ def page() -> Page:
 
 
 def equations() -> list[Equation]:
-    return [row for block in page().blocks if isinstance(block, Equations) for row in block.rows]
+    return [row for block in page().blocks if isinstance(block, EquationBlock) for row in block.rows]
 
 
 def test_page_shows_each_row_with_what_is_derived_and_its_tests() -> None:
@@ -42,7 +42,7 @@ def test_page_shows_each_row_with_what_is_derived_and_its_tests() -> None:
 
 
 def test_page_counts_its_verdicts() -> None:
-    table = next(block for block in page().blocks if isinstance(block, Table) and block.caption == "Verdicts")
+    table = next(block for block in page().blocks if isinstance(block, TableBlock) and block.caption == "Verdicts")
     shown = {row[0].text[0]: row[1].text[0] for row in table.rows}
     assert shown == {verdict: str(n) for verdict, n in counts(ROWS).items()}
     assert sum(counts(ROWS).values()) == len(ROWS) == 53
@@ -51,8 +51,8 @@ def test_page_counts_its_verdicts() -> None:
 def test_links_of_the_page_lead_somewhere() -> None:
     anchors = {block.anchor for block in page().blocks if isinstance(block, Heading)}
     anchors |= {equation.anchor for equation in equations() if equation.anchor}
-    cells = [cell for block in page().blocks if isinstance(block, Table) for row in block.rows for cell in row]
-    links = {part.to for cell in cells for part in cell.text if isinstance(part, Link)}
+    cells = [cell for block in page().blocks if isinstance(block, TableBlock) for row in block.rows for cell in row]
+    links = {part.to for cell in cells for part in cell.text if isinstance(part, Hyperlink)}
     assert len(links) == len(ROWS) and {link.removeprefix("#") for link in links} <= anchors
 
 
@@ -81,11 +81,11 @@ def _leaves(parts: Iterable) -> list[str]:
 
 
 def _flat(formula: object) -> str:
-    if isinstance(formula, Row):
+    if isinstance(formula, FormulaRow):
         return " ".join(map(_flat, formula.parts))
     if isinstance(formula, Fenced):
         return f"{formula.left} {_flat(formula.of)} {formula.right}"
-    return formula.text if isinstance(formula, Operator) else repr(formula).replace(" ", "")
+    return formula.text if isinstance(formula, OperatorToken) else repr(formula).replace(" ", "")
 
 
 def test_vectors_are_read_back_from_components_or_refused() -> None:

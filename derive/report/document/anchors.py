@@ -9,13 +9,13 @@ from derive.report.document.page import (
     Block,
     Columns,
     Details,
-    Equations,
+    EquationBlock,
     Heading,
-    Link,
+    Hyperlink,
     Listing,
     Page,
     Paragraph,
-    Table,
+    TableBlock,
 )
 
 
@@ -33,7 +33,7 @@ def _anchors(blocks: Sequence[Block]) -> Iterator[tuple[str, ...]]:
         match block:
             case Heading():
                 yield (block.anchor,)
-            case Equations(rows):
+            case EquationBlock(rows):
                 for equation in rows:
                     yield (equation.anchor, *(part.anchor for part in equation.parts))
             case Listing():
@@ -70,12 +70,12 @@ def _all_links(blocks: Sequence[Block]) -> Iterator[str]:
     for block in blocks:
         match block:
             case Paragraph(words):
-                yield from (one.to for one in words if isinstance(one, Link))
-            case Equations(rows):
+                yield from (one.to for one in words if isinstance(one, Hyperlink))
+            case EquationBlock(rows):
                 yield from (part.to for equation in rows for part in equation.parts)
-            case Table():
+            case TableBlock():
                 texts = (*block.head, *(cell.text for row in block.rows for cell in row))
-                yield from (one.to for text in texts for one in text if isinstance(one, Link))
+                yield from (one.to for text in texts for one in text if isinstance(one, Hyperlink))
             case Listing():
                 yield from (link.to for line in block.lines for link in line.links)
             case Details():

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from derive.report.document.page import Line, Listing
+from derive.report.document.page import CodeLine, Listing
 
 COMMENTS = {"c": "//", "python": "#", "toml": "#", "sh": "#"}
 
 
-def gaps(lines: Sequence[Line]) -> list[bool]:
+def gaps(lines: Sequence[CodeLine]) -> list[bool]:
     """Whether lines were left out before each line."""
     return [k > 0 and line.number != lines[k - 1].number + 1 for k, line in enumerate(lines)]
 

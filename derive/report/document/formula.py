@@ -7,7 +7,7 @@ from typing import Literal
 
 
 @dataclass(frozen=True)
-class Number:
+class NumberToken:
     """A number as it is written, such as `3`, `-1` or `0.1`."""
 
     text: str
@@ -28,21 +28,21 @@ class Name:
 
 
 @dataclass(frozen=True)
-class Operator:
+class OperatorToken:
     """A sign that stands between formulas or before one: = + - and others."""
 
     text: str
 
 
 @dataclass(frozen=True)
-class Row:
+class FormulaRow:
     """Formulas beside each other."""
 
     parts: tuple[Formula, ...]
 
 
 @dataclass(frozen=True)
-class Fraction:
+class Quotient:
     """One formula over another."""
 
     above: Formula
@@ -88,7 +88,7 @@ class Matrix:
     rows: tuple[tuple[Formula | None, ...], ...]
 
 
-Formula = Number | Name | Operator | Row | Fraction | Power | Root | Fenced | Call | Matrix
+Formula = NumberToken | Name | OperatorToken | FormulaRow | Quotient | Power | Root | Fenced | Call | Matrix
 
 
 @dataclass(frozen=True)

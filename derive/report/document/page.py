@@ -16,7 +16,7 @@ class Math:
 
 
 @dataclass(frozen=True)
-class Link:
+class Hyperlink:
     """Text that leads to an anchor of this page (`#...`), or to an address."""
 
     text: str
@@ -24,7 +24,7 @@ class Link:
 
 
 @dataclass(frozen=True)
-class Code:
+class CodeSpan:
     """A word of code within text."""
 
     text: str
@@ -37,7 +37,7 @@ class Strong:
     text: str
 
 
-Inline = str | Math | Link | Code | Strong
+Inline = str | Math | Hyperlink | CodeSpan | Strong
 Text = tuple[Inline, ...]
 
 
@@ -58,7 +58,7 @@ class Paragraph:
 
 
 @dataclass(frozen=True)
-class Equations:
+class EquationBlock:
     """Equations below each other, aligned at their relations. A long one breaks between its parts."""
 
     rows: tuple[Equation, ...]
@@ -74,7 +74,7 @@ class Cell:
 
 
 @dataclass(frozen=True)
-class Table:
+class TableBlock:
     """A table with a caption; `wide` ones may scroll. `align` has l, r or c for each column."""
 
     caption: str
@@ -95,13 +95,13 @@ class Picture:
 
 
 @dataclass(frozen=True)
-class Line:
+class CodeLine:
     """A line of code with an anchor, and the anchors it leads to (with the text of each link)."""
 
     number: int
     text: str
     anchor: str = ""
-    links: tuple[Link, ...] = ()
+    links: tuple[Hyperlink, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -110,7 +110,7 @@ class Listing:
 
     language: str
     caption: str
-    lines: tuple[Line, ...]
+    lines: tuple[CodeLine, ...]
 
 
 @dataclass(frozen=True)
@@ -128,7 +128,7 @@ class Columns:
     columns: tuple[tuple[Block, ...], ...]
 
 
-Block = Heading | Paragraph | Equations | Table | Picture | Listing | Details | Columns
+Block = Heading | Paragraph | EquationBlock | TableBlock | Picture | Listing | Details | Columns
 
 
 @dataclass(frozen=True)

@@ -7,19 +7,19 @@ from dataclasses import replace
 from typing import Literal
 
 from derive.report.document.formula import Formula
-from derive.report.document.page import Block, Cell, Code, Details, Inline, Link, Math, Strong, Table
+from derive.report.document.page import Block, Cell, CodeSpan, Details, Hyperlink, Inline, Math, Strong, TableBlock
 
 MOST, ALL = 60, 150
 """Rows that a table shows, and up to which it is folded away as a whole; of a longer one the first are."""
 
-Content = str | Math | Link | Code | Strong | Cell | Formula | int | tuple[Inline, ...]
+Content = str | Math | Hyperlink | CodeSpan | Strong | Cell | Formula | int | tuple[Inline, ...]
 
 
 def table(
     caption: str, head: Sequence[Content], rows: Sequence[Sequence[Content]], align: str = "", wide: bool = False
-) -> Table:
+) -> TableBlock:
     """A table of text, formulas and numbers."""
-    return Table(
+    return TableBlock(
         caption, tuple(cell(h).text for h in head), tuple(tuple(map(cell, row)) for row in rows), align, wide=wide
     )
 
@@ -30,14 +30,14 @@ def cell(words: Content, title: str = "", mark: Literal["", "zero", "entry", "go
         return words
     if isinstance(words, int):
         words = str(words)
-    if isinstance(words, str | Math | Link | Code | Strong):
+    if isinstance(words, str | Math | Hyperlink | CodeSpan | Strong):
         return Cell((words,) if words else (), title, mark)
     if isinstance(words, tuple):
         return Cell(words, title, mark)
     return Cell((Math(words),), title, mark)
 
 
-def folded(whole: Table, summary: str) -> Block:
+def folded(whole: TableBlock, summary: str) -> Block:
     """A table as it is; folded away where it is long, and of a very long one the first rows."""
     count = len(whole.rows)
     if count <= MOST:

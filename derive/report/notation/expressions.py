@@ -17,16 +17,16 @@ from derive.report.document.formula import (
     Call,
     Fenced,
     Formula,
-    Fraction,
+    FormulaRow,
     Name,
-    Number,
-    Operator,
+    NumberToken,
+    OperatorToken,
     Part,
     Power,
+    Quotient,
     Root,
-    Row,
 )
-from derive.report.notation.families import Rank, Written, written
+from derive.report.notation.families import Rank, TypesetSymbol, written
 from derive.report.notation.labels import delta, label, row_identities, variation
 
 SMALL, LARGE = 1000, 10**7
@@ -57,7 +57,7 @@ class Notation:
     mass: sp.Symbol | None = None
     rows: Mapping[str, Identity] = field(default_factory=dict)
 
-    def written(self, symbol: sp.Symbol) -> Written:
+    def written(self, symbol: sp.Symbol) -> TypesetSymbol:
         """How a symbol is written, and where it stands in a product."""
         if symbol == MASS and self.mass is not None:
             symbol = self.mass
@@ -80,12 +80,12 @@ class Notation:
         if isinstance(expr, sp.Add):
             return join(self.parts(expr))
         negative, formula = self._summand(expr)
-        return Row((Operator("-"), formula)) if negative else formula
+        return FormulaRow((OperatorToken("-"), formula)) if negative else formula
 
     def factor(self, expr: sp.Expr) -> Formula:
         """An expression as a factor of a product: a sum in brackets."""
         formula = self.formula(expr)
-        return Fenced(formula) if isinstance(formula, Row) else formula
+        return Fenced(formula) if isinstance(formula, FormulaRow) else formula
 
     def parts(
         self, expr: sp.Expr, anchor: str = "", group: str = "", title: str = "", to: str = ""
@@ -131,8 +131,8 @@ class Notation:
         top, bottom = _number(abs(number))
         up = [*top, *above]
         down = [*bottom, *below]
-        front = [Fraction(row(up) if up else Number("1"), row(down))] if down else up
-        return bool(negative), row([*front, *others]) if front or others else Number("1")
+        front = [Quotient(row(up) if up else NumberToken("1"), row(down))] if down else up
+        return bool(negative), row([*front, *others]) if front or others else NumberToken("1")
 
     def _sorted(self, product: sp.Expr) -> tuple[list[Formula], list[Formula], list[Formula]]:
         """Constants above and below a fraction, and the other factors."""
@@ -161,7 +161,7 @@ class Notation:
     def _atom(self, expr: sp.Expr) -> Formula:
         if isinstance(expr, sp.Symbol):
             formula = self.written(expr).formula
-            return Fenced(formula) if isinstance(formula, Row) and _of_columns(formula) else formula
+            return Fenced(formula) if isinstance(formula, FormulaRow) and _of_columns(formula) else formula
         if expr.is_Rational:
             return self.factor(expr)
         if expr == sp.pi:
@@ -187,51 +187,53 @@ def polynomial(coefficients: Sequence[sp.Rational], variable: Formula) -> tuple[
     for power, c in enumerate(coefficients):
         whole = abs(c) * shared
         if whole:
-            factor = [] if whole == 1 and power else [Number(str(whole))]
+            factor = [] if whole == 1 and power else [NumberToken(str(whole))]
             parts.append(Part("-" if c < 0 else "+", row([*factor, *_to_the(variable, power)])))
     if shared == 1:
         return tuple(parts)
-    fraction = Fraction(Number("1"), Number(str(shared)))
+    fraction = Quotient(NumberToken("1"), NumberToken(str(shared)))
     if len(parts) == 1 and parts[0].sign == "+":
         return (Part("+", row([fraction, parts[0].formula])),)
-    return (Part("+", Row((fraction, Fenced(join(parts))))),)
+    return (Part("+", FormulaRow((fraction, Fenced(join(parts))))),)
 
 
 def _to_the(variable: Formula, power: int) -> list[Formula]:
     if power == 0:
         return []
-    return [variable if power == 1 else Power(variable, Number(str(power)))]
+    return [variable if power == 1 else Power(variable, NumberToken(str(power)))]
 
 
 def row(factors: Sequence[Formula]) -> Formula:
     """Factors beside each other; one of them is a formula by itself."""
-    return factors[0] if len(factors) == 1 else Row(tuple(factors))
+    return factors[0] if len(factors) == 1 else FormulaRow(tuple(factors))
 
 
 def join(parts: Iterable[Part]) -> Formula:
     """A sum as one formula."""
     result: list[Formula] = []
     for k, part in enumerate(parts):
-        result += [Operator(part.sign)] if k or part.sign == "-" else []
+        result += [OperatorToken(part.sign)] if k or part.sign == "-" else []
         result.append(part.formula)
-    return row(result) if result else Number("0")
+    return row(result) if result else NumberToken("0")
 
 
 def number(value: sp.Rational) -> Formula:
     """A number: a fraction of small whole numbers, or a decimal; six digits of those that do not end before."""
     negative, (above, below) = value < 0, _number(abs(value))
-    top = above[0] if above else Number("1")
-    formula = Fraction(top, below[0]) if below else top
-    return Row((Operator("-"), formula)) if negative else formula
+    top = above[0] if above else NumberToken("1")
+    formula = Quotient(top, below[0]) if below else top
+    return FormulaRow((OperatorToken("-"), formula)) if negative else formula
 
 
 def _number(value: sp.Expr) -> tuple[list[Formula], list[Formula]]:
     """What stands above and below the line of a positive number; nothing for a one."""
     if not value.is_Rational:
-        return [Number(f"{float(value):.{DIGITS}g}")], []
+        return [NumberToken(f"{float(value):.{DIGITS}g}")], []
     if value.q <= SMALL and value.p < LARGE:
-        return [Number(str(n))] if (n := value.p) != 1 else [], [Number(str(n))] if (n := value.q) != 1 else []
-    return [Number(decimal(value))], []
+        return [NumberToken(str(n))] if (n := value.p) != 1 else [], [NumberToken(str(n))] if (
+            n := value.q
+        ) != 1 else []
+    return [NumberToken(decimal(value))], []
 
 
 def decimal(value: sp.Rational) -> str:
@@ -240,7 +242,7 @@ def decimal(value: sp.Rational) -> str:
     return long if sp.Rational(long) == value else short
 
 
-def _of_columns(formula: Row) -> bool:
+def _of_columns(formula: FormulaRow) -> bool:
     """Whether a row is a product of matrices, which stands in brackets among other factors."""
     return any(isinstance(part, Name) and part.style == "vector" for part in formula.parts)
 

@@ -15,8 +15,7 @@ from itertools import takewhile
 import sympy as sp
 
 from derive.mechanics.symbols import Family, Identity, Index, ShapeIndex, Symbol
-from derive.report.document.formula import Call, Formula, Name, Power, Row
-from derive.report.document.formula import Number as Digits
+from derive.report.document.formula import Call, Formula, FormulaRow, Name, NumberToken, Power
 
 
 class Rank(IntEnum):
@@ -32,7 +31,7 @@ class Rank(IntEnum):
 
 
 @dataclass(frozen=True)
-class Written:
+class TypesetSymbol:
     """A symbol in formulas: its place in products, and how it is written."""
 
     rank: Rank
@@ -47,10 +46,10 @@ TENSORS |= {Family.STIFFNESS, Family.DAMPING}
 """Families whose whole tables are tensors or matrices; those of the others are vectors or columns."""
 
 
-def written(symbol: sp.Symbol) -> Written:
+def written(symbol: sp.Symbol) -> TypesetSymbol:
     """How a symbol is written. One without an identity is a letter that the report itself chose."""
     if not isinstance(symbol, Symbol):
-        return Written(Rank.CONSTANT, chosen(symbol.name))
+        return TypesetSymbol(Rank.CONSTANT, chosen(symbol.name))
     known = symbol.identity
     above = (known.owner.replace("_", " "),) if known.owner else ()
     return WRITERS[known.family](known, above)
@@ -113,122 +112,126 @@ def _components(known: Identity) -> str:
     return "".join(map(str, known.components))
 
 
-def _motion(letter: str) -> Callable[[Identity, tuple[str, ...]], Written]:
+def _motion(letter: str) -> Callable[[Identity, tuple[str, ...]], TypesetSymbol]:
     """A coordinate, its velocity or its acceleration; of an angular velocity the rank is one higher."""
 
-    def write(known: Identity, above: tuple[str, ...]) -> Written:
+    def write(known: Identity, above: tuple[str, ...]) -> TypesetSymbol:
         below = (*map(index_text, known.shapes), *map(str, known.components))
         rank = MOTION[known.derivative + (known.family is Family.ANGULAR_VELOCITY)]
-        return Written(rank, Name(letter, dots=known.derivative, below=below, above=above))
+        return TypesetSymbol(rank, Name(letter, dots=known.derivative, below=below, above=above))
 
     return write
 
 
-def _mass(known: Identity, above: tuple[str, ...]) -> Written:
-    return Written(Rank.CONSTANT, Name("m", above=above))
+def _mass(known: Identity, above: tuple[str, ...]) -> TypesetSymbol:
+    return TypesetSymbol(Rank.CONSTANT, Name("m", above=above))
 
 
-def _integral(known: Identity, above: tuple[str, ...]) -> Written:
+def _integral(known: Identity, above: tuple[str, ...]) -> TypesetSymbol:
     letter, number = _stem(known.family)
-    return Written(Rank.CONSTANT, Name(letter, below=_below(number, known), above=above))
+    return TypesetSymbol(Rank.CONSTANT, Name(letter, below=_below(number, known), above=above))
 
 
 SUMMED = {Family.D1: Family.C2, Family.D2: Family.D2, Family.D3: Family.D3, Family.S: Family.S}
 """What the time derivatives of moments sum over the shapes, with the velocities or accelerations of the amplitudes."""
 
 
-def _moment(known: Identity, above: tuple[str, ...]) -> Written:
+def _moment(known: Identity, above: tuple[str, ...]) -> TypesetSymbol:
     """A moment; its derivatives, which are sums over the shapes, as products with the column of alpha."""
     letter, number = _stem(known.family)
     single = known.family is Family.D1 and known.derivative == 1
     if not known.derivative or single:
         below = _below(number, known)
-        return Written(Rank.MOMENT, Name(letter, dots=known.derivative, below=below, above=above))
+        return TypesetSymbol(Rank.MOMENT, Name(letter, dots=known.derivative, below=below, above=above))
     letter, number = _stem(SUMMED[known.family])
     moment = Name(letter, below=_below(number, known), above=above)
-    return Written(Rank.MOMENT, Row((column(known.derivative, transposed=True), moment)))
+    return TypesetSymbol(Rank.MOMENT, FormulaRow((column(known.derivative, transposed=True), moment)))
 
 
-def _row_times_column(known: Identity, above: tuple[str, ...]) -> Written:
+def _row_times_column(known: Identity, above: tuple[str, ...]) -> TypesetSymbol:
     """c7dot_i and c8ddot_i: row i of a table times the velocities, or the accelerations."""
     _, number = _stem(known.family)
     parts = (number, *map(index_text, known.shapes), _components(known))
     below = ",".join(part for part in parts if part)
     table = Name(known.family.stem[:1], below=(below,), above=above)
-    return Written(Rank.MOMENT, Row((table, column(known.derivative))))
+    return TypesetSymbol(Rank.MOMENT, FormulaRow((table, column(known.derivative))))
 
 
-def _rate_product(known: Identity, above: tuple[str, ...]) -> Written:
+def _rate_product(known: Identity, above: tuple[str, ...]) -> TypesetSymbol:
     matrix = Name("c", below=("8",), above=above, style="tensor")
-    return Written(Rank.MOMENT, Row((column(1, transposed=True), matrix, column(1))))
+    return TypesetSymbol(Rank.MOMENT, FormulaRow((column(1, transposed=True), matrix, column(1))))
 
 
-def _force_of_modes(letter: str, dots: int) -> Callable[[Identity, tuple[str, ...]], Written]:
+def _force_of_modes(letter: str, dots: int) -> Callable[[Identity, tuple[str, ...]], TypesetSymbol]:
     """Row i of the stiffness times the amplitudes, or of the damping times their velocities."""
 
-    def write(known: Identity, above: tuple[str, ...]) -> Written:
+    def write(known: Identity, above: tuple[str, ...]) -> TypesetSymbol:
         table = Name(letter, below=tuple(map(index_text, known.shapes)), above=above)
-        return Written(Rank.MOMENT, Row((table, column(dots))))
+        return TypesetSymbol(Rank.MOMENT, FormulaRow((table, column(dots))))
 
     return write
 
 
-def _strain(known: Identity, above: tuple[str, ...]) -> Written:
-    return Written(Rank.MOMENT, Row((column(transposed=True), whole(Family.STIFFNESS), column())))
+def _strain(known: Identity, above: tuple[str, ...]) -> TypesetSymbol:
+    return TypesetSymbol(Rank.MOMENT, FormulaRow((column(transposed=True), whole(Family.STIFFNESS), column())))
 
 
-def _sine(name: str) -> Callable[[Identity, tuple[str, ...]], Written]:
-    return lambda known, above: Written(Rank.SINE, Call(name, Name("phi", above=above)))
+def _sine(name: str) -> Callable[[Identity, tuple[str, ...]], TypesetSymbol]:
+    return lambda known, above: TypesetSymbol(Rank.SINE, Call(name, Name("phi", above=above)))
 
 
-def _rotation_tensor(known: Identity, above: tuple[str, ...]) -> Written:
-    return Written(Rank.ROTATION, Name("Q", below=(_components(known),), above=above))
+def _rotation_tensor(known: Identity, above: tuple[str, ...]) -> TypesetSymbol:
+    return TypesetSymbol(Rank.ROTATION, Name("Q", below=(_components(known),), above=above))
 
 
-def _omega_product(known: Identity, above: tuple[str, ...]) -> Written:
+def _omega_product(known: Identity, above: tuple[str, ...]) -> TypesetSymbol:
     first, second = (Name("omega", below=(str(k),), above=above) for k in known.components)
-    return Written(Rank.VELOCITY, Power(first, Digits("2")) if first == second else Row((first, second)))
+    return TypesetSymbol(
+        Rank.VELOCITY, Power(first, NumberToken("2")) if first == second else FormulaRow((first, second))
+    )
 
 
-def _vector(letter: str, in_body: bool) -> Callable[[Identity, tuple[str, ...]], Written]:
+def _vector(letter: str, in_body: bool) -> Callable[[Identity, tuple[str, ...]], TypesetSymbol]:
     """Gravity or a force, in components of the inertial frame, or of the floating frame, with a b above."""
     rank = Rank.ROTATION if in_body else Rank.CONSTANT
     frame = ("b",) if in_body else ()
-    return lambda known, above: Written(rank, Name(letter, below=(_components(known),), above=(*above, *frame)))
+    return lambda known, above: TypesetSymbol(rank, Name(letter, below=(_components(known),), above=(*above, *frame)))
 
 
-def _of_point(letter: str) -> Callable[[Identity, tuple[str, ...]], Written]:
+def _of_point(letter: str) -> Callable[[Identity, tuple[str, ...]], TypesetSymbol]:
     """A constant of a material point: the point, the shapes and the components below."""
 
-    def write(known: Identity, above: tuple[str, ...]) -> Written:
+    def write(known: Identity, above: tuple[str, ...]) -> TypesetSymbol:
         parts = (known.point.replace("_", " "), *map(index_text, known.shapes), _components(known))
         sign = "," if known.point.isdigit() else " "
         below = sign.join(part for part in parts if part)
-        return Written(Rank.CONSTANT, Name(letter, dots=known.derivative, below=(below,) if below else (), above=above))
+        return TypesetSymbol(
+            Rank.CONSTANT, Name(letter, dots=known.derivative, below=(below,) if below else (), above=above)
+        )
 
     return write
 
 
-def _moving_point(letter: str) -> Callable[[Identity, tuple[str, ...]], Written]:
+def _moving_point(letter: str) -> Callable[[Identity, tuple[str, ...]], TypesetSymbol]:
     """The position of a material point in the floating frame, or in inertial directions, with the point above."""
 
-    def write(known: Identity, above: tuple[str, ...]) -> Written:
+    def write(known: Identity, above: tuple[str, ...]) -> TypesetSymbol:
         place = " ".join(part.replace("_", " ") for part in (known.owner, known.point) if part)
         name = Name(letter, dots=known.derivative, below=(_components(known),), above=(place,) if place else ())
-        return Written(Rank.MOMENT, name)
+        return TypesetSymbol(Rank.MOMENT, name)
 
     return write
 
 
-def _named(known: Identity, above: tuple[str, ...]) -> Written:
+def _named(known: Identity, above: tuple[str, ...]) -> TypesetSymbol:
     """A parameter, or a quantity of a joint, a drive or the ground, under the name that it was given."""
     name = chosen(known.label) if known.label else Name("F")
     numbers = (*map(index_text, known.shapes), _components(known))
     below = " ".join(part for part in (*name.below, *numbers) if part)
-    return Written(Rank.CONSTANT, Name(name.text, below=(below,) if below else (), above=above, style=name.style))
+    return TypesetSymbol(Rank.CONSTANT, Name(name.text, below=(below,) if below else (), above=above, style=name.style))
 
 
-WRITERS: dict[Family, Callable[[Identity, tuple[str, ...]], Written]] = {
+WRITERS: dict[Family, Callable[[Identity, tuple[str, ...]], TypesetSymbol]] = {
     Family.TRANSLATION: _motion("c"),
     Family.ANGLE: _motion("phi"),
     Family.QUATERNION: _motion("e"),

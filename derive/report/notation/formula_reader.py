@@ -17,13 +17,13 @@ from derive.report.document.formula import (
     Equation,
     Fenced,
     Formula,
-    Fraction,
+    FormulaRow,
     Name,
-    Number,
-    Operator,
+    NumberToken,
+    OperatorToken,
     Part,
     Power,
-    Row,
+    Quotient,
 )
 from derive.report.notation.glyphs import GREEK
 
@@ -57,17 +57,17 @@ def equation(text: str, scalars: bool = False) -> Equation:
     signs = list(map(text_of, parts))
     at = next((signs.index(sign) for sign in ("=", ":") if sign in signs), None)
     if at is None:
-        return Equation(Row(()), tuple(_summands(parts)), relation="")
+        return Equation(FormulaRow(()), tuple(_summands(parts)), relation="")
     return Equation(_plain(parts[:at]), tuple(_summands(parts[at + 1 :])), relation=text_of(parts[at]))
 
 
 def text_of(part: Formula) -> str:
     """The sign that an operator is; nothing for other formulas."""
-    return part.text if isinstance(part, Operator) else ""
+    return part.text if isinstance(part, OperatorToken) else ""
 
 
 def _plain(parts: tuple[Formula, ...]) -> Formula:
-    return parts[0] if len(parts) == 1 else Row(parts)
+    return parts[0] if len(parts) == 1 else FormulaRow(parts)
 
 
 class _Reader:
@@ -109,11 +109,11 @@ class _Reader:
     def _one(self) -> Iterator[Formula]:
         kind, text = self._take()
         if kind == "number":
-            yield self._raised(Number(text))
+            yield self._raised(NumberToken(text))
         elif kind == "half":
-            yield Fraction(Number("1"), Number("2"))
+            yield Quotient(NumberToken("1"), NumberToken("2"))
         elif kind == "sign":
-            yield Operator(_SIGNS.get(text, text))
+            yield OperatorToken(_SIGNS.get(text, text))
         elif kind == "open":
             yield self._raised(Fenced(_plain(self.parts(_CLOSING[text])), text, _CLOSING[text]))
         elif kind != "letters":
@@ -121,7 +121,7 @@ class _Reader:
         elif text in ("sin", "cos"):
             yield Call(text, next(self._one()))
         elif text in ("delta", "partial"):
-            yield self._raised(Operator(_SIGNS[text]))
+            yield self._raised(OperatorToken(_SIGNS[text]))
         else:
             yield from self._letters(text)
 
@@ -129,7 +129,7 @@ class _Reader:
         if text not in GREEK and text not in _BIG and text not in _WORDS and len(text) > 1:
             if not text.startswith("d"):
                 raise ValueError(f"{self.text!r}: {text} is no name")
-            yield Operator("d")
+            yield OperatorToken("d")
             text = text[1:]
         dots = len(self._take()[1]) if self._next("prime") else 0
         below: tuple[str, ...] = ()
@@ -139,7 +139,7 @@ class _Reader:
                 below = (self._script(),)
             elif self._next("number") and text not in _BIG:
                 name = Name(_BIG.get(text, text), dots, below, above, self._style(text, below))
-                yield Power(name, Number(self._script()))
+                yield Power(name, NumberToken(self._script()))
                 return
             else:
                 above = (self._script(),)
@@ -160,7 +160,7 @@ class _Reader:
             return base
         self._take()
         word = self._script()
-        return Power(base, Number(word) if word.isdigit() else Name(word, style="word"))
+        return Power(base, NumberToken(word) if word.isdigit() else Name(word, style="word"))
 
     def _style(self, text: str, below: tuple[str, ...]) -> Style:
         if text in _WORDS or text in ("int", "sum"):

@@ -8,7 +8,7 @@ import sympy as sp
 
 from derive.mechanics.symbols import Family, Identity, ShapeIndex, Symbol
 from derive.mechanics.terms import Reason
-from derive.report.document.formula import Formula, Fraction, Name, Number, Operator, Power, Row
+from derive.report.document.formula import Formula, FormulaRow, Name, NumberToken, OperatorToken, Power, Quotient
 from derive.report.document.page import Inline, Math, Text
 from derive.report.notation.expressions import Notation
 from derive.report.notation.families import index_text, whole
@@ -57,10 +57,10 @@ def integral_formula(
 
 def stiffness_formula(shapes: Sequence[ShapeIndex]) -> Formula:
     """An entry of the stiffness of a beam, (22)."""
-    second = Power(Operator("d"), Number("2"))
-    below = Row((Operator("d"), Power(Name("x"), Number("2"))))
-    curvatures = (Fraction(Row((second, Name(SHAPE, below=(index_text(shape),)))), below) for shape in shapes)
-    return Row((Name("∫"), Name("EI"), *curvatures, Operator("d"), Name("x")))
+    second = Power(OperatorToken("d"), NumberToken("2"))
+    below = FormulaRow((OperatorToken("d"), Power(Name("x"), NumberToken("2"))))
+    curvatures = (Quotient(FormulaRow((second, Name(SHAPE, below=(index_text(shape),)))), below) for shape in shapes)
+    return FormulaRow((Name("∫"), Name("EI"), *curvatures, OperatorToken("d"), Name("x")))
 
 
 def meaning(known: Identity, doc: str, planar: bool) -> Text:

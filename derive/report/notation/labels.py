@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from derive.mechanics.equations import Equations
 from derive.mechanics.symbols import Family, Identity, Symbol, identity
-from derive.report.document.formula import Formula, Operator, Row
+from derive.report.document.formula import Formula, FormulaRow, OperatorToken
 from derive.report.notation.families import index_text, written
 from derive.report.notation.glyphs import letter
 
@@ -42,7 +42,7 @@ def delta(known: Identity) -> str:
 
 def variation(known: Identity) -> Formula:
     """A virtual displacement as a formula."""
-    return Row((Operator("δ"), written(Symbol(known)).formula))
+    return FormulaRow((OperatorToken("δ"), written(Symbol(known)).formula))
 
 
 def _letters(known: Identity) -> str:

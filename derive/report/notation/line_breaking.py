@@ -9,15 +9,15 @@ from derive.report.document.formula import (
     Call,
     Fenced,
     Formula,
-    Fraction,
+    FormulaRow,
     Matrix,
     Name,
-    Number,
-    Operator,
+    NumberToken,
+    OperatorToken,
     Part,
     Power,
+    Quotient,
     Root,
-    Row,
 )
 from derive.report.notation.glyphs import BIG, index, letter, number
 from derive.report.notation.spacing import bare, factors, gap, summand
@@ -55,17 +55,17 @@ def part_width(part: Part) -> float:
 def width(formula: Formula) -> float:
     """The width of a formula, in em, about."""
     match formula:
-        case Number(text):
+        case NumberToken(text):
             mantissa, exponent = number(text)
             return 0.5 * len(mantissa) + (1.7 + SMALL * len(exponent) if exponent else 0)
         case Name():
             return _name(formula)
-        case Operator(text):
+        case OperatorToken(text):
             return LETTER if text.isalpha() else 0.6 if text in "∫∂" else SIGN
-        case Row():
+        case FormulaRow():
             parts = factors(formula)
             return sum(width(part) for part in parts) + sum(GAPS[gap(a, b)] for a, b in pairwise(parts))
-        case Fraction(above, below):
+        case Quotient(above, below):
             return 0.25 + max(width(above), width(below))
         case Power(base, exponent):
             return width(base) + 0.7 * width(exponent)

@@ -9,13 +9,13 @@ from derive.report.document.formula import (
     Equation,
     Fenced,
     Formula,
-    Fraction,
+    FormulaRow,
     Matrix,
     Name,
-    Number,
-    Operator,
+    NumberToken,
+    OperatorToken,
     Power,
-    Row,
+    Quotient,
 )
 from derive.report.notation.glyphs import BIG, is_letter
 
@@ -23,28 +23,28 @@ Gap = Literal["none", "times", "thin", "dot"]
 SUMS = {"+", "-", "\u2212", "±"}
 
 
-def factors(row: Row) -> list[Formula]:
+def factors(row: FormulaRow) -> list[Formula]:
     """The formulas of a row, with those of rows in it."""
-    return [one for part in row.parts for one in (factors(part) if isinstance(part, Row) else [part])]
+    return [one for part in row.parts for one in (factors(part) if isinstance(part, FormulaRow) else [part])]
 
 
 def gap(left: Formula, right: Formula) -> Gap:
     """What stands between two formulas: nothing, an invisible sign, that and a thin space, or a dot."""
-    if _is_sign(left) or isinstance(right, Operator):
-        differential = right == Operator("d") and not _is_sign(left)
+    if _is_sign(left) or isinstance(right, OperatorToken):
+        differential = right == OperatorToken("d") and not _is_sign(left)
         return "thin" if differential else "none"
-    if isinstance(left, Number) and _starts_with_digit(right):
+    if isinstance(left, NumberToken) and _starts_with_digit(right):
         return "dot"
     return "thin" if _is_word(left) or _is_word(right) else "times"
 
 
 def _is_sign(formula: Formula) -> bool:
-    return isinstance(formula, Operator) or (isinstance(formula, Name) and formula.text in BIG)
+    return isinstance(formula, OperatorToken) or (isinstance(formula, Name) and formula.text in BIG)
 
 
 def _starts_with_digit(formula: Formula) -> bool:
     inner = formula.base if isinstance(formula, Power) else formula
-    return isinstance(inner, Number) or (isinstance(inner, Fraction) and isinstance(inner.above, Number))
+    return isinstance(inner, NumberToken) or (isinstance(inner, Quotient) and isinstance(inner.above, NumberToken))
 
 
 def _is_word(formula: Formula) -> bool:
@@ -54,14 +54,14 @@ def _is_word(formula: Formula) -> bool:
 
 def needs_brackets(base: Formula) -> bool:
     """Whether a base of a power has to stand in brackets."""
-    many = isinstance(base, Row) and len(factors(base)) != 1
-    return many or isinstance(base, Fraction | Power) or (isinstance(base, Number) and not base.text.isdecimal())
+    many = isinstance(base, FormulaRow) and len(factors(base)) != 1
+    return many or isinstance(base, Quotient | Power) or (isinstance(base, NumberToken) and not base.text.isdecimal())
 
 
 def is_sum(formula: Formula) -> bool:
     """Whether there is a plus or minus after the start of a formula, outside brackets."""
-    return isinstance(formula, Row) and any(
-        isinstance(one, Operator) and one.text in SUMS for one in factors(formula)[1:]
+    return isinstance(formula, FormulaRow) and any(
+        isinstance(one, OperatorToken) and one.text in SUMS for one in factors(formula)[1:]
     )
 
 
@@ -72,15 +72,15 @@ def summand(formula: Formula, sign: str) -> Formula:
 
 def bare(call: Call, last: bool) -> bool:
     """Whether the argument of a function needs no brackets: one letter or number, and nothing that follows it."""
-    return last and isinstance(call.of, Name | Number)
+    return last and isinstance(call.of, Name | NumberToken)
 
 
 def is_tall(formula: Formula) -> bool:
     """Whether brackets around a formula have to be higher than a line."""
     match formula:
-        case Fraction() | Matrix():
+        case Quotient() | Matrix():
             return True
-        case Row(parts):
+        case FormulaRow(parts):
             return any(is_tall(part) for part in parts)
         case Power(base, _):
             return is_tall(base)
@@ -99,7 +99,7 @@ def _has_matrix(formula: Formula) -> bool:
     match formula:
         case Matrix():
             return True
-        case Row(parts):
+        case FormulaRow(parts):
             return any(_has_matrix(part) for part in parts)
         case Fenced(of):
             return _has_matrix(of)

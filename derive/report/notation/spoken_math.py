@@ -9,14 +9,14 @@ from derive.report.document.formula import (
     Equation,
     Fenced,
     Formula,
-    Fraction,
+    FormulaRow,
     Matrix,
     Name,
-    Number,
-    Operator,
+    NumberToken,
+    OperatorToken,
     Power,
+    Quotient,
     Root,
-    Row,
 )
 from derive.report.notation.glyphs import BIG, NAMES, index, number
 from derive.report.notation.spacing import bare, factors, gap, needs_brackets, summand
@@ -44,21 +44,21 @@ POWERS = {"2": "squared", "3": "cubed"}
 def words(formula: Formula) -> str:
     """A formula in words."""
     match formula:
-        case Number(text):
+        case NumberToken(text):
             return _number(text)
         case Name():
             return _name(formula)
-        case Operator(text):
+        case OperatorToken(text):
             return SIGNS.get(text, NAMES.get(text, text))
-        case Row():
+        case FormulaRow():
             return _row(factors(formula))
-        case Fraction(above, below):
-            plain = all(isinstance(one, Name | Number) for one in (above, below))
+        case Quotient(above, below):
+            plain = all(isinstance(one, Name | NumberToken) for one in (above, below))
             said = f"{words(above)} over {words(below)}"
             return said if plain else f"fraction {said} end fraction"
         case Power(base, exponent):
             inner = Fenced(base) if needs_brackets(base) else base
-            raised = POWERS.get(exponent.text) if isinstance(exponent, Number) else None
+            raised = POWERS.get(exponent.text) if isinstance(exponent, NumberToken) else None
             return f"{words(inner)} {raised or f'to the power {words(exponent)}'}"
         case Root(of):
             return f"root of {words(of)} end root"

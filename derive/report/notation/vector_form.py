@@ -22,7 +22,7 @@ from derive.mechanics.motion.spatial import skew, symbols_of_rotation, symmetric
 from derive.mechanics.symbols import MASS, Family, I, ShapeIndex, local, quantity
 from derive.mechanics.symbols import vector as components_of
 from derive.mechanics.tables import AXES, PAIRS
-from derive.report.document.formula import Fenced, Formula, Name, Number, Operator, Part, Row
+from derive.report.document.formula import Fenced, Formula, FormulaRow, Name, NumberToken, OperatorToken, Part
 
 
 @dataclass(frozen=True)
@@ -41,9 +41,9 @@ def _column(dots: int, transposed: bool = False) -> Name:
     return Name("alpha", dots, above=("T",) if transposed else (), style="vector")
 
 
-def _sum(dots: int, of: Name) -> Row:
+def _sum(dots: int, of: Name) -> FormulaRow:
     """A sum over the shapes with the rates or the accelerations, which has a name in the code alone."""
-    return Row((_column(dots, transposed=True), of))
+    return FormulaRow((_column(dots, transposed=True), of))
 
 
 def arrow(label: str) -> sp.Matrix:
@@ -73,9 +73,9 @@ def _atoms() -> dict[str, Atom]:
         "omega": (_name("omega"), _vector(Family.ANGULAR_VELOCITY)),
         "omegadot": (_name("omega", dots=1), _vector(Family.ANGULAR_VELOCITY, 1)),
         "c": (_name("c"), _vector(Family.TRANSLATION)),
-        "delta_c": (Row((Operator("δ"), _name("c"))), arrow("delta_c")),
-        "delta_alpha_i": (Row((Operator("δ"), Name("alpha", below=("i",)))), sp.Matrix([DELTA_ALPHA])),
-        "delta_pi": (Row((Operator("δ"), _name("pi"))), arrow("delta_pi")),
+        "delta_c": (FormulaRow((OperatorToken("δ"), _name("c"))), arrow("delta_c")),
+        "delta_alpha_i": (FormulaRow((OperatorToken("δ"), Name("alpha", below=("i",)))), sp.Matrix([DELTA_ALPHA])),
+        "delta_pi": (FormulaRow((OperatorToken("δ"), _name("pi"))), arrow("delta_pi")),
         "e": (_name("e"), arrow("e")),
         "J": (_name("J", tensor=True), symmetric(Family.INERTIA)),
         "D2dot": (_sum(1, _name("D", "2", tensor=True)), _second_moment(1)),
@@ -91,9 +91,9 @@ def _atoms() -> dict[str, Atom]:
         "d3ddot": (_sum(2, _name("d", "3")), _vector(Family.D3, 2)),
         "c2_i": (_name("c", "2 i"), _vector(Family.C2, 0, I)),
         "d3_i": (_name("d", "3 i"), _vector(Family.D3, 0, I)),
-        "c7dot_i": (Row((_name("c", "7 i"), _column(1))), _vector(Family.C7_SUM, 1, I)),
+        "c7dot_i": (FormulaRow((_name("c", "7 i"), _column(1))), _vector(Family.C7_SUM, 1, I)),
         "c8ddot_i": (
-            Row((_name("c", "8 i", tensor=True), _column(2))),
+            FormulaRow((_name("c", "8 i", tensor=True), _column(2))),
             sp.Matrix([C8DDOT]),
         ),
     }
@@ -137,7 +137,7 @@ Tree = Leaf | tuple[Literal["dot", "cross", "scale"], "Tree", "Tree"]
 
 Rank = Literal[0, 1, 2]
 
-SIGNS = {"dot": (Operator("·"),), "cross": (Operator("\u00d7"),), "scale": ()}
+SIGNS = {"dot": (OperatorToken("·"),), "cross": (OperatorToken("\u00d7"),), "scale": ()}
 
 
 def summand(components: Sequence[sp.Expr], group: str = "", title: str = "") -> Part:
@@ -150,8 +150,8 @@ def summand(components: Sequence[sp.Expr], group: str = "", title: str = "") -> 
     for tree in sorted(_trees(used, rank), key=_conjugates):
         factor = _ratio(target, _value(tree, point).ravel())
         if factor and (sp.Matrix(_value(tree, {})).reshape(len(wanted), 1) * factor - wanted).expand().is_zero_matrix:
-            number = () if abs(factor) == 1 else (Number(str(abs(factor))),)
-            return Part("-" if factor < 0 else "+", Row((*number, formula(tree))), group=group, title=title)
+            number = () if abs(factor) == 1 else (NumberToken(str(abs(factor))),)
+            return Part("-" if factor < 0 else "+", FormulaRow((*number, formula(tree))), group=group, title=title)
     raise ArithmeticError(f"no product of {', '.join(used)} is {list(wanted)}")
 
 
@@ -252,10 +252,10 @@ def formula(tree: Tree) -> Formula:
             Name(result.text, above=("c",), style="tensor") if tree.conjugate and isinstance(result, Name) else result
         )
     sign, left, right = tree
-    return Row((_inner(left), *SIGNS[sign], _inner(right)))
+    return FormulaRow((_inner(left), *SIGNS[sign], _inner(right)))
 
 
 def _inner(tree: Tree) -> Formula:
     result = formula(tree)
-    closed = isinstance(result, Name) or (isinstance(result, Row) and isinstance(result.parts[0], Operator))
+    closed = isinstance(result, Name) or (isinstance(result, FormulaRow) and isinstance(result.parts[0], OperatorToken))
     return result if closed else Fenced(result)

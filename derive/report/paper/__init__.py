@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from derive.report.paper.assumptions import ASSUMPTIONS
-from derive.report.paper.model import Section
+from derive.report.paper.model import AuditSection
 from derive.report.paper.rows_appendix import SECTIONS as APPENDIX
 from derive.report.paper.rows_beam import SECTIONS as BEAM
 from derive.report.paper.rows_body import SECTIONS as BODY
@@ -16,7 +16,7 @@ from derive.report.paper.statements import STATEMENTS
 if TYPE_CHECKING:
     from derive.report.document.page import Page
 
-SECTIONS: tuple[Section, ...] = (*BODY, *FRAMES, *BEAM, *RESULTS, *APPENDIX)
+SECTIONS: tuple[AuditSection, ...] = (*BODY, *FRAMES, *BEAM, *RESULTS, *APPENDIX)
 
 __all__ = ["ASSUMPTIONS", "SECTIONS", "STATEMENTS", "audit_page"]
 

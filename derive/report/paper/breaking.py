@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 
-from derive.report.document.formula import Equation, Fenced, Formula, Fraction, Operator, Part, Row
+from derive.report.document.formula import Equation, Fenced, Formula, FormulaRow, OperatorToken, Part, Quotient
 from derive.report.notation.expressions import row
 from derive.report.notation.spacing import factors
 
@@ -19,7 +19,7 @@ def broken(equation: Equation) -> Equation:
 
 
 def _pieces(part: Part) -> Iterator[Part]:
-    parts = factors(part.formula) if isinstance(part.formula, Row) else [part.formula]
+    parts = factors(part.formula) if isinstance(part.formula, FormulaRow) else [part.formula]
     long = [k for k, one in enumerate(parts) if isinstance(one, Fenced) and size(one) > LONG]
     if len(long) != 1:
         yield part
@@ -33,16 +33,16 @@ def _pieces(part: Part) -> Iterator[Part]:
         return
     for k, (sign, term) in enumerate(terms):
         first, last = k == 0, k == len(terms) - 1
-        opening = [*parts[:at], Operator(bracket.left), *([Operator("-")] if sign == "-" else [])]
-        closing = [Operator(bracket.right), *parts[at + 1 :]]
+        opening = [*parts[:at], OperatorToken(bracket.left), *([OperatorToken("-")] if sign == "-" else [])]
+        closing = [OperatorToken(bracket.right), *parts[at + 1 :]]
         whole = [*(opening if first else []), *term, *(closing if last else [])]
         yield replace(part, formula=row(whole)) if first else Part("-" if sign == "-" else "+", row(whole))
 
 
 def _terms(of: Formula) -> Iterator[tuple[str, list[Formula]]]:
     sign, gathered = "+", list[Formula]()
-    for one in factors(of) if isinstance(of, Row) else [of]:
-        if isinstance(one, Operator) and one.text in ("+", "-"):
+    for one in factors(of) if isinstance(of, FormulaRow) else [of]:
+        if isinstance(one, OperatorToken) and one.text in ("+", "-"):
             if gathered:
                 yield sign, gathered
             sign, gathered = one.text, []
@@ -54,11 +54,11 @@ def _terms(of: Formula) -> Iterator[tuple[str, list[Formula]]]:
 def size(of: Formula) -> int:
     """How many names and numbers a formula has beside each other."""
     match of:
-        case Row():
+        case FormulaRow():
             return sum(map(size, factors(of)))
-        case Fraction(above, below):
+        case Quotient(above, below):
             return max(size(above), size(below))
-        case Operator():
+        case OperatorToken():
             return 0
         case Fenced(inside):
             return size(inside)

@@ -22,7 +22,7 @@ from derive.mechanics.bodies.reference_conditions import (
 from derive.mechanics.equations import Equations
 from derive.mechanics.motion.kinematics import ONE
 from derive.mechanics.motion.planar import planar_motion
-from derive.report.document.formula import Equation, Formula, Matrix, Name, Number, Part, Row
+from derive.report.document.formula import Equation, Formula, FormulaRow, Matrix, Name, NumberToken, Part
 from derive.report.notation.expressions import Notation, notation, polynomial
 from derive.report.notation.formula_reader import equation, formula
 from derive.spec.construction import planar_beam
@@ -54,7 +54,9 @@ def rows(frame: str) -> tuple[Equation, ...]:
     how = notation(result)
     return tuple(
         Equation(
-            Row((formula("delta"), how.formula(coordinate.q))), how.parts(result.row(str(coordinate.q))), relation=":"
+            FormulaRow((formula("delta"), how.formula(coordinate.q))),
+            how.parts(result.row(str(coordinate.q))),
+            relation=":",
         )
         for coordinate in result.coordinates
     )
@@ -105,7 +107,7 @@ def displacements() -> tuple[Equation, ...]:
 
 
 def _at(letter: str, marker: Marker) -> Formula:
-    return Row((Name(letter, style="vector"), formula(f"({marker.at})", scalars=True)))
+    return FormulaRow((Name(letter, style="vector"), formula(f"({marker.at})", scalars=True)))
 
 
 def _components(vector: sp.Matrix) -> tuple[Part, ...]:
@@ -114,7 +116,9 @@ def _components(vector: sp.Matrix) -> tuple[Part, ...]:
         if entry != 0:
             negative = entry.could_extract_minus_sign()
             base = Name("e", below=(str(k),), style="vector")
-            parts.append(Part("-" if negative else "+", Row((PLAIN.factor(-entry if negative else entry), base))))
+            parts.append(
+                Part("-" if negative else "+", FormulaRow((PLAIN.factor(-entry if negative else entry), base)))
+            )
     return tuple(parts)
 
 
@@ -162,7 +166,7 @@ def condition_on_the_cubic(frame: str, k: int) -> tuple[Equation, ...]:
     """What a condition says of a0 .. a3: its value on each power of xi."""
     value = _condition(frame, k).on
     total = sum((a * value(sp.Poly(xi**n, xi, domain="QQ")) for n, a in enumerate(AMPLITUDES)), sp.S.Zero)
-    return (Equation(_sum(a * total.coeff(a) for a in AMPLITUDES), (Part("+", Number("0")),)),)
+    return (Equation(_sum(a * total.coeff(a) for a in AMPLITUDES), (Part("+", NumberToken("0")),)),)
 
 
 def _condition(frame: str, k: int, at: Exact | None = None) -> Condition:
@@ -179,14 +183,14 @@ def expansion(frame: str) -> tuple[Equation, ...]:
     shapes = _shapes(frame)
     parts = []
     for k, alpha in zip(range(1, len(shapes) + 1), MOTION.alpha, strict=True):
-        parts.append(Part("+", Row((PLAIN.formula(alpha), Name("phi", below=(str(k),)), formula("(xi)")))))
+        parts.append(Part("+", FormulaRow((PLAIN.formula(alpha), Name("phi", below=(str(k),)), formula("(xi)")))))
     return (Equation(formula("v", scalars=True), tuple(parts)),)
 
 
 def shape(frame: str, k: int) -> tuple[Equation, ...]:
     """A shape that the conditions leave of the ansatz."""
     coefficients = [sp.Rational(c) for c in _shapes(frame)[k - 1]]
-    left = Row((Name("phi", below=(str(k),)), formula("(xi)")))
+    left = FormulaRow((Name("phi", below=(str(k),)), formula("(xi)")))
     return (Equation(left, polynomial(coefficients, Name("xi"))),)
 
 

@@ -18,7 +18,7 @@ from derive.mechanics.sums import IndexedSum
 from derive.mechanics.symbols import Family, I, J, Symbol, quantity
 from derive.mechanics.tables import AXES, INDICES, TableKind
 from derive.mechanics.terms import Term
-from derive.report.document.formula import Equation, Formula, Name, Number, Operator, Part, Row
+from derive.report.document.formula import Equation, Formula, FormulaRow, Name, NumberToken, OperatorToken, Part
 from derive.report.notation.families import indexed
 from derive.report.notation.formula_reader import formula
 from derive.report.notation.integral_formulas import SYMMETRIC, integral_formula
@@ -40,7 +40,7 @@ def rotation() -> tuple[Equation, ...]:
     small = (turned.diff(angle).subs(angle, 0) * arrow("X")).expand()
     (part,) = summands(small)
     left = formula("u_{rotation}")
-    return (Equation(left, (Part(part.sign, Row((Name("chi"), part.formula))),)),)
+    return (Equation(left, (Part(part.sign, FormulaRow((Name("chi"), part.formula))),)),)
 
 
 def equations_of_motion() -> tuple[Equation, ...]:
@@ -111,7 +111,9 @@ def series(name: str, base: bool = True) -> Equation:
 
 
 def _sum_of(factor: Symbol, entry: Symbol) -> Formula:
-    return Row((Name("\u2211", below=("j",)), Name("alpha", factor.identity.derivative, ("j",)), _written(entry)))
+    return FormulaRow(
+        (Name("\u2211", below=("j",)), Name("alpha", factor.identity.derivative, ("j",)), _written(entry))
+    )
 
 
 def _written(symbol: Symbol) -> Formula:
@@ -133,18 +135,18 @@ def integral(name: str) -> tuple[Equation, ...]:
     left: Formula = indexed(family, *shapes)
     right = integral_formula(family, shapes)
     if family in SYMMETRIC:
-        left, right = (Row((Name("sym", style="word"), side)) for side in (left, right))
+        left, right = (FormulaRow((Name("sym", style="word"), side)) for side in (left, right))
     return (Equation(left, (Part("+", right),)),)
 
 
 def vanishing(name: str) -> Equation:
     """An integral that is zero in the mean frame; the tables of the body say so."""
     assert _mean().table(INTEGRALS[name]).kind is TableKind.ZERO
-    return Equation(indexed(INTEGRALS[name], I), (Part("+", Number("0")),))
+    return Equation(indexed(INTEGRALS[name], I), (Part("+", NumberToken("0")),))
 
 
 def strain() -> tuple[Equation, ...]:
     """The first term of (13) for a body of modes."""
-    energy = Row((Operator("δ"), Name("U")))
-    elastic = Row((Operator("δ"), Name("alpha", below=("i",)), _elastic().formula))
-    return (Equation(energy, (Part("+", Row((Name("\u2211", below=("i",)), elastic))),)),)
+    energy = FormulaRow((OperatorToken("δ"), Name("U")))
+    elastic = FormulaRow((OperatorToken("δ"), Name("alpha", below=("i",)), _elastic().formula))
+    return (Equation(energy, (Part("+", FormulaRow((Name("\u2211", below=("i",)), elastic))),)),)

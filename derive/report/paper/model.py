@@ -56,7 +56,7 @@ class AuditRow:
 
 
 @dataclass(frozen=True)
-class Section:
+class AuditSection:
     """The rows of one section of the paper."""
 
     title: str

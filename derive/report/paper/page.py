@@ -11,22 +11,22 @@ from derive.report.document.formula import Equation
 from derive.report.document.page import (
     Block,
     Cell,
-    Code,
-    Equations,
+    CodeSpan,
+    EquationBlock,
     Heading,
+    Hyperlink,
     Inline,
-    Link,
     Math,
     Page,
     Paragraph,
     Strong,
-    Table,
+    TableBlock,
     Text,
 )
 from derive.report.notation.formula_reader import equation, formula
 from derive.report.notation.spoken_math import words as spoken
 from derive.report.paper.breaking import broken
-from derive.report.paper.model import Assumption, AuditRow, Section, Statement, Verdict
+from derive.report.paper.model import Assumption, AuditRow, AuditSection, Statement, Verdict
 
 Mark = Literal["", "zero", "entry", "good", "bad"]
 
@@ -51,7 +51,7 @@ MARKS: dict[str, Mark] = {
 DERIVED = {"the package": "derived", "a test": "derived in a test", "the user": "specified"}
 
 
-def build(sections: Sequence[Section], statements: Sequence[Statement], assumptions: Sequence[Assumption]) -> Page:
+def build(sections: Sequence[AuditSection], statements: Sequence[Statement], assumptions: Sequence[Assumption]) -> Page:
     """The page of these rows. Everything that is derived is derived now."""
     rows = [row for section in sections for row in section.rows]
     blocks: list[Block] = [*_introduction(rows)]
@@ -87,7 +87,7 @@ def _introduction(rows: Sequence[AuditRow]) -> Iterator[Block]:
         )
     )
     result = counts(rows)
-    yield Table(
+    yield TableBlock(
         "Verdicts",
         (("Verdict",), ("Rows",), ("Meaning",)),
         tuple(
@@ -98,14 +98,14 @@ def _introduction(rows: Sequence[AuditRow]) -> Iterator[Block]:
     )
 
 
-def _overview(sections: Sequence[Section]) -> Table:
+def _overview(sections: Sequence[AuditSection]) -> TableBlock:
     """One line for each equation."""
-    return Table(
+    return TableBlock(
         "The equations and their verdicts",
         (("",), ("Equation",), ("Verdict",), ("Tests",)),
         tuple(
             (
-                Cell((Link(name(row), f"#{row.anchor}"),)),
+                Cell((Hyperlink(name(row), f"#{row.anchor}"),)),
                 Cell((row.title,)),
                 Cell((row.verdict,), title=plain(row.correction), mark=MARKS.get(row.verdict, "")),
                 Cell((str(len(row.tests)),)),
@@ -125,9 +125,9 @@ def name(row: AuditRow) -> str:
 def _record(row: AuditRow) -> Iterator[Block]:
     """All that there is to say of a row: its words, its formulas below each other, its tests."""
     words = " ".join(part for part in (row.correction, row.note) if part)
-    places = tuple(part for k, where in enumerate(row.where) for part in (", " if k else " Here: ", Code(where)))
+    places = tuple(part for k, where in enumerate(row.where) for part in (", " if k else " Here: ", CodeSpan(where)))
     yield Paragraph((Strong(f"{name(row)} {row.title}"), f": {row.verdict}. ", *said(words, row.scalars), *places))
-    yield Equations(
+    yield EquationBlock(
         (
             *_numbered(_read(row, row.shown), row.number, row.anchor),
             *_numbered(_read(row, row.holds), f"{row.number} corrected"),
@@ -150,7 +150,7 @@ def _numbered(equations: Sequence[Equation], number: str, anchor: str = "") -> I
 def tests(names: Sequence[str]) -> Text:
     """The node ids of tests, without the folder."""
     short = [test.removeprefix("tests/paper/") for test in names]
-    result = tuple(part for k, one in enumerate(short) for part in (", " if k else "", Code(one)) if part)
+    result = tuple(part for k, one in enumerate(short) for part in (", " if k else "", CodeSpan(one)) if part)
     return ("Tests: " if len(short) > 1 else "Test: ", *result) if short else ("No test.",)
 
 
@@ -172,7 +172,7 @@ def _assumptions(assumptions: Sequence[Assumption]) -> Iterator[Block]:
             "one.",
         )
     )
-    yield Table(
+    yield TableBlock(
         "Assumptions and options",
         (("Assumption",), ("Option",), ("What it lifts",)),
         tuple(
@@ -190,7 +190,9 @@ def _assumptions(assumptions: Sequence[Assumption]) -> Iterator[Block]:
 def _options(assumption: Assumption) -> Text:
     if not assumption.options:
         return ("none yet",)
-    return tuple(part for k, one in enumerate(assumption.options) for part in (", " if k else "", Code(one)) if part)
+    return tuple(
+        part for k, one in enumerate(assumption.options) for part in (", " if k else "", CodeSpan(one)) if part
+    )
 
 
 def plain(text: str) -> str:
@@ -205,7 +207,7 @@ def said(text: str, scalars: bool = False) -> Text:
         if part.startswith("$"):
             result.append(Math(formula(part[1:-1], scalars)))
         elif part.startswith("`"):
-            result.append(Code(part[1:-1]))
+            result.append(CodeSpan(part[1:-1]))
         elif part:
             result.append(part)
     return tuple(result)

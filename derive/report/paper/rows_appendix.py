@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 from derive.report.document.formula import Equation
 from derive.report.paper import derived_space as derived
-from derive.report.paper.model import AuditRow, Section, tests
+from derive.report.paper.model import AuditRow, AuditSection, tests
 
 FILE = "test_appendix.py"
 NOTATION = "The text has lost the arrows over the vectors; nothing else."
@@ -95,4 +95,4 @@ COMPOSED = (
     ),
 )
 
-SECTIONS = (Section("Appendix", "appendix", (*_rows(), *COMPOSED)),)
+SECTIONS = (AuditSection("Appendix", "appendix", (*_rows(), *COMPOSED)),)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from derive.report.paper import derived_beam as derived
-from derive.report.paper.model import AuditRow, Section, tests
+from derive.report.paper.model import AuditRow, AuditSection, tests
 
 BEAM = "test_beam.py"
 DIFFERENTIATED = "test_printed_against_brute_force.py"
@@ -101,4 +101,4 @@ ROWS = (
     ),
 )
 
-SECTIONS = (Section("Free uniform beam", "beam", ROWS),)
+SECTIONS = (AuditSection("Free uniform beam", "beam", ROWS),)

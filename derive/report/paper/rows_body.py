@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from derive.report.notation.formula_reader import equation
 from derive.report.paper import derived_space as derived
-from derive.report.paper.model import AuditRow, Derived, Section, tests
+from derive.report.paper.model import AuditRow, AuditSection, Derived, tests
 from derive.report.sections import kinematics
 
 CONTINUUM = "test_continuum.py"
@@ -230,7 +230,7 @@ DISCRETE = (
 )
 
 SECTIONS = (
-    Section("The kinematics of a deformable body", "kinematics", KINEMATICS),
-    Section("The equations of motion", "motion", MOTION),
-    Section("Discretisation of the body", "discretisation", DISCRETE),
+    AuditSection("The kinematics of a deformable body", "kinematics", KINEMATICS),
+    AuditSection("The equations of motion", "motion", MOTION),
+    AuditSection("Discretisation of the body", "discretisation", DISCRETE),
 )

@@ -6,7 +6,7 @@ from fractions import Fraction
 
 from derive.report.paper import derived_beam as beam
 from derive.report.paper import derived_space as derived
-from derive.report.paper.model import AuditRow, Section, tests
+from derive.report.paper.model import AuditRow, AuditSection, tests
 
 SPACE = "test_body_in_space.py"
 MEAN = "test_mean_equations.py"
@@ -80,4 +80,4 @@ ROWS = (
     ),
 )
 
-SECTIONS = (Section("Preventing rigid body motion", "frames", ROWS),)
+SECTIONS = (AuditSection("Preventing rigid body motion", "frames", ROWS),)

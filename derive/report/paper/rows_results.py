@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 from derive.report.document.formula import Equation
 from derive.report.paper import derived_beam as derived
-from derive.report.paper.model import AuditRow, Derived, Section, tests
+from derive.report.paper.model import AuditRow, AuditSection, Derived, tests
 
 BEAM = "test_beam.py"
 CHAIN = "test_derived.py"
@@ -165,6 +165,6 @@ MEAN = (
 )
 
 SECTIONS = (
-    Section("The beam held in its middle", "point", POINT),
-    Section("The beam in the mean frame", "mean", MEAN),
+    AuditSection("The beam held in its middle", "point", POINT),
+    AuditSection("The beam in the mean frame", "mean", MEAN),
 )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from derive.ir.model import Model
-from derive.report.document.page import Block, Code, Heading, Line, Listing, Paragraph
+from derive.report.document.page import Block, CodeLine, CodeSpan, Heading, Listing, Paragraph
 from derive.report.sections.state import size
 from derive.roles import Role
 
@@ -47,9 +47,9 @@ def calling_blocks(model: Model) -> tuple[Block, ...]:
         Paragraph(
             (
                 "Matrices are values of compressed columns; ",
-                Code(f"{name}_model()"),
+                CodeSpan(f"{name}_model()"),
                 " in C is a descriptor of patterns, names, units and functions. ",
-                Code("derive.load"),
+                CodeSpan("derive.load"),
                 " compiles the C and calls it from Python.",
             )
         ),
@@ -79,4 +79,4 @@ def _start(model: Model) -> list[str]:
 
 def listing(language: str, caption: str, text: str) -> Listing:
     """Text as a listing."""
-    return Listing(language, caption, tuple(Line(k, line) for k, line in enumerate(text.splitlines(), 1)))
+    return Listing(language, caption, tuple(CodeLine(k, line) for k, line in enumerate(text.splitlines(), 1)))

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from pathlib import PurePosixPath
 
 from derive.backends.source_map import FunctionLines, SourceMap
-from derive.report.document.page import Block, Code, Details, Heading, Line, Link, Listing, Paragraph
+from derive.report.document.page import Block, CodeLine, CodeSpan, Details, Heading, Hyperlink, Listing, Paragraph
 from derive.report.notation.labels import delta
-from derive.report.sections.term_lines import Place, line_anchor
+from derive.report.sections.term_lines import LocatedTerm, line_anchor
 
 LONG = 400
 """Lines of a function that is shown as a whole; of a longer one those that compute a term or a moment."""
@@ -22,19 +22,19 @@ class Targets:
     `wanted` are the lines that other places lead to.
     """
 
-    terms: Mapping[int, tuple[Place, ...]]
+    terms: Mapping[int, tuple[LocatedTerm, ...]]
     moments: Mapping[str, str]
     wanted: frozenset[int] = frozenset()
 
 
-def targets(places: Iterable[Place], moments: Mapping[str, str]) -> Targets:
+def targets(located: Iterable[LocatedTerm], moments: Mapping[str, str]) -> Targets:
     """What lines lead to."""
-    result: dict[int, list[Place]] = {}
+    result: dict[int, list[LocatedTerm]] = {}
     wanted: set[int] = set()
-    for place in places:
-        wanted |= {number for _, number in place.names}
-        for number in place.stores:
-            result.setdefault(number, []).append(place)
+    for item in located:
+        wanted |= {number for _, number in item.names}
+        for number in item.stores:
+            result.setdefault(number, []).append(item)
     return Targets({number: tuple(some) for number, some in result.items()}, moments, frozenset(wanted))
 
 
@@ -46,10 +46,10 @@ def code_blocks(code: SourceMap, lead: Targets) -> tuple[Block, ...]:
         Paragraph(
             (
                 "From ",
-                Code(PurePosixPath(code.path).name),
+                CodeSpan(PurePosixPath(code.path).name),
                 ", with the numbers of its lines. Behind a line stand the terms of the equations of motion that it "
                 "computes; ",
-                Code("mass_force"),
+                CodeSpan("mass_force"),
                 " gives both at once.",
             )
         ),
@@ -67,14 +67,14 @@ def _listing(function: FunctionLines, lead: Targets, caption: str) -> Listing:
     return Listing("c", caption, lines if len(lines) <= LONG else _shortened(lines, lead.wanted))
 
 
-def _line(number: int, text: str, name: str, lead: Targets) -> Line:
-    links = [Link(f"{p.term.name} {delta(p.variation)}", f"#{p.anchor}") for p in lead.terms.get(number, ())]
+def _line(number: int, text: str, name: str, lead: Targets) -> CodeLine:
+    links = [Hyperlink(f"{p.term.name} {delta(p.variation)}", f"#{p.anchor}") for p in lead.terms.get(number, ())]
     if name in lead.moments:
-        links.append(Link(name, f"#{lead.moments[name]}"))
-    return Line(number, text, line_anchor(number), tuple(links))
+        links.append(Hyperlink(name, f"#{lead.moments[name]}"))
+    return CodeLine(number, text, line_anchor(number), tuple(links))
 
 
-def _shortened(lines: Sequence[Line], wanted: frozenset[int]) -> tuple[Line, ...]:
+def _shortened(lines: Sequence[CodeLine], wanted: frozenset[int]) -> tuple[CodeLine, ...]:
     """The first line, those that lead somewhere or that something leads to, comments before them, and the last."""
     kept = {0, len(lines) - 1}
     for k, line in enumerate(lines):

@@ -15,9 +15,8 @@ from derive.mechanics.bodies.reference_conditions import (
     conditions,
     xi,
 )
-from derive.report.document.formula import Equation, Fenced, Formula, Name, Number, Operator, Part, Row
-from derive.report.document.page import Block, Heading, Inline, Math, Paragraph, Text
-from derive.report.document.page import Equations as Lines
+from derive.report.document.formula import Equation, Fenced, Formula, FormulaRow, Name, NumberToken, OperatorToken, Part
+from derive.report.document.page import Block, EquationBlock, Heading, Inline, Math, Paragraph, Text
 from derive.report.document.tables import Content, table
 from derive.report.notation.expressions import join, number, polynomial, row
 from derive.report.notation.formula_reader import equation, formula
@@ -25,7 +24,7 @@ from derive.spec.model.body import NodalBody, PlanarBeam, Polynomial, SymbolicBo
 
 
 @dataclass(frozen=True)
-class Numbers:
+class PaperNumbers:
     """Numbers of the paper's results for its own ansatz (21), in one of its frames."""
 
     conditions: tuple[str, str]
@@ -34,8 +33,8 @@ class Numbers:
     motion: str
 
 
-MEAN = Numbers(("35", "37"), ("39", "40"), "38", "41")
-POINT = Numbers(("28", "29"), ("31", "32"), "30", "33")
+MEAN = PaperNumbers(("35", "37"), ("39", "40"), "38", "41")
+POINT = PaperNumbers(("28", "29"), ("31", "32"), "30", "33")
 
 SHAPE = "\N{GREEK PHI SYMBOL}"
 """The letter of the shapes; the rotation is the other phi."""
@@ -77,7 +76,7 @@ def of_paper(spec: PlanarBeam) -> bool:
     return spec.ansatz == tuple((0,) * k + (1,) for k in range(4))
 
 
-def paper_numbers(spec: PlanarBeam) -> Numbers | None:
+def paper_numbers(spec: PlanarBeam) -> PaperNumbers | None:
     """The numbers that the paper gives its results for this beam, if it has it."""
     if not of_paper(spec) or spec.gravity is not None:
         return None
@@ -95,10 +94,10 @@ def frame_blocks(spec: PlanarBeam) -> tuple[Block, ...]:
     return (
         Heading("The frame and what it removes", "frame"),
         Paragraph((FRAMES[spec.frame.kind], " The deflection starts as")),
-        Lines((ansatz,)),
+        EquationBlock((ansatz,)),
         *_conditions(spec, numbers),
         Paragraph(_left(spec, len(shapes))),
-        Lines((_deflection(numbers.deflection if numbers else ""), *lines)),
+        EquationBlock((_deflection(numbers.deflection if numbers else ""), *lines)),
     )
 
 
@@ -115,7 +114,7 @@ def beam_subtitle(spec: PlanarBeam) -> Text:
     return tuple(text)
 
 
-def _conditions(spec: PlanarBeam, numbers: Numbers | None) -> tuple[Block, ...]:
+def _conditions(spec: PlanarBeam, numbers: PaperNumbers | None) -> tuple[Block, ...]:
     results = on_ansatz(spec)
     if not results:
         return ()
@@ -123,19 +122,19 @@ def _conditions(spec: PlanarBeam, numbers: Numbers | None) -> tuple[Block, ...]:
     for k, one in enumerate(results):
         lines.append(_asked(one.condition))
         parts = tuple(
-            Part("-" if f < 0 else "+", row([*([Number(str(abs(f)))] if abs(f) != 1 else []), _a(j)]))
+            Part("-" if f < 0 else "+", row([*([NumberToken(str(abs(f)))] if abs(f) != 1 else []), _a(j)]))
             for j, f in enumerate(one.factors)
             if f
         )
-        result = join(parts) if parts else Number("0")
+        result = join(parts) if parts else NumberToken("0")
         own = numbers.conditions[k] if numbers else ""
-        lines.append(Equation(result, (Part("+", Number("0")),), number=own))
-    return (Paragraph(("Its conditions, each followed by what it asks of the ansatz:",)), Lines(tuple(lines)))
+        lines.append(Equation(result, (Part("+", NumberToken("0")),), number=own))
+    return (Paragraph(("Its conditions, each followed by what it asks of the ansatz:",)), EquationBlock(tuple(lines)))
 
 
 def _asked(condition: Condition) -> Equation:
     """A condition as an equation with its numbers in the paper."""
-    return Equation(condition_formula(condition), (Part("+", Number("0")),), number=condition.equation.strip("()"))
+    return Equation(condition_formula(condition), (Part("+", NumberToken("0")),), number=condition.equation.strip("()"))
 
 
 def condition_formula(condition: Condition) -> Formula:
@@ -145,8 +144,8 @@ def condition_formula(condition: Condition) -> Formula:
             factors = "xi " * power
             return formula(f"int_{{-1}}^1 {factors}v dxi", scalars=True)
         case PointCondition(order, at):
-            primes = [Operator("\N{PRIME}")] * order
-            return Row((Name("v"), *primes, Fenced(number(at))))
+            primes = [OperatorToken("\N{PRIME}")] * order
+            return FormulaRow((Name("v"), *primes, Fenced(number(at))))
         case _:
             assert_never(condition)
 
@@ -173,13 +172,15 @@ def _ansatz(terms: tuple[Polynomial, ...]) -> tuple[Part, ...]:
         own = polynomial([sp.Rational(c) for c in term], Name("xi"))
         plain = len(own) == 1 and own[0].sign == "+"
         factor: list[Formula] = [own[0].formula] if plain else [Fenced(join(own))]
-        parts.append(Part("+", row([_a(j), *([] if plain and own[0].formula == Number("1") else factor)])))
+        parts.append(Part("+", row([_a(j), *([] if plain and own[0].formula == NumberToken("1") else factor)])))
     return tuple(parts)
 
 
 def _deflection(number: str) -> Equation:
     """v as a sum of the shapes."""
-    total = Row((Name("\N{N-ARY SUMMATION}", below=("i",)), Name("alpha", below=("i",)), Name(SHAPE, below=("i",))))
+    total = FormulaRow(
+        (Name("\N{N-ARY SUMMATION}", below=("i",)), Name("alpha", below=("i",)), Name(SHAPE, below=("i",)))
+    )
     return Equation(Name("v"), (Part("+", total),), number=number)
 
 
@@ -213,14 +214,17 @@ def body_frame_blocks(spec: NodalBody | SymbolicBody) -> tuple[Block, ...]:
     kind = spec.frame if isinstance(spec, SymbolicBody) else spec.frame.kind
     results: list[Block] = [Heading("The frame and what it removes", "frame")]
     if kind == "mean":
-        results += [Paragraph((MEAN_OF_MODES,)), Lines((_line("17", "int_Omega rho Phi_i dOmega = 0"), _rotation()))]
+        results += [
+            Paragraph((MEAN_OF_MODES,)),
+            EquationBlock((_line("17", "int_Omega rho Phi_i dOmega = 0"), _rotation())),
+        ]
     elif kind == "point":
         assert isinstance(spec, NodalBody)
         words = (
             f"The frame is held by node {spec.frame.node}: no mode displaces it, nor turns it and its neighbours on "
             "average."
         )
-        results += [Paragraph((words,)), Lines((_line("16", "Phi_i(P_c) = 0"),))]
+        results += [Paragraph((words,)), EquationBlock((_line("16", "Phi_i(P_c) = 0"),))]
     else:
         results.append(Paragraph((GIVEN_MODES,)))
     if isinstance(spec, NodalBody):
@@ -262,5 +266,5 @@ def _residuals(spec: NodalBody) -> list[Block]:
     return [table("How far the modes are from the mean frame", ("", "as given", "as used"), rows, "lrr")]
 
 
-def _both(before: float, after: float) -> tuple[Number, Number]:
-    return Number(f"{before:.1e}"), Number(f"{after:.1e}")
+def _both(before: float, after: float) -> tuple[NumberToken, NumberToken]:
+    return NumberToken(f"{before:.1e}"), NumberToken(f"{after:.1e}")

@@ -12,12 +12,11 @@ from derive.mechanics.bodies import beam
 from derive.mechanics.bodies.reference_conditions import ConditionError
 from derive.mechanics.equations import Equations
 from derive.report.document.formula import Equation
-from derive.report.document.page import Block, Columns, Heading, Paragraph, Picture
-from derive.report.document.page import Equations as Lines
+from derive.report.document.page import Block, Columns, EquationBlock, Heading, Paragraph, Picture
 from derive.report.document.tables import Content, table
 from derive.report.notation.expressions import Notation
 from derive.report.sections.frame import paper_numbers
-from derive.report.sections.mass_matrix import Matrix, mass_matrix, picture
+from derive.report.sections.mass_matrix import MassPattern, mass_matrix, picture
 from derive.report.sections.terms import expansion, written_row
 from derive.spec.model.body import Frame, PlanarBeam
 
@@ -79,7 +78,7 @@ def frames_blocks(result: Sequence[Variant], notation: Notation) -> tuple[Block,
     )
 
 
-def _picture(variant: Variant, matrix: Matrix) -> Picture:
+def _picture(variant: Variant, matrix: MassPattern) -> Picture:
     text = f"{variant.title}: {matrix.count}"
     return Picture(picture(matrix, reasons=False), f"Mass matrix in the {text} entries", text)
 
@@ -121,4 +120,4 @@ def _equations(variant: Variant, notation: Notation) -> tuple[Block, ...]:
         Equation(notation.variation(name), parts, ":", number if k == last else "")
         for k, (name, parts) in enumerate(rows)
     )
-    return (Lines(tuple(lines)),)
+    return (EquationBlock(tuple(lines)),)

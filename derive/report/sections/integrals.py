@@ -10,7 +10,7 @@ from derive.mechanics.equations import Equations
 from derive.mechanics.symbols import Family, I, Identity, J, identity
 from derive.mechanics.tables import CoefficientTable, TableKind
 from derive.mechanics.terms import ModelConstant
-from derive.report.document.page import Block, Code, Heading, Math, Paragraph
+from derive.report.document.page import Block, CodeSpan, Heading, Math, Paragraph
 from derive.report.document.tables import MOST, Content, folded, table
 from derive.report.notation.expressions import SMALL, Notation, decimal
 from derive.report.notation.families import whole
@@ -39,7 +39,7 @@ def integral_blocks(equations: Equations, notation: Notation) -> tuple[Block, ..
 
 def _integral(c: ModelConstant, notation: Notation, planar: bool, described: bool) -> list[Content]:
     what: list[Content] = [meaning(identity(c.symbol), c.doc, planar)] if described else []
-    return [notation.formula(c.symbol), *what, _value(c, notation), unit(c.unit), Code(str(c.symbol))]
+    return [notation.formula(c.symbol), *what, _value(c, notation), unit(c.unit), CodeSpan(str(c.symbol))]
 
 
 def _rounded(value: sp.Expr) -> bool:
@@ -94,7 +94,7 @@ def _tables(equations: Equations, notation: Notation) -> Block:
         TableKind.ZERO: "none",
     }
     for t in equations.tables:
-        name: Content = whole(t.family) if t.family in TABLES else Code(t.name)
+        name: Content = whole(t.family) if t.family in TABLES else CodeSpan(t.name)
         what = meaning(Identity(t.family, (I, J)[: t.counted]), t.doc, planar=False)
         zero = reason(t.zero, notation)
         rows.append([name, what, entries(t, equations.modes), kinds[t.kind], unit(t.unit), zero])

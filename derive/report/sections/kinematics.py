@@ -12,10 +12,20 @@ from derive.mechanics.motion.kinematics import PHI, RDDOT, RDOT, Field, R, add
 from derive.mechanics.motion.material_points import vector_at
 from derive.mechanics.motion.planar import planar_motion
 from derive.mechanics.motion.spatial import spatial_motion
-from derive.report.document.formula import Equation, Fenced, Formula, Matrix, Name, Number, Operator, Part, Power, Row
-from derive.report.document.formula import Fraction as Over
-from derive.report.document.page import Block, Heading, Math, Paragraph
-from derive.report.document.page import Equations as Lines
+from derive.report.document.formula import (
+    Equation,
+    Fenced,
+    Formula,
+    FormulaRow,
+    Matrix,
+    Name,
+    NumberToken,
+    OperatorToken,
+    Part,
+    Power,
+    Quotient,
+)
+from derive.report.document.page import Block, EquationBlock, Heading, Math, Paragraph
 from derive.report.notation.expressions import Notation, row
 from derive.report.notation.formula_reader import equation, formula
 from derive.report.notation.vector_form import DELTA_ALPHA, arrow, summands
@@ -64,7 +74,7 @@ def kinematics_blocks(spec: Specification, equations: Equations, notation: Notat
                 ". Two time derivatives give its acceleration, the variation its virtual displacement.",
             )
         ),
-        Lines(
+        EquationBlock(
             (
                 *_numbered(position(), "1"),
                 equation("r = X + u"),
@@ -91,7 +101,7 @@ def _numbered(lines: Iterable[Equation], number: str) -> list[Equation]:
 
 def _sum_of_shapes() -> Equation:
     shape = Name("Phi", below=("i",), style="vector")
-    total = Row((Name("\N{N-ARY SUMMATION}", below=("i",)), Name("alpha", below=("i",)), shape))
+    total = FormulaRow((Name("\N{N-ARY SUMMATION}", below=("i",)), Name("alpha", below=("i",)), shape))
     return Equation(formula("u"), (Part("+", total),), number="14")
 
 
@@ -99,29 +109,33 @@ def _beam(spec: PlanarBeam, equations: Equations, notation: Notation) -> tuple[B
     """(23)-(27), and the acceleration in components."""
     length = notation.formula(quantity.value(spec.length))
     xi = Name("xi")
-    along = Row((Over(Number("1"), Number("2")), xi, length, Name("e", below=("1",), style="vector")))
+    along = FormulaRow(
+        (Quotient(NumberToken("1"), NumberToken("2")), xi, length, Name("e", below=("1",), style="vector"))
+    )
     motion = planar_motion(0)
     turning, coriolis, relative = (motion.acceleration[field] for field in (R, RDOT, RDDOT))
     assert relative == sp.eye(2)
     parts = (
-        Row((_tensor(turning, notation), formula("r"))),
-        Row((_tensor(coriolis, notation), formula("r'"))),
+        FormulaRow((_tensor(turning, notation), formula("r"))),
+        FormulaRow((_tensor(coriolis, notation), formula("r'"))),
         formula("r''"),
     )
-    inner = Row(tuple(piece for k, part in enumerate(parts) for piece in ([Operator("+")] if k else []) + [part]))
+    inner = FormulaRow(
+        tuple(piece for k, part in enumerate(parts) for piece in ([OperatorToken("+")] if k else []) + [part])
+    )
     components = Equation(
         formula("x''"),
-        (Part("+", formula("c''")), Part("+", Row((formula("Q"), Operator("·"), Fenced(inner, "{", "}"))))),
+        (Part("+", formula("c''")), Part("+", FormulaRow((formula("Q"), OperatorToken("·"), Fenced(inner, "{", "}"))))),
     )
     return (
         Paragraph(("The beam moves in a plane and deflects across its axis:",)),
-        Lines(
+        EquationBlock(
             (
                 Equation(formula("c"), _components(("c1", "c2")), number="23"),
                 Equation(formula("X"), (Part("+", along),), number="24"),
-                Equation(formula("u"), (Part("+", Row((Name("v"), _base(2)))),), number="25"),
+                Equation(formula("u"), (Part("+", FormulaRow((Name("v"), _base(2)))),), number="25"),
                 Equation(formula("Q"), (Part("+", _tensor(motion.rotation, notation)),), number="26", anchor="def-Q"),
-                Equation(formula("omega"), (Part("+", Row((Name("phi", dots=1), _base(3)))),), number="27"),
+                Equation(formula("omega"), (Part("+", FormulaRow((Name("phi", dots=1), _base(3)))),), number="27"),
                 components,
             )
         ),
@@ -133,7 +147,7 @@ def _base(k: int) -> Name:
 
 
 def _components(names: Iterable[str]) -> tuple[Part, ...]:
-    return tuple(Part("+", Row((Name(name[0], below=(name[1:],)), _base(k)))) for k, name in enumerate(names, 1))
+    return tuple(Part("+", FormulaRow((Name(name[0], below=(name[1:],)), _base(k)))) for k, name in enumerate(names, 1))
 
 
 def _tensor(matrix: sp.Matrix, notation: Notation) -> Matrix:
@@ -153,19 +167,19 @@ def _space(equations: Equations, notation: Notation) -> tuple[Block, ...]:
         Equation(Name("e", dots=1, below=(str(k),)), notation.parts(rate))
         for k, rate in enumerate(equations.rates[3:7])
     ]
-    unit = row([*(p for k in range(4) for p in ([Operator("+")] if k else []) + [_squared(k)])])
+    unit = row([*(p for k in range(4) for p in ([OperatorToken("+")] if k else []) + [_squared(k)])])
     return (
         Paragraph(
             (
                 "The rotation is that of a unit quaternion, ",
                 Math(unit),
-                Math(Row((Operator("="), Number("1")))),
+                Math(FormulaRow((OperatorToken("="), NumberToken("1")))),
                 "; the angular velocity and the virtual rotation are resolved in the body base.",
             )
         ),
-        Lines((Equation(formula("Q"), (Part("+", _tensor(rotation, notation)),), anchor="def-Q"), *rates)),
+        EquationBlock((Equation(formula("Q"), (Part("+", _tensor(rotation, notation)),), anchor="def-Q"), *rates)),
     )
 
 
 def _squared(k: int) -> Formula:
-    return Power(Name("e", below=(str(k),)), Number("2"))
+    return Power(Name("e", below=(str(k),)), NumberToken("2"))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from derive.ir.model import Kkt, Model
-from derive.report.document.page import Block, Code, Details, Heading, Paragraph, Picture
+from derive.report.document.page import Block, CodeSpan, Details, Heading, Paragraph, Picture
 from derive.report.document.tables import Content, table
 from derive.visual.kkt_matrix import kkt_picture
 
@@ -38,7 +38,7 @@ def kkt_blocks(model: Model, kkt: Kkt) -> tuple[Block, ...]:
         ["non-zeros of the KKT matrix, both triangles", str(kkt.pattern.full_nnz)],
         ["fill-in, one triangle", str(kkt.fill)],
     ]
-    costs: list[list[Content]] = [[Code(name), str(model.kernel(name).operations)] for name in COUNTED]
+    costs: list[list[Content]] = [[CodeSpan(name), str(model.kernel(name).operations)] for name in COUNTED]
     order = ", ".join(names[k] for k in kkt.order)
     return (
         Heading("The KKT matrix", "kkt"),

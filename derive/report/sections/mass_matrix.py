@@ -14,10 +14,8 @@ from derive.mechanics.equations import Equations
 from derive.mechanics.expansion import TRANSLATIONS
 from derive.mechanics.symbols import Family, Identity, amplitude
 from derive.mechanics.terms import Reason
-from derive.report.document.formula import Equation, Formula, Name, Part
-from derive.report.document.formula import Matrix as Array
-from derive.report.document.page import Block, Details, Heading, Paragraph, Picture, Table
-from derive.report.document.page import Equations as Lines
+from derive.report.document.formula import Equation, Formula, Matrix, Name, Part
+from derive.report.document.page import Block, Details, EquationBlock, Heading, Paragraph, Picture, TableBlock
 from derive.report.document.tables import Content, folded, table
 from derive.report.notation.expressions import Notation
 from derive.report.notation.integral_formulas import reason
@@ -56,7 +54,7 @@ Reasons = dict[tuple[int, int], Reason]
 
 
 @dataclass(frozen=True)
-class Matrix:
+class MassPattern:
     """A symmetric pattern: labels of the rows, the entries of both triangles, the reason of each zero."""
 
     labels: tuple[str, ...]
@@ -74,7 +72,7 @@ class Matrix:
         return f"{len(self.entries)} of {self.size**2}"
 
 
-def mass_matrix(model: Model, equations: Equations) -> Matrix:
+def mass_matrix(model: Model, equations: Equations) -> MassPattern:
     """The pattern of the mass matrix of a model."""
     lower = model.pattern("mass", "M").entries
     entries = frozenset(lower) | {(j, i) for i, j in lower}
@@ -84,7 +82,7 @@ def mass_matrix(model: Model, equations: Equations) -> Matrix:
         given = dict(_of_blocks(equations, rows, entries))
     else:
         given = {(i, j): reason for i, j, reason in equations.mass_zeros}
-    return Matrix(tuple(map(label, rows)), entries, given | {(j, i): reason for (i, j), reason in given.items()})
+    return MassPattern(tuple(map(label, rows)), entries, given | {(j, i): reason for (i, j), reason in given.items()})
 
 
 BLOCKS = {
@@ -108,7 +106,7 @@ def _of_blocks(
                 yield (i, j), reasons[row.family, column.family]
 
 
-def picture(matrix: Matrix, reasons: bool = True) -> str:
+def picture(matrix: MassPattern, reasons: bool = True) -> str:
     """The picture as SVG, with the reasons of its zeros or without."""
     n = matrix.size
     named = n <= SMALL
@@ -139,7 +137,7 @@ def _legend(top: int, dots: bool) -> list[str]:
     return [*result, *filter(None, (mark, text))]
 
 
-def _labels(matrix: Matrix, left: int, top: int) -> list[str]:
+def _labels(matrix: MassPattern, left: int, top: int) -> list[str]:
     lines = []
     for k, name in enumerate(matrix.labels):
         middle = k * CELL + CELL // 2
@@ -154,7 +152,7 @@ def _labels(matrix: Matrix, left: int, top: int) -> list[str]:
     return lines
 
 
-def _values(matrix: Matrix, left: int, top: int, cell: int) -> list[str]:
+def _values(matrix: MassPattern, left: int, top: int, cell: int) -> list[str]:
     """A square for each entry, of large matrices a bar for each run of entries."""
     gap = 4 if cell == CELL else 0 if cell < 8 else 1
     corner = ' rx="2"' if gap else ""
@@ -168,7 +166,7 @@ def _values(matrix: Matrix, left: int, top: int, cell: int) -> list[str]:
     return lines
 
 
-def _dots(matrix: Matrix, left: int, top: int) -> list[str]:
+def _dots(matrix: MassPattern, left: int, top: int) -> list[str]:
     """A dot for each zero."""
     middle = CELL // 2
     places = ((i, j) for i in range(matrix.size) for j in range(matrix.size) if (i, j) not in matrix.entries)
@@ -178,7 +176,7 @@ def _dots(matrix: Matrix, left: int, top: int) -> list[str]:
     ]
 
 
-def _reasons(matrix: Matrix, left: int, top: int, cell: int) -> list[str]:
+def _reasons(matrix: MassPattern, left: int, top: int, cell: int) -> list[str]:
     """Over each run of zeros with one reason what tells it."""
     lines = []
     for i, name in enumerate(matrix.labels):
@@ -192,7 +190,7 @@ def _reasons(matrix: Matrix, left: int, top: int, cell: int) -> list[str]:
     return lines
 
 
-def _place(matrix: Matrix, row: str, first: int, count: int) -> str:
+def _place(matrix: MassPattern, row: str, first: int, count: int) -> str:
     last = f" to {matrix.labels[first + count - 1]}" if count > 1 else ""
     return f"M[{row}, {matrix.labels[first]}{last}] = 0"
 
@@ -208,7 +206,7 @@ def _runs(numbers: Sequence[int]) -> list[tuple[int, int]]:
     return result
 
 
-def mass_blocks(equations: Equations, matrix: Matrix, notation: Notation) -> tuple[Block, ...]:
+def mass_blocks(equations: Equations, matrix: MassPattern, notation: Notation) -> tuple[Block, ...]:
     """The pattern as a picture, the matrix itself where it is small, and its zeros by reason."""
     words = (
         f"{matrix.count} entries are structural non-zeros. The matrix is symmetric; of each pair one entry is stored. "
@@ -224,10 +222,10 @@ def _written(mass: Iterable[object], notation: Notation) -> tuple[Block, ...]:
     size = round(len(entries) ** 0.5)
     cells: list[Formula | None] = [notation.formula(entry) if entry != 0 else None for entry in entries]
     rows = tuple(tuple(cells[i * size : (i + 1) * size]) for i in range(size))
-    return (Lines((Equation(Name("M", style="tensor"), (Part("+", Array(rows)),), number="15"),)),)
+    return (EquationBlock((Equation(Name("M", style="tensor"), (Part("+", Matrix(rows)),), number="15"),)),)
 
 
-def _zeros_of(matrix: Matrix, notation: Notation) -> tuple[Block, ...]:
+def _zeros_of(matrix: MassPattern, notation: Notation) -> tuple[Block, ...]:
     """The zeros of the lower triangle by reason."""
     gathered: dict[Reason, list[tuple[int, int]]] = {}
     for (i, j), why in sorted(matrix.reasons.items(), key=itemgetter(0)):
@@ -242,10 +240,10 @@ def _zeros_of(matrix: Matrix, notation: Notation) -> tuple[Block, ...]:
     whole = table("Zeros of the mass matrix", ("reason", "zeros", "entries below the diagonal"), rows, "lrl")
     block = folded(whole, "Zeros of the mass matrix")
     summary = f"{len(matrix.reasons)} zeros of the mass matrix, by {len(gathered)} reasons"
-    return (Details(summary, (whole,)) if len(gathered) > SHOWN and isinstance(block, Table) else block,)
+    return (Details(summary, (whole,)) if len(gathered) > SHOWN and isinstance(block, TableBlock) else block,)
 
 
-def _pairs(matrix: Matrix, pairs: Sequence[tuple[int, int]]) -> str:
+def _pairs(matrix: MassPattern, pairs: Sequence[tuple[int, int]]) -> str:
     words = [f"{matrix.labels[i]}, {matrix.labels[j]}" for i, j in pairs]
     shown = words if len(words) <= FEW else [*words[: FEW - 2], "…", words[-1]]
     return "; ".join(shown)

@@ -8,8 +8,7 @@ from derive.mechanics.multibody.bodies.beam import piece_name
 from derive.mechanics.symbols import identity
 from derive.mechanics.terms import Constraint
 from derive.report.document.formula import Equation, Name
-from derive.report.document.page import Block, Code, Details, Heading, Paragraph, Picture
-from derive.report.document.page import Equations as Lines
+from derive.report.document.page import Block, CodeSpan, Details, EquationBlock, Heading, Paragraph, Picture
 from derive.report.document.tables import Content, table
 from derive.report.notation.expressions import Notation
 from derive.spec.model.body import Parameter, Quantity
@@ -89,7 +88,7 @@ def joint_blocks(spec: Scene, equations: Equations) -> tuple[Block, ...]:
         exerted = ", ".join(names) or "none: it eliminates coordinates"
         rows.append([joint.name, joint.kind, str(joint.first), str(joint.second), drive, exerted])
     cuts = sum(map(len, own.values()))
-    multipliers: list[list[Content]] = [[Code(c.name), c.force_unit, c.doc] for c in equations.constraints]
+    multipliers: list[list[Content]] = [[CodeSpan(c.name), c.force_unit, c.doc] for c in equations.constraints]
     whole = table("", ("multiplier", "unit", "constraint"), multipliers)
     return (
         Heading("Joints", "joints"),
@@ -127,7 +126,7 @@ def constraint_blocks(equations: Equations, written: Notation) -> tuple[Block, .
         "Each constraint g = 0 is the position of marker 2 minus that of marker 1, from x = c + Q r. G holds the "
         "coefficients of the generalised velocities in its time derivative."
     )
-    blocks: list[Block] = [Heading("Constraints", "constraints"), Paragraph((text,)), Lines(lines[:MANY])]
+    blocks: list[Block] = [Heading("Constraints", "constraints"), Paragraph((text,)), EquationBlock(lines[:MANY])]
     if len(lines) > MANY:
-        blocks.append(Details(f"The other {len(lines) - MANY} constraints", (Lines(lines[MANY:]),)))
+        blocks.append(Details(f"The other {len(lines) - MANY} constraints", (EquationBlock(lines[MANY:]),)))
     return tuple(blocks)

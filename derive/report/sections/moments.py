@@ -13,8 +13,7 @@ from derive.mechanics.sums import ModeSum, TableSum
 from derive.mechanics.symbols import Family, identity
 from derive.report.document.anchors import anchor
 from derive.report.document.formula import Equation, Fenced, Name, Part
-from derive.report.document.page import Block, Details, Heading, Paragraph
-from derive.report.document.page import Equations as Lines
+from derive.report.document.page import Block, Details, EquationBlock, Heading, Paragraph
 from derive.report.document.tables import MOST
 from derive.report.notation.expressions import Notation, row
 from derive.report.sections.term_lines import array, line_anchor
@@ -69,11 +68,11 @@ def moment_blocks(
         if len(some) <= MANY:
             short += shown
             continue
-        blocks += [Lines(tuple(short))] if short else []
+        blocks += [EquationBlock(tuple(short))] if short else []
         short = []
         count = f"{len(some)} equations" if len(some) <= MOST else f"the first {MOST} of {len(some)} equations"
-        blocks.append(Details(f"{_title(some[0].family)}: {count}", (Lines(tuple(shown)),)))
-    return (*blocks, *([Lines(tuple(short))] if short else []))
+        blocks.append(Details(f"{_title(some[0].family)}: {count}", (EquationBlock(tuple(shown)),)))
+    return (*blocks, *([EquationBlock(tuple(short))] if short else []))
 
 
 def _title(name: str) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from derive.report.document.formula import Name
-from derive.report.document.page import Block, Code, Details, Heading, Math, Paragraph
+from derive.report.document.page import Block, CodeSpan, Details, Heading, Math, Paragraph
 from derive.report.document.tables import Content, table
 from derive.report.notation.formula_reader import formula
 
@@ -81,9 +81,9 @@ def nomenclature_blocks(constrained: bool) -> tuple[Block, ...]:
                 Math(formula("c_8")),
                 " in bold are shape integrals, and so are their components, which have further indices behind a "
                 "comma: first the modes, then the component. In the code ",
-                Code("c1"),
+                CodeSpan("c1"),
                 " is a coordinate, and ",
-                Code("c1_1"),
+                CodeSpan("c1_1"),
                 " is component 1 of the first shape integral.",
             )
         ),

@@ -6,7 +6,7 @@ import sympy as sp
 
 from derive.ir.model import Kernel, Model
 from derive.mechanics.equations import Equations
-from derive.report.document.page import Block, Code, Heading, Paragraph
+from derive.report.document.page import Block, CodeSpan, Heading, Paragraph
 from derive.report.document.tables import Content, table
 from derive.report.sections.terms import expansion
 
@@ -67,4 +67,4 @@ def _wanted(equations: Equations) -> list[sp.Expr]:
 
 
 def _function(kernel: Kernel) -> list[Content]:
-    return [Code(kernel.name), kernel.doc, kernel.operations]
+    return [CodeSpan(kernel.name), kernel.doc, kernel.operations]

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from derive.artifacts import File
-from derive.report.document.page import Block, Code, Details, Heading, Paragraph
+from derive.report.document.page import Block, CodeSpan, Details, Heading, Paragraph
 from derive.report.document.tables import Content, table
 from derive.report.sections.calling import listing
 
@@ -35,8 +35,8 @@ def manifest_blocks(files: Sequence[File]) -> tuple[Block, ...]:
     """The manifest as a table."""
     given = json.loads(next(file.text for file in files if file.path.endswith("manifest.json")))
     tools = ", ".join(f"{name} {version}" for name, version in given["tools"].items())
-    hashes: list[list[Content]] = [["specification", Code(given["specification_sha256"])]]
-    hashes += [[path.rpartition("/")[2], Code(digest)] for path, digest in given["files"].items()]
+    hashes: list[list[Content]] = [["specification", CodeSpan(given["specification_sha256"])]]
+    hashes += [[path.rpartition("/")[2], CodeSpan(digest)] for path, digest in given["files"].items()]
     return (
         Heading("Manifest", "manifest"),
         Paragraph((f"Made by {tools}; interface number {given['abi']}. The same specification gives the same bytes.",)),

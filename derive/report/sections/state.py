@@ -11,7 +11,7 @@ from derive.ir.model import Model, Variable
 from derive.mechanics.equations import Equations
 from derive.mechanics.symbols import I, Identity, amplitude, identity
 from derive.report.document.formula import Formula
-from derive.report.document.page import Block, Code, Details, Heading, Paragraph
+from derive.report.document.page import Block, CodeSpan, Details, Heading, Paragraph
 from derive.report.document.tables import Content, folded, table
 from derive.report.notation.expressions import Notation
 from derive.report.notation.families import chosen, written
@@ -45,7 +45,7 @@ def state_blocks(model: Model, equations: Equations, notation: Notation) -> tupl
     if model.choice:
         result.append(Paragraph((f"The functions are {model.choice}.",)))
     if model.constants:
-        made: list[list[Content]] = [[Code(c.name), unit(c.unit), c.doc, c.size] for c in model.constants]
+        made: list[list[Content]] = [[CodeSpan(c.name), unit(c.unit), c.doc, c.size] for c in model.constants]
         whole = table("", ("in the code", "unit", "what it is", "values"), made, "lllr")
         summary = f"Constants k, made of the parameters by setup: {len(made)}"
         result.append(Details(summary, (folded(whole, "Constants"),)))
@@ -65,7 +65,7 @@ def _rows(variables: Iterable[Variable], symbols: Iterable[sp.Symbol], whole: sp
 
 def _row(variable: Variable, formula: Formula) -> list[Content]:
     values = f" ({variable.size} values)" if variable.size > 1 else ""
-    return [formula, Code(variable.name), unit(variable.unit), (variable.doc, values)]
+    return [formula, CodeSpan(variable.name), unit(variable.unit), (variable.doc, values)]
 
 
 def _parameter(variable: Variable, notation: Notation) -> Formula:

@@ -32,7 +32,7 @@ def group(term: Term) -> str:
     return GROUPS.get(term.name, term.name)
 
 
-def place_in_row(term: Term) -> int:
+def rank_in_row(term: Term) -> int:
     """Where a term stands in its row, by its group."""
     return ORDER.index(group(term)) if group(term) in ORDER else len(ORDER)
 
@@ -43,7 +43,7 @@ def title(term: Term) -> str:
 
 
 @dataclass(frozen=True)
-class Place:
+class LocatedTerm:
     """A term with the lines of the generated C that belong to it: those that store it, and names with their lines."""
 
     term: Term
@@ -57,10 +57,10 @@ class Place:
         return anchor("term", self.term.row, self.term.name)
 
 
-def places(equations: Equations, model: Model, code: SourceMap) -> tuple[Place, ...]:
+def locate_terms(equations: Equations, model: Model, code: SourceMap) -> tuple[LocatedTerm, ...]:
     """Every term with its lines."""
     finder = _Finder(equations, model, code)
-    return tuple(finder.place(term) for term in equations.terms)
+    return tuple(finder.locate(term) for term in equations.terms)
 
 
 def definition_lines(code: SourceMap) -> dict[str, int]:
@@ -90,18 +90,18 @@ class _Finder:
         self.pattern = model.pattern("mass", "M")
         self.stored = tuple(self._stored(code.functions["mass"]))
 
-    def place(self, term: Term) -> Place:
+    def locate(self, term: Term) -> LocatedTerm:
         """The lines of one term."""
         row = self.rows[term.row]
         columns = {k for a, k in self.accelerations.items() if a in self._behind(term.expr)}
         if columns:
             pairs = {(min(row, column), max(row, column)) for column in columns}
             lines = tuple(sorted({number for entry, number in self.stored if entry in pairs}))
-            return Place(term, self.variations[term.row], lines, self._names(term, self.code.functions["mass"]))
+            return LocatedTerm(term, self.variations[term.row], lines, self._names(term, self.code.functions["mass"]))
         force = self.code.functions["force"]
         looped = self.equations.indexed and row == self.rigid
         result = force.stores.get(StoredValue("h", row, looped))
-        return Place(term, self.variations[term.row], (result,) if result else (), self._names(term, force))
+        return LocatedTerm(term, self.variations[term.row], (result,) if result else (), self._names(term, force))
 
     def _stored(self, mass: FunctionLines) -> Iterator[tuple[tuple[int, int], int]]:
         """The entry that each line of `mass` stores; entries of the shapes count as one where there are loops."""

@@ -14,21 +14,29 @@ import sympy as sp
 from derive.mechanics.equations import Equations
 from derive.mechanics.symbols import Family, Identity, identity
 from derive.report.document.anchors import anchor
-from derive.report.document.formula import Equation, Part
-from derive.report.document.formula import Row as Beside
-from derive.report.document.page import Block, Cell, Details, Heading, Inline, Link, Math, Table
-from derive.report.document.page import Equations as Lines
+from derive.report.document.formula import Equation, FormulaRow, Part
+from derive.report.document.page import (
+    Block,
+    Cell,
+    Details,
+    EquationBlock,
+    Heading,
+    Hyperlink,
+    Inline,
+    Math,
+    TableBlock,
+)
 from derive.report.document.tables import Content, table
 from derive.report.notation.expressions import Notation
 from derive.report.notation.labels import SHAPE
-from derive.report.sections.term_lines import Place, group, line_anchor, place_in_row, title
+from derive.report.sections.term_lines import LocatedTerm, group, line_anchor, rank_in_row, title
 
 MOST_ROWS, MOST_SUMMANDS = 16, 240
 """Rows that are shown, others are folded; summands of all rows up to which they are written out in coordinates."""
 
 
 @dataclass(frozen=True)
-class Expansion:
+class Substitution:
     """What the symbols of equations stand for, written out in coordinates, rates and parameters."""
 
     values: Mapping[sp.Symbol, sp.Expr]
@@ -38,21 +46,21 @@ class Expansion:
         return sp.expand(expr.xreplace(self.values))
 
 
-def expansion(equations: Equations, integrals: bool = True) -> Expansion:
+def expansion(equations: Equations, integrals: bool = True) -> Substitution:
     """Definitions written out, and shape integrals too if they are not to stay names."""
     values: dict[sp.Symbol, sp.Expr] = {c.symbol: c.value for c in equations.coefficients if integrals or c.zero}
     for definition in equations.definitions:
         values[definition.symbol] = sp.expand(definition.expr.xreplace(values))
-    return Expansion(values)
+    return Substitution(values)
 
 
 def row_blocks(
-    equations: Equations, places: Sequence[Place], notation: Notation, number: str = ""
+    equations: Equations, located: Sequence[LocatedTerm], notation: Notation, number: str = ""
 ) -> tuple[Block, ...]:
     """Every row: its equation and its terms; `number` is that of the rows written out, if the paper has them."""
     written = _short(equations)
     names = row_names(equations)
-    shown = [_row(name, names[name], places, notation, written, number) for name in names]
+    shown = [_row(name, names[name], located, notation, written, number) for name in names]
     if len(shown) <= MOST_ROWS:
         return tuple(block for blocks in shown for block in blocks)
     first = tuple(block for blocks in shown[:MOST_ROWS] for block in blocks)
@@ -60,7 +68,7 @@ def row_blocks(
     return (*first, Details(f"The other {len(shown) - MOST_ROWS} rows", rest))
 
 
-def _short(equations: Equations) -> Expansion | None:
+def _short(equations: Equations) -> Substitution | None:
     """How to write the rows out, if that makes not too many summands."""
     if equations.indexed:
         return None
@@ -91,37 +99,37 @@ def _meaning(velocity: Identity) -> str:
 def _row(
     name: str,
     meaning: str,
-    places: Sequence[Place],
+    located: Sequence[LocatedTerm],
     notation: Notation,
-    written: Expansion | None,
+    written: Substitution | None,
     number: str,
 ) -> tuple[Block, ...]:
-    own = ordered(p for p in places if p.term.row == name)
+    own = ordered(p for p in located if p.term.row == name)
     head = Heading(f"{notation.delta(name)}{f': {meaning}' if meaning else ''}", anchor("row", name), 3)
     if not own:
-        return (head, Lines((Equation(notation.variation(name), (), ":"),)))
-    parts = tuple(part for place in own for part in _parts(place, notation))
+        return (head, EquationBlock((Equation(notation.variation(name), (), ":"),)))
+    parts = tuple(part for item in own for part in _parts(item, notation))
     lines = [Equation(notation.variation(name), parts, ":", "15")]
     if written:
-        summands = tuple(part for place in own for part in _written(place, written, notation))
+        summands = tuple(part for item in own for part in _written(item, written, notation))
         if not _same(parts, summands):
-            lines.append(Equation(Beside(()), summands, "=", number))
-    return (head, Lines(tuple(lines)), _table(own, notation))
+            lines.append(Equation(FormulaRow(()), summands, "=", number))
+    return (head, EquationBlock(tuple(lines)), _table(own, notation))
 
 
-def ordered(places: Iterable[Place]) -> list[Place]:
+def ordered(located: Iterable[LocatedTerm]) -> list[LocatedTerm]:
     """Accelerations first, then rates, elastic, and the rest; within a group as they were derived."""
-    return sorted(places, key=lambda place: place_in_row(place.term))
+    return sorted(located, key=lambda item: rank_in_row(item.term))
 
 
-def _parts(place: Place, notation: Notation) -> tuple[Part, ...]:
-    to = f"#{line_anchor(place.stores[0])}" if place.stores else ""
-    return notation.parts(place.term.expr, place.anchor, group(place.term), title(place.term), to)
+def _parts(located: LocatedTerm, notation: Notation) -> tuple[Part, ...]:
+    to = f"#{line_anchor(located.stores[0])}" if located.stores else ""
+    return notation.parts(located.term.expr, located.anchor, group(located.term), title(located.term), to)
 
 
-def _written(place: Place, written: Expansion, notation: Notation) -> tuple[Part, ...]:
-    expr = written(place.term.expr)
-    return notation.parts(expr, "", group(place.term), title(place.term), f"#{place.anchor}")
+def _written(located: LocatedTerm, written: Substitution, notation: Notation) -> tuple[Part, ...]:
+    expr = written(located.term.expr)
+    return notation.parts(expr, "", group(located.term), title(located.term), f"#{located.anchor}")
 
 
 def _same(parts: Sequence[Part], others: Sequence[Part]) -> bool:
@@ -129,17 +137,17 @@ def _same(parts: Sequence[Part], others: Sequence[Part]) -> bool:
     return [(p.sign, p.formula) for p in parts] == [(p.sign, p.formula) for p in others]
 
 
-def _table(places: Sequence[Place], notation: Notation) -> Table:
+def _table(located: Sequence[LocatedTerm], notation: Notation) -> TableBlock:
     """The terms of a row with their lines."""
     rows: list[list[Content]] = [
-        [_linked(p), group(p.term), p.term.equation, lines(p.stores), _names(p, notation)] for p in places
+        [_linked(p), group(p.term), p.term.equation, lines(p.stores), _names(p, notation)] for p in located
     ]
     head = ("term", "group", "from", "stored in line", "made of")
     return table("", head, rows)
 
 
-def _linked(place: Place) -> Cell:
-    return Cell((Link(place.term.name, f"#{place.anchor}"),))
+def _linked(located: LocatedTerm) -> Cell:
+    return Cell((Hyperlink(located.term.name, f"#{located.anchor}"),))
 
 
 def lines(numbers: Sequence[int]) -> tuple[Inline, ...]:
@@ -148,7 +156,7 @@ def lines(numbers: Sequence[int]) -> tuple[Inline, ...]:
     for first, last in runs(numbers):
         text = str(first) if first == last else f"{first}\N{EN DASH}{last}"
         result += [", "] if result else []
-        result.append(Link(text, f"#{line_anchor(first)}"))
+        result.append(Hyperlink(text, f"#{line_anchor(first)}"))
     return tuple(result)
 
 
@@ -159,9 +167,9 @@ def runs(numbers: Sequence[int]) -> list[tuple[int, int]]:
     return [(piece[0], piece[-1]) for piece in pieces]
 
 
-def _names(place: Place, notation: Notation) -> tuple[Inline, ...]:
+def _names(located: LocatedTerm, notation: Notation) -> tuple[Inline, ...]:
     """The names that a term is made of, with the lines that define them; those that follow each other together."""
-    by_line = {number: symbol for symbol, number in place.names}
+    by_line = {number: symbol for symbol, number in located.names}
     result: list[Inline] = []
     for first, last in runs(sorted(by_line)):
         between = [number for number in (first, last) if first != last or number == first][: 2 if first != last else 1]
@@ -170,13 +178,13 @@ def _names(place: Place, notation: Notation) -> tuple[Inline, ...]:
             result += [" … "] if k and last > first + 1 else [", "] if k else []
             result.append(Math(notation.formula(by_line[number])))
         text = f"line {first}" if first == last else f"lines {first}\N{EN DASH}{last}"
-        result += [" ", Link(text, f"#{line_anchor(first)}")]
+        result += [" ", Hyperlink(text, f"#{line_anchor(first)}")]
     return tuple(result)
 
 
-def written_row(equations: Equations, name: str, written: Expansion, notation: Notation) -> tuple[Part, ...]:
+def written_row(equations: Equations, name: str, written: Substitution, notation: Notation) -> tuple[Part, ...]:
     """A row written out in coordinates, term by term, without links."""
     result: list[Part] = []
-    for term in sorted((t for t in equations.terms if t.row == name), key=place_in_row):
+    for term in sorted((t for t in equations.terms if t.row == name), key=rank_in_row):
         result += notation.parts(written(term.expr), group=group(term), title=title(term))
     return tuple(result)

@@ -10,8 +10,8 @@ import sympy as sp
 from derive.mechanics.equations import Equations
 from derive.mechanics.symbols import Family, identity
 from derive.mechanics.terms import Reason, Term
-from derive.report.document.formula import Number
-from derive.report.document.page import Block, Details, Heading, Inline, Math, Paragraph, Table
+from derive.report.document.formula import NumberToken
+from derive.report.document.page import Block, Details, Heading, Inline, Math, Paragraph, TableBlock
 from derive.report.document.tables import Content, folded, table
 from derive.report.notation.expressions import Notation
 from derive.report.notation.families import whole
@@ -36,13 +36,15 @@ def vanished_blocks(equations: Equations, notation: Notation) -> tuple[Block, ..
         result.append(_by_reason(terms, notation))
         whole = table("Terms that vanish", ("term", "row", "it would be", "because"), rows)
         single = folded(whole, "Terms that vanish")
-        result.append(Details(f"The terms one by one: {len(terms)}", (whole,)) if isinstance(single, Table) else single)
+        result.append(
+            Details(f"The terms one by one: {len(terms)}", (whole,)) if isinstance(single, TableBlock) else single
+        )
     if len(result) == 1:
         result.append(Paragraph(("Nothing vanishes in this model.",)))
     return tuple(result)
 
 
-def _by_reason(terms: Sequence[tuple[Term, Reason]], notation: Notation) -> Table:
+def _by_reason(terms: Sequence[tuple[Term, Reason]], notation: Notation) -> TableBlock:
     """Terms that vanish for the same reason in one row: their names, each with the rows of the equations it is of."""
     gathered: dict[Reason, dict[str, list[str]]] = {}
     for term, why in terms:
@@ -68,7 +70,7 @@ def _rows(names: Sequence[str], notation: Notation) -> str:
 def _would_be(term: Term, notation: Notation) -> Content:
     """What a vanished term stands for, where that is short."""
     if term.expr == 0:
-        return Number("0")
+        return NumberToken("0")
     count = len(sp.Add.make_args(term.expr))
     return notation.formula(term.expr) if count <= SUMMANDS else f"a sum of {count}"
 

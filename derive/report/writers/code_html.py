@@ -6,7 +6,7 @@ from html import escape
 
 from derive.report.document.anchors import address
 from derive.report.document.code_comments import comments, gaps
-from derive.report.document.page import Line, Link, Listing
+from derive.report.document.page import CodeLine, Hyperlink, Listing
 
 
 def listing_html(listing: Listing) -> str:
@@ -23,7 +23,7 @@ def listing_html(listing: Listing) -> str:
     )
 
 
-def _line(line: Line, comment: tuple[int, int], gap: bool) -> str:
+def _line(line: CodeLine, comment: tuple[int, int], gap: bool) -> str:
     anchor = f' id="{escape(line.anchor)}"' if line.anchor else ""
     kind = ' class="gap"' if gap else ""
     start, stop = comment
@@ -33,5 +33,5 @@ def _line(line: Line, comment: tuple[int, int], gap: bool) -> str:
     return f'<span{anchor}{kind} data-n="{line.number}">{shown}{links}\n</span>'
 
 
-def _link(link: Link) -> str:
+def _link(link: Hyperlink) -> str:
     return f' <a href="{escape(address(link.to))}">{escape(link.text)}</a>'

@@ -12,20 +12,20 @@ from derive.report.document.anchors import address
 from derive.report.document.page import (
     Block,
     Cell,
-    Code,
+    CodeSpan,
     Columns,
     Details,
-    Equations,
+    EquationBlock,
     Heading,
+    Hyperlink,
     Inline,
-    Link,
     Listing,
     Math,
     Page,
     Paragraph,
     Picture,
     Strong,
-    Table,
+    TableBlock,
     Text,
 )
 from derive.report.writers.code_html import listing_html
@@ -76,9 +76,9 @@ class _Writer:
                 return f'<h{level} id="{escape(anchor)}">{escape(words)}</h{level}>'
             case Paragraph(words):
                 return f"<p>{text(words)}</p>"
-            case Equations(rows):
+            case EquationBlock(rows):
                 return equations_html(rows)
-            case Table():
+            case TableBlock():
                 return _table(block)
             case Picture(svg, alt, caption, hint):
                 drawn = inline(svg, f"picture-{next(self._pictures)}", alt)
@@ -110,15 +110,15 @@ def _inline(part: Inline) -> str:
             return escape(part, quote=False)
         case Math(formula):
             return math_in_text(formula)
-        case Link(words, to):
+        case Hyperlink(words, to):
             return f'<a href="{escape(address(to))}">{escape(words, quote=False)}</a>'
-        case Code(words):
+        case CodeSpan(words):
             return f"<code>{escape(words, quote=False)}</code>"
         case Strong(words):
             return f"<strong>{escape(words, quote=False)}</strong>"
 
 
-def _table(table: Table) -> str:
+def _table(table: TableBlock) -> str:
     align = [ALIGN.get(one, "") for one in table.align.ljust(len(table.head), "l")]
     listed = sum(bool(cell.title) for row in table.rows for cell in row) <= MANY
     head = "".join(_head(table, k, side) for k, side in enumerate(align))
@@ -131,7 +131,7 @@ def _table(table: Table) -> str:
     )
 
 
-def _head(table: Table, column: int, side: str) -> str:
+def _head(table: TableBlock, column: int, side: str) -> str:
     """A head; that of a column of much text keeps room for it."""
     longest = max((sum(map(_length, row[column].text)) for row in table.rows), default=0)
     names = [*([side[8:-1]] if side else []), *(["long"] if longest > LONG else ["some"] if longest > SOME else [])]
@@ -141,7 +141,7 @@ def _head(table: Table, column: int, side: str) -> str:
 
 def _length(part: Inline) -> int:
     """Characters that a line may break between."""
-    return len(part) if isinstance(part, str) else 0 if isinstance(part, Math | Code) else len(part.text)
+    return len(part) if isinstance(part, str) else 0 if isinstance(part, Math | CodeSpan) else len(part.text)
 
 
 def _cells(row: Sequence[Cell], align: Sequence[str], listed: bool) -> str:

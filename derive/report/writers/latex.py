@@ -10,20 +10,20 @@ from derive.report.document.anchors import address, targets
 from derive.report.document.formula import Equation
 from derive.report.document.page import (
     Block,
-    Code,
+    CodeLine,
+    CodeSpan,
     Columns,
     Details,
-    Equations,
+    EquationBlock,
     Heading,
-    Line,
-    Link,
+    Hyperlink,
     Listing,
     Math,
     Page,
     Paragraph,
     Picture,
     Strong,
-    Table,
+    TableBlock,
     Text,
 )
 from derive.report.notation.line_breaking import lines, width
@@ -63,9 +63,9 @@ class _Writer:
                 return f"\\{kind}{{{escaped(words)}}}{self._label(anchor)}"
             case Paragraph(words):
                 return self.text(words)
-            case Equations(rows):
+            case EquationBlock(rows):
                 return "\n".join(["\\begin{align}", " \\\\\n".join(map(self._equation, rows)), "\\end{align}"])
-            case Table():
+            case TableBlock():
                 return tabular(block, self.text)
             case Picture(_, alt, caption):
                 shown = f"\\fbox{{\\parbox{{0.8\\linewidth}}{{\\itshape {escaped(alt)}}}}}"
@@ -81,20 +81,20 @@ class _Writer:
     def text(self, words: Text) -> str:
         return "".join(map(self._inline, words))
 
-    def _inline(self, part: str | Math | Link | Code | Strong) -> str:
+    def _inline(self, part: str | Math | Hyperlink | CodeSpan | Strong) -> str:
         match part:
             case str():
                 return escaped(part)
             case Math(formula):
                 return f"${latex_math(formula)}$"
-            case Link():
+            case Hyperlink():
                 return self._link(part)
-            case Code(words):
+            case CodeSpan(words):
                 return f"\\texttt{{{escaped(words)}}}"
             case Strong(words):
                 return f"\\textbf{{{escaped(words)}}}"
 
-    def _link(self, link: Link) -> str:
+    def _link(self, link: Hyperlink) -> str:
         words = escaped(link.text)
         if link.to.startswith("#"):
             name = self._names.get(link.to[1:])
@@ -123,7 +123,7 @@ class _Writer:
         body = "\n".join(map(self._line, listing.lines))
         return f"{caption}\\begin{{code}}\n{body}\n\\end{{code}}"
 
-    def _line(self, line: Line) -> str:
+    def _line(self, line: CodeLine) -> str:
         code = line.text.expandtabs(4)
         indent = len(code) - len(code.lstrip())
         links = "".join(f"\\quad\\textrm{{{self._link(link)}}}" for link in line.links)

@@ -9,15 +9,15 @@ from derive.report.document.formula import (
     Call,
     Fenced,
     Formula,
-    Fraction,
+    FormulaRow,
     Matrix,
     Name,
-    Number,
-    Operator,
+    NumberToken,
+    OperatorToken,
     Part,
     Power,
+    Quotient,
     Root,
-    Row,
 )
 from derive.report.notation.glyphs import BIG, index, is_letter, letter, number
 from derive.report.notation.spacing import Gap, bare, factors, gap, is_tall, needs_brackets, summand
@@ -81,15 +81,15 @@ def _resolved(shown: str, text: Callable[[str], str]) -> str:
 def _tree(formula: Formula, last: bool = True) -> str:
     """A formula as LaTeX; `last` says that nothing follows that could be taken for an argument's."""
     match formula:
-        case Number(text):
+        case NumberToken(text):
             return _number(text)
         case Name():
             return _name(formula)
-        case Operator(text):
+        case OperatorToken(text):
             return _sign(text)
-        case Row():
+        case FormulaRow():
             return _row(factors(formula))
-        case Fraction(above, below):
+        case Quotient(above, below):
             return f"\\frac{{{_tree(above)}}}{{{_tree(below)}}}"
         case Power(base, exponent):
             return _power(base, _tree(exponent), last)
@@ -109,7 +109,7 @@ def _row(parts: Sequence[Formula]) -> str:
     out = []
     for k, part in enumerate(parts):
         following = parts[k + 1] if k + 1 < len(parts) else None
-        out.append(_tree(part, following is None or isinstance(following, Operator)))
+        out.append(_tree(part, following is None or isinstance(following, OperatorToken)))
         out.append("" if following is None else " " if isinstance(following, Call) else GAPS[gap(part, following)])
     return "".join(out)
 

@@ -6,7 +6,7 @@ import re
 import unicodedata
 from collections.abc import Callable, Sequence
 
-from derive.report.document.page import Inline, Math, Table, Text
+from derive.report.document.page import Inline, Math, TableBlock, Text
 from derive.report.notation.glyphs import GREEK as GREEK_NAMES
 from derive.report.notation.glyphs import NAMES
 from derive.report.notation.line_breaking import width
@@ -117,7 +117,7 @@ def _character(c: str) -> str:
 LINE, LONG, MANY = 78, 24, 8
 
 
-def tabular(table: Table, shown: Callable[[Text], str]) -> str:
+def tabular(table: TableBlock, shown: Callable[[Text], str]) -> str:
     """A table; `shown` turns text into LaTeX."""
     columns = _columns(table)
     paragraphs = [column.startswith("p") for column in columns]
@@ -138,7 +138,7 @@ def _row(cells: Sequence[str], paragraphs: Sequence[bool]) -> str:
     return f"{' & '.join(filled)} \\tabularnewline"
 
 
-def _columns(table: Table) -> list[str]:
+def _columns(table: TableBlock) -> list[str]:
     """The kind of each column: l, r or c, and a paragraph where the table would be too wide."""
     align = table.align.ljust(len(table.head), "l")
     texts = [[words, *(row[k].text for row in table.rows)] for k, words in enumerate(table.head)]

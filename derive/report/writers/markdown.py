@@ -12,19 +12,19 @@ from derive.report.document.code_comments import gaps
 from derive.report.document.formula import Equation, Formula
 from derive.report.document.page import (
     Block,
-    Code,
+    CodeSpan,
     Columns,
     Details,
-    Equations,
+    EquationBlock,
     Heading,
-    Link,
+    Hyperlink,
     Listing,
     Math,
     Page,
     Paragraph,
     Picture,
     Strong,
-    Table,
+    TableBlock,
     Text,
 )
 from derive.report.notation.line_breaking import lines, width
@@ -80,10 +80,10 @@ class _Writer:
                 return [*self._anchors([anchor]), f"{'#' * level} {plain(words)}"]
             case Paragraph(words):
                 return [text(words)]
-            case Equations(rows):
+            case EquationBlock(rows):
                 anchors = [one for row in rows for one in (row.anchor, *(part.anchor for part in row.parts))]
                 return [*self._anchors(anchors), _equations(rows)]
-            case Table():
+            case TableBlock():
                 return [*([f"*{plain(block.caption)}*"] if block.caption else []), _table(block)]
             case Picture(_, alt, caption):
                 name = f"picture-{next(self._pictures)}.svg"
@@ -121,15 +121,15 @@ def _html(words: str) -> str:
     return words.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;").replace('"', "&quot;")
 
 
-def _inline(part: str | Math | Link | Code | Strong) -> str:
+def _inline(part: str | Math | Hyperlink | CodeSpan | Strong) -> str:
     match part:
         case str():
             return plain(part)
         case Math(formula):
             return f"${math(formula)}$"
-        case Link(words, to):
+        case Hyperlink(words, to):
             return f"[{plain(words)}](<{address(to).replace('<', '%3C').replace('>', '%3E')}>)"
-        case Code(words):
+        case CodeSpan(words):
             return _code(words)
         case Strong(words):
             return f"**{plain(words)}**"
@@ -169,7 +169,7 @@ def _equation(equation: Equation) -> str:
     return f"{latex_math(equation.left, _odd)} &{relation_latex(equation.relation)} {body}{tag}"
 
 
-def _table(table: Table) -> str:
+def _table(table: TableBlock) -> str:
     sides = [SIDES[one] for one in table.align.ljust(len(table.head), "l")]
     rows = [table.head, *(tuple(cell.text for cell in row) for row in table.rows)]
     shown = [_row([_cell(words) for words in row]) for row in rows]
@@ -181,7 +181,7 @@ def _row(cells: Sequence[str]) -> str:
 
 
 def _cell(words: Text) -> str:
-    return "".join(_inline(part).replace("|", "\\|") if isinstance(part, Code) else _inline(part) for part in words)
+    return "".join(_inline(part).replace("|", "\\|") if isinstance(part, CodeSpan) else _inline(part) for part in words)
 
 
 def _listing(listing: Listing) -> list[str]:

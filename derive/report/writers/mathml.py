@@ -10,15 +10,15 @@ from derive.report.document.formula import (
     Call,
     Fenced,
     Formula,
-    Fraction,
+    FormulaRow,
     Matrix,
     Name,
-    Number,
-    Operator,
+    NumberToken,
+    OperatorToken,
     Part,
     Power,
+    Quotient,
     Root,
-    Row,
 )
 from derive.report.notation.glyphs import BIG, index, is_letter, letter, minus, number, styled
 from derive.report.notation.line_breaking import width
@@ -41,15 +41,15 @@ TIGHT = {"∂", "δ", "\u2032", "d"}
 
 def math(formula: Formula, display: bool = False) -> str:
     """A formula as a `math` element; those of more than one letter carry their words."""
-    said = "" if isinstance(formula, Number | Name) else f' alttext="{escape(words(formula))}"'
+    said = "" if isinstance(formula, NumberToken | Name) else f' alttext="{escape(words(formula))}"'
     shown = ' display="block"' if display else ""
     return f"<math{shown}{said}>{inside(formula)}</math>"
 
 
 def math_in_text(formula: Formula) -> str:
     """A formula within text: a long sum is several `math` elements, between which a line may end."""
-    parts = factors(formula) if isinstance(formula, Row) else []
-    starts = [k for k, part in enumerate(parts) if k and isinstance(part, Operator) and part.text in BREAKS]
+    parts = factors(formula) if isinstance(formula, FormulaRow) else []
+    starts = [k for k, part in enumerate(parts) if k and isinstance(part, OperatorToken) and part.text in BREAKS]
     if not starts or width(formula) < LONG:
         return math(formula)
     pieces = [parts[a:b] for a, b in pairwise([0, *starts, len(parts)])]
@@ -57,7 +57,7 @@ def math_in_text(formula: Formula) -> str:
 
 
 def _piece(parts: Sequence[Formula], first: bool) -> str:
-    return f'<math alttext="{escape(words(Row(tuple(parts))))}">{_row(parts, behind=not first)}</math>'
+    return f'<math alttext="{escape(words(FormulaRow(tuple(parts))))}">{_row(parts, behind=not first)}</math>'
 
 
 def summand_math(part: Part, first: bool) -> str:
@@ -73,21 +73,21 @@ def relation_math(text: str) -> str:
 
 def inside(formula: Formula) -> str:
     """What stands inside of a `math` element: one that holds a row is a row by itself."""
-    return _row(factors(formula)) if isinstance(formula, Row) else mathml(formula)
+    return _row(factors(formula)) if isinstance(formula, FormulaRow) else mathml(formula)
 
 
 def mathml(formula: Formula, last: bool = True) -> str:
     """A formula as one element; `last` says that nothing follows that could be taken for an argument's."""
     match formula:
-        case Number(text):
+        case NumberToken(text):
             return _number(text)
         case Name():
             return _name(formula)
-        case Operator(text):
+        case OperatorToken(text):
             return _operator(text)
-        case Row():
+        case FormulaRow():
             return f"<mrow>{_row(factors(formula))}</mrow>"
-        case Fraction(above, below):
+        case Quotient(above, below):
             return f"<mfrac>{mathml(above)}{mathml(below)}</mfrac>"
         case Power(base, exponent):
             return _power(base, exponent, last)
@@ -105,12 +105,12 @@ def mathml(formula: Formula, last: bool = True) -> str:
 def _row(parts: Sequence[Formula], behind: bool = False) -> str:
     """Formulas beside each other; a sign that they start with stands between, where they are `behind` others."""
     start = parts[0] if parts else None
-    if isinstance(start, Operator) and (behind or start.text in ("+", "=")):
+    if isinstance(start, OperatorToken) and (behind or start.text in ("+", "=")):
         return f'<mo form="infix">{_sign(start.text)}</mo>{_row(parts[1:])}'
     out = []
     for k, part in enumerate(parts):
         following = parts[k + 1] if k + 1 < len(parts) else None
-        out.append(mathml(part, following is None or isinstance(following, Operator)))
+        out.append(mathml(part, following is None or isinstance(following, OperatorToken)))
         out.append(GAPS[gap(part, following)] if following is not None else "")
     return "".join(out)
 

@@ -14,20 +14,20 @@ from derive.report.document.formula import Equation, Formula
 from derive.report.document.page import (
     Block,
     Cell,
-    Code,
+    CodeLine,
+    CodeSpan,
     Columns,
     Details,
-    Equations,
+    EquationBlock,
     Heading,
-    Line,
-    Link,
+    Hyperlink,
     Listing,
     Math,
     Page,
     Paragraph,
     Picture,
     Strong,
-    Table,
+    TableBlock,
     Text,
 )
 from derive.report.notation.spoken_math import words
@@ -70,9 +70,9 @@ class _Writer:
                 return f"heading(level: {level - 1}, {string(said)})\n{self._place(anchor)}"
             case Paragraph(said):
                 return f"par({self.text(said)})"
-            case Equations(rows):
+            case EquationBlock(rows):
                 return f"rows({', '.join(self._equation(one) for one in rows)})"
-            case Table():
+            case TableBlock():
                 return self._table(block)
             case Picture(svg, alt, caption):
                 shown = string(caption) if caption else "none"
@@ -89,18 +89,18 @@ class _Writer:
     def text(self, said: Text) -> str:
         return "{ " + "; ".join(self._inline(part) for part in said) + " }"
 
-    def _inline(self, part: str | Math | Link | Code | Strong) -> str:
+    def _inline(self, part: str | Math | Hyperlink | CodeSpan | Strong) -> str:
         match part:
             case str():
                 return string(part)
             case Math(formula):
                 return math(formula)
-            case Link(said, to):
+            case Hyperlink(said, to):
                 name = self._names.get(to[1:])
                 if to.startswith("#"):
                     return f'link(label("{name}"), {string(said)})' if name else string(said)
                 return f"link({string(address(to))}, {string(said)})"
-            case Code(said):
+            case CodeSpan(said):
                 return f"raw({string(said)})"
             case Strong(said):
                 return f"strong({string(said)})"
@@ -131,7 +131,7 @@ class _Writer:
             f"number: {string(equation.number)}, places: {_list(self._new(anchors))})"
         )
 
-    def _table(self, table: Table) -> str:
+    def _table(self, table: TableBlock) -> str:
         align = table.align.ljust(len(table.head), "l")
         size = "9pt" if len(table.head) < 8 else "7.5pt" if len(table.head) < 12 else "6pt"
         head = _list([self.text(said) for said in table.head])
@@ -142,7 +142,7 @@ class _Writer:
     def _cell(self, cell: Cell) -> str:
         return f'cell("{cell.mark}", {self.text(cell.text)})'
 
-    def _line(self, line: Line, comment: tuple[int, int]) -> str:
+    def _line(self, line: CodeLine, comment: tuple[int, int]) -> str:
         indent = len(line.text) - len(line.text.lstrip())
         code = "\u00a0" * indent + line.text[indent:]
         start, stop = comment

@@ -8,15 +8,15 @@ from derive.report.document.formula import (
     Call,
     Fenced,
     Formula,
-    Fraction,
+    FormulaRow,
     Matrix,
     Name,
-    Number,
-    Operator,
+    NumberToken,
+    OperatorToken,
     Part,
     Power,
+    Quotient,
     Root,
-    Row,
 )
 from derive.report.notation.glyphs import BIG, GREEK, index, letter, minus, number
 from derive.report.notation.spacing import Gap, bare, factors, gap, needs_brackets, summand
@@ -44,15 +44,15 @@ def string(text: str) -> str:
 def typst_math(formula: Formula, last: bool = True) -> str:
     """A formula within dollars of Typst; `last` says that nothing follows that could be taken for an argument's."""
     match formula:
-        case Number(text):
+        case NumberToken(text):
             return _number(text)
         case Name():
             return _scripts(_nucleus(formula), _index(formula.below), _index(formula.above))
-        case Operator(text):
+        case OperatorToken(text):
             return _sign(text)
-        case Row():
+        case FormulaRow():
             return _row(factors(formula))
-        case Fraction(above, below):
+        case Quotient(above, below):
             return f"frac({typst_math(above)}, {typst_math(below)})"
         case Power(base, exponent):
             return _power(base, typst_math(exponent), last)
@@ -83,7 +83,7 @@ def _row(parts: Sequence[Formula]) -> str:
     out = []
     for k, part in enumerate(parts):
         following = parts[k + 1] if k + 1 < len(parts) else None
-        out.append(typst_math(part, following is None or isinstance(following, Operator)))
+        out.append(typst_math(part, following is None or isinstance(following, OperatorToken)))
         called = isinstance(part, Call) or isinstance(following, Call)
         out.append("" if following is None else " " if called else GAPS[gap(part, following)])
     return "".join(out)

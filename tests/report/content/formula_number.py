@@ -14,14 +14,14 @@ from derive.report.document.formula import (
     Call,
     Fenced,
     Formula,
-    Fraction,
+    FormulaRow,
     Name,
-    Number,
-    Operator,
+    NumberToken,
+    OperatorToken,
     Part,
     Power,
+    Quotient,
     Root,
-    Row,
 )
 from derive.report.notation.expressions import Notation
 
@@ -36,13 +36,13 @@ def number(formula: Formula | None, known: Numbers) -> float:
     if formula in known:
         return known[formula]
     match formula:
-        case Number(text):
+        case NumberToken(text):
             return float(text)
         case Name() if formula.text == SUM:
             return 1.0  # one summand of it
-        case Row(parts):
+        case FormulaRow(parts):
             return _row(parts, known)
-        case Fraction(above, below):
+        case Quotient(above, below):
             return number(above, known) / number(below, known)
         case Power(base, exponent):
             return number(base, known) ** number(exponent, known)
@@ -59,7 +59,7 @@ def _row(parts: tuple[Formula, ...], known: Numbers) -> float:
     """A sum of products."""
     total, product, sign = 0.0, 1.0, 1.0
     for k, part in enumerate(parts):
-        if isinstance(part, Operator):
+        if isinstance(part, OperatorToken):
             assert part.text in ("+", "-")
             total, product = total + sign * product if k else 0.0, 1.0
             sign = -1.0 if part.text == "-" else 1.0

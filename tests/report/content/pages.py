@@ -12,7 +12,18 @@ from conftest import ROOT
 from derive.derivation import lowered_form
 from derive.pipeline import Built, build
 from derive.report.document.formula import Equation
-from derive.report.document.page import Block, Columns, Details, Equations, Heading, Listing, Math, Page, Table, Text
+from derive.report.document.page import (
+    Block,
+    Columns,
+    Details,
+    EquationBlock,
+    Heading,
+    Listing,
+    Math,
+    Page,
+    TableBlock,
+    Text,
+)
 from derive.report.model_page import model_page
 from derive.report.notation.spoken_math import words
 from derive.report.sections.provenance import SpecificationText
@@ -88,11 +99,11 @@ def section(name: str, anchor: str) -> tuple[Block, ...]:
 
 
 def equations(blocks: Sequence[Block]) -> list[Equation]:
-    return [line for block in blocks if isinstance(block, Equations) for line in block.rows]
+    return [line for block in blocks if isinstance(block, EquationBlock) for line in block.rows]
 
 
-def tables(blocks: Sequence[Block]) -> list[Table]:
-    return [block for block in blocks if isinstance(block, Table)]
+def tables(blocks: Sequence[Block]) -> list[TableBlock]:
+    return [block for block in blocks if isinstance(block, TableBlock)]
 
 
 def listings(blocks: Sequence[Block]) -> list[Listing]:

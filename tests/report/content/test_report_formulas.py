@@ -13,7 +13,7 @@ from formula_number import Draw, magnitude, number, total
 from derive.mechanics.bodies.reference_conditions import assumed_shapes
 from derive.mechanics.bodies.spatial_body import DOCS
 from derive.mechanics.symbols import MASS, Family, amplitude, identity, owned, quantity
-from derive.report.document.formula import Call, Equation, Matrix, Name, Row
+from derive.report.document.formula import Call, Equation, FormulaRow, Matrix, Name
 from derive.report.notation.expressions import notation
 from derive.report.notation.families import WRITERS, chosen, written
 from derive.report.notation.integral_formulas import INTEGRANDS, SYMMETRIC
@@ -185,7 +185,9 @@ def test_kinematics_in_components_are_those_derived() -> None:
     motion, numbers = planar_motion(0), draw("point")
     line = pages.equations(pages.section("point", "kinematics"))[-1]
     fenced = line.parts[1].formula.parts[-1]
-    given = [part.parts[0] for part in fenced.of.parts if isinstance(part, Row) and isinstance(part.parts[0], Matrix)]
+    given = [
+        part.parts[0] for part in fenced.of.parts if isinstance(part, FormulaRow) and isinstance(part.parts[0], Matrix)
+    ]
     for field, matrix in zip((R, RDOT), given, strict=True):
         found = np.array([[number(entry, numbers.formulas) for entry in row] for row in matrix.rows])
         expected = motion.acceleration[field].applyfunc(lambda e: sp.Float(numbers.of(sp.S.Zero + e)))

@@ -8,15 +8,15 @@ import pages
 import pytest
 
 from derive.report.document.anchors import faults
-from derive.report.document.page import Link
+from derive.report.document.page import Hyperlink
 from derive.report.notation.expressions import notation
-from derive.report.sections.term_lines import place_in_row
+from derive.report.sections.term_lines import rank_in_row
 
 BODIES = ("point", "mean", "block", "loops", "beam_point_8", "heavy", "flat", "loops_given", "rigid", "hundred")
 
 
-def links(cell) -> list[Link]:
-    return [one for one in cell.text if isinstance(one, Link)]
+def links(cell) -> list[Hyperlink]:
+    return [one for one in cell.text if isinstance(one, Hyperlink)]
 
 
 def source(name: str) -> list[str]:
@@ -44,7 +44,7 @@ def test_every_term_is_there_once_with_its_name_and_number(name: str) -> None:
 
 @pytest.mark.parametrize("name", BODIES)
 def test_terms_stand_by_groups(name: str) -> None:
-    order = {t.name: place_in_row(t) for t in pages.built(name).equations.terms}
+    order = {t.name: rank_in_row(t) for t in pages.built(name).equations.terms}
     for table in pages.tables(pages.section(name, "motion")):
         found = [order[row[0].text[0].text] for row in table.rows]
         assert found == sorted(found)
@@ -80,7 +80,7 @@ def test_a_term_leads_to_the_line_that_stores_it_and_back(name: str) -> None:
             assert stores
             for link in stores:
                 line = shown[link.to.removeprefix("#")]
-                assert Link(f"{term.name} {notation(built.equations).delta(term.row)}", own) in line.links
+                assert Hyperlink(f"{term.name} {notation(built.equations).delta(term.row)}", own) in line.links
                 stored = re.match(r"\s*(h|M)\[(\d+)", line.text)
                 assert stored
                 if stored[1] == "h":

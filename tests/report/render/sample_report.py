@@ -7,48 +7,48 @@ from derive.report.document.formula import (
     Equation,
     Fenced,
     Formula,
-    Fraction,
+    FormulaRow,
     Matrix,
     Name,
-    Number,
-    Operator,
+    NumberToken,
+    OperatorToken,
     Part,
     Power,
+    Quotient,
     Root,
-    Row,
 )
 from derive.report.document.page import (
     Cell,
-    Code,
+    CodeLine,
+    CodeSpan,
     Columns,
     Details,
-    Equations,
+    EquationBlock,
     Heading,
-    Line,
-    Link,
+    Hyperlink,
     Listing,
     Math,
     Page,
     Paragraph,
     Picture,
     Strong,
-    Table,
+    TableBlock,
 )
 
 EVIL = "</style><script>alert(1)</script> & \" ' <!-- \\end{document} #set $x$ `q` | _a_ *b* 100% {c} ~ ^ ] [x](y) @z"
 M, PHI = Name("m"), Name("phi")
-TWO, THREE = Number("2"), Number("3")
+TWO, THREE = NumberToken("2"), NumberToken("3")
 PHI1, PHI2 = Name("phi", dots=1), Name("phi", dots=2)
 RHO = Name("rho")
-PLUS, MINUS, DOT, CROSS, EQUALS, INTEGRAL, DELTA = (Operator(c) for c in "+-·\u00d7=∫δ")
+PLUS, MINUS, DOT, CROSS, EQUALS, INTEGRAL, DELTA = (OperatorToken(c) for c in "+-·\u00d7=∫δ")
 
 
 def alpha(i: int, dots: int = 0) -> Name:
     return Name("alpha", dots=dots, below=(str(i),))
 
 
-def row(*parts: Formula) -> Row:
-    return Row(parts)
+def row(*parts: Formula) -> FormulaRow:
+    return FormulaRow(parts)
 
 
 def square(base: Formula) -> Power:
@@ -61,7 +61,7 @@ def turning(n: int) -> Equation:
     parts = [
         Part(
             "+",
-            row(Fraction(row(M, square(Name("l"))), Number("12")), PHI2),
+            row(Quotient(row(M, square(Name("l"))), NumberToken("12")), PHI2),
             "phi-1",
             "accelerations",
             "J, of X. (15)",
@@ -69,29 +69,29 @@ def turning(n: int) -> Equation:
         ),
         Part(
             "-",
-            row(Fraction(M, THREE), alpha(1), c1, Call("cos", PHI)),
+            row(Quotient(M, THREE), alpha(1), c1, Call("cos", PHI)),
             "phi-2",
             "accelerations",
             "d1 \u00d7 c, from (15)",
         ),
         Part(
             "-",
-            row(Fraction(M, THREE), alpha(1), c2, Call("sin", PHI)),
+            row(Quotient(M, THREE), alpha(1), c2, Call("sin", PHI)),
             "phi-3",
             "accelerations",
             "d1 \u00d7 c, from (15)",
         ),
     ]
     for i in range(1, n + 1):
-        over = Fraction(M, Number(str(2 * i + 3)))
+        over = Quotient(M, NumberToken(str(2 * i + 3)))
         parts += [
             Part("+", row(over, square(alpha(i)), PHI2), f"phi-a{i}", "accelerations", f"J, of Phi_{i}. (15)"),
-            Part("+", row(Fraction(row(M, Name("l")), Number("10")), alpha(i, 2)), f"phi-b{i}", "accelerations"),
+            Part("+", row(Quotient(row(M, Name("l")), NumberToken("10")), alpha(i, 2)), f"phi-b{i}", "accelerations"),
         ]
     parts += [
         Part(
             "+",
-            row(Fraction(row(TWO, M), Number(str(2 * i + 3))), alpha(i), alpha(i, 1), PHI1),
+            row(Quotient(row(TWO, M), NumberToken(str(2 * i + 3))), alpha(i), alpha(i, 1), PHI1),
             f"phi-c{i}",
             "rates",
             "Coriolis",
@@ -102,8 +102,8 @@ def turning(n: int) -> Equation:
 
 
 def deforming(i: int) -> Equation:
-    over = Fraction(M, Number(str(2 * i + 3)))
-    elastic = row(Fraction(row(Number("64"), Name("EI")), Power(Name("l"), THREE)), alpha(i))
+    over = Quotient(M, NumberToken(str(2 * i + 3)))
+    elastic = row(Quotient(row(NumberToken("64"), Name("EI")), Power(Name("l"), THREE)), alpha(i))
     return Equation(
         row(DELTA, alpha(i)),
         (
@@ -118,7 +118,7 @@ def deforming(i: int) -> Equation:
 
 
 VECTOR = Equation(
-    row(Operator("δ"), Name("c", style="vector"), DOT),
+    row(OperatorToken("δ"), Name("c", style="vector"), DOT),
     (
         Part("+", row(M, Name("c", 2, style="vector")), "c-1", "accelerations", "inertia of the mass", "#line-14"),
         Part("+", row(Name("omega", 1, style="vector"), CROSS, Name("d", below=("1",), style="vector")), "c-2"),
@@ -163,7 +163,7 @@ INTEGRALS = Equation(
                     "{",
                     "}",
                 ),
-                Operator("d"),
+                OperatorToken("d"),
                 Name("V"),
             ),
         ),
@@ -172,8 +172,9 @@ INTEGRALS = Equation(
 )
 
 EVERYTHING = row(
-    Number("-1"), Number("2"), Name("∑", below=("i=1",), above=("N",)), Root(row(Name("xi"), PLUS, Number("1.5e-05"))),
-    Fenced(Fraction(Name("gamma"), Name("mu", below=("10", "2"))), "[", "]"), Power(Fraction(TWO, THREE), Name("n")),
+    NumberToken("-1"), NumberToken("2"), Name("∑", below=("i=1",), above=("N",)),
+    Root(row(Name("xi"), PLUS, NumberToken("1.5e-05"))),
+    Fenced(Quotient(Name("gamma"), Name("mu", below=("10", "2"))), "[", "]"), Power(Quotient(TWO, THREE), Name("n")),
     square(Call("cos", PHI)), Call("sin", row(TWO, PHI)), Name("max", style="word"), Name("Omega"), Name("lambda", 3),
     square(Name("x", below=("max",), above=("T",))), Name("<b>&\"$#_{\\"), Fenced(Name("a"), "|", "|"),
 )  # fmt: skip
@@ -186,7 +187,7 @@ MASS = Equation(
             Matrix(
                 tuple(
                     tuple(
-                        row(Fraction(M, Number(str(i + j + 2))), Call("cos", PHI)) if abs(i - j) < 2 else None
+                        row(Quotient(M, NumberToken(str(i + j + 2))), Call("cos", PHI)) if abs(i - j) < 2 else None
                         for j in range(9)
                     )
                     for i in range(9)
@@ -219,21 +220,23 @@ int free_beam_mass(const double *TISSERAND_RESTRICT q, const double *TISSERAND_R
     M[0] = mass;  /* mass */""".splitlines()
 
 LINES = tuple(
-    Line(10 + k + (20 if k > 5 else 0), text, f"line-{10 + k}", (Link("(33) φ", "#phi-1"),) if k in (2, 6) else ())
+    CodeLine(
+        10 + k + (20 if k > 5 else 0), text, f"line-{10 + k}", (Hyperlink("(33) φ", "#phi-1"),) if k in (2, 6) else ()
+    )
     for k, text in enumerate(CODE)
 )
 
 
-def table(wide: bool = False) -> Table:
+def table(wide: bool = False) -> TableBlock:
     head = (("row",), ("value of ", Math(row(M, square(Name("l"))))), ("counted",), ("why",))
     wider = tuple((f"column {k}",) for k in range(12)) if wide else ()
     rows = (
-        (Cell(("c1",)), Cell((Math(Fraction(M, Number("12"))),), "J", "entry"), Cell(("12",)), Cell((EVIL,))),
+        (Cell(("c1",)), Cell((Math(Quotient(M, NumberToken("12"))),), "J", "entry"), Cell(("12",)), Cell((EVIL,))),
         (Cell(("phi",)), Cell(("0",), "the first moment vanishes: (17)", "zero"), Cell(("7",)), Cell(("none",))),
         (Cell(("alpha",)), Cell(("equal",), mark="good"), Cell(("1234",)), Cell(("after a correction",), mark="bad")),
     )
     filled = tuple(one + tuple(Cell((f"{k} and more",)) for k in range(len(wider))) for one in rows)
-    return Table("The integrals of a shape, with their values", head + wider, filled, "lrr", wide)
+    return TableBlock("The integrals of a shape, with their values", head + wider, filled, "lrr", wide)
 
 
 def page(n: int = 3) -> Page:
@@ -264,31 +267,31 @@ def page(n: int = 3) -> Page:
                     ", with the rate ",
                     Math(row(Name("omega", 1, style="vector"), CROSS, Name("r", style="vector"))),
                     ". See ",
-                    Link("the rows", "#row-phi"),
+                    Hyperlink("the rows", "#row-phi"),
                     ", ",
-                    Link("the paper", "https://example.org/?a=1&b=2"),
+                    Hyperlink("the paper", "https://example.org/?a=1&b=2"),
                     " and ",
-                    Code("mass[0] < 1"),
+                    CodeSpan("mass[0] < 1"),
                     ". ",
                     Strong("Nothing is left out."),
                     " ",
                     EVIL,
                 )
             ),
-            Equations((VECTOR,)),
+            EquationBlock((VECTOR,)),
             Heading("Shape integrals", "integrals", 3),
-            Equations((INTEGRALS, Equation(Name("e"), (Part("+", EVERYTHING, "all"),), "≈", anchor="everything"))),
-            Equations((MASS,)),
+            EquationBlock((INTEGRALS, Equation(Name("e"), (Part("+", EVERYTHING, "all"),), "≈", anchor="everything"))),
+            EquationBlock((MASS,)),
             table(),
             Heading("Equations of motion", "motion"),
             Paragraph(("The coefficients of the virtual displacements, each of which is zero.",)),
-            Equations(rows),
+            EquationBlock(rows),
             Picture(SVG, "A square & a dot", "The pattern of the mass matrix"),
             Picture(SVG, "The same again", ""),
             Columns(
                 (
                     (Heading("In the point frame", "point", 3), table()),
-                    (Heading("In the mean frame", "mean", 3), Equations((deforming(9),))),
+                    (Heading("In the mean frame", "mean", 3), EquationBlock((deforming(9),))),
                 )
             ),
             table(wide=True),
@@ -296,7 +299,7 @@ def page(n: int = 3) -> Page:
             Listing("c", "free_beam_mean.c", LINES),
             Details(
                 "The specification",
-                (Paragraph(("What was given:",)), Listing("toml", "", (Line(1, 'name = "a#b" # <b>'),))),
+                (Paragraph(("What was given:",)), Listing("toml", "", (CodeLine(1, 'name = "a#b" # <b>'),))),
             ),
         ),
     )

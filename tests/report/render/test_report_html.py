@@ -16,7 +16,7 @@ from derive.artifacts import MARK
 from derive.report.document.anchors import faults
 from derive.report.document.code_comments import comments
 from derive.report.document.formula import Name
-from derive.report.document.page import Cell, Line, Link, Listing, Math, Page, Paragraph, Picture, Table
+from derive.report.document.page import Cell, CodeLine, Hyperlink, Listing, Math, Page, Paragraph, Picture, TableBlock
 from derive.report.writers.equation_html import equation_html, formula_html
 from derive.report.writers.html import html
 from derive.report.writers.latex import latex
@@ -62,9 +62,9 @@ def test_text_is_never_markup() -> None:
         evil,
         (evil,),
         (
-            Paragraph((evil, Link(evil, "#a"))),
-            Table(evil, ((evil,),), ((cell,),)),
-            Listing(evil, evil, (Line(1, evil, "a", (Link(evil, "#a"),)),)),
+            Paragraph((evil, Hyperlink(evil, "#a"))),
+            TableBlock(evil, ((evil,),), ((cell,),)),
+            Listing(evil, evil, (CodeLine(1, evil, "a", (Hyperlink(evil, "#a"),)),)),
             Picture(sample_report.SVG, evil, evil),
         ),
     )
@@ -85,8 +85,10 @@ def test_links_and_anchors() -> None:
     assert 'id="phi-a1" href="#phi-a1"' in text
     assert re.search(r'id="line-12"[^>]*data-n="12">int .*<a href="#phi-1">\(33\) φ</a>', text)
     with pytest.raises(ValueError, match="javascript"):
-        html(of(Paragraph((Link("x", "javascript:alert(1)"),))))
-    dangling = of(Paragraph((Link("x", "#nowhere"),)), Listing("c", "", (Line(1, "", "a"), Line(2, "", "a"))))
+        html(of(Paragraph((Hyperlink("x", "javascript:alert(1)"),))))
+    dangling = of(
+        Paragraph((Hyperlink("x", "#nowhere"),)), Listing("c", "", (CodeLine(1, "", "a"), CodeLine(2, "", "a")))
+    )
     assert faults(dangling) == ("the anchor 'a' comes twice", "nothing has the anchor 'nowhere'")
 
 
@@ -105,7 +107,7 @@ def test_tables() -> None:
 
 def test_comments_of_code() -> None:
     def found(language: str, *text: str) -> list[str]:
-        listing = Listing(language, "", tuple(Line(k, line) for k, line in enumerate(text)))
+        listing = Listing(language, "", tuple(CodeLine(k, line) for k, line in enumerate(text)))
         return [line[a:b] for line, (a, b) in zip(text, comments(listing), strict=True)]
 
     assert found("c", "a /* b", "c", "d */ e", "f // g", "h") == ["/* b", "c", "d */", "// g", ""]

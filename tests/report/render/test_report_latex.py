@@ -12,8 +12,19 @@ import pytest
 import sample_report
 from sample_report import EVERYTHING, PHI, row, square
 
-from derive.report.document.formula import Call, Fenced, Formula, Fraction, Matrix, Name, Number, Operator, Part, Power
-from derive.report.document.page import Cell, Page, Paragraph, Table
+from derive.report.document.formula import (
+    Call,
+    Fenced,
+    Formula,
+    Matrix,
+    Name,
+    NumberToken,
+    OperatorToken,
+    Part,
+    Power,
+    Quotient,
+)
+from derive.report.document.page import Cell, Page, Paragraph, TableBlock
 from derive.report.notation.line_breaking import lines, part_width
 from derive.report.writers.latex import latex
 from derive.report.writers.latex_math import latex_math
@@ -44,7 +55,8 @@ def test_it_is_whole() -> None:
     ],
 )
 def test_the_reader_is_strict(a: str, b: str) -> None:
-    text = latex(Page("t", (), (*sample_report.page().blocks, Paragraph((sample_report.Link("x", "#kinematics"),)))))
+    linked = Paragraph((sample_report.Hyperlink("x", "#kinematics"),))
+    text = latex(Page("t", (), (*sample_report.page().blocks, linked)))
     assert latex_reader.faults(text) == [] and a in text
     assert latex_reader.faults(text.replace(a, b, 1)) != []
 
@@ -81,18 +93,18 @@ def test_text() -> None:
         (Name("EI"), "\\mathit{EI}"),
         (Name("x", below=("max",)), "x_{\\mathrm{max}}"),
         (Name("a b", style="word"), "\\text{a b}"),
-        (row(Number("2"), Number("3")), "2 \\cdot 3"),
+        (row(NumberToken("2"), NumberToken("3")), "2 \\cdot 3"),
         (row(Name("m"), Call("cos", PHI), Name("l")), "m \\cos(\\varphi) \\, l"),
         (row(Name("m"), Call("cos", PHI)), "m \\cos \\varphi"),
         (square(Call("sin", PHI)), "\\sin^{2} \\varphi"),
         (Call("f", PHI), "\\operatorname{f} \\varphi"),
-        (Fenced(Fraction(Name("a"), Name("b"))), "\\left( \\frac{a}{b} \\right)"),
+        (Fenced(Quotient(Name("a"), Name("b"))), "\\left( \\frac{a}{b} \\right)"),
         (Fenced(Name("a"), "{", "}"), "\\{a\\}"),
-        (Power(Name("x", above=("i",)), Number("2")), "(x^{i})^{2}"),
-        (Number("-1.5e-05"), "-1.5 \\cdot 10^{-5}"),
+        (Power(Name("x", above=("i",)), NumberToken("2")), "(x^{i})^{2}"),
+        (NumberToken("-1.5e-05"), "-1.5 \\cdot 10^{-5}"),
         (Matrix(((Name("a"), None),)), "\\left[\\begin{array}{cc} a & \\cdot \\end{array}\\right]"),
-        (Operator("\u00d7"), "\\times"),
-        (Operator("%"), "\\text{\\%}"),
+        (OperatorToken("\u00d7"), "\\times"),
+        (OperatorToken("%"), "\\text{\\%}"),
         (Name("∑", below=("i=1",), above=("N",)), "\\sum_{i = 1}^{N}"),
     ],
 )
@@ -113,7 +125,7 @@ def test_long_sums_break_between_parts_and_sooner_between_groups() -> None:
 
 
 def test_columns_of_much_text_are_paragraphs() -> None:
-    table = Table("", (("a",), ("b",)), ((Cell(("short",)), Cell(("long " * 30,))),), "lr")
+    table = TableBlock("", (("a",), ("b",)), ((Cell(("short",)), Cell(("long " * 30,))),), "lr")
     text = latex(Page("", (), (table,)))
     found = re.search(r"\{longtable\}\{@\{\}l(p\{0\.\d+\\linewidth\})@\{\}\}", text)
     assert found and latex_reader.faults(text) == [] and "\\addtocounter{table}{-1}" in text

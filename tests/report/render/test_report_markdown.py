@@ -8,8 +8,8 @@ import sample_report
 from sample_report import EVERYTHING, EVIL, row
 
 from derive.artifacts import MARK
-from derive.report.document.formula import Fenced, Matrix, Name, Number
-from derive.report.document.page import Cell, Code, Line, Link, Listing, Math, Page, Paragraph, Table
+from derive.report.document.formula import Fenced, Matrix, Name, NumberToken
+from derive.report.document.page import Cell, CodeLine, CodeSpan, Hyperlink, Listing, Math, Page, Paragraph, TableBlock
 from derive.report.writers.markdown import markdown, math, picture_files, plain, text
 
 
@@ -39,17 +39,25 @@ def test_text_is_never_markup() -> None:
     shown = plain(EVIL)
     assert "<" not in shown and ">" not in shown and not re.search(r"(?<!\\)[`*_\[\]$|#]", shown)
     assert text(("- a",)) == "\\- a" and text(("1. a",)) == "1\u200b. a" and text(("12",)) == "12"
-    assert text((Link("a]b", "http://x/<y>"),)) == "[a\\]b](<http://x/%3Cy%3E>)"
-    table = of(Table("", (("a|b",),), ((Cell((Code("a|b"), "\n")),),)))
+    assert text((Hyperlink("a]b", "http://x/<y>"),)) == "[a\\]b](<http://x/%3Cy%3E>)"
+    table = of(TableBlock("", (("a|b",),), ((Cell((CodeSpan("a|b"), "\n")),),)))
     assert "| a\\|b |\n| --- |\n| `a\\|b`  |" in markdown(table)
 
 
 def test_code_spans() -> None:
-    assert text((Code("a"),)) == "`a`" and text((Code("a`b"),)) == "``a`b``" and text((Code("`"),)) == "`` ` ``"
+    assert (
+        text((CodeSpan("a"),)) == "`a`"
+        and text((CodeSpan("a`b"),)) == "``a`b``"
+        and text((CodeSpan("`"),)) == "`` ` ``"
+    )
 
 
 def test_formulas_within_text_have_no_marks_of_markdown() -> None:
-    for formula in (EVERYTHING, Fenced(row(Name("EI"), Name("x")), "{", "}"), Matrix(((Name("a"),), (Number("1"),)))):
+    for formula in (
+        EVERYTHING,
+        Fenced(row(Name("EI"), Name("x")), "{", "}"),
+        Matrix(((Name("a"),), (NumberToken("1"),))),
+    ):
         shown = math(formula)
         assert not re.search(r"\\[^A-Za-z]|[<>|*`$]", shown), shown
     assert text((Math(Name("alpha", 1, ("1",))),)) == "$\\dot{\\alpha}_{1}$"
@@ -57,6 +65,6 @@ def test_formulas_within_text_have_no_marks_of_markdown() -> None:
 
 
 def test_fences_are_longer_than_what_is_in_them() -> None:
-    lines = (Line(1, "```"), Line(2, "a"), Line(9, "b"))
+    lines = (CodeLine(1, "```"), CodeLine(2, "a"), CodeLine(9, "b"))
     shown = markdown(of(Listing("text", "", lines), Paragraph(("c",))))
     assert shown.endswith("````text\n```\na\n````\n\n````text\nb\n````\n\nc\n")

@@ -15,13 +15,13 @@ from derive.report.document.formula import (
     Call,
     Fenced,
     Formula,
-    Fraction,
     Matrix,
     Name,
-    Number,
-    Operator,
+    NumberToken,
+    OperatorToken,
     Part,
     Power,
+    Quotient,
     Root,
 )
 from derive.report.notation.glyphs import index, number, styled
@@ -67,26 +67,26 @@ def test_indices() -> None:
 
 
 def test_numbers() -> None:
-    assert plain(Number("-1")) == f"{M}1"
-    assert plain(Number("1.5e-05")) == f"1.5⋅10{M}5"
+    assert plain(NumberToken("-1")) == f"{M}1"
+    assert plain(NumberToken("1.5e-05")) == f"1.5⋅10{M}5"
     assert number("2e+10") == ("2", "10") and number("0.5") == ("0.5", "")
 
 
 def test_products() -> None:
     assert plain(row(Name("m"), Name("l"))) == f"m{TIMES}l"
-    assert plain(row(Number("2"), Number("3"))) == "2⋅3"
-    assert plain(row(Number("2"), Fraction(Number("1"), Number("3")))) == "2⋅13"
+    assert plain(row(NumberToken("2"), NumberToken("3"))) == "2⋅3"
+    assert plain(row(NumberToken("2"), Quotient(NumberToken("1"), NumberToken("3")))) == "2⋅13"
     assert 'lspace=".17em"' in mathml(row(Name("EI"), Name("l")))
-    assert plain(row(Operator("δ"), Name("c"))) == "δc"
-    assert plain(row(Name("rho"), Operator("d"), Name("V"))) == f"ρ{TIMES}dV"
-    assert plain(row(Name("a"), Operator("-"), Name("b"))) == f"a{M}b"
+    assert plain(row(OperatorToken("δ"), Name("c"))) == "δc"
+    assert plain(row(Name("rho"), OperatorToken("d"), Name("V"))) == f"ρ{TIMES}dV"
+    assert plain(row(Name("a"), OperatorToken("-"), Name("b"))) == f"a{M}b"
 
 
 def test_functions() -> None:
     assert plain(Call("cos", PHI)) == f"cos{APPLY}φ"
     assert plain(row(Call("cos", PHI), Name("m"))) == f"cos{APPLY}(φ){TIMES}m"
-    assert plain(row(Call("cos", PHI), Operator("+"), Name("m"))) == f"cos{APPLY}φ+m"
-    assert plain(Call("sin", row(Number("2"), PHI))) == f"sin{APPLY}(2{TIMES}φ)"
+    assert plain(row(Call("cos", PHI), OperatorToken("+"), Name("m"))) == f"cos{APPLY}φ+m"
+    assert plain(Call("sin", row(NumberToken("2"), PHI))) == f"sin{APPLY}(2{TIMES}φ)"
     assert plain(square(Call("sin", PHI))) == f"sin2{APPLY}φ"
     assert plain(Call("f", Fenced(PHI, "[", "]"))) == f"f{APPLY}[φ]"
 
@@ -94,9 +94,9 @@ def test_functions() -> None:
 def test_powers_get_brackets() -> None:
     assert mathml(square(PHI)) == "<msup><mi>φ</mi><mn>2</mn></msup>"
     assert mathml(square(alpha(1))) == "<msubsup><mi>α</mi><mn>1</mn><mn>2</mn></msubsup>"
-    assert plain(square(row(Name("a"), Operator("+"), Name("b")))) == "(a+b)2"
-    assert plain(square(Fraction(Name("a"), Name("b")))) == "(ab)2"
-    assert plain(square(Number("-1"))) == f"({M}1)2"
+    assert plain(square(row(Name("a"), OperatorToken("+"), Name("b")))) == "(a+b)2"
+    assert plain(square(Quotient(Name("a"), Name("b")))) == "(ab)2"
+    assert plain(square(NumberToken("-1"))) == f"({M}1)2"
     assert plain(square(Name("x", above=("i",)))) == "(xi)2"
     assert plain(Power(square(Name("x")), Name("n"))) == "(x2)n"
 
@@ -106,19 +106,19 @@ def test_signs_of_summands() -> None:
     assert summand_math(Part("+", a), True) == "<math><mi>a</mi></math>"
     assert summand_math(Part("-", a), True) == f'<math><mo form="prefix">{M}</mo><mi>a</mi></math>'
     assert summand_math(Part("+", a), False) == '<math><mo form="infix">+</mo><mi>a</mi></math>'
-    shown = "".join(ElementTree.fromstring(summand_math(Part("-", row(a, Operator("+"), b)), False)).itertext())
+    shown = "".join(ElementTree.fromstring(summand_math(Part("-", row(a, OperatorToken("+"), b)), False)).itertext())
     assert shown == f"{M}(a+b)"
 
 
 def test_zeros_of_a_matrix_are_dots() -> None:
-    assert plain(Matrix(((Name("a"), None), (None, Number("0"))))) == "[a··0]"
+    assert plain(Matrix(((Name("a"), None), (None, NumberToken("0"))))) == "[a··0]"
 
 
 def test_long_sums_within_text_break_between_their_terms() -> None:
     a = row(Name("m"), Call("cos", PHI))
-    short = row(Name("a"), Operator("+"), Name("b"))
+    short = row(Name("a"), OperatorToken("+"), Name("b"))
     assert math_in_text(short) == math(short)
-    long = math_in_text(row(a, Operator("+"), a, Operator("-"), Fenced(short), Operator("="), a))
+    long = math_in_text(row(a, OperatorToken("+"), a, OperatorToken("-"), Fenced(short), OperatorToken("="), a))
     assert long.count("<math ") == 4 and long.count('form="infix"') == 3
 
 
@@ -135,15 +135,15 @@ def test_every_symbol_is_there() -> None:
     ("formula", "said"),
     [
         (alpha(1, 2), "alpha double dot sub 1"),
-        (Fraction(Name("m"), Number("3")), "m over 3"),
-        (Fraction(row(Name("m"), square(Name("l"))), Number("12")), "fraction m l squared over 12 end fraction"),
-        (square(row(Name("a"), Operator("-"), Name("b"))), "open bracket a minus b close bracket squared"),
+        (Quotient(Name("m"), NumberToken("3")), "m over 3"),
+        (Quotient(row(Name("m"), square(Name("l"))), NumberToken("12")), "fraction m l squared over 12 end fraction"),
+        (square(row(Name("a"), OperatorToken("-"), Name("b"))), "open bracket a minus b close bracket squared"),
         (Call("cos", PHI), "cos of phi"),
-        (Root(Number("2")), "root of 2 end root"),
-        (Number("1.5e-05"), "1.5 times 10 to the power minus 5"),
+        (Root(NumberToken("2")), "root of 2 end root"),
+        (NumberToken("1.5e-05"), "1.5 times 10 to the power minus 5"),
         (Matrix(((Name("a"), None),)), "1 by 2 matrix, row 1: a, zero, end matrix"),
         (Name("∑", below=("i=1",), above=("N",)), "sum from i equals 1 to N"),
-        (row(Number("2"), Number("3")), "2 times 3"),
+        (row(NumberToken("2"), NumberToken("3")), "2 times 3"),
     ],
 )
 def test_words(formula: Formula, said: str) -> None:

@@ -17,7 +17,17 @@ import sample_report
 from sample_report import EVERYTHING, EVIL, PHI, row, square
 
 from derive.artifacts import MARK
-from derive.report.document.formula import Call, Fenced, Formula, Fraction, Matrix, Name, Number, Operator, Part
+from derive.report.document.formula import (
+    Call,
+    Fenced,
+    Formula,
+    Matrix,
+    Name,
+    NumberToken,
+    OperatorToken,
+    Part,
+    Quotient,
+)
 from derive.report.writers.typst import TypstMissing, pdf, typst
 from derive.report.writers.typst_math import string, summand_typst, typst_math
 
@@ -77,13 +87,13 @@ def test_strings() -> None:
         (Name("EI"), 'italic("EI")'),
         (Name("max", style="word"), 'upright("max")'),
         (Name("$x"), 'italic("$x")'),
-        (Operator("#"), '"#"'),
-        (row(Number("2"), Number("3")), "2 dot.op 3"),
+        (OperatorToken("#"), '"#"'),
+        (row(NumberToken("2"), NumberToken("3")), "2 dot.op 3"),
         (square(Name("c", below=("1",))), "attach(c, b: 1, t: 2)"),
         (square(Call("sin", PHI)), 'attach(op("sin"), t: 2) φ'),
-        (Fenced(Fraction(Name("a"), Name("b")), "{", "}"), "lr(brace.l frac(a, b) brace.r)"),
+        (Fenced(Quotient(Name("a"), Name("b")), "{", "}"), "lr(brace.l frac(a, b) brace.r)"),
         (Matrix(((Name("a"), None),)), 'mat(delim: "[", a, dot.op)'),
-        (Number("-1"), '"\u22121"'),
+        (NumberToken("-1"), '"\u22121"'),
     ],
 )
 def test_formulas(formula: Formula, shown: str) -> None:
@@ -97,8 +107,8 @@ def test_signs() -> None:
 
 def test_every_formula_is_taken(tmp_path: Path) -> None:
     wheel = pytest.importorskip("typst")
-    odd = [Operator(c) for c in "#$\\\"'`@_^&/:;,!?~%*()[]{}|<>=+-"] + [Name(c) for c in "#$\\\"'`@_^&/"]
-    body = " ".join(f"${typst_math(one)}$" for one in [*odd, EVERYTHING, Call("#", PHI), Number("#")])
+    odd = [OperatorToken(c) for c in "#$\\\"'`@_^&/:;,!?~%*()[]{}|<>=+-"] + [Name(c) for c in "#$\\\"'`@_^&/"]
+    body = " ".join(f"${typst_math(one)}$" for one in [*odd, EVERYTHING, Call("#", PHI), NumberToken("#")])
     assert wheel.compile(body.encode(), format="pdf", ignore_system_fonts=True).startswith(b"%PDF")
 
 

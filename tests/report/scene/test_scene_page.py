@@ -12,7 +12,7 @@ from derive.lowering.ldlt import fill_in
 from derive.pipeline import Built, build
 from derive.report.document.anchors import faults
 from derive.report.document.page import Page
-from derive.report.scene_page import Result, scene_page
+from derive.report.scene_page import ResultPicture, scene_page
 from derive.report.sections.provenance import SpecificationText
 from derive.report.writers.html import html
 from derive.visual.kkt_matrix import factor_entries, kkt_picture
@@ -29,7 +29,7 @@ def built(name: str) -> Built:
 @cache
 def page(name: str) -> Page:
     text = (SCENES / f"{name}.toml").read_text()
-    return scene_page(built(name), SpecificationText(f"{name}.toml", text), [Result("deflection", DRAWING)])
+    return scene_page(built(name), SpecificationText(f"{name}.toml", text), [ResultPicture("deflection", DRAWING)])
 
 
 def missing(names: Iterable[str], text: str) -> list[str]:
