@@ -6,9 +6,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import assert_never
 
+from derive.backends.comment_text import Item, Prose, prefixed
 from derive.ir.model import Argument, Kernel, Model, Output, OutputKind, Section, Variable, Zero
 from derive.ir.patterns import Pattern, RowSetKind
-from derive.rendering import Item, Prose, wrapped
 
 MOST_ROWS = 40
 """Rows of a mass matrix that are drawn with letters."""
@@ -41,7 +41,7 @@ def pattern_texts(model: Model, indent: str) -> list[PatternText]:
         patterns += [(f"jacobian_{form}", model.pattern(f"jacobian_{form}", "jac")) for form in ("ggl", "index1")]
 
     def lines(values: tuple[int, ...]) -> str:
-        return "\n".join(wrapped([", ".join(map(str, values))], indent))
+        return "\n".join(prefixed([", ".join(map(str, values))], indent))
 
     return [
         PatternText(name, p, "", "", _fill(p), _groups(p, indent))

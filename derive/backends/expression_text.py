@@ -1,7 +1,6 @@
 """Expressions as code: the order of operations of the Kernel, no parentheses more than that needs.
 
-Code carries the places where a line may be broken, the strength with which it binds, and its sign as data, so that
-no printer reads its own text again.
+A text carries the strength with which it binds and its sign as data, so that no printer reads its own text again.
 """
 
 from __future__ import annotations
@@ -11,8 +10,8 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import assert_never
 
+from derive.backends.breakable_text import PLUS, BreakableText, join
 from derive.ir.expressions import ArrayAccess, Expr, MatrixEntry, Number, Operation, Operator, ScalarRef
-from derive.rendering import WIDTH
 
 SIGN = {Operator.ADD: " + ", Operator.SUB: " - ", Operator.MUL: " * ", Operator.DIV: " / "}
 SUM, PRODUCT, ATOM = 1, 2, 3
@@ -21,33 +20,6 @@ BINDING = {
     **dict.fromkeys((Operator.ADD, Operator.SUB), SUM),
     **dict.fromkeys((Operator.MUL, Operator.DIV, Operator.NEG), PRODUCT),
 }
-
-
-@dataclass(frozen=True)
-class BreakableText:
-    """A text that may be broken into lines before each of its pieces but the first."""
-
-    pieces: tuple[str, ...]
-
-    def __str__(self) -> str:
-        return "".join(self.pieces)
-
-    def __len__(self) -> int:
-        return sum(map(len, self.pieces))
-
-
-PLUS = BreakableText(("", " + "))
-"""A plus before which a line may be broken."""
-
-
-def join(*parts: str | BreakableText) -> BreakableText:
-    """Texts one after the other; they can be broken where their parts can."""
-    pieces = [""]
-    for part in parts:
-        first, *rest = part.pieces if isinstance(part, BreakableText) else (part,)
-        pieces[-1] += first
-        pieces += rest
-    return BreakableText(tuple(pieces))
 
 
 Named = ScalarRef | ArrayAccess | MatrixEntry
@@ -155,15 +127,3 @@ def _operation(expr: Operation, dialect: Dialect, name: Callable[[Named], Breaka
 
 def _enclosed(operand: _Text, enclosed: bool) -> BreakableText:
     return join("(", operand.code, ")") if enclosed else operand.code
-
-
-def statement(indent: str, head: str, expression: BreakableText, end: str) -> list[str]:
-    """`head expression end` on as many lines as it needs, broken before a plus or a minus."""
-    lines, current = [], f"{indent}{head}"
-    for piece in join(expression, end).pieces:
-        if len(current) + len(piece) > WIDTH and current.strip():
-            lines.append(current.rstrip())
-            current = f"{indent}    {piece.lstrip()}"
-        else:
-            current += piece
-    return [*lines, current]

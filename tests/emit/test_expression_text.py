@@ -9,7 +9,9 @@ from fractions import Fraction
 
 import pytest
 
-from derive.backends.expression_text import PLUS, PYTHON, WIDTH, C, Dialect, join, statement, text
+from derive.backends.breakable_text import PLUS, join, statement
+from derive.backends.comment_text import WIDTH
+from derive.backends.expression_text import PYTHON, C, Dialect, text
 from derive.ir.expressions import Expr, Number, Operation, Operator, ScalarRef
 from derive.ir.interpreter import interpret
 from derive.ir.model import Argument, Kernel, Output, Section

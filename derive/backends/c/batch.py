@@ -7,14 +7,15 @@ loop inside. Each state has the operations of the scalar kernel in their order, 
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass
 from itertools import groupby
 from typing import assert_never
 
-from derive.backends.c.batch_loops import BlockLoops, Lines, Names, rows_helper, scatter, totals
-from derive.backends.expression_text import join, statement
-from derive.ir.expressions import Expr, Operation, Operator, ScalarRef, walk
+from derive.backends.breakable_text import join, statement
+from derive.backends.c.batch_loops import BlockLoops, Lines, Names, rows_helper, scatter
+from derive.backends.c.batch_parts import StraightLines, batch_parts, block_arrays
+from derive.backends.comment_text import WIDTH
 from derive.ir.model import Kernel, Model
 from derive.ir.statements import (
     Accumulate,
@@ -26,9 +27,8 @@ from derive.ir.statements import (
     Store,
     TriangularSolve,
     expressions,
-    reads,
 )
-from derive.rendering import WIDTH, render
+from derive.rendering import render
 
 KERNELS = ("mass", "force", "accel")
 WIDTHS = {32: 256, 16: 256, 8: 512, 4: None}
@@ -36,22 +36,6 @@ WIDTHS = {32: 256, 16: 256, 8: 512, 4: None}
 
 More than sixteen need no `TISSERAND_LANES`; fewer than eight read the tables too often.
 """
-
-Line = Let | Store | Require
-Loop = Map | Accumulate | MatVec | TriangularSolve
-Part = tuple[Line, ...] | Loop
-"""Straight lines, or a loop over the modes."""
-
-
-@dataclass(frozen=True)
-class Run:
-    """Straight lines; `early` are the sines and cosines, with what they need, that a loop of their own computes.
-
-    Compilers make no vectors of those, and none of a loop that has one.
-    """
-
-    early: tuple[Let, ...]
-    lines: tuple[Line, ...]
 
 
 def batch_widths(model: Model) -> dict[str, int]:
@@ -114,11 +98,10 @@ class _Body:
         self.unused = [a.name for a in kernel.arguments if a.name != "k" and a.name not in read]
         self.moved = [a.name for a in states if a.name in read]
         (self.k,) = (a for a in kernel.arguments if a.name == "k")
-        parts = _parts(kernel)
-        self.parts = [_run(part, n) if isinstance(part, tuple) else part for n, part in enumerate(parts, 1)]
+        self.parts = batch_parts(kernel)
         elements = {name: (a.name, index) for a in states for index, name in a.named_elements}
-        names = Names(width, elements, frozenset(v.name for v in self.k.arrays), _wide(self.parts))
-        contracts = [part for part in parts if isinstance(part, MatVec)]
+        names = Names(width, elements, frozenset(v.name for v in self.k.arrays), block_arrays(self.parts))
+        contracts = [part for part in self.parts if isinstance(part, MatVec)]
         vectors = frozenset(vector for c in contracts for term in c.terms for vector, _ in term.sums)
         self.loops = BlockLoops(names, self.prefix, vectors)
         self.stored = sorted(s.index for s in kernel.statements if isinstance(s, Store))
@@ -178,7 +161,7 @@ class _Body:
         lines = [line for argument, view in self.views for line in self.loops.view(view, argument)]
         for n, part in enumerate(self.parts, 1):
             match part:
-                case Run():
+                case StraightLines():
                     lines += self._run(part)
                 case Map():
                     lines += self.loops.map(part)
@@ -192,7 +175,7 @@ class _Body:
                     assert_never(part)
         return lines
 
-    def _run(self, run: Run) -> Lines:
+    def _run(self, run: StraightLines) -> Lines:
         names = self.loops.names
         lines = []
         if run.early:
@@ -248,95 +231,6 @@ class _Body:
                 "if (code == 0) code = failed;",
             ]
         return lines
-
-
-def _parts(kernel: Kernel) -> list[Part]:
-    """Loops, and the straight lines between them, with those that add the lanes of a sum."""
-    parts: list[Part] = []
-    lines: tuple[Line, ...] = ()
-    for s in kernel.statements:
-        if isinstance(s, Let | Store | Require):
-            lines += (s,)
-            continue
-        if not isinstance(s, Map | Accumulate | MatVec | TriangularSolve):
-            raise AssertionError(f"no batch of {type(s).__name__}: {s}")
-        parts += [lines] if lines else []
-        lines = ()
-        parts.append(s)
-        if isinstance(s, Accumulate):
-            lines = totals(s, f"sums{len(parts)}")
-    return [*parts, lines] if lines else parts
-
-
-def _run(lines: tuple[Line, ...], number: int) -> Run:
-    """Take sines and cosines out."""
-    named: dict[Expr, str] = {}
-    for line in lines:
-        if isinstance(line, Let) and _is_trig(line.expr):
-            named.setdefault(line.expr, line.name)
-        for part in (part for e in expressions(line) for part in walk(e) if _is_trig(part)):
-            assert isinstance(part, Operation)
-            named.setdefault(part, f"{part.kind.value}_{number}_{len(named)}")
-    if not named:
-        return Run((), lines)
-    needed = {name for expr, name in named.items() for name in reads(Let(name, expr))}
-    before: set[str] = set()
-    for line in reversed(lines):
-        if isinstance(line, Let) and line.name in needed and not _is_trig(line.expr):
-            before.add(line.name)
-            needed |= set(reads(line))
-    early: dict[str, Let] = {}  # in their order: an angle may itself be made of a sine
-    for line in lines:
-        for part in (part for e in expressions(line) for part in walk(e) if part in named):
-            early.setdefault(named[part], Let(named[part], part))
-        if isinstance(line, Let) and line.name in before:
-            early[line.name] = replace(line, expr=_swapped(line.expr, named))
-    rest = tuple(replace(line, expr=_swapped(line.expr, named)) for line in lines)
-    kept = tuple(line for line in rest if not _renames_itself(line))
-    return Run(tuple(early.values()), _read(kept, frozenset(before)))
-
-
-def _read(lines: tuple[Line, ...], early: frozenset[str]) -> tuple[Line, ...]:
-    """Lines without those that sines and cosines alone needed."""
-    kept: list[Line] = []
-    used: set[str] = set()
-    for line in reversed(lines):
-        if isinstance(line, Let) and line.name in early and line.name not in used:
-            continue
-        used |= set(reads(line))
-        kept.insert(0, line)
-    return tuple(kept)
-
-
-def _is_trig(expr: Expr) -> bool:
-    return isinstance(expr, Operation) and expr.kind in (Operator.SIN, Operator.COS)
-
-
-def _swapped(expr: Expr, named: dict[Expr, str]) -> Expr:
-    if expr in named:
-        return ScalarRef(named[expr])
-    return (
-        Operation(expr.kind, tuple(_swapped(arg, named) for arg in expr.args)) if isinstance(expr, Operation) else expr
-    )
-
-
-def _renames_itself(line: Line) -> bool:
-    return isinstance(line, Let) and line.expr == ScalarRef(line.name)
-
-
-def _wide(parts: Iterable[Run | Loop]) -> frozenset[str]:
-    """Scalars that are computed in one loop over the states and read in another."""
-    written: dict[str, int] = {}
-    wide = set()
-    number = 0
-    for part in parts:
-        for lines in (part.early, part.lines) if isinstance(part, Run) else ((part,),):
-            number += 1
-            own = {line.name for line in lines if isinstance(line, Let)}
-            for line in lines:
-                wide |= {n for n in reads(line) if n in written and written[n] != number and n not in own}
-            written |= dict.fromkeys(own, number)
-    return frozenset(wide)
 
 
 def _natural(name: str) -> tuple[int, str]:

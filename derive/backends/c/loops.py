@@ -10,7 +10,8 @@ from fractions import Fraction
 from itertools import count
 from typing import assert_never
 
-from derive.backends.expression_text import PLUS, BreakableText, C, element, join, statement, strided, text
+from derive.backends.breakable_text import PLUS, BreakableText, join, statement
+from derive.backends.expression_text import C, element, strided, text
 from derive.backends.source_map import SourceLine, defining, plain, storing
 from derive.ir.expressions import Expr, MatrixEntry, Number, walk
 from derive.ir.statements import (

@@ -8,14 +8,16 @@ from itertools import accumulate
 from typing import assert_never
 
 from derive.artifacts import MARK, File
+from derive.backends.breakable_text import join, statement
 from derive.backends.c.batch import batch_body, batch_helpers, batch_widths, stack
 from derive.backends.c.loops import LANES_MACRO, SHORT, CLoops, panel_helper
+from derive.backends.comment_text import comment, prefixed
 from derive.backends.description import LICENCE, description, kernel_text, model_text, pattern_texts, section_text
-from derive.backends.expression_text import C, join, statement, text
+from derive.backends.expression_text import C, text
 from derive.backends.source_map import SourceBuilder, SourceLine, defining, plain, storing
 from derive.ir.model import Kernel, Model, Variable
 from derive.ir.statements import Accumulate, Let, MatVec, Require, RequireFinite, Requirement, ScalarStatement, Store
-from derive.rendering import comment, render, wrapped
+from derive.rendering import render
 from derive.roles import Role
 
 ABI = 4
@@ -195,11 +197,11 @@ def defaults_text(model: Model) -> str:
     kept = [(k, x) for k, x in enumerate(values) if x]
     if 2 * len(kept) > len(values) or len(kept) < 9:
         head = ", ".join(repr(x) for x in values)
-        lines = wrapped([head], "        ")
+        lines = prefixed([head], "        ")
         body = ["    static const double values[] = {", *lines, "    };"]
         return "\n".join([*body, f"    for (int i = 0; i < {len(values)}; i++) p[i] = values[i];"])
-    indices = wrapped([", ".join(str(k) for k, _ in kept)], "        ")
-    numbers = wrapped([", ".join(repr(x) for _, x in kept)], "        ")
+    indices = prefixed([", ".join(str(k) for k, _ in kept)], "        ")
+    numbers = prefixed([", ".join(repr(x) for _, x in kept)], "        ")
     return "\n".join(
         [
             *("    static const int indices[] = {", *indices, "    };"),

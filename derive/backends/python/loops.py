@@ -8,7 +8,9 @@ from __future__ import annotations
 from fractions import Fraction
 from typing import assert_never
 
-from derive.backends.expression_text import PLUS, PYTHON, BreakableText, Named, join, statement, text
+from derive.backends.breakable_text import PLUS, BreakableText, join, statement
+from derive.backends.comment_text import WIDTH
+from derive.backends.expression_text import PYTHON, Named, text
 from derive.backends.source_map import SourceLine, defining, plain, storing
 from derive.ir.expressions import ArrayAccess, Expr, MatrixEntry, Number, ScalarRef, walk
 from derive.ir.model import Argument
@@ -29,7 +31,6 @@ from derive.ir.statements import (
     StoreStrided,
     TriangularSolve,
 )
-from derive.rendering import WIDTH
 
 Lines = list[SourceLine]
 ZERO = Number(Fraction(0))

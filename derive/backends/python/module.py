@@ -7,14 +7,16 @@ from dataclasses import dataclass
 from typing import assert_never
 
 from derive.artifacts import MARK, File
+from derive.backends.breakable_text import join
+from derive.backends.comment_text import WIDTH, broken, prefixed
 from derive.backends.description import LICENCE, description, kernel_text, model_text, pattern_texts, section_text
-from derive.backends.expression_text import PYTHON, join, text
+from derive.backends.expression_text import PYTHON, text
 from derive.backends.python.loops import HELPERS, PythonLoops, assignment
 from derive.backends.source_map import SourceBuilder, SourceLine, defining, plain, storing
 from derive.ir.expressions import ScalarRef
 from derive.ir.model import Kernel, Model, Output, Variable
 from derive.ir.statements import Let, Require, Requirement, Statement, Store
-from derive.rendering import WIDTH, broken, render, wrapped
+from derive.rendering import render
 
 
 class PythonBackend:
@@ -31,7 +33,7 @@ class PythonBackend:
         values = {
             "mark": f"# {MARK} from a specification with SHA-256\n# {fingerprint}. Do not edit.\n# {LICENCE}",
             "model": model,
-            "description": "\n".join(wrapped(description(model_text(model)), "")),
+            "description": "\n".join(prefixed(description(model_text(model)), "")),
             "patterns": pattern_texts(model, "        "),
             "tables": _tables(model),
             "helpers": f"\n{HELPERS.rstrip()}" if model.lowering == "table" else "",
@@ -74,7 +76,7 @@ def _function(kernel: Kernel) -> list[SourceLine]:
     body: list[SourceLine] = []
     for k, section in enumerate(kernel.sections):
         printed = [line.of(k, n) for n, item in enumerate(section.body) for line in printer.lines(item)]
-        body += [*plain("", *wrapped([section_text(section)], "    # ")), *printed] if printed else []
+        body += [*plain("", *prefixed([section_text(section)], "    # ")), *printed] if printed else []
     return [*plain(*lines), *body, *plain("", *_results(kernel.outputs, printer.required))]
 
 
@@ -125,7 +127,7 @@ def _results(outputs: tuple[Output, ...], required: list[str]) -> list[str]:
         if output.count is not None:
             continue
         elements = _tuple([f"{output.name}_{k}" for k in range(len(output.elements))])
-        lines += wrapped([f"{output.name} = _stack(xp, batch, {elements})"], "    ")
+        lines += prefixed([f"{output.name} = _stack(xp, batch, {elements})"], "    ")
     if required:
         valid = " & ".join(required)
         lines += [f"    return {', '.join(f'_where(xp, {valid}, {o.name})' for o in outputs)}"]
@@ -176,7 +178,7 @@ def _defaults(model: Model) -> str:
     kept = [(k, x) for k, x in enumerate(values) if x]
     if 2 * len(kept) > len(values) or len(kept) < 9:
         return f"DEFAULTS = {_lines([repr(x) for x in values])}"
-    entries = "\n".join(wrapped([", ".join(f"{k}: {x!r}" for k, x in kept)], "    "))
+    entries = "\n".join(prefixed([", ".join(f"{k}: {x!r}" for k, x in kept)], "    "))
     return f"_VALUES = {{\n{entries},\n}}\nDEFAULTS = tuple(_VALUES.get(k, 0.0) for k in range({len(values)}))"
 
 
