@@ -1,7 +1,6 @@
-"""The equations of motion of a body with their sums over the shapes kept: what loops are made of.
+"""The equations of motion of a body with their sums over the modes kept, from which loops are generated.
 
-The size of what is derived here does not depend on the number of shapes. `expansion` writes the same terms out for
-each shape.
+The size of these equations does not depend on the number of modes. `expansion` expands the same terms for each mode.
 """
 
 from __future__ import annotations
@@ -50,7 +49,10 @@ DAMPING_TERM = Term(SHAPE_ROW, "damping", "(13)", DAMPING_FORCE)
 
 
 def derive_body(body: Body, lowering: Lowering = "auto") -> Equations:
-    """The equations of motion of a body: rigid rows, and one row for a generic shape."""
+    """The equations of motion of a body in the indexed form: the rigid rows, and a row for a generic mode.
+
+    `lowering` is the choice of the specification: auto, flat or table.
+    """
     motion, planar = body.rigid_motion, body.dimension == 2
     coefficients = (body.mass_constant, *body.gravity)
     families = {table.family for table in body.tables}

@@ -1,4 +1,4 @@
-"""Typed symbols: what a symbol of the derivation stands for, as data from which its name is printed.
+"""Typed symbols: the meaning of a symbol of the derivation, as data from which its name is printed.
 
 Every SymPy symbol of the derivation is a `Symbol` with an `Identity`: the family of the quantity, the shapes and
 components it is counted by, its time derivative, and in a mechanism the body or element it belongs to. Code that
@@ -110,7 +110,7 @@ class Family(Enum):
 
 @dataclass(frozen=True)
 class Identity:
-    """What a symbol stands for.
+    """The meaning of a symbol.
 
     `shapes` are the shapes it is counted by, `components` its axes (from 1; the scalar of a quaternion is 0),
     `derivative` the number of time derivatives. `owner` is the body or element of a mechanism, `point` a material

@@ -91,7 +91,7 @@ class CoefficientTable:
         return PAIRS if self.family in TENSORS else tuple((k,) for k in AXES)
 
     def entry(self, component: tuple[int, ...], *shapes: ShapeIndex) -> Symbol:
-        """An entry, or without shapes the array of one component for all shapes."""
+        """An entry for given modes, or without modes the array of a component for all modes."""
         return Symbol(Identity(self.family, shapes, component, point=self.point))
 
     @property
@@ -108,7 +108,7 @@ class CoefficientTable:
 
 
 def entries(table: CoefficientTable, n: int) -> Iterator[Symbol]:
-    """The entries of a table for n shapes, i <= j (i < j of an odd one) by rows: C5_1_2_11."""
+    """The entries of a table for n modes, by rows with i <= j (i < j in an odd table): C5_1_2_11."""
     shapes = range(1, n + 1)
     odd = PARITY.get(table.family, 1) < 0
     counted: tuple[list[tuple[int, ...]], ...] = (

@@ -21,13 +21,13 @@ xddot = g + omegadot x r + omega x (omega x r) + 2 omega x rdot + rddot, gives e
 
 Gr and Ge hold the blocks of l = 1, 2, ... side by side. A SID holds J to the first order in a, and by custom Gr to the
 zeroth. **Nothing is lost by that**: C4 is half of Gr; C5_ij has its symmetric part in the first order of Oe, and its
-antisymmetric part is c7, which is in Ge (and again in the first order of Cr). What is held twice is compared on
-reading. (A program that uses J and Gr as they stand lacks the terms of second order in them, all the same.)
+antisymmetric part is c7, which is in Ge (and again in the first order of Cr). Data that occurs twice is compared on
+reading. (A program that uses J and Gr unchanged lacks the terms of second order in them, all the same.)
 
 Not in a SID: the reasons of zeros (on reading, what is exactly zero is taken as zero by structure, and the reason is
-the file), and what is said about the body. Not in a modal body, and refused if it is in a file: stresses of the
+the file), and the description of the body. Not in a modal body, and refused if it is in a file: stresses of the
 reference (ksigma), geometric stiffness (in the first order of Ct, of phi and of Oe; that in Oe shows, because without
-it -trace of the first order of Oe is 2 Me), and nodes whose frames are turned (AP). Rotations of nodes (psi) are
+it -trace of the first order of Oe is 2 Me), and nodes with rotated frames (AP). Rotations of nodes (psi) are
 written as zeros and skipped on reading.
 """
 

@@ -41,7 +41,7 @@ def whole(entry: BlockEntry, problems: list[SidProblem]) -> int | None:
 
 
 def matrix(block: Block, shapes: tuple[tuple[int, int], ...], n: int, problems: list[SidProblem]) -> Taylor | None:
-    """The matrix of a block, of one of the shapes that it may have; None if it says too little about itself."""
+    """The matrix of a block, in one of its admissible sizes; None, and a fault, if the block is not valid."""
     head: dict[str, int] = {}
     for key in HEAD:
         entry = block.entry(key)

@@ -27,7 +27,7 @@ Matrices = dict[str, Taylor]
 def read(text: str, name: str | None = None) -> ModalBody:
     """A modal body from the text of a SID; `name` is its name, if not that of the first line or "body".
 
-    Raises SidError with all that is wrong. Points are named as the first line says, or node_1, node_2, ... by the
+    Raises SidError with a list of all faults. Points are named as the first line says, or node_1, node_2, ... by the
     numbers of the nodes. How matrices become integrals is in `derive.sid.mapping`.
     """
     problems: list[SidProblem] = []
@@ -220,7 +220,7 @@ def _tensor(column: Array) -> Array:
 
 
 def _products(oe: Array, s4: Array, size: float) -> tuple[tuple[int, int], ...]:
-    """The order of the products in Omega: some programs have w1 w3 before w2 w3, which shows by what Gr says."""
+    """The order of the products in Omega; Gr shows whether the program writes w1 w3 before w2 w3."""
     for products in (SQUARES, VECTOR):
         if np.abs(from_squares(oe, products) - s4).max(initial=0.0) <= AGREE * size:
             return products
@@ -249,6 +249,6 @@ def _zeros(known: Integrals, stiffness: Array, damping: Array) -> dict[str, str]
 
 
 def _said(first: str, key: str) -> str:
-    """The names that the first line says after `key=`, if it was written here."""
+    """The names after `key=` in the first line of a text that `write` produced."""
     match = re.search(rf"\b{key}= *([A-Za-z_]\w*(?: +[A-Za-z_]\w*)*)", first, re.ASCII)
     return match[1] if match else ""

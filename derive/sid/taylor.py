@@ -28,5 +28,5 @@ class Taylor:
 
 
 def constant(m0: Array, structure: int = GENERAL) -> Taylor:
-    """A matrix that does not depend on a; one without entries says so."""
+    """A constant matrix; its structure is ZERO if all of its entries are zero."""
     return Taylor(m0, None, structure if np.any(m0) else ZERO)

@@ -16,7 +16,7 @@ from derive.sid.taylor import GENERAL, SYMMETRIC, Array, Taylor, constant
 def write(body: ModalBody, *, inertia: Literal["matrix", "vector"] = "matrix") -> str:
     """The text of a SID; numbers have the 17 digits that give the same doubles back, and zeros are left out.
 
-    The points of the body become nodes 1, 2, ...; their names, and that of the body, are said in the first line, which
+    The points of the body become nodes 1, 2, ...; their names, and that of the body, are in the first line, which
     other programs take the numbers of nodes and modes from. `inertia` is how J is written: as a symmetric 3 x 3 matrix,
     or as the column of J11, J22, J33, J12, J13, J23 that some programs expect.
     """

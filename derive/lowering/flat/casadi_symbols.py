@@ -1,7 +1,7 @@
 """SymPy expressions to CasADi: the way from the derivation into the lowering.
 
 Exact numbers do not survive as CasADi constants (doubles), so every number that is no integer becomes a symbol of its
-own; `Symbols.leaf` says what each CasADi symbol stands for.
+own; `Symbols.leaf` maps each CasADi symbol to its leaf in the kernel.
 """
 
 from __future__ import annotations

@@ -22,7 +22,7 @@ from derive.lowering.flat.casadi_symbols import Symbols
 BINARY = {ca.OP_ADD: Operator.ADD, ca.OP_SUB: Operator.SUB, ca.OP_MUL: Operator.MUL, ca.OP_DIV: Operator.DIV}
 LEAST, MOST = Fraction(sys.float_info.min), Fraction(sys.float_info.max)
 SHORT = 9
-"""Nodes of an expression of coefficients that gets one name; a longer one is made of named ones."""
+"""The largest number of nodes in a named expression of model constants; longer ones refer to named parts."""
 
 UNARY = {ca.OP_NEG: Operator.NEG, ca.OP_SIN: Operator.SIN, ca.OP_COS: Operator.COS, ca.OP_SQRT: Operator.SQRT}
 
@@ -117,7 +117,7 @@ class Graph:
         return tuple(self.expr(self.settled(a)) for a in node.args)
 
     def value(self, node: int) -> Fraction | None:
-        """The number that a node is, if it is one."""
+        """The value of a node that is a number, otherwise None."""
         leaf = self.nodes[node].leaf
         return leaf.value if isinstance(leaf, Number) else None
 

@@ -24,7 +24,7 @@ SHAPE = "alpha_i"
 CJ = local("cj")
 """The factor of dF/dydot in the iteration matrix."""
 RIGID = 6
-"""Rows before those of the shapes; coordinates are one more, a quaternion."""
+"""The number of rows of the rigid motion; it has one coordinate more, because of the quaternion."""
 
 
 class LoopContext:

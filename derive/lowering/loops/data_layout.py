@@ -1,6 +1,6 @@
 """Data layout of a model with loops: the parameters p in the order of the tables, the constants k packed for loops.
 
-In p an integral is what the appendix says: for each shape i, or each pair i <= j (i < j where the integral is odd) by
+In p an integral has the order of the appendix: for each mode i, or pair i <= j (i < j where the integral is odd) by
 rows, its components. In k the square tables are packed in panels, vectors over the shapes are padded to a multiple of
 four, and scalars come last.
 """

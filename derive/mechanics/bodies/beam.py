@@ -40,7 +40,7 @@ def derive(beam: PlanarBeam) -> Equations:
 
 
 def beam_body(beam: PlanarBeam, pieces: int = 1) -> Body:
-    """A planar beam, or one of so many equal pieces of it, as (15) needs to know it. Raises ConditionError when the
+    """The body of a planar beam, or of each of its equal pieces, with its integrals. Raises ConditionError when the
     ansatz does not fit the frame."""
     shapes = assumed_shapes(beam.ansatz, beam.frame, beam.orthogonal)
     mass, length, bending = (quantity.value(q) for q in (beam.mass, beam.length, beam.bending_stiffness))

@@ -20,7 +20,7 @@ NOTHING = sp.Poly(0, xi, domain="QQ")
 
 
 class ConditionError(TisserandError):
-    """An ansatz and a frame that do not make a set of assumed shapes; `problems` says why, one text a fault."""
+    """An ansatz and a frame that do not define a set of assumed modes; `problems` lists a text for each fault."""
 
     def __init__(self, problems: Iterable[str]) -> None:
         self.problems = tuple(problems)

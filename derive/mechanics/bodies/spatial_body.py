@@ -131,7 +131,7 @@ def _kept(table: CoefficientTable, n: int, values: Array) -> Array:
 
 
 def _reason(given: ModalBody, family: Family) -> str:
-    """Why a table vanishes, or vanishes off its diagonal: what the body says of its first zero entry."""
+    """The reason that a table vanishes (off its diagonal): the reason of its first zero entry in the body."""
     names = (entry.name for entry in entries(_full(family), given.modes))
     return next((given.zeros[name] for name in names if name in given.zeros), NOTHING)
 

@@ -55,7 +55,7 @@ class PlanarRotation:
 
     @property
     def functions(self) -> dict[sp.Symbol, sp.Expr]:
-        """What the two symbols stand for."""
+        """The expressions of the cosine and the sine, by their symbols."""
         return {self.cos: sp.cos(self.angle), self.sin: sp.sin(self.angle)}
 
     @property

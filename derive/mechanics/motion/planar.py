@@ -85,7 +85,7 @@ def planar_moment_sums() -> tuple[IndexedSum, ...]:
 
 
 def planar_row_sums() -> tuple[IndexedSum, ...]:
-    """What (15) needs besides: the sums over the shapes that stand in one row alone, or hold accelerations."""
+    """The remaining sums of (15): those that occur in a single equation, and those with accelerations."""
     c8_ij, c7_ij = (quantity(family, shapes=(I, J)) for family in (Family.C8, Family.C7))
     d3_j = quantity(Family.D3, shapes=(J,))
     c8dot_i, c8ddot_i = (quantity(Family.C8_SUM, derivative=d, shapes=(I,)) for d in (1, 2))

@@ -2,7 +2,7 @@
 
 In space D2_i is a tensor. Its antisymmetric part is d3_i: D2_i v = S_i v - d3_i x v / 2 with S_i symmetric, and
 likewise C4_i and C5_ij have symmetric parts of their own, while their antisymmetric parts are c6_i and c7_ij. So S_i,
-C4 and C5 below are the symmetric parts: what the appendix of the paper holds twice is held once.
+C4 and C5 below are the symmetric parts: the part that the appendix of the paper contains twice is kept once.
 """
 
 from __future__ import annotations
@@ -212,7 +212,7 @@ def spatial_moment_sums() -> tuple[IndexedSum, ...]:
 
 
 def spatial_row_sums() -> tuple[IndexedSum, ...]:
-    """What has no name in the flat form: sums with accelerations, and those that stand in one place alone."""
+    """The sums without a name in the expanded form: those with accelerations, and those that occur only once."""
     c8_ij = quantity(Family.C8, shapes=(I, J))
     c8ddot_i, c8dot_i = (quantity(Family.C8_SUM, derivative=d, shapes=(I,)) for d in (2, 1))
     c8dot_j = quantity(Family.C8_SUM, derivative=1, shapes=(J,))

@@ -197,8 +197,8 @@ DISCRETE = (
         note="Defines $alpha$ and $Phi$. The derivation uses it in every moment of $r = X + u$; as derived, the first "
         "one.",
         where=(
-            "derive/mechanics/motion/spatial.py::spatial_series",
-            "derive/mechanics/motion/planar.py::planar_series",
+            "derive/mechanics/motion/spatial.py::spatial_moment_sums",
+            "derive/mechanics/motion/planar.py::planar_moment_sums",
         ),
         tests=tests(SPACE, "test_place_of_a_material_point_is_1_with_14"),
     ),

@@ -60,7 +60,7 @@ class Beam(BodyType[BeamBody]):
         return MarkerRef(piece_name(body, piece_of(at, body.pieces)), marker)
 
     def note(self, body: BeamBody) -> str:
-        """The shapes, as one needs them to draw the rod."""
+        """The shape functions as drawings of the rod need them."""
         shapes = assumed_shapes(body.beam.ansatz, body.beam.frame, body.beam.orthogonal)
         texts = ", ".join(f"phi_{i} = {shape_text(shape)}" for i, shape in enumerate(shapes, 1))
         each = f"{body.name}, each of {body.pieces} pieces" if body.pieces > 1 else body.name
@@ -73,7 +73,7 @@ def piece_name(rod: BeamBody, k: int) -> str:
 
 
 def piece_of(at: Fraction, pieces: int) -> int:
-    """The piece in which a place xi of the rod lies, counted from 0; of two that meet there, the left one."""
+    """The number, from 0, of the piece that contains position xi of the rod; at a boundary, the left piece."""
     along = (at + 1) / 2 * pieces
     return max(-(-along.numerator // along.denominator) - 1, 0)
 

@@ -56,7 +56,7 @@ class ForceType(ABC, Generic[F]):
         """Its virtual work on the rows of a mechanism; `points` are the motions of its markers."""
 
     def functions(self, element: F) -> Iterator[tuple[str, TimeFunction]]:
-        """Its functions of time, with the keys under which they stand."""
+        """The functions of time of the force, by their TOML keys."""
         yield from ()
 
 
