@@ -9,10 +9,12 @@ from pydantic import BaseModel
 from derive.mechanics.multibody.bodies.registry import BODIES
 from derive.mechanics.multibody.joints.registry import JOINTS
 from derive.mechanics.multibody.keys import quantities
-from derive.spec.parsing.faults import KeyPath, did_you_mean
+from derive.spec.parsing.faults import KeyPath
+from derive.spec.parsing.suggestions import did_you_mean
 from derive.spec.tables.beam import FrameTable
+from derive.spec.tables.drives import DriveTable
 from derive.spec.tables.forces import ForceTable, TorqueTable, spring_table
-from derive.spec.tables.joints import DriveTable, joint_table
+from derive.spec.tables.joints import joint_table
 from derive.spec.tables.scene_bodies import (
     BEAM_KEYS,
     BeamBodyTable,

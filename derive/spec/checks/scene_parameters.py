@@ -16,8 +16,8 @@ from derive.spec.model.scene import GROUND
 from derive.spec.parsing import values
 from derive.spec.parsing.faults import Fault, KeyPath, readable
 from derive.spec.parsing.names import name_problem
+from derive.spec.tables.drives import speed_unit
 from derive.spec.tables.forces import spring_kinds
-from derive.spec.tables.joints import speed_unit
 from derive.spec.tables.scene_bodies import INERTIA_UNIT, LENGTH_UNIT
 
 GRAVITY_UNIT = "m/s^2"

@@ -1,14 +1,13 @@
-"""Faults of the data of a specification, collected while it is looked at."""
+"""Faults of the data of a specification: their paths, their collection, and the lines of their keys."""
 
 from __future__ import annotations
 
-import difflib
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import NamedTuple, TypeVar
 
-from derive.errors import printable, quoted
+from derive.errors import printable
 from derive.spec.parsing.values import WrongValueError
 
 Result = TypeVar("Result")
@@ -23,7 +22,7 @@ class Fault(NamedTuple):
 
 
 class Faults(list[Fault]):
-    """The faults found so far."""
+    """The faults so far."""
 
     @contextmanager
     def at(self, *path: str | int) -> Iterator[None]:
@@ -35,24 +34,11 @@ class Faults(list[Fault]):
 
 
 def readable(reader: Callable[[object], Result], value: object) -> Result | None:
-    """What a value means; None if it is faulty, which is said elsewhere."""
+    """The result of `reader`; None if the value is faulty, which another check reports."""
     try:
         return reader(value)
     except ValueError:
         return None
-
-
-def unknown_key(key: str, known: Iterable[str]) -> str:
-    """What to say of a key that nobody knows."""
-    keys = list(known)
-    return "unknown key" + did_you_mean(key, keys, f"the keys here are {', '.join(keys)}")
-
-
-def did_you_mean(name: str, known: Iterable[str], otherwise: str) -> str:
-    """The end of a sentence on a name that nobody knows: the one that is near it, or something else."""
-    lower = {name_known.lower(): name_known for name_known in known}
-    near = difflib.get_close_matches(name[:40].lower(), lower, n=1)
-    return f"; did you mean {quoted(lower[near[0]])}?" if near else f"; {otherwise}"
 
 
 def path_text(path: KeyPath) -> str:

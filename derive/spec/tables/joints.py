@@ -1,9 +1,7 @@
-"""The tables of joints and drives; kinds and keys of joints are those of the registry of joints."""
+"""The tables of joints; kinds and keys of joints are those of the registry of joints."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from fractions import Fraction
 from functools import cache
 from typing import Annotated, Any, assert_never
 
@@ -12,10 +10,10 @@ from pydantic import Field, PlainValidator, WithJsonSchema, create_model, model_
 from derive.mechanics.multibody.joints.joint_type import JointType
 from derive.mechanics.multibody.joints.registry import JOINTS
 from derive.mechanics.multibody.keys import Key, KeyType
-from derive.spec.model.scene import CustomJoint, Drive, Joint
+from derive.spec.model.scene import CustomJoint, Joint
 from derive.spec.parsing import values
-from derive.spec.tables.markers import Axis, Float, NameOf, Time, TwoMarkers
-from derive.spec.tables.shared import Number, Positive, QuantityInput, SignedInput, TomlTable, quantity
+from derive.spec.tables.markers import Axis, Float, TwoMarkers
+from derive.spec.tables.shared import Positive, QuantityInput, TomlTable, quantity
 
 
 class JointTable(TomlTable):
@@ -105,37 +103,3 @@ def key_field(key: Key, required: bool = False) -> tuple[Any, Any]:
 def key_value(key: Key, value: Any) -> Any:
     """The value of a key as the derivation takes it."""
     return quantity(value, key.unit) if key.type is KeyType.POSITIVE_QUANTITY and value is not None else value
-
-
-class DriveTable(TomlTable):
-    """A joint whose motion is prescribed."""
-
-    joint: Annotated[NameOf, Field(description="The name of a revolute or translational joint.")]
-    motion: Annotated[
-        Time | None, Field(description='Angle, rad, or displacement, m, as a function of t, such as "0.1*sin(2*pi*t)".')
-    ] = None
-    speed: Annotated[SignedInput | None, Field(description="Constant speed in place of a motion, rad/s or m/s.")] = None
-    offset: Annotated[
-        Number | None, Field(description="Angle, rad, or displacement, m, at t = 0; only with a speed.")
-    ] = None
-
-    @model_validator(mode="after")
-    def check(self) -> DriveTable:
-        """One of the two ways to say it."""
-        if (self.motion is None) == (self.speed is None):
-            raise values.WrongValueError('write either motion = "0.1*sin(2*pi*t)", a function of t, or speed = 150')
-        if self.motion is not None and self.offset is not None:
-            raise values.WrongValueError("`offset` goes with `speed`; add it to `motion` instead")
-        return self
-
-    def drive(self, name: str, joints: Mapping[str, JointTable]) -> Drive:
-        """The drive as the derivation takes it, of one of the joints."""
-        unit = speed_unit(joints[self.joint].kind) or ""
-        speed = None if self.speed is None else quantity(self.speed, unit)
-        return Drive(name, self.joint, self.motion, speed, self.offset or Fraction(0))
-
-
-def speed_unit(kind: str) -> str | None:
-    """The unit of the speed of a drive of a joint of some kind; None if there is no such drive."""
-    joint_type = JOINTS.get(kind)
-    return joint_type.driven.speed_unit if joint_type and joint_type.driven else None

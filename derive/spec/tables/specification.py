@@ -13,8 +13,9 @@ from derive.spec.files.reference_curves import Rows
 from derive.spec.model.scene import Scene
 from derive.spec.tables.beam import BeamTable
 from derive.spec.tables.body import BodyInput
+from derive.spec.tables.drives import DriveTable
 from derive.spec.tables.forces import ForceTable, SpringTable, TorqueTable, spring_table
-from derive.spec.tables.joints import DriveTable, JointTable, joint_table
+from derive.spec.tables.joints import JointTable, joint_table
 from derive.spec.tables.markers import MAX_NAMED, few_named
 from derive.spec.tables.scene_bodies import BodyTable, GroundTable, SceneTable, bodies_field, body_tables, scene_bodies
 from derive.spec.tables.shared import Name, TomlTable, acceleration
