@@ -41,7 +41,7 @@ def verdict(first: FrameStability, second: FrameStability) -> list[str]:
 def judge(order: str, sparse: FrameStability, full: FrameStability) -> OrderVerdict:
     """The verdict on one order in both frames."""
     a, b = sparse.broken[order], full.broken[order]
-    if a == b == 0 and not any(_vanish(one, order) for one in (sparse, full)):
+    if a == b == 0 and not any(_vanish(frame, order) for frame in (sparse, full)):
         gain = _error_gain(order, sparse, full)
         worst = (_worst(sparse, order), _worst(full, order))
         growth = " and ".join(magnitude(p.growth) for p in worst)

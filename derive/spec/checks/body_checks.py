@@ -1,4 +1,4 @@
-"""What the algebra has to say about the shapes of a beam."""
+"""Algebraic checks of the shape functions of a beam."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the numbers of a body of nodes have to say about its other keys."""
+"""Checks of the other keys of a body of nodes against its arrays."""
 
 from __future__ import annotations
 

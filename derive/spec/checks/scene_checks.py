@@ -1,4 +1,4 @@
-"""What is wrong between the tables of a scene: names that nobody has, joints and drives that cannot be."""
+"""What is wrong between the tables of a scene: unknown names, joints and drives that cannot be."""
 
 from __future__ import annotations
 

@@ -117,7 +117,7 @@ def table(path: KeyPath, data: Mapping[str, object]) -> type[BaseModel] | None:
 
 
 def unknown(path: KeyPath, data: Mapping[str, object]) -> str | None:
-    """What to say of a key that belongs to the other kind of body, if that is what it is."""
+    """The message on a key that belongs to the other kind of body, if it does."""
     kind = _kind(path[1], data) if len(path) == 3 and path[0] == "bodies" else ""
     if kind not in ("rigid", "beam"):
         return None

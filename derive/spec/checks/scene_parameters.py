@@ -25,7 +25,7 @@ RIGID = {"mass": DEFAULT_MASS.unit, "inertia": INERTIA_UNIT}
 
 
 class SceneConstant(NamedTuple):
-    """A constant of a scene: where it is, what it is, and the unit of a parameter that says none."""
+    """A constant of a scene: where it is, what it is, and the unit of a parameter without one."""
 
     path: KeyPath
     value: object
@@ -41,7 +41,7 @@ def parameter_faults(view: SceneData) -> Iterator[Fault]:
     if isinstance(model, str):
         taken[model.lower()] = "it is the name of the model"
     first: dict[str, SceneConstant] = {}
-    # Symbols that nobody wrote come first, so that a fault is reported where something was written.
+    # Default symbols come first, so that a fault is reported where something was written.
     for constant in (*_implied_constants(view), *scene_constants(view)):
         symbol = _symbol(constant.value)
         if symbol is None:
@@ -60,7 +60,7 @@ def parameter_faults(view: SceneData) -> Iterator[Fault]:
 
 
 def _difference(constant: SceneConstant, other: SceneConstant) -> str | None:
-    """What two parameters of one symbol do not agree in; None if they do, or if that cannot be said."""
+    """What two parameters of one symbol do not agree in; None if they agree, or if one of them is unreadable."""
     for noun, own, others in (
         ("unit", _unit(constant), _unit(other)),
         ("default", _default(constant), _default(other)),
@@ -84,7 +84,7 @@ def _default(constant: SceneConstant) -> float | None:
     assert isinstance(constant.value, Mapping)
     if "default" in constant.value:
         return readable(values.any_float, constant.value["default"])
-    return 1.0  # of masses and the like; where a default has to be written, that is said elsewhere
+    return 1.0  # of masses and the like; where a default is required, another check reports it
 
 
 def _implied_constants(view: SceneData) -> Iterator[SceneConstant]:

@@ -101,7 +101,7 @@ def _specified(specification: SpecificationTable, nodes: NodeData | None, curves
 
 
 def _repeated_names(data: Mapping[str, object]) -> Iterator[Fault]:
-    """Names that are not told apart; constants are written in upper case, so that m and M are the same."""
+    """Names that differ in case alone; constants are written in upper case, so that m and M are the same."""
     for kind in ("beam", "body"):
         table = data.get(kind)
         if not isinstance(table, Mapping):
@@ -126,7 +126,7 @@ def _names_of_integrals(data: Mapping[str, object]) -> Iterator[Fault]:
 
 
 def _symbols(model: object, kind: str, table: Mapping[str, object]) -> Iterator[tuple[KeyPath, str, str]]:
-    # Symbols that nobody wrote come first, so that a clash is reported where something was written.
+    # Default symbols come first, so that a clash is reported where something was written.
     for key, parameter in BEAM_QUANTITIES.items() if kind == "beam" else ():
         if key not in table:
             yield (kind, key), parameter.symbol, f"it is the symbol of {key} if none is given"

@@ -36,14 +36,14 @@ class CheckedNodes:
     faults: Faults
 
 
-def node_data(found: FoundArrays, units: Units) -> CheckedNodes:
-    """All that was found, checked."""
+def node_data(read: FoundArrays, units: Units) -> CheckedNodes:
+    """The arrays that were read, checked."""
     faults = Faults()
-    arrays = {key: _checked(faults, key, array, _numbers, key) for key, array in found.arrays.items()}
+    arrays = {key: _checked(faults, key, array, _numbers, key) for key, array in read.arrays.items()}
     for key in SPARSE:
         _gather(key, arrays, faults)
     for key in ("positions", "mass"):
-        if key not in arrays and found.complete:
+        if key not in arrays and read.complete:
             with faults.at(*NODES, key):
                 raise WrongValueError(f"this is missing: {FILES[key][:1].lower()}{FILES[key][1:-1]}")
     positions = _checked(faults, "positions", arrays.get("positions"), _positions)
@@ -65,7 +65,7 @@ def node_data(found: FoundArrays, units: Units) -> CheckedNodes:
             stiffness=None if stiffness is None else _scaled(stiffness, units.stiffness),
             modes=modes,
             modal_stiffness=None if modal is None else _scaled(modal, units.stiffness),
-            sha256=found.sha256,
+            sha256=read.sha256,
         )
     return CheckedNodes(
         data, None if positions is None else len(positions), None if modes is None else len(modes), faults
@@ -180,9 +180,9 @@ def _vector(array: Array, n: int) -> NDArray[np.float64]:
     uneven = np.ptp(triples, axis=1) > NEARLY * np.abs(vector).max()
     if uneven.any():
         node = int(uneven.argmax())
-        found = ", ".join(f"{mass:g}" for mass in triples[node])
+        masses = ", ".join(f"{mass:g}" for mass in triples[node])
         raise WrongValueError(
-            f"node {node} has the masses {found} in x, y and z; a node has one mass, the same in all directions"
+            f"node {node} has the masses {masses} in x, y and z; a node has one mass, the same in all directions"
         )
     return triples[:, 0]
 

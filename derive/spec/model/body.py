@@ -1,4 +1,4 @@
-"""What a specification says, as frozen data: the types that `read` returns and `derive` takes."""
+"""The contents of a specification as frozen data: the types that `read` returns and `derive` takes."""
 
 from __future__ import annotations
 

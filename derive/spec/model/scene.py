@@ -1,4 +1,4 @@
-"""What a scene says, as frozen data: planar bodies, joints, drives, forces, and what to simulate."""
+"""The contents of a scene as frozen data: planar bodies, joints, drives, forces, and what to simulate."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ class RigidBody:
 
     `inertia` is about the centre of mass, which lies at `centre` in the base of the body. A body whose motion is
     prescribed needs neither mass nor inertia (None). With `keep_coordinates` it has three coordinates however it is
-    held, so that its joints and drives are constraints and their multipliers tell what they exert.
+    held, so that its joints and drives are constraints and their multipliers are the constraint reactions.
     """
 
     name: str

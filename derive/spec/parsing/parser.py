@@ -1,4 +1,4 @@
-"""A recursive descent that expressions of a specification share; what their values are is for others to say.
+"""A recursive descent that expressions of a specification share; subclasses define their values.
 
     sum     = [sign] product { ("+" | "-") product }
     product = power { "*" factor | "/" factor }
@@ -28,7 +28,7 @@ Value = TypeVar("Value")
 
 
 class ExpressionError(TisserandError, ValueError):
-    """Text that is no expression of its kind; the message says where and what to write instead."""
+    """Text that is no expression of its kind; the message states where, and what to write instead."""
 
 
 class Token(NamedTuple):
@@ -47,7 +47,7 @@ _TOKEN = re.compile(
 
 
 class Parser(Generic[Value]):
-    """Recursive descent over the tokens of a text; a subclass says what numbers, names and operators mean."""
+    """Recursive descent over the tokens of a text; a subclass defines numbers, names and operators."""
 
     made_of: ClassVar[str]
     names: ClassVar[tuple[str, ...]] = ()
@@ -60,7 +60,7 @@ class Parser(Generic[Value]):
         if len(text) > MAX_LENGTH:
             raise ExpressionError(f"the text has {len(text)} characters; at most {MAX_LENGTH} are read")
         self.tokens = self._tokens()
-        self.place = 0
+        self.position = 0
         self.depth = 0
 
     def constant(self, value: Fraction, at: Token) -> Value:
@@ -224,12 +224,12 @@ class Parser(Generic[Value]):
 
     @property
     def _next(self) -> Token:
-        return self.tokens[self.place]
+        return self.tokens[self.position]
 
     def _take(self) -> Token:
         token = self._next
         # The last token is the end, which is never passed.
-        self.place = min(self.place + 1, len(self.tokens) - 1)
+        self.position = min(self.position + 1, len(self.tokens) - 1)
         return token
 
     def _unexpected(self) -> NoReturn:

@@ -22,12 +22,12 @@ XI: Polynomial = (Fraction(0), Fraction(1))
 
 
 def polynomial(text: str) -> Polynomial:
-    """The polynomial in xi that `text` says, such as "xi^2 - 1/3"."""
+    """The polynomial in xi that `text` denotes, such as "xi^2 - 1/3"."""
     return _Polynomials(text).parse()
 
 
 def parse_number(text: str) -> Fraction:
-    """The exact constant that `text` says, such as "1/3" or "-0.5"."""
+    """The exact constant that `text` denotes, such as "1/3" or "-0.5"."""
     constant = _Numbers(text).parse()
     return constant[0] if constant else Fraction(0)
 

@@ -1,6 +1,6 @@
 """The single values of a scene: each function takes what was written and returns what is meant.
 
-Like those of `values`, they raise WrongValueError with a sentence that says what to write.
+Like those of `values`, they raise WrongValueError with a sentence that states what to write.
 """
 
 from __future__ import annotations

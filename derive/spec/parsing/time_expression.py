@@ -19,7 +19,7 @@ PI = Fraction(math.pi)
 
 
 def time_function(text: str) -> TimeFunction:
-    """The function of t that `text` says, such as "2*pi*t - sin(2*pi*t)"."""
+    """The function of t that `text` denotes, such as "2*pi*t - sin(2*pi*t)"."""
     return _Functions(text).parse()
 
 

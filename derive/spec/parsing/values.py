@@ -1,6 +1,6 @@
 """The single values of a specification: each function takes what was written and returns what is meant.
 
-What cannot be meant raises WrongValueError, with a sentence that says what to write.
+What cannot be meant raises WrongValueError, with a sentence that states what to write.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ _Text = TypeVar("_Text", bound=str)
 
 
 class WrongValueError(TisserandError, ValueError):
-    """A value that is not what its key needs; the message says what to write instead."""
+    """A value that is not what its key needs; the message states what to write instead."""
 
 
 @dataclass(frozen=True)

@@ -156,7 +156,7 @@ class DampingTable(TomlTable):
 
     @model_validator(mode="after")
     def check(self) -> DampingTable:
-        """One of the two ways to say it."""
+        """The keys exclude each other."""
         proportional = self.mass is not None or self.stiffness is not None
         if (self.ratio is not None) == proportional:
             raise values.WrongValueError(

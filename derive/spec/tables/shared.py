@@ -1,6 +1,6 @@
 """What the tables of all specifications share: names, numbers and parameters as pydantic types.
 
-Values are read by the functions of `values`; a model says which keys a table has and what they mean.
+Values are read by the functions of `values`; a model lists the keys of a table with their meaning.
 """
 
 from __future__ import annotations
@@ -54,7 +54,7 @@ def number_schema(**limits: float) -> dict[str, Any]:
 
 
 def written_as(value: Any) -> str:
-    """Which of two ways of writing was taken: a discriminator."""
+    """The discriminator of the two forms of a value."""
     return "table" if isinstance(value, Mapping) else "plain"
 
 
@@ -135,7 +135,7 @@ SignedInput = Annotated[
 
 
 def quantity(value: Fraction | ParameterTable | NotNegativeTable | SignedTable, unit: str) -> Quantity:
-    """A physical constant as the derivation takes it; `unit` is that of a parameter which says none."""
+    """A physical constant as the derivation takes it; `unit` is that of a parameter without one."""
     return value if isinstance(value, Fraction) else Parameter(value.symbol, value.unit or unit, value.default)
 
 

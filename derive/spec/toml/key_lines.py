@@ -40,7 +40,7 @@ class _UnexpectedError(TisserandError):
 class _Scanner:
     def __init__(self, text: str) -> None:
         self.text = text
-        self.place = 0
+        self.position = 0
         self.line = 1
         self.lines: dict[KeyPath, int] = {}
 
@@ -48,7 +48,7 @@ class _Scanner:
         table: KeyPath = ()
         while True:
             self.skip(_BLANK_LINES)
-            if self.place == len(self.text):
+            if self.position == len(self.text):
                 return
             if self.take("["):
                 array = self.take("[")
@@ -89,7 +89,7 @@ class _Scanner:
             self.elements(path, depth)
         elif self.take("{"):
             self.inline_table(path, depth)
-        elif self.text[self.place : self.place + 1] in ('"', "'"):
+        elif self.text[self.position : self.position + 1] in ('"', "'"):
             self.match(_STRING)
         else:
             self.match(_WORD)
@@ -120,11 +120,11 @@ class _Scanner:
                 return
 
     def skip(self, blank: re.Pattern[str]) -> None:
-        while match := blank.match(self.text, self.place):
+        while match := blank.match(self.text, self.position):
             self.advance(match)
 
     def match(self, pattern: re.Pattern[str]) -> str:
-        match = pattern.match(self.text, self.place)
+        match = pattern.match(self.text, self.position)
         if match is None:
             raise _UnexpectedError
         self.advance(match)
@@ -132,11 +132,11 @@ class _Scanner:
 
     def advance(self, match: re.Match[str]) -> None:
         self.line += match[0].count("\n")
-        self.place = match.end()
+        self.position = match.end()
 
     def take(self, mark: str) -> bool:
-        if self.text.startswith(mark, self.place):
-            self.place += len(mark)
+        if self.text.startswith(mark, self.position):
+            self.position += len(mark)
             return True
         return False
 
