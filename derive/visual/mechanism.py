@@ -48,6 +48,9 @@ STEPS, CLOSED, DIFFERENCE = 80, 1e-10, 1e-7
 LETTER, LINE = 6.6, 15
 """Width of a letter and height of a line of a label, in pixels."""
 
+EDGE = 12
+"""The margin beside everything drawn, in pixels."""
+
 SYMBOL = 5
 """The unit of the symbols of joints, in pixels."""
 
@@ -145,8 +148,8 @@ def _still(at: Array, rotation: float) -> PointMotion:
 
 def _axis(joint: Joint, pose: Array) -> Array:
     axis = np.array([float(a) for a in joint.axis])
-    turned = _placed(np.array([0.0, 0.0, pose[2]]), axis / np.hypot(*axis))
-    return turned
+    rotated = _placed(np.array([0.0, 0.0, pose[2]]), axis / np.hypot(*axis))
+    return rotated
 
 
 def _angle(value: float) -> float:
@@ -199,6 +202,12 @@ class _Drawing:
                 f'  <text class="{kind}" x="{middle:g}" y="{base:g}" text-anchor="middle">{escape(text)}</text>'
             )
 
+    def extent(self) -> tuple[int, int]:
+        """The left and the right edge of what is drawn, with a margin, so that narrow screens show it large."""
+        left = min((box[0] for box in self.taken), default=0.0)
+        right = max((box[0] + box[2] for box in self.taken), default=float(WIDTH))
+        return max(0, math.floor(left) - EDGE), min(WIDTH, math.ceil(right) + EDGE)
+
     def _cost(self, box: Box, x: float, y: float, width: float, height: float) -> float:
         inside = box[0] >= 2 and box[1] >= 2 and box[0] + box[2] <= width - 2 and box[1] + box[3] <= height - 2
         covered = sum(_overlap(box, other) for other in self.taken)
@@ -238,8 +247,10 @@ def mechanism_picture(scene: Scene) -> str:
         _joint(drawing, scene, joint, poses)
     _loads(drawing, scene, poses)
     drawing.place_labels(WIDTH, height)
-    head = f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {height}" width="{WIDTH}" role="img">'
-    ground = f'  <rect class="ground" width="{WIDTH}" height="{height}"/>'
+    start, stop = drawing.extent()
+    view = f'viewBox="{start} 0 {stop - start} {height}" width="{stop - start}"'
+    head = f'<svg xmlns="http://www.w3.org/2000/svg" {view} role="img">'
+    ground = f'  <rect class="ground" x="{start}" width="{stop - start}" height="{height}"/>'
     title = f"  <title>{escape(scene.name)} at t = 0</title>"
     return "\n".join([head, f"  <!-- {MARK} -->", title, STYLE, ground, *drawing.lines, "</svg>\n"])
 
@@ -275,6 +286,8 @@ def _rigid(drawing: _Drawing, body: RigidBody | CustomBody, poses: Poses) -> Non
         _along(drawing, corners[0], corners[1])
     elif corners:
         drawing.path("body", corners, True)
+        for first, second in zip(corners, (*corners[1:], corners[0]), strict=True):
+            _along(drawing, first, second)
     if corners:
         x, y = (sum(c[i] for c in corners) / len(corners) for i in (0, 1))
         drawing.label(x, y, body.name, "bodies")
@@ -290,7 +303,7 @@ def _along(drawing: _Drawing, start: tuple[float, float], end: tuple[float, floa
 def _supports(drawing: _Drawing, scene: Scene) -> None:
     """A hatched triangle at each point of the ground that carries a joint or a spring."""
     connections: tuple[Joint | Spring, ...] = (*scene.joints, *scene.springs)
-    ends = [end for one in connections for end in (one.first, one.second)]
+    ends = [end for item in connections for end in (item.first, item.second)]
     for marker in sorted({end.marker for end in ends if end.body == GROUND}):
         x, y = drawing.at(body_coordinates(scene, MarkerRef(GROUND, marker)))
         drawing.path("fixed", [(x, y), (x - 9, y + 15), (x + 9, y + 15)], True)
@@ -356,6 +369,7 @@ def _loads(drawing: _Drawing, scene: Scene, poses: Poses) -> None:
     for spring in scene.springs:
         ends = [drawing.at(position(scene, end, poses)) for end in (spring.first, spring.second)]
         drawing.path("spring", _zigzag(*(np.array(end) for end in ends)))
+        _along(drawing, ends[0], ends[1])
         drawing.label((ends[0][0] + ends[1][0]) / 2, (ends[0][1] + ends[1][1]) / 2, spring.name, "springs")
 
 

@@ -16,7 +16,7 @@ from functools import cache
 from pathlib import Path
 
 from derive.report.paper import ASSUMPTIONS, SECTIONS, STATEMENTS
-from derive.report.paper.model import COMPARED, AuditRow
+from derive.report.paper.model import AuditRow, Verdict
 from derive.spec.tables.specification import json_schema
 
 ROOT = Path(__file__).parent.parent.parent
@@ -41,6 +41,9 @@ found = {}
 failed = pytest.main(["--collect-only", "-qq", "--no-header", "tests/paper"], plugins=[Marks()])
 print("\\n" + json.dumps([int(failed), found]))
 """
+
+COMPARED: tuple[Verdict, ...] = ("equal", "equal after the correction")
+"""Verdicts that a test has to have compared."""
 
 Marks = Mapping[str, Mapping[str, list[str]]]
 """For each test its marks: equation and statement, each with what it names."""

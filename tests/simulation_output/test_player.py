@@ -60,8 +60,8 @@ def test_frames_are_few_and_true() -> None:
     found = player_data(motion, [])
     t = decoded(found["time"])
     assert len(t) == 501 <= MAX_FRAMES and t[-1] == pytest.approx(0.1)
-    rod = found["rods"][0]
-    for place in found["places"]:
+    rod = found["beams"][0]
+    for place in found["markers"]:
         if place["body"] != "rod":
             continue
         index, xi = place["on"]
@@ -95,7 +95,7 @@ def test_outlines_speeds_and_guides() -> None:
     guide = found["joints"][3]
     assert guide["axis"] == [1, 0] and "axis" not in found["joints"][0]
     assert found["joints"][0]["circles"] == (((0.0, 0.0), 1.0),) and not found["joints"][0]["lines"]
-    assert 0.15 <= guide["way"][0] < guide["way"][1] <= 0.45
+    assert 0.15 <= guide["range"][0] < guide["range"][1] <= 0.45
     assert speeds(0.1) == [0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1]
     assert speeds(10)[3] == 1 and speeds(15)[3] in (1, 2) and len(speeds(0)) == 7
 

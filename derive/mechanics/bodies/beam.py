@@ -12,7 +12,7 @@ import sympy as sp
 
 from derive.mechanics import quantity
 from derive.mechanics.bodies.planar_integrals import Value, coefficients
-from derive.mechanics.bodies.reference_conditions import assumed_shapes, integral, xi
+from derive.mechanics.bodies.reference_conditions import assumed_shapes, exact_polynomial, integral, xi
 from derive.mechanics.body import Body, planar_body
 from derive.mechanics.equations import Equations
 from derive.mechanics.indexed_equations import derive_body
@@ -71,7 +71,7 @@ def section_rotations(marker: Marker, beam: PlanarBeam, pieces: int = 1) -> tupl
     at, length = sp.Rational(marker.at), quantity.value(beam.length) / pieces
     result = []
     for i, shape in enumerate(assumed_shapes(beam.ansatz, beam.frame, beam.orthogonal), 1):
-        slope = _poly(shape).diff(xi).eval(at)
+        slope = exact_polynomial(shape).diff(xi).eval(at)
         zero = None if slope else "these shapes (no slope there)"
         doc = f"rotation of the section at marker {marker.name} for a unit amplitude of mode {i}: d phi_{i}/dx"
         symbol = Symbol(Identity(Family.SECTION_ROTATION, shapes=(i,), point=marker.name))
@@ -79,13 +79,9 @@ def section_rotations(marker: Marker, beam: PlanarBeam, pieces: int = 1) -> tupl
     return tuple(result)
 
 
-def _poly(coefficients: Polynomial) -> sp.Poly:
-    return sp.Poly([sp.Rational(c) for c in reversed(coefficients)], xi, domain="QQ")
-
-
 def shape_text(coefficients: Polynomial) -> str:
     """A shape in xi as it is written."""
-    return str(_poly(coefficients).as_expr()).replace("**", "^")
+    return str(exact_polynomial(coefficients).as_expr()).replace("**", "^")
 
 
 @dataclass(frozen=True)
@@ -120,7 +116,7 @@ class BeamIntegrals:
         return self._value(self._field(i) * self._field(j), self.length / 2, condition)
 
     def _field(self, i: int) -> sp.Poly:
-        return _poly(self.shapes[i - 1]) if i else sp.Poly(xi, xi, domain="QQ")
+        return exact_polynomial(self.shapes[i - 1]) if i else sp.Poly(xi, xi, domain="QQ")
 
     def _value(
         self, integrand: sp.Poly, factor: sp.Expr, reason: str | None = None, otherwise: str = ORTHOGONAL
@@ -137,7 +133,7 @@ def _stiffness(shapes: tuple[Polynomial, ...], length: sp.Expr, bending: sp.Expr
     """K_ij of U = 1/2 EI int (d^2v/dx^2)^2 dx, which is (22) since x = xi l/2."""
     dxi_dx = 2 / length
     dx_dxi = length / 2
-    curvatures = [_poly(s).diff((xi, 2)) for s in shapes]
+    curvatures = [exact_polynomial(s).diff((xi, 2)) for s in shapes]
     result = []
     for i, first in enumerate(curvatures, 1):
         for j, second in enumerate(curvatures[i - 1 :], i):
@@ -161,6 +157,6 @@ def beam_point(marker: Marker, beam: PlanarBeam, pieces: int = 1) -> MaterialPoi
         name=marker.name,
         doc=f"material point at xi = {at}",
         position=sp.ImmutableMatrix([position, 0]),
-        shapes=tuple(sp.ImmutableMatrix([0, _poly(s).eval(at)]) for s in shapes),
+        shapes=tuple(sp.ImmutableMatrix([0, exact_polynomial(s).eval(at)]) for s in shapes),
         coefficients=(ModelConstant(position, at * length / 2, "(24)", doc, "m", zero),),
     )

@@ -93,7 +93,7 @@ def assumed_shapes(ansatz: tuple[Polynomial, ...], frame: Frame, orthogonal: boo
     Raises ConditionError when the ansatz is linearly dependent, when nothing is left, or when a combination of the
     shapes is a rigid motion.
     """
-    polynomials = [_poly(p) for p in ansatz]
+    polynomials = [exact_polynomial(p) for p in ansatz]
     dependent = _dependencies(polynomials, [_text(p) for p in polynomials])
     if dependent:
         raise ConditionError(f"the ansatz is linearly dependent: {d} = 0; leave one of these out" for d in dependent)
@@ -109,7 +109,8 @@ def assumed_shapes(ansatz: tuple[Polynomial, ...], frame: Frame, orthogonal: boo
     return tuple(tuple(Fraction(int(c.p), int(c.q)) for c in reversed(p.all_coeffs())) for p in shapes)
 
 
-def _poly(coefficients: Polynomial) -> sp.Poly:
+def exact_polynomial(coefficients: Polynomial) -> sp.Poly:
+    """The polynomial in xi over the rational numbers with these coefficients of 1, xi, xi^2, ...; none give zero."""
     return sp.Poly([sp.Rational(c) for c in reversed(coefficients)] or [0], xi, domain="QQ")
 
 

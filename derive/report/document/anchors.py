@@ -70,12 +70,12 @@ def _all_links(blocks: Sequence[Block]) -> Iterator[str]:
     for block in blocks:
         match block:
             case Paragraph(words):
-                yield from (one.to for one in words if isinstance(one, Hyperlink))
+                yield from (item.to for item in words if isinstance(item, Hyperlink))
             case EquationBlock(rows):
                 yield from (part.to for equation in rows for part in equation.parts)
             case TableBlock():
                 texts = (*block.head, *(cell.text for row in block.rows for cell in row))
-                yield from (one.to for text in texts for one in text if isinstance(one, Hyperlink))
+                yield from (item.to for text in texts for item in text if isinstance(item, Hyperlink))
             case Listing():
                 yield from (link.to for line in block.lines for link in line.links)
             case Details():

@@ -67,9 +67,9 @@ def number(text: str) -> tuple[str, str]:
 
 def index(indices: tuple[str, ...]) -> list[str]:
     """The words of indices; those of one letter each stand beside each other, others are parted by commas."""
-    close = all(is_letter(one) or set(one) <= set("'*\u2032") for one in indices)
+    close = all(is_letter(item) or set(item) <= set("'*\u2032") for item in indices)
     words: list[str] = []
-    for k, one in enumerate(indices):
+    for k, item in enumerate(indices):
         words += [","] if k and not close else []
-        words += _TOKEN.findall(one)
+        words += _TOKEN.findall(item)
     return words

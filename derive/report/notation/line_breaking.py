@@ -77,10 +77,10 @@ def width(formula: Formula) -> float:
             return 0.5 * len(name) + width(of) + (0.17 if bare(formula, True) else 0.9)
         case Matrix(rows):
             columns = list(zip(*rows, strict=True))
-            cells = [max(0.3 if one is None else width(one) for one in column) for column in columns]
+            cells = [max(0.3 if item is None else width(item) for item in column) for column in columns]
             return 1.0 + sum(cells) + 0.9 * len(cells)
 
 
 def _name(name: Name) -> float:
-    below, above = (sum(SMALL * len(letter(one)) for one in index(indices)) for indices in (name.below, name.above))
+    below, above = (sum(SMALL * len(letter(item)) for item in index(indices)) for indices in (name.below, name.above))
     return (1.0 if name.text in BIG else LETTER * len(letter(name.text))) + max(below, above)

@@ -25,7 +25,7 @@ SUMS = {"+", "-", "\u2212", "±"}
 
 def factors(row: FormulaRow) -> list[Formula]:
     """The formulas of a row, with those of rows in it."""
-    return [one for part in row.parts for one in (factors(part) if isinstance(part, FormulaRow) else [part])]
+    return [item for part in row.parts for item in (factors(part) if isinstance(part, FormulaRow) else [part])]
 
 
 def gap(left: Formula, right: Formula) -> Gap:
@@ -61,7 +61,7 @@ def needs_brackets(base: Formula) -> bool:
 def is_sum(formula: Formula) -> bool:
     """Whether there is a plus or minus after the start of a formula, outside brackets."""
     return isinstance(formula, FormulaRow) and any(
-        isinstance(one, OperatorToken) and one.text in SUMS for one in factors(formula)[1:]
+        isinstance(item, OperatorToken) and item.text in SUMS for item in factors(formula)[1:]
     )
 
 
@@ -92,7 +92,7 @@ def is_tall(formula: Formula) -> bool:
 
 def has_matrix(equation: Equation) -> bool:
     """Whether an equation holds a matrix, which cannot be broken."""
-    return any(_has_matrix(one) for one in (equation.left, *(part.formula for part in equation.parts)))
+    return any(_has_matrix(item) for item in (equation.left, *(part.formula for part in equation.parts)))
 
 
 def _has_matrix(formula: Formula) -> bool:

@@ -53,9 +53,9 @@ def words(formula: Formula) -> str:
         case FormulaRow():
             return _row(factors(formula))
         case Quotient(above, below):
-            plain = all(isinstance(one, Name | NumberToken) for one in (above, below))
-            said = f"{words(above)} over {words(below)}"
-            return said if plain else f"fraction {said} end fraction"
+            plain = all(isinstance(item, Name | NumberToken) for item in (above, below))
+            phrase = f"{words(above)} over {words(below)}"
+            return phrase if plain else f"fraction {phrase} end fraction"
         case Power(base, exponent):
             inner = Fenced(base) if needs_brackets(base) else base
             raised = POWERS.get(exponent.text) if isinstance(exponent, NumberToken) else None
@@ -69,41 +69,41 @@ def words(formula: Formula) -> str:
             inner = of if bare(formula, True) or isinstance(of, Fenced) else Fenced(of)
             return f"{name} of {words(inner)}"
         case Matrix(rows):
-            said = "; ".join(
-                f"row {k}: {', '.join('zero' if one is None else words(one) for one in row)}"
+            phrase = "; ".join(
+                f"row {k}: {', '.join('zero' if item is None else words(item) for item in row)}"
                 for k, row in enumerate(rows, 1)
             )
-            return f"{len(rows)} by {len(rows[0]) if rows else 0} matrix, {said}, end matrix"
+            return f"{len(rows)} by {len(rows[0]) if rows else 0} matrix, {phrase}, end matrix"
 
 
 def equation_words(equation: Equation) -> str:
     """An equation in words."""
     relation = equation.relation if equation.relation == ":" else SIGNS.get(equation.relation, equation.relation)
-    said = [words(equation.left), relation]
+    phrase = [words(equation.left), relation]
     for k, part in enumerate(equation.parts):
-        said += [SIGNS[part.sign]] if k or part.sign == "-" else []
-        said.append(words(summand(part.formula, part.sign)))
-    return " ".join(one for one in said if one)
+        phrase += [SIGNS[part.sign]] if k or part.sign == "-" else []
+        phrase.append(words(summand(part.formula, part.sign)))
+    return " ".join(item for item in phrase if item)
 
 
 def _number(text: str) -> str:
     mantissa, exponent = number(text)
-    said = mantissa.replace("-", "minus ").replace("\u2212", "minus ")
-    return f"{said} times 10 to the power {exponent.replace('-', 'minus ')}" if exponent else said
+    phrase = mantissa.replace("-", "minus ").replace("\u2212", "minus ")
+    return f"{phrase} times 10 to the power {exponent.replace('-', 'minus ')}" if exponent else phrase
 
 
 def _name(name: Name) -> str:
-    said = SIGNS.get(name.text, NAMES.get(name.text, name.text)) + DOTS[min(name.dots, 3)]
+    phrase = SIGNS.get(name.text, NAMES.get(name.text, name.text)) + DOTS[min(name.dots, 3)]
     links = (" from", " to") if name.text in BIG else (" sub", " super")
     for link, indices in zip(links, (name.below, name.above), strict=True):
-        spoken = [SIGNS.get(one, NAMES.get(one, one)) for one in index(indices) if one != ","]
-        said += f"{link} {' '.join(spoken)}" if spoken else ""
-    return said
+        spoken = [SIGNS.get(item, NAMES.get(item, item)) for item in index(indices) if item != ","]
+        phrase += f"{link} {' '.join(spoken)}" if spoken else ""
+    return phrase
 
 
 def _row(parts: list[Formula]) -> str:
-    said = [words(part) for part in parts[:1]]
+    phrase = [words(part) for part in parts[:1]]
     for left, right in pairwise(parts):
-        said += ["times"] if gap(left, right) == "dot" else []
-        said.append(words(right))
-    return " ".join(one for one in said if one)
+        phrase += ["times"] if gap(left, right) == "dot" else []
+        phrase.append(words(right))
+    return " ".join(item for item in phrase if item)

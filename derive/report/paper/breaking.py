@@ -20,7 +20,7 @@ def broken(equation: Equation) -> Equation:
 
 def _pieces(part: Part) -> Iterator[Part]:
     parts = factors(part.formula) if isinstance(part.formula, FormulaRow) else [part.formula]
-    long = [k for k, one in enumerate(parts) if isinstance(one, Fenced) and size(one) > LONG]
+    long = [k for k, item in enumerate(parts) if isinstance(item, Fenced) and size(item) > LONG]
     if len(long) != 1:
         yield part
         return
@@ -41,13 +41,13 @@ def _pieces(part: Part) -> Iterator[Part]:
 
 def _terms(of: Formula) -> Iterator[tuple[str, list[Formula]]]:
     sign, gathered = "+", list[Formula]()
-    for one in factors(of) if isinstance(of, FormulaRow) else [of]:
-        if isinstance(one, OperatorToken) and one.text in ("+", "-"):
+    for item in factors(of) if isinstance(of, FormulaRow) else [of]:
+        if isinstance(item, OperatorToken) and item.text in ("+", "-"):
             if gathered:
                 yield sign, gathered
-            sign, gathered = one.text, []
+            sign, gathered = item.text, []
         else:
-            gathered.append(one)
+            gathered.append(item)
     yield sign, gathered
 
 

@@ -17,6 +17,7 @@ from derive.mechanics.bodies.reference_conditions import (
     PointCondition,
     assumed_shapes,
     conditions,
+    exact_polynomial,
     xi,
 )
 from derive.mechanics.equations import Equations
@@ -64,7 +65,7 @@ def rows(frame: str) -> tuple[Equation, ...]:
 
 def ansatz() -> tuple[Equation, ...]:
     """v of (21), from the ansatz that a beam has where its specification says nothing."""
-    terms = sp.Add(*(a * _poly(p).as_expr() for a, p in zip(AMPLITUDES, beam("mean").ansatz, strict=True)))
+    terms = sp.Add(*(a * exact_polynomial(p).as_expr() for a, p in zip(AMPLITUDES, beam("mean").ansatz, strict=True)))
     parts = [Part("+", PLAIN.formula(terms.coeff(a) * a)) for a in AMPLITUDES]
     return (Equation(formula("v", scalars=True), tuple(parts)),)
 
@@ -197,7 +198,3 @@ def shape(frame: str, k: int) -> tuple[Equation, ...]:
 def _shapes(frame: str) -> tuple[tuple[Exact, ...], ...]:
     result = beam(frame)
     return assumed_shapes(result.ansatz, result.frame, result.orthogonal)
-
-
-def _poly(coefficients: tuple[Exact, ...]) -> sp.Poly:
-    return sp.Poly([sp.Rational(c) for c in reversed(coefficients)], xi, domain="QQ")

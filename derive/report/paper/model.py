@@ -12,9 +12,6 @@ Verdict = Literal["equal", "equal after the correction", "definition", "assumpti
 """`equal`: the formula as the text shows it is what is derived; `equal after the correction`: it is so once the faults
 of the text are mended; `definition`: it says what a name means; `assumption`: the paper, or a user, chooses it."""
 
-COMPARED: tuple[Verdict, ...] = ("equal", "equal after the correction")
-"""Verdicts that a test has to have compared."""
-
 Derived = Callable[[], tuple[Equation, ...]]
 """What the derivation gives: worked out when the page is built."""
 

@@ -70,7 +70,7 @@ def counts(rows: Sequence[AuditRow]) -> dict[Verdict, int]:
 
 def _introduction(rows: Sequence[AuditRow]) -> Iterator[Block]:
     yield Paragraph(
-        said(
+        marked_text(
             "Every equation of the paper and every line of its appendix, beside what this tool derives. The text of "
             "the paper went through character recognition, which loses dots and mistakes letters: it is written down "
             "as it came out. The printed equations are used by nothing that derives; what is derived comes out of $x "
@@ -79,7 +79,7 @@ def _introduction(rows: Sequence[AuditRow]) -> Iterator[Block]:
         )
     )
     yield Paragraph(
-        said(
+        marked_text(
             "A row is called equal only where a test compares the equation; another test holds this page against the "
             "marks of the tests, in both directions, and evaluates every formula shown, with its correction, against "
             "what they compare. Tests are named as `file::name` in the folder `tests/paper`. Where the derivation does "
@@ -126,7 +126,9 @@ def _record(row: AuditRow) -> Iterator[Block]:
     """All that there is to say of a row: its words, its formulas below each other, its tests."""
     words = " ".join(part for part in (row.correction, row.note) if part)
     places = tuple(part for k, where in enumerate(row.where) for part in (", " if k else " Here: ", CodeSpan(where)))
-    yield Paragraph((Strong(f"{name(row)} {row.title}"), f": {row.verdict}. ", *said(words, row.scalars), *places))
+    yield Paragraph(
+        (Strong(f"{name(row)} {row.title}"), f": {row.verdict}. ", *marked_text(words, row.scalars), *places)
+    )
     yield EquationBlock(
         (
             *_numbered(_read(row, row.shown), row.number, row.anchor),
@@ -143,14 +145,14 @@ def _read(row: AuditRow, lines: Sequence[str]) -> tuple[Equation, ...]:
 
 def _numbered(equations: Sequence[Equation], number: str, anchor: str = "") -> Iterator[Equation]:
     """The number at the first line."""
-    for k, one in enumerate(equations):
-        yield one if k else replace(one, number=number, anchor=anchor)
+    for k, item in enumerate(equations):
+        yield item if k else replace(item, number=number, anchor=anchor)
 
 
 def tests(names: Sequence[str]) -> Text:
     """The node ids of tests, without the folder."""
     short = [test.removeprefix("tests/paper/") for test in names]
-    result = tuple(part for k, one in enumerate(short) for part in (", " if k else "", CodeSpan(one)) if part)
+    result = tuple(part for k, item in enumerate(short) for part in (", " if k else "", CodeSpan(item)) if part)
     return ("Tests: " if len(short) > 1 else "Test: ", *result) if short else ("No test.",)
 
 
@@ -161,7 +163,7 @@ def _statements(statements: Sequence[Statement]) -> Iterator[Block]:
     )
     for s in statements:
         first = (Strong(s.place[0].upper() + s.place[1:]), f": {s.verdict}. The text: ")
-        yield Paragraph((*first, *said(s.shown), " Here: ", *said(s.holds), " ", *tests(s.tests)))
+        yield Paragraph((*first, *marked_text(s.shown), " Here: ", *marked_text(s.holds), " ", *tests(s.tests)))
 
 
 def _assumptions(assumptions: Sequence[Assumption]) -> Iterator[Block]:
@@ -177,9 +179,9 @@ def _assumptions(assumptions: Sequence[Assumption]) -> Iterator[Block]:
         (("Assumption",), ("Option",), ("What it lifts",)),
         tuple(
             (
-                Cell((*said(a.name), f"; {a.place}. ", *said(a.here))),
+                Cell((*marked_text(a.name), f"; {a.place}. ", *marked_text(a.here))),
                 Cell(_options(a)),
-                Cell(said(a.lifts)),
+                Cell(marked_text(a.lifts)),
             )
             for a in assumptions
         ),
@@ -191,7 +193,7 @@ def _options(assumption: Assumption) -> Text:
     if not assumption.options:
         return ("none yet",)
     return tuple(
-        part for k, one in enumerate(assumption.options) for part in (", " if k else "", CodeSpan(one)) if part
+        part for k, item in enumerate(assumption.options) for part in (", " if k else "", CodeSpan(item)) if part
     )
 
 
@@ -200,7 +202,7 @@ def plain(text: str) -> str:
     return re.sub(r"\$([^$]*)\$", lambda result: spoken(formula(result[1])), text).replace("`", "")
 
 
-def said(text: str, scalars: bool = False) -> Text:
+def marked_text(text: str, scalars: bool = False) -> Text:
     """Words with formulas between dollar signs and code between backticks."""
     result: list[Inline] = []
     for part in re.split(r"(\$[^$]*\$|`[^`]*`)", text):

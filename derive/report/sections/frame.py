@@ -13,7 +13,7 @@ from derive.mechanics.bodies.reference_conditions import (
     PointCondition,
     assumed_shapes,
     conditions,
-    xi,
+    exact_polynomial,
 )
 from derive.report.document.formula import Equation, Fenced, Formula, FormulaRow, Name, NumberToken, OperatorToken, Part
 from derive.report.document.page import Block, EquationBlock, Heading, Inline, Math, Paragraph, Text
@@ -61,14 +61,14 @@ class OnAnsatz:
 
 def on_ansatz(spec: PlanarBeam) -> tuple[OnAnsatz, ...]:
     """The conditions of the frame of a beam on the factors of its ansatz: 3 a_0 + a_2 = 0."""
-    terms = [_poly(p) for p in spec.ansatz]
+    terms = [exact_polynomial(p) for p in spec.ansatz]
     return tuple(OnAnsatz(c, _whole([c.on(term) for term in terms])) for c in conditions(spec.frame))
 
 
 def removed(spec: PlanarBeam) -> tuple[int, ...]:
     """The terms of the ansatz that the conditions eliminate."""
     results = on_ansatz(spec)
-    return tuple(sp.Matrix([list(one.factors) for one in results]).rref()[1]) if results else ()
+    return tuple(sp.Matrix([list(item.factors) for item in results]).rref()[1]) if results else ()
 
 
 def of_paper(spec: PlanarBeam) -> bool:
@@ -119,11 +119,11 @@ def _conditions(spec: PlanarBeam, numbers: PaperNumbers | None) -> tuple[Block, 
     if not results:
         return ()
     lines = []
-    for k, one in enumerate(results):
-        lines.append(_asked(one.condition))
+    for k, item in enumerate(results):
+        lines.append(_asked(item.condition))
         parts = tuple(
             Part("-" if f < 0 else "+", row([*([NumberToken(str(abs(f)))] if abs(f) != 1 else []), _a(j)]))
-            for j, f in enumerate(one.factors)
+            for j, f in enumerate(item.factors)
             if f
         )
         result = join(parts) if parts else NumberToken("0")
@@ -191,10 +191,6 @@ def _shape(k: int, shape: Polynomial, own: str) -> Equation:
 
 def _a(j: int) -> Name:
     return Name("a", below=(str(j),))
-
-
-def _poly(coefficients: Polynomial) -> sp.Poly:
-    return sp.Poly([sp.Rational(c) for c in reversed(coefficients)] or [0], xi, domain="QQ")
 
 
 def _whole(values: list[sp.Rational]) -> tuple[int, ...]:

@@ -14,7 +14,6 @@ from derive.mechanics.motion.planar import planar_motion
 from derive.mechanics.motion.spatial import spatial_motion
 from derive.report.document.formula import (
     Equation,
-    Fenced,
     Formula,
     FormulaRow,
     Matrix,
@@ -58,7 +57,7 @@ def virtual_displacement() -> tuple[Equation, ...]:
 
 def kinematics_blocks(spec: Specification, equations: Equations, notation: Notation) -> tuple[Block, ...]:
     """From the position of a material point to its acceleration and its virtual displacement."""
-    special = _beam(spec, equations, notation) if isinstance(spec, PlanarBeam) else _space(equations, notation)
+    special = _beam(spec, notation) if isinstance(spec, PlanarBeam) else _space(equations, notation)
     return (
         Heading("Kinematics", "kinematics"),
         Paragraph(
@@ -105,7 +104,7 @@ def _sum_of_shapes() -> Equation:
     return Equation(formula("u"), (Part("+", total),), number="14")
 
 
-def _beam(spec: PlanarBeam, equations: Equations, notation: Notation) -> tuple[Block, ...]:
+def _beam(spec: PlanarBeam, notation: Notation) -> tuple[Block, ...]:
     """(23)-(27), and the acceleration in components."""
     length = notation.formula(quantity.value(spec.length))
     xi = Name("xi")
@@ -115,18 +114,13 @@ def _beam(spec: PlanarBeam, equations: Equations, notation: Notation) -> tuple[B
     motion = planar_motion(0)
     turning, coriolis, relative = (motion.acceleration[field] for field in (R, RDOT, RDDOT))
     assert relative == sp.eye(2)
-    parts = (
-        FormulaRow((_tensor(turning, notation), formula("r"))),
-        FormulaRow((_tensor(coriolis, notation), formula("r'"))),
-        formula("r''"),
+    summands = (
+        formula("c''"),
+        _rotated(_tensor(turning, notation), formula("r")),
+        _rotated(_tensor(coriolis, notation), formula("r'")),
+        _rotated(formula("r''")),
     )
-    inner = FormulaRow(
-        tuple(piece for k, part in enumerate(parts) for piece in ([OperatorToken("+")] if k else []) + [part])
-    )
-    components = Equation(
-        formula("x''"),
-        (Part("+", formula("c''")), Part("+", FormulaRow((formula("Q"), OperatorToken("·"), Fenced(inner, "{", "}"))))),
-    )
+    components = Equation(formula("x''"), tuple(Part("+", summand) for summand in summands))
     return (
         Paragraph(("The beam moves in a plane and deflects across its axis:",)),
         EquationBlock(
@@ -140,6 +134,11 @@ def _beam(spec: PlanarBeam, equations: Equations, notation: Notation) -> tuple[B
             )
         ),
     )
+
+
+def _rotated(*factors: Formula) -> Formula:
+    """The product of Q and further factors."""
+    return FormulaRow((formula("Q"), OperatorToken("·"), *factors))
 
 
 def _base(k: int) -> Name:

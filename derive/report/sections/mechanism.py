@@ -20,15 +20,21 @@ MANY = 24
 
 LEGEND = (
     "Circles are joints, black squares are welds and fixed joints, parallel lines guide a translational joint, "
-    "hatching is the ground; orange arrows are drives and loads. Flexible rods are drawn undeformed, as light bands "
-    "that are cut where the rod is divided into beams."
+    "hatching is the ground; orange arrows are drives and loads."
 )
+LEGEND_OF_BEAMS = (
+    " Flexible rods are drawn undeformed, as light bands that are cut where the rod is divided into beams."
+)
+
+SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+"""The digits of exponents."""
 
 
 def mechanism_blocks(spec: Scene) -> tuple[Block, ...]:
     """The drawing of the mechanism, to scale."""
     names = ", ".join(body.name for body in spec.bodies)
-    caption = f"The mechanism at t = 0, to scale. {LEGEND}"
+    flexible = any(isinstance(body, BeamBody) for body in spec.bodies)
+    caption = f"The mechanism at t = 0, to scale. {LEGEND}{LEGEND_OF_BEAMS if flexible else ''}"
     return (
         Heading("Mechanism", "mechanism"),
         Picture(mechanism_picture(spec), f"The mechanism at t = 0 with its bodies {names}", caption),
@@ -66,14 +72,23 @@ def _kind(body: SceneBody) -> str:
 def _weight(body: SceneBody) -> str:
     if isinstance(body, BeamBody):
         beam = body.beam
-        return f"{_quantity(beam.mass)} kg, {_quantity(beam.length)} m, EI {_quantity(beam.bending_stiffness)} N m²"
+        stiffness = _quantity(beam.bending_stiffness, "N\u00a0m²")
+        return f"{_quantity(beam.mass, 'kg')}, {_quantity(beam.length, 'm')}, bending stiffness {stiffness}"
     if not isinstance(body, RigidBody) or body.mass is None:
         return ""
-    return f"{_quantity(body.mass)} kg" + (f", {_quantity(body.inertia)} kg m²" if body.inertia is not None else "")
+    values = [_quantity(body.mass, "kg")]
+    if body.inertia is not None:
+        values.append(_quantity(body.inertia, "kg\u00a0m²"))
+    return ", ".join(values)
 
 
-def _quantity(quantity: Quantity) -> str:
-    return quantity.symbol if isinstance(quantity, Parameter) else f"{float(quantity):g}"
+def _quantity(quantity: Quantity, unit: str) -> str:
+    """A value with its unit, between which no line breaks: 2.194·10⁻⁶ kg m²."""
+    if isinstance(quantity, Parameter):
+        return f"{quantity.symbol}\u00a0{unit}"
+    mantissa, _, exponent = f"{float(quantity):g}".partition("e")
+    power = f"·10{str(int(exponent)).translate(SUPERSCRIPTS)}" if exponent else ""
+    return f"{mantissa}{power}\u00a0{unit}"
 
 
 def joint_blocks(spec: Scene, equations: Equations) -> tuple[Block, ...]:

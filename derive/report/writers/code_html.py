@@ -29,7 +29,7 @@ def _line(line: CodeLine, comment: tuple[int, int], gap: bool) -> str:
     start, stop = comment
     before, inner, after = line.text[:start], line.text[start:stop], line.text[stop:]
     shown = f"{escape(before)}<i>{escape(inner)}</i>{escape(after)}" if inner.strip() else escape(line.text)
-    links = "".join(_link(one) for one in line.links)
+    links = "".join(_link(item) for item in line.links)
     return f'<span{anchor}{kind} data-n="{line.number}">{shown}{links}\n</span>'
 
 

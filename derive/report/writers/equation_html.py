@@ -20,15 +20,15 @@ LONG = 6
 
 def equations_html(equations: Sequence[Equation]) -> str:
     """Equations below each other, aligned at their relations."""
-    kind = "eqs wide" if any(has_matrix(one) for one in equations) else "eqs"
-    return f'<div class="{kind}">{"".join(_equation(one) for one in equations)}</div>'
+    kind = "eqs wide" if any(has_matrix(item) for item in equations) else "eqs"
+    return f'<div class="{kind}">{"".join(_equation(item) for item in equations)}</div>'
 
 
 def _equation(equation: Equation) -> str:
-    said = escape(f"{f'({equation.number}): ' if equation.number else ''}{equation_words(equation)}")
+    aria_label = escape(f"{f'({equation.number}): ' if equation.number else ''}{equation_words(equation)}")
     anchor = f' id="{escape(equation.anchor)}"' if equation.anchor else ""
     return (
-        f'<div class="eq"{anchor} role="group" aria-label="{said}">'
+        f'<div class="eq"{anchor} role="group" aria-label="{aria_label}">'
         f'<span class="l">{_piece(equation.left)}</span>'
         f'<span class="q"><span class="r">{relation_math(equation.relation) if equation.relation else ""}</span>'
         f"{_groups(equation.parts)}</span>{_number(equation)}</div>"
@@ -53,7 +53,7 @@ def _number(equation: Equation) -> str:
 
 def _groups(parts: Sequence[Part]) -> str:
     numbered = list(enumerate(parts))
-    groups = [(name, list(some)) for name, some in groupby(numbered, lambda one: one[1].group)]
+    groups = [(name, list(some)) for name, some in groupby(numbered, lambda item: item[1].group)]
     listed = len(parts) > LONG and len(groups) > 1
     if len(groups) == 1:
         return f'<span class="b g">{"".join(_part(part, k == 0) for k, part in numbered)}</span>'
@@ -76,20 +76,10 @@ def _part(part: Part, first: bool) -> str:
     return f'<span{title} tabindex="0">{shown}</span>' if title else f"<span>{shown}</span>"
 
 
-def formula_html(formula: Formula) -> str:
-    """A formula, within a line."""
-    return math(formula)
-
-
-def equation_html(equation: Equation) -> str:
-    """An equation with its own style."""
-    return equations_shown((equation,))
-
-
 def equations_shown(equations: Sequence[Equation]) -> str:
     """Equations below each other, with their own style, and without the anchors and links that a page gives them."""
     style = render("report/display.css", {})
-    return f"<style>\n{style}</style>\n{equations_html([_loose(one) for one in equations])}"
+    return f"<style>\n{style}</style>\n{equations_html([_loose(item) for item in equations])}"
 
 
 def _loose(equation: Equation) -> Equation:

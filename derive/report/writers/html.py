@@ -90,7 +90,7 @@ class _Writer:
             case Details(summary, inner):
                 return f"<details><summary>{escape(summary)}</summary>\n{self.blocks(inner)}\n</details>"
             case Columns(columns):
-                sides = "\n".join(f"<div>\n{self.blocks(one)}\n</div>" for one in columns)
+                sides = "\n".join(f"<div>\n{self.blocks(item)}\n</div>" for item in columns)
                 return f'<div class="columns">\n{sides}\n</div>'
 
 
@@ -119,7 +119,7 @@ def _inline(part: Inline) -> str:
 
 
 def _table(table: TableBlock) -> str:
-    align = [ALIGN.get(one, "") for one in table.align.ljust(len(table.head), "l")]
+    align = [ALIGN.get(item, "") for item in table.align.ljust(len(table.head), "l")]
     listed = sum(bool(cell.title) for row in table.rows for cell in row) <= MANY
     head = "".join(_head(table, k, side) for k, side in enumerate(align))
     rows = "\n".join(f"<tr>{_cells(row, align, listed)}</tr>" for row in table.rows)

@@ -76,7 +76,7 @@ class _Writer:
             case Details(summary, inner):
                 return f"\\paragraph{{{escaped(summary)}}}\n\n{self.blocks(inner)}"
             case Columns(columns):
-                return "\n\n".join(self.blocks(one) for one in columns)
+                return "\n\n".join(self.blocks(item) for item in columns)
 
     def text(self, words: Text) -> str:
         return "".join(map(self._inline, words))
@@ -108,7 +108,7 @@ class _Writer:
         return f"\\label{{{self._names[anchor]}}}" if anchor else ""
 
     def _equation(self, equation: Equation) -> str:
-        anchors = [one for one in (equation.anchor, *(part.anchor for part in equation.parts)) if one]
+        anchors = [item for item in (equation.anchor, *(part.anchor for part in equation.parts)) if item]
         label = self._label(anchors[0]) if anchors else ""
         tag = f"\\tag{{{escaped(equation.number)}}}" if equation.number else "\\tag*{}" if label else "\\notag"
         summands = [summand_latex(part, k == 0) for k, part in enumerate(equation.parts)]

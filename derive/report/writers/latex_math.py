@@ -100,7 +100,9 @@ def _tree(formula: Formula, last: bool = True) -> str:
         case Call():
             return f"{_function(formula.name)}{_argument(formula, last)}"
         case Matrix(rows):
-            lines = " \\\\{} ".join(" & ".join("\\cdot" if one is None else _tree(one) for one in row) for row in rows)
+            lines = " \\\\{} ".join(
+                " & ".join("\\cdot" if item is None else _tree(item) for item in row) for row in rows
+            )
             columns = "c" * max((len(row) for row in rows), default=1)
             return f"\\left[\\begin{{array}}{{{columns}}} {lines} \\end{{array}}\\right]"
 
@@ -156,7 +158,7 @@ def _styled(text: str, style: str) -> str:
 
 
 def _index(indices: tuple[str, ...]) -> str:
-    return " ".join(_index_word(one) for one in index(indices))
+    return " ".join(_index_word(item) for item in index(indices))
 
 
 def _index_word(text: str) -> str:
@@ -173,7 +175,7 @@ def _power(base: Formula, exponent: str, last: bool) -> str:
 
 
 def _fenced(formula: Fenced) -> str:
-    left, right = (_sign(one) if one else "." for one in (formula.left, formula.right))
+    left, right = (_sign(item) if item else "." for item in (formula.left, formula.right))
     inner = _tree(formula.of)
     if is_tall(formula.of) or "." in (left, right):
         return f"\\left{left} {inner} \\right{right}"

@@ -108,7 +108,7 @@ def _character(c: str) -> str:
     if len(parts) == 2 and parts[0] in ("<super>", "<sub>") and (small := chr(int(parts[1], 16))).isascii():
         return f"${'^' if parts[0] == '<super>' else '_'}{{{small}}}$"
     if len(parts) == 2 and not parts[0].startswith("<"):
-        base, accent = (chr(int(one, 16)) for one in parts)
+        base, accent = (chr(int(item, 16)) for item in parts)
         if base.isascii() and accent in ACCENTS:
             return f"\\{ACCENTS[accent]}{{{base}}}"
     return f"\\texttt{{U+{ord(c):04X}}}"
@@ -145,12 +145,12 @@ def _columns(table: TableBlock) -> list[str]:
     widths = [max(_width(text) for text in column) for column in texts]
     if sum(widths) + 2 * len(widths) <= LINE:
         return list(align)
-    short = [one for one in widths if one <= LONG]
-    long = [one for one in widths if one > LONG]
+    short = [item for item in widths if item <= LONG]
+    long = [item for item in widths if item > LONG]
     room = max(0.9 - sum(short) / LINE - 0.02 * len(widths), 0.3)
     return [
-        side if one <= LONG or not long else f"p{{{room * one / sum(long):.2f}\\linewidth}}"
-        for side, one in zip(align, widths, strict=True)
+        side if item <= LONG or not long else f"p{{{room * item / sum(long):.2f}\\linewidth}}"
+        for side, item in zip(align, widths, strict=True)
     ]
 
 

@@ -59,7 +59,7 @@ def _pictures(blocks: Sequence[Block]) -> list[str]:
             case Details(_, inner):
                 result += _pictures(inner)
             case Columns(columns):
-                result += [svg for one in columns for svg in _pictures(one)]
+                result += [svg for item in columns for svg in _pictures(item)]
     return result
 
 
@@ -81,7 +81,7 @@ class _Writer:
             case Paragraph(words):
                 return [text(words)]
             case EquationBlock(rows):
-                anchors = [one for row in rows for one in (row.anchor, *(part.anchor for part in row.parts))]
+                anchors = [item for row in rows for item in (row.anchor, *(part.anchor for part in row.parts))]
                 return [*self._anchors(anchors), _equations(rows)]
             case TableBlock():
                 return [*([f"*{plain(block.caption)}*"] if block.caption else []), _table(block)]
@@ -94,11 +94,11 @@ class _Writer:
             case Details(summary, inner):
                 return [f"<details><summary>{_html(summary)}</summary>", *self.blocks(inner), "</details>"]
             case Columns(columns):
-                return [piece for one in columns for piece in self.blocks(one)]
+                return [piece for item in columns for piece in self.blocks(item)]
 
     def _anchors(self, anchors: Sequence[str]) -> list[str]:
-        wanted = [one for one in anchors if one in self._wanted]
-        return ["".join(f'<a id="{_html(one)}"></a>' for one in wanted)] if wanted else []
+        wanted = [item for item in anchors if item in self._wanted]
+        return ["".join(f'<a id="{_html(item)}"></a>' for item in wanted)] if wanted else []
 
 
 def text(words: Text) -> str:
@@ -156,7 +156,7 @@ def _code(words: str) -> str:
 
 
 def _equations(rows: Sequence[Equation]) -> str:
-    shown = " \\\\\n".join(_equation(one) for one in rows)
+    shown = " \\\\\n".join(_equation(item) for item in rows)
     return f"```math\n\\begin{{align}}\n{shown}\n\\end{{align}}\n```"
 
 
@@ -170,7 +170,7 @@ def _equation(equation: Equation) -> str:
 
 
 def _table(table: TableBlock) -> str:
-    sides = [SIDES[one] for one in table.align.ljust(len(table.head), "l")]
+    sides = [SIDES[item] for item in table.align.ljust(len(table.head), "l")]
     rows = [table.head, *(tuple(cell.text for cell in row) for row in table.rows)]
     shown = [_row([_cell(words) for words in row]) for row in rows]
     return "\n".join([shown[0], _row(sides), *shown[1:]])

@@ -41,9 +41,9 @@ TIGHT = {"∂", "δ", "\u2032", "d"}
 
 def math(formula: Formula, display: bool = False) -> str:
     """A formula as a `math` element; those of more than one letter carry their words."""
-    said = "" if isinstance(formula, NumberToken | Name) else f' alttext="{escape(words(formula))}"'
+    alt_text = "" if isinstance(formula, NumberToken | Name) else f' alttext="{escape(words(formula))}"'
     shown = ' display="block"' if display else ""
-    return f"<math{shown}{said}>{inside(formula)}</math>"
+    return f"<math{shown}{alt_text}>{inside(formula)}</math>"
 
 
 def math_in_text(formula: Formula) -> str:
@@ -98,7 +98,7 @@ def mathml(formula: Formula, last: bool = True) -> str:
         case Call():
             return f"<mrow>{_word(formula.name)}{_argument(formula, last)}</mrow>"
         case Matrix(rows):
-            cells = "".join(f"<mtr>{''.join(_cell(one) for one in row)}</mtr>" for row in rows)
+            cells = "".join(f"<mtr>{''.join(_cell(item) for item in row)}</mtr>" for row in rows)
             return f"<mrow><mo>[</mo><mtable>{cells}</mtable><mo>]</mo></mrow>"
 
 
@@ -182,16 +182,18 @@ def _index(indices: tuple[str, ...]) -> str:
     words = index(indices)
     if len(words) > 1 and all(word == "," or word.isdigit() for word in words):
         return f"<mn>{''.join(words)}</mn>"
-    out = [_index_word(one) for one in index(indices)] if not any(" " in one for one in indices) else _spaced(indices)
+    out = (
+        [_index_word(item) for item in index(indices)] if not any(" " in item for item in indices) else _spaced(indices)
+    )
     return "".join(out) if len(out) < 2 else f"<mrow>{''.join(out)}</mrow>"
 
 
 def _spaced(indices: tuple[str, ...]) -> list[str]:
     """Indices of several words, such as the piece of a rod, with room between the words."""
     out: list[str] = []
-    for k, one in enumerate(indices):
+    for k, item in enumerate(indices):
         out += ["<mo>,</mo>"] if k else []
-        for j, word in enumerate(one.split(" ")):
+        for j, word in enumerate(item.split(" ")):
             out += ['<mspace width=".25em"/>'] if j else []
             out += map(_index_word, index((word,)))
     return out

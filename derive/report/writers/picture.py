@@ -24,7 +24,7 @@ def inline(svg: str, anchor: str, alt: str) -> str:
         _own(element, anchor)
         if element.tag == "style":
             element.text = scoped(element.text or "", f"#{anchor}")
-    for title in [one for one in root if one.tag == "title"]:
+    for title in [item for item in root if item.tag == "title"]:
         root.remove(title)
     title = ElementTree.Element("title", {"id": f"{anchor}-title"})
     title.text = alt
@@ -60,7 +60,7 @@ def scoped(style: str, scope: str) -> str:
         selectors = result[1].strip()
         if selectors.startswith("@"):
             return f" {selectors} {{"
-        return f" {', '.join(f'{scope} {one.strip()}' for one in selectors.split(','))} {{"
+        return f" {', '.join(f'{scope} {item.strip()}' for item in selectors.split(','))} {{"
 
     return re.sub(r"([^{}]+)\{", narrowed, style).strip()
 
@@ -68,7 +68,7 @@ def scoped(style: str, scope: str) -> str:
 def _drop_foreign(root: ElementTree.Element) -> None:
     """Take the name space from tags and links, and leave out what programs tell of themselves."""
     for parent in list(root.iter()):
-        for child in [one for one in parent if isinstance(one.tag, str) and one.tag == f"{{{SVG}}}metadata"]:
+        for child in [item for item in parent if isinstance(item.tag, str) and item.tag == f"{{{SVG}}}metadata"]:
             parent.remove(child)
     for element in root.iter():
         element.tag = str(element.tag).removeprefix(f"{{{SVG}}}")

@@ -66,12 +66,12 @@ class _Writer:
 
     def _block(self, block: Block) -> str:
         match block:
-            case Heading(said, anchor, level):
-                return f"heading(level: {level - 1}, {string(said)})\n{self._place(anchor)}"
-            case Paragraph(said):
-                return f"par({self.text(said)})"
+            case Heading(content, anchor, level):
+                return f"heading(level: {level - 1}, {string(content)})\n{self._place(anchor)}"
+            case Paragraph(content):
+                return f"par({self.text(content)})"
             case EquationBlock(rows):
-                return f"rows({', '.join(self._equation(one) for one in rows)})"
+                return f"rows({', '.join(self._equation(item) for item in rows)})"
             case TableBlock():
                 return self._table(block)
             case Picture(svg, alt, caption):
@@ -86,8 +86,8 @@ class _Writer:
             case Columns(columns):
                 return self._columns(columns)
 
-    def text(self, said: Text) -> str:
-        return "{ " + "; ".join(self._inline(part) for part in said) + " }"
+    def text(self, content: Text) -> str:
+        return "{ " + "; ".join(self._inline(part) for part in content) + " }"
 
     def _inline(self, part: str | Math | Hyperlink | CodeSpan | Strong) -> str:
         match part:
@@ -95,29 +95,29 @@ class _Writer:
                 return string(part)
             case Math(formula):
                 return math(formula)
-            case Hyperlink(said, to):
+            case Hyperlink(content, to):
                 name = self._names.get(to[1:])
                 if to.startswith("#"):
-                    return f'link(label("{name}"), {string(said)})' if name else string(said)
-                return f"link({string(address(to))}, {string(said)})"
-            case CodeSpan(said):
-                return f"raw({string(said)})"
-            case Strong(said):
-                return f"strong({string(said)})"
+                    return f'link(label("{name}"), {string(content)})' if name else string(content)
+                return f"link({string(address(to))}, {string(content)})"
+            case CodeSpan(content):
+                return f"raw({string(content)})"
+            case Strong(content):
+                return f"strong({string(content)})"
 
     def _place(self, anchor: str) -> str:
         return "".join(f"at({name})" for name in self._new([anchor]))
 
     def _new(self, anchors: Sequence[str]) -> list[str]:
         """The names of anchors that have no place yet."""
-        names = list(dict.fromkeys(self._names[one] for one in anchors if one))
+        names = list(dict.fromkeys(self._names[item] for item in anchors if item))
         result = [name for name in names if name not in self._placed]
         self._placed.update(result)
         return [string(name) for name in result]
 
     def _equation(self, equation: Equation) -> str:
         numbered = list(enumerate(equation.parts))
-        groups = [(name, list(some)) for name, some in groupby(numbered, lambda one: one[1].group)]
+        groups = [(name, list(some)) for name, some in groupby(numbered, lambda item: item[1].group)]
         listed = len(numbered) > LONG and len(groups) > 1
         shown = [
             f"(name: {string(name if listed else '')}, pieces: "
@@ -134,10 +134,10 @@ class _Writer:
     def _table(self, table: TableBlock) -> str:
         align = table.align.ljust(len(table.head), "l")
         size = "9pt" if len(table.head) < 8 else "7.5pt" if len(table.head) < 12 else "6pt"
-        head = _list([self.text(said) for said in table.head])
+        head = _list([self.text(content) for content in table.head])
         cells = _list([self._cell(cell) for row in table.rows for cell in row])
         caption = string(table.caption) if table.caption else "none"
-        return f"tabular({caption}, {size}, {_list([SIDES[one] for one in align])}, {head}, {cells})"
+        return f"tabular({caption}, {size}, {_list([SIDES[item] for item in align])}, {head}, {cells})"
 
     def _cell(self, cell: Cell) -> str:
         return f'cell("{cell.mark}", {self.text(cell.text)})'
@@ -148,7 +148,7 @@ class _Writer:
         start, stop = comment
         pieces = [code[:start], code[start:stop], code[stop:]]
         shown = [f"raw({string(pieces[0])})", f"note(raw({string(pieces[1])}))", f"raw({string(pieces[2])})"]
-        body = "; ".join(one for one, piece in zip(shown, pieces, strict=True) if piece)
+        body = "; ".join(item for item, piece in zip(shown, pieces, strict=True) if piece)
         place = self._new([line.anchor])
         links = _list([self._inline(link) for link in line.links])
         return (
@@ -168,11 +168,11 @@ def math(formula: Formula) -> str:
     return f"math.equation(alt: {string(words(formula))}, ${typst_math(formula)}$)"
 
 
-def _display(shown: str, said: str) -> str:
+def _display(shown: str, content: str) -> str:
     """A piece of an equation; there may be nothing to show."""
     if not shown.strip():
         return "[]"
-    return f"math.equation(alt: {string(said)}, $display({shown})$)"
+    return f"math.equation(alt: {string(content)}, $display({shown})$)"
 
 
 class TypstMissing(TisserandError):

@@ -63,7 +63,7 @@ def typst_math(formula: Formula, last: bool = True) -> str:
         case Call():
             return f"op({string(formula.name)}) {_argument(formula, last)}"
         case Matrix(rows):
-            lines = "; ".join(", ".join("dot.op" if one is None else typst_math(one) for one in row) for row in rows)
+            lines = "; ".join(", ".join("dot.op" if item is None else typst_math(item) for item in row) for row in rows)
             return f'mat(delim: "[", {lines})'
 
 
@@ -99,8 +99,8 @@ def _number(text: str) -> str:
 def _sign(text: str) -> str:
     if text in SIGNS:
         return SIGNS[text]
-    one = letter(text)
-    return one if len(one) == 1 and one.isalpha() else string(text)
+    item = letter(text)
+    return item if len(item) == 1 and item.isalpha() else string(text)
 
 
 def _nucleus(name: Name) -> str:
@@ -121,12 +121,12 @@ def _nucleus(name: Name) -> str:
 
 
 def _scripts(base: str, below: str, above: str) -> str:
-    scripts = [f"{place}: {one}" for place, one in (("b", below), ("t", above)) if one]
+    scripts = [f"{place}: {item}" for place, item in (("b", below), ("t", above)) if item]
     return f"attach({', '.join([base, *scripts])})" if scripts else base
 
 
 def _index(indices: tuple[str, ...]) -> str:
-    return " ".join(_index_word(one) for one in index(indices))
+    return " ".join(_index_word(item) for item in index(indices))
 
 
 def _index_word(text: str) -> str:

@@ -70,8 +70,8 @@ def player_data(motion: SceneMotion, curves: Sequence[Column]) -> Plain:
             for b in scene.bodies
             if not isinstance(b, BeamBody)
         ],
-        "rods": [_beam(shown, beam, step) for beam in beams],
-        "places": [_marker(scene, marker) for marker in markers],
+        "beams": [_beam(shown, beam, step) for beam in beams],
+        "markers": [_marker(scene, marker) for marker in markers],
         "joints": [_joint(shown, joint, markers, at) for joint in scene.joints],
         "springs": [
             [markers.index(s.first), markers.index(s.second)] for s in scene.springs if FORCES[s.kind].along_line
@@ -174,5 +174,5 @@ def _joint(motion: SceneMotion, joint: Joint, markers: list[MarkerRef], at: dict
         phi = np.zeros(len(motion.t)) if on_ground else motion.pose(joint.first.body)[:, 2]
         axes = transformed(np.stack([0 * phi, 0 * phi, phi], axis=1), axis)
         along_axis = np.sum((at[joint.second] - at[joint.first]) * axes, axis=1)
-        data |= {"axis": axis.tolist(), "way": [_rounded(along_axis.min()), _rounded(along_axis.max())]}
+        data |= {"axis": axis.tolist(), "range": [_rounded(along_axis.min()), _rounded(along_axis.max())]}
     return data

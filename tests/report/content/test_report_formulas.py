@@ -184,10 +184,9 @@ def test_kinematics_in_components_are_those_derived() -> None:
 
     motion, numbers = planar_motion(0), draw("point")
     line = pages.equations(pages.section("point", "kinematics"))[-1]
-    fenced = line.parts[1].formula.parts[-1]
-    given = [
-        part.parts[0] for part in fenced.of.parts if isinstance(part, FormulaRow) and isinstance(part.parts[0], Matrix)
-    ]
+    rows = [part.formula.parts for part in line.parts if isinstance(part.formula, FormulaRow)]
+    assert all(row[0] == Name("Q", style="tensor") for row in rows) and len(rows) == 3
+    given = [factor for row in rows for factor in row if isinstance(factor, Matrix)]
     for field, matrix in zip((R, RDOT), given, strict=True):
         found = np.array([[number(entry, numbers.formulas) for entry in row] for row in matrix.rows])
         expected = motion.acceleration[field].applyfunc(lambda e: sp.Float(numbers.of(sp.S.Zero + e)))

@@ -13,7 +13,7 @@ from typing import Any
 import pytest
 import sample_report
 
-from derive.report.writers.equation_html import equation_html
+from derive.report.writers.equation_html import equations_shown
 from derive.report.writers.html import html
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
@@ -87,7 +87,7 @@ def probed(folder: Path, pages: list[tuple[int, str]], *options: str) -> list[di
 @pytest.mark.skipif(CHROMIUM is None, reason="there is no Chromium here")
 def test_every_equation_is_to_be_seen(tmp_path: Path) -> None:
     text = html(sample_report.page(8))
-    alone = f"<!doctype html><head></head><body>{equation_html(sample_report.turning(8))}"
+    alone = f"<!doctype html><head></head><body>{equations_shown((sample_report.turning(8),))}"
     wide, narrow, phone, notebook = probed(tmp_path, [(1280, text), (390, text), (320, text), (700, alone)])
     for found in (wide, narrow, phone, notebook):
         assert found["errors"] == [] and found["unseen"] == found["blank"] == found["broken"] == 0

@@ -17,10 +17,11 @@ from derive.report.document.anchors import faults
 from derive.report.document.code_comments import comments
 from derive.report.document.formula import Name
 from derive.report.document.page import Cell, CodeLine, Hyperlink, Listing, Math, Page, Paragraph, Picture, TableBlock
-from derive.report.writers.equation_html import equation_html, formula_html
+from derive.report.writers.equation_html import equations_shown
 from derive.report.writers.html import html
 from derive.report.writers.latex import latex
 from derive.report.writers.markdown import markdown
+from derive.report.writers.mathml import math
 from derive.report.writers.picture import inline, scoped, standalone
 from derive.report.writers.typst import typst
 
@@ -136,10 +137,10 @@ def test_pictures_keep_to_themselves() -> None:
 
 
 def test_equations_by_themselves() -> None:
-    text = equation_html(sample_report.VECTOR)
+    text = equations_shown((sample_report.VECTOR,))
     assert strict_html.Page(text).faults == [] and text.startswith("<style>") and 'role="group"' in text
     assert "href" not in text and " id=" not in text
-    assert formula_html(sample_report.PHI2).startswith("<math>")
+    assert math(sample_report.PHI2).startswith("<math>")
 
 
 def test_the_same_page_gives_the_same_bytes() -> None:

@@ -55,6 +55,20 @@ def test_a_mechanism_that_cannot_be_closed_is_drawn_as_guessed() -> None:
     assert abs(initial_poses(spec)["coupler"][0] - guess["coupler"][0]) > 1e-5
 
 
+@pytest.mark.parametrize("name", NAMES)
+def test_the_picture_is_as_wide_as_what_is_drawn(name: str) -> None:
+    root = ElementTree.fromstring(mechanism_picture(scene(name)))
+    left, _, width, _ = map(float, root.get("viewBox", "").split())
+    edges = []
+    for e in root.iter():
+        if e.tag.endswith("}text"):
+            half = 3.3 * len(e.text or "")
+            edges += [float(e.get("x", 0)) - half, float(e.get("x", 0)) + half]
+        edges += [float(pair.split(",")[0]) for pair in e.get("points", "").split()]
+    assert left <= min(edges) and max(edges) <= left + width
+    assert min(edges) - left < 40 and left + width - max(edges) < 40
+
+
 def test_labels_do_not_cover_each_other() -> None:
     root = ElementTree.fromstring(mechanism_picture(scene("crank_slider_3")))
     boxes = []
