@@ -120,7 +120,7 @@ def casadi_written_out(problem: Problem) -> Variant:
     q, v = state_symbols(problem)
     p = [parameter.symbol for parameter in problem.equations.parameters]
     symbols = [ca.SX.sym(name, len(s)) for name, s in (("q", q), ("v", v), ("p", p))]
-    mass, force = ([problem.equations.expanded(e) for e in group] for group in entries(problem))
+    mass, force = ([problem.equations.substituted(e) for e in group] for group in entries(problem))
     both = to_casadi([*q, *v, *p], mass + force)(*(x for column in symbols for x in ca.vertsplit(column)))
     text = casadi_c(symbols, both[: len(mass)], both[len(mass) :])
     return casadi_call("CasADi, written out", text, problem.inputs.p)
@@ -169,7 +169,7 @@ def sympy_call(name: str, problem: Problem, inputs: list[sp.Symbol], groups: Any
 
 def sympy_written_out(problem: Problem, cse: bool) -> Variant:
     """SymPy from expanded expressions, parameters at run time."""
-    groups = [[problem.equations.expanded(e) for e in group] for group in entries(problem)]
+    groups = [[problem.equations.substituted(e) for e in group] for group in entries(problem)]
     p = [parameter.symbol for parameter in problem.equations.parameters]
     name = "SymPy, written out" + ", cse" * cse
     return sympy_call(name, problem, p, groups, problem.inputs.p, cse)
