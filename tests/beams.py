@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 import derive
+from derive.derivation import lowered_form
 from derive.runtime.compiled_model import Native
 
 FRAMES: dict[str, Any] = {
@@ -56,8 +57,9 @@ def made(frame: str = "mean", n: int = 2) -> Made:
 
 def build(spec: Any) -> Made:
     """All stages of one specification."""
-    equations = derive.derive(spec).expanded()
-    model = derive.lower(equations)
+    derived = derive.derive(spec)
+    model = derive.lower(derived)
+    equations = lowered_form(derived, model)
     return Made(spec, equations, model, derive.model_files(model, spec))
 
 
