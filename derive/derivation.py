@@ -32,7 +32,7 @@ def derive(spec: Specification) -> Equations | Mechanism:
     """The equations of motion of a body, or the mechanism that a scene describes.
 
     Both have a method `expanded()`, which expands the sums over the modes and, for a mechanism, the equations of every
-    instance of a body. Raises SpecError if the specification has no valid equations.
+    instance of a body. Raises SpecError if the specification has no valid equations, TypeError if it is none.
     """
     match spec:
         case PlanarBeam():
@@ -43,6 +43,8 @@ def derive(spec: Specification) -> Equations | Mechanism:
             return indexed_equations.derive_body(parametric_body(spec), spec.lowering)
         case NodalBody():
             return derive_modal(modal(spec), spec.gravity, spec.lowering)
+        case _:  # what a type checker excludes, but not an interpreter
+            raise TypeError(f"a specification is needed, not {type(spec).__name__}; read a file with derive.read(...)")
 
 
 def modal(spec: NodalBody) -> ModalBody:

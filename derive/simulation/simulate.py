@@ -24,6 +24,7 @@ from derive.simulation.integration.registry import INTEGRATORS
 from derive.simulation.integration.solution import Progress, Solution
 from derive.simulation.observables.csv_writer import Column
 from derive.simulation.observables.motion import SceneMotion, drive_unit, drive_values
+from derive.spec.construction import validated
 from derive.spec.model.scene import Scene, Simulation
 
 
@@ -130,11 +131,14 @@ def simulate(
     """The motion of a scene from its consistent initial state.
 
     duration, output, tolerance: the time, s, the interval between rows, s, and the error of a step, instead of those of
-    the `simulation` of the scene. integrator: a name in `INTEGRATORS`. step: that of integrators with fixed steps, s.
+    the `simulation` of the scene. integrator: a name in `INTEGRATORS`. step: that of integrators with fixed steps, s;
+    the others refuse it.
     progress: called with the time (s) that the integration has reached.
 
-    Raises SpecError, UnknownNameError, CompilerError, ModelError, SimulationError.
+    Raises TypeError for anything but a scene, SpecError, UnknownNameError, CompilerError, ModelError, SimulationError.
     """
+    if not isinstance(scene, Scene):
+        raise TypeError(f"a scene is needed, not {type(scene).__name__}; read its file with derive.read(...)")
     settings = simulation_settings(scene, duration, output, tolerance)
     compile_integrator = INTEGRATORS[integrator]
     model = lower(derive(scene))
@@ -156,15 +160,18 @@ def simulate(
 def simulation_settings(
     scene: Scene, duration: float | None = None, output: float | None = None, tolerance: float | None = None
 ) -> Simulation:
-    """The `simulation` of a scene with the values that are given instead. Raises SpecError if it is incomplete."""
+    """The `simulation` of a scene with the values that are given instead. Raises SpecError if incomplete or wrong."""
     given = {"duration": duration, "output": output, "tolerance": tolerance}
     changes = {name: value for name, value in given.items() if value is not None}
-    if scene.simulation is not None:
-        return replace(scene.simulation, **changes)
-    if not {"duration", "output"} <= set(changes):
+    if scene.simulation is not None and not changes:
+        return scene.simulation
+    if scene.simulation is None and not {"duration", "output"} <= set(changes):
         text = "this table is missing; add it, with `duration` (s) and `output`, the time between rows (s)"
         raise SpecError((Problem("simulation", text),))
-    return Simulation(**changes)
+    changed = replace(scene.simulation, **changes) if scene.simulation else Simulation(**changes)
+    simulation = validated(replace(scene, simulation=changed)).simulation
+    assert simulation is not None
+    return simulation
 
 
 def output_times(simulation: Simulation) -> Vector:

@@ -43,7 +43,7 @@ def test_equal_bodies_are_one_kind_whatever_their_numbers():
     assert [len(kind.motion.alpha) for kind in mechanism.kinds] == [2, 1]
     assert [j.joint.name for j in mechanism.joints] == ["hinge", "elbow", "first_cut_1", "first_cut_2", "first_cut_3"]
     assert mechanism.joints[1].joint.first == derive.MarkerRef("first_4", "right")
-    assert str(mechanism).splitlines()[1] == "  kind 0, 2 shapes: first_1, first_2, first_3, first_4, second"
+    assert str(mechanism).splitlines()[1] == "  kind 1 of body, 2 shapes: first_1, first_2, first_3, first_4, second"
 
 
 def test_equations_are_derived_once_for_each_kind(monkeypatch: pytest.MonkeyPatch):

@@ -114,3 +114,20 @@ def test_a_scene_without_simulation_needs_duration_and_output() -> None:
     with pytest.raises(derive.SpecError, match="simulation: this table is missing"):
         derive.simulate(scene, duration=1.0)
     assert len(derive.simulate(scene, duration=2e-3, output=1e-3).t) == 3
+
+
+@pytest.mark.parametrize("given", [{"duration": -1.0}, {"output": 0.0}, {"tolerance": 2.0}, {"duration": 1e9}])
+def test_what_is_given_instead_is_checked_as_a_file_is(given: dict[str, float]) -> None:
+    with pytest.raises(derive.SpecError, match="simulation"):
+        derive.simulate(pendulum(), **{"duration": END, "output": 0.03} | given)
+
+
+def test_a_step_is_refused_where_it_means_nothing() -> None:
+    with pytest.raises(derive.SimulationError, match="dop853 chooses its own steps"):
+        trajectory("dop853", step=1e-3)
+
+
+def test_a_path_is_not_a_specification() -> None:
+    for function in (derive.derive, derive.simulate):
+        with pytest.raises(TypeError, match=r"not str; read .* with derive\.read"):
+            function("scenes/double_pendulum.toml")  # type: ignore[arg-type]  # the mistake under test

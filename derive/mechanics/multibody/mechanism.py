@@ -75,11 +75,12 @@ class Mechanism:
         for number, kind in enumerate(self.kinds):
             names = [instance.name for instance in self.instances if instance.kind == number]
             shapes = len(kind.motion.alpha)
-            lines.append(f"  kind {number}, {shapes} shapes: {', '.join(names)}")
+            lines.append(f"  kind {number + 1} of body, {shapes} shapes: {', '.join(names)}")
         joints = (f"{j.joint.name} ({j.joint.kind}{', driven' if j.drive else ''})" for j in self.joints)
         lines.append(f"  constraints: {', '.join(joints) or 'none'}")
         lines.append(f"  forces: {', '.join(force.element.name for force in self.forces) or 'none'}")
-        return "\n".join([*lines, *(f"  {e.what}: {e.reason}" for e in self.eliminated)])
+        lines += [f"  {e.what}: {e.reason}" for e in self.eliminated]
+        return "\n".join([*lines, "  the equations, one row for each coordinate: print(mechanism.expanded())"])
 
 
 def _expanded(mechanism: Mechanism) -> Equations:

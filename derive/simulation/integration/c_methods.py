@@ -69,6 +69,8 @@ def ida(files: Sequence[File]) -> Integrator:
     native = _scene(host)
 
     def integrate(k: Vector, q: Vector, v: Vector, times: Vector, settings: Settings) -> Solution:
+        settings.refuse_step("c_ida")
+
         def run(q0: Vector, v0: Vector, t0: float, interval: float, rows: int) -> Integration:
             return host.run(q0, v0, interval=interval, rows=rows + 1, rtol=settings.tolerance, k=k, t0=t0)
 

@@ -8,12 +8,13 @@ from dataclasses import dataclass
 from derive.artifacts import File
 from derive.runtime.compiled_model import NativeScene
 from derive.runtime.native_call import Vector
+from derive.simulation.errors import SimulationError
 from derive.simulation.integration.solution import Progress, Solution
 
 
 @dataclass(frozen=True)
 class Settings:
-    """Settings that integrators share; each ignores those that it has no use for.
+    """Settings that integrators share.
 
     tolerance: the error of a step, relative and absolute (SI), of methods with adaptive steps. drift: the limit of |g|
     (m, rad) and |gdot| (m/s, rad/s) in every row. step: that of methods with fixed steps, s; None lets them choose.
@@ -24,6 +25,14 @@ class Settings:
     drift: float = 1e-9
     step: float | None = None
     progress: Progress | None = None
+
+    def refuse_step(self, integrator: str) -> None:
+        """Called by methods with adaptive steps, which cannot use `step`. Raises SimulationError."""
+        if self.step is not None:
+            raise SimulationError(
+                f"{integrator} chooses its own steps, so that a step of {self.step:g} s means nothing to it; leave it "
+                "out and give a tolerance, or choose an integrator with fixed steps, such as c_rk4"
+            )
 
 
 @dataclass(frozen=True, eq=False)

@@ -21,6 +21,7 @@ def _scipy(method: Literal["DOP853", "RK45"]) -> Compile:
         native = load_scene(files)
 
         def run(k: Vector, q: Vector, v: Vector, times: Vector, s: Settings) -> Solution:
+            s.refuse_step(method.lower())
             return integrate(
                 native, k, q, v, times, method=method, tolerance=s.tolerance, drift=s.drift, progress=s.progress
             )
@@ -34,6 +35,7 @@ def _ida(files: Sequence[File]) -> Integrator:
     native = load_scene(files)
 
     def run(k: Vector, q: Vector, v: Vector, times: Vector, s: Settings) -> Solution:
+        s.refuse_step("ida")
         return integrate_ida(native, k, q, v, times, tolerance=s.tolerance, drift=s.drift, progress=s.progress)
 
     return Integrator(native, run)
