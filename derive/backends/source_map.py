@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 from derive.artifacts import File
-from derive.ir.model import Kernel, Section
+from derive.ir.model import Kernel, Model, ModelTerm, Section
 from derive.ir.statements import Statement
 
 
@@ -26,7 +26,8 @@ class SourceLine:
 
     stores: the value that the line writes to an output; defines: the scalar or the local array that it computes. A
     statement of several lines stores or defines in the first of them. section and statement are the indices of the
-    section in its kernel and of the statement in its section; None for lines that belong to no statement.
+    section in its kernel and of the statement in its section; None for lines that belong to no statement. terms: the
+    terms of the equations of motion that the value is made of, if the line stores a value of M or h.
     """
 
     text: str
@@ -34,6 +35,7 @@ class SourceLine:
     defines: str | None = None
     section: int | None = None
     statement: int | None = None
+    terms: tuple[ModelTerm, ...] = ()
 
     def indented(self) -> SourceLine:
         """The line, one step further to the right; an empty line stays empty."""
@@ -130,9 +132,13 @@ class SourceFile(File):
 
 
 class SourceBuilder:
-    """A file in the making: texts and functions, one after the other, with the numbers of their lines."""
+    """A file of a model in the making: texts and functions, one after the other, with the numbers of their lines."""
 
-    def __init__(self) -> None:
+    def __init__(self, model: Model) -> None:
+        self._terms: dict[tuple[str, int], tuple[ModelTerm, ...]] = {}
+        for term in model.terms:
+            for key in (*(("M", k) for k in term.mass), *(("h", k) for k in term.force)):
+                self._terms[key] = (*self._terms.get(key, ()), term)
         self._texts: list[str] = []
         self._lines = 0
         self._functions: dict[str, FunctionLines] = {}
@@ -144,9 +150,13 @@ class SourceBuilder:
 
     def function(self, kernel: Kernel, lines: Iterable[SourceLine]) -> None:
         """Add the function of a kernel, on lines of its own."""
-        function = FunctionLines(kernel, self._lines + 1, tuple(lines))
+        function = FunctionLines(kernel, self._lines + 1, tuple(self._with_terms(line) for line in lines))
         self._functions[kernel.name] = function
         self.text("".join(f"{line.text}\n" for line in function.lines))
+
+    def _with_terms(self, line: SourceLine) -> SourceLine:
+        terms = self._terms.get((line.stores.output, line.stores.index)) if line.stores else None
+        return replace(line, terms=terms) if terms else line
 
     def file(self, language: str, path: str) -> SourceFile:
         """The file."""

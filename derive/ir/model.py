@@ -150,6 +150,20 @@ class Zero:
 
 
 @dataclass(frozen=True)
+class ModelTerm:
+    """A term of the equations of motion: the names of its row and of itself, its equation, and where its value goes.
+
+    mass, force: the indices of the values of M and of h that it is a part of.
+    """
+
+    row: str
+    name: str
+    equation: str
+    mass: tuple[int, ...]
+    force: tuple[int, ...]
+
+
+@dataclass(frozen=True)
 class Kkt:
     """The structure of a scene's KKT matrix [M, -G^T; -G, 0]: lower triangle, order of elimination, fill-in of L."""
 
@@ -165,6 +179,7 @@ class Model:
     doc: the kind of model in words; frame_doc: the definition of the floating frames in words. coordinates, velocities,
     equations: q, v, and the equations of motion with their units. kernels: the functions, setup first. markers: the
     material points. zeros, vanished: the structural zeros of the mass matrix and the terms of (15) that vanish.
+    terms: the terms of the equations of motion with the values they are part of.
 
     lowering: "flat" (straight-line code) or "table" (loops over the modes); choice: the reason for it. data: the
     defaults of parameters that are arrays, as pairs (index, value); all other values are zero.
@@ -192,6 +207,7 @@ class Model:
     bodies: tuple[str, ...] = ()
     eliminated: tuple[Zero, ...] = ()
     kkt: Kkt | None = None
+    terms: tuple[ModelTerm, ...] = ()
 
     @property
     def defaults(self) -> tuple[float, ...]:

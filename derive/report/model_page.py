@@ -34,7 +34,7 @@ def model_page(built: Built, specification: SpecificationText) -> Page:
         raise TypeError("a scene has a page of its own")
     written = notation(equations)
     code = source_map(built.files, "c")
-    terms = locate_terms(equations, model, code)
+    terms = locate_terms(equations, code)
     families = moments(equations, written)
     numbers = paper_numbers(spec) if isinstance(spec, PlanarBeam) else None
     matrix = mass_matrix(model, equations)

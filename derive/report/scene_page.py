@@ -45,7 +45,7 @@ def scene_page(built: Built, specification: SpecificationText, results: Sequence
         raise TypeError("this is no scene")
     written = notation(equations)
     code = source_map(built.files, "c")
-    terms = locate_terms(equations, model, code)
+    terms = locate_terms(equations, code)
     shown = _of_first_pieces(spec, equations)
     families = moments(shown, written)
     visible = [p for p in terms if p.term.row in {row.name for row in shown.rows}]

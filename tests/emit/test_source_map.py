@@ -132,6 +132,33 @@ def test_lines_know_their_statements(model: Model, backend: Backend) -> None:
         assert {(s.output, s.index) for s in stored} <= {(s.output, s.index) for s in function.stores}
 
 
+@pytest.mark.parametrize("backend", [CBackend(), PythonBackend()], ids=lambda backend: backend.name)
+def test_lines_know_their_terms(model: Model, backend: Backend) -> None:
+    """Each term of the equations is in the lines that store its values, and each line that stores M or h has terms."""
+    found, _ = emitted(backend, model)
+    of_h, of_m = (
+        {(t.row, t.name) for line in found.functions[name].lines if line.stores for t in line.terms}
+        for name in ("force", "mass")
+    )
+    assert of_h.isdisjoint(of_m) and of_h | of_m == {(t.row, t.name) for t in model.terms} != set()
+    for line in found.functions["mass"].lines:
+        assert bool(line.terms) == bool(line.stores and line.stores.output == "M")
+
+
+def test_terms_of_the_lines_of_a_beam() -> None:
+    """In a point frame, the translation of the first row couples with the rotation, (15)."""
+    functions = source_map(beams.made("point", 2).files, "c").functions
+    entries = beams.made("point", 2).model.pattern("mass", "M").entries
+    rows = [row.name for row in beams.made("point", 2).equations.rows]
+    for line in functions["mass"].lines:
+        if line.stores:
+            i, j = entries[line.stores.index]
+            assert {t.row for t in line.terms} <= {rows[i], rows[j]}
+    for line in functions["force"].lines:
+        if line.stores:
+            assert all(t.row == rows[line.stores.index] and t.name not in ("translation", "Euler") for t in line.terms)
+
+
 def test_the_map_is_found_by_its_language() -> None:
     files = beams.made("mean", 2).files
     assert source_map(files, "c").path == "beam_mean_2/beam_mean_2.c"
@@ -152,7 +179,7 @@ class Outline:
         return (f"{model}/{model}.json",)
 
     def files(self, model: Model, fingerprint: str) -> tuple[File, ...]:
-        builder = SourceBuilder()
+        builder = SourceBuilder(model)
         builder.text(f'{{"generator": "{MARK}", "specification": "{fingerprint}",\n')
         for kernel in model.kernels:
             lines = plain(f'"{kernel.name}": [')

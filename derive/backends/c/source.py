@@ -39,7 +39,7 @@ class CBackend:
         """`NAME.h`, and `NAME.c` with its source map; `fingerprint` is that of the specification."""
         header, source = self.file_names(model.name)
         values = _template_values(model, fingerprint)
-        builder = SourceBuilder()
+        builder = SourceBuilder(model)
         builder.text(render("c/prologue.c.jinja", values))
         for kernel in model.kernels:
             builder.function(kernel, _function(model, kernel))

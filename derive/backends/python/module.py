@@ -39,7 +39,7 @@ class PythonBackend:
             "helpers": f"\n{HELPERS.rstrip()}" if model.lowering == "table" else "",
             "defaults": _defaults(model),
         }
-        builder = SourceBuilder()
+        builder = SourceBuilder(model)
         builder.text(render("python/prologue.py.jinja", values))
         for kernel in model.kernels:
             builder.text("\n")

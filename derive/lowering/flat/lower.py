@@ -10,6 +10,7 @@ from derive.lowering.flat import constraints, dae, functions
 from derive.lowering.flat.context import Context
 from derive.lowering.flat.setup import setup_kernel
 from derive.lowering.functions import FunctionKind, ModelFunction, functions_of
+from derive.lowering.terms import model_terms
 from derive.mechanics.equations import Equations
 
 Implementation = Callable[[Context, ModelFunction], Kernel]
@@ -51,7 +52,7 @@ def lower(equations: Equations, choice: str = "") -> Model:
     setup, constants = setup_kernel(context, kernels)
     names = tuple(c.name for c in constants)
     coordinates = equations.coordinates
-    return Model(
+    model = Model(
         name=equations.name,
         doc=equations.doc,
         frame_doc=equations.frame_doc,
@@ -70,6 +71,7 @@ def lower(equations: Equations, choice: str = "") -> Model:
         eliminated=tuple(Zero(out.what, out.reason) for out in equations.eliminated),
         vanished=tuple(Zero(f"{v.term.name} term of row {v.term.row}", str(v.reason)) for v in equations.vanished),
     )
+    return replace(model, terms=model_terms(equations, model.pattern("mass", "M")))
 
 
 def _with_constants(kernel: Kernel, names: tuple[str, ...]) -> Kernel:

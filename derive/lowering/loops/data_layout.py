@@ -31,6 +31,7 @@ from derive.ir.statements import (
     StoreStrided,
     padded,
 )
+from derive.lowering.terms import model_terms
 from derive.mechanics.equations import Equations
 from derive.mechanics.sums import PARITY
 from derive.mechanics.symbols import MASS, Family, parameter
@@ -231,7 +232,7 @@ def model(
     docs |= {TABLES: (", ".join(layout.packing.tables), ""), TRIANGLE: ("c8 for i <= j", "kg"), ROOT: ("of c8", "")}
     constants = tuple(Variable(v.name, docs[v.name][0], docs[v.name][1], 0.0, v.size) for v in layout.argument.arrays)
     constants += tuple(Variable(name, *docs[name]) for name in layout.argument.elements)
-    return Model(
+    result = Model(
         name=eq.name,
         doc=eq.doc,
         frame_doc=eq.frame_doc,
@@ -251,6 +252,7 @@ def model(
         choice=choice,
         data=_data(eq, layout),
     )
+    return replace(result, terms=model_terms(eq, result.pattern("mass", "M")))
 
 
 def _data(eq: Equations, layout: DataLayout) -> tuple[tuple[int, float], ...]:
