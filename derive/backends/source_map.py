@@ -1,4 +1,4 @@
-"""Where each statement of a model stands in an emitted file: a typed map that is made while the file is printed."""
+"""The line of each statement of a model in an emitted file: a typed map that is made while the file is printed."""
 
 from __future__ import annotations
 

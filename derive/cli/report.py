@@ -16,7 +16,7 @@ PAPER = "paper"
 
 
 def run(options: argparse.Namespace) -> int:
-    """Make the page, then write it in every language that was asked for."""
+    """Make the page, then write it in every format requested."""
     show_progress("building ...")
     try:
         name, doc, page = _paper() if options.paper else _of_model(options.spec)

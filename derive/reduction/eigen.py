@@ -23,7 +23,7 @@ DENSE = 900
 """Up to so many displacements the eigenvalue problem is solved with full matrices."""
 
 SPARE = 4
-"""Modes computed besides those asked for, so that modes of equal frequency are not torn apart."""
+"""Modes computed in addition to those requested, so that modes of equal frequency are not separated."""
 
 
 def modal_stiffness(stiffness: csr_array | None, phi: Array) -> Array:
@@ -40,7 +40,7 @@ def most_modes(mass: csr_array, rigid: int) -> int:
 
 
 def elastic_modes(body: NodalBody, mass: csr_array, x: Array) -> tuple[Array, Array]:
-    """The lowest elastic modes, more than are asked for by a few where there are more, and their stiffness."""
+    """The lowest elastic modes, a few more than requested if there are more, and their stiffness."""
     assert body.data.stiffness is not None and body.modes is not None  # by check_body
     x = centred(mass, x)
     basis = rigid_basis(mass, x)

@@ -31,7 +31,7 @@ LEGEND = (
 
 
 def pivot_data(name: str, pieces: int, frames: tuple[FrameStability, FrameStability]) -> dict[str, Any]:
-    """All numbers as plain data; None stands for a number that is not finite."""
+    """All numbers as plain data; a number that is not finite becomes None."""
     content = {
         "name": name,
         "pieces": pieces,

@@ -178,7 +178,7 @@ class _Drawing:
         return round(self.left + float(x), 1), round(self.bottom - float(y), 1)
 
     def label(self, x: float, y: float, text: str, kind: str) -> None:
-        """A label next to a point; where it stands is decided when all of them are known."""
+        """A label next to a point; its position is chosen when all labels are known."""
         self.labels.append((x, y, text, kind))
 
     def path(self, kind: str, points: list[tuple[float, float]], closed: bool = False) -> None:

@@ -18,6 +18,6 @@ def player_page(data: Mapping[str, Any]) -> str:
 
 
 def json_island(data: object) -> str:
-    """JSON that can stand within a script element, whatever its texts are."""
+    """JSON that is safe within a script element, whatever its texts are."""
     text = json.dumps(data, separators=(",", ":"), allow_nan=False)
     return text.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026")

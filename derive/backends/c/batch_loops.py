@@ -196,7 +196,7 @@ def totals(loop: Accumulate, name: str) -> tuple[Let, ...]:
 
 
 def states(width: int) -> str:
-    """The head of a loop over states; see `LANES_MACRO` for what stands before a short one."""
+    """The head of a loop over states; see `LANES_MACRO` for the pragma before a short loop."""
     return f"{'TISSERAND_LANES ' if width <= SHORT else ''}for (int b = 0; b < {width}; b++) {{"
 
 

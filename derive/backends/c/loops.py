@@ -47,7 +47,7 @@ class CLoops:
         self._numbers: Iterator[int] = count(1)
 
     def lines(self, loop: Loop) -> Lines:
-        """The lines of one statement, as they stand in a function."""
+        """The lines of one statement, as they are written in a function."""
         return indented(self._lines(loop))
 
     def _lines(self, loop: Loop) -> Lines:
@@ -273,7 +273,7 @@ def panel_helper(name: str, size: int) -> list[str]:
 
 
 def _for(index: str, stop: int, start: int = 0, body: str = "{") -> str:
-    """The head of a loop; see LANES_MACRO for what stands before a short one."""
+    """The head of a loop; see LANES_MACRO for the pragma before a short loop."""
     short = "TISSERAND_LANES " if 1 < stop - start <= SHORT else ""
     return f"{short}for (int {index} = {start}; {index} < {stop}; {index}++) {body}".rstrip()
 

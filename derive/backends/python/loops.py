@@ -59,7 +59,7 @@ class PythonLoops:
         self.inside: set[str] = set()
 
     def lines(self, loop: Loop) -> Lines:
-        """The lines of one statement, as they stand in a function."""
+        """The lines of one statement, as they are written in a function."""
         match loop:
             case Map():
                 return [line for item in loop.body for line in self._map_item(item, loop.count)]

@@ -29,7 +29,7 @@ class Name:
 
 @dataclass(frozen=True)
 class OperatorToken:
-    """A sign that stands between formulas or before one: = + - and others."""
+    """An operator between formulas or before a formula: = + - and others."""
 
     text: str
 

@@ -66,7 +66,7 @@ class EquationBlock:
 
 @dataclass(frozen=True)
 class Cell:
-    """A cell of a table; `title` is told on hover, `mark` lets it be coloured (zero, entry, good, bad)."""
+    """A cell of a table; `title` is its tooltip, `mark` lets it be coloured (zero, entry, good, bad)."""
 
     text: Text
     title: str = ""
@@ -86,7 +86,7 @@ class TableBlock:
 
 @dataclass(frozen=True)
 class Picture:
-    """A picture as SVG text, with an alternative text. `hint` tells readers of the screen what the pointer shows."""
+    """A picture as SVG text, with an alternative text. `hint` explains, on a screen, what the pointer shows."""
 
     svg: str
     alt: str

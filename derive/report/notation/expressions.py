@@ -42,7 +42,7 @@ FAMILIES = {family: k for k, family in enumerate(Family)}
 Key = tuple[object, ...]
 
 ORDER = (Rank.ACCELERATION, Rank.VELOCITY, Rank.AMPLITUDE, Rank.MOMENT, Rank.CONSTANT, Rank.SINE, Rank.ROTATION)
-"""In this order factors decide where a summand stands."""
+"""The order in which factors determine the position of a summand."""
 
 
 @dataclass(frozen=True)
@@ -58,7 +58,7 @@ class Notation:
     rows: Mapping[str, Identity] = field(default_factory=dict)
 
     def written(self, symbol: sp.Symbol) -> TypesetSymbol:
-        """How a symbol is written, and where it stands in a product."""
+        """How a symbol is written, and its position in a product."""
         if symbol == MASS and self.mass is not None:
             symbol = self.mass
         return written(symbol)
@@ -98,7 +98,7 @@ class Notation:
         return tuple(result)
 
     def order(self, summand: sp.Expr) -> Key:
-        """Where a summand stands: by its accelerations, its rates, its amplitudes, then by what is left."""
+        """The position of a summand: by its accelerations, its rates, its amplitudes, then by its other factors."""
         powers = summand.as_powers_dict()
         by_rank: dict[Rank, list[Key]] = {rank: [] for rank in Rank}
         for base, exponent in powers.items():
@@ -226,7 +226,7 @@ def number(value: sp.Rational) -> Formula:
 
 
 def _number(value: sp.Expr) -> tuple[list[Formula], list[Formula]]:
-    """What stands above and below the line of a positive number; nothing for a one."""
+    """The numerator and the denominator of a positive number; nothing for 1."""
     if not value.is_Rational:
         return [NumberToken(f"{float(value):.{DIGITS}g}")], []
     if value.q <= SMALL and value.p < LARGE:
@@ -243,7 +243,7 @@ def decimal(value: sp.Rational) -> str:
 
 
 def _of_columns(formula: FormulaRow) -> bool:
-    """Whether a row is a product of matrices, which stands in brackets among other factors."""
+    """Whether a row is a product of matrices, which needs brackets among other factors."""
     return any(isinstance(part, Name) and part.style == "vector" for part in formula.parts)
 
 

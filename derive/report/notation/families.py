@@ -19,7 +19,7 @@ from derive.report.document.formula import Call, Formula, FormulaRow, Name, Numb
 
 
 class Rank(IntEnum):
-    """Where a factor stands in a product: factors follow each other in this order."""
+    """The order of the factors in a product."""
 
     CONSTANT = 0
     MOMENT = 1
@@ -266,4 +266,4 @@ WRITERS: dict[Family, Callable[[Identity, tuple[str, ...]], TypesetSymbol]] = {
     Family.TIME: _named,
     Family.LOCAL: _named,
 }
-"""How the symbols of each family are written: from an identity and what stands above to the formula."""
+"""How the symbols of each family are written: from an identity and its superscript to the formula."""

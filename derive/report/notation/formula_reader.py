@@ -146,7 +146,7 @@ class _Reader:
         yield Name(_BIG.get(text, text), dots, below, above, self._style(text, below))
 
     def _script(self) -> str:
-        """An index: one word, or what stands in braces."""
+        """An index: one word, or the content of braces."""
         text = self._take()[1]
         if text != "{":
             return text

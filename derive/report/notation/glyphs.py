@@ -66,7 +66,7 @@ def number(text: str) -> tuple[str, str]:
 
 
 def index(indices: tuple[str, ...]) -> list[str]:
-    """The words of indices; those of one letter each stand beside each other, others are parted by commas."""
+    """The words of indices; single letters are set side by side, others are separated by commas."""
     close = all(is_letter(item) or set(item) <= set("'*\u2032") for item in indices)
     words: list[str] = []
     for k, item in enumerate(indices):

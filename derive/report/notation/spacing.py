@@ -1,4 +1,4 @@
-"""What stands between the factors of a formula, and where brackets are needed: the same in every language."""
+"""The separators between the factors of a formula, and where brackets are needed: the same in every language."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def factors(row: FormulaRow) -> list[Formula]:
 
 
 def gap(left: Formula, right: Formula) -> Gap:
-    """What stands between two formulas: nothing, an invisible sign, that and a thin space, or a dot."""
+    """The separator of two formulas: nothing, an invisible times, that and a thin space, or a dot."""
     if _is_sign(left) or isinstance(right, OperatorToken):
         differential = right == OperatorToken("d") and not _is_sign(left)
         return "thin" if differential else "none"
@@ -53,7 +53,7 @@ def _is_word(formula: Formula) -> bool:
 
 
 def needs_brackets(base: Formula) -> bool:
-    """Whether a base of a power has to stand in brackets."""
+    """Whether the base of a power needs brackets."""
     many = isinstance(base, FormulaRow) and len(factors(base)) != 1
     return many or isinstance(base, Quotient | Power) or (isinstance(base, NumberToken) and not base.text.isdecimal())
 

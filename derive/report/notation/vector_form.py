@@ -156,7 +156,7 @@ def summand(components: Sequence[sp.Expr], group: str = "", title: str = "") -> 
 
 
 def summands(components: Sequence[sp.Expr]) -> tuple[Part, ...]:
-    """A vector of the derivation as a sum of products: its terms sorted by what stands in them."""
+    """A vector of the derivation as a sum of products: its terms sorted by their factors."""
     result: dict[tuple[str, ...], list[sp.Expr]] = {}
     for k, entry in enumerate(components):
         for term in sp.Add.make_args(sp.expand(entry)):
@@ -174,7 +174,7 @@ def _conjugates(tree: Tree) -> int:
 
 
 def _used(components: sp.ImmutableMatrix) -> tuple[str, ...]:
-    """The atoms of a term, each as often as it stands there."""
+    """The atoms of a term, each repeated by its power."""
     entry = next(e for e in components if e != 0)
     powers = sp.Add.make_args(entry)[0].as_powers_dict()
     names = [ATOM_OF[symbol] for symbol, power in powers.items() if symbol.is_Symbol for _ in range(int(power))]

@@ -147,7 +147,7 @@ def _matrix(matrix: sp.Matrix) -> Matrix:
 
 
 def condition(frame: str, k: int, at: Exact | None = None) -> tuple[Equation, ...]:
-    """A condition of a frame as it stands in the derivation, for v."""
+    """A condition of a frame as the derivation uses it, for v."""
     return (_written(_condition(frame, k, at)),)
 
 

@@ -198,7 +198,7 @@ def _options(assumption: Assumption) -> Text:
 
 
 def plain(text: str) -> str:
-    """Words without their marks, for what is told on hover."""
+    """Words without markup, for tooltips."""
     return re.sub(r"\$([^$]*)\$", lambda result: spoken(formula(result[1])), text).replace("`", "")
 
 

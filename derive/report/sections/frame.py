@@ -206,7 +206,7 @@ GIVEN_MODES = "The modes are used as they are given; no condition is imposed on 
 
 
 def body_frame_blocks(spec: NodalBody | SymbolicBody) -> tuple[Block, ...]:
-    """What is asked of the modes, and, of a body of nodes, how far they were from it."""
+    """The conditions on the modes and, for a body of nodes, by how much the given modes violated them."""
     kind = spec.frame if isinstance(spec, SymbolicBody) else spec.frame.kind
     results: list[Block] = [Heading("The frame and what it removes", "frame")]
     if kind == "mean":

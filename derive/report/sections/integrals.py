@@ -19,7 +19,7 @@ from derive.roles import Role
 
 
 def integral_blocks(equations: Equations, notation: Notation) -> tuple[Block, ...]:
-    """The integrals that are there, with their values; those that vanish are told elsewhere."""
+    """The integrals that do not vanish, with their values."""
     head = Heading("Shape integrals", "integrals")
     if equations.indexed:
         return (head, _tables(equations, notation))
@@ -54,7 +54,7 @@ def _value(coefficient: ModelConstant, notation: Notation) -> Content:
 
 
 NAMED = {Family.POINT_POSITION: "points", Family.GRAVITY: "gravity", Family.MASS: "mass"}
-"""Families whose entries stand together under a word."""
+"""Families whose entries are grouped under a heading."""
 
 TABLES = (*INTEGRANDS, Family.STIFFNESS, Family.DAMPING)
 """Families with a table of entries."""

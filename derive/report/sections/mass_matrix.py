@@ -177,7 +177,7 @@ def _dots(matrix: MassPattern, left: int, top: int) -> list[str]:
 
 
 def _reasons(matrix: MassPattern, left: int, top: int, cell: int) -> list[str]:
-    """Over each run of zeros with one reason what tells it."""
+    """A region with a tooltip over each run of zeros that have the same reason."""
     lines = []
     for i, name in enumerate(matrix.labels):
         absent = [j for j in range(matrix.size) if (i, j) not in matrix.entries]

@@ -39,7 +39,7 @@ class Moment:
 
 
 def moments(equations: Equations, notation: Notation) -> tuple[tuple[Moment, ...], ...]:
-    """d1, D2, d3, J and what else has a name, by families. Q stands in the kinematics, products of omega as such."""
+    """d1, D2, d3, J and the other named moments, by families; Q is defined in the kinematics."""
     listed = [d for d in equations.definitions if not d.zero and d.section not in ("oo", "Q")]
     result = [Moment(d.symbol, notation.parts(d.expr), d.equation) for d in listed]
     if equations.indexed:

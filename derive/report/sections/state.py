@@ -58,7 +58,7 @@ def _is_spatial(model: Model) -> bool:
 
 
 def _rows(variables: Iterable[Variable], symbols: Iterable[sp.Symbol], whole: sp.Symbol) -> list[list[Content]]:
-    """The rows of a table of coordinates or velocities; `whole` stands for the array of those of all shapes."""
+    """The rows of a table of coordinates or velocities; `whole` is the symbol of the array over all modes."""
     by_name = {symbol.name: symbol for symbol in symbols}
     return [_row(v, written(by_name.get(v.name, whole)).formula) for v in variables]
 

@@ -30,7 +30,7 @@ def group(term: Term) -> str:
 
 
 def rank_in_row(term: Term) -> int:
-    """Where a term stands in its row, by its group."""
+    """The position of a term in its row, by its group."""
     return ORDER.index(group(term)) if group(term) in ORDER else len(ORDER)
 
 
@@ -61,7 +61,7 @@ def locate_terms(equations: Equations, code: SourceMap) -> tuple[LocatedTerm, ..
 
 
 def definition_lines(code: SourceMap) -> dict[str, int]:
-    """The line that computes each name: of `force`, or of `mass` if it stands there alone."""
+    """The line that computes each name: of `force`, or of `mass` if only that computes it."""
     return {**code.functions["mass"].definitions, **code.functions["force"].definitions}
 
 

@@ -37,7 +37,7 @@ MOST_ROWS, MOST_SUMMANDS = 16, 240
 
 @dataclass(frozen=True)
 class Substitution:
-    """What the symbols of equations stand for, written out in coordinates, rates and parameters."""
+    """The symbols of the equations, expressed in coordinates, velocities and parameters."""
 
     values: Mapping[sp.Symbol, sp.Expr]
 

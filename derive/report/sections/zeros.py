@@ -68,7 +68,7 @@ def _rows(names: Sequence[str], notation: Notation) -> str:
 
 
 def _would_be(term: Term, notation: Notation) -> Content:
-    """What a vanished term stands for, where that is short."""
+    """The expression of a vanished term, if it is short."""
     if term.expr == 0:
         return NumberToken("0")
     count = len(sp.Add.make_args(term.expr))

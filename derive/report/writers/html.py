@@ -38,7 +38,7 @@ MARKS = tuple(",.;:)!?'\u2019")
 LONG, SOME = 40, 16
 """Columns of more characters keep room for them."""
 MANY = 200
-"""Tables with more told cells than this are not walked through by the tab key."""
+"""Tables with more annotated cells than this are not reached by the tab key."""
 
 
 def html(page: Page) -> str:

@@ -65,7 +65,7 @@ def summand_latex(part: Part, first: bool, text: Callable[[str], str] = escaped)
 
 
 def relation_latex(text: str) -> str:
-    """A relation; a colon behind the name of a row stands close to it."""
+    """A relation; a colon behind the name of a row is set close to it."""
     return "\\colon\\quad" if text == ":" else _resolved(_sign(text), escaped) if text else ""
 
 

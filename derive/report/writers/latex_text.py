@@ -80,7 +80,7 @@ DERIVATIVES = {"\u0307": "\\dot", "\u0308": "\\ddot"}
 
 
 def escaped(text: str) -> str:
-    """Text as LaTeX shows it; characters that its fonts lack are told by their numbers."""
+    """Text as LaTeX shows it; characters that its fonts lack are replaced by their code points."""
     text = "".join(c for c in unicodedata.normalize("NFC", text) if c.isprintable() or c in "\n\t\u00a0")
     dotted = re.sub(r"(\w)([\u0307\u0308])", lambda result: f"\0{result[2]}{result[1]}", text)
     dotted = re.sub(r"-(?=-)", "-\1", dotted)

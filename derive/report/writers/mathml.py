@@ -72,7 +72,7 @@ def relation_math(text: str) -> str:
 
 
 def inside(formula: Formula) -> str:
-    """What stands inside of a `math` element: one that holds a row is a row by itself."""
+    """The content of a `math` element; a row needs no `mrow` there, because `math` lays out its content as a row."""
     return _row(factors(formula)) if isinstance(formula, FormulaRow) else mathml(formula)
 
 
@@ -103,7 +103,7 @@ def mathml(formula: Formula, last: bool = True) -> str:
 
 
 def _row(parts: Sequence[Formula], behind: bool = False) -> str:
-    """Formulas beside each other; a sign that they start with stands between, where they are `behind` others."""
+    """Formulas side by side; if they are `behind` others, a sign that they start with is a binary operator."""
     start = parts[0] if parts else None
     if isinstance(start, OperatorToken) and (behind or start.text in ("+", "=")):
         return f'<mo form="infix">{_sign(start.text)}</mo>{_row(parts[1:])}'

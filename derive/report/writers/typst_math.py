@@ -68,7 +68,7 @@ def typst_math(formula: Formula, last: bool = True) -> str:
 
 
 def summand_typst(part: Part, first: bool) -> str:
-    """A summand with its sign; that of a first one stands close."""
+    """A summand with its sign; the sign of the first summand is set close to it."""
     sign = "" if first and part.sign == "+" else _sign(part.sign)
     kind = f'class("{"unary" if first else "binary"}", {sign}) ' if sign else ""
     return f"{'' if first else 'zws '}{kind}{typst_math(summand(part.formula, part.sign))}"

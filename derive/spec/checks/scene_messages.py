@@ -57,7 +57,7 @@ _SYMBOLS = {"inertia": "I", "speed": "Omega", "stiffness": "k", "damping": "d", 
 
 
 def is_union(path: KeyPath) -> bool:
-    """Whether a value can be written in two ways, between which pydantic tells in its path."""
+    """Whether a value has two notations, which pydantic distinguishes in the path of an error."""
     match path:
         case ("bodies", _) | ("bodies", _, "frame"):
             return True

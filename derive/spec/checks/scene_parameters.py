@@ -35,7 +35,7 @@ class SceneConstant(NamedTuple):
 
 
 def parameter_faults(view: SceneData) -> Iterator[Fault]:
-    """Symbols that are taken, and symbols that stand for two parameters."""
+    """Symbols that are taken, and symbols that name two parameters."""
     taken = taken_names(view)
     model = view.data.get("name")
     if isinstance(model, str):

@@ -1,4 +1,4 @@
-"""The arrays of a body of nodes as they stand in files: NumPy archives and MatrixMarket, none of it trusted."""
+"""The arrays of a body of nodes as files contain them: NumPy archives and MatrixMarket, none of it trusted."""
 
 from __future__ import annotations
 

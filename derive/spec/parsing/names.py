@@ -1,4 +1,4 @@
-"""Which names a specification may use: those that can stand in C, C++, Python and file names."""
+"""Which names a specification may use: those that are valid in C, C++, Python and file names."""
 
 from __future__ import annotations
 

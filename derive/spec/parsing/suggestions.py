@@ -9,7 +9,7 @@ from derive.errors import quoted
 
 
 def unknown_key(key: str, known: Iterable[str]) -> str:
-    """The message on an unknown key; `known` are the keys that may stand there."""
+    """The message on an unknown key; `known` are the keys that are allowed there."""
     keys = list(known)
     return "unknown key" + did_you_mean(key, keys, f"the keys here are {', '.join(keys)}")
 

@@ -55,7 +55,7 @@ def kind_of(value: object) -> str:
 
 
 def name(value: object) -> str:
-    """A name that can stand in the generated code."""
+    """A name that the generated code can use."""
     if not isinstance(value, str):
         raise WrongValueError(f'a name in quotation marks is needed, such as "beam_1", not {kind_of(value)}')
     problem = name_problem(value)

@@ -1,4 +1,4 @@
-"""The tables of the bodies of a scene, and of what they stand on, as pydantic models."""
+"""The tables of the bodies of a scene, and of the ground, as pydantic models."""
 
 from __future__ import annotations
 
