@@ -34,7 +34,8 @@ from derive.extensions import (
 from derive.simulation.observables.player_data import player_data
 from derive.spec.tables.specification import json_schema
 from derive.spec.toml.read import parse
-from derive.visual.mechanism import initial_poses, mechanism_picture
+from derive.visual.mechanism import mechanism_picture
+from derive.visual.undeformed_poses import initial_poses
 
 G = 9.81
 

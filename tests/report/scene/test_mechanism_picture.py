@@ -12,7 +12,8 @@ import pytest
 from derive.report.writers.picture import inline
 from derive.spec.model.scene import Scene
 from derive.spec.toml.read import read
-from derive.visual.mechanism import initial_poses, mechanism_picture, position
+from derive.visual.mechanism import mechanism_picture
+from derive.visual.undeformed_poses import initial_poses, position
 
 SCENES = Path(__file__).parents[3] / "scenes"
 NAMES = ("crank_slider_3", "four_bar", "double_pendulum", "spinning_beam", "spun_up_cantilever")
