@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import Enum
+from typing import Literal
 
 from derive import display
 from derive.ir.cost import operations
@@ -200,7 +201,7 @@ class Model:
     markers: tuple[Variable, ...]
     zeros: tuple[Zero, ...]
     vanished: tuple[Zero, ...]
-    lowering: str = "flat"
+    lowering: Literal["flat", "table"] = "flat"
     choice: str = ""
     data: tuple[tuple[int, float], ...] = ()
     multipliers: tuple[Variable, ...] = ()

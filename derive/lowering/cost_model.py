@@ -35,24 +35,24 @@ class CostEstimate:
     table: float
     operations: int
 
-    def taken(self, asked: str) -> str:
-        """The lowering that is taken; `asked` is auto, flat or table. Raises CodeTooLong."""
-        if asked == "flat" and self.operations > MOST:
+    def taken(self, requested: str) -> str:
+        """The lowering that is taken; `requested` is auto, flat or table. Raises CodeTooLong."""
+        if requested == "flat" and self.operations > MOST:
             raise CodeTooLong(
                 f"unrolled, the forces alone would take some {self.operations} operations, "
                 f'and {MOST} is the most; use lowering = "table" or "auto", or fewer modes'
             )
-        return self.lowering if asked == "auto" else asked
+        return self.lowering if requested == "auto" else requested
 
-    def reason(self, asked: str) -> str:
+    def reason(self, requested: str) -> str:
         """A line of text that states the choice and the predicted times."""
-        way = {"flat": "unrolled", "table": "looped"}[self.taken(asked)]
-        why = "as the specification asks" if asked != "auto" else "the faster form"
-        return f"{way}, {why}; predicted evaluation time of h: {self.flat:.0f} ns unrolled, {self.table:.0f} ns looped"
+        form = {"flat": "unrolled", "table": "looped"}[self.taken(requested)]
+        why = "as the specification asks" if requested != "auto" else "the faster form"
+        return f"{form}, {why}; predicted evaluation time of h: {self.flat:.0f} ns unrolled, {self.table:.0f} ns looped"
 
 
 def choose(body: Body) -> CostEstimate:
-    """The faster way for a body in space."""
+    """The faster form for a body in space."""
     tables, modes = body.tables, body.modes
     operations = straight_operations(body)
     full = sum(
