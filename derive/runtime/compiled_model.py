@@ -88,9 +88,26 @@ class Native:
         p: all parameters (np,) in SI units, in the order of `parameters`; or some of them by name, in a mapping or as
         keyword arguments: `setup(EI=30)`, `setup({"EI": 30})`. Those that are not given have their defaults.
 
-        Raises UnknownNameError for a name that is not in `parameters`, ValueError on a wrong length, ModelError.
+        Raises UnknownNameError for a name that is not in `parameters`, ValueError on a wrong length, ModelError
+        with the names of the parameters that the model refuses.
         """
-        return self._call("setup", [(self.np, self.parameter_values(p, named))], self.nk)
+        values = self.parameter_values(p, named)
+        try:
+            return self._call("setup", [(self.np, values)], self.nk)
+        except ModelError as error:
+            raise ModelError(f"{self.name}_setup", error.code, self._refused(values)) from None
+
+    def _refused(self, values: Vector) -> list[str]:
+        """The parameters whose values the model refuses even if all others have their defaults."""
+        result = []
+        for k in np.flatnonzero(values != self.defaults):
+            trial = self.defaults.copy()
+            trial[k] = values[k]
+            try:
+                self._call("setup", [(self.np, trial)], self.nk)
+            except ModelError:
+                result.append(f"{self.parameters[k]} = {values[k]:g}")
+        return result
 
     def parameter_values(self, p: ArrayLike | Mapping[str, float] | None, named: Mapping[str, float]) -> Vector:
         """All parameters (np,): `p` as `setup` takes it, or the defaults, and those that are `named` instead."""

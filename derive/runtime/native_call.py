@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -17,12 +17,16 @@ Matrix = NDArray[np.float64]
 
 
 class ModelError(TisserandError, ArithmeticError):
-    """A function of a compiled model returned a code other than 0; `code` is that of `ReturnCode`."""
+    """A function of a compiled model returned a code other than 0; `code` is that of `ReturnCode`.
 
-    def __init__(self, function: str, code: int) -> None:
+    refused: the arguments that are the reason, with their values, if they are known.
+    """
+
+    def __init__(self, function: str, code: int, refused: Sequence[str] = ()) -> None:
         self.code = code
         meaning = ReturnCode(code).meaning if code in tuple(ReturnCode) else "unknown"
-        super().__init__(f"{function} returned {code}: {meaning}")
+        reason = f"; refused: {', '.join(refused)}" if refused else ""
+        super().__init__(f"{function} returned {code}: {meaning}{reason}")
 
 
 def invoke(name: str, function: Callable[..., int], arguments: list[Any], results: list[Vector]) -> None:

@@ -117,6 +117,8 @@ def test_parameters_by_name() -> None:
     assert np.array_equal(model.setup(EI=30), model.setup([m, length, 30]))
     assert np.array_equal(model.setup({"EI": 30, "m": 2}), model.setup([2, length, 30]))
     assert np.array_equal(model.setup([2, 1.5, 1], EI=30), model.setup([2, 1.5, 30]))
+    with pytest.raises(derive.ModelError, match=r"not positive; refused: l = nan, EI = -1$"):
+        model.setup(m=3, l=float("nan"), EI=-1)  # and the mass is not refused
     with pytest.raises(derive.UnknownNameError, match=r"no parameter of .* \"ei\".*known: m, l, EI"):
         model.setup(ei=30)
 
