@@ -101,8 +101,8 @@ def matching(coordinates: int, first: Matrix) -> dict[int, int]:
     size = np.log(np.maximum(G**2 / inertia, np.finfo(float).tiny))
     size[G == 0.0] = 2 * size.min() - 1.0  # such pairs are the last resort
     weights = csr_array(1.0 + size.max() - size)
-    multipliers, found = min_weight_full_bipartite_matching(weights)
-    return {coordinates + int(i): int(j) for i, j in zip(multipliers, found, strict=True)}
+    multipliers, matched = min_weight_full_bipartite_matching(weights)
+    return {coordinates + int(i): int(j) for i, j in zip(multipliers, matched, strict=True)}
 
 
 def without_diagonal(shape: Pattern, coordinates: int, order: Order) -> int:

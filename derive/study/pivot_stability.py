@@ -173,16 +173,16 @@ def _statistics(
 
 
 def _pivots(A: Matrix, b: Matrix, shape: Pattern, coordinates: int, order: Order) -> PivotStatistics:
-    found = eliminate(A, b, order.rows, order.cols)
+    elimination = eliminate(A, b, order.rows, order.cols)
     missing = without_diagonal(shape, coordinates, order)
     return PivotStatistics(
         without_diagonal=missing,
-        vanishing=int(found.vanished.sum()) - (missing > 0),
-        failures=int(found.failed.sum()),
-        smallest=float(np.nanmin(found.ratios)),
-        typical_growth=float(np.median(found.growth)),
-        growth=float(found.growth.max()),
-        backward_error=float(backward_error(A, b, found.x).max()),
+        vanishing=int(elimination.vanished.sum()) - (missing > 0),
+        failures=int(elimination.failed.sum()),
+        smallest=float(np.nanmin(elimination.ratios)),
+        typical_growth=float(np.median(elimination.growth)),
+        growth=float(elimination.growth.max()),
+        backward_error=float(backward_error(A, b, elimination.x).max()),
     )
 
 

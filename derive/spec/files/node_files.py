@@ -168,8 +168,8 @@ def _matrix_market(content: bytes, name: str) -> Array:
     except (ValueError, OverflowError, OSError) as error:
         raise WrongValueError(f"{name} is no MatrixMarket file: {_why(error)}") from None
     if field in ("complex", "pattern"):
-        found = "complex numbers" if field == "complex" else "a pattern without numbers"
-        raise WrongValueError(f"{name} holds {found}; real numbers are needed")
+        kind = "complex numbers" if field == "complex" else "a pattern without numbers"
+        raise WrongValueError(f"{name} holds {kind}; real numbers are needed")
     # A number takes two bytes at least, so that memory is asked for only if there is something to fill it.
     stored = entries if form == "coordinate" else rows * columns // 2
     if 2 * stored > len(content):
