@@ -17,7 +17,7 @@ The public interface, by stages:
                     scenes: Scene, RigidBody, BeamBody, PointMarker, MarkerRef, InitialGuess, Joint, Drive, Force,
                     Torque, Spring, TimeFunction, time_function, Simulation, Plot, Deflection, ReferenceCurve
                     both: Frame, Marker, Parameter
-                    registries: JOINTS, BODIES, FORCES; CustomJoint, CustomBody
+                    registries: JOINTS, BODIES, FORCES; CustomJoint, CustomBody, CustomForce
     equations       derive, modal, derive_modal, parameters; ModalBody; Equations of a body, or for a scene a
                     Mechanism, which keeps the equations once for each kind of body
     kernels         lower, interpret; Model
@@ -84,6 +84,7 @@ if TYPE_CHECKING:
     from derive.spec.model.scene import (
         BeamBody,
         CustomBody,
+        CustomForce,
         CustomJoint,
         Deflection,
         Drive,
@@ -178,6 +179,7 @@ _MODULES = {
     "derive.spec.model.scene": (
         "BeamBody",
         "CustomBody",
+        "CustomForce",
         "CustomJoint",
         "Deflection",
         "Drive",
@@ -209,6 +211,7 @@ __all__ = [
     "BodyFrame",
     "CompilerError",
     "CustomBody",
+    "CustomForce",
     "CustomJoint",
     "Damping",
     "Deflection",

@@ -56,6 +56,7 @@ CHECKS: dict[str, Check] = {
     "dop853_or_ida": lambda value: 0 < value < 1e-4,
     "double_pendulum_energy": lambda value: value < 1e-8,
     "equations_of_motion": lambda value: value == {"point": [64, 192], "mean": [144, 1200]},  # (33), (41)
+    "force_of_my_own": near(1, 1e-8),
     "four_bar_rigid": lambda value: value < 1e-9,
     "free_beam_frequencies": near(2.5e-4, 0.02),  # of the Ritz method with P2 to P7
     "gravity_pendulum": near(1, 1e-9),
@@ -120,11 +121,12 @@ def test_example(
 ) -> None:
     monkeypatch.chdir(tmp_path)  # nothing may depend on the working directory
     module = load(EXAMPLES / f"{name}.py")
-    joints = {*derive.JOINTS}
+    registered = [(registry, {*registry}) for registry in (derive.JOINTS, derive.BODIES, derive.FORCES)]
     draws = bool(inspect.signature(module.main).parameters)
     value = module.main(str(tmp_path)) if draws else module.main()
-    for joint in {*derive.JOINTS} - joints:  # other tests count what is registered
-        derive.JOINTS.unregister(joint)
+    for registry, known in registered:  # other tests count what is registered
+        for kind in {*registry} - known:
+            registry.unregister(kind)
     assert CHECKS[name](value), value
     assert capsys.readouterr().out
     assert [path.name for path in tmp_path.iterdir()] == ([f"{name}.svg"] if draws else [])

@@ -7,6 +7,7 @@ from dataclasses import asdict
 from typing import Any
 
 from derive.errors import Problem, SpecError, quoted
+from derive.mechanics.multibody.forces.registry import FORCES
 from derive.spec.model.body import (
     BodyFrame,
     Damping,
@@ -19,8 +20,10 @@ from derive.spec.model.body import (
     SymbolicBody,
 )
 from derive.spec.model.scene import (
+    NAMED,
     BeamBody,
     CustomBody,
+    CustomForce,
     CustomJoint,
     Drive,
     Force,
@@ -39,17 +42,6 @@ from derive.spec.model.scene import (
 )
 
 Data = dict[str, object]
-
-NAMED = {
-    "bodies": "body",
-    "joints": "joint",
-    "drives": "drive",
-    "forces": "force",
-    "torques": "torque",
-    "springs": "spring",
-    "plots": "plot",
-}
-"""The tables of a scene whose elements have names, and what one element is called."""
 
 
 def specification_tables(spec: Specification) -> Data:
@@ -172,6 +164,16 @@ def _joint(joint: Joint) -> Data:
     )
 
 
+def _custom_force(force: CustomForce) -> Data:
+    markers: Data
+    match FORCES[force.kind].section:
+        case "springs":
+            markers = {"between": [*force.markers]}
+        case _:
+            markers = dict(zip(("at", "against"), force.markers, strict=False))
+    return {"kind": force.kind, **markers, **force.values}
+
+
 def _plot(plot: Plot) -> Data:
     deflection = plot.quantity
     return without_none(
@@ -215,6 +217,7 @@ _CONVERT: Mapping[type, Callable[[Any], object]] = {
         damping=spring.damping,
         rest=spring.rest,
     ),
+    CustomForce: _custom_force,
     Simulation: asdict,
     Plot: _plot,
     ReferenceCurve: lambda curve: {"file": curve.file, "x": curve.x, "y": curve.y},

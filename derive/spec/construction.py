@@ -10,7 +10,7 @@ from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from typing import Any, TypeVar
 
-from derive.spec.as_tables import NAMED, as_table, named, specification_tables, without_none
+from derive.spec.as_tables import as_table, named, specification_tables, without_none
 from derive.spec.model.body import (
     DEFAULT_ANSATZ,
     DEFAULT_BENDING_STIFFNESS,
@@ -30,6 +30,8 @@ from derive.spec.model.body import (
     SymbolicFrame,
 )
 from derive.spec.model.scene import (
+    NAMED,
+    CustomForce,
     Drive,
     Force,
     Joint,
@@ -136,9 +138,9 @@ def scene(
     bodies: Named[SceneBody] = (),
     joints: Named[Joint] = (),
     drives: Named[Drive] = (),
-    forces: Named[Force] = (),
-    torques: Named[Torque] = (),
-    springs: Named[Spring] = (),
+    forces: Named[Force | CustomForce] = (),
+    torques: Named[Torque | CustomForce] = (),
+    springs: Named[Spring | CustomForce] = (),
     simulation: Simulation | Table | None = None,
     plots: Named[Plot] = (),
 ) -> Scene:

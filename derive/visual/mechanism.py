@@ -9,7 +9,7 @@ import numpy as np
 from derive.artifacts import MARK
 from derive.mechanics.multibody.joints.registry import JOINTS
 from derive.simulation.observables.motion import body_coordinates, function_values, outline, si_value
-from derive.spec.model.scene import GROUND, BeamBody, CustomBody, Force, Joint, MarkerRef, RigidBody, Scene, Spring
+from derive.spec.model.scene import GROUND, BeamBody, CustomBody, CustomForce, Force, Joint, MarkerRef, RigidBody, Scene
 from derive.visual.labelled_drawing import LabelledDrawing
 from derive.visual.undeformed_poses import Array, Poses, initial_poses, position, transformed_point
 
@@ -123,8 +123,8 @@ def _along(drawing: LabelledDrawing, start: tuple[float, float], end: tuple[floa
 
 def _supports(drawing: LabelledDrawing, scene: Scene) -> None:
     """A hatched triangle at each point of the ground that carries a joint or a spring."""
-    connections: tuple[Joint | Spring, ...] = (*scene.joints, *scene.springs)
-    ends = [end for item in connections for end in (item.first, item.second)]
+    ends = [end for joint in scene.joints for end in (joint.first, joint.second)]
+    ends += [end for spring in scene.springs for end in spring.markers]
     for marker in sorted({end.marker for end in ends if end.body == GROUND}):
         x, y = drawing.at(body_coordinates(scene, MarkerRef(GROUND, marker)))
         drawing.path("fixed", [(x, y), (x - 9, y + 15), (x + 9, y + 15)], True)
@@ -188,16 +188,20 @@ def _force(drawing: LabelledDrawing, x: float, y: float, along: Array) -> None:
 def _loads(drawing: LabelledDrawing, scene: Scene, poses: Poses) -> None:
     """Forces and torques at their points, springs between theirs."""
     for force in scene.forces:
-        x, y = drawing.at(position(scene, force.at, poses))
+        x, y = drawing.at(position(scene, force.markers[0], poses))
+        if isinstance(force, CustomForce):  # its direction follows from the motion
+            drawing.lines.append(f'  <circle class="drive" cx="{x:g}" cy="{y:g}" r="12"/>')
+            drawing.label(x, y, force.name, "drives")
+            continue
         direction = _greatest(scene, force)
         _force(drawing, x, y, direction)
         drawing.label(x + 42 * float(direction[0]), y - 42 * float(direction[1]), force.name, "drives")
     for torque in scene.torques:
-        x, y = drawing.at(position(scene, torque.at, poses))
+        x, y = drawing.at(position(scene, torque.markers[0], poses))
         _arrow(drawing, x, y, None)
         drawing.label(x, y, torque.name, "drives")
     for spring in scene.springs:
-        ends = [drawing.at(position(scene, end, poses)) for end in (spring.first, spring.second)]
+        ends = [drawing.at(position(scene, end, poses)) for end in spring.markers]
         drawing.path("spring", _zigzag(*(np.array(end) for end in ends)))
         _along(drawing, ends[0], ends[1])
         drawing.label((ends[0][0] + ends[1][0]) / 2, (ends[0][1] + ends[1][1]) / 2, spring.name, "springs")

@@ -1,7 +1,8 @@
 """Joints, bodies and forces from outside the package: registered, read from TOML, compiled, and compared with physics.
 
 The toys know nothing of the rest but the types that they derive from: a rod without mass that keeps the distance of two
-markers, a disc that is described by its radius, and a spring with a cubic law.
+markers, a disc that is described by its radius, a spring with a cubic law, a force that turns with the body it acts on,
+and a torque that brakes.
 """
 
 from __future__ import annotations
@@ -30,6 +31,7 @@ from derive.extensions import (
     marker_constants,
     quantity_expression,
     rigid_component,
+    torque_terms,
 )
 from derive.simulation.observables.player_data import player_data
 from derive.spec.tables.specification import json_schema
@@ -84,31 +86,65 @@ class CubicSpring(ForceType):
 
     section = "springs"
     doc = "with a cubic law"
-    units = {"stiffness": "N/m^3"}  # noqa: RUF012
-    intermediates = ()
+    keys = (Key("stiffness", KeyType.NOT_NEGATIVE_QUANTITY, "N/m^3", "Stiffness, N/m^3.", required=True),)
 
-    def markers(self, element):
-        return (element.first, element.second)
-
-    def generalised_force(self, element, points, constants, rows):
+    def generalised_force(self, element, points, values, rows):
         first, second = points
         d, _, _ = RelativeMotion(first, second).displacement
         squared = sp.expand(d.dot(d))
-        force = constants["stiffness"] * squared * d
+        force = values["stiffness"] * squared * d
         name = f"spring {element.name}"
         terms = force_terms(name, second, -force, rows) + force_terms(name, first, force, rows)
-        return GeneralisedForce(terms, (), sp.expand(constants["stiffness"] * squared**2) / 4)
+        return GeneralisedForce(terms, (), sp.expand(values["stiffness"] * squared**2) / 4)
+
+
+class Follower(ForceType):
+    """A force along a direction that is fixed to the section that it acts on."""
+
+    section = "forces"
+    doc = "that turns with the section"
+    keys = (
+        Key("size", KeyType.FUNCTION, "N", "The force, N: a number, or a function of t.", required=True),
+        Key("direction", KeyType.DIRECTION, "", "Its direction in the frame of the section.", required=True),
+    )
+
+    def generalised_force(self, element, points, values, rows):
+        (at,) = points
+        cosine, sine = sp.cos(at.rotation), sp.sin(at.rotation)
+        unit = values["direction"] / sp.sqrt(values["direction"].dot(values["direction"]))
+        force = values["size"] * sp.Matrix([[cosine, -sine], [sine, cosine]]) * unit
+        return GeneralisedForce(force_terms(f"force {element.name}", at, force, rows))
+
+
+class Viscous(ForceType):
+    """A torque against the relative angular velocity."""
+
+    section = "torques"
+    doc = "of a viscous bearing"
+    keys = (Key("drag", KeyType.POSITIVE_QUANTITY, "N m s", "Torque over angular velocity, N m s.", required=True),)
+
+    def generalised_force(self, element, points, values, rows):
+        at, against = points
+        torque = -values["drag"] * (at.angular_velocity - against.angular_velocity)
+        name = f"torque {element.name}"
+        terms = torque_terms(name, at, torque, rows) + torque_terms(name, against, -torque, rows)
+        return GeneralisedForce(terms)
+
+
+FORCES = {"cubic": CubicSpring(), "follower": Follower(), "viscous": Viscous()}
 
 
 @pytest.fixture
 def toys():
     derive.JOINTS.register("distance", Distance())
     derive.BODIES.register("disc", Disc())
-    derive.FORCES.register("cubic", CubicSpring())
+    for kind, force_type in FORCES.items():
+        derive.FORCES.register(kind, force_type)
     yield
     derive.JOINTS.unregister("distance")
     derive.BODIES.unregister("disc")
-    derive.FORCES.unregister("cubic")
+    for kind in FORCES:
+        derive.FORCES.unregister(kind)
 
 
 HEAD = f'name = "toy"\nground.markers = {{ pivot = [0, 0] }}\nscene.gravity = [0, -{G}]\n'
@@ -150,6 +186,35 @@ between = ["ground.pivot", "block.middle"]
 kind = "cubic"
 between = ["ground.pivot", "block.middle"]
 stiffness = 500
+"""
+
+PUSHED = """
+[bodies.puck]
+mass = 2
+inertia = 0.1
+markers = { centre = [0, 0] }
+start = { spin = 3 }
+[forces.thrust]
+kind = "follower"
+at = "puck.centre"
+size = "4*t"
+direction = [0, 2]
+"""
+
+BRAKED = """
+[bodies.wheel]
+mass = 2
+inertia = 0.5
+markers = { hub = [0, 0] }
+start = { spin = 8 }
+[joints.bearing]
+kind = "revolute"
+between = ["ground.pivot", "wheel.hub"]
+[torques.brake]
+kind = "viscous"
+at = "wheel.hub"
+against = "ground.pivot"
+drag = { symbol = "D", default = 1.5 }
 """
 
 
@@ -203,6 +268,25 @@ def test_a_spring_with_a_cubic_law(toys):
     np.testing.assert_allclose(found["block_s"], exact, atol=1e-8)
 
 
+def test_a_force_that_turns_with_the_body(toys):
+    scene = parse(HEAD.replace(f"-{G}", "0") + PUSHED + RUN)
+    assert derive.validated(scene) == scene
+    found = derive.simulate(scene)
+    # The spin w stays 3 rad/s, and xddot = -2 t sin(w t), from rest.
+    w, t = 3.0, found.t
+    np.testing.assert_allclose(found["puck_c1dot"], 2 * (t * np.cos(w * t) / w - np.sin(w * t) / w**2), atol=1e-8)
+    assert 'class="drive" cx=' in mechanism_picture(scene) and ">thrust<" in mechanism_picture(scene)
+
+
+def test_a_torque_against_the_angular_velocity(toys):
+    scene = parse(HEAD + BRAKED + RUN)
+    assert derive.validated(scene) == scene
+    assert scene.torques[0].values["drag"] == derive.Parameter("D", "N m s", 1.5)
+    found = derive.simulate(scene)
+    np.testing.assert_allclose(found["wheel_phidot"], 8 * np.exp(-1.5 / 0.5 * found.t), atol=1e-8)
+    assert derive.scene("two", bodies=[*scene.bodies], torques=[*scene.torques], ground={"pivot": [0, 0]}).torques
+
+
 def refused(text: str) -> str:
     with pytest.raises(derive.SpecError) as caught:
         parse(HEAD + text)
@@ -216,7 +300,15 @@ def test_what_is_registered_is_in_the_schema_and_in_messages(toys):
     assert message in refused(POINT.replace('"distance"', '"revolute"'))
     assert 'unknown key; did you mean "radius"?' in refused(ROLLED.replace("mass =", "radus = 1\nmass ="))
     assert "bodies.wheel.mass: this key is missing; write mass = 1.0" in refused(ROLLED.replace("mass =", "# "))
-    assert "a cubic spring has no damping; leave `damping` out" in refused(SPRUNG + "damping = 1\n")
+    message = 'a cubic spring has no damping; leave `damping` out, or choose "linear" or "rotational"'
+    assert message in refused(SPRUNG + "damping = 1\n")
+    message = 'a follower force has no components; leave `components` out, or choose "force"'
+    assert message in refused(PUSHED + "components = [1, 2]\n")
+    assert "a follower force needs the key `size`: the force, N" in refused(PUSHED.replace("size =", "# "))
+    assert "a force has no size; leave `size` out" in refused(PUSHED.replace('"follower"', '"force"'))
+    unspecified = PUSHED.split("kind =", maxsplit=1)[0] + 'at = "puck.centre"\n'
+    assert "a force needs the key `components`" in refused(unspecified)
+    assert '"brake_drag" is taken: it is a name of the torque brake' in refused(BRAKED.replace('"D"', '"brake_drag"'))
     twice = refused(POINT.replace("mass = 2", 'mass = { symbol = "L" }'))
     assert '"L" is the symbol of mass of the body bob, with the unit kg, not m' in twice
 

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from itertools import chain
-from typing import Any, cast
+from typing import Any, assert_never
 
 import sympy as sp
 
@@ -19,7 +19,7 @@ from derive.mechanics.multibody.forces.registry import elements
 from derive.mechanics.multibody.instances import point_motions
 from derive.mechanics.multibody.joints.joint_type import PrescribedMotion, Support
 from derive.mechanics.multibody.joints.registry import JOINTS
-from derive.mechanics.multibody.keys import quantities
+from derive.mechanics.multibody.keys import Key, KeyType, quantities
 from derive.mechanics.multibody.kinds import BodyInstance, BodyKinds, ForceInstance, JointInstance
 from derive.mechanics.multibody.mechanism import Mechanism
 from derive.mechanics.multibody.point_motion import PointMotion, fixed_point
@@ -27,7 +27,7 @@ from derive.mechanics.multibody.time_functions import finite_function, time_deri
 from derive.mechanics.symbols import Symbol, element, t
 from derive.mechanics.terms import Eliminated, ModelConstant, ParameterSymbol
 from derive.spec.model.body import Parameter, Quantity
-from derive.spec.model.scene import GROUND, CustomJoint, Drive, Joint, MarkerRef, Scene, SceneBody
+from derive.spec.model.scene import GROUND, NAMED, CustomJoint, Drive, Joint, MarkerRef, Scene, SceneBody
 
 
 def mechanism(scene: Scene) -> Mechanism:
@@ -148,28 +148,36 @@ class _Assembly:
     def _forces(self) -> tuple[ForceInstance, ...]:
         result = []
         for force, force_type in elements(self.scene):
-            for key, of in force_type.functions(force):
-                finite_function(of, f"{force_type.section}.{force.name}.{key}")
-        for force, force_type in elements(self.scene):
-            constants = {
-                key: self._constant(
-                    element(force.name, key), getattr(force, key), f"{key} of spring {force.name}", unit
-                )
-                for key, unit in force_type.units.items()
-            }
-            markers = tuple(map(self._located, force_type.markers(force)))
-            result.append(ForceInstance(force, force_type, markers, constants))
+            section, specified = force_type.section, force_type.specified(force)
+            given = (key for key in force_type.keys if key.name in specified)
+            values = {key.name: self._value(section, force.name, key, specified[key.name]) for key in given}
+            markers = tuple(map(self._located, force.markers))
+            result.append(ForceInstance(force, force_type, markers, values))
         return tuple(result)
+
+    def _value(self, section: str, name: str, key: Key, value: Any) -> Any:
+        """The value of a key of an element as an expression of the derivation."""
+        match key.type:
+            case KeyType.FLOAT | KeyType.POSITIVE:
+                return sp.Rational(value)
+            case KeyType.DIRECTION:
+                return sp.Matrix([sp.Rational(component) for component in value])
+            case KeyType.POSITIVE_QUANTITY | KeyType.NOT_NEGATIVE_QUANTITY | KeyType.QUANTITY:
+                doc = f"{key.name} of {NAMED[section]} {name}"
+                return self._constant(element(name, key.name), value, doc, key.unit)
+            case KeyType.FUNCTION:
+                return finite_function(value, f"{section}.{name}.{key.name}")
+            case KeyType.FUNCTION_PAIR:
+                return sp.Matrix([finite_function(of, f"{section}.{name}.{key.name}") for of in value])
+            case _ as never:
+                assert_never(never)
 
     def _with_constants(self, joint: Joint) -> Joint:
         """A joint whose values are expressions of the derivation, parameters among them."""
         if not isinstance(joint, CustomJoint):
             return joint
-        values = dict(joint.values)
-        for key, unit in quantities(JOINTS[joint.kind].keys).items():
-            if key in values:
-                symbol, doc = element(joint.name, key), f"{key} of joint {joint.name}"
-                values[key] = self._constant(symbol, cast(Quantity, values[key]), doc, unit)
+        given = (key for key in JOINTS[joint.kind].keys if key.name in joint.values)
+        values = {key.name: self._value("joints", joint.name, key, joint.values[key.name]) for key in given}
         return replace(joint, values=values)
 
     def _located(self, marker: MarkerRef) -> MarkerRef:
@@ -218,12 +226,11 @@ def parameters(scene: Scene) -> tuple[ParameterSymbol, ...]:
         constants.append(Constant(point.y, f"point {point.name} of the ground along e2"))
     for joint in scene.joints:
         if isinstance(joint, CustomJoint):
-            keys = [key for key in quantities(JOINTS[joint.kind].keys) if key in joint.values]
-            values = [cast(Quantity, joint.values[key]) for key in keys]
-            constants += [Constant(v, f"{k} of joint {joint.name}", True) for k, v in zip(keys, values, strict=True)]
+            constants += _constants("joint", joint.name, JOINTS[joint.kind].keys, joint.values)
     constants += [Constant(drive.speed, f"speed of drive {drive.name}") for drive in scene.drives]
     for force, force_type in elements(scene):
-        constants += [Constant(getattr(force, key), f"{key} of spring {force.name}") for key in force_type.units]
+        specified = force_type.specified(force)
+        constants += _constants(NAMED[force_type.section], force.name, force_type.keys, specified)
     result: dict[str, ParameterSymbol] = {}
     for constant in constants:
         if isinstance(constant.value, Parameter):
@@ -232,3 +239,11 @@ def parameters(scene: Scene) -> tuple[ParameterSymbol, ...]:
             positive = constant.positive or bool(known and known.positive)
             result[constant.value.symbol] = quantity.parameter(constant.value, doc, positive)
     return tuple(result.values())
+
+
+def _constants(noun: str, name: str, keys: tuple[Key, ...], values: Mapping[str, Any]) -> Iterator[Constant]:
+    """The values of the keys of an element that may be run-time parameters."""
+    for key in quantities(keys).values():
+        if key.name in values:
+            positive = key.type is KeyType.POSITIVE_QUANTITY
+            yield Constant(values[key.name], f"{key.name} of {noun} {name}", positive)

@@ -1,9 +1,10 @@
-"""The keys that a joint or a body declares for its table in a specification, as plain data."""
+"""The keys that a joint, a body or a force declares for its table in a specification, as plain data."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import Enum
+from fractions import Fraction
 
 
 class KeyType(Enum):
@@ -13,13 +14,18 @@ class KeyType(Enum):
     DIRECTION = "two components of a direction, exact, not both zero"
     POSITIVE = "a positive number, exact"
     POSITIVE_QUANTITY = "a positive number, or a run-time parameter of the generated code"
+    NOT_NEGATIVE_QUANTITY = "a number that is not negative, or a run-time parameter"
+    QUANTITY = "a number of either sign, or a run-time parameter"
+    FUNCTION = "a function of time"
+    FUNCTION_PAIR = "two components that are functions of time"
 
 
 @dataclass(frozen=True)
 class Key:
     """A key of a table: its name, what its value is, its unit (that of a parameter), and what an editor shows of it.
 
-    A key that is not `required` may be left out; then the element has no value of that name, or its own default.
+    A key that is not `required` may be left out; then the element has the `default`, or no value of that name if it is
+    None.
     """
 
     name: str
@@ -27,8 +33,13 @@ class Key:
     unit: str
     description: str
     required: bool = False
+    default: Fraction | None = None
 
 
-def quantities(keys: tuple[Key, ...]) -> dict[str, str]:
-    """The keys that may be run-time parameters, with their units."""
-    return {key.name: key.unit for key in keys if key.type is KeyType.POSITIVE_QUANTITY}
+QUANTITIES = (KeyType.POSITIVE_QUANTITY, KeyType.NOT_NEGATIVE_QUANTITY, KeyType.QUANTITY)
+"""The types of values that may be run-time parameters."""
+
+
+def quantities(keys: tuple[Key, ...]) -> dict[str, Key]:
+    """The keys that may be run-time parameters, by their names."""
+    return {key.name: key for key in keys if key.type in QUANTITIES}

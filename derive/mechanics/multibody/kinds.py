@@ -17,7 +17,7 @@ from derive.mechanics.multibody.coordinates import CoordinateMap
 from derive.mechanics.multibody.forces.force_type import ForceType
 from derive.mechanics.multibody.joints.joint_type import JointType, PrescribedMotion
 from derive.mechanics.terms import ModelConstant
-from derive.spec.model.scene import Force, Joint, MarkerRef, Spring, Torque
+from derive.spec.model.scene import Joint, MarkerRef, SceneForce
 
 
 @dataclass(frozen=True)
@@ -67,12 +67,12 @@ class JointInstance:
 
 @dataclass(frozen=True)
 class ForceInstance:
-    """A force, torque or spring, with the markers of instances that it acts at, and its constants."""
+    """A force, torque or spring, with the markers of instances that it acts at, and the values of its keys."""
 
-    element: Force | Torque | Spring
+    element: SceneForce
     type: ForceType[Any]
     markers: tuple[MarkerRef, ...]
-    constants: Mapping[str, sp.Expr]
+    values: Mapping[str, Any]
 
 
 class BodyKinds:

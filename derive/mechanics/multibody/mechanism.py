@@ -97,9 +97,7 @@ def _expanded(mechanism: Mechanism) -> Equations:
     ]
     conditions = tuple(c for _, of_joint in joints for c in of_joint)
     _refuse_idle(conditions)
-    forces = [
-        f.type.generalised_force(f.element, tuple(map(at, f.markers)), f.constants, rows) for f in mechanism.forces
-    ]
+    forces = [f.type.generalised_force(f.element, tuple(map(at, f.markers)), f.values, rows) for f in mechanism.forces]
     in_order = [instances[name].definitions for name in mechanism.order]
     definitions = tuple(chain(*in_order, *(own for own, _ in joints), *(f.definitions for f in forces)))
     return _gathered(mechanism, instances, rows, definitions, conditions, forces)

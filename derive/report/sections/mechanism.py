@@ -12,7 +12,7 @@ from derive.report.document.page import Block, CodeSpan, Details, EquationBlock,
 from derive.report.document.tables import Content, table
 from derive.report.notation.expressions import Notation
 from derive.spec.model.body import Parameter, Quantity
-from derive.spec.model.scene import BeamBody, RigidBody, Scene, SceneBody
+from derive.spec.model.scene import BeamBody, RigidBody, Scene, SceneBody, SceneForce
 from derive.visual.mechanism import mechanism_picture
 
 MANY = 24
@@ -121,12 +121,14 @@ def joint_blocks(spec: Scene, equations: Equations) -> tuple[Block, ...]:
 
 
 def _loads(spec: Scene) -> tuple[Block, ...]:
-    rows: list[list[Content]] = [["force", f.name, str(f.at)] for f in spec.forces]
-    for torque in spec.torques:
-        against = f", against {torque.against}" if torque.against else ""
-        rows.append(["torque", torque.name, f"{torque.at}{against}"])
-    rows += [[f"{s.kind} spring", s.name, f"{s.first} to {s.second}"] for s in spec.springs]
+    rows: list[list[Content]] = [[_load(f, "force"), f.name, str(f.markers[0])] for f in spec.forces]
+    rows += [[_load(t, "torque"), t.name, ", against ".join(map(str, t.markers))] for t in spec.torques]
+    rows += [[_load(s, "spring"), s.name, " to ".join(map(str, s.markers))] for s in spec.springs]
     return (table("Loads", ("load", "name", "marker"), rows),) if rows else ()
+
+
+def _load(load: SceneForce, noun: str) -> str:
+    return noun if load.kind == noun else f"{load.kind} {noun}"
 
 
 def constraint_blocks(equations: Equations, written: Notation) -> tuple[Block, ...]:

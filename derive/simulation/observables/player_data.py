@@ -73,9 +73,7 @@ def player_data(motion: SceneMotion, curves: Sequence[Column]) -> Plain:
         "beams": [_beam(shown, beam, step) for beam in beams],
         "markers": [_marker(scene, marker) for marker in markers],
         "joints": [_joint(shown, joint, markers, at) for joint in scene.joints],
-        "springs": [
-            [markers.index(s.first), markers.index(s.second)] for s in scene.springs if FORCES[s.kind].along_line
-        ],
+        "springs": [[markers.index(end) for end in s.markers] for s in scene.springs if FORCES[s.kind].along_line],
         "drives": [
             {"name": d.name, "unit": drive_unit(scene, d), "values": _channel(drive_values(d, shown.t), 1e-4)}
             for d in scene.drives

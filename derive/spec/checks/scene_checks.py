@@ -11,7 +11,7 @@ from derive.spec.checks.body_checks import shape_faults
 from derive.spec.checks.scene_data import Raw, SceneData
 from derive.spec.checks.scene_names import name_faults
 from derive.spec.checks.scene_parameters import parameter_faults
-from derive.spec.model.scene import GROUND, MarkerRef
+from derive.spec.model.scene import GROUND, NAMED, MarkerRef
 from derive.spec.parsing.faults import Fault, KeyPath
 from derive.spec.parsing.suggestions import did_you_mean
 from derive.spec.tables.scene_bodies import RigidTable
@@ -145,7 +145,7 @@ def _actions(view: SceneData) -> Iterator[Fault]:
         for name, table in view.tables[kind].items():
             at = table.get("at")
             if isinstance(at, str) and at.startswith(f"{GROUND}.") and "against" not in table:
-                text = f"a {kind[:-1]} on the ground moves nothing; name a marker of a body"
+                text = f"a {NAMED[kind]} on the ground moves nothing; name a marker of a body"
                 yield Fault((kind, name, "at"), text)
     for name in view.tables["springs"]:
         markers = view.pair("springs", name)

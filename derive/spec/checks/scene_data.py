@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-from derive.spec.model.scene import GROUND, MarkerRef
+from derive.spec.model.scene import GROUND, NAMED, MarkerRef
 from derive.spec.parsing import scene_values
 from derive.spec.parsing.faults import KeyPath, readable
 from derive.spec.tables.markers import MAX_NAMED
@@ -14,9 +14,6 @@ from derive.spec.tables.scene_bodies import kind_of_scene_body
 from derive.spec.tables.shared import MAX_MARKERS
 
 Raw = Mapping[str, object]
-
-NAMED = ("bodies", "joints", "drives", "forces", "torques", "springs", "plots")
-"""The keys under which tables have names."""
 
 
 class WrittenRef(NamedTuple):

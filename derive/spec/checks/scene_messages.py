@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from functools import partial
 
 from pydantic import BaseModel
 
 from derive.mechanics.multibody.bodies.registry import BODIES
+from derive.mechanics.multibody.forces.registry import DEFAULT_KINDS, kinds
 from derive.mechanics.multibody.joints.registry import JOINTS
 from derive.mechanics.multibody.keys import quantities
 from derive.spec.parsing.faults import KeyPath
 from derive.spec.parsing.suggestions import did_you_mean
 from derive.spec.tables.beam import FrameTable
 from derive.spec.tables.drives import DriveTable
-from derive.spec.tables.forces import ForceTable, TorqueTable, spring_table
+from derive.spec.tables.forces import force_table
 from derive.spec.tables.joints import joint_table
 from derive.spec.tables.scene_bodies import (
     BEAM_KEYS,
@@ -30,9 +32,7 @@ from derive.spec.tables.simulation import PlotTable, ReferenceTable, SimulationT
 _NAMED: dict[str | int, Callable[[], type[BaseModel]]] = {
     "joints": joint_table,
     "drives": lambda: DriveTable,
-    "forces": lambda: ForceTable,
-    "torques": lambda: TorqueTable,
-    "springs": spring_table,
+    **{section: partial(force_table, section) for section in DEFAULT_KINDS},
     "plots": lambda: PlotTable,
 }
 _PLAIN: dict[str | int, type[BaseModel]] = {"ground": GroundTable, "scene": SceneTable, "simulation": SimulationTable}
@@ -67,12 +67,12 @@ def is_union(path: KeyPath) -> bool:
             return True
         case ("scene", "gravity", int()) | ("drives", _, "speed"):
             return True
-        case ("springs", _, "stiffness" | "damping" | "rest"):
-            return True
         case ("bodies", _, key):
             return any(key in quantities(body_type.keys) for body_type in BODIES.values())
         case ("joints", _, key):
             return any(key in quantities(joint_type.keys) for joint_type in JOINTS.values())
+        case (section, _, key) if section in DEFAULT_KINDS:
+            return any(key in quantities(force_type.keys) for force_type in kinds(section).values())
     return False
 
 

@@ -9,12 +9,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from derive.errors import quoted
-from derive.mechanics.multibody.forces.registry import FORCES
+from derive.mechanics.multibody.forces.registry import kinds
 from derive.mechanics.multibody.joints.registry import JOINTS
 from derive.mechanics.multibody.keys import quantities
-from derive.spec.checks.scene_data import NAMED, Raw, SceneData
+from derive.spec.checks.scene_data import Raw, SceneData
 from derive.spec.model.body import DEFAULT_ANSATZ
-from derive.spec.model.scene import GROUND
+from derive.spec.model.scene import GROUND, NAMED
 from derive.spec.parsing import scene_values
 from derive.spec.parsing.faults import Fault, KeyPath, readable
 from derive.spec.parsing.names import name_problem
@@ -41,7 +41,7 @@ def _labels(kind: str) -> tuple[str, ...]:
             for joint in JOINTS.values()
         )
     else:
-        labels_of_types = ((*force.units, *force.intermediates) for force in FORCES.values() if force.section == kind)
+        labels_of_types = ((*quantities(force.keys), *force.intermediates) for force in kinds(kind).values())
     return tuple(dict.fromkeys(f"_{label}" for labels in labels_of_types for label in labels))
 
 
@@ -95,7 +95,7 @@ def made_names(view: SceneData) -> Iterator[Made]:
         for name, _ in _named(view, kind):
             what = "the multiplier" if kind == "drives" else "a name"
             for end in _labels(kind):
-                yield (kind, name), f"{name}{end}", f"{what} of the {kind[:-1]} {name}"
+                yield (kind, name), f"{name}{end}", f"{what} of the {NAMED[kind]} {name}"
 
 
 def _coordinates(path: KeyPath, name: str, shapes: int, of: str) -> Iterator[Made]:
@@ -128,7 +128,7 @@ def _written_twice(view: SceneData) -> Iterator[Fault]:
         for name in view.tables[kind]:
             other = first.setdefault(name.lower(), name)
             if other != name:
-                text = f"there is a {'body' if kind == 'bodies' else kind[:-1]} {quoted(other)}"
+                text = f"there is a {NAMED[kind]} {quoted(other)}"
                 yield Fault((kind, name), f"{quoted(name)} is taken: {text}; names must differ in more than case")
 
 

@@ -7,17 +7,17 @@ from typing import NamedTuple
 
 from derive.errors import quoted
 from derive.mechanics.multibody.bodies.registry import BODIES
+from derive.mechanics.multibody.forces.registry import DEFAULT_KINDS, kinds
 from derive.mechanics.multibody.joints.registry import JOINTS
-from derive.mechanics.multibody.keys import quantities
+from derive.mechanics.multibody.keys import Key, quantities
 from derive.spec.checks.scene_data import SceneData
 from derive.spec.checks.scene_names import taken_names
 from derive.spec.model.body import BEAM_QUANTITIES, DEFAULT_MASS
-from derive.spec.model.scene import GROUND
+from derive.spec.model.scene import GROUND, NAMED
 from derive.spec.parsing import values
 from derive.spec.parsing.faults import Fault, KeyPath, readable
 from derive.spec.parsing.names import name_problem
 from derive.spec.tables.drives import speed_unit
-from derive.spec.tables.forces import spring_kinds
 from derive.spec.tables.scene_bodies import INERTIA_UNIT, LENGTH_UNIT
 
 GRAVITY_UNIT = "m/s^2"
@@ -107,7 +107,7 @@ def scene_constants(view: SceneData) -> Iterator[SceneConstant]:
                 yield SceneConstant(("bodies", name, key), body.get(key), f"{key} {of}", like.unit)
             continue
         kind = view.kind(name)
-        for key, unit in (RIGID if kind == "rigid" else quantities(BODIES[kind].keys)).items():
+        for key, unit in (RIGID if kind == "rigid" else _units(BODIES[kind].keys)).items():
             yield SceneConstant(("bodies", name, key), body.get(key), f"{key} {of}", unit)
         yield from _components(("bodies", name, "centre"), body.get("centre"), f"the centre {of}", LENGTH_UNIT)
         yield from _markers(("bodies", name, "markers"), body.get("markers"), of)
@@ -116,17 +116,29 @@ def scene_constants(view: SceneData) -> Iterator[SceneConstant]:
         yield from _markers((GROUND, "markers"), ground.get("markers"), "of the ground")
     for name, joint in view.tables["joints"].items():
         joint_type = JOINTS.get(str(joint.get("kind")))
-        for key, unit in quantities(joint_type.keys if joint_type else ()).items():
+        for key, unit in _units(joint_type.keys if joint_type else ()).items():
             yield SceneConstant(("joints", name, key), joint.get(key), f"{key} of the joint {name}", unit)
     for name, drive in view.tables["drives"].items():
         joint = view.tables["joints"].get(str(drive.get("joint")), {})
         of_speed = speed_unit(str(joint.get("kind")))
         yield SceneConstant(("drives", name, "speed"), drive.get("speed"), f"the speed of the drive {name}", of_speed)
-    for name, spring in view.tables["springs"].items():
-        spring_type = spring_kinds().get(str(spring.get("kind", "linear")))
-        units = spring_type.units if spring_type else {}
-        for key in ("stiffness", "damping", "rest"):
-            yield SceneConstant(("springs", name, key), spring.get(key), f"{key} of the spring {name}", units.get(key))
+    for section, default in DEFAULT_KINDS.items():
+        for name, table in view.tables[section].items():
+            yield from _force(section, name, table, str(table.get("kind", default)))
+
+
+def _units(keys: tuple[Key, ...]) -> dict[str, str]:
+    """The keys that may be parameters, with their units."""
+    return {name: key.unit for name, key in quantities(keys).items()}
+
+
+def _force(section: str, name: str, table: Mapping[str, object], kind: str) -> Iterator[SceneConstant]:
+    """The constants of a force; those that are not of its kind, or of none that is known, have no unit."""
+    types = kinds(section)
+    units = _units(types[kind].keys) if kind in types else {}
+    for key in dict.fromkeys(key for force_type in types.values() for key in quantities(force_type.keys)):
+        what = f"{key} of the {NAMED[section]} {name}"
+        yield SceneConstant((section, name, key), table.get(key), what, units.get(key))
 
 
 def _components(path: KeyPath, value: object, what: str, unit: str) -> Iterator[SceneConstant]:

@@ -12,6 +12,17 @@ from derive.spec.model.body import Marker, NodalBody, PlanarBeam, Quantity, Symb
 GROUND = "ground"
 """The name under which joints and forces speak of the inertial base."""
 
+NAMED = {
+    "bodies": "body",
+    "joints": "joint",
+    "drives": "drive",
+    "forces": "force",
+    "torques": "torque",
+    "springs": "spring",
+    "plots": "plot",
+}
+"""The tables of a scene whose elements have names, and what one element is called."""
+
 
 @dataclass(frozen=True)
 class TimeFunction:
@@ -154,6 +165,12 @@ class Force:
     name: str
     at: MarkerRef
     components: tuple[TimeFunction, TimeFunction]
+    kind: ClassVar[str] = "force"
+
+    @property
+    def markers(self) -> tuple[MarkerRef]:
+        """The marker it acts at."""
+        return (self.at,)
 
 
 @dataclass(frozen=True)
@@ -164,6 +181,12 @@ class Torque:
     at: MarkerRef
     value: TimeFunction
     against: MarkerRef | None = None
+    kind: ClassVar[str] = "torque"
+
+    @property
+    def markers(self) -> tuple[MarkerRef, ...]:
+        """The marker it acts at, and that of its reaction, if there is one."""
+        return (self.at,) if self.against is None else (self.at, self.against)
 
 
 @dataclass(frozen=True)
@@ -179,8 +202,29 @@ class Spring:
     first: MarkerRef
     second: MarkerRef
     stiffness: Quantity
-    damping: Quantity
-    rest: Quantity
+    damping: Quantity = Fraction(0)
+    rest: Quantity = Fraction(0)
+
+    @property
+    def markers(self) -> tuple[MarkerRef, MarkerRef]:
+        """Its two ends."""
+        return (self.first, self.second)
+
+
+@dataclass(frozen=True)
+class CustomForce:
+    """A force, torque or spring of a kind that is registered from outside the package.
+
+    `markers` are those that it acts at; `values` are those of the keys of the kind.
+    """
+
+    name: str
+    kind: str
+    markers: tuple[MarkerRef, ...]
+    values: Mapping[str, object] = field(default_factory=dict, hash=False)
+
+
+SceneForce = Force | Torque | Spring | CustomForce
 
 
 @dataclass(frozen=True)
@@ -237,9 +281,9 @@ class Scene:
     bodies: tuple[SceneBody, ...]
     joints: tuple[Joint, ...]
     drives: tuple[Drive, ...] = ()
-    forces: tuple[Force, ...] = ()
-    torques: tuple[Torque, ...] = ()
-    springs: tuple[Spring, ...] = ()
+    forces: tuple[Force | CustomForce, ...] = ()
+    torques: tuple[Torque | CustomForce, ...] = ()
+    springs: tuple[Spring | CustomForce, ...] = ()
     simulation: Simulation | None = None
     plots: tuple[Plot, ...] = ()
 

@@ -15,7 +15,7 @@ from derive.mechanics.multibody.bodies.registry import BODIES
 from derive.spec.model.body import DEFAULT_LENGTH, DEFAULT_MASS, Quantity
 from derive.spec.model.scene import BeamBody, CustomBody, InitialGuess, PointMarker, RigidBody, SceneBody
 from derive.spec.tables.beam import BeamKeys
-from derive.spec.tables.joints import key_field, key_value
+from derive.spec.tables.declared_keys import key_field, key_values
 from derive.spec.tables.markers import MAX_NAMED, Coordinates, Float, FloatPair, Markers, PieceCount, few_named
 from derive.spec.tables.shared import Name, PlanarGravity, QuantityInput, TomlTable, Truth, quantity
 
@@ -128,8 +128,7 @@ class CustomBodyTable(TomlTable):
 
     def body(self, name: str) -> CustomBody:
         """The body as the derivation takes it."""
-        given = {key.name: key_value(key, getattr(self, key.name)) for key in BODIES[self.kind_of_body].keys}
-        given = {key: value for key, value in given.items() if value is not None}
+        given = key_values(BODIES[self.kind_of_body].keys, self)
         return CustomBody(name, self.kind_of_body, given, _points(self.markers), self.start.start())
 
 

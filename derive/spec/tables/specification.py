@@ -9,12 +9,13 @@ from typing import Annotated, Any
 
 from pydantic import ConfigDict, Field, create_model
 
+from derive.mechanics.multibody.forces.registry import DEFAULT_KINDS
 from derive.spec.files.reference_curves import Rows
 from derive.spec.model.scene import Scene
 from derive.spec.tables.beam import BeamTable
 from derive.spec.tables.body import BodyInput
 from derive.spec.tables.drives import DriveTable
-from derive.spec.tables.forces import ForceTable, SpringTable, TorqueTable, spring_table
+from derive.spec.tables.forces import AnyForceTable, force_table
 from derive.spec.tables.joints import JointTable, joint_table
 from derive.spec.tables.markers import MAX_NAMED, few_named
 from derive.spec.tables.scene_bodies import BodyTable, GroundTable, SceneTable, bodies_field, body_tables, scene_bodies
@@ -35,7 +36,14 @@ SCENE = (
 )
 """The keys of a specification that make it a scene."""
 
-_NAMED = {"maxProperties": MAX_NAMED, "additionalProperties": False}
+_FORCES = {
+    "forces": ("[forces.load]", "Forces by name."),
+    "torques": ("[torques.load]", "Torques by name."),
+    "springs": ("[springs.mount]", "Springs and dampers by name."),
+}
+"""How a table of each section of forces begins, and its description."""
+
+_NAMED: dict[str, Any] = {"maxProperties": MAX_NAMED, "additionalProperties": False}
 
 
 class SpecificationTable(TomlTable):
@@ -60,17 +68,9 @@ class SpecificationTable(TomlTable):
         few_named("drives", "[drives.motor]"),
         Field(description="Prescribed motions of joints by name.", json_schema_extra=_NAMED),
     ] = {}  # noqa: RUF012
-    forces: Annotated[
-        dict[Name, ForceTable],
-        few_named("forces", "[forces.load]"),
-        Field(description="Forces by name.", json_schema_extra=_NAMED),
-    ] = {}  # noqa: RUF012
-    torques: Annotated[
-        dict[Name, TorqueTable],
-        few_named("torques", "[torques.load]"),
-        Field(description="Torques by name.", json_schema_extra=_NAMED),
-    ] = {}  # noqa: RUF012
-    springs: dict[str, SpringTable] = {}  # noqa: RUF012
+    forces: dict[str, AnyForceTable] = {}  # noqa: RUF012
+    torques: dict[str, AnyForceTable] = {}  # noqa: RUF012
+    springs: dict[str, AnyForceTable] = {}  # noqa: RUF012
     simulation: SimulationTable | None = None
     plots: Annotated[
         dict[Name, PlotTable],
@@ -88,41 +88,48 @@ class SpecificationTable(TomlTable):
             bodies=scene_bodies(self.bodies or {}),
             joints=tuple(table.joint(name) for name, table in self.joints.items()),
             drives=tuple(table.drive(name, self.joints) for name, table in self.drives.items()),
-            forces=tuple(table.force(name) for name, table in self.forces.items()),
-            torques=tuple(table.torque(name) for name, table in self.torques.items()),
-            springs=tuple(table.spring(name) for name, table in self.springs.items()),
+            forces=_forces(self.forces),
+            torques=_forces(self.torques),
+            springs=_forces(self.springs),
             simulation=None if self.simulation is None else self.simulation.simulation(),
             plots=tuple(table.plot(name, references.get(name, ())) for name, table in self.plots.items()),
         )
 
 
+def _forces(tables: Mapping[str, AnyForceTable]) -> tuple[Any, ...]:
+    """The elements of a section of forces."""
+    return tuple(table.force(name) for name, table in tables.items())
+
+
 def specification_table() -> type[SpecificationTable]:
-    """The table of a whole specification, with the joints, bodies and springs that are registered now."""
-    return _specification_table(joint_table(), spring_table(), tuple(body_tables().items()))
+    """The table of a whole specification, with the joints, bodies and forces that are registered now."""
+    forces = tuple((section, force_table(section)) for section in DEFAULT_KINDS)
+    return _specification_table(joint_table(), forces, tuple(body_tables().items()))
 
 
 @cache
 def _specification_table(
-    joint: type[JointTable], spring: type[SpringTable], bodies: tuple[tuple[str, type[BodyTable]], ...]
+    joint: type[JointTable],
+    forces: tuple[tuple[str, type[AnyForceTable]], ...],
+    bodies: tuple[tuple[str, type[BodyTable]], ...],
 ) -> type[SpecificationTable]:
-    joints = Annotated[
-        dict[Name, joint],  # type: ignore[valid-type]  # made of a registry
-        few_named("joints", "[joints.pin]"),
-        Field(description="Joints by name.", json_schema_extra=_NAMED),
-    ]
-    springs = Annotated[
-        dict[Name, spring],  # type: ignore[valid-type]
-        few_named("springs", "[springs.mount]"),
-        Field(description="Springs and dampers by name.", json_schema_extra=_NAMED),
-    ]
+    fields: dict[str, Any] = {"joints": (_named(joint, "joints", "[joints.pin]", "Joints by name."), {})}
+    for section, table in forces:
+        example, description = _FORCES[section]
+        fields[section] = (_named(table, section, example, description), {})
     return create_model(
         "SpecificationTable",
         __base__=SpecificationTable,
         __doc__=SpecificationTable.__doc__,
         bodies=(bodies_field(dict(bodies)) | None, None),
-        joints=(joints, {}),
-        springs=(springs, {}),
+        **fields,
     )
+
+
+def _named(table: type[TomlTable], noun: str, example: str, description: str) -> Any:
+    """Tables of one type by their names."""
+    field = Field(description=description, json_schema_extra=_NAMED)
+    return Annotated[dict[Name, table], few_named(noun, example), field]  # type: ignore[valid-type]  # made of a registry
 
 
 def json_schema() -> str:

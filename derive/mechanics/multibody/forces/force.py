@@ -2,39 +2,47 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Mapping
+from typing import Any
 
 import sympy as sp
 
-from derive.mechanics.multibody.forces.force_type import Constants, ForceType, GeneralisedForce, define, force_terms
+from derive.mechanics.multibody.forces.force_type import ForceType, GeneralisedForce, Values, define, force_terms
+from derive.mechanics.multibody.keys import Key, KeyType
 from derive.mechanics.multibody.point_motion import PointMotion
-from derive.mechanics.multibody.time_functions import function
 from derive.mechanics.symbols import element as element_symbol
 from derive.mechanics.terms import EquationOfMotion, Intermediate
-from derive.spec.model.scene import Force, MarkerRef, TimeFunction
+from derive.spec.model.scene import Force, MarkerRef
 
 
 class ForceAtMarker(ForceType[Force]):
     """A force; it has no reaction."""
 
     section = "forces"
+    doc = "with given components"
+    keys = (
+        Key(
+            "components",
+            KeyType.FUNCTION_PAIR,
+            "N",
+            "Components in the inertial frame, N: numbers, or functions of t.",
+            required=True,
+        ),
+    )
     intermediates = ("1", "2")
 
-    def markers(self, element: Force) -> tuple[MarkerRef, ...]:
-        """The marker it acts at."""
-        return (element.at,)
-
-    def functions(self, element: Force) -> Iterator[tuple[str, TimeFunction]]:
-        """Its components."""
-        yield from (("components", component) for component in element.components)
-
     def generalised_force(
-        self, element: Force, points: tuple[PointMotion, ...], constants: Constants, rows: tuple[EquationOfMotion, ...]
+        self, element: Force, points: tuple[PointMotion, ...], values: Values, rows: tuple[EquationOfMotion, ...]
     ) -> GeneralisedForce:
         """The virtual work of both components."""
         definitions: list[Intermediate] = []
-        name, values = f"force {element.name}", []
-        for k, component in enumerate(element.components, 1):
+        name, components = f"force {element.name}", []
+        for k, component in enumerate(values["components"], 1):
             symbol = element_symbol(element.name, "", k)
-            values.append(define(symbol, function(component), f"{name} along e{k}", definitions))
-        return GeneralisedForce(force_terms(name, points[0], sp.Matrix(values), rows), tuple(definitions))
+            components.append(define(symbol, component, f"{name} along e{k}", definitions))
+        return GeneralisedForce(force_terms(name, points[0], sp.Matrix(components), rows), tuple(definitions))
+
+    def element(self, name: str, kind: str, markers: tuple[MarkerRef, ...], values: Mapping[str, Any]) -> Force:
+        """The force."""
+        (at,) = markers
+        return Force(name, at, values["components"])

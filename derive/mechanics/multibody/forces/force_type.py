@@ -3,21 +3,22 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import ClassVar, Generic, TypeVar
+from typing import Any, ClassVar, Generic, TypeVar
 
 import sympy as sp
 
+from derive.mechanics.multibody.keys import Key
 from derive.mechanics.multibody.point_motion import PointMotion
 from derive.mechanics.symbols import Symbol
 from derive.mechanics.terms import EquationOfMotion, Intermediate, Term
-from derive.spec.model.scene import Force, MarkerRef, Spring, TimeFunction, Torque
+from derive.spec.model.scene import CustomForce, MarkerRef, SceneForce
 
-F = TypeVar("F", Force, Torque, Spring)
+F = TypeVar("F", bound=SceneForce)
 
-Constants = Mapping[str, sp.Expr]
-"""The constants of a force by the names of their keys: numbers, or symbols of the derivation."""
+Values = Mapping[str, Any]
+"""The values of the keys of a force as expressions: numbers, symbols of parameters, functions of t, columns of 2."""
 
 
 @dataclass(frozen=True)
@@ -32,42 +33,36 @@ class GeneralisedForce:
 class ForceType(ABC, Generic[F]):
     """A type of force. Subclasses are registered in `registry.FORCES`.
 
-    section: the table of a specification that its elements are in; doc: what tells it from others of its section, empty
-    if its name does; units: its constants and their units; lengths: constants that are not negative; intermediates: the
-    labels of the definitions it makes, so that no other name of a scene meets them; along_line: whether it acts, and is
-    drawn, along the line between its markers.
+    section: the table of a specification that its elements are in: `forces`, at a marker; `torques`, at a marker, with
+    a reaction at a second one or without; `springs`, between two markers. doc: what tells it from others of its
+    section, empty if its name does; keys: what its table has besides `kind` and the markers; lengths: keys whose values
+    are not negative, where another type of the section allows both signs; intermediates: the labels of the definitions
+    it makes, so that no other name of a scene meets them; along_line: whether it acts, and is drawn, along the line
+    between its markers.
     """
 
     section: ClassVar[str]
     doc: ClassVar[str] = ""
-    units: ClassVar[Mapping[str, str]] = {}
+    keys: ClassVar[tuple[Key, ...]] = ()
     lengths: ClassVar[tuple[str, ...]] = ()
-    intermediates: ClassVar[tuple[str, ...]]
+    intermediates: ClassVar[tuple[str, ...]] = ()
     along_line: ClassVar[bool] = False
 
     @abstractmethod
-    def markers(self, element: F) -> tuple[MarkerRef, ...]:
-        """Where it acts."""
-
-    @abstractmethod
     def generalised_force(
-        self, element: F, points: tuple[PointMotion, ...], constants: Constants, rows: tuple[EquationOfMotion, ...]
+        self, element: F, points: tuple[PointMotion, ...], values: Values, rows: tuple[EquationOfMotion, ...]
     ) -> GeneralisedForce:
         """Its virtual work on the rows of a mechanism; `points` are the motions of its markers."""
 
-    def functions(self, element: F) -> Iterator[tuple[str, TimeFunction]]:
-        """The functions of time of the force, by their TOML keys."""
-        yield from ()
+    def element(self, name: str, kind: str, markers: tuple[MarkerRef, ...], values: Mapping[str, Any]) -> SceneForce:
+        """An element of a scene from the values of its keys as they are specified."""
+        return CustomForce(name, kind, markers, values)
 
-
-class SpringType(ForceType[Spring]):
-    """The type of a spring with a damper between two markers."""
-
-    section = "springs"
-
-    def markers(self, element: Spring) -> tuple[MarkerRef, ...]:
-        """Its two ends."""
-        return (element.first, element.second)
+    def specified(self, element: F) -> Mapping[str, Any]:
+        """The values of the keys of an element as they are specified."""
+        if isinstance(element, CustomForce):
+            return element.values
+        return {key.name: getattr(element, key.name) for key in self.keys}
 
 
 def force_terms(name: str, at: PointMotion, force: sp.Matrix, rows: tuple[EquationOfMotion, ...]) -> tuple[Term, ...]:

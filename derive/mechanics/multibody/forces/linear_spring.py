@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
-
 import sympy as sp
 
-from derive.mechanics.multibody.forces.force_type import Constants, GeneralisedForce, SpringType, force_terms
+from derive.mechanics.multibody.forces.force_type import GeneralisedForce, Values, force_terms
+from derive.mechanics.multibody.forces.spring_type import SpringType, spring_keys
 from derive.mechanics.multibody.point_motion import PointMotion, RelativeMotion
 from derive.mechanics.multibody.time_functions import rounded
 from derive.mechanics.symbols import element as element_symbol
@@ -18,16 +17,16 @@ class LinearSpring(SpringType):
     """A tension stiffness * (length - rest) + damping * (rate of the length)."""
 
     doc = "along the line between the markers"
-    units: ClassVar[dict[str, str]] = {"stiffness": "N/m", "damping": "N s/m", "rest": "m"}
+    keys = spring_keys("N/m", "N s/m", "m")
     lengths = ("rest",)
     along_line = True
     intermediates = ("apart_1", "apart_2", "length", "rate", "pull")
 
     def generalised_force(
-        self, element: Spring, points: tuple[PointMotion, ...], constants: Constants, rows: tuple[EquationOfMotion, ...]
+        self, element: Spring, points: tuple[PointMotion, ...], values: Values, rows: tuple[EquationOfMotion, ...]
     ) -> GeneralisedForce:
         """The virtual work of the tension at both ends, and the energy of the spring."""
-        stiffness, damping, rest = (constants[key] for key in self.units)
+        stiffness, damping, rest = (values[key.name] for key in self.keys)
         name, (first, second) = f"spring {element.name}", points
         displacement, rate_of_displacement, _ = RelativeMotion(first, second).displacement
         definitions: list[Intermediate] = []

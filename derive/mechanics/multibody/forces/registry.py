@@ -1,4 +1,4 @@
-"""The registry of forces: one line for each; those of the section `springs` are what `kind` may be there."""
+"""The registry of forces: one line for each; those of a section are what `kind` may be there."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from derive.mechanics.multibody.forces.linear_spring import LinearSpring
 from derive.mechanics.multibody.forces.rotational_spring import RotationalSpring
 from derive.mechanics.multibody.forces.torque import TorqueAtMarker
 from derive.registry import Registry
-from derive.spec.model.scene import Force, Scene, Spring, Torque
+from derive.spec.model.scene import Scene, SceneForce
 
 FORCES: Registry[ForceType[Any]] = Registry(
     "force",
@@ -23,9 +23,16 @@ FORCES: Registry[ForceType[Any]] = Registry(
     },
 )
 
+DEFAULT_KINDS = {"forces": "force", "torques": "torque", "springs": "linear"}
+"""The sections of forces, with the kind of an element that names none."""
 
-def elements(scene: Scene) -> Iterator[tuple[Force | Torque | Spring, ForceType[Any]]]:
-    """The forces of a scene with their types."""
-    yield from ((force, FORCES["force"]) for force in scene.forces)
-    yield from ((torque, FORCES["torque"]) for torque in scene.torques)
-    yield from ((spring, FORCES[spring.kind]) for spring in scene.springs)
+
+def kinds(section: str) -> dict[str, ForceType[Any]]:
+    """What `kind` may be in a section, with the types."""
+    return {kind: force_type for kind, force_type in FORCES.items() if force_type.section == section}
+
+
+def elements(scene: Scene) -> Iterator[tuple[SceneForce, ForceType[Any]]]:
+    """The forces, torques and springs of a scene with their types. Raises UnknownNameError."""
+    for element in (*scene.forces, *scene.torques, *scene.springs):
+        yield element, FORCES[element.kind]

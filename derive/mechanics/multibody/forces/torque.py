@@ -2,38 +2,38 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Mapping
+from typing import Any
 
-from derive.mechanics.multibody.forces.force_type import Constants, ForceType, GeneralisedForce, define, torque_terms
+from derive.mechanics.multibody.forces.force_type import ForceType, GeneralisedForce, Values, define, torque_terms
+from derive.mechanics.multibody.keys import Key, KeyType
 from derive.mechanics.multibody.point_motion import PointMotion
-from derive.mechanics.multibody.time_functions import function
 from derive.mechanics.symbols import element as element_symbol
 from derive.mechanics.terms import EquationOfMotion, Intermediate
-from derive.spec.model.scene import MarkerRef, TimeFunction, Torque
+from derive.spec.model.scene import MarkerRef, Torque
 
 
 class TorqueAtMarker(ForceType[Torque]):
     """A torque; its reaction acts at a second marker, if there is one."""
 
     section = "torques"
+    doc = "with a given value"
+    keys = (Key("value", KeyType.FUNCTION, "N m", "Torque, N m: a number, or a function of t.", required=True),)
     intermediates = ("torque",)
 
-    def markers(self, element: Torque) -> tuple[MarkerRef, ...]:
-        """The marker it acts at, and that of its reaction."""
-        return (element.at,) if element.against is None else (element.at, element.against)
-
-    def functions(self, element: Torque) -> Iterator[tuple[str, TimeFunction]]:
-        """Its value."""
-        yield "value", element.value
-
     def generalised_force(
-        self, element: Torque, points: tuple[PointMotion, ...], constants: Constants, rows: tuple[EquationOfMotion, ...]
+        self, element: Torque, points: tuple[PointMotion, ...], values: Values, rows: tuple[EquationOfMotion, ...]
     ) -> GeneralisedForce:
         """The virtual work of the torque and of its reaction."""
         definitions: list[Intermediate] = []
         name = f"torque {element.name}"
-        value = define(element_symbol(element.name, "torque"), function(element.value), name, definitions)
-        terms = torque_terms(name, points[0], value, rows)
+        torque = define(element_symbol(element.name, "torque"), values["value"], name, definitions)
+        terms = torque_terms(name, points[0], torque, rows)
         for against in points[1:]:
-            terms += torque_terms(name, against, -value, rows)
+            terms += torque_terms(name, against, -torque, rows)
         return GeneralisedForce(terms, tuple(definitions))
+
+    def element(self, name: str, kind: str, markers: tuple[MarkerRef, ...], values: Mapping[str, Any]) -> Torque:
+        """The torque."""
+        at, *against = markers
+        return Torque(name, at, values["value"], *against)
