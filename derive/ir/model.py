@@ -11,9 +11,9 @@ from enum import Enum
 from typing import Literal
 
 from derive import display
-from derive.ir.cost import operations
+from derive.ir.analysis import operations, reads
 from derive.ir.patterns import Pattern
-from derive.ir.statements import Statement, reads
+from derive.ir.statements import Statement
 from derive.registry import UnknownNameError
 from derive.roles import Role
 

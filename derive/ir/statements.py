@@ -6,12 +6,11 @@ A loop states what it computes; how a language writes it is up to its backend. T
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from enum import Enum, IntEnum
 from typing import assert_never
 
-from derive.ir.expressions import ArrayAccess, Expr, ScalarRef, walk
+from derive.ir.expressions import Expr
 
 LANES = 4
 """Lanes of a sum and columns of a panel: what vector units take at once, so that no compiler need reorder a sum."""
@@ -256,47 +255,3 @@ class TriangularSolve:
 
 Loop = Map | Accumulate | MatVec | MatrixStore | Pack | Clear | RequireFinite | Cholesky | TriangularSolve
 Statement = ScalarStatement | Loop
-
-
-def expressions(statement: Statement) -> tuple[Expr, ...]:
-    """The expressions in a statement."""
-    match statement:
-        case Let() | Store() | Require():
-            return (statement.expr,)
-        case Map():
-            return tuple(item.expr for item in statement.body)
-        case Accumulate():
-            return (*(let.expr for let in statement.lets), *(e for s in statement.sums for e in (s.base, s.term)))
-        case MatrixStore():
-            return (statement.expr,) if statement.diagonal is None else (statement.expr, statement.diagonal)
-        case MatVec() | Pack() | Clear() | RequireFinite() | Cholesky() | TriangularSolve():
-            return ()
-        case _:
-            assert_never(statement)
-
-
-def reads(statement: Statement) -> Iterator[str]:
-    """The names that a statement reads: scalars and arrays, but not the argument of a `RequireFinite` as a whole."""
-    for part in (part for expr in expressions(statement) for part in walk(expr)):
-        if isinstance(part, ScalarRef):
-            yield part.name
-        elif isinstance(part, ArrayAccess):
-            yield part.array
-    match statement:
-        case MatVec():
-            yield statement.packing.array
-            for term in statement.terms:
-                yield from (vector for vector, _ in term.sums)
-                yield from (term.base,) if term.base else ()
-        case MatrixStore():
-            yield statement.packing.array
-        case Pack():
-            yield from (source.array for source in statement.sources)
-        case Cholesky():
-            yield statement.source
-        case TriangularSolve():
-            yield statement.factor
-        case Let() | Store() | Require() | Map() | Accumulate() | Clear() | RequireFinite():
-            pass
-        case _:
-            assert_never(statement)

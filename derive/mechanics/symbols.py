@@ -153,6 +153,11 @@ class Identity:
         return any(isinstance(s, Index) for s in self.shapes)
 
     @property
+    def array(self) -> str:
+        """The name of the array of the values of all shapes: S_i_11 is an element of S_11."""
+        return replace(self, shapes=()).name if self.indexed else self.name
+
+    @property
     def section(self) -> str:
         """The family with its time derivatives, under which generated code groups definitions."""
         return f"{self.family.stem}{DOTS[self.derivative]}"
@@ -262,7 +267,7 @@ def state_rate(symbol: sp.Basic) -> Symbol:
     """The time derivative of an element of a first-order state, where it is an unknown of its own: `phi_t`."""
     known = identity(symbol)
     if known.indexed:
-        return Symbol(Identity(Family.LOCAL, known.shapes, label=f"{replace(known, shapes=()).name}_t"))
+        return Symbol(Identity(Family.LOCAL, known.shapes, label=f"{known.array}_t"))
     return local(f"{known.name}_t")
 
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import casadi as ca
 
-from derive.ir.cost import operations
+from derive.ir.analysis import operations
 from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.constraints import jacobian_entries, kkt_factors, kkt_pattern
 from derive.lowering.flat.context import Context, stores

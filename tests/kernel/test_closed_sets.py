@@ -12,10 +12,10 @@ import beams
 from derive.backends.c.batch import batch_body
 from derive.backends.c.source import CBackend
 from derive.backends.python.module import PythonBackend
-from derive.ir.cost import operations
+from derive.ir.analysis import expressions, operations, reads
 from derive.ir.interpreter import interpret
 from derive.ir.model import Kernel, Model
-from derive.ir.statements import ReturnCode, expressions, reads
+from derive.ir.statements import ReturnCode
 from derive.runtime.native_call import ModelError
 
 

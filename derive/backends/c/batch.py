@@ -16,18 +16,9 @@ from derive.backends.breakable_text import join, statement
 from derive.backends.c.batch_loops import BlockLoops, Lines, Names, rows_helper, scatter
 from derive.backends.c.batch_parts import StraightLines, batch_parts, block_arrays
 from derive.backends.comment_text import WIDTH
+from derive.ir.analysis import expressions
 from derive.ir.model import Kernel, Model
-from derive.ir.statements import (
-    Accumulate,
-    Let,
-    Map,
-    MatVec,
-    Require,
-    Requirement,
-    Store,
-    TriangularSolve,
-    expressions,
-)
+from derive.ir.statements import Accumulate, Let, Map, MatVec, Require, Requirement, Store, TriangularSolve
 from derive.rendering import render
 
 KERNELS = ("mass", "force", "accel")

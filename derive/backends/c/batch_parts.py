@@ -6,20 +6,10 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 from derive.backends.c.batch_loops import totals
+from derive.ir.analysis import expressions, reads
 from derive.ir.expressions import Expr, Operation, Operator, ScalarRef, walk
 from derive.ir.model import Kernel
-from derive.ir.statements import (
-    Accumulate,
-    Let,
-    Map,
-    MatVec,
-    Require,
-    ScalarStatement,
-    Store,
-    TriangularSolve,
-    expressions,
-    reads,
-)
+from derive.ir.statements import Accumulate, Let, Map, MatVec, Require, ScalarStatement, Store, TriangularSolve
 
 BatchLoop = Map | Accumulate | MatVec | TriangularSolve
 

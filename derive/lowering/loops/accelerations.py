@@ -12,8 +12,9 @@ from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.functions import VANISHING
 from derive.lowering.functions import ModelFunction, OutputElements
 from derive.lowering.ldlt import elimination_order, factorise, solve
+from derive.lowering.loops.assignments import NOTHING, IndexedStore, Scalar, Target
 from derive.lowering.loops.context import RIGID, SHAPE, LoopContext
-from derive.lowering.loops.program import NOTHING, IndexedStore, Program, Scalar, Target
+from derive.lowering.loops.program import Program
 from derive.mechanics.sums import ModeSum
 from derive.mechanics.symbols import Family, I, local, quantity
 from derive.mechanics.tables import TableKind

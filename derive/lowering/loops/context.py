@@ -11,14 +11,15 @@ from derive.ir.model import Argument, Section, View
 from derive.ir.patterns import ColumnGroup, Pattern, RowSet, RowSetKind, block_pattern
 from derive.ir.statements import Store, StoreStrided
 from derive.lowering.loops import data_layout as store
+from derive.lowering.loops.assignments import NOTHING, IndexedStore, Scalar
 from derive.lowering.loops.gradient import Gradient
-from derive.lowering.loops.program import NOTHING, IndexedStore, Program, Scalar, array
+from derive.lowering.loops.program import Program
 from derive.mechanics.equations import Equations
 from derive.mechanics.sums import ALPHADDOT
 from derive.mechanics.symbols import Family, I, amplitude, local, quantity, state_rate, t
 from derive.mechanics.tables import TableKind
 
-ALPHAS = tuple(array(amplitude(I, derivative)) for derivative in range(3))
+ALPHAS = tuple(amplitude(I, derivative).identity.array for derivative in range(3))
 """The arrays of the amplitudes, their velocities and their accelerations."""
 SHAPE = "alpha_i"
 CJ = local("cj")

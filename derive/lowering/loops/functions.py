@@ -15,9 +15,9 @@ from derive.ir.statements import Store, StoreStrided
 from derive.lowering.functions import FunctionKind, ModelFunction, OutputElements, functions_of
 from derive.lowering.loops import data_layout as store
 from derive.lowering.loops.accelerations import accel
+from derive.lowering.loops.assignments import NOTHING, IndexedStore, Scalar
 from derive.lowering.loops.context import RIGID, SHAPE, LoopContext, row_labels
 from derive.lowering.loops.iteration_matrix import jacobian
-from derive.lowering.loops.program import NOTHING, IndexedStore, Scalar
 from derive.mechanics.equations import Equations
 from derive.mechanics.expansion import TRANSLATIONS
 from derive.mechanics.symbols import Family, I, amplitude, state_rate

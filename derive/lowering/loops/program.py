@@ -1,21 +1,19 @@
-"""Kernels with loops over the shapes, put together section by section from generic equations.
+"""A kernel with loops over the modes under construction, section by section, from indexed equations.
 
-What expressions need is computed before them: table sums first, then mode
-sums, then scalars.
-In a loop, expressions are sums of products of what depends on its index; their factors are computed before it.
+What expressions need is computed before them: table sums first, then mode sums, then scalars, then loops.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
-from fractions import Fraction
 from itertools import count
 
 import casadi as ca
 import sympy as sp
 
-from derive.ir.expressions import ArrayAccess, Expr, Leaf, MatrixEntry, Number, Operation, Operator, ScalarRef
+from derive.ir.analysis import reads
+from derive.ir.expressions import ArrayAccess, Expr, Leaf, Number, Operation, Operator, ScalarRef
 from derive.ir.model import Argument, Kernel, Output, Section
 from derive.ir.statements import (
     Accumulate,
@@ -31,29 +29,26 @@ from derive.ir.statements import (
     StoreLocal,
     StoreStrided,
     Sum,
-    reads,
 )
 from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.graph import Constants, Graph
 from derive.lowering.flat.schedule import Named, Step, Stored, Want, schedule
 from derive.lowering.functions import ModelFunction, OutputElements
+from derive.lowering.loops.assignments import (
+    NOTHING,
+    Assignment,
+    IndexedStore,
+    Scalar,
+    Target,
+    assignments,
+    free_symbols,
+    map_body,
+    pair_expression,
+)
+from derive.lowering.loops.loop_invariants import LoopInvariants, by_vector
 from derive.mechanics.sums import ModeSum, TableSum, canonical
-from derive.mechanics.symbols import I, Symbol, amplitude, identity, is_indexed, local
+from derive.mechanics.symbols import Symbol, identity, local
 from derive.mechanics.terms import Intermediate, rotation_symbols
-
-Target = Symbol | Store | Require
-"""The target of a scalar: a symbol that is known from then on, or a statement whose expression is replaced."""
-
-Scalar = tuple[Target, sp.Expr]
-"""A scalar: its target and its value."""
-
-IndexedStore = tuple[StoreLocal | StoreStrided, sp.Expr]
-"""The target of an expression in index i, and the expression."""
-
-Assignment = Let | Store | Require | StoreLocal | StoreStrided
-"""A statement that assigns or checks the value of one expression."""
-
-NOTHING = Number(Fraction(0))
 
 
 class Program:
@@ -75,13 +70,13 @@ class Program:
         self.sections: list[Section] = []
         self._arrays: set[sp.Symbol] = set()
         self._temporaries = (f"t{k}" for k in count(1))
-        self._factors: dict[sp.Expr, Symbol] = {}
+        self._invariants = LoopInvariants(self.known, self.definitions)
 
     def sums(self, exprs: Iterable[sp.Expr]) -> None:
         """Compute the table sums and the mode sums that expressions refer to."""
-        symbols = _symbols(exprs)
+        symbols = free_symbols(exprs)
         mode_sums = [t for s, t in self.mode_sums.items() if s in symbols and s not in self.known]
-        inside = symbols | _symbols(e for t in mode_sums for e in (t.offset, t.term))
+        inside = symbols | free_symbols(e for t in mode_sums for e in (t.offset, t.term))
         self._add_table_sums([c for s, c in self.table_sums.items() if s in inside and s not in self._arrays])
         self.add_mode_sums(mode_sums)
 
@@ -89,15 +84,15 @@ class Program:
         terms = []
         for c in table_sums:
             self._arrays.add(c.symbol)
-            pairs = tuple((self._vector(factor, entry), array(canonical(entry))) for factor, entry in c.sums)
-            terms.append(MatVecTerm(array(c.symbol), array(c.offset) if c.offset != 0 else "", pairs))
+            pairs = tuple((self._vector(factor, entry), canonical(entry).identity.array) for factor, entry in c.sums)
+            terms.append(MatVecTerm(c.symbol.identity.array, identity(c.offset).array if c.offset != 0 else "", pairs))
         if terms:
             section = Section("tables", "appendix", _described(table_sums), (MatVec(self.packing, tuple(terms)),))
             self.sections.append(section)
 
     def _vector(self, factor: Symbol, entry: Symbol) -> str:
         """The factor of a table; of an odd table with its indices exchanged, the factor with its sign changed."""
-        vector = array(factor)
+        vector = factor.identity.array
         if canonical(entry) == entry:
             return vector
         name = f"minus_{vector}"
@@ -112,7 +107,8 @@ class Program:
         mode_sums = tuple(mode_sums)
         if not mode_sums:
             return
-        body = self._loop([(StoreLocal("", NOTHING), by_vector(t.term)) for t in mode_sums])
+        rows = [(StoreLocal("", NOTHING), by_vector(t.term)) for t in mode_sums]
+        body = map_body(rows, self.known, self._temporaries)
         lets = tuple(item for item in body if isinstance(item, Let))
         terms = [item.expr for item in body if not isinstance(item, Let)]
         offsets: list[Leaf] = [NOTHING if t.offset == 0 else self.known[t.offset] for t in mode_sums]
@@ -156,8 +152,8 @@ class Program:
             (Step(name, equation, doc, tuple(stored)),),
             self._temporaries,
         ):
-            placed = (_targeted(item, targets) for item in section.body)
-            body = tuple(t for t in placed if isinstance(t, Let | Store | Require) and not _is_redundant(t))
+            assigned = assignments(section.body, targets)
+            body = tuple(t for t in assigned if isinstance(t, Let | Store | Require) and not _is_redundant(t))
             names = {item.name for item in section.body if isinstance(item, Let)}
             self.known |= {d.symbol: ScalarRef(str(d.symbol)) for d in self.definitions if str(d.symbol) in names}
             self.sections.append(Section(section.name, section.equation, section.doc, body))
@@ -178,15 +174,13 @@ class Program:
         """Scalars, then a loop for rows, then a loop for each block of pairs (its expression, that of its diagonal)."""
         scalars, rows, pairs = tuple(scalars), tuple(rows), tuple(pairs)
         self.sums([*(e for _, e in (*scalars, *rows)), *(e for _, *both in pairs for e in both)])
-        before = len(self._factors)
-        lines = [(target, self.linear(expr)) for target, expr in rows]
-        blocks = [(loop, self.linear(full), self.linear(diagonal)) for loop, full, diagonal in pairs]
-        fresh = list(self._factors.items())[before:]
-        factors: list[Scalar] = [(symbol, expr) for expr, symbol in fresh]
-        self.scalars(name, equation, doc, (*factors, *scalars))
+        hoisted = self._invariants.hoisted
+        lines = [(target, hoisted(expr)) for target, expr in rows]
+        blocks = [(loop, hoisted(full), hoisted(diagonal)) for loop, full, diagonal in pairs]
+        self.scalars(name, equation, doc, (*self._invariants.unassigned(), *scalars))
         loops: list[Statement] = []
         if lines and self.packing.count:
-            loops.append(self._each(self._loop(lines)))
+            loops.append(self._each(map_body(lines, self.known, self._temporaries)))
         for loop, full, diagonal in blocks:
             inside, extra = self._pair(full), None if diagonal == 0 else self._pair(diagonal)
             loops.append(MatrixStore(loop.packing, loop.output, loop.offset, loop.stride, inside, extra))
@@ -209,108 +203,30 @@ class Program:
         arguments = tuple(inputs[name] for name in function.arguments)
         given = ((name, doc, outputs[name]) for name, doc in function.outputs.items())
         results = tuple(Output(name, e.names, doc, e.pattern, e.count) for name, doc, e in given)
-        sections = [*self.sections, *more]
-        while True:
-            used = {n for section in sections for statement in section.body for n in reads(statement)}
-            kept = [
-                replace(s, body=tuple(b for b in s.body if not isinstance(b, Let) or b.name in used)) for s in sections
-            ]
-            if kept == sections:
-                doc = f"{function.doc}{method}"
-                return Kernel(function.name, doc, arguments, results, tuple(s for s in sections if s.body))
-            sections = kept
+        sections = _without_unread([*self.sections, *more])
+        doc = f"{function.doc}{method}"
+        return Kernel(function.name, doc, arguments, results, tuple(s for s in sections if s.body))
 
-    def linear(self, expr: sp.Expr) -> sp.Expr:
-        """An expression of indices as a sum of products of indexed symbols, with scalar factors that have a name."""
-        grouped: dict[sp.Expr, sp.Expr] = {}
-        for term in sp.Add.make_args(sp.expand(expr)):
-            scalar, indexed = term.as_independent(*(s for s in term.free_symbols if is_indexed(s)), as_Add=False)
-            grouped[indexed] = grouped.get(indexed, sp.S.Zero) + scalar
-        return sp.Add(*(self._factor(scalar) * indexed for indexed, scalar in grouped.items()))
-
-    def _factor(self, expr: sp.Expr) -> sp.Expr:
-        """A scalar as it occurs in a loop: a number, a known name, or a new name for it; signs stay outside."""
-        if expr.could_extract_minus_sign():
-            return -self._factor(-expr)
-        if expr.is_Rational or expr in self.known:
-            return expr
-        if expr not in self._factors:
-            own = local(f"f{len(self._factors) + 1}")
-            self._factors[expr] = expr if any(d.symbol == expr for d in self.definitions) else own
-        return self._factors[expr]
+    def _pair(self, expr: sp.Expr) -> Expr:
+        return pair_expression(expr, self.known, self._temporaries)
 
     def _each(self, body: tuple[Let | StoreLocal | StoreStrided, ...]) -> Map:
         return Map(self.packing.count, body)
 
-    def _loop(self, rows: list[IndexedStore]) -> tuple[Let | StoreLocal | StoreStrided, ...]:
-        """The body of a loop over i."""
-        symbols = Symbols(early=frozenset(self.known), late=frozenset())
-        for symbol in sorted(_symbols(e for _, e in rows), key=str):
-            symbols.input(symbol, ArrayAccess(array(symbol), "i") if is_indexed(symbol) else self.known[symbol])
-        stored = tuple(Stored("", k, symbols(expr)) for k, (_, expr) in enumerate(rows))
-        step = Step("loop", "", "", stored)
-        (section,) = schedule(Graph(Constants(frozenset())), symbols, (), (step,), self._temporaries)
-        targets = [target for target, _ in rows]
-        placed = (_targeted(item, targets) for item in section.body)
-        return tuple(item for item in placed if isinstance(item, Let | StoreLocal | StoreStrided))
 
-    def _pair(self, expr: sp.Expr) -> Expr:
-        """An expression of i and j, without names in between."""
-        symbols = Symbols(early=frozenset(self.known), late=frozenset())
-        for symbol in sorted(expr.free_symbols, key=str):
-            symbols.input(symbol, _pair_leaf(symbol) if is_indexed(symbol) else self.known[symbol])
-        step = Step("pair", "", "", (Stored("", 0, symbols(expr)),))
-        (section,) = schedule(Graph(Constants(frozenset())), symbols, (), (step,), self._temporaries)
-        (item,) = section.body
-        assert isinstance(item, Store)
-        return item.expr
-
-
-def array(symbol: sp.Basic) -> str:
-    """What an indexed quantity is called as an array: S_i_11 is S_11."""
-    return replace(identity(symbol), shapes=()).name
-
-
-def by_vector(term: sp.Expr) -> sp.Expr:
-    """alpha_i a + alpha_i b as alpha_i (a + b)."""
-    vectors = [amplitude(I, derivative) for derivative in range(3)]
-    grouped: dict[sp.Expr, list[sp.Expr]] = {}
-    for part in sp.Add.make_args(sp.expand(term)):
-        first = next((v for v in vectors if v in part.free_symbols), sp.S.One)
-        grouped.setdefault(first, []).append(part / first)
-    return sp.Add(*(sp.Mul(v, sp.Add(*rest), evaluate=False) for v, rest in grouped.items()), evaluate=False)
-
-
-def _pair_leaf(symbol: sp.Symbol) -> Leaf:
-    return MatrixEntry(array(symbol)) if len(identity(symbol).shapes) == 2 else ArrayAccess(array(symbol), "i")
-
-
-def _targeted(item: Statement, targets: Sequence[Assignment]) -> Assignment:
-    """A statement of a schedule, with its target replaced by the target of the scalar."""
-    if not isinstance(item, Store):
-        assert isinstance(item, Let | Require)
-        return item
-    match targets[item.index]:
-        case Let(name):
-            return Let(name, item.expr)
-        case Store(output, index):
-            return Store(output, index, item.expr)
-        case Require(kind, _, code, text):
-            return Require(kind, item.expr, code, text)
-        case StoreLocal(name):
-            return StoreLocal(name, item.expr)
-        case StoreStrided(output, offset, stride):
-            return StoreStrided(output, offset, stride, item.expr)
-    raise AssertionError("a target is a statement that assigns a value")
+def _without_unread(sections: list[Section]) -> list[Section]:
+    """Sections without names that nothing reads."""
+    while True:
+        used = {n for section in sections for statement in section.body for n in reads(statement)}
+        kept = [replace(s, body=tuple(b for b in s.body if not isinstance(b, Let) or b.name in used)) for s in sections]
+        if kept == sections:
+            return sections
+        sections = kept
 
 
 def _is_redundant(item: Assignment) -> bool:
     """Whether a definition only assigns a name to itself."""
     return isinstance(item, Let) and item.expr == ScalarRef(item.name)
-
-
-def _symbols(exprs: Iterable[sp.Expr]) -> set[sp.Symbol]:
-    return {s for e in exprs for s in sp.sympify(e).free_symbols}
 
 
 def _described(sums: Iterable[TableSum | ModeSum]) -> str:

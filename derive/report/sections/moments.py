@@ -16,7 +16,7 @@ from derive.report.document.formula import Equation, Fenced, Name, Part
 from derive.report.document.page import Block, Details, EquationBlock, Heading, Paragraph
 from derive.report.document.tables import MOST
 from derive.report.notation.expressions import Notation, row
-from derive.report.sections.term_lines import array, line_anchor
+from derive.report.sections.term_lines import line_anchor
 
 APPENDIX = "appendix"
 MANY = 12
@@ -82,7 +82,7 @@ def _title(name: str) -> str:
 def _line(moment: Moment, notation: Notation, lines: Mapping[str, int]) -> Equation:
     """The equation of a moment, which leads to its line."""
     name = moment.symbol.name
-    place = lines.get(array(moment.symbol))
+    place = lines.get(identity(moment.symbol).array)
     first = replace(moment.parts[0], title=f"{name} in the code", to=f"#{line_anchor(place)}" if place else "")
     listed = "" if moment.number == APPENDIX else moment.number.strip("()")
     parts = (first, *moment.parts[1:])
@@ -104,7 +104,7 @@ def moment_anchors(equations: Equations, families: Sequence[Sequence[Moment]]) -
     """The anchors of the equations that are shown, by the names in the code."""
     symbols = [d.symbol for d in equations.definitions if d.section == "Q"]
     symbols += [moment.symbol for some in families for moment in some[:MOST]]
-    return {array(symbol): definition_anchor(symbol) for symbol in symbols}
+    return {identity(symbol).array: definition_anchor(symbol) for symbol in symbols}
 
 
 def _contracted(given: TableSum, notation: Notation) -> tuple[Part, ...]:

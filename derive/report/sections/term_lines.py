@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import sympy as sp
 
@@ -84,11 +84,5 @@ def _lines_of(term: Term, function: FunctionLines) -> tuple[int, ...]:
 
 def _names(term: Term, function: FunctionLines) -> tuple[tuple[sp.Symbol, int], ...]:
     lines = function.definitions
-    result = [(symbol, lines[name]) for symbol in term.expr.free_symbols if (name := array(symbol)) in lines]
+    result = [(symbol, lines[name]) for symbol in term.expr.free_symbols if (name := identity(symbol).array) in lines]
     return tuple(sorted(result, key=lambda pair: pair[1]))
-
-
-def array(symbol: sp.Symbol) -> str:
-    """What an indexed quantity is called in a loop: S_i_11 is the array S_11."""
-    known = identity(symbol)
-    return replace(known, shapes=()).name if known.indexed else known.name
