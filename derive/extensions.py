@@ -8,9 +8,8 @@ with two time derivatives, as SymPy expressions.
 
 from __future__ import annotations
 
-from derive.mechanics.multibody.bodies.body_type import BodyType, Constant
+from derive.mechanics.multibody.bodies.body_type import BodyType, Component, Constant, CrossSection
 from derive.mechanics.multibody.bodies.rigid import marker_constants, rigid_component
-from derive.mechanics.multibody.components import Component, CrossSection
 from derive.mechanics.multibody.coordinates import CoordinateMap
 from derive.mechanics.multibody.forces.force_type import ForceType, GeneralisedForce, define, force_terms, torque_terms
 from derive.mechanics.multibody.joints.joint_type import (

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import textwrap
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -27,8 +29,14 @@ from derive.mechanics.terms import (
     Term,
     Vanished,
 )
-from derive.mechanics.text import block, page
 from derive.spec.model.body import Lowering
+
+WIDTH = 110
+"""Characters of a line of equations as text."""
+MOST_LINES = 3
+"""Lines that one equation may take."""
+MOST_EQUATIONS = 14
+"""Equations of one block."""
 
 
 @dataclass(frozen=True)
@@ -152,16 +160,38 @@ class Equations:
         law = "Equations of motion, without the constraint reactions" if self.constraints else "Equations of motion"
         definitions = [(d.symbol.name, d.expr) for d in self.definitions if not d.zero]
         constraints = [("0", c.position) for c in self.constraints]
-        return page(
+        return _page(
             [
                 [f"{self.name}: {self.doc}"],
-                block(f"{law}:", rows),
-                block("Constraints:", constraints),
-                block("with", definitions),
-                block("and the sums over the shapes", sums),
+                _block(f"{law}:", rows),
+                _block("Constraints:", constraints),
+                _block("with", definitions),
+                _block("and the sums over the shapes", sums),
             ]
         )
 
     def _repr_html_(self) -> str:
         """The HTML that notebooks display."""
         return display.html(self)
+
+
+def _equation(left: str, right: sp.Expr | str) -> list[str]:
+    """An equation, wrapped; of a long one the beginning."""
+    lines = textwrap.wrap(f"{left} = {right}", WIDTH, subsequent_indent="        ")
+    return lines if len(lines) <= MOST_LINES else [*lines[: MOST_LINES - 1], f"        ... ({len(lines)} lines in all)"]
+
+
+def _block(title: str, equations: Sequence[tuple[str, sp.Expr | str]]) -> list[str]:
+    """A titled list of equations; of many the first ones, with their number."""
+    if not equations:
+        return []
+    lines = [title]
+    for left, right in equations[:MOST_EQUATIONS]:
+        lines += [f"  {line}" for line in _equation(left, right)]
+    more = len(equations) - MOST_EQUATIONS
+    return [*lines, f"  ... and {more} more"] if more > 0 else lines
+
+
+def _page(blocks: Iterable[list[str]]) -> str:
+    """Blocks with an empty line between them."""
+    return "\n\n".join("\n".join(lines) for lines in blocks if lines)

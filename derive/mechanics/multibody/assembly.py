@@ -11,9 +11,8 @@ import sympy as sp
 
 from derive.errors import Problem, SpecError
 from derive.mechanics import quantity
-from derive.mechanics.multibody.bodies.body_type import BodyType, Constant
+from derive.mechanics.multibody.bodies.body_type import BodyType, Component, Constant
 from derive.mechanics.multibody.bodies.registry import BODIES
-from derive.mechanics.multibody.components import Component
 from derive.mechanics.multibody.coordinates import CoordinateMap, free
 from derive.mechanics.multibody.forces.registry import elements
 from derive.mechanics.multibody.instances import point_motions
@@ -23,7 +22,7 @@ from derive.mechanics.multibody.keys import Key, KeyType, quantities
 from derive.mechanics.multibody.kinds import BodyInstance, BodyKinds, ForceInstance, JointInstance
 from derive.mechanics.multibody.mechanism import Mechanism
 from derive.mechanics.multibody.point_motion import PointMotion, fixed_point
-from derive.mechanics.multibody.time_functions import finite_function, time_derivatives
+from derive.mechanics.quantity import finite_function, time_derivatives
 from derive.mechanics.symbols import Symbol, element, t
 from derive.mechanics.terms import Eliminated, ModelConstant, ParameterSymbol
 from derive.spec.model.body import Parameter, Quantity

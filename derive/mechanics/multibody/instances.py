@@ -11,11 +11,11 @@ from derive.mechanics import zeros
 from derive.mechanics.equations import Equations
 from derive.mechanics.expansion import constants_of
 from derive.mechanics.motion.material_points import marker
-from derive.mechanics.multibody.components import Component
+from derive.mechanics.multibody.bodies.body_type import Component
 from derive.mechanics.multibody.coordinates import CoordinateMap
 from derive.mechanics.multibody.kinds import BodyInstance, BodyKind
 from derive.mechanics.multibody.point_motion import PointMotion, point_motion
-from derive.mechanics.multibody.time_functions import rounded
+from derive.mechanics.quantity import rounded
 from derive.mechanics.symbols import Family, identity, owned
 from derive.mechanics.terms import (
     Coordinate,

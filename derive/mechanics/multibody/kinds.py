@@ -12,7 +12,7 @@ from derive.mechanics.body import Body, ExactValues
 from derive.mechanics.equations import Equations
 from derive.mechanics.indexed_equations import derive_body
 from derive.mechanics.motion.body_motion import Motion
-from derive.mechanics.multibody.components import Component
+from derive.mechanics.multibody.bodies.body_type import Component
 from derive.mechanics.multibody.coordinates import CoordinateMap
 from derive.mechanics.multibody.forces.force_type import ForceType
 from derive.mechanics.multibody.joints.joint_type import JointType, PrescribedMotion

@@ -9,8 +9,7 @@ from pydantic_core import ErrorDetails
 
 from derive.spec.checks import scene_messages
 from derive.spec.model.body import BEAM_QUANTITIES
-from derive.spec.parsing.faults import Fault, KeyPath
-from derive.spec.parsing.suggestions import unknown_key
+from derive.spec.parsing.faults import Fault, KeyPath, unknown_key
 from derive.spec.parsing.values import kind_of
 from derive.spec.tables.beam import BeamTable, FrameTable
 from derive.spec.tables.body import BodyFrameTable, DampingTable, NodalTable, SymbolicTable, UnitsTable, kind_of_body

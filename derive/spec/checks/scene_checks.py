@@ -12,8 +12,7 @@ from derive.spec.checks.scene_data import Raw, SceneData
 from derive.spec.checks.scene_names import name_faults
 from derive.spec.checks.scene_parameters import parameter_faults
 from derive.spec.model.scene import GROUND, NAMED, MarkerRef
-from derive.spec.parsing.faults import Fault, KeyPath
-from derive.spec.parsing.suggestions import did_you_mean
+from derive.spec.parsing.faults import Fault, KeyPath, did_you_mean
 from derive.spec.tables.scene_bodies import RigidTable
 
 

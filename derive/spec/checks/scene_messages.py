@@ -11,8 +11,7 @@ from derive.mechanics.multibody.bodies.registry import BODIES
 from derive.mechanics.multibody.forces.registry import DEFAULT_KINDS, kinds
 from derive.mechanics.multibody.joints.registry import JOINTS
 from derive.mechanics.multibody.keys import quantities
-from derive.spec.parsing.faults import KeyPath
-from derive.spec.parsing.suggestions import did_you_mean
+from derive.spec.parsing.faults import KeyPath, did_you_mean
 from derive.spec.tables.beam import FrameTable
 from derive.spec.tables.drives import DriveTable
 from derive.spec.tables.forces import force_table

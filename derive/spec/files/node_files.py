@@ -20,8 +20,7 @@ from derive.errors import printable, quoted
 from derive.spec.files.file_content import file_content
 from derive.spec.files.node_format import FILES
 from derive.spec.model.body import NodeData
-from derive.spec.parsing.faults import Fault, Faults
-from derive.spec.parsing.suggestions import unknown_key
+from derive.spec.parsing.faults import Fault, Faults, unknown_key
 from derive.spec.parsing.values import WrongValueError, kind_of
 
 MAX_BYTES = 200_000_000

@@ -10,8 +10,7 @@ from pathlib import Path
 
 from derive.errors import quoted
 from derive.spec.files.file_content import file_content
-from derive.spec.parsing.faults import Faults
-from derive.spec.parsing.suggestions import did_you_mean
+from derive.spec.parsing.faults import Faults, did_you_mean
 from derive.spec.parsing.values import WrongValueError
 
 MAX_BYTES = 5_000_000

@@ -1,13 +1,14 @@
-"""Faults of the data of a specification: their paths, their collection, and the lines of their keys."""
+"""Faults of the data of a specification: their paths, their collection, the lines of their keys, and suggestions."""
 
 from __future__ import annotations
 
+import difflib
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import NamedTuple, TypeVar
 
-from derive.errors import printable
+from derive.errors import printable, quoted
 from derive.spec.parsing.values import WrongValueError
 
 Result = TypeVar("Result")
@@ -59,3 +60,16 @@ def line_of(path: KeyPath, lines: Mapping[KeyPath, int]) -> int | None:
         if path[:length] in lines:
             return lines[path[:length]]
     return None
+
+
+def unknown_key(key: str, known: Iterable[str]) -> str:
+    """The message on an unknown key; `known` are the keys that are allowed there."""
+    keys = list(known)
+    return "unknown key" + did_you_mean(key, keys, f"the keys here are {', '.join(keys)}")
+
+
+def did_you_mean(name: str, known: Iterable[str], otherwise: str) -> str:
+    """The end of a sentence on an unknown name: the known name that resembles it, or `otherwise`."""
+    lower = {name_known.lower(): name_known for name_known in known}
+    near = difflib.get_close_matches(name[:40].lower(), lower, n=1)
+    return f"; did you mean {quoted(lower[near[0]])}?" if near else f"; {otherwise}"

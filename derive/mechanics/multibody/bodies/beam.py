@@ -8,8 +8,7 @@ from fractions import Fraction
 
 from derive.mechanics.bodies.beam import beam_body, beam_point, section_rotations, shape_text
 from derive.mechanics.bodies.reference_conditions import assumed_shapes
-from derive.mechanics.multibody.bodies.body_type import BodyType, Constant
-from derive.mechanics.multibody.components import Component, CrossSection
+from derive.mechanics.multibody.bodies.body_type import BodyType, Component, Constant, CrossSection
 from derive.mechanics.terms import ModelConstant
 from derive.spec.model.body import Marker
 from derive.spec.model.scene import BeamBody, Joint, MarkerRef

@@ -1,17 +1,42 @@
-"""What a type of body declares: its keys, its components, and what joints may eliminate."""
+"""What a type of body declares: its keys, its components, and what joints may eliminate; and what a component is."""
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import ClassVar, Generic, TypeVar
 
-from derive.mechanics.multibody.components import Component
+from derive.mechanics.body import Body
+from derive.mechanics.motion.material_points import MaterialPoint
 from derive.mechanics.multibody.keys import Key
 from derive.mechanics.terms import ModelConstant
 from derive.spec.model.body import Quantity
 from derive.spec.model.scene import Joint, MarkerRef, SceneBody
+
+
+@dataclass(frozen=True)
+class CrossSection:
+    """A cross-section of a body: its material point, and its rotation by each assumed mode (none in a rigid body)."""
+
+    point: MaterialPoint
+    rotations: tuple[ModelConstant, ...] = ()
+
+
+@dataclass(frozen=True)
+class Component:
+    """A body with its own coordinates, whose names begin with `name`; the names of its constants begin with `group`.
+
+    The pieces of a rod share their constants, and therefore `body`. `sections` are the cross-sections of the component
+    by their names; `markers` are the names of those that the specification declares.
+    """
+
+    name: str
+    group: str
+    body: Body
+    sections: Mapping[str, CrossSection]
+    markers: tuple[str, ...]
+
 
 B = TypeVar("B", bound=SceneBody)
 

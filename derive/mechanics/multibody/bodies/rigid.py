@@ -8,8 +8,7 @@ import sympy as sp
 
 from derive.mechanics import quantity
 from derive.mechanics.bodies.rigid import rigid_body, rigid_point
-from derive.mechanics.multibody.bodies.body_type import BodyType, Constant
-from derive.mechanics.multibody.components import Component, CrossSection
+from derive.mechanics.multibody.bodies.body_type import BodyType, Component, Constant, CrossSection
 from derive.mechanics.terms import ModelConstant
 from derive.spec.model.scene import PointMarker, RigidBody
 

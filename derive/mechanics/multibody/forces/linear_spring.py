@@ -7,7 +7,7 @@ import sympy as sp
 from derive.mechanics.multibody.forces.force_type import GeneralisedForce, Values, force_terms
 from derive.mechanics.multibody.forces.spring_type import SpringType, spring_keys
 from derive.mechanics.multibody.point_motion import PointMotion, RelativeMotion
-from derive.mechanics.multibody.time_functions import rounded
+from derive.mechanics.quantity import rounded
 from derive.mechanics.symbols import element as element_symbol
 from derive.mechanics.terms import EquationOfMotion, Intermediate
 from derive.spec.model.scene import Spring

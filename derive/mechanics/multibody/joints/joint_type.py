@@ -10,10 +10,15 @@ import sympy as sp
 
 from derive.mechanics.motion.body_motion import Motion
 from derive.mechanics.multibody.coordinates import CoordinateMap
-from derive.mechanics.multibody.keys import Key
+from derive.mechanics.multibody.keys import Key, KeyType
 from derive.mechanics.multibody.point_motion import Derivatives, PointMotion, RelativeMotion
 from derive.mechanics.terms import Intermediate
 from derive.spec.model.scene import Joint
+
+ANGLE = Key(
+    "angle", KeyType.FLOAT, "rad", "Constant rotation of body 2 relative to body 1, rad; not for revolute joints."
+)
+"""A key of the joints that keep a constant relative rotation."""
 
 
 @dataclass(frozen=True)

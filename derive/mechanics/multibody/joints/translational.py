@@ -11,6 +11,7 @@ import sympy as sp
 
 from derive.mechanics.multibody.coordinates import CoordinateMap, displacement_only, prescribed
 from derive.mechanics.multibody.joints.joint_type import (
+    ANGLE,
     Drawing,
     DrivenCoordinate,
     JointEquations,
@@ -19,10 +20,9 @@ from derive.mechanics.multibody.joints.joint_type import (
     Support,
     offset,
 )
-from derive.mechanics.multibody.joints.keys import ANGLE
 from derive.mechanics.multibody.keys import Key, KeyType
 from derive.mechanics.multibody.point_motion import Derivatives, PointMotion, RelativeMotion
-from derive.mechanics.multibody.time_functions import rounded
+from derive.mechanics.quantity import rounded
 from derive.mechanics.symbols import element
 from derive.mechanics.terms import Intermediate
 from derive.spec.model.scene import Joint

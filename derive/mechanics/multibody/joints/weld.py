@@ -5,8 +5,15 @@ from __future__ import annotations
 import sympy as sp
 
 from derive.mechanics.multibody.coordinates import CoordinateMap, prescribed
-from derive.mechanics.multibody.joints.joint_type import Drawing, JointEquations, JointType, Multiplier, Support, offset
-from derive.mechanics.multibody.joints.keys import ANGLE
+from derive.mechanics.multibody.joints.joint_type import (
+    ANGLE,
+    Drawing,
+    JointEquations,
+    JointType,
+    Multiplier,
+    Support,
+    offset,
+)
 from derive.mechanics.multibody.point_motion import RelativeMotion
 from derive.spec.model.scene import Joint
 
