@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import assert_never
 
-from derive.backends.comment_text import Item, Prose, prefixed
+from derive.backends.wrapping import Item, Prose, prefixed
 from derive.ir.model import Argument, Kernel, Model, Output, OutputKind, Section, Variable, Zero
 from derive.ir.patterns import Pattern, RowSetKind
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import assert_never
 
-from derive.backends.breakable_text import PLUS, BreakableText, join
+from derive.backends.wrapping import PLUS, BreakableText, join
 from derive.ir.expressions import ArrayAccess, Expr, MatrixEntry, Number, Operation, Operator, ScalarRef
 
 SIGN = {Operator.ADD: " + ", Operator.SUB: " - ", Operator.MUL: " * ", Operator.DIV: " / "}

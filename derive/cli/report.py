@@ -35,7 +35,7 @@ def _of_model(path: Path) -> tuple[str, str, Page]:
     """The page of a specification file; of a scene with the pictures that `simulate` and `study` have left."""
     from derive.report.model_page import model_page
     from derive.report.scene_page import ResultPicture, scene_page
-    from derive.report.sections.provenance import SpecificationText
+    from derive.report.sections.files import SpecificationText
 
     (built,) = build_all([path])
     name = built.model.name

@@ -8,8 +8,8 @@ from derive.pipeline import Built
 from derive.report.document.formula import FormulaRow, Name, NumberToken, OperatorToken
 from derive.report.document.page import Block, Heading, Math, Page, Paragraph, Text
 from derive.report.notation.expressions import Notation, notation
-from derive.report.sections.calling import calling_blocks
-from derive.report.sections.code import code_blocks, targets
+from derive.report.sections.code import code_blocks, operation_blocks, targets
+from derive.report.sections.files import SpecificationText, calling_blocks, manifest_blocks, specification_blocks
 from derive.report.sections.frame import beam_subtitle, body_frame_blocks, frame_blocks, paper_numbers
 from derive.report.sections.frame_comparison import frames_blocks, variants
 from derive.report.sections.integrals import integral_blocks
@@ -17,8 +17,6 @@ from derive.report.sections.kinematics import kinematics_blocks
 from derive.report.sections.mass_matrix import mass_blocks, mass_matrix
 from derive.report.sections.moments import moment_anchors, moment_blocks, moments
 from derive.report.sections.nomenclature import nomenclature_blocks
-from derive.report.sections.operations import operation_blocks
-from derive.report.sections.provenance import SpecificationText, manifest_blocks, specification_blocks
 from derive.report.sections.state import state_blocks
 from derive.report.sections.term_lines import definition_lines, locate_terms
 from derive.report.sections.terms import row_blocks

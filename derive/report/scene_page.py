@@ -16,13 +16,12 @@ from derive.report.document.page import Block, Heading, Page, Paragraph, Picture
 from derive.report.notation.expressions import notation
 from derive.report.notation.labels import label, row_identities
 from derive.report.sections.code import code_blocks, targets
+from derive.report.sections.files import SpecificationText, manifest_blocks, specification_blocks
 from derive.report.sections.integrals import integral_blocks
-from derive.report.sections.kkt import kkt_blocks
 from derive.report.sections.mass_matrix import MassPattern, mass_blocks
-from derive.report.sections.mechanism import body_blocks, constraint_blocks, joint_blocks, mechanism_blocks
+from derive.report.sections.mechanism import body_blocks, constraint_blocks, joint_blocks, kkt_blocks, mechanism_blocks
 from derive.report.sections.moments import moment_anchors, moment_blocks, moments
 from derive.report.sections.nomenclature import nomenclature_blocks
-from derive.report.sections.provenance import SpecificationText, manifest_blocks, specification_blocks
 from derive.report.sections.state import state_blocks
 from derive.report.sections.term_lines import definition_lines, locate_terms
 from derive.report.sections.terms import row_blocks

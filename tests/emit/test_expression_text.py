@@ -9,9 +9,8 @@ from fractions import Fraction
 
 import pytest
 
-from derive.backends.breakable_text import PLUS, join, statement
-from derive.backends.comment_text import WIDTH
 from derive.backends.expression_text import PYTHON, C, Dialect, text
+from derive.backends.wrapping import PLUS, WIDTH, join, statement
 from derive.ir.expressions import Expr, Number, Operation, Operator, ScalarRef
 from derive.ir.interpreter import interpret
 from derive.ir.model import Argument, Kernel, Output, Section

@@ -12,10 +12,9 @@ from dataclasses import dataclass
 from itertools import groupby
 from typing import assert_never
 
-from derive.backends.breakable_text import join, statement
 from derive.backends.c.batch_loops import BlockLoops, Lines, Names, rows_helper, scatter
 from derive.backends.c.batch_parts import StraightLines, batch_parts, block_arrays
-from derive.backends.comment_text import WIDTH
+from derive.backends.wrapping import WIDTH, join, statement
 from derive.ir.analysis import expressions
 from derive.ir.model import Kernel, Model
 from derive.ir.statements import Accumulate, Let, Map, MatVec, Require, Requirement, Store, TriangularSolve

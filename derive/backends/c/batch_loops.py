@@ -10,9 +10,9 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import assert_never
 
-from derive.backends.breakable_text import BreakableText, join, statement
 from derive.backends.c.loops import SHORT
 from derive.backends.expression_text import C, Named, strided, text
+from derive.backends.wrapping import BreakableText, join, statement
 from derive.ir.expressions import ArrayAccess, Expr, MatrixEntry, Number, Operation, Operator, ScalarRef, walk
 from derive.ir.model import View
 from derive.ir.statements import LANES, Accumulate, Let, Map, MatVec, StoreLocal, StoreStrided, TriangularSolve, padded

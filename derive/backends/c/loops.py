@@ -10,9 +10,9 @@ from fractions import Fraction
 from itertools import count
 from typing import assert_never
 
-from derive.backends.breakable_text import PLUS, BreakableText, join, statement
 from derive.backends.expression_text import C, element, strided, text
 from derive.backends.source_map import SourceLine, defining, plain, storing
+from derive.backends.wrapping import PLUS, BreakableText, join, statement
 from derive.ir.expressions import Expr, MatrixEntry, Number, walk
 from derive.ir.statements import (
     LANES,

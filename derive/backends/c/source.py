@@ -8,13 +8,12 @@ from itertools import accumulate
 from typing import assert_never
 
 from derive.artifacts import MARK, File
-from derive.backends.breakable_text import join, statement
 from derive.backends.c.batch import batch_body, batch_helpers, batch_widths, stack
 from derive.backends.c.loops import LANES_MACRO, SHORT, CLoops, panel_helper
-from derive.backends.comment_text import comment, prefixed
 from derive.backends.description import LICENCE, description, kernel_text, model_text, pattern_texts, section_text
 from derive.backends.expression_text import C, text
 from derive.backends.source_map import SourceBuilder, SourceLine, defining, plain, storing
+from derive.backends.wrapping import comment, join, prefixed, statement
 from derive.ir.model import Kernel, Model, Variable
 from derive.ir.statements import Accumulate, Let, MatVec, Require, RequireFinite, Requirement, ScalarStatement, Store
 from derive.rendering import render

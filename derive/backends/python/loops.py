@@ -8,10 +8,9 @@ from __future__ import annotations
 from fractions import Fraction
 from typing import assert_never
 
-from derive.backends.breakable_text import PLUS, BreakableText, join, statement
-from derive.backends.comment_text import WIDTH
 from derive.backends.expression_text import PYTHON, Named, text
 from derive.backends.source_map import SourceLine, defining, plain, storing
+from derive.backends.wrapping import PLUS, WIDTH, BreakableText, join, statement
 from derive.ir.expressions import ArrayAccess, Expr, MatrixEntry, Number, ScalarRef, walk
 from derive.ir.model import Argument
 from derive.ir.statements import (

@@ -7,12 +7,11 @@ from dataclasses import dataclass
 from typing import assert_never
 
 from derive.artifacts import MARK, File
-from derive.backends.breakable_text import join
-from derive.backends.comment_text import WIDTH, broken, prefixed
 from derive.backends.description import LICENCE, description, kernel_text, model_text, pattern_texts, section_text
 from derive.backends.expression_text import PYTHON, text
 from derive.backends.python.loops import HELPERS, PythonLoops, assignment
 from derive.backends.source_map import SourceBuilder, SourceLine, defining, plain, storing
+from derive.backends.wrapping import WIDTH, broken, join, prefixed
 from derive.ir.expressions import ScalarRef
 from derive.ir.model import Kernel, Model, Output, Variable
 from derive.ir.statements import Let, Require, Requirement, Statement, Store

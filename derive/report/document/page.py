@@ -1,11 +1,18 @@
-"""A report as data: headings, paragraphs, equations, tables, pictures and code, which every language lays out."""
+"""A report as data: headings, paragraphs, equations, tables, pictures and code, which every language lays out.
+
+`table`, `cell` and `folded` make tables of plain values.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import Literal
 
 from derive.report.document.formula import Equation, Formula
+
+SHOWN, FOLDED = 60, 150
+"""Rows that a table shows, and up to which it is folded away as a whole; of a longer one the first are."""
 
 
 @dataclass(frozen=True)
@@ -138,3 +145,39 @@ class Page:
     title: str
     subtitle: Text
     blocks: tuple[Block, ...]
+
+
+Content = str | Math | Hyperlink | CodeSpan | Strong | Cell | Formula | int | tuple[Inline, ...]
+"""What a cell of a table is written as."""
+
+
+def table(
+    caption: str, head: Sequence[Content], rows: Sequence[Sequence[Content]], align: str = "", wide: bool = False
+) -> TableBlock:
+    """A table of text, formulas and numbers."""
+    return TableBlock(
+        caption, tuple(cell(h).text for h in head), tuple(tuple(map(cell, row)) for row in rows), align, wide=wide
+    )
+
+
+def cell(words: Content, title: str = "", mark: Literal["", "zero", "entry", "good", "bad"] = "") -> Cell:
+    """A cell."""
+    if isinstance(words, Cell):
+        return words
+    if isinstance(words, int):
+        words = str(words)
+    if isinstance(words, str | Math | Hyperlink | CodeSpan | Strong):
+        return Cell((words,) if words else (), title, mark)
+    if isinstance(words, tuple):
+        return Cell(words, title, mark)
+    return Cell((Math(words),), title, mark)
+
+
+def folded(whole: TableBlock, summary: str) -> Block:
+    """A table as it is; folded away where it is long, and of a very long one the first rows."""
+    count = len(whole.rows)
+    if count <= SHOWN:
+        return whole
+    if count <= FOLDED:
+        return Details(f"{summary}: {count}", (whole,))
+    return Details(f"{summary}: the first {SHOWN} of {count}", (replace(whole, rows=whole.rows[:SHOWN]),))

@@ -16,8 +16,7 @@ from derive.mechanics.bodies.reference_conditions import (
     exact_polynomial,
 )
 from derive.report.document.formula import Equation, Fenced, Formula, FormulaRow, Name, NumberToken, OperatorToken, Part
-from derive.report.document.page import Block, EquationBlock, Heading, Inline, Math, Paragraph, Text
-from derive.report.document.tables import Content, table
+from derive.report.document.page import Block, Content, EquationBlock, Heading, Inline, Math, Paragraph, Text, table
 from derive.report.notation.expressions import join, number, polynomial, row
 from derive.report.notation.formula_reader import equation, formula
 from derive.spec.model.body import NodalBody, PlanarBeam, Polynomial, SymbolicBody

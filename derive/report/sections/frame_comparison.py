@@ -12,8 +12,7 @@ from derive.mechanics.bodies import beam
 from derive.mechanics.bodies.reference_conditions import ConditionError
 from derive.mechanics.equations import Equations
 from derive.report.document.formula import Equation
-from derive.report.document.page import Block, Columns, EquationBlock, Heading, Paragraph, Picture
-from derive.report.document.tables import Content, table
+from derive.report.document.page import Block, Columns, Content, EquationBlock, Heading, Paragraph, Picture, table
 from derive.report.notation.expressions import Notation
 from derive.report.sections.frame import paper_numbers
 from derive.report.sections.mass_matrix import MassPattern, mass_matrix, picture

@@ -10,8 +10,7 @@ from derive.mechanics.equations import Equations
 from derive.mechanics.symbols import Family, I, Identity, J, identity
 from derive.mechanics.tables import CoefficientTable, TableKind
 from derive.mechanics.terms import ModelConstant
-from derive.report.document.page import Block, CodeSpan, Heading, Math, Paragraph
-from derive.report.document.tables import MOST, Content, folded, table
+from derive.report.document.page import SHOWN, Block, CodeSpan, Content, Heading, Math, Paragraph, folded, table
 from derive.report.notation.expressions import SMALL, Notation, decimal
 from derive.report.notation.families import whole
 from derive.report.notation.integral_formulas import INTEGRANDS, meaning, reason, unit
@@ -25,7 +24,7 @@ def integral_blocks(equations: Equations, notation: Notation) -> tuple[Block, ..
         return (head, _tables(equations, notation))
     planar = all(q.role is not Role.QUATERNION for q in equations.coordinates)
     there = [c for c in equations.coefficients if not c.zero]
-    many = len(equations.coefficients) > MOST
+    many = len(equations.coefficients) > SHOWN
     rows = [_integral(c, notation, planar, described=not many) for c in there]
     whole_table = table("", ("integral", *([] if many else ["definition"]), "value", "unit", "in the code"), rows)
     rounded = "Values that do not end are shown to six digits; the code has all of them."

@@ -15,8 +15,18 @@ from derive.mechanics.expansion import TRANSLATIONS
 from derive.mechanics.symbols import Family, Identity, amplitude
 from derive.mechanics.terms import Reason
 from derive.report.document.formula import Equation, Formula, Matrix, Name, Part
-from derive.report.document.page import Block, Details, EquationBlock, Heading, Paragraph, Picture, TableBlock
-from derive.report.document.tables import Content, folded, table
+from derive.report.document.page import (
+    Block,
+    Content,
+    Details,
+    EquationBlock,
+    Heading,
+    Paragraph,
+    Picture,
+    TableBlock,
+    folded,
+    table,
+)
 from derive.report.notation.expressions import Notation
 from derive.report.notation.integral_formulas import reason
 from derive.report.notation.labels import SHAPE, label, row_identities

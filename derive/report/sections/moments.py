@@ -13,8 +13,7 @@ from derive.mechanics.sums import ModeSum, TableSum
 from derive.mechanics.symbols import Family, identity
 from derive.report.document.anchors import anchor
 from derive.report.document.formula import Equation, Fenced, Name, Part
-from derive.report.document.page import Block, Details, EquationBlock, Heading, Paragraph
-from derive.report.document.tables import MOST
+from derive.report.document.page import SHOWN, Block, Details, EquationBlock, Heading, Paragraph
 from derive.report.notation.expressions import Notation, row
 from derive.report.sections.term_lines import line_anchor
 
@@ -64,13 +63,13 @@ def moment_blocks(
     ]
     short: list[Equation] = []
     for some in families:
-        shown = [_line(moment, notation, lines) for moment in some[:MOST]]
+        shown = [_line(moment, notation, lines) for moment in some[:SHOWN]]
         if len(some) <= MANY:
             short += shown
             continue
         blocks += [EquationBlock(tuple(short))] if short else []
         short = []
-        count = f"{len(some)} equations" if len(some) <= MOST else f"the first {MOST} of {len(some)} equations"
+        count = f"{len(some)} equations" if len(some) <= SHOWN else f"the first {SHOWN} of {len(some)} equations"
         blocks.append(Details(f"{_title(some[0].family)}: {count}", (EquationBlock(tuple(shown)),)))
     return (*blocks, *([EquationBlock(tuple(short))] if short else []))
 
@@ -103,7 +102,7 @@ def definition_anchor(symbol: sp.Symbol) -> str:
 def moment_anchors(equations: Equations, families: Sequence[Sequence[Moment]]) -> dict[str, str]:
     """The anchors of the equations that are shown, by the names in the code."""
     symbols = [d.symbol for d in equations.definitions if d.section == "Q"]
-    symbols += [moment.symbol for some in families for moment in some[:MOST]]
+    symbols += [moment.symbol for some in families for moment in some[:SHOWN]]
     return {identity(symbol).array: definition_anchor(symbol) for symbol in symbols}
 
 

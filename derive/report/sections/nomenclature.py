@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from derive.report.document.formula import Name
-from derive.report.document.page import Block, CodeSpan, Details, Heading, Math, Paragraph
-from derive.report.document.tables import Content, table
+from derive.report.document.page import Block, CodeSpan, Content, Details, Heading, Math, Paragraph, table
 from derive.report.notation.formula_reader import formula
 
 Entry = tuple[str, str, str]

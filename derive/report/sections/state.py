@@ -11,8 +11,7 @@ from derive.ir.model import Model, Variable
 from derive.mechanics.equations import Equations
 from derive.mechanics.symbols import I, Identity, amplitude, identity
 from derive.report.document.formula import Formula
-from derive.report.document.page import Block, CodeSpan, Details, Heading, Paragraph
-from derive.report.document.tables import Content, folded, table
+from derive.report.document.page import Block, CodeSpan, Content, Details, Heading, Paragraph, folded, table
 from derive.report.notation.expressions import Notation
 from derive.report.notation.families import chosen, written
 from derive.report.notation.integral_formulas import unit

@@ -18,6 +18,7 @@ from derive.report.document.formula import Equation, FormulaRow, Part
 from derive.report.document.page import (
     Block,
     Cell,
+    Content,
     Details,
     EquationBlock,
     Heading,
@@ -25,8 +26,8 @@ from derive.report.document.page import (
     Inline,
     Math,
     TableBlock,
+    table,
 )
-from derive.report.document.tables import Content, table
 from derive.report.notation.expressions import Notation
 from derive.report.notation.labels import SHAPE
 from derive.report.sections.term_lines import LocatedTerm, group, line_anchor, rank_in_row, title

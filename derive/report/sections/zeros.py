@@ -11,8 +11,18 @@ from derive.mechanics.equations import Equations
 from derive.mechanics.symbols import Family, identity
 from derive.mechanics.terms import Reason, Term
 from derive.report.document.formula import NumberToken
-from derive.report.document.page import Block, Details, Heading, Inline, Math, Paragraph, TableBlock
-from derive.report.document.tables import Content, folded, table
+from derive.report.document.page import (
+    Block,
+    Content,
+    Details,
+    Heading,
+    Inline,
+    Math,
+    Paragraph,
+    TableBlock,
+    folded,
+    table,
+)
 from derive.report.notation.expressions import Notation
 from derive.report.notation.families import whole
 from derive.report.notation.integral_formulas import INTEGRANDS, reason

@@ -28,8 +28,8 @@ from derive.report.document.page import (
     TableBlock,
     Text,
 )
-from derive.report.writers.code_html import listing_html
 from derive.report.writers.equation_html import equations_html
+from derive.report.writers.listings import listing_html
 from derive.report.writers.mathml import math_in_text
 from derive.report.writers.picture import inline
 

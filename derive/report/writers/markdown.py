@@ -8,7 +8,6 @@ from itertools import count
 
 from derive.artifacts import MARK
 from derive.report.document.anchors import address, linked
-from derive.report.document.code_comments import gaps
 from derive.report.document.formula import Equation, Formula
 from derive.report.document.page import (
     Block,
@@ -29,6 +28,7 @@ from derive.report.document.page import (
 )
 from derive.report.notation.line_breaking import lines, width
 from derive.report.writers.latex_math import latex_math, relation_latex, summand_latex
+from derive.report.writers.listings import gaps
 from derive.report.writers.picture import standalone
 
 ROOM = 44.0

@@ -9,7 +9,6 @@ from derive.artifacts import MARK
 from derive.errors import TisserandError
 from derive.rendering import render
 from derive.report.document.anchors import address, targets
-from derive.report.document.code_comments import comments
 from derive.report.document.formula import Equation, Formula
 from derive.report.document.page import (
     Block,
@@ -32,6 +31,7 @@ from derive.report.document.page import (
 )
 from derive.report.notation.spoken_math import words
 from derive.report.writers.equation_html import LONG
+from derive.report.writers.listings import comments
 from derive.report.writers.picture import standalone
 from derive.report.writers.typst_math import relation_typst, string, summand_typst, typst_math
 

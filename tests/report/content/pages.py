@@ -26,7 +26,7 @@ from derive.report.document.page import (
 )
 from derive.report.model_page import model_page
 from derive.report.notation.spoken_math import words
-from derive.report.sections.provenance import SpecificationText
+from derive.report.sections.files import SpecificationText
 
 SCENES = {"point": "free_beam_point", "mean": "free_beam_mean", "block": "block", "loops": "body_symbolic"}
 

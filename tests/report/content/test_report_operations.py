@@ -6,7 +6,7 @@ import pages
 import pytest
 import sympy as sp
 
-from derive.report.sections.operations import named, written_out
+from derive.report.sections.code import named, written_out
 
 
 def steps(name: str) -> dict[str, int]:

@@ -7,7 +7,7 @@ import re
 import pages
 import pytest
 
-from derive.report.document.tables import ALL, MOST, folded, table
+from derive.report.document.page import FOLDED, SHOWN, folded, table
 from derive.report.model_page import model_page
 from derive.report.writers.html import html
 
@@ -36,10 +36,10 @@ def test_long_tables_are_folded() -> None:
     def rows(n: int):
         return folded(table("", ("a",), [[k] for k in range(n)]), "numbers")
 
-    assert len(rows(MOST).rows) == MOST
-    assert rows(MOST + 1).summary == f"numbers: {MOST + 1}" and len(rows(MOST + 1).blocks[0].rows) == MOST + 1
-    assert rows(ALL + 1).summary == f"numbers: the first {MOST} of {ALL + 1}"
-    assert len(rows(ALL + 1).blocks[0].rows) == MOST
+    assert len(rows(SHOWN).rows) == SHOWN
+    assert rows(SHOWN + 1).summary == f"numbers: {SHOWN + 1}" and len(rows(SHOWN + 1).blocks[0].rows) == SHOWN + 1
+    assert rows(FOLDED + 1).summary == f"numbers: the first {SHOWN} of {FOLDED + 1}"
+    assert len(rows(FOLDED + 1).blocks[0].rows) == SHOWN
 
 
 def test_the_same_body_gives_the_same_page() -> None:

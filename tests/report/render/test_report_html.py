@@ -14,12 +14,12 @@ import strict_html
 
 from derive.artifacts import MARK
 from derive.report.document.anchors import faults
-from derive.report.document.code_comments import comments
 from derive.report.document.formula import Name
 from derive.report.document.page import Cell, CodeLine, Hyperlink, Listing, Math, Page, Paragraph, Picture, TableBlock
 from derive.report.writers.equation_html import equations_shown
 from derive.report.writers.html import html
 from derive.report.writers.latex import latex
+from derive.report.writers.listings import comments
 from derive.report.writers.markdown import markdown
 from derive.report.writers.mathml import math
 from derive.report.writers.picture import inline, scoped, standalone

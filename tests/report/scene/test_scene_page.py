@@ -13,7 +13,7 @@ from derive.pipeline import Built, build
 from derive.report.document.anchors import faults
 from derive.report.document.page import Page
 from derive.report.scene_page import ResultPicture, scene_page
-from derive.report.sections.provenance import SpecificationText
+from derive.report.sections.files import SpecificationText
 from derive.report.writers.html import html
 from derive.visual.kkt_matrix import factor_entries, kkt_picture
 

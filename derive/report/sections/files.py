@@ -1,11 +1,19 @@
-"""How to call the generated C and Python: short programs that run as they are printed."""
+"""The files of a model: its specification, programs that call the generated code, and the manifest."""
 
 from __future__ import annotations
 
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from derive.artifacts import File
 from derive.ir.model import Model
-from derive.report.document.page import Block, CodeLine, CodeSpan, Heading, Listing, Paragraph
+from derive.report.document.page import Block, CodeLine, CodeSpan, Content, Details, Heading, Listing, Paragraph, table
 from derive.report.sections.state import size
 from derive.roles import Role
+
+LONG = 60
+"""Lines of a specification that are shown at once."""
 
 C = """\
 #include "{name}.h"
@@ -34,6 +42,35 @@ v = [0.0] * {rates}
 {start}
 print(model.accel(0.0, q, v, k))
 """
+
+
+@dataclass(frozen=True)
+class SpecificationText:
+    """The specification as it was written: the name of its file, and its lines."""
+
+    name: str
+    text: str
+
+
+def specification_blocks(given: SpecificationText) -> tuple[Block, ...]:
+    """The specification, folded if it is long."""
+    shown = listing("toml", given.name, given.text.strip("\n"))
+    count = len(shown.lines)
+    block: Block = shown if count <= LONG else Details(f"{given.name}, {count} lines", (shown,))
+    return (Heading("Specification", "specification"), block)
+
+
+def manifest_blocks(files: Sequence[File]) -> tuple[Block, ...]:
+    """The manifest as a table."""
+    given = json.loads(next(file.text for file in files if file.path.endswith("manifest.json")))
+    tools = ", ".join(f"{name} {version}" for name, version in given["tools"].items())
+    hashes: list[list[Content]] = [["specification", CodeSpan(given["specification_sha256"])]]
+    hashes += [[path.rpartition("/")[2], CodeSpan(digest)] for path, digest in given["files"].items()]
+    return (
+        Heading("Manifest", "manifest"),
+        Paragraph((f"Made by {tools}; interface number {given['abi']}. The same specification gives the same bytes.",)),
+        table("SHA-256", ("what", "hash"), hashes, wide=True),
+    )
 
 
 def calling_blocks(model: Model) -> tuple[Block, ...]:
