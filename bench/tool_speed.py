@@ -30,7 +30,7 @@ print(json.dumps([stage.seconds for stage in build(Path(sys.argv[1])).stages]))
 """
 IMPORTS = (
     "pass", "import derive", "import sympy", "import casadi", "from derive import read", "import derive.pipeline",
-    "import derive.runtime.compiled_model",
+    "import derive.runtime.loading",
 )  # fmt: skip
 
 

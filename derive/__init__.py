@@ -54,13 +54,15 @@ if TYPE_CHECKING:
     from derive.mechanics.multibody.mechanism import Mechanism
     from derive.registry import UnknownNameError
     from derive.roles import Role
-    from derive.runtime.compiled_model import Native, NativeScene, load, load_scene
+    from derive.runtime.compiled_model import Native
     from derive.runtime.compiler import CompilerError
     from derive.runtime.integrators.c_integrator import Integration, IntegratorError
     from derive.runtime.integrators.fixed_step import FixedStep
     from derive.runtime.integrators.generalised_alpha import GeneralisedAlpha
     from derive.runtime.integrators.ida import Ida
+    from derive.runtime.loading import load, load_scene
     from derive.runtime.native_call import ModelError
+    from derive.runtime.native_scene import NativeScene
     from derive.simulation.errors import SimulationError
     from derive.simulation.initial.consistent_state import InitialState
     from derive.simulation.initial.initial_state import initial_state
@@ -141,12 +143,12 @@ _MODULES = {
     "derive.runtime.integrators.fixed_step": ("FixedStep",),
     "derive.runtime.integrators.generalised_alpha": ("GeneralisedAlpha",),
     "derive.runtime.integrators.ida": ("Ida",),
-    "derive.runtime.compiled_model": (
-        "Native",
-        "NativeScene",
+    "derive.runtime.compiled_model": ("Native",),
+    "derive.runtime.loading": (
         "load",
         "load_scene",
     ),
+    "derive.runtime.native_scene": ("NativeScene",),
     "derive.simulation.errors": ("SimulationError",),
     "derive.simulation.initial.consistent_state": ("InitialState",),
     "derive.simulation.initial.initial_state": ("initial_state",),

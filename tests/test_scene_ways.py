@@ -17,7 +17,8 @@ import pytest
 import beams
 import derive
 from derive.ir.interpreter import interpret
-from derive.runtime.compiled_model import NativeScene, load_scene
+from derive.runtime.loading import load_scene
+from derive.runtime.native_scene import NativeScene
 from derive.spec.model.scene import RigidBody, Scene
 
 SCENES = Path(__file__).parent.parent / "scenes"

@@ -12,7 +12,8 @@ import numpy as np
 from derive.artifacts import File, write
 from derive.cli.specifications import build_all
 from derive.roles import Role
-from derive.runtime.compiled_model import Native, load
+from derive.runtime.compiled_model import Native
+from derive.runtime.loading import load
 from derive.runtime.native_call import Vector
 from derive.terminal import show_progress
 from derive.visual.sparsity import mass_patterns

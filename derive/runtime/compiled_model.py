@@ -1,52 +1,20 @@
-"""Compiled models: a generated model is compiled, loaded, and called through NumPy by means of its descriptor."""
+"""The functions of a compiled model, called through NumPy by means of its descriptor."""
 
 from __future__ import annotations
 
 import ctypes
-import tempfile
-from collections.abc import Callable, Mapping, Sequence
-from pathlib import Path
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from derive.artifacts import File, write
 from derive.backends.c.source import ABI
 from derive.ir.patterns import Pattern
 from derive.registry import UnknownNameError
-from derive.runtime.compiler import FLAGS, CompilerError, compile_shared
-from derive.runtime.descriptor import DaeStruct, Doubles, ModelStruct, names_of, pattern_of, roles_of
+from derive.runtime.compiler import CompilerError
+from derive.runtime.descriptor import Doubles, ModelStruct, names_of, pattern_of, roles_of
 from derive.runtime.native_call import Matrix, ModelError, Vector, checked_rows, checked_vector, invoke
-
-
-def load(files: Sequence[File], flags: Sequence[str] = FLAGS) -> Native:
-    """Compile the C of one model in a temporary folder and load it.
-
-    files: those of `model_files`. flags: of the compiler. Returns a NativeScene for a scene. Raises CompilerError, and
-    ValueError if there is no C file.
-    """
-    with tempfile.TemporaryDirectory(prefix="tisserand-") as folder:
-        write(files, Path(folder))
-        sources = [Path(folder) / file.path for file in files if file.path.endswith(".c")]
-        if not sources:
-            raise ValueError("there is no C file among these files")
-        library = ctypes.CDLL(str(compile_shared(sources, Path(folder) / "model.so", flags)))
-        return native_model(library, sources[0].stem)
-
-
-def native_model(library: ctypes.CDLL, name: str) -> Native:
-    """The model of that name in a library that is loaded: a NativeScene if its descriptor is that of a scene."""
-    model = Native(library, name)
-    return NativeScene(library, name) if model.is_scene else model
-
-
-def load_scene(files: Sequence[File], flags: Sequence[str] = FLAGS) -> NativeScene:
-    """Compile and load a scene, as `load` does. Raises ValueError if the model is that of a body."""
-    native = load(files, flags)
-    if not isinstance(native, NativeScene):
-        raise ValueError(f"{native.name} is a body, not a scene")
-    return native
 
 
 class Native:
@@ -229,77 +197,3 @@ class Native:
         function: Callable[..., int] = getattr(self._model, name)
         code = function(count, *map(float, t), *(a.ctypes.data_as(Doubles) for a in arrays))
         return np.ascontiguousarray(result.T), code
-
-
-class Dae:
-    """One form F(t, y, ydot) = 0 of a scene's equations; `pattern` is that of its iteration matrix."""
-
-    def __init__(self, form: DaeStruct, scene: str, nk: int) -> None:
-        self._form, self._nk = form, nk
-        self.name, self.size = form.name.decode(), form.size
-        self.pattern = pattern_of(form.pattern.contents)
-        self._called = f"{scene}, form {self.name}: "
-
-    def residual(self, t: float, y: ArrayLike, ydot: ArrayLike, k: ArrayLike) -> Vector:
-        """F(t, y, ydot)."""
-        result = np.empty(self.size)
-        invoke(f"{self._called}residual", self._form.residual, [t, *self._state(y, ydot), (self._nk, k)], [result])
-        return result
-
-    def jacobian(self, t: float, y: ArrayLike, ydot: ArrayLike, cj: float, k: ArrayLike) -> Vector:
-        """Values of dF/dy + cj dF/dydot."""
-        result = np.empty(len(self.pattern.rowidx))
-        arguments = [t, *self._state(y, ydot), cj, (self._nk, k)]
-        invoke(f"{self._called}jacobian", self._form.jacobian, arguments, [result])
-        return result
-
-    def _state(self, y: ArrayLike, ydot: ArrayLike) -> list[Any]:
-        return [(self.size, y), (self.size, ydot)]
-
-
-class NativeScene(Native):
-    """A compiled scene: M vdot + h = G^T lambda with constraints g(t, q) = 0."""
-
-    def __init__(self, library: ctypes.CDLL, name: str) -> None:
-        super().__init__(library, name)
-        self._scene = s = self._model.scene.contents
-        self.multipliers = names_of(s.multipliers, self.nlambda)
-        self.bodies = tuple(s.bodies[i].decode() for i in range(s.nbodies))
-        self.constraint_pattern = pattern_of(s.pattern.contents)
-        self.dae = {form.name: form for form in (Dae(s.forms[i], name, self.nk) for i in range(s.nforms))}
-
-    def constraints(self, t: float, q: ArrayLike, k: ArrayLike) -> Vector:
-        """g(t, q)."""
-        return self._ask("constraints", [t, (self.nq, q), (self.nk, k)], self.nlambda)
-
-    def constraint_rates(self, t: float, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> Vector:
-        """gdot = G v + dg/dt."""
-        return self._ask("constraint_rates", [t, *self._state(q, v, k)], self.nlambda)
-
-    def constraint_jacobian(self, t: float, q: ArrayLike, k: ArrayLike) -> Vector:
-        """Values of G by columns."""
-        size = len(self.constraint_pattern.rowidx)
-        return self._ask("constraint_jacobian", [t, (self.nq, q), (self.nk, k)], size)
-
-    def constraint_bias(self, t: float, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> Vector:
-        """gamma of G vdot = gamma."""
-        return self._ask("constraint_bias", [t, *self._state(q, v, k)], self.nlambda)
-
-    def solve(self, t: float, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> tuple[Vector, Vector]:
-        """vdot (nv,) and lambda (nlambda,), the constraint reactions on body 2 of each joint."""
-        vdot, multipliers = np.empty(self.nv), np.empty(self.nlambda)
-        invoke(f"{self.name}_solve", self._scene.solve, [t, *self._state(q, v, k)], [vdot, multipliers])
-        return vdot, multipliers
-
-    def project_velocity(self, t: float, q: ArrayLike, k: ArrayLike, r: ArrayLike) -> Vector:
-        """The smallest change dv (nv,) of the velocities, measured by dv . M dv, with G dv = r (nlambda,)."""
-        return self._ask("project_velocity", [t, (self.nq, q), (self.nk, k), (self.nlambda, r)], self.nv)
-
-    def poses(self, t: float, q: ArrayLike, k: ArrayLike) -> Matrix:
-        """c1, c2 (m) and phi (rad) of the frame of each body in `bodies`, (bodies, 3)."""
-        return self._ask("poses", [t, (self.nq, q), (self.nk, k)], 3 * len(self.bodies)).reshape(-1, 3)
-
-    def _ask(self, name: str, arguments: list[Any], size: int) -> Vector:
-        result = np.empty(size)
-        invoke(f"{self.name}_{name}", getattr(self._scene, name), arguments, [result])
-        return result

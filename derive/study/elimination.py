@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from derive.ir.patterns import Pattern
-from derive.runtime.compiled_model import NativeScene
 from derive.runtime.native_call import Matrix, Vector
+from derive.runtime.native_scene import NativeScene
 from derive.simulation.compiled_scene import kkt_matrix
 from derive.study.states import State
 

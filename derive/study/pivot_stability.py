@@ -17,7 +17,7 @@ from derive.ir.patterns import Pattern, pattern
 from derive.lowering.flat.constraints import kkt_pattern
 from derive.lowering.flat.context import Context
 from derive.mechanics.equations import Equations
-from derive.runtime.compiled_model import load_scene
+from derive.runtime.loading import load_scene
 from derive.runtime.native_call import Matrix
 from derive.study.elimination import backward_error, eliminate, entry_mask, equilibrated, kkt_systems
 from derive.study.elimination_orders import ORDERS, Order, without_diagonal

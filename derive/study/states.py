@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from derive.mechanics.multibody.joints.registry import JOINTS
-from derive.runtime.compiled_model import NativeScene
 from derive.runtime.native_call import Vector
+from derive.runtime.native_scene import NativeScene
 from derive.simulation.compiled_scene import constraint_matrix
 from derive.simulation.initial.consistent_state import consistent_state
 from derive.simulation.initial.initial_state import initial_guess, initial_state

@@ -15,10 +15,10 @@ from statistics import median
 
 import numpy as np
 
-from derive.runtime.compiled_model import NativeScene
 from derive.runtime.compiler import FLAGS, compile_shared, compiler
 from derive.runtime.integrators.fixed_step import FixedStep
 from derive.runtime.native_call import Matrix, ModelError, Vector
+from derive.runtime.native_scene import NativeScene
 from derive.simulation.integration.step_limit import rk4_step_limit
 from derive.study.states import State
 

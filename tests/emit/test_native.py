@@ -17,8 +17,8 @@ import derive
 import free_block
 from derive.backends.c.source import ABI
 from derive.roles import Role
-from derive.runtime import compiled_model as native_module
 from derive.runtime import compiler as compiler_module
+from derive.runtime import loading
 from derive.runtime.compiled_model import Native
 from derive.runtime.compiler import CompilerError
 
@@ -208,7 +208,7 @@ def test_compilers_are_looked_for_in_order(monkeypatch: pytest.MonkeyPatch) -> N
 
 
 def test_nothing_is_left_behind(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    monkeypatch.setattr(native_module.tempfile, "tempdir", str(tmp_path))
+    monkeypatch.setattr(loading.tempfile, "tempdir", str(tmp_path))
     derive.load(beams.made("mean", 2).files)
     with pytest.raises(CompilerError):
         load_with("false", monkeypatch)

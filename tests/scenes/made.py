@@ -13,7 +13,8 @@ import zoo
 import derive
 from beams import run_module
 from conftest import ROOT
-from derive.runtime.compiled_model import NativeScene, load_scene
+from derive.runtime.loading import load_scene
+from derive.runtime.native_scene import NativeScene
 from derive.simulation.initial.consistent_state import InitialState
 from derive.simulation.initial.initial_state import initial_state
 from derive.simulation.integration.scipy_methods import integrate

@@ -8,7 +8,7 @@ from made import Made, close, make, state
 from oracle import Oracle
 
 from derive.roles import Role
-from derive.runtime.compiled_model import load
+from derive.runtime.loading import load
 from derive.spec.toml.read import parse
 
 STRICT = ("-std=c99", "-O0", "-pedantic", "-Wall", "-Wextra", "-Wconversion", "-Wshadow", "-Werror")

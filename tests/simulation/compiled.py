@@ -10,8 +10,9 @@ import numpy as np
 
 import derive
 from conftest import ROOT
-from derive.runtime.compiled_model import NativeScene, load_scene
+from derive.runtime.loading import load_scene
 from derive.runtime.native_call import Vector
+from derive.runtime.native_scene import NativeScene
 from derive.simulation.initial.consistent_state import InitialState, consistent_state
 from derive.simulation.initial.initial_state import initial_guess
 from derive.spec.model.body import Frame

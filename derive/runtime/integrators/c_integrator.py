@@ -15,9 +15,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from derive.artifacts import File
 from derive.errors import TisserandError
-from derive.runtime.compiled_model import native_model
 from derive.runtime.compiler import FLAGS, compile_c
 from derive.runtime.integrators.compilation import header_flags, write_sources
+from derive.runtime.loading import native_model
 from derive.runtime.native_call import Vector
 
 Array = NDArray[np.float64]

@@ -9,8 +9,8 @@ import numpy as np
 from derive.mechanics.multibody.bodies.beam import piece_name
 from derive.mechanics.symbols import Family, owned, quantity
 from derive.roles import Role
-from derive.runtime.compiled_model import NativeScene
 from derive.runtime.native_call import Vector
+from derive.runtime.native_scene import NativeScene
 from derive.simulation.compiled_scene import Mask, coordinates_with
 from derive.simulation.errors import ExcessiveDeformation
 from derive.simulation.initial.consistent_state import InitialState, consistent_state

@@ -9,12 +9,12 @@ from itertools import pairwise
 import numpy as np
 
 from derive.artifacts import File
-from derive.runtime.compiled_model import NativeScene
 from derive.runtime.integrators.c_integrator import CIntegrator, Integration, IntegratorError
 from derive.runtime.integrators.fixed_step import FixedStep
 from derive.runtime.integrators.generalised_alpha import GeneralisedAlpha
 from derive.runtime.integrators.ida import Ida
 from derive.runtime.native_call import Vector
+from derive.runtime.native_scene import NativeScene
 from derive.simulation.integration.failure_diagnosis import diagnose_failure
 from derive.simulation.integration.integrator import Integrator, Settings
 from derive.simulation.integration.solution import Cost, Solution, SolutionWriter, row_times

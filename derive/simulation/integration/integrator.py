@@ -6,8 +6,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from derive.artifacts import File
-from derive.runtime.compiled_model import NativeScene
 from derive.runtime.native_call import Vector
+from derive.runtime.native_scene import NativeScene
 from derive.simulation.errors import SimulationError
 from derive.simulation.integration.solution import Progress, Solution
 

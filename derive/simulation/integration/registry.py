@@ -7,7 +7,7 @@ from typing import Literal
 
 from derive.artifacts import File
 from derive.registry import Registry
-from derive.runtime.compiled_model import load_scene
+from derive.runtime.loading import load_scene
 from derive.runtime.native_call import Vector
 from derive.simulation.integration import c_methods
 from derive.simulation.integration.integrator import Compile, Integrator, Settings

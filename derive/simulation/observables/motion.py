@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from derive.mechanics.multibody.joints.registry import JOINTS
-from derive.runtime.compiled_model import NativeScene
+from derive.runtime.native_scene import NativeScene
 from derive.spec.model.body import Parameter, Quantity
 from derive.spec.model.scene import (
     GROUND,
