@@ -8,10 +8,9 @@ from scipy.sparse import csr_array, diags_array
 
 from derive.reduction.arithmetic import Array
 from derive.reduction.checks import rigid_problems
-from derive.reduction.frames import centred, in_frame, orthonormal
-from derive.reduction.mass import canonical
+from derive.reduction.frames import from_centre_of_mass, modes_in_frame, orthonormal_modes, rigid_fields
+from derive.reduction.integrals import canonical_csr
 from derive.reduction.residuals import departure
-from derive.reduction.rigid import rigid_fields
 from derive.spec.model.body import BodyFrame
 
 __all__ = ["residuals", "rigid_fields", "to_mean_frame"]
@@ -28,12 +27,12 @@ def to_mean_frame(
     Raises ValueError, with the combination, when a combination of the modes is a rigid motion.
     """
     m, x, phi, k = _arrays(masses), *(np.array(a, dtype=np.float64) for a in (positions, modes, stiffness))
-    for problem in rigid_problems(m, centred(m, x), phi):
+    for problem in rigid_problems(m, from_centre_of_mass(m, x), phi):
         raise ValueError(problem.message)
-    shapes = in_frame(m, x, phi, k, BodyFrame("mean"))
+    shapes = modes_in_frame(m, x, phi, k, BodyFrame("mean"))
     if not len(phi):
         return shapes.x, phi, k
-    combined, values = orthonormal(m, shapes.phi, k)
+    combined, values = orthonormal_modes(m, shapes.phi, k)
     return shapes.x, combined, np.diag(values)
 
 
@@ -44,4 +43,4 @@ def residuals(masses: ArrayLike, positions: ArrayLike, modes: ArrayLike) -> tupl
 
 
 def _arrays(masses: ArrayLike) -> csr_array:
-    return canonical(csr_array(diags_array(np.array(masses, dtype=np.float64))))
+    return canonical_csr(csr_array(diags_array(np.array(masses, dtype=np.float64))))

@@ -1,4 +1,4 @@
-"""`reduce`: the steps from finite-element data to a modal body."""
+"""`reduce`: the steps from finite-element data to a modal body, its damping matrix among them."""
 
 from __future__ import annotations
 
@@ -8,26 +8,35 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from derive.mechanics.bodies.modal_body import ModalBody, ModalPoint
-from derive.reduction.arithmetic import Array, symmetric
+from derive.reduction.arithmetic import Array, cholesky, eigh, forward_substitution, matrix_product, symmetric_part
 from derive.reduction.checks import check_body, check_modes
-from derive.reduction.damping import damping_matrix
 from derive.reduction.eigen import elastic_modes, modal_stiffness
-from derive.reduction.frames import Shapes, centred, in_frame, orthonormal, with_signs
-from derive.reduction.integrals import antisymmetric, integrals
-from derive.reduction.mass import canonical, products
-from derive.reduction.reasons import Parities, structure
-from derive.reduction.rigid import rigid_basis, without
-from derive.reduction.symmetry import Mirror, apart, mirrors, with_parities
-from derive.spec.model.body import NodalBody
+from derive.reduction.frames import (
+    ModeShapes,
+    from_centre_of_mass,
+    modes_in_frame,
+    orthonormal_modes,
+    projected_out,
+    rigid_basis,
+    with_fixed_signs,
+)
+from derive.reduction.integrals import antisymmetric, canonical_csr, mass_products, shape_integrals
+from derive.reduction.reasons import Parities, with_exact_zeros
+from derive.reduction.symmetry import Mirror, made_symmetric, mirror_planes, separated_by_parity
+from derive.spec.model.body import Damping, NodalBody
 
 
 @dataclass(frozen=True, eq=False)
 class Prepared:
-    """The mass matrix, the modes before and after their transformation to the frame, and their parities."""
+    """The result of `prepare`: everything from which `reduce` computes integrals.
+
+    mass: the canonical mass matrix (nodes, nodes). raw: the modes as given or computed. shapes: the same in the body
+    frame. parities: those of `shapes`. orthonormal: whether c8 of `shapes` is the unit matrix.
+    """
 
     mass: csr_array
-    raw: Shapes
-    shapes: Shapes
+    raw: ModeShapes
+    shapes: ModeShapes
     parities: Parities
     orthonormal: bool
 
@@ -37,15 +46,15 @@ def reduce(body: NodalBody) -> ModalBody:
 
     Raises SpecError with a list of all faults of the data.
 
-    Given modes take +, -, *, / and square roots of doubles in a fixed order alone, so that the numbers are the same on
-    every machine. Modes that are computed come from LAPACK or ARPACK: the same bytes on the same machine with the same
-    libraries, and the last digits differ between machines (and directions within modes of equal frequency, unless a
-    mirror symmetry tells them apart). Keep computed modes in a file where bytes matter.
+    Modes that are given are processed by +, -, *, / and square roots of doubles in a fixed order, so that the results
+    are the same to the bit on every machine. Modes that are computed come from LAPACK or ARPACK: their last digits
+    depend on the machine and the libraries, and so do the directions of modes of equal frequency, unless a mirror
+    symmetry distinguishes them. Keep computed modes in a file where bytes matter.
     """
     prepared = prepare(body)
     shapes = prepared.shapes
-    result = integrals(prepared.mass, shapes.x, shapes.phi)
-    result, stiffness, damping, zeros = structure(
+    result = shape_integrals(prepared.mass, shapes.x, shapes.phi)
+    result, stiffness, damping, zeros = with_exact_zeros(
         result,
         shapes.stiffness,
         damping_matrix(body.damping, _deforming_mass(body, prepared), shapes.stiffness),
@@ -81,57 +90,83 @@ ZERO_STIFFNESS = 1e-9
 
 
 def zero_stiffness_modes(body: NodalBody) -> tuple[int, ...]:
-    """The numbers of the zero-stiffness modes, counted from 1."""
+    """The numbers, from 1, of the modes with zero stiffness. Raises SpecError as `reduce` does."""
     values = np.diag(prepare(body).shapes.stiffness)
     return tuple(i for i, value in enumerate(values, 1) if value <= ZERO_STIFFNESS * values.max())
 
 
 def _deforming_mass(body: NodalBody, prepared: Prepared) -> Array:
-    """c8 of the shapes without their rigid motion: in the mean frame c8 itself."""
+    """c8 (N, N) of the modes without their rigid motion; in the mean frame this is c8 itself."""
     mass, shapes = prepared.mass, prepared.shapes
     if prepared.orthonormal and body.frame.kind == "mean":
         return np.eye(len(shapes.phi))
-    elastic = without(mass, rigid_basis(mass, centred(mass, shapes.x)), shapes.phi)
-    return symmetric(products(mass, elastic, elastic))
+    elastic = projected_out(mass, rigid_basis(mass, from_centre_of_mass(mass, shapes.x)), shapes.phi)
+    return symmetric_part(mass_products(mass, elastic, elastic))
 
 
 def prepare(body: NodalBody) -> Prepared:
-    """Modes computed or given, in their frame, orthonormalised and symmetrised: the modes that `reduce` integrates."""
+    """The modes that `reduce` integrates: given or computed, in the body frame, orthonormalised, and symmetrised.
+
+    Raises SpecError with a list of all faults of the data.
+    """
     check_body(body)
-    mass = canonical(body.data.mass)
+    mass = canonical_csr(body.data.mass)
     x = np.array(body.data.positions, dtype=np.float64)
-    planes = mirrors(mass, x)
+    planes = mirror_planes(mass, x)
     raw = _modes(body, mass, x, planes)
     check_modes(body, mass, raw)
-    shapes = in_frame(mass, raw.x, raw.phi, raw.stiffness, body.frame)
+    shapes = modes_in_frame(mass, raw.x, raw.phi, raw.stiffness, body.frame)
     if body.orthonormal and len(shapes.phi):
-        phi, values = orthonormal(mass, shapes.phi, shapes.stiffness)
-        phi = with_signs(apart(mass, phi, values, planes))
+        phi, values = orthonormal_modes(mass, shapes.phi, shapes.stiffness)
+        phi = with_fixed_signs(separated_by_parity(mass, phi, values, planes))
         shapes = replace(shapes, phi=phi, stiffness=np.diag(values))
-    shapes, parities = with_parities(shapes, planes, body.data.stiffness)
+    shapes, parities = made_symmetric(shapes, planes, body.data.stiffness)
     return Prepared(mass, raw, shapes, parities, body.orthonormal)
 
 
-def _modes(body: NodalBody, mass: csr_array, x: Array, planes: tuple[Mirror, ...]) -> Shapes:
-    """Modes and their stiffness as given, or as computed."""
+def _modes(body: NodalBody, mass: csr_array, x: Array, planes: tuple[Mirror, ...]) -> ModeShapes:
+    """The modes and their stiffness, as given or computed."""
     data = body.data
     origin = "the origin of the node positions"
     if body.modes == 0:
-        return Shapes(x, np.zeros((0, *x.shape)), np.zeros((0, 0)), origin)
+        return ModeShapes(x, np.zeros((0, *x.shape)), np.zeros((0, 0)), origin)
     if data.modes is None:
-        phi, values = orthonormal(mass, *elastic_modes(body, mass, x))
-        phi = with_signs(apart(mass, phi, values, planes))[: body.modes]
-        return Shapes(x, phi, np.diag(values[: body.modes]), origin)
+        phi, values = orthonormal_modes(mass, *elastic_modes(body, mass, x))
+        phi = with_fixed_signs(separated_by_parity(mass, phi, values, planes))[: body.modes]
+        return ModeShapes(x, phi, np.diag(values[: body.modes]), origin)
     count = len(data.modes) if body.modes is None else body.modes
     phi = np.array(data.modes[:count], dtype=np.float64)
     if data.modal_stiffness is not None:
-        return Shapes(x, phi, symmetric(np.array(data.modal_stiffness, dtype=np.float64)[:count, :count]), origin)
-    return Shapes(x, phi, modal_stiffness(data.stiffness, phi), origin)
+        return ModeShapes(
+            x, phi, symmetric_part(np.array(data.modal_stiffness, dtype=np.float64)[:count, :count]), origin
+        )
+    return ModeShapes(x, phi, modal_stiffness(data.stiffness, phi), origin)
 
 
 def _doc(body: NodalBody, prepared: Prepared) -> str:
+    """The description of the body in words."""
     kind = {"mean": "mean frame", "point": "frame at a node", "given": "frame of the modes as given"}[body.frame.kind]
     parts = [f"body of {len(prepared.raw.x)} nodes with {len(prepared.shapes.phi)} modes, {kind}"]
     if prepared.shapes.around:
         parts.append(f"no mean rotation of nodes {', '.join(map(str, prepared.shapes.around))} about it")
     return "; ".join(parts)
+
+
+def damping_matrix(damping: Damping, c8: Array, stiffness: Array) -> Array:
+    """The viscous damping matrix B = c8 V diag(2 ratio omega) V^T c8 + mass c8 + stiffness K, as (N, N).
+
+    The columns of V are the eigenvectors of K V = c8 V diag(omega^2), orthonormal in c8. `ratio` is the part of
+    critical damping in each mode; `mass` (1/s) and `stiffness` (s) are the factors of proportional damping. c8 (N, N)
+    is that of the modes without their rigid motion, because the deformation is damped, whatever the frame it is
+    measured from: the same amplitudes then have the same damping in every frame.
+    """
+    result = float(damping.mass) * c8 + float(damping.stiffness) * stiffness
+    if not damping.ratio:
+        return np.asarray(result)
+    lower = cholesky(c8)
+    if lower is None:
+        raise ValueError("modes are dependent")  # check_modes reports them first, with their combination
+    values, vectors = eigh(symmetric_part(forward_substitution(lower, forward_substitution(lower, stiffness).T)))
+    rates = 2 * float(damping.ratio) * np.sqrt(np.maximum(values, 0.0))
+    modal = matrix_product(lower, vectors.T)  # c8 V, since V = L^-T vectors^T
+    return np.asarray(result + symmetric_part(matrix_product(modal * rates, modal.T)))

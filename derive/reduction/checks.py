@@ -1,4 +1,4 @@
-"""Checks of a finite-element body, which collect all faults that can be reported together."""
+"""Checks of the data of a finite-element body. Each check collects all faults before it raises an error."""
 
 from __future__ import annotations
 
@@ -9,49 +9,65 @@ from scipy.sparse import csr_array, identity
 from scipy.sparse.linalg import splu
 
 from derive.errors import Problem, SpecError
-from derive.reduction.arithmetic import Array, eigh, symmetric, total
-from derive.reduction.eigen import modal_stiffness, most_modes
-from derive.reduction.frames import Shapes, centred, holds, neighbours
-from derive.reduction.mass import canonical, products
-from derive.reduction.rigid import rigid_basis, rigid_fields, without
+from derive.reduction.arithmetic import Array, eigh, pairwise_sum, symmetric_part
+from derive.reduction.eigen import max_elastic_modes, modal_stiffness
+from derive.reduction.frames import (
+    ModeShapes,
+    determine_rotation,
+    from_centre_of_mass,
+    nearest_nodes,
+    projected_out,
+    rigid_basis,
+    rigid_fields,
+)
+from derive.reduction.integrals import canonical_csr, mass_products
 from derive.spec.model.body import NodalBody
 
-DEPENDENT = 1e-5
-"""Modes whose part without rigid motion has a singular value below this part of the largest are dependent."""
+DEPENDENCE_TOLERANCE = 1e-5
+"""Modes are dependent if, without rigid motions, they have a singular value below this fraction of the largest."""
 
-TIED = 1e-2
-"""A rigid motion with more than this part of the lowest elastic frequency is resisted by something outside the body."""
+SUPPORT_TOLERANCE = 1e-2
+"""A body has supports if a rigid motion has a frequency above this fraction of the lowest elastic frequency."""
 
-ASYMMETRIC = 1e-9
-"""Matrices are symmetric up to this part of their largest entry."""
+SYMMETRY_TOLERANCE = 1e-9
+"""The largest asymmetry of a symmetric matrix, relative to its largest entry."""
 
-DIFFERENT = 1e-6
-"""A modal stiffness agrees with Phi^T K Phi up to this part of its largest entry."""
+STIFFNESS_TOLERANCE = 1e-6
+"""The largest difference between a modal stiffness and Phi^T K Phi, relative to the largest entry."""
 
 
 def check_body(body: NodalBody) -> None:
-    """Refuse a body whose nodes, mass, stiffness or frame cannot be used, whatever its modes."""
-    problems = [*_shapes(body)]
+    """Check everything but the modes: nodes, mass, stiffness, frame, markers. Raises SpecError with all faults."""
+    problems = _array_faults(body)
     if not problems:
-        problems = [*_mass(body), *_stiffness(body), *_frame(body), *_markers(body)]
+        problems = [*_mass_faults(body), *_stiffness_faults(body), *_frame_faults(body), *_marker_faults(body)]
     if not problems:
-        problems = _count(body)
+        problems = _mode_count_faults(body)
     if problems:
         raise SpecError(tuple(problems))
 
 
-def check_modes(body: NodalBody, mass: csr_array, raw: Shapes) -> None:
-    """Refuse modes that hold a rigid motion or depend on each other, and a stiffness that is not of a free body."""
-    x = centred(mass, raw.x)
+def check_modes(body: NodalBody, mass: csr_array, raw: ModeShapes) -> None:
+    """Check the modes and their stiffness. Raises SpecError with all faults.
+
+    mass: the canonical mass matrix. raw: the modes and their stiffness, before the transformation to the body frame.
+    Faults are modes that contain a rigid motion or depend on each other, and a stiffness that is not positive
+    semidefinite, resists rigid motions, or disagrees with the stiffness matrix.
+    """
+    x = from_centre_of_mass(mass, raw.x)
     problems = rigid_problems(mass, x, raw.phi)
     if not problems:
-        problems = [*_negative(body, mass, raw), *_tied(body, mass, x, raw), *_disagree(body, raw)]
+        problems = [
+            *_negative_stiffness(body, mass, raw),
+            *_supports(body, mass, x, raw),
+            *_inconsistent_stiffness(body, raw),
+        ]
     if problems:
         raise SpecError(tuple(problems))
 
 
-def _shapes(body: NodalBody) -> list[Problem]:
-    """Arrays that do not fit each other."""
+def _array_faults(body: NodalBody) -> list[Problem]:
+    """Faults of arrays: shapes that do not match, and values that are not finite."""
     data, result = body.data, []
     n = len(data.positions)
 
@@ -80,21 +96,21 @@ def _shapes(body: NodalBody) -> list[Problem]:
     }
     for name, values in arrays.items():
         if values is not None and not np.all(np.isfinite(values)):
-            problem("body.nodes", f"{name} holds values that are not finite")
+            problem("body.nodes", f"{name} contains values that are not finite")
     return result
 
 
-def _mass(body: NodalBody) -> list[Problem]:
-    mass = canonical(body.data.mass)
-    if _asymmetry(mass) > ASYMMETRIC:
+def _mass_faults(body: NodalBody) -> list[Problem]:
+    mass = canonical_csr(body.data.mass)
+    if _asymmetry(mass) > SYMMETRY_TOLERANCE:
         return [Problem("body.nodes", "the mass matrix is not symmetric; give both of its halves")]
-    sum_ = float(total(mass.data))
+    sum_ = float(pairwise_sum(mass.data))
     if not sum_ > 0:
         return [Problem("body.nodes", f"the mass of all nodes is {sum_:.6g} kg; it has to be positive")]
     if (message := indefinite(mass)) is not None:
         return [Problem("body.nodes", message)]
-    x = centred(mass, body.data.positions)
-    inertia, _ = eigh(products(mass, rigid_fields(x)[3:], rigid_fields(x)[3:]))
+    x = from_centre_of_mass(mass, body.data.positions)
+    inertia, _ = eigh(mass_products(mass, rigid_fields(x)[3:], rigid_fields(x)[3:]))
     size = sum_ * float(np.abs(x).max(initial=0.0)) ** 2
     where = "all mass is in one point" if inertia[-1] <= 1e-12 * size or not size else "all mass is on one line"
     if not size or inertia[0] <= 1e-12 * inertia[-1]:
@@ -104,7 +120,7 @@ def _mass(body: NodalBody) -> list[Problem]:
 
 
 def indefinite(mass: csr_array) -> str | None:
-    """What makes a mass matrix negative somewhere, by its pivots; nodes without mass are allowed."""
+    """The reason why a mass matrix is not positive semidefinite, or None; nodes without mass are allowed."""
     diagonal = mass.diagonal()
     if diagonal.min() < 0:
         node = int(np.argmin(diagonal))
@@ -133,12 +149,12 @@ def indefinite(mass: csr_array) -> str | None:
     )
 
 
-def _stiffness(body: NodalBody) -> list[Problem]:
+def _stiffness_faults(body: NodalBody) -> list[Problem]:
     data, result = body.data, []
-    if data.stiffness is not None and _asymmetry(canonical(data.stiffness)) > ASYMMETRIC:
+    if data.stiffness is not None and _asymmetry(canonical_csr(data.stiffness)) > SYMMETRY_TOLERANCE:
         result.append(Problem("body.nodes", "the stiffness matrix is not symmetric; give both of its halves"))
     k = data.modal_stiffness
-    if k is not None and np.abs(k - k.T).max(initial=0.0) > ASYMMETRIC * np.abs(k).max(initial=0.0):
+    if k is not None and np.abs(k - k.T).max(initial=0.0) > SYMMETRY_TOLERANCE * np.abs(k).max(initial=0.0):
         result.append(Problem("body.nodes", "modal_stiffness is not symmetric"))
     if data.modes is not None and k is None and data.stiffness is None and len(data.modes):
         result.append(Problem("body.nodes", "modes need modal_stiffness, or the stiffness matrix of the nodes"))
@@ -147,7 +163,7 @@ def _stiffness(body: NodalBody) -> list[Problem]:
     return result
 
 
-def _frame(body: NodalBody) -> list[Problem]:
+def _frame_faults(body: NodalBody) -> list[Problem]:
     frame, x = body.frame, body.data.positions
     if frame.kind != "point":
         return []
@@ -156,15 +172,15 @@ def _frame(body: NodalBody) -> list[Problem]:
     outside = [i for i in frame.around if not 0 <= i < len(x)]
     if outside:
         return [Problem("body.frame", f"there is no node {outside[0]}; nodes are 0 .. {len(x) - 1}")]
-    around = frame.around or neighbours(x, frame.node)
-    if not holds(x, frame.node, around):
+    around = frame.around or nearest_nodes(x, frame.node)
+    if not determine_rotation(x, frame.node, around):
         which = f"nodes {', '.join(map(str, around))}" if frame.around else "all nodes"
         message = f"{which} are on one line with node {frame.node}: they do not see a rotation about it"
         return [Problem("body.frame", f"{message}; name a node beside that line in `around`")]
     return []
 
 
-def _markers(body: NodalBody) -> list[Problem]:
+def _marker_faults(body: NodalBody) -> list[Problem]:
     n = len(body.data.positions)
     return [
         Problem(f"body.markers.{m.name}", f"there is no node {m.node}; nodes are 0 .. {n - 1}")
@@ -173,7 +189,7 @@ def _markers(body: NodalBody) -> list[Problem]:
     ]
 
 
-def _count(body: NodalBody) -> list[Problem]:
+def _mode_count_faults(body: NodalBody) -> list[Problem]:
     data = body.data
     if body.modes is not None and body.modes < 0:
         return [Problem("body.modes", "a number of modes is 0 or more")]
@@ -182,7 +198,7 @@ def _count(body: NodalBody) -> list[Problem]:
     if data.modes is not None and body.modes is not None and body.modes > len(data.modes):
         return [Problem("body.modes", f"{body.modes} modes are asked for, but {len(data.modes)} are given")]
     asked = len(data.modes) if data.modes is not None and body.modes is None else body.modes or 0
-    most = most_modes(canonical(data.mass), 6)
+    most = max_elastic_modes(canonical_csr(data.mass), 6)
     if asked > most:
         message = f"{asked} modes are too many: nodes with mass allow {most} elastic modes and 6 rigid motions"
         return [Problem("body.modes", message)]
@@ -190,33 +206,33 @@ def _count(body: NodalBody) -> list[Problem]:
 
 
 def rigid_problems(mass: csr_array, x: Array, phi: Array) -> list[Problem]:
-    """Combinations of modes that are rigid motions, or nothing at all."""
-    before = np.diag(products(mass, phi, phi))
+    """Faults of modes phi (N, nodes, 3) that move no mass, contain a rigid motion, or are dependent."""
+    before = np.diag(mass_products(mass, phi, phi))
     if np.any(before <= 0):
         still = ", ".join(str(i) for i in np.flatnonzero(before <= 0) + 1)
         return [Problem("body.modes", f"modes that move no mass: {still}; leave them out")]
     scale = 1 / np.sqrt(before)
     scaled = phi * scale[:, None, None]
-    elastic = without(mass, rigid_basis(mass, x), scaled)
-    left, vectors = eigh(symmetric(products(mass, elastic, elastic)))
+    elastic = projected_out(mass, rigid_basis(mass, x), scaled)
+    remaining, vectors = eigh(symmetric_part(mass_products(mass, elastic, elastic)))
     result = []
-    for value, vector in zip(left, vectors, strict=True):
-        if value > DEPENDENT**2 * max(float(left[-1]), 1.0):
+    for value, vector in zip(remaining, vectors, strict=True):
+        if value > DEPENDENCE_TOLERANCE**2 * max(float(remaining[-1]), 1.0):
             break
         weights = vector * scale
         weights = weights / np.abs(weights).max()
         named = " ".join(f"{w:+.3g} mode {i}" for i, w in enumerate(weights, 1) if abs(w) > 1e-6)
         motion = (vector[:, None, None] * scaled).sum(axis=0)[None]
-        size = float(products(mass, motion, motion)[0, 0])
+        size = float(mass_products(mass, motion, motion)[0, 0])
         what = "rigid motion is left in the modes" if size > 1e-12 else "the modes are dependent"
         singular = f"(singular value {math.sqrt(max(float(value), 0.0)):.1e})"
         result.append(Problem("body.modes", f"{what} {singular}: {named}; take one out"))
     return result
 
 
-def _negative(body: NodalBody, mass: csr_array, raw: Shapes) -> list[Problem]:
-    """A stiffness that pushes instead of pulling back."""
-    sizes = np.sqrt(np.maximum(np.diag(products(mass, raw.phi, raw.phi)), np.finfo(float).tiny))
+def _negative_stiffness(body: NodalBody, mass: csr_array, raw: ModeShapes) -> list[Problem]:
+    """A fault if the modal stiffness has a negative eigenvalue."""
+    sizes = np.sqrt(np.maximum(np.diag(mass_products(mass, raw.phi, raw.phi)), np.finfo(float).tiny))
     values, vectors = eigh(raw.stiffness / np.multiply.outer(sizes, sizes))
     if not len(values) or values[0] >= -max(1e-9 * float(values[-1]), _noise(body, mass)):
         return []
@@ -225,14 +241,14 @@ def _negative(body: NodalBody, mass: csr_array, raw: Shapes) -> list[Problem]:
     return [Problem("body.nodes", f"{message}; check its sign")]
 
 
-def _tied(body: NodalBody, mass: csr_array, x: Array, raw: Shapes) -> list[Problem]:
-    """A stiffness that resists rigid motion."""
+def _supports(body: NodalBody, mass: csr_array, x: Array, raw: ModeShapes) -> list[Problem]:
+    """A fault if the stiffness matrix resists a rigid motion, as that of a supported body does."""
     if body.data.stiffness is None or not len(raw.phi):
         return []
     rigid = rigid_basis(mass, x)
-    lowest = float((np.diag(raw.stiffness) / np.diag(products(mass, raw.phi, raw.phi))).min())
+    lowest = float((np.diag(raw.stiffness) / np.diag(mass_products(mass, raw.phi, raw.phi))).min())
     values, vectors = eigh(modal_stiffness(body.data.stiffness, rigid))
-    if values[-1] <= max(TIED**2 * lowest, _noise(body, mass)):
+    if values[-1] <= max(SUPPORT_TOLERANCE**2 * lowest, _noise(body, mass)):
         return []
     names = ("translation e1", "translation e2", "translation e3", "rotation 1", "rotation 2", "rotation 3")
     motion = names[int(np.argmax(np.abs(vectors[-1])))]
@@ -241,25 +257,26 @@ def _tied(body: NodalBody, mass: csr_array, x: Array, raw: Shapes) -> list[Probl
 
 
 def _noise(body: NodalBody, mass: csr_array) -> float:
-    """What rounding of the stiffness matrix may leave of an omega^2 that is zero."""
+    """The largest omega^2 (1/s^2) of a rigid motion that rounding errors of the stiffness matrix explain."""
     if body.data.stiffness is None:
         return 0.0
     return 1e-12 * float(np.abs(body.data.stiffness.diagonal()).sum() / mass.diagonal().sum())
 
 
-def _disagree(body: NodalBody, raw: Shapes) -> list[Problem]:
-    """Faults of a modal stiffness that disagrees with the stiffness matrix."""
+def _inconsistent_stiffness(body: NodalBody, raw: ModeShapes) -> list[Problem]:
+    """A fault if the modal stiffness disagrees with the stiffness matrix."""
     data = body.data
     if data.modes is None or data.modal_stiffness is None or data.stiffness is None or not len(raw.phi):
         return []
     expected = modal_stiffness(data.stiffness, raw.phi)
     difference = float(np.abs(expected - raw.stiffness).max()) / float(np.abs(expected).max() or 1.0)
-    if difference <= DIFFERENT:
+    if difference <= STIFFNESS_TOLERANCE:
         return []
     message = f"modal_stiffness is not Phi^T K Phi of the modes and the stiffness (they differ by {difference:.1e})"
     return [Problem("body.nodes", f"{message}; check units and the order of the modes")]
 
 
 def _asymmetry(matrix: csr_array) -> float:
+    """The largest entry of A - A^T, relative to the largest entry of A."""
     largest = float(np.abs(matrix.data).max(initial=0.0))
     return float(np.abs((matrix - matrix.T).data).max(initial=0.0)) / (largest or 1.0)

@@ -1,8 +1,8 @@
 """Elastic modes of a free body from its stiffness and mass matrices.
 
-The stiffness of a free body is singular, so that it is shifted by a little of the mass; nodes without mass do no harm
-to that. The rigid motions come out with the elastic modes and are taken away by projection: a frequency that is "not
-zero" says nothing, rounding leaves the rigid ones anywhere near it.
+The stiffness matrix K of a free body is singular, so that the eigenvalue problem is solved for the shifted matrix
+K + s M, which is regular even with nodes without mass. The solution includes the rigid motions; they are removed by
+projection and not by their frequencies, because rounding errors make these small rather than zero.
 """
 
 from __future__ import annotations
@@ -13,75 +13,77 @@ from scipy.sparse import csr_array, identity, kron
 from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigsh, splu
 
 from derive.errors import Problem, SpecError
-from derive.reduction.arithmetic import Array, gram, symmetric
-from derive.reduction.frames import centred
-from derive.reduction.mass import canonical, products, times
-from derive.reduction.rigid import rigid_basis, without
+from derive.reduction.arithmetic import Array, inner_products, symmetric_part
+from derive.reduction.frames import from_centre_of_mass, projected_out, rigid_basis
+from derive.reduction.integrals import canonical_csr, csr_product, mass_products
 from derive.spec.model.body import NodalBody
 
-DENSE = 900
-"""Up to so many displacements the eigenvalue problem is solved with full matrices."""
+MAX_DENSE_SIZE = 900
+"""The largest number of displacements for which the eigenvalue problem is solved with dense matrices."""
 
-SPARE = 4
+EXTRA_MODES = 4
 """Modes computed in addition to those requested, so that modes of equal frequency are not separated."""
 
 
 def modal_stiffness(stiffness: csr_array | None, phi: Array) -> Array:
-    """Phi_i^T K Phi_j; zeros without K, which is refused elsewhere."""
+    """The modal stiffness Phi_i^T K Phi_j (N, N); zeros if there is no K, which `check_body` refuses."""
     if stiffness is None:
         return np.zeros((len(phi), len(phi)))
     flat = phi.reshape(len(phi), stiffness.shape[0])
-    return symmetric(gram(flat, times(canonical(stiffness), np.ascontiguousarray(flat.T)).T))
+    return symmetric_part(inner_products(flat, csr_product(canonical_csr(stiffness), np.ascontiguousarray(flat.T)).T))
 
 
-def most_modes(mass: csr_array, rigid: int) -> int:
-    """How many elastic modes a body has: three for each node with mass, less the rigid motions."""
-    return 3 * int(np.count_nonzero(np.diff(canonical(mass).indptr))) - rigid
+def max_elastic_modes(mass: csr_array, rigid: int) -> int:
+    """The number of elastic modes of a body: three for each node with mass, minus the number of rigid motions."""
+    return 3 * int(np.count_nonzero(np.diff(canonical_csr(mass).indptr))) - rigid
 
 
 def elastic_modes(body: NodalBody, mass: csr_array, x: Array) -> tuple[Array, Array]:
-    """The lowest elastic modes, a few more than requested if there are more, and their stiffness."""
+    """The lowest elastic modes (N, nodes, 3) and their stiffness (N, N): up to EXTRA_MODES more than requested.
+
+    Raises SpecError if K is indefinite, if K + s M is singular, or if the Lanczos iteration does not converge.
+    """
     assert body.data.stiffness is not None and body.modes is not None  # by check_body
-    x = centred(mass, x)
+    x = from_centre_of_mass(mass, x)
     basis = rigid_basis(mass, x)
     size = 3 * len(x)
-    most = most_modes(mass, len(basis))
-    wanted = min(body.modes + SPARE, most)
-    if not wanted:
+    most = max_elastic_modes(mass, len(basis))
+    requested = min(body.modes + EXTRA_MODES, most)
+    if not requested:
         return np.zeros((0, *x.shape)), np.zeros((0, 0))
     k = csr_array((body.data.stiffness + body.data.stiffness.T) / 2)
     m = csr_array(kron(mass, identity(3), format="csr"))
-    shift = 1e-2 * _scale(k, mass, x, basis)
-    count = wanted + len(basis)
-    solve = _dense if size <= DENSE or 2 * count >= most else _sparse
+    shift = 1e-2 * _lowest_quotient(k, mass, x, basis)
+    count = requested + len(basis)
+    solve = _dense_eigenvectors if size <= MAX_DENSE_SIZE or 2 * count >= most else _sparse_eigenvectors
     vectors = solve(k, m, shift, count)
     phi = vectors.T.reshape(-1, *x.shape)
     for _ in range(2):
-        phi = without(mass, basis, phi)
-    values, combinations = np.linalg.eigh(symmetric(products(mass, phi, phi)))
-    keep = combinations[:, values > 0.5].T  # rigid motions are left with nothing, elastic ones with 1
-    phi = (keep @ phi.reshape(len(phi), -1)).reshape(-1, *x.shape)
+        phi = projected_out(mass, basis, phi)
+    values, combinations = np.linalg.eigh(symmetric_part(mass_products(mass, phi, phi)))
+    elastic = combinations[:, values > 0.5].T  # after projection rigid motions have c8 = 0, elastic modes 1
+    phi = (elastic @ phi.reshape(len(phi), -1)).reshape(-1, *x.shape)
     return phi, modal_stiffness(k, phi)
 
 
-def _scale(k: csr_array, mass: csr_array, x: Array, basis: Array) -> float:
-    """A stiffness over mass near that of the lowest elastic mode, from displacements quadratic in the position."""
+def _lowest_quotient(k: csr_array, mass: csr_array, x: Array, basis: Array) -> float:
+    """An estimate of the lowest omega^2 (1/s^2): the least Rayleigh quotient of displacements quadratic in position."""
     pairs = [(a, b) for a in range(3) for b in range(a, 3)]
     axes = np.eye(3)
     fields = np.array([np.multiply.outer(x[:, a] * x[:, b], e) for a, b in pairs for e in axes])
-    fields = without(mass, basis, fields)
-    norms = np.diag(products(mass, fields, fields))
+    fields = projected_out(mass, basis, fields)
+    norms = np.diag(mass_products(mass, fields, fields))
     fields = fields[norms > 1e-12 * norms.max(initial=0.0)]
     energies = np.diag(modal_stiffness(k, fields))
-    quotients = energies / np.diag(products(mass, fields, fields))
+    quotients = energies / np.diag(mass_products(mass, fields, fields))
     positive = quotients[quotients > 0]
     if positive.size:
         return float(positive.min())
     return float(np.abs(k.diagonal()).sum() / mass.diagonal().sum()) or 1.0
 
 
-def _dense(k: csr_array, m: csr_array, shift: float, count: int) -> Array:
-    """Vectors of the lowest eigenvalues, from (K + shift M)^-1 M with full matrices."""
+def _dense_eigenvectors(k: csr_array, m: csr_array, shift: float, count: int) -> Array:
+    """The eigenvectors (size, count) of the lowest eigenvalues, from (K + shift M)^-1 M with dense matrices."""
     full = (k + shift * m).toarray()
     try:
         lower = np.linalg.cholesky(full)
@@ -90,18 +92,18 @@ def _dense(k: csr_array, m: csr_array, shift: float, count: int) -> Array:
         raise SpecError((_indefinite(float(values[0]), vectors[:, 0], values[-1], k, m),)) from None
     half = scipy.linalg.solve_triangular(lower, m.toarray(), lower=True)
     inverse = scipy.linalg.solve_triangular(lower, half.T, lower=True)
-    _, vectors = np.linalg.eigh(symmetric(inverse))
+    _, vectors = np.linalg.eigh(symmetric_part(inverse))
     modes = scipy.linalg.solve_triangular(lower, vectors[:, ::-1][:, :count], lower=True, trans="T")
     return np.asarray(modes / np.sqrt(np.einsum("ni,ni->i", modes, m @ modes)))
 
 
-def _sparse(k: csr_array, m: csr_array, shift: float, count: int) -> Array:
-    """The same with sparse matrices: Lanczos from a start that is always the same."""
+def _sparse_eigenvectors(k: csr_array, m: csr_array, shift: float, count: int) -> Array:
+    """The same with sparse matrices, by the Lanczos method with a fixed initial vector."""
     shifted = (k + shift * m).tocsc()
     try:
         factors = splu(shifted, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
     except RuntimeError:
-        raise SpecError((_loose(k, m),)) from None
+        raise SpecError((_unconstrained_node(k, m),)) from None
     pivots = factors.U.diagonal()
     if np.array_equal(factors.perm_r, factors.perm_c) and np.any(pivots <= 0):
         message = (
@@ -114,20 +116,21 @@ def _sparse(k: csr_array, m: csr_array, shift: float, count: int) -> Array:
         _, vectors = eigsh(k, k=count, M=m, sigma=-shift, OPinv=solve, v0=start, which="LM")
     except ArpackNoConvergence as error:
         converged = len(error.eigenvalues)
-        message = f"only {converged} of {count} modes (6 of them rigid) were found from K and M; ask for fewer modes"
+        message = f"only {converged} of {count} modes (6 of them rigid) were computed from K and M; ask for fewer modes"
         raise SpecError((Problem("body.modes", message),)) from None
     return np.asarray(vectors)
 
 
 def _indefinite(value: float, vector: Array, largest: float, k: csr_array, m: csr_array) -> Problem:
+    """The fault of a K + shift M with the lowest eigenvalue `value` and its vector."""
     if value > -1e-12 * float(largest):
-        return _loose(k, m, int(np.argmax(np.abs(vector))) // 3)
+        return _unconstrained_node(k, m, int(np.argmax(np.abs(vector))) // 3)
     message = f"the stiffness has a negative eigenvalue ({value:.3g}): check its sign and symmetry"
     return Problem("body.nodes", message)
 
 
-def _loose(k: csr_array, m: csr_array, node: int | None = None) -> Problem:
-    """What is wrong where K + shift M is singular."""
+def _unconstrained_node(k: csr_array, m: csr_array, node: int | None = None) -> Problem:
+    """The fault of a singular K + shift M: a node without mass and stiffness."""
     if node is None:
         bare = np.flatnonzero((np.abs(k).sum(axis=1) + np.abs(m).sum(axis=1)) == 0)
         node = int(bare[0]) // 3 if bare.size else None

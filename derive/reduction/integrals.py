@@ -1,6 +1,7 @@
-"""Shape integrals c1 .. c8 of the appendix, read from the moments of the fields X, Phi_1 .. Phi_N.
+"""Integrals over the mass of a body: inner products and moments of fields, and the shape integrals c1 .. c8.
 
-C4 and C5 are kept by their symmetric parts here: their antisymmetric parts are c6 and c7.
+A field is given by its values at the nodes, (nodes, 3). With the mass matrix m_kl of the nodes, int rho f g is the sum
+of f_k m_kl g_l over all nodes k and l.
 """
 
 from __future__ import annotations
@@ -10,13 +11,19 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.sparse import csr_array
 
-from derive.reduction.arithmetic import Array, total
-from derive.reduction.mass import moments, weighted
+from derive.reduction.arithmetic import Array, inner_products, pairwise_sum
+
+MAX_TERMS = 4_000_000
+"""The number of products that are formed at once, which limits the memory."""
 
 
 @dataclass(frozen=True, eq=False)
 class Integrals:
-    """Integrals as in `ModalBody`, but S4 and S5 are the symmetric parts of C4 and C5."""
+    """The shape integrals of the appendix, with the shapes of `ModalBody`.
+
+    C4 and C5 are represented by their symmetric parts S4 (N, 3, 3) and S5 (N, N, 3, 3), because c6 and c7 are their
+    antisymmetric parts.
+    """
 
     mass: float
     c1: Array
@@ -29,18 +36,18 @@ class Integrals:
     c8: Array
 
 
-def integrals(mass: csr_array, x: Array, phi: Array) -> Integrals:
-    """All integrals of a body with positions x (nodes, 3) and modes phi (N, nodes, 3)."""
+def shape_integrals(mass: csr_array, x: Array, phi: Array) -> Integrals:
+    """The shape integrals of a body with positions x (nodes, 3), m, and modes phi (N, nodes, 3), by the appendix."""
     fields = np.concatenate([x[None], phi])
-    first = np.array([total(field) for field in weighted(mass, fields)])
-    second = moments(mass, fields)
+    linear = np.array([pairwise_sum(field) for field in mass_times(mass, fields)])
+    second = second_moments(mass, fields)
     trace = second[..., 0, 0] + second[..., 1, 1] + second[..., 2, 2]
     tensor = trace[..., None, None] * np.eye(3) - (second + np.swapaxes(second, -1, -2)) / 2
     axial = np.stack([second[..., a, b] - second[..., b, a] for a, b in ((1, 2), (2, 0), (0, 1))], axis=-1)
     return Integrals(
-        mass=float(total(mass.data)),
-        c1=first[0],
-        c2=first[1:],
+        mass=float(pairwise_sum(mass.data)),
+        c1=linear[0],
+        c2=linear[1:],
         C3=tensor[0, 0],
         S4=tensor[1:, 0],
         S5=tensor[1:, 1:],
@@ -51,9 +58,50 @@ def integrals(mass: csr_array, x: Array, phi: Array) -> Integrals:
 
 
 def antisymmetric(axial: Array) -> Array:
-    """Half of e_abk v_k of vectors v (..., 3): the antisymmetric part of C4 for v = c6, and of C5 for v = -c7."""
+    """The tensors e_abk v_k / 2 of vectors v (..., 3): the antisymmetric parts of C4 (v = c6) and of C5 (v = -c7)."""
     result = np.zeros((*axial.shape[:-1], 3, 3))
     for a, b, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
         result[..., a, b] = axial[..., k] / 2
         result[..., b, a] = -axial[..., k] / 2
     return result
+
+
+def canonical_csr(matrix: csr_array) -> csr_array:
+    """A copy in canonical form: entries sorted by row and column, without duplicates and explicit zeros."""
+    result = csr_array(matrix, dtype=np.float64, copy=True)
+    result.sum_duplicates()
+    result.eliminate_zeros()
+    return result
+
+
+def csr_product(matrix: csr_array, columns: Array) -> Array:
+    """The product of a canonical matrix (m, n) and columns (n, F), summed in the order of the entries of each row."""
+    rows = np.flatnonzero(np.diff(matrix.indptr))
+    result = np.zeros((matrix.shape[0], columns.shape[1]))
+    step = max(1, MAX_TERMS // max(matrix.nnz, 1))
+    for at in range(0, columns.shape[1] if rows.size else 0, step):
+        terms = matrix.data[:, None] * columns[matrix.indices, at : at + step]
+        result[rows, at : at + step] = np.add.reduceat(terms, matrix.indptr[rows], axis=0)
+    return result
+
+
+def mass_times(mass: csr_array, fields: Array) -> Array:
+    """The products (F, nodes, 3) of a canonical mass matrix and fields (F, nodes, 3)."""
+    columns = np.ascontiguousarray(fields.transpose(1, 0, 2)).reshape(mass.shape[0], 3 * len(fields))
+    result = csr_product(mass, columns).reshape(mass.shape[0], len(fields), 3)
+    return np.ascontiguousarray(result.transpose(1, 0, 2))
+
+
+def mass_products(mass: csr_array, f: Array, g: Array) -> Array:
+    """The inner products (F, G) int rho f_p . g_q of fields f (F, nodes, 3) and g (G, nodes, 3)."""
+    size = 3 * mass.shape[0]
+    return inner_products(f.reshape(len(f), size), mass_times(mass, g).reshape(len(g), size))
+
+
+def second_moments(mass: csr_array, fields: Array) -> Array:
+    """The moments (F, F, 3, 3) int rho f_p (x) f_q of fields (F, nodes, 3), from which C3 to c8 follow."""
+    scalars = np.ascontiguousarray(fields.transpose(0, 2, 1).reshape(3 * len(fields), -1))
+    other = np.ascontiguousarray(mass_times(mass, fields).transpose(0, 2, 1).reshape(3 * len(fields), -1))
+    table = inner_products(scalars, other)
+    count = len(fields)
+    return np.ascontiguousarray(((table + table.T) / 2).reshape(count, 3, count, 3).transpose(0, 2, 1, 3))

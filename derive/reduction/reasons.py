@@ -1,4 +1,4 @@
-"""Which shape integrals vanish, and why: by the frame, by orthogonality, by mirror symmetry, or as an exact sum."""
+"""The structural zeros of the shape integrals and their reasons: frame, orthogonality, mirror symmetry, exact sum."""
 
 from __future__ import annotations
 
@@ -16,17 +16,20 @@ DISPLACEMENT = "condition (17) (no mean displacement)"
 ROTATION = "condition (19) (no mean rotation)"
 ORTHOGONAL = "orthogonality (modes orthonormal in the mass)"
 UNDAMPED = "the specification (no damping)"
-NOTHING = "the sum over the nodes, which is exactly zero"
+EXACT_SUM = "the sum over the nodes, which is exactly zero"
 
 PAIRS = tuple(combinations_with_replacement(range(3), 2))
-OTHERS = ((1, 2), (2, 0), (0, 1))
+"""The components (a, b), a <= b, of a symmetric tensor."""
+AXIAL_PAIRS = ((1, 2), (2, 0), (0, 1))
+"""The components (a, b) of the product whose antisymmetric part is component k of an axial vector."""
 
 
 @dataclass(frozen=True, eq=False)
 class Parities:
-    """Planes of reflection by the axis of their normal, and the parity of X (index 0) and of each mode (1 .. N).
+    """The mirror planes of a body, and the parities of its fields under reflection.
 
-    A parity is 1 or -1, or 0 where there is none; `elastic` says for which planes the stiffness is symmetric too.
+    axes: the axis, 0 to 2, of the normal of each plane. fields (N + 1, planes): the parity of X (row 0) and of each
+    mode (rows 1 to N): 1 even, -1 odd, 0 neither. elastic: whether the stiffness is symmetric about each plane.
     """
 
     axes: tuple[int, ...]
@@ -36,7 +39,11 @@ class Parities:
 
 @dataclass(frozen=True)
 class IntegralEntry:
-    """An integral: name, table, index in the table, and factors as pairs (field, component); field 0 is X."""
+    """An independent entry of an integral, of the stiffness or of the damping.
+
+    name: as in the derivation. table, index: where `with_exact_zeros` stores it. factors: those of the integrand as
+    pairs (field, component), where field 0 is X and field i is mode i.
+    """
 
     name: str
     table: str
@@ -44,8 +51,8 @@ class IntegralEntry:
     factors: tuple[tuple[int, int], ...]
 
 
-def entries(n: int) -> Iterator[IntegralEntry]:
-    """All integrals by the names of the derivation, stiffness and damping among them."""
+def integral_entries(n: int) -> Iterator[IntegralEntry]:
+    """The independent entries of all integrals of a body with n modes, and of its stiffness and damping."""
     shapes = range(1, n + 1)
     for k in range(3):
         yield IntegralEntry(f"c1_{k + 1}", "c1", (k,), ((0, k),))
@@ -62,11 +69,11 @@ def entries(n: int) -> Iterator[IntegralEntry]:
             for a, b in PAIRS:
                 yield IntegralEntry(f"C5_{i}_{j}_{a + 1}{b + 1}", "S5", (i - 1, j - 1, a, b), ((i, a), (j, b)))
     for i in shapes:
-        for k, (a, b) in enumerate(OTHERS):
+        for k, (a, b) in enumerate(AXIAL_PAIRS):
             yield IntegralEntry(f"c6_{i}_{k + 1}", "c6", (i - 1, k), ((0, a), (i, b)))
     for i in shapes:
         for j in shapes[i:]:
-            for k, (a, b) in enumerate(OTHERS):
+            for k, (a, b) in enumerate(AXIAL_PAIRS):
                 yield IntegralEntry(f"c7_{i}_{j}_{k + 1}", "c7", (i - 1, j - 1, k), ((i, a), (j, b)))
     for name, table in (("c8", "c8"), ("K", "stiffness"), ("B", "damping")):
         for i in shapes:
@@ -74,33 +81,37 @@ def entries(n: int) -> Iterator[IntegralEntry]:
                 yield IntegralEntry(f"{name}_{i}_{j}", table, (i - 1, j - 1), ((i, 0), (j, 0)))
 
 
-def structure(
-    known: Integrals, stiffness: Array, damping: Array, *, mean: bool, orthonormal: bool, parities: Parities
+def with_exact_zeros(
+    integrals: Integrals, stiffness: Array, damping: Array, *, mean: bool, orthonormal: bool, parities: Parities
 ) -> tuple[Integrals, Array, Array, dict[str, str]]:
-    """Integrals, stiffness and damping with their structural zeros (and ones) exact, and the reason of each zero."""
-    n = len(known.c2)
+    """Integrals, stiffness and damping with exact structural zeros (and ones), and the reason of each zero by name.
+
+    mean: whether the frame is the mean frame. orthonormal: whether c8 is the unit matrix.
+    """
+    n = len(integrals.c2)
     names = ("c1", "c2", "C3", "S4", "S5", "c6", "c7", "c8")
-    tables = {name: np.array(getattr(known, name)) + 0.0 for name in names}
+    tables = {name: np.array(getattr(integrals, name)) + 0.0 for name in names}
     tables |= {"stiffness": np.array(stiffness) + 0.0, "damping": np.array(damping) + 0.0}
     undamped = not np.any(damping)
     if orthonormal:
         np.fill_diagonal(tables["c8"], 1.0)
     zeros: dict[str, str] = {}
-    for entry in entries(n):
+    for entry in integral_entries(n):
         reason = (
             _by_frame(entry, mean=mean, orthonormal=orthonormal)
             or (UNDAMPED if undamped and entry.table == "damping" else "")
             or _by_mirror(entry, parities)
         )
         if reason or tables[entry.table][entry.index] == 0.0:
-            zeros[entry.name] = reason or NOTHING
+            zeros[entry.name] = reason or EXACT_SUM
             tables[entry.table][entry.index] = 0.0
-    _complete(tables, n)
-    result = Integrals(known.mass, *(tables[name] for name in names))
+    _set_dependent_entries(tables, n)
+    result = Integrals(integrals.mass, *(tables[name] for name in names))
     return result, tables["stiffness"], tables["damping"], zeros
 
 
 def _by_frame(entry: IntegralEntry, *, mean: bool, orthonormal: bool) -> str:
+    """The reason why the frame or the orthogonality of the modes makes an entry zero; empty if they do not."""
     if mean and entry.table in ("c1", "c2", "c6"):
         return {"c1": CENTRE, "c2": DISPLACEMENT, "c6": ROTATION}[entry.table]
     diagonal = ("c8", "stiffness", "damping") if mean else ("c8", "stiffness")  # damping is that of the free modes
@@ -110,7 +121,7 @@ def _by_frame(entry: IntegralEntry, *, mean: bool, orthonormal: bool) -> str:
 
 
 def _by_mirror(entry: IntegralEntry, parities: Parities) -> str:
-    """An integrand that is odd under a reflection of the body has no integral."""
+    """The mirror plane under which the integrand is odd, so that its integral vanishes; empty if there is none."""
     scalar = entry.table in ("c8", "stiffness", "damping")
     for plane, axis in enumerate(parities.axes):
         if entry.table in ("stiffness", "damping") and not parities.elastic[plane]:
@@ -123,8 +134,8 @@ def _by_mirror(entry: IntegralEntry, parities: Parities) -> str:
     return ""
 
 
-def _complete(tables: dict[str, Array], n: int) -> None:
-    """Fill the half of each symmetric or odd table that follows from the other half."""
+def _set_dependent_entries(tables: dict[str, Array], n: int) -> None:
+    """Set the dependent half of each symmetric or antisymmetric table from the independent half."""
     for a, b in PAIRS:
         tables["C3"][b, a] = tables["C3"][a, b]
         tables["S4"][:, b, a] = tables["S4"][:, a, b]

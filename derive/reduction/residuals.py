@@ -1,4 +1,4 @@
-"""How far a body is from the mean frame: numbers without units, 0 in the mean frame and at most about 1."""
+"""Departure of a body from the conditions of the mean frame: ratios from 0, in the mean frame, to about 1."""
 
 from __future__ import annotations
 
@@ -9,17 +9,18 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from derive.reduction.arithmetic import Array
-from derive.reduction.integrals import Integrals, integrals
+from derive.reduction.body import prepare
+from derive.reduction.integrals import shape_integrals
 from derive.spec.model.body import NodalBody
 
 
 @dataclass(frozen=True)
 class Departure:
-    """Distances from the conditions: of O from the centre of mass, and of the modes from (17) and (19).
+    """The departure from the three conditions of the mean frame.
 
-    `centre` is relative to the root mean square distance of the mass from O. `displacement` and `rotation` are the
-    largest parts, over the modes, of the size of a mode (root of its c8) that are a mean displacement and a mean
-    rotation.
+    centre: the distance of O from the centre of mass, divided by the root mean square distance of the mass from O.
+    displacement, rotation: the largest mean displacement (17) and mean rotation (19) of a mode, divided by the root of
+    its c8.
     """
 
     centre: float
@@ -28,34 +29,28 @@ class Departure:
 
     @property
     def largest(self) -> float:
-        """The worst of the three."""
+        """The largest of the three."""
         return max(self.centre, self.displacement, self.rotation)
 
 
 @dataclass(frozen=True)
 class Residuals:
-    """The modes as given or as they came out of the eigenvalue problem, and as they are used, before any rounding."""
+    """The departure of the modes as given or computed, and that of the modes in the body frame."""
 
     before: Departure
     after: Departure
 
 
 def residuals(body: NodalBody) -> Residuals:
-    """The residuals of the centre, (17) and (19), before and after modes are brought to their frame."""
-    from derive.reduction.body import prepare
-
+    """The departure of a body before and after the transformation of its modes to the body frame. Raises SpecError."""
     prepared = prepare(body)
     first, last = prepared.raw, prepared.shapes
     return Residuals(departure(prepared.mass, first.x, first.phi), departure(prepared.mass, last.x, last.phi))
 
 
 def departure(mass: csr_array, x: Array, phi: Array) -> Departure:
-    """The residuals of positions and modes, which are sums over the nodes."""
-    return _relative(integrals(mass, x, phi))
-
-
-def _relative(known: Integrals) -> Departure:
-    """|c1|, |c2_i| and |c6_i| over what they would be at most."""
+    """The departure of positions x (nodes, 3) and modes phi (N, nodes, 3) from the conditions."""
+    known = shape_integrals(mass, x, phi)
     tiny = float(np.finfo(float).tiny)
     polar = max((known.C3[0, 0] + known.C3[1, 1] + known.C3[2, 2]) / 2, tiny)
     sizes = np.sqrt(np.maximum(np.diag(known.c8), tiny))

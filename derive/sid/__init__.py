@@ -1,6 +1,6 @@
-"""Standard input data (SID) of deformable bodies, the text that other multibody programs exchange: `write`, `read`."""
+"""Standard input data (SID) of flexible bodies, a text format that multibody programs exchange: `read`, `write`."""
 
-from derive.sid.errors import SidError, SidProblem
+from derive.sid.blocks import SidError, SidProblem
 from derive.sid.read import read
 from derive.sid.write import write
 

@@ -1,4 +1,4 @@
-"""The matrices of a SID out of the shape integrals of a modal body, and back.
+"""The conversion of the shape integrals of a modal body to the matrices of a SID, and its inverse.
 
 The equations of motion of a SID, in the frame of the body, with r = X + sum a_k Phi_k and g the acceleration of O:
 
@@ -19,59 +19,90 @@ xddot = g + omegadot x r + omega x (omega x r) + 2 omega x rdot + rddot, gives e
     Oe_i   : Oe_i Omega = int rho Phi_i . (omega x (omega x r)) = -omega . D2_i omega, D2_i = C4_i + sum_k a_k C5_ik:
              (-S_11, -S_22, -S_33, -2 S_12, -2 S_23, -2 S_13) of the symmetric part S of D2_i, in m0 and in m1
 
-Gr and Ge hold the blocks of l = 1, 2, ... side by side. A SID holds J to the first order in a, and by custom Gr to the
-zeroth. **Nothing is lost by that**: C4 is half of Gr; C5_ij has its symmetric part in the first order of Oe, and its
-antisymmetric part is c7, which is in Ge (and again in the first order of Cr). Data that occurs twice is compared on
-reading. (A program that uses J and Gr unchanged lacks the terms of second order in them, all the same.)
+Gr and Ge consist of the blocks l = 1, 2, ... side by side. A SID contains J to the first order in a, and by convention
+Gr to the zeroth. Nothing is lost by that: C4 is half of Gr; the symmetric part of C5_ij is in the first order of Oe,
+and its antisymmetric part is c7, which is in Ge (and again in the first order of Cr). `read` compares data that occurs
+twice. (A program that uses J and Gr as they are nevertheless lacks their terms of second order.)
 
-Not in a SID: the reasons of zeros (on reading, what is exactly zero is taken as zero by structure, and the reason is
-the file), and the description of the body. Not in a modal body, and refused if it is in a file: stresses of the
-reference (ksigma), geometric stiffness (in the first order of Ct, of phi and of Oe; that in Oe shows, because without
-it -trace of the first order of Oe is 2 Me), and nodes with rotated frames (AP). Rotations of nodes (psi) are
-written as zeros and skipped on reading.
+A SID contains neither the reasons of zeros nor the description of a body. `read` treats values that are exactly zero
+as structural zeros, with the file as the reason. It refuses data that a modal body cannot represent: stresses of the
+reference configuration (ksigma), geometric stiffness (in the first order of Ct, phi and Oe; it is detected in Oe,
+whose first order without it has the trace -2 Me), and nodes with rotated frames (AP). `write` writes rotations of nodes
+(psi) as zeros, and `read` ignores them.
 """
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
+from numpy.typing import NDArray
 
 from derive.mechanics.bodies.modal_body import ModalBody
-from derive.sid.taylor import SYMMETRIC, Array, Taylor, constant
+
+Array = NDArray[np.float64]
+
+ZERO, DIAGONAL, SYMMETRIC, GENERAL, UNIT = range(5)
+"""The values of `structure`. Only the lower triangle of a symmetric matrix is written."""
+
 
 MATRICES = ("mdCM", "J", "Ct", "Cr", "Me", "Gr", "Ge", "Oe", "ksigma", "Ke", "De")
 """The matrices of the whole body, in the order of a SID."""
 
-SQUARES = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))
-"""The components of omega that Omega holds the products of."""
+OMEGA_PRODUCTS = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))
+"""The pairs of components of omega whose products form Omega."""
 
-VECTOR = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
-"""The entries of J, where it is written as a column of six."""
+INERTIA_COLUMN = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
+"""The entries of J if it is written as a column of six."""
+
+
+@dataclass(frozen=True, eq=False)
+class Taylor:
+    """A matrix m0 + sum_k a_k m1_k that is linear in the modal coordinates a.
+
+    m0: (rows, columns). m1: (rows, modes, columns), or None if the matrix is constant. structure: as in a SID.
+    """
+
+    m0: Array
+    m1: Array | None = None
+    structure: int = GENERAL
+
+    @property
+    def order(self) -> int:
+        """The highest power of a."""
+        return 0 if self.m1 is None else 1
+
+
+def constant_matrix(m0: Array, structure: int = GENERAL) -> Taylor:
+    """A constant matrix; its structure is ZERO if all of its entries are zero."""
+    return Taylor(m0, None, structure if np.any(m0) else ZERO)
 
 
 def to_matrices(body: ModalBody) -> dict[str, Taylor]:
-    """The matrices of a SID."""
+    """The matrices of a SID by name: those of MATRICES for a modal body."""
     n = body.modes
     s5 = symmetric_parts(body.C5, body.c7)
     inertia = np.stack([2 * part for part in symmetric_parts(body.C4, -body.c6)]) if n else np.zeros((0, 3, 3))
     return {
         "mdCM": Taylor(body.c1[:, None], body.c2.T[:, :, None].copy()),
         "J": Taylor(body.C3, inertia.transpose(1, 0, 2).copy(), SYMMETRIC),
-        "Ct": constant(body.c2),
+        "Ct": constant_matrix(body.c2),
         "Cr": Taylor(body.c6, -body.c7),
-        "Me": constant(body.c8, SYMMETRIC),
-        "Gr": constant(np.concatenate([*(2 * body.C4), np.zeros((3, 0))], axis=1)),
-        "Ge": constant((-2 * body.c7).reshape(n, 3 * n)),
-        "Oe": Taylor(to_squares(symmetric_parts(body.C4, -body.c6)), to_squares(s5)),
-        "ksigma": constant(np.zeros((n, 1))),
-        "Ke": constant(body.stiffness, SYMMETRIC),
-        "De": constant(body.damping, SYMMETRIC),
+        "Me": constant_matrix(body.c8, SYMMETRIC),
+        "Gr": constant_matrix(np.concatenate([*(2 * body.C4), np.zeros((3, 0))], axis=1)),
+        "Ge": constant_matrix((-2 * body.c7).reshape(n, 3 * n)),
+        "Oe": Taylor(omega_factors(symmetric_parts(body.C4, -body.c6)), omega_factors(s5)),
+        "ksigma": constant_matrix(np.zeros((n, 1))),
+        "Ke": constant_matrix(body.stiffness, SYMMETRIC),
+        "De": constant_matrix(body.damping, SYMMETRIC),
     }
 
 
 def symmetric_parts(tensors: Array, axial: Array) -> Array:
-    """Symmetric parts S of tensors (..., 3, 3), with `axial` the c of S - e c / 2.
+    """The symmetric parts S (..., 3, 3) of tensors S - e c / 2 with axial vectors c (..., 3).
 
-    (t + t^T) / 2 rounds; of the doubles beside it that one is taken which gives both halves back to the last bit.
+    Because (t + t^T) / 2 rounds, the result is the double next to it that reproduces both halves to the last bit, if
+    there is one.
     """
     result = (tensors + np.swapaxes(tensors, -1, -2)) / 2
     for a, b, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
@@ -85,7 +116,7 @@ def symmetric_parts(tensors: Array, axial: Array) -> Array:
 
 
 def with_axial(parts: Array, axial: Array) -> Array:
-    """Tensors S - e c / 2 of their symmetric parts S and of c."""
+    """The tensors S - e c / 2 (..., 3, 3) of symmetric parts S (..., 3, 3) and axial vectors c (..., 3)."""
     result = np.array(parts)
     for a, b, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
         result[..., a, b] -= axial[..., k] / 2
@@ -93,14 +124,14 @@ def with_axial(parts: Array, axial: Array) -> Array:
     return result
 
 
-def to_squares(parts: Array) -> Array:
-    """Symmetric tensors (..., 3, 3) as factors of Omega, (..., 6)."""
-    columns = [-parts[..., a, b] * (1 if a == b else 2) for a, b in SQUARES]
+def omega_factors(parts: Array) -> Array:
+    """The factors (..., 6) of Omega that represent symmetric tensors (..., 3, 3)."""
+    columns = [-parts[..., a, b] * (1 if a == b else 2) for a, b in OMEGA_PRODUCTS]
     return np.asarray(np.stack(columns, axis=-1)) + 0.0
 
 
-def from_squares(columns: Array, products: tuple[tuple[int, int], ...] = SQUARES) -> Array:
-    """Factors of Omega, (..., 6), as symmetric tensors."""
+def omega_tensors(columns: Array, products: tuple[tuple[int, int], ...] = OMEGA_PRODUCTS) -> Array:
+    """The symmetric tensors (..., 3, 3) that factors (..., 6) of Omega represent; `products` is the order of Omega."""
     result = np.zeros((*columns.shape[:-1], 3, 3))
     for at, (a, b) in enumerate(products):
         result[..., a, b] = result[..., b, a] = -columns[..., at] / (1 if a == b else 2)

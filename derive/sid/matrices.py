@@ -1,4 +1,4 @@
-"""Blocks of a SID as matrices: every number in its place, or a fault with its line."""
+"""The matrices of a SID from its blocks. Each fault is reported with its line."""
 
 from __future__ import annotations
 
@@ -9,18 +9,18 @@ from itertools import permutations
 import numpy as np
 
 from derive.errors import quoted
-from derive.sid.blocks import Block, BlockEntry
-from derive.sid.errors import SidProblem
-from derive.sid.taylor import DIAGONAL, SYMMETRIC, UNIT, ZERO, Array, Taylor
+from derive.sid.blocks import Block, BlockEntry, SidProblem
+from derive.sid.mapping import DIAGONAL, SYMMETRIC, UNIT, ZERO, Array, Taylor
 
 _NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eEdD][-+]?\d+)?$")
-HEAD = ("order", "nrow", "ncol", "nq", "structure")
+HEADER = ("order", "nrow", "ncol", "nq", "structure")
+"""The entries that every matrix has."""
 LARGEST = 10_000
-"""Rows, columns or modes beyond this are a mistake rather than a body."""
+"""The largest number of rows, columns or modes; a larger number is a fault."""
 
 
-def number(entry: BlockEntry, problems: list[SidProblem]) -> float:
-    """A real number, with an exponent of E or D."""
+def real_number(entry: BlockEntry, problems: list[SidProblem]) -> float:
+    """The real number of an entry, with an exponent E or D; if it is none, 0 and a fault."""
     text = entry.value.split()[0] if entry.value.split() else ""
     value = float(re.sub("[dD]", "e", text)) if _NUMBER.match(text) else math.nan
     if not math.isfinite(value):
@@ -29,8 +29,8 @@ def number(entry: BlockEntry, problems: list[SidProblem]) -> float:
     return value
 
 
-def whole(entry: BlockEntry, problems: list[SidProblem]) -> int | None:
-    """A whole number that is not negative."""
+def whole_number(entry: BlockEntry, problems: list[SidProblem]) -> int | None:
+    """The non-negative integer of an entry; if it is none, None and a fault."""
     text = entry.value.split()[0] if entry.value.split() else ""
     if not text.isascii() or not text.isdigit() or int(text[:20]) > LARGEST:
         problems.append(
@@ -40,71 +40,77 @@ def whole(entry: BlockEntry, problems: list[SidProblem]) -> int | None:
     return int(text)
 
 
-def matrix(block: Block, shapes: tuple[tuple[int, int], ...], n: int, problems: list[SidProblem]) -> Taylor | None:
-    """The matrix of a block, in one of its admissible sizes; None, and a fault, if the block is not valid."""
-    head: dict[str, int] = {}
-    for key in HEAD:
+def read_matrix(block: Block, shapes: tuple[tuple[int, int], ...], n: int, problems: list[SidProblem]) -> Taylor | None:
+    """The matrix of a block; None, and faults, if the block is not valid.
+
+    shapes: the admissible (rows, columns). n: the number of modes.
+    """
+    header: dict[str, int] = {}
+    for key in HEADER:
         entry = block.entry(key)
         if entry is None:
             problems.append(SidProblem(block.line, f"{block.name} has no {key}"))
-        elif (value := whole(entry, problems)) is not None:
-            head[key] = value
-    if len(head) < len(HEAD):
+        elif (value := whole_number(entry, problems)) is not None:
+            header[key] = value
+    if len(header) < len(HEADER):
         return None
-    shape = head["nrow"], head["ncol"]
+    shape = header["nrow"], header["ncol"]
     if shape not in shapes:
-        wanted = " or ".join(f"{rows} x {columns}" for rows, columns in shapes)
-        problems.append(SidProblem(block.line, f"{block.name} is {shape[0]} x {shape[1]}; {wanted} is expected"))
+        expected = " or ".join(f"{rows} x {columns}" for rows, columns in shapes)
+        problems.append(SidProblem(block.line, f"{block.name} is {shape[0]} x {shape[1]}; {expected} is expected"))
         return None
-    if head["order"] > 1:
-        problems.append(SidProblem(block.line, f"{block.name} has order {head['order']}; orders 0 and 1 are known"))
+    if header["order"] > 1:
+        problems.append(
+            SidProblem(block.line, f"{block.name} has order {header['order']}; orders 0 and 1 are supported")
+        )
         return None
-    if head["structure"] > UNIT:
-        problems.append(SidProblem(block.line, f"{block.name}: structures are 0 to 4, not {head['structure']}"))
+    if header["structure"] > UNIT:
+        problems.append(SidProblem(block.line, f"{block.name}: structures are 0 to 4, not {header['structure']}"))
         return None
-    if head["order"] == 1 and head["nq"] != n:
-        problems.append(SidProblem(block.line, f"{block.name} has nq = {head['nq']}, but there are {n} modes"))
+    if header["order"] == 1 and header["nq"] != n:
+        problems.append(SidProblem(block.line, f"{block.name} has nq = {header['nq']}, but there are {n} modes"))
         return None
-    m0 = _filled(block, "m0", shape, head["structure"], problems)
-    m1 = _filled(block, "m1", (shape[0], n, shape[1]), head["structure"], problems) if head["order"] else None
+    m0 = _coefficients(block, "m0", shape, header["structure"], problems)
+    m1 = _coefficients(block, "m1", (shape[0], n, shape[1]), header["structure"], problems) if header["order"] else None
     for entry in block.entries:
-        known = (*HEAD, "nqn", "m0", *(("m1",) if head["order"] else ()))
+        known = (*HEADER, "nqn", "m0", *(("m1",) if header["order"] else ()))
         if entry.key not in known:
-            problems.append(SidProblem(entry.line, f"{entry.key} in {block.name} of order {head['order']}"))
-    if head["structure"] == UNIT:
+            problems.append(SidProblem(entry.line, f"{entry.key} in {block.name} of order {header['order']}"))
+    if header["structure"] == UNIT:
         m0 = np.eye(*shape)
-    return Taylor(m0, m1, head["structure"])
+    return Taylor(m0, m1, header["structure"])
 
 
-def _filled(block: Block, key: str, shape: tuple[int, ...], structure: int, problems: list[SidProblem]) -> Array:
-    """The entries of one order, those of a symmetric matrix on both sides."""
+def _coefficients(block: Block, key: str, shape: tuple[int, ...], structure: int, problems: list[SidProblem]) -> Array:
+    """The array m0 or m1 of a block; both triangles of a symmetric matrix are set."""
     result = np.zeros(shape)
-    seen: dict[tuple[int, ...], int] = {}
+    lines: dict[tuple[int, ...], int] = {}
     for entry in block.entries:
         if entry.key != key:
             continue
         index = _index(entry, shape, problems)
         if index is None:
             continue
-        if index in seen:
-            problems.append(SidProblem(entry.line, f"{_name(entry)} stands on line {seen[index]} already"))
+        if index in lines:
+            problems.append(SidProblem(entry.line, f"{_name(entry)} is already on line {lines[index]}"))
             continue
-        seen[index] = entry.line
-        value = number(entry, problems)
+        lines[index] = entry.line
+        value = real_number(entry, problems)
         outside = structure in (ZERO, UNIT) or (structure == DIAGONAL and index[0] != index[-1])
         if outside and value:
             problems.append(SidProblem(entry.line, f"{_name(entry)} is not zero, in a matrix of structure {structure}"))
         result[index] = value
         if structure == SYMMETRIC and shape[0] == shape[-1]:
             other = (index[-1], *index[1:-1], index[0])
-            if other in seen and result[other] != value:
-                message = f"{_name(entry)} differs from line {seen[other]}, in a symmetric matrix"
+            if other in lines and result[other] != value:
+                message = f"{_name(entry)} differs from line {lines[other]}, in a symmetric matrix"
                 problems.append(SidProblem(entry.line, message))
             result[other] = value
     return result
 
 
 def _index(entry: BlockEntry, shape: tuple[int, ...], problems: list[SidProblem]) -> tuple[int, ...] | None:
+    """The index of an entry of an array, from 0; None, and a fault, if it is not valid."""
     parts = [part.strip() for part in (entry.indices or "").split(",")]
     if len(parts) != len(shape) or not all(part.isascii() and part.isdigit() and len(part) < 9 for part in parts):
         form = "m0( row, column)" if len(shape) == 2 else "m1( row, mode, column)"

@@ -1,4 +1,4 @@
-"""A modal body as the text of a SID."""
+"""`write`: the text of a SID from a modal body."""
 
 from __future__ import annotations
 
@@ -9,16 +9,16 @@ from typing import Literal
 import numpy as np
 
 from derive.mechanics.bodies.modal_body import ModalBody, ModalPoint
-from derive.sid.mapping import MATRICES, VECTOR, to_matrices
-from derive.sid.taylor import GENERAL, SYMMETRIC, Array, Taylor, constant
+from derive.sid.mapping import GENERAL, INERTIA_COLUMN, MATRICES, SYMMETRIC, Array, Taylor, constant_matrix, to_matrices
 
 
 def write(body: ModalBody, *, inertia: Literal["matrix", "vector"] = "matrix") -> str:
-    """The text of a SID; numbers have the 17 digits that give the same doubles back, and zeros are left out.
+    """The text of a SID of a modal body, by the relations in `derive.sid.mapping`.
 
-    The points of the body become nodes 1, 2, ...; their names, and that of the body, are in the first line, which
-    other programs take the numbers of nodes and modes from. `inertia` is how J is written: as a symmetric 3 x 3 matrix,
-    or as the column of J11, J22, J33, J12, J13, J23 that some programs expect.
+    inertia: the form of J, a symmetric 3 x 3 matrix, or the column J11, J22, J33, J12, J13, J23 that some programs
+    expect. Numbers have 17 digits, so that `read` returns the same doubles; zeros are omitted. The points of the body
+    become the nodes 1, 2, ...; their names and that of the body are in the first line, after the numbers of nodes and
+    modes, which are all that other programs read there.
     """
     matrices = to_matrices(body)
     if inertia == "vector":
@@ -27,13 +27,14 @@ def write(body: ModalBody, *, inertia: Literal["matrix", "vector"] = "matrix") -
 
 
 def _lines(body: ModalBody, matrices: dict[str, Taylor]) -> Iterator[str]:
+    """The lines of the text."""
     points = " ".join(point.name for point in body.points)
     names = f"name= {body.name} ; points= {points}".rstrip()
     yield f"{len(body.points)} {body.modes} : nodes, modes; Geo_Stiff= no ; {names}"
     yield "part"
     yield "   new modal"
     yield "      refmod"
-    yield f"         mass = {number(body.mass)}"
+    yield f"         mass = {fortran_number(body.mass)}"
     yield f"         nelastq = {body.modes}"
     for i in range(body.modes):
         yield f"         ielastq( {i + 1}) = Eigen Mode {i + 1} : {_frequency(body, i):.6f} Hz"
@@ -49,46 +50,50 @@ def _lines(body: ModalBody, matrices: dict[str, Taylor]) -> Iterator[str]:
 
 
 def _node(at: int, point: ModalPoint, n: int) -> Iterator[str]:
+    """The lines of a node; `at` is its number, n that of modes."""
     shapes = np.ascontiguousarray(point.shapes.T)
     yield f"         new node = {at}"
     yield "            rframe = body ref"
     yield from _taylor("origin", Taylor(point.position[:, None], shapes[:, :, None]), n, "            ")
-    yield from _taylor("phi", constant(shapes), n, "            ")
-    yield from _taylor("psi", constant(np.zeros((3, n))), n, "            ")
-    yield from _taylor("AP", constant(np.eye(3)), n, "            ")
+    yield from _taylor("phi", constant_matrix(shapes), n, "            ")
+    yield from _taylor("psi", constant_matrix(np.zeros((3, n))), n, "            ")
+    yield from _taylor("AP", constant_matrix(np.eye(3)), n, "            ")
     yield "         end node"
 
 
 def _taylor(name: str, matrix: Taylor, n: int, indent: str) -> Iterator[str]:
+    """The lines of a matrix; its zeros are omitted."""
     rows, columns = matrix.m0.shape
     yield f"{indent}{name}"
-    head = {"order": matrix.order, "nrow": rows, "ncol": columns, "nq": n, "nqn": 0, "structure": matrix.structure}
-    for key, value in head.items():
+    header = {"order": matrix.order, "nrow": rows, "ncol": columns, "nq": n, "nqn": 0, "structure": matrix.structure}
+    for key, value in header.items():
         yield f"{indent}   {key} = {value}"
     half = matrix.structure == SYMMETRIC
     for i, j in np.argwhere(matrix.m0):
         if not half or j <= i:
-            yield f"{indent}   m0( {i + 1}, {j + 1}) = {number(matrix.m0[i, j])}"
+            yield f"{indent}   m0( {i + 1}, {j + 1}) = {fortran_number(matrix.m0[i, j])}"
     if matrix.m1 is not None:
         for i, k, j in np.argwhere(matrix.m1):
             if not half or j <= i:
-                yield f"{indent}   m1( {i + 1}, {k + 1}, {j + 1}) = {number(matrix.m1[i, k, j])}"
+                yield f"{indent}   m1( {i + 1}, {k + 1}, {j + 1}) = {fortran_number(matrix.m1[i, k, j])}"
     yield f"{indent}end {name}"
 
 
-def number(value: float) -> str:
-    """A double with all of its digits, as Fortran writes it."""
+def fortran_number(value: float) -> str:
+    """A double with 17 digits in the notation of Fortran."""
     return f"{float(value):.16E}".replace("E", "D")
 
 
 def _frequency(body: ModalBody, i: int) -> float:
-    """In Hz, of mode i alone; it is there to be looked at."""
+    """The frequency (Hz) of mode i without coupling to other modes; it is a comment of the file."""
     return math.sqrt(max(float(body.stiffness[i, i] / body.c8[i, i]), 0.0)) / (2 * math.pi)
 
 
 def _as_column(matrix: Taylor) -> Taylor:
+    """A symmetric 3 x 3 matrix as a column of six."""
+
     def column(tensor: Array) -> Array:
-        return np.array([tensor[a, ..., b] for a, b in VECTOR])[..., None]
+        return np.array([tensor[a, ..., b] for a, b in INERTIA_COLUMN])[..., None]
 
     assert matrix.m1 is not None
     return Taylor(column(matrix.m0), column(matrix.m1), GENERAL)

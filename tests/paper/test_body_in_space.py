@@ -14,8 +14,7 @@ from derive.mechanics.bodies.reference_conditions import conditions, xi
 from derive.mechanics.motion.kinematics import PHI, RDDOT, RDOT, R, add
 from derive.mechanics.motion.material_points import MaterialPoint, marker, vector_at
 from derive.mechanics.motion.spatial import rotation_of, spatial_motion, symbols_of_rotation
-from derive.reduction.frames import in_frame
-from derive.reduction.rigid import rigid_fields
+from derive.reduction.frames import modes_in_frame, rigid_fields
 from derive.spec.model.body import BodyFrame, Frame
 from paper import printed, printed_continuum
 from plain_symbols import plain, vector
@@ -83,7 +82,7 @@ def size(vector: sp.Matrix) -> float:
 def held(kind: str, node: int | None = None) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Masses, positions from O and the fields of the cloud, brought to a frame."""
     masses, x, phi = cloud()
-    shapes = in_frame(csr_array(diags_array(masses)), x, phi, np.eye(2), BodyFrame(kind, node))
+    shapes = modes_in_frame(csr_array(diags_array(masses)), x, phi, np.eye(2), BodyFrame(kind, node))
     return masses, shapes.x, shapes.phi
 
 
@@ -125,7 +124,7 @@ def test_modes_in_the_mean_frame_meet_17_and_19() -> None:
             left = printed_continuum.mean_displacement_17(weights, field)
             turned = printed_continuum.mean_rotation_19(weights, places, field)
             assert (size(left) < 1e-14, size(turned) < 1e-14) == (small, small)
-    again = in_frame(csr_array(diags_array(masses)), x, phi, np.eye(2), BodyFrame("mean"))
+    again = modes_in_frame(csr_array(diags_array(masses)), x, phi, np.eye(2), BodyFrame("mean"))
     assert np.abs(again.phi - phi).max() < 1e-14
 
 

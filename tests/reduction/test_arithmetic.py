@@ -12,7 +12,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from derive.reduction.arithmetic import cholesky, eigh, forward, gram, product, total
+from derive.reduction.arithmetic import (
+    cholesky,
+    eigh,
+    forward_substitution,
+    inner_products,
+    matrix_product,
+    pairwise_sum,
+)
 
 TESTS = Path(__file__).parent
 
@@ -41,11 +48,13 @@ def test_cholesky_and_products() -> None:
     matrix = root @ root.T
     lower = cholesky(matrix)
     assert lower is not None and np.allclose(lower @ lower.T, matrix, rtol=1e-12)
-    assert np.allclose(lower @ forward(lower, root), root, rtol=1e-9, atol=1e-12)
+    assert np.allclose(lower @ forward_substitution(lower, root), root, rtol=1e-9, atol=1e-12)
     assert cholesky(-matrix) is None and cholesky(np.full((2, 2), np.nan)) is None
-    assert np.allclose(product(matrix, root), matrix @ root) and np.allclose(gram(root, matrix), root @ matrix.T)
+    assert np.allclose(matrix_product(matrix, root), matrix @ root) and np.allclose(
+        inner_products(root, matrix), root @ matrix.T
+    )
     ones = np.full(100_001, 0.1)
-    assert abs(total(ones) - 10000.1) < 1e-11 and total(np.zeros((0, 2))).tolist() == [0, 0]
+    assert abs(pairwise_sum(ones) - 10000.1) < 1e-11 and pairwise_sum(np.zeros((0, 2))).tolist() == [0, 0]
 
 
 def digest() -> str:

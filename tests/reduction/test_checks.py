@@ -12,7 +12,7 @@ from scipy.sparse import csr_array, diags_array
 
 from derive.errors import SpecError
 from derive.reduction import eigen, reduce
-from derive.reduction.rigid import rigid_fields
+from derive.reduction.frames import rigid_fields
 from derive.spec.model.body import BodyFrame, NodalBody, NodeData, NodeMarker
 
 
@@ -146,7 +146,7 @@ def test_stiffness_that_is_missing_or_says_two_things() -> None:
 
 @pytest.mark.parametrize("dense", [True, False])
 def test_stiffness_that_is_not_of_a_free_body(dense: bool, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(eigen, "DENSE", 10_000 if dense else 0)
+    monkeypatch.setattr(eigen, "MAX_DENSE_SIZE", 10_000 if dense else 0)
     data = bodies.truss((4, 3, 3), seed=1)
     k = data.stiffness.toarray()
     k[3, 3] += 30

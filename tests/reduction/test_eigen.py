@@ -37,7 +37,7 @@ def test_modes_are_those_of_the_full_problem(dense: bool, kind: str, monkeypatch
         masses = data.mass.diagonal()
         masses[::3] = 0
         data = replace(data, mass=csr_array(diags_array(masses)))
-    monkeypatch.setattr(eigen, "DENSE", 10_000 if dense else 0)
+    monkeypatch.setattr(eigen, "MAX_DENSE_SIZE", 10_000 if dense else 0)
     body = bodies.nodal(data, modes=7)
     assert np.allclose(np.diag(reduce(body).stiffness), full_problem(data)[:7], rtol=1e-9)
     phi = prepare(body).shapes.phi.reshape(7, -1)
@@ -55,7 +55,7 @@ def test_all_modes_there_are() -> None:
 @pytest.mark.parametrize("dense", [True, False])
 def test_a_mode_without_stiffness_is_not_a_rigid_motion(dense: bool, monkeypatch: pytest.MonkeyPatch) -> None:
     """Two boxes hinged on an edge: the hinge has no frequency, and is found by projection all the same."""
-    monkeypatch.setattr(eigen, "DENSE", 10_000 if dense else 0)
+    monkeypatch.setattr(eigen, "MAX_DENSE_SIZE", 10_000 if dense else 0)
     data = bodies.hinge()
     found = reduce(bodies.nodal(data, modes=5))
     assert found.stiffness[0, 0] < 1e-9 * found.stiffness[1, 1]

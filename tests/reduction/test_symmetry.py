@@ -11,9 +11,9 @@ from scipy.sparse import csr_array
 
 from derive.reduction import reduce
 from derive.reduction.body import prepare
-from derive.reduction.integrals import integrals
-from derive.reduction.reasons import entries
-from derive.reduction.symmetry import mirrors
+from derive.reduction.integrals import shape_integrals
+from derive.reduction.reasons import integral_entries
+from derive.reduction.symmetry import mirror_planes
 from derive.spec.model.body import BodyFrame, NodalBody
 
 MIRROR = "mirror symmetry in the plane normal to e"
@@ -22,13 +22,13 @@ MIRROR = "mirror symmetry in the plane normal to e"
 def sums_behind(body: NodalBody) -> dict[str, float]:
     """Each integral that is zero by symmetry, as the sum that it is, relative to the size of its factors."""
     prepared = prepare(body)
-    known = integrals(prepared.mass, prepared.shapes.x, prepared.shapes.phi)
+    known = shape_integrals(prepared.mass, prepared.shapes.x, prepared.shapes.phi)
     x, phi = np.abs(prepared.shapes.x).max(), np.abs(prepared.shapes.phi).max(initial=0.0)
     size = {"c1": x, "c2": phi, "C3": x * x, "S4": x * phi, "S5": phi * phi, "c6": x * phi, "c7": phi * phi}
     zeros = {name for name, reason in reduce(body).zeros.items() if reason.startswith(MIRROR)}
     return {
         entry.name: float(getattr(known, entry.table)[entry.index]) / (known.mass * size[entry.table])
-        for entry in entries(len(phi_of(body)))
+        for entry in integral_entries(len(phi_of(body)))
         if entry.name in zeros and entry.table in size
     }
 
@@ -56,8 +56,8 @@ def test_all_odd_sums_are_found() -> None:
     """Whatever vanishes up to rounding in a body with three planes has a reason."""
     body = bodies.nodal(bodies.truss((4, 3, 2)), modes=6)
     prepared, found = prepare(body), reduce(body)
-    known = integrals(prepared.mass, prepared.shapes.x, prepared.shapes.phi)
-    for entry in entries(6):
+    known = shape_integrals(prepared.mass, prepared.shapes.x, prepared.shapes.phi)
+    for entry in integral_entries(6):
         if entry.table not in ("stiffness", "damping") and abs(getattr(known, entry.table)[entry.index]) < 1e-13:
             assert entry.name in found.zeros, entry.name
     assert found.zeros["C3_12"] == MIRROR + "1" and found.zeros["C3_23"] == MIRROR + "2"
@@ -123,17 +123,17 @@ def test_what_is_not_symmetric_has_no_zeros() -> None:
 
 def test_planes() -> None:
     data = bodies.truss((4, 3, 2))
-    assert [plane.axis for plane in mirrors(data.mass, data.positions + np.array([3, -4, 5]))] == [0, 1, 2]
+    assert [plane.axis for plane in mirror_planes(data.mass, data.positions + np.array([3, -4, 5]))] == [0, 1, 2]
     moved, masses = data.positions.copy(), data.mass.diagonal()
     moved[0, 0] += 1e-6
     masses[[0, -1]] += 1e-6
-    assert mirrors(data.mass, moved) == ()
-    assert mirrors(csr_array(np.diag(masses)), data.positions) == ()
+    assert mirror_planes(data.mass, moved) == ()
+    assert mirror_planes(csr_array(np.diag(masses)), data.positions) == ()
     masses = data.mass.diagonal()
     masses[data.positions[:, 2] > 0] += 1e-6
-    assert [plane.axis for plane in mirrors(csr_array(np.diag(masses)), data.positions)] == [0, 1]
+    assert [plane.axis for plane in mirror_planes(csr_array(np.diag(masses)), data.positions)] == [0, 1]
     twice = np.concatenate([data.positions, data.positions[:1]])
-    assert mirrors(csr_array(np.eye(25)), twice) == ()
+    assert mirror_planes(csr_array(np.eye(25)), twice) == ()
 
 
 def test_a_frame_beside_the_plane_has_fewer_zeros() -> None:

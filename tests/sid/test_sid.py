@@ -14,7 +14,7 @@ from derive.mechanics.bodies.modal_body import ModalBody
 from derive.reduction import reduce
 from derive.reduction.body import prepare
 from derive.sid import SidError, read, write
-from derive.sid.mapping import SQUARES, to_matrices
+from derive.sid.mapping import OMEGA_PRODUCTS, to_matrices
 from derive.spec.model.body import BodyFrame, Damping, NodalBody, NodeMarker
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "reduction"))
@@ -80,7 +80,7 @@ def test_matrices_make_the_equations_of_motion(deformed: bool) -> None:
 
     md, inertia, ct, cr = at("mdCM")[:, 0], at("J"), at("Ct"), at("Cr")
     gr, ge = (at(name).reshape(-1, 4, 3) @ w for name in ("Gr", "Ge"))
-    products = np.array([w[i] * w[j] for i, j in SQUARES])
+    products = np.array([w[i] * w[j] for i, j in OMEGA_PRODUCTS])
     found = body.mass * g + skew(md).T @ wdot + ct.T @ addot + 2 * skew(w) @ ct.T @ adot + skew(w) @ skew(w) @ md
     assert np.allclose(found, forces, rtol=1e-12)
     found = ct @ g + cr @ wdot + at("Me") @ addot + ge @ adot + at("Oe") @ products + at("Ke") @ a + at("De") @ adot
@@ -146,10 +146,10 @@ def faults(text: str) -> list[str]:
             "m1( 1, 3, 1) = -1",
             "m1( 1, 3, 1) is outside of 1 x 1 x 6; the mode is the se",
         ),
-        ("m1( 1, 1, 3)", "m1( 1, 1, 1)", "m1( 1, 1, 1) = -1", "m1( 1, 1, 1) stands on line "),
+        ("m1( 1, 1, 3)", "m1( 1, 1, 1)", "m1( 1, 1, 1) = -1", "m1( 1, 1, 1) is already on line "),
         ("      Ge\n", "", "end Ge", "`end Ge` where no Ge has begun"),
         ("      end Ge\n", "", "Ge", "Ge has no `end Ge` before line "),
-        ("      m0( 1, 4) = .5", "      ?", "?", '"?" is no name, no end and no `key = value`'),
+        ("      m0( 1, 4) = .5", "      ?", "?", '"?" is neither a name, nor an `end`, nor `key = value`'),
         ("m0( 1, 4) = .5", "m0( 1, 4) = .4", "Oe", "Oe does not agree with Gr"),
         ("m1( 1, 1, 3) = -1", "m1( 1, 1, 3) = -3", "Oe", "Oe has a first order that does not agree with Me"),
         ("m1( 4, 1, 1) = -0.5D+00", "m1( 4, 1, 1) = 0.5D+00", "J", "J has another first order than Gr"),
@@ -185,7 +185,7 @@ def test_what_has_no_place_in_a_modal_body() -> None:
     assert any("ksigma is not zero" in line for line in faults(stressed))
     constant = SMALL.replace("      Oe\n         order = 1", "      Oe\n         order = 0")
     constant = constant.replace("         m1( 1, 1, 1) = -1\n         m1( 1, 1, 3) = -1\n", "")
-    assert any("Oe has no first order, which holds" in line for line in faults(constant))
+    assert any("Oe has no first order, which contains" in line for line in faults(constant))
     first = "\n".join(["", *(f"         m1( {i}, 1, {i}) = 2" for i in (1, 3))])
     with_first = constant.replace("      Gr\n         order = 0", "      Gr\n         order = 1")
     with_first = with_first.replace("         m0( 2, 1) = -1", "         m0( 2, 1) = -1" + first)
