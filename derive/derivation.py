@@ -74,9 +74,9 @@ def lower(derived: Equations | Mechanism) -> Model:
     """
     if isinstance(derived, Mechanism) or derived.body is None or not derived.indexed or derived.body.dimension == 2:
         return lower_flat(derived.expanded())
-    estimate = cost_model.choose(derived.body)
+    estimate = cost_model.estimate_costs(derived.body)
     try:
-        flat = estimate.taken(derived.lowering) == "flat"
+        flat = estimate.selected(derived.lowering) == "flat"
     except cost_model.CodeTooLong as error:
         raise SpecError((Problem("body.lowering", str(error)),)) from None
     reason = estimate.reason(derived.lowering)

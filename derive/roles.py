@@ -1,8 +1,8 @@
-"""The roles of generalised coordinates: what each of them describes, as data that every stage can read."""
+"""Facts that every stage can read: the roles of generalised coordinates, and the sources of formulas."""
 
 from __future__ import annotations
 
-from enum import Enum
+from enum import Enum, StrEnum
 
 
 class Role(Enum):
@@ -18,3 +18,15 @@ class Role(Enum):
     """Displacement of a body along its guide."""
     AMPLITUDE = 5
     """Amplitude of an assumed mode."""
+
+
+class Source(StrEnum):
+    """The source of a formula that has no equation number in the paper; the value is its text.
+
+    Other formulas have the numbers of their equations in parentheses, such as "(15)", in its place.
+    """
+
+    APPENDIX = "appendix"
+    """The definitions of the shape integrals and their sums in the appendix of the paper."""
+    FACTORISATION = "LDL^T"
+    """The solution of a linear system by a factorisation."""

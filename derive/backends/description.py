@@ -9,6 +9,7 @@ from typing import assert_never
 from derive.backends.wrapping import Item, Prose, prefixed
 from derive.ir.model import Argument, Kernel, Model, Output, OutputKind, Section, Variable, Zero
 from derive.ir.patterns import Pattern, RowSetKind
+from derive.roles import Source
 
 MOST_ROWS = 40
 """Rows of a mass matrix that are drawn with letters."""
@@ -188,8 +189,9 @@ def description(text: ModelText) -> tuple[Prose, ...]:
 
 def section_text(section: Section) -> str:
     """The line above a section of a function."""
-    equation = f" {section.equation}" if section.equation.startswith("(") else f" ({section.equation})"
-    return f"{section.name}{equation if section.equation else ''}: {section.doc}"
+    source = section.equation
+    text = f"({source})" if isinstance(source, Source) else source
+    return f"{section.name} {text}: {section.doc}" if text else f"{section.name}: {section.doc}"
 
 
 def _by_reason(zeros: tuple[Zero, ...]) -> tuple[str, ...]:
@@ -241,8 +243,8 @@ def kernel_text(kernel: Kernel) -> tuple[str, ...]:
     lines += [f"{a.name}: {_argument(a)}" for a in kernel.arguments]
     for output in kernel.outputs:
         lines += [f"{output.name}: {_output(output)}"]
-    equations = dict.fromkeys(s.equation for s in kernel.sections if s.equation)
-    lines += ["", f"From {', '.join(equations)}." if equations else "", f"{kernel.operations} operations."]
+    sources = dict.fromkeys(s.equation for s in kernel.sections if s.equation)
+    lines += ["", f"From {', '.join(sources)}." if sources else "", f"{kernel.operations} operations."]
     return tuple(line for k, line in enumerate(lines) if line or (k and lines[k - 1]))
 
 

@@ -20,7 +20,11 @@ from derive.roles import Role
 
 @dataclass(frozen=True)
 class Section:
-    """A named part of a kernel, with the equation it computes."""
+    """A named part of a kernel.
+
+    equation: the numbers of the equations of the paper that it computes, in parentheses, or a `Source`; empty if there
+    is neither. doc: what it computes, in words.
+    """
 
     name: str
     equation: str

@@ -1,12 +1,13 @@
-"""Cost model: predicts whether straight-line code or loops are faster, from the non-zeros of the tables of a body.
+"""Cost model: predicts whether straight-line code or loops are faster, from the non-zeros of the integrals of a body.
 
-Straight lines cost by the entry that is there, loops by the entry that could be. Times are those of h, measured with
-gcc 12 at -O3 -march=native on a server processor with AVX-512 (bench/scale.py measures them anew):
+The cost of straight-line code is proportional to the number of non-zeros, that of loops to the number of all entries.
+The times are those of h, measured with gcc 12 at -O3 -march=native on a server processor with AVX-512; bench/scale.py
+repeats the measurement:
 
-    straight line   0.075 ns an operation
-    loops           27 ns, 1 ns for each shape, and 0.022 ns an operation, of which there are 2 for each entry (i, j)
+    straight-line code   0.075 ns for each operation
+    loops                27 ns, 1 ns for each mode, and 0.022 ns for each operation, with 2 operations for each (i, j)
 
-The first serves to about 15 000 operations of h: from there on, derivation and compilers take minutes.
+Straight-line code is limited to about 15 000 operations of h, beyond which derivation and compilation take minutes.
 """
 
 from __future__ import annotations
@@ -18,55 +19,60 @@ from derive.mechanics.body import Body
 from derive.mechanics.symbols import Family
 from derive.mechanics.tables import TableKind
 
-MOST = 15_000
-"""Operations of h in straight line that derivation and compilers still take in seconds."""
+MAX_FLAT_OPERATIONS = 15_000
+"""The largest number of operations of h in straight-line code, whose derivation and compilation take seconds."""
 
 
 class CodeTooLong(TisserandError):
-    """The specification requires straight-line code, which would be too long."""
+    """The specification requires straight-line code, but that code would be too long."""
 
 
 @dataclass(frozen=True)
 class CostEstimate:
-    """The predicted evaluation times of h in nanoseconds, for both lowerings, and the faster lowering."""
+    """The predicted evaluation times (ns) of h in both lowerings.
+
+    lowering: "flat" (straight-line code) or "table" (loops), whichever is faster. operations: those of h if "flat".
+    """
 
     lowering: str
     flat: float
     table: float
     operations: int
 
-    def taken(self, requested: str) -> str:
-        """The lowering that is taken; `requested` is auto, flat or table. Raises CodeTooLong."""
-        if requested == "flat" and self.operations > MOST:
+    def selected(self, requested: str) -> str:
+        """The lowering to use; `requested` is "auto", "flat" or "table". Raises CodeTooLong."""
+        if requested == "flat" and self.operations > MAX_FLAT_OPERATIONS:
             raise CodeTooLong(
                 f"unrolled, the forces alone would take some {self.operations} operations, "
-                f'and {MOST} is the most; use lowering = "table" or "auto", or fewer modes'
+                f'and the limit is {MAX_FLAT_OPERATIONS}; use lowering = "table" or "auto", or fewer modes'
             )
         return self.lowering if requested == "auto" else requested
 
     def reason(self, requested: str) -> str:
-        """A line of text that states the choice and the predicted times."""
-        form = {"flat": "unrolled", "table": "looped"}[self.taken(requested)]
+        """The selected lowering, the reason for it, and the predicted times as a line of text. Raises CodeTooLong."""
+        form = {"flat": "unrolled", "table": "looped"}[self.selected(requested)]
         why = "as the specification asks" if requested != "auto" else "the faster form"
         return f"{form}, {why}; predicted evaluation time of h: {self.flat:.0f} ns unrolled, {self.table:.0f} ns looped"
 
 
-def choose(body: Body) -> CostEstimate:
-    """The faster form for a body in space."""
+def estimate_costs(body: Body) -> CostEstimate:
+    """The predicted costs of both lowerings of a spatial body."""
     tables, modes = body.tables, body.modes
-    operations = straight_operations(body)
+    operations = flat_operations(body)
     full = sum(
         len(t.components) for t in tables if t.kind is TableKind.FULL and t.counted == 2 and t.family is not Family.C8
     )
     flat, table = 0.075 * operations, 27 + modes + 0.022 * 2 * full * modes**2
-    return CostEstimate("table" if table < flat or operations > MOST else "flat", flat, table, operations)
+    return CostEstimate(
+        "table" if table < flat or operations > MAX_FLAT_OPERATIONS else "flat", flat, table, operations
+    )
 
 
-def straight_operations(body: Body) -> int:
-    """About how many operations h takes in straight line: see tests/kernel/test_choice.py.
+def flat_operations(body: Body) -> int:
+    """The approximate number of operations of h in straight-line code; tests/kernel/test_cost_model.py compares it.
 
-    Two for each entry (i, j) and each component of C4; five for each component of an S_i that is there (J, Sdot and
-    h_i), four for c7dot_i and c2_i, two for c6_i; and those of the rigid motion.
+    Each non-zero contributes: 2 operations for an entry (i, j) or a component of C4, 5 for a component of S_i (in J,
+    Sdot and h_i), 4 for one of c7dot_i or c2_i, and 2 for one of c6_i. The rigid motion adds a constant.
     """
     present = {table.family: body.values.present(table) for table in body.tables if table.counted}
     pairs = sum(int(present[name].sum()) for name in (Family.C5, Family.C7, Family.STIFFNESS, Family.DAMPING))

@@ -1,7 +1,7 @@
-"""The functions of a model: what each is called and computes, its arguments and its outputs.
+"""The table of the functions of a model: names, documentation, arguments and outputs.
 
-Both lowerings make their kernels from this table, so that a model has the same functions however it is lowered. To add
-a function: a kind, a line in `functions_of`, and an implementation in each lowering.
+Both lowerings build their kernels from this table, so that a model has the same functions in either. To add a function,
+add a kind, its description in `functions_of`, and an implementation in each lowering.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from derive.mechanics.equations import Equations
 
 
 class FunctionKind(Enum):
-    """What a function computes; the value is its name, or what its name begins with."""
+    """The kind of a function; the value is its name in the generated code, to which the variant is appended."""
 
     MASS = "mass"
     FORCE = "force"
@@ -41,8 +41,8 @@ class FunctionKind(Enum):
 class ModelFunction:
     """A function of a model.
 
-    `arguments` are their names, `outputs` maps names to what they are. `variant` is the marker that a function belongs
-    to, or the form of the equations of a mechanism; the form of index 3 has none.
+    arguments: their names. outputs: the documentation of each output, by name. variant: the marker of a `MARKER` or
+    `LOAD`, or the form of a `RESIDUAL` or `JACOBIAN` of a mechanism, a key of `FORMS`; otherwise empty.
     """
 
     kind: FunctionKind
@@ -53,7 +53,7 @@ class ModelFunction:
 
     @property
     def name(self) -> str:
-        """The name in the generated code, without that of the model."""
+        """The name in the generated code, without the name of the model."""
         return f"{self.kind.value}_{self.variant}" if self.variant else self.kind.value
 
 
@@ -61,8 +61,8 @@ class ModelFunction:
 class OutputElements:
     """The elements of one output of a function, as a lowering produces them.
 
-    `names` are the names of the elements or, where `count` is given, descriptions of groups that have `count` elements
-    in all. `pattern` is the sparsity pattern of an output that is a matrix.
+    names: the names of the elements or, if `count` is given, descriptions of groups that have `count` elements in all.
+    pattern: the sparsity pattern, if the output is a matrix.
     """
 
     names: tuple[str, ...]
@@ -75,7 +75,7 @@ FORMS = {
     "ggl": "stabilised index 2: [qdot - v + G^T mu; M vdot + h - G^T lambda; gdot; g]",
     "index1": "index 1: [qdot - v; M vdot + h - G^T lambda; G vdot - gamma]",
 }
-"""The forms F(t, y, ydot) = 0 of the equations of a mechanism (Gear, Gupta & Leimkuhler for index 2)."""
+"""The forms F(t, y, ydot) = 0 of the equations of a mechanism; "ggl" is that of Gear, Gupta & Leimkuhler."""
 
 STATE, TIMED = ("q", "v", "k"), ("t", "q", "v", "k")
 MASS_OUTPUT = {"M": "values of the mass matrix, lower triangle by columns"}
@@ -88,12 +88,12 @@ ITERATION_MATRIX = {"jac": "values of the iteration matrix by columns"}
 def functions_of(equations: Equations) -> tuple[ModelFunction, ...]:
     """All functions of a model, in the order of the generated code."""
     mechanism = bool(equations.poses)
-    apart = _of_mechanisms() if mechanism else _of_bodies()
-    return (*_dynamics(mechanism), *_invariants(equations, mechanism), *_of_markers(equations), *apart)
+    specific = _of_mechanisms() if mechanism else _of_bodies()
+    return (*_dynamics(mechanism), *_invariants(equations, mechanism), *_of_markers(equations), *specific)
 
 
 def _dynamics(mechanism: bool) -> Iterator[ModelFunction]:
-    """M, h and the accelerations."""
+    """The functions for M, h and the accelerations."""
     kind = FunctionKind
     law = "M vdot + h = G^T lambda" if mechanism else "M vdot + h = 0"
     applied = ", damping, gravity, springs and applied loads" if mechanism else ", damping and gravity"
@@ -113,7 +113,7 @@ def _dynamics(mechanism: bool) -> Iterator[ModelFunction]:
 
 
 def _invariants(equations: Equations, mechanism: bool) -> Iterator[ModelFunction]:
-    """Energies, momenta, and the time derivatives of the coordinates."""
+    """The functions for energies, momenta, and the time derivatives of the coordinates."""
     springs = " (with that of springs)" if mechanism else ""
     gravity = ", and the potential of gravity" if equations.weight_energy is not None else ""
     energies, momenta = {"energy": "energies [J]"}, {"momentum": "linear [N s] and angular [N m s]"}
@@ -125,7 +125,7 @@ def _invariants(equations: Equations, mechanism: bool) -> Iterator[ModelFunction
 
 
 def _of_markers(equations: Equations) -> Iterator[ModelFunction]:
-    """The motion of markers, then the generalised forces of loads there."""
+    """The functions for the motion of each marker, then those for the generalised forces of a load at each."""
     outputs = {
         "x": "position in the inertial frame [m]",
         "xdot": "velocity in the inertial frame [m/s]",
@@ -141,7 +141,7 @@ def _of_markers(equations: Equations) -> Iterator[ModelFunction]:
 
 
 def _of_bodies() -> Iterator[ModelFunction]:
-    """The first-order form of a free body."""
+    """The functions for the first-order form of a free body."""
     form = "First-order form F(t, y, ydot) = [qdot - v; M vdot + h] = 0 with y = [q; v]."
     matrix = "Iteration matrix dF/dy + cj dF/dydot of the first-order form, values by columns, diagonal included."
     yield ModelFunction(FunctionKind.RESIDUAL, form, ("t", "y", "ydot", "k"), RESIDUAL)
@@ -149,7 +149,7 @@ def _of_bodies() -> Iterator[ModelFunction]:
 
 
 def _of_mechanisms() -> Iterator[ModelFunction]:
-    """Constraints, multipliers, poses, and the forms for implicit integrators."""
+    """The functions for constraints, multipliers, poses, and the forms for implicit integrators."""
     kind, timed = FunctionKind, ("t", "q", "k")
     yield ModelFunction(kind.CONSTRAINTS, "Constraints g(t, q) = 0.", timed, {"g": "residuals of the constraints"})
     yield ModelFunction(

@@ -1,4 +1,4 @@
-"""A sparse LDL^T factorisation, unrolled for a fixed pattern, with an elimination order fixed at generation time."""
+"""Sparse LDL^T factorisation, unrolled for a fixed pattern and a fixed elimination order."""
 
 from __future__ import annotations
 
@@ -13,10 +13,12 @@ Entries = dict[tuple[int, int], ca.SX]
 
 @dataclass(frozen=True)
 class Factorisation:
-    """A = P^T L D L^T P: `order` lists the pivots; `lower` holds the columns of L (row, entry), numbered as in A.
+    """The factors of A = P^T L D L^T P.
 
-    `scales` are what the pivots are to be measured by: the diagonal entry, or for a multiplier, which has none, what
-    its coordinates give. `fill` counts new entries.
+    order: the elimination order, as row indices of A. pivots, inverses: D and its inverse, in that order. scales: the
+    sizes with which the pivots are compared, the diagonal entries of A or, for a multiplier, whose entry is zero, the
+    contribution of its coordinates. lower: the columns of L as pairs (row, entry), with the indices of A. fill: the
+    number of entries of L without an entry of A. coordinates: the number of rows of A before those of multipliers.
     """
 
     order: tuple[int, ...]
@@ -66,9 +68,10 @@ def kkt_elimination_order(pattern: Pattern, coordinates: int) -> tuple[int, ...]
 def factorise(
     pattern: Pattern, values: Entries, order: tuple[int, ...] | None = None, coordinates: int | None = None
 ) -> Factorisation:
-    """Eliminate in an order, that of AMD if none is given; `values` are the entries of the lower triangle.
+    """The factorisation of a symmetric matrix.
 
-    Rows from `coordinates` on are those of multipliers; without it there are none.
+    pattern, values: the lower triangle. order: the elimination order, by default that of AMD. coordinates: the number
+    of rows before those of multipliers; by default there are no multipliers.
     """
     order = elimination_order(pattern) if order is None else order
     coordinates = pattern.rows if coordinates is None else coordinates
@@ -90,7 +93,7 @@ def factorise(
         else:
             scales.append(values[j, j])
         pivots.append(work[j, j])
-        inverses.append(1 / work[j, j])  # one division a pivot, or none where setup can do it
+        inverses.append(1 / work[j, j])  # a single division for each pivot, or none if setup can compute the inverse
         below = sorted(neighbours[j], key=position.__getitem__)
         factors = {i: work[i, j] * inverses[-1] for i in below}
         lower[j] = tuple(factors.items())
@@ -107,7 +110,7 @@ def factorise(
 
 
 def fill_in(pattern: Pattern, order: tuple[int, ...]) -> int:
-    """Entries of L that the matrix has not, below the diagonal."""
+    """The number of entries of L below the diagonal that are not entries of the matrix."""
     graph: dict[int, set[int]] = {node: set() for node in order}
     for i, j in pattern.entries:
         if i != j:
@@ -125,12 +128,12 @@ def fill_in(pattern: Pattern, order: tuple[int, ...]) -> int:
 
 
 def _ordered(i: int, j: int, position: dict[int, int]) -> tuple[int, int]:
-    """The entry below the diagonal of the permuted matrix."""
+    """The indices of a symmetric entry in the lower triangle of the permuted matrix."""
     return (i, j) if position[i] >= position[j] else (j, i)
 
 
 def solve(factors: Factorisation, right: list[ca.SX]) -> list[ca.SX]:
-    """x of L D L^T x = right, in the numbering of A."""
+    """The solution x (n,) of A x = right, with `right` (n,)."""
     x = list(right)
     for j in factors.order:
         for i, entry in factors.lower[j]:

@@ -1,4 +1,4 @@
-"""The terms of the equations of motion by the values of M and h that they are part of, for the maps of sources."""
+"""The source map of the terms of the equations of motion: the values of M and h to which each term contributes."""
 
 from __future__ import annotations
 
@@ -12,14 +12,15 @@ from derive.mechanics.symbols import I, J
 
 
 def model_terms(equations: Equations, pattern: Pattern) -> tuple[ModelTerm, ...]:
-    """Each term of the equations with its values; `pattern` is that of the mass matrix M, lower triangle.
+    """The terms of the equations with the indices of the values of M and h to which they contribute.
 
-    A term with accelerations is a part of M, any other a part of h. With sums over the modes, the last equation stands
-    for those of all modes, so that its terms are part of all values of these.
+    pattern: that of the lower triangle of the mass matrix M. A term with accelerations contributes to M, any other to
+    h. In indexed equations the last one stands for the equations of all modes, so that its terms contribute to all of
+    their values.
     """
     names = [row.name for row in equations.rows]
     accelerations = {row.a: k for k, row in enumerate(equations.rows)}
-    # The equation that stands for those of all modes, if there is one; otherwise beyond the last.
+    # The row of the indexed equation of the modes; beyond the last row if there is none.
     of_modes = len(names) - (equations.indexed and equations.modes > 0)
     entries = [tuple(sorted((min(i, of_modes), min(j, of_modes)))) for i, j in pattern.entries]
     sums = _sums(equations)
@@ -36,7 +37,7 @@ def model_terms(equations: Equations, pattern: Pattern) -> tuple[ModelTerm, ...]
 
 
 def _sums(equations: Equations) -> dict[sp.Symbol, sp.Expr]:
-    """What is added up in each sum over the modes."""
+    """The summand of each sum over the modes, by the symbol of the sum; empty if the equations are not indexed."""
     if not equations.indexed:
         return {}
     result = {t.symbol: t.term for t in equations.mode_sums}
@@ -46,9 +47,9 @@ def _sums(equations: Equations) -> dict[sp.Symbol, sp.Expr]:
 
 
 def _symbols(expr: sp.Expr, sums: dict[sp.Symbol, sp.Expr]) -> set[sp.Symbol]:
-    """All symbols in an expression and in the sums that it is made of."""
-    result, fresh = set(), set(expr.free_symbols)
-    while fresh:
-        result |= fresh
-        fresh = {s for f in fresh if f in sums for s in sums[f].free_symbols} - result
+    """All symbols in an expression and in the summands of its sums."""
+    result, new = set(), set(expr.free_symbols)
+    while new:
+        result |= new
+        new = {s for f in new if f in sums for s in sums[f].free_symbols} - result
     return result

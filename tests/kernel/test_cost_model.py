@@ -10,7 +10,7 @@ import pytest
 import derive
 from conftest import ROOT
 from derive.cli.main import main
-from derive.lowering.cost_model import choose, straight_operations
+from derive.lowering.cost_model import estimate_costs, flat_operations
 from derive.mechanics.bodies.spatial_body import modal_body, parametric_body
 
 
@@ -18,23 +18,23 @@ from derive.mechanics.bodies.spatial_body import modal_body, parametric_body
 def test_operations_are_foreseen(n: int, frame: str) -> None:
     spec = derive.symbolic_body("b", n, frame=frame, damping=True, lowering="flat")
     counted = derive.lower(derive.derive(spec)).kernel("force").operations
-    assert straight_operations(parametric_body(spec)) == pytest.approx(counted, rel=0.1)
+    assert flat_operations(parametric_body(spec)) == pytest.approx(counted, rel=0.1)
 
 
 def test_operations_of_the_block_are_foreseen() -> None:
     spec = derive.read(ROOT / "scenes/block.toml")
     counted = derive.lower(derive.derive(spec)).kernel("force").operations
     assert counted == 534  # the README says so
-    assert straight_operations(modal_body(derive.modal(spec))) == pytest.approx(counted, rel=0.1)
+    assert flat_operations(modal_body(derive.modal(spec))) == pytest.approx(counted, rel=0.1)
 
 
 def test_zeros_make_straight_lines_and_many_shapes_make_loops() -> None:
     spec = derive.read(ROOT / "scenes/block.toml")
     block = derive.modal(spec)
-    assert choose(modal_body(block)).lowering == "flat"
+    assert estimate_costs(modal_body(block)).lowering == "flat"
     for n, lowering in ((1, "flat"), (2, "flat"), (8, "table"), (100, "table")):
         given = derive.symbolic_body("b", n, frame="given")
-        assert choose(parametric_body(given)).lowering == lowering
+        assert estimate_costs(parametric_body(given)).lowering == lowering
 
 
 @pytest.mark.parametrize("lowering", ["flat", "table"])

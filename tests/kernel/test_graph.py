@@ -10,7 +10,7 @@ import sympy as sp
 
 from derive.ir.expressions import Number, Operation, Operator, ScalarRef
 from derive.lowering.flat.casadi_symbols import Symbols
-from derive.lowering.flat.graph import Constants, Graph, read
+from derive.lowering.flat.graph import Constants, Graph, read_expressions
 
 X, Y, C, D = sp.symbols("x y c d")
 NONE: frozenset[sp.Symbol] = frozenset()
@@ -21,7 +21,7 @@ def lowered(expr: sp.Expr, constants: Constants) -> object:
     for symbol in (X, Y, C, D):
         symbols.input(symbol, ScalarRef(symbol.name))
     graph = Graph(constants)
-    (node,) = read(graph, symbols, [symbols(expr)])
+    (node,) = read_expressions(graph, symbols, [symbols(expr)])
     return graph.expr(node)
 
 
@@ -65,14 +65,14 @@ def test_work_on_coefficients_goes_to_setup_under_a_name() -> None:
 def test_a_rounded_number_from_casadi_is_refused() -> None:
     symbols = Symbols(NONE, NONE)
     symbols.input(X, ScalarRef("x"))
-    with pytest.raises(ArithmeticError, match="came out of CasADi rounded"):
-        read(Graph(coefficients()), symbols, [symbols.values[X] * 0.1])
+    with pytest.raises(ArithmeticError, match="CasADi has rounded"):
+        read_expressions(Graph(coefficients()), symbols, [symbols.values[X] * 0.1])
 
 
 def test_an_operation_without_counterpart_is_refused() -> None:
     symbols = Symbols(NONE, NONE)
     symbols.input(X, ScalarRef("x"))
     with pytest.raises(NotImplementedError, match="no counterpart"):
-        read(Graph(coefficients()), symbols, [ca.tan(symbols.values[X])])
+        read_expressions(Graph(coefficients()), symbols, [ca.tan(symbols.values[X])])
     with pytest.raises(TypeError, match="no lowering for tan"):
         symbols(sp.tan(X))

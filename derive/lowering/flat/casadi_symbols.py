@@ -1,7 +1,7 @@
-"""SymPy expressions to CasADi: the way from the derivation into the lowering.
+"""The conversion of SymPy expressions of the derivation to CasADi expressions.
 
-Exact numbers do not survive as CasADi constants (doubles), so every number that is no integer becomes a symbol of its
-own; `Symbols.leaf` maps each CasADi symbol to its leaf in the kernel.
+The constants of CasADi are doubles, so that exact numbers would be rounded. Therefore every number that is not an
+integer becomes a CasADi symbol; `Symbols.leaves` maps these symbols to the leaves of the kernel.
 """
 
 from __future__ import annotations
@@ -18,10 +18,10 @@ from derive.ir.expressions import Leaf, Number
 
 
 class Symbols:
-    """What SymPy symbols are in CasADi, and what CasADi's symbols are in the Kernel.
+    """The CasADi values of SymPy symbols, and the kernel leaves of CasADi symbols.
 
-    Products begin with the factors in `early` (rates, whose products many terms share) and end with those in `late`
-    (the rotation, which the rows of a vector do not share).
+    early, late: the symbols that come first and last in products, so that products share sub-expressions: velocities,
+    whose products occur in many terms, are early; the rotation, in which the rows of a vector differ, is late.
     """
 
     def __init__(self, early: frozenset[sp.Symbol], late: frozenset[sp.Symbol]) -> None:
@@ -30,29 +30,29 @@ class Symbols:
         self.inputs: list[ca.SX] = []
         self.leaves: list[Leaf] = []
         self._numbers: dict[Fraction, ca.SX] = {}
-        self._known: dict[sp.Expr, ca.SX] = {}
+        self._converted: dict[sp.Expr, ca.SX] = {}
 
     def input(self, symbol: sp.Symbol, leaf: Leaf) -> None:
-        """Declare a symbol that the kernel reads: an element of an argument, a coefficient, or a folded number."""
+        """Declare a symbol whose value is a leaf: an element of an argument, a coefficient, or a number."""
         self.values[symbol] = self._leaf(leaf)
 
     def define(self, symbol: sp.Symbol, expr: sp.Expr) -> ca.SX:
-        """Give a symbol the value of an expression, and return that."""
+        """Define the value of a symbol by an expression, and return it."""
         self.values[symbol] = self(expr)
         return self.values[symbol]
 
-    def many(self, symbols: Iterable[sp.Symbol]) -> list[ca.SX]:
-        """Several symbols."""
+    def values_of(self, symbols: Iterable[sp.Symbol]) -> list[ca.SX]:
+        """The values of several symbols."""
         return [self.values[symbol] for symbol in symbols]
 
     def number(self, value: Fraction) -> ca.SX:
-        """A number, exactly."""
+        """The CasADi value of an exact number."""
         if value.denominator == 1 and abs(value.numerator) < 2**53:
             return ca.SX(int(value))
         return self._exact(value)
 
     def _exact(self, value: Fraction) -> ca.SX:
-        """A number as a symbol, which CasADi cannot round, as it would the derivative of x / 10."""
+        """A symbol for a number, because CasADi rounds constants, for example in the derivative of x / 10."""
         if value not in self._numbers:
             self._numbers[value] = self._leaf(Number(value))
         return self._numbers[value]
@@ -64,10 +64,10 @@ class Symbols:
         return symbol
 
     def __call__(self, expr: sp.Expr) -> ca.SX:
-        """A SymPy expression of + * integer powers, square roots, sin and cos, in CasADi."""
-        if expr not in self._known:
-            self._known[expr] = self._convert(sp.sympify(expr))
-        return self._known[expr]
+        """The CasADi value of an expression of +, *, integer powers, square roots, sin and cos. Raises TypeError."""
+        if expr not in self._converted:
+            self._converted[expr] = self._convert(sp.sympify(expr))
+        return self._converted[expr]
 
     def _convert(self, expr: sp.Expr) -> ca.SX:
         if expr.is_Symbol:
@@ -83,27 +83,27 @@ class Symbols:
         raise TypeError(f"no lowering for {expr.func.__name__}: {expr}")
 
     def _sum(self, expr: sp.Expr) -> ca.SX:
-        """Terms in a fixed order, gathered by the factors in `late`; a sum begins with a positive term if it can."""
-        terms = [_signed(term) for term in self._gathered(expr)]
+        """A sum in a fixed order, collected by the factors in `late`, with a positive term first if there is one."""
+        terms = [_signed(term) for term in self._collected(expr)]
         terms.sort(key=lambda signed: (signed[0] < 0, sp.default_sort_key(signed[1])))
         total = self(terms[0][1] if terms[0][0] > 0 else -terms[0][1])
         for sign, term in terms[1:]:
             total = total + self(term) if sign > 0 else total - self(term)
         return total
 
-    def _gathered(self, expr: sp.Expr) -> list[sp.Expr]:
-        """a cos + b cos becomes (a + b) cos, so that the rows of a rotated vector share a + b."""
-        left = list(expr.args)
-        gathered = []
+    def _collected(self, expr: sp.Expr) -> list[sp.Expr]:
+        """The terms of a sum, with a cos + b cos as (a + b) cos, so that the rows of a rotated vector share a + b."""
+        remaining = list(expr.args)
+        collected = []
         for symbol in sorted(self.late & expr.free_symbols, key=sp.default_sort_key):
-            group = [t for t in left if t.as_powers_dict().get(symbol) == 1]
+            group = [t for t in remaining if t.as_powers_dict().get(symbol) == 1]
             if len(group) > 1:
-                left = [t for t in left if t not in group]
-                gathered.append(sp.Mul(symbol, sp.Add(*(t / symbol for t in group))))
-        return left + gathered
+                remaining = [t for t in remaining if t not in group]
+                collected.append(sp.Mul(symbol, sp.Add(*(t / symbol for t in group))))
+        return remaining + collected
 
     def _product(self, expr: sp.Expr) -> ca.SX:
-        """Early factors, the one division, the number, then the other factors: what terms share comes first."""
+        """A product: early factors, one division, the number, then the other factors, so that terms share prefixes."""
         weight, rest = expr.as_coeff_Mul()
         magnitude = abs(Fraction(int(weight.p), int(weight.q)))
         first: list[ca.SX] = []
@@ -134,7 +134,7 @@ class Symbols:
 
 
 def _signed(term: sp.Expr) -> tuple[int, sp.Expr]:
-    """A term as its sign and a term that does not ask for a minus."""
+    """The sign of a term, and the term without it."""
     return (-1, -term) if term.could_extract_minus_sign() else (1, term)
 
 

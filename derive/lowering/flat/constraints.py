@@ -1,6 +1,6 @@
-"""The functions of a scene: its constraints, and accelerations with multipliers from the KKT matrix.
+"""The functions of a mechanism: constraints, and accelerations and multipliers from the KKT matrix.
 
-Unknowns are v and lambda of [M, -G^T; -G, 0] [vdot; lambda] = [-h; -gamma]: M vdot + h = G^T lambda, G vdot = gamma.
+The system [M, -G^T; -G, 0] [vdot; lambda] = [-h; -gamma] is M vdot + h = G^T lambda with G vdot = gamma.
 """
 
 from __future__ import annotations
@@ -15,14 +15,15 @@ from derive.ir.statements import Requirement, ReturnCode
 from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.context import Context, Input, array_input, stores
 from derive.lowering.flat.functions import pivot_checks
-from derive.lowering.flat.schedule import Named, Required, Step
+from derive.lowering.flat.schedule import NamedValue, RequiredValue, Step
 from derive.lowering.functions import ModelFunction, OutputElements
 from derive.lowering.ldlt import Factorisation, factorise, fill_in, kkt_elimination_order, solve
 from derive.mechanics.symbols import local
+from derive.roles import Source
 
 
 def constraints(context: Context, function: ModelFunction) -> Kernel:
-    """g(t, q)."""
+    """The kernel of the constraints g(t, q)."""
     symbols = context.symbols(context.t, context.q)
     values = [symbols(c.position) for c in context.equations.constraints]
     return context.kernel(
@@ -34,7 +35,7 @@ def constraints(context: Context, function: ModelFunction) -> Kernel:
 
 
 def constraint_rates(context: Context, function: ModelFunction) -> Kernel:
-    """gdot = G v + g_t."""
+    """The kernel of their time derivatives gdot = G v + dg/dt."""
     symbols = context.symbols(context.t, context.q, context.v)
     values = [symbols(c.rate) for c in context.equations.constraints]
     return context.kernel(
@@ -46,7 +47,7 @@ def constraint_rates(context: Context, function: ModelFunction) -> Kernel:
 
 
 def constraint_jacobian(context: Context, function: ModelFunction) -> Kernel:
-    """G(t, q)."""
+    """The kernel of their Jacobian G(t, q) = d gdot / dv."""
     symbols = context.symbols(context.t, context.q)
     shape = jacobian_pattern(context)
     values = jacobian_entries(context, symbols)
@@ -62,7 +63,7 @@ def constraint_jacobian(context: Context, function: ModelFunction) -> Kernel:
 
 
 def constraint_bias(context: Context, function: ModelFunction) -> Kernel:
-    """gamma of G vdot = gamma."""
+    """The kernel of the right-hand side gamma of the constraints on accelerations, G vdot = gamma."""
     symbols = context.symbols(context.t, context.q, context.v)
     return context.kernel(
         function,
@@ -72,8 +73,8 @@ def constraint_bias(context: Context, function: ModelFunction) -> Kernel:
     )
 
 
-def solved(context: Context, function: ModelFunction) -> Kernel:
-    """vdot and lambda."""
+def accelerations_and_multipliers(context: Context, function: ModelFunction) -> Kernel:
+    """The kernel of vdot and lambda."""
     symbols = context.symbols(context.t, context.q, context.v)
     right = [-symbols(h) for h in context.equations.force] + [-gamma for gamma in _bias(context, symbols)]
     outputs = {"vdot": OutputElements(context.accelerations), "lam": OutputElements(context.multipliers)}
@@ -81,24 +82,24 @@ def solved(context: Context, function: ModelFunction) -> Kernel:
 
 
 def accelerations(context: Context, function: ModelFunction) -> Kernel:
-    """vdot alone: what any integrator of first-order equations asks for."""
+    """The kernel of vdot alone, for integrators of first-order equations."""
     symbols = context.symbols(context.t, context.q, context.v)
     right = [-symbols(h) for h in context.equations.force] + [-gamma for gamma in _bias(context, symbols)]
     return _by_factors(context, function, {"vdot": OutputElements(context.accelerations)}, symbols, right)
 
 
 def project_velocity(context: Context, function: ModelFunction) -> Kernel:
-    """The smallest dv with G dv = r."""
+    """The kernel of the smallest dv, in the metric of M, with G dv = r."""
     changes = (local(f"r_{name}") for name in context.multipliers)
-    asked = array_input("r", changes, "prescribed change of gdot")
-    symbols = context.symbols(context.t, context.q, asked)
+    prescribed = array_input("r", changes, "prescribed change of gdot")
+    symbols = context.symbols(context.t, context.q, prescribed)
     right = [ca.SX(0) for _ in context.rows]
-    right += [-value for value in symbols.many(asked.symbols)]
-    return _by_factors(context, function, {"dv": OutputElements(context.rates)}, symbols, right, (asked,))
+    right += [-value for value in symbols.values_of(prescribed.symbols)]
+    return _by_factors(context, function, {"dv": OutputElements(context.rates)}, symbols, right, (prescribed,))
 
 
 def poses(context: Context, function: ModelFunction) -> Kernel:
-    """Position of the origin and rotation angle of every body, including bodies without coordinates."""
+    """The kernel of the positions and rotation angles of all body frames, including bodies without coordinates."""
     symbols = context.symbols(context.t, context.q)
     every = context.equations.poses
     values = [symbols(e) for pose in every for e in (*pose.position, pose.rotation_angle)]
@@ -112,21 +113,21 @@ def poses(context: Context, function: ModelFunction) -> Kernel:
 
 
 def jacobian_pattern(context: Context) -> Pattern:
-    """The compressed columns of G."""
+    """The sparsity pattern of G."""
     column = {name: j for j, name in enumerate(context.rows)}
     entries = {(i, column[row]) for i, c in enumerate(context.equations.constraints) for row, _ in c.jacobian}
     return pattern(len(context.multipliers), len(context.rows), entries)
 
 
 def jacobian_entries(context: Context, symbols: Symbols) -> dict[tuple[int, int], ca.SX]:
-    """The entries of G."""
+    """The entries of G by row and column."""
     column = {name: j for j, name in enumerate(context.rows)}
     every = enumerate(context.equations.constraints)
     return {(i, column[row]): symbols(factor) for i, c in every for row, factor in c.jacobian}
 
 
 def kkt_pattern(context: Context) -> Pattern:
-    """The lower triangle of [M, -G^T; -G, 0], without a diagonal for the multipliers."""
+    """The pattern of the lower triangle of [M, -G^T; -G, 0], without the zero diagonal of the multipliers."""
     n = len(context.rows)
     entries = set(context.mass_pattern().entries) | {(n + i, j) for i, j in jacobian_pattern(context).entries}
     size = n + len(context.multipliers)
@@ -134,14 +135,14 @@ def kkt_pattern(context: Context) -> Pattern:
 
 
 def kkt(context: Context) -> Kkt:
-    """The structure of the KKT matrix, and how it is eliminated."""
+    """The structure of the KKT matrix: its pattern, elimination order and fill-in."""
     shape = kkt_pattern(context)
     order = kkt_elimination_order(shape, len(context.rows))
     return Kkt(shape, order, fill_in(shape, order))
 
 
 def kkt_factors(context: Context, symbols: Symbols) -> Factorisation:
-    """The factorisation of the KKT matrix in its order."""
+    """The factorisation of the KKT matrix in its elimination order."""
     n = len(context.rows)
     entries = {(i, j): symbols(context.equations.mass[i, j]) for i, j in context.mass_pattern().entries}
     entries |= {(n + i, j): -value for (i, j), value in jacobian_entries(context, symbols).items()}
@@ -150,6 +151,7 @@ def kkt_factors(context: Context, symbols: Symbols) -> Factorisation:
 
 
 def _bias(context: Context, symbols: Symbols) -> list[ca.SX]:
+    """gamma."""
     return [-symbols(c.bias) for c in context.equations.constraints]
 
 
@@ -161,27 +163,30 @@ def _by_factors(
     right: list[ca.SX],
     inputs: tuple[Input, ...] = (),
 ) -> Kernel:
-    """A kernel that solves with the KKT matrix and checks its pivots."""
+    """A kernel that solves a system with the KKT matrix and the right-hand side `right`, and checks the pivots."""
     factors = kkt_factors(context, symbols)
     names = (*context.rows, *context.multipliers)
     solution = solve(factors, right)
     pivots = zip(factors.pivots, factors.order, strict=True)
-    named = tuple(Named(f"pivot_{names[j]}", pivot) for pivot, j in pivots)
+    named = tuple(NamedValue(f"pivot_{names[j]}", pivot) for pivot, j in pivots)
     checks = pivot_checks(symbols, factors, names)
     results, start = [], 0
     for name, elements in outputs.items():
         results.append(stores(name, solution[start : start + len(elements.names)]))
         start += len(elements.names)
     total = sum(solution[1:start], start=solution[0])
-    finite = Required(Requirement.FINITE, total, ReturnCode.NOT_FINITE, "a result is not finite")
+    finite = RequiredValue(Requirement.FINITE, total, ReturnCode.NOT_FINITE, "a result is not finite")
     order = ", ".join(names[j] for j in factors.order)
     return context.kernel(
         function,
         outputs,
         symbols,
-        Step("pivots", "LDL^T", f"eliminate {order}; fill-in {factors.fill}", (*named, *checks)),
+        Step("pivots", Source.FACTORISATION, f"eliminate {order}; fill-in {factors.fill}", (*named, *checks)),
         Step(
-            "solution", "LDL^T", "forward, diagonal and back substitution", tuple(w for some in results for w in some)
+            "solution",
+            Source.FACTORISATION,
+            "forward, diagonal and back substitution",
+            tuple(item for items in results for item in items),
         ),
         Step("check", "", "check that the result is finite", (finite,)),
         inputs=inputs,

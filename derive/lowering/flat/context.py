@@ -1,4 +1,4 @@
-"""The context of a lowering to straight-line code: arguments, symbols, and the constants that setup computes."""
+"""The context of the lowering of a model to straight-line code: arguments, symbols, and constants of setup."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from derive.ir.model import Argument, Kernel, Output, Section
 from derive.ir.patterns import Pattern, pattern
 from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.graph import Constants, Graph, representable
-from derive.lowering.flat.schedule import Named, Step, Stored, Want, schedule
+from derive.lowering.flat.schedule import NamedValue, OutputValue, Step, StepItem, schedule
 from derive.lowering.functions import ModelFunction, OutputElements
 from derive.mechanics.equations import Equations
 from derive.mechanics.symbols import local, state_rate, t
@@ -24,7 +24,7 @@ from derive.mechanics.terms import Intermediate, rotation_symbols
 
 @dataclass(frozen=True)
 class Input:
-    """An argument of a kernel, and the symbols of the derivation that its elements are."""
+    """An argument of a kernel, and the symbols of the derivation for its elements."""
 
     argument: Argument
     symbols: tuple[sp.Symbol, ...]
@@ -36,7 +36,7 @@ class Input:
 
 
 def array_input(name: str, symbols: Iterable[sp.Symbol], doc: str) -> Input:
-    """An argument whose elements have the names of their symbols."""
+    """An array argument whose elements are named after their symbols."""
     symbols = tuple(symbols)
     return Input(Argument(name, tuple(s.name for s in symbols), doc), symbols)
 
@@ -47,7 +47,7 @@ def scalar_input(symbol: sp.Symbol, doc: str) -> Input:
 
 
 class Context:
-    """The data that all kernels of one model share while it is lowered to straight-line code."""
+    """The data that all kernels of a model share during its lowering to straight-line code."""
 
     def __init__(self, equations: Equations) -> None:
         self.equations = equations
@@ -71,33 +71,33 @@ class Context:
         self.forces = tuple(local(f"lambda_{name}") for name in self.multipliers)
         self.cj = scalar_input(local("cj"), "factor of dF/dydot")
         every = (self.t, self.q, self.v, self.k, self.y, self.ydot, self.cj)
-        self.inputs: Mapping[str, Input] = {given.argument.name: given for given in every}
+        self.inputs: Mapping[str, Input] = {argument.argument.name: argument for argument in every}
 
     def symbols(self, *inputs: Input) -> Symbols:
-        """CasADi symbols for some arguments, the coefficients, and every definition that follows from them."""
+        """The CasADi symbols of arguments and of the coefficients, with all definitions that follow from them."""
         eq = self.equations
         symbols = Symbols(early=frozenset(row.v for row in eq.rows), late=rotation_symbols(eq.definitions))
         for c in self.coefficients:
             value = c.value
-            known = (
+            leaf = (
                 Number(representable(Fraction(int(value.p), int(value.q))))
                 if value.is_Rational
                 else ScalarRef(str(c.symbol))
             )
-            symbols.input(c.symbol, known)
-        for symbol in chain.from_iterable(given.symbols for given in inputs):
+            symbols.input(c.symbol, leaf)
+        for symbol in chain.from_iterable(argument.symbols for argument in inputs):
             symbols.input(symbol, ScalarRef(symbol.name))
         define(symbols, eq.definitions)
         return symbols
 
     def definition_steps(self, symbols: Symbols) -> tuple[Step, ...]:
-        """A section for each group of definitions, in the order of the derivation."""
+        """A step for each section of definitions that have a value in `symbols`, in the order of the derivation."""
         sections: dict[str, list[Intermediate]] = {}
         for d in self.equations.definitions:
             if d.symbol in symbols.values and not d.zero:
                 sections.setdefault(d.section, []).append(d)
         return tuple(
-            Step(name, group[0].equation, "; ".join(_unique(group)), define(symbols, tuple(group)))
+            Step(name, group[0].equation, "; ".join(_abbreviated(group)), define(symbols, tuple(group)))
             for name, group in sections.items()
         )
 
@@ -110,45 +110,46 @@ class Context:
         inputs: Iterable[Input] = (),
         method: str = "",
     ) -> Kernel:
-        """The kernel of a function, made of the definitions and these steps.
+        """The kernel of a function, from the definitions and the given steps.
 
-        `outputs` gives the elements of each output; `inputs` are arguments that this function alone has, or that are
-        others here; `method` completes the sentence that says what the function computes.
+        outputs: the elements of each output, by name. inputs: arguments that only this function has, or that replace
+        those of the context. method: the end of the sentence that documents the function.
         """
-        known = {**self.inputs, **{given.argument.name: given for given in inputs}}
-        arguments = tuple(known[name].argument for name in function.arguments)
-        given = ((name, doc, outputs[name]) for name, doc in function.outputs.items())
-        results = tuple(Output(name, elements.names, doc, elements.pattern) for name, doc, elements in given)
+        available = {**self.inputs, **{argument.argument.name: argument for argument in inputs}}
+        arguments = tuple(available[name].argument for name in function.arguments)
+        results = tuple(
+            Output(name, outputs[name].names, doc, outputs[name].pattern) for name, doc in function.outputs.items()
+        )
         sections = self.sections(symbols, *steps)
         return Kernel(function.name, f"{function.doc}{method}", arguments, results, sections)
 
     def sections(self, symbols: Symbols, *steps: Step) -> tuple[Section, ...]:
-        """The definitions and some steps as sections of statements."""
+        """The sections of the definitions and the given steps."""
         return schedule(Graph(self.constants), symbols, self.definition_steps(symbols), steps)
 
     def mass_pattern(self) -> Pattern:
-        """The lower triangle of the mass matrix, without its structural zeros."""
+        """The pattern of the lower triangle of the mass matrix, without structural zeros."""
         mass = self.equations.mass
         n = mass.rows
         return pattern(n, n, {(i, j) for i in range(n) for j in range(i + 1) if mass[i, j] != 0}, symmetric=True)
 
 
-def define(symbols: Symbols, definitions: tuple[Intermediate, ...]) -> tuple[Named, ...]:
-    """Define what can be computed from the symbols known so far; returns it by name."""
+def define(symbols: Symbols, definitions: tuple[Intermediate, ...]) -> tuple[NamedValue, ...]:
+    """Add the definitions that follow from the symbols so far; returns their values by name."""
     result = []
     for d in definitions:
         if d.expr.free_symbols <= symbols.values.keys():
-            result.append(Named(str(d.symbol), symbols.define(d.symbol, d.expr)))
+            result.append(NamedValue(str(d.symbol), symbols.define(d.symbol, d.expr)))
     return tuple(result)
 
 
-def stores(output: str, values: list[ca.SX]) -> tuple[Want, ...]:
-    """All elements of an output, in order."""
-    return tuple(Stored(output, index, value) for index, value in enumerate(values))
+def stores(output: str, values: list[ca.SX]) -> tuple[StepItem, ...]:
+    """The items that store `values` as the elements of an output, in order."""
+    return tuple(OutputValue(output, index, value) for index, value in enumerate(values))
 
 
-def _unique(definitions: list[Intermediate]) -> list[str]:
-    """`D2_i: int rho r . Phi_i` once for all indices."""
+def _abbreviated(definitions: list[Intermediate]) -> list[str]:
+    """The descriptions of the first and the last of a group of definitions, with an ellipsis in between."""
     first, last = definitions[0], definitions[-1]
     if len(definitions) == 1:
         return [f"{first.symbol} = {first.doc}"]

@@ -1,7 +1,8 @@
-"""The equations of a scene as F(t, y, ydot) = 0 for implicit integrators, in three forms, with their Jacobians.
+"""The equations of a mechanism as F(t, y, ydot) = 0 for implicit integrators, in three forms, with iteration matrices.
 
-`index3`: y = [q; v; lambda], the last block is g. `index1`: the same with G vdot - gamma. `ggl`, stabilised index 2 of
-Gear, Gupta & Leimkuhler: y = [q; v; lambda; mu], qdot = v - G^T mu, with both gdot and g.
+The variant of a function selects its form, a key of `FORMS`. "" (index 3): y = [q; v; lambda], and the last block of F
+is g. "index1": the same with G vdot - gamma as the last block. "ggl", the stabilised form of index 2 of Gear, Gupta &
+Leimkuhler: y = [q; v; lambda; mu], qdot = v - G^T mu, with the blocks gdot and g.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ from derive.mechanics.symbols import local, state_rate
 
 
 def _states(context: Context, form: str) -> tuple[Input, Input]:
-    """y and ydot."""
+    """The arguments y and ydot."""
     extra = context.forces + (_stabilising(context) if form == "ggl" else ())
     blocks = "[q; v; lambda; mu]" if form == "ggl" else "[q; v; lambda]"
     y = array_input("y", context.state + extra, f"state {blocks}")
@@ -28,11 +29,12 @@ def _states(context: Context, form: str) -> tuple[Input, Input]:
 
 
 def _stabilising(context: Context) -> tuple[sp.Symbol, ...]:
-    """The multipliers mu that keep the coordinates on the constraints."""
+    """The multipliers mu by which the stabilised form keeps the coordinates on the constraints."""
     return tuple(local(f"mu_{name}") for name in context.multipliers)
 
 
 def _rows(context: Context, form: str, symbols: Symbols) -> list[ca.SX]:
+    """The rows of F."""
     eq = context.equations
     entries = jacobian_entries(context, symbols)
 
@@ -44,7 +46,7 @@ def _rows(context: Context, form: str, symbols: Symbols) -> list[ca.SX]:
         return total
 
     rows = [symbols.values[state_rate(c.q)] - symbols(rate) for c, rate in zip(eq.coordinates, eq.rates, strict=True)]
-    if form == "ggl":  # in the plane rates are those of the coordinates, one to one
+    if form == "ggl":  # in planar mechanisms qdot = v, so that both have the same rows
         mu = transposed(_stabilising(context))
         rows = [row + part for row, part in zip(rows, mu, strict=True)]
     reactions = transposed(context.forces)
@@ -53,17 +55,17 @@ def _rows(context: Context, form: str, symbols: Symbols) -> list[ca.SX]:
         rows += [symbols(c.rate) for c in eq.constraints]
     if form in ("", "ggl"):
         return rows + [symbols(c.position) for c in eq.constraints]
-    return rows + [_second(c.bias, dict(c.jacobian), context, symbols) for c in eq.constraints]
+    return rows + [_acceleration_residual(c.bias, dict(c.jacobian), context, symbols) for c in eq.constraints]
 
 
-def _second(bias: sp.Expr, factors: dict[str, sp.Expr], context: Context, symbols: Symbols) -> ca.SX:
-    """G vdot - gamma of one constraint."""
+def _acceleration_residual(bias: sp.Expr, factors: dict[str, sp.Expr], context: Context, symbols: Symbols) -> ca.SX:
+    """G vdot - gamma of a constraint, with the row `factors` of G and gamma = -bias."""
     acceleration = {row.name: row.a for row in context.equations.rows}
     return sum((symbols(f) * symbols.values[acceleration[row]] for row, f in factors.items()), symbols(bias))
 
 
 def residual(context: Context, function: ModelFunction) -> Kernel:
-    """F(t, y, ydot) in the form that is the variant of the function."""
+    """The kernel of F(t, y, ydot)."""
     form = function.variant
     y, ydot = _states(context, form)
     symbols = context.symbols(context.t, y, ydot)
@@ -78,13 +80,13 @@ def residual(context: Context, function: ModelFunction) -> Kernel:
 
 
 def jacobian(context: Context, function: ModelFunction) -> Kernel:
-    """dF/dy + cj dF/dydot of that form."""
+    """The kernel of the iteration matrix dF/dy + cj dF/dydot."""
     form = function.variant
     y, ydot = _states(context, form)
     symbols = context.symbols(context.t, y, ydot, context.cj)
     rows = ca.vertcat(*_rows(context, form, symbols))
-    by_y, by_ydot = (ca.jacobian(rows, ca.vertcat(*symbols.many(given.symbols))) for given in (y, ydot))
-    (cj,) = symbols.many(context.cj.symbols)
+    by_y, by_ydot = (ca.jacobian(rows, ca.vertcat(*symbols.values_of(argument.symbols))) for argument in (y, ydot))
+    (cj,) = symbols.values_of(context.cj.symbols)
     matrix = by_y + cj * by_ydot
     diagonal = {(i, i) for i in range(len(y.symbols))}
     size = len(y.symbols)

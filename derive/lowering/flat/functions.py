@@ -1,4 +1,4 @@
-"""Functions of bodies as straight-line code: M, h, accelerations, energies, markers, first-order form."""
+"""The functions of bodies in straight-line code: M, h, accelerations, energies, markers, first-order form."""
 
 from __future__ import annotations
 
@@ -12,45 +12,46 @@ from derive.ir.patterns import pattern
 from derive.ir.statements import Requirement, ReturnCode
 from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.context import Context, array_input, define, stores
-from derive.lowering.flat.schedule import Named, Required, Step, Stored
+from derive.lowering.flat.schedule import NamedValue, OutputValue, RequiredValue, Step
 from derive.lowering.functions import ModelFunction, OutputElements
 from derive.lowering.ldlt import Factorisation, factorise, solve
 from derive.mechanics.symbols import state_rate
+from derive.roles import Source
 
 VANISHING = Fraction(1, 2**44)
-"""A pivot below this part of its diagonal entry is rounding error, not inertia."""
+"""A pivot counts as zero below this fraction of its diagonal entry, because rounding errors are of that size."""
 
 
 def mass(context: Context, function: ModelFunction) -> Kernel:
-    """M(q)."""
+    """The kernel of the mass matrix M(q)."""
     symbols = context.symbols(context.q)
     return context.kernel(function, {"M": _mass_elements(context)}, symbols, _mass_step(context, symbols))
 
 
 def force(context: Context, function: ModelFunction) -> Kernel:
-    """h(t, q, v)."""
+    """The kernel of the forces h(t, q, v)."""
     symbols = context.symbols(context.t, context.q, context.v)
     return context.kernel(function, {"h": _force_elements(context)}, symbols, _force_step(context, symbols))
 
 
 def mass_force(context: Context, function: ModelFunction) -> Kernel:
-    """M and h at once."""
+    """The kernel of M and h together."""
     symbols = context.symbols(context.t, context.q, context.v)
     outputs = {"M": _mass_elements(context), "h": _force_elements(context)}
     entries, forces = context.mass_pattern().entries, context.equations.force
     steps = []
-    # From the last row to the first, which begin with what is cheap: compilers keep it in registers.
+    # From the last row to the first: the last rows are cheap, and compilers keep their values in registers.
     for row in reversed(range(len(context.rows))):
-        h = Stored("h", row, symbols(forces[row]))
+        h = OutputValue("h", row, symbols(forces[row]))
         numbered = [(index, entry) for index, entry in enumerate(entries) if entry[1] == row]
-        column = (Stored("M", index, symbols(context.equations.mass[entry])) for index, entry in numbered)
+        column = (OutputValue("M", index, symbols(context.equations.mass[entry])) for index, entry in numbered)
         text = f"force and column of M of {context.rows[row]}"
         steps.append(Step(context.rows[row], "(15)", text, (h, *column)))
     return context.kernel(function, outputs, symbols, *steps)
 
 
 def accel(context: Context, function: ModelFunction) -> Kernel:
-    """vdot of M vdot + h = 0."""
+    """The kernel of the accelerations vdot of M vdot + h = 0."""
     symbols = context.symbols(context.q, context.v)
     eq = context.equations
     shape = context.mass_pattern()
@@ -58,38 +59,38 @@ def accel(context: Context, function: ModelFunction) -> Kernel:
     factors = factorise(shape, entries)
     solution = solve(factors, [-symbols(h) for h in eq.force])
     pivots = list(zip(factors.pivots, factors.order, strict=True))
-    named = tuple(Named(f"pivot_{context.rows[j]}", pivot) for pivot, j in pivots)
+    named = tuple(NamedValue(f"pivot_{context.rows[j]}", pivot) for pivot, j in pivots)
     required = pivot_checks(symbols, factors, context.rows)
     total = sum(solution[1:], start=solution[0])
-    finite = Required(Requirement.FINITE, total, ReturnCode.NOT_FINITE, "an acceleration is not finite")
+    finite = RequiredValue(Requirement.FINITE, total, ReturnCode.NOT_FINITE, "an acceleration is not finite")
     order = ", ".join(context.rows[j] for j in factors.order)
     fill = f"fill-in {factors.fill}" if factors.fill else "no fill-in"
     return context.kernel(
         function,
         {"vdot": OutputElements(context.accelerations)},
         symbols,
-        Step("pivots", "LDL^T", f"eliminate {order}; {fill}", (*named, *required)),
-        Step("solution", "LDL^T", "forward, diagonal and back substitution", stores("vdot", solution)),
+        Step("pivots", Source.FACTORISATION, f"eliminate {order}; {fill}", (*named, *required)),
+        Step("solution", Source.FACTORISATION, "forward, diagonal and back substitution", stores("vdot", solution)),
         Step("check", "", "check that the result is finite", (finite,)),
         method=", by a sparse LDL^T fixed at generation time.",
     )
 
 
-def pivot_checks(symbols: Symbols, factors: Factorisation, names: tuple[str, ...]) -> tuple[Required, ...]:
-    """Every pivot has to be more than rounding error: positive for a coordinate, negative for a multiplier."""
+def pivot_checks(symbols: Symbols, factors: Factorisation, names: tuple[str, ...]) -> tuple[RequiredValue, ...]:
+    """The checks that each pivot differs from zero: positive for a coordinate, negative for a multiplier."""
     margin = symbols.number(VANISHING)
     result = []
     for pivot, scale, j in zip(factors.pivots, factors.scales, factors.order, strict=True):
         above = pivot if pivot is scale else pivot - margin * scale
         text = f"the pivot of {names[j]} vanished"
         result.append(
-            Required(Requirement.POSITIVE, above if j < factors.coordinates else -above, ReturnCode.PIVOT, text)
+            RequiredValue(Requirement.POSITIVE, above if j < factors.coordinates else -above, ReturnCode.PIVOT, text)
         )
     return tuple(result)
 
 
 def energy(context: Context, function: ModelFunction) -> Kernel:
-    """Kinetic and strain energy."""
+    """The kernel of the kinetic and strain energies, and of the potential of gravity if there is gravity."""
     symbols = context.symbols(context.q, context.v)
     eq = context.equations
     twice = (sp.expand(2 * e) for e in (eq.kinetic_energy, eq.strain_energy))  # so that 1/2 is applied once
@@ -105,7 +106,7 @@ def energy(context: Context, function: ModelFunction) -> Kernel:
 
 
 def momentum(context: Context, function: ModelFunction) -> Kernel:
-    """Linear momentum, and angular momentum about the inertial origin."""
+    """The kernel of the linear momentum, and of the angular momentum about the inertial origin."""
     symbols = context.symbols(context.q, context.v)
     eq = context.equations
     values = [symbols(p) for p in (*eq.linear_momentum, *eq.angular_momentum)]
@@ -122,7 +123,7 @@ def momentum(context: Context, function: ModelFunction) -> Kernel:
 
 
 def rates(context: Context, function: ModelFunction) -> Kernel:
-    """qdot from v."""
+    """The kernel of qdot."""
     symbols = context.symbols(context.q, context.v)
     values = [symbols(rate) for rate in context.equations.rates]
     return context.kernel(
@@ -134,7 +135,7 @@ def rates(context: Context, function: ModelFunction) -> Kernel:
 
 
 def marker(context: Context, function: ModelFunction) -> Kernel:
-    """Position, velocity and Jacobian of a material point."""
+    """The kernel of the position, the velocity and the Jacobian d(velocity)/dv of a marker."""
     point = context.equations.marker(function.variant)
     symbols = context.symbols(context.q, context.v)
     named = define(symbols, tuple(d for d in point.definitions if not d.zero))
@@ -143,7 +144,7 @@ def marker(context: Context, function: ModelFunction) -> Kernel:
     axes = range(1, rows + 1)
     shape = pattern(rows, cols, {(i, j) for i in range(rows) for j in range(cols) if matrix[i, j] != 0})
     labels = tuple(f"d x{i + 1}dot / d {context.rates[j]}" for i, j in shape.entries)
-    wants = (
+    items = (
         *stores("x", [symbols(e) for e in point.position]),
         *stores("xdot", [symbols(e) for e in point.velocity]),
         *stores("jacobian", [symbols(matrix[i, j]) for i, j in shape.entries]),
@@ -157,12 +158,12 @@ def marker(context: Context, function: ModelFunction) -> Kernel:
         },
         symbols,
         Step("r", "(14)", "X + u and its time derivative at the marker, in the body frame", named),
-        Step("marker", "(1)", "x = c + Q r, its time derivative and its Jacobian", wants),
+        Step("marker", "(1)", "x = c + Q r, its time derivative and its Jacobian", items),
     )
 
 
 def load(context: Context, function: ModelFunction) -> Kernel:
-    """Generalised forces of a force at a marker."""
+    """The kernel of the generalised forces of a force at a marker."""
     point = context.equations.marker(function.variant)
     force = array_input("F", point.force, "force at the marker, in the inertial frame [N]")
     symbols = context.symbols(context.q, force)
@@ -180,7 +181,7 @@ def load(context: Context, function: ModelFunction) -> Kernel:
 
 
 def residual(context: Context, function: ModelFunction) -> Kernel:
-    """F(t, y, ydot)."""
+    """The kernel of the residual F(t, y, ydot) of the first-order form."""
     symbols, rows = _first_order(context)
     return context.kernel(
         function,
@@ -191,10 +192,10 @@ def residual(context: Context, function: ModelFunction) -> Kernel:
 
 
 def jacobian(context: Context, function: ModelFunction) -> Kernel:
-    """dF/dy + cj dF/dydot. Derivatives and their sparsity are CasADi's; the diagonal is always there."""
+    """The kernel of the iteration matrix dF/dy + cj dF/dydot, whose pattern always contains the diagonal."""
     symbols, rows = _first_order(context)
-    y, ydot = (ca.vertcat(*symbols.many(given.symbols)) for given in (context.y, context.ydot))
-    (cj,) = symbols.many(context.cj.symbols)
+    y, ydot = (ca.vertcat(*symbols.values_of(argument.symbols)) for argument in (context.y, context.ydot))
+    (cj,) = symbols.values_of(context.cj.symbols)
     matrix = ca.jacobian(ca.vertcat(*rows), y) + cj * ca.jacobian(ca.vertcat(*rows), ydot)
     diagonal = {(i, i) for i in range(len(rows))}
     shape = pattern(len(rows), len(rows), diagonal | set(zip(*matrix.sparsity().get_triplet(), strict=True)))
@@ -211,7 +212,7 @@ def jacobian(context: Context, function: ModelFunction) -> Kernel:
 
 
 def _first_order(context: Context) -> tuple[Symbols, list[ca.SX]]:
-    """The residual row by row, in symbols that the Jacobian can be taken of."""
+    """The rows of the residual, and the symbols in terms of which CasADi differentiates them."""
     symbols = context.symbols(context.y, context.ydot, context.cj)
     eq = context.equations
     pairs = zip(eq.coordinates, eq.rates, strict=True)
@@ -220,20 +221,24 @@ def _first_order(context: Context) -> tuple[Symbols, list[ca.SX]]:
 
 
 def _mass_elements(context: Context) -> OutputElements:
+    """The elements of M."""
     shape = context.mass_pattern()
     return OutputElements(tuple(f"M[{context.rows[i]}, {context.rows[j]}]" for i, j in shape.entries), shape)
 
 
 def _force_elements(context: Context) -> OutputElements:
+    """The elements of h."""
     return OutputElements(tuple(f"h[{n}]" for n in context.rows))
 
 
 def _mass_step(context: Context, symbols: Symbols) -> Step:
+    """The step that computes M."""
     entries = context.mass_pattern().entries
     values = [symbols(context.equations.mass[i, j]) for i, j in entries]
     return Step("M", "(15)", "factors of the accelerations", stores("M", values))
 
 
 def _force_step(context: Context, symbols: Symbols) -> Step:
+    """The step that computes h."""
     values = [symbols(h) for h in context.equations.force]
     return Step("h", "(15)", "centrifugal, Coriolis and elastic terms", stores("h", values))

@@ -1,7 +1,7 @@
-"""A CasADi function, read instruction by instruction into a graph of exact operations.
+"""The expression graph of a kernel: CasADi instructions as exact operations.
 
-CasADi has shared the common sub-expressions; here its doubles become exact numbers again, what is known at generation
-time is folded, and expressions of model constants alone are identified and moved to setup.
+CasADi finds the common sub-expressions. The graph restores exact numbers, folds operations on numbers, and moves
+expressions of model constants to setup.
 """
 
 from __future__ import annotations
@@ -20,16 +20,16 @@ from derive.ir.statements import Require, Requirement, ReturnCode
 from derive.lowering.flat.casadi_symbols import Symbols
 
 BINARY = {ca.OP_ADD: Operator.ADD, ca.OP_SUB: Operator.SUB, ca.OP_MUL: Operator.MUL, ca.OP_DIV: Operator.DIV}
-LEAST, MOST = Fraction(sys.float_info.min), Fraction(sys.float_info.max)
-SHORT = 9
-"""The largest number of nodes in a named expression of model constants; longer ones refer to named parts."""
+MIN_DOUBLE, MAX_DOUBLE = Fraction(sys.float_info.min), Fraction(sys.float_info.max)
+MAX_CONSTANT_SIZE = 9
+"""The largest number of nodes in an expression of model constants; larger ones refer to constants for their parts."""
 
 UNARY = {ca.OP_NEG: Operator.NEG, ca.OP_SIN: Operator.SIN, ca.OP_COS: Operator.COS, ca.OP_SQRT: Operator.SQRT}
 
 
 @dataclass(frozen=True)
 class Node:
-    """A leaf or the kind of an operation with the numbers of its operands."""
+    """A leaf, or the operator of an operation with the numbers of its operands."""
 
     leaf: Leaf | None
     kind: Operator | None = None
@@ -37,17 +37,21 @@ class Node:
 
     @property
     def operator(self) -> Operator:
-        """The operator of a node that is no leaf."""
+        """The operator of a node that is not a leaf."""
         assert self.kind is not None, "a leaf has no operator"
         return self.kind
 
 
 class LoweringError(TisserandError):
-    """A model that cannot be computed with doubles: a number that they do not hold, or a pivot that vanishes."""
+    """A model cannot be evaluated with doubles: a number is out of their range, or a pivot always vanishes."""
 
 
 class Constants:
-    """What is computed once, in setup: coefficients by name, and expressions of coefficients that kernels need."""
+    """The constants and checks that setup computes for all kernels of a model.
+
+    coefficients: the names of the model constants that are not numbers. hoisted: expressions of these, by their names.
+    requirements: checks of values that depend on constants alone.
+    """
 
     def __init__(self, coefficients: frozenset[str]) -> None:
         self.coefficients = coefficients
@@ -56,12 +60,12 @@ class Constants:
         self._numbers = count(1)
 
     def require(self, kind: Requirement, expr: Expr, code: ReturnCode, text: str) -> None:
-        """Let setup check a value that depends on coefficients alone."""
+        """Add a check in setup of a value that depends on constants alone."""
         if not any(r.kind == kind and r.expr == expr for r in self.requirements):
             self.requirements.append(Require(kind, expr, code, text))
 
     def name(self, expr: Expr) -> str:
-        """The name under which setup keeps an expression of coefficients."""
+        """The name of the constant whose value is an expression of coefficients."""
         if expr not in self.hoisted:
             self.hoisted[expr] = self._describe(expr) or f"constant_{next(self._numbers)}"
         return self.hoisted[expr]
@@ -76,9 +80,9 @@ class Constants:
 
 
 class Graph:
-    """Nodes of one kernel, each once; operands come before what uses them.
+    """The nodes of a kernel, without duplicates; operands come before the operations that use them.
 
-    An operation on coefficients alone becomes a constant of setup as soon as something else uses it.
+    An operation on constants alone becomes a constant of setup as soon as another operation uses it.
     """
 
     def __init__(self, constants: Constants) -> None:
@@ -93,11 +97,11 @@ class Graph:
         return self._intern(Node(leaf))
 
     def number(self, value: int | Fraction) -> int:
-        """The node of a number. Raises LoweringError when no double is near it."""
+        """The node of a number. Raises LoweringError if it is out of the range of doubles."""
         return self.leaf(Number(representable(Fraction(value))))
 
     def apply(self, kind: Operator, *args: int) -> int:
-        """The node of an operation, folded when its operands are numbers or make it trivial."""
+        """The node of an operation, or of its result if its operands are numbers or make it trivial."""
         folded = self._fold(kind, args)
         if folded is not None:
             return folded
@@ -106,11 +110,13 @@ class Graph:
         return self._intern(Node(None, kind, args))
 
     def settled(self, node: int) -> int:
-        """The node itself, or, for an operation on coefficients alone, the constant of setup that replaces it."""
+        """The node itself or, for an operation on constants alone, the constant of setup that replaces it."""
         n = self.nodes[node]
         if n.leaf is not None or not self._constant[node]:
             return node
-        expr = self.expr(node) if self._size[node] <= SHORT else Operation(n.operator, self._settled_args(n))
+        expr = (
+            self.expr(node) if self._size[node] <= MAX_CONSTANT_SIZE else Operation(n.operator, self._settled_args(n))
+        )
         return self.leaf(ScalarRef(self.constants.name(expr)))
 
     def _settled_args(self, node: Node) -> tuple[Expr, ...]:
@@ -122,7 +128,7 @@ class Graph:
         return leaf.value if isinstance(leaf, Number) else None
 
     def expr(self, node: int) -> Expr:
-        """The whole expression of a node."""
+        """The expression of a node with all of its operands."""
         n = self.nodes[node]
         return n.leaf if n.leaf is not None else Operation(n.operator, tuple(self.expr(a) for a in n.args))
 
@@ -135,7 +141,7 @@ class Graph:
         return self._index[node]
 
     def is_constant(self, node: int) -> bool:
-        """Whether a node depends on nothing but numbers and coefficients."""
+        """Whether a node depends on numbers and model constants alone."""
         return self._constant[node]
 
     def _depends_on_constants(self, node: Node) -> bool:
@@ -149,21 +155,22 @@ class Graph:
         return all(self._constant[a] for a in node.args)
 
     def _fold(self, kind: Operator, args: tuple[int, ...]) -> int | None:
+        """The node of the result of a trivial operation; None if it is not trivial."""
         values = [self.value(a) for a in args]
         if kind.function:
             return self.number(1 if kind is Operator.COS else 0) if values[0] == 0 else None
-        known = [v for v in values if v is not None]
-        if len(known) == len(values):
-            return self.number(_exact(kind, known))
+        numbers = [v for v in values if v is not None]
+        if len(numbers) == len(values):
+            return self.number(_exact(kind, numbers))
         if kind is Operator.NEG:
             inner = self.nodes[args[0]]
             return inner.args[0] if inner.kind is Operator.NEG else None
         return self._neutral(kind, args, values)
 
     def _neutral(self, kind: Operator, args: tuple[int, ...], values: list[Fraction | None]) -> int | None:
-        """x * 1, x / 1, x * -1, signs that a sum can absorb, numbers first, and divisions that setup can do.
+        """Simplify x * 1, x / 1, x * -1 and a + (-b), write x * number as number * x, and let setup invert constants.
 
-        Zeros do not come this far: the derivation drops them, with their reasons.
+        Zeros do not occur: the derivation removes them, with their reasons.
         """
         (a, b), (va, vb) = args, values
         negated = self.nodes[b].args[0] if self.nodes[b].kind is Operator.NEG else None
@@ -178,13 +185,13 @@ class Graph:
         if kind is Operator.MUL and vb is not None:
             return self.apply(Operator.MUL, b, a)
         if kind is Operator.DIV and vb is None and self._constant[b] and not self._constant[a]:
-            return self.apply(Operator.MUL, a, self.apply(Operator.DIV, self.number(1), b))  # setup divides
+            return self.apply(Operator.MUL, a, self.apply(Operator.DIV, self.number(1), b))  # setup computes 1 / b
         return None
 
 
 def representable(value: Fraction) -> Fraction:
-    """The number itself if a double can represent it (rounded), 0 included. Raises LoweringError otherwise."""
-    if value and not LEAST <= abs(value) <= MOST:
+    """The number itself if it is 0 or in the range of normal doubles. Raises LoweringError otherwise."""
+    if value and not MIN_DOUBLE <= abs(value) <= MAX_DOUBLE:
         raise LoweringError(
             f"the numbers of the specification lead to {sp.Rational(value).n(3)}, which no double holds; "
             "choose units in which mass, length and stiffness are nearer to one"
@@ -193,6 +200,7 @@ def representable(value: Fraction) -> Fraction:
 
 
 def _exact(kind: Operator, values: list[Fraction]) -> Fraction:
+    """The result of an arithmetic operation on exact numbers."""
     if kind is Operator.NEG:
         return -values[0]
     a, b = values
@@ -201,8 +209,8 @@ def _exact(kind: Operator, values: list[Fraction]) -> Fraction:
     ](b)
 
 
-def read(graph: Graph, symbols: Symbols, outputs: list[ca.SX]) -> list[int]:
-    """The nodes of some CasADi scalars, added to the graph."""
+def read_expressions(graph: Graph, symbols: Symbols, outputs: list[ca.SX]) -> list[int]:
+    """The nodes of CasADi scalars, which are added to the graph and share sub-expressions. Raises LoweringError."""
     column = ca.vertcat(*outputs) if outputs else ca.SX(0, 1)
     options = {"cse": True, "live_variables": False}
     function = ca.Function("kernel", [ca.vertcat(*symbols.inputs)], [ca.densify(column)], options)
@@ -226,6 +234,7 @@ def read(graph: Graph, symbols: Symbols, outputs: list[ca.SX]) -> list[int]:
 
 
 def _operation(graph: Graph, operation: int, args: list[int]) -> int:
+    """The node of a CasADi operation. Raises LoweringError, NotImplementedError."""
     if operation in BINARY:
         return graph.apply(BINARY[operation], *args)
     if operation in UNARY:
@@ -241,10 +250,11 @@ def _operation(graph: Graph, operation: int, args: list[int]) -> int:
             "the root of a square, such as sqrt(t^2), has a kink; write the function of t without it, or, if a linear "
             "spring lies along its guide, move one of its markers off that line"
         )
-    raise NotImplementedError(f"CasADi operation {operation} has no counterpart in the Kernel")
+    raise NotImplementedError(f"CasADi operation {operation} has no counterpart in a kernel")
 
 
 def _integer(value: float) -> int:
+    """A CasADi constant as an integer. Raises ArithmeticError if it is none, which would be a rounded number."""
     if value != int(value):
-        raise ArithmeticError(f"the number {value} came out of CasADi rounded")
+        raise ArithmeticError(f"CasADi has rounded a number to {value}")
     return int(value)

@@ -1,4 +1,4 @@
-"""Lowering of expanded equations to kernels of straight-line code."""
+"""The lowering of expanded equations to kernels of straight-line code."""
 
 from __future__ import annotations
 
@@ -34,17 +34,20 @@ OF_MECHANISMS: Mapping[FunctionKind, Implementation] = {
     FunctionKind.CONSTRAINT_RATES: constraints.constraint_rates,
     FunctionKind.CONSTRAINT_JACOBIAN: constraints.constraint_jacobian,
     FunctionKind.CONSTRAINT_BIAS: constraints.constraint_bias,
-    FunctionKind.SOLVE: constraints.solved,
+    FunctionKind.SOLVE: constraints.accelerations_and_multipliers,
     FunctionKind.PROJECT_VELOCITY: constraints.project_velocity,
     FunctionKind.POSES: constraints.poses,
     FunctionKind.RESIDUAL: dae.residual,
     FunctionKind.JACOBIAN: dae.jacobian,
 }
-"""Functions that mechanisms have besides, or that take constraints into account."""
+"""The functions that only mechanisms have, and those that depend on constraints."""
 
 
 def lower(equations: Equations, choice: str = "") -> Model:
-    """The kernels of a model from its expanded equations, with names, units, patterns and the reasons of its zeros."""
+    """The model, with all of its kernels, from its expanded equations.
+
+    choice: the reason why the model has straight-line code. Raises LoweringError if a kernel cannot be evaluated.
+    """
     context = Context(equations)
     scene = bool(equations.poses)
     implementations = {**OF_BODIES, **OF_MECHANISMS} if scene else OF_BODIES
@@ -75,6 +78,6 @@ def lower(equations: Equations, choice: str = "") -> Model:
 
 
 def _with_constants(kernel: Kernel, names: tuple[str, ...]) -> Kernel:
-    """Tell a kernel where its constants lie; known only when all kernels are."""
+    """A kernel whose argument k has the names of the constants, which depend on all kernels."""
     arguments = (replace(a, elements=names) if a.name == "k" else a for a in kernel.arguments)
     return replace(kernel, arguments=tuple(arguments))

@@ -1,4 +1,4 @@
-"""From a graph to sections: what is used, what gets a name, and in which order it is computed."""
+"""Scheduling of an expression graph: selects the values that get a name, orders them, and writes the statements."""
 
 from __future__ import annotations
 
@@ -14,20 +14,20 @@ from derive.ir.expressions import Expr, Number, Operation, Operator, ScalarRef
 from derive.ir.model import Section
 from derive.ir.statements import Let, Require, Requirement, ReturnCode, Statement, Store
 from derive.lowering.flat.casadi_symbols import Symbols
-from derive.lowering.flat.graph import Graph, LoweringError, read
+from derive.lowering.flat.graph import Graph, LoweringError, read_expressions
 
 
 @dataclass(frozen=True)
-class Named:
-    """A value that keeps its name from the derivation, if anything uses it."""
+class NamedValue:
+    """A value with a name of the derivation; it is computed only if another value uses it."""
 
     name: str
     value: ca.SX
 
 
 @dataclass(frozen=True)
-class Stored:
-    """A value that goes to an output."""
+class OutputValue:
+    """The value of element `index` of an output."""
 
     output: str
     index: int
@@ -35,8 +35,8 @@ class Stored:
 
 
 @dataclass(frozen=True)
-class Required:
-    """A value that must be `positive` or `finite`; else the kernel returns `code`."""
+class RequiredValue:
+    """A value that must meet a requirement; otherwise the kernel returns `code`. `text` describes the failure."""
 
     kind: Requirement
     value: ca.SX
@@ -44,21 +44,21 @@ class Required:
     text: str
 
 
-Want = Named | Stored | Required
+StepItem = NamedValue | OutputValue | RequiredValue
 
 
 @dataclass(frozen=True)
 class Step:
-    """What one section computes, as CasADi scalars."""
+    """The values that one section computes, as CasADi scalars; the other fields are those of `Section`."""
 
     name: str
     equation: str
     doc: str
-    wants: tuple[Want, ...]
+    items: tuple[StepItem, ...]
 
 
-Located = tuple[Step, list[tuple[Want, int]]]
-"""A step with the graph node of each thing it wants."""
+LocatedStep = tuple[Step, list[tuple[StepItem, int]]]
+"""A step, and its items with their graph nodes."""
 
 
 def schedule(
@@ -68,80 +68,95 @@ def schedule(
     steps: tuple[Step, ...],
     temporaries: Iterator[str] | None = None,
 ) -> tuple[Section, ...]:
-    """Sections with a `Let` for what has a name or is used more than once; others are inserted where used.
+    """The sections of a kernel. Values that have a name or more than one use get a `Let`; others are written inline.
 
-    A section of definitions comes just before the first step that needs it. All is read back from CasADi at once, so
-    that it shares. A requirement on constants alone goes to setup. `temporaries` are names for what has none.
+    graph: the graph to which the values are added. definitions: steps whose sections come just before the first step
+    that uses them. steps: the other steps, in order. temporaries: the names of values without a name, t1, t2, ... by
+    default. All values are read from CasADi at once, so that the sections share common sub-expressions. Requirements on
+    constants alone move to setup; LoweringError is raised if a constant cannot meet its requirement.
     """
     every = (*definitions, *steps)
-    nodes = iter(read(graph, symbols, [want.value for step in every for want in step.wants]))
-    located = [(step, [(want, next(nodes)) for want in step.wants]) for step in every]
-    for _, wants in located:
-        wants[:] = [(w, node) for w, node in wants if not (isinstance(w, Required) and _moved_to_setup(graph, w, node))]
-    fresh = temporaries or (f"t{k}" for k in count(1))
-    writer = _Writer(graph, [pair for _, wants in located for pair in wants], fresh)
-    ordered = _when_needed(graph, located[: len(definitions)], located[len(definitions) :])
-    sections = (Section(step.name, step.equation, step.doc, writer.body(wants)) for step, wants in ordered)
+    nodes = iter(read_expressions(graph, symbols, [item.value for step in every for item in step.items]))
+    located = [(step, [(item, next(nodes)) for item in step.items]) for step in every]
+    for _, items in located:
+        items[:] = [
+            (item, node)
+            for item, node in items
+            if not (isinstance(item, RequiredValue) and _moved_to_setup(graph, item, node))
+        ]
+    writer = _Writer(
+        graph, [pair for _, items in located for pair in items], temporaries or (f"t{k}" for k in count(1))
+    )
+    ordered = _in_order_of_use(graph, located[: len(definitions)], located[len(definitions) :])
+    sections = (Section(step.name, step.equation, step.doc, writer.body(items)) for step, items in ordered)
     return tuple(section for section in sections if section.body)
 
 
-def _when_needed(graph: Graph, definitions: list[Located], steps: list[Located]) -> list[Located]:
-    """Steps, each behind the definitions that it is the first to need."""
-    ordered: list[Located] = []
+def _in_order_of_use(graph: Graph, definitions: list[LocatedStep], steps: list[LocatedStep]) -> list[LocatedStep]:
+    """The steps, each after the definitions that it is the first to use; unused definitions are omitted."""
+    ordered: list[LocatedStep] = []
     waiting = list(definitions)
     for step in steps:
-        behind = _uses(graph, [node for _, node in step[1]])
-        needed = [d for d in waiting if any(behind[node] for _, node in d[1])]
-        waiting = [d for d in waiting if d not in needed]
-        ordered += [*needed, step]
+        uses = _uses(graph, [node for _, node in step[1]])
+        used = [d for d in waiting if any(uses[node] for _, node in d[1])]
+        waiting = [d for d in waiting if d not in used]
+        ordered += [*used, step]
     return ordered
 
 
-def _moved_to_setup(graph: Graph, want: Required, node: int) -> bool:
+def _moved_to_setup(graph: Graph, item: RequiredValue, node: int) -> bool:
+    """Whether a requirement concerns constants alone; if so, setup checks it. Raises LoweringError."""
     if not graph.is_constant(node):
         return False
     number = graph.value(node)
-    if number is not None and want.kind is Requirement.POSITIVE and number <= 0:
+    if number is not None and item.kind is Requirement.POSITIVE and number <= 0:
         raise LoweringError(
-            f"{want.text}, whatever the state: shapes are too nearly dependent to compute with (make them orthogonal), "
-            "or joints hold the same bodies twice (leave one out)"
+            f"{item.text}, whatever the state: shapes are too nearly dependent to compute with (make them orthogonal), "
+            "or two joints impose the same constraint (remove one of them)"
         )
-    graph.constants.require(want.kind, graph.expr(node), want.code, want.text)
+    graph.constants.require(item.kind, graph.expr(node), item.code, item.text)
     return True
 
 
 class _Writer:
-    def __init__(self, graph: Graph, wants: list[tuple[Want, int]], temporaries: Iterator[str]) -> None:
+    """Writes the statements of all sections of a kernel, each shared value once.
+
+    items: all items with their nodes. `written` maps nodes to the names of values that have a statement, `inverses`
+    those of divisors to the names of their inverses.
+    """
+
+    def __init__(self, graph: Graph, items: list[tuple[StepItem, int]], temporaries: Iterator[str]) -> None:
         self.graph = graph
         self.temporaries = temporaries
-        self.uses = _uses(graph, [node for want, node in wants if not isinstance(want, Named)])
-        self.names = {node: want.name for want, node in reversed(wants) if isinstance(want, Named)}
+        self.uses = _uses(graph, [node for item, node in items if not isinstance(item, NamedValue)])
+        self.names = {node: item.name for item, node in reversed(items) if isinstance(item, NamedValue)}
         self.divisors = _divisors(graph, self.uses)
         self.written: dict[int, str] = {}
         self.inverses: dict[int, str] = {}
 
-    def body(self, wants: list[tuple[Want, int]]) -> tuple[Statement, ...]:
+    def body(self, items: list[tuple[StepItem, int]]) -> tuple[Statement, ...]:
+        """The statements of a section."""
         out: list[Statement] = []
-        for want, node in wants:
-            if isinstance(want, Named):
+        for item, node in items:
+            if isinstance(item, NamedValue):
                 if self.uses[node]:
                     self._expr(node, out)
                 continue
             expr = self._expr(node, out)
-            if isinstance(want, Stored):
-                out.append(Store(want.output, want.index, expr))
+            if isinstance(item, OutputValue):
+                out.append(Store(item.output, item.index, expr))
             else:
-                out.append(Require(want.kind, expr, want.code, want.text))
+                out.append(Require(item.kind, expr, item.code, item.text))
         return tuple(out)
 
     def _expr(self, node: int, out: list[Statement]) -> Expr:
-        """The expression of a node; what it needs and has a name is written to `out` before."""
+        """The expression of a node; appends the statements of the named values that it uses to `out`."""
         n = self.graph.nodes[node]
         if n.leaf is not None:
             return n.leaf
         if node in self.written:
             return ScalarRef(self.written[node])
-        if n.kind is Operator.NEG and self._stands_alone(n.args[0]):
+        if n.kind is Operator.NEG and self._is_inline(n.args[0]):
             expr = self._negative(n.args[0], out)
         elif n.kind is Operator.DIV and self.divisors[n.args[1]] > 1:
             if self.graph.value(n.args[0]) == 1:
@@ -149,30 +164,30 @@ class _Writer:
             expr = Operation(Operator.MUL, (self._expr(n.args[0], out), self._inverse(n.args[1], out)))
         else:
             expr = Operation(n.operator, tuple(self._expr(a, out) for a in n.args))
-        if self._stands_alone(node):
+        if self._is_inline(node):
             return expr
         self.written[node] = self.names.get(node) or self._next_name()
         out.append(Let(self.written[node], expr))
         return ScalarRef(self.written[node])
 
     def _negative(self, node: int, out: list[Statement]) -> Expr:
-        """-(a + b) as -a - b, and -(c x) as (-c) x with -c from setup: the sign then costs nothing."""
+        """-(a + b) as -a - b, and -(c x) as (-c) x with -c from setup, so that the sign costs no operation."""
         n = self.graph.nodes[node]
-        if n.kind is Operator.ADD and self._stands_alone(n.args[0]):
+        if n.kind is Operator.ADD and self._is_inline(n.args[0]):
             return Operation(Operator.SUB, (self._negative(n.args[0], out), self._expr(n.args[1], out)))
-        if n.kind is Operator.MUL and self._stands_alone(node):
+        if n.kind is Operator.MUL and self._is_inline(node):
             for constant, other in (n.args, n.args[::-1]):
                 if self.graph.is_constant(constant):
                     minus = self.graph.settled(self.graph.apply(Operator.NEG, constant))
                     return Operation(Operator.MUL, (self._expr(minus, out), self._expr(other, out)))
         return Operation(Operator.NEG, (self._expr(node, out),))
 
-    def _stands_alone(self, node: int) -> bool:
-        """Whether a node is an operation that is written where it is used."""
+    def _is_inline(self, node: int) -> bool:
+        """Whether a node is an operation without a name that has a single use, so that it needs no statement."""
         return self.graph.nodes[node].leaf is None and node not in self.names and self.uses[node] < 2
 
     def _inverse(self, node: int, out: list[Statement]) -> Expr:
-        """One division serves all quotients with the same divisor."""
+        """The inverse of a divisor that several quotients share, computed by a single division."""
         if node not in self.inverses:
             divisor = self._expr(node, out)
             name = f"inverse_{divisor.name}" if isinstance(divisor, ScalarRef) else self._next_name()
@@ -185,7 +200,7 @@ class _Writer:
 
 
 def _divisors(graph: Graph, uses: Counter[int]) -> Counter[int]:
-    """How many quotients that are needed have a node, that is no number, as their divisor."""
+    """For each node that is not a number, how many of the used quotients have it as their divisor."""
     return Counter(
         n.args[1]
         for node, n in enumerate(graph.nodes)
@@ -194,7 +209,7 @@ def _divisors(graph: Graph, uses: Counter[int]) -> Counter[int]:
 
 
 def _uses(graph: Graph, roots: list[int]) -> Counter[int]:
-    """How often each node is an operand or a root, counting only what the roots need."""
+    """How often each node is a root or an operand of a node from which a root follows."""
     uses: Counter[int] = Counter(roots)
     for node in range(len(graph.nodes) - 1, -1, -1):
         if uses[node]:

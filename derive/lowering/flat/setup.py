@@ -1,4 +1,4 @@
-"""The setup kernel: all work on parameters alone, done once."""
+"""The setup kernel, which computes everything that depends on the parameters alone, once for a set of parameters."""
 
 from __future__ import annotations
 
@@ -13,7 +13,8 @@ from derive.ir.statements import Requirement, ReturnCode
 from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.context import Context
 from derive.lowering.flat.graph import Constants, Graph
-from derive.lowering.flat.schedule import Named, Required, Step, Stored, schedule
+from derive.lowering.flat.schedule import NamedValue, OutputValue, RequiredValue, Step, schedule
+from derive.roles import Source
 
 UNARY: dict[Operator, Callable[[ca.SX], ca.SX]] = {
     Operator.NEG: lambda a: -a,
@@ -24,7 +25,10 @@ UNARY: dict[Operator, Callable[[ca.SX], ca.SX]] = {
 
 
 def setup_kernel(context: Context, kernels: Iterable[Kernel]) -> tuple[Kernel, tuple[Variable, ...]]:
-    """p -> k, with the constants that the kernels use, in the order of the derivation."""
+    """The kernel that computes the constants k from the parameters p, and the constants that `kernels` use.
+
+    The constants are in the order of the derivation.
+    """
     parameters = context.equations.parameters
     symbols = Symbols(early=frozenset(p.symbol for p in parameters), late=frozenset())
     for p in parameters:
@@ -44,28 +48,33 @@ def setup_kernel(context: Context, kernels: Iterable[Kernel]) -> tuple[Kernel, t
             values[name] = _casadi(expr, values, symbols)
         if name in used:
             constants.append(Variable(name, _text(expr), ""))
-    named = tuple(Named(name, value) for name, value in values.items())
+    named = tuple(NamedValue(name, value) for name, value in values.items())
     checks = [
         *(
-            Required(
+            RequiredValue(
                 Requirement.POSITIVE, symbols.values[p.symbol], ReturnCode.NOT_FINITE, f"{p.symbol} must be positive"
             )
             for p in parameters
             if p.positive
         ),
         *(
-            Required(Requirement.FINITE, symbols.values[p.symbol], ReturnCode.NOT_FINITE, f"{p.symbol} must be finite")
+            RequiredValue(
+                Requirement.FINITE, symbols.values[p.symbol], ReturnCode.NOT_FINITE, f"{p.symbol} must be finite"
+            )
             for p in parameters
         ),
         *(
-            Required(Requirement.FINITE, values[c.name], ReturnCode.NOT_FINITE, f"{c.name} is not finite")
+            RequiredValue(Requirement.FINITE, values[c.name], ReturnCode.NOT_FINITE, f"{c.name} is not finite")
             for c in constants
         ),
-        *(Required(r.kind, _casadi(r.expr, values, symbols), r.code, r.text) for r in context.constants.requirements),
+        *(
+            RequiredValue(r.kind, _casadi(r.expr, values, symbols), r.code, r.text)
+            for r in context.constants.requirements
+        ),
     ]
-    stored = tuple(Stored("k", index, values[c.name]) for index, c in enumerate(constants))
+    stored = tuple(OutputValue("k", index, values[c.name]) for index, c in enumerate(constants))
     steps = (
-        Step("integrals", "appendix", "shape integrals, stiffness, and constants computed from them", named),
+        Step("integrals", Source.APPENDIX, "shape integrals, stiffness, and constants computed from them", named),
         Step("constants", "", "constants that the kernels read", stored),
         Step("checks", "", "checks of the parameters", tuple(checks)),
     )
@@ -80,7 +89,7 @@ def setup_kernel(context: Context, kernels: Iterable[Kernel]) -> tuple[Kernel, t
 
 
 def _needed(used: frozenset[str], hoisted: dict[str, Expr], checked: Iterable[Expr]) -> frozenset[str]:
-    """The names of all constants behind the used ones and the checked expressions."""
+    """The names of the constants that are used, or from which constants in use or checked expressions follow."""
 
     def names(expr: Expr) -> set[str]:
         return {e.name for e in walk(expr) if isinstance(e, ScalarRef)}
@@ -93,7 +102,7 @@ def _needed(used: frozenset[str], hoisted: dict[str, Expr], checked: Iterable[Ex
 
 
 def _casadi(expr: Expr, values: dict[str, ca.SX], symbols: Symbols) -> ca.SX:
-    """An expression of coefficients, in CasADi."""
+    """An expression of coefficients as a CasADi scalar."""
     if isinstance(expr, Number):
         return symbols.number(expr.value)
     if isinstance(expr, ScalarRef):
@@ -104,7 +113,7 @@ def _casadi(expr: Expr, values: dict[str, ca.SX], symbols: Symbols) -> ca.SX:
 
 
 def _text(expr: Expr) -> str:
-    """An expression as the generated comments show it."""
+    """The text of an expression in the comments of the generated code."""
     if isinstance(expr, Number):
         return str(expr.value)
     if isinstance(expr, ScalarRef):

@@ -18,6 +18,7 @@ from derive.lowering.loops.program import Program
 from derive.mechanics.sums import ModeSum
 from derive.mechanics.symbols import Family, I, local, quantity
 from derive.mechanics.tables import TableKind
+from derive.roles import Source
 
 
 def accel(context: LoopContext, function: ModelFunction) -> Kernel:
@@ -78,7 +79,7 @@ def accel(context: LoopContext, function: ModelFunction) -> Kernel:
 
 def _substituted(context: LoopContext, arrays: tuple[str, ...], transposed: bool) -> Section:
     doc = "back substitution with the Cholesky factor of c8" if transposed else "forward substitution with it"
-    return Section("c8", "appendix", doc, (TriangularSolve("root", context.n, arrays, transposed),))
+    return Section("c8", Source.APPENDIX, doc, (TriangularSolve("root", context.n, arrays, transposed),))
 
 
 def _rigid_accelerations(
@@ -116,4 +117,4 @@ def _rigid_accelerations(
         return wants
 
     order = ", ".join(context.rows[j] for j in elimination_order(shape))
-    program.straight("vdot", "LDL^T", f"accelerations of the rigid motion: eliminate {order}", make)
+    program.straight("vdot", Source.FACTORISATION, f"accelerations of the rigid motion: eliminate {order}", make)

@@ -11,7 +11,7 @@ from derive.ir.expressions import ArrayAccess, Expr, Leaf, MatrixEntry, Number, 
 from derive.ir.statements import Let, Require, Statement, Store, StoreLocal, StoreStrided
 from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.graph import Constants, Graph
-from derive.lowering.flat.schedule import Step, Stored, schedule
+from derive.lowering.flat.schedule import OutputValue, Step, schedule
 from derive.mechanics.symbols import Symbol, identity, is_indexed
 
 Target = Symbol | Store | Require
@@ -42,7 +42,7 @@ def map_body(
     symbols = Symbols(early=frozenset(known), late=frozenset())
     for symbol in sorted(free_symbols(e for _, e in rows), key=str):
         symbols.input(symbol, _element(symbol) if is_indexed(symbol) else known[symbol])
-    stored = tuple(Stored("", k, symbols(expr)) for k, (_, expr) in enumerate(rows))
+    stored = tuple(OutputValue("", k, symbols(expr)) for k, (_, expr) in enumerate(rows))
     step = Step("loop", "", "", stored)
     (section,) = schedule(Graph(Constants(frozenset())), symbols, (), (step,), temporaries)
     body = assignments(section.body, [target for target, _ in rows])
@@ -54,7 +54,7 @@ def pair_expression(expr: sp.Expr, known: Mapping[sp.Symbol, Number | ScalarRef]
     symbols = Symbols(early=frozenset(known), late=frozenset())
     for symbol in sorted(expr.free_symbols, key=str):
         symbols.input(symbol, _pair_leaf(symbol) if is_indexed(symbol) else known[symbol])
-    step = Step("pair", "", "", (Stored("", 0, symbols(expr)),))
+    step = Step("pair", "", "", (OutputValue("", 0, symbols(expr)),))
     (section,) = schedule(Graph(Constants(frozenset())), symbols, (), (step,), temporaries)
     (item,) = section.body
     assert isinstance(item, Store)

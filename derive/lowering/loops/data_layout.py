@@ -37,7 +37,7 @@ from derive.mechanics.sums import PARITY
 from derive.mechanics.symbols import MASS, Family, parameter
 from derive.mechanics.tables import CoefficientTable, TableKind
 from derive.mechanics.terms import ModelConstant, ParameterSymbol
-from derive.roles import Role
+from derive.roles import Role, Source
 
 TABLES, TRIANGLE, ROOT = "tables", "c8_pairs", "root"
 PACKED = (Family.C5, Family.STIFFNESS, Family.C7, Family.DAMPING, Family.C8)
@@ -151,7 +151,7 @@ def _offsets(eq: Equations, kept: list[CoefficientTable]) -> list[tuple[Coeffici
 def copied(output: str, offset: int, source: str, count: int) -> Section:
     """A section that copies an array to an output."""
     loop = Map(count, (StoreStrided(output, offset, 1, ArrayAccess(source, "i")),))
-    return Section("c8", "appendix", "int rho Phi_i . Phi_j, which does not change", (loop,))
+    return Section("c8", Source.APPENDIX, "int rho Phi_i . Phi_j, which does not change", (loop,))
 
 
 def setup(eq: Equations, layout: DataLayout) -> Kernel:
@@ -193,13 +193,13 @@ def setup(eq: Equations, layout: DataLayout) -> Kernel:
     ]
     sections = [
         Section("checks", "", "checks of the parameters", tuple(checks)),
-        Section("constants", "appendix", "shape integrals and stiffness in the layout of the loops", tuple(body)),
+        Section("constants", Source.APPENDIX, "shape integrals and stiffness in the layout of the loops", tuple(body)),
     ]
     if TRIANGLE in offsets:
         pairs = n * (n + 1) // 2
         sections.append(copied("k", offsets[TRIANGLE], "p_c8", pairs))
         root = Cholesky("k", offsets[ROOT], "p_c8", n, ReturnCode.PIVOT, "c8 is not positive definite")
-        sections.append(Section("root", "LDL^T", "Cholesky factor of c8", (root,)))
+        sections.append(Section("root", Source.FACTORISATION, "Cholesky factor of c8", (root,)))
     doc = "Constants k from the parameters p: once for a set of parameters."
     return Kernel("setup", doc, (p,), (Output("k", (), "constants", None, total),), tuple(sections))
 

@@ -32,7 +32,7 @@ from derive.ir.statements import (
 )
 from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.graph import Constants, Graph
-from derive.lowering.flat.schedule import Named, Step, Stored, Want, schedule
+from derive.lowering.flat.schedule import NamedValue, OutputValue, Step, StepItem, schedule
 from derive.lowering.functions import ModelFunction, OutputElements
 from derive.lowering.loops.assignments import (
     NOTHING,
@@ -49,6 +49,7 @@ from derive.lowering.loops.loop_invariants import LoopInvariants, by_vector
 from derive.mechanics.sums import ModeSum, TableSum, canonical
 from derive.mechanics.symbols import Symbol, identity, local
 from derive.mechanics.terms import Intermediate, rotation_symbols
+from derive.roles import Source
 
 
 class Program:
@@ -87,7 +88,7 @@ class Program:
             pairs = tuple((self._vector(factor, entry), canonical(entry).identity.array) for factor, entry in c.sums)
             terms.append(MatVecTerm(c.symbol.identity.array, identity(c.offset).array if c.offset != 0 else "", pairs))
         if terms:
-            section = Section("tables", "appendix", _described(table_sums), (MatVec(self.packing, tuple(terms)),))
+            section = Section("tables", Source.APPENDIX, _described(table_sums), (MatVec(self.packing, tuple(terms)),))
             self.sections.append(section)
 
     def _vector(self, factor: Symbol, entry: Symbol) -> str:
@@ -114,7 +115,7 @@ class Program:
         offsets: list[Leaf] = [NOTHING if t.offset == 0 else self.known[t.offset] for t in mode_sums]
         sums = tuple(Sum(t.symbol.name, base, term) for t, base, term in zip(mode_sums, offsets, terms, strict=True))
         loop = Accumulate(self.packing.count, lets, sums)
-        self.sections.append(Section("sums", "appendix", _described(mode_sums), (loop,)))
+        self.sections.append(Section("sums", Source.APPENDIX, _described(mode_sums), (loop,)))
         self.known |= {t.symbol: ScalarRef(t.symbol.name) for t in mode_sums}
 
     def scalars(self, name: str, equation: str, doc: str, wants: Iterable[Scalar]) -> None:
@@ -136,14 +137,19 @@ class Program:
                 symbols.define(d.symbol, d.expr)
                 groups.setdefault(d.section, []).append(d)
         steps = tuple(
-            Step(section, ds[0].equation, ds[0].doc, tuple(Named(str(d.symbol), symbols.values[d.symbol]) for d in ds))
+            Step(
+                section,
+                ds[0].equation,
+                ds[0].doc,
+                tuple(NamedValue(str(d.symbol), symbols.values[d.symbol]) for d in ds),
+            )
             for section, ds in groups.items()
         )
         wants = make(symbols)
-        stored: list[Want] = []
+        stored: list[StepItem] = []
         for k, (target, value) in enumerate(wants):
-            stored += [Named(target.name, value)] if isinstance(target, Symbol) else []
-            stored.append(Stored("", k, value))
+            stored += [NamedValue(target.name, value)] if isinstance(target, Symbol) else []
+            stored.append(OutputValue("", k, value))
         targets = [Let(t.name, NOTHING) if isinstance(t, Symbol) else t for t, _ in wants]
         for section in schedule(
             Graph(Constants(frozenset())),

@@ -13,8 +13,7 @@ import sympy as sp
 
 from derive.mechanics.symbols import Family, Symbol, quantity
 from derive.mechanics.terms import ModelConstant
-
-APPENDIX = "appendix"
+from derive.roles import Source
 
 
 @dataclass(frozen=True)
@@ -43,7 +42,7 @@ def coefficients(of: FieldIntegrals, n: int) -> tuple[ModelConstant, ...]:
     result: list[ModelConstant] = []
 
     def integral(symbol: Symbol, value: Value, doc: str, unit: str) -> None:
-        result.append(ModelConstant(symbol, value.expr, APPENDIX, doc, unit, value.zero))
+        result.append(ModelConstant(symbol, value.expr, Source.APPENDIX, doc, unit, value.zero))
 
     shapes = range(1, n + 1)
     for k in (1, 2):

@@ -20,6 +20,7 @@ from derive.mechanics.symbols import Family, Symbol
 from derive.mechanics.symbols import parameter as parameter_symbol
 from derive.mechanics.tables import NO_SHAPES, ODD, PAIRS, SCALARS, TENSORS, CoefficientTable, TableKind, entries
 from derive.mechanics.terms import ModelConstant, ParameterSymbol
+from derive.roles import Source
 from derive.spec.model.body import Gravity, SymbolicBody
 
 Array = NDArray[np.float64]
@@ -223,7 +224,7 @@ class ParameterValues:
 
 def _constant(entry: Symbol, value: sp.Expr, zero: str | None) -> ModelConstant:
     doc, unit = DOCS[entry.identity.family]
-    equation = "(13)" if entry.identity.family in (Family.STIFFNESS, Family.DAMPING) else "appendix"
+    equation = "(13)" if entry.identity.family in (Family.STIFFNESS, Family.DAMPING) else Source.APPENDIX
     return ModelConstant(entry, value, equation, doc, unit, zero)
 
 

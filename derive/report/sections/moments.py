@@ -16,8 +16,8 @@ from derive.report.document.formula import Equation, Fenced, Name, Part
 from derive.report.document.page import SHOWN, Block, Details, EquationBlock, Heading, Paragraph
 from derive.report.notation.expressions import Notation, row
 from derive.report.sections.term_lines import line_anchor
+from derive.roles import Source
 
-APPENDIX = "appendix"
 MANY = 12
 """Moments of one family that are shown; of more of them, the rest is folded."""
 
@@ -42,8 +42,8 @@ def moments(equations: Equations, notation: Notation) -> tuple[tuple[Moment, ...
     listed = [d for d in equations.definitions if not d.zero and d.section not in ("oo", "Q")]
     result = [Moment(d.symbol, notation.parts(d.expr), d.equation) for d in listed]
     if equations.indexed:
-        result += [Moment(c.symbol, _contracted(c, notation), APPENDIX) for c in equations.table_sums]
-        result += [Moment(t.symbol, _summed(t, notation), APPENDIX) for t in equations.mode_sums]
+        result += [Moment(c.symbol, _contracted(c, notation), Source.APPENDIX) for c in equations.table_sums]
+        result += [Moment(t.symbol, _summed(t, notation), Source.APPENDIX) for t in equations.mode_sums]
     return tuple(tuple(group) for _, group in groupby(result, key=lambda moment: moment.family))
 
 
@@ -83,7 +83,7 @@ def _line(moment: Moment, notation: Notation, lines: Mapping[str, int]) -> Equat
     name = moment.symbol.name
     place = lines.get(identity(moment.symbol).array)
     first = replace(moment.parts[0], title=f"{name} in the code", to=f"#{line_anchor(place)}" if place else "")
-    listed = "" if moment.number == APPENDIX else moment.number.strip("()")
+    listed = "" if moment.number is Source.APPENDIX else moment.number.strip("()")
     parts = (first, *moment.parts[1:])
     return Equation(
         notation.written(moment.symbol).formula, parts, number=listed, anchor=definition_anchor(moment.symbol)
