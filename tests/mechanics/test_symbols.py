@@ -129,6 +129,11 @@ def test_generic_indices_are_known() -> None:
     assert vector(F.C2, 3, shapes=(I,)).free_symbols == {quantity(F.C2, k, shapes=(I,)) for k in (1, 2, 3)}
 
 
+def test_a_generic_symbol_is_an_element_of_an_array_and_any_other_is_itself() -> None:
+    arrays = {"alphadot_j": "alphadot", "c7_i_j_1": "c7_1", "d3_i_1": "d3_1", "c8_1_12": "c8_1_12", "phidot": "phidot"}
+    assert {name: NAMES[name].identity.array for name in arrays} == arrays
+
+
 @pytest.mark.parametrize("symbol", [*SYMBOLS, parameter("m", positive=True)], ids=str)
 def test_symbols_survive_pickling_and_copying(symbol: Symbol) -> None:
     for again in (pickle.loads(pickle.dumps(symbol)), copy.copy(symbol), copy.deepcopy(symbol)):
