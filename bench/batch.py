@@ -1,8 +1,9 @@
-"""Nanoseconds a state: mass, force and accel called state by state, and in a batch of many states.
+"""Nanoseconds per state of mass, force and accel: called for one state at a time, and for a batch of many states.
 
 python bench/batch.py [--states 256] [--repeats 21] [--flags="-O3 -march=native"]
 
-Both in one process, in turns. The values must agree to 1e-12 of the largest: these flags may fuse products and sums.
+Both are timed in one process, interleaved. Their values have to agree to 1e-12 of the largest value; the compiler may
+fuse products and sums.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ from pathlib import Path
 
 import numpy as np
 from bodies import dense, states
-from interleaved import Way, interleaved
+from interleaved import TimedCall, interleaved
 from limited import limited
 from machine import described
 from problem import beam
@@ -31,12 +32,13 @@ TOLERANCE = 1e-12
 
 
 def planar(frame: str, shapes: int) -> tuple[Model, np.ndarray]:
+    """The model of a beam, and its parameters."""
     model = derive.lower(derive.derive(beam(frame, shapes)))
     return model, np.array(model.defaults)
 
 
 def spatial(shapes: int, frame: str, lowering: str) -> tuple[Model, np.ndarray]:
-    """Of a dense body; in the mean frame with what numbers the defaults and a little more give."""
+    """The model of a spatial body, and its parameters: a dense body or, in the mean frame, perturbed defaults."""
     spec = derive.symbolic_body("body", shapes, frame=frame, lowering=lowering)
     model = derive.lower(derive.derive(spec))
     if frame == "given":
@@ -56,24 +58,25 @@ MODELS: dict[str, Callable[[], tuple[Model, np.ndarray]]] = {
 }  # fmt: skip
 
 
-def ways(model: Model, count: int) -> list[Way]:
-    """Each kernel alone, then in a batch: q, v hold a state in a row, Q, V an element in a row."""
+def timed_calls(model: Model, count: int) -> list[TimedCall]:
+    """The calls of each kernel for single states (rows of q, v), and for a batch (columns of Q, V)."""
     nq, nv = sum(v.size for v in model.coordinates), sum(v.size for v in model.velocities)
-    found = []
+    calls = []
     for kernel in KERNELS:
         size, name = model.kernel(kernel).outputs[0].size, f"{model.name}_{kernel}"
         single = f"q + s * {nq}, k" if kernel == "mass" else f"0.0, q + s * {nq}, v + s * {nv}, k"
         every = "Q, k" if kernel == "mass" else "0.0, Q, V, k"
-        found.append(Way(kernel, f"{name}({single}, out);", size))
-        found.append(Way(f"{kernel} batch", f"{name}_batch({count}, {every}, out);", size * count, count))
-    return found
+        calls.append(TimedCall(kernel, f"{name}({single}, out);", size))
+        calls.append(TimedCall(f"{kernel} batch", f"{name}_batch({count}, {every}, out);", size * count, count))
+    return calls
 
 
-def given_states(model: Model, count: int) -> tuple[np.ndarray, np.ndarray]:
+def random_states(model: Model, count: int) -> tuple[np.ndarray, np.ndarray]:
+    """q (count, nq) and v (count, nv)."""
     n = sum(v.size for v in model.coordinates)
     if model.coordinates[2].name != "phi":
-        found = states(n - 7, count)
-        return found["q"], found["v"]
+        arrays = states(n - 7, count)
+        return arrays["q"], arrays["v"]
     rng = np.random.default_rng(n)
     q, v = rng.uniform(-1, 1, (count, n)), rng.uniform(-1, 1, (count, n))
     q[:, 2] *= np.pi
@@ -82,14 +85,14 @@ def given_states(model: Model, count: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 def nanoseconds(model: Model, p: np.ndarray, flags: str, count: int, repeats: int, folder: Path) -> list[float]:
-    """By the order of `ways`. Raises ArithmeticError when a batch gives other values."""
+    """The times per state in the order of `timed_calls`. Raises ArithmeticError if a batch has other values."""
     derive.write(CBackend().files(model, "a benchmark"), folder)
     source = folder / model.name / f"{model.name}.c"
     limited([*compiler(), *shlex.split(flags), "-w", "-c", source, "-o", source.with_suffix(".o")])
-    q, v = given_states(model, count)
-    every = ways(model, count)
+    q, v = random_states(model, count)
+    calls = timed_calls(model, count)
     times, values = interleaved(
-        every,
+        calls,
         declare=f'#include "{source.with_suffix(".h").resolve()}"',
         once=f"if ({model.name}_setup(p, k)) return 5;",
         arrays={"p": np.append(p, 0.0), "q": q, "v": v, "Q": q.T, "V": v.T},
@@ -99,10 +102,10 @@ def nanoseconds(model: Model, p: np.ndarray, flags: str, count: int, repeats: in
         states=count,
         repeats=repeats,
     )
-    for single, batch, way in zip(values[::2], values[1::2], every[1::2], strict=True):
+    for single, batch, call in zip(values[::2], values[1::2], calls[1::2], strict=True):
         error = np.max(np.abs(batch.reshape(-1, count).T - single)) / np.max(np.abs(single))
         if not error < TOLERANCE:
-            raise ArithmeticError(f"{way.name} of {model.name} is off by {error:.1e}")
+            raise ArithmeticError(f"{call.name} of {model.name} is off by {error:.1e}")
     return times
 
 
@@ -114,12 +117,12 @@ def main(argv: Sequence[str] | None = None) -> None:
     parser.add_argument("--flags", action="append", help=f"may be repeated; instead of {' and '.join(FLAGS)}")
     options = parser.parse_args(argv)
     print("\n".join(described("casadi", "sympy")))
-    print(f"figures   ns a state, alone and in a batch of {options.states} states (of 64 where there are 100 shapes)")
-    made = {name: MODELS[name]() for name in options.models}
+    print(f"figures   ns per state, alone and in a batch of {options.states} states (64 states for 100 modes and more)")
+    models = {name: MODELS[name]() for name in options.models}
     with tempfile.TemporaryDirectory(prefix="tisserand-bench-") as folder:
         for flags in options.flags or FLAGS:
             print("\n" + flags.ljust(22) + "".join(f"{kernel:>10}     batch" for kernel in KERNELS))
-            for name, (model, p) in made.items():
+            for name, (model, p) in models.items():
                 count = min(options.states, 64) if len(p) > 10_000 else options.states
                 times = nanoseconds(model, p, flags, count, options.repeats, Path(folder))
                 print(name.ljust(22) + "".join(f"{t:10.2f}" for t in times), flush=True)

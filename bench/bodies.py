@@ -1,7 +1,7 @@
-"""Bodies in space for the benchmarks of scale and of batches: shape integrals of any size, and states.
+"""Spatial bodies with any number of modes for the benchmarks of scale and of batches, and states for them.
 
-`dense` is a cloud of masses with random modes, where no integral vanishes. `beam` bends in one plane, with orthonormal
-polynomials for modes: c2, C4, c6 and c7 vanish, and C5_ij, c8, K are there for i = j alone.
+`dense` is a cloud of point masses with random modes, for which no integral vanishes. `beam` bends in a plane and has
+orthonormal polynomials as modes: c2, C4, c6 and c7 vanish, and C5_ij, c8, K are diagonal in i and j.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ Array = NDArray[np.float64]
 
 
 def dense(n: int) -> ModalBody:
-    """Random modes of a cloud of masses; positive definite c8 and stiffness."""
+    """A cloud of point masses with n random modes, and with positive definite c8 and stiffness."""
     rng = np.random.default_rng(n)
     count = max(20, n)
     masses = rng.uniform(0.5, 1.5, count) / count
@@ -24,7 +24,7 @@ def dense(n: int) -> ModalBody:
 
 
 def beam(n: int) -> ModalBody:
-    """A straight line of masses in Gauss points, so that integrals of polynomials are exact but for rounding."""
+    """Point masses at Gauss points of a line, so that integrals of polynomials are exact up to rounding errors."""
     x, weights = np.polynomial.legendre.leggauss(n + 4)
     positions, modes = np.zeros((len(x), 3)), np.zeros((n, len(x), 3))
     positions[:, 0] = x
@@ -34,7 +34,7 @@ def beam(n: int) -> ModalBody:
 
 
 def _body(name: str, masses: Array, x: Array, modes: Array) -> ModalBody:
-    """The integrals of the appendix as sums over point masses."""
+    """A body with the integrals of the appendix as sums over point masses at x (count, 3), modes (n, count, 3)."""
     n = len(modes)
     fields = np.concatenate([x[None], modes])
     moments = np.einsum("k,pka,qkb->pqab", masses, fields, fields, optimize=True)
@@ -67,7 +67,7 @@ BODIES = {"dense": dense, "beam": beam}
 
 
 def states(n: int, count: int) -> dict[str, Array]:
-    """q, v and their rates of change, a row each: turned, bent a little, moving."""
+    """Random q, v, y = [q; v] and ydot with `count` rows: rotated, slightly deformed, in motion."""
     rng = np.random.default_rng(1000 + n)
     q = rng.uniform(-1, 1, (count, 7 + n))
     q[:, 3:7] /= np.linalg.norm(q[:, 3:7], axis=1, keepdims=True)

@@ -1,4 +1,4 @@
-"""Instructions inside one function, counted by callgrind: its own, and those of the C library that it calls."""
+"""The instructions of a function and of the C library functions that it calls, counted by callgrind."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from pathlib import Path
 
 @dataclass(frozen=True)
 class Count:
-    """Machine instructions an evaluation: of the function itself, and of the libraries behind it."""
+    """Machine instructions of an evaluation: those of the function itself, and those of library functions."""
 
     own: float
     library: float
@@ -22,28 +22,31 @@ class Count:
 
 
 def count(program: Path, function: str, evaluations: int) -> Count:
-    """Run a program that calls a function so many times; only what happens inside it is counted.
+    """The instructions of a function that a program calls `evaluations` times, without those of the program itself.
 
-    The count is of the simulated processor, hence the same in every run. Symbols are bound before the program starts.
+    Callgrind simulates the processor, so that every run has the same count. Symbols are bound at the start. Raises
+    RuntimeError if valgrind fails.
     """
     out = program.with_suffix(".callgrind")
     options = (f"--toggle-collect={function}", f"--callgrind-out-file={out}", "--compress-strings=no")
     command = ["valgrind", "--tool=callgrind", *options, "--compress-pos=no", str(program), str(evaluations)]
-    done = subprocess.run(command, capture_output=True, text=True, check=False, env={**os.environ, "LD_BIND_NOW": "1"})
-    if done.returncode:
-        raise RuntimeError(done.stderr)
+    result = subprocess.run(
+        command, capture_output=True, text=True, check=False, env={**os.environ, "LD_BIND_NOW": "1"}
+    )
+    if result.returncode:
+        raise RuntimeError(result.stderr)
     costs = self_costs(out.read_text())
     own = sum(n for (owner, name), n in costs.items() if owner == program.name and not is_stub(name))
     return Count(own / evaluations, (sum(costs.values()) - own) / evaluations)
 
 
 def is_stub(name: str) -> bool:
-    """Whether callgrind names a jump into a shared library, which has no symbol of its own."""
+    """Whether a name in the output of callgrind is a jump into a shared library, which has no symbol."""
     return name.startswith("0x")
 
 
 def self_costs(text: str) -> Counter[tuple[str, str]]:
-    """Exclusive costs by object file and function. The line after `calls=` is the callee's and is left out."""
+    """Exclusive costs by object file and function, without the costs of callees in the lines after `calls=`."""
     costs: Counter[tuple[str, str]] = Counter()
     owner = name = ""
     callee = False

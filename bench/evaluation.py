@@ -1,8 +1,8 @@
-"""Instructions and time of every kernel, for the beam in three frames: what the choice of the frame is worth.
+"""Instructions and time of every kernel of the beam in three frames, which shows the effect of the choice of frame.
 
 python bench/evaluation.py [--shapes 2 4 6 8] [--flags "-O2"]
 
-`point, orthogonal` is the point frame with its shapes made orthogonal, as those of the mean frame are.
+`point, orthogonal` is the point frame with orthogonal shape functions, which the mean frame always has.
 """
 
 from __future__ import annotations
@@ -30,25 +30,25 @@ ARRAYS = {"q": "q", "v": "v", "k": "k", "y": "q", "ydot": "ydot"}  # a state is 
 
 
 def variant(given: Problem, kernel: str) -> Variant:
-    """A kernel of ours with a call: its inputs by name, its outputs into one array each."""
-    whole = ours(given)
-    found = given.model.kernel(kernel)
-    inputs = [SCALARS[a.name] if a.scalar else ARRAYS[a.name] for a in found.arguments]
-    outputs = [f"out_{o.name}" for o in found.outputs]
-    arrays = "".join(f"\nstatic double out_{o.name}[{len(o.elements)}];" for o in found.outputs)
+    """A generated kernel, with a call that passes its inputs by name and stores each output in an array."""
+    all_kernels = ours(given)
+    generated = given.model.kernel(kernel)
+    inputs = [SCALARS[a.name] if a.scalar else ARRAYS[a.name] for a in generated.arguments]
+    outputs = [f"out_{o.name}" for o in generated.outputs]
+    arrays = "".join(f"\nstatic double out_{o.name}[{len(o.elements)}];" for o in generated.outputs)
     function = f"{given.model.name}_{kernel}"
     return Variant(
         name=kernel,
-        files=whole.files,
+        files=all_kernels.files,
         function=function,
-        declare=f"{whole.declare}{arrays}\nstatic const double ydot[{2 * given.inputs.nv}];",
-        once=f"{whole.once}\n    (void) ydot;",
+        declare=f"{all_kernels.declare}{arrays}\nstatic const double ydot[{2 * given.inputs.nv}];",
+        once=f"{all_kernels.once}\n    (void) ydot;",
         call=f"{function}({', '.join(inputs + outputs)})",
     )
 
 
 def solvable(given: Problem) -> None:
-    """Raise ModelError if accel leaves early at one of the states: its count would be of another path."""
+    """Raise ModelError if accel returns early in a state, in which case its instructions are not representative."""
     native = load(given.files)
     k, nv = native.setup(given.inputs.p), given.inputs.nv
     for state in given.inputs.states:
@@ -56,16 +56,16 @@ def solvable(given: Problem) -> None:
 
 
 def rows(shapes: int, flags: tuple[str, ...], folder: Path) -> dict[str, list[Measured]]:
-    """All kernels in all frames."""
-    found = {}
+    """The results of all kernels, by frame."""
+    results = {}
     for n, (name, (frame, orthogonal)) in enumerate(FRAMES.items()):
         given = problem(beam(frame, shapes, orthogonal))
         solvable(given)
-        found[name] = [
+        results[name] = [
             measure(variant(given, kernel), given.inputs, flags, folder / f"{shapes}_{n}_{kernel}", None)
             for kernel in KERNELS
         ]
-    return found
+    return results
 
 
 def main() -> None:
@@ -75,13 +75,13 @@ def main() -> None:
     options = parser.parse_args()
     flags = tuple(shlex.split(options.flags)) if options.flags else native_flags()
     print("\n".join([*described("casadi", "sympy"), f"flags     {shlex.join(flags)}"]))
-    print("columns   instructions (libm included) and nanoseconds an evaluation, of the call as well")
+    print("columns   instructions (libm included) and nanoseconds of an evaluation, including the call")
     with tempfile.TemporaryDirectory(prefix="tisserand-bench-") as folder:
         for shapes in options.shapes:
             print("\n" + f"{shapes} shapes".ljust(12) + "".join(name.rjust(22) for name in FRAMES))
-            found = rows(shapes, flags, Path(folder))
+            results = rows(shapes, flags, Path(folder))
             for n, kernel in enumerate(KERNELS):
-                cells = [f"{found[f][n].instructions.total:9.1f} {found[f][n].nanoseconds:9.1f} ns" for f in FRAMES]
+                cells = [f"{results[f][n].instructions.total:9.1f} {results[f][n].nanoseconds:9.1f} ns" for f in FRAMES]
                 print(kernel.ljust(12) + "".join(cell.rjust(22) for cell in cells), flush=True)
 
 

@@ -1,4 +1,4 @@
-"""Compile a variant of M and h with a loop around it: check its values, count its instructions, measure its time."""
+"""Compile a variant of M and h with a loop around it, check its values, count its instructions, measure its time."""
 
 from __future__ import annotations
 
@@ -22,9 +22,10 @@ TOLERANCE = 1e-12
 
 @dataclass(frozen=True)
 class Variant:
-    """One way to compute M and h: its C files by name, the function to count, and C text to call it.
+    """An implementation of M and h in C.
 
-    `once` stands before the loop and sees parameters p; `call` sees q, v and writes M and h.
+    files: their texts by name. function: the function whose instructions are counted. declare: its declarations. once:
+    C text before the loop, which may use the parameters p. call: C text in the loop; it computes M and h from q and v.
     """
 
     name: str
@@ -37,7 +38,7 @@ class Variant:
 
 @dataclass(frozen=True)
 class Inputs:
-    """Parameters, states (a row each: q, then v) and the sizes of M (stored values) and h."""
+    """Parameters p, states (n, 2 nv) with rows [q, v], the number nnz of stored values of M, and the size nv of h."""
 
     p: tuple[float, ...]
     states: Matrix
@@ -47,15 +48,15 @@ class Inputs:
 
 @dataclass(frozen=True)
 class Measured:
-    """What was found for a variant: instructions and nanoseconds."""
+    """Instructions and nanoseconds of an evaluation of a variant."""
 
     name: str
     instructions: Count
     nanoseconds: float
 
 
-# Without an argument: print the values of all states. With one: evaluate so many times. With two: print the time of
-# each of that many repeats. The function under test is in another file, so that no compiler sees into it.
+# Without an argument the program prints the values of all states. The first argument is a number of evaluations, the
+# second a number of repeats, whose times are printed. The function is in another file, so that it is not inlined.
 MAIN = """\
 #define _POSIX_C_SOURCE 199309L
 #include <stdio.h>
@@ -102,7 +103,7 @@ int main(int argc, char **argv)
 
 
 def program(variant: Variant, inputs: Inputs, flags: tuple[str, ...], folder: Path) -> Path:
-    """Write and compile a variant with its main function."""
+    """The compiled program of a variant with its main function."""
     folder.mkdir()
     rows = ",\n".join("    {" + ", ".join(map(repr, row.tolist())) + "}" for row in inputs.states)
     main = MAIN.format(
@@ -119,18 +120,18 @@ def program(variant: Variant, inputs: Inputs, flags: tuple[str, ...], folder: Pa
 
 
 def values(path: Path) -> Matrix:
-    """M and h of all states, a row each."""
+    """The values (states, nnz + nv) of M and h that a program computes."""
     text = subprocess.run([str(path)], capture_output=True, text=True, check=True).stdout
     return np.array([[float(word) for word in line.split()] for line in text.splitlines()])
 
 
 def instructions(path: Path, variant: Variant, inputs: Inputs) -> Count:
-    """The mean over all states."""
+    """The instructions of an evaluation, as the mean over all states."""
     return count(path, variant.function, 10 * len(inputs.states))
 
 
 def nanoseconds(path: Path, inputs: Inputs) -> float:
-    """Wall time of one evaluation with its call: the median over the repeats."""
+    """The wall-clock time (ns) of an evaluation and its call, as the median over the repeats."""
     evaluations = str(ROUNDS * 10 * len(inputs.states))
     text = subprocess.run([str(path), evaluations, str(REPEATS)], capture_output=True, text=True, check=True).stdout
     return statistics.median(map(float, text.split()))
@@ -139,7 +140,7 @@ def nanoseconds(path: Path, inputs: Inputs) -> float:
 def measure(
     variant: Variant, inputs: Inputs, flags: tuple[str, ...], folder: Path, reference: Matrix | None
 ) -> Measured:
-    """Compile, check against the reference if there is one, count and time. Raises ArithmeticError on other values."""
+    """The instructions and the time of a variant. Raises ArithmeticError if its values differ from `reference`."""
     path = program(variant, inputs, flags, folder)
     if reference is not None:
         error = np.max(np.abs(values(path) - reference) / (1.0 + np.abs(reference)))

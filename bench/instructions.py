@@ -1,4 +1,4 @@
-"""Machine instructions and time of one evaluation of M and h of the planar beam, ours and others'.
+"""Machine instructions and time of an evaluation of M and h of the planar beam, for all variants.
 
 python bench/instructions.py [--shapes 2 4 8] [--phi 0.5] [--flags "-O2 -std=c99 -ffp-contract=off"] [--json]
 """
@@ -24,7 +24,7 @@ FRAMES = ("point", "mean")
 
 
 def measured(frame: str, shapes: int, phi: float | None, flags: tuple[str, ...], folder: Path) -> list[Measured]:
-    """All variants of one beam; the reference is what our code computes when compiled as derive.load does."""
+    """The results of all variants of a beam; the reference is the generated code as derive.load compiles it."""
     given = problem(beam(frame, shapes), phi)
     native = load(given.files)
     nv = given.inputs.nv
@@ -38,7 +38,7 @@ def measured(frame: str, shapes: int, phi: float | None, flags: tuple[str, ...],
 
 
 def table(frame: str, shapes: int, rows: list[Measured]) -> str:
-    """One beam as text."""
+    """The results of a beam as a table of text."""
     head = f"{frame} frame, {shapes} shapes"
     lines = [f"{head:42}{'total':>9}{'own':>9}{'libm':>9}{'ns':>9}"]
     for row in rows:
@@ -50,31 +50,31 @@ def table(frame: str, shapes: int, rows: list[Measured]) -> str:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--shapes", type=int, nargs="+", default=[2, 4, 8])
-    parser.add_argument("--phi", type=float, help="the rotation at which libm is counted, instead of a whole turn")
+    parser.add_argument("--phi", type=float, help="the rotation (rad) of all states; by default evenly distributed")
     parser.add_argument("--flags", help="instead of -O3 -march=native")
     parser.add_argument("--json", action="store_true")
     options = parser.parse_args()
     flags = tuple(shlex.split(options.flags)) if options.flags else native_flags()
-    rotation = "phi evenly over one turn" if options.phi is None else f"phi = {options.phi}"
+    rotation = "phi evenly over a revolution" if options.phi is None else f"phi = {options.phi}"
     head = [
         *described("casadi", "sympy"),
         f"flags     {shlex.join(flags)}",
         f"counted   {first_line('valgrind', '--version')} callgrind, mean over 64 states, {rotation}",
     ]
     if NO_AVX512 in flags:
-        head.append("          AVX-512 is left out, because valgrind cannot run it")
-    found = {}
+        head.append("          AVX-512 is not used, because valgrind does not support it")
+    results = {}
     if not options.json:
         print("\n".join(head))
     with tempfile.TemporaryDirectory(prefix="tisserand-bench-") as folder:
         for shapes in options.shapes:
             for frame in FRAMES:
                 rows = measured(frame, shapes, options.phi, flags, Path(folder))
-                found[f"{frame} {shapes}"] = [asdict(row) for row in rows]
+                results[f"{frame} {shapes}"] = [asdict(row) for row in rows]
                 if not options.json:
                     print(f"\n{table(frame, shapes, rows)}", flush=True)
     if options.json:
-        print(json.dumps({"setting": head, "tables": found}, indent=2))
+        print(json.dumps({"setting": head, "tables": results}, indent=2))
 
 
 if __name__ == "__main__":

@@ -1,6 +1,6 @@
-"""Time several ways to compute one thing in one process, one after the other again and again.
+"""Interleaved timing: several implementations run alternately in one process, so that other load affects all of them.
 
-So whatever else the machine does meets all of them. Arrays come from files; the values of a way go to a file.
+The program reads arrays from files and writes the values of each implementation to a file.
 """
 
 from __future__ import annotations
@@ -20,10 +20,10 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Way:
-    """One way: C text that computes state s of `states` into `out`, of which `size` values are filled.
+class TimedCall:
+    """An implementation: C text `call` that computes `size` values of state s into `out`.
 
-    A way whose text computes `together` states at once is called once for all of them.
+    together: the number of states that the call computes, from s on.
     """
 
     name: str
@@ -40,7 +40,7 @@ MAIN = """\
 #include <time.h>
 %(declare)s
 
-enum { WAYS = %(ways)d, STATES = %(states)d, REPEATS = %(repeats)d };
+enum { CALLS = %(calls)d, STATES = %(states)d, REPEATS = %(repeats)d };
 static double *out;
 
 static double now(void)
@@ -69,38 +69,38 @@ static double *loaded(const char *path, size_t count)
 
 %(data)s
 %(functions)s
-typedef void (*way)(int s);
-static const way ways[] = {%(names)s};
+typedef void (*timed_call)(int s);
+static const timed_call calls[] = {%(names)s};
 static const int sizes[] = {%(sizes)s}, together[] = {%(together)s};
 
 int main(void)
 {
-    out = array(%(most)d);
+    out = array(%(largest)d);
 %(load)s
-    for (int w = 0; w < WAYS; w++) {
+    for (int w = 0; w < CALLS; w++) {
         char path[64];
         sprintf(path, "values_%%d.bin", w);
         FILE *file = fopen(path, "wb");
         for (int s = 0; s < STATES; s += together[w]) {
-            ways[w](s);
+            calls[w](s);
             fwrite(out, sizeof(double), (size_t) sizes[w], file);
         }
         fclose(file);
     }
-    long passes[WAYS];
-    for (int w = 0; w < WAYS; w++) {
+    long passes[CALLS];
+    for (int w = 0; w < CALLS; w++) {
         passes[w] = 1;
         for (;;) {
             const double start = now();
-            for (long k = 0; k < passes[w]; k++) for (int s = 0; s < STATES; s += together[w]) ways[w](s);
-            if (now() - start > %(least)g) break;
+            for (long k = 0; k < passes[w]; k++) for (int s = 0; s < STATES; s += together[w]) calls[w](s);
+            if (now() - start > %(minimum)g) break;
             passes[w] *= 2;
         }
     }
     for (int r = 0; r < REPEATS; r++)
-        for (int w = 0; w < WAYS; w++) {
+        for (int w = 0; w < CALLS; w++) {
             const double start = now();
-            for (long k = 0; k < passes[w]; k++) for (int s = 0; s < STATES; s += together[w]) ways[w](s);
+            for (long k = 0; k < passes[w]; k++) for (int s = 0; s < STATES; s += together[w]) calls[w](s);
             printf("%%.17g\\n", (now() - start) / (double) passes[w] / STATES);
         }
     return 0;
@@ -109,7 +109,7 @@ int main(void)
 
 
 def interleaved(
-    ways: Sequence[Way],
+    calls: Sequence[TimedCall],
     *,
     declare: str,
     once: str,
@@ -120,9 +120,14 @@ def interleaved(
     states: int,
     repeats: int,
     libraries: Sequence[str] = (),
-    least: float = 1e6,
+    minimum: float = 1e6,
 ) -> tuple[list[float], list[Array]]:
-    """Median nanoseconds of a state, and values of each way; `least` are the nanoseconds of a repeat."""
+    """The median time (ns) per state and the values of each call.
+
+    declare, once: C text before the functions, and after the arrays are loaded. arrays: arrays by name, for use in C.
+    scratch: sizes of further arrays. objects, libraries: files to link. folder: for the program and its data. states:
+    the number of states. repeats: the number of measurements of each call, each of at least `minimum` ns.
+    """
     for name, values in arrays.items():
         np.ascontiguousarray(values, dtype=np.float64).tofile(folder / f"{name}.bin")
     names = [*arrays, *scratch]
@@ -130,17 +135,17 @@ def interleaved(
     load += [f"    {name} = array({size});" for name, size in scratch.items()]
     text = MAIN % {
         "declare": declare,
-        "ways": len(ways),
+        "calls": len(calls),
         "states": states,
         "repeats": repeats,
         "data": "\n".join(f"static double *{name};" for name in names),
-        "functions": "\n".join(f"static void way_{n}(int s) {{ {way.call} }}" for n, way in enumerate(ways)),
-        "names": ", ".join(f"way_{n}" for n in range(len(ways))),
-        "sizes": ", ".join(str(way.size) for way in ways),
-        "together": ", ".join(str(way.together) for way in ways),
-        "most": max(way.size for way in ways) + 8,
+        "functions": "\n".join(f"static void call_{n}(int s) {{ {call.call} }}" for n, call in enumerate(calls)),
+        "names": ", ".join(f"call_{n}" for n in range(len(calls))),
+        "sizes": ", ".join(str(call.size) for call in calls),
+        "together": ", ".join(str(call.together) for call in calls),
+        "largest": max(call.size for call in calls) + 8,
         "load": "\n".join([*load, f"    {once}"]),
-        "least": least,
+        "minimum": minimum,
     }
     (folder / "main.c").write_text(text)
     program = folder / "program"
@@ -148,7 +153,7 @@ def interleaved(
     subprocess.run(list(map(str, command)), check=True)
     environment = {**os.environ, "OPENBLAS_NUM_THREADS": "1"}
     run = [str(program.resolve())]
-    done = subprocess.run(run, cwd=folder, env=environment, stdout=subprocess.PIPE, text=True, check=True)
-    times = np.array(done.stdout.split(), dtype=float).reshape(repeats, len(ways))
-    values = [np.fromfile(folder / f"values_{n}.bin").reshape(-1, way.size) for n, way in enumerate(ways)]
+    result = subprocess.run(run, cwd=folder, env=environment, stdout=subprocess.PIPE, text=True, check=True)
+    times = np.array(result.stdout.split(), dtype=float).reshape(repeats, len(calls))
+    values = [np.fromfile(folder / f"values_{n}.bin").reshape(-1, call.size) for n, call in enumerate(calls)]
     return np.median(times, axis=0).tolist(), values

@@ -1,4 +1,4 @@
-"""Run a command with limits of time and memory, and say how long it took and how much the largest process had."""
+"""Run a command with limits of time and memory, and measure its time and the memory of its largest process."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 MEMORY = 8000
-"""Megabytes of addresses that a process may have."""
+"""The limit of the address space of a process, MB."""
 
 CHILD = """
 import json, resource, subprocess, sys, time
@@ -27,16 +27,16 @@ print(json.dumps([done.returncode, seconds, peak / 1024, done.stdout, done.stder
 
 
 @dataclass(frozen=True)
-class Done:
-    """Seconds, megabytes, and what was printed."""
+class CommandResult:
+    """The time (s) of a command, the memory (MB) of its largest process, and its standard output."""
 
     seconds: float
     megabytes: float
     text: str
 
 
-def limited(command: Sequence[str | Path], limit: float | None = None) -> Done | None:
-    """None if it took longer than the limit. Raises RuntimeError when the command fails, of memory for example."""
+def limited(command: Sequence[str | Path], limit: float | None = None) -> CommandResult | None:
+    """The result of a command, None if it takes longer than `limit` seconds. Raises RuntimeError if it fails."""
     process = subprocess.Popen(
         [sys.executable, "-c", CHILD, str(MEMORY), *map(str, command)],
         stdout=subprocess.PIPE,
@@ -52,7 +52,7 @@ def limited(command: Sequence[str | Path], limit: float | None = None) -> Done |
         return None
     if process.returncode:
         raise RuntimeError(error)
-    code, seconds, megabytes, text, said = json.loads(out)
+    code, seconds, megabytes, text, errors = json.loads(out)
     if code:
-        raise RuntimeError(f"{' '.join(map(str, command))}\n{said}")
-    return Done(seconds, megabytes, text)
+        raise RuntimeError(f"{' '.join(map(str, command))}\n{errors}")
+    return CommandResult(seconds, megabytes, text)

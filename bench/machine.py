@@ -1,4 +1,4 @@
-"""What the figures of a run depend on, for the head of each table."""
+"""The machine, compiler and versions on which the figures of a run depend, for the head of each table."""
 
 from __future__ import annotations
 
@@ -13,17 +13,17 @@ NO_AVX512 = "-mno-avx512f"
 
 
 def cpu() -> str:
-    """The processor as the system names it."""
+    """The name of the processor."""
     info = Path("/proc/cpuinfo")
     fields = dict(line.split(":", 1) for line in info.read_text().splitlines() if ":" in line) if info.exists() else {}
-    known = {key.strip(): value.strip() for key, value in fields.items()}
-    if "model name" not in known:
+    details = {key.strip(): value.strip() for key, value in fields.items()}
+    if "model name" not in details:
         return platform.processor() or platform.machine()
-    return f"{known['model name']} (family {known.get('cpu family')}, model {known.get('model')})"
+    return f"{details['model name']} (family {details.get('cpu family')}, model {details.get('model')})"
 
 
 def first_line(*command: str) -> str:
-    """What a program says about itself."""
+    """The first line of the output of a command, such as a version."""
     try:
         return subprocess.run(command, capture_output=True, text=True, check=True).stdout.splitlines()[0]
     except (OSError, subprocess.CalledProcessError, IndexError):
@@ -33,7 +33,7 @@ def first_line(*command: str) -> str:
 def native_flags() -> tuple[str, ...]:
     """-O3 -march=native, without AVX-512, which valgrind 3.19 cannot run; no -ffast-math.
 
-    The compiler may fuse a product and a sum (its default in GNU C); derive.load forbids that for the sake of bits.
+    The compiler may fuse a product and a sum (its default in GNU C); derive.load forbids that, to get identical bits.
     """
     macros = subprocess.run(
         [*compiler(), "-march=native", "-dM", "-E", "-x", "c", "-"],
@@ -43,7 +43,7 @@ def native_flags() -> tuple[str, ...]:
 
 
 def described(*packages: str) -> list[str]:
-    """Machine, compiler and versions, a line each."""
+    """Lines of text with the machine, the compiler, and the versions of Python and of packages."""
     libraries = ", ".join(f"{name} {version(name)}" for name in packages)
     return [
         f"machine   {cpu()}, {platform.system()} {platform.machine()}, {' '.join(platform.libc_ver())}",

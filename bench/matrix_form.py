@@ -1,9 +1,9 @@
-"""M, h and the iteration matrix of a body in space in CasADi, written by hand from (15) in matrix form.
+"""M, h and the iteration matrix of a spatial body in CasADi, written by hand from the matrix form of (15).
 
 python bench/matrix_form.py DATA SIZE ITEM FOLDER
 
-Independent of Tisserand but for the numbers of the body and the order in which values are stored. The C is what
-`Function.generate` makes of the expression, with `ca.cse` before. Prints what it took as JSON.
+The only parts of Tisserand in it are the numbers of the body and the order of the stored values. The C is that of
+`Function.generate` after `ca.cse`. Prints the seconds, the operations and the sizes as JSON.
 """
 
 from __future__ import annotations
@@ -25,14 +25,14 @@ NO_OPERATION = {ca.OP_CONST, ca.OP_INPUT, ca.OP_OUTPUT, ca.OP_PARAMETER, ca.OP_A
 
 @dataclass
 class Integrals:
-    """Numbers of a body, or a parameter for each of its independent entries."""
+    """The integrals of a body as numbers or, if `symbolic`, as a parameter for each independent entry."""
 
     symbolic: bool
     symbols: list[Any] = field(default_factory=list)
     values: list[float] = field(default_factory=list)
 
     def table(self, numbers: np.ndarray, kind: str = "full") -> Any:
-        """A matrix; of a symmetric or a skew one the lower triangle is independent."""
+        """A matrix of kind "full", "symmetric" or "skew"; of the last two the lower triangle is independent."""
         rows, cols = numbers.shape
         if not self.symbolic:
             return ca.SX(ca.sparsify(ca.DM(numbers)))
@@ -47,12 +47,13 @@ class Integrals:
 
 
 def skew(a: Any) -> Any:
+    """The skew-symmetric matrix of a vector."""
     return ca.skew(a)
 
 
 @dataclass(frozen=True)
 class Expressions:
-    """What (15) says: M, h and F of the first-order form, of symbols."""
+    """M and h of (15), and the residual F of the first-order form, in terms of symbols."""
 
     q: Any
     v: Any
@@ -64,8 +65,8 @@ class Expressions:
     F: Any
 
 
-def expressions(data: str, n: int) -> Expressions:
-    """(15) and the appendix. D2_i w = S_i w - d3_i x w / 2, so S_i alone is needed of it, and Sdot, d3dot."""
+def matrix_form(data: str, n: int) -> Expressions:
+    """The expressions of (15) and the appendix. Since D2_i w = S_i w - d3_i x w / 2, only S_i is needed, not D2_i."""
     body = BODIES[data](n)
     given = Integrals(data == "dense")
     even = (body.C5 + np.swapaxes(body.C5, -1, -2)) / 2
@@ -106,39 +107,40 @@ def expressions(data: str, n: int) -> Expressions:
 
 
 def tensor(pairs: list[Any]) -> Any:
+    """The symmetric tensor of six components."""
     a, b, c, d, e, f = pairs
     return ca.blockcat([[a, b, c], [b, d, e], [c, e, f]])
 
 
-def result(item: str, said: Expressions, cj: Any) -> Any:
-    """The lower triangle of M, h, or the iteration matrix, without zeros."""
+def result(item: str, expressions: Expressions, cj: Any) -> Any:
+    """The lower triangle of M, h, or the iteration matrix, without structural zeros."""
     if item == "force":
-        return ca.densify(said.h)
+        return ca.densify(expressions.h)
     if item == "mass":
-        return ca.sparsify(ca.tril(said.M))
-    y = ca.vertcat(said.q, said.v)
-    return ca.sparsify(ca.jacobian(said.F, y) + cj * ca.jacobian(said.F, said.ydot))
+        return ca.sparsify(ca.tril(expressions.M))
+    y = ca.vertcat(expressions.q, expressions.v)
+    return ca.sparsify(ca.jacobian(expressions.F, y) + cj * ca.jacobian(expressions.F, expressions.ydot))
 
 
 def main(argv: list[str]) -> None:
     data, size, item, folder = argv[0], int(argv[1]), argv[2], Path(argv[3])
     start = time.perf_counter()
-    said = expressions(data, size)
+    form = matrix_form(data, size)
     cj = ca.SX.sym("cj")
-    expr = result(item, said, cj)
+    expr = result(item, form, cj)
     shape = expr.sparsity()
     flat = ca.vertcat(*expr.nonzeros())
-    arguments = {"mass": [said.q], "force": [said.q, said.v], "jacobian": [said.q, said.v, said.ydot, cj]}[item]
+    arguments = {"mass": [form.q], "force": [form.q, form.v], "jacobian": [form.q, form.v, form.ydot, cj]}[item]
     name = f"casadi_{item}"
-    function = ca.Function(name, [*arguments, said.parameters], [ca.cse(flat)])
+    function = ca.Function(name, [*arguments, form.parameters], [ca.cse(flat)])
     function.generate(f"{name}.c", {"with_header": False})
     seconds = time.perf_counter() - start
     Path(f"{name}.c").rename(folder / f"{name}.c")
-    np.array(said.values).tofile(folder / "parameters.bin")
+    np.array(form.values).tofile(folder / "parameters.bin")
     row, col = shape.get_triplet()
     np.savez(folder / f"{name}.npz", row=row, col=col)
     kinds = (function.instruction_id(k) for k in range(function.n_instructions()))
-    told = {
+    figures = {
         "seconds": seconds,
         "operations": sum(kind not in NO_OPERATION for kind in kinds),
         "bytes": (folder / f"{name}.c").stat().st_size,
@@ -146,7 +148,7 @@ def main(argv: list[str]) -> None:
         "work": function.sz_w(),
         "arguments": len(arguments) + 1,
     }
-    print(json.dumps(told))
+    print(json.dumps(figures))
 
 
 if __name__ == "__main__":

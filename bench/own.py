@@ -1,8 +1,9 @@
-"""A model of ours for the benchmark of scale: its C, with each function in a file of its own.
+"""The generated C of a model for the benchmark of scale, with each function in a separate file.
 
 python bench/own.py DATA SIZE LOWERING FOLDER
 
-So compilers are measured by the function. Prints what it took, all functions together, as JSON.
+Compilers can thus be measured for each function. Prints the seconds of all functions together, the sizes of p and k,
+and the operations, bytes and output sizes of each function as JSON.
 """
 
 from __future__ import annotations
@@ -24,45 +25,45 @@ SEPARATE = ("setup", "mass", "force", "jacobian", "mass_force", "accel")
 
 
 def model(data: str, size: int, lowering: str, name: str) -> tuple[Model, np.ndarray]:
-    """The model and its p: integrals are parameters where they are dense, else numbers of the model."""
+    """A model and its parameters p. The integrals of a dense body are parameters, those of a beam are numbers."""
     body = BODIES[data](size)
     if data == "beam":
-        made = derive.lower(derive.derive_modal(body, None, lowering))
-        return made, np.array(made.defaults)
+        lowered = derive.lower(derive.derive_modal(body, None, lowering))
+        return lowered, np.array(lowered.defaults)
     spec = derive.symbolic_body(name, size, frame="given", lowering=lowering)
     return derive.lower(derive.derive(spec)), derive.parameters(body, spec)
 
 
 def function(source: str, name: str) -> str:
-    """The text of one function of a C file."""
-    found = re.search(rf"^int {name}\(.*?^}}\n", source, re.MULTILINE | re.DOTALL)
-    assert found, name
-    return found.group()
+    """The text of a function in the text of a C file."""
+    match = re.search(rf"^int {name}\(.*?^}}\n", source, re.MULTILINE | re.DOTALL)
+    assert match, name
+    return match.group()
 
 
 def main(argv: list[str]) -> None:
     data, size, lowering, folder = argv[0], int(argv[1]), argv[2], Path(argv[3])
     start = time.perf_counter()
-    made, p = model(data, size, lowering, f"{data}_{size}_{lowering}")
-    header, source = CBackend().files(made, "a benchmark")
+    generated, p = model(data, size, lowering, f"{data}_{size}_{lowering}")
+    header, source = CBackend().files(generated, "a benchmark")
     seconds = time.perf_counter() - start
     prefix = f"own_{lowering}_"
-    head = source.text[: source.text.index(f"int {made.name}_setup(")]
-    shared = header.text + head.replace(f'#include "{made.name}.h"', "")
+    head = source.text[: source.text.index(f"int {generated.name}_setup(")]
+    shared = header.text + head.replace(f'#include "{generated.name}.h"', "")
     for name in SEPARATE:
-        text = shared + function(source.text, f"{made.name}_{name}")
-        (folder / f"{prefix}{name}.c").write_text(text.replace(f"{made.name}_", prefix))
+        text = shared + function(source.text, f"{generated.name}_{name}")
+        (folder / f"{prefix}{name}.c").write_text(text.replace(f"{generated.name}_", prefix))
     p.tofile(folder / f"{prefix}p.bin")
-    told: dict[str, object] = {"seconds": seconds, "np": len(p), "nk": sum(v.size for v in made.constants)}
+    figures: dict[str, object] = {"seconds": seconds, "np": len(p), "nk": sum(v.size for v in generated.constants)}
     for name in SEPARATE:
-        kernel = made.kernel(name)
-        own = len(function(source.text, f"{made.name}_{name}"))
-        told[name] = {"operations": kernel.operations, "bytes": own, "size": [o.size for o in kernel.outputs]}
+        kernel = generated.kernel(name)
+        length = len(function(source.text, f"{generated.name}_{name}"))
+        figures[name] = {"operations": kernel.operations, "bytes": length, "size": [o.size for o in kernel.outputs]}
     for item, output in (("mass", "M"), ("jacobian", "jac")):
-        shape = made.pattern(item, output)
+        shape = generated.pattern(item, output)
         row, col = zip(*shape.entries, strict=True)
         np.savez(folder / f"{prefix}{item}.npz", row=row, col=col)
-    print(json.dumps(told))
+    print(json.dumps(figures))
 
 
 if __name__ == "__main__":

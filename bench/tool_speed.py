@@ -1,9 +1,9 @@
-"""Seconds from a specification to its files, by stage, and what the imports cost.
+"""Seconds from a specification to its generated files, by stage, and seconds of the imports.
 
 python bench/tool_speed.py [--shapes 2 3 4 5 6 7 8 9 10] [--runs 5]
 
-Every run is a process of its own, so that no cache of SymPy helps the next; its imports are done before the clock
-starts. The imports are measured by themselves.
+Every run is a separate process, so that caches of SymPy have no effect; the time does not include its imports, which
+are measured separately.
 """
 
 from __future__ import annotations
@@ -42,14 +42,14 @@ def specification(frame: str, shapes: int) -> str:
 
 
 def stage_seconds(path: Path, runs: int) -> list[float]:
-    """The median over the runs, stage by stage."""
+    """The time (s) of each stage, as the median over the runs."""
     command = [sys.executable, "-c", RUN, str(path)]
-    found = [json.loads(subprocess.run(command, capture_output=True, check=True).stdout) for _ in range(runs)]
-    return [statistics.median(column) for column in zip(*found, strict=True)]
+    times = [json.loads(subprocess.run(command, capture_output=True, check=True).stdout) for _ in range(runs)]
+    return [statistics.median(column) for column in zip(*times, strict=True)]
 
 
 def import_seconds(statement: str, runs: int) -> float:
-    """A process that does nothing else."""
+    """The time (s) of a process that runs a statement, as the median over the runs."""
 
     def once() -> float:
         start = time.perf_counter()

@@ -1,4 +1,4 @@
-"""What the numerical methods need of a compiled scene: its functions as a protocol, and its matrices as arrays."""
+"""The interface of compiled scenes to numerical methods: functions as a protocol, and matrices as dense arrays."""
 
 from __future__ import annotations
 
@@ -31,42 +31,42 @@ class ConstrainedSystem(Protocol):
     constraint_pattern: Pattern
 
     def mass(self, q: Vector, k: Vector) -> Vector:
-        """Values of the lower triangle of M."""
+        """The values of the lower triangle of the mass matrix M by columns."""
 
     def force(self, t: float, q: Vector, v: Vector, k: Vector) -> Vector:
-        """h."""
+        """The forces h (nv,)."""
 
     def accel(self, t: float, q: Vector, v: Vector, k: Vector) -> Vector:
-        """vdot; raises ModelError, 1 if a pivot vanishes."""
+        """The accelerations vdot (nv,). Raises ModelError, with code 1 if a pivot vanishes."""
 
     def solve(self, t: float, q: Vector, v: Vector, k: Vector) -> tuple[Vector, Vector]:
-        """vdot and lambda."""
+        """The accelerations vdot (nv,) and the multipliers lambda (nlambda,). Raises ModelError."""
 
     def constraints(self, t: float, q: Vector, k: Vector) -> Vector:
-        """g (m, rad)."""
+        """The constraints g (nlambda,), m or rad."""
 
     def constraint_rates(self, t: float, q: Vector, v: Vector, k: Vector) -> Vector:
-        """G v + dg/dt (m/s, rad/s)."""
+        """Their time derivatives G v + dg/dt (nlambda,), m/s or rad/s."""
 
     def constraint_jacobian(self, t: float, q: Vector, k: Vector) -> Vector:
-        """Values of G."""
+        """The values of the Jacobian G by columns."""
 
     def project_velocity(self, t: float, q: Vector, k: Vector, r: Vector) -> Vector:
-        """The smallest change of v, in the metric of M, with G dv = r."""
+        """The smallest change dv (nv,) of v, in the metric of M, with G dv = r (nlambda,). Raises ModelError."""
 
 
 def mass_matrix(native: ConstrainedSystem, q: Vector, k: Vector) -> Matrix:
-    """M (nv, nv)."""
+    """The mass matrix M (nv, nv)."""
     return native.mass_pattern.dense(native.mass(q, k))
 
 
 def constraint_matrix(native: ConstrainedSystem, t: float, q: Vector, k: Vector) -> Matrix:
-    """G (nlambda, nv)."""
+    """The constraint Jacobian G (nlambda, nv)."""
     return native.constraint_pattern.dense(native.constraint_jacobian(t, q, k))
 
 
 def kkt_matrix(native: ConstrainedSystem, t: float, q: Vector, k: Vector) -> Matrix:
-    """[M, -G^T; -G, 0] (nv + nlambda, nv + nlambda), in SI units, not scaled."""
+    """The KKT matrix [M, -G^T; -G, 0] (nv + nlambda, nv + nlambda), in SI units and without scaling."""
     M, G = mass_matrix(native, q, k), constraint_matrix(native, t, q, k)
     return np.block([[M, -G.T], [-G, np.zeros((len(G), len(G)))]])
 
@@ -77,7 +77,7 @@ def coordinates_with(native: ConstrainedSystem, *roles: Role) -> Mask:
 
 
 def max_norm(values: Vector) -> float:
-    """The largest absolute value: infinite if one is not finite, 0 of an empty vector."""
+    """The largest absolute value: infinite if a value is not finite, 0 for an empty vector."""
     if not np.all(np.isfinite(values)):
         return float("inf")
     return float(np.max(np.abs(values), initial=0.0))

@@ -1,4 +1,4 @@
-"""The errors of a simulation: every text says where, what, by how much, and what to do."""
+"""The errors of a simulation. Each message states where the fault is, what it is, its size, and a remedy."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ AT_DEAD_CENTRE = (
 
 
 class SimulationError(TisserandError):
-    """A simulation that cannot start or go on, for a reason that the text explains."""
+    """A simulation cannot start or continue."""
 
 
 @dataclass(frozen=True)
 class Dependence:
-    """A constraint, and those that together imply it; all by the names of their multipliers."""
+    """A constraint and the constraints that together imply it, by the names of their multipliers."""
 
     name: str
     on: tuple[str, ...]
@@ -47,9 +47,9 @@ class InconsistentInitialState(SimulationError):
 
 
 class ExcessiveDeformation(SimulationError):
-    """Only beams that bend far meet the constraints initially.
+    """The initial state meets the constraints only with deflections beyond the range of linear displacements.
 
-    deflections: by names of beams, the largest deflection divided by the length of a piece.
+    deflections: for each beam, by name, its largest deflection divided by the length of a piece.
     """
 
     def __init__(self, deflections: Mapping[str, float]) -> None:
@@ -62,7 +62,7 @@ class ExcessiveDeformation(SimulationError):
 
 
 class RedundantConstraints(SimulationError):
-    """Constraints that others imply, in this state and in those around it."""
+    """Other constraints imply some of the constraints, in the initial state and in neighbouring states."""
 
     def __init__(self, redundant: Sequence[Dependence]) -> None:
         self.redundant = tuple(redundant)
@@ -75,9 +75,10 @@ class RedundantConstraints(SimulationError):
 
 
 class SingularConfiguration(SimulationError):
-    """A dead centre: the constraints depend on each other in this state alone.
+    """The mechanism is at a dead centre: the constraints depend on each other in this state only.
 
-    t: in s. smallest: the smallest singular value of the scaled constraints. multipliers: the names of those that grow.
+    t: the time (s). smallest: the smallest singular value of the scaled constraints. multipliers: the names of the
+    multipliers that grow without bound.
     """
 
     def __init__(self, t: float, smallest: float, multipliers: Sequence[str], advice: str = AT_DEAD_CENTRE) -> None:
@@ -90,7 +91,7 @@ class SingularConfiguration(SimulationError):
 
 
 class DriveCannotBeFollowed(SingularConfiguration):
-    """A drive has brought the mechanism to where it cannot go on. `drives`: the multipliers that change with time."""
+    """A drive has moved the mechanism to a dead centre that it cannot pass. `drives`: the names of its multipliers."""
 
     def __init__(self, t: float, smallest: float, multipliers: Sequence[str], drives: Sequence[str]) -> None:
         self.drives = tuple(drives)
@@ -99,7 +100,7 @@ class DriveCannotBeFollowed(SingularConfiguration):
 
 
 class MasslessMotion(SimulationError):
-    """A motion that the constraints allow and that moves no mass; `coordinates` take part in it."""
+    """The constraints allow a motion that moves no mass; `coordinates` are the names of those that it involves."""
 
     def __init__(self, coordinates: Sequence[str]) -> None:
         self.coordinates = tuple(coordinates)
@@ -125,7 +126,7 @@ class DriftTooLarge(SimulationError):
 
 
 class IntegrationStopped(SimulationError):
-    """The integrator cannot go on after t (s), and no singular constraint is the reason."""
+    """The integrator cannot continue after t (s), and singular constraints are not the reason."""
 
     def __init__(self, t: float, reason: str) -> None:
         self.t = t
@@ -138,4 +139,5 @@ class IntegrationStopped(SimulationError):
 
 
 def _enumeration(names: Sequence[str]) -> str:
+    """The names in a sentence: a, b and c."""
     return ", ".join(names[:-1]) + " and " + names[-1] if len(names) > 1 else "".join(names)

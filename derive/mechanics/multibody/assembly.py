@@ -13,7 +13,7 @@ from derive.errors import Problem, SpecError
 from derive.mechanics import quantity
 from derive.mechanics.multibody.bodies.body_type import BodyType, Component, Constant
 from derive.mechanics.multibody.bodies.registry import BODIES
-from derive.mechanics.multibody.coordinates import CoordinateMap, free
+from derive.mechanics.multibody.coordinates import CoordinateMap, free_coordinates
 from derive.mechanics.multibody.forces.registry import elements
 from derive.mechanics.multibody.instances import point_motions
 from derive.mechanics.multibody.joints.joint_type import PrescribedMotion, Support
@@ -133,7 +133,7 @@ class _Assembly:
         self._complete(body)
         components = body_type(body).components(body, self.gravity)
         for component in components:
-            self._add(component, free(component.name, component.body.motion))
+            self._add(component, free_coordinates(component.name, component.body.motion))
         return [component.name for component in components]
 
     def _add(self, component: Component, coordinates: CoordinateMap) -> None:

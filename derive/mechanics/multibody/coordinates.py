@@ -1,7 +1,7 @@
-"""Minimal coordinates: the free coordinates of a body as functions of those that it has in a mechanism.
+"""Minimal coordinates: the coordinates of a free body as functions of its coordinates in a mechanism.
 
-A joint to the ground, or to a body whose motion is known, eliminates coordinates of a rigid body. A flexible body keeps
-all: of it a joint holds a point, not a coordinate.
+A joint to the ground, or to a body with a prescribed motion, eliminates coordinates of a rigid body. A flexible body
+keeps all of its coordinates, because the joint constrains a point of it, whose position depends on all of them.
 """
 
 from __future__ import annotations
@@ -21,9 +21,9 @@ from derive.mechanics.terms import Coordinate, EquationOfMotion, Intermediate
 class CoordinateMap:
     """The coordinates of a body in a mechanism, and those of the free body as functions of them.
 
-    `values` gives each coordinate, velocity and acceleration of the free body; `weights` the combination of rows of the
-    free body that each new row is, by their names. `definitions` are those of a prescribed motion, `reason` says why
-    coordinates are eliminated.
+    coordinates, rows: those of the body in the mechanism. values: each coordinate, velocity and acceleration of the
+    free body as an expression of them. weights: for each of `rows`, the factors of the equations of the free body, by
+    name, whose sum it is. definitions: the quantities of a prescribed motion. reason: why coordinates are eliminated.
     """
 
     coordinates: tuple[Coordinate, ...]
@@ -34,8 +34,8 @@ class CoordinateMap:
     reason: str = ""
 
 
-def free(name: str, motion: Motion) -> CoordinateMap:
-    """All coordinates, with the name of the body in front."""
+def free_coordinates(name: str, motion: Motion) -> CoordinateMap:
+    """The map of a body that keeps all coordinates; their names get that of the body as a prefix."""
     coordinates, rows = [], []
     values: dict[sp.Basic, sp.Basic] = {}
     for coordinate, row in zip(motion.coordinates, motion.rows, strict=True):
@@ -46,8 +46,12 @@ def free(name: str, motion: Motion) -> CoordinateMap:
     return CoordinateMap(tuple(coordinates), tuple(rows), values, tuple({row.name: sp.S.One} for row in motion.rows))
 
 
-def prescribed(name: str, motion: Motion, at: PointMotion, rotation: Derivatives, reason: str) -> CoordinateMap:
-    """No coordinates: O follows a known point, and the rotation and its two derivatives are known functions of t."""
+def prescribed_motion(name: str, motion: Motion, at: PointMotion, rotation: Derivatives, reason: str) -> CoordinateMap:
+    """The map of a body without coordinates.
+
+    Its origin O follows a point `at` whose motion is prescribed; `rotation` is the rotation angle (rad) and its two
+    derivatives as functions of t.
+    """
     values, definitions = _origin(name, motion, at)
     for symbol, value in zip(_symbols(motion, 2), rotation, strict=True):
         new, own = _named(name, symbol, value, f"prescribed rotation of {name}")
@@ -57,7 +61,7 @@ def prescribed(name: str, motion: Motion, at: PointMotion, rotation: Derivatives
 
 
 def rotation_only(name: str, motion: Motion, at: PointMotion, reason: str) -> CoordinateMap:
-    """The rotation alone: O follows a known point."""
+    """The map of a body whose only coordinate is its rotation; O follows a point `at` whose motion is prescribed."""
     values, definitions = _origin(name, motion, at)
     coordinate, row = _coordinate(owned(quantity(Family.ANGLE), name), f"rotation of {name}", "rad")
     values |= dict(zip(_symbols(motion, 2), (coordinate.q, row.v, row.a), strict=True))
@@ -68,7 +72,10 @@ def rotation_only(name: str, motion: Motion, at: PointMotion, reason: str) -> Co
 def displacement_only(
     name: str, motion: Motion, at: PointMotion, axis: sp.Matrix, rotation: sp.Expr, reason: str
 ) -> CoordinateMap:
-    """The displacement s along an axis through a point of the ground alone."""
+    """The map of a body whose only coordinate is the displacement s of O along a guide that is fixed to the ground.
+
+    at: the point of the guide at s = 0. axis (2, 1): its direction. rotation: the constant rotation of the body (rad).
+    """
     coordinate, row = _coordinate(owned(quantity(Family.GUIDE), name), f"displacement of {name} along its guide", "m")
     values: dict[sp.Basic, sp.Basic] = {}
     for k in range(2):
@@ -80,23 +87,25 @@ def displacement_only(
 
 
 def _coordinate(q: Symbol, doc: str, unit: str) -> tuple[Coordinate, EquationOfMotion]:
+    """A coordinate, and the equation of motion of its virtual displacement."""
     name = q.name
     v, a = (Symbol(replace(q.identity, derivative=d)) for d in (1, 2))
-    work = "N m" if unit == "rad" else "N"
-    return Coordinate(q, doc, unit), EquationOfMotion(name, v, a, f"time derivative of {name}", f"{unit}/s", work)
+    force_unit = "N m" if unit == "rad" else "N"
+    return Coordinate(q, doc, unit), EquationOfMotion(name, v, a, f"time derivative of {name}", f"{unit}/s", force_unit)
 
 
 def _symbols(motion: Motion, k: int) -> tuple[sp.Symbol, sp.Symbol, sp.Symbol]:
+    """Coordinate k of the free body, its velocity and its acceleration."""
     return motion.coordinates[k].q, motion.rows[k].v, motion.rows[k].a
 
 
 def _origin(name: str, motion: Motion, at: PointMotion) -> tuple[dict[sp.Basic, sp.Basic], list[Intermediate]]:
-    """c of a body whose origin O follows a known point; what moves has a name."""
+    """The values of c and its derivatives for an origin O that follows a point, with the definitions for them."""
     values: dict[sp.Basic, sp.Basic] = {}
     definitions: list[Intermediate] = []
     for k in range(2):
-        moved = (at.position[k], at.velocity[k], at.acceleration[k])
-        for symbol, value in zip(_symbols(motion, k), moved, strict=True):
+        point = (at.position[k], at.velocity[k], at.acceleration[k])
+        for symbol, value in zip(_symbols(motion, k), point, strict=True):
             new, own = _named(name, symbol, value, f"prescribed motion of the origin of {name}")
             values[symbol] = new
             definitions += own
@@ -104,7 +113,7 @@ def _origin(name: str, motion: Motion, at: PointMotion) -> tuple[dict[sp.Basic, 
 
 
 def _named(name: str, symbol: sp.Symbol, value: sp.Expr, doc: str) -> tuple[sp.Expr, list[Intermediate]]:
-    """A number or a symbol as it is; else a definition."""
+    """The value itself if it is a number or a symbol; otherwise a new symbol, and its definition."""
     if value.is_Rational or value.is_Symbol:
         return value, []
     new = owned(symbol, name)

@@ -23,7 +23,7 @@ ANGLE = 0.05
 """rad: the rotation of bodies to the neighbouring states; of lengths, the part of the size of the mechanism."""
 DIRECTIONS = 3
 FIRST_DELAY, DOUBLINGS = 1e-6, 30
-"""s: drives are followed for this time, then twice as long and so on, until they have moved something by ANGLE."""
+"""The first delay (s) after which the motion of drives is considered, and how often it is doubled to reach ANGLE."""
 
 
 def neighbouring_states(
@@ -39,7 +39,7 @@ def neighbouring_states(
     everything = np.ones(native.nq, dtype=bool)
     for direction in _directions(native, k, t, q, active):
         yield t, _projected(native, k, t, q, direction, active)
-        for time in times:  # from beside q: a dead centre itself has no continuation
+        for time in times:  # start next to q, because a dead centre itself has no continuation
             state = closest_state(native, k, time, q + direction, everything)
             if state.converged:
                 yield time, state.q
@@ -83,7 +83,7 @@ def _projected(
 
 
 def _time_of_motion(native: ConstrainedSystem, k: Vector, t: float, q: Vector, sign: float) -> float | None:
-    """The time (s), after or before t, at which drives have moved something by ANGLE; None if they stand still."""
+    """The time (s), after or before t, at which drives have moved the mechanism by ANGLE; None if they do not."""
     now = native.constraints(t, q, k)
     for doubling in range(DOUBLINGS):
         time = t + sign * FIRST_DELAY * 2.0**doubling

@@ -30,8 +30,8 @@ def drift(native: ConstrainedSystem, k: Vector, t: float, q: Vector, v: Vector) 
 def project(native: ConstrainedSystem, k: Vector, t: float, q: Vector, v: Vector) -> tuple[Vector, Vector]:
     """The state (q, v) on its constraints, to rounding errors where Newton's method converges.
 
-    Raises ModelError where the constraints are singular. From a state that is too far off Newton's method does not
-    converge, and the result keeps a drift: see `check_drift`.
+    Raises ModelError where the constraints are singular. If the state is too far from the constraints,
+    Newton's method does not converge and the result violates them: see `check_drift`.
     """
     g = native.constraints(t, q, k)
     for _ in range(NEWTON_STEPS):
@@ -41,7 +41,7 @@ def project(native: ConstrainedSystem, k: Vector, t: float, q: Vector, v: Vector
         g_moved = native.constraints(t, moved, k)
         if not max_norm(g_moved) < max_norm(g):
             break
-        stalled = max_norm(g_moved) > 0.1 * max_norm(g)  # rounding errors: no more to gain
+        stalled = max_norm(g_moved) > 0.1 * max_norm(g)  # rounding errors prevent further progress
         q, g = moved, g_moved
         if stalled:
             break

@@ -14,8 +14,9 @@ from derive.simulation.compiled_scene import ConstrainedSystem, Mask, constraint
 RANDOM_ORIENTATIONS = 7
 """The number of random orientations of all bodies in which the typical length of a constraint's row is measured."""
 SINGULAR = 1e-7
-"""Singular values of scaled constraints below this count as zero. A rod in 30 beams that are welded together has 1e-2,
-and where a dead centre is a double root, positions are good to the root of the rounding error, 1e-8."""
+"""Singular values of scaled constraints below this count as zero. A rod of 30 beams that are welded
+together has 1e-2. At a dead centre that is a double root, positions have an error of 1e-8, the root of the rounding
+error."""
 
 
 def mass_factor(M: Matrix) -> Matrix:
@@ -42,8 +43,8 @@ def typical_row_norms(
 ) -> Vector:
     """The root mean square lengths (nlambda,) of the rows of G R^-1, over this state and random orientations of bodies.
 
-    free: the columns of G that count, all by default. The length in one state is no measure: a row may vanish at a dead
-    centre, where a drive finds a body of one coordinate on a line. Rows that are zero in all states get 1.
+    free: the columns of G that count, all by default. The length in a single state is not suitable, because a row may
+    vanish at a dead centre. Rows that are zero in all states get 1.
     """
     angles = coordinates_with(native, Role.ROTATION)
     random = np.random.default_rng(0)

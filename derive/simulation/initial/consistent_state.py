@@ -23,9 +23,9 @@ from derive.simulation.constraints.scaling import in_mass_metric, mass_factor, t
 from derive.simulation.errors import InconsistentInitialState
 
 RATES_CONSISTENT = 1e-9
-"""Rates |gdot| below this (m/s, rad/s; times the largest velocity if that is above 1) are met."""
+"""Constraints on velocities with |gdot| below this (m/s, rad/s; times the largest |v| if above 1) are met."""
 PERTURBATIONS = (0.05, 0.2, 0.5)
-"""rad: perturbations of a guess from which no consistent state is found, such as bars that lie in one line."""
+"""Perturbations (rad) of a guess from which the iteration does not converge, such as bars that lie in one line."""
 
 
 @dataclass(frozen=True, eq=False)

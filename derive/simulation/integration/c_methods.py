@@ -27,7 +27,7 @@ STEPS_PER_ROW = 10
 """The steps of the generalised-alpha method between two rows, unless the step is given."""
 
 Run = Callable[[Vector, Vector, float, float, int], Integration]
-"""The rows from q, v at t0 (s), with an interval (s) between rows, and their number without the first."""
+"""A function of q (nq,), v (nv,), t0 (s), the interval between rows (s) and the number of rows after the first."""
 
 
 def rk4(files: Sequence[File]) -> Integrator:
@@ -80,6 +80,7 @@ def ida(files: Sequence[File]) -> Integrator:
 
 
 def _scene(host: CIntegrator) -> NativeScene:
+    """The compiled scene of a C integrator. Raises ValueError if its model is a body."""
     if not isinstance(host.native, NativeScene):
         raise ValueError(f"{host.native.name} is a body, not a scene")
     return host.native
@@ -88,7 +89,7 @@ def _scene(host: CIntegrator) -> NativeScene:
 def _solution(
     native: NativeScene, run: Run, k: Vector, q: Vector, v: Vector, times: Sequence[float] | Vector, settings: Settings
 ) -> Solution:
-    """Run over each part of `times` with equal intervals; raises SimulationError with the reason of a failure."""
+    """The solution, by a call of `run` for each part of `times` with equal intervals. Raises SimulationError."""
     instants = row_times(times)
     rows = SolutionWriter(native, k, len(instants), settings.drift, projected=True)
     rows.append(float(instants[0]), np.concatenate([q, v]))
@@ -119,7 +120,7 @@ def _equal_intervals(times: Vector) -> list[tuple[int, int]]:
 
 
 def _diagnosed(native: NativeScene, k: Vector, y: Vector, t: float, error: IntegratorError) -> Exception:
-    """The reason of a failure after the last row that the C integrator has reached."""
+    """The error that explains a failure after the last finite row that the C integrator has reached."""
     partial = error.partial
     for row in range(len(partial.t)):
         state = np.concatenate([partial.q[row], partial.v[row]])

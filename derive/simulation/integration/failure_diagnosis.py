@@ -1,4 +1,4 @@
-"""The reason why an integration cannot go on: a dead centre, a drive that cannot be followed, or something else."""
+"""Diagnosis of failures: a dead centre, a drive that cannot be followed, or another reason of the integrator."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ from derive.simulation.errors import (
 )
 
 NEARLY_SINGULAR = 1e-3
-"""A singular value of the scaled constraints below this is taken for the reason why an integrator fails."""
+"""A singular value of the scaled constraints below this counts as the reason why an integrator fails."""
 
 
 def diagnose_failure(
     native: ConstrainedSystem, k: Vector, t: float, y: Vector, refused: tuple[float, ModelError] | None, message: str
 ) -> SimulationError:
-    """The error that explains why an integrator cannot go on from its last state y = [q; v], near t (s).
+    """The error that explains why an integrator cannot continue from its last state y = [q; v], near t (s).
 
     refused: the time and the error with which the model last refused a state. message: that of the integrator.
     """
@@ -44,6 +44,7 @@ def diagnose_error(
 
 
 def _dead_centre(native: ConstrainedSystem, k: Vector, t: float, y: Vector) -> SingularConfiguration | None:
+    """The error for a dead centre at y = [q; v], if there is one."""
     if not np.all(np.isfinite(y)):
         return None
     singular = spectrum(native, k, t, y[: native.nq])

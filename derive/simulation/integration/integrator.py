@@ -27,7 +27,7 @@ class Settings:
     progress: Progress | None = None
 
     def refuse_step(self, integrator: str) -> None:
-        """Called by methods with adaptive steps, which cannot use `step`. Raises SimulationError."""
+        """Raise SimulationError if `step` is set, for methods that choose their own steps."""
         if self.step is not None:
             raise SimulationError(
                 f"{integrator} chooses its own steps, so that a step of {self.step:g} s means nothing to it; leave it "

@@ -17,6 +17,8 @@ from derive.simulation.integration.solution import Solution
 
 
 def _scipy(method: Literal["DOP853", "RK45"]) -> Compile:
+    """An explicit method of SciPy."""
+
     def compiled(files: Sequence[File]) -> Integrator:
         native = load_scene(files)
 
@@ -32,6 +34,7 @@ def _scipy(method: Literal["DOP853", "RK45"]) -> Compile:
 
 
 def _ida(files: Sequence[File]) -> Integrator:
+    """IDA of SUNDIALS through scikit-sundae."""
     native = load_scene(files)
 
     def run(k: Vector, q: Vector, v: Vector, times: Vector, s: Settings) -> Solution:

@@ -19,24 +19,24 @@ from derive.simulation.integration.failure_diagnosis import diagnose_error, diag
 from derive.simulation.integration.solution import Cost, Progress, Solution, SolutionWriter, row_times
 
 NO_ERROR_CONTROL = 1e30
-"""The absolute tolerance of multipliers: error control and Newton's method consider q and v alone. In a short step the
-rounding errors of these exceed any tolerance in the multipliers."""
+"""The absolute tolerance of multipliers, so that error control and Newton's method consider q and v alone: in a short
+step, rounding errors of q and v change the multipliers by more than any useful tolerance."""
 STALL_STEPS, STALL_PROGRESS = 2000, 1e-9
-"""After so many steps IDA must have advanced by more than that part of the whole time: by itself it never gives up
-where steps do not change the time any more."""
+"""The number of steps in which IDA has to advance by this fraction of the whole time. IDA itself continues even if its
+steps no longer change the time."""
 
 
 class Form(Protocol):
-    """F(t, y, ydot) = 0 with y = [q; v; lambda], and the mu of the stabilised form, as `NativeScene.dae` has it."""
+    """A form F(t, y, ydot) = 0 of `NativeScene.dae`: y = [q; v; lambda], or [q; v; lambda; mu] if stabilised."""
 
     size: int
     pattern: Pattern
 
     def residual(self, t: float, y: Vector, ydot: Vector, k: Vector) -> Vector:
-        """F."""
+        """The residual F (size,)."""
 
     def jacobian(self, t: float, y: Vector, ydot: Vector, cj: float, k: Vector) -> Vector:
-        """Values of dF/dy + cj dF/dydot."""
+        """The values of the iteration matrix dF/dy + cj dF/dydot by columns."""
 
 
 class ImplicitSystem(ConstrainedSystem, Protocol):
@@ -46,7 +46,7 @@ class ImplicitSystem(ConstrainedSystem, Protocol):
 
 
 class IdaMissing(SimulationError):
-    """The package scikit-sundae is not there."""
+    """The package scikit-sundae is not installed."""
 
 
 def integrate_ida(
@@ -91,7 +91,7 @@ def integrate_ida(
                     raise diagnose_failure(native, k, t, y, None, f"IDA: {reached.message}")
                 if calls % STALL_STEPS == 0:
                     if reached.t - mark < STALL_PROGRESS * (instants[-1] - instants[0]):
-                        raise diagnose_failure(native, k, t, y, None, f"{STALL_STEPS} steps of IDA lead nowhere")
+                        raise diagnose_failure(native, k, t, y, None, f"{STALL_STEPS} steps of IDA make no progress")
                     mark = reached.t
                 t, y = reached.t, reached.y[:n]
                 if progress is not None:
@@ -104,6 +104,7 @@ def integrate_ida(
 
 
 def _step(solver: Any, at: float, method: str, last: float) -> Any:
+    """The result of a step of IDA towards `at`, s, that never passes `last`, s."""
     return solver.step(float(at), method=method, tstop=float(last))
 
 
@@ -123,9 +124,9 @@ def _solver(form: Form, native: ConstrainedSystem, k: Vector, tolerance: float, 
     n, p = native.nq + native.nv, form.pattern
     absolute = np.full(form.size, NO_ERROR_CONTROL)
     absolute[:n] = tolerance
-    indices = (np.array(p.rowidx, dtype=np.int32), np.array(p.colptr, dtype=np.int32))  # the integers it is made for
+    indices = (np.array(p.rowidx, dtype=np.int32), np.array(p.colptr, dtype=np.int32))  # as the package is built
     with warnings.catch_warnings():
-        warnings.filterwarnings("ignore", message="Custom sparse Jacobian")  # it is not used, as there is a Jacobian
+        warnings.filterwarnings("ignore", message="Custom sparse Jacobian")  # harmless, as jacfn is given
         return ida(
             residual,
             jacfn=jacobian,
@@ -141,7 +142,7 @@ def _solver(form: Form, native: ConstrainedSystem, k: Vector, tolerance: float, 
 
 
 def _initial(native: ConstrainedSystem, k: Vector, t: float, q: Vector, v: Vector, size: int) -> tuple[Vector, Vector]:
-    """y and ydot: accelerations and multipliers are the model's, the multipliers of the stabilisation are zero."""
+    """The initial y and ydot (size,): accelerations and multipliers from `solve`, zero multipliers mu."""
     vdot, lam = native.solve(t, q, v, k)
     rest = np.zeros(size - len(q) - len(v) - len(lam))
     return np.concatenate([q, v, lam, rest]), np.concatenate([v, vdot, np.zeros(len(lam) + len(rest))])

@@ -18,7 +18,7 @@ from derive.simulation.integration.failure_diagnosis import diagnose_error, diag
 from derive.simulation.integration.solution import Cost, Progress, Solution, SolutionWriter, row_times
 
 MAX_STEPS_PER_ROW = 20_000
-"""The limit of steps for each row on average: an integration that needs more does not get on."""
+"""The largest mean number of steps for each row; an integration that needs more is stopped."""
 
 METHODS: dict[str, Any] = {"DOP853": DOP853, "RK45": RK45}
 
@@ -64,7 +64,7 @@ def integrate(
                 raise diagnose_failure(native, k, t, y, evaluator.refused, message)
             steps += 1
             if steps > MAX_STEPS_PER_ROW * len(instants):
-                raise IntegrationStopped(t, f"{steps} steps have not got further")
+                raise IntegrationStopped(t, f"{steps} steps do not reach the next row")
             if instants[rows.count] < solver.t:
                 dense = solver.dense_output()
                 while rows.count < len(instants) and instants[rows.count] < solver.t:

@@ -44,8 +44,11 @@ class Solution:
 
 @dataclass
 class SolutionWriter:
-    """Fills a solution row by row: projects each state if `projected`, checks its drift against `limit`, solves for
-    its multipliers. `size` is the number of rows, `count` that of the rows written so far."""
+    """Writes a solution row by row: it projects each state, checks its drift, and solves for its multipliers.
+
+    k: the constants (nk,) of `setup`. size: the number of rows. limit: that of |g| (m, rad) and |gdot| (m/s, rad/s).
+    projected: whether states are projected onto the constraints. count: the number of rows written so far.
+    """
 
     native: ConstrainedSystem
     k: Vector

@@ -42,7 +42,7 @@ RESOLUTION = 2e-6
 """The step to which lengths are rounded, in sizes of the scene; angles in rad."""
 
 SECONDS = 10.0
-"""The time that a page plays at its default speed, about."""
+"""The approximate duration (s) of the motion at the default speed of a page."""
 
 
 def player_data(motion: SceneMotion, curves: Sequence[Column]) -> Plain:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from derive.mechanics.multibody.coordinates import CoordinateMap, prescribed, rotation_only
+from derive.mechanics.multibody.coordinates import CoordinateMap, prescribed_motion, rotation_only
 from derive.mechanics.multibody.joints.joint_type import (
     Drawing,
     DrivenCoordinate,
@@ -39,7 +39,7 @@ class Revolute(JointType):
         if drive := support.drive:
             rotation = added(at.rotation_derivatives, drive.motion, support.sign)
             reason = f"drive {drive.name} prescribes its motion: no coordinates and no constraints, in place of 3 and 3"
-            return prescribed(name, support.motion, at, rotation, reason)
+            return prescribed_motion(name, support.motion, at, rotation, reason)
         kept = "its rotation alone, in place of 3 coordinates and 2 constraints"
         reason = f"joint {joint.name} holds a point of it to {support.attached_to}: {kept}"
         return rotation_only(name, support.motion, at, reason)

@@ -9,7 +9,7 @@ from typing import ClassVar
 
 import sympy as sp
 
-from derive.mechanics.multibody.coordinates import CoordinateMap, displacement_only, prescribed
+from derive.mechanics.multibody.coordinates import CoordinateMap, displacement_only, prescribed_motion
 from derive.mechanics.multibody.joints.joint_type import (
     ANGLE,
     Drawing,
@@ -69,7 +69,7 @@ class Translational(JointType):
                 acceleration=sp.ImmutableMatrix(a * axis),
             )
             reason = f"drive {drive.name} prescribes its motion: no coordinates and no constraints, in place of 3 and 3"
-            return prescribed(name, motion, moved, (angle, sp.S.Zero, sp.S.Zero), reason)
+            return prescribed_motion(name, motion, moved, (angle, sp.S.Zero, sp.S.Zero), reason)
         reason = f"joint {joint.name} guides it: its displacement alone, in place of 3 coordinates and 2 constraints"
         return displacement_only(name, motion, at, axis, angle, reason)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sympy as sp
 
-from derive.mechanics.multibody.coordinates import CoordinateMap, prescribed
+from derive.mechanics.multibody.coordinates import CoordinateMap, prescribed_motion
 from derive.mechanics.multibody.joints.joint_type import (
     ANGLE,
     Drawing,
@@ -42,4 +42,4 @@ class Weld(JointType):
         eliminated = "no coordinates and no constraints, in place of 3 and 3"
         reason = f"joint {joint.name} fixes it to {support.attached_to}: {eliminated}"
         at = support.marker
-        return prescribed(support.body, support.motion, at, (rotation + angle, *derivatives), reason)
+        return prescribed_motion(support.body, support.motion, at, (rotation + angle, *derivatives), reason)
