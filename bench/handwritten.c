@@ -1,9 +1,9 @@
 /*
- * The yardstick: M and h of the free planar beam with two shapes, (33) and (41), written by hand for speed.
+ * Reference for the benchmarks: M and h of the free planar beam with two shapes, (33) and (41), written by hand.
  *
- * All write what the generated code writes: the lower triangle of M by columns, without structural zeros, and all of
- * h. What depends on the parameters alone is done in setup. The state is q = [c1 c2 phi a1 a2], v its rate.
- * Each frame comes twice: as one writes it with care, and (_tuned) after reading what gcc 12 made of many versions.
+ * The functions write the same values as the generated code: the lower triangle of M by columns, without structural
+ * zeros, and h. setup computes everything that depends on the parameters alone. q = [c1 c2 phi a1 a2], v = qdot.
+ * There are two versions for each frame: careful code, and code tuned (_tuned) to the machine code of gcc 12.
  */
 
 #include <math.h>
@@ -11,7 +11,7 @@
 #define IN const double *__restrict
 #define OUT double *__restrict
 
-/* k of the mean frame; the point frame has three more */
+/* k of the mean frame; that of the point frame has three more elements */
 enum { MASS, ROTARY, C1, C2, K1, K2, D, MINUS_D, E };
 
 void hand_mean_setup(IN p, OUT k)
@@ -58,7 +58,7 @@ void hand_mean_tuned(IN q, IN v, IN k, OUT M, OUT h)
     M[4] = k[C2];
 }
 
-/* Only what changes with the state, for a caller who keeps M and h: the cost of writing all of it each time. */
+/* Only the entries that depend on the state, for a caller who keeps M and h; shows the cost of the constant ones. */
 void hand_mean_once(IN q, IN v, IN k, OUT M, OUT h)
 {
     const double a1 = q[3], a2 = q[4], w = v[2], ww = w * w;

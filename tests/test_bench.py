@@ -1,4 +1,4 @@
-"""The benchmarks of scale and of batches run, and their ways give the same values; times are not looked at."""
+"""The benchmarks of scale and of batches run, and their implementations agree; times are not checked."""
 
 from __future__ import annotations
 

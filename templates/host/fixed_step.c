@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stddef.h>
 
-/* Newton's method squares the error in each iteration, from the h^5 that one step makes. */
+/* Each iteration of Newton's method squares the error, which is of order h^5 after a step. */
 enum { ITERATIONS = 10 };
 
 int tisserand_fixed_work(const tisserand_model *model)
@@ -38,7 +38,7 @@ static void add(int n, double factor, const double *from, double *to)
     }
 }
 
-/* Whether no element of r is larger than the tolerance (a NaN is); r becomes -r, what is to be corrected. */
+/* Whether no element of r exceeds the tolerance (a NaN does); r becomes -r, the required correction. */
 static int within(int n, double tolerance, double *r)
 {
     int all = 1;
@@ -85,7 +85,7 @@ int tisserand_project(const tisserand_model *model, double t, const double *k, d
     }
     code = scene->constraint_rates(t, q, v, k, r);
     counts->constraints++;
-    /* gdot is linear in v: one correction is all there is to do. */
+    /* gdot is linear in v, so that one correction is sufficient. */
     if (code == 0 && !within(model->nlambda, tolerance, r)) {
         code = scene->project_velocity(t, q, k, r, dv);
         counts->corrections++;
@@ -152,7 +152,7 @@ int tisserand_rk4(const tisserand_model *model, double t0, double step, long ste
         return TISSERAND_ARGUMENT;
     }
     for (i = 0;; i++) {
-        const double t = t0 + (double) i * step; /* not a sum: its rounding would grow */
+        const double t = t0 + (double) i * step; /* not a running sum, whose rounding errors would grow */
         if (tolerance > 0.0) {
             code = tisserand_project(model, t, k, tolerance, q, v, work, counts);
         }
@@ -164,7 +164,7 @@ int tisserand_rk4(const tisserand_model *model, double t0, double step, long ste
         }
         code = tisserand_rk4_step(model, t, step, k, q, v, work, counts);
         if (code != 0) {
-            i++; /* what fails is the state after the step */
+            i++; /* the state after the step has failed */
             break;
         }
     }

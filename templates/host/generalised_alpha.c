@@ -14,10 +14,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A Jacobian serves as long as Newton's method takes no more iterations than this; a step has so many Jacobians. */
+/* The iterations of Newton's method after which the Jacobian is renewed, and the Jacobians of a step at most. */
 enum { ITERATIONS = 4, JACOBIANS = 4 };
 
-/* Numbers of the method, for one step length h. */
+/* The coefficients of the method for a step length h. */
 typedef struct {
     double alpha_m, alpha_f, beta, gamma;
     double cj;    /* of the iteration matrix: change of vdot over change of v */
@@ -79,7 +79,7 @@ static int allocate(const tisserand_model *model, machine *own)
     own->jac = own->a + own->nq;
     own->work = own->jac + nnz;
     own->rowidx = own->colptr + n + 1;
-    /* KLU takes pointers to what it does not change: a copy keeps the tables of the model constant. */
+    /* KLU takes pointers to non-const arrays although it does not change them: hence a copy of the model's tables. */
     if (own->form.pattern->colptr == NULL) {
         own->form.pattern->fill(own->colptr, own->rowidx);
     } else {
@@ -91,8 +91,8 @@ static int allocate(const tisserand_model *model, machine *own)
     return own->symbolic == NULL ? TISSERAND_SINGULAR : 0;
 }
 
-/* The iteration matrix of [x; dv; dlambda]: that of the form, where dq = dv / cj, with dq = scale * x instead, since the
-   method has another factor between dq and dv than between dv and the change of vdot. */
+/* The iteration matrix of [x; dv; dlambda]: that of the form, which assumes dq = dv / cj, with its columns of q scaled
+   by dq = scale * x, since the factor between dq and dv differs from that between dv and the change of vdot. */
 static int factorise(double t, const double *k, machine *own)
 {
     const int code = own->form.jacobian(t, own->y, own->ydot, own->method.cj, k, own->jac);
@@ -106,7 +106,7 @@ static int factorise(double t, const double *k, machine *own)
         }
     }
     if (own->numeric != NULL) {
-        /* The same pivots as before, as long as they do not make the factors grow. */
+        /* Reuse the previous pivots unless the factors grow. */
         if (klu_refactor(own->colptr, own->rowidx, own->jac, own->symbolic, own->numeric, &own->common) &&
             klu_rgrowth(own->colptr, own->rowidx, own->jac, own->symbolic, own->numeric, &own->common) &&
             own->common.rgrowth > 1e-4) {
@@ -118,8 +118,8 @@ static int factorise(double t, const double *k, machine *own)
     return own->numeric == NULL ? TISSERAND_SINGULAR : 0;
 }
 
-/* y, ydot and a at the start. a belongs to a slightly different time than vdot, but to shift it there would excite
-   vibrations that the step cannot follow. */
+/* The initial y, ydot and a. a belongs to a slightly different time than vdot, but shifting it would excite vibrations
+   that the step does not resolve. */
 static int start(const tisserand_model *model, const tisserand_alpha_options *options, double t, const double *k,
                  double *q, double *v, machine *own)
 {
@@ -136,7 +136,7 @@ static int start(const tisserand_model *model, const tisserand_alpha_options *op
     return code;
 }
 
-/* The state at the end of a step of length h, should vdot stay what it is. */
+/* The predicted state at the end of a step of length h, with constant vdot. */
 static void predict(double h, machine *own)
 {
     const scheme *s = &own->method;
@@ -150,8 +150,8 @@ static void predict(double h, machine *own)
     }
 }
 
-/* Newton's method from the prediction on; t is the time at the end of the step. `valid`: whether there is a
-   Jacobian that is good enough. */
+/* Newton's method from the prediction; t is the time at the end of the step. `valid`: whether the present Jacobian can
+   be reused. */
 static int correct(double t, double h, double tolerance, const double *k, machine *own, int *valid,
                    tisserand_alpha_counts *counts)
 {
@@ -193,7 +193,7 @@ static int correct(double t, double h, double tolerance, const double *k, machin
         for (int j = 2 * nq; j < n; j++) {
             y[j] -= r[j];
         }
-        *valid = (i + 1) % ITERATIONS; /* after so many iterations another Jacobian */
+        *valid = (i + 1) % ITERATIONS; /* a new Jacobian after ITERATIONS iterations */
         if (largest <= tolerance * size) {
             return TISSERAND_OK;
         }

@@ -1,9 +1,9 @@
 /*
  * SPDX-License-Identifier: 0BSD
  *
- * Fixed steps of the generalised-alpha method for a planar scene as it stands, of index 3: g = 0 holds in every step,
+ * The generalised-alpha method with fixed steps for a planar scene in its form of index 3: every step meets g = 0, and
  * gdot = 0 to the second order. The method has order 2 in q, v and lambda, is stable for any step, and damps vibrations
- * that the step cannot follow: in each step by the factor rho at the most. See M. Arnold & O. Bruels, Convergence of
+ * that the step does not resolve, by the factor rho per step in the limit. See M. Arnold & O. Bruels, Convergence of
  * the generalized-alpha scheme for constrained mechanical systems, Multibody System Dynamics 18 (2007) 185-202.
  *
  * Linear equations are solved by KLU of SuiteSparse. With Debian or Ubuntu: apt-get install libsuitesparse-dev, then
@@ -23,31 +23,31 @@
 extern "C" {
 #endif
 
-/* What tisserand_alpha returns besides the codes of fixed_step.h. */
+/* Return codes of tisserand_alpha in addition to those of fixed_step.h. */
 enum {
-    TISSERAND_NO_INDEX3 = 5, /* no such form, or a model in space: its q and v have different sizes */
+    TISSERAND_NO_INDEX3 = 5, /* no form of index 3, or a spatial model, whose q and v have different sizes */
     TISSERAND_NO_MEMORY = 6,
-    TISSERAND_SINGULAR = 7,      /* KLU found the iteration matrix singular */
-    TISSERAND_NO_CONVERGENCE = 8 /* of Newton's method: the step is too long */
+    TISSERAND_SINGULAR = 7,      /* the iteration matrix is singular */
+    TISSERAND_NO_CONVERGENCE = 8 /* Newton's method does not converge: the step is too long */
 };
 
 typedef struct {
-    double rho;       /* 0 to 1: what is left, in a step, of vibrations of infinite frequency; 1: no damping at all,
-                         neither of errors in the multipliers, which oscillate then */
-    double tolerance; /* Newton's method stops at corrections of q, and of v times the step, that are below it (times
+    double rho;       /* 0 to 1: the factor by which a step reduces vibrations of infinite frequency; with 1, without
+                         damping, errors of the multipliers oscillate as well */
+    double tolerance; /* Newton's method stops if the corrections of q, and of v times the step, are below it (times
                          the largest coordinate, if that is above 1) */
-    double start;     /* q and v are brought to |g|, |gdot| <= start at first; 0: they are taken as they are */
+    double start;     /* the initial q and v are projected onto |g|, |gdot| <= start; 0: they are not projected */
 } tisserand_alpha_options;
 
 typedef struct {
     long steps;
-    long residuals; /* and iterations of Newton's method */
-    long jacobians; /* and factorisations */
+    long residuals; /* equal to the iterations of Newton's method */
+    long jacobians; /* equal to the factorisations */
 } tisserand_alpha_counts;
 
-/* All the steps from t0 on. `rows` gets q, v, lambda at t0 and after every `every` steps, steps / every + 1 in all. When
-   the code is not 0, q and v hold nothing of use, and the rows from the failure on hold NaN. Memory is allocated
-   before the first step; KLU allocates more should it have to choose other pivots on the way. */
+/* Integrate from t0 by a number of steps. `rows` gets q, v, lambda at t0 and after every `every` steps,
+   steps / every + 1 in all. If the code is not 0, q and v are undefined, and the rows from the failure on are NaN.
+   Memory is allocated before the first step; KLU allocates more if it has to choose other pivots later. */
 int tisserand_alpha(
     const tisserand_model *model,
     const tisserand_alpha_options *options,

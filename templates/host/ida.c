@@ -24,7 +24,7 @@
 #  define TISSERAND_COMM NULL
 #endif
 
-/* What IDA hands back to the functions below. */
+/* The user data that IDA passes to the functions below. */
 typedef struct {
     const tisserand_dae *form;
     const double *k;
@@ -32,7 +32,7 @@ typedef struct {
     sunindextype *rowidx;
 } problem;
 
-/* All that has to be given back. */
+/* All objects that have to be freed. */
 typedef struct {
     SUNContext context;
     void *ida;
@@ -46,7 +46,7 @@ typedef struct {
 static int residual(sunrealtype t, N_Vector y, N_Vector ydot, N_Vector F, void *data)
 {
     const problem *own = (const problem *) data;
-    /* The positive codes of a model are what IDA calls recoverable: it tries a shorter step. */
+    /* Positive codes of a model are recoverable errors of IDA, which then tries a shorter step. */
     return own->form->residual(t, N_VGetArrayPointer(y), N_VGetArrayPointer(ydot), own->k, N_VGetArrayPointer(F));
 }
 
@@ -56,14 +56,14 @@ static int jacobian(sunrealtype t, sunrealtype cj, N_Vector y, N_Vector ydot, N_
     const problem *own = (const problem *) data;
     const tisserand_pattern *pattern = own->form->pattern;
     (void) F, (void) t1, (void) t2, (void) t3;
-    /* IDA has wiped the pattern together with the values. */
+    /* IDA clears the pattern together with the values. */
     memcpy(SUNSparseMatrix_IndexPointers(J), own->colptr, (size_t) (pattern->cols + 1) * sizeof(sunindextype));
     memcpy(SUNSparseMatrix_IndexValues(J), own->rowidx, (size_t) pattern->nnz * sizeof(sunindextype));
     return own->form->jacobian(t, N_VGetArrayPointer(y), N_VGetArrayPointer(ydot), cj, own->k,
                                SUNSparseMatrix_Data(J));
 }
 
-/* The form of that name; that of a body without joints is among the members of the model. */
+/* The form of that name; a body without joints has a single form, which is part of the model. */
 static int find_form(const tisserand_model *model, const char *name, tisserand_dae *form)
 {
     if (model->scene == NULL) {
@@ -83,7 +83,7 @@ static int find_form(const tisserand_model *model, const char *name, tisserand_d
     return TISSERAND_NO_FORM;
 }
 
-/* The pattern in the integers of SUNDIALS, which have 64 bits as a rule. */
+/* The pattern as integers of SUNDIALS, which usually have 64 bits. */
 static int copy_pattern(const tisserand_pattern *pattern, problem *own)
 {
     const int n = pattern->cols, nnz = pattern->nnz;
@@ -114,7 +114,7 @@ static int copy_pattern(const tisserand_pattern *pattern, problem *own)
     return 0;
 }
 
-/* y and ydot of q and v; multipliers and accelerations come from the model, those of the stabilisation are 0. */
+/* y and ydot from q and v; the model computes lambda and vdot, and the multipliers of the stabilisation are 0. */
 static int start(const tisserand_model *model, double t, double tolerance, const double *k, double *q, double *v,
                  machine *own)
 {
@@ -167,9 +167,9 @@ static int configure(const tisserand_model *model, const tisserand_ida_options *
 
     for (int i = 0; i < own->given.form->size; i++) {
         id[i] = i < differential ? 1.0 : 0.0;
-        /* Multipliers are M or the unit matrix times a change of v or q, over a step: what is rounding or below the
-           tolerance in q and v is far above it in them, and the more so the shorter the step. They have no say in
-           norms, or tight tolerances would fail at the first step already. */
+        /* Errors of the multipliers are those of v or q times M or the unit matrix, divided by the step: rounding
+           errors of q and v exceed the tolerance in the multipliers, the more so the shorter the step. Norms therefore
+           exclude the multipliers; otherwise tight tolerances would fail in the first step. */
         atol[i] = i < differential ? options->atol : 1e30;
     }
     if ((code = IDAInit(own->ida, residual, t0, own->y, own->ydot)) < 0 ||
@@ -181,8 +181,8 @@ static int configure(const tisserand_model *model, const tisserand_ida_options *
         (code = IDASetMaxStep(own->ida, options->step_max)) < 0 ||
         (code = IDASetLinearSolver(own->ida, own->solver, own->matrix)) < 0 ||
         (code = IDASetJacFn(own->ida, jacobian)) < 0 ||
-        /* A Jacobian whenever the step changes: with one for a quarter of change Newton's method takes twice as many
-           iterations, and these are dearer than the Jacobians saved. */
+        /* A new Jacobian whenever the step changes: if it were kept up to changes by a quarter, Newton's method would
+           take twice as many iterations, which cost more than the Jacobians. */
         (code = IDASetDeltaCjLSetup(own->ida, 0.0)) < 0) {
         return code;
     }
@@ -255,7 +255,7 @@ int tisserand_ida(const tisserand_model *model, const tisserand_ida_options *opt
         const double last = t0 + (double) (nrows - 1) * interval, next = t0 + (double) reached * interval;
         sunrealtype t = t0;
         if (reached > 0) {
-            int flag = IDASetStopTime(own.ida, last); /* the equations need not hold beyond */
+            int flag = IDASetStopTime(own.ida, last); /* the equations may not be defined beyond */
             if (flag >= 0) {
                 flag = IDASolve(own.ida, next < last ? next : last, &t, own.y, own.ydot, IDA_NORMAL);
             }

@@ -1,15 +1,15 @@
 /*
  * SPDX-License-Identifier: 0BSD
  *
- * A program that integrates one model and writes t, q, v, lambda at equal times, for example
+ * A program that integrates a model and writes t, q, v, lambda at equidistant times, for example
  *
  *     cc -std=c99 -O2 -DTISSERAND_HEADER='"my_scene.h"' -DTISSERAND_MODEL=my_scene_model simulate.c fixed_step.c \
  *        my_scene.c -lm -o my_scene
  *     ./my_scene rk4 start.txt 0.1 1e-4 1e-5 out.csv
  *
- * With -DTISSERAND_IDA, ida.c and the libraries of ida.h it knows the methods "ggl" and "index1" as well, of a model
- * without joints "ode"; with -DTISSERAND_ALPHA, generalised_alpha.c and the library of its header "alpha". Statistics go
- * to the standard error output, one `name value` a line.
+ * With -DTISSERAND_IDA, ida.c and the libraries of ida.h it also has the methods "ggl" and "index1", and "ode" for a
+ * model without joints; with -DTISSERAND_ALPHA, generalised_alpha.c and the library of its header also "alpha". It
+ * writes statistics to the standard error output, as lines `name value`.
  */
 
 #ifndef TISSERAND_HEADER
@@ -47,10 +47,10 @@ static const char USAGE[] =
     "ACCURACY  of rk4 and alpha the step (s), which is shortened to fit into INTERVAL; else the tolerance\n"
     "OUTPUT    .csv: text with a line of names; else the same columns as binary doubles; - for none\n";
 
-/* Constraints and their rates are kept to this, in m and rad, at the start and by rk4. */
+/* The tolerance of constraints and their rates (m, rad) in the initial state and in rk4. */
 static const double CONSISTENT = 1e-12;
 
-/* Values of a table: an array has its value in each of its elements. */
+/* The default values of a table; each element of an array has the value of the array. */
 static void defaults(const tisserand_variable *table, int entries, double *values)
 {
     for (int i = 0; i < entries; i++) {
@@ -85,7 +85,7 @@ static int read_start(const tisserand_model *model, const char *path, double *q,
     return count != model->nq + model->nv;
 }
 
-/* Elements of arrays are numbered from 1. */
+/* The names of the columns; elements of arrays are numbered from 1. */
 static void print_names(FILE *file, const tisserand_variable *table, int entries)
 {
     for (int i = 0; i < entries; i++) {
@@ -145,7 +145,7 @@ static int write_rows(const tisserand_model *model, const char *path, long nrows
     return 0;
 }
 
-/* Steps to take between two rows. */
+/* The number of steps between two rows. */
 static long steps_between(double interval, double step)
 {
     return (long) ceil(interval / step * (1.0 - 1e-12));
@@ -192,7 +192,7 @@ static int run_ida(const tisserand_model *model, const char *form, double interv
     options.rtol = accuracy;
     options.atol = accuracy;
     options.start = CONSISTENT;
-    options.steps_max = 1000000; /* between two rows: something is wrong */
+    options.steps_max = 1000000; /* more steps between two rows indicate a fault */
     code = tisserand_ida(model, &options, 0.0, interval, nrows, k, q, v, rows, &counts);
     fprintf(stderr,
             "steps %ld\nresiduals %ld\njacobians %ld\nfactorisations %ld\niterations %ld\nerror_failures %ld\n"
