@@ -134,7 +134,7 @@ def test_models_that_meet_in_c_are_refused(
     ("keys", "output"),
     [
         ('ansatz = ["1", "xi", "xi^2", "xi^2 + 1e-20*xi^3"]\northogonal = false', "the pivot of alpha2 vanished"),
-        ('ansatz = ["xi^2 - 1 + 1e-50"]\nframe = "given"', "which no double holds"),
+        ('ansatz = ["xi^2 - 1 + 1e-50"]\nframe = "given"', "which is out of the range of doubles"),
     ],
 )
 def test_folded_numbers_that_doubles_cannot_serve(

@@ -101,6 +101,7 @@ def _array_faults(body: NodalBody) -> list[Problem]:
 
 
 def _mass_faults(body: NodalBody) -> list[Problem]:
+    """Faults of the mass matrix: asymmetric, not positive semidefinite, or without a moment of inertia."""
     mass = canonical_csr(body.data.mass)
     if _asymmetry(mass) > SYMMETRY_TOLERANCE:
         return [Problem("body.nodes", "the mass matrix is not symmetric; give both of its halves")]
@@ -150,6 +151,7 @@ def indefinite(mass: csr_array) -> str | None:
 
 
 def _stiffness_faults(body: NodalBody) -> list[Problem]:
+    """Faults of the stiffness: asymmetric, or missing."""
     data, result = body.data, []
     if data.stiffness is not None and _asymmetry(canonical_csr(data.stiffness)) > SYMMETRY_TOLERANCE:
         result.append(Problem("body.nodes", "the stiffness matrix is not symmetric; give both of its halves"))
@@ -164,6 +166,7 @@ def _stiffness_faults(body: NodalBody) -> list[Problem]:
 
 
 def _frame_faults(body: NodalBody) -> list[Problem]:
+    """Faults of a frame at a node: unknown nodes, or nodes that do not determine its rotation."""
     frame, x = body.frame, body.data.positions
     if frame.kind != "point":
         return []
@@ -175,12 +178,13 @@ def _frame_faults(body: NodalBody) -> list[Problem]:
     around = frame.around or nearest_nodes(x, frame.node)
     if not determine_rotation(x, frame.node, around):
         which = f"nodes {', '.join(map(str, around))}" if frame.around else "all nodes"
-        message = f"{which} are on one line with node {frame.node}: they do not see a rotation about it"
+        message = f"{which} are on one line with node {frame.node}: they do not determine a rotation about it"
         return [Problem("body.frame", f"{message}; name a node beside that line in `around`")]
     return []
 
 
 def _marker_faults(body: NodalBody) -> list[Problem]:
+    """Faults of markers: unknown nodes."""
     n = len(body.data.positions)
     return [
         Problem(f"body.markers.{m.name}", f"there is no node {m.node}; nodes are 0 .. {n - 1}")
@@ -190,17 +194,18 @@ def _marker_faults(body: NodalBody) -> list[Problem]:
 
 
 def _mode_count_faults(body: NodalBody) -> list[Problem]:
+    """Faults of the requested number of modes."""
     data = body.data
     if body.modes is not None and body.modes < 0:
         return [Problem("body.modes", "a number of modes is 0 or more")]
     if data.modes is None and body.modes is None:
-        return [Problem("body.modes", "say how many modes are to be computed: modes = 6")]
+        return [Problem("body.modes", "give the number of modes to compute, for example modes = 6")]
     if data.modes is not None and body.modes is not None and body.modes > len(data.modes):
-        return [Problem("body.modes", f"{body.modes} modes are asked for, but {len(data.modes)} are given")]
-    asked = len(data.modes) if data.modes is not None and body.modes is None else body.modes or 0
+        return [Problem("body.modes", f"{body.modes} modes are requested, but {len(data.modes)} are given")]
+    requested = len(data.modes) if data.modes is not None and body.modes is None else body.modes or 0
     most = max_elastic_modes(canonical_csr(data.mass), 6)
-    if asked > most:
-        message = f"{asked} modes are too many: nodes with mass allow {most} elastic modes and 6 rigid motions"
+    if requested > most:
+        message = f"{requested} modes are too many: nodes with mass allow {most} elastic modes and 6 rigid motions"
         return [Problem("body.modes", message)]
     return []
 
@@ -210,7 +215,7 @@ def rigid_problems(mass: csr_array, x: Array, phi: Array) -> list[Problem]:
     before = np.diag(mass_products(mass, phi, phi))
     if np.any(before <= 0):
         still = ", ".join(str(i) for i in np.flatnonzero(before <= 0) + 1)
-        return [Problem("body.modes", f"modes that move no mass: {still}; leave them out")]
+        return [Problem("body.modes", f"modes that move no mass: {still}; remove them")]
     scale = 1 / np.sqrt(before)
     scaled = phi * scale[:, None, None]
     elastic = projected_out(mass, rigid_basis(mass, x), scaled)
@@ -226,7 +231,7 @@ def rigid_problems(mass: csr_array, x: Array, phi: Array) -> list[Problem]:
         size = float(mass_products(mass, motion, motion)[0, 0])
         what = "rigid motion is left in the modes" if size > 1e-12 else "the modes are dependent"
         singular = f"(singular value {math.sqrt(max(float(value), 0.0)):.1e})"
-        result.append(Problem("body.modes", f"{what} {singular}: {named}; take one out"))
+        result.append(Problem("body.modes", f"{what} {singular}: {named}; remove one of them"))
     return result
 
 

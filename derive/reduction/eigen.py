@@ -106,9 +106,7 @@ def _sparse_eigenvectors(k: csr_array, m: csr_array, shift: float, count: int) -
         raise SpecError((_unconstrained_node(k, m),)) from None
     pivots = factors.U.diagonal()
     if np.array_equal(factors.perm_r, factors.perm_c) and np.any(pivots <= 0):
-        message = (
-            "the stiffness has a negative eigenvalue: a body at rest would not stay so; check its sign and symmetry"
-        )
+        message = "the stiffness has a negative eigenvalue: the body is unstable at rest; check its sign and symmetry"
         raise SpecError((Problem("body.nodes", f"{message} ({np.count_nonzero(pivots <= 0)} pivots are negative)"),))
     start = factors.solve(m @ ((np.arange(len(pivots)) * 0.6180339887498949) % 1 - 0.5))
     solve = LinearOperator(k.shape, matvec=factors.solve, dtype=np.float64)
@@ -116,7 +114,7 @@ def _sparse_eigenvectors(k: csr_array, m: csr_array, shift: float, count: int) -
         _, vectors = eigsh(k, k=count, M=m, sigma=-shift, OPinv=solve, v0=start, which="LM")
     except ArpackNoConvergence as error:
         converged = len(error.eigenvalues)
-        message = f"only {converged} of {count} modes (6 of them rigid) were computed from K and M; ask for fewer modes"
+        message = f"only {converged} of {count} modes (6 of them rigid) were computed from K and M; request fewer modes"
         raise SpecError((Problem("body.modes", message),)) from None
     return np.asarray(vectors)
 
@@ -135,5 +133,5 @@ def _unconstrained_node(k: csr_array, m: csr_array, node: int | None = None) -> 
         bare = np.flatnonzero((np.abs(k).sum(axis=1) + np.abs(m).sum(axis=1)) == 0)
         node = int(bare[0]) // 3 if bare.size else None
     which = "some node" if node is None else f"node {node}"
-    message = f"{which} has neither mass nor stiffness in some direction; leave it out or tie it to its neighbours"
+    message = f"{which} has neither mass nor stiffness in some direction; remove it or connect it to its neighbours"
     return Problem("body.nodes", message)

@@ -128,4 +128,5 @@ def _index(entry: BlockEntry, shape: tuple[int, ...], problems: list[SidProblem]
 
 
 def _name(entry: BlockEntry) -> str:
+    """An entry in a message: its key and its indices."""
     return f"{entry.key}({entry.indices or ''})"

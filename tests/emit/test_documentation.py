@@ -12,7 +12,9 @@ from toolchain import MODELS, text_of
 
 import beams
 from derive.backends.c.source import ABI
-from derive.ir.model import Kernel, Output
+from derive.backends.description import section_text
+from derive.ir.model import Kernel, Output, Section
+from derive.roles import Source
 
 EVERY_MODEL = pytest.mark.parametrize("model", MODELS)
 
@@ -166,3 +168,10 @@ def test_files_are_tidy(model: str) -> None:
         assert not re.search(r"[ \t]+$|\r|\t", file.text, re.MULTILINE)
         assert file.text.endswith("\n")
         assert not file.text.endswith("\n\n")
+
+
+@pytest.mark.parametrize(
+    ("source", "text"), [("(15)", "M (15): x"), (Source.APPENDIX, "M (appendix): x"), ("", "M: x")]
+)
+def test_a_section_names_its_equation_or_its_source(source: str, text: str) -> None:
+    assert section_text(Section("M", source, "x", ())) == text

@@ -45,7 +45,7 @@ def test_a_rigid_mode_is_named() -> None:
     c = test_cloud.cloud(3)
     turn = rigid_fields(c.positions)[4]
     modes = np.array([c.modes[0], turn + 2 * c.modes[0], c.modes[1]])
-    with pytest.raises(ValueError, match=r"rigid motion is left in the modes.* mode 1 .* mode 2; take one out"):
+    with pytest.raises(ValueError, match=r"rigid motion is left in the modes.* mode 1 .* mode 2; remove one of them"):
         to_mean_frame(c.masses, c.positions, modes, np.eye(3))
 
 

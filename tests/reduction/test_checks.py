@@ -99,7 +99,7 @@ def test_rigid_motion_is_named(frame: BodyFrame) -> None:
     modes = np.array([data.modes[0], turn + 2 * data.modes[0], data.modes[1]])
     found = refused(bodies.nodal(replace(data, modes=modes), frame))["body.modes"]
     assert found.startswith("rigid motion is left in the modes (singular value ")
-    assert "mode 1" in found and "mode 2" in found and "mode 3" not in found and found.endswith("; take one out")
+    assert "mode 1" in found and "mode 2" in found and "mode 3" not in found and found.endswith("; remove one of them")
 
 
 def test_each_rigid_motion_is_named() -> None:
@@ -118,17 +118,15 @@ def test_dependent_modes_and_modes_without_mass() -> None:
     assert found.startswith("the modes are dependent") and all(f"mode {i}" in found for i in (1, 2, 3))
     modes = data.modes.copy()
     modes[1] = 0
-    assert (
-        refused(bodies.nodal(replace(data, modes=modes)))["body.modes"] == "modes that move no mass: 2; leave them out"
-    )
+    assert refused(bodies.nodal(replace(data, modes=modes)))["body.modes"] == "modes that move no mass: 2; remove them"
 
 
 def test_number_of_modes() -> None:
     data, springs = bodies.cloud(2), bodies.truss((2, 2, 2))
-    assert "3 modes are asked for, but 2 are given" in refused(bodies.nodal(data, modes=3))["body.modes"]
+    assert "3 modes are requested, but 2 are given" in refused(bodies.nodal(data, modes=3))["body.modes"]
     found = refused(bodies.nodal(springs, modes=19))["body.modes"]
     assert found == "19 modes are too many: nodes with mass allow 18 elastic modes and 6 rigid motions"
-    assert "say how many" in refused(bodies.nodal(springs))["body.modes"]
+    assert "give the number of modes" in refused(bodies.nodal(springs))["body.modes"]
     assert "0 or more" in refused(bodies.nodal(springs, modes=-1))["body.modes"]
 
 

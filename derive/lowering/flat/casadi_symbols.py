@@ -58,6 +58,7 @@ class Symbols:
         return self._numbers[value]
 
     def _leaf(self, leaf: Leaf) -> ca.SX:
+        """A new CasADi symbol for a leaf."""
         symbol = ca.SX.sym(f"in{len(self.leaves)}")
         self.inputs.append(symbol)
         self.leaves.append(leaf)
@@ -128,6 +129,7 @@ class Symbols:
         return -result if weight < 0 else result
 
     def _order(self, factor: tuple[sp.Expr, sp.Expr]) -> tuple[int, tuple[object, ...]]:
+        """The sort key of a factor (base, exponent): early factors, others, late factors."""
         base, _ = factor
         rank = 0 if base in self.early else 2 if base in self.late else 1
         return rank, sp.default_sort_key(base)

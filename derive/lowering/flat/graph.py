@@ -71,6 +71,7 @@ class Constants:
         return self.hoisted[expr]
 
     def _describe(self, expr: Expr) -> str | None:
+        """A descriptive name of an inverse or a negative coefficient; None for other expressions."""
         match expr:
             case Operation(Operator.DIV, (Number(Fraction(numerator=1, denominator=1)), ScalarRef(name))):
                 return f"inverse_{name}"
@@ -133,6 +134,7 @@ class Graph:
         return n.leaf if n.leaf is not None else Operation(n.operator, tuple(self.expr(a) for a in n.args))
 
     def _intern(self, node: Node) -> int:
+        """The number of a node, which is added if it is new."""
         if node not in self._index:
             self._index[node] = len(self.nodes)
             self.nodes.append(node)
@@ -193,8 +195,8 @@ def representable(value: Fraction) -> Fraction:
     """The number itself if it is 0 or in the range of normal doubles. Raises LoweringError otherwise."""
     if value and not MIN_DOUBLE <= abs(value) <= MAX_DOUBLE:
         raise LoweringError(
-            f"the numbers of the specification lead to {sp.Rational(value).n(3)}, which no double holds; "
-            "choose units in which mass, length and stiffness are nearer to one"
+            f"the numbers of the specification lead to {sp.Rational(value).n(3)}, which is out of the range of "
+            "doubles; choose units in which mass, length and stiffness are nearer to one"
         )
     return value
 

@@ -23,7 +23,7 @@ class Drift:
 
 
 def drift(native: ConstrainedSystem, k: Vector, t: float, q: Vector, v: Vector) -> Drift:
-    """The drift of a state."""
+    """The drift of the state q (nq,), v (nv,) at t (s)."""
     return Drift(max_norm(native.constraints(t, q, k)), max_norm(native.constraint_rates(t, q, v, k)))
 
 

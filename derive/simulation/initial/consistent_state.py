@@ -108,4 +108,5 @@ def _velocities(
 
 
 def _violations(native: ConstrainedSystem, values: Vector, limit: float) -> list[tuple[str, float]]:
+    """The names and values of the constraints that exceed a limit."""
     return [(name, float(x)) for name, x in zip(native.multipliers, values, strict=True) if not abs(x) <= limit]

@@ -101,6 +101,7 @@ def outline(body: RigidBody | CustomBody) -> list[list[float]]:
 
 
 def _orientation(a: tuple[float, float], b: tuple[float, float], c: tuple[float, float]) -> float:
+    """Twice the signed area of a triangle: positive if a, b, c are counter-clockwise."""
     return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 
 

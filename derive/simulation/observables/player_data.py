@@ -113,7 +113,7 @@ def _channel(values: Array, step: float) -> Plain:
 
 
 def _rounded(value: float) -> float:
-    """Five significant digits."""
+    """The value with five significant digits."""
     return float(f"{value:.5g}")
 
 
@@ -126,11 +126,13 @@ def _view(paths: Sequence[Array]) -> tuple[Array, Array]:
 
 
 def _pose(motion: SceneMotion, name: str, step: float) -> list[Plain]:
+    """The channels c1, c2, phi of a body or a piece of a beam."""
     c1, c2, phi = motion.pose(name).T
     return [_channel(c1, step), _channel(c2, step), _channel(phi, RESOLUTION)]
 
 
 def _beam(motion: SceneMotion, beam: BeamBody, step: float) -> Plain:
+    """The shape functions of a beam, and the poses and amplitudes of its pieces."""
     return {
         "name": beam.name,
         "half": half_length(beam),
