@@ -79,5 +79,5 @@ def test_an_integration_that_gets_nowhere_ends(monkeypatch: pytest.MonkeyPatch) 
     made = make(parse(PENDULUM.replace("mass = 1", "mass = 1\nstart = { spin = 30 }")))
     k, start = made.start()
     monkeypatch.setattr("derive.simulation.integration.scipy_methods.MAX_STEPS_PER_ROW", 2)
-    with pytest.raises(IntegrationStopped, match="5 steps have not got further"):
+    with pytest.raises(IntegrationStopped, match="5 steps do not reach the next row"):
         integrate(made.native, k, start.q, start.v, np.array([0.0, 10.0]), max_step=0.1)

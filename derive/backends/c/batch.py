@@ -64,7 +64,7 @@ def batch_helpers(model: Model, widths: Mapping[str, int]) -> str:
     for width in sorted({*widths.values()}):
         name = f"{model.name}_block{width}"
         kernels = [model.kernel(kernel) for kernel, w in widths.items() if w == width]
-        gathers = any(a.arrays for kernel in kernels for a in kernel.arguments if a.name != "k")
+        gathers = any(_Body(kernel, model.name, width).views for kernel in kernels)
         sizes = {s.packing.padded for k in kernels for s in k.statements if isinstance(s, MatVec)}
         products = "".join(f"{line}\n" for size in sizes for line in rows_helper(name, size, width))
         pads = any(_Body(kernel, model.name, width).states for kernel in kernels)
