@@ -69,7 +69,8 @@ if TYPE_CHECKING:
     from derive.simulation.integration.registry import INTEGRATORS
     from derive.simulation.integration.scipy_methods import integrate
     from derive.simulation.integration.solution import Solution
-    from derive.simulation.simulate import Trajectory, simulate
+    from derive.simulation.simulate import simulate
+    from derive.simulation.trajectory import Trajectory
     from derive.spec.construction import nodal_body, planar_beam, scene, symbolic_body, validated
     from derive.spec.model.body import (
         BodyFrame,
@@ -155,10 +156,8 @@ _MODULES = {
     "derive.simulation.integration.registry": ("INTEGRATORS",),
     "derive.simulation.integration.scipy_methods": ("integrate",),
     "derive.simulation.integration.solution": ("Solution",),
-    "derive.simulation.simulate": (
-        "Trajectory",
-        "simulate",
-    ),
+    "derive.simulation.simulate": ("simulate",),
+    "derive.simulation.trajectory": ("Trajectory",),
     "derive.spec.construction": (
         "nodal_body",
         "planar_beam",

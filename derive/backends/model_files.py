@@ -28,10 +28,13 @@ def model_files(model: Model, spec: Specification, backends: Sequence[str] = ("c
 
     spec: the specification that the model was made from. Raises UnknownNameError for a name that is not in BACKENDS.
     """
-    description = specification(spec)
-    fingerprint = hashlib.sha256(json.dumps(description, sort_keys=True).encode()).hexdigest()
-    files = tuple(file for name in backends for file in BACKENDS[name].files(model, fingerprint))
-    return (*files, _manifest(model, description, fingerprint, files))
+    files = tuple(file for name in backends for file in BACKENDS[name].files(model, fingerprint(spec)))
+    return (*files, _manifest(model, spec, files))
+
+
+def fingerprint(spec: Specification) -> str:
+    """The SHA-256 of all of a specification that its model depends on."""
+    return hashlib.sha256(json.dumps(specification(spec), sort_keys=True).encode()).hexdigest()
 
 
 KINDS = {PlanarBeam: "planar_beam", NodalBody: "nodal_body", SymbolicBody: "symbolic_body", Scene: "scene"}
@@ -58,14 +61,14 @@ def _exact(value: object) -> object:
     raise TypeError(f"{value!r} is no plain data")
 
 
-def _manifest(model: Model, description: dict[str, object], fingerprint: str, files: tuple[File, ...]) -> File:
+def _manifest(model: Model, spec: Specification, files: tuple[File, ...]) -> File:
     """The manifest: specification, tools, operation counts, non-zeros, and the hashes of the files."""
     mass, jacobian = model.pattern("mass", "M"), model.pattern("jacobian", "jac")
     content = {
         "generator": f"{MARK}. Do not edit.",
         "name": model.name,
-        "specification": description,
-        "specification_sha256": fingerprint,
+        "specification": specification(spec),
+        "specification_sha256": fingerprint(spec),
         "abi": ABI,
         "tools": {"tisserand": VERSION, **{name: version(name) for name in ("sympy", "casadi", "jinja2")}},
         "lowering": {"kind": model.lowering, "choice": model.choice},

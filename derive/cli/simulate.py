@@ -9,14 +9,16 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from derive.artifacts import File, write
+from derive.artifacts import File, check_folder, write
 from derive.cli.specifications import read_scene
 from derive.errors import SpecError
 from derive.simulation.observables.beams import LINEAR_LIMIT, beam_bodies, relative_deflection
-from derive.simulation.observables.csv_writer import Column, csv
+from derive.simulation.observables.csv_writer import NUMBER_WIDTH, Column
 from derive.simulation.observables.player_data import player_data
 from derive.simulation.observables.plots import PlotCurve, percent, plot_curve, plot_doc, x_label, x_unit, y_unit
-from derive.simulation.simulate import Trajectory, simulate
+from derive.simulation.run_record import run_files
+from derive.simulation.simulate import output_times, simulate
+from derive.simulation.trajectory import Trajectory
 from derive.spec.model.scene import BeamBody, Plot, Scene
 from derive.spec.toml.read import with_lines
 from derive.terminal import SimulationProgress, beam_count, table
@@ -29,8 +31,12 @@ PlotCurves = tuple[Plot, tuple[PlotCurve, ...]]
 
 
 def run(options: argparse.Namespace) -> int:
-    """Simulate the scene as specified and with each number of pieces that a plot requests; then write all files."""
+    """Simulate the scene as specified and with each number of pieces that a plot requests; then write all files.
+
+    That they can be written is checked before.
+    """
     scene = read_scene(options.spec, options.duration)
+    check_folder(_planned_files(scene), options.out, _expected_size(scene))
     simulations = Simulations(options.spec, scene, options.integrator)
     main = simulations.trajectory(None, 0)
     shown: list[PlotCurves] = []
@@ -73,11 +79,30 @@ class Simulations:
         return self.done[key]
 
 
+def _planned_files(scene: Scene) -> list[File]:
+    """The files of a simulation, still without their texts."""
+    name = scene.name
+    pictures = [f"{name}/{plot.name}.svg" for plot in scene.plots]
+    record = f"{name}/{name}.json"
+    return [
+        File(f"{name}/{name}.csv", "", record=record),
+        *(File(path, "") for path in (record, f"{name}/{name}.html", *pictures)),
+    ]
+
+
+def _expected_size(scene: Scene) -> int:
+    """About the size of all files, in bytes: that of the CSV, with two columns for each coordinate, and 1 MB."""
+    assert scene.simulation is not None
+    coordinates = sum((3 + len(b.beam.ansatz)) * b.pieces if isinstance(b, BeamBody) else 3 for b in scene.bodies)
+    columns = 1 + 2 * coordinates + len(scene.drives) + 3 * len(scene.joints)
+    return NUMBER_WIDTH * columns * len(output_times(scene.simulation)) + 1_000_000
+
+
 def _files(main: Trajectory, shown: Sequence[PlotCurves]) -> list[File]:
     scene = main.scene
     columns = [Column(plot_doc(plot), y_unit(plot), plot_curve(plot, main.motion, "").y) for plot, _ in shown]
     return [
-        File(f"{scene.name}/{scene.name}.csv", csv(f"The motion of {scene.name}.", main.table)),
+        *run_files(main),
         *(File(f"{scene.name}/{p.name}.svg", svg(plot_chart(scene, p, curves))) for p, curves in shown),
         File(f"{scene.name}/{scene.name}.html", player_page(player_data(main.motion, columns))),
     ]

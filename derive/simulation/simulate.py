@@ -3,119 +3,22 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
-from functools import cached_property
-from importlib import import_module
-from typing import Any
+from dataclasses import replace
 
 import numpy as np
 
 from derive.backends.model_files import model_files
 from derive.derivation import derive, lower
-from derive.errors import Problem, SpecError, TisserandError
-from derive.ir.model import Model
-from derive.registry import UnknownNameError
+from derive.errors import Problem, SpecError
 from derive.runtime.native_call import Vector
-from derive.simulation.initial.consistent_state import InitialState
 from derive.simulation.initial.initial_state import initial_state
 from derive.simulation.integration.integrator import Settings
 from derive.simulation.integration.registry import INTEGRATORS
-from derive.simulation.integration.solution import Progress, Solution
-from derive.simulation.observables.csv_writer import Column
-from derive.simulation.observables.motion import SceneMotion, drive_unit, drive_values
+from derive.simulation.integration.solution import Progress
+from derive.simulation.observables.motion import SceneMotion
+from derive.simulation.trajectory import RunSettings, Trajectory
 from derive.spec.construction import validated
 from derive.spec.model.scene import Scene, Simulation
-
-
-class PandasMissing(TisserandError):
-    """The package pandas is not installed."""
-
-
-@dataclass(frozen=True, eq=False)
-class Trajectory(Mapping[str, Vector]):
-    """The motion of a scene, as named columns: `trajectory["rod_phi"]` is a vector (n,) in SI units.
-
-    The columns are the time "t", what drives prescribe, coordinates, their rates, and multipliers, by the names of
-    `columns`; `units` has their units. q (n, nq), v (n, nv) and lam (n, nlambda) are the same as matrices. `solution`
-    adds drift and cost, `initial` is the consistent initial state, `motion` what observables are computed from, `model`
-    the kernels. An unknown name raises UnknownNameError.
-    """
-
-    scene: Scene
-    model: Model
-    initial: InitialState
-    motion: SceneMotion
-    solution: Solution
-
-    @cached_property
-    def table(self) -> tuple[Column, ...]:
-        """All columns with their names, units and values (n,)."""
-        solution, model = self.solution, self.model
-        columns = [Column("t", "s", solution.t)]
-        columns += [Column(d.name, drive_unit(self.scene, d), drive_values(d, solution.t)) for d in self.scene.drives]
-        for prefix, variables, values in (
-            ("", model.coordinates, solution.q),
-            ("", model.velocities, solution.v),
-            ("lambda_", model.multipliers, solution.lam),  # a drive and its multiplier have one name otherwise
-        ):
-            columns += [Column(f"{prefix}{x.name}", x.unit, y) for x, y in zip(variables, values.T, strict=True)]
-        return tuple(columns)
-
-    @property
-    def columns(self) -> tuple[str, ...]:
-        """The names of the columns."""
-        return tuple(column.name for column in self.table)
-
-    @property
-    def units(self) -> dict[str, str]:
-        """The unit of each column, "" of a number without unit."""
-        return {column.name: column.unit for column in self.table}
-
-    @property
-    def t(self) -> Vector:
-        """The times (n,), s."""
-        return self.solution.t
-
-    @property
-    def q(self) -> Vector:
-        """The coordinates (n, nq)."""
-        return self.solution.q
-
-    @property
-    def v(self) -> Vector:
-        """The generalised velocities (n, nv)."""
-        return self.solution.v
-
-    @property
-    def lam(self) -> Vector:
-        """The Lagrange multipliers (n, nlambda)."""
-        return self.solution.lam
-
-    def to_pandas(self) -> Any:
-        """A pandas.DataFrame with the columns, indexed by time (s). Raises PandasMissing."""
-        try:
-            pandas = import_module("pandas")
-        except ImportError as error:
-            raise PandasMissing("to_pandas needs the package pandas: pip install pandas") from error
-        index = pandas.Index(self.t, name="t")
-        return pandas.DataFrame({column.name: column.values for column in self.table[1:]}, index=index)
-
-    def __getitem__(self, name: str) -> Vector:
-        for column in self.table:
-            if column.name == name:
-                return column.values
-        raise UnknownNameError(f"column of {self.scene.name}", name, self.columns)
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self.columns)
-
-    def __len__(self) -> int:
-        return len(self.table)
-
-    def __repr__(self) -> str:
-        span = f"{len(self.t)} rows from {self.t[0]:g} to {self.t[-1]:g} s"
-        return f"Trajectory of {self.scene.name}: {span}, columns {', '.join(self.columns)}"
 
 
 def simulate(
@@ -139,7 +42,7 @@ def simulate(
     """
     if not isinstance(scene, Scene):
         raise TypeError(f"a scene is needed, not {type(scene).__name__}; read its file with derive.read(...)")
-    settings = simulation_settings(scene, duration, output, tolerance)
+    simulation = simulation_settings(scene, duration, output, tolerance)
     compile_integrator = INTEGRATORS[integrator]
     model = lower(derive(scene))
     compiled = compile_integrator(model_files(model, scene))
@@ -150,11 +53,11 @@ def simulate(
         k,
         initial.q,
         initial.v,
-        output_times(settings),
-        Settings(tolerance=settings.tolerance, step=step, progress=progress),
+        output_times(simulation),
+        Settings(tolerance=simulation.tolerance, step=step, progress=progress),
     )
     motion = SceneMotion(scene, native, k, solution.t, solution.q, solution.v)
-    return Trajectory(scene, model, initial, motion, solution)
+    return Trajectory(scene, model, initial, motion, solution, RunSettings(simulation, integrator, step))
 
 
 def simulation_settings(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from dataclasses import dataclass
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -18,7 +19,8 @@ from derive.simulation.errors import IntegrationStopped
 from derive.simulation.initial.consistent_state import InitialState
 from derive.simulation.integration.solution import Cost, Solution
 from derive.simulation.observables.motion import SceneMotion
-from derive.simulation.simulate import Trajectory, output_times
+from derive.simulation.simulate import output_times
+from derive.simulation.trajectory import RunSettings, Trajectory
 from derive.spec.model.scene import Scene
 
 DEFORMING = "deforming"
@@ -30,6 +32,7 @@ class Names:
     coordinates: tuple[Variable, ...]
     velocities: tuple[Variable, ...]
     multipliers: tuple[Variable, ...]
+    parameters: tuple[Variable, ...] = ()
 
 
 def simulated(scene: Scene, progress=None) -> Trajectory:
@@ -50,6 +53,7 @@ def simulated(scene: Scene, progress=None) -> Trajectory:
         InitialState(0.0, q[0], 0 * q[0], 0.0, 0.0, False, DEFORMING in scene.name),
         SceneMotion(scene, native, np.zeros(0), t, q, 0 * q),
         found,
+        RunSettings(scene.simulation),
     )
 
 
@@ -71,8 +75,13 @@ def test_it_writes_and_tells(quick: list[Scene], tmp_path: Path, capsys: pytest.
     assert rows["rod in 3 beams"][4:] == ["16", "2", "99", "1234", "0.50", "1.0e-12", "1.0e-12"]
     assert len(rows["2 beams"]) == 10 and rows["2 beams"][-1] == "%"
     folder = tmp_path / "crank_slider_3"
-    assert sorted(p.name for p in folder.iterdir()) == ["crank_slider_3.csv", "crank_slider_3.html", "deflection.svg"]
-    table = np.genfromtxt(folder / "crank_slider_3.csv", delimiter=",", names=True, skip_header=2)
+    assert sorted(p.name for p in folder.iterdir()) == [
+        "crank_slider_3.csv",
+        "crank_slider_3.html",
+        "crank_slider_3.json",
+        "deflection.svg",
+    ]
+    table = np.genfromtxt(folder / "crank_slider_3.csv", names=True, delimiter=",")
     assert table.dtype.names[:3] == ("t", "motor", "rod_1_c1") and len(table) == 201
     assert len(set(table.dtype.names)) == 2 + 16 + 16 + 2
     assert table["motor"][-1] == pytest.approx(3)
@@ -90,7 +99,7 @@ def test_for_machines(quick: list[Scene], tmp_path: Path, capsys: pytest.Capture
     (plot,) = found["plots"]
     assert [curve["label"] for curve in plot["curves"]] == ["1 beam", "2 beams", "3 beams"]
     assert set(plot["curves"][0]["error"]) == {"rms", "max"} and plot["curves"][0]["largest"]["at"] <= 1.5
-    assert all(Path(file).is_file() for file in found["files"]) and len(found["files"]) == 3
+    assert all(Path(file).is_file() for file in found["files"]) and len(found["files"]) == 4
 
 
 def test_again_gives_the_same_and_files_of_others_are_left_alone(
@@ -165,3 +174,44 @@ def test_a_terminal_sees_how_far_it_is(
     assert main(["simulate", str(SCENE), "--out", str(tmp_path), "--duration", "0.001"]) == 0
     said = capsys.readouterr().err
     assert "crank_slider_3, rod in 1 beam: 0.001 of 0.001 s" in said and said.endswith("\r\x1b[K")
+
+
+@pytest.mark.parametrize("out", ["a_file", "a_file/below"])
+def test_an_output_folder_that_is_a_file_is_found_before_the_run(
+    quick: list[Scene], out: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "a_file").write_text("")
+    assert main(["simulate", str(SCENE), "--out", str(tmp_path / out)]) == 2
+    assert "a_file: this is a file, not a folder; choose another --out" in capsys.readouterr().err
+    assert quick == []
+
+
+def test_a_disk_without_space_is_found_before_the_run(
+    quick: list[Scene], monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The CSV has 201 rows of at most 68 columns of 18 bytes, 246 kB, and 1 MB is for pictures."""
+    arguments = ["simulate", str(SCENE), "--out", str(tmp_path), "--duration", "0.02"]
+    monkeypatch.setattr("shutil.disk_usage", lambda _: SimpleNamespace(free=1_240_000))
+    assert main(arguments) == 2
+    assert "make room, choose another --out, or write fewer rows" in capsys.readouterr().err
+    assert quick == [] and not any(tmp_path.iterdir())
+    monkeypatch.setattr("shutil.disk_usage", lambda _: SimpleNamespace(free=1_260_000))
+    assert main(arguments) == 0
+
+
+def test_a_foreign_file_is_found_before_the_run(quick: list[Scene], tmp_path: Path) -> None:
+    (tmp_path / "crank_slider_3").mkdir()
+    (tmp_path / "crank_slider_3/deflection.svg").write_text("mine")
+    assert main(["simulate", str(SCENE), "--out", str(tmp_path)]) == 2
+    assert quick == []
+
+
+def test_the_record_has_units_settings_and_the_last_state(quick: list[Scene], tmp_path: Path) -> None:
+    assert main(["simulate", str(SCENE), "--out", str(tmp_path), "--duration", "0.02"]) == 0
+    folder = tmp_path / "crank_slider_3"
+    record = json.loads((folder / "crank_slider_3.json").read_text())
+    names = (folder / "crank_slider_3.csv").read_text().splitlines()[0].split(",")
+    assert [column["name"] for column in record["columns"]] == names
+    assert [column["unit"] for column in record["columns"]][:3] == ["s", "rad", "m"]
+    assert (record["integrator"], record["tolerance"], record["duration"]) == ("dop853", 1e-9, 0.02)
+    assert record["last_state"]["t"] == 0.02 and len(record["last_state"]["q"]) == 16

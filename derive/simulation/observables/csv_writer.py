@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from derive.artifacts import MARK
+NUMBER_WIDTH = 18
+"""The bytes of a number and its comma in a CSV file, at most."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -20,17 +21,16 @@ class Column:
     values: NDArray[np.float64]
 
 
-def csv(title: str, columns: Sequence[Column]) -> str:
-    """The text of a CSV file: two lines of comment with title and units, a line of names, then the numbers.
+def csv(columns: Sequence[Column]) -> str:
+    """The text of a CSV file: a line of names, then the numbers; units are in the record of the run.
 
-    Numbers have eleven digits, so that the same numbers give the same bytes anywhere. Read it with
-    `pandas.read_csv(path, comment="#")` or `numpy.genfromtxt(path, delimiter=",", names=True, skip_header=2)`.
+    Numbers have eleven digits, so that the same numbers give the same bytes anywhere. The file is read by
+    `pandas.read_csv(path)` and by `numpy.genfromtxt(path, names=True, delimiter=",")`: comments before the names would
+    need further arguments.
     """
     rows = np.column_stack([column.values for column in columns]) + 0.0  # no -0
     return "\n".join(
         [
-            f"# {MARK}. {' '.join(title.split())}",
-            f"# units: {','.join(column.unit for column in columns)}",
             ",".join(column.name for column in columns),
             *(",".join([f"{value:.10e}" for value in row]) for row in rows.tolist()),
             "",

@@ -1,0 +1,46 @@
+"""The record of a run: units of its columns, how they were computed, and its last state, as a JSON file."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+from derive.artifacts import MARK, File, sha256
+from derive.backends.model_files import fingerprint
+from derive.simulation.observables.csv_writer import csv
+from derive.simulation.trajectory import Trajectory
+from derive.version import VERSION
+
+
+def run_files(trajectory: Trajectory) -> tuple[File, File]:
+    """The CSV file of a trajectory, and its record NAME.json, in the folder NAME.
+
+    The CSV has nothing but names and numbers; the record has the units of its columns, the settings of the integrator,
+    the hash of the specification, the values of the parameters, and the last state with all digits.
+    """
+    name = trajectory.scene.name
+    table, record = f"{name}/{name}.csv", f"{name}/{name}.json"
+    text = csv(trajectory.table)
+    content = {**_content(trajectory), "files": {f"{name}.csv": sha256(text.encode())}}
+    return File(table, text, record=record), File(record, json.dumps(content, indent=2) + "\n")
+
+
+def _content(trajectory: Trajectory) -> dict[str, Any]:
+    """The record as plain data, in SI units."""
+    settings, solution = trajectory.settings, trajectory.solution
+    simulation = settings.simulation
+    return {
+        "generator": f"{MARK} {VERSION}. Do not edit.",
+        "name": trajectory.scene.name,
+        "specification_sha256": fingerprint(trajectory.scene),
+        "integrator": settings.integrator,
+        "tolerance": simulation.tolerance,
+        "step": settings.step,
+        "duration": simulation.duration,
+        "output": simulation.output,
+        "parameters": {
+            p.name: {"value": p.default, "unit": p.unit} for p in trajectory.model.parameters if p.size == 1
+        },
+        "columns": [{"name": column.name, "unit": column.unit} for column in trajectory.table],
+        "last_state": {"t": float(solution.t[-1]), "q": solution.q[-1].tolist(), "v": solution.v[-1].tolist()},
+    }

@@ -1,0 +1,119 @@
+"""The motion of a scene as named columns."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from importlib import import_module
+from typing import Any
+
+from derive.errors import TisserandError
+from derive.ir.model import Model
+from derive.registry import UnknownNameError
+from derive.runtime.native_call import Vector
+from derive.simulation.initial.consistent_state import InitialState
+from derive.simulation.integration.solution import Solution
+from derive.simulation.observables.csv_writer import Column
+from derive.simulation.observables.motion import SceneMotion, drive_unit, drive_values
+from derive.spec.model.scene import Scene, Simulation
+
+
+@dataclass(frozen=True)
+class RunSettings:
+    """How a motion is computed: a name in `INTEGRATORS`, and the step (s) that is given to one with fixed steps."""
+
+    simulation: Simulation
+    integrator: str = "dop853"
+    step: float | None = None
+
+
+class PandasMissing(TisserandError):
+    """The package pandas is not installed."""
+
+
+@dataclass(frozen=True, eq=False)
+class Trajectory(Mapping[str, Vector]):
+    """The motion of a scene, as named columns: `trajectory["rod_phi"]` is a vector (n,) in SI units.
+
+    The columns are the time "t", what drives prescribe, coordinates, their rates, and multipliers, by the names of
+    `columns`; `units` has their units. q (n, nq), v (n, nv) and lam (n, nlambda) are the same as matrices. `solution`
+    adds drift and cost, `initial` is the consistent initial state, `motion` what observables are computed from, `model`
+    the kernels, `settings` how it was computed. An unknown name raises UnknownNameError.
+    """
+
+    scene: Scene
+    model: Model
+    initial: InitialState
+    motion: SceneMotion
+    solution: Solution
+    settings: RunSettings
+
+    @cached_property
+    def table(self) -> tuple[Column, ...]:
+        """All columns with their names, units and values (n,)."""
+        solution, model = self.solution, self.model
+        columns = [Column("t", "s", solution.t)]
+        columns += [Column(d.name, drive_unit(self.scene, d), drive_values(d, solution.t)) for d in self.scene.drives]
+        for prefix, variables, values in (
+            ("", model.coordinates, solution.q),
+            ("", model.velocities, solution.v),
+            ("lambda_", model.multipliers, solution.lam),  # a drive and its multiplier have one name otherwise
+        ):
+            columns += [Column(f"{prefix}{x.name}", x.unit, y) for x, y in zip(variables, values.T, strict=True)]
+        return tuple(columns)
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """The names of the columns."""
+        return tuple(column.name for column in self.table)
+
+    @property
+    def units(self) -> dict[str, str]:
+        """The unit of each column, "" of a number without unit."""
+        return {column.name: column.unit for column in self.table}
+
+    @property
+    def t(self) -> Vector:
+        """The times (n,), s."""
+        return self.solution.t
+
+    @property
+    def q(self) -> Vector:
+        """The coordinates (n, nq)."""
+        return self.solution.q
+
+    @property
+    def v(self) -> Vector:
+        """The generalised velocities (n, nv)."""
+        return self.solution.v
+
+    @property
+    def lam(self) -> Vector:
+        """The Lagrange multipliers (n, nlambda)."""
+        return self.solution.lam
+
+    def to_pandas(self) -> Any:
+        """A pandas.DataFrame with the columns, indexed by time (s). Raises PandasMissing."""
+        try:
+            pandas = import_module("pandas")
+        except ImportError as error:
+            raise PandasMissing("to_pandas needs the package pandas: pip install pandas") from error
+        index = pandas.Index(self.t, name="t")
+        return pandas.DataFrame({column.name: column.values for column in self.table[1:]}, index=index)
+
+    def __getitem__(self, name: str) -> Vector:
+        for column in self.table:
+            if column.name == name:
+                return column.values
+        raise UnknownNameError(f"column of {self.scene.name}", name, self.columns)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.columns)
+
+    def __len__(self) -> int:
+        return len(self.table)
+
+    def __repr__(self) -> str:
+        span = f"{len(self.t)} rows from {self.t[0]:g} to {self.t[-1]:g} s"
+        return f"Trajectory of {self.scene.name}: {span}, columns {', '.join(self.columns)}"
