@@ -19,22 +19,48 @@ def show_progress(text: str = "") -> None:
 
 
 class SimulationProgress:
-    """The line of progress of a simulation: `label` and the time that it has reached, ten times a second at most."""
+    """The line of progress of a simulation: `label`, the time that it has reached, and the estimated remaining time.
+
+    It changes ten times a second at most.
+    """
 
     def __init__(self, label: str, duration: float) -> None:
-        self._label, self._duration, self._next = label, duration, 0.0
+        self._label, self._end, self._next = label, duration, 0.0
+        self._first: tuple[float, float] | None = None
         show_progress(f"simulating {label}: deriving and compiling ...")
 
     def __call__(self, reached: float) -> None:
         """The simulation has reached this time (s)."""
-        if time.monotonic() >= self._next:
-            self._next = time.monotonic() + 0.1
-            reached = min(reached, self._duration)
-            show_progress(f"simulating {self._label}: {reached:.4g} of {self._duration:g} s")
+        now = time.monotonic()
+        if self._first is None:
+            self._first = now, reached
+        if now >= self._next:
+            self._next = now + 0.1
+            reached = min(reached, self._end)
+            remaining = self._remaining(now, reached)
+            show_progress(f"simulating {self._label}: {reached:.4g} of {self._end:g} s{remaining}")
+
+    def _remaining(self, now: float, reached: float) -> str:
+        """The remaining time at the average speed since the first step, once that is a second ago."""
+        assert self._first is not None
+        began, at = self._first
+        if now - began < 1.0 or not at < reached < self._end:
+            return ""
+        return f", about {duration_text((self._end - reached) / (reached - at) * (now - began))} left"
 
     def end(self) -> None:
         """Remove the line."""
         show_progress()
+
+
+def duration_text(seconds: float) -> str:
+    """A duration in words with one or two units: "8 s", "3 min 20 s", "2 h 5 min"."""
+    whole = max(1, round(seconds))
+    if whole < 60:
+        return f"{whole} s"
+    if whole < 3600:
+        return f"{whole // 60} min {whole % 60} s"
+    return f"{whole // 3600} h {whole % 3600 // 60} min"
 
 
 def table(rows: Sequence[Sequence[str]], left: int = 1) -> list[str]:

@@ -10,6 +10,7 @@ import pytest
 from conftest import ROOT
 from derive.cli.main import main
 from derive.errors import TisserandError
+from derive.terminal import SimulationProgress, duration_text
 
 BEAM = str(ROOT / "scenes/free_beam_mean.toml")
 SLIDER = str(ROOT / "scenes/crank_slider_3.toml")
@@ -60,3 +61,28 @@ def test_an_error_replaces_the_line(
     monkeypatch.setattr("sys.stderr.isatty", lambda: True)
     assert main(["build", BEAM, "--out", str(tmp_path)]) == 2
     assert capsys.readouterr().err.endswith("lowering to kernels ...\x1b[K\r\x1b[Kthe message\n")
+
+
+def test_the_remaining_time_follows_from_the_speed_since_the_first_step(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """From 0.1 s to 0.6 s in 10 s of the clock: the remaining 1.4 s take 28 s, whatever compiling took."""
+    clock = iter([1000.0, 1010.0, 1010.05, 1020.0])
+    monkeypatch.setattr("derive.terminal.time.monotonic", lambda: next(clock))
+    monkeypatch.setattr("sys.stderr.isatty", lambda: True)
+    progress = SimulationProgress("pendulum", 2.0)
+    for reached in (0.1, 0.6, 0.7, 2.0):
+        progress(reached)
+    lines = capsys.readouterr().err.split("\r")
+    assert [line.removesuffix("\x1b[K") for line in lines[2:]] == [
+        "simulating pendulum: 0.1 of 2 s",
+        "simulating pendulum: 0.6 of 2 s, about 28 s left",
+        "simulating pendulum: 2 of 2 s",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("seconds", "text"), [(0.2, "1 s"), (59.4, "59 s"), (59.6, "1 min 0 s"), (200, "3 min 20 s"), (7500, "2 h 5 min")]
+)
+def test_durations_in_words(seconds: float, text: str) -> None:
+    assert duration_text(seconds) == text

@@ -95,10 +95,26 @@ def _add_simulate(commands: Any) -> None:
     simulate.add_argument("spec", type=Path, metavar="SPEC", help=f"{SPEC} with a [simulation] table")
     _add_folder(simulate, "results")
     simulate.add_argument(
-        "--duration", type=_seconds, metavar="S", help="duration in seconds, in place of that of the specification"
+        "--set",
+        action="append",
+        type=_assignment,
+        default=[],
+        metavar="NAME=VALUE",
+        help="another value of a parameter (EI=30) or of a key (bodies.rod.bending_stiffness=30); may be repeated",
+    )
+    simulate.add_argument("--duration", type=_seconds, metavar="S", help="duration, s, in place of the specified one")
+    simulate.add_argument("--output", type=_seconds, metavar="S", help="time between rows of the CSV file, s")
+    simulate.add_argument(
+        "--tolerance", type=_tolerance, metavar="X", help="tolerance of the error of a step, relative and absolute"
     )
     simulate.add_argument(
-        "--integrator", default="dop853", metavar="NAME", help="dop853 (default), rk45, ida, c_rk4, c_ida, ..."
+        "--integrator",
+        default="dop853",
+        metavar="NAME",
+        help="dop853 (default; also called scipy), rk45, ida; compiled with the model: rk4, generalised-alpha, c_ida",
+    )
+    simulate.add_argument(
+        "--step", type=_seconds, metavar="S", help="step of integrators with fixed steps (rk4, generalised-alpha), s"
     )
     simulate.add_argument("--json", action="store_true", help="print the summary as JSON")
 
@@ -196,11 +212,30 @@ def _frames(text: str) -> Sequence[str]:
     return names
 
 
-def _seconds(text: str) -> float:
+def _assignment(text: str) -> tuple[str, str]:
+    name, equals, value = (part.strip() for part in text.partition("="))
+    if not (name and equals and value):
+        raise argparse.ArgumentTypeError(f"expected NAME=VALUE, such as EI=30, not {text!r}")
+    return name, value
+
+
+def _tolerance(text: str) -> float:
+    value = _number(text)
+    if not 0 < value < 1:
+        raise argparse.ArgumentTypeError(f"expected a small positive number, such as 1e-9, not {text!r}")
+    return value
+
+
+def _number(text: str) -> float:
+    """A number; not a number if the text is none."""
     try:
-        value = float(text)
+        return float(text)
     except ValueError:
-        value = math.nan
+        return math.nan
+
+
+def _seconds(text: str) -> float:
+    value = _number(text)
     if not 0 < value < math.inf:
         raise argparse.ArgumentTypeError(f"expected a positive number of seconds, not {text!r}")
     return value

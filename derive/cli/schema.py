@@ -30,6 +30,8 @@ TITLES = {
     "BeamBodyTable": "`[bodies.NAME]`, a beam",
     "FrameTable": "Frame of a beam",
     "StartTable": "Initial guess",
+    "PlotTable": "`[plots.NAME]` of a deflection",
+    "ColumnPlotTable": "`[plots.NAME]` of columns",
     "ParameterTable": "Parameter",
     "SignedTable": "Signed parameter",
     "NotNegativeTable": "Non-negative parameter",

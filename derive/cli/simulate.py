@@ -5,21 +5,22 @@ from __future__ import annotations
 import argparse
 import json
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 from derive.artifacts import File, check_folder, write
-from derive.cli.specifications import read_scene
+from derive.cli.specifications import read_changed, simulated_scene
 from derive.errors import SpecError
 from derive.simulation.observables.beams import LINEAR_LIMIT, beam_bodies, relative_deflection
 from derive.simulation.observables.csv_writer import NUMBER_WIDTH, Column
 from derive.simulation.observables.player_data import player_data
-from derive.simulation.observables.plots import PlotCurve, percent, plot_curve, plot_doc, x_label, x_unit, y_unit
+from derive.simulation.observables.plots import PlotCurve, percent, plot_curves, plot_text, with_unit
 from derive.simulation.run_record import run_files
 from derive.simulation.simulate import output_times, simulate
 from derive.simulation.trajectory import Trajectory
-from derive.spec.model.scene import BeamBody, Plot, Scene
+from derive.spec.model.scene import BeamBody, Deflection, Plot, Scene
+from derive.spec.set_values import SetValue
 from derive.spec.toml.read import with_lines
 from derive.terminal import SimulationProgress, beam_count, table
 from derive.visual.line_chart import svg
@@ -35,17 +36,18 @@ def run(options: argparse.Namespace) -> int:
 
     That they can be written is checked before.
     """
-    scene = read_scene(options.spec, options.duration)
+    spec, changes = read_changed(options.spec, options.set)
+    scene = simulated_scene(spec, options.spec, options.duration, options.output, options.tolerance)
     check_folder(_planned_files(scene), options.out, _expected_size(scene))
-    simulations = Simulations(options.spec, scene, options.integrator)
+    simulations = Simulations(options.spec, scene, options.integrator, options.step)
     main = simulations.trajectory(None, 0)
     shown: list[PlotCurves] = []
     for plot in scene.plots:
         variants = [(_label(plot, n), simulations.trajectory(plot.cut, n)) for n in plot.pieces or (0,)]
-        shown.append((plot, tuple(plot_curve(plot, each.motion, label) for label, each in variants)))
+        shown.append((plot, tuple(curve for label, each in variants for curve in plot_curves(plot, each, label))))
     files = _files(main, shown)
     write(files, options.out)
-    summary = _summary(simulations, shown, [str(options.out / file.path) for file in files])
+    summary = _summary(simulations, main, changes, shown, [str(options.out / file.path) for file in files])
     print(json.dumps(summary, indent=2) if options.json else _text(summary))
     return 0
 
@@ -57,6 +59,7 @@ class Simulations:
     path: Path
     scene: Scene
     integrator: str
+    step: float | None
     done: dict[tuple[tuple[str, int], ...], Trajectory] = field(default_factory=dict)
 
     def trajectory(self, cut: str | None, pieces: int) -> Trajectory:
@@ -71,7 +74,7 @@ class Simulations:
             progress = SimulationProgress(title, self.scene.simulation.duration)
             try:
                 scene = replace(self.scene, bodies=bodies)
-                self.done[key] = simulate(scene, integrator=self.integrator, progress=progress)
+                self.done[key] = simulate(scene, integrator=self.integrator, step=self.step, progress=progress)
             except SpecError as error:
                 raise with_lines(error, self.path) from None
             finally:
@@ -100,24 +103,44 @@ def _expected_size(scene: Scene) -> int:
 
 def _files(main: Trajectory, shown: Sequence[PlotCurves]) -> list[File]:
     scene = main.scene
-    columns = [Column(plot_doc(plot), y_unit(plot), plot_curve(plot, main.motion, "").y) for plot, _ in shown]
+    columns = [
+        Column(
+            curve.label or plot_text(plot, main.scene, main.units).doc,
+            plot_text(plot, main.scene, main.units).y_unit,
+            curve.y,
+        )
+        for plot, _ in shown
+        for curve in plot_curves(plot, main, "")
+    ]
     return [
         *run_files(main),
-        *(File(f"{scene.name}/{p.name}.svg", svg(plot_chart(scene, p, curves))) for p, curves in shown),
+        *(
+            File(f"{scene.name}/{p.name}.svg", svg(plot_chart(scene.name, p, plot_text(p, scene, main.units), curves)))
+            for p, curves in shown
+        ),
         File(f"{scene.name}/{scene.name}.html", player_page(player_data(main.motion, columns))),
     ]
 
 
 def _label(plot: Plot, pieces: int) -> str:
-    return beam_count(pieces) if pieces else str(plot.quantity.marker)
+    if pieces:
+        return beam_count(pieces)
+    return str(plot.quantity.marker) if isinstance(plot.quantity, Deflection) else ""
 
 
-def _summary(simulations: Simulations, shown: Sequence[PlotCurves], files: list[str]) -> dict[str, Any]:
+def _summary(
+    simulations: Simulations,
+    main: Trajectory,
+    changes: Sequence[SetValue],
+    shown: Sequence[PlotCurves],
+    files: list[str],
+) -> dict[str, Any]:
     """Return the summary as plain data: times in s, drift in m, rad, m/s and rad/s, errors relative to the peak."""
     assert simulations.scene.simulation is not None
     return {
         "name": simulations.scene.name,
         "duration": simulations.scene.simulation.duration,
+        "set": [asdict(change) for change in changes],
         "runs": [
             {
                 "pieces": dict(key),
@@ -126,6 +149,7 @@ def _summary(simulations: Simulations, shown: Sequence[PlotCurves], files: list[
                 "steps": done.solution.cost.steps,
                 "evaluations": done.solution.cost.evaluations,
                 "cpu_seconds": done.solution.cost.seconds,
+                "notes": done.solution.notes,
                 "drift": done.solution.drift[:, 0].max(),
                 "drift_of_rates": done.solution.drift[:, 1].max(),
                 "deformed_start": done.initial.deformed or done.initial.deforming,
@@ -136,8 +160,8 @@ def _summary(simulations: Simulations, shown: Sequence[PlotCurves], files: list[
         "plots": [
             {
                 "name": plot.name,
-                "quantity": plot_doc(plot),
-                "over": f"{x_label(simulations.scene, plot)}, {x_unit(simulations.scene, plot)}",
+                "quantity": (text := plot_text(plot, main.scene, main.units)).doc,
+                "over": with_unit(text.x_label, text.x_unit),
                 "reference": plot.reference.file if plot.reference else None,
                 "curves": [
                     {
@@ -162,7 +186,8 @@ def _text(summary: dict[str, Any]) -> str:
         counts = (str(each[key]) for key in ("coordinates", "constraints", "steps", "evaluations"))
         drifts = (f"{each[key]:.1e}" for key in ("drift", "drift_of_rates"))
         rows.append([name, *counts, f"{each['cpu_seconds']:.2f}", *drifts])
-    lines = [f"{summary['name']}: {summary['duration']:g} s", *table(rows)]
+    lines = [f"set {SetValue(**change)}" for change in summary["set"]]
+    lines += [f"{summary['name']}: {summary['duration']:g} s", *table(rows)]
     lines += ["  drift: the largest violation of the constraints (m, rad) and of their time derivatives (m/s, rad/s)"]
     lines += _warnings(summary)
     for plot in summary["plots"]:
@@ -183,6 +208,7 @@ def _warnings(summary: dict[str, Any]) -> list[str]:
     """Warn of beams that bend further than their equations hold, and of initial states with deformed bodies."""
     warnings: list[str] = []
     for each in summary["runs"]:
+        warnings += [f"  note: {note}" for note in each["notes"]]
         for name, most in each["bending"].items():
             if most > LINEAR_LIMIT:
                 beam = f"{name} in {beam_count(each['pieces'][name])}"

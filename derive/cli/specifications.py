@@ -11,26 +11,47 @@ from pathlib import Path
 from derive.errors import Problem, SpecError
 from derive.pipeline import Built, build
 from derive.simulation.simulate import simulation_settings
-from derive.spec.model.scene import Scene
-from derive.spec.tables.simulation import MAX_STEPS
+from derive.spec.model.scene import Scene, Specification
+from derive.spec.set_values import SetValue, with_values
 from derive.spec.toml.read import read
 from derive.terminal import show_progress
 
 
-def read_scene(path: Path, duration: float | None = None) -> Scene:
-    """Read the scene of a file, with another `duration` (s) if given. Raises SpecError if it cannot be simulated."""
-    scene = read(path)
-    if not isinstance(scene, Scene):
+def read_scene(path: Path) -> Scene:
+    """Read the scene of a file. Raises SpecError if it is a body, or has no [simulation]."""
+    return simulated_scene(read(path), path)
+
+
+def read_changed(path: Path, assignments: Sequence[tuple[str, str]]) -> tuple[Specification, tuple[SetValue, ...]]:
+    """Read the specification of a file with other values, and what has been replaced; see `with_values`.
+
+    assignments: pairs of a name and a value. Raises SpecError.
+    """
+    spec = read(path)
+    names = [name for name, _ in assignments]
+    if repeated := sorted({name for name in names if names.count(name) > 1}):
+        raise SpecError((Problem("", f"{', '.join(repeated)} has several values; give one"),), "--set")
+    return with_values(spec, dict(assignments))
+
+
+def simulated_scene(
+    spec: Specification,
+    path: Path,
+    duration: float | None = None,
+    output: float | None = None,
+    tolerance: float | None = None,
+) -> Scene:
+    """The scene that a file specifies, with another duration (s), interval of rows (s) and tolerance if given.
+
+    Raises SpecError if it cannot be simulated.
+    """
+    if not isinstance(spec, Scene):
         message = "a scene is needed, and this is a single body; put it into [bodies], see scenes/spinning_beam.toml"
         raise SpecError((Problem("", message),), str(path))
     try:
-        simulation = simulation_settings(scene, duration)
+        return replace(spec, simulation=simulation_settings(spec, duration, output, tolerance))
     except SpecError as error:
         raise SpecError(error.problems, str(path)) from None
-    if simulation.duration > MAX_STEPS * simulation.output:
-        message = f"--duration {duration:g} would give more than {MAX_STEPS} rows; make `output` longer"
-        raise SpecError((Problem("simulation.output", message),), str(path))
-    return replace(scene, simulation=simulation)
 
 
 def build_all(paths: Sequence[Path]) -> list[Built]:

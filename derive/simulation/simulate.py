@@ -3,22 +3,24 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import replace
 
 import numpy as np
 
 from derive.backends.model_files import model_files
 from derive.derivation import derive, lower
-from derive.errors import Problem, SpecError
+from derive.errors import Problem, SpecError, quoted
 from derive.runtime.native_call import Vector
 from derive.simulation.initial.initial_state import initial_state
 from derive.simulation.integration.integrator import Settings
 from derive.simulation.integration.registry import INTEGRATORS
 from derive.simulation.integration.solution import Progress
 from derive.simulation.observables.motion import SceneMotion
-from derive.simulation.trajectory import RunSettings, Trajectory
+from derive.simulation.trajectory import RunSettings, Trajectory, column_units
 from derive.spec.construction import validated
-from derive.spec.model.scene import Scene, Simulation
+from derive.spec.model.scene import ColumnCurves, Scene, Simulation
+from derive.spec.parsing.faults import did_you_mean
 
 
 def simulate(
@@ -45,6 +47,7 @@ def simulate(
     simulation = simulation_settings(scene, duration, output, tolerance)
     compile_integrator = INTEGRATORS[integrator]
     model = lower(derive(scene))
+    check_plots(scene, column_units(scene, model))
     compiled = compile_integrator(model_files(model, scene))
     native = compiled.native
     k = native.setup()
@@ -75,6 +78,25 @@ def simulation_settings(
     simulation = validated(replace(scene, simulation=changed)).simulation
     assert simulation is not None
     return simulation
+
+
+def check_plots(scene: Scene, columns: Iterable[str]) -> None:
+    """Raise SpecError if plots name columns that the motion does not have."""
+    known = tuple(columns)
+    problems = [
+        Problem(f"plots.{plot.name}.{key}", f"there is no column {quoted(name)}{_nearest(name, known)}")
+        for plot in scene.plots
+        if isinstance(plot.quantity, ColumnCurves)
+        for key, names in (("x", (plot.quantity.x,)), ("y", plot.quantity.y))
+        for name in names
+        if name not in known
+    ]
+    if problems:
+        raise SpecError(tuple(problems))
+
+
+def _nearest(name: str, known: tuple[str, ...]) -> str:
+    return did_you_mean(name, known, f"the columns are {', '.join(known)}")
 
 
 def output_times(simulation: Simulation) -> Vector:

@@ -28,6 +28,18 @@ class RunSettings:
     step: float | None = None
 
 
+def column_units(scene: Scene, model: Model) -> dict[str, str]:
+    """The names of the columns of a trajectory of a scene, with their units, before it is computed."""
+    units = {"t": "s", **{drive.name: drive_unit(scene, drive) for drive in scene.drives}}
+    for prefix, variables in (
+        ("", model.coordinates),
+        ("", model.velocities),
+        ("lambda_", model.multipliers),  # a drive and its multiplier have one name otherwise
+    ):
+        units |= {f"{prefix}{variable.name}": variable.unit for variable in variables}
+    return units
+
+
 class PandasMissing(TisserandError):
     """The package pandas is not installed."""
 
@@ -52,16 +64,11 @@ class Trajectory(Mapping[str, Vector]):
     @cached_property
     def table(self) -> tuple[Column, ...]:
         """All columns with their names, units and values (n,)."""
-        solution, model = self.solution, self.model
-        columns = [Column("t", "s", solution.t)]
-        columns += [Column(d.name, drive_unit(self.scene, d), drive_values(d, solution.t)) for d in self.scene.drives]
-        for prefix, variables, values in (
-            ("", model.coordinates, solution.q),
-            ("", model.velocities, solution.v),
-            ("lambda_", model.multipliers, solution.lam),  # a drive and its multiplier have one name otherwise
-        ):
-            columns += [Column(f"{prefix}{x.name}", x.unit, y) for x, y in zip(variables, values.T, strict=True)]
-        return tuple(columns)
+        solution = self.solution
+        drives = [drive_values(drive, solution.t) for drive in self.scene.drives]
+        values = [solution.t, *drives, *solution.q.T, *solution.v.T, *solution.lam.T]
+        units = column_units(self.scene, self.model)
+        return tuple(Column(name, unit, column) for (name, unit), column in zip(units.items(), values, strict=True))
 
     @property
     def columns(self) -> tuple[str, ...]:

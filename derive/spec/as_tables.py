@@ -22,6 +22,7 @@ from derive.spec.model.body import (
 from derive.spec.model.scene import (
     NAMED,
     BeamBody,
+    ColumnCurves,
     CustomBody,
     CustomForce,
     CustomJoint,
@@ -175,11 +176,15 @@ def _custom_force(force: CustomForce) -> Data:
 
 
 def _plot(plot: Plot) -> Data:
-    deflection = plot.quantity
+    quantity = plot.quantity
+    keys: Data
+    if isinstance(quantity, ColumnCurves):
+        keys = {"x": quantity.x, "y": list(quantity.y)}
+    else:
+        chord = [quantity.start, quantity.end]
+        keys = {"deflection": quantity.marker, "chord": chord, "divided_by": quantity.over}
     return without_none(
-        deflection=deflection.marker,
-        chord=[deflection.start, deflection.end],
-        divided_by=deflection.over,
+        **keys,
         over=plot.over,
         cut=plot.cut,
         pieces=plot.pieces or None,

@@ -183,8 +183,16 @@ def validated(spec: S) -> S:
 
     The dataclasses themselves check nothing, so that `Scene(...)` built by hand goes through this function first.
     """
+    return validated_tables(spec, specification_tables(spec))
+
+
+def validated_tables(spec: S, tables: Table) -> S:
+    """A specification of the same type as `spec` from its tables, in which values may have been replaced.
+
+    Numbers of reference curves are those of `spec`, whose files are not read again.
+    """
     curves = {plot.name: plot.reference.rows for plot in getattr(spec, "plots", ()) if plot.reference}
-    result = _validate(specification_tables(spec), curves)
+    result = _validate(tables, curves)
     assert isinstance(result, type(spec))
     return result
 

@@ -125,7 +125,7 @@ def svg(chart: Chart) -> str:
             axis.set_xlim(*_range(chart))
             _ticks(axis, chart.x_unit)
             axis.tick_params(length=3)
-        axes[-1].set_xlabel(f"{chart.x_label}, {chart.x_unit}")
+        axes[-1].set_xlabel(", ".join(part for part in (chart.x_label, chart.x_unit) if part))
         figure.align_ylabels(axes)
         figure.text(left, 1 - 0.1 / height, "\n".join(title), va="top", fontweight="bold", fontsize=11)
         _legend(figure, axes[0], chart, left, 1 - below / height)

@@ -6,30 +6,27 @@ from collections.abc import Sequence
 from pathlib import PurePath
 
 from derive.simulation.observables.motion import reference_curve
-from derive.simulation.observables.plots import PlotCurve, deflection_doc, percent, x_label, x_unit, y_unit
-from derive.spec.model.scene import Plot, Scene
+from derive.simulation.observables.plots import PlotCurve, PlotText, deflection_doc, percent, with_unit
+from derive.spec.model.scene import Deflection, Plot
 from derive.visual.line_chart import Chart, Curve
 
 
-def plot_chart(scene: Scene, plot: Plot, curves: Sequence[PlotCurve]) -> Chart:
-    """The chart of a plot, with its reference and the deviations from it in percent."""
+def plot_chart(name: str, plot: Plot, text: PlotText, curves: Sequence[PlotCurve]) -> Chart:
+    """The chart of a plot of the scene `name`, with its reference and the deviations from it in percent."""
     reference = None
     deviations = [(curve.label, curve.deviation) for curve in curves if curve.deviation is not None]
     if plot.reference is not None:
         reference = Curve(f"reference: {PurePath(plot.reference.file).name}", *reference_curve(plot.reference.rows))
+    quantity = plot.quantity
     return Chart(
-        f"{scene.name}: {deflection_doc(plot)}",
-        x_label(scene, plot),
-        x_unit(scene, plot),
-        ", ".join(part for part in ("deflection" + _divisor(plot), y_unit(plot)) if part),
+        f"{name}: {deflection_doc(quantity) if isinstance(quantity, Deflection) else text.doc}",
+        text.x_label,
+        text.x_unit,
+        with_unit(text.y_label, text.y_unit),
         tuple(Curve(_legend(curve), curve.x, curve.y) for curve in curves),
         reference,
         tuple(Curve(label, x, 100 * values) for label, (x, values) in deviations),
     )
-
-
-def _divisor(plot: Plot) -> str:
-    return "" if plot.quantity.over == 1 else f" / {plot.quantity.over:g} m"
 
 
 def _legend(curve: PlotCurve) -> str:

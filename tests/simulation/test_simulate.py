@@ -63,7 +63,7 @@ def test_pandas_has_the_same_numbers(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.mark.parametrize(
     ("integrator", "step", "tolerance"),
-    [("rk45", None, 1e-6), ("c_rk4", 5e-4, 1e-6), ("c_generalised_alpha", 1e-3, 2e-3), ("c_ida", None, 1e-5)],
+    [("rk45", None, 1e-6), ("rk4", 5e-4, 1e-6), ("generalised-alpha", 1e-3, 2e-3), ("c_ida", None, 1e-5)],
 )
 def test_integrators_agree(integrator: str, step: float | None, tolerance: float) -> None:
     try:
@@ -78,7 +78,7 @@ def test_integrators_agree(integrator: str, step: float | None, tolerance: float
 
 
 def test_an_unknown_integrator_names_the_known_ones() -> None:
-    known = "dop853, rk45, ida, c_rk4, c_generalised_alpha, c_ida"
+    known = "dop853, scipy, rk45, ida, rk4, generalised-alpha, c_ida"
     with pytest.raises(derive.UnknownNameError, match=f'no integrator "dop85"; did .* "dop853"[?] known: {known}'):
         derive.simulate(pendulum(), integrator="dop85")
 
@@ -131,3 +131,12 @@ def test_a_path_is_not_a_specification() -> None:
     for function in (derive.derive, derive.simulate):
         with pytest.raises(TypeError, match=r"not str; read .* with derive\.read"):
             function("scenes/double_pendulum.toml")  # type: ignore[arg-type]  # the mistake under test
+
+
+def test_a_step_that_does_not_divide_the_rows_is_shortened_with_a_note() -> None:
+    """Rows every 0.03 s and 0.02 s at the end: 0.008 s becomes 0.0075 s; 0.02/3 s is what it is shortened to there."""
+    notes = derive.simulate(pendulum(), duration=0.08, output=0.03, integrator="rk4", step=0.008).solution.notes
+    assert [note.split(":")[1].split(" s ->")[0] for note in notes] == [" 0.008", " 0.008"]
+    assert "-> 0.0075 s between rows that are 0.03 s apart" in notes[0]
+    assert "-> 0.00666667 s between rows that are 0.02 s apart" in notes[1]
+    assert derive.simulate(pendulum(), duration=0.06, output=0.03, integrator="rk4", step=0.01).solution.notes == ()

@@ -62,7 +62,7 @@ def quick(monkeypatch: pytest.MonkeyPatch) -> list[Scene]:
     """Scenes that were simulated, quickly."""
     asked: list[Scene] = []
     monkeypatch.setattr(
-        command, "simulate", lambda scene, integrator, progress: asked.append(scene) or simulated(scene, progress)
+        command, "simulate", lambda scene, progress, **_: asked.append(scene) or simulated(scene, progress)
     )
     return asked
 
@@ -138,7 +138,7 @@ def test_a_scene_has_to_say_how_long(tmp_path: Path, capsys: pytest.CaptureFixtu
 def test_a_failing_integration_is_explained(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    def stopped(scene: Scene, integrator: str, progress: object) -> Trajectory:
+    def stopped(scene: Scene, **_: object) -> Trajectory:
         raise IntegrationStopped(0.03, "steps are too small")
 
     monkeypatch.setattr(command, "simulate", stopped)
@@ -215,3 +215,32 @@ def test_the_record_has_units_settings_and_the_last_state(quick: list[Scene], tm
     assert [column["unit"] for column in record["columns"]][:3] == ["s", "rad", "m"]
     assert (record["integrator"], record["tolerance"], record["duration"]) == ("dop853", 1e-9, 0.02)
     assert record["last_state"]["t"] == 0.02 and len(record["last_state"]["q"]) == 16
+
+
+def test_set_prints_old_and_new_values_and_simulates_with_the_new_ones(
+    quick: list[Scene], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    arguments = ["simulate", str(SCENE), "--out", str(tmp_path), "--duration", "0.002"]
+    options = ["--set", "bodies.rod.bending_stiffness=30", "--set", "simulation.output = 1e-3", "--tolerance", "1e-8"]
+    assert main([*arguments, *options]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[:2] == [
+        "set bodies.rod.bending_stiffness: 12.7234502 -> 30, the parameter rod_bending_stiffness",
+        "set simulation.output: 0.0001 -> 1e-3",
+    ]
+    rod = next(body for body in quick[0].bodies if body.name == "rod")
+    assert rod.beam.bending_stiffness.default == 30.0
+    assert (quick[0].simulation.output, quick[0].simulation.tolerance) == (1e-3, 1e-8)
+    assert main([*arguments, "--set", "EI=3", "--json"]) == 2
+    assert '--set: "EI" is no parameter and no key' in capsys.readouterr().err
+    assert main([*arguments, "--set", "a=1", "--set", "a=2"]) == 2
+    assert capsys.readouterr().err == "--set: a has several values; give one\n"
+
+
+@pytest.mark.parametrize(
+    "option", [["--set", "EI"], ["--set", "=3"], ["--tolerance", "1"], ["--output", "-1"], ["--step", "x"]]
+)
+def test_wrong_options(option: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as stopped:
+        main(["simulate", str(SCENE), *option])
+    assert stopped.value.code == 2 and f"argument {option[0]}: expected" in capsys.readouterr().err

@@ -11,7 +11,7 @@ import slider
 
 from derive.simulation.observables.beams import piece_at, relative_deflection
 from derive.simulation.observables.motion import deviation, drive_values, function_values, marker_positions
-from derive.simulation.observables.plots import percent, plot_curve
+from derive.simulation.observables.plots import percent, plot_curve, plot_text
 from derive.simulation.simulate import output_times
 from derive.spec.model.scene import BeamBody, Drive, MarkerRef, ReferenceCurve, Simulation, TimeFunction
 from derive.visual.line_chart import svg
@@ -91,12 +91,13 @@ def test_the_legend_tells_errors() -> None:
     motion = slider.motion(2, 101)
     plot = motion.scene.plots[0]
     shown = plot_curve(plot, motion, "2 beams")
-    text = svg(plot_chart(motion.scene, plot, [shown]))
+    text = svg(plot_chart("slider", plot, plot_text(plot, motion.scene, {}), [shown]))
     rms, most = shown.error or (0, 0)
     assert f"2 beams: rms {percent(rms)} %, max {percent(most)} %" in text
     assert "reference: given.csv" in text and "angle of motor, rad" in text and "deviation," in text
     alone = replace(plot, reference=None, over=None, cut=None, pieces=())
-    text = svg(plot_chart(motion.scene, alone, [plot_curve(alone, motion, "rod.middle")]))
+    words = plot_text(alone, motion.scene, {})
+    text = svg(plot_chart("slider", alone, words, [plot_curve(alone, motion, "rod.middle")]))
     assert "reference" not in text and "time, s" in text and "deviation," not in text
 
 

@@ -39,7 +39,7 @@ def rk4(files: Sequence[File]) -> Integrator:
         step = settings.step or STABLE * rk4_step_limit(native, k, float(times[0]), q, v)
 
         def run(q0: Vector, v0: Vector, t0: float, interval: float, rows: int) -> Integration:
-            every = max(1, math.ceil(interval / step * (1 - 1e-12)))
+            every = _steps(interval, step)
             return host.run(q0, v0, step=interval / every, steps=rows * every, every=every, k=k, t0=t0)
 
         return _solution(native, run, k, q, v, times, settings)
@@ -55,7 +55,7 @@ def generalised_alpha(files: Sequence[File]) -> Integrator:
     def integrate(k: Vector, q: Vector, v: Vector, times: Vector, settings: Settings) -> Solution:
         def run(q0: Vector, v0: Vector, t0: float, interval: float, rows: int) -> Integration:
             step = settings.step or interval / STEPS_PER_ROW
-            every = max(1, math.ceil(interval / step * (1 - 1e-12)))
+            every = _steps(interval, step)
             return host.run(q0, v0, step=interval / every, steps=rows * every, every=every, k=k, t0=t0)
 
         return _solution(native, run, k, q, v, times, settings)
@@ -109,7 +109,26 @@ def _solution(
         seconds += part.seconds
         if settings.progress is not None:
             settings.progress(float(instants[last]))
-    return rows.solution(instants, Cost(evaluations, steps, seconds, jacobians))
+    cost = Cost(evaluations, steps, seconds, jacobians)
+    return rows.solution(instants, cost, _shortened(instants, settings.step))
+
+
+def _shortened(times: Vector, step: float | None) -> tuple[str, ...]:
+    """A note if the step (s) that was given does not divide the intervals between rows, so that it is shortened."""
+    if step is None:
+        return ()
+    intervals = [float(times[last] - times[first]) / (last - first) for first, last in _equal_intervals(times)]
+    used = {interval: interval / _steps(interval, step) for interval in intervals}
+    return tuple(
+        f"step: {step:g} s -> {short:.6g} s between rows that are {interval:.6g} s apart: rows are ends of steps"
+        for interval, short in used.items()
+        if short < step * (1 - 1e-9)
+    )
+
+
+def _steps(interval: float, step: float) -> int:
+    """The number of equal steps, at most as long as `step` (s), in an interval (s) between two rows."""
+    return max(1, math.ceil(interval / step * (1 - 1e-12)))
 
 
 def _equal_intervals(times: Vector) -> list[tuple[int, int]]:

@@ -31,7 +31,7 @@ class Settings:
         if self.step is not None:
             raise SimulationError(
                 f"{integrator} chooses its own steps, so that a step of {self.step:g} s means nothing to it; leave it "
-                "out and give a tolerance, or choose an integrator with fixed steps, such as c_rk4"
+                "out and give a tolerance, or choose an integrator with fixed steps, such as rk4"
             )
 
 

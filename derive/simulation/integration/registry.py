@@ -48,12 +48,14 @@ INTEGRATORS: Registry[Compile] = Registry(
     "integrator",
     {
         "dop853": _scipy("DOP853"),
+        "scipy": _scipy("DOP853"),
         "rk45": _scipy("RK45"),
         "ida": _ida,
-        "c_rk4": c_methods.rk4,
-        "c_generalised_alpha": c_methods.generalised_alpha,
+        "rk4": c_methods.rk4,
+        "generalised-alpha": c_methods.generalised_alpha,
         "c_ida": c_methods.ida,
     },
 )
-"""Integrators by name: SciPy's DOP853 (Runge-Kutta of order 8) and RK45; IDA of SUNDIALS through scikit-sundae; and the
-C integrators of `templates/host`, compiled with the model."""
+"""Integrators by name: SciPy's DOP853 (Runge-Kutta of order 8; "scipy" is another name of it) and RK45; IDA of SUNDIALS
+through scikit-sundae; and the C integrators of `templates/host`, compiled with the model: the classical Runge-Kutta
+method, the generalised-alpha method, and IDA without Python between its steps."""

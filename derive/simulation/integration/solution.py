@@ -31,6 +31,7 @@ class Solution:
 
     drift (n, 2): the largest violation of g (m, rad) and of its rate (m/s, rad/s) in each row. drift_before (n, 2): the
     same before the projection of the row, which is the drift of one step and the error of interpolation within it.
+    notes: what the integrator does otherwise than it was told, for the user.
     """
 
     t: Vector
@@ -40,6 +41,7 @@ class Solution:
     drift: Matrix
     drift_before: Matrix
     cost: Cost
+    notes: tuple[str, ...] = ()
 
 
 @dataclass
@@ -86,10 +88,11 @@ class SolutionWriter:
         check_drift(self.native, self.k, t, q, v, self.limit)
         return np.concatenate([q, v])
 
-    def solution(self, t: Vector, cost: Cost) -> Solution:
+    def solution(self, t: Vector, cost: Cost, notes: tuple[str, ...] = ()) -> Solution:
         """All rows, at the times t (n,)."""
         n = self.native.nq
-        return Solution(t, self.states[:, :n], self.states[:, n:], self.lam, self.drift, self.drift_before, cost)
+        states, lam, drift, before = self.states, self.lam, self.drift, self.drift_before
+        return Solution(t, states[:, :n], states[:, n:], lam, drift, before, cost, notes)
 
 
 def row_times(times: Sequence[float] | Vector) -> Vector:

@@ -1,13 +1,16 @@
-"""The plots of a scene: curves over time or over a drive with their extremes and errors."""
+"""The plots of a scene: curves over time, over a drive or over another column, with their extremes and errors."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import assert_never
 
 import numpy as np
 
 from derive.simulation.observables.motion import Array, SceneMotion, deflection, deviation, drive_unit, drive_values
-from derive.spec.model.scene import Plot, Scene
+from derive.simulation.trajectory import Trajectory
+from derive.spec.model.scene import ColumnCurves, Deflection, Plot, Scene
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,33 +46,83 @@ class PlotCurve:
         return float(np.sqrt(np.mean(self.deviation[1] ** 2))), float(np.abs(self.deviation[1]).max())
 
 
+def plot_curves(plot: Plot, trajectory: Trajectory, label: str) -> tuple[PlotCurve, ...]:
+    """The curves of a plot in a motion; several columns are distinguished by their names behind the label.
+
+    Raises UnknownNameError for a column that the motion does not have.
+    """
+    quantity = plot.quantity
+    if isinstance(quantity, Deflection):
+        return (plot_curve(plot, trajectory.motion, label),)
+    x = trajectory[quantity.x]
+    return tuple(_curve(plot, _column_label(trajectory, plot, name, label), x, trajectory[name]) for name in quantity.y)
+
+
 def plot_curve(plot: Plot, motion: SceneMotion, label: str) -> PlotCurve:
-    """The curve of a plot in a motion."""
+    """The curve of a plot of a deflection in a motion."""
+    assert isinstance(plot.quantity, Deflection)
     drive = next((d for d in motion.scene.drives if d.name == plot.over), None)
     x = motion.t if drive is None else drive_values(drive, motion.t)
-    y = deflection(motion, plot.quantity)
+    return _curve(plot, label, x, deflection(motion, plot.quantity))
+
+
+def _curve(plot: Plot, label: str, x: Array, y: Array) -> PlotCurve:
     return PlotCurve(label, x, y, None if plot.reference is None else deviation(x, y, plot.reference))
 
 
-def plot_doc(plot: Plot) -> str:
-    """The quantity of a plot in words."""
-    return deflection_doc(plot) + ("" if plot.quantity.over == 1 else f", divided by {plot.quantity.over:g} m")
+def _column_label(trajectory: Trajectory, plot: Plot, name: str, label: str) -> str:
+    """The column with its unit if the columns of the plot differ in it, behind the label of the motion."""
+    assert isinstance(plot.quantity, ColumnCurves)
+    units = {trajectory.units[column] for column in plot.quantity.y}
+    column = name if len(units) == 1 else with_unit(name, trajectory.units[name])
+    return f"{label}: {column}" if label else column
 
 
-def y_unit(plot: Plot) -> str:
-    """The unit of the quantity of a plot; empty for a ratio."""
-    return "m" if plot.quantity.over == 1 else ""
+@dataclass(frozen=True)
+class PlotText:
+    """The words of a plot: its quantity, and the labels and units of its axes; no unit is an empty text."""
+
+    doc: str
+    y_label: str
+    x_label: str
+    x_unit: str
+    y_unit: str
 
 
-def x_label(scene: Scene, plot: Plot) -> str:
-    """The quantity of the x axis of a plot: time, or the motion of a drive."""
+def plot_text(plot: Plot, scene: Scene, units: Mapping[str, str]) -> PlotText:
+    """The words of a plot; `units` are those of the columns of the motion."""
+    quantity = plot.quantity
+    match quantity:
+        case Deflection():
+            divisor = "" if quantity.over == 1 else f"{quantity.over:g} m"
+            return PlotText(
+                deflection_doc(quantity) + (f", divided by {divisor}" if divisor else ""),
+                f"deflection / {divisor}" if divisor else "deflection",
+                _drive_label(scene, plot),
+                _drive_unit(scene, plot),
+                "" if divisor else "m",
+            )
+        case ColumnCurves():
+            names, y_units = ", ".join(quantity.y), {units[name] for name in quantity.y}
+            unit = y_units.pop() if len(y_units) == 1 else ""
+            return PlotText(names, names, "time" if quantity.x == "t" else quantity.x, units[quantity.x], unit)
+    assert_never(quantity)
+
+
+def with_unit(name: str, unit: str) -> str:
+    """A name, and behind a comma its unit if it has one."""
+    return f"{name}, {unit}" if unit else name
+
+
+def _drive_label(scene: Scene, plot: Plot) -> str:
+    """The quantity of the x axis of a deflection: time, or the motion of a drive."""
     if plot.over is None:
         return "time"
-    return f"{'angle' if x_unit(scene, plot) == 'rad' else 'displacement'} of {plot.over}"
+    return f"{'angle' if _drive_unit(scene, plot) == 'rad' else 'displacement'} of {plot.over}"
 
 
-def x_unit(scene: Scene, plot: Plot) -> str:
-    """The unit of the x axis of a plot: s, rad or m."""
+def _drive_unit(scene: Scene, plot: Plot) -> str:
+    """The unit of the x axis of a deflection: s, rad or m."""
     drive = next((d for d in scene.drives if d.name == plot.over), None)
     return "s" if drive is None else drive_unit(scene, drive)
 
@@ -80,8 +133,7 @@ def percent(ratio: float) -> str:
     return f"{value:.0f}" if value >= 99.5 else f"{value:.1f}" if value >= 0.995 else f"{value:.2g}"
 
 
-def deflection_doc(plot: Plot) -> str:
-    """The deflection of a plot in words, without its divisor."""
-    quantity = plot.quantity
+def deflection_doc(quantity: Deflection) -> str:
+    """A deflection in words, without its divisor."""
     ends = f"{quantity.start} to {quantity.end}"
     return f"deflection of {quantity.marker} from the chord {ends}"

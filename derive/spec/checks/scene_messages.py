@@ -26,13 +26,12 @@ from derive.spec.tables.scene_bodies import (
     body_tables,
     kind_of_scene_body,
 )
-from derive.spec.tables.simulation import PlotTable, ReferenceTable, SimulationTable
+from derive.spec.tables.simulation import ColumnPlotTable, PlotTable, ReferenceTable, SimulationTable, kind_of_plot
 
 _NAMED: dict[str | int, Callable[[], type[BaseModel]]] = {
     "joints": joint_table,
     "drives": lambda: DriveTable,
     **{section: partial(force_table, section) for section in DEFAULT_KINDS},
-    "plots": lambda: PlotTable,
 }
 _PLAIN: dict[str | int, type[BaseModel]] = {"ground": GroundTable, "scene": SceneTable, "simulation": SimulationTable}
 PLAIN_TABLES = {str(name): {*table.model_fields} for name, table in _PLAIN.items()}
@@ -51,6 +50,7 @@ _EXAMPLES = {
     ("plots", "deflection"): 'deflection = "rod.middle"',
     ("plots", "chord"): 'chord = ["rod.left", "rod.right"]',
     ("plots", "divided_by"): "divided_by = 0.3",
+    ("plots", "y"): 'y = "rod_phi"',
 }
 _SYMBOLS = {"inertia": "I", "speed": "Omega", "stiffness": "k", "damping": "d", "rest": "l0"}
 
@@ -58,7 +58,7 @@ _SYMBOLS = {"inertia": "I", "speed": "Omega", "stiffness": "k", "damping": "d", 
 def is_union(path: KeyPath) -> bool:
     """Whether a value has two notations, which pydantic distinguishes in the path of an error."""
     match path:
-        case ("bodies", _) | ("bodies", _, "frame"):
+        case ("bodies", _) | ("bodies", _, "frame") | ("plots", _):
             return True
         case ("bodies", _, "mass" | "inertia" | "length" | "bending_stiffness"):
             return True
@@ -110,6 +110,10 @@ def table(path: KeyPath, data: Mapping[str, object]) -> type[BaseModel] | None:
             return FrameTable
         case ("plots", _, "reference"):
             return ReferenceTable
+        case ("plots", name):
+            plots = data.get("plots")
+            kind_of = kind_of_plot(plots.get(name) if isinstance(plots, Mapping) else None)
+            return ColumnPlotTable if kind_of == "columns" else PlotTable
         case (kind, _) if kind in _NAMED:
             return _NAMED[kind]()
     return None

@@ -238,6 +238,14 @@ class Deflection:
 
 
 @dataclass(frozen=True)
+class ColumnCurves:
+    """Columns `y` of a trajectory over its column `x`, by their names."""
+
+    y: tuple[str, ...]
+    x: str = "t"
+
+
+@dataclass(frozen=True)
 class ReferenceCurve:
     """Columns `x` and `y` of a CSV file to compare with; `rows` are its numbers."""
 
@@ -249,17 +257,17 @@ class ReferenceCurve:
 
 @dataclass(frozen=True)
 class Plot:
-    """A picture that `simulate` draws: `quantity` over the time, or over the motion of the drive `over`.
+    """A picture that `simulate` draws: a deflection over the time, or over the motion of the drive `over`; or columns.
 
     `pieces` repeats it with the beam body `cut` cut into so many pieces each.
     """
 
     name: str
-    quantity: Deflection
-    over: str | None
-    cut: str | None
-    pieces: tuple[int, ...]
-    reference: ReferenceCurve | None
+    quantity: Deflection | ColumnCurves
+    over: str | None = None
+    cut: str | None = None
+    pieces: tuple[int, ...] = ()
+    reference: ReferenceCurve | None = None
 
 
 @dataclass(frozen=True)

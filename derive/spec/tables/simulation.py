@@ -2,16 +2,27 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Annotated, Any
 
-from pydantic import BeforeValidator, Field, PlainValidator, WithJsonSchema, model_validator
+from pydantic import (
+    BeforeValidator,
+    Discriminator,
+    Field,
+    PlainValidator,
+    Tag,
+    WithJsonSchema,
+    model_validator,
+)
 
-from derive.spec.model.scene import Deflection, Plot, ReferenceCurve, Simulation
+from derive.spec.model.scene import ColumnCurves, Deflection, Plot, ReferenceCurve, Simulation
 from derive.spec.parsing import scene_values, values
 from derive.spec.tables.markers import MarkerInput, NameOf, PieceCount, PositiveFloat, Text, TwoMarkers
 from derive.spec.tables.shared import TomlTable, few, number_schema
 
 MAX_STEPS = 10**7
+MAX_CURVES = 12
+"""The largest number of curves of a plot of columns."""
 
 
 class SimulationTable(TomlTable):
@@ -59,7 +70,46 @@ class ReferenceTable(TomlTable):
     y: Annotated[Text, Field(description="Name of the column of the vertical axis.")]
 
 
-class PlotTable(TomlTable):
+class PlotKeys(TomlTable):
+    """The keys that plots share."""
+
+    cut: Annotated[NameOf | None, Field(description="Beam that is divided into other numbers of pieces.")] = None
+    pieces: Annotated[
+        tuple[PieceCount, ...] | None,
+        BeforeValidator(_few_piece_counts),
+        Field(description="Numbers of pieces, one curve for each."),
+    ] = None
+    reference: Annotated[ReferenceTable | None, Field(description="Reference curve.")] = None
+
+    @model_validator(mode="after")
+    def check(self) -> PlotKeys:
+        """A cut needs to know what is cut, and into how many pieces."""
+        if (self.cut is None) != (self.pieces is None):
+            raise values.WrongValueError('`cut` and `pieces` go together: write cut = "rod" and pieces = [1, 2, 3]')
+        return self
+
+    def quantity(self) -> Deflection | ColumnCurves:
+        """What is plotted."""
+        raise NotImplementedError
+
+    def over_drive(self) -> str | None:
+        """The drive whose motion is the horizontal axis."""
+        return None
+
+    def plot(self, name: str, rows: Any) -> Plot:
+        """The plot as it is drawn; `rows` are the numbers of its reference."""
+        known = self.reference
+        return Plot(
+            name=name,
+            quantity=self.quantity(),
+            over=self.over_drive(),
+            cut=self.cut,
+            pieces=self.pieces or (),
+            reference=None if known is None else ReferenceCurve(known.file, known.x, known.y, rows),
+        )
+
+
+class PlotTable(PlotKeys):
     """A plot of the distance of a marker from the chord between two others."""
 
     deflection: Annotated[
@@ -70,29 +120,63 @@ class PlotTable(TomlTable):
     over: Annotated[
         NameOf | None, Field(description="Drive whose motion is the horizontal axis; by default the time.")
     ] = None
-    cut: Annotated[NameOf | None, Field(description="Beam that is divided into other numbers of pieces.")] = None
-    pieces: Annotated[
-        tuple[PieceCount, ...] | None,
-        BeforeValidator(_few_piece_counts),
-        Field(description="Numbers of pieces, one curve for each."),
-    ] = None
-    reference: Annotated[ReferenceTable | None, Field(description="Reference curve.")] = None
+
+    def quantity(self) -> Deflection:
+        """The deflection."""
+        return Deflection(self.deflection, *self.chord, self.divided_by)
+
+    def over_drive(self) -> str | None:
+        """The drive, if there is one."""
+        return self.over
+
+
+def _few_columns(value: object) -> object:
+    if isinstance(value, str):
+        return (value,)
+    if not isinstance(value, (list, tuple)):
+        kind = values.kind_of(value)
+        raise values.WrongValueError(f'a column or a list of columns is needed, such as ["rod_phi"], not {kind}')
+    few(len(value), 1, MAX_CURVES, "columns")
+    return value
+
+
+class ColumnPlotTable(PlotKeys):
+    """A plot of columns of the trajectory over another one."""
+
+    y: Annotated[
+        tuple[Text, ...],
+        BeforeValidator(_few_columns),
+        WithJsonSchema(
+            {
+                "anyOf": [
+                    {"type": "string", "minLength": 1},
+                    {"type": "array", "items": {"type": "string"}, "minItems": 1, "maxItems": MAX_CURVES},
+                ]
+            }
+        ),
+        Field(description='Columns of the CSV file, one or a list, such as "rod_phi".'),
+    ]
+    x: Annotated[Text, Field(description="Column of the horizontal axis; by default the time.")] = "t"
 
     @model_validator(mode="after")
-    def check(self) -> PlotTable:
-        """A cut needs to know what is cut, and into how many pieces."""
-        if (self.cut is None) != (self.pieces is None):
-            raise values.WrongValueError('`cut` and `pieces` go together: write cut = "rod" and pieces = [1, 2, 3]')
+    def check_reference(self) -> ColumnPlotTable:
+        """A reference belongs to one curve."""
+        if self.reference is not None and len(self.y) > 1:
+            raise values.WrongValueError("a reference is compared with one column, and `y` has several; leave one")
         return self
 
-    def plot(self, name: str, rows: Any) -> Plot:
-        """The plot as it is drawn; `rows` are the numbers of its reference."""
-        known = self.reference
-        return Plot(
-            name=name,
-            quantity=Deflection(self.deflection, *self.chord, self.divided_by),
-            over=self.over,
-            cut=self.cut,
-            pieces=self.pieces or (),
-            reference=None if known is None else ReferenceCurve(known.file, known.x, known.y, rows),
-        )
+    def quantity(self) -> ColumnCurves:
+        """The columns."""
+        return ColumnCurves(self.y, self.x)
+
+
+def kind_of_plot(value: Any) -> str:
+    """Which kind of plot a table describes: a discriminator."""
+    if isinstance(value, Mapping) and ("y" in value or "x" in value):
+        return "columns"
+    return "deflection"
+
+
+PlotInput = Annotated[
+    Annotated[PlotTable, Tag("deflection")] | Annotated[ColumnPlotTable, Tag("columns")], Discriminator(kind_of_plot)
+]

@@ -20,7 +20,7 @@ from derive.spec.tables.joints import JointTable, joint_table
 from derive.spec.tables.markers import MAX_NAMED, few_named
 from derive.spec.tables.scene_bodies import BodyTable, GroundTable, SceneTable, bodies_field, body_tables, scene_bodies
 from derive.spec.tables.shared import Name, TomlTable, acceleration
-from derive.spec.tables.simulation import PlotTable, SimulationTable
+from derive.spec.tables.simulation import PlotInput, SimulationTable
 
 SCENE = (
     "ground",
@@ -73,7 +73,7 @@ class SpecificationTable(TomlTable):
     springs: dict[str, AnyForceTable] = {}  # noqa: RUF012
     simulation: SimulationTable | None = None
     plots: Annotated[
-        dict[Name, PlotTable],
+        dict[Name, PlotInput],
         few_named("plots", "[plots.deflection]"),
         Field(description="Plots of a simulation by name.", json_schema_extra=_NAMED),
     ] = {}  # noqa: RUF012

@@ -1,0 +1,162 @@
+"""Single values of a specification replaced by others: what `--set NAME=VALUE` does.
+
+A name is the symbol of a parameter, or a key of the specification with dots, such as `bodies.rod.bending_stiffness`.
+"""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any, TypeVar
+
+from derive.errors import Problem, SpecError, printable, quoted
+from derive.spec.as_tables import specification_tables
+from derive.spec.checks.scene_data import SceneData
+from derive.spec.checks.scene_names import taken_names
+from derive.spec.checks.scene_parameters import scene_constants
+from derive.spec.construction import validated_tables
+from derive.spec.model.body import BEAM_QUANTITIES
+from derive.spec.model.scene import Scene, Specification, TimeFunction
+from derive.spec.parsing.faults import KeyPath, did_you_mean, path_text
+from derive.spec.parsing.names import name_problem
+from derive.spec.parsing.values import TomlFloat
+
+S = TypeVar("S", bound=Specification)
+
+
+@dataclass(frozen=True)
+class SetValue:
+    """A value that has been replaced: its key, the old and the new value as text, and the symbol of a parameter."""
+
+    key: str
+    old: str
+    new: str
+    symbol: str | None = None
+
+    def __str__(self) -> str:
+        parameter = f", the parameter {self.symbol}" if self.symbol else ""
+        return f"{self.key}: {self.old} -> {self.new}{parameter}"
+
+
+def with_values(spec: S, assignments: Mapping[str, str]) -> tuple[S, tuple[SetValue, ...]]:
+    """A specification with other values, and what has been replaced.
+
+    assignments: values by names, as they are written in TOML. A parameter gets another default, at all keys with its
+    symbol; a number that may be a parameter becomes one, so that the model does not depend on its value; any other
+    value is replaced.
+
+    Raises SpecError with all unknown names, or with what is wrong with the values.
+    """
+    tables = specification_tables(spec)
+    known = dict(_values(tables, ()))
+    symbols = _symbols(known)
+    constants = _constants(spec, tables)
+    taken = {*(symbol.lower() for symbol in symbols), *_names(spec, tables)}
+    problems: list[Problem] = []
+    changes: list[SetValue] = []
+    by_key = {path_text(path): path for path in known}
+    for name, text in assignments.items():
+        new = _value(text)
+        if name in symbols:
+            for path in symbols[name]:
+                changes.append(SetValue(path_text(path), _shown(known[path]), _shown(new), name))
+                tables = _replaced(tables, path, {**known[path], "default": new})
+        elif name in by_key:
+            path = by_key[name]
+            value = _as_parameter(path, known[path], new, taken) if path in constants else new
+            symbol = value["symbol"] if isinstance(value, Mapping) else None
+            changes.append(SetValue(name, _shown(known[path]), _shown(new), symbol))
+            tables = _replaced(tables, path, value)
+        else:
+            names = [*symbols, *by_key]
+            listed = f"the parameters are {', '.join(symbols)}" if symbols else "there are no parameters"
+            hint = did_you_mean(name, names, f"{listed}; other values have keys such as {names[-1]}")
+            problems.append(Problem("", f"{quoted(name)} is no parameter and no key of the specification{hint}"))
+    if problems:
+        raise SpecError(tuple(problems), "--set")
+    try:
+        return validated_tables(spec, tables), tuple(changes)
+    except SpecError as error:
+        raise SpecError(error.problems, "--set") from None
+
+
+def _values(value: Any, path: KeyPath) -> Iterator[tuple[KeyPath, Any]]:
+    """All values of tables that are no tables, with their paths; a parameter is a value."""
+    if isinstance(value, Mapping) and "symbol" not in value:
+        for key, item in value.items():
+            yield from _values(item, (*path, str(key)))
+    elif isinstance(value, (list, tuple)):
+        for index, item in enumerate(value):
+            yield from _values(item, (*path, index))
+    else:
+        yield path, value
+
+
+def _symbols(known: Mapping[KeyPath, Any]) -> dict[str, list[KeyPath]]:
+    """The paths of the parameters by their symbols."""
+    result: dict[str, list[KeyPath]] = {}
+    for path, value in known.items():
+        if isinstance(value, Mapping):
+            result.setdefault(str(value["symbol"]), []).append(path)
+    return result
+
+
+def _constants(spec: Specification, tables: Mapping[str, Any]) -> set[KeyPath]:
+    """The paths of the numbers that may be parameters."""
+    if isinstance(spec, Scene):
+        return {constant.path for constant in scene_constants(SceneData(tables))}
+    kind = "beam" if "beam" in tables else "body"
+    return {*((kind, key) for key in BEAM_QUANTITIES), *((kind, "gravity", i) for i in range(3))}
+
+
+def _names(spec: Specification, tables: Mapping[str, Any]) -> set[str]:
+    """Names in lower case that parameters cannot have."""
+    return {spec.name.lower(), *(taken_names(SceneData(tables)) if isinstance(spec, Scene) else ())}
+
+
+def _as_parameter(path: KeyPath, old: Any, new: Any, taken: set[str]) -> Any:
+    """The parameter with the new default, or the new value alone where no name can be made of the path."""
+    if isinstance(old, Mapping):
+        return {**old, "default": new}
+    name = "_".join(str(part + 1 if isinstance(part, int) else part) for part in path[1:])
+    symbol = next((free for free in (name, f"{name}_value") if free.lower() not in taken), name)
+    taken.add(symbol.lower())
+    return new if name_problem(symbol) else {"symbol": symbol, "default": new}
+
+
+def _replaced(value: Any, path: KeyPath, new: Any) -> Any:
+    """Tables and lists with a new value at a path."""
+    if not path:
+        return new
+    if isinstance(value, Mapping):
+        return {key: _replaced(item, path[1:], new) if str(key) == path[0] else item for key, item in value.items()}
+    return [_replaced(item, path[1:], new) if index == path[0] else item for index, item in enumerate(value)]
+
+
+def _value(text: str) -> Any:
+    """A value as TOML has it; what is no TOML is a text without its quotation marks."""
+    if "\n" not in text:
+        try:
+            return tomllib.loads(f"value = {text}", parse_float=TomlFloat)["value"]
+        except (tomllib.TOMLDecodeError, ValueError, RecursionError):
+            pass
+    return text
+
+
+def _shown(value: Any) -> str:
+    """A value on one line: a number as a decimal if it is short, of a parameter its default with the unit."""
+    match value:
+        case {"default": default, "unit": str(unit)} if unit:
+            return f"{_shown(default)} {unit}"
+        case {"default": default}:
+            return _shown(default)
+        case TomlFloat(text=text):
+            return text
+        case Fraction() | int() | float() if not isinstance(value, bool):
+            return f"{float(value):.12g}"
+        case TimeFunction():
+            return "a function of t"
+        case _:
+            return printable(str(value))[:80]

@@ -1,0 +1,89 @@
+"""`--set NAME=VALUE`: parameters, numbers that become parameters, other values, and names that are unknown."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import pytest
+
+import derive
+from conftest import ROOT
+from derive.spec.set_values import with_values
+
+SLIDER = derive.read(ROOT / "scenes/crank_slider_3.toml")
+SPINNING = derive.read(ROOT / "scenes/spinning_beam.toml")
+
+
+def test_a_symbol_gets_another_default() -> None:
+    spec, changes = with_values(SPINNING, {"EI": "30"})
+    assert spec.bodies[0].beam.bending_stiffness == derive.Parameter("EI", "N m^2", 30.0)
+    assert [str(change) for change in changes] == ["bodies.beam.bending_stiffness: 1 N m^2 -> 30, the parameter EI"]
+    assert spec.bodies[0].beam.mass == SPINNING.bodies[0].beam.mass and spec.forces == SPINNING.forces
+
+
+def test_a_symbol_is_changed_wherever_it_is_written() -> None:
+    mass = derive.Parameter("m", "kg", 2.0)
+    bodies = {name: derive.RigidBody(name, mass, Fraction(1)) for name in ("a", "b")}
+    spec, changes = with_values(derive.scene("two", bodies=tuple(bodies.values())), {"m": "3.5"})
+    assert [body.mass.default for body in spec.bodies] == [3.5, 3.5]
+    assert [change.key for change in changes] == ["bodies.a.mass", "bodies.b.mass"]
+
+
+def test_a_number_that_may_be_a_parameter_becomes_one() -> None:
+    """So that the model is the same for all values: its symbol is made of the key, or of a name that is free."""
+    spec, changes = with_values(SLIDER, {"bodies.rod.bending_stiffness": "30", "drives.motor.speed": "100"})
+    assert spec.bodies[1].beam.bending_stiffness == derive.Parameter("rod_bending_stiffness", "N m^2", 30.0)
+    assert spec.drives[0].speed == derive.Parameter("motor_speed_value", "rad/s", 100.0)
+    assert str(changes[0]) == "bodies.rod.bending_stiffness: 12.7234502 -> 30, the parameter rod_bending_stiffness"
+    other, _ = with_values(SLIDER, {"bodies.rod.bending_stiffness": "7", "drives.motor.speed": "9"})
+    kernels = [derive.lower(derive.derive(each)).kernels for each in (spec, other)]
+    assert kernels[0] == kernels[1]
+
+
+def test_other_values_are_replaced_exactly() -> None:
+    names = {
+        "simulation.tolerance": "1e-7",
+        "bodies.rod.pieces": "2",
+        "bodies.rod.start.position[0]": "0.25",
+        "bodies.rod.markers.middle": "0.1",
+        "joints.guide.kind": "translational",
+    }
+    spec, changes = with_values(SLIDER, names)
+    assert spec.simulation.tolerance == 1e-7
+    rod = spec.bodies[1]
+    assert rod.pieces == 2 and rod.start.position == (0.25, 0.0)
+    assert next(m.at for m in rod.beam.markers if m.name == "middle") == Fraction(1, 10)  # not the float next to it
+    assert [change.symbol for change in changes] == [None] * 5
+    assert spec.plots == SLIDER.plots  # with the numbers of their references
+
+
+def test_single_bodies() -> None:
+    beam, _ = with_values(derive.read(ROOT / "scenes/free_beam_mean.toml"), {"l": "2", "beam.frame.kind": "point"})
+    assert beam.length.default == 2.0 and beam.frame.kind == "point"
+    block, changes = with_values(derive.read(ROOT / "scenes/block.toml"), {"body.modes": "3"})
+    assert block.modes == 3 and str(changes[0]) == "body.modes: 8 -> 3"
+
+
+def test_all_unknown_names_are_reported_with_suggestions() -> None:
+    with pytest.raises(derive.SpecError) as error:
+        with_values(SPINNING, {"Ei": "3", "bodies.beam.mas": "3", "simulation.duration": "1", "zzz": "1"})
+    lines = str(error.value).splitlines()
+    assert len(lines) == 3 and all(line.startswith("--set: ") for line in lines)
+    assert 'did you mean "EI"?' in lines[0] and 'did you mean "bodies.beam.mass"?' in lines[1]
+    assert "the parameters are m, l, EI" in lines[2]
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "message"),
+    [
+        ("EI", "-1", "a positive number is needed, not -1"),
+        ("EI", "stiff", "is no number; a number is written like 2, 0.5 or 1/3"),
+        ("simulation.duration", "0", "simulation.duration: a positive number is needed"),
+        ("bodies.beam.pieces", "1.5", "bodies.beam.pieces: a whole number is needed"),
+        ("name", "1\nname = 'x'", "cannot be a name"),
+    ],
+)
+def test_values_are_checked_as_those_of_a_file(name: str, value: str, message: str) -> None:
+    with pytest.raises(derive.SpecError) as error:
+        with_values(SPINNING, {name: value})
+    assert str(error.value).startswith("--set: ") and message in str(error.value)
