@@ -16,6 +16,9 @@ MOST_ROWS = 40
 
 LICENCE = "SPDX-License-Identifier: 0BSD"
 
+MODEL_HASH = "@MODEL_HASH@"
+"""What the files of a backend contain in the place of the hash of the model, which depends on all of them."""
+
 
 @dataclass(frozen=True)
 class PatternText:

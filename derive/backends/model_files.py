@@ -11,6 +11,7 @@ from importlib.metadata import version
 
 from derive.artifacts import MARK, File
 from derive.backends.c.source import ABI, CBackend
+from derive.backends.description import MODEL_HASH
 from derive.backends.protocol import Backend
 from derive.backends.python.module import PythonBackend
 from derive.ir.model import Model
@@ -28,13 +29,19 @@ def model_files(model: Model, spec: Specification, backends: Sequence[str] = ("c
 
     spec: the specification that the model was made from. Raises UnknownNameError for a name that is not in BACKENDS.
     """
-    files = tuple(file for name in backends for file in BACKENDS[name].files(model, fingerprint(spec)))
+    files = _with_hash(tuple(file for name in backends for file in BACKENDS[name].files(model, fingerprint(spec))))
     return (*files, _manifest(model, spec, files))
 
 
 def fingerprint(spec: Specification) -> str:
     """The SHA-256 of all of a specification that its model depends on."""
     return hashlib.sha256(json.dumps(specification(spec), sort_keys=True).encode()).hexdigest()
+
+
+def _with_hash(files: tuple[File, ...]) -> tuple[File, ...]:
+    """The files with 16 digits of the SHA-256 of all their texts, by which compilers notice files of two builds."""
+    digest = hashlib.sha256("".join(file.text for file in files).encode()).hexdigest()[:16]
+    return tuple(dataclasses.replace(file, text=file.text.replace(MODEL_HASH, digest)) for file in files)
 
 
 KINDS = {PlanarBeam: "planar_beam", NodalBody: "nodal_body", SymbolicBody: "symbolic_body", Scene: "scene"}

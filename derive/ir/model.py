@@ -178,6 +178,14 @@ class Kkt:
 
 
 @dataclass(frozen=True)
+class StartState:
+    """The initial state of a specification with the defaults of its parameters: q (nq,) and v (nv,) at t = 0."""
+
+    q: tuple[float, ...]
+    v: tuple[float, ...]
+
+
+@dataclass(frozen=True)
 class Model:
     """The result of a lowering: the kernels of one model and the description of its quantities.
 
@@ -190,7 +198,8 @@ class Model:
     defaults of parameters that are arrays, as pairs (index, value); all other values are zero.
 
     A scene also has multipliers (the constraint reactions on body 2 of each joint), the names of its bodies, the
-    components and constraints that are eliminated, and the structure of its KKT matrix.
+    components and constraints that are eliminated, the structure of its KKT matrix and, if it has been computed, its
+    initial state.
     """
 
     name: str
@@ -213,6 +222,7 @@ class Model:
     eliminated: tuple[Zero, ...] = ()
     kkt: Kkt | None = None
     terms: tuple[ModelTerm, ...] = ()
+    start: StartState | None = None
 
     @property
     def defaults(self) -> tuple[float, ...]:

@@ -14,7 +14,18 @@ from derive.ir.patterns import Pattern
 from derive.registry import UnknownNameError
 from derive.runtime.compiler import CompilerError
 from derive.runtime.descriptor import Doubles, ModelStruct, names_of, pattern_of, roles_of
-from derive.runtime.native_call import Matrix, ModelError, Vector, checked_rows, checked_vector, invoke
+from derive.runtime.native_call import (
+    Matrix,
+    ModelError,
+    Vector,
+    checked_number,
+    checked_origin,
+    checked_rows,
+    checked_vector,
+    constants_of,
+    doubles,
+    invoke,
+)
 
 
 class Native:
@@ -33,7 +44,7 @@ class Native:
         self._model = m = entry().contents
         if m.abi != ABI:
             raise CompilerError(f"{name}: its interface has number {m.abi}, this Tisserand knows {ABI}")
-        self.name = name
+        self.name, self.hash = name, m.hash.decode()
         self.is_scene = bool(m.scene)
         self.nq, self.nv, self.np, self.nk, self.nlambda = m.nq, m.nv, m.np, m.nk, m.nlambda
         self.parameters = names_of(m.p, m.variables_p)
@@ -61,7 +72,7 @@ class Native:
         """
         values = self.parameter_values(p, named)
         try:
-            return self._call("setup", [(self.np, values)], self.nk)
+            return constants_of(self.hash, self._call("setup", [(self.np, values)], self.nk))
         except ModelError as error:
             raise ModelError(f"{self.name}_setup", error.code, self._refused(values)) from None
 
@@ -82,16 +93,17 @@ class Native:
         if isinstance(p, Mapping):
             named = {**p, **named}
             p = None
-        values = np.array(self.defaults if p is None else p, dtype=np.float64)
+        setup = f"{self.name}_setup"
+        values = np.array(self.defaults if p is None else doubles(p, setup))
         for name, value in named.items():
             if name not in self.parameters:
                 raise UnknownNameError(f"parameter of {self.name}", name, self.parameters)
-            values[self.parameters.index(name)] = value
+            values[self.parameters.index(name)] = checked_number(value, setup)
         return values
 
     def mass(self, q: ArrayLike, k: ArrayLike) -> Vector:
         """Values of M(q), the lower triangle in the order of `mass_pattern`."""
-        return self._call("mass", [(self.nq, q), (self.nk, k)], len(self.mass_pattern.rowidx))
+        return self._call("mass", [(self.nq, q), (self.nk, self.own(k))], len(self.mass_pattern.rowidx))
 
     def force(self, t: float, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> Vector:
         """h(t, q, v) (nv,)."""
@@ -122,12 +134,12 @@ class Native:
     def residual(self, t: float, y: ArrayLike, ydot: ArrayLike, k: ArrayLike) -> Vector:
         """F(t, y, ydot); of a scene that of index 3."""
         n = self.nq + self.nv + self.nlambda
-        return self._call("residual", [t, (n, y), (n, ydot), (self.nk, k)], n)
+        return self._call("residual", [t, (n, y), (n, ydot), (self.nk, self.own(k))], n)
 
     def jacobian(self, t: float, y: ArrayLike, ydot: ArrayLike, cj: float, k: ArrayLike) -> Vector:
         """Values of dF/dy + cj dF/dydot."""
         n = self.nq + self.nv + self.nlambda
-        arguments = [t, (n, y), (n, ydot), cj, (self.nk, k)]
+        arguments = [t, (n, y), (n, ydot), cj, (self.nk, self.own(k))]
         return self._call("jacobian", arguments, len(self.jacobian_pattern.rowidx))
 
     def mass_batch(self, q: ArrayLike, k: ArrayLike) -> Matrix:
@@ -159,7 +171,7 @@ class Native:
         """Generalised forces f (nv,) of a force (N) at a marker, given in the inertial frame: M vdot + h = f."""
         marker = self._marker(name)
         result = np.empty(self.nv)
-        arguments = [(self.nq, q), (marker.dimension, force), (self.nk, k)]
+        arguments = [(self.nq, q), (marker.dimension, force), (self.nk, self.own(k))]
         self._invoke(f"load_{name}", marker.load, arguments, [result])
         return result
 
@@ -173,7 +185,11 @@ class Native:
         return self._model.markers[self.markers.index(name)]
 
     def _state(self, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> list[Any]:
-        return [(self.nq, q), (self.nv, v), (self.nk, k)]
+        return [(self.nq, q), (self.nv, v), (self.nk, self.own(k))]
+
+    def own(self, k: ArrayLike) -> ArrayLike:
+        """The constants as they are given. Raises ValueError if they come from the setup of another model."""
+        return checked_origin(self.hash, self.name, k)
 
     def _call(self, name: str, arguments: list[Any], size: int) -> Vector:
         result = np.empty(size)
@@ -193,7 +209,7 @@ class Native:
             raise ValueError(f"{name}: {' and '.join(str(len(given)) for given in rows)} states do not go together")
         columns_first = [np.ascontiguousarray(given.T) for given in rows]
         result = np.empty((size, count))
-        arrays = [*columns_first, checked_vector(self.nk, k, name), result]
+        arrays = [*columns_first, checked_vector(self.nk, self.own(k), name), result]
         function: Callable[..., int] = getattr(self._model, name)
-        code = function(count, *map(float, t), *(a.ctypes.data_as(Doubles) for a in arrays))
+        code = function(count, *(checked_number(x, name) for x in t), *(a.ctypes.data_as(Doubles) for a in arrays))
         return np.ascontiguousarray(result.T), code

@@ -93,6 +93,7 @@ class ModelStruct(ctypes.Structure):
     _fields_ = [
         ("abi", ctypes.c_int),
         ("name", ctypes.c_char_p),
+        ("hash", ctypes.c_char_p),
         *((n, ctypes.c_int) for n in ("nq", "nv", "np", "nk", "nlambda")),
         *((f"variables_{n}", ctypes.c_int) for n in "qvpk"),
         *((n, ctypes.c_int) for n in ("nmarkers", "nenergy", "nmomentum")),
@@ -100,6 +101,7 @@ class ModelStruct(ctypes.Structure):
         *((n, ctypes.POINTER(PatternStruct)) for n in ("mass_pattern", "jacobian_pattern")),
         ("markers", ctypes.POINTER(MarkerStruct)),
         ("defaults", _function(Doubles)),
+        ("start", _function(Doubles, Doubles)),
         ("setup", _function(Doubles, Doubles)),
         ("mass", _function(Doubles, Doubles, Doubles)),
         ("force", _function(_T, *[Doubles] * 4)),

@@ -16,6 +16,34 @@ Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
 
 
+class Constants(np.ndarray[tuple[int], np.dtype[np.float64]]):
+    """The constants k (nk,) of `setup`: an array that knows by its attribute `build` the hash of its model."""
+
+    def __array_finalize__(self, source: object) -> None:
+        self.build: str = getattr(source, "build", "")
+
+
+def constants_of(build: str, values: Vector) -> Constants:
+    """The values as the constants of the model with this hash."""
+    constants = values.view(Constants)
+    constants.build = build
+    return constants
+
+
+PLAIN = (np.ndarray, Constants)
+"""The types of arrays without masks."""
+
+
+def checked_origin(build: str, name: str, given: ArrayLike) -> ArrayLike:
+    """`given`, unless it comes from the `setup` of another model than `name`, which has the hash `build`.
+
+    An array that no `setup` returned is accepted. Raises ValueError.
+    """
+    if getattr(given, "build", build) not in ("", build):
+        raise ValueError(f"{name}: the constants k come from the setup of another model; call setup of {name}")
+    return given
+
+
 class ModelError(TisserandError, ArithmeticError):
     """A function of a compiled model returned a code other than 0; `code` is that of `ReturnCode`.
 
@@ -35,15 +63,40 @@ def invoke(name: str, function: Callable[..., int], arguments: list[Any], result
     arguments: numbers, and pairs of a length and a vector that must have it. Raises ModelError if the function returns
     a code other than 0, ValueError on a wrong length; `name` is that of the function in both.
     """
-    given = [checked_vector(a[0], a[1], name) if isinstance(a, tuple) else float(a) for a in arguments]
+    given = [checked_vector(a[0], a[1], name) if isinstance(a, tuple) else checked_number(a, name) for a in arguments]
     pointers = [a.ctypes.data_as(Doubles) if isinstance(a, np.ndarray) else a for a in [*given, *results]]
     if code := function(*pointers):
         raise ModelError(name, code)
 
 
+def doubles(given: ArrayLike, name: str) -> NDArray[np.float64]:
+    """`given` as an array of doubles.
+
+    Raises ValueError, which names the function, for complex numbers and masked elements, which no double holds.
+    """
+    if isinstance(given, np.ndarray) and type(given) in PLAIN and given.dtype == np.float64:
+        return given
+    array = np.asanyarray(given)
+    if np.iscomplexobj(array):
+        raise ValueError(f"{name}: real numbers are needed, not complex ones; their imaginary parts would be lost")
+    if np.ma.is_masked(array):
+        raise ValueError(f"{name}: an array has masked elements, which have no value; fill them first")
+    return np.asarray(array, dtype=np.float64)
+
+
+def checked_number(given: ArrayLike, name: str) -> float:
+    """`given` as a number. Raises ValueError, which names the function, if it is complex, masked, or an array."""
+    if isinstance(given, (float, int)):
+        return float(given)
+    number = doubles(given, name)
+    if number.ndim:
+        raise ValueError(f"{name}: a number is needed, not an array of shape {number.shape}")
+    return float(number)
+
+
 def checked_rows(columns: int, given: ArrayLike, name: str) -> Matrix:
     """`given` as a matrix (n, columns). Raises ValueError, which names the function, if it has another shape."""
-    array = np.asarray(given, dtype=np.float64)
+    array = doubles(given, name)
     if array.ndim != 2 or array.shape[1] != columns:
         raise ValueError(f"{name}: rows of {columns} are needed, not an array of shape {array.shape}")
     return array
@@ -51,7 +104,7 @@ def checked_rows(columns: int, given: ArrayLike, name: str) -> Matrix:
 
 def checked_vector(size: int, given: ArrayLike, name: str) -> Vector:
     """`given` as a contiguous vector (size,). Raises ValueError, which names the function, if it has another shape."""
-    array = np.ascontiguousarray(given, dtype=np.float64)
+    array = np.ascontiguousarray(doubles(given, name))
     if array.shape != (size,):
         raise ValueError(f"{name}: a vector of {size} is needed, not an array of shape {array.shape}")
     return array

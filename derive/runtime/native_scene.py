@@ -16,22 +16,27 @@ from derive.runtime.native_call import Matrix, Vector, invoke
 class Dae:
     """One form F(t, y, ydot) = 0 of a scene's equations; `pattern` is that of its iteration matrix."""
 
-    def __init__(self, form: DaeStruct, scene: str, nk: int) -> None:
-        self._form, self._nk = form, nk
+    def __init__(self, form: DaeStruct, scene: Native) -> None:
+        self._form, self._scene = form, scene
         self.name, self.size = form.name.decode(), form.size
         self.pattern = pattern_of(form.pattern.contents)
-        self._called = f"{scene}, form {self.name}: "
+        self._called = f"{scene.name}, form {self.name}: "
 
     def residual(self, t: float, y: ArrayLike, ydot: ArrayLike, k: ArrayLike) -> Vector:
         """F(t, y, ydot)."""
         result = np.empty(self.size)
-        invoke(f"{self._called}residual", self._form.residual, [t, *self._state(y, ydot), (self._nk, k)], [result])
+        invoke(
+            f"{self._called}residual",
+            self._form.residual,
+            [t, *self._state(y, ydot), (self._scene.nk, self._scene.own(k))],
+            [result],
+        )
         return result
 
     def jacobian(self, t: float, y: ArrayLike, ydot: ArrayLike, cj: float, k: ArrayLike) -> Vector:
         """Values of dF/dy + cj dF/dydot."""
         result = np.empty(len(self.pattern.rowidx))
-        arguments = [t, *self._state(y, ydot), cj, (self._nk, k)]
+        arguments = [t, *self._state(y, ydot), cj, (self._scene.nk, self._scene.own(k))]
         invoke(f"{self._called}jacobian", self._form.jacobian, arguments, [result])
         return result
 
@@ -48,11 +53,11 @@ class NativeScene(Native):
         self.multipliers = names_of(s.multipliers, self.nlambda)
         self.bodies = tuple(s.bodies[i].decode() for i in range(s.nbodies))
         self.constraint_pattern = pattern_of(s.pattern.contents)
-        self.dae = {form.name: form for form in (Dae(s.forms[i], name, self.nk) for i in range(s.nforms))}
+        self.dae = {form.name: form for form in (Dae(s.forms[i], self) for i in range(s.nforms))}
 
     def constraints(self, t: float, q: ArrayLike, k: ArrayLike) -> Vector:
         """g(t, q)."""
-        return self._ask("constraints", [t, (self.nq, q), (self.nk, k)], self.nlambda)
+        return self._ask("constraints", [t, (self.nq, q), (self.nk, self.own(k))], self.nlambda)
 
     def constraint_rates(self, t: float, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> Vector:
         """gdot = G v + dg/dt."""
@@ -61,7 +66,7 @@ class NativeScene(Native):
     def constraint_jacobian(self, t: float, q: ArrayLike, k: ArrayLike) -> Vector:
         """Values of G by columns."""
         size = len(self.constraint_pattern.rowidx)
-        return self._ask("constraint_jacobian", [t, (self.nq, q), (self.nk, k)], size)
+        return self._ask("constraint_jacobian", [t, (self.nq, q), (self.nk, self.own(k))], size)
 
     def constraint_bias(self, t: float, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> Vector:
         """gamma of G vdot = gamma."""
@@ -75,11 +80,11 @@ class NativeScene(Native):
 
     def project_velocity(self, t: float, q: ArrayLike, k: ArrayLike, r: ArrayLike) -> Vector:
         """The smallest change dv (nv,) of the velocities, measured by dv . M dv, with G dv = r (nlambda,)."""
-        return self._ask("project_velocity", [t, (self.nq, q), (self.nk, k), (self.nlambda, r)], self.nv)
+        return self._ask("project_velocity", [t, (self.nq, q), (self.nk, self.own(k)), (self.nlambda, r)], self.nv)
 
     def poses(self, t: float, q: ArrayLike, k: ArrayLike) -> Matrix:
         """c1, c2 (m) and phi (rad) of the frame of each body in `bodies`, (bodies, 3)."""
-        return self._ask("poses", [t, (self.nq, q), (self.nk, k)], 3 * len(self.bodies)).reshape(-1, 3)
+        return self._ask("poses", [t, (self.nq, q), (self.nk, self.own(k))], 3 * len(self.bodies)).reshape(-1, 3)
 
     def _ask(self, name: str, arguments: list[Any], size: int) -> Vector:
         result = np.empty(size)

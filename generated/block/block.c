@@ -8,6 +8,14 @@
 
 #include "block.h"
 
+#ifdef TISSERAND_UNCHECKED
+#  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
+#endif
+
+#ifndef BLOCK_HASH_e334bccb3fbcef56
+#  error "block.h and block.c are of different builds; run tisserand build again"
+#endif
+
 #include <math.h>
 #include <stddef.h>
 
@@ -2824,7 +2832,7 @@ static int block_block_fail(ptrdiff_t all, int count, int rows, const double *co
     for (int b = 0; b < count; b++) {
         if (codes[b] == 0.0) continue;
         if (code == 0) code = (int) codes[b];
-        for (int e = 0; e < rows; e++) to[e * all + b] = NAN;
+        for (int e = 0; e < rows; e++) to[e * all + b] = (double) NAN;
     }
     return code;
 }
@@ -3604,8 +3612,9 @@ static const tisserand_marker block_table_markers[] = {
 };
 
 static const tisserand_model block_descriptor = {
-    4,
+    5,
     "block",
+    BLOCK_HASH,
     BLOCK_NQ,
     BLOCK_NV,
     BLOCK_NP,
@@ -3626,6 +3635,7 @@ static const tisserand_model block_descriptor = {
     &block_sparsity_jacobian,
     block_table_markers,
     block_defaults,
+    0,
     block_setup,
     block_mass,
     block_force,

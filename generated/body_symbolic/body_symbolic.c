@@ -9,6 +9,14 @@
 
 #include "body_symbolic.h"
 
+#ifdef TISSERAND_UNCHECKED
+#  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
+#endif
+
+#ifndef BODY_SYMBOLIC_HASH_cb07fdd26c4219b2
+#  error "body_symbolic.h and body_symbolic.c are of different builds; run tisserand build again"
+#endif
+
 #include <math.h>
 #include <stddef.h>
 
@@ -1694,7 +1702,7 @@ static int body_symbolic_block_fail(ptrdiff_t all, int count, int rows, const do
     for (int b = 0; b < count; b++) {
         if (codes[b] == 0.0) continue;
         if (code == 0) code = (int) codes[b];
-        for (int e = 0; e < rows; e++) to[e * all + b] = NAN;
+        for (int e = 0; e < rows; e++) to[e * all + b] = (double) NAN;
     }
     return code;
 }
@@ -2482,8 +2490,9 @@ static const tisserand_variable body_symbolic_table_v[] = {
 };
 
 static const tisserand_model body_symbolic_descriptor = {
-    4,
+    5,
     "body_symbolic",
+    BODY_SYMBOLIC_HASH,
     BODY_SYMBOLIC_NQ,
     BODY_SYMBOLIC_NV,
     BODY_SYMBOLIC_NP,
@@ -2504,6 +2513,7 @@ static const tisserand_model body_symbolic_descriptor = {
     &body_symbolic_sparsity_jacobian,
     0,
     body_symbolic_defaults,
+    0,
     body_symbolic_setup,
     body_symbolic_mass,
     body_symbolic_force,

@@ -9,6 +9,14 @@
 
 #include "crank_slider_3.h"
 
+#ifdef TISSERAND_UNCHECKED
+#  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
+#endif
+
+#ifndef CRANK_SLIDER_3_HASH_7a2c80459d6d6baf
+#  error "crank_slider_3.h and crank_slider_3.c are of different builds; run tisserand build again"
+#endif
+
 #include <math.h>
 #include <stddef.h>
 
@@ -5442,7 +5450,7 @@ static int crank_slider_3_block_fail(ptrdiff_t all, int count, int rows, const d
     for (int b = 0; b < count; b++) {
         if (codes[b] == 0.0) continue;
         if (code == 0) code = (int) codes[b];
-        for (int e = 0; e < rows; e++) to[e * all + b] = NAN;
+        for (int e = 0; e < rows; e++) to[e * all + b] = (double) NAN;
     }
     return code;
 }
@@ -6301,8 +6309,9 @@ static const tisserand_scene crank_slider_3_scene = {
 };
 
 static const tisserand_model crank_slider_3_descriptor = {
-    4,
+    5,
     "crank_slider_3",
+    CRANK_SLIDER_3_HASH,
     CRANK_SLIDER_3_NQ,
     CRANK_SLIDER_3_NV,
     CRANK_SLIDER_3_NP,
@@ -6323,6 +6332,7 @@ static const tisserand_model crank_slider_3_descriptor = {
     &crank_slider_3_sparsity_jacobian,
     crank_slider_3_table_markers,
     crank_slider_3_defaults,
+    0,
     crank_slider_3_setup,
     crank_slider_3_mass,
     crank_slider_3_force,

@@ -9,6 +9,14 @@
 
 #include "double_pendulum.h"
 
+#ifdef TISSERAND_UNCHECKED
+#  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
+#endif
+
+#ifndef DOUBLE_PENDULUM_HASH_c66096ce707e4f66
+#  error "double_pendulum.h and double_pendulum.c are of different builds; run tisserand build again"
+#endif
+
 #include <math.h>
 #include <stddef.h>
 
@@ -3206,7 +3214,7 @@ static int double_pendulum_block_fail(ptrdiff_t all, int count, int rows, const 
     for (int b = 0; b < count; b++) {
         if (codes[b] == 0.0) continue;
         if (code == 0) code = (int) codes[b];
-        for (int e = 0; e < rows; e++) to[e * all + b] = NAN;
+        for (int e = 0; e < rows; e++) to[e * all + b] = (double) NAN;
     }
     return code;
 }
@@ -3783,8 +3791,9 @@ static const tisserand_scene double_pendulum_scene = {
 };
 
 static const tisserand_model double_pendulum_descriptor = {
-    4,
+    5,
     "double_pendulum",
+    DOUBLE_PENDULUM_HASH,
     DOUBLE_PENDULUM_NQ,
     DOUBLE_PENDULUM_NV,
     DOUBLE_PENDULUM_NP,
@@ -3805,6 +3814,7 @@ static const tisserand_model double_pendulum_descriptor = {
     &double_pendulum_sparsity_jacobian,
     double_pendulum_table_markers,
     double_pendulum_defaults,
+    0,
     double_pendulum_setup,
     double_pendulum_mass,
     double_pendulum_force,

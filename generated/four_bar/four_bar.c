@@ -9,6 +9,14 @@
 
 #include "four_bar.h"
 
+#ifdef TISSERAND_UNCHECKED
+#  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
+#endif
+
+#ifndef FOUR_BAR_HASH_952fdacb28ed5cdf
+#  error "four_bar.h and four_bar.c are of different builds; run tisserand build again"
+#endif
+
 #include <math.h>
 #include <stddef.h>
 
@@ -5504,7 +5512,7 @@ static int four_bar_block_fail(ptrdiff_t all, int count, int rows, const double 
     for (int b = 0; b < count; b++) {
         if (codes[b] == 0.0) continue;
         if (code == 0) code = (int) codes[b];
-        for (int e = 0; e < rows; e++) to[e * all + b] = NAN;
+        for (int e = 0; e < rows; e++) to[e * all + b] = (double) NAN;
     }
     return code;
 }
@@ -6397,8 +6405,9 @@ static const tisserand_scene four_bar_scene = {
 };
 
 static const tisserand_model four_bar_descriptor = {
-    4,
+    5,
     "four_bar",
+    FOUR_BAR_HASH,
     FOUR_BAR_NQ,
     FOUR_BAR_NV,
     FOUR_BAR_NP,
@@ -6419,6 +6428,7 @@ static const tisserand_model four_bar_descriptor = {
     &four_bar_sparsity_jacobian,
     four_bar_table_markers,
     four_bar_defaults,
+    0,
     four_bar_setup,
     four_bar_mass,
     four_bar_force,

@@ -9,6 +9,14 @@
 
 #include "free_beam_mean.h"
 
+#ifdef TISSERAND_UNCHECKED
+#  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
+#endif
+
+#ifndef FREE_BEAM_MEAN_HASH_40d8d2912b70d697
+#  error "free_beam_mean.h and free_beam_mean.c are of different builds; run tisserand build again"
+#endif
+
 #include <math.h>
 #include <stddef.h>
 
@@ -713,7 +721,7 @@ static int free_beam_mean_block_fail(ptrdiff_t all, int count, int rows, const d
     for (int b = 0; b < count; b++) {
         if (codes[b] == 0.0) continue;
         if (code == 0) code = (int) codes[b];
-        for (int e = 0; e < rows; e++) to[e * all + b] = NAN;
+        for (int e = 0; e < rows; e++) to[e * all + b] = (double) NAN;
     }
     return code;
 }
@@ -1001,8 +1009,9 @@ static const tisserand_marker free_beam_mean_table_markers[] = {
 };
 
 static const tisserand_model free_beam_mean_descriptor = {
-    4,
+    5,
     "free_beam_mean",
+    FREE_BEAM_MEAN_HASH,
     FREE_BEAM_MEAN_NQ,
     FREE_BEAM_MEAN_NV,
     FREE_BEAM_MEAN_NP,
@@ -1023,6 +1032,7 @@ static const tisserand_model free_beam_mean_descriptor = {
     &free_beam_mean_sparsity_jacobian,
     free_beam_mean_table_markers,
     free_beam_mean_defaults,
+    0,
     free_beam_mean_setup,
     free_beam_mean_mass,
     free_beam_mean_force,

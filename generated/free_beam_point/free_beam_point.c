@@ -8,6 +8,14 @@
 
 #include "free_beam_point.h"
 
+#ifdef TISSERAND_UNCHECKED
+#  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
+#endif
+
+#ifndef FREE_BEAM_POINT_HASH_9a8caf8af88e155e
+#  error "free_beam_point.h and free_beam_point.c are of different builds; run tisserand build again"
+#endif
+
 #include <math.h>
 #include <stddef.h>
 
@@ -904,7 +912,7 @@ static int free_beam_point_block_fail(ptrdiff_t all, int count, int rows, const 
     for (int b = 0; b < count; b++) {
         if (codes[b] == 0.0) continue;
         if (code == 0) code = (int) codes[b];
-        for (int e = 0; e < rows; e++) to[e * all + b] = NAN;
+        for (int e = 0; e < rows; e++) to[e * all + b] = (double) NAN;
     }
     return code;
 }
@@ -1269,8 +1277,9 @@ static const tisserand_marker free_beam_point_table_markers[] = {
 };
 
 static const tisserand_model free_beam_point_descriptor = {
-    4,
+    5,
     "free_beam_point",
+    FREE_BEAM_POINT_HASH,
     FREE_BEAM_POINT_NQ,
     FREE_BEAM_POINT_NV,
     FREE_BEAM_POINT_NP,
@@ -1291,6 +1300,7 @@ static const tisserand_model free_beam_point_descriptor = {
     &free_beam_point_sparsity_jacobian,
     free_beam_point_table_markers,
     free_beam_point_defaults,
+    0,
     free_beam_point_setup,
     free_beam_point_mass,
     free_beam_point_force,

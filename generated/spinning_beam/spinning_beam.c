@@ -9,6 +9,14 @@
 
 #include "spinning_beam.h"
 
+#ifdef TISSERAND_UNCHECKED
+#  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
+#endif
+
+#ifndef SPINNING_BEAM_HASH_99c2a606c57804fa
+#  error "spinning_beam.h and spinning_beam.c are of different builds; run tisserand build again"
+#endif
+
 #include <math.h>
 #include <stddef.h>
 
@@ -1319,7 +1327,7 @@ static int spinning_beam_block_fail(ptrdiff_t all, int count, int rows, const do
     for (int b = 0; b < count; b++) {
         if (codes[b] == 0.0) continue;
         if (code == 0) code = (int) codes[b];
-        for (int e = 0; e < rows; e++) to[e * all + b] = NAN;
+        for (int e = 0; e < rows; e++) to[e * all + b] = (double) NAN;
     }
     return code;
 }
@@ -1702,8 +1710,9 @@ static const tisserand_scene spinning_beam_scene = {
 };
 
 static const tisserand_model spinning_beam_descriptor = {
-    4,
+    5,
     "spinning_beam",
+    SPINNING_BEAM_HASH,
     SPINNING_BEAM_NQ,
     SPINNING_BEAM_NV,
     SPINNING_BEAM_NP,
@@ -1724,6 +1733,7 @@ static const tisserand_model spinning_beam_descriptor = {
     &spinning_beam_sparsity_jacobian,
     spinning_beam_table_markers,
     spinning_beam_defaults,
+    0,
     spinning_beam_setup,
     spinning_beam_mass,
     spinning_beam_force,

@@ -9,6 +9,14 @@
 
 #include "spun_up_cantilever.h"
 
+#ifdef TISSERAND_UNCHECKED
+#  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
+#endif
+
+#ifndef SPUN_UP_CANTILEVER_HASH_ed58879b64b3d5f9
+#  error "spun_up_cantilever.h and spun_up_cantilever.c are of different builds; run tisserand build again"
+#endif
+
 #include <math.h>
 #include <stddef.h>
 
@@ -2218,7 +2226,7 @@ static int spun_up_cantilever_block_fail(ptrdiff_t all, int count, int rows, con
     for (int b = 0; b < count; b++) {
         if (codes[b] == 0.0) continue;
         if (code == 0) code = (int) codes[b];
-        for (int e = 0; e < rows; e++) to[e * all + b] = NAN;
+        for (int e = 0; e < rows; e++) to[e * all + b] = (double) NAN;
     }
     return code;
 }
@@ -2716,8 +2724,9 @@ static const tisserand_scene spun_up_cantilever_scene = {
 };
 
 static const tisserand_model spun_up_cantilever_descriptor = {
-    4,
+    5,
     "spun_up_cantilever",
+    SPUN_UP_CANTILEVER_HASH,
     SPUN_UP_CANTILEVER_NQ,
     SPUN_UP_CANTILEVER_NV,
     SPUN_UP_CANTILEVER_NP,
@@ -2738,6 +2747,7 @@ static const tisserand_model spun_up_cantilever_descriptor = {
     &spun_up_cantilever_sparsity_jacobian,
     spun_up_cantilever_table_markers,
     spun_up_cantilever_defaults,
+    0,
     spun_up_cantilever_setup,
     spun_up_cantilever_mass,
     spun_up_cantilever_force,

@@ -4,6 +4,9 @@
 #  error "define TISSERAND_HEADER as the name of the header of a generated model, in quotes"
 #endif
 #include TISSERAND_HEADER
+#ifdef TISSERAND_UNCHECKED
+#  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
+#endif
 
 #include "fixed_step.h"
 
@@ -51,6 +54,25 @@ static int within(int n, double tolerance, double *r)
     return all;
 }
 
+int tisserand_normalise(const tisserand_model *model, double *q)
+{
+    for (int i = 0, index = 0; i < model->variables_q; index += model->q[i].size, i++) {
+        double *e = q + index, size;
+        if (model->q[i].role != TISSERAND_ROLE_QUATERNION || index + 4 > model->nq) {
+            continue;
+        }
+        size = sqrt(e[0] * e[0] + e[1] * e[1] + e[2] * e[2] + e[3] * e[3]);
+        if (!(size > 0.0 && size < HUGE_VAL)) {
+            return TISSERAND_NOT_FINITE;
+        }
+        for (int j = 0; j < 4; j++) {
+            e[j] /= size;
+        }
+        index += 4 - model->q[i].size, i += 4 / model->q[i].size - 1;
+    }
+    return TISSERAND_OK;
+}
+
 int tisserand_project(const tisserand_model *model, double t, const double *k, double tolerance, double *q, double *v,
                       double *work, tisserand_fixed_counts *counts)
 {
@@ -58,6 +80,9 @@ int tisserand_project(const tisserand_model *model, double t, const double *k, d
     double *r = work, *dv = r + model->nlambda, *dq = dv + model->nv;
     int code;
 
+    if (!(tolerance >= 0.0)) {
+        return TISSERAND_ARGUMENT;
+    }
     if (scene == NULL) {
         return TISSERAND_OK;
     }
@@ -89,7 +114,9 @@ int tisserand_project(const tisserand_model *model, double t, const double *k, d
     if (code == 0 && !within(model->nlambda, tolerance, r)) {
         code = scene->project_velocity(t, q, k, r, dv);
         counts->corrections++;
-        add(model->nv, 1.0, dv, v);
+        if (code == 0) {
+            add(model->nv, 1.0, dv, v);
+        }
     }
     return code;
 }
@@ -101,6 +128,9 @@ int tisserand_rk4_step(const tisserand_model *model, double t, double step, cons
     const int nq = model->nq, nv = model->nv;
     double *qs = work, *vs = qs + nq, *qdot = vs + nv, *vdot = qdot + nq, *dq = vdot + nv, *dv = dq + nq;
 
+    if (!(fabs(step) < HUGE_VAL && fabs(t) < HUGE_VAL)) {
+        return TISSERAND_ARGUMENT;
+    }
     for (int i = 0; i < nq + nv; i++) {
         dq[i] = 0.0; /* and dv, which follows */
     }
@@ -126,7 +156,7 @@ int tisserand_rk4_step(const tisserand_model *model, double t, double step, cons
     add(nq, step, dq, q);
     add(nv, step, dv, v);
     counts->steps++;
-    return TISSERAND_OK;
+    return tisserand_normalise(model, q);
 }
 
 int tisserand_fixed_result(const tisserand_model *model, double t, const double *k, const double *q, const double *v,
@@ -141,6 +171,12 @@ int tisserand_fixed_result(const tisserand_model *model, double t, const double 
     return model->scene->solve(t, q, v, k, work, row + model->nq + model->nv);
 }
 
+/* Whether the arguments of an integration make sense; comparisons with a NaN are false. */
+static int sensible(double t0, double step, long steps, long every, double tolerance)
+{
+    return steps >= 0 && every >= 1 && tolerance >= 0.0 && fabs(step) < HUGE_VAL && fabs(t0) < HUGE_VAL;
+}
+
 int tisserand_rk4(const tisserand_model *model, double t0, double step, long steps, long every, const double *k,
                   double tolerance, double *q, double *v, double *rows, double *work, tisserand_fixed_counts *counts)
 {
@@ -148,12 +184,13 @@ int tisserand_rk4(const tisserand_model *model, double t0, double step, long ste
     int code = TISSERAND_OK;
     long i;
 
-    if (steps < 0 || every < 1) {
+    if (!sensible(t0, step, steps, every, tolerance)) {
         return TISSERAND_ARGUMENT;
     }
+    code = tisserand_normalise(model, q);
     for (i = 0;; i++) {
         const double t = t0 + (double) i * step; /* not a running sum, whose rounding errors would grow */
-        if (tolerance > 0.0) {
+        if (code == 0 && tolerance > 0.0) {
             code = tisserand_project(model, t, k, tolerance, q, v, work, counts);
         }
         if (code == 0 && rows != NULL && i % every == 0) {
@@ -170,7 +207,7 @@ int tisserand_rk4(const tisserand_model *model, double t0, double step, long ste
     }
     if (code != 0 && rows != NULL) {
         for (long j = (i + every - 1) / every * width; j < (steps / every + 1) * width; j++) {
-            rows[j] = NAN;
+            rows[j] = (double) NAN;
         }
     }
     return code;
@@ -182,7 +219,7 @@ int tisserand_rk4_batch(const tisserand_model *model, int n, double t0, double s
 {
     int first = TISSERAND_OK;
 
-    if (steps < 0 || every < 1) {
+    if (!sensible(t0, step, steps, every, tolerance)) {
         return TISSERAND_ARGUMENT;
     }
     for (int b = 0; b < n; b++) {

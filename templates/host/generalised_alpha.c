@@ -4,6 +4,9 @@
 #  error "define TISSERAND_HEADER as the name of the header of a generated model, in quotes"
 #endif
 #include TISSERAND_HEADER
+#ifdef TISSERAND_UNCHECKED
+#  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
+#endif
 
 #include "fixed_step.h"
 #include "generalised_alpha.h"
@@ -252,7 +255,7 @@ int tisserand_alpha(const tisserand_model *model, const tisserand_alpha_options 
         memcpy(v, own.y + own.nq, (size_t) own.nq * sizeof(double));
     }
     for (long i = reached * width; i < (steps / every + 1) * width; i++) {
-        rows[i] = NAN;
+        rows[i] = (double) NAN;
     }
     klu_free_numeric(&own.numeric, &own.common);
     klu_free_symbolic(&own.symbolic, &own.common);

@@ -4,6 +4,9 @@
 #  error "define TISSERAND_HEADER as the name of the header of a generated model, in quotes"
 #endif
 #include TISSERAND_HEADER
+#ifdef TISSERAND_UNCHECKED
+#  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
+#endif
 
 #include "fixed_step.h"
 #include "ida.h"
@@ -269,7 +272,7 @@ int tisserand_ida(const tisserand_model *model, const tisserand_ida_options *opt
         memcpy(v, y + model->nq, (size_t) model->nv * sizeof(double));
     }
     for (long i = reached * width; i < nrows * width; i++) {
-        rows[i] = NAN;
+        rows[i] = (double) NAN;
     }
     if (configured) {
         count(own.ida, counts);

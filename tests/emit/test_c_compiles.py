@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import shutil
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -40,9 +39,7 @@ def compiled(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFa
         [gcc, *C99, "-O3", *FIXED, source, "-o", folder / "O3.o"],
         [cpp, *CPP11, "-O1", *FIXED, source, "-o", folder / "cpp.o"],
     ]
-    if clang := shutil.which("clang"):
-        commands.append([clang, *C99, "-O2", "-c", source, "-o", folder / "clang.o"])
-        commands.append([clang, *CPP11, "-O2", "-c", source, "-o", folder / "clang_cpp.o"])
+    commands += [[tool("clang"), *language, "-fsyntax-only", source] for language in (C99, CPP11)]
     run_together(commands)
     header = source.with_suffix(".h").read_text()
     return Compiled(made.model, header, (folder / "O0.o", folder / "O3.o"), folder / "cpp.o")

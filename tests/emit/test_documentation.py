@@ -143,7 +143,7 @@ def test_enum_of_the_header_gives_sizes_and_indices(model: str) -> None:
         outputs |= {f"JACOBIAN_{form.upper()}": (f"jacobian_{form}", "jac") for form in ("ggl", "index1")}
     outputs |= {f"MARKER_{m.name.upper()}": (f"marker_{m.name}", "jacobian") for m in made.model.markers}
     expected |= {f"NNZ_{name}": len(made.model.pattern(*place).rowidx) for name, place in outputs.items()}
-    for name in "PK":
+    for name in "QVPK":
         place = 0
         for variable in tables[name]:
             expected[f"{name}_{variable.name}"] = place

@@ -213,3 +213,40 @@ def test_nothing_is_left_behind(monkeypatch: pytest.MonkeyPatch, tmp_path: Path)
     with pytest.raises(CompilerError):
         load_with("false", monkeypatch)
     assert list(tmp_path.iterdir()) == []
+
+
+# Arguments that doubles cannot hold, and constants of other models
+
+
+def test_imaginary_parts_and_masks_are_refused() -> None:
+    """Conversion to doubles would drop them."""
+    model = beams.native("point", 2)
+    k = model.setup()
+    for wrong, text in ((Q + 1j, "real numbers are needed"), (np.ma.masked_greater(Q, 0.0), "masked elements")):
+        for call in (
+            lambda q: model.accel(0.0, q, V, k),
+            lambda q: model.accel_batch(0.0, [q], [V], k) if np.iscomplexobj(q) else model.mass_batch(q[None], k),
+            lambda q: model.setup(q[:3]),
+        ):
+            with pytest.raises(ValueError, match=text):
+                call(wrong)
+    with pytest.raises(ValueError, match="beam_point_2_force: real numbers are needed"):
+        model.force(np.complex128(1j), Q, V, k)
+    with pytest.raises(ValueError, match="real numbers are needed"):
+        model.setup(EI=np.complex128(2 + 1j))
+    assert np.array_equal(model.mass(np.ma.masked_greater(Q, 9.0), k), model.mass(Q, k))  # nothing is masked
+
+
+def test_constants_of_another_model_are_refused() -> None:
+    """Their number may be the same. Arrays that no setup returned are accepted."""
+    model = beams.native("point", 2)
+    k = model.setup()
+    other = derive.load(beams.build(beams.beam("point", 2, mass={**beams.MASS, "default": 5.0})).files)
+    foreign = other.setup()
+    assert (other.name, len(foreign)) == (model.name, len(k))
+    for wrong in (foreign, 2 * foreign, foreign.copy()):
+        for call in (model.mass, model.mass_batch):
+            with pytest.raises(ValueError, match="beam_point_2: the constants k come from the setup of another model"):
+                call(Q if call is model.mass else [Q], wrong)
+    assert np.array_equal(model.mass(Q, k), model.mass(Q, list(k)))
+    assert np.array_equal(model.mass(Q, k.copy()), derive.load(beams.made("point", 2).files).mass(Q, k))

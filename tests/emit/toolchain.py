@@ -18,7 +18,7 @@ import derive
 HERE = Path(__file__).parent
 SCENES = HERE.parent.parent / "scenes"
 
-WARNINGS = ("-pedantic", "-Wall", "-Wextra", "-Wconversion", "-Wshadow", "-Werror")
+WARNINGS = ("-pedantic", "-Wall", "-Wextra", "-Wconversion", "-Wdouble-promotion", "-Wshadow", "-Werror")
 C99 = ("-std=c99", *WARNINGS)
 CPP11 = ("-x", "c++", "-std=c++11", *WARNINGS)
 

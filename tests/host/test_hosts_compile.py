@@ -15,7 +15,7 @@ CPP14 = ("-x", "c++", "-std=c++14", *WARNINGS)  # headers of SUNDIALS 6 need it
 PLAIN = [("fixed_step", ()), ("simulate", ()), ("simulate", ("-DTISSERAND_IDA", "-DTISSERAND_ALPHA"))]
 
 
-@pytest.mark.parametrize("language", [("gcc", *C99), ("g++", *CPP11)], ids=["C", "C++"])
+@pytest.mark.parametrize("language", [("gcc", *C99), ("g++", *CPP11), ("clang", *C99)], ids=["C", "C++", "clang"])
 @pytest.mark.parametrize(("host", "flags"), PLAIN)
 def test_no_warnings(host: str, flags: tuple[str, ...], language: tuple[str, ...], tmp_path: Path) -> None:
     name, _ = write_sources(FILES, ["fixed_step", "generalised_alpha", "ida", "simulate"], tmp_path)
@@ -23,7 +23,7 @@ def test_no_warnings(host: str, flags: tuple[str, ...], language: tuple[str, ...
     run(tool(language[0]), *language[1:], "-O2", *flags, "-c", tmp_path / f"{host}.c", "-o", tmp_path / "host.o")
 
 
-@pytest.mark.parametrize("language", [("gcc", *C99), ("g++", *CPP14)], ids=["C", "C++"])
+@pytest.mark.parametrize("language", [("gcc", *C99), ("g++", *CPP14), ("clang", *C99)], ids=["C", "C++", "clang"])
 @pytest.mark.parametrize("host", ["ida", "generalised_alpha"])
 def test_no_warnings_with_libraries(host: str, language: tuple[str, ...], tmp_path: Path) -> None:
     ida()

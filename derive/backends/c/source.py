@@ -10,7 +10,15 @@ from typing import assert_never
 from derive.artifacts import MARK, File
 from derive.backends.c.batch import batch_body, batch_helpers, batch_widths, stack
 from derive.backends.c.loops import LANES_MACRO, SHORT, CLoops, panel_helper
-from derive.backends.description import LICENCE, description, kernel_text, model_text, pattern_texts, section_text
+from derive.backends.description import (
+    LICENCE,
+    MODEL_HASH,
+    description,
+    kernel_text,
+    model_text,
+    pattern_texts,
+    section_text,
+)
 from derive.backends.expression_text import C, text
 from derive.backends.source_map import SourceBuilder, SourceLine, defining, plain, storing
 from derive.backends.wrapping import comment, join, prefixed, statement
@@ -19,7 +27,7 @@ from derive.ir.statements import Accumulate, Let, MatVec, Require, RequireFinite
 from derive.rendering import render
 from derive.roles import Role
 
-ABI = 4
+ABI = 5
 
 FORMS = {"index3": "", "ggl": "_ggl", "index1": "_index1"}
 """The forms of the equations of a scene, with the suffixes of the names of their functions."""
@@ -75,11 +83,13 @@ def _template_values(model: Model, fingerprint: str) -> dict[str, object]:
         "name": model.name,
         "macro": model.name.upper(),
         "abi": ABI,
+        "hash": MODEL_HASH,
         "roles": Role,
         "title": "\n".join(comment((*mark, f"{text_of_model.title}; see {model.name}.h."))),
         "description": "\n".join(comment((*mark, *description(text_of_model)))),
         "helpers": _helpers(model, widths),
         "defaults": defaults_text(model),
+        "start": _start_text(model),
         "declarations": [
             Declaration("\n".join(comment(kernel_text(kernel))), "\n".join(_signature_of(model, kernel)))
             for kernel in model.kernels
@@ -186,6 +196,25 @@ def _first_indices(variables: tuple[Variable, ...]) -> list[tuple[str, int]]:
     """The index of the first value of each variable."""
     indices = accumulate((v.size for v in variables), initial=0)
     return [(v.name, index) for v, index in zip(variables, indices, strict=False)]
+
+
+def _start_text(model: Model) -> str:
+    """The body of the function that fills q and v with the initial state, "" without one."""
+    if model.start is None:
+        return ""
+    lines = []
+    for name, values in (("q", model.start.q), ("v", model.start.v)):
+        if not values:
+            lines += [f"    (void) {name};"]
+            continue
+        numbers = prefixed([", ".join(repr(x) for x in values)], "        ")
+        lines += [f"    static const double {name}_values[] = {{", *numbers, "    };"]
+    lines += [
+        f"    for (int i = 0; i < {len(values)}; i++) {name}[i] = {name}_values[i];"
+        for name, values in (("q", model.start.q), ("v", model.start.v))
+        if values
+    ]
+    return "\n".join(lines)
 
 
 def defaults_text(model: Model) -> str:

@@ -7,7 +7,15 @@ from dataclasses import dataclass
 from typing import assert_never
 
 from derive.artifacts import MARK, File
-from derive.backends.description import LICENCE, description, kernel_text, model_text, pattern_texts, section_text
+from derive.backends.description import (
+    LICENCE,
+    MODEL_HASH,
+    description,
+    kernel_text,
+    model_text,
+    pattern_texts,
+    section_text,
+)
 from derive.backends.expression_text import PYTHON, text
 from derive.backends.python.loops import HELPERS, PythonLoops, assignment
 from derive.backends.source_map import SourceBuilder, SourceLine, defining, plain, storing
@@ -31,6 +39,7 @@ class PythonBackend:
         """`NAME.py` with its source map; `fingerprint` is that of the specification."""
         values = {
             "mark": f"# {MARK} from a specification with SHA-256\n# {fingerprint}. Do not edit.\n# {LICENCE}",
+            "hash": MODEL_HASH,
             "model": model,
             "description": "\n".join(prefixed(description(model_text(model)), "")),
             "patterns": pattern_texts(model, "        "),

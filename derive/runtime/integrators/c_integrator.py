@@ -18,7 +18,7 @@ from derive.errors import TisserandError
 from derive.runtime.compiler import FLAGS, compile_c
 from derive.runtime.integrators.compilation import header_flags, write_sources
 from derive.runtime.loading import native_model
-from derive.runtime.native_call import Vector
+from derive.runtime.native_call import Vector, doubles
 
 Array = NDArray[np.float64]
 
@@ -93,11 +93,11 @@ class CIntegrator:
 
     def constants(self, k: ArrayLike | None) -> Vector:
         """The constants k (nk,) as given, or those of the default parameters."""
-        return self.native.setup() if k is None else checked_array("k", k, (self.native.nk,))
+        return self.native.setup() if k is None else checked_array("k", self.native.own(k), (self.native.nk,))
 
     def states(self, q0: ArrayLike, v0: ArrayLike) -> tuple[Array, Array]:
         """Copies of the states q0 (..., nq), v0 (..., nv), which the C overwrites."""
-        q, v = np.array(q0, dtype=float, order="C"), np.array(v0, dtype=float, order="C")
+        q, v = np.array(doubles(q0, "q0"), order="C"), np.array(doubles(v0, "v0"), order="C")
         states = q.shape[:-1]
         return checked_array("q0", q, (*states, self.native.nq)), checked_array("v0", v, (*states, self.native.nv))
 
@@ -148,7 +148,7 @@ def checked_result(name: str, code: int, result: Integration, meanings: Mapping[
 
 def checked_array(name: str, given: ArrayLike, shape: tuple[int, ...]) -> Array:
     """A contiguous array of doubles. Raises ValueError if it has another shape."""
-    array = np.ascontiguousarray(given, dtype=np.float64)
+    array = np.ascontiguousarray(doubles(given, name))
     if array.shape != shape:
         raise ValueError(f"{name}: an array of shape {shape} is needed, not {array.shape}")
     return array

@@ -320,6 +320,7 @@ static const tisserand_scene SCENE = {
 static const tisserand_model MODEL = {
     .abi = TISSERAND_ABI,
     .name = "pendulum",
+    .hash = "by hand",
     .nq = NQ,
     .nv = NQ,
     .np = NP,
