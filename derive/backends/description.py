@@ -16,7 +16,7 @@ MOST_ROWS = 40
 
 LICENCE = "SPDX-License-Identifier: 0BSD"
 
-MODEL_HASH = "@MODEL_HASH@"
+MODEL_HASH = "hash_of_this_build"
 """What the files of a backend contain in the place of the hash of the model, which depends on all of them."""
 
 

@@ -56,19 +56,24 @@ static int within(int n, double tolerance, double *r)
 
 int tisserand_normalise(const tisserand_model *model, double *q)
 {
-    for (int i = 0, index = 0; i < model->variables_q; index += model->q[i].size, i++) {
-        double *e = q + index, size;
-        if (model->q[i].role != TISSERAND_ROLE_QUATERNION || index + 4 > model->nq) {
+    double *e[4], square = 0.0;
+
+    for (int i = 0, index = 0, n = 0; i < model->variables_q; index += model->q[i].size, i++) {
+        if (model->q[i].role != TISSERAND_ROLE_QUATERNION) {
             continue;
         }
-        size = sqrt(e[0] * e[0] + e[1] * e[1] + e[2] * e[2] + e[3] * e[3]);
-        if (!(size > 0.0 && size < HUGE_VAL)) {
-            return TISSERAND_NOT_FINITE;
+        e[n++] = q + index;
+        square += q[index] * q[index];
+        if (n == 4) {
+            const double length = sqrt(square);
+            if (!(length > 0.0 && length < HUGE_VAL)) {
+                return TISSERAND_NOT_FINITE;
+            }
+            for (n = 4; n > 0; n--) {
+                *e[n - 1] /= length;
+            }
+            square = 0.0;
         }
-        for (int j = 0; j < 4; j++) {
-            e[j] /= size;
-        }
-        index += 4 - model->q[i].size, i += 4 / model->q[i].size - 1;
     }
     return TISSERAND_OK;
 }

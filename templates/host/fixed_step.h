@@ -26,9 +26,10 @@ extern "C" {
 enum {
     TISSERAND_OK = 0,
     TISSERAND_PIVOT = 1,      /* a pivot vanished: the joints are redundant or in a singular position */
-    TISSERAND_NOT_FINITE = 2, /* a value is not finite */
+    TISSERAND_NOT_FINITE = 2, /* a value is not finite, or a quaternion is zero */
     TISSERAND_OFF = 3,        /* projection cannot reduce |g| below the tolerance */
-    TISSERAND_ARGUMENT = 4    /* an argument is not valid: negative numbers of steps, every < 1 */
+    TISSERAND_ARGUMENT = 4    /* an argument is not valid: negative numbers of steps, every < 1, a negative tolerance, a
+                                 time, a step or a tolerance that is not finite; nothing is written then */
 };
 
 /* Statistics, to which functions add. */
@@ -47,6 +48,11 @@ int tisserand_fixed_work(
 int tisserand_fixed_row(
     const tisserand_model *model);
 
+/* Normalise the quaternion of a body in space, whose length has to be 1. */
+int tisserand_normalise(
+    const tisserand_model *model,
+    double *q);
+
 /* Project q onto |g| <= tolerance by Newton's method, then v onto |gdot| <= tolerance; q and v do not change if they
    meet this already. |.| is the largest element, in the units of g and gdot. Use it for the initial state as well. */
 int tisserand_project(
@@ -59,7 +65,7 @@ int tisserand_project(
     double *work,
     tisserand_fixed_counts *counts);
 
-/* Advance q and v by a step from t to t + step, without projection. */
+/* Advance q and v by a step from t to t + step, without projection; a quaternion is normalised after it. */
 int tisserand_rk4_step(
     const tisserand_model *model,
     double t,
@@ -81,9 +87,9 @@ int tisserand_fixed_result(
     double *work,
     tisserand_fixed_counts *counts);
 
-/* Integrate from t0 by a number of steps. If tolerance > 0, a scene is projected at t0 and after each step. `rows` gets
-   a row at t0 and after every `every` steps, steps / every + 1 in all; it may be 0. If the code is not 0, q and v are
-   undefined, and the rows from the failure on are NaN. */
+/* Integrate from t0 by a number of steps. If tolerance > 0, a scene is projected at t0 and after each step. A quaternion
+   is normalised at t0 and after each step. `rows` gets a row at t0 and after every `every` steps, steps / every + 1 in
+   all; it may be 0. If the code is not 0, q and v are undefined, and the rows from the failure on are NaN. */
 int tisserand_rk4(
     const tisserand_model *model,
     double t0,

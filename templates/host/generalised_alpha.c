@@ -236,7 +236,8 @@ int tisserand_alpha(const tisserand_model *model, const tisserand_alpha_options 
     machine own;
     int code;
 
-    if (steps < 0 || every < 1 || !(step > 0.0) || !(options->rho >= 0.0 && options->rho <= 1.0)) {
+    if (steps < 0 || every < 1 || !(step > 0.0 && step < HUGE_VAL && fabs(t0) < HUGE_VAL) ||
+        !(options->tolerance >= 0.0) || !(options->start >= 0.0) || !(options->rho >= 0.0 && options->rho <= 1.0)) {
         return TISSERAND_ARGUMENT;
     }
     memset(&own, 0, sizeof own);

@@ -124,8 +124,11 @@ static int start(const tisserand_model *model, double t, double tolerance, const
     double *y = N_VGetArrayPointer(own->y), *ydot = N_VGetArrayPointer(own->ydot);
     const int nq = model->nq, nv = model->nv;
     tisserand_fixed_counts ignored = {0, 0, 0, 0};
-    int code = tolerance > 0.0 ? tisserand_project(model, t, k, tolerance, q, v, own->work, &ignored) : 0;
+    int code = tisserand_normalise(model, q);
 
+    if (code == 0 && tolerance > 0.0) {
+        code = tisserand_project(model, t, k, tolerance, q, v, own->work, &ignored);
+    }
     N_VConst(0.0, own->y);
     N_VConst(0.0, own->ydot);
     memcpy(y, q, (size_t) nq * sizeof(double));
@@ -239,7 +242,8 @@ int tisserand_ida(const tisserand_model *model, const tisserand_ida_options *opt
     memset(&own, 0, sizeof own);
     own.given.form = &form;
     own.given.k = k;
-    if (nrows < 1 || !(interval > 0.0)) {
+    if (nrows < 1 || !(interval > 0.0 && interval < HUGE_VAL && fabs(t0) < HUGE_VAL) || !(options->start >= 0.0) ||
+        !(options->rtol >= 0.0) || !(options->atol >= 0.0) || !(options->step_max >= 0.0)) {
         return TISSERAND_ARGUMENT;
     }
     code = find_form(model, options->form, &form);

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import math
 import tempfile
 import time
 from collections.abc import Callable, Mapping, Sequence
@@ -123,6 +124,12 @@ def check_steps(steps: int, every: int) -> None:
     """Raise ValueError if the numbers of steps, and of steps for each row, make no sense."""
     if steps < 0 or every < 1:
         raise ValueError(f"{steps} steps with a row every {every} steps make no sense")
+
+
+def check_numbers(**numbers: float) -> None:
+    """Raise ValueError, with the names of the arguments, if a number is not finite."""
+    if wrong := [f"{name} = {value}" for name, value in numbers.items() if not math.isfinite(value)]:
+        raise ValueError(f"finite numbers are needed: {', '.join(wrong)}")
 
 
 def types(letters: str) -> list[Any]:

@@ -14,6 +14,7 @@ from derive.runtime.integrators.c_integrator import (
     Array,
     CIntegrator,
     Integration,
+    check_numbers,
     check_steps,
     checked_result,
     fields,
@@ -52,6 +53,7 @@ class FixedStep(CIntegrator):
         `project` keeps constraints and their rates below `tolerance`, from the first state on. Raises IntegratorError.
         """
         check_steps(steps, every)
+        check_numbers(t0=t0, step=step, tolerance=tolerance)
         q, v = self.states(q0, v0)
         states = q.shape[:-1]
         rows: Array = np.empty((*states, steps // every + 1, self.width))

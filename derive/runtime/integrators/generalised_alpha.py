@@ -15,6 +15,7 @@ from derive.runtime.integrators.c_integrator import (
     Array,
     CIntegrator,
     Integration,
+    check_numbers,
     check_steps,
     checked_result,
     fields,
@@ -71,6 +72,7 @@ class GeneralisedAlpha(CIntegrator):
         unless that is 0.
         """
         check_steps(steps, every)
+        check_numbers(t0=t0, step=step, rho=rho, tolerance=tolerance, consistent=consistent)
         if not step > 0 or not 0 <= rho <= 1:
             raise ValueError(f"a step of {step} s with rho = {rho} makes no sense")
         q, v = self.state(q0, v0)

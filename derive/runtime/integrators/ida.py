@@ -15,6 +15,7 @@ from derive.runtime.integrators.c_integrator import (
     Array,
     CIntegrator,
     Integration,
+    check_numbers,
     checked_result,
     fields,
     timed,
@@ -73,6 +74,14 @@ class Ida(CIntegrator):
         vibrations that higher orders follow with short steps. The first state is brought to constraints and rates below
         `consistent`, unless that is 0. `steps_max`: between two rows.
         """
+        check_numbers(
+            t0=t0,
+            interval=interval,
+            rtol=rtol,
+            atol=rtol if atol is None else atol,
+            consistent=consistent,
+            step_max=step_max,
+        )
         q, v = self.state(q0, v0)
         if rows < 1 or not interval > 0:
             raise ValueError(f"{rows} rows at an interval of {interval} make no sense")
