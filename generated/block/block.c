@@ -12,7 +12,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef BLOCK_HASH_e334bccb3fbcef56
+#ifndef BLOCK_HASH_e73191bf9baf50b6
 #  error "block.h and block.c are of different builds; run tisserand build again"
 #endif
 

@@ -317,8 +317,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define BLOCK_HASH "e334bccb3fbcef56"
-#define BLOCK_HASH_e334bccb3fbcef56
+#define BLOCK_HASH "e73191bf9baf50b6"
+#define BLOCK_HASH_e73191bf9baf50b6
 
 /* ---- sizes and indices ---- */
 

@@ -185,7 +185,7 @@ class Pattern(NamedTuple):
 
 
 NAME = "block"
-HASH = "e334bccb3fbcef56"
+HASH = "e73191bf9baf50b6"
 COORDINATES = (
     "c1", "c2", "c3", "e0", "e1", "e2", "e3", "alpha1", "alpha2", "alpha3", "alpha4", "alpha5",
     "alpha6", "alpha7", "alpha8",

@@ -239,8 +239,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define BODY_SYMBOLIC_HASH "cb07fdd26c4219b2"
-#define BODY_SYMBOLIC_HASH_cb07fdd26c4219b2
+#define BODY_SYMBOLIC_HASH "f4fc1befa5964220"
+#define BODY_SYMBOLIC_HASH_f4fc1befa5964220
 
 /* ---- sizes and indices ---- */
 

@@ -291,8 +291,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define CRANK_SLIDER_3_HASH "7a2c80459d6d6baf"
-#define CRANK_SLIDER_3_HASH_7a2c80459d6d6baf
+#define CRANK_SLIDER_3_HASH "51a3035064ac9ef5"
+#define CRANK_SLIDER_3_HASH_51a3035064ac9ef5
 
 /* ---- sizes and indices ---- */
 

@@ -274,8 +274,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define DOUBLE_PENDULUM_HASH "c66096ce707e4f66"
-#define DOUBLE_PENDULUM_HASH_c66096ce707e4f66
+#define DOUBLE_PENDULUM_HASH "9e60a483e29edf97"
+#define DOUBLE_PENDULUM_HASH_9e60a483e29edf97
 
 /* ---- sizes and indices ---- */
 

@@ -144,7 +144,7 @@ class Pattern(NamedTuple):
 
 
 NAME = "double_pendulum"
-HASH = "c66096ce707e4f66"
+HASH = "9e60a483e29edf97"
 COORDINATES = (
     "upper_c1", "upper_c2", "upper_phi", "upper_alpha1", "upper_alpha2", "lower_c1", "lower_c2",
     "lower_phi", "lower_alpha1", "lower_alpha2",

@@ -13,7 +13,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef FOUR_BAR_HASH_952fdacb28ed5cdf
+#ifndef FOUR_BAR_HASH_c2bc36980fa8d779
 #  error "four_bar.h and four_bar.c are of different builds; run tisserand build again"
 #endif
 

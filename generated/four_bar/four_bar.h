@@ -316,8 +316,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define FOUR_BAR_HASH "952fdacb28ed5cdf"
-#define FOUR_BAR_HASH_952fdacb28ed5cdf
+#define FOUR_BAR_HASH "c2bc36980fa8d779"
+#define FOUR_BAR_HASH_c2bc36980fa8d779
 
 /* ---- sizes and indices ---- */
 

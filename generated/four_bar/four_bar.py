@@ -182,7 +182,7 @@ class Pattern(NamedTuple):
 
 
 NAME = "four_bar"
-HASH = "952fdacb28ed5cdf"
+HASH = "c2bc36980fa8d779"
 COORDINATES = (
     "crank_c1", "crank_c2", "crank_phi", "crank_alpha1", "crank_alpha2", "coupler_c1",
     "coupler_c2", "coupler_phi", "coupler_alpha1", "coupler_alpha2", "rocker_c1", "rocker_c2",

@@ -238,8 +238,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define FREE_BEAM_MEAN_HASH "40d8d2912b70d697"
-#define FREE_BEAM_MEAN_HASH_40d8d2912b70d697
+#define FREE_BEAM_MEAN_HASH "ead32c515aa4dd48"
+#define FREE_BEAM_MEAN_HASH_ead32c515aa4dd48
 
 /* ---- sizes and indices ---- */
 

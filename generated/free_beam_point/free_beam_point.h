@@ -224,8 +224,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define FREE_BEAM_POINT_HASH "9a8caf8af88e155e"
-#define FREE_BEAM_POINT_HASH_9a8caf8af88e155e
+#define FREE_BEAM_POINT_HASH "2591bc59d6efe7ff"
+#define FREE_BEAM_POINT_HASH_2591bc59d6efe7ff
 
 /* ---- sizes and indices ---- */
 

@@ -94,7 +94,7 @@ class Pattern(NamedTuple):
 
 
 NAME = "free_beam_point"
-HASH = "9a8caf8af88e155e"
+HASH = "2591bc59d6efe7ff"
 COORDINATES = ("c1", "c2", "phi", "alpha1", "alpha2")
 VELOCITIES = ("c1dot", "c2dot", "phidot", "alpha1dot", "alpha2dot")
 PARAMETERS = ("m", "l", "EI")

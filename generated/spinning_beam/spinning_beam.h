@@ -248,8 +248,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define SPINNING_BEAM_HASH "99c2a606c57804fa"
-#define SPINNING_BEAM_HASH_99c2a606c57804fa
+#define SPINNING_BEAM_HASH "5a5ddd0e2b648134"
+#define SPINNING_BEAM_HASH_5a5ddd0e2b648134
 
 /* ---- sizes and indices ---- */
 

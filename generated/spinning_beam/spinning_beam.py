@@ -117,7 +117,7 @@ class Pattern(NamedTuple):
 
 
 NAME = "spinning_beam"
-HASH = "99c2a606c57804fa"
+HASH = "5a5ddd0e2b648134"
 COORDINATES = ("beam_c1", "beam_c2", "beam_phi", "beam_alpha1", "beam_alpha2")
 VELOCITIES = ("beam_c1dot", "beam_c2dot", "beam_phidot", "beam_alpha1dot", "beam_alpha2dot")
 PARAMETERS = ("m", "l", "EI")

@@ -216,8 +216,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define SPUN_UP_CANTILEVER_HASH "ed58879b64b3d5f9"
-#define SPUN_UP_CANTILEVER_HASH_ed58879b64b3d5f9
+#define SPUN_UP_CANTILEVER_HASH "6aa3f5aa597f8631"
+#define SPUN_UP_CANTILEVER_HASH_6aa3f5aa597f8631
 
 /* ---- sizes and indices ---- */
 
