@@ -6,11 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from derive.lowering.redundancy import Dependence, dependences
 from derive.runtime.native_call import Vector
 from derive.simulation.compiled_scene import ConstrainedSystem, kkt_matrix
-from derive.simulation.constraints.redundancy import dependences, involved
+from derive.simulation.constraints.redundancy import involved
 from derive.simulation.constraints.scaling import spectrum
-from derive.simulation.errors import Dependence
 
 
 @dataclass(frozen=True)
@@ -37,6 +37,6 @@ def analyse_constraints(native: ConstrainedSystem, k: Vector, t: float, q: Vecto
         rank=singular.rank,
         smallest=singular.smallest,
         condition=float(np.linalg.cond(kkt_matrix(native, t, q, k))),
-        dependent=dependences(singular, native.multipliers),
+        dependent=dependences(singular.scaled, singular.rank, native.multipliers),
         involved=involved(singular, native.multipliers),
     )

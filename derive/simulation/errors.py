@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 
 from derive.errors import TisserandError
+from derive.lowering.redundancy import Dependence, enumeration, redundancy_text
 
 AT_DEAD_CENTRE = (
     "Start next to this state instead of in it, drive another joint, or change lengths so that the mechanism "
@@ -15,14 +15,6 @@ AT_DEAD_CENTRE = (
 
 class SimulationError(TisserandError):
     """A simulation cannot start or continue."""
-
-
-@dataclass(frozen=True)
-class Dependence:
-    """A constraint and the constraints that together imply it, by the names of their multipliers."""
-
-    name: str
-    on: tuple[str, ...]
 
 
 class InconsistentInitialState(SimulationError):
@@ -66,12 +58,7 @@ class RedundantConstraints(SimulationError):
 
     def __init__(self, redundant: Sequence[Dependence]) -> None:
         self.redundant = tuple(redundant)
-        lines = [f"  {d.name} is implied by {_enumeration(d.on)}" for d in redundant]
-        advice = (
-            "Their multipliers have no unique value. Remove as many constraints (a weaker kind of joint, or none), or "
-            "let a body deform where the others hold it."
-        )
-        super().__init__("\n".join([f"{len(redundant)} of the constraints are redundant:", *lines, advice]))
+        super().__init__(redundancy_text(redundant))
 
 
 class SingularConfiguration(SimulationError):
@@ -86,7 +73,7 @@ class SingularConfiguration(SimulationError):
         grow = "grow" if len(multipliers) > 1 else "grows"
         super().__init__(
             f"the mechanism is at a dead centre at t = {t:.9g} s: the smallest singular value of its scaled "
-            f"constraints is {smallest:.2g}, and {_enumeration(multipliers)} {grow} without bound. {advice}"
+            f"constraints is {smallest:.2g}, and {enumeration(multipliers)} {grow} without bound. {advice}"
         )
 
 
@@ -95,8 +82,24 @@ class DriveCannotBeFollowed(SingularConfiguration):
 
     def __init__(self, t: float, smallest: float, multipliers: Sequence[str], drives: Sequence[str]) -> None:
         self.drives = tuple(drives)
-        advice = f"What drives prescribe in {_enumeration(drives)} cannot be followed. {AT_DEAD_CENTRE}"
+        advice = f"What drives prescribe in {enumeration(drives)} cannot be followed. {AT_DEAD_CENTRE}"
         super().__init__(t, smallest, multipliers, advice)
+
+
+class InextensibleBeam(SimulationError):
+    """Joints hold beams along their axes, where these do not stretch, so that the reactions are not unique.
+
+    t: in s. multipliers: the names of those that have no unique value.
+    """
+
+    def __init__(self, t: float, multipliers: Sequence[str]) -> None:
+        self.t, self.multipliers = t, tuple(multipliers)
+        super().__init__(
+            f"at t = {t:.9g} s the joints hold beams along their axes more often than once: a beam bends, but does not "
+            f"stretch, so that {enumeration(multipliers)} have no unique values. Let one end move along the axis: a "
+            "translational joint acts as a roller, with a rigid body that a revolute joint connects to the end of the "
+            "beam."
+        )
 
 
 class MasslessMotion(SimulationError):
@@ -105,7 +108,7 @@ class MasslessMotion(SimulationError):
     def __init__(self, coordinates: Sequence[str]) -> None:
         self.coordinates = tuple(coordinates)
         super().__init__(
-            f"a motion of {_enumeration(coordinates)} moves no mass, and no constraint prevents it, so that its "
+            f"a motion of {enumeration(coordinates)} moves no mass, and no constraint prevents it, so that its "
             "acceleration has no value. Give the body a mass and an inertia, or prescribe its motion by joints and "
             "drives."
         )
@@ -136,8 +139,3 @@ class IntegrationStopped(SimulationError):
             "drive such as sqrt(t) at 0, a spring with a rest length or a damper whose ends meet); or the tolerance is "
             "out of reach."
         )
-
-
-def _enumeration(names: Sequence[str]) -> str:
-    """The names in a sentence: a, b and c."""
-    return ", ".join(names[:-1]) + " and " + names[-1] if len(names) > 1 else "".join(names)

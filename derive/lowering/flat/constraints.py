@@ -8,16 +8,20 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import casadi as ca
+import numpy as np
 
+from derive.ir.expressions import Number
 from derive.ir.model import Kernel, Kkt
 from derive.ir.patterns import Pattern, pattern
 from derive.ir.statements import Requirement, ReturnCode
 from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.context import Context, Input, array_input, stores
 from derive.lowering.flat.functions import pivot_checks
+from derive.lowering.flat.graph import LoweringError
 from derive.lowering.flat.schedule import NamedValue, RequiredValue, Step
 from derive.lowering.functions import ModelFunction, OutputElements
 from derive.lowering.ldlt import Factorisation, factorise, fill_in, kkt_elimination_order, solve
+from derive.lowering.redundancy import Dependence, dependences, redundancy_text
 from derive.mechanics.symbols import local
 from derive.roles import Source
 
@@ -155,6 +159,10 @@ def _bias(context: Context, symbols: Symbols) -> list[ca.SX]:
     return [-symbols(c.bias) for c in context.equations.constraints]
 
 
+class DependentConstraints(LoweringError):
+    """Constraints that others imply in every state, so that their multipliers have no unique value."""
+
+
 def _by_factors(
     context: Context,
     function: ModelFunction,
@@ -163,7 +171,43 @@ def _by_factors(
     right: list[ca.SX],
     inputs: tuple[Input, ...] = (),
 ) -> Kernel:
-    """A kernel that solves a system with the KKT matrix and the right-hand side `right`, and checks the pivots."""
+    """A kernel that solves a system with the KKT matrix and the right-hand side `right`, and checks the pivots.
+
+    Raises LoweringError if a pivot vanishes in every state: DependentConstraints if constraints are redundant.
+    """
+    try:
+        return _with_pivots(context, function, outputs, symbols, right, inputs)
+    except LoweringError:
+        if redundant := _redundant(context, symbols):
+            raise DependentConstraints(redundancy_text(redundant)) from None
+        raise
+
+
+def _redundant(context: Context, symbols: Symbols) -> tuple[Dependence, ...]:
+    """The constraints that others imply in a random state, with random values of the parameters."""
+    entries = jacobian_entries(context, symbols)
+    function = ca.Function("G", [ca.vertcat(*symbols.inputs)], [ca.vertcat(*entries.values())])
+    numbers = np.random.default_rng(0).uniform(0.5, 1.5, len(symbols.inputs))
+    values = [
+        float(leaf.value) if isinstance(leaf, Number) else number
+        for leaf, number in zip(symbols.leaves, numbers, strict=True)
+    ]
+    G = np.zeros((len(context.multipliers), len(context.rows)))
+    for (i, j), value in zip(entries, function(values).full().ravel(), strict=True):
+        G[i, j] = value
+    G /= np.linalg.norm(G, axis=1, keepdims=True)
+    return dependences(G, int(np.linalg.matrix_rank(G, 1e-9)), context.multipliers)
+
+
+def _with_pivots(
+    context: Context,
+    function: ModelFunction,
+    outputs: Mapping[str, OutputElements],
+    symbols: Symbols,
+    right: list[ca.SX],
+    inputs: tuple[Input, ...],
+) -> Kernel:
+    """The kernel that solves the system. Raises LoweringError."""
     factors = kkt_factors(context, symbols)
     names = (*context.rows, *context.multipliers)
     solution = solve(factors, right)

@@ -6,6 +6,7 @@ expressions of model constants to setup.
 
 from __future__ import annotations
 
+import math
 import sys
 from dataclasses import dataclass
 from fractions import Fraction
@@ -256,7 +257,16 @@ def _operation(graph: Graph, operation: int, args: list[int]) -> int:
 
 
 def _integer(value: float) -> int:
-    """A CasADi constant as an integer. Raises ArithmeticError if it is none, which would be a rounded number."""
+    """A CasADi constant as an integer.
+
+    Raises LoweringError if it is infinite, the inverse of a pivot that is zero; ArithmeticError if it is a fraction,
+    which would be a rounded number.
+    """
+    if not math.isfinite(value):
+        raise LoweringError(
+            "the model divides by a value that is zero in every state: shapes are dependent (make them orthogonal), or "
+            "two joints impose the same constraint (remove one of them)"
+        )
     if value != int(value):
         raise ArithmeticError(f"CasADi has rounded a number to {value}")
     return int(value)

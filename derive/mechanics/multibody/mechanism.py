@@ -114,10 +114,15 @@ def _instances(mechanism: Mechanism) -> Instances:
 
 
 def _refuse_idle(conditions: tuple[Constraint, ...]) -> None:
+    """Raise SpecError for the constraints that no coordinate takes part in."""
+    prescribed = (
+        "no coordinate can meet it, since the motion of both bodies is prescribed; leave out a drive or a joint"
+    )
+    redundant = "this constraint is redundant: other joints and drives meet it in every state; leave out one of them"
     idle = [c for c in conditions if not c.jacobian]
     if idle:
-        text = "no coordinate can meet it, since the motion of both bodies is prescribed; leave out a drive or a joint"
-        raise SpecError(tuple(Problem(f"joints.{c.of}", f"{c.doc}: {text}") for c in idle))
+        texts = ((c, redundant if c.position == 0 else prescribed) for c in idle)
+        raise SpecError(tuple(Problem(f"joints.{c.of}", f"{c.doc}: {text}") for c, text in texts))
 
 
 def _gathered(

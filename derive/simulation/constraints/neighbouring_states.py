@@ -11,6 +11,7 @@ from derive.roles import Role
 from derive.runtime.native_call import Vector
 from derive.simulation.compiled_scene import (
     ConstrainedSystem,
+    Mask,
     constraint_matrix,
     coordinates_with,
     mass_matrix,
@@ -27,20 +28,21 @@ FIRST_DELAY, DOUBLINGS = 1e-6, 30
 
 
 def neighbouring_states(
-    native: ConstrainedSystem, k: Vector, t: float, q: Vector, drives: Sequence[str] = ()
+    native: ConstrainedSystem, k: Vector, t: float, q: Vector, drives: Sequence[str] = (), free: Mask | None = None
 ) -> Iterator[tuple[float, Vector]]:
     """A few pairs of time (s) and configuration (nq,) near a consistent configuration q (nq,).
 
-    drives: names of multipliers whose constraints are released; the states meet all other constraints. The iterator
-    yields q alone where the mechanism cannot move and its drives stand still.
+    drives: names of multipliers whose constraints are released; the states meet all other constraints. free: mask (nq,)
+    of the coordinates that may change, all by default. The iterator yields q alone where the mechanism cannot move and
+    its drives stand still.
     """
+    free = np.ones(native.nq, dtype=bool) if free is None else free
     active = [i for i, name in enumerate(native.multipliers) if name not in drives]
     times = [time for sign in (1.0, -1.0) if (time := _time_of_motion(native, k, t, q, sign)) is not None]
-    everything = np.ones(native.nq, dtype=bool)
-    for direction in _directions(native, k, t, q, active):
-        yield t, _projected(native, k, t, q, direction, active)
+    for direction in _directions(native, k, t, q, active, free):
+        yield t, _projected(native, k, t, q, direction, active, free)
         for time in times:  # start next to q, because a dead centre itself has no continuation
-            state = closest_state(native, k, time, q + direction, everything)
+            state = closest_state(native, k, time, q + direction, free)
             if state.converged:
                 yield time, state.q
 
@@ -51,34 +53,37 @@ def driven_multipliers(native: ConstrainedSystem, k: Vector, t: float, q: Vector
     return tuple(name for name, rate in zip(native.multipliers, rates, strict=True) if rate != 0.0)
 
 
-def _directions(native: ConstrainedSystem, k: Vector, t: float, q: Vector, active: list[int]) -> Iterator[Vector]:
+def _directions(
+    native: ConstrainedSystem, k: Vector, t: float, q: Vector, active: list[int], free: Mask
+) -> Iterator[Vector]:
     """Small motions (nq,) that the active constraints allow to first order; zero alone if they allow none."""
-    R = mass_factor(mass_matrix(native, q, k))
-    G = in_mass_metric(constraint_matrix(native, t, q, k), R)
-    scaled = (G / typical_row_norms(native, k, t, q, R)[:, None])[active]
-    allowed = null_space(scaled, rcond=1e-6) if len(scaled) else np.eye(native.nv)
+    R = mass_factor(mass_matrix(native, q, k)[np.ix_(free, free)])
+    G = in_mass_metric(constraint_matrix(native, t, q, k)[:, free], R)
+    scaled = (G / typical_row_norms(native, k, t, q, R, free)[:, None])[active]
+    allowed = null_space(scaled, rcond=1e-6) if len(scaled) else np.eye(int(np.sum(free)))
     random = np.random.default_rng(0)
     for _ in range(DIRECTIONS if allowed.size else 0):
-        direction = solve_triangular(R, allowed @ random.standard_normal(allowed.shape[1]))
+        direction = np.zeros(native.nq)
+        direction[free] = solve_triangular(R, allowed @ random.standard_normal(allowed.shape[1]))
         yield direction * _step_length(native, q, direction)
     if not allowed.size:
         yield np.zeros(native.nq)
 
 
 def _projected(
-    native: ConstrainedSystem, k: Vector, t: float, q: Vector, direction: Vector, active: list[int]
+    native: ConstrainedSystem, k: Vector, t: float, q: Vector, direction: Vector, active: list[int], free: Mask
 ) -> Vector:
     """The configuration next to q + direction with the same g of the active constraints as q."""
-    R = mass_factor(mass_matrix(native, q, k))
-    norms = typical_row_norms(native, k, t, q, R)[active]
+    R = mass_factor(mass_matrix(native, q, k)[np.ix_(free, free)])
+    norms = typical_row_norms(native, k, t, q, R, free)[active]
     moved, target = q + direction, native.constraints(t, q, k)[active]
     for _ in range(20):
         g = native.constraints(t, moved, k)[active] - target
         if max_norm(g) < 1e-12 * max(1.0, max_norm(q)):
             break
-        rows = constraint_matrix(native, t, moved, k)[active]
+        rows = constraint_matrix(native, t, moved, k)[active][:, free]
         A = in_mass_metric(rows, R) / norms[:, None]
-        moved = moved + solve_triangular(R, damped_step(A, -g / norms, 0.0))
+        moved[free] += solve_triangular(R, damped_step(A, -g / norms, 0.0))
     return moved
 
 

@@ -5,13 +5,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.linalg import null_space, qr
+from scipy.linalg import null_space
 
-from derive.runtime.native_call import Matrix, Vector
-from derive.simulation.compiled_scene import ConstrainedSystem, constraint_matrix, mass_matrix
+from derive.lowering.redundancy import dependences
+from derive.roles import Role
+from derive.runtime.native_call import Vector
+from derive.simulation.compiled_scene import ConstrainedSystem, constraint_matrix, coordinates_with, mass_matrix
 from derive.simulation.constraints.neighbouring_states import neighbouring_states
 from derive.simulation.constraints.scaling import SINGULAR, Spectrum, spectrum
-from derive.simulation.errors import Dependence, MasslessMotion, RedundantConstraints, SingularConfiguration
+from derive.simulation.errors import InextensibleBeam, MasslessMotion, RedundantConstraints, SingularConfiguration
 
 
 def check_constraints(native: ConstrainedSystem, k: Vector, t: float, q: Vector, drives: Sequence[str] = ()) -> None:
@@ -19,51 +21,41 @@ def check_constraints(native: ConstrainedSystem, k: Vector, t: float, q: Vector,
 
     drives: names of multipliers that are released to reach neighbouring states. Constraints that depend on each other
     in q and in all neighbouring states are redundant (RedundantConstraints); those that do so in q alone make it a
-    dead centre (SingularConfiguration). A mechanism that cannot move at all has redundant constraints. MasslessMotion:
-    the constraints allow a motion that moves no mass.
+    dead centre (SingularConfiguration), unless those of rigid bodies in place of beams do so in all states
+    (InextensibleBeam). A mechanism that cannot move at all has redundant constraints. MasslessMotion: the constraints
+    allow a motion that moves no mass.
     """
     singular = spectrum(native, k, t, q)
     if singular.rank < native.nlambda:
         around = [spectrum(native, k, time, state) for time, state in neighbouring_states(native, k, t, q, drives)]
         best = max(around, key=lambda s: (s.rank, s.smallest), default=singular)
         if best.rank < native.nlambda:
-            raise RedundantConstraints(dependences(best, native.multipliers))
-        raise SingularConfiguration(t, singular.smallest, involved(singular, native.multipliers))
+            raise RedundantConstraints(dependences(best.scaled, best.rank, native.multipliers))
+        multipliers = involved(singular, native.multipliers)
+        if _held_along_beams(native, k, t, q, drives):
+            raise InextensibleBeam(t, multipliers)
+        raise SingularConfiguration(t, singular.smallest, multipliers)
     _check_mass(native, k, t, q)
+
+
+def _held_along_beams(native: ConstrainedSystem, k: Vector, t: float, q: Vector, drives: Sequence[str]) -> bool:
+    """Whether constraints that depend on each other in q resist the extension of beams rather than a motion of bodies.
+
+    Then the mechanism whose deformations are locked is no more singular in q than in all neighbouring states.
+    """
+    rigid = ~coordinates_with(native, Role.AMPLITUDE)
+    if np.all(rigid):
+        return False
+    around = (
+        spectrum(native, k, time, state, rigid).rank
+        for time, state in neighbouring_states(native, k, t, q, drives, rigid)
+    )
+    return max(around, default=0) <= spectrum(native, k, t, q, rigid).rank
 
 
 def involved(singular: Spectrum, names: Sequence[str], limit: float = SINGULAR) -> tuple[str, ...]:
     """The names of multipliers with a share above 1 % in singular values up to `limit`, or in the smallest one."""
     return tuple(name for name, share in zip(names, singular.participation(limit), strict=True) if share > 0.01)
-
-
-def dependences(singular: Spectrum, names: Sequence[str]) -> tuple[Dependence, ...]:
-    """A minimal set of constraints that the others imply: the last ones, if the numbers allow the choice."""
-    basis = _independent_rows(singular.scaled, singular.rank)
-    rows = singular.scaled[basis]
-    result = []
-    for i in (i for i in range(len(names)) if i not in basis):
-        factors = np.linalg.lstsq(rows.T, singular.scaled[i], rcond=None)[0] if basis else np.zeros(0)
-        others = tuple(names[j] for j, factor in zip(basis, factors, strict=True) if abs(factor) > 1e-5)
-        result.append(Dependence(names[i], others))
-    return tuple(result)
-
-
-def _independent_rows(scaled: Matrix, rank: int) -> list[int]:
-    """`rank` independent rows: each that is not in the span of those before it, or else those that pivoting selects."""
-    chosen: list[int] = []
-    basis = np.zeros((0, scaled.shape[1]))
-    for i, row in enumerate(scaled):
-        rest = row - basis.T @ (basis @ row)
-        rest -= basis.T @ (basis @ rest)
-        size = np.linalg.norm(rest)
-        if size > 10 * SINGULAR:
-            chosen.append(i)
-            basis = np.vstack([basis, rest / size])
-    if len(chosen) == rank:
-        return chosen
-    _, _, order = qr(scaled.T, mode="economic", pivoting=True)
-    return sorted(int(i) for i in order[:rank])
 
 
 def _check_mass(native: ConstrainedSystem, k: Vector, t: float, q: Vector) -> None:

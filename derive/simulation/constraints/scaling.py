@@ -80,11 +80,15 @@ class Spectrum:
         return np.asarray(np.sqrt(np.sum(vanishing**2, axis=1)))
 
 
-def spectrum(native: ConstrainedSystem, k: Vector, t: float, q: Vector) -> Spectrum:
-    """The singular values of the scaled constraints in the configuration q (nq,) at t (s)."""
-    R = mass_factor(mass_matrix(native, q, k))
-    G = in_mass_metric(constraint_matrix(native, t, q, k), R)
-    scaled = G / typical_row_norms(native, k, t, q, R)[:, None]
+def spectrum(native: ConstrainedSystem, k: Vector, t: float, q: Vector, free: Mask | None = None) -> Spectrum:
+    """The singular values of the scaled constraints in the configuration q (nq,) at t (s).
+
+    free: mask (nq,) of the coordinates that may change; the others are locked. All may change by default.
+    """
+    free = np.ones(native.nq, dtype=bool) if free is None else free
+    R = mass_factor(mass_matrix(native, q, k)[np.ix_(free, free)])
+    G = in_mass_metric(constraint_matrix(native, t, q, k)[:, free], R)
+    scaled = G / typical_row_norms(native, k, t, q, R, free)[:, None]
     count, columns = scaled.shape
     if count == 0:
         return Spectrum(scaled, np.zeros(0), np.zeros((0, 0)))
