@@ -41,7 +41,7 @@ class SpecError(TisserandError):
         where = printable(self.source) if self.source is not None else ""
         if where and problem.line is not None:
             where += f":{problem.line}"
-        return ": ".join(part for part in (where, problem.path, problem.message) if part)
+        return ": ".join(part for part in (where, printable(problem.path), printable(problem.message)) if part)
 
 
 def quoted(text: str, limit: int = 60) -> str:

@@ -37,3 +37,29 @@ def test_the_command_line_prints_any_of_them_and_ends_with_2(monkeypatch, capsys
     monkeypatch.setattr("derive.cli.schema.run", run)
     assert main.main(["schema"]) == 2
     assert capsys.readouterr().err == "block.npz: the file is empty; write it anew\n"
+
+
+def test_control_characters_of_a_specification_do_not_reach_the_terminal(tmp_path, capsys):
+    """Names appear in paths and in texts: in lists of markers, in suggestions, in advice."""
+    spec = tmp_path / "hostile.toml"
+    spec.write_text(
+        'name = "hostile"\n[ground.markers]\no = [0, 0]\n"b\\u001b[2J" = [1, 0]\n'
+        '[bodies.rod]\nmass = 1\ninertia = 1\n[bodies.rod.markers]\n"a\\u001b[31m\\u202e" = [0, 0]\n'
+        '[joints.pin]\nkind = "revolute"\nbetween = ["ground.c\\u001b[0m", "rod.zz\\u0007"]\n'
+    )
+    assert main.main(["build", str(spec)]) == 2
+    output = capsys.readouterr().err
+    assert output.count("\n") >= 4
+    assert all(line.isprintable() for line in output.splitlines()), output
+
+
+def test_control_characters_of_other_errors_are_shown_as_text(monkeypatch, capsys):
+    class Failed(TisserandError):
+        pass
+
+    def run(options):
+        raise Failed("the name a\x1b[31m\nis unknown")
+
+    monkeypatch.setattr("derive.cli.schema.run", run)
+    assert main.main(["schema"]) == 2
+    assert capsys.readouterr().err == "the name a\\x1b[31m\nis unknown\n"

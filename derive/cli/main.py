@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from importlib import import_module
 
 from derive.cli.arguments import parser
-from derive.errors import TisserandError
+from derive.errors import TisserandError, printable
 from derive.terminal import show_progress
 
 
@@ -40,7 +40,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return 130
     except (TisserandError, OSError) as error:
         show_progress()
-        print(_message(error), file=sys.stderr)
+        print("\n".join(map(printable, _message(error).split("\n"))), file=sys.stderr)
         return 2
 
 

@@ -64,6 +64,7 @@ SETTINGS: Any = {
     "grid.color": LIGHT,
     "grid.linewidth": 0.6,
     "text.color": INK,
+    "text.parse_math": False,  # names of files may contain $
     "xtick.color": FAINT,
     "ytick.color": FAINT,
     "xtick.labelcolor": INK,

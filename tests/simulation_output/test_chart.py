@@ -62,3 +62,9 @@ def test_a_curve_of_one_point_and_many_curves() -> None:
     assert svg(Chart("t", "time", "s", "y", (one,))).endswith("</svg>\n")
     x = np.linspace(0, 1, 5)
     assert "7 beams" in svg(Chart("t", "time", "s", "y", tuple(Curve(f"{n} beams", x, n * x) for n in range(1, 8))))
+
+
+def test_names_are_text_and_no_mathematics() -> None:
+    """A reference file may be called a$\\x$.csv, whose name is an unknown command of mathtext."""
+    one = Curve("reference: a$\\x$.csv", np.zeros(1), np.zeros(1))
+    assert ">reference: a$\\x$.csv</text>" in svg(Chart("a$\\x$", "$t$", "s", "y", (one, one)))

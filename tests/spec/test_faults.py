@@ -1,5 +1,6 @@
 """Specifications that are wrong: every fault has its file, its line, its key, and a sentence that helps."""
 
+import os
 import pickle
 
 import pytest
@@ -317,10 +318,14 @@ def problems_of_file(path):
 def test_files_that_cannot_be_read(tmp_path):
     (tmp_path / "large.toml").write_bytes(b"#" * (MAX_BYTES + 1))
     (tmp_path / "latin.toml").write_bytes(b'# a\nname = "L\xe4nge"')
+    os.mkfifo(tmp_path / "pipe.toml")
     assert problems_of_file(tmp_path / "none.toml") == (
         Problem("", "the file cannot be read: no such file or directory"),
     )
     assert problems_of_file(tmp_path)[0].message.startswith("the file cannot be read: ")
+    assert problems_of_file(tmp_path / "pipe.toml") == (
+        Problem("", "the file cannot be read: it is a pipe or a device, not a file"),
+    )
     assert problems_of_file("a\0b")[0].message.startswith("the file cannot be read: ")
     assert problems_of_file(tmp_path / "large.toml") == (
         Problem("", "the file is larger than 1000000 bytes; is it a specification?"),

@@ -1,6 +1,7 @@
 """The numbers of a body that are wrong, and files that are not what they should be."""
 
 import io
+import os
 import zipfile
 
 import numpy as np
@@ -330,6 +331,23 @@ def test_no_array_hides_another(tmp_path):
     assert faults(tmp_path / "b.npz", modes=0) == [".mass: this array is in the file twice; keep one"]
 
 
+@pytest.mark.parametrize(
+    ("header", "reason"),
+    [
+        ("{'descr': '<f8', 'fortran_order': False, 'shape': (True, True)}", "an integer is required"),
+        ("{'descr': '<f8', 'fortran_order': False, 'shape': (99999999999999999999, 3)}", "too large"),
+        ("{[]: 1}", "unhashable"),
+        ("{", "EOF in multi-line statement"),
+    ],
+)
+def test_headers_that_numpy_does_not_expect(tmp_path, header, reason):
+    text = header.encode().ljust(117) + b"\n"
+    with zipfile.ZipFile(tmp_path / "b.npz", "w") as archive:
+        archive.writestr("positions.npy", b"\x93NUMPY\x01\x00" + len(text).to_bytes(2, "little") + text + bytes(24))
+    (message, *_) = faults(tmp_path / "b.npz", modes=0)
+    assert message.startswith(".positions: this array is damaged: ") and reason in message
+
+
 def test_unknown_arrays_are_named(tmp_path):
     save(tmp_path, **LUMPED_BODY, stifness=STIFFNESS, colour=STIFFNESS)
     assert faults(tmp_path / "b.npz") == [
@@ -367,6 +385,7 @@ BESIDE = "; its path begins at the folder of the specification"
         ('"none.npz"', [f': the file "none.npz" cannot be read: no such file or directory{BESIDE}']),
         ('"a\\u0000b"', [f': the file "a\\x00b" cannot be read: embedded null byte{BESIDE}']),
         ('"parts"', [f': the file "parts" cannot be read: is a directory{BESIDE}']),
+        ('"pipe"', [f': the file "pipe" cannot be read: it is a pipe or a device, not a file{BESIDE}']),
         (
             "3",
             [
@@ -386,6 +405,7 @@ BESIDE = "; its path begins at the folder of the specification"
 )
 def test_files_that_are_not_there(tmp_path, nodes, messages):
     (tmp_path / "parts").mkdir()
+    os.mkfifo(tmp_path / "pipe")  # without a writer, to open it would block
     with pytest.raises(SpecError) as caught:
         parse(toml("modes = 0", nodes), str(tmp_path / "b.toml"))
     assert str(caught.value).split("\n") == [f"{tmp_path}/b.toml:3: {START}{message}" for message in messages]

@@ -7,6 +7,7 @@ from derive.spec.model.scene import ReferenceCurve
 from derive.spec.toml.read import parse
 
 PLOT = '[plots.p]\ndeflection = "bar.b"\nchord = ["rod.left", "rod.right"]\ndivided_by = 1\n'
+NO_NUMBERS = "and no two columns of numbers; below a line with the names of the columns, rows of numbers are needed"
 
 
 def test_comments_and_other_columns_of_a_reference_are_passed_over(tmp_path):
@@ -41,6 +42,11 @@ reference = { file = "c.csv", x = "x", y = "y, m" }
         (b"t,X1,y\n0,1,2\n0,1,2\n", "x", '"c.csv" has no column "x"; did you mean "X1"?'),
         (b"t,z,y\n0,1,2\n0,1,2\n", "x", '"c.csv" has no column "x"; its columns are "t", "z", "y"'),
         (b"x,x,y\n0,1,2\n0,1,2\n", "x", '"c.csv" has more than one column "x"; rename one of them'),
+        # A file that is no table of numbers: nothing of it is shown.
+        (b"root:x:0:0,y\nbin:x:1:1\nsys:x:2:2\n", "x", f'"c.csv" has no column "x", {NO_NUMBERS}'),
+        (b"xx,secret,y\nword,1,a\nother,2,b\n", "x", f'"c.csv" has no column "x", {NO_NUMBERS}'),
+        (b"x,y\nsecret,1\n0,1\n", "file", 'line 2 of "c.csv": the text in column 1 is no finite number'),
+        (b"x,y\n0,-inf\n0,1\n", "file", 'line 2 of "c.csv": "-inf" is no finite number'),
         (b"#" * 5_000_001, "file", 'the file "c.csv" has more than 5 MB, the most that is read'),
     ],
 )

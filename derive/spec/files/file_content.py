@@ -1,8 +1,9 @@
-"""The bytes of a file that a specification names; none of it is trusted."""
+"""The bytes of files that a user or a specification names; none of it is trusted."""
 
 from __future__ import annotations
 
 import os
+import stat
 from pathlib import Path
 
 from derive.errors import printable, quoted
@@ -13,12 +14,32 @@ def file_content(name: str | os.PathLike[str], folder: Path, most: int, advice: 
     """The bytes of a file, at most so many; its path begins at the folder of the specification."""
     text = os.fsdecode(name)
     try:
-        with (folder / text).open("rb") as file:
-            content = file.read(most + 1)
+        content = regular_file_start(folder / text, most + 1)
     except (OSError, ValueError) as error:
-        why = printable(getattr(error, "strerror", None) or str(error))
         beside = "" if Path(text).is_absolute() else "; its path begins at the folder of the specification"
-        raise WrongValueError(f"the file {quoted(text)} cannot be read: {why[:1].lower()}{why[1:]}{beside}") from None
+        raise WrongValueError(f"the file {quoted(text)} cannot be read: {why_unreadable(error)}{beside}") from None
     if len(content) > most:
         raise WrongValueError(f"the file {quoted(text)} has more than {most // 1_000_000} MB{advice}")
     return content
+
+
+def regular_file_start(path: Path, count: int) -> bytes:
+    """The first `count` bytes of a regular file. Raises OSError and ValueError, as `open` does.
+
+    A pipe or a device is refused: to open a pipe that nobody writes to blocks for ever, and so may reading a device.
+    """
+    descriptor = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0))
+    try:
+        mode = os.fstat(descriptor).st_mode
+        if not stat.S_ISREG(mode):
+            raise ValueError("is a directory" if stat.S_ISDIR(mode) else "it is a pipe or a device, not a file")
+        with os.fdopen(descriptor, "rb", closefd=False) as file:
+            return file.read(count)
+    finally:
+        os.close(descriptor)
+
+
+def why_unreadable(error: OSError | ValueError) -> str:
+    """The reason of an error of `regular_file_start`, as the end of a sentence."""
+    why = printable(getattr(error, "strerror", None) or str(error))
+    return f"{why[:1].lower()}{why[1:]}"

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import io
 import os
+import tokenize
 import zipfile
 import zlib
 from collections.abc import Mapping
@@ -105,10 +106,17 @@ def _members(content: bytes, name: str, arrays: dict[str, Array | None], faults:
                 arrays[key] = _member(file, key)
 
 
+DAMAGED = (
+    *(ValueError, TypeError, LookupError, AttributeError, OverflowError, MemoryError),
+    *(SyntaxError, RecursionError, tokenize.TokenError),
+)
+"""What NumPy raises where the header of an array, a text in the syntax of Python, is damaged."""
+
+
 def _member(file: Mapping[str, Array], key: str) -> Array:
     try:
         array = file[key]
-    except (ValueError, MemoryError) as error:
+    except DAMAGED as error:
         if "Object arrays" in str(error):
             raise WrongValueError("this holds Python objects, which are not read; save an array of numbers") from None
         raise WrongValueError(f"this array is damaged: {_why(error)}") from None

@@ -15,6 +15,8 @@ from derive.spec.parsing.values import WrongValueError
 
 MAX_BYTES = 5_000_000
 _NUMBER = re.compile(r"[-+]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][-+]?[0-9]+)?")
+_NEARLY_A_NUMBER = re.compile(r"[-+.,_eE0-9]{1,24}|[-+]?(nan|inf|infinity)", re.IGNORECASE)
+"""Cells that a message shows. A reference may be any file, and one that holds no curve must not appear in messages."""
 
 Rows = tuple[tuple[float, float], ...]
 
@@ -42,7 +44,7 @@ def references(data: Mapping[str, object], folder: Path, known: Mapping[str, Row
         for key, column in zip(("x", "y"), columns, strict=True):
             with faults.at(*path, key):
                 if table and isinstance(column, str):
-                    columns_found.append(_column(column, table[0][1], quoted(file)))
+                    columns_found.append(_column(column, table, quoted(file)))
         if len(columns_found) == 2:
             with faults.at(*path, "file"):
                 x, y = ([_number(row, column, at, quoted(file)) for at, row in table[1:]] for column in columns_found)
@@ -67,10 +69,18 @@ def _table(content: bytes, file: str) -> list[tuple[int, list[str]]]:
     return table
 
 
-def _column(name: str, header: list[str], file: str) -> int:
+def _column(name: str, table: list[tuple[int, list[str]]], file: str) -> int:
+    """The position of a column. The names of the others are shown only if the file holds curves."""
+    header = table[0][1]
     if header.count(name) > 1:
         raise WrongValueError(f"{file} has more than one column {quoted(name)}; rename one of them")
     if name not in header:
+        numeric = [all(len(row) > i and _NUMBER.fullmatch(row[i]) for _, row in table[1:]) for i in range(len(header))]
+        if sum(numeric) < 2:
+            raise WrongValueError(
+                f"{file} has no column {quoted(name)}, and no two columns of numbers; below a line with the names of "
+                "the columns, rows of numbers are needed"
+            )
         columns = f"its columns are {', '.join(quoted(column) for column in header[:20])}"
         raise WrongValueError(f"{file} has no column {quoted(name)}{did_you_mean(name, header, columns)}")
     return header.index(name)
@@ -80,6 +90,7 @@ def _number(row: list[str], column: int, line: int, file: str) -> float:
     cell = row[column] if column < len(row) else ""
     value = float(cell) if _NUMBER.fullmatch(cell) else math.nan
     if not math.isfinite(value):
-        fault = f"{quoted(cell)} is no finite number" if cell else f"there is no number in column {column + 1}"
+        shown = quoted(cell) if _NEARLY_A_NUMBER.fullmatch(cell) else f"the text in column {column + 1}"
+        fault = f"{shown} is no finite number" if cell else f"there is no number in column {column + 1}"
         raise WrongValueError(f"line {line} of {file}: {fault}")
     return value

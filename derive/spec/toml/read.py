@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from derive.errors import Problem, SpecError, printable
+from derive.spec.files.file_content import regular_file_start, why_unreadable
 from derive.spec.model.scene import Specification
 from derive.spec.parsing.faults import line_of
 from derive.spec.parsing.values import TomlFloat
@@ -24,11 +25,9 @@ def read(path: str | os.PathLike[str]) -> Specification:
     """The body or the scene that a TOML file specifies. Raises SpecError with all that is wrong with the file."""
     source = os.fsdecode(path)
     try:
-        with Path(source).open("rb") as file:
-            content = file.read(MAX_BYTES + 1)
+        content = regular_file_start(Path(source), MAX_BYTES + 1)
     except (OSError, ValueError) as error:
-        why = getattr(error, "strerror", None) or str(error)
-        raise SpecError((Problem("", f"the file cannot be read: {why[:1].lower()}{why[1:]}"),), source) from None
+        raise SpecError((Problem("", f"the file cannot be read: {why_unreadable(error)}"),), source) from None
     if len(content) > MAX_BYTES:
         raise SpecError((Problem("", f"the file is larger than {MAX_BYTES} bytes; is it a specification?"),), source)
     try:
