@@ -196,6 +196,17 @@ def test_check_without_specifications(tmp_path: Path, capsys: pytest.CaptureFixt
     assert "there is no such folder or file" in capsys.readouterr().err
 
 
+def test_check_in_another_folder_says_how_to_name_the_folders(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert main(["check"]) == 2
+    advice = "change to the folder that holds it, or name the specifications and the generated files"
+    assert capsys.readouterr().err == (
+        f"scenes: there is no such folder or file here; {advice}: tisserand check SCENES --out GENERATED\n"
+    )
+
+
 @pytest.mark.parametrize("arguments", [["bild"], ["build"], ["build", MEAN, "--outt", "x"]])
 def test_wrong_arguments(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit) as stopped:
@@ -208,6 +219,8 @@ def test_wrong_arguments(arguments: list[str], capsys: pytest.CaptureFixture[str
     ("arguments", "hint"),
     [
         (["bild"], "did you mean 'build'?"),
+        (["simulat", "x.toml"], "did you mean 'simulate'?"),
+        (["SIMULATE"], "did you mean 'simulate'?"),
         (["study", "pivot"], "did you mean 'pivots'?"),
         (["x"], "choose from build,"),
     ],
@@ -230,6 +243,12 @@ def test_every_command_explains_its_options(capsys: pytest.CaptureFixture[str]) 
         assert main([]) == 0
         line = next(line for line in capsys.readouterr().out.splitlines() if line.startswith(f"    {command} "))
         assert " ".join(line.split()[1:4]).lower() in help_text.lower()
+
+
+def test_the_help_of_report_names_both_kinds_of_specifications(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit):
+        main(["report", "--help"])
+    assert "of a body or a scene" in " ".join(capsys.readouterr().out.split())
 
 
 def test_a_closed_pipe_is_no_error() -> None:

@@ -44,7 +44,7 @@ class CommandParser(argparse.ArgumentParser):
         """Refuse a value that is not among the choices of an argument."""
         if action.choices is not None and value not in action.choices:
             choices = [str(choice) for choice in action.choices]
-            close = difflib.get_close_matches(str(value), choices, n=1)
+            close = difflib.get_close_matches(str(value).lower(), choices, n=1)
             hint = f"did you mean {close[0]!r}?" if close else f"choose from {', '.join(choices)}"
             raise argparse.ArgumentError(action, f"unknown: {value!r}; {hint}")
 

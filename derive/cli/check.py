@@ -18,7 +18,11 @@ MAX_LINES = 60
 def run(options: argparse.Namespace) -> int:
     """Regenerate all files in memory and print the differences; return 1 if there are any."""
     if not options.scenes.exists():
-        print(f"{options.scenes}: there is no such folder or file; name the folder of specifications", file=sys.stderr)
+        print(
+            f"{options.scenes}: there is no such folder or file here; change to the folder that holds it, or name the "
+            "specifications and the generated files: tisserand check SCENES --out GENERATED",
+            file=sys.stderr,
+        )
         return 2
     specs = sorted(options.scenes.glob("*.toml")) if options.scenes.is_dir() else [options.scenes]
     if not specs:

@@ -418,3 +418,7 @@ top = 4
 )
 def test_python_values_of_the_wrong_kind_are_spec_errors_too(call, arguments, keywords, path):
     assert [found for found, _ in problems(call, "b", *arguments, **keywords)] == [path]
+
+
+def test_a_body_of_nodes_without_a_name(folder):
+    assert 'b.toml: name: this key is missing; write name = "block"' in errors("[body]\nunits = 'SI'\n", folder)

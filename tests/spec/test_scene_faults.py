@@ -370,7 +370,7 @@ EMPTY = "bodies: a scene needs bodies; write one, such as [bodies.rod]"
         (
             "[bodies.a]\nmass = 1",
             [
-                ' name: this key is missing; write name = "free_beam"',
+                ' name: this key is missing; write name = "mechanism"',
                 "1: bodies.a: no joint holds this body, so that it needs inertia; write inertia = 1.0",
             ],
         ),

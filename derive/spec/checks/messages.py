@@ -34,7 +34,7 @@ def _fault(error: ErrorDetails, data: Mapping[str, object]) -> Fault:
         case "value_error":
             return Fault(path, str(error["ctx"]["error"]))
         case "missing":
-            return Fault(path, f"this key is missing; write {_example(path)}")
+            return Fault(path, f"this key is missing; write {_example(path, data)}")
         case "extra_forbidden":
             return Fault(path, _unknown_key(path, data))
         case "model_type":
@@ -67,7 +67,7 @@ def _is_union(path: KeyPath) -> bool:
     return scene_messages.is_union(path)
 
 
-def _example(path: KeyPath) -> str:
+def _example(path: KeyPath, data: Mapping[str, object]) -> str:
     match path:
         case (*_, "gravity", int(i), "symbol"):
             return f'symbol = "g{i + 1}"'
@@ -86,7 +86,8 @@ def _example(path: KeyPath) -> str:
         case (_, "frame", "kind") | (_, _, "frame", "kind"):
             return 'kind = "point"'
         case ("name",):
-            return 'name = "free_beam"'
+            kind = "mechanism" if any(key in data for key in SCENE) else "block" if "body" in data else "free_beam"
+            return f'name = "{kind}"'
     return scene_messages.example(path)
 
 
