@@ -35,13 +35,15 @@ class SpecError(TisserandError):
         super().__init__(problems, source)
 
     def __str__(self) -> str:
-        return "\n".join(self._line(problem) for problem in self.problems)
+        return "\n".join(problem_text(problem, self.source) for problem in self.problems)
 
-    def _line(self, problem: Problem) -> str:
-        where = printable(self.source) if self.source is not None else ""
-        if where and problem.line is not None:
-            where += f":{problem.line}"
-        return ": ".join(part for part in (where, printable(problem.path), printable(problem.message)) if part)
+
+def problem_text(problem: Problem, source: str | None) -> str:
+    """A fault, or a warning, with its file, its line and its key, on one line."""
+    where = source if source is not None else ""
+    if where and problem.line is not None:
+        where += f":{problem.line}"
+    return ": ".join(printable(part) for part in (where, problem.path, problem.message) if part)
 
 
 def quoted(text: str, limit: int = 60) -> str:

@@ -12,10 +12,11 @@ from derive.backends.model_files import model_files
 from derive.derivation import derive, lower, lowered_form
 from derive.errors import SpecError
 from derive.ir.model import Model
+from derive.lowering.conditioning import condition_warnings
 from derive.mechanics.equations import Equations
 from derive.spec.model.body import NodalBody
 from derive.spec.model.scene import Specification
-from derive.spec.toml.read import read, with_lines
+from derive.spec.toml.read import read, warnings, with_lines
 
 
 @dataclass(frozen=True)
@@ -74,6 +75,7 @@ def build(path: Path, progress: Callable[[str], None] = lambda _: None) -> Built
     files = model_files(model, spec)
     emitting = Stage("emit", lap())
     notes = (model.choice, *_of_modes(spec)) if model.choice else _of_scene(model)
+    notes += tuple(f"warning: {text}" for text in (*warnings(path), *condition_warnings(spec)))
     return Built(spec, equations, model, files, (reading, deriving, lowering, emitting), notes)
 
 

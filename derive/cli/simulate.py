@@ -12,6 +12,7 @@ from typing import Any
 from derive.artifacts import File, check_folder, write
 from derive.cli.specifications import read_changed, simulated_scene
 from derive.errors import SpecError
+from derive.lowering.conditioning import condition_warnings
 from derive.simulation.observables.beams import LINEAR_LIMIT, beam_bodies, relative_deflection
 from derive.simulation.observables.csv_writer import NUMBER_WIDTH, Column
 from derive.simulation.observables.player_data import player_data
@@ -21,7 +22,7 @@ from derive.simulation.simulate import output_times, simulate
 from derive.simulation.trajectory import Trajectory
 from derive.spec.model.scene import BeamBody, Deflection, Plot, Scene
 from derive.spec.set_values import SetValue
-from derive.spec.toml.read import with_lines
+from derive.spec.toml.read import warnings, with_lines
 from derive.terminal import SimulationProgress, beam_count, table
 from derive.visual.line_chart import svg
 from derive.visual.player import player_page
@@ -139,6 +140,10 @@ def _summary(
     assert simulations.scene.simulation is not None
     return {
         "name": simulations.scene.name,
+        "warnings": [
+            *warnings(simulations.path, [change.key for change in changes]),
+            *condition_warnings(simulations.scene),
+        ],
         "duration": simulations.scene.simulation.duration,
         "set": [asdict(change) for change in changes],
         "runs": [
@@ -205,19 +210,19 @@ def _text(summary: dict[str, Any]) -> str:
 
 
 def _warnings(summary: dict[str, Any]) -> list[str]:
-    """Warn of beams that bend further than their equations hold, and of initial states with deformed bodies."""
-    warnings: list[str] = []
+    """Warn of what the specification leaves unnoticed, of beams that bend further than their equations hold, and of
+    initial states with deformed bodies.
+    """
+    lines = [f"  warning: {text}" for text in summary["warnings"]]
     for each in summary["runs"]:
-        warnings += [f"  note: {note}" for note in each["notes"]]
+        lines += [f"  note: {note}" for note in each["notes"]]
         for name, most in each["bending"].items():
             if most > LINEAR_LIMIT:
                 beam = f"{name} in {beam_count(each['pieces'][name])}"
-                warnings.append(
+                lines.append(
                     f"  warning: {beam} bends by {most:.2g} of the length of a beam; first-order equations hold up to "
                     f"about {LINEAR_LIMIT:g}"
                 )
         if each["deformed_start"]:
-            warnings.append(
-                "  warning: no undeformed state satisfies the constraints; some bodies are deformed at t = 0"
-            )
-    return list(dict.fromkeys(warnings))
+            lines.append("  warning: no undeformed state satisfies the constraints; some bodies are deformed at t = 0")
+    return list(dict.fromkeys(lines))

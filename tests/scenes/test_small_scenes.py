@@ -113,3 +113,19 @@ def test_batches_of_c_are_the_same_bit_for_bit(made: Made) -> None:
 
 def test_their_code_compiles_without_a_warning(made: Made) -> None:
     load(made.files, STRICT)
+
+
+def test_a_joint_called_g() -> None:
+    """Its multipliers g_1, g_2 beside the output g of the constraints: the centripetal force m r omega^2 of a rod."""
+    made = make(
+        parse(
+            'name = "spinning_rod"\n[ground.markers]\no = [0, 0]\n'
+            "[bodies.rod]\nmass = 2\ninertia = 1\nkeep_coordinates = true\nmarkers = { end = [-0.5, 0] }\n"
+            '[joints.g]\nkind = "revolute"\nbetween = ["ground.o", "rod.end"]\n'
+        )
+    )
+    k, q, v = made.native.setup(), np.array([0.5, 0.0, 0.0]), np.array([0.0, 1.5, 3.0])
+    assert made.native.multipliers == ("g_1", "g_2")
+    assert made.native.constraints(0.0, q, k) == pytest.approx([0, 0], abs=1e-15)
+    _, lam = made.native.solve(0.0, q, v, k)
+    assert lam == pytest.approx([-2 * 0.5 * 3.0**2, 0], abs=1e-14)

@@ -3,6 +3,8 @@
 import pytest
 from example_scenes import errors, small
 
+from derive.spec.toml.read import parse
+
 CASE = "names must differ in more than case"
 NO_NAME = "cannot be a name: only the letters a to z and A to Z, digits and _ are allowed; try"
 D = '[drives.d]\njoint = "pin"\n'
@@ -183,3 +185,13 @@ def test_a_bad_name_that_is_repeated_is_not_called_taken():
     found = errors(small(("[joints.pin]", "[joints.for]"), more="[forces.for]\nat = 'bar.a'\ncomponents = [0, 0]"))
     assert [line.split(": ")[:2] for line in found] == [["11", "joints.for"], ["14", "forces.for"]]
     assert all("it is a word of C" in line for line in found)
+
+
+def test_the_components_of_gravity_are_taken_where_there_is_gravity():
+    """The multipliers of a joint g are g_1 and g_2, whose names nothing else has in a scene without gravity."""
+    text = small().replace("joints.pin", "joints.g")
+    assert "[joints.g]" in text
+    assert parse(text).joints[0].name == "g"
+    message = ': joints.g: "g_1", a name of the joint g, is taken: it is a component of gravity; choose another name'
+    (error,) = errors(text + "\n[scene]\ngravity = [0, -9.81]\n")
+    assert error.endswith(message)

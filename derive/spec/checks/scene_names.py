@@ -6,7 +6,7 @@ code some of them are in upper case, so that names must differ in more than case
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 from derive.errors import quoted
 from derive.mechanics.multibody.forces.registry import kinds
@@ -20,12 +20,8 @@ from derive.spec.parsing.faults import Fault, KeyPath, readable
 from derive.spec.parsing.names import name_problem
 from derive.spec.tables.beam import MAX_SHAPES
 
-RESERVED = {
-    "t": "it is the time",
-    "pi": "it is the number pi",
-    "g_1": "it is a component of gravity",
-    "g_2": "it is a component of gravity",
-}
+RESERVED = {"t": "it is the time", "pi": "it is the number pi"}
+GRAVITY = dict.fromkeys(("g_1", "g_2"), "it is a component of gravity")
 OWN_MARKERS = ("base", "cut_left", "cut_right")
 """Points of bodies that the derivation gives names to."""
 RATES = ("", "dot", "ddot")
@@ -55,7 +51,7 @@ def name_faults(view: SceneData) -> Iterator[Fault]:
     yield from repeated
     yield from _markers(view)
     reported = {fault.path for fault in repeated}
-    first: dict[str, tuple[KeyPath, str]] = {name: ((), why) for name, why in RESERVED.items()}
+    first: dict[str, tuple[KeyPath, str]] = {name: ((), why) for name, why in _reserved(view).items()}
     model = view.data.get("name")
     if isinstance(model, str):
         first[model.lower()] = (("name",), "it is the name of the model")
@@ -71,7 +67,13 @@ def name_faults(view: SceneData) -> Iterator[Fault]:
 
 def taken_names(view: SceneData) -> dict[str, str]:
     """The names in lower case that no symbol may have, with the reason."""
-    return {**RESERVED, **{name.lower(): f"it is {what}" for _, name, what in made_names(view)}}
+    return {**_reserved(view), **{name.lower(): f"it is {what}" for _, name, what in made_names(view)}}
+
+
+def _reserved(view: SceneData) -> dict[str, str]:
+    """The names that every scene makes, and those of gravity if there is gravity."""
+    scene = view.data.get("scene")
+    return RESERVED | GRAVITY if isinstance(scene, Mapping) and "gravity" in scene else RESERVED
 
 
 def made_names(view: SceneData) -> Iterator[Made]:

@@ -5,14 +5,15 @@ from __future__ import annotations
 import os
 import re
 import tomllib
+from collections.abc import Collection
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from derive.errors import Problem, SpecError, printable
+from derive.errors import Problem, SpecError, printable, problem_text
 from derive.spec.files.file_content import regular_file_start, why_unreadable
 from derive.spec.model.scene import Specification
-from derive.spec.parsing.faults import line_of
+from derive.spec.parsing.faults import line_of, path_text
 from derive.spec.parsing.values import TomlFloat
 from derive.spec.toml.key_lines import lines
 
@@ -24,18 +25,7 @@ MAX_DOTS = 200
 def read(path: str | os.PathLike[str]) -> Specification:
     """The body or the scene that a TOML file specifies. Raises SpecError with all that is wrong with the file."""
     source = os.fsdecode(path)
-    try:
-        content = regular_file_start(Path(source), MAX_BYTES + 1)
-    except (OSError, ValueError) as error:
-        raise SpecError((Problem("", f"the file cannot be read: {why_unreadable(error)}"),), source) from None
-    if len(content) > MAX_BYTES:
-        raise SpecError((Problem("", f"the file is larger than {MAX_BYTES} bytes; is it a specification?"),), source)
-    try:
-        text = content.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        line = content.count(b"\n", 0, error.start) + 1
-        raise SpecError((Problem("", "this is not UTF-8 text; save the file as UTF-8", line),), source) from None
-    return parse(text, source)
+    return parse(_text(source), source)
 
 
 def parse(text: str, source: str | None = None) -> Specification:
@@ -45,6 +35,37 @@ def parse(text: str, source: str | None = None) -> Specification:
     from derive.spec.checks.validation import validate
 
     return validate(data, source, lambda: lines(text))
+
+
+def warnings(path: str | os.PathLike[str], changed: Collection[str] = ()) -> tuple[str, ...]:
+    """The warnings on the specification of a TOML file without faults, each with its file, its line and its key.
+
+    changed: keys that have got other values since, on which there are no warnings.
+    """
+    from derive.spec.checks.warnings import specification_warnings
+
+    source = os.fsdecode(path)
+    text = _text(source)
+    known = lines(text)
+    faults = specification_warnings(_data(text, source))
+    problems = (Problem(path_text(fault.path), fault.message, line_of(fault.path, known)) for fault in faults)
+    left = sorted((p for p in problems if p.path not in changed), key=lambda p: p.line or 0)
+    return tuple(problem_text(problem, source) for problem in left)
+
+
+def _text(source: str) -> str:
+    """The text of a file. Raises SpecError."""
+    try:
+        content = regular_file_start(Path(source), MAX_BYTES + 1)
+    except (OSError, ValueError) as error:
+        raise SpecError((Problem("", f"the file cannot be read: {why_unreadable(error)}"),), source) from None
+    if len(content) > MAX_BYTES:
+        raise SpecError((Problem("", f"the file is larger than {MAX_BYTES} bytes; is it a specification?"),), source)
+    try:
+        return content.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = content.count(b"\n", 0, error.start) + 1
+        raise SpecError((Problem("", "this is not UTF-8 text; save the file as UTF-8", line),), source) from None
 
 
 def with_lines(error: SpecError, path: Path) -> SpecError:

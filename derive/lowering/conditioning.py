@@ -1,0 +1,48 @@
+"""The condition of the mass matrix of a beam, which bounds the digits that its factorisation loses."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import numpy as np
+
+from derive.mechanics.bodies.reference_conditions import assumed_shapes, exact_polynomial, integral
+from derive.spec.model.body import PlanarBeam, Polynomial
+from derive.spec.model.scene import BeamBody, Scene, Specification
+
+RIGID: tuple[Polynomial, ...] = ((Fraction(1),), (Fraction(0), Fraction(1)))
+"""Translation and rotation, as displacements across the beam."""
+ILL_CONDITIONED = 1e8
+"""Half of the digits of a double may be lost above this condition number."""
+
+
+def shape_condition(beam: PlanarBeam) -> float:
+    """The condition number of the mass matrix of translation, rotation and shapes, scaled to a diagonal of ones.
+
+    It does not depend on mass, length and amplitudes. Above 1e16 it is a lower bound.
+    """
+    shapes = assumed_shapes(beam.ansatz, beam.frame, beam.orthogonal)
+    fields = [exact_polynomial(p) for p in (*RIGID, *shapes)]
+    gram = np.array([[float(integral(a * b)) for a in fields] for b in fields])
+    size = np.sqrt(np.diag(gram))
+    return float(np.linalg.cond(gram / np.outer(size, size)))
+
+
+def condition_warnings(spec: Specification) -> tuple[str, ...]:
+    """A warning on each beam whose shapes are so nearly dependent that accelerations lose digits."""
+    if isinstance(spec, Scene):
+        beams = [body.beam for body in spec.bodies if isinstance(body, BeamBody)]
+    else:
+        beams = [spec] if isinstance(spec, PlanarBeam) else []
+    return tuple(
+        f"the mass matrix of {beam.name} has a condition number of {condition:.0e}: accelerations may lose "
+        f"{min(16, round(np.log10(condition)))} of 16 digits; {_advice(beam)}"
+        for beam in beams
+        if (condition := shape_condition(beam)) > ILL_CONDITIONED
+    )
+
+
+def _advice(beam: PlanarBeam) -> str:
+    return (
+        'take fewer shapes, or frame = "mean"' if beam.orthogonal else "write orthogonal = true, or take fewer shapes"
+    )
