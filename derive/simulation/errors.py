@@ -53,6 +53,18 @@ class ExcessiveDeformation(SimulationError):
         )
 
 
+class NoEquilibrium(SimulationError):
+    """No configuration near the first guess balances the loads. `coordinates` move on in Newton's method."""
+
+    def __init__(self, t: float, coordinates: Sequence[str]) -> None:
+        self.t, self.coordinates = t, tuple(coordinates)
+        super().__init__(
+            f"no static equilibrium is found at t = {t:g} s: Newton's method does not converge, and loads keep moving "
+            f"{_enumeration(coordinates)}. Support the bodies so that a stiffness or gravity balances every load, or "
+            "give a start nearer to the equilibrium."
+        )
+
+
 class RedundantConstraints(SimulationError):
     """Other constraints imply some of the constraints, in the initial state and in neighbouring states."""
 

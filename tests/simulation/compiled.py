@@ -43,7 +43,7 @@ def crank_slider(pieces: int, frame: str = "mean") -> Compiled:
         replace(b, pieces=pieces, beam=replace(b.beam, frame=frames[frame])) if isinstance(b, BeamBody) else b
         for b in scene.bodies
     )
-    return _compiled(replace(scene, bodies=bodies))
+    return compiled(replace(scene, bodies=bodies))
 
 
 @cache
@@ -65,7 +65,7 @@ def pushed() -> Compiled:
     ):
         text += f'[joints.{name}]\nkind = "revolute"\nbetween = ["{first}", "{second}"]\n'
     text += '[joints.guide]\nkind = "translational"\nbetween = ["ground.bearing", "slider.pin"]\n'
-    return _compiled(parse(f'{text}[drives.push]\njoint = "guide"\nmotion = "0.3 + t"\n'))
+    return compiled(parse(f'{text}[drives.push]\njoint = "guide"\nmotion = "0.3 + t"\n'))
 
 
 @cache
@@ -80,7 +80,7 @@ def bars(names: str) -> Compiled:
         text += f"start = {{ position = [{x + 0.135}, 0.21], angle = 1 }}\n"
         text += f'[joints.foot_{n}]\nkind = "revolute"\nbetween = ["ground.{n}", "bar_{n}.foot"]\n'
         text += f'[joints.head_{n}]\nkind = "revolute"\nbetween = ["bar_{n}.head", "coupler.{n}"]\n'
-    return _compiled(parse(f'{text}[drives.motor]\njoint = "foot_{names[0]}"\nmotion = "1 + 0.1*sin(t)"\n'))
+    return compiled(parse(f'{text}[drives.motor]\njoint = "foot_{names[0]}"\nmotion = "1 + 0.1*sin(t)"\n'))
 
 
 @cache
@@ -109,10 +109,10 @@ between = ["rod.right", "slider.pin"]
 kind = "translational"
 between = ["ground.a", "slider.pin"]
 """
-    return _compiled(parse(text))
+    return compiled(parse(text))
 
 
-def _compiled(scene: object) -> Compiled:
+def compiled(scene: object) -> Compiled:
     assert isinstance(scene, Scene)
     native = load_scene(derive.model_files(derive.lower(derive.derive(scene)), scene))
     return Compiled(scene, native, native.setup())

@@ -1,0 +1,222 @@
+"""Static equilibrium of a compiled scene by Newton's method, with its residual and its stability."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+from typing import Protocol
+
+import numpy as np
+from scipy.linalg import null_space, solve_triangular
+
+from derive.ir.patterns import Pattern
+from derive.roles import Role
+from derive.runtime.native_call import Matrix, Vector
+from derive.simulation.compiled_scene import (
+    ConstrainedSystem,
+    constraint_matrix,
+    coordinates_with,
+    mass_matrix,
+    max_norm,
+)
+from derive.simulation.constraints.closest_state import closest_state
+from derive.simulation.constraints.scaling import in_mass_metric, mass_factor, typical_row_norms
+from derive.simulation.errors import NoEquilibrium
+
+LOAD_STEPS = (1, 4, 16, 64)
+"""Numbers of steps in which the loads that the first guess does not balance are applied, until one converges."""
+ITERATIONS = 100
+LARGEST_STEP = 0.3
+"""rad: the largest rotation in one iteration; of lengths, the part of the size of the mechanism."""
+SMALLEST_STEP = 1e-12
+"""rad, and part of the size: an iteration that moves no more than this ends Newton's method."""
+ROUNDING = 1e-12
+"""Stiffnesses below this part of the largest one, and forces below this part of the loads, count as zero."""
+HALVINGS = 12
+
+
+class StaticSystem(ConstrainedSystem, Protocol):
+    """A scene with the Jacobian of its residual F(t, y, ydot), y = [q; v; lambda], as `NativeScene` computes it."""
+
+    jacobian_pattern: Pattern
+
+    def jacobian(self, t: float, y: Vector, ydot: Vector, cj: float, k: Vector) -> Vector:
+        """Values of dF/dy + cj dF/dydot."""
+
+
+class Stability(Enum):
+    """What a small disturbance of an equilibrium does; the value is the text of messages and reports."""
+
+    STABLE = "stable"
+    NEUTRAL = "neutral: a motion meets no stiffness"
+    UNSTABLE = "unstable"
+
+
+@dataclass(frozen=True, eq=False)
+class Equilibrium:
+    """A configuration at rest in which loads, elastic forces and constraint reactions balance at the time t (s).
+
+    q (nq,), lam (nlambda,): coordinates and multipliers in SI units. residual: the largest |h - G^T lambda| (N or N m).
+    load: the largest |h| (N or N m) met on the way, which the residual is compared with. eigenvalues: of the stiffness
+    d(h - G^T lambda)/dq in the motions that the constraints allow, in the metric of the mass matrix, rad^2/s^2,
+    ascending by their real parts; squares of the natural frequencies where they are real and positive. softest: the
+    coordinates that take part in the motion of the first eigenvalue. iterations, load_steps: the effort.
+    """
+
+    t: float
+    q: Vector
+    lam: Vector
+    residual: float
+    load: float
+    eigenvalues: Vector
+    softest: tuple[str, ...]
+    iterations: int
+    load_steps: int
+
+    @property
+    def stability(self) -> Stability:
+        """Unstable with a negative or complex eigenvalue, neutral with one that is zero up to rounding."""
+        limit = ROUNDING * max_norm(np.abs(self.eigenvalues))
+        real, imaginary = np.real(self.eigenvalues), np.imag(self.eigenvalues)
+        if np.any(real < -limit) or np.any(np.abs(imaginary) > 1e-6 * np.abs(self.eigenvalues) + limit):
+            return Stability.UNSTABLE
+        return Stability.NEUTRAL if np.any(real <= limit) else Stability.STABLE
+
+
+def equilibrium(native: StaticSystem, k: Vector, guess: Vector, t: float = 0.0) -> Equilibrium:
+    """The static equilibrium that Newton's method reaches from the configuration `guess` (nq,), with t (s) constant.
+
+    Each iteration solves with the stiffness of the generated Jacobian in the motions that the constraints allow. Along
+    motions of negative stiffness it steps down the potential, so that a mechanism that is not in an unstable
+    equilibrium already comes to a stable one. If the iteration does not converge, the loads that the guess does not
+    balance are applied in several steps. Velocities are zero; drives keep what they prescribe at t.
+
+    Raises NoEquilibrium with the coordinates that loads keep moving, ModelError where the model returns an error.
+    """
+    first = closest_state(native, k, t, guess, np.ones(native.nq, dtype=bool)).q
+    unbalanced = native.force(t, first, np.zeros(native.nv), k)
+    for steps in LOAD_STEPS:
+        newton = _Newton(native, k, t, max_norm(unbalanced))
+        q: Vector | None = first
+        for step in range(1, steps + 1):
+            q = newton.balanced(q, (1.0 - step / steps) * unbalanced) if q is not None else None
+        if q is not None:
+            return newton.result(q, steps)
+    raise NoEquilibrium(t, newton.moving)
+
+
+@dataclass(frozen=True, eq=False)
+class _Linearisation:
+    """The balance of forces in a configuration: motions (nq, f) of unit kinetic energy that the constraints allow,
+    multipliers, the out-of-balance force (nv,), and the stiffness (f, f) of those motions."""
+
+    motions: Matrix
+    lam: Vector
+    unbalanced: Vector
+    stiffness: Matrix
+
+    @property
+    def forces(self) -> Vector:
+        """(f,): the work of the out-of-balance forces on each motion."""
+        return np.asarray(self.motions.T @ self.unbalanced)
+
+
+class _Newton:
+    """The iteration, with the number of its steps, the largest load, and the coordinates of the last step."""
+
+    def __init__(self, native: StaticSystem, k: Vector, t: float, load: float) -> None:
+        self.native, self.k, self.t = native, k, t
+        self.iterations, self.load = 0, load
+        self.moving: tuple[str, ...] = ()
+
+    def balanced(self, q: Vector, held: Vector) -> Vector | None:
+        """The configuration near q (nq,) that balances all loads but `held` (nv,); None if there is no convergence."""
+        at = self.linearisation(q, held)
+        for _ in range(ITERATIONS):
+            self.iterations += 1
+            motion = at.motions @ _newton_step(at, self.load)
+            length = self._length(q, motion)
+            self.moving = _participants(self.native, motion)
+            if length > LARGEST_STEP:
+                motion = motion * (LARGEST_STEP / length)
+            work = float(motion @ at.unbalanced)
+            for halving in range(HALVINGS):
+                trial = self._on_constraints(q + 0.5**halving * motion)
+                after = self.linearisation(trial, held)
+                if float(motion @ after.unbalanced) <= 0.5 * abs(work):  # no far overshoot; false for NaN
+                    break
+            q, at = trial, after
+            if length <= SMALLEST_STEP:
+                return q
+        return None
+
+    def linearisation(self, q: Vector, held: Vector) -> _Linearisation:
+        """The balance of forces at rest in the configuration q (nq,), without the loads `held` (nv,)."""
+        native, k, t = self.native, self.k, self.t
+        rest = np.zeros(native.nv)
+        R, G = mass_factor(mass_matrix(native, q, k)), constraint_matrix(native, t, q, k)
+        norms = typical_row_norms(native, k, t, q, R)
+        scaled = in_mass_metric(G, R) / norms[:, None]
+        allowed = null_space(scaled) if len(scaled) else np.eye(native.nv)
+        h = native.force(t, q, rest, k) - held
+        self.load = max(self.load, max_norm(h))
+        lam = np.linalg.lstsq(scaled.T, solve_triangular(R, h, trans="T"), rcond=None)[0] / norms
+        y = np.concatenate([q, rest, lam])
+        values = native.jacobian(t, y, np.zeros_like(y), 0.0, k)
+        stiffness = native.jacobian_pattern.dense(values)[native.nq : native.nq + native.nv, : native.nq]
+        motions = solve_triangular(R, allowed)
+        return _Linearisation(motions, lam, h - G.T @ lam, motions.T @ stiffness @ motions)
+
+    def result(self, q: Vector, load_steps: int) -> Equilibrium:
+        """The equilibrium q (nq,) with its residual and eigenvalues."""
+        at = self.linearisation(q, np.zeros(self.native.nv))
+        values, vectors = _eigen(at.stiffness)
+        softest = _participants(self.native, at.motions @ np.real(vectors[:, 0])) if len(values) else ()
+        residual = max_norm(at.unbalanced)
+        return Equilibrium(self.t, q, at.lam, residual, self.load, values, softest, self.iterations, load_steps)
+
+    def _on_constraints(self, q: Vector) -> Vector:
+        return closest_state(self.native, self.k, self.t, q, np.ones(self.native.nq, dtype=bool)).q
+
+    def _length(self, q: Vector, motion: Vector) -> float:
+        """The largest rotation (rad) of a motion (nq,), or displacement as a part of the size of the mechanism."""
+        angles = coordinates_with(self.native, Role.ROTATION)
+        lengths = ~(angles | coordinates_with(self.native, Role.AMPLITUDE))
+        size = max(max_norm(q[lengths]), 1e-3)
+        return max(max_norm(motion[angles]), max_norm(motion[~angles]) / size)
+
+
+def _newton_step(at: _Linearisation, load: float) -> Vector:
+    """The step (f,) of Newton's method; down the potential along motions of negative stiffness, if there is one."""
+    forces = at.forces
+    negligible = ROUNDING * load * np.max(np.abs(at.motions), axis=0, initial=0.0)
+    if not _is_symmetric(at.stiffness):
+        return np.asarray(np.linalg.lstsq(at.stiffness, -forces, rcond=None)[0])
+    values, vectors = np.linalg.eigh(at.stiffness)
+    limit = ROUNDING * max_norm(values)
+    parts = vectors.T @ forces
+    without_load = np.abs(parts) <= np.abs(vectors.T) @ negligible
+    soft = np.abs(values) <= limit
+    divisors = np.where(soft, max(limit, 1e-300), np.abs(values))
+    return np.asarray(vectors @ np.where(soft & without_load, 0.0, -parts / divisors))
+
+
+def _eigen(stiffness: Matrix) -> tuple[Vector, Matrix]:
+    """Eigenvalues by ascending real parts, and eigenvectors as columns."""
+    if _is_symmetric(stiffness):
+        values, vectors = np.linalg.eigh((stiffness + stiffness.T) / 2)
+        return values, vectors
+    values, vectors = np.linalg.eig(stiffness)
+    order = np.argsort(values.real)
+    return values[order], vectors[:, order]
+
+
+def _is_symmetric(stiffness: Matrix) -> bool:
+    """Whether the loads have a potential."""
+    return max_norm((stiffness - stiffness.T).ravel()) <= 1e-9 * max_norm(stiffness.ravel())
+
+
+def _participants(native: StaticSystem, motion: Vector) -> tuple[str, ...]:
+    """The coordinates with a share above 10 % in a motion (nq,)."""
+    largest = max_norm(motion)
+    return tuple(name for name, x in zip(native.coordinates, motion, strict=True) if abs(x) > 0.1 * largest > 0.0)
