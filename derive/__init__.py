@@ -14,7 +14,7 @@ The public interface, by stages:
 
     specification   read, validated; scene, planar_beam, nodal_body, symbolic_body
                     bodies: PlanarBeam, SymbolicBody, NodalBody with NodeData, NodeMarker, BodyFrame, Damping
-                    scenes: Scene, RigidBody, BeamBody, PointMarker, MarkerRef, InitialGuess, Joint, Drive, Force,
+                    scenes: Scene, RigidBody, BeamBody, PointMarker, MarkerRef, InitialValues, Joint, Drive, Force,
                     Torque, Spring, TimeFunction, time_function, Simulation, Plot, Deflection, ReferenceCurve
                     both: Frame, Marker, Parameter
                     registries: JOINTS, BODIES, FORCES; CustomJoint, CustomBody, CustomForce
@@ -92,7 +92,7 @@ if TYPE_CHECKING:
         Deflection,
         Drive,
         Force,
-        InitialGuess,
+        InitialValues,
         Joint,
         MarkerRef,
         Plot,
@@ -185,7 +185,7 @@ _MODULES = {
         "Deflection",
         "Drive",
         "Force",
-        "InitialGuess",
+        "InitialValues",
         "Joint",
         "MarkerRef",
         "Plot",
@@ -224,8 +224,8 @@ __all__ = [
     "Frame",
     "GeneralisedAlpha",
     "Ida",
-    "InitialGuess",
     "InitialState",
+    "InitialValues",
     "Integration",
     "IntegratorError",
     "Joint",

@@ -28,8 +28,9 @@ from derive.spec.model.scene import (
     CustomJoint,
     Drive,
     Force,
-    InitialGuess,
+    InitialValues,
     Joint,
+    JointInitialValues,
     MarkerRef,
     Plot,
     PointMarker,
@@ -56,8 +57,8 @@ def specification_tables(spec: Specification) -> Data:
 def scene_tables(scene: Scene) -> Data:
     """A scene as tables. Raises SpecError where two elements of one kind have the same name."""
     tables: Data = {"name": scene.name, "ground": {"markers": named("ground", scene.ground)}}
-    if scene.gravity is not None:
-        tables["scene"] = {"gravity": as_table(scene.gravity)}
+    if scene.gravity is not None or scene.start is not None:
+        tables["scene"] = without_none(gravity=as_table(scene.gravity), start=scene.start)
     for kind in NAMED:
         if elements := getattr(scene, kind):
             tables[kind] = named(kind, elements)
@@ -161,6 +162,7 @@ def _joint(joint: Joint) -> Data:
         between=[joint.first, joint.second],
         angle=joint.angle if joint.angle != default.angle else None,
         axis=joint.axis if joint.axis != default.axis else None,
+        start=joint.start,
         **(joint.values if isinstance(joint, CustomJoint) else {}),
     )
 
@@ -207,11 +209,12 @@ _CONVERT: Mapping[type, Callable[[Any], object]] = {
     RigidBody: _rigid_body,
     BeamBody: lambda body: {**_beam(body.beam), "pieces": body.pieces, "start": body.start},
     CustomBody: lambda body: {**body.values, "markers": _markers(body.markers), "start": body.start},
-    InitialGuess: asdict,
+    InitialValues: lambda start: without_none(**asdict(start)),
+    JointInitialValues: lambda start: without_none(**asdict(start)),
     Joint: _joint,
     CustomJoint: _joint,
     Drive: lambda drive: without_none(
-        joint=drive.joint, motion=drive.motion, speed=drive.speed, offset=drive.offset or None
+        joint=drive.joint, motion=drive.motion, speed=drive.speed, offset=drive.offset or None, start=drive.start
     ),
     Force: lambda force: without_none(at=force.at, components=force.components),
     Torque: lambda torque: without_none(at=torque.at, value=torque.value, against=torque.against),

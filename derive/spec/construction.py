@@ -135,6 +135,7 @@ def scene(
     *,
     ground: Mapping[str, Sequence[Constant]] | Sequence[PointMarker] = (),
     gravity: Sequence[Constant] | None = None,
+    start: str | None = None,
     bodies: Named[SceneBody] = (),
     joints: Named[Joint] = (),
     drives: Named[Drive] = (),
@@ -148,7 +149,8 @@ def scene(
 
     name: the name of the model; or, alone, the tables of a whole TOML file as one mapping. ground: the markers of the
     inertial frame. bodies and the others: mappings from names to the tables of a TOML file or to typed values such as
-    RigidBody and Joint, or sequences of typed values. gravity: two components, m/s^2. Files of reference curves are
+    RigidBody and Joint, or sequences of typed values. gravity: two components, m/s^2. start: "equilibrium", or None for
+    the initial values of bodies and joints. Files of reference curves are
     relative to the working directory.
     """
     elements = {
@@ -167,7 +169,7 @@ def scene(
         data = {
             "name": name,
             **({"ground": {"markers": markers}} if markers else {}),
-            **({} if gravity is None else {"scene": {"gravity": gravity}}),
+            **({"scene": of_scene} if (of_scene := without_none(gravity=gravity, start=start)) else {}),
             "bodies": named("bodies", bodies),
             **{kind: tables for kind, given in elements.items() if (tables := named(kind, given))},
             **without_none(simulation=simulation),

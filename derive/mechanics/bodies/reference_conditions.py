@@ -114,6 +114,34 @@ def exact_polynomial(coefficients: Polynomial) -> sp.Poly:
     return sp.Poly([sp.Rational(c) for c in reversed(coefficients)] or [0], xi, domain="QQ")
 
 
+@dataclass(frozen=True)
+class PieceDeflection:
+    """A deflection of a beam as one of its pieces has it: offset + slope xi + sum amplitudes_i phi_i, xi of the piece.
+
+    offset and slope, in the unit of the deflection, are its rigid-body part; amplitudes (shapes,) its deformation.
+    """
+
+    offset: Fraction
+    slope: Fraction
+    amplitudes: tuple[Fraction, ...]
+
+
+def piece_deflection(
+    deflection: Polynomial, shapes: tuple[Polynomial, ...], pieces: int, k: int
+) -> PieceDeflection | None:
+    """The part of a deflection on piece k, from 0, of `pieces` of equal length; None if the shapes cannot describe it.
+
+    deflection: a polynomial in xi of the whole beam; shapes: those of a piece, which hold no rigid motion.
+    """
+    local = exact_polynomial(deflection).compose(sp.Poly((2 * k + 1 - pieces + xi) / sp.Integer(pieces), xi))
+    fields = [sp.Poly(1, xi, domain="QQ"), sp.Poly(xi, xi, domain="QQ"), *map(exact_polynomial, shapes)]
+    weights = next((w for w in _null_vectors([*fields, local]) if w[-1]), None)
+    if weights is None:
+        return None
+    offset, slope, *amplitudes = (Fraction(int(x.p), int(x.q)) for x in (-w / weights[-1] for w in weights[:-1]))
+    return PieceDeflection(offset, slope, tuple(amplitudes))
+
+
 def _text(polynomial: sp.Poly) -> str:
     """A polynomial as the specification writes it."""
     return str(polynomial.as_expr()).replace("**", "^")

@@ -8,6 +8,7 @@ from derive.errors import quoted
 from derive.mechanics.multibody.joints.joint_type import JointType
 from derive.mechanics.multibody.joints.registry import JOINTS
 from derive.spec.checks.body_checks import shape_faults
+from derive.spec.checks.initial_values import body_start_faults, joint_start_faults
 from derive.spec.checks.scene_data import Raw, SceneData
 from derive.spec.checks.scene_names import name_faults
 from derive.spec.checks.scene_parameters import parameter_faults
@@ -25,6 +26,7 @@ def scene_faults(data: Raw) -> list[Fault]:
     faults = [*_ground(view), *name_faults(view), *parameter_faults(view), *_shapes(view)]
     if view.complete:
         faults += [*_markers(view), *_joints(view), *_drives(view), *_weightless(view), *_actions(view), *_plots(view)]
+        faults += joint_start_faults(view)
     return faults
 
 
@@ -180,4 +182,5 @@ def _plots(view: SceneData) -> Iterator[Fault]:
 def _shapes(view: SceneData) -> Iterator[Fault]:
     for name, body in view.bodies.items():
         if view.is_beam(name):
-            yield from shape_faults(("bodies", name), body)
+            faults = shape_faults(("bodies", name), body)
+            yield from faults or body_start_faults(view, name, body)

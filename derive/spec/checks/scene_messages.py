@@ -15,6 +15,7 @@ from derive.spec.parsing.faults import KeyPath, did_you_mean
 from derive.spec.tables.beam import FrameTable
 from derive.spec.tables.drives import DriveTable
 from derive.spec.tables.forces import force_table
+from derive.spec.tables.initial_values import BeamStartTable, JointStartTable, StartTable
 from derive.spec.tables.joints import joint_table
 from derive.spec.tables.scene_bodies import (
     BEAM_KEYS,
@@ -22,7 +23,6 @@ from derive.spec.tables.scene_bodies import (
     GroundTable,
     RigidTable,
     SceneTable,
-    StartTable,
     body_tables,
     kind_of_scene_body,
 )
@@ -104,8 +104,10 @@ def table(path: KeyPath, data: Mapping[str, object]) -> type[BaseModel] | None:
             return _PLAIN.get(kind)
         case ("bodies", name):
             return body_tables()[_kind(name, data)]
-        case ("bodies", _, "start"):
-            return StartTable
+        case ("bodies", name, "start"):
+            return BeamStartTable if _kind(name, data) == "beam" else StartTable
+        case ("joints" | "drives", _, "start"):
+            return JointStartTable
         case ("bodies", _, "frame"):
             return FrameTable
         case ("plots", _, "reference"):

@@ -85,7 +85,7 @@ def made_names(view: SceneData) -> Iterator[Made]:
             continue
         ansatz = body.get("ansatz", DEFAULT_ANSATZ)
         shapes = min(len(ansatz), MAX_SHAPES) if isinstance(ansatz, (list, tuple)) else 0
-        for count in _piece_counts(view, name, body):
+        for count in piece_counts(view, name, body):
             if count == 1:
                 yield from _coordinates(path, name, shapes, f"the body {name}")
                 continue
@@ -106,7 +106,7 @@ def _coordinates(path: KeyPath, name: str, shapes: int, of: str) -> Iterator[Mad
             yield path, f"{name}_{end}{rate}", f"a {'rate' if rate else 'coordinate'} of {of}"
 
 
-def _piece_counts(view: SceneData, name: str, body: Raw) -> list[int]:
+def piece_counts(view: SceneData, name: str, body: Raw) -> list[int]:
     """Into how many pieces a body is cut, here and in plots."""
     counts = [body.get("pieces", 1)]
     for plot in view.tables["plots"].values():

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
-from typing import ClassVar
+from typing import ClassVar, Literal
 
-from derive.spec.model.body import Marker, NodalBody, PlanarBeam, Quantity, SymbolicBody
+from derive.spec.model.body import Marker, NodalBody, PlanarBeam, Polynomial, Quantity, SymbolicBody
 
 GROUND = "ground"
 """The name under which joints and forces speak of the inertial base."""
@@ -45,17 +45,47 @@ class PointMarker:
     y: Quantity
 
 
-@dataclass(frozen=True)
-class InitialGuess:
-    """A guess of the initial state: position of the origin of a body, angle, velocity, spin; deformation is zero.
+SceneStart = Literal["equilibrium"]
+EQUILIBRIUM: SceneStart = "equilibrium"
+"""The initial state of a scene is its static equilibrium."""
 
-    The initial state of a scene is the consistent one next to it, see `derive.simulation.initial.consistent_state`.
+
+@dataclass(frozen=True)
+class InitialValues:
+    """Initial values of a body; None where the specification gives none.
+
+    position (m), angle (rad), velocity (m/s) and spin (rad/s) are those of the origin of a body, or of the centre of
+    the straight axis of a beam. deflection (m) and deflection_rate (m/s), of beams alone: displacement from that axis
+    as a polynomial in xi along the whole beam. The initial state keeps what is given, see
+    `derive.simulation.initial.initial_state`; with `guess` the values are where the assembly begins.
     """
 
-    position: tuple[float, float] = (0.0, 0.0)
-    angle: float = 0.0
-    velocity: tuple[float, float] = (0.0, 0.0)
-    spin: float = 0.0
+    position: tuple[float, float] | None = None
+    angle: float | None = None
+    velocity: tuple[float, float] | None = None
+    spin: float | None = None
+    deflection: Polynomial | None = None
+    deflection_rate: Polynomial | None = None
+    guess: bool = False
+
+
+@dataclass(frozen=True)
+class JointInitialValues:
+    """Initial values of the relative motion of a joint, of body 2 relative to body 1; None where none is given.
+
+    angle (rad) is that of joints that rotate, displacement (m) that of joints with an axis, speed the rate of either
+    (rad/s or m/s). With `guess` the values are where the assembly begins.
+    """
+
+    angle: float | None = None
+    displacement: float | None = None
+    speed: float | None = None
+    guess: bool = False
+
+    @property
+    def coordinate(self) -> float | None:
+        """The angle or the displacement."""
+        return self.displacement if self.angle is None else self.angle
 
 
 @dataclass(frozen=True)
@@ -72,7 +102,7 @@ class RigidBody:
     inertia: Quantity | None = None
     centre: tuple[Quantity, Quantity] = (Fraction(0), Fraction(0))
     markers: tuple[PointMarker, ...] = ()
-    start: InitialGuess = InitialGuess()
+    start: InitialValues = InitialValues()
     keep_coordinates: bool = False
     kind: ClassVar[str] = "rigid"
 
@@ -82,13 +112,13 @@ class BeamBody:
     """A flexible rod in a scene: a free planar beam, cut into `pieces` beams of equal length that are welded together.
 
     `beam` is the whole rod: its name, mass, length and markers are those before it is cut; its gravity is None.
-    `start` is that of the centre of the undeformed rod.
+    `start` is that of the straight axis of the rod.
     """
 
     name: str
     beam: PlanarBeam
     pieces: int = 1
-    start: InitialGuess = InitialGuess()
+    start: InitialValues = InitialValues()
     kind: ClassVar[str] = "beam"
 
     @property
@@ -105,7 +135,7 @@ class CustomBody:
     kind: str
     values: Mapping[str, object] = field(default_factory=dict, hash=False)
     markers: tuple[PointMarker, ...] = ()
-    start: InitialGuess = InitialGuess()
+    start: InitialValues = InitialValues()
 
 
 SceneBody = RigidBody | BeamBody | CustomBody
@@ -137,6 +167,7 @@ class Joint:
     second: MarkerRef
     angle: float = 0.0
     axis: tuple[Fraction, Fraction] = (Fraction(1), Fraction(0))
+    start: JointInitialValues = JointInitialValues()
 
 
 @dataclass(frozen=True)
@@ -156,6 +187,7 @@ class Drive:
     motion: TimeFunction | None
     speed: Quantity | None = None
     offset: Fraction = Fraction(0)
+    start: JointInitialValues = JointInitialValues()
 
 
 @dataclass(frozen=True)
@@ -281,7 +313,10 @@ class Simulation:
 
 @dataclass(frozen=True)
 class Scene:
-    """Planar bodies with joints, drives, forces and gravity: what `[scene]` and its companions specify."""
+    """Planar bodies with joints, drives, forces and gravity: what `[scene]` and its companions specify.
+
+    start: None for the state that initial values of bodies, joints and drives describe, or EQUILIBRIUM.
+    """
 
     name: str
     ground: tuple[PointMarker, ...]
@@ -294,6 +329,7 @@ class Scene:
     springs: tuple[Spring | CustomForce, ...] = ()
     simulation: Simulation | None = None
     plots: tuple[Plot, ...] = ()
+    start: SceneStart | None = None
 
 
 Specification = PlanarBeam | NodalBody | SymbolicBody | Scene

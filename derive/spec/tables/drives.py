@@ -11,6 +11,7 @@ from pydantic import Field, model_validator
 from derive.mechanics.multibody.joints.registry import JOINTS
 from derive.spec.model.scene import Drive
 from derive.spec.parsing import values
+from derive.spec.tables.initial_values import JointStartInput, JointStartTable
 from derive.spec.tables.joints import JointTable
 from derive.spec.tables.markers import NameOf, Time
 from derive.spec.tables.shared import Number, SignedInput, TomlTable, quantity
@@ -27,6 +28,7 @@ class DriveTable(TomlTable):
     offset: Annotated[
         Number | None, Field(description="Angle, rad, or displacement, m, at t = 0; only with a speed.")
     ] = None
+    start: JointStartInput = JointStartTable()
 
     @model_validator(mode="after")
     def check(self) -> DriveTable:
@@ -41,7 +43,7 @@ class DriveTable(TomlTable):
         """The drive as the derivation takes it, of one of the joints."""
         unit = speed_unit(joints[self.joint].kind) or ""
         speed = None if self.speed is None else quantity(self.speed, unit)
-        return Drive(name, self.joint, self.motion, speed, self.offset or Fraction(0))
+        return Drive(name, self.joint, self.motion, speed, self.offset or Fraction(0), self.start.start())
 
 
 def speed_unit(kind: str) -> str | None:

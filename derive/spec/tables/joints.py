@@ -11,6 +11,7 @@ from derive.mechanics.multibody.joints.joint_type import JointType
 from derive.mechanics.multibody.joints.registry import JOINTS
 from derive.spec.model.scene import CustomJoint, Joint
 from derive.spec.tables.declared_keys import check_keys, fields_of_kinds, key_values, kind_field
+from derive.spec.tables.initial_values import JointStartInput, JointStartTable
 from derive.spec.tables.markers import TwoMarkers
 from derive.spec.tables.shared import TomlTable
 
@@ -20,6 +21,7 @@ class JointTable(TomlTable):
 
     kind: str
     between: Annotated[TwoMarkers, Field(description='Two markers, such as ["ground.bearing", "crank.hub"].')]
+    start: JointStartInput = JointStartTable()
 
     @model_validator(mode="after")
     def check(self) -> JointTable:
@@ -32,8 +34,8 @@ class JointTable(TomlTable):
         given = key_values(JOINTS[self.kind].keys, self)
         fields = {key: given.pop(key) for key in ("angle", "axis") if key in given}
         if given:
-            return CustomJoint(name, self.kind, *self.between, values=given, **fields)
-        return Joint(name, self.kind, *self.between, **fields)
+            return CustomJoint(name, self.kind, *self.between, values=given, start=self.start.start(), **fields)
+        return Joint(name, self.kind, *self.between, start=self.start.start(), **fields)
 
 
 def joint_table() -> type[JointTable]:

@@ -13,10 +13,11 @@ from pydantic import ConfigDict, Discriminator, Field, Tag, create_model
 from derive.mechanics.multibody.bodies.body_type import BodyType
 from derive.mechanics.multibody.bodies.registry import BODIES
 from derive.spec.model.body import DEFAULT_LENGTH, DEFAULT_MASS, Quantity
-from derive.spec.model.scene import BeamBody, CustomBody, InitialGuess, PointMarker, RigidBody, SceneBody
+from derive.spec.model.scene import BeamBody, CustomBody, PointMarker, RigidBody, SceneBody
 from derive.spec.tables.beam import BeamKeys
 from derive.spec.tables.declared_keys import key_field, key_values
-from derive.spec.tables.markers import MAX_NAMED, Coordinates, Float, FloatPair, Markers, PieceCount, few_named
+from derive.spec.tables.initial_values import BeamStartInput, BeamStartTable, SceneStartInput, StartInput, StartTable
+from derive.spec.tables.markers import MAX_NAMED, Coordinates, Markers, PieceCount, few_named
 from derive.spec.tables.shared import Name, PlanarGravity, QuantityInput, TomlTable, Truth, quantity
 
 BEAM_KEYS = BODIES["beam"].identifying_keys
@@ -44,27 +45,10 @@ class GroundTable(TomlTable):
 
 
 class SceneTable(TomlTable):
-    """Loads on all bodies of a scene."""
+    """Gravity and initial state of a scene."""
 
     gravity: PlanarGravity = None
-
-
-class StartTable(TomlTable):
-    """A guess of the initial state of a body, which is made consistent with the joints."""
-
-    position: Annotated[
-        FloatPair, Field(description="Position of the origin of a rigid body, or of the centre of a beam, m.")
-    ] = (0.0, 0.0)
-    angle: Annotated[Float, Field(description="Rotation angle, rad.")] = 0.0
-    velocity: Annotated[FloatPair, Field(description="Velocity of that point, m/s.")] = (0.0, 0.0)
-    spin: Annotated[Float, Field(description="Angular velocity, rad/s.")] = 0.0
-
-    def start(self) -> InitialGuess:
-        """The start that the table describes."""
-        return InitialGuess(self.position, self.angle, self.velocity, self.spin)
-
-
-StartInput = Annotated[StartTable, Field(description="Guess of the initial state; all values are zero by default.")]
+    start: SceneStartInput = None
 
 
 class RigidTable(TomlTable):
@@ -112,7 +96,7 @@ class BeamBodyTable(BeamKeys):
     pieces: Annotated[
         PieceCount, Field(description="Number of beams of equal length into which the rod is divided.")
     ] = 1
-    start: StartInput = StartTable()
+    start: BeamStartInput = BeamStartTable()
 
     def body(self, name: str) -> BeamBody:
         """The body as the derivation takes it."""

@@ -93,6 +93,7 @@ class SpecificationTable(TomlTable):
             springs=_forces(self.springs),
             simulation=None if self.simulation is None else self.simulation.simulation(),
             plots=tuple(table.plot(name, references.get(name, ())) for name, table in self.plots.items()),
+            start=None if self.scene is None else self.scene.start,
         )
 
 
