@@ -14,24 +14,35 @@ from derive.runtime.native_call import Matrix, Vector
 Mask = NDArray[np.bool_]
 
 
-class ConstrainedSystem(Protocol):
+class Constraints(Protocol):
+    """Constraints g(t, q) = 0 on coordinates with the metric M(q), as a compiled scene or an extension of it computes them."""
+
+    nq: int
+    roles: tuple[Role, ...]
+    mass_pattern: Pattern
+    constraint_pattern: Pattern
+
+    def mass(self, q: Vector, k: Vector) -> Vector:
+        """The values of the lower triangle of the mass matrix M by columns."""
+
+    def constraints(self, t: float, q: Vector, k: Vector) -> Vector:
+        """The constraints g, m or rad."""
+
+    def constraint_jacobian(self, t: float, q: Vector, k: Vector) -> Vector:
+        """The values of the Jacobian G by columns."""
+
+
+class ConstrainedSystem(Constraints, Protocol):
     """M(q) vdot + h(t, q, v) = G^T lambda with constraints g(t, q) = 0 and qdot = v, as `NativeScene` computes them.
 
     q, v are (nq,) = (nv,), k (nk,) the constants of `setup`, lambda and g (nlambda,), all in SI units.
     """
 
     name: str
-    nq: int
     nv: int
     nlambda: int
     coordinates: tuple[str, ...]
-    roles: tuple[Role, ...]
     multipliers: tuple[str, ...]
-    mass_pattern: Pattern
-    constraint_pattern: Pattern
-
-    def mass(self, q: Vector, k: Vector) -> Vector:
-        """The values of the lower triangle of the mass matrix M by columns."""
 
     def force(self, t: float, q: Vector, v: Vector, k: Vector) -> Vector:
         """The forces h (nv,)."""
@@ -42,25 +53,19 @@ class ConstrainedSystem(Protocol):
     def solve(self, t: float, q: Vector, v: Vector, k: Vector) -> tuple[Vector, Vector]:
         """The accelerations vdot (nv,) and the multipliers lambda (nlambda,). Raises ModelError."""
 
-    def constraints(self, t: float, q: Vector, k: Vector) -> Vector:
-        """The constraints g (nlambda,), m or rad."""
-
     def constraint_rates(self, t: float, q: Vector, v: Vector, k: Vector) -> Vector:
         """Their time derivatives G v + dg/dt (nlambda,), m/s or rad/s."""
-
-    def constraint_jacobian(self, t: float, q: Vector, k: Vector) -> Vector:
-        """The values of the Jacobian G by columns."""
 
     def project_velocity(self, t: float, q: Vector, k: Vector, r: Vector) -> Vector:
         """The smallest change dv (nv,) of v, in the metric of M, with G dv = r (nlambda,). Raises ModelError."""
 
 
-def mass_matrix(native: ConstrainedSystem, q: Vector, k: Vector) -> Matrix:
+def mass_matrix(native: Constraints, q: Vector, k: Vector) -> Matrix:
     """The mass matrix M (nv, nv)."""
     return native.mass_pattern.dense(native.mass(q, k))
 
 
-def constraint_matrix(native: ConstrainedSystem, t: float, q: Vector, k: Vector) -> Matrix:
+def constraint_matrix(native: Constraints, t: float, q: Vector, k: Vector) -> Matrix:
     """The constraint Jacobian G (nlambda, nv)."""
     return native.constraint_pattern.dense(native.constraint_jacobian(t, q, k))
 
@@ -71,7 +76,7 @@ def kkt_matrix(native: ConstrainedSystem, t: float, q: Vector, k: Vector) -> Mat
     return np.block([[M, -G.T], [-G, np.zeros((len(G), len(G)))]])
 
 
-def coordinates_with(native: ConstrainedSystem, *roles: Role) -> Mask:
+def coordinates_with(native: Constraints, *roles: Role) -> Mask:
     """The mask (nq,) of the coordinates with one of these roles."""
     return np.array([role in roles for role in native.roles], dtype=bool)
 

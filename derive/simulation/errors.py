@@ -53,6 +53,17 @@ class ExcessiveDeformation(SimulationError):
         )
 
 
+class MovingDrives(SimulationError):
+    """A static equilibrium is asked for while a drive moves. `drives`: those of the scene."""
+
+    def __init__(self, drives: Sequence[str]) -> None:
+        self.drives = tuple(drives)
+        super().__init__(
+            f'start = "equilibrium" needs drives that are at rest at t = 0, and {_enumeration(drives)} moves. Let its '
+            "motion begin with speed zero, or leave `start` out."
+        )
+
+
 class NoEquilibrium(SimulationError):
     """No configuration near the first guess balances the loads. `coordinates` move on in Newton's method."""
 

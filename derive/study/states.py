@@ -13,7 +13,8 @@ from derive.runtime.native_call import Vector
 from derive.runtime.native_scene import NativeScene
 from derive.simulation.compiled_scene import constraint_matrix
 from derive.simulation.initial.consistent_state import consistent_state
-from derive.simulation.initial.initial_state import initial_guess, initial_state
+from derive.simulation.initial.initial_guess import initial_guess
+from derive.simulation.initial.initial_state import initial_state
 from derive.simulation.integration.scipy_methods import integrate
 from derive.simulation.observables.motion import si_value
 from derive.spec.model.scene import Scene

@@ -30,7 +30,8 @@ def initial_poses(scene: Scene) -> dict[str, Array]:
     finds no closed configuration, the poses are those of the guesses.
     """
     names = [body.name for body in scene.bodies]
-    guess = np.array([[*body.start.position, body.start.angle] for body in scene.bodies], dtype=float).reshape(-1)
+    starts = (body.start for body in scene.bodies)
+    guess: Array = np.array([[*(s.position or (0.0, 0.0)), s.angle or 0.0] for s in starts], dtype=float).ravel()
 
     def residual(values: Array) -> Array:
         poses = _by_name(names, values)
@@ -69,7 +70,7 @@ def transformed_point(pose: Array, point: Array) -> Array:
 
 
 def _residuals(scene: Scene, joint: Joint, poses: Poses) -> Iterator[float]:
-    """The constraints of a joint and its drive at t = 0, from the equations of its type."""
+    """The constraints of a joint and its drive, or its initial coordinate, from the equations of its type."""
     joint_type = JOINTS[joint.kind]
     relative = RelativeMotion(
         *(_still(position(scene, end, poses), poses[end.body][2]) for end in (joint.first, joint.second))
@@ -84,8 +85,9 @@ def _residuals(scene: Scene, joint: Joint, poses: Poses) -> Iterator[float]:
         value = float(sp.sympify(residual).xreplace(known))
         yield _angle(value) if multiplier.unit == "rad" else value
     drive = next((d for d in scene.drives if d.joint == joint.name), None)
-    if drive and joint_type.driven and equations.driven:
-        value = float(sp.sympify(equations.driven[0]).xreplace(known)) - float(drive_values(drive, np.zeros(1))[0])
+    prescribed = float(drive_values(drive, np.zeros(1))[0]) if drive else joint.start.coordinate
+    if prescribed is not None and joint_type.driven and equations.driven:
+        value = float(sp.sympify(equations.driven[0]).xreplace(known)) - prescribed
         yield _angle(value) if joint_type.driven.unit == "rad" else value
 
 

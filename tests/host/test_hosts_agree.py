@@ -16,7 +16,7 @@ from derive.runtime.integrators.fixed_step import FixedStep
 from derive.runtime.integrators.generalised_alpha import GeneralisedAlpha
 from derive.runtime.integrators.ida import Ida
 from derive.simulation.initial.consistent_state import consistent_state
-from derive.simulation.initial.initial_state import initial_guess
+from derive.simulation.initial.initial_guess import initial_guess
 
 DURATION, ROWS = 0.02, 21  # half a turn of the crank
 FAST = ["-O1"]  # to compile

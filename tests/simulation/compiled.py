@@ -14,7 +14,7 @@ from derive.runtime.loading import load_scene
 from derive.runtime.native_call import Vector
 from derive.runtime.native_scene import NativeScene
 from derive.simulation.initial.consistent_state import InitialState, consistent_state
-from derive.simulation.initial.initial_state import initial_guess
+from derive.simulation.initial.initial_guess import initial_guess
 from derive.spec.model.body import Frame
 from derive.spec.model.scene import BeamBody, Scene
 from derive.spec.toml.read import parse

@@ -8,7 +8,7 @@ import numpy as np
 from scipy.linalg import solve_triangular
 
 from derive.runtime.native_call import Matrix, Vector
-from derive.simulation.compiled_scene import ConstrainedSystem, Mask, constraint_matrix, mass_matrix, max_norm
+from derive.simulation.compiled_scene import Constraints, Mask, constraint_matrix, mass_matrix, max_norm
 from derive.simulation.constraints.scaling import SINGULAR, in_mass_metric, mass_factor, typical_row_norms
 
 CONSISTENT = 1e-11
@@ -34,7 +34,7 @@ class ClosestState:
         return self.error <= CONSISTENT * max(1.0, max_norm(self.q))
 
 
-def closest_state(native: ConstrainedSystem, k: Vector, t: float, guess: Vector, free: Mask) -> ClosestState:
+def closest_state(native: Constraints, k: Vector, t: float, guess: Vector, free: Mask) -> ClosestState:
     """The configuration next to `guess` (nq,) that meets the constraints to rounding errors, if there is one.
 
     free: mask (nq,) of the coordinates that may change. The method is a Levenberg-Marquardt iteration in the metric of

@@ -9,7 +9,14 @@ from scipy.linalg import cholesky, solve_triangular
 
 from derive.roles import Role
 from derive.runtime.native_call import Matrix, Vector
-from derive.simulation.compiled_scene import ConstrainedSystem, Mask, constraint_matrix, coordinates_with, mass_matrix
+from derive.simulation.compiled_scene import (
+    ConstrainedSystem,
+    Constraints,
+    Mask,
+    constraint_matrix,
+    coordinates_with,
+    mass_matrix,
+)
 
 RANDOM_ORIENTATIONS = 7
 """The number of random orientations of all bodies in which the typical length of a constraint's row is measured."""
@@ -39,7 +46,7 @@ def in_mass_metric(G: Matrix, R: Matrix) -> Matrix:
 
 
 def typical_row_norms(
-    native: ConstrainedSystem, k: Vector, t: float, q: Vector, R: Matrix, free: Mask | None = None
+    native: Constraints, k: Vector, t: float, q: Vector, R: Matrix, free: Mask | None = None
 ) -> Vector:
     """The root mean square lengths (nlambda,) of the rows of G R^-1, over this state and random orientations of bodies.
 

@@ -20,7 +20,9 @@ from derive.simulation.compiled_scene import (
 from derive.simulation.constraints.closest_state import CONSISTENT, ClosestState, closest_state, damped_step
 from derive.simulation.constraints.redundancy import check_constraints
 from derive.simulation.constraints.scaling import in_mass_metric, mass_factor, typical_row_norms
+from derive.simulation.equilibrium import Equilibrium
 from derive.simulation.errors import InconsistentInitialState
+from derive.simulation.initial.contradictions import Correction
 
 RATES_CONSISTENT = 1e-9
 """Constraints on velocities with |gdot| below this (m/s, rad/s; times the largest |v| if above 1) are met."""
@@ -33,7 +35,8 @@ class InitialState:
     """A consistent state: q (nq,) and v (nv,) at t (s), in SI units.
 
     position_error, velocity_error: the largest |g| (m, rad) and |gdot| (m/s, rad/s). deformed, deforming: whether
-    deformations, or their rates, had to change from those of the guess.
+    deformations, or their rates, had to change from those of the guess. corrections: given values that are changed, as
+    they contradict others by rounding. equilibrium: the static equilibrium that the state is, if it is one.
     """
 
     t: float
@@ -43,6 +46,8 @@ class InitialState:
     velocity_error: float
     deformed: bool
     deforming: bool
+    corrections: tuple[Correction, ...] = ()
+    equilibrium: Equilibrium | None = None
 
 
 def consistent_state(
@@ -68,18 +73,17 @@ def _positions(native: ConstrainedSystem, k: Vector, t: float, guess: Vector, ri
     """The closest configuration, and whether deformations had to change."""
     best: ClosestState | None = None
     for free in (rigid,) if np.all(rigid) else (rigid, np.ones_like(rigid)):
-        for start in (guess, *(_perturbed(native, guess, angle, rigid) for angle in PERTURBATIONS)):
+        for start in (guess, *(perturbed(native, guess, angle, rigid) for angle in PERTURBATIONS)):
             state = closest_state(native, k, t, start, free)
             if state.converged:
                 return state, free is not rigid
             if best is None or state.error < best.error:
                 best = state
     assert best is not None
-    limit = max(CONSISTENT, 1e-3 * best.error)
-    raise InconsistentInitialState("positions", _violations(native, best.g, limit), t)
+    raise InconsistentInitialState("positions", unmet_constraints(native, best.g, CONSISTENT), t)
 
 
-def _perturbed(native: ConstrainedSystem, guess: Vector, angle: float, rigid: Mask) -> Vector:
+def perturbed(native: ConstrainedSystem, guess: Vector, angle: float, rigid: Mask) -> Vector:
     """The guess with each rotation changed by up to `angle` (rad), the same each time; positions follow."""
     angles = coordinates_with(native, Role.ROTATION) & rigid
     numbers = np.random.default_rng(0).uniform(-1.0, 1.0, len(guess))
@@ -104,9 +108,13 @@ def _velocities(
             return v, free is not rigid
     check_constraints(native, k, t, q)
     rates = native.constraint_rates(t, q, v, k)
-    raise InconsistentInitialState("velocities", _violations(native, rates, 1e-3 * max_norm(rates)), t)
+    raise InconsistentInitialState("velocities", unmet_constraints(native, rates), t)
 
 
-def _violations(native: ConstrainedSystem, values: Vector, limit: float) -> list[tuple[str, float]]:
-    """The names and values of the constraints that exceed a limit."""
+def unmet_constraints(native: ConstrainedSystem, values: Vector, met: float = 0.0) -> list[tuple[str, float]]:
+    """The names of constraints whose values (nlambda,) are not small beside the largest, with these values.
+
+    met: values up to this count as zero.
+    """
+    limit = max(met, 1e-3 * max_norm(values))
     return [(name, float(x)) for name, x in zip(native.multipliers, values, strict=True) if not abs(x) <= limit]

@@ -1,103 +1,117 @@
-"""The initial state of a scene: the guess of its specification in the coordinates of the scene, made consistent."""
+"""The initial state of a scene: its initial values made consistent with its joints, or its static equilibrium."""
 
 from __future__ import annotations
 
-import math
+from dataclasses import replace
 
 import numpy as np
 
-from derive.mechanics.multibody.bodies.beam import piece_name
-from derive.mechanics.symbols import Family, owned, quantity
-from derive.roles import Role
 from derive.runtime.native_call import Vector
 from derive.runtime.native_scene import NativeScene
-from derive.simulation.compiled_scene import Mask, coordinates_with
-from derive.simulation.errors import ExcessiveDeformation
-from derive.simulation.initial.consistent_state import InitialState, consistent_state
-from derive.simulation.observables.beams import beam_bodies, relative_deflection
-from derive.simulation.observables.motion import SceneMotion, si_value
-from derive.spec.model.scene import BeamBody, CustomBody, InitialGuess, RigidBody, Scene
+from derive.simulation.compiled_scene import max_norm
+from derive.simulation.constraints.redundancy import check_constraints
+from derive.simulation.equilibrium import Equilibrium, equilibrium
+from derive.simulation.errors import ExcessiveDeformation, MovingDrives
+from derive.simulation.initial.assembly import EXACT, Assembler, Assembly, assemble
+from derive.simulation.initial.consistent_state import InitialState
+from derive.simulation.initial.contradictions import correction
+from derive.simulation.initial.initial_guess import initial_guess
+from derive.simulation.initial.initial_velocities import velocities
+from derive.simulation.initial.kinematics import Kinematics
+from derive.simulation.initial.targets import Strength, Target, targets
+from derive.simulation.observables.beams import beam_bodies, half_length, relative_deflection
+from derive.simulation.observables.motion import SceneMotion, si_value, transformed
+from derive.spec.model.scene import BeamBody, RigidBody, Scene
 
 MAX_DEFLECTION = 0.3
 """Of the length of a beam: an initial state with a larger deflection is not one of this mechanism."""
 
 
 def initial_state(scene: Scene, native: NativeScene, k: Vector | None = None) -> InitialState:
-    """The consistent state at t = 0 closest to the initial guess of a scene.
+    """The initial state of a scene at t = 0: it meets joints and drives and keeps the initial values that are given.
+
+    Positions that are not given come as near as possible to first guesses, or else to zero; velocities that are not
+    given are those of the least kinetic energy. Given values that contradict each other by no more than rounding are
+    corrected: see `InitialState.corrections`. With `start = "equilibrium"` the positions are those of the static
+    equilibrium that Newton's method reaches from there. The state does not depend on which coordinates the scene keeps.
 
     native: the compiled scene. k: the constants (nk,) of `native.setup`, those of the default parameters if None.
 
-    Raises SimulationError with the constraints that cannot be met, and ExcessiveDeformation where they can be met only
-    by beams that bend beyond what linear displacements describe.
+    Raises SpecError with given values that contradict each other; SimulationError with the constraints that cannot be
+    met; ExcessiveDeformation where they can be met only by beams that bend beyond what linear displacements describe.
     """
     constants = native.setup() if k is None else k
-    state = consistent_state(native, constants, *initial_guess(scene, native))
-    if state.deformed:
-        motion = SceneMotion(scene, native, constants, np.array([state.t]), state.q[None], state.v[None])
-        deflections = {b.name: relative_deflection(motion, b) for b in beam_bodies(scene)}
-        if excessive := {name: value for name, value in deflections.items() if value > MAX_DEFLECTION}:
-            raise ExcessiveDeformation(excessive)
-    return state
+    guess, _, _ = initial_guess(scene, native)
+    assembler = Assembler(native, constants, 0.0, scene_size(scene))
+    every = targets(scene, native)
+    positions = [target for target in every if not target.rate]
+    assembly = assemble(assembler, guess, positions)
+    if assembly.deformed:
+        _check_deflections(scene, native, constants, assembly.q)
+    balance = None
+    if scene.start is not None:
+        _check_rest(scene, assembler.kinematics(assembly.q))
+        balance = equilibrium(native, constants, assembly.q)
+        assembly = _moved(assembler, assembly, balance, positions)
+    q = assembly.q
+    momentum = _momentum(scene, assembler.kinematics(q))
+    result = velocities(assembler, q, [target for target in every if target.rate], momentum)
+    check_constraints(native, constants, 0.0, q)
+    corrections = tuple(map(correction, (*assembly.misfits, *result.misfits)))
+    return InitialState(
+        0.0, q, result.v, assembly.error, result.error, assembly.deformed, result.deforming, corrections, balance
+    )
 
 
-def initial_guess(scene: Scene, native: NativeScene) -> tuple[Vector, Vector, Mask]:
-    """The guesses of q (nq,) and v (nv,), and the mask (nq,) of the coordinates of rigid-body motion.
-
-    Each body moves as a rigid one, and all pieces of a beam as parts of it. Of a body whose coordinates a joint
-    eliminates, the guess concerns those that remain.
-    """
-    values: dict[str, float] = {}
-    rates: dict[str, float] = {}
+def scene_size(scene: Scene) -> float:
+    """The diagonal (m) of the rectangle around all markers, with bodies where their initial values say; 1 of a point."""
+    points = [np.array([[si_value(p.x), si_value(p.y)]]) for p in scene.ground]
     for body in scene.bodies:
+        pose = np.array([[*(body.start.position or (0.0, 0.0)), body.start.angle or 0.0]])
         if isinstance(body, BeamBody):
-            for k in range(body.pieces):
-                _guess_frame(values, rates, piece_name(body, k), body.start, _piece_centre(body, k))
+            half = body.pieces * half_length(body)
+            own = [(-half, 0.0), (half, 0.0)]
         else:
-            centre = tuple(si_value(x) for x in body.centre) if isinstance(body, RigidBody) else (0.0, 0.0)
-            _guess_frame(values, rates, body.name, body.start, centre)
-            _guess_displacement(values, rates, body, native)
-    q = np.array([values.get(name, 0.0) for name in native.coordinates])
-    v = np.array([rates.get(name, 0.0) for name in native.coordinates])
-    return q, v, ~coordinates_with(native, Role.AMPLITUDE)
+            own = [(0.0, 0.0), *((si_value(m.x), si_value(m.y)) for m in body.markers)]
+        points += [transformed(pose, np.array(point)) for point in own]
+    return float(np.hypot(*np.ptp(np.concatenate(points), axis=0))) or 1.0
 
 
-def _guess_frame(
-    values: dict[str, float], rates: dict[str, float], name: str, start: InitialGuess, origin: tuple[float, ...]
-) -> None:
-    """c1, c2, phi and their rates of a body frame whose origin lies at the point `origin` (2,), m, of the body."""
-    cos, sin = math.cos(start.angle), math.sin(start.angle)
-    arm = (cos * origin[0] - sin * origin[1], sin * origin[0] + cos * origin[1])
-    c1, c2, phi = (_name(name, *c) for c in ((Family.TRANSLATION, 1), (Family.TRANSLATION, 2), (Family.ANGLE,)))
-    values |= {c1: start.position[0] + arm[0], c2: start.position[1] + arm[1], phi: start.angle}
-    rates |= {
-        c1: start.velocity[0] - start.spin * arm[1],
-        c2: start.velocity[1] + start.spin * arm[0],
-        phi: start.spin,
-    }
+def _check_deflections(scene: Scene, native: NativeScene, k: Vector, q: Vector) -> None:
+    """Raise ExcessiveDeformation if joints bend a beam too far."""
+    motion = SceneMotion(scene, native, k, np.zeros(1), q[None], np.zeros((1, native.nv)))
+    deflections = {beam.name: relative_deflection(motion, beam) for beam in beam_bodies(scene)}
+    if excessive := {name: value for name, value in deflections.items() if value > MAX_DEFLECTION}:
+        raise ExcessiveDeformation(excessive)
 
 
-def _guess_displacement(
-    values: dict[str, float], rates: dict[str, float], body: RigidBody | CustomBody, native: NativeScene
-) -> None:
-    """The displacement along a guide, of a body that has no other coordinate: from where it is at 0, along its axis."""
-    name = _name(body.name, Family.GUIDE)
-    if name not in native.coordinates:
-        return
-    q, k, index = np.zeros(native.nq), native.setup(), native.bodies.index(body.name)
-    origin = native.poses(0.0, q, k)[index, :2]
-    q[native.coordinates.index(name)] = 1.0
-    axis = native.poses(0.0, q, k)[index, :2] - origin
-    values[name] = float(axis @ (np.array(body.start.position) - origin))
-    rates[name] = float(axis @ np.array(body.start.velocity))
+def _check_rest(scene: Scene, kinematics: Kinematics) -> None:
+    """Raise MovingDrives if a drive moves at t = 0, so that there is no static equilibrium."""
+    native, rest = kinematics.native, np.zeros(kinematics.native.nv)
+    rates = native.constraint_rates(kinematics.t, kinematics.q, rest, kinematics.k)
+    if max_norm(rates) > 0.0 or max_norm(kinematics.drifts.ravel()) > EXACT * kinematics.size:
+        raise MovingDrives([drive.name for drive in scene.drives])
 
 
-def _name(body: str, family: Family, *components: int) -> str:
-    """The name of a coordinate of a body."""
-    name: str = owned(quantity(family, *components), body).name
-    return name
+def _moved(assembler: Assembler, assembly: Assembly, balance: Equilibrium, positions: list[Target]) -> Assembly:
+    """The assembly in equilibrium; given positions that it changes are listed as corrected."""
+    given = [target for target in positions if target.strength is Strength.GIVEN]
+    misfits = tuple(m for m in assembler.misfits(given, balance.q) if abs(m.relative) > EXACT)
+    error = max_norm(assembler.native.constraints(assembler.t, balance.q, assembler.k))
+    return replace(assembly, q=balance.q, misfits=misfits, error=error)
 
 
-def _piece_centre(beam: BeamBody, k: int) -> tuple[float, float]:
-    """The centre (m) of piece k along the undeformed beam, from the centre of the beam."""
-    length = si_value(beam.beam.length) / beam.pieces
-    return (k - (beam.pieces - 1) / 2) * length, 0.0
+def _momentum(scene: Scene, kinematics: Kinematics) -> Vector:
+    """The generalised momentum (nv,) of rigid bodies that drives carry along, at v = 0."""
+    result = np.zeros(kinematics.native.nv)
+    for body in scene.bodies:
+        if not isinstance(body, RigidBody) or body.mass is None or body.inertia is None:
+            continue
+        c1, c2, phi = (kinematics.component(body.name, i) for i in range(3))
+        x, y = (si_value(x) for x in body.centre)
+        cos, sin = np.cos(phi.value), np.sin(phi.value)
+        turns = -(sin * x + cos * y), cos * x - sin * y
+        for c, turn in zip((c1, c2), turns, strict=True):
+            result += si_value(body.mass) * (c.gradient + turn * phi.gradient) * (c.drift + turn * phi.drift)
+        result += si_value(body.inertia) * phi.gradient * phi.drift
+    return result
