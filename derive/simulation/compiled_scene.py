@@ -15,7 +15,7 @@ Mask = NDArray[np.bool_]
 
 
 class Constraints(Protocol):
-    """Constraints g(t, q) = 0 on coordinates with the metric M(q), as a compiled scene or an extension of it computes them."""
+    """Constraints g(t, q) = 0 on coordinates with the metric M(q), as a compiled scene computes them."""
 
     nq: int
     roles: tuple[Role, ...]

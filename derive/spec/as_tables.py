@@ -209,8 +209,8 @@ _CONVERT: Mapping[type, Callable[[Any], object]] = {
     RigidBody: _rigid_body,
     BeamBody: lambda body: {**_beam(body.beam), "pieces": body.pieces, "start": body.start},
     CustomBody: lambda body: {**body.values, "markers": _markers(body.markers), "start": body.start},
-    InitialValues: lambda start: without_none(**asdict(start)),
-    JointInitialValues: lambda start: without_none(**asdict(start)),
+    InitialValues: lambda start: without_none(**{**asdict(start), "guess": start.guess or None}),
+    JointInitialValues: lambda start: without_none(**{**asdict(start), "guess": start.guess or None}),
     Joint: _joint,
     CustomJoint: _joint,
     Drive: lambda drive: without_none(

@@ -155,7 +155,7 @@ POINT = """
 mass = 2
 inertia = 0.1
 markers = { centre = [0, 0] }
-start = { position = [0.3, -0.4] }
+start = { position = [0.3, -0.4], guess = true }
 [joints.rope]
 kind = "distance"
 between = ["ground.pivot", "bob.centre"]

@@ -6,7 +6,7 @@ that a scene keeps, on which the result therefore does not depend.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -108,11 +108,13 @@ class WithTargets:
         return np.vstack([constraint_matrix(self._native, t, q, k), *gradients]).T.ravel()
 
 
-def assemble(assembler: Assembler, guess: Vector, targets: Sequence[Target]) -> Assembly:
+def assemble(
+    assembler: Assembler, guess: Vector, targets: Sequence[Target], check_deformation: Callable[[Vector], None]
+) -> Assembly:
     """The configuration that keeps the given targets, and adapts to guesses and defaults what they leave free.
 
     guess: coordinates (nq,) from which the iteration begins. Bodies deform only where the joints cannot be met
-    otherwise, up to rounding of given values.
+    otherwise; check_deformation raises an error if they deform too far in a configuration (nq,).
 
     Raises SpecError with the given values that contradict each other by more than rounding, InconsistentInitialState
     with the constraints that cannot be met.
@@ -125,20 +127,22 @@ def assemble(assembler: Assembler, guess: Vector, targets: Sequence[Target]) -> 
     missed: list[tuple[Misfit, ...]] = []
     open_states: list[ClosestState] = []
     for free in (straight, np.ones_like(straight)) if np.any(amplitudes) else (straight,):
+        deformed = free is not straight
         for start in _starts(native, guess):
             state, misfits = _closest(assembler, start, given, free)
             if not state.converged:
                 open_states.append(state)
                 continue
+            if deformed:
+                check_deformation(state.q)
             if max_norm(np.array([misfit.relative for misfit in misfits])) <= ROUNDING:
                 kept = [replace(misfit.target, value=misfit.value) for misfit in misfits]
-                deformed = free is not straight
                 q = _adapted(assembler, state.q, kept, targets, free, deformed)
                 error = max_norm(native.constraints(assembler.t, q, assembler.k))
                 return Assembly(q, tuple(m for m in misfits if abs(m.relative) > EXACT), error, deformed)
             missed.append(misfits)
-    if missed:
-        raise contradiction(min(missed, key=lambda of: max(abs(misfit.relative) for misfit in of)), "positions")
+        if missed:
+            raise contradiction(min(missed, key=lambda of: max(abs(misfit.relative) for misfit in of)), "positions")
     best = min(open_states, key=lambda state: state.error)
     raise InconsistentInitialState("positions", unmet_constraints(native, best.g, CONSISTENT), assembler.t)
 

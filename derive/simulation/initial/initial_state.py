@@ -45,9 +45,7 @@ def initial_state(scene: Scene, native: NativeScene, k: Vector | None = None) ->
     assembler = Assembler(native, constants, 0.0, scene_size(scene))
     every = targets(scene, native)
     positions = [target for target in every if not target.rate]
-    assembly = assemble(assembler, guess, positions)
-    if assembly.deformed:
-        _check_deflections(scene, native, constants, assembly.q)
+    assembly = assemble(assembler, guess, positions, lambda q: _check_deflections(scene, native, constants, q))
     balance = None
     if scene.start is not None:
         _check_rest(scene, assembler.kinematics(assembly.q))
@@ -64,7 +62,7 @@ def initial_state(scene: Scene, native: NativeScene, k: Vector | None = None) ->
 
 
 def scene_size(scene: Scene) -> float:
-    """The diagonal (m) of the rectangle around all markers, with bodies where their initial values say; 1 of a point."""
+    """The diagonal (m) of the rectangle around all markers, with bodies where they start; 1 of a point."""
     points = [np.array([[si_value(p.x), si_value(p.y)]]) for p in scene.ground]
     for body in scene.bodies:
         pose = np.array([[*(body.start.position or (0.0, 0.0)), body.start.angle or 0.0]])
