@@ -139,4 +139,4 @@ def test_a_step_that_does_not_divide_the_rows_is_shortened_with_a_note() -> None
     assert [note.split(":")[1].split(" s ->")[0] for note in notes] == [" 0.008", " 0.008"]
     assert "-> 0.0075 s between rows that are 0.03 s apart" in notes[0]
     assert "-> 0.00666667 s between rows that are 0.02 s apart" in notes[1]
-    assert derive.simulate(pendulum(), duration=0.06, output=0.03, integrator="rk4", step=0.01).solution.notes == ()
+    assert derive.simulate(pendulum(), duration=0.006, output=0.003, integrator="rk4", step=0.001).solution.notes == ()

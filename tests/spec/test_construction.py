@@ -51,7 +51,7 @@ def pendulum(**changes: object) -> derive.Scene:
                 mass=derive.Parameter("m", "kg", 2.0),
                 inertia=Fraction(1, 10),
                 markers=(derive.PointMarker("pin", -0.5, 0), derive.PointMarker("tip", 0.5, 0)),
-                start=derive.InitialGuess(angle=0.3),
+                start=derive.InitialValues(angle=0.3),
             )
         ],
         "joints": [

@@ -13,7 +13,7 @@ from derive.spec.model.scene import (
     Deflection,
     Drive,
     Force,
-    InitialGuess,
+    InitialValues,
     Joint,
     MarkerRef,
     Plot,
@@ -68,7 +68,7 @@ def test_the_crank_slider_of_the_scenes():
                     orthogonal=True,
                 ),
                 pieces=3,
-                start=InitialGuess((0.3, 0.0)),
+                start=InitialValues((0.3, 0.0)),
             ),
             RigidBody(
                 "slider",
@@ -76,7 +76,7 @@ def test_the_crank_slider_of_the_scenes():
                 Fraction("1e-6"),
                 (ZERO, ZERO),
                 (point("pin"),),
-                InitialGuess((0.45, 0.0)),
+                InitialValues((0.45, 0.0)),
             ),
         ),
         joints=(
@@ -124,9 +124,9 @@ def test_a_scene_with_every_key_there_is():
             Parameter("I", "kg m^2", 0.25),
             (Fraction("0.1"), Parameter("e", "mm", 0.0)),
             (point("hub"), point("pin", Fraction("0.15"), Fraction("-0.5"))),
-            InitialGuess((1.0, 0.5), 0.3, (0.0, -1.5), 3.0),
+            InitialValues((1.0, 0.5), 0.3, (0.0, -1.5), 3.0),
         ),
-        BeamBody("rod", rod, 2, InitialGuess(angle=-0.5)),
+        BeamBody("rod", rod, 2, InitialValues(angle=-0.5)),
         RigidBody("slider", Fraction("0.5"), Fraction("1e-6"), (ZERO, ZERO), (point("pin"),)),
         RigidBody("plate", None, None, (ZERO, ZERO), (point("a"),)),
     )
@@ -212,7 +212,7 @@ def test_a_body_with_one_key_of_a_beam_is_a_beam(key):
     (body,) = parse(f'name = "s"\n[bodies.rod]\n{key}\n').bodies
     assert isinstance(body, BeamBody)
     assert body.beam.mass == Parameter("m", "kg", 1.0)
-    assert (body.pieces, body.start, body.beam.gravity) == (1, InitialGuess(), None)
+    assert (body.pieces, body.start, body.beam.gravity) == (1, InitialValues(), None)
 
 
 def test_a_body_without_such_a_key_is_rigid():

@@ -82,7 +82,19 @@ NO_NAME = "cannot be a name: only the letters a to z and A to Z, digits and _ ar
         (
             "length = 1",
             "length = 1\nstart = { pos = [0, 0] }",
-            "10: bodies.rod.start.pos: unknown key; the keys here are position, angle, velocity, spin",
+            "10: bodies.rod.start.pos: unknown key; the keys here are position, angle, velocity, spin, guess, "
+            "deflection, deflection_rate",
+        ),
+        (
+            "length = 1",
+            'length = 1\nstart = { deflection = "xi^4" }',
+            "10: bodies.rod.start.deflection: the shape functions of rod cannot describe this curve; it must be a "
+            "combination of 1, xi and the ansatz: add its powers to `ansatz`",
+        ),
+        (
+            "length = 1",
+            "length = 1\nstart = { guess = 1 }",
+            "10: bodies.rod.start.guess: true or false is needed, without quotation marks, not a number",
         ),
         (
             "length = 1",
@@ -320,7 +332,23 @@ SLIDE = "[joints.slide]\nkind = 'translational'\nbetween = ['rod.left', 'bar.b']
             "[scene]\ngravity = 9.81",
             "15: scene.gravity: a list of 2 components is needed, such as [0, -9.81], not a number",
         ),
-        ("[scene]\ng = 1", "15: scene.g: unknown key; the keys here are gravity"),
+        (
+            '[scene]\nstart = "rest"',
+            '15: scene.start: the start of a scene is one of "equilibrium", not "rest"',
+        ),
+        (
+            f"{D}speed = 1\nstart = {{ displacement = 1 }}",
+            "17: drives.d.start.displacement: the revolute joint pin has no displacement; write `angle` instead",
+        ),
+        (
+            "[joints.w]\nkind = 'weld'\nbetween = ['bar.a', 'rod.left']\nstart = { angle = 1 }",
+            "17: joints.w.start: this joint has no relative coordinate that could have initial values",
+        ),
+        (
+            "[joints.t]\nkind = 'translational'\nbetween = ['bar.a', 'rod.left']\nstart = { angle = 1 }",
+            "17: joints.t.start.angle: the translational joint t has no angle; write `displacement` instead",
+        ),
+        ("[scene]\ng = 1", "15: scene.g: unknown key; the keys here are gravity, start"),
         ("[joint.x]", '14: joint: unknown key; did you mean "joints"?'),
         ("[drives]\nd = 3", "15: drives.d: a table is needed here, not a number"),
         (
