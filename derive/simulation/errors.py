@@ -59,7 +59,7 @@ class MovingDrives(SimulationError):
     def __init__(self, drives: Sequence[str]) -> None:
         self.drives = tuple(drives)
         super().__init__(
-            f'start = "equilibrium" needs drives that are at rest at t = 0, and {_enumeration(drives)} moves. Let its '
+            f'start = "equilibrium" needs drives that are at rest at t = 0, and {enumeration(drives)} moves. Let its '
             "motion begin with speed zero, or leave `start` out."
         )
 
@@ -71,7 +71,7 @@ class NoEquilibrium(SimulationError):
         self.t, self.coordinates = t, tuple(coordinates)
         super().__init__(
             f"no static equilibrium is found at t = {t:g} s: Newton's method does not converge, and loads keep moving "
-            f"{_enumeration(coordinates)}. Support the bodies so that a stiffness or gravity balances every load, or "
+            f"{enumeration(coordinates)}. Support the bodies so that a stiffness or gravity balances every load, or "
             "give a start nearer to the equilibrium."
         )
 
