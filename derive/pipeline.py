@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
 
 from derive.artifacts import File
 from derive.backends.model_files import model_files
@@ -17,6 +20,10 @@ from derive.mechanics.equations import Equations
 from derive.spec.model.body import NodalBody
 from derive.spec.model.scene import Specification
 from derive.spec.toml.read import read, warnings, with_lines
+
+if TYPE_CHECKING:
+    from derive.reduction import BodyProperties
+    from derive.reduction.arithmetic import Array
 
 
 @dataclass(frozen=True)
@@ -74,7 +81,7 @@ def build(path: Path, progress: Callable[[str], None] = lambda _: None) -> Built
     progress("emitting C and Python")
     files = model_files(model, spec)
     emitting = Stage("emit", lap())
-    notes = (model.choice, *_of_modes(spec)) if model.choice else _of_scene(model)
+    notes = (model.choice, *_of_body(spec)) if model.choice else _of_scene(model)
     notes += tuple(f"warning: {text}" for text in (*warnings(path), *condition_warnings(spec)))
     return Built(spec, equations, model, files, (reading, deriving, lowering, emitting), notes)
 
@@ -91,13 +98,14 @@ def _of_scene(model: Model) -> tuple[str, ...]:
     return (*(f"eliminated: {out.what}: {out.reason}" for out in model.eliminated), solving)
 
 
-def _of_modes(spec: Specification) -> tuple[str, ...]:
-    """Return how far the modes of a finite-element body were from their frame, and which of them have no stiffness."""
+def _of_body(spec: Specification) -> tuple[str, ...]:
+    """Return the properties of a finite-element body, in which errors of units show; how far its modes were from their
+    frame, and which of them have no stiffness."""
     if not isinstance(spec, NodalBody):
         return ()
-    from derive.reduction import residuals, zero_stiffness_modes
+    from derive.reduction import body_properties, residuals, zero_stiffness_modes
 
-    notes = []
+    notes = list(_of_properties(body_properties(spec)))
     frame = residuals(spec)
     before, after = frame.before, frame.after
     if spec.frame.kind != "point" and spec.modes != 0:
@@ -110,3 +118,26 @@ def _of_modes(spec: Specification) -> tuple[str, ...]:
         numbers = ", ".join(map(str, modes))
         notes.append(f"warning: mode {numbers} has no stiffness; check for loose parts and missing elements")
     return tuple(notes)
+
+
+FIRST = 6
+"""The natural frequencies that `build` prints."""
+
+
+def _of_properties(body: BodyProperties) -> Iterator[str]:
+    """Mass, centre of mass, inertia and first natural frequencies in words."""
+    centre = ", ".join(f"{x:.4g}" for x in _rounded(body.centre, float(np.sqrt(np.trace(body.inertia) / body.mass))))
+    inertia = _rounded(body.inertia, float(np.trace(body.inertia)))
+    moments = ", ".join(f"{inertia[a, a]:.4g}" for a in range(3))
+    products = ", ".join(f"{inertia[a, b]:.4g}" for a, b in ((0, 1), (0, 2), (1, 2)))
+    yield f"mass {body.mass:.6g} kg; centre of mass at ({centre}) m"
+    yield f"inertia about the centre of mass: J11, J22, J33 = {moments} kg m^2; J12, J13, J23 = {products} kg m^2"
+    if len(body.frequencies):
+        first = ", ".join(f"{f:.5g}" for f in body.frequencies[:FIRST])
+        more = f" and {len(body.frequencies) - FIRST} more" if len(body.frequencies) > FIRST else ""
+        yield f"natural frequencies of the free body: {first} Hz{more}"
+
+
+def _rounded(values: Array, size: float) -> Array:
+    """Values without those that are rounding errors of numbers of that size."""
+    return np.where(np.abs(values) > 1e-12 * size, values, 0.0)

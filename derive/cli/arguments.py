@@ -21,6 +21,7 @@ examples:
   tisserand build scenes/block.toml scenes/body_symbolic.toml
   tisserand compare scenes/free_beam_mean.toml scenes/free_beam_point.toml
   tisserand simulate scenes/crank_slider_3.toml
+  tisserand modes scenes/four_bar.toml
   tisserand study frames scenes/crank_slider_3.toml
   tisserand report scenes/free_beam_mean.toml --pdf
   tisserand check
@@ -62,6 +63,7 @@ def parser() -> argparse.ArgumentParser:
     _add_build(commands)
     _add_compare(commands)
     _add_simulate(commands)
+    _add_modes(commands)
     _add_study(commands)
     _add_report(commands)
     _add_check(commands)
@@ -117,6 +119,19 @@ def _add_simulate(commands: Any) -> None:
         "--step", type=_seconds, metavar="S", help="step of integrators with fixed steps (rk4, generalised-alpha), s"
     )
     simulate.add_argument("--json", action="store_true", help="print the summary as JSON")
+
+
+def _add_modes(commands: Any) -> None:
+    modes = _add(commands, "modes", "natural frequencies, damping ratios and mode shapes about a state; state space")
+    modes.add_argument("spec", type=Path, metavar="SPEC", help=f"{SPEC} of a body or a scene")
+    _add_folder(modes, "results")
+    modes.add_argument(
+        "--at", type=_instant, metavar="S", help="time in seconds of a state of the motion; 0 is the initial state"
+    )
+    modes.add_argument(
+        "--count", type=_count, default=9, metavar="N", help="modes that are printed and drawn (default: 9)"
+    )
+    modes.add_argument("--json", action="store_true", help="print all modes as JSON")
 
 
 def _add_study(commands: Any) -> None:
@@ -238,4 +253,11 @@ def _seconds(text: str) -> float:
     value = _number(text)
     if not 0 < value < math.inf:
         raise argparse.ArgumentTypeError(f"expected a positive number of seconds, not {text!r}")
+    return value
+
+
+def _instant(text: str) -> float:
+    value = _number(text)
+    if not 0 <= value < math.inf:
+        raise argparse.ArgumentTypeError(f"expected a time of at least 0 seconds, not {text!r}")
     return value

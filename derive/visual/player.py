@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from html import escape
 from typing import Any
 
@@ -13,8 +13,17 @@ from derive.rendering import render
 
 def player_page(data: Mapping[str, Any]) -> str:
     """The text of a page that plays a motion; `data` is that of `derive.simulation.observables.player_data`."""
-    title = escape(str(data["name"]))
-    return render("player/player.html.jinja", {"mark": MARK, "title": title, "motion": json_island(data)})
+    return _page(str(data["name"]), data)
+
+
+def motions_page(title: str, motions: Sequence[Mapping[str, Any]]) -> str:
+    """The text of a page that plays one of several motions at a time, which the reader selects by their names."""
+    return _page(title, motions)
+
+
+def _page(title: str, island: object) -> str:
+    content = {"mark": MARK, "title": escape(title), "motion": json_island(island)}
+    return render("player/player.html.jinja", content)
 
 
 def json_island(data: object) -> str:

@@ -45,10 +45,11 @@ SECONDS = 10.0
 """The approximate duration (s) of the motion at the default speed of a page."""
 
 
-def player_data(motion: SceneMotion, curves: Sequence[Column]) -> Plain:
+def player_data(motion: SceneMotion, curves: Sequence[Column], clock: Array | None = None) -> Plain:
     """The content of the page of a motion: lengths in m, angles in rad, times in s.
 
-    curves: columns with a value for each instant, which the page draws over time below the scene.
+    curves: columns with a value for each instant, which the page draws over time below the scene. clock: the times
+    (n,) of the page, if they are not those of the scene, such as for a displaced scene.
     """
     scene = motion.scene
     chosen = _instants(motion, len(curves) + len(scene.drives))
@@ -59,12 +60,13 @@ def player_data(motion: SceneMotion, curves: Sequence[Column]) -> Plain:
     beams = beam_bodies(scene)
     low, high = _view([*at.values(), *(c for beam in beams for c in beam_points(shown, beam))])
     step = _rounded(RESOLUTION * float(max(high - low)))
-    duration = float(shown.t[-1] - shown.t[0])
+    time = shown.t if clock is None else clock[chosen]
+    duration = float(time[-1] - time[0])
     middle = [i for i, p in enumerate(markers) if p.marker == "middle" and p.body in {beam.name for beam in beams}]
     return {
         "name": scene.name,
         "view": [*map(_rounded, (*low, *high))],
-        "time": _channel(shown.t, 1e-6 * duration or 1.0),
+        "time": _channel(time, 1e-6 * duration or 1.0),
         "rigid": [
             {"name": b.name, "outline": outline(b), "pose": _pose(shown, b.name, step)}
             for b in scene.bodies

@@ -1,0 +1,84 @@
+"""The linearisation agrees with differences of the accelerations and with Euler's equations of a free body."""
+
+from __future__ import annotations
+
+import numpy as np
+from linear_scenes import GRAVITY, chart_accelerations, derivative
+
+import derive
+from conftest import ROOT
+from derive.simulation.constraints.projection import project
+from derive.simulation.linear.linearisation import linearise
+
+ROD = {
+    "ansatz": ["1", "xi", "xi^2", "xi^3"],
+    "frame": "mean",
+    "mass": 0.5,
+    "length": 1,
+    "bending_stiffness": 2,
+    "pieces": 2,
+    "markers": {"left": -1, "middle": "1/3", "right": 1},
+    "start": {"position": [0.5, 0]},
+}
+
+
+def test_a_driven_mechanism_in_motion() -> None:
+    scene = derive.scene(
+        "in_motion",
+        gravity=[0, -GRAVITY],
+        ground={"hook": [0, 0], "wall": [1, 1]},
+        bodies={
+            "rod": ROD,
+            "bob": {"mass": 0.3, "inertia": 0.01, "markers": {"pin": [-0.1, 0]}, "start": {"position": [1.1, 0]}},
+        },
+        joints={
+            "hinge": {"kind": "revolute", "between": ["ground.hook", "rod.left"]},
+            "pin": {"kind": "revolute", "between": ["rod.right", "bob.pin"]},
+        },
+        drives={"motor": {"joint": "hinge", "motion": "0.5*sin(3*t)"}},
+        springs={"tie": {"kind": "linear", "between": ["ground.wall", "rod.middle"], "stiffness": 20, "damping": 2}},
+    )
+    native = derive.load_scene(derive.model_files(derive.lower(derive.derive(scene)), scene))
+    k, t, random = native.setup(), 0.3, np.random.default_rng(0)
+    start = derive.initial_state(scene, native, k)
+    q = start.q + 0.03 * random.standard_normal(native.nq)
+    for _ in range(3):
+        q, v = project(native, k, t, q, random.standard_normal(native.nv))
+    linear = linearise(native, k, t, q, v)
+    n, names = linear.count, native.coordinates
+    assert n == native.nv - native.nlambda > 3
+    free = [names.index(name) for name in linear.states[:n]]
+    x = np.concatenate([q[free], v[free]])
+    expected = derivative(chart_accelerations(native, k, linear), x)
+    np.testing.assert_allclose(linear.A[n:], expected, atol=1e-8 * np.abs(expected).max())
+    np.testing.assert_array_equal(linear.A[:n], np.hstack([np.zeros((n, n)), np.eye(n)]))
+
+
+def test_a_rigid_body_that_spins_in_space() -> None:
+    body = derive.nodal_body("rigid_block", str(ROOT / "scenes/block.npz"), units="SI", modes=0, frame="mean")
+    native = derive.load(derive.model_files(derive.lower(derive.derive(body)), body))
+    k, spin = native.setup(), 3.0
+    turned = np.array([0.8, 0.0, 0.36, 0.48])
+    q, v = np.concatenate([np.zeros(3), turned]), np.array([0.1, 0.2, 0.3, 0.0, 0.0, spin])
+    linear = linearise(native, k, 0.0, q, v)
+    J1, J2, J3 = np.diag(derive.modal(body).C3)
+    nutation = 1j * spin * np.sqrt((J3 - J1) * (J3 - J2) / (J1 * J2))
+    expected = sorted([*[0] * 8, nutation, -nutation, 1j * spin, -1j * spin], key=lambda x: x.imag)
+    values = sorted(np.linalg.eigvals(linear.A), key=lambda x: x.imag)
+    np.testing.assert_allclose(values, expected, atol=1e-6)
+
+
+def test_forces_and_displacements_of_markers() -> None:
+    beam = derive.planar_beam("state_space", frame="mean", mass=2, length=1, bending_stiffness=3, markers={"tip": 1})
+    native = derive.load(derive.model_files(derive.lower(derive.derive(beam)), beam))
+    k, q = native.setup(), np.array([0.0, 0.0, 0.7, 0.0, 0.0])
+    linear = linearise(native, k, 0.0, q, np.zeros(5))
+    assert linear.inputs == ("tip_F1", "tip_F2") and linear.outputs == ("tip_x1", "tip_x2")
+    M = native.mass_pattern.dense(native.mass(q, k))
+    for i, force in enumerate(np.eye(2)):
+        np.testing.assert_allclose(M @ linear.B[5:, i], native.load("tip", q, force, k), atol=1e-12)
+    step = 1e-6 * np.arange(1.0, 6.0)
+    moved = native.marker("tip", q + linear.displacements @ step, np.zeros(5), k)[0]
+    still = native.marker("tip", q, np.zeros(5), k)[0]
+    np.testing.assert_allclose(linear.C[:, :5] @ step, moved - still, atol=1e-9)
+    assert not linear.B[:5].any() and not linear.C[:, 5:].any() and not linear.D.any()
