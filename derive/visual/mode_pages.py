@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from derive.simulation.linear.displaced import displaced, scene_lines, scene_motion
+from derive.simulation.linear.displaced import displaced, mode_lines
 from derive.simulation.linear.eigenmodes import Mode
 from derive.simulation.linear.modes import Modes
 from derive.simulation.observables.motion import body_coordinates
@@ -25,9 +25,10 @@ def modes_picture(modes: Modes, count: int) -> str:
     assert isinstance(scene, Scene)
     panels = []
     for label, mode in drawn_modes(modes, count):
-        lines = scene_lines(displaced(modes, mode, np.array([np.pi / 2, 0.0, np.pi])))
-        rest = scene_lines(scene_motion(modes, [modes.linear.q]))
-        panels.append(ModePanel(label, [line[0] for line in rest], [x[1] for x in lines], [x[2] for x in lines]))
+        shown = mode_lines(modes, mode)
+        there = [line + d.real for line, d in zip(shown.lines, shown.displacements, strict=True)]
+        back = [line - d.real for line, d in zip(shown.lines, shown.displacements, strict=True)]
+        panels.append(ModePanel(label, shown.lines, there, back))
     ground = np.array([body_coordinates(scene, MarkerRef(GROUND, m.name)) for m in scene.ground]).reshape(-1, 2)
     note = "Grey: the state itself; solid and dashed: displaced by the mode, at an arbitrary amplitude."
     return mode_picture(f"{scene.name}: modes", note, panels, ground)

@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
-import numpy as np
+from dataclasses import dataclass
 
+import numpy as np
+from numpy.typing import NDArray
+
+from derive.roles import Role
 from derive.runtime.native_call import Vector
 from derive.runtime.native_scene import NativeScene
+from derive.simulation.compiled_scene import coordinates_with
 from derive.simulation.constraints.projection import project
 from derive.simulation.linear.eigenmodes import Mode
 from derive.simulation.linear.modes import Modes
@@ -15,27 +20,54 @@ from derive.spec.model.scene import BeamBody, Scene
 
 DISPLACEMENT = 0.1
 """The largest displacement of a point of a displaced scene, in sizes of the scene."""
+ROTATION = 0.2
+"""The largest rotation (rad) of a body in an animation: larger ones deform beams, whose axes keep their length."""
 PROBE = 1e-6
 """The amplitude from which the displacements of points are extrapolated."""
 POINTS = 17
 """Points of the line of a piece of a beam."""
 
 
+@dataclass(frozen=True, eq=False)
+class ModeLines:
+    """The lines of a scene (points, 2), m, in its state, and their complex displacements by a mode.
+
+    The lines are those of `scene_lines`. amplitude: the factor of the shape of the mode that gives the displacements,
+    the largest of which is DISPLACEMENT.
+    """
+
+    lines: list[Array]
+    displacements: list[NDArray[np.complex128]]
+    amplitude: float
+
+
+def mode_lines(modes: Modes, mode: Mode) -> ModeLines:
+    """The lines of a scene and their displacements by a mode, linear in the shape."""
+    linear = modes.linear
+    shapes = (mode.shape.real, mode.shape.imag)
+    motion = scene_motion(modes, [linear.q, *(linear.q + s * PROBE * shape for shape in shapes for s in (1, -1))])
+    lines = scene_lines(motion)
+    slopes = [((x[1] - x[2]) + 1j * (x[3] - x[4])) / (2 * PROBE) for x in lines]
+    largest = max(float(np.sqrt((np.abs(slope) ** 2).sum(axis=1)).max()) for slope in slopes)
+    size = float(np.ptp(np.concatenate([x[0] for x in lines]), axis=0).max()) or 1.0
+    amplitude = DISPLACEMENT * size / largest if largest else 0.0
+    return ModeLines([x[0] for x in lines], [amplitude * slope for slope in slopes], amplitude)
+
+
 def displaced(modes: Modes, mode: Mode, phases: Vector) -> SceneMotion:
     """A scene at the phases (n,), rad, of a mode: the states q + a Re(shape exp(i phase)), at the time of the state.
 
-    The amplitude a gives some point a displacement of DISPLACEMENT at most. The states are projected onto the
-    constraints, which the displacements meet to first order.
+    The amplitude a makes displacements at most DISPLACEMENT and rotations at most ROTATION. The states are projected
+    onto the constraints, which the displacements meet to first order.
     """
-    linear = modes.linear
-    probes = [linear.q, linear.q + PROBE * mode.shape.real, linear.q + PROBE * mode.shape.imag]
-    before, *after = np.concatenate(scene_lines(scene_motion(modes, probes)), axis=1)
-    largest = float(np.sqrt(sum((points - before) ** 2 for points in after).sum(axis=1).max(initial=0.0)))
-    size = float(np.ptp(before, axis=0).max(initial=0.0)) or 1.0
-    amplitude = PROBE * DISPLACEMENT * size / largest if largest else 0.0
+    linear, native = modes.linear, _native(modes)
+    angles = coordinates_with(native, Role.ROTATION)
+    largest = float(np.abs(mode.shape[angles]).max(initial=0.0))
+    amplitude = mode_lines(modes, mode).amplitude
+    amplitude = min(amplitude, ROTATION / largest) if largest else amplitude
     states = [linear.q + amplitude * (mode.shape * np.exp(1j * phase)).real for phase in phases]
-    rest = np.zeros(modes.native.nv)
-    return scene_motion(modes, [project(_native(modes), modes.k, linear.t, q, rest)[0] for q in states])
+    rest = np.zeros(native.nv)
+    return scene_motion(modes, [project(native, modes.k, linear.t, q, rest)[0] for q in states])
 
 
 def scene_motion(modes: Modes, states: list[Vector]) -> SceneMotion:
