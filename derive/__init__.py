@@ -23,6 +23,7 @@ The public interface, by stages:
     kernels         lower, interpret; Model
     files           model_files, write; File
     compiled code   load, load_scene; Native, NativeScene, Role
+    modes           modes; Modes, Mode, Linearisation
     simulation      simulate, initial_state, integrate; Trajectory, Solution, InitialState, INTEGRATORS
     C integrators   FixedStep, GeneralisedAlpha, Ida; Integration
     errors          TisserandError and its subclasses SpecError, UnknownNameError, CompilerError, ModelError,
@@ -69,6 +70,9 @@ if TYPE_CHECKING:
     from derive.simulation.integration.registry import INTEGRATORS
     from derive.simulation.integration.scipy_methods import integrate
     from derive.simulation.integration.solution import Solution
+    from derive.simulation.linear.eigenmodes import Mode
+    from derive.simulation.linear.linearisation import Linearisation
+    from derive.simulation.linear.modes import Modes, modes
     from derive.simulation.simulate import simulate
     from derive.simulation.trajectory import Trajectory
     from derive.spec.construction import nodal_body, planar_beam, scene, symbolic_body, validated
@@ -156,6 +160,12 @@ _MODULES = {
     "derive.simulation.integration.registry": ("INTEGRATORS",),
     "derive.simulation.integration.scipy_methods": ("integrate",),
     "derive.simulation.integration.solution": ("Solution",),
+    "derive.simulation.linear.eigenmodes": ("Mode",),
+    "derive.simulation.linear.linearisation": ("Linearisation",),
+    "derive.simulation.linear.modes": (
+        "Modes",
+        "modes",
+    ),
     "derive.simulation.simulate": ("simulate",),
     "derive.simulation.trajectory": ("Trajectory",),
     "derive.spec.construction": (
@@ -229,12 +239,15 @@ __all__ = [
     "Integration",
     "IntegratorError",
     "Joint",
+    "Linearisation",
     "Marker",
     "MarkerRef",
     "Mechanism",
     "ModalBody",
+    "Mode",
     "Model",
     "ModelError",
+    "Modes",
     "Native",
     "NativeScene",
     "NodalBody",
@@ -270,6 +283,7 @@ __all__ = [
     "lower",
     "modal",
     "model_files",
+    "modes",
     "nodal_body",
     "parameters",
     "planar_beam",

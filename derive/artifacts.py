@@ -28,6 +28,20 @@ class File:
     text: str
     record: str | None = field(default=None, kw_only=True)
 
+    @property
+    def data(self) -> bytes:
+        """The content of the file."""
+        return self.text.encode()
+
+
+@dataclass(frozen=True)
+class BinaryFile:
+    """A generated file that is no text; path and record as those of a `File`."""
+
+    path: str
+    data: bytes
+    record: str | None = field(default=None, kw_only=True)
+
 
 class ForeignFile(TisserandError):
     """A file that would be overwritten does not carry our mark."""
@@ -37,21 +51,21 @@ class UnusableFolder(TisserandError):
     """Files cannot be written to a folder: it is no folder, it is write-protected, or its disk is full."""
 
 
-def write(files: Sequence[File], folder: str | Path) -> None:
+def write(files: Sequence[File | BinaryFile], folder: str | Path) -> None:
     """Write files below a folder, each whole or not at all; those that are equal already are left alone.
 
     Raises ForeignFile, before anything is written, when a path holds a file without our mark; OSError as the system
     does.
     """
     check_targets(files, folder)
-    targets = [(Path(folder) / file.path, file.text.encode()) for file in files]
+    targets = [(Path(folder) / file.path, file.data) for file in files]
     for target, data in targets:
         if not (target.exists() and target.read_bytes() == data):
             target.parent.mkdir(parents=True, exist_ok=True)
             replace_file(target, data)
 
 
-def check_targets(files: Sequence[File], folder: str | Path) -> None:
+def check_targets(files: Sequence[File | BinaryFile], folder: str | Path) -> None:
     """Raise ForeignFile if a file would overwrite one that Tisserand has not generated; texts are not looked at."""
     for file in files:
         target = Path(folder) / file.path
@@ -79,7 +93,7 @@ def sha256(data: bytes) -> str:
     return hashlib.sha256(data).hexdigest()
 
 
-def check_folder(files: Sequence[File], folder: str | Path, size: int) -> None:
+def check_folder(files: Sequence[File | BinaryFile], folder: str | Path, size: int) -> None:
     """Check before long work that files can be written below a folder, which need not exist yet.
 
     files: those to be written, their texts do not matter. size: about what they need together, in bytes.

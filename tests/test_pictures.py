@@ -16,6 +16,7 @@ from derive.spec.model.scene import Scene
 from derive.visual.kkt_matrix import kkt_picture
 from derive.visual.line_chart import Chart, Curve, svg
 from derive.visual.mechanism import mechanism_picture
+from derive.visual.mode_shapes import ModePanel, mode_picture
 from derive.visual.sparsity import mass_patterns
 
 SVG = "{http://www.w3.org/2000/svg}"
@@ -33,6 +34,8 @@ def pictures() -> Iterator[tuple[str, str]]:
     yield "mass", mass_patterns([model])
     yield "kkt", kkt_picture(model.kkt, tuple(x.name for x in (*model.coordinates, *model.multipliers)))
     yield "mechanism", mechanism_picture(scene)
+    line = np.array([[0.0, 0.0], [1.0, 0.5]])
+    yield "modes", mode_picture("modes", "note", [ModePanel("1", [line], [line + 0.1], [line - 0.1])], line)
     yield "chart", svg(Chart("title", "time", "s", "y", (Curve("a", np.arange(3.0), np.arange(3.0)),)))
 
 

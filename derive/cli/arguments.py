@@ -96,14 +96,7 @@ def _add_simulate(commands: Any) -> None:
     simulate = _add(commands, "simulate", "simulate a scene: trajectory (CSV), plots (SVG) and an animation (HTML)")
     simulate.add_argument("spec", type=Path, metavar="SPEC", help=f"{SPEC} with a [simulation] table")
     _add_folder(simulate, "results")
-    simulate.add_argument(
-        "--set",
-        action="append",
-        type=_assignment,
-        default=[],
-        metavar="NAME=VALUE",
-        help="another value of a parameter (EI=30) or of a key (bodies.rod.bending_stiffness=30); may be repeated",
-    )
+    _add_set(simulate)
     simulate.add_argument("--duration", type=_seconds, metavar="S", help="duration, s, in place of the specified one")
     simulate.add_argument("--output", type=_seconds, metavar="S", help="time between rows of the CSV file, s")
     simulate.add_argument(
@@ -125,11 +118,16 @@ def _add_modes(commands: Any) -> None:
     modes = _add(commands, "modes", "natural frequencies, damping ratios and mode shapes about a state; state space")
     modes.add_argument("spec", type=Path, metavar="SPEC", help=f"{SPEC} of a body or a scene")
     _add_folder(modes, "results")
+    _add_set(modes)
     modes.add_argument(
         "--at", type=_instant, metavar="S", help="time in seconds of a state of the motion; 0 is the initial state"
     )
     modes.add_argument(
-        "--count", type=_count, default=9, metavar="N", help="modes that are printed and drawn (default: 9)"
+        "--count",
+        type=_count,
+        default=9,
+        metavar="N",
+        help="modes of non-zero frequency that are printed and drawn (default: 9)",
     )
     modes.add_argument("--json", action="store_true", help="print all modes as JSON")
 
@@ -204,6 +202,17 @@ def _add_schema(commands: Any) -> None:
 def _add_folder(command: argparse.ArgumentParser, default: str) -> None:
     command.add_argument(
         "--out", type=Path, default=Path(default), metavar="FOLDER", help=f"output folder (default: {default})"
+    )
+
+
+def _add_set(command: argparse.ArgumentParser) -> None:
+    command.add_argument(
+        "--set",
+        action="append",
+        type=_assignment,
+        default=[],
+        metavar="NAME=VALUE",
+        help="another value of a parameter (EI=30) or of a key (bodies.rod.bending_stiffness=30); may be repeated",
     )
 
 

@@ -5,28 +5,32 @@ from __future__ import annotations
 import argparse
 import json
 from collections.abc import Sequence
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 
-from derive.artifacts import File, write
+from derive.artifacts import BinaryFile, File, check_folder, write
+from derive.cli.specifications import read_changed
 from derive.errors import SpecError
 from derive.simulation.linear.eigenmodes import ComplexVector, Mode
+from derive.simulation.linear.mode_files import mode_files, modes_data
 from derive.simulation.linear.modes import Modes, modes
-from derive.simulation.observables.csv_writer import Column, csv
 from derive.spec.model.scene import Scene
-from derive.spec.toml.read import read, with_lines
+from derive.spec.toml.read import with_lines
 from derive.terminal import magnitude, show_progress, table
-from derive.visual.mode_pages import modes_page, modes_picture
+from derive.visual.mode_pages import drawn_modes, modes_page, modes_picture
 
-REAL = 1e-6
-"""An imaginary part of a normalised shape below this is not printed."""
+NEGLIGIBLE = 1e-6
+"""Imaginary parts of a normalised shape below this are not printed."""
+ROUNDING = 1e-9
+"""Damping ratios and elements of a normalised shape below this are printed as 0."""
+EXPECTED_SIZE = 2_000_000
+"""About the size of all files, in bytes."""
 
 
 def run(options: argparse.Namespace) -> int:
     """Compute the modes, write their files, and print them."""
-    spec = read(options.spec)
+    spec, changes = read_changed(options.spec, options.set)
+    check_folder(_planned_files(spec.name), options.out, EXPECTED_SIZE)
     show_progress(f"{spec.name}: deriving, compiling and linearising ...")
     try:
         result = modes(spec, at=options.at)
@@ -34,71 +38,36 @@ def run(options: argparse.Namespace) -> int:
         raise with_lines(error, options.spec) from None
     finally:
         show_progress()
-    files = write_modes(result, options.count, options.out)
-    summary = {**modes_data(result), "files": files}
-    print(json.dumps(summary, indent=2) if options.json else _text(result, options.count, files))
+    files = _files(result, options.count)
+    write(files, options.out)
+    names = [str(options.out / file.path) for file in files]
+    if options.json:
+        print(json.dumps({**modes_data(result), "set": list(map(str, changes)), "files": names}, indent=2))
+    else:
+        lines = [f"{result.spec.name}: {change}" for change in changes]
+        print("\n".join([*lines, *_text(result, options.count), *(f"wrote {name}" for name in names)]))
     return 0
 
 
-def write_modes(result: Modes, count: int, folder: Path) -> list[str]:
-    """Write the table, the state space and, of a scene, the picture and the animation; return the names of the files.
+def _planned_files(name: str) -> list[File]:
+    """The files of the command, still without their texts."""
+    record = f"{name}/{name}.modes.json"
+    data = [File(f"{name}/{name}.modes.{kind}", "", record=record) for kind in ("csv", "npz")]
+    return [*data, File(record, ""), *(File(f"{name}/{name}.modes.{kind}", "") for kind in ("svg", "html"))]
 
-    count: the number of modes that are drawn.
-    """
+
+def _files(result: Modes, count: int) -> list[File | BinaryFile]:
+    """All files; a picture and an animation of the first `count` modes if there is something to draw."""
     stem = f"{result.spec.name}/{result.spec.name}.modes"
-    files = [File(f"{stem}.csv", csv(f"The modes of {result.spec.name}.", _columns(result)))]
-    if isinstance(result.spec, Scene) and any(mode.eigenvalue for mode in result.modes):
+    files = list(mode_files(result))
+    if isinstance(result.spec, Scene) and drawn_modes(result, count):
         files.append(File(f"{stem}.svg", modes_picture(result, count)))
         files.append(File(f"{stem}.html", modes_page(result, count)))
-    write(files, folder)
-    return [str(folder / file.path) for file in files]
+    return files
 
 
-def modes_data(result: Modes) -> dict[str, Any]:
-    """The modes as plain data, in SI units; a shape has the real and the imaginary part of each element."""
-    linear = result.linear
-    return {
-        "name": result.spec.name,
-        "time": linear.t,
-        "q": linear.q.tolist(),
-        "v": linear.v.tolist(),
-        "vdot": linear.vdot.tolist(),
-        "coordinates": list(result.native.coordinates),
-        "zero_eigenvalues": result.zero_eigenvalues,
-        "modes": [
-            {
-                "frequency": mode.frequency,
-                "damping_ratio": mode.damping_ratio,
-                "eigenvalue": [mode.eigenvalue.real, mode.eigenvalue.imag],
-                "shape": [mode.shape.real.tolist(), mode.shape.imag.tolist()],
-            }
-            for mode in result.modes
-        ],
-        "states": list(linear.states),
-        "inputs": list(linear.inputs),
-        "outputs": list(linear.outputs),
-    }
-
-
-def _columns(result: Modes) -> list[Column]:
-    """A row for each mode: frequency, damping ratio, eigenvalue, and the elements of the shape."""
-    modes = result.modes
-    values = np.array([mode.eigenvalue for mode in modes], dtype=complex)
-    shapes = np.array([mode.shape for mode in modes], dtype=complex).reshape(len(modes), result.native.nq)
-    columns = [
-        Column("mode", "", np.arange(1.0, len(modes) + 1)),
-        Column("frequency", "Hz", result.frequencies),
-        Column("damping_ratio", "", result.damping_ratios),
-        Column("eigenvalue_real", "1/s", values.real),
-        Column("eigenvalue_imag", "rad/s", values.imag),
-    ]
-    for name, elements in zip(result.native.coordinates, shapes.T, strict=True):
-        columns += [Column(f"{name}_real", "", elements.real), Column(f"{name}_imag", "", elements.imag)]
-    return columns
-
-
-def _text(result: Modes, count: int, files: Sequence[str]) -> str:
-    linear, shown = result.linear, result.modes[:count]
+def _text(result: Modes, count: int) -> list[str]:
+    linear, shown = result.linear, result.first(count)
     lines = [f"{result.spec.name}: {len(result.modes)} modes about {_state(result)}"]
     rows = [["mode", "frequency, Hz", "damping ratio", "eigenvalue, 1/s"]]
     rows += [[str(i), *_mode(mode)] for i, mode in enumerate(shown, 1)]
@@ -117,7 +86,7 @@ def _text(result: Modes, count: int, files: Sequence[str]) -> str:
         lines += table(rows)
     sizes = f"{len(linear.states)} states, {len(linear.inputs)} inputs, {len(linear.outputs)} outputs"
     lines += ["", f"state space: {sizes} (forces at markers, and displacements of markers, in the inertial frame)"]
-    return "\n".join([*lines, *(f"wrote {file}" for file in files)])
+    return lines
 
 
 def _state(result: Modes) -> str:
@@ -135,25 +104,27 @@ def _state(result: Modes) -> str:
 
 def _grows(mode: Mode) -> bool:
     """Whether a mode grows by more than rounding errors."""
-    return mode.damping_ratio < -1e-9
+    return mode.damping_ratio < -ROUNDING
 
 
 def _mode(mode: Mode) -> list[str]:
     value, ratio = mode.eigenvalue, mode.damping_ratio
-    real = f"{value.real:.6g}" if abs(ratio) > 1e-12 else "0"
+    real = f"{value.real:.6g}" if abs(ratio) > ROUNDING else "0"
     text = f"{real} ± {value.imag:.6g}i" if value.imag else real
-    return [f"{mode.frequency:.6g}", f"{ratio:.4g}" if abs(ratio) > 1e-12 else "0", text]
+    return [f"{mode.frequency:.6g}", f"{ratio:.4g}" if abs(ratio) > ROUNDING else "0", text]
 
 
 def _elements(shapes: Sequence[ComplexVector], j: int) -> list[str]:
     """Element j of each shape: a number or, of a shape with phases, its size and its phase in degrees."""
-    texts = []
-    for shape in shapes:
-        value = shape[j]
-        if np.abs(shape.imag).max() < REAL:
-            texts.append(
-                f"{value.real:.4f}" if abs(value.real) >= 5e-5 else "0" if value.real == 0 else f"{value.real:.1e}"
-            )
-        else:
-            texts.append(f"{abs(value):.4f}∠{np.degrees(np.angle(value)):.0f}°")
-    return texts
+    return [
+        _number(shape[j].real)
+        if np.abs(shape.imag).max() < NEGLIGIBLE
+        else f"{_number(abs(shape[j]))}∠{round(float(np.degrees(np.angle(shape[j]))))}°"
+        for shape in shapes
+    ]
+
+
+def _number(value: float) -> str:
+    if abs(value) < ROUNDING:
+        return "0"
+    return f"{value:.4f}" if abs(value) >= 5e-3 else f"{value:.1e}"

@@ -20,7 +20,7 @@ NOMINAL_PERIOD = 1.0
 
 
 def modes_picture(modes: Modes, count: int) -> str:
-    """The shapes of the first `count` modes as SVG, without those of zero eigenvalues."""
+    """The shapes of the first `count` modes as SVG, those of zero eigenvalues apart."""
     scene = modes.spec
     assert isinstance(scene, Scene)
     panels = []
@@ -35,7 +35,7 @@ def modes_picture(modes: Modes, count: int) -> str:
 
 
 def modes_page(modes: Modes, count: int) -> str:
-    """A page that plays the first `count` modes, without those of zero eigenvalues; damping is not shown."""
+    """A page that plays the first `count` modes, those of zero eigenvalues apart; damping is not shown."""
     pages = []
     for label, mode in drawn_modes(modes, count):
         frames = np.arange(PERIODS * FRAMES + 1)
@@ -46,8 +46,8 @@ def modes_page(modes: Modes, count: int) -> str:
 
 
 def drawn_modes(modes: Modes, count: int) -> list[tuple[str, Mode]]:
-    """The first `count` modes with their labels, without those of zero eigenvalues."""
-    shown = enumerate(modes.modes[:count], 1)
+    """The first `count` modes with their labels, those of zero eigenvalues apart."""
+    shown = enumerate(modes.first(count), 1)
     return [(f"{number}: {_label(mode)}", mode) for number, mode in shown if mode.eigenvalue]
 
 

@@ -102,7 +102,7 @@ def heavy_rod(gravity: float, count: int = 14) -> np.ndarray:
 def test_a_hanging_flexible_pendulum() -> None:
     """Weight stiffens it by the tension that the joints between its beams carry."""
     heavy, light = heavy_rod(GRAVITY)[:2], heavy_rod(0.0)[:2]
-    assert omega(hanging_rod("hanging", 3, 4))[:2] == pytest.approx(heavy, rel=4e-3)
+    assert omega(hanging_rod("hanging", 2, 4))[:2] == pytest.approx(heavy, rel=5e-3)
     assert heavy[1] > 1.03 * light[1]
 
 

@@ -21,6 +21,9 @@ from derive.simulation.linear.linearisation import Linearisation, linearise
 from derive.simulation.simulate import simulate
 from derive.spec.model.scene import Scene, Specification
 
+State = tuple[Native, Vector, float, Vector, Vector]
+"""A compiled model, its constants k (nk,), and a state: t (s), q (nq,), v (nv,)."""
+
 
 @dataclass(frozen=True, eq=False)
 class Modes:
@@ -51,6 +54,10 @@ class Modes:
         """The number of eigenvalues that are zero: two for each rigid-body motion without force."""
         return 2 * self.linear.count - sum(1 + (mode.eigenvalue.imag != 0) for mode in self.modes if mode.eigenvalue)
 
+    def first(self, count: int) -> tuple[Mode, ...]:
+        """The modes of zero eigenvalues, and the first `count` of the others."""
+        return self.modes[: count + sum(not mode.eigenvalue for mode in self.modes)]
+
     @property
     def speed(self) -> float:
         """The largest generalised velocity of the state (SI units), 0 at rest."""
@@ -70,23 +77,24 @@ def modes(spec: Specification, *, at: float | None = None) -> Modes:
 
     Raises SpecError, CompilerError, ModelError, SimulationError.
     """
-    if isinstance(spec, Scene):
-        native, k, t, q, v = _of_scene(spec, 0.0 if at is None else at)
-    else:
-        if at is not None:
-            raise SpecError((Problem("", "a body alone has its modes about its undeformed state; leave out --at"),))
-        native = load(model_files(lower(derive(spec)), spec))
-        k, t, v = native.setup(), 0.0, np.zeros(native.nv)
-        first = native.roles.index(Role.QUATERNION) if Role.QUATERNION in native.roles else None
-        q = np.zeros(native.nq)
-        if first is not None:
-            q[first] = 1.0
+    native, k, t, q, v = _of_scene(spec, 0.0 if at is None else at) if isinstance(spec, Scene) else _of_body(spec, at)
     linear = linearise(native, k, t, q, v)
     return Modes(spec, native, k, linear, eigenmodes(linear))
 
 
-def _of_scene(scene: Scene, at: float) -> tuple[NativeScene, Vector, float, Vector, Vector]:
-    """The compiled scene, its constants, and its state at a time (s)."""
+def _of_body(spec: Specification, at: float | None) -> State:
+    """A body, undeformed and at rest in the inertial frame."""
+    if at is not None:
+        raise SpecError((Problem("", "a body alone has its modes about its undeformed state; leave out --at"),))
+    native = load(model_files(lower(derive(spec)), spec))
+    q = np.zeros(native.nq)
+    if Role.QUATERNION in native.roles:
+        q[native.roles.index(Role.QUATERNION)] = 1.0
+    return native, native.setup(), 0.0, q, np.zeros(native.nv)
+
+
+def _of_scene(scene: Scene, at: float) -> State:
+    """A scene in its state at a time (s)."""
     if at > 0.0:
         motion = simulate(scene, duration=at, output=at).motion
         return motion.native, motion.k, float(motion.t[-1]), motion.q[-1], motion.v[-1]

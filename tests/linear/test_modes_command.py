@@ -1,0 +1,135 @@
+"""`tisserand modes` as a user meets it: text, table, record, matrices, picture and animation."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+from linear_scenes import hanging_rod, pendulums
+
+import derive
+from conftest import ROOT
+from derive.artifacts import sha256
+from derive.cli.main import main
+from derive.simulation.linear.displaced import displaced, mode_lines
+from derive.simulation.linear.modes import Modes
+from derive.simulation.observables.motion import marker_positions
+from derive.spec.model.scene import MarkerRef
+from derive.visual.mode_pages import modes_page, modes_picture
+
+PENDULUM = """\
+name = "damped_bar"
+[scene]
+gravity = [0, -9.81]
+[ground.markers]
+hook = [0, 0]
+[bodies.bar]
+mass = { symbol = "m", unit = "kg", default = 2.0 }
+inertia = 0.1
+centre = [0.5, 0]
+markers = { top = [0, 0], tip = [1, 0] }
+start = { angle = -1.5707963267948966 }
+keep_coordinates = true
+[joints.pin]
+kind = "revolute"
+between = ["ground.hook", "bar.top"]
+[springs.damper]
+kind = "rotational"
+between = ["ground.hook", "bar.top"]
+stiffness = 0
+damping = 0.5
+"""
+
+
+@pytest.fixture(scope="module")
+def rod() -> Modes:
+    return derive.modes(hanging_rod("drawn_rod", shapes=4))
+
+
+def test_it_prints_and_writes(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    spec = tmp_path / "bar.toml"
+    spec.write_text(PENDULUM)
+    command = ["modes", str(spec), "--at", "0", "--set", "m=3", "--out", str(tmp_path)]
+    assert main(command) == 0
+    printed = capsys.readouterr()
+    assert printed.err == ""
+    square, rate = 3 * 9.81 * 0.5 / (0.1 + 3 * 0.25), 0.5 / (0.1 + 3 * 0.25)
+    row = next(line.split() for line in printed.out.splitlines() if line.startswith("  1 "))
+    assert float(row[1]) == pytest.approx(np.sqrt(square) / (2 * np.pi), rel=1e-5)
+    assert float(row[2]) == pytest.approx(rate / (2 * np.sqrt(square)), rel=1e-3)
+    folder = tmp_path / "damped_bar"
+    kinds = ("csv", "html", "json", "npz", "svg")
+    assert sorted(p.name for p in folder.iterdir()) == [f"damped_bar.modes.{kind}" for kind in kinds]
+    table = np.genfromtxt(folder / "damped_bar.modes.csv", names=True, delimiter=",")
+    assert table["frequency"] == pytest.approx(np.sqrt(square) / (2 * np.pi), rel=1e-9)
+    with np.load(folder / "damped_bar.modes.npz") as matrices:
+        assert matrices["states"].tolist() == ["bar_phi", "bar_phidot"]
+        np.testing.assert_allclose(matrices["A"], [[0, 1], [-square, -rate]], rtol=1e-9)
+        tip = matrices["inputs"].tolist().index("bar_tip_F1")
+        assert matrices["B"][1, tip] == pytest.approx(1 / (0.1 + 3 * 0.25)) == matrices["C"][tip, 0] / 0.85
+        assert matrices["D"].shape == (4, 4)
+    record = json.loads((folder / "damped_bar.modes.json").read_text())
+    for name, digest in record["files"].items():
+        assert sha256((folder / name).read_bytes()) == digest
+    before = {p: p.read_bytes() for p in folder.iterdir()}
+    assert main([*command, "--json"]) == 0  # over its own files, with the same bytes
+    assert {p: p.read_bytes() for p in folder.iterdir()} == before
+    plain = json.loads(capsys.readouterr().out)
+    assert plain["modes"] == record["modes"] and len(plain["modes"]) == 1
+
+
+def test_wrong_uses(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    beam = str(ROOT / "scenes/free_beam_mean.toml")
+    assert main(["modes", beam, "--at", "0", "--out", str(tmp_path / "new")]) == 2
+    assert "leave out --at" in capsys.readouterr().err and not (tmp_path / "new").exists()
+    with pytest.raises(SystemExit) as stopped:
+        main(["modes", beam, "--at", "-1"])
+    assert stopped.value.code == 2 and "a time of at least 0" in capsys.readouterr().err
+
+
+def test_an_unstable_state_is_announced(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    spec = tmp_path / "bar.toml"
+    spec.write_text(PENDULUM.replace("-1.57", "1.57"))
+    assert main(["modes", str(spec), "--at", "0", "--out", str(tmp_path)]) == 0
+    assert "warning: the state is unstable; mode 1 grows" in capsys.readouterr().out
+
+
+def test_the_picture_shows_linear_displacements(rod: Modes) -> None:
+    lines = mode_lines(rod, rod.modes[0])
+    swing = lines.displacements[0]  # it stays nearly straight and its tip moves by a tenth of its length
+    np.testing.assert_allclose(lines.lines[0][-1], [0, -1], atol=1e-9)
+    np.testing.assert_allclose(np.abs(swing[:, 0]), 0.1 * -lines.lines[0][:, 1], atol=1e-3)
+    np.testing.assert_allclose(swing[:, 1], 0, atol=1e-9)
+    root = ElementTree.fromstring(modes_picture(rod, 2))
+    svg = "{http://www.w3.org/2000/svg}"
+    kinds = [line.attrib["class"] for line in root.iter(f"{svg}polyline")]
+    assert kinds == ["rest", "back", "there"] * 2
+    titles = [text.text for text in root.iter(f"{svg}text") if text.attrib["class"] == "mode"]
+    assert titles == [f"{i}: {mode.frequency:.4g} Hz" for i, mode in enumerate(rod.modes[:2], 1)]
+
+
+def test_the_animation_keeps_the_joints(rod: Modes) -> None:
+    motion = displaced(rod, rod.modes[1], np.array([0.0, np.pi / 2, np.pi]))
+    hook = marker_positions(motion, MarkerRef("rod", "left"))
+    np.testing.assert_allclose(hook, 0, atol=1e-12)
+    tip = marker_positions(motion, MarkerRef("rod", "right"))[:, 0]
+    assert tip[1] == pytest.approx(0, abs=1e-9) and tip[0] == pytest.approx(-tip[2], rel=1e-2)
+    assert 0.01 < abs(tip[0]) < 0.11
+    text = modes_page(rod, 2)
+    motions = json.loads(re.search(r'id="motion">(.*?)</script>', text, re.S)[1])
+    assert [m["name"] for m in motions] == [f"{i}: {mode.frequency:.4g} Hz" for i, mode in enumerate(rod.modes[:2], 1)]
+    for data, mode in zip(motions, rod.modes, strict=False):
+        duration = np.sum(data["time"]["values"]) * data["time"]["step"]
+        assert duration == pytest.approx(4 / mode.frequency, rel=1e-4)
+    assert not re.search(r"<link|@import|url\(|fetch\(|import\(|src=", text)
+
+
+def test_two_pendulums_move_together_and_against_each_other() -> None:
+    found = derive.modes(pendulums("two_drawn", 2))
+    for mode, sign in zip(found.modes, (1, -1), strict=True):
+        first, second = (line[1, 0].real for line in mode_lines(found, mode).displacements)
+        assert np.sign((second - first) * first) == sign
