@@ -19,6 +19,7 @@ import derive
 from derive.ir.model import Kernel
 from derive.runtime.compiled_model import Native
 from derive.runtime.compiler import FLAGS
+from derive.runtime.native_call import ModelError
 
 SOME = (
     *("mean_2", "point_2", "tangent_5", "folded_mean", "folded_point", "half_folded", "no_markers", "unlucky_names"),
@@ -228,9 +229,28 @@ def test_accel_is_nan_where_a_pivot_vanishes_and_right_elsewhere(model: str) -> 
     found = names["accel"](0.0, q, v, k)
     assert np.array_equal(np.isnan(found).all(axis=1), [False, True, False, True, False])
     assert np.allclose(found[[0, 2, 4]], c.accel(0.0, q, v, c.setup()), rtol=1e-12, atol=0)
-    alone = names["accel"](0.0, q, v, k[1])
-    assert alone.shape == (5,)
-    assert np.isnan(alone).all()
+    for member in (1, 3):
+        with pytest.raises(names["ModelError"], match=r"the pivot of .* vanished") as caught:
+            names["accel"](0.0, q, v, k[member])
+        assert caught.value.code == 1
+
+
+@pytest.mark.filterwarnings("ignore::RuntimeWarning")
+@pytest.mark.parametrize(("place", "value"), [(2, 1e200), (4, np.inf)])
+def test_accel_fails_where_c_returns_a_code(place: int, value: float) -> None:
+    """A single state with the same code; of a batch, the state has NaN in every element and the others are right."""
+    names, c = module("mean_2"), native("mean_2")
+    k = c.setup()
+    q, v = np.tile(beams.state(2)[0], (3, 1)), np.tile(beams.state(2)[1], (3, 1))
+    v[1, place] = value
+    with pytest.raises(ModelError) as of_c:
+        c.accel(0.0, q[1], v[1], k)
+    with pytest.raises(names["ModelError"], match="an acceleration is not finite") as of_python:
+        names["accel"](0.0, q[1], v[1], k)
+    assert of_python.value.code == of_c.value.code == 2
+    found = names["accel"](0.0, q, v, k)
+    assert np.allclose(found, c.accel_batch(0.0, q, v, k, check=False), rtol=1e-12, atol=0, equal_nan=True)
+    assert np.array_equal(np.isnan(found), np.tile([[False], [True], [False]], 5))
 
 
 @pytest.mark.parametrize("model", SOME)

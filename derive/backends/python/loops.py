@@ -73,7 +73,7 @@ class PythonLoops:
             case Clear():
                 return []  # outputs are zero when they are made
             case RequireFinite():
-                return plain(f'    _require(xp.all(xp.isfinite({loop.argument})), "{loop.text}")')
+                return plain(f'    _require(xp.all(xp.isfinite({loop.argument})), {loop.code}, "{loop.text}")')
             case Cholesky():
                 return _cholesky(loop)
             case TriangularSolve():
@@ -198,7 +198,7 @@ def _cholesky(loop: Cholesky) -> Lines:
         f"    for j in range({n}):",
         "        for m in range(j):",
         "            low[..., j, j:] = low[..., j, j:] - low[..., m, j:] * low[..., m, j, None]",
-        f'        _require(xp.all(low[..., j, j] > 0), "{loop.text}")',
+        f'        _require(xp.all(low[..., j, j] > 0), {loop.code}, "{loop.text}")',
         "        inverse = 1 / xp.sqrt(low[..., j, j])",
         "        low[..., j, j + 1 :] = low[..., j, j + 1 :] * inverse[..., None]",
         "        low[..., j, j] = inverse",

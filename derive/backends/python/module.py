@@ -122,11 +122,10 @@ class _Statements:
             case _:
                 assert_never(item.kind)
         if self.raises:
-            return [f'    _require(xp.all({holds}), "{item.text}")']
-        if item.kind is Requirement.FINITE:  # a value that is not finite shows it
-            return []
+            return [f'    _require(xp.all({holds}), {item.code}, "{item.text}")']
         self.required.append(f"valid_{len(self.required) + 1}")
-        return assignment(self.required[-1], holds)
+        name = self.required[-1]
+        return [*assignment(name, holds), f'    _require(batch[0] or {name}, {item.code}, "{item.text}")']
 
 
 def _results(outputs: tuple[Output, ...], required: list[str]) -> list[str]:
