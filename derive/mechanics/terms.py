@@ -82,6 +82,8 @@ class Intermediate:
     """A named intermediate quantity of (15), in terms of coordinates, model constants and earlier definitions.
 
     `section` names the part of a kernel that computes it; `zero` is the reason if it vanishes, otherwise None.
+    `divisor` is an earlier definition that has to be positive for this one to exist, otherwise None; `divisor_text`
+    says what is wrong where it is not.
     """
 
     symbol: sp.Symbol
@@ -90,6 +92,8 @@ class Intermediate:
     equation: str
     doc: str
     zero: str | None = None
+    divisor: sp.Symbol | None = None
+    divisor_text: str = ""
 
 
 def rotation_symbols(definitions: Iterable[Intermediate]) -> frozenset[sp.Symbol]:

@@ -146,16 +146,13 @@ class Native:
         """Values of M (n, nnz) for each row of q (n, nq). The C takes structures of arrays: both are transposed."""
         return self._batch("mass", [], [(self.nq, q)], k, len(self.mass_pattern.rowidx))[0]
 
-    def force_batch(self, t: float, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> Matrix:
-        """h (n, nv) for each row of q (n, nq) and v (n, nv)."""
-        return self._batch("force", [t], [(self.nq, q), (self.nv, v)], k, self.nv)[0]
+    def force_batch(self, t: float, q: ArrayLike, v: ArrayLike, k: ArrayLike, check: bool = True) -> Matrix:
+        """h (n, nv) for each row of q (n, nq) and v (n, nv). States that fail have NaN; `check`: ModelError."""
+        return self._checked_batch("force", t, q, v, k, check)
 
     def accel_batch(self, t: float, q: ArrayLike, v: ArrayLike, k: ArrayLike, check: bool = True) -> Matrix:
         """vdot (n, nv) for each row of q (n, nq) and v (n, nv). States that fail have NaN; `check`: ModelError."""
-        result, code = self._batch("accel", [t], [(self.nq, q), (self.nv, v)], k, self.nv)
-        if code and check:
-            raise ModelError(f"{self.name}_accel_batch", code)
-        return result
+        return self._checked_batch("accel", t, q, v, k, check)
 
     def marker(self, name: str, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> tuple[Vector, Vector, Vector]:
         """Position (m), velocity (m/s) in the inertial frame, and values of the Jacobian of a marker.
@@ -198,6 +195,12 @@ class Native:
 
     def _invoke(self, name: str, function: Callable[..., int], arguments: list[Any], results: list[Vector]) -> None:
         invoke(f"{self.name}_{name}", function, arguments, results)
+
+    def _checked_batch(self, kernel: str, t: float, q: ArrayLike, v: ArrayLike, k: ArrayLike, check: bool) -> Matrix:
+        result, code = self._batch(kernel, [t], [(self.nq, q), (self.nv, v)], k, self.nv)
+        if code and check:
+            raise ModelError(f"{self.name}_{kernel}_batch", code)
+        return result
 
     def _batch(
         self, kernel: str, t: list[float], states: list[tuple[int, ArrayLike]], k: ArrayLike, size: int

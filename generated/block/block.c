@@ -12,7 +12,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef BLOCK_HASH_e73191bf9baf50b6
+#ifndef BLOCK_HASH_f20703bfe05c55bd
 #  error "block.h and block.c are of different builds; run tisserand build again"
 #endif
 

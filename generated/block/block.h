@@ -317,8 +317,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define BLOCK_HASH "e73191bf9baf50b6"
-#define BLOCK_HASH_e73191bf9baf50b6
+#define BLOCK_HASH "f20703bfe05c55bd"
+#define BLOCK_HASH_f20703bfe05c55bd
 
 /* ---- sizes and indices ---- */
 
@@ -679,8 +679,8 @@ int block_jacobian(
 /* ---- batches: mass, force and accel of n >= 0 states with the same time and constants. Element e of state
    b has the index e * n + b, in inputs and outputs. Where no product is fused with a sum
    (-ffp-contract=off) the numbers are those of the functions above, bit for bit. Blocks of 32
-   states are computed at a time, on some 13 kB of stack. accel_batch gives NaN for the accelerations of
-   a state that fails, and returns the code of the first of them; all other states are valid. ---- */
+   states are computed at a time, on some 13 kB of stack. accel_batch gives NaN
+   for a state that fails, and returns the code of the first of them; all other states are valid. ---- */
 
 int block_mass_batch(
     int n,

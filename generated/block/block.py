@@ -174,6 +174,17 @@ from typing import NamedTuple
 import numpy
 
 
+class ModelError(ValueError, ArithmeticError):
+    """There is no result. `code` is that of the C function: 1 a pivot vanished, 2 a value is not finite or positive.
+
+    `setup` raises it, and functions of a single state; of a batch of states, those that fail have NaN instead.
+    """
+
+    def __init__(self, code, text):
+        self.code = code
+        super().__init__(text)
+
+
 class Pattern(NamedTuple):
     """Compressed columns; of a symmetric matrix the lower triangle."""
 
@@ -185,7 +196,7 @@ class Pattern(NamedTuple):
 
 
 NAME = "block"
-HASH = "e73191bf9baf50b6"
+HASH = "f20703bfe05c55bd"
 COORDINATES = (
     "c1", "c2", "c3", "e0", "e1", "e2", "e3", "alpha1", "alpha2", "alpha3", "alpha4", "alpha5",
     "alpha6", "alpha7", "alpha8",
@@ -1202,11 +1213,17 @@ def accel(t, q, v, k):
             - t26 * t25 - t28 * t27 - t30 * t29 - t32 * t31
     )
     valid_1 = (pivot_pi1 - 5.684341886080802e-14 * J_11) > 0
+    _require(batch[0] or valid_1, 1, "the pivot of pi1 vanished")
     valid_2 = (pivot_pi2 - 5.684341886080802e-14 * J_22) > 0
+    _require(batch[0] or valid_2, 1, "the pivot of pi2 vanished")
     valid_3 = (pivot_alpha4 - 5.684341886080802e-14) > 0
+    _require(batch[0] or valid_3, 1, "the pivot of alpha4 vanished")
     valid_4 = (pivot_alpha5 - 5.684341886080802e-14) > 0
+    _require(batch[0] or valid_4, 1, "the pivot of alpha5 vanished")
     valid_5 = (pivot_alpha6 - 5.684341886080802e-14) > 0
+    _require(batch[0] or valid_5, 1, "the pivot of alpha6 vanished")
     valid_6 = (pivot_pi3 - 5.684341886080802e-14 * J_33) > 0
+    _require(batch[0] or valid_6, 1, "the pivot of pi3 vanished")
 
     # oo (5): oo_11 = products of omega; ...; oo_33 = products of omega
     oo_11 = omega1 * omega1
@@ -1361,9 +1378,13 @@ def accel(t, q, v, k):
     t65 = t44 + d3_8_1 * t60 + d3_8_3 * t55
     vdot_13 = -t65
 
+    # check: check that the result is finite
+    valid_7 = xp.isfinite(t60 + t59 + t55 + t61 + t62 - t63 + t58 + t57 + t56 - t64 - t65)
+    _require(batch[0] or valid_7, 2, "an acceleration is not finite")
+
     vdot = _stack(xp, batch, (vdot_0, vdot_1, vdot_2, vdot_3, vdot_4, vdot_5, vdot_6, vdot_7,
         vdot_8, vdot_9, vdot_10, vdot_11, vdot_12, vdot_13))
-    return _where(xp, valid_1 & valid_2 & valid_3 & valid_4 & valid_5 & valid_6, vdot)
+    return _where(xp, valid_1 & valid_2 & valid_3 & valid_4 & valid_5 & valid_6 & valid_7, vdot)
 
 
 def energy(q, v, k):
@@ -3600,6 +3621,6 @@ def _where(xp, valid, values):
     return xp.where(valid[..., None], values, xp.full(values.shape, float("nan"), dtype=values.dtype))
 
 
-def _require(holds, text):
+def _require(holds, code, text):
     if not holds:
-        raise ValueError(text)
+        raise ModelError(code, text)

@@ -239,8 +239,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define BODY_SYMBOLIC_HASH "f4fc1befa5964220"
-#define BODY_SYMBOLIC_HASH_f4fc1befa5964220
+#define BODY_SYMBOLIC_HASH "23fb680abe5dab2a"
+#define BODY_SYMBOLIC_HASH_23fb680abe5dab2a
 
 /* ---- sizes and indices ---- */
 
@@ -486,8 +486,8 @@ int body_symbolic_jacobian(
 /* ---- batches: mass, force and accel of n >= 0 states with the same time and constants. Element e of state
    b has the index e * n + b, in inputs and outputs. Where no product is fused with a sum
    (-ffp-contract=off) the numbers are those of the functions above, bit for bit. Blocks of 32
-   states are computed at a time, on some 76 kB of stack. accel_batch gives NaN for the accelerations of
-   a state that fails, and returns the code of the first of them; all other states are valid. ---- */
+   states are computed at a time, on some 76 kB of stack. accel_batch gives NaN
+   for a state that fails, and returns the code of the first of them; all other states are valid. ---- */
 
 int body_symbolic_mass_batch(
     int n,

@@ -97,6 +97,17 @@ from typing import NamedTuple
 import numpy
 
 
+class ModelError(ValueError, ArithmeticError):
+    """There is no result. `code` is that of the C function: 1 a pivot vanished, 2 a value is not finite or positive.
+
+    `setup` raises it, and functions of a single state; of a batch of states, those that fail have NaN instead.
+    """
+
+    def __init__(self, code, text):
+        self.code = code
+        super().__init__(text)
+
+
 class Pattern(NamedTuple):
     """Compressed columns; of a symmetric matrix the lower triangle."""
 
@@ -120,7 +131,7 @@ def _columns(rows, groups, symmetric):
 
 
 NAME = "body_symbolic"
-HASH = "f4fc1befa5964220"
+HASH = "23fb680abe5dab2a"
 COORDINATES = (
     "c1", "c2", "c3", "e0", "e1", "e2", "e3", "alpha1", "alpha2", "alpha3", "alpha4", "alpha5",
     "alpha6", "alpha7", "alpha8",
@@ -216,8 +227,8 @@ def setup(p):
     k = _empty(xp, batch, 639)
 
     # checks: checks of the parameters
-    _require(xp.all(xp.isfinite(p)), "a parameter is not finite")
-    _require(xp.all(p_m > 0), "m must be positive")
+    _require(xp.all(xp.isfinite(p)), 2, "a parameter is not finite")
+    _require(xp.all(p_m > 0), 2, "m must be positive")
 
     # constants (appendix): shape integrals and stiffness in the layout of the loops
     even = _pairs(8, 1)
@@ -708,15 +719,20 @@ def accel(t, q, v, k):
 
     # vdot (LDL^T): accelerations of the rigid motion: eliminate c1, c2, c3, pi1, pi2, pi3
     valid_1 = (M_11 - 5.684341886080802e-14 * M_11) > 0
+    _require(batch[0] or valid_1, 1, "the pivot of c1 vanished")
     valid_2 = (M_22 - 5.684341886080802e-14 * M_22) > 0
+    _require(batch[0] or valid_2, 1, "the pivot of c2 vanished")
     valid_3 = (M_33 - 5.684341886080802e-14 * M_33) > 0
+    _require(batch[0] or valid_3, 1, "the pivot of c3 vanished")
     t4 = M_44 - BB_44
     valid_4 = (t4 - 5.684341886080802e-14 * M_44) > 0
+    _require(batch[0] or valid_4, 1, "the pivot of pi1 vanished")
     t5 = M_54 - BB_54
     inverse_t4 = 1 / t4
     t6 = t5 * inverse_t4
     t7 = M_55 - BB_55 - t6 * t5
     valid_5 = (t7 - 5.684341886080802e-14 * M_55) > 0
+    _require(batch[0] or valid_5, 1, "the pivot of pi2 vanished")
     t8 = M_64 - BB_64
     t9 = t8 * inverse_t4
     t10 = M_65 - BB_65 - t9 * t5
@@ -724,6 +740,7 @@ def accel(t, q, v, k):
     t11 = t10 * inverse_t7
     t12 = M_66 - BB_66 - t9 * t8 - t11 * t10
     valid_6 = (t12 - 5.684341886080802e-14 * M_66) > 0
+    _require(batch[0] or valid_6, 1, "the pivot of pi3 vanished")
     c1ddot = -(h_c1 / M_11)
     vdot[..., 0] = c1ddot
     c2ddot = -(h_c2 / M_22)
@@ -748,7 +765,11 @@ def accel(t, q, v, k):
     # sums (appendix): shapes = sum that is finite if all are
     shapes = xp.sum(x, axis=-1)
 
-    return _where(xp, valid_1 & valid_2 & valid_3 & valid_4 & valid_5 & valid_6, vdot)
+    # check: check that the result is finite
+    valid_7 = xp.isfinite(c1ddot + c2ddot + c3ddot + omega1dot + omega2dot + omega3dot + shapes)
+    _require(batch[0] or valid_7, 2, "an acceleration is not finite")
+
+    return _where(xp, valid_1 & valid_2 & valid_3 & valid_4 & valid_5 & valid_6 & valid_7, vdot)
 
 
 def energy(q, v, k):
@@ -1440,9 +1461,9 @@ def _where(xp, valid, values):
     return xp.where(valid[..., None], values, xp.full(values.shape, float("nan"), dtype=values.dtype))
 
 
-def _require(holds, text):
+def _require(holds, code, text):
     if not holds:
-        raise ValueError(text)
+        raise ModelError(code, text)
 
 
 def _last(value):

@@ -291,8 +291,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define CRANK_SLIDER_3_HASH "d74558357ce5d248"
-#define CRANK_SLIDER_3_HASH_d74558357ce5d248
+#define CRANK_SLIDER_3_HASH "9b127325cd7807c4"
+#define CRANK_SLIDER_3_HASH_9b127325cd7807c4
 
 /* ---- sizes and indices ---- */
 
@@ -976,8 +976,8 @@ int crank_slider_3_jacobian_index1(
 /* ---- batches: mass, force and accel of n >= 0 states with the same time and constants. Element e of state
    b has the index e * n + b, in inputs and outputs. Where no product is fused with a sum
    (-ffp-contract=off) the numbers are those of the functions above, bit for bit. Blocks of 32
-   states are computed at a time, on some 15 kB of stack. accel_batch gives NaN for the accelerations of
-   a state that fails, and returns the code of the first of them; all other states are valid. ---- */
+   states are computed at a time, on some 15 kB of stack. accel_batch gives NaN
+   for a state that fails, and returns the code of the first of them; all other states are valid. ---- */
 
 int crank_slider_3_mass_batch(
     int n,

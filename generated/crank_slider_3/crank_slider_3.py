@@ -145,6 +145,17 @@ from typing import NamedTuple
 import numpy
 
 
+class ModelError(ValueError, ArithmeticError):
+    """There is no result. `code` is that of the C function: 1 a pivot vanished, 2 a value is not finite or positive.
+
+    `setup` raises it, and functions of a single state; of a batch of states, those that fail have NaN instead.
+    """
+
+    def __init__(self, code, text):
+        self.code = code
+        super().__init__(text)
+
+
 class Pattern(NamedTuple):
     """Compressed columns; of a symmetric matrix the lower triangle."""
 
@@ -156,7 +167,7 @@ class Pattern(NamedTuple):
 
 
 NAME = "crank_slider_3"
-HASH = "d74558357ce5d248"
+HASH = "9b127325cd7807c4"
 COORDINATES = (
     "rod_1_c1", "rod_1_c2", "rod_1_phi", "rod_1_alpha1", "rod_1_alpha2", "rod_2_c1", "rod_2_c2",
     "rod_2_phi", "rod_2_alpha1", "rod_2_alpha2", "rod_3_c1", "rod_3_c2", "rod_3_phi",
@@ -945,18 +956,31 @@ def accel(t, q, v, k):
             - t122 * t121 - t123
     )
     valid_1 = rod_1_J > 0
+    _require(batch[0] or valid_1, 1, "the pivot of rod_1_phi vanished")
     valid_2 = t14 > 0
+    _require(batch[0] or valid_2, 1, "the pivot of crank_pin_1 vanished")
     valid_3 = (-(pivot_crank_pin_2 + 5.684341886080802e-14 * t19)) > 0
+    _require(batch[0] or valid_3, 1, "the pivot of crank_pin_2 vanished")
     valid_4 = rod_3_J > 0
+    _require(batch[0] or valid_4, 1, "the pivot of rod_3_phi vanished")
     valid_5 = t32 > 0
+    _require(batch[0] or valid_5, 1, "the pivot of slider_pin_1 vanished")
     valid_6 = (-(pivot_slider_pin_2 + 5.684341886080802e-14 * t37)) > 0
+    _require(batch[0] or valid_6, 1, "the pivot of slider_pin_2 vanished")
     valid_7 = rod_2_J > 0
+    _require(batch[0] or valid_7, 1, "the pivot of rod_2_phi vanished")
     valid_8 = (-(pivot_rod_cut_2_turn + 5.684341886080802e-14 * t42)) > 0
+    _require(batch[0] or valid_8, 1, "the pivot of rod_cut_2_turn vanished")
     valid_9 = (-(pivot_rod_cut_1_1 + 5.684341886080802e-14 * t57)) > 0
+    _require(batch[0] or valid_9, 1, "the pivot of rod_cut_1_1 vanished")
     valid_10 = (-(pivot_rod_cut_1_2 + 5.684341886080802e-14 * t76)) > 0
+    _require(batch[0] or valid_10, 1, "the pivot of rod_cut_1_2 vanished")
     valid_11 = (-(pivot_rod_cut_1_turn + 5.684341886080802e-14 * t91)) > 0
+    _require(batch[0] or valid_11, 1, "the pivot of rod_cut_1_turn vanished")
     valid_12 = (-(pivot_rod_cut_2_1 + 5.684341886080802e-14 * t106)) > 0
+    _require(batch[0] or valid_12, 1, "the pivot of rod_cut_2_1 vanished")
     valid_13 = (-(pivot_rod_cut_2_2 + 5.684341886080802e-14 * t123)) > 0
+    _require(batch[0] or valid_13, 1, "the pivot of rod_cut_2_2 vanished")
 
     # crank (1): crank_phi = prescribed rotation of crank
     crank_phi = 150 * t
@@ -1124,9 +1148,16 @@ def accel(t, q, v, k):
     t195 = t189 / (33377851 / 1000000000)
     vdot_15 = t195
 
+    # check: check that the result is finite
+    valid_14 = (
+        xp.isfinite(t172 + t174 + t175 + t176 + t178 + t180 + t182 + t184 + t185 + t187 + t190
+            + t191 + t192 + t193 + t194 + t195)
+    )
+    _require(batch[0] or valid_14, 2, "a result is not finite")
+
     vdot = _stack(xp, batch, (vdot_0, vdot_1, vdot_2, vdot_3, vdot_4, vdot_5, vdot_6, vdot_7,
         vdot_8, vdot_9, vdot_10, vdot_11, vdot_12, vdot_13, vdot_14, vdot_15))
-    return _where(xp, valid_1 & valid_2 & valid_3 & valid_4 & valid_5 & valid_6 & valid_7 & valid_8 & valid_9 & valid_10 & valid_11 & valid_12 & valid_13, vdot)
+    return _where(xp, valid_1 & valid_2 & valid_3 & valid_4 & valid_5 & valid_6 & valid_7 & valid_8 & valid_9 & valid_10 & valid_11 & valid_12 & valid_13 & valid_14, vdot)
 
 
 def energy(q, v, k):
@@ -2646,18 +2677,31 @@ def solve(t, q, v, k):
             - t122 * t121 - t123
     )
     valid_1 = rod_1_J > 0
+    _require(batch[0] or valid_1, 1, "the pivot of rod_1_phi vanished")
     valid_2 = t14 > 0
+    _require(batch[0] or valid_2, 1, "the pivot of crank_pin_1 vanished")
     valid_3 = (-(pivot_crank_pin_2 + 5.684341886080802e-14 * t19)) > 0
+    _require(batch[0] or valid_3, 1, "the pivot of crank_pin_2 vanished")
     valid_4 = rod_3_J > 0
+    _require(batch[0] or valid_4, 1, "the pivot of rod_3_phi vanished")
     valid_5 = t32 > 0
+    _require(batch[0] or valid_5, 1, "the pivot of slider_pin_1 vanished")
     valid_6 = (-(pivot_slider_pin_2 + 5.684341886080802e-14 * t37)) > 0
+    _require(batch[0] or valid_6, 1, "the pivot of slider_pin_2 vanished")
     valid_7 = rod_2_J > 0
+    _require(batch[0] or valid_7, 1, "the pivot of rod_2_phi vanished")
     valid_8 = (-(pivot_rod_cut_2_turn + 5.684341886080802e-14 * t42)) > 0
+    _require(batch[0] or valid_8, 1, "the pivot of rod_cut_2_turn vanished")
     valid_9 = (-(pivot_rod_cut_1_1 + 5.684341886080802e-14 * t57)) > 0
+    _require(batch[0] or valid_9, 1, "the pivot of rod_cut_1_1 vanished")
     valid_10 = (-(pivot_rod_cut_1_2 + 5.684341886080802e-14 * t76)) > 0
+    _require(batch[0] or valid_10, 1, "the pivot of rod_cut_1_2 vanished")
     valid_11 = (-(pivot_rod_cut_1_turn + 5.684341886080802e-14 * t91)) > 0
+    _require(batch[0] or valid_11, 1, "the pivot of rod_cut_1_turn vanished")
     valid_12 = (-(pivot_rod_cut_2_1 + 5.684341886080802e-14 * t106)) > 0
+    _require(batch[0] or valid_12, 1, "the pivot of rod_cut_2_1 vanished")
     valid_13 = (-(pivot_rod_cut_2_2 + 5.684341886080802e-14 * t123)) > 0
+    _require(batch[0] or valid_13, 1, "the pivot of rod_cut_2_2 vanished")
 
     # crank (1): crank_phi = prescribed rotation of crank
     crank_phi = 150 * t
@@ -2835,10 +2879,18 @@ def solve(t, q, v, k):
     lam_8 = t164
     lam_9 = t183
 
+    # check: check that the result is finite
+    valid_14 = (
+        xp.isfinite(t172 + t174 + t175 + t176 + t178 + t180 + t182 + t184 + t185 + t187 + t190
+            + t191 + t192 + t193 + t194 + t195 + t170 + t169 + t189 + t188 + t168 + t167 + t166
+            + t165 + t164 + t183)
+    )
+    _require(batch[0] or valid_14, 2, "a result is not finite")
+
     vdot = _stack(xp, batch, (vdot_0, vdot_1, vdot_2, vdot_3, vdot_4, vdot_5, vdot_6, vdot_7,
         vdot_8, vdot_9, vdot_10, vdot_11, vdot_12, vdot_13, vdot_14, vdot_15))
     lam = _stack(xp, batch, (lam_0, lam_1, lam_2, lam_3, lam_4, lam_5, lam_6, lam_7, lam_8, lam_9))
-    return _where(xp, valid_1 & valid_2 & valid_3 & valid_4 & valid_5 & valid_6 & valid_7 & valid_8 & valid_9 & valid_10 & valid_11 & valid_12 & valid_13, vdot), _where(xp, valid_1 & valid_2 & valid_3 & valid_4 & valid_5 & valid_6 & valid_7 & valid_8 & valid_9 & valid_10 & valid_11 & valid_12 & valid_13, lam)
+    return _where(xp, valid_1 & valid_2 & valid_3 & valid_4 & valid_5 & valid_6 & valid_7 & valid_8 & valid_9 & valid_10 & valid_11 & valid_12 & valid_13 & valid_14, vdot), _where(xp, valid_1 & valid_2 & valid_3 & valid_4 & valid_5 & valid_6 & valid_7 & valid_8 & valid_9 & valid_10 & valid_11 & valid_12 & valid_13 & valid_14, lam)
 
 
 def project_velocity(t, q, k, r):
@@ -3143,18 +3195,31 @@ def project_velocity(t, q, k, r):
             - t122 * t121 - t123
     )
     valid_1 = rod_1_J > 0
+    _require(batch[0] or valid_1, 1, "the pivot of rod_1_phi vanished")
     valid_2 = t14 > 0
+    _require(batch[0] or valid_2, 1, "the pivot of crank_pin_1 vanished")
     valid_3 = (-(pivot_crank_pin_2 + 5.684341886080802e-14 * t19)) > 0
+    _require(batch[0] or valid_3, 1, "the pivot of crank_pin_2 vanished")
     valid_4 = rod_3_J > 0
+    _require(batch[0] or valid_4, 1, "the pivot of rod_3_phi vanished")
     valid_5 = t32 > 0
+    _require(batch[0] or valid_5, 1, "the pivot of slider_pin_1 vanished")
     valid_6 = (-(pivot_slider_pin_2 + 5.684341886080802e-14 * t37)) > 0
+    _require(batch[0] or valid_6, 1, "the pivot of slider_pin_2 vanished")
     valid_7 = rod_2_J > 0
+    _require(batch[0] or valid_7, 1, "the pivot of rod_2_phi vanished")
     valid_8 = (-(pivot_rod_cut_2_turn + 5.684341886080802e-14 * t42)) > 0
+    _require(batch[0] or valid_8, 1, "the pivot of rod_cut_2_turn vanished")
     valid_9 = (-(pivot_rod_cut_1_1 + 5.684341886080802e-14 * t57)) > 0
+    _require(batch[0] or valid_9, 1, "the pivot of rod_cut_1_1 vanished")
     valid_10 = (-(pivot_rod_cut_1_2 + 5.684341886080802e-14 * t76)) > 0
+    _require(batch[0] or valid_10, 1, "the pivot of rod_cut_1_2 vanished")
     valid_11 = (-(pivot_rod_cut_1_turn + 5.684341886080802e-14 * t91)) > 0
+    _require(batch[0] or valid_11, 1, "the pivot of rod_cut_1_turn vanished")
     valid_12 = (-(pivot_rod_cut_2_1 + 5.684341886080802e-14 * t106)) > 0
+    _require(batch[0] or valid_12, 1, "the pivot of rod_cut_2_1 vanished")
     valid_13 = (-(pivot_rod_cut_2_2 + 5.684341886080802e-14 * t123)) > 0
+    _require(batch[0] or valid_13, 1, "the pivot of rod_cut_2_2 vanished")
 
     # solution (LDL^T): forward, diagonal and back substitution
     t124 = r_crank_pin_2 + t15 * r_crank_pin_1
@@ -3230,9 +3295,16 @@ def project_velocity(t, q, k, r):
     t162 = t156 / (33377851 / 1000000000)
     dv_15 = t162
 
+    # check: check that the result is finite
+    valid_14 = (
+        xp.isfinite(t139 - t141 + t142 + t143 + t145 + t147 + t149 + t151 + t152 + t154 + t157
+            + t158 + t159 + t160 + t161 + t162)
+    )
+    _require(batch[0] or valid_14, 2, "a result is not finite")
+
     dv = _stack(xp, batch, (dv_0, dv_1, dv_2, dv_3, dv_4, dv_5, dv_6, dv_7, dv_8, dv_9, dv_10,
         dv_11, dv_12, dv_13, dv_14, dv_15))
-    return _where(xp, valid_1 & valid_2 & valid_3 & valid_4 & valid_5 & valid_6 & valid_7 & valid_8 & valid_9 & valid_10 & valid_11 & valid_12 & valid_13, dv)
+    return _where(xp, valid_1 & valid_2 & valid_3 & valid_4 & valid_5 & valid_6 & valid_7 & valid_8 & valid_9 & valid_10 & valid_11 & valid_12 & valid_13 & valid_14, dv)
 
 
 def poses(t, q, k):
@@ -6032,6 +6104,6 @@ def _where(xp, valid, values):
     return xp.where(valid[..., None], values, xp.full(values.shape, float("nan"), dtype=values.dtype))
 
 
-def _require(holds, text):
+def _require(holds, code, text):
     if not holds:
-        raise ValueError(text)
+        raise ModelError(code, text)

@@ -274,8 +274,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define DOUBLE_PENDULUM_HASH "d7140a645c80e0db"
-#define DOUBLE_PENDULUM_HASH_d7140a645c80e0db
+#define DOUBLE_PENDULUM_HASH "86fb606b349412d0"
+#define DOUBLE_PENDULUM_HASH_86fb606b349412d0
 
 /* ---- sizes and indices ---- */
 
@@ -997,8 +997,8 @@ int double_pendulum_jacobian_index1(
 /* ---- batches: mass, force and accel of n >= 0 states with the same time and constants. Element e of state
    b has the index e * n + b, in inputs and outputs. Where no product is fused with a sum
    (-ffp-contract=off) the numbers are those of the functions above, bit for bit. Blocks of 32
-   states are computed at a time, on some 9 kB of stack. accel_batch gives NaN for the accelerations of
-   a state that fails, and returns the code of the first of them; all other states are valid. ---- */
+   states are computed at a time, on some 9 kB of stack. accel_batch gives NaN
+   for a state that fails, and returns the code of the first of them; all other states are valid. ---- */
 
 int double_pendulum_mass_batch(
     int n,

@@ -133,6 +133,17 @@ from typing import NamedTuple
 import numpy
 
 
+class ModelError(ValueError, ArithmeticError):
+    """There is no result. `code` is that of the C function: 1 a pivot vanished, 2 a value is not finite or positive.
+
+    `setup` raises it, and functions of a single state; of a batch of states, those that fail have NaN instead.
+    """
+
+    def __init__(self, code, text):
+        self.code = code
+        super().__init__(text)
+
+
 class Pattern(NamedTuple):
     """Compressed columns; of a symmetric matrix the lower triangle."""
 
@@ -144,7 +155,7 @@ class Pattern(NamedTuple):
 
 
 NAME = "double_pendulum"
-HASH = "d7140a645c80e0db"
+HASH = "86fb606b349412d0"
 COORDINATES = (
     "upper_c1", "upper_c2", "upper_phi", "upper_alpha1", "upper_alpha2", "lower_c1", "lower_c2",
     "lower_phi", "lower_alpha1", "lower_alpha2",
@@ -669,11 +680,17 @@ def accel(t, q, v, k):
     )
     pivot_elbow_2 = t30 * t29 - t32 * t31 - t37 * t36 - t38
     valid_1 = lower_J > 0
+    _require(batch[0] or valid_1, 1, "the pivot of lower_phi vanished")
     valid_2 = upper_J > 0
+    _require(batch[0] or valid_2, 1, "the pivot of upper_phi vanished")
     valid_3 = t13 > 0
+    _require(batch[0] or valid_3, 1, "the pivot of hinge_1 vanished")
     valid_4 = (-(pivot_hinge_2 + 5.684341886080802e-14 * t18)) > 0
+    _require(batch[0] or valid_4, 1, "the pivot of hinge_2 vanished")
     valid_5 = (-(pivot_elbow_1 + 5.684341886080802e-14 * t27)) > 0
+    _require(batch[0] or valid_5, 1, "the pivot of elbow_1 vanished")
     valid_6 = (-(pivot_elbow_2 + 5.684341886080802e-14 * t38)) > 0
+    _require(batch[0] or valid_6, 1, "the pivot of elbow_2 vanished")
 
     # upper D2dot (appendix): upper_D2dot = int rho r . rdot
     upper_D2dot = upper_alpha1dot * upper_D2_1 + upper_alpha2dot * upper_D2_2
@@ -736,9 +753,13 @@ def accel(t, q, v, k):
     t70 = t24 * t57 - t52 / (14128191 / 1000000000) - t33 * t56
     vdot_9 = t70
 
+    # check: check that the result is finite
+    valid_7 = xp.isfinite(t61 + t63 + t64 + t65 + t66 + t60 + t67 + t68 + t69 + t70)
+    _require(batch[0] or valid_7, 2, "a result is not finite")
+
     vdot = _stack(xp, batch, (vdot_0, vdot_1, vdot_2, vdot_3, vdot_4, vdot_5, vdot_6, vdot_7,
         vdot_8, vdot_9))
-    return _where(xp, valid_1 & valid_2 & valid_3 & valid_4 & valid_5 & valid_6, vdot)
+    return _where(xp, valid_1 & valid_2 & valid_3 & valid_4 & valid_5 & valid_6 & valid_7, vdot)
 
 
 def energy(q, v, k):
@@ -1993,11 +2014,17 @@ def solve(t, q, v, k):
     )
     pivot_elbow_2 = t30 * t29 - t32 * t31 - t37 * t36 - t38
     valid_1 = lower_J > 0
+    _require(batch[0] or valid_1, 1, "the pivot of lower_phi vanished")
     valid_2 = upper_J > 0
+    _require(batch[0] or valid_2, 1, "the pivot of upper_phi vanished")
     valid_3 = t13 > 0
+    _require(batch[0] or valid_3, 1, "the pivot of hinge_1 vanished")
     valid_4 = (-(pivot_hinge_2 + 5.684341886080802e-14 * t18)) > 0
+    _require(batch[0] or valid_4, 1, "the pivot of hinge_2 vanished")
     valid_5 = (-(pivot_elbow_1 + 5.684341886080802e-14 * t27)) > 0
+    _require(batch[0] or valid_5, 1, "the pivot of elbow_1 vanished")
     valid_6 = (-(pivot_elbow_2 + 5.684341886080802e-14 * t38)) > 0
+    _require(batch[0] or valid_6, 1, "the pivot of elbow_2 vanished")
 
     # upper D2dot (appendix): upper_D2dot = int rho r . rdot
     upper_D2dot = upper_alpha1dot * upper_D2_1 + upper_alpha2dot * upper_D2_2
@@ -2064,10 +2091,17 @@ def solve(t, q, v, k):
     lam_2 = t57
     lam_3 = t56
 
+    # check: check that the result is finite
+    valid_7 = (
+        xp.isfinite(t61 + t63 + t64 + t65 + t66 + t60 + t67 + t68 + t69 + t70 + t59 + t58 + t57
+            + t56)
+    )
+    _require(batch[0] or valid_7, 2, "a result is not finite")
+
     vdot = _stack(xp, batch, (vdot_0, vdot_1, vdot_2, vdot_3, vdot_4, vdot_5, vdot_6, vdot_7,
         vdot_8, vdot_9))
     lam = _stack(xp, batch, (lam_0, lam_1, lam_2, lam_3))
-    return _where(xp, valid_1 & valid_2 & valid_3 & valid_4 & valid_5 & valid_6, vdot), _where(xp, valid_1 & valid_2 & valid_3 & valid_4 & valid_5 & valid_6, lam)
+    return _where(xp, valid_1 & valid_2 & valid_3 & valid_4 & valid_5 & valid_6 & valid_7, vdot), _where(xp, valid_1 & valid_2 & valid_3 & valid_4 & valid_5 & valid_6 & valid_7, lam)
 
 
 def project_velocity(t, q, k, r):
@@ -2198,11 +2232,17 @@ def project_velocity(t, q, k, r):
     )
     pivot_elbow_2 = t30 * t29 - t32 * t31 - t37 * t36 - t38
     valid_1 = lower_J > 0
+    _require(batch[0] or valid_1, 1, "the pivot of lower_phi vanished")
     valid_2 = upper_J > 0
+    _require(batch[0] or valid_2, 1, "the pivot of upper_phi vanished")
     valid_3 = t13 > 0
+    _require(batch[0] or valid_3, 1, "the pivot of hinge_1 vanished")
     valid_4 = (-(pivot_hinge_2 + 5.684341886080802e-14 * t18)) > 0
+    _require(batch[0] or valid_4, 1, "the pivot of hinge_2 vanished")
     valid_5 = (-(pivot_elbow_1 + 5.684341886080802e-14 * t27)) > 0
+    _require(batch[0] or valid_5, 1, "the pivot of elbow_1 vanished")
     valid_6 = (-(pivot_elbow_2 + 5.684341886080802e-14 * t38)) > 0
+    _require(batch[0] or valid_6, 1, "the pivot of elbow_2 vanished")
 
     # solution (LDL^T): forward, diagonal and back substitution
     t39 = r_hinge_2 + t14 * r_hinge_1
@@ -2232,8 +2272,12 @@ def project_velocity(t, q, k, r):
     t54 = t24 * t42 - t33 * t41
     dv_9 = t54
 
+    # check: check that the result is finite
+    valid_7 = xp.isfinite(t46 - t48 + t49 + t50 + t51 + t45 + t47 + t52 + t53 + t54)
+    _require(batch[0] or valid_7, 2, "a result is not finite")
+
     dv = _stack(xp, batch, (dv_0, dv_1, dv_2, dv_3, dv_4, dv_5, dv_6, dv_7, dv_8, dv_9))
-    return _where(xp, valid_1 & valid_2 & valid_3 & valid_4 & valid_5 & valid_6, dv)
+    return _where(xp, valid_1 & valid_2 & valid_3 & valid_4 & valid_5 & valid_6 & valid_7, dv)
 
 
 def poses(t, q, k):
@@ -3756,6 +3800,6 @@ def _where(xp, valid, values):
     return xp.where(valid[..., None], values, xp.full(values.shape, float("nan"), dtype=values.dtype))
 
 
-def _require(holds, text):
+def _require(holds, code, text):
     if not holds:
-        raise ValueError(text)
+        raise ModelError(code, text)

@@ -13,7 +13,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef FOUR_BAR_HASH_a58b4622cbb757ab
+#ifndef FOUR_BAR_HASH_45e1c50463bbc1d2
 #  error "four_bar.h and four_bar.c are of different builds; run tisserand build again"
 #endif
 

@@ -316,8 +316,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define FOUR_BAR_HASH "a58b4622cbb757ab"
-#define FOUR_BAR_HASH_a58b4622cbb757ab
+#define FOUR_BAR_HASH "45e1c50463bbc1d2"
+#define FOUR_BAR_HASH_45e1c50463bbc1d2
 
 /* ---- sizes and indices ---- */
 
@@ -1218,8 +1218,8 @@ int four_bar_jacobian_index1(
 /* ---- batches: mass, force and accel of n >= 0 states with the same time and constants. Element e of state
    b has the index e * n + b, in inputs and outputs. Where no product is fused with a sum
    (-ffp-contract=off) the numbers are those of the functions above, bit for bit. Blocks of 32
-   states are computed at a time, on some 14 kB of stack. accel_batch gives NaN for the accelerations of
-   a state that fails, and returns the code of the first of them; all other states are valid. ---- */
+   states are computed at a time, on some 14 kB of stack. accel_batch gives NaN
+   for a state that fails, and returns the code of the first of them; all other states are valid. ---- */
 
 int four_bar_mass_batch(
     int n,

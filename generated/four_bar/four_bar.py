@@ -171,6 +171,17 @@ from typing import NamedTuple
 import numpy
 
 
+class ModelError(ValueError, ArithmeticError):
+    """There is no result. `code` is that of the C function: 1 a pivot vanished, 2 a value is not finite or positive.
+
+    `setup` raises it, and functions of a single state; of a batch of states, those that fail have NaN instead.
+    """
+
+    def __init__(self, code, text):
+        self.code = code
+        super().__init__(text)
+
+
 class Pattern(NamedTuple):
     """Compressed columns; of a symmetric matrix the lower triangle."""
 
@@ -182,7 +193,7 @@ class Pattern(NamedTuple):
 
 
 NAME = "four_bar"
-HASH = "a58b4622cbb757ab"
+HASH = "45e1c50463bbc1d2"
 COORDINATES = (
     "crank_c1", "crank_c2", "crank_phi", "crank_alpha1", "crank_alpha2", "coupler_c1",
     "coupler_c2", "coupler_phi", "coupler_alpha1", "coupler_alpha2", "rocker_c1", "rocker_c2",
@@ -447,14 +458,14 @@ def setup(p):
     k_5 = rocker_K_2_2
 
     # checks: checks of the parameters
-    _require(xp.all(p_EI > 0), "EI must be positive")
-    _require(xp.all(xp.isfinite(p_EI)), "EI must be finite")
-    _require(xp.all(xp.isfinite(crank_K_1_1)), "crank_K_1_1 is not finite")
-    _require(xp.all(xp.isfinite(crank_K_2_2)), "crank_K_2_2 is not finite")
-    _require(xp.all(xp.isfinite(coupler_K_1_1)), "coupler_K_1_1 is not finite")
-    _require(xp.all(xp.isfinite(coupler_K_2_2)), "coupler_K_2_2 is not finite")
-    _require(xp.all(xp.isfinite(rocker_K_1_1)), "rocker_K_1_1 is not finite")
-    _require(xp.all(xp.isfinite(rocker_K_2_2)), "rocker_K_2_2 is not finite")
+    _require(xp.all(p_EI > 0), 2, "EI must be positive")
+    _require(xp.all(xp.isfinite(p_EI)), 2, "EI must be finite")
+    _require(xp.all(xp.isfinite(crank_K_1_1)), 2, "crank_K_1_1 is not finite")
+    _require(xp.all(xp.isfinite(crank_K_2_2)), 2, "crank_K_2_2 is not finite")
+    _require(xp.all(xp.isfinite(coupler_K_1_1)), 2, "coupler_K_1_1 is not finite")
+    _require(xp.all(xp.isfinite(coupler_K_2_2)), 2, "coupler_K_2_2 is not finite")
+    _require(xp.all(xp.isfinite(rocker_K_1_1)), 2, "rocker_K_1_1 is not finite")
+    _require(xp.all(xp.isfinite(rocker_K_2_2)), 2, "rocker_K_2_2 is not finite")
 
     k = _stack(xp, batch, (k_0, k_1, k_2, k_3, k_4, k_5))
     return k
@@ -1017,17 +1028,29 @@ def accel(t, q, v, k):
     )
     pivot_rocker_pin_2 = t88 * t87 - t90 * t89 - t93 * t92 - t95 * t94 - t97 * t96 - t98
     valid_1 = crank_J > 0
+    _require(batch[0] or valid_1, 1, "the pivot of crank_phi vanished")
     valid_2 = t7 > 0
+    _require(batch[0] or valid_2, 1, "the pivot of motor vanished")
     valid_3 = (-(pivot_shaft_1 + 5.684341886080802e-14 * t11)) > 0
+    _require(batch[0] or valid_3, 1, "the pivot of shaft_1 vanished")
     valid_4 = (-(pivot_shaft_2 + 5.684341886080802e-14 * t25)) > 0
+    _require(batch[0] or valid_4, 1, "the pivot of shaft_2 vanished")
     valid_5 = rocker_J > 0
+    _require(batch[0] or valid_5, 1, "the pivot of rocker_phi vanished")
     valid_6 = t39 > 0
+    _require(batch[0] or valid_6, 1, "the pivot of pivot_1 vanished")
     valid_7 = (-(pivot_pivot_2 + 5.684341886080802e-14 * t44)) > 0
+    _require(batch[0] or valid_7, 1, "the pivot of pivot_2 vanished")
     valid_8 = coupler_J > 0
+    _require(batch[0] or valid_8, 1, "the pivot of coupler_phi vanished")
     valid_9 = (-(pivot_crank_pin_1 + 5.684341886080802e-14 * t57)) > 0
+    _require(batch[0] or valid_9, 1, "the pivot of crank_pin_1 vanished")
     valid_10 = (-(pivot_crank_pin_2 + 5.684341886080802e-14 * t74)) > 0
+    _require(batch[0] or valid_10, 1, "the pivot of crank_pin_2 vanished")
     valid_11 = (-(pivot_rocker_pin_1 + 5.684341886080802e-14 * t85)) > 0
+    _require(batch[0] or valid_11, 1, "the pivot of rocker_pin_1 vanished")
     valid_12 = (-(pivot_rocker_pin_2 + 5.684341886080802e-14 * t98)) > 0
+    _require(batch[0] or valid_12, 1, "the pivot of rocker_pin_2 vanished")
 
     # crank D2dot (appendix): crank_D2dot = int rho r . rdot
     crank_D2dot = crank_alpha1dot * crank_D2_1 + crank_alpha2dot * crank_D2_2
@@ -1148,9 +1171,16 @@ def accel(t, q, v, k):
     t158 = t36 * t153 - t127 / (12362167 / 140000000) - t28 * t152 - t36 * t136 + t28 * t135
     vdot_14 = t158
 
+    # check: check that the result is finite
+    valid_13 = (
+        xp.isfinite(t141 + t142 + t144 + t145 + t146 + t147 + t148 + t149 + t150 + t151 + t154
+            + t155 + t156 + t157 + t158)
+    )
+    _require(batch[0] or valid_13, 2, "a result is not finite")
+
     vdot = _stack(xp, batch, (vdot_0, vdot_1, vdot_2, vdot_3, vdot_4, vdot_5, vdot_6, vdot_7,
         vdot_8, vdot_9, vdot_10, vdot_11, vdot_12, vdot_13, vdot_14))
-    return _where(xp, valid_1 & valid_2 & valid_3 & valid_4 & valid_5 & valid_6 & valid_7 & valid_8 & valid_9 & valid_10 & valid_11 & valid_12, vdot)
+    return _where(xp, valid_1 & valid_2 & valid_3 & valid_4 & valid_5 & valid_6 & valid_7 & valid_8 & valid_9 & valid_10 & valid_11 & valid_12 & valid_13, vdot)
 
 
 def energy(q, v, k):
@@ -3180,17 +3210,29 @@ def solve(t, q, v, k):
     )
     pivot_rocker_pin_2 = t88 * t87 - t90 * t89 - t93 * t92 - t95 * t94 - t97 * t96 - t98
     valid_1 = crank_J > 0
+    _require(batch[0] or valid_1, 1, "the pivot of crank_phi vanished")
     valid_2 = t7 > 0
+    _require(batch[0] or valid_2, 1, "the pivot of motor vanished")
     valid_3 = (-(pivot_shaft_1 + 5.684341886080802e-14 * t11)) > 0
+    _require(batch[0] or valid_3, 1, "the pivot of shaft_1 vanished")
     valid_4 = (-(pivot_shaft_2 + 5.684341886080802e-14 * t25)) > 0
+    _require(batch[0] or valid_4, 1, "the pivot of shaft_2 vanished")
     valid_5 = rocker_J > 0
+    _require(batch[0] or valid_5, 1, "the pivot of rocker_phi vanished")
     valid_6 = t39 > 0
+    _require(batch[0] or valid_6, 1, "the pivot of pivot_1 vanished")
     valid_7 = (-(pivot_pivot_2 + 5.684341886080802e-14 * t44)) > 0
+    _require(batch[0] or valid_7, 1, "the pivot of pivot_2 vanished")
     valid_8 = coupler_J > 0
+    _require(batch[0] or valid_8, 1, "the pivot of coupler_phi vanished")
     valid_9 = (-(pivot_crank_pin_1 + 5.684341886080802e-14 * t57)) > 0
+    _require(batch[0] or valid_9, 1, "the pivot of crank_pin_1 vanished")
     valid_10 = (-(pivot_crank_pin_2 + 5.684341886080802e-14 * t74)) > 0
+    _require(batch[0] or valid_10, 1, "the pivot of crank_pin_2 vanished")
     valid_11 = (-(pivot_rocker_pin_1 + 5.684341886080802e-14 * t85)) > 0
+    _require(batch[0] or valid_11, 1, "the pivot of rocker_pin_1 vanished")
     valid_12 = (-(pivot_rocker_pin_2 + 5.684341886080802e-14 * t98)) > 0
+    _require(batch[0] or valid_12, 1, "the pivot of rocker_pin_2 vanished")
 
     # crank D2dot (appendix): crank_D2dot = int rho r . rdot
     crank_D2dot = crank_alpha1dot * crank_D2_1 + crank_alpha2dot * crank_D2_2
@@ -3320,10 +3362,18 @@ def solve(t, q, v, k):
     lam_7 = t153
     lam_8 = t152
 
+    # check: check that the result is finite
+    valid_13 = (
+        xp.isfinite(t141 + t142 + t144 + t145 + t146 + t147 + t148 + t149 + t150 + t151 + t154
+            + t155 + t156 + t157 + t158 + t140 + t139 + t143 + t138 + t137 + t136 + t135 + t153
+            + t152)
+    )
+    _require(batch[0] or valid_13, 2, "a result is not finite")
+
     vdot = _stack(xp, batch, (vdot_0, vdot_1, vdot_2, vdot_3, vdot_4, vdot_5, vdot_6, vdot_7,
         vdot_8, vdot_9, vdot_10, vdot_11, vdot_12, vdot_13, vdot_14))
     lam = _stack(xp, batch, (lam_0, lam_1, lam_2, lam_3, lam_4, lam_5, lam_6, lam_7, lam_8))
-    return _where(xp, valid_1 & valid_2 & valid_3 & valid_4 & valid_5 & valid_6 & valid_7 & valid_8 & valid_9 & valid_10 & valid_11 & valid_12, vdot), _where(xp, valid_1 & valid_2 & valid_3 & valid_4 & valid_5 & valid_6 & valid_7 & valid_8 & valid_9 & valid_10 & valid_11 & valid_12, lam)
+    return _where(xp, valid_1 & valid_2 & valid_3 & valid_4 & valid_5 & valid_6 & valid_7 & valid_8 & valid_9 & valid_10 & valid_11 & valid_12 & valid_13, vdot), _where(xp, valid_1 & valid_2 & valid_3 & valid_4 & valid_5 & valid_6 & valid_7 & valid_8 & valid_9 & valid_10 & valid_11 & valid_12 & valid_13, lam)
 
 
 def project_velocity(t, q, k, r):
@@ -3575,17 +3625,29 @@ def project_velocity(t, q, k, r):
     )
     pivot_rocker_pin_2 = t88 * t87 - t90 * t89 - t93 * t92 - t95 * t94 - t97 * t96 - t98
     valid_1 = crank_J > 0
+    _require(batch[0] or valid_1, 1, "the pivot of crank_phi vanished")
     valid_2 = t7 > 0
+    _require(batch[0] or valid_2, 1, "the pivot of motor vanished")
     valid_3 = (-(pivot_shaft_1 + 5.684341886080802e-14 * t11)) > 0
+    _require(batch[0] or valid_3, 1, "the pivot of shaft_1 vanished")
     valid_4 = (-(pivot_shaft_2 + 5.684341886080802e-14 * t25)) > 0
+    _require(batch[0] or valid_4, 1, "the pivot of shaft_2 vanished")
     valid_5 = rocker_J > 0
+    _require(batch[0] or valid_5, 1, "the pivot of rocker_phi vanished")
     valid_6 = t39 > 0
+    _require(batch[0] or valid_6, 1, "the pivot of pivot_1 vanished")
     valid_7 = (-(pivot_pivot_2 + 5.684341886080802e-14 * t44)) > 0
+    _require(batch[0] or valid_7, 1, "the pivot of pivot_2 vanished")
     valid_8 = coupler_J > 0
+    _require(batch[0] or valid_8, 1, "the pivot of coupler_phi vanished")
     valid_9 = (-(pivot_crank_pin_1 + 5.684341886080802e-14 * t57)) > 0
+    _require(batch[0] or valid_9, 1, "the pivot of crank_pin_1 vanished")
     valid_10 = (-(pivot_crank_pin_2 + 5.684341886080802e-14 * t74)) > 0
+    _require(batch[0] or valid_10, 1, "the pivot of crank_pin_2 vanished")
     valid_11 = (-(pivot_rocker_pin_1 + 5.684341886080802e-14 * t85)) > 0
+    _require(batch[0] or valid_11, 1, "the pivot of rocker_pin_1 vanished")
     valid_12 = (-(pivot_rocker_pin_2 + 5.684341886080802e-14 * t98)) > 0
+    _require(batch[0] or valid_12, 1, "the pivot of rocker_pin_2 vanished")
 
     # solution (LDL^T): forward, diagonal and back substitution
     t99 = r_shaft_1 + t8 * r_motor
@@ -3637,9 +3699,16 @@ def project_velocity(t, q, k, r):
     t128 = t36 * t123 + t28 * t122 - t36 * t106 + t28 * t105
     dv_14 = t128
 
+    # check: check that the result is finite
+    valid_13 = (
+        xp.isfinite(t112 - t111 + t114 + t115 + t116 + t117 + t118 + t119 + t120 + t121 + t124
+            + t125 + t126 + t127 + t128)
+    )
+    _require(batch[0] or valid_13, 2, "a result is not finite")
+
     dv = _stack(xp, batch, (dv_0, dv_1, dv_2, dv_3, dv_4, dv_5, dv_6, dv_7, dv_8, dv_9, dv_10,
         dv_11, dv_12, dv_13, dv_14))
-    return _where(xp, valid_1 & valid_2 & valid_3 & valid_4 & valid_5 & valid_6 & valid_7 & valid_8 & valid_9 & valid_10 & valid_11 & valid_12, dv)
+    return _where(xp, valid_1 & valid_2 & valid_3 & valid_4 & valid_5 & valid_6 & valid_7 & valid_8 & valid_9 & valid_10 & valid_11 & valid_12 & valid_13, dv)
 
 
 def poses(t, q, k):
@@ -6225,6 +6294,6 @@ def _where(xp, valid, values):
     return xp.where(valid[..., None], values, xp.full(values.shape, float("nan"), dtype=values.dtype))
 
 
-def _require(holds, text):
+def _require(holds, code, text):
     if not holds:
-        raise ValueError(text)
+        raise ModelError(code, text)

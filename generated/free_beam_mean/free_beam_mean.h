@@ -238,8 +238,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define FREE_BEAM_MEAN_HASH "ead32c515aa4dd48"
-#define FREE_BEAM_MEAN_HASH_ead32c515aa4dd48
+#define FREE_BEAM_MEAN_HASH "9cb47f7aaacc16f7"
+#define FREE_BEAM_MEAN_HASH_9cb47f7aaacc16f7
 
 /* ---- sizes and indices ---- */
 
@@ -587,8 +587,8 @@ int free_beam_mean_jacobian(
 /* ---- batches: mass, force and accel of n >= 0 states with the same time and constants. Element e of state
    b has the index e * n + b, in inputs and outputs. Where no product is fused with a sum
    (-ffp-contract=off) the numbers are those of the functions above, bit for bit. Blocks of 32
-   states are computed at a time, on some 4 kB of stack. accel_batch gives NaN for the accelerations of
-   a state that fails, and returns the code of the first of them; all other states are valid. ---- */
+   states are computed at a time, on some 4 kB of stack. accel_batch gives NaN
+   for a state that fails, and returns the code of the first of them; all other states are valid. ---- */
 
 int free_beam_mean_mass_batch(
     int n,

@@ -97,6 +97,17 @@ from typing import NamedTuple
 import numpy
 
 
+class ModelError(ValueError, ArithmeticError):
+    """There is no result. `code` is that of the C function: 1 a pivot vanished, 2 a value is not finite or positive.
+
+    `setup` raises it, and functions of a single state; of a batch of states, those that fail have NaN instead.
+    """
+
+    def __init__(self, code, text):
+        self.code = code
+        super().__init__(text)
+
+
 class Pattern(NamedTuple):
     """Compressed columns; of a symmetric matrix the lower triangle."""
 
@@ -108,7 +119,7 @@ class Pattern(NamedTuple):
 
 
 NAME = "free_beam_mean"
-HASH = "ead32c515aa4dd48"
+HASH = "9cb47f7aaacc16f7"
 COORDINATES = ("c1", "c2", "phi", "alpha1", "alpha2")
 VELOCITIES = ("c1dot", "c2dot", "phidot", "alpha1dot", "alpha2dot")
 PARAMETERS = ("m", "l", "EI")
@@ -232,25 +243,25 @@ def setup(p):
     k_9 = inverse_c8_2_2
 
     # checks: checks of the parameters
-    _require(xp.all(p_m > 0), "m must be positive")
-    _require(xp.all(p_l > 0), "l must be positive")
-    _require(xp.all(p_EI > 0), "EI must be positive")
-    _require(xp.all(xp.isfinite(p_m)), "m must be finite")
-    _require(xp.all(xp.isfinite(p_l)), "l must be finite")
-    _require(xp.all(xp.isfinite(p_EI)), "EI must be finite")
-    _require(xp.all(xp.isfinite(p_m)), "mass is not finite")
-    _require(xp.all(xp.isfinite(C3)), "C3 is not finite")
-    _require(xp.all(xp.isfinite(c8_1_1)), "c8_1_1 is not finite")
-    _require(xp.all(xp.isfinite(c8_2_2)), "c8_2_2 is not finite")
-    _require(xp.all(xp.isfinite(K_1_1)), "K_1_1 is not finite")
-    _require(xp.all(xp.isfinite(K_2_2)), "K_2_2 is not finite")
-    _require(xp.all(xp.isfinite(X_left)), "X_left is not finite")
-    _require(xp.all(xp.isfinite(X_right)), "X_right is not finite")
-    _require(xp.all(xp.isfinite(inverse_c8_1_1)), "inverse_c8_1_1 is not finite")
-    _require(xp.all(xp.isfinite(inverse_c8_2_2)), "inverse_c8_2_2 is not finite")
-    _require(xp.all(p_m > 0), "the pivot of c1 vanished")
-    _require(xp.all(c8_1_1 > 0), "the pivot of alpha1 vanished")
-    _require(xp.all(c8_2_2 > 0), "the pivot of alpha2 vanished")
+    _require(xp.all(p_m > 0), 2, "m must be positive")
+    _require(xp.all(p_l > 0), 2, "l must be positive")
+    _require(xp.all(p_EI > 0), 2, "EI must be positive")
+    _require(xp.all(xp.isfinite(p_m)), 2, "m must be finite")
+    _require(xp.all(xp.isfinite(p_l)), 2, "l must be finite")
+    _require(xp.all(xp.isfinite(p_EI)), 2, "EI must be finite")
+    _require(xp.all(xp.isfinite(p_m)), 2, "mass is not finite")
+    _require(xp.all(xp.isfinite(C3)), 2, "C3 is not finite")
+    _require(xp.all(xp.isfinite(c8_1_1)), 2, "c8_1_1 is not finite")
+    _require(xp.all(xp.isfinite(c8_2_2)), 2, "c8_2_2 is not finite")
+    _require(xp.all(xp.isfinite(K_1_1)), 2, "K_1_1 is not finite")
+    _require(xp.all(xp.isfinite(K_2_2)), 2, "K_2_2 is not finite")
+    _require(xp.all(xp.isfinite(X_left)), 2, "X_left is not finite")
+    _require(xp.all(xp.isfinite(X_right)), 2, "X_right is not finite")
+    _require(xp.all(xp.isfinite(inverse_c8_1_1)), 2, "inverse_c8_1_1 is not finite")
+    _require(xp.all(xp.isfinite(inverse_c8_2_2)), 2, "inverse_c8_2_2 is not finite")
+    _require(xp.all(p_m > 0), 1, "the pivot of c1 vanished")
+    _require(xp.all(c8_1_1 > 0), 1, "the pivot of alpha1 vanished")
+    _require(xp.all(c8_2_2 > 0), 1, "the pivot of alpha2 vanished")
 
     k = _stack(xp, batch, (k_0, k_1, k_2, k_3, k_4, k_5, k_6, k_7, k_8, k_9))
     return k
@@ -431,6 +442,7 @@ def accel(t, q, v, k):
 
     # pivots (LDL^T): eliminate c1, c2, phi, alpha1, alpha2; no fill-in
     valid_1 = J > 0
+    _require(batch[0] or valid_1, 1, "the pivot of phi vanished")
 
     # D2dot (appendix): D2dot = int rho r . rdot
     D2dot = alpha1dot * D2_1 + alpha2dot * D2_2
@@ -446,8 +458,12 @@ def accel(t, q, v, k):
     t4 = (K_2_2 * alpha2 - t2 * D2_2) * inverse_c8_2_2
     vdot_4 = -t4
 
+    # check: check that the result is finite
+    valid_2 = xp.isfinite(-(t1 + t3) - t4)
+    _require(batch[0] or valid_2, 2, "an acceleration is not finite")
+
     vdot = _stack(xp, batch, (vdot_0, vdot_1, vdot_2, vdot_3, vdot_4))
-    return _where(xp, valid_1, vdot)
+    return _where(xp, valid_1 & valid_2, vdot)
 
 
 def energy(q, v, k):
@@ -1040,6 +1056,6 @@ def _where(xp, valid, values):
     return xp.where(valid[..., None], values, xp.full(values.shape, float("nan"), dtype=values.dtype))
 
 
-def _require(holds, text):
+def _require(holds, code, text):
     if not holds:
-        raise ValueError(text)
+        raise ModelError(code, text)

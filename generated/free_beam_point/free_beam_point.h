@@ -224,8 +224,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define FREE_BEAM_POINT_HASH "2591bc59d6efe7ff"
-#define FREE_BEAM_POINT_HASH_2591bc59d6efe7ff
+#define FREE_BEAM_POINT_HASH "03bc25e5c5d35a3f"
+#define FREE_BEAM_POINT_HASH_03bc25e5c5d35a3f
 
 /* ---- sizes and indices ---- */
 
@@ -579,8 +579,8 @@ int free_beam_point_jacobian(
 /* ---- batches: mass, force and accel of n >= 0 states with the same time and constants. Element e of state
    b has the index e * n + b, in inputs and outputs. Where no product is fused with a sum
    (-ffp-contract=off) the numbers are those of the functions above, bit for bit. Blocks of 32
-   states are computed at a time, on some 5 kB of stack. accel_batch gives NaN for the accelerations of
-   a state that fails, and returns the code of the first of them; all other states are valid. ---- */
+   states are computed at a time, on some 5 kB of stack. accel_batch gives NaN
+   for a state that fails, and returns the code of the first of them; all other states are valid. ---- */
 
 int free_beam_point_mass_batch(
     int n,

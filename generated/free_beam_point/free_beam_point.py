@@ -83,6 +83,17 @@ from typing import NamedTuple
 import numpy
 
 
+class ModelError(ValueError, ArithmeticError):
+    """There is no result. `code` is that of the C function: 1 a pivot vanished, 2 a value is not finite or positive.
+
+    `setup` raises it, and functions of a single state; of a batch of states, those that fail have NaN instead.
+    """
+
+    def __init__(self, code, text):
+        self.code = code
+        super().__init__(text)
+
+
 class Pattern(NamedTuple):
     """Compressed columns; of a symmetric matrix the lower triangle."""
 
@@ -94,7 +105,7 @@ class Pattern(NamedTuple):
 
 
 NAME = "free_beam_point"
-HASH = "2591bc59d6efe7ff"
+HASH = "03bc25e5c5d35a3f"
 COORDINATES = ("c1", "c2", "phi", "alpha1", "alpha2")
 VELOCITIES = ("c1dot", "c2dot", "phidot", "alpha1dot", "alpha2dot")
 PARAMETERS = ("m", "l", "EI")
@@ -231,29 +242,29 @@ def setup(p):
     k_15 = inverse_c8_2_2
 
     # checks: checks of the parameters
-    _require(xp.all(p_m > 0), "m must be positive")
-    _require(xp.all(p_l > 0), "l must be positive")
-    _require(xp.all(p_EI > 0), "EI must be positive")
-    _require(xp.all(xp.isfinite(p_m)), "m must be finite")
-    _require(xp.all(xp.isfinite(p_l)), "l must be finite")
-    _require(xp.all(xp.isfinite(p_EI)), "EI must be finite")
-    _require(xp.all(xp.isfinite(p_m)), "mass is not finite")
-    _require(xp.all(xp.isfinite(c2_1_2)), "c2_1_2 is not finite")
-    _require(xp.all(xp.isfinite(C3)), "C3 is not finite")
-    _require(xp.all(xp.isfinite(c6_2)), "c6_2 is not finite")
-    _require(xp.all(xp.isfinite(c8_1_1)), "c8_1_1 is not finite")
-    _require(xp.all(xp.isfinite(c8_2_2)), "c8_2_2 is not finite")
-    _require(xp.all(xp.isfinite(K_1_1)), "K_1_1 is not finite")
-    _require(xp.all(xp.isfinite(K_2_2)), "K_2_2 is not finite")
-    _require(xp.all(xp.isfinite(X_left)), "X_left is not finite")
-    _require(xp.all(xp.isfinite(X_right)), "X_right is not finite")
-    _require(xp.all(xp.isfinite(minus_c2_1_2)), "minus_c2_1_2 is not finite")
-    _require(xp.all(xp.isfinite(constant_1)), "constant_1 is not finite")
-    _require(xp.all(xp.isfinite(constant_2)), "constant_2 is not finite")
-    _require(xp.all(xp.isfinite(constant_3)), "constant_3 is not finite")
-    _require(xp.all(xp.isfinite(constant_4)), "constant_4 is not finite")
-    _require(xp.all(xp.isfinite(inverse_c8_2_2)), "inverse_c8_2_2 is not finite")
-    _require(xp.all(c8_2_2 > 0), "the pivot of alpha2 vanished")
+    _require(xp.all(p_m > 0), 2, "m must be positive")
+    _require(xp.all(p_l > 0), 2, "l must be positive")
+    _require(xp.all(p_EI > 0), 2, "EI must be positive")
+    _require(xp.all(xp.isfinite(p_m)), 2, "m must be finite")
+    _require(xp.all(xp.isfinite(p_l)), 2, "l must be finite")
+    _require(xp.all(xp.isfinite(p_EI)), 2, "EI must be finite")
+    _require(xp.all(xp.isfinite(p_m)), 2, "mass is not finite")
+    _require(xp.all(xp.isfinite(c2_1_2)), 2, "c2_1_2 is not finite")
+    _require(xp.all(xp.isfinite(C3)), 2, "C3 is not finite")
+    _require(xp.all(xp.isfinite(c6_2)), 2, "c6_2 is not finite")
+    _require(xp.all(xp.isfinite(c8_1_1)), 2, "c8_1_1 is not finite")
+    _require(xp.all(xp.isfinite(c8_2_2)), 2, "c8_2_2 is not finite")
+    _require(xp.all(xp.isfinite(K_1_1)), 2, "K_1_1 is not finite")
+    _require(xp.all(xp.isfinite(K_2_2)), 2, "K_2_2 is not finite")
+    _require(xp.all(xp.isfinite(X_left)), 2, "X_left is not finite")
+    _require(xp.all(xp.isfinite(X_right)), 2, "X_right is not finite")
+    _require(xp.all(xp.isfinite(minus_c2_1_2)), 2, "minus_c2_1_2 is not finite")
+    _require(xp.all(xp.isfinite(constant_1)), 2, "constant_1 is not finite")
+    _require(xp.all(xp.isfinite(constant_2)), 2, "constant_2 is not finite")
+    _require(xp.all(xp.isfinite(constant_3)), 2, "constant_3 is not finite")
+    _require(xp.all(xp.isfinite(constant_4)), 2, "constant_4 is not finite")
+    _require(xp.all(xp.isfinite(inverse_c8_2_2)), 2, "inverse_c8_2_2 is not finite")
+    _require(xp.all(c8_2_2 > 0), 1, "the pivot of alpha2 vanished")
 
     k = _stack(xp, batch, (k_0, k_1, k_2, k_3, k_4, k_5, k_6, k_7, k_8, k_9, k_10, k_11, k_12, k_13,
         k_14, k_15))
@@ -518,9 +529,13 @@ def accel(t, q, v, k):
     t10 = t9 * inverse_pivot_alpha1
     pivot_c1 = mass - t6 * t5 - t8 * t7 - t10 * t9
     valid_1 = (pivot_phi - 5.684341886080802e-14 * J) > 0
+    _require(batch[0] or valid_1, 1, "the pivot of phi vanished")
     valid_2 = (pivot_c2 - constant_2) > 0
+    _require(batch[0] or valid_2, 1, "the pivot of c2 vanished")
     valid_3 = (pivot_alpha1 - constant_3) > 0
+    _require(batch[0] or valid_3, 1, "the pivot of alpha1 vanished")
     valid_4 = (pivot_c1 - constant_2) > 0
+    _require(batch[0] or valid_4, 1, "the pivot of c1 vanished")
 
     # d1dot (appendix): d1dot_2 = int rho rdot . e2
     d1dot_2 = alpha1dot * c2_1_2
@@ -548,8 +563,12 @@ def accel(t, q, v, k):
     t23 = t12 * inverse_c8_2_2 + constant_4 * t22
     vdot_4 = -t23
 
+    # check: check that the result is finite
+    valid_5 = xp.isfinite(t19 + t21 + t22 - t20 - t23)
+    _require(batch[0] or valid_5, 2, "an acceleration is not finite")
+
     vdot = _stack(xp, batch, (vdot_0, vdot_1, vdot_2, vdot_3, vdot_4))
-    return _where(xp, valid_1 & valid_2 & valid_3 & valid_4, vdot)
+    return _where(xp, valid_1 & valid_2 & valid_3 & valid_4 & valid_5, vdot)
 
 
 def energy(q, v, k):
@@ -1226,6 +1245,6 @@ def _where(xp, valid, values):
     return xp.where(valid[..., None], values, xp.full(values.shape, float("nan"), dtype=values.dtype))
 
 
-def _require(holds, text):
+def _require(holds, code, text):
     if not holds:
-        raise ValueError(text)
+        raise ModelError(code, text)

@@ -248,8 +248,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define SPINNING_BEAM_HASH "eadffa955a8b4e18"
-#define SPINNING_BEAM_HASH_eadffa955a8b4e18
+#define SPINNING_BEAM_HASH "ca28f04a2a0e93ff"
+#define SPINNING_BEAM_HASH_ca28f04a2a0e93ff
 
 /* ---- sizes and indices ---- */
 
@@ -822,8 +822,8 @@ int spinning_beam_jacobian_index1(
 /* ---- batches: mass, force and accel of n >= 0 states with the same time and constants. Element e of state
    b has the index e * n + b, in inputs and outputs. Where no product is fused with a sum
    (-ffp-contract=off) the numbers are those of the functions above, bit for bit. Blocks of 32
-   states are computed at a time, on some 5 kB of stack. accel_batch gives NaN for the accelerations of
-   a state that fails, and returns the code of the first of them; all other states are valid. ---- */
+   states are computed at a time, on some 5 kB of stack. accel_batch gives NaN
+   for a state that fails, and returns the code of the first of them; all other states are valid. ---- */
 
 int spinning_beam_mass_batch(
     int n,

@@ -106,6 +106,17 @@ from typing import NamedTuple
 import numpy
 
 
+class ModelError(ValueError, ArithmeticError):
+    """There is no result. `code` is that of the C function: 1 a pivot vanished, 2 a value is not finite or positive.
+
+    `setup` raises it, and functions of a single state; of a batch of states, those that fail have NaN instead.
+    """
+
+    def __init__(self, code, text):
+        self.code = code
+        super().__init__(text)
+
+
 class Pattern(NamedTuple):
     """Compressed columns; of a symmetric matrix the lower triangle."""
 
@@ -117,7 +128,7 @@ class Pattern(NamedTuple):
 
 
 NAME = "spinning_beam"
-HASH = "eadffa955a8b4e18"
+HASH = "ca28f04a2a0e93ff"
 COORDINATES = ("beam_c1", "beam_c2", "beam_phi", "beam_alpha1", "beam_alpha2")
 VELOCITIES = ("beam_c1dot", "beam_c2dot", "beam_phidot", "beam_alpha1dot", "beam_alpha2dot")
 PARAMETERS = ("m", "l", "EI")
@@ -279,26 +290,26 @@ def setup(p):
     k_10 = inverse_beam_c8_2_2
 
     # checks: checks of the parameters
-    _require(xp.all(p_m > 0), "m must be positive")
-    _require(xp.all(p_l > 0), "l must be positive")
-    _require(xp.all(p_EI > 0), "EI must be positive")
-    _require(xp.all(xp.isfinite(p_m)), "m must be finite")
-    _require(xp.all(xp.isfinite(p_l)), "l must be finite")
-    _require(xp.all(xp.isfinite(p_EI)), "EI must be finite")
-    _require(xp.all(xp.isfinite(p_m)), "beam_mass is not finite")
-    _require(xp.all(xp.isfinite(beam_C3)), "beam_C3 is not finite")
-    _require(xp.all(xp.isfinite(beam_c8_1_1)), "beam_c8_1_1 is not finite")
-    _require(xp.all(xp.isfinite(beam_c8_2_2)), "beam_c8_2_2 is not finite")
-    _require(xp.all(xp.isfinite(beam_K_1_1)), "beam_K_1_1 is not finite")
-    _require(xp.all(xp.isfinite(beam_K_2_2)), "beam_K_2_2 is not finite")
-    _require(xp.all(xp.isfinite(beam_X_left)), "beam_X_left is not finite")
-    _require(xp.all(xp.isfinite(beam_X_right)), "beam_X_right is not finite")
-    _require(xp.all(xp.isfinite(inverse_beam_mass)), "inverse_beam_mass is not finite")
-    _require(xp.all(xp.isfinite(inverse_beam_c8_1_1)), "inverse_beam_c8_1_1 is not finite")
-    _require(xp.all(xp.isfinite(inverse_beam_c8_2_2)), "inverse_beam_c8_2_2 is not finite")
-    _require(xp.all(p_m > 0), "the pivot of beam_c1 vanished")
-    _require(xp.all(beam_c8_1_1 > 0), "the pivot of beam_alpha1 vanished")
-    _require(xp.all(beam_c8_2_2 > 0), "the pivot of beam_alpha2 vanished")
+    _require(xp.all(p_m > 0), 2, "m must be positive")
+    _require(xp.all(p_l > 0), 2, "l must be positive")
+    _require(xp.all(p_EI > 0), 2, "EI must be positive")
+    _require(xp.all(xp.isfinite(p_m)), 2, "m must be finite")
+    _require(xp.all(xp.isfinite(p_l)), 2, "l must be finite")
+    _require(xp.all(xp.isfinite(p_EI)), 2, "EI must be finite")
+    _require(xp.all(xp.isfinite(p_m)), 2, "beam_mass is not finite")
+    _require(xp.all(xp.isfinite(beam_C3)), 2, "beam_C3 is not finite")
+    _require(xp.all(xp.isfinite(beam_c8_1_1)), 2, "beam_c8_1_1 is not finite")
+    _require(xp.all(xp.isfinite(beam_c8_2_2)), 2, "beam_c8_2_2 is not finite")
+    _require(xp.all(xp.isfinite(beam_K_1_1)), 2, "beam_K_1_1 is not finite")
+    _require(xp.all(xp.isfinite(beam_K_2_2)), 2, "beam_K_2_2 is not finite")
+    _require(xp.all(xp.isfinite(beam_X_left)), 2, "beam_X_left is not finite")
+    _require(xp.all(xp.isfinite(beam_X_right)), 2, "beam_X_right is not finite")
+    _require(xp.all(xp.isfinite(inverse_beam_mass)), 2, "inverse_beam_mass is not finite")
+    _require(xp.all(xp.isfinite(inverse_beam_c8_1_1)), 2, "inverse_beam_c8_1_1 is not finite")
+    _require(xp.all(xp.isfinite(inverse_beam_c8_2_2)), 2, "inverse_beam_c8_2_2 is not finite")
+    _require(xp.all(p_m > 0), 1, "the pivot of beam_c1 vanished")
+    _require(xp.all(beam_c8_1_1 > 0), 1, "the pivot of beam_alpha1 vanished")
+    _require(xp.all(beam_c8_2_2 > 0), 1, "the pivot of beam_alpha2 vanished")
 
     k = _stack(xp, batch, (k_0, k_1, k_2, k_3, k_4, k_5, k_6, k_7, k_8, k_9, k_10))
     return k
@@ -513,6 +524,7 @@ def accel(t, q, v, k):
 
     # pivots (LDL^T): eliminate beam_c1, beam_c2, beam_phi, beam_alpha1, beam_alpha2; fill-in 0
     valid_1 = beam_J > 0
+    _require(batch[0] or valid_1, 1, "the pivot of beam_phi vanished")
 
     # beam Q (26): beam_cos_phi = cosine of the rotation angle; beam_sin_phi = sine of the rotation
     #     angle
@@ -545,8 +557,12 @@ def accel(t, q, v, k):
     t6 = (beam_K_2_2 * beam_alpha2 - t4 * beam_D2_2) * inverse_beam_c8_2_2
     vdot_4 = -t6
 
+    # check: check that the result is finite
+    valid_2 = xp.isfinite(t2 - t3 - t5 - t6)
+    _require(batch[0] or valid_2, 2, "a result is not finite")
+
     vdot = _stack(xp, batch, (vdot_0, vdot_1, vdot_2, vdot_3, vdot_4))
-    return _where(xp, valid_1, vdot)
+    return _where(xp, valid_1 & valid_2, vdot)
 
 
 def energy(q, v, k):
@@ -1082,6 +1098,7 @@ def solve(t, q, v, k):
 
     # pivots (LDL^T): eliminate beam_c1, beam_c2, beam_phi, beam_alpha1, beam_alpha2; fill-in 0
     valid_1 = beam_J > 0
+    _require(batch[0] or valid_1, 1, "the pivot of beam_phi vanished")
 
     # beam Q (26): beam_cos_phi = cosine of the rotation angle; beam_sin_phi = sine of the rotation
     #     angle
@@ -1114,9 +1131,13 @@ def solve(t, q, v, k):
     t6 = (beam_K_2_2 * beam_alpha2 - t4 * beam_D2_2) * inverse_beam_c8_2_2
     vdot_4 = -t6
 
+    # check: check that the result is finite
+    valid_2 = xp.isfinite(t2 - t3 - t5 - t6)
+    _require(batch[0] or valid_2, 2, "a result is not finite")
+
     vdot = _stack(xp, batch, (vdot_0, vdot_1, vdot_2, vdot_3, vdot_4))
     lam = _stack(xp, batch, ())
-    return _where(xp, valid_1, vdot), _where(xp, valid_1, lam)
+    return _where(xp, valid_1 & valid_2, vdot), _where(xp, valid_1 & valid_2, lam)
 
 
 def project_velocity(t, q, k, r):
@@ -1149,6 +1170,7 @@ def project_velocity(t, q, k, r):
 
     # pivots (LDL^T): eliminate beam_c1, beam_c2, beam_phi, beam_alpha1, beam_alpha2; fill-in 0
     valid_1 = beam_J > 0
+    _require(batch[0] or valid_1, 1, "the pivot of beam_phi vanished")
 
     # solution (LDL^T): forward, diagonal and back substitution
     dv_0 = 0
@@ -1740,6 +1762,6 @@ def _where(xp, valid, values):
     return xp.where(valid[..., None], values, xp.full(values.shape, float("nan"), dtype=values.dtype))
 
 
-def _require(holds, text):
+def _require(holds, code, text):
     if not holds:
-        raise ValueError(text)
+        raise ModelError(code, text)

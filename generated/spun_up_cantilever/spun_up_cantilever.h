@@ -216,8 +216,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define SPUN_UP_CANTILEVER_HASH "50dcaa3ef5f13652"
-#define SPUN_UP_CANTILEVER_HASH_50dcaa3ef5f13652
+#define SPUN_UP_CANTILEVER_HASH "bb81907a5291711c"
+#define SPUN_UP_CANTILEVER_HASH_bb81907a5291711c
 
 /* ---- sizes and indices ---- */
 
@@ -750,8 +750,8 @@ int spun_up_cantilever_jacobian_index1(
 /* ---- batches: mass, force and accel of n >= 0 states with the same time and constants. Element e of state
    b has the index e * n + b, in inputs and outputs. Where no product is fused with a sum
    (-ffp-contract=off) the numbers are those of the functions above, bit for bit. Blocks of 32
-   states are computed at a time, on some 7 kB of stack. accel_batch gives NaN for the accelerations of
-   a state that fails, and returns the code of the first of them; all other states are valid. ---- */
+   states are computed at a time, on some 7 kB of stack. accel_batch gives NaN
+   for a state that fails, and returns the code of the first of them; all other states are valid. ---- */
 
 int spun_up_cantilever_mass_batch(
     int n,

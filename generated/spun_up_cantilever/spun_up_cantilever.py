@@ -75,6 +75,17 @@ from typing import NamedTuple
 import numpy
 
 
+class ModelError(ValueError, ArithmeticError):
+    """There is no result. `code` is that of the C function: 1 a pivot vanished, 2 a value is not finite or positive.
+
+    `setup` raises it, and functions of a single state; of a batch of states, those that fail have NaN instead.
+    """
+
+    def __init__(self, code, text):
+        self.code = code
+        super().__init__(text)
+
+
 class Pattern(NamedTuple):
     """Compressed columns; of a symmetric matrix the lower triangle."""
 
@@ -86,7 +97,7 @@ class Pattern(NamedTuple):
 
 
 NAME = "spun_up_cantilever"
-HASH = "50dcaa3ef5f13652"
+HASH = "bb81907a5291711c"
 COORDINATES = ("beam_c1", "beam_c2", "beam_phi", "beam_alpha1", "beam_alpha2", "beam_alpha3")
 VELOCITIES = (
     "beam_c1dot", "beam_c2dot", "beam_phidot", "beam_alpha1dot", "beam_alpha2dot",
@@ -541,12 +552,19 @@ def accel(t, q, v, k):
     t49 = t48 * inverse_pivot_clamp_2
     pivot_clamp_turn = t47 * t43 - t49 * t48 - inverse_pivot_beam_phi
     valid_1 = (pivot_beam_alpha2 - (39 / 153931627888640)) > 0
+    _require(batch[0] or valid_1, 1, "the pivot of beam_alpha2 vanished")
     valid_2 = (pivot_beam_alpha3 - (11 / 65970697666560)) > 0
+    _require(batch[0] or valid_2, 1, "the pivot of beam_alpha3 vanished")
     valid_3 = (pivot_beam_alpha1 - (3 / 21990232555520)) > 0
+    _require(batch[0] or valid_3, 1, "the pivot of beam_alpha1 vanished")
     valid_4 = (pivot_beam_phi - 5.684341886080802e-14 * beam_J) > 0
+    _require(batch[0] or valid_4, 1, "the pivot of beam_phi vanished")
     valid_5 = t44 > 0
+    _require(batch[0] or valid_5, 1, "the pivot of clamp_1 vanished")
     valid_6 = (-(pivot_clamp_2 + 5.684341886080802e-14 * t46)) > 0
+    _require(batch[0] or valid_6, 1, "the pivot of clamp_2 vanished")
     valid_7 = (-(pivot_clamp_turn + 5.684341886080802e-14 * inverse_pivot_beam_phi)) > 0
+    _require(batch[0] or valid_7, 1, "the pivot of clamp_turn vanished")
 
     # hub (1): hub_phi = prescribed rotation of hub; ...; hub_phiddot = prescribed rotation of hub
     hub_phiddot = (2 / 5) * (1 - xp.cos((176855943800711 / 422212465065984) * t))
@@ -595,8 +613,12 @@ def accel(t, q, v, k):
     vdot_4 = t72
     vdot_5 = t71
 
+    # check: check that the result is finite
+    valid_8 = xp.isfinite(t73 + t74 + t69 + t70 + t72 + t71)
+    _require(batch[0] or valid_8, 2, "a result is not finite")
+
     vdot = _stack(xp, batch, (vdot_0, vdot_1, vdot_2, vdot_3, vdot_4, vdot_5))
-    return _where(xp, valid_1 & valid_2 & valid_3 & valid_4 & valid_5 & valid_6 & valid_7, vdot)
+    return _where(xp, valid_1 & valid_2 & valid_3 & valid_4 & valid_5 & valid_6 & valid_7 & valid_8, vdot)
 
 
 def energy(q, v, k):
@@ -1220,12 +1242,19 @@ def solve(t, q, v, k):
     t49 = t48 * inverse_pivot_clamp_2
     pivot_clamp_turn = t47 * t43 - t49 * t48 - inverse_pivot_beam_phi
     valid_1 = (pivot_beam_alpha2 - (39 / 153931627888640)) > 0
+    _require(batch[0] or valid_1, 1, "the pivot of beam_alpha2 vanished")
     valid_2 = (pivot_beam_alpha3 - (11 / 65970697666560)) > 0
+    _require(batch[0] or valid_2, 1, "the pivot of beam_alpha3 vanished")
     valid_3 = (pivot_beam_alpha1 - (3 / 21990232555520)) > 0
+    _require(batch[0] or valid_3, 1, "the pivot of beam_alpha1 vanished")
     valid_4 = (pivot_beam_phi - 5.684341886080802e-14 * beam_J) > 0
+    _require(batch[0] or valid_4, 1, "the pivot of beam_phi vanished")
     valid_5 = t44 > 0
+    _require(batch[0] or valid_5, 1, "the pivot of clamp_1 vanished")
     valid_6 = (-(pivot_clamp_2 + 5.684341886080802e-14 * t46)) > 0
+    _require(batch[0] or valid_6, 1, "the pivot of clamp_2 vanished")
     valid_7 = (-(pivot_clamp_turn + 5.684341886080802e-14 * inverse_pivot_beam_phi)) > 0
+    _require(batch[0] or valid_7, 1, "the pivot of clamp_turn vanished")
 
     # hub (1): hub_phi = prescribed rotation of hub; ...; hub_phiddot = prescribed rotation of hub
     hub_phiddot = (2 / 5) * (1 - xp.cos((176855943800711 / 422212465065984) * t))
@@ -1277,9 +1306,13 @@ def solve(t, q, v, k):
     lam_1 = t67
     lam_2 = t66
 
+    # check: check that the result is finite
+    valid_8 = xp.isfinite(t73 + t74 + t69 + t70 + t72 + t71 + t68 + t67 + t66)
+    _require(batch[0] or valid_8, 2, "a result is not finite")
+
     vdot = _stack(xp, batch, (vdot_0, vdot_1, vdot_2, vdot_3, vdot_4, vdot_5))
     lam = _stack(xp, batch, (lam_0, lam_1, lam_2))
-    return _where(xp, valid_1 & valid_2 & valid_3 & valid_4 & valid_5 & valid_6 & valid_7, vdot), _where(xp, valid_1 & valid_2 & valid_3 & valid_4 & valid_5 & valid_6 & valid_7, lam)
+    return _where(xp, valid_1 & valid_2 & valid_3 & valid_4 & valid_5 & valid_6 & valid_7 & valid_8, vdot), _where(xp, valid_1 & valid_2 & valid_3 & valid_4 & valid_5 & valid_6 & valid_7 & valid_8, lam)
 
 
 def project_velocity(t, q, k, r):
@@ -1389,12 +1422,19 @@ def project_velocity(t, q, k, r):
     t49 = t48 * inverse_pivot_clamp_2
     pivot_clamp_turn = t47 * t43 - t49 * t48 - inverse_pivot_beam_phi
     valid_1 = (pivot_beam_alpha2 - (39 / 153931627888640)) > 0
+    _require(batch[0] or valid_1, 1, "the pivot of beam_alpha2 vanished")
     valid_2 = (pivot_beam_alpha3 - (11 / 65970697666560)) > 0
+    _require(batch[0] or valid_2, 1, "the pivot of beam_alpha3 vanished")
     valid_3 = (pivot_beam_alpha1 - (3 / 21990232555520)) > 0
+    _require(batch[0] or valid_3, 1, "the pivot of beam_alpha1 vanished")
     valid_4 = (pivot_beam_phi - 5.684341886080802e-14 * beam_J) > 0
+    _require(batch[0] or valid_4, 1, "the pivot of beam_phi vanished")
     valid_5 = t44 > 0
+    _require(batch[0] or valid_5, 1, "the pivot of clamp_1 vanished")
     valid_6 = (-(pivot_clamp_2 + 5.684341886080802e-14 * t46)) > 0
+    _require(batch[0] or valid_6, 1, "the pivot of clamp_2 vanished")
     valid_7 = (-(pivot_clamp_turn + 5.684341886080802e-14 * inverse_pivot_beam_phi)) > 0
+    _require(batch[0] or valid_7, 1, "the pivot of clamp_turn vanished")
 
     # solution (LDL^T): forward, diagonal and back substitution
     t50 = r_clamp_2 + t45 * r_clamp_1
@@ -1414,8 +1454,12 @@ def project_velocity(t, q, k, r):
     dv_4 = t57
     dv_5 = t56
 
+    # check: check that the result is finite
+    valid_8 = xp.isfinite(t58 + t59 + t54 + t55 + t57 + t56)
+    _require(batch[0] or valid_8, 2, "a result is not finite")
+
     dv = _stack(xp, batch, (dv_0, dv_1, dv_2, dv_3, dv_4, dv_5))
-    return _where(xp, valid_1 & valid_2 & valid_3 & valid_4 & valid_5 & valid_6 & valid_7, dv)
+    return _where(xp, valid_1 & valid_2 & valid_3 & valid_4 & valid_5 & valid_6 & valid_7 & valid_8, dv)
 
 
 def poses(t, q, k):
@@ -2548,6 +2592,6 @@ def _where(xp, valid, values):
     return xp.where(valid[..., None], values, xp.full(values.shape, float("nan"), dtype=values.dtype))
 
 
-def _require(holds, text):
+def _require(holds, code, text):
     if not holds:
-        raise ValueError(text)
+        raise ModelError(code, text)

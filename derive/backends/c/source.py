@@ -101,6 +101,7 @@ def _template_values(model: Model, fingerprint: str) -> dict[str, object]:
         "patterns": pattern_texts(model, "    "),
         "markers": [(m.name, model.kernel(f"marker_{m.name}").outputs[0].size) for m in model.markers],
         "forms": FORMS if model.bodies else {},
+        "checked_forces": any(isinstance(s, Require) for s in model.kernel("force").statements),
         "energies": len(model.kernel("energy").outputs[0].elements),
         "sizes": sizes,
         "indices": {name: _first_indices(variables) for name, variables in tables},

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import chain
@@ -13,9 +13,10 @@ import sympy as sp
 from derive.ir.expressions import Number, ScalarRef
 from derive.ir.model import Argument, Kernel, Output, Section
 from derive.ir.patterns import Pattern, pattern
+from derive.ir.statements import Requirement, ReturnCode
 from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.graph import Constants, Graph, representable
-from derive.lowering.flat.schedule import NamedValue, OutputValue, Step, StepItem, schedule
+from derive.lowering.flat.schedule import NamedValue, OutputValue, RequiredValue, Step, StepItem, schedule
 from derive.lowering.functions import ModelFunction, OutputElements
 from derive.mechanics.equations import Equations
 from derive.mechanics.symbols import local, state_rate, t
@@ -97,7 +98,12 @@ class Context:
             if d.symbol in symbols.values and not d.zero:
                 sections.setdefault(d.section, []).append(d)
         return tuple(
-            Step(name, group[0].equation, "; ".join(_abbreviated(group)), define(symbols, tuple(group)))
+            Step(
+                name,
+                group[0].equation,
+                "; ".join(_abbreviated(group)),
+                (*define(symbols, tuple(group)), *_divisors(symbols, group)),
+            )
             for name, group in sections.items()
         )
 
@@ -141,6 +147,14 @@ def define(symbols: Symbols, definitions: tuple[Intermediate, ...]) -> tuple[Nam
         if d.expr.free_symbols <= symbols.values.keys():
             result.append(NamedValue(str(d.symbol), symbols.define(d.symbol, d.expr)))
     return tuple(result)
+
+
+def _divisors(symbols: Symbols, definitions: Iterable[Intermediate]) -> Iterator[RequiredValue]:
+    """The checks that the divisors in definitions are positive."""
+    for d in definitions:
+        if d.divisor is not None:
+            value, needed_by = symbols.values[d.divisor], str(d.symbol)
+            yield RequiredValue(Requirement.POSITIVE, value, ReturnCode.NOT_FINITE, d.divisor_text, needed_by)
 
 
 def stores(output: str, values: list[ca.SX]) -> tuple[StepItem, ...]:

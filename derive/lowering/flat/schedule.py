@@ -36,12 +36,17 @@ class OutputValue:
 
 @dataclass(frozen=True)
 class RequiredValue:
-    """A value that must meet a requirement; otherwise the kernel returns `code`. `text` describes the failure."""
+    """A value that must meet a requirement; otherwise the kernel returns `code`. `text` describes the failure.
+
+    needed_by: the named value of the same step for which the value is required; if the kernel does not use it, the
+    requirement is void. Empty if the requirement is always in force.
+    """
 
     kind: Requirement
     value: ca.SX
     code: ReturnCode
     text: str
+    needed_by: str = ""
 
 
 StepItem = NamedValue | OutputValue | RequiredValue
@@ -78,11 +83,16 @@ def schedule(
     every = (*definitions, *steps)
     nodes = iter(read_expressions(graph, symbols, [item.value for step in every for item in step.items]))
     located = [(step, [(item, next(nodes)) for item in step.items]) for step in every]
+    results = [node for _, items in located for item, node in items if _is_result(item)]
+    needed = _uses(graph, results)
     for _, items in located:
+        unused = {item.name for item, node in items if isinstance(item, NamedValue) and not needed[node]}
         items[:] = [
             (item, node)
             for item, node in items
-            if not (isinstance(item, RequiredValue) and _moved_to_setup(graph, item, node))
+            if not (
+                isinstance(item, RequiredValue) and (item.needed_by in unused or _moved_to_setup(graph, item, node))
+            )
         ]
     writer = _Writer(
         graph, [pair for _, items in located for pair in items], temporaries or (f"t{k}" for k in count(1))
@@ -90,6 +100,11 @@ def schedule(
     ordered = _in_order_of_use(graph, located[: len(definitions)], located[len(definitions) :])
     sections = (Section(step.name, step.equation, step.doc, writer.body(items)) for step, items in ordered)
     return tuple(section for section in sections if section.body)
+
+
+def _is_result(item: StepItem) -> bool:
+    """Whether a kernel computes a value in any case: an output, or a requirement that is always in force."""
+    return isinstance(item, OutputValue) or (isinstance(item, RequiredValue) and not item.needed_by)
 
 
 def _in_order_of_use(graph: Graph, definitions: list[LocatedStep], steps: list[LocatedStep]) -> list[LocatedStep]:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import sympy as sp
 
 from derive.mechanics.multibody.forces.force_type import GeneralisedForce, Values, force_terms
@@ -51,5 +53,8 @@ class LinearSpring(SpringType):
                 along = sp.expand(vector.dot(rate_of_displacement)) / length
                 tension += damping * intermediate(along, "time derivative of the length", "rate")
             pull = intermediate(tension / length, "tension over length", "pull") * vector
+            if isinstance(length, sp.Symbol):
+                coincide = f"the ends of {name} coincide"
+                definitions[-1] = replace(definitions[-1], divisor=length, divisor_text=coincide)
         terms = force_terms(name, second, -pull, rows) + force_terms(name, first, pull, rows)
         return GeneralisedForce(terms, tuple(definitions), sp.expand(potential))
