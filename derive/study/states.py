@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from derive.mechanics.multibody.joints.registry import JOINTS
 from derive.runtime.native_call import Vector
 from derive.runtime.native_scene import NativeScene
-from derive.simulation.compiled_scene import constraint_matrix
+from derive.simulation.compiled_scene import constraint_matrix, max_norm
+from derive.simulation.constraints.projection import UNAVOIDABLE
 from derive.simulation.initial.consistent_state import consistent_state
 from derive.simulation.initial.initial_guess import initial_guess
 from derive.simulation.initial.initial_state import initial_state
@@ -68,7 +69,7 @@ def _rigid(native: NativeScene, k: Vector, t: float, q: Vector, v: Vector, rigid
     for _ in range(ITERATIONS):
         g = native.constraints(t, consistent, k)
         G = constraint_matrix(native, t, consistent, k)[:, rigid]
-        if np.max(np.abs(g), initial=0.0) < CONSISTENT:
+        if max_norm(g) < max(CONSISTENT, UNAVOIDABLE * max_norm(q)):
             rates = native.constraint_rates(t, consistent, v, k)
             v[rigid] -= np.linalg.lstsq(G, rates, rcond=None)[0]
             return t, consistent, v

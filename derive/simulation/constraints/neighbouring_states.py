@@ -65,7 +65,7 @@ def _directions(
     for _ in range(DIRECTIONS if allowed.size else 0):
         direction = np.zeros(native.nq)
         direction[free] = solve_triangular(R, allowed @ random.standard_normal(allowed.shape[1]))
-        yield direction * _step_length(native, q, direction)
+        yield direction * _step_length(native, k, t, q, direction)
     if not allowed.size:
         yield np.zeros(native.nq)
 
@@ -92,20 +92,25 @@ def _time_of_motion(native: ConstrainedSystem, k: Vector, t: float, q: Vector, s
     now = native.constraints(t, q, k)
     for doubling in range(DOUBLINGS):
         time = t + sign * FIRST_DELAY * 2.0**doubling
-        if max_norm(native.constraints(time, q, k) - now) >= ANGLE * _size(native, q):
+        if max_norm(native.constraints(time, q, k) - now) >= ANGLE * _size(native, k, t, q):
             return time
     return None
 
 
-def _step_length(native: ConstrainedSystem, q: Vector, direction: Vector) -> float:
+def _step_length(native: ConstrainedSystem, k: Vector, t: float, q: Vector, direction: Vector) -> float:
     """The factor of a direction: until a body rotates by ANGLE, at most that part of the size of the mechanism."""
     angles = coordinates_with(native, Role.ROTATION)
     rotation, shift = max_norm(direction[angles]), max_norm(direction[~angles])
-    size = _size(native, q)
+    size = _size(native, k, t, q)
     return min(ANGLE / rotation if rotation > 0 else np.inf, size * ANGLE / shift if shift > 0 else np.inf)
 
 
-def _size(native: ConstrainedSystem, q: Vector) -> float:
-    """The size of a mechanism (m): the largest displacement among its coordinates."""
+def _size(native: ConstrainedSystem, k: Vector, t: float, q: Vector) -> float:
+    """The size of a mechanism (m): the longest arm between the origin of a body and a point that a constraint holds.
+
+    Where nothing rotates it is the largest displacement among the coordinates. Positions are no measure otherwise,
+    because a mechanism may be far from the origin.
+    """
     angles = coordinates_with(native, Role.ROTATION)
-    return max(max_norm(q[~angles]), 1e-3)
+    arm = max_norm(constraint_matrix(native, t, q, k)[:, angles])
+    return max(arm if arm > 0 else max_norm(q[~angles]), 1e-3)

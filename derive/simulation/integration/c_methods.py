@@ -9,12 +9,14 @@ from itertools import pairwise
 import numpy as np
 
 from derive.artifacts import File
-from derive.runtime.integrators.c_integrator import CIntegrator, Integration, IntegratorError
+from derive.runtime.integrators.c_integrator import CONSISTENT, CIntegrator, Integration, IntegratorError
 from derive.runtime.integrators.fixed_step import FixedStep
 from derive.runtime.integrators.generalised_alpha import GeneralisedAlpha
 from derive.runtime.integrators.ida import Ida
 from derive.runtime.native_call import Vector
 from derive.runtime.native_scene import NativeScene
+from derive.simulation.compiled_scene import max_norm
+from derive.simulation.constraints.projection import UNAVOIDABLE
 from derive.simulation.integration.failure_diagnosis import diagnose_failure
 from derive.simulation.integration.integrator import Integrator, Settings
 from derive.simulation.integration.solution import Cost, Solution, SolutionWriter, row_times
@@ -40,7 +42,8 @@ def rk4(files: Sequence[File]) -> Integrator:
 
         def run(q0: Vector, v0: Vector, t0: float, interval: float, rows: int) -> Integration:
             every = _steps(interval, step)
-            return host.run(q0, v0, step=interval / every, steps=rows * every, every=every, k=k, t0=t0)
+            steps = rows * every
+            return host.run(q0, v0, step=interval / every, steps=steps, every=every, k=k, t0=t0, tolerance=_met(q0))
 
         return _solution(native, run, k, q, v, times, settings)
 
@@ -56,7 +59,8 @@ def generalised_alpha(files: Sequence[File]) -> Integrator:
         def run(q0: Vector, v0: Vector, t0: float, interval: float, rows: int) -> Integration:
             step = settings.step or interval / STEPS_PER_ROW
             every = _steps(interval, step)
-            return host.run(q0, v0, step=interval / every, steps=rows * every, every=every, k=k, t0=t0)
+            steps = rows * every
+            return host.run(q0, v0, step=interval / every, steps=steps, every=every, k=k, t0=t0, consistent=_met(q0))
 
         return _solution(native, run, k, q, v, times, settings)
 
@@ -72,11 +76,17 @@ def ida(files: Sequence[File]) -> Integrator:
         settings.refuse_step("c_ida")
 
         def run(q0: Vector, v0: Vector, t0: float, interval: float, rows: int) -> Integration:
-            return host.run(q0, v0, interval=interval, rows=rows + 1, rtol=settings.tolerance, k=k, t0=t0)
+            rtol, met = settings.tolerance, _met(q0)
+            return host.run(q0, v0, interval=interval, rows=rows + 1, rtol=rtol, k=k, t0=t0, consistent=met)
 
         return _solution(native, run, k, q, v, times, settings)
 
     return Integrator(native, integrate)
+
+
+def _met(q: Vector) -> float:
+    """The |g| (m, rad) up to which constraints are met in the state q (nq,), which may be far from the origin."""
+    return max(CONSISTENT, UNAVOIDABLE * max_norm(q))
 
 
 def _scene(host: CIntegrator) -> NativeScene:

@@ -1,0 +1,108 @@
+"""Mechanisms far from the origin, where constraints are differences of large positions and can be met less exactly."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from double import Body, Condition, Double, Pin, Slide
+from mechanisms import CRANK, ROD, crank_slider, pushed_crank
+
+import derive
+from derive.simulation.constraints.projection import check_drift
+from derive.simulation.constraints.redundancy import check_constraints
+from derive.simulation.errors import DriftTooLarge, SingularConfiguration
+from derive.spec.model.scene import Scene
+from derive.spec.toml.read import parse
+
+NONE = np.zeros(0)
+EARTH = 7e6
+"""m: about the distance of a satellite from the centre of the Earth."""
+
+
+def double_pendulum(x: float) -> Scene:
+    """A rigid rod and a beam that hang from (x, 0) and begin to move from an inclined position, in SI units."""
+    scene = parse(
+        f"""
+name = "far"
+[scene]
+gravity = [0, -9.81]
+[ground.markers]
+o = [{x}, 0]
+[bodies.a]
+mass = 1
+inertia = 0.1
+keep_coordinates = true
+markers = {{ p = [-0.5, 0], q = [0.5, 0] }}
+start = {{ position = [{x + 0.4}, 0.3], angle = 0.6 }}
+[bodies.b]
+mass = 1
+length = 1
+bending_stiffness = 100
+markers = {{ p = -1, q = 1 }}
+start = {{ position = [{x + 1.2}, 0.9], angle = 0.6 }}
+[joints.j1]
+kind = "revolute"
+between = ["ground.o", "a.p"]
+[joints.j2]
+kind = "revolute"
+between = ["a.q", "b.p"]
+[simulation]
+duration = 0.3
+output = 0.1
+tolerance = 1e-7
+"""
+    )
+    assert isinstance(scene, Scene)
+    return scene
+
+
+@pytest.mark.parametrize(("integrator", "limit"), [("dop853", 1e-6), ("rk4", 1e-6), ("generalised-alpha", 1e-3)])
+def test_a_mechanism_moves_alike_wherever_it_is(integrator: str, limit: float) -> None:
+    """Newton's method of the generalised-alpha method stops at 1e-11 of the largest coordinate."""
+    near, far = (derive.simulate(double_pendulum(x), integrator=integrator) for x in (0.0, EARTH))
+    assert far.q[:, 2] == pytest.approx(near.q[:, 2], abs=limit)
+    assert far.q[:, 0] - EARTH == pytest.approx(near.q[:, 0], abs=limit)
+    assert far.solution.drift[:, 0].max() < 1e-8
+
+
+def shifted(model: Double, q: np.ndarray, x: float) -> tuple[Double, np.ndarray]:
+    """A mechanism and its configuration, moved by x along e1."""
+    conditions: list[Condition] = []
+    for c in model.conditions:
+        if isinstance(c, Pin) and c.first is None:
+            conditions.append(replace(c, at_first=(c.at_first[0] + x, c.at_first[1])))
+        elif isinstance(c, Slide):
+            position, *rates = c.motion
+            conditions.append(replace(c, motion=(lambda t, f=position: f(t) + x, *rates)))
+        else:
+            conditions.append(c)
+    bodies = tuple(Body(name, *model.diagonal[3 * i + 1 : 3 * i + 3]) for i, name in enumerate(model.bodies))
+    return Double(bodies, tuple(conditions)), q + x * np.tile([1, 0, 0], len(bodies))
+
+
+def test_a_dead_centre_is_no_redundancy_wherever_it_is() -> None:
+    """Neighbouring states are as far away as the mechanism is large, not as its coordinates are."""
+    model, q, _ = pushed_crank(CRANK + ROD, -1.0)
+    far, q_far = shifted(model, q, EARTH)
+    with pytest.raises(SingularConfiguration, match="dead centre"):
+        check_constraints(far, NONE, 0.0, q_far)
+    model, q, _ = pushed_crank(CRANK + ROD - 1e-3, -1.0)
+    far, q_far = shifted(model, q, EARTH)
+    check_constraints(far, NONE, 0.0, q_far)
+
+
+@pytest.mark.parametrize(
+    ("x", "off", "raised"), [(0, 2e-9, True), (0, 0.5e-9, False), (EARTH, 1e-8, False), (EARTH, 1e-7, True)]
+)
+def test_the_tolerance_of_drift_allows_for_rounding(x: float, off: float, raised: bool) -> None:
+    """Beside the tolerance of 1e-9 m, 9 units in the last place of the largest coordinate."""
+    model, q, v = crank_slider(speed=0.0, angle=0.5)
+    far, q = shifted(model, q, x)
+    q[1] += off
+    if raised:
+        with pytest.raises(DriftTooLarge, match="position of constraint"):
+            check_drift(far, NONE, 0.0, q, 0 * v, 1e-9)
+    else:
+        assert check_drift(far, NONE, 0.0, q, 0 * v, 1e-9).position == pytest.approx(off, rel=0.3)
