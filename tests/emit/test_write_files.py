@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import itertools
 import os
+import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 import beams
+from conftest import ROOT
 from derive.artifacts import MARK, File, ForeignFile, write
 
 FILES = (File("a/one.c", f"/* {MARK} */\nint one;\n"), File("a/two.c", f"/* {MARK} */\nint two;\n"))
@@ -79,7 +83,7 @@ def test_equal_files_are_left_alone(tmp_path: Path) -> None:
     assert times[1] != 10**18
 
 
-@pytest.mark.parametrize("call", ["fdopen", "chmod", "replace"])
+@pytest.mark.parametrize("call", ["fdopen", "open", "replace"])
 @pytest.mark.parametrize("crash", [OSError("disk full"), KeyboardInterrupt()])
 def test_a_crash_leaves_the_old_file_and_no_temporary(
     call: str, crash: BaseException, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
@@ -132,7 +136,67 @@ def test_all_generated_files_carry_the_mark(tmp_path: Path) -> None:
         assert MARK in file.text[:200]
 
 
-def test_anybody_may_read_the_files(tmp_path: Path) -> None:
-    """A temporary file would be for its owner alone."""
+@pytest.mark.parametrize(("umask", "mode"), [(0o022, 0o644), (0o077, 0o600), (0o002, 0o664)])
+def test_permissions_are_those_that_the_umask_leaves(umask: int, mode: int, tmp_path: Path) -> None:
+    before = os.umask(umask)
+    try:
+        write(FILES, tmp_path)
+    finally:
+        os.umask(before)
+    assert (tmp_path / FILES[0].path).stat().st_mode & 0o777 == mode
+
+
+def test_a_file_keeps_its_permissions(tmp_path: Path) -> None:
+    write([File(file.path, f"{MARK}, old") for file in FILES], tmp_path)
+    (tmp_path / FILES[0].path).chmod(0o640)
     write(FILES, tmp_path)
-    assert (tmp_path / FILES[0].path).stat().st_mode & 0o777 == 0o644
+    assert contents(tmp_path) == WRITTEN
+    assert (tmp_path / FILES[0].path).stat().st_mode & 0o777 == 0o640
+
+
+@pytest.mark.parametrize("at", [1, 2])
+def test_a_full_disk_leaves_all_old_files(at: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Also those whose new contents fitted: a new header would not go with an old source file."""
+    old = [File(file.path, f"{MARK}, old") for file in FILES]
+    write(old, tmp_path)
+    handles = itertools.count(1)
+    open_file = os.open
+
+    def full(path: Any, flags: int, *mode: int) -> int:
+        if flags & os.O_CREAT and next(handles) == at:
+            raise OSError("disk full")
+        return open_file(path, flags, *mode)
+
+    monkeypatch.setattr("derive.artifacts.os.open", full)
+    with pytest.raises(OSError, match="disk full"):
+        write(FILES, tmp_path)
+    assert contents(tmp_path) == {file.path: file.text for file in old}
+
+
+KILLED = """
+import os, signal, sys
+from pathlib import Path
+from derive.artifacts import MARK, File, write
+replaced, replace = [], os.replace
+def killed(*paths):
+    if len(replaced) == int(sys.argv[2]):
+        os.kill(os.getpid(), signal.SIGKILL)
+    replaced.append(paths)
+    replace(*paths)
+os.replace = killed
+write([File(f"a/{name}.c", f"/* {MARK} */ {name}") for name in ("one", "two")], Path(sys.argv[1]))
+"""
+
+
+@pytest.mark.parametrize("renamed", [0, 1])
+def test_what_a_killed_process_leaves_is_removed_by_the_next(renamed: int, tmp_path: Path) -> None:
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    done = subprocess.run([sys.executable, "-c", KILLED, tmp_path, str(renamed)], check=False, env=environment)
+    assert done.returncode == -9
+    assert len(contents(tmp_path)) == 2
+    write(FILES, tmp_path)
+    assert contents(tmp_path) == WRITTEN
+    leftover = tmp_path / "a/.one.c.tisserand"
+    leftover.write_text("half")
+    write(FILES, tmp_path)  # although no file has changed
+    assert contents(tmp_path) == WRITTEN
