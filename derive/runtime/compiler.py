@@ -25,15 +25,28 @@ def compiler() -> list[str]:
     """The C compiler to call: $CC, cc, gcc, clang, or the one in the Python package `ziglang`."""
     if chosen := os.environ.get("CC", "").strip():
         try:
-            return shlex.split(chosen)
+            command = shlex.split(chosen)
         except ValueError as error:
             raise CompilerError(f"CC={chosen}: this is no command line: {error}") from error
+        if not shutil.which(command[0]):
+            other = _installed()
+            instead = f"unset it, and {shlex.join(other)} is used" if other else "unset it and install gcc or clang"
+            raise CompilerError(
+                f"CC={chosen}: there is no command {command[0]}; set the environment variable CC to a C compiler, such "
+                f"as gcc or clang, or {instead}"
+            )
+        return command
+    if installed := _installed():
+        return installed
+    raise CompilerError("no C compiler found: set CC, install gcc or clang, or `pip install tisserand[compiler]`")
+
+
+def _installed() -> list[str]:
+    """The C compiler of this machine if CC is not set; empty if there is none."""
     for name in ("cc", "gcc", "clang"):
         if path := shutil.which(name):
             return [path]
-    if find_spec("ziglang"):
-        return [sys.executable, "-m", "ziglang", "cc"]
-    raise CompilerError("no C compiler found: set CC, install gcc or clang, or `pip install tisserand[compiler]`")
+    return [sys.executable, "-m", "ziglang", "cc"] if find_spec("ziglang") else []
 
 
 def compile_shared(sources: Sequence[Path], library: Path, flags: Sequence[str] = FLAGS) -> Path:

@@ -159,10 +159,22 @@ def load_with(compiler: str, monkeypatch: pytest.MonkeyPatch) -> Native:
 
 
 def test_a_compiler_that_is_not_there(monkeypatch: pytest.MonkeyPatch) -> None:
-    with pytest.raises(
-        CompilerError, match=r"^the C compiler no_such_compiler cannot be run: No such file or directory; set CC"
-    ):
-        load_with("no_such_compiler", monkeypatch)
+    """The message says what is used instead, or what to install."""
+    start = r"^CC=nonsense -O3: there is no command nonsense; set the environment variable CC to a C compiler, such as"
+    with pytest.raises(CompilerError, match=rf"{start} gcc or clang, or unset it, and \S+cc is used$"):
+        load_with("nonsense -O3", monkeypatch)
+    monkeypatch.setattr(compiler_module.shutil, "which", lambda name: None)
+    monkeypatch.setattr(compiler_module, "find_spec", lambda name: None)
+    with pytest.raises(CompilerError, match=rf"{start} gcc or clang, or unset it and install gcc or clang$"):
+        load_with("nonsense -O3", monkeypatch)
+
+
+def test_a_compiler_that_cannot_be_run(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    broken = tmp_path / "broken"
+    broken.write_text("no program")
+    broken.chmod(0o755)
+    with pytest.raises(CompilerError, match=r"^the C compiler \S+broken cannot be run: Exec format error; set CC"):
+        load_with(str(broken), monkeypatch)
 
 
 def test_a_compiler_that_refuses(monkeypatch: pytest.MonkeyPatch) -> None:
