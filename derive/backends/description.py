@@ -37,12 +37,14 @@ class PatternText:
 
 
 def pattern_texts(model: Model, indent: str) -> list[PatternText]:
-    """The patterns of a model: mass, jacobian, marker_NAME."""
+    """The patterns of a model: mass, jacobian, marker_NAME, in a scene also those of constraints and outputs."""
     patterns = [("mass", model.pattern("mass", "M")), ("jacobian", model.pattern("jacobian", "jac"))]
     patterns += [(f"marker_{m.name}", model.pattern(f"marker_{m.name}", "jacobian")) for m in model.markers]
     if model.bodies:
         patterns.append(("constraint_jacobian", model.pattern("constraint_jacobian", "G")))
         patterns += [(f"jacobian_{form}", model.pattern(f"jacobian_{form}", "jac")) for form in ("ggl", "index1")]
+    if model.outputs:
+        patterns.append(("outputs_jacobian", model.pattern("outputs_jacobian", "jac")))
 
     def lines(values: tuple[int, ...]) -> str:
         return "\n".join(prefixed([", ".join(map(str, values))], indent))

@@ -56,6 +56,7 @@ def specification(spec: Specification) -> dict[str, object]:
         fields["data"] = {"nodes": len(data.positions), "modes": modes, "sha256": data.sha256}
     if isinstance(spec, Scene):  # simulation and plots do not change the model
         fields = {name: value for name, value in fields.items() if name not in ("simulation", "plots")}
+        fields = {name: value for name, value in fields.items() if value or name not in ("inputs", "outputs")}
     plain = json.loads(json.dumps(fields, default=_exact))
     return {"kind": KINDS[type(spec)], **{key: value for key, value in plain.items() if value is not None}}
 

@@ -198,8 +198,8 @@ class Model:
     defaults of parameters that are arrays, as pairs (index, value); all other values are zero.
 
     A scene also has multipliers (the constraint reactions on body 2 of each joint), the names of its bodies, the
-    components and constraints that are eliminated, the structure of its KKT matrix and, if it has been computed, its
-    initial state.
+    components and constraints that are eliminated, its run-time inputs and outputs, the structure of its KKT matrix
+    and, if it has been computed, its initial state.
     """
 
     name: str
@@ -221,6 +221,8 @@ class Model:
     bodies: tuple[str, ...] = ()
     eliminated: tuple[Zero, ...] = ()
     kkt: Kkt | None = None
+    inputs: tuple[Variable, ...] = ()
+    outputs: tuple[Variable, ...] = ()
     terms: tuple[ModelTerm, ...] = ()
     start: StartState | None = None
 

@@ -7,7 +7,7 @@ add a kind, its description in `functions_of`, and an implementation in each low
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum
 
 from derive.ir.patterns import Pattern
@@ -33,6 +33,8 @@ class FunctionKind(Enum):
     SOLVE = "solve"
     PROJECT_VELOCITY = "project_velocity"
     POSES = "poses"
+    OUTPUTS = "outputs"
+    OUTPUTS_JACOBIAN = "outputs_jacobian"
     RESIDUAL = "residual"
     JACOBIAN = "jacobian"
 
@@ -88,8 +90,17 @@ ITERATION_MATRIX = {"jac": "values of the iteration matrix by columns"}
 def functions_of(equations: Equations) -> tuple[ModelFunction, ...]:
     """All functions of a model, in the order of the generated code."""
     mechanism = bool(equations.poses)
-    specific = _of_mechanisms() if mechanism else _of_bodies()
-    return (*_dynamics(mechanism), *_invariants(equations, mechanism), *_of_markers(equations), *specific)
+    specific = _of_mechanisms(bool(equations.outputs)) if mechanism else _of_bodies()
+    every = (*_dynamics(mechanism), *_invariants(equations, mechanism), *_of_markers(equations), *specific)
+    return tuple(map(_with_inputs, every)) if equations.inputs else every
+
+
+def _with_inputs(function: ModelFunction) -> ModelFunction:
+    """A function that depends on the time depends on the inputs u as well, an argument before the constants k."""
+    if "t" not in function.arguments:
+        return function
+    k = function.arguments.index("k")
+    return replace(function, arguments=(*function.arguments[:k], "u", *function.arguments[k:]))
 
 
 def _dynamics(mechanism: bool) -> Iterator[ModelFunction]:
@@ -148,8 +159,8 @@ def _of_bodies() -> Iterator[ModelFunction]:
     yield ModelFunction(FunctionKind.JACOBIAN, matrix, ("t", "y", "ydot", "cj", "k"), ITERATION_MATRIX)
 
 
-def _of_mechanisms() -> Iterator[ModelFunction]:
-    """The functions for constraints, multipliers, poses, and the forms for implicit integrators."""
+def _of_mechanisms(outputs: bool) -> Iterator[ModelFunction]:
+    """The functions for constraints, multipliers, poses, outputs, and the forms for implicit integrators."""
     kind, timed = FunctionKind, ("t", "q", "k")
     yield ModelFunction(kind.CONSTRAINTS, "Constraints g(t, q) = 0.", timed, {"g": "residuals of the constraints"})
     yield ModelFunction(
@@ -189,6 +200,15 @@ def _of_mechanisms() -> Iterator[ModelFunction]:
         timed,
         {"pose": "c1, c2 [m] and phi [rad] of each body"},
     )
+    if outputs:
+        arguments = ("t", "q", "v", "vdot", "lam", "k")
+        yield ModelFunction(kind.OUTPUTS, "The outputs of the scene.", arguments, {"out": "values of the outputs"})
+        yield ModelFunction(
+            kind.OUTPUTS_JACOBIAN,
+            "Derivatives of the outputs with respect to [q; v; vdot; lambda; u]: values by columns.",
+            arguments,
+            {"jac": "values of the Jacobian by columns"},
+        )
     for form, text in FORMS.items():
         residual = f"Residual F(t, y, ydot) of {text}."
         matrix = f"Iteration matrix dF/dy + cj dF/dydot of {text}: values by columns, diagonal included."

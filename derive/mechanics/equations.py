@@ -20,9 +20,11 @@ from derive.mechanics.terms import (
     Coordinate,
     Eliminated,
     EquationOfMotion,
+    InputSymbol,
     Intermediate,
     MarkerEquations,
     ModelConstant,
+    OutputEquation,
     ParameterSymbol,
     Pose,
     Reason,
@@ -49,8 +51,8 @@ class Equations:
     `expanded()`, has no sums: a row for each shape function, no tables, and no terms that vanish.
 
     The expanded equations of a mechanism are those of its bodies, with `constraints`: the sum of a row is then what
-    the multipliers contribute, sum lambda_k jacobian_k. `poses` are those of its bodies, `eliminated` says what is not
-    modelled.
+    the multipliers contribute, sum lambda_k jacobian_k. `poses` are those of its bodies, `inputs` and `outputs` those
+    of the scene, `eliminated` says what is not modelled.
 
     `frame_doc` describes where c is. `rates` gives the time derivatives of the coordinates. `coefficients` hold what
     depends on parameters alone, such as the shape integrals c1..c8 and the stiffness, `definitions` d1, D2, d3, J and
@@ -83,6 +85,8 @@ class Equations:
     markers: tuple[MarkerEquations, ...]
     constraints: tuple[Constraint, ...] = ()
     poses: tuple[Pose, ...] = ()
+    inputs: tuple[InputSymbol, ...] = ()
+    outputs: tuple[OutputEquation, ...] = ()
     eliminated: tuple[Eliminated, ...] = ()
     tables: tuple[CoefficientTable, ...] = ()
     table_sums: tuple[TableSum, ...] = ()

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import sympy as sp
 
 from derive.errors import Problem, SpecError
-from derive.mechanics.symbols import Family, t
+from derive.mechanics.symbols import Family, Symbol, identity, run_time_input, t
 from derive.mechanics.symbols import parameter as parameter_symbol
 from derive.mechanics.symbols import quantity as quantity_symbol
 from derive.mechanics.terms import ModelConstant, ParameterSymbol
@@ -59,6 +61,8 @@ def function(of: TimeFunction) -> sp.Expr:
         return sp.Rational(of.value)
     if of.kind == "t":
         return t
+    if of.kind == "input":
+        return run_time_input(of.name)
     return rounded(_BUILD[of.kind](*map(function, of.args)))
 
 
@@ -70,8 +74,16 @@ def rounded(expr: sp.Expr) -> sp.Expr:
 
 
 def time_derivatives(of: sp.Expr) -> tuple[sp.Expr, sp.Expr, sp.Expr]:
-    """A function of time with its first two derivatives."""
-    return of, of.diff(t), of.diff(t, 2)
+    """A function of time with its first two derivatives; those of a run-time input are inputs as well."""
+    first = _rate(of)
+    return of, first, _rate(first)
+
+
+def _rate(of: sp.Expr) -> sp.Expr:
+    """The time derivative by the chain rule."""
+    inputs = [s for s in of.free_symbols if s != t and identity(s).family is Family.INPUT]
+    following = {s: Symbol(replace(identity(s), derivative=identity(s).derivative + 1)) for s in inputs}
+    return of.diff(t) + sp.Add(*(of.diff(s) * rate for s, rate in following.items()))
 
 
 def finite_function(of: TimeFunction, path: str) -> sp.Expr:

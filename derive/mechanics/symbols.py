@@ -43,6 +43,7 @@ class Kind(Enum):
     POINT = "constants of a material point"
     MOVING_POINT = "the position of a material point in the body frame, or turned to the inertial frame"
     CHOSEN = "quantities whose names the specification chooses"
+    INPUT = "run-time inputs and their time derivatives"
     LOCAL = "intermediate results of a lowering"
 
 
@@ -95,6 +96,7 @@ class Family(Enum):
     PARAMETER = "parameter", Kind.CHOSEN
     ELEMENT = "element", Kind.CHOSEN
     TIME = "t", Kind.CHOSEN
+    INPUT = "u", Kind.INPUT
     LOCAL = "local", Kind.LOCAL
 
     @property
@@ -141,6 +143,8 @@ class Identity:
                 parts = [f"{stem}{self.point}", *shapes, components]
             case Kind.POINT:
                 parts = [stem, self.point, *shapes, components]
+            case Kind.INPUT:
+                parts = [self.family.stem, f"{self.label}{DOTS[self.derivative]}"]
             case Kind.CHOSEN | Kind.LOCAL:
                 parts = [self.label, *shapes, components]
             case _:
@@ -251,6 +255,11 @@ def pair(family: Family, i: int, j: int, *components: int) -> Symbol:
 def parameter(label: str, positive: bool = False) -> Symbol:
     """A run-time parameter under the name that the specification gives it."""
     return Symbol(Identity(Family.PARAMETER, label=label), positive=positive or None)
+
+
+def run_time_input(label: str, derivative: int = 0) -> Symbol:
+    """A run-time input under the name that the specification gives it, or one of its time derivatives."""
+    return Symbol(Identity(Family.INPUT, derivative=derivative, label=label))
 
 
 def element(owner: str, label: str, *components: int) -> Symbol:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import sympy as sp
 
 from derive.mechanics.sums import ModeSum
-from derive.mechanics.symbols import Family, identity
+from derive.mechanics.symbols import Family, identity, local
 from derive.roles import Role
 
 ROLES = {
@@ -60,6 +60,16 @@ class ParameterSymbol:
     unit: str
     default: float
     positive: bool = True
+
+
+@dataclass(frozen=True)
+class InputSymbol:
+    """A run-time input, or a time derivative of one: symbol, the name that users give it, description and unit."""
+
+    symbol: sp.Symbol
+    name: str
+    doc: str
+    unit: str
 
 
 @dataclass(frozen=True)
@@ -191,6 +201,21 @@ class Constraint:
     rate: sp.Expr
     bias: sp.Expr
     jacobian: tuple[tuple[str, sp.Expr], ...]
+
+    @property
+    def multiplier(self) -> sp.Symbol:
+        """The symbol of the multiplier."""
+        return local(f"lambda_{self.name}")
+
+
+@dataclass(frozen=True)
+class OutputEquation:
+    """A component of an output in terms of coordinates, velocities, accelerations, multipliers and the time."""
+
+    name: str
+    unit: str
+    doc: str
+    expr: sp.Expr
 
 
 @dataclass(frozen=True)

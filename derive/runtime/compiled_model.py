@@ -37,6 +37,9 @@ class Native:
     Functions raise ModelError when the model returns a code other than 0, ValueError on a wrong length.
     """
 
+    follows_functions = False
+    """Whether inputs follow functions in Python, so that a function of the library alone does not know them."""
+
     def __init__(self, library: ctypes.CDLL, name: str) -> None:
         entry = getattr(library, f"{name}_model")
         entry.restype = ctypes.POINTER(ModelStruct)

@@ -87,6 +87,20 @@ class SceneStruct(ctypes.Structure):
     ]
 
 
+class PortsStruct(ctypes.Structure):
+    """tisserand_ports."""
+
+    _fields_ = [
+        ("nu", ctypes.c_int),
+        ("nout", ctypes.c_int),
+        ("u", ctypes.POINTER(VariableStruct)),
+        ("out", ctypes.POINTER(VariableStruct)),
+        ("pattern", ctypes.POINTER(PatternStruct)),
+        ("outputs", _function(_T, *[Doubles] * 6)),
+        ("outputs_jacobian", _function(_T, *[Doubles] * 6)),
+    ]
+
+
 class ModelStruct(ctypes.Structure):
     """tisserand_model."""
 
@@ -116,6 +130,7 @@ class ModelStruct(ctypes.Structure):
         ("force_batch", _function(ctypes.c_int, _T, *[Doubles] * 4)),
         ("accel_batch", _function(ctypes.c_int, _T, *[Doubles] * 4)),
         ("scene", ctypes.POINTER(SceneStruct)),
+        ("ports", ctypes.POINTER(PortsStruct)),
     ]
 
 

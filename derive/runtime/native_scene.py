@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from derive.runtime.compiled_model import Native
 from derive.runtime.descriptor import DaeStruct, names_of, pattern_of
-from derive.runtime.native_call import Matrix, Vector, invoke
+from derive.runtime.native_call import Matrix, Vector, checked_vector, constants_of, invoke
 
 
 class Dae:
@@ -53,6 +53,11 @@ class NativeScene(Native):
         self.multipliers = names_of(s.multipliers, self.nlambda)
         self.bodies = tuple(s.bodies[i].decode() for i in range(s.nbodies))
         self.constraint_pattern = pattern_of(s.pattern.contents)
+        ports = self._ports = self._model.ports.contents if self._model.ports else None
+        self.inputs = names_of(ports.u, ports.nu) if ports else ()
+        self.outputs = names_of(ports.out, ports.nout) if ports else ()
+        self.output_units = tuple(ports.out[i].unit.decode() for i in range(ports.nout)) if ports else ()
+        self.outputs_pattern = pattern_of(ports.pattern.contents) if ports and self.outputs else None
         self.dae = {form.name: form for form in (Dae(s.forms[i], self) for i in range(s.nforms))}
 
     def constraints(self, t: float, q: ArrayLike, k: ArrayLike) -> Vector:
@@ -85,6 +90,38 @@ class NativeScene(Native):
     def poses(self, t: float, q: ArrayLike, k: ArrayLike) -> Matrix:
         """c1, c2 (m) and phi (rad) of the frame of each body in `bodies`, (bodies, 3)."""
         return self._ask("poses", [t, (self.nq, q), (self.nk, self.own(k))], 3 * len(self.bodies)).reshape(-1, 3)
+
+    def inputs_at(self, t: float) -> Vector:
+        """The inputs u (inputs,) at a time, where they follow functions; otherwise zeros."""
+        return np.zeros(len(self.inputs))
+
+    def with_inputs(self, k: ArrayLike, u: ArrayLike) -> Vector:
+        """The constants k (nk,) with the inputs u (inputs,) behind them, where all functions read them."""
+        result = np.array(checked_vector(self.nk, self.own(k), "k"))
+        result[self.nk - len(self.inputs) :] = checked_vector(len(self.inputs), u, "u")
+        return constants_of(self.hash, result)
+
+    def evaluate_outputs(
+        self, t: float, q: ArrayLike, v: ArrayLike, vdot: ArrayLike, lam: ArrayLike, k: ArrayLike
+    ) -> Vector:
+        """The values of `outputs`, from a state with its accelerations and multipliers as `solve` computes them."""
+        return self._port("outputs", [t, *self._full_state(q, v, vdot, lam), (self.nk, self.own(k))], len(self.outputs))
+
+    def outputs_jacobian(
+        self, t: float, q: ArrayLike, v: ArrayLike, vdot: ArrayLike, lam: ArrayLike, k: ArrayLike
+    ) -> Vector:
+        """Values of the derivatives of the outputs by [q; v; vdot; lambda; u], in the order of `outputs_pattern`."""
+        size = len(self.outputs_pattern.rowidx) if self.outputs_pattern else 0
+        return self._port("outputs_jacobian", [t, *self._full_state(q, v, vdot, lam), (self.nk, self.own(k))], size)
+
+    def _full_state(self, q: ArrayLike, v: ArrayLike, vdot: ArrayLike, lam: ArrayLike) -> list[Any]:
+        return [(self.nq, q), (self.nv, v), (self.nv, vdot), (self.nlambda, lam)]
+
+    def _port(self, name: str, arguments: list[Any], size: int) -> Vector:
+        result = np.empty(size)
+        if size:
+            invoke(f"{self.name}_{name}", getattr(self._ports, name), arguments, [result])
+        return result
 
     def _ask(self, name: str, arguments: list[Any], size: int) -> Vector:
         result = np.empty(size)

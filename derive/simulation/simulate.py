@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -13,6 +13,7 @@ from derive.derivation import derive, lower
 from derive.errors import Problem, SpecError, quoted
 from derive.runtime.native_call import Vector
 from derive.simulation.initial.initial_state import initial_state
+from derive.simulation.inputs import DrivenScene, InputFunction, driven_integration, with_functions
 from derive.simulation.integration.integrator import Settings
 from derive.simulation.integration.registry import INTEGRATORS
 from derive.simulation.integration.solution import Progress
@@ -31,6 +32,7 @@ def simulate(
     tolerance: float | None = None,
     integrator: str = "dop853",
     step: float | None = None,
+    inputs: Mapping[str, InputFunction] | None = None,
     progress: Progress | None = None,
 ) -> Trajectory:
     """The motion of a scene from its consistent initial state.
@@ -38,6 +40,8 @@ def simulate(
     duration, output, tolerance: the time, s, the interval between rows, s, and the error of a step, instead of those of
     the `simulation` of the scene. integrator: a name in `INTEGRATORS`. step: that of integrators with fixed steps, s;
     the others refuse it.
+    inputs: functions of the time (s) in Python in place of those of the specification, by the names of the run-time
+    inputs; that of a prescribed motion returns its first two time derivatives as well.
     progress: called with the time (s) that the integration has reached.
 
     Raises TypeError for anything but a scene, SpecError, UnknownNameError, CompilerError, ModelError, SimulationError.
@@ -46,13 +50,18 @@ def simulate(
         raise TypeError(f"a scene is needed, not {type(scene).__name__}; read its file with derive.read(...)")
     simulation = simulation_settings(scene, duration, output, tolerance)
     compile_integrator = INTEGRATORS[integrator]
+    given = dict(inputs or {})
+    scene = with_functions(scene, given)
     model = lower(derive(scene))
     check_plots(scene, column_units(scene, model))
     compiled = compile_integrator(model_files(model, scene))
-    native = compiled.native
+    native, integrate = compiled.native, compiled.integrate
+    if given:
+        native = DrivenScene(native, scene, given)
+        integrate = driven_integration(native, integrator)
     k = native.setup()
     initial = initial_state(scene, native, k)
-    solution = compiled.integrate(
+    solution = integrate(
         k,
         initial.q,
         initial.v,

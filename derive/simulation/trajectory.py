@@ -16,7 +16,8 @@ from derive.simulation.initial.consistent_state import InitialState
 from derive.simulation.integration.solution import Solution
 from derive.simulation.observables.csv_writer import Column
 from derive.simulation.observables.motion import SceneMotion, drive_unit, drive_values
-from derive.spec.model.scene import Scene, Simulation
+from derive.simulation.observables.outputs import port_values
+from derive.spec.model.scene import Drive, Scene, Simulation
 
 
 @dataclass(frozen=True)
@@ -30,14 +31,21 @@ class RunSettings:
 
 def column_units(scene: Scene, model: Model) -> dict[str, str]:
     """The names of the columns of a trajectory of a scene, with their units, before it is computed."""
-    units = {"t": "s", **{drive.name: drive_unit(scene, drive) for drive in scene.drives}}
+    units = {"t": "s", **{drive.name: drive_unit(scene, drive) for drive in _drives(scene)}}
     for prefix, variables in (
         ("", model.coordinates),
         ("", model.velocities),
         ("lambda_", model.multipliers),  # a drive and its multiplier have one name otherwise
+        ("u_", model.inputs),
+        ("", model.outputs),
     ):
         units |= {f"{prefix}{variable.name}": variable.unit for variable in variables}
     return units
+
+
+def _drives(scene: Scene) -> list[Drive]:
+    """The drives whose motion is a function of the specification; others follow run-time inputs."""
+    return [drive for drive in scene.drives if drive.motion is None or drive.motion.kind != "input"]
 
 
 class PandasMissing(TisserandError):
@@ -48,10 +56,11 @@ class PandasMissing(TisserandError):
 class Trajectory(Mapping[str, Vector]):
     """The motion of a scene, as named columns: `trajectory["rod_phi"]` is a vector (n,) in SI units.
 
-    The columns are the time "t", what drives prescribe, coordinates, their rates, and multipliers, by the names of
-    `columns`; `units` has their units. q (n, nq), v (n, nv) and lam (n, nlambda) are the same as matrices. `solution`
-    adds drift and cost, `initial` is the consistent initial state, `motion` what observables are computed from, `model`
-    the kernels, `settings` how it was computed. An unknown name raises UnknownNameError.
+    The columns are the time "t", what drives prescribe, coordinates, their rates, multipliers, inputs that follow
+    functions in Python, and outputs, by the names of `columns`; `units` has their units. q (n, nq), v (n, nv) and lam
+    (n, nlambda) are the same as matrices. `solution` adds drift and cost, `initial` is the consistent initial state,
+    `motion` what observables are computed from, `model` the kernels, `settings` how it was computed. An unknown name
+    raises UnknownNameError.
     """
 
     scene: Scene
@@ -65,8 +74,9 @@ class Trajectory(Mapping[str, Vector]):
     def table(self) -> tuple[Column, ...]:
         """All columns with their names, units and values (n,)."""
         solution = self.solution
-        drives = [drive_values(drive, solution.t) for drive in self.scene.drives]
-        values = [solution.t, *drives, *solution.q.T, *solution.v.T, *solution.lam.T]
+        drives = [drive_values(drive, solution.t) for drive in _drives(self.scene)]
+        inputs, outputs = port_values(self.motion.native, self.motion.k, solution)
+        values = [solution.t, *drives, *solution.q.T, *solution.v.T, *solution.lam.T, *inputs.T, *outputs.T]
         units = column_units(self.scene, self.model)
         return tuple(Column(name, unit, column) for (name, unit), column in zip(units.items(), values, strict=True))
 

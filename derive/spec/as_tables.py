@@ -19,6 +19,7 @@ from derive.spec.model.body import (
     PlanarBeam,
     SymbolicBody,
 )
+from derive.spec.model.ports import SceneOutput
 from derive.spec.model.scene import (
     NAMED,
     BeamBody,
@@ -37,9 +38,11 @@ from derive.spec.model.scene import (
     ReferenceCurve,
     RigidBody,
     Scene,
+    SceneInput,
     Simulation,
     Specification,
     Spring,
+    TimeFunction,
     Torque,
 )
 
@@ -226,6 +229,9 @@ _CONVERT: Mapping[type, Callable[[Any], object]] = {
         rest=spring.rest,
     ),
     CustomForce: _custom_force,
+    TimeFunction: lambda function: {"input": function.name} if function.kind == "input" else function,
+    SceneInput: lambda given: without_none(unit=given.unit or None, value=given.function),
+    SceneOutput: lambda output: {"kind": output.kind, **output.values},
     Simulation: asdict,
     Plot: _plot,
     ReferenceCurve: lambda curve: {"file": curve.file, "x": curve.x, "y": curve.y},

@@ -29,6 +29,7 @@ from derive.spec.model.body import (
     SymbolicBody,
     SymbolicFrame,
 )
+from derive.spec.model.ports import SceneOutput
 from derive.spec.model.scene import (
     NAMED,
     CustomForce,
@@ -39,6 +40,7 @@ from derive.spec.model.scene import (
     PointMarker,
     Scene,
     SceneBody,
+    SceneInput,
     Simulation,
     Specification,
     Spring,
@@ -142,6 +144,8 @@ def scene(
     forces: Named[Force | CustomForce] = (),
     torques: Named[Torque | CustomForce] = (),
     springs: Named[Spring | CustomForce] = (),
+    inputs: Named[SceneInput] = (),
+    outputs: Named[SceneOutput] = (),
     simulation: Simulation | Table | None = None,
     plots: Named[Plot] = (),
 ) -> Scene:
@@ -160,6 +164,8 @@ def scene(
         "forces": forces,
         "torques": torques,
         "springs": springs,
+        "inputs": inputs,
+        "outputs": outputs,
         "plots": plots,
     }
     if isinstance(name, Mapping):

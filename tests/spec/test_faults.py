@@ -231,7 +231,7 @@ left = -2
 """
     assert errors(text) == [
         "b.toml:1: title: unknown key; the keys here are name, beam, body, ground, scene, bodies, joints, drives, "
-        "forces, torques, springs, simulation, plots",
+        "forces, torques, springs, inputs, outputs, simulation, plots",
         'b.toml:2: name: "double" cannot be a name: it is a word of C; try "double_0"',
         'b.toml:6: beam.ansatz[1]: column 2 of "2xi": an operator is missing before "xi"; for a product write *',
         'b.toml:7: beam.ansatz[2]: column 4 of "xi^99": the power is too high; the highest is 40',

@@ -21,6 +21,8 @@ from derive.ir.statements import Accumulate, Let, Map, MatVec, Require, Requirem
 from derive.rendering import render
 
 KERNELS = ("mass", "force", "accel")
+SHARED = ("k", "u")
+"""Arguments that all states of a batch share."""
 WIDTHS = {32: 256, 16: 256, 8: 512, 4: None}
 """States of a block, the best first, and the kilobytes of stack that it may take.
 
@@ -81,13 +83,15 @@ class _Body:
         self.prefix = f"{model}_block{width}"
         (self.output,) = kernel.outputs
         used = kernel.used
-        states = [a for a in kernel.arguments if not a.scalar and a.name != "k"]
+        states = [a for a in kernel.arguments if not a.scalar and a.name not in SHARED]
         self.states = [a for a in states if used & {*a.elements}]
         self.views = [(a.name, view) for a in states for view in a.arrays if view.name in used]
         read = {a.name for a in self.states} | {name for name, _ in self.views}
-        self.unused = [a.name for a in kernel.arguments if a.name != "k" and a.name not in read]
+        self.unused = [a.name for a in kernel.arguments if a.name not in SHARED and a.name not in read]
         self.moved = [a.name for a in states if a.name in read]
         (self.k,) = (a for a in kernel.arguments if a.name == "k")
+        self.inputs = [(k, n) for a in kernel.arguments if a.name == "u" for k, n in a.named_elements]
+        self.has_inputs = any(a.name == "u" for a in kernel.arguments)
         self.parts = batch_parts(kernel)
         elements = {name: (a.name, index) for a in states for index, name in a.named_elements}
         names = Names(width, elements, frozenset(v.name for v in self.k.arrays), block_arrays(self.parts))
@@ -112,6 +116,9 @@ class _Body:
         lines = [f"    (void) {name};" for name in self.unused]
         used = self.kernel.used
         lines += [f"    const double {name} = k[{index}];" for index, name in self.k.named_elements if name in used]
+        read = [(index, name) for index, name in self.inputs if name in used]
+        lines += [f"    const double {name} = u[{index}];" for index, name in read]
+        lines += ["    (void) u;"] if self.has_inputs and not read else []
         views = [v for v in self.k.arrays if v.name in used]
         lines += [f"    const double *{v.name} = k{f' + {v.offset}' if v.offset else ''};" for v in views]
         if not views and not any(name in used for name in self.k.elements):

@@ -8,8 +8,10 @@ from itertools import accumulate
 from typing import assert_never
 
 from derive.artifacts import MARK, File
+from derive.backends.c.batch import KERNELS as BATCHED
 from derive.backends.c.batch import batch_body, batch_helpers, batch_widths, stack
 from derive.backends.c.loops import LANES_MACRO, SHORT, CLoops, panel_helper
+from derive.backends.c.packed import entries, packed_functions
 from derive.backends.description import (
     LICENCE,
     MODEL_HASH,
@@ -27,7 +29,7 @@ from derive.ir.statements import Accumulate, Let, MatVec, Require, RequireFinite
 from derive.rendering import render
 from derive.roles import Role
 
-ABI = 5
+ABI = 6
 
 FORMS = {"index3": "", "ggl": "_ggl", "index1": "_index1"}
 """The forms of the equations of a scene, with the suffixes of the names of their functions."""
@@ -75,6 +77,7 @@ def _template_values(model: Model, fingerprint: str) -> dict[str, object]:
     text_of_model = model_text(model)
     tables = [("p", model.parameters), ("k", model.constants), ("q", model.coordinates), ("v", model.velocities)]
     tables += [("lambda", model.multipliers)] if model.bodies else []
+    tables += [("u", model.inputs), ("out", model.outputs)]
     sizes = {name: sum(v.size for v in variables) for name, variables in tables}
     mark = (f"{MARK} from a specification with SHA-256", f"{fingerprint}. Do not edit.", LICENCE, "")
     widths = batch_widths(model)
@@ -102,6 +105,8 @@ def _template_values(model: Model, fingerprint: str) -> dict[str, object]:
         "markers": [(m.name, model.kernel(f"marker_{m.name}").outputs[0].size) for m in model.markers],
         "forms": FORMS if model.bodies else {},
         "checked_forces": any(isinstance(s, Require) for s in model.kernel("force").statements),
+        "entries": entries(model, BATCHED),
+        "packed": list(packed_functions(model, BATCHED)),
         "energies": len(model.kernel("energy").outputs[0].elements),
         "sizes": sizes,
         "indices": {name: _first_indices(variables) for name, variables in tables},

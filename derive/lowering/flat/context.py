@@ -69,13 +69,19 @@ class Context:
         self.y = array_input("y", self.state, "first-order state [q; v]")
         self.ydot = array_input("ydot", self.state_rates, "time derivative of y")
         self.multipliers = tuple(c.name for c in equations.constraints)
-        self.forces = tuple(local(f"lambda_{name}") for name in self.multipliers)
+        self.forces = tuple(c.multiplier for c in equations.constraints)
+        self.vdot = array_input("vdot", (row.a for row in equations.rows), "accelerations, as from solve")
+        self.lam = array_input("lam", self.forces, "constraint reactions on body 2 of each joint, as from solve")
+        self.u = array_input("u", (given.symbol for given in equations.inputs), "inputs")
         self.cj = scalar_input(local("cj"), "factor of dF/dydot")
-        every = (self.t, self.q, self.v, self.k, self.y, self.ydot, self.cj)
+        every = (self.t, self.q, self.v, self.vdot, self.lam, self.u, self.k, self.y, self.ydot, self.cj)
         self.inputs: Mapping[str, Input] = {argument.argument.name: argument for argument in every}
 
     def symbols(self, *inputs: Input) -> Symbols:
-        """The CasADi symbols of arguments and of the coefficients, with all definitions that follow from them."""
+        """The CasADi symbols of arguments and of the coefficients, with all definitions that follow from them.
+
+        What depends on the time depends on the inputs u.
+        """
         eq = self.equations
         symbols = Symbols(early=frozenset(row.v for row in eq.rows), late=rotation_symbols(eq.definitions))
         for c in self.coefficients:
@@ -86,6 +92,8 @@ class Context:
                 else ScalarRef(str(c.symbol))
             )
             symbols.input(c.symbol, leaf)
+        if self.t in inputs:
+            inputs = (*inputs, self.u)
         for symbol in chain.from_iterable(argument.symbols for argument in inputs):
             symbols.input(symbol, ScalarRef(symbol.name))
         define(symbols, eq.definitions)

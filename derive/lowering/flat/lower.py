@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 from derive.ir.model import Kernel, Model, Variable, Zero
-from derive.lowering.flat import constraints, dae, functions
+from derive.lowering.flat import constraints, dae, functions, outputs
 from derive.lowering.flat.context import Context
 from derive.lowering.flat.setup import setup_kernel
 from derive.lowering.functions import FunctionKind, ModelFunction, functions_of
@@ -37,6 +37,8 @@ OF_MECHANISMS: Mapping[FunctionKind, Implementation] = {
     FunctionKind.SOLVE: constraints.accelerations_and_multipliers,
     FunctionKind.PROJECT_VELOCITY: constraints.project_velocity,
     FunctionKind.POSES: constraints.poses,
+    FunctionKind.OUTPUTS: outputs.outputs,
+    FunctionKind.OUTPUTS_JACOBIAN: outputs.outputs_jacobian,
     FunctionKind.RESIDUAL: dae.residual,
     FunctionKind.JACOBIAN: dae.jacobian,
 }
@@ -70,6 +72,8 @@ def lower(equations: Equations, choice: str = "") -> Model:
         choice=choice,
         multipliers=tuple(Variable(c.name, c.doc, c.force_unit) for c in equations.constraints),
         bodies=tuple(pose.name for pose in equations.poses),
+        inputs=tuple(Variable(given.name, given.doc, given.unit) for given in equations.inputs),
+        outputs=tuple(Variable(o.name, o.doc, o.unit) for o in equations.outputs),
         kkt=constraints.kkt(context) if scene else None,
         eliminated=tuple(Zero(out.what, out.reason) for out in equations.eliminated),
         vanished=tuple(Zero(f"{v.term.name} term of row {v.term.row}", str(v.reason)) for v in equations.vanished),

@@ -19,8 +19,16 @@ from derive.mechanics.multibody.instances import point_motions
 from derive.mechanics.multibody.joints.joint_type import PrescribedMotion, Support
 from derive.mechanics.multibody.joints.registry import JOINTS
 from derive.mechanics.multibody.keys import Key, KeyType, quantities
-from derive.mechanics.multibody.kinds import BodyInstance, BodyKinds, ForceInstance, JointInstance
+from derive.mechanics.multibody.kinds import (
+    BodyInstance,
+    BodyKinds,
+    EliminatedJoint,
+    ForceInstance,
+    JointInstance,
+)
 from derive.mechanics.multibody.mechanism import Mechanism
+from derive.mechanics.multibody.outputs.output_type import OutputInstance
+from derive.mechanics.multibody.outputs.registry import OUTPUTS
 from derive.mechanics.multibody.point_motion import PointMotion, fixed_point
 from derive.mechanics.quantity import finite_function, time_derivatives
 from derive.mechanics.symbols import Symbol, element, t
@@ -58,7 +66,7 @@ class _Assembly:
         self.kinds = BodyKinds()
         self.instances: dict[str, BodyInstance] = {}
         self.eliminated = [Eliminated(GROUND, "it does not move: no coordinates")]
-        self.used_joints: set[str] = set()
+        self.eliminated_joints: dict[str, EliminatedJoint] = {}
 
     def mechanism(self) -> Mechanism:
         """All bodies get their coordinates; what joints do not eliminate is a constraint."""
@@ -70,7 +78,7 @@ class _Assembly:
         joints = tuple(
             JointInstance(joint, JOINTS[joint.kind], self.drives.get(joint.name))
             for joint in self.joints
-            if joint.name not in self.used_joints
+            if joint.name not in self.eliminated_joints
         )
         forces = self._forces()
         return Mechanism(
@@ -81,6 +89,8 @@ class _Assembly:
             ground=self.known[GROUND],
             joints=joints,
             forces=forces,
+            eliminated_joints=tuple(self.eliminated_joints.values()),
+            outputs=self._outputs(),
             parameters=parameters(self.scene),
             constants=tuple(self.constants),
             eliminated=tuple(self.eliminated),
@@ -94,7 +104,9 @@ class _Assembly:
         while step := next(filter(None, (self._supported(b, j) for b in waiting for j in self.joints)), None):
             body, joint, component, coordinates = step
             waiting.remove(body)
-            self.used_joints.add(joint.name)
+            own, known = self._ends(body, joint)
+            drive = self.drives.get(joint.name)
+            self.eliminated_joints[joint.name] = EliminatedJoint(joint, JOINTS[joint.kind], drive, own, known)
             self.eliminated.append(Eliminated(body.name, coordinates.reason))
             if coordinates.rows:
                 self._complete(body)
@@ -102,9 +114,8 @@ class _Assembly:
 
     def _supported(self, body: SceneBody, joint: Joint) -> tuple[SceneBody, Joint, Component, CoordinateMap] | None:
         """A body behind a joint to a marker whose motion is known; None if that eliminates nothing."""
-        is_second = joint.second.body == body.name
-        own, other = (joint.second, joint.first) if is_second else (joint.first, joint.second)
-        if joint.name in self.used_joints or own.body != body.name or other.body not in self.known:
+        own, other = self._ends(body, joint)
+        if joint.name in self.eliminated_joints or own.body != body.name or other.body not in self.known:
             return None
         component = body_type(body).about(body, own.marker, self.gravity)
         if component is None:
@@ -114,11 +125,16 @@ class _Assembly:
             motion=component.body.motion,
             marker=self.known[other.body][other.marker],
             attached_to="the ground" if other.body == GROUND else other.body,
-            sign=1 if is_second else -1,
+            sign=1 if own == joint.second else -1,
             drive=self.drives.get(joint.name),
         )
         coordinates = JOINTS[joint.kind].minimal_coordinates(joint, support)
         return None if coordinates is None else (body, joint, component, coordinates)
+
+    def _ends(self, body: SceneBody, joint: Joint) -> tuple[MarkerRef, MarkerRef]:
+        """The marker of a joint on a body, and the other one."""
+        is_second = joint.second.body == body.name
+        return (joint.second, joint.first) if is_second else (joint.first, joint.second)
 
     def _complete(self, body: SceneBody) -> None:
         """Raise SpecError if a body that moves has no mass or inertia."""
@@ -137,7 +153,8 @@ class _Assembly:
         return [component.name for component in components]
 
     def _add(self, component: Component, coordinates: CoordinateMap) -> None:
-        instance = BodyInstance(component, self.kinds.number(component.body), coordinates)
+        complete = bool(self.scene.outputs)
+        instance = BodyInstance(component, self.kinds.number(component.body), coordinates, complete)
         self.instances[component.name] = instance
         if not instance.moves:
             self.known[component.name] = point_motions(instance, self.kinds.kinds[instance.kind])
@@ -168,8 +185,23 @@ class _Assembly:
                 return finite_function(value, f"{section}.{name}.{key.name}")
             case KeyType.FUNCTION_PAIR:
                 return sp.Matrix([finite_function(of, f"{section}.{name}.{key.name}") for of in value])
+            case KeyType.MARKER | KeyType.BEAM_MARKER:
+                return self._located(value)
+            case KeyType.MARKER_PAIR:
+                return tuple(map(self._located, value))
+            case KeyType.JOINT | KeyType.DRIVE | KeyType.SPRING:
+                return value
             case _ as never:
                 assert_never(never)
+
+    def _outputs(self) -> tuple[OutputInstance, ...]:
+        result = []
+        for output in self.scene.outputs:
+            output_type = OUTPUTS[output.kind]
+            given = (key for key in output_type.keys if key.name in output.values)
+            values = {key.name: self._value("outputs", output.name, key, output.values[key.name]) for key in given}
+            result.append(OutputInstance(output.name, output_type, values))
+        return tuple(result)
 
     def _with_constants(self, joint: Joint) -> Joint:
         """A joint whose values are expressions of the derivation, parameters among them."""
@@ -227,6 +259,8 @@ def parameters(scene: Scene) -> tuple[ParameterSymbol, ...]:
         if isinstance(joint, CustomJoint):
             constants += _constants("joint", joint.name, JOINTS[joint.kind].keys, joint.values)
     constants += [Constant(drive.speed, f"speed of drive {drive.name}") for drive in scene.drives]
+    for output in scene.outputs:
+        constants += _constants("output", output.name, OUTPUTS[output.kind].keys, output.values)
     for force, force_type in elements(scene):
         specified = force_type.specified(force)
         constants += _constants(NAMED[force_type.section], force.name, force_type.keys, specified)

@@ -33,7 +33,11 @@ Symbols = dict[sp.Basic, sp.Basic]
 
 @dataclass(frozen=True)
 class InstanceEquations:
-    """What an instance contributes to the equations of a mechanism; `points` are the motions of its markers."""
+    """What an instance contributes to the equations of a mechanism.
+
+    `points` are the motions of its markers, `origin` is c. `free_residual` are the rows of c1, c2 and phi of the free
+    body: the force and the torque about c that move it as it moves, besides gravity (N, N m); only if it is `complete`.
+    """
 
     coordinates: tuple[Coordinate, ...]
     rows: tuple[EquationOfMotion, ...]
@@ -47,6 +51,8 @@ class InstanceEquations:
     angular: tuple[sp.Expr, ...]
     markers: tuple[MarkerEquations, ...]
     points: Mapping[str, PointMotion]
+    origin: tuple[sp.Expr, ...]
+    free_residual: tuple[sp.Expr, ...]
 
 
 def instance_equations(instance: BodyInstance, kind: BodyKind, repeated: bool) -> InstanceEquations:
@@ -74,7 +80,14 @@ def instance_equations(instance: BodyInstance, kind: BodyKind, repeated: bool) -
         angular=tuple(sp.expand(e.xreplace(change)) for e in equations.angular_momentum),
         markers=tuple(_marker(component, name, moved.reasons, coordinates, change) for name in shown),
         points=moved.points,
+        origin=tuple(coordinates.values[c.q] for c in component.body.motion.coordinates[:2]),
+        free_residual=_free_residual(instance, equations, change) if instance.complete else (),
     )
+
+
+def _free_residual(instance: BodyInstance, equations: Equations, change: Symbols) -> tuple[sp.Expr, ...]:
+    rows = instance.component.body.motion.rows[:3]
+    return tuple(sp.expand(equations.sum_of(row.name).xreplace(change)) for row in rows)
 
 
 def point_motions(instance: BodyInstance, kind: BodyKind) -> Mapping[str, PointMotion]:
@@ -100,7 +113,7 @@ def _moved(instance: BodyInstance, kind: BodyKind) -> _Moved:
     of_points = tuple(c for s in component.sections.values() for c in (*s.point.coefficients, *s.rotations))
     change: Symbols = {**coordinates.values, **_renamed(component.group, (*of_body, *of_points))}
     definitions = list(coordinates.definitions)
-    own = kind.equations.expanded().definitions if instance.moves else motion.rotation_definitions
+    own = kind.equations.expanded().definitions if instance.has_inertia else motion.rotation_definitions
     definitions += _definitions(component.name, own, change)
     reasons |= zeros.reasons_of(of_points)
     points = {}
@@ -108,7 +121,7 @@ def _moved(instance: BodyInstance, kind: BodyKind) -> _Moved:
         moved = point_motion(motion, section.point, section.rotations, reasons)
         definitions += _definitions(component.name, moved.definitions, change)
         points[name] = moved.replaced(change)
-    constants = (*(of_body if instance.moves else ()), *of_points)
+    constants = (*(of_body if instance.has_inertia else ()), *of_points)
     return _Moved(change, constants, tuple(definitions), reasons, points)
 
 

@@ -18,6 +18,12 @@ class KeyType(Enum):
     QUANTITY = "a number of either sign, or a run-time parameter"
     FUNCTION = "a function of time"
     FUNCTION_PAIR = "two components that are functions of time"
+    MARKER = "a marker"
+    BEAM_MARKER = "a marker of a beam"
+    MARKER_PAIR = "two markers"
+    JOINT = "the name of a joint"
+    DRIVE = "the name of a drive"
+    SPRING = "the name of a spring"
 
 
 @dataclass(frozen=True)

@@ -39,11 +39,16 @@ class BodyKind:
 
 @dataclass(frozen=True)
 class BodyInstance:
-    """A component of a mechanism: an instance of a kind, by its number, with its coordinates in the mechanism."""
+    """A component of a mechanism: an instance of a kind, by its number, with its coordinates in the mechanism.
+
+    `complete`: outputs such as reactions and energies need the equations of the free body, and its inertia even where
+    its motion is prescribed.
+    """
 
     component: Component
     kind: int
     coordinates: CoordinateMap
+    complete: bool = False
 
     @property
     def name(self) -> str:
@@ -55,6 +60,11 @@ class BodyInstance:
         """Whether it has coordinates; the motion of the others is prescribed."""
         return bool(self.coordinates.rows)
 
+    @property
+    def has_inertia(self) -> bool:
+        """Whether the equations contain its constants, such as its mass."""
+        return self.moves or self.complete
+
 
 @dataclass(frozen=True)
 class JointInstance:
@@ -63,6 +73,20 @@ class JointInstance:
     joint: Joint
     type: JointType
     drive: PrescribedMotion | None
+
+
+@dataclass(frozen=True)
+class EliminatedJoint:
+    """A joint that has eliminated coordinates of the body it supports, and is no constraint.
+
+    `own` is the marker on that body, `known` the other one, whose motion is known.
+    """
+
+    joint: Joint
+    type: JointType
+    drive: PrescribedMotion | None
+    own: MarkerRef
+    known: MarkerRef
 
 
 @dataclass(frozen=True)

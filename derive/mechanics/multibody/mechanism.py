@@ -14,19 +14,22 @@ from derive.mechanics.equations import Equations
 from derive.mechanics.multibody.bodies.registry import BODIES
 from derive.mechanics.multibody.bodies.rigid import BODY_FRAME
 from derive.mechanics.multibody.constraints import constraints
-from derive.mechanics.multibody.forces.force_type import GeneralisedForce
 from derive.mechanics.multibody.instances import InstanceEquations, instance_equations
-from derive.mechanics.multibody.kinds import BodyInstance, BodyKind, ForceInstance, JointInstance
+from derive.mechanics.multibody.kinds import BodyInstance, BodyKind, EliminatedJoint, ForceInstance, JointInstance
+from derive.mechanics.multibody.outputs.output_type import OutputInstance
 from derive.mechanics.multibody.point_motion import PointMotion, RelativeMotion
-from derive.mechanics.symbols import t
+from derive.mechanics.multibody.scene_mechanics import SceneMechanics
+from derive.mechanics.symbols import DOTS, run_time_input, t
 from derive.mechanics.terms import (
     Constraint,
     Coordinate,
     Eliminated,
     EquationOfMotion,
+    InputSymbol,
     Intermediate,
     MarkerEquations,
     ModelConstant,
+    OutputEquation,
     ParameterSymbol,
     Pose,
     Term,
@@ -45,7 +48,8 @@ class Mechanism:
     kinds: the equations of its bodies, each once; instances: its bodies in the order of the specification; order: their
     names in the order in which their definitions follow each other, since a body may follow another's motion; ground:
     the markers of the inertial frame; joints: those that are constraints, with their drives; forces: what acts on
-    markers; constants: parameters of drives, ground and forces; eliminated: what the equations need not contain.
+    markers; eliminated_joints: those that reduce the coordinates of bodies instead; outputs: what is computed from the
+    state; constants: parameters of drives, ground and forces; eliminated: what the equations need not contain.
     """
 
     scene: Scene
@@ -55,6 +59,8 @@ class Mechanism:
     ground: Mapping[str, PointMotion]
     joints: tuple[JointInstance, ...]
     forces: tuple[ForceInstance, ...]
+    eliminated_joints: tuple[EliminatedJoint, ...]
+    outputs: tuple[OutputInstance, ...]
     parameters: tuple[ParameterSymbol, ...]
     constants: tuple[ModelConstant, ...]
     eliminated: tuple[Eliminated, ...]
@@ -100,7 +106,44 @@ def _expanded(mechanism: Mechanism) -> Equations:
     forces = [f.type.generalised_force(f.element, tuple(map(at, f.markers)), f.values, rows) for f in mechanism.forces]
     in_order = [instances[name].definitions for name in mechanism.order]
     definitions = tuple(chain(*in_order, *(own for own, _ in joints), *(f.definitions for f in forces)))
-    return _gathered(mechanism, instances, rows, definitions, conditions, forces)
+    parts = SceneMechanics(
+        scene=mechanism.scene,
+        ground=mechanism.ground,
+        instances=instances,
+        joints=mechanism.joints,
+        eliminated_joints=mechanism.eliminated_joints,
+        forces=mechanism.forces,
+        generalised=tuple(forces),
+        constraints=conditions,
+    )
+    return _gathered(mechanism, parts, rows, definitions)
+
+
+def _inputs(scene: Scene) -> tuple[InputSymbol, ...]:
+    """The run-time inputs; those that drives prescribe motions by have two time derivatives."""
+    motions = {drive.motion.name for drive in scene.drives if drive.motion and drive.motion.kind == "input"}
+    result = []
+    for given in scene.inputs:
+        for order in range(3 if given.name in motions else 1):
+            unit = given.unit + ("", "/s", "/s^2")[order] if given.unit else ""
+            doc = f"{('', 'time derivative of ', 'second time derivative of ')[order]}input {given.name}"
+            result.append(InputSymbol(run_time_input(given.name, order), f"{given.name}{DOTS[order]}", doc, unit))
+    return tuple(result)
+
+
+def _outputs(
+    mechanism: Mechanism, parts: SceneMechanics
+) -> tuple[tuple[OutputEquation, ...], tuple[ModelConstant, ...]]:
+    """The components of all outputs, and the constants that only these have."""
+    equations: list[OutputEquation] = []
+    constants: list[ModelConstant] = []
+    for output in mechanism.outputs:
+        made = output.type.components(output.name, output.values, parts)
+        for part in made.components:
+            name = f"{output.name}_{part.label}" if part.label else output.name
+            equations.append(OutputEquation(name, part.unit, part.doc, part.expr))
+        constants += made.constants
+    return tuple(equations), tuple(constants)
 
 
 def _instances(mechanism: Mechanism) -> Instances:
@@ -127,15 +170,16 @@ def _refuse_idle(conditions: tuple[Constraint, ...]) -> None:
 
 def _gathered(
     mechanism: Mechanism,
-    instances: Instances,
+    parts: SceneMechanics,
     rows: tuple[EquationOfMotion, ...],
     definitions: tuple[Intermediate, ...],
-    conditions: tuple[Constraint, ...],
-    forces: Sequence[GeneralisedForce],
 ) -> Equations:
-    scene, bodies = mechanism.scene, list(instances.values())
-    moving = _moving(definitions)
-    coefficients = _coefficients(mechanism, bodies)
+    scene, instances, conditions, forces = parts.scene, parts.instances, parts.constraints, parts.generalised
+    bodies = list(instances.values())
+    inputs = _inputs(scene)
+    moving = _moving(definitions, inputs)
+    outputs, of_outputs = _outputs(mechanism, parts)
+    coefficients = (*_coefficients(mechanism, bodies), *of_outputs)
     _distinct(rows, conditions, coefficients, definitions)
 
     def summed(of: Iterable[sp.Expr]) -> sp.Expr:
@@ -168,6 +212,8 @@ def _gathered(
         angular_momentum=(summed(b.angular[0] for b in of_bodies),),
         markers=tuple(m for m in _markers(bodies) if not _depends(m.definitions, m.position, moving)),
         constraints=conditions,
+        inputs=inputs,
+        outputs=outputs,
         poses=tuple(_pose(name, instance) for name, instance in instances.items()),
         eliminated=(*mechanism.eliminated, *_carried(instances, moving)),
     )
@@ -214,9 +260,9 @@ def _distinct(
         raise SpecError((Problem("bodies", text),))
 
 
-def _moving(definitions: tuple[Intermediate, ...]) -> frozenset[sp.Symbol]:
-    """The time, and all symbols that are made of it."""
-    moving = {t}
+def _moving(definitions: tuple[Intermediate, ...], inputs: tuple[InputSymbol, ...]) -> frozenset[sp.Symbol]:
+    """The time, the inputs, and all symbols that are made of them."""
+    moving = {t, *(given.symbol for given in inputs)}
     for d in definitions:
         if d.expr.free_symbols & moving:
             moving.add(d.symbol)

@@ -96,7 +96,10 @@ class Evaluator:
         self._nq, self._name = native.nq, native.name
         self._y, self._ydot = np.zeros(native.nq + native.nv), np.zeros(native.nq + native.nv)
         self._k = np.ascontiguousarray(k, dtype=float)
-        self._accel = self._compiled(native) if isinstance(native, Native) else self._interpreted(native)
+        if isinstance(native, Native) and not native.follows_functions:
+            self._accel = self._compiled(native)
+        else:
+            self._accel = self._interpreted(native)
 
     def __call__(self, t: float, y: Vector) -> Vector:
         """[v; vdot], a new array."""

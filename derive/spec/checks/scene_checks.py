@@ -7,10 +7,12 @@ from collections.abc import Iterator, Mapping
 from derive.errors import quoted
 from derive.mechanics.multibody.joints.joint_type import JointType
 from derive.mechanics.multibody.joints.registry import JOINTS
+from derive.mechanics.multibody.keys import KeyType
+from derive.mechanics.multibody.outputs.registry import OUTPUTS
 from derive.spec.checks.body_checks import shape_faults
 from derive.spec.checks.initial_values import body_start_faults, joint_start_faults
 from derive.spec.checks.scene_data import Raw, SceneData
-from derive.spec.checks.scene_names import name_faults
+from derive.spec.checks.scene_names import column_faults, name_faults
 from derive.spec.checks.scene_parameters import parameter_faults
 from derive.spec.model.scene import GROUND, NAMED, MarkerRef
 from derive.spec.parsing.faults import Fault, KeyPath, did_you_mean
@@ -27,6 +29,7 @@ def scene_faults(data: Raw) -> list[Fault]:
     if view.complete:
         faults += [*_markers(view), *_joints(view), *_drives(view), *_weightless(view), *_actions(view), *_plots(view)]
         faults += joint_start_faults(view)
+        faults += [*_inputs(view), *_outputs(view), *column_faults(view)]
     return faults
 
 
@@ -152,6 +155,42 @@ def _actions(view: SceneData) -> Iterator[Fault]:
         markers = view.pair("springs", name)
         if markers and markers[0] == markers[1]:
             yield Fault(("springs", name, "between"), "a spring is between two markers, and these are the same")
+
+
+def _inputs(view: SceneData) -> Iterator[Fault]:
+    """Inputs that are used and do not exist, or the other way round."""
+    known, used = view.tables["inputs"], set()
+    for path, name in view.input_refs():
+        used.add(name)
+        if name not in known:
+            others = f"the inputs are {', '.join(known)}" if known else f"write one, such as [inputs.{name}]"
+            yield Fault(path, f"there is no input {quoted(name)}{did_you_mean(name, known, others)}")
+    for name in known:
+        if name not in used:
+            text = f'no force, torque or drive uses it; write {{ input = "{name}" }} in place of a function of t'
+            yield Fault(("inputs", name), f"{text}, or leave it out")
+
+
+def _outputs(view: SceneData) -> Iterator[Fault]:
+    """Joints, drives and springs of outputs that do not exist."""
+    sections = {KeyType.JOINT: "joints", KeyType.DRIVE: "drives", KeyType.SPRING: "springs"}
+    for name, table in view.tables["outputs"].items():
+        output_type = OUTPUTS.get(str(table.get("kind")))
+        for key in output_type.keys if output_type else ():
+            section, value = sections.get(key.type), table.get(key.name)
+            if key.type is KeyType.BEAM_MARKER and isinstance(value, str):
+                body = value.partition(".")[0]
+                if body in view.bodies and not view.is_beam(body):
+                    beams = [name for name in view.bodies if view.is_beam(name)]
+                    known = f"the beams are {', '.join(beams)}" if beams else "the scene has no beam"
+                    text = f"the body {body} is no beam, and has no such sections; {known}"
+                    yield Fault(("outputs", name, key.name), text)
+            if section is None or not isinstance(value, str) or value in view.tables[section]:
+                continue
+            noun, others = NAMED[section], [*view.tables[section]]
+            known = f"the {section} are {', '.join(others)}" if others else f"the scene has no {section}"
+            text = f"there is no {noun} {quoted(value)}{did_you_mean(value, others, known)}"
+            yield Fault(("outputs", name, key.name), text)
 
 
 def _plots(view: SceneData) -> Iterator[Fault]:

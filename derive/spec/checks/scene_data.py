@@ -6,6 +6,9 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
+from derive.mechanics.multibody.forces.registry import DEFAULT_KINDS, kinds
+from derive.mechanics.multibody.keys import KeyType
+from derive.mechanics.multibody.outputs.registry import OUTPUTS
 from derive.spec.model.scene import GROUND, NAMED, MarkerRef
 from derive.spec.parsing import scene_values
 from derive.spec.parsing.faults import KeyPath, readable
@@ -14,6 +17,7 @@ from derive.spec.tables.scene_bodies import kind_of_scene_body
 from derive.spec.tables.shared import MAX_MARKERS
 
 Raw = Mapping[str, object]
+MARKERS = (KeyType.MARKER, KeyType.BEAM_MARKER, KeyType.MARKER_PAIR)
 
 
 class WrittenRef(NamedTuple):
@@ -83,10 +87,34 @@ class SceneData:
             "springs": ("between",),
             "plots": ("deflection", "chord"),
         }
+        for name, table in self.tables["outputs"].items():
+            output_type = OUTPUTS.get(str(table.get("kind")))
+            declared = output_type.keys if output_type else ()
+            for key in (key.name for key in declared if key.type in MARKERS):
+                yield from _marker_refs(("outputs", name, key), table.get(key))
         for kind, of in keys.items():
             for name, table in self.tables[kind].items():
                 for key in of:
                     yield from _marker_refs((kind, name, key), table.get(key))
+
+    def input_refs(self) -> Iterator[tuple[KeyPath, str]]:
+        """All references to run-time inputs."""
+        for name, drive in self.tables["drives"].items():
+            yield from _input_refs(("drives", name, "motion"), drive.get("motion"))
+        for section in DEFAULT_KINDS:
+            keys = {key.name: key for force_type in kinds(section).values() for key in force_type.keys}
+            functions = [k for k, key in keys.items() if key.type in (KeyType.FUNCTION, KeyType.FUNCTION_PAIR)]
+            for name, table in self.tables[section].items():
+                for key in functions:
+                    yield from _input_refs((section, name, key), table.get(key))
+
+
+def _input_refs(path: KeyPath, value: object) -> Iterator[tuple[KeyPath, str]]:
+    if isinstance(value, (list, tuple)):
+        for i, item in enumerate(value[:2]):
+            yield from _input_refs((*path, i), item)
+    elif isinstance(value, Mapping) and isinstance(value.get("input"), str):
+        yield path, value["input"]
 
 
 def _marker_refs(path: KeyPath, value: object) -> Iterator[WrittenRef]:

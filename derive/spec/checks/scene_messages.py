@@ -17,6 +17,7 @@ from derive.spec.tables.drives import DriveTable
 from derive.spec.tables.forces import force_table
 from derive.spec.tables.initial_values import BeamStartTable, JointStartTable, StartTable
 from derive.spec.tables.joints import joint_table
+from derive.spec.tables.ports import InputTable, output_table
 from derive.spec.tables.scene_bodies import (
     BEAM_KEYS,
     BeamBodyTable,
@@ -32,6 +33,8 @@ _NAMED: dict[str | int, Callable[[], type[BaseModel]]] = {
     "joints": joint_table,
     "drives": lambda: DriveTable,
     **{section: partial(force_table, section) for section in DEFAULT_KINDS},
+    "inputs": lambda: InputTable,
+    "outputs": output_table,
 }
 _PLAIN: dict[str | int, type[BaseModel]] = {"ground": GroundTable, "scene": SceneTable, "simulation": SimulationTable}
 PLAIN_TABLES = {str(name): {*table.model_fields} for name, table in _PLAIN.items()}
@@ -47,6 +50,7 @@ _EXAMPLES = {
     ("torques", "value"): "value = 1.5",
     ("springs", "between"): 'between = ["ground.bearing", "slider.pin"]',
     ("springs", "stiffness"): "stiffness = 1000",
+    ("outputs", "kind"): 'kind = "position"',
     ("plots", "deflection"): 'deflection = "rod.middle"',
     ("plots", "chord"): 'chord = ["rod.left", "rod.right"]',
     ("plots", "divided_by"): "divided_by = 0.3",

@@ -12,6 +12,7 @@ from derive.errors import quoted
 from derive.mechanics.multibody.forces.registry import kinds
 from derive.mechanics.multibody.joints.registry import JOINTS
 from derive.mechanics.multibody.keys import quantities
+from derive.mechanics.multibody.outputs.registry import OUTPUTS
 from derive.spec.checks.scene_data import Raw, SceneData
 from derive.spec.model.body import DEFAULT_ANSATZ
 from derive.spec.model.scene import GROUND, NAMED
@@ -65,6 +66,22 @@ def name_faults(view: SceneData) -> Iterator[Fault]:
             yield Fault(path, f"{reason}; choose another name")
 
 
+def column_faults(view: SceneData) -> Iterator[Fault]:
+    """Outputs whose columns have the names of other columns of a trajectory."""
+    columns = {"t": "it is the time"}
+    for path, name, what in made_names(view):
+        if path[0] in ("bodies", "drives"):
+            columns.setdefault(name.lower(), f"it is {what}")
+    for name, table in _named(view, "outputs"):
+        output_type = OUTPUTS.get(str(table.get("kind")))
+        for label in output_type.labels if output_type else ():
+            column = f"{name}_{label}" if label else name
+            why = columns.setdefault(column.lower(), f"it is a component of the output {name}")
+            if why != f"it is a component of the output {name}":
+                yield Fault(("outputs", name), f"{quoted(column)} is taken: {why}; choose another name")
+                break
+
+
 def taken_names(view: SceneData) -> dict[str, str]:
     """The names in lower case that no symbol may have, with the reason."""
     return {**_reserved(view), **{name.lower(): f"it is {what}" for _, name, what in made_names(view)}}
@@ -93,6 +110,9 @@ def made_names(view: SceneData) -> Iterator[Made]:
                 yield from _coordinates(path, f"{name}_{k}", shapes, f"piece {k} of the body {name}")
                 for weld in JOINTS["weld"].multipliers:
                     yield path, f"{name}_cut_{k}_{weld.label}", f"a multiplier of cut {k} of the body {name}"
+    for name, _ in _named(view, "inputs"):
+        for rate in RATES:
+            yield ("inputs", name), f"u_{name}{rate}", f"the input {name}{' or its rate' if rate else ''}"
     for kind in ("joints", "forces", "torques", "springs", "drives"):
         for name, _ in _named(view, kind):
             what = "the multiplier" if kind == "drives" else "a name"
@@ -130,7 +150,8 @@ def _written_twice(view: SceneData) -> Iterator[Fault]:
         for name in view.tables[kind]:
             other = first.setdefault(name.lower(), name)
             if other != name:
-                text = f"there is a {NAMED[kind]} {quoted(other)}"
+                noun = NAMED[kind]
+                text = f"there is {'an' if noun[0] in 'aeiou' else 'a'} {noun} {quoted(other)}"
                 yield Fault((kind, name), f"{quoted(name)} is taken: {text}; names must differ in more than case")
 
 

@@ -8,6 +8,7 @@ from fractions import Fraction
 from typing import ClassVar, Literal
 
 from derive.spec.model.body import Marker, NodalBody, PlanarBeam, Polynomial, Quantity, SymbolicBody
+from derive.spec.model.ports import SceneOutput
 
 GROUND = "ground"
 """The name under which joints and forces speak of the inertial base."""
@@ -20,20 +21,36 @@ NAMED = {
     "torques": "torque",
     "springs": "spring",
     "plots": "plot",
+    "inputs": "input",
+    "outputs": "output",
 }
 """The tables of a scene whose elements have names, and what one element is called."""
 
 
 @dataclass(frozen=True)
 class TimeFunction:
-    """An expression of the time t: `kind` is number, t, add, sub, mul, div, pow, neg, sin, cos or sqrt.
+    """An expression of the time t: `kind` is number, t, add, sub, mul, div, pow, neg, sin, cos, sqrt or input.
 
-    `args` are its operands; a number has its `value` instead (pi is the double next to it, exactly).
+    `args` are its operands; a number has its `value` instead (pi is the double next to it, exactly), a run-time input
+    its `name`.
     """
 
     kind: str
     args: tuple[TimeFunction, ...] = ()
     value: Fraction = Fraction(0)
+    name: str = ""
+
+
+@dataclass(frozen=True)
+class SceneInput:
+    """A run-time input of the generated code, such as a torque or a prescribed motion.
+
+    `function` is what it is in simulations; None where only the run-time values count.
+    """
+
+    name: str
+    unit: str = ""
+    function: TimeFunction | None = None
 
 
 @dataclass(frozen=True)
@@ -330,6 +347,8 @@ class Scene:
     simulation: Simulation | None = None
     plots: tuple[Plot, ...] = ()
     start: SceneStart | None = None
+    inputs: tuple[SceneInput, ...] = ()
+    outputs: tuple[SceneOutput, ...] = ()
 
 
 Specification = PlanarBeam | NodalBody | SymbolicBody | Scene

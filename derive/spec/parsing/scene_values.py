@@ -5,6 +5,7 @@ Like those of `values`, they raise WrongValueError with a sentence that states w
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from fractions import Fraction
 
 from derive.errors import quoted
@@ -49,9 +50,14 @@ def text(value: object) -> str:
 
 
 def function(value: object) -> TimeFunction:
-    """A function of the time: text such as "2*pi*t", a number, or, in Python, a TimeFunction."""
+    """A function of the time: text such as "2*pi*t", a number, a run-time input, or, in Python, a TimeFunction."""
     if isinstance(value, TimeFunction):
         return value
+    if isinstance(value, Mapping):
+        name = value.get("input")
+        if set(value) != {"input"} or not isinstance(name, str) or not name:
+            raise values.WrongValueError('the name of a run-time input is needed, such as { input = "motor" }')
+        return TimeFunction("input", name=name)
     if isinstance(value, str):
         return time_function(value)
     return number_function(values.number(value))

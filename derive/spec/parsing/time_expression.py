@@ -34,7 +34,7 @@ def constant_value(function: TimeFunction) -> float | None:
         return float(function.value)
     args = [constant_value(arg) for arg in function.args]
     known = [arg for arg in args if arg is not None]
-    if function.kind == "t" or len(known) < len(args):
+    if function.kind in ("t", "input") or len(known) < len(args):
         return None
     return _OPERATIONS[function.kind](*known)
 

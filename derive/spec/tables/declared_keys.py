@@ -9,7 +9,7 @@ from pydantic import Field, PlainValidator, WithJsonSchema
 
 from derive.mechanics.multibody.keys import QUANTITIES, Key, KeyType
 from derive.spec.parsing import values
-from derive.spec.tables.markers import Axis, Float, Time
+from derive.spec.tables.markers import Axis, Float, MarkerInput, NameOf, Time, TwoMarkers
 from derive.spec.tables.shared import (
     NotNegativeInput,
     Positive,
@@ -52,6 +52,12 @@ def key_field(key: Key, required: bool = False) -> tuple[Any, Any]:
             annotation = Time
         case KeyType.FUNCTION_PAIR:
             annotation = Annotated[tuple[Time, Time], components(("0", '"-10*sin(t)"'), "components")]
+        case KeyType.MARKER | KeyType.BEAM_MARKER:
+            annotation = MarkerInput
+        case KeyType.MARKER_PAIR:
+            annotation = TwoMarkers
+        case KeyType.JOINT | KeyType.DRIVE | KeyType.SPRING:
+            annotation = NameOf
         case _ as never:
             assert_never(never)
     field = Field(description=key.description)

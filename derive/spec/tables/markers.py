@@ -59,7 +59,13 @@ Markers = Annotated[
 ]
 
 _MARKER = {"type": "string", "pattern": r"^[^.]+\.[^.]+$"}
-_TIME = {"anyOf": [{"type": "number"}, {"type": "string", "minLength": 1, "maxLength": MAX_LENGTH}]}
+_INPUT = {
+    "type": "object",
+    "properties": {"input": {"type": "string", "minLength": 1}},
+    "required": ["input"],
+    "additionalProperties": False,
+}
+_TIME = {"anyOf": [{"type": "number"}, {"type": "string", "minLength": 1, "maxLength": MAX_LENGTH}, _INPUT]}
 _NAMED = {"type": "string", "minLength": 1}
 
 MarkerInput = Annotated[MarkerRef, PlainValidator(scene_values.marker_ref), WithJsonSchema(_MARKER)]

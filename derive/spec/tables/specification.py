@@ -18,6 +18,7 @@ from derive.spec.tables.drives import DriveTable
 from derive.spec.tables.forces import AnyForceTable, force_table
 from derive.spec.tables.joints import JointTable, joint_table
 from derive.spec.tables.markers import MAX_NAMED, few_named
+from derive.spec.tables.ports import InputTable, OutputTable, output_table
 from derive.spec.tables.scene_bodies import BodyTable, GroundTable, SceneTable, bodies_field, body_tables, scene_bodies
 from derive.spec.tables.shared import Name, TomlTable, acceleration
 from derive.spec.tables.simulation import PlotInput, SimulationTable
@@ -31,6 +32,8 @@ SCENE = (
     "forces",
     "torques",
     "springs",
+    "inputs",
+    "outputs",
     "simulation",
     "plots",
 )
@@ -71,6 +74,12 @@ class SpecificationTable(TomlTable):
     forces: dict[str, AnyForceTable] = {}  # noqa: RUF012
     torques: dict[str, AnyForceTable] = {}  # noqa: RUF012
     springs: dict[str, AnyForceTable] = {}  # noqa: RUF012
+    inputs: Annotated[
+        dict[Name, InputTable],
+        few_named("inputs", "[inputs.motor]"),
+        Field(description="Run-time inputs by name.", json_schema_extra=_NAMED),
+    ] = {}  # noqa: RUF012
+    outputs: dict[str, OutputTable] = {}  # noqa: RUF012
     simulation: SimulationTable | None = None
     plots: Annotated[
         dict[Name, PlotInput],
@@ -91,6 +100,8 @@ class SpecificationTable(TomlTable):
             forces=_forces(self.forces),
             torques=_forces(self.torques),
             springs=_forces(self.springs),
+            inputs=tuple(table.input(name) for name, table in self.inputs.items()),
+            outputs=tuple(table.output(name) for name, table in self.outputs.items()),
             simulation=None if self.simulation is None else self.simulation.simulation(),
             plots=tuple(table.plot(name, references.get(name, ())) for name, table in self.plots.items()),
             start=None if self.scene is None else self.scene.start,
@@ -105,19 +116,21 @@ def _forces(tables: Mapping[str, AnyForceTable]) -> tuple[Any, ...]:
 def specification_table() -> type[SpecificationTable]:
     """The table of a whole specification, with the joints, bodies and forces that are registered now."""
     forces = tuple((section, force_table(section)) for section in DEFAULT_KINDS)
-    return _specification_table(joint_table(), forces, tuple(body_tables().items()))
+    return _specification_table(joint_table(), forces, output_table(), tuple(body_tables().items()))
 
 
 @cache
 def _specification_table(
     joint: type[JointTable],
     forces: tuple[tuple[str, type[AnyForceTable]], ...],
+    output: type[OutputTable],
     bodies: tuple[tuple[str, type[BodyTable]], ...],
 ) -> type[SpecificationTable]:
     fields: dict[str, Any] = {"joints": (_named(joint, "joints", "[joints.pin]", "Joints by name."), {})}
     for section, table in forces:
         example, description = _FORCES[section]
         fields[section] = (_named(table, section, example, description), {})
+    fields["outputs"] = (_named(output, "outputs", "[outputs.tip]", "Outputs by name."), {})
     return create_model(
         "SpecificationTable",
         __base__=SpecificationTable,

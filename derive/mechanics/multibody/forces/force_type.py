@@ -23,11 +23,15 @@ Values = Mapping[str, Any]
 
 @dataclass(frozen=True)
 class GeneralisedForce:
-    """Terms on the left-hand side of the rows, the intermediate quantities in them, and the potential, if any."""
+    """Terms on the left-hand side of the rows, and the intermediate quantities in them.
+
+    `potential` (J) is the energy it stores, if any; `dissipation` (W, not positive) the power it takes away from it.
+    """
 
     terms: tuple[Term, ...]
     definitions: tuple[Intermediate, ...] = ()
     potential: sp.Expr = sp.S.Zero
+    dissipation: sp.Expr = sp.S.Zero
 
 
 class ForceType(ABC, Generic[F]):

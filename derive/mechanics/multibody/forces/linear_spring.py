@@ -32,6 +32,7 @@ class LinearSpring(SpringType):
         name, (first, second) = f"spring {element.name}", points
         displacement, rate_of_displacement, _ = RelativeMotion(first, second).displacement
         definitions: list[Intermediate] = []
+        dissipation = sp.S.Zero
 
         def intermediate(expr: sp.Expr, doc: str, what: str, *components: int) -> sp.Expr:
             if expr.is_number:
@@ -51,10 +52,12 @@ class LinearSpring(SpringType):
             potential = stiffness * (length - rest) ** 2 / 2
             if damping != 0:
                 along = sp.expand(vector.dot(rate_of_displacement)) / length
-                tension += damping * intermediate(along, "time derivative of the length", "rate")
+                rate = intermediate(along, "time derivative of the length", "rate")
+                tension += damping * rate
+                dissipation = -damping * rate**2
             pull = intermediate(tension / length, "tension over length", "pull") * vector
             if isinstance(length, sp.Symbol):
                 coincide = f"the ends of {name} coincide"
                 definitions[-1] = replace(definitions[-1], divisor=length, divisor_text=coincide)
         terms = force_terms(name, second, -pull, rows) + force_terms(name, first, pull, rows)
-        return GeneralisedForce(terms, tuple(definitions), sp.expand(potential))
+        return GeneralisedForce(terms, tuple(definitions), sp.expand(potential), dissipation)

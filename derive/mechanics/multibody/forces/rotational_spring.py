@@ -25,4 +25,4 @@ class RotationalSpring(SpringType):
         angle, rate, _ = RelativeMotion(first, second).rotation
         torque = sp.expand(stiffness * (angle - rest) + damping * rate)
         terms = torque_terms(name, second, -torque, rows) + torque_terms(name, first, torque, rows)
-        return GeneralisedForce(terms, (), sp.expand(stiffness * (angle - rest) ** 2) / 2)
+        return GeneralisedForce(terms, (), sp.expand(stiffness * (angle - rest) ** 2) / 2, -damping * rate**2)

@@ -1,0 +1,63 @@
+"""The functions of the descriptor of a model with run-time inputs, which read the inputs behind the constants.
+
+Hosts call all models through one descriptor, whose functions have no argument u. A host that knows of inputs writes
+them behind the constants; all others leave the zeros that setup writes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from derive.ir.model import Kernel, Model
+
+SETUP = "setup"
+
+
+@dataclass(frozen=True)
+class PackedFunction:
+    """A function as text: its signature, and the call of the function with separate inputs."""
+
+    signature: str
+    body: str
+
+
+def entries(model: Model, batches: tuple[str, ...]) -> dict[str, str]:
+    """The C name of the function that the descriptor holds, by the names of kernels and batches."""
+    packed = {kernel.name for kernel in _packed(model)}
+    names = {kernel.name: kernel.name for kernel in model.kernels}
+    names |= {f"{name}_batch": name for name in batches}
+    prefix = {True: f"{model.name}_packed", False: model.name}
+    return {name: f"{prefix[kernel in packed]}_{name}" for name, kernel in names.items()}
+
+
+def packed_functions(model: Model, batches: tuple[str, ...]) -> Iterator[PackedFunction]:
+    """The functions with packed inputs; `batches` are the kernels that are functions of batches as well."""
+    size = f"{model.name.upper()}_NK"
+    for kernel in _packed(model):
+        if kernel.name == SETUP:
+            yield PackedFunction(
+                f"static int {model.name}_packed_setup(const double *p, double *k)",
+                f"    for (int i = 0; i < {model.name.upper()}_NU; i++) k[{size} + i] = 0.0;\n"
+                f"    return {model.name}_setup(p, k);",
+            )
+            continue
+        names = [*(a.name for a in kernel.arguments), *(o.name for o in kernel.outputs)]
+        types = ["double " if a.scalar else "const double *" for a in kernel.arguments]
+        types += ["double *" for _ in kernel.outputs]
+        yield _function(model.name, kernel.name, size, list(zip(types, names, strict=True)))
+        if kernel.name in batches:
+            yield _function(model.name, f"{kernel.name}_batch", size, [("int ", "n"), *zip(types, names, strict=True)])
+
+
+def _function(model: str, name: str, size: str, parameters: list[tuple[str, str]]) -> PackedFunction:
+    declared = ", ".join(f"{kind}{parameter}" for kind, parameter in parameters if parameter != "u")
+    passed = ", ".join(f"k + {size}" if parameter == "u" else parameter for _, parameter in parameters)
+    return PackedFunction(f"static int {model}_packed_{name}({declared})", f"    return {model}_{name}({passed});")
+
+
+def _packed(model: Model) -> tuple[Kernel, ...]:
+    """The kernels whose functions in the descriptor differ from those of the header."""
+    if not model.inputs:
+        return ()
+    return tuple(k for k in model.kernels if k.name == SETUP or any(a.name == "u" for a in k.arguments))

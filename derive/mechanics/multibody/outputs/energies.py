@@ -1,0 +1,54 @@
+"""Energies of a mechanism, and the powers that change them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import sympy as sp
+
+from derive.mechanics.multibody.keys import Key
+from derive.mechanics.multibody.outputs.output_type import OutputComponent, OutputComponents, OutputType
+from derive.mechanics.multibody.scene_mechanics import SceneMechanics
+
+
+class Energies(OutputType):
+    """Kinetic energy, strain energy with that of springs, the potential of gravity, and their sum."""
+
+    doc = "kinetic, strain (with springs), gravitational and total energy"
+    labels = ("kinetic", "strain", "gravity", "total")
+    keys: tuple[Key, ...] = ()
+
+    def components(self, name: str, values: Mapping[str, Any], scene: SceneMechanics) -> OutputComponents:
+        """Four components, of all bodies, those included whose motion is prescribed."""
+        kinetic, strain, weight = (sp.Add(*(i.energies[k] for i in scene.instances.values())) for k in range(3))
+        strain += sp.Add(*(force.potential for force in scene.generalised))
+        return OutputComponents(
+            (
+                OutputComponent("kinetic", "J", "kinetic energy", kinetic),
+                OutputComponent("strain", "J", "strain energy, with that of springs", strain),
+                OutputComponent("gravity", "J", "potential of gravity", weight),
+                OutputComponent("total", "J", "kinetic energy and potentials", kinetic + strain + weight),
+            )
+        )
+
+
+class Powers(OutputType):
+    """The powers of loads and drives, and the dissipation: together the time derivative of the total energy."""
+
+    doc = "power of loads and drives, and dissipation: their sum is the time derivative of the total energy"
+    labels = ("loads", "drives", "dissipated")
+    keys: tuple[Key, ...] = ()
+
+    def components(self, name: str, values: Mapping[str, Any], scene: SceneMechanics) -> OutputComponents:
+        """Three components; the power of springs is that of their dampers, the rest is stored."""
+        loads = [scene.power(f) for f in scene.forces if f.type.section != "springs"]
+        drives = [scene.drive_force(d) * scene.drive_rate(d) for d in scene.scene.drives]
+        dissipated = sp.Add(*(force.dissipation for force in scene.generalised))
+        return OutputComponents(
+            (
+                OutputComponent("loads", "W", "power of forces and torques at markers", sp.Add(*loads)),
+                OutputComponent("drives", "W", "power of the drives", sp.Add(*drives)),
+                OutputComponent("dissipated", "W", "power of dampers and of material damping", dissipated),
+            )
+        )

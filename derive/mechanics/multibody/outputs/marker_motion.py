@@ -1,0 +1,109 @@
+"""Position, velocity, acceleration and rotation of a marker, in the inertial frame or in that of another marker."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import sympy as sp
+
+from derive.mechanics.multibody.keys import Key, KeyType
+from derive.mechanics.multibody.outputs.output_type import OutputComponent, OutputComponents, OutputType
+from derive.mechanics.multibody.point_motion import PointMotion, RelativeMotion
+from derive.mechanics.multibody.scene_mechanics import SceneMechanics
+from derive.spec.model.scene import MarkerRef
+
+MARKER = Key("marker", KeyType.MARKER, "", 'The marker, such as "rod.right".', required=True)
+FRAME = Key(
+    "frame",
+    KeyType.MARKER,
+    "",
+    "Marker whose section is the frame of reference, an observer who moves and turns with it; by default the inertial "
+    "frame.",
+)
+
+_ORDERS = ("", "time derivative of the ", "second time derivative of the ")
+
+
+class MarkerVector(OutputType):
+    """Two components of the position of a marker, or of one of its time derivatives as the frame observes them."""
+
+    labels = ("1", "2")
+    keys = (MARKER, FRAME)
+
+    def __init__(self, doc: str, order: int, unit: str) -> None:
+        self.doc, self.order, self.unit = doc, order, unit
+
+    def components(self, name: str, values: Mapping[str, Any], scene: SceneMechanics) -> OutputComponents:
+        """The components along e1 and e2 of the frame."""
+        vector = observed(scene, values["marker"], values.get("frame"))[self.order]
+        where = f"of {values['marker']} along e{{}} of {values.get('frame') or 'the inertial frame'}"
+        return OutputComponents(
+            tuple(
+                OutputComponent(str(k), self.unit, f"{_ORDERS[self.order]}position {where.format(k)}", vector[k - 1])
+                for k in (1, 2)
+            )
+        )
+
+
+class MarkerRotation(OutputType):
+    """The rotation of the section at a marker, or one of its time derivatives, relative to the frame."""
+
+    keys = (MARKER, FRAME)
+
+    def __init__(self, doc: str, order: int, unit: str) -> None:
+        self.doc, self.order, self.unit = doc, order, unit
+
+    def components(self, name: str, values: Mapping[str, Any], scene: SceneMechanics) -> OutputComponents:
+        """One component, about e3."""
+        frame = values.get("frame")
+        rotation = scene.point(values["marker"]).rotation_derivatives[self.order]
+        if frame is not None:
+            rotation -= scene.point(frame).rotation_derivatives[self.order]
+        against = frame or "the inertial frame"
+        doc = f"{_ORDERS[self.order]}rotation of the section at {values['marker']} against {against}"
+        return OutputComponents((OutputComponent("", self.unit, doc, sp.expand(rotation)),))
+
+
+class Distance(OutputType):
+    """The distance of two markers."""
+
+    doc = "the distance of two markers"
+    keys = (Key("between", KeyType.MARKER_PAIR, "", 'Two markers, such as ["ground.o", "rod.right"].', required=True),)
+
+    def components(self, name: str, values: Mapping[str, Any], scene: SceneMechanics) -> OutputComponents:
+        """One component."""
+        first, second = values["between"]
+        displacement, _, _ = RelativeMotion(scene.point(first), scene.point(second)).displacement
+        doc = f"distance from {first} to {second}"
+        return OutputComponents((OutputComponent("", "m", doc, sp.sqrt(displacement.dot(displacement))),))
+
+
+def observed(scene: SceneMechanics, marker: MarkerRef, frame: MarkerRef | None) -> tuple[sp.Matrix, ...]:
+    """Position, velocity and acceleration (columns of 2) of a marker as an observer in a frame measures them.
+
+    With r the vector from the origin of the frame, Q its rotation and w its angular velocity, the components in the
+    frame are s = Q^T r, sdot = Q^T rdot - w e3 x s, sddot = Q^T rddot - 2 w e3 x sdot - wdot e3 x s + w^2 s.
+    """
+    at = scene.point(marker)
+    if frame is None:
+        return at.position, at.velocity, at.acceleration
+    origin = scene.point(frame)
+    position, velocity, acceleration = RelativeMotion(origin, at).displacement
+    transposed = rotation_matrix(origin).T
+    _, omega, omegadot = origin.rotation_derivatives
+    s = transposed * position
+    sdot = transposed * velocity - omega * across(s)
+    sddot = transposed * acceleration - 2 * omega * across(sdot) - omegadot * across(s) + omega**2 * s
+    return s, sdot, sddot
+
+
+def rotation_matrix(at: PointMotion) -> sp.Matrix:
+    """The rotation of the section at a point."""
+    cosine, sine = sp.cos(at.rotation), sp.sin(at.rotation)
+    return sp.Matrix([[cosine, -sine], [sine, cosine]])
+
+
+def across(vector: sp.Matrix) -> sp.Matrix:
+    """e3 x vector."""
+    return sp.Matrix([-vector[1], vector[0]])

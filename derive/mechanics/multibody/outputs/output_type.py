@@ -1,0 +1,60 @@
+"""What a type of output declares: its keys, its components with their units, and their expressions."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import sympy as sp
+
+from derive.mechanics.multibody.keys import Key
+from derive.mechanics.multibody.scene_mechanics import SceneMechanics
+from derive.mechanics.terms import ModelConstant
+
+
+@dataclass(frozen=True)
+class OutputComponent:
+    """A number that an output consists of.
+
+    label: what follows the name of the output, empty if there is one component; unit: its SI unit; doc: what it is;
+    expr: its value in the symbols of the mechanism, its accelerations and multipliers.
+    """
+
+    label: str
+    unit: str
+    doc: str
+    expr: sp.Expr
+
+
+@dataclass(frozen=True)
+class OutputComponents:
+    """The components of an output, and the constants in them that the equations of motion do not have."""
+
+    components: tuple[OutputComponent, ...]
+    constants: tuple[ModelConstant, ...] = ()
+
+
+class OutputType(ABC):
+    """A type of output. Subclasses are registered in `registry.OUTPUTS`.
+
+    doc: what the output is, in a clause; keys: what its table has besides `kind`; labels: those of its components.
+    """
+
+    doc: str
+    labels: tuple[str, ...] = ("",)
+    keys: tuple[Key, ...]
+
+    @abstractmethod
+    def components(self, name: str, values: Mapping[str, Any], scene: SceneMechanics) -> OutputComponents:
+        """The components of the output `name` from the values of its keys."""
+
+
+@dataclass(frozen=True)
+class OutputInstance:
+    """An output with its type and the values of its keys; markers are those of instances."""
+
+    name: str
+    type: OutputType
+    values: Mapping[str, Any]

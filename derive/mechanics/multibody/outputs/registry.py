@@ -1,0 +1,33 @@
+"""The registry of outputs: one line for each; those are what `kind` may be in `[outputs.NAME]`."""
+
+from __future__ import annotations
+
+from derive.mechanics.multibody.outputs.energies import Energies, Powers
+from derive.mechanics.multibody.outputs.marker_motion import Distance, MarkerRotation, MarkerVector
+from derive.mechanics.multibody.outputs.output_type import OutputType
+from derive.mechanics.multibody.outputs.reactions import DriveForce, Reaction, SpringForce
+from derive.mechanics.multibody.outputs.section_forces import BendingMoment, Curvature, SectionForce, Strain
+from derive.registry import Registry
+
+OUTPUTS: Registry[OutputType] = Registry(
+    "output",
+    {
+        "position": MarkerVector("position of a marker", 0, "m"),
+        "velocity": MarkerVector("velocity of a marker", 1, "m/s"),
+        "acceleration": MarkerVector("acceleration of a marker", 2, "m/s^2"),
+        "rotation": MarkerRotation("rotation of the section at a marker", 0, "rad"),
+        "angular_velocity": MarkerRotation("angular velocity of the section at a marker", 1, "rad/s"),
+        "angular_acceleration": MarkerRotation("angular acceleration of the section at a marker", 2, "rad/s^2"),
+        "distance": Distance(),
+        "reaction": Reaction(),
+        "drive": DriveForce(),
+        "spring": SpringForce(),
+        "axial_force": SectionForce("axial force of a beam, positive in tension", 0),
+        "shear_force": SectionForce("shear force of a beam", 1),
+        "bending_moment": BendingMoment(),
+        "curvature": Curvature(),
+        "strain": Strain(),
+        "energy": Energies(),
+        "power": Powers(),
+    },
+)

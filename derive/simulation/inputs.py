@@ -1,0 +1,145 @@
+"""Run-time inputs in simulations: functions of the specification take their place, or functions in Python."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from derive.errors import Problem, SpecError
+from derive.registry import UnknownNameError
+from derive.runtime.native_call import Matrix, Vector, checked_vector
+from derive.runtime.native_scene import NativeScene
+from derive.simulation.errors import SimulationError
+from derive.simulation.integration.integrator import Settings
+from derive.simulation.integration.scipy_methods import integrate
+from derive.simulation.integration.solution import Solution
+from derive.spec.model.scene import CustomForce, Force, Scene, TimeFunction, Torque
+
+InputFunction = Callable[[float], float | Sequence[float]]
+"""The value of an input at a time (s); for a prescribed motion with its first two time derivatives."""
+
+
+def with_functions(scene: Scene, given: Mapping[str, InputFunction]) -> Scene:
+    """A scene whose inputs are the functions of its specification; those that are `given` in Python remain inputs.
+
+    Raises SpecError where an input has no function, UnknownNameError for the name of no input.
+    """
+    names = [value.name for value in scene.inputs]
+    for name in given:
+        if name not in names:
+            raise UnknownNameError(f"input of {scene.name}", name, names)
+    replaced = [value for value in scene.inputs if value.name not in given]
+    missing = [value.name for value in replaced if value.function is None]
+    if missing:
+        text = 'a simulation needs its value; write one, such as value = "0.1*t", or give a function in Python'
+        raise SpecError(tuple(Problem(f"inputs.{name}", text) for name in missing))
+    functions = {value.name: value.function for value in replaced if value.function is not None}
+
+    def resolved(value: Any) -> Any:
+        if isinstance(value, TimeFunction):
+            return functions.get(value.name, value) if value.kind == "input" else value
+        return tuple(map(resolved, value)) if isinstance(value, tuple) else value
+
+    def custom(force: CustomForce) -> CustomForce:
+        return replace(force, values={key: resolved(value) for key, value in force.values.items()})
+
+    def force(element: Force | CustomForce) -> Force | CustomForce:
+        return (
+            custom(element)
+            if isinstance(element, CustomForce)
+            else replace(element, components=resolved(element.components))
+        )
+
+    def torque(element: Torque | CustomForce) -> Torque | CustomForce:
+        return custom(element) if isinstance(element, CustomForce) else replace(element, value=resolved(element.value))
+
+    return replace(
+        scene,
+        inputs=tuple(value for value in scene.inputs if value.name in given),
+        drives=tuple(replace(drive, motion=resolved(drive.motion)) for drive in scene.drives),
+        forces=tuple(map(force, scene.forces)),
+        torques=tuple(map(torque, scene.torques)),
+    )
+
+
+class DrivenScene(NativeScene):
+    """A compiled scene whose run-time inputs follow functions of the time in Python."""
+
+    follows_functions = True
+
+    def __init__(self, native: NativeScene, scene: Scene, functions: Mapping[str, InputFunction]) -> None:
+        """functions: one for each input of the scene, with as many values as the compiled scene has inputs of it."""
+        self.__dict__.update(native.__dict__)
+        self._functions = [functions[value.name] for value in scene.inputs]
+
+    def inputs_at(self, t: float) -> Vector:
+        """The inputs u (inputs,) at a time. Raises ValueError where a function returns too many or too few values."""
+        values = [np.atleast_1d(np.asarray(function(t), dtype=np.float64)) for function in self._functions]
+        return checked_vector(len(self.inputs), np.concatenate(values), f"the inputs {', '.join(self.inputs)}")
+
+    def at(self, t: float, k: ArrayLike) -> Vector:
+        """The constants k (nk,) with the inputs at a time behind them."""
+        return self.with_inputs(k, self.inputs_at(t))
+
+    def force(self, t: float, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> Vector:
+        """See NativeScene."""
+        return super().force(t, q, v, self.at(t, k))
+
+    def accel(self, t: float, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> Vector:
+        """See NativeScene."""
+        return super().accel(t, q, v, self.at(t, k))
+
+    def solve(self, t: float, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> tuple[Vector, Vector]:
+        """See NativeScene."""
+        return super().solve(t, q, v, self.at(t, k))
+
+    def constraints(self, t: float, q: ArrayLike, k: ArrayLike) -> Vector:
+        """See NativeScene."""
+        return super().constraints(t, q, self.at(t, k))
+
+    def constraint_rates(self, t: float, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> Vector:
+        """See NativeScene."""
+        return super().constraint_rates(t, q, v, self.at(t, k))
+
+    def constraint_jacobian(self, t: float, q: ArrayLike, k: ArrayLike) -> Vector:
+        """See NativeScene."""
+        return super().constraint_jacobian(t, q, self.at(t, k))
+
+    def constraint_bias(self, t: float, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> Vector:
+        """See NativeScene."""
+        return super().constraint_bias(t, q, v, self.at(t, k))
+
+    def project_velocity(self, t: float, q: ArrayLike, k: ArrayLike, r: ArrayLike) -> Vector:
+        """See NativeScene."""
+        return super().project_velocity(t, q, self.at(t, k), r)
+
+    def poses(self, t: float, q: ArrayLike, k: ArrayLike) -> Matrix:
+        """See NativeScene."""
+        return super().poses(t, q, self.at(t, k))
+
+    def evaluate_outputs(
+        self, t: float, q: ArrayLike, v: ArrayLike, vdot: ArrayLike, lam: ArrayLike, k: ArrayLike
+    ) -> Vector:
+        """See NativeScene."""
+        return super().evaluate_outputs(t, q, v, vdot, lam, self.at(t, k))
+
+
+Integrate = Callable[[Vector, Vector, Vector, Vector, Settings], Solution]
+
+
+def driven_integration(native: DrivenScene, integrator: str) -> Integrate:
+    """The integration of a scene with inputs in Python. Raises SimulationError unless SciPy integrates it."""
+    if integrator != "dop853":
+        raise SimulationError(f"inputs in Python need the integrator dop853; {integrator} calls C alone")
+
+    def run(k: Vector, q: Vector, v: Vector, times: Vector, settings: Settings) -> Solution:
+        settings.refuse_step(integrator)
+        return integrate(
+            native, k, q, v, times, tolerance=settings.tolerance, drift=settings.drift, progress=settings.progress
+        )
+
+    return run

@@ -1,0 +1,18 @@
+"""The ports of a scene: run-time inputs of the generated code, and outputs computed from the state."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+
+@dataclass(frozen=True)
+class SceneOutput:
+    """A quantity that is computed from the state, such as the position of a marker or the reaction of a joint.
+
+    `kind` is a name of the registry of outputs; `values` are those of the keys of the kind.
+    """
+
+    name: str
+    kind: str
+    values: Mapping[str, object] = field(default_factory=dict, hash=False)
