@@ -12,7 +12,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef BLOCK_HASH_f20703bfe05c55bd
+#ifndef BLOCK_HASH_a690f0812509540b
 #  error "block.h and block.c are of different builds; run tisserand build again"
 #endif
 
@@ -3612,7 +3612,7 @@ static const tisserand_marker block_table_markers[] = {
 };
 
 static const tisserand_model block_descriptor = {
-    5,
+    6,
     "block",
     BLOCK_HASH,
     BLOCK_NQ,
@@ -3649,6 +3649,7 @@ static const tisserand_model block_descriptor = {
     block_mass_batch,
     block_force_batch,
     block_accel_batch,
+    0,
     0
 };
 

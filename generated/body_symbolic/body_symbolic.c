@@ -13,7 +13,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef BODY_SYMBOLIC_HASH_23fb680abe5dab2a
+#ifndef BODY_SYMBOLIC_HASH_a651edc662f58d33
 #  error "body_symbolic.h and body_symbolic.c are of different builds; run tisserand build again"
 #endif
 
@@ -2490,7 +2490,7 @@ static const tisserand_variable body_symbolic_table_v[] = {
 };
 
 static const tisserand_model body_symbolic_descriptor = {
-    5,
+    6,
     "body_symbolic",
     BODY_SYMBOLIC_HASH,
     BODY_SYMBOLIC_NQ,
@@ -2527,6 +2527,7 @@ static const tisserand_model body_symbolic_descriptor = {
     body_symbolic_mass_batch,
     body_symbolic_force_batch,
     body_symbolic_accel_batch,
+    0,
     0
 };
 

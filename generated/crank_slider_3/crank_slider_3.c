@@ -13,7 +13,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef CRANK_SLIDER_3_HASH_9b127325cd7807c4
+#ifndef CRANK_SLIDER_3_HASH_948cec0fb3d78ef5
 #  error "crank_slider_3.h and crank_slider_3.c are of different builds; run tisserand build again"
 #endif
 
@@ -6309,7 +6309,7 @@ static const tisserand_scene crank_slider_3_scene = {
 };
 
 static const tisserand_model crank_slider_3_descriptor = {
-    5,
+    6,
     "crank_slider_3",
     CRANK_SLIDER_3_HASH,
     CRANK_SLIDER_3_NQ,
@@ -6346,7 +6346,8 @@ static const tisserand_model crank_slider_3_descriptor = {
     crank_slider_3_mass_batch,
     crank_slider_3_force_batch,
     crank_slider_3_accel_batch,
-    &crank_slider_3_scene
+    &crank_slider_3_scene,
+    0
 };
 
 const tisserand_model *crank_slider_3_model(void)

@@ -13,7 +13,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef DOUBLE_PENDULUM_HASH_86fb606b349412d0
+#ifndef DOUBLE_PENDULUM_HASH_33cef179e1f7c3f4
 #  error "double_pendulum.h and double_pendulum.c are of different builds; run tisserand build again"
 #endif
 
@@ -3791,7 +3791,7 @@ static const tisserand_scene double_pendulum_scene = {
 };
 
 static const tisserand_model double_pendulum_descriptor = {
-    5,
+    6,
     "double_pendulum",
     DOUBLE_PENDULUM_HASH,
     DOUBLE_PENDULUM_NQ,
@@ -3828,7 +3828,8 @@ static const tisserand_model double_pendulum_descriptor = {
     double_pendulum_mass_batch,
     double_pendulum_force_batch,
     double_pendulum_accel_batch,
-    &double_pendulum_scene
+    &double_pendulum_scene,
+    0
 };
 
 const tisserand_model *double_pendulum_model(void)

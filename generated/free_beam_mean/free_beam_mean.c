@@ -13,7 +13,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef FREE_BEAM_MEAN_HASH_9cb47f7aaacc16f7
+#ifndef FREE_BEAM_MEAN_HASH_5ab091ba5f6fd6bd
 #  error "free_beam_mean.h and free_beam_mean.c are of different builds; run tisserand build again"
 #endif
 
@@ -1009,7 +1009,7 @@ static const tisserand_marker free_beam_mean_table_markers[] = {
 };
 
 static const tisserand_model free_beam_mean_descriptor = {
-    5,
+    6,
     "free_beam_mean",
     FREE_BEAM_MEAN_HASH,
     FREE_BEAM_MEAN_NQ,
@@ -1046,6 +1046,7 @@ static const tisserand_model free_beam_mean_descriptor = {
     free_beam_mean_mass_batch,
     free_beam_mean_force_batch,
     free_beam_mean_accel_batch,
+    0,
     0
 };
 

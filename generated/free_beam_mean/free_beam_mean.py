@@ -119,7 +119,7 @@ class Pattern(NamedTuple):
 
 
 NAME = "free_beam_mean"
-HASH = "9cb47f7aaacc16f7"
+HASH = "5ab091ba5f6fd6bd"
 COORDINATES = ("c1", "c2", "phi", "alpha1", "alpha2")
 VELOCITIES = ("c1dot", "c2dot", "phidot", "alpha1dot", "alpha2dot")
 PARAMETERS = ("m", "l", "EI")

@@ -12,7 +12,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef FREE_BEAM_POINT_HASH_03bc25e5c5d35a3f
+#ifndef FREE_BEAM_POINT_HASH_f74208d332c11075
 #  error "free_beam_point.h and free_beam_point.c are of different builds; run tisserand build again"
 #endif
 
@@ -1277,7 +1277,7 @@ static const tisserand_marker free_beam_point_table_markers[] = {
 };
 
 static const tisserand_model free_beam_point_descriptor = {
-    5,
+    6,
     "free_beam_point",
     FREE_BEAM_POINT_HASH,
     FREE_BEAM_POINT_NQ,
@@ -1314,6 +1314,7 @@ static const tisserand_model free_beam_point_descriptor = {
     free_beam_point_mass_batch,
     free_beam_point_force_batch,
     free_beam_point_accel_batch,
+    0,
     0
 };
 

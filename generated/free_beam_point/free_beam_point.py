@@ -105,7 +105,7 @@ class Pattern(NamedTuple):
 
 
 NAME = "free_beam_point"
-HASH = "03bc25e5c5d35a3f"
+HASH = "f74208d332c11075"
 COORDINATES = ("c1", "c2", "phi", "alpha1", "alpha2")
 VELOCITIES = ("c1dot", "c2dot", "phidot", "alpha1dot", "alpha2dot")
 PARAMETERS = ("m", "l", "EI")
