@@ -25,7 +25,7 @@ length = 0.6
 bending_stiffness = { symbol = "EI", default = 20 }
 ansatz = ["1", "xi", "xi^2", "xi^3"]
 markers = { left = -1, middle = 0, right = 1 }
-start = { position = [0.4, 0.3], angle = 0.4 }
+start = { position = [0.4, 0.3], angle = 0.4, guess = true }
 [joints.bearing]
 kind = "revolute"
 between = ["ground.o", "crank.hub"]
@@ -267,7 +267,7 @@ length = 0.6
 bending_stiffness = 20
 ansatz = ["1", "xi", "xi^2", "xi^3"]
 markers = { left = -1, right = 1 }
-start = { position = [0.5, 0] }
+start = { position = [0.5, 0], guess = true }
 [joints.bearing]
 kind = "revolute"
 between = ["ground.o", "crank.hub"]
