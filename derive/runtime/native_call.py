@@ -16,21 +16,21 @@ Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
 
 
-class Constants(np.ndarray[tuple[int], np.dtype[np.float64]]):
+class SetupConstants(np.ndarray[tuple[int], np.dtype[np.float64]]):
     """The constants k (nk,) of `setup`: an array that knows by its attribute `build` the hash of its model."""
 
     def __array_finalize__(self, source: object) -> None:
         self.build: str = getattr(source, "build", "")
 
 
-def constants_of(build: str, values: Vector) -> Constants:
+def constants_of(build: str, values: Vector) -> SetupConstants:
     """The values as the constants of the model with this hash."""
-    constants = values.view(Constants)
+    constants = values.view(SetupConstants)
     constants.build = build
     return constants
 
 
-PLAIN = (np.ndarray, Constants)
+PLAIN = (np.ndarray, SetupConstants)
 """The types of arrays without masks."""
 
 

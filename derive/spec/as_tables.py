@@ -90,6 +90,8 @@ def named(kind: str, elements: Any) -> Any:
 
 def as_table(value: Any) -> Any:
     """A value as it would be written in a table; tables and sequences with all they hold."""
+    if isinstance(value, TimeFunction):
+        return {"input": value.name} if value.kind == "input" else value
     convert = _CONVERT.get(type(value))
     if convert is not None:
         return as_table(convert(value))
@@ -229,7 +231,6 @@ _CONVERT: Mapping[type, Callable[[Any], object]] = {
         rest=spring.rest,
     ),
     CustomForce: _custom_force,
-    TimeFunction: lambda function: {"input": function.name} if function.kind == "input" else function,
     SceneInput: lambda given: without_none(unit=given.unit or None, value=given.function),
     SceneOutput: lambda output: {"kind": output.kind, **output.values},
     Simulation: asdict,
