@@ -14,6 +14,7 @@ from derive.errors import SpecError
 from derive.simulation.linear.eigenmodes import ComplexVector, Mode
 from derive.simulation.linear.mode_files import mode_files, modes_data
 from derive.simulation.linear.modes import Modes, modes
+from derive.spec.model.body import PlanarBeam
 from derive.spec.model.scene import Scene
 from derive.spec.toml.read import with_lines
 from derive.terminal import magnitude, show_progress, table
@@ -60,7 +61,7 @@ def _files(result: Modes, count: int) -> list[File | BinaryFile]:
     """All files; a picture and an animation of the first `count` modes if there is something to draw."""
     stem = f"{result.spec.name}/{result.spec.name}.modes"
     files = list(mode_files(result))
-    if isinstance(result.spec, Scene) and drawn_modes(result, count):
+    if isinstance(result.spec, Scene | PlanarBeam) and drawn_modes(result, count):
         files.append(File(f"{stem}.svg", modes_picture(result, count)))
         files.append(File(f"{stem}.html", modes_page(result, count)))
     return files

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from derive.simulation.linear.displaced import displaced, mode_lines
+from derive.simulation.linear.displaced import displaced, drawn_scene, mode_lines
 from derive.simulation.linear.eigenmodes import Mode
 from derive.simulation.linear.modes import Modes
 from derive.simulation.observables.motion import body_coordinates
 from derive.simulation.observables.player_data import player_data
-from derive.spec.model.scene import GROUND, MarkerRef, Scene
+from derive.spec.model.scene import GROUND, MarkerRef
 from derive.visual.mode_shapes import ModePanel, mode_picture
 from derive.visual.player import motions_page
 
@@ -21,8 +21,7 @@ NOMINAL_PERIOD = 1.0
 
 def modes_picture(modes: Modes, count: int) -> str:
     """The shapes of the first `count` modes as SVG, those of zero eigenvalues apart."""
-    scene = modes.spec
-    assert isinstance(scene, Scene)
+    scene = drawn_scene(modes)[0]
     panels = []
     for label, mode in drawn_modes(modes, count):
         shown = mode_lines(modes, mode)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import textwrap
 from collections.abc import Sequence
 from dataclasses import dataclass
 from html import escape
@@ -14,9 +15,10 @@ from derive.artifacts import MARK
 
 Array = NDArray[np.float64]
 
-COLUMNS, WIDTH, GAP, HEAD, FOOT = 3, 236, 24, 44, 26
-"""Panels in a row; width of a panel, the gap between panels, height of the titles above and of the note below, in
-pixels."""
+COLUMNS, WIDTH, GAP, HEAD = 3, 236, 24, 44
+"""Panels in a row, two at least; width of a panel, the gap between panels, height of a title above, in pixels."""
+LETTER, LINE = 6.6, 18
+"""Width of a letter and height of a line of the note, in pixels."""
 LEAST, MOST = 90, 260
 """The least and the greatest height of the drawing in a panel, in pixels."""
 DOT = 3
@@ -57,9 +59,12 @@ def mode_picture(title: str, note: str, panels: Sequence[ModePanel], points: Arr
     span = np.maximum(high - low, 1e-12)
     scale = float(min((WIDTH - 2 * DOT) / span[0], (MOST - 2 * DOT) / span[1]))
     drawn = max(LEAST, math.ceil(float(span[1]) * scale) + 2 * DOT)
-    columns = min(COLUMNS, len(panels))
+    columns = max(2, min(COLUMNS, len(panels)))
     rows = math.ceil(len(panels) / columns)
-    width, height = columns * (WIDTH + GAP) + GAP, HEAD + rows * (drawn + HEAD) + FOOT
+    width = columns * (WIDTH + GAP) + GAP
+    notes = textwrap.wrap(note, int((width - 2 * GAP) / LETTER))
+    bottom = HEAD + rows * (drawn + HEAD) + LINE
+    height = bottom + len(notes) * LINE
     middle = (low + high) / 2
     lines = []
     for number, panel in enumerate(panels):
@@ -80,7 +85,10 @@ def mode_picture(title: str, note: str, panels: Sequence[ModePanel], points: Arr
             f'  <rect class="ground" width="{width}" height="{height}"/>',
             f'  <text class="title" x="{GAP}" y="24">{escape(title)}</text>',
             *lines,
-            f'  <text class="note" x="{GAP}" y="{height - 12}">{escape(note)}</text>',
+            *(
+                f'  <text class="note" x="{GAP}" y="{bottom + k * LINE}">{escape(text)}</text>'
+                for k, text in enumerate(notes)
+            ),
             "</svg>\n",
         ]
     )

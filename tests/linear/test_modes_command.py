@@ -50,6 +50,10 @@ def rod() -> Modes:
     return derive.modes(hanging_rod("drawn_rod", shapes=4))
 
 
+def motions_of(page: str) -> list[dict]:
+    return json.loads(re.search(r'id="motion">(.*?)</script>', page, re.S)[1])
+
+
 def test_it_prints_and_writes(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     spec = tmp_path / "bar.toml"
     spec.write_text(PENDULUM)
@@ -120,7 +124,7 @@ def test_the_animation_keeps_the_joints(rod: Modes) -> None:
     assert tip[1] == pytest.approx(0, abs=1e-9) and tip[0] == pytest.approx(-tip[2], rel=1e-2)
     assert 0.01 < abs(tip[0]) < 0.11
     text = modes_page(rod, 2)
-    motions = json.loads(re.search(r'id="motion">(.*?)</script>', text, re.S)[1])
+    motions = motions_of(text)
     assert [m["name"] for m in motions] == [f"{i}: {mode.frequency:.4g} Hz" for i, mode in enumerate(rod.modes[:2], 1)]
     for data, mode in zip(motions, rod.modes, strict=False):
         duration = np.sum(data["time"]["values"]) * data["time"]["step"]
@@ -133,3 +137,13 @@ def test_two_pendulums_move_together_and_against_each_other() -> None:
     for mode, sign in zip(found.modes, (1, -1), strict=True):
         first, second = (line[1, 0].real for line in mode_lines(found, mode).displacements)
         assert np.sign((second - first) * first) == sign
+
+
+def test_a_beam_alone_is_drawn_like_a_scene() -> None:
+    found = derive.modes(derive.planar_beam("lone", frame="point", mass=1, length=2, bending_stiffness=1))
+    bending = mode_lines(found, found.modes[3])
+    (line,) = bending.displacements  # the first bending shape has equal displacements of both ends
+    assert line[0, 1].real == pytest.approx(line[-1, 1].real, rel=1e-9)
+    assert np.abs(line).max() == pytest.approx(0.2, rel=1e-6) and np.sign(line[8, 1].real) == -np.sign(line[0, 1].real)
+    assert len(re.findall("<polyline", modes_picture(found, 2))) == 6
+    assert [m["beams"][0]["name"] for m in motions_of(modes_page(found, 2))] == ["lone", "lone"]

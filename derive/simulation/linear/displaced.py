@@ -13,9 +13,11 @@ from derive.runtime.native_scene import NativeScene
 from derive.simulation.compiled_scene import coordinates_with
 from derive.simulation.constraints.projection import project
 from derive.simulation.linear.eigenmodes import Mode
+from derive.simulation.linear.lone_beam import LoneBeam, beam_scene
 from derive.simulation.linear.modes import Modes
 from derive.simulation.observables.beams import beam_bodies, deflections, half_length, piece_names
 from derive.simulation.observables.motion import Array, SceneMotion, marker_positions, outline, transformed
+from derive.spec.model.body import PlanarBeam
 from derive.spec.model.scene import BeamBody, Scene
 
 DISPLACEMENT = 0.1
@@ -60,7 +62,7 @@ def displaced(modes: Modes, mode: Mode, phases: Vector) -> SceneMotion:
     The amplitude a makes displacements at most DISPLACEMENT and rotations at most ROTATION. The states are projected
     onto the constraints, which the displacements meet to first order.
     """
-    linear, native = modes.linear, _native(modes)
+    linear, native = modes.linear, drawn_scene(modes)[1]
     angles = coordinates_with(native, Role.ROTATION)
     largest = float(np.abs(mode.shape[angles]).max(initial=0.0))
     amplitude = mode_lines(modes, mode).amplitude
@@ -71,15 +73,19 @@ def displaced(modes: Modes, mode: Mode, phases: Vector) -> SceneMotion:
 
 
 def scene_motion(modes: Modes, states: list[Vector]) -> SceneMotion:
-    """States (nq,) of a scene at the time of the linearisation, at rest."""
-    assert isinstance(modes.spec, Scene)
+    """States (nq,) of a scene, or of a beam alone, at the time of the linearisation, at rest."""
+    scene, native = drawn_scene(modes)
     q = np.array(states)
-    return SceneMotion(modes.spec, _native(modes), modes.k, np.full(len(q), modes.linear.t), q, np.zeros_like(q))
+    return SceneMotion(scene, native, modes.k, np.full(len(q), modes.linear.t), q, np.zeros_like(q))
 
 
-def _native(modes: Modes) -> NativeScene:
-    assert isinstance(modes.native, NativeScene)
-    return modes.native
+def drawn_scene(modes: Modes) -> tuple[Scene, NativeScene]:
+    """The scene that is drawn, and its compiled model. Raises TypeError for a body in space."""
+    if isinstance(modes.spec, Scene) and isinstance(modes.native, NativeScene):
+        return modes.spec, modes.native
+    if isinstance(modes.spec, PlanarBeam):
+        return beam_scene(modes.spec), LoneBeam(modes.native, modes.spec.name)
+    raise TypeError(f"{modes.spec.name} is a body in space, not a planar one")
 
 
 def scene_lines(motion: SceneMotion) -> list[Array]:
