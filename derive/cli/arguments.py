@@ -115,12 +115,12 @@ def _add_simulate(commands: Any) -> None:
 
 
 def _add_modes(commands: Any) -> None:
-    modes = _add(commands, "modes", "natural frequencies, damping ratios and mode shapes about a state; state space")
+    modes = _add(commands, "modes", "natural frequencies, damping ratios and mode shapes about the equilibrium")
     modes.add_argument("spec", type=Path, metavar="SPEC", help=f"{SPEC} of a body or a scene")
     _add_folder(modes, "results")
     _add_set(modes)
     modes.add_argument(
-        "--at", type=_instant, metavar="S", help="time in seconds of a state of the motion; 0 is the initial state"
+        "--at", type=_instant, metavar="S", help="time in seconds of a state of the motion, in place of the equilibrium"
     )
     modes.add_argument(
         "--count",

@@ -91,15 +91,18 @@ def _text(result: Modes, count: int) -> list[str]:
 
 
 def _state(result: Modes) -> str:
-    """The state, and whether it is an equilibrium, in words."""
+    """The state in words: the equilibrium with its stability, or the size of its velocities and accelerations."""
     if not isinstance(result.spec, Scene):
         return "the undeformed state at rest"
+    if (balance := result.equilibrium) is not None:
+        loads = f"; out-of-balance force {magnitude(balance.residual)} of loads up to {balance.load:.3g}"
+        return f"the static equilibrium, {balance.stability.value}{loads if balance.load else ''}"
     at = f"the state at t = {result.linear.t:g} s"
-    if not result.speed and result.acceleration <= 1e-6:
-        return f"{at}, an equilibrium (accelerations up to {magnitude(result.acceleration)})"
+    if not result.speed and not result.acceleration:
+        return f"{at}, at rest"
     return (
-        f"{at}, no equilibrium (generalised velocities up to {result.speed:.3g}, accelerations up to "
-        f"{result.acceleration:.3g}); the coefficients are those of that instant"
+        f"{at}, with generalised velocities up to {result.speed:.3g} and accelerations up to "
+        f"{result.acceleration:.3g}; the coefficients are those of that instant"
     )
 
 

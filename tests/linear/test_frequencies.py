@@ -10,6 +10,7 @@ from scipy.integrate import solve_ivp
 from scipy.linalg import eigh
 
 import derive
+from derive.simulation.equilibrium import Stability
 from derive.simulation.linear.modes import modes
 
 UNIT = {"frame": "mean", "mass": 1, "length": 1, "bending_stiffness": 1}
@@ -104,6 +105,14 @@ def test_a_hanging_flexible_pendulum() -> None:
     heavy, light = heavy_rod(GRAVITY)[:2], heavy_rod(0.0)[:2]
     assert omega(hanging_rod("hanging", 2, 4))[:2] == pytest.approx(heavy, rel=5e-3)
     assert heavy[1] > 1.03 * light[1]
+
+
+def test_the_default_is_the_equilibrium() -> None:
+    """A pendulum that starts aside and with a speed has the frequency of the hanging position; upright it has none."""
+    aside = modes(pendulums("aside", 1, -1.0, inertia=0.1))
+    assert 2 * np.pi * aside.frequencies == pytest.approx([np.sqrt(GRAVITY * 0.5 / 0.35)], rel=1e-9)
+    assert aside.equilibrium is not None and aside.equilibrium.stability is Stability.STABLE and aside.speed == 0
+    assert modes(pendulums("aside", 1, -1.0, inertia=0.1), at=0).acceleration > 1
 
 
 def test_a_state_of_the_motion() -> None:

@@ -57,7 +57,7 @@ def motions_of(page: str) -> list[dict]:
 def test_it_prints_and_writes(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     spec = tmp_path / "bar.toml"
     spec.write_text(PENDULUM)
-    command = ["modes", str(spec), "--at", "0", "--set", "m=3", "--out", str(tmp_path)]
+    command = ["modes", str(spec), "--set", "m=3", "--out", str(tmp_path)]
     assert main(command) == 0
     printed = capsys.readouterr()
     assert printed.err == ""
@@ -87,6 +87,11 @@ def test_it_prints_and_writes(tmp_path: Path, capsys: pytest.CaptureFixture[str]
 
 
 def test_wrong_uses(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    driven = tmp_path / "driven.toml"
+    driven.write_text(f'{PENDULUM}[drives.motor]\njoint = "pin"\nmotion = "t - 1.5"\n')
+    assert main(["modes", str(driven), "--out", str(tmp_path / "new")]) == 2
+    text = capsys.readouterr().err
+    assert "drives move at t = 0 has no static equilibrium: motor" in text and "--at 0" in text
     beam = str(ROOT / "scenes/free_beam_mean.toml")
     assert main(["modes", beam, "--at", "0", "--out", str(tmp_path / "new")]) == 2
     assert "leave out --at" in capsys.readouterr().err and not (tmp_path / "new").exists()

@@ -45,6 +45,7 @@ def modes_data(modes: Modes) -> dict[str, Any]:
         "q": linear.q.tolist(),
         "v": linear.v.tolist(),
         "vdot": linear.vdot.tolist(),
+        "equilibrium": modes.equilibrium is not None,
         "coordinates": list(modes.native.coordinates),
         "zero_eigenvalues": modes.zero_eigenvalues,
         "modes": [

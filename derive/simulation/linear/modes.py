@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -11,18 +11,30 @@ from derive.derivation import derive, lower
 from derive.errors import Problem, SpecError
 from derive.roles import Role
 from derive.runtime.compiled_model import Native
-from derive.runtime.loading import load
+from derive.runtime.loading import load, load_scene
 from derive.runtime.native_call import Vector
-from derive.runtime.native_scene import NativeScene
 from derive.simulation.compiled_scene import max_norm
+from derive.simulation.equilibrium import Equilibrium
+from derive.simulation.errors import MovingDrives, NoEquilibrium, SimulationError, enumeration
 from derive.simulation.initial.initial_state import initial_state
 from derive.simulation.linear.eigenmodes import Mode, eigenmodes
 from derive.simulation.linear.linearisation import Linearisation, linearise
 from derive.simulation.simulate import simulate
-from derive.spec.model.scene import Scene, Specification
+from derive.spec.model.scene import EQUILIBRIUM, Scene, Specification
 
-State = tuple[Native, Vector, float, Vector, Vector]
-"""A compiled model, its constants k (nk,), and a state: t (s), q (nq,), v (nv,)."""
+ADVICE = "The option --at 0, in Python at=0, takes the initial state instead."
+
+
+@dataclass(frozen=True, eq=False)
+class _State:
+    """A compiled model, its constants k (nk,), and the state t (s), q (nq,), v (nv,); the equilibrium that it is."""
+
+    native: Native
+    k: Vector
+    t: float
+    q: Vector
+    v: Vector
+    equilibrium: Equilibrium | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,7 +42,7 @@ class Modes:
     """The modes of a model about a state.
 
     linear: the state and the state-space matrices. modes: see `eigenmodes`. native, k: the compiled model and its
-    constants (nk,).
+    constants (nk,). equilibrium: that of a scene which the state is; None of other states and of a body alone.
     """
 
     spec: Specification
@@ -38,6 +50,7 @@ class Modes:
     k: Vector
     linear: Linearisation
     modes: tuple[Mode, ...]
+    equilibrium: Equilibrium | None
 
     @property
     def frequencies(self) -> Vector:
@@ -70,19 +83,19 @@ class Modes:
 
 
 def modes(spec: Specification, *, at: float | None = None) -> Modes:
-    """The modes of small motions about a state of a scene, or of a body about its undeformed state at rest.
+    """The modes of small motions of a scene about its static equilibrium, or of a body about its undeformed state.
 
-    at: the time (s) of the motion from the initial state, whose state is taken. The coefficients are those of that
-    instant.
+    at: the time (s) of the motion of a scene from its initial state, whose state is taken in place of the equilibrium;
+    the coefficients are those of that instant.
 
     Raises SpecError, CompilerError, ModelError, SimulationError.
     """
-    native, k, t, q, v = _of_scene(spec, 0.0 if at is None else at) if isinstance(spec, Scene) else _of_body(spec, at)
-    linear = linearise(native, k, t, q, v)
-    return Modes(spec, native, k, linear, eigenmodes(linear))
+    state = _of_scene(spec, at) if isinstance(spec, Scene) else _of_body(spec, at)
+    linear = linearise(state.native, state.k, state.t, state.q, state.v)
+    return Modes(spec, state.native, state.k, linear, eigenmodes(linear), state.equilibrium)
 
 
-def _of_body(spec: Specification, at: float | None) -> State:
+def _of_body(spec: Specification, at: float | None) -> _State:
     """A body, undeformed and at rest in the inertial frame."""
     if at is not None:
         raise SpecError((Problem("", "a body alone has its modes about its undeformed state; leave out --at"),))
@@ -90,16 +103,26 @@ def _of_body(spec: Specification, at: float | None) -> State:
     q = np.zeros(native.nq)
     if Role.QUATERNION in native.roles:
         q[native.roles.index(Role.QUATERNION)] = 1.0
-    return native, native.setup(), 0.0, q, np.zeros(native.nv)
+    return _State(native, native.setup(), 0.0, q, np.zeros(native.nv))
 
 
-def _of_scene(scene: Scene, at: float) -> State:
-    """A scene in its state at a time (s)."""
-    if at > 0.0:
+def _of_scene(scene: Scene, at: float | None) -> _State:
+    """A scene in its state at a time (s), or in its equilibrium."""
+    if at is not None and at > 0.0:
         motion = simulate(scene, duration=at, output=at).motion
-        return motion.native, motion.k, float(motion.t[-1]), motion.q[-1], motion.v[-1]
-    native = load(model_files(lower(derive(scene)), scene))
-    assert isinstance(native, NativeScene)
+        return _State(motion.native, motion.k, float(motion.t[-1]), motion.q[-1], motion.v[-1])
+    native = load_scene(model_files(lower(derive(scene)), scene))
     k = native.setup()
-    start = initial_state(scene, native, k)
-    return native, k, start.t, start.q, start.v
+    if at is not None:
+        start = initial_state(scene, native, k)
+        return _State(native, k, start.t, start.q, start.v)
+    try:
+        balance = initial_state(replace(scene, start=EQUILIBRIUM), native, k).equilibrium
+    except MovingDrives as error:
+        raise SimulationError(
+            f"a scene whose drives move at t = 0 has no static equilibrium: {enumeration(error.drives)}. {ADVICE}"
+        ) from None
+    except NoEquilibrium as error:
+        raise SimulationError(f"{error} {ADVICE}") from None
+    assert balance is not None
+    return _State(native, k, balance.t, balance.q, np.zeros(native.nv), balance)
