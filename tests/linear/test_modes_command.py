@@ -88,7 +88,7 @@ def test_it_prints_and_writes(tmp_path: Path, capsys: pytest.CaptureFixture[str]
 
 def test_wrong_uses(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     driven = tmp_path / "driven.toml"
-    driven.write_text(f'{PENDULUM}[drives.motor]\njoint = "pin"\nmotion = "t - 1.5"\n')
+    driven.write_text(f'{PENDULUM}[drives.motor]\njoint = "pin"\nmotion = "t - pi/2"\n')
     assert main(["modes", str(driven), "--out", str(tmp_path / "new")]) == 2
     text = capsys.readouterr().err
     assert "drives move at t = 0 has no static equilibrium: motor" in text and "--at 0" in text

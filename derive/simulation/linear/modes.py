@@ -9,13 +9,14 @@ import numpy as np
 from derive.backends.model_files import model_files
 from derive.derivation import derive, lower
 from derive.errors import Problem, SpecError
+from derive.lowering.redundancy import enumeration
 from derive.roles import Role
 from derive.runtime.compiled_model import Native
 from derive.runtime.loading import load, load_scene
 from derive.runtime.native_call import Vector
 from derive.simulation.compiled_scene import max_norm
 from derive.simulation.equilibrium import Equilibrium
-from derive.simulation.errors import MovingDrives, NoEquilibrium, SimulationError, enumeration
+from derive.simulation.errors import MovingDrives, NoEquilibrium, SimulationError
 from derive.simulation.initial.initial_state import initial_state
 from derive.simulation.linear.eigenmodes import Mode, eigenmodes
 from derive.simulation.linear.linearisation import Linearisation, linearise
