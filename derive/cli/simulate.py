@@ -15,6 +15,7 @@ from derive.errors import SpecError
 from derive.lowering.conditioning import condition_warnings
 from derive.simulation.observables.beams import LINEAR_LIMIT, beam_bodies, relative_deflection
 from derive.simulation.observables.csv_writer import NUMBER_WIDTH, Column
+from derive.simulation.observables.default_plots import default_plot_names, default_plots
 from derive.simulation.observables.player_data import player_data
 from derive.simulation.observables.plots import PlotCurve, percent, plot_curves, plot_text, with_unit
 from derive.simulation.run_record import run_files
@@ -43,7 +44,7 @@ def run(options: argparse.Namespace) -> int:
     simulations = Simulations(options.spec, scene, options.integrator, options.step)
     main = simulations.trajectory(None, 0)
     shown: list[PlotCurves] = []
-    for plot in scene.plots:
+    for plot in (*scene.plots, *default_plots(main)):
         variants = [(_label(plot, n), simulations.trajectory(plot.cut, n)) for n in plot.pieces or (0,)]
         shown.append((plot, tuple(curve for label, each in variants for curve in plot_curves(plot, each, label))))
     files = _files(main, shown)
@@ -86,7 +87,8 @@ class Simulations:
 def _planned_files(scene: Scene) -> list[File]:
     """The files of a simulation, still without their texts."""
     name = scene.name
-    pictures = [f"{name}/{plot.name}.svg" for plot in scene.plots]
+    plots = (*(plot.name for plot in scene.plots), *default_plot_names(scene))
+    pictures = [f"{name}/{plot}.svg" for plot in plots]
     record = f"{name}/{name}.json"
     return [
         File(f"{name}/{name}.csv", "", record=record),
