@@ -7,9 +7,11 @@ from typing import Any
 
 import sympy as sp
 
+from derive.mechanics.multibody.instances import InstanceEquations
 from derive.mechanics.multibody.keys import Key
 from derive.mechanics.multibody.outputs.output_type import OutputComponent, OutputComponents, OutputType
 from derive.mechanics.multibody.scene_mechanics import SceneMechanics
+from derive.mechanics.symbols import Family, identity
 
 
 class Energies(OutputType):
@@ -45,6 +47,7 @@ class Powers(OutputType):
         loads = [scene.power(f) for f in scene.forces if f.type.section != "springs"]
         drives = [scene.drive_force(d) * scene.drive_rate(d) for d in scene.scene.drives]
         dissipated = sp.Add(*(force.dissipation for force in scene.generalised))
+        dissipated += sp.Add(*map(_material_damping, scene.instances.values()))
         return OutputComponents(
             (
                 OutputComponent("loads", "W", "power of forces and torques at markers", sp.Add(*loads)),
@@ -52,3 +55,14 @@ class Powers(OutputType):
                 OutputComponent("dissipated", "W", "power of dampers and of material damping", dissipated),
             )
         )
+
+
+def _material_damping(instance: InstanceEquations) -> sp.Expr:
+    """The power that the material damping of an instance takes, - alphadot . B alphadot."""
+    rates = {row.name: row.v for row in instance.rows}
+    damping = (term for term in instance.terms if any(map(_is_damping, term.expr.free_symbols)))
+    return -sp.Add(*(term.expr * rates[term.row] for term in damping))
+
+
+def _is_damping(symbol: sp.Symbol) -> bool:
+    return identity(symbol).family in (Family.DAMPING, Family.DAMPING_FORCE)
