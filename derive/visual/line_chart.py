@@ -113,7 +113,7 @@ def svg(chart: Chart) -> str:
         head, foot, gap = below + 0.08 + 0.21 * len(_legend_rows(chart)), 0.55, 0.18
         height = head + foot + sum(panels) + gap * (len(panels) - 1)
         figure = Figure(figsize=(WIDTH, height))
-        left, right = 0.82 / WIDTH, 1 - 0.12 / WIDTH
+        left, right = 0.82 / WIDTH, 1 - 0.24 / WIDTH
         axes, top = [], height - head
         for panel in panels:
             axes.append(figure.add_axes((left, (top - panel) / height, right - left, panel / height)))
