@@ -391,3 +391,22 @@ def test_a_scene_without_outputs_and_plots_shows_its_coordinates():
         "deformations": ("rod_alpha1", "rod_alpha2"),
     }
     assert {*plots} <= {*default_plot_names(scene)}
+
+
+def test_the_python_module_has_the_same_inputs_and_outputs():
+    spec = parse(DRIVEN)
+    files = derive.model_files(derive.lower(derive.derive(spec)), spec)
+    (source,) = (file.text for file in files if file.path.endswith(".py"))
+    module = {}
+    exec(compile(source, "driven.py", "exec"), module)
+    native = derive.load_scene(files)
+    rng = np.random.default_rng(7)
+    q, v, u = rng.normal(size=native.nq) * 0.1, rng.normal(size=native.nv), rng.normal(size=4)
+    k, constants = native.with_inputs(native.setup(), u), module["setup"](native.defaults)
+    vdot, lam = native.solve(0.2, q, v, k)
+    np.testing.assert_array_equal(module["accel"](0.2, q, v, u, constants), vdot)
+    arguments = (0.2, q, v, vdot, lam)
+    np.testing.assert_array_equal(module["outputs"](*arguments, u, constants), native.evaluate_outputs(*arguments, k))
+    np.testing.assert_array_equal(
+        module["outputs_jacobian"](*arguments, u, constants), native.outputs_jacobian(*arguments, k)
+    )
