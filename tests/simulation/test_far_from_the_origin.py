@@ -10,6 +10,7 @@ from double import Body, Condition, Double, Pin, Slide
 from mechanisms import CRANK, ROD, crank_slider, pushed_crank
 
 import derive
+from derive.simulation.constraints.neighbouring_states import neighbouring_states
 from derive.simulation.constraints.projection import check_drift
 from derive.simulation.constraints.redundancy import check_constraints
 from derive.simulation.errors import DriftTooLarge, SingularConfiguration
@@ -106,3 +107,14 @@ def test_the_tolerance_of_drift_allows_for_rounding(x: float, off: float, raised
             check_drift(far, NONE, 0.0, q, 0 * v, 1e-9)
     else:
         assert check_drift(far, NONE, 0.0, q, 0 * v, 1e-9).position == pytest.approx(off, rel=0.3)
+
+
+def test_neighbouring_states_are_as_near_wherever_the_mechanism_is() -> None:
+    """Their distance is a part of the arms of the mechanism, which its drive has moved after the same time."""
+    model, q, _ = pushed_crank(CRANK + ROD - 0.05, -1.0)
+    far, q_far = shifted(model, q, EARTH)
+    near = [*neighbouring_states(model, NONE, 0.0, q)]
+    assert len(near) > 1 and max(abs(t) for t, _ in near) > 0
+    for (t, state), (t_far, state_far) in zip(near, neighbouring_states(far, NONE, 0.0, q_far), strict=True):
+        assert t_far == t
+        assert state_far - q_far == pytest.approx(state - q, abs=1e-6)
