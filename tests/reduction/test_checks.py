@@ -175,3 +175,39 @@ def test_arrays_that_do_not_fit() -> None:
     with pytest.raises(SpecError) as caught:
         reduce(bodies.nodal(wrong))
     assert len(caught.value.problems) == 4 and {p.path for p in caught.value.problems} == {"body.nodes"}
+
+
+@pytest.mark.parametrize(("change", "accepted"), [(1e-7, True), (1e-5, False)])
+def test_a_modal_stiffness_agrees_with_the_stiffness_matrix_to_six_digits(change: float, accepted: bool) -> None:
+    data = replace(bodies.truss(), modes=bodies.cloud(2, 24).modes)
+    k = reduce(bodies.nodal(data, bodies.GIVEN, orthonormal=False)).stiffness.copy()
+    k[0, 1] = k[1, 0] = k[0, 1] + change * np.abs(k).max()
+    body = bodies.nodal(replace(data, modal_stiffness=k))
+    if accepted:
+        assert reduce(body).modes == 2
+    else:
+        assert "modal_stiffness is not Phi^T K Phi" in refused(body)["body.nodes"]
+
+
+@pytest.mark.parametrize(("change", "accepted"), [(1e-10, True), (1e-8, False)])
+def test_matrices_are_symmetric_to_nine_digits(change: float, accepted: bool) -> None:
+    data = bodies.truss()
+    k = data.stiffness.toarray()
+    k[3, 5] += change * np.abs(k).max()
+    body = bodies.nodal(replace(data, stiffness=csr_array(k)), modes=2)
+    if accepted:
+        assert reduce(body).modes == 2
+    else:
+        assert "the stiffness matrix is not symmetric" in refused(body)["body.nodes"]
+
+
+@pytest.mark.parametrize(("change", "accepted"), [(1e-4, True), (1e-6, False)])
+def test_modes_that_differ_by_little_are_dependent(change: float, accepted: bool) -> None:
+    data = bodies.cloud(2)
+    modes = data.modes.copy()
+    modes[1] = modes[0] + change * modes[1]
+    body = bodies.nodal(replace(data, modes=modes))
+    if accepted:
+        assert reduce(body).modes == 2
+    else:
+        assert refused(body)["body.modes"].startswith("the modes are dependent")

@@ -11,9 +11,10 @@ from scipy.sparse import csr_array
 
 from derive.reduction import reduce
 from derive.reduction.body import prepare
+from derive.reduction.frames import ModeShapes
 from derive.reduction.integrals import shape_integrals
 from derive.reduction.reasons import integral_entries
-from derive.reduction.symmetry import mirror_planes
+from derive.reduction.symmetry import made_symmetric, mirror_planes
 from derive.spec.model.body import BodyFrame, NodalBody
 
 MIRROR = "mirror symmetry in the plane normal to e"
@@ -158,3 +159,42 @@ def test_stiffness_that_is_not_symmetric_keeps_its_couplings() -> None:
     assert found.zeros["c8_1_2"].startswith(MIRROR)
     diagonal = replace(data, modal_stiffness=shapes.stiffness)
     assert reduce(bodies.nodal(diagonal, bodies.GIVEN, orthonormal=False)).zeros["K_1_2"].startswith(MIRROR)
+
+
+def test_a_stiffness_is_mirrored_with_its_signs() -> None:
+    """Mirrored, a coupling of u1 with u2 of one node is that of its partner with the other sign."""
+    x = bodies.truss((2, 2, 2)).positions
+    (plane,) = (p for p in mirror_planes(csr_array(np.eye(8)), x) if p.axis == 0)
+    modes = np.zeros((0, 8, 3))
+
+    def symmetric(sign: float) -> bool:
+        k = np.eye(24)
+        for node, factor in ((0, 1.0), (int(plane.partner[0]), sign)):
+            k[3 * node, 3 * node + 1] = k[3 * node + 1, 3 * node] = factor
+        shapes = ModeShapes(x, modes, np.zeros((0, 0)), "as given")
+        (elastic,) = made_symmetric(shapes, (plane,), csr_array(k))[1].elastic
+        return elastic
+
+    assert symmetric(-1.0) and not symmetric(1.0)
+
+
+@pytest.mark.parametrize(("change", "symmetric"), [(1e-7, True), (1e-5, False)])
+def test_the_parity_of_a_mode_is_known_to_six_digits(change: float, symmetric: bool) -> None:
+    body = bodies.nodal(bodies.truss(), modes=1)
+    shapes = prepare(body).shapes
+    phi = shapes.phi.copy()
+    phi[0, 0] += change * np.abs(phi).max()
+    data = replace(body.data, modes=phi, modal_stiffness=shapes.stiffness, stiffness=None)
+    parities = prepare(bodies.nodal(data, bodies.GIVEN, orthonormal=False)).parities.fields[1]
+    assert np.all(np.abs(parities) == symmetric)
+
+
+@pytest.mark.parametrize(("change", "planes"), [(1e-9, 3), (1e-7, 0)])
+def test_planes_are_known_to_eight_digits(change: float, planes: int) -> None:
+    """Of the largest distance of a node from the centre of mass, and of the largest entry of the mass matrix."""
+    data = bodies.truss((4, 3, 2))
+    moved, masses = data.positions.copy(), data.mass.diagonal()
+    moved[0] += change * np.linalg.norm(moved, axis=1).max() / np.sqrt(3)
+    masses[0] *= 1 + change
+    assert len(mirror_planes(data.mass, moved)) == planes
+    assert len(mirror_planes(csr_array(np.diag(masses)), data.positions)) == planes

@@ -243,3 +243,32 @@ def test_numbers_rounded_by_another_program_are_accepted() -> None:
 def test_a_body_without_names() -> None:
     body = replace(reduce(GIVEN), name="")
     assert read(write(body)).name == "body"
+
+
+@pytest.mark.parametrize("name", ["Ct", "Me", "Ge", "Ke", "De"])
+def test_a_first_order_that_stands_for_geometric_stiffness_is_refused(name: str) -> None:
+    text = write(reduce(GIVEN))
+    start, end = text.index(f"      {name}\n"), text.index(f"      end {name}\n")
+    first = text[start:end].replace("order = 0", "order = 1") + "         m1( 1, 2, 1) = 1\n"
+    found = faults(text[:start] + first + text[end:])
+    line = text[:start].count("\n") + 1
+    assert any(fault.startswith(f"{line}: {name} has a first order: geometric stiffness") for fault in found), found
+
+
+def test_frequencies_are_those_of_the_generalised_eigenvalue_problem() -> None:
+    data = bodies.truss()
+    text = write(reduce(bodies.nodal(data, modes=4)))
+    masses = np.repeat(data.mass.diagonal(), 3)
+    values = np.linalg.eigvalsh(data.stiffness.toarray() / np.sqrt(np.outer(masses, masses)))[6:10]
+    written = [float(line.split()[-2]) for line in text.splitlines() if line.strip().startswith("ielastq(")]
+    assert written == pytest.approx(np.sqrt(values) / (2 * np.pi), rel=1e-6)
+
+
+@pytest.mark.parametrize(("change", "accepted"), [(3e-5, True), (1e-3, False)])
+def test_quantities_that_a_file_contains_twice_agree_to_four_digits(change: float, accepted: bool) -> None:
+    old = "m1( 2, 1, 1) = 1.0E+00"  # of mdCM, which is Ct once more
+    text = SMALL.replace(old, f"m1( 2, 1, 1) = {1 + change!r}")
+    if accepted:
+        assert read(text).c2.tolist() == [[0, 1, 0]]
+    else:
+        assert any("mdCM has another first order than Ct" in fault for fault in faults(text))

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from derive.study.elimination import backward_error, eliminate
+from derive.ir.patterns import pattern
+from derive.study.elimination import backward_error, eliminate, entry_mask, equilibrated
 
 
 def turned(values: list[float]) -> np.ndarray:
@@ -51,3 +52,60 @@ def test_backward_error_is_the_change_that_makes_it_exact() -> None:
     assert backward_error(A, np.array([[3.0, 4.0]]), x)[0] == 0.0
     # |A x - b| = 8e-6, |A| = 4, |x| = 1, |b| = 4
     assert backward_error(A, np.array([[3.0, 4.0 + 8e-6]]), x)[0] == pytest.approx(1e-6, rel=1e-5)
+
+
+def test_a_change_of_sign_beside_a_state_in_which_an_earlier_pivot_vanishes_does_not_count() -> None:
+    """[[x, 1], [1, 0]] has the pivots x and -1/x: where x vanishes in a state, -1/x says nothing."""
+    for values in ([0.5, 0.0, -0.5], [1e-9, -0.5], [-0.5, 1e-9]):
+        A = np.array([[[x, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]] for x in values])
+        found = eliminate(A, np.ones((len(values), 3)), (0, 1, 2), (0, 1, 2))
+        assert found.vanished.tolist()[:2] == [True, False], values
+
+
+def test_a_pivot_is_compared_with_its_column_before_and_after_the_elimination() -> None:
+    """1 + 1e-12 - 1 vanishes against the 1 that it comes from; 1e-9 vanishes against the 1 below it."""
+    cancelled = np.array([[[1.0, 1.0], [1.0, 1.0 + 1e-12]]])
+    assert eliminate(cancelled, np.ones((1, 2)), (0, 1), (0, 1)).vanished.tolist() == [False, True]
+    filled = np.array([[[1e-3, 1.0, 0.0], [1.0, 1e3, 1e-6], [1.0, 0.0, 1.0]]])
+    # After the first pivot the second column is [0, -1e3]^T, although its largest entry was 1e3 above it.
+    assert eliminate(filled, np.ones((1, 3)), (0, 1, 2), (0, 1, 2)).vanished.tolist()[1]
+    grown = np.array([[[1e-6, 1.0, 0.0], [1.0, 1e6 + 1.0, 1.0], [1.0, 1.0, 0.0]]])
+    # The second pivot is 1, below it there is 1 - 1e6.
+    (ratios,) = eliminate(grown, np.ones((1, 3)), (0, 1, 2), (0, 1, 2)).ratios
+    assert ratios[1] == pytest.approx(1e-6, rel=1e-3)
+
+
+def test_growth_is_of_all_of_u() -> None:
+    """The largest entry of U is the last pivot, a pivot in the middle, or an entry of a row."""
+    last = np.array([[[1.0, 0.0, 100.0], [0.0, 1.0, 0.0], [100.0, 0.0, 1.0]]])
+    assert eliminate(last, np.ones((1, 3)), (0, 1, 2), (0, 1, 2)).growth[0] == pytest.approx(99.99)
+    first = np.array([[[1e-3, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1e-3]]])
+    assert eliminate(first, np.ones((1, 3)), (0, 1, 2), (0, 1, 2)).growth[0] == pytest.approx(1e3)
+    beside = np.array([[[1.0, 50.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]])
+    assert eliminate(beside, np.ones((1, 3)), (0, 1, 2), (0, 1, 2)).growth[0] == pytest.approx(1.0)
+
+
+def test_equilibrated_matrices_have_rows_and_columns_of_size_one_and_the_same_solution() -> None:
+    random = np.random.default_rng(1)
+    D = np.diag(10.0 ** random.uniform(-6, 6, 5))
+    symmetric = random.normal(size=(3, 5, 5))
+    A = D @ (symmetric + symmetric.transpose(0, 2, 1)) @ D
+    b = random.normal(size=(3, 5))
+    scaled, right = equilibrated(A, b)
+    assert np.abs(scaled).max(axis=1) == pytest.approx(np.ones((3, 5)), rel=1e-3)
+    assert scaled == pytest.approx(scaled.transpose(0, 2, 1))
+    factors = right / b
+    x = np.linalg.solve(scaled, right[:, :, None])[:, :, 0] * factors
+    rounding = 1e-14 * np.einsum("sij,sj->si", np.abs(A), np.abs(x))
+    assert np.all(np.abs(np.einsum("sij,sj->si", A, x) - b) < rounding)
+
+
+def test_backward_errors_are_relative_to_row_sums_and_to_the_right_hand_side() -> None:
+    A, x = np.array([[[1.0, 1.0], [0.0, 1.0]]]), np.array([[1.0, 1.0]])
+    # |A x - b| = 6e-6, |A| = 2, |x| = 1, |b| = 2.
+    assert backward_error(A, np.array([[2.0, 1.0 + 6e-6]]), x)[0] == pytest.approx(1.5e-6, rel=1e-4)
+
+
+def test_the_mask_of_a_symmetric_pattern_has_both_triangles() -> None:
+    shape = pattern(3, 3, {(0, 0), (2, 0)}, symmetric=True)
+    assert np.argwhere(entry_mask(shape)).tolist() == [[0, 0], [0, 2], [2, 0]]

@@ -42,6 +42,9 @@ def test_frames_take_turns() -> None:
 def test_ratios_are_of_pairs() -> None:
     found = ratio([(1.0, 2.0), (3.0, 4.0), (9.0, 10.0)])
     assert (found.median, found.least, found.most) == (0.75, 0.5, 0.9)
+    # The ratio of the medians would be 3 / 4.
+    found = ratio([(1.0, 2.0), (8.0, 4.0), (3.0, 10.0)])
+    assert (found.median, found.least, found.most) == (0.5, 0.3, 2.0)
 
 
 def test_the_table() -> None:

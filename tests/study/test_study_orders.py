@@ -54,3 +54,12 @@ def test_multipliers_before_their_coordinates_have_no_diagonal() -> None:
     assert missing(4, 2, 3, 0, 1) == 1  # 3 has a diagonal from 2
     assert missing(3, 4, 0, 1, 2) == 2
     assert without_diagonal(SHAPE, 3, Order((3, 4, 0, 1, 2), (0, 1, 3, 4, 2))) == 0  # no symmetric order
+
+
+@pytest.mark.parametrize(("size", "first"), [(0.2, True), (0.05, False)])
+def test_a_sparse_pivot_is_selected_if_it_is_a_tenth_of_its_column(size: float, first: bool) -> None:
+    """The first unknown is coupled with one other, so that its pivot costs least; its column has entries up to 1."""
+    matrix = np.array([[size, 1.0, 0.0, 0.0], [1.0, 2.0, 1.0, 1.0], [0.0, 1.0, 3.0, 1.0], [0.0, 1.0, 1.0, 4.0]])
+    shape = pattern(4, 4, {(i, j) for i in range(4) for j in range(i + 1) if matrix[i, j]}, symmetric=True)
+    order = ORDERS["markowitz"](shape, 4, matrix)
+    assert ((order.rows[0], order.cols[0]) == (0, 0)) == first

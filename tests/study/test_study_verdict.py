@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import made_up
+import pytest
 from made_up import FINE, in_frame, worse
 
 from derive.study.verdict import conclusion, judge, verdict
@@ -83,3 +84,17 @@ def test_equal_frames_say_nothing() -> None:
         "Both frames have equally many zeros in M: of these the conjecture says nothing."
     ]
     assert made_up.SPARSE.mass < made_up.FULL.mass
+
+
+@pytest.mark.parametrize(("share", "gain"), [(0.08, 0), (0.12, 1)])
+def test_shares_that_differ_by_a_tenth_differ_substantially(share: float, gain: int) -> None:
+    orders = {"constrained": FINE}
+    assert (
+        judge("constrained", in_frame("mean", orders), in_frame("point", orders, {"constrained": share})).gain == gain
+    )
+
+
+@pytest.mark.parametrize(("factor", "gain"), [(8.0, 0), (12.0, 1)])
+def test_errors_that_differ_by_a_factor_of_ten_differ_substantially(factor: float, gain: int) -> None:
+    frames = in_frame("mean", {"constrained": FINE}), in_frame("point", {"constrained": worse(error=factor)})
+    assert judge("constrained", *frames).gain == gain
