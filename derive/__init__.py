@@ -15,8 +15,8 @@ The public interface, by stages:
     specification   read, validated; scene, planar_beam, nodal_body, symbolic_body
                     bodies: PlanarBeam, SymbolicBody, NodalBody with NodeData, NodeMarker, BodyFrame, Damping
                     scenes: Scene, RigidBody, BeamBody, PointMarker, MarkerRef, InitialValues, Joint, Drive, Force,
-                    Torque, Spring, TimeFunction, time_function, Simulation, Plot, Deflection, ReferenceCurve
-                    both: Frame, Marker, Parameter
+                    Torque, Spring, TimeFunction, time_function, Plot, Deflection, ReferenceCurve
+                    both: Frame, Marker, Parameter, Simulation; SpatialStart of a body in space
                     registries: JOINTS, BODIES, FORCES; CustomJoint, CustomBody, CustomForce
     equations       derive, modal, derive_modal, parameters; ModalBody; Equations of a body, or for a scene a
                     Mechanism, which keeps the equations once for each kind of body
@@ -24,7 +24,7 @@ The public interface, by stages:
     files           model_files, write; File
     compiled code   load, load_scene; Native, NativeScene, Role
     modes           modes; Modes, Mode, Linearisation
-    simulation      simulate, initial_state, integrate; Trajectory, Solution, InitialState, INTEGRATORS
+    simulation      simulate, initial_state, integrate; Trajectory, BodyTrajectory, Solution, InitialState, INTEGRATORS
     C integrators   FixedStep, GeneralisedAlpha, Ida; Integration
     errors          TisserandError and its subclasses SpecError, UnknownNameError, CompilerError, ModelError,
                     IntegratorError, SimulationError
@@ -64,6 +64,7 @@ if TYPE_CHECKING:
     from derive.runtime.loading import load, load_scene
     from derive.runtime.native_call import ModelError
     from derive.runtime.native_scene import NativeScene
+    from derive.simulation.body_trajectory import BodyTrajectory
     from derive.simulation.errors import SimulationError
     from derive.simulation.initial.consistent_state import InitialState
     from derive.simulation.initial.initial_state import initial_state
@@ -104,11 +105,11 @@ if TYPE_CHECKING:
         ReferenceCurve,
         RigidBody,
         Scene,
-        Simulation,
         Spring,
         TimeFunction,
         Torque,
     )
+    from derive.spec.model.simulation import Simulation, SpatialStart
     from derive.spec.parsing.time_expression import time_function
     from derive.spec.toml.read import read
 
@@ -154,6 +155,7 @@ _MODULES = {
         "load_scene",
     ),
     "derive.runtime.native_scene": ("NativeScene",),
+    "derive.simulation.body_trajectory": ("BodyTrajectory",),
     "derive.simulation.errors": ("SimulationError",),
     "derive.simulation.initial.consistent_state": ("InitialState",),
     "derive.simulation.initial.initial_state": ("initial_state",),
@@ -203,10 +205,13 @@ _MODULES = {
         "ReferenceCurve",
         "RigidBody",
         "Scene",
-        "Simulation",
         "Spring",
         "TimeFunction",
         "Torque",
+    ),
+    "derive.spec.model.simulation": (
+        "Simulation",
+        "SpatialStart",
     ),
     "derive.spec.parsing.time_expression": ("time_function",),
     "derive.spec.toml.read": ("read",),
@@ -220,6 +225,7 @@ __all__ = [
     "JOINTS",
     "BeamBody",
     "BodyFrame",
+    "BodyTrajectory",
     "CompilerError",
     "CustomBody",
     "CustomForce",
@@ -264,6 +270,7 @@ __all__ = [
     "Simulation",
     "SimulationError",
     "Solution",
+    "SpatialStart",
     "SpecError",
     "Spring",
     "SymbolicBody",

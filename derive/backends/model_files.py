@@ -54,8 +54,9 @@ def specification(spec: Specification) -> dict[str, object]:
         data = spec.data
         modes = 0 if data.modes is None else len(data.modes)
         fields["data"] = {"nodes": len(data.positions), "modes": modes, "sha256": data.sha256}
-    if isinstance(spec, Scene):  # simulation and plots do not change the model
-        fields = {name: value for name, value in fields.items() if name not in ("simulation", "plots")}
+    aside = ("simulation", "plots") if isinstance(spec, Scene) else ("simulation", "start")  # what the model is not of
+    fields = {name: value for name, value in fields.items() if name not in aside}
+    if isinstance(spec, Scene):
         fields = {name: value for name, value in fields.items() if value or name not in ("inputs", "outputs")}
     plain = json.loads(json.dumps(fields, default=_exact))
     return {"kind": KINDS[type(spec)], **{key: value for key, value in plain.items() if value is not None}}

@@ -10,7 +10,8 @@ from pathlib import Path
 from typing import Any
 
 from derive.artifacts import File, check_folder, write
-from derive.cli.specifications import read_changed, simulated_scene
+from derive.cli.simulate_body import body_text, simulated_body
+from derive.cli.specifications import read_changed, simulated
 from derive.errors import SpecError
 from derive.lowering.conditioning import condition_warnings
 from derive.simulation.observables.beams import LINEAR_LIMIT, beam_bodies, relative_deflection
@@ -18,8 +19,9 @@ from derive.simulation.observables.csv_writer import NUMBER_WIDTH, Column
 from derive.simulation.observables.default_plots import default_plot_names, default_plots
 from derive.simulation.observables.player_data import player_data
 from derive.simulation.observables.plots import PlotCurve, percent, plot_curves, plot_text, with_unit
+from derive.simulation.output_times import output_times
 from derive.simulation.run_record import run_files
-from derive.simulation.simulate import output_times, simulate
+from derive.simulation.simulate import simulate
 from derive.simulation.trajectory import Trajectory
 from derive.spec.model.scene import BeamBody, Deflection, Plot, Scene
 from derive.spec.set_values import SetValue
@@ -34,12 +36,19 @@ PlotCurves = tuple[Plot, tuple[PlotCurve, ...]]
 
 
 def run(options: argparse.Namespace) -> int:
-    """Simulate the scene as specified and with each number of pieces that a plot requests; then write all files.
+    """Simulate a scene or a single body; then write all files. That they can be written is checked before."""
+    given, changes = read_changed(options.spec, options.set)
+    spec = simulated(given, options.spec, options.duration, options.output, options.tolerance)
+    summary = _scene(spec, changes, options) if isinstance(spec, Scene) else simulated_body(spec, changes, options)
+    if options.json:
+        print(json.dumps(summary, indent=2))
+    else:
+        print(_text(summary) if isinstance(spec, Scene) else body_text(summary))
+    return 0
 
-    That they can be written is checked before.
-    """
-    spec, changes = read_changed(options.spec, options.set)
-    scene = simulated_scene(spec, options.spec, options.duration, options.output, options.tolerance)
+
+def _scene(scene: Scene, changes: Sequence[SetValue], options: argparse.Namespace) -> dict[str, Any]:
+    """Simulate the scene as specified and with each number of pieces that a plot requests; return the summary."""
     check_folder(_planned_files(scene), options.out, _expected_size(scene))
     simulations = Simulations(options.spec, scene, options.integrator, options.step)
     main = simulations.trajectory(None, 0)
@@ -49,9 +58,7 @@ def run(options: argparse.Namespace) -> int:
         shown.append((plot, tuple(curve for label, each in variants for curve in plot_curves(plot, each, label))))
     files = _files(main, shown)
     write(files, options.out)
-    summary = _summary(simulations, main, changes, shown, [str(options.out / file.path) for file in files])
-    print(json.dumps(summary, indent=2) if options.json else _text(summary))
-    return 0
+    return _summary(simulations, main, changes, shown, [str(options.out / file.path) for file in files])
 
 
 @dataclass

@@ -11,6 +11,7 @@ from pathlib import Path
 from derive.errors import Problem, SpecError
 from derive.pipeline import Built, build
 from derive.simulation.simulate import simulation_settings
+from derive.spec.model.body import NodalBody
 from derive.spec.model.scene import Scene, Specification
 from derive.spec.set_values import SetValue, with_values
 from derive.spec.toml.read import read
@@ -19,7 +20,10 @@ from derive.terminal import show_progress
 
 def read_scene(path: Path) -> Scene:
     """Read the scene of a file. Raises SpecError if it is a body, or has no [simulation]."""
-    return simulated_scene(read(path), path)
+    spec = simulated(read(path), path)
+    if not isinstance(spec, Scene):
+        raise SpecError((Problem("", "a scene is needed, and this is a single body"),), str(path))
+    return spec
 
 
 def read_changed(path: Path, assignments: Sequence[tuple[str, str]]) -> tuple[Specification, tuple[SetValue, ...]]:
@@ -34,22 +38,23 @@ def read_changed(path: Path, assignments: Sequence[tuple[str, str]]) -> tuple[Sp
     return with_values(spec, dict(assignments))
 
 
-def simulated_scene(
+def simulated(
     spec: Specification,
     path: Path,
     duration: float | None = None,
     output: float | None = None,
     tolerance: float | None = None,
-) -> Scene:
-    """The scene that a file specifies, with another duration (s), interval of rows (s) and tolerance if given.
+) -> Scene | NodalBody:
+    """What a file specifies, with another duration (s), interval of rows (s) and tolerance if given.
 
     Raises SpecError if it cannot be simulated.
     """
-    if not isinstance(spec, Scene):
+    if not isinstance(spec, (Scene, NodalBody)):
         message = "a scene is needed, and this is a single body; put it into [bodies], see scenes/spinning_beam.toml"
         raise SpecError((Problem("", message),), str(path))
     try:
-        return replace(spec, simulation=simulation_settings(spec, duration, output, tolerance))
+        settings = simulation_settings(spec, duration, output, tolerance)
+        return replace(spec, simulation=settings)
     except SpecError as error:
         raise SpecError(error.problems, str(path)) from None
 

@@ -10,14 +10,15 @@ from pathlib import Path
 from derive.artifacts import File, write
 from derive.runtime.compiled_model import Native
 from derive.runtime.compiler import FLAGS, compile_shared
+from derive.runtime.native_body import NativeBody
 from derive.runtime.native_scene import NativeScene
 
 
-def load(files: Sequence[File], flags: Sequence[str] = FLAGS) -> Native:
+def load(files: Sequence[File], flags: Sequence[str] = FLAGS) -> NativeScene | NativeBody:
     """Compile the C of one model in a temporary folder and load it.
 
-    files: those of `model_files`. flags: of the compiler. Returns a NativeScene for a scene. Raises CompilerError, and
-    ValueError if there is no C file.
+    files: those of `model_files`. flags: of the compiler. Returns a NativeScene for a scene, else a NativeBody. Raises
+    CompilerError, and ValueError if there is no C file.
     """
     with tempfile.TemporaryDirectory(prefix="tisserand-") as folder:
         write(files, Path(folder))
@@ -28,10 +29,10 @@ def load(files: Sequence[File], flags: Sequence[str] = FLAGS) -> Native:
         return native_model(library, sources[0].stem)
 
 
-def native_model(library: ctypes.CDLL, name: str) -> Native:
-    """The model of that name in a library that is loaded: a NativeScene if its descriptor is that of a scene."""
-    model = Native(library, name)
-    return NativeScene(library, name) if model.is_scene else model
+def native_model(library: ctypes.CDLL, name: str) -> NativeScene | NativeBody:
+    """The model of that name in a library that is loaded: a NativeScene or a NativeBody, as its descriptor says."""
+    is_scene = Native(library, name).is_scene
+    return NativeScene(library, name) if is_scene else NativeBody(library, name)
 
 
 def load_scene(files: Sequence[File], flags: Sequence[str] = FLAGS) -> NativeScene:

@@ -33,9 +33,10 @@ class Constraints(Protocol):
 
 
 class ConstrainedSystem(Constraints, Protocol):
-    """M(q) vdot + h(t, q, v) = G^T lambda with constraints g(t, q) = 0 and qdot = v, as `NativeScene` computes them.
+    """M(q) vdot + h(t, q, v) = G^T lambda with constraints g(t, q) = 0, as `NativeScene` and `NativeBody` compute them.
 
-    q, v are (nq,) = (nv,), k (nk,) the constants of `setup`, lambda and g (nlambda,), all in SI units.
+    q is (nq,), v (nv,); qdot = v except for a body in space, whose quaternion has `rates`. k (nk,) are the constants of
+    `setup`, lambda and g are (nlambda,), all in SI units.
     """
 
     name: str

@@ -7,32 +7,34 @@ from typing import Any
 
 from derive.artifacts import MARK, File, sha256
 from derive.backends.model_files import fingerprint
+from derive.simulation.body_trajectory import BodyTrajectory
 from derive.simulation.observables.csv_writer import csv
 from derive.simulation.trajectory import Trajectory
 from derive.version import VERSION
 
 
-def run_files(trajectory: Trajectory) -> tuple[File, File]:
+def run_files(trajectory: Trajectory | BodyTrajectory) -> tuple[File, File]:
     """The CSV file of a trajectory, and its record NAME.json, in the folder NAME.
 
     The CSV has nothing but names and numbers; the record has the units of its columns, the settings of the integrator,
     the hash of the specification, the values of the parameters, and the last state with all digits.
     """
-    name = trajectory.scene.name
+    name = trajectory.name
     table, record = f"{name}/{name}.csv", f"{name}/{name}.json"
     text = csv(trajectory.table)
     content = {**_content(trajectory), "files": {f"{name}.csv": sha256(text.encode())}}
     return File(table, text, record=record), File(record, json.dumps(content, indent=2) + "\n")
 
 
-def _content(trajectory: Trajectory) -> dict[str, Any]:
+def _content(trajectory: Trajectory | BodyTrajectory) -> dict[str, Any]:
     """The record as plain data, in SI units."""
     settings, solution = trajectory.settings, trajectory.solution
     simulation = settings.simulation
+    spec = trajectory.scene if isinstance(trajectory, Trajectory) else trajectory.body
     return {
         "generator": f"{MARK} {VERSION}. Do not edit.",
-        "name": trajectory.scene.name,
-        "specification_sha256": fingerprint(trajectory.scene),
+        "name": trajectory.name,
+        "specification_sha256": fingerprint(spec),
         "integrator": settings.integrator,
         "tolerance": simulation.tolerance,
         "step": settings.step,

@@ -17,7 +17,8 @@ from derive.simulation.integration.solution import Solution
 from derive.simulation.observables.csv_writer import Column
 from derive.simulation.observables.motion import SceneMotion, drive_unit, drive_values
 from derive.simulation.observables.outputs import port_values
-from derive.spec.model.scene import Drive, Scene, Simulation
+from derive.spec.model.scene import Drive, Scene
+from derive.spec.model.simulation import Simulation
 
 
 @dataclass(frozen=True)
@@ -52,33 +53,20 @@ class PandasMissing(TisserandError):
     """The package pandas is not installed."""
 
 
-@dataclass(frozen=True, eq=False)
-class Trajectory(Mapping[str, Vector]):
-    """The motion of a scene, as named columns: `trajectory["rod_phi"]` is a vector (n,) in SI units.
+class ColumnTable(Mapping[str, Vector]):
+    """A motion as named columns: `table["rod_phi"]` is a vector (n,) in SI units. Subclasses say which there are."""
 
-    The columns are the time "t", what drives prescribe, coordinates, their rates, multipliers, inputs that follow
-    functions in Python, and outputs, by the names of `columns`; `units` has their units. q (n, nq), v (n, nv) and lam
-    (n, nlambda) are the same as matrices. `solution` adds drift and cost, `initial` is the consistent initial state,
-    `motion` what observables are computed from, `model` the kernels, `settings` how it was computed. An unknown name
-    raises UnknownNameError.
-    """
-
-    scene: Scene
-    model: Model
-    initial: InitialState
-    motion: SceneMotion
     solution: Solution
-    settings: RunSettings
 
-    @cached_property
+    @property
+    def name(self) -> str:
+        """The name of the model."""
+        raise NotImplementedError
+
+    @property
     def table(self) -> tuple[Column, ...]:
-        """All columns with their names, units and values (n,)."""
-        solution = self.solution
-        drives = [drive_values(drive, solution.t) for drive in _drives(self.scene)]
-        inputs, outputs = port_values(self.motion.native, self.motion.k, solution)
-        values = [solution.t, *drives, *solution.q.T, *solution.v.T, *solution.lam.T, *inputs.T, *outputs.T]
-        units = column_units(self.scene, self.model)
-        return tuple(Column(name, unit, column) for (name, unit), column in zip(units.items(), values, strict=True))
+        """All columns with their names, units and values (n,); the first is the time."""
+        raise NotImplementedError
 
     @property
     def columns(self) -> tuple[str, ...]:
@@ -123,7 +111,7 @@ class Trajectory(Mapping[str, Vector]):
         for column in self.table:
             if column.name == name:
                 return column.values
-        raise UnknownNameError(f"column of {self.scene.name}", name, self.columns)
+        raise UnknownNameError(f"column of {self.name}", name, self.columns)
 
     def __iter__(self) -> Iterator[str]:
         return iter(self.columns)
@@ -133,4 +121,38 @@ class Trajectory(Mapping[str, Vector]):
 
     def __repr__(self) -> str:
         span = f"{len(self.t)} rows from {self.t[0]:g} to {self.t[-1]:g} s"
-        return f"Trajectory of {self.scene.name}: {span}, columns {', '.join(self.columns)}"
+        return f"Trajectory of {self.name}: {span}, columns {', '.join(self.columns)}"
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Trajectory(ColumnTable):
+    """The motion of a scene, as named columns: `trajectory["rod_phi"]` is a vector (n,) in SI units.
+
+    The columns are the time "t", what drives prescribe, coordinates, their rates, multipliers, inputs that follow
+    functions in Python, and outputs, by the names of `columns`; `units` has their units. q (n, nq), v (n, nv) and lam
+    (n, nlambda) are the same as matrices. `solution` adds drift and cost, `initial` is the consistent initial state,
+    `motion` what observables are computed from, `model` the kernels, `settings` how it was computed. An unknown name
+    raises UnknownNameError.
+    """
+
+    scene: Scene
+    model: Model
+    initial: InitialState
+    motion: SceneMotion
+    solution: Solution
+    settings: RunSettings
+
+    @property
+    def name(self) -> str:
+        """The name of the scene."""
+        return self.scene.name
+
+    @cached_property
+    def table(self) -> tuple[Column, ...]:
+        """All columns with their names, units and values (n,)."""
+        solution = self.solution
+        drives = [drive_values(drive, solution.t) for drive in _drives(self.scene)]
+        inputs, outputs = port_values(self.motion.native, self.motion.k, solution)
+        values = [solution.t, *drives, *solution.q.T, *solution.v.T, *solution.lam.T, *inputs.T, *outputs.T]
+        units = column_units(self.scene, self.model)
+        return tuple(Column(name, unit, column) for (name, unit), column in zip(units.items(), values, strict=True))

@@ -39,12 +39,12 @@ from derive.spec.model.scene import (
     RigidBody,
     Scene,
     SceneInput,
-    Simulation,
     Specification,
     Spring,
     TimeFunction,
     Torque,
 )
+from derive.spec.model.simulation import Simulation, SpatialStart
 
 Data = dict[str, object]
 
@@ -54,7 +54,8 @@ def specification_tables(spec: Specification) -> Data:
     if isinstance(spec, Scene):
         return scene_tables(spec)
     kind = "beam" if isinstance(spec, PlanarBeam) else "body"
-    return {"name": spec.name, kind: as_table(spec)}
+    simulation = spec.simulation if isinstance(spec, NodalBody) else None
+    return {"name": spec.name, kind: as_table(spec), **without_none(simulation=as_table(simulation))}
 
 
 def scene_tables(scene: Scene) -> Data:
@@ -135,7 +136,13 @@ def _nodal_body(body: NodalBody) -> Data:
         gravity=body.gravity,
         lowering=body.lowering,
         markers=_markers(body.markers),
+        start=body.start,
     )
+
+
+def _spatial_start(start: SpatialStart) -> Data:
+    keys = asdict(start)
+    return {"rotation": keys.pop("quaternion"), **keys}
 
 
 def _symbolic_body(body: SymbolicBody) -> Data:
@@ -234,6 +241,7 @@ _CONVERT: Mapping[type, Callable[[Any], object]] = {
     SceneInput: lambda given: without_none(unit=given.unit or None, value=given.function),
     SceneOutput: lambda output: {"kind": output.kind, **output.values},
     Simulation: asdict,
+    SpatialStart: _spatial_start,
     Plot: _plot,
     ReferenceCurve: lambda curve: {"file": curve.file, "x": curve.x, "y": curve.y},
 }

@@ -41,11 +41,11 @@ from derive.spec.model.scene import (
     Scene,
     SceneBody,
     SceneInput,
-    Simulation,
     Specification,
     Spring,
     Torque,
 )
+from derive.spec.model.simulation import Simulation
 
 Number = int | float | Fraction | str
 Constant = Number | Mapping[str, object] | Parameter

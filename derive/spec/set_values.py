@@ -83,15 +83,15 @@ def with_values(spec: S, assignments: Mapping[str, str]) -> tuple[S, tuple[SetVa
 
 
 def _values(value: Any, path: KeyPath) -> Iterator[tuple[KeyPath, Any]]:
-    """All values of tables that are no tables, with their paths; a parameter is a value."""
+    """All values of tables that are no tables, and the elements of lists, with their paths; a parameter is a value."""
     if isinstance(value, Mapping) and "symbol" not in value:
         for key, item in value.items():
             yield from _values(item, (*path, str(key)))
-    elif isinstance(value, (list, tuple)):
-        for index, item in enumerate(value):
-            yield from _values(item, (*path, index))
     else:
         yield path, value
+    if isinstance(value, (list, tuple)):
+        for index, item in enumerate(value):
+            yield from _values(item, (*path, index))
 
 
 def _symbols(known: Mapping[KeyPath, Any]) -> dict[str, list[KeyPath]]:
@@ -156,6 +156,8 @@ def _shown(value: Any) -> str:
             return text
         case Fraction() | int() | float() if not isinstance(value, bool):
             return f"{float(value):.12g}"
+        case list() | tuple():
+            return f"[{', '.join(map(_shown, value))}]"
         case TimeFunction():
             return "a function of t"
         case _:

@@ -26,6 +26,15 @@ def _page(title: str, island: object) -> str:
     return render("player/player.html.jinja", content)
 
 
+def spatial_player_page(data: Mapping[str, Any]) -> str:
+    """The text of a page that plays the motion of a body in space.
+
+    `data` is that of `derive.simulation.observables.spatial_player_data`.
+    """
+    title = escape(str(data["name"]))
+    return render("player/spatial.html.jinja", {"mark": MARK, "title": title, "motion": json_island(data)})
+
+
 def json_island(data: object) -> str:
     """JSON that is safe within a script element, whatever its texts are."""
     text = json.dumps(data, separators=(",", ":"), allow_nan=False)

@@ -22,8 +22,8 @@ from derive.spec.model.scene import (
     ReferenceCurve,
     RigidBody,
     Scene,
-    Simulation,
 )
+from derive.spec.model.simulation import Simulation
 
 ANSATZ = ((Fraction(1),), (Fraction(0), Fraction(1)), (Fraction(0),) * 2 + (Fraction(1),))
 ANSATZ = (*ANSATZ, (Fraction(0),) * 3 + (Fraction(1),))

@@ -19,7 +19,7 @@ from derive.simulation.errors import IntegrationStopped
 from derive.simulation.initial.consistent_state import InitialState
 from derive.simulation.integration.solution import Cost, Solution
 from derive.simulation.observables.motion import SceneMotion
-from derive.simulation.simulate import output_times
+from derive.simulation.output_times import output_times
 from derive.simulation.trajectory import RunSettings, Trajectory
 from derive.spec.model.scene import Scene
 

@@ -28,6 +28,7 @@ from scipy.sparse import bsr_array, coo_array, coo_matrix, csr_array
 from derive.errors import SpecError
 from derive.spec.construction import nodal_body, planar_beam, symbolic_body
 from derive.spec.model.body import BodyFrame, Damping, NodalBody, NodeMarker, Parameter, SymbolicBody
+from derive.spec.model.simulation import AT_REST
 from derive.spec.toml.read import parse, read
 
 F = Fraction
@@ -58,6 +59,8 @@ DEFAULTS = {
     "gravity": None,
     "markers": (),
     "lowering": "auto",
+    "start": AT_REST,
+    "simulation": None,
 }
 
 

@@ -21,11 +21,11 @@ from derive.spec.model.scene import (
     ReferenceCurve,
     RigidBody,
     Scene,
-    Simulation,
     Spring,
     TimeFunction,
     Torque,
 )
+from derive.spec.model.simulation import Simulation
 from derive.spec.parsing.time_expression import time_function
 from derive.spec.toml.read import parse, read
 

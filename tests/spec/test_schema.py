@@ -62,4 +62,10 @@ def test_the_schema_refuses(text):
 
 def test_a_scene_is_one_of_three():
     assert SCHEMA["oneOf"] == [{"required": ["beam"]}, {"required": ["body"]}, {"required": ["bodies"]}]
-    assert set(SCHEMA["dependentRequired"]) == {*SCHEMA["properties"]} - {"name", "beam", "body", "bodies"}
+    assert set(SCHEMA["dependentRequired"]) == {*SCHEMA["properties"]} - {
+        "name",
+        "beam",
+        "body",
+        "bodies",
+        "simulation",
+    }

@@ -6,8 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from derive.roles import Role
 from derive.runtime.native_call import Vector
-from derive.simulation.compiled_scene import ConstrainedSystem, max_norm
+from derive.simulation.compiled_scene import ConstrainedSystem, coordinates_with, max_norm
 from derive.simulation.errors import DriftTooLarge
 
 NEWTON_STEPS = 6
@@ -31,11 +32,12 @@ def drift(native: ConstrainedSystem, k: Vector, t: float, q: Vector, v: Vector) 
 
 
 def project(native: ConstrainedSystem, k: Vector, t: float, q: Vector, v: Vector) -> tuple[Vector, Vector]:
-    """The state (q, v) on its constraints, to rounding errors where Newton's method converges.
+    """The state (q, v) on its constraints, to rounding errors where Newton's method converges; quaternions of length 1.
 
     Raises ModelError where the constraints are singular. If the state is too far from the constraints,
     Newton's method does not converge and the result violates them: see `check_drift`.
     """
+    q = normalised(native, q)
     g = native.constraints(t, q, k)
     for _ in range(NEWTON_STEPS):
         if max_norm(g) <= ROUNDING * max(1.0, max_norm(q)):
@@ -49,6 +51,14 @@ def project(native: ConstrainedSystem, k: Vector, t: float, q: Vector, v: Vector
         if stalled:
             break
     return q, v + native.project_velocity(t, q, k, -native.constraint_rates(t, q, v, k))
+
+
+def normalised(native: ConstrainedSystem, q: Vector) -> Vector:
+    """Coordinates (nq,) with a quaternion of length 1; those without one as they are."""
+    if native.nq == native.nv:
+        return q
+    quaternion = coordinates_with(native, Role.QUATERNION)
+    return np.where(quaternion, q / np.linalg.norm(q[quaternion]), q)
 
 
 def check_drift(native: ConstrainedSystem, k: Vector, t: float, q: Vector, v: Vector, tolerance: float) -> Drift:

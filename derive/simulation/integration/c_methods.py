@@ -9,16 +9,18 @@ from itertools import pairwise
 import numpy as np
 
 from derive.artifacts import File
-from derive.runtime.integrators.c_integrator import CONSISTENT, CIntegrator, Integration, IntegratorError
+from derive.runtime.integrators.c_integrator import CONSISTENT, Integration, IntegratorError
 from derive.runtime.integrators.fixed_step import FixedStep
 from derive.runtime.integrators.generalised_alpha import GeneralisedAlpha
 from derive.runtime.integrators.ida import Ida
+from derive.runtime.native_body import NativeBody
 from derive.runtime.native_call import Vector
 from derive.runtime.native_scene import NativeScene
 from derive.simulation.compiled_scene import max_norm
 from derive.simulation.constraints.projection import UNAVOIDABLE
+from derive.simulation.errors import SimulationError
 from derive.simulation.integration.failure_diagnosis import diagnose_failure
-from derive.simulation.integration.integrator import Integrator, Settings
+from derive.simulation.integration.integrator import Integrator, Settings, scene_of
 from derive.simulation.integration.solution import Cost, Solution, SolutionWriter, row_times
 from derive.simulation.integration.step_limit import rk4_step_limit
 
@@ -35,9 +37,11 @@ Run = Callable[[Vector, Vector, float, float, int], Integration]
 def rk4(files: Sequence[File]) -> Integrator:
     """The classical Runge-Kutta method with fixed steps and projection. Raises CompilerError."""
     host = FixedStep(files)
-    native = _scene(host)
+    native = host.native
 
     def integrate(k: Vector, q: Vector, v: Vector, times: Vector, settings: Settings) -> Solution:
+        if settings.step is None and isinstance(native, NativeBody):
+            raise SimulationError("rk4 needs a step for a single body: add --step, or step=... in Python")
         step = settings.step or STABLE * rk4_step_limit(native, k, float(times[0]), q, v)
 
         def run(q0: Vector, v0: Vector, t0: float, interval: float, rows: int) -> Integration:
@@ -53,7 +57,7 @@ def rk4(files: Sequence[File]) -> Integrator:
 def generalised_alpha(files: Sequence[File]) -> Integrator:
     """The generalised-alpha method with fixed steps. Raises CompilerError, LibraryMissing."""
     host = GeneralisedAlpha(files)
-    native = _scene(host)
+    native = scene_of(host.native, "generalised-alpha")
 
     def integrate(k: Vector, q: Vector, v: Vector, times: Vector, settings: Settings) -> Solution:
         def run(q0: Vector, v0: Vector, t0: float, interval: float, rows: int) -> Integration:
@@ -70,7 +74,7 @@ def generalised_alpha(files: Sequence[File]) -> Integrator:
 def ida(files: Sequence[File]) -> Integrator:
     """IDA of SUNDIALS with the stabilised form of index 2. Raises CompilerError, LibraryMissing."""
     host = Ida(files)
-    native = _scene(host)
+    native = scene_of(host.native, "c_ida")
 
     def integrate(k: Vector, q: Vector, v: Vector, times: Vector, settings: Settings) -> Solution:
         settings.refuse_step("c_ida")
@@ -89,15 +93,14 @@ def _met(q: Vector) -> float:
     return max(CONSISTENT, UNAVOIDABLE * max_norm(q))
 
 
-def _scene(host: CIntegrator) -> NativeScene:
-    """The compiled scene of a C integrator. Raises ValueError if its model is a body."""
-    if not isinstance(host.native, NativeScene):
-        raise ValueError(f"{host.native.name} is a body, not a scene")
-    return host.native
-
-
 def _solution(
-    native: NativeScene, run: Run, k: Vector, q: Vector, v: Vector, times: Sequence[float] | Vector, settings: Settings
+    native: NativeScene | NativeBody,
+    run: Run,
+    k: Vector,
+    q: Vector,
+    v: Vector,
+    times: Sequence[float] | Vector,
+    settings: Settings,
 ) -> Solution:
     """The solution, by a call of `run` for each part of `times` with equal intervals. Raises SimulationError."""
     instants = row_times(times)
@@ -148,7 +151,7 @@ def _equal_intervals(times: Vector) -> list[tuple[int, int]]:
     return list(pairwise([0, *changes, len(intervals)])) if len(intervals) else []
 
 
-def _diagnosed(native: NativeScene, k: Vector, y: Vector, t: float, error: IntegratorError) -> Exception:
+def _diagnosed(native: NativeScene | NativeBody, k: Vector, y: Vector, t: float, error: IntegratorError) -> Exception:
     """The error that explains a failure after the last finite row that the C integrator has reached."""
     partial = error.partial
     for row in range(len(partial.t)):

@@ -45,7 +45,7 @@ def diagnose_error(
 
 def _dead_centre(native: ConstrainedSystem, k: Vector, t: float, y: Vector) -> SingularConfiguration | None:
     """The error for a dead centre at y = [q; v], if there is one."""
-    if not np.all(np.isfinite(y)):
+    if not native.nlambda or not np.all(np.isfinite(y)):
         return None
     singular = spectrum(native, k, t, y[: native.nq])
     if singular.smallest >= NEARLY_SINGULAR:

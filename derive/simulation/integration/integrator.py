@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from derive.artifacts import File
+from derive.runtime.native_body import NativeBody
 from derive.runtime.native_call import Vector
 from derive.runtime.native_scene import NativeScene
 from derive.simulation.errors import SimulationError
@@ -37,15 +38,23 @@ class Settings:
 
 @dataclass(frozen=True, eq=False)
 class Integrator:
-    """A compiled scene, and the function that integrates it.
+    """A compiled scene or body, and the function that integrates it.
 
     `integrate(k, q, v, times, settings)` takes the constants k (nk,) of `native.setup`, a consistent state q (nq,),
     v (nv,) at times[0], and the times (n,) of the rows, s. It raises SimulationError.
     """
 
-    native: NativeScene
+    native: NativeScene | NativeBody
     integrate: Callable[[Vector, Vector, Vector, Vector, Settings], Solution]
 
 
 Compile = Callable[[Sequence[File]], Integrator]
-"""Compiles the generated files of a scene for an integrator. Raises CompilerError, LibraryMissing."""
+"""Compiles the generated files of a scene or body for an integrator. Raises CompilerError, LibraryMissing, and
+SimulationError if the method is one for scenes alone."""
+
+
+def scene_of(native: NativeScene | NativeBody, integrator: str) -> NativeScene:
+    """The compiled scene. Raises SimulationError if it is a body: `integrator` is a method for scenes alone."""
+    if isinstance(native, NativeBody):
+        raise SimulationError(f"{integrator} integrates scenes; for the body {native.name} choose dop853, rk45 or rk4")
+    return native

@@ -7,10 +7,10 @@ from typing import Literal
 
 from derive.artifacts import File
 from derive.registry import Registry
-from derive.runtime.loading import load_scene
+from derive.runtime.loading import load
 from derive.runtime.native_call import Vector
 from derive.simulation.integration import c_methods
-from derive.simulation.integration.integrator import Compile, Integrator, Settings
+from derive.simulation.integration.integrator import Compile, Integrator, Settings, scene_of
 from derive.simulation.integration.scikit_sundae import integrate_ida
 from derive.simulation.integration.scipy_methods import integrate
 from derive.simulation.integration.solution import Solution
@@ -20,7 +20,7 @@ def _scipy(method: Literal["DOP853", "RK45"]) -> Compile:
     """An explicit method of SciPy."""
 
     def compiled(files: Sequence[File]) -> Integrator:
-        native = load_scene(files)
+        native = load(files)
 
         def run(k: Vector, q: Vector, v: Vector, times: Vector, s: Settings) -> Solution:
             s.refuse_step(method.lower())
@@ -35,7 +35,7 @@ def _scipy(method: Literal["DOP853", "RK45"]) -> Compile:
 
 def _ida(files: Sequence[File]) -> Integrator:
     """IDA of SUNDIALS through scikit-sundae."""
-    native = load_scene(files)
+    native = scene_of(load(files), "ida")
 
     def run(k: Vector, q: Vector, v: Vector, times: Vector, s: Settings) -> Solution:
         s.refuse_step("ida")

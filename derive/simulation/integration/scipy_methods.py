@@ -11,6 +11,7 @@ import numpy as np
 from scipy.integrate import DOP853, RK45
 
 from derive.runtime.compiled_model import Native
+from derive.runtime.native_body import NativeBody
 from derive.runtime.native_call import ModelError, Vector
 from derive.simulation.compiled_scene import ConstrainedSystem
 from derive.simulation.errors import DriftTooLarge, IntegrationStopped
@@ -100,6 +101,7 @@ class Evaluator:
             self._accel = self._compiled(native)
         else:
             self._accel = self._interpreted(native)
+        self._rates = self._of_quaternion(native) if isinstance(native, NativeBody) else None
 
     def __call__(self, t: float, y: Vector) -> Vector:
         """[v; vdot], a new array."""
@@ -109,7 +111,7 @@ class Evaluator:
             self.refused = (t, ModelError(f"{self._name}_accel", code))
             return np.full(len(self._y), np.nan)
         ydot = self._ydot.copy()
-        ydot[: self._nq] = y[self._nq :]
+        ydot[: self._nq] = y[self._nq :] if self._rates is None else self._rates(y)
         return ydot
 
     def _compiled(self, native: Native) -> Callable[[float], int]:
@@ -118,6 +120,10 @@ class Evaluator:
         k, vdot = _address(self._k), _address(self._ydot, self._nq * size)
         accel: Callable[..., int] = native.function("accel")
         return lambda t: accel(t, q, v, k, vdot)
+
+    def _of_quaternion(self, native: NativeBody) -> Callable[[Vector], Vector]:
+        """qdot (nq,) of y, for a body whose generalised velocities are not the derivatives of its coordinates."""
+        return lambda y: native.rates(y[: self._nq], y[self._nq :], self._k)
 
     def _interpreted(self, native: ConstrainedSystem) -> Callable[[float], int]:
         def accel(t: float) -> int:

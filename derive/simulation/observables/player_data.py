@@ -59,14 +59,14 @@ def player_data(motion: SceneMotion, curves: Sequence[Column], clock: Array | No
     at = {marker: marker_positions(shown, marker) for marker in markers}
     beams = beam_bodies(scene)
     low, high = _view([*at.values(), *(c for beam in beams for c in beam_points(shown, beam))])
-    step = _rounded(RESOLUTION * float(max(high - low)))
+    step = rounded(RESOLUTION * float(max(high - low)))
     time = shown.t if clock is None else clock[chosen]
     duration = float(time[-1] - time[0])
     middle = [i for i, p in enumerate(markers) if p.marker == "middle" and p.body in {beam.name for beam in beams}]
     return {
         "name": scene.name,
-        "view": [*map(_rounded, (*low, *high))],
-        "time": _channel(time, 1e-6 * duration or 1.0),
+        "view": [*map(rounded, (*low, *high))],
+        "time": channel(time, 1e-6 * duration or 1.0),
         "rigid": [
             {"name": b.name, "outline": outline(b), "pose": _pose(shown, b.name, step)}
             for b in scene.bodies
@@ -77,11 +77,11 @@ def player_data(motion: SceneMotion, curves: Sequence[Column], clock: Array | No
         "joints": [_joint(shown, joint, markers, at) for joint in scene.joints],
         "springs": [[markers.index(end) for end in s.markers] for s in scene.springs if FORCES[s.kind].along_line],
         "drives": [
-            {"name": d.name, "unit": drive_unit(scene, d), "values": _channel(drive_values(d, shown.t), 1e-4)}
+            {"name": d.name, "unit": drive_unit(scene, d), "values": channel(drive_values(d, shown.t), 1e-4)}
             for d in scene.drives
         ],
         "curves": [
-            {"name": c.name, "unit": c.unit, "values": _channel(c.values[chosen], 1e-4 * float(np.abs(c.values).max()))}
+            {"name": c.name, "unit": c.unit, "values": channel(c.values[chosen], 1e-4 * float(np.abs(c.values).max()))}
             for c in curves
         ],
         "speeds": speeds(duration),
@@ -98,23 +98,27 @@ def speeds(duration: float) -> list[float]:
 
 
 def _instants(motion: SceneMotion, others: int) -> NDArray[np.intp]:
-    """The indices of every instant, or of every second, third, ... one, and of the last."""
-    channels = 1 + others + 3 * motion.poses.shape[1] + motion.q.shape[1]
+    """The indices of the instants that a page shows."""
+    return frames(len(motion.t), 1 + others + 3 * motion.poses.shape[1] + motion.q.shape[1])
+
+
+def frames(instants: int, channels: int) -> NDArray[np.intp]:
+    """The indices of every instant, or of every second, third, ... one, and of the last, for so many channels."""
     limit = max(2, min(MAX_FRAMES, MAX_NUMBERS // channels))
-    stride = max(1, math.ceil((len(motion.t) - 1) / (limit - 1)))
-    return np.unique(np.append(np.arange(0, len(motion.t), stride), len(motion.t) - 1))
+    stride = max(1, math.ceil((instants - 1) / (limit - 1)))
+    return np.unique(np.append(np.arange(0, instants, stride), instants - 1))
 
 
-def _channel(values: Array, step: float) -> Plain:
+def channel(values: Array, step: float) -> Plain:
     """Numbers as differences in whole steps; a single number if they do not change."""
-    step = _rounded(step) or 1.0
-    rounded = np.rint(np.asarray(values) / step).astype(np.int64)
-    if np.all(rounded == rounded[0]):
-        rounded = rounded[:1]
-    return {"step": step, "values": np.diff(rounded, prepend=0).tolist()}
+    step = rounded(step) or 1.0
+    whole = np.rint(np.asarray(values) / step).astype(np.int64)
+    if np.all(whole == whole[0]):
+        whole = whole[:1]
+    return {"step": step, "values": np.diff(whole, prepend=0).tolist()}
 
 
-def _rounded(value: float) -> float:
+def rounded(value: float) -> float:
     """The value with five significant digits."""
     return float(f"{value:.5g}")
 
@@ -130,7 +134,7 @@ def _view(paths: Sequence[Array]) -> tuple[Array, Array]:
 def _pose(motion: SceneMotion, name: str, step: float) -> list[Plain]:
     """The channels c1, c2, phi of a body or a piece of a beam."""
     c1, c2, phi = motion.pose(name).T
-    return [_channel(c1, step), _channel(c2, step), _channel(phi, RESOLUTION)]
+    return [channel(c1, step), channel(c2, step), channel(phi, RESOLUTION)]
 
 
 def _beam(motion: SceneMotion, beam: BeamBody, step: float) -> Plain:
@@ -138,11 +142,11 @@ def _beam(motion: SceneMotion, beam: BeamBody, step: float) -> Plain:
     return {
         "name": beam.name,
         "half": half_length(beam),
-        "shapes": [[_rounded(float(c)) for c in shape] for shape in shape_functions(beam)],
+        "shapes": [[rounded(float(c)) for c in shape] for shape in shape_functions(beam)],
         "pieces": [
             {
                 "pose": _pose(motion, name, step),
-                "amplitudes": [_channel(a, step) for a in amplitudes(motion, beam, name).T],
+                "amplitudes": [channel(a, step) for a in amplitudes(motion, beam, name).T],
             }
             for name in piece_names(beam)
         ],
@@ -176,5 +180,5 @@ def _joint(motion: SceneMotion, joint: Joint, markers: list[MarkerRef], at: dict
         phi = np.zeros(len(motion.t)) if on_ground else motion.pose(joint.first.body)[:, 2]
         axes = transformed(np.stack([0 * phi, 0 * phi, phi], axis=1), axis)
         along_axis = np.sum((at[joint.second] - at[joint.first]) * axes, axis=1)
-        data |= {"axis": axis.tolist(), "range": [_rounded(along_axis.min()), _rounded(along_axis.max())]}
+        data |= {"axis": axis.tolist(), "range": [rounded(along_axis.min()), rounded(along_axis.max())]}
     return data

@@ -9,7 +9,7 @@ from typing import assert_never
 import numpy as np
 
 from derive.simulation.observables.motion import Array, SceneMotion, deflection, deviation, drive_unit, drive_values
-from derive.simulation.trajectory import Trajectory
+from derive.simulation.trajectory import ColumnTable, Trajectory
 from derive.spec.model.scene import ColumnCurves, Deflection, Plot, Scene
 
 
@@ -54,8 +54,18 @@ def plot_curves(plot: Plot, trajectory: Trajectory, label: str) -> tuple[PlotCur
     quantity = plot.quantity
     if isinstance(quantity, Deflection):
         return (plot_curve(plot, trajectory.motion, label),)
-    x = trajectory[quantity.x]
-    return tuple(_curve(plot, _column_label(trajectory, plot, name, label), x, trajectory[name]) for name in quantity.y)
+    return column_curves(plot, quantity, trajectory, label)
+
+
+def column_curves(plot: Plot, quantity: ColumnCurves, table: ColumnTable, label: str) -> tuple[PlotCurve, ...]:
+    """The curves of a plot of columns; they have their units behind their names if these differ.
+
+    Raises UnknownNameError for a column that the motion does not have.
+    """
+    x, units = table[quantity.x], table.units
+    same = len({units.get(name) for name in quantity.y}) == 1
+    names = {name: name if same else with_unit(name, units.get(name, "")) for name in quantity.y}
+    return tuple(_curve(plot, f"{label}: {shown}" if label else shown, x, table[name]) for name, shown in names.items())
 
 
 def plot_curve(plot: Plot, motion: SceneMotion, label: str) -> PlotCurve:
@@ -68,14 +78,6 @@ def plot_curve(plot: Plot, motion: SceneMotion, label: str) -> PlotCurve:
 
 def _curve(plot: Plot, label: str, x: Array, y: Array) -> PlotCurve:
     return PlotCurve(label, x, y, None if plot.reference is None else deviation(x, y, plot.reference))
-
-
-def _column_label(trajectory: Trajectory, plot: Plot, name: str, label: str) -> str:
-    """The column with its unit if the columns of the plot differ in it, behind the label of the motion."""
-    assert isinstance(plot.quantity, ColumnCurves)
-    units = {trajectory.units[column] for column in plot.quantity.y}
-    column = name if len(units) == 1 else with_unit(name, trajectory.units[name])
-    return f"{label}: {column}" if label else column
 
 
 @dataclass(frozen=True)
@@ -103,10 +105,15 @@ def plot_text(plot: Plot, scene: Scene, units: Mapping[str, str]) -> PlotText:
                 "" if divisor else "m",
             )
         case ColumnCurves():
-            names, y_units = ", ".join(quantity.y), {units[name] for name in quantity.y}
-            unit = y_units.pop() if len(y_units) == 1 else ""
-            return PlotText(names, names, "time" if quantity.x == "t" else quantity.x, units[quantity.x], unit)
+            return column_text(quantity, units)
     assert_never(quantity)
+
+
+def column_text(quantity: ColumnCurves, units: Mapping[str, str]) -> PlotText:
+    """The words of a plot of columns with these units."""
+    names, y_units = ", ".join(quantity.y), {units[name] for name in quantity.y}
+    unit = y_units.pop() if len(y_units) == 1 else ""
+    return PlotText(names, names, "time" if quantity.x == "t" else quantity.x, units[quantity.x], unit)
 
 
 def with_unit(name: str, unit: str) -> str:

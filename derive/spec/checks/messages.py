@@ -14,6 +14,7 @@ from derive.spec.parsing.values import kind_of
 from derive.spec.tables.beam import BeamTable, FrameTable
 from derive.spec.tables.body import BodyFrameTable, DampingTable, NodalTable, SymbolicTable, UnitsTable, kind_of_body
 from derive.spec.tables.shared import ParameterTable
+from derive.spec.tables.spatial_start import RotationTable, SpatialStartTable
 from derive.spec.tables.specification import SCENE, specification_table
 
 MAX_FAULTS = 100
@@ -60,7 +61,13 @@ def _path(location: KeyPath) -> KeyPath:
 
 def _is_union(path: KeyPath) -> bool:
     match path:
-        case ("body",) | ("beam" | "body", "frame") | ("body", "units") | ("beam" | "body", "gravity", int()):
+        case (
+            ("body",)
+            | ("body", "start", "rotation")
+            | ("beam" | "body", "frame")
+            | ("body", "units")
+            | ("beam" | "body", "gravity", int())
+        ):
             return True
         case ("beam", key):
             return key in BEAM_QUANTITIES
@@ -83,6 +90,10 @@ def _example(path: KeyPath, data: Mapping[str, object]) -> str:
             return {"length": 'length = "mm"', "mass": 'mass = "t"'}.get(str(key), 'time = "s"')
         case ("body", "modes"):
             return "modes = 8"
+        case ("body", "start", "rotation", "axis"):
+            return "axis = [0, 0, 1]"
+        case ("body", "start", "rotation", "angle"):
+            return "angle = 0.5"
         case (_, "frame", "kind") | (_, _, "frame", "kind"):
             return 'kind = "point"'
         case ("name",):
@@ -108,6 +119,10 @@ def _table(path: KeyPath, data: Mapping[str, object]) -> type[BaseModel]:
             return UnitsTable
         case ("body", "damping"):
             return DampingTable
+        case ("body", "start"):
+            return SpatialStartTable
+        case ("body", "start", "rotation"):
+            return RotationTable
     return scene_messages.table(path, data) or ParameterTable
 
 

@@ -70,9 +70,18 @@ def _checked(data: Mapping[str, object], folder: Path, known: Curves) -> Specifi
     faults += node_faults + curve_faults
     if any(key in data for key in SCENE):
         faults += scene_faults(data)
+    faults += _simulated_without_numbers(data)
     if specification is None or faults:
         return faults
     return _specified(specification, nodes, curves)
+
+
+def _simulated_without_numbers(data: Mapping[str, object]) -> Iterator[Fault]:
+    """A simulation of a body whose numbers are all parameters."""
+    body = data.get("body")
+    if "simulation" in data and isinstance(body, Mapping) and kind_of_body(body) == "symbolic":
+        text = "a symbolic body has no numbers to simulate with; leave this table out, or give the body by its nodes"
+        yield Fault(("simulation",), text)
 
 
 def _kinds(data: Mapping[str, object]) -> list[str]:
@@ -95,7 +104,7 @@ def _specified(specification: SpecificationTable, nodes: NodeData | None, curves
         return body.body(name)
     if isinstance(body, NodalTable):
         assert nodes is not None
-        return body.body(name, nodes)
+        return body.body(name, nodes, specification.settings())
     assert specification.beam is not None
     return specification.beam.free_beam(name)
 

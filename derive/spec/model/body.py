@@ -6,6 +6,8 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING, Literal
 
+from derive.spec.model.simulation import AT_REST, Simulation, SpatialStart
+
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
@@ -137,7 +139,10 @@ class NodeMarker:
 
 @dataclass(frozen=True)
 class NodalBody:
-    """A deformable body in space made of nodes; `modes` is how many are computed or kept, None for those given."""
+    """A deformable body in space made of nodes; `modes` is how many are computed or kept, None for those given.
+
+    `start` and `simulation` are for the simulation of the body alone.
+    """
 
     name: str
     data: NodeData
@@ -148,6 +153,8 @@ class NodalBody:
     gravity: Gravity | None
     markers: tuple[NodeMarker, ...]
     lowering: Lowering
+    start: SpatialStart = AT_REST
+    simulation: Simulation | None = None
 
 
 @dataclass(frozen=True)

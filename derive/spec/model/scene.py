@@ -9,6 +9,7 @@ from typing import ClassVar, Literal
 
 from derive.spec.model.body import Marker, NodalBody, PlanarBeam, Polynomial, Quantity, SymbolicBody
 from derive.spec.model.ports import SceneOutput
+from derive.spec.model.simulation import Simulation
 
 GROUND = "ground"
 """The name under which joints and forces speak of the inertial base."""
@@ -317,15 +318,6 @@ class Plot:
     cut: str | None = None
     pieces: tuple[int, ...] = ()
     reference: ReferenceCurve | None = None
-
-
-@dataclass(frozen=True)
-class Simulation:
-    """How long, how often the state is written, and how exactly."""
-
-    duration: float
-    output: float
-    tolerance: float = 1e-9
 
 
 @dataclass(frozen=True)

@@ -21,6 +21,7 @@ from derive.spec.model.body import (
     SymbolicBody,
     SymbolicFrame,
 )
+from derive.spec.model.simulation import Simulation
 from derive.spec.parsing import values
 from derive.spec.tables.shared import (
     MAX_MARKERS,
@@ -35,6 +36,7 @@ from derive.spec.tables.shared import (
     few_markers,
     written_as,
 )
+from derive.spec.tables.spatial_start import SpatialStartTable
 
 MAX_AROUND = 1000
 
@@ -221,6 +223,10 @@ class NodalTable(TomlTable):
         ),
     ] = {}  # noqa: RUF012  as in BeamTable: pydantic copies it
 
+    start: Annotated[SpatialStartTable, Field(description="Initial state of a simulation of the body alone.")] = (
+        SpatialStartTable()
+    )
+
     def scales(self) -> Units:
         """The units, however they are written."""
         units = self.units
@@ -230,7 +236,7 @@ class NodalTable(TomlTable):
         """The frame, however it is written."""
         return self.frame.frame() if isinstance(self.frame, BodyFrameTable) else self.frame
 
-    def body(self, name: str, data: NodeData) -> NodalBody:
+    def body(self, name: str, data: NodeData, simulation: Simulation | None) -> NodalBody:
         """The body as the reduction takes it."""
         frame = self.body_frame()
         by_default = frame.kind == "mean" or data.modes is None
@@ -244,6 +250,8 @@ class NodalTable(TomlTable):
             gravity=_gravity(self.gravity),
             markers=tuple(NodeMarker(marker, node) for marker, node in self.markers.items()),
             lowering=self.lowering,
+            start=self.start.start(),
+            simulation=simulation,
         )
 
 

@@ -12,6 +12,7 @@ from pydantic import ConfigDict, Field, create_model
 from derive.mechanics.multibody.forces.registry import DEFAULT_KINDS
 from derive.spec.files.reference_curves import Rows
 from derive.spec.model.scene import Scene
+from derive.spec.model.simulation import Simulation
 from derive.spec.tables.beam import BeamTable
 from derive.spec.tables.body import BodyInput
 from derive.spec.tables.drives import DriveTable
@@ -34,7 +35,6 @@ SCENE = (
     "springs",
     "inputs",
     "outputs",
-    "simulation",
     "plots",
 )
 """The keys of a specification that make it a scene."""
@@ -87,6 +87,10 @@ class SpecificationTable(TomlTable):
         Field(description="Plots of a simulation by name.", json_schema_extra=_NAMED),
     ] = {}  # noqa: RUF012
 
+    def settings(self) -> Simulation | None:
+        """How the scene or the body is simulated, if that is specified."""
+        return None if self.simulation is None else self.simulation.simulation()
+
     def scene_of(self, references: Mapping[str, Rows]) -> Scene:
         """The scene as the derivation takes it; `references` are the numbers of plots with a reference."""
         gravity = None if self.scene is None else self.scene.gravity
@@ -102,7 +106,7 @@ class SpecificationTable(TomlTable):
             springs=_forces(self.springs),
             inputs=tuple(table.input(name) for name, table in self.inputs.items()),
             outputs=tuple(table.output(name) for name, table in self.outputs.items()),
-            simulation=None if self.simulation is None else self.simulation.simulation(),
+            simulation=self.settings(),
             plots=tuple(table.plot(name, references.get(name, ())) for name, table in self.plots.items()),
             start=None if self.scene is None else self.scene.start,
         )

@@ -1,0 +1,89 @@
+"""The data of the player of a body in space: nodes, edges, modes and motion, as plain data in whole steps."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from derive.reduction.body import prepare
+from derive.simulation.body_trajectory import BodyTrajectory
+from derive.simulation.observables.motion import Array
+from derive.simulation.observables.player_data import RESOLUTION, Plain, channel, frames, rounded, speeds
+
+MAX_NODES = 400
+"""A body with more nodes is drawn as the box around them."""
+
+NEIGHBOURS = 26
+"""The nearest nodes that an edge may lead to."""
+
+
+def spatial_player_data(trajectory: BodyTrajectory) -> dict[str, Any]:
+    """The content of the page of a motion: lengths in m, times in s.
+
+    Nodes are drawn with the edges between neighbours; a body of more than MAX_NODES nodes as the box around it, whose
+    corners move as the nearest nodes.
+    """
+    shapes = prepare(trajectory.body).shapes
+    x, phi, edges, markers = shapes.x, shapes.phi, neighbours(shapes.x), _markers(trajectory)
+    if len(x) > MAX_NODES:
+        x, phi, edges, markers = (*_box(x, phi), [])
+    chosen = frames(len(trajectory.t), 1 + trajectory.q.shape[1])
+    t, q = trajectory.t[chosen], trajectory.q[chosen]
+    radius = float(np.linalg.norm(shapes.x, axis=1).max()) or 1.0
+    middle = (q[:, :3].min(axis=0) + q[:, :3].max(axis=0)) / 2
+    reach = radius + float(np.linalg.norm(q[:, :3] - middle, axis=1).max())
+    step = rounded(RESOLUTION * reach)
+    return {
+        "name": trajectory.name,
+        "time": channel(t, 1e-6 * float(t[-1] - t[0]) or 1.0),
+        "position": [channel(c, step) for c in q[:, :3].T],
+        "quaternion": [channel(e, RESOLUTION) for e in q[:, 3:7].T],
+        "amplitudes": [channel(a, 1e-5 * float(np.abs(a).max())) for a in q[:, 7:].T],
+        "nodes": _rounded(x),
+        "shapes": [_rounded(mode) for mode in phi],
+        "edges": edges,
+        "markers": markers,
+        "radius": rounded(radius),
+        "reach": rounded(reach),
+        "centre": _rounded(middle),
+        "speeds": speeds(float(t[-1] - t[0])),
+    }
+
+
+def neighbours(x: Array) -> list[list[int]]:
+    """The edges of the Gabriel graph of nodes (n, 3): pairs with no other node in the sphere between them, or on it.
+
+    For a grid these are the edges of its cells. Only the nearest nodes are looked at.
+    """
+    if len(x) < 2:
+        return []
+    tree = cKDTree(x)
+    distances, indices = tree.query(x, k=min(NEIGHBOURS + 1, len(x)))
+    edges: list[list[int]] = []
+    for i, (lengths, others) in enumerate(zip(distances, indices, strict=True)):
+        for length, j in zip(lengths, others, strict=True):
+            if i < j and length and len(tree.query_ball_point((x[i] + x[j]) / 2, length / 2 * (1 + 1e-6))) == 2:
+                edges.append([i, int(j)])
+    return edges
+
+
+def _box(x: Array, phi: Array) -> tuple[Array, Array, list[list[int]]]:
+    """The corners of the box around nodes, the modes there, and the edges of the box."""
+    low, high = x.min(axis=0), x.max(axis=0)
+    bits = np.array([[(corner >> axis) & 1 for axis in range(3)] for corner in range(8)])
+    corners: Array = np.where(bits, high, low)
+    nearest: NDArray[np.intp] = cKDTree(x).query(corners)[1]
+    edges = [[i, i | 1 << axis] for i in range(8) for axis in range(3) if not i >> axis & 1]
+    return corners, phi[:, nearest], edges
+
+
+def _markers(trajectory: BodyTrajectory) -> list[Plain]:
+    return [{"name": marker.name, "node": marker.node} for marker in trajectory.body.markers]
+
+
+def _rounded(values: Array) -> Any:
+    """Numbers with five significant digits."""
+    return np.vectorize(rounded, otypes=[float])(values).tolist()
