@@ -92,6 +92,7 @@ class Double:
         self.multipliers = ("crank_pin_1", "crank_pin_2")
         self.nq = self.nv = len(self.coordinates)
         self.nlambda = len(self.multipliers)
+        self.inputs = self.outputs = ()
 
     def state(self, t: float) -> np.ndarray:
         angle = SPEED * t
@@ -109,6 +110,9 @@ class Double:
             c = pin + (middle + 1) / 2 * ROD * along + mean * np.array([-along[1], along[0]])
             q += [*c, lean + slope / (ROD / n / 2), *alphas]
         return np.array([*q, CRANK * np.cos(angle) + ROD * np.cos(lean)])
+
+    def inputs_at(self, t: float) -> np.ndarray:
+        return np.zeros(0)
 
     def poses(self, t: float, q: np.ndarray, k: np.ndarray) -> np.ndarray:
         width = 3 + len(self.shapes)

@@ -33,6 +33,8 @@ class Names:
     velocities: tuple[Variable, ...]
     multipliers: tuple[Variable, ...]
     parameters: tuple[Variable, ...] = ()
+    inputs: tuple[Variable, ...] = ()
+    outputs: tuple[Variable, ...] = ()
 
 
 def simulated(scene: Scene, progress=None) -> Trajectory:
