@@ -4,20 +4,21 @@ from __future__ import annotations
 
 import argparse
 import json
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
 from derive.artifacts import BinaryFile, File, check_folder, write
 from derive.cli.specifications import read_changed
 from derive.errors import SpecError
+from derive.runtime.native_scene import NativeScene
 from derive.simulation.linear.eigenmodes import ComplexVector, Mode
 from derive.simulation.linear.mode_files import mode_files, modes_data
 from derive.simulation.linear.modes import Modes, modes
 from derive.spec.model.body import PlanarBeam
 from derive.spec.model.scene import Scene
 from derive.spec.toml.read import with_lines
-from derive.terminal import magnitude, show_progress, table
+from derive.terminal import magnitude, show_progress, table, wrapped
 from derive.visual.mode_pages import drawn_modes, modes_page, modes_picture
 
 NEGLIGIBLE = 1e-6
@@ -68,7 +69,7 @@ def _files(result: Modes, count: int) -> list[File | BinaryFile]:
 
 
 def _text(result: Modes, count: int) -> list[str]:
-    linear, shown = result.linear, result.first(count)
+    shown = result.first(count)
     lines = [f"{result.spec.name}: {len(result.modes)} modes about {_state(result)}"]
     rows = [["mode", "frequency, Hz", "damping ratio", "eigenvalue, 1/s"]]
     rows += [[str(i), *_mode(mode)] for i, mode in enumerate(shown, 1)]
@@ -85,8 +86,7 @@ def _text(result: Modes, count: int) -> list[str]:
         for j, name in enumerate(result.native.coordinates):
             rows.append([name, *_elements([mode.shape for mode in shown], j)])
         lines += table(rows)
-    sizes = f"{len(linear.states)} states, {len(linear.inputs)} inputs, {len(linear.outputs)} outputs"
-    lines += ["", f"state space: {sizes} (forces at markers, and displacements of markers, in the inertial frame)"]
+    lines += ["", *wrapped(_state_space(result), "  ")]
     return lines
 
 
@@ -104,6 +104,21 @@ def _state(result: Modes) -> str:
         f"{at}, with generalised velocities up to {result.speed:.3g} and accelerations up to "
         f"{result.acceleration:.3g}; the coefficients are those of that instant"
     )
+
+
+def _state_space(result: Modes) -> Iterator[str]:
+    """The sizes of the state space, and what its inputs and outputs are, in words."""
+    linear, native = result.linear, result.native
+    yield f"state space: {len(linear.states)} states, {len(linear.inputs)} inputs, {len(linear.outputs)} outputs"
+    if isinstance(native, NativeScene) and native.inputs:
+        values = zip(native.inputs, result.k[native.nk - len(native.inputs) :], strict=True)
+        yield f"inputs, with their values in this state: {', '.join(f'{name} = {value:.6g}' for name, value in values)}"
+    elif linear.inputs:
+        yield "inputs: forces at the markers, in the inertial frame"
+    if isinstance(native, NativeScene) and native.outputs:
+        yield f"outputs: {', '.join(native.outputs)}"
+    elif linear.outputs:
+        yield "outputs: positions of the markers, in the inertial frame"
 
 
 def _grows(mode: Mode) -> bool:

@@ -55,26 +55,36 @@ def pendulums(name: str, count: int, angle: float = -np.pi / 2, inertia: float =
     return derive.scene(name, gravity=[0, -GRAVITY], ground={"hook": [0, 0]}, bodies=bodies, joints=joints, **changes)
 
 
-def chart_accelerations(
-    native: NativeScene, k: np.ndarray, linear: Linearisation
-) -> Callable[[np.ndarray], np.ndarray]:
-    """The function zddot(x) of x = [z; zdot]: Newton steps give the dependent coordinates."""
-    names = list(native.coordinates)
-    free = [names.index(name) for name in linear.states[: linear.count]]
-    others = [i for i in range(native.nq) if i not in free]
-    t = linear.t
+Function = Callable[[np.ndarray], np.ndarray]
 
-    def accelerations(x: np.ndarray) -> np.ndarray:
+
+def chart(native: NativeScene, k: np.ndarray, linear: Linearisation) -> tuple[Function, np.ndarray]:
+    """The function of [x; u] that returns zddot and the outputs of a scene, and its argument in the linearised state.
+
+    Newton steps give the dependent coordinates.
+    """
+    n, names, t = linear.count, list(native.coordinates), linear.t
+    free = [names.index(name) for name in linear.states[:n]]
+    others = [i for i in range(native.nq) if i not in free]
+    inputs = len(native.inputs)
+
+    def values(arguments: np.ndarray) -> np.ndarray:
+        x, u = arguments[: 2 * n], arguments[2 * n :]
+        constants = native.with_inputs(k, u) if inputs else k
         q, v = linear.q.copy(), np.zeros(native.nv)
         q[free], v[free] = np.split(x, 2)
-        for _ in range(6):
-            G = native.constraint_pattern.dense(native.constraint_jacobian(t, q, k))[:, others]
-            q[others] -= np.linalg.solve(G, native.constraints(t, q, k))
-        G = native.constraint_pattern.dense(native.constraint_jacobian(t, q, k))[:, others]
-        v[others] = np.linalg.solve(G, -native.constraint_rates(t, q, v, k))
-        return native.accel(t, q, v, k)[free]
 
-    return accelerations
+        def dependent() -> np.ndarray:
+            return native.constraint_pattern.dense(native.constraint_jacobian(t, q, constants))[:, others]
+
+        for _ in range(6):
+            q[others] -= np.linalg.solve(dependent(), native.constraints(t, q, constants))
+        v[others] = np.linalg.solve(dependent(), -native.constraint_rates(t, q, v, constants))
+        vdot, lam = native.solve(t, q, v, constants)
+        return np.concatenate([vdot[free], native.evaluate_outputs(t, q, v, vdot, lam, constants)])
+
+    u = np.asarray(k)[len(k) - inputs :]
+    return values, np.concatenate([linear.q[free], linear.v[free], u])
 
 
 def derivative(function: Callable[[np.ndarray], np.ndarray], x: np.ndarray, step: float = 1e-4) -> np.ndarray:

@@ -115,6 +115,29 @@ def test_the_default_is_the_equilibrium() -> None:
     assert modes(pendulums("aside", 1, -1.0, inertia=0.1), at=0).acceleration > 1
 
 
+def test_inputs_have_their_values() -> None:
+    """A torque holds a pendulum aside: 1.5 N m of the weight of 1 kg on an arm of 0.5 m."""
+    changes = {
+        "inputs": {"twist": {"unit": "N m", "value": 1.5}, "idle": {"unit": "N m"}},
+        "torques": {
+            "motor": {"at": "bar0.top", "value": {"input": "twist"}},
+            "other": {"at": "bar0.top", "value": {"input": "idle"}},
+        },
+        "outputs": {"angle": {"kind": "rotation", "marker": "bar0.bob"}},
+    }
+    scene = pendulums("held", 1, -1.2, inertia=0.1, **changes)
+    found, inertia = modes(scene), 0.25 + 0.1
+    sine = 1.5 / (GRAVITY * 0.5)
+    assert found.frequencies == pytest.approx([np.sqrt(GRAVITY * 0.5 * np.sqrt(1 - sine**2) / inertia) / (2 * np.pi)])
+    np.testing.assert_allclose(found.linear.B, [[0, 0], [1 / inertia, 1 / inertia]], atol=1e-9)
+    np.testing.assert_allclose(found.linear.C, [[1, 0]], atol=1e-12)
+    moved = modes(scene, at=0.05)
+    assert moved.linear.inputs == ("twist", "idle") and moved.speed > 0
+    angle = moved.linear.q[2] + np.pi / 2
+    acceleration = (1.5 - GRAVITY * 0.5 * np.sin(angle)) / inertia
+    assert moved.linear.vdot[2] == pytest.approx(acceleration, rel=1e-9)
+
+
 def test_a_state_of_the_motion() -> None:
     """A pendulum that swings: the coefficients are those of the angle that it has reached."""
     rate = GRAVITY * 0.5 / (0.25 + 0.1)

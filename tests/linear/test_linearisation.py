@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from linear_scenes import GRAVITY, chart_accelerations, derivative
+from linear_scenes import GRAVITY, chart, derivative
 
 import derive
 from conftest import ROOT
 from derive.simulation.constraints.projection import project
 from derive.simulation.linear.linearisation import linearise
+from derive.simulation.linear.run_time_inputs import input_values
 
 ROD = {
     "ansatz": ["1", "xi", "xi^2", "xi^3"],
@@ -22,6 +23,7 @@ ROD = {
 
 
 def test_a_driven_mechanism_in_motion() -> None:
+    """With inputs of each kind, and outputs that depend on positions, velocities, accelerations and multipliers."""
     scene = derive.scene(
         "in_motion",
         gravity=[0, -GRAVITY],
@@ -34,23 +36,39 @@ def test_a_driven_mechanism_in_motion() -> None:
             "hinge": {"kind": "revolute", "between": ["ground.hook", "rod.left"]},
             "pin": {"kind": "revolute", "between": ["rod.right", "bob.pin"]},
         },
-        drives={"motor": {"joint": "hinge", "motion": "0.5*sin(3*t)"}},
+        inputs={"angle": {"unit": "rad", "value": "0.5*sin(3*t)"}, "pull": {"unit": "N"}, "twist": {"unit": "N m"}},
+        drives={"motor": {"joint": "hinge", "motion": {"input": "angle"}}},
+        forces={"push": {"at": "rod.middle", "components": [{"input": "pull"}, "t"]}},
+        torques={"turn": {"at": "bob.pin", "against": "rod.right", "value": {"input": "twist"}}},
         springs={"tie": {"kind": "linear", "between": ["ground.wall", "rod.middle"], "stiffness": 20, "damping": 2}},
+        outputs={
+            "shock": {"kind": "acceleration", "marker": "bob.pin"},
+            "hold": {"kind": "reaction", "joint": "hinge"},
+            "bend": {"kind": "bending_moment", "section": "rod.middle"},
+            "energy": {"kind": "energy"},
+            "far": {"kind": "distance", "between": ["ground.wall", "bob.pin"]},
+        },
     )
     native = derive.load_scene(derive.model_files(derive.lower(derive.derive(scene)), scene))
-    k, t, random = native.setup(), 0.3, np.random.default_rng(0)
-    start = derive.initial_state(scene, native, k)
-    q = start.q + 0.03 * random.standard_normal(native.nq)
-    for _ in range(3):
+    t, random = 0.3, np.random.default_rng(0)
+    u = np.array([*input_values(scene, native, t)[:3], 0.7, -0.4])
+    np.testing.assert_allclose(u[:3], [0.5 * np.sin(0.9), 1.5 * np.cos(0.9), -4.5 * np.sin(0.9)], atol=1e-6)
+    k = native.with_inputs(native.setup(), u)
+    q = np.zeros(native.nq)
+    q[list(native.coordinates).index("rod_c1")] = 0.5
+    q[list(native.coordinates).index("bob_c1")] = 1.1
+    for _ in range(12):
         q, v = project(native, k, t, q, random.standard_normal(native.nv))
     linear = linearise(native, k, t, q, v)
-    n, names = linear.count, native.coordinates
+    n = linear.count
     assert n == native.nv - native.nlambda == 3
-    free = [names.index(name) for name in linear.states[:n]]
-    x = np.concatenate([q[free], v[free]])
-    expected = derivative(chart_accelerations(native, k, linear), x)
-    np.testing.assert_allclose(linear.A[n:], expected, atol=1e-8 * np.abs(expected).max())
+    values, arguments = chart(native, k, linear)
+    expected = derivative(values, arguments)
+    found = np.vstack([np.hstack([linear.A, linear.B])[n:], np.hstack([linear.C, linear.D])])
+    scale = np.maximum(np.abs(expected).max(axis=1), 1.0)[:, None]
+    np.testing.assert_allclose(found / scale, expected / scale, atol=1e-7)
     np.testing.assert_array_equal(linear.A[:n], np.hstack([np.zeros((n, n)), np.eye(n)]))
+    assert not linear.B[:n].any() and linear.inputs == native.inputs and linear.outputs == native.outputs
 
 
 def test_a_rigid_body_that_spins_in_space() -> None:

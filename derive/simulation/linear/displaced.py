@@ -15,6 +15,7 @@ from derive.simulation.constraints.projection import project
 from derive.simulation.linear.eigenmodes import Mode
 from derive.simulation.linear.lone_beam import LoneBeam, beam_scene
 from derive.simulation.linear.modes import Modes
+from derive.simulation.linear.run_time_inputs import scene_with_values
 from derive.simulation.observables.beams import beam_bodies, deflections, half_length, piece_names
 from derive.simulation.observables.motion import Array, SceneMotion, marker_positions, outline, transformed
 from derive.spec.model.body import PlanarBeam
@@ -82,7 +83,7 @@ def scene_motion(modes: Modes, states: list[Vector]) -> SceneMotion:
 def drawn_scene(modes: Modes) -> tuple[Scene, NativeScene]:
     """The scene that is drawn, and its compiled model. Raises TypeError for a body in space."""
     if isinstance(modes.spec, Scene) and isinstance(modes.native, NativeScene):
-        return modes.spec, modes.native
+        return scene_with_values(modes.spec), modes.native
     if isinstance(modes.spec, PlanarBeam):
         return beam_scene(modes.spec), LoneBeam(modes.native, modes.spec.name)
     raise TypeError(f"{modes.spec.name} is a body in space, not a planar one")

@@ -2,28 +2,30 @@
 
 The equations M vdot + h = G^T lambda with g(t, q) = 0 and qdot = Z v are linearised about (t, q, v) with its vdot and
 lambda. Their derivatives are blocks of the iteration matrices that the model generates; d(G^T lambda)/dq, the stiffness
-of the multipliers, is part of them. Small displacements are dq = Z zeta with G zeta = 0. The columns of T span the null
-space of G, zeta = T z, and z are elements of zeta: with G = [G_d, G_u] in the dependent and the independent columns,
-T = [-G_d^-1 G_u; 1]. So the constraints are met exactly, and no eigenvalue belongs to them.
+of the multipliers, is part of them. Small displacements are dq = Z zeta. With G = [G_d, G_f] in the columns of
+dependent and of free coordinates, T = [-G_d^-1 G_f; 1] spans the null space of G, and S = [G_d^-1; 0] has G S = 1.
 
-In a state of motion T changes with time. The coordinates z remain the same elements of zeta, so that
-zetadot = T zdot + Tdot z, where Tdot z follows from d(gdot)/dq, and dvdot from the linearised G vdot = gamma.
+The states are x = [z; w] with z = zeta_f and w = dv_f. The linearised g = 0 and gdot = 0 give zeta and dv in terms of x
+and u, and G vdot = gamma gives dvdot = T dw/dt - S (...). The equations of motion, multiplied by T^T, give dw/dt;
+multiplied by S^T, they give dlambda. The constraints are met exactly, and no eigenvalue belongs to them. In a state of
+motion T depends on time, but the states remain the same elements of zeta and dv.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import lu_factor, lu_solve, qr
 
-from derive.ir.patterns import Pattern
 from derive.roles import Role
 from derive.runtime.compiled_model import Native
 from derive.runtime.native_call import Matrix, Vector
 from derive.runtime.native_scene import NativeScene
 from derive.simulation.constraints.scaling import mass_factor
+from derive.simulation.linear.ports import inputs_of, outputs_of
 
 WELL_CONDITIONED = 0.05
 """Translations are dependent coordinates as long as a pivot of their columns is above this, relative to the first."""
@@ -34,8 +36,9 @@ class Linearisation:
     """xdot = A x + B u, y = C x + D u about a state of a model, in SI units.
 
     t, q (nq,), v (nv,), vdot (nv,), lam (nlambda,): the state, with its accelerations and multipliers. states: the
-    names of x = [z; zdot] (2 n,). inputs: the names of u, forces at markers in the inertial frame. outputs: the names
-    of y, displacements of markers in the inertial frame. displacements (nq, n): dq = displacements z.
+    names of x = [z; w] (2 n,). inputs, outputs: the names of u and y: the run-time inputs and the outputs of a
+    scene; where there are none, forces at the markers and their positions, in the inertial frame. All are small changes
+    from the state. displacements (nq, n): dq = displacements z if u = 0.
     """
 
     t: float
@@ -56,6 +59,13 @@ class Linearisation:
     def count(self) -> int:
         """The number n of independent coordinates."""
         return len(self.states) // 2
+
+
+class _Linear(NamedTuple):
+    """A quantity that depends linearly on the states and the inputs: the factors of x and of u."""
+
+    x: Matrix
+    u: Matrix
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,8 +90,8 @@ class _Derivatives:
 def linearise(native: Native, k: Vector, t: float, q: Vector, v: Vector) -> Linearisation:
     """The linearisation of a model about the consistent state q (nq,), v (nv,) at t (s), with coefficients of that t.
 
-    k: the constants (nk,) of `native.setup`. The inputs are the components of a force at every marker, the outputs are
-    their displacements. Raises ModelError where accelerations and multipliers of the state are not unique.
+    k: the constants (nk,) of `native.setup`, with the inputs of that t. Raises ModelError where accelerations and
+    multipliers of the state are not unique.
     """
     if isinstance(native, NativeScene):
         vdot, lam = native.solve(t, q, v, k)
@@ -95,32 +105,35 @@ def linearise(native: Native, k: Vector, t: float, q: Vector, v: Vector) -> Line
     if dependent.size:
         S[dependent] = np.linalg.inv(d.G[:, dependent])
     T = np.eye(native.nv)[:, free] - S @ d.G[:, free]
-    n = len(free)
-    # zetadot = dv + W zeta = T zdot + Tdot z and d(gdot) = 0, so that dv = T zdot + shift z
-    shift = -S @ d.rates @ T
-    a_z, a_zdot = d.a_q @ T + d.a_v @ shift, d.a_v @ T
-    K = T.T @ (d.K @ T + d.H @ shift - d.M @ S @ a_z)
-    H = T.T @ (d.H @ T - d.M @ S @ a_zdot)
+    n, u, y = len(free), inputs_of(native, k, t, q, v, vdot, lam), outputs_of(native, k, t, q, v, vdot, lam)
+    none = np.zeros((native.nv, n))
+    zeta = _Linear(np.hstack([T, none]), -S @ u.constraints)
+    dv = _Linear(np.hstack([-S @ d.rates @ T, T]), -S @ (d.rates @ zeta.u + u.rates))
+    bias = _Linear(d.a_q @ zeta.x + d.a_v @ dv.x, d.a_q @ zeta.u + d.a_v @ dv.u + u.accelerations)
+    force = _Linear(d.K @ zeta.x + d.H @ dv.x, d.K @ zeta.u + d.H @ dv.u + u.forces)
     mass = lu_factor(T.T @ d.M @ T)
-    velocity = (d.W @ T)[free]  # 0 but for a body that rotates in space: zdot = dv_free + velocity z
-    A = np.block([[velocity, np.eye(n)], [-lu_solve(mass, K), -lu_solve(mass, H)]])
-    names, J = _marker_jacobians(native, k, q, v)
-    B = np.vstack([np.zeros((n, len(names))), lu_solve(mass, T.T @ J.T)])
-    C = np.hstack([J @ T, np.zeros((len(names), n))])
-    positions, velocities = displacement_names(native), native.velocities
+    wdot = _Linear(*(-lu_solve(mass, T.T @ (f - d.M @ S @ b)) for f, b in zip(force, bias, strict=True)))
+    dvdot = _Linear(*(T @ a - S @ b for a, b in zip(wdot, bias, strict=True)))
+    dlam = _Linear(*(S.T @ (d.M @ a + f) for a, f in zip(dvdot, force, strict=True)))
+    kinematic = np.hstack([(d.W @ T)[free], np.eye(n)])  # zdot = w + W z, where W = 0 except for bodies in space
+    C, D = (
+        y.by_zeta @ a + y.by_v @ b + y.by_vdot @ c + y.by_lam @ e
+        for a, b, c, e in zip(zeta, dv, dvdot, dlam, strict=True)
+    )
+    names = displacement_names(native)
     return Linearisation(
         t=t,
         q=q,
         v=v,
         vdot=vdot,
         lam=lam,
-        states=(*(positions[i] for i in free), *(velocities[i] for i in free)),
-        inputs=tuple(f"{marker}_F{i}" for marker, i in names),
-        outputs=tuple(f"{marker}_x{i}" for marker, i in names),
-        A=A,
-        B=B,
+        states=(*(names[i] for i in free), *(native.velocities[i] for i in free)),
+        inputs=u.names,
+        outputs=y.names,
+        A=np.vstack([kinematic, wdot.x]),
+        B=np.vstack([np.zeros((n, len(u.names))), wdot.u]),
         C=C,
-        D=np.zeros((len(names), len(names))),
+        D=D + y.by_u,
         displacements=d.Z @ T,
     )
 
@@ -215,14 +228,3 @@ def _of_body(native: Native, k: Vector, t: float, q: Vector, v: Vector, vdot: Ve
         a_q=none,
         a_v=none,
     )
-
-
-def _marker_jacobians(native: Native, k: Vector, q: Vector, v: Vector) -> tuple[list[tuple[str, int]], Matrix]:
-    """The name of the marker and the component, from 1, of each row of d(velocity)/dv (rows, nv) of all markers."""
-    names: list[tuple[str, int]] = []
-    rows = [np.zeros((0, native.nv))]
-    for marker in native.markers:
-        pattern: Pattern = native.marker_pattern(marker)
-        rows.append(pattern.dense(native.marker(marker, q, v, k)[2]))
-        names += [(marker, i + 1) for i in range(pattern.rows)]
-    return names, np.vstack(rows)

@@ -20,6 +20,7 @@ from derive.simulation.errors import MovingDrives, NoEquilibrium, SimulationErro
 from derive.simulation.initial.initial_state import initial_state
 from derive.simulation.linear.eigenmodes import Mode, eigenmodes
 from derive.simulation.linear.linearisation import Linearisation, linearise
+from derive.simulation.linear.run_time_inputs import input_values, scene_with_values
 from derive.simulation.simulate import simulate
 from derive.spec.model.scene import EQUILIBRIUM, Scene, Specification
 
@@ -108,12 +109,18 @@ def _of_body(spec: Specification, at: float | None) -> _State:
 
 
 def _of_scene(scene: Scene, at: float | None) -> _State:
-    """A scene in its state at a time (s), or in its equilibrium."""
+    """A scene in its state at a time (s), or in its equilibrium, with the run-time inputs that it has there."""
     if at is not None and at > 0.0:
-        motion = simulate(scene, duration=at, output=at).motion
-        return _State(motion.native, motion.k, float(motion.t[-1]), motion.q[-1], motion.v[-1])
+        motion = simulate(scene_with_values(scene), duration=at, output=at).motion
+        t, q, v = float(motion.t[-1]), motion.q[-1], motion.v[-1]
+        if not scene.inputs:
+            return _State(motion.native, motion.k, t, q, v)
+        native = load_scene(model_files(lower(derive(scene)), scene))
+        return _State(native, native.with_inputs(native.setup(), input_values(scene, native, t)), t, q, v)
     native = load_scene(model_files(lower(derive(scene)), scene))
     k = native.setup()
+    if scene.inputs:
+        k = native.with_inputs(k, input_values(scene, native, 0.0))
     if at is not None:
         start = initial_state(scene, native, k)
         return _State(native, k, start.t, start.q, start.v)

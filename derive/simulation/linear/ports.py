@@ -1,0 +1,107 @@
+"""Inputs and outputs of a linearisation: those of a scene, or forces at markers and the positions of markers."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from derive.runtime.compiled_model import Native
+from derive.runtime.native_call import Matrix, Vector
+from derive.runtime.native_scene import NativeScene
+
+STEP = 1e-3
+"""The step of differences with respect to inputs, relative to those above 1. Most equations are linear in them."""
+
+
+@dataclass(frozen=True, eq=False)
+class InputDerivatives:
+    """Derivatives with respect to the inputs u, by their names.
+
+    forces (nv, nu): of M vdot + h - G^T lambda; constraints, rates, accelerations (nlambda, nu): of g, of gdot, and of
+    G vdot - gamma.
+    """
+
+    names: tuple[str, ...]
+    forces: Matrix
+    constraints: Matrix
+    rates: Matrix
+    accelerations: Matrix
+
+
+@dataclass(frozen=True, eq=False)
+class OutputDerivatives:
+    """Derivatives of the outputs y, by their names, with respect to zeta (dq = Z zeta), v, vdot, lambda and inputs."""
+
+    names: tuple[str, ...]
+    by_zeta: Matrix
+    by_v: Matrix
+    by_vdot: Matrix
+    by_lam: Matrix
+    by_u: Matrix
+
+
+def inputs_of(native: Native, k: Vector, t: float, q: Vector, v: Vector, vdot: Vector, lam: Vector) -> InputDerivatives:
+    """The run-time inputs of a scene, or the components of a force at each marker of a model without inputs.
+
+    Derivatives with respect to run-time inputs are differences of fourth order of the generated functions.
+    """
+    if not isinstance(native, NativeScene) or not native.inputs:
+        names, jacobian = _markers(native, k, q, v)
+        none = np.zeros((native.nlambda, len(names)))
+        forces = tuple(f"{marker}_F{i}" for marker, i in names)
+        return InputDerivatives(forces, -jacobian.T, none, none, none)
+    form = native.dae["index1"]
+    y, ydot = np.concatenate([q, v, lam]), np.concatenate([v, vdot, np.zeros(len(lam))])
+    residual = _by_inputs(native, k, lambda k: form.residual(t, y, ydot, k))
+    return InputDerivatives(
+        names=native.inputs,
+        forces=residual[native.nq : native.nq + native.nv],
+        constraints=_by_inputs(native, k, lambda k: native.constraints(t, q, k)),
+        rates=_by_inputs(native, k, lambda k: native.constraint_rates(t, q, v, k)),
+        accelerations=residual[native.nq + native.nv :],
+    )
+
+
+def outputs_of(
+    native: Native, k: Vector, t: float, q: Vector, v: Vector, vdot: Vector, lam: Vector
+) -> OutputDerivatives:
+    """The outputs of a scene, or the positions of the markers of a model without outputs."""
+    nv, inputs = native.nv, len(native.inputs) if isinstance(native, NativeScene) else 0
+    if not isinstance(native, NativeScene) or not native.outputs:
+        names, jacobian = _markers(native, k, q, v)
+        none = np.zeros((len(names), nv))
+        positions = tuple(f"{marker}_x{i}" for marker, i in names)
+        by_lam, by_u = np.zeros((len(names), native.nlambda)), np.zeros((len(names), inputs or len(names)))
+        return OutputDerivatives(positions, jacobian, none, none, by_lam, by_u)
+    assert native.outputs_pattern is not None
+    J = native.outputs_pattern.dense(native.outputs_jacobian(t, q, v, vdot, lam, k))
+    ends = np.cumsum([native.nq, nv, nv, native.nlambda])
+    return OutputDerivatives(native.outputs, *np.split(J, ends, axis=1))
+
+
+def _by_inputs(native: NativeScene, k: Vector, function: Callable[[Vector], Vector]) -> Matrix:
+    """The derivatives (n, nu) of a function of the constants k, behind which the inputs are."""
+    u = k[len(k) - len(native.inputs) :]
+    columns = []
+    for i, value in enumerate(u):
+        step = STEP * max(1.0, abs(float(value)))
+        unit = np.eye(len(u))[i]
+        near, far = (
+            function(native.with_inputs(k, u + s * step * unit)) - function(native.with_inputs(k, u - s * step * unit))
+            for s in (1, 2)
+        )
+        columns.append((8 * near - far) / (12 * step))
+    return np.array(columns).T
+
+
+def _markers(native: Native, k: Vector, q: Vector, v: Vector) -> tuple[list[tuple[str, int]], Matrix]:
+    """The name of the marker and the component, from 1, of each row of d(velocity)/dv (rows, nv) of all markers."""
+    names: list[tuple[str, int]] = []
+    rows = [np.zeros((0, native.nv))]
+    for marker in native.markers:
+        pattern = native.marker_pattern(marker)
+        rows.append(pattern.dense(native.marker(marker, q, v, k)[2]))
+        names += [(marker, i + 1) for i in range(pattern.rows)]
+    return names, np.vstack(rows)
