@@ -135,12 +135,13 @@ def _mode(mode: Mode) -> list[str]:
 
 def _elements(shapes: Sequence[ComplexVector], j: int) -> list[str]:
     """Element j of each shape: a number or, of a shape with phases, its size and its phase in degrees."""
-    return [
-        _number(shape[j].real)
-        if np.abs(shape.imag).max() < NEGLIGIBLE
-        else f"{_number(abs(shape[j]))}∠{round(float(np.degrees(np.angle(shape[j]))))}°"
-        for shape in shapes
-    ]
+    texts = []
+    for shape in shapes:
+        if abs(shape[j]) < ROUNDING or np.abs(shape.imag).max() < NEGLIGIBLE:
+            texts.append(_number(shape[j].real))
+        else:
+            texts.append(f"{_number(abs(shape[j]))}∠{round(float(np.degrees(np.angle(shape[j]))))}°")
+    return texts
 
 
 def _number(value: float) -> str:
