@@ -18,7 +18,7 @@ test: $(VENV)/installed-test
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 	$(BIN)/tisserand check
-	$(BIN)/pytest --numprocesses 2 --dist loadfile
+	$(BIN)/pytest --numprocesses 2 --dist loadfile --durations 20
 
 $(VENV)/installed: pyproject.toml constraints.txt
 	@echo "Creating the virtual environment $(VENV) ..."

@@ -13,6 +13,7 @@ from scipy.integrate import solve_ivp
 import beams
 from derive.runtime.compiled_model import Native
 from derive.runtime.native_call import Vector
+from derive.simulation.integration.scipy_methods import Evaluator
 
 P = np.array([1.3, 0.7, 2.1])
 UNIT = math.sqrt(P[2] / (P[0] * P[1] ** 3))
@@ -21,12 +22,8 @@ UNIT = math.sqrt(P[2] / (P[0] * P[1] ** 3))
 
 def integrate(native: Native, q: Vector, v: Vector, times: Vector) -> tuple[Vector, Vector]:
     """q and v at some times, by an eighth-order method to nearly machine precision."""
-    k = native.setup(P)
     n = native.nq
-
-    def flow(t: float, y: Vector) -> Vector:
-        return np.concatenate([native.rates(y[:n], y[n:], k), native.accel(t, y[:n], y[n:], k)])
-
+    flow = Evaluator(native, native.setup(P))  # in the plane qdot = v
     start = np.concatenate([q, v])
     done = solve_ivp(flow, (0, times[-1]), start, "DOP853", times, rtol=1e-13, atol=1e-15)
     assert done.success

@@ -1,4 +1,4 @@
-"""The wheel, in an empty environment of its own: it brings its templates and builds a model."""
+"""The wheel, in an environment of its own: it brings its templates and builds a model."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import os
 import shutil
 import subprocess
 import sys
+import sysconfig
 import tarfile
 import zipfile
 from pathlib import Path
@@ -61,12 +62,16 @@ def test_the_install_commands_of_the_readme(tmp_path: Path) -> None:
         run("sh", "-c", line, cwd=tmp_path / "tree")
 
 
-def test_wheel_builds_a_model_in_an_empty_environment(distributions: Path, tmp_path: Path) -> None:
+def test_wheel_builds_a_model_in_an_environment_of_its_own(distributions: Path, tmp_path: Path) -> None:
+    """The dependencies are those of this environment; that they are complete, the commands of the README show."""
     (wheel,) = distributions.glob("*.whl")
     run(sys.executable, "-m", "venv", "env", cwd=tmp_path)
     bin_folder = tmp_path / "env" / "bin"
-    constraints = str(ROOT / "constraints.txt")
-    run(str(bin_folder / "pip"), "install", "--quiet", "-c", constraints, str(wheel), cwd=tmp_path)
+    run(str(bin_folder / "pip"), "install", "--quiet", "--no-deps", str(wheel), cwd=tmp_path)
+    (packages,) = (tmp_path / "env").glob("lib/python*/site-packages")
+    (packages / "dependencies.pth").write_text(sysconfig.get_path("purelib"))
+    where = run(str(bin_folder / "python"), "-c", "import derive; print(derive.__file__)", cwd=tmp_path)
+    assert where.startswith(str(packages))
     scene = ROOT / "scenes/free_beam_mean.toml"
     said = run(str(bin_folder / "tisserand"), "build", str(scene), cwd=tmp_path)
     assert "free_beam_mean" in said
