@@ -13,12 +13,12 @@ import numpy as np
 from derive.artifacts import File
 from derive.backends.model_files import model_files
 from derive.derivation import derive, lower, lowered_form
-from derive.errors import SpecError
+from derive.errors import SpecError, TisserandError
 from derive.ir.model import Model
 from derive.lowering.conditioning import condition_warnings
 from derive.mechanics.equations import Equations
 from derive.spec.model.body import NodalBody
-from derive.spec.model.scene import Specification
+from derive.spec.model.scene import Scene, Specification
 from derive.spec.toml.read import read, warnings, with_lines
 
 if TYPE_CHECKING:
@@ -78,12 +78,29 @@ def build(path: Path, progress: Callable[[str], None] = lambda _: None) -> Built
     deriving = replace(deriving, terms=len(equations.terms))
     if not equations.indexed:
         deriving = replace(deriving, nonzeros=sum(entry != 0 for entry in equations.mass))
+    if isinstance(spec, Scene):
+        progress("computing the initial state")
+    model, failure = _with_start(spec, model)
+    starting = (Stage("start", lap()),) if isinstance(spec, Scene) else ()
     progress("emitting C and Python")
     files = model_files(model, spec)
     emitting = Stage("emit", lap())
-    notes = (model.choice, *_of_body(spec)) if model.choice else _of_scene(model)
+    notes = (model.choice, *_of_body(spec)) if model.choice else (*_of_scene(model), *failure)
     notes += tuple(f"warning: {text}" for text in (*warnings(path), *condition_warnings(spec)))
-    return Built(spec, equations, model, files, (reading, deriving, lowering, emitting), notes)
+    return Built(spec, equations, model, files, (reading, deriving, lowering, *starting, emitting), notes)
+
+
+def _with_start(spec: Specification, model: Model) -> tuple[Model, tuple[str, ...]]:
+    """The model with the initial state of a scene or, if there is none, a line that says why."""
+    if not isinstance(spec, Scene):
+        return model, ()
+    from derive.simulation.initial.start_state import start_state
+
+    try:
+        return replace(model, start=start_state(spec, model)), ()
+    except TisserandError as error:
+        reason = str(error).splitlines()[0]
+        return model, (f"warning: no function {model.name}_start, since there is no initial state: {reason}",)
 
 
 def _of_scene(model: Model) -> tuple[str, ...]:

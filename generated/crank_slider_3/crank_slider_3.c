@@ -13,7 +13,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef CRANK_SLIDER_3_HASH_948cec0fb3d78ef5
+#ifndef CRANK_SLIDER_3_HASH_efa24975f3d028ba
 #  error "crank_slider_3.h and crank_slider_3.c are of different builds; run tisserand build again"
 #endif
 
@@ -6026,6 +6026,19 @@ int crank_slider_3_defaults(double *p)
     return 0;
 }
 
+int crank_slider_3_start(double *q, double *v)
+{
+    static const double q_values[] = {
+        0.2, 0.0, 0.0, 0.0, 0.0, 0.3, 0.0, 0.0, 0.0, 0.0, 0.4, 0.0, 0.0, 0.0, 0.0, 0.45
+    };
+    static const double v_values[] = {
+        0.0, 18.75, -75.0, 0.0, 0.0, 0.0, 11.25, -75.0, 0.0, 0.0, 0.0, 3.75, -75.0, 0.0, 0.0, 0.0
+    };
+    for (int i = 0; i < 16; i++) q[i] = q_values[i];
+    for (int i = 0; i < 16; i++) v[i] = v_values[i];
+    return 0;
+}
+
 /* ---- sparsity patterns ---- */
 
 static const int crank_slider_3_colptr_mass[] = {
@@ -6332,7 +6345,7 @@ static const tisserand_model crank_slider_3_descriptor = {
     &crank_slider_3_sparsity_jacobian,
     crank_slider_3_table_markers,
     crank_slider_3_defaults,
-    0,
+    crank_slider_3_start,
     crank_slider_3_setup,
     crank_slider_3_mass,
     crank_slider_3_force,

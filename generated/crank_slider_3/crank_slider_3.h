@@ -304,8 +304,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define CRANK_SLIDER_3_HASH "948cec0fb3d78ef5"
-#define CRANK_SLIDER_3_HASH_948cec0fb3d78ef5
+#define CRANK_SLIDER_3_HASH "efa24975f3d028ba"
+#define CRANK_SLIDER_3_HASH_efa24975f3d028ba
 
 /* ---- sizes and indices ---- */
 
@@ -1017,6 +1017,12 @@ int crank_slider_3_accel_batch(
 /* The defaults of the parameters. */
 int crank_slider_3_defaults(
     double *p);
+
+/* The initial state of the specification, at t = 0 and with the defaults of the parameters. It meets the constraints and
+   their rates; with other parameters they have to be met anew, for example by tisserand_project of fixed_step.h. */
+int crank_slider_3_start(
+    double *q,
+    double *v);
 
 const tisserand_pattern *crank_slider_3_pattern_mass(void);
 const tisserand_pattern *crank_slider_3_pattern_jacobian(void);

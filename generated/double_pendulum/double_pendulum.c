@@ -13,7 +13,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef DOUBLE_PENDULUM_HASH_33cef179e1f7c3f4
+#ifndef DOUBLE_PENDULUM_HASH_60f96f4a8bc3aa86
 #  error "double_pendulum.h and double_pendulum.c are of different builds; run tisserand build again"
 #endif
 
@@ -3517,6 +3517,19 @@ int double_pendulum_defaults(double *p)
     return 0;
 }
 
+int double_pendulum_start(double *q, double *v)
+{
+    static const double q_values[] = {
+        0.5, 0.0, 0.0, 0.0, 0.0, 1.5, 0.0, 0.0, 0.0, 0.0
+    };
+    static const double v_values[] = {
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    };
+    for (int i = 0; i < 10; i++) q[i] = q_values[i];
+    for (int i = 0; i < 10; i++) v[i] = v_values[i];
+    return 0;
+}
+
 /* ---- sparsity patterns ---- */
 
 static const int double_pendulum_colptr_mass[] = {
@@ -3814,7 +3827,7 @@ static const tisserand_model double_pendulum_descriptor = {
     &double_pendulum_sparsity_jacobian,
     double_pendulum_table_markers,
     double_pendulum_defaults,
-    0,
+    double_pendulum_start,
     double_pendulum_setup,
     double_pendulum_mass,
     double_pendulum_force,

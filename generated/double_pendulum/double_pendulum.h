@@ -287,8 +287,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define DOUBLE_PENDULUM_HASH "33cef179e1f7c3f4"
-#define DOUBLE_PENDULUM_HASH_33cef179e1f7c3f4
+#define DOUBLE_PENDULUM_HASH "60f96f4a8bc3aa86"
+#define DOUBLE_PENDULUM_HASH_60f96f4a8bc3aa86
 
 /* ---- sizes and indices ---- */
 
@@ -1038,6 +1038,12 @@ int double_pendulum_accel_batch(
 /* The defaults of the parameters. */
 int double_pendulum_defaults(
     double *p);
+
+/* The initial state of the specification, at t = 0 and with the defaults of the parameters. It meets the constraints and
+   their rates; with other parameters they have to be met anew, for example by tisserand_project of fixed_step.h. */
+int double_pendulum_start(
+    double *q,
+    double *v);
 
 const tisserand_pattern *double_pendulum_pattern_mass(void);
 const tisserand_pattern *double_pendulum_pattern_jacobian(void);

@@ -13,7 +13,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef FOUR_BAR_HASH_5b24ffe9b97d6cfb
+#ifndef FOUR_BAR_HASH_bde5015cdd30cb19
 #  error "four_bar.h and four_bar.c are of different builds; run tisserand build again"
 #endif
 
@@ -6031,6 +6031,21 @@ int four_bar_defaults(double *p)
     return 0;
 }
 
+int four_bar_start(double *q, double *v)
+{
+    static const double q_values[] = {
+        0.0, 0.2, 1.5707963267948966, 0.0, 0.0, 0.523012454963964, 0.6940373648918918,
+            0.5121611931861502, 0.0, 0.0, 1.123012454963964, 0.4940373648918919, 1.7253864163355366,
+            0.0, 0.0
+    };
+    static const double v_values[] = {
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    };
+    for (int i = 0; i < 15; i++) q[i] = q_values[i];
+    for (int i = 0; i < 15; i++) v[i] = v_values[i];
+    return 0;
+}
+
 /* ---- sparsity patterns ---- */
 
 static const int four_bar_colptr_mass[] = {
@@ -6428,7 +6443,7 @@ static const tisserand_model four_bar_descriptor = {
     &four_bar_sparsity_jacobian,
     four_bar_table_markers,
     four_bar_defaults,
-    0,
+    four_bar_start,
     four_bar_setup,
     four_bar_mass,
     four_bar_force,

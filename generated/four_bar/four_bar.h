@@ -329,8 +329,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define FOUR_BAR_HASH "5b24ffe9b97d6cfb"
-#define FOUR_BAR_HASH_5b24ffe9b97d6cfb
+#define FOUR_BAR_HASH "bde5015cdd30cb19"
+#define FOUR_BAR_HASH_bde5015cdd30cb19
 
 /* ---- sizes and indices ---- */
 
@@ -1259,6 +1259,12 @@ int four_bar_accel_batch(
 /* The defaults of the parameters. */
 int four_bar_defaults(
     double *p);
+
+/* The initial state of the specification, at t = 0 and with the defaults of the parameters. It meets the constraints and
+   their rates; with other parameters they have to be met anew, for example by tisserand_project of fixed_step.h. */
+int four_bar_start(
+    double *q,
+    double *v);
 
 const tisserand_pattern *four_bar_pattern_mass(void);
 const tisserand_pattern *four_bar_pattern_jacobian(void);

@@ -13,7 +13,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef SPINNING_BEAM_HASH_d808198ddf3937cd
+#ifndef SPINNING_BEAM_HASH_9f3a54cc39733b54
 #  error "spinning_beam.h and spinning_beam.c are of different builds; run tisserand build again"
 #endif
 
@@ -1506,6 +1506,19 @@ int spinning_beam_defaults(double *p)
     return 0;
 }
 
+int spinning_beam_start(double *q, double *v)
+{
+    static const double q_values[] = {
+        0.0, 0.0, 0.0, 0.0, 0.0
+    };
+    static const double v_values[] = {
+        0.0, 0.0, 25.0, 0.0, 0.0
+    };
+    for (int i = 0; i < 5; i++) q[i] = q_values[i];
+    for (int i = 0; i < 5; i++) v[i] = v_values[i];
+    return 0;
+}
+
 /* ---- sparsity patterns ---- */
 
 static const int spinning_beam_colptr_mass[] = {
@@ -1733,7 +1746,7 @@ static const tisserand_model spinning_beam_descriptor = {
     &spinning_beam_sparsity_jacobian,
     spinning_beam_table_markers,
     spinning_beam_defaults,
-    0,
+    spinning_beam_start,
     spinning_beam_setup,
     spinning_beam_mass,
     spinning_beam_force,

@@ -261,8 +261,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define SPINNING_BEAM_HASH "d808198ddf3937cd"
-#define SPINNING_BEAM_HASH_d808198ddf3937cd
+#define SPINNING_BEAM_HASH "9f3a54cc39733b54"
+#define SPINNING_BEAM_HASH_9f3a54cc39733b54
 
 /* ---- sizes and indices ---- */
 
@@ -863,6 +863,12 @@ int spinning_beam_accel_batch(
 /* The defaults of the parameters. */
 int spinning_beam_defaults(
     double *p);
+
+/* The initial state of the specification, at t = 0 and with the defaults of the parameters. It meets the constraints and
+   their rates; with other parameters they have to be met anew, for example by tisserand_project of fixed_step.h. */
+int spinning_beam_start(
+    double *q,
+    double *v);
 
 const tisserand_pattern *spinning_beam_pattern_mass(void);
 const tisserand_pattern *spinning_beam_pattern_jacobian(void);

@@ -13,7 +13,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef SPUN_UP_CANTILEVER_HASH_936dff45fc05271b
+#ifndef SPUN_UP_CANTILEVER_HASH_df51d81d73622088
 #  error "spun_up_cantilever.h and spun_up_cantilever.c are of different builds; run tisserand build again"
 #endif
 
@@ -2541,6 +2541,19 @@ int spun_up_cantilever_defaults(double *p)
     return 0;
 }
 
+int spun_up_cantilever_start(double *q, double *v)
+{
+    static const double q_values[] = {
+        5.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    };
+    static const double v_values[] = {
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    };
+    for (int i = 0; i < 6; i++) q[i] = q_values[i];
+    for (int i = 0; i < 6; i++) v[i] = v_values[i];
+    return 0;
+}
+
 /* ---- sparsity patterns ---- */
 
 static const int spun_up_cantilever_colptr_mass[] = {
@@ -2747,7 +2760,7 @@ static const tisserand_model spun_up_cantilever_descriptor = {
     &spun_up_cantilever_sparsity_jacobian,
     spun_up_cantilever_table_markers,
     spun_up_cantilever_defaults,
-    0,
+    spun_up_cantilever_start,
     spun_up_cantilever_setup,
     spun_up_cantilever_mass,
     spun_up_cantilever_force,

@@ -229,8 +229,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define SPUN_UP_CANTILEVER_HASH "936dff45fc05271b"
-#define SPUN_UP_CANTILEVER_HASH_936dff45fc05271b
+#define SPUN_UP_CANTILEVER_HASH "df51d81d73622088"
+#define SPUN_UP_CANTILEVER_HASH_df51d81d73622088
 
 /* ---- sizes and indices ---- */
 
@@ -791,6 +791,12 @@ int spun_up_cantilever_accel_batch(
 /* The defaults of the parameters. */
 int spun_up_cantilever_defaults(
     double *p);
+
+/* The initial state of the specification, at t = 0 and with the defaults of the parameters. It meets the constraints and
+   their rates; with other parameters they have to be met anew, for example by tisserand_project of fixed_step.h. */
+int spun_up_cantilever_start(
+    double *q,
+    double *v);
 
 const tisserand_pattern *spun_up_cantilever_pattern_mass(void);
 const tisserand_pattern *spun_up_cantilever_pattern_jacobian(void);

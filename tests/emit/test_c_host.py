@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -9,6 +10,7 @@ import pytest
 from toolchain import C99, CPP11, HERE, run, scene, tool, written
 
 import derive
+from conftest import ROOT
 
 Q = np.array([0.1, 0.2, 0.5, 0.02, -0.01])
 V = np.array([1.0, -2.0, 3.0, 0.1, 0.2])
@@ -49,6 +51,23 @@ def build_host(language: tuple[str, ...], folder: Path) -> Path:
     include = f"-I{sources[0].parent}"
     run(tool(language[0]), *language[1:], *EXACT, "-g", include, HERE / "host.c", *sources, "-o", program, "-lm")
     return program
+
+
+@LANGUAGES
+def test_the_example_of_thirty_lines(language: tuple[str, ...], tmp_path: Path) -> None:
+    """It compiles without warnings as its comment says, and the energy of the pendulum stays what it was."""
+    source, generated, hosts = (ROOT / path for path in ("examples/double_pendulum.c", "generated", "templates/host"))
+    assert len(source.read_text().splitlines()) <= 30
+    folder, program = generated / "double_pendulum", tmp_path / "pendulum"
+    flags = (f"-I{folder}", f"-I{hosts}", '-DTISSERAND_HEADER="double_pendulum.h"')
+    command = (tool(language[0]), *language[1:], "-O2", *flags, source, hosts / "fixed_step.c")
+    run(*command, folder / "double_pendulum.c", "-o", program, "-lm")
+    rows = [[float(x) for x in re.findall(r"-?\d[\d.e+-]*", line)] for line in run(program).splitlines()]
+    times, angles, rates, energies = np.array(rows).T
+    assert np.array_equal(times, np.arange(6) / 10)
+    assert (angles[0], rates[0], energies[0]) == (0, 0, 0)
+    assert np.all(np.diff(angles) < 0) and -1.3 < angles[-1] < -1.0
+    assert np.abs(energies).max() < 1e-8
 
 
 @LANGUAGES

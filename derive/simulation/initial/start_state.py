@@ -1,0 +1,113 @@
+"""The initial state of a scene as data of its generated code, the same digits on every machine.
+
+Linear algebra in doubles differs between machines in the last digits. The state is therefore rounded, and the rounded
+state is projected onto the constraints in decimal arithmetic of many digits, which is the same everywhere.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any
+
+import mpmath
+
+from derive.errors import TisserandError
+from derive.ir.interpreter import interpret
+from derive.ir.model import Model, StartState
+from derive.runtime.interpreted_scene import InterpretedScene
+from derive.simulation.initial.initial_state import initial_state
+from derive.spec.model.scene import Scene
+
+DIGITS = 10
+"""Significant digits of the rounded state."""
+SMALLEST = 12
+"""Decimals of the rounded state, in SI units: smaller values have fewer digits."""
+WORKING_DIGITS = 50
+MET = 1e-30
+"""Constraints (m, rad) and their rates (m/s, rad/s) below this are met."""
+STIFFNESS = 1e-15
+"""The change of a number that is exact, relative to that of others, where constraints leave a choice."""
+UNSEEN = 1e-16
+"""A change (SI units) of an exact number below this is none."""
+ITERATIONS = 8
+
+
+class NoStartState(TisserandError):
+    """The rounded initial state does not come back to the constraints."""
+
+
+def start_state(scene: Scene, model: Model) -> StartState:
+    """The initial state of a scene with the defaults of its parameters, exact to the last digit of a double.
+
+    model: its kernels. Raises what `initial_state` raises, and NoStartState.
+    """
+    state = initial_state(scene, InterpretedScene(model))
+    with mpmath.workdps(WORKING_DIGITS):
+        q, v = _projected(model, *([_rounded(float(x)) for x in part] for part in (state.q, state.v)))
+        return StartState(tuple(float(x) + 0.0 for x in q), tuple(float(x) + 0.0 for x in v))
+
+
+@dataclass
+class _Rounded:
+    """A rounded number; `exact` if it had no more digits, as numbers have that stand in a specification."""
+
+    value: Any
+    exact: bool
+
+
+def _rounded(value: float) -> _Rounded:
+    """A number with DIGITS digits, but no more than SMALLEST decimals."""
+    decimals = DIGITS - 1 - math.floor(math.log10(abs(value))) if value else 0
+    text = f"{value:.{min(max(decimals, 0), SMALLEST)}f}"
+    return _Rounded(mpmath.mpf(text), abs(float(text) - value) <= 1e-14 * max(abs(value), 1.0))
+
+
+def _projected(model: Model, q_start: list[_Rounded], v_start: list[_Rounded]) -> tuple[list[Any], list[Any]]:
+    """q and v at t = 0 with g = 0 and gdot = 0; exact numbers stay as they are if the others can give way."""
+    q, v = [x.value for x in q_start], [x.value for x in v_start]
+    (k,) = _evaluated(model, "setup", [mpmath.mpf(x) for x in model.defaults])
+    zero = mpmath.mpf(0)
+    for _ in range(ITERATIONS):
+        (g,) = _evaluated(model, "constraints", zero, q, k)
+        (rates,) = _evaluated(model, "constraint_rates", zero, q, v, k)
+        if all(abs(x) < MET for x in (*g, *rates)):
+            return _unchanged(q, q_start), _unchanged(v, v_start)
+        for residual, values, start in ((g, q, q_start), (rates, v, v_start)):
+            change = _change(model, q, k, residual, start)
+            values[:] = [x + dx for x, dx in zip(values, change, strict=True)]
+    raise NoStartState(f"{model.name}: the rounded initial state does not come back to the constraints")
+
+
+def _change(model: Model, q: list[Any], k: list[Any], residual: list[Any], start: list[_Rounded]) -> list[Any]:
+    """The change of q or v with G change = -residual that has the smallest sum of weighted squares."""
+    if all(x == 0 for x in residual):
+        return [mpmath.mpf(0)] * len(q)
+    (values,) = _evaluated(model, "constraint_jacobian", mpmath.mpf(0), q, k)
+    G = mpmath.zeros(len(residual), len(q))
+    for (i, j), value in zip(model.pattern("constraint_jacobian", "G").entries, values, strict=True):
+        G[i, j] = value
+    weighted = mpmath.diag([STIFFNESS if x.exact else 1 for x in start]) * G.T
+    try:
+        return list(weighted * mpmath.lu_solve(G * weighted, -mpmath.matrix(residual)))
+    except ZeroDivisionError as error:
+        raise NoStartState(f"{model.name}: the constraints do not determine the initial state") from error
+
+
+def _unchanged(values: list[Any], start: list[_Rounded]) -> list[Any]:
+    """The values, without changes that no double shows."""
+    return [x.value if abs(value - x.value) < UNSEEN else value for value, x in zip(values, start, strict=True)]
+
+
+def _evaluated(model: Model, name: str, *arguments: Any) -> Sequence[list[Any]]:
+    """The outputs of a function in decimal arithmetic."""
+
+    def number(value: Fraction) -> Any:
+        return mpmath.mpf(value.numerator) / value.denominator
+
+    kernel = model.kernel(name)
+    given = {a.name: value for a, value in zip(kernel.arguments, arguments, strict=True)}
+    functions = {"sin": mpmath.sin, "cos": mpmath.cos, "sqrt": mpmath.sqrt}
+    return list(interpret(kernel, given, number=number, functions=functions).values())
