@@ -97,7 +97,6 @@ if TYPE_CHECKING:
         Deflection,
         Drive,
         Force,
-        InitialValues,
         Joint,
         MarkerRef,
         Plot,
@@ -109,7 +108,7 @@ if TYPE_CHECKING:
         TimeFunction,
         Torque,
     )
-    from derive.spec.model.simulation import Simulation, SpatialStart
+    from derive.spec.model.simulation import InitialValues, Simulation, SpatialStart
     from derive.spec.parsing.time_expression import time_function
     from derive.spec.toml.read import read
 
@@ -197,7 +196,6 @@ _MODULES = {
         "Deflection",
         "Drive",
         "Force",
-        "InitialValues",
         "Joint",
         "MarkerRef",
         "Plot",
@@ -210,6 +208,7 @@ _MODULES = {
         "Torque",
     ),
     "derive.spec.model.simulation": (
+        "InitialValues",
         "Simulation",
         "SpatialStart",
     ),

@@ -17,7 +17,7 @@ from derive.backends.python.module import PythonBackend
 from derive.ir.model import Model
 from derive.registry import Registry
 from derive.spec.model.body import NodalBody, PlanarBeam, SymbolicBody
-from derive.spec.model.scene import Scene, Specification
+from derive.spec.model.scene import BeamBody, Scene, Specification
 from derive.version import VERSION
 
 BACKENDS: Registry[Backend] = Registry("backend", {"c": CBackend(), "python": PythonBackend()})
@@ -44,6 +44,9 @@ def _with_hash(files: tuple[File, ...]) -> tuple[File, ...]:
     return tuple(dataclasses.replace(file, text=file.text.replace(MODEL_HASH, digest)) for file in files)
 
 
+ALONE = ("simulation", "start")
+"""The fields of a single body that its model does not depend on."""
+
 KINDS = {PlanarBeam: "planar_beam", NodalBody: "nodal_body", SymbolicBody: "symbolic_body", Scene: "scene"}
 
 
@@ -54,7 +57,7 @@ def specification(spec: Specification) -> dict[str, object]:
         data = spec.data
         modes = 0 if data.modes is None else len(data.modes)
         fields["data"] = {"nodes": len(data.positions), "modes": modes, "sha256": data.sha256}
-    aside = ("simulation", "plots") if isinstance(spec, Scene) else ("simulation", "start")  # what the model is not of
+    aside = ("simulation", "plots") if isinstance(spec, Scene) else ALONE  # what the model does not depend on
     fields = {name: value for name, value in fields.items() if name not in aside}
     if isinstance(spec, Scene):
         fields = {name: value for name, value in fields.items() if value or name not in ("inputs", "outputs")}
@@ -65,6 +68,9 @@ def specification(spec: Specification) -> dict[str, object]:
 def _exact(value: object) -> object:
     if isinstance(value, Fraction):
         return str(value)
+    if isinstance(value, BeamBody):  # what is for a beam alone says nothing here
+        fields = dataclasses.asdict(value)
+        return {**fields, "beam": {key: item for key, item in fields["beam"].items() if key not in ALONE}}
     if dataclasses.is_dataclass(value) and not isinstance(value, type):
         return dataclasses.asdict(value)
     raise TypeError(f"{value!r} is no plain data")

@@ -10,8 +10,9 @@ from pathlib import Path
 
 from derive.errors import Problem, SpecError
 from derive.pipeline import Built, build
+from derive.simulation.free_beam import beam_scene
 from derive.simulation.simulate import simulation_settings
-from derive.spec.model.body import NodalBody
+from derive.spec.model.body import NodalBody, PlanarBeam, SymbolicBody
 from derive.spec.model.scene import Scene, Specification
 from derive.spec.set_values import SetValue, with_values
 from derive.spec.toml.read import read
@@ -20,10 +21,12 @@ from derive.terminal import show_progress
 
 def read_scene(path: Path) -> Scene:
     """Read the scene of a file. Raises SpecError if it is a body, or has no [simulation]."""
-    spec = simulated(read(path), path)
+    spec = read(path)
     if not isinstance(spec, Scene):
         raise SpecError((Problem("", "a scene is needed, and this is a single body"),), str(path))
-    return spec
+    scene = simulated(spec, path)
+    assert isinstance(scene, Scene)
+    return scene
 
 
 def read_changed(path: Path, assignments: Sequence[tuple[str, str]]) -> tuple[Specification, tuple[SetValue, ...]]:
@@ -49,10 +52,12 @@ def simulated(
 
     Raises SpecError if it cannot be simulated.
     """
-    if not isinstance(spec, (Scene, NodalBody)):
-        message = "a scene is needed, and this is a single body; put it into [bodies], see scenes/spinning_beam.toml"
+    if isinstance(spec, SymbolicBody):
+        message = "all numbers of this body are parameters; give a scene, a beam, or a body by its nodes"
         raise SpecError((Problem("", message),), str(path))
     try:
+        if isinstance(spec, PlanarBeam):
+            spec = beam_scene(spec)
         settings = simulation_settings(spec, duration, output, tolerance)
         return replace(spec, simulation=settings)
     except SpecError as error:

@@ -10,6 +10,7 @@ from derive.backends.model_files import model_files
 from derive.derivation import derive, lower
 from derive.errors import Problem, SpecError, quoted
 from derive.simulation.body_trajectory import BodyTrajectory, simulate_body
+from derive.simulation.free_beam import beam_scene
 from derive.simulation.initial.initial_state import initial_state
 from derive.simulation.inputs import DrivenScene, InputFunction, driven_integration, with_functions
 from derive.simulation.integration.integrator import Settings, scene_of
@@ -19,7 +20,7 @@ from derive.simulation.observables.motion import SceneMotion
 from derive.simulation.output_times import output_times
 from derive.simulation.trajectory import RunSettings, Trajectory, column_units
 from derive.spec.construction import validated
-from derive.spec.model.body import NodalBody
+from derive.spec.model.body import NodalBody, PlanarBeam
 from derive.spec.model.scene import ColumnCurves, Scene
 from derive.spec.model.simulation import Simulation
 from derive.spec.parsing.faults import did_you_mean
@@ -27,7 +28,7 @@ from derive.spec.parsing.faults import did_you_mean
 
 @overload
 def simulate(
-    spec: Scene,
+    spec: Scene | PlanarBeam,
     *,
     duration: float | None = None,
     output: float | None = None,
@@ -53,7 +54,7 @@ def simulate(
 
 
 def simulate(
-    spec: Scene | NodalBody,
+    spec: Scene | PlanarBeam | NodalBody,
     *,
     duration: float | None = None,
     output: float | None = None,
@@ -63,7 +64,9 @@ def simulate(
     inputs: Mapping[str, InputFunction] | None = None,
     progress: Progress | None = None,
 ) -> Trajectory | BodyTrajectory:
-    """The motion of a scene from its consistent initial state, or of a single body in space from its `start`.
+    """The motion of a scene from its consistent initial state, or of a single body from its `start`.
+
+    A single beam is simulated as a scene in which it is the body "beam".
 
     duration, output, tolerance: the time, s, the interval between rows, s, and the error of a step, instead of those of
     the `simulation` of the specification. integrator: a name in `INTEGRATORS`; a body takes dop853, rk45 and rk4. step:
@@ -74,8 +77,10 @@ def simulate(
 
     Raises TypeError for anything else, SpecError, UnknownNameError, CompilerError, ModelError, SimulationError.
     """
+    if isinstance(spec, PlanarBeam):
+        spec = beam_scene(spec)
     if not isinstance(spec, (Scene, NodalBody)):
-        what = f"a scene or a body given by nodes is needed, not {type(spec).__name__}"
+        what = f"a scene, a beam or a body given by nodes is needed, not {type(spec).__name__}"
         raise TypeError(f"{what}; read its file with derive.read(...)")
     simulation = simulation_settings(spec, duration, output, tolerance)
     if isinstance(spec, NodalBody):

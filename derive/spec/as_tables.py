@@ -29,7 +29,6 @@ from derive.spec.model.scene import (
     CustomJoint,
     Drive,
     Force,
-    InitialValues,
     Joint,
     JointInitialValues,
     MarkerRef,
@@ -44,7 +43,7 @@ from derive.spec.model.scene import (
     TimeFunction,
     Torque,
 )
-from derive.spec.model.simulation import Simulation, SpatialStart
+from derive.spec.model.simulation import InitialValues, Simulation, SpatialStart
 
 Data = dict[str, object]
 
@@ -54,7 +53,7 @@ def specification_tables(spec: Specification) -> Data:
     if isinstance(spec, Scene):
         return scene_tables(spec)
     kind = "beam" if isinstance(spec, PlanarBeam) else "body"
-    simulation = spec.simulation if isinstance(spec, NodalBody) else None
+    simulation = None if isinstance(spec, SymbolicBody) else spec.simulation
     return {"name": spec.name, kind: as_table(spec), **without_none(simulation=as_table(simulation))}
 
 
@@ -122,6 +121,7 @@ def _beam(beam: PlanarBeam) -> Data:
         bending_stiffness=beam.bending_stiffness,
         markers=_markers(beam.markers),
         gravity=beam.gravity,
+        start=beam.start,
     )
 
 

@@ -69,6 +69,12 @@ def with_values(spec: S, assignments: Mapping[str, str]) -> tuple[S, tuple[SetVa
             symbol = value["symbol"] if isinstance(value, Mapping) else None
             changes.append(SetValue(name, _shown(known[path]), _shown(new), symbol))
             tables = _replaced(tables, path, value)
+        elif (added := _added(spec, tables, name, new)) is not None:
+            if isinstance(added, Problem):
+                problems.append(added)
+                continue
+            changes.append(SetValue(name, "not given", _shown(new)))
+            tables = added
         else:
             names = [*symbols, *by_key]
             listed = f"the parameters are {', '.join(symbols)}" if symbols else "there are no parameters"
@@ -80,6 +86,26 @@ def with_values(spec: S, assignments: Mapping[str, str]) -> tuple[S, tuple[SetVa
         return validated_tables(spec, tables), tuple(changes)
     except SpecError as error:
         raise SpecError(error.problems, "--set") from None
+
+
+def _added(spec: Specification, tables: Mapping[str, Any], name: str, new: Any) -> Any:
+    """The tables with a key that may be left out, and that is not there yet.
+
+    None if there is no such table, and what is wrong if the table knows no such key.
+    """
+    *parents, key = name.split(".")
+    table: Any = tables
+    for part in parents:
+        table = table.get(part) if isinstance(table, Mapping) else None
+    if not parents or not isinstance(table, Mapping) or "symbol" in table:
+        return None
+    added = _replaced(tables, tuple(parents), {**table, key: new})
+    try:
+        validated_tables(spec, added)
+    except SpecError as error:
+        # Other faults of the value are reported with those of all values.
+        return next((problem for problem in error.problems if problem.path == name), added)
+    return added
 
 
 def _values(value: Any, path: KeyPath) -> Iterator[tuple[KeyPath, Any]]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from fractions import Fraction
 from functools import cache
 
 import numpy as np
@@ -80,3 +81,23 @@ def test_methods_for_scenes_are_refused() -> None:
         derive.simulate(body(0), integrator="rk4", **settings)
     with pytest.raises(derive.SpecError, match="simulation: this table is missing"):
         derive.simulate(body(0))
+
+
+def test_a_free_beam_vibrates_and_spins() -> None:
+    """Its first mode, xi^2 - 1/3, has omega^2 = 720 EI / (m l^3), while the beam moves on uniformly."""
+    beam = derive.read(ROOT / "scenes/free_beam_mean.toml")
+    start = derive.InitialValues(velocity=(1.0, 0.5), deflection=(Fraction(-1, 300), Fraction(0), Fraction(1, 100)))
+    bent = replace(beam, start=start, simulation=derive.Simulation(1.0, 0.01, 1e-11))
+    found = derive.simulate(bent)
+    np.testing.assert_allclose(found["beam_c1"], found.t, atol=1e-10)
+    np.testing.assert_allclose(found["beam_c2"], found.t / 2, atol=1e-10)
+    first = found["beam_alpha1"]
+    assert abs(first[0]) > 1e-3
+    np.testing.assert_allclose(first, first[0] * np.cos(np.sqrt(720) * found.t), atol=1e-8)
+    assert derive.validated(bent) == bent
+
+
+def test_a_beam_that_is_called_beam() -> None:
+    """The name of the model and that of the body differ."""
+    found = derive.simulate(derive.planar_beam("beam"), duration=0.1, output=0.1)
+    assert "rod_phi" in found and found.name == "beam"

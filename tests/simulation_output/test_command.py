@@ -120,11 +120,11 @@ def test_again_gives_the_same_and_files_of_others_are_left_alone(
     assert files[0].read_text() == "t,mine\n" and not files[1].exists()
 
 
-def test_a_body_alone_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    spec = str(ROOT / "scenes/free_beam_mean.toml")
+def test_a_symbolic_body_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    spec = str(ROOT / "scenes/body_symbolic.toml")
     assert main(["simulate", spec, "--out", str(tmp_path / "out")]) == 2
     said = capsys.readouterr()
-    assert said.out == "" and said.err.startswith(f"{spec}: ") and "this is a single body" in said.err
+    assert said.out == "" and said.err.startswith(f"{spec}: ") and "all numbers of this body are parameters" in said.err
     assert not (tmp_path / "out").exists()
 
 

@@ -13,7 +13,6 @@ from derive.spec.model.scene import (
     Deflection,
     Drive,
     Force,
-    InitialValues,
     Joint,
     MarkerRef,
     Plot,
@@ -25,7 +24,7 @@ from derive.spec.model.scene import (
     TimeFunction,
     Torque,
 )
-from derive.spec.model.simulation import Simulation
+from derive.spec.model.simulation import InitialValues, Simulation
 from derive.spec.parsing.time_expression import time_function
 from derive.spec.toml.read import parse, read
 

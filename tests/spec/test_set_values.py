@@ -64,12 +64,19 @@ def test_single_bodies() -> None:
     assert block.modes == 3 and str(changes[0]) == "body.modes: 8 -> 3"
 
 
+def test_keys_that_are_left_out_are_added() -> None:
+    beam, changes = with_values(derive.read(ROOT / "scenes/free_beam_mean.toml"), {"beam.start.spin": "2"})
+    assert beam.start.spin == 2.0 and str(changes[0]) == "beam.start.spin: not given -> 2"
+    with pytest.raises(derive.SpecError, match=r'--set: beam.start.spn: unknown key; did you mean "spin"\?'):
+        with_values(beam, {"beam.start.spn": "2"})
+
+
 def test_all_unknown_names_are_reported_with_suggestions() -> None:
     with pytest.raises(derive.SpecError) as error:
         with_values(SPINNING, {"Ei": "3", "bodies.beam.mas": "3", "simulation.duration": "1", "zzz": "1"})
     lines = str(error.value).splitlines()
     assert len(lines) == 3 and all(line.startswith("--set: ") for line in lines)
-    assert 'did you mean "EI"?' in lines[0] and 'did you mean "bodies.beam.mass"?' in lines[1]
+    assert 'did you mean "EI"?' in lines[0] and 'bodies.beam.mas: unknown key; did you mean "mass"?' in lines[1]
     assert "the parameters are m, l, EI" in lines[2]
 
 

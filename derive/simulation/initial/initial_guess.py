@@ -15,7 +15,8 @@ from derive.simulation.compiled_scene import Mask, coordinates_with
 from derive.simulation.initial.targets import piece_deflections
 from derive.simulation.observables.beams import half_length
 from derive.simulation.observables.motion import si_value
-from derive.spec.model.scene import BeamBody, CustomBody, InitialValues, RigidBody, Scene
+from derive.spec.model.scene import BeamBody, CustomBody, RigidBody, Scene
+from derive.spec.model.simulation import InitialValues
 
 
 def initial_guess(scene: Scene, native: NativeScene) -> tuple[Vector, Vector, Mask]:

@@ -11,8 +11,10 @@ from derive.spec.checks import scene_messages
 from derive.spec.model.body import BEAM_QUANTITIES
 from derive.spec.parsing.faults import Fault, KeyPath, unknown_key
 from derive.spec.parsing.values import kind_of
-from derive.spec.tables.beam import BeamTable, FrameTable
+from derive.spec.tables.beam import FrameTable
 from derive.spec.tables.body import BodyFrameTable, DampingTable, NodalTable, SymbolicTable, UnitsTable, kind_of_body
+from derive.spec.tables.free_beam import BeamTable
+from derive.spec.tables.initial_values import BeamStartTable
 from derive.spec.tables.shared import ParameterTable
 from derive.spec.tables.spatial_start import RotationTable, SpatialStartTable
 from derive.spec.tables.specification import SCENE, specification_table
@@ -119,6 +121,8 @@ def _table(path: KeyPath, data: Mapping[str, object]) -> type[BaseModel]:
             return UnitsTable
         case ("body", "damping"):
             return DampingTable
+        case ("beam", "start"):
+            return BeamStartTable
         case ("body", "start"):
             return SpatialStartTable
         case ("body", "start", "rotation"):

@@ -106,7 +106,7 @@ def _specified(specification: SpecificationTable, nodes: NodeData | None, curves
         assert nodes is not None
         return body.body(name, nodes, specification.settings())
     assert specification.beam is not None
-    return specification.beam.free_beam(name)
+    return specification.beam.free_beam(name, specification.settings())
 
 
 def _repeated_names(data: Mapping[str, object]) -> Iterator[Fault]:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING, Literal
 
-from derive.spec.model.simulation import AT_REST, Simulation, SpatialStart
+from derive.spec.model.simulation import AT_REST, NOT_GIVEN, InitialValues, Simulation, SpatialStart
 
 if TYPE_CHECKING:
     import numpy as np
@@ -68,7 +68,8 @@ class Marker:
 class PlanarBeam:
     """A uniform slender free beam that moves in a plane: the example of the paper, (21)-(27).
 
-    `gravity` is the acceleration of free fall in the inertial base, m/s^2.
+    `gravity` is the acceleration of free fall in the inertial base, m/s^2. `start` and `simulation` are for the
+    simulation of the beam alone.
     """
 
     name: str
@@ -80,6 +81,8 @@ class PlanarBeam:
     markers: tuple[Marker, ...] = ()
     orthogonal: bool = False
     gravity: tuple[Quantity, Quantity] | None = None
+    start: InitialValues = NOT_GIVEN
+    simulation: Simulation | None = None
 
 
 Gravity = tuple[Quantity, Quantity, Quantity]

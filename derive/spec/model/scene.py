@@ -7,9 +7,9 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import ClassVar, Literal
 
-from derive.spec.model.body import Marker, NodalBody, PlanarBeam, Polynomial, Quantity, SymbolicBody
+from derive.spec.model.body import Marker, NodalBody, PlanarBeam, Quantity, SymbolicBody
 from derive.spec.model.ports import SceneOutput
-from derive.spec.model.simulation import Simulation
+from derive.spec.model.simulation import NOT_GIVEN, InitialValues, Simulation
 
 GROUND = "ground"
 """The name under which joints and forces speak of the inertial base."""
@@ -69,25 +69,6 @@ EQUILIBRIUM: SceneStart = "equilibrium"
 
 
 @dataclass(frozen=True)
-class InitialValues:
-    """Initial values of a body; None where the specification gives none.
-
-    position (m), angle (rad), velocity (m/s) and spin (rad/s) are those of the origin of a body, or of the centre of
-    the straight axis of a beam. deflection (m) and deflection_rate (m/s), of beams alone: displacement from that axis
-    as a polynomial in xi along the whole beam. The initial state keeps what is given, see
-    `derive.simulation.initial.initial_state`; with `guess` the values are where the assembly begins.
-    """
-
-    position: tuple[float, float] | None = None
-    angle: float | None = None
-    velocity: tuple[float, float] | None = None
-    spin: float | None = None
-    deflection: Polynomial | None = None
-    deflection_rate: Polynomial | None = None
-    guess: bool = False
-
-
-@dataclass(frozen=True)
 class JointInitialValues:
     """Initial values of the relative motion of a joint, of body 2 relative to body 1; None where none is given.
 
@@ -120,7 +101,7 @@ class RigidBody:
     inertia: Quantity | None = None
     centre: tuple[Quantity, Quantity] = (Fraction(0), Fraction(0))
     markers: tuple[PointMarker, ...] = ()
-    start: InitialValues = InitialValues()
+    start: InitialValues = NOT_GIVEN
     keep_coordinates: bool = False
     kind: ClassVar[str] = "rigid"
 
@@ -136,7 +117,7 @@ class BeamBody:
     name: str
     beam: PlanarBeam
     pieces: int = 1
-    start: InitialValues = InitialValues()
+    start: InitialValues = NOT_GIVEN
     kind: ClassVar[str] = "beam"
 
     @property
@@ -153,7 +134,7 @@ class CustomBody:
     kind: str
     values: Mapping[str, object] = field(default_factory=dict, hash=False)
     markers: tuple[PointMarker, ...] = ()
-    start: InitialValues = InitialValues()
+    start: InitialValues = NOT_GIVEN
 
 
 SceneBody = RigidBody | BeamBody | CustomBody

@@ -1,8 +1,9 @@
-"""What is simulated: duration, rows and accuracy; the initial state of a single body in space."""
+"""What is simulated: duration, rows and accuracy; initial values of planar bodies, and of bodies in space."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from fractions import Fraction
 
 
 @dataclass(frozen=True)
@@ -12,6 +13,29 @@ class Simulation:
     duration: float
     output: float
     tolerance: float = 1e-9
+
+
+@dataclass(frozen=True)
+class InitialValues:
+    """Initial values of a body; None where the specification gives none.
+
+    position (m), angle (rad), velocity (m/s) and spin (rad/s) are those of the origin of a body, or of the centre of
+    the straight axis of a beam. deflection (m) and deflection_rate (m/s), of beams alone: displacement from that axis
+    as a polynomial in xi along the whole beam. The initial state keeps what is given, see
+    `derive.simulation.initial.initial_state`; with `guess` the values are where the assembly begins.
+    """
+
+    position: tuple[float, float] | None = None
+    angle: float | None = None
+    velocity: tuple[float, float] | None = None
+    spin: float | None = None
+    deflection: tuple[Fraction, ...] | None = None
+    deflection_rate: tuple[Fraction, ...] | None = None
+    guess: bool = False
+
+
+NOT_GIVEN = InitialValues()
+"""No initial values."""
 
 
 @dataclass(frozen=True)

@@ -38,10 +38,8 @@ from derive.spec.tables.shared import (
     MAX_MARKERS,
     Name,
     ParameterTable,
-    PlanarGravity,
     QuantityInput,
     TomlTable,
-    acceleration,
     few,
     few_markers,
     number_schema,
@@ -212,13 +210,3 @@ class BeamKeys(ShapeKeys):
             orthogonal=orthogonal,
             gravity=gravity,
         )
-
-
-class BeamTable(BeamKeys):
-    """A uniform slender beam that moves freely in a plane."""
-
-    gravity: PlanarGravity = None
-
-    def free_beam(self, name: str) -> PlanarBeam:
-        """The beam as the derivation takes it, with gravity."""
-        return self.planar_beam(name, self.gravity and (acceleration(self.gravity[0]), acceleration(self.gravity[1])))

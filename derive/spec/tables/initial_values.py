@@ -7,7 +7,8 @@ from typing import Annotated
 from pydantic import Field, PlainValidator, WithJsonSchema
 
 from derive.spec.model.body import Polynomial
-from derive.spec.model.scene import EQUILIBRIUM, InitialValues, JointInitialValues, SceneStart
+from derive.spec.model.scene import EQUILIBRIUM, JointInitialValues, SceneStart
+from derive.spec.model.simulation import InitialValues
 from derive.spec.parsing import values
 from derive.spec.tables.beam import Shape
 from derive.spec.tables.markers import Float, FloatPair

@@ -13,10 +13,10 @@ from derive.mechanics.multibody.forces.registry import DEFAULT_KINDS
 from derive.spec.files.reference_curves import Rows
 from derive.spec.model.scene import Scene
 from derive.spec.model.simulation import Simulation
-from derive.spec.tables.beam import BeamTable
 from derive.spec.tables.body import BodyInput
 from derive.spec.tables.drives import DriveTable
 from derive.spec.tables.forces import AnyForceTable, force_table
+from derive.spec.tables.free_beam import BeamTable
 from derive.spec.tables.joints import JointTable, joint_table
 from derive.spec.tables.markers import MAX_NAMED, few_named
 from derive.spec.tables.ports import InputTable, OutputTable, output_table

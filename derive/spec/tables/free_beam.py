@@ -1,0 +1,28 @@
+"""The table of a beam that is not part of a scene."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Annotated
+
+from pydantic import Field
+
+from derive.spec.model.body import PlanarBeam
+from derive.spec.model.simulation import Simulation
+from derive.spec.tables.beam import BeamKeys
+from derive.spec.tables.initial_values import BeamStartTable
+from derive.spec.tables.shared import PlanarGravity, acceleration
+
+
+class BeamTable(BeamKeys):
+    """A uniform slender beam that moves freely in a plane."""
+
+    gravity: PlanarGravity = None
+    start: Annotated[BeamStartTable, Field(description="Initial values of a simulation of the beam alone.")] = (
+        BeamStartTable()
+    )
+
+    def free_beam(self, name: str, simulation: Simulation | None) -> PlanarBeam:
+        """The beam as the derivation takes it, with gravity, and as it is simulated."""
+        gravity = self.gravity and (acceleration(self.gravity[0]), acceleration(self.gravity[1]))
+        return replace(self.planar_beam(name, gravity), start=self.start.start(), simulation=simulation)
