@@ -52,8 +52,8 @@ def _of_model(path: Path) -> tuple[str, str, Page]:
 
 def _paper() -> tuple[str, str, Page]:
     """The audit of the paper."""
-    from derive.report.paper import audit_page
-    from derive.report.paper.page import SUBTITLE
+    from derive.report.paper_audit import audit_page
+    from derive.report.paper_audit.page import SUBTITLE
 
     return PAPER, SUBTITLE, audit_page()
 

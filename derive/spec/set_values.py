@@ -13,8 +13,8 @@ from typing import Any, TypeVar
 
 from derive.errors import Problem, SpecError, printable, quoted
 from derive.spec.as_tables import specification_tables
+from derive.spec.checks.name_clashes import taken_names
 from derive.spec.checks.scene_data import SceneData
-from derive.spec.checks.scene_names import taken_names
 from derive.spec.checks.scene_parameters import scene_constants
 from derive.spec.construction import validated_tables
 from derive.spec.model.body import BEAM_QUANTITIES

@@ -29,7 +29,7 @@ EXEMPT = {
     "report/writers/latex_math.py": "puts escaped text back into formulas in LaTeX",
     "report/notation/glyphs.py": "typesets letters by their Unicode names, and the numbers that users write",
     "report/notation/formula_reader.py": "reads the notation in which the audit of the paper is written",
-    "report/paper/page.py": "reads the notation in which the audit of the paper is written",
+    "report/paper_audit/page.py": "reads the notation in which the audit of the paper is written",
     "report/document/anchors.py": "turns any text into an address that browsers take",
     "visual/line_chart.py": "shortens the numbers of an SVG file that matplotlib wrote",
 }

@@ -14,7 +14,7 @@ import sympy as sp
 from derive.report.document.formula import Formula
 from derive.report.notation.expressions import join
 from derive.report.notation.formula_reader import equation
-from derive.report.paper import SECTIONS
+from derive.report.paper_audit import SECTIONS
 
 from .formula_value import Meaning, Value
 

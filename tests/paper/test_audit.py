@@ -15,8 +15,8 @@ from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
-from derive.report.paper import ASSUMPTIONS, SECTIONS, STATEMENTS
-from derive.report.paper.model import AuditRow, Verdict
+from derive.report.paper_audit import ASSUMPTIONS, SECTIONS, STATEMENTS
+from derive.report.paper_audit.model import AuditRow, Verdict
 from derive.spec.tables.specification import json_schema
 
 ROOT = Path(__file__).parent.parent.parent

@@ -15,9 +15,9 @@ from derive.report.document.page import EquationBlock, Heading, Hyperlink, Page,
 from derive.report.notation.formula_reader import equation, formula
 from derive.report.notation.spoken_math import words
 from derive.report.notation.vector_form import arrow, summand, summands
-from derive.report.paper import SECTIONS, audit_page
-from derive.report.paper.breaking import broken
-from derive.report.paper.page import counts
+from derive.report.paper_audit import SECTIONS, audit_page
+from derive.report.paper_audit.breaking import broken
+from derive.report.paper_audit.page import counts
 
 ROWS = tuple(row for section in SECTIONS for row in section.rows)
 

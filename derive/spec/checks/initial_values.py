@@ -7,8 +7,8 @@ from collections.abc import Iterator
 from pydantic import ValidationError
 
 from derive.mechanics.multibody.joints.registry import JOINTS
+from derive.spec.checks.name_clashes import piece_counts
 from derive.spec.checks.scene_data import Raw, SceneData
-from derive.spec.checks.scene_names import piece_counts
 from derive.spec.parsing import values
 from derive.spec.parsing.faults import Fault, readable
 from derive.spec.tables.beam import ShapeKeys

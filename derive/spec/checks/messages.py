@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
-from derive.spec.checks import scene_messages
+from derive.spec.checks import key_hints
 from derive.spec.model.body import BEAM_QUANTITIES
 from derive.spec.parsing.faults import Fault, KeyPath, unknown_key
 from derive.spec.parsing.values import kind_of
@@ -73,7 +73,7 @@ def _is_union(path: KeyPath) -> bool:
             return True
         case ("beam", key):
             return key in BEAM_QUANTITIES
-    return scene_messages.is_union(path)
+    return key_hints.is_union(path)
 
 
 def _example(path: KeyPath, data: Mapping[str, object]) -> str:
@@ -101,7 +101,7 @@ def _example(path: KeyPath, data: Mapping[str, object]) -> str:
         case ("name",):
             kind = "mechanism" if any(key in data for key in SCENE) else "block" if "body" in data else "free_beam"
             return f'name = "{kind}"'
-    return scene_messages.example(path)
+    return key_hints.example(path)
 
 
 def _table(path: KeyPath, data: Mapping[str, object]) -> type[BaseModel]:
@@ -127,7 +127,7 @@ def _table(path: KeyPath, data: Mapping[str, object]) -> type[BaseModel]:
             return SpatialStartTable
         case ("body", "start", "rotation"):
             return RotationTable
-    return scene_messages.table(path, data) or ParameterTable
+    return key_hints.table(path, data) or ParameterTable
 
 
 def _unknown_key(path: KeyPath, data: Mapping[str, object]) -> str:
@@ -135,7 +135,7 @@ def _unknown_key(path: KeyPath, data: Mapping[str, object]) -> str:
     if len(path) == 1:
         tables = {"beam": {*BeamTable.model_fields}, "body": {*NodalTable.model_fields, *SymbolicTable.model_fields}}
         if any(name in data for name in SCENE):
-            tables = scene_messages.PLAIN_TABLES
+            tables = key_hints.PLAIN_TABLES
         for name in sorted(tables, key=lambda name: name not in data):
             if key in tables[name]:
                 return f"this key belongs in the table [{name}]"
@@ -143,4 +143,4 @@ def _unknown_key(path: KeyPath, data: Mapping[str, object]) -> str:
         return f"this key belongs above the table [{path[0]}]"
     if path[0] == "body" and len(path) == 2 and kind_of_body(body) == "symbolic" and key in NodalTable.model_fields:
         return "a symbolic body has no such key: its numbers are run-time parameters; leave this or `integrals` out"
-    return scene_messages.unknown(path, data) or unknown_key(key, _table(path[:-1], data).model_fields)
+    return key_hints.unknown(path, data) or unknown_key(key, _table(path[:-1], data).model_fields)

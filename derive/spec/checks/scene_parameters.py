@@ -10,8 +10,8 @@ from derive.mechanics.multibody.bodies.registry import BODIES
 from derive.mechanics.multibody.forces.registry import DEFAULT_KINDS, kinds
 from derive.mechanics.multibody.joints.registry import JOINTS
 from derive.mechanics.multibody.keys import Key, quantities
+from derive.spec.checks.name_clashes import taken_names
 from derive.spec.checks.scene_data import SceneData
-from derive.spec.checks.scene_names import taken_names
 from derive.spec.model.body import BEAM_QUANTITIES, DEFAULT_MASS
 from derive.spec.model.scene import GROUND, NAMED
 from derive.spec.parsing import values

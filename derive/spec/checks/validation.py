@@ -11,8 +11,8 @@ from pydantic import ValidationError
 
 from derive.errors import Problem, SpecError, quoted
 from derive.spec.checks.body_checks import shape_faults
+from derive.spec.checks.cross_references import scene_faults
 from derive.spec.checks.messages import key_faults
-from derive.spec.checks.scene_checks import scene_faults
 from derive.spec.files.reference_curves import Rows, references
 from derive.spec.model.body import BEAM_QUANTITIES, NodeData
 from derive.spec.model.scene import Specification

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from derive.report.paper.model import Assumption
+from derive.report.paper_audit.model import Assumption
 
 NODES = "body.nodes"
 

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from derive.report.notation.formula_reader import equation
-from derive.report.paper import derived_space as derived
-from derive.report.paper.model import AuditRow, AuditSection, Derived, tests
+from derive.report.paper_audit import derived_space as derived
+from derive.report.paper_audit.model import AuditRow, AuditSection, Derived, tests
 from derive.report.sections import kinematics
 
 CONTINUUM = "test_continuum.py"

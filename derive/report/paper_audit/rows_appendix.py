@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from derive.report.document.formula import Equation
-from derive.report.paper import derived_space as derived
-from derive.report.paper.model import AuditRow, AuditSection, tests
+from derive.report.paper_audit import derived_space as derived
+from derive.report.paper_audit.model import AuditRow, AuditSection, tests
 
 FILE = "test_appendix.py"
 NOTATION = "The text has lost the arrows over the vectors; nothing else."

@@ -11,8 +11,8 @@ from derive.mechanics.multibody.keys import KeyType
 from derive.mechanics.multibody.outputs.registry import OUTPUTS
 from derive.spec.checks.body_checks import shape_faults
 from derive.spec.checks.initial_values import body_start_faults, joint_start_faults
+from derive.spec.checks.name_clashes import column_faults, name_faults
 from derive.spec.checks.scene_data import Raw, SceneData
-from derive.spec.checks.scene_names import column_faults, name_faults
 from derive.spec.checks.scene_parameters import parameter_faults
 from derive.spec.model.scene import GROUND, NAMED, MarkerRef
 from derive.spec.parsing.faults import Fault, KeyPath, did_you_mean

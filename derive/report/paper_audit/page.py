@@ -25,8 +25,8 @@ from derive.report.document.page import (
 )
 from derive.report.notation.formula_reader import equation, formula
 from derive.report.notation.spoken_math import words as spoken
-from derive.report.paper.breaking import broken
-from derive.report.paper.model import Assumption, AuditRow, AuditSection, Statement, Verdict
+from derive.report.paper_audit.breaking import broken
+from derive.report.paper_audit.model import Assumption, AuditRow, AuditSection, Statement, Verdict
 
 Mark = Literal["", "zero", "entry", "good", "bad"]
 

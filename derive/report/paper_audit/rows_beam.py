@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from derive.report.paper import derived_beam as derived
-from derive.report.paper.model import AuditRow, AuditSection, tests
+from derive.report.paper_audit import derived_beam as derived
+from derive.report.paper_audit.model import AuditRow, AuditSection, tests
 
 BEAM = "test_beam.py"
 DIFFERENTIATED = "test_printed_against_brute_force.py"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from derive.report.paper.model import Statement, tests
+from derive.report.paper_audit.model import Statement, tests
 
 MEAN = "test_mean_equations.py"
 BEAM = "test_beam.py"

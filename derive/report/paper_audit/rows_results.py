@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from derive.report.document.formula import Equation
-from derive.report.paper import derived_beam as derived
-from derive.report.paper.model import AuditRow, AuditSection, Derived, tests
+from derive.report.paper_audit import derived_beam as derived
+from derive.report.paper_audit.model import AuditRow, AuditSection, Derived, tests
 
 BEAM = "test_beam.py"
 CHAIN = "test_derived.py"

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from fractions import Fraction
 
-from derive.report.paper import derived_beam as beam
-from derive.report.paper import derived_space as derived
-from derive.report.paper.model import AuditRow, AuditSection, tests
+from derive.report.paper_audit import derived_beam as beam
+from derive.report.paper_audit import derived_space as derived
+from derive.report.paper_audit.model import AuditRow, AuditSection, tests
 
 SPACE = "test_body_in_space.py"
 MEAN = "test_mean_equations.py"
