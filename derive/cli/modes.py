@@ -15,11 +15,10 @@ from derive.runtime.native_scene import NativeScene
 from derive.simulation.linear.eigenmodes import ComplexVector, Mode
 from derive.simulation.linear.mode_files import mode_files, modes_data
 from derive.simulation.linear.modes import Modes, modes
-from derive.spec.model.body import PlanarBeam
 from derive.spec.model.scene import Scene
 from derive.spec.toml.read import with_lines
 from derive.terminal import magnitude, show_progress, table, wrapped
-from derive.visual.mode_pages import drawn_modes, modes_page, modes_picture
+from derive.visual.mode_pages import is_drawn, modes_page, modes_picture
 
 NEGLIGIBLE = 1e-6
 """Imaginary parts of a normalised shape below this are not printed."""
@@ -62,7 +61,7 @@ def _files(result: Modes, count: int) -> list[File | BinaryFile]:
     """All files; a picture and an animation of the first `count` modes if there is something to draw."""
     stem = f"{result.spec.name}/{result.spec.name}.modes"
     files = list(mode_files(result))
-    if isinstance(result.spec, Scene | PlanarBeam) and drawn_modes(result, count):
+    if is_drawn(result, count):
         files.append(File(f"{stem}.svg", modes_picture(result, count)))
         files.append(File(f"{stem}.html", modes_page(result, count)))
     return files

@@ -23,16 +23,18 @@ LEAST, MOST = 90, 260
 """The least and the greatest height of the drawing in a panel, in pixels."""
 DOT = 3
 """The radius of a point, in pixels."""
+MANY = 60
+"""More lines than these in a panel are thin."""
 
 STYLE = """\
   <style>
     text { font: 13px system-ui, sans-serif; fill: #1c2733; } .ground { fill: #ffffff; }
     .title { font-weight: 600; font-size: 15px; } .mode { font-weight: 600; } .note { fill: #5b6773; }
-    polyline { fill: none; stroke-linejoin: round; stroke-linecap: round; }
+    path { fill: none; stroke-linejoin: round; stroke-linecap: round; }
     .rest { stroke: #b8c2cc; stroke-width: 2; } circle.rest { fill: #b8c2cc; }
     .there { stroke: #1f6f8b; stroke-width: 2.4; } circle.there { fill: #1f6f8b; }
     .back { stroke: #d0702a; stroke-width: 1.4; stroke-dasharray: 5 4; } circle.back { fill: #d0702a; }
-    .point { fill: #1c2733; }
+    .point { fill: #1c2733; } .mesh path { stroke-width: 0.8; }
     @media (prefers-color-scheme: dark) {
       text { fill: #e6edf3; } .ground { fill: #13171b; } .note { fill: #9aa6b2; }
       .rest { stroke: #55606b; } circle.rest { fill: #55606b; } .there { stroke: #5fb6d4; }
@@ -73,7 +75,7 @@ def mode_picture(title: str, note: str, panels: Sequence[ModePanel], points: Arr
         centre = np.array([left + WIDTH / 2, top + HEAD / 2 + drawn / 2])
         lines.append(f'  <text class="mode" x="{left}" y="{top + 8}">{escape(panel.title)}</text>')
         for kind, shapes in (("rest", panel.rest), ("back", panel.back), ("there", panel.there)):
-            lines += [_line(kind, centre + (shape - middle) * [scale, -scale]) for shape in shapes]
+            lines += _lines(kind, [centre + (shape - middle) * [scale, -scale] for shape in shapes])
         for x, y in centre + (points - middle) * [scale, -scale]:
             lines.append(f'  <circle class="point" cx="{x:.1f}" cy="{y:.1f}" r="{DOT}"/>')
     return "\n".join(
@@ -84,7 +86,9 @@ def mode_picture(title: str, note: str, panels: Sequence[ModePanel], points: Arr
             STYLE,
             f'  <rect class="ground" width="{width}" height="{height}"/>',
             f'  <text class="title" x="{GAP}" y="24">{escape(title)}</text>',
+            f'  <g class="{"mesh" if max(len(panel.rest) for panel in panels) > MANY else "lines"}">',
             *lines,
+            "  </g>",
             *(
                 f'  <text class="note" x="{GAP}" y="{bottom + k * LINE}">{escape(text)}</text>'
                 for k, text in enumerate(notes)
@@ -94,9 +98,9 @@ def mode_picture(title: str, note: str, panels: Sequence[ModePanel], points: Arr
     )
 
 
-def _line(kind: str, points: Array) -> str:
-    """A line through points in pixels, or a dot where they are one point."""
-    if np.ptp(points, axis=0).max() < 0.05:
-        return f'  <circle class="{kind}" cx="{points[0, 0]:.1f}" cy="{points[0, 1]:.1f}" r="{DOT + 1}"/>'
-    text = " ".join(f"{x:.1f},{y:.1f}" for x, y in points)
-    return f'  <polyline class="{kind}" points="{text}"/>'
+def _lines(kind: str, shapes: Sequence[Array]) -> list[str]:
+    """One path through all lines (points, 2), in pixels, and a dot for each line that is one point."""
+    dots = [shape[0] for shape in shapes if np.ptp(shape, axis=0).max() < 0.05]
+    paths = ["M" + "L".join(f"{x:.1f} {y:.1f}" for x, y in s) for s in shapes if np.ptp(s, axis=0).max() >= 0.05]
+    texts = [f'  <path class="{kind}" d="{"".join(paths)}"/>'] if paths else []
+    return texts + [f'  <circle class="{kind}" cx="{x:.1f}" cy="{y:.1f}" r="{DOT + 1}"/>' for x, y in dots]

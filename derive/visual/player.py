@@ -13,17 +13,7 @@ from derive.rendering import render
 
 def player_page(data: Mapping[str, Any]) -> str:
     """The text of a page that plays a motion; `data` is that of `derive.simulation.observables.player_data`."""
-    return _page(str(data["name"]), data)
-
-
-def motions_page(title: str, motions: Sequence[Mapping[str, Any]]) -> str:
-    """The text of a page that plays one of several motions at a time, which the reader selects by their names."""
-    return _page(title, motions)
-
-
-def _page(title: str, island: object) -> str:
-    content = {"mark": MARK, "title": escape(title), "motion": json_island(island)}
-    return render("player/player.html.jinja", content)
+    return _page("player.html", str(data["name"]), data)
 
 
 def spatial_player_page(data: Mapping[str, Any]) -> str:
@@ -31,8 +21,22 @@ def spatial_player_page(data: Mapping[str, Any]) -> str:
 
     `data` is that of `derive.simulation.observables.spatial_player_data`.
     """
-    title = escape(str(data["name"]))
-    return render("player/spatial.html.jinja", {"mark": MARK, "title": title, "motion": json_island(data)})
+    return _page("spatial.html", str(data["name"]), data)
+
+
+def motions_page(title: str, motions: Sequence[Mapping[str, Any]]) -> str:
+    """The text of a page that plays one of several motions at a time, which the reader selects by their names."""
+    return _page("player.html", title, {"motions": motions})
+
+
+def spatial_motions_page(title: str, body: Mapping[str, Any], motions: Sequence[Mapping[str, Any]]) -> str:
+    """The text of a page that plays one of several motions of a body in space, whose own data are `body`."""
+    return _page("spatial.html", title, {"body": body, "motions": motions})
+
+
+def _page(template: str, title: str, island: object) -> str:
+    content = {"mark": MARK, "title": escape(title), "motion": json_island(island)}
+    return render(f"player/{template}.jinja", content)
 
 
 def json_island(data: object) -> str:

@@ -18,6 +18,7 @@ from derive.cli.main import main
 from derive.simulation.linear.displaced import displaced, mode_lines
 from derive.simulation.linear.modes import Modes
 from derive.simulation.observables.motion import marker_positions
+from derive.simulation.observables.spatial_player_data import drawn_body
 from derive.spec.model.scene import MarkerRef
 from derive.visual.mode_pages import modes_page, modes_picture
 
@@ -51,7 +52,7 @@ def rod() -> Modes:
 
 
 def motions_of(page: str) -> list[dict]:
-    return json.loads(re.search(r'id="motion">(.*?)</script>', page, re.S)[1])
+    return json.loads(re.search(r'id="motion">(.*?)</script>', page, re.S)[1])["motions"]
 
 
 def test_it_prints_and_writes(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -115,7 +116,7 @@ def test_the_picture_shows_linear_displacements(rod: Modes) -> None:
     np.testing.assert_allclose(swing[:, 1], 0, atol=1e-9)
     root = ElementTree.fromstring(modes_picture(rod, 2))
     svg = "{http://www.w3.org/2000/svg}"
-    kinds = [line.attrib["class"] for line in root.iter(f"{svg}polyline")]
+    kinds = [line.attrib["class"] for line in root.iter(f"{svg}path")]
     assert kinds == ["rest", "back", "there"] * 2
     titles = [text.text for text in root.iter(f"{svg}text") if text.attrib["class"] == "mode"]
     assert titles == [f"{i}: {mode.frequency:.4g} Hz" for i, mode in enumerate(rod.modes[:2], 1)]
@@ -150,5 +151,17 @@ def test_a_beam_alone_is_drawn_like_a_scene() -> None:
     (line,) = bending.displacements  # the first bending shape has equal displacements of both ends
     assert line[0, 1].real == pytest.approx(line[-1, 1].real, rel=1e-9)
     assert np.abs(line).max() == pytest.approx(0.2, rel=1e-6) and np.sign(line[8, 1].real) == -np.sign(line[0, 1].real)
-    assert len(re.findall("<polyline", modes_picture(found, 2))) == 6
+    assert len(re.findall("<path", modes_picture(found, 2))) == 6
     assert [m["beams"][0]["name"] for m in motions_of(modes_page(found, 2))] == ["lone", "lone"]
+
+
+def test_a_body_in_space_is_drawn(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["modes", str(ROOT / "scenes/block.toml"), "--count", "2", "--out", str(tmp_path)]) == 0
+    picture, page = ((tmp_path / f"block/block.modes.{kind}").read_text() for kind in ("svg", "html"))
+    assert re.findall('<path class="(.*?)"', picture) == ["rest", "there"] * 2
+    first, second = motions_of(page)
+    assert first["name"] == "7: 1834 Hz" and second["name"] == "8: 2749 Hz"
+    drawn = drawn_body(derive.read(ROOT / "scenes/block.toml"))
+    (bending,) = (a for a in first["amplitudes"] if len(a["values"]) > 1)
+    moved = np.abs(np.cumsum(bending["values"])).max() * bending["step"] * drawn.phi[0]
+    assert np.linalg.norm(moved, axis=1).max() == pytest.approx(0.1 * 0.4, rel=1e-3)

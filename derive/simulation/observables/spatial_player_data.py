@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,7 @@ from derive.reduction.body import prepare
 from derive.simulation.body_trajectory import BodyTrajectory
 from derive.simulation.observables.motion import Array
 from derive.simulation.observables.player_data import RESOLUTION, Plain, channel, frames, rounded, speeds
+from derive.spec.model.body import NodalBody
 
 MAX_NODES = 400
 """A body with more nodes is drawn as the box around them."""
@@ -20,33 +22,64 @@ NEIGHBOURS = 26
 """The nearest nodes that an edge may lead to."""
 
 
-def spatial_player_data(trajectory: BodyTrajectory) -> dict[str, Any]:
-    """The content of the page of a motion: lengths in m, times in s.
+@dataclass(frozen=True, eq=False)
+class DrawnBody:
+    """What is drawn of a body: points x (n, 3), m, in its frame, the modes there, phi (N, n, 3), and edges (pairs).
 
-    Nodes are drawn with the edges between neighbours; a body of more than MAX_NODES nodes as the box around it, whose
-    corners move as the nearest nodes.
+    radius: of the body about the origin of its frame, m. markers: the names and the nodes of markers.
     """
-    shapes = prepare(trajectory.body).shapes
-    x, phi, edges, markers = shapes.x, shapes.phi, neighbours(shapes.x), _markers(trajectory)
-    if len(x) > MAX_NODES:
-        x, phi, edges, markers = (*_box(x, phi), [])
-    chosen = frames(len(trajectory.t), 1 + trajectory.q.shape[1])
-    t, q = trajectory.t[chosen], trajectory.q[chosen]
+
+    x: Array
+    phi: Array
+    edges: list[list[int]]
+    radius: float
+    markers: list[Plain]
+
+
+def drawn_body(body: NodalBody) -> DrawnBody:
+    """The nodes with the edges between neighbours; of more than MAX_NODES nodes the box around them, whose corners move
+    as the nearest nodes."""
+    shapes = prepare(body).shapes
     radius = float(np.linalg.norm(shapes.x, axis=1).max()) or 1.0
-    middle = (q[:, :3].min(axis=0) + q[:, :3].max(axis=0)) / 2
-    reach = radius + float(np.linalg.norm(q[:, :3] - middle, axis=1).max())
-    step = rounded(RESOLUTION * reach)
+    if len(shapes.x) > MAX_NODES:
+        return DrawnBody(*_box(shapes.x, shapes.phi), radius, [])
+    markers: list[Plain] = [{"name": marker.name, "node": marker.node} for marker in body.markers]
+    return DrawnBody(shapes.x, shapes.phi, neighbours(shapes.x), radius, markers)
+
+
+def spatial_player_data(trajectory: BodyTrajectory) -> Plain:
+    """The content of the page of a motion: lengths in m, times in s."""
+    drawn = drawn_body(trajectory.body)
     return {
         "name": trajectory.name,
+        **body_data(drawn),
+        **body_motion_data(drawn, trajectory.t, trajectory.q),
+    }
+
+
+def body_data(drawn: DrawnBody) -> Plain:
+    """The part of the content of a page that does not depend on the motion."""
+    return {
+        "nodes": _rounded(drawn.x),
+        "shapes": [_rounded(mode) for mode in drawn.phi],
+        "edges": drawn.edges,
+        "markers": drawn.markers,
+        "radius": rounded(drawn.radius),
+    }
+
+
+def body_motion_data(drawn: DrawnBody, t: Array, q: Array) -> Plain:
+    """The part of the content of a page that is the motion q (n, nq) at the times t (n,), s."""
+    chosen = frames(len(t), 1 + q.shape[1])
+    t, q = t[chosen], q[chosen]
+    middle = (q[:, :3].min(axis=0) + q[:, :3].max(axis=0)) / 2
+    reach = drawn.radius + float(np.linalg.norm(q[:, :3] - middle, axis=1).max())
+    step = rounded(RESOLUTION * reach)
+    return {
         "time": channel(t, 1e-6 * float(t[-1] - t[0]) or 1.0),
         "position": [channel(c, step) for c in q[:, :3].T],
         "quaternion": [channel(e, RESOLUTION) for e in q[:, 3:7].T],
         "amplitudes": [channel(a, 1e-5 * float(np.abs(a).max())) for a in q[:, 7:].T],
-        "nodes": _rounded(x),
-        "shapes": [_rounded(mode) for mode in phi],
-        "edges": edges,
-        "markers": markers,
-        "radius": rounded(radius),
         "reach": rounded(reach),
         "centre": _rounded(middle),
         "speeds": speeds(float(t[-1] - t[0])),
@@ -78,10 +111,6 @@ def _box(x: Array, phi: Array) -> tuple[Array, Array, list[list[int]]]:
     nearest: NDArray[np.intp] = cKDTree(x).query(corners)[1]
     edges = [[i, i | 1 << axis] for i in range(8) for axis in range(3) if not i >> axis & 1]
     return corners, phi[:, nearest], edges
-
-
-def _markers(trajectory: BodyTrajectory) -> list[Plain]:
-    return [{"name": marker.name, "node": marker.node} for marker in trajectory.body.markers]
 
 
 def _rounded(values: Array) -> Any:
