@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import re
+import shutil
+import subprocess
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -22,6 +24,7 @@ from derive.simulation.observables.spatial_player_data import drawn_body
 from derive.spec.model.scene import MarkerRef
 from derive.visual.mode_pages import modes_page, modes_picture
 
+CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
 PENDULUM = """\
 name = "damped_bar"
 [scene]
@@ -155,13 +158,29 @@ def test_a_beam_alone_is_drawn_like_a_scene() -> None:
     assert [m["beams"][0]["name"] for m in motions_of(modes_page(found, 2))] == ["lone", "lone"]
 
 
-def test_a_body_in_space_is_drawn(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["modes", str(ROOT / "scenes/block.toml"), "--count", "2", "--out", str(tmp_path)]) == 0
-    picture, page = ((tmp_path / f"block/block.modes.{kind}").read_text() for kind in ("svg", "html"))
-    assert re.findall('<path class="(.*?)"', picture) == ["rest", "there"] * 2
-    first, second = motions_of(page)
+def test_a_body_in_space_is_drawn() -> None:
+    body = derive.nodal_body("small_block", str(ROOT / "scenes/block.npz"), units="SI", modes=2, frame="mean")
+    found = derive.modes(body)
+    assert re.findall('<path class="(.*?)"', modes_picture(found, 2)) == ["rest", "there"] * 2
+    first, second = motions_of(modes_page(found, 2))
     assert first["name"] == "7: 1834 Hz" and second["name"] == "8: 2749 Hz"
-    drawn = drawn_body(derive.read(ROOT / "scenes/block.toml"))
     (bending,) = (a for a in first["amplitudes"] if len(a["values"]) > 1)
-    moved = np.abs(np.cumsum(bending["values"])).max() * bending["step"] * drawn.phi[0]
+    moved = np.abs(np.cumsum(bending["values"])).max() * bending["step"] * drawn_body(body).phi[0]
     assert np.linalg.norm(moved, axis=1).max() == pytest.approx(0.1 * 0.4, rel=1e-3)
+
+
+@pytest.mark.skipif(CHROMIUM is None, reason="there is no Chromium here")
+def test_a_mode_is_selected_in_a_browser(rod: Modes, tmp_path: Path) -> None:
+    """#mode=2 draws the second motion at an instant: the tip is beside the line through the hook."""
+    path = tmp_path / "page.html"
+    path.write_text(modes_page(rod, 2))
+    command = [CHROMIUM, "--headless", "--no-sandbox", "--disable-gpu", f"--user-data-dir={tmp_path / 'profile'}"]
+    command += ["--virtual-time-budget=1000", "--window-size=1000,800", "--dump-dom", f"file://{path}#mode=2&t=0"]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=60, check=True)
+    dom = done.stdout.split("<script", 1)[0]
+    assert [f"{i}: {mode.frequency:.4g} Hz" in dom for i, mode in enumerate(rod.modes[:2], 1)] == [True, True]
+    points = re.findall(r'<path data-k="(?:rod|beam)" d="M([^"]*)"', dom)[0].split("L")
+    first, last = (np.array(point.split(), dtype=float) for point in (points[0], points[-1]))
+    (motion,) = (displaced(rod, rod.modes[1], np.zeros(1)),)
+    tip = marker_positions(motion, MarkerRef("rod", "right"))[0]
+    assert (last - first)[0] / (first - last)[1] == pytest.approx(tip[0] / tip[1], rel=2e-2)
