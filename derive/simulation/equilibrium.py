@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import Enum
-from typing import Protocol
+from typing import Protocol, assert_never
 
 import numpy as np
 from scipy.linalg import null_space, solve_triangular
 
 from derive.ir.patterns import Pattern
+from derive.lowering.redundancy import enumeration
 from derive.roles import Role
 from derive.runtime.native_call import Matrix, Vector
 from derive.simulation.compiled_scene import (
@@ -45,10 +46,10 @@ class StaticSystem(ConstrainedSystem, Protocol):
 
 
 class Stability(Enum):
-    """What a small disturbance of an equilibrium does; the value is the text of messages and reports."""
+    """Whether an equilibrium is regained after a small disturbance; the value is the word for it."""
 
     STABLE = "stable"
-    NEUTRAL = "neutral: a motion meets no stiffness"
+    NEUTRAL = "neutral"
     UNSTABLE = "unstable"
 
 
@@ -57,7 +58,7 @@ class Equilibrium:
     """A configuration at rest in which loads, elastic forces and constraint reactions balance at the time t (s).
 
     q (nq,), lam (nlambda,): coordinates and multipliers in SI units. residual: the largest |h - G^T lambda| (N or N m).
-    load: the largest |h| (N or N m) met on the way, which the residual is compared with. eigenvalues: of the stiffness
+    load: the largest |h| in it and in the first guess. eigenvalues: of the stiffness
     d(h - G^T lambda)/dq in the motions that the constraints allow, in the metric of the mass matrix, rad^2/s^2,
     ascending by their real parts; squares of the natural frequencies where they are real and positive. softest: the
     coordinates that take part in the motion of the first eigenvalue. iterations, load_steps: the effort.
@@ -72,6 +73,22 @@ class Equilibrium:
     softest: tuple[str, ...]
     iterations: int
     load_steps: int
+
+    def __str__(self) -> str:
+        """The equilibrium in a sentence, with what it rests on."""
+        text = f"static equilibrium with a residual of {self.residual:.1e} N or N m beside loads of {self.load:.3g}"
+        match self.stability:
+            case Stability.STABLE:
+                lowest = float(np.sqrt(np.min(np.real(self.eigenvalues)))) if len(self.eigenvalues) else None
+                return f"{text}; stable" + (
+                    f", lowest natural frequency {lowest / (2 * np.pi):.4g} Hz" if lowest else ""
+                )
+            case Stability.NEUTRAL:
+                return f"{text}; neutral: a motion of {enumeration(self.softest)} meets no stiffness"
+            case Stability.UNSTABLE:
+                return f"{text}; unstable: a motion of {enumeration(self.softest)} grows"
+            case _ as never:
+                assert_never(never)
 
     @property
     def stability(self) -> Stability:
@@ -126,7 +143,7 @@ class _Newton:
 
     def __init__(self, native: StaticSystem, k: Vector, t: float, load: float) -> None:
         self.native, self.k, self.t = native, k, t
-        self.iterations, self.load = 0, load
+        self.iterations, self.load, self.first_load = 0, load, load
         self.moving: tuple[str, ...] = ()
 
     def balanced(self, q: Vector, held: Vector) -> Vector | None:
@@ -173,7 +190,10 @@ class _Newton:
         values, vectors = _eigen(at.stiffness)
         softest = _participants(self.native, at.motions @ np.real(vectors[:, 0])) if len(values) else ()
         residual = max_norm(at.unbalanced)
-        return Equilibrium(self.t, q, at.lam, residual, self.load, values, softest, self.iterations, load_steps)
+        h = self.native.force(self.t, q, np.zeros(self.native.nv), self.k)
+        return Equilibrium(
+            self.t, q, at.lam, residual, max(self.first_load, max_norm(h)), values, softest, self.iterations, load_steps
+        )
 
     def _on_constraints(self, q: Vector) -> Vector:
         return closest_state(self.native, self.k, self.t, q, np.ones(self.native.nq, dtype=bool)).q

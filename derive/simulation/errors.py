@@ -54,13 +54,13 @@ class ExcessiveDeformation(SimulationError):
 
 
 class MovingDrives(SimulationError):
-    """A static equilibrium is asked for while a drive moves. `drives`: those of the scene."""
+    """A static equilibrium is asked for while `drives` move, or begin to."""
 
     def __init__(self, drives: Sequence[str]) -> None:
         self.drives = tuple(drives)
         super().__init__(
-            f'start = "equilibrium" needs drives that are at rest at t = 0, and {enumeration(drives)} moves. Let its '
-            "motion begin with speed zero, or leave `start` out."
+            'start = "equilibrium" needs drives at rest: without speed and acceleration at t = 0. This does not hold '
+            f"for {enumeration(drives)}; use a motion such as 0.1*t^3, or leave `start` out."
         )
 
 

@@ -7,13 +7,23 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import solve_triangular
 
+from derive.roles import Role
 from derive.runtime.native_call import Matrix, Vector
-from derive.simulation.compiled_scene import Constraints, Mask, constraint_matrix, mass_matrix, max_norm
+from derive.simulation.compiled_scene import (
+    Constraints,
+    Mask,
+    constraint_matrix,
+    coordinates_with,
+    mass_matrix,
+    max_norm,
+)
 from derive.simulation.constraints.scaling import SINGULAR, in_mass_metric, mass_factor, typical_row_norms
 
 CONSISTENT = 1e-11
 """Constraints with |g| below this (m, rad; times the largest coordinate if that is above 1) are met."""
 ITERATIONS = 100
+LARGEST_ROTATION = 1.0
+"""rad: the largest rotation in a step that does not nearly meet the constraints, so that bodies do not wind around."""
 
 
 @dataclass(frozen=True)
@@ -45,15 +55,22 @@ def closest_state(native: Constraints, k: Vector, t: float, guess: Vector, free:
     q, g = guess.copy(), native.constraints(t, guess, k)
     G = constraint_matrix(native, t, q, k)[:, free]
     norms = typical_row_norms(native, k, t, guess, R, free)
+    angles = coordinates_with(native, Role.ROTATION)[free]
     damping = 0.0
     for _ in range(ITERATIONS):
         if not g.size or max_norm(g) == 0.0 or not np.isfinite(damping):
             break
         A = in_mass_metric(G, R) / norms[:, None]
+        step = solve_triangular(R, damped_step(A, -g / norms, damping))
         trial = q.copy()
-        trial[free] += solve_triangular(R, damped_step(A, -g / norms, damping))
+        trial[free] += step
         g_trial = native.constraints(t, trial, k)
         before, after = np.linalg.norm(g / norms), np.linalg.norm(g_trial / norms)
+        rotation = max_norm(step[angles])
+        if rotation > LARGEST_ROTATION and not after < 0.01 * before:
+            trial[free] = q[free] + step * (LARGEST_ROTATION / rotation)
+            g_trial = native.constraints(t, trial, k)
+            after = np.linalg.norm(g_trial / norms)
         if after < before:  # also false for NaN
             q, g, G = trial, g_trial, constraint_matrix(native, t, trial, k)[:, free]
             damping = 0.0 if after < 0.5 * before else damping / 4

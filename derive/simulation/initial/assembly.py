@@ -26,7 +26,7 @@ from derive.simulation.compiled_scene import (
     max_norm,
 )
 from derive.simulation.constraints.closest_state import CONSISTENT, ClosestState, closest_state
-from derive.simulation.constraints.scaling import SINGULAR, in_mass_metric, mass_factor, typical_row_norms
+from derive.simulation.constraints.scaling import SINGULAR, in_mass_metric, mass_factor
 from derive.simulation.errors import InconsistentInitialState
 from derive.simulation.initial.consistent_state import PERTURBATIONS, perturbed, unmet_constraints
 from derive.simulation.initial.contradictions import Misfit, contradiction
@@ -38,12 +38,17 @@ ROUNDING = 1e-3
 EXACT = 1e-10
 """rad, and part of the size: differences below this are not worth a message."""
 DEFAULT_WEIGHT = 1e-3
-"""The weight of defaults beside guesses."""
+"""The weight of defaults of positions beside guesses, and beside the deformation of bodies."""
+FURTHER = (1.5, 3.0)
+"""rad: further changes of rotations, from which other ways of closing a mechanism are found."""
+NEAR = 0.5
+"""rad: a mechanism whose bodies have their guessed rotations up to this is closed in the way that is meant."""
 ITERATIONS = 50
 LARGEST_STEP = 0.3
 """rad, and part of the size: the largest change in one iteration."""
+NEWTON_STEPS, NEWTON_CONVERGED = 12, 1e-14
 SMALL_STEP, SMALLEST_STEP = 1e-3, 1e-13
-"""Below the first an iteration needs no line search and may be accelerated, below the second it is over."""
+"""Steps up to the first are left to the polishing, which steps up to the second do not need."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,9 +71,9 @@ class Assembler:
     t: float
     size: float
 
-    def kinematics(self, q: Vector) -> Kinematics:
-        """The poses in a configuration (nq,)."""
-        return Kinematics(self.native, self.k, self.t, q, self.size)
+    def kinematics(self, q: Vector, moving: bool = False) -> Kinematics:
+        """The poses in a configuration (nq,); with `moving`, also how drives change them."""
+        return Kinematics(self.native, self.k, self.t, q, self.size, moving)
 
     def unit(self, target: Target) -> float:
         """What counts as 1 of a target: 1 rad, or the size of the scene (m)."""
@@ -128,6 +133,7 @@ def assemble(
     open_states: list[ClosestState] = []
     for free in (straight, np.ones_like(straight)) if np.any(amplitudes) else (straight,):
         deformed = free is not straight
+        closed: list[tuple[_Fit, Vector, tuple[Misfit, ...]]] = []
         for start in _starts(native, guess):
             state, misfits = _closest(assembler, start, given, free)
             if not state.converged:
@@ -136,11 +142,18 @@ def assemble(
             if deformed:
                 check_deformation(state.q)
             if max_norm(np.array([misfit.relative for misfit in misfits])) <= ROUNDING:
-                kept = [replace(misfit.target, value=misfit.value) for misfit in misfits]
-                q = _adapted(assembler, state.q, kept, targets, free, deformed)
-                error = max_norm(native.constraints(assembler.t, q, assembler.k))
-                return Assembly(q, tuple(m for m in misfits if abs(m.relative) > EXACT), error, deformed)
-            missed.append(misfits)
+                kept = WithTargets(assembler, [replace(misfit.target, value=misfit.value) for misfit in misfits])
+                fit = _Fit(assembler, kept, _adapting(targets, deformed), free)
+                q = fit.fitted(state.q)
+                closed.append((fit, q, tuple(misfit for misfit in misfits if abs(misfit.relative) > EXACT)))
+                if _is_near(assembler, targets, q):
+                    break
+            else:
+                missed.append(misfits)
+        if closed:
+            fit, q, corrected = min(closed, key=lambda each: _distance(assembler, targets, each[1]))
+            q = fit.polished(q)
+            return Assembly(q, corrected, max_norm(native.constraints(assembler.t, q, assembler.k)), deformed)
         if missed:
             raise contradiction(min(missed, key=lambda of: max(abs(misfit.relative) for misfit in of)), "positions")
     best = min(open_states, key=lambda state: state.error)
@@ -150,8 +163,26 @@ def assemble(
 def _starts(native: NativeScene, guess: Vector) -> Iterator[Vector]:
     """The guess, and guesses with rotations changed, from which bars that lie in one line can be assembled."""
     yield guess
-    for angle in PERTURBATIONS:
+    for angle in (*PERTURBATIONS, *FURTHER):
         yield perturbed(native, guess, angle, np.ones(native.nq, dtype=bool))
+
+
+def _is_near(assembler: Assembler, targets: Sequence[Target], q: Vector) -> bool:
+    """Whether all bodies have about the rotation that is given or guessed, so that no other assembly is nearer."""
+    rotations = [target for target in targets if target.angular]
+    return all(abs(misfit.relative) <= NEAR for misfit in assembler.misfits(rotations, q))
+
+
+def _distance(assembler: Assembler, targets: Sequence[Target], q: Vector) -> tuple[float, float]:
+    """How far guesses and defaults are missed; of mirror images, the one with rotations to the left comes first."""
+    misfits = assembler.misfits([target for target in targets if target.strength is not Strength.GIVEN], q)
+    squares = sum(_weight(misfit.target) ** 2 * misfit.relative**2 for misfit in misfits)
+    return round(squares, 9), -round(sum(misfit.relative for misfit in misfits if misfit.target.angular), 6)
+
+
+def _weight(target: Target) -> float:
+    """That of a target in the sum of squares."""
+    return DEFAULT_WEIGHT if target.strength is Strength.DEFAULT and target.amplitude is None else 1.0
 
 
 def _closest(
@@ -165,51 +196,47 @@ def _closest(
     for begin in (state.q, start):
         state = closest_state(native, k, t, begin, free)
         if state.converged:
-            q = _fitted(assembler, native, state.q, given, free)
+            fit = _Fit(assembler, native, given, free)
+            q = fit.polished(fit.fitted(state.q))
             return ClosestState(q, native.constraints(t, q, k)), assembler.misfits(given, q)
     return state, ()
 
 
-def _adapted(
-    assembler: Assembler, q: Vector, kept: Sequence[Target], targets: Sequence[Target], free: Mask, deformed: bool
-) -> Vector:
-    """The configuration nearest to guesses and defaults among those on the constraints that keep what is given."""
-    soft = [
-        target for target in targets if target.strength is not Strength.GIVEN and (deformed or target.amplitude is None)
-    ]
-    return _fitted(assembler, WithTargets(assembler, kept), q, soft, free)
-
-
-def _fitted(assembler: Assembler, system: Constraints, q: Vector, targets: Sequence[Target], free: Mask) -> Vector:
-    """The configuration near q (nq,) on the constraints of a system that misses targets least: by Gauss and Newton.
-
-    Where targets remain missed the convergence is linear; the last digits are those of a root of the Gauss-Newton step.
-    """
-    fit = _Fit(assembler, system, targets, free)
-    step = fit.step(q)
-    for _ in range(ITERATIONS):
-        length = fit.length(step)
-        if length <= SMALL_STEP:
-            break
-        step = step * min(1.0, LARGEST_STEP / length)
-        before, trial = fit.missed(q), q
-        for halving in range(12):
-            trial = fit.on_constraints(q + 0.5**halving * step)
-            if fit.missed(trial) <= before:
-                break
-        q = trial
-        step = fit.step(q)
-    return fit.root(q, step)
+def _adapting(targets: Sequence[Target], deformed: bool) -> list[Target]:
+    """The guesses and defaults; of deformations only if they have to change."""
+    soft = (target for target in targets if target.strength is not Strength.GIVEN)
+    return [target for target in soft if deformed or target.amplitude is None]
 
 
 @dataclass(frozen=True, eq=False)
 class _Fit:
-    """Targets (n) that are fitted on the constraints of a system, by the coordinates that are `free`."""
+    """Targets (n) that are fitted on the constraints of a system, by the coordinates that are `free`.
+
+    The method of Gauss and Newton converges linearly where targets remain missed, so that the last digits are those of
+    a root of its step.
+    """
 
     assembler: Assembler
     system: Constraints
     targets: Sequence[Target]
     free: Mask
+
+    def fitted(self, q: Vector) -> Vector:
+        """The configuration near q (nq,) that misses the targets least, up to SMALL_STEP."""
+        step = self.step(q)
+        for _ in range(ITERATIONS):
+            length = self.length(step)
+            if length <= SMALL_STEP:
+                break
+            step = step * min(1.0, LARGEST_STEP / length)
+            before, trial = self.missed(q), q
+            for halving in range(12):
+                trial = self.on_constraints(q + 0.5**halving * step)
+                if self.missed(trial) <= before:
+                    break
+            q = trial
+            step = self.step(q)
+        return q
 
     def missed(self, q: Vector) -> float:
         """The weighted root of the sum of squares by which the targets are missed."""
@@ -219,8 +246,9 @@ class _Fit:
         """(nq, f): motions of unit kinetic energy that the constraints allow."""
         k, t, free = self.assembler.k, self.assembler.t, self.free
         R = mass_factor(mass_matrix(self.system, q, k)[np.ix_(free, free)])
-        norms = typical_row_norms(self.system, k, t, q, R, free)
-        scaled = in_mass_metric(constraint_matrix(self.system, t, q, k)[:, free], R) / norms[:, None]
+        rows = in_mass_metric(constraint_matrix(self.system, t, q, k)[:, free], R)
+        norms = np.linalg.norm(rows, axis=1)
+        scaled = rows / np.where(norms > 0.0, norms, 1.0)[:, None]
         allowed = null_space(scaled, rcond=SINGULAR) if len(scaled) else np.eye(int(np.sum(free)))
         result = np.zeros((len(q), allowed.shape[1]))
         result[free] = solve_triangular(R, allowed)
@@ -234,8 +262,9 @@ class _Fit:
             return np.zeros_like(q)
         return np.asarray(tangent @ np.linalg.lstsq(gradients @ tangent, -missed, rcond=1e-9)[0])
 
-    def root(self, q: Vector, step: Vector) -> Vector:
+    def polished(self, q: Vector) -> Vector:
         """The configuration near q in which the Gauss-Newton step vanishes."""
+        step = self.step(q)
         if self.length(step) <= SMALLEST_STEP:
             return q
         tangent = self.tangent(q)
@@ -253,15 +282,23 @@ class _Fit:
         return max(max_norm(step[angles]), max_norm(step[~angles]) / self.assembler.size)
 
     def on_constraints(self, q: Vector) -> Vector:
-        """The configuration next to q that meets the constraints."""
-        return closest_state(self.system, self.assembler.k, self.assembler.t, q, self.free).q
+        """The configuration next to q that meets the constraints, by Newton's method if it converges."""
+        k, t, free = self.assembler.k, self.assembler.t, self.free
+        R = mass_factor(mass_matrix(self.system, q, k)[np.ix_(free, free)])
+        moved = q.copy()
+        for _ in range(NEWTON_STEPS):
+            g = self.system.constraints(t, moved, k)
+            if max_norm(g) <= NEWTON_CONVERGED * max(1.0, max_norm(moved)):
+                return moved
+            rows = in_mass_metric(constraint_matrix(self.system, t, moved, k)[:, free], R)
+            moved[free] -= solve_triangular(R, np.linalg.lstsq(rows, g, rcond=SINGULAR)[0])
+        return closest_state(self.system, k, t, q, free).q
 
     def _linearised(self, q: Vector) -> tuple[Vector, Matrix]:
         """How far the targets are missed (n,), weighted, and its derivatives (n, nq)."""
         kinematics = self.assembler.kinematics(q)
         values, gradients = np.zeros(len(self.targets)), np.zeros((len(self.targets), len(q)))
         for i, target in enumerate(self.targets):
-            linear, weight = target.function(kinematics), 1.0 / self.assembler.unit(target)
-            weight *= DEFAULT_WEIGHT if target.strength is Strength.DEFAULT else 1.0
+            linear, weight = target.function(kinematics), _weight(target) / self.assembler.unit(target)
             values[i], gradients[i] = weight * (linear.value - target.value), weight * linear.gradient
         return values, gradients

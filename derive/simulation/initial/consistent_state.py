@@ -22,7 +22,7 @@ from derive.simulation.constraints.redundancy import check_constraints
 from derive.simulation.constraints.scaling import in_mass_metric, mass_factor, typical_row_norms
 from derive.simulation.equilibrium import Equilibrium
 from derive.simulation.errors import InconsistentInitialState
-from derive.simulation.initial.contradictions import Correction
+from derive.simulation.initial.contradictions import InitialValue
 
 RATES_CONSISTENT = 1e-9
 """Constraints on velocities with |gdot| below this (m/s, rad/s; times the largest |v| if above 1) are met."""
@@ -35,8 +35,8 @@ class InitialState:
     """A consistent state: q (nq,) and v (nv,) at t (s), in SI units.
 
     position_error, velocity_error: the largest |g| (m, rad) and |gdot| (m/s, rad/s). deformed, deforming: whether
-    deformations, or their rates, had to change from those of the guess. corrections: given values that are changed, as
-    they contradict others by rounding. equilibrium: the static equilibrium that the state is, if it is one.
+    deformations, or their rates, had to change from those of the guess. values: what the specification gives, and what
+    the state has. equilibrium: the static equilibrium that the state is, if it is one.
     """
 
     t: float
@@ -46,8 +46,22 @@ class InitialState:
     velocity_error: float
     deformed: bool
     deforming: bool
-    corrections: tuple[Correction, ...] = ()
+    values: tuple[InitialValue, ...] = ()
     equilibrium: Equilibrium | None = None
+
+    @property
+    def corrections(self) -> tuple[InitialValue, ...]:
+        """The given values that the state does not have."""
+        return tuple(value for value in self.values if value.corrected)
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """A line on each given value that is changed, and on the equilibrium, for a user to read."""
+        reason = (
+            "its value in equilibrium" if self.equilibrium else "corrected: it contradicts the joints or other values"
+        )
+        balance = (str(self.equilibrium),) if self.equilibrium else ()
+        return (*balance, *(f"{value} ({reason})" for value in self.corrections))
 
 
 def consistent_state(

@@ -20,21 +20,19 @@ class Misfit:
 
 
 @dataclass(frozen=True)
-class Correction:
-    """A given value that is corrected, as it contradicts others by rounding: key, unit, and both values (SI)."""
+class InitialValue:
+    """An initial value of the specification: its key, its unit, the value that is specified and that of the initial
+    state (SI); whether it is a first guess; whether it is corrected, as it contradicts others by rounding."""
 
     name: str
     unit: str
-    given: float
+    specified: float
     value: float
+    guess: bool
+    corrected: bool
 
     def __str__(self) -> str:
-        return f"{self.name}: {self.given:.12g} {self.unit} -> {self.value:.12g} {self.unit}"
-
-
-def correction(misfit: Misfit) -> Correction:
-    """The correction that a misfit means."""
-    return Correction(misfit.target.name, misfit.target.unit, misfit.target.value, misfit.value)
+        return f"{self.name}: {self.specified:.12g} {self.unit} -> {self.value:.12g} {self.unit}"
 
 
 def contradiction(misfits: Sequence[Misfit], what: str) -> SpecError:

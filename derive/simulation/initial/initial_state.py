@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
+from derive.mechanics.quantity import finite_function, time_derivatives
+from derive.mechanics.symbols import t
 from derive.runtime.native_call import Vector
 from derive.runtime.native_scene import NativeScene
 from derive.simulation.compiled_scene import max_norm
@@ -14,7 +17,7 @@ from derive.simulation.equilibrium import Equilibrium, equilibrium
 from derive.simulation.errors import ExcessiveDeformation, MovingDrives
 from derive.simulation.initial.assembly import EXACT, Assembler, Assembly, assemble
 from derive.simulation.initial.consistent_state import InitialState
-from derive.simulation.initial.contradictions import correction
+from derive.simulation.initial.contradictions import InitialValue, Misfit
 from derive.simulation.initial.initial_guess import initial_guess
 from derive.simulation.initial.initial_velocities import velocities
 from derive.simulation.initial.kinematics import Kinematics
@@ -48,17 +51,30 @@ def initial_state(scene: Scene, native: NativeScene, k: Vector | None = None) ->
     assembly = assemble(assembler, guess, positions, lambda q: _check_deflections(scene, native, constants, q))
     balance = None
     if scene.start is not None:
-        _check_rest(scene, assembler.kinematics(assembly.q))
+        _check_rest(scene)
         balance = equilibrium(native, constants, assembly.q)
         assembly = _moved(assembler, assembly, balance, positions)
     q = assembly.q
-    momentum = _momentum(scene, assembler.kinematics(q))
+    momentum = _momentum(scene, assembler.kinematics(q, moving=True))
     result = velocities(assembler, q, [target for target in every if target.rate], momentum)
     check_constraints(native, constants, 0.0, q)
-    corrections = tuple(map(correction, (*assembly.misfits, *result.misfits)))
-    return InitialState(
-        0.0, q, result.v, assembly.error, result.error, assembly.deformed, result.deforming, corrections, balance
-    )
+    values = _values(assembler.kinematics(q, moving=True), result.v, every, (*assembly.misfits, *result.misfits))
+    errors = assembly.error, result.error
+    return InitialState(0.0, q, result.v, *errors, assembly.deformed, result.deforming, values, balance)
+
+
+def _values(
+    kinematics: Kinematics, v: Vector, every: Sequence[Target], misfits: Sequence[Misfit]
+) -> tuple[InitialValue, ...]:
+    """The values that the specification gives or guesses, and those of the state."""
+    changed = {id(misfit.target) for misfit in misfits}
+    result = []
+    for target in every:
+        if target.strength is not Strength.DEFAULT:
+            linear, guess = target.function(kinematics), target.strength is Strength.GUESS
+            value = float(linear.gradient @ v) + linear.drift if target.rate else linear.value
+            result.append(InitialValue(target.name, target.unit, target.value, value, guess, id(target) in changed))
+    return tuple(result)
 
 
 def scene_size(scene: Scene) -> float:
@@ -83,12 +99,20 @@ def _check_deflections(scene: Scene, native: NativeScene, k: Vector, q: Vector) 
         raise ExcessiveDeformation(excessive)
 
 
-def _check_rest(scene: Scene, kinematics: Kinematics) -> None:
-    """Raise MovingDrives if a drive moves at t = 0, so that there is no static equilibrium."""
-    native, rest = kinematics.native, np.zeros(kinematics.native.nv)
-    rates = native.constraint_rates(kinematics.t, kinematics.q, rest, kinematics.k)
-    if max_norm(rates) > 0.0 or max_norm(kinematics.drifts.ravel()) > EXACT * kinematics.size:
-        raise MovingDrives([drive.name for drive in scene.drives])
+def _check_rest(scene: Scene) -> None:
+    """Raise MovingDrives if drives have a speed or an acceleration at t = 0, so that there is no static equilibrium."""
+    moving = []
+    for drive in scene.drives:
+        if drive.speed is not None:
+            rates = [si_value(drive.speed)]
+        else:
+            assert drive.motion is not None, "a drive has a speed or a motion"
+            motion = finite_function(drive.motion, f"drives.{drive.name}.motion")
+            rates = [float(rate.subs(t, 0)) for rate in time_derivatives(motion)[1:]]
+        if any(rate != 0.0 for rate in rates):
+            moving.append(drive.name)
+    if moving:
+        raise MovingDrives(moving)
 
 
 def _moved(assembler: Assembler, assembly: Assembly, balance: Equilibrium, positions: list[Target]) -> Assembly:

@@ -76,7 +76,7 @@ class _Linear:
     def __init__(self, assembler: Assembler, q: Vector, free: Mask, momentum: Vector) -> None:
         native, k, t = assembler.native, assembler.k, assembler.t
         self.assembler, self.q, self.free, self.momentum = assembler, q, free, momentum[free]
-        self.kinematics = assembler.kinematics(q)
+        self.kinematics = assembler.kinematics(q, moving=True)
         self.R = mass_factor(mass_matrix(native, q, k)[np.ix_(free, free)])
         norms = typical_row_norms(native, k, t, q, self.R, free)
         self.rows = in_mass_metric(constraint_matrix(native, t, q, k)[:, free], self.R) / norms[:, None]

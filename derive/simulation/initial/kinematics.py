@@ -6,7 +6,7 @@ coordinates a scene keeps.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import math
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -18,10 +18,7 @@ from derive.runtime.native_scene import NativeScene
 from derive.simulation.compiled_scene import coordinates_with, max_norm
 
 STENCIL = np.array([4 / 5, -1 / 5, 4 / 105, -1 / 280])
-"""Weights of f(x + n h) - f(x - n h), n = 1 to 4, in the central difference of eighth order, times h."""
-ROTATION_STEP = 0.05
-"""rad: the step of differences by a coordinate, and its part of the size of the scene for lengths. The poses are
-trigonometric functions of it, of which the difference has an error of 1e-14."""
+"""Weights of f(t + n h) - f(t - n h), n = 1 to 4, in the central difference of eighth order, times h."""
 TIME_MOTION = 1e-3
 """rad, and part of the size: how far drives move in a step of differences by time."""
 FIRST_TIME_STEP, DOUBLINGS = 1e-9, 40
@@ -46,13 +43,17 @@ class Linear:
 
 @dataclass(frozen=True, eq=False)
 class Kinematics:
-    """The poses of a compiled scene at the time t (s) in the configuration q (nq,); size: that of the scene, m."""
+    """The poses of a compiled scene at the time t (s) in the configuration q (nq,); size: that of the scene, m.
+
+    moving: whether drifts are computed, which configurations alone do not need.
+    """
 
     native: NativeScene
     k: Vector
     t: float
     q: Vector
     size: float
+    moving: bool
 
     @cached_property
     def poses(self) -> Matrix:
@@ -61,22 +62,29 @@ class Kinematics:
 
     @cached_property
     def gradients(self) -> Matrix:
-        """(bodies, 3, nq): the derivatives of the poses by the coordinates."""
+        """(bodies, 3, nq): the derivatives of the poses by the coordinates.
+
+        They are differences without truncation errors: poses are linear in lengths, and a rotation angle rotates a body
+        about a point, so that the derivative of a position by it is half of its change from -pi/2 to pi/2.
+        """
         angles = coordinates_with(self.native, Role.ROTATION)
         result = np.zeros((*self.poses.shape, len(self.q)))
         for j in np.flatnonzero(~coordinates_with(self.native, Role.AMPLITUDE)):
             unit = np.zeros_like(self.q)
-            unit[j] = step = ROTATION_STEP if angles[j] else ROTATION_STEP * self.size
-            result[..., j] = _difference(lambda x, unit=unit: self._poses(self.t, self.q + x * unit)) / step  # type: ignore[misc]
+            unit[j] = step = math.pi / 2 if angles[j] else self.size
+            change = self._poses(self.t, self.q + unit) - self._poses(self.t, self.q - unit)
+            result[..., :2, j] = change[..., :2] / (2 if angles[j] else 2 * step)
+            result[..., 2, j] = change[..., 2] / (2 * step)
         return result
 
     @cached_property
     def drifts(self) -> Matrix:
         """(bodies, 3): the derivatives of the poses by time, due to drives."""
-        step = self._time_step()
+        step = self._time_step() if self.moving else None
         if step is None:
             return np.zeros_like(self.poses)
-        return _difference(lambda x: self._poses(self.t + x * step, self.q)) / step
+        pairs = ((self._poses(self.t + n * step, self.q), self._poses(self.t - n * step, self.q)) for n in range(1, 5))
+        return np.asarray(sum(w * (later - earlier) for w, (later, earlier) in zip(STENCIL, pairs, strict=True))) / step
 
     def component(self, body: str, i: int) -> Linear:
         """c1, c2 or phi (i = 0, 1, 2) of the frame of a body."""
@@ -102,8 +110,3 @@ class Kinematics:
             if max(max_norm(moved[:, 2]), max_norm(moved[:, :2].ravel()) / self.size) > TIME_MOTION:
                 return step
         return None
-
-
-def _difference(f: Callable[[float], Matrix]) -> Matrix:
-    """The derivative of f at 0 by an argument whose unit is the step; NaN where f has no value on one side."""
-    return np.asarray(sum(weight * (f(n) - f(-n)) for n, weight in enumerate(STENCIL, 1)))

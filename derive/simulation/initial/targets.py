@@ -40,7 +40,7 @@ class Strength(Enum):
 
     GIVEN = "kept"
     GUESS = "approached, as far as what is given allows"
-    DEFAULT = "approached with what freedom is left"
+    DEFAULT = "not specified: approached with what freedom is left"
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,7 +118,7 @@ def _of_body(body: SceneBody, native: NativeScene) -> Iterator[Target]:
             (False, "deflection", start.deflection),
             (True, "deflection_rate", start.deflection_rate),
         ):
-            strength = Strength.GUESS if curve is None else given
+            strength = Strength.DEFAULT if curve is None else given
             for name, value in _amplitudes(body, curve):
                 j = native.coordinates.index(name)
                 if curve is not None or not rate:
