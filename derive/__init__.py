@@ -14,8 +14,8 @@ The public interface, by stages:
 
     specification   read, validated; scene, planar_beam, nodal_body, symbolic_body
                     bodies: PlanarBeam, SymbolicBody, NodalBody with NodeData, NodeMarker, BodyFrame, Damping
-                    scenes: Scene, RigidBody, BeamBody, PointMarker, MarkerRef, InitialValues, Joint, Drive, Force,
-                    Torque, Spring, TimeFunction, time_function, Plot, Deflection, ReferenceCurve
+                    scenes: Scene, RigidBody, BeamBody, PointMarker, MarkerRef, InitialValues, JointInitialValues,
+                    Joint, Drive, Force, Torque, Spring, TimeFunction, time_function, Plot, Deflection, ReferenceCurve
                     both: Frame, Marker, Parameter, Simulation; SpatialStart of a body in space
                     registries: JOINTS, BODIES, FORCES; CustomJoint, CustomBody, CustomForce
     equations       derive, modal, derive_modal, parameters; ModalBody; Equations of a body, or for a scene a
@@ -24,7 +24,8 @@ The public interface, by stages:
     files           model_files, write; File
     compiled code   load, load_scene; Native, NativeScene, Role
     modes           modes; Modes, Mode, Linearisation
-    simulation      simulate, initial_state, integrate; Trajectory, BodyTrajectory, Solution, InitialState, INTEGRATORS
+    simulation      simulate, initial_state, equilibrium, integrate; Trajectory, BodyTrajectory, Solution,
+                    InitialState, Equilibrium, INTEGRATORS
     C integrators   FixedStep, GeneralisedAlpha, Ida; Integration
     errors          TisserandError and its subclasses SpecError, UnknownNameError, CompilerError, ModelError,
                     IntegratorError, SimulationError
@@ -65,6 +66,7 @@ if TYPE_CHECKING:
     from derive.runtime.native_call import ModelError
     from derive.runtime.native_scene import NativeScene
     from derive.simulation.body_trajectory import BodyTrajectory
+    from derive.simulation.equilibrium import Equilibrium, equilibrium
     from derive.simulation.errors import SimulationError
     from derive.simulation.initial.consistent_state import InitialState
     from derive.simulation.initial.initial_state import initial_state
@@ -98,6 +100,7 @@ if TYPE_CHECKING:
         Drive,
         Force,
         Joint,
+        JointInitialValues,
         MarkerRef,
         Plot,
         PointMarker,
@@ -155,6 +158,7 @@ _MODULES = {
     ),
     "derive.runtime.native_scene": ("NativeScene",),
     "derive.simulation.body_trajectory": ("BodyTrajectory",),
+    "derive.simulation.equilibrium": ("Equilibrium", "equilibrium"),
     "derive.simulation.errors": ("SimulationError",),
     "derive.simulation.initial.consistent_state": ("InitialState",),
     "derive.simulation.initial.initial_state": ("initial_state",),
@@ -197,6 +201,7 @@ _MODULES = {
         "Drive",
         "Force",
         "Joint",
+        "JointInitialValues",
         "MarkerRef",
         "Plot",
         "PointMarker",
@@ -233,6 +238,7 @@ __all__ = [
     "Deflection",
     "Drive",
     "Equations",
+    "Equilibrium",
     "File",
     "FixedStep",
     "Force",
@@ -244,6 +250,7 @@ __all__ = [
     "Integration",
     "IntegratorError",
     "Joint",
+    "JointInitialValues",
     "Linearisation",
     "Marker",
     "MarkerRef",
@@ -281,6 +288,7 @@ __all__ = [
     "__version__",
     "derive",
     "derive_modal",
+    "equilibrium",
     "initial_state",
     "integrate",
     "interpret",

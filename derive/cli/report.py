@@ -4,15 +4,20 @@ from __future__ import annotations
 
 import argparse
 import json
+from collections.abc import Sequence
 from pathlib import Path
 
 from derive.artifacts import MARK, File, ForeignFile, replace_file, write
 from derive.cli.specifications import build_all
+from derive.errors import TisserandError
 from derive.report.document.page import Page
+from derive.simulation.initial.consistent_state import InitialState
 from derive.spec.model.scene import Scene
 from derive.terminal import show_progress
 
 PAPER = "paper"
+QUICK = ("-std=c99", "-O0")
+"""Options of the compiler for a model that is evaluated a few times."""
 
 
 def run(options: argparse.Namespace) -> int:
@@ -46,8 +51,24 @@ def _of_model(path: Path) -> tuple[str, str, Page]:
     return (
         name,
         built.model.doc,
-        scene_page(built, text, [ResultPicture(stem, svg) for stem, svg in pictures if MARK in svg[:1000]]),
+        scene_page(
+            built,
+            text,
+            [ResultPicture(stem, svg) for stem, svg in pictures if MARK in svg[:1000]],
+            _initial_state(built.spec, built.files),
+        ),
     )
+
+
+def _initial_state(scene: Scene, files: Sequence[File]) -> InitialState | str:
+    """The initial state of a scene, or why it cannot be computed: it needs a compiler, and values that go together."""
+    from derive.runtime.loading import load_scene
+    from derive.simulation.initial.initial_state import initial_state
+
+    try:
+        return initial_state(scene, load_scene(files, QUICK))
+    except TisserandError as error:
+        return str(error)
 
 
 def _paper() -> tuple[str, str, Page]:

@@ -17,6 +17,7 @@ from derive.report.notation.expressions import notation
 from derive.report.notation.labels import label, row_identities
 from derive.report.sections.code import code_blocks, targets
 from derive.report.sections.files import SpecificationText, manifest_blocks, specification_blocks
+from derive.report.sections.initial_state import initial_state_blocks
 from derive.report.sections.integrals import integral_blocks
 from derive.report.sections.mass_matrix import MassPattern, mass_blocks
 from derive.report.sections.mechanism import body_blocks, constraint_blocks, joint_blocks, kkt_blocks, mechanism_blocks
@@ -26,6 +27,7 @@ from derive.report.sections.state import state_blocks
 from derive.report.sections.term_lines import definition_lines, locate_terms
 from derive.report.sections.terms import row_blocks
 from derive.report.sections.zeros import vanished_blocks
+from derive.simulation.initial.consistent_state import InitialState
 from derive.spec.model.scene import BeamBody, Scene
 
 
@@ -37,8 +39,16 @@ class ResultPicture:
     svg: str
 
 
-def scene_page(built: Built, specification: SpecificationText, results: Sequence[ResultPicture] = ()) -> Page:
-    """The report of a scene. Raises TypeError when what was built is a body."""
+def scene_page(
+    built: Built,
+    specification: SpecificationText,
+    results: Sequence[ResultPicture] = (),
+    initial: InitialState | str | None = None,
+) -> Page:
+    """The report of a scene, with its initial state, or why there is none, if that is known.
+
+    Raises TypeError when what was built is a body.
+    """
     spec, equations, model = built.spec, built.equations, built.model
     if not isinstance(spec, Scene) or equations.indexed or model.kkt is None:
         raise TypeError("this is no scene")
@@ -55,6 +65,7 @@ def scene_page(built: Built, specification: SpecificationText, results: Sequence
         *joint_blocks(spec, equations),
         *specification_blocks(specification),
         *state_blocks(model, equations, written),
+        *(initial_state_blocks(initial) if initial is not None else ()),
         *nomenclature_blocks(constrained=True),
         *integral_blocks(equations, written),
         *moment_blocks(families, written, definition_lines(code)),

@@ -36,13 +36,13 @@ mass = 1
 inertia = 0.1
 keep_coordinates = true
 markers = {{ p = [-0.5, 0], q = [0.5, 0] }}
-start = {{ position = [{x + 0.4}, 0.3], angle = 0.6 }}
+start = {{ position = [{x + 0.4}, 0.3], angle = 0.6, guess = true }}
 [bodies.b]
 mass = 1
 length = 1
 bending_stiffness = 100
 markers = {{ p = -1, q = 1 }}
-start = {{ position = [{x + 1.2}, 0.9], angle = 0.6 }}
+start = {{ position = [{x + 1.2}, 0.9], angle = 0.6, guess = true }}
 [joints.j1]
 kind = "revolute"
 between = ["ground.o", "a.p"]
