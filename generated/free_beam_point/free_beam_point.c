@@ -12,7 +12,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef FREE_BEAM_POINT_HASH_f74208d332c11075
+#ifndef FREE_BEAM_POINT_HASH_ca4710f1fa2c82a5
 #  error "free_beam_point.h and free_beam_point.c are of different builds; run tisserand build again"
 #endif
 
@@ -41,10 +41,10 @@ int free_beam_point_setup(
     const double X_left = -X_right;
     const double minus_c2_1_2 = -c2_1_2;
     const double inverse_c8_2_2 = 1.0 / c8_2_2;
-    const double constant_4 = c6_2 * inverse_c8_2_2;
-    const double constant_1 = constant_4 * c6_2;
-    const double constant_2 = 5.684341886080802e-14 * p_m;
-    const double constant_3 = 5.684341886080802e-14 * c8_1_1;
+    const double c6_2_over_c8_2_2 = c6_2 * inverse_c8_2_2;
+    const double c6_2_over_c8_2_2_times_c6_2 = c6_2_over_c8_2_2 * c6_2;
+    const double mass_times_2_pow_minus_44 = 5.684341886080802e-14 * p_m;
+    const double c8_1_1_times_2_pow_minus_44 = 5.684341886080802e-14 * c8_1_1;
 
     /* constants: constants that the kernels read */
     k[0] = p_m;
@@ -58,10 +58,10 @@ int free_beam_point_setup(
     k[8] = X_left;
     k[9] = X_right;
     k[10] = minus_c2_1_2;
-    k[11] = constant_1;
-    k[12] = constant_2;
-    k[13] = constant_3;
-    k[14] = constant_4;
+    k[11] = c6_2_over_c8_2_2_times_c6_2;
+    k[12] = mass_times_2_pow_minus_44;
+    k[13] = c8_1_1_times_2_pow_minus_44;
+    k[14] = c6_2_over_c8_2_2;
     k[15] = inverse_c8_2_2;
 
     /* checks: checks of the parameters */
@@ -82,10 +82,13 @@ int free_beam_point_setup(
     if (!isfinite(X_left)) return 2; /* X_left is not finite */
     if (!isfinite(X_right)) return 2; /* X_right is not finite */
     if (!isfinite(minus_c2_1_2)) return 2; /* minus_c2_1_2 is not finite */
-    if (!isfinite(constant_1)) return 2; /* constant_1 is not finite */
-    if (!isfinite(constant_2)) return 2; /* constant_2 is not finite */
-    if (!isfinite(constant_3)) return 2; /* constant_3 is not finite */
-    if (!isfinite(constant_4)) return 2; /* constant_4 is not finite */
+    if (
+        !isfinite(c6_2_over_c8_2_2_times_c6_2)) return 2; /* c6_2_over_c8_2_2_times_c6_2 is not finite */
+    if (
+        !isfinite(mass_times_2_pow_minus_44)) return 2; /* mass_times_2_pow_minus_44 is not finite */
+    if (
+        !isfinite(c8_1_1_times_2_pow_minus_44)) return 2; /* c8_1_1_times_2_pow_minus_44 is not finite */
+    if (!isfinite(c6_2_over_c8_2_2)) return 2; /* c6_2_over_c8_2_2 is not finite */
     if (!isfinite(inverse_c8_2_2)) return 2; /* inverse_c8_2_2 is not finite */
     if (!(c8_2_2 > 0.0)) return 1; /* the pivot of alpha2 vanished */
     return 0;
@@ -282,10 +285,10 @@ int free_beam_point_accel(
     const double c8_2_2 = k[5];
     const double K_1_1 = k[6];
     const double K_2_2 = k[7];
-    const double constant_1 = k[11];
-    const double constant_2 = k[12];
-    const double constant_3 = k[13];
-    const double constant_4 = k[14];
+    const double c6_2_over_c8_2_2_times_c6_2 = k[11];
+    const double mass_times_2_pow_minus_44 = k[12];
+    const double c8_1_1_times_2_pow_minus_44 = k[13];
+    const double c6_2_over_c8_2_2 = k[14];
     const double inverse_c8_2_2 = k[15];
 
     /* Q (26): cos_phi = cosine of the rotation angle; sin_phi = sine of the rotation angle */
@@ -303,7 +306,7 @@ int free_beam_point_accel(
     const double J = C3 + D2_1 * alpha1 + D2_2 * alpha2;
 
     /* pivots (LDL^T): eliminate alpha2, phi, c2, alpha1, c1; fill-in 1 */
-    const double pivot_phi = J - constant_1;
+    const double pivot_phi = J - c6_2_over_c8_2_2_times_c6_2;
     const double t1 = d1_2 * sin_phi;
     const double inverse_pivot_phi = 1.0 / pivot_phi;
     const double t2 = t1 * inverse_pivot_phi;
@@ -321,9 +324,10 @@ int free_beam_point_accel(
     const double t10 = t9 * inverse_pivot_alpha1;
     const double pivot_c1 = mass - t6 * t5 - t8 * t7 - t10 * t9;
     if (!(pivot_phi - 5.684341886080802e-14 * J > 0.0)) return 1; /* the pivot of phi vanished */
-    if (!(pivot_c2 - constant_2 > 0.0)) return 1; /* the pivot of c2 vanished */
-    if (!(pivot_alpha1 - constant_3 > 0.0)) return 1; /* the pivot of alpha1 vanished */
-    if (!(pivot_c1 - constant_2 > 0.0)) return 1; /* the pivot of c1 vanished */
+    if (!(pivot_c2 - mass_times_2_pow_minus_44 > 0.0)) return 1; /* the pivot of c2 vanished */
+    if (!(pivot_alpha1
+        - c8_1_1_times_2_pow_minus_44 > 0.0)) return 1; /* the pivot of alpha1 vanished */
+    if (!(pivot_c1 - mass_times_2_pow_minus_44 > 0.0)) return 1; /* the pivot of c1 vanished */
 
     /* d1dot (appendix): d1dot_2 = int rho rdot . e2 */
     const double d1dot_2 = alpha1dot * c2_1_2;
@@ -335,7 +339,7 @@ int free_beam_point_accel(
     const double t11 = phidot * phidot;
     const double t12 = K_2_2 * alpha2 - t11 * D2_2;
     const double t13 = 2.0 * phidot;
-    const double t14 = constant_4 * t12 - t13 * D2dot;
+    const double t14 = c6_2_over_c8_2_2 * t12 - t13 * D2dot;
     const double t15 = t11 * d1_2;
     const double t16 = t13 * d1dot_2;
     const double t17 = t15 * cos_phi + t16 * sin_phi + t2 * t14;
@@ -349,7 +353,7 @@ int free_beam_point_accel(
     const double t22 = t14 * inverse_pivot_phi + t2 * t21 + t6 * t19;
     vdot[2] = t22;
     vdot[3] = -t20;
-    const double t23 = t12 * inverse_c8_2_2 + constant_4 * t22;
+    const double t23 = t12 * inverse_c8_2_2 + c6_2_over_c8_2_2 * t22;
     vdot[4] = -t23;
 
     /* check: check that the result is finite */
@@ -1043,10 +1047,10 @@ int free_beam_point_accel_batch(
     const double c8_2_2 = k[5];
     const double K_1_1 = k[6];
     const double K_2_2 = k[7];
-    const double constant_1 = k[11];
-    const double constant_2 = k[12];
-    const double constant_3 = k[13];
-    const double constant_4 = k[14];
+    const double c6_2_over_c8_2_2_times_c6_2 = k[11];
+    const double mass_times_2_pow_minus_44 = k[12];
+    const double c8_1_1_times_2_pow_minus_44 = k[13];
+    const double c6_2_over_c8_2_2 = k[14];
     const double inverse_c8_2_2 = k[15];
     double q_tail[160], v_tail[160];
     double cos_phi[32], sin_phi[32], codes[32];
@@ -1074,7 +1078,7 @@ int free_beam_point_accel_batch(
             const double D2_1 = alpha1 * c8_1_1;
             const double D2_2 = alpha2 * c8_2_2;
             const double J = C3 + D2_1 * alpha1 + D2_2 * alpha2;
-            const double pivot_phi = J - constant_1;
+            const double pivot_phi = J - c6_2_over_c8_2_2_times_c6_2;
             const double t1 = d1_2 * sin_phi[b];
             const double inverse_pivot_phi = 1.0 / pivot_phi;
             const double t2 = t1 * inverse_pivot_phi;
@@ -1096,7 +1100,7 @@ int free_beam_point_accel_batch(
             const double t11 = phidot * phidot;
             const double t12 = K_2_2 * alpha2 - t11 * D2_2;
             const double t13 = 2.0 * phidot;
-            const double t14 = constant_4 * t12 - t13 * D2dot;
+            const double t14 = c6_2_over_c8_2_2 * t12 - t13 * D2dot;
             const double t15 = t11 * d1_2;
             const double t16 = t13 * d1dot_2;
             const double t17 = t15 * cos_phi[b] + t16 * sin_phi[b] + t2 * t14;
@@ -1110,14 +1114,17 @@ int free_beam_point_accel_batch(
             const double t22 = t14 * inverse_pivot_phi + t2 * t21 + t6 * t19;
             vdot_block[2][b] = t22;
             vdot_block[3][b] = -t20;
-            const double t23 = t12 * inverse_c8_2_2 + constant_4 * t22;
+            const double t23 = t12 * inverse_c8_2_2 + c6_2_over_c8_2_2 * t22;
             vdot_block[4][b] = -t23;
             double code_b = 0.0;
             const double finite = t19 + t21 + t22 - t20 - t23;
             code_b = finite - finite == 0.0 ? code_b : 2.0; /* an acceleration is not finite */
-            code_b = pivot_c1 - constant_2 > 0.0 ? code_b : 1.0; /* the pivot of c1 vanished */
-            code_b = pivot_alpha1 - constant_3 > 0.0 ? code_b : 1.0; /* the pivot of alpha1 vanished */
-            code_b = pivot_c2 - constant_2 > 0.0 ? code_b : 1.0; /* the pivot of c2 vanished */
+            code_b = pivot_c1
+                - mass_times_2_pow_minus_44 > 0.0 ? code_b : 1.0; /* the pivot of c1 vanished */
+            code_b = pivot_alpha1
+                - c8_1_1_times_2_pow_minus_44 > 0.0 ? code_b : 1.0; /* the pivot of alpha1 vanished */
+            code_b = pivot_c2
+                - mass_times_2_pow_minus_44 > 0.0 ? code_b : 1.0; /* the pivot of c2 vanished */
             code_b = pivot_phi
                 - 5.684341886080802e-14 * J > 0.0 ? code_b : 1.0; /* the pivot of phi vanished */
             codes[b] = code_b;
@@ -1244,10 +1251,10 @@ static const tisserand_variable free_beam_point_table_k[] = {
     {"X_left", "m", "reference position of marker left", 0.0, 1, 0},
     {"X_right", "m", "reference position of marker right", 0.0, 1, 0},
     {"minus_c2_1_2", "", "-c2_1_2", 0.0, 1, 0},
-    {"constant_1", "", "(c6_2 / c8_2_2) * c6_2", 0.0, 1, 0},
-    {"constant_2", "", "1/17592186044416 * mass", 0.0, 1, 0},
-    {"constant_3", "", "1/17592186044416 * c8_1_1", 0.0, 1, 0},
-    {"constant_4", "", "c6_2 / c8_2_2", 0.0, 1, 0},
+    {"c6_2_over_c8_2_2_times_c6_2", "", "(c6_2 / c8_2_2) * c6_2", 0.0, 1, 0},
+    {"mass_times_2_pow_minus_44", "", "1/17592186044416 * mass", 0.0, 1, 0},
+    {"c8_1_1_times_2_pow_minus_44", "", "1/17592186044416 * c8_1_1", 0.0, 1, 0},
+    {"c6_2_over_c8_2_2", "", "c6_2 / c8_2_2", 0.0, 1, 0},
     {"inverse_c8_2_2", "", "1 / c8_2_2", 0.0, 1, 0},
 };
 

@@ -45,10 +45,10 @@
  *   X_left  [m]  reference position of marker left
  *   X_right  [m]  reference position of marker right
  *   minus_c2_1_2  -c2_1_2
- *   constant_1  (c6_2 / c8_2_2) * c6_2
- *   constant_2  1/17592186044416 * mass
- *   constant_3  1/17592186044416 * c8_1_1
- *   constant_4  c6_2 / c8_2_2
+ *   c6_2_over_c8_2_2_times_c6_2  (c6_2 / c8_2_2) * c6_2
+ *   mass_times_2_pow_minus_44  1/17592186044416 * mass
+ *   c8_1_1_times_2_pow_minus_44  1/17592186044416 * c8_1_1
+ *   c6_2_over_c8_2_2  c6_2 / c8_2_2
  *   inverse_c8_2_2  1 / c8_2_2
  *
  * Mass matrix (x: structural non-zero, .: structural zero):
@@ -237,8 +237,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define FREE_BEAM_POINT_HASH "f74208d332c11075"
-#define FREE_BEAM_POINT_HASH_f74208d332c11075
+#define FREE_BEAM_POINT_HASH "ca4710f1fa2c82a5"
+#define FREE_BEAM_POINT_HASH_ca4710f1fa2c82a5
 
 /* ---- sizes and indices ---- */
 
@@ -278,10 +278,10 @@ enum {
     FREE_BEAM_POINT_K_X_left = 8,
     FREE_BEAM_POINT_K_X_right = 9,
     FREE_BEAM_POINT_K_minus_c2_1_2 = 10,
-    FREE_BEAM_POINT_K_constant_1 = 11,
-    FREE_BEAM_POINT_K_constant_2 = 12,
-    FREE_BEAM_POINT_K_constant_3 = 13,
-    FREE_BEAM_POINT_K_constant_4 = 14,
+    FREE_BEAM_POINT_K_c6_2_over_c8_2_2_times_c6_2 = 11,
+    FREE_BEAM_POINT_K_mass_times_2_pow_minus_44 = 12,
+    FREE_BEAM_POINT_K_c8_1_1_times_2_pow_minus_44 = 13,
+    FREE_BEAM_POINT_K_c6_2_over_c8_2_2 = 14,
     FREE_BEAM_POINT_K_inverse_c8_2_2 = 15,
     FREE_BEAM_POINT_ABI = 6
 };
@@ -296,7 +296,8 @@ enum {
  *
  * p: parameters (3)
  * k: constants (16): mass, c2_1_2, C3, c6_2, c8_1_1, c8_2_2, K_1_1, K_2_2, X_left, X_right,
- *     minus_c2_1_2, constant_1, constant_2, constant_3, constant_4, inverse_c8_2_2
+ *     minus_c2_1_2, c6_2_over_c8_2_2_times_c6_2, mass_times_2_pow_minus_44,
+ *     c8_1_1_times_2_pow_minus_44, c6_2_over_c8_2_2, inverse_c8_2_2
  *
  * From appendix.
  * 20 operations.

@@ -43,10 +43,10 @@ Constants k, computed from the parameters by setup:
   X_left  [m]  reference position of marker left
   X_right  [m]  reference position of marker right
   minus_c2_1_2  -c2_1_2
-  constant_1  (c6_2 / c8_2_2) * c6_2
-  constant_2  1/17592186044416 * mass
-  constant_3  1/17592186044416 * c8_1_1
-  constant_4  c6_2 / c8_2_2
+  c6_2_over_c8_2_2_times_c6_2  (c6_2 / c8_2_2) * c6_2
+  mass_times_2_pow_minus_44  1/17592186044416 * mass
+  c8_1_1_times_2_pow_minus_44  1/17592186044416 * c8_1_1
+  c6_2_over_c8_2_2  c6_2 / c8_2_2
   inverse_c8_2_2  1 / c8_2_2
 
 Mass matrix (x: structural non-zero, .: structural zero):
@@ -105,7 +105,7 @@ class Pattern(NamedTuple):
 
 
 NAME = "free_beam_point"
-HASH = "f74208d332c11075"
+HASH = "ca4710f1fa2c82a5"
 COORDINATES = ("c1", "c2", "phi", "alpha1", "alpha2")
 VELOCITIES = ("c1dot", "c2dot", "phidot", "alpha1dot", "alpha2dot")
 PARAMETERS = ("m", "l", "EI")
@@ -113,7 +113,8 @@ SIZES = (1, 1, 1)
 UNITS = ("kg", "m", "N m^2")
 CONSTANTS = (
     "mass", "c2_1_2", "C3", "c6_2", "c8_1_1", "c8_2_2", "K_1_1", "K_2_2", "X_left", "X_right",
-    "minus_c2_1_2", "constant_1", "constant_2", "constant_3", "constant_4", "inverse_c8_2_2",
+    "minus_c2_1_2", "c6_2_over_c8_2_2_times_c6_2", "mass_times_2_pow_minus_44",
+    "c8_1_1_times_2_pow_minus_44", "c6_2_over_c8_2_2", "inverse_c8_2_2",
 )
 MARKERS = ("left", "middle", "right")
 DEFAULTS = (1.0, 1.0, 1.0)
@@ -194,7 +195,8 @@ def setup(p):
 
     p: parameters (3)
     k: constants (16): mass, c2_1_2, C3, c6_2, c8_1_1, c8_2_2, K_1_1, K_2_2, X_left, X_right,
-        minus_c2_1_2, constant_1, constant_2, constant_3, constant_4, inverse_c8_2_2
+        minus_c2_1_2, c6_2_over_c8_2_2_times_c6_2, mass_times_2_pow_minus_44,
+        c8_1_1_times_2_pow_minus_44, c6_2_over_c8_2_2, inverse_c8_2_2
 
     From appendix.
     20 operations.
@@ -218,10 +220,10 @@ def setup(p):
     X_left = -X_right
     minus_c2_1_2 = -c2_1_2
     inverse_c8_2_2 = 1 / c8_2_2
-    constant_4 = c6_2 * inverse_c8_2_2
-    constant_1 = constant_4 * c6_2
-    constant_2 = 5.684341886080802e-14 * p_m
-    constant_3 = 5.684341886080802e-14 * c8_1_1
+    c6_2_over_c8_2_2 = c6_2 * inverse_c8_2_2
+    c6_2_over_c8_2_2_times_c6_2 = c6_2_over_c8_2_2 * c6_2
+    mass_times_2_pow_minus_44 = 5.684341886080802e-14 * p_m
+    c8_1_1_times_2_pow_minus_44 = 5.684341886080802e-14 * c8_1_1
 
     # constants: constants that the kernels read
     k_0 = p_m
@@ -235,10 +237,10 @@ def setup(p):
     k_8 = X_left
     k_9 = X_right
     k_10 = minus_c2_1_2
-    k_11 = constant_1
-    k_12 = constant_2
-    k_13 = constant_3
-    k_14 = constant_4
+    k_11 = c6_2_over_c8_2_2_times_c6_2
+    k_12 = mass_times_2_pow_minus_44
+    k_13 = c8_1_1_times_2_pow_minus_44
+    k_14 = c6_2_over_c8_2_2
     k_15 = inverse_c8_2_2
 
     # checks: checks of the parameters
@@ -259,10 +261,10 @@ def setup(p):
     _require(xp.all(xp.isfinite(X_left)), 2, "X_left is not finite")
     _require(xp.all(xp.isfinite(X_right)), 2, "X_right is not finite")
     _require(xp.all(xp.isfinite(minus_c2_1_2)), 2, "minus_c2_1_2 is not finite")
-    _require(xp.all(xp.isfinite(constant_1)), 2, "constant_1 is not finite")
-    _require(xp.all(xp.isfinite(constant_2)), 2, "constant_2 is not finite")
-    _require(xp.all(xp.isfinite(constant_3)), 2, "constant_3 is not finite")
-    _require(xp.all(xp.isfinite(constant_4)), 2, "constant_4 is not finite")
+    _require(xp.all(xp.isfinite(c6_2_over_c8_2_2_times_c6_2)), 2, "c6_2_over_c8_2_2_times_c6_2 is not finite")
+    _require(xp.all(xp.isfinite(mass_times_2_pow_minus_44)), 2, "mass_times_2_pow_minus_44 is not finite")
+    _require(xp.all(xp.isfinite(c8_1_1_times_2_pow_minus_44)), 2, "c8_1_1_times_2_pow_minus_44 is not finite")
+    _require(xp.all(xp.isfinite(c6_2_over_c8_2_2)), 2, "c6_2_over_c8_2_2 is not finite")
     _require(xp.all(xp.isfinite(inverse_c8_2_2)), 2, "inverse_c8_2_2 is not finite")
     _require(xp.all(c8_2_2 > 0), 1, "the pivot of alpha2 vanished")
 
@@ -490,10 +492,10 @@ def accel(t, q, v, k):
     c8_2_2 = k[..., 5]
     K_1_1 = k[..., 6]
     K_2_2 = k[..., 7]
-    constant_1 = k[..., 11]
-    constant_2 = k[..., 12]
-    constant_3 = k[..., 13]
-    constant_4 = k[..., 14]
+    c6_2_over_c8_2_2_times_c6_2 = k[..., 11]
+    mass_times_2_pow_minus_44 = k[..., 12]
+    c8_1_1_times_2_pow_minus_44 = k[..., 13]
+    c6_2_over_c8_2_2 = k[..., 14]
     inverse_c8_2_2 = k[..., 15]
 
     # Q (26): cos_phi = cosine of the rotation angle; sin_phi = sine of the rotation angle
@@ -511,7 +513,7 @@ def accel(t, q, v, k):
     J = C3 + D2_1 * alpha1 + D2_2 * alpha2
 
     # pivots (LDL^T): eliminate alpha2, phi, c2, alpha1, c1; fill-in 1
-    pivot_phi = J - constant_1
+    pivot_phi = J - c6_2_over_c8_2_2_times_c6_2
     t1 = d1_2 * sin_phi
     inverse_pivot_phi = 1 / pivot_phi
     t2 = t1 * inverse_pivot_phi
@@ -530,11 +532,11 @@ def accel(t, q, v, k):
     pivot_c1 = mass - t6 * t5 - t8 * t7 - t10 * t9
     valid_1 = (pivot_phi - 5.684341886080802e-14 * J) > 0
     _require(batch[0] or valid_1, 1, "the pivot of phi vanished")
-    valid_2 = (pivot_c2 - constant_2) > 0
+    valid_2 = (pivot_c2 - mass_times_2_pow_minus_44) > 0
     _require(batch[0] or valid_2, 1, "the pivot of c2 vanished")
-    valid_3 = (pivot_alpha1 - constant_3) > 0
+    valid_3 = (pivot_alpha1 - c8_1_1_times_2_pow_minus_44) > 0
     _require(batch[0] or valid_3, 1, "the pivot of alpha1 vanished")
-    valid_4 = (pivot_c1 - constant_2) > 0
+    valid_4 = (pivot_c1 - mass_times_2_pow_minus_44) > 0
     _require(batch[0] or valid_4, 1, "the pivot of c1 vanished")
 
     # d1dot (appendix): d1dot_2 = int rho rdot . e2
@@ -547,7 +549,7 @@ def accel(t, q, v, k):
     t11 = phidot * phidot
     t12 = K_2_2 * alpha2 - t11 * D2_2
     t13 = 2 * phidot
-    t14 = constant_4 * t12 - t13 * D2dot
+    t14 = c6_2_over_c8_2_2 * t12 - t13 * D2dot
     t15 = t11 * d1_2
     t16 = t13 * d1dot_2
     t17 = t15 * cos_phi + t16 * sin_phi + t2 * t14
@@ -560,7 +562,7 @@ def accel(t, q, v, k):
     t22 = t14 * inverse_pivot_phi + t2 * t21 + t6 * t19
     vdot_2 = t22
     vdot_3 = -t20
-    t23 = t12 * inverse_c8_2_2 + constant_4 * t22
+    t23 = t12 * inverse_c8_2_2 + c6_2_over_c8_2_2 * t22
     vdot_4 = -t23
 
     # check: check that the result is finite

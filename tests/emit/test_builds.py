@@ -69,3 +69,11 @@ def test_indices_of_coordinates_and_velocities() -> None:
     assert "    LOOPED_Q_alpha = 7,\n" in text_of(loops, ".h") and "    LOOPED_V_alphadot = 6,\n" in text_of(
         loops, ".h"
     )
+
+
+def test_constants_have_names_that_say_what_they_are() -> None:
+    """In the enum of the header, where `constant_1` would tell nothing."""
+    header = text_of(beams.made("point", 2), ".h")
+    assert "BEAM_POINT_2_K_c6_2_over_c8_2_2 = " in header
+    assert "c6_2_over_c8_2_2  c6_2 / c8_2_2\n" in header
+    assert "_K_constant_" not in header

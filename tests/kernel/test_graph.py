@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from fractions import Fraction
+from typing import Any
 
 import casadi as ca
 import pytest
@@ -58,8 +59,49 @@ def test_numbers_and_powers_stay_exact(expr: sp.Expr, expected: object) -> None:
 def test_work_on_coefficients_goes_to_setup_under_a_name() -> None:
     constants = coefficients()
     assert lowered(X / C, constants) == Operation(Operator.MUL, (ScalarRef("x"), ScalarRef("inverse_c")))
-    assert lowered(X * (C * D + 1), constants) == Operation(Operator.MUL, (ScalarRef("x"), ScalarRef("constant_1")))
-    assert list(constants.hoisted.values()) == ["inverse_c", "constant_1"]
+    assert lowered(X * (C * D + 1), constants) == Operation(
+        Operator.MUL, (ScalarRef("x"), ScalarRef("c_times_d_plus_1"))
+    )
+    assert list(constants.hoisted.values()) == ["inverse_c", "c_times_d_plus_1"]
+
+
+@pytest.mark.parametrize(
+    ("expr", "name"),
+    [
+        (X * (2 * C), "c_times_2"),
+        (X * (C / 2**44), "c_times_2_pow_minus_44"),
+        (X * (sp.Rational(2, 3) - C), "minus_c_plus_2_over_3"),
+        (X * (C - D), "c_minus_d"),
+        (X * sp.sqrt(C), "sqrt_c"),
+    ],
+)
+def test_constants_are_named_after_their_expressions(expr: sp.Expr, name: str) -> None:
+    constants = coefficients()
+    lowered(expr, constants)
+    assert name in constants.hoisted.values()
+
+
+def test_two_constants_never_have_one_name() -> None:
+    """(c / d) d and c / (d d) have the same words; the second is numbered. So is one that would be too long."""
+    constants = Constants(frozenset({"c", "d", "c_over_e", "e", "n" * 50}))
+    c, d, e, long = (ScalarRef(name) for name in ("c", "d", "e", "n" * 50))
+
+    def ratio(a: Any, b: Any) -> Operation:
+        return Operation(Operator.DIV, (a, b))
+
+    names = [
+        constants.name(expr)
+        for expr in (
+            Operation(Operator.MUL, (ratio(c, d), d)),
+            ratio(c, Operation(Operator.MUL, (d, d))),
+            ratio(c, e),
+            Operation(Operator.MUL, (long, long)),
+            ratio(c, d),
+            ratio(num(3), d),
+        )
+    ]
+    numbered = ["constant_1", "constant_2", "constant_3"]
+    assert names == ["c_over_d_times_d", *numbered, "c_over_d", "inverse_d_times_3"]
 
 
 def test_a_rounded_number_from_casadi_is_refused() -> None:

@@ -22,6 +22,9 @@ from derive.lowering.flat.casadi_symbols import Symbols
 
 BINARY = {ca.OP_ADD: Operator.ADD, ca.OP_SUB: Operator.SUB, ca.OP_MUL: Operator.MUL, ca.OP_DIV: Operator.DIV}
 MIN_DOUBLE, MAX_DOUBLE = Fraction(sys.float_info.min), Fraction(sys.float_info.max)
+WORDS = {Operator.ADD: "plus", Operator.SUB: "minus", Operator.MUL: "times", Operator.DIV: "over"}
+MAX_NAME = 60
+"""The longest name that a constant gets from its expression; others are numbered."""
 MAX_CONSTANT_SIZE = 9
 """The largest number of nodes in an expression of model constants; larger ones refer to constants for their parts."""
 
@@ -72,13 +75,35 @@ class Constants:
         return self.hoisted[expr]
 
     def _describe(self, expr: Expr) -> str | None:
-        """A descriptive name of an inverse or a negative coefficient; None for other expressions."""
-        match expr:
-            case Operation(Operator.DIV, (Number(Fraction(numerator=1, denominator=1)), ScalarRef(name))):
-                return f"inverse_{name}"
-            case Operation(Operator.NEG, (ScalarRef(name),)):
-                return f"minus_{name}"
-        return None
+        """The expression in words; None if they are too long, or if another constant has that name."""
+        name = _in_words(expr)
+        taken = name in self.coefficients or name in self.hoisted.values()
+        return None if taken or len(name) > MAX_NAME or not name.isidentifier() else name
+
+
+def _in_words(expr: Expr) -> str:
+    """A name for a constant expression, such as `c6_2_over_c8_2_2`; factors that are numbers come last."""
+    match expr:
+        case ScalarRef(name):
+            return name
+        case Number(Fraction(numerator=1, denominator=d)) if d > 2**20 and d & (d - 1) == 0:
+            return f"2_pow_minus_{d.bit_length() - 1}"
+        case Number(Fraction(numerator=n, denominator=d)):
+            size = str(abs(n)) if d == 1 else f"{abs(n)}_over_{d}"
+            return f"minus_{size}" if n < 0 else size
+        case Operation(Operator.DIV, (Number(Fraction(numerator=1, denominator=1)), divisor)):
+            return f"inverse_{_in_words(divisor)}"
+        case Operation(Operator.DIV, (Number() as number, divisor)):
+            return f"inverse_{_in_words(divisor)}_times_{_in_words(number)}"
+        case Operation(Operator.ADD | Operator.MUL as kind, (Number() as number, other)):
+            return f"{_in_words(other)}_{WORDS[kind]}_{_in_words(number)}"
+        case Operation(Operator.SUB, (Number() as number, other)):
+            return f"minus_{_in_words(other)}_plus_{_in_words(number)}"
+        case Operation(kind, (first, second)):
+            return f"{_in_words(first)}_{WORDS[kind]}_{_in_words(second)}"
+        case Operation(kind, (operand,)):
+            return f"{'minus' if kind is Operator.NEG else kind.value}_{_in_words(operand)}"
+    return ""
 
 
 class Graph:
