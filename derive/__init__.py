@@ -15,7 +15,8 @@ The public interface, by stages:
     specification   read, validated; scene, planar_beam, nodal_body, symbolic_body
                     bodies: PlanarBeam, SymbolicBody, NodalBody with NodeData, NodeMarker, BodyFrame, Damping
                     scenes: Scene, RigidBody, BeamBody, PointMarker, MarkerRef, InitialValues, JointInitialValues,
-                    Joint, Drive, Force, Torque, Spring, TimeFunction, time_function, Plot, Deflection, ReferenceCurve
+                    Joint, Drive, Force, Torque, Spring, Bushing, DistributedLoad, TimeFunction, time_function, Plot,
+                    Deflection, ReferenceCurve
                     both: Frame, Marker, Parameter, Simulation; SpatialStart of a body in space
                     registries: JOINTS, BODIES, FORCES; CustomJoint, CustomBody, CustomForce
     equations       derive, modal, derive_modal, parameters; ModalBody; Equations of a body, or for a scene a
@@ -93,10 +94,12 @@ if TYPE_CHECKING:
     )
     from derive.spec.model.scene import (
         BeamBody,
+        Bushing,
         CustomBody,
         CustomForce,
         CustomJoint,
         Deflection,
+        DistributedLoad,
         Drive,
         Force,
         Joint,
@@ -108,10 +111,10 @@ if TYPE_CHECKING:
         RigidBody,
         Scene,
         Spring,
-        TimeFunction,
         Torque,
     )
     from derive.spec.model.simulation import InitialValues, Simulation, SpatialStart
+    from derive.spec.model.time_function import TimeFunction
     from derive.spec.parsing.time_expression import time_function
     from derive.spec.toml.read import read
 
@@ -194,10 +197,12 @@ _MODULES = {
     ),
     "derive.spec.model.scene": (
         "BeamBody",
+        "Bushing",
         "CustomBody",
         "CustomForce",
         "CustomJoint",
         "Deflection",
+        "DistributedLoad",
         "Drive",
         "Force",
         "Joint",
@@ -209,7 +214,6 @@ _MODULES = {
         "RigidBody",
         "Scene",
         "Spring",
-        "TimeFunction",
         "Torque",
     ),
     "derive.spec.model.simulation": (
@@ -217,6 +221,7 @@ _MODULES = {
         "Simulation",
         "SpatialStart",
     ),
+    "derive.spec.model.time_function": ("TimeFunction",),
     "derive.spec.parsing.time_expression": ("time_function",),
     "derive.spec.toml.read": ("read",),
 }
@@ -230,12 +235,14 @@ __all__ = [
     "BeamBody",
     "BodyFrame",
     "BodyTrajectory",
+    "Bushing",
     "CompilerError",
     "CustomBody",
     "CustomForce",
     "CustomJoint",
     "Damping",
     "Deflection",
+    "DistributedLoad",
     "Drive",
     "Equations",
     "Equilibrium",

@@ -5,13 +5,23 @@ A text carries the strength with which it binds and its sign as data, so that no
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import assert_never
 
 from derive.backends.wrapping import PLUS, BreakableText, join
-from derive.ir.expressions import ArrayAccess, Expr, MatrixEntry, Number, Operation, Operator, ScalarRef
+from derive.ir.expressions import (
+    CONDITIONS,
+    ArrayAccess,
+    Expr,
+    MatrixEntry,
+    Number,
+    Operation,
+    Operator,
+    ScalarRef,
+    TableValue,
+)
 
 SIGN = {Operator.ADD: " + ", Operator.SUB: " - ", Operator.MUL: " * ", Operator.DIV: " / "}
 SUM, PRODUCT, ATOM = 1, 2, 3
@@ -28,13 +38,20 @@ Named = ScalarRef | ArrayAccess | MatrixEntry
 
 @dataclass(frozen=True)
 class Dialect:
-    """How a language writes numbers and calls functions.
+    """How a language writes numbers, calls functions and makes choices.
 
-    suffix: what follows an integer, so that quotients are not those of integers; namespace: what precedes a function.
+    suffix: what follows an integer, so that quotients are not those of integers; namespace: what precedes a function;
+    names: those of functions that have other names than their operators; choice: the four texts around a condition, the
+    value where it holds, and the other value; negation: what precedes a condition; lookup: the first arguments of a
+    table.
     """
 
     suffix: str
     namespace: str
+    names: Mapping[Operator, str]
+    choice: tuple[str, str, str, str]
+    negation: str
+    lookup: str
 
     def number(self, value: Fraction) -> _Text:
         """An exact number: an integer, a quotient of integers, or the nearest double where that is the number itself.
@@ -50,8 +67,15 @@ class Dialect:
         return _Text(BreakableText((quotient,)), binding, False)
 
 
-C = Dialect(".0", "")
-PYTHON = Dialect("", "xp.")
+C = Dialect(".0", "", {}, ("(", " ? ", " : ", ")"), "!", "")
+PYTHON = Dialect(
+    "",
+    "xp.",
+    {Operator.MIN: "minimum", Operator.MAX: "maximum"},
+    ("xp.where(", ", ", ", ", ")"),
+    "xp.logical_not",
+    "xp, ",
+)
 
 
 @dataclass(frozen=True)
@@ -101,6 +125,9 @@ def _text(expr: Expr, dialect: Dialect, name: Callable[[Named], BreakableText]) 
             return dialect.number(expr.value)
         case ScalarRef() | ArrayAccess() | MatrixEntry():
             return _Text(name(expr), ATOM, False)
+        case TableValue():
+            argument = _text(expr.argument, dialect, name).code
+            return _Text(join(f"{expr.table}({dialect.lookup}", argument, f", {expr.order})"), ATOM, False)
         case Operation():
             return _operation(expr, dialect, name)
         case _:
@@ -109,8 +136,20 @@ def _text(expr: Expr, dialect: Dialect, name: Callable[[Named], BreakableText]) 
 
 def _operation(expr: Operation, dialect: Dialect, name: Callable[[Named], BreakableText]) -> _Text:
     operands = [_text(arg, dialect, name) for arg in expr.args]
-    if expr.kind.function:
-        return _Text(join(f"{dialect.namespace}{expr.kind.value}(", operands[0].code, ")"), ATOM, False)
+    one, zero = (dialect.number(Fraction(value)).code for value in (1, 0))
+    if expr.kind in CONDITIONS:
+        return _choice(_condition(expr, dialect, name), one, zero, dialect)
+    if expr.kind is Operator.WHEN:
+        return _choice(_condition(expr.args[0], dialect, name), operands[1].code, zero, dialect)
+    if expr.kind is Operator.SIGN:
+        (operand,) = operands
+        below, above = (_compared(operand, sign, dialect.number(Fraction(0))) for sign in (" < ", " > "))
+        negative = _choice(below, dialect.number(Fraction(-1)).code, zero, dialect).code
+        return _choice(above, one, negative, dialect)
+    if expr.kind not in BINDING:
+        function = dialect.names.get(expr.kind, expr.kind.value)
+        code = operands[0].code if len(operands) == 1 else join(operands[0].code, ", ", operands[1].code)
+        return _Text(join(f"{dialect.namespace}{function}(", code, ")"), ATOM, False)
     binding = BINDING[expr.kind]
     if expr.kind is Operator.NEG:
         return _Text(join("-", _enclosed(operands[0], operands[0].binding <= binding)), binding, True)
@@ -123,6 +162,27 @@ def _operation(expr: Operation, dialect: Dialect, name: Callable[[Named], Breaka
         _enclosed(right, right.binding <= binding),
     )
     return _Text(code, binding, left.signed and not enclosed)
+
+
+def _condition(expr: Expr, dialect: Dialect, name: Callable[[Named], BreakableText]) -> BreakableText:
+    """An expression as a condition: whether it is not 0."""
+    match expr:
+        case Operation(Operator.LESS | Operator.NOT_GREATER as kind, (left, right)):
+            sign = " < " if kind is Operator.LESS else " <= "
+            return _compared(_text(left, dialect, name), sign, _text(right, dialect, name))
+        case Operation(Operator.NOT, (operand,)):
+            return join(f"{dialect.negation}(", _condition(operand, dialect, name), ")")
+        case _:
+            return _compared(_text(expr, dialect, name), " != ", dialect.number(Fraction(0)))
+
+
+def _compared(left: _Text, sign: str, right: _Text) -> BreakableText:
+    return join(left.code, sign, right.code)
+
+
+def _choice(condition: BreakableText, then: BreakableText, otherwise: BreakableText, dialect: Dialect) -> _Text:
+    before, between, behind, end = dialect.choice
+    return _Text(join(before, condition, between, then, behind, otherwise, end), ATOM, False)
 
 
 def _enclosed(operand: _Text, enclosed: bool) -> BreakableText:

@@ -8,6 +8,7 @@ import json
 from collections.abc import Sequence
 from fractions import Fraction
 from importlib.metadata import version
+from typing import Any
 
 from derive.artifacts import MARK, File
 from derive.backends.c.source import ABI, CBackend
@@ -18,6 +19,7 @@ from derive.ir.model import Model
 from derive.registry import Registry
 from derive.spec.model.body import NodalBody, PlanarBeam, SymbolicBody
 from derive.spec.model.scene import BeamBody, Scene, Specification
+from derive.spec.model.time_function import Spline, TimeFunction
 from derive.version import VERSION
 
 BACKENDS: Registry[Backend] = Registry("backend", {"c": CBackend(), "python": PythonBackend()})
@@ -69,11 +71,21 @@ def _exact(value: object) -> object:
     if isinstance(value, Fraction):
         return str(value)
     if isinstance(value, BeamBody):  # what is for a beam alone says nothing here
-        fields = dataclasses.asdict(value)
-        return {**fields, "beam": {key: item for key, item in fields["beam"].items() if key not in ALONE}}
+        beam = {key: item for key, item in _fields(value.beam).items() if key not in ALONE}
+        return {**_fields(value), "beam": beam}
+    if isinstance(value, Spline):
+        numbers = repr((value.knots, value.coefficients)).encode()
+        return {"name": value.name, "knots": len(value.knots), "sha256": hashlib.sha256(numbers).hexdigest()}
+    if isinstance(value, TimeFunction):
+        return {f.name: of for f in dataclasses.fields(value) if (of := getattr(value, f.name)) is not None}
     if dataclasses.is_dataclass(value) and not isinstance(value, type):
-        return dataclasses.asdict(value)
+        return _fields(value)
     raise TypeError(f"{value!r} is no plain data")
+
+
+def _fields(value: Any) -> dict[str, Any]:
+    """The fields of a dataclass."""
+    return {f.name: getattr(value, f.name) for f in dataclasses.fields(value)}
 
 
 def _manifest(model: Model, spec: Specification, files: tuple[File, ...]) -> File:

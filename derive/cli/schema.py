@@ -29,6 +29,7 @@ TITLES = {
     "RigidTable": "`[bodies.NAME]`, a rigid body",
     "BeamBodyTable": "`[bodies.NAME]`, a beam",
     "FrameTable": "Frame of a beam",
+    "DampingTable": "Damping",
     "StartTable": "Initial values of a body",
     "BeamStartTable": "Initial values of a beam",
     "JointStartTable": "Initial values of a joint or a drive",

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from fractions import Fraction
 from typing import assert_never
 
-from derive.ir.expressions import ArrayAccess, Expr, Number, Operation, ScalarRef, walk
+from derive.ir.expressions import ArrayAccess, Expr, Number, Operation, ScalarRef, TableValue, walk
 from derive.ir.statements import (
     Accumulate,
     Cholesky,
@@ -69,7 +69,7 @@ def reads(statement: Statement) -> Iterator[str]:
 
 
 def operations(statement: Statement) -> int:
-    """Arithmetic operations of a statement; a sine or a cosine counts as one, padding does not count."""
+    """Arithmetic operations of a statement; a sine or a look-up counts as one, padding does not count."""
     match statement:
         case Let() | Store() | Require():
             return _operations_of(statement.expr)
@@ -97,4 +97,4 @@ def operations(statement: Statement) -> int:
 
 
 def _operations_of(expr: Expr) -> int:
-    return sum(isinstance(part, Operation) for part in walk(expr))
+    return sum(isinstance(part, Operation | TableValue) for part in walk(expr))

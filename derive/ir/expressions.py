@@ -23,16 +23,43 @@ class Operator(Enum):
     SIN = "sin"
     COS = "cos"
     SQRT = "sqrt"
+    EXP = "exp"
+    LOG = "log"
+    TANH = "tanh"
+    SIGN = "sign"
+    ATAN2 = "atan2"
+    MIN = "fmin"
+    MAX = "fmax"
+    LESS = "less"
+    NOT_GREATER = "not_greater"
+    NOT = "not"
+    WHEN = "when"
 
     @property
     def binary(self) -> bool:
         """Whether it has two operands."""
-        return self in (Operator.ADD, Operator.SUB, Operator.MUL, Operator.DIV)
+        return self in BINARY_OPERATORS
 
     @property
-    def function(self) -> bool:
-        """Whether languages write it as the call of a function of one operand."""
-        return self in (Operator.SIN, Operator.COS, Operator.SQRT)
+    def vectorises(self) -> bool:
+        """Whether compilers make vectors of it; the others are calls of functions of the C library."""
+        return self not in LIBRARY_OPERATORS
+
+
+BINARY_OPERATORS = frozenset(
+    {
+        *(Operator.ADD, Operator.SUB, Operator.MUL, Operator.DIV, Operator.ATAN2, Operator.MIN, Operator.MAX),
+        *(Operator.LESS, Operator.NOT_GREATER, Operator.WHEN),
+    }
+)
+"""The operators of two operands. LESS and NOT_GREATER compare them, and are 1 or 0; WHEN is the second one where the
+first is not 0, and else 0."""
+
+CONDITIONS = frozenset({Operator.LESS, Operator.NOT_GREATER, Operator.NOT})
+"""The operators that languages write as conditions; their values are 1 and 0."""
+
+LIBRARY_OPERATORS = frozenset({Operator.SIN, Operator.COS, Operator.EXP, Operator.LOG, Operator.TANH, Operator.ATAN2})
+"""The operators that are functions of the C library, and no single instructions."""
 
 
 @dataclass(frozen=True)
@@ -74,7 +101,17 @@ class MatrixEntry:
     table: str
 
 
-Leaf = Number | ScalarRef | ArrayAccess | MatrixEntry
+@dataclass(frozen=True)
+class TableValue:
+    """The derivative of an order, 0 for the value itself, of a table of the model at an argument."""
+
+    table: str
+    order: int
+    argument: Expr
+
+
+Leaf = Number | ScalarRef | ArrayAccess | MatrixEntry | TableValue
+"""What has no operands in a graph; the argument of a table is no part of the graph."""
 Expr = Leaf | Operation
 
 
@@ -83,4 +120,6 @@ def walk(expr: Expr) -> Iterator[Expr]:
     if isinstance(expr, Operation):
         for arg in expr.args:
             yield from walk(arg)
+    if isinstance(expr, TableValue):
+        yield from walk(expr.argument)
     yield expr

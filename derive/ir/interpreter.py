@@ -9,7 +9,17 @@ from fractions import Fraction
 from typing import Any, assert_never
 
 from derive.errors import TisserandError
-from derive.ir.expressions import ArrayAccess, Expr, MatrixEntry, Number, Operation, Operator, ScalarRef
+from derive.ir.expressions import (
+    LIBRARY_OPERATORS,
+    ArrayAccess,
+    Expr,
+    MatrixEntry,
+    Number,
+    Operation,
+    Operator,
+    ScalarRef,
+    TableValue,
+)
 from derive.ir.model import Kernel
 from derive.ir.statements import (
     LANES,
@@ -38,8 +48,38 @@ BINARY: dict[Operator, Callable[[Any, Any], Any]] = {
     Operator.SUB: operator.sub,
     Operator.MUL: operator.mul,
     Operator.DIV: operator.truediv,
+    Operator.MIN: lambda a, b: a if a < b else b,
+    Operator.MAX: lambda a, b: b if a < b else a,
+    Operator.LESS: lambda a, b: int(a < b),
+    Operator.NOT_GREATER: lambda a, b: int(a <= b),
+    Operator.WHEN: lambda condition, a: a if condition else 0,
 }
-"""The operators of two operands."""
+"""The operators of two operands that need no function of a type of number."""
+
+CALLS: dict[Operator, Callable[..., Any]] = {
+    Operator.NEG: operator.neg,
+    Operator.SIGN: lambda a: (a > 0) - (a < 0),
+    Operator.NOT: lambda a: int(not a),
+}
+"""The operators of one operand that need none."""
+
+
+def _quiet(function: Callable[..., float]) -> Callable[..., float]:
+    """A function of the C library as it is there: NaN and infinity in place of an error."""
+
+    def call(*args: float) -> float:
+        try:
+            return function(*args)
+        except ValueError:
+            return math.nan
+        except OverflowError:
+            return math.inf
+
+    return call
+
+
+LIBRARY = {operation: _quiet(getattr(math, operation.value)) for operation in (*LIBRARY_OPERATORS, Operator.SQRT)}
+"""The operators that are functions of a type of number, for doubles."""
 
 
 class RequirementError(TisserandError, ArithmeticError):
@@ -55,18 +95,21 @@ def interpret(
     arguments: Mapping[str, Any],
     *,
     number: Callable[[Fraction], Any] = float,
-    functions: Mapping[str, Callable[[Any], Any]] | None = None,
+    functions: Mapping[str, Callable[..., Any]] | None = None,
     check: bool = True,
+    tables: Mapping[str, Callable[[Any, int], Any]] | None = None,
 ) -> dict[str, list[Any]]:
     """The outputs of a kernel: by their names, lists of the sizes of `kernel.outputs`.
 
     arguments: by their names, sequences of the sizes of the arguments, or numbers for scalars; number: converts exact
-    constants into the type of number; functions: `sin`, `cos` and, for `Cholesky`, `sqrt` of that type; check: whether
-    requirements are checked. Raises RequirementError if a requirement does not hold, ValueError for a wrong length.
+    constants into the type of number; functions: `sin`, `cos`, `sqrt` and the others of `LIBRARY` of that type; check:
+    whether requirements are checked; tables: functions of an argument and the order of the derivative, by the names of
+    the tables of the model, such as its splines. Raises RequirementError if a requirement does not hold, ValueError for
+    a wrong length.
     """
-    call = {Operator.SIN: math.sin, Operator.COS: math.cos, Operator.SQRT: math.sqrt}
+    call = {**CALLS, **BINARY, **LIBRARY}
     call |= {Operator(name): function for name, function in (functions or {}).items()}
-    run = _Run(kernel, arguments, number, call, check)
+    run = _Run(kernel, arguments, number, call, check, tables or {})
     for statement in kernel.statements:
         run.step(statement)
     return run.outputs
@@ -80,10 +123,11 @@ class _Run:
         kernel: Kernel,
         arguments: Mapping[str, Any],
         number: Callable[[Fraction], Any],
-        call: Mapping[Operator, Callable[[Any], Any]],
+        call: Mapping[Operator, Callable[..., Any]],
         check: bool,
+        tables: Mapping[str, Callable[[Any, int], Any]],
     ) -> None:
-        self.number, self.call, self.check = number, call, check
+        self.number, self.call, self.check, self.tables = number, call, check, tables
         self.zero = number(Fraction(0))
         self.values: dict[str, Any] = {}
         self.arrays: dict[str, list[Any]] = {}
@@ -112,10 +156,9 @@ class _Run:
                 assert packing is not None
                 return self.arrays[packing.array][packing.position(expr.table, i, j)]
             case Operation():
-                operands = [self.value(arg, i, j, packing) for arg in expr.args]
-                if expr.kind is Operator.NEG:
-                    return -operands[0]
-                return BINARY[expr.kind](*operands) if expr.kind in BINARY else self.call[expr.kind](*operands)
+                return self.call[expr.kind](*(self.value(arg, i, j, packing) for arg in expr.args))
+            case TableValue():
+                return self.tables[expr.table](self.value(expr.argument, i, j, packing), expr.order)
             case _:
                 assert_never(expr)
 

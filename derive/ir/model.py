@@ -16,6 +16,7 @@ from derive.ir.patterns import Pattern
 from derive.ir.statements import Statement
 from derive.registry import UnknownNameError
 from derive.roles import Role
+from derive.spec.model.time_function import Spline
 
 
 @dataclass(frozen=True)
@@ -192,7 +193,8 @@ class Model:
     doc: the kind of model in words; frame_doc: the definition of the floating frames in words. coordinates, velocities,
     equations: q, v, and the equations of motion with their units. kernels: the functions, setup first. markers: the
     material points. zeros, vanished: the structural zeros of the mass matrix and the terms of (15) that vanish.
-    terms: the terms of the equations of motion with the values they are part of.
+    terms: the terms of the equations of motion with the values they are part of. splines: the tables that kernels look
+    up.
 
     lowering: "flat" (straight-line code) or "table" (loops over the modes); choice: the reason for it. data: the
     defaults of parameters that are arrays, as pairs (index, value); all other values are zero.
@@ -225,6 +227,7 @@ class Model:
     outputs: tuple[Variable, ...] = ()
     terms: tuple[ModelTerm, ...] = ()
     start: StartState | None = None
+    splines: tuple[Spline, ...] = ()
 
     @property
     def defaults(self) -> tuple[float, ...]:

@@ -32,6 +32,7 @@ from derive.mechanics.terms import (
     Vanished,
 )
 from derive.spec.model.body import Lowering
+from derive.spec.model.time_function import Spline
 
 WIDTH = 110
 """Characters of a line of equations as text."""
@@ -59,6 +60,8 @@ class Equations:
     what else is shared; both keep their zeros, with reasons. `mass` and `mass_zeros` belong to the expanded form: the
     mass matrix, and the row, column (lower triangle) and reason of each structural zero. `weight_energy` is the
     potential of gravity, None where there is none.
+
+    `splines` are the tables of values that definitions look up.
 
     `body` is what the equations of a body were derived from, and `lowering` what its specification asks of the
     lowering.
@@ -93,6 +96,7 @@ class Equations:
     mode_sums: tuple[ModeSum, ...] = ()
     body: Body | None = None
     lowering: Lowering = "auto"
+    splines: tuple[Spline, ...] = ()
 
     @property
     def indexed(self) -> bool:

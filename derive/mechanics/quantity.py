@@ -8,11 +8,13 @@ import sympy as sp
 
 from derive.errors import Problem, SpecError
 from derive.mechanics.symbols import Family, Symbol, identity, run_time_input, t
+from derive.mechanics.symbols import element as element_symbol
 from derive.mechanics.symbols import parameter as parameter_symbol
 from derive.mechanics.symbols import quantity as quantity_symbol
 from derive.mechanics.terms import ModelConstant, ParameterSymbol
+from derive.mechanics.time_functions import BUILD, lookup, piecewise
 from derive.spec.model.body import Parameter, Quantity
-from derive.spec.model.scene import TimeFunction
+from derive.spec.model.time_function import TimeFunction, parts, value_at
 
 NO_GRAVITY = "the specification (no gravity along this axis)"
 
@@ -42,28 +44,37 @@ def gravity(components: tuple[Quantity, ...] | None) -> tuple[tuple[ModelConstan
     return tuple(coefficients), tuple(parameters)
 
 
-_BUILD = {
-    "add": lambda a, b: a + b,
-    "sub": lambda a, b: a - b,
-    "mul": lambda a, b: a * b,
-    "div": lambda a, b: a / b,
-    "pow": lambda a, b: a**b,
-    "neg": lambda a: -a,
-    "sin": sp.sin,
-    "cos": sp.cos,
-    "sqrt": sp.sqrt,
-}
-
-
 def function(of: TimeFunction) -> sp.Expr:
-    """The expression of t; numbers stay exact."""
-    if of.kind == "number":
-        return sp.Rational(of.value)
-    if of.kind == "t":
-        return t
-    if of.kind == "input":
-        return run_time_input(of.name)
-    return rounded(_BUILD[of.kind](*map(function, of.args)))
+    """The expression of t and of the constants of parameters; numbers stay exact."""
+    match of.kind:
+        case "number":
+            return sp.Rational(of.value)
+        case "t":
+            return t
+        case "parameter":
+            assert of.parameter is not None
+            return function_constant(of.parameter)
+        case "input":
+            return run_time_input(of.name)
+        case "spline":
+            assert of.spline is not None
+            return lookup(of.spline, function(of.args[0]))
+        case "piecewise":
+            ends = [function(condition.args[1]) for condition in of.args[:-1:2]]
+            return piecewise(t, ends, [function(value) for value in (*of.args[1::2], of.args[-1])])
+        case kind if kind in EXACT or any(part.kind in ("t", "parameter", "input") for part in parts(of)):
+            return rounded(BUILD[kind](*map(function, of.args)))
+        case _:
+            return sp.Rational(value_at(of, 0.0))
+
+
+EXACT = ("add", "sub", "mul", "div", "pow", "neg", "sin", "cos", "sqrt")
+"""The kinds whose values of numbers SymPy knows to any number of digits."""
+
+
+def function_constant(parameter: Parameter) -> Symbol:
+    """The constant of the generated code that is the value of a parameter in functions of time."""
+    return element_symbol("parameter", parameter.symbol)
 
 
 def rounded(expr: sp.Expr) -> sp.Expr:

@@ -139,6 +139,7 @@ PLANAR_DOCS = {
     Family.C7: ("int rho Phi_i x Phi_j", "kg"),
     Family.C8: ("int rho Phi_i . Phi_j", "kg"),
     Family.STIFFNESS: ("stiffness", "N/m"),
+    Family.DAMPING: ("damping", "N s/m"),
 }
 """The tables of a planar body: what they are, their units."""
 
@@ -150,7 +151,7 @@ def planar_tables(constants: Sequence[ModelConstant]) -> tuple[CoefficientTable,
         of_family = [c for c in constants if c.symbol.identity.family is family]
         if of_family:
             tables.append(_planar_table(CoefficientTable(family, TableKind.FULL, doc, unit, dimension=2), of_family))
-        elif INDICES[family]:
+        elif INDICES[family] and family is not Family.DAMPING:
             deforms = any(INDICES[c.symbol.identity.family] for c in constants)
             tables.append(CoefficientTable(family, TableKind.ZERO, doc, unit, ODD if deforms else NO_SHAPES, "", 2))
     return tuple(tables)

@@ -17,7 +17,8 @@ from derive.simulation.errors import SimulationError
 from derive.simulation.integration.integrator import Settings
 from derive.simulation.integration.scipy_methods import integrate
 from derive.simulation.integration.solution import Solution
-from derive.spec.model.scene import CustomForce, Force, Scene, TimeFunction, Torque
+from derive.spec.model.scene import CustomForce, Force, Scene, Torque
+from derive.spec.model.time_function import TimeFunction
 
 InputFunction = Callable[[float], float | Sequence[float]]
 """The value of an input at a time (s); for a prescribed motion with its first two time derivatives."""
@@ -139,7 +140,15 @@ def driven_integration(native: DrivenScene, integrator: str) -> Integrate:
     def run(k: Vector, q: Vector, v: Vector, times: Vector, settings: Settings) -> Solution:
         settings.refuse_step(integrator)
         return integrate(
-            native, k, q, v, times, tolerance=settings.tolerance, drift=settings.drift, progress=settings.progress
+            native,
+            k,
+            q,
+            v,
+            times,
+            tolerance=settings.tolerance,
+            drift=settings.drift,
+            breaks=settings.breaks,
+            progress=settings.progress,
         )
 
     return run

@@ -22,6 +22,7 @@ from derive.simulation.trajectory import RunSettings, Trajectory, column_units
 from derive.spec.construction import validated
 from derive.spec.model.body import NodalBody, PlanarBeam
 from derive.spec.model.scene import ColumnCurves, Scene
+from derive.spec.model.scene_functions import breaks
 from derive.spec.model.simulation import Simulation
 from derive.spec.parsing.faults import did_you_mean
 
@@ -108,7 +109,7 @@ def _simulate_scene(
         integrate = driven_integration(native, integrator)
     k = native.setup()
     initial = initial_state(scene, native, k)
-    settings = Settings(tolerance=simulation.tolerance, step=step, progress=progress)
+    settings = Settings(tolerance=simulation.tolerance, step=step, breaks=breaks(scene), progress=progress)
     solution = integrate(k, initial.q, initial.v, output_times(simulation), settings)
     motion = SceneMotion(scene, native, k, solution.t, solution.q, solution.v)
     return Trajectory(scene, model, initial, motion, solution, RunSettings(simulation, integrator, step))

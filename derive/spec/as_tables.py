@@ -23,10 +23,12 @@ from derive.spec.model.ports import SceneOutput
 from derive.spec.model.scene import (
     NAMED,
     BeamBody,
+    Bushing,
     ColumnCurves,
     CustomBody,
     CustomForce,
     CustomJoint,
+    DistributedLoad,
     Drive,
     Force,
     Joint,
@@ -40,10 +42,11 @@ from derive.spec.model.scene import (
     SceneInput,
     Specification,
     Spring,
-    TimeFunction,
     Torque,
 )
+from derive.spec.model.scene_functions import function_parameters, input_functions, time_functions
 from derive.spec.model.simulation import InitialValues, Simulation, SpatialStart
+from derive.spec.model.time_function import TimeFunction
 
 Data = dict[str, object]
 
@@ -62,6 +65,9 @@ def scene_tables(scene: Scene) -> Data:
     tables: Data = {"name": scene.name, "ground": {"markers": named("ground", scene.ground)}}
     if scene.gravity is not None or scene.start is not None:
         tables["scene"] = without_none(gravity=as_table(scene.gravity), start=scene.start)
+    functions = (function for _, function in (*time_functions(scene), *input_functions(scene)))
+    if parameters := {p.symbol: p for function in functions for p in function_parameters(function)}:
+        tables["parameters"] = {name: _function_parameter(p) for name, p in parameters.items()}
     for kind in NAMED:
         if elements := getattr(scene, kind):
             tables[kind] = named(kind, elements)
@@ -122,6 +128,7 @@ def _beam(beam: PlanarBeam) -> Data:
         markers=_markers(beam.markers),
         gravity=beam.gravity,
         start=beam.start,
+        damping=as_table(beam.damping),
     )
 
 
@@ -179,6 +186,16 @@ def _joint(joint: Joint) -> Data:
     )
 
 
+def _function_parameter(parameter: Parameter) -> Data:
+    return without_none(default=parameter.default, unit=parameter.unit or None)
+
+
+def _spring(spring: Spring | Bushing) -> Data:
+    values = FORCES[spring.kind].specified(spring)
+    given = {key: value for key, value in values.items() if key == "stiffness" or value}
+    return {"kind": spring.kind, "between": [spring.first, spring.second], **given}
+
+
 def _custom_force(force: CustomForce) -> Data:
     markers: Data
     match FORCES[force.kind].section:
@@ -219,7 +236,13 @@ _CONVERT: Mapping[type, Callable[[Any], object]] = {
     NodalBody: _nodal_body,
     SymbolicBody: _symbolic_body,
     RigidBody: _rigid_body,
-    BeamBody: lambda body: {**_beam(body.beam), "pieces": body.pieces, "start": body.start},
+    BeamBody: lambda body: without_none(
+        **_beam(body.beam),
+        pieces=body.pieces,
+        start=body.start,
+        loads={load.name: load for load in body.loads} or None,
+    ),
+    DistributedLoad: lambda load: {"force": load.force, "time": load.time, "frame": load.frame},
     CustomBody: lambda body: {**body.values, "markers": _markers(body.markers), "start": body.start},
     InitialValues: lambda start: without_none(**{**asdict(start), "guess": start.guess or None}),
     JointInitialValues: lambda start: without_none(**{**asdict(start), "guess": start.guess or None}),
@@ -228,15 +251,12 @@ _CONVERT: Mapping[type, Callable[[Any], object]] = {
     Drive: lambda drive: without_none(
         joint=drive.joint, motion=drive.motion, speed=drive.speed, offset=drive.offset or None, start=drive.start
     ),
-    Force: lambda force: without_none(at=force.at, components=force.components),
-    Torque: lambda torque: without_none(at=torque.at, value=torque.value, against=torque.against),
-    Spring: lambda spring: without_none(
-        kind=spring.kind,
-        between=[spring.first, spring.second],
-        stiffness=spring.stiffness,
-        damping=spring.damping,
-        rest=spring.rest,
+    Force: lambda force: without_none(
+        at=force.at, components=force.components, frame=None if force.frame == "inertial" else force.frame
     ),
+    Torque: lambda torque: without_none(at=torque.at, value=torque.value, against=torque.against),
+    Spring: _spring,
+    Bushing: _spring,
     CustomForce: _custom_force,
     SceneInput: lambda given: without_none(unit=given.unit or None, value=given.function),
     SceneOutput: lambda output: {"kind": output.kind, **output.values},

@@ -32,6 +32,7 @@ from derive.spec.model.body import (
 from derive.spec.model.ports import SceneOutput
 from derive.spec.model.scene import (
     NAMED,
+    Bushing,
     CustomForce,
     Drive,
     Force,
@@ -69,15 +70,17 @@ def planar_beam(
     markers: Mapping[str, Number] | None = None,
     orthogonal: bool | None = None,
     gravity: Sequence[Constant] | None = None,
+    damping: Mapping[str, Number] | Damping | None = None,
 ) -> PlanarBeam:
     """A uniform slender beam that moves in a plane.
 
     ansatz: shape functions, texts such as "xi^2 - 1/3" or tuples of coefficients; frame: "mean", "point", "chord",
     "given", or a Frame; mass (kg), length (m) and bending_stiffness (N m^2): numbers or parameters, where a float is
-    the decimal it is printed as; markers: names and places xi from -1 to 1; gravity: two components, m/s^2.
+    the decimal it is printed as; markers: names and places xi from -1 to 1; gravity: two components, m/s^2;
+    damping: { ratio = ... } of critical in each mode, or factors of the mass (1/s) and stiffness (s) matrices.
     """
     keys = {"ansatz": ansatz, "frame": frame, "mass": mass, "length": length, "bending_stiffness": bending_stiffness}
-    optional = {"orthogonal": orthogonal, "gravity": gravity}
+    optional = {"orthogonal": orthogonal, "gravity": gravity, "damping": as_table(damping)}
     result = _validate({"name": name, "beam": {**keys, "markers": markers or {}, **without_none(**optional)}})
     assert isinstance(result, PlanarBeam)
     return result
@@ -143,9 +146,11 @@ def scene(
     drives: Named[Drive] = (),
     forces: Named[Force | CustomForce] = (),
     torques: Named[Torque | CustomForce] = (),
-    springs: Named[Spring | CustomForce] = (),
+    springs: Named[Spring | Bushing | CustomForce] = (),
     inputs: Named[SceneInput] = (),
     outputs: Named[SceneOutput] = (),
+    parameters: Mapping[str, Table] | None = None,
+    tables: Mapping[str, Table] | None = None,
     simulation: Simulation | Table | None = None,
     plots: Named[Plot] = (),
 ) -> Scene:
@@ -154,7 +159,7 @@ def scene(
     name: the name of the model; or, alone, the tables of a whole TOML file as one mapping. ground: the markers of the
     inertial frame. bodies and the others: mappings from names to the tables of a TOML file or to typed values such as
     RigidBody and Joint, or sequences of typed values. gravity: two components, m/s^2. start: "equilibrium", or None for
-    the initial values of bodies and joints. Files of reference curves are
+    the initial values of bodies and joints. parameters, tables: what functions of time call by name. Files are
     relative to the working directory.
     """
     elements = {
@@ -177,8 +182,8 @@ def scene(
             **({"ground": {"markers": markers}} if markers else {}),
             **({"scene": of_scene} if (of_scene := without_none(gravity=gravity, start=start)) else {}),
             "bodies": named("bodies", bodies),
-            **{kind: tables for kind, given in elements.items() if (tables := named(kind, given))},
-            **without_none(simulation=simulation),
+            **{kind: table for kind, given in elements.items() if (table := named(kind, given))},
+            **without_none(parameters=parameters, tables=tables, simulation=simulation),
         }
     result = _validate(data)
     if not isinstance(result, Scene):

@@ -18,7 +18,8 @@ from derive.spec.checks.scene_data import SceneData
 from derive.spec.checks.scene_parameters import scene_constants
 from derive.spec.construction import validated_tables
 from derive.spec.model.body import BEAM_QUANTITIES
-from derive.spec.model.scene import Scene, Specification, TimeFunction
+from derive.spec.model.scene import Scene, Specification
+from derive.spec.model.time_function import TimeFunction
 from derive.spec.parsing.faults import KeyPath, did_you_mean, path_text
 from derive.spec.parsing.names import name_problem
 from derive.spec.parsing.values import TomlFloat
@@ -110,7 +111,7 @@ def _added(spec: Specification, tables: Mapping[str, Any], name: str, new: Any) 
 
 def _values(value: Any, path: KeyPath) -> Iterator[tuple[KeyPath, Any]]:
     """All values of tables that are no tables, and the elements of lists, with their paths; a parameter is a value."""
-    if isinstance(value, Mapping) and "symbol" not in value:
+    if isinstance(value, Mapping) and "symbol" not in value and path[:-1] != ("parameters",):
         for key, item in value.items():
             yield from _values(item, (*path, str(key)))
     else:
@@ -125,7 +126,7 @@ def _symbols(known: Mapping[KeyPath, Any]) -> dict[str, list[KeyPath]]:
     result: dict[str, list[KeyPath]] = {}
     for path, value in known.items():
         if isinstance(value, Mapping):
-            result.setdefault(str(value["symbol"]), []).append(path)
+            result.setdefault(str(value.get("symbol", path[-1])), []).append(path)
     return result
 
 

@@ -10,6 +10,7 @@ from derive.artifacts import MARK
 from derive.mechanics.multibody.joints.registry import JOINTS
 from derive.simulation.observables.motion import body_coordinates, function_values, outline, si_value
 from derive.spec.model.scene import GROUND, BeamBody, CustomBody, CustomForce, Force, Joint, MarkerRef, RigidBody, Scene
+from derive.spec.model.time_function import TimeFunction
 from derive.visual.labelled_drawing import LabelledDrawing
 from derive.visual.undeformed_poses import Array, Poses, initial_poses, position, transformed_point
 
@@ -194,6 +195,8 @@ def _loads(drawing: LabelledDrawing, scene: Scene, poses: Poses) -> None:
             drawing.label(x, y, force.name, "drives")
             continue
         direction = _greatest(scene, force)
+        if force.frame == "body":
+            direction = transformed_point(poses[force.at.body] * (0, 0, 1), direction)
         _force(drawing, x, y, direction)
         drawing.label(x + 42 * float(direction[0]), y - 42 * float(direction[1]), force.name, "drives")
     for torque in scene.torques:
@@ -210,11 +213,16 @@ def _loads(drawing: LabelledDrawing, scene: Scene, poses: Poses) -> None:
 def _greatest(scene: Scene, force: Force) -> Array:
     """The direction of a force at the instant at which it is greatest; along e1 if it is always zero."""
     t = np.linspace(0.0, scene.simulation.duration if scene.simulation else 1.0, INSTANTS)
-    values = np.array([np.broadcast_to(function_values(component, t), t.shape) for component in force.components])
+    values = np.array([_values(component, t) for component in force.components])
     sizes = np.hypot(*values)
     k = int(sizes.argmax())
     direction: Array = values[:, k] / sizes[k] if sizes[k] else np.array([1.0, 0.0])
     return direction
+
+
+def _values(component: TimeFunction, t: Array) -> Array:
+    """A component at the times t; 1, if it is a run-time input."""
+    return np.ones_like(t) if component.kind == "input" else function_values(component, t)
 
 
 def _zigzag(start: Array, end: Array) -> list[tuple[float, float]]:

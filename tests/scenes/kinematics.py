@@ -14,7 +14,8 @@ import mpmath
 from shapes import at, gauss, shapes
 
 from derive.spec.model.body import Parameter, Quantity
-from derive.spec.model.scene import GROUND, BeamBody, Joint, MarkerRef, RigidBody, Scene, TimeFunction
+from derive.spec.model.scene import GROUND, BeamBody, Joint, MarkerRef, RigidBody, Scene
+from derive.spec.model.time_function import TimeFunction
 
 DIGITS = 50
 Real = Any
@@ -30,7 +31,21 @@ CALLS: dict[str, Callable[..., Real]] = {
     "sin": mpmath.sin,
     "cos": mpmath.cos,
     "sqrt": mpmath.sqrt,
+    "exp": mpmath.exp,
+    "log": mpmath.log,
+    "tanh": mpmath.tanh,
+    "abs": abs,
+    "min": min,
+    "max": max,
+    "atan2": mpmath.atan2,
+    "less": lambda a, b: a < b,
+    "step": lambda x, x0, x1: smooth(min(max((x - x0) / (x1 - x0), mpmath.mpf(0)), mpmath.mpf(1))),
 }
+
+
+def smooth(s: Real) -> Real:
+    """The integral of 30 s^2 (1 - s)^2 from 0."""
+    return 10 * s**3 - 15 * s**4 + 6 * s**5
 
 
 @dataclass(frozen=True)
@@ -180,9 +195,23 @@ class Kinematics:
 
     def of_time(self, f: TimeFunction, t: Real) -> Real:
         """A function of t."""
-        if f.kind == "number":
-            return self.number(f.value)
-        return t if f.kind == "t" else CALLS[f.kind](*(self.of_time(a, t) for a in f.args))
+        match f.kind:
+            case "number":
+                return self.number(f.value)
+            case "t":
+                return t
+            case "parameter":
+                return self.number(f.parameter)
+            case "piecewise":
+                pairs = zip(f.args[:-1:2], f.args[1::2], strict=True)
+                return self.of_time(next((then for when, then in pairs if self.of_time(when, t)), f.args[-1]), t)
+            case "spline":
+                x = self.of_time(f.args[0], t)
+                knots = f.spline.knots
+                x = min(max(x, mpmath.mpf(knots[0])), mpmath.mpf(knots[-1]))
+                i = next(i for i in range(len(knots) - 1) if x <= knots[i + 1])
+                return sum(c * (x - knots[i]) ** n for n, c in enumerate(map(mpmath.mpf, f.spline.coefficients[i])))
+        return CALLS[f.kind](*(self.of_time(a, t) for a in f.args))
 
     def poses(self, t: Real, q: Sequence[Real]) -> dict[str, Pose]:
         """Where all bodies are. Beams have their origin in their middle, rigid bodies where markers count from."""
@@ -291,11 +320,20 @@ class Kinematics:
             found += self._section(self.spots[place], q, at_pose)
         for spring in self.scene.springs:
             one, other = (self._section(self.spots[p], q, at_pose) for p in (spring.first, spring.second))
-            if spring.kind == "rotational":
+            if spring.kind == "bushing":
+                apart = other[0] - one[0], other[1] - one[1]
+                x, y = pose(one, -one[2]).turned(apart)
+                found += [x, y, other[2] - one[2]]
+            elif spring.kind == "rotational":
                 found.append(other[2] - one[2])
             else:
                 found.append(mpmath.hypot(other[0] - one[0], other[1] - one[1]))
         return found
+
+    def sprung(self) -> list[tuple[Any, str]]:
+        """The springs, those of bushings one by one, in the order of the last functions of `everything`."""
+        ends = {"bushing": ("_x", "_y", "_rotation")}
+        return [(spring, end) for spring in self.scene.springs for end in ends.get(spring.kind, ("",))]
 
     def _acted_on(self) -> list[MarkerRef]:
         scene = self.scene

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import mpmath
 import numpy as np
-from kinematics import DIGITS, Kinematics, Real
+from kinematics import DIGITS, Kinematics, Real, pose
 from shapes import at, gauss
 
 from derive.spec.model.scene import GROUND
@@ -68,9 +68,9 @@ class Oracle(Kinematics):
         body = slice(0, points)
         M = J[body].T @ (weights[:, None] * J[body]) if points else np.zeros((n, n), dtype=object)
         h = J[body].T @ (weights * (second[body] - falling)) if points else np.zeros(n, dtype=object)
-        h = h + self._elastic(q)
+        h = h + self._elastic(q) + self._damped(v)
         of_g = slice(points, points + m)
-        h = h - self._given(t, J, points + m) + self._sprung(J, now, rate)
+        h = h - self._distributed(t, q, J) - self._given(t, J, now, points + m) + self._sprung(J, now, rate)
         G, gamma = J[of_g], -second[of_g]
         vdot, lam = _solved(M, h, G, gamma)
         return Seen(
@@ -103,13 +103,57 @@ class Oracle(Kinematics):
         amplitudes = np.array(q, dtype=object)
         return (self._elastic(q) @ amplitudes) / 2 if self.pieces else mpmath.mpf(0)  # U is quadratic
 
-    def _given(self, t: Real, J: np.ndarray, start: int) -> np.ndarray:
+    def _damped(self, v: list[Real]) -> np.ndarray:
+        """B alphadot: of proportional damping, and of B = 2 ratio c8 (c8^-1 K)^(1/2)."""
+        force = np.array([mpmath.mpf(0)] * len(v), dtype=object)
+        for rod in (b for b in self.scene.bodies if b.name in self.rods and b.beam.damping):
+            ratio, a, b = (self.number(x) for x in vars(rod.beam.damping).values())
+            for piece in self.rods[rod.name]:
+                n = len(piece.columns)
+                c8, K = mpmath.zeros(n), mpmath.zeros(n)
+                for xi, w in gauss(DIGITS):
+                    dx, (phi, _) = w * piece.length / 2, piece.basis(xi)
+                    bend = [at(s, xi, 2) * 4 / piece.length**2 for s in piece.shapes]
+                    c8 += dx * piece.mass / piece.length * mpmath.matrix(phi) * mpmath.matrix(phi).T
+                    K += dx * piece.bending * mpmath.matrix(bend) * mpmath.matrix(bend).T
+                B = (
+                    a * c8
+                    + b * K
+                    + (2 * ratio * c8 * mpmath.sqrtm(c8**-1 * K).apply(mpmath.re) if ratio else mpmath.zeros(n))
+                )
+                for i, row in enumerate(piece.columns):
+                    force[row] += sum(B[i, j] * v[column] for j, column in enumerate(piece.columns))
+        return force
+
+    def _distributed(self, t: Real, q: list[Real], J: np.ndarray) -> np.ndarray:
+        """The work of distributed loads on the points of the cloud, whose weights are those of an integral."""
+        total, at_pose = np.array([mpmath.mpf(0)] * J.shape[1], dtype=object), self.poses(t, q)
+        for i, (mass, spot) in enumerate(self.cloud):
+            rod = next((b for b in self.scene.bodies if spot.body in (p.name for p in self.rods.get(b.name, []))), None)
+            if rod is None:
+                continue
+            pieces = self.rods[rod.name]
+            k = next(k for k, piece in enumerate(pieces) if piece.name == spot.body)
+            dx = mass / pieces[k].mass * pieces[k].length
+            xi = (2 * (k + (spot.r[0] / pieces[k].length + mpmath.mpf(1) / 2))) / len(pieces) - 1
+            for load in rod.loads:
+                size = self.of_time(load.time, t) * dx
+                p = tuple(sum(self.number(c) * xi**n for n, c in enumerate(of)) * size for of in load.force)
+                if load.frame == "body":
+                    p = at_pose[spot.body].turned(p)
+                total = total + p[0] * J[2 * i] + p[1] * J[2 * i + 1]
+        return total
+
+    def _given(self, t: Real, J: np.ndarray, now: np.ndarray, start: int) -> np.ndarray:
         """The work of forces and torques."""
         total = np.array([mpmath.mpf(0)] * J.shape[1], dtype=object)
         row = start
         for force in self.scene.forces:
+            components = tuple(self.of_time(component, t) for component in force.components)
+            if force.frame == "body":
+                components = pose((0, 0), now[row + 2]).turned(components)
             for k in range(2):
-                total = total + self.of_time(force.components[k], t) * J[row + k]
+                total = total + components[k] * J[row + k]
             row += 3
         for torque in self.scene.torques:
             value = self.of_time(torque.value, t)
@@ -122,11 +166,20 @@ class Oracle(Kinematics):
 
     def _sprung(self, J: np.ndarray, now: np.ndarray, rate: np.ndarray) -> np.ndarray:
         total = np.array([mpmath.mpf(0)] * J.shape[1], dtype=object)
-        first = len(now) - len(self.scene.springs)
-        for i, spring in enumerate(self.scene.springs, first):
-            stiffness, damping, rest = map(self.number, (spring.stiffness, spring.damping, spring.rest))
-            total = total + (stiffness * (now[i] - rest) + damping * rate[i]) * J[i]
+        for i, (coefficients, damping, rest) in enumerate(self._springs(), len(now) - len(self._springs())):
+            force = sum(c * (now[i] - rest) ** n for n, c in enumerate(coefficients, 1))
+            total = total + (force + damping * rate[i]) * J[i]
         return total
+
+    def _springs(self) -> list[tuple[list[Real], Real, Real]]:
+        """The coefficients of each characteristic from power one on, the damping constant, and the length at rest."""
+        powers = ("quadratic", "cubic", "quartic", "quintic")
+        found = []
+        for spring, end in self.sprung():
+            names = [f"stiffness{end}", *(powers if not end else ()), f"damping{end}", f"rest{end}"]
+            *coefficients, damping, rest = (self.number(getattr(spring, name)) for name in names)
+            found.append((coefficients, damping, rest))
+        return found
 
     def _counted(self, t: Real, q: list[Real]) -> set[str]:
         """Bodies that have coordinates, and whose place depends on these alone."""
@@ -143,9 +196,10 @@ class Oracle(Kinematics):
                 kinetic += mass * sum(x * x for x in rate[2 * i : 2 * i + 2]) / 2
                 weight -= mass * sum(g * x for g, x in zip(self.gravity, now[2 * i : 2 * i + 2], strict=True))
         strain, still = self._strain(q), counted | {GROUND} | self._fixed(t, q)
-        for i, spring in enumerate(self.scene.springs, len(now) - len(self.scene.springs)):
+        springs = zip(self.sprung(), self._springs(), strict=True)
+        for i, ((spring, _), (coefficients, _, rest)) in enumerate(springs, len(now) - len(self.sprung())):
             if all(self.spots[p].body in still for p in (spring.first, spring.second)):
-                strain += self.number(spring.stiffness) * (now[i] - self.number(spring.rest)) ** 2 / 2
+                strain += sum(c * (now[i] - rest) ** (n + 1) / (n + 1) for n, c in enumerate(coefficients, 1))
         return np.array([kinetic, strain] + ([weight] if self.scene.gravity else []), dtype=object)
 
     def _fixed(self, t: Real, q: list[Real]) -> set[str]:
@@ -172,7 +226,7 @@ class Oracle(Kinematics):
         self, J: np.ndarray, now: np.ndarray, rate: np.ndarray
     ) -> dict[str, tuple[np.ndarray, np.ndarray, np.ndarray]]:
         """Position, velocity and Jacobian of each marker."""
-        found, end = {}, len(now) - len(self.scene.springs)
+        found, end = {}, len(now) - len(self.sprung())
         for i, name in enumerate(self.markers):
             first = end - 3 * (len(self.markers) - i)
             rows = slice(first, first + 2)

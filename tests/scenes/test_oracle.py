@@ -14,7 +14,7 @@ from oracle import Oracle, Seen
 
 from derive.simulation.compiled_scene import constraint_matrix, mass_matrix
 
-ZOO = ("JOINTS", "REDUCED", "KEPT", "ACTIONS")
+ZOO = ("JOINTS", "REDUCED", "KEPT", "ACTIONS", "ELEMENTS", "FUNCTIONS", "LOADS")
 SEEDS = (1, 2)
 FORMS = {"index3": "", "ggl": "_ggl", "index1": "_index1"}
 

@@ -28,7 +28,7 @@ UNIT = (
 NOTHING = "b.toml: beam: this key is missing; write [beam], [body] for a body in space, or [bodies.rod] for a scene"
 KINDS = 'the frame is one of "mean", "point", "chord", "tangent", "given"'
 END = 'a tangent frame needs the end it is at: { kind = "tangent", at = -1 } or at = 1'
-KEYS = "ansatz, frame, orthogonal, mass, length, bending_stiffness, markers, gravity, start"
+KEYS = "ansatz, frame, orthogonal, mass, length, bending_stiffness, damping, markers, gravity, start"
 
 
 @pytest.mark.parametrize(
@@ -231,7 +231,7 @@ left = -2
 """
     assert errors(text) == [
         "b.toml:1: title: unknown key; the keys here are name, beam, body, ground, scene, bodies, joints, drives, "
-        "forces, torques, springs, inputs, outputs, simulation, plots",
+        "forces, torques, springs, inputs, outputs, parameters, tables, simulation, plots",
         'b.toml:2: name: "double" cannot be a name: it is a word of C; try "double_0"',
         'b.toml:6: beam.ansatz[1]: column 2 of "2xi": an operator is missing before "xi"; for a product write *',
         'b.toml:7: beam.ansatz[2]: column 4 of "xi^99": the power is too high; the highest is 40',

@@ -21,10 +21,10 @@ from derive.spec.model.scene import (
     RigidBody,
     Scene,
     Spring,
-    TimeFunction,
     Torque,
 )
 from derive.spec.model.simulation import InitialValues, Simulation
+from derive.spec.model.time_function import TimeFunction
 from derive.spec.parsing.time_expression import time_function
 from derive.spec.toml.read import parse, read
 

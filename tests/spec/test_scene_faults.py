@@ -15,7 +15,10 @@ BEAM = "length, bending_stiffness, ansatz, frame"
 JOINTS = 'the joint is one of "revolute", "weld", "fixed", "translational"'
 PLACE = 'write a body and one of its markers with a dot between, such as "rod.left" or "ground.bearing"'
 WAYS = 'write either motion = "0.1*sin(2*pi*t)", a function of t, or speed = 150'
-FUNCTION = "a function of the time is made of numbers, t, pi, + - * / ^, sin, cos, sqrt and parentheses"
+FUNCTION = (
+    "a function of the time is made of numbers, t, pi, parameters, + - * / ^, parentheses, the functions sin, cos, "
+    "sqrt, exp, log, tanh, abs, min, max, atan2, step, piecewise, and tables"
+)
 NO_NAME = "cannot be a name: only the letters a to z and A to Z, digits and _ are allowed; try"
 
 
@@ -269,7 +272,7 @@ SLIDE = "[joints.slide]\nkind = 'translational'\nbetween = ['rod.left', 'bar.b']
         ),
         (
             f"{BOTH}stiffness = 1\nkind = 'helix'",
-            '17: springs.s1.kind: the spring is one of "linear", "rotational", not "helix"',
+            '17: springs.s1.kind: the spring is one of "linear", "rotational", "bushing", not "helix"',
         ),
         (f"{BOTH}stiffness = -1", "16: springs.s1.stiffness: zero or a positive number is needed, not -1"),
         (

@@ -5,7 +5,7 @@ from fractions import Fraction
 
 import pytest
 
-from derive.spec.model.scene import TimeFunction
+from derive.spec.model.time_function import TimeFunction
 from derive.spec.parsing.parser import MAX_DEPTH, MAX_LENGTH, ExpressionError
 from derive.spec.parsing.time_expression import constant_value, time_function
 
@@ -96,7 +96,12 @@ def test_numbers_of_too_many_digits_are_left_to_the_code():
     assert constant_value(third) == pytest.approx(3.0**-40)
 
 
-MADE_OF = "a function of the time is made of numbers, t, pi, + - * / ^, sin, cos, sqrt and parentheses"
+STEP = "write step(t, 1, 2) for a smooth step from 0 at t = 1 to 1 at t = 2"
+PIECEWISE = "write piecewise(t < 1, 0, t < 2, t - 1, 1): conditions with their values, then the last value"
+MADE_OF = (
+    "a function of the time is made of numbers, t, pi, parameters, + - * / ^, parentheses, the functions sin, cos, "
+    "sqrt, exp, log, tanh, abs, min, max, atan2, step, piecewise, and tables"
+)
 
 
 @pytest.mark.parametrize(
@@ -108,14 +113,37 @@ MADE_OF = "a function of the time is made of numbers, t, pi, + - * / ^, sin, cos
         ("Pi", 'column 1 of "Pi": the name "Pi" is unknown; did you mean "pi"?'),
         ("sine(t)", 'column 1 of "sine(t)": the function "sine" is unknown; did you mean "sin"?'),
         ("1 + cosh(t)", 'column 5 of "1 + cosh(t)": the function "cosh" is unknown; did you mean "cos"?'),
-        ("exp(t)", f'column 1 of "exp(t)": the function "exp" is unknown: {MADE_OF}'),
+        ("erfc(t)", f'column 1 of "erfc(t)": the function "erfc" is unknown: {MADE_OF}'),
         ("sin", 'column 1 of "sin": sin is a function; write sin(t)'),
         ("sin t", 'column 1 of "sin t": sin is a function; write sin(t)'),
         ("t(2)", 'column 2 of "t(2)": an operator is missing: for a product write t*('),
         ("2t", 'column 2 of "2t": an operator is missing before "t"; for a product write *'),
         ("sin(t", 'column 4 of "sin(t": this parenthesis is never closed'),
         ("sin()", 'column 5 of "sin()": a number, a name or ( is expected before )'),
-        ("sin(t, 2)", f'column 6 of "sin(t, 2)": "," has no meaning here: {MADE_OF}'),
+        ("sin(t, 2)", 'column 1 of "sin(t, 2)": sin has 1 operand, not 2; write sin(t)'),
+        ("atan2(t)", 'column 1 of "atan2(t)": atan2 has 2 operands, not 1; write atan2(t, 1)'),
+        ("t, 2", f'column 2 of "t, 2": "," has no meaning here: {MADE_OF}'),
+        ("t < 2", f'column 3 of "t < 2": "<" has no meaning here: {MADE_OF}'),
+        ("1/exp(t < 2)", f'column 3 of "1/exp(t < 2)": only piecewise has conditions; {PIECEWISE}'),
+        ("log(0)", 'column 1 of "log(0)": the logarithm of a number that is not positive is not real'),
+        ("exp(1000)", 'column 1 of "exp(1000)": the number is too large for the code, which computes in doubles'),
+        ("step(t, 1)", f'column 1 of "step(t, 1)": step has 3 operands, not 2; {STEP}'),
+        ("step(t, 2, 1)", 'column 1 of "step(t, 2, 1)": a step ends behind its beginning, and 2 is not below 1'),
+        ("step(t, 0, t)", f'column 1 of "step(t, 0, t)": both ends of a step are numbers or parameters; {STEP}'),
+        (
+            "piecewise(t < 1, 2)",
+            'column 1 of "piecewise(t < 1, 2)": a piecewise function has conditions with values, and a last value; '
+            + PIECEWISE,
+        ),
+        (
+            "piecewise(2*t < 1, 2, 3)",
+            'column 1 of "piecewise(2*t < 1, 2, 3)": the conditions are t < x, with a number or a parameter x; '
+            + PIECEWISE,
+        ),
+        (
+            "piecewise(t < 1, 2, t < 1, 3, 4)",
+            'column 1 of "piecewise(t < 1, 2, t < 1, 3, 4)": the times of a piecewise function increase',
+        ),
         ("t^t", 'column 3 of "t^t": a power is a whole number, zero or more, such as t^2'),
         ("t^2^3", 'column 4 of "t^2^3": a power of a power needs parentheses, such as (t^2)^3'),
         ("t^41", 'column 3 of "t^41": the power is too high; the highest is 40'),

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 from derive.backends.c.batch_loops import totals
 from derive.ir.analysis import expressions, reads
-from derive.ir.expressions import Expr, Operation, Operator, ScalarRef, walk
+from derive.ir.expressions import Expr, Operation, ScalarRef, TableValue, walk
 from derive.ir.model import Kernel
 from derive.ir.statements import Accumulate, Let, Map, MatVec, Require, ScalarStatement, Store, TriangularSolve
 
@@ -16,7 +16,7 @@ BatchLoop = Map | Accumulate | MatVec | TriangularSolve
 
 @dataclass(frozen=True)
 class StraightLines:
-    """Straight lines; `early` are the sines and cosines, with what they need, that a loop of their own computes.
+    """Straight lines; `early` are the calls of functions such as sines, with what they need, in a loop of their own.
 
     Compilers make no vectors of those, and none of a loop that has one.
     """
@@ -54,20 +54,20 @@ def _parts(kernel: Kernel) -> list[tuple[ScalarStatement, ...] | BatchLoop]:
 
 
 def _straight_lines(lines: tuple[ScalarStatement, ...], number: int) -> StraightLines:
-    """Take sines and cosines out."""
+    """Take the calls of functions out."""
     named: dict[Expr, str] = {}
     for line in lines:
-        if isinstance(line, Let) and _is_trig(line.expr):
+        if isinstance(line, Let) and _is_call(line.expr):
             named.setdefault(line.expr, line.name)
-        for part in (part for e in expressions(line) for part in walk(e) if _is_trig(part)):
-            assert isinstance(part, Operation)
-            named.setdefault(part, f"{part.kind.value}_{number}_{len(named)}")
+        for part in (part for e in expressions(line) for part in walk(e) if _is_call(part)):
+            what = part.kind.value if isinstance(part, Operation) else "table"
+            named.setdefault(part, f"{what}_{number}_{len(named)}")
     if not named:
         return StraightLines((), lines)
     needed = {name for expr, name in named.items() for name in reads(Let(name, expr))}
     before: set[str] = set()
     for line in reversed(lines):
-        if isinstance(line, Let) and line.name in needed and not _is_trig(line.expr):
+        if isinstance(line, Let) and line.name in needed and not _is_call(line.expr):
             before.add(line.name)
             needed |= set(reads(line))
     early: dict[str, Let] = {}  # in their order: an angle may itself be made of a sine
@@ -82,7 +82,7 @@ def _straight_lines(lines: tuple[ScalarStatement, ...], number: int) -> Straight
 
 
 def _read(lines: tuple[ScalarStatement, ...], early: frozenset[str]) -> tuple[ScalarStatement, ...]:
-    """Lines without those that sines and cosines alone needed."""
+    """Lines without those that the calls of functions alone needed."""
     kept: list[ScalarStatement] = []
     used: set[str] = set()
     for line in reversed(lines):
@@ -93,8 +93,8 @@ def _read(lines: tuple[ScalarStatement, ...], early: frozenset[str]) -> tuple[Sc
     return tuple(kept)
 
 
-def _is_trig(expr: Expr) -> bool:
-    return isinstance(expr, Operation) and expr.kind in (Operator.SIN, Operator.COS)
+def _is_call(expr: Expr) -> bool:
+    return isinstance(expr, TableValue) or (isinstance(expr, Operation) and not expr.kind.vectorises)
 
 
 def _swapped(expr: Expr, named: dict[Expr, str]) -> Expr:

@@ -12,6 +12,7 @@ from derive.backends.c.batch import KERNELS as BATCHED
 from derive.backends.c.batch import batch_body, batch_helpers, batch_widths, stack
 from derive.backends.c.loops import LANES_MACRO, SHORT, CLoops, panel_helper
 from derive.backends.c.packed import entries, packed_functions
+from derive.backends.c.splines import spline_lines
 from derive.backends.description import (
     LICENCE,
     MODEL_HASH,
@@ -124,7 +125,7 @@ def _helpers(model: Model, widths: Mapping[str, int]) -> str:
     lines = [LANES_MACRO] if lanes else []
     sizes = {s.packing.padded for s in every if isinstance(s, MatVec)}
     lines += [line for size in sizes for line in panel_helper(f"{model.name}_panel", size)]
-    return "\n".join(lines)
+    return "\n".join([*lines, *spline_lines(model)])
 
 
 def _function(model: Model, kernel: Kernel) -> list[SourceLine]:

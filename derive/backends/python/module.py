@@ -44,7 +44,7 @@ class PythonBackend:
             "description": "\n".join(prefixed(description(model_text(model)), "")),
             "patterns": pattern_texts(model, "        "),
             "tables": _tables(model),
-            "helpers": f"\n{HELPERS.rstrip()}" if model.lowering == "table" else "",
+            "helpers": f"\n{HELPERS.rstrip()}" if model.lowering == "table" else _splines(model),
             "defaults": _defaults(model),
         }
         builder = SourceBuilder(model)
@@ -141,6 +141,20 @@ def _results(outputs: tuple[Output, ...], required: list[str]) -> list[str]:
     else:
         lines += [f"    return {', '.join(o.name for o in outputs)}"]
     return lines
+
+
+def _splines(model: Model) -> str:
+    """The function that evaluates splines, and one for each table, which kernels call; nothing if there is none."""
+    if not model.splines:
+        return ""
+    blocks = [render("python/spline.py.jinja", {}).rstrip()]
+    for spline in model.splines:
+        knots = _lines([repr(x) for x in spline.knots])
+        rows = _lines([_tuple([repr(c) for c in row]) for row in spline.coefficients])
+        blocks.append(f"{spline.name.upper()}_KNOTS = {knots}\n{spline.name.upper()}_COEFFICIENTS = {rows}")
+        names = f"{spline.name.upper()}_KNOTS, {spline.name.upper()}_COEFFICIENTS"
+        blocks.append(f"\ndef {spline.name}(xp, x, order):\n    return _spline(xp, {names}, x, order)")
+    return "\n" + "\n\n".join(blocks)
 
 
 @dataclass(frozen=True)

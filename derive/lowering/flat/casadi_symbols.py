@@ -6,7 +6,7 @@ integer becomes a CasADi symbol; `Symbols.leaves` maps these symbols to the leav
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from fractions import Fraction
 from functools import reduce
 from operator import mul
@@ -14,7 +14,20 @@ from operator import mul
 import casadi as ca
 import sympy as sp
 
-from derive.ir.expressions import Leaf, Number
+from derive.ir.expressions import Expr, Leaf, Number, Operation, Operator, ScalarRef, TableValue
+from derive.mechanics.time_functions import (
+    Absolute,
+    Atan2,
+    Exp,
+    Log,
+    Lookup,
+    Maximum,
+    Minimum,
+    Select,
+    Sign,
+    SmoothStep,
+    Tanh,
+)
 
 
 class Symbols:
@@ -22,10 +35,11 @@ class Symbols:
 
     early, late: the symbols that come first and last in products, so that products share sub-expressions: velocities,
     whose products occur in many terms, are early; the rotation, in which the rows of a vector differ, is late.
+    model: the name of the model, with which the functions of its tables begin.
     """
 
-    def __init__(self, early: frozenset[sp.Symbol], late: frozenset[sp.Symbol]) -> None:
-        self.early, self.late = early, late
+    def __init__(self, early: frozenset[sp.Symbol], late: frozenset[sp.Symbol], model: str = "") -> None:
+        self.early, self.late, self.model = early, late, model
         self.values: dict[sp.Symbol, ca.SX] = {}
         self.inputs: list[ca.SX] = []
         self.leaves: list[Leaf] = []
@@ -65,7 +79,7 @@ class Symbols:
         return symbol
 
     def __call__(self, expr: sp.Expr) -> ca.SX:
-        """The CasADi value of an expression of +, *, integer powers, square roots, sin and cos. Raises TypeError."""
+        """The CasADi value of an expression of +, *, powers, square roots and `CALLS`. Raises TypeError."""
         if expr not in self._converted:
             self._converted[expr] = self._convert(sp.sympify(expr))
         return self._converted[expr]
@@ -79,9 +93,16 @@ class Symbols:
             return self._sum(expr)
         if expr.is_Mul or expr.is_Pow:
             return self._product(expr)
-        if isinstance(expr, sp.sin | sp.cos):
-            return (ca.sin if isinstance(expr, sp.sin) else ca.cos)(self(expr.args[0]))
+        if isinstance(expr, Lookup):
+            return self._table_value(expr)
+        if type(expr) in CALLS:
+            return CALLS[type(expr)](*map(self, expr.args))
         raise TypeError(f"no lowering for {expr.func.__name__}: {expr}")
+
+    def _table_value(self, expr: Lookup) -> ca.SX:
+        """A look-up in a table, which CasADi knows as a symbol; its argument depends on t and constants alone."""
+        table, order, argument = expr.args
+        return self._leaf(TableValue(table_name(self.model, str(table)), int(order), _argument(argument)))
 
     def _sum(self, expr: sp.Expr) -> ca.SX:
         """A sum in a fixed order, collected by the factors in `late`, with a positive term first if there is one."""
@@ -133,6 +154,64 @@ class Symbols:
         base, _ = factor
         rank = 0 if base in self.early else 2 if base in self.late else 1
         return rank, sp.default_sort_key(base)
+
+
+def table_name(model: str, table: str) -> str:
+    """The name of the function of a table in the generated code."""
+    return f"{model}_spline_{table}"
+
+
+def _argument(expr: sp.Expr) -> Expr:
+    """The argument of a table as an expression of a kernel: numbers, names, sums, products and quotients."""
+    if expr.is_Symbol:
+        return ScalarRef(expr.name)
+    if expr.is_Rational:
+        return Number(Fraction(int(expr.p), int(expr.q)))
+    if expr.is_Add or expr.is_Mul:
+        kind = Operator.ADD if expr.is_Add else Operator.MUL
+        return reduce(
+            lambda a, b: Operation(kind, (a, b)),
+            map(_argument, expr.as_ordered_factors() if expr.is_Mul else expr.as_ordered_terms()),
+        )
+    if expr.is_Pow and expr.exp == -1:
+        return Operation(Operator.DIV, (Number(Fraction(1)), _argument(expr.base)))
+    raise TypeError(f"no lowering for {expr.func.__name__} in the argument of a table: {expr}")
+
+
+def _smooth_step(x: ca.SX, x0: ca.SX, x1: ca.SX, order: ca.SX) -> ca.SX:
+    """A derivative of the polynomial of degree five; s is constant outside, where the derivatives vanish."""
+    width = x1 - x0
+    s = ca.fmin(ca.fmax((x - x0) / width, 0), 1)
+    match int(order):
+        case 0:
+            return s * s * s * (10 + s * (6 * s - 15))
+        case 1:
+            return 30 * s * s * (1 - s) * (1 - s) / width
+        case 2:
+            return 60 * s * (1 - s) * (1 - 2 * s) / (width * width)
+    raise TypeError("a smooth step has two continuous derivatives; there is no lowering for further ones")
+
+
+def _absolute(x: ca.SX) -> ca.SX:
+    """CasADi's own fabs also stands for the root of a square, which has its own message."""
+    return ca.sign(x) * x
+
+
+CALLS: dict[type[sp.Expr], Callable[..., ca.SX]] = {
+    sp.sin: ca.sin,
+    sp.cos: ca.cos,
+    Exp: ca.exp,
+    Log: ca.log,
+    Tanh: ca.tanh,
+    Sign: ca.sign,
+    Absolute: _absolute,
+    Atan2: ca.atan2,
+    Minimum: ca.fmin,
+    Maximum: ca.fmax,
+    Select: lambda a, b, x, y: ca.if_else(a < b, x, y),
+    SmoothStep: _smooth_step,
+}
+"""The functions of expressions."""
 
 
 def _signed(term: sp.Expr) -> tuple[int, sp.Expr]:

@@ -83,7 +83,9 @@ class Context:
         What depends on the time depends on the inputs u.
         """
         eq = self.equations
-        symbols = Symbols(early=frozenset(row.v for row in eq.rows), late=rotation_symbols(eq.definitions))
+        symbols = Symbols(
+            early=frozenset(row.v for row in eq.rows), late=rotation_symbols(eq.definitions), model=eq.name
+        )
         for c in self.coefficients:
             value = c.value
             leaf = (

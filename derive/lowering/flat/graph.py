@@ -16,11 +16,32 @@ import casadi as ca
 import sympy as sp
 
 from derive.errors import TisserandError
-from derive.ir.expressions import ArrayAccess, Expr, Leaf, MatrixEntry, Number, Operation, Operator, ScalarRef
+from derive.ir.expressions import (
+    ArrayAccess,
+    Expr,
+    Leaf,
+    MatrixEntry,
+    Number,
+    Operation,
+    Operator,
+    ScalarRef,
+    TableValue,
+)
 from derive.ir.statements import Require, Requirement, ReturnCode
 from derive.lowering.flat.casadi_symbols import Symbols
 
-BINARY = {ca.OP_ADD: Operator.ADD, ca.OP_SUB: Operator.SUB, ca.OP_MUL: Operator.MUL, ca.OP_DIV: Operator.DIV}
+BINARY = {
+    ca.OP_ADD: Operator.ADD,
+    ca.OP_SUB: Operator.SUB,
+    ca.OP_MUL: Operator.MUL,
+    ca.OP_DIV: Operator.DIV,
+    ca.OP_ATAN2: Operator.ATAN2,
+    ca.OP_FMIN: Operator.MIN,
+    ca.OP_FMAX: Operator.MAX,
+    ca.OP_LT: Operator.LESS,
+    ca.OP_LE: Operator.NOT_GREATER,
+    ca.OP_IF_ELSE_ZERO: Operator.WHEN,
+}
 MIN_DOUBLE, MAX_DOUBLE = Fraction(sys.float_info.min), Fraction(sys.float_info.max)
 WORDS = {Operator.ADD: "plus", Operator.SUB: "minus", Operator.MUL: "times", Operator.DIV: "over"}
 MAX_NAME = 60
@@ -28,7 +49,20 @@ MAX_NAME = 60
 MAX_CONSTANT_SIZE = 9
 """The largest number of nodes in an expression of model constants; larger ones refer to constants for their parts."""
 
-UNARY = {ca.OP_NEG: Operator.NEG, ca.OP_SIN: Operator.SIN, ca.OP_COS: Operator.COS, ca.OP_SQRT: Operator.SQRT}
+UNARY = {
+    ca.OP_NEG: Operator.NEG,
+    ca.OP_SIN: Operator.SIN,
+    ca.OP_COS: Operator.COS,
+    ca.OP_SQRT: Operator.SQRT,
+    ca.OP_EXP: Operator.EXP,
+    ca.OP_LOG: Operator.LOG,
+    ca.OP_TANH: Operator.TANH,
+    ca.OP_SIGN: Operator.SIGN,
+    ca.OP_NOT: Operator.NOT,
+}
+ARITHMETIC = (Operator.ADD, Operator.SUB, Operator.MUL, Operator.DIV, Operator.NEG)
+ONE_AT_ZERO = (Operator.COS, Operator.EXP, Operator.NOT)
+"""The functions that are 1 at 0; the others of one operand are 0 there, except for the logarithm."""
 
 
 @dataclass(frozen=True)
@@ -178,15 +212,20 @@ class Graph:
                 return True
             case ScalarRef(name):
                 return name in self.constants.coefficients or name in self.constants.hoisted.values()
-            case ArrayAccess() | MatrixEntry():
+            case ArrayAccess() | MatrixEntry() | TableValue():
                 return False
         return all(self._constant[a] for a in node.args)
 
     def _fold(self, kind: Operator, args: tuple[int, ...]) -> int | None:
         """The node of the result of a trivial operation; None if it is not trivial."""
         values = [self.value(a) for a in args]
-        if kind.function:
-            return self.number(1 if kind is Operator.COS else 0) if values[0] == 0 else None
+        if not kind.binary and kind is not Operator.NEG:
+            known = values[0] == 0 and kind is not Operator.LOG
+            return self.number(1 if kind in ONE_AT_ZERO else 0) if known else None
+        if kind is Operator.WHEN and values[0] is not None:
+            return args[1] if values[0] else self.number(0)
+        if kind not in ARITHMETIC:
+            return None
         numbers = [v for v in values if v is not None]
         if len(numbers) == len(values):
             return self.number(_exact(kind, numbers))
@@ -275,7 +314,7 @@ def _operation(graph: Graph, operation: int, args: list[int]) -> int:
         return graph.apply(Operator.DIV, graph.number(1), args[0])
     if operation == ca.OP_FABS:
         raise LoweringError(
-            "the root of a square, such as sqrt(t^2), has a kink; write the function of t without it, or, if a linear "
+            "the root of a square, such as sqrt(t^2), has a kink; write abs(t), or, if a linear "
             "spring lies along its guide, move one of its markers off that line"
         )
     raise NotImplementedError(f"CasADi operation {operation} has no counterpart in a kernel")

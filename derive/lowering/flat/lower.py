@@ -7,6 +7,7 @@ from dataclasses import replace
 
 from derive.ir.model import Kernel, Model, Variable, Zero
 from derive.lowering.flat import constraints, dae, functions, outputs
+from derive.lowering.flat.casadi_symbols import table_name
 from derive.lowering.flat.context import Context
 from derive.lowering.flat.setup import setup_kernel
 from derive.lowering.functions import FunctionKind, ModelFunction, functions_of
@@ -71,6 +72,7 @@ def lower(equations: Equations, choice: str = "") -> Model:
         zeros=tuple(Zero(f"M[{context.rows[i]}, {context.rows[j]}]", str(why)) for i, j, why in equations.mass_zeros),
         choice=choice,
         multipliers=tuple(Variable(c.name, c.doc, c.force_unit) for c in equations.constraints),
+        splines=tuple(replace(s, name=table_name(equations.name, s.name)) for s in equations.splines),
         bodies=tuple(pose.name for pose in equations.poses),
         inputs=tuple(Variable(given.name, given.doc, given.unit) for given in equations.inputs),
         outputs=tuple(Variable(o.name, o.doc, o.unit) for o in equations.outputs),

@@ -10,7 +10,7 @@ from itertools import count
 
 import casadi as ca
 
-from derive.ir.expressions import Expr, Number, Operation, Operator, ScalarRef
+from derive.ir.expressions import CONDITIONS, Expr, Number, Operation, Operator, ScalarRef, TableValue
 from derive.ir.model import Section
 from derive.ir.statements import Let, Require, Requirement, ReturnCode, Statement, Store
 from derive.lowering.flat.casadi_symbols import Symbols
@@ -167,9 +167,13 @@ class _Writer:
     def _expr(self, node: int, out: list[Statement]) -> Expr:
         """The expression of a node; appends the statements of the named values that it uses to `out`."""
         n = self.graph.nodes[node]
-        if n.leaf is not None:
+        if n.leaf is not None and not isinstance(n.leaf, TableValue):
             return n.leaf
         if node in self.written:
+            return ScalarRef(self.written[node])
+        if isinstance(n.leaf, TableValue):
+            self.written[node] = self.names.get(node) or self._next_name()
+            out.append(Let(self.written[node], n.leaf))
             return ScalarRef(self.written[node])
         if n.kind is Operator.NEG and self._is_inline(n.args[0]):
             expr = self._negative(n.args[0], out)
@@ -198,8 +202,9 @@ class _Writer:
         return Operation(Operator.NEG, (self._expr(node, out),))
 
     def _is_inline(self, node: int) -> bool:
-        """Whether a node is an operation without a name that has a single use, so that it needs no statement."""
-        return self.graph.nodes[node].leaf is None and node not in self.names and self.uses[node] < 2
+        """Whether a node needs no statement: a condition, or an operation without a name that has a single use."""
+        n = self.graph.nodes[node]
+        return n.leaf is None and node not in self.names and (self.uses[node] < 2 or n.kind in CONDITIONS)
 
     def _inverse(self, node: int, out: list[Statement]) -> Expr:
         """The inverse of a divisor that several quotients share, computed by a single division."""

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
+import operator
 from collections.abc import Callable, Iterable
 
 import casadi as ca
 
 from derive.ir.expressions import Expr, Number, Operation, Operator, ScalarRef, walk
-from derive.ir.interpreter import BINARY
 from derive.ir.model import Argument, Kernel, Output, Variable
 from derive.ir.statements import Requirement, ReturnCode
 from derive.lowering.flat.casadi_symbols import Symbols
@@ -21,6 +21,23 @@ UNARY: dict[Operator, Callable[[ca.SX], ca.SX]] = {
     Operator.SIN: ca.sin,
     Operator.COS: ca.cos,
     Operator.SQRT: ca.sqrt,
+    Operator.EXP: ca.exp,
+    Operator.LOG: ca.log,
+    Operator.TANH: ca.tanh,
+    Operator.SIGN: ca.sign,
+    Operator.NOT: ca.logic_not,
+}
+BINARY: dict[Operator, Callable[[ca.SX, ca.SX], ca.SX]] = {
+    Operator.ADD: operator.add,
+    Operator.SUB: operator.sub,
+    Operator.MUL: operator.mul,
+    Operator.DIV: operator.truediv,
+    Operator.ATAN2: ca.atan2,
+    Operator.MIN: ca.fmin,
+    Operator.MAX: ca.fmax,
+    Operator.LESS: operator.lt,
+    Operator.NOT_GREATER: operator.le,
+    Operator.WHEN: lambda condition, value: ca.if_else(condition, value, 0),
 }
 
 
@@ -121,6 +138,8 @@ def _text(expr: Expr) -> str:
     assert isinstance(expr, Operation), "setup has no loops here"
     args = [f"({_text(a)})" if isinstance(a, Operation) else _text(a) for a in expr.args]
     sign = {Operator.ADD: " + ", Operator.SUB: " - ", Operator.MUL: " * ", Operator.DIV: " / "}
-    if expr.kind.function:
-        return f"{expr.kind.value}({_text(expr.args[0])})"
-    return f"-{args[0]}" if expr.kind is Operator.NEG else sign[expr.kind].join(args)
+    if expr.kind is Operator.NEG:
+        return f"-{args[0]}"
+    if expr.kind not in sign:
+        return f"{expr.kind.value}({', '.join(map(_text, expr.args))})"
+    return sign[expr.kind].join(args)

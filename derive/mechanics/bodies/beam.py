@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import sympy as sp
 
 from derive.mechanics import quantity
+from derive.mechanics.bodies.beam_damping import beam_damping
 from derive.mechanics.bodies.planar_integrals import Value, coefficients
 from derive.mechanics.bodies.reference_conditions import assumed_shapes, exact_polynomial, integral, xi
 from derive.mechanics.body import Body, planar_body
@@ -48,13 +49,15 @@ def beam_body(beam: PlanarBeam, pieces: int = 1) -> Body:
     gravity, gravity_parameters = quantity.gravity(beam.gravity)
     docs = {"mass": "mass of the beam", "length": "length of the beam", "bending_stiffness": "bending stiffness EI"}
     integrals = coefficients(BeamIntegrals(shapes, mass, length, beam.frame.kind == "mean"), len(shapes))
+    stiffness = _stiffness(shapes, length, bending)
+    damping = beam_damping(beam.damping, integrals, stiffness, mass, bending / length**3) if beam.damping else ()
     return planar_body(
         name=beam.name,
         doc=f"free planar beam, {beam.frame.kind} frame, shapes {', '.join(map(shape_text, shapes))}",
         frame_doc="X = xi l/2 e1 (24), so c is where the centre of the undeformed beam lies in the floating frame.",
         modes=len(shapes),
         mass=mass,
-        constants=(*integrals, *_stiffness(shapes, length, bending)),
+        constants=(*integrals, *stiffness, *damping),
         points=tuple(beam_point(marker, beam, pieces) for marker in beam.markers),
         parameters=tuple(
             quantity.parameter(getattr(beam, field), doc)

@@ -14,7 +14,8 @@ from derive.mechanics import quantity
 from derive.mechanics.multibody.bodies.body_type import BodyType, Component, Constant
 from derive.mechanics.multibody.bodies.registry import BODIES
 from derive.mechanics.multibody.coordinates import CoordinateMap, free_coordinates
-from derive.mechanics.multibody.forces.registry import elements
+from derive.mechanics.multibody.forces.force_type import define
+from derive.mechanics.multibody.forces.registry import FORCES, elements
 from derive.mechanics.multibody.instances import point_motions
 from derive.mechanics.multibody.joints.joint_type import PrescribedMotion, Support
 from derive.mechanics.multibody.joints.registry import JOINTS
@@ -29,12 +30,15 @@ from derive.mechanics.multibody.kinds import (
 from derive.mechanics.multibody.mechanism import Mechanism
 from derive.mechanics.multibody.outputs.output_type import OutputInstance
 from derive.mechanics.multibody.outputs.registry import OUTPUTS
-from derive.mechanics.multibody.point_motion import PointMotion, fixed_point
+from derive.mechanics.multibody.point_motion import Derivatives, PointMotion, fixed_point
 from derive.mechanics.quantity import finite_function, time_derivatives
-from derive.mechanics.symbols import Symbol, element, t
-from derive.mechanics.terms import Eliminated, ModelConstant, ParameterSymbol
+from derive.mechanics.symbols import DOTS, Symbol, element, t
+from derive.mechanics.terms import Eliminated, Intermediate, ModelConstant, ParameterSymbol
+from derive.mechanics.time_functions import TimeOperation
 from derive.spec.model.body import Parameter, Quantity
 from derive.spec.model.scene import GROUND, NAMED, CustomJoint, Drive, Joint, MarkerRef, Scene, SceneBody
+from derive.spec.model.scene_functions import function_parameters, time_functions
+from derive.spec.model.time_function import TimeFunction
 
 
 def mechanism(scene: Scene) -> Mechanism:
@@ -61,7 +65,8 @@ class _Assembly:
         joints = [*scene.joints, *chain.from_iterable(body_type(b).joints(b) for b in scene.bodies)]
         self.joints = [replace(j, first=self._located(j.first), second=self._located(j.second)) for j in joints]
         self.joints = [self._with_constants(joint) for joint in self.joints]
-        self.drives = {d.joint: PrescribedMotion(d.name, time_derivatives(self._motion(d))) for d in scene.drives}
+        self.definitions: list[Intermediate] = []
+        self.drives = {d.joint: PrescribedMotion(d.name, self._motion(d)) for d in scene.drives}
         self.known: dict[str, Mapping[str, PointMotion]] = {GROUND: self._ground()}
         self.kinds = BodyKinds()
         self.instances: dict[str, BodyInstance] = {}
@@ -93,6 +98,7 @@ class _Assembly:
             outputs=self._outputs(),
             parameters=parameters(self.scene),
             constants=tuple(self.constants),
+            definitions=tuple(self.definitions),
             eliminated=tuple(self.eliminated),
         )
 
@@ -163,7 +169,8 @@ class _Assembly:
 
     def _forces(self) -> tuple[ForceInstance, ...]:
         result = []
-        for force, force_type in elements(self.scene):
+        of_bodies = (force for body in self.scene.bodies for force in body_type(body).forces(body))
+        for force, force_type in chain(elements(self.scene), ((force, FORCES[force.kind]) for force in of_bodies)):
             section, specified = force_type.section, force_type.specified(force)
             given = (key for key in force_type.keys if key.name in specified)
             values = {key.name: self._value(section, force.name, key, specified[key.name]) for key in given}
@@ -182,14 +189,14 @@ class _Assembly:
                 doc = f"{key.name} of {NAMED[section]} {name}"
                 return self._constant(element(name, key.name), value, doc, key.unit)
             case KeyType.FUNCTION:
-                return finite_function(value, f"{section}.{name}.{key.name}")
+                return self._function(value, f"{section}.{name}.{key.name}")
             case KeyType.FUNCTION_PAIR:
-                return sp.Matrix([finite_function(of, f"{section}.{name}.{key.name}") for of in value])
+                return sp.Matrix([self._function(of, f"{section}.{name}.{key.name}") for of in value])
             case KeyType.MARKER | KeyType.BEAM_MARKER:
                 return self._located(value)
             case KeyType.MARKER_PAIR:
                 return tuple(map(self._located, value))
-            case KeyType.JOINT | KeyType.DRIVE | KeyType.SPRING:
+            case KeyType.JOINT | KeyType.DRIVE | KeyType.SPRING | KeyType.CHOICE:
                 return value
             case _ as never:
                 assert_never(never)
@@ -228,12 +235,30 @@ class _Assembly:
         }
         return {name: fixed_point(sp.Matrix(position)) for name, position in positions.items()}
 
-    def _motion(self, drive: Drive) -> sp.Expr:
+    def _motion(self, drive: Drive) -> Derivatives:
+        """The motion of a drive with its derivatives, under names of their own if expanding it would cost digits."""
         if drive.motion is not None:
-            return finite_function(drive.motion, f"drives.{drive.name}.motion")
+            derivatives = time_derivatives(self._function(drive.motion, f"drives.{drive.name}.motion"))
+            return self._named(drive.name, derivatives) if derivatives[0].has(TimeOperation) else derivatives
         assert drive.speed is not None
         speed = self._constant(element(drive.name, "speed"), drive.speed, f"speed of drive {drive.name}", "")
-        return speed * t + sp.Rational(drive.offset)
+        return time_derivatives(speed * t + sp.Rational(drive.offset))
+
+    def _named(self, drive: str, derivatives: Derivatives) -> Derivatives:
+        docs = ("motion", "speed", "acceleration")
+        symbols = (element(drive, f"motion{dots}") for dots in DOTS)
+        named = [
+            define(symbol, value, f"{doc} that drive {drive} prescribes", self.definitions)
+            for symbol, value, doc in zip(symbols, derivatives, docs, strict=True)
+        ]
+        return named[0], named[1], named[2]
+
+    def _function(self, of: TimeFunction, path: str) -> sp.Expr:
+        """A function of t; its parameters become constants."""
+        for parameter in function_parameters(of):
+            doc = f"parameter {parameter.symbol} of functions of time"
+            self._constant(quantity.function_constant(parameter), parameter, doc, "")
+        return finite_function(of, path)
 
     def _constant(self, symbol: Symbol, value: Quantity, doc: str, unit: str) -> sp.Expr:
         """A number as it is; a parameter as a coefficient, under which kernels know it."""
@@ -264,6 +289,9 @@ def parameters(scene: Scene) -> tuple[ParameterSymbol, ...]:
     for force, force_type in elements(scene):
         specified = force_type.specified(force)
         constants += _constants(NAMED[force_type.section], force.name, force_type.keys, specified)
+    for (section, name, key), function in time_functions(scene):
+        doc = f"{key} of {NAMED[section]} {name}"
+        constants += [Constant(parameter, doc) for parameter in dict.fromkeys(function_parameters(function))]
     result: dict[str, ParameterSymbol] = {}
     for constant in constants:
         if isinstance(constant.value, Parameter):

@@ -24,6 +24,7 @@ class KeyType(Enum):
     JOINT = "the name of a joint"
     DRIVE = "the name of a drive"
     SPRING = "the name of a spring"
+    CHOICE = "one of several words"
 
 
 @dataclass(frozen=True)
@@ -31,7 +32,7 @@ class Key:
     """A key of a table: its name, what its value is, its unit (that of a parameter), and what an editor shows of it.
 
     A key that is not `required` may be left out; then the element has the `default`, or no value of that name if it is
-    None.
+    None. `choices` are the words that a CHOICE is one of.
     """
 
     name: str
@@ -39,7 +40,8 @@ class Key:
     unit: str
     description: str
     required: bool = False
-    default: Fraction | None = None
+    default: Fraction | str | None = None
+    choices: tuple[str, ...] = ()
 
 
 QUANTITIES = (KeyType.POSITIVE_QUANTITY, KeyType.NOT_NEGATIVE_QUANTITY, KeyType.QUANTITY)

@@ -35,6 +35,7 @@ from derive.mechanics.terms import (
     Term,
 )
 from derive.spec.model.scene import GROUND, MarkerRef, Scene
+from derive.spec.model.scene_functions import splines
 
 BETWEEN_BODIES = "the mass matrix is block-diagonal, because joints couple bodies through constraints"
 
@@ -49,7 +50,8 @@ class Mechanism:
     names in the order in which their definitions follow each other, since a body may follow another's motion; ground:
     the markers of the inertial frame; joints: those that are constraints, with their drives; forces: what acts on
     markers; eliminated_joints: those that reduce the coordinates of bodies instead; outputs: what is computed from the
-    state; constants: parameters of drives, ground and forces; eliminated: what the equations need not contain.
+    state; constants: parameters of drives, ground and forces; definitions: prescribed motions with
+    names of their own; eliminated: what the equations need not contain.
     """
 
     scene: Scene
@@ -63,6 +65,7 @@ class Mechanism:
     outputs: tuple[OutputInstance, ...]
     parameters: tuple[ParameterSymbol, ...]
     constants: tuple[ModelConstant, ...]
+    definitions: tuple[Intermediate, ...]
     eliminated: tuple[Eliminated, ...]
 
     def instance(self, name: str) -> BodyInstance:
@@ -105,7 +108,9 @@ def _expanded(mechanism: Mechanism) -> Equations:
     _refuse_idle(conditions)
     forces = [f.type.generalised_force(f.element, tuple(map(at, f.markers)), f.values, rows) for f in mechanism.forces]
     in_order = [instances[name].definitions for name in mechanism.order]
-    definitions = tuple(chain(*in_order, *(own for own, _ in joints), *(f.definitions for f in forces)))
+    definitions = tuple(
+        chain(mechanism.definitions, *in_order, *(own for own, _ in joints), *(f.definitions for f in forces))
+    )
     parts = SceneMechanics(
         scene=mechanism.scene,
         ground=mechanism.ground,
@@ -199,6 +204,7 @@ def _gathered(
         rows=rows,
         rates=tuple(row.v for row in rows),
         parameters=mechanism.parameters,
+        splines=splines(mechanism.scene),
         coefficients=coefficients,
         definitions=definitions,
         terms=terms,

@@ -19,12 +19,14 @@ class Settings:
 
     tolerance: the error of a step, relative and absolute (SI), of methods with adaptive steps. drift: the limit of |g|
     (m, rad) and |gdot| (m/s, rad/s) in every row. step: that of methods with fixed steps, s; None lets them choose.
-    progress: called with the time (s) that is reached.
+    breaks: times at which functions of time jump, s, at which DOP853 and RK45 start anew. progress: called with the
+    time (s) that is reached.
     """
 
     tolerance: float = 1e-9
     drift: float = 1e-9
     step: float | None = None
+    breaks: tuple[float, ...] = ()
     progress: Progress | None = None
 
     def refuse_step(self, integrator: str) -> None:

@@ -25,7 +25,16 @@ def _scipy(method: Literal["DOP853", "RK45"]) -> Compile:
         def run(k: Vector, q: Vector, v: Vector, times: Vector, s: Settings) -> Solution:
             s.refuse_step(method.lower())
             return integrate(
-                native, k, q, v, times, method=method, tolerance=s.tolerance, drift=s.drift, progress=s.progress
+                native,
+                k,
+                q,
+                v,
+                times,
+                method=method,
+                tolerance=s.tolerance,
+                drift=s.drift,
+                breaks=s.breaks,
+                progress=s.progress,
             )
 
         return Integrator(native, run)

@@ -36,6 +36,7 @@ def integrate(
     drift: float = 1e-9,
     projected: bool = True,
     max_step: float = np.inf,
+    breaks: Sequence[float] = (),
     progress: Progress | None = None,
 ) -> Solution:
     """The motion of a compiled scene from a consistent state.
@@ -44,7 +45,8 @@ def integrate(
     times[0], in SI units. times: those of the rows (n,), s, increasing. tolerance: the error of a step, relative and
     absolute (SI). drift: the limit of |g| (m, rad) and of |gdot| (m/s, rad/s) in every row, and after every projected
     step. projected: whether the state is projected onto the constraints after each step, and rows within a step as
-    well. max_step: in s. progress: called with the time reached after each step.
+    well. max_step: in s. breaks: times, s, at which the right-hand side may jump, where the method
+    stops and starts anew. progress: called with the time reached after each step.
 
     Raises SingularConfiguration or DriveCannotBeFollowed at a dead centre, DriftTooLarge, IntegrationStopped.
     """
@@ -55,10 +57,15 @@ def integrate(
     t, y, steps = float(instants[0]), np.concatenate([q, v]), 0
     try:
         rows.append(t, y)
-        solver = METHODS[method](
-            evaluator, t, y, instants[-1], rtol=max(tolerance, 1e-13), atol=tolerance, max_step=max_step
-        )
+        ends = [*sorted(time for time in {*breaks} if t < time < instants[-1]), float(instants[-1])]
+        solver = None
         while rows.count < len(instants):
+            if solver is None or solver.status == "finished":
+                end = ends.pop(0)
+                evaluator.until = np.nextafter(end, t) if ends else end
+                solver = METHODS[method](
+                    evaluator, t, y, end, rtol=max(tolerance, 1e-13), atol=tolerance, max_step=max_step
+                )
             evaluator.refused = None
             message = solver.step()
             if message is not None:
@@ -87,12 +94,13 @@ class Evaluator:
     """f(t, y) -> ydot for explicit integrators, with y and ydot = [v; vdot] (nq + nv,).
 
     Where the model returns an error the derivative is NaN, so that integrators take a smaller step; `refused` then is
-    the time and the error. `evaluations` counts calls. Buffers are reused and C is called through their addresses,
-    because a call through NumPy takes longer than the C.
+    the time and the error. `until` is the last time of which the model is asked: just before a break, where the step
+    that ends there needs the values of its own side. `evaluations` counts calls. Buffers are reused and C is called
+    through their addresses, because a call through NumPy takes longer than the C.
     """
 
     def __init__(self, native: ConstrainedSystem, k: Vector) -> None:
-        self.evaluations = 0
+        self.evaluations, self.until = 0, np.inf
         self.refused: tuple[float, ModelError] | None = None
         self._nq, self._name = native.nq, native.name
         self._y, self._ydot = np.zeros(native.nq + native.nv), np.zeros(native.nq + native.nv)
@@ -107,7 +115,7 @@ class Evaluator:
         """[v; vdot], a new array."""
         self.evaluations += 1
         self._y[:] = y
-        if code := self._accel(t):
+        if code := self._accel(min(t, self.until)):
             self.refused = (t, ModelError(f"{self._name}_accel", code))
             return np.full(len(self._y), np.nan)
         ydot = self._ydot.copy()

@@ -10,7 +10,8 @@ from derive.runtime.native_call import Vector
 from derive.runtime.native_scene import NativeScene
 from derive.simulation.inputs import with_functions
 from derive.simulation.observables.motion import function_values
-from derive.spec.model.scene import Scene, TimeFunction
+from derive.spec.model.scene import Scene
+from derive.spec.model.time_function import TimeFunction
 
 ZERO = TimeFunction("number")
 STEP = 1e-4

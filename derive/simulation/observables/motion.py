@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -24,22 +24,10 @@ from derive.spec.model.scene import (
     ReferenceCurve,
     RigidBody,
     Scene,
-    TimeFunction,
 )
+from derive.spec.model.time_function import TimeFunction, value_at
 
 Array = NDArray[np.float64]
-
-OPERATIONS: dict[str, Callable[..., Array]] = {
-    "add": np.add,
-    "sub": np.subtract,
-    "mul": np.multiply,
-    "div": np.divide,
-    "pow": np.power,
-    "neg": np.negative,
-    "sin": np.sin,
-    "cos": np.cos,
-    "sqrt": np.sqrt,
-}
 
 
 @dataclass(frozen=True, eq=False)
@@ -137,7 +125,7 @@ def deflection(motion: SceneMotion, quantity: Deflection) -> Array:
 def drive_values(drive: Drive, t: Array) -> Array:
     """(n,): the prescribed rotation (rad) or displacement (m) of a drive at the times t (n,), s."""
     if drive.motion is not None:
-        return np.broadcast_to(function_values(drive.motion, t), t.shape)
+        return function_values(drive.motion, t)
     assert drive.speed is not None
     return si_value(drive.speed) * t + float(drive.offset)
 
@@ -151,12 +139,8 @@ def drive_unit(scene: Scene, drive: Drive) -> str:
 
 
 def function_values(function: TimeFunction, t: Array) -> Array:
-    """A function of time at the times t (n,), s; (), if it is a constant."""
-    if function.kind == "number":
-        return np.asarray(float(function.value))
-    if function.kind == "t":
-        return t
-    return OPERATIONS[function.kind](*(function_values(a, t) for a in function.args))
+    """(n,): a function of time at the times t (n,), s, with the defaults of its parameters."""
+    return np.array([value_at(function, float(time)) for time in t])
 
 
 def deviation(x: Array, y: Array, reference: ReferenceCurve) -> tuple[Array, Array] | None:

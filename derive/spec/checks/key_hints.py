@@ -15,6 +15,7 @@ from derive.spec.parsing.faults import KeyPath, did_you_mean
 from derive.spec.tables.beam import FrameTable
 from derive.spec.tables.drives import DriveTable
 from derive.spec.tables.forces import force_table
+from derive.spec.tables.functions import FunctionParameterTable, ValuesTable
 from derive.spec.tables.initial_values import BeamStartTable, JointStartTable, StartTable
 from derive.spec.tables.joints import joint_table
 from derive.spec.tables.ports import InputTable, output_table
@@ -22,6 +23,7 @@ from derive.spec.tables.scene_bodies import (
     BEAM_KEYS,
     BeamBodyTable,
     GroundTable,
+    LoadTable,
     RigidTable,
     SceneTable,
     body_tables,
@@ -35,6 +37,8 @@ _NAMED: dict[str | int, Callable[[], type[BaseModel]]] = {
     **{section: partial(force_table, section) for section in DEFAULT_KINDS},
     "inputs": lambda: InputTable,
     "outputs": output_table,
+    "parameters": lambda: FunctionParameterTable,
+    "tables": lambda: ValuesTable,
 }
 _PLAIN: dict[str | int, type[BaseModel]] = {"ground": GroundTable, "scene": SceneTable, "simulation": SimulationTable}
 PLAIN_TABLES = {str(name): {*table.model_fields} for name, table in _PLAIN.items()}
@@ -51,6 +55,9 @@ _EXAMPLES = {
     ("springs", "between"): 'between = ["ground.bearing", "slider.pin"]',
     ("springs", "stiffness"): "stiffness = 1000",
     ("outputs", "kind"): 'kind = "position"',
+    ("tables", "file"): 'file = "load.csv"',
+    ("tables", "x"): 'x = "the name of a column"',
+    ("tables", "y"): 'y = "the name of a column"',
     ("plots", "deflection"): 'deflection = "rod.middle"',
     ("plots", "chord"): 'chord = ["rod.left", "rod.right"]',
     ("plots", "divided_by"): "divided_by = 0.3",
@@ -94,6 +101,8 @@ def example(path: KeyPath) -> str:
             return f'symbol = "{_SYMBOLS.get(str(key), "a")}"'
         case (*_, "default"):
             return "default = 0.1"
+        case ("bodies", _, "loads", _, "force"):
+            return 'force = [0, "-10*(1 - xi^2)"]'
         case ("bodies", _, key):
             return f"{key} = 1.0"
         case (kind, _, key):
@@ -114,6 +123,8 @@ def table(path: KeyPath, data: Mapping[str, object]) -> type[BaseModel] | None:
             return JointStartTable
         case ("bodies", _, "frame"):
             return FrameTable
+        case ("bodies", _, "loads", _):
+            return LoadTable
         case ("plots", _, "reference"):
             return ReferenceTable
         case ("plots", name):

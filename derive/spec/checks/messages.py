@@ -41,7 +41,7 @@ def _fault(error: ErrorDetails, data: Mapping[str, object]) -> Fault:
         case "extra_forbidden":
             return Fault(path, _unknown_key(path, data))
         case "model_type":
-            such = ", such as { ratio = 0.01 }" if path == ("body", "damping") else ""
+            such = ", such as { ratio = 0.01 }" if path[-1:] == ("damping",) else ""
             return Fault(path, f"a table is needed here{such}, not {kind_of(error['input'])}")
         case "invalid_key":
             return Fault(path, "a key has to be text")
@@ -119,7 +119,7 @@ def _table(path: KeyPath, data: Mapping[str, object]) -> type[BaseModel]:
             return BodyFrameTable
         case ("body", "units"):
             return UnitsTable
-        case ("body", "damping"):
+        case ("body" | "beam", "damping") | ("bodies", _, "damping"):
             return DampingTable
         case ("beam", "start"):
             return BeamStartTable

@@ -125,6 +125,15 @@ def scene_constants(view: SceneData) -> Iterator[SceneConstant]:
     for section, default in DEFAULT_KINDS.items():
         for name, table in view.tables[section].items():
             yield from _force(section, name, table, str(table.get("kind", default)))
+    yield from _of_functions(view)
+
+
+def _of_functions(view: SceneData) -> Iterator[SceneConstant]:
+    parameters = view.data.get("parameters")
+    for name, table in parameters.items() if isinstance(parameters, Mapping) else ():
+        if isinstance(table, Mapping):
+            value = {**table, "symbol": str(name)}
+            yield SceneConstant(("parameters", str(name)), value, f"the parameter {name}", None, given=False)
 
 
 def _units(keys: tuple[Key, ...]) -> dict[str, str]:

@@ -12,10 +12,11 @@ from pydantic import ValidationError
 from derive.errors import Problem, SpecError, quoted
 from derive.spec.checks.body_checks import shape_faults
 from derive.spec.checks.cross_references import scene_faults
+from derive.spec.checks.known_functions import function_faults, known_functions
 from derive.spec.checks.messages import key_faults
 from derive.spec.files.reference_curves import Rows, references
 from derive.spec.model.body import BEAM_QUANTITIES, NodeData
-from derive.spec.model.scene import Specification
+from derive.spec.model.scene import Scene, Specification
 from derive.spec.parsing.faults import Fault, KeyPath, line_of, path_text
 from derive.spec.parsing.names import name_problem
 from derive.spec.tables.body import NodalTable, SymbolicTable, kind_of_body
@@ -51,9 +52,10 @@ def validate(
 def _checked(data: Mapping[str, object], folder: Path, known: Curves) -> Specification | list[Fault]:
     """What `data` specify, with files of numbers relative to `folder`; or all that is wrong with them."""
     specification = None
+    names, faults_of_names = known_functions(data, folder)
     faults: list[Fault] = []
     try:
-        specification = specification_table().model_validate(data)
+        specification = specification_table().model_validate(data, context=names)
     except ValidationError as error:
         faults = key_faults(error, data)
     kinds = _kinds(data)
@@ -67,13 +69,15 @@ def _checked(data: Mapping[str, object], folder: Path, known: Curves) -> Specifi
     faults += shape_faults(("beam",), data.get("beam"))
     nodes, node_faults = _nodes(data, specification, folder)
     curves, curve_faults = references(data, folder, known)
-    faults += node_faults + curve_faults
+    faults += node_faults + curve_faults + faults_of_names
     if any(key in data for key in SCENE):
         faults += scene_faults(data)
     faults += _simulated_without_numbers(data)
     if specification is None or faults:
         return faults
-    return _specified(specification, nodes, curves)
+    result = _specified(specification, nodes, curves)
+    unused = [*function_faults(result, data)] if isinstance(result, Scene) else []
+    return unused or result
 
 
 def _simulated_without_numbers(data: Mapping[str, object]) -> Iterator[Fault]:

@@ -1,4 +1,4 @@
-"""Curves that plots are compared with: two columns of a CSV file, none of it trusted."""
+"""Two columns of a CSV file: curves that plots are compared with, and tables; none of it is trusted."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from pathlib import Path
 
 from derive.errors import quoted
 from derive.spec.files.file_content import file_content
-from derive.spec.parsing.faults import Faults, did_you_mean
+from derive.spec.parsing.faults import Faults, KeyPath, did_you_mean
 from derive.spec.parsing.values import WrongValueError
 
 MAX_BYTES = 5_000_000
@@ -33,23 +33,30 @@ def references(data: Mapping[str, object], folder: Path, known: Mapping[str, Row
         reference = plot.get("reference") if isinstance(plot, Mapping) else None
         if not isinstance(reference, Mapping) or name in rows:
             continue
-        path = ("plots", str(name), "reference")
-        file, columns = reference.get("file"), [reference.get(key) for key in ("x", "y")]
-        if not isinstance(file, str) or not file:
-            continue
-        table: list[tuple[int, list[str]]] = []
-        with faults.at(*path, "file"):
-            table = _table(file_content(file, folder, MAX_BYTES, ", the most that is read"), quoted(file))
-        columns_found = []
-        for key, column in zip(("x", "y"), columns, strict=True):
-            with faults.at(*path, key):
-                if table and isinstance(column, str):
-                    columns_found.append(_column(column, table, quoted(file)))
-        if len(columns_found) == 2:
-            with faults.at(*path, "file"):
-                x, y = ([_number(row, column, at, quoted(file)) for at, row in table[1:]] for column in columns_found)
-                rows[str(name)] = tuple(zip(x, y, strict=True))
+        numbers = curve(reference, folder, ("plots", str(name), "reference"), faults)
+        if numbers is not None:
+            rows[str(name)] = numbers
     return rows, faults
+
+
+def curve(table: Mapping[str, object], folder: Path, path: KeyPath, faults: Faults) -> Rows | None:
+    """The columns `x` and `y` of the `file` that a table at `path` names; None with faults, or if a key is missing."""
+    file, columns = table.get("file"), [table.get(key) for key in ("x", "y")]
+    if not isinstance(file, str) or not file:
+        return None
+    lines: list[tuple[int, list[str]]] = []
+    with faults.at(*path, "file"):
+        lines = _table(file_content(file, folder, MAX_BYTES, ", the most that is read"), quoted(file))
+    columns_found = []
+    for key, column in zip(("x", "y"), columns, strict=True):
+        with faults.at(*path, key):
+            if lines and isinstance(column, str):
+                columns_found.append(_column(column, lines, quoted(file)))
+    if len(columns_found) == 2:
+        with faults.at(*path, "file"):
+            x, y = ([_number(row, column, at, quoted(file)) for at, row in lines[1:]] for column in columns_found)
+            return tuple(zip(x, y, strict=True))
+    return None
 
 
 def _table(content: bytes, file: str) -> list[tuple[int, list[str]]]:

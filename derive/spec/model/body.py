@@ -69,7 +69,8 @@ class PlanarBeam:
     """A uniform slender free beam that moves in a plane: the example of the paper, (21)-(27).
 
     `gravity` is the acceleration of free fall in the inertial base, m/s^2. `start` and `simulation` are for the
-    simulation of the beam alone.
+    simulation of the beam alone. `damping` is that of the deformation; its modes are those of c8 and K,
+    with the floating frame at rest.
     """
 
     name: str
@@ -83,6 +84,7 @@ class PlanarBeam:
     gravity: tuple[Quantity, Quantity] | None = None
     start: InitialValues = NOT_GIVEN
     simulation: Simulation | None = None
+    damping: Damping | None = None
 
 
 Gravity = tuple[Quantity, Quantity, Quantity]

@@ -7,9 +7,10 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import ClassVar, Literal
 
-from derive.spec.model.body import Marker, NodalBody, PlanarBeam, Quantity, SymbolicBody
+from derive.spec.model.body import Marker, NodalBody, PlanarBeam, Polynomial, Quantity, SymbolicBody
 from derive.spec.model.ports import SceneOutput
 from derive.spec.model.simulation import NOT_GIVEN, InitialValues, Simulation
+from derive.spec.model.time_function import TimeFunction
 
 GROUND = "ground"
 """The name under which joints and forces speak of the inertial base."""
@@ -29,20 +30,6 @@ NAMED = {
 
 
 @dataclass(frozen=True)
-class TimeFunction:
-    """An expression of the time t: `kind` is number, t, add, sub, mul, div, pow, neg, sin, cos, sqrt or input.
-
-    `args` are its operands; a number has its `value` instead (pi is the double next to it, exactly), a run-time input
-    its `name`.
-    """
-
-    kind: str
-    args: tuple[TimeFunction, ...] = ()
-    value: Fraction = Fraction(0)
-    name: str = ""
-
-
-@dataclass(frozen=True)
 class SceneInput:
     """A run-time input of the generated code, such as a torque or a prescribed motion.
 
@@ -52,6 +39,11 @@ class SceneInput:
     name: str
     unit: str = ""
     function: TimeFunction | None = None
+
+
+ForceFrame = Literal["inertial", "body"]
+FORCE_FRAMES: tuple[ForceFrame, ...] = ("inertial", "body")
+"""The frames that the components of a force may be in."""
 
 
 @dataclass(frozen=True)
@@ -107,6 +99,20 @@ class RigidBody:
 
 
 @dataclass(frozen=True)
+class DistributedLoad:
+    """A force per length on a rod: polynomials in xi (N/m) times a function of t.
+
+    `force` are its components along e1 and e2 of the inertial frame, or of the floating frame of the rod (`body`), as
+    coefficients of 1, xi, xi^2, ...; xi goes from -1 to 1 along the whole rod.
+    """
+
+    name: str
+    force: tuple[Polynomial, Polynomial]
+    time: TimeFunction
+    frame: ForceFrame = "inertial"
+
+
+@dataclass(frozen=True)
 class BeamBody:
     """A flexible rod in a scene: a free planar beam, cut into `pieces` beams of equal length that are welded together.
 
@@ -118,6 +124,7 @@ class BeamBody:
     beam: PlanarBeam
     pieces: int = 1
     start: InitialValues = NOT_GIVEN
+    loads: tuple[DistributedLoad, ...] = ()
     kind: ClassVar[str] = "beam"
 
     @property
@@ -191,11 +198,15 @@ class Drive:
 
 @dataclass(frozen=True)
 class Force:
-    """A force at a marker, with components in the inertial frame that are functions of t."""
+    """A force at a marker, with components that are functions of t.
+
+    `frame` is that of the components: the inertial frame, or that of the section of the body at the marker.
+    """
 
     name: str
     at: MarkerRef
     components: tuple[TimeFunction, TimeFunction]
+    frame: ForceFrame = "inertial"
     kind: ClassVar[str] = "force"
 
     @property
@@ -224,8 +235,9 @@ class Torque:
 class Spring:
     """A spring with a damper between two markers: along the line between them, or `rotational`, about e3.
 
-    `kind` is a name of the registry of forces. Its force is stiffness * (length - rest) + damping * (rate of the
-    length); for rotational ones the length is the rotation of the second marker against the first.
+    `kind` is a name of the registry of forces. With the extension x = length - rest its force is stiffness * x +
+    quadratic * x^2 + cubic * x^3 + quartic * x^4 + quintic * x^5 + damping * (rate of the length); for rotational ones
+    the length is the rotation of the second marker against the first.
     """
 
     name: str
@@ -235,6 +247,38 @@ class Spring:
     stiffness: Quantity
     damping: Quantity = Fraction(0)
     rest: Quantity = Fraction(0)
+    quadratic: Quantity = Fraction(0)
+    cubic: Quantity = Fraction(0)
+    quartic: Quantity = Fraction(0)
+    quintic: Quantity = Fraction(0)
+
+    @property
+    def markers(self) -> tuple[MarkerRef, MarkerRef]:
+        """Its two ends."""
+        return (self.first, self.second)
+
+
+@dataclass(frozen=True)
+class Bushing:
+    """Linear springs with dampers between two markers: along both axes of the section at the first, and about e3.
+
+    The forces are stiffness * (displacement - rest) + damping * (rate), where displacement and rate are those of the
+    second marker relative to the first, in the frame of the section there; the torque likewise with the rotation.
+    """
+
+    name: str
+    first: MarkerRef
+    second: MarkerRef
+    stiffness_x: Quantity = Fraction(0)
+    stiffness_y: Quantity = Fraction(0)
+    stiffness_rotation: Quantity = Fraction(0)
+    damping_x: Quantity = Fraction(0)
+    damping_y: Quantity = Fraction(0)
+    damping_rotation: Quantity = Fraction(0)
+    rest_x: Quantity = Fraction(0)
+    rest_y: Quantity = Fraction(0)
+    rest_rotation: Quantity = Fraction(0)
+    kind: ClassVar[str] = "bushing"
 
     @property
     def markers(self) -> tuple[MarkerRef, MarkerRef]:
@@ -255,7 +299,7 @@ class CustomForce:
     values: Mapping[str, object] = field(default_factory=dict, hash=False)
 
 
-SceneForce = Force | Torque | Spring | CustomForce
+SceneForce = Force | Torque | Spring | Bushing | CustomForce
 
 
 @dataclass(frozen=True)
@@ -316,7 +360,7 @@ class Scene:
     drives: tuple[Drive, ...] = ()
     forces: tuple[Force | CustomForce, ...] = ()
     torques: tuple[Torque | CustomForce, ...] = ()
-    springs: tuple[Spring | CustomForce, ...] = ()
+    springs: tuple[Spring | Bushing | CustomForce, ...] = ()
     simulation: Simulation | None = None
     plots: tuple[Plot, ...] = ()
     start: SceneStart | None = None

@@ -4,7 +4,10 @@
     product = power { "*" factor | "/" factor }
     factor  = [sign] power
     power   = atom [ ("^" | "**") whole number ]
-    atom    = number | name | function "(" sum ")" | "(" sum ")"
+    atom    = number | name | function "(" argument { "," argument } ")" | "(" sum ")"
+    argument = sum [ "<" sum ]
+
+Only expressions with functions have commas and comparisons.
 
 The text may come from anywhere, so sizes are limited while they are small, and names are those of a list.
 """
@@ -41,7 +44,7 @@ class Token(NamedTuple):
 
 _TOKEN = re.compile(
     r"\s*(?:(?P<number>(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?)"
-    r"|(?P<name>[^\W\d]\w*)|(?P<operator>\*\*|[-+*/^()])|(?P<end>$)|(?P<other>.))",
+    r"|(?P<name>[^\W\d]\w*)|(?P<operator>\*\*|[-+*/^(),<])|(?P<end>$)|(?P<other>.))",
     re.DOTALL,
 )
 
@@ -71,8 +74,12 @@ class Parser(Generic[Value]):
         """One of `names`."""
         raise NotImplementedError
 
-    def called(self, function: str, argument: Value, at: Token) -> Value:
-        """One of `functions` of an argument."""
+    def called(self, function: str, arguments: tuple[Value, ...], at: Token) -> Value:
+        """One of `functions` of its arguments."""
+        raise NotImplementedError
+
+    def compared(self, a: Value, b: Value, at: Token) -> Value:
+        """a < b, as an argument of a function."""
         raise NotImplementedError
 
     def added(self, a: Value, b: Value, at: Token) -> Value:
@@ -165,17 +172,39 @@ class Parser(Generic[Value]):
         self.fail(token, f"{', '.join(expected)} or ( is expected before {token.text}")
 
     def _parentheses(self, opening: Token) -> Value:
+        self._open(opening)
+        result = self._sum()
+        self._close(opening)
+        return result
+
+    def _arguments(self, opening: Token) -> tuple[Value, ...]:
+        self._open(opening)
+        result = [self._argument()]
+        while self._next.text == ",":
+            self._take()
+            result.append(self._argument())
+        self._close(opening)
+        return tuple(result)
+
+    def _argument(self) -> Value:
+        left = self._sum()
+        if self._next.text != "<":
+            return left
+        sign = self._take()
+        return self.compared(left, self._sum(), sign)
+
+    def _open(self, opening: Token) -> None:
         self.depth += 1
         if self.depth > MAX_DEPTH:
             self.fail(opening, f"more than {MAX_DEPTH} parentheses are open")
-        result = self._sum()
+
+    def _close(self, opening: Token) -> None:
         if self._next.text != ")":
             if self._next.kind == "end":
                 self.fail(opening, "this parenthesis is never closed")
             self._unexpected()
         self._take()
         self.depth -= 1
-        return result
 
     def _number(self, token: Token) -> Fraction:
         _, _, exponent = token.text.lower().partition("e")
@@ -190,7 +219,7 @@ class Parser(Generic[Value]):
     def _name(self, token: Token) -> Value:
         called = self._next.text == "("
         if called and token.text in self.functions:
-            return self.called(token.text, self._parentheses(self._take()), token)
+            return self.called(token.text, self._arguments(self._take()), token)
         if called and token.text in self.names:
             self.fail(self._next, f"an operator is missing: for a product write {token.text}*(")
         if token.text in self.functions:
@@ -218,6 +247,10 @@ class Parser(Generic[Value]):
             "and below the fraction bar",
         )
 
+    def no_meaning(self, token: Token) -> NoReturn:
+        """A character that expressions of this kind do not have, or not there."""
+        self.fail(token, f"{quoted(token.text)} has no meaning here: {self.made_of}")
+
     def fail(self, at: Token, why: str) -> NoReturn:
         """A fault at a token."""
         raise ExpressionError(f"column {at.column} of {quoted(self.text, MAX_LENGTH)}: {why}")
@@ -236,6 +269,8 @@ class Parser(Generic[Value]):
         token = self._next
         if token.text == ")":
             self.fail(token, "this parenthesis was never opened")
+        if token.text in (",", "<"):
+            self.no_meaning(token)
         self.fail(token, f"an operator is missing before {quoted(token.text)}; for a product write *")
 
     def _tokens(self) -> list[Token]:
@@ -243,8 +278,8 @@ class Parser(Generic[Value]):
         for match in _TOKEN.finditer(self.text):
             kind = str(match.lastgroup)
             token = Token(kind, match[kind], match.start(kind) + 1)
-            if kind == "other":
-                self.fail(token, f"{quoted(token.text)} has no meaning here: {self.made_of}")
+            if kind == "other" or (token.text in (",", "<") and not self.functions):
+                self.no_meaning(token)
             tokens.append(token)
             if kind == "end":
                 break

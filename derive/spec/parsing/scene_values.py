@@ -6,12 +6,14 @@ Like those of `values`, they raise WrongValueError with a sentence that states w
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from fractions import Fraction
 
 from derive.errors import quoted
-from derive.spec.model.scene import MarkerRef, TimeFunction
+from derive.spec.model.scene import MarkerRef
+from derive.spec.model.time_function import TimeFunction
 from derive.spec.parsing import values
-from derive.spec.parsing.time_expression import number_function, time_function
+from derive.spec.parsing.time_expression import Known, number_function, time_function
 
 MAX_PIECES = 64
 
@@ -49,18 +51,29 @@ def text(value: object) -> str:
     return value
 
 
-def function(value: object) -> TimeFunction:
-    """A function of the time: text such as "2*pi*t", a number, a run-time input, or, in Python, a TimeFunction."""
+def function(value: object, known: Known | None = None) -> TimeFunction:
+    """A function of the time: text such as "2*pi*t", a number, a run-time input, or, in Python, a
+    TimeFunction.
+
+    `known` are the names that a text may refer to.
+    """
     if isinstance(value, TimeFunction):
-        return value
+        return _with_parameters(value, known) if known else value
     if isinstance(value, Mapping):
         name = value.get("input")
         if set(value) != {"input"} or not isinstance(name, str) or not name:
             raise values.WrongValueError('the name of a run-time input is needed, such as { input = "motor" }')
         return TimeFunction("input", name=name)
     if isinstance(value, str):
-        return time_function(value)
+        return time_function(value, known)
     return number_function(values.number(value))
+
+
+def _with_parameters(function: TimeFunction, known: Known) -> TimeFunction:
+    """A function whose parameters are those of the scene, where it has them."""
+    if function.parameter is not None:
+        return known.names.get(function.parameter.symbol, function)
+    return replace(function, args=tuple(_with_parameters(arg, known) for arg in function.args))
 
 
 def piece_count(value: object) -> int:

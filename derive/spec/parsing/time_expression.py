@@ -1,26 +1,52 @@
 """Functions of the time t, read from text by a parser that knows nothing else.
 
-They are made of numbers, t, pi, + - * / ^ with whole powers, sin, cos, sqrt and parentheses. Numbers are exact, and
+They are made of numbers, t, pi, parameters of the scene, + - * / ^ with whole powers, parentheses, and functions: sin,
+cos, sqrt, exp, log, tanh, abs; min, max, atan2; step; piecewise; and the tables of the scene. Numbers are exact, and
 what is made of numbers alone is computed at once, exactly, as long as it has few digits.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from fractions import Fraction
+from itertools import pairwise
 from typing import ClassVar
 
-from derive.spec.model.scene import TimeFunction
+from derive.spec.model.time_function import Spline, TimeFunction, depends_on_time, parts, value_at
 from derive.spec.parsing.parser import Parser, Token, fits
 
 TIME = TimeFunction("t")
 PI = Fraction(math.pi)
 
+OPERANDS = {
+    **dict.fromkeys(("sin", "cos", "sqrt", "exp", "log", "tanh", "abs"), 1),
+    **dict.fromkeys(("min", "max", "atan2"), 2),
+    "step": 3,
+}
+"""The functions with a fixed number of operands; min and max take more than two as well."""
+FUNCTIONS = (*OPERANDS, "piecewise")
+"""The functions that an expression may call besides tables."""
 
-def time_function(text: str) -> TimeFunction:
+FORMS = {
+    "step": "write step(t, 1, 2) for a smooth step from 0 at t = 1 to 1 at t = 2",
+    "piecewise": "write piecewise(t < 1, 0, t < 2, t - 1, 1): conditions with their values, then the last value",
+}
+"""How the functions of several operands are written."""
+
+
+@dataclass(frozen=True)
+class Known:
+    """What a function of time may refer to: names that stand for functions, such as parameters, and tables."""
+
+    names: Mapping[str, TimeFunction] = field(default_factory=dict)
+    splines: Mapping[str, Spline] = field(default_factory=dict)
+
+
+def time_function(text: str, known: Known | None = None) -> TimeFunction:
     """The function of t that `text` denotes, such as "2*pi*t - sin(2*pi*t)"."""
-    return _Functions(text).parse()
+    return _Functions(text, known or Known()).parse()
 
 
 def number_function(value: Fraction) -> TimeFunction:
@@ -29,46 +55,86 @@ def number_function(value: Fraction) -> TimeFunction:
 
 
 def constant_value(function: TimeFunction) -> float | None:
-    """What a function is that does not depend on t, in doubles; None if it does. Raises ArithmeticError, ValueError."""
-    if function.kind == "number":
-        return float(function.value)
-    args = [constant_value(arg) for arg in function.args]
-    known = [arg for arg in args if arg is not None]
-    if function.kind in ("t", "input") or len(known) < len(args):
+    """What a function of numbers alone is, in doubles; None if it is none. Raises ArithmeticError, ValueError."""
+    if any(part.kind in ("t", "parameter", "input") for part in parts(function)):
         return None
-    return _OPERATIONS[function.kind](*known)
-
-
-_OPERATIONS: dict[str, Callable[..., float]] = {
-    "add": lambda a, b: a + b,
-    "sub": lambda a, b: a - b,
-    "mul": lambda a, b: a * b,
-    "div": lambda a, b: a / b,
-    "pow": math.pow,
-    "neg": lambda a: -a,
-    "sin": math.sin,
-    "cos": math.cos,
-    "sqrt": math.sqrt,
-}
+    return value_at(function, 0.0)
 
 
 class _Functions(Parser[TimeFunction]):
-    made_of = "a function of the time is made of numbers, t, pi, + - * / ^, sin, cos, sqrt and parentheses"
+    made_of = (
+        "a function of the time is made of numbers, t, pi, parameters, + - * / ^, parentheses, the functions "
+        f"{', '.join(FUNCTIONS)}, and tables"
+    )
     names: ClassVar[tuple[str, ...]] = ("t", "pi")
-    functions: ClassVar[tuple[str, ...]] = ("sin", "cos", "sqrt")
+    functions: ClassVar[tuple[str, ...]] = FUNCTIONS
+
+    def __init__(self, text: str, known: Known) -> None:
+        self.known = known
+        self.names = ("t", "pi", *known.names)  # type: ignore[misc]  # those of the class and of the scene
+        self.functions = (*FUNCTIONS, *known.splines)  # type: ignore[misc]
+        super().__init__(text)
 
     def constant(self, value: Fraction, at: Token) -> TimeFunction:
         return number_function(value)
 
     def named(self, name: str, at: Token) -> TimeFunction:
+        if name in self.known.names:
+            return self.known.names[name]
         return TIME if name == "t" else number_function(PI)
 
-    def called(self, function: str, argument: TimeFunction, at: Token) -> TimeFunction:
-        if argument.kind == "number":
-            exact = _exact_call(function, argument.value)
-            if exact is not None:
-                return number_function(exact)
-        return self._made(function, (argument,), at)
+    def called(self, function: str, arguments: tuple[TimeFunction, ...], at: Token) -> TimeFunction:
+        if function == "piecewise":
+            return self._piecewise(arguments, at)
+        if any(argument.kind == "less" for argument in arguments):
+            self.fail(at, "only piecewise has conditions; " + FORMS["piecewise"])
+        if function in self.known.splines:
+            return self._table(function, arguments, at)
+        count = OPERANDS[function]
+        if len(arguments) != count and not (function in ("min", "max") and len(arguments) > count):
+            form = FORMS.get(function, f"write {function}({', '.join(('t', '1')[:count])})")
+            self.fail(at, f"{function} has {count} operand{'s' * (count > 1)}, not {len(arguments)}; {form}")
+        if function == "step":
+            self._ends(arguments, at)
+        if len(arguments) > count:
+            *others, last = arguments
+            arguments = self.called(function, tuple(others), at), last
+        exact = _exact_call(function, arguments)
+        return number_function(exact) if exact is not None else self._made(function, arguments, at)
+
+    def compared(self, a: TimeFunction, b: TimeFunction, at: Token) -> TimeFunction:
+        return TimeFunction("less", (a, b))
+
+    def _piecewise(self, arguments: tuple[TimeFunction, ...], at: Token) -> TimeFunction:
+        """The conditions are t < x, where x increases if it is a number."""
+        if len(arguments) < 3 or len(arguments) % 2 == 0:
+            self.fail(at, f"a piecewise function has conditions with values, and a last value; {FORMS['piecewise']}")
+        conditions = arguments[:-1:2]
+        if any(c.kind == "less" for c in (*arguments[1::2], arguments[-1])) or any(
+            c.kind != "less" or c.args[0] != TIME or depends_on_time(c.args[1]) for c in conditions
+        ):
+            self.fail(at, f"the conditions are t < x, with a number or a parameter x; {FORMS['piecewise']}")
+        ends = [constant_value(c.args[1]) for c in conditions]
+        numbers = [end for end in ends if end is not None]
+        if any(b <= a for a, b in pairwise(numbers)):
+            self.fail(at, "the times of a piecewise function increase")
+        return TimeFunction("piecewise", arguments)
+
+    def _table(self, name: str, arguments: tuple[TimeFunction, ...], at: Token) -> TimeFunction:
+        linear = {"number", "t", "parameter", "add", "sub", "mul", "div", "neg"}
+        if len(arguments) != 1 or any(part.kind not in linear for part in parts(arguments[0])):
+            text = "its argument is made of t, numbers and parameters with + - * /"
+            self.fail(at, f"the table {name} has one operand; write {name}(t); {text}")
+        return TimeFunction("spline", arguments, spline=self.known.splines[name])
+
+    def _ends(self, arguments: tuple[TimeFunction, ...], at: Token) -> None:
+        """Both ends of a step."""
+        _, first, last = arguments
+        if depends_on_time(first) or depends_on_time(last):
+            self.fail(at, f"both ends of a step are numbers or parameters; {FORMS['step']}")
+        ends = constant_value(first), constant_value(last)
+        if ends[0] is not None and ends[1] is not None and ends[0] >= ends[1]:
+            self.fail(at, f"a step ends behind its beginning, and {ends[0]:g} is not below {ends[1]:g}")
 
     def added(self, a: TimeFunction, b: TimeFunction, at: Token) -> TimeFunction:
         return self._made("add", (a, b), at)
@@ -102,7 +168,12 @@ class _Functions(Parser[TimeFunction]):
         except OverflowError:
             value = math.inf
         except ValueError:
-            self.fail(at, "the square root of a negative number is not real")
+            such = (
+                "the logarithm of a number that is not positive"
+                if kind == "log"
+                else "the square root of a negative number"
+            )
+            self.fail(at, f"{such} is not real")
         if value is not None and not math.isfinite(value):
             self.fail(at, "the number is too large for the code, which computes in doubles")
         return function
@@ -115,14 +186,24 @@ _EXACT: dict[str, Callable[..., Fraction]] = {
     "div": lambda a, b: a / b,
     "pow": lambda a, b: a ** int(b),
     "neg": lambda a: -a,
+    "abs": abs,
+    "min": min,
+    "max": max,
 }
 
+_AT_ZERO = {"sin": 0, "cos": 1, "exp": 1, "tanh": 0}
 
-def _exact_call(function: str, value: Fraction) -> Fraction | None:
-    """sin(0), cos(0), and roots of squares."""
-    if function != "sqrt":
-        return {"sin": Fraction(0), "cos": Fraction(1)}[function] if value == 0 else None
-    if value < 0:
+
+def _exact_call(function: str, args: tuple[TimeFunction, ...]) -> Fraction | None:
+    """Functions of zero, the logarithm of 1, and roots of squares."""
+    if len(args) != 1 or args[0].kind != "number":
+        return None
+    value = args[0].value
+    if value == 0 and function in _AT_ZERO:
+        return Fraction(_AT_ZERO[function])
+    if value == 1 and function == "log":
+        return Fraction(0)
+    if function != "sqrt" or value < 0:
         return None
     root = Fraction(math.isqrt(value.numerator), math.isqrt(value.denominator))
     return root if root**2 == value else None

@@ -185,6 +185,14 @@ def shape(value: object) -> Polynomial:
     return tuple(result)
 
 
+def load_polynomial(value: object) -> Polynomial:
+    """A polynomial in xi that may be zero: text such as "1 - xi^2", a number, or the tuple of its coefficients."""
+    if isinstance(value, (str, tuple)) and value not in ("0", (), (0,)):
+        return polynomial(value) if isinstance(value, str) else shape(value)
+    exact = number(0 if isinstance(value, tuple) else value)
+    return (exact,) if exact else ()
+
+
 def digits(p: Polynomial) -> int:
     """The digits of the common denominator of a polynomial and of its largest numerator over it."""
     denominator = math.lcm(*(c.denominator for c in p))

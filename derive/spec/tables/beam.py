@@ -34,6 +34,7 @@ from derive.spec.model.body import (
 )
 from derive.spec.parsing import values
 from derive.spec.parsing.polynomial import MAX_LENGTH
+from derive.spec.tables.body import DampingTable
 from derive.spec.tables.shared import (
     MAX_MARKERS,
     Name,
@@ -187,6 +188,13 @@ class BeamKeys(ShapeKeys):
     bending_stiffness: Annotated[
         QuantityInput, Field(description="Bending stiffness EI, N m^2: a run-time parameter or a number.")
     ] = _as_table(DEFAULT_BENDING_STIFFNESS)
+    damping: Annotated[
+        DampingTable | None,
+        Field(
+            description="Damping of the deformation: { ratio = 0.01 } of critical in each mode of the beam, or "
+            "{ mass = 0.1, stiffness = 1e-5 }, factors of its mass and stiffness matrices, in 1/s and s."
+        ),
+    ] = None
     markers: Annotated[
         dict[Name, BeamPosition],
         few_markers("places"),
@@ -209,4 +217,5 @@ class BeamKeys(ShapeKeys):
             markers=tuple(Marker(name, at) for name, at in self.markers.items()),
             orthogonal=orthogonal,
             gravity=gravity,
+            damping=None if self.damping is None else self.damping.damping(),
         )

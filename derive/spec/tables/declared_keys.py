@@ -58,6 +58,8 @@ def key_field(key: Key, required: bool = False) -> tuple[Any, Any]:
             annotation = TwoMarkers
         case KeyType.JOINT | KeyType.DRIVE | KeyType.SPRING:
             annotation = NameOf
+        case KeyType.CHOICE:
+            annotation = _choice(key)
         case _ as never:
             assert_never(never)
     field = Field(description=key.description)
@@ -66,6 +68,14 @@ def key_field(key: Key, required: bool = False) -> tuple[Any, Any]:
     if key.default is not None:
         return Annotated[annotation, field], key.default
     return Annotated[annotation | None, field], None
+
+
+def _choice(key: Key) -> Any:
+    return Annotated[
+        str,
+        PlainValidator(lambda value: values.choice(value, key.choices, f"`{key.name}`")),
+        WithJsonSchema({"enum": [*key.choices]}),
+    ]
 
 
 def key_value(key: Key, value: Any) -> Any:

@@ -6,9 +6,10 @@ from collections.abc import Mapping
 from fractions import Fraction
 from typing import Annotated
 
-from pydantic import AfterValidator, BeforeValidator, Field, PlainValidator, WithJsonSchema
+from pydantic import AfterValidator, BeforeValidator, Field, PlainValidator, ValidationInfo, WithJsonSchema
 
-from derive.spec.model.scene import MarkerRef, TimeFunction
+from derive.spec.model.scene import MarkerRef
+from derive.spec.model.time_function import TimeFunction
 from derive.spec.parsing import scene_values, values
 from derive.spec.parsing.parser import MAX_LENGTH
 from derive.spec.tables.shared import MAX_MARKERS, Name, SignedInput, components, few, few_markers, number_schema
@@ -68,8 +69,14 @@ _INPUT = {
 _TIME = {"anyOf": [{"type": "number"}, {"type": "string", "minLength": 1, "maxLength": MAX_LENGTH}, _INPUT]}
 _NAMED = {"type": "string", "minLength": 1}
 
+
+def _function(value: object, info: ValidationInfo) -> TimeFunction:
+    """A function of time; the context of the validation is what it may refer to."""
+    return scene_values.function(value, info.context)
+
+
 MarkerInput = Annotated[MarkerRef, PlainValidator(scene_values.marker_ref), WithJsonSchema(_MARKER)]
 TwoMarkers = Annotated[tuple[MarkerInput, MarkerInput], components(('"ground.bearing"', '"crank.hub"'), "markers")]
-Time = Annotated[TimeFunction, PlainValidator(scene_values.function), WithJsonSchema(_TIME)]
+Time = Annotated[TimeFunction, PlainValidator(_function), WithJsonSchema(_TIME)]
 NameOf = Annotated[str, PlainValidator(scene_values.name_of), WithJsonSchema(_NAMED)]
 Text = Annotated[str, PlainValidator(scene_values.text), WithJsonSchema(_NAMED)]

@@ -8,22 +8,51 @@ from functools import cache, reduce
 from operator import or_
 from typing import Annotated, Any, ClassVar
 
-from pydantic import ConfigDict, Discriminator, Field, Tag, create_model
+from pydantic import (
+    ConfigDict,
+    Discriminator,
+    Field,
+    PlainValidator,
+    Tag,
+    WithJsonSchema,
+    create_model,
+    model_validator,
+)
 
+from derive.mechanics.multibody.bodies.beam_loads import point_names
 from derive.mechanics.multibody.bodies.body_type import BodyType
 from derive.mechanics.multibody.bodies.registry import BODIES
-from derive.spec.model.body import DEFAULT_LENGTH, DEFAULT_MASS, Quantity
-from derive.spec.model.scene import BeamBody, CustomBody, PointMarker, RigidBody, SceneBody
+from derive.spec.model.body import DEFAULT_LENGTH, DEFAULT_MASS, Polynomial, Quantity
+from derive.spec.model.scene import (
+    FORCE_FRAMES,
+    BeamBody,
+    CustomBody,
+    DistributedLoad,
+    ForceFrame,
+    PointMarker,
+    RigidBody,
+    SceneBody,
+)
+from derive.spec.parsing import values
+from derive.spec.parsing.polynomial import MAX_LENGTH
+from derive.spec.parsing.time_expression import number_function
 from derive.spec.tables.beam import BeamKeys
 from derive.spec.tables.declared_keys import key_field, key_values
 from derive.spec.tables.initial_values import BeamStartInput, BeamStartTable, SceneStartInput, StartInput, StartTable
-from derive.spec.tables.markers import MAX_NAMED, Coordinates, Markers, PieceCount, few_named
-from derive.spec.tables.shared import Name, PlanarGravity, QuantityInput, TomlTable, Truth, quantity
+from derive.spec.tables.markers import MAX_NAMED, Coordinates, Markers, PieceCount, Time, few_named
+from derive.spec.tables.shared import Name, PlanarGravity, QuantityInput, TomlTable, Truth, components, quantity
 
 BEAM_KEYS = BODIES["beam"].identifying_keys
 """A body with one of these keys is a beam."""
 INERTIA_UNIT = "kg m^2"
 LENGTH_UNIT = DEFAULT_LENGTH.unit
+
+
+LoadPolynomial = Annotated[
+    Polynomial,
+    PlainValidator(values.load_polynomial),
+    WithJsonSchema({"anyOf": [{"type": "number"}, {"type": "string", "minLength": 1, "maxLength": MAX_LENGTH}]}),
+]
 
 
 def _points(markers: Mapping[str, Coordinates]) -> tuple[PointMarker, ...]:
@@ -88,6 +117,36 @@ class RigidTable(TomlTable):
         )
 
 
+class LoadTable(TomlTable):
+    """A force per length on a beam: polynomials in xi times a function of t."""
+
+    force: Annotated[
+        tuple[LoadPolynomial, LoadPolynomial],
+        components(("0", '"-10*(1 - xi^2)"')),
+        Field(description="Components, N/m: numbers, or polynomials in xi, which goes from -1 to 1 along the beam."),
+    ]
+    time: Annotated[Time, Field(description="Factor of the load: a number, or a function of t.")] = number_function(
+        Fraction(1)
+    )
+    frame: Annotated[
+        ForceFrame,
+        PlainValidator(lambda value: values.choice(value, FORCE_FRAMES, "`frame`")),
+        WithJsonSchema({"enum": [*FORCE_FRAMES]}),
+        Field(description="The frame of the components: inertial, or body, the floating frame of the beam."),
+    ] = "inertial"
+
+    @model_validator(mode="after")
+    def check(self) -> LoadTable:
+        """A load acts somewhere."""
+        if not any(self.force):
+            raise values.WrongValueError("both components of the load are zero; leave it out")
+        return self
+
+    def load(self, name: str) -> DistributedLoad:
+        """The load as the derivation takes it."""
+        return DistributedLoad(name, self.force, self.time, self.frame)
+
+
 class BeamBodyTable(BeamKeys):
     """A beam in a scene: it has one of the keys length, bending_stiffness, ansatz and frame."""
 
@@ -97,10 +156,33 @@ class BeamBodyTable(BeamKeys):
         PieceCount, Field(description="Number of beams of equal length into which the rod is divided.")
     ] = 1
     start: BeamStartInput = BeamStartTable()
+    loads: Annotated[
+        dict[Name, LoadTable],
+        few_named("loads", "[bodies.rod.loads.wind]"),
+        Field(
+            description="Distributed loads by name.",
+            json_schema_extra={"maxProperties": MAX_NAMED, "additionalProperties": False},
+        ),
+    ] = {}  # noqa: RUF012
+
+    @model_validator(mode="after")
+    def check(self) -> BeamBodyTable:
+        """A damping ratio is that of the modes of the whole rod; loads are not called like markers."""
+        for name in self.loads:
+            if taken := point_names(name, self.pieces) & {*self.markers}:
+                text = f"a point of the load {name} is called like the marker {min(taken)}; rename one of them"
+                raise values.WrongValueError(text)
+        if self.pieces > 1 and self.damping is not None and self.damping.ratio is not None:
+            raise values.WrongValueError(
+                "a damping ratio is that of the modes of a beam in one piece; write damping = { stiffness = 1e-5 }, in "
+                "s, or leave `pieces` out"
+            )
+        return self
 
     def body(self, name: str) -> BeamBody:
         """The body as the derivation takes it."""
-        return BeamBody(name, self.planar_beam(name), self.pieces, self.start.start())
+        loads = tuple(table.load(load) for load, table in self.loads.items())
+        return BeamBody(name, self.planar_beam(name), self.pieces, self.start.start(), loads)
 
 
 class CustomBodyTable(TomlTable):

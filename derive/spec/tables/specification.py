@@ -17,6 +17,7 @@ from derive.spec.tables.body import BodyInput
 from derive.spec.tables.drives import DriveTable
 from derive.spec.tables.forces import AnyForceTable, force_table
 from derive.spec.tables.free_beam import BeamTable
+from derive.spec.tables.functions import FunctionParameterTable, ValuesTable
 from derive.spec.tables.joints import JointTable, joint_table
 from derive.spec.tables.markers import MAX_NAMED, few_named
 from derive.spec.tables.ports import InputTable, OutputTable, output_table
@@ -35,6 +36,8 @@ SCENE = (
     "springs",
     "inputs",
     "outputs",
+    "parameters",
+    "tables",
     "plots",
 )
 """The keys of a specification that make it a scene."""
@@ -80,6 +83,16 @@ class SpecificationTable(TomlTable):
         Field(description="Run-time inputs by name.", json_schema_extra=_NAMED),
     ] = {}  # noqa: RUF012
     outputs: dict[str, OutputTable] = {}  # noqa: RUF012
+    parameters: Annotated[
+        dict[Name, FunctionParameterTable],
+        few_named("parameters", "[parameters.amplitude]"),
+        Field(description="Run-time parameters that functions of time call by name.", json_schema_extra=_NAMED),
+    ] = {}  # noqa: RUF012
+    tables: Annotated[
+        dict[Name, ValuesTable],
+        few_named("tables", "[tables.load]"),
+        Field(description="Tables of values that functions of time call by name.", json_schema_extra=_NAMED),
+    ] = {}  # noqa: RUF012
     simulation: SimulationTable | None = None
     plots: Annotated[
         dict[Name, PlotInput],

@@ -8,10 +8,11 @@ from fractions import Fraction
 
 from derive.mechanics.bodies.beam import beam_body, beam_point, section_rotations, shape_text
 from derive.mechanics.bodies.reference_conditions import assumed_shapes
+from derive.mechanics.multibody.bodies.beam_loads import load_forces, load_points
 from derive.mechanics.multibody.bodies.body_type import BodyType, Component, Constant, CrossSection
 from derive.mechanics.terms import ModelConstant
 from derive.spec.model.body import Marker
-from derive.spec.model.scene import BeamBody, Joint, MarkerRef
+from derive.spec.model.scene import BeamBody, Force, Joint, MarkerRef
 
 CUT = ("cut_left", "cut_right")
 """The ends at which pieces are welded together."""
@@ -36,6 +37,7 @@ class Beam(BodyType[BeamBody]):
                 m.name: CrossSection(beam_point(m, body.beam, n), section_rotations(m, body.beam, n))
                 for m in (*own, *ends)
             }
+            sections |= load_points(body, k)
             result.append(Component(piece_name(body, k), body.name, piece, sections, tuple(m.name for m in own)))
         return tuple(result)
 
@@ -52,6 +54,10 @@ class Beam(BodyType[BeamBody]):
             Joint(f"{body.name}_cut_{k}", "weld", MarkerRef(left, CUT[1]), MarkerRef(right, CUT[0]))
             for k, (left, right) in enumerate(pairs, 1)
         )
+
+    def forces(self, body: BeamBody) -> tuple[Force, ...]:
+        """The resultants of the distributed loads."""
+        return tuple(force for k in range(body.pieces) for force in load_forces(body, k, piece_name(body, k)))
 
     def located(self, body: BeamBody, marker: str) -> MarkerRef:
         """The piece that a marker lies on."""

@@ -12,7 +12,7 @@ from derive.mechanics.motion.material_points import MaterialPoint
 from derive.mechanics.multibody.keys import Key
 from derive.mechanics.terms import ModelConstant
 from derive.spec.model.body import Quantity
-from derive.spec.model.scene import Joint, MarkerRef, SceneBody
+from derive.spec.model.scene import Force, Joint, MarkerRef, SceneBody
 
 
 @dataclass(frozen=True)
@@ -80,6 +80,10 @@ class BodyType(ABC, Generic[B]):
 
     def joints(self, body: B) -> tuple[Joint, ...]:
         """The joints between its components."""
+        return ()
+
+    def forces(self, body: B) -> tuple[Force, ...]:
+        """The forces that its loads exert on points of its components."""
         return ()
 
     def located(self, body: B, marker: str) -> MarkerRef:

@@ -1,4 +1,4 @@
-"""A force at a marker, with components in the inertial frame that are functions of time."""
+"""A force at a marker, whose components are functions of time in the inertial frame or in that of the section there."""
 
 from __future__ import annotations
 
@@ -7,16 +7,23 @@ from typing import Any
 
 import sympy as sp
 
-from derive.mechanics.multibody.forces.force_type import ForceType, GeneralisedForce, Values, define, force_terms
+from derive.mechanics.multibody.forces.force_type import (
+    ForceType,
+    GeneralisedForce,
+    Values,
+    define,
+    force_terms,
+    section_rotation,
+)
 from derive.mechanics.multibody.keys import Key, KeyType
 from derive.mechanics.multibody.point_motion import PointMotion
 from derive.mechanics.symbols import element as element_symbol
 from derive.mechanics.terms import EquationOfMotion, Intermediate
-from derive.spec.model.scene import Force, MarkerRef
+from derive.spec.model.scene import FORCE_FRAMES, Force, MarkerRef
 
 
 class ForceAtMarker(ForceType[Force]):
-    """A force; it has no reaction."""
+    """A force; it has no reaction. In the frame of the body it is a follower force, which has no potential."""
 
     section = "forces"
     doc = "with given components"
@@ -25,24 +32,37 @@ class ForceAtMarker(ForceType[Force]):
             "components",
             KeyType.FUNCTION_PAIR,
             "N",
-            "Components in the inertial frame, N: numbers, or functions of t.",
+            "Components in the frame of the force, N: numbers, or functions of t.",
             required=True,
         ),
+        Key(
+            "frame",
+            KeyType.CHOICE,
+            "",
+            "The frame of the components: inertial, or body, which rotates with the section of the body at the marker, "
+            "so that the force follows the body.",
+            default="inertial",
+            choices=FORCE_FRAMES,
+        ),
     )
-    intermediates = ("1", "2")
+    intermediates = ("1", "2", "cos", "sin")
 
     def generalised_force(
         self, element: Force, points: tuple[PointMotion, ...], values: Values, rows: tuple[EquationOfMotion, ...]
     ) -> GeneralisedForce:
         """The virtual work of both components."""
         definitions: list[Intermediate] = []
-        name, components = f"force {element.name}", []
+        (at,), name, components = points, f"force {element.name}", []
         for k, component in enumerate(values["components"], 1):
             symbol = element_symbol(element.name, "", k)
-            components.append(define(symbol, component, f"{name} along e{k}", definitions))
-        return GeneralisedForce(force_terms(name, points[0], sp.Matrix(components), rows), tuple(definitions))
+            axis = f"e{k}" if element.frame == "inertial" else f"axis {k} of the section"
+            components.append(define(symbol, component, f"{name} along {axis}", definitions))
+        force = sp.Matrix(components)
+        if element.frame == "body":
+            force = section_rotation(element.name, name, at, definitions) * force
+        return GeneralisedForce(force_terms(name, at, force, rows), tuple(definitions))
 
     def element(self, name: str, kind: str, markers: tuple[MarkerRef, ...], values: Mapping[str, Any]) -> Force:
         """The force."""
         (at,) = markers
-        return Force(name, at, values["components"])
+        return Force(name, at, values["components"], values["frame"])

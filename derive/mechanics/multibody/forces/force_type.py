@@ -11,7 +11,8 @@ import sympy as sp
 
 from derive.mechanics.multibody.keys import Key
 from derive.mechanics.multibody.point_motion import PointMotion
-from derive.mechanics.symbols import Symbol
+from derive.mechanics.quantity import rounded
+from derive.mechanics.symbols import Symbol, element
 from derive.mechanics.terms import EquationOfMotion, Intermediate, Term
 from derive.spec.model.scene import CustomForce, MarkerRef, SceneForce
 
@@ -85,9 +86,32 @@ def _terms(name: str, work: sp.Expr, rows: tuple[EquationOfMotion, ...]) -> tupl
     return tuple(Term(row.name, name, "(10)", -factor) for row, factor in factors if factor != 0)
 
 
+def section_rotation(owner: str, doc: str, at: PointMotion, definitions: list[Intermediate]) -> sp.Matrix:
+    """The rotation matrix of the section at a point, whose cosine and sine are added to the definitions.
+
+    owner: the element whose definitions they are; doc: what the element is called.
+    """
+    cosine, sine = (
+        define(element(owner, label), rounded(function(at.rotation)), f"{text} of the section of {doc}", definitions)
+        for label, function, text in (
+            ("cos", sp.cos, "cosine of the rotation"),
+            ("sin", sp.sin, "sine of the rotation"),
+        )
+    )
+    return sp.Matrix([[cosine, -sine], [sine, cosine]])
+
+
 def define(symbol: Symbol, value: sp.Expr, doc: str, definitions: list[Intermediate]) -> sp.Expr:
     """A number as it is; else a symbol, whose definition is added to the list."""
     if value.is_Rational:
         return value
     definitions.append(Intermediate(symbol, value, symbol.name, "(10)", doc))
+    return symbol
+
+
+def intermediate(symbol: Symbol, expr: sp.Expr, section: str, doc: str, definitions: list[Intermediate]) -> sp.Expr:
+    """A number in doubles as it is; else a symbol, whose definition in `section` is added to the list."""
+    if expr.is_number:
+        return rounded(expr)
+    definitions.append(Intermediate(symbol, expr, section, "(10)", doc))
     return symbol

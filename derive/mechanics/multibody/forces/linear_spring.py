@@ -6,56 +6,56 @@ from dataclasses import replace
 
 import sympy as sp
 
-from derive.mechanics.multibody.forces.force_type import GeneralisedForce, Values, force_terms
-from derive.mechanics.multibody.forces.spring_type import SpringType, spring_keys
+from derive.mechanics.multibody.forces.force_type import GeneralisedForce, Values, force_terms, intermediate
+from derive.mechanics.multibody.forces.spring_type import SpringType, characteristic, is_linear, spring_keys
 from derive.mechanics.multibody.point_motion import PointMotion, RelativeMotion
-from derive.mechanics.quantity import rounded
 from derive.mechanics.symbols import element as element_symbol
 from derive.mechanics.terms import EquationOfMotion, Intermediate
 from derive.spec.model.scene import Spring
 
 
 class LinearSpring(SpringType):
-    """A tension stiffness * (length - rest) + damping * (rate of the length)."""
+    """A tension characteristic(length - rest) + damping * (rate of the length)."""
 
     doc = "along the line between the markers"
-    keys = spring_keys("N/m", "N s/m", "m")
+    keys = spring_keys("N", "m")
     lengths = ("rest",)
     along_line = True
-    intermediates = ("apart_1", "apart_2", "length", "rate", "pull")
+    intermediates = ("apart_1", "apart_2", "length", "extension", "rate", "pull")
 
     def generalised_force(
         self, element: Spring, points: tuple[PointMotion, ...], values: Values, rows: tuple[EquationOfMotion, ...]
     ) -> GeneralisedForce:
         """The virtual work of the tension at both ends, and the energy of the spring."""
-        stiffness, damping, rest = (values[key.name] for key in self.keys)
-        name, (first, second) = f"spring {element.name}", points
+        stiffness, damping, rest = values["stiffness"], values["damping"], values["rest"]
+        name, (first, second), definitions = f"spring {element.name}", points, list[Intermediate]()
         displacement, rate_of_displacement, _ = RelativeMotion(first, second).displacement
-        definitions: list[Intermediate] = []
         dissipation = sp.S.Zero
 
-        def intermediate(expr: sp.Expr, doc: str, what: str, *components: int) -> sp.Expr:
-            if expr.is_number:
-                return rounded(expr)
+        def define(expr: sp.Expr, doc: str, what: str, *components: int) -> sp.Expr:
             symbol = element_symbol(element.name, what, *components)
-            definitions.append(Intermediate(symbol, expr, element.name, "(10)", f"{doc} of {name}"))
-            return symbol
+            return intermediate(symbol, expr, element.name, f"{doc} of {name}", definitions)
 
         vector = sp.Matrix(
-            [intermediate(sp.expand(displacement[k]), f"vector along e{k + 1}", "apart", k + 1) for k in range(2)]
+            [define(sp.expand(displacement[k]), f"vector along e{k + 1}", "apart", k + 1) for k in range(2)]
         )
-        if rest == 0 and damping == 0:  # linear, without a square root
+        if rest == 0 and damping == 0 and is_linear(values):  # without a square root
             pull, potential = stiffness * vector, stiffness * vector.dot(vector) / 2
         else:
-            length = intermediate(sp.sqrt(vector.dot(vector)), "length", "length")
-            tension = stiffness * (length - rest)
-            potential = stiffness * (length - rest) ** 2 / 2
+            length = define(sp.sqrt(vector.dot(vector)), "length", "length")
+            extension = length - rest
+            if is_linear(values):
+                tension, potential = stiffness * extension, stiffness * extension**2 / 2
+            else:
+                extension = define(extension, "extension", "extension")
+                over, energy = characteristic(values, extension)
+                tension, potential = over * extension, energy * extension**2
             if damping != 0:
                 along = sp.expand(vector.dot(rate_of_displacement)) / length
-                rate = intermediate(along, "time derivative of the length", "rate")
+                rate = define(along, "time derivative of the length", "rate")
                 tension += damping * rate
                 dissipation = -damping * rate**2
-            pull = intermediate(tension / length, "tension over length", "pull") * vector
+            pull = define(tension / length, "tension over length", "pull") * vector
             if isinstance(length, sp.Symbol):
                 coincide = f"the ends of {name} coincide"
                 definitions[-1] = replace(definitions[-1], divisor=length, divisor_text=coincide)

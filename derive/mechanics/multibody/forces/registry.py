@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
+from derive.mechanics.multibody.forces.bushing import BushingForce
 from derive.mechanics.multibody.forces.force import ForceAtMarker
 from derive.mechanics.multibody.forces.force_type import ForceType
 from derive.mechanics.multibody.forces.linear_spring import LinearSpring
@@ -20,6 +21,7 @@ FORCES: Registry[ForceType[Any]] = Registry(
         "torque": TorqueAtMarker(),
         "linear": LinearSpring(),
         "rotational": RotationalSpring(),
+        "bushing": BushingForce(),
     },
 )
 

@@ -4,25 +4,35 @@ from __future__ import annotations
 
 import sympy as sp
 
-from derive.mechanics.multibody.forces.force_type import GeneralisedForce, Values, torque_terms
-from derive.mechanics.multibody.forces.spring_type import SpringType, spring_keys
+from derive.mechanics.multibody.forces.force_type import GeneralisedForce, Values, define, torque_terms
+from derive.mechanics.multibody.forces.spring_type import SpringType, characteristic, is_linear, spring_keys
 from derive.mechanics.multibody.point_motion import PointMotion, RelativeMotion
-from derive.mechanics.terms import EquationOfMotion
+from derive.mechanics.symbols import element as element_symbol
+from derive.mechanics.terms import EquationOfMotion, Intermediate
 from derive.spec.model.scene import Spring
 
 
 class RotationalSpring(SpringType):
-    """A torque stiffness * (relative rotation - rest) + damping * (relative angular velocity)."""
+    """A torque characteristic(relative rotation - rest) + damping * (relative angular velocity)."""
 
-    keys = spring_keys("N m/rad", "N m s/rad", "rad")
+    keys = spring_keys("N m", "rad")
+    intermediates = ("twist", "moment")
 
     def generalised_force(
         self, element: Spring, points: tuple[PointMotion, ...], values: Values, rows: tuple[EquationOfMotion, ...]
     ) -> GeneralisedForce:
         """The virtual work of the torque at both ends, and the energy of the spring."""
-        stiffness, damping, rest = (values[key.name] for key in self.keys)
-        name, (first, second) = f"spring {element.name}", points
+        stiffness, damping, rest = values["stiffness"], values["damping"], values["rest"]
+        name, (first, second), definitions = f"spring {element.name}", points, list[Intermediate]()
         angle, rate, _ = RelativeMotion(first, second).rotation
-        torque = sp.expand(stiffness * (angle - rest) + damping * rate)
+        if is_linear(values):
+            torque = sp.expand(stiffness * (angle - rest) + damping * rate)
+            potential = sp.expand(stiffness * (angle - rest) ** 2) / 2
+        else:
+            twist = define(element_symbol(element.name, "twist"), angle - rest, f"extension of {name}", definitions)
+            over, energy = characteristic(values, twist)
+            moment = sp.expand(damping * rate) + over * twist
+            torque = define(element_symbol(element.name, "moment"), moment, f"torque of {name}", definitions)
+            potential = sp.expand(energy * twist**2)
         terms = torque_terms(name, second, -torque, rows) + torque_terms(name, first, torque, rows)
-        return GeneralisedForce(terms, (), sp.expand(stiffness * (angle - rest) ** 2) / 2, -damping * rate**2)
+        return GeneralisedForce(terms, tuple(definitions), potential, -damping * rate**2)

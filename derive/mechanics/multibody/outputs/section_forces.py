@@ -21,10 +21,11 @@ import sympy as sp
 from derive.mechanics import quantity
 from derive.mechanics.bodies.reference_conditions import assumed_shapes, exact_polynomial, xi
 from derive.mechanics.multibody.bodies.beam import CUT, piece_name, place_in_piece
+from derive.mechanics.multibody.bodies.beam_loads import density_of_piece
 from derive.mechanics.multibody.instances import InstanceEquations
 from derive.mechanics.multibody.keys import Key, KeyType
 from derive.mechanics.multibody.outputs.output_type import OutputComponent, OutputComponents, OutputType
-from derive.mechanics.multibody.scene_mechanics import Resultant, SceneMechanics
+from derive.mechanics.multibody.scene_mechanics import NOTHING, Resultant, SceneMechanics
 from derive.mechanics.symbols import element
 from derive.mechanics.terms import ModelConstant
 from derive.spec.model.scene import BeamBody, MarkerRef
@@ -109,7 +110,7 @@ class _Section:
     def __init__(self, name: str, scene: SceneMechanics, marker: MarkerRef) -> None:
         self.name, self.scene, self.marker = name, scene, marker
         self._constants: dict[sp.Symbol, ModelConstant] = {}
-        self.rod, self.places = _piece(scene, marker.body)
+        self.rod, self.piece, self.places = _piece(scene, marker.body)
         self.at = self.places[marker.marker]
         beam = self.rod.beam
         self.instance: InstanceEquations = scene.instances[marker.body]
@@ -142,17 +143,56 @@ class _Section:
         def on_the_right(marker: MarkerRef) -> bool:
             if marker.body != self.marker.body:
                 return False
+            if marker.marker not in self.places:
+                return False  # the resultant of a distributed load, of which a part may be on the right
             place = self.places[marker.marker]
             return place > self.at or place == 1
 
-        return self.scene.loads(on_the_right, about) + -self._inertia()
+        return self.scene.loads(on_the_right, about) + self._distributed() + -self._inertia()
+
+    def _distributed(self) -> Resultant:
+        """The distributed loads on the part to the right, with their torque about the section."""
+        coordinates, result = self.instance.coordinates, NOTHING
+        rotation = self._rotation()
+        origin, about = sp.Matrix(self.instance.origin), self.scene.position(self.marker)
+        half = self.length / 2
+        for load in self.rod.loads:
+            factor = quantity.function(load.time)
+            for k, of_rod in enumerate(load.force):
+                density = density_of_piece(of_rod, self.piece, self.rod.pieces)
+                if density.is_zero:
+                    continue
+
+                def integral(of: sp.Poly, unit: sp.Expr, label: str, what: str = f"{load.name}_{k + 1}") -> sp.Expr:
+                    return self._constant(f"{what}_{label}", unit * self._right(of), f"{label} of load {what}", "")
+
+                total = integral(density, half, "total")
+                first = integral(density * sp.Poly(xi, xi), half**2, "first")
+                lever = sp.Matrix([first, sp.S.Zero])
+                for i, (shape, c) in enumerate(zip(self.shapes, coordinates[3:], strict=True), 1):
+                    lever[1] += integral(density * shape, half, f"shape_{i}") * c.q
+                lever = rotation * lever
+                direction = sp.eye(2)[:, k] if load.frame == "inertial" else rotation[:, k]
+                torque = lever[0] * direction[1] - lever[1] * direction[0]
+                result += Resultant(factor * total * direction, factor * torque).about(origin, about)
+        return result
+
+    def _rotation(self) -> sp.Matrix:
+        """Q of the body."""
+        phi = self.instance.coordinates[2].q
+        return sp.Matrix([[sp.cos(phi), -sp.sin(phi)], [sp.sin(phi), sp.cos(phi)]])
+
+    def _right(self, integrand: sp.Poly) -> sp.Rational:
+        """The integral over xi from the section to the right end."""
+        antiderivative = integrand.integrate()
+        return antiderivative.eval(1) - antiderivative.eval(sp.Rational(self.at))
 
     def _inertia(self) -> Resultant:
         """The rate of change of momentum of the part to the right, less its weight; torque about the section."""
         coordinates, rows = self.instance.coordinates, self.instance.rows
-        phi, omega, omegadot = coordinates[2].q, rows[2].v, rows[2].a
+        omega, omegadot = rows[2].v, rows[2].a
         alpha, alphadot, alphaddot = ([c.q for c in coordinates[3:]], [r.v for r in rows[3:]], [r.a for r in rows[3:]])
-        rotation = sp.Matrix([[sp.cos(phi), -sp.sin(phi)], [sp.sin(phi), sp.cos(phi)]])
+        rotation = self._rotation()
         gravity = sp.Matrix(_gravity(self.scene))
         a1, a2 = rotation.T * (sp.Matrix([rows[0].a, rows[1].a]) - gravity)
         x, shapes = sp.Poly(xi, xi), self.shapes
@@ -184,9 +224,7 @@ class _Section:
 
     def _moment(self, integrand: sp.Poly, power: int, label: str) -> sp.Expr:
         """int rho (l/2)^power integrand over the part to the right of the section."""
-        antiderivative = integrand.integrate()
-        over = antiderivative.eval(1) - antiderivative.eval(sp.Rational(self.at))
-        value = self.mass / 2 * (self.length / 2) ** power * over
+        value = self.mass / 2 * (self.length / 2) ** power * self._right(integrand)
         return self._constant(label, value, f"{label} of the part to the right", "")
 
     def _constant(self, label: str, value: sp.Expr, doc: str, unit: str) -> sp.Expr:
@@ -199,8 +237,8 @@ class _Section:
         return symbol
 
 
-def _piece(scene: SceneMechanics, component: str) -> tuple[BeamBody, dict[str, Fraction]]:
-    """The rod of a component, and the places xi of the markers on it."""
+def _piece(scene: SceneMechanics, component: str) -> tuple[BeamBody, int, dict[str, Fraction]]:
+    """The rod of a component, its number in the rod, from 0, and the places xi of the markers on it."""
     for body in scene.scene.bodies:
         if not isinstance(body, BeamBody):
             continue
@@ -208,7 +246,7 @@ def _piece(scene: SceneMechanics, component: str) -> tuple[BeamBody, dict[str, F
         for k in range(n):
             if piece_name(body, k) == component:
                 own = {m.name: place_in_piece(m.at, n) for m in body.markers}
-                return body, {**own, CUT[0]: Fraction(-1), CUT[1]: Fraction(1)}
+                return body, k, {**own, CUT[0]: Fraction(-1), CUT[1]: Fraction(1)}
     raise AssertionError(f"{component} is no beam; the specification refuses other bodies")
 
 

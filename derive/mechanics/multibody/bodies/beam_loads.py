@@ -1,0 +1,107 @@
+"""Distributed loads on a rod, exactly: the resultant of each, at a point that moves as the mean over the load does.
+
+The virtual work of a load p(xi) along a direction d is int p d . delta x dx. Since x is linear in 1, X and the shapes,
+it is that of the force int p dx at a point with the position int p X dx and the shapes int p phi_i dx, both over
+int p dx. A load without resultant is the sum of two that have one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from fractions import Fraction
+
+import sympy as sp
+
+from derive.mechanics import quantity
+from derive.mechanics.bodies.reference_conditions import assumed_shapes, exact_polynomial, integral, xi
+from derive.mechanics.motion.material_points import MaterialPoint
+from derive.mechanics.multibody.bodies.body_type import CrossSection
+from derive.mechanics.symbols import Family, Identity, Symbol
+from derive.mechanics.terms import ModelConstant
+from derive.spec.model.body import Parameter, Polynomial, Quantity
+from derive.spec.model.scene import BeamBody, DistributedLoad, Force, MarkerRef
+from derive.spec.model.time_function import TimeFunction
+
+
+@dataclass(frozen=True)
+class _Resultant:
+    """A load with a resultant on a piece: the name of its point, the component (0 or 1), and p(xi) of the piece."""
+
+    point: str
+    component: int
+    load: DistributedLoad
+    density: sp.Poly
+
+
+def _resultants(body: BeamBody, piece: int) -> Iterator[_Resultant]:
+    n = body.pieces
+    for load in body.loads:
+        for component, of_rod in enumerate(load.force):
+            density = density_of_piece(of_rod, piece, n)
+            if density.is_zero:
+                continue
+            negative = sp.Poly(-1, xi, domain="QQ")
+            parts = [density] if integral(density) else [density - negative, negative]
+            for part, of_part in enumerate(parts):
+                yield _Resultant(point_name(load.name, component, part, piece), component, load, of_part)
+
+
+def density_of_piece(of_rod: Polynomial, piece: int, pieces: int) -> sp.Poly:
+    """A polynomial in xi of a rod as one in xi of a piece, counted from 0."""
+    along = sp.Poly((xi + 2 * piece + 1 - pieces) / pieces, xi, domain="QQ")
+    return exact_polynomial(of_rod).compose(along)
+
+
+def point_name(load: str, component: int, part: int, piece: int) -> str:
+    """The name of the point of a resultant; the pieces of a rod share the names of their constants, but not these."""
+    return f"{load}_{piece + 1}_{component + 1}{'ab'[part]}"
+
+
+def point_names(load: str, pieces: int) -> set[str]:
+    """All names that the points of a load may have."""
+    return {point_name(load, c, part, piece) for c in (0, 1) for part in (0, 1) for piece in range(pieces)}
+
+
+def load_points(body: BeamBody, piece: int) -> dict[str, CrossSection]:
+    """The points of a piece of a rod, counted from 0, at which the resultants of its loads act; they turn with Q."""
+    beam = body.beam
+    shapes = assumed_shapes(beam.ansatz, beam.frame, beam.orthogonal)
+    half = quantity.value(beam.length) / (2 * body.pieces)
+    result = {}
+    for r in _resultants(body, piece):
+        total = integral(r.density)
+
+        def mean(of: sp.Poly, density: sp.Poly = r.density, total: sp.Rational = total) -> sp.Rational:
+            return integral(density * of) / total
+
+        at = mean(sp.Poly(xi, xi, domain="QQ"))
+        position = Symbol(Identity(Family.POINT_POSITION, point=r.point))
+        doc, zero = f"mean position of load {r.load.name}", None if at else "the load is symmetric"
+        point = MaterialPoint(
+            name=r.point,
+            doc=f"point of load {r.load.name}",
+            position=sp.ImmutableMatrix([position, 0]),
+            shapes=tuple(sp.ImmutableMatrix([0, mean(exact_polynomial(s))]) for s in shapes),
+            coefficients=(ModelConstant(position, at * half, "(24)", doc, "m", zero),),
+        )
+        result[r.point] = CrossSection(point)
+    return result
+
+
+def load_forces(body: BeamBody, piece: int, name: str) -> Iterator[Force]:
+    """The resultants of the loads on a piece, which is called `name`."""
+    for r in _resultants(body, piece):
+        total = Fraction(str(integral(r.density))) / (2 * body.pieces)
+        force = TimeFunction("mul", (TimeFunction("mul", (_number(total), _quantity(body.beam.length))), r.load.time))
+        zero = _number(Fraction(0))
+        components = (zero, force) if r.component else (force, zero)
+        yield Force(f"{name}_{r.point}", MarkerRef(name, r.point), components, r.load.frame)
+
+
+def _number(value: Fraction) -> TimeFunction:
+    return TimeFunction("number", value=value)
+
+
+def _quantity(value: Quantity) -> TimeFunction:
+    return TimeFunction("parameter", parameter=value) if isinstance(value, Parameter) else _number(value)

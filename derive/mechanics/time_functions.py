@@ -1,0 +1,146 @@
+"""Functions of the derivation beyond those of SymPy: they stay as they are written, and know their derivatives.
+
+SymPy would expand exp(a + b) to exp(a) exp(b) and differentiate |x| to distributions. At kinks and jumps a derivative
+is that of one side.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import sympy as sp
+from sympy.core.symbol import Str
+
+from derive.spec.model.time_function import Spline
+
+
+class TimeOperation(sp.Function):  # type: ignore[misc]  # SymPy has no types
+    """A function that the lowering translates to operations of a kernel."""
+
+
+class Exp(TimeOperation):
+    """The exponential function."""
+
+    def fdiff(self, argindex: int = 1) -> sp.Expr:
+        """The function itself."""
+        return self
+
+
+class Log(TimeOperation):
+    """The natural logarithm."""
+
+    def fdiff(self, argindex: int = 1) -> sp.Expr:
+        """1/x."""
+        return 1 / self.args[0]
+
+
+class Tanh(TimeOperation):
+    """The hyperbolic tangent."""
+
+    def fdiff(self, argindex: int = 1) -> sp.Expr:
+        """1 - tanh^2."""
+        return 1 - self**2
+
+
+class Sign(TimeOperation):
+    """-1, 0 or 1."""
+
+    def fdiff(self, argindex: int = 1) -> sp.Expr:
+        """Zero, where there is a derivative."""
+        return sp.S.Zero
+
+
+class Absolute(TimeOperation):
+    """The magnitude."""
+
+    def fdiff(self, argindex: int = 1) -> sp.Expr:
+        """The sign."""
+        return Sign(self.args[0])
+
+
+class Atan2(TimeOperation):
+    """The angle of the point (x, y) from its coordinates y, x."""
+
+    def fdiff(self, argindex: int = 1) -> sp.Expr:
+        """x/(x^2 + y^2) and -y/(x^2 + y^2)."""
+        y, x = self.args
+        return (x if argindex == 1 else -y) / (x**2 + y**2)
+
+
+class Select(TimeOperation):
+    """Of the arguments a, b, x, y: x where a < b, else y."""
+
+    def _eval_derivative(self, s: sp.Symbol) -> sp.Expr:
+        a, b, x, y = self.args
+        return select(a, b, x.diff(s), y.diff(s))
+
+
+class Minimum(TimeOperation):
+    """The smaller of two values."""
+
+    def _eval_derivative(self, s: sp.Symbol) -> sp.Expr:
+        a, b = self.args
+        return select(a, b, a.diff(s), b.diff(s))
+
+
+class Maximum(TimeOperation):
+    """The larger of two values."""
+
+    def _eval_derivative(self, s: sp.Symbol) -> sp.Expr:
+        a, b = self.args
+        return select(a, b, b.diff(s), a.diff(s))
+
+
+class SmoothStep(TimeOperation):
+    """Of the arguments x, x0, x1, n: derivative n of the polynomial of degree five from 0 at x0 to 1 at x1."""
+
+    def _eval_derivative(self, s: sp.Symbol) -> sp.Expr:
+        x, x0, x1, order = self.args
+        return SmoothStep(x, x0, x1, order + 1) * x.diff(s)
+
+
+class Lookup(TimeOperation):
+    """Of the arguments name, n, x: derivative n of a table at x."""
+
+    def _eval_derivative(self, s: sp.Symbol) -> sp.Expr:
+        name, order, x = self.args
+        return Lookup(name, order + 1, x) * x.diff(s)
+
+
+def select(a: sp.Expr, b: sp.Expr, x: sp.Expr, y: sp.Expr) -> sp.Expr:
+    """x where a < b, else y; one of them, if they are equal."""
+    return x if x == y else Select(a, b, x, y)
+
+
+def lookup(spline: Spline, x: sp.Expr) -> sp.Expr:
+    """The value of a table at x."""
+    return Lookup(Str(spline.name), sp.S.Zero, x)
+
+
+def piecewise(x: sp.Expr, ends: Sequence[sp.Expr], values: Sequence[sp.Expr]) -> sp.Expr:
+    """The first value where x is less than the first end, and so on; behind all ends the last value."""
+    if not ends:
+        return values[0]
+    return select(x, ends[0], values[0], piecewise(x, ends[1:], values[1:]))
+
+
+BUILD = {
+    "add": lambda a, b: a + b,
+    "sub": lambda a, b: a - b,
+    "mul": lambda a, b: a * b,
+    "div": lambda a, b: a / b,
+    "pow": lambda a, b: a**b,
+    "neg": lambda a: -a,
+    "sin": sp.sin,
+    "cos": sp.cos,
+    "sqrt": sp.sqrt,
+    "exp": Exp,
+    "log": Log,
+    "tanh": Tanh,
+    "abs": Absolute,
+    "min": Minimum,
+    "max": Maximum,
+    "atan2": Atan2,
+    "step": lambda x, x0, x1: SmoothStep(x, x0, x1, sp.S.Zero),
+}
+"""The expression of each kind of function of time, from those of its operands."""

@@ -1,0 +1,62 @@
+"""The functions of time of a scene: all of them, their parameters, and the times at which they break."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+from derive.spec.model.body import Parameter
+from derive.spec.model.scene import BeamBody, Scene
+from derive.spec.model.time_function import Spline, TimeFunction, break_times, parts
+
+SECTIONS = ("joints", "drives", "forces", "torques", "springs")
+"""The tables of a scene whose elements may have functions of time."""
+
+FunctionPath = tuple[str, str, str]
+"""The section, the element and the key of a function."""
+
+
+def time_functions(scene: Scene) -> Iterator[tuple[FunctionPath, TimeFunction]]:
+    """The functions of time in the equations of a scene, and where they are written."""
+    for body in scene.bodies:
+        for load in body.loads if isinstance(body, BeamBody) else ():
+            yield ("bodies", body.name, f"loads.{load.name}.time"), load.time
+    for section in SECTIONS:
+        for element in getattr(scene, section):
+            for key, value in {**vars(element), **getattr(element, "values", {})}.items():
+                for part in value if isinstance(value, tuple) else (value,):
+                    if isinstance(part, TimeFunction):
+                        yield (section, element.name, key), part
+
+
+def input_functions(scene: Scene) -> Iterator[tuple[FunctionPath, TimeFunction]]:
+    """The functions that run-time inputs are in simulations; the generated code does not have them."""
+    for given in scene.inputs:
+        if given.function is not None:
+            yield ("inputs", given.name, "value"), given.function
+
+
+def function_parameters(function: TimeFunction) -> Iterator[Parameter]:
+    """The parameters of the scene that occur in a function."""
+    for part in parts(function):
+        if part.parameter is not None:
+            yield part.parameter
+
+
+def splines(scene: Scene) -> tuple[Spline, ...]:
+    """The tables that the functions of a scene read, each once."""
+    every = (part.spline for _, function in time_functions(scene) for part in parts(function))
+    return tuple(dict.fromkeys(spline for spline in every if spline is not None))
+
+
+def breaks(scene: Scene, parameters: Mapping[str, float] | None = None) -> tuple[float, ...]:
+    """The times (s) at which functions of the scene, or one of their first three derivatives, jump, in order.
+
+    An integrator with steps of high order stops at them and starts anew. `parameters` are those, by symbol, that are
+    not at their defaults. The kinks of abs, min and max are among them where the operands are linear in t.
+    """
+    times = (
+        time
+        for _, function in (*time_functions(scene), *input_functions(scene))
+        for time in break_times(function, parameters)
+    )
+    return tuple(sorted({*times}))

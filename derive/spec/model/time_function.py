@@ -1,0 +1,196 @@
+"""Functions of the time t as data: expressions, piecewise functions, steps, and tables of values; and their numbers."""
+
+from __future__ import annotations
+
+import math
+from bisect import bisect_right
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+from itertools import combinations
+
+from derive.spec.model.body import Parameter
+
+
+@dataclass(frozen=True)
+class Spline:
+    """A cubic spline with two continuous derivatives through the rows of a table.
+
+    knots: x_0 < x_1 < ..., at least two; coefficients: for each interval i the values c0, c1, c2, c3 of
+    c0 + c1 d + c2 d^2 + c3 d^3 with d = x - x_i. Before the first knot and behind the last one the value is constant,
+    and the derivatives are zero.
+    """
+
+    name: str
+    knots: tuple[float, ...]
+    coefficients: tuple[tuple[float, float, float, float], ...]
+
+    def __call__(self, x: float, order: int = 0) -> float:
+        """The value at x, or the derivative of that order, at most 2."""
+        if order and not self.knots[0] <= x < self.knots[-1]:
+            return 0.0
+        x = min(max(x, self.knots[0]), self.knots[-1])
+        i = min(bisect_right(self.knots, x), len(self.knots) - 1) - 1
+        return _cubic(self.coefficients[i], x - self.knots[i], order)
+
+
+def _cubic(c: tuple[float, float, float, float], d: float, order: int) -> float:
+    """The value or a derivative, with the operations of the generated code in their order."""
+    if order == 0:
+        return c[0] + d * (c[1] + d * (c[2] + d * c[3]))
+    if order == 1:
+        return c[1] + d * (2.0 * c[2] + d * (3.0 * c[3]))
+    return 2.0 * c[2] + d * (6.0 * c[3])
+
+
+@dataclass(frozen=True)
+class TimeFunction:
+    """An expression of the time t; `args` are its operands.
+
+    `kind` is number, t, parameter, input or spline; add, sub, mul, div, pow, neg; sin, cos, sqrt, exp, log, tanh, abs;
+    min, max, atan2; step (x, x0, x1: from 0 at x0 to 1 at x1, with two continuous derivatives); less (a < b, only in a
+    piecewise function); or piecewise (condition, value, condition, value, ..., value: the value of the first condition
+    that holds, or else the last one). A number has its `value` (pi is the double next to it, exactly), a run-time input
+    its `name`, a parameter of the scene its `parameter`, and a spline its `spline`.
+    """
+
+    kind: str
+    args: tuple[TimeFunction, ...] = ()
+    value: Fraction = Fraction(0)
+    name: str = ""
+    parameter: Parameter | None = None
+    spline: Spline | None = None
+
+
+def smooth_step(x: float, x0: float, x1: float) -> float:
+    """The polynomial of degree five from 0 at x0 to 1 at x1 whose first two derivatives vanish at both ends."""
+    s = min(max((x - x0) / (x1 - x0), 0.0), 1.0)
+    return s * s * s * (10.0 + s * (6.0 * s - 15.0))
+
+
+OPERATIONS: Mapping[str, Callable[..., float]] = {
+    "add": lambda a, b: a + b,
+    "sub": lambda a, b: a - b,
+    "mul": lambda a, b: a * b,
+    "div": lambda a, b: a / b,
+    "pow": math.pow,
+    "neg": lambda a: -a,
+    "sin": math.sin,
+    "cos": math.cos,
+    "sqrt": math.sqrt,
+    "exp": math.exp,
+    "log": math.log,
+    "tanh": math.tanh,
+    "abs": abs,
+    "min": min,
+    "max": max,
+    "atan2": math.atan2,
+    "step": smooth_step,
+    "less": lambda a, b: float(a < b),
+}
+"""What each kind computes from the numbers of its operands; piecewise functions compute only what they need."""
+
+
+def value_at(function: TimeFunction, t: float, parameters: Mapping[str, float] | None = None) -> float:
+    """The number that a function is at t (s); `parameters` are by symbol, defaults where they are not given.
+
+    Raises ArithmeticError or ValueError where the function has no value, as one of a run-time input has none.
+    """
+
+    def value(of: TimeFunction) -> float:
+        match of.kind:
+            case "number":
+                return float(of.value)
+            case "t":
+                return t
+            case "input":
+                raise ValueError(f"the run-time input {of.name} has no value here")
+            case "parameter":
+                assert of.parameter is not None
+                return (parameters or {}).get(of.parameter.symbol, of.parameter.default)
+            case "spline":
+                assert of.spline is not None
+                return of.spline(value(of.args[0]))
+            case "piecewise":
+                pairs = zip(of.args[:-1:2], of.args[1::2], strict=True)
+                return value(next((then for condition, then in pairs if value(condition)), of.args[-1]))
+            case _:
+                return OPERATIONS[of.kind](*map(value, of.args))
+
+    return value(function)
+
+
+def parts(function: TimeFunction) -> Iterator[TimeFunction]:
+    """A function and all its operands, operands first."""
+    for arg in function.args:
+        yield from parts(arg)
+    yield function
+
+
+def depends_on_time(function: TimeFunction) -> bool:
+    """Whether the time occurs in a function, or a run-time input."""
+    return any(part.kind in ("t", "input") for part in parts(function))
+
+
+def break_times(function: TimeFunction, parameters: Mapping[str, float] | None = None) -> Iterator[float]:
+    """The times at which a function or one of its first three derivatives jumps, as far as they are known.
+
+    These are the conditions of piecewise functions, both ends of steps and tables, and the zeros of the operands of
+    abs and of the difference of those of min and max, where these operands are linear in t.
+    """
+    zero = TimeFunction("number")
+    for part in parts(function):
+        match part.kind:
+            case "less":
+                edges = [(part.args[0], part.args[1])]
+            case "min" | "max":
+                edges = [*combinations(_operands(part), 2)]
+            case "abs":
+                edges = [(part.args[0], zero)]
+            case "step":
+                edges = [(part.args[0], end) for end in part.args[1:]]
+            case "spline":
+                assert part.spline is not None
+                ends = part.spline.knots[0], part.spline.knots[-1]
+                edges = [(part.args[0], TimeFunction("number", value=Fraction(end))) for end in ends]
+            case _:
+                edges = []
+        for left, right in edges:
+            yield from _crossing(left, right, parameters)
+
+
+def _operands(function: TimeFunction) -> list[TimeFunction]:
+    """The operands of min or max, with those of its operands of the same kind."""
+    return [operand for arg in function.args for operand in (_operands(arg) if arg.kind == function.kind else [arg])]
+
+
+def _crossing(left: TimeFunction, right: TimeFunction, parameters: Mapping[str, float] | None) -> Iterator[float]:
+    """The time at which two functions are equal, if their difference is linear in t."""
+    first, second = (_linear(side, parameters) for side in (left, right))
+    if first is not None and second is not None and first[1] != second[1]:
+        yield (second[0] - first[0]) / (first[1] - second[1])
+
+
+def _linear(function: TimeFunction, parameters: Mapping[str, float] | None) -> tuple[float, float] | None:
+    """The coefficients of 1 and t of a function; None if it is not linear."""
+    if not depends_on_time(function):
+        return value_at(function, 0.0, parameters), 0.0
+    if function.kind == "t":
+        return 0.0, 1.0
+    args = [_linear(arg, parameters) for arg in function.args]
+    known = [arg for arg in args if arg is not None]
+    if len(known) < len(args):
+        return None
+    match function.kind, known:
+        case "neg", [a]:
+            return -a[0], -a[1]
+        case "add", [a, b]:
+            return a[0] + b[0], a[1] + b[1]
+        case "sub", [a, b]:
+            return a[0] - b[0], a[1] - b[1]
+        case "mul", [a, b] if a[1] == 0 or b[1] == 0:
+            return a[0] * b[0], a[0] * b[1] + a[1] * b[0]
+        case "div", [a, b] if b[1] == 0:
+            return a[0] / b[0], a[1] / b[0]
+        case _:
+            return None
