@@ -236,12 +236,12 @@ _CONVERT: Mapping[type, Callable[[Any], object]] = {
     NodalBody: _nodal_body,
     SymbolicBody: _symbolic_body,
     RigidBody: _rigid_body,
-    BeamBody: lambda body: without_none(
+    BeamBody: lambda body: {
         **_beam(body.beam),
-        pieces=body.pieces,
-        start=body.start,
-        loads={load.name: load for load in body.loads} or None,
-    ),
+        "pieces": body.pieces,
+        "start": body.start,
+        **({"loads": {load.name: load for load in body.loads}} if body.loads else {}),
+    },
     DistributedLoad: lambda load: {"force": load.force, "time": load.time, "frame": load.frame},
     CustomBody: lambda body: {**body.values, "markers": _markers(body.markers), "start": body.start},
     InitialValues: lambda start: without_none(**{**asdict(start), "guess": start.guess or None}),
