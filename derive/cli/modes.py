@@ -70,23 +70,26 @@ def _files(result: Modes, count: int) -> list[File | BinaryFile]:
 def _text(result: Modes, count: int) -> list[str]:
     shown = result.first(count)
     lines = [f"{result.spec.name}: {len(result.modes)} modes about {_state(result)}"]
-    rows = [["mode", "frequency, Hz", "damping ratio", "eigenvalue, 1/s"]]
-    rows += [[str(i), *_mode(mode)] for i, mode in enumerate(shown, 1)]
-    lines += table(rows)
+    if shown:
+        rows = [["mode", "frequency, Hz", "damping ratio", "eigenvalue, 1/s"]]
+        lines += table([*rows, *([str(i), *_mode(mode)] for i, mode in enumerate(shown, 1))])
+    else:
+        lines.append("  no coordinate is independent: constraints and drives determine the motion")
     if result.zero_eigenvalues:
         lines.append(f"  {result.zero_eigenvalues} eigenvalues are zero: motions without stiffness")
     if growing := [str(i) for i, mode in enumerate(result.modes, 1) if _grows(mode)]:
         lines.append(f"  warning: the state is unstable; mode {', '.join(growing)} grows")
     if len(shown) < len(result.modes):
         lines.append(f"  ... the first {len(shown)} of {len(result.modes)} modes; --count N or --json prints more")
-    if shown:
-        lines += ["", "shapes, the largest element of each is 1 (m, rad):"]
-        rows = [["", *(str(i + 1) for i in range(len(shown)))]]
-        for j, name in enumerate(result.native.coordinates):
-            rows.append([name, *_elements([mode.shape for mode in shown], j)])
-        lines += table(rows)
-    lines += ["", *wrapped(_state_space(result), "  ")]
-    return lines
+    return [*lines, *(_shapes(result, shown) if shown else []), "", *wrapped(_state_space(result), "  ")]
+
+
+def _shapes(result: Modes, shown: Sequence[Mode]) -> list[str]:
+    """The table of the shapes, with a row for each coordinate."""
+    rows = [["", *(str(i + 1) for i in range(len(shown)))]]
+    for j, name in enumerate(result.native.coordinates):
+        rows.append([name, *_elements([mode.shape for mode in shown], j)])
+    return ["", "shapes, the largest element of each is 1 (m, rad):", *table(rows)]
 
 
 def _state(result: Modes) -> str:

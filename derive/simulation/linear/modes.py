@@ -27,6 +27,10 @@ from derive.spec.model.scene import EQUILIBRIUM, Scene, Specification
 ADVICE = "The option --at 0, in Python at=0, takes the initial state instead."
 
 
+ROWS = 1000.0
+"""The largest number of rows of the motion up to a state; integrators limit the steps between two rows."""
+
+
 @dataclass(frozen=True, eq=False)
 class _State:
     """A compiled model, its constants k (nk,), and the state t (s), q (nq,), v (nv,); the equilibrium that it is."""
@@ -111,7 +115,8 @@ def _of_body(spec: Specification, at: float | None) -> _State:
 def _of_scene(scene: Scene, at: float | None) -> _State:
     """A scene in its state at a time (s), or in its equilibrium, with the run-time inputs that it has there."""
     if at is not None and at > 0.0:
-        motion = simulate(scene_with_values(scene), duration=at, output=at).motion
+        rows = ROWS if scene.simulation is None else min(ROWS, max(1.0, at / scene.simulation.output))
+        motion = simulate(scene_with_values(scene), duration=at, output=at / rows).motion
         t, q, v = float(motion.t[-1]), motion.q[-1], motion.v[-1]
         if not scene.inputs:
             return _State(motion.native, motion.k, t, q, v)
