@@ -2,8 +2,8 @@
 
 A weld clamps a beam whose shapes are the polynomials up to degree 7. `derive.modes` linearises the scene about its
 equilibrium. The exact first frequency is (beta l)^2 sqrt(EI/(m l^3)) with cos(beta l) cosh(beta l) = -1, and
-beta l = 1.8751041. The static gain D - C A^-1 B from a force to the deflection of the tip is l^3/(3 EI). The numbers are
-the computed beta l, and the gain over the exact one.
+beta l = 1.8751041. The static gain D - C A^-1 B from a force to the deflection of the tip is l^3/(3 EI). The numbers
+are the computed beta l, and the gain over the exact one.
 """
 
 import numpy as np
