@@ -211,3 +211,16 @@ def test_modes_that_differ_by_little_are_dependent(change: float, accepted: bool
         assert reduce(body).modes == 2
     else:
         assert refused(body)["body.modes"].startswith("the modes are dependent")
+
+
+@pytest.mark.parametrize(("ratio", "accepted"), [(2e-3, True), (5e-2, False)])
+def test_a_body_that_rests_on_soft_springs_has_supports(ratio: float, accepted: bool) -> None:
+    """With K + (ratio omega)^2 M, its rigid motions have that part of the lowest elastic frequency omega."""
+    data = bodies.truss()
+    lowest = float(np.diag(reduce(bodies.nodal(data, modes=1)).stiffness)[0])
+    k = data.stiffness + ratio**2 * lowest * diags_array(np.repeat(data.mass.diagonal(), 3))
+    body = bodies.nodal(replace(data, stiffness=csr_array(k)), modes=2)
+    if accepted:
+        assert reduce(body).modes == 2
+    else:
+        assert "resists rigid motion" in refused(body)["body.nodes"]

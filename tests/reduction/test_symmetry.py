@@ -14,7 +14,7 @@ from derive.reduction.body import prepare
 from derive.reduction.frames import ModeShapes
 from derive.reduction.integrals import shape_integrals
 from derive.reduction.reasons import integral_entries
-from derive.reduction.symmetry import made_symmetric, mirror_planes
+from derive.reduction.symmetry import made_symmetric, mirror_planes, separated_by_parity
 from derive.spec.model.body import BodyFrame, NodalBody
 
 MIRROR = "mirror symmetry in the plane normal to e"
@@ -198,3 +198,18 @@ def test_planes_are_known_to_eight_digits(change: float, planes: int) -> None:
     masses[0] *= 1 + change
     assert len(mirror_planes(data.mass, moved)) == planes
     assert len(mirror_planes(csr_array(np.diag(masses)), data.positions)) == planes
+
+
+@pytest.mark.parametrize(("difference", "separated"), [(1e-8, True), (1e-4, False)])
+def test_modes_of_different_frequency_are_not_combined(difference: float, separated: bool) -> None:
+    """Two modes of opposite parity, mixed: they are told apart only where any mix is a mode as well."""
+    body = bodies.nodal(bodies.truss(), modes=6)
+    shapes, mass = prepare(body).shapes, body.data.mass
+    planes = mirror_planes(mass, shapes.x)
+    first, second = shapes.phi[0], shapes.phi[1]
+    mixed = np.array([0.6 * first + 0.8 * second, 0.8 * first - 0.6 * second])
+    found = separated_by_parity(mass, mixed, np.array([1.0, 1.0 + difference]), planes)
+    assert np.array_equal(found, mixed) != separated
+    if separated:
+        parts = np.abs(np.einsum("ink,jnk->ij", found, np.array([first, second])))
+        assert np.sort(parts / parts.max(), axis=1) == pytest.approx(np.array([[0, 1], [0, 1]]), abs=1e-9)

@@ -8,8 +8,10 @@ from double import Array, Double
 from marching import march
 from mechanisms import CRANK, ROD, crank_slider, four_bar, pendulum, pushed_crank
 
-from derive.simulation.errors import DriftTooLarge, DriveCannotBeFollowed
+from derive.simulation.errors import DriftTooLarge, DriveCannotBeFollowed, IntegrationStopped, SimulationError
 from derive.simulation.initial.consistent_state import consistent_state
+from derive.simulation.integration.c_methods import equal_steps
+from derive.simulation.integration.failure_diagnosis import diagnose_failure
 from derive.simulation.integration.scipy_methods import integrate
 from derive.simulation.integration.solution import Solution
 from derive.simulation.integration.step_limit import natural_frequencies, rk4_step_limit
@@ -110,3 +112,20 @@ def test_the_natural_frequency_of_a_hanging_rod_and_the_step_that_it_allows() ->
         ends.append(max(abs(q[2] + np.pi / 2) for _, q, _ in states[-10:]))
     assert ends[0] < 2e-5
     assert ends[1] > 1e-3
+
+
+def test_a_state_beyond_the_range_of_doubles_has_a_message() -> None:
+    """M is not finite there, so that no singular value tells a dead centre."""
+    model, q, v = pendulum()
+    model.diagonal[:] = np.inf
+    error = diagnose_failure(model, NONE, 0.5, np.concatenate([q, v]), None, "no step is accepted")
+    assert isinstance(error, IntegrationStopped) and "at t = 0.5 s: no step is accepted" in str(error)
+
+
+@pytest.mark.parametrize(("step", "count"), [(1e-9, 10**8), (1e-11, None), (1e-300, None)])
+def test_fixed_steps_are_not_too_many(step: float, count: int | None) -> None:
+    if count is not None:
+        assert equal_steps(0.1, step) == count
+        return
+    with pytest.raises(SimulationError, match=r"steps between two rows, and at most 1e\+09 are taken; give a longer"):
+        equal_steps(0.1, step)

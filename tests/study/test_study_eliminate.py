@@ -5,8 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from derive.backends.model_files import model_files
+from derive.derivation import derive, lower
 from derive.ir.patterns import pattern
-from derive.study.elimination import backward_error, eliminate, entry_mask, equilibrated
+from derive.runtime.loading import load_scene
+from derive.spec.toml.read import parse
+from derive.study.elimination import backward_error, eliminate, entry_mask, equilibrated, kkt_systems
 
 
 def turned(values: list[float]) -> np.ndarray:
@@ -60,17 +64,17 @@ def test_a_change_of_sign_beside_a_state_in_which_an_earlier_pivot_vanishes_does
         A = np.array([[[x, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]] for x in values])
         found = eliminate(A, np.ones((len(values), 3)), (0, 1, 2), (0, 1, 2))
         assert found.vanished.tolist()[:2] == [True, False], values
+    for values in ([0.5, 1e-9], [1e-9, 0.5]):  # the pivots of [[x, 1], [1, 100]] are x and 100 - 1/x: 98 and -1e9
+        A = np.array([[[x, 1.0], [1.0, 100.0]] for x in values])
+        assert eliminate(A, np.ones((2, 2)), (0, 1), (0, 1)).vanished.tolist() == [True, False], values
 
 
 def test_a_pivot_is_compared_with_its_column_before_and_after_the_elimination() -> None:
-    """1 + 1e-12 - 1 vanishes against the 1 that it comes from; 1e-9 vanishes against the 1 below it."""
+    """1 + 1e-12 - 1 vanishes against the 1 that it comes from."""
     cancelled = np.array([[[1.0, 1.0], [1.0, 1.0 + 1e-12]]])
     assert eliminate(cancelled, np.ones((1, 2)), (0, 1), (0, 1)).vanished.tolist() == [False, True]
-    filled = np.array([[[1e-3, 1.0, 0.0], [1.0, 1e3, 1e-6], [1.0, 0.0, 1.0]]])
-    # After the first pivot the second column is [0, -1e3]^T, although its largest entry was 1e3 above it.
-    assert eliminate(filled, np.ones((1, 3)), (0, 1, 2), (0, 1, 2)).vanished.tolist()[1]
-    grown = np.array([[[1e-6, 1.0, 0.0], [1.0, 1e6 + 1.0, 1.0], [1.0, 1.0, 0.0]]])
-    # The second pivot is 1, below it there is 1 - 1e6.
+    grown = np.array([[[1e-6, 1.0, 0.0], [0.0, 1.0, 1.0], [1.0, 1.0, 0.0]]])
+    # The second pivot is 1 as the largest entry of its column was, and below it there is 1 - 1e6.
     (ratios,) = eliminate(grown, np.ones((1, 3)), (0, 1, 2), (0, 1, 2)).ratios
     assert ratios[1] == pytest.approx(1e-6, rel=1e-3)
 
@@ -109,3 +113,18 @@ def test_backward_errors_are_relative_to_row_sums_and_to_the_right_hand_side() -
 def test_the_mask_of_a_symmetric_pattern_has_both_triangles() -> None:
     shape = pattern(3, 3, {(0, 0), (2, 0)}, symmetric=True)
     assert np.argwhere(entry_mask(shape)).tolist() == [[0, 0], [0, 2], [2, 0]]
+
+
+def test_kkt_systems_have_accelerations_and_multipliers_as_solutions() -> None:
+    scene = parse(
+        'name = "pendulum"\n[scene]\ngravity = [0, -9.81]\n[ground.markers]\no = [0, 0]\n'
+        "[bodies.rod]\nmass = 2\ninertia = 1\nkeep_coordinates = true\nmarkers = { end = [-0.5, 0] }\n"
+        '[joints.pin]\nkind = "revolute"\nbetween = ["ground.o", "rod.end"]\n'
+    )
+    native = load_scene(model_files(lower(derive(scene)), scene), ("-O0",))
+    k, state = native.setup(), (0.0, np.array([0.5, 0.0, 0.0]), np.array([0.0, 1.5, 3.0]))
+    A, b = kkt_systems(native, k, [state])
+    # A rod on a pin that passes the horizontal: phi'' = -m g r / (J + m r^2), and the pin carries m r omega^2.
+    vdot3 = -2 * 9.81 * 0.5 / (1 + 2 * 0.25)
+    expected = [-0.5 * 9, 0.5 * vdot3, vdot3, -2 * 0.5 * 9, 2 * (9.81 + 0.5 * vdot3)]
+    assert np.linalg.solve(A[0], b[0]) == pytest.approx(expected, rel=1e-12)

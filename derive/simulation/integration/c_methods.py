@@ -27,6 +27,8 @@ from derive.simulation.integration.step_limit import rk4_step_limit
 STABLE = 0.5
 """The step of RK4, unless it is given, divided by the longest stable step in the initial state."""
 
+MAX_STEPS_PER_ROW = 10**9
+
 STEPS_PER_ROW = 10
 """The steps of the generalised-alpha method between two rows, unless the step is given."""
 
@@ -45,7 +47,7 @@ def rk4(files: Sequence[File]) -> Integrator:
         step = settings.step or STABLE * rk4_step_limit(native, k, float(times[0]), q, v)
 
         def run(q0: Vector, v0: Vector, t0: float, interval: float, rows: int) -> Integration:
-            every = _steps(interval, step)
+            every = equal_steps(interval, step)
             steps = rows * every
             return host.run(q0, v0, step=interval / every, steps=steps, every=every, k=k, t0=t0, tolerance=_met(q0))
 
@@ -62,7 +64,7 @@ def generalised_alpha(files: Sequence[File]) -> Integrator:
     def integrate(k: Vector, q: Vector, v: Vector, times: Vector, settings: Settings) -> Solution:
         def run(q0: Vector, v0: Vector, t0: float, interval: float, rows: int) -> Integration:
             step = settings.step or interval / STEPS_PER_ROW
-            every = _steps(interval, step)
+            every = equal_steps(interval, step)
             steps = rows * every
             return host.run(q0, v0, step=interval / every, steps=steps, every=every, k=k, t0=t0, consistent=_met(q0))
 
@@ -131,7 +133,7 @@ def _shortened(times: Vector, step: float | None) -> tuple[str, ...]:
     if step is None:
         return ()
     intervals = [float(times[last] - times[first]) / (last - first) for first, last in _equal_intervals(times)]
-    used = {interval: interval / _steps(interval, step) for interval in intervals}
+    used = {interval: interval / equal_steps(interval, step) for interval in intervals}
     return tuple(
         f"step: {step:g} s -> {short:.6g} s between rows that are {interval:.6g} s apart: rows are ends of steps"
         for interval, short in used.items()
@@ -139,9 +141,18 @@ def _shortened(times: Vector, step: float | None) -> tuple[str, ...]:
     )
 
 
-def _steps(interval: float, step: float) -> int:
-    """The number of equal steps, at most as long as `step` (s), in an interval (s) between two rows."""
-    return max(1, math.ceil(interval / step * (1 - 1e-12)))
+def equal_steps(interval: float, step: float) -> int:
+    """The number of equal steps, at most as long as `step` (s), in an interval (s) between two rows.
+
+    Raises SimulationError if there are too many.
+    """
+    count = interval / step * (1 - 1e-12)
+    if not count <= MAX_STEPS_PER_ROW:
+        raise SimulationError(
+            f"steps of {step:g} s are {count:.3g} steps between two rows, and at most {MAX_STEPS_PER_ROW:g} are taken; "
+            "give a longer step, or choose an integrator with adaptive steps, such as dop853"
+        )
+    return max(1, math.ceil(count))
 
 
 def _equal_intervals(times: Vector) -> list[tuple[int, int]]:

@@ -47,7 +47,10 @@ def _dead_centre(native: ConstrainedSystem, k: Vector, t: float, y: Vector) -> S
     """The error for a dead centre at y = [q; v], if there is one."""
     if not native.nlambda or not np.all(np.isfinite(y)):
         return None
-    singular = spectrum(native, k, t, y[: native.nq])
+    try:
+        singular = spectrum(native, k, t, y[: native.nq])
+    except ValueError:  # the state is finite, and so large that M or G is not
+        return None
     if singular.smallest >= NEARLY_SINGULAR:
         return None
     names = involved(singular, native.multipliers, NEARLY_SINGULAR)
