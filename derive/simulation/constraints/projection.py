@@ -71,8 +71,8 @@ def check_drift(native: ConstrainedSystem, k: Vector, t: float, q: Vector, v: Ve
         ("position", native.constraints(t, q, k), max_norm(q)),
         ("rate", native.constraint_rates(t, q, v, k), max_norm(v)),
     ):
-        limit = tolerance + UNAVOIDABLE * size
-        if not max_norm(values) <= limit < np.inf:
+        limit = tolerance + (UNAVOIDABLE * size if size < np.inf else 0.0)
+        if not max_norm(values) <= limit:
             worst = int(np.argmax(np.where(np.isfinite(values), np.abs(values), np.inf)))
             raise DriftTooLarge(t, level, native.multipliers[worst], float(abs(values[worst])), limit)
     return drift(native, k, t, q, v)
