@@ -79,6 +79,10 @@ frame = "crank.pin"
 [outputs.far]
 kind = "distance"
 between = ["ground.wall", "rod.right"]
+[outputs.line]
+kind = "angle"
+between = ["crank.pin", "rod.right"]
+frame = "crank.pin"
 [outputs.pull]
 kind = "spring"
 spring = "s"
@@ -183,6 +187,7 @@ def test_motion_in_a_moving_frame(run):
         np.testing.assert_allclose(rate(run, f"x_{axis}"), run[f"v_{axis}"][2:-2], rtol=1e-5, atol=1e-5)
         np.testing.assert_allclose(rate(run, f"v_{axis}"), run[f"a_{axis}"][2:-2], rtol=1e-4, atol=1e-3)
     assert not np.allclose(run["w"], 0)
+    np.testing.assert_allclose(run["line"], np.arctan2(run["x_2"], run["x_1"]), atol=1e-12)
 
 
 def test_spring_force_has_the_size_of_its_law(run):

@@ -11,6 +11,7 @@ from derive.mechanics.multibody.keys import Key, KeyType
 from derive.mechanics.multibody.outputs.output_type import OutputComponent, OutputComponents, OutputType
 from derive.mechanics.multibody.point_motion import PointMotion, RelativeMotion
 from derive.mechanics.multibody.scene_mechanics import SceneMechanics
+from derive.mechanics.time_functions import Atan2
 from derive.spec.model.scene import MarkerRef
 
 MARKER = Key("marker", KeyType.MARKER, "", 'The marker, such as "rod.right".', required=True)
@@ -77,6 +78,23 @@ class Distance(OutputType):
         displacement, _, _ = RelativeMotion(scene.point(first), scene.point(second)).displacement
         doc = f"distance from {first} to {second}"
         return OutputComponents((OutputComponent("", "m", doc, sp.sqrt(displacement.dot(displacement))),))
+
+
+class Inclination(OutputType):
+    """The angle of the line from one marker to another, counted from e1 of the frame, between -pi and pi."""
+
+    doc = "the angle of the line from one marker to another, between -pi and pi"
+    keys = (*Distance.keys, FRAME)
+
+    def components(self, name: str, values: Mapping[str, Any], scene: SceneMechanics) -> OutputComponents:
+        """One component."""
+        frame = values.get("frame")
+        ends = (observed(scene, marker, frame)[0] for marker in values["between"])
+        first, second = map(sp.Matrix, ends)
+        along = second - first
+        markers = " to ".join(map(str, values["between"]))
+        doc = f"angle of the line from {markers}, from e1 of {frame or 'the inertial frame'}"
+        return OutputComponents((OutputComponent("", "rad", doc, Atan2(along[1], along[0])),))
 
 
 def observed(scene: SceneMechanics, marker: MarkerRef, frame: MarkerRef | None) -> tuple[sp.Matrix, ...]:

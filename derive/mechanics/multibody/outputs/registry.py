@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from derive.mechanics.multibody.outputs.energies import Energies, Powers
-from derive.mechanics.multibody.outputs.marker_motion import Distance, MarkerRotation, MarkerVector
+from derive.mechanics.multibody.outputs.marker_motion import Distance, Inclination, MarkerRotation, MarkerVector
 from derive.mechanics.multibody.outputs.output_type import OutputType
 from derive.mechanics.multibody.outputs.reactions import DriveForce, Reaction, SpringForce
 from derive.mechanics.multibody.outputs.section_forces import BendingMoment, Curvature, SectionForce, Strain
@@ -19,6 +19,7 @@ OUTPUTS: Registry[OutputType] = Registry(
         "angular_velocity": MarkerRotation("angular velocity of the section at a marker", 1, "rad/s"),
         "angular_acceleration": MarkerRotation("angular acceleration of the section at a marker", 2, "rad/s^2"),
         "distance": Distance(),
+        "angle": Inclination(),
         "reaction": Reaction(),
         "drive": DriveForce(),
         "spring": SpringForce(),
