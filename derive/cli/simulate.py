@@ -38,7 +38,7 @@ PlotCurves = tuple[Plot, tuple[PlotCurve, ...]]
 def run(options: argparse.Namespace) -> int:
     """Simulate a scene or a single body; then write all files. That they can be written is checked before."""
     given, changes = read_changed(options.spec, options.set)
-    spec = simulated(given, options.spec, options.duration, options.output, options.tolerance)
+    spec = simulated(given, options.spec, options.duration, options.output, options.tolerance, options.until)
     summary = _scene(spec, changes, options) if isinstance(spec, Scene) else simulated_body(spec, changes, options)
     if options.json:
         print(json.dumps(summary, indent=2))

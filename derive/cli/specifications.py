@@ -47,8 +47,9 @@ def simulated(
     duration: float | None = None,
     output: float | None = None,
     tolerance: float | None = None,
+    until: str | None = None,
 ) -> Scene | NodalBody:
-    """What a file specifies, with another duration (s), interval of rows (s) and tolerance if given.
+    """What a file specifies, with another duration (s), interval of rows (s), tolerance and end condition if given.
 
     Raises SpecError if it cannot be simulated.
     """
@@ -58,7 +59,7 @@ def simulated(
     try:
         if isinstance(spec, PlanarBeam):
             spec = beam_scene(spec)
-        settings = simulation_settings(spec, duration, output, tolerance)
+        settings = simulation_settings(spec, duration, output, tolerance, until)
         return replace(spec, simulation=settings)
     except SpecError as error:
         raise SpecError(error.problems, str(path)) from None

@@ -18,6 +18,7 @@ from derive.simulation.integration.registry import INTEGRATORS
 from derive.simulation.integration.solution import Progress, Solution
 from derive.simulation.observables.csv_writer import Column
 from derive.simulation.output_times import output_times
+from derive.simulation.stop_condition import stop_event
 from derive.simulation.trajectory import ColumnTable, RunSettings
 from derive.spec.model.body import NodalBody
 from derive.spec.model.simulation import Simulation, SpatialStart
@@ -75,10 +76,17 @@ def simulate_body(
     native = compiled.native
     assert isinstance(native, NativeBody)
     k = native.setup()
-    settings = Settings(tolerance=simulation.tolerance, step=step, progress=progress)
+    run = RunSettings(simulation, integrator, step)
+
+    def row(solution: Solution) -> dict[str, float]:
+        table = BodyTrajectory(body, model, native, k, solution, run).table
+        return {column.name: float(column.values[0]) for column in table}
+
+    until = stop_event(simulation, row, native, k, q, v)
+    settings = Settings(tolerance=simulation.tolerance, step=step, until=until, progress=progress)
     solution = compiled.integrate(k, q, v, output_times(simulation), settings)
     solution = replace(solution, notes=(*_normalised(body.start), *solution.notes))
-    return BodyTrajectory(body, model, native, k, solution, RunSettings(simulation, integrator, step))
+    return BodyTrajectory(body, model, native, k, solution, run)
 
 
 def _normalised(start: SpatialStart) -> tuple[str, ...]:

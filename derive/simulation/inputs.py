@@ -148,6 +148,7 @@ def driven_integration(native: DrivenScene, integrator: str) -> Integrate:
             tolerance=settings.tolerance,
             drift=settings.drift,
             breaks=settings.breaks,
+            until=settings.until,
             progress=settings.progress,
         )
 

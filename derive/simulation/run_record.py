@@ -40,6 +40,7 @@ def _content(trajectory: Trajectory | BodyTrajectory) -> dict[str, Any]:
         "step": settings.step,
         "duration": simulation.duration,
         "output": simulation.output,
+        "until": simulation.until,
         "parameters": {
             p.name: {"value": p.default, "unit": p.unit} for p in trajectory.model.parameters if p.size == 1
         },

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
-from typing import overload
+from typing import Any, overload
 
 from derive.backends.model_files import model_files
 from derive.derivation import derive, lower
@@ -15,10 +15,11 @@ from derive.simulation.initial.initial_state import initial_state
 from derive.simulation.inputs import DrivenScene, InputFunction, driven_integration, with_functions
 from derive.simulation.integration.integrator import Settings, scene_of
 from derive.simulation.integration.registry import INTEGRATORS
-from derive.simulation.integration.solution import Progress
+from derive.simulation.integration.solution import Progress, Solution
 from derive.simulation.observables.motion import SceneMotion
 from derive.simulation.output_times import output_times
-from derive.simulation.trajectory import RunSettings, Trajectory, column_units
+from derive.simulation.stop_condition import stop_event
+from derive.simulation.trajectory import RunSettings, Trajectory, column_units, column_values
 from derive.spec.construction import validated
 from derive.spec.model.body import NodalBody, PlanarBeam
 from derive.spec.model.scene import ColumnCurves, Scene
@@ -36,6 +37,7 @@ def simulate(
     tolerance: float | None = None,
     integrator: str = "dop853",
     step: float | None = None,
+    until: str | None = None,
     inputs: Mapping[str, InputFunction] | None = None,
     progress: Progress | None = None,
 ) -> Trajectory: ...
@@ -50,6 +52,7 @@ def simulate(
     tolerance: float | None = None,
     integrator: str = "dop853",
     step: float | None = None,
+    until: str | None = None,
     progress: Progress | None = None,
 ) -> BodyTrajectory: ...
 
@@ -62,6 +65,7 @@ def simulate(
     tolerance: float | None = None,
     integrator: str = "dop853",
     step: float | None = None,
+    until: str | None = None,
     inputs: Mapping[str, InputFunction] | None = None,
     progress: Progress | None = None,
 ) -> Trajectory | BodyTrajectory:
@@ -71,7 +75,8 @@ def simulate(
 
     duration, output, tolerance: the time, s, the interval between rows, s, and the error of a step, instead of those of
     the `simulation` of the specification. integrator: a name in `INTEGRATORS`; a body takes dop853, rk45 and rk4. step:
-    that of integrators with fixed steps, s; the others refuse it.
+    that of integrators with fixed steps, s; the others refuse it. until: a condition on columns that ends the motion,
+    such as "rod_phi > pi/2"; of dop853 and rk45.
     inputs: of a scene, functions of the time (s) in Python in place of those of the specification, by the names of the
     run-time inputs; that of a prescribed motion returns its first two time derivatives as well.
     progress: called with the time (s) that the integration has reached.
@@ -83,7 +88,7 @@ def simulate(
     if not isinstance(spec, (Scene, NodalBody)):
         what = f"a scene, a beam or a body given by nodes is needed, not {type(spec).__name__}"
         raise TypeError(f"{what}; read its file with derive.read(...)")
-    simulation = simulation_settings(spec, duration, output, tolerance)
+    simulation = simulation_settings(spec, duration, output, tolerance, until)
     if isinstance(spec, NodalBody):
         return simulate_body(spec, simulation, integrator, step, progress)
     return _simulate_scene(spec, simulation, integrator, step, inputs or {}, progress)
@@ -109,7 +114,14 @@ def _simulate_scene(
         integrate = driven_integration(native, integrator)
     k = native.setup()
     initial = initial_state(scene, native, k)
-    settings = Settings(tolerance=simulation.tolerance, step=step, breaks=breaks(scene), progress=progress)
+    names = tuple(column_units(scene, model))
+
+    def row(solution: Solution) -> dict[str, float]:
+        values = column_values(scene, native, k, solution)
+        return {name: float(column[0]) for name, column in zip(names, values, strict=True)}
+
+    until = stop_event(simulation, row, native, k, initial.q, initial.v)
+    settings = Settings(tolerance=simulation.tolerance, step=step, breaks=breaks(scene), until=until, progress=progress)
     solution = integrate(k, initial.q, initial.v, output_times(simulation), settings)
     motion = SceneMotion(scene, native, k, solution.t, solution.q, solution.v)
     return Trajectory(scene, model, initial, motion, solution, RunSettings(simulation, integrator, step))
@@ -120,13 +132,14 @@ def simulation_settings(
     duration: float | None = None,
     output: float | None = None,
     tolerance: float | None = None,
+    until: str | None = None,
 ) -> Simulation:
     """The `simulation` of a scene or a body with the values that are given instead.
 
     Raises SpecError if it is incomplete or wrong.
     """
-    given = {"duration": duration, "output": output, "tolerance": tolerance}
-    changes = {name: value for name, value in given.items() if value is not None}
+    given = {"duration": duration, "output": output, "tolerance": tolerance, "until": until}
+    changes: dict[str, Any] = {name: value for name, value in given.items() if value is not None}
     if spec.simulation is not None and not changes:
         return spec.simulation
     if spec.simulation is None and not {"duration", "output"} <= set(changes):

@@ -12,6 +12,7 @@ from derive.errors import TisserandError
 from derive.ir.model import Model
 from derive.registry import UnknownNameError
 from derive.runtime.native_call import Vector
+from derive.runtime.native_scene import NativeScene
 from derive.simulation.initial.consistent_state import InitialState
 from derive.simulation.integration.solution import Solution
 from derive.simulation.observables.csv_writer import Column
@@ -47,6 +48,13 @@ def column_units(scene: Scene, model: Model) -> dict[str, str]:
 def _drives(scene: Scene) -> list[Drive]:
     """The drives whose motion is a function of the specification; others follow run-time inputs."""
     return [drive for drive in scene.drives if drive.motion is None or drive.motion.kind != "input"]
+
+
+def column_values(scene: Scene, native: NativeScene, k: Vector, solution: Solution) -> list[Vector]:
+    """The values (n,) of the columns of a trajectory of a scene, in the order of `column_units`."""
+    drives = [drive_values(drive, solution.t) for drive in _drives(scene)]
+    inputs, outputs = port_values(native, k, solution)
+    return [solution.t, *drives, *solution.q.T, *solution.v.T, *solution.lam.T, *inputs.T, *outputs.T]
 
 
 class PandasMissing(TisserandError):
@@ -150,9 +158,6 @@ class Trajectory(ColumnTable):
     @cached_property
     def table(self) -> tuple[Column, ...]:
         """All columns with their names, units and values (n,)."""
-        solution = self.solution
-        drives = [drive_values(drive, solution.t) for drive in _drives(self.scene)]
-        inputs, outputs = port_values(self.motion.native, self.motion.k, solution)
-        values = [solution.t, *drives, *solution.q.T, *solution.v.T, *solution.lam.T, *inputs.T, *outputs.T]
+        values = column_values(self.scene, self.motion.native, self.motion.k, self.solution)
         units = column_units(self.scene, self.model)
         return tuple(Column(name, unit, column) for (name, unit), column in zip(units.items(), values, strict=True))

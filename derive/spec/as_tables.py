@@ -260,7 +260,7 @@ _CONVERT: Mapping[type, Callable[[Any], object]] = {
     CustomForce: _custom_force,
     SceneInput: lambda given: without_none(unit=given.unit or None, value=given.function),
     SceneOutput: lambda output: {"kind": output.kind, **output.values},
-    Simulation: asdict,
+    Simulation: lambda simulation: without_none(**asdict(simulation)),
     SpatialStart: _spatial_start,
     Plot: _plot,
     ReferenceCurve: lambda curve: {"file": curve.file, "x": curve.x, "y": curve.y},

@@ -42,6 +42,7 @@ def rk4(files: Sequence[File]) -> Integrator:
     native = host.native
 
     def integrate(k: Vector, q: Vector, v: Vector, times: Vector, settings: Settings) -> Solution:
+        settings.refuse_until("rk4")
         if settings.step is None and isinstance(native, NativeBody):
             raise SimulationError("rk4 needs a step for a single body: add --step, or step=... in Python")
         step = settings.step or STABLE * rk4_step_limit(native, k, float(times[0]), q, v)
@@ -62,6 +63,8 @@ def generalised_alpha(files: Sequence[File]) -> Integrator:
     native = scene_of(host.native, "generalised-alpha")
 
     def integrate(k: Vector, q: Vector, v: Vector, times: Vector, settings: Settings) -> Solution:
+        settings.refuse_until("generalised-alpha")
+
         def run(q0: Vector, v0: Vector, t0: float, interval: float, rows: int) -> Integration:
             step = settings.step or interval / STEPS_PER_ROW
             every = equal_steps(interval, step)
@@ -80,6 +83,7 @@ def ida(files: Sequence[File]) -> Integrator:
 
     def integrate(k: Vector, q: Vector, v: Vector, times: Vector, settings: Settings) -> Solution:
         settings.refuse_step("c_ida")
+        settings.refuse_until("c_ida")
 
         def run(q0: Vector, v0: Vector, t0: float, interval: float, rows: int) -> Integration:
             rtol, met = settings.tolerance, _met(q0)

@@ -34,6 +34,7 @@ def _scipy(method: Literal["DOP853", "RK45"]) -> Compile:
                 tolerance=s.tolerance,
                 drift=s.drift,
                 breaks=s.breaks,
+                until=s.until,
                 progress=s.progress,
             )
 
@@ -48,6 +49,7 @@ def _ida(files: Sequence[File]) -> Integrator:
 
     def run(k: Vector, q: Vector, v: Vector, times: Vector, s: Settings) -> Solution:
         s.refuse_step("ida")
+        s.refuse_until("ida")
         return integrate_ida(native, k, q, v, times, tolerance=s.tolerance, drift=s.drift, progress=s.progress)
 
     return Integrator(native, run)

@@ -17,6 +17,7 @@ from derive.simulation.compiled_scene import ConstrainedSystem
 from derive.simulation.errors import DriftTooLarge, IntegrationStopped
 from derive.simulation.integration.failure_diagnosis import diagnose_error, diagnose_failure
 from derive.simulation.integration.solution import Cost, Progress, Solution, SolutionWriter, row_times
+from derive.simulation.integration.stop_event import StopEvent
 
 MAX_STEPS_PER_ROW = 20_000
 """The largest mean number of steps for each row; an integration that needs more is stopped."""
@@ -37,6 +38,7 @@ def integrate(
     projected: bool = True,
     max_step: float = np.inf,
     breaks: Sequence[float] = (),
+    until: StopEvent | None = None,
     progress: Progress | None = None,
 ) -> Solution:
     """The motion of a compiled scene from a consistent state.
@@ -46,7 +48,8 @@ def integrate(
     absolute (SI). drift: the limit of |g| (m, rad) and of |gdot| (m/s, rad/s) in every row, and after every projected
     step. projected: whether the state is projected onto the constraints after each step, and rows within a step as
     well. max_step: in s. breaks: times, s, at which the right-hand side may jump, where the method
-    stops and starts anew. progress: called with the time reached after each step.
+    stops and starts anew. until: ends the integration, with a row at its time. progress: called with the time reached
+    after each step.
 
     Raises SingularConfiguration or DriveCannotBeFollowed at a dead centre, DriftTooLarge, IntegrationStopped.
     """
@@ -73,6 +76,10 @@ def integrate(
             steps += 1
             if steps > MAX_STEPS_PER_ROW * len(instants):
                 raise IntegrationStopped(t, f"{steps} steps do not reach the next row")
+            stop = None if until is None else until.time(t, float(solver.t), solver.dense_output())
+            if stop is not None:
+                assert until is not None
+                return _stopped(rows, instants, stop, solver.dense_output(), until, evaluator.cost(steps, began))
             if instants[rows.count] < solver.t:
                 dense = solver.dense_output()
                 while rows.count < len(instants) and instants[rows.count] < solver.t:
@@ -87,7 +94,21 @@ def integrate(
                 progress(t)
     except (ModelError, DriftTooLarge) as error:
         raise diagnose_error(native, k, t, y, error) from error
-    return rows.solution(instants, Cost(evaluator.evaluations, steps, time.process_time() - began))
+    notes = () if until is None else (f"until {until.text}: not met up to t = {t:.9g} s",)
+    return rows.solution(instants, evaluator.cost(steps, began), notes)
+
+
+def _stopped(
+    rows: SolutionWriter, instants: Vector, stop: float, dense: Callable[[float], Vector], until: StopEvent, cost: Cost
+) -> Solution:
+    """The solution up to the time `stop` (s), in the last step, with a row there."""
+    times = [*instants[: rows.count], *(t for t in instants[rows.count :] if t < stop)]
+    for t in times[rows.count :]:
+        rows.append(float(t), dense(float(t)))
+    if stop > times[-1]:
+        rows.append(stop, dense(stop))
+        times.append(stop)
+    return rows.solution(np.array(times), cost, (f"until {until.text}: met at t = {stop:.9g} s",))
 
 
 class Evaluator:
@@ -110,6 +131,10 @@ class Evaluator:
         else:
             self._accel = self._interpreted(native)
         self._rates = self._of_quaternion(native) if isinstance(native, NativeBody) else None
+
+    def cost(self, steps: int, began: float) -> Cost:
+        """The cost of so many steps, since the CPU time `began` (s)."""
+        return Cost(self.evaluations, steps, time.process_time() - began)
 
     def __call__(self, t: float, y: Vector) -> Vector:
         """[v; vdot], a new array."""

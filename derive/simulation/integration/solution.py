@@ -89,9 +89,9 @@ class SolutionWriter:
         return np.concatenate([q, v])
 
     def solution(self, t: Vector, cost: Cost, notes: tuple[str, ...] = ()) -> Solution:
-        """All rows, at the times t (n,)."""
-        n = self.native.nq
-        states, lam, drift, before = self.states, self.lam, self.drift, self.drift_before
+        """The rows at the times t (n,), which are all, or the first ones if the integration has ended early."""
+        n, rows = self.native.nq, slice(len(t))
+        states, lam, drift, before = self.states[rows], self.lam[rows], self.drift[rows], self.drift_before[rows]
         return Solution(t, states[:, :n], states[:, n:], lam, drift, before, cost, notes)
 
 

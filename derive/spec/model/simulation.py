@@ -8,11 +8,12 @@ from fractions import Fraction
 
 @dataclass(frozen=True)
 class Simulation:
-    """How long, how often the state is written, and how exactly."""
+    """How long, how often the state is written, and how exactly; `until` is a condition that ends it before."""
 
     duration: float
     output: float
     tolerance: float = 1e-9
+    until: str | None = None
 
 
 @dataclass(frozen=True)

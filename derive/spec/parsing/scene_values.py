@@ -13,6 +13,7 @@ from derive.errors import quoted
 from derive.spec.model.scene import MarkerRef
 from derive.spec.model.time_function import TimeFunction
 from derive.spec.parsing import values
+from derive.spec.parsing.condition import condition
 from derive.spec.parsing.time_expression import Known, number_function, time_function
 
 MAX_PIECES = 64
@@ -97,3 +98,12 @@ def tolerance(value: object) -> float:
     if exact >= 1:
         raise values.WrongValueError(f"a tolerance is a small positive number, such as 1e-9, not {exact}")
     return float(exact)
+
+
+def until(value: object) -> str:
+    """A condition that ends a simulation; whether its columns exist is looked at when they are known."""
+    if not isinstance(value, str):
+        raise values.WrongValueError(
+            f'a comparison in quotation marks is needed, such as "rod_phi > pi/2", not {values.kind_of(value)}'
+        )
+    return condition(value).text

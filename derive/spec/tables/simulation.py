@@ -37,6 +37,15 @@ class SimulationTable(TomlTable):
         WithJsonSchema(number_schema(exclusiveMinimum=0, exclusiveMaximum=1)),
         Field(description="Tolerance of the integrator for the error of a step, relative and absolute."),
     ] = 1e-9
+    until: Annotated[
+        str | None,
+        PlainValidator(scene_values.until),
+        WithJsonSchema({"type": "string", "minLength": 3}),
+        Field(
+            description='Condition on columns that ends the simulation before its duration, such as "rod_phi > pi/2" '
+            'or "slider_s = 0.2".'
+        ),
+    ] = None
 
     @model_validator(mode="after")
     def check(self) -> SimulationTable:
@@ -51,7 +60,7 @@ class SimulationTable(TomlTable):
 
     def simulation(self) -> Simulation:
         """The simulation as it is run."""
-        return Simulation(self.duration, self.output, self.tolerance)
+        return Simulation(self.duration, self.output, self.tolerance, self.until)
 
 
 def _few_piece_counts(value: object) -> object:
