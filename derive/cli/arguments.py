@@ -112,6 +112,9 @@ def _add_simulate(commands: Any) -> None:
         "--step", type=_seconds, metavar="S", help="step of integrators with fixed steps (rk4, generalised-alpha), s"
     )
     simulate.add_argument(
+        "--resume", action="store_true", help="continue the run in the output folder from its last state"
+    )
+    simulate.add_argument(
         "--until", metavar="CONDITION", help='ends the simulation, such as "rod_phi > pi/2" or "slider_s = 0.2"'
     )
     simulate.add_argument("--json", action="store_true", help="print the summary as JSON")

@@ -14,6 +14,7 @@ from derive.cli.simulate_body import body_text, simulated_body
 from derive.cli.specifications import read_changed, simulated
 from derive.errors import SpecError
 from derive.lowering.conditioning import condition_warnings
+from derive.simulation.earlier_run import EarlierRun, read_run
 from derive.simulation.observables.beams import LINEAR_LIMIT, beam_bodies, relative_deflection
 from derive.simulation.observables.csv_writer import NUMBER_WIDTH, Column
 from derive.simulation.observables.default_plots import default_plot_names, default_plots
@@ -50,7 +51,8 @@ def run(options: argparse.Namespace) -> int:
 def _scene(scene: Scene, changes: Sequence[SetValue], options: argparse.Namespace) -> dict[str, Any]:
     """Simulate the scene as specified and with each number of pieces that a plot requests; return the summary."""
     check_folder(_planned_files(scene), options.out, _expected_size(scene))
-    simulations = Simulations(options.spec, scene, options.integrator, options.step)
+    earlier = read_run(options.out, scene) if options.resume else None
+    simulations = Simulations(options.spec, scene, options.integrator, options.step, earlier)
     main = simulations.trajectory(None, 0)
     shown: list[PlotCurves] = []
     for plot in (*scene.plots, *default_plots(main)):
@@ -63,12 +65,16 @@ def _scene(scene: Scene, changes: Sequence[SetValue], options: argparse.Namespac
 
 @dataclass
 class Simulations:
-    """The simulations of one scene, each run once: as specified, and with other numbers of pieces of a beam."""
+    """The simulations of one scene, each run once: as specified, and with other numbers of pieces of a beam.
+
+    earlier: the run that the first one continues; the others, of which there are no rows, begin at t = 0.
+    """
 
     path: Path
     scene: Scene
     integrator: str
     step: float | None
+    earlier: EarlierRun | None
     done: dict[tuple[tuple[str, int], ...], Trajectory] = field(default_factory=dict)
 
     def trajectory(self, cut: str | None, pieces: int) -> Trajectory:
@@ -83,7 +89,10 @@ class Simulations:
             progress = SimulationProgress(title, self.scene.simulation.duration)
             try:
                 scene = replace(self.scene, bodies=bodies)
-                self.done[key] = simulate(scene, integrator=self.integrator, step=self.step, progress=progress)
+                earlier = self.earlier if scene == self.scene else None
+                self.done[key] = simulate(
+                    scene, integrator=self.integrator, step=self.step, earlier=earlier, progress=progress
+                )
             except SpecError as error:
                 raise with_lines(error, self.path) from None
             finally:

@@ -11,6 +11,7 @@ from derive.artifacts import File, check_folder, write
 from derive.errors import SpecError
 from derive.roles import Role
 from derive.simulation.body_trajectory import BodyTrajectory
+from derive.simulation.earlier_run import read_run
 from derive.simulation.observables.csv_writer import NUMBER_WIDTH
 from derive.simulation.observables.plots import column_curves, column_text
 from derive.simulation.observables.spatial_player_data import spatial_player_data
@@ -41,9 +42,12 @@ def simulated_body(body: NodalBody, changes: Sequence[SetValue], options: argpar
     planned = [File(f"{name}/{name}.csv", "", record=record), *(File(path, "") for path in paths)]
     columns = 16 + 2 * (body.modes or 0)
     check_folder(planned, options.out, NUMBER_WIDTH * columns * rows + 1_000_000)
+    earlier = read_run(options.out, body) if options.resume else None
     progress = SimulationProgress(name, body.simulation.duration)
     try:
-        trajectory = simulate(body, integrator=options.integrator, step=options.step, progress=progress)
+        trajectory = simulate(
+            body, integrator=options.integrator, step=options.step, earlier=earlier, progress=progress
+        )
     except SpecError as error:
         raise with_lines(error, options.spec) from None
     finally:

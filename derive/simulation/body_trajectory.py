@@ -13,6 +13,7 @@ from derive.errors import Problem, SpecError
 from derive.ir.model import Model
 from derive.runtime.native_body import NativeBody
 from derive.runtime.native_call import Matrix, Vector
+from derive.simulation.earlier_run import EarlierRun
 from derive.simulation.integration.integrator import Settings
 from derive.simulation.integration.registry import INTEGRATORS
 from derive.simulation.integration.solution import Progress, Solution
@@ -66,12 +67,20 @@ class BodyTrajectory(ColumnTable):
 
 
 def simulate_body(
-    body: NodalBody, simulation: Simulation, integrator: str, step: float | None, progress: Progress | None
+    body: NodalBody,
+    simulation: Simulation,
+    integrator: str,
+    step: float | None,
+    earlier: EarlierRun | None,
+    progress: Progress | None,
 ) -> BodyTrajectory:
     """The motion of a body from its `start`; arguments as for `simulate`."""
     compile_integrator = INTEGRATORS[integrator]
     model = lower(derive(body))
     q, v = initial_vectors(model, body.start)
+    times = output_times(simulation)
+    if earlier is not None:
+        q, v, times = earlier.q, earlier.v, earlier.times(times)
     compiled = compile_integrator(model_files(model, body))
     native = compiled.native
     assert isinstance(native, NativeBody)
@@ -84,7 +93,9 @@ def simulate_body(
 
     until = stop_event(simulation, row, native, k, q, v)
     settings = Settings(tolerance=simulation.tolerance, step=step, until=until, progress=progress)
-    solution = compiled.integrate(k, q, v, output_times(simulation), settings)
+    solution = compiled.integrate(k, q, v, times, settings)
+    if earlier is not None:
+        solution = earlier.continued(model, solution)
     solution = replace(solution, notes=(*_normalised(body.start), *solution.notes))
     return BodyTrajectory(body, model, native, k, solution, run)
 

@@ -10,6 +10,7 @@ from derive.backends.model_files import model_files
 from derive.derivation import derive, lower
 from derive.errors import Problem, SpecError, quoted
 from derive.simulation.body_trajectory import BodyTrajectory, simulate_body
+from derive.simulation.earlier_run import EarlierRun
 from derive.simulation.free_beam import beam_scene
 from derive.simulation.initial.initial_state import initial_state
 from derive.simulation.inputs import DrivenScene, InputFunction, driven_integration, with_functions
@@ -38,6 +39,7 @@ def simulate(
     integrator: str = "dop853",
     step: float | None = None,
     until: str | None = None,
+    earlier: EarlierRun | None = None,
     inputs: Mapping[str, InputFunction] | None = None,
     progress: Progress | None = None,
 ) -> Trajectory: ...
@@ -53,6 +55,7 @@ def simulate(
     integrator: str = "dop853",
     step: float | None = None,
     until: str | None = None,
+    earlier: EarlierRun | None = None,
     progress: Progress | None = None,
 ) -> BodyTrajectory: ...
 
@@ -66,6 +69,7 @@ def simulate(
     integrator: str = "dop853",
     step: float | None = None,
     until: str | None = None,
+    earlier: EarlierRun | None = None,
     inputs: Mapping[str, InputFunction] | None = None,
     progress: Progress | None = None,
 ) -> Trajectory | BodyTrajectory:
@@ -76,7 +80,7 @@ def simulate(
     duration, output, tolerance: the time, s, the interval between rows, s, and the error of a step, instead of those of
     the `simulation` of the specification. integrator: a name in `INTEGRATORS`; a body takes dop853, rk45 and rk4. step:
     that of integrators with fixed steps, s; the others refuse it. until: a condition on columns that ends the motion,
-    such as "rod_phi > pi/2"; of dop853 and rk45.
+    such as "rod_phi > pi/2"; of dop853 and rk45. earlier: a run that is continued, see `read_run`; its rows come first.
     inputs: of a scene, functions of the time (s) in Python in place of those of the specification, by the names of the
     run-time inputs; that of a prescribed motion returns its first two time derivatives as well.
     progress: called with the time (s) that the integration has reached.
@@ -90,8 +94,8 @@ def simulate(
         raise TypeError(f"{what}; read its file with derive.read(...)")
     simulation = simulation_settings(spec, duration, output, tolerance, until)
     if isinstance(spec, NodalBody):
-        return simulate_body(spec, simulation, integrator, step, progress)
-    return _simulate_scene(spec, simulation, integrator, step, inputs or {}, progress)
+        return simulate_body(spec, simulation, integrator, step, earlier, progress)
+    return _simulate_scene(spec, simulation, integrator, step, earlier, inputs or {}, progress)
 
 
 def _simulate_scene(
@@ -99,6 +103,7 @@ def _simulate_scene(
     simulation: Simulation,
     integrator: str,
     step: float | None,
+    earlier: EarlierRun | None,
     inputs: Mapping[str, InputFunction],
     progress: Progress | None,
 ) -> Trajectory:
@@ -114,15 +119,20 @@ def _simulate_scene(
         integrate = driven_integration(native, integrator)
     k = native.setup()
     initial = initial_state(scene, native, k)
+    q, v, times = initial.q, initial.v, output_times(simulation)
+    if earlier is not None:
+        q, v, times = earlier.q, earlier.v, earlier.times(times)
     names = tuple(column_units(scene, model))
 
     def row(solution: Solution) -> dict[str, float]:
         values = column_values(scene, native, k, solution)
         return {name: float(column[0]) for name, column in zip(names, values, strict=True)}
 
-    until = stop_event(simulation, row, native, k, initial.q, initial.v)
+    until = stop_event(simulation, row, native, k, q, v)
     settings = Settings(tolerance=simulation.tolerance, step=step, breaks=breaks(scene), until=until, progress=progress)
-    solution = integrate(k, initial.q, initial.v, output_times(simulation), settings)
+    solution = integrate(k, q, v, times, settings)
+    if earlier is not None:
+        solution = earlier.continued(model, solution)
     motion = SceneMotion(scene, native, k, solution.t, solution.q, solution.v)
     return Trajectory(scene, model, initial, motion, solution, RunSettings(simulation, integrator, step))
 
