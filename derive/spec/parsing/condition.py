@@ -85,7 +85,10 @@ class _Columns(Parser[Evaluate]):
         self.used.add(name)
         return lambda row: row[name]
 
-    def called(self, function: str, argument: Evaluate, at: Token) -> Evaluate:
+    def called(self, function: str, arguments: tuple[Evaluate, ...], at: Token) -> Evaluate:
+        if len(arguments) != 1:
+            self.fail(at, f"{function} takes one argument, and here are {len(arguments)}")
+        (argument,) = arguments
         return lambda row: FUNCTIONS[function](argument(row))
 
     def added(self, a: Evaluate, b: Evaluate, at: Token) -> Evaluate:
