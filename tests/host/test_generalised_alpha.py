@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import ctypes
+
 import numpy as np
 import pytest
 from pendulums import DISTANCE, INERTIA, LEVEL, MASS, REST, alpha, driven, exact, fixed, gap
@@ -66,3 +68,19 @@ def test_failures_tell_what() -> None:
         alpha().run(LEVEL, REST, step=1e-3, steps=-3)
     with pytest.raises(ValueError, match="have to be vectors"):
         alpha().run([LEVEL], [REST], step=1e-3, steps=3)
+
+
+@pytest.mark.parametrize("wrong", [{"tolerance": np.nan}, {"start": np.nan}, {"start": -1.0}, {"rho": np.nan}])
+def test_options_that_make_no_sense_have_their_own_code(wrong: dict[str, float]) -> None:
+    """For programs that call the C function; a NaN as `start` must not switch the first projection off."""
+    host, q, v = alpha(), LEVEL.copy(), REST.copy()
+    k, rows, counts = host.native.setup(), np.full((2, host.width), 7.0), (ctypes.c_long * 3)()
+
+    def code(**options: float) -> int:
+        given = (ctypes.c_double * 3)(*({"rho": 0.8, "tolerance": 1e-11, "start": 1e-12} | options).values())
+        pointers = [array.ctypes.data for array in (k, q, v, rows)]
+        return int(host.library.tisserand_alpha(host.model, given, 0.0, 1e-3, 1, 1, *pointers, counts))
+
+    assert code(**wrong) == 4
+    assert np.all(rows == 7.0)
+    assert code() == 0

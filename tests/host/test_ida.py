@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from pendulums import FILES, LEVEL, REST, driven, exact, fixed, gap, ida
 
+import derive
 from derive.runtime.integrators import compilation
 from derive.runtime.integrators.c_integrator import IntegratorError
 from derive.runtime.integrators.compilation import LibraryMissing
@@ -118,3 +119,22 @@ def test_sundials_elsewhere(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> 
         assert isinstance(Ida(FILES), Ida)
     finally:
         compilation._library_flags.cache_clear()
+
+
+def test_numbers_that_are_not_finite_are_refused() -> None:
+    """A NaN as `consistent` must not switch the first projection off."""
+    for wrong in ({"consistent": np.nan}, {"rtol": np.nan}, {"interval": np.inf}, {"t0": np.nan}):
+        with pytest.raises(ValueError, match="finite numbers are needed"):
+            ida().run(LEVEL, REST, **{"interval": 0.1, "rows": 2, **wrong})
+
+
+def test_a_quaternion_is_normalised_at_the_start_and_zero_is_refused() -> None:
+    spec = derive.symbolic_body("falling", 1, frame="given", gravity=[0, 0, -9.81], lowering="flat")
+    host = Ida(derive.model_files(derive.lower(derive.derive(spec)), spec))
+    q, v = np.zeros(8), np.zeros(7)
+    q[3], v[5] = 5.0, 3.0
+    found = host.run(q, v, interval=0.5, rows=3, form=None, rtol=1e-9)
+    assert found.q[:, 3] == pytest.approx(np.cos(1.5 * found.t), abs=1e-6)
+    q[3] = 0.0
+    with pytest.raises(IntegratorError, match="falling: code 2"):
+        host.run(q, v, interval=0.5, rows=3, form=None)
