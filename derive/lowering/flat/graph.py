@@ -17,6 +17,7 @@ import sympy as sp
 
 from derive.errors import TisserandError
 from derive.ir.expressions import (
+    BINARY_OPERATORS,
     ArrayAccess,
     Expr,
     Leaf,
@@ -43,7 +44,10 @@ BINARY = {
     ca.OP_IF_ELSE_ZERO: Operator.WHEN,
 }
 MIN_DOUBLE, MAX_DOUBLE = Fraction(sys.float_info.min), Fraction(sys.float_info.max)
-WORDS = {Operator.ADD: "plus", Operator.SUB: "minus", Operator.MUL: "times", Operator.DIV: "over"}
+WORDS = {
+    **{kind: kind.value for kind in BINARY_OPERATORS},
+    **{Operator.ADD: "plus", Operator.SUB: "minus", Operator.MUL: "times", Operator.DIV: "over"},
+}
 MAX_NAME = 60
 """The longest name that a constant gets from its expression; others are numbered."""
 MAX_CONSTANT_SIZE = 9
