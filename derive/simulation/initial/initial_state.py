@@ -51,7 +51,7 @@ def initial_state(scene: Scene, native: NativeScene, k: Vector | None = None) ->
     assembly = assemble(assembler, guess, positions, lambda q: _check_deflections(scene, native, constants, q))
     balance = None
     if scene.start is not None:
-        _check_rest(scene)
+        _check_rest(scene, native)
         balance = equilibrium(native, constants, assembly.q)
         assembly = _moved(assembler, assembly, balance, positions)
     q = assembly.q
@@ -99,16 +99,19 @@ def _check_deflections(scene: Scene, native: NativeScene, k: Vector, q: Vector) 
         raise ExcessiveDeformation(excessive)
 
 
-def _check_rest(scene: Scene) -> None:
+def _check_rest(scene: Scene, native: NativeScene) -> None:
     """Raise MovingDrives if drives have a speed or an acceleration at t = 0, so that there is no static equilibrium."""
     moving = []
+    inputs = dict(zip(native.inputs, native.inputs_at(0.0), strict=True))
     for drive in scene.drives:
         if drive.speed is not None:
             rates = [si_value(drive.speed)]
         else:
             assert drive.motion is not None, "a drive has a speed or a motion"
             motion = finite_function(drive.motion, f"drives.{drive.name}.motion")
-            rates = [float(rate.subs(t, 0)) for rate in time_derivatives(motion)[1:]]
+            derivatives = time_derivatives(motion)[1:]
+            known = {s: inputs[s.name] for of in derivatives for s in of.free_symbols - {t}}
+            rates = [float(of.subs({t: 0, **known})) for of in derivatives]
         if any(rate != 0.0 for rate in rates):
             moving.append(drive.name)
     if moving:
