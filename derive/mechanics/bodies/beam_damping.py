@@ -37,10 +37,12 @@ def beam_damping(
     if damping.ratio:
         of_mass = {key: sp.Rational(c.value / mass) for key, c in masses.items()}
         roots = _roots(of_mass, {key: sp.Rational(c.value / bending) for key, c in stiffnesses.items()})
+    number, symbols = sp.expand(mass * bending).as_coeff_Mul()
+    unit = rounded(sp.sqrt(number)) * sp.sqrt(symbols)  # SymPy would keep an irrational factor such as sqrt(2)
     result = []
     for key, entry in stiffnesses.items():
         value = sp.Rational(damping.mass) * masses[key].value + sp.Rational(damping.stiffness) * entry.value
-        value += 2 * sp.Rational(damping.ratio) * sp.sqrt(mass * bending) * roots.get(key, sp.S.Zero)
+        value += 2 * sp.Rational(damping.ratio) * unit * roots.get(key, sp.S.Zero)
         zero = None if value != 0 else UNCOUPLED if roots else entry.zero or masses[key].zero
         doc = f"damping of modes {key[0]} and {key[1]}"
         result.append(ModelConstant(pair(Family.DAMPING, *key), rounded(value), "(13)", doc, "N s/m", zero))
