@@ -78,7 +78,8 @@ def _text(result: Modes, count: int) -> list[str]:
     if result.zero_eigenvalues:
         lines.append(f"  {result.zero_eigenvalues} eigenvalues are zero: motions without stiffness")
     if growing := [str(i) for i, mode in enumerate(result.modes, 1) if _grows(mode)]:
-        lines.append(f"  warning: the state is unstable; mode {', '.join(growing)} grows")
+        state = "the coefficients of this instant let" if result.speed else "warning: the state is unstable;"
+        lines.append(f"  {state} mode {', '.join(growing)} grow{'' if result.speed else 's'}")
     if len(shown) < len(result.modes):
         lines.append(f"  ... the first {len(shown)} of {len(result.modes)} modes; --count N or --json prints more")
     return [*lines, *(_shapes(result, shown) if shown else []), "", *wrapped(_state_space(result), "  ")]
@@ -142,7 +143,8 @@ def _elements(shapes: Sequence[ComplexVector], j: int) -> list[str]:
         if abs(shape[j]) < ROUNDING or np.abs(shape.imag).max() < NEGLIGIBLE:
             texts.append(_number(shape[j].real))
         else:
-            texts.append(f"{_number(abs(shape[j]))}∠{round(float(np.degrees(np.angle(shape[j]))))}°")
+            phase = round(float(np.degrees(np.angle(shape[j]))))
+            texts.append(f"{_number(abs(shape[j]))}∠{180 if phase == -180 else phase}°")
     return texts
 
 

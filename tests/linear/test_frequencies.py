@@ -90,6 +90,14 @@ def test_a_damped_pendulum() -> None:
     assert found.damping_ratios == pytest.approx([rate / (2 * np.sqrt(square))], rel=1e-9)
 
 
+def test_a_damped_beam_of_numbers_and_parameters() -> None:
+    """Each mode of the beam has its damping ratio, also where only some of its constants are numbers."""
+    stiffness = {"symbol": "EI", "unit": "N m^2", "default": 2.0}
+    rod = {**UNIT, "mass": 0.4, "bending_stiffness": stiffness, "damping": {"ratio": 0.02}}
+    found = modes(derive.scene("damped_beam", ground={}, bodies={"rod": rod}, joints={}))
+    assert found.damping_ratios[-2:] == pytest.approx([0.02, 0.02], rel=1e-9)
+
+
 def heavy_rod(gravity: float, count: int = 14) -> np.ndarray:
     """omega of the rod of `hanging_rod` by the Ritz method: EI int w''^2 + int T w'^2 with T = m g (1 - x/l)."""
     nodes, weights = np.polynomial.legendre.leggauss(2 * count)
