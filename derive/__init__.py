@@ -92,26 +92,21 @@ if TYPE_CHECKING:
         PlanarBeam,
         SymbolicBody,
     )
+    from derive.spec.model.forces import Bushing, CustomForce, Force, Spring, Torque
+    from derive.spec.model.markers import MarkerRef, PointMarker
     from derive.spec.model.scene import (
         BeamBody,
-        Bushing,
         CustomBody,
-        CustomForce,
         CustomJoint,
         Deflection,
         DistributedLoad,
         Drive,
-        Force,
         Joint,
         JointInitialValues,
-        MarkerRef,
         Plot,
-        PointMarker,
         ReferenceCurve,
         RigidBody,
         Scene,
-        Spring,
-        Torque,
     )
     from derive.spec.model.simulation import InitialValues, Simulation, SpatialStart
     from derive.spec.model.time_function import TimeFunction
@@ -195,26 +190,30 @@ _MODULES = {
         "PlanarBeam",
         "SymbolicBody",
     ),
+    "derive.spec.model.forces": (
+        "Bushing",
+        "CustomForce",
+        "Force",
+        "Spring",
+        "Torque",
+    ),
+    "derive.spec.model.markers": (
+        "MarkerRef",
+        "PointMarker",
+    ),
     "derive.spec.model.scene": (
         "BeamBody",
-        "Bushing",
         "CustomBody",
-        "CustomForce",
         "CustomJoint",
         "Deflection",
         "DistributedLoad",
         "Drive",
-        "Force",
         "Joint",
         "JointInitialValues",
-        "MarkerRef",
         "Plot",
-        "PointMarker",
         "ReferenceCurve",
         "RigidBody",
         "Scene",
-        "Spring",
-        "Torque",
     ),
     "derive.spec.model.simulation": (
         "InitialValues",

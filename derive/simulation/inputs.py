@@ -17,7 +17,8 @@ from derive.simulation.errors import SimulationError
 from derive.simulation.integration.integrator import Settings
 from derive.simulation.integration.scipy_methods import integrate
 from derive.simulation.integration.solution import Solution
-from derive.spec.model.scene import CustomForce, Force, Scene, Torque
+from derive.spec.model.forces import CustomForce, Force, Torque
+from derive.spec.model.scene import Scene
 from derive.spec.model.time_function import TimeFunction
 
 InputFunction = Callable[[float], float | Sequence[float]]

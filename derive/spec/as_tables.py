@@ -19,30 +19,25 @@ from derive.spec.model.body import (
     PlanarBeam,
     SymbolicBody,
 )
+from derive.spec.model.forces import Bushing, CustomForce, Force, Spring, Torque
+from derive.spec.model.markers import MarkerRef, PointMarker
 from derive.spec.model.ports import SceneOutput
 from derive.spec.model.scene import (
     NAMED,
     BeamBody,
-    Bushing,
     ColumnCurves,
     CustomBody,
-    CustomForce,
     CustomJoint,
     DistributedLoad,
     Drive,
-    Force,
     Joint,
     JointInitialValues,
-    MarkerRef,
     Plot,
-    PointMarker,
     ReferenceCurve,
     RigidBody,
     Scene,
     SceneInput,
     Specification,
-    Spring,
-    Torque,
 )
 from derive.spec.model.scene_functions import function_parameters, input_functions, time_functions
 from derive.spec.model.simulation import InitialValues, Simulation, SpatialStart

@@ -29,23 +29,10 @@ from derive.spec.model.body import (
     SymbolicBody,
     SymbolicFrame,
 )
+from derive.spec.model.forces import Bushing, CustomForce, Force, Spring, Torque
+from derive.spec.model.markers import PointMarker
 from derive.spec.model.ports import SceneOutput
-from derive.spec.model.scene import (
-    NAMED,
-    Bushing,
-    CustomForce,
-    Drive,
-    Force,
-    Joint,
-    Plot,
-    PointMarker,
-    Scene,
-    SceneBody,
-    SceneInput,
-    Specification,
-    Spring,
-    Torque,
-)
+from derive.spec.model.scene import NAMED, Drive, Joint, Plot, Scene, SceneBody, SceneInput, Specification
 from derive.spec.model.simulation import Simulation
 
 Number = int | float | Fraction | str

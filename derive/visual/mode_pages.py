@@ -12,7 +12,7 @@ from derive.simulation.observables.motion import Array, body_coordinates
 from derive.simulation.observables.player_data import player_data
 from derive.simulation.observables.spatial_player_data import body_data, body_motion_data, drawn_body
 from derive.spec.model.body import NodalBody, SymbolicBody
-from derive.spec.model.scene import GROUND, MarkerRef
+from derive.spec.model.markers import GROUND, MarkerRef
 from derive.visual.mode_shapes import ModePanel, mode_picture
 from derive.visual.player import motions_page, spatial_motions_page
 

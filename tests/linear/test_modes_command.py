@@ -21,7 +21,7 @@ from derive.simulation.linear.displaced import displaced, mode_lines
 from derive.simulation.linear.modes import Modes
 from derive.simulation.observables.motion import marker_positions
 from derive.simulation.observables.spatial_player_data import drawn_body
-from derive.spec.model.scene import MarkerRef
+from derive.spec.model.markers import MarkerRef
 from derive.visual.mode_pages import modes_page, modes_picture
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")

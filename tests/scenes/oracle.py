@@ -15,7 +15,7 @@ import numpy as np
 from kinematics import DIGITS, Kinematics, Real, pose
 from shapes import at, gauss
 
-from derive.spec.model.scene import GROUND
+from derive.spec.model.markers import GROUND
 
 STEP = mpmath.mpf(10) ** -12
 

@@ -13,7 +13,8 @@ from derive.simulation.observables.beams import piece_at, relative_deflection
 from derive.simulation.observables.motion import deviation, drive_values, function_values, marker_positions
 from derive.simulation.observables.plots import percent, plot_curve, plot_text
 from derive.simulation.output_times import output_times
-from derive.spec.model.scene import BeamBody, Drive, MarkerRef, ReferenceCurve
+from derive.spec.model.markers import MarkerRef
+from derive.spec.model.scene import BeamBody, Drive, ReferenceCurve
 from derive.spec.model.simulation import Simulation
 from derive.spec.model.time_function import TimeFunction
 from derive.visual.line_chart import svg

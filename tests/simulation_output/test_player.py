@@ -17,7 +17,8 @@ from derive.artifacts import MARK
 from derive.simulation.observables.csv_writer import Column
 from derive.simulation.observables.motion import SceneMotion, marker_positions
 from derive.simulation.observables.player_data import MAX_FRAMES, player_data, speeds
-from derive.spec.model.scene import MarkerRef, PointMarker, RigidBody
+from derive.spec.model.markers import MarkerRef, PointMarker
+from derive.spec.model.scene import RigidBody
 from derive.visual.player import json_island, player_page
 
 EVIL = "</script><script>alert(1)</script>&<!--"

@@ -36,7 +36,8 @@ from derive.mechanics.symbols import DOTS, Symbol, element, t
 from derive.mechanics.terms import Eliminated, Intermediate, ModelConstant, ParameterSymbol
 from derive.mechanics.time_functions import TimeOperation
 from derive.spec.model.body import Parameter, Quantity
-from derive.spec.model.scene import GROUND, NAMED, CustomJoint, Drive, Joint, MarkerRef, Scene, SceneBody
+from derive.spec.model.markers import GROUND, MarkerRef
+from derive.spec.model.scene import NAMED, CustomJoint, Drive, Joint, Scene, SceneBody
 from derive.spec.model.scene_functions import function_parameters, time_functions
 from derive.spec.model.time_function import TimeFunction
 

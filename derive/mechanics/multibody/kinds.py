@@ -17,7 +17,9 @@ from derive.mechanics.multibody.coordinates import CoordinateMap
 from derive.mechanics.multibody.forces.force_type import ForceType
 from derive.mechanics.multibody.joints.joint_type import JointType, PrescribedMotion
 from derive.mechanics.terms import ModelConstant
-from derive.spec.model.scene import Joint, MarkerRef, SceneForce
+from derive.spec.model.forces import SceneForce
+from derive.spec.model.markers import MarkerRef
+from derive.spec.model.scene import Joint
 
 
 @dataclass(frozen=True)

@@ -34,7 +34,8 @@ from derive.mechanics.terms import (
     Pose,
     Term,
 )
-from derive.spec.model.scene import GROUND, MarkerRef, Scene
+from derive.spec.model.markers import GROUND, MarkerRef
+from derive.spec.model.scene import Scene
 from derive.spec.model.scene_functions import splines
 
 BETWEEN_BODIES = "the mass matrix is block-diagonal, because joints couple bodies through constraints"

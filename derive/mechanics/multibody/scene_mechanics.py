@@ -19,7 +19,8 @@ from derive.mechanics.multibody.kinds import EliminatedJoint, ForceInstance, Joi
 from derive.mechanics.multibody.point_motion import PointMotion, RelativeMotion
 from derive.mechanics.symbols import local
 from derive.mechanics.terms import Constraint, EquationOfMotion
-from derive.spec.model.scene import GROUND, Drive, Joint, MarkerRef, Scene
+from derive.spec.model.markers import GROUND, MarkerRef
+from derive.spec.model.scene import Drive, Joint, Scene
 
 Part = Callable[[MarkerRef], bool]
 """Whether a marker belongs to a part of a mechanism."""

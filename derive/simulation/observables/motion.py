@@ -13,18 +13,8 @@ from scipy.interpolate import CubicSpline
 from derive.mechanics.multibody.joints.registry import JOINTS
 from derive.runtime.native_scene import NativeScene
 from derive.spec.model.body import Parameter, Quantity
-from derive.spec.model.scene import (
-    GROUND,
-    BeamBody,
-    CustomBody,
-    Deflection,
-    Drive,
-    MarkerRef,
-    PointMarker,
-    ReferenceCurve,
-    RigidBody,
-    Scene,
-)
+from derive.spec.model.markers import GROUND, MarkerRef, PointMarker
+from derive.spec.model.scene import BeamBody, CustomBody, Deflection, Drive, ReferenceCurve, RigidBody, Scene
 from derive.spec.model.time_function import TimeFunction, value_at
 
 Array = NDArray[np.float64]

@@ -31,7 +31,8 @@ from derive.simulation.observables.motion import (
     outline,
     transformed,
 )
-from derive.spec.model.scene import GROUND, BeamBody, Joint, MarkerRef, Scene
+from derive.spec.model.markers import GROUND, MarkerRef
+from derive.spec.model.scene import BeamBody, Joint, Scene
 
 Plain = dict[str, Any]
 

@@ -14,7 +14,8 @@ from derive.spec.checks.initial_values import body_start_faults, joint_start_fau
 from derive.spec.checks.name_clashes import column_faults, name_faults
 from derive.spec.checks.scene_data import Raw, SceneData
 from derive.spec.checks.scene_parameters import parameter_faults
-from derive.spec.model.scene import GROUND, NAMED, MarkerRef
+from derive.spec.model.markers import GROUND, MarkerRef
+from derive.spec.model.scene import NAMED
 from derive.spec.parsing.faults import Fault, KeyPath, did_you_mean
 from derive.spec.tables.scene_bodies import RigidTable
 

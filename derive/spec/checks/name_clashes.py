@@ -15,7 +15,8 @@ from derive.mechanics.multibody.keys import quantities
 from derive.mechanics.multibody.outputs.registry import OUTPUTS
 from derive.spec.checks.scene_data import Raw, SceneData
 from derive.spec.model.body import DEFAULT_ANSATZ
-from derive.spec.model.scene import GROUND, NAMED
+from derive.spec.model.markers import GROUND
+from derive.spec.model.scene import NAMED
 from derive.spec.parsing import scene_values
 from derive.spec.parsing.faults import Fault, KeyPath, readable
 from derive.spec.parsing.names import name_problem

@@ -9,7 +9,8 @@ from typing import NamedTuple
 from derive.mechanics.multibody.forces.registry import DEFAULT_KINDS, kinds
 from derive.mechanics.multibody.keys import KeyType
 from derive.mechanics.multibody.outputs.registry import OUTPUTS
-from derive.spec.model.scene import GROUND, NAMED, MarkerRef
+from derive.spec.model.markers import GROUND, MarkerRef
+from derive.spec.model.scene import NAMED
 from derive.spec.parsing import scene_values
 from derive.spec.parsing.faults import KeyPath, readable
 from derive.spec.tables.markers import MAX_NAMED

@@ -13,7 +13,8 @@ from derive.mechanics.multibody.keys import Key, quantities
 from derive.spec.checks.name_clashes import taken_names
 from derive.spec.checks.scene_data import SceneData
 from derive.spec.model.body import BEAM_QUANTITIES, DEFAULT_MASS
-from derive.spec.model.scene import GROUND, NAMED
+from derive.spec.model.markers import GROUND
+from derive.spec.model.scene import NAMED
 from derive.spec.parsing import values
 from derive.spec.parsing.faults import Fault, KeyPath, readable
 from derive.spec.parsing.names import name_problem

@@ -8,12 +8,11 @@ from fractions import Fraction
 from typing import ClassVar, Literal
 
 from derive.spec.model.body import Marker, NodalBody, PlanarBeam, Polynomial, Quantity, SymbolicBody
+from derive.spec.model.forces import Bushing, CustomForce, Force, ForceFrame, Spring, Torque
+from derive.spec.model.markers import MarkerRef, PointMarker
 from derive.spec.model.ports import SceneOutput
 from derive.spec.model.simulation import NOT_GIVEN, InitialValues, Simulation
 from derive.spec.model.time_function import TimeFunction
-
-GROUND = "ground"
-"""The name under which joints and forces speak of the inertial base."""
 
 NAMED = {
     "bodies": "body",
@@ -39,20 +38,6 @@ class SceneInput:
     name: str
     unit: str = ""
     function: TimeFunction | None = None
-
-
-ForceFrame = Literal["inertial", "body"]
-FORCE_FRAMES: tuple[ForceFrame, ...] = ("inertial", "body")
-"""The frames that the components of a force may be in."""
-
-
-@dataclass(frozen=True)
-class PointMarker:
-    """A named material point of a rigid body or of the ground, with its coordinates in the base of that body."""
-
-    name: str
-    x: Quantity
-    y: Quantity
 
 
 SceneStart = Literal["equilibrium"]
@@ -148,17 +133,6 @@ SceneBody = RigidBody | BeamBody | CustomBody
 
 
 @dataclass(frozen=True)
-class MarkerRef:
-    """A marker of a body, or of the ground."""
-
-    body: str
-    marker: str
-
-    def __str__(self) -> str:
-        return f"{self.body}.{self.marker}"
-
-
-@dataclass(frozen=True)
 class Joint:
     """A joint between two markers. Its multipliers are the force and the torque it exerts on the second body.
 
@@ -194,112 +168,6 @@ class Drive:
     speed: Quantity | None = None
     offset: Fraction = Fraction(0)
     start: JointInitialValues = JointInitialValues()
-
-
-@dataclass(frozen=True)
-class Force:
-    """A force at a marker, with components that are functions of t.
-
-    `frame` is that of the components: the inertial frame, or that of the section of the body at the marker.
-    """
-
-    name: str
-    at: MarkerRef
-    components: tuple[TimeFunction, TimeFunction]
-    frame: ForceFrame = "inertial"
-    kind: ClassVar[str] = "force"
-
-    @property
-    def markers(self) -> tuple[MarkerRef]:
-        """The marker it acts at."""
-        return (self.at,)
-
-
-@dataclass(frozen=True)
-class Torque:
-    """A torque at a marker, a function of t; its reaction acts at `against`, if that is given."""
-
-    name: str
-    at: MarkerRef
-    value: TimeFunction
-    against: MarkerRef | None = None
-    kind: ClassVar[str] = "torque"
-
-    @property
-    def markers(self) -> tuple[MarkerRef, ...]:
-        """The marker it acts at, and that of its reaction, if there is one."""
-        return (self.at,) if self.against is None else (self.at, self.against)
-
-
-@dataclass(frozen=True)
-class Spring:
-    """A spring with a damper between two markers: along the line between them, or `rotational`, about e3.
-
-    `kind` is a name of the registry of forces. With the extension x = length - rest its force is stiffness * x +
-    quadratic * x^2 + cubic * x^3 + quartic * x^4 + quintic * x^5 + damping * (rate of the length); for rotational ones
-    the length is the rotation of the second marker against the first.
-    """
-
-    name: str
-    kind: str
-    first: MarkerRef
-    second: MarkerRef
-    stiffness: Quantity
-    damping: Quantity = Fraction(0)
-    rest: Quantity = Fraction(0)
-    quadratic: Quantity = Fraction(0)
-    cubic: Quantity = Fraction(0)
-    quartic: Quantity = Fraction(0)
-    quintic: Quantity = Fraction(0)
-
-    @property
-    def markers(self) -> tuple[MarkerRef, MarkerRef]:
-        """Its two ends."""
-        return (self.first, self.second)
-
-
-@dataclass(frozen=True)
-class Bushing:
-    """Linear springs with dampers between two markers: along both axes of the section at the first, and about e3.
-
-    The forces are stiffness * (displacement - rest) + damping * (rate), where displacement and rate are those of the
-    second marker relative to the first, in the frame of the section there; the torque likewise with the rotation.
-    """
-
-    name: str
-    first: MarkerRef
-    second: MarkerRef
-    stiffness_x: Quantity = Fraction(0)
-    stiffness_y: Quantity = Fraction(0)
-    stiffness_rotation: Quantity = Fraction(0)
-    damping_x: Quantity = Fraction(0)
-    damping_y: Quantity = Fraction(0)
-    damping_rotation: Quantity = Fraction(0)
-    rest_x: Quantity = Fraction(0)
-    rest_y: Quantity = Fraction(0)
-    rest_rotation: Quantity = Fraction(0)
-    kind: ClassVar[str] = "bushing"
-
-    @property
-    def markers(self) -> tuple[MarkerRef, MarkerRef]:
-        """Its two ends."""
-        return (self.first, self.second)
-
-
-@dataclass(frozen=True)
-class CustomForce:
-    """A force, torque or spring of a kind that is registered from outside the package.
-
-    `markers` are those that it acts at; `values` are those of the keys of the kind.
-    """
-
-    name: str
-    kind: str
-    markers: tuple[MarkerRef, ...]
-    values: Mapping[str, object] = field(default_factory=dict, hash=False)
-
-
-SceneForce = Force | Torque | Spring | Bushing | CustomForce
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ from dataclasses import replace
 from fractions import Fraction
 
 from derive.errors import quoted
-from derive.spec.model.scene import MarkerRef
+from derive.spec.model.markers import MarkerRef
 from derive.spec.model.time_function import TimeFunction
 from derive.spec.parsing import values
 from derive.spec.parsing.condition import condition

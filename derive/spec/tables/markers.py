@@ -8,7 +8,7 @@ from typing import Annotated
 
 from pydantic import AfterValidator, BeforeValidator, Field, PlainValidator, ValidationInfo, WithJsonSchema
 
-from derive.spec.model.scene import MarkerRef
+from derive.spec.model.markers import MarkerRef
 from derive.spec.model.time_function import TimeFunction
 from derive.spec.parsing import scene_values, values
 from derive.spec.parsing.parser import MAX_LENGTH

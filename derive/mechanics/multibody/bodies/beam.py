@@ -12,7 +12,9 @@ from derive.mechanics.multibody.bodies.beam_loads import load_forces, load_point
 from derive.mechanics.multibody.bodies.body_type import BodyType, Component, Constant, CrossSection
 from derive.mechanics.terms import ModelConstant
 from derive.spec.model.body import Marker
-from derive.spec.model.scene import BeamBody, Force, Joint, MarkerRef
+from derive.spec.model.forces import Force
+from derive.spec.model.markers import MarkerRef
+from derive.spec.model.scene import BeamBody, Joint
 
 CUT = ("cut_left", "cut_right")
 """The ends at which pieces are welded together."""

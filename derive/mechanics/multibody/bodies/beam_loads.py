@@ -20,7 +20,9 @@ from derive.mechanics.multibody.bodies.body_type import CrossSection
 from derive.mechanics.symbols import Family, Identity, Symbol
 from derive.mechanics.terms import ModelConstant
 from derive.spec.model.body import Parameter, Polynomial, Quantity
-from derive.spec.model.scene import BeamBody, DistributedLoad, Force, MarkerRef
+from derive.spec.model.forces import Force
+from derive.spec.model.markers import MarkerRef
+from derive.spec.model.scene import BeamBody, DistributedLoad
 from derive.spec.model.time_function import TimeFunction
 
 

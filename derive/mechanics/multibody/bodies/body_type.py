@@ -12,7 +12,9 @@ from derive.mechanics.motion.material_points import MaterialPoint
 from derive.mechanics.multibody.keys import Key
 from derive.mechanics.terms import ModelConstant
 from derive.spec.model.body import Quantity
-from derive.spec.model.scene import Force, Joint, MarkerRef, SceneBody
+from derive.spec.model.forces import Force
+from derive.spec.model.markers import MarkerRef
+from derive.spec.model.scene import Joint, SceneBody
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,8 @@ from derive.mechanics import quantity
 from derive.mechanics.bodies.rigid import rigid_body, rigid_point
 from derive.mechanics.multibody.bodies.body_type import BodyType, Component, Constant, CrossSection
 from derive.mechanics.terms import ModelConstant
-from derive.spec.model.scene import PointMarker, RigidBody
+from derive.spec.model.markers import PointMarker
+from derive.spec.model.scene import RigidBody
 
 BODY_FRAME = "base"
 """The name of the origin of the body frame, from which markers count, as a point of the body."""

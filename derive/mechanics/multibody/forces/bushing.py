@@ -21,7 +21,8 @@ from derive.mechanics.multibody.keys import Key, KeyType
 from derive.mechanics.multibody.point_motion import PointMotion, RelativeMotion
 from derive.mechanics.symbols import element as element_symbol
 from derive.mechanics.terms import EquationOfMotion, Intermediate
-from derive.spec.model.scene import Bushing, MarkerRef
+from derive.spec.model.forces import Bushing
+from derive.spec.model.markers import MarkerRef
 
 DIRECTIONS = {"x": ("along x", "N", "m"), "y": ("along y", "N", "m"), "rotation": ("about e3", "N m", "rad")}
 """The relative motions, with the units of force and displacement, in the frame of the section at the first marker."""

@@ -19,7 +19,8 @@ from derive.mechanics.multibody.keys import Key, KeyType
 from derive.mechanics.multibody.point_motion import PointMotion
 from derive.mechanics.symbols import element as element_symbol
 from derive.mechanics.terms import EquationOfMotion, Intermediate
-from derive.spec.model.scene import FORCE_FRAMES, Force, MarkerRef
+from derive.spec.model.forces import FORCE_FRAMES, Force
+from derive.spec.model.markers import MarkerRef
 
 
 class ForceAtMarker(ForceType[Force]):

@@ -14,7 +14,8 @@ from derive.mechanics.multibody.point_motion import PointMotion
 from derive.mechanics.quantity import rounded
 from derive.mechanics.symbols import Symbol, element
 from derive.mechanics.terms import EquationOfMotion, Intermediate, Term
-from derive.spec.model.scene import CustomForce, MarkerRef, SceneForce
+from derive.spec.model.forces import CustomForce, SceneForce
+from derive.spec.model.markers import MarkerRef
 
 F = TypeVar("F", bound=SceneForce)
 

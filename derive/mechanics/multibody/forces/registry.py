@@ -12,7 +12,8 @@ from derive.mechanics.multibody.forces.linear_spring import LinearSpring
 from derive.mechanics.multibody.forces.rotational_spring import RotationalSpring
 from derive.mechanics.multibody.forces.torque import TorqueAtMarker
 from derive.registry import Registry
-from derive.spec.model.scene import Scene, SceneForce
+from derive.spec.model.forces import SceneForce
+from derive.spec.model.scene import Scene
 
 FORCES: Registry[ForceType[Any]] = Registry(
     "force",

@@ -9,7 +9,7 @@ from derive.mechanics.multibody.forces.spring_type import SpringType, characteri
 from derive.mechanics.multibody.point_motion import PointMotion, RelativeMotion
 from derive.mechanics.symbols import element as element_symbol
 from derive.mechanics.terms import EquationOfMotion, Intermediate
-from derive.spec.model.scene import Spring
+from derive.spec.model.forces import Spring
 
 
 class RotationalSpring(SpringType):

@@ -10,7 +10,8 @@ import sympy as sp
 
 from derive.mechanics.multibody.forces.force_type import ForceType, Values
 from derive.mechanics.multibody.keys import Key, KeyType
-from derive.spec.model.scene import MarkerRef, Spring
+from derive.spec.model.forces import Spring
+from derive.spec.model.markers import MarkerRef
 
 POWERS = {"quadratic": 2, "cubic": 3, "quartic": 4, "quintic": 5}
 """The keys of the coefficients of the characteristic beyond the stiffness, with the powers of the extension."""

@@ -10,7 +10,8 @@ from derive.mechanics.multibody.keys import Key, KeyType
 from derive.mechanics.multibody.point_motion import PointMotion
 from derive.mechanics.symbols import element as element_symbol
 from derive.mechanics.terms import EquationOfMotion, Intermediate
-from derive.spec.model.scene import MarkerRef, Torque
+from derive.spec.model.forces import Torque
+from derive.spec.model.markers import MarkerRef
 
 
 class TorqueAtMarker(ForceType[Torque]):

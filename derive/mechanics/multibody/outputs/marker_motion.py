@@ -12,7 +12,7 @@ from derive.mechanics.multibody.outputs.output_type import OutputComponent, Outp
 from derive.mechanics.multibody.point_motion import PointMotion, RelativeMotion
 from derive.mechanics.multibody.scene_mechanics import SceneMechanics
 from derive.mechanics.time_functions import Atan2
-from derive.spec.model.scene import MarkerRef
+from derive.spec.model.markers import MarkerRef
 
 MARKER = Key("marker", KeyType.MARKER, "", 'The marker, such as "rod.right".', required=True)
 FRAME = Key(

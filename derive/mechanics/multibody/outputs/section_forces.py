@@ -28,7 +28,8 @@ from derive.mechanics.multibody.outputs.output_type import OutputComponent, Outp
 from derive.mechanics.multibody.scene_mechanics import NOTHING, Resultant, SceneMechanics
 from derive.mechanics.symbols import element
 from derive.mechanics.terms import ModelConstant
-from derive.spec.model.scene import BeamBody, MarkerRef
+from derive.spec.model.markers import MarkerRef
+from derive.spec.model.scene import BeamBody
 
 SECTION = Key("section", KeyType.BEAM_MARKER, "", 'A marker of a beam, such as "rod.middle".', required=True)
 HEIGHT = Key(

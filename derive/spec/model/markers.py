@@ -1,0 +1,30 @@
+"""Markers: named points of bodies and of the ground, and references to them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from derive.spec.model.body import Quantity
+
+GROUND = "ground"
+"""The name under which joints and forces speak of the inertial base."""
+
+
+@dataclass(frozen=True)
+class PointMarker:
+    """A named material point of a rigid body or of the ground, with its coordinates in the base of that body."""
+
+    name: str
+    x: Quantity
+    y: Quantity
+
+
+@dataclass(frozen=True)
+class MarkerRef:
+    """A marker of a body, or of the ground."""
+
+    body: str
+    marker: str
+
+    def __str__(self) -> str:
+        return f"{self.body}.{self.marker}"
