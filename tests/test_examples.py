@@ -98,6 +98,8 @@ def test_every_example_is_checked() -> None:
 INDEX = """\
 # Examples
 
+[double_pendulum.c](double_pendulum.c) simulates a scene in C.
+
 Each script prints a number that a test compares with theory, a published value or an independent computation. Run it
 with `.venv/bin/python examples/NAME.py`. Scripts that draw a picture take a folder for it as an argument.
 

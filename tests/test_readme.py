@@ -24,7 +24,7 @@ def outputs(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
 
 def test_commands_run(outputs: dict[str, str]) -> None:
     commands = [line for block in blocks(README, "sh") for line in block.commands()]
-    assert len(commands) == 5 and "make run" in commands[0]
+    assert len(commands) == 6 and "make run" in commands[0]
     assert RUN_BY_CI in README.read_text()
     assert "5 of 25 structural non-zeros" in "".join(outputs.values())
 

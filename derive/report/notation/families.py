@@ -231,6 +231,11 @@ def _named(known: Identity, above: tuple[str, ...]) -> TypesetSymbol:
     return TypesetSymbol(Rank.CONSTANT, Name(name.text, below=(below,) if below else (), above=above, style=name.style))
 
 
+def _input(known: Identity, above: tuple[str, ...]) -> TypesetSymbol:
+    """u of a run-time input, with its name below."""
+    return TypesetSymbol(Rank.CONSTANT, Name("u", known.derivative, (known.label,), above))
+
+
 WRITERS: dict[Family, Callable[[Identity, tuple[str, ...]], TypesetSymbol]] = {
     Family.TRANSLATION: _motion("c"),
     Family.ANGLE: _motion("phi"),
@@ -261,6 +266,7 @@ WRITERS: dict[Family, Callable[[Identity, tuple[str, ...]], TypesetSymbol]] = {
     Family.SECTION_ROTATION: _of_point("theta"),
     Family.RADIUS: _moving_point("r"),
     Family.LEVER: _moving_point("s"),
+    Family.INPUT: _input,
     Family.PARAMETER: _named,
     Family.ELEMENT: _named,
     Family.TIME: _named,
