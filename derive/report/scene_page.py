@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from derive.backends.source_map import source_map
 from derive.mechanics.equations import Equations
 from derive.mechanics.multibody.bodies.beam import piece_name
-from derive.mechanics.multibody.mechanism import BETWEEN_BODIES
+from derive.mechanics.multibody.mechanism_text import BETWEEN_BODIES
 from derive.mechanics.symbols import identity
 from derive.mechanics.terms import Reason
 from derive.pipeline import Built

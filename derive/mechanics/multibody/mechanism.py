@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from itertools import chain
 
@@ -11,25 +11,24 @@ import sympy as sp
 
 from derive.errors import Problem, SpecError
 from derive.mechanics.equations import Equations
-from derive.mechanics.multibody.bodies.registry import BODIES
 from derive.mechanics.multibody.bodies.rigid import BODY_FRAME
 from derive.mechanics.multibody.constraints import constraints
 from derive.mechanics.multibody.instances import InstanceEquations, instance_equations
 from derive.mechanics.multibody.kinds import BodyInstance, BodyKind, EliminatedJoint, ForceInstance, JointInstance
+from derive.mechanics.multibody.mechanism_text import frame_doc, mechanism_doc
 from derive.mechanics.multibody.outputs.output_type import OutputInstance
 from derive.mechanics.multibody.point_motion import PointMotion, RelativeMotion
+from derive.mechanics.multibody.ports import input_symbols, output_equations
 from derive.mechanics.multibody.scene_mechanics import SceneMechanics
-from derive.mechanics.symbols import DOTS, run_time_input, t
+from derive.mechanics.symbols import t
 from derive.mechanics.terms import (
     Constraint,
-    Coordinate,
     Eliminated,
     EquationOfMotion,
     InputSymbol,
     Intermediate,
     MarkerEquations,
     ModelConstant,
-    OutputEquation,
     ParameterSymbol,
     Pose,
     Term,
@@ -37,8 +36,6 @@ from derive.mechanics.terms import (
 from derive.spec.model.markers import GROUND, MarkerRef
 from derive.spec.model.scene import Scene
 from derive.spec.model.scene_functions import splines
-
-BETWEEN_BODIES = "the mass matrix is block-diagonal, because joints couple bodies through constraints"
 
 Instances = Mapping[str, InstanceEquations]
 
@@ -125,33 +122,6 @@ def _expanded(mechanism: Mechanism) -> Equations:
     return _gathered(mechanism, parts, rows, definitions)
 
 
-def _inputs(scene: Scene) -> tuple[InputSymbol, ...]:
-    """The run-time inputs; those that drives prescribe motions by have two time derivatives."""
-    motions = {drive.motion.name for drive in scene.drives if drive.motion and drive.motion.kind == "input"}
-    result = []
-    for given in scene.inputs:
-        for order in range(3 if given.name in motions else 1):
-            unit = given.unit + ("", "/s", "/s^2")[order] if given.unit else ""
-            doc = f"{('', 'time derivative of ', 'second time derivative of ')[order]}input {given.name}"
-            result.append(InputSymbol(run_time_input(given.name, order), f"{given.name}{DOTS[order]}", doc, unit))
-    return tuple(result)
-
-
-def _outputs(
-    mechanism: Mechanism, parts: SceneMechanics
-) -> tuple[tuple[OutputEquation, ...], tuple[ModelConstant, ...]]:
-    """The components of all outputs, and the constants that only these have."""
-    equations: list[OutputEquation] = []
-    constants: list[ModelConstant] = []
-    for output in mechanism.outputs:
-        made = output.type.components(output.name, output.values, parts)
-        for part in made.components:
-            name = f"{output.name}_{part.label}" if part.label else output.name
-            equations.append(OutputEquation(name, part.unit, part.doc, part.expr))
-        constants += made.constants
-    return tuple(equations), tuple(constants)
-
-
 def _instances(mechanism: Mechanism) -> Instances:
     result, groups = {}, set()
     for instance in mechanism.instances:
@@ -182,9 +152,9 @@ def _gathered(
 ) -> Equations:
     scene, instances, conditions, forces = parts.scene, parts.instances, parts.constraints, parts.generalised
     bodies = list(instances.values())
-    inputs = _inputs(scene)
+    inputs = input_symbols(scene)
     moving = _moving(definitions, inputs)
-    outputs, of_outputs = _outputs(mechanism, parts)
+    outputs, of_outputs = output_equations(mechanism.outputs, parts)
     coefficients = (*_coefficients(mechanism, bodies), *of_outputs)
     _distinct(rows, conditions, coefficients, definitions)
 
@@ -199,8 +169,8 @@ def _gathered(
     coordinates = tuple(c for b in bodies for c in b.coordinates)
     return Equations(
         name=scene.name,
-        doc=_doc(scene, coordinates, conditions),
-        frame_doc=_frame_doc(mechanism),
+        doc=mechanism_doc(scene, coordinates, conditions),
+        frame_doc=frame_doc(mechanism.instances, scene),
         coordinates=coordinates,
         rows=rows,
         rates=tuple(row.v for row in rows),
@@ -309,28 +279,3 @@ def _mass(rows: tuple[EquationOfMotion, ...], terms: tuple[Term, ...]) -> sp.Imm
 def _of_time(body: InstanceEquations, moving: frozenset[sp.Symbol]) -> bool:
     """Whether energy or momentum of a body depend on time explicitly, because a drive prescribes its support."""
     return any(e.free_symbols & moving for e in (*body.energies, *body.linear, *body.angular))
-
-
-def _frame_doc(mechanism: Mechanism) -> str:
-    """The description of the frames of the bodies for users of the generated code."""
-    groups = Counter(instance.component.group for instance in mechanism.instances)
-    firsts: dict[str, str] = {}
-    for instance in mechanism.instances:
-        firsts.setdefault(instance.component.group, instance.name)
-    cut = [first for group, first in firsts.items() if groups[group] > 1]
-    alike = f" The statements about {', '.join(cut)} hold for the other pieces as well." if cut else ""
-    centre = "For beams, c is the position of the centre of the undeformed beam."
-    texts = (BODIES[body.kind].note(body) for body in mechanism.scene.bodies)
-    notes = "".join(f"\n{text}" for text in texts if text)
-    return f"{centre}{notes}\nFor several bodies {BETWEEN_BODIES}.{alike}"
-
-
-def _doc(scene: Scene, coordinates: tuple[Coordinate, ...], conditions: tuple[Constraint, ...]) -> str:
-    return (
-        f"scene of {_count(scene.bodies, 'planar bod', 'y', 'ies')}: {_count(coordinates, 'coordinate')}, "
-        f"{_count(conditions, 'constraint')}, {_count(coordinates[len(conditions) :], 'degree')} of freedom"
-    )
-
-
-def _count(things: Sequence[object], noun: str, singular: str = "", plural: str = "s") -> str:
-    return f"{len(things)} {noun}{singular if len(things) == 1 else plural}"

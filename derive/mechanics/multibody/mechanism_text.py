@@ -1,0 +1,39 @@
+"""The description of a mechanism for users of the generated code."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+
+from derive.mechanics.multibody.bodies.registry import BODIES
+from derive.mechanics.multibody.kinds import BodyInstance
+from derive.mechanics.terms import Constraint, Coordinate
+from derive.spec.model.scene import Scene
+
+BETWEEN_BODIES = "the mass matrix is block-diagonal, because joints couple bodies through constraints"
+
+
+def frame_doc(instances: Sequence[BodyInstance], scene: Scene) -> str:
+    """The description of the frames of the bodies for users of the generated code."""
+    groups = Counter(instance.component.group for instance in instances)
+    firsts: dict[str, str] = {}
+    for instance in instances:
+        firsts.setdefault(instance.component.group, instance.name)
+    cut = [first for group, first in firsts.items() if groups[group] > 1]
+    alike = f" The statements about {', '.join(cut)} hold for the other pieces as well." if cut else ""
+    centre = "For beams, c is the position of the centre of the undeformed beam."
+    texts = (BODIES[body.kind].note(body) for body in scene.bodies)
+    notes = "".join(f"\n{text}" for text in texts if text)
+    return f"{centre}{notes}\nFor several bodies {BETWEEN_BODIES}.{alike}"
+
+
+def mechanism_doc(scene: Scene, coordinates: tuple[Coordinate, ...], conditions: tuple[Constraint, ...]) -> str:
+    """What a mechanism consists of, in a line."""
+    return (
+        f"scene of {_count(scene.bodies, 'planar bod', 'y', 'ies')}: {_count(coordinates, 'coordinate')}, "
+        f"{_count(conditions, 'constraint')}, {_count(coordinates[len(conditions) :], 'degree')} of freedom"
+    )
+
+
+def _count(things: Sequence[object], noun: str, singular: str = "", plural: str = "s") -> str:
+    return f"{len(things)} {noun}{singular if len(things) == 1 else plural}"

@@ -1,0 +1,38 @@
+"""The run-time inputs and the outputs of a mechanism as parts of its equations."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from derive.mechanics.multibody.outputs.output_type import OutputInstance
+from derive.mechanics.multibody.scene_mechanics import SceneMechanics
+from derive.mechanics.symbols import DOTS, run_time_input
+from derive.mechanics.terms import InputSymbol, ModelConstant, OutputEquation
+from derive.spec.model.scene import Scene
+
+
+def input_symbols(scene: Scene) -> tuple[InputSymbol, ...]:
+    """The run-time inputs; those that drives prescribe motions by have two time derivatives."""
+    motions = {drive.motion.name for drive in scene.drives if drive.motion and drive.motion.kind == "input"}
+    result = []
+    for given in scene.inputs:
+        for order in range(3 if given.name in motions else 1):
+            unit = given.unit + ("", "/s", "/s^2")[order] if given.unit else ""
+            doc = f"{('', 'time derivative of ', 'second time derivative of ')[order]}input {given.name}"
+            result.append(InputSymbol(run_time_input(given.name, order), f"{given.name}{DOTS[order]}", doc, unit))
+    return tuple(result)
+
+
+def output_equations(
+    instances: Sequence[OutputInstance], parts: SceneMechanics
+) -> tuple[tuple[OutputEquation, ...], tuple[ModelConstant, ...]]:
+    """The components of all outputs, and the constants that only these have."""
+    equations: list[OutputEquation] = []
+    constants: list[ModelConstant] = []
+    for output in instances:
+        made = output.type.components(output.name, output.values, parts)
+        for part in made.components:
+            name = f"{output.name}_{part.label}" if part.label else output.name
+            equations.append(OutputEquation(name, part.unit, part.doc, part.expr))
+        constants += made.constants
+    return tuple(equations), tuple(constants)
