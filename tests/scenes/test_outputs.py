@@ -414,3 +414,41 @@ def test_the_python_module_has_the_same_inputs_and_outputs():
     np.testing.assert_array_equal(
         module["outputs_jacobian"](*arguments, u, constants), native.outputs_jacobian(*arguments, k)
     )
+
+
+def test_a_driven_slider_needs_the_force_that_accelerates_it():
+    text = """
+name = "slide"
+ground.markers = { o = [0, 0] }
+scene.gravity = [0, -9.81]
+[bodies.block]
+mass = 2
+inertia = 1
+centre = [0.3, 0.2]
+markers = { hook = [0.1, 0] }
+[joints.guide]
+kind = "translational"
+between = ["ground.o", "block.hook"]
+axis = [3, 4]
+[drives.push]
+joint = "guide"
+motion = "0.5*t^2"
+[bodies.free]
+mass = 1
+inertia = 1
+[outputs.force]
+kind = "drive"
+drive = "push"
+[outputs.hold]
+kind = "reaction"
+joint = "guide"
+[simulation]
+duration = 0.2
+output = 0.1
+"""
+    run = derive.simulate(parse(text))
+    np.testing.assert_allclose(run["force"], 2 * 1.0 + 2 * 9.81 * 0.8, rtol=1e-12)
+    force = 2 * np.array([0.6, 0.8 + 9.81])  # mass times acceleration, less the weight; at the centre of mass
+    np.testing.assert_allclose([run["hold_1"][-1], run["hold_2"][-1]], force, rtol=1e-12)
+    lever = np.array([0.2, 0.2])  # from the hook, about which the torque is
+    np.testing.assert_allclose(run["hold_torque"], lever[0] * force[1] - lever[1] * force[0], rtol=1e-12)
