@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import math
-import operator
 from collections.abc import Callable, Mapping
 from fractions import Fraction
 from typing import Any, assert_never
 
 from derive.errors import TisserandError
 from derive.ir.expressions import (
-    LIBRARY_OPERATORS,
     ArrayAccess,
     Expr,
     MatrixEntry,
@@ -21,6 +19,7 @@ from derive.ir.expressions import (
     TableValue,
 )
 from derive.ir.model import Kernel
+from derive.ir.operator_functions import ARITHMETIC, LIBRARY
 from derive.ir.statements import (
     LANES,
     Accumulate,
@@ -42,44 +41,6 @@ from derive.ir.statements import (
     StoreStrided,
     TriangularSolve,
 )
-
-BINARY: dict[Operator, Callable[[Any, Any], Any]] = {
-    Operator.ADD: operator.add,
-    Operator.SUB: operator.sub,
-    Operator.MUL: operator.mul,
-    Operator.DIV: operator.truediv,
-    Operator.MIN: lambda a, b: a if a < b else b,
-    Operator.MAX: lambda a, b: b if a < b else a,
-    Operator.LESS: lambda a, b: int(a < b),
-    Operator.NOT_GREATER: lambda a, b: int(a <= b),
-    Operator.WHEN: lambda condition, a: a if condition else 0,
-}
-"""The operators of two operands that need no function of a type of number."""
-
-CALLS: dict[Operator, Callable[..., Any]] = {
-    Operator.NEG: operator.neg,
-    Operator.SIGN: lambda a: (a > 0) - (a < 0),
-    Operator.NOT: lambda a: int(not a),
-}
-"""The operators of one operand that need none."""
-
-
-def _quiet(function: Callable[..., float]) -> Callable[..., float]:
-    """A function of the C library as it is there: NaN and infinity in place of an error."""
-
-    def call(*args: float) -> float:
-        try:
-            return function(*args)
-        except ValueError:
-            return math.nan
-        except OverflowError:
-            return math.inf
-
-    return call
-
-
-LIBRARY = {operation: _quiet(getattr(math, operation.value)) for operation in (*LIBRARY_OPERATORS, Operator.SQRT)}
-"""The operators that are functions of a type of number, for doubles."""
 
 
 class RequirementError(TisserandError, ArithmeticError):
@@ -107,7 +68,7 @@ def interpret(
     the tables of the model, such as its splines. Raises RequirementError if a requirement does not hold, ValueError for
     a wrong length.
     """
-    call = {**CALLS, **BINARY, **LIBRARY}
+    call = {**ARITHMETIC, **LIBRARY}
     call |= {Operator(name): function for name, function in (functions or {}).items()}
     run = _Run(kernel, arguments, number, call, check, tables or {})
     for statement in kernel.statements:
