@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 from itertools import chain
 from typing import Any, assert_never
@@ -11,7 +11,7 @@ import sympy as sp
 
 from derive.errors import Problem, SpecError
 from derive.mechanics import quantity
-from derive.mechanics.multibody.bodies.body_type import BodyType, Component, Constant
+from derive.mechanics.multibody.bodies.body_type import BodyType, Component
 from derive.mechanics.multibody.bodies.registry import BODIES
 from derive.mechanics.multibody.coordinates import CoordinateMap, free_coordinates
 from derive.mechanics.multibody.forces.force_type import define
@@ -19,7 +19,7 @@ from derive.mechanics.multibody.forces.registry import FORCES, elements
 from derive.mechanics.multibody.instances import point_motions
 from derive.mechanics.multibody.joints.joint_type import PrescribedMotion, Support
 from derive.mechanics.multibody.joints.registry import JOINTS
-from derive.mechanics.multibody.keys import Key, KeyType, quantities
+from derive.mechanics.multibody.keys import Key, KeyType
 from derive.mechanics.multibody.kinds import (
     BodyInstance,
     BodyKinds,
@@ -30,15 +30,16 @@ from derive.mechanics.multibody.kinds import (
 from derive.mechanics.multibody.mechanism import Mechanism
 from derive.mechanics.multibody.outputs.output_type import OutputInstance
 from derive.mechanics.multibody.outputs.registry import OUTPUTS
+from derive.mechanics.multibody.parameters import parameters
 from derive.mechanics.multibody.point_motion import Derivatives, PointMotion, fixed_point
 from derive.mechanics.quantity import finite_function, time_derivatives
 from derive.mechanics.symbols import DOTS, Symbol, element, t
-from derive.mechanics.terms import Eliminated, Intermediate, ModelConstant, ParameterSymbol
+from derive.mechanics.terms import Eliminated, Intermediate, ModelConstant
 from derive.mechanics.time_functions import TimeOperation
 from derive.spec.model.body import Parameter, Quantity
 from derive.spec.model.markers import GROUND, MarkerRef
 from derive.spec.model.scene import NAMED, CustomJoint, Drive, Joint, Scene, SceneBody
-from derive.spec.model.scene_functions import function_parameters, time_functions
+from derive.spec.model.scene_functions import function_parameters
 from derive.spec.model.time_function import TimeFunction
 
 
@@ -267,45 +268,3 @@ class _Assembly:
             return sp.Rational(value)
         self.constants.append(ModelConstant(symbol, quantity.value(value, False), "", doc, unit or value.unit))
         return symbol
-
-
-def parameters(scene: Scene) -> tuple[ParameterSymbol, ...]:
-    """The run-time parameters of a scene, each symbol once, in the order of the specification."""
-    constants = [
-        *(
-            Constant(component, f"acceleration of free fall along the inertial e{axis}")
-            for axis, component in enumerate(scene.gravity or (), 1)
-        ),
-        *chain.from_iterable(body_type(body).constants(body) for body in scene.bodies),
-    ]
-    for point in scene.ground:
-        constants.append(Constant(point.x, f"point {point.name} of the ground along e1"))
-        constants.append(Constant(point.y, f"point {point.name} of the ground along e2"))
-    for joint in scene.joints:
-        if isinstance(joint, CustomJoint):
-            constants += _constants("joint", joint.name, JOINTS[joint.kind].keys, joint.values)
-    constants += [Constant(drive.speed, f"speed of drive {drive.name}") for drive in scene.drives]
-    for output in scene.outputs:
-        constants += _constants("output", output.name, OUTPUTS[output.kind].keys, output.values)
-    for force, force_type in elements(scene):
-        specified = force_type.specified(force)
-        constants += _constants(NAMED[force_type.section], force.name, force_type.keys, specified)
-    for (section, name, key), function in time_functions(scene):
-        doc = f"{key} of {NAMED[section]} {name}"
-        constants += [Constant(parameter, doc) for parameter in dict.fromkeys(function_parameters(function))]
-    result: dict[str, ParameterSymbol] = {}
-    for constant in constants:
-        if isinstance(constant.value, Parameter):
-            known = result.get(constant.value.symbol)
-            doc = f"{known.doc}; {constant.doc}" if known else constant.doc
-            positive = constant.positive or bool(known and known.positive)
-            result[constant.value.symbol] = quantity.parameter(constant.value, doc, positive)
-    return tuple(result.values())
-
-
-def _constants(noun: str, name: str, keys: tuple[Key, ...], values: Mapping[str, Any]) -> Iterator[Constant]:
-    """The values of the keys of an element that may be run-time parameters."""
-    for key in quantities(keys).values():
-        if key.name in values:
-            positive = key.type is KeyType.POSITIVE_QUANTITY
-            yield Constant(values[key.name], f"{key.name} of {noun} {name}", positive)

@@ -1,0 +1,61 @@
+"""The run-time parameters of a scene: every symbol that a body, a joint, a drive, a force or an output names."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from itertools import chain
+from typing import Any
+
+from derive.mechanics import quantity
+from derive.mechanics.multibody.bodies.body_type import Constant
+from derive.mechanics.multibody.bodies.registry import BODIES
+from derive.mechanics.multibody.forces.registry import elements
+from derive.mechanics.multibody.joints.registry import JOINTS
+from derive.mechanics.multibody.keys import Key, KeyType, quantities
+from derive.mechanics.multibody.outputs.registry import OUTPUTS
+from derive.mechanics.terms import ParameterSymbol
+from derive.spec.model.body import Parameter
+from derive.spec.model.scene import NAMED, CustomJoint, Scene
+from derive.spec.model.scene_functions import function_parameters, time_functions
+
+
+def parameters(scene: Scene) -> tuple[ParameterSymbol, ...]:
+    """The run-time parameters of a scene, each symbol once, in the order of the specification."""
+    constants = [
+        *(
+            Constant(component, f"acceleration of free fall along the inertial e{axis}")
+            for axis, component in enumerate(scene.gravity or (), 1)
+        ),
+        *chain.from_iterable(BODIES[body.kind].constants(body) for body in scene.bodies),
+    ]
+    for point in scene.ground:
+        constants.append(Constant(point.x, f"point {point.name} of the ground along e1"))
+        constants.append(Constant(point.y, f"point {point.name} of the ground along e2"))
+    for joint in scene.joints:
+        if isinstance(joint, CustomJoint):
+            constants += _constants("joint", joint.name, JOINTS[joint.kind].keys, joint.values)
+    constants += [Constant(drive.speed, f"speed of drive {drive.name}") for drive in scene.drives]
+    for output in scene.outputs:
+        constants += _constants("output", output.name, OUTPUTS[output.kind].keys, output.values)
+    for force, force_type in elements(scene):
+        specified = force_type.specified(force)
+        constants += _constants(NAMED[force_type.section], force.name, force_type.keys, specified)
+    for (section, name, key), function in time_functions(scene):
+        doc = f"{key} of {NAMED[section]} {name}"
+        constants += [Constant(parameter, doc) for parameter in dict.fromkeys(function_parameters(function))]
+    result: dict[str, ParameterSymbol] = {}
+    for constant in constants:
+        if isinstance(constant.value, Parameter):
+            known = result.get(constant.value.symbol)
+            doc = f"{known.doc}; {constant.doc}" if known else constant.doc
+            positive = constant.positive or bool(known and known.positive)
+            result[constant.value.symbol] = quantity.parameter(constant.value, doc, positive)
+    return tuple(result.values())
+
+
+def _constants(noun: str, name: str, keys: tuple[Key, ...], values: Mapping[str, Any]) -> Iterator[Constant]:
+    """The values of the keys of an element that may be run-time parameters."""
+    for key in quantities(keys).values():
+        if key.name in values:
+            positive = key.type is KeyType.POSITIVE_QUANTITY
+            yield Constant(values[key.name], f"{key.name} of {noun} {name}", positive)
