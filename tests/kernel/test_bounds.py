@@ -12,7 +12,8 @@ import pytest
 import derive
 from conftest import ROOT
 from derive.lowering.cost_model import estimate_costs
-from derive.lowering.flat.graph import Constants, Graph, LoweringError
+from derive.lowering.flat.graph import Graph, LoweringError
+from derive.lowering.flat.setup_constants import Constants
 from derive.lowering.functions import functions_of
 from derive.mechanics.bodies.spatial_body import parametric_body
 from derive.runtime.compiled_model import Native

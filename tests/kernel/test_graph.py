@@ -10,8 +10,10 @@ import pytest
 import sympy as sp
 
 from derive.ir.expressions import Number, Operation, Operator, ScalarRef
+from derive.lowering.flat.casadi_instructions import read_expressions
 from derive.lowering.flat.casadi_symbols import Symbols
-from derive.lowering.flat.graph import Constants, Graph, read_expressions
+from derive.lowering.flat.graph import Graph
+from derive.lowering.flat.setup_constants import Constants
 
 X, Y, C, D = sp.symbols("x y c d")
 NONE: frozenset[sp.Symbol] = frozenset()

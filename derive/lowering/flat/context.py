@@ -15,8 +15,9 @@ from derive.ir.model import Argument, Kernel, Output, Section
 from derive.ir.patterns import Pattern, pattern
 from derive.ir.statements import Requirement, ReturnCode
 from derive.lowering.flat.casadi_symbols import Symbols
-from derive.lowering.flat.graph import Constants, Graph, representable
+from derive.lowering.flat.graph import Graph, representable
 from derive.lowering.flat.schedule import NamedValue, OutputValue, RequiredValue, Step, StepItem, schedule
+from derive.lowering.flat.setup_constants import Constants
 from derive.lowering.functions import ModelFunction, OutputElements
 from derive.mechanics.equations import Equations
 from derive.mechanics.symbols import local, state_rate, t

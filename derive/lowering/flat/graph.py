@@ -1,23 +1,18 @@
-"""The expression graph of a kernel: CasADi instructions as exact operations.
+"""The expression graph of a kernel: exact operations, without duplicates.
 
-CasADi finds the common sub-expressions. The graph restores exact numbers, folds operations on numbers, and moves
-expressions of model constants to setup.
+The graph folds operations on numbers and moves expressions of model constants to setup.
 """
 
 from __future__ import annotations
 
-import math
 import sys
 from dataclasses import dataclass
 from fractions import Fraction
-from itertools import count
 
-import casadi as ca
 import sympy as sp
 
 from derive.errors import TisserandError
 from derive.ir.expressions import (
-    BINARY_OPERATORS,
     ArrayAccess,
     Expr,
     Leaf,
@@ -28,42 +23,12 @@ from derive.ir.expressions import (
     ScalarRef,
     TableValue,
 )
-from derive.ir.statements import Require, Requirement, ReturnCode
-from derive.lowering.flat.casadi_symbols import Symbols
+from derive.lowering.flat.setup_constants import Constants
 
-BINARY = {
-    ca.OP_ADD: Operator.ADD,
-    ca.OP_SUB: Operator.SUB,
-    ca.OP_MUL: Operator.MUL,
-    ca.OP_DIV: Operator.DIV,
-    ca.OP_ATAN2: Operator.ATAN2,
-    ca.OP_FMIN: Operator.MIN,
-    ca.OP_FMAX: Operator.MAX,
-    ca.OP_LT: Operator.LESS,
-    ca.OP_LE: Operator.NOT_GREATER,
-    ca.OP_IF_ELSE_ZERO: Operator.WHEN,
-}
 MIN_DOUBLE, MAX_DOUBLE = Fraction(sys.float_info.min), Fraction(sys.float_info.max)
-WORDS = {
-    **{kind: kind.value for kind in BINARY_OPERATORS},
-    **{Operator.ADD: "plus", Operator.SUB: "minus", Operator.MUL: "times", Operator.DIV: "over"},
-}
-MAX_NAME = 60
-"""The longest name that a constant gets from its expression; others are numbered."""
 MAX_CONSTANT_SIZE = 9
 """The largest number of nodes in an expression of model constants; larger ones refer to constants for their parts."""
 
-UNARY = {
-    ca.OP_NEG: Operator.NEG,
-    ca.OP_SIN: Operator.SIN,
-    ca.OP_COS: Operator.COS,
-    ca.OP_SQRT: Operator.SQRT,
-    ca.OP_EXP: Operator.EXP,
-    ca.OP_LOG: Operator.LOG,
-    ca.OP_TANH: Operator.TANH,
-    ca.OP_SIGN: Operator.SIGN,
-    ca.OP_NOT: Operator.NOT,
-}
 ARITHMETIC = (Operator.ADD, Operator.SUB, Operator.MUL, Operator.DIV, Operator.NEG)
 ONE_AT_ZERO = (Operator.COS, Operator.EXP, Operator.NOT)
 """The functions that are 1 at 0; the others of one operand are 0 there, except for the logarithm."""
@@ -86,62 +51,6 @@ class Node:
 
 class LoweringError(TisserandError):
     """A model cannot be evaluated with doubles: a number is out of their range, or a pivot always vanishes."""
-
-
-class Constants:
-    """The constants and checks that setup computes for all kernels of a model.
-
-    coefficients: the names of the model constants that are not numbers. hoisted: expressions of these, by their names.
-    requirements: checks of values that depend on constants alone.
-    """
-
-    def __init__(self, coefficients: frozenset[str]) -> None:
-        self.coefficients = coefficients
-        self.hoisted: dict[Expr, str] = {}
-        self.requirements: list[Require] = []
-        self._numbers = count(1)
-
-    def require(self, kind: Requirement, expr: Expr, code: ReturnCode, text: str) -> None:
-        """Add a check in setup of a value that depends on constants alone."""
-        if not any(r.kind == kind and r.expr == expr for r in self.requirements):
-            self.requirements.append(Require(kind, expr, code, text))
-
-    def name(self, expr: Expr) -> str:
-        """The name of the constant whose value is an expression of coefficients."""
-        if expr not in self.hoisted:
-            self.hoisted[expr] = self._describe(expr) or f"constant_{next(self._numbers)}"
-        return self.hoisted[expr]
-
-    def _describe(self, expr: Expr) -> str | None:
-        """The expression in words; None if they are too long, or if another constant has that name."""
-        name = _in_words(expr)
-        taken = name in self.coefficients or name in self.hoisted.values()
-        return None if taken or len(name) > MAX_NAME or not name.isidentifier() else name
-
-
-def _in_words(expr: Expr) -> str:
-    """A name for a constant expression, such as `c6_2_over_c8_2_2`; factors that are numbers come last."""
-    match expr:
-        case ScalarRef(name):
-            return name
-        case Number(Fraction(numerator=1, denominator=d)) if d > 2**20 and d & (d - 1) == 0:
-            return f"2_pow_minus_{d.bit_length() - 1}"
-        case Number(Fraction(numerator=n, denominator=d)):
-            size = str(abs(n)) if d == 1 else f"{abs(n)}_over_{d}"
-            return f"minus_{size}" if n < 0 else size
-        case Operation(Operator.DIV, (Number(Fraction(numerator=1, denominator=1)), divisor)):
-            return f"inverse_{_in_words(divisor)}"
-        case Operation(Operator.DIV, (Number() as number, divisor)):
-            return f"inverse_{_in_words(divisor)}_times_{_in_words(number)}"
-        case Operation(Operator.ADD | Operator.MUL as kind, (Number() as number, other)):
-            return f"{_in_words(other)}_{WORDS[kind]}_{_in_words(number)}"
-        case Operation(Operator.SUB, (Number() as number, other)):
-            return f"minus_{_in_words(other)}_plus_{_in_words(number)}"
-        case Operation(kind, (first, second)):
-            return f"{_in_words(first)}_{WORDS[kind]}_{_in_words(second)}"
-        case Operation(kind, (operand,)):
-            return f"{'minus' if kind is Operator.NEG else kind.value}_{_in_words(operand)}"
-    return ""
 
 
 class Graph:
@@ -278,63 +187,3 @@ def _exact(kind: Operator, values: list[Fraction]) -> Fraction:
     return {Operator.ADD: a.__add__, Operator.SUB: a.__sub__, Operator.MUL: a.__mul__, Operator.DIV: a.__truediv__}[
         kind
     ](b)
-
-
-def read_expressions(graph: Graph, symbols: Symbols, outputs: list[ca.SX]) -> list[int]:
-    """The nodes of CasADi scalars, which are added to the graph and share sub-expressions. Raises LoweringError."""
-    column = ca.vertcat(*outputs) if outputs else ca.SX(0, 1)
-    options = {"cse": True, "live_variables": False}
-    function = ca.Function("kernel", [ca.vertcat(*symbols.inputs)], [ca.densify(column)], options)
-    work: dict[int, int] = {}
-    result = [0] * len(outputs)
-    for k in range(function.n_instructions()):
-        operation, inputs, results = (
-            function.instruction_id(k),
-            function.instruction_input(k),
-            function.instruction_output(k),
-        )
-        if operation == ca.OP_OUTPUT:
-            result[results[1]] = graph.settled(work[inputs[0]])
-        elif operation == ca.OP_INPUT:
-            work[results[0]] = graph.leaf(symbols.leaves[inputs[1]])
-        elif operation == ca.OP_CONST:
-            work[results[0]] = graph.number(_integer(function.instruction_constant(k)))
-        else:
-            work[results[0]] = _operation(graph, operation, [work[i] for i in inputs])
-    return result
-
-
-def _operation(graph: Graph, operation: int, args: list[int]) -> int:
-    """The node of a CasADi operation. Raises LoweringError, NotImplementedError."""
-    if operation in BINARY:
-        return graph.apply(BINARY[operation], *args)
-    if operation in UNARY:
-        return graph.apply(UNARY[operation], args[0])
-    if operation == ca.OP_SQ:
-        return graph.apply(Operator.MUL, args[0], args[0])
-    if operation == ca.OP_TWICE:
-        return graph.apply(Operator.MUL, graph.number(2), args[0])
-    if operation == ca.OP_INV:
-        return graph.apply(Operator.DIV, graph.number(1), args[0])
-    if operation == ca.OP_FABS:
-        raise LoweringError(
-            "the root of a square, such as sqrt(t^2), has a kink; write abs(t), or, if a linear "
-            "spring lies along its guide, move one of its markers off that line"
-        )
-    raise NotImplementedError(f"CasADi operation {operation} has no counterpart in a kernel")
-
-
-def _integer(value: float) -> int:
-    """A CasADi constant as an integer.
-
-    Raises LoweringError if it is infinite, the inverse of a pivot that is zero; ArithmeticError if it is a fraction,
-    which would be a rounded number.
-    """
-    if not math.isfinite(value):
-        raise LoweringError(
-            "the model divides by a value that is zero in every state: shapes are dependent (make them orthogonal), or "
-            "two joints impose the same constraint (remove one of them)"
-        )
-    if value != int(value):
-        raise ArithmeticError(f"CasADi has rounded a number to {value}")
-    return int(value)

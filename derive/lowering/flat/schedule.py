@@ -13,8 +13,9 @@ import casadi as ca
 from derive.ir.expressions import CONDITIONS, Expr, Number, Operation, Operator, ScalarRef, TableValue
 from derive.ir.model import Section
 from derive.ir.statements import Let, Require, Requirement, ReturnCode, Statement, Store
+from derive.lowering.flat.casadi_instructions import read_expressions
 from derive.lowering.flat.casadi_symbols import Symbols
-from derive.lowering.flat.graph import Graph, LoweringError, read_expressions
+from derive.lowering.flat.graph import Graph, LoweringError
 
 
 @dataclass(frozen=True)

@@ -12,8 +12,9 @@ from derive.ir.model import Argument, Kernel, Output, Variable
 from derive.ir.statements import Requirement, ReturnCode
 from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.context import Context
-from derive.lowering.flat.graph import Constants, Graph
+from derive.lowering.flat.graph import Graph
 from derive.lowering.flat.schedule import NamedValue, OutputValue, RequiredValue, Step, schedule
+from derive.lowering.flat.setup_constants import Constants
 from derive.roles import Source
 
 UNARY: dict[Operator, Callable[[ca.SX], ca.SX]] = {

@@ -10,8 +10,9 @@ import sympy as sp
 from derive.ir.expressions import ArrayAccess, Expr, Leaf, MatrixEntry, Number, ScalarRef
 from derive.ir.statements import Let, Require, Statement, Store, StoreLocal, StoreStrided
 from derive.lowering.flat.casadi_symbols import Symbols
-from derive.lowering.flat.graph import Constants, Graph
+from derive.lowering.flat.graph import Graph
 from derive.lowering.flat.schedule import OutputValue, Step, schedule
+from derive.lowering.flat.setup_constants import Constants
 from derive.mechanics.symbols import Symbol, identity, is_indexed
 
 Target = Symbol | Store | Require

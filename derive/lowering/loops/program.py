@@ -31,8 +31,9 @@ from derive.ir.statements import (
     Sum,
 )
 from derive.lowering.flat.casadi_symbols import Symbols
-from derive.lowering.flat.graph import Constants, Graph
+from derive.lowering.flat.graph import Graph
 from derive.lowering.flat.schedule import NamedValue, OutputValue, Step, StepItem, schedule
+from derive.lowering.flat.setup_constants import Constants
 from derive.lowering.functions import ModelFunction, OutputElements
 from derive.lowering.loops.assignments import (
     NOTHING,
