@@ -69,8 +69,7 @@ if TYPE_CHECKING:
     from derive.simulation.body_trajectory import BodyTrajectory
     from derive.simulation.equilibrium import Equilibrium, equilibrium
     from derive.simulation.errors import SimulationError
-    from derive.simulation.initial.consistent_state import InitialState
-    from derive.simulation.initial.initial_state import initial_state
+    from derive.simulation.initial.initial_state import InitialState, initial_state
     from derive.simulation.integration.registry import INTEGRATORS
     from derive.simulation.integration.scipy_methods import integrate
     from derive.simulation.integration.solution import Solution
@@ -158,8 +157,10 @@ _MODULES = {
     "derive.simulation.body_trajectory": ("BodyTrajectory",),
     "derive.simulation.equilibrium": ("Equilibrium", "equilibrium"),
     "derive.simulation.errors": ("SimulationError",),
-    "derive.simulation.initial.consistent_state": ("InitialState",),
-    "derive.simulation.initial.initial_state": ("initial_state",),
+    "derive.simulation.initial.initial_state": (
+        "InitialState",
+        "initial_state",
+    ),
     "derive.simulation.integration.registry": ("INTEGRATORS",),
     "derive.simulation.integration.scipy_methods": ("integrate",),
     "derive.simulation.integration.solution": ("Solution",),

@@ -11,7 +11,7 @@ from derive.artifacts import MARK, File, ForeignFile, replace_file, write
 from derive.cli.specifications import build_all
 from derive.errors import TisserandError
 from derive.report.document.page import Page
-from derive.simulation.initial.consistent_state import InitialState
+from derive.simulation.initial.initial_state import InitialState, initial_state
 from derive.spec.model.scene import Scene
 from derive.terminal import show_progress
 
@@ -63,7 +63,6 @@ def _of_model(path: Path) -> tuple[str, str, Page]:
 def _initial_state(scene: Scene, files: Sequence[File]) -> InitialState | str:
     """The initial state of a scene, or why it cannot be computed: it needs a compiler, and values that go together."""
     from derive.runtime.loading import load_scene
-    from derive.simulation.initial.initial_state import initial_state
 
     try:
         return initial_state(scene, load_scene(files, QUICK))

@@ -27,7 +27,7 @@ from derive.report.sections.state import state_blocks
 from derive.report.sections.term_lines import definition_lines, locate_terms
 from derive.report.sections.terms import row_blocks
 from derive.report.sections.zeros import vanished_blocks
-from derive.simulation.initial.consistent_state import InitialState
+from derive.simulation.initial.initial_state import InitialState
 from derive.spec.model.scene import BeamBody, Scene
 
 

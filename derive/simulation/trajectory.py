@@ -13,7 +13,7 @@ from derive.ir.model import Model
 from derive.registry import UnknownNameError
 from derive.runtime.native_call import Vector
 from derive.runtime.native_scene import NativeScene
-from derive.simulation.initial.consistent_state import InitialState
+from derive.simulation.initial.initial_state import InitialState
 from derive.simulation.integration.solution import Solution
 from derive.simulation.observables.csv_writer import Column
 from derive.simulation.observables.motion import SceneMotion, drive_unit, drive_values

@@ -1,4 +1,7 @@
-"""Elimination orders of the KKT matrix that are determined once and used in all states, without exchanges of rows."""
+"""The elimination orders that `study pivots` compares; that of the generated code is one of them.
+
+Each is determined once and used in all states, without exchanges of rows.
+"""
 
 from __future__ import annotations
 

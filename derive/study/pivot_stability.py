@@ -20,7 +20,7 @@ from derive.mechanics.equations import Equations
 from derive.runtime.loading import load_scene
 from derive.runtime.native_call import Matrix
 from derive.study.elimination import backward_error, eliminate, entry_mask, equilibrated, kkt_systems
-from derive.study.elimination_orders import ORDERS, Order, without_diagonal
+from derive.study.pivot_orders import ORDERS, Order, without_diagonal
 from derive.study.states import simulated_states, undeformed_states
 from derive.study.variants import OperationCounts, SceneVariant, operation_counts
 from derive.terminal import show_progress

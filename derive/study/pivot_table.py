@@ -8,7 +8,7 @@ from dataclasses import asdict
 from typing import Any
 
 from derive.study.elimination import VANISHING
-from derive.study.elimination_orders import THRESHOLD
+from derive.study.pivot_orders import THRESHOLD
 from derive.study.pivot_stability import FrameStability, PivotStatistics
 from derive.study.verdict import verdict
 from derive.terminal import beam_count, magnitude, table, wrapped

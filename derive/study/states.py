@@ -13,7 +13,7 @@ from derive.runtime.native_call import Vector
 from derive.runtime.native_scene import NativeScene
 from derive.simulation.compiled_scene import constraint_matrix, max_norm
 from derive.simulation.constraints.projection import UNAVOIDABLE
-from derive.simulation.initial.consistent_state import consistent_state
+from derive.simulation.initial.closest_consistent_state import closest_consistent_state
 from derive.simulation.initial.initial_guess import initial_guess
 from derive.simulation.initial.initial_state import initial_state
 from derive.simulation.integration.scipy_methods import integrate
@@ -61,7 +61,7 @@ def undeformed_states(scene: Scene, native: NativeScene, k: Vector, states: list
 
 
 def _rigid(native: NativeScene, k: Vector, t: float, q: Vector, v: Vector, rigid: NDArray[np.bool_]) -> State:
-    """The consistent state by Newton's method in the coordinates of rigid-body motion, else by `consistent_state`.
+    """The consistent state by Newton's method in rigid-body coordinates, else by `closest_consistent_state`.
 
     The guesses are close to consistent states, and Newton's method is fast enough for hundreds of them.
     """
@@ -74,5 +74,5 @@ def _rigid(native: NativeScene, k: Vector, t: float, q: Vector, v: Vector, rigid
             v[rigid] -= np.linalg.lstsq(G, rates, rcond=None)[0]
             return t, consistent, v
         consistent[rigid] -= np.linalg.lstsq(G, g, rcond=None)[0]
-    state = consistent_state(native, k, q, v, rigid, t)
+    state = closest_consistent_state(native, k, q, v, rigid, t)
     return t, state.q, state.v

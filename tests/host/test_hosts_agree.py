@@ -15,7 +15,7 @@ from derive.runtime.integrators.c_integrator import CIntegrator, Integration, In
 from derive.runtime.integrators.fixed_step import FixedStep
 from derive.runtime.integrators.generalised_alpha import GeneralisedAlpha
 from derive.runtime.integrators.ida import Ida
-from derive.simulation.initial.consistent_state import consistent_state
+from derive.simulation.initial.closest_consistent_state import closest_consistent_state
 from derive.simulation.initial.initial_guess import initial_guess
 
 DURATION, ROWS = 0.02, 21  # half a turn of the crank
@@ -30,7 +30,7 @@ def files() -> tuple[derive.File, ...]:
 
 def start(host: CIntegrator) -> tuple[object, object]:
     scene, native = derive.read(ROOT / "scenes" / "crank_slider_3.toml"), host.native
-    found = consistent_state(native, native.setup(), *initial_guess(scene, native))
+    found = closest_consistent_state(native, native.setup(), *initial_guess(scene, native))
     return found.q, found.v
 
 

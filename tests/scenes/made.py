@@ -15,8 +15,7 @@ from beams import run_module
 from conftest import ROOT
 from derive.runtime.loading import load_scene
 from derive.runtime.native_scene import NativeScene
-from derive.simulation.initial.consistent_state import InitialState
-from derive.simulation.initial.initial_state import initial_state
+from derive.simulation.initial.initial_state import InitialState, initial_state
 from derive.simulation.integration.scipy_methods import integrate
 from derive.simulation.integration.solution import Solution
 from derive.simulation.observables.motion import SceneMotion, deflection

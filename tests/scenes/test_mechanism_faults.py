@@ -17,7 +17,7 @@ from derive.simulation.errors import (
     RedundantConstraints,
     SingularConfiguration,
 )
-from derive.simulation.initial.consistent_state import consistent_state
+from derive.simulation.initial.closest_consistent_state import closest_consistent_state
 from derive.simulation.integration.scipy_methods import integrate
 
 ONE_BEAM = ("pieces = 3 ", "pieces = 1 ")
@@ -100,7 +100,7 @@ def test_a_slider_that_is_driven_cannot_start_in_line(angle: float) -> None:
     t, q = straight(made, angle)
     rigid = np.array(["alpha" not in name for name in made.native.coordinates])
     with pytest.raises(SingularConfiguration, match=r"dead centre at t = .*crank_pin_1 and slider_pin_1") as error:
-        consistent_state(made.native, made.native.setup(), q, 0 * q, rigid, t)
+        closest_consistent_state(made.native, made.native.setup(), q, 0 * q, rigid, t)
     assert error.value.t == pytest.approx(t)
     assert error.value.smallest < 1e-9
 
@@ -111,7 +111,7 @@ def test_a_slider_that_is_driven_into_line_cannot_be_followed() -> None:
     t, q = straight(made, 2.0)
     k, native = made.native.setup(), made.native
     rigid = np.array(["alpha" not in name for name in native.coordinates])
-    start = consistent_state(native, k, q, 0 * q, rigid, t)
+    start = closest_consistent_state(native, k, q, 0 * q, rigid, t)
     assert start.q == pytest.approx(q, abs=1e-14) and start.velocity_error < 1e-14
     with pytest.raises(DriveCannotBeFollowed, match="crank_pin_1 and slider_pin_1") as error:
         integrate(native, k, start.q, start.v, np.linspace(t, 1.2, 31), tolerance=1e-7)
@@ -158,7 +158,7 @@ def test_a_four_bar_closes_from_a_poor_guess() -> None:
     rigid = np.array(["alpha" not in name for name in native.coordinates])
     for seed in range(5):
         rng = np.random.default_rng(seed)
-        found = consistent_state(
+        found = closest_consistent_state(
             native, k, rng.uniform(-2, 2, native.nq) * rigid, rng.uniform(-3, 3, native.nv) * rigid, rigid
         )
         assert found.position_error < 1e-12 and found.velocity_error < 1e-11

@@ -13,8 +13,9 @@ from conftest import ROOT
 from derive.runtime.loading import load_scene
 from derive.runtime.native_call import Vector
 from derive.runtime.native_scene import NativeScene
-from derive.simulation.initial.consistent_state import InitialState, consistent_state
+from derive.simulation.initial.closest_consistent_state import closest_consistent_state
 from derive.simulation.initial.initial_guess import initial_guess
+from derive.simulation.initial.initial_state import InitialState
 from derive.spec.model.body import Frame
 from derive.spec.model.scene import BeamBody, Scene
 from derive.spec.toml.read import parse
@@ -29,8 +30,8 @@ class Compiled:
     k: Vector
 
     def start(self, t: float = 0.0) -> InitialState:
-        """The consistent_state state next to what the specification says, at the time t (s)."""
-        return consistent_state(self.native, self.k, *initial_guess(self.scene, self.native), t)
+        """The consistent state closest to what the specification says, at the time t (s)."""
+        return closest_consistent_state(self.native, self.k, *initial_guess(self.scene, self.native), t)
 
 
 @cache

@@ -8,11 +8,12 @@ from double import Array, Double
 from mechanisms import CRANK, ROD, crank_slider, four_bar, pendulum, pushed_crank
 
 from derive.simulation.errors import InconsistentInitialState, SingularConfiguration
-from derive.simulation.initial.consistent_state import InitialState, consistent_state
+from derive.simulation.initial.closest_consistent_state import closest_consistent_state
+from derive.simulation.initial.initial_state import InitialState
 
 
 def start(model: Double, q: Array, v: Array, t: float = 0.0) -> InitialState:
-    return consistent_state(model, model.setup(), q, v, np.ones(model.nq, dtype=bool), t)
+    return closest_consistent_state(model, model.setup(), q, v, np.ones(model.nq, dtype=bool), t)
 
 
 def test_a_poor_guess_of_a_crank_slider_closes_and_moves_as_rigid_bodies_do() -> None:

@@ -13,8 +13,7 @@ from derive.cli.main import main
 from derive.errors import SpecError
 from derive.simulation.compiled_scene import constraint_matrix, mass_matrix
 from derive.simulation.errors import MovingDrives
-from derive.simulation.initial.consistent_state import InitialState
-from derive.simulation.initial.initial_state import initial_state
+from derive.simulation.initial.initial_state import InitialState, initial_state
 from derive.spec.toml.read import parse
 
 Array = np.ndarray

@@ -9,7 +9,7 @@ from marching import march
 from mechanisms import CRANK, ROD, crank_slider, four_bar, pendulum, pushed_crank
 
 from derive.simulation.errors import DriftTooLarge, DriveCannotBeFollowed, IntegrationStopped, SimulationError
-from derive.simulation.initial.consistent_state import consistent_state
+from derive.simulation.initial.closest_consistent_state import closest_consistent_state
 from derive.simulation.integration.c_methods import equal_steps
 from derive.simulation.integration.failure_diagnosis import diagnose_failure
 from derive.simulation.integration.scipy_methods import integrate
@@ -21,7 +21,7 @@ NONE = np.zeros(0)
 
 def run(mechanism: tuple[Double, Array, Array], times: Array, **options: object) -> Solution:
     model, q, v = mechanism
-    found = consistent_state(model, NONE, q, v, np.ones(model.nq, dtype=bool))
+    found = closest_consistent_state(model, NONE, q, v, np.ones(model.nq, dtype=bool))
     return integrate(model, NONE, found.q, found.v, times, **options)  # type: ignore[arg-type]
 
 

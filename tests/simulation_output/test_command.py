@@ -16,7 +16,7 @@ from conftest import ROOT
 from derive.cli.main import main
 from derive.ir.model import Variable
 from derive.simulation.errors import IntegrationStopped
-from derive.simulation.initial.consistent_state import InitialState
+from derive.simulation.initial.initial_state import InitialState
 from derive.simulation.integration.solution import Cost, Solution
 from derive.simulation.observables.motion import SceneMotion
 from derive.simulation.output_times import output_times

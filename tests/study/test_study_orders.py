@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from derive.ir.patterns import pattern
-from derive.study.elimination_orders import ORDERS, Order, matching, without_diagonal
+from derive.study.pivot_orders import ORDERS, Order, matching, without_diagonal
 
 A = np.array(
     [

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from derive.report.document.page import Block, Cell, CodeSpan, Content, Heading, Paragraph, folded, table
-from derive.simulation.initial.consistent_state import InitialState
 from derive.simulation.initial.contradictions import InitialValue
+from derive.simulation.initial.initial_state import InitialState
 
 KEPT = "The initial state meets the joints and drives and keeps the values that the specification gives"
 ADAPTED = (

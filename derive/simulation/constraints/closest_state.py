@@ -10,6 +10,7 @@ from scipy.linalg import solve_triangular
 from derive.roles import Role
 from derive.runtime.native_call import Matrix, Vector
 from derive.simulation.compiled_scene import (
+    ConstrainedSystem,
     Constraints,
     Mask,
     constraint_matrix,
@@ -21,6 +22,10 @@ from derive.simulation.constraints.scaling import SINGULAR, in_mass_metric, mass
 
 CONSISTENT = 1e-11
 """Constraints with |g| below this (m, rad; times the largest coordinate if that is above 1) are met."""
+RATES_CONSISTENT = 1e-9
+"""Constraints on velocities with |gdot| below this (m/s, rad/s; times the largest |v| if above 1) are met."""
+PERTURBATIONS = (0.05, 0.2, 0.5)
+"""Perturbations (rad) of a guess from which the iteration does not converge, such as bars that lie in one line."""
 ITERATIONS = 100
 LARGEST_ROTATION = 1.0
 """rad: the largest rotation in a step that does not nearly meet the constraints, so that bodies do not wind around."""
@@ -91,3 +96,19 @@ def damped_step(A: Matrix, r: Vector, damping: float) -> Vector:
     nonzero = s > SINGULAR
     factor = np.where(nonzero, s / np.where(nonzero, s**2 + damping, 1.0), 0.0)
     return np.asarray(V.T @ (factor * (U.T @ r)))
+
+
+def perturbed(native: ConstrainedSystem, guess: Vector, angle: float, rigid: Mask) -> Vector:
+    """The guess with each rotation changed by up to `angle` (rad), the same each time; positions follow."""
+    angles = coordinates_with(native, Role.ROTATION) & rigid
+    numbers = np.random.default_rng(0).uniform(-1.0, 1.0, len(guess))
+    return np.asarray(guess + angle * np.where(angles, numbers, 0.0))
+
+
+def unmet_constraints(native: ConstrainedSystem, values: Vector, met: float = 0.0) -> list[tuple[str, float]]:
+    """The names of constraints whose values (nlambda,) are not small beside the largest, with these values.
+
+    met: values up to this count as zero.
+    """
+    limit = max(met, 1e-3 * max_norm(values))
+    return [(name, float(x)) for name, x in zip(native.multipliers, values, strict=True) if not abs(x) <= limit]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -15,8 +15,8 @@ from derive.simulation.compiled_scene import max_norm
 from derive.simulation.constraints.redundancy import check_constraints
 from derive.simulation.equilibrium import Equilibrium, equilibrium
 from derive.simulation.errors import ExcessiveDeformation, MovingDrives
-from derive.simulation.initial.assembly import EXACT, Assembler, Assembly, assemble
-from derive.simulation.initial.consistent_state import InitialState
+from derive.simulation.initial.assembler import Assembler
+from derive.simulation.initial.assembly import EXACT, Assembly, assemble
 from derive.simulation.initial.contradictions import InitialValue, Misfit
 from derive.simulation.initial.initial_guess import initial_guess
 from derive.simulation.initial.initial_velocities import velocities
@@ -28,6 +28,40 @@ from derive.spec.model.scene import BeamBody, RigidBody, Scene
 
 MAX_DEFLECTION = 0.3
 """Of the length of a beam: an initial state with a larger deflection is not one of this mechanism."""
+
+
+@dataclass(frozen=True, eq=False)
+class InitialState:
+    """A consistent state: q (nq,) and v (nv,) at t (s), in SI units.
+
+    position_error, velocity_error: the largest |g| (m, rad) and |gdot| (m/s, rad/s). deformed, deforming: whether
+    deformations, or their rates, had to change from those of the guess. values: what the specification gives, and what
+    the state has. equilibrium: the static equilibrium that the state is, if it is one.
+    """
+
+    t: float
+    q: Vector
+    v: Vector
+    position_error: float
+    velocity_error: float
+    deformed: bool
+    deforming: bool
+    values: tuple[InitialValue, ...] = ()
+    equilibrium: Equilibrium | None = None
+
+    @property
+    def corrections(self) -> tuple[InitialValue, ...]:
+        """The given values that the state does not have."""
+        return tuple(value for value in self.values if value.corrected)
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """A line on each given value that is changed, and on the equilibrium, for a user to read."""
+        reason = (
+            "its value in equilibrium" if self.equilibrium else "corrected: it contradicts the joints or other values"
+        )
+        balance = (str(self.equilibrium),) if self.equilibrium else ()
+        return (*balance, *(f"{value} ({reason})" for value in self.corrections))
 
 
 def initial_state(scene: Scene, native: NativeScene, k: Vector | None = None) -> InitialState:

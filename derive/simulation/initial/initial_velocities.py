@@ -15,11 +15,12 @@ from scipy.linalg import null_space, solve_triangular
 from derive.roles import Role
 from derive.runtime.native_call import Matrix, Vector
 from derive.simulation.compiled_scene import Mask, constraint_matrix, coordinates_with, mass_matrix, max_norm
+from derive.simulation.constraints.closest_state import RATES_CONSISTENT, unmet_constraints
 from derive.simulation.constraints.redundancy import check_constraints
 from derive.simulation.constraints.scaling import SINGULAR, in_mass_metric, mass_factor, typical_row_norms
 from derive.simulation.errors import InconsistentInitialState
-from derive.simulation.initial.assembly import EXACT, ROUNDING, Assembler
-from derive.simulation.initial.consistent_state import RATES_CONSISTENT, unmet_constraints
+from derive.simulation.initial.assembler import Assembler
+from derive.simulation.initial.assembly import EXACT, ROUNDING
 from derive.simulation.initial.contradictions import Misfit, contradiction
 from derive.simulation.initial.targets import Strength, Target
 

@@ -10,8 +10,8 @@ import pytest
 from derive.cli.main import main
 from derive.report.document.page import Paragraph, TableBlock
 from derive.report.sections.initial_state import initial_state_blocks
-from derive.simulation.initial.consistent_state import InitialState
 from derive.simulation.initial.contradictions import InitialValue
+from derive.simulation.initial.initial_state import InitialState
 
 SPEC = """name = "begins"
 [ground.markers]
