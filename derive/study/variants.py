@@ -15,7 +15,7 @@ from derive.lowering.flat.schedule import Step
 from derive.lowering.ldlt import Factorisation
 from derive.mechanics.equations import Equations
 from derive.spec.model.scene import BeamBody, Scene
-from derive.spec.parsing import values
+from derive.spec.parsing import choices
 from derive.spec.tables.beam import frame_from
 
 
@@ -36,7 +36,7 @@ def variant(scene: Scene, pieces: int, frame: str) -> SceneVariant:
 
 def _in_frame(beam: BeamBody, pieces: int, name: str) -> BeamBody:
     """The beam that a specification with this frame gives; a beam in this frame keeps its shape functions."""
-    frame = frame_from(values.frame_kind(name), None)
+    frame = frame_from(choices.frame_kind(name), None)
     if frame == beam.beam.frame:
         return replace(beam, pieces=pieces)
     return replace(beam, pieces=pieces, beam=replace(beam.beam, frame=frame, orthogonal=frame.kind == "mean"))

@@ -53,7 +53,10 @@ KEYS = "nodes, units, modes, frame, orthonormal, damping, gravity, lowering, mar
         ("modes = 301", "5: body.modes: at most 300 modes are allowed, not 301"),
         (f"modes = {10**99}", "5: body.modes: at most 300 modes are allowed, not a very large one"),
         ("modes = 3", "5: body.modes: 3 modes are asked for, and there are 2 in the files"),
-        ('frame = "men"', '5: body.frame: the frame is one of "mean", "point", "given", not "men"'),
+        (
+            'frame = "men"',
+            '5: body.frame: the frame is one of "mean", "point", "given", not "men"; did you mean "mean"?',
+        ),
         ("frame = 1", '5: body.frame: the frame is one of "mean", "point", "given", not a number'),
         ('frame = "point"', f"5: body.frame: {POINT}"),
         ('frame = { kind = "point" }', f"5: body.frame: {POINT}"),
@@ -117,7 +120,10 @@ KEYS = "nodes, units, modes, frame, orthonormal, damping, gravity, lowering, mar
             '5: body.gravity[2].symbol: "G" is taken: it is the symbol of component 1 of gravity; '
             "names must differ in more than case",
         ),
-        ('lowering = "fast"', '5: body.lowering: the lowering is one of "auto", "flat", "table", not "fast"'),
+        (
+            'lowering = "fast"',
+            '5: body.lowering: the lowering is one of "auto", "flat", "table", not "fast"; did you mean "flat"?',
+        ),
         ("markers = [0]", "5: body.markers: a table of names and nodes is needed, not a list"),
         ("markers = { tip = 4 }", "5: body.markers.tip: there is no node 4: the nodes are 0 to 3"),
         (f"markers = {{ tip = {10**99} }}", "5: body.markers.tip: there is no such node: the nodes are 0 to 3"),
@@ -164,7 +170,7 @@ UNITS = 'units are "SI", or a table of all three such as { length = "mm", mass =
             [
                 'body.units.length: the unit of length is one of "m", "cm", "mm", "in", not "mile"',
                 'body.units.mass: the unit of mass is one of "kg", "g", "t", "lbf s^2/in", not a number',
-                'body.units.time: the unit of time is one of "s", "ms", not "S"',
+                'body.units.time: the unit of time is one of "s", "ms", not "S"; did you mean "s"?',
                 "body.units.force: unknown key; the keys here are length, mass, time",
             ],
         ),

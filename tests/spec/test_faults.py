@@ -91,7 +91,7 @@ KEYS = "ansatz, frame, orthogonal, mass, length, bending_stiffness, damping, mar
             "3: beam.mass.default: a positive number is needed, not 0",
         ),
         ('mass = { symbol = "m", default = true }', f"3: beam.mass.default: {NUMBER}, not true"),
-        ('frame = "men"', f'3: beam.frame: {KINDS}, not "men"'),
+        ('frame = "men"', f'3: beam.frame: {KINDS}, not "men"; did you mean "mean"?'),
         ("frame = 1", f"3: beam.frame: {KINDS}, not a number"),
         ('frame = "tangent"', f"3: beam.frame: {END}"),
         ('frame = { kind = "tangent" }', f"3: beam.frame: {END}"),

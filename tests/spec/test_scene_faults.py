@@ -73,7 +73,8 @@ NO_NAME = "cannot be a name: only the letters a to z and A to Z, digits and _ ar
         (
             "length = 1",
             "length = 1\nframe = 'men'",
-            '10: bodies.rod.frame: the frame is one of "mean", "point", "chord", "tangent", "given", not "men"',
+            '10: bodies.rod.frame: the frame is one of "mean", "point", "chord", "tangent", "given", not "men"; '
+            'did you mean "mean"?',
         ),
         (
             "length = 1",

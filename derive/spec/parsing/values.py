@@ -11,21 +11,14 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import TypeVar
 
 from derive.errors import TisserandError, quoted
-from derive.spec.model.body import BodyFrameKind, FrameKind, Lowering, Polynomial, SymbolicFrame
+from derive.spec.model.body import Polynomial
 from derive.spec.parsing.names import name_problem
 from derive.spec.parsing.polynomial import MAX_DEGREE, MAX_DIGITS, parse_number, polynomial
 
 UNIT_PATTERN = "[A-Za-z0-9(]([A-Za-z0-9 .^*/()-]{0,22}[A-Za-z0-9)])?"
 MAX_MODES = 300
-FRAME_KINDS: tuple[FrameKind, ...] = ("mean", "point", "chord", "tangent", "given")
-BODY_FRAME_KINDS: tuple[BodyFrameKind, ...] = ("mean", "point", "given")
-SYMBOLIC_FRAMES: tuple[SymbolicFrame, ...] = ("mean", "given")
-LOWERINGS: tuple[Lowering, ...] = ("auto", "flat", "table")
-
-_Text = TypeVar("_Text", bound=str)
 
 
 class WrongValueError(TisserandError, ValueError):
@@ -197,33 +190,3 @@ def digits(p: Polynomial) -> int:
     """The digits of the common denominator of a polynomial and of its largest numerator over it."""
     denominator = math.lcm(*(c.denominator for c in p))
     return len(str(denominator)) + len(str(max(abs(int(c * denominator)) for c in p)))
-
-
-def choice(value: object, options: tuple[_Text, ...], noun: str) -> _Text:
-    """One of several words."""
-    for option in options:
-        if isinstance(value, str) and value == option:
-            return option
-    words = ", ".join(quoted(option) for option in options)
-    given = quoted(value) if isinstance(value, str) else kind_of(value)
-    raise WrongValueError(f"{noun} is one of {words}, not {given}")
-
-
-def frame_kind(value: object) -> FrameKind:
-    """One of the kinds of frames of a beam."""
-    return choice(value, FRAME_KINDS, "the frame")
-
-
-def body_frame_kind(value: object) -> BodyFrameKind:
-    """One of the kinds of frames of a body of nodes."""
-    return choice(value, BODY_FRAME_KINDS, "the frame")
-
-
-def symbolic_frame(value: object) -> SymbolicFrame:
-    """One of the frames of a body that is all parameters."""
-    return choice(value, SYMBOLIC_FRAMES, "the frame of a symbolic body")
-
-
-def lowering(value: object) -> Lowering:
-    """How the integrals become code."""
-    return choice(value, LOWERINGS, "the lowering")

@@ -32,7 +32,7 @@ from derive.spec.model.body import (
     Polynomial,
     Quantity,
 )
-from derive.spec.parsing import values
+from derive.spec.parsing import choices, values
 from derive.spec.parsing.polynomial import MAX_LENGTH
 from derive.spec.tables.body import DampingTable
 from derive.spec.tables.shared import (
@@ -74,7 +74,7 @@ def _few_digits(ansatz: tuple[Polynomial, ...]) -> tuple[Polynomial, ...]:
 _SHAPE = {"type": "string", "minLength": 1, "maxLength": MAX_LENGTH}
 _BEAM_POSITION = number_schema(minimum=-1, maximum=1)
 # A plain "tangent" would not say which end is meant.
-_PLAIN_FRAMES = [kind for kind in values.FRAME_KINDS if kind != "tangent"]
+_PLAIN_FRAMES = [kind for kind in choices.FRAME_KINDS if kind != "tangent"]
 
 
 def frame_from(kind: FrameKind, at: Fraction | None) -> Frame:
@@ -94,7 +94,7 @@ def frame_from(kind: FrameKind, at: Fraction | None) -> Frame:
 
 def _plain_frame(value: object) -> Frame:
     """A frame written as text alone."""
-    return frame_from(values.frame_kind(value), None)
+    return frame_from(choices.frame_kind(value), None)
 
 
 BeamPosition = Annotated[Fraction, PlainValidator(values.beam_position), WithJsonSchema(_BEAM_POSITION)]
@@ -104,7 +104,7 @@ Shape = Annotated[Polynomial, PlainValidator(values.shape), WithJsonSchema(_SHAP
 class FrameTable(TomlTable):
     """The kind of a floating frame of a beam, and its position."""
 
-    kind: Annotated[FrameKind, PlainValidator(values.frame_kind), WithJsonSchema({"enum": [*values.FRAME_KINDS]})]
+    kind: Annotated[FrameKind, PlainValidator(choices.frame_kind), WithJsonSchema({"enum": [*choices.FRAME_KINDS]})]
     at: Annotated[
         Fraction | None,
         PlainValidator(values.beam_position),

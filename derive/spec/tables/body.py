@@ -22,7 +22,7 @@ from derive.spec.model.body import (
     SymbolicFrame,
 )
 from derive.spec.model.simulation import Simulation
-from derive.spec.parsing import values
+from derive.spec.parsing import choices, values
 from derive.spec.tables.shared import (
     MAX_MARKERS,
     Name,
@@ -60,7 +60,7 @@ ModeCount = Annotated[int, PlainValidator(values.mode_count), WithJsonSchema(_MO
 
 
 def _one_of(table: Mapping[str, Fraction], noun: str) -> PlainValidator:
-    return PlainValidator(lambda value: table[values.choice(value, tuple(table), f"the unit of {noun}")])
+    return PlainValidator(lambda value: table[choices.choice(value, tuple(table), f"the unit of {noun}")])
 
 
 class UnitsTable(TomlTable):
@@ -97,7 +97,7 @@ class BodyFrameTable(TomlTable):
     """The kind of the floating frame of a body, and its nodes."""
 
     kind: Annotated[
-        BodyFrameKind, PlainValidator(values.body_frame_kind), WithJsonSchema({"enum": [*values.BODY_FRAME_KINDS]})
+        BodyFrameKind, PlainValidator(choices.body_frame_kind), WithJsonSchema({"enum": [*choices.BODY_FRAME_KINDS]})
     ]
     node: Annotated[Count | None, Field(description="The node of a point frame, counted from 0.")] = None
     around: Annotated[
@@ -134,7 +134,7 @@ _POINT = (
 
 
 def _plain_frame(value: object) -> BodyFrame:
-    kind = values.body_frame_kind(value)
+    kind = choices.body_frame_kind(value)
     if kind == "point":
         raise values.WrongValueError(_POINT)
     return BodyFrame(kind)
@@ -173,8 +173,8 @@ class DampingTable(TomlTable):
 
 LoweringInput = Annotated[
     Lowering,
-    PlainValidator(values.lowering),
-    WithJsonSchema({"enum": [*values.LOWERINGS]}),
+    PlainValidator(choices.lowering),
+    WithJsonSchema({"enum": [*choices.LOWERINGS]}),
     Field(
         description="Code of sums over the modes: flat (unrolled), table (loops), or auto (the faster, as predicted)."
     ),
@@ -256,7 +256,7 @@ class NodalTable(TomlTable):
 
 
 def _symbolic(value: object) -> str:
-    return values.choice(value, ("symbolic",), "`integrals`")
+    return choices.choice(value, ("symbolic",), "`integrals`")
 
 
 class SymbolicTable(TomlTable):
@@ -271,8 +271,8 @@ class SymbolicTable(TomlTable):
     modes: Annotated[ModeCount, Field(description="Number of modes.")]
     frame: Annotated[
         SymbolicFrame,
-        PlainValidator(values.symbolic_frame),
-        WithJsonSchema({"enum": [*values.SYMBOLIC_FRAMES]}),
+        PlainValidator(choices.symbolic_frame),
+        WithJsonSchema({"enum": [*choices.SYMBOLIC_FRAMES]}),
         Field(description="Assumption about the modes: mean (orthonormal in the mean frame), or given (none)."),
     ] = "mean"
     damping: Annotated[Truth, Field(description="Whether viscous damping is among the parameters.")] = False

@@ -8,7 +8,7 @@ from typing import Annotated, Any, Protocol, assert_never
 from pydantic import Field, PlainValidator, WithJsonSchema
 
 from derive.mechanics.multibody.keys import QUANTITIES, Key, KeyType
-from derive.spec.parsing import values
+from derive.spec.parsing import choices, values
 from derive.spec.tables.markers import Axis, Float, MarkerInput, NameOf, Time, TwoMarkers
 from derive.spec.tables.shared import (
     NotNegativeInput,
@@ -73,7 +73,7 @@ def key_field(key: Key, required: bool = False) -> tuple[Any, Any]:
 def _choice(key: Key) -> Any:
     return Annotated[
         str,
-        PlainValidator(lambda value: values.choice(value, key.choices, f"`{key.name}`")),
+        PlainValidator(lambda value: choices.choice(value, key.choices, f"`{key.name}`")),
         WithJsonSchema({"enum": [*key.choices]}),
     ]
 
@@ -92,7 +92,7 @@ def key_values(keys: tuple[Key, ...], table: TomlTable) -> dict[str, Any]:
 def kind_field(types: Mapping[str, Declares], element: str, default: Any = ...) -> tuple[Any, Any]:
     """The key `kind` of the table of an `element`, such as "the joint", with all kinds that are registered."""
     field = (
-        PlainValidator(lambda value: values.choice(value, tuple(types), element)),
+        PlainValidator(lambda value: choices.choice(value, tuple(types), element)),
         WithJsonSchema({"enum": [*types]}),
         Field(description=_kinds_text(types)),
     )

@@ -9,7 +9,7 @@ from pydantic import Field, PlainValidator, WithJsonSchema
 from derive.spec.model.body import Polynomial
 from derive.spec.model.scene import EQUILIBRIUM, JointInitialValues, SceneStart
 from derive.spec.model.simulation import InitialValues
-from derive.spec.parsing import values
+from derive.spec.parsing import choices
 from derive.spec.tables.beam import Shape
 from derive.spec.tables.markers import Float, FloatPair
 from derive.spec.tables.shared import TomlTable, Truth
@@ -84,7 +84,7 @@ JointStartInput = Annotated[JointStartTable, Field(description="Initial values o
 
 
 def _scene_start(value: object) -> SceneStart:
-    return values.choice(value, (EQUILIBRIUM,), "the start of a scene")
+    return choices.choice(value, (EQUILIBRIUM,), "the start of a scene")
 
 
 SceneStartInput = Annotated[

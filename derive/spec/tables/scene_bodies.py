@@ -26,7 +26,7 @@ from derive.spec.model.body import DEFAULT_LENGTH, DEFAULT_MASS, Polynomial, Qua
 from derive.spec.model.forces import FORCE_FRAMES, ForceFrame
 from derive.spec.model.markers import PointMarker
 from derive.spec.model.scene import BeamBody, CustomBody, DistributedLoad, RigidBody, SceneBody
-from derive.spec.parsing import values
+from derive.spec.parsing import choices, values
 from derive.spec.parsing.polynomial import MAX_LENGTH
 from derive.spec.parsing.time_expression import number_function
 from derive.spec.tables.beam import BeamKeys
@@ -123,7 +123,7 @@ class LoadTable(TomlTable):
     )
     frame: Annotated[
         ForceFrame,
-        PlainValidator(lambda value: values.choice(value, FORCE_FRAMES, "`frame`")),
+        PlainValidator(lambda value: choices.choice(value, FORCE_FRAMES, "`frame`")),
         WithJsonSchema({"enum": [*FORCE_FRAMES]}),
         Field(description="The frame of the components: inertial, or body, the floating frame of the beam."),
     ] = "inertial"

@@ -1,0 +1,47 @@
+"""The values of a specification that are one of several words."""
+
+from __future__ import annotations
+
+from typing import TypeVar
+
+from derive.errors import quoted
+from derive.spec.model.body import BodyFrameKind, FrameKind, Lowering, SymbolicFrame
+from derive.spec.parsing.faults import did_you_mean
+from derive.spec.parsing.values import WrongValueError, kind_of
+
+FRAME_KINDS: tuple[FrameKind, ...] = ("mean", "point", "chord", "tangent", "given")
+BODY_FRAME_KINDS: tuple[BodyFrameKind, ...] = ("mean", "point", "given")
+SYMBOLIC_FRAMES: tuple[SymbolicFrame, ...] = ("mean", "given")
+LOWERINGS: tuple[Lowering, ...] = ("auto", "flat", "table")
+
+_Text = TypeVar("_Text", bound=str)
+
+
+def choice(value: object, options: tuple[_Text, ...], noun: str) -> _Text:
+    """The option that a value is. Raises WrongValueError with all options and the one that resembles the value."""
+    for option in options:
+        if isinstance(value, str) and value == option:
+            return option
+    words = ", ".join(quoted(option) for option in options)
+    given = quoted(value) + did_you_mean(value, options) if isinstance(value, str) else kind_of(value)
+    raise WrongValueError(f"{noun} is one of {words}, not {given}")
+
+
+def frame_kind(value: object) -> FrameKind:
+    """One of the kinds of frames of a beam."""
+    return choice(value, FRAME_KINDS, "the frame")
+
+
+def body_frame_kind(value: object) -> BodyFrameKind:
+    """One of the kinds of frames of a body of nodes."""
+    return choice(value, BODY_FRAME_KINDS, "the frame")
+
+
+def symbolic_frame(value: object) -> SymbolicFrame:
+    """One of the frames of a body that is all parameters."""
+    return choice(value, SYMBOLIC_FRAMES, "the frame of a symbolic body")
+
+
+def lowering(value: object) -> Lowering:
+    """How the integrals become code."""
+    return choice(value, LOWERINGS, "the lowering")
