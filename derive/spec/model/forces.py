@@ -53,8 +53,20 @@ class Torque:
         return (self.at,) if self.against is None else (self.at, self.against)
 
 
+class _BetweenMarkers:
+    """What acts between two markers."""
+
+    first: MarkerRef
+    second: MarkerRef
+
+    @property
+    def markers(self) -> tuple[MarkerRef, MarkerRef]:
+        """Its two ends."""
+        return (self.first, self.second)
+
+
 @dataclass(frozen=True)
-class Spring:
+class Spring(_BetweenMarkers):
     """A spring with a damper between two markers: along the line between them, or `rotational`, about e3.
 
     `kind` is a name of the registry of forces. With the extension x = length - rest its force is stiffness * x +
@@ -74,14 +86,9 @@ class Spring:
     quartic: Quantity = Fraction(0)
     quintic: Quantity = Fraction(0)
 
-    @property
-    def markers(self) -> tuple[MarkerRef, MarkerRef]:
-        """Its two ends."""
-        return (self.first, self.second)
-
 
 @dataclass(frozen=True)
-class Bushing:
+class Bushing(_BetweenMarkers):
     """Linear springs with dampers between two markers: along both axes of the section at the first, and about e3.
 
     The forces are stiffness * (displacement - rest) + damping * (rate), where displacement and rate are those of the
@@ -101,11 +108,6 @@ class Bushing:
     rest_y: Quantity = Fraction(0)
     rest_rotation: Quantity = Fraction(0)
     kind: ClassVar[str] = "bushing"
-
-    @property
-    def markers(self) -> tuple[MarkerRef, MarkerRef]:
-        """Its two ends."""
-        return (self.first, self.second)
 
 
 @dataclass(frozen=True)
