@@ -20,7 +20,7 @@ int main(void)
         double_pendulum_energy(q, v, k, energy);
         printf("t = %.1f s: angle of the upper rod %7.4f rad, its rate %8.4f rad/s, energy %8.1e J\n", 0.1 * i,
                q[DOUBLE_PENDULUM_Q_upper_phi], v[DOUBLE_PENDULUM_V_upper_phidot], energy[0] + energy[1] + energy[2]);
-        if (tisserand_rk4(double_pendulum_model(), 0.1 * i, 1e-4, 1000, 1000, k, 1e-10, q, v, NULL, work, &counts))
+        if (tisserand_rk4(double_pendulum_model(), 0.1 * i, 1e-4, 1000, 1000, k, 1e-10, q, v, NULL, NULL, work, &counts))
             return 1;
     }
     return 0;

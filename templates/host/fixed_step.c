@@ -176,6 +176,11 @@ int tisserand_fixed_result(const tisserand_model *model, double t, const double 
     return model->scene->solve(t, q, v, k, work, row + model->nq + model->nv);
 }
 
+int tisserand_observe(const tisserand_observer *observer, double t, const double *row)
+{
+    return observer != NULL && observer->call(observer->data, t, row) != 0 ? TISSERAND_STOPPED : TISSERAND_OK;
+}
+
 /* Whether the arguments of an integration make sense; comparisons with a NaN are false. */
 static int sensible(double t0, double step, long steps, long every, double tolerance)
 {
@@ -183,7 +188,8 @@ static int sensible(double t0, double step, long steps, long every, double toler
 }
 
 int tisserand_rk4(const tisserand_model *model, double t0, double step, long steps, long every, const double *k,
-                  double tolerance, double *q, double *v, double *rows, double *work, tisserand_fixed_counts *counts)
+                  double tolerance, double *q, double *v, double *rows, const tisserand_observer *observer, double *work,
+                  tisserand_fixed_counts *counts)
 {
     const int width = tisserand_fixed_row(model);
     int code = TISSERAND_OK;
@@ -199,7 +205,12 @@ int tisserand_rk4(const tisserand_model *model, double t0, double step, long ste
             code = tisserand_project(model, t, k, tolerance, q, v, work, counts);
         }
         if (code == 0 && rows != NULL && i % every == 0) {
-            code = tisserand_fixed_result(model, t, k, q, v, rows + i / every * width, work, counts);
+            double *row = rows + i / every * width;
+            code = tisserand_fixed_result(model, t, k, q, v, row, work, counts);
+            if (code == 0 && tisserand_observe(observer, t, row) != 0) {
+                code = TISSERAND_STOPPED;
+                i++; /* this row is good */
+            }
         }
         if (code != 0 || i == steps) {
             break;
@@ -230,7 +241,7 @@ int tisserand_rk4_batch(const tisserand_model *model, int n, double t0, double s
     for (int b = 0; b < n; b++) {
         double *own = rows == NULL ? NULL : rows + b * (steps / every + 1) * tisserand_fixed_row(model);
         codes[b] = tisserand_rk4(model, t0, step, steps, every, k, tolerance, q + (long) b * model->nq,
-                                 v + (long) b * model->nv, own, work, counts);
+                                 v + (long) b * model->nv, own, NULL, work, counts);
         if (first == 0) {
             first = codes[b];
         }

@@ -28,9 +28,18 @@ enum {
     TISSERAND_PIVOT = 1,      /* a pivot vanished: the joints are redundant or in a singular position */
     TISSERAND_NOT_FINITE = 2, /* a value is not finite, or a quaternion is zero */
     TISSERAND_OFF = 3,        /* projection cannot reduce |g| below the tolerance */
-    TISSERAND_ARGUMENT = 4    /* an argument is not valid: negative numbers of steps, every < 1, a negative tolerance, a
+    TISSERAND_ARGUMENT = 4,   /* an argument is not valid: negative numbers of steps, every < 1, a negative tolerance, a
                                  time, a step or a tolerance that is not finite; nothing is written then */
+    TISSERAND_STOPPED = 9     /* the observer has ended the integration */
 };
+
+/* A function of the caller that follows an integration, to show its progress or to end it. It is called with `data`, the
+   time of a row and the row (q, v, lambda) as soon as the row is written. If it returns other than 0, the integration
+   ends with TISSERAND_STOPPED: this row is the last one, and those after it are NaN. */
+typedef struct {
+    int (*call)(void *data, double t, const double *row);
+    void *data;
+} tisserand_observer;
 
 /* Statistics, to which functions add. */
 typedef struct {
@@ -76,6 +85,12 @@ int tisserand_rk4_step(
     double *work,
     tisserand_fixed_counts *counts);
 
+/* Call an observer, which may be 0, with a row at t. Returns 0 or TISSERAND_STOPPED. */
+int tisserand_observe(
+    const tisserand_observer *observer,
+    double t,
+    const double *row);
+
 /* Compute the row of results of a state. */
 int tisserand_fixed_result(
     const tisserand_model *model,
@@ -89,7 +104,8 @@ int tisserand_fixed_result(
 
 /* Integrate from t0 by a number of steps. If tolerance > 0, a scene is projected at t0 and after each step. A quaternion
    is normalised at t0 and after each step. `rows` gets a row at t0 and after every `every` steps, steps / every + 1 in
-   all; it may be 0. If the code is not 0, q and v are undefined, and the rows from the failure on are NaN. */
+   all; it may be 0. The observer is called with each row; it may be 0. If the code is not 0, q and v are undefined, and
+   the rows from the failure on are NaN. */
 int tisserand_rk4(
     const tisserand_model *model,
     double t0,
@@ -101,6 +117,7 @@ int tisserand_rk4(
     double *q,
     double *v,
     double *rows,
+    const tisserand_observer *observer,
     double *work,
     tisserand_fixed_counts *counts);
 

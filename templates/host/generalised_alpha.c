@@ -8,7 +8,6 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#include "fixed_step.h"
 #include "generalised_alpha.h"
 
 #include <klu.h>
@@ -205,15 +204,20 @@ static int correct(double t, double h, double tolerance, const double *k, machin
 }
 
 static int integrate(double t0, double step, long steps, long every, double tolerance, const double *k, double *rows,
-                     long *reached, machine *own, tisserand_alpha_counts *counts)
+                     const tisserand_observer *observer, long *reached, machine *own, tisserand_alpha_counts *counts)
 {
     const int width = own->form.size;
     int valid = 0, code;
 
     for (long i = 0;; i++) {
         if (i % every == 0) {
-            memcpy(rows + i / every * width, own->y, (size_t) width * sizeof(double));
+            double *row = rows + i / every * width;
+            memcpy(row, own->y, (size_t) width * sizeof(double));
             *reached = i / every + 1;
+            code = tisserand_observe(observer, t0 + (double) i * step, row);
+            if (code != 0) {
+                return code;
+            }
         }
         if (i == steps) {
             return TISSERAND_OK;
@@ -229,7 +233,7 @@ static int integrate(double t0, double step, long steps, long every, double tole
 
 int tisserand_alpha(const tisserand_model *model, const tisserand_alpha_options *options, double t0, double step,
                     long steps, long every, const double *k, double *q, double *v, double *rows,
-                    tisserand_alpha_counts *counts)
+                    const tisserand_observer *observer, tisserand_alpha_counts *counts)
 {
     const int width = tisserand_fixed_row(model);
     long reached = 0;
@@ -251,7 +255,7 @@ int tisserand_alpha(const tisserand_model *model, const tisserand_alpha_options 
         code = start(model, options, t0, k, q, v, &own);
     }
     if (code == 0) {
-        code = integrate(t0, step, steps, every, options->tolerance, k, rows, &reached, &own, counts);
+        code = integrate(t0, step, steps, every, options->tolerance, k, rows, observer, &reached, &own, counts);
         memcpy(q, own.y, (size_t) own.nq * sizeof(double));
         memcpy(v, own.y + own.nq, (size_t) own.nq * sizeof(double));
     }

@@ -19,6 +19,8 @@
 #  error "include the header of a generated model before this one"
 #endif
 
+#include "fixed_step.h"
+
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -46,7 +48,8 @@ typedef struct {
 } tisserand_alpha_counts;
 
 /* Integrate from t0 by a number of steps. `rows` gets q, v, lambda at t0 and after every `every` steps,
-   steps / every + 1 in all. If the code is not 0, q and v are undefined, and the rows from the failure on are NaN.
+   steps / every + 1 in all; the observer of fixed_step.h, which may be 0, is called with each. If the code is not 0, q
+   and v are undefined, and the rows from the failure on are NaN.
    Memory is allocated before the first step; KLU allocates more if it has to choose other pivots later. */
 int tisserand_alpha(
     const tisserand_model *model,
@@ -59,6 +62,7 @@ int tisserand_alpha(
     double *q,
     double *v,
     double *rows,
+    const tisserand_observer *observer,
     tisserand_alpha_counts *counts);
 
 #ifdef __cplusplus

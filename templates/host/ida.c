@@ -8,7 +8,6 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#include "fixed_step.h"
 #include "ida.h"
 
 #include <ida/ida.h>
@@ -231,7 +230,8 @@ static void release(machine *own)
 }
 
 int tisserand_ida(const tisserand_model *model, const tisserand_ida_options *options, double t0, double interval,
-                  long nrows, const double *k, double *q, double *v, double *rows, tisserand_ida_counts *counts)
+                  long nrows, const double *k, double *q, double *v, double *rows, const tisserand_observer *observer,
+                  tisserand_ida_counts *counts)
 {
     const int width = tisserand_fixed_row(model);
     tisserand_dae form;
@@ -274,6 +274,7 @@ int tisserand_ida(const tisserand_model *model, const tisserand_ida_options *opt
         memcpy(rows + reached * width, y, (size_t) width * sizeof(double));
         memcpy(q, y, (size_t) model->nq * sizeof(double));
         memcpy(v, y + model->nq, (size_t) model->nv * sizeof(double));
+        code = tisserand_observe(observer, next, rows + reached * width);
     }
     for (long i = reached * width; i < nrows * width; i++) {
         rows[i] = (double) NAN;

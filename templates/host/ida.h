@@ -16,6 +16,8 @@
 #  error "include the header of a generated model before this one"
 #endif
 
+#include "fixed_step.h"
+
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -43,8 +45,8 @@ typedef struct {
 
 enum { TISSERAND_NO_FORM = 5 }; /* the model has no such form */
 
-/* Fill `rows` with q, v, lambda at t0 + i * interval, i = 0 ... nrows - 1, from the state q, v at t0. Returns 0; a
-   code of fixed_step.h, or TISSERAND_NO_FORM, if it cannot start; or a negative code of IDA (ida/ida.h), in which case
+/* Fill `rows` with q, v, lambda at t0 + i * interval, i = 0 ... nrows - 1, from the state q, v at t0. The observer of
+   fixed_step.h, which may be 0, is called with each row. Returns 0; a code of fixed_step.h, or TISSERAND_NO_FORM, if it cannot start; or a negative code of IDA (ida/ida.h), in which case
    the rows that are not reached are NaN. q and v become the last state. */
 int tisserand_ida(
     const tisserand_model *model,
@@ -56,6 +58,7 @@ int tisserand_ida(
     double *q,
     double *v,
     double *rows,
+    const tisserand_observer *observer,
     tisserand_ida_counts *counts);
 
 #ifdef __cplusplus

@@ -157,7 +157,7 @@ static int run_rk4(const tisserand_model *model, double interval, double accurac
     tisserand_fixed_counts counts = {0, 0, 0, 0};
     const long every = steps_between(interval, accuracy);
     const int code = tisserand_rk4(model, 0.0, interval / (double) every, (nrows - 1) * every, every, k, CONSISTENT,
-                                   q, v, rows, work, &counts);
+                                   q, v, rows, NULL, work, &counts);
     fprintf(stderr, "steps %ld\naccelerations %ld\nconstraints %ld\ncorrections %ld\n", counts.steps,
             counts.accelerations, counts.constraints, counts.corrections);
     return code;
@@ -174,7 +174,7 @@ static int run_alpha(const tisserand_model *model, double interval, double accur
 
     options.start = CONSISTENT;
     code = tisserand_alpha(model, &options, 0.0, interval / (double) every, (nrows - 1) * every, every, k, q, v, rows,
-                           &counts);
+                           NULL, &counts);
     fprintf(stderr, "steps %ld\nresiduals %ld\njacobians %ld\n", counts.steps, counts.residuals, counts.jacobians);
     return code;
 }
@@ -193,7 +193,7 @@ static int run_ida(const tisserand_model *model, const char *form, double interv
     options.atol = accuracy;
     options.start = CONSISTENT;
     options.steps_max = 1000000; /* more steps between two rows indicate a fault */
-    code = tisserand_ida(model, &options, 0.0, interval, nrows, k, q, v, rows, &counts);
+    code = tisserand_ida(model, &options, 0.0, interval, nrows, k, q, v, rows, NULL, &counts);
     fprintf(stderr,
             "steps %ld\nresiduals %ld\njacobians %ld\nfactorisations %ld\niterations %ld\nerror_failures %ld\n"
             "convergence_failures %ld\n",

@@ -79,7 +79,7 @@ def test_options_that_make_no_sense_have_their_own_code(wrong: dict[str, float])
     def code(**options: float) -> int:
         given = (ctypes.c_double * 3)(*({"rho": 0.8, "tolerance": 1e-11, "start": 1e-12} | options).values())
         pointers = [array.ctypes.data for array in (k, q, v, rows)]
-        return int(host.library.tisserand_alpha(host.model, given, 0.0, 1e-3, 1, 1, *pointers, counts))
+        return int(host.library.tisserand_alpha(host.model, given, 0.0, 1e-3, 1, 1, *pointers, None, counts))
 
     assert code(**wrong) == 4
     assert np.all(rows == 7.0)

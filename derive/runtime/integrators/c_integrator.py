@@ -29,6 +29,7 @@ CODES = {
     3: "the constraints could not be met",
     4: "an argument makes no sense",
     5: "the model has no such form",
+    9: "the observer has ended the integration",
     -1: "too many steps between two rows",
     -2: "the tolerance is too small for double precision",
     -3: "a step failed its error test again and again",
@@ -37,6 +38,9 @@ CODES = {
 }
 """The meanings of the return codes; negative ones are those of IDA."""
 
+
+STOPPED = 9
+"""The code of an integration that its observer has ended."""
 
 CONSISTENT = 1e-12
 """The largest |g| (m, rad) and |gdot| (m/s, rad/s) after projection."""
@@ -57,7 +61,8 @@ class Integration:
     """t (rows,) in s, q (rows, nq), v (rows, nv) and multipliers lam (rows, nlambda) in SI units.
 
     For many initial states q, v and lam have a first axis with one element for each. counts: evaluations by name.
-    seconds: CPU time of the C function.
+    seconds: CPU time of the C function. An observer that ends the integration leaves the rows up to the one that it has
+    seen last.
     """
 
     t: Vector
@@ -109,8 +114,13 @@ class CIntegrator:
             raise ValueError("q0 and v0 have to be vectors: this method integrates one state")
         return q, v
 
-    def integration(self, t: Vector, rows: Array, counts: ctypes.Structure, seconds: float) -> Integration:
-        """The result from rows of q, v, lambda (..., nq + nv + nlambda)."""
+    def integration(
+        self, t: Vector, rows: Array, counts: ctypes.Structure, seconds: float, stopped: bool = False
+    ) -> Integration:
+        """The result from rows of q, v, lambda (..., nq + nv + nlambda); those after a stop are left out."""
+        if stopped:
+            good = int(np.sum(np.isfinite(rows[:, 0])))
+            t, rows = t[:good], rows[:good]
         q, v, lam = np.split(rows, np.cumsum([self.native.nq, self.native.nv]), axis=-1)
         return Integration(t, q, v, lam, {n: getattr(counts, n) for n, *_ in counts._fields_}, seconds)
 
@@ -147,8 +157,8 @@ def timed(function: Callable[..., int], *arguments: Any) -> tuple[int, float]:
 
 
 def checked_result(name: str, code: int, result: Integration, meanings: Mapping[int, str] = CODES) -> Integration:
-    """The result of an integration. Raises IntegratorError if the return code is not 0."""
-    if code:
+    """The result of an integration. Raises IntegratorError if the return code is not 0, and no observer's stop."""
+    if code not in (0, STOPPED):
         raise IntegratorError(name, code, result, meanings)
     return result
 

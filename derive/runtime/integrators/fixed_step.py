@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from derive.artifacts import File
 from derive.runtime.integrators.c_integrator import (
     CONSISTENT,
+    STOPPED,
     Array,
     CIntegrator,
     Integration,
@@ -22,6 +23,7 @@ from derive.runtime.integrators.c_integrator import (
     times,
     types,
 )
+from derive.runtime.integrators.observer import Observe, Observer
 
 
 class _FixedCounts(ctypes.Structure):
@@ -33,6 +35,7 @@ class FixedStep(CIntegrator):
 
     def __init__(self, files: Sequence[File], flags: Sequence[str] = ()) -> None:
         super().__init__(files, ["fixed_step"], flags)
+        self.library.tisserand_rk4.argtypes = types("pddllpdpppppp")
         self.library.tisserand_rk4_batch.argtypes = types("piddllpdpppppp")
 
     def run(
@@ -47,23 +50,31 @@ class FixedStep(CIntegrator):
         t0: float = 0.0,
         project: bool = True,
         tolerance: float = CONSISTENT,
+        observe: Observe | None = None,
     ) -> Integration:
         """Rows at t0 and after every `every` steps, from the state q0 (nq,), v0 (nv,), or one of each row of these.
 
-        `project` keeps constraints and their rates below `tolerance`, from the first state on. Raises IntegratorError.
+        `project` keeps constraints and their rates below `tolerance`, from the first state on. `observe` follows the
+        rows of a single state. Raises IntegratorError.
         """
         check_steps(steps, every)
         check_numbers(t0=t0, step=step, tolerance=tolerance)
         q, v = self.states(q0, v0)
         states = q.shape[:-1]
         rows: Array = np.empty((*states, steps // every + 1, self.width))
-        number = int(np.prod(states))
-        codes = np.zeros(max(number, 1), dtype=np.intc)
         work, counts = np.empty(self.library.tisserand_fixed_work(self.model)), _FixedCounts()
-        code, seconds = timed(
-            self.library.tisserand_rk4_batch,
-            *(self.model, number, t0, step, steps, every, self.constants(k), tolerance if project else 0.0),
-            *(q, v, rows, codes, work, ctypes.byref(counts)),
-        )
+        given = (t0, step, steps, every, self.constants(k), tolerance if project else 0.0, q, v, rows)
+        if states:
+            if observe is not None:
+                raise ValueError("many states have no observer; integrate each by a call of its own")
+            number = int(np.prod(states))
+            codes = np.zeros(max(number, 1), dtype=np.intc)
+            batch = self.library.tisserand_rk4_batch
+            code, seconds = timed(batch, self.model, number, *given, codes, work, ctypes.byref(counts))
+        else:
+            observer = Observer(observe, self.width)
+            rk4 = self.library.tisserand_rk4
+            code, seconds = timed(rk4, self.model, *given, observer.pointer, work, ctypes.byref(counts))
+            observer.reraise()
         t = times(t0, step * every, steps // every + 1)
-        return checked_result(self.native.name, code, self.integration(t, rows, counts, seconds))
+        return checked_result(self.native.name, code, self.integration(t, rows, counts, seconds, code == STOPPED))

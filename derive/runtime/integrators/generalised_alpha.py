@@ -12,6 +12,7 @@ from derive.artifacts import File
 from derive.runtime.integrators.c_integrator import (
     CODES,
     CONSISTENT,
+    STOPPED,
     Array,
     CIntegrator,
     Integration,
@@ -24,6 +25,7 @@ from derive.runtime.integrators.c_integrator import (
     types,
 )
 from derive.runtime.integrators.compilation import klu
+from derive.runtime.integrators.observer import Observe, Observer
 
 ALPHA_CODES = {
     **CODES,
@@ -49,7 +51,7 @@ class GeneralisedAlpha(CIntegrator):
     def __init__(self, files: Sequence[File], flags: Sequence[str] = ()) -> None:
         include, link = klu()
         super().__init__(files, ["fixed_step", "generalised_alpha"], [*flags, *include], link)
-        self.library.tisserand_alpha.argtypes = types("ppddllppppp")
+        self.library.tisserand_alpha.argtypes = types("ppddllpppppp")
 
     def run(
         self,
@@ -64,12 +66,13 @@ class GeneralisedAlpha(CIntegrator):
         t0: float = 0.0,
         tolerance: float = 1e-11,
         consistent: float = CONSISTENT,
+        observe: Observe | None = None,
     ) -> Integration:
         """Rows at t0 and after every `every` steps, from the state q0 (nq,), v0 (nv,). Raises IntegratorError.
 
         `rho`, 0 to 1, is what is left, in a step, of vibrations that are too fast for it. `tolerance` is that of
         Newton's method, for q and `step` * v. The first state is brought to constraints and rates below `consistent`,
-        unless that is 0.
+        unless that is 0. `observe` follows the rows.
         """
         check_steps(steps, every)
         check_numbers(t0=t0, step=step, rho=rho, tolerance=tolerance, consistent=consistent)
@@ -78,10 +81,13 @@ class GeneralisedAlpha(CIntegrator):
         q, v = self.state(q0, v0)
         table: Array = np.empty((steps // every + 1, self.width))
         options, counts = _AlphaOptions(rho, tolerance, consistent), _AlphaCounts()
+        observer = Observer(observe, self.width)
         code, seconds = timed(
             self.library.tisserand_alpha,
             *(self.model, ctypes.byref(options), t0, step, steps, every, self.constants(k), q, v, table),
-            ctypes.byref(counts),
+            *(observer.pointer, ctypes.byref(counts)),
         )
+        observer.reraise()
         t = times(t0, step * every, steps // every + 1)
-        return checked_result(self.native.name, code, self.integration(t, table, counts, seconds), ALPHA_CODES)
+        result = self.integration(t, table, counts, seconds, code == STOPPED)
+        return checked_result(self.native.name, code, result, ALPHA_CODES)

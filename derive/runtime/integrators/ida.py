@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 from derive.artifacts import File
 from derive.runtime.integrators.c_integrator import (
     CONSISTENT,
+    STOPPED,
     Array,
     CIntegrator,
     Integration,
@@ -23,6 +24,7 @@ from derive.runtime.integrators.c_integrator import (
     types,
 )
 from derive.runtime.integrators.compilation import sundials
+from derive.runtime.integrators.observer import Observe, Observer
 
 
 class _IdaOptions(ctypes.Structure):
@@ -49,7 +51,7 @@ class Ida(CIntegrator):
     def __init__(self, files: Sequence[File], flags: Sequence[str] = ()) -> None:
         include, link = sundials()
         super().__init__(files, ["fixed_step", "ida"], [*flags, *include], link)
-        self.library.tisserand_ida.argtypes = types("ppddlppppp")
+        self.library.tisserand_ida.argtypes = types("ppddlpppppp")
 
     def run(
         self,
@@ -67,12 +69,13 @@ class Ida(CIntegrator):
         consistent: float = CONSISTENT,
         step_max: float = 0.0,
         steps_max: int = 1_000_000,
+        observe: Observe | None = None,
     ) -> Integration:
         """Rows at t0 + i `interval`, from the state q0 (nq,), v0 (nv,). Raises IntegratorError.
 
         `form`: "ggl" or "index1" of a scene, None for a body. `atol` is `rtol` if it is not given. `order` 2 damps
         vibrations that higher orders follow with short steps. The first state is brought to constraints and rates below
-        `consistent`, unless that is 0. `steps_max`: between two rows.
+        `consistent`, unless that is 0. `steps_max`: between two rows. `observe` follows the rows.
         """
         check_numbers(
             t0=t0,
@@ -88,15 +91,15 @@ class Ida(CIntegrator):
         name, absolute = None if form is None else form.encode(), rtol if atol is None else atol
         options = _IdaOptions(name, rtol, absolute, order, consistent, step_max, steps_max)
         table: Array = np.empty((rows, self.width))
-        counts = _IdaCounts()
+        counts, observer = _IdaCounts(), Observer(observe, self.width)
         code, seconds = timed(
             self.library.tisserand_ida,
             *(self.model, ctypes.byref(options), t0, interval, rows, self.constants(k), q, v, table),
-            ctypes.byref(counts),
+            *(observer.pointer, ctypes.byref(counts)),
         )
-        return checked_result(
-            self.native.name, code, self.integration(times(t0, interval, rows), table, counts, seconds)
-        )
+        observer.reraise()
+        result = self.integration(times(t0, interval, rows), table, counts, seconds, code == STOPPED)
+        return checked_result(self.native.name, code, result)
 
 
 def run_ida(files: Sequence[File], q0: ArrayLike, v0: ArrayLike, **options: Any) -> Integration:

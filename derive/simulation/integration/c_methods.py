@@ -3,25 +3,23 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
-from itertools import pairwise
-
-import numpy as np
+from collections.abc import Sequence
 
 from derive.artifacts import File
-from derive.runtime.integrators.c_integrator import CONSISTENT, Integration, IntegratorError
+from derive.runtime.integrators.c_integrator import CONSISTENT, Integration
 from derive.runtime.integrators.fixed_step import FixedStep
 from derive.runtime.integrators.generalised_alpha import GeneralisedAlpha
 from derive.runtime.integrators.ida import Ida
+from derive.runtime.integrators.observer import Observe
 from derive.runtime.native_body import NativeBody
 from derive.runtime.native_call import Vector
-from derive.runtime.native_scene import NativeScene
 from derive.simulation.compiled_scene import max_norm
 from derive.simulation.constraints.projection import UNAVOIDABLE
 from derive.simulation.errors import SimulationError
-from derive.simulation.integration.failure_diagnosis import diagnose_failure
+from derive.simulation.integration.c_rows import CRows
 from derive.simulation.integration.integrator import Integrator, Settings, scene_of
-from derive.simulation.integration.solution import Cost, Solution, SolutionWriter, row_times
+from derive.simulation.integration.pieces import Piece, pieces
+from derive.simulation.integration.solution import Solution
 from derive.simulation.integration.step_limit import rk4_step_limit
 
 STABLE = 0.5
@@ -32,9 +30,6 @@ MAX_STEPS_PER_ROW = 10**9
 STEPS_PER_ROW = 10
 """The steps of the generalised-alpha method between two rows, unless the step is given."""
 
-Run = Callable[[Vector, Vector, float, float, int], Integration]
-"""A function of q (nq,), v (nv,), t0 (s), the interval between rows (s) and the number of rows after the first."""
-
 
 def rk4(files: Sequence[File]) -> Integrator:
     """The classical Runge-Kutta method with fixed steps and projection. Raises CompilerError."""
@@ -42,17 +37,18 @@ def rk4(files: Sequence[File]) -> Integrator:
     native = host.native
 
     def integrate(k: Vector, q: Vector, v: Vector, times: Vector, settings: Settings) -> Solution:
-        settings.refuse_until("rk4")
         if settings.step is None and isinstance(native, NativeBody):
             raise SimulationError("rk4 needs a step for a single body: add --step, or step=... in Python")
         step = settings.step or STABLE * rk4_step_limit(native, k, float(times[0]), q, v)
 
-        def run(q0: Vector, v0: Vector, t0: float, interval: float, rows: int) -> Integration:
-            every = equal_steps(interval, step)
-            steps = rows * every
-            return host.run(q0, v0, step=interval / every, steps=steps, every=every, k=k, t0=t0, tolerance=_met(q0))
+        def run(q0: Vector, v0: Vector, piece: Piece, observe: Observe | None) -> Integration:
+            every = equal_steps(piece.interval, step)
+            steps, length, met = piece.count * every, piece.interval / every, _met(q0)
+            return host.run(
+                q0, v0, step=length, steps=steps, every=every, k=k, t0=piece.start, tolerance=met, observe=observe
+            )
 
-        return _solution(native, run, k, q, v, times, settings)
+        return CRows(native, run, k, settings).solution(q, v, times, _shortened(times, settings))
 
     return Integrator(native, integrate)
 
@@ -63,15 +59,14 @@ def generalised_alpha(files: Sequence[File]) -> Integrator:
     native = scene_of(host.native, "generalised-alpha")
 
     def integrate(k: Vector, q: Vector, v: Vector, times: Vector, settings: Settings) -> Solution:
-        settings.refuse_until("generalised-alpha")
+        def run(q0: Vector, v0: Vector, piece: Piece, observe: Observe | None) -> Integration:
+            every = equal_steps(piece.interval, settings.step or piece.interval / STEPS_PER_ROW)
+            steps, length, met = piece.count * every, piece.interval / every, _met(q0)
+            return host.run(
+                q0, v0, step=length, steps=steps, every=every, k=k, t0=piece.start, consistent=met, observe=observe
+            )
 
-        def run(q0: Vector, v0: Vector, t0: float, interval: float, rows: int) -> Integration:
-            step = settings.step or interval / STEPS_PER_ROW
-            every = equal_steps(interval, step)
-            steps = rows * every
-            return host.run(q0, v0, step=interval / every, steps=steps, every=every, k=k, t0=t0, consistent=_met(q0))
-
-        return _solution(native, run, k, q, v, times, settings)
+        return CRows(native, run, k, settings).solution(q, v, times, _shortened(times, settings))
 
     return Integrator(native, integrate)
 
@@ -83,13 +78,21 @@ def ida(files: Sequence[File]) -> Integrator:
 
     def integrate(k: Vector, q: Vector, v: Vector, times: Vector, settings: Settings) -> Solution:
         settings.refuse_step("c_ida")
-        settings.refuse_until("c_ida")
 
-        def run(q0: Vector, v0: Vector, t0: float, interval: float, rows: int) -> Integration:
-            rtol, met = settings.tolerance, _met(q0)
-            return host.run(q0, v0, interval=interval, rows=rows + 1, rtol=rtol, k=k, t0=t0, consistent=met)
+        def run(q0: Vector, v0: Vector, piece: Piece, observe: Observe | None) -> Integration:
+            return host.run(
+                q0,
+                v0,
+                interval=piece.interval,
+                rows=piece.count + 1,
+                rtol=settings.tolerance,
+                k=k,
+                t0=piece.start,
+                consistent=_met(q0),
+                observe=observe,
+            )
 
-        return _solution(native, run, k, q, v, times, settings)
+        return CRows(native, run, k, settings).solution(q, v, times, ())
 
     return Integrator(native, integrate)
 
@@ -99,50 +102,20 @@ def _met(q: Vector) -> float:
     return max(CONSISTENT, UNAVOIDABLE * max_norm(q))
 
 
-def _solution(
-    native: NativeScene | NativeBody,
-    run: Run,
-    k: Vector,
-    q: Vector,
-    v: Vector,
-    times: Sequence[float] | Vector,
-    settings: Settings,
-) -> Solution:
-    """The solution, by a call of `run` for each part of `times` with equal intervals. Raises SimulationError."""
-    instants = row_times(times)
-    rows = SolutionWriter(native, k, len(instants), settings.drift, projected=True)
-    rows.append(float(instants[0]), np.concatenate([q, v]))
-    evaluations = steps = jacobians = 0
-    seconds = 0.0
-    for first, last in _equal_intervals(instants):
-        t0, interval = float(instants[first]), float((instants[last] - instants[first]) / (last - first))
-        try:
-            part = run(q, v, t0, interval, last - first)
-        except IntegratorError as error:
-            raise _diagnosed(native, k, np.concatenate([q, v]), t0, error) from error
-        for i in range(1, last - first + 1):
-            rows.append(float(instants[first + i]), np.concatenate([part.q[i], part.v[i]]))
-        q, v = rows.states[last, : native.nq], rows.states[last, native.nq :]
-        evaluations += part.counts.get("accelerations", 0) + part.counts.get("residuals", 0)
-        steps, jacobians = steps + part.counts["steps"], jacobians + part.counts.get("jacobians", 0)
-        seconds += part.seconds
-        if settings.progress is not None:
-            settings.progress(float(instants[last]))
-    cost = Cost(evaluations, steps, seconds, jacobians)
-    return rows.solution(instants, cost, _shortened(instants, settings.step))
-
-
-def _shortened(times: Vector, step: float | None) -> tuple[str, ...]:
-    """A note if the step (s) that was given does not divide the intervals between rows, so that it is shortened."""
+def _shortened(times: Vector, settings: Settings) -> tuple[str, ...]:
+    """Notes if the step that was given divides neither the intervals between rows nor those to breaks."""
+    step = settings.step
     if step is None:
         return ()
-    intervals = [float(times[last] - times[first]) / (last - first) for first, last in _equal_intervals(times)]
-    used = {interval: interval / equal_steps(interval, step) for interval in intervals}
-    return tuple(
+    used = {piece.interval: piece.interval / equal_steps(piece.interval, step) for piece in pieces(times)}
+    notes = tuple(
         f"step: {step:g} s -> {short:.6g} s between rows that are {interval:.6g} s apart: rows are ends of steps"
         for interval, short in used.items()
         if short < step * (1 - 1e-9)
     )
+    if any(piece.to_break for piece in pieces(times, settings.breaks)):
+        notes += (f"step: {step:g} s -> shorter ones where functions of time break: breaks are ends of steps",)
+    return notes
 
 
 def equal_steps(interval: float, step: float) -> int:
@@ -157,21 +130,3 @@ def equal_steps(interval: float, step: float) -> int:
             "give a longer step, or choose an integrator with adaptive steps, such as dop853"
         )
     return max(1, math.ceil(count))
-
-
-def _equal_intervals(times: Vector) -> list[tuple[int, int]]:
-    """The first and the last index of each longest part of `times` (n,) whose intervals are equal."""
-    intervals = np.diff(times)
-    changes = [i + 1 for i in range(len(intervals) - 1) if abs(intervals[i + 1] / intervals[i] - 1) > 1e-6]
-    return list(pairwise([0, *changes, len(intervals)])) if len(intervals) else []
-
-
-def _diagnosed(native: NativeScene | NativeBody, k: Vector, y: Vector, t: float, error: IntegratorError) -> Exception:
-    """The error that explains a failure after the last finite row that the C integrator has reached."""
-    partial = error.partial
-    for row in range(len(partial.t)):
-        state = np.concatenate([partial.q[row], partial.v[row]])
-        if not np.all(np.isfinite(state)):
-            break
-        t, y = float(partial.t[row]), state
-    return diagnose_failure(native, k, t, y, None, str(error))

@@ -20,7 +20,7 @@ class Settings:
 
     tolerance: the error of a step, relative and absolute (SI), of methods with adaptive steps. drift: the limit of |g|
     (m, rad) and |gdot| (m/s, rad/s) in every row. step: that of methods with fixed steps, s; None lets them choose.
-    breaks: times at which functions of time jump, s, at which DOP853 and RK45 start anew. until: a condition that ends
+    breaks: times at which functions of time jump, s, at which methods stop and start anew. until: a condition that ends
     the integration. progress: called with the time (s) that is reached.
     """
 
@@ -30,14 +30,6 @@ class Settings:
     breaks: tuple[float, ...] = ()
     until: StopEvent | None = None
     progress: Progress | None = None
-
-    def refuse_until(self, integrator: str) -> None:
-        """Called by methods without dense output, which cannot use `until`. Raises SimulationError."""
-        if self.until is not None:
-            raise SimulationError(
-                f"{integrator} does not find the time at which {self.until.text} is met; leave `until` out, or choose "
-                "dop853 or rk45"
-            )
 
     def refuse_step(self, integrator: str) -> None:
         """Raise SimulationError if `step` is set, for methods that choose their own steps."""

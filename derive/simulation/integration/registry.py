@@ -49,8 +49,18 @@ def _ida(files: Sequence[File]) -> Integrator:
 
     def run(k: Vector, q: Vector, v: Vector, times: Vector, s: Settings) -> Solution:
         s.refuse_step("ida")
-        s.refuse_until("ida")
-        return integrate_ida(native, k, q, v, times, tolerance=s.tolerance, drift=s.drift, progress=s.progress)
+        return integrate_ida(
+            native,
+            k,
+            q,
+            v,
+            times,
+            tolerance=s.tolerance,
+            drift=s.drift,
+            breaks=s.breaks,
+            until=s.until,
+            progress=s.progress,
+        )
 
     return Integrator(native, run)
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 import warnings
 from collections.abc import Sequence
+from dataclasses import dataclass
 from importlib import import_module
 from typing import Any, Literal, Protocol
 
@@ -16,7 +17,9 @@ from derive.runtime.native_call import ModelError, Vector
 from derive.simulation.compiled_scene import ConstrainedSystem
 from derive.simulation.errors import DriftTooLarge, SimulationError
 from derive.simulation.integration.failure_diagnosis import diagnose_error, diagnose_failure
+from derive.simulation.integration.pieces import smooth_ends
 from derive.simulation.integration.solution import Cost, Progress, Solution, SolutionWriter, row_times
+from derive.simulation.integration.stop_event import StopEvent
 
 NO_ERROR_CONTROL = 1e30
 """The absolute tolerance of multipliers, so that error control and Newton's method consider q and v alone: in a short
@@ -62,64 +65,102 @@ def integrate_ida(
     drift: float = 1e-9,
     projected: bool = True,
     max_step: float = 0.0,
+    breaks: Sequence[float] = (),
+    until: StopEvent | None = None,
     progress: Progress | None = None,
 ) -> Solution:
     """The motion of a compiled scene from a consistent state, by the variable-order BDF of IDA.
 
-    native, k, q, v, times, tolerance, drift, progress: as for `integrate`. form: the equations, of `native.dae`; the
-    stabilised form of index 2 ("ggl") keeps the state on the constraints, "index1" lets it drift. order: the highest
-    order; 2 steps over vibrations that orders 3 to 5 have to resolve with short steps, and damps them. projected:
-    whether rows are projected; the state of IDA never is. max_step: in s, 0 for none.
+    native, k, q, v, times, tolerance, drift, breaks, until, progress: as for `integrate`. form: the equations, of
+    `native.dae`; the stabilised form of index 2 ("ggl") keeps the state on the constraints, "index1" lets it drift.
+    order: the highest order; 2 steps over vibrations that orders 3 to 5 have to resolve with short steps, and damps
+    them. projected: whether rows are projected, and the state from which IDA starts anew at a break; that within its
+    steps never is. max_step: in s, 0 for none.
 
     Raises IdaMissing without the package scikit-sundae, and what `integrate` raises.
     """
     began = time.process_time()
     instants = row_times(times)
-    rows = SolutionWriter(native, k, len(instants), drift, projected)
-    solver = _solver(native.dae[form], native, k, tolerance, order, max_step)
-    n = native.nq + native.nv
-    t, y, reached = float(instants[0]), np.concatenate([q, v]), None
-    steps, calls, mark = 0, 0, t
+    rows = SolutionWriter(native, k, instants, drift, projected, until)
+    ends = smooth_ends(instants, breaks)
+    t, y, mark = float(instants[0]), np.concatenate([q, v]), float(instants[0])
+    steps, calls, done = 0, 0, list[_Part]()
+
+    def cost() -> Cost:
+        evaluations, jacobians = (sum(getattr(part.result, name) for part in done) for name in ("nfev", "njev"))
+        return Cost(evaluations, steps, time.process_time() - began, jacobians)
+
     try:
         rows.append(t, y)
-        reached = solver.init_step(t, *_initial(native, k, t, q, v, native.dae[form].size))
-        for at in instants[1:]:
-            while t < at:
-                reached = _step(solver, at, "onestep", instants[-1])
-                calls, steps = calls + 1, steps + (reached.t > t)  # a call after a row gives the last step again
-                if not reached.success:
-                    raise diagnose_failure(native, k, t, y, None, f"IDA: {reached.message}")
+        while rows.count < len(instants):
+            end = ends.pop(0)
+            latest = float(np.nextafter(end, t)) if ends else end
+            part = _Part(_solver(native.dae[form], native, k, tolerance, order, max_step, latest), end, len(y))
+            done.append(part)
+            part.start(t, *_initial(native, k, t, y[: native.nq], y[native.nq :], native.dae[form].size))
+            while t < end:
+                before, calls = t, calls + 1
+                reached, state = part.step(min(rows.following, end))
+                if not part.result.success:
+                    raise diagnose_failure(native, k, t, y, None, f"IDA: {part.result.message}")
                 if calls % STALL_STEPS == 0:
-                    if reached.t - mark < STALL_PROGRESS * (instants[-1] - instants[0]):
+                    if reached - mark < STALL_PROGRESS * (instants[-1] - instants[0]):
                         raise diagnose_failure(native, k, t, y, None, f"{STALL_STEPS} steps of IDA make no progress")
-                    mark = reached.t
-                t, y = reached.t, reached.y[:n]
+                    mark = reached
+                if reached == t:  # a call after an interpolation gives the last step again
+                    continue
+                t, y, steps = reached, state, steps + 1
+                stop = None if until is None else until.time(before, t, part.dense)
+                if stop is not None:
+                    return rows.stopped_solution(stop, part.dense, cost())
+                while rows.count < len(instants) and rows.following <= t:
+                    rows.append(rows.following, part.dense(rows.following) if rows.following < t else y)
                 if progress is not None:
                     progress(t)
-            rows.append(float(at), _step(solver, at, "normal", instants[-1]).y[:n] if t > at else y)
+            y = rows.projected_state(t, y) if projected and ends else y
     except (ModelError, DriftTooLarge) as error:
         raise diagnose_error(native, k, t, y, error) from error
-    cost = Cost(reached.nfev if reached else 0, steps, time.process_time() - began, reached.njev if reached else 0)
-    return rows.solution(instants, cost)
+    return rows.solution(cost())
 
 
-def _step(solver: Any, at: float, method: str, last: float) -> Any:
-    """The result of a step of IDA towards `at`, s, that never passes `last`, s."""
-    return solver.step(float(at), method=method, tstop=float(last))
+@dataclass
+class _Part:
+    """IDA between two breaks, up to `end` (s). Its states begin with `size` elements [q; v]. `result`: the last one."""
+
+    solver: Any
+    end: float
+    size: int
+    result: Any = None
+
+    def start(self, t: float, y: Vector, ydot: Vector) -> None:
+        """Begin at t (s) with a consistent y and ydot."""
+        self.result = self.solver.init_step(t, y, ydot)
+
+    def step(self, towards: float) -> tuple[float, Vector]:
+        """The time (s) and the state [q; v] after a step towards a time, which it may pass, though not `end`."""
+        self.result = self.solver.step(towards, method="onestep", tstop=self.end)
+        return float(self.result.t), self.result.y[: self.size]
+
+    def dense(self, t: float) -> Vector:
+        """The state [q; v] at a time (s) within the last step."""
+        return np.asarray(self.solver.step(t, method="normal", tstop=self.end).y[: self.size])
 
 
-def _solver(form: Form, native: ConstrainedSystem, k: Vector, tolerance: float, order: int, max_step: float) -> Any:
-    """IDA with the sparse solver SuperLU_MT and the compiled Jacobian."""
+def _solver(
+    form: Form, native: ConstrainedSystem, k: Vector, tolerance: float, order: int, max_step: float, latest: float
+) -> Any:
+    """IDA with the sparse solver SuperLU_MT and the compiled Jacobian; `latest`: the last time of which the model is
+    asked, s."""
     try:
         ida = import_module("sksundae.ida").IDA
     except ImportError as error:
         raise IdaMissing("IDA needs the package scikit-sundae: pip install 'tisserand[ida]'") from error
 
     def residual(t: float, y: Vector, ydot: Vector, out: Vector) -> None:
-        out[:] = form.residual(t, y, ydot, k)
+        out[:] = form.residual(min(t, latest), y, ydot, k)
 
     def jacobian(t: float, y: Vector, ydot: Vector, _: Vector, cj: float, out: Vector) -> None:
-        out[:] = form.jacobian(t, y, ydot, cj, k)
+        out[:] = form.jacobian(min(t, latest), y, ydot, cj, k)
 
     n, p = native.nq + native.nv, form.pattern
     absolute = np.full(form.size, NO_ERROR_CONTROL)

@@ -16,6 +16,7 @@ from derive.runtime.native_call import ModelError, Vector
 from derive.simulation.compiled_scene import ConstrainedSystem
 from derive.simulation.errors import DriftTooLarge, IntegrationStopped
 from derive.simulation.integration.failure_diagnosis import diagnose_error, diagnose_failure
+from derive.simulation.integration.pieces import smooth_ends
 from derive.simulation.integration.solution import Cost, Progress, Solution, SolutionWriter, row_times
 from derive.simulation.integration.stop_event import StopEvent
 
@@ -56,11 +57,11 @@ def integrate(
     began = time.process_time()
     instants = row_times(times)
     evaluator = Evaluator(native, k)
-    rows = SolutionWriter(native, k, len(instants), drift, projected)
+    rows = SolutionWriter(native, k, instants, drift, projected, until)
     t, y, steps = float(instants[0]), np.concatenate([q, v]), 0
     try:
         rows.append(t, y)
-        ends = [*sorted(time for time in {*breaks} if t < time < instants[-1]), float(instants[-1])]
+        ends = smooth_ends(instants, breaks)
         solver = None
         while rows.count < len(instants):
             if solver is None or solver.status == "finished":
@@ -78,13 +79,12 @@ def integrate(
                 raise IntegrationStopped(t, f"{steps} steps do not reach the next row")
             stop = None if until is None else until.time(t, float(solver.t), solver.dense_output())
             if stop is not None:
-                assert until is not None
-                return _stopped(rows, instants, stop, solver.dense_output(), until, evaluator.cost(steps, began))
-            if instants[rows.count] < solver.t:
+                return rows.stopped_solution(stop, solver.dense_output(), evaluator.cost(steps, began))
+            if rows.following < solver.t:
                 dense = solver.dense_output()
-                while rows.count < len(instants) and instants[rows.count] < solver.t:
-                    rows.append(float(instants[rows.count]), dense(instants[rows.count]))
-            if rows.count < len(instants) and instants[rows.count] == solver.t:
+                while rows.count < len(instants) and rows.following < solver.t:
+                    rows.append(rows.following, dense(rows.following))
+            if rows.count < len(instants) and rows.following == solver.t:
                 rows.append(float(solver.t), solver.y)
             if projected:
                 solver.y = rows.projected_state(solver.t, solver.y)
@@ -94,21 +94,7 @@ def integrate(
                 progress(t)
     except (ModelError, DriftTooLarge) as error:
         raise diagnose_error(native, k, t, y, error) from error
-    notes = () if until is None else (f"until {until.text}: not met up to t = {t:.9g} s",)
-    return rows.solution(instants, evaluator.cost(steps, began), notes)
-
-
-def _stopped(
-    rows: SolutionWriter, instants: Vector, stop: float, dense: Callable[[float], Vector], until: StopEvent, cost: Cost
-) -> Solution:
-    """The solution up to the time `stop` (s), in the last step, with a row there."""
-    times = [*instants[: rows.count], *(t for t in instants[rows.count :] if t < stop)]
-    for t in times[rows.count :]:
-        rows.append(float(t), dense(float(t)))
-    if stop > times[-1]:
-        rows.append(stop, dense(stop))
-        times.append(stop)
-    return rows.solution(np.array(times), cost, (f"until {until.text}: met at t = {stop:.9g} s",))
+    return rows.solution(evaluator.cost(steps, began))
 
 
 class Evaluator:

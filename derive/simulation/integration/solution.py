@@ -10,6 +10,7 @@ import numpy as np
 from derive.runtime.native_call import Matrix, Vector
 from derive.simulation.compiled_scene import ConstrainedSystem
 from derive.simulation.constraints.projection import check_drift, drift, project
+from derive.simulation.integration.stop_event import StopEvent
 
 Progress = Callable[[float], None]
 """Called with the time (s) that an integration has reached."""
@@ -31,7 +32,7 @@ class Solution:
 
     drift (n, 2): the largest violation of g (m, rad) and of its rate (m/s, rad/s) in each row. drift_before (n, 2): the
     same before the projection of the row, which is the drift of one step and the error of interpolation within it.
-    notes: what the integrator does otherwise than it was told, for the user.
+    notes: for the user, what the integrator does otherwise than it was told, and where a stop condition is met.
     """
 
     t: Vector
@@ -48,25 +49,29 @@ class Solution:
 class SolutionWriter:
     """Writes a solution row by row: it projects each state, checks its drift, and solves for its multipliers.
 
-    k: the constants (nk,) of `setup`. size: the number of rows. limit: that of |g| (m, rad) and |gdot| (m/s, rad/s).
-    projected: whether states are projected onto the constraints. count: the number of rows written so far.
+    k: the constants (nk,) of `setup`. times: those of the rows (n,), s. limit: that of |g| (m, rad) and |gdot| (m/s,
+    rad/s). projected: whether states are projected onto the constraints. until: the condition that ends the
+    integration, if there is one. count: the number of rows written so far.
     """
 
     native: ConstrainedSystem
     k: Vector
-    size: int
+    times: Vector
     limit: float
     projected: bool
+    until: StopEvent | None = None
     count: int = 0
+    notes: list[str] = field(default_factory=list)
     states: Matrix = field(init=False)
     lam: Matrix = field(init=False)
     drift: Matrix = field(init=False)
     drift_before: Matrix = field(init=False)
 
     def __post_init__(self) -> None:
-        self.states = np.zeros((self.size, self.native.nq + self.native.nv))
-        self.lam = np.zeros((self.size, self.native.nlambda))
-        self.drift, self.drift_before = np.zeros((self.size, 2)), np.zeros((self.size, 2))
+        size = len(self.times) + 1  # and one where a condition ends the integration between two rows
+        self.states = np.zeros((size, self.native.nq + self.native.nv))
+        self.lam = np.zeros((size, self.native.nlambda))
+        self.drift, self.drift_before = np.zeros((size, 2)), np.zeros((size, 2))
 
     def append(self, t: float, y: Vector) -> None:
         """Write the row of the state y = [q; v] at t (s). Raises DriftTooLarge, ModelError."""
@@ -80,7 +85,17 @@ class SolutionWriter:
         self.lam[i] = self.native.solve(t, q, v, self.k)[1]
         self.drift_before[i] = before.position, before.velocity
         self.drift[i] = after.position, after.velocity
+        if self.until is not None and i == 0 and self.until.holds(self.until.value(t, self.states[0])):
+            self.notes.append(
+                f"until {self.until.text}: holds at t = {t:.9g} s already; the run goes on until the condition is met "
+                "anew"
+            )
         self.count += 1
+
+    @property
+    def following(self) -> float:
+        """The time (s) of the next row."""
+        return float(self.times[self.count])
 
     def projected_state(self, t: float, y: Vector) -> Vector:
         """The state y = [q; v] on its constraints. Raises DriftTooLarge where they cannot be met."""
@@ -88,8 +103,40 @@ class SolutionWriter:
         check_drift(self.native, self.k, t, q, v, self.limit)
         return np.concatenate([q, v])
 
-    def solution(self, t: Vector, cost: Cost, notes: tuple[str, ...] = ()) -> Solution:
-        """The rows at the times t (n,), which are all, or the first ones if the integration has ended early."""
+    def solution(self, cost: Cost, notes: tuple[str, ...] = ()) -> Solution:
+        """All rows, with these notes and that of a condition which is never met."""
+        if self.until is not None:
+            notes = (
+                *notes,
+                *self.notes,
+                f"until {self.until.text}: not met{self._anew} up to t = {self.times[-1]:.9g} s",
+            )
+        return self._solution(self.times, cost, notes)
+
+    def stopped_solution(
+        self, stop: float, dense: Callable[[float], Vector], cost: Cost, notes: tuple[str, ...] = ()
+    ) -> Solution:
+        """The rows up to the time `stop` (s) at which the condition is met, and a row there.
+
+        dense: the state y at a time after the last row that is written.
+        """
+        assert self.until is not None
+        while self.count < len(self.times) and self.following < stop:
+            self.append(self.following, dense(self.following))
+        times = self.times[: self.count]
+        if stop > times[-1]:
+            self.append(stop, dense(stop))
+            times = np.append(times, stop)
+        return self._solution(
+            times, cost, (*notes, *self.notes, f"until {self.until.text}: met{self._anew} at t = {stop:.9g} s")
+        )
+
+    @property
+    def _anew(self) -> str:
+        """A word for the notes on a condition that has held at the start already."""
+        return " anew" if self.notes else ""
+
+    def _solution(self, t: Vector, cost: Cost, notes: tuple[str, ...]) -> Solution:
         n, rows = self.native.nq, slice(len(t))
         states, lam, drift, before = self.states[rows], self.lam[rows], self.drift[rows], self.drift_before[rows]
         return Solution(t, states[:, :n], states[:, n:], lam, drift, before, cost, notes)

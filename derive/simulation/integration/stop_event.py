@@ -1,4 +1,4 @@
-"""The time at which a stop condition is met, within a step of an integrator with dense output."""
+"""The time at which a stop condition is met, within a step or an interval of an integrator."""
 
 from __future__ import annotations
 
@@ -17,27 +17,41 @@ SAMPLES = 8
 @dataclass(frozen=True)
 class StopEvent:
     """A condition that ends an integration where `value(t, y)` becomes positive; with `crossing`, where it changes
-    its sign. It has to be zero or negative, or different from zero, before. `text`: the condition as it is written.
+    its sign or becomes zero. `text`: the condition as it is written.
     """
 
     text: str
     value: Callable[[float, Vector], float]
     crossing: bool
 
+    def holds(self, value: float) -> bool:
+        """Whether the condition holds at this value of the function."""
+        return value == 0.0 if self.crossing else value > 0.0
+
+    def met(self, before: float, after: float) -> bool:
+        """Whether the condition comes to hold between two values, one after the other."""
+        if self.crossing:
+            return before < 0.0 <= after or before > 0.0 >= after
+        return before <= 0.0 < after
+
     def time(self, first: float, last: float, dense: Callable[[float], Vector]) -> float | None:
         """The first time (s) between `first` and `last` at which it is met, to rounding errors; None if it is not.
 
-        dense: the state y at a time within the step.
+        The condition holds there, or has changed its sign, so that a run that goes on from there does not meet it
+        again. dense: the state y at a time within the step.
         """
 
         def value(t: float) -> float:
             return self.value(float(t), np.asarray(dense(t)))
 
         before, at = value(first), first
-        for t in np.linspace(first, last, SAMPLES + 1)[1:]:
+        for t in map(float, np.linspace(first, last, SAMPLES + 1)[1:]):
             after = value(t)
-            rises, falls = before <= 0.0 < after, before >= 0.0 > after
-            if (rises or (self.crossing and falls)) and not (self.crossing and before == 0.0):
-                return float(brentq(value, at, t, xtol=1e-15, rtol=8.9e-16)) if before else at
-            before, at = after, float(t)
+            if self.met(before, after):
+                root = float(brentq(value, at, t, xtol=1e-15, rtol=8.9e-16)) if before else at
+                step = float(np.spacing(max(abs(root), t - at)))
+                while root < t and not self.met(before, value(root)):
+                    root, step = min(root + step, t), 2 * step
+                return root
+            before, at = after, t
         return None
