@@ -10,6 +10,7 @@ from derive.backends.model_files import model_files
 from derive.derivation import derive, lower
 from derive.errors import Problem, SpecError, quoted
 from derive.simulation.body_trajectory import BodyTrajectory, simulate_body
+from derive.simulation.drive_jumps import check_drives
 from derive.simulation.earlier_run import EarlierRun
 from derive.simulation.free_beam import beam_scene
 from derive.simulation.initial.initial_state import initial_state
@@ -110,6 +111,7 @@ def _simulate_scene(
     compile_integrator = INTEGRATORS[integrator]
     given = dict(inputs)
     scene = with_functions(scene, given)
+    check_drives(scene, simulation.duration)
     model = lower(derive(scene))
     check_plots(scene, column_units(scene, model))
     compiled = compile_integrator(model_files(model, scene))

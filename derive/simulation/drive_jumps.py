@@ -1,0 +1,113 @@
+"""Prescribed motions that no finite force can make: drives whose position or speed jumps."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Mapping
+from itertools import pairwise
+
+import numpy as np
+
+from derive.errors import Problem, SpecError
+from derive.simulation.observables.motion import drive_unit
+from derive.spec.model.scene import Drive, Scene
+from derive.spec.model.time_function import TimeFunction, break_times, value_at
+
+BESIDE = 64
+"""In units in the last place of the time of a break: the distance of the times before and after it."""
+ROUNDING = 1e-9
+"""A jump is larger than this part of the largest position or speed of the drive; smaller ones are rounding errors."""
+SAMPLES = 9
+"""The times between two breaks at which the largest position and speed are looked for."""
+
+PARTIAL: Mapping[str, Callable[..., tuple[float, ...]]] = {
+    "add": lambda a, b: (1.0, 1.0),
+    "sub": lambda a, b: (1.0, -1.0),
+    "mul": lambda a, b: (b, a),
+    "div": lambda a, b: (1.0 / b, -a / b**2),
+    "pow": lambda a, b: (b * math.pow(a, b - 1.0) if b else 0.0, 0.0),
+    "neg": lambda a: (-1.0,),
+    "sin": lambda a: (math.cos(a),),
+    "cos": lambda a: (-math.sin(a),),
+    "sqrt": lambda a: (0.5 / math.sqrt(a),),
+    "exp": lambda a: (math.exp(a),),
+    "log": lambda a: (1.0 / a,),
+    "tanh": lambda a: (1.0 - math.tanh(a) ** 2,),
+    "abs": lambda a: (math.copysign(1.0, a),),
+    "min": lambda a, b: (float(a < b), float(a >= b)),
+    "max": lambda a, b: (float(a >= b), float(a < b)),
+    "atan2": lambda y, x: (x / (x**2 + y**2), -y / (x**2 + y**2)),
+    "step": lambda x, x0, x1: (_step_rate((x - x0) / (x1 - x0)) / (x1 - x0), 0.0, 0.0),
+}
+"""The partial derivatives of each kind of function of time; powers and the ends of steps are constant."""
+
+
+def _step_rate(s: float) -> float:
+    return 30.0 * (s * (1.0 - s)) ** 2 if 0.0 < s < 1.0 else 0.0
+
+
+def rate_at(function: TimeFunction, t: float) -> float:
+    """The derivative of a function at t (s), with the defaults of its parameters.
+
+    Raises ArithmeticError or ValueError where it has none.
+    """
+    match function.kind:
+        case "number" | "parameter":
+            return 0.0
+        case "t":
+            return 1.0
+        case "spline":
+            assert function.spline is not None
+            return function.spline(value_at(function.args[0], t), 1) * rate_at(function.args[0], t)
+        case "piecewise":
+            pairs = zip(function.args[:-1:2], function.args[1::2], strict=True)
+            return rate_at(next((then for when, then in pairs if value_at(when, t)), function.args[-1]), t)
+        case kind:
+            rates = [rate_at(arg, t) for arg in function.args]
+            if not any(rates):
+                return 0.0
+            partial = PARTIAL[kind](*(value_at(arg, t) for arg in function.args))
+            return sum(d * rate for d, rate in zip(partial, rates, strict=True) if rate)
+
+
+def check_drives(scene: Scene, duration: float) -> None:
+    """Raise SpecError if the position or the speed of a drive jumps within the duration (s) of a simulation.
+
+    Drives that follow run-time inputs are not looked at: their functions are not known here.
+    """
+    problems = [problem for drive in scene.drives for problem in _jumps(scene, drive, duration)]
+    if problems:
+        raise SpecError(tuple(problems))
+
+
+def _jumps(scene: Scene, drive: Drive, duration: float) -> Iterator[Problem]:
+    motion = drive.motion
+    if motion is None or motion.kind == "input":
+        return
+    unit = drive_unit(scene, drive)
+    breaks = sorted(time for time in {*break_times(motion)} if 0.0 < time <= duration)
+    samples = [t for pair in pairwise([0.0, *breaks, duration]) for t in np.linspace(*pair, SAMPLES)]
+    refused = set[float]()  # a jump of the position is one of the speed as well
+    for quantity, of, units in (("position", value_at, unit), ("speed", rate_at, f"{unit}/s")):
+        largest = max((abs(value) for t in samples if (value := _finite(of, motion, t)) is not None), default=0.0)
+        for t in breaks:
+            beside = BESIDE * np.spacing(t)
+            old, new = _finite(of, motion, t - beside), _finite(of, motion, t + beside)
+            if t in refused or old is None or new is None or abs(new - old) <= ROUNDING * largest:
+                continue
+            refused.add(t)
+            yield Problem(
+                f"drives.{drive.name}.motion",
+                f"at t = {t:.9g} s the {quantity} jumps from {old:.9g} {units} to {new:.9g} {units}, which takes an "
+                "infinite force; only the acceleration of a drive may jump. Make the motion smooth there, for example "
+                "by step(t, ...), or end the simulation before",
+            )
+
+
+def _finite(of: Callable[[TimeFunction, float], float], motion: TimeFunction, t: float) -> float | None:
+    """The value or the derivative of a motion at t (s), None where it has none, such as the speed of sqrt(t) at 0."""
+    try:
+        value = of(motion, float(t))
+    except (ArithmeticError, ValueError):
+        return None
+    return value if math.isfinite(value) else None
