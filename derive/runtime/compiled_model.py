@@ -110,17 +110,17 @@ class Native:
 
     def force(self, t: float, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> Vector:
         """h(t, q, v) (nv,)."""
-        return self._call("force", [t, *self._state(q, v, k)], self.nv)
+        return self._call("force", [t, *self._state(q, v, self.own_at(t, k))], self.nv)
 
     def mass_force(self, t: float, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> tuple[Vector, Vector]:
         """Values of M, and h."""
         values, h = np.empty(len(self.mass_pattern.rowidx)), np.empty(self.nv)
-        self._invoke("mass_force", self._model.mass_force, [t, *self._state(q, v, k)], [values, h])
+        self._invoke("mass_force", self._model.mass_force, [t, *self._state(q, v, self.own_at(t, k))], [values, h])
         return values, h
 
     def accel(self, t: float, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> Vector:
         """vdot (nv,) of M vdot + h = 0; of a scene with its constraint reactions."""
-        return self._call("accel", [t, *self._state(q, v, k)], self.nv)
+        return self._call("accel", [t, *self._state(q, v, self.own_at(t, k))], self.nv)
 
     def energy(self, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> Vector:
         """Kinetic and strain energy, and the potential of gravity where there is gravity."""
@@ -137,12 +137,12 @@ class Native:
     def residual(self, t: float, y: ArrayLike, ydot: ArrayLike, k: ArrayLike) -> Vector:
         """F(t, y, ydot); of a scene that of index 3."""
         n = self.nq + self.nv + self.nlambda
-        return self._call("residual", [t, (n, y), (n, ydot), (self.nk, self.own(k))], n)
+        return self._call("residual", [t, (n, y), (n, ydot), (self.nk, self.own_at(t, k))], n)
 
     def jacobian(self, t: float, y: ArrayLike, ydot: ArrayLike, cj: float, k: ArrayLike) -> Vector:
         """Values of dF/dy + cj dF/dydot."""
         n = self.nq + self.nv + self.nlambda
-        arguments = [t, (n, y), (n, ydot), cj, (self.nk, self.own(k))]
+        arguments = [t, (n, y), (n, ydot), cj, (self.nk, self.own_at(t, k))]
         return self._call("jacobian", arguments, len(self.jacobian_pattern.rowidx))
 
     def mass_batch(self, q: ArrayLike, k: ArrayLike) -> Matrix:
@@ -190,6 +190,10 @@ class Native:
     def own(self, k: ArrayLike) -> ArrayLike:
         """The constants as they are given. Raises ValueError if they come from the setup of another model."""
         return checked_origin(self.hash, self.name, k)
+
+    def own_at(self, t: float, k: ArrayLike) -> ArrayLike:
+        """The constants as functions of the time read them: with the inputs at t (s), where these follow functions."""
+        return self.own(k)
 
     def _call(self, name: str, arguments: list[Any], size: int) -> Vector:
         result = np.empty(size)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+from copy import copy
 from typing import Any
 
 import numpy as np
@@ -22,13 +23,19 @@ class Dae:
         self.pattern = pattern_of(form.pattern.contents)
         self._called = f"{scene.name}, form {self.name}: "
 
+    def of(self, scene: Native) -> Dae:
+        """The same form for a scene with other constants at a time, see `Native.own_at`."""
+        form = copy(self)
+        form._scene = scene
+        return form
+
     def residual(self, t: float, y: ArrayLike, ydot: ArrayLike, k: ArrayLike) -> Vector:
         """F(t, y, ydot)."""
         result = np.empty(self.size)
         invoke(
             f"{self._called}residual",
             self._form.residual,
-            [t, *self._state(y, ydot), (self._scene.nk, self._scene.own(k))],
+            [t, *self._state(y, ydot), (self._scene.nk, self._scene.own_at(t, k))],
             [result],
         )
         return result
@@ -36,7 +43,7 @@ class Dae:
     def jacobian(self, t: float, y: ArrayLike, ydot: ArrayLike, cj: float, k: ArrayLike) -> Vector:
         """Values of dF/dy + cj dF/dydot."""
         result = np.empty(len(self.pattern.rowidx))
-        arguments = [t, *self._state(y, ydot), cj, (self._scene.nk, self._scene.own(k))]
+        arguments = [t, *self._state(y, ydot), cj, (self._scene.nk, self._scene.own_at(t, k))]
         invoke(f"{self._called}jacobian", self._form.jacobian, arguments, [result])
         return result
 
@@ -62,34 +69,36 @@ class NativeScene(Native):
 
     def constraints(self, t: float, q: ArrayLike, k: ArrayLike) -> Vector:
         """g(t, q)."""
-        return self._ask("constraints", [t, (self.nq, q), (self.nk, self.own(k))], self.nlambda)
+        return self._ask("constraints", [t, (self.nq, q), (self.nk, self.own_at(t, k))], self.nlambda)
 
     def constraint_rates(self, t: float, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> Vector:
         """gdot = G v + dg/dt."""
-        return self._ask("constraint_rates", [t, *self._state(q, v, k)], self.nlambda)
+        return self._ask("constraint_rates", [t, *self._state(q, v, self.own_at(t, k))], self.nlambda)
 
     def constraint_jacobian(self, t: float, q: ArrayLike, k: ArrayLike) -> Vector:
         """Values of G by columns."""
         size = len(self.constraint_pattern.rowidx)
-        return self._ask("constraint_jacobian", [t, (self.nq, q), (self.nk, self.own(k))], size)
+        return self._ask("constraint_jacobian", [t, (self.nq, q), (self.nk, self.own_at(t, k))], size)
 
     def constraint_bias(self, t: float, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> Vector:
         """gamma of G vdot = gamma."""
-        return self._ask("constraint_bias", [t, *self._state(q, v, k)], self.nlambda)
+        return self._ask("constraint_bias", [t, *self._state(q, v, self.own_at(t, k))], self.nlambda)
 
     def solve(self, t: float, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> tuple[Vector, Vector]:
         """vdot (nv,) and lambda (nlambda,), the constraint reactions on body 2 of each joint."""
         vdot, multipliers = np.empty(self.nv), np.empty(self.nlambda)
-        invoke(f"{self.name}_solve", self._scene.solve, [t, *self._state(q, v, k)], [vdot, multipliers])
+        invoke(f"{self.name}_solve", self._scene.solve, [t, *self._state(q, v, self.own_at(t, k))], [vdot, multipliers])
         return vdot, multipliers
 
     def project_velocity(self, t: float, q: ArrayLike, k: ArrayLike, r: ArrayLike) -> Vector:
         """The smallest change dv (nv,) of the velocities, measured by dv . M dv, with G dv = r (nlambda,)."""
-        return self._ask("project_velocity", [t, (self.nq, q), (self.nk, self.own(k)), (self.nlambda, r)], self.nv)
+        return self._ask(
+            "project_velocity", [t, (self.nq, q), (self.nk, self.own_at(t, k)), (self.nlambda, r)], self.nv
+        )
 
     def poses(self, t: float, q: ArrayLike, k: ArrayLike) -> Matrix:
         """c1, c2 (m) and phi (rad) of the frame of each body in `bodies`, (bodies, 3)."""
-        return self._ask("poses", [t, (self.nq, q), (self.nk, self.own(k))], 3 * len(self.bodies)).reshape(-1, 3)
+        return self._ask("poses", [t, (self.nq, q), (self.nk, self.own_at(t, k))], 3 * len(self.bodies)).reshape(-1, 3)
 
     def inputs_at(self, t: float) -> Vector:
         """The inputs u (inputs,) at a time, where they follow functions; otherwise zeros."""
@@ -105,14 +114,18 @@ class NativeScene(Native):
         self, t: float, q: ArrayLike, v: ArrayLike, vdot: ArrayLike, lam: ArrayLike, k: ArrayLike
     ) -> Vector:
         """The values of `outputs`, from a state with its accelerations and multipliers as `solve` computes them."""
-        return self._port("outputs", [t, *self._full_state(q, v, vdot, lam), (self.nk, self.own(k))], len(self.outputs))
+        return self._port(
+            "outputs", [t, *self._full_state(q, v, vdot, lam), (self.nk, self.own_at(t, k))], len(self.outputs)
+        )
 
     def outputs_jacobian(
         self, t: float, q: ArrayLike, v: ArrayLike, vdot: ArrayLike, lam: ArrayLike, k: ArrayLike
     ) -> Vector:
         """Values of the derivatives of the outputs by [q; v; vdot; lambda; u], in the order of `outputs_pattern`."""
         size = len(self.outputs_pattern.rowidx) if self.outputs_pattern else 0
-        return self._port("outputs_jacobian", [t, *self._full_state(q, v, vdot, lam), (self.nk, self.own(k))], size)
+        return self._port(
+            "outputs_jacobian", [t, *self._full_state(q, v, vdot, lam), (self.nk, self.own_at(t, k))], size
+        )
 
     def _full_state(self, q: ArrayLike, v: ArrayLike, vdot: ArrayLike, lam: ArrayLike) -> list[Any]:
         return [(self.nq, q), (self.nv, v), (self.nv, vdot), (self.nlambda, lam)]

@@ -11,12 +11,8 @@ from numpy.typing import ArrayLike
 
 from derive.errors import Problem, SpecError
 from derive.registry import UnknownNameError
-from derive.runtime.native_call import Matrix, Vector, checked_vector
+from derive.runtime.native_call import Vector, checked_vector
 from derive.runtime.native_scene import NativeScene
-from derive.simulation.errors import SimulationError
-from derive.simulation.integration.integrator import Settings
-from derive.simulation.integration.scipy_methods import integrate
-from derive.simulation.integration.solution import Solution
 from derive.spec.model.forces import CustomForce, Force, Torque
 from derive.spec.model.scene import Scene
 from derive.spec.model.time_function import TimeFunction
@@ -77,80 +73,13 @@ class DrivenScene(NativeScene):
         """functions: one for each input of the scene, with as many values as the compiled scene has inputs of it."""
         self.__dict__.update(native.__dict__)
         self._functions = [functions[value.name] for value in scene.inputs]
+        self.dae = {name: form.of(self) for name, form in native.dae.items()}
 
     def inputs_at(self, t: float) -> Vector:
         """The inputs u (inputs,) at a time. Raises ValueError where a function returns too many or too few values."""
         values = [np.atleast_1d(np.asarray(function(t), dtype=np.float64)) for function in self._functions]
         return checked_vector(len(self.inputs), np.concatenate(values), f"the inputs {', '.join(self.inputs)}")
 
-    def at(self, t: float, k: ArrayLike) -> Vector:
-        """The constants k (nk,) with the inputs at a time behind them."""
+    def own_at(self, t: float, k: ArrayLike) -> ArrayLike:
+        """The constants k (nk,) with the inputs at t (s) behind them."""
         return self.with_inputs(k, self.inputs_at(t))
-
-    def force(self, t: float, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> Vector:
-        """See NativeScene."""
-        return super().force(t, q, v, self.at(t, k))
-
-    def accel(self, t: float, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> Vector:
-        """See NativeScene."""
-        return super().accel(t, q, v, self.at(t, k))
-
-    def solve(self, t: float, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> tuple[Vector, Vector]:
-        """See NativeScene."""
-        return super().solve(t, q, v, self.at(t, k))
-
-    def constraints(self, t: float, q: ArrayLike, k: ArrayLike) -> Vector:
-        """See NativeScene."""
-        return super().constraints(t, q, self.at(t, k))
-
-    def constraint_rates(self, t: float, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> Vector:
-        """See NativeScene."""
-        return super().constraint_rates(t, q, v, self.at(t, k))
-
-    def constraint_jacobian(self, t: float, q: ArrayLike, k: ArrayLike) -> Vector:
-        """See NativeScene."""
-        return super().constraint_jacobian(t, q, self.at(t, k))
-
-    def constraint_bias(self, t: float, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> Vector:
-        """See NativeScene."""
-        return super().constraint_bias(t, q, v, self.at(t, k))
-
-    def project_velocity(self, t: float, q: ArrayLike, k: ArrayLike, r: ArrayLike) -> Vector:
-        """See NativeScene."""
-        return super().project_velocity(t, q, self.at(t, k), r)
-
-    def poses(self, t: float, q: ArrayLike, k: ArrayLike) -> Matrix:
-        """See NativeScene."""
-        return super().poses(t, q, self.at(t, k))
-
-    def evaluate_outputs(
-        self, t: float, q: ArrayLike, v: ArrayLike, vdot: ArrayLike, lam: ArrayLike, k: ArrayLike
-    ) -> Vector:
-        """See NativeScene."""
-        return super().evaluate_outputs(t, q, v, vdot, lam, self.at(t, k))
-
-
-Integrate = Callable[[Vector, Vector, Vector, Vector, Settings], Solution]
-
-
-def driven_integration(native: DrivenScene, integrator: str) -> Integrate:
-    """The integration of a scene with inputs in Python. Raises SimulationError unless SciPy integrates it."""
-    if integrator != "dop853":
-        raise SimulationError(f"inputs in Python need the integrator dop853; {integrator} calls C alone")
-
-    def run(k: Vector, q: Vector, v: Vector, times: Vector, settings: Settings) -> Solution:
-        settings.refuse_step(integrator)
-        return integrate(
-            native,
-            k,
-            q,
-            v,
-            times,
-            tolerance=settings.tolerance,
-            drift=settings.drift,
-            breaks=settings.breaks,
-            until=settings.until,
-            progress=settings.progress,
-        )
-
-    return run

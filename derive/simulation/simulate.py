@@ -12,9 +12,10 @@ from derive.errors import Problem, SpecError, quoted
 from derive.simulation.body_trajectory import BodyTrajectory, simulate_body
 from derive.simulation.drive_jumps import check_drives
 from derive.simulation.earlier_run import EarlierRun
+from derive.simulation.errors import SimulationError
 from derive.simulation.free_beam import beam_scene
 from derive.simulation.initial.initial_state import initial_state
-from derive.simulation.inputs import DrivenScene, InputFunction, driven_integration, with_functions
+from derive.simulation.inputs import DrivenScene, InputFunction, with_functions
 from derive.simulation.integration.integrator import Settings, scene_of
 from derive.simulation.integration.registry import INTEGRATORS
 from derive.simulation.integration.solution import Progress, Solution
@@ -115,10 +116,15 @@ def _simulate_scene(
     model = lower(derive(scene))
     check_plots(scene, column_units(scene, model))
     compiled = compile_integrator(model_files(model, scene))
-    native, integrate = scene_of(compiled.native, integrator), compiled.integrate
+    native = scene_of(compiled.native, integrator)
     if given:
+        if compiled.through_python is None:
+            raise SimulationError(
+                f"{integrator} calls C alone, which knows no functions of Python for {', '.join(given)}; choose "
+                "dop853, rk45 or ida, or write the functions in the specification"
+            )
         native = DrivenScene(native, scene, given)
-        integrate = driven_integration(native, integrator)
+        compiled = compiled.through_python(native)
     k = native.setup()
     initial = initial_state(scene, native, k)
     q, v, times = initial.q, initial.v, output_times(simulation)
@@ -132,7 +138,7 @@ def _simulate_scene(
 
     until = stop_event(simulation, row, native, k, q, v)
     settings = Settings(tolerance=simulation.tolerance, step=step, breaks=breaks(scene), until=until, progress=progress)
-    solution = integrate(k, q, v, times, settings)
+    solution = compiled.integrate(k, q, v, times, settings)
     if earlier is not None:
         solution = earlier.continued(model, solution)
     motion = SceneMotion(scene, native, k, solution.t, solution.q, solution.v)

@@ -16,9 +16,9 @@ from derive.runtime.native_scene import NativeScene
 from derive.simulation.initial.initial_state import InitialState
 from derive.simulation.integration.solution import Solution
 from derive.simulation.observables.csv_writer import Column
-from derive.simulation.observables.motion import SceneMotion, drive_unit, drive_values
+from derive.simulation.observables.motion import SceneMotion, drive_motion, drive_unit
 from derive.simulation.observables.outputs import port_values
-from derive.spec.model.scene import Drive, Scene
+from derive.spec.model.scene import Scene
 from derive.spec.model.simulation import Simulation
 
 
@@ -33,7 +33,7 @@ class RunSettings:
 
 def column_units(scene: Scene, model: Model) -> dict[str, str]:
     """The names of the columns of a trajectory of a scene, with their units, before it is computed."""
-    units = {"t": "s", **{drive.name: drive_unit(scene, drive) for drive in _drives(scene)}}
+    units = {"t": "s", **{drive.name: drive_unit(scene, drive) for drive in scene.drives}}
     for prefix, variables in (
         ("", model.coordinates),
         ("", model.velocities),
@@ -45,14 +45,9 @@ def column_units(scene: Scene, model: Model) -> dict[str, str]:
     return units
 
 
-def _drives(scene: Scene) -> list[Drive]:
-    """The drives whose motion is a function of the specification; others follow run-time inputs."""
-    return [drive for drive in scene.drives if drive.motion is None or drive.motion.kind != "input"]
-
-
 def column_values(scene: Scene, native: NativeScene, k: Vector, solution: Solution) -> list[Vector]:
     """The values (n,) of the columns of a trajectory of a scene, in the order of `column_units`."""
-    drives = [drive_values(drive, solution.t) for drive in _drives(scene)]
+    drives = [drive_motion(native, drive, solution.t) for drive in scene.drives]
     inputs, outputs = port_values(native, k, solution)
     return [solution.t, *drives, *solution.q.T, *solution.v.T, *solution.lam.T, *inputs.T, *outputs.T]
 

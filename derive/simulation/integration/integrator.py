@@ -45,11 +45,13 @@ class Integrator:
     """A compiled scene or body, and the function that integrates it.
 
     `integrate(k, q, v, times, settings)` takes the constants k (nk,) of `native.setup`, a consistent state q (nq,),
-    v (nv,) at times[0], and the times (n,) of the rows, s. It raises SimulationError.
+    v (nv,) at times[0], and the times (n,) of the rows, s. It raises SimulationError. through_python: the same method
+    for another object with the functions of the scene, which it calls in Python; None if it calls C alone.
     """
 
     native: NativeScene | NativeBody
     integrate: Callable[[Vector, Vector, Vector, Vector, Settings], Solution]
+    through_python: Callable[[NativeScene], Integrator] | None = None
 
 
 Compile = Callable[[Sequence[File]], Integrator]

@@ -8,7 +8,9 @@ from typing import Literal
 from derive.artifacts import File
 from derive.registry import Registry
 from derive.runtime.loading import load
+from derive.runtime.native_body import NativeBody
 from derive.runtime.native_call import Vector
+from derive.runtime.native_scene import NativeScene
 from derive.simulation.integration import c_methods
 from derive.simulation.integration.integrator import Compile, Integrator, Settings, scene_of
 from derive.simulation.integration.scikit_sundae import integrate_ida
@@ -19,9 +21,7 @@ from derive.simulation.integration.solution import Solution
 def _scipy(method: Literal["DOP853", "RK45"]) -> Compile:
     """An explicit method of SciPy."""
 
-    def compiled(files: Sequence[File]) -> Integrator:
-        native = load(files)
-
+    def integrator(native: NativeScene | NativeBody) -> Integrator:
         def run(k: Vector, q: Vector, v: Vector, times: Vector, s: Settings) -> Solution:
             s.refuse_step(method.lower())
             return integrate(
@@ -38,31 +38,33 @@ def _scipy(method: Literal["DOP853", "RK45"]) -> Compile:
                 progress=s.progress,
             )
 
-        return Integrator(native, run)
+        return Integrator(native, run, integrator)
 
-    return compiled
+    return lambda files: integrator(load(files))
 
 
 def _ida(files: Sequence[File]) -> Integrator:
     """IDA of SUNDIALS through scikit-sundae."""
-    native = scene_of(load(files), "ida")
 
-    def run(k: Vector, q: Vector, v: Vector, times: Vector, s: Settings) -> Solution:
-        s.refuse_step("ida")
-        return integrate_ida(
-            native,
-            k,
-            q,
-            v,
-            times,
-            tolerance=s.tolerance,
-            drift=s.drift,
-            breaks=s.breaks,
-            until=s.until,
-            progress=s.progress,
-        )
+    def integrator(native: NativeScene) -> Integrator:
+        def run(k: Vector, q: Vector, v: Vector, times: Vector, s: Settings) -> Solution:
+            s.refuse_step("ida")
+            return integrate_ida(
+                native,
+                k,
+                q,
+                v,
+                times,
+                tolerance=s.tolerance,
+                drift=s.drift,
+                breaks=s.breaks,
+                until=s.until,
+                progress=s.progress,
+            )
 
-    return Integrator(native, run)
+        return Integrator(native, run, integrator)
+
+    return integrator(scene_of(load(files), "ida"))
 
 
 INTEGRATORS: Registry[Compile] = Registry(

@@ -120,6 +120,14 @@ def drive_values(drive: Drive, t: Array) -> Array:
     return si_value(drive.speed) * t + float(drive.offset)
 
 
+def drive_motion(native: NativeScene, drive: Drive, t: Array) -> Array:
+    """(n,): the same in a simulation, in which drives may follow the run-time inputs of a compiled scene."""
+    if drive.motion is None or drive.motion.kind != "input":
+        return drive_values(drive, t)
+    index = native.inputs.index(drive.motion.name)
+    return np.array([native.inputs_at(float(time))[index] for time in t])
+
+
 def drive_unit(scene: Scene, drive: Drive) -> str:
     """rad of a rotation, m of a displacement."""
     kind = next(joint.kind for joint in scene.joints if joint.name == drive.joint)

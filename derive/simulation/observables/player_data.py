@@ -25,8 +25,8 @@ from derive.simulation.observables.motion import (
     Array,
     SceneMotion,
     body_coordinates,
+    drive_motion,
     drive_unit,
-    drive_values,
     marker_positions,
     outline,
     transformed,
@@ -78,7 +78,11 @@ def player_data(motion: SceneMotion, curves: Sequence[Column], clock: Array | No
         "joints": [_joint(shown, joint, markers, at) for joint in scene.joints],
         "springs": [[markers.index(end) for end in s.markers] for s in scene.springs if FORCES[s.kind].along_line],
         "drives": [
-            {"name": d.name, "unit": drive_unit(scene, d), "values": channel(drive_values(d, shown.t), 1e-4)}
+            {
+                "name": d.name,
+                "unit": drive_unit(scene, d),
+                "values": channel(drive_motion(shown.native, d, shown.t), 1e-4),
+            }
             for d in scene.drives
         ],
         "curves": [
