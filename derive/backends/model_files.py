@@ -17,7 +17,7 @@ from derive.backends.protocol import Backend
 from derive.backends.python.module import PythonBackend
 from derive.ir.model import Model
 from derive.registry import Registry
-from derive.spec.model.body import NodalBody, PlanarBeam, SymbolicBody
+from derive.spec.model.body import Kinematics, NodalBody, PlanarBeam, SymbolicBody
 from derive.spec.model.scene import BeamBody, Scene, Specification
 from derive.spec.model.time_function import Spline, TimeFunction
 from derive.version import VERSION
@@ -54,7 +54,7 @@ KINDS = {PlanarBeam: "planar_beam", NodalBody: "nodal_body", SymbolicBody: "symb
 
 def specification(spec: Specification) -> dict[str, object]:
     """A specification as plain data, exact numbers as text; of the numbers of nodes their sizes and their SHA-256."""
-    fields = {f.name: getattr(spec, f.name) for f in dataclasses.fields(spec)}
+    fields = _fields(spec)
     if isinstance(spec, NodalBody):
         data = spec.data
         modes = 0 if data.modes is None else len(data.modes)
@@ -70,6 +70,8 @@ def specification(spec: Specification) -> dict[str, object]:
 def _exact(value: object) -> object:
     if isinstance(value, Fraction):
         return str(value)
+    if isinstance(value, Kinematics):
+        return value.value
     if isinstance(value, BeamBody):  # what is for a beam alone says nothing here
         beam = {key: item for key, item in _fields(value.beam).items() if key not in ALONE}
         return {**_fields(value), "beam": beam}
@@ -84,8 +86,9 @@ def _exact(value: object) -> object:
 
 
 def _fields(value: Any) -> dict[str, Any]:
-    """The fields of a dataclass."""
-    return {f.name: getattr(value, f.name) for f in dataclasses.fields(value)}
+    """The fields of a dataclass, without what says that a beam is one of first order, as beams are by default."""
+    every = {f.name: getattr(value, f.name) for f in dataclasses.fields(value)}
+    return {name: item for name, item in every.items() if item is not Kinematics.FIRST_ORDER}
 
 
 def _manifest(model: Model, spec: Specification, files: tuple[File, ...]) -> File:

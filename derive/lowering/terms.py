@@ -7,7 +7,7 @@ import sympy as sp
 from derive.ir.model import ModelTerm
 from derive.ir.patterns import Pattern
 from derive.mechanics.equations import Equations
-from derive.mechanics.sums import exchanged
+from derive.mechanics.sums import of_index
 from derive.mechanics.symbols import I, J
 
 
@@ -42,7 +42,7 @@ def _sums(equations: Equations) -> dict[sp.Symbol, sp.Expr]:
         return {}
     result = {t.symbol: t.term for t in equations.mode_sums}
     return result | {
-        c.symbol: sp.Add(*(exchanged(factor, {J: I}) * entry for factor, entry in c.sums)) for c in equations.table_sums
+        c.symbol: sp.Add(*(of_index(factor, I, J) * entry for factor, entry in c.sums)) for c in equations.table_sums
     }
 
 

@@ -16,6 +16,7 @@ from derive.mechanics.motion.spatial import spatial_motion
 from derive.mechanics.symbols import Family
 from derive.mechanics.tables import CoefficientTable, planar_tables
 from derive.mechanics.terms import ModelConstant, ParameterSymbol
+from derive.spec.model.body import Kinematics
 
 if TYPE_CHECKING:  # a planar body needs no NumPy, nor does a specification that is read
     import numpy as np
@@ -41,7 +42,7 @@ class Body:
 
     `frame_doc` describes the choice of the origin c and of the floating frame. `tables` are the shape integrals, the
     stiffness K of U = 1/2 alpha K alpha and the damping B, the factor of alphadot; `values` are their entries.
-    `gravity` is the acceleration of free fall in the inertial frame.
+    `gravity` is the acceleration of free fall in the inertial frame. `kinematics` is the order of the displacements.
     """
 
     name: str
@@ -55,16 +56,22 @@ class Body:
     points: tuple[MaterialPoint, ...] = ()
     parameters: tuple[ParameterSymbol, ...] = ()
     gravity: tuple[ModelConstant, ...] = ()
+    kinematics: Kinematics = Kinematics.FIRST_ORDER
 
     @cached_property
     def motion(self) -> Motion:
         """The motion of the body, with all sums over the modes expanded."""
-        return planar_motion(self.modes) if self.dimension == 2 else spatial_motion(self.modes)
+        return planar_motion(self.modes, self.second_order) if self.dimension == 2 else spatial_motion(self.modes)
 
     @cached_property
     def rigid_motion(self) -> Motion:
         """The motion of the body without assumed modes."""
-        return planar_motion(0) if self.dimension == 2 else spatial_motion(0)
+        return planar_motion(0, self.second_order) if self.dimension == 2 else spatial_motion(0)
+
+    @property
+    def second_order(self) -> bool:
+        """Whether displacements are quadratic in the amplitudes."""
+        return self.kinematics is not Kinematics.FIRST_ORDER
 
     @property
     def mass_constant(self) -> ModelConstant:
@@ -125,7 +132,8 @@ def planar_body(
     points: tuple[MaterialPoint, ...] = (),
     parameters: tuple[ParameterSymbol, ...] = (),
     gravity: tuple[ModelConstant, ...] = (),
+    kinematics: Kinematics = Kinematics.FIRST_ORDER,
 ) -> Body:
     """A planar body given by its shape integrals and its stiffness, entry by entry."""
     tables, values = planar_tables(constants), ExactValues(constants)
-    return Body(name, doc, frame_doc, 2, modes, mass, tables, values, points, parameters, gravity)
+    return Body(name, doc, frame_doc, 2, modes, mass, tables, values, points, parameters, gravity, kinematics)

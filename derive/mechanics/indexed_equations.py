@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from itertools import chain
 
 import sympy as sp
 
@@ -15,9 +16,9 @@ from derive.mechanics.body import Body
 from derive.mechanics.equations import Equations
 from derive.mechanics.motion.body_motion import Motion
 from derive.mechanics.motion.material_points import indexed_marker
-from derive.mechanics.motion.planar import planar_moment_sums, planar_row_sums
+from derive.mechanics.motion.planar import planar_sums
 from derive.mechanics.motion.spatial import spatial_moment_sums, spatial_row_sums
-from derive.mechanics.sums import ALPHA, ALPHADOT, IndexedSum, ModeSum, TableSum, canonical, exchanged
+from derive.mechanics.sums import ALPHA, ALPHADOT, IndexedSum, ModeSum, TableSum, canonical, exchanged, of_index
 from derive.mechanics.symbols import Family, I, J, Symbol, amplitude, is_indexed, quantity
 from derive.mechanics.tables import CoefficientTable, TableKind, point_tables
 from derive.mechanics.terms import Coordinate, EquationOfMotion, Reason, Term
@@ -60,9 +61,8 @@ def derive_body(body: Body, lowering: Lowering = "auto") -> Equations:
     definitions = (*motion.rotation_definitions, *products, *gravity_definitions(motion, body.gravity))
     kept, reasons = zeros.drop_definitions(definitions, zeros.reasons_of(coefficients))
     sums = _Sums({t.family: t for t in body.tables}, {**reasons, **_zero_entries(body.tables)})
-    indexed_sums = (
-        (*planar_moment_sums(), *planar_row_sums()) if planar else (*spatial_moment_sums(), *spatial_row_sums())
-    )
+    planar_ones = tuple(chain(*planar_sums(body.second_order)))
+    indexed_sums = planar_ones if planar else (*spatial_moment_sums(), *spatial_row_sums())
     forces: tuple[Term, ...] = ()
     if Family.STIFFNESS in families:
         indexed_sums, forces = (*indexed_sums, *ELASTIC_SUMS[:1]), (*forces, ELASTIC_TERM)
@@ -147,15 +147,15 @@ class _Sums:
         """Add a sum; the sums that it refers to have been added before."""
         behind: list[tuple[sp.Symbol, str]] = []
         offset = self._entry(indexed_sum.offset, behind) if indexed_sum.offset else sp.S.Zero
-        sums: list[tuple[Symbol, Symbol]] = []
+        sums: list[tuple[sp.Expr, Symbol]] = []
         for factor, entry in indexed_sum.sums:
-            own = exchanged(factor, {J: I})
+            own = of_index(factor, I, J)
             if not indexed_sum.indexed:
                 offset += own * self._entry(exchanged(entry, {J: I}), behind)
             elif self._kind(entry, behind) is TableKind.FULL:
                 sums.append((factor, entry))
             elif self._kind(entry, []) is TableKind.DIAGONAL:
-                offset += own * quantity(entry.identity.family, shapes=(I,))
+                offset += own * quantity(entry.identity.family, *entry.identity.components, shapes=(I,))
             elif self._kind(entry, []) is TableKind.UNIT:
                 offset += own
         if not indexed_sum.indexed:

@@ -15,12 +15,24 @@ from dataclasses import dataclass, replace
 import sympy as sp
 
 from derive.mechanics.symbols import Family, I, Index, J, ShapeIndex, Symbol, amplitude, identity
+from derive.roles import Source
 
-PARITY = {Family.C5: 1, Family.C7: -1, Family.C8: 1, Family.STIFFNESS: 1, Family.DAMPING: 1}
+PARITY = {
+    Family.C5: 1,
+    Family.C7: -1,
+    Family.C8: 1,
+    Family.C9: 1,
+    Family.C10: 1,
+    Family.STIFFNESS: 1,
+    Family.DAMPING: 1,
+}
 """The sign by which an entry changes when i and j are exchanged; only the entries with i <= j have names."""
 
 ALPHA, ALPHADOT, ALPHADDOT = (amplitude(J, derivative) for derivative in range(3))
 """The factors of sums: amplitudes, their velocities and accelerations."""
+
+HALF_ALPHA = ALPHA / 2
+"""The factor of what is quadratic in the amplitudes."""
 
 Vectors = Mapping[Symbol, Sequence[Symbol]]
 """The symbols of each factor of a sum, mode by mode."""
@@ -30,15 +42,16 @@ Vectors = Mapping[Symbol, Sequence[Symbol]]
 class IndexedSum:
     """The definition symbol = offset + sum over j of factor_j entry_j, for a generic mode j.
 
-    `sums` are the pairs (factor, entry); the factors are ALPHA, ALPHADOT and ALPHADDOT. `offset` is None where there is
-    no constant part. `doc` is a format string, in which `{i}` is the mode; it describes the whole quantity, of which
-    the symbol may be a component.
+    `sums` are the pairs (factor, entry); the factors are ALPHA, ALPHADOT and ALPHADDOT, or a number times one of them.
+    `offset` is None where there is no constant part. `doc` is a format string, in which `{i}` is the mode; it describes
+    the whole quantity, of which the symbol may be a component.
     """
 
     symbol: Symbol
     offset: Symbol | None
-    sums: tuple[tuple[Symbol, Symbol], ...]
+    sums: tuple[tuple[sp.Expr, Symbol], ...]
     doc: str
+    source: Source = Source.APPENDIX
 
     @property
     def section(self) -> str:
@@ -79,9 +92,9 @@ def canonical(entry: sp.Basic) -> Symbol:
     return Symbol(known) if known.shapes == (I, J) else swapped(entry)
 
 
-def of_index(expr: sp.Expr, i: ShapeIndex) -> sp.Expr:
-    """An expression in the generic index i, with i replaced by a mode."""
-    generic = {s: exchanged(s, {I: i}) for s in expr.free_symbols if isinstance(s, Symbol) and s.identity.indexed}
+def of_index(expr: sp.Expr, i: ShapeIndex, index: Index = I) -> sp.Expr:
+    """An expression in a generic index, with the index replaced by a mode."""
+    generic = {s: exchanged(s, {index: i}) for s in expr.free_symbols if isinstance(s, Symbol) and s.identity.indexed}
     return expr.xreplace(generic)
 
 
@@ -102,7 +115,8 @@ def expanded_sum(indexed_sum: IndexedSum, i: int, vectors: Vectors) -> sp.Expr:
     """The indexed sum for mode i as an explicit sum; `vectors` gives the symbols of each factor."""
     total = at(indexed_sum.offset, i) if indexed_sum.offset else sp.S.Zero
     for factor, entry in indexed_sum.sums:
-        total += sp.Add(*(a * at(entry, i, j) for j, a in enumerate(vectors[factor], 1)))
+        number, vector = factor.as_coeff_Mul()
+        total += sp.Add(*(number * a * at(entry, i, j) for j, a in enumerate(vectors[vector], 1)))
     return total
 
 
@@ -115,7 +129,7 @@ class TableSum:
 
     symbol: Symbol
     offset: sp.Expr
-    sums: tuple[tuple[Symbol, Symbol], ...]
+    sums: tuple[tuple[sp.Expr, Symbol], ...]
     doc: str
 
 

@@ -66,11 +66,16 @@ class Family(Enum):
     C6 = "c6", Kind.INTEGRAL
     C7 = "c7", Kind.INTEGRAL
     C8 = "c8", Kind.INTEGRAL
+    C9 = "c9", Kind.INTEGRAL
+    C10 = "c10", Kind.INTEGRAL
     STIFFNESS = "K", Kind.INTEGRAL
     DAMPING = "B", Kind.INTEGRAL
     D1 = "d1", Kind.MOMENT
     D2 = "D2", Kind.MOMENT
     D3 = "d3", Kind.MOMENT
+    D4 = "d4", Kind.MOMENT
+    C9_SUM = "c9", Kind.MOMENT
+    C10_SUM = "c10", Kind.MOMENT
     S = "S", Kind.MOMENT
     INERTIA = "J", Kind.MOMENT
     C5_SUM = "C5", Kind.MOMENT
@@ -91,8 +96,10 @@ class Family(Enum):
     POINT_POSITION = "X", Kind.POINT
     POINT_SHAPE = "Phi", Kind.POINT
     SECTION_ROTATION = "turn", Kind.POINT
+    POINT_SECOND = "Psi", Kind.POINT
     RADIUS = "r", Kind.MOVING_POINT
     LEVER = "s", Kind.MOVING_POINT
+    TANGENT = "dr", Kind.MOVING_POINT
     PARAMETER = "parameter", Kind.CHOSEN
     ELEMENT = "element", Kind.CHOSEN
     TIME = "t", Kind.CHOSEN

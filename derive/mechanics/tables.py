@@ -24,15 +24,18 @@ INDICES = {
     Family.C5: 2,
     Family.C7: 2,
     Family.C8: 2,
+    Family.C9: 2,
+    Family.C10: 2,
     Family.STIFFNESS: 2,
     Family.DAMPING: 2,
     Family.POINT_POSITION: 0,
     Family.POINT_SHAPE: 1,
+    Family.POINT_SECOND: 2,
 }
 """The number of mode indices of an entry, by the family of its table."""
 
 TENSORS, SCALARS = (Family.C3, Family.C4, Family.C5), (Family.C8, Family.STIFFNESS, Family.DAMPING)
-VECTORS = (Family.C1, Family.C2, Family.POINT_POSITION, Family.POINT_SHAPE)
+VECTORS = (Family.C1, Family.C2, Family.C9, Family.POINT_POSITION, Family.POINT_SHAPE, Family.POINT_SECOND)
 
 
 NO_SHAPES = "the number of shapes (there is none)"
@@ -138,10 +141,16 @@ PLANAR_DOCS = {
     Family.C6: ("int rho X x Phi_i", "kg m"),
     Family.C7: ("int rho Phi_i x Phi_j", "kg"),
     Family.C8: ("int rho Phi_i . Phi_j", "kg"),
+    Family.C5: ("int rho (Phi_i . Phi_j + X . Psi_ij)", "kg"),
+    Family.C9: ("int rho Psi_ij", "kg/m"),
+    Family.C10: ("int rho X x Psi_ij", "kg"),
     Family.STIFFNESS: ("stiffness", "N/m"),
     Family.DAMPING: ("damping", "N s/m"),
 }
-"""The tables of a planar body: what they are, their units."""
+"""The tables of a planar body: what they are, their units. C5 is a table of its own at second order alone."""
+
+OPTIONAL = (Family.C5, Family.C9, Family.C10, Family.DAMPING)
+"""Tables that not every body has."""
 
 
 def planar_tables(constants: Sequence[ModelConstant]) -> tuple[CoefficientTable, ...]:
@@ -151,7 +160,7 @@ def planar_tables(constants: Sequence[ModelConstant]) -> tuple[CoefficientTable,
         of_family = [c for c in constants if c.symbol.identity.family is family]
         if of_family:
             tables.append(_planar_table(CoefficientTable(family, TableKind.FULL, doc, unit, dimension=2), of_family))
-        elif INDICES[family] and family is not Family.DAMPING:
+        elif INDICES[family] and family not in OPTIONAL:
             deforms = any(INDICES[c.symbol.identity.family] for c in constants)
             tables.append(CoefficientTable(family, TableKind.ZERO, doc, unit, ODD if deforms else NO_SHAPES, "", 2))
     return tuple(tables)

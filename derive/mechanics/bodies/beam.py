@@ -12,7 +12,8 @@ import sympy as sp
 
 from derive.mechanics import quantity
 from derive.mechanics.bodies.beam_damping import beam_damping
-from derive.mechanics.bodies.planar_integrals import Value, coefficients
+from derive.mechanics.bodies.foreshortening import Foreshortening, point_shortening, second_order_vectors
+from derive.mechanics.bodies.planar_integrals import Value, coefficients, second_order_coefficients
 from derive.mechanics.bodies.reference_conditions import assumed_shapes, exact_polynomial, integral, xi
 from derive.mechanics.body import Body, planar_body
 from derive.mechanics.equations import Equations
@@ -20,7 +21,7 @@ from derive.mechanics.indexed_equations import derive_body
 from derive.mechanics.motion.material_points import MaterialPoint
 from derive.mechanics.symbols import Family, Identity, Symbol, pair
 from derive.mechanics.terms import ModelConstant
-from derive.spec.model.body import Marker, Parameter, PlanarBeam, Polynomial
+from derive.spec.model.body import Kinematics, Marker, Parameter, PlanarBeam, Polynomial
 
 LATERAL = "geometry (the beam lies along e1 and deflects along e2)"
 PARALLEL = "geometry (all deflections are along e2)"
@@ -49,6 +50,9 @@ def beam_body(beam: PlanarBeam, pieces: int = 1) -> Body:
     gravity, gravity_parameters = quantity.gravity(beam.gravity)
     docs = {"mass": "mass of the beam", "length": "length of the beam", "bending_stiffness": "bending stiffness EI"}
     integrals = coefficients(BeamIntegrals(shapes, mass, length, beam.frame.kind == "mean"), len(shapes))
+    if beam.kinematics is not Kinematics.FIRST_ORDER:
+        second = Foreshortening(tuple(map(exact_polynomial, shapes)), beam.frame, mass, length)
+        integrals += second_order_coefficients(second, integrals, len(shapes))
     stiffness = _stiffness(shapes, length, bending)
     damping = beam_damping(beam.damping, integrals, stiffness, mass, bending / length**3) if beam.damping else ()
     return planar_body(
@@ -66,6 +70,7 @@ def beam_body(beam: PlanarBeam, pieces: int = 1) -> Body:
         )
         + gravity_parameters,
         gravity=gravity,
+        kinematics=beam.kinematics,
     )
 
 
@@ -156,10 +161,20 @@ def beam_point(marker: Marker, beam: PlanarBeam, pieces: int = 1) -> MaterialPoi
     position = Symbol(Identity(Family.POINT_POSITION, point=marker.name))
     zero = None if at else "the choice of the origin (the marker is there)"
     doc = f"reference position of marker {marker.name}"
+    shortening = _shortening_at(marker, beam, length) if beam.kinematics is not Kinematics.FIRST_ORDER else ()
     return MaterialPoint(
         name=marker.name,
         doc=f"material point at xi = {at}",
         position=sp.ImmutableMatrix([position, 0]),
         shapes=tuple(sp.ImmutableMatrix([0, exact_polynomial(s).eval(at)]) for s in shapes),
-        coefficients=(ModelConstant(position, at * length / 2, "(24)", doc, "m", zero),),
+        coefficients=(ModelConstant(position, at * length / 2, "(24)", doc, "m", zero), *shortening),
+        second=second_order_vectors(shortening, len(shapes)),
     )
+
+
+def _shortening_at(marker: Marker, beam: PlanarBeam, length: sp.Expr) -> tuple[ModelConstant, ...]:
+    """psi_ij at a marker."""
+    shapes = tuple(map(exact_polynomial, assumed_shapes(beam.ansatz, beam.frame, beam.orthogonal)))
+    second = Foreshortening(shapes, beam.frame, sp.S.Zero, length)
+    at = sp.Rational(marker.at)
+    return point_shortening(second, marker.name, lambda psi: psi.eval(at))

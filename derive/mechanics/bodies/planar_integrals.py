@@ -11,9 +11,11 @@ from typing import Protocol
 
 import sympy as sp
 
-from derive.mechanics.symbols import Family, Symbol, quantity
+from derive.mechanics.symbols import Family, Symbol, pair, quantity
 from derive.mechanics.terms import ModelConstant
 from derive.roles import Source
+
+VANISHING_SUM = "these shapes (the two parts cancel exactly)"
 
 
 @dataclass(frozen=True)
@@ -35,6 +37,47 @@ class FieldIntegrals(Protocol):
 
     def axial(self, i: int, j: int) -> Value:
         """int rho (Phi_i x Phi_j) . e3."""
+
+
+class SecondOrderIntegrals(Protocol):
+    """Moments of the fields Psi_ij of a planar body, by the numbers of two shapes."""
+
+    def first(self, i: int, j: int, component: int) -> Value:
+        """int rho Psi_ij . e_component, in kg/m."""
+
+    def trace(self, i: int, j: int) -> sp.Expr:
+        """int rho X . Psi_ij, in kg."""
+
+    def axial(self, i: int, j: int) -> Value:
+        """int rho (X x Psi_ij) . e3, in kg."""
+
+
+def second_order_coefficients(
+    of: SecondOrderIntegrals, first_order: tuple[ModelConstant, ...], n: int
+) -> tuple[ModelConstant, ...]:
+    """c9, c10 and C5 of a body with n shapes, the moments of Psi_ij through second order; beyond the paper.
+
+    C5_ij, the factor of alpha_i alpha_j in J, is c8_ij at first order; here the Psi_ij contribute to it.
+    """
+    c8 = {c.symbol: c for c in first_order if c.symbol.identity.family is Family.C8}
+    pairs = [(i, j) for i in range(1, n + 1) for j in range(i, n + 1)]
+    result: list[ModelConstant] = []
+
+    def integral(symbol: Symbol, value: Value, doc: str, unit: str) -> None:
+        result.append(ModelConstant(symbol, value.expr, Source.SECOND_ORDER, doc, unit, value.zero))
+
+    for i, j in pairs:
+        for k in (1, 2):
+            integral(pair(Family.C9, i, j, k), of.first(i, j, k), f"int rho Psi_{i}{j} . e{k}", "kg/m")
+    for i, j in pairs:
+        of_shapes = c8[pair(Family.C8, i, j)]
+        total = sp.expand(of_shapes.value + of.trace(i, j))
+        zero = None if total != 0 else of_shapes.zero or VANISHING_SUM
+        doc = f"int rho (Phi_{i} . Phi_{j} + X . Psi_{i}{j})"
+        integral(pair(Family.C5, i, j), Value(total, zero), doc, "kg")
+    for i, j in pairs:
+        integral(pair(Family.C10, i, j), of.axial(i, j), f"int rho X x Psi_{i}{j}", "kg")
+    return tuple(result)
 
 
 def coefficients(of: FieldIntegrals, n: int) -> tuple[ModelConstant, ...]:

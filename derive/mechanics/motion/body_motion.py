@@ -13,7 +13,6 @@ from derive.mechanics.motion.moments import Moments, total
 from derive.mechanics.sums import IndexedSum, Vectors, exchanged, expanded_sum
 from derive.mechanics.symbols import MASS, I
 from derive.mechanics.terms import Coordinate, EquationOfMotion, Intermediate
-from derive.roles import Source
 
 __all__ = ["MASS", "Motion"]
 
@@ -85,7 +84,7 @@ def definitions_of(indexed_sums: Iterable[IndexedSum], vectors: Vectors, n: int)
         for i in range(1, n + 1) if members[0].indexed else (0,):
             for s in members:
                 symbol, doc = exchanged(s.symbol, {I: i}), s.described(i)
-                result.append(Intermediate(symbol, expanded_sum(s, i, vectors), section, Source.APPENDIX, doc))
+                result.append(Intermediate(symbol, expanded_sum(s, i, vectors), section, s.source, doc))
     return tuple(result)
 
 

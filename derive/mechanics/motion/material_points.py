@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import sympy as sp
@@ -11,20 +11,69 @@ from derive.mechanics import zeros
 from derive.mechanics.motion.body_motion import Motion
 from derive.mechanics.motion.kinematics import ONE, PHI, RDOT, Field, R
 from derive.mechanics.sums import ModeSum
-from derive.mechanics.symbols import Family, I, amplitude, quantity, vector
+from derive.mechanics.symbols import Family, I, Symbol, amplitude, quantity, vector
 from derive.mechanics.tables import point_tables
 from derive.mechanics.terms import Intermediate, MarkerEquations, ModelConstant
 
 
 @dataclass(frozen=True)
 class MaterialPoint:
-    """A named material point: its reference position X and the values of the N shapes there, in the body frame."""
+    """A named material point: its reference position X and the values of the N shapes there, in the body frame.
+
+    `second` (N, N) are the values of the Psi_ij there; empty at first order.
+    """
 
     name: str
     doc: str
     position: sp.ImmutableMatrix
     shapes: tuple[sp.ImmutableMatrix, ...]
     coefficients: tuple[ModelConstant, ...] = ()
+    second: tuple[tuple[sp.ImmutableMatrix, ...], ...] = ()
+
+
+@dataclass(frozen=True)
+class Tangents:
+    """dr/dalpha_i at a point, for each shape: the vectors, and the symbols in them with their values and texts."""
+
+    vectors: tuple[sp.Matrix, ...]
+    definitions: tuple[tuple[Symbol, sp.Expr, str], ...]
+
+
+def tangent_vectors(motion: Motion, point: MaterialPoint, name: Callable[[int, int], Symbol]) -> Tangents:
+    """dr/dalpha_i = Phi_i + sum alpha_j Psi_ij at a point; the components that move are symbols, by shape and axis."""
+    vectors, definitions = [], []
+    for i, shape in enumerate(point.shapes, 1):
+        tangent = sp.Matrix(shape)
+        for k, part in enumerate(_second(point, i, motion.alpha) if point.second else (), 1):
+            if part != 0:
+                symbol = name(i, k)
+                definitions.append((symbol, tangent[k - 1] + part, f"dr/dalpha_{i} . e{k} at marker {point.name}"))
+                tangent[k - 1] = symbol
+        vectors.append(tangent)
+    return Tangents(tuple(vectors), tuple(definitions))
+
+
+def radius_and_rate(motion: Motion, point: MaterialPoint, tangents: Sequence[sp.Matrix]) -> tuple[sp.Matrix, sp.Matrix]:
+    """r = X + sum alpha_i (Phi_i + dr/dalpha_i)/2 at a point, and rdot = sum alphadot_i dr/dalpha_i."""
+    r, rdot = sp.Matrix(point.position), sp.zeros(motion.rotation.rows, 1)
+    for a, rate, shape, tangent in zip(motion.alpha, motion.alphadot, point.shapes, tangents, strict=True):
+        r += (sp.Matrix(shape) + tangent) / 2 * a
+        rdot += tangent * rate
+    return r, rdot
+
+
+def acceleration_of_rates(motion: Motion, point: MaterialPoint) -> sp.Matrix:
+    """sum alphadot_i alphadot_j Psi_ij at a point: rddot without accelerations."""
+    result = sp.zeros(motion.rotation.rows, 1)
+    for i, rate in enumerate(motion.alphadot if point.second else (), 1):
+        result += _second(point, i, motion.alphadot) * rate
+    return result
+
+
+def _second(point: MaterialPoint, i: int, factors: Sequence[sp.Symbol]) -> sp.Matrix:
+    """The sum over j of factor_j Psi_ij at a point."""
+    row = zip(point.second[i - 1], factors, strict=True)
+    return sum((sp.Matrix(psi) * f for psi, f in row), sp.zeros(*point.position.shape))
 
 
 def vector_at(motion: Motion, field: Field, values: Mapping[str, sp.Matrix]) -> sp.Matrix:
@@ -60,20 +109,20 @@ def force_definitions(motion: Motion) -> tuple[Intermediate, ...]:
 def marker(motion: Motion, point: MaterialPoint, reasons: zeros.Reasons) -> MarkerEquations:
     """Position, velocity and Jacobian of a material point, from the same fields taken at that point."""
 
-    def at_point(amplitudes: tuple[sp.Symbol, ...], offset: sp.Matrix) -> sp.Matrix:
-        return sum((shape * a for shape, a in zip(point.shapes, amplitudes, strict=True)), offset)
-
-    derivatives, axes = {R: 0, RDOT: 1}, range(motion.rotation.rows)
-    still = sp.zeros(len(axes), 1)
-    values = {R: at_point(motion.alpha, sp.Matrix(point.position)), RDOT: at_point(motion.alphadot, still)}
-    local = tuple(
-        Intermediate(symbol, value[k], "r", "(1), (14)", f"{symbol.identity.section} . e{k + 1} at the marker")
-        for f, value in values.items()
-        for k in axes
-        for symbol in [quantity(Family.RADIUS, k + 1, derivative=derivatives[f])]
+    axes = range(motion.rotation.rows)
+    tangents = tangent_vectors(motion, point, lambda shape, k: quantity(Family.TANGENT, k, shapes=(shape,)))
+    r, rdot = radius_and_rate(motion, point, tangents.vectors)
+    local = (
+        *(Intermediate(s, value, "r", "(6)", doc) for s, value, doc in tangents.definitions),
+        *(
+            Intermediate(symbol, value[k], "r", "(1), (14)", f"{symbol.identity.section} . e{k + 1} at the marker")
+            for derivative, value in enumerate((r, rdot))
+            for k in axes
+            for symbol in [quantity(Family.RADIUS, k + 1, derivative=derivative)]
+        ),
     )
     kept, known = zeros.drop_definitions(local, reasons)
-    vectors = {f: vector(Family.RADIUS, len(axes), derivative=d) for f, d in derivatives.items()}
+    vectors = {f: vector(Family.RADIUS, len(axes), derivative=d) for d, f in enumerate((R, RDOT))}
 
     def inertial(field: Field) -> sp.Matrix:
         return vector_at(motion, field, vectors).applyfunc(lambda e: zeros.drop(e, known))
@@ -85,8 +134,8 @@ def marker(motion: Motion, point: MaterialPoint, reasons: zeros.Reasons) -> Mark
     for field in (*motion.translations, *motion.frame.rotations()):
         columns.append(inertial(field))
         load.append(work(field))
-    for shape in point.shapes:
-        vectors[PHI] = sp.Matrix(shape)
+    for tangent in tangents.vectors:
+        vectors[PHI] = tangent
         columns.append(inertial(motion.frame.deformation()))
         load.append(work(motion.frame.deformation()))
     return MarkerEquations(

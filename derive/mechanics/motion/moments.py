@@ -8,7 +8,7 @@ The equations of motion do not change when the body frame is rotated, so the las
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Protocol
 
 import sympy as sp
@@ -28,6 +28,9 @@ FIRST: dict[str, Moment] = {
     PHI: (Family.C2, 0, (I,)),
 }
 """int rho f of the appendix: d1 and its rates, c2_i."""
+
+FIRST_OF_SECOND_ORDER: dict[str, Moment] = {**FIRST, PHI: (Family.D4, 0, (I,))}
+"""The same where r is quadratic in the amplitudes, so that dr/dalpha_i depends on them: d4_i."""
 
 TRACE: dict[tuple[str, str], Moment] = {
     (R, R): (Family.INERTIA, 0, ()),
@@ -80,15 +83,19 @@ class Moments(Protocol):
 
 @dataclass(frozen=True)
 class PlanarMoments:
-    """The moments of the fields of a planar body: symbols of the appendix, in the body frame; `rotation` is Q."""
+    """The moments of the fields of a planar body: symbols of the appendix, in the body frame; `rotation` is Q.
+
+    `names` are those of the first moments.
+    """
 
     mass: sp.Symbol
     rotation: sp.Matrix
+    names: Mapping[str, Moment] = field(default_factory=lambda: FIRST)
     unknown: frozenset[sp.Symbol] = frozenset((STRETCH, SHEAR, NAMELESS))
 
     def first(self, field: str) -> sp.Matrix:
         """int rho f."""
-        return sp.Matrix([moment(FIRST[field], k) for k in (1, 2)])
+        return sp.Matrix([moment(self.names[field], k) for k in (1, 2)])
 
     def second(self, f: str, g: str) -> sp.Matrix:
         """int rho f g^T: trace, axial part, and two entries that no equation of motion may keep."""

@@ -6,14 +6,15 @@ from dataclasses import replace
 
 from derive.mechanics.motion.body_motion import MASS, Motion, definitions_of, sums_of
 from derive.mechanics.motion.kinematics import MovingFrame, PlanarRotation
-from derive.mechanics.motion.moments import PlanarMoments
+from derive.mechanics.motion.moments import FIRST, FIRST_OF_SECOND_ORDER, PlanarMoments
+from derive.mechanics.motion.second_order import second_order_moment_sums, second_order_row_sums
 from derive.mechanics.sums import ALPHA, ALPHADDOT, ALPHADOT, IndexedSum
 from derive.mechanics.symbols import Family, I, J, Symbol, amplitude, identity, quantity
 from derive.mechanics.terms import Coordinate, EquationOfMotion, Intermediate
 
 
-def planar_motion(n: int) -> Motion:
-    """The motion of a planar body with n shapes."""
+def planar_motion(n: int, second_order: bool = False) -> Motion:
+    """The motion of a planar body with n shapes; at second order r is quadratic in their amplitudes."""
     coordinates = _coordinates(n)
     rows = tuple(map(_row, coordinates))
     alpha = tuple(c.q for c in coordinates[3:])
@@ -21,6 +22,7 @@ def planar_motion(n: int) -> Motion:
     generator = rotation.generator  # about e3, which both frames share
     shapes = rows[3:]
     vectors = {ALPHA: alpha, ALPHADOT: tuple(row.v for row in shapes), ALPHADDOT: tuple(row.a for row in shapes)}
+    moment_sums, row_sums = planar_sums(second_order)
     return Motion(
         coordinates=coordinates,
         rows=rows,
@@ -29,9 +31,9 @@ def planar_motion(n: int) -> Motion:
         rotation=rotation.tensor,
         rotation_definitions=_rotation_definitions(rotation),
         frame=MovingFrame((generator,), (phi.v,), (phi.a,)),
-        moments=PlanarMoments(MASS, rotation.tensor),
-        definitions=definitions_of(planar_moment_sums(), vectors, n),
-        sums=sums_of(planar_row_sums(), vectors, n),
+        moments=PlanarMoments(MASS, rotation.tensor, FIRST_OF_SECOND_ORDER if second_order else FIRST),
+        definitions=definitions_of(moment_sums, vectors, n),
+        sums=sums_of(row_sums, vectors, n),
         products={},
         rotation_generators=((generator, generator),),
         identities={("phi", "centrifugal"): "planar motion: omega x (J . omega) = 0"},
@@ -61,6 +63,13 @@ def _row(coordinate: Coordinate) -> EquationOfMotion:
 def _rotation_definitions(rotation: PlanarRotation) -> tuple[Intermediate, ...]:
     docs = {rotation.cos: "cosine of the rotation angle", rotation.sin: "sine of the rotation angle"}
     return tuple(Intermediate(s, value, "Q", "(26)", docs[s]) for s, value in rotation.functions.items())
+
+
+def planar_sums(second_order: bool = False) -> tuple[tuple[IndexedSum, ...], tuple[IndexedSum, ...]]:
+    """The moments of a planar body that have names of their own, and the remaining sums."""
+    if second_order:
+        return second_order_moment_sums(planar_moment_sums()), second_order_row_sums(planar_row_sums())
+    return planar_moment_sums(), planar_row_sums()
 
 
 def planar_moment_sums() -> tuple[IndexedSum, ...]:

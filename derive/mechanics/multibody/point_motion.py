@@ -10,7 +10,12 @@ import sympy as sp
 from derive.mechanics import zeros
 from derive.mechanics.motion.body_motion import Motion
 from derive.mechanics.motion.kinematics import ONE, RDDOT, RDOT, Field, R
-from derive.mechanics.motion.material_points import MaterialPoint
+from derive.mechanics.motion.material_points import (
+    MaterialPoint,
+    acceleration_of_rates,
+    radius_and_rate,
+    tangent_vectors,
+)
 from derive.mechanics.symbols import Family, Identity, Symbol
 from derive.mechanics.terms import Intermediate, ModelConstant
 
@@ -68,9 +73,6 @@ def point_motion(
     shape_rows = motion.rows[len(motion.rows) - len(motion.alpha) :]
     still = sp.zeros(2, 1)
 
-    def sum_of(factors: tuple[sp.Symbol, ...], vectors: list[sp.Matrix], offset: sp.Matrix) -> sp.Matrix:
-        return sum((v * a for v, a in zip(vectors, factors, strict=True)), offset)
-
     def symbols(family: Family, derivative: int = 0) -> sp.Matrix:
         named = (Identity(family, components=(k,), derivative=derivative, point=point.name) for k in axes)
         return sp.Matrix([Symbol(known) for known in named])
@@ -82,15 +84,20 @@ def point_motion(
             for k, symbol, value in zip(axes, vector, values, strict=True)
         ]
 
-    shapes = [sp.Matrix(s) for s in point.shapes]
+    def tangent(shape: int, k: int) -> Symbol:
+        return Symbol(Identity(Family.TANGENT, (shape,), (k,), point=point.name))
+
+    tangents = tangent_vectors(motion, point, tangent)
+    at_point, rate = radius_and_rate(motion, point, tangents.vectors)
     r, rdot = symbols(Family.RADIUS), symbols(Family.RADIUS, 1)
     s, sdot = symbols(Family.LEVER), symbols(Family.LEVER, 1)
-    seen = define(r, sum_of(motion.alpha, shapes, sp.Matrix(point.position)), "r = X + u at")
-    seen += define(rdot, sum_of(motion.alphadot, shapes, still), "time derivative of r at")
+    seen = [Intermediate(symbol, value, point.name, "(6)", doc) for symbol, value, doc in tangents.definitions]
+    seen += define(r, at_point, "r = X + u at") + define(rdot, rate, "time derivative of r at")
     lever = define(s, rotation * r, "Q r at") + define(sdot, rotation * rdot, "Q rdot at")
     kept, known = zeros.drop_definitions((*seen, *lever), reasons)
     accelerations = tuple(row.a for row in shape_rows)
-    world = {R: s, RDOT: sdot, RDDOT: rotation * sum_of(accelerations, shapes, still)}
+    rddot = sum((v * a for v, a in zip(tangents.vectors, accelerations, strict=True)), still)
+    world = {R: s, RDOT: sdot, RDDOT: rotation * (rddot + acceleration_of_rates(motion, point))}
 
     def vector(field: Field) -> sp.ImmutableMatrix:
         total = field.get(ONE, still)

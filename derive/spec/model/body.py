@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from enum import Enum
 from fractions import Fraction
 from typing import TYPE_CHECKING, Literal
 
@@ -17,6 +18,18 @@ Polynomial = tuple[Fraction, ...]
 """Coefficients of 1, xi, xi^2, ...; no trailing zeros."""
 
 FrameKind = Literal["mean", "point", "chord", "tangent", "given"]
+
+
+class Kinematics(Enum):
+    """How displacements due to deformation depend on the amplitudes.
+
+    FIRST_ORDER: linearly, as in the paper. At second order a beam shortens as it bends: TRUNCATED keeps the kinetic and
+    potential energy through second order in the amplitudes, FULL keeps all that the displacement field yields.
+    """
+
+    FIRST_ORDER = "first order"
+    TRUNCATED = "second order, truncated"
+    FULL = "second order, full"
 
 
 @dataclass(frozen=True)
@@ -85,6 +98,7 @@ class PlanarBeam:
     start: InitialValues = NOT_GIVEN
     simulation: Simulation | None = None
     damping: Damping | None = None
+    kinematics: Kinematics = Kinematics.FIRST_ORDER
 
 
 Gravity = tuple[Quantity, Quantity, Quantity]
