@@ -43,6 +43,8 @@ class Body:
     `frame_doc` describes the choice of the origin c and of the floating frame. `tables` are the shape integrals, the
     stiffness K of U = 1/2 alpha K alpha and the damping B, the factor of alphadot; `values` are their entries.
     `gravity` is the acceleration of free fall in the inertial frame. `kinematics` is the order of the displacements.
+    With `Kinematics.FULL` the tables are those of the family Phi_1 .. Phi_N, theta_1 .. theta_`fields`, and the field
+    weights z_p_i_j give Psi_ij = sum z_p_i_j theta_p; see `motion.full_second_order`.
     """
 
     name: str
@@ -57,21 +59,22 @@ class Body:
     parameters: tuple[ParameterSymbol, ...] = ()
     gravity: tuple[ModelConstant, ...] = ()
     kinematics: Kinematics = Kinematics.FIRST_ORDER
+    fields: int = 0
 
     @cached_property
     def motion(self) -> Motion:
         """The motion of the body, with all sums over the modes expanded."""
-        return planar_motion(self.modes, self.second_order) if self.dimension == 2 else spatial_motion(self.modes)
+        return planar_motion(self.modes, self.truncated) if self.dimension == 2 else spatial_motion(self.modes)
 
     @cached_property
     def rigid_motion(self) -> Motion:
         """The motion of the body without assumed modes."""
-        return planar_motion(0, self.second_order) if self.dimension == 2 else spatial_motion(0)
+        return planar_motion(0, self.truncated) if self.dimension == 2 else spatial_motion(0)
 
     @property
-    def second_order(self) -> bool:
-        """Whether displacements are quadratic in the amplitudes."""
-        return self.kinematics is not Kinematics.FIRST_ORDER
+    def truncated(self) -> bool:
+        """Whether the moments of the Psi_ij enter through second order alone."""
+        return self.kinematics is Kinematics.TRUNCATED
 
     @property
     def mass_constant(self) -> ModelConstant:
@@ -83,6 +86,11 @@ class Body:
         """The shape integrals c1 to c8, entry by entry."""
         apart = (Family.STIFFNESS, Family.DAMPING)
         return tuple(c for table in self.tables if table.family not in apart for c in self.values.constants(table))
+
+    @cached_property
+    def field_motion(self) -> Motion:
+        """The motion in the family of fields, in which each theta_p has an amplitude of its own."""
+        return planar_motion(self.modes + self.fields) if self.fields else self.motion
 
     @cached_property
     def stiffness(self) -> tuple[ModelConstant, ...]:
@@ -133,7 +141,8 @@ def planar_body(
     parameters: tuple[ParameterSymbol, ...] = (),
     gravity: tuple[ModelConstant, ...] = (),
     kinematics: Kinematics = Kinematics.FIRST_ORDER,
+    fields: int = 0,
 ) -> Body:
     """A planar body given by its shape integrals and its stiffness, entry by entry."""
     tables, values = planar_tables(constants), ExactValues(constants)
-    return Body(name, doc, frame_doc, 2, modes, mass, tables, values, points, parameters, gravity, kinematics)
+    return Body(name, doc, frame_doc, 2, modes, mass, tables, values, points, parameters, gravity, kinematics, fields)

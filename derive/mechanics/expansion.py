@@ -10,6 +10,7 @@ import sympy as sp
 from derive.mechanics import zeros
 from derive.mechanics.body import Body
 from derive.mechanics.motion.body_motion import Motion
+from derive.mechanics.motion.full_second_order import DependentAmplitudes
 from derive.mechanics.motion.material_points import marker
 from derive.mechanics.sums import of_index
 from derive.mechanics.symbols import Family, pair
@@ -65,14 +66,19 @@ def constants_of(body: Body) -> tuple[ModelConstant, ...]:
 
 def expand(body: Body) -> ExpandedEquations:
     """The equations of motion of a body for each of its shapes, with energy, momentum and markers."""
-    motion = body.motion
+    motion, fields = body.motion, body.field_motion
+    dependent = DependentAmplitudes(motion, fields)
     every = constants_of(body)
-    needed = (*gravity_definitions(motion, body.gravity), *motion.definitions)
+    needed = (*gravity_definitions(motion, body.gravity), *dependent.definitions, *_put_in(dependent, fields))
     composed, reasons = zeros.drop_definitions(needed, zeros.reasons_of(every))
     strain = _strain_energy(motion, body.stiffness)
-    complete = (*_inertia(motion), *_elasticity(motion, strain), *_damping(motion, body.damping))
-    complete += _weight(motion) if body.gravity else ()
+    complete = (*dependent.projected(_inertia(fields)), *_elasticity(motion, strain), *_damping(motion, body.damping))
+    complete += dependent.projected(_weight(fields)) if body.gravity else ()
     terms, vanished = zeros.drop_terms(complete, reasons)
+
+    def total(expr: sp.Expr) -> sp.Expr:
+        return zeros.drop(dependent.put_in(fields.summed(expr)), reasons)
+
     return ExpandedEquations(
         rows=motion.rows,
         rates=motion.rates,
@@ -82,13 +88,18 @@ def expand(body: Body) -> ExpandedEquations:
         vanished=tuple(v if v.reason else replace(v, reason=_identity(motion, v.term)) for v in vanished),
         mass=_mass_matrix(motion, terms),
         mass_zeros=_mass_zeros(motion, complete, reasons),
-        kinetic_energy=zeros.drop(motion.summed(kinetic_energy(motion)), reasons),
+        kinetic_energy=total(kinetic_energy(fields)),
         strain_energy=zeros.drop(strain, reasons),
-        weight_energy=zeros.drop(weight_energy(motion), reasons) if body.gravity else None,
-        linear_momentum=tuple(zeros.drop(p, reasons) for p in linear_momentum(motion)),
-        angular_momentum=tuple(zeros.drop(p, reasons) for p in angular_momentum(motion)),
+        weight_energy=total(weight_energy(fields)) if body.gravity else None,
+        linear_momentum=tuple(map(total, linear_momentum(fields))),
+        angular_momentum=tuple(map(total, angular_momentum(fields))),
         markers=tuple(marker(motion, point, reasons) for point in body.points),
     )
+
+
+def _put_in(dependent: DependentAmplitudes, fields: Motion) -> Iterator[Intermediate]:
+    """The moments of the larger family of fields."""
+    return (replace(d, expr=dependent.put_in(d.expr)) for d in fields.definitions)
 
 
 def _inertia(motion: Motion) -> tuple[Term, ...]:

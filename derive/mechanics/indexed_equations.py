@@ -61,7 +61,7 @@ def derive_body(body: Body, lowering: Lowering = "auto") -> Equations:
     definitions = (*motion.rotation_definitions, *products, *gravity_definitions(motion, body.gravity))
     kept, reasons = zeros.drop_definitions(definitions, zeros.reasons_of(coefficients))
     sums = _Sums({t.family: t for t in body.tables}, {**reasons, **_zero_entries(body.tables)})
-    planar_ones = tuple(chain(*planar_sums(body.second_order)))
+    planar_ones = tuple(chain(*planar_sums(body.truncated)))
     indexed_sums = planar_ones if planar else (*spatial_moment_sums(), *spatial_row_sums())
     forces: tuple[Term, ...] = ()
     if Family.STIFFNESS in families:

@@ -68,12 +68,15 @@ class Family(Enum):
     C8 = "c8", Kind.INTEGRAL
     C9 = "c9", Kind.INTEGRAL
     C10 = "c10", Kind.INTEGRAL
+    FIELD_WEIGHT = "z", Kind.INTEGRAL
     STIFFNESS = "K", Kind.INTEGRAL
     DAMPING = "B", Kind.INTEGRAL
     D1 = "d1", Kind.MOMENT
     D2 = "D2", Kind.MOMENT
     D3 = "d3", Kind.MOMENT
     D4 = "d4", Kind.MOMENT
+    FIELD_AMPLITUDE = "beta", Kind.MOMENT
+    FIELD_TANGENT = "dbeta", Kind.MOMENT
     C9_SUM = "c9", Kind.MOMENT
     C10_SUM = "c10", Kind.MOMENT
     S = "S", Kind.MOMENT

@@ -26,6 +26,7 @@ INDICES = {
     Family.C8: 2,
     Family.C9: 2,
     Family.C10: 2,
+    Family.FIELD_WEIGHT: 3,
     Family.STIFFNESS: 2,
     Family.DAMPING: 2,
     Family.POINT_POSITION: 0,
@@ -144,12 +145,13 @@ PLANAR_DOCS = {
     Family.C5: ("int rho (Phi_i . Phi_j + X . Psi_ij)", "kg"),
     Family.C9: ("int rho Psi_ij", "kg/m"),
     Family.C10: ("int rho X x Psi_ij", "kg"),
+    Family.FIELD_WEIGHT: ("part of theta_p in Psi_ij", "1/m"),
     Family.STIFFNESS: ("stiffness", "N/m"),
     Family.DAMPING: ("damping", "N s/m"),
 }
 """The tables of a planar body: what they are, their units. C5 is a table of its own at second order alone."""
 
-OPTIONAL = (Family.C5, Family.C9, Family.C10, Family.DAMPING)
+OPTIONAL = (Family.C5, Family.C9, Family.C10, Family.FIELD_WEIGHT, Family.DAMPING)
 """Tables that not every body has."""
 
 

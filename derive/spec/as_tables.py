@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import asdict
-from typing import Any
+from typing import Any, assert_never
 
 from derive.errors import Problem, SpecError, quoted
 from derive.mechanics.multibody.forces.registry import FORCES
@@ -12,6 +12,7 @@ from derive.spec.model.body import (
     BodyFrame,
     Damping,
     Frame,
+    Kinematics,
     Marker,
     NodalBody,
     NodeMarker,
@@ -124,7 +125,20 @@ def _beam(beam: PlanarBeam) -> Data:
         gravity=beam.gravity,
         start=beam.start,
         damping=as_table(beam.damping),
+        **_order(beam.kinematics),
     )
+
+
+def _order(kinematics: Kinematics) -> Data:
+    match kinematics:
+        case Kinematics.FIRST_ORDER:
+            return {}
+        case Kinematics.TRUNCATED:
+            return {"order": 2, "terms": "truncated"}
+        case Kinematics.FULL:
+            return {"order": 2, "terms": "full"}
+        case _ as never:
+            assert_never(never)
 
 
 def _nodal_body(body: NodalBody) -> Data:

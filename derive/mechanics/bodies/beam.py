@@ -6,14 +6,20 @@ Phi_i = phi_i(xi) e2 (25). The rotary inertia of the cross-section is neglected,
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import assert_never
 
 import sympy as sp
 
 from derive.mechanics import quantity
 from derive.mechanics.bodies.beam_damping import beam_damping
-from derive.mechanics.bodies.foreshortening import Foreshortening, point_shortening, second_order_vectors
-from derive.mechanics.bodies.planar_integrals import Value, coefficients, second_order_coefficients
+from derive.mechanics.bodies.beam_integrals import ORTHOGONAL, PARITY, BeamField, BeamIntegrals, is_odd
+from derive.mechanics.bodies.foreshortening import (
+    Foreshortening,
+    field_weights,
+    point_shortening,
+    second_order_vectors,
+)
+from derive.mechanics.bodies.planar_integrals import coefficients, second_order_coefficients
 from derive.mechanics.bodies.reference_conditions import assumed_shapes, exact_polynomial, integral, xi
 from derive.mechanics.body import Body, planar_body
 from derive.mechanics.equations import Equations
@@ -22,15 +28,6 @@ from derive.mechanics.motion.material_points import MaterialPoint
 from derive.mechanics.symbols import Family, Identity, Symbol, pair
 from derive.mechanics.terms import ModelConstant
 from derive.spec.model.body import Kinematics, Marker, Parameter, PlanarBeam, Polynomial
-
-LATERAL = "geometry (the beam lies along e1 and deflects along e2)"
-PARALLEL = "geometry (all deflections are along e2)"
-CENTRED = "the choice of the origin (the centre of the undeformed beam)"
-CONDITION_17 = "condition (17) (no mean displacement)"
-CONDITION_19 = "condition (19) (no mean rotation)"
-PARITY = "parity (the integrand is odd in xi)"
-BY_CHANCE = "these shapes (the integral vanishes exactly)"
-ORTHOGONAL = "orthogonality (the integral vanishes exactly)"
 
 
 def derive(beam: PlanarBeam) -> Equations:
@@ -49,12 +46,26 @@ def beam_body(beam: PlanarBeam, pieces: int = 1) -> Body:
     mass, length = mass / pieces, length / pieces
     gravity, gravity_parameters = quantity.gravity(beam.gravity)
     docs = {"mass": "mass of the beam", "length": "length of the beam", "bending_stiffness": "bending stiffness EI"}
-    integrals = coefficients(BeamIntegrals(shapes, mass, length, beam.frame.kind == "mean"), len(shapes))
-    if beam.kinematics is not Kinematics.FIRST_ORDER:
-        second = Foreshortening(tuple(map(exact_polynomial, shapes)), beam.frame, mass, length)
-        integrals += second_order_coefficients(second, integrals, len(shapes))
+    lateral = tuple(exact_polynomial(shape) for shape in shapes)
+    family = tuple(BeamField(shape, 2) for shape in lateral)
+    mean = beam.frame.kind == "mean"
+    integrals = coefficients(BeamIntegrals(family, mass, length, mean), len(shapes))
     stiffness = _stiffness(shapes, length, bending)
     damping = beam_damping(beam.damping, integrals, stiffness, mass, bending / length**3) if beam.damping else ()
+    fields: tuple[sp.Poly, ...] = ()
+    second = Foreshortening(lateral, beam.frame, mass, length)
+    match beam.kinematics:
+        case Kinematics.FIRST_ORDER:
+            pass
+        case Kinematics.TRUNCATED:
+            integrals += second_order_coefficients(second, integrals, len(shapes))
+        case Kinematics.FULL:
+            fields = second.fields
+            family += tuple(BeamField(field, 1) for field in fields)
+            of_family = coefficients(BeamIntegrals(family, mass, length, mean), len(family))
+            integrals = of_family + field_weights(second, fields)
+        case _ as never:
+            assert_never(never)
     return planar_body(
         name=beam.name,
         doc=f"free planar beam, {beam.frame.kind} frame, shapes {', '.join(map(shape_text, shapes))}",
@@ -71,6 +82,7 @@ def beam_body(beam: PlanarBeam, pieces: int = 1) -> Body:
         + gravity_parameters,
         gravity=gravity,
         kinematics=beam.kinematics,
+        fields=len(fields),
     )
 
 
@@ -92,51 +104,6 @@ def shape_text(coefficients: Polynomial) -> str:
     return str(exact_polynomial(coefficients).as_expr()).replace("**", "^")
 
 
-@dataclass(frozen=True)
-class BeamIntegrals:
-    """Moments of X (index 0) and of the shapes phi_i(xi) of a uniform beam; see FieldIntegrals."""
-
-    shapes: tuple[Polynomial, ...]
-    mass: sp.Expr
-    length: sp.Expr
-    mean_frame: bool
-
-    def first(self, i: int, component: int) -> Value:
-        """X lies along e1 and the shapes along e2."""
-        if (i == 0) != (component == 1):
-            return Value(sp.S.Zero, LATERAL)
-        if i == 0:
-            return self._value(self._field(0), self.length / 2, CENTRED)
-        return self._value(self._field(i), sp.S.One, CONDITION_17 if self.mean_frame else None, BY_CHANCE)
-
-    def trace(self, i: int, j: int) -> Value:
-        """X . X, X . Phi_j or Phi_i . Phi_j."""
-        if (i == 0) != (j == 0):
-            return Value(sp.S.Zero, LATERAL)
-        factor = self.length**2 / 4 if i == 0 else sp.S.One
-        return self._value(self._field(i) * self._field(j), factor)
-
-    def axial(self, i: int, j: int) -> Value:
-        """X x Phi_j; the shapes are parallel to each other."""
-        if i and j:
-            return Value(sp.S.Zero, PARALLEL)
-        condition = CONDITION_19 if self.mean_frame else None
-        return self._value(self._field(i) * self._field(j), self.length / 2, condition)
-
-    def _field(self, i: int) -> sp.Poly:
-        return exact_polynomial(self.shapes[i - 1]) if i else sp.Poly(xi, xi, domain="QQ")
-
-    def _value(
-        self, integrand: sp.Poly, factor: sp.Expr, reason: str | None = None, otherwise: str = ORTHOGONAL
-    ) -> Value:
-        """m/2 int integrand dxi times factor, with the reason if it is zero."""
-        value = integral(integrand)
-        if value:
-            return Value(self.mass * factor * value / 2)
-        odd = all(n % 2 for (n,), _ in integrand.terms())
-        return Value(sp.S.Zero, reason or (PARITY if odd else otherwise))
-
-
 def _stiffness(shapes: tuple[Polynomial, ...], length: sp.Expr, bending: sp.Expr) -> tuple[ModelConstant, ...]:
     """K_ij of U = 1/2 EI int (d^2v/dx^2)^2 dx, which is (22) since x = xi l/2."""
     dxi_dx = 2 / length
@@ -146,8 +113,7 @@ def _stiffness(shapes: tuple[Polynomial, ...], length: sp.Expr, bending: sp.Expr
     for i, first in enumerate(curvatures, 1):
         for j, second in enumerate(curvatures[i - 1 :], i):
             value = integral(first * second)
-            odd = all(n % 2 for (n,), _ in (first * second).terms())
-            zero = None if value else PARITY if odd else ORTHOGONAL
+            zero = None if value else PARITY if is_odd(first * second) else ORTHOGONAL
             doc = f"stiffness: int EI (d2 phi_{i}/dx2) (d2 phi_{j}/dx2) dx"
             expr = bending * dxi_dx**4 * dx_dxi * value
             result.append(ModelConstant(pair(Family.STIFFNESS, i, j), expr, "(22)", doc, "N/m", zero))

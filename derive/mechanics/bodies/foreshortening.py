@@ -11,14 +11,16 @@ undeformed beam, is the middle of the chord. Beyond the paper, which stops at fi
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import combinations_with_replacement
 
 import sympy as sp
 
+from derive.mechanics.bodies.beam_integrals import ORTHOGONAL, PARITY, is_odd
 from derive.mechanics.bodies.planar_integrals import Value
 from derive.mechanics.bodies.reference_conditions import integral, xi
+from derive.mechanics.motion.full_second_order import field_weight
 from derive.mechanics.symbols import Family, Identity, Symbol
 from derive.mechanics.terms import ModelConstant
 from derive.roles import Source
@@ -27,9 +29,8 @@ from derive.spec.model.body import Frame
 PARALLEL_TO_AXIS = "geometry (X and the Psi_ij are along e1)"
 SHORTENING = "geometry (the beam shortens along e1)"
 CONDITION_17 = "condition (17) at second order (no mean displacement)"
-PARITY = "parity (the integrand is odd in xi)"
 NO_SHORTENING = "these shapes (no displacement along e1 there)"
-ORTHOGONAL = "orthogonality (the integral vanishes exactly)"
+NO_PART = "these shapes (the shortening has no such part)"
 
 
 @dataclass(frozen=True)
@@ -65,12 +66,19 @@ class Foreshortening:
         """int rho X x Psi_ij."""
         return Value(sp.S.Zero, PARALLEL_TO_AXIS)
 
+    @property
+    def fields(self) -> tuple[sp.Poly, ...]:
+        """The fields theta_p that all psi_ij are combinations of: Legendre polynomials, which are orthogonal."""
+        highest = max(2 * shape.degree() - 1 for shape in self.shapes)
+        legendre = (sp.Poly(sp.legendre(p, xi), xi, domain="QQ") for p in range(highest + 1))
+        every = [self.of(i, j) for i, j in pairs(len(self.shapes))]
+        return tuple(theta for theta in legendre if any(integral(psi * theta) for psi in every))
+
     def _value(self, integrand: sp.Poly, factor: sp.Expr, reason: str | None = None) -> Value:
         value = integral(integrand)
         if value:
             return Value(self.mass * factor * value / 2)
-        odd = all(n % 2 for (n,), _ in integrand.terms())
-        return Value(sp.S.Zero, reason or (PARITY if odd else ORTHOGONAL))
+        return Value(sp.S.Zero, reason or (PARITY if is_odd(integrand) else ORTHOGONAL))
 
 
 def _condition(primitive: sp.Poly, frame: Frame) -> sp.Rational:
@@ -86,10 +94,28 @@ def _condition(primitive: sp.Poly, frame: Frame) -> sp.Rational:
             return primitive.eval(0)
 
 
+def pairs(n: int) -> Iterator[tuple[int, int]]:
+    """The pairs i <= j of shapes."""
+    return combinations_with_replacement(range(1, n + 1), 2)
+
+
+def field_weights(of: Foreshortening, fields: Sequence[sp.Poly]) -> tuple[ModelConstant, ...]:
+    """z_pij of Psi_ij = sum z_pij theta_p, for orthogonal fields theta_p."""
+    result = []
+    for p, theta in enumerate(fields, 1):
+        square = integral(theta * theta)
+        for i, j in pairs(len(of.shapes)):
+            value = integral(of.of(i, j) * theta) / square
+            doc, zero = f"part of theta_{p} in Psi_{i}{j}", None if value else NO_PART
+            symbol = field_weight(p, i, j)
+            result.append(ModelConstant(symbol, of.factor * value, Source.SECOND_ORDER, doc, "1/m", zero))
+    return tuple(result)
+
+
 def point_shortening(of: Foreshortening, point: str, value: Callable[[sp.Poly], sp.Expr]) -> tuple[ModelConstant, ...]:
     """psi_ij at a point, i <= j, in 1/m; `value` is what the point sees of a polynomial in xi."""
     result = []
-    for i, j in combinations_with_replacement(range(1, len(of.shapes) + 1), 2):
+    for i, j in pairs(len(of.shapes)):
         symbol = Symbol(Identity(Family.POINT_SECOND, (i, j), (1,), point=point))
         psi = value(of.of(i, j))
         doc = f"psi_{i}{j} at marker {point}"

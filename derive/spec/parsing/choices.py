@@ -11,6 +11,7 @@ from derive.spec.parsing.values import WrongValueError, kind_of
 
 FRAME_KINDS: tuple[FrameKind, ...] = ("mean", "point", "chord", "tangent", "given")
 BODY_FRAME_KINDS: tuple[BodyFrameKind, ...] = ("mean", "point", "given")
+SECOND_ORDER_TERMS = ("truncated", "full")
 SYMBOLIC_FRAMES: tuple[SymbolicFrame, ...] = ("mean", "given")
 LOWERINGS: tuple[Lowering, ...] = ("auto", "flat", "table")
 
@@ -30,6 +31,11 @@ def choice(value: object, options: tuple[_Text, ...], noun: str) -> _Text:
 def frame_kind(value: object) -> FrameKind:
     """One of the kinds of frames of a beam."""
     return choice(value, FRAME_KINDS, "the frame")
+
+
+def second_order_terms(value: object) -> str:
+    """Which terms a beam of order 2 keeps."""
+    return choice(value, SECOND_ORDER_TERMS, "terms")
 
 
 def body_frame_kind(value: object) -> BodyFrameKind:

@@ -190,3 +190,11 @@ def digits(p: Polynomial) -> int:
     """The digits of the common denominator of a polynomial and of its largest numerator over it."""
     denominator = math.lcm(*(c.denominator for c in p))
     return len(str(denominator)) + len(str(max(abs(int(c * denominator)) for c in p)))
+
+
+def order(value: object) -> int:
+    """The order of the displacements of a beam in its amplitudes: 1 or 2."""
+    if isinstance(value, bool) or value not in (1, 2):
+        given = value if isinstance(value, (int, float)) and not isinstance(value, bool) else kind_of(value)
+        raise WrongValueError(f"the order is 1 or 2, not {given}")
+    return int(value)

@@ -26,6 +26,7 @@ from derive.spec.model.body import (
     DEFAULT_MASS,
     Frame,
     FrameKind,
+    Kinematics,
     Marker,
     Parameter,
     PlanarBeam,
@@ -204,6 +205,43 @@ class BeamKeys(ShapeKeys):
         ),
     ] = {}
 
+    order: Annotated[
+        int,
+        PlainValidator(values.order),
+        WithJsonSchema({"enum": [1, 2]}),
+        Field(
+            description="The order of the displacements in the amplitudes: 1 as in the paper, where a fast-spinning "
+            "beam softens and no beam buckles; 2 with the shortening of a beam that bends.",
+            json_schema_extra={"default": 1},
+        ),
+    ] = 1
+    terms: Annotated[
+        str | None,
+        PlainValidator(choices.second_order_terms),
+        WithJsonSchema({"enum": [*choices.SECOND_ORDER_TERMS]}),
+        Field(
+            description="What a beam of order 2 keeps: truncated (kinetic and potential energy through second order in "
+            "the amplitudes), full (all that the displacements yield; the mass matrix is always positive definite). "
+            "By default truncated in the frames mean, chord and given, and full in the frames point and tangent."
+        ),
+    ] = None
+
+    @model_validator(mode="after")
+    def check_terms(self) -> BeamKeys:
+        """Only a beam of order 2 has a choice of terms."""
+        if self.order == 1 and self.terms is not None:
+            raise values.WrongValueError(
+                f'terms = "{self.terms}" is for beams of order 2; write order = 2 beside it, or leave it out'
+            )
+        return self
+
+    def kinematics(self) -> Kinematics:
+        """The order of the displacements, with the terms that are kept."""
+        if self.order == 1:
+            return Kinematics.FIRST_ORDER
+        terms = self.terms or ("full" if _frame(self.frame).kind in ("point", "tangent") else "truncated")
+        return Kinematics.FULL if terms == "full" else Kinematics.TRUNCATED
+
     def planar_beam(self, name: str, gravity: tuple[Quantity, Quantity] | None = None) -> PlanarBeam:
         """The beam as the derivation takes it."""
         ansatz, frame, orthogonal = self.shape_keys()
@@ -218,4 +256,5 @@ class BeamKeys(ShapeKeys):
             orthogonal=orthogonal,
             gravity=gravity,
             damping=None if self.damping is None else self.damping.damping(),
+            kinematics=self.kinematics(),
         )

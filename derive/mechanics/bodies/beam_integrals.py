@@ -1,0 +1,91 @@
+"""The moments of the displacement fields of a uniform slender beam, exactly.
+
+The inertia of (15) sees int rho ... dOmega = m/2 int ... dxi over -1 <= xi <= 1. X = xi l/2 e1 (24) lies along the
+beam, shapes phi_i(xi) e2 (25) across it. The rotary inertia of the cross-section is neglected.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import sympy as sp
+
+from derive.mechanics.bodies.planar_integrals import Value
+from derive.mechanics.bodies.reference_conditions import integral, xi
+
+LATERAL = "geometry (the beam lies along e1 and deflects along e2)"
+PARALLEL = "geometry (all deflections are along e2)"
+ALONG = "geometry (both are along e1)"
+CENTRED = "the choice of the origin (the centre of the undeformed beam)"
+CONDITION_17 = "condition (17) (no mean displacement)"
+CONDITION_19 = "condition (19) (no mean rotation)"
+PARITY = "parity (the integrand is odd in xi)"
+BY_CHANCE = "these shapes (the integral vanishes exactly)"
+ORTHOGONAL = "orthogonality (the integral vanishes exactly)"
+
+
+@dataclass(frozen=True)
+class BeamField:
+    """A displacement field f(xi) e_axis of unit amplitude."""
+
+    of: sp.Poly
+    axis: int
+
+
+@dataclass(frozen=True)
+class BeamIntegrals:
+    """Moments of X (index 0) and of fields (index 1, 2, ...) of a uniform beam; see FieldIntegrals.
+
+    mean_frame: whether the fields meet (17) and (19).
+    """
+
+    fields: tuple[BeamField, ...]
+    mass: sp.Expr
+    length: sp.Expr
+    mean_frame: bool
+
+    def first(self, i: int, component: int) -> Value:
+        """X lies along e1."""
+        field = self._field(i)
+        if field.axis != component:
+            return Value(sp.S.Zero, LATERAL)
+        if i == 0:
+            return self._value(field.of, self.length / 2, CENTRED)
+        return self._value(field.of, sp.S.One, CONDITION_17 if self.mean_frame else None, BY_CHANCE)
+
+    def trace(self, i: int, j: int) -> Value:
+        """X . X, X . Phi_j or Phi_i . Phi_j."""
+        first, second = self._field(i), self._field(j)
+        if first.axis != second.axis:
+            return Value(sp.S.Zero, LATERAL)
+        return self._value(first.of * second.of, self._unit(i) * self._unit(j))
+
+    def axial(self, i: int, j: int) -> Value:
+        """X x Phi_j, or Phi_i x Phi_j."""
+        first, second = self._field(i), self._field(j)
+        if first.axis == second.axis:
+            return Value(sp.S.Zero, PARALLEL if first.axis == 2 else ALONG)
+        condition = CONDITION_19 if self.mean_frame and i == 0 else None
+        sign = 1 if first.axis == 1 else -1
+        return self._value(first.of * second.of, sign * self._unit(i) * self._unit(j), condition)
+
+    def _field(self, i: int) -> BeamField:
+        return self.fields[i - 1] if i else BeamField(sp.Poly(xi, xi, domain="QQ"), 1)
+
+    def _unit(self, i: int) -> sp.Expr:
+        """The factor of the field as a function of xi: X = xi l/2."""
+        return sp.S.One if i else self.length / 2
+
+    def _value(
+        self, integrand: sp.Poly, factor: sp.Expr, reason: str | None = None, otherwise: str = ORTHOGONAL
+    ) -> Value:
+        """m/2 int integrand dxi times factor, with the reason if it is zero."""
+        value = integral(integrand)
+        if value:
+            return Value(self.mass * factor * value / 2)
+        return Value(sp.S.Zero, reason or (PARITY if is_odd(integrand) else otherwise))
+
+
+def is_odd(integrand: sp.Poly) -> bool:
+    """Whether a function is odd in xi."""
+    return all(n % 2 for (n,), _ in integrand.terms())
