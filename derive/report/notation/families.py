@@ -223,6 +223,29 @@ def _moving_point(letter: str) -> Callable[[Identity, tuple[str, ...]], TypesetS
     return write
 
 
+def _field_weight(known: Identity, above: tuple[str, ...]) -> TypesetSymbol:
+    """z of a field and two shapes: z p i j."""
+    return TypesetSymbol(Rank.CONSTANT, Name("z", below=(",".join(map(index_text, known.shapes)),), above=above))
+
+
+def _field_amplitude(known: Identity, above: tuple[str, ...]) -> TypesetSymbol:
+    """beta of a field, or its time derivative."""
+    below = tuple(map(index_text, known.shapes))
+    return TypesetSymbol(Rank.MOMENT, Name("beta", dots=known.derivative, below=below, above=above))
+
+
+def _field_tangent(known: Identity, above: tuple[str, ...]) -> TypesetSymbol:
+    """The derivative of beta of a field by the amplitude of a shape: beta p, i with a comma."""
+    return TypesetSymbol(Rank.MOMENT, Name("beta", below=(",".join(map(index_text, known.shapes)),), above=above))
+
+
+def _tangent(known: Identity, above: tuple[str, ...]) -> TypesetSymbol:
+    """The derivative of r by the amplitude of a shape at a point: r k, i with a comma, and the point above."""
+    place = " ".join(part.replace("_", " ") for part in (known.owner, known.point) if part)
+    below = ",".join((_components(known), *map(index_text, known.shapes)))
+    return TypesetSymbol(Rank.MOMENT, Name("r", below=(below,), above=(place,) if place else ()))
+
+
 def _named(known: Identity, above: tuple[str, ...]) -> TypesetSymbol:
     """A parameter, or a quantity of a joint, a drive or the ground, under the name that it was given."""
     name = chosen(known.label) if known.label else Name("F")
@@ -246,9 +269,12 @@ WRITERS: dict[Family, Callable[[Identity, tuple[str, ...]], TypesetSymbol]] = {
     Family.GUIDE: _motion("s"),
     Family.MASS: _mass,
     **dict.fromkeys((Family.C1, Family.C2, Family.C3, Family.C4, Family.C5, Family.C6), _integral),
-    **dict.fromkeys((Family.C7, Family.C8, Family.STIFFNESS, Family.DAMPING), _integral),
-    **dict.fromkeys((Family.D1, Family.D2, Family.D3, Family.S, Family.INERTIA), _moment),
-    **dict.fromkeys((Family.C5_SUM, Family.C7_SUM, Family.C8_SUM), _row_times_column),
+    **dict.fromkeys((Family.C7, Family.C8, Family.C9, Family.C10, Family.STIFFNESS, Family.DAMPING), _integral),
+    Family.FIELD_WEIGHT: _field_weight,
+    **dict.fromkeys((Family.D1, Family.D2, Family.D3, Family.D4, Family.S, Family.INERTIA), _moment),
+    **dict.fromkeys((Family.C5_SUM, Family.C7_SUM, Family.C8_SUM, Family.C9_SUM, Family.C10_SUM), _row_times_column),
+    Family.FIELD_AMPLITUDE: _field_amplitude,
+    Family.FIELD_TANGENT: _field_tangent,
     Family.RATE_PRODUCT: _rate_product,
     Family.ELASTIC: _force_of_modes("K", 0),
     Family.DAMPING_FORCE: _force_of_modes("B", 1),
@@ -264,8 +290,10 @@ WRITERS: dict[Family, Callable[[Identity, tuple[str, ...]], TypesetSymbol]] = {
     Family.POINT_POSITION: _of_point("X"),
     Family.POINT_SHAPE: _of_point("Phi"),
     Family.SECTION_ROTATION: _of_point("theta"),
+    Family.POINT_SECOND: _of_point("Psi"),
     Family.RADIUS: _moving_point("r"),
     Family.LEVER: _moving_point("s"),
+    Family.TANGENT: _tangent,
     Family.INPUT: _input,
     Family.PARAMETER: _named,
     Family.ELEMENT: _named,

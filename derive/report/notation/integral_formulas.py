@@ -23,10 +23,12 @@ INTEGRANDS: dict[Family, str] = {
     Family.C6: "X >< Phi_{i}",
     Family.C7: "Phi_{i} >< Phi_{j}",
     Family.C8: "Phi_{i} . Phi_{j}",
+    Family.C9: "Psi_{i j}",
+    Family.C10: "X >< Psi_{i j}",
 }
 """What the shape integrals integrate over the mass, for the shapes i and j."""
 
-PLANAR = {Family.C3: "X . X", Family.C4: "X . Phi_{i}"}
+PLANAR = {Family.C3: "X . X", Family.C4: "X . Phi_{i}", Family.C5: "(Phi_{i} . Phi_{j} + X . Psi_{i j})"}
 """The integrands of bodies in the plane, where they differ."""
 
 SYMMETRIC = (Family.C4, Family.C5)
@@ -35,7 +37,7 @@ SYMMETRIC = (Family.C4, Family.C5)
 SHAPE = "\N{GREEK PHI SYMBOL}"
 """The letter of the shape functions of a beam; its rotation is the other phi."""
 
-CROSS = (Family.C6, Family.C7)
+CROSS = (Family.C6, Family.C7, Family.C10)
 
 FEW = 4
 """From so many integrals on, a list is shortened to its first and its last."""
