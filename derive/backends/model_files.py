@@ -17,7 +17,7 @@ from derive.backends.protocol import Backend
 from derive.backends.python.module import PythonBackend
 from derive.ir.model import Model
 from derive.registry import Registry
-from derive.spec.model.body import Kinematics, NodalBody, PlanarBeam, SymbolicBody
+from derive.spec.model.body import DisplacementOrder, NodalBody, PlanarBeam, SymbolicBody
 from derive.spec.model.scene import BeamBody, Scene, Specification
 from derive.spec.model.time_function import Spline, TimeFunction
 from derive.version import VERSION
@@ -70,7 +70,7 @@ def specification(spec: Specification) -> dict[str, object]:
 def _exact(value: object) -> object:
     if isinstance(value, Fraction):
         return str(value)
-    if isinstance(value, Kinematics):
+    if isinstance(value, DisplacementOrder):
         return value.value
     if isinstance(value, BeamBody):  # what is for a beam alone says nothing here
         beam = {key: item for key, item in _fields(value.beam).items() if key not in ALONE}
@@ -88,7 +88,7 @@ def _exact(value: object) -> object:
 def _fields(value: Any) -> dict[str, Any]:
     """The fields of a dataclass, without what says that a beam is one of first order, as beams are by default."""
     every = {f.name: getattr(value, f.name) for f in dataclasses.fields(value)}
-    return {name: item for name, item in every.items() if item is not Kinematics.FIRST_ORDER}
+    return {name: item for name, item in every.items() if item is not DisplacementOrder.FIRST_ORDER}
 
 
 def _manifest(model: Model, spec: Specification, files: tuple[File, ...]) -> File:

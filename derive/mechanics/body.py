@@ -16,7 +16,7 @@ from derive.mechanics.motion.spatial import spatial_motion
 from derive.mechanics.symbols import Family
 from derive.mechanics.tables import CoefficientTable, planar_tables
 from derive.mechanics.terms import ModelConstant, ParameterSymbol
-from derive.spec.model.body import Kinematics
+from derive.spec.model.body import DisplacementOrder
 
 if TYPE_CHECKING:  # a planar body needs no NumPy, nor does a specification that is read
     import numpy as np
@@ -42,8 +42,8 @@ class Body:
 
     `frame_doc` describes the choice of the origin c and of the floating frame. `tables` are the shape integrals, the
     stiffness K of U = 1/2 alpha K alpha and the damping B, the factor of alphadot; `values` are their entries.
-    `gravity` is the acceleration of free fall in the inertial frame. `kinematics` is the order of the displacements.
-    With `Kinematics.FULL` the tables are those of the family Phi_1 .. Phi_N, theta_1 .. theta_`fields`, and the field
+    `gravity` is the acceleration of free fall in the inertial frame. `order` is that of the displacements.
+    With `DisplacementOrder.FULL` the tables are those of the family Phi_1 .. Phi_N, theta_1 .. theta_`fields`, and the field
     weights z_p_i_j give Psi_ij = sum z_p_i_j theta_p; see `motion.full_second_order`.
     """
 
@@ -58,7 +58,7 @@ class Body:
     points: tuple[MaterialPoint, ...] = ()
     parameters: tuple[ParameterSymbol, ...] = ()
     gravity: tuple[ModelConstant, ...] = ()
-    kinematics: Kinematics = Kinematics.FIRST_ORDER
+    order: DisplacementOrder = DisplacementOrder.FIRST_ORDER
     fields: int = 0
 
     @cached_property
@@ -74,7 +74,7 @@ class Body:
     @property
     def truncated(self) -> bool:
         """Whether the moments of the Psi_ij enter through second order alone."""
-        return self.kinematics is Kinematics.TRUNCATED
+        return self.order is DisplacementOrder.TRUNCATED
 
     @property
     def mass_constant(self) -> ModelConstant:
@@ -140,9 +140,9 @@ def planar_body(
     points: tuple[MaterialPoint, ...] = (),
     parameters: tuple[ParameterSymbol, ...] = (),
     gravity: tuple[ModelConstant, ...] = (),
-    kinematics: Kinematics = Kinematics.FIRST_ORDER,
+    order: DisplacementOrder = DisplacementOrder.FIRST_ORDER,
     fields: int = 0,
 ) -> Body:
     """A planar body given by its shape integrals and its stiffness, entry by entry."""
     tables, values = planar_tables(constants), ExactValues(constants)
-    return Body(name, doc, frame_doc, 2, modes, mass, tables, values, points, parameters, gravity, kinematics, fields)
+    return Body(name, doc, frame_doc, 2, modes, mass, tables, values, points, parameters, gravity, order, fields)

@@ -11,8 +11,8 @@ from derive.mechanics.multibody.forces.registry import FORCES
 from derive.spec.model.body import (
     BodyFrame,
     Damping,
+    DisplacementOrder,
     Frame,
-    Kinematics,
     Marker,
     NodalBody,
     NodeMarker,
@@ -125,17 +125,17 @@ def _beam(beam: PlanarBeam) -> Data:
         gravity=beam.gravity,
         start=beam.start,
         damping=as_table(beam.damping),
-        **_order(beam.kinematics),
+        **_order(beam.order),
     )
 
 
-def _order(kinematics: Kinematics) -> Data:
-    match kinematics:
-        case Kinematics.FIRST_ORDER:
+def _order(order: DisplacementOrder) -> Data:
+    match order:
+        case DisplacementOrder.FIRST_ORDER:
             return {}
-        case Kinematics.TRUNCATED:
+        case DisplacementOrder.TRUNCATED:
             return {"order": 2, "terms": "truncated"}
-        case Kinematics.FULL:
+        case DisplacementOrder.FULL:
             return {"order": 2, "terms": "full"}
         case _ as never:
             assert_never(never)

@@ -27,7 +27,7 @@ from derive.mechanics.indexed_equations import derive_body
 from derive.mechanics.motion.material_points import MaterialPoint
 from derive.mechanics.symbols import Family, Identity, Symbol, pair
 from derive.mechanics.terms import ModelConstant
-from derive.spec.model.body import Kinematics, Marker, Parameter, PlanarBeam, Polynomial
+from derive.spec.model.body import DisplacementOrder, Marker, Parameter, PlanarBeam, Polynomial
 
 
 def derive(beam: PlanarBeam) -> Equations:
@@ -54,12 +54,12 @@ def beam_body(beam: PlanarBeam, pieces: int = 1) -> Body:
     damping = beam_damping(beam.damping, integrals, stiffness, mass, bending / length**3) if beam.damping else ()
     fields: tuple[sp.Poly, ...] = ()
     second = Foreshortening(lateral, beam.frame, mass, length)
-    match beam.kinematics:
-        case Kinematics.FIRST_ORDER:
+    match beam.order:
+        case DisplacementOrder.FIRST_ORDER:
             pass
-        case Kinematics.TRUNCATED:
+        case DisplacementOrder.TRUNCATED:
             integrals += second_order_coefficients(second, integrals, len(shapes))
-        case Kinematics.FULL:
+        case DisplacementOrder.FULL:
             fields = second.fields
             family += tuple(BeamField(field, 1) for field in fields)
             of_family = coefficients(BeamIntegrals(family, mass, length, mean), len(family))
@@ -81,7 +81,7 @@ def beam_body(beam: PlanarBeam, pieces: int = 1) -> Body:
         )
         + gravity_parameters,
         gravity=gravity,
-        kinematics=beam.kinematics,
+        order=beam.order,
         fields=len(fields),
     )
 
@@ -127,7 +127,7 @@ def beam_point(marker: Marker, beam: PlanarBeam, pieces: int = 1) -> MaterialPoi
     position = Symbol(Identity(Family.POINT_POSITION, point=marker.name))
     zero = None if at else "the choice of the origin (the marker is there)"
     doc = f"reference position of marker {marker.name}"
-    shortening = _shortening_at(marker, beam, length) if beam.kinematics is not Kinematics.FIRST_ORDER else ()
+    shortening = _shortening_at(marker, beam, length) if beam.order is not DisplacementOrder.FIRST_ORDER else ()
     return MaterialPoint(
         name=marker.name,
         doc=f"material point at xi = {at}",

@@ -20,7 +20,7 @@ Polynomial = tuple[Fraction, ...]
 FrameKind = Literal["mean", "point", "chord", "tangent", "given"]
 
 
-class Kinematics(Enum):
+class DisplacementOrder(Enum):
     """How displacements due to deformation depend on the amplitudes.
 
     FIRST_ORDER: linearly, as in the paper. At second order a beam shortens as it bends: TRUNCATED keeps the kinetic and
@@ -98,7 +98,7 @@ class PlanarBeam:
     start: InitialValues = NOT_GIVEN
     simulation: Simulation | None = None
     damping: Damping | None = None
-    kinematics: Kinematics = Kinematics.FIRST_ORDER
+    order: DisplacementOrder = DisplacementOrder.FIRST_ORDER
 
 
 Gravity = tuple[Quantity, Quantity, Quantity]

@@ -24,9 +24,9 @@ from derive.spec.model.body import (
     DEFAULT_FRAME,
     DEFAULT_LENGTH,
     DEFAULT_MASS,
+    DisplacementOrder,
     Frame,
     FrameKind,
-    Kinematics,
     Marker,
     Parameter,
     PlanarBeam,
@@ -235,12 +235,12 @@ class BeamKeys(ShapeKeys):
             )
         return self
 
-    def kinematics(self) -> Kinematics:
+    def displacement_order(self) -> DisplacementOrder:
         """The order of the displacements, with the terms that are kept."""
         if self.order == 1:
-            return Kinematics.FIRST_ORDER
+            return DisplacementOrder.FIRST_ORDER
         terms = self.terms or ("full" if _frame(self.frame).kind in ("point", "tangent") else "truncated")
-        return Kinematics.FULL if terms == "full" else Kinematics.TRUNCATED
+        return DisplacementOrder.FULL if terms == "full" else DisplacementOrder.TRUNCATED
 
     def planar_beam(self, name: str, gravity: tuple[Quantity, Quantity] | None = None) -> PlanarBeam:
         """The beam as the derivation takes it."""
@@ -256,5 +256,5 @@ class BeamKeys(ShapeKeys):
             orthogonal=orthogonal,
             gravity=gravity,
             damping=None if self.damping is None else self.damping.damping(),
-            kinematics=self.kinematics(),
+            order=self.displacement_order(),
         )
