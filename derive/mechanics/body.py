@@ -43,8 +43,8 @@ class Body:
     `frame_doc` describes the choice of the origin c and of the floating frame. `tables` are the shape integrals, the
     stiffness K of U = 1/2 alpha K alpha and the damping B, the factor of alphadot; `values` are their entries.
     `gravity` is the acceleration of free fall in the inertial frame. `order` is that of the displacements.
-    With `DisplacementOrder.FULL` the tables are those of the family Phi_1 .. Phi_N, theta_1 .. theta_`fields`, and the field
-    weights z_p_i_j give Psi_ij = sum z_p_i_j theta_p; see `motion.full_second_order`.
+    With `DisplacementOrder.FULL` the tables are those of the family Phi_1 .. Phi_N, theta_1 .. theta_`fields`, and
+    the field weights z_p_i_j give Psi_ij = sum z_p_i_j theta_p; see `motion.full_second_order`.
     """
 
     name: str
