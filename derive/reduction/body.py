@@ -22,6 +22,14 @@ from derive.reduction.frames import (
 )
 from derive.reduction.integrals import antisymmetric, canonical_csr, mass_products, shape_integrals
 from derive.reduction.reasons import Parities, with_exact_zeros
+from derive.reduction.second_order import (
+    SecondOrderFields,
+    combined,
+    fields_of,
+    in_frame,
+    weights_of,
+    with_second_order,
+)
 from derive.reduction.symmetry import Mirror, made_symmetric, mirror_planes, separated_by_parity
 from derive.spec.model.body import Damping, NodalBody
 
@@ -30,12 +38,14 @@ from derive.spec.model.body import Damping, NodalBody
 class Prepared:
     """The result of `prepare`: everything from which `reduce` computes integrals.
 
-    mass: the canonical mass matrix (nodes, nodes). raw: the modes as given or computed. shapes: the same in the body
-    frame. parities: those of `shapes`. orthonormal: whether c8 of `shapes` is the unit matrix.
+    mass: the canonical mass matrix (nodes, nodes). raw: the modes as given or computed. framed: the same in the body
+    frame. shapes: those made orthonormal and symmetric. parities: those of `shapes`. orthonormal: whether c8 of
+    `shapes` is the unit matrix.
     """
 
     mass: csr_array
     raw: ModeShapes
+    framed: ModeShapes
     shapes: ModeShapes
     parities: Parities
     orthonormal: bool
@@ -53,9 +63,9 @@ def reduce(body: NodalBody) -> ModalBody:
     """
     prepared = prepare(body)
     shapes = prepared.shapes
-    result = shape_integrals(prepared.mass, shapes.x, shapes.phi)
+    fields = second_order_fields(body, prepared)
     result, stiffness, damping, zeros = with_exact_zeros(
-        result,
+        with_second_order(shape_integrals(prepared.mass, shapes.x, shapes.phi), fields),
         shapes.stiffness,
         damping_matrix(body.damping, _deforming_mass(body, prepared), shapes.stiffness),
         mean=body.frame.kind == "mean",
@@ -78,10 +88,18 @@ def reduce(body: NodalBody) -> ModalBody:
         stiffness=stiffness,
         damping=damping,
         points=tuple(
-            ModalPoint(m.name, f"node {m.node}", shapes.x[m.node], np.ascontiguousarray(shapes.phi[:, m.node]))
+            ModalPoint(
+                m.name,
+                f"node {m.node}",
+                shapes.x[m.node],
+                np.ascontiguousarray(shapes.phi[:, m.node]),
+                None if fields is None else fields.points[m.node],
+            )
             for m in body.markers
         ),
         zeros=zeros,
+        c9=result.c9,
+        c10=result.c10,
     )
 
 
@@ -115,13 +133,22 @@ def prepare(body: NodalBody) -> Prepared:
     planes = mirror_planes(mass, x)
     raw = _modes(body, mass, x, planes)
     check_modes(body, mass, raw)
-    shapes = modes_in_frame(mass, raw.x, raw.phi, raw.stiffness, body.frame)
+    framed = shapes = modes_in_frame(mass, raw.x, raw.phi, raw.stiffness, body.frame)
     if body.orthonormal and len(shapes.phi):
         phi, values = orthonormal_modes(mass, shapes.phi, shapes.stiffness)
         phi = with_fixed_signs(separated_by_parity(mass, phi, values, planes))
         shapes = replace(shapes, phi=phi, stiffness=np.diag(values))
     shapes, parities = made_symmetric(shapes, planes, body.data.stiffness)
-    return Prepared(mass, raw, shapes, parities, body.orthonormal)
+    return Prepared(mass, raw, framed, shapes, parities, body.orthonormal)
+
+
+def second_order_fields(body: NodalBody, prepared: Prepared) -> SecondOrderFields | None:
+    """The second-order fields of the modes that `prepare` returns; None if the body is one of first order."""
+    if not body.second_order:
+        return None
+    mass, raw, framed = prepared.mass, prepared.raw, prepared.framed
+    result = in_frame(fields_of(body.data, len(raw.phi)), mass, raw, framed, body.frame)
+    return combined(result, weights_of(mass, prepared.shapes.phi, framed.phi)) if body.orthonormal else result
 
 
 def _modes(body: NodalBody, mass: csr_array, x: Array, planes: tuple[Mirror, ...]) -> ModeShapes:

@@ -21,6 +21,7 @@ from derive.reduction.frames import (
     rigid_fields,
 )
 from derive.reduction.integrals import canonical_csr, mass_products
+from derive.reduction.second_order import stiffening_faults
 from derive.spec.model.body import NodalBody
 
 DEPENDENCE_TOLERANCE = 1e-5
@@ -41,6 +42,8 @@ def check_body(body: NodalBody) -> None:
     problems = _array_faults(body)
     if not problems:
         problems = [*_mass_faults(body), *_stiffness_faults(body), *_frame_faults(body), *_marker_faults(body)]
+    if not problems and body.second_order:
+        problems = stiffening_faults(body)
     if not problems:
         problems = _mode_count_faults(body)
     if problems:

@@ -126,11 +126,11 @@ def nearest_nodes(x: Array, node: int) -> tuple[int, ...]:
 
 def determine_rotation(x: Array, node: int, around: tuple[int, ...]) -> bool:
     """Whether the displacements of nodes determine a rotation about a node: they are not collinear with it."""
-    values, _ = eigh(_inertia(x[list(around)] - x[node]))
+    values, _ = eigh(inertia_of_points(x[list(around)] - x[node]))
     return bool(values[0] > COLLINEAR * values[-1])
 
 
-def _inertia(arms: Array) -> Array:
+def inertia_of_points(arms: Array) -> Array:
     """The inertia tensor (3, 3) of unit masses at arms (n, 3)."""
     second = inner_products(np.ascontiguousarray(arms.T), np.ascontiguousarray(arms.T))
     return np.asarray((second[0, 0] + second[1, 1] + second[2, 2]) * np.eye(3) - second)
@@ -143,7 +143,7 @@ def _without_motion_of_node(x: Array, phi: Array, node: int, around: tuple[int, 
     """
     arms = x[list(around)] - x[node]
     phi = phi - phi[:, node : node + 1]
-    values, axes = eigh(_inertia(arms))
+    values, axes = eigh(inertia_of_points(arms))
     moments = np.array([pairwise_sum(np.cross(arms, mode[list(around)])) for mode in phi]).reshape(len(phi), 3)
     rotations = matrix_product(matrix_product(moments, axes.T) / values, axes)
     return np.asarray(phi - np.cross(rotations[:, None], x[None] - x[node]))

@@ -16,13 +16,16 @@ from derive.reduction.arithmetic import Array, inner_products, pairwise_sum
 MAX_TERMS = 4_000_000
 """The number of products that are formed at once, which limits the memory."""
 
+OMEGA_PRODUCTS = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))
+"""The pairs of components of omega whose products form Omega = (w1^2, w2^2, w3^2, w1 w2, w2 w3, w1 w3)."""
+
 
 @dataclass(frozen=True, eq=False)
 class Integrals:
     """The shape integrals of the appendix, with the shapes of `ModalBody`.
 
     C4 and C5 are represented by their symmetric parts S4 (N, 3, 3) and S5 (N, N, 3, 3), because c6 and c7 are their
-    antisymmetric parts.
+    antisymmetric parts. c9, c10 (N, N, 3): those of second-order fields, of which S5 then contains a part as well.
     """
 
     mass: float
@@ -34,6 +37,8 @@ class Integrals:
     c6: Array
     c7: Array
     c8: Array
+    c9: Array | None = None
+    c10: Array | None = None
 
 
 def shape_integrals(mass: csr_array, x: Array, phi: Array) -> Integrals:
@@ -105,3 +110,17 @@ def second_moments(mass: csr_array, fields: Array) -> Array:
     table = inner_products(scalars, other)
     count = len(fields)
     return np.ascontiguousarray(((table + table.T) / 2).reshape(count, 3, count, 3).transpose(0, 2, 1, 3))
+
+
+def omega_factors(parts: Array) -> Array:
+    """The factors (..., 6) of Omega in -omega . T omega, for symmetric tensors T (..., 3, 3)."""
+    columns = [-parts[..., a, b] * (1 if a == b else 2) for a, b in OMEGA_PRODUCTS]
+    return np.asarray(np.stack(columns, axis=-1)) + 0.0
+
+
+def omega_tensors(columns: Array, products: tuple[tuple[int, int], ...] = OMEGA_PRODUCTS) -> Array:
+    """The symmetric tensors (..., 3, 3) that factors (..., 6) of Omega represent; `products` is the order of Omega."""
+    result = np.zeros((*columns.shape[:-1], 3, 3))
+    for at, (a, b) in enumerate(products):
+        result[..., a, b] = result[..., b, a] = -columns[..., at] / (1 if a == b else 2)
+    return result + 0.0

@@ -39,6 +39,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from derive.mechanics.bodies.modal_body import ModalBody
+from derive.reduction.integrals import omega_factors
 
 Array = NDArray[np.float64]
 
@@ -48,9 +49,6 @@ ZERO, DIAGONAL, SYMMETRIC, GENERAL, UNIT = range(5)
 
 MATRICES = ("mdCM", "J", "Ct", "Cr", "Me", "Gr", "Ge", "Oe", "ksigma", "Ke", "De")
 """The matrices of the whole body, in the order of a SID."""
-
-OMEGA_PRODUCTS = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))
-"""The pairs of components of omega whose products form Omega."""
 
 INERTIA_COLUMN = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
 """The entries of J if it is written as a column of six."""
@@ -122,17 +120,3 @@ def with_axial(parts: Array, axial: Array) -> Array:
         result[..., a, b] -= axial[..., k] / 2
         result[..., b, a] += axial[..., k] / 2
     return result
-
-
-def omega_factors(parts: Array) -> Array:
-    """The factors (..., 6) of Omega that represent symmetric tensors (..., 3, 3)."""
-    columns = [-parts[..., a, b] * (1 if a == b else 2) for a, b in OMEGA_PRODUCTS]
-    return np.asarray(np.stack(columns, axis=-1)) + 0.0
-
-
-def omega_tensors(columns: Array, products: tuple[tuple[int, int], ...] = OMEGA_PRODUCTS) -> Array:
-    """The symmetric tensors (..., 3, 3) that factors (..., 6) of Omega represent; `products` is the order of Omega."""
-    result = np.zeros((*columns.shape[:-1], 3, 3))
-    for at, (a, b) in enumerate(products):
-        result[..., a, b] = result[..., b, a] = -columns[..., at] / (1 if a == b else 2)
-    return result + 0.0

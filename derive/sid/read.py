@@ -7,16 +7,14 @@ import re
 import numpy as np
 
 from derive.mechanics.bodies.modal_body import ModalBody, ModalPoint
-from derive.reduction.integrals import Integrals
+from derive.reduction.integrals import OMEGA_PRODUCTS, Integrals, omega_tensors
 from derive.reduction.reasons import integral_entries
 from derive.sid.blocks import Block, SidError, SidProblem, parse_blocks
 from derive.sid.mapping import (
     INERTIA_COLUMN,
     MATRICES,
-    OMEGA_PRODUCTS,
     Array,
     Taylor,
-    omega_tensors,
     symmetric_parts,
     with_axial,
 )

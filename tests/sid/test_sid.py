@@ -13,8 +13,9 @@ import pytest
 from derive.mechanics.bodies.modal_body import ModalBody
 from derive.reduction import reduce
 from derive.reduction.body import prepare
+from derive.reduction.integrals import OMEGA_PRODUCTS
 from derive.sid import SidError, read, write
-from derive.sid.mapping import OMEGA_PRODUCTS, to_matrices
+from derive.sid.mapping import to_matrices
 from derive.spec.model.body import BodyFrame, Damping, NodalBody, NodeMarker
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "reduction"))

@@ -13,12 +13,16 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class ModalPoint:
-    """A named material point: X (3,) in m and the values of the N shapes there, (N, 3), in the body frame."""
+    """A named material point: X (3,) in m and the values of the N shapes there, (N, 3), in the body frame.
+
+    `second` (N, N, 3), 1/m, are the values of the second-order fields Psi_ij there; None for a body of first order.
+    """
 
     name: str
     doc: str
     position: Array
     shapes: Array
+    second: Array | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,6 +38,12 @@ class ModalBody:
     c1_k, c2_i_k, C3_ab, C4_i_ab, C5_i_j_ab (symmetric parts; i <= j, a <= b), c6_i_k, c7_i_j_k (i < j), c8_i_j
     (i <= j), K_i_j and B_i_j (stiffness and damping, i <= j), with i, j from 1 and k, a, b from 1 to 3. The numbers
     there are 0.0 exactly.
+
+    A body with geometric stiffening has displacements of second order, u = sum a_i Phi_i + 1/2 sum a_i a_j Psi_ij
+    (`derive.reduction.second_order`). It has the further integrals c9 (N, N, 3) = int rho Psi_ij and c10 (N, N, 3) =
+    int rho X x Psi_ij, both symmetric in i and j, and its C5 contains int rho {(X . Psi_ij) I - sym X Psi_ij} as well:
+    C5_ij is then, as without Psi_ij, the factor of alpha_i alpha_j in the tensor of inertia. c9_i_j_k and c10_i_j_k
+    (i <= j) are keys of `zeros`. Both arrays are None for a body of first order.
     """
 
     name: str
@@ -52,8 +62,15 @@ class ModalBody:
     damping: Array
     points: tuple[ModalPoint, ...] = ()
     zeros: Mapping[str, str] = field(default_factory=dict)
+    c9: Array | None = None
+    c10: Array | None = None
 
     @property
     def modes(self) -> int:
         """N."""
         return len(self.c2)
+
+    @property
+    def second_order(self) -> bool:
+        """Whether displacements are quadratic in the amplitudes."""
+        return self.c9 is not None

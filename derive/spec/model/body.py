@@ -116,6 +116,9 @@ class NodeData:
     positions (nodes, 3); mass (nodes, nodes), the symmetric matrix m of M = m (x) I3, diagonal if lumped;
     stiffness (3 nodes, 3 nodes) with the three displacements of a node together; modes (N, nodes, 3);
     modal_stiffness (N, N), of U = 1/2 alpha K alpha. `sha256` is that of the files the numbers came from.
+
+    K0t (3, N, N), K0r (3, N, N), K0omega (6, N, N) and K0F (K, 3, N, N) are the geometric stiffness matrices of the
+    modes under unit loads, K0F under forces at the nodes `K0F_nodes` (K,), see `derive.reduction.second_order`.
     """
 
     positions: NDArray[np.float64]
@@ -124,6 +127,16 @@ class NodeData:
     modes: NDArray[np.float64] | None
     modal_stiffness: NDArray[np.float64] | None
     sha256: str
+    K0t: NDArray[np.float64] | None = None
+    K0r: NDArray[np.float64] | None = None
+    K0omega: NDArray[np.float64] | None = None
+    K0F: NDArray[np.float64] | None = None
+    K0F_nodes: NDArray[np.int64] | None = None
+
+    @property
+    def has_geometric_stiffness(self) -> bool:
+        """Whether there are geometric stiffness matrices."""
+        return any(k is not None for k in (self.K0t, self.K0r, self.K0omega, self.K0F))
 
 
 @dataclass(frozen=True)
@@ -174,6 +187,12 @@ class NodalBody:
     lowering: Lowering
     start: SpatialStart = AT_REST
     simulation: Simulation | None = None
+    order: Literal[1, 2] = 1
+
+    @property
+    def second_order(self) -> bool:
+        """Whether displacements are quadratic in the amplitudes."""
+        return self.order == 2
 
 
 @dataclass(frozen=True)
