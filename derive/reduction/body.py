@@ -29,6 +29,7 @@ from derive.reduction.second_order import (
     in_frame,
     weights_of,
     with_second_order,
+    without_rounding,
 )
 from derive.reduction.symmetry import Mirror, made_symmetric, mirror_planes, separated_by_parity
 from derive.spec.model.body import Damping, NodalBody
@@ -148,7 +149,9 @@ def second_order_fields(body: NodalBody, prepared: Prepared) -> SecondOrderField
         return None
     mass, raw, framed = prepared.mass, prepared.raw, prepared.framed
     result = in_frame(fields_of(body.data, len(raw.phi)), mass, raw, framed, body.frame)
-    return combined(result, weights_of(mass, prepared.shapes.phi, framed.phi)) if body.orthonormal else result
+    if body.orthonormal:
+        result = combined(result, weights_of(mass, prepared.shapes.phi, framed.phi))
+    return without_rounding(result)
 
 
 def _modes(body: NodalBody, mass: csr_array, x: Array, planes: tuple[Mirror, ...]) -> ModeShapes:

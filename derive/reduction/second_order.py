@@ -47,7 +47,7 @@ on the moments.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -160,7 +160,17 @@ def combined(fields: SecondOrderFields, weights: Array) -> SecondOrderFields:
         once = matrix_product(weights, table)
         return np.swapaxes(matrix_product(weights, np.swapaxes(once, 0, 1)), 0, 1)
 
-    return SecondOrderFields(both(fields.S), both(fields.G), {n: both(psi) for n, psi in fields.points.items()})
+    return _each_table(fields, both)
+
+
+def without_rounding(fields: SecondOrderFields) -> SecondOrderFields:
+    """The fields, symmetric in the modes to the last bit."""
+    return _each_table(fields, lambda table: np.ascontiguousarray((table + np.swapaxes(table, 0, 1)) / 2))
+
+
+def _each_table(fields: SecondOrderFields, change: Callable[[Array], Array]) -> SecondOrderFields:
+    """The fields with each of their tables changed in the same way."""
+    return SecondOrderFields(change(fields.S), change(fields.G), {n: change(psi) for n, psi in fields.points.items()})
 
 
 def with_second_order(integrals: Integrals, fields: SecondOrderFields | None) -> Integrals:

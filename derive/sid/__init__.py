@@ -2,6 +2,7 @@
 
 from derive.sid.blocks import SidError, SidProblem
 from derive.sid.read import read
+from derive.sid.unused import SidWarning
 from derive.sid.write import write
 
-__all__ = ["SidError", "SidProblem", "read", "write"]
+__all__ = ["SidError", "SidProblem", "SidWarning", "read", "write"]

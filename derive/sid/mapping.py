@@ -24,11 +24,21 @@ Gr to the zeroth. Nothing is lost by that: C4 is half of Gr; the symmetric part 
 and its antisymmetric part is c7, which is in Ge (and again in the first order of Cr). `read` compares data that occurs
 twice. (A program that uses J and Gr as they are nevertheless lacks their terms of second order.)
 
+A body of second order (`derive.reduction.second_order`) has the further moments c9_ij = int rho Psi_ij and c10_ij =
+int rho X x Psi_ij, and C5 contains those of X and Psi_ij. Its geometric stiffness is in the first orders:
+
+    Ct_i   = c2_i + sum_k a_k c9_ik                             K0t = c9
+    Cr_i   = c6_i + sum_k a_k (c10_ik - c7_ik)                  K0r = c10
+    Oe_i   : as above, with all of C5                           K0omega is the part of X and Psi_ij
+    phi_i  = Phi_i + sum_k a_k Psi_ik at a node                 K0F = -Psi
+
+A SID contains mdCM and J to the first order in a; those of second order (1/2 sum a_i a_j c9_ij, and C5) follow from
+this.
+
 A SID contains neither the reasons of zeros nor the description of a body. `read` treats values that are exactly zero
-as structural zeros, with the file as the reason. It refuses data that a modal body cannot represent: stresses of the
-reference configuration (ksigma), geometric stiffness (in the first order of Ct, phi and Oe; it is detected in Oe,
-whose first order without it has the trace -2 Me), and nodes with rotated frames (AP). `write` writes rotations of nodes
-(psi) as zeros, and `read` ignores them.
+as structural zeros, with the file as the reason. It refuses data that a modal body cannot represent, namely stresses
+of the reference configuration (ksigma) and nodes with rotated frames (AP), and warns of data that it does not use, such
+as rotations of nodes (psi) and with them K0M. `write` writes psi as zeros.
 """
 
 from __future__ import annotations
@@ -42,6 +52,9 @@ from derive.mechanics.bodies.modal_body import ModalBody
 from derive.reduction.integrals import omega_factors
 
 Array = NDArray[np.float64]
+
+AGREEMENT = 1e-4
+"""Relative tolerance for quantities that a SID contains twice, since programs round their output."""
 
 ZERO, DIAGONAL, SYMMETRIC, GENERAL, UNIT = range(5)
 """The values of `structure`. Only the lower triangle of a symmetric matrix is written."""
@@ -71,6 +84,10 @@ class Taylor:
         return 0 if self.m1 is None else 1
 
 
+Matrices = dict[str, Taylor]
+"""The matrices of a body by their names."""
+
+
 def constant_matrix(m0: Array, structure: int = GENERAL) -> Taylor:
     """A constant matrix; its structure is ZERO if all of its entries are zero."""
     return Taylor(m0, None, structure if np.any(m0) else ZERO)
@@ -84,8 +101,8 @@ def to_matrices(body: ModalBody) -> dict[str, Taylor]:
     return {
         "mdCM": Taylor(body.c1[:, None], body.c2.T[:, :, None].copy()),
         "J": Taylor(body.C3, inertia.transpose(1, 0, 2).copy(), SYMMETRIC),
-        "Ct": constant_matrix(body.c2),
-        "Cr": Taylor(body.c6, -body.c7),
+        "Ct": constant_matrix(body.c2) if body.c9 is None else Taylor(body.c2, body.c9),
+        "Cr": Taylor(body.c6, -body.c7 if body.c10 is None else body.c10 - body.c7),
         "Me": constant_matrix(body.c8, SYMMETRIC),
         "Gr": constant_matrix(np.concatenate([*(2 * body.C4), np.zeros((3, 0))], axis=1)),
         "Ge": constant_matrix((-2 * body.c7).reshape(n, 3 * n)),
@@ -94,6 +111,25 @@ def to_matrices(body: ModalBody) -> dict[str, Taylor]:
         "Ke": constant_matrix(body.stiffness, SYMMETRIC),
         "De": constant_matrix(body.damping, SYMMETRIC),
     }
+
+
+def closest_symmetric(tables: Array, odd: Array) -> Array:
+    """The part of tables (N, N, 3) that is symmetric in the modes, where `odd` is the antisymmetric part.
+
+    The result consists of doubles next to the mean that reproduce both halves to the last bit, if there are any.
+    """
+    other = np.swapaxes(tables, 0, 1)
+    result = mean = (tables + other) / 2
+    for near in (mean, tables - odd, other + odd):
+        for candidate in _neighbours(near):
+            result = np.where((candidate + odd == tables) & (candidate - odd == other), candidate, result)
+    upper = np.triu(np.ones(tables.shape[:2], dtype=bool))[:, :, None]
+    return np.asarray(np.where(upper, result, np.swapaxes(result, 0, 1))) + 0.0
+
+
+def _neighbours(values: Array) -> tuple[Array, Array, Array]:
+    """The doubles next to values on both sides, and the values, which are preferred because they come last."""
+    return np.nextafter(values, -np.inf), np.nextafter(values, np.inf), values
 
 
 def symmetric_parts(tensors: Array, axial: Array) -> Array:
@@ -106,7 +142,7 @@ def symmetric_parts(tensors: Array, axial: Array) -> Array:
     for a, b, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
         first, second, half = tensors[..., a, b], tensors[..., b, a], axial[..., k] / 2
         best = result[..., a, b]
-        for candidate in (first + half, second - half):
+        for candidate in (*_neighbours(best), *_neighbours(first + half), *_neighbours(second - half)):
             exact = (candidate - half == first) & (candidate + half == second)
             best = np.where(exact, candidate, best)
         result[..., a, b] = result[..., b, a] = best

@@ -2,40 +2,41 @@
 
 from __future__ import annotations
 
-import re
+import warnings
+from dataclasses import replace
 
 import numpy as np
 
-from derive.mechanics.bodies.modal_body import ModalBody, ModalPoint
-from derive.reduction.integrals import OMEGA_PRODUCTS, Integrals, omega_tensors
+from derive.mechanics.bodies.modal_body import ModalBody
+from derive.reduction.integrals import Integrals, omega_tensors
 from derive.reduction.reasons import integral_entries
 from derive.sid.blocks import Block, SidError, SidProblem, parse_blocks
-from derive.sid.mapping import (
-    INERTIA_COLUMN,
-    MATRICES,
-    Array,
-    Taylor,
-    symmetric_parts,
-    with_axial,
+from derive.sid.geometric_stiffness import (
+    first_order_of_oe,
+    given_stiffening,
+    header_stiffening,
+    of_one_order,
+    omega_products,
+    rotational_stiffness,
+    without_forces,
 )
+from derive.sid.mapping import AGREEMENT, INERTIA_COLUMN, MATRICES, Array, Matrices, Taylor, symmetric_parts, with_axial
 from derive.sid.matrices import read_matrix, real_number, whole_number
+from derive.sid.nodes import header_names, mean_of_both, read_points, symmetric_in_modes
+from derive.sid.unused import SidWarning, unused
 
 ZERO_REASON = "the SID file, where it is exactly zero"
 """The reason of the structural zeros of a body that `read` returns."""
-
-AGREEMENT = 1e-4
-"""Relative tolerance for quantities that a SID contains twice, since programs round their output."""
-
-Matrices = dict[str, Taylor]
 
 
 def read(text: str, name: str | None = None) -> ModalBody:
     """A modal body from the text of a SID, by the relations in `derive.sid.mapping`.
 
     name: the name of the body; by default that in the first line of the text, or "body". The points have the names in
-    the first line, or node_1, node_2, ... with the numbers of the nodes.
+    the first line, or node_1, node_2, ... with the numbers of the nodes. A SID with geometric stiffness gives a body of
+    second order; where K0F is missing, points move to first order.
 
-    Raises SidError with a list of all faults.
+    Raises SidError with a list of all faults. Warns with SidWarning of what the body does not use, and of missing K0F.
     """
     problems: list[SidProblem] = []
     first, root = parse_blocks(text, problems)
@@ -44,19 +45,26 @@ def read(text: str, name: str | None = None) -> ModalBody:
     if modal is None or n is None:
         raise SidError(problems)
     matrices, lines = _matrices(modal, n, problems)
-    points = _points(first, modal, n, problems)
+    points = read_points(first, modal, n, problems)
     if problems:
         raise SidError(problems)
-    _refuse_stiffening(matrices, lines, problems)
-    known = _integrals(mass, matrices, lines, problems)
+    _unsupported(matrices, lines, problems)
+    stiffening, said = given_stiffening(matrices, points), header_stiffening(first)
+    if stiffening and said is False:
+        problems.append(SidProblem(1, f"the first line says Geo_Stiff= no, but there is {', '.join(stiffening)}"))
+    second_order = bool(stiffening or said)
+    known = _integrals(mass, matrices, lines, second_order, problems)
     if problems:
         raise SidError(problems)
+    if notes := (*unused(root), *(without_forces(points) if second_order else ())):
+        warnings.warn("\n".join(notes), SidWarning, stacklevel=2)
     stiffness = matrices["Ke"].m0
     damping = matrices["De"].m0 if "De" in matrices else np.zeros((n, n))
     c7 = known.c7
+    with_geometric = f" and geometric stiffness ({', '.join(stiffening)})" if stiffening else ""
     return ModalBody(
-        name=name or _header_value(first, "name") or "body",
-        doc=f"body with {n} modes from a SID file",
+        name=name or next(iter(header_names(first, "name")), "body"),
+        doc=f"body with {n} modes{with_geometric} from a SID file",
         origin="the reference frame of the SID file",
         mass=mass,
         c1=known.c1,
@@ -69,8 +77,10 @@ def read(text: str, name: str | None = None) -> ModalBody:
         c8=known.c8,
         stiffness=stiffness,
         damping=damping,
-        points=points,
+        points=of_one_order(points, second_order),
         zeros=_zeros(known, stiffness, damping),
+        c9=known.c9,
+        c10=known.c10,
     )
 
 
@@ -129,51 +139,25 @@ def _matrices(modal: Block, n: int, problems: list[SidProblem]) -> tuple[Matrice
     return matrices, lines
 
 
-def _points(first: str, modal: Block, n: int, problems: list[SidProblem]) -> tuple[ModalPoint, ...]:
-    """The nodes of the body as points, with the names in the first line of the text if they fit."""
-    frame = modal.find("frame")
-    nodes = [block for block in frame.blocks if block.name == "node"] if frame else []
-    names = _header_value(first, "points").split()
-    if len(names) != len(nodes) or len(set(names)) < len(names):
-        names = [f"node_{re.sub(r'[^0-9A-Za-z_]', '_', node.label) or at}" for at, node in enumerate(nodes, 1)]
-    points = []
-    for name, node in zip(names, nodes, strict=True):
-        parts: dict[str, Taylor] = {}
-        for key, shape in (("origin", (3, 1)), ("phi", (3, n)), ("AP", (3, 3))):
-            block = node.find(key)
-            if block is not None and (value := read_matrix(block, (shape,), n, problems)) is not None:
-                parts[key] = value
-            elif block is None and key != "AP":
-                problems.append(SidProblem(node.line, f"node {node.label} has no {key}"))
-        if "AP" in parts and np.abs(parts["AP"].m0 - np.eye(3)).max() > AGREEMENT:
-            problems.append(
-                SidProblem(node.line, f"the frame of node {node.label} is rotated (AP), which is not supported")
-            )
-        if "phi" in parts and parts["phi"].m1 is not None and np.any(parts["phi"].m1):
-            message = f"phi of node {node.label} has a first order: geometric stiffness is not supported"
-            problems.append(SidProblem(node.line, message))
-        if "origin" in parts and "phi" in parts:
-            shapes = np.ascontiguousarray(parts["phi"].m0.T)
-            points.append(ModalPoint(name, f"node {node.label}", parts["origin"].m0[:, 0].copy(), shapes))
-    return tuple(points)
-
-
-def _refuse_stiffening(matrices: Matrices, lines: dict[str, int], problems: list[SidProblem]) -> None:
-    """Add a fault for data that a modal body cannot represent, such as geometric stiffening."""
+def _unsupported(matrices: Matrices, lines: dict[str, int], problems: list[SidProblem]) -> None:
+    """Add a fault for data that a modal body cannot represent."""
     if "ksigma" in matrices and (
         np.any(matrices["ksigma"].m0) or matrices["ksigma"].m1 is not None and np.any(matrices["ksigma"].m1)
     ):
         problems.append(SidProblem(lines["ksigma"], "ksigma is not zero: stresses of the reference are not supported"))
-    for name in ("Ct", "Me", "Ge", "Ke", "De"):
+    for name in ("Me", "Ge", "Ke", "De"):
         taylor = matrices.get(name)
         if taylor is not None and taylor.m1 is not None and np.any(taylor.m1):
-            message = (
-                f"{name} has a first order: geometric stiffness is not supported; export without it (Geo_Stiff= no)"
-            )
-            problems.append(SidProblem(lines[name], message))
+            problems.append(SidProblem(lines[name], f"{name} has a first order, which is not supported"))
 
 
-def _integrals(mass: float, matrices: Matrices, lines: dict[str, int], problems: list[SidProblem]) -> Integrals:
+def _integrals(
+    mass: float,
+    matrices: Matrices,
+    lines: dict[str, int],
+    second_order: bool,
+    problems: list[SidProblem],
+) -> Integrals:
     """The shape integrals; adds a fault for each quantity that the file contains twice with different values."""
     n = len(matrices["Me"].m0)
     c1, c2, c6, c8 = matrices["mdCM"].m0[:, 0], matrices["Ct"].m0, matrices["Cr"].m0, matrices["Me"].m0
@@ -194,10 +178,11 @@ def _integrals(mass: float, matrices: Matrices, lines: dict[str, int], problems:
     if j1 is not None:
         agree("J", j1, 2 * s4, size4, "has another first order than Gr")
     if matrices["Cr"].m1 is not None:
-        agree("Cr", -matrices["Cr"].m1, c7, size8, "has another first order than Ge")
-    columns = _omega_products(matrices["Oe"].m0, s4, size4)
+        odd = (matrices["Cr"].m1 - np.swapaxes(matrices["Cr"].m1, 0, 1)) / 2
+        agree("Cr", -odd, c7, size8, "has another first order than Ge")
+    columns = omega_products(matrices["Oe"].m0, s4, size4)
     agree("Oe", omega_tensors(matrices["Oe"].m0, columns), s4, size4, "does not agree with Gr")
-    s5 = _second_moments(matrices, columns)
+    s5 = first_order_of_oe(matrices, columns)
     if s5 is None:
         message = (
             "has no first order, which contains int rho {(Phi_i . Phi_j) I - Phi_i Phi_j}; export it with first order"
@@ -205,10 +190,18 @@ def _integrals(mass: float, matrices: Matrices, lines: dict[str, int], problems:
         problems.append(SidProblem(lines["Oe"], f"Oe {message}"))
         s5 = np.zeros((n, n, 3, 3))
     else:
+        agree("Oe", s5, np.swapaxes(s5, 0, 1), size8, "has a first order that is not symmetric in the modes")
         trace = s5[..., 0, 0] + s5[..., 1, 1] + s5[..., 2, 2]
-        message = "has a first order that does not agree with Me; export without geometric stiffness (Geo_Stiff= no)"
-        agree("Oe", trace, 2 * c8, size8, message)
-    return Integrals(mass, c1.copy(), c2, c3, s4, s5, c6, c7, c8)
+        if not second_order:
+            agree("Oe", trace, 2 * c8, size8, "has a first order that does not agree with Me")
+    ct = matrices["Ct"].m1
+    if ct is not None and not symmetric_in_modes(ct):
+        problems.append(SidProblem(lines["Ct"], "the first order of Ct, K0t, is not symmetric in the modes"))
+    integrals = Integrals(mass, c1.copy(), c2, c3, s4, s5, c6, c7, c8)
+    if not second_order:
+        return integrals
+    c9 = np.zeros((n, n, 3)) if ct is None else mean_of_both(ct)
+    return replace(integrals, c9=c9, c10=rotational_stiffness(matrices["Cr"].m1, c7))
 
 
 def _inertia(inertia: Taylor) -> tuple[Array, Array | None]:
@@ -227,37 +220,12 @@ def _tensor(column: Array) -> Array:
     return matrices
 
 
-def _omega_products(oe: Array, s4: Array, size: float) -> tuple[tuple[int, int], ...]:
-    """The order of the products in Omega: some programs write w1 w3 before w2 w3, which a comparison with Gr shows."""
-    for products in (OMEGA_PRODUCTS, INERTIA_COLUMN):
-        if np.abs(omega_tensors(oe, products) - s4).max(initial=0.0) <= AGREEMENT * size:
-            return products
-    return OMEGA_PRODUCTS
-
-
-def _second_moments(matrices: Matrices, products: tuple[tuple[int, int], ...]) -> Array | None:
-    """The symmetric parts (N, N, 3, 3) of C5 from the first order of Oe, or else of Gr; None if neither has one."""
-    n = len(matrices["Me"].m0)
-    if matrices["Oe"].m1 is not None:
-        return omega_tensors(matrices["Oe"].m1, products)
-    if matrices["Gr"].m1 is not None:
-        c5 = matrices["Gr"].m1.reshape(3, n, n, 3).transpose(2, 1, 0, 3) / 2
-        return np.asarray((c5 + np.swapaxes(c5, -1, -2)) / 2)
-    return np.zeros((0, 0, 3, 3)) if n == 0 else None
-
-
 def _zeros(known: Integrals, stiffness: Array, damping: Array) -> dict[str, str]:
     """The names of all entries that are exactly zero, with their reason."""
     tables = {"stiffness": stiffness, "damping": damping}
     zeros = {}
-    for entry in integral_entries(len(known.c2)):
+    for entry in integral_entries(len(known.c2), known.c9 is not None):
         table = tables.get(entry.table)
         if (getattr(known, entry.table) if table is None else table)[entry.index] == 0:
             zeros[entry.name] = ZERO_REASON
     return zeros
-
-
-def _header_value(first: str, key: str) -> str:
-    """The names after `key=` in the first line of a text that `write` has produced; empty if there are none."""
-    match = re.search(rf"\b{key}= *([A-Za-z_]\w*(?: +[A-Za-z_]\w*)*)", first, re.ASCII)
-    return match[1] if match else ""

@@ -29,8 +29,9 @@ def write(body: ModalBody, *, inertia: Literal["matrix", "vector"] = "matrix") -
 def _lines(body: ModalBody, matrices: dict[str, Taylor]) -> Iterator[str]:
     """The lines of the text."""
     points = " ".join(point.name for point in body.points)
+    stiffening = "yes" if body.second_order else "no"
     names = f"name= {body.name} ; points= {points}".rstrip()
-    yield f"{len(body.points)} {body.modes} : nodes, modes; Geo_Stiff= no ; {names}"
+    yield f"{len(body.points)} {body.modes} : nodes, modes; Geo_Stiff= {stiffening} ; {names}"
     yield "part"
     yield "   new modal"
     yield "      refmod"
@@ -55,7 +56,8 @@ def _node(at: int, point: ModalPoint, n: int) -> Iterator[str]:
     yield f"         new node = {at}"
     yield "            rframe = body ref"
     yield from _taylor("origin", Taylor(point.position[:, None], shapes[:, :, None]), n, "            ")
-    yield from _taylor("phi", constant_matrix(shapes), n, "            ")
+    second = None if point.second is None else np.ascontiguousarray(point.second.transpose(2, 1, 0))
+    yield from _taylor("phi", constant_matrix(shapes) if second is None else Taylor(shapes, second), n, "            ")
     yield from _taylor("psi", constant_matrix(np.zeros((3, n))), n, "            ")
     yield from _taylor("AP", constant_matrix(np.eye(3)), n, "            ")
     yield "         end node"
