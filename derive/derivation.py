@@ -18,8 +18,9 @@ from derive.lowering.loops.functions import lower_tables
 from derive.mechanics import indexed_equations
 from derive.mechanics.bodies import beam
 from derive.mechanics.bodies.modal_body import ModalBody
-from derive.mechanics.bodies.spatial_body import modal_body, parametric_body, symbolic_tables
+from derive.mechanics.bodies.spatial_body import modal_body, parametric_body
 from derive.mechanics.bodies.spatial_body import parameters as parameters_of
+from derive.mechanics.bodies.spatial_tables import symbolic_tables
 from derive.mechanics.equations import Equations
 from derive.mechanics.multibody import assembly
 from derive.mechanics.multibody.mechanism import Mechanism

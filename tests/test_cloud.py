@@ -18,7 +18,8 @@ import derive
 from derive import ModalBody, Model, NodalBody
 from derive.backends.c.source import CBackend
 from derive.backends.python.module import PythonBackend
-from derive.mechanics.bodies.spatial_body import parameters, symbolic_tables
+from derive.mechanics.bodies.spatial_body import parameters
+from derive.mechanics.bodies.spatial_tables import symbolic_tables
 from derive.runtime.compiled_model import Native
 
 SHAPES = (0, 1, 3, 8)

@@ -64,12 +64,16 @@ class Body:
     @cached_property
     def motion(self) -> Motion:
         """The motion of the body, with all sums over the modes expanded."""
-        return planar_motion(self.modes, self.truncated) if self.dimension == 2 else spatial_motion(self.modes)
+        return (
+            planar_motion(self.modes, self.truncated)
+            if self.dimension == 2
+            else spatial_motion(self.modes, self.truncated)
+        )
 
     @cached_property
     def rigid_motion(self) -> Motion:
         """The motion of the body without assumed modes."""
-        return planar_motion(0, self.truncated) if self.dimension == 2 else spatial_motion(0)
+        return (planar_motion if self.dimension == 2 else spatial_motion)(0, self.truncated)
 
     @property
     def truncated(self) -> bool:

@@ -17,7 +17,7 @@ from derive.mechanics.equations import Equations
 from derive.mechanics.motion.body_motion import Motion
 from derive.mechanics.motion.material_points import indexed_marker
 from derive.mechanics.motion.planar import planar_sums
-from derive.mechanics.motion.spatial import spatial_moment_sums, spatial_row_sums
+from derive.mechanics.motion.spatial import spatial_sums
 from derive.mechanics.sums import ALPHA, ALPHADOT, IndexedSum, ModeSum, TableSum, canonical, exchanged, of_index
 from derive.mechanics.symbols import Family, I, J, Symbol, amplitude, is_indexed, quantity
 from derive.mechanics.tables import CoefficientTable, TableKind, point_tables
@@ -61,8 +61,7 @@ def derive_body(body: Body, lowering: Lowering = "auto") -> Equations:
     definitions = (*motion.rotation_definitions, *products, *gravity_definitions(motion, body.gravity))
     kept, reasons = zeros.drop_definitions(definitions, zeros.reasons_of(coefficients))
     sums = _Sums({t.family: t for t in body.tables}, {**reasons, **_zero_entries(body.tables)})
-    planar_ones = tuple(chain(*planar_sums(body.truncated)))
-    indexed_sums = planar_ones if planar else (*spatial_moment_sums(), *spatial_row_sums())
+    indexed_sums = tuple(chain(*(planar_sums if planar else spatial_sums)(body.truncated)))
     forces: tuple[Term, ...] = ()
     if Family.STIFFNESS in families:
         indexed_sums, forces = (*indexed_sums, *ELASTIC_SUMS[:1]), (*forces, ELASTIC_TERM)
@@ -82,7 +81,11 @@ def derive_body(body: Body, lowering: Lowering = "auto") -> Equations:
 
     numbered = range(1, body.modes + 1)
     points = (indexed_marker(motion, k, point, bool(body.modes)) for k, point in enumerate(body.points, 1))
-    of_points = (t for k, point in enumerate(body.points, 1) for t in point_tables(k, point.name, body.dimension))
+    of_points = (
+        table
+        for k, point in enumerate(body.points, 1)
+        for table in point_tables(k, point.name, body.dimension, bool(point.second))
+    )
     return Equations(
         name=body.name,
         doc=body.doc,

@@ -23,6 +23,7 @@ PARITY = {
     Family.C8: 1,
     Family.C9: 1,
     Family.C10: 1,
+    Family.POINT_SECOND: 1,
     Family.STIFFNESS: 1,
     Family.DAMPING: 1,
 }

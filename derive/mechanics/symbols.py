@@ -79,6 +79,8 @@ class Family(Enum):
     FIELD_TANGENT = "dbeta", Kind.MOMENT
     C9_SUM = "c9", Kind.MOMENT
     C10_SUM = "c10", Kind.MOMENT
+    C9_RATES = "c9dotdot", Kind.MOMENT
+    C10_RATES = "c10dotdot", Kind.MOMENT
     S = "S", Kind.MOMENT
     INERTIA = "J", Kind.MOMENT
     C5_SUM = "C5", Kind.MOMENT

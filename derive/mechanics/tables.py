@@ -124,13 +124,22 @@ def entries(table: CoefficientTable, n: int) -> Iterator[Symbol]:
         yield table.entry(component, *numbers)
 
 
-def point_tables(number: int, name: str, dimension: int = 3) -> tuple[CoefficientTable, CoefficientTable]:
-    """X and the shapes at a marker, as tables X1 and Phi1 of the first marker."""
+def point_tables(
+    number: int, name: str, dimension: int = 3, second_order: bool = False
+) -> tuple[CoefficientTable, ...]:
+    """X and the shapes at a marker, as tables X1 and Phi1 of the first marker; at second order Psi1 as well."""
     point = str(number)
     position, shapes = f"X of marker {name}", f"the shapes at marker {name}"
-    return (
+    first = (
         CoefficientTable(Family.POINT_POSITION, TableKind.FULL, position, "m", point=point, dimension=dimension),
         CoefficientTable(Family.POINT_SHAPE, TableKind.FULL, shapes, "", point=point, dimension=dimension),
+    )
+    if not second_order:
+        return first
+    second = f"the Psi_ij at marker {name}"
+    return (
+        *first,
+        CoefficientTable(Family.POINT_SECOND, TableKind.FULL, second, "1/m", point=point, dimension=dimension),
     )
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import sympy as sp
 
-from derive.mechanics.sums import ModeSum
+from derive.mechanics.sums import ModeSum, TableSum
 from derive.mechanics.symbols import Family, identity, local
 from derive.roles import Role
 
@@ -167,8 +167,8 @@ class MarkerEquations:
     """Kinematics of a marker: position, velocity (d, 1) and Jacobian d(velocity)/dv (d, rows) in the inertial frame.
 
     `load` (rows,) is the virtual work of a force at the marker, with inertial components `force` (d, 1). If the
-    equations keep their sums over the modes, `mode_sums` define the point in the body frame, and the last column and
-    row belong to a generic mode. d is 2 in the plane and 3 in space.
+    equations keep their sums over the modes, `mode_sums` define the point in the body frame, at second order with the
+    `table_sums` dr/dalpha_i, and the last column and row belong to a generic mode. d is 2 in the plane and 3 in space.
     """
 
     name: str
@@ -181,6 +181,7 @@ class MarkerEquations:
     force_definitions: tuple[Intermediate, ...]
     load: tuple[sp.Expr, ...]
     mode_sums: tuple[ModeSum, ...] = ()
+    table_sums: tuple[TableSum, ...] = ()
 
 
 @dataclass(frozen=True)

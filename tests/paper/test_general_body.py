@@ -7,7 +7,7 @@ from functools import cache
 import pytest
 import sympy as sp
 
-from derive.mechanics.bodies.spatial_body import DOCS
+from derive.mechanics.bodies.spatial_tables import DOCS
 from derive.mechanics.body import Body, ExactValues
 from derive.mechanics.equations import Equations
 from derive.mechanics.indexed_equations import derive_body

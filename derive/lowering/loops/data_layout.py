@@ -40,7 +40,7 @@ from derive.mechanics.terms import ModelConstant, ParameterSymbol
 from derive.roles import Role, Source
 
 TABLES, TRIANGLE, ROOT = "tables", "c8_pairs", "root"
-PACKED = (Family.C5, Family.STIFFNESS, Family.C7, Family.DAMPING, Family.C8)
+PACKED = (Family.C5, Family.STIFFNESS, Family.C7, Family.DAMPING, Family.C8, Family.C9, Family.C10, Family.POINT_SECOND)
 
 
 @dataclass(frozen=True)

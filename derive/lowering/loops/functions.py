@@ -98,6 +98,7 @@ def _marker(context: LoopContext, function: ModelFunction) -> Kernel:
     point = context.equations.marker(function.variant)
     program = context.program(context.q, context.v)
     program.mode_sums |= {t.symbol: t for t in point.mode_sums}
+    program.table_sums |= {t.symbol: t for t in point.table_sums}
     scalars: list[Scalar] = [(Store("x", k, NOTHING), e) for k, e in enumerate(point.position)]
     scalars += [(Store("xdot", k, NOTHING), e) for k, e in enumerate(point.velocity)]
     groups, offset = [], 0
@@ -127,6 +128,7 @@ def _load(context: LoopContext, function: ModelFunction) -> Kernel:
     program = context.program(context.q)
     program.known |= {symbol: ScalarRef(symbol.name) for symbol in components}
     program.mode_sums |= {t.symbol: t for t in point.mode_sums}
+    program.table_sums |= {t.symbol: t for t in point.table_sums}
     program.definitions += point.force_definitions
     wants: list[Scalar] = [(Store("f", r, NOTHING), e) for r, e in enumerate(point.load[:RIGID])]
     rows: list[IndexedStore] = [(StoreStrided("f", RIGID, 1, NOTHING), point.load[RIGID])]

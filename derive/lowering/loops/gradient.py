@@ -12,7 +12,13 @@ from derive.mechanics.equations import Equations
 from derive.mechanics.sums import ALPHA, ALPHADDOT, ALPHADOT, PARITY, TableSum, canonical, exchanged, swapped
 from derive.mechanics.symbols import Family, I, J, Symbol, is_indexed, quantity
 
-SUMS = {Family.C5: Family.C5_SUM, Family.C7: Family.C7_SUM, Family.C8: Family.C8_SUM}
+SUMS = {
+    Family.C5: Family.C5_SUM,
+    Family.C7: Family.C7_SUM,
+    Family.C8: Family.C8_SUM,
+    Family.C9: Family.C9_SUM,
+    Family.C10: Family.C10_SUM,
+}
 """The name of the sum of a table over one of its indices."""
 
 DERIVATIVES = {ALPHA: 0, ALPHADOT: 1, ALPHADDOT: 2}

@@ -14,137 +14,40 @@ from numpy.typing import NDArray
 
 from derive.mechanics import quantity
 from derive.mechanics.bodies.modal_body import ModalBody, ModalPoint
+from derive.mechanics.bodies.spatial_tables import (
+    DOCS,
+    NOTHING,
+    SECOND_ORDER_DOCS,
+    kept_entries,
+    modal_tables,
+    symbolic_tables,
+    table_values,
+)
 from derive.mechanics.body import Body
 from derive.mechanics.motion.material_points import MaterialPoint
 from derive.mechanics.symbols import Family, Symbol
 from derive.mechanics.symbols import parameter as parameter_symbol
-from derive.mechanics.tables import NO_SHAPES, ODD, PAIRS, SCALARS, TENSORS, CoefficientTable, TableKind, entries
+from derive.mechanics.tables import CoefficientTable, TableKind, entries
 from derive.mechanics.terms import ModelConstant, ParameterSymbol
 from derive.roles import Source
-from derive.spec.model.body import Gravity, SymbolicBody
+from derive.spec.model.body import Gravity, Kinematics, SymbolicBody
 
 Array = NDArray[np.float64]
 
-DOCS: dict[Family, tuple[str, str]] = {
-    Family.C1: ("int rho X", "kg m"),
-    Family.C2: ("int rho Phi_i", "kg"),
-    Family.C3: ("int rho ((X . X) I - X X)", "kg m^2"),
-    Family.C4: ("symmetric part of int rho ((Phi_i . X) I - Phi_i X)", "kg m"),
-    Family.C5: ("symmetric part of int rho ((Phi_i . Phi_j) I - Phi_i Phi_j)", "kg"),
-    Family.C6: ("int rho X x Phi_i", "kg m"),
-    Family.C7: ("int rho Phi_i x Phi_j", "kg"),
-    Family.C8: ("int rho Phi_i . Phi_j", "kg"),
-    Family.STIFFNESS: ("stiffness", "N/m"),
-    Family.DAMPING: ("damping", "N s/m"),
-}
-"""All tables in the order of the parameters: what they are, their units."""
-
-MEAN = {
-    Family.C1: "the choice of the origin (the centre of mass)",
-    Family.C2: "condition (17) (no mean displacement)",
-    Family.C6: "condition (19) (no mean rotation)",
-    Family.C8: "orthogonality (modes orthonormal in the mass)",
-    Family.STIFFNESS: "orthogonality (modes orthonormal in the mass and the stiffness)",
-    Family.DAMPING: "orthogonality (damping of each mode alone)",
-}
-"""Why integrals vanish in the mean frame; of c8, K and B those off the diagonal."""
-
-NOTHING = "the sum over the nodes, which is exactly zero"
-UNDAMPED = "the specification (no damping)"
 MASS = ParameterSymbol(parameter_symbol("m", positive=True), "mass of the body", "kg", 1.0)
-
-
-def symbolic_tables(spec: SymbolicBody) -> tuple[CoefficientTable, ...]:
-    """What tables a body with parameters has, by its frame."""
-    kinds: dict[Family, tuple[TableKind, str]] = {}
-    if spec.frame == "mean":
-        kinds |= {family: (TableKind.ZERO, MEAN[family]) for family in (Family.C1, Family.C2, Family.C6)}
-        kinds[Family.C8] = TableKind.UNIT, MEAN[Family.C8]
-        kinds |= {family: (TableKind.DIAGONAL, MEAN[family]) for family in (Family.STIFFNESS, Family.DAMPING)}
-    if not spec.damping:
-        kinds[Family.DAMPING] = (TableKind.ZERO, UNDAMPED)
-    return _tables(spec.modes, kinds)
-
-
-def modal_tables(given: ModalBody) -> tuple[CoefficientTable, ...]:
-    """What tables a body of numbers has: those that are not zero; c8, K and B may be diagonal."""
-    kinds: dict[Family, tuple[TableKind, str]] = {}
-    values = {family: _values(given, _full(family)) for family in DOCS}
-    for family in SCALARS:
-        matrix = _matrix(given, family)
-        if not np.count_nonzero(matrix - np.diag(np.diag(matrix))):
-            unit = family is Family.C8 and bool(np.all(np.diag(matrix) == 1))
-            kinds[family] = TableKind.UNIT if unit else TableKind.DIAGONAL, _reason(given, family)
-    kinds |= {family: (TableKind.ZERO, _reason(given, family)) for family, v in values.items() if not np.any(v)}
-    return _tables(given.modes, kinds)
-
-
-def _full(family: Family) -> CoefficientTable:
-    """The table of a family with all of its entries."""
-    return CoefficientTable(family, TableKind.FULL, *DOCS[family])
-
-
-def _tables(n: int, kinds: dict[Family, tuple[TableKind, str]]) -> tuple[CoefficientTable, ...]:
-    tables = []
-    for family in DOCS:
-        table = _full(family)
-        kind, zero = kinds.get(family, (table.kind, table.zero))
-        if table.counted and n == 0:
-            kind, zero = TableKind.ZERO, NO_SHAPES
-        elif family is Family.C7 and n == 1:
-            kind, zero = TableKind.ZERO, ODD
-        tables.append(replace(table, kind=kind, zero=zero))
-    return tuple(tables)
-
-
-def _matrix(given: ModalBody, family: Family) -> Array:
-    """A table without components, as a matrix over the shapes."""
-    return {Family.C8: given.c8, Family.STIFFNESS: given.stiffness, Family.DAMPING: given.damping}[family]
-
-
-def _values(given: ModalBody, table: CoefficientTable) -> Array:
-    """The entries of a table, in the order of `entries`."""
-    n, family = given.modes, table.family
-    if table.point:
-        point = given.points[int(table.point) - 1]
-        return np.asarray(point.position if family is Family.POINT_POSITION else point.shapes).ravel()
-    if family in TENSORS:
-        tensor = {Family.C3: given.C3, Family.C4: given.C4, Family.C5: given.C5}[family]
-        even = (tensor + np.swapaxes(tensor, -1, -2)) / 2
-        components = np.stack([even[..., a - 1, b - 1] for a, b in PAIRS], axis=-1)
-        return np.asarray(components[np.triu_indices(n)] if family is Family.C5 else components).ravel()
-    if family in SCALARS:
-        upper: Array = _matrix(given, family)[np.triu_indices(n)]
-        return upper
-    if family is Family.C7:
-        return np.asarray(given.c7[np.triu_indices(n, 1)]).ravel()
-    vectors: dict[Family, Array] = {Family.C1: given.c1, Family.C2: given.c2, Family.C6: given.c6}
-    return vectors[family].ravel()
-
-
-def _kept(table: CoefficientTable, n: int, values: Array) -> Array:
-    """The entries that a table has, of all its entries in the order of `entries`."""
-    if table.kind is TableKind.DIAGONAL:
-        rows, columns = np.triu_indices(n)
-        diagonal: Array = values[rows == columns]
-        return diagonal
-    return values if table.kind is TableKind.FULL else values[:0]
-
-
-def _reason(given: ModalBody, family: Family) -> str:
-    """The reason that a table vanishes (off its diagonal): the reason of its first zero entry in the body."""
-    names = (entry.name for entry in entries(_full(family), given.modes))
-    return next((given.zeros[name] for name in names if name in given.zeros), NOTHING)
 
 
 def parameters(given: ModalBody, tables: tuple[CoefficientTable, ...], gravity: Gravity | None = None) -> Array:
     """The parameters p of a body for a model with these tables, gravity at its defaults.
 
-    Raises ValueError when the body has an integral that the model takes to vanish.
+    Raises ValueError when the body has an integral that the model takes to vanish, or is of another order.
     """
+    if given.second_order != any(t.family is Family.C9 for t in tables):
+        order = "second" if given.second_order else "first"
+        raise ValueError(f"{given.name} is a body of {order} order in the amplitudes, and the model is not")
     parts = [np.array([given.mass])]
     for t in tables:
-        values = _values(given, t)
+        values = table_values(given, t)
         if t.kind is TableKind.FULL:
             parts.append(values)
             continue
@@ -173,15 +76,15 @@ class NumberValues:
 
     def constants(self, table: CoefficientTable) -> Iterator[ModelConstant]:
         """See `Values`."""
-        pairs = zip(entries(table, self.body.modes), _values(self.body, table), strict=True)
+        pairs = zip(entries(table, self.body.modes), table_values(self.body, table), strict=True)
         for entry, value in pairs:
             zero = None if value else self.body.zeros.get(entry.name, NOTHING)
-            yield _constant(entry, sp.Rational(float(value)), zero)
+            yield _constant(entry, table, sp.Rational(float(value)), zero)
 
     def present(self, table: CoefficientTable) -> NDArray[np.bool_]:
         """See `Values`."""
         n, components = self.body.modes, len(table.components)
-        present: NDArray[np.bool_] = _values(self.body, table) != 0
+        present: NDArray[np.bool_] = table_values(self.body, table) != 0
         if table.counted < 2:
             return present.reshape(*(n,) * table.counted, components)
         full = np.zeros((n, n, components), dtype=bool)
@@ -190,7 +93,7 @@ class NumberValues:
 
     def numbers(self, table: CoefficientTable) -> Array | None:
         """See `Values`."""
-        return _kept(table, self.body.modes, _values(self.body, table))
+        return kept_entries(table, self.body.modes, table_values(self.body, table))
 
 
 @dataclass(frozen=True)
@@ -203,11 +106,11 @@ class ParameterValues:
         """See `Values`."""
         for entry in entries(table, self.modes):
             if table.kind is TableKind.ZERO or (table.kind is not TableKind.FULL and not _on_diagonal(entry)):
-                yield _constant(entry, sp.S.Zero, table.zero)
+                yield _constant(entry, table, sp.S.Zero, table.zero)
             elif table.kind is TableKind.UNIT:
-                yield _constant(entry, sp.S.One, None)
+                yield _constant(entry, table, sp.S.One, None)
             else:
-                yield _constant(entry, _as_parameter(entry), None)
+                yield _constant(entry, table, _as_parameter(entry), None)
 
     def present(self, table: CoefficientTable) -> NDArray[np.bool_]:
         """See `Values`."""
@@ -222,10 +125,12 @@ class ParameterValues:
         return None
 
 
-def _constant(entry: Symbol, value: sp.Expr, zero: str | None) -> ModelConstant:
-    doc, unit = DOCS[entry.identity.family]
-    equation = "(13)" if entry.identity.family in (Family.STIFFNESS, Family.DAMPING) else Source.APPENDIX
-    return ModelConstant(entry, value, equation, doc, unit, zero)
+def _constant(entry: Symbol, table: CoefficientTable, value: sp.Expr, zero: str | None) -> ModelConstant:
+    family = table.family
+    equation = "(13)" if family in (Family.STIFFNESS, Family.DAMPING) else Source.APPENDIX
+    if (table.doc, table.unit) == SECOND_ORDER_DOCS[family] != DOCS.get(family):
+        equation = Source.SECOND_ORDER
+    return ModelConstant(entry, value, equation, table.doc, table.unit, zero)
 
 
 def _as_parameter(entry: Symbol) -> Symbol:
@@ -248,6 +153,7 @@ def modal_body(given: ModalBody, gravity: Gravity | None = None) -> Body:
         points=tuple(map(_point, given.points)),
         parameters=of_gravity,
         gravity=weight,
+        kinematics=Kinematics.TRUNCATED if given.second_order else Kinematics.FIRST_ORDER,
     )
 
 
@@ -296,4 +202,5 @@ def _point(point: ModalPoint) -> MaterialPoint:
     def exact(vector: Array) -> sp.ImmutableMatrix:
         return sp.ImmutableMatrix([sp.Rational(float(x)) for x in vector])
 
-    return MaterialPoint(point.name, point.doc, exact(point.position), tuple(map(exact, point.shapes)))
+    second = () if point.second is None else tuple(tuple(map(exact, row)) for row in point.second)
+    return MaterialPoint(point.name, point.doc, exact(point.position), tuple(map(exact, point.shapes)), second=second)

@@ -10,7 +10,7 @@ import sympy as sp
 from derive.mechanics import zeros
 from derive.mechanics.motion.body_motion import Motion
 from derive.mechanics.motion.kinematics import ONE, PHI, RDOT, Field, R
-from derive.mechanics.sums import ModeSum
+from derive.mechanics.sums import ALPHA, ModeSum, TableSum
 from derive.mechanics.symbols import Family, I, Symbol, amplitude, quantity, vector
 from derive.mechanics.tables import point_tables
 from derive.mechanics.terms import Intermediate, MarkerEquations, ModelConstant
@@ -157,21 +157,28 @@ def indexed_marker(motion: Motion, number: int, point: MaterialPoint, deforms: b
     X and the shapes at the point are tables, see `point_tables`; `motion` is that of the rigid body.
     """
     dimension = motion.rotation.rows
-    x, phi = (table.generic_entries for table in point_tables(number, point.name, dimension))
+    x, phi, *second = (t.generic_entries for t in point_tables(number, point.name, dimension, bool(point.second)))
+    tangents = phi
+    table_sums: tuple[TableSum, ...] = ()
+    if second:
+        tangents = tuple(vector(Family.TANGENT, dimension, shapes=(I,)))
+        parts = zip(tangents, phi, second[0], strict=True)
+        table_sums = tuple(TableSum(t, shape, ((ALPHA, psi),), "dr/dalpha_{i}") for t, shape, psi in parts)
     r, rdot = (vector(Family.RADIUS, dimension, derivative=d) for d in (0, 1))
     mode_sums = []
-    for k, (position, shape) in enumerate(zip(x, phi, strict=True) if deforms else ()):
-        mode_sums.append(ModeSum(r[k], position, amplitude(I) * shape, "X + u at the marker"))
-        mode_sums.append(ModeSum(rdot[k], sp.S.Zero, amplitude(I, 1) * shape, "its rate"))
+    for k, (position, shape, tangent) in enumerate(zip(x, phi, tangents, strict=True) if deforms else ()):
+        mode_sums.append(ModeSum(r[k], position, amplitude(I) * (shape + tangent) / 2, "X + u at the marker"))
+        mode_sums.append(ModeSum(rdot[k], sp.S.Zero, amplitude(I, 1) * tangent, "its rate"))
     if not deforms:
         r, rdot = sp.Matrix(x), sp.zeros(dimension, 1)
-    at = {R: r, RDOT: rdot, PHI: sp.Matrix(phi)}
+    at = {R: r, RDOT: rdot, PHI: sp.Matrix(tangents)}
     displacements = (*motion.translations, *motion.frame.rotations(), motion.frame.deformation())
     return MarkerEquations(
         name=point.name,
         doc=point.doc,
         definitions=(),
         mode_sums=tuple(mode_sums),
+        table_sums=table_sums,
         force=sp.ImmutableMatrix(force_vector(motion)),
         force_definitions=force_definitions(motion),
         load=tuple(work_at(motion, d, at) for d in displacements),

@@ -1,4 +1,4 @@
-"""The truncated second-order motion of a planar body: T and V through second order in the amplitudes. Beyond the paper.
+"""The truncated second-order motion of a body: T and V through second order in the amplitudes. Beyond the paper.
 
 At second order the displacement is u = sum alpha_i Phi_i + 1/2 sum alpha_i alpha_j Psi_ij, so that
 
@@ -9,27 +9,33 @@ The virtual work of (15) is the same in terms of these fields; only their moment
 through second order in the amplitudes, their rates and their variations together, which is what T through second order
 yields: the equations are those of a Lagrangian, M is symmetric, and energy and momenta are conserved. What is dropped
 are the moments of Psi_ij with Phi_k and with Psi_kl; the model that keeps them is in `full_second_order`.
+
+In the plane the axial moment c10_ij = int rho X x Psi_ij is a scalar, in space a vector. In space the moments of
+sum alphadot_i alphadot_j Psi_ij have names of their own, c9dotdot and c10dotdot, because loops sum what accelerations
+multiply apart from the rest.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 
 from derive.mechanics.sums import ALPHA, ALPHADDOT, ALPHADOT, HALF_ALPHA, IndexedSum
 from derive.mechanics.symbols import Family, I, J, quantity
 from derive.roles import Source
 
-AXES = (1, 2)
 SOURCE = Source.SECOND_ORDER
+Axes = tuple[int, ...]
+PLANE, SPACE = (1, 2), (1, 2, 3)
+"""The components of vectors."""
 
 
-def second_order_moment_sums(first_order: Iterable[IndexedSum]) -> tuple[IndexedSum, ...]:
+def second_order_moment_sums(first_order: Iterable[IndexedSum], axes: Axes = PLANE) -> tuple[IndexedSum, ...]:
     """Those of first order with what the Psi_ij add to them, and d4_i = int rho dr/dalpha_i."""
     result: list[IndexedSum] = []
-    for k in AXES:
+    for k in axes:
         c2_i, c9_ij = quantity(Family.C2, k, shapes=(I,)), quantity(Family.C9, k, shapes=(I, J))
-        c9_i, d4_i = (quantity(family, k, shapes=(I,)) for family in (Family.C9_SUM, Family.D4))
-        result.append(IndexedSum(c9_i, None, ((ALPHA, c9_ij),), "int rho sum_j alpha_j Psi_{i}j", SOURCE))
+        d4_i = quantity(Family.D4, k, shapes=(I,))
         result.append(IndexedSum(d4_i, c2_i, ((ALPHA, c9_ij),), "int rho dr/dalpha_{i}", SOURCE))
     return (*result, *(_moment(s) for s in first_order))
 
@@ -39,39 +45,58 @@ def _moment(of: IndexedSum) -> IndexedSum:
     known = of.symbol.identity
     match known.family, known.derivative:
         case Family.D1, 0:
-            c9_j = quantity(Family.C9_SUM, *known.components, shapes=(J,))
-            return IndexedSum(of.symbol, of.offset, (*of.sums, (HALF_ALPHA, c9_j)), of.doc, SOURCE)
+            c2_j, d4_j = (quantity(family, *known.components, shapes=(J,)) for family in (Family.C2, Family.D4))
+            return IndexedSum(of.symbol, of.offset, ((HALF_ALPHA, c2_j), (HALF_ALPHA, d4_j)), of.doc, SOURCE)
         case Family.D1, 1:
             d4_j = quantity(Family.D4, *known.components, shapes=(J,))
             return IndexedSum(of.symbol, None, ((ALPHADOT, d4_j),), of.doc, SOURCE)
         case Family.D2, 0:
             c5_ij = quantity(Family.C5, shapes=(I, J))
             return IndexedSum(of.symbol, of.offset, ((ALPHA, c5_ij),), "int rho r . dr/dalpha_{i}", SOURCE)
+        case Family.S, 0:
+            return replace(of, doc="symmetric part of int rho ((r . t) I - r t), t = dr/dalpha_{i}", source=SOURCE)
         case Family.D3, 0:
-            c10_ij = quantity(Family.C10, shapes=(I, J))
+            c10_ij = quantity(Family.C10, *known.components, shapes=(I, J))
             return IndexedSum(of.symbol, of.offset, (*of.sums, (ALPHA, c10_ij)), "int rho r x dr/dalpha_{i}", SOURCE)
+        case Family.D3, 1:
+            d3_j = quantity(Family.D3, *known.components, shapes=(J,))
+            return IndexedSum(of.symbol, None, ((ALPHADOT, d3_j),), of.doc, SOURCE)
     return of
 
 
-def second_order_row_sums(first_order: Iterable[IndexedSum]) -> tuple[IndexedSum, ...]:
+def second_order_row_sums(first_order: Iterable[IndexedSum], axes: Axes = PLANE) -> tuple[IndexedSum, ...]:
     """The remaining sums of (15) with what the Psi_ij add to them."""
     result: list[IndexedSum] = []
-    for k in AXES:
+    for k in axes:
         c9_ij, c9dot_i = quantity(Family.C9, k, shapes=(I, J)), quantity(Family.C9_SUM, k, derivative=1, shapes=(I,))
         result.append(IndexedSum(c9dot_i, None, ((ALPHADOT, c9_ij),), "int rho sum_j alphadot_j Psi_{i}j", SOURCE))
-    c10_ij, c10dot_i = quantity(Family.C10, shapes=(I, J)), quantity(Family.C10_SUM, derivative=1, shapes=(I,))
-    result.append(IndexedSum(c10dot_i, None, ((ALPHADOT, c10_ij),), "int rho X x sum_j alphadot_j Psi_{i}j", SOURCE))
-    return (*result, *(_row_sum(s) for s in first_order))
+    for components in ((),) if axes == PLANE else tuple((k,) for k in axes):
+        c10_ij = quantity(Family.C10, *components, shapes=(I, J))
+        c10dot_i = quantity(Family.C10_SUM, *components, derivative=1, shapes=(I,))
+        doc = "int rho X x sum_j alphadot_j Psi_{i}j"
+        result.append(IndexedSum(c10dot_i, None, ((ALPHADOT, c10_ij),), doc, SOURCE))
+    for s in first_order:
+        result += _row_sums(s, apart=axes == SPACE)
+    return tuple(result)
 
 
-def _row_sum(of: IndexedSum) -> IndexedSum:
+def _row_sums(of: IndexedSum, apart: bool) -> tuple[IndexedSum, ...]:
+    """A sum with accelerations, and what rates contribute to it, as a part of it or apart from it."""
     known = of.symbol.identity
     match known.family, known.derivative:
         case Family.D1, 2:
             d4_j = quantity(Family.D4, *known.components, shapes=(J,))
-            c9dot_j = quantity(Family.C9_SUM, *known.components, derivative=1, shapes=(J,))
-            return IndexedSum(of.symbol, None, ((ALPHADDOT, d4_j), (ALPHADOT, c9dot_j)), of.doc, SOURCE)
+            accelerated, rates, total = (ALPHADDOT, d4_j), Family.C9_SUM, Family.C9_RATES
         case Family.D3, 2:
-            c10dot_j = quantity(Family.C10_SUM, derivative=1, shapes=(J,))
-            return IndexedSum(of.symbol, None, (*of.sums, (ALPHADOT, c10dot_j)), of.doc, SOURCE)
-    return of
+            ((factor, entry),) = of.sums
+            accelerated, rates, total = (factor, entry), Family.C10_SUM, Family.C10_RATES
+        case _:
+            return (of,)
+    quadratic = (ALPHADOT, quantity(rates, *known.components, derivative=1, shapes=(J,)))
+    if not apart:
+        return (IndexedSum(of.symbol, None, (accelerated, quadratic), of.doc, SOURCE),)
+    doc = "the part of it without accelerations"
+    return (
+        IndexedSum(of.symbol, None, (accelerated,), of.doc, SOURCE),
+        IndexedSum(quantity(total, *known.components), None, (quadratic,), f"{of.doc}: {doc}", SOURCE),
+    )

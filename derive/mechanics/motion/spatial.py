@@ -14,9 +14,11 @@ import sympy as sp
 
 from derive.mechanics.motion.body_motion import MASS, Motion, definitions_of, sums_of
 from derive.mechanics.motion.kinematics import PHI, RDDOT, RDOT, MovingFrame, R
-from derive.mechanics.motion.moments import FIRST, Moment, moment, transposed
+from derive.mechanics.motion.moments import FIRST, FIRST_OF_SECOND_ORDER, Moment, moment, transposed
+from derive.mechanics.motion.second_order import SPACE, second_order_moment_sums, second_order_row_sums
 from derive.mechanics.sums import ALPHA, ALPHADDOT, ALPHADOT, IndexedSum
 from derive.mechanics.symbols import Family, I, J, ShapeIndex, Symbol, amplitude, local, quantity
+from derive.mechanics.symbols import vector as components
 from derive.mechanics.tables import AXES, PAIRS
 from derive.mechanics.terms import Coordinate, EquationOfMotion, Intermediate
 
@@ -59,15 +61,20 @@ def symmetric(family: Family, derivative: int = 0, shapes: tuple[ShapeIndex, ...
 
 @dataclass(frozen=True)
 class SpatialMoments:
-    """The moments of the fields of a body in space: symbols of the appendix; see Moments."""
+    """The moments of the fields of a body in space: symbols of the appendix; see Moments.
+
+    truncated: whether displacements are of second order, see `second_order`.
+    """
 
     mass: sp.Symbol
     rotation: sp.Matrix
+    truncated: bool = False
     unknown: frozenset[sp.Symbol] = frozenset((*EVEN, *ODD))
 
     def first(self, field: str) -> sp.Matrix:
         """int rho f."""
-        return sp.Matrix([moment(FIRST[field], k) for k in AXES])
+        names = FIRST_OF_SECOND_ORDER if self.truncated else FIRST
+        return sp.Matrix([moment(names[field], k) for k in AXES]) + self._of_rates(field, Family.C9_RATES)
 
     def second(self, f: str, g: str) -> sp.Matrix:
         """int rho f g^T from its symmetric and its axial part; what has no name must cancel."""
@@ -80,14 +87,18 @@ class SpatialMoments:
         elif (f, g) in TRACE:
             even = even + sp.eye(3) * (moment(TRACE[f, g]) - even.trace()) / 3
         if (f, g) in AXIAL:
-            odd = sp.Matrix([moment(AXIAL[f, g], k) for k in AXES])
+            odd = sp.Matrix([moment(AXIAL[f, g], k) for k in AXES]) + self._of_rates(g, Family.C10_RATES)
         elif f == g:
             odd = sp.zeros(3, 1)
         return even - skew(odd) / 2
 
+    def _of_rates(self, field: str, family: Family) -> sp.Matrix:
+        """What sum alphadot_i alphadot_j Psi_ij, a part of rddot at second order, adds to a moment."""
+        return components(family, len(AXES)) if self.truncated and field == RDDOT else sp.zeros(len(AXES), 1)
 
-def spatial_motion(n: int) -> Motion:
-    """The motion of a body in space with n shapes."""
+
+def spatial_motion(n: int, truncated: bool = False) -> Motion:
+    """The motion of a body in space with n shapes; truncated at second order, r is quadratic in their amplitudes."""
     shapes = range(1, n + 1)
     alpha = tuple(amplitude(i) for i in shapes)
     rows = _rows(shapes)
@@ -98,6 +109,7 @@ def spatial_motion(n: int) -> Motion:
     products = {omega[i - 1] * omega[j - 1]: quantity(Family.OMEGA_PRODUCT, i, j) for i, j in PAIRS}
     named = tuple(Intermediate(s, p, "oo", "(5)", "products of omega") for p, s in products.items())
     axes = sp.eye(3)
+    moment_sums, row_sums = spatial_sums(truncated)
     return Motion(
         coordinates=_coordinates(alpha),
         rows=rows,
@@ -106,9 +118,9 @@ def spatial_motion(n: int) -> Motion:
         rotation=rotation,
         rotation_definitions=_rotation_definitions(rotation, quaternion),
         frame=MovingFrame(tuple(skew(axes[:, k]) for k in range(3)), omega, omegadot),
-        moments=SpatialMoments(MASS, rotation),
-        definitions=(*named, *definitions_of(spatial_moment_sums(), vectors, n)),
-        sums=sums_of(spatial_row_sums(), vectors, n),
+        moments=SpatialMoments(MASS, rotation, truncated),
+        definitions=(*named, *definitions_of(moment_sums, vectors, n)),
+        sums=sums_of(row_sums, vectors, n),
         products=products,
         rotation_generators=tuple((skew(axes[:, k]), skew(rotation[k, :])) for k in range(3)),
         identities={},
@@ -167,6 +179,14 @@ def quaternion_rates(quaternion: tuple[sp.Symbol, ...], omega: tuple[sp.Symbol, 
 def _rotation_definitions(rotation: sp.Matrix, quaternion: tuple[sp.Symbol, ...]) -> tuple[Intermediate, ...]:
     pairs = zip(rotation, rotation_of(quaternion), strict=True)
     return tuple(Intermediate(s, value, "Q", "(1)", "rotation tensor of the quaternion") for s, value in pairs)
+
+
+def spatial_sums(truncated: bool = False) -> tuple[tuple[IndexedSum, ...], tuple[IndexedSum, ...]]:
+    """The moments of a body in space that have names of their own, and the remaining sums."""
+    if truncated:
+        moment_sums = second_order_moment_sums(spatial_moment_sums(), SPACE)
+        return moment_sums, second_order_row_sums(spatial_row_sums(), SPACE)
+    return spatial_moment_sums(), spatial_row_sums()
 
 
 def spatial_moment_sums() -> tuple[IndexedSum, ...]:

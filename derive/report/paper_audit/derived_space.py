@@ -10,7 +10,8 @@ from itertools import groupby
 import sympy as sp
 
 from derive.mechanics import virtual_work_equations as body
-from derive.mechanics.bodies import spatial_body as general
+from derive.mechanics.bodies.spatial_body import parametric_body
+from derive.mechanics.bodies.spatial_tables import DOCS
 from derive.mechanics.equations import Equations
 from derive.mechanics.indexed_equations import ELASTIC_SUMS, derive_body
 from derive.mechanics.motion.spatial import rotation_of, spatial_moment_sums, spatial_row_sums
@@ -29,7 +30,7 @@ from derive.spec.construction import symbolic_body
 VARIED = {"c": "delta c", "pi": "delta pi", "alpha": "delta alpha_i"}
 
 
-INTEGRALS = {family.stem: family for family in general.DOCS}
+INTEGRALS = {family.stem: family for family in DOCS}
 """Shape integrals, stiffness and damping by their printed names."""
 
 
@@ -66,7 +67,7 @@ def vanished() -> tuple[tuple[str, str, str], ...]:
 
 @cache
 def _mean() -> Equations:
-    return derive_body(general.parametric_body(symbolic_body("audit", 3, frame="mean", damping=True)))
+    return derive_body(parametric_body(symbolic_body("audit", 3, frame="mean", damping=True)))
 
 
 def _rows(gone: frozenset[tuple[str, str]]) -> tuple[Equation, ...]:

@@ -187,12 +187,12 @@ class NodalBody:
     lowering: Lowering
     start: SpatialStart = AT_REST
     simulation: Simulation | None = None
-    order: Literal[1, 2] = 1
+    kinematics: Kinematics = Kinematics.FIRST_ORDER
 
     @property
     def second_order(self) -> bool:
         """Whether displacements are quadratic in the amplitudes."""
-        return self.order == 2
+        return self.kinematics is not Kinematics.FIRST_ORDER
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ import sympy as sp
 from formula_number import Draw, magnitude, number, total
 
 from derive.mechanics.bodies.reference_conditions import assumed_shapes
-from derive.mechanics.bodies.spatial_body import DOCS
+from derive.mechanics.bodies.spatial_tables import DOCS
 from derive.mechanics.symbols import MASS, Family, amplitude, identity, owned, quantity
 from derive.report.document.formula import Call, Equation, FormulaRow, Matrix, Name
 from derive.report.notation.expressions import notation
