@@ -122,7 +122,7 @@ def _of_body(spec: Specification) -> tuple[str, ...]:
         return ()
     from derive.reduction import body_properties, residuals, zero_stiffness_modes
 
-    notes = list(_of_properties(body_properties(spec)))
+    notes = [*_of_properties(body_properties(spec)), *_of_geometric_stiffness(spec)]
     frame = residuals(spec)
     before, after = frame.before, frame.after
     if spec.frame.kind != "point" and spec.modes != 0:
@@ -135,6 +135,21 @@ def _of_body(spec: Specification) -> tuple[str, ...]:
         numbers = ", ".join(map(str, modes))
         notes.append(f"warning: mode {numbers} has no stiffness; check for loose parts and missing elements")
     return tuple(notes)
+
+
+def _of_geometric_stiffness(spec: NodalBody) -> Iterator[str]:
+    """Which geometric stiffness matrices a body has, whether they are used, and which are taken as zero."""
+    data = spec.data
+    if not data.has_geometric_stiffness:
+        return
+    arrays = {"K0t": data.K0t, "K0r": data.K0r, "K0omega": data.K0omega, "K0F": data.K0F}
+    given = ", ".join(name for name, array in arrays.items() if array is not None)
+    if not spec.second_order:
+        yield f"warning: geometric stiffness {given} is left out, since order = 1"
+        return
+    missing = ", ".join(name for name, array in arrays.items() if array is None)
+    zero = f"; {missing}: not given, and taken as zero" if missing else ""
+    yield f"displacements of second order in the amplitudes, from geometric stiffness {given}{zero}"
 
 
 FIRST = 6

@@ -153,6 +153,7 @@ def _nodal_body(body: NodalBody) -> Data:
         lowering=body.lowering,
         markers=_markers(body.markers),
         start=body.start,
+        order=(2 if body.second_order else 1) if body.data.has_geometric_stiffness else None,
     )
 
 

@@ -89,12 +89,14 @@ def nodal_body(
     gravity: Sequence[Constant] | None = None,
     lowering: Lowering = "auto",
     markers: Mapping[str, int] | None = None,
+    order: int | None = None,
 ) -> NodalBody:
     """A deformable body in space made of the nodes of a finite-element program.
 
     nodes: a .npz file, a table of MatrixMarket files or of arrays with the names they have in a .npz file, or NodeData,
     which are in SI units; units: "SI" or a table of length, mass and time; modes: how many are computed or kept;
-    markers: names and numbers of nodes, from 0; gravity: three components, m/s^2.
+    markers: names and numbers of nodes, from 0; gravity: three components, m/s^2; order: 2 with geometric stiffness
+    matrices among the arrays, as by default, or 1, which leaves them out.
     """
     optional = {
         "units": "SI" if units is None and isinstance(nodes, NodeData) else units,
@@ -103,6 +105,7 @@ def nodal_body(
         "damping": as_table(damping),
         "gravity": gravity,
         "markers": markers,
+        "order": order,
     }
     body = {"nodes": nodes, "frame": frame, "lowering": lowering, **without_none(**optional)}
     result = _validate({"name": name, "body": body})

@@ -298,8 +298,8 @@ KNOWN = ", ".join(node_files.ARRAYS)
             ".mass: this is no array; save it with numpy.savez",
         ),
         (
-            archive(**{f"m{n}": b"" for n in range(23)}),
-            f': "b.npz" holds 23 arrays; those that are known are {KNOWN}',
+            archive(**{f"m{n}": b"" for n in range(33)}),
+            f': "b.npz" holds 33 arrays; those that are known are {KNOWN}',
         ),
     ],
 )

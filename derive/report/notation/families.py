@@ -162,6 +162,16 @@ def _rate_product(known: Identity, above: tuple[str, ...]) -> TypesetSymbol:
     return TypesetSymbol(Rank.MOMENT, FormulaRow((column(1, transposed=True), matrix, column(1))))
 
 
+def _rates_twice(number: str) -> Callable[[Identity, tuple[str, ...]], TypesetSymbol]:
+    """A component of c9 or c10 between the column of the velocities and itself."""
+
+    def write(known: Identity, above: tuple[str, ...]) -> TypesetSymbol:
+        table = Name("c", below=(f"{number},{_components(known)}",), above=above, style="tensor")
+        return TypesetSymbol(Rank.MOMENT, FormulaRow((column(1, transposed=True), table, column(1))))
+
+    return write
+
+
 def _force_of_modes(letter: str, dots: int) -> Callable[[Identity, tuple[str, ...]], TypesetSymbol]:
     """Row i of the stiffness times the amplitudes, or of the damping times their velocities."""
 
@@ -276,6 +286,8 @@ WRITERS: dict[Family, Callable[[Identity, tuple[str, ...]], TypesetSymbol]] = {
     Family.FIELD_AMPLITUDE: _field_amplitude,
     Family.FIELD_TANGENT: _field_tangent,
     Family.RATE_PRODUCT: _rate_product,
+    Family.C9_RATES: _rates_twice("9"),
+    Family.C10_RATES: _rates_twice("10"),
     Family.ELASTIC: _force_of_modes("K", 0),
     Family.DAMPING_FORCE: _force_of_modes("B", 1),
     Family.STRAIN: _strain,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Set
 from pathlib import Path
 
 from derive.spec.files.node_data import CheckedNodes, node_data
@@ -31,6 +31,7 @@ def nodes_of(body: Mapping[str, object], table: NodalTable | None, folder: Path)
         faults.append(Fault(("body", "units"), "NodeData are in SI units; leave `units` out"))
     if arrays_found.complete:
         faults += _mode_faults(body, {key.removesuffix("_value") for key in arrays_found.arrays}, checked)
+        faults += _order_faults(body, arrays_found.arrays.keys())
     if checked.nodes is not None:
         faults += _node_faults(body, checked.nodes)
     return checked.data, faults
@@ -77,6 +78,16 @@ def _mode_faults(body: Mapping[str, object], arrays: set[str], checked: CheckedN
         yield Fault(
             ("body", "modes"),
             f"there are {count} modes in the files, and {MAX_MODES} are allowed; keep fewer: modes = 8",
+        )
+
+
+def _order_faults(body: Mapping[str, object], arrays: Set[str]) -> Iterator[Fault]:
+    """Displacements of second order without data of them."""
+    if readable(values.order, body.get("order")) == 2 and not arrays & {"K0t", "K0r", "K0omega", "K0F"}:
+        yield Fault(
+            ("body", "order"),
+            "a body of order 2 needs geometric stiffness matrices, K0t, K0r, K0omega or K0F, among its arrays; "
+            "scenes/geometric_stiffness.py computes them from a mesh",
         )
 
 

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import coo_array, csr_array, diags_array, issparse
 
+from derive.spec.files.geometric_stiffness import geometric_stiffness, without_modes
 from derive.spec.files.matrices import NEARLY, Entries, misfit, of_nodes, square, symmetric
 from derive.spec.files.node_files import MAX_BYTES, NODES, PARTS, SPARSE, Array, FoundArrays
 from derive.spec.files.node_format import FILES, Units
@@ -53,10 +54,13 @@ def node_data(read: FoundArrays, units: Units) -> CheckedNodes:
         mass = _checked(faults, "mass", arrays.get("mass"), _mass, n)
         stiffness = _checked(faults, "stiffness", arrays.get("stiffness"), _stiffness, n)
         modes = _checked(faults, "modes", arrays.get("modes"), _modes, n)
+    geometric: dict[str, Any] = {}
     if "modes" not in arrays:
         _checked(faults, "modal_stiffness", arrays.get("modal_stiffness"), _no_modes)
+        without_modes(arrays, faults)
     elif modes is not None:
         modal = _checked(faults, "modal_stiffness", arrays.get("modal_stiffness"), _modal_stiffness, len(modes))
+        geometric = geometric_stiffness(arrays, len(modes[0]), len(modes), units, faults)
     data = None
     if not faults and positions is not None and mass is not None:
         data = NodeData(
@@ -66,6 +70,7 @@ def node_data(read: FoundArrays, units: Units) -> CheckedNodes:
             modes=modes,
             modal_stiffness=None if modal is None else _scaled(modal, units.stiffness),
             sha256=read.sha256,
+            **geometric,
         )
     return CheckedNodes(
         data, None if positions is None else len(positions), None if modes is None else len(modes), faults
@@ -83,11 +88,11 @@ def _checked(
 
 
 def _numbers(array: Array, key: str) -> Array:
-    """Finite real numbers, or the indices of rows and columns."""
+    """Finite real numbers, or the indices of rows, columns and nodes."""
     kind = array.dtype.kind
     if kind not in "iuf":
         raise WrongValueError(f"this holds {_KINDS.get(kind, 'no numbers')}; real numbers are needed")
-    if key.endswith(("_row", "_col")):
+    if key.endswith(("_row", "_col", "_nodes")):
         if kind == "f":
             raise WrongValueError("these are decimals; whole numbers are needed, from 0: save them as integers")
         return array.astype(np.int64)

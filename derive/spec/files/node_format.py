@@ -11,8 +11,15 @@ FILES = {
     "stiffness": "The stiffness matrix, (3 nodes, 3 nodes), with adjacent displacements of a node.",
     "modes": "The modes as columns, (3 nodes, modes).",
     "modal_stiffness": "The stiffness of the modes, (modes, modes) or its diagonal.",
+    "K0t": "Geometric stiffness of the modes under unit accelerations along e1, e2, e3, (3, modes, modes).",
+    "K0r": "Geometric stiffness of the modes under unit angular accelerations, (3, modes, modes).",
+    "K0omega": "Geometric stiffness of the modes under spin, the factors of w1^2, w2^2, w3^2, w1 w2, w2 w3, w1 w3, "
+    "(6, modes, modes).",
+    "K0F": "Geometric stiffness of the modes under unit forces along e1, e2, e3 at the nodes K0F_nodes, "
+    "(K0F_nodes, 3, modes, modes).",
+    "K0F_nodes": "The numbers of these nodes, counted from 0.",
 }
-"""The arrays of a body, each a MatrixMarket file where `nodes` is a table."""
+"""The arrays of a body, each a MatrixMarket file where `nodes` is a table; more than two indices are rows, stacked."""
 
 LENGTHS = {"m": Fraction(1), "cm": Fraction(1, 100), "mm": Fraction(1, 1000), "in": Fraction("0.0254")}
 MASSES = {
@@ -35,3 +42,8 @@ class Units(NamedTuple):
     def stiffness(self) -> Fraction:
         """Mass per time squared: of millimetres, tonnes and seconds it is N/mm."""
         return self.mass / self.time**2
+
+    @property
+    def geometric_stiffness(self) -> dict[str, Fraction]:
+        """The units of geometric stiffness matrices, by their names: of stiffness divided by those of their loads."""
+        return {"K0t": self.mass / self.length, "K0r": self.mass, "K0omega": self.mass, "K0F": 1 / self.length}

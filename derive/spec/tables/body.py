@@ -14,6 +14,7 @@ from derive.spec.model.body import (
     BodyFrameKind,
     Damping,
     Gravity,
+    Kinematics,
     Lowering,
     NodalBody,
     NodeData,
@@ -211,6 +212,15 @@ class NodalTable(TomlTable):
             "and for computed modes."
         ),
     ] = None
+    order: Annotated[
+        int | None,
+        PlainValidator(values.order),
+        WithJsonSchema({"enum": [1, 2]}),
+        Field(
+            description="The order of the displacements in the amplitudes: 2 uses the geometric stiffness matrices of "
+            "the files (K0t, K0r, K0omega, K0F), 1 leaves them out; by default 2 if there are any."
+        ),
+    ] = None
     damping: Annotated[DampingTable | None, Field(description="Viscous damping; none by default.")] = None
     gravity: SpatialGravity = None
     lowering: LoweringInput = "auto"
@@ -240,6 +250,7 @@ class NodalTable(TomlTable):
         """The body as the reduction takes it."""
         frame = self.body_frame()
         by_default = frame.kind == "mean" or data.modes is None
+        second_order = data.has_geometric_stiffness and self.order != 1
         return NodalBody(
             name=name,
             data=data,
@@ -252,6 +263,7 @@ class NodalTable(TomlTable):
             lowering=self.lowering,
             start=self.start.start(),
             simulation=simulation,
+            kinematics=Kinematics.TRUNCATED if second_order else Kinematics.FIRST_ORDER,
         )
 
 
