@@ -7,7 +7,7 @@ from dataclasses import replace
 import bodies_of_nodes as bodies
 import numpy as np
 
-from derive.spec.model.body import BodyFrame, Kinematics, NodalBody, NodeData, NodeMarker
+from derive.spec.model.body import BodyFrame, DisplacementOrder, NodalBody, NodeData, NodeMarker
 
 OMEGA_PRODUCTS = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))
 
@@ -50,5 +50,5 @@ def stiffened(
         data = bodies.consistent(data)
     psi = fields(n, points)
     markers = tuple(NodeMarker(f"at{k}", k) for k in range(points))
-    body = bodies.nodal(with_stiffness(data, psi), frame, markers=markers, kinematics=Kinematics.TRUNCATED, **changes)
+    body = bodies.nodal(with_stiffness(data, psi), frame, markers=markers, order=DisplacementOrder.TRUNCATED, **changes)
     return body, psi

@@ -30,7 +30,7 @@ from derive.mechanics.symbols import parameter as parameter_symbol
 from derive.mechanics.tables import CoefficientTable, TableKind, entries
 from derive.mechanics.terms import ModelConstant, ParameterSymbol
 from derive.roles import Source
-from derive.spec.model.body import Gravity, Kinematics, SymbolicBody
+from derive.spec.model.body import DisplacementOrder, Gravity, SymbolicBody
 
 Array = NDArray[np.float64]
 
@@ -153,7 +153,7 @@ def modal_body(given: ModalBody, gravity: Gravity | None = None) -> Body:
         points=tuple(map(_point, given.points)),
         parameters=of_gravity,
         gravity=weight,
-        kinematics=Kinematics.TRUNCATED if given.second_order else Kinematics.FIRST_ORDER,
+        order=DisplacementOrder.TRUNCATED if given.second_order else DisplacementOrder.FIRST_ORDER,
     )
 
 

@@ -187,12 +187,12 @@ class NodalBody:
     lowering: Lowering
     start: SpatialStart = AT_REST
     simulation: Simulation | None = None
-    kinematics: Kinematics = Kinematics.FIRST_ORDER
+    order: DisplacementOrder = DisplacementOrder.FIRST_ORDER
 
     @property
     def second_order(self) -> bool:
         """Whether displacements are quadratic in the amplitudes."""
-        return self.kinematics is not Kinematics.FIRST_ORDER
+        return self.order is not DisplacementOrder.FIRST_ORDER
 
 
 @dataclass(frozen=True)

@@ -13,8 +13,8 @@ from derive.spec.model.body import (
     BodyFrame,
     BodyFrameKind,
     Damping,
+    DisplacementOrder,
     Gravity,
-    Kinematics,
     Lowering,
     NodalBody,
     NodeData,
@@ -263,7 +263,7 @@ class NodalTable(TomlTable):
             lowering=self.lowering,
             start=self.start.start(),
             simulation=simulation,
-            kinematics=Kinematics.TRUNCATED if second_order else Kinematics.FIRST_ORDER,
+            order=DisplacementOrder.TRUNCATED if second_order else DisplacementOrder.FIRST_ORDER,
         )
 
 

@@ -15,7 +15,7 @@ from derive.errors import SpecError
 from derive.mechanics.bodies.modal_body import ModalBody
 from derive.reduction import reduce
 from derive.reduction.body import prepare
-from derive.spec.model.body import BodyFrame, Kinematics, NodeMarker
+from derive.spec.model.body import BodyFrame, DisplacementOrder, NodeMarker
 
 NODE = BodyFrame("point", 2, (5, 7, 9))
 FRAMES = [bodies.GIVEN, bodies.MEAN, NODE]
@@ -129,7 +129,7 @@ def test_what_is_not_given_is_zero() -> None:
 
 def test_first_order_leaves_them_out() -> None:
     body, _ = stiff.stiffened(3)
-    found = reduce(replace(body, kinematics=Kinematics.FIRST_ORDER))
+    found = reduce(replace(body, order=DisplacementOrder.FIRST_ORDER))
     plain = reduce(bodies.nodal(bodies.cloud(3), markers=body.markers))
     assert found.c9 is None and not found.second_order and np.array_equal(found.C5, plain.C5)
     assert found.zeros == plain.zeros and found.points[0].second is None
@@ -176,7 +176,7 @@ def test_symmetry_of_the_data_gives_zeros(frame: BodyFrame) -> None:
     even = np.einsum("iak,jal->ijakl", shapes.phi, shapes.phi)
     psi = np.einsum("ijakl,al->ijak", (even + even.swapaxes(0, 1)) / 2, data.positions)
     random = stiff.fields(4, len(data.positions))
-    keys = {"modes": 4, "markers": (), "kinematics": Kinematics.TRUNCATED}
+    keys = {"modes": 4, "markers": (), "order": DisplacementOrder.TRUNCATED}
     found, other = (reduce(bodies.nodal(stiff.with_stiffness(given, field), frame, **keys)) for field in (psi, random))
     first = reduce(replace(plain, frame=frame))
     planes = {name for name, why in first.zeros.items() if why.startswith("mirror") and name.startswith("C5")}

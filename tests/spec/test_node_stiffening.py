@@ -15,7 +15,7 @@ from derive.errors import SpecError
 from derive.pipeline import build
 from derive.spec.as_tables import specification_tables
 from derive.spec.construction import nodal_body
-from derive.spec.model.body import Kinematics, NodalBody
+from derive.spec.model.body import DisplacementOrder, NodalBody
 from derive.spec.toml.read import read
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "reduction"))
@@ -37,11 +37,11 @@ def test_arrays_of_python_and_of_archives(tmp_path) -> None:
     save(tmp_path, **BODY)
     (tmp_path / "b.toml").write_text(toml(""))
     for body in (nodal_body("b", BODY, units="SI"), read(tmp_path / "b.toml")):
-        assert isinstance(body, NodalBody) and body.kinematics is Kinematics.TRUNCATED
+        assert isinstance(body, NodalBody) and body.order is DisplacementOrder.TRUNCATED
         for name, array in K0.items():
             assert np.array_equal(getattr(body.data, name), array), name
         again = nodal_body("b", body.data)
-        assert again.kinematics is Kinematics.TRUNCATED and np.array_equal(again.data.K0F, K0["K0F"])
+        assert again.order is DisplacementOrder.TRUNCATED and np.array_equal(again.data.K0F, K0["K0F"])
 
 
 def test_matrices_below_each_other(tmp_path) -> None:
@@ -65,14 +65,14 @@ def test_units_are_those_of_a_stiffness_by_its_load() -> None:
         assert np.allclose(getattr(data, name), factor * K0[name], rtol=1e-15), name
 
 
-@pytest.mark.parametrize(("order", "expected"), [(1, Kinematics.FIRST_ORDER), (2, Kinematics.TRUNCATED)])
-def test_order_chooses(order: int, expected: Kinematics) -> None:
+@pytest.mark.parametrize(("order", "expected"), [(1, DisplacementOrder.FIRST_ORDER), (2, DisplacementOrder.TRUNCATED)])
+def test_order_chooses(order: int, expected: DisplacementOrder) -> None:
     body = nodal_body("b", BODY, units="SI", order=order)
-    assert body.kinematics is expected
+    assert body.order is expected
     tables = specification_tables(body)
     assert tables["body"]["order"] == order
     plain = nodal_body("b", MODAL_BODY, units="SI")
-    assert plain.kinematics is Kinematics.FIRST_ORDER and "order" not in specification_tables(plain)["body"]
+    assert plain.order is DisplacementOrder.FIRST_ORDER and "order" not in specification_tables(plain)["body"]
 
 
 def faults(**changes: object) -> list[str]:

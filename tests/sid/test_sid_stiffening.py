@@ -16,7 +16,7 @@ from derive.reduction import reduce
 from derive.reduction.body import prepare
 from derive.sid import SidError, SidWarning, read, write
 from derive.sid.mapping import to_matrices
-from derive.spec.model.body import BodyFrame, Kinematics
+from derive.spec.model.body import BodyFrame, DisplacementOrder
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "reduction"))
 import bodies_of_nodes as bodies
@@ -103,7 +103,7 @@ def test_a_part_of_it_is_used_as_it_is() -> None:
 
 
 def test_forces_alone() -> None:
-    plain = write(reduce(replace(GIVEN, kinematics=Kinematics.FIRST_ORDER)))
+    plain = write(reduce(replace(GIVEN, order=DisplacementOrder.FIRST_ORDER)))
     start, end = (TEXT.index(word) for word in ("      frame\n", "      end frame\n"))
     first, last = (plain.index(word) for word in ("      frame\n", "      end frame\n"))
     found = read(plain[:first].replace("Geo_Stiff= no", "by hand") + TEXT[start:end] + plain[last:])
