@@ -76,6 +76,17 @@ class NoEquilibrium(SimulationError):
         )
 
 
+class MassMatrixNotDefinite(SimulationError):
+    """Deflections have taken a truncated model of second order to the limit of a positive definite mass matrix."""
+
+    def __init__(self, t: float) -> None:
+        self.t = t
+        super().__init__(
+            f"after t = {t:.9g} s the mass matrix is no longer positive definite: a beam of order 2 with truncated "
+            'terms bends too far for its frame. Write terms = "full" in its table, or frame = "mean".'
+        )
+
+
 class RedundantConstraints(SimulationError):
     """Other constraints imply some of the constraints, in the initial state and in neighbouring states."""
 

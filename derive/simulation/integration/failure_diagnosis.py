@@ -6,6 +6,7 @@ import numpy as np
 
 from derive.runtime.native_call import ModelError, Vector
 from derive.simulation.compiled_scene import ConstrainedSystem
+from derive.simulation.constraints.mass_definiteness import nearly_indefinite
 from derive.simulation.constraints.neighbouring_states import driven_multipliers
 from derive.simulation.constraints.redundancy import involved
 from derive.simulation.constraints.scaling import spectrum
@@ -13,6 +14,7 @@ from derive.simulation.errors import (
     DriftTooLarge,
     DriveCannotBeFollowed,
     IntegrationStopped,
+    MassMatrixNotDefinite,
     SimulationError,
     SingularConfiguration,
 )
@@ -30,6 +32,8 @@ def diagnose_failure(
     """
     if (dead_centre := _dead_centre(native, k, t, y)) is not None:
         return dead_centre
+    if np.all(np.isfinite(y)) and nearly_indefinite(native, k, t, y[: native.nq]):
+        return MassMatrixNotDefinite(t)
     reason = f"{message.rstrip('.')}" + (f"; {refused[1]} at t = {refused[0]:.9g} s" if refused else "")
     return IntegrationStopped(t, reason)
 
