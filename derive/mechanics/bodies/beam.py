@@ -6,6 +6,7 @@ Phi_i = phi_i(xi) e2 (25). The rotary inertia of the cross-section is neglected,
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import assert_never
 
 import sympy as sp
@@ -122,25 +123,32 @@ def _stiffness(shapes: tuple[Polynomial, ...], length: sp.Expr, bending: sp.Expr
 
 def beam_point(marker: Marker, beam: PlanarBeam, pieces: int = 1) -> MaterialPoint:
     """A point of the beam, or of one of its pieces, of which the marker then is."""
-    shapes, length = assumed_shapes(beam.ansatz, beam.frame, beam.orthogonal), quantity.value(beam.length) / pieces
     at = sp.Rational(marker.at)
-    position = Symbol(Identity(Family.POINT_POSITION, point=marker.name))
-    zero = None if at else "the choice of the origin (the marker is there)"
-    doc = f"reference position of marker {marker.name}"
-    shortening = _shortening_at(marker, beam, length) if beam.order is not DisplacementOrder.FIRST_ORDER else ()
-    return MaterialPoint(
-        name=marker.name,
-        doc=f"material point at xi = {at}",
-        position=sp.ImmutableMatrix([position, 0]),
-        shapes=tuple(sp.ImmutableMatrix([0, exact_polynomial(s).eval(at)]) for s in shapes),
-        coefficients=(ModelConstant(position, at * length / 2, "(24)", doc, "m", zero), *shortening),
-        second=second_order_vectors(shortening, len(shapes)),
-    )
+    docs = (f"material point at xi = {at}", f"reference position of marker {marker.name}")
+    zero = "the choice of the origin (the marker is there)"
+    return point_that_sees(marker.name, docs, beam, pieces, lambda of: of.eval(at), zero)
 
 
-def _shortening_at(marker: Marker, beam: PlanarBeam, length: sp.Expr) -> tuple[ModelConstant, ...]:
-    """psi_ij at a marker."""
+def point_that_sees(
+    name: str, docs: tuple[str, str], beam: PlanarBeam, pieces: int, value: Callable[[sp.Poly], sp.Expr], zero: str
+) -> MaterialPoint:
+    """A point that moves as the beam, or one of its pieces, does at a place, or in the mean over some part.
+
+    docs: of the point and of its position; value: what the point sees of a function of xi; zero: why its position
+    vanishes if it does.
+    """
     shapes = tuple(map(exact_polynomial, assumed_shapes(beam.ansatz, beam.frame, beam.orthogonal)))
-    second = Foreshortening(shapes, beam.frame, sp.S.Zero, length)
-    at = sp.Rational(marker.at)
-    return point_shortening(second, marker.name, lambda psi: psi.eval(at))
+    length = quantity.value(beam.length) / pieces
+    position, at = Symbol(Identity(Family.POINT_POSITION, point=name)), value(sp.Poly(xi, xi, domain="QQ"))
+    constants = [ModelConstant(position, at * length / 2, "(24)", docs[1], "m", None if at else zero)]
+    second: tuple[ModelConstant, ...] = ()
+    if beam.order is not DisplacementOrder.FIRST_ORDER:
+        second = point_shortening(Foreshortening(shapes, beam.frame, sp.S.Zero, length), name, value)
+    return MaterialPoint(
+        name=name,
+        doc=docs[0],
+        position=sp.ImmutableMatrix([position, 0]),
+        shapes=tuple(sp.ImmutableMatrix([0, value(s)]) for s in shapes),
+        coefficients=(*constants, *second),
+        second=second_order_vectors(second, len(shapes)),
+    )

@@ -1,8 +1,8 @@
 """Distributed loads on a rod, exactly: the resultant of each, at a point that moves as the mean over the load does.
 
-The virtual work of a load p(xi) along a direction d is int p d . delta x dx. Since x is linear in 1, X and the shapes,
-it is that of the force int p dx at a point with the position int p X dx and the shapes int p phi_i dx, both over
-int p dx. A load without resultant is the sum of two that have one.
+The virtual work of a load p(xi) along a direction d is int p d . delta x dx. Since x is linear in 1, X, the shapes and
+the psi_ij, it is that of the force int p dx at a point with the position int p X dx and the shapes int p phi_i dx, both
+over int p dx, and likewise int p psi_ij dx. A load without resultant is the sum of two that have one.
 """
 
 from __future__ import annotations
@@ -13,12 +13,9 @@ from fractions import Fraction
 
 import sympy as sp
 
-from derive.mechanics import quantity
-from derive.mechanics.bodies.reference_conditions import assumed_shapes, exact_polynomial, integral, xi
-from derive.mechanics.motion.material_points import MaterialPoint
+from derive.mechanics.bodies.beam import point_that_sees
+from derive.mechanics.bodies.reference_conditions import exact_polynomial, integral, xi
 from derive.mechanics.multibody.bodies.body_type import CrossSection
-from derive.mechanics.symbols import Family, Identity, Symbol
-from derive.mechanics.terms import ModelConstant
 from derive.spec.model.body import Parameter, Polynomial, Quantity
 from derive.spec.model.forces import Force
 from derive.spec.model.markers import MarkerRef
@@ -67,9 +64,6 @@ def point_names(load: str, pieces: int) -> set[str]:
 
 def load_points(body: BeamBody, piece: int) -> dict[str, CrossSection]:
     """The points of a piece of a rod, counted from 0, at which the resultants of its loads act; they turn with Q."""
-    beam = body.beam
-    shapes = assumed_shapes(beam.ansatz, beam.frame, beam.orthogonal)
-    half = quantity.value(beam.length) / (2 * body.pieces)
     result = {}
     for r in _resultants(body, piece):
         total = integral(r.density)
@@ -77,16 +71,8 @@ def load_points(body: BeamBody, piece: int) -> dict[str, CrossSection]:
         def mean(of: sp.Poly, density: sp.Poly = r.density, total: sp.Rational = total) -> sp.Rational:
             return integral(density * of) / total
 
-        at = mean(sp.Poly(xi, xi, domain="QQ"))
-        position = Symbol(Identity(Family.POINT_POSITION, point=r.point))
-        doc, zero = f"mean position of load {r.load.name}", None if at else "the load is symmetric"
-        point = MaterialPoint(
-            name=r.point,
-            doc=f"point of load {r.load.name}",
-            position=sp.ImmutableMatrix([position, 0]),
-            shapes=tuple(sp.ImmutableMatrix([0, mean(exact_polynomial(s))]) for s in shapes),
-            coefficients=(ModelConstant(position, at * half, "(24)", doc, "m", zero),),
-        )
+        docs = (f"point of load {r.load.name}", f"mean position of load {r.load.name}")
+        point = point_that_sees(r.point, docs, body.beam, body.pieces, mean, "the load is symmetric")
         result[r.point] = CrossSection(point)
     return result
 
