@@ -37,13 +37,19 @@ def second_order_moment_sums(first_order: Iterable[IndexedSum], axes: Axes = PLA
         c2_i, c9_ij = quantity(Family.C2, k, shapes=(I,)), quantity(Family.C9, k, shapes=(I, J))
         d4_i = quantity(Family.D4, k, shapes=(I,))
         result.append(IndexedSum(d4_i, c2_i, ((ALPHA, c9_ij),), "int rho dr/dalpha_{i}", SOURCE))
-    return (*result, *(_moment(s) for s in first_order))
+        if axes == PLANE:
+            c9_i = quantity(Family.C9_SUM, k, shapes=(I,))
+            result.append(IndexedSum(c9_i, None, ((ALPHA, c9_ij),), "int rho sum_j alpha_j Psi_{i}j", SOURCE))
+    return (*result, *(_moment(s, axes) for s in first_order))
 
 
-def _moment(of: IndexedSum) -> IndexedSum:
+def _moment(of: IndexedSum, axes: Axes) -> IndexedSum:
     """A moment of first order with its terms of second order, if it has any."""
     known = of.symbol.identity
     match known.family, known.derivative:
+        case Family.D1, 0 if axes == PLANE:  # straight-line code, where a sum that vanishes costs nothing
+            c9_j = quantity(Family.C9_SUM, *known.components, shapes=(J,))
+            return IndexedSum(of.symbol, of.offset, (*of.sums, (HALF_ALPHA, c9_j)), of.doc, SOURCE)
         case Family.D1, 0:
             c2_j, d4_j = (quantity(family, *known.components, shapes=(J,)) for family in (Family.C2, Family.D4))
             return IndexedSum(of.symbol, of.offset, ((HALF_ALPHA, c2_j), (HALF_ALPHA, d4_j)), of.doc, SOURCE)

@@ -23,12 +23,12 @@ INTEGRANDS: dict[Family, str] = {
     Family.C6: "X >< Phi_{i}",
     Family.C7: "Phi_{i} >< Phi_{j}",
     Family.C8: "Phi_{i} . Phi_{j}",
-    Family.C9: "Psi_{i j}",
-    Family.C10: "X >< Psi_{i j}",
+    Family.C9: "Psi_{<i> <j>}",
+    Family.C10: "X >< Psi_{<i> <j>}",
 }
-"""What the shape integrals integrate over the mass, for the shapes i and j."""
+"""What the shape integrals integrate over the mass, for the shapes i and j; <i> stands beside other indices."""
 
-PLANAR = {Family.C3: "X . X", Family.C4: "X . Phi_{i}", Family.C5: "(Phi_{i} . Phi_{j} + X . Psi_{i j})"}
+PLANAR = {Family.C3: "X . X", Family.C4: "X . Phi_{i}", Family.C5: "(Phi_{i} . Phi_{j} + X . Psi_{<i> <j>})"}
 """The integrands of bodies in the plane, where they differ."""
 
 SYMMETRIC = (Family.C4, Family.C5)
@@ -52,6 +52,7 @@ def integral_formula(
     integrand = PLANAR.get(family, INTEGRANDS[family]) if planar else INTEGRANDS[family]
     for index, shape in zip("ij", shapes, strict=False):
         integrand = integrand.replace(f"{{{index}}}", f"{{{index_text(shape)}}}")
+        integrand = integrand.replace(f"<{index}>", index_text(shape))
     if component:
         integrand = f"({integrand}) . e_{component}" if family in CROSS else f"{integrand} . e_{component}"
     return formula(f"int rho {integrand} dOmega")

@@ -28,7 +28,8 @@ from derive.report.document.page import Block, EquationBlock, Heading, Math, Par
 from derive.report.notation.expressions import Notation, row
 from derive.report.notation.formula_reader import equation, formula
 from derive.report.notation.vector_form import DELTA_ALPHA, arrow, summands
-from derive.spec.model.body import PlanarBeam
+from derive.report.sections.second_order import second_order_blocks
+from derive.spec.model.body import DisplacementOrder, PlanarBeam
 from derive.spec.model.scene import Specification
 
 MOTION = spatial_motion(0)
@@ -58,6 +59,7 @@ def virtual_displacement() -> tuple[Equation, ...]:
 def kinematics_blocks(spec: Specification, equations: Equations, notation: Notation) -> tuple[Block, ...]:
     """From the position of a material point to its acceleration and its virtual displacement."""
     special = _beam(spec, notation) if isinstance(spec, PlanarBeam) else _space(equations, notation)
+    order = equations.body.order if equations.body else DisplacementOrder.FIRST_ORDER
     return (
         Heading("Kinematics", "kinematics"),
         Paragraph(
@@ -82,6 +84,7 @@ def kinematics_blocks(spec: Specification, equations: Equations, notation: Notat
                 *_numbered(virtual_displacement(), "6"),
             )
         ),
+        *second_order_blocks(spec, order),
         *special,
         *_origin(spec, equations),
     )
