@@ -40,26 +40,6 @@ _WORDS = {"EI", "tr", "det", "rotation", "for", "and", "each"}
 
 VECTORS = {"x", "X", "c", "u", "b", "n", "q", "e", "v", "w", "p", "d", "r"}
 VECTORS |= {"omega", "pi", "Phi", "Psi", "alpha", "nabla"}
-    "x",
-    "X",
-    "c",
-    "u",
-    "b",
-    "n",
-    "q",
-    "e",
-    "v",
-    "w",
-    "p",
-    "d",
-    "r",
-    "omega",
-    "pi",
-    "Phi",
-    "Psi",
-    "alpha",
-    "nabla",
-}
 TENSORS = {"Q", "F", "I", "T", "E", "J", "C", "D", "S", "c8", "K"}
 """Which letters are bold: vectors and columns; tensors and matrices."""
 

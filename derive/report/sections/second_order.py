@@ -49,8 +49,8 @@ def _kept(order: DisplacementOrder) -> tuple[Block, ...]:
         case DisplacementOrder.TRUNCATED:
             text = (
                 "The model is truncated: kinetic and potential energy are kept through second order in the amplitudes "
-                "and their rates, for any rigid motion. Moments of these fields with each other and with the shapes are "
-                "left out; points have their full displacement. What is of second order is marked so below."
+                "and their rates, for any rigid motion. Moments of these fields with each other and with the shapes "
+                "are left out; points have their full displacement. What is of second order is marked so below."
             )
             return (Paragraph((text,)),)
         case DisplacementOrder.FULL:
