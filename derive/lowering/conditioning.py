@@ -21,7 +21,7 @@ def shape_condition(beam: PlanarBeam) -> float:
 
     It does not depend on mass, length and amplitudes. Above 1e16 it is a lower bound.
     """
-    shapes = assumed_shapes(beam.ansatz, beam.frame, beam.orthogonal)
+    shapes = assumed_shapes(beam.deflection)
     fields = [exact_polynomial(p) for p in (*RIGID, *shapes)]
     gram = np.array([[float(integral(a * b)) for a in fields] for b in fields])
     size = np.sqrt(np.diag(gram))

@@ -118,6 +118,7 @@ def _beam(beam: PlanarBeam) -> Data:
         ansatz=beam.ansatz,
         frame=beam.frame,
         orthogonal=beam.orthogonal,
+        ends=beam.ends,
         mass=beam.mass,
         length=beam.length,
         bending_stiffness=beam.bending_stiffness,

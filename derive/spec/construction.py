@@ -56,6 +56,7 @@ def planar_beam(
     bending_stiffness: Constant = DEFAULT_BENDING_STIFFNESS,
     markers: Mapping[str, Number] | None = None,
     orthogonal: bool | None = None,
+    ends: str | None = None,
     gravity: Sequence[Constant] | None = None,
     damping: Mapping[str, Number] | Damping | None = None,
     order: int = 1,
@@ -65,13 +66,14 @@ def planar_beam(
 
     ansatz: shape functions, texts such as "xi^2 - 1/3" or tuples of coefficients; frame: "mean", "point", "chord",
     "given", or a Frame; mass (kg), length (m) and bending_stiffness (N m^2): numbers or parameters, where a float is
-    the decimal it is printed as; markers: names and places xi from -1 to 1; gravity: two components, m/s^2;
+    the decimal it is printed as; markers: names and places xi from -1 to 1; ends: "pinned" or "free", what the shape
+    functions fulfil at both ends as well; gravity: two components, m/s^2;
     damping: { ratio = ... } of critical in each mode, or factors of the mass (1/s) and stiffness (s) matrices; order: 1
     as in the paper, or 2, where the beam shortens as it bends; terms: "truncated" or "full", for order 2.
     """
     keys = {"ansatz": ansatz, "frame": frame, "mass": mass, "length": length, "bending_stiffness": bending_stiffness}
-    optional = {"orthogonal": orthogonal, "gravity": gravity, "damping": as_table(damping), "terms": terms}
-    keys |= {} if order == 1 else {"order": order}
+    optional = {"orthogonal": orthogonal, "ends": ends, "gravity": gravity, "damping": as_table(damping)}
+    optional |= {"terms": terms, "order": None if order == 1 else order}
     result = _validate({"name": name, "beam": {**keys, "markers": markers or {}, **without_none(**optional)}})
     assert isinstance(result, PlanarBeam)
     return result

@@ -7,8 +7,15 @@ from fractions import Fraction
 import pytest
 import sympy as sp
 
-from derive.mechanics.bodies.reference_conditions import ConditionError, assumed_shapes, conditions, integral, xi
-from derive.spec.model.body import Frame, Polynomial
+from derive.mechanics.bodies.reference_conditions import (
+    ConditionError,
+    assumed_shapes,
+    conditions,
+    end_conditions,
+    integral,
+    xi,
+)
+from derive.spec.model.body import AssumedDeflection, Ends, Frame, Polynomial
 
 ZERO = Fraction(0)
 FRAMES = {
@@ -32,7 +39,7 @@ def polynomial(coefficients: Polynomial) -> sp.Poly:
 @pytest.mark.parametrize("n", [1, 2, 3, 6, 10])
 @pytest.mark.parametrize("name", FRAMES)
 def test_shapes_meet_the_conditions_exactly(name: str, n: int) -> None:
-    shapes = assumed_shapes(monomials(n + 2), FRAMES[name], orthogonal=False)
+    shapes = assumed_shapes(AssumedDeflection(monomials(n + 2), FRAMES[name]))
     assert len(shapes) == n
     for shape in map(polynomial, shapes):
         assert [c.on(shape) for c in conditions(FRAMES[name])] == [0, 0]
@@ -41,7 +48,9 @@ def test_shapes_meet_the_conditions_exactly(name: str, n: int) -> None:
 @pytest.mark.parametrize("n", range(1, 11))
 def test_the_mean_frame_gives_legendre_polynomials(n: int) -> None:
     """With c8 = m/(2n+1), diagonal: the integral of P_n^2 over the beam is 2/(2n+1)."""
-    shapes = [polynomial(s) for s in assumed_shapes(monomials(n + 2), FRAMES["mean"], orthogonal=True)]
+    shapes = [
+        polynomial(s) for s in assumed_shapes(AssumedDeflection(monomials(n + 2), FRAMES["mean"], orthogonal=True))
+    ]
     assert shapes == [sp.Poly(sp.legendre(k, xi), xi, domain="QQ") for k in range(2, n + 2)]
     for i, first in enumerate(shapes):
         for j, second in enumerate(shapes):
@@ -49,13 +58,13 @@ def test_the_mean_frame_gives_legendre_polynomials(n: int) -> None:
 
 
 def test_the_point_frame_leaves_monomials() -> None:
-    assert assumed_shapes(monomials(6), FRAMES["point"], orthogonal=False) == monomials(6)[2:]
+    assert assumed_shapes(AssumedDeflection(monomials(6), FRAMES["point"])) == monomials(6)[2:]
 
 
 @pytest.mark.parametrize("name", FRAMES)
 def test_orthogonal_shapes_span_the_same_and_are_orthogonal(name: str) -> None:
-    plain = [polynomial(s) for s in assumed_shapes(monomials(6), FRAMES[name], orthogonal=False)]
-    shapes = [polynomial(s) for s in assumed_shapes(monomials(6), FRAMES[name], orthogonal=True)]
+    plain = [polynomial(s) for s in assumed_shapes(AssumedDeflection(monomials(6), FRAMES[name]))]
+    shapes = [polynomial(s) for s in assumed_shapes(AssumedDeflection(monomials(6), FRAMES[name], orthogonal=True))]
     assert all(integral(a * b) == 0 for a in shapes for b in shapes if a != b)
     rows = sp.Matrix([[p.coeff_monomial(xi**k) for k in range(6)] for p in plain + shapes])
     assert rows.rank() == len(plain) == len(shapes)
@@ -63,14 +72,36 @@ def test_orthogonal_shapes_span_the_same_and_are_orthogonal(name: str) -> None:
 
 @pytest.mark.parametrize("name", FRAMES)
 def test_the_first_derivative_that_does_not_vanish_at_the_end_is_one(name: str) -> None:
-    for shape in map(polynomial, assumed_shapes(monomials(6), FRAMES[name], orthogonal=False)):
+    for shape in map(polynomial, assumed_shapes(AssumedDeflection(monomials(6), FRAMES[name]))):
         values = [shape.diff((xi, k)).eval(1) if k else shape.eval(1) for k in range(6)]
         assert next(v for v in values if v != 0) == 1
 
 
-def refusal(ansatz: tuple[Polynomial, ...], frame: Frame) -> tuple[str, ...]:
+def test_pinned_ends_leave_one_quartic_in_the_mean_frame() -> None:
+    """The one combination of P2, P3, P4 without curvature at the ends."""
+    (shape,) = assumed_shapes(AssumedDeflection(monomials(5), FRAMES["mean"], True, "pinned"))
+    expected = sp.Poly(xi**4 - 6 * xi**2 + sp.Rational(9, 5), xi, domain="QQ")
+    assert polynomial(shape) * expected.eval(1) == expected
+
+
+@pytest.mark.parametrize(("ends", "orders"), [("pinned", (2,)), ("free", (2, 3))])
+@pytest.mark.parametrize("name", FRAMES)
+def test_conditions_at_the_ends_hold_beside_those_of_the_frame(name: str, ends: Ends, orders: tuple[int, ...]) -> None:
+    shapes = assumed_shapes(AssumedDeflection(monomials(9), FRAMES[name], ends=ends))
+    assert len(shapes) == 9 - 2 - 2 * len(orders) == 7 - len(end_conditions(ends))
+    for shape in map(polynomial, shapes):
+        assert [c.on(shape) for c in conditions(FRAMES[name])] == [0, 0]
+        assert all(shape.diff((xi, order)).eval(at) == 0 for order in orders for at in (-1, 1))
+
+
+def test_an_ansatz_too_short_for_conditions_at_the_ends_is_refused() -> None:
+    (text,) = refusal(monomials(4), FRAMES["chord"], "pinned")
+    assert "chord frame (v(-1) = 0 and v(1) = 0) and of pinned ends (v''(-1) = 0 and v''(1) = 0); add poly" in text
+
+
+def refusal(ansatz: tuple[Polynomial, ...], frame: Frame, ends: Ends | None = None) -> tuple[str, ...]:
     with pytest.raises(ConditionError) as caught:
-        assumed_shapes(ansatz, frame, orthogonal=False)
+        assumed_shapes(AssumedDeflection(ansatz, frame, ends=ends))
     return caught.value.problems
 
 
@@ -99,4 +130,4 @@ def test_rigid_motion_left_in_given_shapes_is_named() -> None:
 
 
 def test_given_shapes_without_rigid_motion_are_taken() -> None:
-    assert assumed_shapes(monomials(4)[2:], Frame("given"), orthogonal=False) == monomials(4)[2:]
+    assert assumed_shapes(AssumedDeflection(monomials(4)[2:], Frame("given"))) == monomials(4)[2:]

@@ -19,7 +19,7 @@ CASES = [(frame, n) for frame in beams.FRAMES for n in (1, 2, 4)]
 
 def shapes_of(frame: str, n: int) -> list[sp.Expr]:
     spec = beams.beam(frame, n)
-    shapes = assumed_shapes(spec.ansatz, spec.frame, spec.orthogonal)
+    shapes = assumed_shapes(spec.deflection)
     return [sum(sp.Rational(c) * XI**k for k, c in enumerate(s)) for s in shapes]
 
 

@@ -55,7 +55,7 @@ class Field:
         spec = derive.planar_beam(
             "beam", ansatz=FRAMES[frame], frame={"kind": "tangent", "at": -1} if frame == "tangent" else frame
         )
-        shapes = [exact_polynomial(s) for s in assumed_shapes(spec.ansatz, spec.frame, spec.orthogonal)]
+        shapes = [exact_polynomial(s) for s in assumed_shapes(spec.deflection)]
         self.shapes = [s.as_expr() for s in shapes]
         lateral = sum(a * s for a, s in zip(self.q[3:], self.shapes, strict=True))
         along = -(sp.Poly(lateral, xi).diff(xi) ** 2)

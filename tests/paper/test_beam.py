@@ -27,7 +27,7 @@ def derived(frame: str) -> Equations:
 
 def polynomials(frame: str) -> tuple[sp.Expr, ...]:
     spec = beams.beam(frame)
-    found = assumed_shapes(spec.ansatz, spec.frame, spec.orthogonal)
+    found = assumed_shapes(spec.deflection)
     return tuple(sum(sp.Rational(c) * xi**n for n, c in enumerate(shape)) for shape in found)
 
 

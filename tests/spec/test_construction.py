@@ -151,6 +151,8 @@ def test_a_beam_of_dataclasses_in_a_scene():
     rod = derive.planar_beam("rod", length=2, markers={"left": -1})
     scene = derive.scene("rods", bodies=[derive.BeamBody("rod", rod, pieces=2)])
     assert scene.bodies[0].beam == rod
+    pinned = derive.planar_beam("rod", ansatz=["1", "xi", "xi^2", "xi^3", "xi^4"], ends="pinned")
+    assert derive.scene("rods", bodies=[derive.BeamBody("rod", pinned)]).bodies[0].beam == pinned
     heavy = derive.planar_beam("rod", length=2, gravity=(0, -9.81))
     assert problems(lambda: derive.scene("rods", bodies=[derive.BeamBody("rod", heavy)])) == [
         ("bodies.rod.gravity", "gravity acts on all bodies; write it in the table [scene]")

@@ -15,6 +15,10 @@ BEAM = "length, bending_stiffness, ansatz, frame"
 JOINTS = 'the joint is one of "revolute", "weld", "fixed", "translational"'
 PLACE = 'write a body and one of its markers with a dot between, such as "rod.left" or "ground.bearing"'
 WAYS = 'write either motion = "0.1*sin(2*pi*t)", a function of t, or speed = 150'
+ENDS = (
+    "`ends` are those of a beam in one piece: shapes without curvature at the cuts could not bend there; leave `ends` "
+    "out, or `pieces`"
+)
 FUNCTION = (
     "a function of the time is made of numbers, t, pi, parameters, + - * / ^, parentheses, the functions sin, cos, "
     "sqrt, exp, log, tanh, abs, min, max, atan2, step, piecewise, and tables"
@@ -66,6 +70,16 @@ NO_NAME = "cannot be a name: only the letters a to z and A to Z, digits and _ ar
             "left = -2",
             "10: bodies.rod.markers.left: xi = -2 is not on the beam: it goes from -1, the left end, to 1, the right "
             "end",
+        ),
+        (
+            "length = 1",
+            "length = 1\nends = 'clamped'",
+            '10: bodies.rod.ends: `ends` is one of "pinned", "free", not "clamped"',
+        ),
+        (
+            "length = 1",
+            "length = 1\nansatz = ['1', 'xi', 'xi^2', 'xi^3', 'xi^4']\nends = 'pinned'\npieces = 2",
+            f"8: bodies.rod: {ENDS}",
         ),
         ("length = 1", "length = 1\npieces = 0", "10: bodies.rod.pieces: a beam is cut into 1 to 64 pieces, not 0"),
         ("length = 1", "length = 1\npieces = 65", "10: bodies.rod.pieces: a beam is cut into 1 to 64 pieces, not 65"),
@@ -508,3 +522,9 @@ def test_joints_that_are_too_many_are_counted_and_not_called_missing():
 
 def test_the_small_scene_is_right():
     assert parse(SMALL).name == "s"
+
+
+def test_a_beam_with_conditions_at_its_ends_is_not_cut_by_a_plot():
+    rod = ("length = 1", "length = 1\nansatz = ['1', 'xi', 'xi^2', 'xi^3', 'xi^4']\nends = 'pinned'")
+    assert parse(small(rod, more=f"{PLOT}cut = 'rod'\npieces = [1]")).plots[0].pieces == (1,)
+    assert errors(small(rod, more=f"{PLOT}cut = 'rod'\npieces = [1, 2]")) == [f"20: plots.p.cut: {ENDS}"]

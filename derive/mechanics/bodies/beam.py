@@ -42,7 +42,7 @@ def derive(beam: PlanarBeam) -> Equations:
 def beam_body(beam: PlanarBeam, pieces: int = 1) -> Body:
     """The body of a planar beam, or of each of its equal pieces, with its integrals. Raises ConditionError when the
     ansatz does not fit the frame."""
-    shapes = assumed_shapes(beam.ansatz, beam.frame, beam.orthogonal)
+    shapes = assumed_shapes(beam.deflection)
     mass, length, bending = (quantity.value(q) for q in (beam.mass, beam.length, beam.bending_stiffness))
     mass, length = mass / pieces, length / pieces
     gravity, gravity_parameters = quantity.gravity(beam.gravity)
@@ -91,7 +91,7 @@ def section_rotations(marker: Marker, beam: PlanarBeam, pieces: int = 1) -> tupl
     """The rotation of the section at a marker for unit amplitudes: dv/dx of each shape, to first order as in (22)."""
     at, length = sp.Rational(marker.at), quantity.value(beam.length) / pieces
     result = []
-    for i, shape in enumerate(assumed_shapes(beam.ansatz, beam.frame, beam.orthogonal), 1):
+    for i, shape in enumerate(assumed_shapes(beam.deflection), 1):
         slope = exact_polynomial(shape).diff(xi).eval(at)
         zero = None if slope else "these shapes (no slope there)"
         doc = f"rotation of the section at marker {marker.name} for a unit amplitude of mode {i}: d phi_{i}/dx"
@@ -137,7 +137,7 @@ def point_that_sees(
     docs: of the point and of its position; value: what the point sees of a function of xi; zero: why its position
     vanishes if it does.
     """
-    shapes = tuple(map(exact_polynomial, assumed_shapes(beam.ansatz, beam.frame, beam.orthogonal)))
+    shapes = tuple(map(exact_polynomial, assumed_shapes(beam.deflection)))
     length = quantity.value(beam.length) / pieces
     position, at = Symbol(Identity(Family.POINT_POSITION, point=name)), value(sp.Poly(xi, xi, domain="QQ"))
     constants = [ModelConstant(position, at * length / 2, "(24)", docs[1], "m", None if at else zero)]

@@ -1,7 +1,8 @@
 """Conditions that keep rigid motion out of the assumed displacement fields: (16)-(19), (28)-(40).
 
-A frame is a set of linear conditions on v(xi). They are solved exactly on the span of the ansatz; what is left are
-the assumed shapes phi_i of (30) and (38).
+A frame is a set of linear conditions on v(xi), to which come those that shapes fulfil at the ends of the beam, if they
+are asked for. They are solved exactly on the span of the ansatz; what is left are the assumed shapes phi_i of (30) and
+(38).
 """
 
 from __future__ import annotations
@@ -9,11 +10,12 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 from fractions import Fraction
+from typing import assert_never
 
 import sympy as sp
 
 from derive.errors import TisserandError
-from derive.spec.model.body import Frame, Polynomial
+from derive.spec.model.body import AssumedDeflection, Ends, Frame, Polynomial
 
 xi = sp.Symbol("xi")
 NOTHING = sp.Poly(0, xi, domain="QQ")
@@ -83,7 +85,24 @@ def conditions(frame: Frame) -> tuple[Condition, ...]:
     return ()
 
 
-def assumed_shapes(ansatz: tuple[Polynomial, ...], frame: Frame, orthogonal: bool) -> tuple[Polynomial, ...]:
+def end_conditions(ends: Ends | None) -> tuple[Condition, ...]:
+    """What shapes fulfil at both ends: v'' = 0 where they are pinned, v'' = v''' = 0 where they are free.
+
+    A pinned end has no bending moment, and a free one no shear force either.
+    """
+    match ends:
+        case None:
+            orders: tuple[int, ...] = ()
+        case "pinned":
+            orders = (2,)
+        case "free":
+            orders = (2, 3)
+        case _ as never:
+            assert_never(never)
+    return tuple(PointCondition(order, at, "") for order in orders for at in (sp.S.NegativeOne, sp.S.One))
+
+
+def assumed_shapes(deflection: AssumedDeflection) -> tuple[Polynomial, ...]:
     """The shapes phi_i(xi) that an ansatz leaves in a frame, exactly; coefficients of 1, xi, xi^2, ...
 
     The conditions remove the lowest ansatz terms, as (28)-(32) and (34)-(40) do. `orthogonal` then makes each shape
@@ -93,14 +112,14 @@ def assumed_shapes(ansatz: tuple[Polynomial, ...], frame: Frame, orthogonal: boo
     Raises ConditionError when the ansatz is linearly dependent, when nothing is left, or when a combination of the
     shapes is a rigid motion.
     """
-    polynomials = [exact_polynomial(p) for p in ansatz]
+    polynomials = [exact_polynomial(p) for p in deflection.ansatz]
     dependent = _dependencies(polynomials, [_text(p) for p in polynomials])
     if dependent:
         raise ConditionError(f"the ansatz is linearly dependent: {d} = 0; leave one of these out" for d in dependent)
-    left = _solve(polynomials, conditions(frame))
+    left = _solve(polynomials, (*conditions(deflection.frame), *end_conditions(deflection.ends)))
     if not left:
-        raise ConditionError([_nothing_left(frame)])
-    if orthogonal:
+        raise ConditionError([_nothing_left(deflection)])
+    if deflection.orthogonal:
         left = _orthogonal(left)
     rigid = _rigid_motions(left)
     if rigid:
@@ -147,11 +166,11 @@ def _text(polynomial: sp.Poly) -> str:
     return str(polynomial.as_expr()).replace("**", "^")
 
 
-def _solve(ansatz: list[sp.Poly], frame_conditions: tuple[Condition, ...]) -> list[sp.Poly]:
+def _solve(ansatz: list[sp.Poly], imposed: tuple[Condition, ...]) -> list[sp.Poly]:
     """A basis of the part of span(ansatz) on which all conditions hold; the leading ansatz terms are eliminated."""
-    if not frame_conditions:
+    if not imposed:
         return ansatz
-    values = sp.Matrix([[condition.on(p) for p in ansatz] for condition in frame_conditions])
+    values = sp.Matrix([[condition.on(p) for p in ansatz] for condition in imposed])
     return [_combination(ansatz, vector) for vector in values.nullspace()]
 
 
@@ -175,9 +194,12 @@ def _normalised(polynomial: sp.Poly) -> sp.Poly:
     return polynomial * (1 / derivative.eval(1))
 
 
-def _nothing_left(frame: Frame) -> str:
+def _nothing_left(deflection: AssumedDeflection) -> str:
+    frame, ends = deflection.frame, deflection.ends
     asked = " and ".join(c.text for c in conditions(frame)) or "no condition"
     empty = f"the ansatz is empty after the conditions of the {frame.kind} frame ({asked})"
+    if ends is not None:
+        empty += f" and of {ends} ends ({' and '.join(c.text for c in end_conditions(ends))})"
     return f"{empty}; add polynomials of higher degree"
 
 

@@ -197,4 +197,4 @@ def shape(frame: str, k: int) -> tuple[Equation, ...]:
 
 def _shapes(frame: str) -> tuple[tuple[Exact, ...], ...]:
     result = beam(frame)
-    return assumed_shapes(result.ansatz, result.frame, result.orthogonal)
+    return assumed_shapes(result.deflection)

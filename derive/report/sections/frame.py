@@ -13,13 +13,14 @@ from derive.mechanics.bodies.reference_conditions import (
     PointCondition,
     assumed_shapes,
     conditions,
+    end_conditions,
     exact_polynomial,
 )
 from derive.report.document.formula import Equation, Fenced, Formula, FormulaRow, Name, NumberToken, OperatorToken, Part
 from derive.report.document.page import Block, Content, EquationBlock, Heading, Inline, Math, Paragraph, Text, table
 from derive.report.notation.expressions import join, number, polynomial, row
 from derive.report.notation.formula_reader import equation, formula
-from derive.spec.model.body import NodalBody, PlanarBeam, Polynomial, SymbolicBody
+from derive.spec.model.body import Ends, NodalBody, PlanarBeam, Polynomial, SymbolicBody
 
 
 @dataclass(frozen=True)
@@ -49,6 +50,12 @@ FRAMES = {
     "given": "The shapes are used as they stand; no combination of them is a rigid motion.",
 }
 
+ENDS: dict[Ends | None, str] = {
+    None: "",
+    "pinned": " Its ends are pinned: there is no bending moment at either.",
+    "free": " Its ends are free: there is neither a bending moment nor a shear force at either.",
+}
+
 
 @dataclass(frozen=True)
 class OnAnsatz:
@@ -59,9 +66,10 @@ class OnAnsatz:
 
 
 def on_ansatz(spec: PlanarBeam) -> tuple[OnAnsatz, ...]:
-    """The conditions of the frame of a beam on the factors of its ansatz: 3 a_0 + a_2 = 0."""
+    """The conditions of the frame and of the ends of a beam on the factors of its ansatz: 3 a_0 + a_2 = 0."""
     terms = [exact_polynomial(p) for p in spec.ansatz]
-    return tuple(OnAnsatz(c, _whole([c.on(term) for term in terms])) for c in conditions(spec.frame))
+    imposed = (*conditions(spec.frame), *end_conditions(spec.ends))
+    return tuple(OnAnsatz(c, _whole([c.on(term) for term in terms])) for c in imposed)
 
 
 def removed(spec: PlanarBeam) -> tuple[int, ...]:
@@ -72,7 +80,7 @@ def removed(spec: PlanarBeam) -> tuple[int, ...]:
 
 def of_paper(spec: PlanarBeam) -> bool:
     """Whether the ansatz of a beam is the cubic of the paper."""
-    return spec.ansatz == tuple((0,) * k + (1,) for k in range(4))
+    return spec.ends is None and spec.ansatz == tuple((0,) * k + (1,) for k in range(4))
 
 
 def paper_numbers(spec: PlanarBeam) -> PaperNumbers | None:
@@ -87,12 +95,12 @@ def paper_numbers(spec: PlanarBeam) -> PaperNumbers | None:
 def frame_blocks(spec: PlanarBeam) -> tuple[Block, ...]:
     """From the ansatz to the assumed shapes."""
     numbers = paper_numbers(spec)
-    shapes = assumed_shapes(spec.ansatz, spec.frame, spec.orthogonal)
+    shapes = assumed_shapes(spec.deflection)
     lines = (_shape(k, shape, numbers.shapes[k - 1] if numbers else "") for k, shape in enumerate(shapes, 1))
     ansatz = Equation(formula("v", scalars=True), _ansatz(spec.ansatz), number="21" if of_paper(spec) else "")
     return (
         Heading("The frame and what it removes", "frame"),
-        Paragraph((FRAMES[spec.frame.kind], " The deflection starts as")),
+        Paragraph((FRAMES[spec.frame.kind], ENDS[spec.ends], " The deflection starts as")),
         EquationBlock((ansatz,)),
         *_conditions(spec, numbers),
         Paragraph(_left(spec, len(shapes))),
@@ -102,7 +110,7 @@ def frame_blocks(spec: PlanarBeam) -> tuple[Block, ...]:
 
 def beam_subtitle(spec: PlanarBeam) -> Text:
     """A beam in a line: its frame and its assumed modes."""
-    shapes = assumed_shapes(spec.ansatz, spec.frame, spec.orthogonal)
+    shapes = assumed_shapes(spec.deflection)
     text: list[Inline] = [f"free planar beam, {spec.frame.kind} frame, "]
     if len(shapes) > LISTED:
         return (*text, f"{len(shapes)} assumed modes")

@@ -39,7 +39,7 @@ def half_length(beam: BeamBody) -> float:
 
 def shape_functions(beam: BeamBody) -> tuple[Polynomial, ...]:
     """The shape functions of each piece, polynomials in xi."""
-    return assumed_shapes(beam.beam.ansatz, beam.beam.frame, beam.beam.orthogonal)
+    return assumed_shapes(beam.beam.deflection)
 
 
 def amplitudes(motion: SceneMotion, beam: BeamBody, piece: str) -> Array:

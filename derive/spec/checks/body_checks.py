@@ -18,7 +18,7 @@ def shape_faults(path: KeyPath, beam: object) -> list[Fault]:
     from derive.mechanics.bodies.reference_conditions import ConditionError, assumed_shapes
 
     try:
-        assumed_shapes(*keys.shape_keys())
+        assumed_shapes(keys.deflection())
     except ConditionError as error:
         return [Fault((*path, "ansatz"), message) for message in error.problems]
     return []

@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 
 from derive.errors import quoted
+from derive.mechanics.multibody.bodies.beam import ENDS_OF_PIECES
 from derive.mechanics.multibody.joints.joint_type import JointType
 from derive.mechanics.multibody.joints.registry import JOINTS
 from derive.mechanics.multibody.keys import KeyType
 from derive.mechanics.multibody.outputs.registry import OUTPUTS
 from derive.spec.checks.body_checks import shape_faults
 from derive.spec.checks.initial_values import body_start_faults, joint_start_faults
-from derive.spec.checks.name_clashes import column_faults, name_faults
+from derive.spec.checks.name_clashes import column_faults, name_faults, piece_counts
 from derive.spec.checks.scene_data import Raw, SceneData
 from derive.spec.checks.scene_parameters import parameter_faults
 from derive.spec.model.markers import GROUND, MarkerRef
@@ -214,6 +215,8 @@ def _plots(view: SceneData) -> Iterator[Fault]:
             else:
                 text = f"there is no body {quoted(cut)}{did_you_mean(cut, beams, known_names)}"
             yield Fault(("plots", name, "cut"), text)
+        elif isinstance(cut, str) and "ends" in view.bodies[cut] and max(piece_counts(view, cut, view.bodies[cut])) > 1:
+            yield Fault(("plots", name, "cut"), ENDS_OF_PIECES)
         chord = view.pair("plots", name, "chord")
         if chord and chord[0] == chord[1]:
             yield Fault(("plots", name, "chord"), "a chord is between two markers, and these are the same")

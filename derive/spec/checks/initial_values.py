@@ -20,7 +20,7 @@ def body_start_faults(view: SceneData, name: str, body: Raw) -> Iterator[Fault]:
     if not isinstance(start, dict):
         return
     try:
-        keys = ShapeKeys.model_validate(body).shape_keys()
+        deflection = ShapeKeys.model_validate(body).deflection()
     except ValidationError:
         return
     # SymPy takes its time to import, which a specification that fails before has not to wait for.
@@ -30,7 +30,7 @@ def body_start_faults(view: SceneData, name: str, body: Raw) -> Iterator[Fault]:
         curve = readable(values.shape, start[key]) if key in start else None
         if curve is None:
             continue
-        shapes = assumed_shapes(*keys)
+        shapes = assumed_shapes(deflection)
         for pieces in piece_counts(view, name, body):
             if any(piece_deflection(curve, shapes, pieces, k) is None for k in range(pieces)):
                 cut = f" in {pieces} pieces" if pieces > 1 else ""

@@ -18,6 +18,8 @@ Polynomial = tuple[Fraction, ...]
 """Coefficients of 1, xi, xi^2, ...; no trailing zeros."""
 
 FrameKind = Literal["mean", "point", "chord", "tangent", "given"]
+Ends = Literal["pinned", "free"]
+"""What shapes fulfil at both ends of a beam, besides the conditions of the frame: v'' = 0, or v'' = v''' = 0."""
 
 
 class DisplacementOrder(Enum):
@@ -70,6 +72,16 @@ class Frame:
 
 
 @dataclass(frozen=True)
+class AssumedDeflection:
+    """What the shape functions of a beam follow from: the ansatz, and the conditions of the frame and of the ends."""
+
+    ansatz: tuple[Polynomial, ...]
+    frame: Frame
+    orthogonal: bool = False
+    ends: Ends | None = None
+
+
+@dataclass(frozen=True)
 class Marker:
     """A named material point of a beam, at the dimensionless distance `at` in [-1, 1] of (21)."""
 
@@ -99,6 +111,12 @@ class PlanarBeam:
     simulation: Simulation | None = None
     damping: Damping | None = None
     order: DisplacementOrder = DisplacementOrder.FIRST_ORDER
+    ends: Ends | None = None
+
+    @property
+    def deflection(self) -> AssumedDeflection:
+        """What its shape functions follow from."""
+        return AssumedDeflection(self.ansatz, self.frame, self.orthogonal, self.ends)
 
 
 Gravity = tuple[Quantity, Quantity, Quantity]

@@ -5,12 +5,13 @@ from __future__ import annotations
 from typing import TypeVar
 
 from derive.errors import quoted
-from derive.spec.model.body import BodyFrameKind, FrameKind, Lowering, SymbolicFrame
+from derive.spec.model.body import BodyFrameKind, Ends, FrameKind, Lowering, SymbolicFrame
 from derive.spec.parsing.faults import did_you_mean
 from derive.spec.parsing.values import WrongValueError, kind_of
 
 FRAME_KINDS: tuple[FrameKind, ...] = ("mean", "point", "chord", "tangent", "given")
 BODY_FRAME_KINDS: tuple[BodyFrameKind, ...] = ("mean", "point", "given")
+ENDS: tuple[Ends, ...] = ("pinned", "free")
 SECOND_ORDER_TERMS = ("truncated", "full")
 SYMBOLIC_FRAMES: tuple[SymbolicFrame, ...] = ("mean", "given")
 LOWERINGS: tuple[Lowering, ...] = ("auto", "flat", "table")
@@ -31,6 +32,11 @@ def choice(value: object, options: tuple[_Text, ...], noun: str) -> _Text:
 def frame_kind(value: object) -> FrameKind:
     """One of the kinds of frames of a beam."""
     return choice(value, FRAME_KINDS, "the frame")
+
+
+def ends(value: object) -> Ends:
+    """What shapes fulfil at the ends of a beam."""
+    return choice(value, ENDS, "`ends`")
 
 
 def second_order_terms(value: object) -> str:

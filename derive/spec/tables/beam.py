@@ -24,7 +24,9 @@ from derive.spec.model.body import (
     DEFAULT_FRAME,
     DEFAULT_LENGTH,
     DEFAULT_MASS,
+    AssumedDeflection,
     DisplacementOrder,
+    Ends,
     Frame,
     FrameKind,
     Marker,
@@ -169,10 +171,21 @@ class ShapeKeys(BaseModel):
         Field(description="Whether the shape functions are made orthogonal; by default only in the mean frame."),
     ] = None
 
-    def shape_keys(self) -> tuple[tuple[Polynomial, ...], Frame, bool]:
-        """What the algebra needs: the ansatz, the frame, and whether the shapes are made orthogonal."""
+    ends: Annotated[
+        Ends | None,
+        PlainValidator(choices.ends),
+        WithJsonSchema({"enum": [*choices.ENDS]}),
+        Field(
+            description="What the shape functions fulfil at both ends of the beam besides the conditions of the frame: "
+            "pinned (no curvature) or free (no curvature, no derivative of it). By default nothing."
+        ),
+    ] = None
+
+    def deflection(self) -> AssumedDeflection:
+        """What the shape functions follow from."""
         frame = _frame(self.frame)
-        return self.ansatz, frame, frame.kind == "mean" if self.orthogonal is None else self.orthogonal
+        orthogonal = frame.kind == "mean" if self.orthogonal is None else self.orthogonal
+        return AssumedDeflection(self.ansatz, frame, orthogonal, self.ends)
 
 
 class BeamKeys(ShapeKeys):
@@ -244,17 +257,18 @@ class BeamKeys(ShapeKeys):
 
     def planar_beam(self, name: str, gravity: tuple[Quantity, Quantity] | None = None) -> PlanarBeam:
         """The beam as the derivation takes it."""
-        ansatz, frame, orthogonal = self.shape_keys()
+        deflection = self.deflection()
         return PlanarBeam(
             name=name,
-            ansatz=ansatz,
-            frame=frame,
+            ansatz=deflection.ansatz,
+            frame=deflection.frame,
             mass=quantity(self.mass, DEFAULT_MASS.unit),
             length=quantity(self.length, DEFAULT_LENGTH.unit),
             bending_stiffness=quantity(self.bending_stiffness, DEFAULT_BENDING_STIFFNESS.unit),
             markers=tuple(Marker(name, at) for name, at in self.markers.items()),
-            orthogonal=orthogonal,
+            orthogonal=deflection.orthogonal,
             gravity=gravity,
             damping=None if self.damping is None else self.damping.damping(),
             order=self.displacement_order(),
+            ends=deflection.ends,
         )

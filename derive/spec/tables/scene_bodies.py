@@ -19,6 +19,7 @@ from pydantic import (
     model_validator,
 )
 
+from derive.mechanics.multibody.bodies.beam import ENDS_OF_PIECES
 from derive.mechanics.multibody.bodies.beam_loads import point_names
 from derive.mechanics.multibody.bodies.body_type import BodyType
 from derive.mechanics.multibody.bodies.registry import BODIES
@@ -160,7 +161,7 @@ class BeamBodyTable(BeamKeys):
 
     @model_validator(mode="after")
     def check(self) -> BeamBodyTable:
-        """A damping ratio is that of the modes of the whole rod; loads are not called like markers."""
+        """A damping ratio is that of the modes of the whole rod, as are its ends; loads are not called like markers."""
         for name in self.loads:
             if taken := point_names(name, self.pieces) & {*self.markers}:
                 text = f"a point of the load {name} is called like the marker {min(taken)}; rename one of them"
@@ -170,6 +171,8 @@ class BeamBodyTable(BeamKeys):
                 "a damping ratio is that of the modes of a beam in one piece; write damping = { stiffness = 1e-5 }, in "
                 "s, or leave `pieces` out"
             )
+        if self.pieces > 1 and self.ends is not None:
+            raise values.WrongValueError(ENDS_OF_PIECES)
         return self
 
     def body(self, name: str) -> BeamBody:

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from fractions import Fraction
 
+from derive.errors import Problem, SpecError
 from derive.mechanics.bodies.beam import beam_body, beam_point, section_rotations, shape_text
 from derive.mechanics.bodies.reference_conditions import assumed_shapes
 from derive.mechanics.multibody.bodies.beam_loads import load_forces, load_points
@@ -19,6 +20,11 @@ from derive.spec.model.scene import BeamBody, Joint
 CUT = ("cut_left", "cut_right")
 """The ends at which pieces are welded together."""
 
+ENDS_OF_PIECES = (
+    "`ends` are those of a beam in one piece: shapes without curvature at the cuts could not bend there; leave `ends` "
+    "out, or `pieces`"
+)
+
 
 class Beam(BodyType[BeamBody]):
     """A rod of planar beams; it keeps all its coordinates."""
@@ -29,6 +35,8 @@ class Beam(BodyType[BeamBody]):
     def components(self, body: BeamBody, gravity: tuple[ModelConstant, ...]) -> tuple[Component, ...]:
         """The pieces of the rod from its left to its right end."""
         n = body.pieces
+        if n > 1 and body.beam.ends is not None:
+            raise SpecError((Problem(f"bodies.{body.name}.ends", ENDS_OF_PIECES),))
         piece = replace(beam_body(replace(body.beam, markers=()), n), gravity=gravity)
         result = []
         for k in range(n):
@@ -68,7 +76,7 @@ class Beam(BodyType[BeamBody]):
 
     def note(self, body: BeamBody) -> str:
         """The shape functions as drawings of the rod need them."""
-        shapes = assumed_shapes(body.beam.ansatz, body.beam.frame, body.beam.orthogonal)
+        shapes = assumed_shapes(body.beam.deflection)
         texts = ", ".join(f"phi_{i} = {shape_text(shape)}" for i, shape in enumerate(shapes, 1))
         each = f"{body.name}, each of {body.pieces} pieces" if body.pieces > 1 else body.name
         return f"Deflection of {each}, along its e2: alpha1 phi_1 + ..., {texts}; xi = 2 x / length."

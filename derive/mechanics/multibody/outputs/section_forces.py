@@ -115,7 +115,7 @@ class _Section:
         self.at = self.places[marker.marker]
         beam = self.rod.beam
         self.instance: InstanceEquations = scene.instances[marker.body]
-        self.shapes = [exact_polynomial(s) for s in assumed_shapes(beam.ansatz, beam.frame, beam.orthogonal)]
+        self.shapes = [exact_polynomial(s) for s in assumed_shapes(beam.deflection)]
         self.mass = quantity.value(beam.mass) / self.rod.pieces
         self.length = quantity.value(beam.length) / self.rod.pieces
         self.bending_stiffness = self._constant("stiffness", quantity.value(beam.bending_stiffness), "EI", "N m^2")
