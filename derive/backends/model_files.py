@@ -49,6 +49,9 @@ def _with_hash(files: tuple[File, ...]) -> tuple[File, ...]:
 ALONE = ("simulation", "start")
 """The fields of a single body that its model does not depend on."""
 
+UNWRITTEN: dict[str, object] = {"order": DisplacementOrder.FIRST_ORDER, "ends": None}
+"""The fields of a beam that say nothing where they have these values: what a beam of the paper is by default."""
+
 KINDS = {PlanarBeam: "planar_beam", NodalBody: "nodal_body", SymbolicBody: "symbolic_body", Scene: "scene"}
 
 
@@ -86,9 +89,9 @@ def _exact(value: object) -> object:
 
 
 def _fields(value: Any) -> dict[str, Any]:
-    """The fields of a dataclass, without what says that a beam is one of first order, as beams are by default."""
+    """The fields of a dataclass, without those of UNWRITTEN that have these values."""
     every = {f.name: getattr(value, f.name) for f in dataclasses.fields(value)}
-    return {name: item for name, item in every.items() if item is not DisplacementOrder.FIRST_ORDER}
+    return {name: item for name, item in every.items() if name not in UNWRITTEN or item != UNWRITTEN[name]}
 
 
 def _manifest(model: Model, spec: Specification, files: tuple[File, ...]) -> File:
