@@ -87,23 +87,21 @@ if TYPE_CHECKING:
         NodalBody,
         NodeData,
         NodeMarker,
-        Parameter,
         PlanarBeam,
         SymbolicBody,
     )
     from derive.spec.model.forces import Bushing, CustomForce, Force, Spring, Torque
     from derive.spec.model.markers import MarkerRef, PointMarker
+    from derive.spec.model.plots import Deflection, Plot, ReferenceCurve
+    from derive.spec.model.quantity import Parameter
     from derive.spec.model.scene import (
         BeamBody,
         CustomBody,
         CustomJoint,
-        Deflection,
         DistributedLoad,
         Drive,
         Joint,
         JointInitialValues,
-        Plot,
-        ReferenceCurve,
         RigidBody,
         Scene,
     )
@@ -187,7 +185,6 @@ _MODULES = {
         "NodalBody",
         "NodeData",
         "NodeMarker",
-        "Parameter",
         "PlanarBeam",
         "SymbolicBody",
     ),
@@ -202,17 +199,20 @@ _MODULES = {
         "MarkerRef",
         "PointMarker",
     ),
+    "derive.spec.model.plots": (
+        "Deflection",
+        "Plot",
+        "ReferenceCurve",
+    ),
+    "derive.spec.model.quantity": ("Parameter",),
     "derive.spec.model.scene": (
         "BeamBody",
         "CustomBody",
         "CustomJoint",
-        "Deflection",
         "DistributedLoad",
         "Drive",
         "Joint",
         "JointInitialValues",
-        "Plot",
-        "ReferenceCurve",
         "RigidBody",
         "Scene",
     ),

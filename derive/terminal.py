@@ -27,7 +27,7 @@ class SimulationProgress:
     def __init__(self, label: str, duration: float) -> None:
         self._label, self._end, self._next = label, duration, 0.0
         self._first: tuple[float, float] | None = None
-        show_progress(f"simulating {label}: deriving and compiling ...")
+        show_progress(f"simulating {label}: compiling ...")
 
     def __call__(self, reached: float) -> None:
         """The simulation has reached this time (s)."""

@@ -46,7 +46,7 @@ def _with_hash(files: tuple[File, ...]) -> tuple[File, ...]:
     return tuple(dataclasses.replace(file, text=file.text.replace(MODEL_HASH, digest)) for file in files)
 
 
-ALONE = ("simulation", "start")
+ALONE = ("simulation", "start", "plots")
 """The fields of a single body that its model does not depend on."""
 
 UNWRITTEN: dict[str, object] = {"order": DisplacementOrder.FIRST_ORDER, "ends": None}

@@ -11,7 +11,7 @@ from pathlib import Path
 from derive.errors import Problem, SpecError
 from derive.pipeline import Built, build
 from derive.simulation.free_beam import beam_scene
-from derive.simulation.simulate import simulation_settings
+from derive.simulation.simulate import SYMBOLIC, simulation_settings
 from derive.spec.model.body import NodalBody, PlanarBeam, SymbolicBody
 from derive.spec.model.scene import Scene, Specification
 from derive.spec.set_values import SetValue, with_values
@@ -54,8 +54,7 @@ def simulated(
     Raises SpecError if it cannot be simulated.
     """
     if isinstance(spec, SymbolicBody):
-        message = "all numbers of this body are parameters; give a scene, a beam, or a body by its nodes"
-        raise SpecError((Problem("", message),), str(path))
+        raise SpecError((Problem("", SYMBOLIC),), str(path))
     try:
         if isinstance(spec, PlanarBeam):
             spec = beam_scene(spec)

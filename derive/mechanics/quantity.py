@@ -13,7 +13,7 @@ from derive.mechanics.symbols import parameter as parameter_symbol
 from derive.mechanics.symbols import quantity as quantity_symbol
 from derive.mechanics.terms import ModelConstant, ParameterSymbol
 from derive.mechanics.time_functions import BUILD, lookup, piecewise
-from derive.spec.model.body import Parameter, Quantity
+from derive.spec.model.quantity import Parameter, Quantity
 from derive.spec.model.time_function import TimeFunction, parts, value_at
 
 NO_GRAVITY = "the specification (no gravity along this axis)"

@@ -70,11 +70,13 @@ def rate_at(function: TimeFunction, t: float) -> float:
             return sum(d * rate for d, rate in zip(partial, rates, strict=True) if rate)
 
 
-def check_drives(scene: Scene, duration: float) -> None:
-    """Raise SpecError if the position or the speed of a drive jumps within the duration (s) of a simulation.
+def check_drives(scene: Scene) -> None:
+    """Raise SpecError if the position or the speed of a drive jumps within the simulation of a scene.
 
     Drives that follow run-time inputs are not looked at: their functions are not known here.
     """
+    assert scene.simulation is not None
+    duration = scene.simulation.duration
     problems = [problem for drive in scene.drives for problem in _jumps(scene, drive, duration)]
     if problems:
         raise SpecError(tuple(problems))

@@ -12,7 +12,7 @@ import numpy as np
 from derive.artifacts import sha256
 from derive.backends.model_files import fingerprint
 from derive.ir.model import Model
-from derive.runtime.native_call import Vector
+from derive.runtime.native_call import Matrix, Vector
 from derive.simulation.errors import SimulationError
 from derive.simulation.integration.solution import Solution
 from derive.spec.model.body import NodalBody
@@ -25,9 +25,13 @@ class NothingToResume(SimulationError):
 
 @dataclass(frozen=True, eq=False)
 class EarlierRun:
-    """The rows of an earlier run, columns by their names, and its last state q (nq,), v (nv,) at t (s), all digits."""
+    """The rows of an earlier run, columns by their names, and its last state q (nq,), v (nv,) at t (s), all digits.
+
+    drift (n, 4): that of each row, after its projection and before it, see `Solution`.
+    """
 
     columns: dict[str, Vector]
+    drift: Matrix
     t: float
     q: Vector
     v: Vector
@@ -40,22 +44,21 @@ class EarlierRun:
         return np.concatenate([[self.t], later])
 
     def continued(self, model: Model, solution: Solution) -> Solution:
-        """The earlier rows and those of a solution that begins with the last state. Their drift is not known: zero."""
+        """The earlier rows and those of a solution that begins with the last state."""
         q, v = (self._matrix([x.name for x in each]) for each in (model.coordinates, model.velocities))
         lam = self._matrix([f"lambda_{x.name}" for x in model.multipliers])
-        none = np.zeros((len(q), 2))
         return replace(
             solution,
             t=np.concatenate([self.columns["t"][:-1], solution.t]),
             q=np.vstack([q[:-1], solution.q]),
             v=np.vstack([v[:-1], solution.v]),
             lam=np.vstack([lam[:-1], solution.lam]),
-            drift=np.vstack([none[:-1], solution.drift]),
-            drift_before=np.vstack([none[:-1], solution.drift_before]),
+            drift=np.vstack([self.drift[:-1, :2], solution.drift]),
+            drift_before=np.vstack([self.drift[:-1, 2:], solution.drift_before]),
             notes=(f"resumed at t = {self.t:.9g} s, after {len(q)} rows", *solution.notes),
         )
 
-    def _matrix(self, names: list[str]) -> Vector:
+    def _matrix(self, names: list[str]) -> Matrix:
         """The columns (n, names) of these names."""
         rows = len(self.columns["t"])
         return np.column_stack([self.columns[name] for name in names]) if names else np.zeros((rows, 0))
@@ -73,6 +76,7 @@ def read_run(folder: Path, spec: Scene | NodalBody) -> EarlierRun:
         table = table_file.read_bytes()
         same = record["files"][table_file.name] == sha256(table)
         last, given = record["last_state"], record["specification_sha256"]
+        drift = np.array(record["drift"], dtype=np.float64)
     except OSError as error:
         raise NothingToResume(f"{error.filename}: there is no earlier run to resume: {error.strerror}") from None
     except (ValueError, KeyError, TypeError):
@@ -87,4 +91,4 @@ def read_run(folder: Path, spec: Scene | NodalBody) -> EarlierRun:
     header, *rows = table.decode().splitlines()
     numbers = np.array([[float(cell) for cell in row.split(",")] for row in rows])
     columns = dict(zip(header.split(","), numbers.T, strict=True))
-    return EarlierRun(columns, float(last["t"]), np.array(last["q"]), np.array(last["v"]))
+    return EarlierRun(columns, drift, float(last["t"]), np.array(last["q"]), np.array(last["v"]))

@@ -19,6 +19,6 @@ def beam_scene(beam: PlanarBeam) -> Scene:
     Raises SpecError if the initial deflection is none of its shape functions.
     """
     name = BEAM if beam.name.lower() != BEAM else OTHERWISE
-    body = replace(beam, name=name, gravity=None, start=NOT_GIVEN, simulation=None)
+    body = replace(beam, name=name, gravity=None, start=NOT_GIVEN, simulation=None, plots=())
     bodies = (BeamBody(name, body, start=beam.start),)
-    return validated(Scene(beam.name, (), beam.gravity, bodies, (), simulation=beam.simulation))
+    return validated(Scene(beam.name, (), beam.gravity, bodies, (), simulation=beam.simulation, plots=beam.plots))

@@ -5,6 +5,8 @@ from __future__ import annotations
 import json
 from typing import Any
 
+import numpy as np
+
 from derive.artifacts import MARK, File, sha256
 from derive.backends.model_files import fingerprint
 from derive.simulation.body_trajectory import BodyTrajectory
@@ -12,29 +14,34 @@ from derive.simulation.observables.csv_writer import csv
 from derive.simulation.trajectory import Trajectory
 from derive.version import VERSION
 
+DRIFT_COLUMNS = 4
+"""The numbers of a row in the record: the violations of g and of its rate, after the projection and before it."""
+
 
 def run_files(trajectory: Trajectory | BodyTrajectory) -> tuple[File, File]:
     """The CSV file of a trajectory, and its record NAME.json, in the folder NAME.
 
     The CSV has nothing but names and numbers; the record has the units of its columns, the settings of the integrator,
-    the hash of the specification, the values of the parameters, and the last state with all digits.
+    the hash of the specification, the values of the parameters, the notes, the drift of each row, and the last state
+    with all digits.
     """
     name = trajectory.name
     table, record = f"{name}/{name}.csv", f"{name}/{name}.json"
     text = csv(trajectory.table)
     content = {**_content(trajectory), "files": {f"{name}.csv": sha256(text.encode())}}
-    return File(table, text, record=record), File(record, json.dumps(content, indent=2) + "\n")
+    drift = np.hstack([trajectory.solution.drift, trajectory.solution.drift_before])
+    written = f'{json.dumps(content, indent=2)[:-2]},\n  "drift": {json.dumps(drift.tolist())}\n}}\n'
+    return File(table, text, record=record), File(record, written)
 
 
 def _content(trajectory: Trajectory | BodyTrajectory) -> dict[str, Any]:
     """The record as plain data, in SI units."""
     settings, solution = trajectory.settings, trajectory.solution
     simulation = settings.simulation
-    spec = trajectory.scene if isinstance(trajectory, Trajectory) else trajectory.body
     return {
         "generator": f"{MARK} {VERSION}. Do not edit.",
         "name": trajectory.name,
-        "specification_sha256": fingerprint(spec),
+        "specification_sha256": fingerprint(trajectory.spec),
         "integrator": settings.integrator,
         "tolerance": simulation.tolerance,
         "step": settings.step,
@@ -45,5 +52,6 @@ def _content(trajectory: Trajectory | BodyTrajectory) -> dict[str, Any]:
             p.name: {"value": p.default, "unit": p.unit} for p in trajectory.model.parameters if p.size == 1
         },
         "columns": [{"name": column.name, "unit": column.unit} for column in trajectory.table],
+        "notes": [*trajectory.notes],
         "last_state": {"t": float(solution.t[-1]), "q": solution.q[-1].tolist(), "v": solution.v[-1].tolist()},
     }

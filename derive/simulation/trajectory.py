@@ -18,6 +18,7 @@ from derive.simulation.integration.solution import Solution
 from derive.simulation.observables.csv_writer import Column
 from derive.simulation.observables.motion import SceneMotion, drive_motion, drive_unit
 from derive.simulation.observables.outputs import port_values
+from derive.spec.model.body import NodalBody
 from derive.spec.model.scene import Scene
 from derive.spec.model.simulation import Simulation
 
@@ -31,9 +32,9 @@ class RunSettings:
     step: float | None = None
 
 
-def column_units(scene: Scene, model: Model) -> dict[str, str]:
+def column_units(scene: Scene, model: Model) -> list[tuple[str, str]]:
     """The names of the columns of a trajectory of a scene, with their units, before it is computed."""
-    units = {"t": "s", **{drive.name: drive_unit(scene, drive) for drive in scene.drives}}
+    units = [("t", "s"), *((drive.name, drive_unit(scene, drive)) for drive in scene.drives)]
     for prefix, variables in (
         ("", model.coordinates),
         ("", model.velocities),
@@ -41,7 +42,7 @@ def column_units(scene: Scene, model: Model) -> dict[str, str]:
         ("u_", model.inputs),
         ("", model.outputs),
     ):
-        units |= {f"{prefix}{variable.name}": variable.unit for variable in variables}
+        units += [(f"{prefix}{variable.name}", variable.unit) for variable in variables]
     return units
 
 
@@ -65,6 +66,16 @@ class ColumnTable(Mapping[str, Vector]):
     def name(self) -> str:
         """The name of the model."""
         raise NotImplementedError
+
+    @property
+    def spec(self) -> Scene | NodalBody:
+        """What is simulated."""
+        raise NotImplementedError
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What the run has changed in what is specified, and where a stop condition is met."""
+        return self.solution.notes
 
     @property
     def table(self) -> tuple[Column, ...]:
@@ -150,9 +161,19 @@ class Trajectory(ColumnTable):
         """The name of the scene."""
         return self.scene.name
 
+    @property
+    def spec(self) -> Scene:
+        """The scene."""
+        return self.scene
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """Those on the initial state, and those of the run."""
+        return *self.initial.notes, *self.solution.notes
+
     @cached_property
     def table(self) -> tuple[Column, ...]:
         """All columns with their names, units and values (n,)."""
         values = column_values(self.scene, self.motion.native, self.motion.k, self.solution)
         units = column_units(self.scene, self.model)
-        return tuple(Column(name, unit, column) for (name, unit), column in zip(units.items(), values, strict=True))
+        return tuple(Column(*named, column) for named, column in zip(units, values, strict=True))

@@ -16,25 +16,23 @@ from derive.spec.model.body import (
     Marker,
     NodalBody,
     NodeMarker,
-    Parameter,
     PlanarBeam,
     SymbolicBody,
 )
 from derive.spec.model.forces import Bushing, CustomForce, Force, Spring, Torque
 from derive.spec.model.markers import MarkerRef, PointMarker
+from derive.spec.model.plots import ColumnCurves, Plot, ReferenceCurve
 from derive.spec.model.ports import SceneOutput
+from derive.spec.model.quantity import Parameter
 from derive.spec.model.scene import (
     NAMED,
     BeamBody,
-    ColumnCurves,
     CustomBody,
     CustomJoint,
     DistributedLoad,
     Drive,
     Joint,
     JointInitialValues,
-    Plot,
-    ReferenceCurve,
     RigidBody,
     Scene,
     SceneInput,
@@ -52,8 +50,9 @@ def specification_tables(spec: Specification) -> Data:
     if isinstance(spec, Scene):
         return scene_tables(spec)
     kind = "beam" if isinstance(spec, PlanarBeam) else "body"
-    simulation = None if isinstance(spec, SymbolicBody) else spec.simulation
-    return {"name": spec.name, kind: as_table(spec), **without_none(simulation=as_table(simulation))}
+    simulation, plots = (None, ()) if isinstance(spec, SymbolicBody) else (spec.simulation, spec.plots)
+    drawn = named("plots", plots) or None
+    return {"name": spec.name, kind: as_table(spec), **without_none(simulation=as_table(simulation), plots=drawn)}
 
 
 def scene_tables(scene: Scene) -> Data:

@@ -23,7 +23,6 @@ from derive.spec.model.body import (
     Lowering,
     NodalBody,
     NodeData,
-    Parameter,
     PlanarBeam,
     Polynomial,
     SymbolicBody,
@@ -31,8 +30,10 @@ from derive.spec.model.body import (
 )
 from derive.spec.model.forces import Bushing, CustomForce, Force, Spring, Torque
 from derive.spec.model.markers import PointMarker
+from derive.spec.model.plots import Plot
 from derive.spec.model.ports import SceneOutput
-from derive.spec.model.scene import NAMED, Drive, Joint, Plot, Scene, SceneBody, SceneInput, Specification
+from derive.spec.model.quantity import Parameter
+from derive.spec.model.scene import NAMED, Drive, Joint, Scene, SceneBody, SceneInput, Specification
 from derive.spec.model.simulation import Simulation
 
 Number = int | float | Fraction | str

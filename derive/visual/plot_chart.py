@@ -7,7 +7,7 @@ from pathlib import PurePath
 
 from derive.simulation.observables.motion import reference_curve
 from derive.simulation.observables.plots import PlotCurve, PlotText, deflection_doc, percent, with_unit
-from derive.spec.model.scene import Deflection, Plot
+from derive.spec.model.plots import Deflection, Plot
 from derive.visual.line_chart import Chart, Curve
 
 

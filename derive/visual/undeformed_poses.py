@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from derive.mechanics.multibody.joints.registry import JOINTS
 from derive.mechanics.multibody.point_motion import PointMotion, RelativeMotion, fixed_point
 from derive.simulation.observables.motion import body_coordinates, drive_values, si_value, transformed
-from derive.spec.model.body import Parameter
 from derive.spec.model.markers import GROUND, MarkerRef
+from derive.spec.model.quantity import Parameter
 from derive.spec.model.scene import BeamBody, CustomJoint, Joint, Scene
 
 Array = NDArray[np.float64]

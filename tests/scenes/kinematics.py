@@ -13,8 +13,8 @@ from typing import Any
 import mpmath
 from shapes import at, gauss, shapes
 
-from derive.spec.model.body import Parameter, Quantity
 from derive.spec.model.markers import GROUND, MarkerRef
+from derive.spec.model.quantity import Parameter, Quantity
 from derive.spec.model.scene import BeamBody, Joint, RigidBody, Scene
 from derive.spec.model.time_function import TimeFunction
 

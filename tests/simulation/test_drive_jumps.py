@@ -57,7 +57,7 @@ def scene(folder: Path, motion: str) -> Scene:
 )
 def test_jumps_are_refused(tmp_path: Path, motion: str, jumps: list[tuple[str, ...]]) -> None:
     with pytest.raises(derive.SpecError) as caught:
-        check_drives(scene(tmp_path, motion), 3.0)
+        check_drives(scene(tmp_path, motion))
     texts = [
         rf"drives\.motor\.motion: at t = {t} s the {quantity} jumps from {old} to {new}, which takes an infinite force"
         for t, quantity, old, new in jumps
@@ -80,7 +80,7 @@ def test_jumps_are_refused(tmp_path: Path, motion: str, jumps: list[tuple[str, .
     ],
 )
 def test_accelerations_may_jump_and_what_is_behind_the_end_does_not_count(tmp_path: Path, motion: str) -> None:
-    check_drives(scene(tmp_path, motion), 3.0)
+    check_drives(scene(tmp_path, motion))
 
 
 def test_the_command_names_file_line_and_drive(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

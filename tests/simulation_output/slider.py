@@ -12,7 +12,8 @@ from derive.simulation.observables.beams import piece_at, piece_names
 from derive.simulation.observables.motion import SceneMotion, si_value
 from derive.spec.model.body import Frame, Marker, PlanarBeam
 from derive.spec.model.markers import MarkerRef, PointMarker
-from derive.spec.model.scene import BeamBody, Deflection, Drive, Joint, Plot, ReferenceCurve, RigidBody, Scene
+from derive.spec.model.plots import Deflection, Plot, ReferenceCurve
+from derive.spec.model.scene import BeamBody, Drive, Joint, RigidBody, Scene
 from derive.spec.model.simulation import Simulation
 
 ANSATZ = ((Fraction(1),), (Fraction(0), Fraction(1)), (Fraction(0),) * 2 + (Fraction(1),))

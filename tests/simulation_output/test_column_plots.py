@@ -10,7 +10,7 @@ import pytest
 import derive
 from conftest import ROOT
 from derive.simulation.observables.plots import plot_curves, plot_text
-from derive.spec.model.scene import ColumnCurves, Plot
+from derive.spec.model.plots import ColumnCurves, Plot
 from derive.visual.line_chart import svg
 from derive.visual.plot_chart import plot_chart
 

@@ -14,7 +14,8 @@ from derive.simulation.observables.motion import deviation, drive_values, functi
 from derive.simulation.observables.plots import percent, plot_curve, plot_text
 from derive.simulation.output_times import output_times
 from derive.spec.model.markers import MarkerRef
-from derive.spec.model.scene import BeamBody, Drive, ReferenceCurve
+from derive.spec.model.plots import ReferenceCurve
+from derive.spec.model.scene import BeamBody, Drive
 from derive.spec.model.simulation import Simulation
 from derive.spec.model.time_function import TimeFunction
 from derive.visual.line_chart import svg

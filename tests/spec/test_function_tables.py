@@ -8,7 +8,7 @@ import pytest
 
 from derive.errors import SpecError
 from derive.spec.checks.known_functions import MAX_ROWS
-from derive.spec.model.body import Parameter
+from derive.spec.model.quantity import Parameter
 from derive.spec.model.scene import Scene
 from derive.spec.model.scene_functions import splines, time_functions
 from derive.spec.toml.read import read

@@ -7,10 +7,12 @@ from pathlib import Path
 import pytest
 from example_scenes import EVERYTHING, SMALL, small
 
-from derive.spec.model.body import DisplacementOrder, Frame, Marker, Parameter, PlanarBeam
+from derive.spec.model.body import DisplacementOrder, Frame, Marker, PlanarBeam
 from derive.spec.model.forces import Force, Spring, Torque
 from derive.spec.model.markers import MarkerRef, PointMarker
-from derive.spec.model.scene import BeamBody, Deflection, Drive, Joint, Plot, ReferenceCurve, RigidBody, Scene
+from derive.spec.model.plots import Deflection, Plot, ReferenceCurve
+from derive.spec.model.quantity import Parameter
+from derive.spec.model.scene import BeamBody, Drive, Joint, RigidBody, Scene
 from derive.spec.model.simulation import InitialValues, Simulation
 from derive.spec.model.time_function import TimeFunction
 from derive.spec.parsing.time_expression import time_function

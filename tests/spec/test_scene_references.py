@@ -3,7 +3,7 @@
 import pytest
 from example_scenes import errors, small
 
-from derive.spec.model.scene import ReferenceCurve
+from derive.spec.model.plots import ReferenceCurve
 from derive.spec.toml.read import parse
 
 PLOT = '[plots.p]\ndeflection = "bar.b"\nchord = ["rod.left", "rod.right"]\ndivided_by = 1\n'

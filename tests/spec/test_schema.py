@@ -68,4 +68,5 @@ def test_a_scene_is_one_of_three():
         "body",
         "bodies",
         "simulation",
+        "plots",
     }

@@ -28,7 +28,8 @@ from derive.mechanics.indexed_equations import derive_body
 from derive.mechanics.motion.material_points import MaterialPoint
 from derive.mechanics.symbols import Family, Identity, Symbol, pair
 from derive.mechanics.terms import ModelConstant
-from derive.spec.model.body import DisplacementOrder, Marker, Parameter, PlanarBeam, Polynomial
+from derive.spec.model.body import DisplacementOrder, Marker, PlanarBeam, Polynomial
+from derive.spec.model.quantity import Parameter
 
 
 def derive(beam: PlanarBeam) -> Equations:

@@ -36,8 +36,8 @@ from derive.mechanics.quantity import finite_function, time_derivatives
 from derive.mechanics.symbols import DOTS, Symbol, element, t
 from derive.mechanics.terms import Eliminated, Intermediate, ModelConstant
 from derive.mechanics.time_functions import TimeOperation
-from derive.spec.model.body import Parameter, Quantity
 from derive.spec.model.markers import GROUND, MarkerRef
+from derive.spec.model.quantity import Parameter, Quantity
 from derive.spec.model.scene import NAMED, CustomJoint, Drive, Joint, Scene, SceneBody
 from derive.spec.model.scene_functions import function_parameters
 from derive.spec.model.time_function import TimeFunction

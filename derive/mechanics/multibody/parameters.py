@@ -14,7 +14,7 @@ from derive.mechanics.multibody.joints.registry import JOINTS
 from derive.mechanics.multibody.keys import Key, KeyType, quantities
 from derive.mechanics.multibody.outputs.registry import OUTPUTS
 from derive.mechanics.terms import ParameterSymbol
-from derive.spec.model.body import Parameter
+from derive.spec.model.quantity import Parameter
 from derive.spec.model.scene import NAMED, CustomJoint, Scene
 from derive.spec.model.scene_functions import function_parameters, time_functions
 

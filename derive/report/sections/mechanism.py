@@ -20,8 +20,8 @@ from derive.report.document.page import (
     table,
 )
 from derive.report.notation.expressions import Notation
-from derive.spec.model.body import Parameter, Quantity
 from derive.spec.model.forces import SceneForce
+from derive.spec.model.quantity import Parameter, Quantity
 from derive.spec.model.scene import BeamBody, RigidBody, Scene, SceneBody
 from derive.visual.kkt_matrix import kkt_picture
 from derive.visual.mechanism import mechanism_picture

@@ -20,8 +20,8 @@ from derive.runtime.native_scene import NativeScene
 from derive.simulation.initial.kinematics import Kinematics, Linear
 from derive.simulation.observables.beams import half_length, shape_functions
 from derive.simulation.observables.motion import body_coordinates, si_value
-from derive.spec.model.body import Parameter
 from derive.spec.model.markers import GROUND, MarkerRef
+from derive.spec.model.quantity import Parameter
 from derive.spec.model.scene import BeamBody, CustomJoint, Joint, JointInitialValues, Scene, SceneBody
 
 Function = Callable[[Kinematics], Linear]

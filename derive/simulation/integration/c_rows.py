@@ -66,8 +66,6 @@ class CRows:
 
     def _stopped(self, rows: SolutionWriter, first: float, last: float, y: Vector, notes: tuple[str, ...]) -> Solution:
         """The solution that ends between two rows of the integrator at `first` and `last` (s), with y in the first."""
-        until = self._settings.until
-        assert until is not None
 
         def dense(t: float) -> Vector:
             if t - first <= rounding(t):
@@ -75,7 +73,7 @@ class CRows:
             part = self._called(y, Piece(first, t - first, 1), None)
             return np.concatenate([part.q[-1], part.v[-1]])
 
-        stop = until.time(first, last, dense)
+        stop = rows.stop_time(first, last, dense)
         return rows.stopped_solution(last if stop is None else stop, dense, self._cost(), notes)
 
     def _called(self, y: Vector, piece: Piece, observe: Observe | None) -> Integration:

@@ -110,7 +110,7 @@ def integrate_ida(
                 if reached == t:  # a call after an interpolation gives the last step again
                     continue
                 t, y, steps = reached, state, steps + 1
-                stop = None if until is None else until.time(before, t, part.dense)
+                stop = rows.stop_time(before, t, part.dense)
                 if stop is not None:
                     return rows.stopped_solution(stop, part.dense, cost())
                 while rows.count < len(instants) and rows.following <= t:

@@ -77,7 +77,7 @@ def integrate(
             steps += 1
             if steps > MAX_STEPS_PER_ROW * len(instants):
                 raise IntegrationStopped(t, f"{steps} steps do not reach the next row")
-            stop = None if until is None else until.time(t, float(solver.t), solver.dense_output())
+            stop = None if until is None else rows.stop_time(t, float(solver.t), solver.dense_output())
             if stop is not None:
                 return rows.stopped_solution(stop, solver.dense_output(), evaluator.cost(steps, began))
             if rows.following < solver.t:

@@ -103,6 +103,15 @@ class SolutionWriter:
         check_drift(self.native, self.k, t, q, v, self.limit)
         return np.concatenate([q, v])
 
+    def stop_time(self, first: float, last: float, dense: Callable[[float], Vector]) -> float | None:
+        """The first time (s) between two at which the condition is met, see `StopEvent.time`; None if it is not.
+
+        dense: the state y within the step, which is projected as rows are.
+        """
+        if self.until is None:
+            return None
+        return self.until.time(first, last, (lambda t: self.projected_state(t, dense(t))) if self.projected else dense)
+
     def solution(self, cost: Cost, notes: tuple[str, ...] = ()) -> Solution:
         """All rows, with these notes and that of a condition which is never met."""
         if self.until is not None:

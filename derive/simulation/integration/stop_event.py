@@ -13,6 +13,10 @@ from derive.runtime.native_call import Vector
 SAMPLES = 8
 """The parts of a step at whose ends the condition is looked at: it may be met and not be met any more in one step."""
 
+BEHIND = 4
+"""In units in the last place of the time: a run ends so far behind the root of its condition, so that rounding errors
+do not let a run that goes on from there meet the condition again."""
+
 
 @dataclass(frozen=True)
 class StopEvent:
@@ -37,8 +41,7 @@ class StopEvent:
     def time(self, first: float, last: float, dense: Callable[[float], Vector]) -> float | None:
         """The first time (s) between `first` and `last` at which it is met, to rounding errors; None if it is not.
 
-        The condition holds there, or has changed its sign, so that a run that goes on from there does not meet it
-        again. dense: the state y at a time within the step.
+        The condition holds there, or has changed its sign. dense: the state y at a time within the step.
         """
 
         def value(t: float) -> float:
@@ -49,9 +52,11 @@ class StopEvent:
             after = value(t)
             if self.met(before, after):
                 root = float(brentq(value, at, t, xtol=1e-15, rtol=8.9e-16)) if before else at
-                step = float(np.spacing(max(abs(root), t - at)))
-                while root < t and not self.met(before, value(root)):
+                step = BEHIND * float(np.spacing(max(abs(root), t - at)))
+                while root < t:
                     root, step = min(root + step, t), 2 * step
+                    if self.met(before, value(root)):
+                        break
                 return root
             before, at = after, t
         return None

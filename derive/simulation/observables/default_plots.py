@@ -1,12 +1,17 @@
-"""Plots of what a scene does not plot itself: its outputs, or, without outputs, the coordinates by their roles."""
+"""Plots of what a specification does not plot itself: outputs, or coordinates by their roles."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
+from derive.ir.model import Model
 from derive.mechanics.multibody.outputs.registry import OUTPUTS
 from derive.roles import Role
-from derive.simulation.trajectory import Trajectory
+from derive.simulation.body_trajectory import energy_names
+from derive.spec.model.body import NodalBody
+from derive.spec.model.plots import ColumnCurves, Plot
 from derive.spec.model.ports import SceneOutput
-from derive.spec.model.scene import ColumnCurves, Plot, Scene
+from derive.spec.model.scene import Scene
 
 COORDINATES = {
     "angles": (Role.ROTATION,),
@@ -16,23 +21,27 @@ COORDINATES = {
 """The plots of coordinates by their names, with the roles of the coordinates in each."""
 
 
-def default_plot_names(scene: Scene) -> tuple[str, ...]:
-    """The names that the default plots of a scene may have."""
-    if scene.outputs or scene.plots:
-        return tuple(output.name for output in _unplotted(scene))
-    return tuple(COORDINATES)
-
-
-def default_plots(trajectory: Trajectory) -> tuple[Plot, ...]:
+def default_plots(scene: Scene, model: Model) -> tuple[Plot, ...]:
     """One plot over the time for each output that no plot shows; without outputs and plots, those of coordinates."""
-    scene = trajectory.scene
     if scene.outputs or scene.plots:
         return tuple(_plot(output.name, _columns(output)) for output in _unplotted(scene))
-    result = []
-    for name, roles in COORDINATES.items():
-        columns = tuple(c.name for c in trajectory.model.coordinates if c.role in roles)
-        result += [_plot(name, columns)] if columns else []
-    return tuple(result)
+    quantities = ((name, [c.name for c in model.coordinates if c.role in roles]) for name, roles in COORDINATES.items())
+    return tuple(_plot(name, columns) for name, columns in quantities if columns)
+
+
+def body_plots(body: NodalBody, model: Model) -> tuple[Plot, ...]:
+    """Without plots of its own, those of what describes the motion of a body in space, over the time."""
+    if body.plots:
+        return ()
+    names = {role: [x.name for x in model.coordinates if x.role is role] for role in Role}
+    quantities = {
+        "position": names[Role.TRANSLATION],
+        "rotation": names[Role.QUATERNION],
+        "angular_velocity": [x.name for x in model.velocities[3:6]],
+        "amplitudes": names[Role.AMPLITUDE],
+        "energy": [*energy_names(model)],
+    }
+    return tuple(_plot(name, columns) for name, columns in quantities.items() if columns)
 
 
 def _unplotted(scene: Scene) -> list[SceneOutput]:
@@ -42,11 +51,11 @@ def _unplotted(scene: Scene) -> list[SceneOutput]:
     return [o for o in scene.outputs if o.name not in names and not plotted & {*_columns(o)}]
 
 
-def _columns(output: SceneOutput) -> tuple[str, ...]:
+def _columns(output: SceneOutput) -> Sequence[str]:
     """The columns of an output."""
     labels = OUTPUTS[output.kind].labels
     return tuple(f"{output.name}_{label}" if label else output.name for label in labels)
 
 
-def _plot(name: str, columns: tuple[str, ...]) -> Plot:
-    return Plot(name, ColumnCurves(columns))
+def _plot(name: str, columns: Sequence[str]) -> Plot:
+    return Plot(name, ColumnCurves(tuple(columns)))

@@ -12,9 +12,10 @@ from scipy.interpolate import CubicSpline
 
 from derive.mechanics.multibody.joints.registry import JOINTS
 from derive.runtime.native_scene import NativeScene
-from derive.spec.model.body import Parameter, Quantity
 from derive.spec.model.markers import GROUND, MarkerRef, PointMarker
-from derive.spec.model.scene import BeamBody, CustomBody, Deflection, Drive, ReferenceCurve, RigidBody, Scene
+from derive.spec.model.plots import Deflection, ReferenceCurve
+from derive.spec.model.quantity import Parameter, Quantity
+from derive.spec.model.scene import BeamBody, CustomBody, Drive, RigidBody, Scene
 from derive.spec.model.time_function import TimeFunction, value_at
 
 Array = NDArray[np.float64]

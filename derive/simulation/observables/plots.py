@@ -10,7 +10,9 @@ import numpy as np
 
 from derive.simulation.observables.motion import Array, SceneMotion, deflection, deviation, drive_motion, drive_unit
 from derive.simulation.trajectory import ColumnTable, Trajectory
-from derive.spec.model.scene import ColumnCurves, Deflection, Plot, Scene
+from derive.spec.model.body import NodalBody
+from derive.spec.model.plots import ColumnCurves, Deflection, Plot
+from derive.spec.model.scene import Scene
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,22 +48,20 @@ class PlotCurve:
         return float(np.sqrt(np.mean(self.deviation[1] ** 2))), float(np.abs(self.deviation[1]).max())
 
 
-def plot_curves(plot: Plot, trajectory: Trajectory, label: str) -> tuple[PlotCurve, ...]:
+def plot_curves(plot: Plot, trajectory: ColumnTable, label: str) -> tuple[PlotCurve, ...]:
     """The curves of a plot in a motion; several columns are distinguished by their names behind the label.
 
     Raises UnknownNameError for a column that the motion does not have.
     """
     quantity = plot.quantity
     if isinstance(quantity, Deflection):
+        assert isinstance(trajectory, Trajectory), "the specification of a body has no plots of deflections"
         return (plot_curve(plot, trajectory.motion, label),)
-    return column_curves(plot, quantity, trajectory, label)
+    return _column_curves(plot, quantity, trajectory, label)
 
 
-def column_curves(plot: Plot, quantity: ColumnCurves, table: ColumnTable, label: str) -> tuple[PlotCurve, ...]:
-    """The curves of a plot of columns; they have their units behind their names if these differ.
-
-    Raises UnknownNameError for a column that the motion does not have.
-    """
+def _column_curves(plot: Plot, quantity: ColumnCurves, table: ColumnTable, label: str) -> tuple[PlotCurve, ...]:
+    """The curves of a plot of columns; they have their units behind their names if these differ."""
     x, units = table[quantity.x], table.units
     same = len({units.get(name) for name in quantity.y}) == 1
     names = {name: name if same else with_unit(name, units.get(name, "")) for name in quantity.y}
@@ -91,25 +91,26 @@ class PlotText:
     y_unit: str
 
 
-def plot_text(plot: Plot, scene: Scene, units: Mapping[str, str]) -> PlotText:
+def plot_text(plot: Plot, spec: Scene | NodalBody, units: Mapping[str, str]) -> PlotText:
     """The words of a plot; `units` are those of the columns of the motion."""
     quantity = plot.quantity
     match quantity:
         case Deflection():
+            assert isinstance(spec, Scene), "the specification of a body has no plots of deflections"
             divisor = "" if quantity.over == 1 else f"{quantity.over:g} m"
             return PlotText(
                 deflection_doc(quantity) + (f", divided by {divisor}" if divisor else ""),
                 f"deflection / {divisor}" if divisor else "deflection",
-                _drive_label(scene, plot),
-                _drive_unit(scene, plot),
+                _drive_label(spec, plot),
+                _drive_unit(spec, plot),
                 "" if divisor else "m",
             )
         case ColumnCurves():
-            return column_text(quantity, units)
+            return _column_text(quantity, units)
     assert_never(quantity)
 
 
-def column_text(quantity: ColumnCurves, units: Mapping[str, str]) -> PlotText:
+def _column_text(quantity: ColumnCurves, units: Mapping[str, str]) -> PlotText:
     """The words of a plot of columns with these units."""
     names, y_units = ", ".join(quantity.y), {units[name] for name in quantity.y}
     unit = y_units.pop() if len(y_units) == 1 else ""

@@ -11,7 +11,7 @@ from derive.spec.checks.scene_data import SceneData
 from derive.spec.checks.scene_parameters import scene_constants
 from derive.spec.files.reference_curves import curve
 from derive.spec.files.splines import cubic_spline
-from derive.spec.model.body import Parameter
+from derive.spec.model.quantity import Parameter
 from derive.spec.model.scene import Scene
 from derive.spec.model.scene_functions import function_parameters, input_functions, time_functions
 from derive.spec.model.time_function import Spline, TimeFunction, parts

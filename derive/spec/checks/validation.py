@@ -72,7 +72,7 @@ def _checked(data: Mapping[str, object], folder: Path, known: Curves) -> Specifi
     faults += node_faults + curve_faults + faults_of_names
     if any(key in data for key in SCENE):
         faults += scene_faults(data)
-    faults += _simulated_without_numbers(data)
+    faults += [*_simulated_without_numbers(data), *_plots_of_a_body(data)]
     if specification is None or faults:
         return faults
     result = _specified(specification, nodes, curves)
@@ -83,9 +83,21 @@ def _checked(data: Mapping[str, object], folder: Path, known: Curves) -> Specifi
 def _simulated_without_numbers(data: Mapping[str, object]) -> Iterator[Fault]:
     """A simulation of a body whose numbers are all parameters."""
     body = data.get("body")
-    if "simulation" in data and isinstance(body, Mapping) and kind_of_body(body) == "symbolic":
+    if isinstance(body, Mapping) and kind_of_body(body) == "symbolic":
         text = "a symbolic body has no numbers to simulate with; leave this table out, or give the body by its nodes"
-        yield Fault(("simulation",), text)
+        yield from (Fault((key,), text) for key in ("simulation", "plots") if key in data)
+
+
+def _plots_of_a_body(data: Mapping[str, object]) -> Iterator[Fault]:
+    """Plots of a body alone that need a scene."""
+    plots = data.get("plots")
+    if "bodies" in data or not isinstance(plots, Mapping):
+        return
+    for name, plot in plots.items():
+        for key in ("deflection", "chord", "divided_by", "over", "cut", "pieces"):
+            if isinstance(plot, Mapping) and key in plot:
+                text = 'plots of a body alone draw columns, such as y = ["c1", "c2"]; this key is for scenes'
+                yield Fault(("plots", str(name), key), text)
 
 
 def _kinds(data: Mapping[str, object]) -> list[str]:
@@ -108,9 +120,9 @@ def _specified(specification: SpecificationTable, nodes: NodeData | None, curves
         return body.body(name)
     if isinstance(body, NodalTable):
         assert nodes is not None
-        return body.body(name, nodes, specification.settings())
+        return body.body(name, nodes, specification.settings(), specification.drawn(curves))
     assert specification.beam is not None
-    return specification.beam.free_beam(name, specification.settings())
+    return specification.beam.free_beam(name, specification.settings(), specification.drawn(curves))
 
 
 def _repeated_names(data: Mapping[str, object]) -> Iterator[Fault]:

@@ -7,6 +7,8 @@ from enum import Enum
 from fractions import Fraction
 from typing import TYPE_CHECKING, Literal
 
+from derive.spec.model.plots import Plot
+from derive.spec.model.quantity import Parameter, Quantity
 from derive.spec.model.simulation import AT_REST, NOT_GIVEN, InitialValues, Simulation, SpatialStart
 
 if TYPE_CHECKING:
@@ -32,19 +34,6 @@ class DisplacementOrder(Enum):
     FIRST_ORDER = "first order"
     TRUNCATED = "second order, truncated"
     FULL = "second order, full"
-
-
-@dataclass(frozen=True)
-class Parameter:
-    """A run-time parameter of the generated code: its symbol, unit and default value."""
-
-    symbol: str
-    unit: str
-    default: float
-
-
-Quantity = Parameter | Fraction
-"""A physical constant of the body: a run-time parameter, or a number folded into the code."""
 
 
 DEFAULT_ANSATZ = ("1", "xi", "xi^2", "xi^3")
@@ -93,8 +82,8 @@ class Marker:
 class PlanarBeam:
     """A uniform slender free beam that moves in a plane: the example of the paper, (21)-(27).
 
-    `gravity` is the acceleration of free fall in the inertial base, m/s^2. `start` and `simulation` are for the
-    simulation of the beam alone. `damping` is that of the deformation; its modes are those of c8 and K,
+    `gravity` is the acceleration of free fall in the inertial base, m/s^2. `start`, `simulation` and `plots` are for
+    the simulation of the beam alone. `damping` is that of the deformation; its modes are those of c8 and K,
     with the floating frame at rest.
     """
 
@@ -109,6 +98,7 @@ class PlanarBeam:
     gravity: tuple[Quantity, Quantity] | None = None
     start: InitialValues = NOT_GIVEN
     simulation: Simulation | None = None
+    plots: tuple[Plot, ...] = ()
     damping: Damping | None = None
     order: DisplacementOrder = DisplacementOrder.FIRST_ORDER
     ends: Ends | None = None
@@ -191,7 +181,7 @@ class NodeMarker:
 class NodalBody:
     """A deformable body in space made of nodes; `modes` is how many are computed or kept, None for those given.
 
-    `start` and `simulation` are for the simulation of the body alone.
+    `start`, `simulation` and `plots` are for the simulation of the body alone.
     """
 
     name: str
@@ -205,6 +195,7 @@ class NodalBody:
     lowering: Lowering
     start: SpatialStart = AT_REST
     simulation: Simulation | None = None
+    plots: tuple[Plot, ...] = ()
     order: DisplacementOrder = DisplacementOrder.FIRST_ORDER
 
     @property

@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import ClassVar, Literal
 
-from derive.spec.model.body import Quantity
 from derive.spec.model.markers import MarkerRef
+from derive.spec.model.quantity import Quantity
 from derive.spec.model.time_function import TimeFunction
 
 ForceFrame = Literal["inertial", "body"]

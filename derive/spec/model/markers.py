@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from derive.spec.model.body import Quantity
+from derive.spec.model.quantity import Quantity
 
 GROUND = "ground"
 """The name under which joints and forces speak of the inertial base."""

@@ -7,10 +7,12 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import ClassVar, Literal
 
-from derive.spec.model.body import Marker, NodalBody, PlanarBeam, Polynomial, Quantity, SymbolicBody
+from derive.spec.model.body import Marker, NodalBody, PlanarBeam, Polynomial, SymbolicBody
 from derive.spec.model.forces import Bushing, CustomForce, Force, ForceFrame, Spring, Torque
 from derive.spec.model.markers import MarkerRef, PointMarker
+from derive.spec.model.plots import Plot
 from derive.spec.model.ports import SceneOutput
+from derive.spec.model.quantity import Quantity
 from derive.spec.model.simulation import NOT_GIVEN, InitialValues, Simulation
 from derive.spec.model.time_function import TimeFunction
 
@@ -168,49 +170,6 @@ class Drive:
     speed: Quantity | None = None
     offset: Fraction = Fraction(0)
     start: JointInitialValues = JointInitialValues()
-
-
-@dataclass(frozen=True)
-class Deflection:
-    """The distance of `marker` from the chord `start` -> `end`, to its left, divided by `over` (m)."""
-
-    marker: MarkerRef
-    start: MarkerRef
-    end: MarkerRef
-    over: float
-
-
-@dataclass(frozen=True)
-class ColumnCurves:
-    """Columns `y` of a trajectory over its column `x`, by their names."""
-
-    y: tuple[str, ...]
-    x: str = "t"
-
-
-@dataclass(frozen=True)
-class ReferenceCurve:
-    """Columns `x` and `y` of a CSV file to compare with; `rows` are its numbers."""
-
-    file: str
-    x: str
-    y: str
-    rows: tuple[tuple[float, float], ...]
-
-
-@dataclass(frozen=True)
-class Plot:
-    """A picture that `simulate` draws: a deflection over the time, or over the motion of the drive `over`; or columns.
-
-    `pieces` repeats it with the beam body `cut` cut into so many pieces each.
-    """
-
-    name: str
-    quantity: Deflection | ColumnCurves
-    over: str | None = None
-    cut: str | None = None
-    pieces: tuple[int, ...] = ()
-    reference: ReferenceCurve | None = None
 
 
 @dataclass(frozen=True)

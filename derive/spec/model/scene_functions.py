@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
-from derive.spec.model.body import Parameter
+from derive.spec.model.quantity import Parameter
 from derive.spec.model.scene import BeamBody, Scene
 from derive.spec.model.time_function import Spline, TimeFunction, break_times, parts
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from itertools import combinations
 
-from derive.spec.model.body import Parameter
+from derive.spec.model.quantity import Parameter
 
 
 @dataclass(frozen=True)

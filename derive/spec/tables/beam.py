@@ -30,11 +30,10 @@ from derive.spec.model.body import (
     Frame,
     FrameKind,
     Marker,
-    Parameter,
     PlanarBeam,
     Polynomial,
-    Quantity,
 )
+from derive.spec.model.quantity import Parameter, Quantity
 from derive.spec.parsing import choices, values
 from derive.spec.parsing.polynomial import MAX_LENGTH
 from derive.spec.tables.body import DampingTable

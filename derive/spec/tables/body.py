@@ -22,6 +22,7 @@ from derive.spec.model.body import (
     SymbolicBody,
     SymbolicFrame,
 )
+from derive.spec.model.plots import Plot
 from derive.spec.model.simulation import Simulation
 from derive.spec.parsing import choices, values
 from derive.spec.tables.shared import (
@@ -246,7 +247,7 @@ class NodalTable(TomlTable):
         """The frame, however it is written."""
         return self.frame.frame() if isinstance(self.frame, BodyFrameTable) else self.frame
 
-    def body(self, name: str, data: NodeData, simulation: Simulation | None) -> NodalBody:
+    def body(self, name: str, data: NodeData, simulation: Simulation | None, plots: tuple[Plot, ...]) -> NodalBody:
         """The body as the reduction takes it."""
         frame = self.body_frame()
         by_default = frame.kind == "mean" or data.modes is None
@@ -264,6 +265,7 @@ class NodalTable(TomlTable):
             start=self.start.start(),
             simulation=simulation,
             order=DisplacementOrder.TRUNCATED if second_order else DisplacementOrder.FIRST_ORDER,
+            plots=plots,
         )
 
 

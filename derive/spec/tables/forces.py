@@ -9,9 +9,9 @@ from pydantic import Field, create_model, model_validator
 
 from derive.mechanics.multibody.forces.force_type import ForceType
 from derive.mechanics.multibody.forces.registry import DEFAULT_KINDS, FORCES, kinds
-from derive.spec.model.body import Parameter
 from derive.spec.model.forces import SceneForce
 from derive.spec.model.markers import MarkerRef
+from derive.spec.model.quantity import Parameter
 from derive.spec.model.scene import NAMED
 from derive.spec.parsing import values
 from derive.spec.tables.declared_keys import check_keys, fields_of_kinds, key_values, kind_field

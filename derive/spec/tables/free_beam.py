@@ -8,6 +8,7 @@ from typing import Annotated
 from pydantic import Field
 
 from derive.spec.model.body import PlanarBeam
+from derive.spec.model.plots import Plot
 from derive.spec.model.simulation import Simulation
 from derive.spec.tables.beam import BeamKeys
 from derive.spec.tables.initial_values import BeamStartTable
@@ -22,7 +23,8 @@ class BeamTable(BeamKeys):
         BeamStartTable()
     )
 
-    def free_beam(self, name: str, simulation: Simulation | None) -> PlanarBeam:
+    def free_beam(self, name: str, simulation: Simulation | None, plots: tuple[Plot, ...]) -> PlanarBeam:
         """The beam as the derivation takes it, with gravity, and as it is simulated."""
         gravity = self.gravity and (acceleration(self.gravity[0]), acceleration(self.gravity[1]))
-        return replace(self.planar_beam(name, gravity), start=self.start.start(), simulation=simulation)
+        beam = self.planar_beam(name, gravity)
+        return replace(beam, start=self.start.start(), simulation=simulation, plots=plots)

@@ -23,9 +23,10 @@ from derive.mechanics.multibody.bodies.beam import ENDS_OF_PIECES
 from derive.mechanics.multibody.bodies.beam_loads import point_names
 from derive.mechanics.multibody.bodies.body_type import BodyType
 from derive.mechanics.multibody.bodies.registry import BODIES
-from derive.spec.model.body import DEFAULT_LENGTH, DEFAULT_MASS, Polynomial, Quantity
+from derive.spec.model.body import DEFAULT_LENGTH, DEFAULT_MASS, Polynomial
 from derive.spec.model.forces import FORCE_FRAMES, ForceFrame
 from derive.spec.model.markers import PointMarker
+from derive.spec.model.quantity import Quantity
 from derive.spec.model.scene import BeamBody, CustomBody, DistributedLoad, RigidBody, SceneBody
 from derive.spec.parsing import choices, values
 from derive.spec.parsing.polynomial import MAX_LENGTH

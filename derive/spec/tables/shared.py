@@ -20,7 +20,7 @@ from pydantic import (
     WithJsonSchema,
 )
 
-from derive.spec.model.body import Parameter, Quantity
+from derive.spec.model.quantity import Parameter, Quantity
 from derive.spec.parsing import values
 from derive.spec.parsing.names import MAX_LENGTH as MAX_NAME
 from derive.spec.parsing.names import PATTERN as NAME_PATTERN

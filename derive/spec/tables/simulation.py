@@ -15,7 +15,7 @@ from pydantic import (
     model_validator,
 )
 
-from derive.spec.model.scene import ColumnCurves, Deflection, Plot, ReferenceCurve
+from derive.spec.model.plots import ColumnCurves, Deflection, Plot, ReferenceCurve
 from derive.spec.model.simulation import Simulation
 from derive.spec.parsing import scene_values, values
 from derive.spec.tables.markers import MarkerInput, NameOf, PieceCount, PositiveFloat, Text, TwoMarkers

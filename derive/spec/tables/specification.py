@@ -11,6 +11,7 @@ from pydantic import ConfigDict, Field, create_model
 
 from derive.mechanics.multibody.forces.registry import DEFAULT_KINDS
 from derive.spec.files.reference_curves import Rows
+from derive.spec.model.plots import Plot
 from derive.spec.model.scene import Scene
 from derive.spec.model.simulation import Simulation
 from derive.spec.tables.body import BodyInput
@@ -38,7 +39,6 @@ SCENE = (
     "outputs",
     "parameters",
     "tables",
-    "plots",
 )
 """The keys of a specification that make it a scene."""
 
@@ -104,6 +104,10 @@ class SpecificationTable(TomlTable):
         """How the scene or the body is simulated, if that is specified."""
         return None if self.simulation is None else self.simulation.simulation()
 
+    def drawn(self, references: Mapping[str, Rows]) -> tuple[Plot, ...]:
+        """The plots; `references` are the numbers of those with a reference."""
+        return tuple(table.plot(name, references.get(name, ())) for name, table in self.plots.items())
+
     def scene_of(self, references: Mapping[str, Rows]) -> Scene:
         """The scene as the derivation takes it; `references` are the numbers of plots with a reference."""
         gravity = None if self.scene is None else self.scene.gravity
@@ -120,7 +124,7 @@ class SpecificationTable(TomlTable):
             inputs=tuple(table.input(name) for name, table in self.inputs.items()),
             outputs=tuple(table.output(name) for name, table in self.outputs.items()),
             simulation=self.settings(),
-            plots=tuple(table.plot(name, references.get(name, ())) for name, table in self.plots.items()),
+            plots=self.drawn(references),
             start=None if self.scene is None else self.scene.start,
         )
 

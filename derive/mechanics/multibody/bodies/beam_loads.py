@@ -16,9 +16,10 @@ import sympy as sp
 from derive.mechanics.bodies.beam import point_that_sees
 from derive.mechanics.bodies.reference_conditions import exact_polynomial, integral, xi
 from derive.mechanics.multibody.bodies.body_type import CrossSection
-from derive.spec.model.body import Parameter, Polynomial, Quantity
+from derive.spec.model.body import Polynomial
 from derive.spec.model.forces import Force
 from derive.spec.model.markers import MarkerRef
+from derive.spec.model.quantity import Parameter, Quantity
 from derive.spec.model.scene import BeamBody, DistributedLoad
 from derive.spec.model.time_function import TimeFunction
 

@@ -1,0 +1,124 @@
+"""A simulation that is ready to run: whatever can be wrong with its specification has been checked."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Iterable, Iterator, Sequence
+from typing import Generic, TypeVar
+
+from derive.artifacts import File
+from derive.backends.model_files import model_files
+from derive.derivation import derive, lower
+from derive.errors import Problem, SpecError, quoted
+from derive.runtime.native_body import NativeBody
+from derive.runtime.native_call import Vector
+from derive.runtime.native_scene import NativeScene
+from derive.simulation.earlier_run import EarlierRun
+from derive.simulation.integration.integrator import Integrator, Settings
+from derive.simulation.integration.registry import INTEGRATORS
+from derive.simulation.integration.solution import Progress, Solution
+from derive.simulation.output_times import output_times
+from derive.simulation.stop_condition import stop_condition, stop_event
+from derive.simulation.trajectory import ColumnTable, RunSettings
+from derive.spec.model.body import NodalBody
+from derive.spec.model.plots import ColumnCurves, Plot
+from derive.spec.model.scene import Scene
+from derive.spec.parsing.condition import Row
+from derive.spec.parsing.faults import did_you_mean
+
+Native = TypeVar("Native", bound=NativeScene | NativeBody)
+Start = TypeVar("Start")
+Result = TypeVar("Result", bound=ColumnTable)
+
+
+class PreparedRun(ABC, Generic[Native, Start, Result]):
+    """The simulation of `spec`, with its `model`, its columns and its plots; `trajectory` runs it.
+
+    units: those of the columns by their names. Subclasses say what a scene and a body in space do differently.
+    """
+
+    breaks: tuple[float, ...] = ()
+    """The times (s) at which functions of time jump."""
+
+    def __init__(self, spec: Scene | NodalBody, integrator: str, step: float | None) -> None:
+        """Arguments as for `simulate`; the specification has a `simulation`. Raises SpecError, UnknownNameError."""
+        assert spec.simulation is not None, "simulation_settings makes it"
+        self.spec, self.settings = spec, RunSettings(spec.simulation, integrator, step)
+        self._compile = INTEGRATORS[integrator]
+        self.model = lower(derive(spec))
+        columns = self._columns()
+        self.units = dict(columns)
+        problems = [*_repeated(name for name, _ in columns), *_plots_of_nothing(spec.plots, tuple(self.units))]
+        self._until, wrong = stop_condition(spec.simulation, tuple(self.units))
+        if problems or wrong:
+            raise SpecError((*problems, *wrong))
+        self.plots = (*spec.plots, *self._default_plots())
+
+    def trajectory(self, earlier: EarlierRun | None = None, progress: Progress | None = None) -> Result:
+        """The motion; arguments as for `simulate`. Raises CompilerError, ModelError, SimulationError."""
+        simulation = self.settings.simulation
+        native, integrator = self._compiled(model_files(self.model, self.spec))
+        k = native.setup()
+        q, v, start = self._start(native, k)
+        times = output_times(simulation)
+        if earlier is not None:
+            q, v, times = earlier.q, earlier.v, earlier.times(times)
+
+        def row(solution: Solution) -> Row:
+            values = self._values(native, k, solution)
+            return {name: float(column[0]) for name, column in zip(self.units, values, strict=True)}
+
+        settings = Settings(
+            tolerance=simulation.tolerance,
+            step=self.settings.step,
+            breaks=self.breaks,
+            until=stop_event(self._until, row, native, k),
+            progress=progress,
+        )
+        solution = integrator.integrate(k, q, v, times, settings)
+        if earlier is not None:
+            solution = earlier.continued(self.model, solution)
+        return self._result(native, k, start, solution)
+
+    @abstractmethod
+    def _columns(self) -> Sequence[tuple[str, str]]:
+        """The names of the columns with their units."""
+
+    @abstractmethod
+    def _default_plots(self) -> Iterable[Plot]:
+        """The plots of what the specification does not plot itself."""
+
+    @abstractmethod
+    def _compiled(self, files: Sequence[File]) -> tuple[Native, Integrator]:
+        """The compiled model and the integrator."""
+
+    @abstractmethod
+    def _start(self, native: Native, k: Vector) -> tuple[Vector, Vector, Start]:
+        """The initial q (nq,) and v (nv,), and what the result has to know of them."""
+
+    @abstractmethod
+    def _values(self, native: Native, k: Vector, solution: Solution) -> Sequence[Vector]:
+        """The values (n,) of the columns."""
+
+    @abstractmethod
+    def _result(self, native: Native, k: Vector, start: Start, solution: Solution) -> Result:
+        """The motion as named columns."""
+
+
+def _repeated(names: Iterable[str]) -> Iterator[Problem]:
+    seen = set[str]()
+    for name in names:
+        if name in seen:
+            yield Problem("", f"two columns are called {quoted(name)}; choose other names of outputs, inputs or drives")
+        seen.add(name)
+
+
+def _plots_of_nothing(plots: Iterable[Plot], known: tuple[str, ...]) -> Iterator[Problem]:
+    """Plots of columns that the motion does not have."""
+    for plot in plots:
+        if isinstance(plot.quantity, ColumnCurves):
+            for key, names in (("x", (plot.quantity.x,)), ("y", plot.quantity.y)):
+                for name in names:
+                    if name not in known:
+                        near = did_you_mean(name, known, f"the columns are {', '.join(known)}")
+                        yield Problem(f"plots.{plot.name}.{key}", f"there is no column {quoted(name)}{near}")

@@ -1,0 +1,69 @@
+"""The simulation of a scene: functions in place of its run-time inputs, its consistent initial state, its columns."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from derive.artifacts import File
+from derive.runtime.native_call import Vector
+from derive.runtime.native_scene import NativeScene
+from derive.simulation.drive_jumps import check_drives
+from derive.simulation.errors import SimulationError
+from derive.simulation.initial.initial_state import InitialState, initial_state
+from derive.simulation.inputs import DrivenScene, InputFunction, with_functions
+from derive.simulation.integration.integrator import Integrator, scene_of
+from derive.simulation.integration.solution import Solution
+from derive.simulation.observables.default_plots import default_plots
+from derive.simulation.observables.motion import SceneMotion
+from derive.simulation.prepared_run import PreparedRun
+from derive.simulation.trajectory import Trajectory, column_units, column_values
+from derive.spec.model.plots import Plot
+from derive.spec.model.scene import Scene
+from derive.spec.model.scene_functions import breaks
+
+
+class SceneRun(PreparedRun[NativeScene, InitialState, Trajectory]):
+    """The simulation of a scene. inputs: functions in Python by the names of the run-time inputs, see `simulate`."""
+
+    def __init__(
+        self,
+        scene: Scene,
+        integrator: str,
+        step: float | None,
+        inputs: Mapping[str, InputFunction],
+    ) -> None:
+        self.inputs = dict(inputs)
+        self.scene = with_functions(scene, self.inputs)
+        self.breaks = breaks(self.scene)
+        check_drives(self.scene)
+        super().__init__(self.scene, integrator, step)
+
+    def _columns(self) -> Sequence[tuple[str, str]]:
+        return column_units(self.scene, self.model)
+
+    def _default_plots(self) -> Sequence[Plot]:
+        return default_plots(self.scene, self.model)
+
+    def _compiled(self, files: Sequence[File]) -> tuple[NativeScene, Integrator]:
+        name, compiled = self.settings.integrator, self._compile(files)
+        native = scene_of(compiled.native, name)
+        if self.inputs:
+            if compiled.through_python is None:
+                raise SimulationError(
+                    f"{name} calls C alone, which knows no functions of Python for {', '.join(self.inputs)}; choose "
+                    "dop853, rk45 or ida, or write the functions in the specification"
+                )
+            native = DrivenScene(native, self.scene, self.inputs)
+            compiled = compiled.through_python(native)
+        return native, compiled
+
+    def _start(self, native: NativeScene, k: Vector) -> tuple[Vector, Vector, InitialState]:
+        initial = initial_state(self.scene, native, k)
+        return initial.q, initial.v, initial
+
+    def _values(self, native: NativeScene, k: Vector, solution: Solution) -> Sequence[Vector]:
+        return column_values(self.scene, native, k, solution)
+
+    def _result(self, native: NativeScene, k: Vector, start: InitialState, solution: Solution) -> Trajectory:
+        motion = SceneMotion(self.scene, native, k, solution.t, solution.q, solution.v)
+        return Trajectory(self.scene, self.model, start, motion, solution, self.settings)
