@@ -157,6 +157,13 @@ def _add_study(commands: Any) -> None:
         help="numbers of beams per rod (default: 1,2,3,10,30)",
     )
     frames.add_argument(
+        "--elimination",
+        choices=["safe", "matched"],
+        default="safe",
+        help="the order in which KKT matrices are eliminated: safe in every state as in generated code, or each "
+        "multiplier matched to a coordinate, with less fill-in (default: safe)",
+    )
+    frames.add_argument(
         "--runs", type=_count, default=15, metavar="N", help="interleaved measurements of each frame (default: 15)"
     )
     frames.add_argument("--chart", type=Path, metavar="FILE", help="chart (default: results/NAME/frames.svg)")

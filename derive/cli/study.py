@@ -9,6 +9,7 @@ from pathlib import Path
 from derive.artifacts import File, write
 from derive.cli.specifications import read_scene
 from derive.errors import Problem, SpecError
+from derive.lowering.elimination_orders import Elimination
 from derive.simulation.observables.beams import beam_bodies
 from derive.spec.model.scene import Scene
 from derive.spec.toml.read import with_lines
@@ -44,14 +45,15 @@ def _scene(path: Path) -> Scene:
 
 def _frames(scene: Scene, options: argparse.Namespace) -> int:
     names = options.frames
-    rows = compare_frames(scene, options.pieces, names, options.runs)
+    elimination = Elimination(options.elimination)
+    rows = compare_frames(scene, options.pieces, names, options.runs, elimination)
     show_progress()
     target = options.chart or Path("results") / scene.name / "frames.svg"
     write([File(target.name, frame_cost_svg(scene.name, names, rows))], target.parent)
     if options.json:
-        print(json.dumps({**frame_cost_data(scene.name, names, rows), "files": [str(target)]}, indent=2))
+        print(json.dumps({**frame_cost_data(scene.name, names, rows, elimination), "files": [str(target)]}, indent=2))
     else:
-        print(f"{frame_cost_text(scene.name, names, rows)}\n\nwrote {target}")
+        print(f"{frame_cost_text(scene.name, names, rows, elimination)}\n\nwrote {target}")
     return 0
 
 

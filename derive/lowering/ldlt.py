@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import casadi as ca
 
 from derive.ir.patterns import Pattern
+from derive.lowering.elimination_orders import elimination_order, fill_in
 
 Entries = dict[tuple[int, int], ca.SX]
 
@@ -28,41 +29,6 @@ class Factorisation:
     lower: dict[int, tuple[tuple[int, ca.SX], ...]]
     fill: int
     coordinates: int
-
-
-def elimination_order(pattern: Pattern) -> tuple[int, ...]:
-    """The approximate minimum degree order of a symmetric pattern (CasADi's AMD)."""
-    rows = [i for i, j in pattern.entries] + [j for i, j in pattern.entries]
-    cols = [j for i, j in pattern.entries] + [i for i, j in pattern.entries]
-    diagonal = list(range(pattern.rows))
-    return tuple(ca.Sparsity.triplet(pattern.rows, pattern.cols, rows + diagonal, cols + diagonal).amd())
-
-
-def kkt_elimination_order(pattern: Pattern, coordinates: int) -> tuple[int, ...]:
-    """The elimination order of the KKT matrix [M, -G^T; -G, 0], whose first `coordinates` rows are those of M.
-
-    It is the order of AMD, except that each multiplier is eliminated after its coordinates. Then no pivot vanishes in
-    any state in which M is positive definite and the rows of G are independent, whatever entries of G vanish there: the
-    eliminated block contains every eliminated multiplier with its complete row of G and is therefore regular. Pivots of
-    coordinates are positive, those of multipliers negative.
-    """
-    missing: dict[int, set[int]] = {k: set() for k in range(coordinates, pattern.rows)}
-    for i, j in pattern.entries:
-        if i >= coordinates > j:
-            missing[i].add(j)
-    order: list[int] = []
-    waiting: list[int] = []
-    for node in elimination_order(pattern):
-        if node >= coordinates:
-            waiting.append(node)
-        else:
-            order.append(node)
-            for coordinates_of in missing.values():
-                coordinates_of.discard(node)
-        ready = [k for k in waiting if not missing[k]]
-        order += ready
-        waiting = [k for k in waiting if missing[k]]
-    return tuple(order)
 
 
 def factorise(
@@ -107,24 +73,6 @@ def factorise(
                     neighbours[other].add(i)
     fill = fill_in(pattern, order)
     return Factorisation(order, tuple(pivots), tuple(scales), tuple(inverses), lower, fill, coordinates)
-
-
-def fill_in(pattern: Pattern, order: tuple[int, ...]) -> int:
-    """The number of entries of L below the diagonal that are not entries of the matrix."""
-    graph: dict[int, set[int]] = {node: set() for node in order}
-    for i, j in pattern.entries:
-        if i != j:
-            graph[i].add(j)
-            graph[j].add(i)
-    present = sum(map(len, graph.values())) // 2
-    stored = 0
-    for node in order:
-        neighbours = graph.pop(node)
-        stored += len(neighbours)
-        for other in neighbours:
-            graph[other] |= neighbours
-            graph[other] -= {node, other}
-    return stored - present
 
 
 def _ordered(i: int, j: int, position: dict[int, int]) -> tuple[int, int]:

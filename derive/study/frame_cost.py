@@ -10,7 +10,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from derive.backends.model_files import model_files
-from derive.derivation import derive, lower
+from derive.derivation import derive
+from derive.lowering.elimination_orders import Elimination
+from derive.lowering.flat.lower import lower
 from derive.mechanics.equations import Equations
 from derive.runtime.integrators.fixed_step import FixedStep
 from derive.runtime.native_call import Vector
@@ -59,20 +61,26 @@ class _Built:
 
 
 def compare_frames(
-    scene: Scene, pieces: Sequence[int], frames: tuple[str, str], runs: int
+    scene: Scene,
+    pieces: Sequence[int],
+    frames: tuple[str, str],
+    runs: int,
+    elimination: Elimination = Elimination.SAFE,
 ) -> tuple[FrameComparison, ...]:
     """The comparison of two frames for each number of pieces: first all variants are compiled, then they are timed.
+
+    elimination: the order in which the KKT matrices of both frames are eliminated.
 
     Raises SpecError, CompilerError, SimulationError, IntegratorError.
     """
     with ThreadPoolExecutor(2) as pool:
-        pending = [_build(variant(scene, n, frame), pool) for n in pieces for frame in frames]
+        pending = [_build(variant(scene, n, frame), elimination, pool) for n in pieces for frame in frames]
         built = [_compiled(*item) for item in pending]
     return tuple(_comparison(n, built[2 * i], built[2 * i + 1], runs) for i, n in enumerate(pieces))
 
 
 def _build(
-    variant: SceneVariant, pool: ThreadPoolExecutor
+    variant: SceneVariant, elimination: Elimination, pool: ThreadPoolExecutor
 ) -> tuple[SceneVariant, OperationCounts, dict[str, float], Future[tuple[FixedStep, float]]]:
     """A variant whose compilation has been submitted to the pool."""
     show_progress(f"deriving and lowering: {_label(variant)}")
@@ -80,9 +88,9 @@ def _build(
     equations = derive(variant.scene).expanded()
     assert isinstance(equations, Equations)
     marks.append(time.perf_counter())
-    model = lower(equations)
+    model = lower(equations, elimination=elimination)
     marks.append(time.perf_counter())
-    files, counts = model_files(model, variant.scene), operation_counts(equations)
+    files, counts = model_files(model, variant.scene), operation_counts(equations, elimination)
     marks.append(time.perf_counter())
     seconds = dict(zip(("derive", "lower", "emit"), np.diff(marks).tolist(), strict=True))
 

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import asdict
 from typing import Any
 
+from derive.lowering.elimination_orders import Elimination
 from derive.study.frame_cost import PAPER, FrameComparison, FrameCost
 from derive.study.timing import DRIFT, STABLE, Ratio, machine_description
 from derive.terminal import beam_count, magnitude, table, wrapped
@@ -14,15 +15,25 @@ HEAD = (
     *("beams", "frame", "nnz(M)", "nnz(KKT)", "fill-in", "LDL^T", "in code", "force", "accel", "cond(M)", "cond(KKT)"),
     *("force", "accel", "step", "spread", "paper"),
 )
+ELIMINATIONS = {
+    Elimination.SAFE: "elimination: each multiplier after all of its coordinates, which is safe in every state with "
+    "independent constraints: the order of generated code",
+    Elimination.MATCHED: "elimination: each multiplier after one of its coordinates, with the least work that was "
+    "found: not safe in every state, since a pivot vanishes where the entry that pairs the two does; it is checked",
+}
+"""What the notes say of an elimination order."""
 UNITS = ("", "", "", "", "", "flops", "flops", "flops", "flops", "", "", "ns", "ns", "ns", "of step", "")
 
 
-def frame_cost_data(name: str, frames: tuple[str, str], rows: Sequence[FrameComparison]) -> dict[str, Any]:
+def frame_cost_data(
+    name: str, frames: tuple[str, str], rows: Sequence[FrameComparison], elimination: Elimination
+) -> dict[str, Any]:
     """All numbers as plain data; times are CPU seconds."""
     first, second = frames
     return {
         "name": name,
         "frames": list(frames),
+        "elimination": elimination.value,
         **machine_description(),
         "rows": [
             {
@@ -37,7 +48,9 @@ def frame_cost_data(name: str, frames: tuple[str, str], rows: Sequence[FrameComp
     }
 
 
-def frame_cost_text(name: str, frames: tuple[str, str], rows: Sequence[FrameComparison]) -> str:
+def frame_cost_text(
+    name: str, frames: tuple[str, str], rows: Sequence[FrameComparison], elimination: Elimination
+) -> str:
     """The table with its notes."""
     first, second = frames
     cells: list[Sequence[str]] = [HEAD, UNITS]
@@ -47,7 +60,7 @@ def frame_cost_text(name: str, frames: tuple[str, str], rows: Sequence[FrameComp
         [
             f"{name}: the {first} frame against the {second} frame",
             *table(cells[:-1], left=2),
-            *_notes(frames, rows),
+            *_notes(frames, rows, elimination),
         ]
     )
 
@@ -96,13 +109,14 @@ def _paper(frames: tuple[str, str], pieces: int) -> float | None:
     return PAPER.get(pieces) if frames == ("mean", "point") else None
 
 
-def _notes(frames: tuple[str, str], rows: Sequence[FrameComparison]) -> list[str]:
+def _notes(frames: tuple[str, str], rows: Sequence[FrameComparison], elimination: Elimination) -> list[str]:
     machine, runs = machine_description(), rows[0].times.runs
     steps = (f"{beam_count(r.pieces)}: {r.times.steps} of {r.times.step:.2g} s" for r in rows)
     corrections = (f"{beam_count(r.pieces)}: {' and '.join(map(str, r.times.corrections))}" for r in rows)
     first, second = frames
     notes = [
         "non-zeros: structural, of both triangles; fill-in: of one",
+        ELIMINATIONS[elimination],
         "LDL^T: operations of the factorisation, if no entry is known before run time; in code: those of the generated "
         "code, which computes what depends on parameters alone in setup",
         "force, accel: all operations of these functions; a sine counts as one",

@@ -14,7 +14,7 @@ from scipy.sparse import csr_array
 from scipy.sparse.csgraph import min_weight_full_bipartite_matching
 
 from derive.ir.patterns import Pattern
-from derive.lowering.ldlt import elimination_order, kkt_elimination_order
+from derive.lowering.elimination_orders import elimination_order, safe_order
 from derive.runtime.native_call import Matrix
 from derive.study.elimination import entry_mask
 
@@ -32,7 +32,7 @@ class Order:
 
 def constrained(shape: Pattern, coordinates: int, _: Matrix) -> Order:
     """Minimum degree (AMD) with multipliers after all of their coordinates: the order of the generated code."""
-    order = kkt_elimination_order(shape, coordinates)
+    order = safe_order(shape, coordinates)
     return Order(order, order)
 
 

@@ -7,12 +7,12 @@ from dataclasses import dataclass, replace
 import casadi as ca
 
 from derive.ir.analysis import operations
+from derive.lowering.elimination_orders import Elimination, work
 from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.constraints import jacobian_entries, kkt_factors, kkt_pattern
 from derive.lowering.flat.context import Context, stores
 from derive.lowering.flat.lower import lower
 from derive.lowering.flat.schedule import Step
-from derive.lowering.ldlt import Factorisation
 from derive.mechanics.equations import Equations
 from derive.spec.model.scene import BeamBody, Scene
 from derive.spec.parsing import choices
@@ -62,10 +62,10 @@ class OperationCounts:
     accel: int
 
 
-def operation_counts(equations: Equations) -> OperationCounts:
-    """The operation_counts of the equations of a scene."""
-    context = Context(equations)
-    model = lower(equations)
+def operation_counts(equations: Equations, elimination: Elimination = Elimination.SAFE) -> OperationCounts:
+    """The operation_counts of the equations of a scene, with an elimination order of the KKT matrix."""
+    context = Context(equations, elimination)
+    model = lower(equations, elimination=elimination)
     factors = kkt_factors(context, context.symbols(context.t, context.q))
     return OperationCounts(
         coordinates=len(context.rows),
@@ -73,17 +73,11 @@ def operation_counts(equations: Equations) -> OperationCounts:
         mass=context.mass_pattern().full_nnz,
         kkt=kkt_pattern(context).full_nnz,
         fill=factors.fill,
-        flops=flops(factors),
+        flops=work(kkt_pattern(context), factors.order),
         factorise=_generated(context),
         force=model.kernel("force").operations,
         accel=model.kernel("accel").operations,
     )
-
-
-def flops(factors: Factorisation) -> int:
-    """Divisions, products and sums of LDL^T: 1 + c + c (c + 1) for a column with c entries below its pivot."""
-    below = (len(column) for column in factors.lower.values())
-    return sum(1 + c + c * (c + 1) for c in below)
 
 
 def _generated(context: Context) -> int:

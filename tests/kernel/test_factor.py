@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from derive.ir.patterns import Pattern, pattern
-from derive.lowering.ldlt import elimination_order, factorise, solve
+from derive.lowering.elimination_orders import elimination_order
+from derive.lowering.ldlt import factorise, solve
 
 
 def random_pattern(n: int, density: float, seed: int) -> Pattern:

@@ -8,7 +8,8 @@ import pytest
 from numpy.typing import NDArray
 
 from derive.ir.patterns import Pattern, pattern
-from derive.lowering.ldlt import elimination_order, factorise, kkt_elimination_order, solve
+from derive.lowering.elimination_orders import elimination_order, fill_in, matched_order, safe_order, work
+from derive.lowering.ldlt import factorise, solve
 
 N, MULTIPLIERS = 9, 5
 
@@ -32,7 +33,7 @@ def test_solution_is_that_of_numpy(seed: int) -> None:
     shape, matrix = random_saddle(seed)
     assert np.linalg.matrix_rank(matrix[N:, :N]) == MULTIPLIERS
     right = np.random.default_rng(seed).uniform(-1, 1, len(matrix))
-    solution, pivots, order = eliminated(shape, matrix, right, kkt_elimination_order(shape, N))
+    solution, pivots, order = eliminated(shape, matrix, right, safe_order(shape, N))
     assert np.allclose(solution, np.linalg.solve(matrix, right), rtol=1e-11, atol=1e-12)
     assert all((pivot > 0) == (node < N) for pivot, node in zip(pivots, order, strict=True))
 
@@ -40,11 +41,25 @@ def test_solution_is_that_of_numpy(seed: int) -> None:
 @pytest.mark.parametrize("seed", range(20))
 def test_multipliers_wait_for_their_coordinates(seed: int) -> None:
     shape, _ = random_saddle(seed)
-    order = kkt_elimination_order(shape, N)
+    order = safe_order(shape, N)
     assert sorted(order) == list(range(N + MULTIPLIERS))
     for i, j in shape.entries:
         if i >= N > j:
             assert order.index(i) > order.index(j)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_a_matched_order_takes_no_more_work_and_solves_the_same(seed: int) -> None:
+    shape, matrix = random_saddle(seed)
+    order = matched_order(shape, N)
+    assert sorted(order) == list(range(N + MULTIPLIERS))
+    for k in range(N, N + MULTIPLIERS):
+        assert any(order.index(j) < order.index(k) for i, j in shape.entries if i == k)
+    assert work(shape, order) <= work(shape, safe_order(shape, N))
+    assert fill_in(shape, order) <= fill_in(shape, safe_order(shape, N))
+    right = np.random.default_rng(seed).uniform(-1, 1, len(matrix))
+    solution, _, _ = eliminated(shape, matrix, right, order)
+    assert np.allclose(solution, np.linalg.solve(matrix, right), rtol=1e-8, atol=1e-9)
 
 
 def test_an_order_that_does_not_know_of_multipliers_fails() -> None:
@@ -69,7 +84,7 @@ def test_a_pivot_of_dependent_constraints_is_rounding_error_of_its_scale() -> No
     size = len(matrix)
     shape = pattern(size, size, {(i, j) for i, j in zip(*np.nonzero(np.tril(matrix)), strict=True)}, symmetric=True)
     symbols = {entry: ca.SX.sym("a") for entry in shape.entries}
-    factors = factorise(shape, symbols, kkt_elimination_order(shape, 3), 3)
+    factors = factorise(shape, symbols, safe_order(shape, 3), 3)
     last = ca.Function("f", [ca.vertcat(*symbols.values())], [factors.pivots[-1], factors.scales[-1]])
     pivot, scale = (float(x) for x in last([matrix[e] for e in symbols]))
     assert abs(pivot) < 2**-44 * abs(scale)

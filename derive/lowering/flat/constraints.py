@@ -14,13 +14,14 @@ from derive.ir.expressions import Number
 from derive.ir.model import Kernel, Kkt
 from derive.ir.patterns import Pattern, pattern
 from derive.ir.statements import Requirement, ReturnCode
+from derive.lowering.elimination_orders import fill_in
 from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.context import Context, Input, array_input, stores
 from derive.lowering.flat.functions import pivot_checks
 from derive.lowering.flat.graph import LoweringError
 from derive.lowering.flat.schedule import NamedValue, RequiredValue, Step
 from derive.lowering.functions import ModelFunction, OutputElements
-from derive.lowering.ldlt import Factorisation, factorise, fill_in, kkt_elimination_order, solve
+from derive.lowering.ldlt import Factorisation, factorise, solve
 from derive.lowering.redundancy import Dependence, dependences, redundancy_text
 from derive.mechanics.symbols import local
 from derive.roles import Source
@@ -141,7 +142,7 @@ def kkt_pattern(context: Context) -> Pattern:
 def kkt(context: Context) -> Kkt:
     """The structure of the KKT matrix: its pattern, elimination order and fill-in."""
     shape = kkt_pattern(context)
-    order = kkt_elimination_order(shape, len(context.rows))
+    order = context.elimination.order(shape, len(context.rows))
     return Kkt(shape, order, fill_in(shape, order))
 
 
@@ -151,7 +152,7 @@ def kkt_factors(context: Context, symbols: Symbols) -> Factorisation:
     entries = {(i, j): symbols(context.equations.mass[i, j]) for i, j in context.mass_pattern().entries}
     entries |= {(n + i, j): -value for (i, j), value in jacobian_entries(context, symbols).items()}
     shape = kkt_pattern(context)
-    return factorise(shape, entries, kkt_elimination_order(shape, n), n)
+    return factorise(shape, entries, context.elimination.order(shape, n), n)
 
 
 def _bias(context: Context, symbols: Symbols) -> list[ca.SX]:

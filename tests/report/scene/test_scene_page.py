@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from derive.lowering.ldlt import fill_in
+from derive.lowering.elimination_orders import fill_in
 from derive.pipeline import Built, build
 from derive.report.document.anchors import faults
 from derive.report.document.page import Page
