@@ -7,7 +7,7 @@ import pytest
 import derive
 from conftest import ROOT
 from derive.ir.patterns import pattern
-from derive.lowering.elimination_orders import Elimination
+from derive.lowering.elimination_orders import Elimination, work
 from derive.simulation.observables.beams import beam_bodies
 from derive.study.variants import OperationCounts, operation_counts, variant
 
