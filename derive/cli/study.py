@@ -9,7 +9,7 @@ from pathlib import Path
 from derive.artifacts import File, write
 from derive.cli.specifications import read_scene
 from derive.errors import Problem, SpecError
-from derive.lowering.elimination_orders import Elimination
+from derive.lowering.elimination_orders import EliminationRule
 from derive.simulation.observables.beams import beam_bodies
 from derive.spec.model.scene import Scene
 from derive.spec.toml.read import with_lines
@@ -45,7 +45,7 @@ def _scene(path: Path) -> Scene:
 
 def _frames(scene: Scene, options: argparse.Namespace) -> int:
     names = options.frames
-    elimination = Elimination(options.elimination)
+    elimination = EliminationRule(options.elimination)
     rows = compare_frames(scene, options.pieces, names, options.runs, elimination)
     show_progress()
     target = options.chart or Path("results") / scene.name / "frames.svg"

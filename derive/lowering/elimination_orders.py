@@ -20,7 +20,7 @@ TRIES = 200
 """Matchings from which `matched_order` takes the best."""
 
 
-class Elimination(Enum):
+class EliminationRule(Enum):
     """How the KKT matrix is eliminated.
 
     SAFE: each multiplier after all of its coordinates; no pivot vanishes in a state with independent constraints.
@@ -90,9 +90,9 @@ def matched_order(pattern: Pattern, coordinates: int) -> tuple[int, ...]:
     return best
 
 
-ORDERS: dict[Elimination, Callable[[Pattern, int], tuple[int, ...]]] = {
-    Elimination.SAFE: safe_order,
-    Elimination.MATCHED: matched_order,
+ORDERS: dict[EliminationRule, Callable[[Pattern, int], tuple[int, ...]]] = {
+    EliminationRule.SAFE: safe_order,
+    EliminationRule.MATCHED: matched_order,
 }
 
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from derive.backends.model_files import model_files
 from derive.derivation import derive
-from derive.lowering.elimination_orders import Elimination
+from derive.lowering.elimination_orders import EliminationRule
 from derive.lowering.flat.lower import lower
 from derive.mechanics.equations import Equations
 from derive.runtime.integrators.fixed_step import FixedStep
@@ -65,7 +65,7 @@ def compare_frames(
     pieces: Sequence[int],
     frames: tuple[str, str],
     runs: int,
-    elimination: Elimination = Elimination.SAFE,
+    elimination: EliminationRule = EliminationRule.SAFE,
 ) -> tuple[FrameComparison, ...]:
     """The comparison of two frames for each number of pieces: first all variants are compiled, then they are timed.
 
@@ -80,7 +80,7 @@ def compare_frames(
 
 
 def _build(
-    variant: SceneVariant, elimination: Elimination, pool: ThreadPoolExecutor
+    variant: SceneVariant, elimination: EliminationRule, pool: ThreadPoolExecutor
 ) -> tuple[SceneVariant, OperationCounts, dict[str, float], Future[tuple[FixedStep, float]]]:
     """A variant whose compilation has been submitted to the pool."""
     show_progress(f"deriving and lowering: {_label(variant)}")

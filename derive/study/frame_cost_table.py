@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import asdict
 from typing import Any
 
-from derive.lowering.elimination_orders import Elimination
+from derive.lowering.elimination_orders import EliminationRule
 from derive.study.frame_cost import PAPER, FrameComparison, FrameCost
 from derive.study.timing import DRIFT, STABLE, Ratio, machine_description
 from derive.terminal import beam_count, magnitude, table, wrapped
@@ -16,9 +16,9 @@ HEAD = (
     *("force", "accel", "step", "spread", "paper"),
 )
 ELIMINATIONS = {
-    Elimination.SAFE: "elimination: each multiplier after all of its coordinates, which is safe in every state with "
+    EliminationRule.SAFE: "elimination: each multiplier after all of its coordinates, which is safe in every state with "
     "independent constraints: the order of generated code",
-    Elimination.MATCHED: "elimination: each multiplier after one of its coordinates, with the least work that was "
+    EliminationRule.MATCHED: "elimination: each multiplier after one of its coordinates, with the least work that was "
     "found: not safe in every state, since a pivot vanishes where the entry that pairs the two does; it is checked",
 }
 """What the notes say of an elimination order."""
@@ -26,7 +26,7 @@ UNITS = ("", "", "", "", "", "flops", "flops", "flops", "flops", "", "", "ns", "
 
 
 def frame_cost_data(
-    name: str, frames: tuple[str, str], rows: Sequence[FrameComparison], elimination: Elimination
+    name: str, frames: tuple[str, str], rows: Sequence[FrameComparison], elimination: EliminationRule
 ) -> dict[str, Any]:
     """All numbers as plain data; times are CPU seconds."""
     first, second = frames
@@ -49,7 +49,7 @@ def frame_cost_data(
 
 
 def frame_cost_text(
-    name: str, frames: tuple[str, str], rows: Sequence[FrameComparison], elimination: Elimination
+    name: str, frames: tuple[str, str], rows: Sequence[FrameComparison], elimination: EliminationRule
 ) -> str:
     """The table with its notes."""
     first, second = frames
@@ -109,7 +109,7 @@ def _paper(frames: tuple[str, str], pieces: int) -> float | None:
     return PAPER.get(pieces) if frames == ("mean", "point") else None
 
 
-def _notes(frames: tuple[str, str], rows: Sequence[FrameComparison], elimination: Elimination) -> list[str]:
+def _notes(frames: tuple[str, str], rows: Sequence[FrameComparison], elimination: EliminationRule) -> list[str]:
     machine, runs = machine_description(), rows[0].times.runs
     steps = (f"{beam_count(r.pieces)}: {r.times.steps} of {r.times.step:.2g} s" for r in rows)
     corrections = (f"{beam_count(r.pieces)}: {' and '.join(map(str, r.times.corrections))}" for r in rows)

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import casadi as ca
 
 from derive.ir.analysis import operations
-from derive.lowering.elimination_orders import Elimination, work
+from derive.lowering.elimination_orders import EliminationRule, work
 from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.constraints import jacobian_entries, kkt_factors, kkt_pattern
 from derive.lowering.flat.context import Context, stores
@@ -62,7 +62,7 @@ class OperationCounts:
     accel: int
 
 
-def operation_counts(equations: Equations, elimination: Elimination = Elimination.SAFE) -> OperationCounts:
+def operation_counts(equations: Equations, elimination: EliminationRule = EliminationRule.SAFE) -> OperationCounts:
     """The operation_counts of the equations of a scene, with an elimination order of the KKT matrix."""
     context = Context(equations, elimination)
     model = lower(equations, elimination=elimination)

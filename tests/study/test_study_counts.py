@@ -7,7 +7,7 @@ import pytest
 import derive
 from conftest import ROOT
 from derive.ir.patterns import pattern
-from derive.lowering.elimination_orders import Elimination, work
+from derive.lowering.elimination_orders import EliminationRule, work
 from derive.simulation.observables.beams import beam_bodies
 from derive.study.variants import OperationCounts, operation_counts, variant
 
@@ -36,7 +36,7 @@ def test_counts(frame: str, pieces: int) -> None:
 def test_matched_orders_fill_in_less(frame: str, fill: int, flops: int) -> None:
     """Of three beams; the point frame gains more, so that the two are nearer to each other, each in its best order."""
     equations = derive.derive(variant(SCENE, 3, frame).scene).expanded()
-    counts = operation_counts(equations, Elimination.MATCHED)
+    counts = operation_counts(equations, EliminationRule.MATCHED)
     assert (counts.fill, counts.flops) == (fill, flops)
 
 

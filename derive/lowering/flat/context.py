@@ -14,7 +14,7 @@ from derive.ir.expressions import Number, ScalarRef
 from derive.ir.model import Argument, Kernel, Output, Section
 from derive.ir.patterns import Pattern, pattern
 from derive.ir.statements import Requirement, ReturnCode
-from derive.lowering.elimination_orders import Elimination
+from derive.lowering.elimination_orders import EliminationRule
 from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.graph import Graph, representable
 from derive.lowering.flat.schedule import NamedValue, OutputValue, RequiredValue, Step, StepItem, schedule
@@ -52,7 +52,7 @@ def scalar_input(symbol: sp.Symbol, doc: str) -> Input:
 class Context:
     """The data that all kernels of a model share during its lowering to straight-line code."""
 
-    def __init__(self, equations: Equations, elimination: Elimination = Elimination.SAFE) -> None:
+    def __init__(self, equations: Equations, elimination: EliminationRule = EliminationRule.SAFE) -> None:
         self.equations, self.elimination = equations, elimination
         self.coefficients = tuple(c for c in equations.coefficients if not c.zero)
         symbolic = (str(c.symbol) for c in self.coefficients if not c.value.is_Rational)

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 from derive.ir.model import Kernel, Model, Variable, Zero
-from derive.lowering.elimination_orders import Elimination
+from derive.lowering.elimination_orders import EliminationRule
 from derive.lowering.flat import constraints, dae, functions, outputs
 from derive.lowering.flat.casadi_symbols import table_name
 from derive.lowering.flat.context import Context
@@ -47,7 +47,7 @@ OF_MECHANISMS: Mapping[FunctionKind, Implementation] = {
 """The functions that only mechanisms have, and those that depend on constraints."""
 
 
-def lower(equations: Equations, choice: str = "", elimination: Elimination = Elimination.SAFE) -> Model:
+def lower(equations: Equations, choice: str = "", elimination: EliminationRule = EliminationRule.SAFE) -> Model:
     """The model, with all of its kernels, from its expanded equations.
 
     choice: the reason why the model has straight-line code; elimination: the order of the KKT matrix. Raises
