@@ -16,7 +16,7 @@ HEAD = (
     *("force", "accel", "step", "spread", "paper"),
 )
 ELIMINATIONS = {
-    EliminationRule.SAFE: "elimination: each multiplier after all of its coordinates, which is safe in every state with "
+    EliminationRule.SAFE: "elimination: each multiplier after all of its coordinates, safe in every state with "
     "independent constraints: the order of generated code",
     EliminationRule.MATCHED: "elimination: each multiplier after one of its coordinates, with the least work that was "
     "found: not safe in every state, since a pivot vanishes where the entry that pairs the two does; it is checked",
