@@ -1,0 +1,90 @@
+"""Makes solid_beam.npz: a slender free aluminium beam of solid elements, with its geometric stiffness matrices.
+
+    python scenes/make_solid_beam.py
+
+needs scikit-fem (`pip install 'tisserand[test]'`). The beam lies along e1 and is twice as wide along e2 as it is thick
+along e3. It is meshed with quadratic bricks of 27 nodes. The arrays are those of block.npz without the stiffness
+matrix, which modes that are given do not need, and K0omega and K0F of geometric_stiffness.py, K0F for the node in the
+middle of each end. K0t and K0r of a free body vanish and are left out. Poisson's ratio is zero, so that the beam bends
+as the theory of beams assumes.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import geometric_stiffness as stiffening
+import numpy as np
+from scipy.linalg import eigh
+from scipy.sparse import coo_array, csr_array, kron
+from skfem import Basis, ElementHex2, ElementVector, MeshHex
+from skfem.models.elasticity import lame_parameters, linear_elasticity
+from skfem.models.poisson import mass
+
+SIDES = (1.0, 0.02, 0.01)  # m
+BRICKS = (24, 1, 1)
+YOUNG, POISSON, DENSITY = 70e9, 0.0, 2700.0  # Pa, 1, kg/m^3
+MODES = 8
+
+
+def solid(sides: tuple[float, ...] = SIDES, bricks: tuple[int, ...] = BRICKS) -> stiffening.Solid:
+    """The beam, with its centre in the origin."""
+    axes = (np.linspace(-side / 2, side / 2, n + 1) for side, n in zip(sides, bricks, strict=True))
+    basis = Basis(MeshHex.init_tensor(*axes), ElementVector(ElementHex2()), intorder=5)
+    return stiffening.Solid(basis, YOUNG, POISSON, DENSITY)
+
+
+def assembled(beam: stiffening.Solid) -> tuple[np.ndarray, csr_array, csr_array]:
+    """Positions of the nodes, mass matrix of the nodes, stiffness matrix; nodes as in the basis."""
+    scalar = Basis(beam.basis.mesh, ElementHex2(), intorder=5)
+    m = csr_array(mass.assemble(scalar)) * beam.density
+    k = csr_array(linear_elasticity(*lame_parameters(beam.young, beam.poisson)).assemble(beam.basis))
+    return np.round(scalar.doflocs.T, 12), symmetric(m), symmetric(k)
+
+
+def symmetric(matrix: csr_array) -> csr_array:
+    """Without what rounding makes of entries that are the same, or zero."""
+    result = csr_array((matrix + matrix.T) / 2)
+    result.data[np.abs(result.data) < 1e-13 * np.abs(result.data).max()] = 0
+    result.eliminate_zeros()
+    return result
+
+
+def lowest_modes(k: csr_array, m: csr_array, count: int, rigid: int = 6) -> tuple[np.ndarray, np.ndarray]:
+    """The lowest elastic modes (count, displacements), orthonormal in the mass, and omega^2."""
+    squares, vectors = eigh(k.toarray(), kron(m, np.eye(3)).toarray(), subset_by_index=(0, rigid + count - 1))
+    modes = vectors.T[rigid:]
+    signs = np.sign(
+        modes[np.arange(count), np.argmax(np.abs(modes) > 0.6 * np.abs(modes).max(axis=1)[:, None], axis=1)]
+    )
+    return modes * signs[:, None], squares[rigid:]
+
+
+def ends(positions: np.ndarray) -> list[int]:
+    """The nodes in the middle of both ends."""
+    middle = np.abs(positions[:, 1:]).max(axis=1) < 1e-9
+    return [
+        int(np.flatnonzero(middle & (positions[:, 0] == x))[0]) for x in (positions[:, 0].min(), positions[:, 0].max())
+    ]
+
+
+def arrays() -> dict[str, np.ndarray]:
+    """What goes into the file."""
+    beam = solid()
+    positions, m, k = assembled(beam)
+    modes, squares = lowest_modes(k, m, MODES)
+    solve = stiffening.free(k, csr_array(kron(m, np.eye(3))), positions)
+    geometric = stiffening.matrices(beam, modes, ends(positions), solve)
+    entries = coo_array(m)
+    row, col = entries.coords
+    return {
+        "positions": positions,
+        **{"mass_row": row, "mass_col": col, "mass_value": entries.data},
+        "modes": modes.reshape(MODES, -1, 3),
+        "modal_stiffness": squares,
+        **{name: geometric[name] for name in ("K0omega", "K0F", "K0F_nodes")},
+    }
+
+
+if __name__ == "__main__":
+    np.savez_compressed(Path(__file__).with_name("solid_beam.npz"), **arrays())

@@ -1,0 +1,135 @@
+"""Geometric stiffness of meshes: from the stresses of unit loads, and from the second-order fields themselves."""
+
+from __future__ import annotations
+
+import sys
+from functools import cache
+
+import numpy as np
+import pytest
+from scipy.linalg import eigh
+from scipy.sparse import csr_array
+from skfem import Basis, BilinearForm, ElementHex2, ElementVector, LinearForm, MeshHex
+from skfem.helpers import dot
+from skfem.models.elasticity import lame_parameters, linear_elasticity
+
+import derive
+from conftest import ROOT
+
+sys.path.insert(0, str(ROOT / "scenes"))
+import geometric_stiffness as stiffening
+import make_solid_beam as solid_beam
+
+NODES = (3, 40)
+NAMES = ("K0t", "K0r", "K0omega", "K0F")
+
+
+class Problem:
+    """A bar with a crooked mesh: its modes, and the solutions of static problems."""
+
+    def __init__(self, fixed: bool) -> None:
+        mesh = MeshHex.init_tensor(np.linspace(0, 0.5, 4), np.linspace(0, 0.11, 2), np.linspace(0, 0.07, 2))
+        mesh = mesh.translated((0.02, -0.04, 0.01))
+        points = mesh.p + 0.01 * np.random.default_rng(3).uniform(-1, 1, mesh.p.shape)
+        self.solid = stiffening.Solid(
+            Basis(MeshHex(points, mesh.t), ElementVector(ElementHex2()), intorder=7), 3e9, 0.3, 900.0
+        )
+        basis = self.solid.basis
+        self.x = basis.doflocs[:, ::3].T
+        self.k = csr_array(linear_elasticity(*lame_parameters(3e9, 0.3)).assemble(basis))
+        self.m = csr_array(BilinearForm(lambda u, v, w: 900.0 * dot(u, v)).assemble(basis))
+        held = np.flatnonzero(np.repeat(self.x[:, 0] < 0.035, 3)) if fixed else np.array([], dtype=int)
+        moving = np.setdiff1d(np.arange(basis.N), held)
+        k, m = (a.toarray()[np.ix_(moving, moving)] for a in (self.k, self.m))
+        first = 0 if fixed else 6
+        self.modes = np.zeros((3, basis.N))
+        self.squares, vectors = eigh(k, m, subset_by_index=(first, first + 2))
+        self.modes[:, moving] = vectors.T
+        self.solve = stiffening.clamped(self.k, held) if fixed else stiffening.free(self.k, self.m, self.x)
+
+    @property
+    def k0(self) -> dict[str, np.ndarray]:
+        return stiffening.matrices(self.solid, self.modes, NODES, self.solve)
+
+    def fields(self) -> np.ndarray:
+        """Psi_ij (3, 3, nodes, 3): the response to minus the stresses of the quadratic part of the strain."""
+        lam, mu = lame_parameters(3e9, 0.3)
+        basis = self.solid.basis
+        gradients = [basis.interpolate(mode).grad for mode in self.modes]
+
+        def response(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+            strain = np.einsum("mk...,ml...->kl...", a, b)
+            strain = (strain + strain.swapaxes(0, 1)) / 2
+            sigma = 2 * mu * strain + lam * np.einsum("kk...->...", strain) * np.eye(3)[..., None, None]
+            load = LinearForm(lambda v, w: -np.einsum("kl...,kl...->...", sigma, v.grad)).assemble(basis)
+            return self.solve(load).reshape(-1, 3)
+
+        return np.array([[response(a, b) for b in gradients] for a in gradients])
+
+
+@cache
+def problem(fixed: bool) -> Problem:
+    return Problem(fixed)
+
+
+@pytest.mark.parametrize("fixed", [True, False])
+def test_stresses_of_unit_loads_are_the_work_of_second_order_fields(fixed: bool) -> None:
+    """The theorem of Betti in the same finite elements: to rounding."""
+    of = problem(fixed)
+    k0, psi = of.k0, of.fields()
+    axes, m = np.eye(3), of.m
+
+    def work(field: np.ndarray) -> np.ndarray:
+        load = (m @ field.ravel()).reshape(-1, 3)
+        return np.einsum("ijnk,nk->ij", psi, load)
+
+    def spin(a: int, b: int) -> np.ndarray:
+        both = np.cross(axes[a], np.cross(axes[b], of.x)) + np.cross(axes[b], np.cross(axes[a], of.x))
+        return both / 2 if a == b else both
+
+    expected = {
+        "K0t": np.array([work(np.tile(e, (len(of.x), 1))) for e in axes]),
+        "K0r": np.array([work(np.cross(e, of.x)) for e in axes]),
+        "K0omega": np.array([work(spin(a, b)) for a, b in stiffening.OMEGA_PRODUCTS]),
+        "K0F": -np.moveaxis(psi[:, :, list(NODES)], (2, 3), (0, 1)),
+    }
+    for name in NAMES:
+        size = np.abs(expected["K0omega" if name != "K0F" else name]).max()
+        assert np.abs(k0[name] - expected[name]).max() < 1e-8 * size, name
+    assert (np.abs(k0["K0t"]).max() > 0.1) == (np.abs(k0["K0r"]).max() > 0.001) == fixed
+
+
+def test_a_free_body_needs_no_condition_of_the_mean_frame() -> None:
+    """Inertia relief is the mean frame: its conditions change nothing of the second-order fields."""
+    of = problem(False)
+    scalar = of.m[::3][:, ::3]
+    arrays = {"positions": of.x, "mass": scalar, "modes": of.modes.reshape(3, -1, 3), "modal_stiffness": of.squares}
+    keys = {"units": "SI", "orthonormal": False, "markers": {"end": NODES[1]}}
+    given, mean = (derive.modal(derive.nodal_body("b", arrays | of.k0, frame=f, **keys)) for f in ("given", "mean"))
+    assert np.allclose(given.points[0].second, mean.points[0].second, atol=1e-7 * np.abs(mean.points[0].second).max())
+    assert np.allclose(given.C5, mean.C5, atol=1e-7 * np.abs(mean.C5).max())
+
+
+def test_the_block_stiffens() -> None:
+    """Its mirror planes leave as many integrals as without; spin about e2 and e3 stiffens, about e1 hardly."""
+    arrays = stiffening.stiffened_block()
+    one, two = (derive.modal(derive.nodal_body("block", arrays, units="SI", modes=4, order=n)) for n in (1, 2))
+    names = {name for name, why in one.zeros.items() if why.startswith("mirror")}
+    assert names and names <= set(two.zeros) and not two.c9.any() and not two.c10.any()
+    geometric = np.array([np.diag(-(two.C5 - one.C5)[..., k, k]) for k in range(3)])
+    assert np.all(geometric[1:, :2] > 1.5) and np.all(np.abs(geometric[0]) < 0.3 * geometric[1:].max())
+    assert np.allclose(geometric, np.array([np.diag(k)[:4] for k in arrays["K0omega"][:3]]), atol=1e-9)
+
+
+def test_the_kept_file_is_what_the_script_makes() -> None:
+    """The matrices of the modes in solid_beam.npz; the modes depend on the machine in their last digits."""
+    kept = np.load(ROOT / "scenes/solid_beam.npz")
+    beam = solid_beam.solid()
+    positions, m, k = solid_beam.assembled(beam)
+    assert np.array_equal(kept["positions"], positions)
+    modes = kept["modes"].reshape(len(kept["modes"]), -1)
+    assert np.allclose(np.einsum("ia,ia->i", modes, (k @ modes.T).T), kept["modal_stiffness"], rtol=1e-6)
+    solve = stiffening.free(k, csr_array(np.kron(m.toarray(), np.eye(3))), positions)
+    made = stiffening.matrices(beam, modes, solid_beam.ends(positions), solve)
+    for name in ("K0omega", "K0F", "K0F_nodes"):
+        assert np.allclose(kept[name], made[name], rtol=0, atol=1e-7 * np.abs(made[name]).max()), name
