@@ -29,6 +29,6 @@ class Source(StrEnum):
     APPENDIX = "appendix"
     """The definitions of the shape integrals and their sums in the appendix of the paper."""
     SECOND_ORDER = "second order"
-    """DisplacementOrder of second order, which are beyond the paper."""
+    """Kinematics of second order, which is beyond the paper."""
     FACTORISATION = "LDL^T"
     """The solution of a linear system by a factorisation."""

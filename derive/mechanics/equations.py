@@ -109,6 +109,11 @@ class Equations:
         """The number of assumed modes of a body; 0 for a mechanism."""
         return self.body.modes if self.body else 0
 
+    @property
+    def truncated(self) -> bool:
+        """Whether moments of second-order fields enter through second order, as c9, c10 and in C5."""
+        return self.body is not None and self.body.truncated
+
     def expanded(self) -> Equations:
         """The same equations with all sums over the modes expanded, and one row for each mode."""
         return self._expanded if self.indexed else self

@@ -164,7 +164,8 @@ class _Sums:
         if not indexed_sum.indexed:
             self._scalar(indexed_sum, sp.expand(offset), behind)
         elif sums:
-            self.table_sums.append(TableSum(indexed_sum.symbol, offset, tuple(sums), indexed_sum.doc.format(i="i")))
+            doc = indexed_sum.doc.format(i="i")
+            self.table_sums.append(TableSum(indexed_sum.symbol, offset, tuple(sums), doc, indexed_sum.source))
         elif offset != 0:
             self.inlined[indexed_sum.symbol] = offset
         else:
@@ -175,7 +176,9 @@ class _Sums:
         inside = sp.Add(*(t for t in terms if any(is_indexed(s) for s in t.free_symbols)))
         offset = expr - inside
         if inside != 0:
-            self.mode_sums.append(ModeSum(indexed_sum.symbol, offset, inside, indexed_sum.doc.format(i="i")))
+            self.mode_sums.append(
+                ModeSum(indexed_sum.symbol, offset, inside, indexed_sum.doc.format(i="i"), indexed_sum.source)
+            )
         elif offset != 0:
             self.inlined[indexed_sum.symbol] = offset
         else:

@@ -132,6 +132,7 @@ class TableSum:
     offset: sp.Expr
     sums: tuple[tuple[sp.Expr, Symbol], ...]
     doc: str
+    source: Source = Source.APPENDIX
 
 
 @dataclass(frozen=True)
@@ -142,3 +143,4 @@ class ModeSum:
     offset: sp.Expr
     term: sp.Expr
     doc: str
+    source: Source = Source.APPENDIX

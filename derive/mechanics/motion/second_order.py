@@ -10,9 +10,9 @@ through second order in the amplitudes, their rates and their variations togethe
 yields: the equations are those of a Lagrangian, M is symmetric, and energy and momenta are conserved. What is dropped
 are the moments of Psi_ij with Phi_k and with Psi_kl; the model that keeps them is in `full_second_order`.
 
-In the plane the axial moment c10_ij = int rho X x Psi_ij is a scalar, in space a vector. In space the moments of
-sum alphadot_i alphadot_j Psi_ij have names of their own, c9dotdot and c10dotdot, because loops sum what accelerations
-multiply apart from the rest.
+In the plane the axial moment c10_ij = int rho X x Psi_ij is a scalar, in space a vector. In space the moments of rddot
+are two sums each, those of accelerations (d4ddot, d3ddot) and those of rates (c9dotdot, c10dotdot), because loops
+compute what accelerations multiply apart from the rest.
 """
 
 from __future__ import annotations
@@ -92,17 +92,18 @@ def _row_sums(of: IndexedSum, apart: bool) -> tuple[IndexedSum, ...]:
     match known.family, known.derivative:
         case Family.D1, 2:
             d4_j = quantity(Family.D4, *known.components, shapes=(J,))
+            symbol = quantity(Family.D4, *known.components, derivative=2) if apart else of.symbol
             accelerated, rates, total = (ALPHADDOT, d4_j), Family.C9_SUM, Family.C9_RATES
         case Family.D3, 2:
             ((factor, entry),) = of.sums
+            symbol = of.symbol
             accelerated, rates, total = (factor, entry), Family.C10_SUM, Family.C10_RATES
         case _:
             return (of,)
     quadratic = (ALPHADOT, quantity(rates, *known.components, derivative=1, shapes=(J,)))
     if not apart:
         return (IndexedSum(of.symbol, None, (accelerated, quadratic), of.doc, SOURCE),)
-    doc = "the part of it without accelerations"
     return (
-        IndexedSum(of.symbol, None, (accelerated,), of.doc, SOURCE),
-        IndexedSum(quantity(total, *known.components), None, (quadratic,), f"{of.doc}: {doc}", SOURCE),
+        IndexedSum(symbol, None, (accelerated,), f"{of.doc} of accelerations", SOURCE),
+        IndexedSum(quantity(total, *known.components), None, (quadratic,), f"{of.doc} of rates", SOURCE),
     )

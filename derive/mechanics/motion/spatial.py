@@ -43,6 +43,9 @@ TRACE: dict[tuple[str, str], Moment] = {
 }
 """int rho f . g."""
 
+FIRST_IN_SPACE_OF_SECOND_ORDER: dict[str, Moment] = {**FIRST_OF_SECOND_ORDER, RDDOT: (Family.D4, 2, ())}
+"""int rho f at second order; of rddot the part of accelerations."""
+
 EVEN = sp.Matrix(3, 3, lambda i, j: local("even", *sorted((i + 1, j + 1))))
 ODD = sp.Matrix([local("odd", k) for k in AXES])
 """The parts of a second moment that have no name."""
@@ -73,7 +76,7 @@ class SpatialMoments:
 
     def first(self, field: str) -> sp.Matrix:
         """int rho f."""
-        names = FIRST_OF_SECOND_ORDER if self.truncated else FIRST
+        names = FIRST_IN_SPACE_OF_SECOND_ORDER if self.truncated else FIRST
         return sp.Matrix([moment(names[field], k) for k in AXES]) + self._of_rates(field, Family.C9_RATES)
 
     def second(self, f: str, g: str) -> sp.Matrix:

@@ -132,7 +132,7 @@ def _integral(known: Identity, above: tuple[str, ...]) -> TypesetSymbol:
     return TypesetSymbol(Rank.CONSTANT, Name(letter, below=_below(number, known), above=above))
 
 
-SUMMED = {Family.D1: Family.C2, Family.D2: Family.D2, Family.D3: Family.D3, Family.S: Family.S}
+SUMMED = {Family.D1: Family.C2, **{family: family for family in (Family.D2, Family.D3, Family.D4, Family.S)}}
 """What the time derivatives of moments sum over the shapes, with the velocities or accelerations of the amplitudes."""
 
 

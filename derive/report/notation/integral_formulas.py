@@ -31,6 +31,11 @@ INTEGRANDS: dict[Family, str] = {
 PLANAR = {Family.C3: "X . X", Family.C4: "X . Phi_{i}", Family.C5: "(Phi_{i} . Phi_{j} + X . Psi_{<i> <j>})"}
 """The integrands of bodies in the plane, where they differ."""
 
+SECOND_ORDER = {
+    Family.C5: "((Phi_{i} . Phi_{j} + X . Psi_{<i> <j>}) I - Phi_{i} Phi_{j} - X Psi_{<i> <j>})",
+}
+"""The integrands of bodies in space whose displacements are of second order, where they differ."""
+
 SYMMETRIC = (Family.C4, Family.C5)
 """Tensors of which a body in space has the symmetric part alone."""
 
@@ -46,10 +51,15 @@ RAISED = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 def integral_formula(
-    family: Family, shapes: Sequence[ShapeIndex] = (), component: int = 0, planar: bool = False
+    family: Family,
+    shapes: Sequence[ShapeIndex] = (),
+    component: int = 0,
+    planar: bool = False,
+    second_order: bool = False,
 ) -> Formula:
     """A shape integral of some shapes; of a vector the component, if it is not 0."""
-    integrand = PLANAR.get(family, INTEGRANDS[family]) if planar else INTEGRANDS[family]
+    others = PLANAR if planar else SECOND_ORDER if second_order else {}
+    integrand = others.get(family, INTEGRANDS[family])
     for index, shape in zip("ij", shapes, strict=False):
         integrand = integrand.replace(f"{{{index}}}", f"{{{index_text(shape)}}}")
         integrand = integrand.replace(f"<{index}>", index_text(shape))
@@ -66,11 +76,11 @@ def stiffness_formula(shapes: Sequence[ShapeIndex]) -> Formula:
     return FormulaRow((Name("∫"), Name("EI"), *curvatures, OperatorToken("d"), Name("x")))
 
 
-def meaning(known: Identity, doc: str, planar: bool) -> Text:
+def meaning(known: Identity, doc: str, planar: bool, second_order: bool = False) -> Text:
     """What an integral is: its formula, or the words of the derivation where it has none."""
     if known.family in INTEGRANDS:
         component = known.components[0] if len(known.components) == 1 else 0
-        shown = Math(integral_formula(known.family, known.shapes, component, planar))
+        shown = Math(integral_formula(known.family, known.shapes, component, planar, second_order))
         return ("symmetric part of ", shown) if known.family in SYMMETRIC and not planar else (shown,)
     if known.family is Family.STIFFNESS and planar and known.shapes:
         return ("stiffness ", Math(stiffness_formula(known.shapes)))

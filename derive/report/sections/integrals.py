@@ -25,19 +25,19 @@ def integral_blocks(equations: Equations, notation: Notation) -> tuple[Block, ..
     planar = all(q.role is not Role.QUATERNION for q in equations.coordinates)
     there = [c for c in equations.coefficients if not c.zero]
     many = len(equations.coefficients) > SHOWN
-    rows = [_integral(c, notation, planar, described=not many) for c in there]
+    rows = [_integral(c, notation, planar, equations.truncated, described=not many) for c in there]
     whole_table = table("", ("integral", *([] if many else ["definition"]), "value", "unit", "in the code"), rows)
     rounded = "Values that do not end are shown to six digits; the code has all of them."
     return (
         head,
-        *((_families(equations.coefficients, planar),) if many else ()),
+        *((_families(equations.coefficients, planar, equations.truncated),) if many else ()),
         folded(whole_table, "Integrals with their values"),
         *((Paragraph((rounded,)),) if any(_rounded(c.value) for c in there) else ()),
     )
 
 
-def _integral(c: ModelConstant, notation: Notation, planar: bool, described: bool) -> list[Content]:
-    what: list[Content] = [meaning(identity(c.symbol), c.doc, planar)] if described else []
+def _integral(c: ModelConstant, notation: Notation, planar: bool, second_order: bool, described: bool) -> list[Content]:
+    what: list[Content] = [meaning(identity(c.symbol), c.doc, planar, second_order)] if described else []
     return [notation.formula(c.symbol), *what, _value(c, notation), unit(c.unit), CodeSpan(str(c.symbol))]
 
 
@@ -59,7 +59,7 @@ TABLES = (*INTEGRANDS, Family.STIFFNESS, Family.DAMPING)
 """Families with a table of entries."""
 
 
-def _families(coefficients: Iterable[ModelConstant], planar: bool) -> Block:
+def _families(coefficients: Iterable[ModelConstant], planar: bool, second_order: bool) -> Block:
     """How many entries each integral has, and how many do not vanish."""
     gathered: dict[tuple[str, Family], list[ModelConstant]] = {}
     for c in coefficients:
@@ -70,7 +70,7 @@ def _families(coefficients: Iterable[ModelConstant], planar: bool) -> Block:
         first = Math(whole(family)) if family in TABLES else NAMED.get(family, family.stem)
         name: Content = (first, f" of {owner}") if owner else first
         generic = Identity(family, (I, J)[: len(identity(some[0].symbol).shapes)])
-        what = meaning(generic, "", planar) if family in INTEGRANDS else _kind(family)
+        what = meaning(generic, "", planar, second_order) if family in INTEGRANDS else _kind(family)
         rows.append([name, what, len(some), sum(not c.zero for c in some), unit(some[0].unit)])
     return table("Integrals, and how many of them do not vanish", HEAD, rows, "llrrl")
 
@@ -94,7 +94,7 @@ def _tables(equations: Equations, notation: Notation) -> Block:
     }
     for t in equations.tables:
         name: Content = whole(t.family) if t.family in TABLES else CodeSpan(t.name)
-        what = meaning(Identity(t.family, (I, J)[: t.counted]), t.doc, planar=False)
+        what = meaning(Identity(t.family, (I, J)[: t.counted]), t.doc, planar=False, second_order=equations.truncated)
         zero = reason(t.zero, notation)
         rows.append([name, what, entries(t, equations.modes), kinds[t.kind], unit(t.unit), zero])
     head = ("integral", "definition", "entries", "of which there", "unit", "the others vanish by")

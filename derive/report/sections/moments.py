@@ -42,8 +42,8 @@ def moments(equations: Equations, notation: Notation) -> tuple[tuple[Moment, ...
     listed = [d for d in equations.definitions if not d.zero and d.section not in ("oo", "Q")]
     result = [Moment(d.symbol, notation.parts(d.expr), d.equation) for d in listed]
     if equations.indexed:
-        result += [Moment(c.symbol, _contracted(c, notation), Source.APPENDIX) for c in equations.table_sums]
-        result += [Moment(t.symbol, _summed(t, notation), Source.APPENDIX) for t in equations.mode_sums]
+        result += [Moment(c.symbol, _contracted(c, notation), c.source) for c in equations.table_sums]
+        result += [Moment(t.symbol, _summed(t, notation), t.source) for t in equations.mode_sums]
     return tuple(tuple(group) for _, group in groupby(result, key=lambda moment: moment.family))
 
 

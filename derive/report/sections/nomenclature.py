@@ -39,6 +39,12 @@ INTEGRALS: tuple[Entry, ...] = (
     ("J", "inertia tensor of the deformed body", "(15)"),
     ("K", "stiffness matrix of the modes; B, their damping", "(13)"),
 )
+SECOND_ORDER: tuple[Entry, ...] = (
+    ("Psi_{ij}", "field of second order of the modes i and j, beyond the paper", "second order"),
+    ("c_9", "first moments of these fields", "second order"),
+    ("c_10", "moments of position and these fields, antisymmetric part", "second order"),
+    ("d_4", "first moments of the derivatives of r by the amplitudes", "second order"),
+)
 SYSTEM: tuple[Entry, ...] = (
     ("M", "mass matrix", "(15)"),
     ("h", "forces: all terms without accelerations", "(15)"),
@@ -56,9 +62,18 @@ BOLD: dict[str, Name] = {
 """Matrices and columns of the whole system, whose letters the formula reader takes for scalars."""
 
 
-def nomenclature_blocks(constrained: bool) -> tuple[Block, ...]:
-    """The table of symbols, and why the letter c occurs twice; `constrained`: whether there are multipliers."""
-    entries = (*POSITION, *INTEGRALS, *SYSTEM, *(CONSTRAINTS if constrained else ()))
+def nomenclature_blocks(constrained: bool, second_order: bool = False) -> tuple[Block, ...]:
+    """The table of symbols, and why the letter c occurs twice.
+
+    constrained: whether there are multipliers. second_order: whether there are moments of fields of second order.
+    """
+    entries = (
+        *POSITION,
+        *INTEGRALS,
+        *(SECOND_ORDER if second_order else ()),
+        *SYSTEM,
+        *(CONSTRAINTS if constrained else ()),
+    )
     return (
         Heading("Nomenclature", "nomenclature"),
         Paragraph(

@@ -6,7 +6,7 @@ from typing import assert_never
 
 from derive.report.document.page import Block, EquationBlock, Math, Paragraph
 from derive.report.notation.formula_reader import equation, formula
-from derive.spec.model.body import DisplacementOrder, PlanarBeam
+from derive.spec.model.body import DisplacementOrder, NodalBody, PlanarBeam
 from derive.spec.model.scene import Specification
 
 
@@ -38,7 +38,33 @@ def second_order_blocks(spec: Specification, order: DisplacementOrder) -> tuple[
                 *shortening,
             )
         ),
+        *(_geometric_stiffness() if isinstance(spec, NodalBody) else ()),
         *_kept(order),
+    )
+
+
+def _geometric_stiffness() -> tuple[Block, ...]:
+    """What the geometric stiffness matrices of a body in space are in the equations."""
+    return (
+        Paragraph(
+            (
+                "The fields of second order are given by geometric stiffness matrices of the modes under unit loads: "
+                "K0t under accelerations is ",
+                Math(formula("c_9")),
+                ", K0r under angular accelerations is ",
+                Math(formula("c_10")),
+                ", K0omega under spin is the part of ",
+                Math(formula("X")),
+                " and ",
+                Math(formula("Psi_{ij}")),
+                " in ",
+                Math(formula("C_5")),
+                ", and K0F under a force at a node is the displacement ",
+                Math(formula("Psi_{ij}")),
+                " there with its sign changed. In the equation of an amplitude they are in the terms translation and "
+                "gravity (K0t), Euler (K0r) and centrifugal (K0omega).",
+            )
+        ),
     )
 
 
