@@ -91,13 +91,19 @@ def build(path: Path, progress: Callable[[str], None] = lambda _: None) -> Built
 
 
 def _with_start(spec: Specification, model: Model) -> tuple[Model, tuple[str, ...]]:
-    """The model with the initial state of a scene or, if there is none, a line that says why."""
+    """The model with the initial state of a scene or, if there is none, a line that says why.
+
+    Run-time inputs have their values at the start of a simulation, since a prescribed motion may be one of them.
+    """
     if not isinstance(spec, Scene):
         return model, ()
     from derive.simulation.initial.start_state import start_state
+    from derive.simulation.inputs import with_functions
 
     try:
-        return replace(model, start=start_state(spec, model)), ()
+        simulated = replace(with_functions(spec, {}), outputs=())
+        start = start_state(simulated, lower(derive(simulated)) if spec.inputs else model)
+        return replace(model, start=start), ()
     except TisserandError as error:
         reason = str(error).splitlines()[0]
         return model, (f"warning: no function {model.name}_start, since there is no initial state: {reason}",)

@@ -17,6 +17,7 @@ import derive
 from conftest import ROOT
 from derive.cli.main import main
 from derive.ir.model import StartState
+from derive.pipeline import build
 from derive.runtime.interpreted_scene import InterpretedScene
 from derive.runtime.loading import load_scene
 from derive.runtime.native_scene import NativeScene
@@ -117,3 +118,55 @@ def test_interpreted_functions_are_the_compiled_ones() -> None:
         assert one == pytest.approx(other, rel=1e-12, abs=1e-12 * (np.abs(other).max(initial=0.0) + 1e-300))
     assert (slow.coordinates, slow.roles, slow.bodies) == (compiled.coordinates, compiled.roles, compiled.bodies)
     assert slow.multipliers == compiled.multipliers and slow.markers == compiled.markers
+
+
+def test_inputs_have_their_values_at_the_start(tmp_path, capsys) -> None:
+    """A prescribed motion that is an input, and a force that is one: built, reported, and started as simulated."""
+    text = """
+name = "pushed"
+ground.markers = { o = [0, 0] }
+[bodies.crank]
+mass = 1
+inertia = 0.1
+markers = { hub = [0, 0], pin = [1, 0] }
+[bodies.rod]
+mass = 1
+inertia = 0.1
+markers = { left = [-1, 0], right = [1, 0] }
+start = { position = [1.5, 0.5], guess = true }
+[joints.bearing]
+kind = "revolute"
+between = ["ground.o", "crank.hub"]
+[joints.pin]
+kind = "revolute"
+between = ["crank.pin", "rod.left"]
+[inputs.turn]
+unit = "rad"
+value = "0.3 + 2*t"
+[inputs.push]
+value = "5"
+[drives.motor]
+joint = "bearing"
+motion = { input = "turn" }
+[forces.push]
+at = "rod.right"
+components = [{ input = "push" }, 0]
+[outputs.tip]
+kind = "position"
+marker = "rod.right"
+[simulation]
+duration = 0.1
+output = 0.1
+"""
+    (tmp_path / "pushed.toml").write_text(text)
+    assert main(["build", str(tmp_path / "pushed.toml"), "--out", str(tmp_path)]) == 0
+    assert "warning" not in capsys.readouterr().out
+    assert "pushed_start" in next(tmp_path.rglob("pushed.h")).read_text()
+    made = build(tmp_path / "pushed.toml")
+    assert made.model.start is not None
+    expected = derive.simulate(derive.read(tmp_path / "pushed.toml"))
+    assert np.array(made.model.start.q) == pytest.approx(expected.q[0], abs=1e-9)
+    assert np.array(made.model.start.v) == pytest.approx(expected.v[0], abs=1e-8)
+    (tmp_path / "none.toml").write_text(text.replace('value = "5"', 'unit = "N"').replace("pushed", "none"))
+    assert main(["build", str(tmp_path / "none.toml"), "--out", str(tmp_path)]) == 0
+    assert "no function none_start" in capsys.readouterr().out
