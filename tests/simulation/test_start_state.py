@@ -162,6 +162,9 @@ output = 0.1
     assert main(["build", str(tmp_path / "pushed.toml"), "--out", str(tmp_path)]) == 0
     assert "warning" not in capsys.readouterr().out
     assert "pushed_start" in next(tmp_path.rglob("pushed.h")).read_text()
+    assert main(["report", str(tmp_path / "pushed.toml"), "--out", str(tmp_path / "pushed.html")]) == 0
+    page = (tmp_path / "pushed.html").read_text()
+    assert "Inputs u" in page and "Outputs" in page
     made = build(tmp_path / "pushed.toml")
     assert made.model.start is not None
     expected = derive.simulate(derive.read(tmp_path / "pushed.toml"))

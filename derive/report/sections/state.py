@@ -41,6 +41,10 @@ def state_blocks(model: Model, equations: Equations, notation: Notation) -> tupl
     if model.parameters:
         given = [[*_row(p, _parameter(p, notation)), _default(p)] for p in model.parameters]
         result.append(folded(table("Parameters", (*HEAD, "default"), given, "llllr"), "Parameters"))
+    for title, ports in (("Inputs u", model.inputs), ("Outputs", model.outputs)):
+        if ports:
+            listed: list[list[Content]] = [[CodeSpan(v.name), unit(v.unit), v.doc] for v in ports]
+            result.append(folded(table(title, HEAD[1:], listed), title))
     if model.choice:
         result.append(Paragraph((f"The functions are {model.choice}.",)))
     if model.constants:
