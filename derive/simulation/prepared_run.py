@@ -10,6 +10,7 @@ from derive.artifacts import File
 from derive.backends.model_files import model_files
 from derive.derivation import derive, lower
 from derive.errors import Problem, SpecError, quoted
+from derive.ir.model import Model
 from derive.runtime.native_body import NativeBody
 from derive.runtime.native_call import Vector
 from derive.runtime.native_scene import NativeScene
@@ -45,7 +46,9 @@ class PreparedRun(ABC, Generic[Native, Start, Result]):
         assert spec.simulation is not None, "simulation_settings makes it"
         self.spec, self.settings = spec, RunSettings(spec.simulation, integrator, step)
         self._compile = INTEGRATORS[integrator]
-        self.model = lower(derive(spec))
+        self._monitored = self._with_monitors(spec)
+        self._complete_model = lower(derive(self._monitored))
+        self.model = self._without_monitors(self._complete_model)
         columns = self._columns()
         self.units = dict(columns)
         problems = [*_repeated(name for name, _ in columns), *_plots_of_nothing(spec.plots, tuple(self.units))]
@@ -57,7 +60,7 @@ class PreparedRun(ABC, Generic[Native, Start, Result]):
     def trajectory(self, earlier: EarlierRun | None = None, progress: Progress | None = None) -> Result:
         """The motion; arguments as for `simulate`. Raises CompilerError, ModelError, SimulationError."""
         simulation = self.settings.simulation
-        native, integrator = self._compiled(model_files(self.model, self.spec))
+        native, integrator = self._compiled(model_files(self._complete_model, self._monitored))
         k = native.setup()
         q, v, start = self._start(native, k)
         times = output_times(simulation)
@@ -79,6 +82,14 @@ class PreparedRun(ABC, Generic[Native, Start, Result]):
         if earlier is not None:
             solution = earlier.continued(self.model, solution)
         return self._result(native, k, start, solution)
+
+    def _with_monitors(self, spec: Scene | NodalBody) -> Scene | NodalBody:
+        """The specification that is compiled: with outputs that monitor the validity of its model."""
+        return spec
+
+    def _without_monitors(self, model: Model) -> Model:
+        """The model without the outputs that monitor its validity."""
+        return model
 
     @abstractmethod
     def _columns(self) -> Sequence[tuple[str, str]]:

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 from derive.artifacts import File
+from derive.ir.model import Model
 from derive.runtime.native_call import Vector
 from derive.runtime.native_scene import NativeScene
 from derive.simulation.drive_jumps import check_drives
@@ -17,6 +19,9 @@ from derive.simulation.observables.default_plots import default_plots
 from derive.simulation.observables.motion import SceneMotion
 from derive.simulation.prepared_run import PreparedRun
 from derive.simulation.trajectory import Trajectory, column_units, column_values
+from derive.simulation.validity.axial_load import monitored_pieces, with_monitors
+from derive.simulation.validity.measure import validity
+from derive.spec.model.body import NodalBody
 from derive.spec.model.plots import Plot
 from derive.spec.model.scene import Scene
 from derive.spec.model.scene_functions import breaks
@@ -37,6 +42,12 @@ class SceneRun(PreparedRun[NativeScene, InitialState, Trajectory]):
         self.breaks = breaks(self.scene)
         check_drives(self.scene)
         super().__init__(self.scene, integrator, step)
+
+    def _with_monitors(self, spec: Scene | NodalBody) -> Scene:
+        return with_monitors(self.scene)
+
+    def _without_monitors(self, model: Model) -> Model:
+        return replace(model, outputs=model.outputs[: len(model.outputs) - len(monitored_pieces(self.scene))])
 
     def _columns(self) -> Sequence[tuple[str, str]]:
         return column_units(self.scene, self.model)
@@ -66,4 +77,4 @@ class SceneRun(PreparedRun[NativeScene, InitialState, Trajectory]):
 
     def _result(self, native: NativeScene, k: Vector, start: InitialState, solution: Solution) -> Trajectory:
         motion = SceneMotion(self.scene, native, k, solution.t, solution.q, solution.v)
-        return Trajectory(self.scene, self.model, start, motion, solution, self.settings)
+        return Trajectory(self.scene, self.model, start, motion, solution, self.settings, validity(motion))

@@ -18,6 +18,8 @@ from derive.simulation.integration.solution import Solution
 from derive.simulation.observables.csv_writer import Column
 from derive.simulation.observables.motion import SceneMotion, drive_motion, drive_unit
 from derive.simulation.observables.outputs import port_values
+from derive.simulation.validity.axial_load import monitored_pieces
+from derive.simulation.validity.monitors import Monitor
 from derive.spec.model.body import NodalBody
 from derive.spec.model.scene import Scene
 from derive.spec.model.simulation import Simulation
@@ -49,7 +51,8 @@ def column_units(scene: Scene, model: Model) -> list[tuple[str, str]]:
 def column_values(scene: Scene, native: NativeScene, k: Vector, solution: Solution) -> list[Vector]:
     """The values (n,) of the columns of a trajectory of a scene, in the order of `column_units`."""
     drives = [drive_motion(native, drive, solution.t) for drive in scene.drives]
-    inputs, outputs = port_values(native, k, solution)
+    monitors = {monitored.output.name for monitored in monitored_pieces(scene)}
+    inputs, outputs = port_values(native, k, solution, monitors)
     return [solution.t, *drives, *solution.q.T, *solution.v.T, *solution.lam.T, *inputs.T, *outputs.T]
 
 
@@ -145,8 +148,8 @@ class Trajectory(ColumnTable):
     The columns are the time "t", what drives prescribe, coordinates, their rates, multipliers, inputs that follow
     functions in Python, and outputs, by the names of `columns`; `units` has their units. q (n, nq), v (n, nv) and lam
     (n, nlambda) are the same as matrices. `solution` adds drift and cost, `initial` is the consistent initial state,
-    `motion` what observables are computed from, `model` the kernels, `settings` how it was computed. An unknown name
-    raises UnknownNameError.
+    `motion` what observables are computed from, `model` the kernels, `settings` how it was computed, `validity` what is
+    monitored of each beam, `warnings` where a limit is passed. An unknown name raises UnknownNameError.
     """
 
     scene: Scene
@@ -155,6 +158,12 @@ class Trajectory(ColumnTable):
     motion: SceneMotion
     solution: Solution
     settings: RunSettings
+    validity: tuple[Monitor, ...] = ()
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """The beams whose models are not valid in this motion, with the cause, the implied error and the remedy."""
+        return tuple(monitor.warning for monitor in self.validity if monitor.passed)
 
     @property
     def name(self) -> str:

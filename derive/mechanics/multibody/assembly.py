@@ -29,7 +29,7 @@ from derive.mechanics.multibody.kinds import (
 )
 from derive.mechanics.multibody.mechanism import Mechanism
 from derive.mechanics.multibody.outputs.output_type import OutputInstance
-from derive.mechanics.multibody.outputs.registry import OUTPUTS
+from derive.mechanics.multibody.outputs.registry import output_type
 from derive.mechanics.multibody.parameters import parameters
 from derive.mechanics.multibody.point_motion import Derivatives, PointMotion, fixed_point
 from derive.mechanics.quantity import finite_function, time_derivatives
@@ -206,10 +206,10 @@ class _Assembly:
     def _outputs(self) -> tuple[OutputInstance, ...]:
         result = []
         for output in self.scene.outputs:
-            output_type = OUTPUTS[output.kind]
-            given = (key for key in output_type.keys if key.name in output.values)
+            its_type = output_type(output.kind)
+            given = (key for key in its_type.keys if key.name in output.values)
             values = {key.name: self._value("outputs", output.name, key, output.values[key.name]) for key in given}
-            result.append(OutputInstance(output.name, output_type, values))
+            result.append(OutputInstance(output.name, its_type, values))
         return tuple(result)
 
     def _with_constants(self, joint: Joint) -> Joint:

@@ -12,7 +12,7 @@ from derive.mechanics.multibody.bodies.registry import BODIES
 from derive.mechanics.multibody.forces.registry import elements
 from derive.mechanics.multibody.joints.registry import JOINTS
 from derive.mechanics.multibody.keys import Key, KeyType, quantities
-from derive.mechanics.multibody.outputs.registry import OUTPUTS
+from derive.mechanics.multibody.outputs.registry import output_type
 from derive.mechanics.terms import ParameterSymbol
 from derive.spec.model.quantity import Parameter
 from derive.spec.model.scene import NAMED, CustomJoint, Scene
@@ -36,7 +36,7 @@ def parameters(scene: Scene) -> tuple[ParameterSymbol, ...]:
             constants += _constants("joint", joint.name, JOINTS[joint.kind].keys, joint.values)
     constants += [Constant(drive.speed, f"speed of drive {drive.name}") for drive in scene.drives]
     for output in scene.outputs:
-        constants += _constants("output", output.name, OUTPUTS[output.kind].keys, output.values)
+        constants += _constants("output", output.name, output_type(output.kind).keys, output.values)
     for force, force_type in elements(scene):
         specified = force_type.specified(force)
         constants += _constants(NAMED[force_type.section], force.name, force_type.keys, specified)

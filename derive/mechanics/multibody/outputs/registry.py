@@ -6,7 +6,7 @@ from derive.mechanics.multibody.outputs.energies import Energies, Powers
 from derive.mechanics.multibody.outputs.marker_motion import Distance, Inclination, MarkerRotation, MarkerVector
 from derive.mechanics.multibody.outputs.output_type import OutputType
 from derive.mechanics.multibody.outputs.reactions import DriveForce, Reaction, SpringForce
-from derive.mechanics.multibody.outputs.section_forces import BendingMoment, Curvature, SectionForce, Strain
+from derive.mechanics.multibody.outputs.section_forces import AxialLoad, BendingMoment, Curvature, SectionForce, Strain
 from derive.registry import Registry
 
 OUTPUTS: Registry[OutputType] = Registry(
@@ -32,3 +32,11 @@ OUTPUTS: Registry[OutputType] = Registry(
         "power": Powers(),
     },
 )
+
+MONITORS: Registry[OutputType] = Registry("monitor", {"axial_load": AxialLoad()})
+"""Outputs that a simulation adds to a scene to watch the validity of its model; no specification asks for them."""
+
+
+def output_type(kind: str) -> OutputType:
+    """The type of an output of a scene, or of one that a simulation adds. Raises UnknownNameError."""
+    return MONITORS[kind] if kind in MONITORS else OUTPUTS[kind]

@@ -47,7 +47,7 @@ class SectionForce(OutputType):
 
     def components(self, name: str, values: Mapping[str, Any], scene: SceneMechanics) -> OutputComponents:
         """The component along the tangent (axial force) or along the normal of the section (shear force)."""
-        section = _Section(name, scene, values["section"])
+        section = _marked_section(name, scene, values["section"])
         resultant = section.resultant()
         angle = scene.point(values["section"]).rotation
         axes = ((sp.cos(angle), sp.sin(angle)), (-sp.sin(angle), sp.cos(angle)))
@@ -65,7 +65,7 @@ class BendingMoment(OutputType):
 
     def components(self, name: str, values: Mapping[str, Any], scene: SceneMechanics) -> OutputComponents:
         """Two components."""
-        section = _Section(name, scene, values["section"])
+        section = _marked_section(name, scene, values["section"])
         moment, bending = section.resultant().torque, section.bending_stiffness * section.curvature
         where = f"at {values['section']}"
         return OutputComponents(
@@ -85,7 +85,7 @@ class Curvature(OutputType):
 
     def components(self, name: str, values: Mapping[str, Any], scene: SceneMechanics) -> OutputComponents:
         """One component."""
-        section = _Section(name, scene, values["section"])
+        section = _marked_section(name, scene, values["section"])
         curvature = section.curvature
         doc = f"curvature at {values['section']}"
         return OutputComponents((OutputComponent("", "1/m", doc, curvature),), section.constants)
@@ -99,22 +99,43 @@ class Strain(OutputType):
 
     def components(self, name: str, values: Mapping[str, Any], scene: SceneMechanics) -> OutputComponents:
         """One component."""
-        section = _Section(name, scene, values["section"])
+        section = _marked_section(name, scene, values["section"])
         strain = -values["height"] * section.curvature
         doc = f"strain of a fibre at {values['section']}"
         return OutputComponents((OutputComponent("", "", doc, strain),), section.constants)
 
 
-class _Section:
+class AxialLoad(OutputType):
+    """The force along e1 of the floating frame in the middle of a beam or of a piece: what monitors compare with EI."""
+
+    doc = "axial force in the middle of a beam"
+    keys = (Key("component", KeyType.CHOICE, "", "The beam, or a piece of it.", required=True),)
+
+    def components(self, name: str, values: Mapping[str, Any], scene: SceneMechanics) -> OutputComponents:
+        """One component."""
+        component = values["component"]
+        section = Section(name, scene, component, Fraction(0), sp.Matrix(scene.instances[component].origin))
+        force = section.rotation[:, 0].dot(section.resultant().force)
+        doc = f"axial force in the middle of {component}, from equilibrium"
+        return OutputComponents((OutputComponent("", "N", doc, force),), section.constants)
+
+
+def _marked_section(name: str, scene: SceneMechanics, marker: MarkerRef) -> Section:
+    """The section at a marker."""
+    _, _, places = _piece(scene, marker.body)
+    return Section(name, scene, marker.body, places[marker.marker], scene.position(marker))
+
+
+class Section:
     """A section of a beam, or of a piece of a rod, with the constants of the output that asks for it."""
 
-    def __init__(self, name: str, scene: SceneMechanics, marker: MarkerRef) -> None:
-        self.name, self.scene, self.marker = name, scene, marker
+    def __init__(self, name: str, scene: SceneMechanics, component: str, at: Fraction, position: sp.Matrix) -> None:
+        """component: the beam or the piece; at: the place xi of the section on it; position: that in the scene."""
+        self.name, self.scene, self.component, self.at, self.position = name, scene, component, at, position
         self._constants: dict[sp.Symbol, ModelConstant] = {}
-        self.rod, self.piece, self.places = _piece(scene, marker.body)
-        self.at = self.places[marker.marker]
+        self.rod, self.piece, self.places = _piece(scene, component)
         beam = self.rod.beam
-        self.instance: InstanceEquations = scene.instances[marker.body]
+        self.instance: InstanceEquations = scene.instances[component]
         self.shapes = [exact_polynomial(s) for s in assumed_shapes(beam.deflection)]
         self.mass = quantity.value(beam.mass) / self.rod.pieces
         self.length = quantity.value(beam.length) / self.rod.pieces
@@ -139,10 +160,10 @@ class _Section:
 
         What acts at the section itself acts on the left part, but for the right end, where it acts on the right one.
         """
-        about = self.scene.position(self.marker)
+        about = self.position
 
         def on_the_right(marker: MarkerRef) -> bool:
-            if marker.body != self.marker.body:
+            if marker.body != self.component:
                 return False
             if marker.marker not in self.places:
                 return False  # the resultant of a distributed load, of which a part may be on the right
@@ -154,8 +175,8 @@ class _Section:
     def _distributed(self) -> Resultant:
         """The distributed loads on the part to the right, with their torque about the section."""
         coordinates, result = self.instance.coordinates, NOTHING
-        rotation = self._rotation()
-        origin, about = sp.Matrix(self.instance.origin), self.scene.position(self.marker)
+        rotation = self.rotation
+        origin, about = sp.Matrix(self.instance.origin), self.position
         half = self.length / 2
         for load in self.rod.loads:
             factor = quantity.function(load.time)
@@ -178,7 +199,8 @@ class _Section:
                 result += Resultant(factor * total * direction, factor * torque).about(origin, about)
         return result
 
-    def _rotation(self) -> sp.Matrix:
+    @property
+    def rotation(self) -> sp.Matrix:
         """Q of the body."""
         phi = self.instance.coordinates[2].q
         return sp.Matrix([[sp.cos(phi), -sp.sin(phi)], [sp.sin(phi), sp.cos(phi)]])
@@ -193,7 +215,7 @@ class _Section:
         coordinates, rows = self.instance.coordinates, self.instance.rows
         omega, omegadot = rows[2].v, rows[2].a
         alpha, alphadot, alphaddot = ([c.q for c in coordinates[3:]], [r.v for r in rows[3:]], [r.a for r in rows[3:]])
-        rotation = self._rotation()
+        rotation = self.rotation
         gravity = sp.Matrix(_gravity(self.scene))
         a1, a2 = rotation.T * (sp.Matrix([rows[0].a, rows[1].a]) - gravity)
         x, shapes = sp.Poly(xi, xi), self.shapes
@@ -220,7 +242,7 @@ class _Section:
         torque = first * a2 + omegadot * second + xvddot - v * a1
         torque += omegadot * product(alpha, alpha) + 2 * omega * product(alpha, alphadot)
         force = rotation * sp.Matrix([force1, force2])
-        origin, about = sp.Matrix(self.instance.origin), self.scene.position(self.marker)
+        origin, about = sp.Matrix(self.instance.origin), self.position
         return Resultant(force, torque).about(origin, about)
 
     def _moment(self, integrand: sp.Poly, power: int, label: str) -> sp.Expr:

@@ -1,0 +1,62 @@
+"""The lowest natural frequency of a beam as the joints of its scene hold it, and the shape of that vibration.
+
+The beam deforms alone: all bodies move as far as the constraints admit in the initial state, with their masses, and other
+beams are rigid. Gravity, springs and spin are left out, so that what is found is what the beam itself resists with.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import eigh, null_space
+
+from derive.roles import Role
+from derive.runtime.native_call import Vector
+from derive.simulation.compiled_scene import constraint_matrix, coordinates_with, mass_matrix
+from derive.simulation.observables.motion import SceneMotion
+from derive.simulation.validity.piece_shapes import PieceShapes
+
+RIGID = 1e-9
+"""Squared frequencies below this, relative to the largest, are those of rigid motion."""
+
+
+@dataclass(frozen=True, eq=False)
+class LowestMode:
+    """The lowest frequency of a beam, rad/s, and the amplitudes (shapes,) of its shape."""
+
+    frequency: float
+    amplitudes: Vector
+
+
+def lowest_mode(shapes: PieceShapes, motion: SceneMotion) -> LowestMode | None:
+    """The lowest mode of a beam of one piece; None where the joints admit no deformation of it alone."""
+    native, k = motion.native, motion.k
+    own = shapes.amplitudes_in(native, shapes.beam.name)
+    deformations = coordinates_with(native, Role.AMPLITUDE)
+    q = np.where(deformations, 0.0, motion.q[0])
+    free = ~deformations
+    free[own] = True
+    K = np.zeros((native.nq, native.nq))
+    K[np.ix_(own, own)] = shapes.stiffness
+    M = mass_matrix(native, q, k)
+    size = np.sqrt(np.diag(M)[free])
+    scale = np.where(size > 0, size, 1.0)
+    admitted = np.eye(len(scale))
+    if native.nlambda:
+        G = constraint_matrix(native, float(motion.t[0]), q, k)[:, free] / scale
+        admitted = null_space(G / np.maximum(np.linalg.norm(G, axis=1, keepdims=True), np.finfo(float).tiny))
+    if not admitted.size:
+        return None
+    reduced = [admitted.T @ (x[np.ix_(free, free)] / np.outer(scale, scale)) @ admitted for x in (K, M)]
+    try:
+        squares, modes = eigh(*reduced)
+    except np.linalg.LinAlgError:  # a velocity without inertia
+        return None
+    elastic = squares > RIGID * squares[-1]
+    if not elastic.any():
+        return None
+    i = int(np.argmax(elastic))
+    motion_of_all = np.zeros(native.nq)
+    motion_of_all[free] = admitted @ modes[:, i] / scale
+    return LowestMode(float(np.sqrt(squares[i])), motion_of_all[own])

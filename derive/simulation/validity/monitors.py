@@ -1,0 +1,109 @@
+"""What is monitored of a beam in a run: the quantity, its limit with a reason, and the error that it implies.
+
+Limits are where the implied error of deflections or frequencies is about 5 %; `docs/theory.md` has the measurements.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+
+from derive.spec.model.body import DisplacementOrder
+
+FIRST, TRUNCATED, FULL = DisplacementOrder.FIRST_ORDER, DisplacementOrder.TRUNCATED, DisplacementOrder.FULL
+
+
+class Cause(Enum):
+    """What is monitored; the values are the names in JSON."""
+
+    DEFLECTION = "deflection"
+    SPIN = "spin"
+    AXIAL_FORCE = "axial_force"
+    HIGHEST_SHAPE = "highest_shape"
+    MASS_MATRIX = "mass_matrix"
+
+
+LIMITS: dict[tuple[Cause, DisplacementOrder], float] = {
+    (Cause.DEFLECTION, FIRST): 0.1,
+    (Cause.DEFLECTION, TRUNCATED): 0.1,
+    (Cause.DEFLECTION, FULL): 0.1,
+    (Cause.SPIN, FIRST): 0.2,
+    (Cause.AXIAL_FORCE, FIRST): 0.05,
+    (Cause.HIGHEST_SHAPE, TRUNCATED): 0.1,
+    (Cause.HIGHEST_SHAPE, FULL): 0.1,
+    (Cause.MASS_MATRIX, TRUNCATED): 0.2,
+}
+"""The limits of the monitored quantities; a quantity without a limit is reported, and no cause for a warning.
+
+Deflection, of the length: the kinematics of either order and a curvature linear in the deflection. Spin, of the lowest
+frequency, and axial force, of the load under which the beam buckles: what first order leaves out of the stiffness.
+Highest shape, of the strain energy: what follows is missing as well. Mass matrix: the part of its smallest eigenvalue
+that deflections take away; the truncated one is indefinite where nothing is left.
+"""
+
+
+@dataclass(frozen=True)
+class Monitor:
+    """The largest value of a monitored quantity of a beam in a run.
+
+    value, limit: of what `LIMITS` says, without unit; the limit is None where the quantity does no harm. error: the
+    relative error of deflections or frequencies that the value implies, an estimate. t: when it occurs, s. piece: where.
+    """
+
+    beam: str
+    pieces: int
+    cause: Cause
+    order: DisplacementOrder
+    value: float
+    error: float
+    t: float
+    piece: str
+
+    @property
+    def limit(self) -> float | None:
+        """The limit for a beam of this order."""
+        return LIMITS.get((self.cause, self.order))
+
+    @property
+    def passed(self) -> bool:
+        """Whether the value is beyond the limit; what is not a number is."""
+        return self.limit is not None and not self.value <= self.limit
+
+    @property
+    def warning(self) -> str:
+        """The value, the limit, the implied error and the remedy, in one line."""
+        name = f"{self.beam} in {self.pieces} beam{'s' if self.pieces > 1 else ''}"
+        return (
+            f"{name}: {_WHAT[self.cause].format(percent(self.value))} at t = {self.t:.6g} s, beyond the limit of "
+            f"{percent(self.limit or 0.0)}: {self._consequence}; {self._remedy}"
+        )
+
+    @property
+    def _consequence(self) -> str:
+        if not self.error < 1:
+            return "the motion has an error of 100 % or more"
+        return f"deflections have an error of about {percent(self.error)}"
+
+    @property
+    def _remedy(self) -> str:
+        if self.cause is Cause.MASS_MATRIX:
+            return 'choose terms = "full", or the mean frame'
+        if self.cause is Cause.HIGHEST_SHAPE:
+            return "add a shape, or divide the beam into more pieces"
+        if self.order is FIRST:
+            return "choose order = 2, or divide the beam into more pieces"
+        return "divide the beam into more pieces"
+
+
+_WHAT = {
+    Cause.DEFLECTION: "it bends by {} of the length of a beam",
+    Cause.SPIN: "its spin is {} of its lowest frequency",
+    Cause.AXIAL_FORCE: "its axial force is {} of the load under which it buckles",
+    Cause.HIGHEST_SHAPE: "its highest shape has {} of the strain energy",
+    Cause.MASS_MATRIX: "deflections take away {} of the smallest eigenvalue of its mass matrix",
+}
+
+
+def percent(value: float) -> str:
+    """A ratio as text, to two digits."""
+    return f"{value * 100:.2g} %" if value < 1 else f"{value * 100:.0f} %"

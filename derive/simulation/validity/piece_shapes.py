@@ -1,0 +1,104 @@
+"""The shapes of a piece of a beam in numbers: their stiffness, their slopes, and the axes of its motion."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.polynomial import Polynomial
+from numpy.polynomial.legendre import leggauss
+
+from derive.mechanics.symbols import Family, amplitude, owned, quantity
+from derive.runtime.native_call import Matrix, Vector
+from derive.simulation.compiled_scene import ConstrainedSystem
+from derive.simulation.observables.beams import half_length, shape_functions
+from derive.simulation.observables.motion import si_value
+from derive.spec.model.scene import BeamBody
+
+POINTS = 24
+"""Gauss points along a piece: polynomials up to degree 47 are integrated exactly."""
+
+
+@dataclass(frozen=True)
+class PieceShapes:
+    """The shapes of each piece of a beam, with its values in SI units."""
+
+    beam: BeamBody
+
+    @property
+    def length(self) -> float:
+        """The length of a piece, m."""
+        return 2 * half_length(self.beam)
+
+    @property
+    def mass(self) -> float:
+        """The mass of a piece, kg."""
+        return si_value(self.beam.beam.mass) / self.beam.pieces
+
+    @property
+    def bending_stiffness(self) -> float:
+        """EI, N m^2."""
+        return si_value(self.beam.beam.bending_stiffness)
+
+    @property
+    def euler_load(self) -> float:
+        """Of a piece with pinned ends, N: pi^2 EI/l^2."""
+        return float(np.pi**2 * self.bending_stiffness / self.length**2)
+
+    @property
+    def pinned_frequency(self) -> float:
+        """The lowest of a piece with pinned ends, rad/s: pi^2 sqrt(EI/(m l^3))."""
+        return float(np.pi**2 * np.sqrt(self.bending_stiffness / (self.mass * self.length**3)))
+
+    @cached_property
+    def stiffness(self) -> Matrix:
+        """K (shapes, shapes) of the strain energy 1/2 a^T K a, N/m."""
+        _, weights = leggauss(POINTS)
+        curvatures = self._derivatives(2) * (2 / self.length) ** 2
+        stiffness: Matrix = self.bending_stiffness * self.length / 2 * (curvatures * weights) @ curvatures.T
+        return stiffness
+
+    def geometric_stiffness(self, power: int) -> Matrix:
+        """(shapes, shapes), 1/m: the integral of xi^power v'^2, by which an axial force N xi^power stiffens the piece.
+
+        This is what the kinematics of second order add, and those of first order leave out: slopes are relative to the
+        floating frame.
+        """
+        xi, weights = leggauss(POINTS)
+        slopes = self._derivatives(1) * 2 / self.length
+        result: Matrix = self.length / 2 * (slopes * weights * xi**power) @ slopes.T
+        return result
+
+    def _derivatives(self, order: int) -> Matrix:
+        """(shapes, POINTS): derivatives by xi at the Gauss points."""
+        xi, _ = leggauss(POINTS)
+        return np.array([Polynomial([float(c) for c in s]).deriv(order)(xi) for s in shape_functions(self.beam)])
+
+    def strain_energies(self, amplitudes: Matrix) -> tuple[Vector, Vector]:
+        """(n,) each: the strain energy of amplitudes (n, shapes), J, and the part that the last shape adds to it.
+
+        The part is what the other shapes cannot represent. With K = L L^T the energy is 1/2 |L^T a|^2, and the last
+        element of L^T a has the amplitude of the last shape alone.
+        """
+        parts = (amplitudes @ np.linalg.cholesky(self.stiffness)) ** 2 / 2
+        return parts.sum(axis=1), parts[:, -1]
+
+    def amplitudes_in(self, native: ConstrainedSystem, piece: str) -> list[int]:
+        """The numbers of the coordinates of a scene that are the amplitudes of a piece."""
+        return [_index(native, owned(amplitude(i + 1), piece).name) for i in range(len(self.stiffness))]
+
+    @staticmethod
+    def origin_in(native: ConstrainedSystem, piece: str) -> list[int]:
+        """The numbers of the coordinates that are the position of a piece."""
+        return [_index(native, owned(quantity(Family.TRANSLATION, i), piece).name) for i in (1, 2)]
+
+    @staticmethod
+    def rotation_in(native: ConstrainedSystem, piece: str) -> int:
+        """The number of the coordinate that is the rotation of a piece."""
+        return _index(native, owned(quantity(Family.ANGLE), piece).name)
+
+
+
+def _index(native: ConstrainedSystem, name: str) -> int:
+    return native.coordinates.index(name)
