@@ -9,7 +9,6 @@ from typing import Any
 
 from derive.lowering.conditioning import condition_warnings
 from derive.simulation.body_trajectory import BodyTrajectory
-from derive.simulation.observables.beams import LINEAR_LIMIT, beam_bodies, relative_deflection
 from derive.simulation.observables.plots import PlotCurve, percent, plot_text, with_unit
 from derive.simulation.trajectory import Trajectory
 from derive.spec.model.plots import Plot
@@ -73,13 +72,14 @@ def _of_body(trajectory: BodyTrajectory) -> Plain:
 
 
 def _of_scene(trajectory: Trajectory) -> Plain:
-    initial, solution, motion = trajectory.initial, trajectory.solution, trajectory.motion
+    initial, solution = trajectory.initial, trajectory.solution
     return {
         "initial_values": [asdict(value) for value in initial.values],
         "drift": solution.drift[:, 0].max(),
         "drift_of_rates": solution.drift[:, 1].max(),
         "deformed_start": initial.deformed or initial.deforming,
-        "bending": {b.name: relative_deflection(motion, b) for b in beam_bodies(trajectory.scene)},
+        "validity": [monitor.data for monitor in trajectory.validity],
+        "warnings": trajectory.warnings,
     }
 
 
@@ -144,17 +144,9 @@ def _extremes(plot: Plain) -> Iterator[str]:
 
 
 def _notes(runs: Sequence[Plain]) -> Iterator[str]:
-    """The notes of the runs; warnings of beams that bend further than their equations hold, and of initial states with
-    deformed bodies.
-    """
+    """The notes of the runs; warnings of models that are not valid, and of initial states with deformed bodies."""
     for run in runs:
         yield from (f"  note: {note}" for note in run["notes"])
-        for name, most in run.get("bending", {}).items():
-            if most > LINEAR_LIMIT:
-                beam = f"{name} in {beam_count(run['pieces'][name])}"
-                yield (
-                    f"  warning: {beam} bends by {most:.2g} of the length of a beam; first-order equations hold up to "
-                    f"about {LINEAR_LIMIT:g}"
-                )
+        yield from (f"  warning: {warning}" for warning in run.get("warnings", ()))
         if run.get("deformed_start"):
             yield "  warning: no undeformed state satisfies the constraints; some bodies are deformed at t = 0"

@@ -22,8 +22,8 @@ def run_files(trajectory: Trajectory | BodyTrajectory) -> tuple[File, File]:
     """The CSV file of a trajectory, and its record NAME.json, in the folder NAME.
 
     The CSV has nothing but names and numbers; the record has the units of its columns, the settings of the integrator,
-    the hash of the specification, the values of the parameters, the notes, the drift of each row, and the last state
-    with all digits.
+    the hash of the specification, the values of the parameters, the notes, the drift of each row, what is monitored of
+    beams with the warnings, and the last state with all digits.
     """
     name = trajectory.name
     table, record = f"{name}/{name}.csv", f"{name}/{name}.json"
@@ -53,5 +53,13 @@ def _content(trajectory: Trajectory | BodyTrajectory) -> dict[str, Any]:
         },
         "columns": [{"name": column.name, "unit": column.unit} for column in trajectory.table],
         "notes": [*trajectory.notes],
+        **_validity(trajectory),
         "last_state": {"t": float(solution.t[-1]), "q": solution.q[-1].tolist(), "v": solution.v[-1].tolist()},
     }
+
+
+def _validity(trajectory: Trajectory | BodyTrajectory) -> dict[str, Any]:
+    """What is monitored of beams, and the warnings where a limit is passed; nothing where there are no beams."""
+    if isinstance(trajectory, BodyTrajectory) or not trajectory.validity:
+        return {}
+    return {"validity": [monitor.data for monitor in trajectory.validity], "warnings": [*trajectory.warnings]}

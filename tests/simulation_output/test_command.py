@@ -19,9 +19,11 @@ from derive.ir.model import Variable
 from derive.simulation.errors import IntegrationStopped
 from derive.simulation.initial.initial_state import InitialState
 from derive.simulation.integration.solution import Cost, Solution
+from derive.simulation.observables.beams import beam_bodies
 from derive.simulation.observables.motion import SceneMotion
 from derive.simulation.output_times import output_times
 from derive.simulation.trajectory import RunSettings, Trajectory
+from derive.simulation.validity.measure import deflection_monitor
 from derive.spec.model.scene import Scene
 
 DEFORMING = "deforming"
@@ -50,13 +52,15 @@ def simulated(scene: Scene, progress=None) -> Trajectory:
     units = [Variable(name, "", "m") for name in native.coordinates]
     velocities = tuple(Variable(f"{x.name}dot", "", "m/s") for x in units)
     names = Names(tuple(units), velocities, tuple(Variable(x, "", "N") for x in native.multipliers))
+    motion = SceneMotion(scene, native, np.zeros(0), t, q, 0 * q)
     return Trajectory(
         scene,
         names,
         InitialState(0.0, q[0], 0 * q[0], 0.0, 0.0, False, DEFORMING in scene.name),
-        SceneMotion(scene, native, np.zeros(0), t, q, 0 * q),
+        motion,
         found,
         RunSettings(scene.simulation),
+        tuple(deflection_monitor(motion, beam) for beam in beam_bodies(scene)),
     )
 
 
@@ -179,7 +183,7 @@ def test_what_one_should_know_is_told(
     spec.write_text(SCENE.read_text().replace('name = "crank_slider_3"', f'name = "{DEFORMING}"'))
     assert main(["simulate", str(spec), "--out", str(tmp_path), "--duration", "0.02"]) == 0
     told = [line for line in capsys.readouterr().out.splitlines() if "warning" in line]
-    assert "rod in 1 beam bends by 0.24 of" in told[0]
+    assert "rod in 1 beam: it bends by 24 % of the length of a beam" in told[0]
     assert any("some bodies are deformed at t = 0" in line for line in told)
 
 

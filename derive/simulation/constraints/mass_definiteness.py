@@ -24,10 +24,10 @@ def nearly_indefinite(native: ConstrainedSystem, k: Vector, t: float, q: Vector)
     """Whether M is indefinite at q (nq,), or where deflections are a fifth larger, on the admitted velocities."""
     deflected = coordinates_with(native, Role.AMPLITUDE)
     states = (np.where(deflected, factor * q, q) for factor in (1.0, BEYOND))
-    return any(smallest_eigenvalue(native, k, t, state) < -ROUNDING for state in states)
+    return any(_smallest_eigenvalue(native, k, t, state) < -ROUNDING for state in states)
 
 
-def smallest_eigenvalue(native: ConstrainedSystem, k: Vector, t: float, q: Vector) -> float:
+def _smallest_eigenvalue(native: ConstrainedSystem, k: Vector, t: float, q: Vector) -> float:
     """Of M, scaled by its diagonal, on the velocities that the constraints admit."""
     M = mass_matrix(native, q, k)
     size = np.sqrt(np.abs(np.diag(M)))

@@ -13,9 +13,6 @@ from derive.simulation.observables.motion import Array, SceneMotion, si_value, t
 from derive.spec.model.body import Polynomial
 from derive.spec.model.scene import BeamBody, Scene
 
-LINEAR_LIMIT = 0.1
-"""Of the length of a beam: displacements that are linear in the amplitudes do not describe larger deflections."""
-
 
 def beam_bodies(scene: Scene) -> tuple[BeamBody, ...]:
     """The flexible bodies of a scene."""

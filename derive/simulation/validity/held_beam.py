@@ -1,6 +1,6 @@
 """The lowest natural frequency of a beam as the joints of its scene hold it, and the shape of that vibration.
 
-The beam deforms alone: all bodies move as far as the constraints admit in the initial state, with their masses, and other
+The beam deforms alone: all bodies move as far as the constraints admit in the initial state, with their masses; other
 beams are rigid. Gravity, springs and spin are left out, so that what is found is what the beam itself resists with.
 """
 

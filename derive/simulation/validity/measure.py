@@ -1,6 +1,7 @@
 """The monitored quantities of all beams of a run, each with the error it implies.
 
-First order leaves out of the stiffness what second order adds, the integral of N v'^2 along the beam. The axial force is
+First order leaves out of the stiffness what second order adds: the integral of N v'^2 along the beam, with the axial
+force
 
     N(x) = N(0) + m/l (A1 x - w^2 x^2/2),
 
@@ -20,7 +21,8 @@ from derive.runtime.native_call import Vector
 from derive.simulation.observables.beams import amplitudes, beam_bodies, deflections, piece_names
 from derive.simulation.observables.motion import SceneMotion, si_value
 from derive.simulation.validity.axial_load import AxialLoads, axial_loads
-from derive.simulation.validity.definiteness import lost_definiteness
+from derive.simulation.validity.definiteness import lost_inertia
+from derive.simulation.validity.end_moments import moment_mismatch
 from derive.simulation.validity.held_beam import LowestMode, lowest_mode
 from derive.simulation.validity.monitors import Cause, Monitor
 from derive.simulation.validity.piece_shapes import PieceShapes
@@ -42,6 +44,10 @@ def validity(motion: SceneMotion) -> tuple[Monitor, ...]:
 
 def _of_beam(motion: SceneMotion, beam: BeamBody, loads: AxialLoads) -> Iterator[Monitor]:
     shapes, pieces = PieceShapes(beam), piece_names(beam)
+
+    def monitor(cause: Cause, value: float, error: float, row: int) -> Monitor:
+        return Monitor(beam.name, beam.pieces, cause, beam.beam.order, value, error, float(motion.t[row]), beam.name)
+
     mode = lowest_mode(shapes, motion) if beam.pieces == 1 else None
     frequency = mode.frequency if mode else shapes.pinned_frequency
     bent = deflection_monitor(motion, beam)
@@ -50,14 +56,14 @@ def _of_beam(motion: SceneMotion, beam: BeamBody, loads: AxialLoads) -> Iterator
     yield _largest(beam, Cause.SPIN, motion.t, pieces, spins, lambda ratio: ratio**2)
     watched = [p for p in pieces if p in loads.forces]
     missing = [_missing_stiffness(motion, shapes, mode, p, loads) for p in watched]
-    yield _largest(beam, Cause.AXIAL_FORCE, motion.t, watched, missing, lambda ratio: ratio)
+    yield _largest(beam, Cause.AXIAL_FORCE, motion.t, watched, missing, lambda ratio: ratio / 2)
     if bent.value > STRAIGHT:
         yield _highest_shape(motion, shapes, pieces)
+        row, mismatch = moment_mismatch(motion, shapes)
+        yield monitor(Cause.END_MOMENT, mismatch, mismatch / 5, row)
     if beam.beam.order is DisplacementOrder.TRUNCATED:
-        row, lost = lost_definiteness(motion, shapes)
-        yield Monitor(
-            beam.name, beam.pieces, Cause.MASS_MATRIX, beam.beam.order, lost, lost, float(motion.t[row]), beam.name
-        )
+        row, lost = lost_inertia(motion, shapes)
+        yield monitor(Cause.MASS_MATRIX, lost, lost, row)
 
 
 def deflection_monitor(motion: SceneMotion, beam: BeamBody) -> Monitor:
@@ -82,7 +88,9 @@ def _missing_stiffness(
     spin = motion.v[:, shapes.rotation_in(native, piece)]
     phi = motion.pose(piece)[:, 2]
     free_fall = [si_value(g) for g in motion.scene.gravity or ()] or [0.0, 0.0]
-    along = (loads.accelerations[:, shapes.origin_in(native, piece)] - free_fall) * np.stack([np.cos(phi), np.sin(phi)], 1)
+    along = (loads.accelerations[:, shapes.origin_in(native, piece)] - free_fall) * np.stack(
+        [np.cos(phi), np.sin(phi)], 1
+    )
     forces = (middle, shapes.mass / 2 * along.sum(axis=1), -shapes.mass * shapes.length / 8 * spin**2)
     stiffness = sum(force * (a @ shapes.geometric_stiffness(n) @ a) for n, force in enumerate(forces))
     missing: Vector = np.abs(stiffness) / (a @ shapes.stiffness @ a)
@@ -97,17 +105,29 @@ def _highest_shape(motion: SceneMotion, shapes: PieceShapes, pieces: Sequence[st
     piece, row = np.unravel_index(np.argmax(energies[:, 1]), energies[:, 1].shape)
     share = float(highest / total)
     return Monitor(
-        beam.name, beam.pieces, Cause.HIGHEST_SHAPE, beam.beam.order, share, share, float(motion.t[row]), pieces[piece]
+        beam.name,
+        beam.pieces,
+        Cause.HIGHEST_SHAPE,
+        beam.beam.order,
+        share,
+        share,
+        float(motion.t[row]),
+        pieces[int(piece)],
     )
 
 
 def _largest(
-    beam: BeamBody, cause: Cause, t: Vector, pieces: Sequence[str], values: list[Vector], error: Callable[[float], float]
+    beam: BeamBody,
+    cause: Cause,
+    t: Vector,
+    pieces: Sequence[str],
+    values: list[Vector],
+    error: Callable[[float], float],
 ) -> Monitor:
     """The monitor of the largest value (n,) of all pieces."""
     every = np.array(values)
     piece, row = np.unravel_index(np.argmax(every), every.shape)
     value = float(every[piece, row])
     return Monitor(
-        beam.name, beam.pieces, cause, beam.beam.order, value, float(error(value)), float(t[row]), pieces[piece]
+        beam.name, beam.pieces, cause, beam.beam.order, value, float(error(value)), float(t[row]), pieces[int(piece)]
     )

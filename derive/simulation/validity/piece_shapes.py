@@ -54,8 +54,8 @@ class PieceShapes:
     @cached_property
     def stiffness(self) -> Matrix:
         """K (shapes, shapes) of the strain energy 1/2 a^T K a, N/m."""
-        _, weights = leggauss(POINTS)
-        curvatures = self._derivatives(2) * (2 / self.length) ** 2
+        xi, weights = leggauss(POINTS)
+        curvatures = self._derivatives(2, xi) * (2 / self.length) ** 2
         stiffness: Matrix = self.bending_stiffness * self.length / 2 * (curvatures * weights) @ curvatures.T
         return stiffness
 
@@ -66,13 +66,17 @@ class PieceShapes:
         floating frame.
         """
         xi, weights = leggauss(POINTS)
-        slopes = self._derivatives(1) * 2 / self.length
+        slopes = self._derivatives(1, xi) * 2 / self.length
         result: Matrix = self.length / 2 * (slopes * weights * xi**power) @ slopes.T
         return result
 
-    def _derivatives(self, order: int) -> Matrix:
-        """(shapes, POINTS): derivatives by xi at the Gauss points."""
-        xi, _ = leggauss(POINTS)
+    def moments(self, xi: Vector) -> Matrix:
+        """(shapes, len(xi)): the bending moments EI v'' of unit amplitudes at places xi of a piece, N."""
+        result: Matrix = self.bending_stiffness * (2 / self.length) ** 2 * self._derivatives(2, xi)
+        return result
+
+    def _derivatives(self, order: int, xi: Vector) -> Matrix:
+        """(shapes, len(xi)): derivatives of the shapes by xi."""
         return np.array([Polynomial([float(c) for c in s]).deriv(order)(xi) for s in shape_functions(self.beam)])
 
     def strain_energies(self, amplitudes: Matrix) -> tuple[Vector, Vector]:
@@ -97,7 +101,6 @@ class PieceShapes:
     def rotation_in(native: ConstrainedSystem, piece: str) -> int:
         """The number of the coordinate that is the rotation of a piece."""
         return _index(native, owned(quantity(Family.ANGLE), piece).name)
-
 
 
 def _index(native: ConstrainedSystem, name: str) -> int:

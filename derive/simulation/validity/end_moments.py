@@ -1,0 +1,58 @@
+"""How well the shapes of a beam represent its bending moment: where it vanishes, and where two pieces meet.
+
+The bending moment EI v'' of the exact deflection vanishes at free and pinned ends, and is the same on both sides of a
+weld between two pieces. Shapes fulfil this only as far as they can represent the deflection: the curvature of two
+polynomials of degree 2 and 3 is linear, that of a rod between two pins is not.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from derive.mechanics.multibody.joints.registry import JOINTS
+from derive.runtime.native_call import Vector
+from derive.simulation.observables.beams import amplitudes, piece_names
+from derive.simulation.observables.motion import SceneMotion
+from derive.simulation.validity.piece_shapes import PieceShapes
+from derive.spec.model.scene import BeamBody, Scene
+
+SECTIONS = 9
+"""Sections of a piece in which the largest bending moment is looked for, both ends among them."""
+TORQUE = "N m"
+"""The unit of multipliers that hold a section against rotation."""
+
+
+def moment_mismatch(motion: SceneMotion, shapes: PieceShapes) -> tuple[int, float]:
+    """The mismatch of bending moments at the ends of the pieces of a beam, and the row of the largest moment.
+
+    The root mean square of the worst end over the run, divided by that of the largest moment in the beam; 0 where all
+    ends are held.
+    """
+    beam = shapes.beam
+    xi = np.linspace(-1, 1, SECTIONS)
+    moments = np.array([amplitudes(motion, beam, p) @ shapes.moments(xi) for p in piece_names(beam)])  # pieces, n, xi
+    largest: Vector = np.abs(moments).max(axis=(0, 2))
+    ends = [moments[i, :, -1] - moments[i + 1, :, 0] for i in range(len(moments) - 1)]
+    held = set(_held_ends(motion.scene, beam))
+    ends += [moments[0, :, 0]] if -1 not in held else []
+    ends += [moments[-1, :, -1]] if 1 not in held else []
+    row, size = int(np.argmax(largest)), float(np.sqrt(np.mean(largest**2)))
+    return row, max((float(np.sqrt(np.mean(end**2))) / size for end in ends), default=0.0)
+
+
+def _held_ends(scene: Scene, beam: BeamBody) -> Iterator[int]:
+    """The ends, -1 and 1, at which a torque can act on the beam."""
+    driven = {drive.joint for drive in scene.drives}
+    markers = [marker for element in (*scene.torques, *scene.springs) for marker in element.markers]
+    for joint in scene.joints:
+        known = JOINTS[joint.kind]
+        units = {m.force_unit for m in known.multipliers}
+        if known.driven is not None and joint.name in driven:
+            units.add(known.driven.force_unit)
+        if TORQUE in units:
+            markers += [joint.first, joint.second]
+    for marker in beam.markers:
+        if abs(marker.at) == 1 and any((m.body, m.marker) == (beam.name, marker.name) for m in markers):
+            yield int(marker.at)

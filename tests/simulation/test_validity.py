@@ -1,0 +1,234 @@
+"""Runs warn where the model of a beam is not valid, with cause, error and remedy; otherwise they are silent."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import derive
+from conftest import ROOT
+from derive.mechanics.multibody.outputs.registry import MONITORS, OUTPUTS
+from derive.simulation.trajectory import Trajectory
+from derive.simulation.validity.axial_load import MOST_PIECES, monitored_pieces, with_monitors
+from derive.simulation.validity.monitors import LIMITS, Cause, Monitor
+from derive.spec.model.body import DisplacementOrder
+from derive.spec.model.ports import SceneOutput
+from derive.spec.model.scene import BeamBody, Scene
+from derive.spec.toml.read import parse
+
+SCENES = ROOT / "scenes"
+
+COLUMN = """
+name = "column"
+
+[ground.markers]
+foot = [0, 0]
+
+[bodies.rod]
+ansatz = ["1", "xi", "xi^2", "xi^3"]
+frame = "mean"
+mass = 1
+length = 2
+bending_stiffness = 4
+markers = { left = -1, right = 1 }
+
+[bodies.head]
+mass = 0.01
+inertia = 1e-4
+markers = { pin = [0, 0] }
+start = { position = [2, 0] }
+
+[joints.foot]
+kind = "revolute"
+between = ["ground.foot", "rod.left"]
+
+[joints.top]
+kind = "revolute"
+between = ["rod.right", "head.pin"]
+
+[joints.guide]
+kind = "translational"
+between = ["ground.foot", "head.pin"]
+axis = [1, 0]
+
+[forces.load]
+at = "head.pin"
+components = [LOAD, 0]
+
+[simulation]
+duration = 0.02
+output = 0.01
+"""
+
+
+def changed(name: str, *changes: tuple[str, str]) -> Scene:
+    """A scene of the project without its plots, with other text in some places."""
+    text = (SCENES / f"{name}.toml").read_text()
+    for old, new in changes:
+        assert re.search(old, text)
+        text = re.sub(old, new, text)
+    return parse(text.split("[plots")[0])
+
+
+def run(scene: Scene, duration: float, output: float) -> Trajectory:
+    return derive.simulate(scene, duration=duration, output=output)
+
+
+def monitor(trajectory: Trajectory, cause: Cause) -> Monitor:
+    return next(m for m in trajectory.validity if m.cause is cause)
+
+
+def spinning(spin: float) -> Trajectory:
+    return run(changed("spinning_beam", ("spin = 25", f"spin = {spin}")), 0.02, 0.01)
+
+
+def rod(pieces: int, *, highest: int = 3, second_order: bool = False) -> Trajectory:
+    """Set A, up to the first maxima of its deflection."""
+    ansatz = ", ".join(f'"xi^{n}"' for n in range(highest + 1))
+    order = 'frame = "mean"\norder = 2' if second_order else 'frame = "mean"'
+    changes = (
+        ("pieces = 3", f"pieces = {pieces}"),
+        (r"ansatz = \[.*\]", f"ansatz = [{ansatz}]"),
+        ('frame = "mean"', order),
+    )
+    return run(changed("crank_slider_3", *changes), 0.02, 2e-4)
+
+
+def cantilever(order: int) -> Trajectory:
+    """Spun up, until it has half of its final speed; to first order its error is 25 % rms by then."""
+    return run(
+        changed(
+            "spun_up_cantilever",
+            ("mass = 12", f"mass = 12\norder = {order}" + ('\nterms = "truncated"' if order == 2 else "")),
+        ),
+        7.0,
+        0.1,
+    )
+
+
+def column(load: float) -> Trajectory:
+    return derive.simulate(parse(COLUMN.replace("LOAD", str(load))))
+
+
+# ---- warnings ----
+
+
+def test_a_spin_beyond_the_stability_of_first_order_warns_while_the_deflection_is_small() -> None:
+    trajectory = spinning(28)
+    assert monitor(trajectory, Cause.DEFLECTION).value < 1e-3
+    spin, axial = monitor(trajectory, Cause.SPIN), monitor(trajectory, Cause.AXIAL_FORCE)
+    assert spin.value == pytest.approx(28 / np.sqrt(720), rel=1e-6)
+    # what second order adds: (m/5)(alpha1'' + 2 w^2 alpha1) in place of (m/5)(alpha1'' - w^2 alpha1), of K = 144
+    assert axial.value == pytest.approx(3 * 28**2 / 720, rel=1e-4)
+    assert trajectory.warnings == (spin.warning, axial.warning)
+    assert "104 % of its lowest frequency" in spin.warning and "limit of 20 %" in spin.warning
+    assert "an error of 100 % or more; choose order = 2" in spin.warning
+
+
+def test_a_column_at_three_euler_loads_warns() -> None:
+    trajectory = column(-3 * np.pi**2)
+    (warning,) = trajectory.warnings
+    assert monitor(trajectory, Cause.AXIAL_FORCE).value == pytest.approx(
+        3 * np.pi**2 / 12, rel=1e-6
+    )  # P2 buckles at 12
+    assert "its axial force is 247 % of the load under which it buckles" in warning
+
+
+def test_the_published_rod_in_one_beam_warns_of_its_axial_force() -> None:
+    trajectory = rod(1)
+    (warning,) = trajectory.warnings
+    assert "rod in 1 beam: its axial force is 19 %" in warning and "divide the beam into more pieces" in warning
+    assert monitor(trajectory, Cause.HIGHEST_SHAPE).value < 0.1
+
+
+def test_second_order_does_not_rescue_two_shapes_between_pins_and_warns() -> None:
+    trajectory = rod(1, second_order=True)
+    (warning,) = trajectory.warnings
+    mismatch = monitor(trajectory, Cause.END_MOMENT)
+    assert mismatch.value > 0.95 and mismatch.error == pytest.approx(0.2, abs=0.01)  # measured: 21.8 % rms
+    assert warning == mismatch.warning and "add a shape" in warning
+
+
+def test_a_cantilever_warns_before_its_stiffness_is_lost() -> None:
+    trajectory = cantilever(1)
+    spin = monitor(trajectory, Cause.SPIN)
+    speed = np.abs(trajectory["beam_phidot"]).max()
+    assert speed / spin.value == pytest.approx(3.516 * np.sqrt(1.4e4 / (12 * 10**3)), rel=5e-3)
+    assert {Cause.SPIN, Cause.AXIAL_FORCE} <= {m.cause for m in trajectory.validity if m.passed}
+
+
+def test_a_truncated_beam_warns_before_its_mass_matrix_is_indefinite() -> None:
+    text = (Path(__file__).parent / "test_definiteness.py").read_text()
+    thrown = text.split('THROWN = """')[1].split('"""')[0].replace("TERMS", "truncated")
+    assert monitor(run(parse(thrown), 0.05, 0.01), Cause.MASS_MATRIX).value < 0.01
+    trajectory = run(parse(thrown), 0.3, 0.01)
+    lost = monitor(trajectory, Cause.MASS_MATRIX)
+    assert lost.warning in trajectory.warnings and lost.value < 1 and 'terms = "full"' in lost.warning
+
+
+# ---- no false alarm ----
+
+
+def test_runs_within_the_limits_are_silent() -> None:
+    assert not spinning(2).warnings
+    assert not column(-0.2).warnings
+
+
+def test_the_published_rod_is_silent_in_three_beams_and_at_second_order() -> None:
+    assert not rod(3).warnings
+    accurate = rod(1, highest=4, second_order=True)
+    assert not accurate.warnings
+    assert monitor(accurate, Cause.AXIAL_FORCE).value > 0.2  # which second order knows
+
+
+def test_the_cantilever_of_second_order_is_silent() -> None:
+    assert not cantilever(2).warnings
+
+
+def test_a_four_bar_linkage_that_moves_gently_is_silent() -> None:
+    trajectory = run(changed("four_bar"), 1.1, 0.01)
+    assert not trajectory.warnings and {m.beam for m in trajectory.validity} == {"crank", "coupler", "rocker"}
+
+
+# ---- what the monitors cost and change ----
+
+
+def test_monitors_do_not_show_in_the_columns_and_take_no_name() -> None:
+    scene = changed("spinning_beam")
+    own = SceneOutput("axial_load_beam", "energy")
+    trajectory = run(replace(scene, outputs=(own,)), 0.01, 0.01)
+    assert [name for name in trajectory.columns if "axial" in name] == [o.name for o in trajectory.model.outputs]
+    assert monitored_pieces(trajectory.scene)[0].output.name == "axial_load_beam_"
+    assert monitor(trajectory, Cause.AXIAL_FORCE).value > 1
+
+
+def test_a_scene_without_beams_is_compiled_as_it_is() -> None:
+    scene = changed("four_bar")
+    rigid = replace(scene, bodies=tuple(b for b in scene.bodies if not isinstance(b, BeamBody)))
+    assert with_monitors(rigid) == rigid != with_monitors(scene)
+
+
+def test_of_many_pieces_some_are_watched_with_both_ends() -> None:
+    scene = changed("crank_slider_3", ("pieces = 3", "pieces = 12"))
+    pieces = [m.piece for m in monitored_pieces(scene)]
+    assert len(pieces) == MOST_PIECES and (pieces[0], pieces[-1]) == ("rod_1", "rod_12")
+
+
+def test_no_specification_asks_for_a_monitor() -> None:
+    assert not set(MONITORS) & set(OUTPUTS)
+
+
+def test_every_cause_has_a_limit_but_the_share_of_the_highest_shape() -> None:
+    assert {cause for cause, _ in LIMITS} == set(Cause) - {Cause.HIGHEST_SHAPE}
+    for cause in Cause:
+        for order in DisplacementOrder:
+            text = Monitor("rod", 2, cause, order, 0.5, 0.3, 0.1, "rod_1").warning
+            assert text.startswith("rod in 2 beams: ") and "30 %" in text and "; " in text
+
+
+def test_what_is_not_a_number_is_beyond_a_limit() -> None:
+    assert Monitor("rod", 1, Cause.DEFLECTION, DisplacementOrder.FIRST_ORDER, np.nan, np.nan, 0.0, "rod").passed
