@@ -150,7 +150,7 @@ def _files(main: Trajectory | BodyTrajectory, shown: Sequence[PlotCurves]) -> li
             for plot, text, _ in texts
             for curve in plot_curves(plot, main, "")
         ]
-        page = player_page(player_data(main.motion, columns))
+        page = player_page(player_data(main.motion, columns), main.warnings)
     return [
         *run_files(main),
         *(

@@ -11,9 +11,12 @@ from derive.artifacts import MARK
 from derive.rendering import render
 
 
-def player_page(data: Mapping[str, Any]) -> str:
-    """The text of a page that plays a motion; `data` is that of `derive.simulation.observables.player_data`."""
-    return _page("player.html", str(data["name"]), data)
+def player_page(data: Mapping[str, Any], warnings: Sequence[str] = ()) -> str:
+    """The text of a page that plays a motion, with warnings above it.
+
+    `data` is that of `derive.simulation.observables.player_data`.
+    """
+    return _page("player.html", str(data["name"]), data, warnings)
 
 
 def spatial_player_page(data: Mapping[str, Any]) -> str:
@@ -34,8 +37,13 @@ def spatial_motions_page(title: str, body: Mapping[str, Any], motions: Sequence[
     return _page("spatial.html", title, {"body": body, "motions": motions})
 
 
-def _page(template: str, title: str, island: object) -> str:
-    content = {"mark": MARK, "title": escape(title), "motion": json_island(island)}
+def _page(template: str, title: str, island: object, warnings: Sequence[str] = ()) -> str:
+    content = {
+        "mark": MARK,
+        "title": escape(title),
+        "motion": json_island(island),
+        "warnings": [escape(text) for text in warnings],
+    }
     return render(f"player/{template}.jinja", content)
 
 

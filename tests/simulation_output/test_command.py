@@ -187,6 +187,29 @@ def test_what_one_should_know_is_told(
     assert any("some bodies are deformed at t = 0" in line for line in told)
 
 
+def test_a_model_that_is_not_valid_is_reported_in_all_places(
+    quick: list[Scene], monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    arguments = ["simulate", str(SCENE), "--out", str(tmp_path), "--duration", "0.02", "--json"]
+    folder = tmp_path / "crank_slider_3"
+
+    def results() -> tuple[dict, dict, str]:
+        assert main(arguments) == 0
+        record = json.loads((folder / "crank_slider_3.json").read_text())
+        return json.loads(capsys.readouterr().out)["runs"][2], record, (folder / "crank_slider_3.html").read_text()
+
+    summary, record, page = results()
+    assert summary["warnings"] == record["warnings"] == [] and "Warning" not in page
+    monkeypatch.setattr(slider, "MOST", 0.4)
+    summary, record, page = results()
+    (text,) = record["warnings"]
+    assert text.startswith("rod in 3 beams: it bends by") and summary["warnings"] == [text]
+    assert f'<p class="note">Warning: {text}.</p>' in page
+    (monitor,) = record["validity"]
+    assert summary["validity"] == [monitor]
+    assert monitor["quantity"] == "deflection" and monitor["passed"] and monitor["value"] > monitor["limit"] == 0.1
+
+
 def test_a_terminal_sees_how_far_it_is(
     quick: list[Scene], monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
