@@ -114,19 +114,19 @@ class AxialLoad(OutputType):
     def components(self, name: str, values: Mapping[str, Any], scene: SceneMechanics) -> OutputComponents:
         """One component."""
         component = values["component"]
-        section = Section(name, scene, component, Fraction(0), sp.Matrix(scene.instances[component].origin))
+        section = BeamSection(name, scene, component, Fraction(0), sp.Matrix(scene.instances[component].origin))
         force = section.rotation[:, 0].dot(section.resultant().force)
         doc = f"axial force in the middle of {component}, from equilibrium"
         return OutputComponents((OutputComponent("", "N", doc, force),), section.constants)
 
 
-def _marked_section(name: str, scene: SceneMechanics, marker: MarkerRef) -> Section:
+def _marked_section(name: str, scene: SceneMechanics, marker: MarkerRef) -> BeamSection:
     """The section at a marker."""
     _, _, places = _piece(scene, marker.body)
-    return Section(name, scene, marker.body, places[marker.marker], scene.position(marker))
+    return BeamSection(name, scene, marker.body, places[marker.marker], scene.position(marker))
 
 
-class Section:
+class BeamSection:
     """A section of a beam, or of a piece of a rod, with the constants of the output that asks for it."""
 
     def __init__(self, name: str, scene: SceneMechanics, component: str, at: Fraction, position: sp.Matrix) -> None:
