@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
+from fractions import Fraction
 
 import numpy as np
 import sympy as sp
@@ -12,14 +13,17 @@ from numpy.typing import NDArray
 
 from derive.mechanics.multibody.joints.registry import JOINTS
 from derive.mechanics.multibody.point_motion import PointMotion, RelativeMotion, fixed_point
+from derive.simulation.inputs import with_functions
 from derive.simulation.observables.motion import body_coordinates, drive_values, si_value, transformed
 from derive.spec.model.markers import GROUND, MarkerRef
 from derive.spec.model.quantity import Parameter
 from derive.spec.model.scene import BeamBody, CustomJoint, Joint, Scene
+from derive.spec.model.time_function import TimeFunction
 
 Array = NDArray[np.float64]
 Poses = Mapping[str, Array]
 
+ZERO = TimeFunction("number", value=Fraction(0))
 STEPS, CLOSED, DIFFERENCE = 80, 1e-10, 1e-7
 """Newton steps, the residual at which the loops are closed, and the step of differences (m, rad)."""
 
@@ -28,8 +32,10 @@ def initial_poses(scene: Scene) -> dict[str, Array]:
     """(x, y, angle) of each undeformed body at t = 0, in m and rad.
 
     Newton's method starts from the initial guesses of the specification and closes the joints and drives. Where it
-    finds no closed configuration, the poses are those of the guesses.
+    finds no closed configuration, the poses are those of the guesses. Run-time inputs without a function are zero.
     """
+    given = tuple(replace(value, function=value.function or ZERO) for value in scene.inputs)
+    scene = with_functions(replace(scene, inputs=given), {})
     names = [body.name for body in scene.bodies]
     starts = (body.start for body in scene.bodies)
     guess: Array = np.array([[*(s.position or (0.0, 0.0)), s.angle or 0.0] for s in starts], dtype=float).ravel()
