@@ -1,10 +1,7 @@
 """Axial force, shear force and bending moment of a beam, its curvature, and the strain of a fibre.
 
-Section forces follow from the equilibrium of the part of the beam to the right of the section: its inertia, its weight,
-and what loads and joints exert on it. With X + u = (X, v) in the body frame, Q^T cddot = (A1, A2) and the angular
-velocity w, the acceleration of a material point is, from (5),
-
-    a1 = A1 - wdot v - w^2 X - 2 w vdot,    a2 = A2 + wdot X - w^2 v + vddot.
+Section forces follow from the equilibrium of the part of the beam to the right of the section: its inertia and its
+weight, see `beam_part`, and what loads and joints exert on it.
 
 The bending moment also follows from the curvature, EI d^2v/dx^2. The two agree as far as the shape functions can
 represent the deflection, so that their difference shows the quality of the model.
@@ -19,7 +16,10 @@ from typing import Any
 import sympy as sp
 
 from derive.mechanics import quantity
+from derive.mechanics.bodies.beam_part import part_body, rigid_rows
+from derive.mechanics.bodies.foreshortening import Foreshortening, pairs
 from derive.mechanics.bodies.reference_conditions import assumed_shapes, exact_polynomial, xi
+from derive.mechanics.expansion import constants_of
 from derive.mechanics.multibody.bodies.beam import CUT, piece_name, place_in_piece
 from derive.mechanics.multibody.bodies.beam_loads import density_of_piece
 from derive.mechanics.multibody.instances import InstanceEquations
@@ -28,6 +28,7 @@ from derive.mechanics.multibody.outputs.output_type import OutputComponent, Outp
 from derive.mechanics.multibody.scene_mechanics import NOTHING, Resultant, SceneMechanics
 from derive.mechanics.symbols import element
 from derive.mechanics.terms import ModelConstant
+from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.markers import MarkerRef
 from derive.spec.model.scene import BeamBody
 
@@ -179,7 +180,7 @@ class BeamSection:
         origin, about = sp.Matrix(self.instance.origin), self.position
         half = self.length / 2
         for load in self.rod.loads:
-            factor = quantity.function(load.time)
+            in_time = quantity.function(load.time)
             for k, of_rod in enumerate(load.force):
                 density = density_of_piece(of_rod, self.piece, self.rod.pieces)
                 if density.is_zero:
@@ -193,11 +194,24 @@ class BeamSection:
                 lever = sp.Matrix([first, sp.S.Zero])
                 for i, (shape, c) in enumerate(zip(self.shapes, coordinates[3:], strict=True), 1):
                     lever[1] += integral(density * shape, half, f"shape_{i}") * c.q
+                for (i, j), psi in self._second.items():
+                    factor = sp.S.Half if i == j else sp.S.One
+                    shortening = integral(density * psi, half * 2 / self.length, f"psi_{i}_{j}")
+                    lever[0] += factor * shortening * coordinates[2 + i].q * coordinates[2 + j].q
                 lever = rotation * lever
                 direction = sp.eye(2)[:, k] if load.frame == "inertial" else rotation[:, k]
                 torque = lever[0] * direction[1] - lever[1] * direction[0]
-                result += Resultant(factor * total * direction, factor * torque).about(origin, about)
+                result += Resultant(in_time * total * direction, in_time * torque).about(origin, about)
         return result
+
+    @property
+    def _second(self) -> Mapping[tuple[int, int], sp.Poly]:
+        """psi_ij length/2 for i <= j; empty at first order."""
+        beam = self.rod.beam
+        if beam.order is DisplacementOrder.FIRST_ORDER:
+            return {}
+        second = Foreshortening(tuple(self.shapes), beam.frame, self.mass, self.length)
+        return {(i, j): second.of(i, j) for i, j in pairs(len(self.shapes))}
 
     @property
     def rotation(self) -> sp.Matrix:
@@ -212,43 +226,22 @@ class BeamSection:
 
     def _inertia(self) -> Resultant:
         """The rate of change of momentum of the part to the right, less its weight; torque about the section."""
-        coordinates, rows = self.instance.coordinates, self.instance.rows
-        omega, omegadot = rows[2].v, rows[2].a
-        alpha, alphadot, alphaddot = ([c.q for c in coordinates[3:]], [r.v for r in rows[3:]], [r.a for r in rows[3:]])
-        rotation = self.rotation
-        gravity = sp.Matrix(_gravity(self.scene))
-        a1, a2 = rotation.T * (sp.Matrix([rows[0].a, rows[1].a]) - gravity)
-        x, shapes = sp.Poly(xi, xi), self.shapes
-        mass, first, second = (self._moment(x**n, n, f"moment_{n}") for n in range(3))
-        numbers = range(len(shapes))
-        of_shape = [self._moment(shapes[i], 0, f"shape_{i + 1}") for i in numbers]
-        lever = [self._moment(x * shapes[i], 1, f"lever_{i + 1}") for i in numbers]
-        pairs = [
-            [self._moment(shapes[i] * shapes[j], 0, f"pair_{min(i, j) + 1}_{max(i, j) + 1}") for j in numbers]
-            for i in numbers
-        ]
-
-        def summed(factors: list[sp.Expr], amplitudes: list[sp.Symbol]) -> sp.Expr:
-            return sp.Add(*(f * a for f, a in zip(factors, amplitudes, strict=True)))
-
-        def product(left: list[sp.Symbol], right: list[sp.Symbol]) -> sp.Expr:
-            return sp.Add(*(left[i] * pairs[i][j] * right[j] for i in numbers for j in numbers))
-
-        v, vdot, vddot = (summed(of_shape, of) for of in (alpha, alphadot, alphaddot))
-        xvddot = summed(lever, alphaddot)
-        force1 = mass * a1 - omegadot * v - omega**2 * first - 2 * omega * vdot
-        force2 = mass * a2 + omegadot * first - omega**2 * v + vddot
-        # int rho (X a2 - v a1): the centrifugal parts cancel.
-        torque = first * a2 + omegadot * second + xvddot - v * a1
-        torque += omegadot * product(alpha, alpha) + 2 * omega * product(alpha, alphadot)
-        force = rotation * sp.Matrix([force1, force2])
-        origin, about = sp.Matrix(self.instance.origin), self.position
-        return Resultant(force, torque).about(origin, about)
-
-    def _moment(self, integrand: sp.Poly, power: int, label: str) -> sp.Expr:
-        """int rho (l/2)^power integrand over the part to the right of the section."""
-        value = self.mass / 2 * (self.length / 2) ** power * self._right(integrand)
-        return self._constant(label, value, f"{label} of the part to the right", "")
+        beam, instance = self.rod.beam, self.instance
+        gravity, _ = quantity.gravity(self.scene.scene.gravity)
+        start = sp.Rational(self.at)
+        part = part_body(tuple(self.shapes), beam.frame, beam.order, self.mass, self.length, start, gravity)
+        motion = part.motion
+        known: dict[sp.Basic, sp.Expr] = {}
+        for own, of_instance in zip(motion.coordinates, instance.coordinates, strict=True):
+            known[own.q] = of_instance.q
+        for own_row, row in zip(motion.rows, instance.rows, strict=True):
+            known |= {own_row.v: row.v, own_row.a: row.a}
+        for c in constants_of(part):
+            if c not in gravity:
+                known[c.symbol] = sp.S.Zero if c.zero else self._constant(c.symbol.name, c.value, c.doc, c.unit)
+        force1, force2, torque = (row.xreplace(known) for row in rigid_rows(part))
+        origin, about = sp.Matrix(instance.origin), self.position
+        return Resultant(sp.Matrix([force1, force2]), torque).about(origin, about)
 
     def _constant(self, label: str, value: sp.Expr, doc: str, unit: str) -> sp.Expr:
         """A number as it is; what depends on parameters as a constant of the model."""
@@ -271,9 +264,3 @@ def _piece(scene: SceneMechanics, component: str) -> tuple[BeamBody, int, dict[s
                 own = {m.name: place_in_piece(m.at, n) for m in body.markers}
                 return body, k, {**own, CUT[0]: Fraction(-1), CUT[1]: Fraction(1)}
     raise AssertionError(f"{component} is no beam; the specification refuses other bodies")
-
-
-def _gravity(scene: SceneMechanics) -> list[sp.Expr]:
-    """The acceleration of free fall in the inertial frame."""
-    constants, _ = quantity.gravity(scene.scene.gravity)
-    return [c.symbol if c.zero is None else sp.S.Zero for c in constants] or [sp.S.Zero, sp.S.Zero]

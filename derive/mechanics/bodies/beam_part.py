@@ -1,0 +1,95 @@
+"""The inertia of the part of a beam to the right of a section: the rigid rows of its equations of motion.
+
+The part moves with the fields of the whole beam, so that its equations are those of a body with the same shapes whose
+mass is distributed over -1 < start <= xi <= 1 alone. The virtual work on its translations and on its rotation is the
+force and the torque about O that its motion needs, besides its weight; at any order of the displacements.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import sympy as sp
+
+from derive.mechanics.bodies.beam_integrals import BY_CHANCE, BeamField, BeamIntegrals
+from derive.mechanics.bodies.foreshortening import Foreshortening, field_weights
+from derive.mechanics.bodies.planar_integrals import Value, coefficients, second_order_coefficients
+from derive.mechanics.body import Body, planar_body
+from derive.mechanics.expansion import expand
+from derive.mechanics.terms import ModelConstant
+from derive.spec.model.body import DisplacementOrder, Frame
+
+
+@dataclass(frozen=True)
+class PartIntegrals(BeamIntegrals):
+    """Moments over the part to the right of xi = `start`; `mass` is that of the whole beam."""
+
+    start: sp.Rational = sp.S.NegativeOne
+
+    def _value(
+        self, integrand: sp.Poly, factor: sp.Expr, reason: str | None = None, otherwise: str = BY_CHANCE
+    ) -> Value:
+        return _part_value(self.mass * factor, integrand, self.start)
+
+
+@dataclass(frozen=True)
+class PartForeshortening(Foreshortening):
+    """The second-order fields with their moments over the part to the right of xi = `start`."""
+
+    start: sp.Rational = sp.S.NegativeOne
+
+    def _value(self, integrand: sp.Poly, factor: sp.Expr, reason: str | None = None) -> Value:
+        return _part_value(self.mass * factor, integrand, self.start)
+
+
+def _part_value(factor: sp.Expr, integrand: sp.Poly, start: sp.Rational) -> Value:
+    primitive = integrand.integrate()
+    value = primitive.eval(1) - primitive.eval(start)
+    return Value(factor * value / 2, None if value else BY_CHANCE)
+
+
+def part_body(
+    shapes: tuple[sp.Poly, ...],
+    frame: Frame,
+    order: DisplacementOrder,
+    mass: sp.Expr,
+    length: sp.Expr,
+    start: sp.Rational,
+    gravity: tuple[ModelConstant, ...],
+) -> Body:
+    """The part to the right of xi = `start` of a beam with these shapes; mass (kg) and length (m) of the whole beam."""
+    family = tuple(BeamField(shape, 2) for shape in shapes)
+    second = PartForeshortening(shapes, frame, mass, length, start)
+    fields = second.fields if order is DisplacementOrder.FULL else ()
+    family += tuple(BeamField(field, 1) for field in fields)
+    constants = coefficients(PartIntegrals(family, mass, length, False, start), len(family))
+    if order is DisplacementOrder.TRUNCATED:
+        constants += second_order_coefficients(second, constants, len(shapes))
+    constants += field_weights(second, fields)
+    of_part = mass * (1 - start) / 2
+    return planar_body(
+        name="part",
+        doc="the part of a beam to the right of a section",
+        frame_doc="",
+        modes=len(shapes),
+        mass=of_part,
+        constants=constants,
+        gravity=gravity,
+        order=order,
+        fields=len(fields),
+    )
+
+
+def rigid_rows(body: Body) -> tuple[sp.Expr, ...]:
+    """The force along e1 and e2 (N) and the torque about O (N m) that the motion of a body needs, besides its weight.
+
+    In the coordinates and the constants of the body.
+    """
+    form = expand(body)
+    result = []
+    for row in form.rows[:3]:
+        total = sp.Add(*(term.expr for term in form.terms if term.row == row.name))
+        for definition in reversed(form.definitions):
+            total = total.xreplace({definition.symbol: definition.expr})
+        result.append(total)
+    return tuple(result)
