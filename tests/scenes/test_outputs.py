@@ -7,6 +7,7 @@ import pytest
 
 import derive
 from derive.simulation.observables.default_plots import default_plots
+from derive.spec.model.body import DisplacementOrder
 from derive.spec.toml.read import parse
 
 CRANK = """
@@ -118,14 +119,28 @@ drive = "motor"
 """
 
 
-def scene(*, keep: bool = False, driven: bool = False) -> derive.Scene:
-    text = CRANK.replace("KEEP", "keep_coordinates = true" if keep else "").replace("EXTRA", DRIVE if driven else "")
+def scene(*, keep: bool = False, driven: bool = False, terms: str = "") -> derive.Scene:
+    shapes = 'ansatz = ["1", "xi", "xi^2", "xi^3"]'
+    order = f'{shapes}\norder = 2\nterms = "{terms}"' if terms else shapes
+    text = (
+        CRANK.replace(shapes, order)
+        .replace("KEEP", "keep_coordinates = true" if keep else "")
+        .replace("EXTRA", DRIVE if driven else "")
+    )
     return parse(text.replace("EXTRA", ""))
 
 
-@pytest.fixture(scope="module", params=[False, True], ids=["free", "driven"])
+RUNS = {
+    "free": {"driven": False},
+    "driven": {"driven": True},
+    "driven, truncated second order": {"driven": True, "terms": "truncated"},
+    "free, full second order": {"driven": False, "terms": "full"},
+}
+
+
+@pytest.fixture(scope="module", params=RUNS.values(), ids=RUNS)
 def run(request):
-    return derive.simulate(scene(driven=request.param))
+    return derive.simulate(scene(**request.param))
 
 
 def compiled(spec):
@@ -140,7 +155,9 @@ def rate(run, name):
 
 def test_reactions_of_eliminated_joints_are_the_multipliers(run):
     driven = "motor" in run.columns
-    state = compiled(scene(keep=True, driven=driven))
+    order = next(body.beam.order for body in run.spec.bodies if body.name == "rod")
+    terms = {DisplacementOrder.TRUNCATED: "truncated", DisplacementOrder.FULL: "full"}.get(order, "")
+    state = compiled(scene(keep=True, driven=driven, terms=terms))
     assert len(state.multipliers) > run.lam.shape[1]
     k = state.setup()
     for i in (0, 40, 130):
