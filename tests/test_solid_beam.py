@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import sys
 from functools import cache
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -22,6 +23,7 @@ from conftest import ROOT
 from derive import ModalBody
 from derive.backends.c.source import CBackend
 from derive.backends.python.module import PythonBackend
+from derive.simulation.errors import MassMatrixNotDefinite
 from free_block import drifts, march
 
 sys.path.insert(0, str(ROOT / "scenes"))
@@ -197,3 +199,26 @@ def test_a_run_conserves_energy_and_momenta() -> None:
     assert drifts(native, k, qs, vs).max() < 2e-7
     first = qs[:, 7]
     assert np.abs(first).max() < 0.02 and np.count_nonzero(np.diff(np.sign(first))) > 10  # it oscillates
+
+
+def test_second_order_costs_five_operations() -> None:
+    """In the mean frame only C5 changes, of which fewer entries are equal: M and h of eight modes."""
+    operations = [derive.lower(derive.derive_modal(free_body(n))).kernel("mass_force").operations for n in (1, 2)]
+    assert operations == [466, 471]
+
+
+def test_a_model_of_another_order_is_refused() -> None:
+    symbolic = derive.symbolic_body("any", 8)
+    assert derive.parameters(free_body(1), symbolic)[0] == pytest.approx(MASS)
+    with pytest.raises(ValueError, match="free is a body of second order in the amplitudes, and the model is not"):
+        derive.parameters(free_body(2), symbolic)
+
+
+def test_a_body_that_bends_too_far_is_named(tmp_path: Path) -> None:
+    """By a third of its length the truncated kinetic energy is no longer positive; the message has the remedy."""
+    (tmp_path / "solid_beam.npz").symlink_to(ROOT / "scenes/solid_beam.npz")
+    text = (ROOT / "scenes/solid_beam.toml").read_text()
+    start = "[body.start]\nangular_velocity = [0, 100, 0]\namplitudes = [0.18]\n[simulation]\nduration = 1e-3\n"
+    (tmp_path / "far.toml").write_text(f"{text}\n{start}output = 1e-3\n")
+    with pytest.raises(MassMatrixNotDefinite, match=r"a body of order 2 deforms too far .* order = 1 leaves it out"):
+        derive.simulate(derive.read(tmp_path / "far.toml"))

@@ -14,6 +14,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from derive.errors import TisserandError
 from derive.mechanics.body import Body
 from derive.mechanics.symbols import Family
@@ -72,7 +74,8 @@ def flat_operations(body: Body) -> int:
     """The approximate number of operations of h in straight-line code; tests/kernel/test_cost_model.py compares it.
 
     Each non-zero contributes: 2 operations for an entry (i, j) or a component of C4, 5 for a component of S_i (in J,
-    Sdot and h_i), 4 for one of c7dot_i or c2_i, and 2 for one of c6_i. The rigid motion adds a constant.
+    Sdot and h_i), 4 for one of c7dot_i or c2_i, and 2 for one of c6_i. Each entry (i, j), i <= j, of c9 and c10
+    contributes 6. The rigid motion adds a constant.
     """
     present = {table.family: body.values.present(table) for table in body.tables if table.counted}
     pairs = sum(int(present[name].sum()) for name in (Family.C5, Family.C7, Family.STIFFNESS, Family.DAMPING))
@@ -80,4 +83,6 @@ def flat_operations(body: Body) -> int:
     c7dot = present[Family.C7].any(axis=1)
     c2, c4, c6 = (int(present[family].sum()) for family in (Family.C2, Family.C4, Family.C6))
     vectors = 4 * (int(c7dot.sum()) + c2) + 2 * (c6 + c4)
-    return 2 * pairs + 5 * int(s.sum()) + vectors + (150 if present[Family.C2].any() else 60)
+    upper = np.triu_indices(body.modes)
+    second_order = sum(int(present[f][upper].sum()) for f in (Family.C9, Family.C10) if f in present)
+    return 6 * second_order + 2 * pairs + 5 * int(s.sum()) + vectors + (150 if present[Family.C2].any() else 60)

@@ -79,6 +79,8 @@ class Family(Enum):
     FIELD_TANGENT = "dbeta", Kind.MOMENT
     C9_SUM = "c9", Kind.MOMENT
     C10_SUM = "c10", Kind.MOMENT
+    C7_AMPLITUDES = "c7a", Kind.MOMENT
+    C10_AMPLITUDES = "c10a", Kind.MOMENT
     C9_RATES = "c9dotdot", Kind.MOMENT
     C10_RATES = "c10dotdot", Kind.MOMENT
     S = "S", Kind.MOMENT

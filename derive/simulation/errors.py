@@ -77,14 +77,21 @@ class NoEquilibrium(SimulationError):
 
 
 class MassMatrixNotDefinite(SimulationError):
-    """Deflections have taken a truncated model of second order to the limit of a positive definite mass matrix."""
+    """Deflections have taken a truncated model of second order to the limit of a positive definite mass matrix.
 
-    def __init__(self, t: float) -> None:
+    in_space: whether it is a body in space, of which there is no full model.
+    """
+
+    def __init__(self, t: float, in_space: bool = False) -> None:
         self.t = t
-        super().__init__(
-            f"after t = {t:.9g} s the mass matrix is no longer positive definite: a beam of order 2 with truncated "
-            'terms bends too far for its frame. Write terms = "full" in its table, or frame = "mean".'
+        cause = (
+            "a body of order 2 deforms too far for its terms, which are truncated. Its geometric stiffness holds for "
+            "small deformations; order = 1 leaves it out"
+            if in_space
+            else "a beam of order 2 with truncated terms bends too far for its frame. "
+            'Write terms = "full" in its table, or frame = "mean"'
         )
+        super().__init__(f"after t = {t:.9g} s the mass matrix is no longer positive definite: {cause}.")
 
 
 class RedundantConstraints(SimulationError):

@@ -12,7 +12,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef SOLID_BEAM_HASH_6fe5f433517d958b
+#ifndef SOLID_BEAM_HASH_8c54b789200ddc87
 #  error "solid_beam.h and solid_beam.c are of different builds; run tisserand build again"
 #endif
 
@@ -234,19 +234,6 @@ int solid_beam_force(
     const double S_8_33 = 0.09087707761334646 * alpha1 + 3.752180340202319 * alpha4
         + (-26.07233106053395) * alpha8;
 
-    /*
-     * d3 (second order): d3_1_1 = int rho r x dr/dalpha_1 . e1; ...; d3_8_1 = int rho r x
-     *     dr/dalpha_8 . e1
-     */
-    const double d3_2_1 = (-0.9989715125102133) * alpha1 - (-0.0004463527015693379) * alpha4
-        - (-0.00035665596750676827) * alpha8;
-    const double d3_4_1 = (-0.0004463527015693379) * alpha2 - (-0.9961572772245384) * alpha7;
-    const double d3_5_1 = (-0.9977452135227736) * alpha3 - (-0.0009021519745269716) * alpha6;
-    const double d3_6_1 = (-0.0009021519745269716) * alpha5;
-    const double d3_7_1 = 0.001022720796073422 * alpha1 + (-0.9961572772245384) * alpha4
-        - (-0.0014284685858196025) * alpha8;
-    const double d3_8_1 = (-0.00035665596750676827) * alpha2 + (-0.0014284685858196025) * alpha7;
-
     /* J (appendix): J_11 = int rho ((r . r) I - r r); ...; J_33 = int rho ((r . r) I - r r) */
     const double J_11 = 2.2499999999994746e-05 + S_1_11 * alpha1 + S_2_11 * alpha2 + S_3_11 * alpha3
         + S_4_11 * alpha4 + S_5_11 * alpha5 + S_6_11 * alpha6 + S_7_11 * alpha7 + S_8_11 * alpha8;
@@ -297,42 +284,40 @@ int solid_beam_force(
         - (-0.9961572772245384) * alpha4dot;
 
     /* d3dot (second order): d3dot_1 = int rho r x rdot . e1 */
-    const double d3dot_1 = alpha2dot * d3_2_1 - alpha1dot * ((-0.9989715125102133) * alpha2
-        + 0.001022720796073422 * alpha7) - alpha3dot * ((-0.9977452135227736) * alpha5)
-        + alpha4dot * d3_4_1 + alpha5dot * d3_5_1 + alpha6dot * d3_6_1 + alpha7dot * d3_7_1
-        + alpha8dot * d3_8_1;
+    const double t3 = (-0.0009021519745269716) * alpha5dot;
+    const double t4 = (-0.00035665596750676827) * alpha2dot + (-0.0014284685858196025) * alpha7dot;
+    const double d3dot_1 = alpha1 * c7dot_1_1 + alpha2 * c7dot_2_1 + alpha3 * c7dot_3_1
+        + alpha4 * c7dot_4_1 + alpha5 * c7dot_5_1 - alpha6 * t3 + alpha7 * c7dot_7_1 - alpha8 * t4;
 
     /* h (15): centrifugal, Coriolis and elastic terms */
     h[0] = 0.0;
     h[1] = 0.0;
     h[2] = 0.0;
-    const double t3 = 2.0 * omega1;
-    const double t4 = 2.0 * omega2;
-    const double t5 = 2.0 * omega3;
-    h[3] = J_13 * oo_12 + J_23 * oo_22 + J_33 * oo_23 + t3 * Sdot_11 + t4 * Sdot_12 + t5 * Sdot_13
+    const double t5 = 2.0 * omega1;
+    const double t6 = 2.0 * omega2;
+    const double t7 = 2.0 * omega3;
+    h[3] = J_13 * oo_12 + J_23 * oo_22 + J_33 * oo_23 + t5 * Sdot_11 + t6 * Sdot_12 + t7 * Sdot_13
         - J_12 * oo_13 - J_22 * oo_23 - J_23 * oo_33;
-    h[4] = J_11 * oo_13 + J_12 * oo_23 + J_13 * oo_33 + t3 * Sdot_12 + t4 * Sdot_22 + t5 * Sdot_23
+    h[4] = J_11 * oo_13 + J_12 * oo_23 + J_13 * oo_33 + t5 * Sdot_12 + t6 * Sdot_22 + t7 * Sdot_23
         + omega3 * d3dot_1 - J_13 * oo_11 - J_23 * oo_12 - J_33 * oo_13;
-    h[5] = J_12 * oo_11 + J_22 * oo_12 + J_23 * oo_13 + t3 * Sdot_13 + t4 * Sdot_23 + t5 * Sdot_33
+    h[5] = J_12 * oo_11 + J_22 * oo_12 + J_23 * oo_13 + t5 * Sdot_13 + t6 * Sdot_23 + t7 * Sdot_33
         - J_11 * oo_12 - J_12 * oo_22 - J_13 * oo_23 - omega2 * d3dot_1;
     h[6] = 108201.92210329446 * alpha1 - S_1_11 * oo_11 - S_1_22 * oo_22 - 2.0 * S_1_23 * oo_23
-        - S_1_33 * oo_33 - t3 * c7dot_1_1;
+        - S_1_33 * oo_33 - t5 * c7dot_1_1;
     h[7] = 431754.597252093 * alpha2 - S_2_11 * oo_11 - S_2_22 * oo_22 - 2.0 * S_2_23 * oo_23
-        - S_2_33 * oo_33 - t3 * c7dot_2_1;
+        - S_2_33 * oo_33 - t5 * c7dot_2_1;
     h[8] = 823854.9427167808 * alpha3 - S_3_11 * oo_11 - (-4.90076566308965e-05) * oo_13
-        - S_3_22 * oo_22 - 2.0 * S_3_23 * oo_23 - S_3_33 * oo_33 - t3 * c7dot_3_1;
+        - S_3_22 * oo_22 - 2.0 * S_3_23 * oo_23 - S_3_33 * oo_33 - t5 * c7dot_3_1;
     h[9] = 3176799.8268579636 * alpha4 - S_4_11 * oo_11 - S_4_22 * oo_22 - 2.0 * S_4_23 * oo_23
-        - S_4_33 * oo_33 - t3 * c7dot_4_1;
+        - S_4_33 * oo_33 - t5 * c7dot_4_1;
     h[10] = 3271803.550599345 * alpha5 - S_5_11 * oo_11 - (-0.00019553393620539488) * oo_12
-        - S_5_22 * oo_22 - 2.0 * S_5_23 * oo_23 - S_5_33 * oo_33 - t3 * c7dot_5_1;
+        - S_5_22 * oo_22 - 2.0 * S_5_23 * oo_23 - S_5_33 * oo_33 - t5 * c7dot_5_1;
     h[11] = 8721662.73758154 * alpha6 - S_6_11 * oo_11 - (-4.9070138411873525e-05) * oo_13
-        - S_6_22 * oo_22 - 2.0 * S_6_23 * oo_23 - S_6_33 * oo_33
-        + t3 * ((-0.0009021519745269716) * alpha5dot);
+        - S_6_22 * oo_22 - 2.0 * S_6_23 * oo_23 - S_6_33 * oo_33 + t5 * t3;
     h[12] = 12527942.688344836 * alpha7 - S_7_11 * oo_11 - S_7_22 * oo_22 - 2.0 * S_7_23 * oo_23
-        - S_7_33 * oo_33 - t3 * c7dot_7_1;
+        - S_7_33 * oo_33 - t5 * c7dot_7_1;
     h[13] = 19580832.66034832 * alpha8 - S_8_11 * oo_11 - S_8_22 * oo_22 - 2.0 * S_8_23 * oo_23
-        - S_8_33 * oo_33 + t3 * ((-0.00035665596750676827) * alpha2dot
-        + (-0.0014284685858196025) * alpha7dot);
+        - S_8_33 * oo_33 + t5 * t4;
     return 0;
 }
 
@@ -424,9 +409,9 @@ int solid_beam_mass_force(
 
     /* alpha8 (15): force and column of M of alpha8 */
     const double t1 = 2.0 * omega1;
+    const double t2 = (-0.00035665596750676827) * alpha2dot + (-0.0014284685858196025) * alpha7dot;
     h[13] = 19580832.66034832 * alpha8 - S_8_11 * oo_11 - S_8_22 * oo_22 - 2.0 * S_8_23 * oo_23
-        - S_8_33 * oo_33 + t1 * ((-0.00035665596750676827) * alpha2dot
-        + (-0.0014284685858196025) * alpha7dot);
+        - S_8_33 * oo_33 + t1 * t2;
     M[24] = 1.0;
 
     /*
@@ -450,9 +435,9 @@ int solid_beam_mass_force(
     M[23] = 1.0;
 
     /* alpha6 (15): force and column of M of alpha6 */
+    const double t3 = (-0.0009021519745269716) * alpha5dot;
     h[11] = 8721662.73758154 * alpha6 - S_6_11 * oo_11 - (-4.9070138411873525e-05) * oo_13
-        - S_6_22 * oo_22 - 2.0 * S_6_23 * oo_23 - S_6_33 * oo_33
-        + t1 * ((-0.0009021519745269716) * alpha5dot);
+        - S_6_22 * oo_22 - 2.0 * S_6_23 * oo_23 - S_6_33 * oo_33 + t1 * t3;
     M[22] = 1.0;
 
     /* alpha5 (15): force and column of M of alpha5 */
@@ -479,23 +464,6 @@ int solid_beam_mass_force(
     h[6] = 108201.92210329446 * alpha1 - S_1_11 * oo_11 - S_1_22 * oo_22 - 2.0 * S_1_23 * oo_23
         - S_1_33 * oo_33 - t1 * c7dot_1_1;
     M[17] = 1.0;
-
-    /*
-     * d3 (second order): d3_1_1 = int rho r x dr/dalpha_1 . e1; ...; d3_8_1 = int rho r x
-     *     dr/dalpha_8 . e1
-     */
-    const double t2 = (-0.9989715125102133) * alpha2 + 0.001022720796073422 * alpha7;
-    const double d3_1_1 = -t2;
-    const double d3_2_1 = (-0.9989715125102133) * alpha1 - (-0.0004463527015693379) * alpha4
-        - (-0.00035665596750676827) * alpha8;
-    const double t3 = (-0.9977452135227736) * alpha5;
-    const double d3_3_1 = -t3;
-    const double d3_4_1 = (-0.0004463527015693379) * alpha2 - (-0.9961572772245384) * alpha7;
-    const double d3_5_1 = (-0.9977452135227736) * alpha3 - (-0.0009021519745269716) * alpha6;
-    const double d3_6_1 = (-0.0009021519745269716) * alpha5;
-    const double d3_7_1 = 0.001022720796073422 * alpha1 + (-0.9961572772245384) * alpha4
-        - (-0.0014284685858196025) * alpha8;
-    const double d3_8_1 = (-0.00035665596750676827) * alpha2 + (-0.0014284685858196025) * alpha7;
 
     /* J (appendix): J_11 = int rho ((r . r) I - r r); ...; J_33 = int rho ((r . r) I - r r) */
     const double J_11 = 2.2499999999994746e-05 + S_1_11 * alpha1 + S_2_11 * alpha2 + S_3_11 * alpha3
@@ -532,8 +500,8 @@ int solid_beam_mass_force(
         + alpha8dot * S_8_33;
 
     /* d3dot (second order): d3dot_1 = int rho r x rdot . e1 */
-    const double d3dot_1 = alpha2dot * d3_2_1 - alpha1dot * t2 - alpha3dot * t3 + alpha4dot * d3_4_1
-        + alpha5dot * d3_5_1 + alpha6dot * d3_6_1 + alpha7dot * d3_7_1 + alpha8dot * d3_8_1;
+    const double d3dot_1 = alpha1 * c7dot_1_1 + alpha2 * c7dot_2_1 + alpha3 * c7dot_3_1
+        + alpha4 * c7dot_4_1 + alpha5 * c7dot_5_1 - alpha6 * t3 + alpha7 * c7dot_7_1 - alpha8 * t2;
 
     /* pi3 (15): force and column of M of pi3 */
     const double t6 = 2.0 * omega2;
@@ -547,6 +515,21 @@ int solid_beam_mass_force(
         + omega3 * d3dot_1 - J_13 * oo_11 - J_23 * oo_12 - J_33 * oo_13;
     M[14] = J_22;
     M[15] = J_23;
+
+    /*
+     * d3 (second order): d3_1_1 = int rho r x dr/dalpha_1 . e1; ...; d3_8_1 = int rho r x
+     *     dr/dalpha_8 . e1
+     */
+    const double d3_1_1 = 0.9989715125102133 * alpha2 - 0.001022720796073422 * alpha7;
+    const double d3_2_1 = (-0.9989715125102133) * alpha1 - (-0.0004463527015693379) * alpha4
+        - (-0.00035665596750676827) * alpha8;
+    const double d3_3_1 = 0.9977452135227736 * alpha5;
+    const double d3_4_1 = (-0.0004463527015693379) * alpha2 - (-0.9961572772245384) * alpha7;
+    const double d3_5_1 = (-0.9977452135227736) * alpha3 - (-0.0009021519745269716) * alpha6;
+    const double d3_6_1 = (-0.0009021519745269716) * alpha5;
+    const double d3_7_1 = 0.001022720796073422 * alpha1 + (-0.9961572772245384) * alpha4
+        - (-0.0014284685858196025) * alpha8;
+    const double d3_8_1 = (-0.00035665596750676827) * alpha2 + (-0.0014284685858196025) * alpha7;
 
     /* pi1 (15): force and column of M of pi1 */
     h[3] = J_13 * oo_12 + J_23 * oo_22 + J_33 * oo_23 + t1 * Sdot_11 + t6 * Sdot_12 + t7 * Sdot_13
@@ -745,69 +728,70 @@ int solid_beam_accel(
         - (-0.9961572772245384) * alpha4dot;
 
     /* d3dot (second order): d3dot_1 = int rho r x rdot . e1 */
-    const double d3dot_1 = alpha2dot * d3_2_1 - alpha1dot * t5 - alpha3dot * t4 + alpha4dot * d3_4_1
-        + alpha5dot * d3_5_1 + alpha6dot * d3_6_1 + alpha7dot * d3_7_1 + alpha8dot * d3_8_1;
+    const double t9 = (-0.0009021519745269716) * alpha5dot;
+    const double t10 = (-0.00035665596750676827) * alpha2dot + (-0.0014284685858196025) * alpha7dot;
+    const double d3dot_1 = alpha1 * c7dot_1_1 + alpha2 * c7dot_2_1 + alpha3 * c7dot_3_1
+        + alpha4 * c7dot_4_1 + alpha5 * c7dot_5_1 - alpha6 * t9 + alpha7 * c7dot_7_1 - alpha8 * t10;
 
     /* solution (LDL^T): forward, diagonal and back substitution */
     vdot[0] = 0.0;
     vdot[1] = 0.0;
     vdot[2] = 0.0;
-    const double t9 = 2.0 * omega1;
-    const double t10 = 19580832.66034832 * alpha8 - S_8_11 * oo_11 - S_8_22 * oo_22
-        - 2.0 * S_8_23 * oo_23 - S_8_33 * oo_33 + t9 * ((-0.00035665596750676827) * alpha2dot
-        + (-0.0014284685858196025) * alpha7dot);
-    const double t11 = 2.0 * omega2;
-    const double t12 = 2.0 * omega3;
-    const double t13 = 12527942.688344836 * alpha7 - S_7_11 * oo_11 - S_7_22 * oo_22
-        - 2.0 * S_7_23 * oo_23 - S_7_33 * oo_33 - t9 * c7dot_7_1;
-    const double t14 = 8721662.73758154 * alpha6 - S_6_11 * oo_11
+    const double t11 = 2.0 * omega1;
+    const double t12 = 19580832.66034832 * alpha8 - S_8_11 * oo_11 - S_8_22 * oo_22
+        - 2.0 * S_8_23 * oo_23 - S_8_33 * oo_33 + t11 * t10;
+    const double t13 = 2.0 * omega2;
+    const double t14 = 2.0 * omega3;
+    const double t15 = 12527942.688344836 * alpha7 - S_7_11 * oo_11 - S_7_22 * oo_22
+        - 2.0 * S_7_23 * oo_23 - S_7_33 * oo_33 - t11 * c7dot_7_1;
+    const double t16 = 8721662.73758154 * alpha6 - S_6_11 * oo_11
         - (-4.9070138411873525e-05) * oo_13 - S_6_22 * oo_22 - 2.0 * S_6_23 * oo_23 - S_6_33 * oo_33
-        + t9 * ((-0.0009021519745269716) * alpha5dot);
-    const double t15 = 3271803.550599345 * alpha5 - S_5_11 * oo_11
+        + t11 * t9;
+    const double t17 = 3271803.550599345 * alpha5 - S_5_11 * oo_11
         - (-0.00019553393620539488) * oo_12 - S_5_22 * oo_22 - 2.0 * S_5_23 * oo_23 - S_5_33 * oo_33
-        - t9 * c7dot_5_1;
-    const double t16 = 3176799.8268579636 * alpha4 - S_4_11 * oo_11 - S_4_22 * oo_22
-        - 2.0 * S_4_23 * oo_23 - S_4_33 * oo_33 - t9 * c7dot_4_1;
-    const double t17 = 823854.9427167808 * alpha3 - S_3_11 * oo_11 - (-4.90076566308965e-05) * oo_13
-        - S_3_22 * oo_22 - 2.0 * S_3_23 * oo_23 - S_3_33 * oo_33 - t9 * c7dot_3_1;
-    const double t18 = 431754.597252093 * alpha2 - S_2_11 * oo_11 - S_2_22 * oo_22
-        - 2.0 * S_2_23 * oo_23 - S_2_33 * oo_33 - t9 * c7dot_2_1;
-    const double t19 = 108201.92210329446 * alpha1 - S_1_11 * oo_11 - S_1_22 * oo_22
-        - 2.0 * S_1_23 * oo_23 - S_1_33 * oo_33 - t9 * c7dot_1_1;
-    const double t20 = J_11 * oo_13 + J_12 * oo_23 + J_13 * oo_33 + t9 * Sdot_12 + t11 * Sdot_22
-        + t12 * Sdot_23 + omega3 * d3dot_1 - J_13 * oo_11 - J_23 * oo_12 - J_33 * oo_13;
-    const double t21 = t3 * t20 - (J_12 * oo_11 + J_22 * oo_12 + J_23 * oo_13 + t9 * Sdot_13
-        + t11 * Sdot_23 + t12 * Sdot_33 - J_11 * oo_12 - J_12 * oo_22 - J_13 * oo_23
+        - t11 * c7dot_5_1;
+    const double t18 = 3176799.8268579636 * alpha4 - S_4_11 * oo_11 - S_4_22 * oo_22
+        - 2.0 * S_4_23 * oo_23 - S_4_33 * oo_33 - t11 * c7dot_4_1;
+    const double t19 = 823854.9427167808 * alpha3 - S_3_11 * oo_11 - (-4.90076566308965e-05) * oo_13
+        - S_3_22 * oo_22 - 2.0 * S_3_23 * oo_23 - S_3_33 * oo_33 - t11 * c7dot_3_1;
+    const double t20 = 431754.597252093 * alpha2 - S_2_11 * oo_11 - S_2_22 * oo_22
+        - 2.0 * S_2_23 * oo_23 - S_2_33 * oo_33 - t11 * c7dot_2_1;
+    const double t21 = 108201.92210329446 * alpha1 - S_1_11 * oo_11 - S_1_22 * oo_22
+        - 2.0 * S_1_23 * oo_23 - S_1_33 * oo_33 - t11 * c7dot_1_1;
+    const double t22 = J_11 * oo_13 + J_12 * oo_23 + J_13 * oo_33 + t11 * Sdot_12 + t13 * Sdot_22
+        + t14 * Sdot_23 + omega3 * d3dot_1 - J_13 * oo_11 - J_23 * oo_12 - J_33 * oo_13;
+    const double t23 = t3 * t22 - (J_12 * oo_11 + J_22 * oo_12 + J_23 * oo_13 + t11 * Sdot_13
+        + t13 * Sdot_23 + t14 * Sdot_33 - J_11 * oo_12 - J_12 * oo_22 - J_13 * oo_23
         - omega2 * d3dot_1);
-    const double t22 = (d3_8_1 * t10 - (J_13 * oo_12 + J_23 * oo_22 + J_33 * oo_23 + t9 * Sdot_11
-        + t11 * Sdot_12 + t12 * Sdot_13 - J_12 * oo_13 - J_22 * oo_23 - J_23 * oo_33) + d3_7_1 * t13
-        + d3_6_1 * t14 + d3_5_1 * t15 + d3_4_1 * t16 - t4 * t17 + d3_2_1 * t18 - t5 * t19 + t6 * t20
-        - t8 * t21) / pivot_pi1;
-    vdot[3] = t22;
-    const double t23 = t21 * inverse_pivot_pi3 - t8 * t22;
-    const double t24 = t20 * inverse_J_22 + t3 * t23 + t6 * t22;
-    vdot[4] = -t24;
-    vdot[5] = t23;
-    const double t25 = t5 * t22 - t19;
-    vdot[6] = t25;
-    const double t26 = t18 + d3_2_1 * t22;
-    vdot[7] = -t26;
-    const double t27 = t4 * t22 - t17;
-    vdot[8] = t27;
-    const double t28 = t16 + d3_4_1 * t22;
-    vdot[9] = -t28;
-    const double t29 = t15 + d3_5_1 * t22;
-    vdot[10] = -t29;
-    const double t30 = t14 + d3_6_1 * t22;
-    vdot[11] = -t30;
-    const double t31 = t13 + d3_7_1 * t22;
-    vdot[12] = -t31;
-    const double t32 = t10 + d3_8_1 * t22;
-    vdot[13] = -t32;
+    const double t24 = (d3_8_1 * t12 - (J_13 * oo_12 + J_23 * oo_22 + J_33 * oo_23 + t11 * Sdot_11
+        + t13 * Sdot_12 + t14 * Sdot_13 - J_12 * oo_13 - J_22 * oo_23 - J_23 * oo_33) + d3_7_1 * t15
+        + d3_6_1 * t16 + d3_5_1 * t17 + d3_4_1 * t18 - t4 * t19 + d3_2_1 * t20 - t5 * t21 + t6 * t22
+        - t8 * t23) / pivot_pi1;
+    vdot[3] = t24;
+    const double t25 = t23 * inverse_pivot_pi3 - t8 * t24;
+    const double t26 = t22 * inverse_J_22 + t3 * t25 + t6 * t24;
+    vdot[4] = -t26;
+    vdot[5] = t25;
+    const double t27 = t5 * t24 - t21;
+    vdot[6] = t27;
+    const double t28 = t20 + d3_2_1 * t24;
+    vdot[7] = -t28;
+    const double t29 = t4 * t24 - t19;
+    vdot[8] = t29;
+    const double t30 = t18 + d3_4_1 * t24;
+    vdot[9] = -t30;
+    const double t31 = t17 + d3_5_1 * t24;
+    vdot[10] = -t31;
+    const double t32 = t16 + d3_6_1 * t24;
+    vdot[11] = -t32;
+    const double t33 = t15 + d3_7_1 * t24;
+    vdot[12] = -t33;
+    const double t34 = t12 + d3_8_1 * t24;
+    vdot[13] = -t34;
 
     /* check: check that the result is finite */
-    if (!isfinite(t22 - t24 + t23 + t25 - t26 + t27 - t28 - t29 - t30 - t31
-        - t32)) return 2; /* an acceleration is not finite */
+    if (!isfinite(t24 - t26 + t25 + t27 - t28 + t29 - t30 - t31 - t32 - t33
+        - t34)) return 2; /* an acceleration is not finite */
     return 0;
 }
 
@@ -897,19 +881,6 @@ int solid_beam_energy(
     const double S_8_33 = 0.09087707761334646 * alpha1 + 3.752180340202319 * alpha4
         + (-26.07233106053395) * alpha8;
 
-    /*
-     * d3 (second order): d3_1_1 = int rho r x dr/dalpha_1 . e1; ...; d3_8_1 = int rho r x
-     *     dr/dalpha_8 . e1
-     */
-    const double d3_2_1 = (-0.9989715125102133) * alpha1 - (-0.0004463527015693379) * alpha4
-        - (-0.00035665596750676827) * alpha8;
-    const double d3_4_1 = (-0.0004463527015693379) * alpha2 - (-0.9961572772245384) * alpha7;
-    const double d3_5_1 = (-0.9977452135227736) * alpha3 - (-0.0009021519745269716) * alpha6;
-    const double d3_6_1 = (-0.0009021519745269716) * alpha5;
-    const double d3_7_1 = 0.001022720796073422 * alpha1 + (-0.9961572772245384) * alpha4
-        - (-0.0014284685858196025) * alpha8;
-    const double d3_8_1 = (-0.00035665596750676827) * alpha2 + (-0.0014284685858196025) * alpha7;
-
     /* J (appendix): J_11 = int rho ((r . r) I - r r); ...; J_33 = int rho ((r . r) I - r r) */
     const double J_11 = 2.2499999999994746e-05 + S_1_11 * alpha1 + S_2_11 * alpha2 + S_3_11 * alpha3
         + S_4_11 * alpha4 + S_5_11 * alpha5 + S_6_11 * alpha6 + S_7_11 * alpha7 + S_8_11 * alpha8;
@@ -924,11 +895,26 @@ int solid_beam_energy(
     const double J_33 = 0.04501800000000502 + S_1_33 * alpha1 + S_2_33 * alpha2 + S_3_33 * alpha3
         + S_4_33 * alpha4 + S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7 + S_8_33 * alpha8;
 
+    /*
+     * c7dot (appendix): c7dot_1_1 = int rho Phi_1 x rdot . e1; ...; c7dot_8_1 = int rho Phi_8 x
+     *     rdot . e1
+     */
+    const double c7dot_1_1 = (-0.9989715125102133) * alpha2dot + 0.001022720796073422 * alpha7dot;
+    const double c7dot_2_1 = (-0.0004463527015693379) * alpha4dot
+        + (-0.00035665596750676827) * alpha8dot - (-0.9989715125102133) * alpha1dot;
+    const double c7dot_3_1 = (-0.9977452135227736) * alpha5dot;
+    const double c7dot_4_1 = (-0.9961572772245384) * alpha7dot
+        - (-0.0004463527015693379) * alpha2dot;
+    const double c7dot_5_1 = (-0.0009021519745269716) * alpha6dot
+        - (-0.9977452135227736) * alpha3dot;
+    const double c7dot_7_1 = (-0.0014284685858196025) * alpha8dot - 0.001022720796073422 * alpha1dot
+        - (-0.9961572772245384) * alpha4dot;
+
     /* d3dot (second order): d3dot_1 = int rho r x rdot . e1 */
-    const double d3dot_1 = alpha2dot * d3_2_1 - alpha1dot * ((-0.9989715125102133) * alpha2
-        + 0.001022720796073422 * alpha7) - alpha3dot * ((-0.9977452135227736) * alpha5)
-        + alpha4dot * d3_4_1 + alpha5dot * d3_5_1 + alpha6dot * d3_6_1 + alpha7dot * d3_7_1
-        + alpha8dot * d3_8_1;
+    const double d3dot_1 = alpha1 * c7dot_1_1 + alpha2 * c7dot_2_1 + alpha3 * c7dot_3_1
+        + alpha4 * c7dot_4_1 + alpha5 * c7dot_5_1 - alpha6 * ((-0.0009021519745269716) * alpha5dot)
+        + alpha7 * c7dot_7_1 - alpha8 * ((-0.00035665596750676827) * alpha2dot
+        + (-0.0014284685858196025) * alpha7dot);
 
     /* energy (22): 1/2 int rho xdot . xdot and the strain energy */
     energy[0] = 0.5 * (oo_11 * J_11 + oo_22 * J_22 + oo_33 * J_33 + alpha1dot * alpha1dot
@@ -1055,19 +1041,6 @@ int solid_beam_momentum(
     const double S_8_33 = 0.09087707761334646 * alpha1 + 3.752180340202319 * alpha4
         + (-26.07233106053395) * alpha8;
 
-    /*
-     * d3 (second order): d3_1_1 = int rho r x dr/dalpha_1 . e1; ...; d3_8_1 = int rho r x
-     *     dr/dalpha_8 . e1
-     */
-    const double d3_2_1 = (-0.9989715125102133) * alpha1 - (-0.0004463527015693379) * alpha4
-        - (-0.00035665596750676827) * alpha8;
-    const double d3_4_1 = (-0.0004463527015693379) * alpha2 - (-0.9961572772245384) * alpha7;
-    const double d3_5_1 = (-0.9977452135227736) * alpha3 - (-0.0009021519745269716) * alpha6;
-    const double d3_6_1 = (-0.0009021519745269716) * alpha5;
-    const double d3_7_1 = 0.001022720796073422 * alpha1 + (-0.9961572772245384) * alpha4
-        - (-0.0014284685858196025) * alpha8;
-    const double d3_8_1 = (-0.00035665596750676827) * alpha2 + (-0.0014284685858196025) * alpha7;
-
     /* J (appendix): J_11 = int rho ((r . r) I - r r); ...; J_33 = int rho ((r . r) I - r r) */
     const double J_11 = 2.2499999999994746e-05 + S_1_11 * alpha1 + S_2_11 * alpha2 + S_3_11 * alpha3
         + S_4_11 * alpha4 + S_5_11 * alpha5 + S_6_11 * alpha6 + S_7_11 * alpha7 + S_8_11 * alpha8;
@@ -1082,11 +1055,26 @@ int solid_beam_momentum(
     const double J_33 = 0.04501800000000502 + S_1_33 * alpha1 + S_2_33 * alpha2 + S_3_33 * alpha3
         + S_4_33 * alpha4 + S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7 + S_8_33 * alpha8;
 
+    /*
+     * c7dot (appendix): c7dot_1_1 = int rho Phi_1 x rdot . e1; ...; c7dot_8_1 = int rho Phi_8 x
+     *     rdot . e1
+     */
+    const double c7dot_1_1 = (-0.9989715125102133) * alpha2dot + 0.001022720796073422 * alpha7dot;
+    const double c7dot_2_1 = (-0.0004463527015693379) * alpha4dot
+        + (-0.00035665596750676827) * alpha8dot - (-0.9989715125102133) * alpha1dot;
+    const double c7dot_3_1 = (-0.9977452135227736) * alpha5dot;
+    const double c7dot_4_1 = (-0.9961572772245384) * alpha7dot
+        - (-0.0004463527015693379) * alpha2dot;
+    const double c7dot_5_1 = (-0.0009021519745269716) * alpha6dot
+        - (-0.9977452135227736) * alpha3dot;
+    const double c7dot_7_1 = (-0.0014284685858196025) * alpha8dot - 0.001022720796073422 * alpha1dot
+        - (-0.9961572772245384) * alpha4dot;
+
     /* d3dot (second order): d3dot_1 = int rho r x rdot . e1 */
-    const double d3dot_1 = alpha2dot * d3_2_1 - alpha1dot * ((-0.9989715125102133) * alpha2
-        + 0.001022720796073422 * alpha7) - alpha3dot * ((-0.9977452135227736) * alpha5)
-        + alpha4dot * d3_4_1 + alpha5dot * d3_5_1 + alpha6dot * d3_6_1 + alpha7dot * d3_7_1
-        + alpha8dot * d3_8_1;
+    const double d3dot_1 = alpha1 * c7dot_1_1 + alpha2 * c7dot_2_1 + alpha3 * c7dot_3_1
+        + alpha4 * c7dot_4_1 + alpha5 * c7dot_5_1 - alpha6 * ((-0.0009021519745269716) * alpha5dot)
+        + alpha7 * c7dot_7_1 - alpha8 * ((-0.00035665596750676827) * alpha2dot
+        + (-0.0014284685858196025) * alpha7dot);
 
     /* momentum (1): int rho xdot and int rho x x xdot */
     momentum[0] = 0.5400000000000003 * c1dot;
@@ -2208,10 +2196,10 @@ int solid_beam_residual(
         - (-0.9961572772245384) * alpha4dot;
 
     /* d3dot (second order): d3dot_1 = int rho r x rdot . e1 */
-    const double t3 = (-0.9989715125102133) * alpha2 + 0.001022720796073422 * alpha7;
-    const double t4 = (-0.9977452135227736) * alpha5;
-    const double d3dot_1 = alpha2dot * d3_2_1 - alpha1dot * t3 - alpha3dot * t4 + alpha4dot * d3_4_1
-        + alpha5dot * d3_5_1 + alpha6dot * d3_6_1 + alpha7dot * d3_7_1 + alpha8dot * d3_8_1;
+    const double t3 = (-0.0009021519745269716) * alpha5dot;
+    const double t4 = (-0.00035665596750676827) * alpha2dot + (-0.0014284685858196025) * alpha7dot;
+    const double d3dot_1 = alpha1 * c7dot_1_1 + alpha2 * c7dot_2_1 + alpha3 * c7dot_3_1
+        + alpha4 * c7dot_4_1 + alpha5 * c7dot_5_1 - alpha6 * t3 + alpha7 * c7dot_7_1 - alpha8 * t4;
 
     /* residual (15): kinematics, then the equations of motion */
     F[0] = c1_t - c1dot;
@@ -2238,9 +2226,11 @@ int solid_beam_residual(
     const double t8 = 2.0 * omega1;
     const double t9 = 2.0 * omega2;
     const double t10 = 2.0 * omega3;
+    const double t11 = (-0.9989715125102133) * alpha2 + 0.001022720796073422 * alpha7;
+    const double t12 = (-0.9977452135227736) * alpha5;
     F[18] = J_11 * omega1dot + J_12 * omega2dot + J_13 * omega3dot + J_13 * oo_12 + J_23 * oo_22
-        + J_33 * oo_23 + t8 * Sdot_11 + t9 * Sdot_12 + t10 * Sdot_13 - alpha1ddot * t3
-        + alpha2ddot * d3_2_1 - alpha3ddot * t4 + alpha4ddot * d3_4_1 + alpha5ddot * d3_5_1
+        + J_33 * oo_23 + t8 * Sdot_11 + t9 * Sdot_12 + t10 * Sdot_13 - alpha1ddot * t11
+        + alpha2ddot * d3_2_1 - alpha3ddot * t12 + alpha4ddot * d3_4_1 + alpha5ddot * d3_5_1
         + alpha6ddot * d3_6_1 + alpha7ddot * d3_7_1 + alpha8ddot * d3_8_1 - J_12 * oo_13
         - J_22 * oo_23 - J_23 * oo_33;
     F[19] = J_11 * oo_13 + J_12 * omega1dot + J_12 * oo_23 + J_13 * oo_33 + J_22 * omega2dot
@@ -2249,11 +2239,11 @@ int solid_beam_residual(
     F[20] = J_12 * oo_11 + J_13 * omega1dot + J_22 * oo_12 + J_23 * omega2dot + J_23 * oo_13
         + J_33 * omega3dot + t8 * Sdot_13 + t9 * Sdot_23 + t10 * Sdot_33 - J_11 * oo_12
         - J_12 * oo_22 - J_13 * oo_23 - omega2 * d3dot_1;
-    F[21] = 108201.92210329446 * alpha1 + alpha1ddot - t3 * omega1dot - S_1_11 * oo_11
+    F[21] = 108201.92210329446 * alpha1 + alpha1ddot - t11 * omega1dot - S_1_11 * oo_11
         - S_1_22 * oo_22 - 2.0 * S_1_23 * oo_23 - S_1_33 * oo_33 - t8 * c7dot_1_1;
     F[22] = 431754.597252093 * alpha2 + alpha2ddot + d3_2_1 * omega1dot - S_2_11 * oo_11
         - S_2_22 * oo_22 - 2.0 * S_2_23 * oo_23 - S_2_33 * oo_33 - t8 * c7dot_2_1;
-    F[23] = 823854.9427167808 * alpha3 + alpha3ddot - t4 * omega1dot - S_3_11 * oo_11
+    F[23] = 823854.9427167808 * alpha3 + alpha3ddot - t12 * omega1dot - S_3_11 * oo_11
         - (-4.90076566308965e-05) * oo_13 - S_3_22 * oo_22 - 2.0 * S_3_23 * oo_23 - S_3_33 * oo_33
         - t8 * c7dot_3_1;
     F[24] = 3176799.8268579636 * alpha4 + alpha4ddot + d3_4_1 * omega1dot - S_4_11 * oo_11
@@ -2263,12 +2253,11 @@ int solid_beam_residual(
         - t8 * c7dot_5_1;
     F[26] = 8721662.73758154 * alpha6 + alpha6ddot + d3_6_1 * omega1dot - S_6_11 * oo_11
         - (-4.9070138411873525e-05) * oo_13 - S_6_22 * oo_22 - 2.0 * S_6_23 * oo_23 - S_6_33 * oo_33
-        + t8 * ((-0.0009021519745269716) * alpha5dot);
+        + t8 * t3;
     F[27] = 12527942.688344836 * alpha7 + alpha7ddot + d3_7_1 * omega1dot - S_7_11 * oo_11
         - S_7_22 * oo_22 - 2.0 * S_7_23 * oo_23 - S_7_33 * oo_33 - t8 * c7dot_7_1;
     F[28] = 19580832.66034832 * alpha8 + alpha8ddot + d3_8_1 * omega1dot - S_8_11 * oo_11
-        - S_8_22 * oo_22 - 2.0 * S_8_23 * oo_23 - S_8_33 * oo_33
-        + t8 * ((-0.00035665596750676827) * alpha2dot + (-0.0014284685858196025) * alpha7dot);
+        - S_8_22 * oo_22 - 2.0 * S_8_23 * oo_23 - S_8_33 * oo_33 + t8 * t4;
     return 0;
 }
 
@@ -2473,410 +2462,403 @@ int solid_beam_jacobian(
      *     rdot . e1
      */
     const double c7dot_1_1 = (-0.9989715125102133) * alpha2dot + 0.001022720796073422 * alpha7dot;
-    const double t62 = (-0.0004463527015693379) * alpha4dot;
-    const double t63 = (-0.00035665596750676827) * alpha8dot;
-    const double t64 = (-0.9989715125102133) * alpha1dot;
-    const double c7dot_2_1 = t62 + t63 - t64;
+    const double c7dot_2_1 = (-0.0004463527015693379) * alpha4dot
+        + (-0.00035665596750676827) * alpha8dot - (-0.9989715125102133) * alpha1dot;
     const double c7dot_3_1 = (-0.9977452135227736) * alpha5dot;
     const double c7dot_4_1 = (-0.9961572772245384) * alpha7dot
         - (-0.0004463527015693379) * alpha2dot;
     const double c7dot_5_1 = (-0.0009021519745269716) * alpha6dot
         - (-0.9977452135227736) * alpha3dot;
-    const double t65 = (-0.0014284685858196025) * alpha8dot;
-    const double t66 = 0.001022720796073422 * alpha1dot;
-    const double t67 = (-0.9961572772245384) * alpha4dot;
-    const double c7dot_7_1 = t65 - t66 - t67;
+    const double c7dot_7_1 = (-0.0014284685858196025) * alpha8dot - 0.001022720796073422 * alpha1dot
+        - (-0.9961572772245384) * alpha4dot;
 
     /* d3dot (second order): d3dot_1 = int rho r x rdot . e1 */
-    const double t68 = (-0.9989715125102133) * alpha2 + 0.001022720796073422 * alpha7;
-    const double t69 = (-0.9977452135227736) * alpha5;
-    const double d3dot_1 = alpha2dot * d3_2_1 - alpha1dot * t68 - alpha3dot * t69
-        + alpha4dot * d3_4_1 + alpha5dot * d3_5_1 + alpha6dot * d3_6_1 + alpha7dot * d3_7_1
-        + alpha8dot * d3_8_1;
+    const double t62 = (-0.0009021519745269716) * alpha5dot;
+    const double t63 = (-0.00035665596750676827) * alpha2dot + (-0.0014284685858196025) * alpha7dot;
+    const double d3dot_1 = alpha1 * c7dot_1_1 + alpha2 * c7dot_2_1 + alpha3 * c7dot_3_1
+        + alpha4 * c7dot_4_1 + alpha5 * c7dot_5_1 - alpha6 * t62 + alpha7 * c7dot_7_1
+        - alpha8 * t63;
 
     /* jacobian (15): derivatives of the residual */
     jac[0] = cj;
     jac[1] = cj;
     jac[2] = cj;
     jac[3] = cj;
-    const double t70 = 0.5 * omega1;
-    const double t71 = -t70;
-    jac[4] = t71;
-    const double t72 = 0.5 * omega2;
-    const double t73 = -t72;
-    jac[5] = t73;
-    const double t74 = 0.5 * omega3;
-    const double t75 = -t74;
-    jac[6] = t75;
-    jac[7] = t70;
+    const double t64 = 0.5 * omega1;
+    const double t65 = -t64;
+    jac[4] = t65;
+    const double t66 = 0.5 * omega2;
+    const double t67 = -t66;
+    jac[5] = t67;
+    const double t68 = 0.5 * omega3;
+    const double t69 = -t68;
+    jac[6] = t69;
+    jac[7] = t64;
     jac[8] = cj;
-    jac[9] = t74;
-    jac[10] = t73;
-    jac[11] = t72;
-    jac[12] = t75;
+    jac[9] = t68;
+    jac[10] = t67;
+    jac[11] = t66;
+    jac[12] = t69;
     jac[13] = cj;
-    jac[14] = t70;
-    jac[15] = t74;
-    jac[16] = t72;
-    jac[17] = t71;
+    jac[14] = t64;
+    jac[15] = t68;
+    jac[16] = t66;
+    jac[17] = t65;
     jac[18] = cj;
     jac[19] = cj;
-    const double t76 = t1 + S_1_11 + t2 + t3;
-    const double t77 = S_1_23 + t7 + t8;
-    const double t78 = t9 + S_1_33 + t10 + t11;
-    const double t79 = 2.0 * omega1;
-    const double t80 = t4 + S_1_22 + t5 + t6;
-    jac[20] = omega1dot * t76 + oo_22 * t77 + oo_23 * t78 + t79 * (0.9991756475277713 * alpha1dot
+    const double t70 = t1 + S_1_11 + t2 + t3;
+    const double t71 = S_1_23 + t7 + t8;
+    const double t72 = t9 + S_1_33 + t10 + t11;
+    const double t73 = 2.0 * omega1;
+    const double t74 = t4 + S_1_22 + t5 + t6;
+    jac[20] = omega1dot * t70 + oo_22 * t71 + oo_23 * t72 + t73 * (0.9991756475277713 * alpha1dot
         + (-0.0005905758084566136) * alpha4dot + (-0.0006121400052571096) * alpha8dot)
-        + (-0.9989715125102133) * alpha2ddot + 0.001022720796073422 * alpha7ddot - oo_23 * t80
-        - oo_33 * t77;
-    const double t81 = 2.0 * omega2;
-    const double t82 = 2.0 * omega3;
-    const double t83 = (-0.4991564468062653) * alpha2dot + 0.000746338321407394 * alpha7dot;
-    jac[21] = oo_13 * t76 + omega2dot * t80 + omega3dot * t77
-        + t81 * ((-2.04921512374148) * alpha1dot + 0.5868474096495008 * alpha4dot
-        + 0.0902649376065483 * alpha8dot) + t82 * t83 + omega3 * c7dot_1_1 - oo_12 * t77
-        - oo_13 * t78;
-    jac[22] = oo_12 * t80 + omega2dot * t77 + oo_13 * t77 + omega3dot * t78 + t81 * t83
-        + t82 * ((-3.0483907712688536) * alpha1dot + 0.5874379854589185 * alpha4dot
-        + 0.09087707761334646 * alpha8dot) - oo_12 * t76 - omega2 * c7dot_1_1;
+        + (-0.9989715125102133) * alpha2ddot + 0.001022720796073422 * alpha7ddot - oo_23 * t74
+        - oo_33 * t71;
+    const double t75 = 2.0 * omega2;
+    const double t76 = 2.0 * omega3;
+    const double t77 = (-0.4991564468062653) * alpha2dot + 0.000746338321407394 * alpha7dot;
+    jac[21] = oo_13 * t70 + omega2dot * t74 + omega3dot * t71
+        + t75 * ((-2.04921512374148) * alpha1dot + 0.5868474096495008 * alpha4dot
+        + 0.0902649376065483 * alpha8dot) + t76 * t77 + omega3 * c7dot_1_1 - oo_12 * t71
+        - oo_13 * t72;
+    jac[22] = oo_12 * t74 + omega2dot * t71 + oo_13 * t71 + omega3dot * t72 + t75 * t77
+        + t76 * ((-3.0483907712688536) * alpha1dot + 0.5874379854589185 * alpha4dot
+        + 0.09087707761334646 * alpha8dot) - oo_12 * t70 - omega2 * c7dot_1_1;
     jac[23] = 108201.92210329446 - 0.9991756475277713 * oo_11 - (-2.04921512374148) * oo_22
         - (-3.0483907712688536) * oo_33;
-    const double t84 = (-0.9989715125102133) * omega1dot;
-    const double t85 = (-0.9983128936125306) * oo_23;
-    jac[24] = t84 - t85;
-    const double t86 = 0.0005905758084566136 * oo_11 - 0.5868474096495008 * oo_22
+    const double t78 = (-0.9989715125102133) * omega1dot;
+    const double t79 = (-0.9983128936125306) * oo_23;
+    jac[24] = t78 - t79;
+    const double t80 = 0.0005905758084566136 * oo_11 - 0.5868474096495008 * oo_22
         - 0.5874379854589185 * oo_33;
-    jac[25] = t86;
-    const double t87 = 0.001022720796073422 * omega1dot;
-    const double t88 = 0.001492676642814788 * oo_23;
-    jac[26] = t87 - t88;
-    const double t89 = 0.0006121400052571096 * oo_11 - 0.0902649376065483 * oo_22
+    jac[25] = t80;
+    const double t81 = 0.001022720796073422 * omega1dot;
+    const double t82 = 0.001492676642814788 * oo_23;
+    jac[26] = t81 - t82;
+    const double t83 = 0.0006121400052571096 * oo_11 - 0.0902649376065483 * oo_22
         - 0.09087707761334646 * oo_33;
-    jac[27] = t89;
+    jac[27] = t83;
     jac[28] = cj;
-    const double t90 = t12 + S_2_11 + t13;
-    const double t91 = t16 + S_2_23 + t17 + t18;
-    const double t92 = t19 + S_2_33 + t20;
-    const double t93 = t14 + S_2_22 + t15;
-    jac[29] = omega1dot * t90 + oo_22 * t91 + oo_23 * t92 + t79 * (0.9967112149765225 * alpha2dot
+    const double t84 = t12 + S_2_11 + t13;
+    const double t85 = t16 + S_2_23 + t17 + t18;
+    const double t86 = t19 + S_2_33 + t20;
+    const double t87 = t14 + S_2_22 + t15;
+    jac[29] = omega1dot * t84 + oo_22 * t85 + oo_23 * t86 + t73 * (0.9967112149765225 * alpha2dot
         + (-0.0023458735832320252) * alpha7dot) - (-0.9989715125102133) * alpha1ddot
         + (-0.0004463527015693379) * alpha4ddot + (-0.00035665596750676827) * alpha8ddot
-        - oo_23 * t93 - oo_33 * t91;
-    const double t94 = (-0.4991564468062653) * alpha1dot + 0.0004590138828816031 * alpha4dot
+        - oo_23 * t87 - oo_33 * t85;
+    const double t88 = (-0.4991564468062653) * alpha1dot + 0.0004590138828816031 * alpha4dot
         + 0.00042276975451642734 * alpha8dot;
-    const double t95 = t62 - t64 + t63;
-    jac[30] = oo_13 * t90 + omega2dot * t93 + omega3dot * t91
-        + t81 * ((-3.0450102697552275) * alpha2dot + 0.5911378590347115 * alpha7dot) + t82 * t94
-        + omega3 * t95 - oo_12 * t91 - oo_13 * t92;
-    jac[31] = oo_12 * t93 + omega2dot * t91 + oo_13 * t91 + omega3dot * t92 + t81 * t94
-        + t82 * ((-2.04829905477849) * alpha2dot + 0.5887919854520037 * alpha7dot) - oo_12 * t90
-        - omega2 * t95;
-    jac[32] = -(t84 + t85);
+    jac[30] = oo_13 * t84 + omega2dot * t87 + omega3dot * t85
+        + t75 * ((-3.0450102697552275) * alpha2dot + 0.5911378590347115 * alpha7dot) + t76 * t88
+        + omega3 * c7dot_2_1 - oo_12 * t85 - oo_13 * t86;
+    jac[31] = oo_12 * t87 + omega2dot * t85 + oo_13 * t85 + omega3dot * t86 + t75 * t88
+        + t76 * ((-2.04829905477849) * alpha2dot + 0.5887919854520037 * alpha7dot) - oo_12 * t84
+        - omega2 * c7dot_2_1;
+    jac[32] = -(t78 + t79);
     jac[33] = 431754.597252093 - 0.9967112149765225 * oo_11 - (-3.0450102697552275) * oo_22
         - (-2.04829905477849) * oo_33;
-    const double t96 = (-0.0004463527015693379) * omega1dot;
-    const double t97 = 0.0009180277657632062 * oo_23;
-    jac[34] = t96 - t97;
-    const double t98 = 0.0023458735832320252 * oo_11 - 0.5911378590347115 * oo_22
+    const double t89 = (-0.0004463527015693379) * omega1dot;
+    const double t90 = 0.0009180277657632062 * oo_23;
+    jac[34] = t89 - t90;
+    const double t91 = 0.0023458735832320252 * oo_11 - 0.5911378590347115 * oo_22
         - 0.5887919854520037 * oo_33;
-    jac[35] = t98;
-    const double t99 = (-0.00035665596750676827) * omega1dot;
-    const double t100 = 0.0008455395090328547 * oo_23;
-    jac[36] = t99 - t100;
+    jac[35] = t91;
+    const double t92 = (-0.00035665596750676827) * omega1dot;
+    const double t93 = 0.0008455395090328547 * oo_23;
+    jac[36] = t92 - t93;
     jac[37] = cj;
-    const double t101 = t21 + S_3_11 + t22;
-    const double t102 = 2.0 * S_3_23;
-    const double t103 = t25 + S_3_33 + t26;
-    const double t104 = t23 + S_3_22 + t24;
-    jac[38] = omega1dot * t101 + (-4.90076566308965e-05) * omega3dot
-        + (-4.90076566308965e-05) * oo_12 + oo_22 * t102 + oo_23 * t103
-        + t79 * (0.9981865718898251 * alpha3dot + (-0.000963473158974635) * alpha6dot)
-        + (-0.9977452135227736) * alpha5ddot - oo_23 * t104 - oo_33 * t102;
-    const double t105 = (-0.49814985724483174) * alpha5dot;
-    jac[39] = oo_13 * t101 + (-4.90076566308965e-05) * oo_33 + omega2dot * t104 + omega3dot * t102
-        + t81 * ((-5.393738901681564) * alpha3dot + 1.8591274175401598 * alpha6dot) + t82 * t105
-        + omega3 * c7dot_3_1 - (-4.90076566308965e-05) * oo_11 - oo_12 * t102 - oo_13 * t103;
-    jac[40] = (-4.90076566308965e-05) * omega1dot + oo_12 * t104 + omega2dot * t102 + oo_13 * t102
-        + omega3dot * t103 + t81 * t105 + t82 * ((-6.391925473570236) * alpha3dot
-        + 1.860090890701248 * alpha6dot) - oo_12 * t101 - (-4.90076566308965e-05) * oo_23
+    const double t94 = t21 + S_3_11 + t22;
+    const double t95 = 2.0 * S_3_23;
+    const double t96 = t25 + S_3_33 + t26;
+    const double t97 = t23 + S_3_22 + t24;
+    jac[38] = omega1dot * t94 + (-4.90076566308965e-05) * omega3dot
+        + (-4.90076566308965e-05) * oo_12 + oo_22 * t95 + oo_23 * t96
+        + t73 * (0.9981865718898251 * alpha3dot + (-0.000963473158974635) * alpha6dot)
+        + (-0.9977452135227736) * alpha5ddot - oo_23 * t97 - oo_33 * t95;
+    const double t98 = (-0.49814985724483174) * alpha5dot;
+    jac[39] = oo_13 * t94 + (-4.90076566308965e-05) * oo_33 + omega2dot * t97 + omega3dot * t95
+        + t75 * ((-5.393738901681564) * alpha3dot + 1.8591274175401598 * alpha6dot) + t76 * t98
+        + omega3 * c7dot_3_1 - (-4.90076566308965e-05) * oo_11 - oo_12 * t95 - oo_13 * t96;
+    jac[40] = (-4.90076566308965e-05) * omega1dot + oo_12 * t97 + omega2dot * t95 + oo_13 * t95
+        + omega3dot * t96 + t75 * t98 + t76 * ((-6.391925473570236) * alpha3dot
+        + 1.860090890701248 * alpha6dot) - oo_12 * t94 - (-4.90076566308965e-05) * oo_23
         - omega2 * c7dot_3_1;
     jac[41] = 823854.9427167808 - 0.9981865718898251 * oo_11 - (-5.393738901681564) * oo_22
         - (-6.391925473570236) * oo_33;
-    const double t106 = (-0.9977452135227736) * omega1dot;
-    const double t107 = (-0.9962997144896635) * oo_23;
-    jac[42] = t106 - t107;
-    const double t108 = 0.000963473158974635 * oo_11 - 1.8591274175401598 * oo_22
+    const double t99 = (-0.9977452135227736) * omega1dot;
+    const double t100 = (-0.9962997144896635) * oo_23;
+    jac[42] = t99 - t100;
+    const double t101 = 0.000963473158974635 * oo_11 - 1.8591274175401598 * oo_22
         - 1.860090890701248 * oo_33;
-    jac[43] = t108;
+    jac[43] = t101;
     jac[44] = cj;
-    const double t109 = t27 + (t28 + S_4_11) + t29;
-    const double t110 = t33 + S_4_23 + t34;
-    const double t111 = t35 + (t36 + S_4_33) + t37;
-    const double t112 = t30 + (t31 + S_4_22) + t32;
-    jac[45] = omega1dot * t109 + oo_22 * t110 + oo_23 * t111
-        + t79 * ((-0.0005905758084566136) * alpha1dot + 0.9968931480998653 * alpha4dot
+    const double t102 = t27 + (t28 + S_4_11) + t29;
+    const double t103 = t33 + S_4_23 + t34;
+    const double t104 = t35 + (t36 + S_4_33) + t37;
+    const double t105 = t30 + (t31 + S_4_22) + t32;
+    jac[45] = omega1dot * t102 + oo_22 * t103 + oo_23 * t104
+        + t73 * ((-0.0005905758084566136) * alpha1dot + 0.9968931480998653 * alpha4dot
         + (-0.0013107320248151129) * alpha8dot) - (-0.0004463527015693379) * alpha2ddot
-        + (-0.9961572772245384) * alpha7ddot - oo_23 * t112 - oo_33 * t110;
-    const double t113 = 0.0004590138828816031 * alpha2dot + (-0.49684476625656726) * alpha7dot;
-    jac[46] = oo_13 * t109 + omega2dot * t112 + omega3dot * t110
-        + t81 * (0.5868474096495008 * alpha1dot + (-10.312447658094197) * alpha4dot
-        + 3.750869608173889 * alpha8dot) + t82 * t113 + omega3 * c7dot_4_1 - oo_12 * t110
-        - oo_13 * t111;
-    jac[47] = oo_12 * t112 + omega2dot * t110 + oo_13 * t110 + omega3dot * t111 + t81 * t113
-        + t82 * (0.5874379854589185 * alpha1dot + (-11.30934080619178) * alpha4dot
-        + 3.752180340202319 * alpha8dot) - oo_12 * t109 - omega2 * c7dot_4_1;
-    jac[48] = t86;
-    jac[49] = -(t96 + t97);
+        + (-0.9961572772245384) * alpha7ddot - oo_23 * t105 - oo_33 * t103;
+    const double t106 = 0.0004590138828816031 * alpha2dot + (-0.49684476625656726) * alpha7dot;
+    jac[46] = oo_13 * t102 + omega2dot * t105 + omega3dot * t103
+        + t75 * (0.5868474096495008 * alpha1dot + (-10.312447658094197) * alpha4dot
+        + 3.750869608173889 * alpha8dot) + t76 * t106 + omega3 * c7dot_4_1 - oo_12 * t103
+        - oo_13 * t104;
+    jac[47] = oo_12 * t105 + omega2dot * t103 + oo_13 * t103 + omega3dot * t104 + t75 * t106
+        + t76 * (0.5874379854589185 * alpha1dot + (-11.30934080619178) * alpha4dot
+        + 3.752180340202319 * alpha8dot) - oo_12 * t102 - omega2 * c7dot_4_1;
+    jac[48] = t80;
+    jac[49] = -(t89 + t90);
     jac[50] = 3176799.8268579636 - 0.9968931480998653 * oo_11 - (-10.312447658094197) * oo_22
         - (-11.30934080619178) * oo_33;
-    const double t114 = (-0.9961572772245384) * omega1dot;
-    const double t115 = (-0.9936895325131345) * oo_23;
-    jac[51] = t114 - t115;
-    const double t116 = 0.0013107320248151129 * oo_11 - 3.750869608173889 * oo_22
+    const double t107 = (-0.9961572772245384) * omega1dot;
+    const double t108 = (-0.9936895325131345) * oo_23;
+    jac[51] = t107 - t108;
+    const double t109 = 0.0013107320248151129 * oo_11 - 3.750869608173889 * oo_22
         - 3.752180340202319 * oo_33;
-    jac[52] = t116;
+    jac[52] = t109;
     jac[53] = cj;
-    const double t117 = 2.0 * S_5_11;
-    const double t118 = t38 + S_5_23 + t39;
-    const double t119 = 2.0 * S_5_33;
-    const double t120 = 2.0 * S_5_22;
-    jac[54] = omega1dot * t117 + (-0.00019553393620539488) * omega2dot + oo_22 * t118 + oo_23 * t119
-        + t79 * (0.9927986189759623 * alpha5dot) - (-0.9977452135227736) * alpha3ddot
-        + (-0.0009021519745269716) * alpha6ddot - (-0.00019553393620539488) * oo_13 - oo_23 * t120
-        - oo_33 * t118;
-    const double t121 = (-0.49814985724483174) * alpha3dot + 0.0008347844213729173 * alpha6dot;
-    jac[55] = oo_13 * t117 + (-0.00019553393620539488) * omega1dot
-        + (-0.00019553393620539488) * oo_23 + omega2dot * t120 + omega3dot * t118
-        + t81 * ((-6.3829810941819485) * alpha5dot) + t82 * t121 + omega3 * c7dot_5_1 - oo_12 * t118
-        - oo_13 * t119;
-    jac[56] = (-0.00019553393620539488) * oo_11 + oo_12 * t120 + omega2dot * t118 + oo_13 * t118
-        + omega3dot * t119 + t81 * t121 + t82 * ((-5.390182475205362) * alpha5dot) - oo_12 * t117
+    const double t110 = 2.0 * S_5_11;
+    const double t111 = t38 + S_5_23 + t39;
+    const double t112 = 2.0 * S_5_33;
+    const double t113 = 2.0 * S_5_22;
+    jac[54] = omega1dot * t110 + (-0.00019553393620539488) * omega2dot + oo_22 * t111 + oo_23 * t112
+        + t73 * (0.9927986189759623 * alpha5dot) - (-0.9977452135227736) * alpha3ddot
+        + (-0.0009021519745269716) * alpha6ddot - (-0.00019553393620539488) * oo_13 - oo_23 * t113
+        - oo_33 * t111;
+    const double t114 = (-0.49814985724483174) * alpha3dot + 0.0008347844213729173 * alpha6dot;
+    jac[55] = oo_13 * t110 + (-0.00019553393620539488) * omega1dot
+        + (-0.00019553393620539488) * oo_23 + omega2dot * t113 + omega3dot * t111
+        + t75 * ((-6.3829810941819485) * alpha5dot) + t76 * t114 + omega3 * c7dot_5_1 - oo_12 * t111
+        - oo_13 * t112;
+    jac[56] = (-0.00019553393620539488) * oo_11 + oo_12 * t113 + omega2dot * t111 + oo_13 * t111
+        + omega3dot * t112 + t75 * t114 + t76 * ((-5.390182475205362) * alpha5dot) - oo_12 * t110
         - (-0.00019553393620539488) * oo_22 - omega2 * c7dot_5_1;
-    jac[57] = -(t106 + t107);
+    jac[57] = -(t99 + t100);
     jac[58] = 3271803.550599345 - 0.9927986189759623 * oo_11 - (-6.3829810941819485) * oo_22
         - (-5.390182475205362) * oo_33;
-    const double t122 = (-0.0009021519745269716) * omega1dot;
-    const double t123 = 0.0016695688427458347 * oo_23;
-    jac[59] = t122 - t123;
+    const double t115 = (-0.0009021519745269716) * omega1dot;
+    const double t116 = 0.0016695688427458347 * oo_23;
+    jac[59] = t115 - t116;
     jac[60] = cj;
-    const double t124 = t40 + (t41 + S_6_11);
-    const double t125 = 2.0 * S_6_23;
-    const double t126 = t44 + (t45 + S_6_33);
-    const double t127 = t42 + (t43 + S_6_22);
-    jac[61] = omega1dot * t124 + (-4.9070138411873525e-05) * omega3dot
-        + (-4.9070138411873525e-05) * oo_12 + oo_22 * t125 + oo_23 * t126
-        + t79 * ((-0.000963473158974635) * alpha3dot + 0.9952767091853663 * alpha6dot)
-        - (-0.0009021519745269716) * alpha5ddot - oo_23 * t127 - oo_33 * t125;
-    const double t128 = 0.0008347844213729173 * alpha5dot;
-    const double t129 = (-0.0009021519745269716) * alpha5dot;
-    jac[62] = oo_13 * t124 + (-4.9070138411873525e-05) * oo_33 + omega2dot * t127 + omega3dot * t125
-        + t81 * (1.8591274175401598 * alpha3dot + (-16.87712375896818) * alpha6dot) + t82 * t128
-        - omega3 * t129 - (-4.9070138411873525e-05) * oo_11 - oo_12 * t125 - oo_13 * t126;
-    jac[63] = (-4.9070138411873525e-05) * omega1dot + oo_12 * t127 + omega2dot * t125 + oo_13 * t125
-        + omega3dot * t126 + t81 * t128 + t82 * (1.860090890701248 * alpha3dot
-        + (-17.872400468149774) * alpha6dot) - oo_12 * t124 - (-4.9070138411873525e-05) * oo_23
-        + omega2 * t129;
-    jac[64] = t108;
-    jac[65] = -(t122 + t123);
+    const double t117 = t40 + (t41 + S_6_11);
+    const double t118 = 2.0 * S_6_23;
+    const double t119 = t44 + (t45 + S_6_33);
+    const double t120 = t42 + (t43 + S_6_22);
+    jac[61] = omega1dot * t117 + (-4.9070138411873525e-05) * omega3dot
+        + (-4.9070138411873525e-05) * oo_12 + oo_22 * t118 + oo_23 * t119
+        + t73 * ((-0.000963473158974635) * alpha3dot + 0.9952767091853663 * alpha6dot)
+        - (-0.0009021519745269716) * alpha5ddot - oo_23 * t120 - oo_33 * t118;
+    const double t121 = 0.0008347844213729173 * alpha5dot;
+    jac[62] = oo_13 * t117 + (-4.9070138411873525e-05) * oo_33 + omega2dot * t120 + omega3dot * t118
+        + t75 * (1.8591274175401598 * alpha3dot + (-16.87712375896818) * alpha6dot) + t76 * t121
+        - omega3 * t62 - (-4.9070138411873525e-05) * oo_11 - oo_12 * t118 - oo_13 * t119;
+    jac[63] = (-4.9070138411873525e-05) * omega1dot + oo_12 * t120 + omega2dot * t118 + oo_13 * t118
+        + omega3dot * t119 + t75 * t121 + t76 * (1.860090890701248 * alpha3dot
+        + (-17.872400468149774) * alpha6dot) - oo_12 * t117 - (-4.9070138411873525e-05) * oo_23
+        + omega2 * t62;
+    jac[64] = t101;
+    jac[65] = -(t115 + t116);
     jac[66] = 8721662.73758154 - 0.9952767091853663 * oo_11 - (-16.87712375896818) * oo_22
         - (-17.872400468149774) * oo_33;
     jac[67] = cj;
-    const double t130 = t46 + (t47 + S_7_11);
-    const double t131 = t50 + S_7_23 + t51;
-    const double t132 = t52 + (t53 + S_7_33);
-    const double t133 = t48 + (t49 + S_7_22);
-    jac[68] = omega1dot * t130 + oo_22 * t131 + oo_23 * t132
-        + t79 * ((-0.0023458735832320252) * alpha2dot + 0.9877492668287293 * alpha7dot)
+    const double t122 = t46 + (t47 + S_7_11);
+    const double t123 = t50 + S_7_23 + t51;
+    const double t124 = t52 + (t53 + S_7_33);
+    const double t125 = t48 + (t49 + S_7_22);
+    jac[68] = omega1dot * t122 + oo_22 * t123 + oo_23 * t124
+        + t73 * ((-0.0023458735832320252) * alpha2dot + 0.9877492668287293 * alpha7dot)
         - 0.001022720796073422 * alpha1ddot - (-0.9961572772245384) * alpha4ddot
-        + (-0.0014284685858196025) * alpha8ddot - oo_23 * t133 - oo_33 * t131;
-    const double t134 = 0.000746338321407394 * alpha1dot + (-0.49684476625656726) * alpha4dot
+        + (-0.0014284685858196025) * alpha8ddot - oo_23 * t125 - oo_33 * t123;
+    const double t126 = 0.000746338321407394 * alpha1dot + (-0.49684476625656726) * alpha4dot
         + 0.001234085501770041 * alpha8dot;
-    const double t135 = t65 - (t66 + t67);
-    jac[69] = oo_13 * t130 + omega2dot * t133 + omega3dot * t131
-        + t81 * (0.5911378590347115 * alpha2dot + (-11.293256830686499) * alpha7dot) + t82 * t134
-        + omega3 * t135 - oo_12 * t131 - oo_13 * t132;
-    jac[70] = oo_12 * t133 + omega2dot * t131 + oo_13 * t131 + omega3dot * t132 + t81 * t134
-        + t82 * (0.5887919854520037 * alpha2dot + (-10.305507563856533) * alpha7dot) - oo_12 * t130
-        - omega2 * t135;
-    jac[71] = -(t87 + t88);
-    jac[72] = t98;
-    jac[73] = -(t114 + t115);
+    jac[69] = oo_13 * t122 + omega2dot * t125 + omega3dot * t123
+        + t75 * (0.5911378590347115 * alpha2dot + (-11.293256830686499) * alpha7dot) + t76 * t126
+        + omega3 * c7dot_7_1 - oo_12 * t123 - oo_13 * t124;
+    jac[70] = oo_12 * t125 + omega2dot * t123 + oo_13 * t123 + omega3dot * t124 + t75 * t126
+        + t76 * (0.5887919854520037 * alpha2dot + (-10.305507563856533) * alpha7dot) - oo_12 * t122
+        - omega2 * c7dot_7_1;
+    jac[71] = -(t81 + t82);
+    jac[72] = t91;
+    jac[73] = -(t107 + t108);
     jac[74] = 12527942.688344836 - 0.9877492668287293 * oo_11 - (-11.293256830686499) * oo_22
         - (-10.305507563856533) * oo_33;
-    const double t136 = (-0.0014284685858196025) * omega1dot;
-    const double t137 = 0.002468171003540082 * oo_23;
-    jac[75] = t136 - t137;
+    const double t127 = (-0.0014284685858196025) * omega1dot;
+    const double t128 = 0.002468171003540082 * oo_23;
+    jac[75] = t127 - t128;
     jac[76] = cj;
-    const double t138 = t54 + (t55 + S_8_11);
-    const double t139 = S_8_23 + S_8_23;
-    const double t140 = t58 + (t59 + S_8_33);
-    const double t141 = t56 + (t57 + S_8_22);
-    jac[77] = omega1dot * t138 + oo_22 * t139 + oo_23 * t140
-        + t79 * ((-0.0006121400052571096) * alpha1dot + (-0.0013107320248151129) * alpha4dot
+    const double t129 = t54 + (t55 + S_8_11);
+    const double t130 = S_8_23 + S_8_23;
+    const double t131 = t58 + (t59 + S_8_33);
+    const double t132 = t56 + (t57 + S_8_22);
+    jac[77] = omega1dot * t129 + oo_22 * t130 + oo_23 * t131
+        + t73 * ((-0.0006121400052571096) * alpha1dot + (-0.0013107320248151129) * alpha4dot
         + 0.9933453628144564 * alpha8dot) - (-0.00035665596750676827) * alpha2ddot
-        - (-0.0014284685858196025) * alpha7ddot - oo_23 * t141 - oo_33 * t139;
-    const double t142 = 0.00042276975451642734 * alpha2dot + 0.001234085501770041 * alpha7dot;
-    const double t143 = (-0.00035665596750676827) * alpha2dot
-        + (-0.0014284685858196025) * alpha7dot;
-    jac[78] = oo_13 * t138 + omega2dot * t141 + omega3dot * t139
-        + t81 * (0.0902649376065483 * alpha1dot + 3.750869608173889 * alpha4dot
-        + (-25.078985697725145) * alpha8dot) + t82 * t142 - omega3 * t143 - oo_12 * t139
-        - oo_13 * t140;
-    jac[79] = oo_12 * t141 + omega2dot * t139 + oo_13 * t139 + omega3dot * t140 + t81 * t142
-        + t82 * (0.09087707761334646 * alpha1dot + 3.752180340202319 * alpha4dot
-        + (-26.07233106053395) * alpha8dot) - oo_12 * t138 + omega2 * t143;
-    jac[80] = t89;
-    jac[81] = -(t99 + t100);
-    jac[82] = t116;
-    jac[83] = -(t136 + t137);
+        - (-0.0014284685858196025) * alpha7ddot - oo_23 * t132 - oo_33 * t130;
+    const double t133 = 0.00042276975451642734 * alpha2dot + 0.001234085501770041 * alpha7dot;
+    jac[78] = oo_13 * t129 + omega2dot * t132 + omega3dot * t130
+        + t75 * (0.0902649376065483 * alpha1dot + 3.750869608173889 * alpha4dot
+        + (-25.078985697725145) * alpha8dot) + t76 * t133 - omega3 * t63 - oo_12 * t130
+        - oo_13 * t131;
+    jac[79] = oo_12 * t132 + omega2dot * t130 + oo_13 * t130 + omega3dot * t131 + t75 * t133
+        + t76 * (0.09087707761334646 * alpha1dot + 3.752180340202319 * alpha4dot
+        + (-26.07233106053395) * alpha8dot) - oo_12 * t129 + omega2 * t63;
+    jac[80] = t83;
+    jac[81] = -(t92 + t93);
+    jac[82] = t109;
+    jac[83] = -(t127 + t128);
     jac[84] = 19580832.66034832 - 0.9933453628144564 * oo_11 - (-25.078985697725145) * oo_22
         - (-26.07233106053395) * oo_33;
     jac[85] = -1.0;
-    const double t144 = 0.5400000000000003 * cj;
-    jac[86] = t144;
+    const double t134 = 0.5400000000000003 * cj;
+    jac[86] = t134;
     jac[87] = -1.0;
-    jac[88] = t144;
+    jac[88] = t134;
     jac[89] = -1.0;
-    jac[90] = t144;
-    const double t145 = 0.5 * e1;
-    jac[91] = t145;
-    const double t146 = (-0.5) * e0;
-    jac[92] = t146;
-    const double t147 = 0.5 * e3;
-    jac[93] = -t147;
-    const double t148 = 0.5 * e2;
-    jac[94] = t148;
-    const double t149 = J_13 * omega2;
-    const double t150 = J_12 * omega3;
-    jac[95] = t149 + 2.0 * Sdot_11 - t150 + cj * J_11;
-    const double t151 = 2.0 * Sdot_12;
-    const double t152 = J_33 * omega3;
-    const double t153 = cj * J_12;
-    jac[96] = J_11 * omega3 + t151 - J_13 * t79 - J_23 * omega2 - t152 + t153;
-    const double t154 = J_22 * omega2;
-    const double t155 = 2.0 * Sdot_13;
-    const double t156 = cj * J_13;
-    jac[97] = J_12 * t79 + t154 + J_23 * omega3 + t155 - J_11 * omega2 + t156;
-    const double t157 = cj * t68;
-    jac[98] = -(S_1_11 * t79) - 2.0 * c7dot_1_1 - t157;
-    const double t158 = cj * d3_2_1;
-    jac[99] = t158 - (S_2_11 * t79 + 2.0 * c7dot_2_1);
-    const double t159 = cj * t69;
-    jac[100] = -(S_3_11 * t79) - (-4.90076566308965e-05) * omega3 - 2.0 * c7dot_3_1 - t159;
-    const double t160 = cj * d3_4_1;
-    jac[101] = t160 - (S_4_11 * t79 + 2.0 * c7dot_4_1);
-    const double t161 = cj * d3_5_1;
-    jac[102] = t161 - (S_5_11 * t79 + (-0.00019553393620539488) * omega2 + 2.0 * c7dot_5_1);
-    const double t162 = cj * d3_6_1;
-    jac[103] = 2.0 * t129 - (S_6_11 * t79 + (-4.9070138411873525e-05) * omega3) + t162;
-    const double t163 = cj * d3_7_1;
-    jac[104] = t163 - (S_7_11 * t79 + 2.0 * c7dot_7_1);
-    const double t164 = cj * d3_8_1;
-    jac[105] = 2.0 * t143 - S_8_11 * t79 + t164;
-    jac[106] = t148;
-    jac[107] = t147;
-    jac[108] = t146;
-    jac[109] = -t145;
-    jac[110] = J_13 * omega1 + J_23 * t81 + t152 + t151 - J_22 * omega3 + t153;
-    const double t165 = J_23 * omega1;
-    jac[111] = t150 + 2.0 * Sdot_22 - t165 + cj * J_22;
-    const double t166 = 2.0 * Sdot_23;
-    const double t167 = J_11 * omega1;
-    const double t168 = cj * J_23;
-    jac[112] = J_22 * omega1 + t166 - t167 - J_12 * t81 - J_13 * omega3 - d3dot_1 + t168;
-    const double t169 = 2.0 * S_1_23;
-    jac[113] = -(S_1_22 * t81) - t169 * omega3;
-    const double t170 = 2.0 * S_2_23;
-    jac[114] = -(S_2_22 * t81) - t170 * omega3;
-    jac[115] = -(S_3_22 * t81) - t102 * omega3;
-    const double t171 = 2.0 * S_4_23;
-    jac[116] = -(S_4_22 * t81) - t171 * omega3;
-    const double t172 = 2.0 * S_5_23;
-    jac[117] = 0.00019553393620539488 * omega1 - S_5_22 * t81 - t172 * omega3;
-    jac[118] = -(S_6_22 * t81) - t125 * omega3;
-    const double t173 = 2.0 * S_7_23;
-    jac[119] = -(S_7_22 * t81) - t173 * omega3;
-    const double t174 = 2.0 * S_8_23;
-    jac[120] = -(S_8_22 * t81) - t174 * omega3;
-    jac[121] = t147;
-    jac[122] = -t148;
-    jac[123] = t145;
-    jac[124] = t146;
-    jac[125] = J_33 * omega2 + t155 - J_12 * omega1 - t154 - J_23 * t82 + t156;
-    jac[126] = t167 + J_12 * omega2 + J_13 * t82 + t166 + d3dot_1 - J_33 * omega1 + t168;
-    jac[127] = t165 + 2.0 * Sdot_33 - t149 + cj * J_33;
-    jac[128] = -(t169 * omega2) - S_1_33 * t82;
-    jac[129] = -(t170 * omega2) - S_2_33 * t82;
-    jac[130] = 4.90076566308965e-05 * omega1 - t102 * omega2 - S_3_33 * t82;
-    jac[131] = -(t171 * omega2) - S_4_33 * t82;
-    jac[132] = -(t172 * omega2) - S_5_33 * t82;
-    jac[133] = 4.9070138411873525e-05 * omega1 - t125 * omega2 - S_6_33 * t82;
-    jac[134] = -(t173 * omega2) - S_7_33 * t82;
-    jac[135] = -(t174 * omega2) - S_8_33 * t82;
+    jac[90] = t134;
+    const double t135 = 0.5 * e1;
+    jac[91] = t135;
+    const double t136 = (-0.5) * e0;
+    jac[92] = t136;
+    const double t137 = 0.5 * e3;
+    jac[93] = -t137;
+    const double t138 = 0.5 * e2;
+    jac[94] = t138;
+    const double t139 = J_13 * omega2;
+    const double t140 = J_12 * omega3;
+    jac[95] = t139 + 2.0 * Sdot_11 - t140 + cj * J_11;
+    const double t141 = 2.0 * Sdot_12;
+    const double t142 = J_33 * omega3;
+    const double t143 = cj * J_12;
+    jac[96] = J_11 * omega3 + t141 - J_13 * t73 - J_23 * omega2 - t142 + t143;
+    const double t144 = J_22 * omega2;
+    const double t145 = 2.0 * Sdot_13;
+    const double t146 = cj * J_13;
+    jac[97] = J_12 * t73 + t144 + J_23 * omega3 + t145 - J_11 * omega2 + t146;
+    const double t147 = (-0.9989715125102133) * alpha2 + 0.001022720796073422 * alpha7;
+    const double t148 = cj * t147;
+    jac[98] = -(S_1_11 * t73) - 2.0 * c7dot_1_1 - t148;
+    const double t149 = cj * d3_2_1;
+    jac[99] = t149 - (S_2_11 * t73 + 2.0 * c7dot_2_1);
+    const double t150 = (-0.9977452135227736) * alpha5;
+    const double t151 = cj * t150;
+    jac[100] = -(S_3_11 * t73) - (-4.90076566308965e-05) * omega3 - 2.0 * c7dot_3_1 - t151;
+    const double t152 = cj * d3_4_1;
+    jac[101] = t152 - (S_4_11 * t73 + 2.0 * c7dot_4_1);
+    const double t153 = cj * d3_5_1;
+    jac[102] = t153 - (S_5_11 * t73 + (-0.00019553393620539488) * omega2 + 2.0 * c7dot_5_1);
+    const double t154 = cj * d3_6_1;
+    jac[103] = 2.0 * t62 - (S_6_11 * t73 + (-4.9070138411873525e-05) * omega3) + t154;
+    const double t155 = cj * d3_7_1;
+    jac[104] = t155 - (S_7_11 * t73 + 2.0 * c7dot_7_1);
+    const double t156 = cj * d3_8_1;
+    jac[105] = 2.0 * t63 - S_8_11 * t73 + t156;
+    jac[106] = t138;
+    jac[107] = t137;
+    jac[108] = t136;
+    jac[109] = -t135;
+    jac[110] = J_13 * omega1 + J_23 * t75 + t142 + t141 - J_22 * omega3 + t143;
+    const double t157 = J_23 * omega1;
+    jac[111] = t140 + 2.0 * Sdot_22 - t157 + cj * J_22;
+    const double t158 = 2.0 * Sdot_23;
+    const double t159 = J_11 * omega1;
+    const double t160 = cj * J_23;
+    jac[112] = J_22 * omega1 + t158 - t159 - J_12 * t75 - J_13 * omega3 - d3dot_1 + t160;
+    const double t161 = 2.0 * S_1_23;
+    jac[113] = -(S_1_22 * t75) - t161 * omega3;
+    const double t162 = 2.0 * S_2_23;
+    jac[114] = -(S_2_22 * t75) - t162 * omega3;
+    jac[115] = -(S_3_22 * t75) - t95 * omega3;
+    const double t163 = 2.0 * S_4_23;
+    jac[116] = -(S_4_22 * t75) - t163 * omega3;
+    const double t164 = 2.0 * S_5_23;
+    jac[117] = 0.00019553393620539488 * omega1 - S_5_22 * t75 - t164 * omega3;
+    jac[118] = -(S_6_22 * t75) - t118 * omega3;
+    const double t165 = 2.0 * S_7_23;
+    jac[119] = -(S_7_22 * t75) - t165 * omega3;
+    const double t166 = 2.0 * S_8_23;
+    jac[120] = -(S_8_22 * t75) - t166 * omega3;
+    jac[121] = t137;
+    jac[122] = -t138;
+    jac[123] = t135;
+    jac[124] = t136;
+    jac[125] = J_33 * omega2 + t145 - J_12 * omega1 - t144 - J_23 * t76 + t146;
+    jac[126] = t159 + J_12 * omega2 + J_13 * t76 + t158 + d3dot_1 - J_33 * omega1 + t160;
+    jac[127] = t157 + 2.0 * Sdot_33 - t139 + cj * J_33;
+    jac[128] = -(t161 * omega2) - S_1_33 * t76;
+    jac[129] = -(t162 * omega2) - S_2_33 * t76;
+    jac[130] = 4.90076566308965e-05 * omega1 - t95 * omega2 - S_3_33 * t76;
+    jac[131] = -(t163 * omega2) - S_4_33 * t76;
+    jac[132] = -(t164 * omega2) - S_5_33 * t76;
+    jac[133] = 4.9070138411873525e-05 * omega1 - t118 * omega2 - S_6_33 * t76;
+    jac[134] = -(t165 * omega2) - S_7_33 * t76;
+    jac[135] = -(t166 * omega2) - S_8_33 * t76;
     jac[136] = -1.0;
-    jac[137] = t79 * S_1_11 - t157;
-    jac[138] = t81 * S_1_22 + t82 * S_1_23 - omega3 * t68;
-    jac[139] = t81 * S_1_23 + t82 * S_1_33 + omega2 * t68;
+    jac[137] = t73 * S_1_11 - t148;
+    jac[138] = t75 * S_1_22 + t76 * S_1_23 - omega3 * t147;
+    jac[139] = t75 * S_1_23 + t76 * S_1_33 + omega2 * t147;
     jac[140] = cj;
-    const double t175 = (-0.9989715125102133) * t79;
-    jac[141] = t175;
-    const double t176 = 0.001022720796073422 * t79;
-    jac[142] = t176;
+    const double t167 = (-0.9989715125102133) * t73;
+    jac[141] = t167;
+    const double t168 = 0.001022720796073422 * t73;
+    jac[142] = t168;
     jac[143] = -1.0;
-    jac[144] = t79 * S_2_11 + t158;
-    jac[145] = t81 * S_2_22 + t82 * S_2_23 + omega3 * d3_2_1;
-    jac[146] = t81 * S_2_23 + t82 * S_2_33 - omega2 * d3_2_1;
-    jac[147] = -t175;
+    jac[144] = t73 * S_2_11 + t149;
+    jac[145] = t75 * S_2_22 + t76 * S_2_23 + omega3 * d3_2_1;
+    jac[146] = t75 * S_2_23 + t76 * S_2_33 - omega2 * d3_2_1;
+    jac[147] = -t167;
     jac[148] = cj;
-    const double t177 = (-0.0004463527015693379) * t79;
-    jac[149] = t177;
-    const double t178 = (-0.00035665596750676827) * t79;
-    jac[150] = t178;
+    const double t169 = (-0.0004463527015693379) * t73;
+    jac[149] = t169;
+    const double t170 = (-0.00035665596750676827) * t73;
+    jac[150] = t170;
     jac[151] = -1.0;
-    jac[152] = t79 * S_3_11 + (-2.450382831544825e-05) * t82 - t159;
-    jac[153] = t81 * S_3_22 + t82 * S_3_23 - omega3 * t69;
-    jac[154] = (-2.450382831544825e-05) * t79 + t81 * S_3_23 + t82 * S_3_33 + omega2 * t69;
+    jac[152] = t73 * S_3_11 + (-2.450382831544825e-05) * t76 - t151;
+    jac[153] = t75 * S_3_22 + t76 * S_3_23 - omega3 * t150;
+    jac[154] = (-2.450382831544825e-05) * t73 + t75 * S_3_23 + t76 * S_3_33 + omega2 * t150;
     jac[155] = cj;
-    const double t179 = (-0.9977452135227736) * t79;
-    jac[156] = t179;
+    const double t171 = (-0.9977452135227736) * t73;
+    jac[156] = t171;
     jac[157] = -1.0;
-    jac[158] = t79 * S_4_11 + t160;
-    jac[159] = t81 * S_4_22 + t82 * S_4_23 + omega3 * d3_4_1;
-    jac[160] = t81 * S_4_23 + t82 * S_4_33 - omega2 * d3_4_1;
-    jac[161] = -t177;
+    jac[158] = t73 * S_4_11 + t152;
+    jac[159] = t75 * S_4_22 + t76 * S_4_23 + omega3 * d3_4_1;
+    jac[160] = t75 * S_4_23 + t76 * S_4_33 - omega2 * d3_4_1;
+    jac[161] = -t169;
     jac[162] = cj;
-    const double t180 = (-0.9961572772245384) * t79;
-    jac[163] = t180;
+    const double t172 = (-0.9961572772245384) * t73;
+    jac[163] = t172;
     jac[164] = -1.0;
-    jac[165] = t79 * S_5_11 + (-9.776696810269744e-05) * t81 + t161;
-    jac[166] = (-9.776696810269744e-05) * t79 + t81 * S_5_22 + t82 * S_5_23 + omega3 * d3_5_1;
-    jac[167] = t81 * S_5_23 + t82 * S_5_33 - omega2 * d3_5_1;
-    jac[168] = -t179;
+    jac[165] = t73 * S_5_11 + (-9.776696810269744e-05) * t75 + t153;
+    jac[166] = (-9.776696810269744e-05) * t73 + t75 * S_5_22 + t76 * S_5_23 + omega3 * d3_5_1;
+    jac[167] = t75 * S_5_23 + t76 * S_5_33 - omega2 * d3_5_1;
+    jac[168] = -t171;
     jac[169] = cj;
-    const double t181 = (-0.0009021519745269716) * t79;
-    jac[170] = t181;
+    const double t173 = (-0.0009021519745269716) * t73;
+    jac[170] = t173;
     jac[171] = -1.0;
-    jac[172] = t79 * S_6_11 + (-2.4535069205936762e-05) * t82 + t162;
-    jac[173] = t81 * S_6_22 + t82 * S_6_23 + omega3 * d3_6_1;
-    jac[174] = (-2.4535069205936762e-05) * t79 + t81 * S_6_23 + t82 * S_6_33 - omega2 * d3_6_1;
-    jac[175] = -t181;
+    jac[172] = t73 * S_6_11 + (-2.4535069205936762e-05) * t76 + t154;
+    jac[173] = t75 * S_6_22 + t76 * S_6_23 + omega3 * d3_6_1;
+    jac[174] = (-2.4535069205936762e-05) * t73 + t75 * S_6_23 + t76 * S_6_33 - omega2 * d3_6_1;
+    jac[175] = -t173;
     jac[176] = cj;
     jac[177] = -1.0;
-    jac[178] = t79 * S_7_11 + t163;
-    jac[179] = t81 * S_7_22 + t82 * S_7_23 + omega3 * d3_7_1;
-    jac[180] = t81 * S_7_23 + t82 * S_7_33 - omega2 * d3_7_1;
-    jac[181] = -t176;
-    jac[182] = -t180;
+    jac[178] = t73 * S_7_11 + t155;
+    jac[179] = t75 * S_7_22 + t76 * S_7_23 + omega3 * d3_7_1;
+    jac[180] = t75 * S_7_23 + t76 * S_7_33 - omega2 * d3_7_1;
+    jac[181] = -t168;
+    jac[182] = -t172;
     jac[183] = cj;
-    const double t182 = (-0.0014284685858196025) * t79;
-    jac[184] = t182;
+    const double t174 = (-0.0014284685858196025) * t73;
+    jac[184] = t174;
     jac[185] = -1.0;
-    jac[186] = t79 * S_8_11 + t164;
-    jac[187] = t81 * S_8_22 + t82 * S_8_23 + omega3 * d3_8_1;
-    jac[188] = t81 * S_8_23 + t82 * S_8_33 - omega2 * d3_8_1;
-    jac[189] = -t178;
-    jac[190] = -t182;
+    jac[186] = t73 * S_8_11 + t156;
+    jac[187] = t75 * S_8_22 + t76 * S_8_23 + omega3 * d3_8_1;
+    jac[188] = t75 * S_8_23 + t76 * S_8_33 - omega2 * d3_8_1;
+    jac[189] = -t170;
+    jac[190] = -t174;
     jac[191] = cj;
     return 0;
 }
@@ -3129,14 +3111,6 @@ int solid_beam_force_batch(
             const double S_8_23 = 0.00042276975451642734 * alpha2 + 0.001234085501770041 * alpha7;
             const double S_8_33 = 0.09087707761334646 * alpha1 + 3.752180340202319 * alpha4
                 + (-26.07233106053395) * alpha8;
-            const double d3_2_1 = (-0.9989715125102133) * alpha1 - (-0.0004463527015693379) * alpha4
-                - (-0.00035665596750676827) * alpha8;
-            const double d3_4_1 = (-0.0004463527015693379) * alpha2 - (-0.9961572772245384) * alpha7;
-            const double d3_5_1 = (-0.9977452135227736) * alpha3 - (-0.0009021519745269716) * alpha6;
-            const double d3_6_1 = (-0.0009021519745269716) * alpha5;
-            const double d3_7_1 = 0.001022720796073422 * alpha1 + (-0.9961572772245384) * alpha4
-                - (-0.0014284685858196025) * alpha8;
-            const double d3_8_1 = (-0.00035665596750676827) * alpha2 + (-0.0014284685858196025) * alpha7;
             const double J_11 = 2.2499999999994746e-05 + S_1_11 * alpha1 + S_2_11 * alpha2 + S_3_11 * alpha3
                 + S_4_11 * alpha4 + S_5_11 * alpha5 + S_6_11 * alpha6 + S_7_11 * alpha7 + S_8_11 * alpha8;
             const double J_12 = 2.0 * ((-9.776696810269744e-05) * alpha5);
@@ -3174,40 +3148,38 @@ int solid_beam_force_batch(
                 - (-0.9977452135227736) * alpha3dot;
             const double c7dot_7_1 = (-0.0014284685858196025) * alpha8dot - 0.001022720796073422 * alpha1dot
                 - (-0.9961572772245384) * alpha4dot;
-            const double d3dot_1 = alpha2dot * d3_2_1 - alpha1dot * ((-0.9989715125102133) * alpha2
-                + 0.001022720796073422 * alpha7) - alpha3dot * ((-0.9977452135227736) * alpha5)
-                + alpha4dot * d3_4_1 + alpha5dot * d3_5_1 + alpha6dot * d3_6_1 + alpha7dot * d3_7_1
-                + alpha8dot * d3_8_1;
+            const double t3 = (-0.0009021519745269716) * alpha5dot;
+            const double t4 = (-0.00035665596750676827) * alpha2dot + (-0.0014284685858196025) * alpha7dot;
+            const double d3dot_1 = alpha1 * c7dot_1_1 + alpha2 * c7dot_2_1 + alpha3 * c7dot_3_1
+                + alpha4 * c7dot_4_1 + alpha5 * c7dot_5_1 - alpha6 * t3 + alpha7 * c7dot_7_1 - alpha8 * t4;
             h_block[0][b] = 0.0;
             h_block[1][b] = 0.0;
             h_block[2][b] = 0.0;
-            const double t3 = 2.0 * omega1;
-            const double t4 = 2.0 * omega2;
-            const double t5 = 2.0 * omega3;
-            h_block[3][b] = J_13 * oo_12 + J_23 * oo_22 + J_33 * oo_23 + t3 * Sdot_11 + t4 * Sdot_12
-                + t5 * Sdot_13 - J_12 * oo_13 - J_22 * oo_23 - J_23 * oo_33;
-            h_block[4][b] = J_11 * oo_13 + J_12 * oo_23 + J_13 * oo_33 + t3 * Sdot_12 + t4 * Sdot_22
-                + t5 * Sdot_23 + omega3 * d3dot_1 - J_13 * oo_11 - J_23 * oo_12 - J_33 * oo_13;
-            h_block[5][b] = J_12 * oo_11 + J_22 * oo_12 + J_23 * oo_13 + t3 * Sdot_13 + t4 * Sdot_23
-                + t5 * Sdot_33 - J_11 * oo_12 - J_12 * oo_22 - J_13 * oo_23 - omega2 * d3dot_1;
+            const double t5 = 2.0 * omega1;
+            const double t6 = 2.0 * omega2;
+            const double t7 = 2.0 * omega3;
+            h_block[3][b] = J_13 * oo_12 + J_23 * oo_22 + J_33 * oo_23 + t5 * Sdot_11 + t6 * Sdot_12
+                + t7 * Sdot_13 - J_12 * oo_13 - J_22 * oo_23 - J_23 * oo_33;
+            h_block[4][b] = J_11 * oo_13 + J_12 * oo_23 + J_13 * oo_33 + t5 * Sdot_12 + t6 * Sdot_22
+                + t7 * Sdot_23 + omega3 * d3dot_1 - J_13 * oo_11 - J_23 * oo_12 - J_33 * oo_13;
+            h_block[5][b] = J_12 * oo_11 + J_22 * oo_12 + J_23 * oo_13 + t5 * Sdot_13 + t6 * Sdot_23
+                + t7 * Sdot_33 - J_11 * oo_12 - J_12 * oo_22 - J_13 * oo_23 - omega2 * d3dot_1;
             h_block[6][b] = 108201.92210329446 * alpha1 - S_1_11 * oo_11 - S_1_22 * oo_22
-                - 2.0 * S_1_23 * oo_23 - S_1_33 * oo_33 - t3 * c7dot_1_1;
+                - 2.0 * S_1_23 * oo_23 - S_1_33 * oo_33 - t5 * c7dot_1_1;
             h_block[7][b] = 431754.597252093 * alpha2 - S_2_11 * oo_11 - S_2_22 * oo_22
-                - 2.0 * S_2_23 * oo_23 - S_2_33 * oo_33 - t3 * c7dot_2_1;
+                - 2.0 * S_2_23 * oo_23 - S_2_33 * oo_33 - t5 * c7dot_2_1;
             h_block[8][b] = 823854.9427167808 * alpha3 - S_3_11 * oo_11 - (-4.90076566308965e-05) * oo_13
-                - S_3_22 * oo_22 - 2.0 * S_3_23 * oo_23 - S_3_33 * oo_33 - t3 * c7dot_3_1;
+                - S_3_22 * oo_22 - 2.0 * S_3_23 * oo_23 - S_3_33 * oo_33 - t5 * c7dot_3_1;
             h_block[9][b] = 3176799.8268579636 * alpha4 - S_4_11 * oo_11 - S_4_22 * oo_22
-                - 2.0 * S_4_23 * oo_23 - S_4_33 * oo_33 - t3 * c7dot_4_1;
+                - 2.0 * S_4_23 * oo_23 - S_4_33 * oo_33 - t5 * c7dot_4_1;
             h_block[10][b] = 3271803.550599345 * alpha5 - S_5_11 * oo_11 - (-0.00019553393620539488) * oo_12
-                - S_5_22 * oo_22 - 2.0 * S_5_23 * oo_23 - S_5_33 * oo_33 - t3 * c7dot_5_1;
+                - S_5_22 * oo_22 - 2.0 * S_5_23 * oo_23 - S_5_33 * oo_33 - t5 * c7dot_5_1;
             h_block[11][b] = 8721662.73758154 * alpha6 - S_6_11 * oo_11 - (-4.9070138411873525e-05) * oo_13
-                - S_6_22 * oo_22 - 2.0 * S_6_23 * oo_23 - S_6_33 * oo_33
-                + t3 * ((-0.0009021519745269716) * alpha5dot);
+                - S_6_22 * oo_22 - 2.0 * S_6_23 * oo_23 - S_6_33 * oo_33 + t5 * t3;
             h_block[12][b] = 12527942.688344836 * alpha7 - S_7_11 * oo_11 - S_7_22 * oo_22
-                - 2.0 * S_7_23 * oo_23 - S_7_33 * oo_33 - t3 * c7dot_7_1;
+                - 2.0 * S_7_23 * oo_23 - S_7_33 * oo_33 - t5 * c7dot_7_1;
             h_block[13][b] = 19580832.66034832 * alpha8 - S_8_11 * oo_11 - S_8_22 * oo_22
-                - 2.0 * S_8_23 * oo_23 - S_8_33 * oo_33 + t3 * ((-0.00035665596750676827) * alpha2dot
-                + (-0.0014284685858196025) * alpha7dot);
+                - 2.0 * S_8_23 * oo_23 - S_8_33 * oo_33 + t5 * t4;
         }
         solid_beam_block32_scatter(all, count, 14, h_block, h);
         q += count;
@@ -3364,65 +3336,66 @@ int solid_beam_accel_batch(
                 - (-0.9977452135227736) * alpha3dot;
             const double c7dot_7_1 = (-0.0014284685858196025) * alpha8dot - 0.001022720796073422 * alpha1dot
                 - (-0.9961572772245384) * alpha4dot;
-            const double d3dot_1 = alpha2dot * d3_2_1 - alpha1dot * t5 - alpha3dot * t4 + alpha4dot * d3_4_1
-                + alpha5dot * d3_5_1 + alpha6dot * d3_6_1 + alpha7dot * d3_7_1 + alpha8dot * d3_8_1;
+            const double t9 = (-0.0009021519745269716) * alpha5dot;
+            const double t10 = (-0.00035665596750676827) * alpha2dot + (-0.0014284685858196025) * alpha7dot;
+            const double d3dot_1 = alpha1 * c7dot_1_1 + alpha2 * c7dot_2_1 + alpha3 * c7dot_3_1
+                + alpha4 * c7dot_4_1 + alpha5 * c7dot_5_1 - alpha6 * t9 + alpha7 * c7dot_7_1 - alpha8 * t10;
             vdot_block[0][b] = 0.0;
             vdot_block[1][b] = 0.0;
             vdot_block[2][b] = 0.0;
-            const double t9 = 2.0 * omega1;
-            const double t10 = 19580832.66034832 * alpha8 - S_8_11 * oo_11 - S_8_22 * oo_22
-                - 2.0 * S_8_23 * oo_23 - S_8_33 * oo_33 + t9 * ((-0.00035665596750676827) * alpha2dot
-                + (-0.0014284685858196025) * alpha7dot);
-            const double t11 = 2.0 * omega2;
-            const double t12 = 2.0 * omega3;
-            const double t13 = 12527942.688344836 * alpha7 - S_7_11 * oo_11 - S_7_22 * oo_22
-                - 2.0 * S_7_23 * oo_23 - S_7_33 * oo_33 - t9 * c7dot_7_1;
-            const double t14 = 8721662.73758154 * alpha6 - S_6_11 * oo_11
+            const double t11 = 2.0 * omega1;
+            const double t12 = 19580832.66034832 * alpha8 - S_8_11 * oo_11 - S_8_22 * oo_22
+                - 2.0 * S_8_23 * oo_23 - S_8_33 * oo_33 + t11 * t10;
+            const double t13 = 2.0 * omega2;
+            const double t14 = 2.0 * omega3;
+            const double t15 = 12527942.688344836 * alpha7 - S_7_11 * oo_11 - S_7_22 * oo_22
+                - 2.0 * S_7_23 * oo_23 - S_7_33 * oo_33 - t11 * c7dot_7_1;
+            const double t16 = 8721662.73758154 * alpha6 - S_6_11 * oo_11
                 - (-4.9070138411873525e-05) * oo_13 - S_6_22 * oo_22 - 2.0 * S_6_23 * oo_23 - S_6_33 * oo_33
-                + t9 * ((-0.0009021519745269716) * alpha5dot);
-            const double t15 = 3271803.550599345 * alpha5 - S_5_11 * oo_11
+                + t11 * t9;
+            const double t17 = 3271803.550599345 * alpha5 - S_5_11 * oo_11
                 - (-0.00019553393620539488) * oo_12 - S_5_22 * oo_22 - 2.0 * S_5_23 * oo_23 - S_5_33 * oo_33
-                - t9 * c7dot_5_1;
-            const double t16 = 3176799.8268579636 * alpha4 - S_4_11 * oo_11 - S_4_22 * oo_22
-                - 2.0 * S_4_23 * oo_23 - S_4_33 * oo_33 - t9 * c7dot_4_1;
-            const double t17 = 823854.9427167808 * alpha3 - S_3_11 * oo_11 - (-4.90076566308965e-05) * oo_13
-                - S_3_22 * oo_22 - 2.0 * S_3_23 * oo_23 - S_3_33 * oo_33 - t9 * c7dot_3_1;
-            const double t18 = 431754.597252093 * alpha2 - S_2_11 * oo_11 - S_2_22 * oo_22
-                - 2.0 * S_2_23 * oo_23 - S_2_33 * oo_33 - t9 * c7dot_2_1;
-            const double t19 = 108201.92210329446 * alpha1 - S_1_11 * oo_11 - S_1_22 * oo_22
-                - 2.0 * S_1_23 * oo_23 - S_1_33 * oo_33 - t9 * c7dot_1_1;
-            const double t20 = J_11 * oo_13 + J_12 * oo_23 + J_13 * oo_33 + t9 * Sdot_12 + t11 * Sdot_22
-                + t12 * Sdot_23 + omega3 * d3dot_1 - J_13 * oo_11 - J_23 * oo_12 - J_33 * oo_13;
-            const double t21 = t3 * t20 - (J_12 * oo_11 + J_22 * oo_12 + J_23 * oo_13 + t9 * Sdot_13
-                + t11 * Sdot_23 + t12 * Sdot_33 - J_11 * oo_12 - J_12 * oo_22 - J_13 * oo_23
+                - t11 * c7dot_5_1;
+            const double t18 = 3176799.8268579636 * alpha4 - S_4_11 * oo_11 - S_4_22 * oo_22
+                - 2.0 * S_4_23 * oo_23 - S_4_33 * oo_33 - t11 * c7dot_4_1;
+            const double t19 = 823854.9427167808 * alpha3 - S_3_11 * oo_11 - (-4.90076566308965e-05) * oo_13
+                - S_3_22 * oo_22 - 2.0 * S_3_23 * oo_23 - S_3_33 * oo_33 - t11 * c7dot_3_1;
+            const double t20 = 431754.597252093 * alpha2 - S_2_11 * oo_11 - S_2_22 * oo_22
+                - 2.0 * S_2_23 * oo_23 - S_2_33 * oo_33 - t11 * c7dot_2_1;
+            const double t21 = 108201.92210329446 * alpha1 - S_1_11 * oo_11 - S_1_22 * oo_22
+                - 2.0 * S_1_23 * oo_23 - S_1_33 * oo_33 - t11 * c7dot_1_1;
+            const double t22 = J_11 * oo_13 + J_12 * oo_23 + J_13 * oo_33 + t11 * Sdot_12 + t13 * Sdot_22
+                + t14 * Sdot_23 + omega3 * d3dot_1 - J_13 * oo_11 - J_23 * oo_12 - J_33 * oo_13;
+            const double t23 = t3 * t22 - (J_12 * oo_11 + J_22 * oo_12 + J_23 * oo_13 + t11 * Sdot_13
+                + t13 * Sdot_23 + t14 * Sdot_33 - J_11 * oo_12 - J_12 * oo_22 - J_13 * oo_23
                 - omega2 * d3dot_1);
-            const double t22 = (d3_8_1 * t10 - (J_13 * oo_12 + J_23 * oo_22 + J_33 * oo_23 + t9 * Sdot_11
-                + t11 * Sdot_12 + t12 * Sdot_13 - J_12 * oo_13 - J_22 * oo_23 - J_23 * oo_33) + d3_7_1 * t13
-                + d3_6_1 * t14 + d3_5_1 * t15 + d3_4_1 * t16 - t4 * t17 + d3_2_1 * t18 - t5 * t19 + t6 * t20
-                - t8 * t21) / pivot_pi1;
-            vdot_block[3][b] = t22;
-            const double t23 = t21 * inverse_pivot_pi3 - t8 * t22;
-            const double t24 = t20 * inverse_J_22 + t3 * t23 + t6 * t22;
-            vdot_block[4][b] = -t24;
-            vdot_block[5][b] = t23;
-            const double t25 = t5 * t22 - t19;
-            vdot_block[6][b] = t25;
-            const double t26 = t18 + d3_2_1 * t22;
-            vdot_block[7][b] = -t26;
-            const double t27 = t4 * t22 - t17;
-            vdot_block[8][b] = t27;
-            const double t28 = t16 + d3_4_1 * t22;
-            vdot_block[9][b] = -t28;
-            const double t29 = t15 + d3_5_1 * t22;
-            vdot_block[10][b] = -t29;
-            const double t30 = t14 + d3_6_1 * t22;
-            vdot_block[11][b] = -t30;
-            const double t31 = t13 + d3_7_1 * t22;
-            vdot_block[12][b] = -t31;
-            const double t32 = t10 + d3_8_1 * t22;
-            vdot_block[13][b] = -t32;
+            const double t24 = (d3_8_1 * t12 - (J_13 * oo_12 + J_23 * oo_22 + J_33 * oo_23 + t11 * Sdot_11
+                + t13 * Sdot_12 + t14 * Sdot_13 - J_12 * oo_13 - J_22 * oo_23 - J_23 * oo_33) + d3_7_1 * t15
+                + d3_6_1 * t16 + d3_5_1 * t17 + d3_4_1 * t18 - t4 * t19 + d3_2_1 * t20 - t5 * t21 + t6 * t22
+                - t8 * t23) / pivot_pi1;
+            vdot_block[3][b] = t24;
+            const double t25 = t23 * inverse_pivot_pi3 - t8 * t24;
+            const double t26 = t22 * inverse_J_22 + t3 * t25 + t6 * t24;
+            vdot_block[4][b] = -t26;
+            vdot_block[5][b] = t25;
+            const double t27 = t5 * t24 - t21;
+            vdot_block[6][b] = t27;
+            const double t28 = t20 + d3_2_1 * t24;
+            vdot_block[7][b] = -t28;
+            const double t29 = t4 * t24 - t19;
+            vdot_block[8][b] = t29;
+            const double t30 = t18 + d3_4_1 * t24;
+            vdot_block[9][b] = -t30;
+            const double t31 = t17 + d3_5_1 * t24;
+            vdot_block[10][b] = -t31;
+            const double t32 = t16 + d3_6_1 * t24;
+            vdot_block[11][b] = -t32;
+            const double t33 = t15 + d3_7_1 * t24;
+            vdot_block[12][b] = -t33;
+            const double t34 = t12 + d3_8_1 * t24;
+            vdot_block[13][b] = -t34;
             double code_b = 0.0;
-            const double finite = t22 - t24 + t23 + t25 - t26 + t27 - t28 - t29 - t30 - t31 - t32;
+            const double finite = t24 - t26 + t25 + t27 - t28 + t29 - t30 - t31 - t32 - t33 - t34;
             code_b = finite - finite == 0.0 ? code_b : 2.0; /* an acceleration is not finite */
             code_b = pivot_pi1
                 - 5.684341886080802e-14 * J_11 > 0.0 ? code_b : 1.0; /* the pivot of pi1 vanished */

@@ -281,7 +281,7 @@ class Pattern(NamedTuple):
 
 
 NAME = "solid_beam"
-HASH = "6fe5f433517d958b"
+HASH = "8c54b789200ddc87"
 COORDINATES = (
     "c1", "c2", "c3", "e0", "e1", "e2", "e3", "alpha1", "alpha2", "alpha3", "alpha4", "alpha5",
     "alpha6", "alpha7", "alpha8",
@@ -547,7 +547,7 @@ def force(t, q, v, k):
         h[alpha1], h[alpha2], h[alpha3], h[alpha4], h[alpha5], h[alpha6], h[alpha7], h[alpha8]
 
     From (5), second order, appendix, (15).
-    471 operations.
+    447 operations.
     """
     xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=15, v=14, k=0), t, q, v, k)
     alpha1 = q[..., 7]
@@ -640,21 +640,6 @@ def force(t, q, v, k):
         0.09087707761334646 * alpha1 + 3.752180340202319 * alpha4 + (-26.07233106053395) * alpha8
     )
 
-    # d3 (second order): d3_1_1 = int rho r x dr/dalpha_1 . e1; ...; d3_8_1 = int rho r x
-    #     dr/dalpha_8 . e1
-    d3_2_1 = (
-        (-0.9989715125102133) * alpha1 - (-0.0004463527015693379) * alpha4
-            - (-0.00035665596750676827) * alpha8
-    )
-    d3_4_1 = (-0.0004463527015693379) * alpha2 - (-0.9961572772245384) * alpha7
-    d3_5_1 = (-0.9977452135227736) * alpha3 - (-0.0009021519745269716) * alpha6
-    d3_6_1 = (-0.0009021519745269716) * alpha5
-    d3_7_1 = (
-        0.001022720796073422 * alpha1 + (-0.9961572772245384) * alpha4
-            - (-0.0014284685858196025) * alpha8
-    )
-    d3_8_1 = (-0.00035665596750676827) * alpha2 + (-0.0014284685858196025) * alpha7
-
     # J (appendix): J_11 = int rho ((r . r) I - r r); ...; J_33 = int rho ((r . r) I - r r)
     J_11 = (
         2.2499999999994746e-05 + S_1_11 * alpha1 + S_2_11 * alpha2 + S_3_11 * alpha3
@@ -715,65 +700,63 @@ def force(t, q, v, k):
     )
 
     # d3dot (second order): d3dot_1 = int rho r x rdot . e1
+    t3 = (-0.0009021519745269716) * alpha5dot
+    t4 = (-0.00035665596750676827) * alpha2dot + (-0.0014284685858196025) * alpha7dot
     d3dot_1 = (
-        alpha2dot * d3_2_1 - alpha1dot * ((-0.9989715125102133) * alpha2
-            + 0.001022720796073422 * alpha7) - alpha3dot * ((-0.9977452135227736) * alpha5)
-            + alpha4dot * d3_4_1 + alpha5dot * d3_5_1 + alpha6dot * d3_6_1 + alpha7dot * d3_7_1
-            + alpha8dot * d3_8_1
+        alpha1 * c7dot_1_1 + alpha2 * c7dot_2_1 + alpha3 * c7dot_3_1 + alpha4 * c7dot_4_1
+            + alpha5 * c7dot_5_1 - alpha6 * t3 + alpha7 * c7dot_7_1 - alpha8 * t4
     )
 
     # h (15): centrifugal, Coriolis and elastic terms
     h_0 = 0
     h_1 = 0
     h_2 = 0
-    t3 = 2 * omega1
-    t4 = 2 * omega2
-    t5 = 2 * omega3
+    t5 = 2 * omega1
+    t6 = 2 * omega2
+    t7 = 2 * omega3
     h_3 = (
-        J_13 * oo_12 + J_23 * oo_22 + J_33 * oo_23 + t3 * Sdot_11 + t4 * Sdot_12 + t5 * Sdot_13
+        J_13 * oo_12 + J_23 * oo_22 + J_33 * oo_23 + t5 * Sdot_11 + t6 * Sdot_12 + t7 * Sdot_13
             - J_12 * oo_13 - J_22 * oo_23 - J_23 * oo_33
     )
     h_4 = (
-        J_11 * oo_13 + J_12 * oo_23 + J_13 * oo_33 + t3 * Sdot_12 + t4 * Sdot_22 + t5 * Sdot_23
+        J_11 * oo_13 + J_12 * oo_23 + J_13 * oo_33 + t5 * Sdot_12 + t6 * Sdot_22 + t7 * Sdot_23
             + omega3 * d3dot_1 - J_13 * oo_11 - J_23 * oo_12 - J_33 * oo_13
     )
     h_5 = (
-        J_12 * oo_11 + J_22 * oo_12 + J_23 * oo_13 + t3 * Sdot_13 + t4 * Sdot_23 + t5 * Sdot_33
+        J_12 * oo_11 + J_22 * oo_12 + J_23 * oo_13 + t5 * Sdot_13 + t6 * Sdot_23 + t7 * Sdot_33
             - J_11 * oo_12 - J_12 * oo_22 - J_13 * oo_23 - omega2 * d3dot_1
     )
     h_6 = (
         108201.92210329446 * alpha1 - S_1_11 * oo_11 - S_1_22 * oo_22 - 2 * S_1_23 * oo_23
-            - S_1_33 * oo_33 - t3 * c7dot_1_1
+            - S_1_33 * oo_33 - t5 * c7dot_1_1
     )
     h_7 = (
         431754.597252093 * alpha2 - S_2_11 * oo_11 - S_2_22 * oo_22 - 2 * S_2_23 * oo_23
-            - S_2_33 * oo_33 - t3 * c7dot_2_1
+            - S_2_33 * oo_33 - t5 * c7dot_2_1
     )
     h_8 = (
         823854.9427167808 * alpha3 - S_3_11 * oo_11 - (-4.90076566308965e-05) * oo_13
-            - S_3_22 * oo_22 - 2 * S_3_23 * oo_23 - S_3_33 * oo_33 - t3 * c7dot_3_1
+            - S_3_22 * oo_22 - 2 * S_3_23 * oo_23 - S_3_33 * oo_33 - t5 * c7dot_3_1
     )
     h_9 = (
         3176799.8268579636 * alpha4 - S_4_11 * oo_11 - S_4_22 * oo_22 - 2 * S_4_23 * oo_23
-            - S_4_33 * oo_33 - t3 * c7dot_4_1
+            - S_4_33 * oo_33 - t5 * c7dot_4_1
     )
     h_10 = (
         3271803.550599345 * alpha5 - S_5_11 * oo_11 - (-0.00019553393620539488) * oo_12
-            - S_5_22 * oo_22 - 2 * S_5_23 * oo_23 - S_5_33 * oo_33 - t3 * c7dot_5_1
+            - S_5_22 * oo_22 - 2 * S_5_23 * oo_23 - S_5_33 * oo_33 - t5 * c7dot_5_1
     )
     h_11 = (
         8721662.73758154 * alpha6 - S_6_11 * oo_11 - (-4.9070138411873525e-05) * oo_13
-            - S_6_22 * oo_22 - 2 * S_6_23 * oo_23 - S_6_33 * oo_33
-            + t3 * ((-0.0009021519745269716) * alpha5dot)
+            - S_6_22 * oo_22 - 2 * S_6_23 * oo_23 - S_6_33 * oo_33 + t5 * t3
     )
     h_12 = (
         12527942.688344836 * alpha7 - S_7_11 * oo_11 - S_7_22 * oo_22 - 2 * S_7_23 * oo_23
-            - S_7_33 * oo_33 - t3 * c7dot_7_1
+            - S_7_33 * oo_33 - t5 * c7dot_7_1
     )
     h_13 = (
         19580832.66034832 * alpha8 - S_8_11 * oo_11 - S_8_22 * oo_22 - 2 * S_8_23 * oo_23
-            - S_8_33 * oo_33 + t3 * ((-0.00035665596750676827) * alpha2dot
-            + (-0.0014284685858196025) * alpha7dot)
+            - S_8_33 * oo_33 + t5 * t4
     )
 
     h = _stack(xp, batch, (h_0, h_1, h_2, h_3, h_4, h_5, h_6, h_7, h_8, h_9, h_10, h_11, h_12,
@@ -794,7 +777,7 @@ def mass_force(t, q, v, k):
         h[alpha1], h[alpha2], h[alpha3], h[alpha4], h[alpha5], h[alpha6], h[alpha7], h[alpha8]
 
     From (5), second order, (15), appendix.
-    473 operations.
+    471 operations.
     """
     xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=15, v=14, k=0), t, q, v, k)
     alpha1 = q[..., 7]
@@ -889,10 +872,10 @@ def mass_force(t, q, v, k):
 
     # alpha8 (15): force and column of M of alpha8
     t1 = 2 * omega1
+    t2 = (-0.00035665596750676827) * alpha2dot + (-0.0014284685858196025) * alpha7dot
     h_13 = (
         19580832.66034832 * alpha8 - S_8_11 * oo_11 - S_8_22 * oo_22 - 2 * S_8_23 * oo_23
-            - S_8_33 * oo_33 + t1 * ((-0.00035665596750676827) * alpha2dot
-            + (-0.0014284685858196025) * alpha7dot)
+            - S_8_33 * oo_33 + t1 * t2
     )
     M_24 = 1
 
@@ -919,10 +902,10 @@ def mass_force(t, q, v, k):
     M_23 = 1
 
     # alpha6 (15): force and column of M of alpha6
+    t3 = (-0.0009021519745269716) * alpha5dot
     h_11 = (
         8721662.73758154 * alpha6 - S_6_11 * oo_11 - (-4.9070138411873525e-05) * oo_13
-            - S_6_22 * oo_22 - 2 * S_6_23 * oo_23 - S_6_33 * oo_33
-            + t1 * ((-0.0009021519745269716) * alpha5dot)
+            - S_6_22 * oo_22 - 2 * S_6_23 * oo_23 - S_6_33 * oo_33 + t1 * t3
     )
     M_22 = 1
 
@@ -960,25 +943,6 @@ def mass_force(t, q, v, k):
             - S_1_33 * oo_33 - t1 * c7dot_1_1
     )
     M_17 = 1
-
-    # d3 (second order): d3_1_1 = int rho r x dr/dalpha_1 . e1; ...; d3_8_1 = int rho r x
-    #     dr/dalpha_8 . e1
-    t2 = (-0.9989715125102133) * alpha2 + 0.001022720796073422 * alpha7
-    d3_1_1 = -t2
-    d3_2_1 = (
-        (-0.9989715125102133) * alpha1 - (-0.0004463527015693379) * alpha4
-            - (-0.00035665596750676827) * alpha8
-    )
-    t3 = (-0.9977452135227736) * alpha5
-    d3_3_1 = -t3
-    d3_4_1 = (-0.0004463527015693379) * alpha2 - (-0.9961572772245384) * alpha7
-    d3_5_1 = (-0.9977452135227736) * alpha3 - (-0.0009021519745269716) * alpha6
-    d3_6_1 = (-0.0009021519745269716) * alpha5
-    d3_7_1 = (
-        0.001022720796073422 * alpha1 + (-0.9961572772245384) * alpha4
-            - (-0.0014284685858196025) * alpha8
-    )
-    d3_8_1 = (-0.00035665596750676827) * alpha2 + (-0.0014284685858196025) * alpha7
 
     # J (appendix): J_11 = int rho ((r . r) I - r r); ...; J_33 = int rho ((r . r) I - r r)
     J_11 = (
@@ -1026,8 +990,8 @@ def mass_force(t, q, v, k):
 
     # d3dot (second order): d3dot_1 = int rho r x rdot . e1
     d3dot_1 = (
-        alpha2dot * d3_2_1 - alpha1dot * t2 - alpha3dot * t3 + alpha4dot * d3_4_1
-            + alpha5dot * d3_5_1 + alpha6dot * d3_6_1 + alpha7dot * d3_7_1 + alpha8dot * d3_8_1
+        alpha1 * c7dot_1_1 + alpha2 * c7dot_2_1 + alpha3 * c7dot_3_1 + alpha4 * c7dot_4_1
+            + alpha5 * c7dot_5_1 - alpha6 * t3 + alpha7 * c7dot_7_1 - alpha8 * t2
     )
 
     # pi3 (15): force and column of M of pi3
@@ -1046,6 +1010,23 @@ def mass_force(t, q, v, k):
     )
     M_14 = J_22
     M_15 = J_23
+
+    # d3 (second order): d3_1_1 = int rho r x dr/dalpha_1 . e1; ...; d3_8_1 = int rho r x
+    #     dr/dalpha_8 . e1
+    d3_1_1 = 0.9989715125102133 * alpha2 - 0.001022720796073422 * alpha7
+    d3_2_1 = (
+        (-0.9989715125102133) * alpha1 - (-0.0004463527015693379) * alpha4
+            - (-0.00035665596750676827) * alpha8
+    )
+    d3_3_1 = 0.9977452135227736 * alpha5
+    d3_4_1 = (-0.0004463527015693379) * alpha2 - (-0.9961572772245384) * alpha7
+    d3_5_1 = (-0.9977452135227736) * alpha3 - (-0.0009021519745269716) * alpha6
+    d3_6_1 = (-0.0009021519745269716) * alpha5
+    d3_7_1 = (
+        0.001022720796073422 * alpha1 + (-0.9961572772245384) * alpha4
+            - (-0.0014284685858196025) * alpha8
+    )
+    d3_8_1 = (-0.00035665596750676827) * alpha2 + (-0.0014284685858196025) * alpha7
 
     # pi1 (15): force and column of M of pi1
     h_3 = (
@@ -1284,90 +1265,90 @@ def accel(t, q, v, k):
     )
 
     # d3dot (second order): d3dot_1 = int rho r x rdot . e1
+    t9 = (-0.0009021519745269716) * alpha5dot
+    t10 = (-0.00035665596750676827) * alpha2dot + (-0.0014284685858196025) * alpha7dot
     d3dot_1 = (
-        alpha2dot * d3_2_1 - alpha1dot * t5 - alpha3dot * t4 + alpha4dot * d3_4_1
-            + alpha5dot * d3_5_1 + alpha6dot * d3_6_1 + alpha7dot * d3_7_1 + alpha8dot * d3_8_1
+        alpha1 * c7dot_1_1 + alpha2 * c7dot_2_1 + alpha3 * c7dot_3_1 + alpha4 * c7dot_4_1
+            + alpha5 * c7dot_5_1 - alpha6 * t9 + alpha7 * c7dot_7_1 - alpha8 * t10
     )
 
     # solution (LDL^T): forward, diagonal and back substitution
     vdot_0 = 0
     vdot_1 = 0
     vdot_2 = 0
-    t9 = 2 * omega1
-    t10 = (
+    t11 = 2 * omega1
+    t12 = (
         19580832.66034832 * alpha8 - S_8_11 * oo_11 - S_8_22 * oo_22 - 2 * S_8_23 * oo_23
-            - S_8_33 * oo_33 + t9 * ((-0.00035665596750676827) * alpha2dot
-            + (-0.0014284685858196025) * alpha7dot)
+            - S_8_33 * oo_33 + t11 * t10
     )
-    t11 = 2 * omega2
-    t12 = 2 * omega3
-    t13 = (
-        12527942.688344836 * alpha7 - S_7_11 * oo_11 - S_7_22 * oo_22 - 2 * S_7_23 * oo_23
-            - S_7_33 * oo_33 - t9 * c7dot_7_1
-    )
-    t14 = (
-        8721662.73758154 * alpha6 - S_6_11 * oo_11 - (-4.9070138411873525e-05) * oo_13
-            - S_6_22 * oo_22 - 2 * S_6_23 * oo_23 - S_6_33 * oo_33
-            + t9 * ((-0.0009021519745269716) * alpha5dot)
-    )
+    t13 = 2 * omega2
+    t14 = 2 * omega3
     t15 = (
-        3271803.550599345 * alpha5 - S_5_11 * oo_11 - (-0.00019553393620539488) * oo_12
-            - S_5_22 * oo_22 - 2 * S_5_23 * oo_23 - S_5_33 * oo_33 - t9 * c7dot_5_1
+        12527942.688344836 * alpha7 - S_7_11 * oo_11 - S_7_22 * oo_22 - 2 * S_7_23 * oo_23
+            - S_7_33 * oo_33 - t11 * c7dot_7_1
     )
     t16 = (
-        3176799.8268579636 * alpha4 - S_4_11 * oo_11 - S_4_22 * oo_22 - 2 * S_4_23 * oo_23
-            - S_4_33 * oo_33 - t9 * c7dot_4_1
+        8721662.73758154 * alpha6 - S_6_11 * oo_11 - (-4.9070138411873525e-05) * oo_13
+            - S_6_22 * oo_22 - 2 * S_6_23 * oo_23 - S_6_33 * oo_33 + t11 * t9
     )
     t17 = (
-        823854.9427167808 * alpha3 - S_3_11 * oo_11 - (-4.90076566308965e-05) * oo_13
-            - S_3_22 * oo_22 - 2 * S_3_23 * oo_23 - S_3_33 * oo_33 - t9 * c7dot_3_1
+        3271803.550599345 * alpha5 - S_5_11 * oo_11 - (-0.00019553393620539488) * oo_12
+            - S_5_22 * oo_22 - 2 * S_5_23 * oo_23 - S_5_33 * oo_33 - t11 * c7dot_5_1
     )
     t18 = (
-        431754.597252093 * alpha2 - S_2_11 * oo_11 - S_2_22 * oo_22 - 2 * S_2_23 * oo_23
-            - S_2_33 * oo_33 - t9 * c7dot_2_1
+        3176799.8268579636 * alpha4 - S_4_11 * oo_11 - S_4_22 * oo_22 - 2 * S_4_23 * oo_23
+            - S_4_33 * oo_33 - t11 * c7dot_4_1
     )
     t19 = (
-        108201.92210329446 * alpha1 - S_1_11 * oo_11 - S_1_22 * oo_22 - 2 * S_1_23 * oo_23
-            - S_1_33 * oo_33 - t9 * c7dot_1_1
+        823854.9427167808 * alpha3 - S_3_11 * oo_11 - (-4.90076566308965e-05) * oo_13
+            - S_3_22 * oo_22 - 2 * S_3_23 * oo_23 - S_3_33 * oo_33 - t11 * c7dot_3_1
     )
     t20 = (
-        J_11 * oo_13 + J_12 * oo_23 + J_13 * oo_33 + t9 * Sdot_12 + t11 * Sdot_22 + t12 * Sdot_23
-            + omega3 * d3dot_1 - J_13 * oo_11 - J_23 * oo_12 - J_33 * oo_13
+        431754.597252093 * alpha2 - S_2_11 * oo_11 - S_2_22 * oo_22 - 2 * S_2_23 * oo_23
+            - S_2_33 * oo_33 - t11 * c7dot_2_1
     )
     t21 = (
-        t3 * t20 - (J_12 * oo_11 + J_22 * oo_12 + J_23 * oo_13 + t9 * Sdot_13 + t11 * Sdot_23
-            + t12 * Sdot_33 - J_11 * oo_12 - J_12 * oo_22 - J_13 * oo_23 - omega2 * d3dot_1)
+        108201.92210329446 * alpha1 - S_1_11 * oo_11 - S_1_22 * oo_22 - 2 * S_1_23 * oo_23
+            - S_1_33 * oo_33 - t11 * c7dot_1_1
     )
     t22 = (
-        (d3_8_1 * t10 - (J_13 * oo_12 + J_23 * oo_22 + J_33 * oo_23 + t9 * Sdot_11 + t11 * Sdot_12
-            + t12 * Sdot_13 - J_12 * oo_13 - J_22 * oo_23 - J_23 * oo_33) + d3_7_1 * t13
-            + d3_6_1 * t14 + d3_5_1 * t15 + d3_4_1 * t16 - t4 * t17 + d3_2_1 * t18 - t5 * t19
-            + t6 * t20 - t8 * t21) / pivot_pi1
+        J_11 * oo_13 + J_12 * oo_23 + J_13 * oo_33 + t11 * Sdot_12 + t13 * Sdot_22 + t14 * Sdot_23
+            + omega3 * d3dot_1 - J_13 * oo_11 - J_23 * oo_12 - J_33 * oo_13
     )
-    vdot_3 = t22
-    t23 = t21 * inverse_pivot_pi3 - t8 * t22
-    t24 = t20 * inverse_J_22 + t3 * t23 + t6 * t22
-    vdot_4 = -t24
-    vdot_5 = t23
-    t25 = t5 * t22 - t19
-    vdot_6 = t25
-    t26 = t18 + d3_2_1 * t22
-    vdot_7 = -t26
-    t27 = t4 * t22 - t17
-    vdot_8 = t27
-    t28 = t16 + d3_4_1 * t22
-    vdot_9 = -t28
-    t29 = t15 + d3_5_1 * t22
-    vdot_10 = -t29
-    t30 = t14 + d3_6_1 * t22
-    vdot_11 = -t30
-    t31 = t13 + d3_7_1 * t22
-    vdot_12 = -t31
-    t32 = t10 + d3_8_1 * t22
-    vdot_13 = -t32
+    t23 = (
+        t3 * t22 - (J_12 * oo_11 + J_22 * oo_12 + J_23 * oo_13 + t11 * Sdot_13 + t13 * Sdot_23
+            + t14 * Sdot_33 - J_11 * oo_12 - J_12 * oo_22 - J_13 * oo_23 - omega2 * d3dot_1)
+    )
+    t24 = (
+        (d3_8_1 * t12 - (J_13 * oo_12 + J_23 * oo_22 + J_33 * oo_23 + t11 * Sdot_11 + t13 * Sdot_12
+            + t14 * Sdot_13 - J_12 * oo_13 - J_22 * oo_23 - J_23 * oo_33) + d3_7_1 * t15
+            + d3_6_1 * t16 + d3_5_1 * t17 + d3_4_1 * t18 - t4 * t19 + d3_2_1 * t20 - t5 * t21
+            + t6 * t22 - t8 * t23) / pivot_pi1
+    )
+    vdot_3 = t24
+    t25 = t23 * inverse_pivot_pi3 - t8 * t24
+    t26 = t22 * inverse_J_22 + t3 * t25 + t6 * t24
+    vdot_4 = -t26
+    vdot_5 = t25
+    t27 = t5 * t24 - t21
+    vdot_6 = t27
+    t28 = t20 + d3_2_1 * t24
+    vdot_7 = -t28
+    t29 = t4 * t24 - t19
+    vdot_8 = t29
+    t30 = t18 + d3_4_1 * t24
+    vdot_9 = -t30
+    t31 = t17 + d3_5_1 * t24
+    vdot_10 = -t31
+    t32 = t16 + d3_6_1 * t24
+    vdot_11 = -t32
+    t33 = t15 + d3_7_1 * t24
+    vdot_12 = -t33
+    t34 = t12 + d3_8_1 * t24
+    vdot_13 = -t34
 
     # check: check that the result is finite
-    valid_4 = xp.isfinite(t22 - t24 + t23 + t25 - t26 + t27 - t28 - t29 - t30 - t31 - t32)
+    valid_4 = xp.isfinite(t24 - t26 + t25 + t27 - t28 + t29 - t30 - t31 - t32 - t33 - t34)
     _require(batch[0] or valid_4, 2, "an acceleration is not finite")
 
     vdot = _stack(xp, batch, (vdot_0, vdot_1, vdot_2, vdot_3, vdot_4, vdot_5, vdot_6, vdot_7,
@@ -1480,21 +1461,6 @@ def energy(q, v, k):
         0.09087707761334646 * alpha1 + 3.752180340202319 * alpha4 + (-26.07233106053395) * alpha8
     )
 
-    # d3 (second order): d3_1_1 = int rho r x dr/dalpha_1 . e1; ...; d3_8_1 = int rho r x
-    #     dr/dalpha_8 . e1
-    d3_2_1 = (
-        (-0.9989715125102133) * alpha1 - (-0.0004463527015693379) * alpha4
-            - (-0.00035665596750676827) * alpha8
-    )
-    d3_4_1 = (-0.0004463527015693379) * alpha2 - (-0.9961572772245384) * alpha7
-    d3_5_1 = (-0.9977452135227736) * alpha3 - (-0.0009021519745269716) * alpha6
-    d3_6_1 = (-0.0009021519745269716) * alpha5
-    d3_7_1 = (
-        0.001022720796073422 * alpha1 + (-0.9961572772245384) * alpha4
-            - (-0.0014284685858196025) * alpha8
-    )
-    d3_8_1 = (-0.00035665596750676827) * alpha2 + (-0.0014284685858196025) * alpha7
-
     # J (appendix): J_11 = int rho ((r . r) I - r r); ...; J_33 = int rho ((r . r) I - r r)
     J_11 = (
         2.2499999999994746e-05 + S_1_11 * alpha1 + S_2_11 * alpha2 + S_3_11 * alpha3
@@ -1518,12 +1484,27 @@ def energy(q, v, k):
             + S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7 + S_8_33 * alpha8
     )
 
+    # c7dot (appendix): c7dot_1_1 = int rho Phi_1 x rdot . e1; ...; c7dot_8_1 = int rho Phi_8 x rdot
+    #     . e1
+    c7dot_1_1 = (-0.9989715125102133) * alpha2dot + 0.001022720796073422 * alpha7dot
+    c7dot_2_1 = (
+        (-0.0004463527015693379) * alpha4dot + (-0.00035665596750676827) * alpha8dot
+            - (-0.9989715125102133) * alpha1dot
+    )
+    c7dot_3_1 = (-0.9977452135227736) * alpha5dot
+    c7dot_4_1 = (-0.9961572772245384) * alpha7dot - (-0.0004463527015693379) * alpha2dot
+    c7dot_5_1 = (-0.0009021519745269716) * alpha6dot - (-0.9977452135227736) * alpha3dot
+    c7dot_7_1 = (
+        (-0.0014284685858196025) * alpha8dot - 0.001022720796073422 * alpha1dot
+            - (-0.9961572772245384) * alpha4dot
+    )
+
     # d3dot (second order): d3dot_1 = int rho r x rdot . e1
     d3dot_1 = (
-        alpha2dot * d3_2_1 - alpha1dot * ((-0.9989715125102133) * alpha2
-            + 0.001022720796073422 * alpha7) - alpha3dot * ((-0.9977452135227736) * alpha5)
-            + alpha4dot * d3_4_1 + alpha5dot * d3_5_1 + alpha6dot * d3_6_1 + alpha7dot * d3_7_1
-            + alpha8dot * d3_8_1
+        alpha1 * c7dot_1_1 + alpha2 * c7dot_2_1 + alpha3 * c7dot_3_1 + alpha4 * c7dot_4_1
+            + alpha5 * c7dot_5_1 - alpha6 * ((-0.0009021519745269716) * alpha5dot)
+            + alpha7 * c7dot_7_1 - alpha8 * ((-0.00035665596750676827) * alpha2dot
+            + (-0.0014284685858196025) * alpha7dot)
     )
 
     # energy (22): 1/2 int rho xdot . xdot and the strain energy
@@ -1674,21 +1655,6 @@ def momentum(q, v, k):
         0.09087707761334646 * alpha1 + 3.752180340202319 * alpha4 + (-26.07233106053395) * alpha8
     )
 
-    # d3 (second order): d3_1_1 = int rho r x dr/dalpha_1 . e1; ...; d3_8_1 = int rho r x
-    #     dr/dalpha_8 . e1
-    d3_2_1 = (
-        (-0.9989715125102133) * alpha1 - (-0.0004463527015693379) * alpha4
-            - (-0.00035665596750676827) * alpha8
-    )
-    d3_4_1 = (-0.0004463527015693379) * alpha2 - (-0.9961572772245384) * alpha7
-    d3_5_1 = (-0.9977452135227736) * alpha3 - (-0.0009021519745269716) * alpha6
-    d3_6_1 = (-0.0009021519745269716) * alpha5
-    d3_7_1 = (
-        0.001022720796073422 * alpha1 + (-0.9961572772245384) * alpha4
-            - (-0.0014284685858196025) * alpha8
-    )
-    d3_8_1 = (-0.00035665596750676827) * alpha2 + (-0.0014284685858196025) * alpha7
-
     # J (appendix): J_11 = int rho ((r . r) I - r r); ...; J_33 = int rho ((r . r) I - r r)
     J_11 = (
         2.2499999999994746e-05 + S_1_11 * alpha1 + S_2_11 * alpha2 + S_3_11 * alpha3
@@ -1712,12 +1678,27 @@ def momentum(q, v, k):
             + S_5_33 * alpha5 + S_6_33 * alpha6 + S_7_33 * alpha7 + S_8_33 * alpha8
     )
 
+    # c7dot (appendix): c7dot_1_1 = int rho Phi_1 x rdot . e1; ...; c7dot_8_1 = int rho Phi_8 x rdot
+    #     . e1
+    c7dot_1_1 = (-0.9989715125102133) * alpha2dot + 0.001022720796073422 * alpha7dot
+    c7dot_2_1 = (
+        (-0.0004463527015693379) * alpha4dot + (-0.00035665596750676827) * alpha8dot
+            - (-0.9989715125102133) * alpha1dot
+    )
+    c7dot_3_1 = (-0.9977452135227736) * alpha5dot
+    c7dot_4_1 = (-0.9961572772245384) * alpha7dot - (-0.0004463527015693379) * alpha2dot
+    c7dot_5_1 = (-0.0009021519745269716) * alpha6dot - (-0.9977452135227736) * alpha3dot
+    c7dot_7_1 = (
+        (-0.0014284685858196025) * alpha8dot - 0.001022720796073422 * alpha1dot
+            - (-0.9961572772245384) * alpha4dot
+    )
+
     # d3dot (second order): d3dot_1 = int rho r x rdot . e1
     d3dot_1 = (
-        alpha2dot * d3_2_1 - alpha1dot * ((-0.9989715125102133) * alpha2
-            + 0.001022720796073422 * alpha7) - alpha3dot * ((-0.9977452135227736) * alpha5)
-            + alpha4dot * d3_4_1 + alpha5dot * d3_5_1 + alpha6dot * d3_6_1 + alpha7dot * d3_7_1
-            + alpha8dot * d3_8_1
+        alpha1 * c7dot_1_1 + alpha2 * c7dot_2_1 + alpha3 * c7dot_3_1 + alpha4 * c7dot_4_1
+            + alpha5 * c7dot_5_1 - alpha6 * ((-0.0009021519745269716) * alpha5dot)
+            + alpha7 * c7dot_7_1 - alpha8 * ((-0.00035665596750676827) * alpha2dot
+            + (-0.0014284685858196025) * alpha7dot)
     )
 
     # momentum (1): int rho xdot and int rho x x xdot
@@ -3124,11 +3105,11 @@ def residual(t, y, ydot, k):
     )
 
     # d3dot (second order): d3dot_1 = int rho r x rdot . e1
-    t3 = (-0.9989715125102133) * alpha2 + 0.001022720796073422 * alpha7
-    t4 = (-0.9977452135227736) * alpha5
+    t3 = (-0.0009021519745269716) * alpha5dot
+    t4 = (-0.00035665596750676827) * alpha2dot + (-0.0014284685858196025) * alpha7dot
     d3dot_1 = (
-        alpha2dot * d3_2_1 - alpha1dot * t3 - alpha3dot * t4 + alpha4dot * d3_4_1
-            + alpha5dot * d3_5_1 + alpha6dot * d3_6_1 + alpha7dot * d3_7_1 + alpha8dot * d3_8_1
+        alpha1 * c7dot_1_1 + alpha2 * c7dot_2_1 + alpha3 * c7dot_3_1 + alpha4 * c7dot_4_1
+            + alpha5 * c7dot_5_1 - alpha6 * t3 + alpha7 * c7dot_7_1 - alpha8 * t4
     )
 
     # residual (15): kinematics, then the equations of motion
@@ -3156,10 +3137,12 @@ def residual(t, y, ydot, k):
     t8 = 2 * omega1
     t9 = 2 * omega2
     t10 = 2 * omega3
+    t11 = (-0.9989715125102133) * alpha2 + 0.001022720796073422 * alpha7
+    t12 = (-0.9977452135227736) * alpha5
     F_18 = (
         J_11 * omega1dot + J_12 * omega2dot + J_13 * omega3dot + J_13 * oo_12 + J_23 * oo_22
-            + J_33 * oo_23 + t8 * Sdot_11 + t9 * Sdot_12 + t10 * Sdot_13 - alpha1ddot * t3
-            + alpha2ddot * d3_2_1 - alpha3ddot * t4 + alpha4ddot * d3_4_1 + alpha5ddot * d3_5_1
+            + J_33 * oo_23 + t8 * Sdot_11 + t9 * Sdot_12 + t10 * Sdot_13 - alpha1ddot * t11
+            + alpha2ddot * d3_2_1 - alpha3ddot * t12 + alpha4ddot * d3_4_1 + alpha5ddot * d3_5_1
             + alpha6ddot * d3_6_1 + alpha7ddot * d3_7_1 + alpha8ddot * d3_8_1 - J_12 * oo_13
             - J_22 * oo_23 - J_23 * oo_33
     )
@@ -3174,7 +3157,7 @@ def residual(t, y, ydot, k):
             - J_12 * oo_22 - J_13 * oo_23 - omega2 * d3dot_1
     )
     F_21 = (
-        108201.92210329446 * alpha1 + alpha1ddot - t3 * omega1dot - S_1_11 * oo_11 - S_1_22 * oo_22
+        108201.92210329446 * alpha1 + alpha1ddot - t11 * omega1dot - S_1_11 * oo_11 - S_1_22 * oo_22
             - 2 * S_1_23 * oo_23 - S_1_33 * oo_33 - t8 * c7dot_1_1
     )
     F_22 = (
@@ -3182,7 +3165,7 @@ def residual(t, y, ydot, k):
             - S_2_22 * oo_22 - 2 * S_2_23 * oo_23 - S_2_33 * oo_33 - t8 * c7dot_2_1
     )
     F_23 = (
-        823854.9427167808 * alpha3 + alpha3ddot - t4 * omega1dot - S_3_11 * oo_11
+        823854.9427167808 * alpha3 + alpha3ddot - t12 * omega1dot - S_3_11 * oo_11
             - (-4.90076566308965e-05) * oo_13 - S_3_22 * oo_22 - 2 * S_3_23 * oo_23 - S_3_33 * oo_33
             - t8 * c7dot_3_1
     )
@@ -3198,7 +3181,7 @@ def residual(t, y, ydot, k):
     F_26 = (
         8721662.73758154 * alpha6 + alpha6ddot + d3_6_1 * omega1dot - S_6_11 * oo_11
             - (-4.9070138411873525e-05) * oo_13 - S_6_22 * oo_22 - 2 * S_6_23 * oo_23
-            - S_6_33 * oo_33 + t8 * ((-0.0009021519745269716) * alpha5dot)
+            - S_6_33 * oo_33 + t8 * t3
     )
     F_27 = (
         12527942.688344836 * alpha7 + alpha7ddot + d3_7_1 * omega1dot - S_7_11 * oo_11
@@ -3206,8 +3189,7 @@ def residual(t, y, ydot, k):
     )
     F_28 = (
         19580832.66034832 * alpha8 + alpha8ddot + d3_8_1 * omega1dot - S_8_11 * oo_11
-            - S_8_22 * oo_22 - 2 * S_8_23 * oo_23 - S_8_33 * oo_33
-            + t8 * ((-0.00035665596750676827) * alpha2dot + (-0.0014284685858196025) * alpha7dot)
+            - S_8_22 * oo_22 - 2 * S_8_23 * oo_23 - S_8_33 * oo_33 + t8 * t4
     )
 
     F = _stack(xp, batch, (F_0, F_1, F_2, F_3, F_4, F_5, F_6, F_7, F_8, F_9, F_10, F_11, F_12, F_13,
@@ -3227,7 +3209,7 @@ def jacobian(t, y, ydot, cj, k):
     jac: values of the iteration matrix by columns, 29 x 29, 192 values
 
     From (5), second order, appendix, (15).
-    1336 operations.
+    1332 operations.
     """
     xp, batch, (t, y, ydot, cj, k) = _arrays(dict(t=None, y=29, ydot=29, cj=None, k=0), t, y, ydot, cj, k)
     e0 = y[..., 3]
@@ -3429,24 +3411,24 @@ def jacobian(t, y, ydot, cj, k):
     # c7dot (appendix): c7dot_1_1 = int rho Phi_1 x rdot . e1; ...; c7dot_8_1 = int rho Phi_8 x rdot
     #     . e1
     c7dot_1_1 = (-0.9989715125102133) * alpha2dot + 0.001022720796073422 * alpha7dot
-    t62 = (-0.0004463527015693379) * alpha4dot
-    t63 = (-0.00035665596750676827) * alpha8dot
-    t64 = (-0.9989715125102133) * alpha1dot
-    c7dot_2_1 = t62 + t63 - t64
+    c7dot_2_1 = (
+        (-0.0004463527015693379) * alpha4dot + (-0.00035665596750676827) * alpha8dot
+            - (-0.9989715125102133) * alpha1dot
+    )
     c7dot_3_1 = (-0.9977452135227736) * alpha5dot
     c7dot_4_1 = (-0.9961572772245384) * alpha7dot - (-0.0004463527015693379) * alpha2dot
     c7dot_5_1 = (-0.0009021519745269716) * alpha6dot - (-0.9977452135227736) * alpha3dot
-    t65 = (-0.0014284685858196025) * alpha8dot
-    t66 = 0.001022720796073422 * alpha1dot
-    t67 = (-0.9961572772245384) * alpha4dot
-    c7dot_7_1 = t65 - t66 - t67
+    c7dot_7_1 = (
+        (-0.0014284685858196025) * alpha8dot - 0.001022720796073422 * alpha1dot
+            - (-0.9961572772245384) * alpha4dot
+    )
 
     # d3dot (second order): d3dot_1 = int rho r x rdot . e1
-    t68 = (-0.9989715125102133) * alpha2 + 0.001022720796073422 * alpha7
-    t69 = (-0.9977452135227736) * alpha5
+    t62 = (-0.0009021519745269716) * alpha5dot
+    t63 = (-0.00035665596750676827) * alpha2dot + (-0.0014284685858196025) * alpha7dot
     d3dot_1 = (
-        alpha2dot * d3_2_1 - alpha1dot * t68 - alpha3dot * t69 + alpha4dot * d3_4_1
-            + alpha5dot * d3_5_1 + alpha6dot * d3_6_1 + alpha7dot * d3_7_1 + alpha8dot * d3_8_1
+        alpha1 * c7dot_1_1 + alpha2 * c7dot_2_1 + alpha3 * c7dot_3_1 + alpha4 * c7dot_4_1
+            + alpha5 * c7dot_5_1 - alpha6 * t62 + alpha7 * c7dot_7_1 - alpha8 * t63
     )
 
     # jacobian (15): derivatives of the residual
@@ -3454,441 +3436,440 @@ def jacobian(t, y, ydot, cj, k):
     jac_1 = cj
     jac_2 = cj
     jac_3 = cj
-    t70 = 0.5 * omega1
-    t71 = -t70
-    jac_4 = t71
-    t72 = 0.5 * omega2
-    t73 = -t72
-    jac_5 = t73
-    t74 = 0.5 * omega3
-    t75 = -t74
-    jac_6 = t75
-    jac_7 = t70
+    t64 = 0.5 * omega1
+    t65 = -t64
+    jac_4 = t65
+    t66 = 0.5 * omega2
+    t67 = -t66
+    jac_5 = t67
+    t68 = 0.5 * omega3
+    t69 = -t68
+    jac_6 = t69
+    jac_7 = t64
     jac_8 = cj
-    jac_9 = t74
-    jac_10 = t73
-    jac_11 = t72
-    jac_12 = t75
+    jac_9 = t68
+    jac_10 = t67
+    jac_11 = t66
+    jac_12 = t69
     jac_13 = cj
-    jac_14 = t70
-    jac_15 = t74
-    jac_16 = t72
-    jac_17 = t71
+    jac_14 = t64
+    jac_15 = t68
+    jac_16 = t66
+    jac_17 = t65
     jac_18 = cj
     jac_19 = cj
-    t76 = t1 + S_1_11 + t2 + t3
-    t77 = S_1_23 + t7 + t8
-    t78 = t9 + S_1_33 + t10 + t11
-    t79 = 2 * omega1
-    t80 = t4 + S_1_22 + t5 + t6
+    t70 = t1 + S_1_11 + t2 + t3
+    t71 = S_1_23 + t7 + t8
+    t72 = t9 + S_1_33 + t10 + t11
+    t73 = 2 * omega1
+    t74 = t4 + S_1_22 + t5 + t6
     jac_20 = (
-        omega1dot * t76 + oo_22 * t77 + oo_23 * t78 + t79 * (0.9991756475277713 * alpha1dot
+        omega1dot * t70 + oo_22 * t71 + oo_23 * t72 + t73 * (0.9991756475277713 * alpha1dot
             + (-0.0005905758084566136) * alpha4dot + (-0.0006121400052571096) * alpha8dot)
-            + (-0.9989715125102133) * alpha2ddot + 0.001022720796073422 * alpha7ddot - oo_23 * t80
-            - oo_33 * t77
+            + (-0.9989715125102133) * alpha2ddot + 0.001022720796073422 * alpha7ddot - oo_23 * t74
+            - oo_33 * t71
     )
-    t81 = 2 * omega2
-    t82 = 2 * omega3
-    t83 = (-0.4991564468062653) * alpha2dot + 0.000746338321407394 * alpha7dot
+    t75 = 2 * omega2
+    t76 = 2 * omega3
+    t77 = (-0.4991564468062653) * alpha2dot + 0.000746338321407394 * alpha7dot
     jac_21 = (
-        oo_13 * t76 + omega2dot * t80 + omega3dot * t77 + t81 * ((-2.04921512374148) * alpha1dot
-            + 0.5868474096495008 * alpha4dot + 0.0902649376065483 * alpha8dot) + t82 * t83
-            + omega3 * c7dot_1_1 - oo_12 * t77 - oo_13 * t78
+        oo_13 * t70 + omega2dot * t74 + omega3dot * t71 + t75 * ((-2.04921512374148) * alpha1dot
+            + 0.5868474096495008 * alpha4dot + 0.0902649376065483 * alpha8dot) + t76 * t77
+            + omega3 * c7dot_1_1 - oo_12 * t71 - oo_13 * t72
     )
     jac_22 = (
-        oo_12 * t80 + omega2dot * t77 + oo_13 * t77 + omega3dot * t78 + t81 * t83
-            + t82 * ((-3.0483907712688536) * alpha1dot + 0.5874379854589185 * alpha4dot
-            + 0.09087707761334646 * alpha8dot) - oo_12 * t76 - omega2 * c7dot_1_1
+        oo_12 * t74 + omega2dot * t71 + oo_13 * t71 + omega3dot * t72 + t75 * t77
+            + t76 * ((-3.0483907712688536) * alpha1dot + 0.5874379854589185 * alpha4dot
+            + 0.09087707761334646 * alpha8dot) - oo_12 * t70 - omega2 * c7dot_1_1
     )
     jac_23 = (
         108201.92210329446 - 0.9991756475277713 * oo_11 - (-2.04921512374148) * oo_22
             - (-3.0483907712688536) * oo_33
     )
-    t84 = (-0.9989715125102133) * omega1dot
-    t85 = (-0.9983128936125306) * oo_23
-    jac_24 = t84 - t85
-    t86 = 0.0005905758084566136 * oo_11 - 0.5868474096495008 * oo_22 - 0.5874379854589185 * oo_33
-    jac_25 = t86
-    t87 = 0.001022720796073422 * omega1dot
-    t88 = 0.001492676642814788 * oo_23
-    jac_26 = t87 - t88
-    t89 = 0.0006121400052571096 * oo_11 - 0.0902649376065483 * oo_22 - 0.09087707761334646 * oo_33
-    jac_27 = t89
+    t78 = (-0.9989715125102133) * omega1dot
+    t79 = (-0.9983128936125306) * oo_23
+    jac_24 = t78 - t79
+    t80 = 0.0005905758084566136 * oo_11 - 0.5868474096495008 * oo_22 - 0.5874379854589185 * oo_33
+    jac_25 = t80
+    t81 = 0.001022720796073422 * omega1dot
+    t82 = 0.001492676642814788 * oo_23
+    jac_26 = t81 - t82
+    t83 = 0.0006121400052571096 * oo_11 - 0.0902649376065483 * oo_22 - 0.09087707761334646 * oo_33
+    jac_27 = t83
     jac_28 = cj
-    t90 = t12 + S_2_11 + t13
-    t91 = t16 + S_2_23 + t17 + t18
-    t92 = t19 + S_2_33 + t20
-    t93 = t14 + S_2_22 + t15
+    t84 = t12 + S_2_11 + t13
+    t85 = t16 + S_2_23 + t17 + t18
+    t86 = t19 + S_2_33 + t20
+    t87 = t14 + S_2_22 + t15
     jac_29 = (
-        omega1dot * t90 + oo_22 * t91 + oo_23 * t92 + t79 * (0.9967112149765225 * alpha2dot
+        omega1dot * t84 + oo_22 * t85 + oo_23 * t86 + t73 * (0.9967112149765225 * alpha2dot
             + (-0.0023458735832320252) * alpha7dot) - (-0.9989715125102133) * alpha1ddot
             + (-0.0004463527015693379) * alpha4ddot + (-0.00035665596750676827) * alpha8ddot
-            - oo_23 * t93 - oo_33 * t91
+            - oo_23 * t87 - oo_33 * t85
     )
-    t94 = (
+    t88 = (
         (-0.4991564468062653) * alpha1dot + 0.0004590138828816031 * alpha4dot
             + 0.00042276975451642734 * alpha8dot
     )
-    t95 = t62 - t64 + t63
     jac_30 = (
-        oo_13 * t90 + omega2dot * t93 + omega3dot * t91 + t81 * ((-3.0450102697552275) * alpha2dot
-            + 0.5911378590347115 * alpha7dot) + t82 * t94 + omega3 * t95 - oo_12 * t91 - oo_13 * t92
+        oo_13 * t84 + omega2dot * t87 + omega3dot * t85 + t75 * ((-3.0450102697552275) * alpha2dot
+            + 0.5911378590347115 * alpha7dot) + t76 * t88 + omega3 * c7dot_2_1 - oo_12 * t85
+            - oo_13 * t86
     )
     jac_31 = (
-        oo_12 * t93 + omega2dot * t91 + oo_13 * t91 + omega3dot * t92 + t81 * t94
-            + t82 * ((-2.04829905477849) * alpha2dot + 0.5887919854520037 * alpha7dot) - oo_12 * t90
-            - omega2 * t95
+        oo_12 * t87 + omega2dot * t85 + oo_13 * t85 + omega3dot * t86 + t75 * t88
+            + t76 * ((-2.04829905477849) * alpha2dot + 0.5887919854520037 * alpha7dot) - oo_12 * t84
+            - omega2 * c7dot_2_1
     )
-    jac_32 = -(t84 + t85)
+    jac_32 = -(t78 + t79)
     jac_33 = (
         431754.597252093 - 0.9967112149765225 * oo_11 - (-3.0450102697552275) * oo_22
             - (-2.04829905477849) * oo_33
     )
-    t96 = (-0.0004463527015693379) * omega1dot
-    t97 = 0.0009180277657632062 * oo_23
-    jac_34 = t96 - t97
-    t98 = 0.0023458735832320252 * oo_11 - 0.5911378590347115 * oo_22 - 0.5887919854520037 * oo_33
-    jac_35 = t98
-    t99 = (-0.00035665596750676827) * omega1dot
-    t100 = 0.0008455395090328547 * oo_23
-    jac_36 = t99 - t100
+    t89 = (-0.0004463527015693379) * omega1dot
+    t90 = 0.0009180277657632062 * oo_23
+    jac_34 = t89 - t90
+    t91 = 0.0023458735832320252 * oo_11 - 0.5911378590347115 * oo_22 - 0.5887919854520037 * oo_33
+    jac_35 = t91
+    t92 = (-0.00035665596750676827) * omega1dot
+    t93 = 0.0008455395090328547 * oo_23
+    jac_36 = t92 - t93
     jac_37 = cj
-    t101 = t21 + S_3_11 + t22
-    t102 = 2 * S_3_23
-    t103 = t25 + S_3_33 + t26
-    t104 = t23 + S_3_22 + t24
+    t94 = t21 + S_3_11 + t22
+    t95 = 2 * S_3_23
+    t96 = t25 + S_3_33 + t26
+    t97 = t23 + S_3_22 + t24
     jac_38 = (
-        omega1dot * t101 + (-4.90076566308965e-05) * omega3dot + (-4.90076566308965e-05) * oo_12
-            + oo_22 * t102 + oo_23 * t103 + t79 * (0.9981865718898251 * alpha3dot
+        omega1dot * t94 + (-4.90076566308965e-05) * omega3dot + (-4.90076566308965e-05) * oo_12
+            + oo_22 * t95 + oo_23 * t96 + t73 * (0.9981865718898251 * alpha3dot
             + (-0.000963473158974635) * alpha6dot) + (-0.9977452135227736) * alpha5ddot
-            - oo_23 * t104 - oo_33 * t102
+            - oo_23 * t97 - oo_33 * t95
     )
-    t105 = (-0.49814985724483174) * alpha5dot
+    t98 = (-0.49814985724483174) * alpha5dot
     jac_39 = (
-        oo_13 * t101 + (-4.90076566308965e-05) * oo_33 + omega2dot * t104 + omega3dot * t102
-            + t81 * ((-5.393738901681564) * alpha3dot + 1.8591274175401598 * alpha6dot) + t82 * t105
-            + omega3 * c7dot_3_1 - (-4.90076566308965e-05) * oo_11 - oo_12 * t102 - oo_13 * t103
+        oo_13 * t94 + (-4.90076566308965e-05) * oo_33 + omega2dot * t97 + omega3dot * t95
+            + t75 * ((-5.393738901681564) * alpha3dot + 1.8591274175401598 * alpha6dot) + t76 * t98
+            + omega3 * c7dot_3_1 - (-4.90076566308965e-05) * oo_11 - oo_12 * t95 - oo_13 * t96
     )
     jac_40 = (
-        (-4.90076566308965e-05) * omega1dot + oo_12 * t104 + omega2dot * t102 + oo_13 * t102
-            + omega3dot * t103 + t81 * t105 + t82 * ((-6.391925473570236) * alpha3dot
-            + 1.860090890701248 * alpha6dot) - oo_12 * t101 - (-4.90076566308965e-05) * oo_23
+        (-4.90076566308965e-05) * omega1dot + oo_12 * t97 + omega2dot * t95 + oo_13 * t95
+            + omega3dot * t96 + t75 * t98 + t76 * ((-6.391925473570236) * alpha3dot
+            + 1.860090890701248 * alpha6dot) - oo_12 * t94 - (-4.90076566308965e-05) * oo_23
             - omega2 * c7dot_3_1
     )
     jac_41 = (
         823854.9427167808 - 0.9981865718898251 * oo_11 - (-5.393738901681564) * oo_22
             - (-6.391925473570236) * oo_33
     )
-    t106 = (-0.9977452135227736) * omega1dot
-    t107 = (-0.9962997144896635) * oo_23
-    jac_42 = t106 - t107
-    t108 = 0.000963473158974635 * oo_11 - 1.8591274175401598 * oo_22 - 1.860090890701248 * oo_33
-    jac_43 = t108
+    t99 = (-0.9977452135227736) * omega1dot
+    t100 = (-0.9962997144896635) * oo_23
+    jac_42 = t99 - t100
+    t101 = 0.000963473158974635 * oo_11 - 1.8591274175401598 * oo_22 - 1.860090890701248 * oo_33
+    jac_43 = t101
     jac_44 = cj
-    t109 = t27 + (t28 + S_4_11) + t29
-    t110 = t33 + S_4_23 + t34
-    t111 = t35 + (t36 + S_4_33) + t37
-    t112 = t30 + (t31 + S_4_22) + t32
+    t102 = t27 + (t28 + S_4_11) + t29
+    t103 = t33 + S_4_23 + t34
+    t104 = t35 + (t36 + S_4_33) + t37
+    t105 = t30 + (t31 + S_4_22) + t32
     jac_45 = (
-        omega1dot * t109 + oo_22 * t110 + oo_23 * t111 + t79 * ((-0.0005905758084566136) * alpha1dot
+        omega1dot * t102 + oo_22 * t103 + oo_23 * t104 + t73 * ((-0.0005905758084566136) * alpha1dot
             + 0.9968931480998653 * alpha4dot + (-0.0013107320248151129) * alpha8dot)
             - (-0.0004463527015693379) * alpha2ddot + (-0.9961572772245384) * alpha7ddot
-            - oo_23 * t112 - oo_33 * t110
+            - oo_23 * t105 - oo_33 * t103
     )
-    t113 = 0.0004590138828816031 * alpha2dot + (-0.49684476625656726) * alpha7dot
+    t106 = 0.0004590138828816031 * alpha2dot + (-0.49684476625656726) * alpha7dot
     jac_46 = (
-        oo_13 * t109 + omega2dot * t112 + omega3dot * t110 + t81 * (0.5868474096495008 * alpha1dot
-            + (-10.312447658094197) * alpha4dot + 3.750869608173889 * alpha8dot) + t82 * t113
-            + omega3 * c7dot_4_1 - oo_12 * t110 - oo_13 * t111
+        oo_13 * t102 + omega2dot * t105 + omega3dot * t103 + t75 * (0.5868474096495008 * alpha1dot
+            + (-10.312447658094197) * alpha4dot + 3.750869608173889 * alpha8dot) + t76 * t106
+            + omega3 * c7dot_4_1 - oo_12 * t103 - oo_13 * t104
     )
     jac_47 = (
-        oo_12 * t112 + omega2dot * t110 + oo_13 * t110 + omega3dot * t111 + t81 * t113
-            + t82 * (0.5874379854589185 * alpha1dot + (-11.30934080619178) * alpha4dot
-            + 3.752180340202319 * alpha8dot) - oo_12 * t109 - omega2 * c7dot_4_1
+        oo_12 * t105 + omega2dot * t103 + oo_13 * t103 + omega3dot * t104 + t75 * t106
+            + t76 * (0.5874379854589185 * alpha1dot + (-11.30934080619178) * alpha4dot
+            + 3.752180340202319 * alpha8dot) - oo_12 * t102 - omega2 * c7dot_4_1
     )
-    jac_48 = t86
-    jac_49 = -(t96 + t97)
+    jac_48 = t80
+    jac_49 = -(t89 + t90)
     jac_50 = (
         3176799.8268579636 - 0.9968931480998653 * oo_11 - (-10.312447658094197) * oo_22
             - (-11.30934080619178) * oo_33
     )
-    t114 = (-0.9961572772245384) * omega1dot
-    t115 = (-0.9936895325131345) * oo_23
-    jac_51 = t114 - t115
-    t116 = 0.0013107320248151129 * oo_11 - 3.750869608173889 * oo_22 - 3.752180340202319 * oo_33
-    jac_52 = t116
+    t107 = (-0.9961572772245384) * omega1dot
+    t108 = (-0.9936895325131345) * oo_23
+    jac_51 = t107 - t108
+    t109 = 0.0013107320248151129 * oo_11 - 3.750869608173889 * oo_22 - 3.752180340202319 * oo_33
+    jac_52 = t109
     jac_53 = cj
-    t117 = 2 * S_5_11
-    t118 = t38 + S_5_23 + t39
-    t119 = 2 * S_5_33
-    t120 = 2 * S_5_22
+    t110 = 2 * S_5_11
+    t111 = t38 + S_5_23 + t39
+    t112 = 2 * S_5_33
+    t113 = 2 * S_5_22
     jac_54 = (
-        omega1dot * t117 + (-0.00019553393620539488) * omega2dot + oo_22 * t118 + oo_23 * t119
-            + t79 * (0.9927986189759623 * alpha5dot) - (-0.9977452135227736) * alpha3ddot
+        omega1dot * t110 + (-0.00019553393620539488) * omega2dot + oo_22 * t111 + oo_23 * t112
+            + t73 * (0.9927986189759623 * alpha5dot) - (-0.9977452135227736) * alpha3ddot
             + (-0.0009021519745269716) * alpha6ddot - (-0.00019553393620539488) * oo_13
-            - oo_23 * t120 - oo_33 * t118
+            - oo_23 * t113 - oo_33 * t111
     )
-    t121 = (-0.49814985724483174) * alpha3dot + 0.0008347844213729173 * alpha6dot
+    t114 = (-0.49814985724483174) * alpha3dot + 0.0008347844213729173 * alpha6dot
     jac_55 = (
-        oo_13 * t117 + (-0.00019553393620539488) * omega1dot + (-0.00019553393620539488) * oo_23
-            + omega2dot * t120 + omega3dot * t118 + t81 * ((-6.3829810941819485) * alpha5dot)
-            + t82 * t121 + omega3 * c7dot_5_1 - oo_12 * t118 - oo_13 * t119
+        oo_13 * t110 + (-0.00019553393620539488) * omega1dot + (-0.00019553393620539488) * oo_23
+            + omega2dot * t113 + omega3dot * t111 + t75 * ((-6.3829810941819485) * alpha5dot)
+            + t76 * t114 + omega3 * c7dot_5_1 - oo_12 * t111 - oo_13 * t112
     )
     jac_56 = (
-        (-0.00019553393620539488) * oo_11 + oo_12 * t120 + omega2dot * t118 + oo_13 * t118
-            + omega3dot * t119 + t81 * t121 + t82 * ((-5.390182475205362) * alpha5dot)
-            - oo_12 * t117 - (-0.00019553393620539488) * oo_22 - omega2 * c7dot_5_1
+        (-0.00019553393620539488) * oo_11 + oo_12 * t113 + omega2dot * t111 + oo_13 * t111
+            + omega3dot * t112 + t75 * t114 + t76 * ((-5.390182475205362) * alpha5dot)
+            - oo_12 * t110 - (-0.00019553393620539488) * oo_22 - omega2 * c7dot_5_1
     )
-    jac_57 = -(t106 + t107)
+    jac_57 = -(t99 + t100)
     jac_58 = (
         3271803.550599345 - 0.9927986189759623 * oo_11 - (-6.3829810941819485) * oo_22
             - (-5.390182475205362) * oo_33
     )
-    t122 = (-0.0009021519745269716) * omega1dot
-    t123 = 0.0016695688427458347 * oo_23
-    jac_59 = t122 - t123
+    t115 = (-0.0009021519745269716) * omega1dot
+    t116 = 0.0016695688427458347 * oo_23
+    jac_59 = t115 - t116
     jac_60 = cj
-    t124 = t40 + (t41 + S_6_11)
-    t125 = 2 * S_6_23
-    t126 = t44 + (t45 + S_6_33)
-    t127 = t42 + (t43 + S_6_22)
+    t117 = t40 + (t41 + S_6_11)
+    t118 = 2 * S_6_23
+    t119 = t44 + (t45 + S_6_33)
+    t120 = t42 + (t43 + S_6_22)
     jac_61 = (
-        omega1dot * t124 + (-4.9070138411873525e-05) * omega3dot + (-4.9070138411873525e-05) * oo_12
-            + oo_22 * t125 + oo_23 * t126 + t79 * ((-0.000963473158974635) * alpha3dot
-            + 0.9952767091853663 * alpha6dot) - (-0.0009021519745269716) * alpha5ddot - oo_23 * t127
-            - oo_33 * t125
+        omega1dot * t117 + (-4.9070138411873525e-05) * omega3dot + (-4.9070138411873525e-05) * oo_12
+            + oo_22 * t118 + oo_23 * t119 + t73 * ((-0.000963473158974635) * alpha3dot
+            + 0.9952767091853663 * alpha6dot) - (-0.0009021519745269716) * alpha5ddot - oo_23 * t120
+            - oo_33 * t118
     )
-    t128 = 0.0008347844213729173 * alpha5dot
-    t129 = (-0.0009021519745269716) * alpha5dot
+    t121 = 0.0008347844213729173 * alpha5dot
     jac_62 = (
-        oo_13 * t124 + (-4.9070138411873525e-05) * oo_33 + omega2dot * t127 + omega3dot * t125
-            + t81 * (1.8591274175401598 * alpha3dot + (-16.87712375896818) * alpha6dot) + t82 * t128
-            - omega3 * t129 - (-4.9070138411873525e-05) * oo_11 - oo_12 * t125 - oo_13 * t126
+        oo_13 * t117 + (-4.9070138411873525e-05) * oo_33 + omega2dot * t120 + omega3dot * t118
+            + t75 * (1.8591274175401598 * alpha3dot + (-16.87712375896818) * alpha6dot) + t76 * t121
+            - omega3 * t62 - (-4.9070138411873525e-05) * oo_11 - oo_12 * t118 - oo_13 * t119
     )
     jac_63 = (
-        (-4.9070138411873525e-05) * omega1dot + oo_12 * t127 + omega2dot * t125 + oo_13 * t125
-            + omega3dot * t126 + t81 * t128 + t82 * (1.860090890701248 * alpha3dot
-            + (-17.872400468149774) * alpha6dot) - oo_12 * t124 - (-4.9070138411873525e-05) * oo_23
-            + omega2 * t129
+        (-4.9070138411873525e-05) * omega1dot + oo_12 * t120 + omega2dot * t118 + oo_13 * t118
+            + omega3dot * t119 + t75 * t121 + t76 * (1.860090890701248 * alpha3dot
+            + (-17.872400468149774) * alpha6dot) - oo_12 * t117 - (-4.9070138411873525e-05) * oo_23
+            + omega2 * t62
     )
-    jac_64 = t108
-    jac_65 = -(t122 + t123)
+    jac_64 = t101
+    jac_65 = -(t115 + t116)
     jac_66 = (
         8721662.73758154 - 0.9952767091853663 * oo_11 - (-16.87712375896818) * oo_22
             - (-17.872400468149774) * oo_33
     )
     jac_67 = cj
-    t130 = t46 + (t47 + S_7_11)
-    t131 = t50 + S_7_23 + t51
-    t132 = t52 + (t53 + S_7_33)
-    t133 = t48 + (t49 + S_7_22)
+    t122 = t46 + (t47 + S_7_11)
+    t123 = t50 + S_7_23 + t51
+    t124 = t52 + (t53 + S_7_33)
+    t125 = t48 + (t49 + S_7_22)
     jac_68 = (
-        omega1dot * t130 + oo_22 * t131 + oo_23 * t132 + t79 * ((-0.0023458735832320252) * alpha2dot
+        omega1dot * t122 + oo_22 * t123 + oo_23 * t124 + t73 * ((-0.0023458735832320252) * alpha2dot
             + 0.9877492668287293 * alpha7dot) - 0.001022720796073422 * alpha1ddot
             - (-0.9961572772245384) * alpha4ddot + (-0.0014284685858196025) * alpha8ddot
-            - oo_23 * t133 - oo_33 * t131
+            - oo_23 * t125 - oo_33 * t123
     )
-    t134 = (
+    t126 = (
         0.000746338321407394 * alpha1dot + (-0.49684476625656726) * alpha4dot
             + 0.001234085501770041 * alpha8dot
     )
-    t135 = t65 - (t66 + t67)
     jac_69 = (
-        oo_13 * t130 + omega2dot * t133 + omega3dot * t131 + t81 * (0.5911378590347115 * alpha2dot
-            + (-11.293256830686499) * alpha7dot) + t82 * t134 + omega3 * t135 - oo_12 * t131
-            - oo_13 * t132
+        oo_13 * t122 + omega2dot * t125 + omega3dot * t123 + t75 * (0.5911378590347115 * alpha2dot
+            + (-11.293256830686499) * alpha7dot) + t76 * t126 + omega3 * c7dot_7_1 - oo_12 * t123
+            - oo_13 * t124
     )
     jac_70 = (
-        oo_12 * t133 + omega2dot * t131 + oo_13 * t131 + omega3dot * t132 + t81 * t134
-            + t82 * (0.5887919854520037 * alpha2dot + (-10.305507563856533) * alpha7dot)
-            - oo_12 * t130 - omega2 * t135
+        oo_12 * t125 + omega2dot * t123 + oo_13 * t123 + omega3dot * t124 + t75 * t126
+            + t76 * (0.5887919854520037 * alpha2dot + (-10.305507563856533) * alpha7dot)
+            - oo_12 * t122 - omega2 * c7dot_7_1
     )
-    jac_71 = -(t87 + t88)
-    jac_72 = t98
-    jac_73 = -(t114 + t115)
+    jac_71 = -(t81 + t82)
+    jac_72 = t91
+    jac_73 = -(t107 + t108)
     jac_74 = (
         12527942.688344836 - 0.9877492668287293 * oo_11 - (-11.293256830686499) * oo_22
             - (-10.305507563856533) * oo_33
     )
-    t136 = (-0.0014284685858196025) * omega1dot
-    t137 = 0.002468171003540082 * oo_23
-    jac_75 = t136 - t137
+    t127 = (-0.0014284685858196025) * omega1dot
+    t128 = 0.002468171003540082 * oo_23
+    jac_75 = t127 - t128
     jac_76 = cj
-    t138 = t54 + (t55 + S_8_11)
-    t139 = S_8_23 + S_8_23
-    t140 = t58 + (t59 + S_8_33)
-    t141 = t56 + (t57 + S_8_22)
+    t129 = t54 + (t55 + S_8_11)
+    t130 = S_8_23 + S_8_23
+    t131 = t58 + (t59 + S_8_33)
+    t132 = t56 + (t57 + S_8_22)
     jac_77 = (
-        omega1dot * t138 + oo_22 * t139 + oo_23 * t140 + t79 * ((-0.0006121400052571096) * alpha1dot
+        omega1dot * t129 + oo_22 * t130 + oo_23 * t131 + t73 * ((-0.0006121400052571096) * alpha1dot
             + (-0.0013107320248151129) * alpha4dot + 0.9933453628144564 * alpha8dot)
             - (-0.00035665596750676827) * alpha2ddot - (-0.0014284685858196025) * alpha7ddot
-            - oo_23 * t141 - oo_33 * t139
+            - oo_23 * t132 - oo_33 * t130
     )
-    t142 = 0.00042276975451642734 * alpha2dot + 0.001234085501770041 * alpha7dot
-    t143 = (-0.00035665596750676827) * alpha2dot + (-0.0014284685858196025) * alpha7dot
+    t133 = 0.00042276975451642734 * alpha2dot + 0.001234085501770041 * alpha7dot
     jac_78 = (
-        oo_13 * t138 + omega2dot * t141 + omega3dot * t139 + t81 * (0.0902649376065483 * alpha1dot
-            + 3.750869608173889 * alpha4dot + (-25.078985697725145) * alpha8dot) + t82 * t142
-            - omega3 * t143 - oo_12 * t139 - oo_13 * t140
+        oo_13 * t129 + omega2dot * t132 + omega3dot * t130 + t75 * (0.0902649376065483 * alpha1dot
+            + 3.750869608173889 * alpha4dot + (-25.078985697725145) * alpha8dot) + t76 * t133
+            - omega3 * t63 - oo_12 * t130 - oo_13 * t131
     )
     jac_79 = (
-        oo_12 * t141 + omega2dot * t139 + oo_13 * t139 + omega3dot * t140 + t81 * t142
-            + t82 * (0.09087707761334646 * alpha1dot + 3.752180340202319 * alpha4dot
-            + (-26.07233106053395) * alpha8dot) - oo_12 * t138 + omega2 * t143
+        oo_12 * t132 + omega2dot * t130 + oo_13 * t130 + omega3dot * t131 + t75 * t133
+            + t76 * (0.09087707761334646 * alpha1dot + 3.752180340202319 * alpha4dot
+            + (-26.07233106053395) * alpha8dot) - oo_12 * t129 + omega2 * t63
     )
-    jac_80 = t89
-    jac_81 = -(t99 + t100)
-    jac_82 = t116
-    jac_83 = -(t136 + t137)
+    jac_80 = t83
+    jac_81 = -(t92 + t93)
+    jac_82 = t109
+    jac_83 = -(t127 + t128)
     jac_84 = (
         19580832.66034832 - 0.9933453628144564 * oo_11 - (-25.078985697725145) * oo_22
             - (-26.07233106053395) * oo_33
     )
     jac_85 = -1
-    t144 = 0.5400000000000003 * cj
-    jac_86 = t144
+    t134 = 0.5400000000000003 * cj
+    jac_86 = t134
     jac_87 = -1
-    jac_88 = t144
+    jac_88 = t134
     jac_89 = -1
-    jac_90 = t144
-    t145 = 0.5 * e1
-    jac_91 = t145
-    t146 = (-0.5) * e0
-    jac_92 = t146
-    t147 = 0.5 * e3
-    jac_93 = -t147
-    t148 = 0.5 * e2
-    jac_94 = t148
-    t149 = J_13 * omega2
-    t150 = J_12 * omega3
-    jac_95 = t149 + 2 * Sdot_11 - t150 + cj * J_11
-    t151 = 2 * Sdot_12
-    t152 = J_33 * omega3
-    t153 = cj * J_12
-    jac_96 = J_11 * omega3 + t151 - J_13 * t79 - J_23 * omega2 - t152 + t153
-    t154 = J_22 * omega2
-    t155 = 2 * Sdot_13
-    t156 = cj * J_13
-    jac_97 = J_12 * t79 + t154 + J_23 * omega3 + t155 - J_11 * omega2 + t156
-    t157 = cj * t68
-    jac_98 = -(S_1_11 * t79) - 2 * c7dot_1_1 - t157
-    t158 = cj * d3_2_1
-    jac_99 = t158 - (S_2_11 * t79 + 2 * c7dot_2_1)
-    t159 = cj * t69
-    jac_100 = -(S_3_11 * t79) - (-4.90076566308965e-05) * omega3 - 2 * c7dot_3_1 - t159
-    t160 = cj * d3_4_1
-    jac_101 = t160 - (S_4_11 * t79 + 2 * c7dot_4_1)
-    t161 = cj * d3_5_1
-    jac_102 = t161 - (S_5_11 * t79 + (-0.00019553393620539488) * omega2 + 2 * c7dot_5_1)
-    t162 = cj * d3_6_1
-    jac_103 = 2 * t129 - (S_6_11 * t79 + (-4.9070138411873525e-05) * omega3) + t162
-    t163 = cj * d3_7_1
-    jac_104 = t163 - (S_7_11 * t79 + 2 * c7dot_7_1)
-    t164 = cj * d3_8_1
-    jac_105 = 2 * t143 - S_8_11 * t79 + t164
-    jac_106 = t148
-    jac_107 = t147
-    jac_108 = t146
-    jac_109 = -t145
-    jac_110 = J_13 * omega1 + J_23 * t81 + t152 + t151 - J_22 * omega3 + t153
-    t165 = J_23 * omega1
-    jac_111 = t150 + 2 * Sdot_22 - t165 + cj * J_22
-    t166 = 2 * Sdot_23
-    t167 = J_11 * omega1
-    t168 = cj * J_23
-    jac_112 = J_22 * omega1 + t166 - t167 - J_12 * t81 - J_13 * omega3 - d3dot_1 + t168
-    t169 = 2 * S_1_23
-    jac_113 = -(S_1_22 * t81) - t169 * omega3
-    t170 = 2 * S_2_23
-    jac_114 = -(S_2_22 * t81) - t170 * omega3
-    jac_115 = -(S_3_22 * t81) - t102 * omega3
-    t171 = 2 * S_4_23
-    jac_116 = -(S_4_22 * t81) - t171 * omega3
-    t172 = 2 * S_5_23
-    jac_117 = 0.00019553393620539488 * omega1 - S_5_22 * t81 - t172 * omega3
-    jac_118 = -(S_6_22 * t81) - t125 * omega3
-    t173 = 2 * S_7_23
-    jac_119 = -(S_7_22 * t81) - t173 * omega3
-    t174 = 2 * S_8_23
-    jac_120 = -(S_8_22 * t81) - t174 * omega3
-    jac_121 = t147
-    jac_122 = -t148
-    jac_123 = t145
-    jac_124 = t146
-    jac_125 = J_33 * omega2 + t155 - J_12 * omega1 - t154 - J_23 * t82 + t156
-    jac_126 = t167 + J_12 * omega2 + J_13 * t82 + t166 + d3dot_1 - J_33 * omega1 + t168
-    jac_127 = t165 + 2 * Sdot_33 - t149 + cj * J_33
-    jac_128 = -(t169 * omega2) - S_1_33 * t82
-    jac_129 = -(t170 * omega2) - S_2_33 * t82
-    jac_130 = 4.90076566308965e-05 * omega1 - t102 * omega2 - S_3_33 * t82
-    jac_131 = -(t171 * omega2) - S_4_33 * t82
-    jac_132 = -(t172 * omega2) - S_5_33 * t82
-    jac_133 = 4.9070138411873525e-05 * omega1 - t125 * omega2 - S_6_33 * t82
-    jac_134 = -(t173 * omega2) - S_7_33 * t82
-    jac_135 = -(t174 * omega2) - S_8_33 * t82
+    jac_90 = t134
+    t135 = 0.5 * e1
+    jac_91 = t135
+    t136 = (-0.5) * e0
+    jac_92 = t136
+    t137 = 0.5 * e3
+    jac_93 = -t137
+    t138 = 0.5 * e2
+    jac_94 = t138
+    t139 = J_13 * omega2
+    t140 = J_12 * omega3
+    jac_95 = t139 + 2 * Sdot_11 - t140 + cj * J_11
+    t141 = 2 * Sdot_12
+    t142 = J_33 * omega3
+    t143 = cj * J_12
+    jac_96 = J_11 * omega3 + t141 - J_13 * t73 - J_23 * omega2 - t142 + t143
+    t144 = J_22 * omega2
+    t145 = 2 * Sdot_13
+    t146 = cj * J_13
+    jac_97 = J_12 * t73 + t144 + J_23 * omega3 + t145 - J_11 * omega2 + t146
+    t147 = (-0.9989715125102133) * alpha2 + 0.001022720796073422 * alpha7
+    t148 = cj * t147
+    jac_98 = -(S_1_11 * t73) - 2 * c7dot_1_1 - t148
+    t149 = cj * d3_2_1
+    jac_99 = t149 - (S_2_11 * t73 + 2 * c7dot_2_1)
+    t150 = (-0.9977452135227736) * alpha5
+    t151 = cj * t150
+    jac_100 = -(S_3_11 * t73) - (-4.90076566308965e-05) * omega3 - 2 * c7dot_3_1 - t151
+    t152 = cj * d3_4_1
+    jac_101 = t152 - (S_4_11 * t73 + 2 * c7dot_4_1)
+    t153 = cj * d3_5_1
+    jac_102 = t153 - (S_5_11 * t73 + (-0.00019553393620539488) * omega2 + 2 * c7dot_5_1)
+    t154 = cj * d3_6_1
+    jac_103 = 2 * t62 - (S_6_11 * t73 + (-4.9070138411873525e-05) * omega3) + t154
+    t155 = cj * d3_7_1
+    jac_104 = t155 - (S_7_11 * t73 + 2 * c7dot_7_1)
+    t156 = cj * d3_8_1
+    jac_105 = 2 * t63 - S_8_11 * t73 + t156
+    jac_106 = t138
+    jac_107 = t137
+    jac_108 = t136
+    jac_109 = -t135
+    jac_110 = J_13 * omega1 + J_23 * t75 + t142 + t141 - J_22 * omega3 + t143
+    t157 = J_23 * omega1
+    jac_111 = t140 + 2 * Sdot_22 - t157 + cj * J_22
+    t158 = 2 * Sdot_23
+    t159 = J_11 * omega1
+    t160 = cj * J_23
+    jac_112 = J_22 * omega1 + t158 - t159 - J_12 * t75 - J_13 * omega3 - d3dot_1 + t160
+    t161 = 2 * S_1_23
+    jac_113 = -(S_1_22 * t75) - t161 * omega3
+    t162 = 2 * S_2_23
+    jac_114 = -(S_2_22 * t75) - t162 * omega3
+    jac_115 = -(S_3_22 * t75) - t95 * omega3
+    t163 = 2 * S_4_23
+    jac_116 = -(S_4_22 * t75) - t163 * omega3
+    t164 = 2 * S_5_23
+    jac_117 = 0.00019553393620539488 * omega1 - S_5_22 * t75 - t164 * omega3
+    jac_118 = -(S_6_22 * t75) - t118 * omega3
+    t165 = 2 * S_7_23
+    jac_119 = -(S_7_22 * t75) - t165 * omega3
+    t166 = 2 * S_8_23
+    jac_120 = -(S_8_22 * t75) - t166 * omega3
+    jac_121 = t137
+    jac_122 = -t138
+    jac_123 = t135
+    jac_124 = t136
+    jac_125 = J_33 * omega2 + t145 - J_12 * omega1 - t144 - J_23 * t76 + t146
+    jac_126 = t159 + J_12 * omega2 + J_13 * t76 + t158 + d3dot_1 - J_33 * omega1 + t160
+    jac_127 = t157 + 2 * Sdot_33 - t139 + cj * J_33
+    jac_128 = -(t161 * omega2) - S_1_33 * t76
+    jac_129 = -(t162 * omega2) - S_2_33 * t76
+    jac_130 = 4.90076566308965e-05 * omega1 - t95 * omega2 - S_3_33 * t76
+    jac_131 = -(t163 * omega2) - S_4_33 * t76
+    jac_132 = -(t164 * omega2) - S_5_33 * t76
+    jac_133 = 4.9070138411873525e-05 * omega1 - t118 * omega2 - S_6_33 * t76
+    jac_134 = -(t165 * omega2) - S_7_33 * t76
+    jac_135 = -(t166 * omega2) - S_8_33 * t76
     jac_136 = -1
-    jac_137 = t79 * S_1_11 - t157
-    jac_138 = t81 * S_1_22 + t82 * S_1_23 - omega3 * t68
-    jac_139 = t81 * S_1_23 + t82 * S_1_33 + omega2 * t68
+    jac_137 = t73 * S_1_11 - t148
+    jac_138 = t75 * S_1_22 + t76 * S_1_23 - omega3 * t147
+    jac_139 = t75 * S_1_23 + t76 * S_1_33 + omega2 * t147
     jac_140 = cj
-    t175 = (-0.9989715125102133) * t79
-    jac_141 = t175
-    t176 = 0.001022720796073422 * t79
-    jac_142 = t176
+    t167 = (-0.9989715125102133) * t73
+    jac_141 = t167
+    t168 = 0.001022720796073422 * t73
+    jac_142 = t168
     jac_143 = -1
-    jac_144 = t79 * S_2_11 + t158
-    jac_145 = t81 * S_2_22 + t82 * S_2_23 + omega3 * d3_2_1
-    jac_146 = t81 * S_2_23 + t82 * S_2_33 - omega2 * d3_2_1
-    jac_147 = -t175
+    jac_144 = t73 * S_2_11 + t149
+    jac_145 = t75 * S_2_22 + t76 * S_2_23 + omega3 * d3_2_1
+    jac_146 = t75 * S_2_23 + t76 * S_2_33 - omega2 * d3_2_1
+    jac_147 = -t167
     jac_148 = cj
-    t177 = (-0.0004463527015693379) * t79
-    jac_149 = t177
-    t178 = (-0.00035665596750676827) * t79
-    jac_150 = t178
+    t169 = (-0.0004463527015693379) * t73
+    jac_149 = t169
+    t170 = (-0.00035665596750676827) * t73
+    jac_150 = t170
     jac_151 = -1
-    jac_152 = t79 * S_3_11 + (-2.450382831544825e-05) * t82 - t159
-    jac_153 = t81 * S_3_22 + t82 * S_3_23 - omega3 * t69
-    jac_154 = (-2.450382831544825e-05) * t79 + t81 * S_3_23 + t82 * S_3_33 + omega2 * t69
+    jac_152 = t73 * S_3_11 + (-2.450382831544825e-05) * t76 - t151
+    jac_153 = t75 * S_3_22 + t76 * S_3_23 - omega3 * t150
+    jac_154 = (-2.450382831544825e-05) * t73 + t75 * S_3_23 + t76 * S_3_33 + omega2 * t150
     jac_155 = cj
-    t179 = (-0.9977452135227736) * t79
-    jac_156 = t179
+    t171 = (-0.9977452135227736) * t73
+    jac_156 = t171
     jac_157 = -1
-    jac_158 = t79 * S_4_11 + t160
-    jac_159 = t81 * S_4_22 + t82 * S_4_23 + omega3 * d3_4_1
-    jac_160 = t81 * S_4_23 + t82 * S_4_33 - omega2 * d3_4_1
-    jac_161 = -t177
+    jac_158 = t73 * S_4_11 + t152
+    jac_159 = t75 * S_4_22 + t76 * S_4_23 + omega3 * d3_4_1
+    jac_160 = t75 * S_4_23 + t76 * S_4_33 - omega2 * d3_4_1
+    jac_161 = -t169
     jac_162 = cj
-    t180 = (-0.9961572772245384) * t79
-    jac_163 = t180
+    t172 = (-0.9961572772245384) * t73
+    jac_163 = t172
     jac_164 = -1
-    jac_165 = t79 * S_5_11 + (-9.776696810269744e-05) * t81 + t161
-    jac_166 = (-9.776696810269744e-05) * t79 + t81 * S_5_22 + t82 * S_5_23 + omega3 * d3_5_1
-    jac_167 = t81 * S_5_23 + t82 * S_5_33 - omega2 * d3_5_1
-    jac_168 = -t179
+    jac_165 = t73 * S_5_11 + (-9.776696810269744e-05) * t75 + t153
+    jac_166 = (-9.776696810269744e-05) * t73 + t75 * S_5_22 + t76 * S_5_23 + omega3 * d3_5_1
+    jac_167 = t75 * S_5_23 + t76 * S_5_33 - omega2 * d3_5_1
+    jac_168 = -t171
     jac_169 = cj
-    t181 = (-0.0009021519745269716) * t79
-    jac_170 = t181
+    t173 = (-0.0009021519745269716) * t73
+    jac_170 = t173
     jac_171 = -1
-    jac_172 = t79 * S_6_11 + (-2.4535069205936762e-05) * t82 + t162
-    jac_173 = t81 * S_6_22 + t82 * S_6_23 + omega3 * d3_6_1
-    jac_174 = (-2.4535069205936762e-05) * t79 + t81 * S_6_23 + t82 * S_6_33 - omega2 * d3_6_1
-    jac_175 = -t181
+    jac_172 = t73 * S_6_11 + (-2.4535069205936762e-05) * t76 + t154
+    jac_173 = t75 * S_6_22 + t76 * S_6_23 + omega3 * d3_6_1
+    jac_174 = (-2.4535069205936762e-05) * t73 + t75 * S_6_23 + t76 * S_6_33 - omega2 * d3_6_1
+    jac_175 = -t173
     jac_176 = cj
     jac_177 = -1
-    jac_178 = t79 * S_7_11 + t163
-    jac_179 = t81 * S_7_22 + t82 * S_7_23 + omega3 * d3_7_1
-    jac_180 = t81 * S_7_23 + t82 * S_7_33 - omega2 * d3_7_1
-    jac_181 = -t176
-    jac_182 = -t180
+    jac_178 = t73 * S_7_11 + t155
+    jac_179 = t75 * S_7_22 + t76 * S_7_23 + omega3 * d3_7_1
+    jac_180 = t75 * S_7_23 + t76 * S_7_33 - omega2 * d3_7_1
+    jac_181 = -t168
+    jac_182 = -t172
     jac_183 = cj
-    t182 = (-0.0014284685858196025) * t79
-    jac_184 = t182
+    t174 = (-0.0014284685858196025) * t73
+    jac_184 = t174
     jac_185 = -1
-    jac_186 = t79 * S_8_11 + t164
-    jac_187 = t81 * S_8_22 + t82 * S_8_23 + omega3 * d3_8_1
-    jac_188 = t81 * S_8_23 + t82 * S_8_33 - omega2 * d3_8_1
-    jac_189 = -t178
-    jac_190 = -t182
+    jac_186 = t73 * S_8_11 + t156
+    jac_187 = t75 * S_8_22 + t76 * S_8_23 + omega3 * d3_8_1
+    jac_188 = t75 * S_8_23 + t76 * S_8_33 - omega2 * d3_8_1
+    jac_189 = -t170
+    jac_190 = -t174
     jac_191 = cj
 
     jac = _stack(xp, batch, (jac_0, jac_1, jac_2, jac_3, jac_4, jac_5, jac_6, jac_7, jac_8, jac_9,

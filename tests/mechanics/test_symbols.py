@@ -108,6 +108,8 @@ NAMES = {
     "spring_length": element("spring", "length"),
     "u_motordot": run_time_input("motor", 1),
     "t": t,
+    "c7a_i_1": quantity(F.C7_AMPLITUDES, 1, shapes=(I,)),
+    "c10a_i_2": quantity(F.C10_AMPLITUDES, 2, shapes=(I,)),
     "c9dotdot_1": quantity(F.C9_RATES, 1),
     "c10dotdot_3": quantity(F.C10_RATES, 3),
     "even_11": local("even", 1, 1),

@@ -19,7 +19,10 @@ SUMS = {
     Family.C9: Family.C9_SUM,
     Family.C10: Family.C10_SUM,
 }
-"""The name of the sum of a table over one of its indices."""
+"""The name of the sum of a table over one of its indices with rates or accelerations."""
+
+AMPLITUDE_SUMS = SUMS | {Family.C7: Family.C7_AMPLITUDES, Family.C10: Family.C10_AMPLITUDES}
+"""The same with amplitudes; the names without a derivative are those of the tables themselves."""
 
 DERIVATIVES = {ALPHA: 0, ALPHADOT: 1, ALPHADDOT: 2}
 
@@ -77,7 +80,8 @@ class Gradient:
             if c.sums == ((factor, entry),):
                 return weight * parity * (c.symbol - c.offset)
         kept = canonical(entry)
-        family, components = SUMS[entry.identity.family], entry.identity.components
+        names, components = AMPLITUDE_SUMS if factor == ALPHA else SUMS, entry.identity.components
+        family = names[entry.identity.family]
         new = quantity(family, *components, derivative=DERIVATIVES[factor], shapes=(I,))
         doc = f"sum over the modes of {factor} {kept}"
         self.table_sums.append(TableSum(new, sp.S.Zero, ((factor, kept),), doc))

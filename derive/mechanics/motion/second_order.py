@@ -40,6 +40,9 @@ def second_order_moment_sums(first_order: Iterable[IndexedSum], axes: Axes = PLA
         if axes == PLANE:
             c9_i = quantity(Family.C9_SUM, k, shapes=(I,))
             result.append(IndexedSum(c9_i, None, ((ALPHA, c9_ij),), "int rho sum_j alpha_j Psi_{i}j", SOURCE))
+    for k in axes if axes == SPACE else ():
+        c10a_i, c10_ij = quantity(Family.C10_AMPLITUDES, k, shapes=(I,)), quantity(Family.C10, k, shapes=(I, J))
+        result.append(IndexedSum(c10a_i, None, ((ALPHA, c10_ij),), "int rho X x sum_j alpha_j Psi_{i}j", SOURCE))
     return (*result, *(_moment(s, axes) for s in first_order))
 
 
@@ -64,9 +67,9 @@ def _moment(of: IndexedSum, axes: Axes) -> IndexedSum:
         case Family.D3, 0:
             c10_ij = quantity(Family.C10, *known.components, shapes=(I, J))
             return IndexedSum(of.symbol, of.offset, (*of.sums, (ALPHA, c10_ij)), "int rho r x dr/dalpha_{i}", SOURCE)
-        case Family.D3, 1:
-            d3_j = quantity(Family.D3, *known.components, shapes=(J,))
-            return IndexedSum(of.symbol, None, ((ALPHADOT, d3_j),), of.doc, SOURCE)
+        case Family.D3, 1 if axes == SPACE:
+            c10a_j = quantity(Family.C10_AMPLITUDES, *known.components, shapes=(J,))
+            return IndexedSum(of.symbol, None, (*of.sums, (ALPHADOT, c10a_j)), of.doc, SOURCE)
     return of
 
 

@@ -162,6 +162,17 @@ def _rate_product(known: Identity, above: tuple[str, ...]) -> TypesetSymbol:
     return TypesetSymbol(Rank.MOMENT, FormulaRow((column(1, transposed=True), matrix, column(1))))
 
 
+def _amplitudes(number: str) -> Callable[[Identity, tuple[str, ...]], TypesetSymbol]:
+    """A component of a row of c7 or c10 times the column of the amplitudes."""
+
+    def write(known: Identity, above: tuple[str, ...]) -> TypesetSymbol:
+        parts = (number, *map(index_text, known.shapes), _components(known))
+        table = Name("c", below=(",".join(part for part in parts if part),), above=above)
+        return TypesetSymbol(Rank.MOMENT, FormulaRow((table, column())))
+
+    return write
+
+
 def _rates_twice(number: str) -> Callable[[Identity, tuple[str, ...]], TypesetSymbol]:
     """A component of c9 or c10 between the column of the velocities and itself."""
 
@@ -286,6 +297,8 @@ WRITERS: dict[Family, Callable[[Identity, tuple[str, ...]], TypesetSymbol]] = {
     Family.FIELD_AMPLITUDE: _field_amplitude,
     Family.FIELD_TANGENT: _field_tangent,
     Family.RATE_PRODUCT: _rate_product,
+    Family.C7_AMPLITUDES: _amplitudes("7"),
+    Family.C10_AMPLITUDES: _amplitudes("10"),
     Family.C9_RATES: _rates_twice("9"),
     Family.C10_RATES: _rates_twice("10"),
     Family.ELASTIC: _force_of_modes("K", 0),

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from derive.roles import Role
 from derive.runtime.native_call import ModelError, Vector
-from derive.simulation.compiled_scene import ConstrainedSystem
+from derive.simulation.compiled_scene import ConstrainedSystem, coordinates_with
 from derive.simulation.constraints.mass_definiteness import nearly_indefinite
 from derive.simulation.constraints.neighbouring_states import driven_multipliers
 from derive.simulation.constraints.redundancy import involved
@@ -33,7 +34,7 @@ def diagnose_failure(
     if (dead_centre := _dead_centre(native, k, t, y)) is not None:
         return dead_centre
     if np.all(np.isfinite(y)) and nearly_indefinite(native, k, t, y[: native.nq]):
-        return MassMatrixNotDefinite(t)
+        return MassMatrixNotDefinite(t, bool(coordinates_with(native, Role.QUATERNION).any()))
     reason = f"{message.rstrip('.')}" + (f"; {refused[1]} at t = {refused[0]:.9g} s" if refused else "")
     return IntegrationStopped(t, reason)
 
