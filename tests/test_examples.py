@@ -70,6 +70,11 @@ CHECKS: dict[str, Check] = {
     "runge_kutta_step_limit": lambda value: value[0] < 1e-3 and value[1] > 1e3,
     "sid_round_trip": lambda value: value == 0,
     "slider_crank_rigid": lambda value: value < 1e-9,
+    "spinning_solid_beam": lambda value: (  # converged values of a planar beam, and omega^2 - spin^2 as in (41)
+        np.sqrt(value[2]) == pytest.approx([36.294, 61.212], rel=2e-4)
+        and np.diff(value[1])[0] == pytest.approx(20**2 - 40**2, rel=1e-4)
+        and value[1][1] < 0
+    ),
     "spin_softening": lambda value: (
         value["mean"] == pytest.approx(np.sqrt([720, 8400]), rel=1e-6)
         and value["point"] == pytest.approx(np.sqrt([720, 8400 / 6.25]), rel=1e-6)
