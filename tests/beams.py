@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 import derive
+from conftest import QUICK
 from derive.derivation import lowered_form
 from derive.runtime.compiled_model import Native
 
@@ -66,7 +67,7 @@ def build(spec: Any) -> Made:
 @cache
 def native(frame: str = "mean", n: int = 2) -> Native:
     """The compiled C of a beam."""
-    return derive.load(made(frame, n).files, ("-std=c99", "-O1", "-ffp-contract=off"))
+    return derive.load(made(frame, n).files, QUICK)
 
 
 @cache

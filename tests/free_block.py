@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import derive
-from conftest import ROOT
+from conftest import QUICK, ROOT
 from derive import ModalBody, Model, Native, NodalBody
 from derive.backends.c.source import CBackend
 from derive.mechanics.bodies.spatial_body import parameters
@@ -20,7 +20,6 @@ Array = NDArray[np.float64]
 POINT = BodyFrame("point", node=127, around=(112, 124, 126, 128, 130, 142))
 """A frame at the node in the centre, held by its six neighbours, which leave the three mirror planes what they are."""
 
-FLAGS = ("-std=c99", "-O0", "-ffp-contract=off")
 """Compiled soon: most of the time goes into calls."""
 
 
@@ -44,7 +43,7 @@ def model(frame: str = "mean", lowering: str = "flat", modes: int = 8) -> Model:
 
 @cache
 def native(frame: str = "mean", lowering: str = "flat", modes: int = 8) -> Native:
-    return derive.load(CBackend().files(model(frame, lowering, modes), "test"), FLAGS)
+    return derive.load(CBackend().files(model(frame, lowering, modes), "test"), QUICK)
 
 
 def fastest(frame: str = "mean", modes: int = 8) -> float:
@@ -57,7 +56,7 @@ def _rubber() -> tuple[Native, ModalBody]:
     """The block in loops, whose stiffness and damping are numbers that can still be set."""
     damped = replace(body(), damping=np.diag(np.diag(body().stiffness)))
     return derive.load(
-        CBackend().files(derive.lower(derive.derive_modal(damped, None, "table")), "test"), FLAGS
+        CBackend().files(derive.lower(derive.derive_modal(damped, None, "table")), "test"), QUICK
     ), damped
 
 

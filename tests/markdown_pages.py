@@ -2,20 +2,30 @@
 
 A comment before a block says what it is: `<!-- file: NAME -->` saves it, `<!-- fails -->` marks a command that must
 fail, `<!-- output -->` is what the block before it prints.
+
+The blocks of the README run in processes of their own, and so does the first command of any other kind. On other pages
+commands of those kinds, and Python, run in the process of the tests, which spares them the start of an interpreter.
 """
 
 from __future__ import annotations
 
 import os
 import re
+import shlex
 import shutil
 import subprocess
 import sys
+from collections.abc import Callable
+from contextlib import chdir, redirect_stderr, redirect_stdout
 from dataclasses import dataclass
+from io import StringIO
 from pathlib import Path
 
 from conftest import ROOT
+from derive.cli.main import main
 
+README = ROOT / "README.md"
+TISSERAND = ".venv/bin/tisserand"
 RUN_BY_CI = "make test"
 """It runs this test."""
 INSTALLS = ("python3 -m venv", ".venv/bin/pip install")
@@ -57,30 +67,75 @@ def copy_tree(folder: Path) -> Path:
     return tree
 
 
-def run(command: list[str] | str, tree: Path) -> subprocess.CompletedProcess[str]:
-    """Run a command in the copy, with the package of the copy."""
+@dataclass(frozen=True)
+class Result:
+    """What a command has printed, and its exit code."""
+
+    code: int
+    out: str
+    err: str
+
+
+def run(command: list[str] | str, tree: Path) -> Result:
+    """Run a command in a process of its own in the copy, with the package of the copy."""
     environment = {**os.environ, "PYTHONPATH": str(tree)}
     shell = isinstance(command, str)
-    return subprocess.run(command, shell=shell, cwd=tree, capture_output=True, text=True, env=environment, check=False)
+    done = subprocess.run(command, shell=shell, cwd=tree, capture_output=True, text=True, env=environment, check=False)
+    return Result(done.returncode, done.stdout, done.stderr)
+
+
+def run_here(call: Callable[[], int | None], tree: Path) -> Result:
+    """Call a function in the copy, in this process."""
+    out, err = StringIO(), StringIO()
+    with chdir(tree), redirect_stdout(out), redirect_stderr(err):
+        code = call()
+    return Result(code or 0, out.getvalue(), err.getvalue())
+
+
+def kind(command: str) -> str | None:
+    """The command of `tisserand` that a line is, such as `build`; None if it needs a shell, or another program."""
+    program, *words = shlex.split(command)
+    shell = any(character in command for character in ">|;(")
+    return words[0] if words and program == TISSERAND and not shell else None
+
+
+def run_command(command: str, tree: Path, known: set[str]) -> Result:
+    """Run a command line in this process if its kind is known, which it is from then on."""
+    if (of := kind(command)) in known:
+        return run_here(lambda: main(shlex.split(command)[1:]), tree)
+    if of is not None:
+        known.add(of)
+    return run(command, tree)
+
+
+def run_python(text: str, tree: Path, here: bool) -> Result:
+    """Run Python as a script, or in this process."""
+    return (
+        run_here(lambda: exec(text, {"__name__": "__main__"}), tree)
+        if here
+        else run([sys.executable, "-c", text], tree)
+    )
 
 
 def run_page(page: Path, tree: Path) -> dict[Block, str]:
     """Run the blocks of a page in their order; what each of them prints."""
     outputs: dict[Block, str] = {}
     last = ""
+    here = page != README
+    known = {of for block in blocks(README, "sh") for line in block.commands() if (of := kind(line))} if here else set()
     for block in blocks(page):
         if block.comment.startswith("file: "):
             (tree / block.comment.removeprefix("file: ")).write_text(block.text)
         elif block.comment == "output":
             assert block.text == last
         elif block.language == "python":
-            done = run([sys.executable, "-c", block.text], tree)
-            assert done.returncode == 0, done.stderr
-            outputs[block] = last = done.stdout
+            done = run_python(block.text, tree, here)
+            assert done.code == 0, done.err
+            outputs[block] = last = done.out
         elif block.language == "sh":
             for command in block.commands():
-                done = run(command, tree)
-                assert (done.returncode != 0) == (block.comment == "fails"), f"{command}\n{done.stdout}{done.stderr}"
-                assert bool(done.stderr) == (block.comment == "fails"), done.stderr
-                outputs[block] = last = done.stdout + done.stderr
+                done = run_command(command, tree, known) if here else run(command, tree)
+                assert (done.code != 0) == (block.comment == "fails"), f"{command}\n{done.out}{done.err}"
+                assert bool(done.err) == (block.comment == "fails"), done.err
+                outputs[block] = last = done.out + done.err
     return outputs

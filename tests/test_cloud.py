@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 
 import derive
+from conftest import QUICK
 from derive import ModalBody, Model, NodalBody
 from derive.backends.c.source import CBackend
 from derive.backends.python.module import PythonBackend
@@ -22,7 +23,7 @@ from derive.mechanics.bodies.spatial_body import parameters
 from derive.mechanics.bodies.spatial_tables import symbolic_tables
 from derive.runtime.compiled_model import Native
 
-SHAPES = (0, 1, 3, 8)
+SHAPES = (0, 1, 3, 5)
 KINDS = ("numbers flat", "numbers table", "parameters flat", "parameters table")
 POINTS = 10
 GRAVITY = (0.7, -0.3, -9.81)
@@ -91,7 +92,7 @@ def model(n: int, kind: str) -> Model:
 
 @cache
 def compiled(n: int, kind: str) -> Native:
-    return derive.load(CBackend().files(model(n, kind), "test"), ("-std=c99", "-O1", "-ffp-contract=off"))
+    return derive.load(CBackend().files(model(n, kind), "test"), QUICK)
 
 
 @cache

@@ -13,7 +13,7 @@ from conftest import ROOT
 from derive.backends.model_files import specification
 from derive.cli.main import main
 from derive.spec.toml.read import parse
-from markdown_pages import blocks, copy_tree, run_page
+from markdown_pages import TISSERAND, blocks, copy_tree, run_page
 
 PAGES = sorted(
     [*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md"), ROOT / "bench/README.md", ROOT / "examples/README.md"]
@@ -33,6 +33,12 @@ def test_code_runs_as_printed(page: Path, tmp_path: Path) -> None:
 
 def test_tutorials_are_run() -> None:
     assert {page.stem for page in RUN} == {"commands", "tutorial_body", "tutorial_c", "tutorial_mechanism"}
+
+
+def test_the_committed_files_are_checked() -> None:
+    """By a command of a page, whose exit code is 1 if one is not up to date."""
+    commands = [line for block in blocks(ROOT / "docs/commands.md", "sh") for line in block.commands()]
+    assert f"{TISSERAND} check" in commands
 
 
 def test_shown_specifications_are_the_scenes() -> None:

@@ -14,6 +14,7 @@ from pathlib import Path
 import pytest
 
 from conftest import ROOT
+from markdown_pages import INSTALLS, README, TISSERAND, blocks
 
 
 def run(*command: str, cwd: Path) -> str:
@@ -47,18 +48,13 @@ def test_wheel_and_sdist_hold_what_they_should(distributions: Path) -> None:
 
 def test_the_install_commands_of_the_readme(tmp_path: Path) -> None:
     """`python3 -m venv` and `pip install -e` as printed, in a copy, then the first command after them."""
-    from markdown_pages import INSTALLS, blocks
 
     ignore = shutil.ignore_patterns(".venv", ".git", "__pycache__", ".*_cache")
     shutil.copytree(ROOT, tmp_path / "tree", ignore=ignore)
-    lines = [
-        line
-        for block in blocks(ROOT / "README.md", "sh")
-        for line in block.text.splitlines()
-        if line.startswith(INSTALLS)
-    ]
-    assert len(lines) == 2
-    for line in (*lines, ".venv/bin/tisserand check"):
+    (block,) = (block for block in blocks(README, "sh") if block.text.startswith(INSTALLS))
+    create, install, first, *_ = block.text.splitlines()
+    assert install.startswith(INSTALLS) and first.startswith(f"{TISSERAND} build scenes/")
+    for line in (create, install, first):
         run("sh", "-c", line, cwd=tmp_path / "tree")
 
 

@@ -7,9 +7,7 @@ from pathlib import Path
 import pytest
 
 from conftest import ROOT
-from markdown_pages import RUN_BY_CI, blocks, copy_tree, run_page
-
-README = ROOT / "README.md"
+from markdown_pages import README, RUN_BY_CI, blocks, copy_tree, run_page
 
 
 @pytest.fixture(scope="module")

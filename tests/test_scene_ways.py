@@ -16,6 +16,7 @@ import pytest
 
 import beams
 import derive
+from conftest import QUICK
 from derive.ir.interpreter import interpret
 from derive.runtime.loading import load_scene
 from derive.runtime.native_scene import NativeScene
@@ -154,7 +155,7 @@ def test_bodies_that_keep_their_coordinates_move_the_same_way() -> None:
 
 
 def way_of(scene: Scene) -> NativeScene:
-    return load_scene(beams.build(scene).files, ("-std=c99", "-O1", "-ffp-contract=off"))
+    return load_scene(beams.build(scene).files, QUICK)
 
 
 def _kept(body: Any) -> Any:

@@ -16,17 +16,15 @@ from toolchain import MODELS, run, text_of, written
 
 import beams
 import derive
+from conftest import QUICK
 from derive.ir.model import Kernel
 from derive.runtime.compiled_model import Native
-from derive.runtime.compiler import FLAGS
 from derive.runtime.native_call import ModelError
 
 SOME = (
     *("mean_2", "point_2", "tangent_5", "folded_mean", "folded_point", "half_folded", "no_markers", "unlucky_names"),
     *("given_2_flat", "block_flat"),
 )
-CASES = [(model, kernel.name) for model in SOME for kernel in MODELS[model]().model.kernels]
-EVERY_FUNCTION = pytest.mark.parametrize(("model", "name"), CASES)
 
 BATCHES = {
     "t": (3, 1),
@@ -51,7 +49,7 @@ def module(model: str) -> dict[str, Any]:
 @cache
 def native(model: str) -> Native:
     """The compiled C; sine and cosine are called one by one, as Python calls them."""
-    return derive.load(MODELS[model]().files, (*FLAGS, "-fno-builtin"))
+    return derive.load(MODELS[model]().files, (*QUICK, "-fno-builtin"))
 
 
 def arguments(model: str, kernel: Kernel, batches: dict[str, tuple[int, ...]] | None = None) -> list[np.ndarray]:
@@ -138,49 +136,50 @@ def test_describes_the_model() -> None:
 # Values
 
 
-@EVERY_FUNCTION
-def test_gives_the_numbers_of_c_to_the_last_bit(model: str, name: str) -> None:
+@pytest.mark.parametrize("model", SOME)
+def test_gives_the_numbers_of_c_to_the_last_bit(model: str) -> None:
     """The same operations in the same order; NumPy's own sine may differ in the last bit, so it is replaced."""
-    kernel = MODELS[model]().model.kernel(name)
-    given = arguments(model, kernel)
-    expected = by_c(model, name, given)
     names = {**module(model)}
-    source = text_of(MODELS[model](), ".py")
-    exec(compile(source, f"{model}.py", "exec"), names)
+    exec(compile(text_of(MODELS[model](), ".py"), f"{model}.py", "exec"), names)
     names["numpy"] = PlainNumPy()
-    found = as_tuple(names[name](*(value.tolist() for value in given)))  # lists have no namespace but the module's
-    assert len(found) == len(expected)
-    for ours, of_c in zip(found, expected, strict=True):
-        assert np.array_equal(ours, of_c)
-    for ours, of_c in zip(as_tuple(module(model)[name](*given)), expected, strict=True):
-        assert np.allclose(ours, of_c, rtol=1e-12, atol=1e-13 * np.max(np.abs(of_c), initial=0.0))
+    for kernel in MODELS[model]().model.kernels:
+        name, given = kernel.name, arguments(model, kernel)
+        expected = by_c(model, name, given)
+        found = as_tuple(names[name](*(value.tolist() for value in given)))  # lists have no namespace but the module's
+        assert len(found) == len(expected), name
+        for ours, of_c in zip(found, expected, strict=True):
+            assert np.array_equal(ours, of_c), name
+        for ours, of_c in zip(as_tuple(module(model)[name](*given)), expected, strict=True):
+            assert np.allclose(ours, of_c, rtol=1e-12, atol=1e-13 * np.max(np.abs(of_c), initial=0.0)), name
 
 
-@EVERY_FUNCTION
-def test_batches_broadcast(model: str, name: str) -> None:
+@pytest.mark.parametrize("model", SOME)
+def test_batches_broadcast(model: str) -> None:
     """A batch gives what a loop over it gives, member by member; a constant entry fills the batch, too."""
-    kernel, function = MODELS[model]().model.kernel(name), module(model)[name]
-    given = arguments(model, kernel, BATCHES)
-    own = [0 if argument.scalar else 1 for argument in kernel.arguments]
-    shape = np.broadcast_shapes(*(g.shape[: g.ndim - rank] for g, rank in zip(given, own, strict=True)))
-    full = [np.broadcast_to(g, (*shape, *g.shape[g.ndim - rank :])) for g, rank in zip(given, own, strict=True)]
-    found = as_tuple(function(*given))
-    for output, values in zip(kernel.outputs, found, strict=True):
-        assert values.shape == (*shape, len(output.elements))
-    for member in np.ndindex(shape):
-        alone = as_tuple(function(*(f[member] for f in full)))
-        for ours, expected in zip(found, alone, strict=True):
-            assert np.allclose(ours[member], expected, rtol=1e-13, atol=1e-14 * np.max(np.abs(expected), initial=0.0))
-
-
-@EVERY_FUNCTION
-def test_any_one_argument_may_be_a_batch(model: str, name: str) -> None:
-    """Also one that the function does not read; empty batches are batches."""
-    kernel, function = MODELS[model]().model.kernel(name), module(model)[name]
-    for argument, count in itertools.product(kernel.arguments, (2, 0)):
-        found = as_tuple(function(*arguments(model, kernel, {argument.name: (count,)})))
+    for kernel in MODELS[model]().model.kernels:
+        name, function = kernel.name, module(model)[kernel.name]
+        given = arguments(model, kernel, BATCHES)
+        own = [0 if argument.scalar else 1 for argument in kernel.arguments]
+        shape = np.broadcast_shapes(*(g.shape[: g.ndim - rank] for g, rank in zip(given, own, strict=True)))
+        full = [np.broadcast_to(g, (*shape, *g.shape[g.ndim - rank :])) for g, rank in zip(given, own, strict=True)]
+        found = as_tuple(function(*given))
         for output, values in zip(kernel.outputs, found, strict=True):
-            assert values.shape == (count, len(output.elements))
+            assert values.shape == (*shape, len(output.elements)), name
+        for member in np.ndindex(shape):
+            alone = as_tuple(function(*(f[member] for f in full)))
+            for ours, single in zip(found, alone, strict=True):
+                atol = 1e-14 * np.max(np.abs(single), initial=0.0)
+                assert np.allclose(ours[member], single, rtol=1e-13, atol=atol), name
+
+
+@pytest.mark.parametrize("model", SOME)
+def test_any_one_argument_may_be_a_batch(model: str) -> None:
+    """Also one that the function does not read; empty batches are batches."""
+    for kernel in MODELS[model]().model.kernels:
+        for argument, count in itertools.product(kernel.arguments, (2, 0)):
+            found = as_tuple(module(model)[kernel.name](*arguments(model, kernel, {argument.name: (count,)})))
+            for output, values in zip(kernel.outputs, found, strict=True):
+                assert values.shape == (count, len(output.elements)), kernel.name
 
 
 def test_sweeps_parameters() -> None:

@@ -8,12 +8,12 @@ from toolchain import special
 
 import beams
 import derive
+from conftest import QUICK
 from derive.errors import TisserandError
 from derive.lowering.flat.functions import VANISHING
 from derive.runtime.compiled_model import Native
 from derive.runtime.native_call import ModelError
 
-FLAGS = ("-std=c99", "-O0", "-ffp-contract=off")
 BAD = [-1.0, 0.0, -0.0, np.nan, np.inf, -np.inf]
 
 
@@ -121,7 +121,7 @@ def test_errors_of_a_model_are_arithmetic_errors() -> None:
 def test_accel_refuses_a_quaternion_that_is_zero(lowering: str) -> None:
     """Where gravity makes it depend on the attitude, that is; the batch, too."""
     spec = derive.symbolic_body("heavy", 1, frame="given", gravity=[0, 0, -9.81], lowering=lowering)
-    native = derive.load(derive.model_files(derive.lower(derive.derive(spec)), spec), FLAGS)
+    native = derive.load(derive.model_files(derive.lower(derive.derive(spec)), spec), QUICK)
     k, q, v = native.setup(), np.zeros(8), np.zeros(7)
     assert code_of_accel(native, q, v, k) == 2
     q[3] = 1.0

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import derive
-from conftest import ROOT
+from conftest import QUICK, ROOT
 from derive.lowering.cost_model import estimate_costs
 from derive.lowering.flat.graph import Graph, LoweringError
 from derive.lowering.flat.setup_constants import Constants
@@ -20,8 +20,6 @@ from derive.runtime.compiled_model import Native
 from derive.runtime.loading import load_scene
 from derive.runtime.native_call import ModelError
 from derive.runtime.native_scene import NativeScene
-
-FLAGS = ("-std=c99", "-O0", "-ffp-contract=off")
 
 
 @pytest.mark.parametrize("sign", [1, -1])
@@ -42,7 +40,7 @@ def looped() -> Native:
             derive.lower(derive.derive(spec := derive.symbolic_body("looped", 1, frame="given", lowering="table"))),
             spec,
         ),
-        FLAGS,
+        QUICK,
     )
 
 
@@ -77,7 +75,7 @@ def bars() -> NativeScene:
     from derive.spec.toml.read import parse
 
     spec = parse(BARS)
-    return load_scene(derive.model_files(derive.lower(derive.derive(spec)), spec), FLAGS)
+    return load_scene(derive.model_files(derive.lower(derive.derive(spec)), spec), QUICK)
 
 
 def test_every_result_of_a_scene_is_checked() -> None:

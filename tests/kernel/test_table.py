@@ -10,9 +10,11 @@ import pytest
 
 import beams
 import derive
+from conftest import QUICK
 from derive.ir.interpreter import RequirementError, interpret
 from derive.ir.statements import Accumulate, Let, Map, MatrixStore, MatVec, Packing, Require, Store
 from derive.runtime.compiled_model import Native
+from derive.runtime.compiler import FLAGS
 from derive.runtime.native_call import ModelError
 
 CASES = [(n, frame) for n in (0, 1, 2, 3, 5, 8, 13) for frame in ("given", "mean")]
@@ -27,7 +29,8 @@ def made(n: int, frame: str) -> beams.Made:
 
 @cache
 def native(n: int, frame: str) -> Native:
-    return derive.load(made(n, frame).files)
+    """Compiled in a moment; with five shapes as models are by default, vectorised."""
+    return derive.load(made(n, frame).files, FLAGS if n == 5 else QUICK)
 
 
 @cache
@@ -207,6 +210,6 @@ def test_packing_puts_each_entry_in_a_place_of_its_own(n: int) -> None:
 
 @pytest.mark.parametrize("n", [1, 2])
 def test_coordinates_have_the_names_of_straight_lines(n: int) -> None:
-    flat = derive.load(beams.build(derive.symbolic_body("lines", n, lowering="flat")).files)
-    loops = derive.load(beams.build(derive.symbolic_body("loops", n, lowering="table")).files)
+    flat = derive.load(beams.build(derive.symbolic_body("lines", n, lowering="flat")).files, QUICK)
+    loops = derive.load(beams.build(derive.symbolic_body("loops", n, lowering="table")).files, QUICK)
     assert loops.coordinates == flat.coordinates

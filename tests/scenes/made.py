@@ -12,7 +12,7 @@ import zoo
 
 import derive
 from beams import run_module
-from conftest import ROOT
+from conftest import QUICK, ROOT
 from derive.runtime.loading import load_scene
 from derive.runtime.native_scene import NativeScene
 from derive.simulation.initial.initial_state import InitialState, initial_state
@@ -21,8 +21,6 @@ from derive.simulation.integration.solution import Solution
 from derive.simulation.observables.motion import SceneMotion, deflection
 from derive.spec.model.scene import Scene
 from derive.spec.toml.read import parse
-
-FLAGS = ("-std=c99", "-O0", "-ffp-contract=off")
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,7 +59,7 @@ def make(spec: Any) -> Made:
     assert isinstance(spec, Scene)
     model = derive.lower(derive.derive(spec))
     files = derive.model_files(model, spec)
-    return Made(spec, model, load_scene(files, FLAGS), files)
+    return Made(spec, model, load_scene(files, QUICK), files)
 
 
 @cache

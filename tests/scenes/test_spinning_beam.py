@@ -8,6 +8,7 @@ from made import of
 
 import derive
 from beams import build
+from conftest import QUICK
 from derive.simulation.compiled_scene import mass_matrix
 from derive.simulation.integration.scipy_methods import integrate
 
@@ -19,7 +20,7 @@ STATE = np.random.default_rng(4)
 def free_beam() -> derive.Native:
     """The beam of the scene, built as a body."""
     spec = derive.planar_beam("free", markers={"left": -1, "middle": 0, "right": 1})
-    return derive.load(build(spec).files, ("-std=c99", "-O0", "-ffp-contract=off"))
+    return derive.load(build(spec).files, QUICK)
 
 
 def test_the_scene_is_the_free_beam() -> None:

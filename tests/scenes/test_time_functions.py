@@ -9,11 +9,12 @@ from tempfile import TemporaryDirectory
 import mpmath
 import numpy as np
 import pytest
-from made import FLAGS, Made, close, in_zoo, make, parameters, state
+from made import Made, close, in_zoo, make, parameters, state
 from oracle import Oracle
 from scipy.interpolate import CubicSpline
 
 import derive
+from conftest import QUICK
 from derive.ir.interpreter import interpret
 from derive.runtime.loading import load_scene
 from derive.spec.files.splines import cubic_spline
@@ -21,7 +22,7 @@ from derive.spec.model.scene_functions import breaks
 from derive.spec.set_values import with_values
 from derive.spec.toml.read import parse
 
-STRICT = (*FLAGS, "-pedantic", "-Wall", "-Wextra", "-Wconversion", "-Wshadow", "-Werror")
+STRICT = (*QUICK, "-pedantic", "-Wall", "-Wextra", "-Wconversion", "-Wshadow", "-Werror")
 
 PUSHED = """
 name = "pushed"

@@ -9,7 +9,7 @@ from functools import cache
 import numpy as np
 
 import derive
-from conftest import ROOT
+from conftest import QUICK, ROOT
 from derive.runtime.loading import load_scene
 from derive.runtime.native_call import Vector
 from derive.runtime.native_scene import NativeScene
@@ -115,5 +115,5 @@ between = ["ground.a", "slider.pin"]
 
 def compiled(scene: object) -> Compiled:
     assert isinstance(scene, Scene)
-    native = load_scene(derive.model_files(derive.lower(derive.derive(scene)), scene))
+    native = load_scene(derive.model_files(derive.lower(derive.derive(scene)), scene), QUICK)
     return Compiled(scene, native, native.setup())
