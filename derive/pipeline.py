@@ -16,6 +16,7 @@ from derive.derivation import derive, lower, lowered_form
 from derive.errors import SpecError, TisserandError
 from derive.ir.model import Model
 from derive.lowering.conditioning import condition_warnings
+from derive.lowering.spin_limit import spin_notes
 from derive.mechanics.equations import Equations
 from derive.spec.model.body import NodalBody
 from derive.spec.model.scene import Scene, Specification
@@ -86,6 +87,7 @@ def build(path: Path, progress: Callable[[str], None] = lambda _: None) -> Built
     files = model_files(model, spec)
     emitting = Stage("emit", lap())
     notes = (model.choice, *_of_body(spec)) if model.choice else (*_of_scene(model), *failure)
+    notes += spin_notes(spec)
     notes += tuple(f"warning: {text}" for text in (*warnings(path), *condition_warnings(spec)))
     return Built(spec, equations, model, files, (reading, deriving, lowering, *starting, emitting), notes)
 

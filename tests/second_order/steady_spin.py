@@ -11,9 +11,9 @@ import derive
 FLAGS = ("-std=c99", "-O0", "-ffp-contract=off")
 
 
-def free_beam(shapes: int, frame: Any, order: int, terms: str | None = None) -> derive.Native:
-    """The compiled free beam of 1 kg, 1 m, 1 N m^2 with so many shapes from monomials: spins are in rad/s."""
-    spec = derive.planar_beam(
+def beam_of(shapes: int, frame: Any, order: int, terms: str | None = None) -> derive.PlanarBeam:
+    """A beam of 1 kg, 1 m, 1 N m^2 with so many shapes from monomials: spins are in rad/s."""
+    return derive.planar_beam(
         "free",
         ansatz=[f"xi^{n}" for n in range(shapes + 2)],
         frame=frame,
@@ -23,6 +23,11 @@ def free_beam(shapes: int, frame: Any, order: int, terms: str | None = None) -> 
         order=order,
         terms=terms,
     )
+
+
+def free_beam(shapes: int, frame: Any, order: int, terms: str | None = None) -> derive.Native:
+    """The compiled C of `beam_of`."""
+    spec = beam_of(shapes, frame, order, terms)
     return derive.load(derive.model_files(derive.lower(derive.derive(spec)), spec), FLAGS)
 
 
