@@ -50,7 +50,7 @@ def test_a_free_beam_keeps_its_energy_and_its_momenta(terms: str) -> None:
 
 @pytest.mark.parametrize("terms", ["truncated", "full"])
 def test_a_pendulum_that_turns_over_keeps_its_energy(terms: str) -> None:
-    """On a hinge under gravity: to 1e-8 of the work of the weight, through the joint and the weight of second order, in the chord frame."""
+    """On a hinge under gravity: to 1e-8 of the work of the weight; in the chord frame, where no moment vanishes."""
     scene = derive.scene(
         "over",
         gravity=[0, -40],
