@@ -13,7 +13,8 @@
 The public interface, by stages:
 
     specification   read, validated; scene, planar_beam, nodal_body, symbolic_body
-                    bodies: PlanarBeam, SymbolicBody, NodalBody with NodeData, NodeMarker, BodyFrame, Damping
+                    bodies: PlanarBeam with AttachedMass and BeamDamping, SymbolicBody, NodalBody with NodeData,
+                    NodeMarker, BodyFrame, Damping
                     scenes: Scene, RigidBody, BeamBody, PointMarker, MarkerRef, InitialValues, JointInitialValues,
                     Joint, Drive, Force, Torque, Spring, Bushing, DistributedLoad, TimeFunction, time_function, Plot,
                     Deflection, ReferenceCurve
@@ -80,6 +81,8 @@ if TYPE_CHECKING:
     from derive.simulation.trajectory import Trajectory
     from derive.spec.construction import nodal_body, planar_beam, scene, symbolic_body, validated
     from derive.spec.model.body import (
+        AttachedMass,
+        BeamDamping,
         BodyFrame,
         Damping,
         Frame,
@@ -178,6 +181,8 @@ _MODULES = {
         "validated",
     ),
     "derive.spec.model.body": (
+        "AttachedMass",
+        "BeamDamping",
         "BodyFrame",
         "Damping",
         "Frame",
@@ -232,7 +237,9 @@ __all__ = [
     "FORCES",
     "INTEGRATORS",
     "JOINTS",
+    "AttachedMass",
     "BeamBody",
+    "BeamDamping",
     "BodyFrame",
     "BodyTrajectory",
     "Bushing",

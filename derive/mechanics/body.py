@@ -41,7 +41,8 @@ class Body:
     """The data of a deformable body in (15), with `modes` assumed modes, in the plane (`dimension` 2) or in space (3).
 
     `frame_doc` describes the choice of the origin c and of the floating frame. `tables` are the shape integrals, the
-    stiffness K of U = 1/2 alpha K alpha and the damping B, the factor of alphadot; `values` are their entries.
+    stiffness K of U = 1/2 alpha K alpha, the damping B, the factor of alphadot, and the rotary inertia R of attached
+    masses, the factor of alphaddot besides c8; `values` are their entries.
     `gravity` is the acceleration of free fall in the inertial frame. `order` is that of the displacements.
     With `DisplacementOrder.FULL` the tables are those of the family Phi_1 .. Phi_N, theta_1 .. theta_`fields`, and
     the field weights z_p_i_j give Psi_ij = sum z_p_i_j theta_p; see `motion.full_second_order`.
@@ -88,7 +89,7 @@ class Body:
     @cached_property
     def integrals(self) -> tuple[ModelConstant, ...]:
         """The shape integrals c1 to c8, entry by entry."""
-        apart = (Family.STIFFNESS, Family.DAMPING)
+        apart = (Family.STIFFNESS, Family.DAMPING, Family.ROTARY)
         return tuple(c for table in self.tables if table.family not in apart for c in self.values.constants(table))
 
     @cached_property
@@ -106,6 +107,11 @@ class Body:
         """The entries B_ij of the damping matrix, i <= j, in N s/m; empty if all of them vanish."""
         constants = self._constants(Family.DAMPING)
         return constants if any(not c.zero for c in constants) else ()
+
+    @cached_property
+    def rotary_inertia(self) -> tuple[ModelConstant, ...]:
+        """The entries R_ij of the rotary inertia of attached masses, i <= j, in kg; empty if there is none."""
+        return self._constants(Family.ROTARY)
 
     def table(self, family: Family) -> CoefficientTable:
         """The table of an integral."""

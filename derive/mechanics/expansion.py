@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import sympy as sp
@@ -13,7 +13,6 @@ from derive.mechanics.motion.body_motion import Motion
 from derive.mechanics.motion.full_second_order import DependentAmplitudes
 from derive.mechanics.motion.material_points import marker
 from derive.mechanics.sums import of_index
-from derive.mechanics.symbols import Family, pair
 from derive.mechanics.terms import (
     EquationOfMotion,
     Intermediate,
@@ -61,7 +60,8 @@ class ExpandedEquations:
 def constants_of(body: Body) -> tuple[ModelConstant, ...]:
     """The constants of a body with their values: mass, integrals, stiffness, damping, gravity, and those of points."""
     of_points = tuple(c for point in body.points for c in point.coefficients)
-    return (body.mass_constant, *body.integrals, *body.stiffness, *body.damping, *body.gravity, *of_points)
+    of_deformation = (*body.rotary_inertia, *body.stiffness, *body.damping)
+    return (body.mass_constant, *body.integrals, *of_deformation, *body.gravity, *of_points)
 
 
 def expand(body: Body) -> ExpandedEquations:
@@ -71,9 +71,13 @@ def expand(body: Body) -> ExpandedEquations:
     every = constants_of(body)
     needed = (*gravity_definitions(motion, body.gravity), *dependent.definitions, *_put_in(dependent, fields))
     composed, reasons = zeros.drop_definitions(needed, zeros.reasons_of(every))
-    strain = _strain_energy(motion, body.stiffness)
-    complete = (*dependent.projected(_inertia(fields)), *_elasticity(motion, strain), *_damping(motion, body.damping))
+    strain = _quadratic(body.stiffness, motion.alpha)
+    accelerations = tuple(row.a for row in motion.rows[len(motion.rows) - len(motion.alpha) :])
+    rotary = tuple(_products(motion, "rotary", "(10)", body.rotary_inertia, accelerations))
+    damping = tuple(_products(motion, "damping", "(13)", body.damping, motion.alphadot))
+    complete = (*dependent.projected(_inertia(fields)), *rotary, *_elasticity(motion, strain), *damping)
     complete += dependent.projected(_weight(fields)) if body.gravity else ()
+    spin = _quadratic(body.rotary_inertia, motion.alphadot)
     terms, vanished = zeros.drop_terms(complete, reasons)
 
     def total(expr: sp.Expr) -> sp.Expr:
@@ -88,7 +92,7 @@ def expand(body: Body) -> ExpandedEquations:
         vanished=tuple(v if v.reason else replace(v, reason=_identity(motion, v.term)) for v in vanished),
         mass=_mass_matrix(motion, terms),
         mass_zeros=_mass_zeros(motion, complete, reasons),
-        kinetic_energy=total(kinetic_energy(fields)),
+        kinetic_energy=total(kinetic_energy(fields)) + zeros.drop(spin, reasons),
         strain_energy=zeros.drop(strain, reasons),
         weight_energy=total(weight_energy(fields)) if body.gravity else None,
         linear_momentum=tuple(map(total, linear_momentum(fields))),
@@ -115,12 +119,13 @@ def _of_each_shape(motion: Motion, generic: tuple[Term, ...]) -> Iterator[Term]:
             yield replace(t, row=str(alpha), expr=motion.summed(of_index(t.expr, i)))
 
 
-def _strain_energy(motion: Motion, stiffness: tuple[ModelConstant, ...]) -> sp.Expr:
-    entries = {c.symbol for c in stiffness}
-    n = len(motion.alpha)
-    pairs = [(i, j, pair(Family.STIFFNESS, i + 1, j + 1)) for i in range(n) for j in range(i, n)]
-    weights = ((sp.S.Half if i == j else sp.S.One, i, j, k) for i, j, k in pairs if k in entries)
-    return sum((w * k * motion.alpha[i] * motion.alpha[j] for w, i, j, k in weights), sp.S.Zero)
+def _quadratic(entries: tuple[ModelConstant, ...], of: Sequence[sp.Symbol]) -> sp.Expr:
+    """The quadratic form 1/2 of . T of of a symmetric table that is given by its entries i <= j."""
+    total = sp.S.Zero
+    for c in entries:
+        i, j = (s - 1 for s in c.symbol.identity.shapes)
+        total += (sp.S.Half if i == j else sp.S.One) * c.symbol * of[i] * of[j]
+    return total
 
 
 def _elasticity(motion: Motion, strain: sp.Expr) -> tuple[Term, ...]:
@@ -129,17 +134,15 @@ def _elasticity(motion: Motion, strain: sp.Expr) -> tuple[Term, ...]:
     return tuple(Term(str(a), "elastic", "(13), (22)", force) for a, force in gradients if force != 0)
 
 
-def _damping(motion: Motion, damping: tuple[ModelConstant, ...]) -> tuple[Term, ...]:
-    """B alphadot."""
-    present = {c.symbol for c in damping}
-    shapes = range(1, len(motion.alpha) + 1)
-    result = []
-    for i in shapes:
-        entries = [pair(Family.DAMPING, i, j) for j in shapes]
-        pairs = zip(entries, motion.alphadot, strict=True)
-        force = sp.Add(*(b * rate for b, rate in pairs if b in present))
-        result += [Term(str(motion.alpha[i - 1]), "damping", "(13)", force)] if force != 0 else []
-    return tuple(result)
+def _products(
+    motion: Motion, name: str, equation: str, entries: tuple[ModelConstant, ...], of: Sequence[sp.Symbol]
+) -> Iterator[Term]:
+    """The product of a symmetric table with the velocities or accelerations of the amplitudes, term by term."""
+    half = _quadratic(entries, of)
+    for alpha, symbol in zip(motion.alpha, of, strict=True):
+        force = sp.expand(half.diff(symbol))
+        if force != 0:
+            yield Term(str(alpha), name, equation, force)
 
 
 def _weight(motion: Motion) -> tuple[Term, ...]:

@@ -18,7 +18,17 @@ from derive.mechanics.motion.body_motion import Motion
 from derive.mechanics.motion.material_points import indexed_marker
 from derive.mechanics.motion.planar import planar_sums
 from derive.mechanics.motion.spatial import spatial_sums
-from derive.mechanics.sums import ALPHA, ALPHADOT, IndexedSum, ModeSum, TableSum, canonical, exchanged, of_index
+from derive.mechanics.sums import (
+    ALPHA,
+    ALPHADDOT,
+    ALPHADOT,
+    IndexedSum,
+    ModeSum,
+    TableSum,
+    canonical,
+    exchanged,
+    of_index,
+)
 from derive.mechanics.symbols import Family, I, J, Symbol, amplitude, is_indexed, quantity
 from derive.mechanics.tables import CoefficientTable, TableKind, point_tables
 from derive.mechanics.terms import Coordinate, EquationOfMotion, Reason, Term
@@ -45,6 +55,20 @@ ELASTIC_SUMS = (
 DAMPING_SUMS = (
     IndexedSum(DAMPING_FORCE, None, ((ALPHADOT, quantity(Family.DAMPING, shapes=(I, J))),), "damping force"),
 )
+ROTARY, ROTARY_RATE = (quantity(Family.ROTARY_MOMENT, shapes=(I,), derivative=d) for d in (2, 1))
+ROTARY_PRODUCT = quantity(Family.ROTARY_PRODUCT)
+_R = quantity(Family.ROTARY, shapes=(I, J))
+ROTARY_SUMS = (
+    IndexedSum(ROTARY, None, ((ALPHADDOT, _R),), "moment of the rotary inertia"),
+    IndexedSum(ROTARY_RATE, None, ((ALPHADOT, _R),), "momentum of the rotary inertia"),
+    IndexedSum(
+        ROTARY_PRODUCT,
+        None,
+        ((ALPHADOT, quantity(Family.ROTARY_MOMENT, shapes=(J,), derivative=1)),),
+        "twice the energy of the rotary inertia",
+    ),
+)
+ROTARY_TERM = Term(SHAPE_ROW, "rotary", "(10)", ROTARY)
 ELASTIC_TERM = Term(SHAPE_ROW, "elastic", "(13), (22)", ELASTIC)
 DAMPING_TERM = Term(SHAPE_ROW, "damping", "(13)", DAMPING_FORCE)
 
@@ -63,6 +87,10 @@ def derive_body(body: Body, lowering: Lowering = "auto") -> Equations:
     sums = _Sums({t.family: t for t in body.tables}, {**reasons, **_zero_entries(body.tables)})
     indexed_sums = tuple(chain(*(planar_sums if planar else spatial_sums)(body.truncated)))
     forces: tuple[Term, ...] = ()
+    kinetic = kinetic_energy(motion)
+    if Family.ROTARY in families:
+        indexed_sums, forces = (*indexed_sums, *ROTARY_SUMS), (ROTARY_TERM,)
+        kinetic += ROTARY_PRODUCT / 2
     if Family.STIFFNESS in families:
         indexed_sums, forces = (*indexed_sums, *ELASTIC_SUMS[:1]), (*forces, ELASTIC_TERM)
     if Family.DAMPING in families:
@@ -101,7 +129,7 @@ def derive_body(body: Body, lowering: Lowering = "auto") -> Equations:
         vanished=tuple(v if v.reason else replace(v, reason=_identity(motion, v.term)) for v in vanished),
         mass=sp.ImmutableMatrix(0, 0, []),
         mass_zeros=(),
-        kinetic_energy=settled(kinetic_energy(motion)),
+        kinetic_energy=settled(kinetic),
         strain_energy=settled(STRAIN / 2) if Family.STIFFNESS in families else sp.S.Zero,
         weight_energy=settled(weight_energy(motion)) if body.gravity else None,
         linear_momentum=tuple(settled(p) for p in linear_momentum(motion)),

@@ -26,6 +26,7 @@ PARITY = {
     Family.POINT_SECOND: 1,
     Family.STIFFNESS: 1,
     Family.DAMPING: 1,
+    Family.ROTARY: 1,
 }
 """The sign by which an entry changes when i and j are exchanged; only the entries with i <= j have names."""
 

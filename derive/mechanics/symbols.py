@@ -71,6 +71,7 @@ class Family(Enum):
     FIELD_WEIGHT = "z", Kind.INTEGRAL
     STIFFNESS = "K", Kind.INTEGRAL
     DAMPING = "B", Kind.INTEGRAL
+    ROTARY = "R", Kind.INTEGRAL
     D1 = "d1", Kind.MOMENT
     D2 = "D2", Kind.MOMENT
     D3 = "d3", Kind.MOMENT
@@ -91,6 +92,8 @@ class Family(Enum):
     RATE_PRODUCT = "c8dotdot", Kind.MOMENT
     ELASTIC = "elastic", Kind.MOMENT
     DAMPING_FORCE = "damping", Kind.MOMENT
+    ROTARY_MOMENT = "rotary", Kind.MOMENT
+    ROTARY_PRODUCT = "rotarydotdot", Kind.MOMENT
     STRAIN = "strain", Kind.MOMENT
     COSINE = "cos_phi", Kind.ROTATION
     SINE = "sin_phi", Kind.ROTATION

@@ -29,6 +29,7 @@ INDICES = {
     Family.FIELD_WEIGHT: 3,
     Family.STIFFNESS: 2,
     Family.DAMPING: 2,
+    Family.ROTARY: 2,
     Family.POINT_POSITION: 0,
     Family.POINT_SHAPE: 1,
     Family.POINT_SECOND: 2,
@@ -157,10 +158,11 @@ PLANAR_DOCS = {
     Family.FIELD_WEIGHT: ("part of theta_p in Psi_ij", "1/m"),
     Family.STIFFNESS: ("stiffness", "N/m"),
     Family.DAMPING: ("damping", "N s/m"),
+    Family.ROTARY: ("rotary inertia of attached masses", "kg"),
 }
 """The tables of a planar body: what they are, their units. C5 is a table of its own at second order alone."""
 
-OPTIONAL = (Family.C5, Family.C9, Family.C10, Family.FIELD_WEIGHT, Family.DAMPING)
+OPTIONAL = (Family.C5, Family.C9, Family.C10, Family.FIELD_WEIGHT, Family.DAMPING, Family.ROTARY)
 """Tables that not every body has."""
 
 

@@ -9,6 +9,8 @@ from typing import Any, assert_never
 from derive.errors import Problem, SpecError, quoted
 from derive.mechanics.multibody.forces.registry import FORCES
 from derive.spec.model.body import (
+    AttachedMass,
+    BeamDamping,
     BodyFrame,
     Damping,
     DisplacementOrder,
@@ -125,6 +127,7 @@ def _beam(beam: PlanarBeam) -> Data:
         gravity=beam.gravity,
         start=beam.start,
         damping=as_table(beam.damping),
+        masses={mass.name: mass for mass in beam.masses} or None,
         **_order(beam.order),
     )
 
@@ -238,6 +241,8 @@ _CONVERT: Mapping[type, Callable[[Any], object]] = {
     Frame: lambda frame: without_none(kind=frame.kind, at=frame.at),
     BodyFrame: lambda frame: without_none(kind=frame.kind, node=frame.node, around=frame.around or None),
     Damping: lambda damping: {key: value for key, value in asdict(damping).items() if value} or None,
+    BeamDamping: lambda damping: {key: value for key, value in vars(damping).items() if value} or None,
+    AttachedMass: lambda mass: without_none(at=mass.at, mass=mass.mass, inertia=mass.inertia or None),
     Marker: lambda marker: marker.at,
     NodeMarker: lambda marker: marker.node,
     PointMarker: lambda marker: [marker.x, marker.y],

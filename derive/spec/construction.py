@@ -17,6 +17,8 @@ from derive.spec.model.body import (
     DEFAULT_FRAME,
     DEFAULT_LENGTH,
     DEFAULT_MASS,
+    AttachedMass,
+    BeamDamping,
     BodyFrame,
     Damping,
     Frame,
@@ -59,9 +61,10 @@ def planar_beam(
     orthogonal: bool | None = None,
     ends: str | None = None,
     gravity: Sequence[Constant] | None = None,
-    damping: Mapping[str, Number] | Damping | None = None,
+    damping: Mapping[str, Constant] | BeamDamping | Damping | None = None,
     order: int = 1,
     terms: str | None = None,
+    masses: Mapping[str, Table] | Sequence[AttachedMass] = (),
 ) -> PlanarBeam:
     """A uniform slender beam that moves in a plane.
 
@@ -69,13 +72,16 @@ def planar_beam(
     "given", or a Frame; mass (kg), length (m) and bending_stiffness (N m^2): numbers or parameters, where a float is
     the decimal it is printed as; markers: names and places xi from -1 to 1; ends: "pinned" or "free", what the shape
     functions fulfil at both ends as well; gravity: two components, m/s^2;
-    damping: { ratio = ... } of critical in each mode, or factors of the mass (1/s) and stiffness (s) matrices; order: 1
-    as in the paper, or 2, where the beam shortens as it bends; terms: "truncated" or "full", for order 2.
+    damping: { ratio = ... } of critical in each free mode, or factors of the mass (1/s) and stiffness (s) matrices;
+    order: 1 as in the paper, or 2, where the beam shortens as it bends; terms: "truncated" or "full", for order 2;
+    masses: by name tables of `at` (xi), `mass` (kg) and `inertia` (kg m^2), or AttachedMass values.
     """
     keys = {"ansatz": ansatz, "frame": frame, "mass": mass, "length": length, "bending_stiffness": bending_stiffness}
+    attached = masses if isinstance(masses, Mapping) else {m.name: m for m in masses}
     optional = {"orthogonal": orthogonal, "ends": ends, "gravity": gravity, "damping": as_table(damping)}
     optional |= {"terms": terms, "order": None if order == 1 else order}
-    result = _validate({"name": name, "beam": {**keys, "markers": markers or {}, **without_none(**optional)}})
+    parts = {"markers": markers or {}, "masses": as_table(attached), **without_none(**optional)}
+    result = _validate({"name": name, "beam": {**keys, **parts}})
     assert isinstance(result, PlanarBeam)
     return result
 

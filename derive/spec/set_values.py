@@ -15,9 +15,8 @@ from derive.errors import Problem, SpecError, printable, quoted
 from derive.spec.as_tables import specification_tables
 from derive.spec.checks.name_clashes import taken_names
 from derive.spec.checks.scene_data import SceneData
-from derive.spec.checks.scene_parameters import scene_constants
+from derive.spec.checks.scene_parameters import beam_constants, scene_constants
 from derive.spec.construction import validated_tables
-from derive.spec.model.body import BEAM_QUANTITIES
 from derive.spec.model.scene import Scene, Specification
 from derive.spec.model.time_function import TimeFunction
 from derive.spec.parsing.faults import KeyPath, did_you_mean, path_text
@@ -135,7 +134,8 @@ def _constants(spec: Specification, tables: Mapping[str, Any]) -> set[KeyPath]:
     if isinstance(spec, Scene):
         return {constant.path for constant in scene_constants(SceneData(tables))}
     kind = "beam" if "beam" in tables else "body"
-    return {*((kind, key) for key in BEAM_QUANTITIES), *((kind, "gravity", i) for i in range(3))}
+    of_beam = {constant.path for constant in beam_constants(("beam",), tables["beam"])} if kind == "beam" else set()
+    return of_beam | {(kind, "gravity", i) for i in range(3)}
 
 
 def _names(spec: Specification, tables: Mapping[str, Any]) -> set[str]:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+import operator
 from fractions import Fraction
 from typing import Any
 
@@ -9,10 +11,12 @@ import casadi as ca
 import pytest
 import sympy as sp
 
-from derive.ir.expressions import Number, Operation, Operator, ScalarRef
+from derive.ir.expressions import Expr, Number, Operation, Operator, ScalarRef
+from derive.ir.statements import Let, Store
 from derive.lowering.flat.casadi_instructions import read_expressions
 from derive.lowering.flat.casadi_symbols import Symbols
 from derive.lowering.flat.graph import Graph
+from derive.lowering.flat.schedule import LONGEST, OutputValue, Step, schedule
 from derive.lowering.flat.setup_constants import Constants
 
 X, Y, C, D = sp.symbols("x y c d")
@@ -34,6 +38,43 @@ def coefficients() -> Constants:
 
 def num(value: int | Fraction) -> Number:
     return Number(Fraction(value))
+
+
+def test_a_sum_of_thousands_of_terms_becomes_several_statements() -> None:
+    """No expression is so deep that what reads it recursively, such as this package or a compiler, would give up."""
+    terms, scale = 3000, {"x": 0.25, "y": 3.0}
+    symbols = Symbols(NONE, NONE)
+    for symbol in (X, Y):
+        symbols.input(symbol, ScalarRef(symbol.name))
+    total = ca.SX(0)
+    for k in range(1, terms):
+        total = total + ca.sin(k * symbols(X)) * symbols(Y)
+    step = Step("f", "", "", (OutputValue("f", 0, total),))
+    (section,) = schedule(Graph(coefficients()), symbols, (), (step,))
+    known: dict[str, float] = dict(scale)
+    for statement in section.body:
+        assert isinstance(statement, Let | Store) and depth(statement.expr) <= LONGEST
+        known[statement.name if isinstance(statement, Let) else "f"] = value(statement.expr, known)
+    expected = sum(math.sin(k * scale["x"]) for k in range(1, terms)) * scale["y"]
+    assert known["f"] == pytest.approx(expected, rel=1e-12)
+
+
+def depth(expr: Expr) -> int:
+    """How many operations contain each other."""
+    return 1 + max(map(depth, expr.args)) if isinstance(expr, Operation) else 0
+
+
+def value(expr: Expr, known: dict[str, float]) -> float:
+    """The number that an expression of a few operators is."""
+    match expr:
+        case Number(number):
+            return float(number)
+        case ScalarRef(name):
+            return known[name]
+        case Operation(kind, args):
+            functions = {Operator.ADD: operator.add, Operator.MUL: operator.mul, Operator.SIN: math.sin}
+            return functions[kind](*(value(arg, known) for arg in args))
+    raise AssertionError(expr)
 
 
 @pytest.mark.parametrize(

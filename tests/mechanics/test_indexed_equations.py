@@ -26,7 +26,17 @@ def values(body: Body) -> dict[sp.Symbol, sp.Expr]:
 
 
 def evaluated(equations: Equations, row: str, shape: int) -> sp.Expr:
-    """A row of the indexed form for one shape: every sum is carried out by hand, every constant has its value."""
+    """A row of the indexed form for one shape."""
+    return carried_out(equations, equations.sum_of(row), shape)
+
+
+def evaluated_energy(equations: Equations) -> sp.Expr:
+    """The kinetic energy of the indexed form."""
+    return carried_out(equations, equations.kinetic_energy, 1)
+
+
+def carried_out(equations: Equations, of_form: sp.Expr, shape: int) -> sp.Expr:
+    """An expression of the indexed form for one shape: sums are carried out by hand, constants have their values."""
     assert equations.body is not None
     known, shapes = values(equations.body), range(1, equations.modes + 1)
     sums: dict[sp.Symbol, sp.Expr] = {}
@@ -47,7 +57,7 @@ def evaluated(equations: Equations, row: str, shape: int) -> sp.Expr:
             sums[at(c.symbol, i)] = sp.expand(of(c.offset, i) + sp.Add(*products).xreplace(known))
     for total in equations.mode_sums:
         sums[total.symbol] = sp.expand(of(total.offset, 1) + sp.Add(*(of(total.term, i) for i in shapes)))
-    expr = of(equations.sum_of(row), shape)
+    expr = of(of_form, shape)
     for definition in reversed(equations.definitions):
         expr = expr.xreplace({definition.symbol: definition.expr})
     return sp.expand(expr)
@@ -55,10 +65,10 @@ def evaluated(equations: Equations, row: str, shape: int) -> sp.Expr:
 
 @pytest.mark.parametrize("frame", FRAMES)
 @pytest.mark.parametrize("n", [1, 2, 3])
-def test_sums_of_a_beam_are_the_expanded_ones(frame: str, n: int) -> None:
-    spec = derive.planar_beam(
-        "beam", ansatz=["1", "xi", *(f"xi^{k}" for k in range(2, n + 2))], frame=FRAMES[frame], orthogonal=False
-    )
+@pytest.mark.parametrize("masses", [{}, {"tip": {"at": 1, "mass": 2, "inertia": 3}}], ids=["bare", "with a mass"])
+def test_sums_of_a_beam_are_the_expanded_ones(frame: str, n: int, masses: dict) -> None:
+    shapes = ["1", "xi", *(f"xi^{k}" for k in range(2, n + 2))]
+    spec = derive.planar_beam("beam", ansatz=shapes, frame=FRAMES[frame], orthogonal=False, masses=masses)
     equations = derive.derive(spec)
     assert equations.indexed and not equations.expanded().indexed
     for row in ("c1", "c2", "phi"):
@@ -66,6 +76,8 @@ def test_sums_of_a_beam_are_the_expanded_ones(frame: str, n: int) -> None:
     for i in range(1, n + 1):
         assert sp.expand(evaluated(equations, "alpha_i", i) - equations.row(f"alpha{i}")) == 0
         assert amplitude(i, 2) in equations.row(f"alpha{i}").free_symbols
+    sums, expanded = (evaluated_energy(equations), equations.expanded().kinetic_energy)
+    assert sp.expand(sums - equations.expanded().substituted(expanded)) == 0
 
 
 def test_the_size_of_the_indexed_form_does_not_depend_on_the_number_of_modes() -> None:

@@ -6,7 +6,7 @@ Which coordinates and constraints there are it is told by their names; what has 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any
 
@@ -98,12 +98,16 @@ class Spot:
     shapes: Sequence[Real] = ()
     slopes: Sequence[Real] = ()
     columns: Sequence[int] = ()
+    arm: Real = 0
 
     def place(self, q: Sequence[Real]) -> Point:
-        """r with the deflection."""
+        """r with the deflection, at the end of an arm that stands on the section and turns with it."""
         if not self.shapes:
             return self.r
-        return self.r[0], self.r[1] + sum(a * q[j] for a, j in zip(self.shapes, self.columns, strict=True))
+        x, y = self.r[0], self.r[1] + sum(a * q[j] for a, j in zip(self.shapes, self.columns, strict=True))
+        if not self.arm:
+            return x, y
+        return x - self.arm * mpmath.sin(self.slope(q)), y + self.arm * mpmath.cos(self.slope(q))
 
     def slope(self, q: Sequence[Real]) -> Real:
         """dv/dx."""
@@ -156,6 +160,13 @@ class Kinematics:
         found = [
             (piece.mass * w / 2, self._in_piece(piece, xi)) for piece in self.pieces.values() for xi, w in gauss(DIGITS)
         ]
+        self.on_axes = len(found)  # what follows are attached masses and rigid bodies
+        for name, pieces in self.rods.items():
+            rod = next(b for b in self.scene.bodies if b.name == name)
+            for m in rod.beam.masses:
+                mass, inertia = self.number(m.mass), self.number(m.inertia)
+                spot, arm = self._in_rod(pieces, m.at), mpmath.sqrt(inertia / mass)
+                found += [(mass / 2, replace(spot, arm=side * arm)) for side in (1, -1)]
         for name, body in self.rigid.items():
             mass, inertia = self.number(body.mass), self.number(body.inertia)
             if mass:
@@ -165,6 +176,13 @@ class Kinematics:
 
     def _in_piece(self, piece: Piece, xi: Real) -> Spot:
         return Spot(piece.name, (xi * piece.length / 2, mpmath.mpf(0)), *piece.basis(xi), piece.columns)
+
+    def _in_rod(self, pieces: Sequence[Piece], at_xi: Any) -> Spot:
+        """The point of a rod at xi; where two pieces meet, that of the left one."""
+        along = (at_xi + 1) / 2 * len(pieces)
+        k = next(k for k in range(len(pieces)) if along <= k + 1)
+        xi = 2 * (along - k) - 1
+        return self._in_piece(pieces[k], mpmath.mpf(xi.numerator) / xi.denominator)
 
     def _places(self) -> set[MarkerRef]:
         """All places that anybody speaks of."""
@@ -177,10 +195,7 @@ class Kinematics:
         if place.body in self.rods:
             pieces = self.rods[place.body]
             rod = next(b for b in self.scene.bodies if b.name == place.body)
-            along = (next(m.at for m in rod.beam.markers if m.name == place.marker) + 1) / 2 * len(pieces)
-            k = next(k for k in range(len(pieces)) if along <= k + 1)
-            xi = 2 * (along - k) - 1
-            return self._in_piece(pieces[k], mpmath.mpf(xi.numerator) / xi.denominator)
+            return self._in_rod(pieces, next(m.at for m in rod.beam.markers if m.name == place.marker))
         points = self.scene.ground if place.body == GROUND else self.rigid[place.body].markers
         point = next(m for m in points if m.name == place.marker)
         return Spot(place.body, (self.number(point.x), self.number(point.y)))

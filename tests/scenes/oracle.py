@@ -111,11 +111,15 @@ class Oracle(Kinematics):
             for piece in self.rods[rod.name]:
                 n = len(piece.columns)
                 c8, K = mpmath.zeros(n), mpmath.zeros(n)
+                means, turns = mpmath.zeros(n, 1), mpmath.zeros(n, 1)
                 for xi, w in gauss(DIGITS):
                     dx, (phi, _) = w * piece.length / 2, piece.basis(xi)
                     bend = [at(s, xi, 2) * 4 / piece.length**2 for s in piece.shapes]
+                    means += w / 2 * mpmath.matrix(phi)
+                    turns += w / 2 * xi * mpmath.matrix(phi)
                     c8 += dx * piece.mass / piece.length * mpmath.matrix(phi) * mpmath.matrix(phi).T
                     K += dx * piece.bending * mpmath.matrix(bend) * mpmath.matrix(bend).T
+                c8 -= piece.mass * (means * means.T + 3 * turns * turns.T)  # 1 and sqrt(3) xi are orthonormal
                 B = (
                     a * c8
                     + b * K
@@ -130,7 +134,7 @@ class Oracle(Kinematics):
         total, at_pose = np.array([mpmath.mpf(0)] * J.shape[1], dtype=object), self.poses(t, q)
         for i, (mass, spot) in enumerate(self.cloud):
             rod = next((b for b in self.scene.bodies if spot.body in (p.name for p in self.rods.get(b.name, []))), None)
-            if rod is None:
+            if rod is None or i >= self.on_axes:
                 continue
             pieces = self.rods[rod.name]
             k = next(k for k, piece in enumerate(pieces) if piece.name == spot.body)

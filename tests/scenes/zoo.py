@@ -525,6 +525,9 @@ value = "piecewise(t < 0.5, sqrt(2 - t), t < Te, A, atan2(t, 2 - t))"
 LOADS = """
 name = "loads"
 
+[scene]
+gravity = [0.3, -9.81]
+
 [ground.markers]
 a = [0.1, -0.2]
 
@@ -538,6 +541,10 @@ length = { symbol = "l", default = 1.2 }
 bending_stiffness = 9
 damping = { mass = 0.3, stiffness = 0.01 }
 markers = { left = -1, right = 1 }
+
+[bodies.rod.masses]
+first = { at = -0.2, mass = { symbol = "m1", default = 0.3 }, inertia = { symbol = "J1", default = 0.02 } }
+last = { at = 1, mass = 0.2 }
 
 [bodies.rod.loads.wind]
 force = ["1 - xi", "-10*(1 - xi^2)"]
@@ -553,8 +560,10 @@ ansatz = ["1", "xi", "xi^2", "xi^3", "xi^4"]
 mass = 0.8
 length = 0.9
 bending_stiffness = 5
-damping = { ratio = 0.02 }
+damping = { ratio = { symbol = "zeta", default = 0.02 } }
 markers = { left = -1, right = 1 }
+masses.head = { at = 1, mass = 0.25, inertia = 0.03 }
+masses.collar = { at = -0.5, mass = { symbol = "m2", default = 0.4 } }
 loads = { couple = { force = [0, "xi"] }, push = { force = ["xi^2", 2], time = "t", frame = "body" } }
 
 [joints.pivot]

@@ -28,7 +28,10 @@ UNIT = (
 NOTHING = "b.toml: beam: this key is missing; write [beam], [body] for a body in space, or [bodies.rod] for a scene"
 KINDS = 'the frame is one of "mean", "point", "chord", "tangent", "given"'
 END = 'a tangent frame needs the end it is at: { kind = "tangent", at = -1 } or at = 1'
-KEYS = "ansatz, frame, orthogonal, mass, length, bending_stiffness, damping, markers, order, terms, gravity, start"
+KEYS = (
+    "ansatz, frame, orthogonal, ends, mass, length, bending_stiffness, damping, masses, markers, order, terms, "
+    "gravity, start"
+)
 
 
 @pytest.mark.parametrize(

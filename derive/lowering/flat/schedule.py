@@ -63,6 +63,9 @@ class Step:
     items: tuple[StepItem, ...]
 
 
+LONGEST = 300
+"""How many operations of an expression may contain each other; values beyond have statements of their own."""
+
 LocatedStep = tuple[Step, list[tuple[StepItem, int]]]
 """A step, and its items with their graph nodes."""
 
@@ -147,6 +150,8 @@ class _Writer:
         self.uses = _uses(graph, [node for item, node in items if not isinstance(item, NamedValue)])
         self.names = {node: item.name for item, node in reversed(items) if isinstance(item, NamedValue)}
         self.divisors = _divisors(graph, self.uses)
+        self.interrupted: frozenset[int] = frozenset()
+        self.interrupted = frozenset(self._too_deep())
         self.written: dict[int, str] = {}
         self.inverses: dict[int, str] = {}
 
@@ -154,6 +159,8 @@ class _Writer:
         """The statements of a section."""
         out: list[Statement] = []
         for item, node in items:
+            for below in self._interrupted_below(node):
+                self._expr(below, out)
             if isinstance(item, NamedValue):
                 if self.uses[node]:
                     self._expr(node, out)
@@ -205,7 +212,30 @@ class _Writer:
     def _is_inline(self, node: int) -> bool:
         """Whether a node needs no statement: a condition, or an operation without a name that has a single use."""
         n = self.graph.nodes[node]
-        return n.leaf is None and node not in self.names and (self.uses[node] < 2 or n.kind in CONDITIONS)
+        if n.leaf is not None or node in self.names or node in self.interrupted:
+            return False
+        return self.uses[node] < 2 or n.kind in CONDITIONS
+
+    def _too_deep(self) -> Iterator[int]:
+        """The nodes at which an expression, such as a sum of a thousand terms, becomes deeper than LONGEST."""
+        depths: dict[int, int] = {}
+        for node, n in enumerate(self.graph.nodes):
+            depth = 1 + max((depths.get(arg, 0) for arg in n.args), default=0)
+            if self._is_inline(node) and depth < LONGEST:
+                depths[node] = depth
+            elif self._is_inline(node) and n.kind not in CONDITIONS:
+                yield node
+
+    def _interrupted_below(self, node: int) -> list[int]:
+        """Those of the interrupted nodes that a value follows from, operands first; they are written one by one."""
+        if not self.interrupted:
+            return []
+        known, waiting = {node}, [node]
+        while waiting:
+            args = self.graph.nodes[waiting.pop()].args
+            waiting += [arg for arg in args if arg not in known]
+            known.update(args)
+        return sorted((known & self.interrupted) - {*self.written})
 
     def _inverse(self, node: int, out: list[Statement]) -> Expr:
         """The inverse of a divisor that several quotients share, computed by a single division."""

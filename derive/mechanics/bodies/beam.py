@@ -6,13 +6,20 @@ Phi_i = phi_i(xi) e2 (25). The rotary inertia of the cross-section is neglected,
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import assert_never
 
 import sympy as sp
 
 from derive.mechanics import quantity
-from derive.mechanics.bodies.beam_damping import beam_damping
+from derive.mechanics.bodies.attached_masses import (
+    IntegralsWithMasses,
+    SecondOrderWithMasses,
+    located_masses,
+    mass_parameters,
+    rotary_inertia,
+)
+from derive.mechanics.bodies.beam_damping import beam_damping, damping_parameters, retardation
 from derive.mechanics.bodies.beam_integrals import ORTHOGONAL, PARITY, BeamField, BeamIntegrals, is_odd
 from derive.mechanics.bodies.foreshortening import (
     Foreshortening,
@@ -27,7 +34,7 @@ from derive.mechanics.equations import Equations
 from derive.mechanics.indexed_equations import derive_body
 from derive.mechanics.motion.material_points import MaterialPoint
 from derive.mechanics.symbols import Family, Identity, Symbol, pair
-from derive.mechanics.terms import ModelConstant
+from derive.mechanics.terms import ModelConstant, ParameterSymbol
 from derive.spec.model.body import DisplacementOrder, Marker, PlanarBeam, Polynomial
 from derive.spec.model.quantity import Parameter
 
@@ -41,51 +48,87 @@ def derive(beam: PlanarBeam) -> Equations:
 
 
 def beam_body(beam: PlanarBeam, pieces: int = 1) -> Body:
-    """The body of a planar beam, or of each of its equal pieces, with its integrals. Raises ConditionError when the
-    ansatz does not fit the frame."""
+    """The body of a planar beam with its attached masses, or of each of its equal pieces, with its integrals.
+
+    Markers and masses of a piece are those of `beam`, with positions in the piece. Raises ConditionError when the
+    ansatz does not fit the frame.
+    """
     shapes = assumed_shapes(beam.deflection)
     mass, length, bending = (quantity.value(q) for q in (beam.mass, beam.length, beam.bending_stiffness))
     mass, length = mass / pieces, length / pieces
     gravity, gravity_parameters = quantity.gravity(beam.gravity)
-    docs = {"mass": "mass of the beam", "length": "length of the beam", "bending_stiffness": "bending stiffness EI"}
     lateral = tuple(exact_polynomial(shape) for shape in shapes)
     family = tuple(BeamField(shape, 2) for shape in lateral)
     mean = beam.frame.kind == "mean"
-    integrals = coefficients(BeamIntegrals(family, mass, length, mean), len(shapes))
-    stiffness = _stiffness(shapes, length, bending)
-    damping = beam_damping(beam.damping, integrals, stiffness, mass, bending / length**3) if beam.damping else ()
+    masses = located_masses(beam.masses, lateral, length)
+
+    def of_fields(members: tuple[BeamField, ...]) -> tuple[ModelConstant, ...]:
+        of_beam = BeamIntegrals(members, mass, length, mean)
+        return coefficients(IntegralsWithMasses(of_beam, masses) if masses else of_beam, len(members))
+
+    integrals = of_fields(family)
     fields: tuple[sp.Poly, ...] = ()
     second = Foreshortening(lateral, beam.frame, mass, length)
     match beam.order:
         case DisplacementOrder.FIRST_ORDER:
             pass
         case DisplacementOrder.TRUNCATED:
-            integrals += second_order_coefficients(second, integrals, len(shapes))
+            of_second = SecondOrderWithMasses(second, masses) if masses else second
+            integrals += second_order_coefficients(of_second, integrals, len(shapes))
         case DisplacementOrder.FULL:
             fields = second.fields
             family += tuple(BeamField(field, 1) for field in fields)
-            of_family = coefficients(BeamIntegrals(family, mass, length, mean), len(family))
-            integrals = of_family + field_weights(second, fields)
+            integrals = of_fields(family) + field_weights(second, fields)
         case _ as never:
             assert_never(never)
+    carried = f", with the attached masses {', '.join(m.name for m in masses)}" if masses else ""
     return planar_body(
         name=beam.name,
-        doc=f"free planar beam, {beam.frame.kind} frame, shapes {', '.join(map(shape_text, shapes))}",
+        doc=f"free planar beam, {beam.frame.kind} frame, shapes {', '.join(map(shape_text, shapes))}{carried}",
         frame_doc="X = xi l/2 e1 (24), so c is where the centre of the undeformed beam lies in the floating frame.",
         modes=len(shapes),
-        mass=mass,
-        constants=(*integrals, *stiffness, *damping),
+        mass=sp.Add(mass, *(m.mass for m in masses)),
+        constants=(
+            *integrals,
+            *rotary_inertia(masses, len(shapes)),
+            *_stiffness(shapes, length, bending),
+            *damping_constants(beam, pieces),
+        ),
         points=tuple(beam_point(marker, beam, pieces) for marker in beam.markers),
-        parameters=tuple(
-            quantity.parameter(getattr(beam, field), doc)
-            for field, doc in docs.items()
-            if isinstance(getattr(beam, field), Parameter)
-        )
-        + gravity_parameters,
+        parameters=(*_parameters(beam), *mass_parameters(beam), *damping_parameters(beam), *gravity_parameters),
         gravity=gravity,
         order=beam.order,
         fields=len(fields),
     )
+
+
+def _parameters(beam: PlanarBeam) -> Iterator[ParameterSymbol]:
+    """The run-time parameters of mass, length and bending stiffness."""
+    docs = {"mass": "mass of the beam", "length": "length of the beam", "bending_stiffness": "bending stiffness EI"}
+    for field, doc in docs.items():
+        if isinstance(value := getattr(beam, field), Parameter):
+            yield quantity.parameter(value, doc)
+
+
+def damping_constants(beam: PlanarBeam, pieces: int = 1) -> tuple[ModelConstant, ...]:
+    """The entries of the damping matrix of a beam, or of its equal pieces; none without damping."""
+    if beam.damping is None:
+        return ()
+    mass, length, bending = (quantity.value(q) for q in (beam.mass, beam.length, beam.bending_stiffness))
+    mass, length = mass / pieces, length / pieces
+    shapes = assumed_shapes(beam.deflection)
+    family = tuple(BeamField(exact_polynomial(shape), 2) for shape in shapes)
+    integrals = coefficients(BeamIntegrals(family, mass, length, beam.frame.kind == "mean"), len(shapes))
+    stiffness = _stiffness(shapes, length, bending)
+    return beam_damping(beam.damping, integrals, stiffness, mass, bending / length**3)
+
+
+def retardation_times(beam: PlanarBeam, pieces: int = 1) -> sp.Matrix:
+    """K^-1 B (s) of a beam with damping, or of its equal pieces; see `retardation`."""
+    length, bending = (quantity.value(q) for q in (beam.length, beam.bending_stiffness))
+    shapes = assumed_shapes(beam.deflection)
+    unit = bending / (length / pieces) ** 3
+    return retardation(_stiffness(shapes, length / pieces, bending), damping_constants(beam, pieces), unit)
 
 
 def section_rotations(marker: Marker, beam: PlanarBeam, pieces: int = 1) -> tuple[ModelConstant, ...]:

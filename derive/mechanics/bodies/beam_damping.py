@@ -1,16 +1,23 @@
-"""The damping matrix B of a planar beam: proportional to c8 and K, or a fraction of critical damping in each mode."""
+"""The damping matrix B of a planar beam: proportional to mass and stiffness, or a fraction of critical in each mode.
+
+The deformation is damped, whatever the frame that it is measured from. Modes and mass matrix are therefore those of the
+deformation without the rigid motion in it, which is that of the mean frame: c8_ij - c2_i c2_j/m - c6_i c6_j/C3.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 
 import mpmath
 import sympy as sp
 
+from derive.mechanics import quantity
 from derive.mechanics.quantity import rounded
 from derive.mechanics.symbols import Family, identity, pair
-from derive.mechanics.terms import ModelConstant
-from derive.spec.model.body import Damping
+from derive.mechanics.symbols import quantity as quantity_symbol
+from derive.mechanics.terms import ModelConstant, ParameterSymbol
+from derive.spec.model.body import BeamDamping, PlanarBeam
+from derive.spec.model.quantity import Parameter
 
 DIGITS = 60
 """Digits of the modes, whose results are rounded to doubles: the same on any machine."""
@@ -18,9 +25,19 @@ DIGITS = 60
 NEGLIGIBLE = mpmath.mpf(10) ** -40
 UNCOUPLED = "these shapes (the modes that they are part of are damped alone)"
 
+DAMPING_DOCS = {
+    "ratio": "damping ratio",
+    "mass": "factor of the mass in the damping",
+    "stiffness": "factor of the stiffness in the damping",
+}
+"""What the constants of BeamDamping are."""
+
+Numbers = Mapping[tuple[int, int], sp.Rational]
+"""The entries (i, j), i <= j, of a symmetric matrix."""
+
 
 def beam_damping(
-    damping: Damping,
+    damping: BeamDamping,
     integrals: tuple[ModelConstant, ...],
     stiffness: tuple[ModelConstant, ...],
     mass: sp.Expr,
@@ -28,25 +45,71 @@ def beam_damping(
 ) -> tuple[ModelConstant, ...]:
     """The entries B_ij, i <= j, in N s/m, with the reasons of those that vanish.
 
-    mass: that of the beam, kg; bending: EI/l^3, N/m. Proportional damping is exact. In B = 2 ratio c8 (c8^-1 K)^(1/2)
-    every mode of c8 and K has the ratio; the root is one of numbers, since c8/mass and K/bending are numbers.
+    integrals: those of the beam alone, without attached masses; mass: that of the beam, kg; bending: EI/l^3, N/m.
+    Proportional damping is exact. In B = 2 ratio c8 (c8^-1 K)^(1/2) every mode of c8 and K has the ratio; the root is
+    one of numbers, since c8/mass and K/bending are numbers.
     """
-    masses = {_shapes(c): c for c in integrals if identity(c.symbol).family is Family.C8}
-    stiffnesses = {_shapes(c): c for c in stiffness}
-    roots: Mapping[tuple[int, int], sp.Rational] = {}
-    if damping.ratio:
-        of_mass = {key: sp.Rational(c.value / mass) for key, c in masses.items()}
-        roots = _roots(of_mass, {key: sp.Rational(c.value / bending) for key, c in stiffnesses.items()})
+    ratio, of_mass, of_stiffness = (
+        quantity.value(x, positive=False) for x in (damping.ratio, damping.mass, damping.stiffness)
+    )
+    masses = _deforming_mass(integrals, mass)
+    stiffnesses = _numbers(stiffness, bending)
+    roots: Numbers = _roots(masses, stiffnesses) if ratio != 0 else {}
     number, symbols = sp.expand(mass * bending).as_coeff_Mul()
     unit = rounded(sp.sqrt(number)) * sp.sqrt(symbols)  # SymPy would keep an irrational factor such as sqrt(2)
     result = []
-    for key, entry in stiffnesses.items():
-        value = sp.Rational(damping.mass) * masses[key].value + sp.Rational(damping.stiffness) * entry.value
-        value += 2 * sp.Rational(damping.ratio) * unit * roots.get(key, sp.S.Zero)
-        zero = None if value != 0 else UNCOUPLED if roots else entry.zero or masses[key].zero
+    for entry in stiffness:
+        key = _shapes(entry)
+        value = of_mass * masses[key] * mass + of_stiffness * entry.value
+        value += 2 * ratio * unit * roots.get(key, sp.S.Zero)
+        zero = None if value != 0 else UNCOUPLED if roots else entry.zero or UNCOUPLED
         doc = f"damping of modes {key[0]} and {key[1]}"
         result.append(ModelConstant(pair(Family.DAMPING, *key), rounded(value), "(13)", doc, "N s/m", zero))
     return tuple(result)
+
+
+def damping_parameters(beam: PlanarBeam) -> Iterator[ParameterSymbol]:
+    """The run-time parameters of the damping of a beam."""
+    for key, value in vars(beam.damping).items() if beam.damping else ():
+        if isinstance(value, Parameter):
+            yield quantity.parameter(value, f"{DAMPING_DOCS[key]} of the beam", positive=False)
+
+
+def retardation(
+    stiffness: tuple[ModelConstant, ...], damping: tuple[ModelConstant, ...], bending: sp.Expr
+) -> sp.Matrix:
+    """K^-1 B (s): the amplitudes whose elastic forces are the damping forces of given velocities.
+
+    Of proportional damping it is the factor of the stiffness, the retardation time of the material, times the unit
+    matrix, if that of the mass is zero.
+    """
+    K, B = _symmetric(_numbers(stiffness, bending)), _symmetric({_shapes(c): c.value / bending for c in damping})
+    return (K.inv() * B).expand()
+
+
+def _deforming_mass(integrals: tuple[ModelConstant, ...], mass: sp.Expr) -> Numbers:
+    """The mass matrix of the deformation without its rigid motion, over the mass of a beam with its centre in O."""
+    known = {c.symbol: c.value for c in integrals}
+    inertia = known[quantity_symbol(Family.C3)]
+
+    def displaced(i: int) -> sp.Expr:
+        return known[quantity_symbol(Family.C2, 2, shapes=(i,))]
+
+    def rotated(i: int) -> sp.Expr:
+        return known[quantity_symbol(Family.C6, shapes=(i,))]
+
+    result = {}
+    for c in integrals:
+        if identity(c.symbol).family is Family.C8:
+            i, j = _shapes(c)
+            rigid = displaced(i) * displaced(j) / mass + rotated(i) * rotated(j) / inertia
+            result[i, j] = sp.Rational((c.value - rigid) / mass)
+    return result
+
+
+def _numbers(constants: tuple[ModelConstant, ...], unit: sp.Expr) -> Numbers:
+    """Entries that are rational multiples of a unit."""
+    return {_shapes(c): sp.Rational(c.value / unit) for c in constants}
 
 
 def _shapes(constant: ModelConstant) -> tuple[int, int]:
@@ -56,12 +119,10 @@ def _shapes(constant: ModelConstant) -> tuple[int, int]:
     return i, j
 
 
-def _roots(
-    masses: Mapping[tuple[int, int], sp.Rational], stiffnesses: Mapping[tuple[int, int], sp.Rational]
-) -> dict[tuple[int, int], sp.Rational]:
+def _roots(masses: Numbers, stiffnesses: Numbers) -> Numbers:
     """The entries of c8 (c8^-1 K)^(1/2), i <= j, that do not vanish."""
     with mpmath.workdps(DIGITS):
-        c8, k = (_matrix(of) for of in (masses, stiffnesses))
+        c8, k = (_high_precision(_symmetric(of)) for of in (masses, stiffnesses))
         low = mpmath.cholesky(c8)
         inverse = low**-1
         squares, modes = mpmath.eigsy(inverse * k * inverse.T)
@@ -71,10 +132,12 @@ def _roots(
         return {key: sp.Rational(float(x)) for key, x in entries.items() if abs(x) > NEGLIGIBLE * largest}
 
 
-def _matrix(entries: Mapping[tuple[int, int], sp.Rational]) -> mpmath.matrix:
-    """A symmetric matrix of numbers from its entries i <= j."""
+def _symmetric(entries: Mapping[tuple[int, int], sp.Expr]) -> sp.Matrix:
+    """A symmetric matrix from its entries i <= j."""
     n = max(i for i, _ in entries)
-    result = mpmath.matrix(n, n)
-    for (i, j), value in entries.items():
-        result[i - 1, j - 1] = result[j - 1, i - 1] = mpmath.mpf(int(value.p)) / int(value.q)
-    return result
+    return sp.Matrix(n, n, lambda i, j: entries[min(i, j) + 1, max(i, j) + 1])
+
+
+def _high_precision(matrix: sp.Matrix) -> mpmath.matrix:
+    """A matrix of fractions with the digits of the context."""
+    return mpmath.matrix([[mpmath.mpf(int(x.p)) / int(x.q) for x in matrix.row(i)] for i in range(matrix.rows)])

@@ -46,7 +46,7 @@ class BeamIntegrals:
 
     def first(self, i: int, component: int) -> Value:
         """X lies along e1."""
-        field = self._field(i)
+        field = self.field(i)
         if field.axis != component:
             return Value(sp.S.Zero, LATERAL)
         if i == 0:
@@ -55,24 +55,25 @@ class BeamIntegrals:
 
     def trace(self, i: int, j: int) -> Value:
         """X . X, X . Phi_j or Phi_i . Phi_j."""
-        first, second = self._field(i), self._field(j)
+        first, second = self.field(i), self.field(j)
         if first.axis != second.axis:
             return Value(sp.S.Zero, LATERAL)
-        return self._value(first.of * second.of, self._unit(i) * self._unit(j))
+        return self._value(first.of * second.of, self.unit(i) * self.unit(j))
 
     def axial(self, i: int, j: int) -> Value:
         """X x Phi_j, or Phi_i x Phi_j."""
-        first, second = self._field(i), self._field(j)
+        first, second = self.field(i), self.field(j)
         if first.axis == second.axis:
             return Value(sp.S.Zero, PARALLEL if first.axis == 2 else ALONG)
         condition = CONDITION_19 if self.mean_frame and i == 0 else None
         sign = 1 if first.axis == 1 else -1
-        return self._value(first.of * second.of, sign * self._unit(i) * self._unit(j), condition)
+        return self._value(first.of * second.of, sign * self.unit(i) * self.unit(j), condition)
 
-    def _field(self, i: int) -> BeamField:
+    def field(self, i: int) -> BeamField:
+        """X or a field."""
         return self.fields[i - 1] if i else BeamField(sp.Poly(xi, xi, domain="QQ"), 1)
 
-    def _unit(self, i: int) -> sp.Expr:
+    def unit(self, i: int) -> sp.Expr:
         """The factor of the field as a function of xi: X = xi l/2."""
         return sp.S.One if i else self.length / 2
 

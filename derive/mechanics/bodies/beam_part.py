@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import sympy as sp
 
+from derive.mechanics.bodies.attached_masses import IntegralsWithMasses, LocatedMass, SecondOrderWithMasses
 from derive.mechanics.bodies.beam_integrals import BY_CHANCE, BeamField, BeamIntegrals
 from derive.mechanics.bodies.foreshortening import Foreshortening, field_weights
 from derive.mechanics.bodies.planar_integrals import Value, coefficients, second_order_coefficients
@@ -56,15 +57,20 @@ def part_body(
     length: sp.Expr,
     start: sp.Rational,
     gravity: tuple[ModelConstant, ...],
+    masses: tuple[LocatedMass, ...] = (),
 ) -> Body:
-    """The part to the right of xi = `start` of a beam with these shapes; mass (kg) and length (m) of the whole beam."""
+    """The part to the right of xi = `start` of a beam with these shapes, and the masses that are attached to it.
+
+    mass (kg) and length (m) are those of the whole beam.
+    """
     family = tuple(BeamField(shape, 2) for shape in shapes)
     second = PartForeshortening(shapes, frame, mass, length, start)
     fields = second.fields if order is DisplacementOrder.FULL else ()
     family += tuple(BeamField(field, 1) for field in fields)
-    constants = coefficients(PartIntegrals(family, mass, length, False, start), len(family))
+    of_fields = PartIntegrals(family, mass, length, False, start)
+    constants = coefficients(IntegralsWithMasses(of_fields, masses), len(family))
     if order is DisplacementOrder.TRUNCATED:
-        constants += second_order_coefficients(second, constants, len(shapes))
+        constants += second_order_coefficients(SecondOrderWithMasses(second, masses), constants, len(shapes))
     constants += field_weights(second, fields)
     of_part = mass * (1 - start) / 2
     return planar_body(
@@ -72,7 +78,7 @@ def part_body(
         doc="the part of a beam to the right of a section",
         frame_doc="",
         modes=len(shapes),
-        mass=of_part,
+        mass=sp.Add(of_part, *(m.mass for m in masses)),
         constants=constants,
         gravity=gravity,
         order=order,

@@ -214,7 +214,7 @@ def _marker(
     ]
     return replace(
         free,
-        name=f"{component.group}_{name}",
+        name=f"{component.specified}_{name}",
         doc=f"{free.doc} of {component.name}",
         definitions=definitions,
         position=_vector(free.position, own),

@@ -34,6 +34,9 @@ SMALL, LARGE = 1000, 10**7
 
 DIGITS = 6
 
+TOTAL_MASS = Name("m", below=("total",))
+"""The mass of a body where a part of it is called m, as that of a beam which carries other masses."""
+
 FIRST = {Family.TRANSLATION: 0, **dict.fromkeys((Family.ANGLE, Family.ANGULAR_VELOCITY, Family.VIRTUAL_ROTATION), 1)}
 """Coordinates in their order: c; phi and omega; alpha last."""
 
@@ -59,9 +62,13 @@ class Notation:
 
     def written(self, symbol: sp.Symbol) -> TypesetSymbol:
         """How a symbol is written, and its position in a product."""
-        if symbol == MASS and self.mass is not None:
-            symbol = self.mass
-        return written(symbol)
+        if symbol != MASS:
+            return written(symbol)
+        if self.mass is not None:
+            return written(self.mass)
+        plain = written(MASS)
+        taken = any(written(constant).formula == plain.formula for constant in self.constants)
+        return TypesetSymbol(plain.rank, TOTAL_MASS) if taken else plain
 
     def label(self, row: str) -> str:
         """A row in plain letters: the coordinate that its virtual displacement is of."""

@@ -42,7 +42,7 @@ MOTION = (Rank.AMPLITUDE, Rank.VELOCITY, Rank.ACCELERATION)
 """Ranks of coordinates by their time derivatives."""
 
 TENSORS = {Family.C3, Family.C4, Family.C5, Family.C8, Family.D2, Family.S, Family.INERTIA}
-TENSORS |= {Family.STIFFNESS, Family.DAMPING}
+TENSORS |= {Family.STIFFNESS, Family.DAMPING, Family.ROTARY}
 """Families whose whole tables are tensors or matrices; those of the others are vectors or columns."""
 
 
@@ -158,7 +158,11 @@ def _row_times_column(known: Identity, above: tuple[str, ...]) -> TypesetSymbol:
 
 
 def _rate_product(known: Identity, above: tuple[str, ...]) -> TypesetSymbol:
-    matrix = Name("c", below=("8",), above=above, style="tensor")
+    return _rate_product_of(Name("c", below=("8",), above=above, style="tensor"))
+
+
+def _rate_product_of(matrix: Name) -> TypesetSymbol:
+    """The quadratic form of a matrix of the velocities of the amplitudes."""
     return TypesetSymbol(Rank.MOMENT, FormulaRow((column(1, transposed=True), matrix, column(1))))
 
 
@@ -184,11 +188,11 @@ def _rates_twice(number: str) -> Callable[[Identity, tuple[str, ...]], TypesetSy
 
 
 def _force_of_modes(letter: str, dots: int) -> Callable[[Identity, tuple[str, ...]], TypesetSymbol]:
-    """Row i of the stiffness times the amplitudes, or of the damping times their velocities."""
+    """Row i of the stiffness, the damping or the rotary inertia, times the amplitudes or their derivatives."""
 
     def write(known: Identity, above: tuple[str, ...]) -> TypesetSymbol:
         table = Name(letter, below=tuple(map(index_text, known.shapes)), above=above)
-        return TypesetSymbol(Rank.MOMENT, FormulaRow((table, column(dots))))
+        return TypesetSymbol(Rank.MOMENT, FormulaRow((table, column(known.derivative or dots))))
 
     return write
 
@@ -290,7 +294,8 @@ WRITERS: dict[Family, Callable[[Identity, tuple[str, ...]], TypesetSymbol]] = {
     Family.GUIDE: _motion("s"),
     Family.MASS: _mass,
     **dict.fromkeys((Family.C1, Family.C2, Family.C3, Family.C4, Family.C5, Family.C6), _integral),
-    **dict.fromkeys((Family.C7, Family.C8, Family.C9, Family.C10, Family.STIFFNESS, Family.DAMPING), _integral),
+    **dict.fromkeys((Family.C7, Family.C8, Family.C9, Family.C10), _integral),
+    **dict.fromkeys((Family.STIFFNESS, Family.DAMPING, Family.ROTARY), _integral),
     Family.FIELD_WEIGHT: _field_weight,
     **dict.fromkeys((Family.D1, Family.D2, Family.D3, Family.D4, Family.S, Family.INERTIA), _moment),
     **dict.fromkeys((Family.C5_SUM, Family.C7_SUM, Family.C8_SUM, Family.C9_SUM, Family.C10_SUM), _row_times_column),
@@ -303,6 +308,8 @@ WRITERS: dict[Family, Callable[[Identity, tuple[str, ...]], TypesetSymbol]] = {
     Family.C10_RATES: _rates_twice("10"),
     Family.ELASTIC: _force_of_modes("K", 0),
     Family.DAMPING_FORCE: _force_of_modes("B", 1),
+    Family.ROTARY_MOMENT: _force_of_modes("R", 0),
+    Family.ROTARY_PRODUCT: lambda known, above: _rate_product_of(Name("R", above=above, style="tensor")),
     Family.STRAIN: _strain,
     Family.COSINE: _sine("cos"),
     Family.SINE: _sine("sin"),

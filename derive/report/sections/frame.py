@@ -85,11 +85,17 @@ def of_paper(spec: PlanarBeam) -> bool:
 
 def paper_numbers(spec: PlanarBeam) -> PaperNumbers | None:
     """The numbers that the paper gives its results for this beam, if it has it."""
-    if not of_paper(spec) or spec.gravity is not None:
+    if not of_paper(spec) or spec.gravity is not None or spec.masses or spec.damping:
         return None
     if spec.frame.kind == "mean":
         return MEAN
     return POINT if spec.frame.kind == "point" and spec.frame.at == 0 else None
+
+
+OF_THE_BEAM = (
+    "Shapes and conditions are those of the beam without its attached masses. These add to the shape integrals: some "
+    "that vanish for the beam alone do not, and couple what is uncoupled in the mass matrix without the masses."
+)
 
 
 def frame_blocks(spec: PlanarBeam) -> tuple[Block, ...]:
@@ -103,6 +109,7 @@ def frame_blocks(spec: PlanarBeam) -> tuple[Block, ...]:
         Paragraph((FRAMES[spec.frame.kind], ENDS[spec.ends], " The deflection starts as")),
         EquationBlock((ansatz,)),
         *_conditions(spec, numbers),
+        *((Paragraph((OF_THE_BEAM,)),) if spec.masses else ()),
         Paragraph(_left(spec, len(shapes))),
         EquationBlock((_deflection(numbers.deflection if numbers else ""), *lines)),
     )

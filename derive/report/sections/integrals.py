@@ -55,7 +55,7 @@ def _value(coefficient: ModelConstant, notation: Notation) -> Content:
 NAMED = {Family.POINT_POSITION: "points", Family.GRAVITY: "gravity", Family.MASS: "mass"}
 """Families whose entries are grouped under a heading."""
 
-TABLES = (*INTEGRANDS, Family.STIFFNESS, Family.DAMPING)
+TABLES = (*INTEGRANDS, Family.STIFFNESS, Family.DAMPING, Family.ROTARY)
 """Families with a table of entries."""
 
 
@@ -80,7 +80,8 @@ HEAD = ("integral", "definition", "entries", "of which not zero", "unit")
 
 def _kind(family: Family) -> str:
     """What the entries of a family are that is no integral."""
-    return {Family.STIFFNESS: "stiffness", Family.DAMPING: "damping"}.get(family, "")
+    names = {Family.STIFFNESS: "stiffness", Family.DAMPING: "damping", Family.ROTARY: "rotary inertia"}
+    return names.get(family, "")
 
 
 def _tables(equations: Equations, notation: Notation) -> Block:

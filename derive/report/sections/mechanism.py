@@ -20,6 +20,7 @@ from derive.report.document.page import (
     table,
 )
 from derive.report.notation.expressions import Notation
+from derive.spec.model.body import AttachedMass
 from derive.spec.model.forces import SceneForce
 from derive.spec.model.quantity import Parameter, Quantity
 from derive.spec.model.scene import BeamBody, RigidBody, Scene, SceneBody
@@ -98,13 +99,20 @@ def _weight(body: SceneBody) -> str:
     if isinstance(body, BeamBody):
         beam = body.beam
         stiffness = _quantity(beam.bending_stiffness, "N\u00a0m²")
-        return f"{_quantity(beam.mass, 'kg')}, {_quantity(beam.length, 'm')}, bending stiffness {stiffness}"
+        values = [_quantity(beam.mass, "kg"), _quantity(beam.length, "m"), f"bending stiffness {stiffness}"]
+        return ", ".join((*values, *map(_attached, beam.masses)))
     if not isinstance(body, RigidBody) or body.mass is None:
         return ""
     values = [_quantity(body.mass, "kg")]
     if body.inertia is not None:
         values.append(_quantity(body.inertia, "kg\u00a0m²"))
     return ", ".join(values)
+
+
+def _attached(mass: AttachedMass) -> str:
+    """A mass that is attached to a beam, with its inertia if it has one."""
+    values = [_quantity(mass.mass, "kg"), *([_quantity(mass.inertia, "kg\u00a0m²")] if mass.inertia else [])]
+    return f"{' and '.join(values)} attached at ξ = {float(mass.at):g} ({mass.name})"
 
 
 def _quantity(quantity: Quantity, unit: str) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 
 from derive.errors import quoted
-from derive.mechanics.multibody.bodies.beam import ENDS_OF_PIECES
+from derive.mechanics.multibody.bodies.beam import ENDS_OF_PIECES, RATIO_OF_PIECES
 from derive.mechanics.multibody.joints.joint_type import JointType
 from derive.mechanics.multibody.joints.registry import JOINTS
 from derive.mechanics.multibody.keys import KeyType
@@ -215,8 +215,12 @@ def _plots(view: SceneData) -> Iterator[Fault]:
             else:
                 text = f"there is no body {quoted(cut)}{did_you_mean(cut, beams, known_names)}"
             yield Fault(("plots", name, "cut"), text)
-        elif isinstance(cut, str) and "ends" in view.bodies[cut] and max(piece_counts(view, cut, view.bodies[cut])) > 1:
-            yield Fault(("plots", name, "cut"), ENDS_OF_PIECES)
+        elif isinstance(cut, str) and max(piece_counts(view, cut, view.bodies[cut])) > 1:
+            if "ends" in view.bodies[cut]:
+                yield Fault(("plots", name, "cut"), ENDS_OF_PIECES)
+            damping = view.bodies[cut].get("damping")
+            if isinstance(damping, Mapping) and "ratio" in damping:
+                yield Fault(("plots", name, "cut"), RATIO_OF_PIECES)
         chord = view.pair("plots", name, "chord")
         if chord and chord[0] == chord[1]:
             yield Fault(("plots", name, "chord"), "a chord is between two markers, and these are the same")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 
 from pydantic import BaseModel
@@ -11,8 +11,10 @@ from derive.mechanics.multibody.bodies.registry import BODIES
 from derive.mechanics.multibody.forces.registry import DEFAULT_KINDS, kinds
 from derive.mechanics.multibody.joints.registry import JOINTS
 from derive.mechanics.multibody.keys import quantities
+from derive.spec.model.body import BEAM_QUANTITIES
 from derive.spec.parsing.faults import KeyPath, did_you_mean
 from derive.spec.tables.beam import FrameTable
+from derive.spec.tables.beam_parts import DAMPING_UNITS, MASS_UNITS, AttachedMassTable, BeamDampingTable
 from derive.spec.tables.drives import DriveTable
 from derive.spec.tables.forces import force_table
 from derive.spec.tables.functions import FunctionParameterTable, ValuesTable
@@ -71,7 +73,9 @@ def is_union(path: KeyPath) -> bool:
     match path:
         case ("bodies", _) | ("bodies", _, "frame") | ("plots", _):
             return True
-        case ("bodies", _, "mass" | "inertia" | "length" | "bending_stiffness"):
+        case ("bodies", _, "inertia"):
+            return True
+        case ("bodies", _, *keys) if is_beam_union(keys):
             return True
         case ("bodies", _, "centre", int()) | ("bodies", _, "markers", _, int()) | ("ground", "markers", _, int()):
             return True
@@ -84,6 +88,30 @@ def is_union(path: KeyPath) -> bool:
         case (section, _, key) if section in DEFAULT_KINDS:
             return any(key in quantities(force_type.keys) for force_type in kinds(section).values())
     return False
+
+
+def is_beam_union(keys: Sequence[str | int]) -> bool:
+    """The same for the keys of a beam."""
+    match keys:
+        case (key,):
+            return key in BEAM_QUANTITIES
+        case ("damping", key):
+            return key in DAMPING_UNITS
+        case ("masses", _, key):
+            return key in MASS_UNITS
+    return False
+
+
+def beam_table(keys: Sequence[str | int]) -> type[BaseModel] | None:
+    """The model of a table of a beam, if there is one of that name."""
+    match keys:
+        case ("frame",):
+            return FrameTable
+        case ("damping",):
+            return BeamDampingTable
+        case ("masses", _):
+            return AttachedMassTable
+    return None
 
 
 def example(path: KeyPath) -> str:
@@ -103,6 +131,10 @@ def example(path: KeyPath) -> str:
             return "default = 0.1"
         case ("bodies", _, "loads", _, "force"):
             return 'force = [0, "-10*(1 - xi^2)"]'
+        case (*_, "masses", _, "at"):
+            return "at = 1"
+        case (*_, "masses", _, "mass"):
+            return "mass = 0.5"
         case ("bodies", _, key):
             return f"{key} = 1.0"
         case (kind, _, key):
@@ -121,8 +153,8 @@ def table(path: KeyPath, data: Mapping[str, object]) -> type[BaseModel] | None:
             return BeamStartTable if _kind(name, data) == "beam" else StartTable
         case ("joints" | "drives", _, "start"):
             return JointStartTable
-        case ("bodies", _, "frame"):
-            return FrameTable
+        case ("bodies", _, *keys) if of_beam := beam_table(keys):
+            return of_beam
         case ("bodies", _, "loads", _):
             return LoadTable
         case ("plots", _, "reference"):

@@ -71,8 +71,8 @@ def _is_union(path: KeyPath) -> bool:
             | ("beam" | "body", "gravity", int())
         ):
             return True
-        case ("beam", key):
-            return key in BEAM_QUANTITIES
+        case ("beam", *keys):
+            return key_hints.is_beam_union(keys)
     return key_hints.is_union(path)
 
 
@@ -119,8 +119,10 @@ def _table(path: KeyPath, data: Mapping[str, object]) -> type[BaseModel]:
             return BodyFrameTable
         case ("body", "units"):
             return UnitsTable
-        case ("body" | "beam", "damping") | ("bodies", _, "damping"):
+        case ("body", "damping"):
             return DampingTable
+        case ("beam", *keys) if of_beam := key_hints.beam_table(keys):
+            return of_beam
         case ("beam", "start"):
             return BeamStartTable
         case ("body", "start"):

@@ -12,17 +12,17 @@ from derive.mechanics.multibody.joints.registry import JOINTS
 from derive.mechanics.multibody.keys import Key, quantities
 from derive.spec.checks.name_clashes import taken_names
 from derive.spec.checks.scene_data import SceneData
-from derive.spec.model.body import BEAM_QUANTITIES, DEFAULT_MASS
+from derive.spec.model.body import BEAM_QUANTITIES
 from derive.spec.model.markers import GROUND
 from derive.spec.model.scene import NAMED
 from derive.spec.parsing import values
 from derive.spec.parsing.faults import Fault, KeyPath, readable
 from derive.spec.parsing.names import name_problem
+from derive.spec.tables.beam_parts import DAMPING_UNITS, MASS_UNITS
 from derive.spec.tables.drives import speed_unit
-from derive.spec.tables.scene_bodies import INERTIA_UNIT, LENGTH_UNIT
+from derive.spec.tables.scene_bodies import LENGTH_UNIT
 
 GRAVITY_UNIT = "m/s^2"
-RIGID = {"mass": DEFAULT_MASS.unit, "inertia": INERTIA_UNIT}
 
 
 class SceneConstant(NamedTuple):
@@ -104,11 +104,10 @@ def scene_constants(view: SceneData) -> Iterator[SceneConstant]:
     for name, body in view.bodies.items():
         of = f"of the body {name}"
         if view.is_beam(name):
-            for key, like in BEAM_QUANTITIES.items():
-                yield SceneConstant(("bodies", name, key), body.get(key), f"{key} {of}", like.unit)
+            yield from beam_constants(("bodies", name), body, f" {of}")
             continue
         kind = view.kind(name)
-        for key, unit in (RIGID if kind == "rigid" else _units(BODIES[kind].keys)).items():
+        for key, unit in (MASS_UNITS if kind == "rigid" else _units(BODIES[kind].keys)).items():
             yield SceneConstant(("bodies", name, key), body.get(key), f"{key} {of}", unit)
         yield from _components(("bodies", name, "centre"), body.get("centre"), f"the centre {of}", LENGTH_UNIT)
         yield from _markers(("bodies", name, "markers"), body.get("markers"), of)
@@ -127,6 +126,21 @@ def scene_constants(view: SceneData) -> Iterator[SceneConstant]:
         for name, table in view.tables[section].items():
             yield from _force(section, name, table, str(table.get("kind", default)))
     yield from _of_functions(view)
+
+
+def beam_constants(path: KeyPath, beam: Mapping[str, object], of: str = "") -> Iterator[SceneConstant]:
+    """All constants of a beam that may be parameters; `of` is what messages add to their names."""
+    for key, like in BEAM_QUANTITIES.items():
+        yield SceneConstant((*path, key), beam.get(key), f"{key}{of}", like.unit)
+    damping, masses = beam.get("damping"), beam.get("masses")
+    if isinstance(damping, Mapping):
+        for key, unit in DAMPING_UNITS.items():
+            yield SceneConstant((*path, "damping", key), damping.get(key), f"{key} in the damping{of}", unit)
+    for name, mass in masses.items() if isinstance(masses, Mapping) else ():
+        if isinstance(mass, Mapping):
+            for key, unit in MASS_UNITS.items():
+                what = f"{key} of the attached mass {name}{of}"
+                yield SceneConstant((*path, "masses", str(name), key), mass.get(key), what, unit)
 
 
 def _of_functions(view: SceneData) -> Iterator[SceneConstant]:

@@ -14,6 +14,7 @@ from derive.spec.checks.body_checks import shape_faults
 from derive.spec.checks.cross_references import scene_faults
 from derive.spec.checks.known_functions import function_faults, known_functions
 from derive.spec.checks.messages import key_faults
+from derive.spec.checks.scene_parameters import beam_constants
 from derive.spec.files.reference_curves import Rows, references
 from derive.spec.model.body import BEAM_QUANTITIES, NodeData
 from derive.spec.model.scene import Scene, Specification
@@ -157,8 +158,8 @@ def _symbols(model: object, kind: str, table: Mapping[str, object]) -> Iterator[
             yield (kind, key), parameter.symbol, f"it is the symbol of {key} if none is given"
     if isinstance(model, str):
         yield ("name",), model, "it is the name of the model"
-    for key in BEAM_QUANTITIES if kind == "beam" else ():
-        yield from _symbol((kind, key), table.get(key), f"it is the symbol of {key}")
+    for constant in beam_constants((kind,), table) if kind == "beam" else ():
+        yield from _symbol(constant.path, constant.value, f"it is the symbol of {constant.what}")
     gravity = table.get("gravity")
     for i, component in enumerate(gravity[:3] if isinstance(gravity, (list, tuple)) else ()):
         yield from _symbol((kind, "gravity", i), component, f"it is the symbol of component {i + 1} of gravity")

@@ -8,7 +8,7 @@ from itertools import chain
 
 from derive.errors import quoted
 from derive.spec.checks.scene_data import Raw, SceneData
-from derive.spec.checks.scene_parameters import GRAVITY_UNIT, SceneConstant, scene_constants
+from derive.spec.checks.scene_parameters import GRAVITY_UNIT, SceneConstant, beam_constants, scene_constants
 from derive.spec.model.body import BEAM_QUANTITIES
 from derive.spec.parsing.faults import Fault, KeyPath
 from derive.spec.parsing.units import UnknownUnit, unit_size
@@ -18,7 +18,8 @@ def specification_warnings(data: Raw) -> list[Fault]:
     """The warnings on a specification without faults, with the keys that they concern."""
     beam, body = data.get("beam"), data.get("body")
     if isinstance(beam, Mapping):
-        parts = (_defaults(("beam",), beam), _units(chain(_beam(beam), _gravity("beam", beam))))
+        constants = chain(beam_constants(("beam",), beam), _gravity("beam", beam))
+        parts = (_defaults(("beam",), beam), _units(constants))
     elif isinstance(body, Mapping):
         parts = (iter(()), _units(_gravity("body", body)))
     else:
@@ -35,11 +36,6 @@ def _defaults(path: KeyPath, beam: Raw) -> Iterator[Fault]:
         if key not in beam:
             is_given = f"no {key.replace('_', ' ')} is given, so that it is the parameter {like.symbol}"
             yield Fault((*path, key), f"{is_given}, {like.default:g} {like.unit} by default; write {key} = 1.0")
-
-
-def _beam(beam: Raw) -> Iterator[SceneConstant]:
-    for key, like in BEAM_QUANTITIES.items():
-        yield SceneConstant(("beam", key), beam.get(key), key, like.unit)
 
 
 def _gravity(kind: str, table: Raw) -> Iterator[SceneConstant]:

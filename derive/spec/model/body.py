@@ -79,12 +79,38 @@ class Marker:
 
 
 @dataclass(frozen=True)
+class AttachedMass:
+    """A small rigid body that is fixed to the section of a beam at `at` in [-1, 1].
+
+    `mass` (kg) has its centre on the axis of the beam, `inertia` (kg m^2) is about that centre.
+    """
+
+    name: str
+    at: Fraction
+    mass: Quantity
+    inertia: Quantity = Fraction(0)
+
+
+@dataclass(frozen=True)
+class BeamDamping:
+    """Damping of the deformation of a beam, without the masses that are attached to it.
+
+    Either `ratio` of critical in each of its free modes, or `mass` times the mass matrix of the deformation plus
+    `stiffness` times K (proportional, 1/s and s). The modes and the mass matrix are those of the mean frame, so that
+    the same deformation is damped alike in every frame.
+    """
+
+    ratio: Quantity = Fraction(0)
+    mass: Quantity = Fraction(0)
+    stiffness: Quantity = Fraction(0)
+
+
+@dataclass(frozen=True)
 class PlanarBeam:
     """A uniform slender free beam that moves in a plane: the example of the paper, (21)-(27).
 
     `gravity` is the acceleration of free fall in the inertial base, m/s^2. `start`, `simulation` and `plots` are for
-    the simulation of the beam alone. `damping` is that of the deformation; its modes are those of c8 and K,
-    with the floating frame at rest.
+    the simulation of the beam alone. The conditions of `frame` are on the beam without its `masses`.
     """
 
     name: str
@@ -99,9 +125,10 @@ class PlanarBeam:
     start: InitialValues = NOT_GIVEN
     simulation: Simulation | None = None
     plots: tuple[Plot, ...] = ()
-    damping: Damping | None = None
+    damping: BeamDamping | None = None
     order: DisplacementOrder = DisplacementOrder.FIRST_ORDER
     ends: Ends | None = None
+    masses: tuple[AttachedMass, ...] = ()
 
     @property
     def deflection(self) -> AssumedDeflection:

@@ -36,7 +36,8 @@ from derive.spec.model.body import (
 from derive.spec.model.quantity import Parameter, Quantity
 from derive.spec.parsing import choices, values
 from derive.spec.parsing.polynomial import MAX_LENGTH
-from derive.spec.tables.body import DampingTable
+from derive.spec.tables.beam_parts import BEAM_POSITION, AttachedMassTable, BeamDampingTable, BeamPosition
+from derive.spec.tables.markers import MAX_NAMED, few_named
 from derive.spec.tables.shared import (
     MAX_MARKERS,
     Name,
@@ -45,7 +46,6 @@ from derive.spec.tables.shared import (
     TomlTable,
     few,
     few_markers,
-    number_schema,
     quantity,
     written_as,
 )
@@ -74,7 +74,6 @@ def _few_digits(ansatz: tuple[Polynomial, ...]) -> tuple[Polynomial, ...]:
 
 
 _SHAPE = {"type": "string", "minLength": 1, "maxLength": MAX_LENGTH}
-_BEAM_POSITION = number_schema(minimum=-1, maximum=1)
 # A plain "tangent" would not say which end is meant.
 _PLAIN_FRAMES = [kind for kind in choices.FRAME_KINDS if kind != "tangent"]
 
@@ -99,7 +98,6 @@ def _plain_frame(value: object) -> Frame:
     return frame_from(choices.frame_kind(value), None)
 
 
-BeamPosition = Annotated[Fraction, PlainValidator(values.beam_position), WithJsonSchema(_BEAM_POSITION)]
 Shape = Annotated[Polynomial, PlainValidator(values.shape), WithJsonSchema(_SHAPE)]
 
 
@@ -110,7 +108,7 @@ class FrameTable(TomlTable):
     at: Annotated[
         Fraction | None,
         PlainValidator(values.beam_position),
-        WithJsonSchema(_BEAM_POSITION),
+        WithJsonSchema(BEAM_POSITION),
         Field(description="The position xi of a point frame (default 0), or the end, -1 or 1, of a tangent frame."),
     ] = None
 
@@ -202,12 +200,21 @@ class BeamKeys(ShapeKeys):
         QuantityInput, Field(description="Bending stiffness EI, N m^2: a run-time parameter or a number.")
     ] = _as_table(DEFAULT_BENDING_STIFFNESS)
     damping: Annotated[
-        DampingTable | None,
+        BeamDampingTable | None,
         Field(
-            description="Damping of the deformation: { ratio = 0.01 } of critical in each mode of the beam, or "
+            description="Damping of the deformation: { ratio = 0.01 } of critical in each free mode of the beam, or "
             "{ mass = 0.1, stiffness = 1e-5 }, factors of its mass and stiffness matrices, in 1/s and s."
         ),
     ] = None
+    masses: Annotated[
+        dict[Name, AttachedMassTable],
+        few_named("masses", "[bodies.rod.masses.tip]"),
+        Field(
+            description="Attached masses by name: rigid bodies that are fixed to sections of the beam. The conditions "
+            "of the frame and the damping are those of the beam without them.",
+            json_schema_extra={"maxProperties": MAX_NAMED, "additionalProperties": False},
+        ),
+    ] = {}
     markers: Annotated[
         dict[Name, BeamPosition],
         few_markers("places"),
@@ -270,4 +277,5 @@ class BeamKeys(ShapeKeys):
             damping=None if self.damping is None else self.damping.damping(),
             order=self.displacement_order(),
             ends=deflection.ends,
+            masses=tuple(table.attached_mass(name) for name, table in self.masses.items()),
         )

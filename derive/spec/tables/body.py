@@ -149,6 +149,15 @@ BodyFrameInput = Annotated[
 ]
 
 
+def check_damping(ratio: object, mass: object, stiffness: object) -> None:
+    """Raise WrongValueError unless damping is given either by a ratio or by factors of mass and stiffness."""
+    proportional = mass is not None or stiffness is not None
+    if (ratio is not None) == proportional:
+        raise values.WrongValueError(
+            "write either { ratio = 0.01 }, of critical damping, or { mass = 0.1, stiffness = 1e-5 }, in 1/s and s"
+        )
+
+
 class DampingTable(TomlTable):
     """Viscous damping: a fraction of critical damping, or proportional to mass and stiffness."""
 
@@ -161,11 +170,7 @@ class DampingTable(TomlTable):
     @model_validator(mode="after")
     def check(self) -> DampingTable:
         """The keys exclude each other."""
-        proportional = self.mass is not None or self.stiffness is not None
-        if (self.ratio is not None) == proportional:
-            raise values.WrongValueError(
-                "write either { ratio = 0.01 }, of critical damping, or { mass = 0.1, stiffness = 1e-5 }, in 1/s and s"
-            )
+        check_damping(self.ratio, self.mass, self.stiffness)
         return self
 
     def damping(self) -> Damping:

@@ -19,7 +19,7 @@ from pydantic import (
     model_validator,
 )
 
-from derive.mechanics.multibody.bodies.beam import ENDS_OF_PIECES
+from derive.mechanics.multibody.bodies.beam import ENDS_OF_PIECES, RATIO_OF_PIECES
 from derive.mechanics.multibody.bodies.beam_loads import point_names
 from derive.mechanics.multibody.bodies.body_type import BodyType
 from derive.mechanics.multibody.bodies.registry import BODIES
@@ -32,6 +32,7 @@ from derive.spec.parsing import choices, values
 from derive.spec.parsing.polynomial import MAX_LENGTH
 from derive.spec.parsing.time_expression import number_function
 from derive.spec.tables.beam import BeamKeys
+from derive.spec.tables.beam_parts import MASS_UNITS
 from derive.spec.tables.declared_keys import key_field, key_values
 from derive.spec.tables.initial_values import BeamStartInput, BeamStartTable, SceneStartInput, StartInput, StartTable
 from derive.spec.tables.markers import MAX_NAMED, Coordinates, Markers, PieceCount, Time, few_named
@@ -39,7 +40,6 @@ from derive.spec.tables.shared import Name, PlanarGravity, QuantityInput, TomlTa
 
 BEAM_KEYS = BODIES["beam"].identifying_keys
 """A body with one of these keys is a beam."""
-INERTIA_UNIT = "kg m^2"
 LENGTH_UNIT = DEFAULT_LENGTH.unit
 
 
@@ -104,7 +104,7 @@ class RigidTable(TomlTable):
         return RigidBody(
             name=name,
             mass=None if self.mass is None else quantity(self.mass, DEFAULT_MASS.unit),
-            inertia=None if self.inertia is None else quantity(self.inertia, INERTIA_UNIT),
+            inertia=None if self.inertia is None else quantity(self.inertia, MASS_UNITS["inertia"]),
             centre=_pair(self.centre),
             markers=_points(self.markers),
             start=self.start.start(),
@@ -168,10 +168,7 @@ class BeamBodyTable(BeamKeys):
                 text = f"a point of the load {name} is called like the marker {min(taken)}; rename one of them"
                 raise values.WrongValueError(text)
         if self.pieces > 1 and self.damping is not None and self.damping.ratio is not None:
-            raise values.WrongValueError(
-                "a damping ratio is that of the modes of a beam in one piece; write damping = { stiffness = 1e-5 }, in "
-                "s, or leave `pieces` out"
-            )
+            raise values.WrongValueError(RATIO_OF_PIECES)
         if self.pieces > 1 and self.ends is not None:
             raise values.WrongValueError(ENDS_OF_PIECES)
         return self

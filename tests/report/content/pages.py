@@ -40,6 +40,11 @@ def spec(name: str) -> Any:
     match name:
         case "heavy":
             return beams.beam("tangent", 2, mass=2.5, gravity=[0, -9.81], ansatz=["1", "xi", "1+xi^2", "xi^3-xi/2"])
+        case "carrying":
+            middle = {"at": 0, "mass": {"symbol": "mm", "default": 0.5}, "inertia": {"symbol": "Jm", "default": 0.1}}
+            return beams.beam(
+                "mean", 3, masses={"middle": middle}, damping={"stiffness": {"symbol": "b", "default": 1}}
+            )
         case "flat":
             return derive.symbolic_body("flat", 1, frame="given", lowering="flat", damping=True, gravity=gravity)
         case "loops_given":

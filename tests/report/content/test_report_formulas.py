@@ -22,7 +22,7 @@ from derive.report.sections.terms import row_names
 
 BODIES = (
     "point", "mean", "block", "loops", "beam_chord_2", "beam_point_8", "beam_mean_8",
-    "heavy", "flat", "loops_given", "rigid", "beam_point_1",
+    "heavy", "carrying", "flat", "loops_given", "rigid", "beam_point_1",
 )  # fmt: skip
 FLAT = [name for name in BODIES if not name.startswith("loops")]
 BEAMS = [name for name in BODIES if name in ("point", "mean", "heavy") or name.startswith("beam")]

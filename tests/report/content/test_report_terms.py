@@ -12,7 +12,19 @@ from derive.report.document.page import Hyperlink
 from derive.report.notation.expressions import notation
 from derive.report.sections.term_lines import rank_in_row
 
-BODIES = ("point", "mean", "block", "loops", "beam_point_8", "heavy", "flat", "loops_given", "rigid", "hundred")
+BODIES = (
+    "point",
+    "mean",
+    "block",
+    "loops",
+    "beam_point_8",
+    "heavy",
+    "carrying",
+    "flat",
+    "loops_given",
+    "rigid",
+    "hundred",
+)
 
 
 def links(cell) -> list[Hyperlink]:

@@ -9,12 +9,24 @@ import pages
 import pytest
 
 from derive.mechanics.terms import Reason
-from derive.report.document.page import Picture
+from derive.report.document.page import Paragraph, Picture
 from derive.report.notation.expressions import notation
 from derive.report.notation.integral_formulas import reason
 from derive.report.sections.mass_matrix import mass_matrix, picture
 
-BODIES = ("point", "mean", "block", "loops", "beam_point_8", "heavy", "flat", "loops_given", "rigid", "hundred")
+BODIES = (
+    "point",
+    "mean",
+    "block",
+    "loops",
+    "beam_point_8",
+    "heavy",
+    "carrying",
+    "flat",
+    "loops_given",
+    "rigid",
+    "hundred",
+)
 
 
 def told(name: str, why: Reason | str) -> str:
@@ -34,7 +46,19 @@ def test_every_reason_is_on_the_page(name: str) -> None:
     assert {told(name, r) for r in reasons} <= cells
 
 
-@pytest.mark.parametrize("name", ["point", "mean", "block", "loops", "heavy"])
+def test_a_beam_that_carries_a_mass_shows_what_is_left_of_its_zeros() -> None:
+    """In the mean frame M of the beam alone is diagonal; a mass in the middle couples what does not vanish there."""
+    alone, carrying = (pages.built(name) for name in ("beam_mean_3", "carrying"))
+    counts = [len(mass_matrix(built.model, built.equations).entries) for built in (alone, carrying)]
+    assert counts == [6, 6 + 2 * (2 + 4 + 1 + 1)]  # c and phi, c and both even shapes, phi and the odd one, even shapes
+    cells = {pages.plain(c.text) for t in pages.tables(pages.page_blocks("carrying")) for row in t.rows for c in row}
+    assert "condition (19) (no mean rotation) and a zero of the integrand at the attached masses" in cells
+    assert "these shapes (no slope at the attached masses)" in cells
+    text = "".join(pages.plain(b.text) for b in pages.page_blocks("carrying") if isinstance(b, Paragraph))
+    assert "those of the beam without its attached masses" in text
+
+
+@pytest.mark.parametrize("name", ["point", "mean", "block", "loops", "heavy", "carrying"])
 def test_every_vanished_term_is_told_with_its_reason(name: str) -> None:
     vanished = pages.built(name).equations.vanished
     written = notation(pages.built(name).equations)

@@ -8,11 +8,12 @@ from fractions import Fraction
 
 from derive.errors import Problem, SpecError
 from derive.mechanics.bodies.beam import beam_body, beam_point, section_rotations, shape_text
+from derive.mechanics.bodies.beam_damping import DAMPING_DOCS
 from derive.mechanics.bodies.reference_conditions import assumed_shapes
 from derive.mechanics.multibody.bodies.beam_loads import load_forces, load_points
 from derive.mechanics.multibody.bodies.body_type import BodyType, Component, Constant, CrossSection
 from derive.mechanics.terms import ModelConstant
-from derive.spec.model.body import Marker
+from derive.spec.model.body import AttachedMass, Marker
 from derive.spec.model.forces import Force
 from derive.spec.model.markers import MarkerRef
 from derive.spec.model.scene import BeamBody, Joint
@@ -24,6 +25,11 @@ ENDS_OF_PIECES = (
     "`ends` are those of a beam in one piece: shapes without curvature at the cuts could not bend there; leave `ends` "
     "out, or `pieces`"
 )
+RATIO_OF_PIECES = (
+    "a damping ratio is that of the modes of a beam in one piece; write damping = { stiffness = 1e-5 }, in s, or do "
+    "not cut the beam into pieces"
+)
+"""Why a beam cannot be cut."""
 
 
 class Beam(BodyType[BeamBody]):
@@ -33,13 +39,16 @@ class Beam(BodyType[BeamBody]):
     identifying_keys = ("length", "bending_stiffness", "ansatz", "frame")
 
     def components(self, body: BeamBody, gravity: tuple[ModelConstant, ...]) -> tuple[Component, ...]:
-        """The pieces of the rod from its left to its right end."""
+        """The pieces of the rod from its left to its right end. Raises SpecError if its damping forbids to cut it."""
         n = body.pieces
         if n > 1 and body.beam.ends is not None:
             raise SpecError((Problem(f"bodies.{body.name}.ends", ENDS_OF_PIECES),))
-        piece = replace(beam_body(replace(body.beam, markers=()), n), gravity=gravity)
+        if n > 1 and body.beam.damping is not None and body.beam.damping.ratio:
+            raise SpecError((Problem(f"bodies.{body.name}.damping", RATIO_OF_PIECES),))
         result = []
         for k in range(n):
+            masses = masses_of_piece(body, k)
+            piece = replace(beam_body(replace(body.beam, markers=(), masses=masses), n), gravity=gravity)
             own = [Marker(m.name, place_in_piece(m.at, n)) for m in body.beam.markers if piece_of(m.at, n) == k]
             ends = [Marker(CUT[0], Fraction(-1))] if k else []
             ends += [Marker(CUT[1], Fraction(1))] if k < n - 1 else []
@@ -48,14 +57,22 @@ class Beam(BodyType[BeamBody]):
                 for m in (*own, *ends)
             }
             sections |= load_points(body, k)
-            result.append(Component(piece_name(body, k), body.name, piece, sections, tuple(m.name for m in own)))
+            name = piece_name(body, k)
+            # The pieces without masses share their constants.
+            group = name if masses else body.name
+            result.append(Component(name, group, piece, sections, tuple(m.name for m in own), body.name))
         return tuple(result)
 
     def constants(self, body: BeamBody) -> Iterator[Constant]:
-        """Mass, length and bending stiffness."""
+        """Mass, length and bending stiffness, damping, and the masses that are attached."""
         yield Constant(body.beam.mass, f"mass of {body.name}", positive=True)
         yield Constant(body.beam.length, f"length of {body.name}", positive=True)
         yield Constant(body.beam.bending_stiffness, f"bending stiffness EI of {body.name}", positive=True)
+        for key, value in vars(body.beam.damping).items() if body.beam.damping else ():
+            yield Constant(value, f"{DAMPING_DOCS[key]} of {body.name}")
+        for m in body.beam.masses:
+            yield Constant(m.mass, f"mass {m.name} that is attached to {body.name}", positive=True)
+            yield Constant(m.inertia, f"moment of inertia of the mass {m.name} on {body.name}")
 
     def joints(self, body: BeamBody) -> tuple[Joint, ...]:
         """The welds between its pieces."""
@@ -85,6 +102,12 @@ class Beam(BodyType[BeamBody]):
 def piece_name(rod: BeamBody, k: int) -> str:
     """The name of piece k, counted from 0."""
     return f"{rod.name}_{k + 1}" if rod.pieces > 1 else rod.name
+
+
+def masses_of_piece(rod: BeamBody, k: int) -> tuple[AttachedMass, ...]:
+    """The attached masses on piece k, counted from 0, with their positions in it."""
+    n = rod.pieces
+    return tuple(replace(m, at=place_in_piece(m.at, n)) for m in rod.beam.masses if piece_of(m.at, n) == k)
 
 
 def piece_of(at: Fraction, pieces: int) -> int:

@@ -29,8 +29,9 @@ class CrossSection:
 class Component:
     """A body with its own coordinates, whose names begin with `name`; the names of its constants begin with `group`.
 
-    The pieces of a rod share their constants, and therefore `body`. `sections` are the cross-sections of the component
-    by their names; `markers` are the names of those that the specification declares.
+    The equal pieces of a rod share their constants, and therefore `body`. `sections` are the cross-sections of the
+    component by their names; `markers` are the names of those that the specification declares, for the body
+    `specified`.
     """
 
     name: str
@@ -38,6 +39,7 @@ class Component:
     body: Body
     sections: Mapping[str, CrossSection]
     markers: tuple[str, ...]
+    specified: str
 
 
 B = TypeVar("B", bound=SceneBody)

@@ -68,7 +68,7 @@ def rigid_component(
     sections = {marker: CrossSection(rigid_point(marker, position - origin)) for marker, position in positions.items()}
     sections[BODY_FRAME] = CrossSection(rigid_point(BODY_FRAME, -origin))
     body = rigid_body(name, mass, inertia, centre - origin, (), gravity)
-    return Component(name, name, body, sections, tuple(positions))
+    return Component(name, name, body, sections, tuple(positions), name)
 
 
 def _component(body: RigidBody, about: str | None, gravity: tuple[ModelConstant, ...]) -> Component:

@@ -1,0 +1,196 @@
+"""A section of a beam: its curvature, and the force and the moment that the part to the right of it exerts.
+
+Section forces follow from the equilibrium of the part of the beam to the right of the section: its inertia and its
+weight, see `beam_part`, and what loads and joints exert on it.
+
+The bending moment also follows from the curvature, EI d^2v/dx^2. The damping of a beam is one of its material: it acts
+on the deformation as a further bending moment, that of the amplitudes K^-1 B alphadot, whose elastic forces are the
+damping forces. With proportional damping by the stiffness alone, B = beta K, this is Kelvin's and Voigt's law
+EI (w'' + beta w''dot). The two moments then do the same work on every shape function, and agree as far as the
+curvatures of the shapes can represent the moment, so that their difference shows the quality of the model.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from fractions import Fraction
+
+import sympy as sp
+
+from derive.mechanics import quantity
+from derive.mechanics.bodies.attached_masses import located_masses
+from derive.mechanics.bodies.beam import retardation_times
+from derive.mechanics.bodies.beam_part import part_body, rigid_rows
+from derive.mechanics.bodies.foreshortening import Foreshortening, pairs
+from derive.mechanics.bodies.reference_conditions import assumed_shapes, exact_polynomial, xi
+from derive.mechanics.expansion import constants_of
+from derive.mechanics.multibody.bodies.beam import CUT, masses_of_piece, piece_name, place_in_piece
+from derive.mechanics.multibody.bodies.beam_loads import density_of_piece
+from derive.mechanics.multibody.instances import InstanceEquations
+from derive.mechanics.multibody.scene_mechanics import NOTHING, Resultant, SceneMechanics
+from derive.mechanics.symbols import element
+from derive.mechanics.terms import ModelConstant
+from derive.spec.model.body import DisplacementOrder
+from derive.spec.model.markers import MarkerRef
+from derive.spec.model.scene import BeamBody
+
+
+class BeamSection:
+    """A section of a beam, or of a piece of a rod, with the constants of the output that asks for it."""
+
+    def __init__(self, name: str, scene: SceneMechanics, component: str, at: Fraction, position: sp.Matrix) -> None:
+        """component: the beam or the piece; at: the place xi of the section on it; position: that in the scene."""
+        self.name, self.scene, self.component, self.at, self.position = name, scene, component, at, position
+        self._constants: dict[sp.Symbol, ModelConstant] = {}
+        self.rod, self.piece, self.places = piece_of_component(scene, component)
+        beam = self.rod.beam
+        self.instance: InstanceEquations = scene.instances[component]
+        self.shapes = [exact_polynomial(s) for s in assumed_shapes(beam.deflection)]
+        self.mass = quantity.value(beam.mass) / self.rod.pieces
+        self.length = quantity.value(beam.length) / self.rod.pieces
+        self.bending_stiffness = self._constant("stiffness", quantity.value(beam.bending_stiffness), "EI", "N m^2")
+
+    @property
+    def constants(self) -> tuple[ModelConstant, ...]:
+        """The constants that have been used so far."""
+        return tuple(self._constants.values())
+
+    @property
+    def curvature(self) -> sp.Expr:
+        """d^2v/dx^2."""
+        total = sp.S.Zero
+        for i, (value, amplitude) in enumerate(zip(self._curvatures, self.instance.coordinates[3:], strict=True), 1):
+            total += self._constant(f"curvature_{i}", value, f"curvature of shape {i}", "1/m^2") * amplitude.q
+        return total
+
+    @property
+    def damping_moment(self) -> sp.Expr:
+        """The bending moment of the damping of the material."""
+        beam, total = self.rod.beam, sp.S.Zero
+        if beam.damping is None:
+            return total
+        factors = sp.Matrix([self._curvatures]) * retardation_times(beam, self.rod.pieces)
+        factors *= quantity.value(beam.bending_stiffness)
+        for j, (value, row) in enumerate(zip(factors, self.instance.rows[3:], strict=True), 1):
+            total += self._constant(f"damping_{j}", value, f"moment of the damping of shape {j}", "N s") * row.v
+        return total
+
+    @property
+    def _curvatures(self) -> list[sp.Expr]:
+        """d^2 phi_i/dx^2 of each shape at the section."""
+        at = sp.Rational(self.at)
+        return [shape.diff((xi, 2)).eval(at) * 4 / self.length**2 for shape in self.shapes]
+
+    def resultant(self) -> Resultant:
+        """What the part to the right of the section exerts on the left one; the torque is about the section.
+
+        What acts at the section itself acts on the left part, but for the right end, where it acts on the right one.
+        """
+        about = self.position
+
+        def on_the_right(marker: MarkerRef) -> bool:
+            if marker.body != self.component:
+                return False
+            if marker.marker not in self.places:
+                return False  # the resultant of a distributed load, of which a part may be on the right
+            return self._is_right(self.places[marker.marker])
+
+        return self.scene.loads(on_the_right, about) + self._distributed() + -self._inertia()
+
+    def _is_right(self, place: Fraction) -> bool:
+        """Whether what acts or is fixed at xi = `place` of the piece belongs to the part to the right."""
+        return place > self.at or place == 1
+
+    def _distributed(self) -> Resultant:
+        """The distributed loads on the part to the right, with their torque about the section."""
+        coordinates, result = self.instance.coordinates, NOTHING
+        rotation = self.rotation
+        origin, about = sp.Matrix(self.instance.origin), self.position
+        half = self.length / 2
+        for load in self.rod.loads:
+            in_time = quantity.function(load.time)
+            for k, of_rod in enumerate(load.force):
+                density = density_of_piece(of_rod, self.piece, self.rod.pieces)
+                if density.is_zero:
+                    continue
+
+                def integral(of: sp.Poly, unit: sp.Expr, label: str, what: str = f"{load.name}_{k + 1}") -> sp.Expr:
+                    return self._constant(f"{what}_{label}", unit * self._right(of), f"{label} of load {what}", "")
+
+                total = integral(density, half, "total")
+                first = integral(density * sp.Poly(xi, xi), half**2, "first")
+                lever = sp.Matrix([first, sp.S.Zero])
+                for i, (shape, c) in enumerate(zip(self.shapes, coordinates[3:], strict=True), 1):
+                    lever[1] += integral(density * shape, half, f"shape_{i}") * c.q
+                for (i, j), psi in self._second.items():
+                    factor = sp.S.Half if i == j else sp.S.One
+                    shortening = integral(density * psi, half * 2 / self.length, f"psi_{i}_{j}")
+                    lever[0] += factor * shortening * coordinates[2 + i].q * coordinates[2 + j].q
+                lever = rotation * lever
+                direction = sp.eye(2)[:, k] if load.frame == "inertial" else rotation[:, k]
+                torque = lever[0] * direction[1] - lever[1] * direction[0]
+                result += Resultant(in_time * total * direction, in_time * torque).about(origin, about)
+        return result
+
+    @property
+    def _second(self) -> Mapping[tuple[int, int], sp.Poly]:
+        """psi_ij length/2 for i <= j; empty at first order."""
+        beam = self.rod.beam
+        if beam.order is DisplacementOrder.FIRST_ORDER:
+            return {}
+        second = Foreshortening(tuple(self.shapes), beam.frame, self.mass, self.length)
+        return {(i, j): second.of(i, j) for i, j in pairs(len(self.shapes))}
+
+    @property
+    def rotation(self) -> sp.Matrix:
+        """Q of the body."""
+        phi = self.instance.coordinates[2].q
+        return sp.Matrix([[sp.cos(phi), -sp.sin(phi)], [sp.sin(phi), sp.cos(phi)]])
+
+    def _right(self, integrand: sp.Poly) -> sp.Rational:
+        """The integral over xi from the section to the right end."""
+        antiderivative = integrand.integrate()
+        return antiderivative.eval(1) - antiderivative.eval(sp.Rational(self.at))
+
+    def _inertia(self) -> Resultant:
+        """The rate of change of momentum of the part to the right, less its weight; torque about the section."""
+        beam, instance = self.rod.beam, self.instance
+        gravity, _ = quantity.gravity(self.scene.scene.gravity)
+        start, shapes = sp.Rational(self.at), tuple(self.shapes)
+        own_masses = (m for m in masses_of_piece(self.rod, self.piece) if self._is_right(m.at))
+        masses = located_masses(own_masses, shapes, self.length)
+        part = part_body(shapes, beam.frame, beam.order, self.mass, self.length, start, gravity, masses)
+        motion = part.motion
+        known: dict[sp.Basic, sp.Expr] = {}
+        for own, of_instance in zip(motion.coordinates, instance.coordinates, strict=True):
+            known[own.q] = of_instance.q
+        for own_row, row in zip(motion.rows, instance.rows, strict=True):
+            known |= {own_row.v: row.v, own_row.a: row.a}
+        for c in constants_of(part):
+            if c not in gravity:
+                known[c.symbol] = sp.S.Zero if c.zero else self._constant(c.symbol.name, c.value, c.doc, c.unit)
+        force1, force2, torque = (row.xreplace(known) for row in rigid_rows(part))
+        origin, about = sp.Matrix(instance.origin), self.position
+        return Resultant(sp.Matrix([force1, force2]), torque).about(origin, about)
+
+    def _constant(self, label: str, value: sp.Expr, doc: str, unit: str) -> sp.Expr:
+        """A number as it is; what depends on parameters as a constant of the model."""
+        value = sp.expand(value)
+        if value.is_Rational:
+            return value
+        symbol = element(self.name, label)
+        self._constants[symbol] = ModelConstant(symbol, value, "", f"{doc}; output {self.name}", unit)
+        return symbol
+
+
+def piece_of_component(scene: SceneMechanics, component: str) -> tuple[BeamBody, int, dict[str, Fraction]]:
+    """The rod of a component, its number in the rod, from 0, and the places xi of the markers on it."""
+    for body in scene.scene.bodies:
+        if not isinstance(body, BeamBody):
+            continue
+        n = body.pieces
+        for k in range(n):
+            if piece_name(body, k) == component:
+                own = {m.name: place_in_piece(m.at, n) for m in body.markers}
+                return body, k, {**own, CUT[0]: Fraction(-1), CUT[1]: Fraction(1)}
+    raise AssertionError(f"{component} is no beam; the specification refuses other bodies")

@@ -1,0 +1,90 @@
+"""The bending moment from the curvature with the damping of the material, against that from equilibrium."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from made import Made, make
+
+from derive.spec.toml.read import parse
+
+POINTS, WEIGHTS = np.polynomial.legendre.leggauss(6)
+SHAPES = ["1", "xi", "xi^2", "xi^3", "xi^4"]
+LENGTH, BENDING, BETA = 0.8, 3.0, 0.02
+
+
+def rod(damping: str, frame: str = '"mean"', more: str = "") -> Made:
+    markers = ", ".join(f"p{i} = {float(at)!r}" for i, at in enumerate(POINTS))
+    outputs = "\n".join(
+        f'm{i} = {{ kind = "bending_moment", section = "rod.p{i}" }}\n'
+        f'c{i} = {{ kind = "curvature", section = "rod.p{i}" }}'
+        for i in range(len(POINTS))
+    )
+    return make(
+        parse(
+            f"""
+name = "retarded"
+[bodies.rod]
+frame = {frame}
+ansatz = {SHAPES}
+mass = 1.2
+length = {LENGTH}
+bending_stiffness = {{ symbol = "EI", default = {BENDING} }}
+markers = {{ {markers}, tip = 1 }}
+{damping}
+{more}
+[forces.pull]
+at = "rod.tip"
+components = [0, 1e-6]
+[outputs]
+{outputs}
+"""
+        )
+    )
+
+
+def moments(made: Made, q: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """From equilibrium, from the curvature, and the curvature, at the Gauss points."""
+    native, k = made.native, made.native.setup()
+    values = native.evaluate_outputs(0.0, q, v, *native.solve(0.0, q, v, k), k)
+    by_name = dict(zip(native.outputs, values, strict=True))
+    numbers = range(len(POINTS))
+    names = [[f"m{i}" for i in numbers], [f"m{i}_curvature" for i in numbers], [f"c{i}" for i in numbers]]
+    of_equilibrium, of_curvature, curvature = (np.array([by_name[name] for name in some]) for some in names)
+    return of_equilibrium, of_curvature, curvature
+
+
+DAMPING = {
+    "none": "",
+    "stiffness": f"damping = {{ stiffness = {BETA} }}",
+    "proportional": 'damping = { mass = 0.7, stiffness = { symbol = "beta", default = 0.02 } }',
+    "ratio": "damping = { ratio = 0.2 }",
+}
+
+
+@pytest.mark.parametrize("frame", ['"mean"', '"chord"', '{ kind = "tangent", at = -1 }'])
+@pytest.mark.parametrize("kind", DAMPING)
+def test_both_moments_do_the_same_work_on_every_shape(kind: str, frame: str) -> None:
+    """For small motions: int (M of equilibrium - M of the curvature) d2phi/dx2 dx = 0, with and without damping."""
+    mass = "masses.end = { at = 1, mass = 0.3, inertia = 0.01 }"
+    made = rod(DAMPING[kind], frame, mass)
+    rng = np.random.default_rng(0)
+    n = made.native.nq
+    still = np.zeros(n)
+    bent = np.append(np.zeros(3), rng.normal(size=n - 3))
+    curvatures = [moments(made, np.append(np.zeros(3), shape), still)[2] for shape in np.eye(n - 3)]
+    found, expected, _ = moments(made, 1e-7 * bent, 1e-6 * np.append(np.zeros(3), rng.normal(size=n - 3)))
+    size = np.abs(expected).max()
+    assert np.abs(found - expected).max() > 1e-3 * size, "the shapes cannot represent this moment"
+    for curvature in curvatures:
+        assert abs(WEIGHTS @ ((found - expected) * curvature)) < 1e-6 * size * np.abs(curvature).max()
+
+
+def test_the_damping_of_the_stiffness_is_the_law_of_kelvin_and_voigt() -> None:
+    """EI (w'' + beta w''dot), exactly; the rate of the curvature is its value for the velocities as amplitudes."""
+    made = rod(DAMPING["stiffness"])
+    rng = np.random.default_rng(1)
+    q, v = rng.normal(size=made.native.nq), rng.normal(size=made.native.nv)
+    _, found, curvature = moments(made, q, v)
+    rate = moments(made, v, q)[2]
+    np.testing.assert_allclose(found, BENDING * (curvature + BETA * rate), rtol=1e-12)
