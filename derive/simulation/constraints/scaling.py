@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import cholesky, solve_triangular
+from scipy.linalg import LinAlgError, cholesky, eigh, solve_triangular
 
 from derive.roles import Role
 from derive.runtime.native_call import Matrix, Vector
@@ -31,13 +31,19 @@ def mass_factor(M: Matrix) -> Matrix:
 
     The size of that substitute does not matter, since the constraints determine the motion of such coordinates; but it
     must not be small, or else they would dominate the rows of their constraints. A relative 1e-12 is added to the
-    diagonal for bodies whose mass is concentrated in a point.
+    diagonal for bodies whose mass is concentrated in a point. Of an M that is indefinite, as that of a truncated beam
+    of second order with large deflections, the absolute values of the eigenvalues count: any metric will do.
     """
     diagonal = np.diag(M).copy()
     empty = diagonal <= 0.0
     typical = float(np.median(diagonal[~empty])) if np.any(~empty) else 1.0
     full = M + np.diag(np.where(empty, typical, 1e-12 * diagonal))
-    return np.asarray(cholesky(full))
+    try:
+        return np.asarray(cholesky(full))
+    except LinAlgError:
+        values, vectors = eigh(full)
+        sizes = np.maximum(np.abs(values), 1e-12 * np.abs(values).max())
+        return np.asarray(cholesky((vectors * sizes) @ vectors.T))
 
 
 def in_mass_metric(G: Matrix, R: Matrix) -> Matrix:

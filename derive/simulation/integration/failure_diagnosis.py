@@ -31,10 +31,11 @@ def diagnose_failure(
 
     refused: the time and the error with which the model last refused a state. message: that of the integrator.
     """
+    # An indefinite M comes first, since constraints scaled by it may look dependent.
+    if np.all(np.isfinite(y)) and nearly_indefinite(native, k, y[: native.nq]):
+        return MassMatrixNotDefinite(t, bool(coordinates_with(native, Role.QUATERNION).any()))
     if (dead_centre := _dead_centre(native, k, t, y)) is not None:
         return dead_centre
-    if np.all(np.isfinite(y)) and nearly_indefinite(native, k, t, y[: native.nq]):
-        return MassMatrixNotDefinite(t, bool(coordinates_with(native, Role.QUATERNION).any()))
     reason = f"{message.rstrip('.')}" + (f"; {refused[1]} at t = {refused[0]:.9g} s" if refused else "")
     return IntegrationStopped(t, reason)
 
