@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import argparse
 import json
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 from derive.artifacts import File, check_folder, write
 from derive.cli.simulation_summary import Pieces, PlotCurves, SimulationResult, summary_data, summary_text
@@ -54,8 +56,9 @@ def run(options: argparse.Namespace) -> int:
 
 @dataclass(frozen=True)
 class TitledRun:
-    """A simulation with a title for its progress."""
+    """A simulation of the specification in the file `path`, with a title for its progress."""
 
+    path: Path
     title: str
     run: SceneRun | BodyRun
 
@@ -63,9 +66,19 @@ class TitledRun:
         """The motion; its progress is shown."""
         progress = SimulationProgress(self.title, self.run.settings.simulation.duration)
         try:
-            return self.run.trajectory(earlier, progress)
+            with lines_of(self.path):
+                return self.run.trajectory(earlier, progress)
         finally:
             progress.end()
+
+
+@contextmanager
+def lines_of(path: Path) -> Iterator[None]:
+    """Faults of the specification in a file get their lines there."""
+    try:
+        yield
+    except SpecError as error:
+        raise with_lines(error, path) from None
 
 
 class Simulations:
@@ -90,11 +103,11 @@ class Simulations:
         title = ", ".join([spec.name, *(f"{name} in {beam_count(n)}" for name, n in _pieces(spec))])
         show_progress(f"{title}: deriving the equations ...")
         try:
-            return TitledRun(title, prepared(spec, self._options.integrator, self._options.step))
-        except SpecError as error:
-            raise with_lines(error, self._options.spec) from None
+            with lines_of(self._options.spec):
+                run = prepared(spec, self._options.integrator, self._options.step)
         finally:
             show_progress()
+        return TitledRun(self._options.spec, title, run)
 
     def planned_files(self) -> list[File]:
         """The files of the simulations, still without their texts."""

@@ -29,7 +29,7 @@ class BodyRun(PreparedRun[NativeBody, None, BodyTrajectory]):
     """The simulation of a body in space."""
 
     def __init__(self, body: NodalBody, integrator: str, step: float | None) -> None:
-        self.body = body
+        self.body, self.size = body, float(np.linalg.norm(np.ptp(body.data.positions, axis=0))) or 1.0
         super().__init__(body, integrator, step)
         self._initial = initial_vectors(self.model, body.start)
 

@@ -41,6 +41,9 @@ class PreparedRun(ABC, Generic[Native, Start, Result]):
     breaks: tuple[float, ...] = ()
     """The times (s) at which functions of time jump."""
 
+    size: float
+    """The size of what is simulated, m."""
+
     def __init__(self, spec: Scene | NodalBody, integrator: str, step: float | None) -> None:
         """Arguments as for `simulate`; the specification has a `simulation`. Raises SpecError, UnknownNameError."""
         assert spec.simulation is not None, "simulation_settings makes it"
@@ -73,6 +76,7 @@ class PreparedRun(ABC, Generic[Native, Start, Result]):
 
         settings = Settings(
             tolerance=simulation.tolerance,
+            size=self.size,
             step=self.settings.step,
             breaks=self.breaks,
             until=stop_event(self._until, row, native, k),

@@ -11,7 +11,7 @@ from derive.runtime.native_call import Vector
 from derive.runtime.native_scene import NativeScene
 from derive.simulation.drive_jumps import check_drives
 from derive.simulation.errors import SimulationError
-from derive.simulation.initial.initial_state import InitialState, initial_state
+from derive.simulation.initial.initial_state import InitialState, initial_state, scene_size
 from derive.simulation.inputs import DrivenScene, InputFunction, with_functions
 from derive.simulation.integration.integrator import Integrator, scene_of
 from derive.simulation.integration.solution import Solution
@@ -39,7 +39,7 @@ class SceneRun(PreparedRun[NativeScene, InitialState, Trajectory]):
     ) -> None:
         self.inputs = dict(inputs)
         self.scene = with_functions(scene, self.inputs)
-        self.breaks = breaks(self.scene)
+        self.breaks, self.size = breaks(self.scene), scene_size(self.scene)
         check_drives(self.scene)
         super().__init__(self.scene, integrator, step)
 

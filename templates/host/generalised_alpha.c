@@ -12,12 +12,17 @@
 
 #include <klu.h>
 
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 /* The iterations of Newton's method after which the Jacobian is renewed, and the Jacobians of a step at most. */
 enum { ITERATIONS = 4, JACOBIANS = 4 };
+
+/* Corrections up to this part of the largest coordinate are rounding errors: those of g, which is a difference of
+   coordinates, and of what follows from it for v times the step. */
+#define TISSERAND_ROUNDING (16.0 * DBL_EPSILON)
 
 /* The coefficients of the method for a step length h. */
 typedef struct {
@@ -163,7 +168,7 @@ static int correct(double t, double h, double tolerance, const double *k, machin
     double *y = own->y, *ydot = own->ydot, *r = own->r;
 
     for (int i = 0; i < ITERATIONS * JACOBIANS; i++) {
-        double largest = 0.0, size = 1.0;
+        double largest = 0.0, size = 0.0;
         int code = 0;
         if (*valid == 0) {
             code = factorise(t, k, own);
@@ -196,7 +201,7 @@ static int correct(double t, double h, double tolerance, const double *k, machin
             y[j] -= r[j];
         }
         *valid = (i + 1) % ITERATIONS; /* a new Jacobian after ITERATIONS iterations */
-        if (largest <= tolerance * size) {
+        if (largest <= tolerance + TISSERAND_ROUNDING * size) {
             return TISSERAND_OK;
         }
     }

@@ -36,8 +36,8 @@ enum {
 typedef struct {
     double rho;       /* 0 to 1: the factor by which a step reduces vibrations of infinite frequency; with 1, without
                          damping, errors of the multipliers oscillate as well */
-    double tolerance; /* Newton's method stops if the corrections of q, and of v times the step, are below it (times
-                         the largest coordinate, if that is above 1) */
+    double tolerance; /* Newton's method stops if the corrections of q, and of v times the step, are below it, or are
+                         rounding errors of the largest coordinate */
     double start;     /* the initial q and v are projected onto |g|, |gdot| <= start; 0: they are not projected */
 } tisserand_alpha_options;
 

@@ -175,7 +175,7 @@ static int configure(const tisserand_model *model, const tisserand_ida_options *
         /* Errors of the multipliers are those of v or q times M or the unit matrix, divided by the step: rounding
            errors of q and v exceed the tolerance in the multipliers, the more so the shorter the step. Norms therefore
            exclude the multipliers; otherwise tight tolerances would fail in the first step. */
-        atol[i] = i < differential ? options->atol : 1e30;
+        atol[i] = i >= differential ? 1e30 : options->atol * (options->weights == NULL ? 1.0 : options->weights[i]);
     }
     if ((code = IDAInit(own->ida, residual, t0, own->y, own->ydot)) < 0 ||
         (code = IDASVtolerances(own->ida, options->rtol, own->atol)) < 0 ||

@@ -26,6 +26,7 @@ typedef struct {
     const char *form; /* of a scene, "ggl" (index 2, stabilised) or "index1"; of a body without joints 0 */
     double rtol;      /* relative tolerance */
     double atol;      /* absolute tolerance of q and v, which determine the accuracy of the multipliers */
+    const double *weights; /* nq + nv factors of atol for the elements of q and v, in proportion to their sizes; 0: 1 */
     int order;        /* highest order of the method, 1 to 5; 0: 5. Orders 3 to 5 need steps that resolve every
                          undamped vibration; order 2 can step over vibrations below the tolerance. */
     double start;     /* the initial q and v are projected onto |g|, |gdot| <= start; 0: they are not projected */

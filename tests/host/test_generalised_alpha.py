@@ -58,7 +58,7 @@ def test_counts() -> None:
 
 def test_failures_tell_what() -> None:
     with pytest.raises(IntegratorError, match="code 8 after t = 0: Newton's method does not converge") as caught:
-        alpha().run(LEVEL, [0.0, 1e6, 2e6], step=1.0, steps=3, rho=0.5, tolerance=1e-300)
+        alpha().run(LEVEL, [0.0, 1e6, 2e6], step=10.0, steps=3, rho=0.5)
     assert np.isnan(caught.value.partial.q[1:]).all()
     with pytest.raises(IntegratorError, match="code 1: a pivot vanished"):
         alpha().run(LEVEL, REST, step=1e-3, steps=3, k=[0.5, np.inf, 0.1, 9.81, 0, 0])

@@ -8,6 +8,7 @@ import pytest
 
 import derive
 from derive.cli.main import main
+from derive.simulation.initial.contradictions import InitialValue
 from derive.simulation.prepared_run import PreparedRun
 from derive.simulation.simulate import prepared
 from derive.spec.model.scene import Scene
@@ -97,3 +98,20 @@ def test_files_are_planned_by_their_names(runs: list[str], tmp_path: Path, capsy
     with pytest.raises(TypeError):  # the stand-in of a run has no result
         main(["simulate", str(spec), "--out", str(tmp_path / "out")])
     assert runs == ["hanging"]
+
+
+def test_contradictions_of_the_initial_state_have_their_lines(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    more = "[bodies.rod.start]\nposition = [0.7, 0]\nangle = 0\n"
+    message = refused(tmp_path, more, capsys)
+    assert "hanging.toml:23: bodies.rod.start.position: component 1: 0.7 m contradicts the joints" in message
+
+
+def test_rounding_errors_of_zero_are_zero() -> None:
+    """Of a value that replaces 0.3 m, or 1e-9 m; -2.4e-33 m is none that anybody has chosen."""
+    shown = [
+        str(InitialValue("x", "m", specified, value, False, True))
+        for specified, value in ((0.3, -2.4e-33), (0.3, 1e-12), (1e-9, 1e-12), (0.0, -2.4e-33))
+    ]
+    assert shown == ["x: 0.3 m -> 0 m", "x: 0.3 m -> 1e-12 m", "x: 1e-09 m -> 1e-12 m", "x: 0 m -> -2.4e-33 m"]

@@ -17,6 +17,7 @@ from derive.runtime.integrators.c_integrator import (
     CIntegrator,
     Integration,
     check_numbers,
+    checked_array,
     checked_result,
     fields,
     timed,
@@ -32,6 +33,7 @@ class _IdaOptions(ctypes.Structure):
         ("form", ctypes.c_char_p),
         ("rtol", ctypes.c_double),
         ("atol", ctypes.c_double),
+        ("weights", ctypes.c_void_p),
         ("order", ctypes.c_int),
         ("start", ctypes.c_double),
         ("step_max", ctypes.c_double),
@@ -63,6 +65,7 @@ class Ida(CIntegrator):
         form: str | None = "ggl",
         rtol: float = 1e-9,
         atol: float | None = None,
+        weights: ArrayLike | None = None,
         order: int = 5,
         k: ArrayLike | None = None,
         t0: float = 0.0,
@@ -73,7 +76,8 @@ class Ida(CIntegrator):
     ) -> Integration:
         """Rows at t0 + i `interval`, from the state q0 (nq,), v0 (nv,). Raises IntegratorError.
 
-        `form`: "ggl" or "index1" of a scene, None for a body. `atol` is `rtol` if it is not given. `order` 2 damps
+        `form`: "ggl" or "index1" of a scene, None for a body. `atol` is `rtol` if it is not given; `weights`
+        (nq + nv,) are factors of it for the elements of q and v. `order` 2 damps
         vibrations that higher orders follow with short steps. The first state is brought to constraints and rates below
         `consistent`, unless that is 0. `steps_max`: between two rows. `observe` follows the rows.
         """
@@ -89,7 +93,9 @@ class Ida(CIntegrator):
         if rows < 1 or not interval > 0:
             raise ValueError(f"{rows} rows at an interval of {interval} make no sense")
         name, absolute = None if form is None else form.encode(), rtol if atol is None else atol
-        options = _IdaOptions(name, rtol, absolute, order, consistent, step_max, steps_max)
+        factors = None if weights is None else checked_array("weights", weights, (self.native.nq + self.native.nv,))
+        scaled = None if factors is None else factors.ctypes.data
+        options = _IdaOptions(name, rtol, absolute, scaled, order, consistent, step_max, steps_max)
         table: Array = np.empty((rows, self.width))
         counts, observer = _IdaCounts(), Observer(observe, self.width)
         code, seconds = timed(

@@ -8,6 +8,9 @@ from dataclasses import dataclass
 from derive.errors import Problem, SpecError
 from derive.simulation.initial.targets import Target
 
+ROUNDING = 1e-12
+"""Values below this part of what they differ from are rounding errors of zero."""
+
 
 @dataclass(frozen=True, eq=False)
 class Misfit:
@@ -32,7 +35,13 @@ class InitialValue:
     corrected: bool
 
     def __str__(self) -> str:
-        return f"{self.name}: {self.specified:.12g} {self.unit} -> {self.value:.12g} {self.unit}"
+        value = without_rounding(self.value, self.specified)
+        return f"{self.name}: {self.specified:.12g} {self.unit} -> {value:.12g} {self.unit}"
+
+
+def without_rounding(value: float, specified: float) -> float:
+    """A value that replaces the specified one, as it is printed: 0 if it is a rounding error of their difference."""
+    return 0.0 if abs(value) < ROUNDING * abs(value - specified) else value
 
 
 def contradiction(misfits: Sequence[Misfit], what: str) -> SpecError:
@@ -46,8 +55,9 @@ def contradiction(misfits: Sequence[Misfit], what: str) -> SpecError:
             Problem(
                 misfit.target.path,
                 f"{misfit.target.label + ': ' if misfit.target.label else ''}{misfit.target.value:g} "
-                f"{misfit.target.unit} contradicts {conflict}; the nearest {what} have {misfit.value:.6g} "
-                f"{misfit.target.unit}. Correct or leave out one of them, or mark it as a first guess by guess = true",
+                f"{misfit.target.unit} contradicts {conflict}; the nearest {what} have "
+                f"{without_rounding(misfit.value, misfit.target.value):.6g} {misfit.target.unit}. Correct or leave out "
+                "one of them, or mark it as a first guess by guess = true",
             )
             for misfit in involved
         )

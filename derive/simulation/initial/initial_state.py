@@ -28,6 +28,8 @@ from derive.spec.model.scene import BeamBody, RigidBody, Scene
 
 MAX_DEFLECTION = 0.3
 """Of the length of a beam: an initial state with a larger deflection is not one of this mechanism."""
+ROUNDING = 1e-15
+"""Of the size of the scene, of 1 rad, and of the largest velocity: smaller values are rounding errors of zero."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,22 +94,25 @@ def initial_state(scene: Scene, native: NativeScene, k: Vector | None = None) ->
     momentum = _momentum(scene, assembler.kinematics(q, moving=True))
     result = velocities(assembler, q, [target for target in every if target.rate], momentum)
     check_constraints(native, constants, 0.0, q)
-    values = _values(assembler.kinematics(q, moving=True), result.v, every, (*assembly.misfits, *result.misfits))
+    values = _values(assembler, q, result.v, every, (*assembly.misfits, *result.misfits))
     errors = assembly.error, result.error
     return InitialState(0.0, q, result.v, *errors, assembly.deformed, result.deforming, values, balance)
 
 
 def _values(
-    kinematics: Kinematics, v: Vector, every: Sequence[Target], misfits: Sequence[Misfit]
+    assembler: Assembler, q: Vector, v: Vector, every: Sequence[Target], misfits: Sequence[Misfit]
 ) -> tuple[InitialValue, ...]:
-    """The values that the specification gives or guesses, and those of the state."""
+    """The values that the specification gives or guesses, and those of the state; rounding errors of zero are zero."""
+    kinematics = assembler.kinematics(q, moving=True)
     changed = {id(misfit.target) for misfit in misfits}
     result = []
     for target in every:
         if target.strength is not Strength.DEFAULT:
             linear, guess = target.function(kinematics), target.strength is Strength.GUESS
             value = float(linear.gradient @ v) + linear.drift if target.rate else linear.value
-            result.append(InitialValue(target.name, target.unit, target.value, value, guess, id(target) in changed))
+            scale = assembler.unit(target) * (max_norm(v) if target.rate else 1.0)
+            shown = 0.0 if abs(value) < ROUNDING * scale else value
+            result.append(InitialValue(target.name, target.unit, target.value, shown, guess, id(target) in changed))
     return tuple(result)
 
 

@@ -13,19 +13,21 @@ from derive.runtime.integrators.ida import Ida
 from derive.runtime.integrators.observer import Observe
 from derive.runtime.native_body import NativeBody
 from derive.runtime.native_call import Vector
-from derive.simulation.compiled_scene import max_norm
-from derive.simulation.constraints.projection import UNAVOIDABLE
 from derive.simulation.errors import SimulationError
 from derive.simulation.integration.c_rows import CRows
 from derive.simulation.integration.integrator import Integrator, Settings, scene_of
 from derive.simulation.integration.pieces import Piece, pieces
 from derive.simulation.integration.solution import Solution
 from derive.simulation.integration.step_limit import rk4_step_limit
+from derive.simulation.integration.tolerances import absolute_tolerances, consistent_tolerance, rounding_note
 
 STABLE = 0.5
 """The step of RK4, unless it is given, divided by the longest stable step in the initial state."""
 
 MAX_STEPS_PER_ROW = 10**9
+
+NEWTON = 1e-11
+"""The tolerance of Newton's method of the generalised-alpha method."""
 
 STEPS_PER_ROW = 10
 """The steps of the generalised-alpha method between two rows, unless the step is given."""
@@ -43,7 +45,8 @@ def rk4(files: Sequence[File]) -> Integrator:
 
         def run(q0: Vector, v0: Vector, piece: Piece, observe: Observe | None) -> Integration:
             every = equal_steps(piece.interval, step)
-            steps, length, met = piece.count * every, piece.interval / every, _met(q0)
+            steps, length = piece.count * every, piece.interval / every
+            met = consistent_tolerance(CONSISTENT, settings.size, q0)
             return host.run(
                 q0, v0, step=length, steps=steps, every=every, k=k, t0=piece.start, tolerance=met, observe=observe
             )
@@ -61,9 +64,19 @@ def generalised_alpha(files: Sequence[File]) -> Integrator:
     def integrate(k: Vector, q: Vector, v: Vector, times: Vector, settings: Settings) -> Solution:
         def run(q0: Vector, v0: Vector, piece: Piece, observe: Observe | None) -> Integration:
             every = equal_steps(piece.interval, settings.step or piece.interval / STEPS_PER_ROW)
-            steps, length, met = piece.count * every, piece.interval / every, _met(q0)
+            steps, length = piece.count * every, piece.interval / every
+            met = consistent_tolerance(CONSISTENT, settings.size, q0)
             return host.run(
-                q0, v0, step=length, steps=steps, every=every, k=k, t0=piece.start, consistent=met, observe=observe
+                q0,
+                v0,
+                step=length,
+                steps=steps,
+                every=every,
+                k=k,
+                t0=piece.start,
+                tolerance=NEWTON * min(1.0, settings.size),
+                consistent=met,
+                observe=observe,
             )
 
         return CRows(native, run, k, settings).solution(q, v, times, _shortened(times, settings))
@@ -78,6 +91,7 @@ def ida(files: Sequence[File]) -> Integrator:
 
     def integrate(k: Vector, q: Vector, v: Vector, times: Vector, settings: Settings) -> Solution:
         settings.refuse_step("c_ida")
+        weights = absolute_tolerances(native, settings.tolerance, settings.size, q) / settings.tolerance
 
         def run(q0: Vector, v0: Vector, piece: Piece, observe: Observe | None) -> Integration:
             return host.run(
@@ -86,20 +100,16 @@ def ida(files: Sequence[File]) -> Integrator:
                 interval=piece.interval,
                 rows=piece.count + 1,
                 rtol=settings.tolerance,
+                weights=weights,
                 k=k,
                 t0=piece.start,
-                consistent=_met(q0),
+                consistent=consistent_tolerance(CONSISTENT, settings.size, q0),
                 observe=observe,
             )
 
-        return CRows(native, run, k, settings).solution(q, v, times, ())
+        return CRows(native, run, k, settings).solution(q, v, times, rounding_note(settings.tolerance, q))
 
     return Integrator(native, integrate)
-
-
-def _met(q: Vector) -> float:
-    """The |g| (m, rad) up to which constraints are met in the state q (nq,), which may be far from the origin."""
-    return max(CONSISTENT, UNAVOIDABLE * max_norm(q))
 
 
 def _shortened(times: Vector, settings: Settings) -> tuple[str, ...]:

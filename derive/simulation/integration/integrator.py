@@ -18,13 +18,15 @@ from derive.simulation.integration.stop_event import StopEvent
 class Settings:
     """Settings that integrators share.
 
-    tolerance: the error of a step, relative and absolute (SI), of methods with adaptive steps. drift: the limit of |g|
-    (m, rad) and |gdot| (m/s, rad/s) in every row. step: that of methods with fixed steps, s; None lets them choose.
-    breaks: times at which functions of time jump, s, at which methods stop and start anew. until: a condition that ends
-    the integration. progress: called with the time (s) that is reached.
+    tolerance: the error of a step, relative and absolute (SI), of methods with adaptive steps. size: that of the scene,
+    m; below 1 m the absolute tolerances of lengths are proportional to it. drift: the limit of |g| (m, rad) and |gdot|
+    (m/s, rad/s) in every row. step: that of methods with fixed steps, s; None lets them choose. breaks: times at which
+    functions of time jump, s, at which methods stop and start anew. until: a condition that ends the integration.
+    progress: called with the time (s) that is reached.
     """
 
     tolerance: float = 1e-9
+    size: float = 1.0
     drift: float = 1e-9
     step: float | None = None
     breaks: tuple[float, ...] = ()

@@ -20,6 +20,7 @@ from derive.simulation.integration.failure_diagnosis import diagnose_error, diag
 from derive.simulation.integration.pieces import smooth_ends
 from derive.simulation.integration.solution import Cost, Progress, Solution, SolutionWriter, row_times
 from derive.simulation.integration.stop_event import StopEvent
+from derive.simulation.integration.tolerances import absolute_tolerances, rounding_note
 
 NO_ERROR_CONTROL = 1e30
 """The absolute tolerance of multipliers, so that error control and Newton's method consider q and v alone: in a short
@@ -61,6 +62,7 @@ def integrate_ida(
     *,
     form: Literal["ggl", "index1"] = "ggl",
     tolerance: float = 1e-6,
+    size: float = 1.0,
     order: int = 5,
     drift: float = 1e-9,
     projected: bool = True,
@@ -71,7 +73,7 @@ def integrate_ida(
 ) -> Solution:
     """The motion of a compiled scene from a consistent state, by the variable-order BDF of IDA.
 
-    native, k, q, v, times, tolerance, drift, breaks, until, progress: as for `integrate`. form: the equations, of
+    native, k, q, v, times, tolerance, size, drift, breaks, until, progress: as for `integrate`. form: the equations, of
     `native.dae`; the stabilised form of index 2 ("ggl") keeps the state on the constraints, "index1" lets it drift.
     order: the highest order; 2 steps over vibrations that orders 3 to 5 have to resolve with short steps, and damps
     them. projected: whether rows are projected, and the state from which IDA starts anew at a break; that within its
@@ -83,6 +85,7 @@ def integrate_ida(
     instants = row_times(times)
     rows = SolutionWriter(native, k, instants, drift, projected, until)
     ends = smooth_ends(instants, breaks)
+    absolute, notes = absolute_tolerances(native, tolerance, size, q), rounding_note(tolerance, q)
     t, y, mark = float(instants[0]), np.concatenate([q, v]), float(instants[0])
     steps, calls, done = 0, 0, list[_Part]()
 
@@ -95,7 +98,7 @@ def integrate_ida(
         while rows.count < len(instants):
             end = ends.pop(0)
             latest = float(np.nextafter(end, t)) if ends else end
-            part = _Part(_solver(native.dae[form], native, k, tolerance, order, max_step, latest), end, len(y))
+            part = _Part(_solver(native.dae[form], k, tolerance, absolute, order, max_step, latest), end, len(y))
             done.append(part)
             part.start(t, *_initial(native, k, t, y[: native.nq], y[native.nq :], native.dae[form].size))
             while t < end:
@@ -112,7 +115,7 @@ def integrate_ida(
                 t, y, steps = reached, state, steps + 1
                 stop = rows.stop_time(before, t, part.dense)
                 if stop is not None:
-                    return rows.stopped_solution(stop, part.dense, cost())
+                    return rows.stopped_solution(stop, part.dense, cost(), notes)
                 while rows.count < len(instants) and rows.following <= t:
                     rows.append(rows.following, part.dense(rows.following) if rows.following < t else y)
                 if progress is not None:
@@ -120,7 +123,7 @@ def integrate_ida(
             y = rows.projected_state(t, y) if projected and ends else y
     except (ModelError, DriftTooLarge) as error:
         raise diagnose_error(native, k, t, y, error) from error
-    return rows.solution(cost())
+    return rows.solution(cost(), notes)
 
 
 @dataclass
@@ -147,10 +150,12 @@ class _Part:
 
 
 def _solver(
-    form: Form, native: ConstrainedSystem, k: Vector, tolerance: float, order: int, max_step: float, latest: float
+    form: Form, k: Vector, tolerance: float, absolute: Vector, order: int, max_step: float, latest: float
 ) -> Any:
-    """IDA with the sparse solver SuperLU_MT and the compiled Jacobian; `latest`: the last time of which the model is
-    asked, s."""
+    """IDA with the sparse solver SuperLU_MT and the compiled Jacobian.
+
+    absolute: the absolute tolerances (nq + nv,) of q and v. latest: the last time of which the model is asked, s.
+    """
     try:
         ida = import_module("sksundae.ida").IDA
     except ImportError as error:
@@ -162,9 +167,8 @@ def _solver(
     def jacobian(t: float, y: Vector, ydot: Vector, _: Vector, cj: float, out: Vector) -> None:
         out[:] = form.jacobian(min(t, latest), y, ydot, cj, k)
 
-    n, p = native.nq + native.nv, form.pattern
-    absolute = np.full(form.size, NO_ERROR_CONTROL)
-    absolute[:n] = tolerance
+    n, p = len(absolute), form.pattern
+    every = np.concatenate([absolute, np.full(form.size - n, NO_ERROR_CONTROL)])
     indices = (np.array(p.rowidx, dtype=np.int32), np.array(p.colptr, dtype=np.int32))  # as the package is built
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", message="Custom sparse Jacobian")  # harmless, as jacfn is given
@@ -175,7 +179,7 @@ def _solver(
             sparsity=csc_array((np.ones(len(p.rowidx)), *indices), shape=(form.size, form.size)),
             algebraic_idx=list(range(n, form.size)),
             rtol=tolerance,
-            atol=absolute,
+            atol=every,
             max_order=order,
             max_step=max_step,
             max_num_steps=1_000_000,

@@ -19,6 +19,7 @@ from derive.simulation.integration.failure_diagnosis import diagnose_error, diag
 from derive.simulation.integration.pieces import smooth_ends
 from derive.simulation.integration.solution import Cost, Progress, Solution, SolutionWriter, row_times
 from derive.simulation.integration.stop_event import StopEvent
+from derive.simulation.integration.tolerances import absolute_tolerances, rounding_note
 
 MAX_STEPS_PER_ROW = 20_000
 """The largest mean number of steps for each row; an integration that needs more is stopped."""
@@ -35,6 +36,7 @@ def integrate(
     *,
     method: Literal["DOP853", "RK45"] = "DOP853",
     tolerance: float = 1e-9,
+    size: float = 1.0,
     drift: float = 1e-9,
     projected: bool = True,
     max_step: float = np.inf,
@@ -46,11 +48,11 @@ def integrate(
 
     native: the compiled scene. k: the constants (nk,) of `native.setup`. q, v: the consistent state (nq,), (nv,) at
     times[0], in SI units. times: those of the rows (n,), s, increasing. tolerance: the error of a step, relative and
-    absolute (SI). drift: the limit of |g| (m, rad) and of |gdot| (m/s, rad/s) in every row, and after every projected
-    step. projected: whether the state is projected onto the constraints after each step, and rows within a step as
-    well. max_step: in s. breaks: times, s, at which the right-hand side may jump, where the method
-    stops and starts anew. until: ends the integration, with a row at its time. progress: called with the time reached
-    after each step.
+    absolute (SI). size: that of the scene, m, see `absolute_tolerances`. drift: the limit of |g| (m, rad) and of |gdot|
+    (m/s, rad/s) in every row, and after every projected step. projected: whether the state is projected onto the
+    constraints after each step, and rows within a step as well. max_step: in s. breaks: times, s, at which the
+    right-hand side may jump, where the method stops and starts anew. until: ends the integration, with a row at its
+    time. progress: called with the time reached after each step.
 
     Raises SingularConfiguration or DriveCannotBeFollowed at a dead centre, DriftTooLarge, IntegrationStopped.
     """
@@ -58,6 +60,7 @@ def integrate(
     instants = row_times(times)
     evaluator = Evaluator(native, k)
     rows = SolutionWriter(native, k, instants, drift, projected, until)
+    absolute, notes = absolute_tolerances(native, tolerance, size, q), rounding_note(tolerance, q)
     t, y, steps = float(instants[0]), np.concatenate([q, v]), 0
     try:
         rows.append(t, y)
@@ -68,7 +71,7 @@ def integrate(
                 end = ends.pop(0)
                 evaluator.until = np.nextafter(end, t) if ends else end
                 solver = METHODS[method](
-                    evaluator, t, y, end, rtol=max(tolerance, 1e-13), atol=tolerance, max_step=max_step
+                    evaluator, t, y, end, rtol=max(tolerance, 1e-13), atol=absolute, max_step=max_step
                 )
             evaluator.refused = None
             message = solver.step()
@@ -79,7 +82,7 @@ def integrate(
                 raise IntegrationStopped(t, f"{steps} steps do not reach the next row")
             stop = None if until is None else rows.stop_time(t, float(solver.t), solver.dense_output())
             if stop is not None:
-                return rows.stopped_solution(stop, solver.dense_output(), evaluator.cost(steps, began))
+                return rows.stopped_solution(stop, solver.dense_output(), evaluator.cost(steps, began), notes)
             if rows.following < solver.t:
                 dense = solver.dense_output()
                 while rows.count < len(instants) and rows.following < solver.t:
@@ -94,7 +97,7 @@ def integrate(
                 progress(t)
     except (ModelError, DriftTooLarge) as error:
         raise diagnose_error(native, k, t, y, error) from error
-    return rows.solution(evaluator.cost(steps, began))
+    return rows.solution(evaluator.cost(steps, began), notes)
 
 
 class Evaluator:

@@ -21,6 +21,7 @@ from derive.simulation.initial.initial_state import initial_state
 from derive.simulation.linear.eigenmodes import Mode, eigenmodes
 from derive.simulation.linear.linearisation import Linearisation, linearise
 from derive.simulation.linear.run_time_inputs import input_values, scene_with_values
+from derive.simulation.observables.motion import SceneMotion
 from derive.simulation.simulate import simulate
 from derive.spec.model.scene import EQUILIBRIUM, Scene, Specification
 
@@ -112,11 +113,22 @@ def _of_body(spec: Specification, at: float | None) -> _State:
     return _State(native, native.setup(), 0.0, q, np.zeros(native.nv))
 
 
+def _motion(scene: Scene, at: float) -> SceneMotion:
+    """The motion of a scene up to a time (s). Raises SpecError, which names the option if the time is the reason."""
+    rows = ROWS if scene.simulation is None else min(ROWS, max(1.0, at / scene.simulation.output))
+    try:
+        return simulate(scene, duration=at, output=at / rows).motion
+    except SpecError as error:
+        if reasons := [p for p in error.problems if p.path in ("simulation.duration", "simulation.output")]:
+            text = f"--at {at:g} (in Python at={at:g}) is no time, in s, up to which a motion can be computed"
+            raise SpecError((Problem("", f"{text}: {reasons[0].message}"),)) from None
+        raise
+
+
 def _of_scene(scene: Scene, at: float | None) -> _State:
     """A scene in its state at a time (s), or in its equilibrium, with the run-time inputs that it has there."""
     if at is not None and at > 0.0:
-        rows = ROWS if scene.simulation is None else min(ROWS, max(1.0, at / scene.simulation.output))
-        motion = simulate(scene_with_values(scene), duration=at, output=at / rows).motion
+        motion = _motion(scene_with_values(scene), at)
         t, q, v = float(motion.t[-1]), motion.q[-1], motion.v[-1]
         if not scene.inputs:
             return _State(motion.native, motion.k, t, q, v)
