@@ -99,6 +99,9 @@ def test_wrong_uses(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     beam = str(ROOT / "scenes/free_beam_mean.toml")
     assert main(["modes", beam, "--at", "0", "--out", str(tmp_path / "new")]) == 2
     assert "leave out --at" in capsys.readouterr().err and not (tmp_path / "new").exists()
+    driven.write_text(PENDULUM)
+    assert main(["modes", str(driven), "--at", "1e300", "--out", str(tmp_path / "new")]) == 2
+    assert "driven.toml: --at 1e+300 (in Python at=1e+300) is no time, in s, up to which" in capsys.readouterr().err
     with pytest.raises(SystemExit) as stopped:
         main(["modes", beam, "--at", "-1"])
     assert stopped.value.code == 2 and "a time of at least 0" in capsys.readouterr().err

@@ -27,8 +27,10 @@ def nearly_indefinite(native: ConstrainedSystem, k: Vector, q: Vector) -> bool:
 
 
 def _smallest_eigenvalue(native: ConstrainedSystem, k: Vector, q: Vector) -> float:
-    """Of M, scaled by its diagonal."""
+    """Of M, scaled by its diagonal; 1 if M is not finite."""
     M = mass_matrix(native, q, k)
+    if not np.all(np.isfinite(M)):
+        return 1.0
     size = np.sqrt(np.abs(np.diag(M)))
     scale = np.where(size > 0, size, 1.0)
     scaled: Matrix = M / np.outer(scale, scale)
