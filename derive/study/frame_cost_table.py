@@ -26,7 +26,10 @@ UNITS = ("", "", "", "", "", "flops", "flops", "flops", "flops", "", "", "ns", "
 
 
 def frame_cost_data(
-    name: str, frames: tuple[str, str], rows: Sequence[FrameComparison], elimination: EliminationRule
+    name: str,
+    frames: tuple[str, str],
+    rows: Sequence[FrameComparison],
+    elimination: EliminationRule = EliminationRule.SAFE,
 ) -> dict[str, Any]:
     """All numbers as plain data; times are CPU seconds."""
     first, second = frames
@@ -49,7 +52,10 @@ def frame_cost_data(
 
 
 def frame_cost_text(
-    name: str, frames: tuple[str, str], rows: Sequence[FrameComparison], elimination: EliminationRule
+    name: str,
+    frames: tuple[str, str],
+    rows: Sequence[FrameComparison],
+    elimination: EliminationRule = EliminationRule.SAFE,
 ) -> str:
     """The table with its notes."""
     first, second = frames
