@@ -31,7 +31,6 @@ from derive.mechanics.terms import (
     Term,
     Vanished,
 )
-from derive.roles import Role
 from derive.spec.model.body import Lowering
 from derive.spec.model.time_function import Spline
 
@@ -131,11 +130,6 @@ class Equations:
         """The forces h of M vdot + h = 0: the rows with all accelerations set to zero."""
         at_rest = {row.a: sp.S.Zero for row in self.rows}
         return tuple(self.sum_of(row.name).xreplace(at_rest) for row in self.rows)
-
-    @property
-    def quaternion_square(self) -> sp.Expr:
-        """The square of the length of the quaternion, 0 of a planar model."""
-        return sp.Add(*(c.q**2 for c in self.coordinates if c.role is Role.QUATERNION))
 
     def table(self, family: Family) -> CoefficientTable:
         """The table of a family of integrals; StopIteration if the equations have none."""

@@ -145,17 +145,20 @@ class Native:
         arguments = [t, (n, y), (n, ydot), cj, (self.nk, self.own_at(t, k))]
         return self._call("jacobian", arguments, len(self.jacobian_pattern.rowidx))
 
-    def mass_batch(self, q: ArrayLike, k: ArrayLike) -> Matrix:
-        """Values of M (n, nnz) for each row of q (n, nq). The C takes structures of arrays: both are transposed."""
-        return self._batch("mass", [], [(self.nq, q)], k, len(self.mass_pattern.rowidx))[0]
+    def mass_batch(self, q: ArrayLike, k: ArrayLike, check: bool = True) -> Matrix:
+        """Values of M (n, nnz) for each row of q (n, nq). The C takes structures of arrays: both are transposed.
+
+        States that fail have NaN; `check`: ModelError.
+        """
+        return self._checked_batch("mass", [], [(self.nq, q)], k, len(self.mass_pattern.rowidx), check)
 
     def force_batch(self, t: float, q: ArrayLike, v: ArrayLike, k: ArrayLike, check: bool = True) -> Matrix:
         """h (n, nv) for each row of q (n, nq) and v (n, nv). States that fail have NaN; `check`: ModelError."""
-        return self._checked_batch("force", t, q, v, k, check)
+        return self._checked_batch("force", [t], [(self.nq, q), (self.nv, v)], k, self.nv, check)
 
     def accel_batch(self, t: float, q: ArrayLike, v: ArrayLike, k: ArrayLike, check: bool = True) -> Matrix:
         """vdot (n, nv) for each row of q (n, nq) and v (n, nv). States that fail have NaN; `check`: ModelError."""
-        return self._checked_batch("accel", t, q, v, k, check)
+        return self._checked_batch("accel", [t], [(self.nq, q), (self.nv, v)], k, self.nv, check)
 
     def marker(self, name: str, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> tuple[Vector, Vector, Vector]:
         """Position (m), velocity (m/s) in the inertial frame, and values of the Jacobian of a marker.
@@ -203,8 +206,10 @@ class Native:
     def _invoke(self, name: str, function: Callable[..., int], arguments: list[Any], results: list[Vector]) -> None:
         invoke(f"{self.name}_{name}", function, arguments, results)
 
-    def _checked_batch(self, kernel: str, t: float, q: ArrayLike, v: ArrayLike, k: ArrayLike, check: bool) -> Matrix:
-        result, code = self._batch(kernel, [t], [(self.nq, q), (self.nv, v)], k, self.nv)
+    def _checked_batch(
+        self, kernel: str, t: list[float], states: list[tuple[int, ArrayLike]], k: ArrayLike, size: int, check: bool
+    ) -> Matrix:
+        result, code = self._batch(kernel, t, states, k, size)
         if code and check:
             raise ModelError(f"{self.name}_{kernel}_batch", code)
         return result

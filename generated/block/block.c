@@ -12,7 +12,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef BLOCK_HASH_a690f0812509540b
+#ifndef BLOCK_HASH_a2cfffd0c9546b54
 #  error "block.h and block.c are of different builds; run tisserand build again"
 #endif
 
@@ -1105,6 +1105,9 @@ int block_momentum(
     const double alpha8dot = v[13];
     (void) k;
 
+    /* attitude: check that the quaternion is not zero */
+    if (!(e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3 > 0.0)) return 2; /* the quaternion is zero */
+
     /*
      * Q (1): Q_11 = rotation tensor of the quaternion; ...; Q_33 = rotation tensor of the
      *     quaternion
@@ -1260,6 +1263,9 @@ int block_rates(
     const double alpha8dot = v[13];
     (void) k;
 
+    /* attitude: check that the quaternion is not zero */
+    if (!(e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3 > 0.0)) return 2; /* the quaternion is zero */
+
     /* rates (1): from Qdot = Q (omega x) */
     qdot[0] = c1dot;
     qdot[1] = c2dot;
@@ -1320,6 +1326,9 @@ int block_marker_corner(
     const double alpha7dot = v[12];
     const double alpha8dot = v[13];
     (void) k;
+
+    /* attitude: check that the quaternion is not zero */
+    if (!(e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3 > 0.0)) return 2; /* the quaternion is zero */
 
     /* r (14): X + u and its time derivative at the marker, in the body frame */
     const double r_1 = 0.5275946394495463 * alpha5 + 0.5399871638663002 * alpha6
@@ -1475,6 +1484,9 @@ int block_marker_centre(
     const double alpha8dot = v[13];
     (void) k;
 
+    /* attitude: check that the quaternion is not zero */
+    if (!(e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3 > 0.0)) return 2; /* the quaternion is zero */
+
     /*
      * Q (1): Q_11 = rotation tensor of the quaternion; ...; Q_33 = rotation tensor of the
      *     quaternion
@@ -1572,6 +1584,9 @@ int block_marker_end(
     const double alpha6dot = v[11];
     const double alpha8dot = v[13];
     (void) k;
+
+    /* attitude: check that the quaternion is not zero */
+    if (!(e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3 > 0.0)) return 2; /* the quaternion is zero */
 
     /* r (14): X + u and its time derivative at the marker, in the body frame */
     const double r_1 = 0.2 - 0.5600463460571621 * alpha6;
@@ -1674,6 +1689,9 @@ int block_load_corner(
     const double F_3 = F[2];
     (void) k;
 
+    /* attitude: check that the quaternion is not zero */
+    if (!(e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3 > 0.0)) return 2; /* the quaternion is zero */
+
     /*
      * Q (1): Q_11 = rotation tensor of the quaternion; ...; Q_33 = rotation tensor of the
      *     quaternion
@@ -1755,6 +1773,9 @@ int block_load_centre(
     const double F_3 = F[2];
     (void) k;
 
+    /* attitude: check that the quaternion is not zero */
+    if (!(e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3 > 0.0)) return 2; /* the quaternion is zero */
+
     /*
      * Q (1): Q_11 = rotation tensor of the quaternion; ...; Q_33 = rotation tensor of the
      *     quaternion
@@ -1826,6 +1847,9 @@ int block_load_end(
     const double F_2 = F[1];
     const double F_3 = F[2];
     (void) k;
+
+    /* attitude: check that the quaternion is not zero */
+    if (!(e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3 > 0.0)) return 2; /* the quaternion is zero */
 
     /*
      * Q (1): Q_11 = rotation tensor of the quaternion; ...; Q_33 = rotation tensor of the
@@ -1946,6 +1970,9 @@ int block_residual(
     const double alpha7ddot = ydot[27];
     const double alpha8ddot = ydot[28];
     (void) k;
+
+    /* attitude: check that the quaternion is not zero */
+    if (!(e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3 > 0.0)) return 2; /* the quaternion is zero */
 
     /* oo (5): oo_11 = products of omega; ...; oo_33 = products of omega */
     const double oo_11 = omega1 * omega1;
@@ -2207,6 +2234,9 @@ int block_jacobian(
     const double alpha7ddot = ydot[27];
     const double alpha8ddot = ydot[28];
     (void) k;
+
+    /* attitude: check that the quaternion is not zero */
+    if (!(e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3 > 0.0)) return 2; /* the quaternion is zero */
 
     /* oo (5): oo_11 = products of omega; ...; oo_33 = products of omega */
     const double oo_11 = omega1 * omega1;

@@ -330,8 +330,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define BLOCK_HASH "a690f0812509540b"
-#define BLOCK_HASH_a690f0812509540b
+#define BLOCK_HASH "a2cfffd0c9546b54"
+#define BLOCK_HASH_a2cfffd0c9546b54
 
 /* ---- sizes and indices ---- */
 
@@ -382,6 +382,8 @@ enum {
 /* ---- functions return 0 for success. setup and accel return 1 if a pivot vanished and 2 if a
    value is not finite or not positive; the outputs are undefined then. All other functions propagate a NaN;
    accel reports a NaN in its mass matrix as a vanished pivot.
+   The quaternion is assumed to have unit length: of one with the length s, Q is s^2 times a rotation tensor. Integrators
+   have to normalise it. Functions that read it return 2 where it is zero.
    Arrays that are written must not overlap each other or arrays that are read. ---- */
 
 /*
@@ -500,7 +502,7 @@ int block_energy(
  *     angular_2, angular_3
  *
  * From (1), appendix.
- * 306 operations.
+ * 313 operations.
  */
 int block_momentum(
     const double *TISSERAND_RESTRICT q,
@@ -518,7 +520,7 @@ int block_momentum(
  *     alpha3_t, alpha4_t, alpha5_t, alpha6_t, alpha7_t, alpha8_t
  *
  * From (1).
- * 24 operations.
+ * 31 operations.
  */
 int block_rates(
     const double *TISSERAND_RESTRICT q,
@@ -537,7 +539,7 @@ int block_rates(
  * jacobian: values of d(velocity)/dv by columns, 3 x 14, 36 values
  *
  * From (14), (1).
- * 316 operations.
+ * 323 operations.
  */
 int block_marker_corner(
     const double *TISSERAND_RESTRICT q,
@@ -558,7 +560,7 @@ int block_marker_corner(
  * jacobian: values of d(velocity)/dv by columns, 3 x 14, 21 values
  *
  * From (1).
- * 100 operations.
+ * 107 operations.
  */
 int block_marker_centre(
     const double *TISSERAND_RESTRICT q,
@@ -579,7 +581,7 @@ int block_marker_centre(
  * jacobian: values of d(velocity)/dv by columns, 3 x 14, 30 values
  *
  * From (14), (1).
- * 140 operations.
+ * 147 operations.
  */
 int block_marker_end(
     const double *TISSERAND_RESTRICT q,
@@ -600,7 +602,7 @@ int block_marker_end(
  *     f[alpha8]
  *
  * From (1), (10).
- * 140 operations.
+ * 147 operations.
  */
 int block_load_corner(
     const double *TISSERAND_RESTRICT q,
@@ -619,7 +621,7 @@ int block_load_corner(
  *     f[alpha8]
  *
  * From (1), (10).
- * 56 operations.
+ * 63 operations.
  */
 int block_load_centre(
     const double *TISSERAND_RESTRICT q,
@@ -638,7 +640,7 @@ int block_load_centre(
  *     f[alpha8]
  *
  * From (1), (10).
- * 68 operations.
+ * 75 operations.
  */
 int block_load_end(
     const double *TISSERAND_RESTRICT q,
@@ -658,7 +660,7 @@ int block_load_end(
  *     alpha2dot, alpha3dot, alpha4dot, alpha5dot, alpha6dot, alpha7dot, alpha8dot
  *
  * From (5), appendix, (15).
- * 705 operations.
+ * 712 operations.
  */
 int block_residual(
     double t,
@@ -679,7 +681,7 @@ int block_residual(
  * jac: values of the iteration matrix by columns, 29 x 29, 196 values
  *
  * From (5), appendix, (15).
- * 1699 operations.
+ * 1706 operations.
  */
 int block_jacobian(
     double t,

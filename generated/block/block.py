@@ -196,7 +196,7 @@ class Pattern(NamedTuple):
 
 
 NAME = "block"
-HASH = "a690f0812509540b"
+HASH = "a2cfffd0c9546b54"
 COORDINATES = (
     "c1", "c2", "c3", "e0", "e1", "e2", "e3", "alpha1", "alpha2", "alpha3", "alpha4", "alpha5",
     "alpha6", "alpha7", "alpha8",
@@ -1568,7 +1568,7 @@ def momentum(q, v, k):
         angular_2, angular_3
 
     From (1), appendix.
-    306 operations.
+    313 operations.
     """
     xp, batch, (q, v, k) = _arrays(dict(q=15, v=14, k=0), q, v, k)
     c1 = q[..., 0]
@@ -1600,6 +1600,10 @@ def momentum(q, v, k):
     alpha6dot = v[..., 11]
     alpha7dot = v[..., 12]
     alpha8dot = v[..., 13]
+
+    # attitude: check that the quaternion is not zero
+    valid_1 = (e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3) > 0
+    _require(batch[0] or valid_1, 2, "the quaternion is zero")
 
     # Q (1): Q_11 = rotation tensor of the quaternion; ...; Q_33 = rotation tensor of the quaternion
     t1 = e0 * e0
@@ -1745,7 +1749,7 @@ def momentum(q, v, k):
 
     momentum = _stack(xp, batch, (momentum_0, momentum_1, momentum_2, momentum_3, momentum_4,
         momentum_5))
-    return momentum
+    return _where(xp, valid_1, momentum)
 
 
 def rates(q, v, k):
@@ -1758,7 +1762,7 @@ def rates(q, v, k):
         alpha3_t, alpha4_t, alpha5_t, alpha6_t, alpha7_t, alpha8_t
 
     From (1).
-    24 operations.
+    31 operations.
     """
     xp, batch, (q, v, k) = _arrays(dict(q=15, v=14, k=0), q, v, k)
     e0 = q[..., 3]
@@ -1779,6 +1783,10 @@ def rates(q, v, k):
     alpha6dot = v[..., 11]
     alpha7dot = v[..., 12]
     alpha8dot = v[..., 13]
+
+    # attitude: check that the quaternion is not zero
+    valid_1 = (e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3) > 0
+    _require(batch[0] or valid_1, 2, "the quaternion is zero")
 
     # rates (1): from Qdot = Q (omega x)
     qdot_0 = c1dot
@@ -1802,7 +1810,7 @@ def rates(q, v, k):
 
     qdot = _stack(xp, batch, (qdot_0, qdot_1, qdot_2, qdot_3, qdot_4, qdot_5, qdot_6, qdot_7,
         qdot_8, qdot_9, qdot_10, qdot_11, qdot_12, qdot_13, qdot_14))
-    return qdot
+    return _where(xp, valid_1, qdot)
 
 
 def marker_corner(q, v, k):
@@ -1816,7 +1824,7 @@ def marker_corner(q, v, k):
     jacobian: values of d(velocity)/dv by columns, 3 x 14, 36 values
 
     From (14), (1).
-    316 operations.
+    323 operations.
     """
     xp, batch, (q, v, k) = _arrays(dict(q=15, v=14, k=0), q, v, k)
     c1 = q[..., 0]
@@ -1848,6 +1856,10 @@ def marker_corner(q, v, k):
     alpha6dot = v[..., 11]
     alpha7dot = v[..., 12]
     alpha8dot = v[..., 13]
+
+    # attitude: check that the quaternion is not zero
+    valid_1 = (e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3) > 0
+    _require(batch[0] or valid_1, 2, "the quaternion is zero")
 
     # r (14): X + u and its time derivative at the marker, in the body frame
     r_1 = (
@@ -2007,7 +2019,7 @@ def marker_corner(q, v, k):
         jacobian_19, jacobian_20, jacobian_21, jacobian_22, jacobian_23, jacobian_24, jacobian_25,
         jacobian_26, jacobian_27, jacobian_28, jacobian_29, jacobian_30, jacobian_31, jacobian_32,
         jacobian_33, jacobian_34, jacobian_35))
-    return x, xdot, jacobian
+    return _where(xp, valid_1, x), _where(xp, valid_1, xdot), _where(xp, valid_1, jacobian)
 
 
 def marker_centre(q, v, k):
@@ -2021,7 +2033,7 @@ def marker_centre(q, v, k):
     jacobian: values of d(velocity)/dv by columns, 3 x 14, 21 values
 
     From (1).
-    100 operations.
+    107 operations.
     """
     xp, batch, (q, v, k) = _arrays(dict(q=15, v=14, k=0), q, v, k)
     c1 = q[..., 0]
@@ -2043,6 +2055,10 @@ def marker_centre(q, v, k):
     alpha1dot = v[..., 6]
     alpha2dot = v[..., 7]
     alpha8dot = v[..., 13]
+
+    # attitude: check that the quaternion is not zero
+    valid_1 = (e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3) > 0
+    _require(batch[0] or valid_1, 2, "the quaternion is zero")
 
     # Q (1): Q_11 = rotation tensor of the quaternion; ...; Q_33 = rotation tensor of the quaternion
     t1 = e0 * e0
@@ -2107,7 +2123,7 @@ def marker_centre(q, v, k):
         jacobian_5, jacobian_6, jacobian_7, jacobian_8, jacobian_9, jacobian_10, jacobian_11,
         jacobian_12, jacobian_13, jacobian_14, jacobian_15, jacobian_16, jacobian_17, jacobian_18,
         jacobian_19, jacobian_20))
-    return x, xdot, jacobian
+    return _where(xp, valid_1, x), _where(xp, valid_1, xdot), _where(xp, valid_1, jacobian)
 
 
 def marker_end(q, v, k):
@@ -2121,7 +2137,7 @@ def marker_end(q, v, k):
     jacobian: values of d(velocity)/dv by columns, 3 x 14, 30 values
 
     From (14), (1).
-    140 operations.
+    147 operations.
     """
     xp, batch, (q, v, k) = _arrays(dict(q=15, v=14, k=0), q, v, k)
     c1 = q[..., 0]
@@ -2149,6 +2165,10 @@ def marker_end(q, v, k):
     alpha5dot = v[..., 10]
     alpha6dot = v[..., 11]
     alpha8dot = v[..., 13]
+
+    # attitude: check that the quaternion is not zero
+    valid_1 = (e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3) > 0
+    _require(batch[0] or valid_1, 2, "the quaternion is zero")
 
     # r (14): X + u and its time derivative at the marker, in the body frame
     r_1 = 0.2 - 0.5600463460571621 * alpha6
@@ -2231,7 +2251,7 @@ def marker_end(q, v, k):
         jacobian_12, jacobian_13, jacobian_14, jacobian_15, jacobian_16, jacobian_17, jacobian_18,
         jacobian_19, jacobian_20, jacobian_21, jacobian_22, jacobian_23, jacobian_24, jacobian_25,
         jacobian_26, jacobian_27, jacobian_28, jacobian_29))
-    return x, xdot, jacobian
+    return _where(xp, valid_1, x), _where(xp, valid_1, xdot), _where(xp, valid_1, jacobian)
 
 
 def load_corner(q, F, k):
@@ -2245,7 +2265,7 @@ def load_corner(q, F, k):
         f[alpha8]
 
     From (1), (10).
-    140 operations.
+    147 operations.
     """
     xp, batch, (q, F, k) = _arrays(dict(q=15, F=3, k=0), q, F, k)
     e0 = q[..., 3]
@@ -2263,6 +2283,10 @@ def load_corner(q, F, k):
     F_1 = F[..., 0]
     F_2 = F[..., 1]
     F_3 = F[..., 2]
+
+    # attitude: check that the quaternion is not zero
+    valid_1 = (e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3) > 0
+    _require(batch[0] or valid_1, 2, "the quaternion is zero")
 
     # Q (1): Q_11 = rotation tensor of the quaternion; ...; Q_33 = rotation tensor of the quaternion
     t1 = e0 * e0
@@ -2330,7 +2354,7 @@ def load_corner(q, F, k):
 
     f = _stack(xp, batch, (f_0, f_1, f_2, f_3, f_4, f_5, f_6, f_7, f_8, f_9, f_10, f_11, f_12,
         f_13))
-    return f
+    return _where(xp, valid_1, f)
 
 
 def load_centre(q, F, k):
@@ -2344,7 +2368,7 @@ def load_centre(q, F, k):
         f[alpha8]
 
     From (1), (10).
-    56 operations.
+    63 operations.
     """
     xp, batch, (q, F, k) = _arrays(dict(q=15, F=3, k=0), q, F, k)
     e0 = q[..., 3]
@@ -2357,6 +2381,10 @@ def load_centre(q, F, k):
     F_1 = F[..., 0]
     F_2 = F[..., 1]
     F_3 = F[..., 2]
+
+    # attitude: check that the quaternion is not zero
+    valid_1 = (e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3) > 0
+    _require(batch[0] or valid_1, 2, "the quaternion is zero")
 
     # Q (1): Q_11 = rotation tensor of the quaternion; ...; Q_33 = rotation tensor of the quaternion
     t1 = e0 * e0
@@ -2406,7 +2434,7 @@ def load_centre(q, F, k):
 
     f = _stack(xp, batch, (f_0, f_1, f_2, f_3, f_4, f_5, f_6, f_7, f_8, f_9, f_10, f_11, f_12,
         f_13))
-    return f
+    return _where(xp, valid_1, f)
 
 
 def load_end(q, F, k):
@@ -2420,7 +2448,7 @@ def load_end(q, F, k):
         f[alpha8]
 
     From (1), (10).
-    68 operations.
+    75 operations.
     """
     xp, batch, (q, F, k) = _arrays(dict(q=15, F=3, k=0), q, F, k)
     e0 = q[..., 3]
@@ -2436,6 +2464,10 @@ def load_end(q, F, k):
     F_1 = F[..., 0]
     F_2 = F[..., 1]
     F_3 = F[..., 2]
+
+    # attitude: check that the quaternion is not zero
+    valid_1 = (e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3) > 0
+    _require(batch[0] or valid_1, 2, "the quaternion is zero")
 
     # Q (1): Q_11 = rotation tensor of the quaternion; ...; Q_33 = rotation tensor of the quaternion
     t1 = e0 * e0
@@ -2488,7 +2520,7 @@ def load_end(q, F, k):
 
     f = _stack(xp, batch, (f_0, f_1, f_2, f_3, f_4, f_5, f_6, f_7, f_8, f_9, f_10, f_11, f_12,
         f_13))
-    return f
+    return _where(xp, valid_1, f)
 
 
 def residual(t, y, ydot, k):
@@ -2503,7 +2535,7 @@ def residual(t, y, ydot, k):
         alpha1dot, alpha2dot, alpha3dot, alpha4dot, alpha5dot, alpha6dot, alpha7dot, alpha8dot
 
     From (5), appendix, (15).
-    705 operations.
+    712 operations.
     """
     xp, batch, (t, y, ydot, k) = _arrays(dict(t=None, y=29, ydot=29, k=0), t, y, ydot, k)
     e0 = y[..., 3]
@@ -2561,6 +2593,10 @@ def residual(t, y, ydot, k):
     alpha6ddot = ydot[..., 26]
     alpha7ddot = ydot[..., 27]
     alpha8ddot = ydot[..., 28]
+
+    # attitude: check that the quaternion is not zero
+    valid_1 = (e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3) > 0
+    _require(batch[0] or valid_1, 2, "the quaternion is zero")
 
     # oo (5): oo_11 = products of omega; ...; oo_33 = products of omega
     oo_11 = omega1 * omega1
@@ -2823,7 +2859,7 @@ def residual(t, y, ydot, k):
 
     F = _stack(xp, batch, (F_0, F_1, F_2, F_3, F_4, F_5, F_6, F_7, F_8, F_9, F_10, F_11, F_12, F_13,
         F_14, F_15, F_16, F_17, F_18, F_19, F_20, F_21, F_22, F_23, F_24, F_25, F_26, F_27, F_28))
-    return F
+    return _where(xp, valid_1, F)
 
 
 def jacobian(t, y, ydot, cj, k):
@@ -2838,7 +2874,7 @@ def jacobian(t, y, ydot, cj, k):
     jac: values of the iteration matrix by columns, 29 x 29, 196 values
 
     From (5), appendix, (15).
-    1699 operations.
+    1706 operations.
     """
     xp, batch, (t, y, ydot, cj, k) = _arrays(dict(t=None, y=29, ydot=29, cj=None, k=0), t, y, ydot, cj, k)
     e0 = y[..., 3]
@@ -2875,6 +2911,10 @@ def jacobian(t, y, ydot, cj, k):
     alpha6ddot = ydot[..., 26]
     alpha7ddot = ydot[..., 27]
     alpha8ddot = ydot[..., 28]
+
+    # attitude: check that the quaternion is not zero
+    valid_1 = (e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3) > 0
+    _require(batch[0] or valid_1, 2, "the quaternion is zero")
 
     # oo (5): oo_11 = products of omega; ...; oo_33 = products of omega
     oo_11 = omega1 * omega1
@@ -3573,7 +3613,7 @@ def jacobian(t, y, ydot, cj, k):
         jac_168, jac_169, jac_170, jac_171, jac_172, jac_173, jac_174, jac_175, jac_176, jac_177,
         jac_178, jac_179, jac_180, jac_181, jac_182, jac_183, jac_184, jac_185, jac_186, jac_187,
         jac_188, jac_189, jac_190, jac_191, jac_192, jac_193, jac_194, jac_195))
-    return jac
+    return _where(xp, valid_1, jac)
 
 
 def _arrays(sizes, *values):

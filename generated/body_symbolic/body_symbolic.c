@@ -13,7 +13,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef BODY_SYMBOLIC_HASH_a651edc662f58d33
+#ifndef BODY_SYMBOLIC_HASH_376d32bd6b094663
 #  error "body_symbolic.h and body_symbolic.c are of different builds; run tisserand build again"
 #endif
 
@@ -951,6 +951,9 @@ int body_symbolic_momentum(
     const double *C4_23 = k + 608;
     const double *C4_33 = k + 616;
 
+    /* attitude: check that the quaternion is not zero */
+    if (!(e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3 > 0.0)) return 2; /* the quaternion is zero */
+
     /* tables (appendix): S_i = symmetric part of D2_i; c7dot_i = int rho Phi_i x rdot */
     double x_alpha[8];
     for (int i = 0; i < 8; i++) x_alpha[i] = alpha[i];
@@ -1071,6 +1074,9 @@ int body_symbolic_rates(
     const double *alphadot = v + 6;
     (void) k;
 
+    /* attitude: check that the quaternion is not zero */
+    if (!(e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3 > 0.0)) return 2; /* the quaternion is zero */
+
     /* rates (1): from Qdot = Q (omega x) */
     qdot[0] = c1dot;
     qdot[1] = c2dot;
@@ -1141,6 +1147,9 @@ int body_symbolic_residual(
     const double *C4_23 = k + 608;
     const double *C4_33 = k + 616;
     const double *K = k + 624;
+
+    /* attitude: check that the quaternion is not zero */
+    if (!(e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3 > 0.0)) return 2; /* the quaternion is zero */
 
     /* minus_alpha: alpha with its sign changed */
     double minus_alpha[8];
@@ -1337,6 +1346,9 @@ int body_symbolic_jacobian(
     const double *C4_23 = k + 608;
     const double *C4_33 = k + 616;
     const double *K = k + 624;
+
+    /* attitude: check that the quaternion is not zero */
+    if (!(e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3 > 0.0)) return 2; /* the quaternion is zero */
 
     /* minus_alpha: alpha with its sign changed */
     double minus_alpha[8];

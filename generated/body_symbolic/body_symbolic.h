@@ -252,8 +252,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define BODY_SYMBOLIC_HASH "a651edc662f58d33"
-#define BODY_SYMBOLIC_HASH_a651edc662f58d33
+#define BODY_SYMBOLIC_HASH "376d32bd6b094663"
+#define BODY_SYMBOLIC_HASH_376d32bd6b094663
 
 /* ---- sizes and indices ---- */
 
@@ -308,6 +308,8 @@ enum {
 /* ---- functions return 0 for success. setup and accel return 1 if a pivot vanished and 2 if a
    value is not finite or not positive; the outputs are undefined then. All other functions propagate a NaN;
    accel reports a NaN in its mass matrix as a vanished pivot.
+   The quaternion is assumed to have unit length: of one with the length s, Q is s^2 times a rotation tensor. Integrators
+   have to normalise it. Functions that read it return 2 where it is zero.
    Arrays that are written must not overlap each other or arrays that are read. ---- */
 
 /*
@@ -428,7 +430,7 @@ int body_symbolic_energy(
  *     angular_2, angular_3
  *
  * From appendix, (1).
- * 1432 operations.
+ * 1439 operations.
  */
 int body_symbolic_momentum(
     const double *TISSERAND_RESTRICT q,
@@ -445,7 +447,7 @@ int body_symbolic_momentum(
  * qdot: time derivative of q (15): c1_t, c2_t, c3_t, e0_t, e1_t, e2_t, e3_t, alpha1_t .. alpha8_t
  *
  * From (1).
- * 25 operations.
+ * 32 operations.
  */
 int body_symbolic_rates(
     const double *TISSERAND_RESTRICT q,
@@ -465,7 +467,7 @@ int body_symbolic_rates(
  *     M vdot + h[pi2], M vdot + h[pi3], M vdot + h[alpha1 .. alpha8]
  *
  * From appendix, (5), (15).
- * 2238 operations.
+ * 2245 operations.
  */
 int body_symbolic_residual(
     double t,
@@ -486,7 +488,7 @@ int body_symbolic_residual(
  * jac: values of the iteration matrix by columns, 29 x 29, 262 values
  *
  * From appendix, (5), (15).
- * 5579 operations.
+ * 5586 operations.
  */
 int body_symbolic_jacobian(
     double t,

@@ -131,7 +131,7 @@ def _columns(rows, groups, symmetric):
 
 
 NAME = "body_symbolic"
-HASH = "a651edc662f58d33"
+HASH = "376d32bd6b094663"
 COORDINATES = (
     "c1", "c2", "c3", "e0", "e1", "e2", "e3", "alpha1", "alpha2", "alpha3", "alpha4", "alpha5",
     "alpha6", "alpha7", "alpha8",
@@ -856,7 +856,7 @@ def momentum(q, v, k):
         angular_2, angular_3
 
     From appendix, (1).
-    1432 operations.
+    1439 operations.
     """
     xp, batch, (q, v, k) = _arrays(dict(q=15, v=14, k=639), q, v, k)
     c1 = q[..., 0]
@@ -888,6 +888,10 @@ def momentum(q, v, k):
     C4_22 = k[..., 600:608]
     C4_23 = k[..., 608:616]
     C4_33 = k[..., 616:624]
+
+    # attitude: check that the quaternion is not zero
+    valid_1 = (e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3) > 0
+    _require(batch[0] or valid_1, 2, "the quaternion is zero")
 
     # tables (appendix): S_i = symmetric part of D2_i; c7dot_i = int rho Phi_i x rdot
     S_11 = C4_11 + _product(xp, alpha, _table(tables, 9, 0, 8))
@@ -947,7 +951,7 @@ def momentum(q, v, k):
 
     momentum = _stack(xp, batch, (momentum_0, momentum_1, momentum_2, momentum_3, momentum_4,
         momentum_5))
-    return momentum
+    return _where(xp, valid_1, momentum)
 
 
 def rates(q, v, k):
@@ -959,7 +963,7 @@ def rates(q, v, k):
     qdot: time derivative of q (15): c1_t, c2_t, c3_t, e0_t, e1_t, e2_t, e3_t, alpha1_t .. alpha8_t
 
     From (1).
-    25 operations.
+    32 operations.
     """
     xp, batch, (q, v, k) = _arrays(dict(q=15, v=14, k=639), q, v, k)
     e0 = q[..., 3]
@@ -974,6 +978,10 @@ def rates(q, v, k):
     omega3 = v[..., 5]
     alphadot = v[..., 6:14]
     qdot = _empty(xp, batch, 15)
+
+    # attitude: check that the quaternion is not zero
+    valid_1 = (e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3) > 0
+    _require(batch[0] or valid_1, 2, "the quaternion is zero")
 
     # rates (1): from Qdot = Q (omega x)
     qdot[..., 0] = c1dot
@@ -991,7 +999,7 @@ def rates(q, v, k):
     # rates_i (1): from Qdot = Q (omega x), for each mode
     qdot[..., 7:15] = alphadot
 
-    return qdot
+    return _where(xp, valid_1, qdot)
 
 
 def residual(t, y, ydot, k):
@@ -1006,7 +1014,7 @@ def residual(t, y, ydot, k):
         h[pi1], M vdot + h[pi2], M vdot + h[pi3], M vdot + h[alpha1 .. alpha8]
 
     From appendix, (5), (15).
-    2238 operations.
+    2245 operations.
     """
     xp, batch, (t, y, ydot, k) = _arrays(dict(t=None, y=29, ydot=29, k=639), t, y, ydot, k)
     e0 = y[..., 3]
@@ -1052,6 +1060,10 @@ def residual(t, y, ydot, k):
     C4_33 = k[..., 616:624]
     K = k[..., 624:632]
     F = _empty(xp, batch, 29)
+
+    # attitude: check that the quaternion is not zero
+    valid_1 = (e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3) > 0
+    _require(batch[0] or valid_1, 2, "the quaternion is zero")
 
     # minus_alpha: alpha with its sign changed
     minus_alpha = -alpha
@@ -1149,7 +1161,7 @@ def residual(t, y, ydot, k):
             - _last(f8) * c7dot_2 - _last(f9) * c7dot_3
     )
 
-    return F
+    return _where(xp, valid_1, F)
 
 
 def jacobian(t, y, ydot, cj, k):
@@ -1164,7 +1176,7 @@ def jacobian(t, y, ydot, cj, k):
     jac: values of the iteration matrix by columns, 29 x 29, 262 values
 
     From appendix, (5), (15).
-    5579 operations.
+    5586 operations.
     """
     xp, batch, (t, y, ydot, cj, k) = _arrays(dict(t=None, y=29, ydot=29, cj=None, k=639), t, y, ydot, cj, k)
     e0 = y[..., 3]
@@ -1196,6 +1208,10 @@ def jacobian(t, y, ydot, cj, k):
     C4_33 = k[..., 616:624]
     K = k[..., 624:632]
     jac = _empty(xp, batch, 262)
+
+    # attitude: check that the quaternion is not zero
+    valid_1 = (e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3) > 0
+    _require(batch[0] or valid_1, 2, "the quaternion is zero")
 
     # minus_alpha: alpha with its sign changed
     minus_alpha = -alpha
@@ -1413,7 +1429,7 @@ def jacobian(t, y, ydot, cj, k):
         jac[..., first : first + 8] = block[..., j, :]
     jac[..., 170:262:13] = jac[..., 170:262:13] + (_last(cj))
 
-    return jac
+    return _where(xp, valid_1, jac)
 
 
 def _arrays(sizes, *values):

@@ -12,7 +12,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef SOLID_BEAM_HASH_8c54b789200ddc87
+#ifndef SOLID_BEAM_HASH_90e04428a00d24dd
 #  error "solid_beam.h and solid_beam.c are of different builds; run tisserand build again"
 #endif
 
@@ -967,6 +967,9 @@ int solid_beam_momentum(
     const double alpha8dot = v[13];
     (void) k;
 
+    /* attitude: check that the quaternion is not zero */
+    if (!(e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3 > 0.0)) return 2; /* the quaternion is zero */
+
     /*
      * Q (1): Q_11 = rotation tensor of the quaternion; ...; Q_33 = rotation tensor of the
      *     quaternion
@@ -1118,6 +1121,9 @@ int solid_beam_rates(
     const double alpha8dot = v[13];
     (void) k;
 
+    /* attitude: check that the quaternion is not zero */
+    if (!(e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3 > 0.0)) return 2; /* the quaternion is zero */
+
     /* rates (1): from Qdot = Q (omega x) */
     qdot[0] = c1dot;
     qdot[1] = c2dot;
@@ -1178,6 +1184,9 @@ int solid_beam_marker_left(
     const double alpha7dot = v[12];
     const double alpha8dot = v[13];
     (void) k;
+
+    /* attitude: check that the quaternion is not zero */
+    if (!(e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3 > 0.0)) return 2; /* the quaternion is zero */
 
     /* r (14): X + u and its time derivative at the marker, in the body frame */
     const double dr_1_1 = 45.81666798884824 * alpha1 + 2.7318770946111964e-10 * alpha2
@@ -1423,6 +1432,9 @@ int solid_beam_marker_right(
     const double alpha8dot = v[13];
     (void) k;
 
+    /* attitude: check that the quaternion is not zero */
+    if (!(e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3 > 0.0)) return 2; /* the quaternion is zero */
+
     /* r (14): X + u and its time derivative at the marker, in the body frame */
     const double dr_1_1 = 1.3708012717695785e-10 * alpha2 + 41.18330552764816 * alpha3
         + 7.527354269073689e-10 * alpha5 + 34.36943444054916 * alpha6 - 45.81666798671641 * alpha1
@@ -1650,6 +1662,9 @@ int solid_beam_load_left(
     const double F_3 = F[2];
     (void) k;
 
+    /* attitude: check that the quaternion is not zero */
+    if (!(e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3 > 0.0)) return 2; /* the quaternion is zero */
+
     /*
      * Q (1): Q_11 = rotation tensor of the quaternion; ...; Q_33 = rotation tensor of the
      *     quaternion
@@ -1842,6 +1857,9 @@ int solid_beam_load_right(
     const double F_2 = F[1];
     const double F_3 = F[2];
     (void) k;
+
+    /* attitude: check that the quaternion is not zero */
+    if (!(e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3 > 0.0)) return 2; /* the quaternion is zero */
 
     /*
      * Q (1): Q_11 = rotation tensor of the quaternion; ...; Q_33 = rotation tensor of the
@@ -2077,6 +2095,9 @@ int solid_beam_residual(
     const double alpha8ddot = ydot[28];
     (void) k;
 
+    /* attitude: check that the quaternion is not zero */
+    if (!(e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3 > 0.0)) return 2; /* the quaternion is zero */
+
     /* oo (5): oo_11 = products of omega; ...; oo_33 = products of omega */
     const double oo_11 = omega1 * omega1;
     const double oo_12 = omega1 * omega2;
@@ -2305,6 +2326,9 @@ int solid_beam_jacobian(
     const double alpha7ddot = ydot[27];
     const double alpha8ddot = ydot[28];
     (void) k;
+
+    /* attitude: check that the quaternion is not zero */
+    if (!(e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3 > 0.0)) return 2; /* the quaternion is zero */
 
     /* oo (5): oo_11 = products of omega; ...; oo_33 = products of omega */
     const double oo_11 = omega1 * omega1;

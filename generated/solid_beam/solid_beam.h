@@ -422,8 +422,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define SOLID_BEAM_HASH "8c54b789200ddc87"
-#define SOLID_BEAM_HASH_8c54b789200ddc87
+#define SOLID_BEAM_HASH "90e04428a00d24dd"
+#define SOLID_BEAM_HASH_90e04428a00d24dd
 
 /* ---- sizes and indices ---- */
 
@@ -473,6 +473,8 @@ enum {
 /* ---- functions return 0 for success. setup and accel return 1 if a pivot vanished and 2 if a
    value is not finite or not positive; the outputs are undefined then. All other functions propagate a NaN;
    accel reports a NaN in its mass matrix as a vanished pivot.
+   The quaternion is assumed to have unit length: of one with the length s, Q is s^2 times a rotation tensor. Integrators
+   have to normalise it. Functions that read it return 2 where it is zero.
    Arrays that are written must not overlap each other or arrays that are read. ---- */
 
 /*
@@ -591,7 +593,7 @@ int solid_beam_energy(
  *     angular_2, angular_3
  *
  * From (1), second order, appendix.
- * 297 operations.
+ * 304 operations.
  */
 int solid_beam_momentum(
     const double *TISSERAND_RESTRICT q,
@@ -609,7 +611,7 @@ int solid_beam_momentum(
  *     alpha3_t, alpha4_t, alpha5_t, alpha6_t, alpha7_t, alpha8_t
  *
  * From (1).
- * 24 operations.
+ * 31 operations.
  */
 int solid_beam_rates(
     const double *TISSERAND_RESTRICT q,
@@ -628,7 +630,7 @@ int solid_beam_rates(
  * jacobian: values of d(velocity)/dv by columns, 3 x 14, 36 values
  *
  * From (14), (1).
- * 706 operations.
+ * 713 operations.
  */
 int solid_beam_marker_left(
     const double *TISSERAND_RESTRICT q,
@@ -649,7 +651,7 @@ int solid_beam_marker_left(
  * jacobian: values of d(velocity)/dv by columns, 3 x 14, 36 values
  *
  * From (14), (1).
- * 706 operations.
+ * 713 operations.
  */
 int solid_beam_marker_right(
     const double *TISSERAND_RESTRICT q,
@@ -670,7 +672,7 @@ int solid_beam_marker_right(
  *     f[alpha8]
  *
  * From (1), (10).
- * 530 operations.
+ * 537 operations.
  */
 int solid_beam_load_left(
     const double *TISSERAND_RESTRICT q,
@@ -689,7 +691,7 @@ int solid_beam_load_left(
  *     f[alpha8]
  *
  * From (1), (10).
- * 530 operations.
+ * 537 operations.
  */
 int solid_beam_load_right(
     const double *TISSERAND_RESTRICT q,
@@ -709,7 +711,7 @@ int solid_beam_load_right(
  *     alpha2dot, alpha3dot, alpha4dot, alpha5dot, alpha6dot, alpha7dot, alpha8dot
  *
  * From (5), second order, appendix, (15).
- * 570 operations.
+ * 577 operations.
  */
 int solid_beam_residual(
     double t,
@@ -730,7 +732,7 @@ int solid_beam_residual(
  * jac: values of the iteration matrix by columns, 29 x 29, 192 values
  *
  * From (5), second order, appendix, (15).
- * 1332 operations.
+ * 1339 operations.
  */
 int solid_beam_jacobian(
     double t,

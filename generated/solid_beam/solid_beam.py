@@ -281,7 +281,7 @@ class Pattern(NamedTuple):
 
 
 NAME = "solid_beam"
-HASH = "8c54b789200ddc87"
+HASH = "90e04428a00d24dd"
 COORDINATES = (
     "c1", "c2", "c3", "e0", "e1", "e2", "e3", "alpha1", "alpha2", "alpha3", "alpha4", "alpha5",
     "alpha6", "alpha7", "alpha8",
@@ -1537,7 +1537,7 @@ def momentum(q, v, k):
         angular_2, angular_3
 
     From (1), second order, appendix.
-    297 operations.
+    304 operations.
     """
     xp, batch, (q, v, k) = _arrays(dict(q=15, v=14, k=0), q, v, k)
     c1 = q[..., 0]
@@ -1569,6 +1569,10 @@ def momentum(q, v, k):
     alpha6dot = v[..., 11]
     alpha7dot = v[..., 12]
     alpha8dot = v[..., 13]
+
+    # attitude: check that the quaternion is not zero
+    valid_1 = (e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3) > 0
+    _require(batch[0] or valid_1, 2, "the quaternion is zero")
 
     # Q (1): Q_11 = rotation tensor of the quaternion; ...; Q_33 = rotation tensor of the quaternion
     t1 = e0 * e0
@@ -1723,7 +1727,7 @@ def momentum(q, v, k):
 
     momentum = _stack(xp, batch, (momentum_0, momentum_1, momentum_2, momentum_3, momentum_4,
         momentum_5))
-    return momentum
+    return _where(xp, valid_1, momentum)
 
 
 def rates(q, v, k):
@@ -1736,7 +1740,7 @@ def rates(q, v, k):
         alpha3_t, alpha4_t, alpha5_t, alpha6_t, alpha7_t, alpha8_t
 
     From (1).
-    24 operations.
+    31 operations.
     """
     xp, batch, (q, v, k) = _arrays(dict(q=15, v=14, k=0), q, v, k)
     e0 = q[..., 3]
@@ -1757,6 +1761,10 @@ def rates(q, v, k):
     alpha6dot = v[..., 11]
     alpha7dot = v[..., 12]
     alpha8dot = v[..., 13]
+
+    # attitude: check that the quaternion is not zero
+    valid_1 = (e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3) > 0
+    _require(batch[0] or valid_1, 2, "the quaternion is zero")
 
     # rates (1): from Qdot = Q (omega x)
     qdot_0 = c1dot
@@ -1780,7 +1788,7 @@ def rates(q, v, k):
 
     qdot = _stack(xp, batch, (qdot_0, qdot_1, qdot_2, qdot_3, qdot_4, qdot_5, qdot_6, qdot_7,
         qdot_8, qdot_9, qdot_10, qdot_11, qdot_12, qdot_13, qdot_14))
-    return qdot
+    return _where(xp, valid_1, qdot)
 
 
 def marker_left(q, v, k):
@@ -1794,7 +1802,7 @@ def marker_left(q, v, k):
     jacobian: values of d(velocity)/dv by columns, 3 x 14, 36 values
 
     From (14), (1).
-    706 operations.
+    713 operations.
     """
     xp, batch, (q, v, k) = _arrays(dict(q=15, v=14, k=0), q, v, k)
     c1 = q[..., 0]
@@ -1826,6 +1834,10 @@ def marker_left(q, v, k):
     alpha6dot = v[..., 11]
     alpha7dot = v[..., 12]
     alpha8dot = v[..., 13]
+
+    # attitude: check that the quaternion is not zero
+    valid_1 = (e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3) > 0
+    _require(batch[0] or valid_1, 2, "the quaternion is zero")
 
     # r (14): X + u and its time derivative at the marker, in the body frame
     dr_1_1 = (
@@ -2085,7 +2097,7 @@ def marker_left(q, v, k):
         jacobian_19, jacobian_20, jacobian_21, jacobian_22, jacobian_23, jacobian_24, jacobian_25,
         jacobian_26, jacobian_27, jacobian_28, jacobian_29, jacobian_30, jacobian_31, jacobian_32,
         jacobian_33, jacobian_34, jacobian_35))
-    return x, xdot, jacobian
+    return _where(xp, valid_1, x), _where(xp, valid_1, xdot), _where(xp, valid_1, jacobian)
 
 
 def marker_right(q, v, k):
@@ -2099,7 +2111,7 @@ def marker_right(q, v, k):
     jacobian: values of d(velocity)/dv by columns, 3 x 14, 36 values
 
     From (14), (1).
-    706 operations.
+    713 operations.
     """
     xp, batch, (q, v, k) = _arrays(dict(q=15, v=14, k=0), q, v, k)
     c1 = q[..., 0]
@@ -2131,6 +2143,10 @@ def marker_right(q, v, k):
     alpha6dot = v[..., 11]
     alpha7dot = v[..., 12]
     alpha8dot = v[..., 13]
+
+    # attitude: check that the quaternion is not zero
+    valid_1 = (e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3) > 0
+    _require(batch[0] or valid_1, 2, "the quaternion is zero")
 
     # r (14): X + u and its time derivative at the marker, in the body frame
     dr_1_1 = (
@@ -2391,7 +2407,7 @@ def marker_right(q, v, k):
         jacobian_19, jacobian_20, jacobian_21, jacobian_22, jacobian_23, jacobian_24, jacobian_25,
         jacobian_26, jacobian_27, jacobian_28, jacobian_29, jacobian_30, jacobian_31, jacobian_32,
         jacobian_33, jacobian_34, jacobian_35))
-    return x, xdot, jacobian
+    return _where(xp, valid_1, x), _where(xp, valid_1, xdot), _where(xp, valid_1, jacobian)
 
 
 def load_left(q, F, k):
@@ -2405,7 +2421,7 @@ def load_left(q, F, k):
         f[alpha8]
 
     From (1), (10).
-    530 operations.
+    537 operations.
     """
     xp, batch, (q, F, k) = _arrays(dict(q=15, F=3, k=0), q, F, k)
     e0 = q[..., 3]
@@ -2423,6 +2439,10 @@ def load_left(q, F, k):
     F_1 = F[..., 0]
     F_2 = F[..., 1]
     F_3 = F[..., 2]
+
+    # attitude: check that the quaternion is not zero
+    valid_1 = (e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3) > 0
+    _require(batch[0] or valid_1, 2, "the quaternion is zero")
 
     # Q (1): Q_11 = rotation tensor of the quaternion; ...; Q_33 = rotation tensor of the quaternion
     t1 = e0 * e0
@@ -2638,7 +2658,7 @@ def load_left(q, F, k):
 
     f = _stack(xp, batch, (f_0, f_1, f_2, f_3, f_4, f_5, f_6, f_7, f_8, f_9, f_10, f_11, f_12,
         f_13))
-    return f
+    return _where(xp, valid_1, f)
 
 
 def load_right(q, F, k):
@@ -2652,7 +2672,7 @@ def load_right(q, F, k):
         f[alpha8]
 
     From (1), (10).
-    530 operations.
+    537 operations.
     """
     xp, batch, (q, F, k) = _arrays(dict(q=15, F=3, k=0), q, F, k)
     e0 = q[..., 3]
@@ -2670,6 +2690,10 @@ def load_right(q, F, k):
     F_1 = F[..., 0]
     F_2 = F[..., 1]
     F_3 = F[..., 2]
+
+    # attitude: check that the quaternion is not zero
+    valid_1 = (e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3) > 0
+    _require(batch[0] or valid_1, 2, "the quaternion is zero")
 
     # Q (1): Q_11 = rotation tensor of the quaternion; ...; Q_33 = rotation tensor of the quaternion
     t1 = e0 * e0
@@ -2886,7 +2910,7 @@ def load_right(q, F, k):
 
     f = _stack(xp, batch, (f_0, f_1, f_2, f_3, f_4, f_5, f_6, f_7, f_8, f_9, f_10, f_11, f_12,
         f_13))
-    return f
+    return _where(xp, valid_1, f)
 
 
 def residual(t, y, ydot, k):
@@ -2901,7 +2925,7 @@ def residual(t, y, ydot, k):
         alpha1dot, alpha2dot, alpha3dot, alpha4dot, alpha5dot, alpha6dot, alpha7dot, alpha8dot
 
     From (5), second order, appendix, (15).
-    570 operations.
+    577 operations.
     """
     xp, batch, (t, y, ydot, k) = _arrays(dict(t=None, y=29, ydot=29, k=0), t, y, ydot, k)
     e0 = y[..., 3]
@@ -2959,6 +2983,10 @@ def residual(t, y, ydot, k):
     alpha6ddot = ydot[..., 26]
     alpha7ddot = ydot[..., 27]
     alpha8ddot = ydot[..., 28]
+
+    # attitude: check that the quaternion is not zero
+    valid_1 = (e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3) > 0
+    _require(batch[0] or valid_1, 2, "the quaternion is zero")
 
     # oo (5): oo_11 = products of omega; ...; oo_33 = products of omega
     oo_11 = omega1 * omega1
@@ -3194,7 +3222,7 @@ def residual(t, y, ydot, k):
 
     F = _stack(xp, batch, (F_0, F_1, F_2, F_3, F_4, F_5, F_6, F_7, F_8, F_9, F_10, F_11, F_12, F_13,
         F_14, F_15, F_16, F_17, F_18, F_19, F_20, F_21, F_22, F_23, F_24, F_25, F_26, F_27, F_28))
-    return F
+    return _where(xp, valid_1, F)
 
 
 def jacobian(t, y, ydot, cj, k):
@@ -3209,7 +3237,7 @@ def jacobian(t, y, ydot, cj, k):
     jac: values of the iteration matrix by columns, 29 x 29, 192 values
 
     From (5), second order, appendix, (15).
-    1332 operations.
+    1339 operations.
     """
     xp, batch, (t, y, ydot, cj, k) = _arrays(dict(t=None, y=29, ydot=29, cj=None, k=0), t, y, ydot, cj, k)
     e0 = y[..., 3]
@@ -3246,6 +3274,10 @@ def jacobian(t, y, ydot, cj, k):
     alpha6ddot = ydot[..., 26]
     alpha7ddot = ydot[..., 27]
     alpha8ddot = ydot[..., 28]
+
+    # attitude: check that the quaternion is not zero
+    valid_1 = (e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3) > 0
+    _require(batch[0] or valid_1, 2, "the quaternion is zero")
 
     # oo (5): oo_11 = products of omega; ...; oo_33 = products of omega
     oo_11 = omega1 * omega1
@@ -3891,7 +3923,7 @@ def jacobian(t, y, ydot, cj, k):
         jac_168, jac_169, jac_170, jac_171, jac_172, jac_173, jac_174, jac_175, jac_176, jac_177,
         jac_178, jac_179, jac_180, jac_181, jac_182, jac_183, jac_184, jac_185, jac_186, jac_187,
         jac_188, jac_189, jac_190, jac_191))
-    return jac
+    return _where(xp, valid_1, jac)
 
 
 def _arrays(sizes, *values):

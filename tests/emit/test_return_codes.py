@@ -8,7 +8,6 @@ from toolchain import special
 
 import beams
 import derive
-from conftest import QUICK
 from derive.errors import TisserandError
 from derive.lowering.flat.functions import VANISHING
 from derive.runtime.compiled_model import Native
@@ -115,16 +114,3 @@ def test_errors_of_a_model_are_arithmetic_errors() -> None:
     assert isinstance(error, ArithmeticError) and isinstance(error, TisserandError)
     assert str(error) == "beam_accel returned 1: a pivot vanished"
     assert str(ModelError("beam_accel", 7)) == "beam_accel returned 7: unknown"
-
-
-@pytest.mark.parametrize("lowering", ["flat", "table"])
-def test_accel_refuses_a_quaternion_that_is_zero(lowering: str) -> None:
-    """Where gravity makes it depend on the attitude, that is; the batch, too."""
-    spec = derive.symbolic_body("heavy", 1, frame="given", gravity=[0, 0, -9.81], lowering=lowering)
-    native = derive.load(derive.model_files(derive.lower(derive.derive(spec)), spec), QUICK)
-    k, q, v = native.setup(), np.zeros(8), np.zeros(7)
-    assert code_of_accel(native, q, v, k) == 2
-    q[3] = 1.0
-    assert native.accel(0.0, q, v, k)[2] == pytest.approx(-9.81, rel=1e-15)
-    found = native.accel_batch(0.0, [q, 0 * q], [v, v], k, check=False)
-    assert np.array_equal(np.isnan(found).all(axis=1), [False, True])

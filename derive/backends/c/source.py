@@ -74,6 +74,11 @@ class BatchFunction:
     body: str
 
 
+def _is_checked(kernel: Kernel) -> bool:
+    """Whether a kernel may return another code than 0."""
+    return any(isinstance(s, Require) for s in kernel.statements)
+
+
 def _template_values(model: Model, fingerprint: str) -> dict[str, object]:
     text_of_model = model_text(model)
     tables = [("p", model.parameters), ("k", model.constants), ("q", model.coordinates), ("v", model.velocities)]
@@ -82,6 +87,7 @@ def _template_values(model: Model, fingerprint: str) -> dict[str, object]:
     sizes = {name: sum(v.size for v in variables) for name, variables in tables}
     mark = (f"{MARK} from a specification with SHA-256", f"{fingerprint}. Do not edit.", LICENCE, "")
     widths = batch_widths(model)
+    checked = [f"{name}_batch" for name in widths if _is_checked(model.kernel(name))]
     return {
         "model": model,
         "name": model.name,
@@ -105,7 +111,10 @@ def _template_values(model: Model, fingerprint: str) -> dict[str, object]:
         "patterns": pattern_texts(model, "    "),
         "markers": [(m.name, model.kernel(f"marker_{m.name}").outputs[0].size) for m in model.markers],
         "forms": FORMS if model.bodies else {},
-        "checked_forces": any(isinstance(s, Require) for s in model.kernel("force").statements),
+        "checked_forces": bool(model.bodies) and _is_checked(model.kernel("force")),
+        "attitude": any(q.role is Role.QUATERNION for q in model.coordinates),
+        "several_checked": len(checked) > 1,
+        "checked_batches": f"{' and '.join(checked)} give{'s' if len(checked) == 1 else ''}",
         "entries": entries(model, BATCHED),
         "packed": list(packed_functions(model, BATCHED)),
         "energies": len(model.kernel("energy").outputs[0].elements),

@@ -60,7 +60,7 @@ def accel(context: Context, function: ModelFunction) -> Kernel:
     solution = solve(factors, [-symbols(h) for h in eq.force])
     pivots = list(zip(factors.pivots, factors.order, strict=True))
     named = tuple(NamedValue(f"pivot_{context.rows[j]}", pivot) for pivot, j in pivots)
-    required = (*_attitude_checks(context, symbols), *pivot_checks(symbols, factors, context.rows))
+    required = pivot_checks(symbols, factors, context.rows)
     total = sum(solution[1:], start=solution[0])
     finite = RequiredValue(Requirement.FINITE, total, ReturnCode.NOT_FINITE, "an acceleration is not finite")
     order = ", ".join(context.rows[j] for j in factors.order)
@@ -74,14 +74,6 @@ def accel(context: Context, function: ModelFunction) -> Kernel:
         Step("check", "", "check that the result is finite", (finite,)),
         method=", by a sparse LDL^T fixed at generation time.",
     )
-
-
-def _attitude_checks(context: Context, symbols: Symbols) -> tuple[RequiredValue, ...]:
-    """The check that the quaternion is not zero, where gravity makes the accelerations depend on it."""
-    square = context.equations.quaternion_square
-    if square == 0 or context.equations.weight_energy is None:
-        return ()
-    return (RequiredValue(Requirement.POSITIVE, symbols(square), ReturnCode.NOT_FINITE, "the quaternion is zero"),)
 
 
 def pivot_checks(symbols: Symbols, factors: Factorisation, names: tuple[str, ...]) -> tuple[RequiredValue, ...]:

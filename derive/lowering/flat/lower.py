@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 from derive.ir.model import Kernel, Model, Variable, Zero
+from derive.lowering.attitude import with_attitude_check
 from derive.lowering.elimination_orders import EliminationRule
 from derive.lowering.flat import constraints, dae, functions, outputs
 from derive.lowering.flat.casadi_symbols import table_name
@@ -56,7 +57,8 @@ def lower(equations: Equations, choice: str = "", elimination: EliminationRule =
     context = Context(equations, elimination)
     scene = bool(equations.poses)
     implementations = {**OF_BODIES, **OF_MECHANISMS} if scene else OF_BODIES
-    kernels = tuple(implementations[function.kind](context, function) for function in functions_of(equations))
+    lowered = (implementations[function.kind](context, function) for function in functions_of(equations))
+    kernels = tuple(with_attitude_check(kernel, equations) for kernel in lowered)
     setup, constants = setup_kernel(context, kernels)
     names = tuple(c.name for c in constants)
     coordinates = equations.coordinates

@@ -25,10 +25,6 @@ from derive.roles import Source
 def accel(context: LoopContext, function: ModelFunction) -> Kernel:
     """M vdot = -h by the Schur complement of the shapes, whose mass matrix c8 is constant: factorised in setup."""
     program = context.program(context.q, context.v)
-    if context.equations.weight_energy is not None:
-        attitude = Require(Requirement.POSITIVE, NOTHING, ReturnCode.NOT_FINITE, "the quaternion is zero")
-        square = [(attitude, context.equations.quaternion_square)]
-        program.scalars("attitude", "", "check that the quaternion is not zero", square)
     coupled = tuple(context.coupling)
     b = {r: local("B", r + 1, shapes=(I,)) for r in coupled}
     h = local("h", shapes=(I,))

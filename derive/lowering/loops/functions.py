@@ -12,6 +12,7 @@ from derive.ir.expressions import ScalarRef
 from derive.ir.model import Argument, Kernel, Model, Zero
 from derive.ir.patterns import ColumnGroup, RowSet, RowSetKind, block_pattern
 from derive.ir.statements import Store, StoreStrided
+from derive.lowering.attitude import with_attitude_check
 from derive.lowering.functions import FunctionKind, ModelFunction, OutputElements, functions_of
 from derive.lowering.loops import data_layout as store
 from derive.lowering.loops.accelerations import accel
@@ -27,7 +28,8 @@ from derive.mechanics.tables import AXES, TableKind
 def lower_tables(equations: Equations, choice: str = "") -> Model:
     """The kernels of a model with loops over the shapes, with names, units, patterns and the reasons of its zeros."""
     context = LoopContext(equations)
-    kernels = tuple(IMPLEMENTATIONS[function.kind](context, function) for function in functions_of(equations))
+    lowered = (IMPLEMENTATIONS[function.kind](context, function) for function in functions_of(equations))
+    kernels = tuple(with_attitude_check(kernel, equations) for kernel in lowered)
     return store.model(equations, context.layout, kernels, _zeros(context), choice)
 
 

@@ -1,0 +1,33 @@
+"""Kernels refuse a quaternion of length zero, which is no rotation.
+
+A quaternion is assumed to have unit length: of one with the length s the kernels make s^2 times a rotation tensor, and
+integrators normalise it. Zero would make the body vanish without a word.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import reduce
+
+from derive.ir.expressions import Expr, Operation, Operator, ScalarRef
+from derive.ir.model import Kernel, Section
+from derive.ir.statements import Require, Requirement, ReturnCode
+from derive.mechanics.equations import Equations
+from derive.roles import Role
+
+ZERO_QUATERNION = "the quaternion is zero"
+
+
+def with_attitude_check(kernel: Kernel, equations: Equations) -> Kernel:
+    """The kernel, with a check before everything else if it reads the quaternion."""
+    elements = [str(c.q) for c in equations.coordinates if c.role is Role.QUATERNION]
+    if not {*elements} & kernel.used:
+        return kernel
+    squares: list[Expr] = [Operation(Operator.MUL, (ScalarRef(e), ScalarRef(e))) for e in elements]
+    check = Require(Requirement.POSITIVE, reduce(_sum, squares), ReturnCode.NOT_FINITE, ZERO_QUATERNION)
+    section = Section("attitude", "", "check that the quaternion is not zero", (check,))
+    return replace(kernel, sections=(section, *kernel.sections))
+
+
+def _sum(a: Expr, b: Expr) -> Expr:
+    return Operation(Operator.ADD, (a, b))
