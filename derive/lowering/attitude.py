@@ -1,7 +1,8 @@
 """Kernels refuse a quaternion of length zero, which is no rotation.
 
 A quaternion is assumed to have unit length: of one with the length s the kernels make s^2 times a rotation tensor, and
-integrators normalise it. Zero would make the body vanish without a word.
+integrators normalise it. Zero would make the body vanish without a word. What is wrong with an argument comes before what
+follows from it: where the quaternion is NaN, accel reports it, and not the pivots that are NaN as well.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ from derive.ir.statements import Require, Requirement, ReturnCode
 from derive.mechanics.equations import Equations
 from derive.roles import Role
 
-ZERO_QUATERNION = "the quaternion is zero"
+ZERO_QUATERNION = "the quaternion is zero or NaN"
 
 
 def with_attitude_check(kernel: Kernel, equations: Equations) -> Kernel:
@@ -25,7 +26,7 @@ def with_attitude_check(kernel: Kernel, equations: Equations) -> Kernel:
         return kernel
     squares: list[Expr] = [Operation(Operator.MUL, (ScalarRef(e), ScalarRef(e))) for e in elements]
     check = Require(Requirement.POSITIVE, reduce(_sum, squares), ReturnCode.NOT_FINITE, ZERO_QUATERNION)
-    section = Section("attitude", "", "check that the quaternion is not zero", (check,))
+    section = Section("attitude", "", "check that the quaternion is neither zero nor NaN", (check,))
     return replace(kernel, sections=(section, *kernel.sections))
 
 

@@ -1,4 +1,4 @@
-"""A quaternion of length zero is no rotation: every function that depends on it says so, in C and in Python."""
+"""A quaternion of length zero or NaN is no rotation: every function that depends on it says so, in C and in Python."""
 
 from __future__ import annotations
 
@@ -108,12 +108,13 @@ def test_every_function_of_the_attitude_refuses_a_quaternion_that_is_zero(
             np.testing.assert_array_equal(function(states[2]), function(states[0]))
             continue
         refusing.append(name)
-        with pytest.raises(ModelError) as error:
-            function(states[2])
-        assert error.value.code == 2, name
-        with pytest.raises(module["ModelError"]) as error:
-            python[name](states[2])
-        assert error.value.code == 2 and "the quaternion is zero" in str(error.value)
+        for wrong in (states[2], np.where(states[2] == 0.0, np.nan, states[2])):
+            with pytest.raises(ModelError) as error:
+                function(wrong)
+            assert error.value.code == 2, name
+            with pytest.raises(module["ModelError"]) as error:
+                python[name](wrong)
+            assert error.value.code == 2 and "the quaternion is zero or NaN" in str(error.value)
         results = python[name](states)
         for result in results if isinstance(results, tuple) else (results,):
             assert np.isfinite(result[:2]).all() and np.isnan(result[2]).all(), name
@@ -148,7 +149,7 @@ def test_the_header_says_what_a_quaternion_has_to_be() -> None:
     (header,) = (f.text for f in derive.model_files(derive.lower(derive.derive(spec)), spec) if f.path.endswith(".h"))
     text = " ".join(header.split())
     assert "The quaternion is assumed to have unit length: of one with the length s, Q is s^2 times" in text
-    assert "Functions that read it return 2 where it is zero." in text
+    assert "Functions that read it return 2 where it is zero or NaN, before they check anything else." in text
     assert "mass_batch and force_batch and accel_batch give NaN" in text
     beam = derive.planar_beam("flat_beam")
     (header,) = (f.text for f in derive.model_files(derive.lower(derive.derive(beam)), beam) if f.path.endswith(".h"))
