@@ -12,7 +12,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef BLOCK_HASH_a2cfffd0c9546b54
+#ifndef BLOCK_HASH_1d96d51cc582c778
 #  error "block.h and block.c are of different builds; run tisserand build again"
 #endif
 
@@ -1105,8 +1105,9 @@ int block_momentum(
     const double alpha8dot = v[13];
     (void) k;
 
-    /* attitude: check that the quaternion is not zero */
-    if (!(e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3 > 0.0)) return 2; /* the quaternion is zero */
+    /* attitude: check that the quaternion is neither zero nor NaN */
+    if (!(e0 * e0 + e1 * e1 + e2 * e2
+        + e3 * e3 > 0.0)) return 2; /* the quaternion is zero or NaN */
 
     /*
      * Q (1): Q_11 = rotation tensor of the quaternion; ...; Q_33 = rotation tensor of the
@@ -1263,8 +1264,9 @@ int block_rates(
     const double alpha8dot = v[13];
     (void) k;
 
-    /* attitude: check that the quaternion is not zero */
-    if (!(e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3 > 0.0)) return 2; /* the quaternion is zero */
+    /* attitude: check that the quaternion is neither zero nor NaN */
+    if (!(e0 * e0 + e1 * e1 + e2 * e2
+        + e3 * e3 > 0.0)) return 2; /* the quaternion is zero or NaN */
 
     /* rates (1): from Qdot = Q (omega x) */
     qdot[0] = c1dot;
@@ -1327,8 +1329,9 @@ int block_marker_corner(
     const double alpha8dot = v[13];
     (void) k;
 
-    /* attitude: check that the quaternion is not zero */
-    if (!(e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3 > 0.0)) return 2; /* the quaternion is zero */
+    /* attitude: check that the quaternion is neither zero nor NaN */
+    if (!(e0 * e0 + e1 * e1 + e2 * e2
+        + e3 * e3 > 0.0)) return 2; /* the quaternion is zero or NaN */
 
     /* r (14): X + u and its time derivative at the marker, in the body frame */
     const double r_1 = 0.5275946394495463 * alpha5 + 0.5399871638663002 * alpha6
@@ -1484,8 +1487,9 @@ int block_marker_centre(
     const double alpha8dot = v[13];
     (void) k;
 
-    /* attitude: check that the quaternion is not zero */
-    if (!(e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3 > 0.0)) return 2; /* the quaternion is zero */
+    /* attitude: check that the quaternion is neither zero nor NaN */
+    if (!(e0 * e0 + e1 * e1 + e2 * e2
+        + e3 * e3 > 0.0)) return 2; /* the quaternion is zero or NaN */
 
     /*
      * Q (1): Q_11 = rotation tensor of the quaternion; ...; Q_33 = rotation tensor of the
@@ -1585,8 +1589,9 @@ int block_marker_end(
     const double alpha8dot = v[13];
     (void) k;
 
-    /* attitude: check that the quaternion is not zero */
-    if (!(e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3 > 0.0)) return 2; /* the quaternion is zero */
+    /* attitude: check that the quaternion is neither zero nor NaN */
+    if (!(e0 * e0 + e1 * e1 + e2 * e2
+        + e3 * e3 > 0.0)) return 2; /* the quaternion is zero or NaN */
 
     /* r (14): X + u and its time derivative at the marker, in the body frame */
     const double r_1 = 0.2 - 0.5600463460571621 * alpha6;
@@ -1689,8 +1694,9 @@ int block_load_corner(
     const double F_3 = F[2];
     (void) k;
 
-    /* attitude: check that the quaternion is not zero */
-    if (!(e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3 > 0.0)) return 2; /* the quaternion is zero */
+    /* attitude: check that the quaternion is neither zero nor NaN */
+    if (!(e0 * e0 + e1 * e1 + e2 * e2
+        + e3 * e3 > 0.0)) return 2; /* the quaternion is zero or NaN */
 
     /*
      * Q (1): Q_11 = rotation tensor of the quaternion; ...; Q_33 = rotation tensor of the
@@ -1773,8 +1779,9 @@ int block_load_centre(
     const double F_3 = F[2];
     (void) k;
 
-    /* attitude: check that the quaternion is not zero */
-    if (!(e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3 > 0.0)) return 2; /* the quaternion is zero */
+    /* attitude: check that the quaternion is neither zero nor NaN */
+    if (!(e0 * e0 + e1 * e1 + e2 * e2
+        + e3 * e3 > 0.0)) return 2; /* the quaternion is zero or NaN */
 
     /*
      * Q (1): Q_11 = rotation tensor of the quaternion; ...; Q_33 = rotation tensor of the
@@ -1848,8 +1855,9 @@ int block_load_end(
     const double F_3 = F[2];
     (void) k;
 
-    /* attitude: check that the quaternion is not zero */
-    if (!(e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3 > 0.0)) return 2; /* the quaternion is zero */
+    /* attitude: check that the quaternion is neither zero nor NaN */
+    if (!(e0 * e0 + e1 * e1 + e2 * e2
+        + e3 * e3 > 0.0)) return 2; /* the quaternion is zero or NaN */
 
     /*
      * Q (1): Q_11 = rotation tensor of the quaternion; ...; Q_33 = rotation tensor of the
@@ -1971,8 +1979,9 @@ int block_residual(
     const double alpha8ddot = ydot[28];
     (void) k;
 
-    /* attitude: check that the quaternion is not zero */
-    if (!(e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3 > 0.0)) return 2; /* the quaternion is zero */
+    /* attitude: check that the quaternion is neither zero nor NaN */
+    if (!(e0 * e0 + e1 * e1 + e2 * e2
+        + e3 * e3 > 0.0)) return 2; /* the quaternion is zero or NaN */
 
     /* oo (5): oo_11 = products of omega; ...; oo_33 = products of omega */
     const double oo_11 = omega1 * omega1;
@@ -2235,8 +2244,9 @@ int block_jacobian(
     const double alpha8ddot = ydot[28];
     (void) k;
 
-    /* attitude: check that the quaternion is not zero */
-    if (!(e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3 > 0.0)) return 2; /* the quaternion is zero */
+    /* attitude: check that the quaternion is neither zero nor NaN */
+    if (!(e0 * e0 + e1 * e1 + e2 * e2
+        + e3 * e3 > 0.0)) return 2; /* the quaternion is zero or NaN */
 
     /* oo (5): oo_11 = products of omega; ...; oo_33 = products of omega */
     const double oo_11 = omega1 * omega1;

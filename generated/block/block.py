@@ -196,7 +196,7 @@ class Pattern(NamedTuple):
 
 
 NAME = "block"
-HASH = "a2cfffd0c9546b54"
+HASH = "1d96d51cc582c778"
 COORDINATES = (
     "c1", "c2", "c3", "e0", "e1", "e2", "e3", "alpha1", "alpha2", "alpha3", "alpha4", "alpha5",
     "alpha6", "alpha7", "alpha8",
@@ -1601,9 +1601,9 @@ def momentum(q, v, k):
     alpha7dot = v[..., 12]
     alpha8dot = v[..., 13]
 
-    # attitude: check that the quaternion is not zero
+    # attitude: check that the quaternion is neither zero nor NaN
     valid_1 = (e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3) > 0
-    _require(batch[0] or valid_1, 2, "the quaternion is zero")
+    _require(batch[0] or valid_1, 2, "the quaternion is zero or NaN")
 
     # Q (1): Q_11 = rotation tensor of the quaternion; ...; Q_33 = rotation tensor of the quaternion
     t1 = e0 * e0
@@ -1784,9 +1784,9 @@ def rates(q, v, k):
     alpha7dot = v[..., 12]
     alpha8dot = v[..., 13]
 
-    # attitude: check that the quaternion is not zero
+    # attitude: check that the quaternion is neither zero nor NaN
     valid_1 = (e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3) > 0
-    _require(batch[0] or valid_1, 2, "the quaternion is zero")
+    _require(batch[0] or valid_1, 2, "the quaternion is zero or NaN")
 
     # rates (1): from Qdot = Q (omega x)
     qdot_0 = c1dot
@@ -1857,9 +1857,9 @@ def marker_corner(q, v, k):
     alpha7dot = v[..., 12]
     alpha8dot = v[..., 13]
 
-    # attitude: check that the quaternion is not zero
+    # attitude: check that the quaternion is neither zero nor NaN
     valid_1 = (e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3) > 0
-    _require(batch[0] or valid_1, 2, "the quaternion is zero")
+    _require(batch[0] or valid_1, 2, "the quaternion is zero or NaN")
 
     # r (14): X + u and its time derivative at the marker, in the body frame
     r_1 = (
@@ -2056,9 +2056,9 @@ def marker_centre(q, v, k):
     alpha2dot = v[..., 7]
     alpha8dot = v[..., 13]
 
-    # attitude: check that the quaternion is not zero
+    # attitude: check that the quaternion is neither zero nor NaN
     valid_1 = (e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3) > 0
-    _require(batch[0] or valid_1, 2, "the quaternion is zero")
+    _require(batch[0] or valid_1, 2, "the quaternion is zero or NaN")
 
     # Q (1): Q_11 = rotation tensor of the quaternion; ...; Q_33 = rotation tensor of the quaternion
     t1 = e0 * e0
@@ -2166,9 +2166,9 @@ def marker_end(q, v, k):
     alpha6dot = v[..., 11]
     alpha8dot = v[..., 13]
 
-    # attitude: check that the quaternion is not zero
+    # attitude: check that the quaternion is neither zero nor NaN
     valid_1 = (e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3) > 0
-    _require(batch[0] or valid_1, 2, "the quaternion is zero")
+    _require(batch[0] or valid_1, 2, "the quaternion is zero or NaN")
 
     # r (14): X + u and its time derivative at the marker, in the body frame
     r_1 = 0.2 - 0.5600463460571621 * alpha6
@@ -2284,9 +2284,9 @@ def load_corner(q, F, k):
     F_2 = F[..., 1]
     F_3 = F[..., 2]
 
-    # attitude: check that the quaternion is not zero
+    # attitude: check that the quaternion is neither zero nor NaN
     valid_1 = (e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3) > 0
-    _require(batch[0] or valid_1, 2, "the quaternion is zero")
+    _require(batch[0] or valid_1, 2, "the quaternion is zero or NaN")
 
     # Q (1): Q_11 = rotation tensor of the quaternion; ...; Q_33 = rotation tensor of the quaternion
     t1 = e0 * e0
@@ -2382,9 +2382,9 @@ def load_centre(q, F, k):
     F_2 = F[..., 1]
     F_3 = F[..., 2]
 
-    # attitude: check that the quaternion is not zero
+    # attitude: check that the quaternion is neither zero nor NaN
     valid_1 = (e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3) > 0
-    _require(batch[0] or valid_1, 2, "the quaternion is zero")
+    _require(batch[0] or valid_1, 2, "the quaternion is zero or NaN")
 
     # Q (1): Q_11 = rotation tensor of the quaternion; ...; Q_33 = rotation tensor of the quaternion
     t1 = e0 * e0
@@ -2465,9 +2465,9 @@ def load_end(q, F, k):
     F_2 = F[..., 1]
     F_3 = F[..., 2]
 
-    # attitude: check that the quaternion is not zero
+    # attitude: check that the quaternion is neither zero nor NaN
     valid_1 = (e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3) > 0
-    _require(batch[0] or valid_1, 2, "the quaternion is zero")
+    _require(batch[0] or valid_1, 2, "the quaternion is zero or NaN")
 
     # Q (1): Q_11 = rotation tensor of the quaternion; ...; Q_33 = rotation tensor of the quaternion
     t1 = e0 * e0
@@ -2594,9 +2594,9 @@ def residual(t, y, ydot, k):
     alpha7ddot = ydot[..., 27]
     alpha8ddot = ydot[..., 28]
 
-    # attitude: check that the quaternion is not zero
+    # attitude: check that the quaternion is neither zero nor NaN
     valid_1 = (e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3) > 0
-    _require(batch[0] or valid_1, 2, "the quaternion is zero")
+    _require(batch[0] or valid_1, 2, "the quaternion is zero or NaN")
 
     # oo (5): oo_11 = products of omega; ...; oo_33 = products of omega
     oo_11 = omega1 * omega1
@@ -2912,9 +2912,9 @@ def jacobian(t, y, ydot, cj, k):
     alpha7ddot = ydot[..., 27]
     alpha8ddot = ydot[..., 28]
 
-    # attitude: check that the quaternion is not zero
+    # attitude: check that the quaternion is neither zero nor NaN
     valid_1 = (e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3) > 0
-    _require(batch[0] or valid_1, 2, "the quaternion is zero")
+    _require(batch[0] or valid_1, 2, "the quaternion is zero or NaN")
 
     # oo (5): oo_11 = products of omega; ...; oo_33 = products of omega
     oo_11 = omega1 * omega1

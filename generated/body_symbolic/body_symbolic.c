@@ -13,7 +13,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef BODY_SYMBOLIC_HASH_376d32bd6b094663
+#ifndef BODY_SYMBOLIC_HASH_7517f1ca3c8d01e8
 #  error "body_symbolic.h and body_symbolic.c are of different builds; run tisserand build again"
 #endif
 
@@ -951,8 +951,9 @@ int body_symbolic_momentum(
     const double *C4_23 = k + 608;
     const double *C4_33 = k + 616;
 
-    /* attitude: check that the quaternion is not zero */
-    if (!(e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3 > 0.0)) return 2; /* the quaternion is zero */
+    /* attitude: check that the quaternion is neither zero nor NaN */
+    if (!(e0 * e0 + e1 * e1 + e2 * e2
+        + e3 * e3 > 0.0)) return 2; /* the quaternion is zero or NaN */
 
     /* tables (appendix): S_i = symmetric part of D2_i; c7dot_i = int rho Phi_i x rdot */
     double x_alpha[8];
@@ -1074,8 +1075,9 @@ int body_symbolic_rates(
     const double *alphadot = v + 6;
     (void) k;
 
-    /* attitude: check that the quaternion is not zero */
-    if (!(e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3 > 0.0)) return 2; /* the quaternion is zero */
+    /* attitude: check that the quaternion is neither zero nor NaN */
+    if (!(e0 * e0 + e1 * e1 + e2 * e2
+        + e3 * e3 > 0.0)) return 2; /* the quaternion is zero or NaN */
 
     /* rates (1): from Qdot = Q (omega x) */
     qdot[0] = c1dot;
@@ -1148,8 +1150,9 @@ int body_symbolic_residual(
     const double *C4_33 = k + 616;
     const double *K = k + 624;
 
-    /* attitude: check that the quaternion is not zero */
-    if (!(e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3 > 0.0)) return 2; /* the quaternion is zero */
+    /* attitude: check that the quaternion is neither zero nor NaN */
+    if (!(e0 * e0 + e1 * e1 + e2 * e2
+        + e3 * e3 > 0.0)) return 2; /* the quaternion is zero or NaN */
 
     /* minus_alpha: alpha with its sign changed */
     double minus_alpha[8];
@@ -1347,8 +1350,9 @@ int body_symbolic_jacobian(
     const double *C4_33 = k + 616;
     const double *K = k + 624;
 
-    /* attitude: check that the quaternion is not zero */
-    if (!(e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3 > 0.0)) return 2; /* the quaternion is zero */
+    /* attitude: check that the quaternion is neither zero nor NaN */
+    if (!(e0 * e0 + e1 * e1 + e2 * e2
+        + e3 * e3 > 0.0)) return 2; /* the quaternion is zero or NaN */
 
     /* minus_alpha: alpha with its sign changed */
     double minus_alpha[8];

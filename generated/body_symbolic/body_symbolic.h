@@ -252,8 +252,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define BODY_SYMBOLIC_HASH "376d32bd6b094663"
-#define BODY_SYMBOLIC_HASH_376d32bd6b094663
+#define BODY_SYMBOLIC_HASH "7517f1ca3c8d01e8"
+#define BODY_SYMBOLIC_HASH_7517f1ca3c8d01e8
 
 /* ---- sizes and indices ---- */
 
@@ -309,7 +309,7 @@ enum {
    value is not finite or not positive; the outputs are undefined then. All other functions propagate a NaN;
    accel reports a NaN in its mass matrix as a vanished pivot.
    The quaternion is assumed to have unit length: of one with the length s, Q is s^2 times a rotation tensor. Integrators
-   have to normalise it. Functions that read it return 2 where it is zero.
+   have to normalise it. Functions that read it return 2 where it is zero or NaN, before they check anything else.
    Arrays that are written must not overlap each other or arrays that are read. ---- */
 
 /*

@@ -131,7 +131,7 @@ def _columns(rows, groups, symmetric):
 
 
 NAME = "body_symbolic"
-HASH = "376d32bd6b094663"
+HASH = "7517f1ca3c8d01e8"
 COORDINATES = (
     "c1", "c2", "c3", "e0", "e1", "e2", "e3", "alpha1", "alpha2", "alpha3", "alpha4", "alpha5",
     "alpha6", "alpha7", "alpha8",
@@ -889,9 +889,9 @@ def momentum(q, v, k):
     C4_23 = k[..., 608:616]
     C4_33 = k[..., 616:624]
 
-    # attitude: check that the quaternion is not zero
+    # attitude: check that the quaternion is neither zero nor NaN
     valid_1 = (e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3) > 0
-    _require(batch[0] or valid_1, 2, "the quaternion is zero")
+    _require(batch[0] or valid_1, 2, "the quaternion is zero or NaN")
 
     # tables (appendix): S_i = symmetric part of D2_i; c7dot_i = int rho Phi_i x rdot
     S_11 = C4_11 + _product(xp, alpha, _table(tables, 9, 0, 8))
@@ -979,9 +979,9 @@ def rates(q, v, k):
     alphadot = v[..., 6:14]
     qdot = _empty(xp, batch, 15)
 
-    # attitude: check that the quaternion is not zero
+    # attitude: check that the quaternion is neither zero nor NaN
     valid_1 = (e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3) > 0
-    _require(batch[0] or valid_1, 2, "the quaternion is zero")
+    _require(batch[0] or valid_1, 2, "the quaternion is zero or NaN")
 
     # rates (1): from Qdot = Q (omega x)
     qdot[..., 0] = c1dot
@@ -1061,9 +1061,9 @@ def residual(t, y, ydot, k):
     K = k[..., 624:632]
     F = _empty(xp, batch, 29)
 
-    # attitude: check that the quaternion is not zero
+    # attitude: check that the quaternion is neither zero nor NaN
     valid_1 = (e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3) > 0
-    _require(batch[0] or valid_1, 2, "the quaternion is zero")
+    _require(batch[0] or valid_1, 2, "the quaternion is zero or NaN")
 
     # minus_alpha: alpha with its sign changed
     minus_alpha = -alpha
@@ -1209,9 +1209,9 @@ def jacobian(t, y, ydot, cj, k):
     K = k[..., 624:632]
     jac = _empty(xp, batch, 262)
 
-    # attitude: check that the quaternion is not zero
+    # attitude: check that the quaternion is neither zero nor NaN
     valid_1 = (e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3) > 0
-    _require(batch[0] or valid_1, 2, "the quaternion is zero")
+    _require(batch[0] or valid_1, 2, "the quaternion is zero or NaN")
 
     # minus_alpha: alpha with its sign changed
     minus_alpha = -alpha

@@ -12,7 +12,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef SOLID_BEAM_HASH_90e04428a00d24dd
+#ifndef SOLID_BEAM_HASH_5803f008b00d27ff
 #  error "solid_beam.h and solid_beam.c are of different builds; run tisserand build again"
 #endif
 
@@ -967,8 +967,9 @@ int solid_beam_momentum(
     const double alpha8dot = v[13];
     (void) k;
 
-    /* attitude: check that the quaternion is not zero */
-    if (!(e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3 > 0.0)) return 2; /* the quaternion is zero */
+    /* attitude: check that the quaternion is neither zero nor NaN */
+    if (!(e0 * e0 + e1 * e1 + e2 * e2
+        + e3 * e3 > 0.0)) return 2; /* the quaternion is zero or NaN */
 
     /*
      * Q (1): Q_11 = rotation tensor of the quaternion; ...; Q_33 = rotation tensor of the
@@ -1121,8 +1122,9 @@ int solid_beam_rates(
     const double alpha8dot = v[13];
     (void) k;
 
-    /* attitude: check that the quaternion is not zero */
-    if (!(e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3 > 0.0)) return 2; /* the quaternion is zero */
+    /* attitude: check that the quaternion is neither zero nor NaN */
+    if (!(e0 * e0 + e1 * e1 + e2 * e2
+        + e3 * e3 > 0.0)) return 2; /* the quaternion is zero or NaN */
 
     /* rates (1): from Qdot = Q (omega x) */
     qdot[0] = c1dot;
@@ -1185,8 +1187,9 @@ int solid_beam_marker_left(
     const double alpha8dot = v[13];
     (void) k;
 
-    /* attitude: check that the quaternion is not zero */
-    if (!(e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3 > 0.0)) return 2; /* the quaternion is zero */
+    /* attitude: check that the quaternion is neither zero nor NaN */
+    if (!(e0 * e0 + e1 * e1 + e2 * e2
+        + e3 * e3 > 0.0)) return 2; /* the quaternion is zero or NaN */
 
     /* r (14): X + u and its time derivative at the marker, in the body frame */
     const double dr_1_1 = 45.81666798884824 * alpha1 + 2.7318770946111964e-10 * alpha2
@@ -1432,8 +1435,9 @@ int solid_beam_marker_right(
     const double alpha8dot = v[13];
     (void) k;
 
-    /* attitude: check that the quaternion is not zero */
-    if (!(e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3 > 0.0)) return 2; /* the quaternion is zero */
+    /* attitude: check that the quaternion is neither zero nor NaN */
+    if (!(e0 * e0 + e1 * e1 + e2 * e2
+        + e3 * e3 > 0.0)) return 2; /* the quaternion is zero or NaN */
 
     /* r (14): X + u and its time derivative at the marker, in the body frame */
     const double dr_1_1 = 1.3708012717695785e-10 * alpha2 + 41.18330552764816 * alpha3
@@ -1662,8 +1666,9 @@ int solid_beam_load_left(
     const double F_3 = F[2];
     (void) k;
 
-    /* attitude: check that the quaternion is not zero */
-    if (!(e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3 > 0.0)) return 2; /* the quaternion is zero */
+    /* attitude: check that the quaternion is neither zero nor NaN */
+    if (!(e0 * e0 + e1 * e1 + e2 * e2
+        + e3 * e3 > 0.0)) return 2; /* the quaternion is zero or NaN */
 
     /*
      * Q (1): Q_11 = rotation tensor of the quaternion; ...; Q_33 = rotation tensor of the
@@ -1858,8 +1863,9 @@ int solid_beam_load_right(
     const double F_3 = F[2];
     (void) k;
 
-    /* attitude: check that the quaternion is not zero */
-    if (!(e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3 > 0.0)) return 2; /* the quaternion is zero */
+    /* attitude: check that the quaternion is neither zero nor NaN */
+    if (!(e0 * e0 + e1 * e1 + e2 * e2
+        + e3 * e3 > 0.0)) return 2; /* the quaternion is zero or NaN */
 
     /*
      * Q (1): Q_11 = rotation tensor of the quaternion; ...; Q_33 = rotation tensor of the
@@ -2095,8 +2101,9 @@ int solid_beam_residual(
     const double alpha8ddot = ydot[28];
     (void) k;
 
-    /* attitude: check that the quaternion is not zero */
-    if (!(e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3 > 0.0)) return 2; /* the quaternion is zero */
+    /* attitude: check that the quaternion is neither zero nor NaN */
+    if (!(e0 * e0 + e1 * e1 + e2 * e2
+        + e3 * e3 > 0.0)) return 2; /* the quaternion is zero or NaN */
 
     /* oo (5): oo_11 = products of omega; ...; oo_33 = products of omega */
     const double oo_11 = omega1 * omega1;
@@ -2327,8 +2334,9 @@ int solid_beam_jacobian(
     const double alpha8ddot = ydot[28];
     (void) k;
 
-    /* attitude: check that the quaternion is not zero */
-    if (!(e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3 > 0.0)) return 2; /* the quaternion is zero */
+    /* attitude: check that the quaternion is neither zero nor NaN */
+    if (!(e0 * e0 + e1 * e1 + e2 * e2
+        + e3 * e3 > 0.0)) return 2; /* the quaternion is zero or NaN */
 
     /* oo (5): oo_11 = products of omega; ...; oo_33 = products of omega */
     const double oo_11 = omega1 * omega1;

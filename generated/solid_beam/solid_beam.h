@@ -422,8 +422,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define SOLID_BEAM_HASH "90e04428a00d24dd"
-#define SOLID_BEAM_HASH_90e04428a00d24dd
+#define SOLID_BEAM_HASH "5803f008b00d27ff"
+#define SOLID_BEAM_HASH_5803f008b00d27ff
 
 /* ---- sizes and indices ---- */
 
@@ -474,7 +474,7 @@ enum {
    value is not finite or not positive; the outputs are undefined then. All other functions propagate a NaN;
    accel reports a NaN in its mass matrix as a vanished pivot.
    The quaternion is assumed to have unit length: of one with the length s, Q is s^2 times a rotation tensor. Integrators
-   have to normalise it. Functions that read it return 2 where it is zero.
+   have to normalise it. Functions that read it return 2 where it is zero or NaN, before they check anything else.
    Arrays that are written must not overlap each other or arrays that are read. ---- */
 
 /*

@@ -281,7 +281,7 @@ class Pattern(NamedTuple):
 
 
 NAME = "solid_beam"
-HASH = "90e04428a00d24dd"
+HASH = "5803f008b00d27ff"
 COORDINATES = (
     "c1", "c2", "c3", "e0", "e1", "e2", "e3", "alpha1", "alpha2", "alpha3", "alpha4", "alpha5",
     "alpha6", "alpha7", "alpha8",
@@ -1570,9 +1570,9 @@ def momentum(q, v, k):
     alpha7dot = v[..., 12]
     alpha8dot = v[..., 13]
 
-    # attitude: check that the quaternion is not zero
+    # attitude: check that the quaternion is neither zero nor NaN
     valid_1 = (e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3) > 0
-    _require(batch[0] or valid_1, 2, "the quaternion is zero")
+    _require(batch[0] or valid_1, 2, "the quaternion is zero or NaN")
 
     # Q (1): Q_11 = rotation tensor of the quaternion; ...; Q_33 = rotation tensor of the quaternion
     t1 = e0 * e0
@@ -1762,9 +1762,9 @@ def rates(q, v, k):
     alpha7dot = v[..., 12]
     alpha8dot = v[..., 13]
 
-    # attitude: check that the quaternion is not zero
+    # attitude: check that the quaternion is neither zero nor NaN
     valid_1 = (e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3) > 0
-    _require(batch[0] or valid_1, 2, "the quaternion is zero")
+    _require(batch[0] or valid_1, 2, "the quaternion is zero or NaN")
 
     # rates (1): from Qdot = Q (omega x)
     qdot_0 = c1dot
@@ -1835,9 +1835,9 @@ def marker_left(q, v, k):
     alpha7dot = v[..., 12]
     alpha8dot = v[..., 13]
 
-    # attitude: check that the quaternion is not zero
+    # attitude: check that the quaternion is neither zero nor NaN
     valid_1 = (e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3) > 0
-    _require(batch[0] or valid_1, 2, "the quaternion is zero")
+    _require(batch[0] or valid_1, 2, "the quaternion is zero or NaN")
 
     # r (14): X + u and its time derivative at the marker, in the body frame
     dr_1_1 = (
@@ -2144,9 +2144,9 @@ def marker_right(q, v, k):
     alpha7dot = v[..., 12]
     alpha8dot = v[..., 13]
 
-    # attitude: check that the quaternion is not zero
+    # attitude: check that the quaternion is neither zero nor NaN
     valid_1 = (e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3) > 0
-    _require(batch[0] or valid_1, 2, "the quaternion is zero")
+    _require(batch[0] or valid_1, 2, "the quaternion is zero or NaN")
 
     # r (14): X + u and its time derivative at the marker, in the body frame
     dr_1_1 = (
@@ -2440,9 +2440,9 @@ def load_left(q, F, k):
     F_2 = F[..., 1]
     F_3 = F[..., 2]
 
-    # attitude: check that the quaternion is not zero
+    # attitude: check that the quaternion is neither zero nor NaN
     valid_1 = (e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3) > 0
-    _require(batch[0] or valid_1, 2, "the quaternion is zero")
+    _require(batch[0] or valid_1, 2, "the quaternion is zero or NaN")
 
     # Q (1): Q_11 = rotation tensor of the quaternion; ...; Q_33 = rotation tensor of the quaternion
     t1 = e0 * e0
@@ -2691,9 +2691,9 @@ def load_right(q, F, k):
     F_2 = F[..., 1]
     F_3 = F[..., 2]
 
-    # attitude: check that the quaternion is not zero
+    # attitude: check that the quaternion is neither zero nor NaN
     valid_1 = (e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3) > 0
-    _require(batch[0] or valid_1, 2, "the quaternion is zero")
+    _require(batch[0] or valid_1, 2, "the quaternion is zero or NaN")
 
     # Q (1): Q_11 = rotation tensor of the quaternion; ...; Q_33 = rotation tensor of the quaternion
     t1 = e0 * e0
@@ -2984,9 +2984,9 @@ def residual(t, y, ydot, k):
     alpha7ddot = ydot[..., 27]
     alpha8ddot = ydot[..., 28]
 
-    # attitude: check that the quaternion is not zero
+    # attitude: check that the quaternion is neither zero nor NaN
     valid_1 = (e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3) > 0
-    _require(batch[0] or valid_1, 2, "the quaternion is zero")
+    _require(batch[0] or valid_1, 2, "the quaternion is zero or NaN")
 
     # oo (5): oo_11 = products of omega; ...; oo_33 = products of omega
     oo_11 = omega1 * omega1
@@ -3275,9 +3275,9 @@ def jacobian(t, y, ydot, cj, k):
     alpha7ddot = ydot[..., 27]
     alpha8ddot = ydot[..., 28]
 
-    # attitude: check that the quaternion is not zero
+    # attitude: check that the quaternion is neither zero nor NaN
     valid_1 = (e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3) > 0
-    _require(batch[0] or valid_1, 2, "the quaternion is zero")
+    _require(batch[0] or valid_1, 2, "the quaternion is zero or NaN")
 
     # oo (5): oo_11 = products of omega; ...; oo_33 = products of omega
     oo_11 = omega1 * omega1
