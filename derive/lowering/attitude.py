@@ -1,8 +1,8 @@
 """Kernels refuse a quaternion of length zero, which is no rotation.
 
-A quaternion is assumed to have unit length: of one with the length s the kernels make s^2 times a rotation tensor, and
-integrators normalise it. Zero would make the body vanish without a word. What is wrong with an argument comes before what
-follows from it: where the quaternion is NaN, accel reports it, and not the pivots that are NaN as well.
+A quaternion is assumed to have unit length: of one with the length s the kernels make s^2 times a rotation tensor,
+and integrators normalise it. Zero would make the body vanish without a word. What is wrong with an argument comes
+before what follows from it: where the quaternion is NaN, accel reports it, and not the pivots that are NaN as well.
 """
 
 from __future__ import annotations
