@@ -45,7 +45,6 @@ from derive.version import VERSION as __version__  # noqa: N811  the name Python
 
 if TYPE_CHECKING:
     from derive.artifacts import File, write
-    from derive.backends.model_files import model_files
     from derive.derivation import derive, derive_modal, lower, modal, parameters
     from derive.errors import SpecError, TisserandError
     from derive.ir.interpreter import interpret
@@ -56,6 +55,7 @@ if TYPE_CHECKING:
     from derive.mechanics.multibody.forces.registry import FORCES
     from derive.mechanics.multibody.joints.registry import JOINTS
     from derive.mechanics.multibody.mechanism import Mechanism
+    from derive.pipeline import model_files
     from derive.registry import UnknownNameError
     from derive.roles import Role
     from derive.runtime.compiled_model import Native
@@ -118,7 +118,6 @@ _MODULES = {
         "File",
         "write",
     ),
-    "derive.backends.model_files": ("model_files",),
     "derive.derivation": (
         "derive",
         "derive_modal",
@@ -138,6 +137,7 @@ _MODULES = {
     "derive.mechanics.multibody.forces.registry": ("FORCES",),
     "derive.mechanics.multibody.joints.registry": ("JOINTS",),
     "derive.mechanics.multibody.mechanism": ("Mechanism",),
+    "derive.pipeline": ("model_files",),
     "derive.registry": ("UnknownNameError",),
     "derive.roles": ("Role",),
     "derive.runtime.native_call": ("ModelError",),

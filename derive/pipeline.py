@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
+from warnings import warn
 
 import numpy as np
 
 from derive.artifacts import File
-from derive.backends.model_files import model_files
+from derive.backends.model_files import model_files as emitted_files
 from derive.derivation import derive, lower, lowered_form
 from derive.errors import SpecError, TisserandError
 from derive.ir.model import Model
@@ -84,12 +85,25 @@ def build(path: Path, progress: Callable[[str], None] = lambda _: None) -> Built
     model, failure = _with_start(spec, model)
     starting = (Stage("start", lap()),) if isinstance(spec, Scene) else ()
     progress("emitting C and Python")
-    files = model_files(model, spec)
+    files = emitted_files(model, spec)
     emitting = Stage("emit", lap())
-    notes = (model.choice, *_of_body(spec)) if model.choice else (*_of_scene(model), *failure)
+    notes = (model.choice, *_of_body(spec)) if model.choice else _of_scene(model)
     notes += spin_notes(spec)
-    notes += tuple(f"warning: {text}" for text in (*warnings(path), *condition_warnings(spec)))
+    notes += tuple(f"warning: {text}" for text in (*failure, *warnings(path), *condition_warnings(spec)))
     return Built(spec, equations, model, files, (reading, deriving, lowering, *starting, emitting), notes)
+
+
+def model_files(model: Model, spec: Specification, backends: Sequence[str] = ("c", "python")) -> tuple[File, ...]:
+    """The files of a model as `tisserand build` writes them: of the backends of these names, and the manifest.
+
+    spec: the specification that the model was made from. The files of a scene contain its initial state as the function
+    NAME_start; where there is no initial state, a warning of Python says why. Raises UnknownNameError for a name that
+    is not in `BACKENDS`.
+    """
+    complete, failure = _with_start(spec, model)
+    for text in failure:
+        warn(text, stacklevel=2)
+    return emitted_files(complete, spec, backends)
 
 
 def _with_start(spec: Specification, model: Model) -> tuple[Model, tuple[str, ...]]:
@@ -97,7 +111,7 @@ def _with_start(spec: Specification, model: Model) -> tuple[Model, tuple[str, ..
 
     Run-time inputs have their values at the start of a simulation, since a prescribed motion may be one of them.
     """
-    if not isinstance(spec, Scene):
+    if not isinstance(spec, Scene) or model.start is not None:
         return model, ()
     from derive.simulation.initial.start_state import start_state
     from derive.simulation.inputs import with_functions
@@ -108,7 +122,7 @@ def _with_start(spec: Specification, model: Model) -> tuple[Model, tuple[str, ..
         return replace(model, start=start), ()
     except TisserandError as error:
         reason = str(error).splitlines()[0]
-        return model, (f"warning: no function {model.name}_start, since there is no initial state: {reason}",)
+        return model, (f"no function {model.name}_start, since there is no initial state: {reason}",)
 
 
 def _of_scene(model: Model) -> tuple[str, ...]:

@@ -11,6 +11,7 @@ import numpy as np
 
 import derive
 from conftest import QUICK
+from derive.backends.model_files import model_files
 from derive.derivation import lowered_form
 from derive.runtime.compiled_model import Native
 
@@ -61,7 +62,7 @@ def build(spec: Any) -> Made:
     derived = derive.derive(spec)
     model = derive.lower(derived)
     equations = lowered_form(derived, model)
-    return Made(spec, equations, model, derive.model_files(model, spec))
+    return Made(spec, equations, model, model_files(model, spec))
 
 
 @cache

@@ -13,6 +13,7 @@ import zoo
 import derive
 from beams import run_module
 from conftest import QUICK, ROOT
+from derive.backends.model_files import model_files
 from derive.runtime.loading import load_scene
 from derive.runtime.native_scene import NativeScene
 from derive.simulation.initial.initial_state import InitialState, initial_state
@@ -58,7 +59,7 @@ def make(spec: Any) -> Made:
     """All stages."""
     assert isinstance(spec, Scene)
     model = derive.lower(derive.derive(spec))
-    files = derive.model_files(model, spec)
+    files = model_files(model, spec)
     return Made(spec, model, load_scene(files, QUICK), files)
 
 

@@ -81,6 +81,14 @@ def test_the_generated_function_returns_it() -> None:
     assert "int crank_slider_3_start(\n    double *q,\n    double *v);\n" in header
 
 
+def test_files_made_in_python_are_those_of_build() -> None:
+    """The same bytes, with the initial state."""
+    made, path = scene("four_bar"), ROOT / "scenes/four_bar.toml"
+    files = derive.model_files(made.model, made.spec)
+    assert files == build(path).files
+    assert "int four_bar_start(" in next(file.text for file in files if file.path.endswith(".h"))
+
+
 def test_a_body_has_none() -> None:
     assert not beams.native("point", 2).function("start")
     assert "_start(" not in text_of(beams.made("point", 2), ".h")
@@ -96,6 +104,11 @@ def test_build_says_why_there_is_none(tmp_path: Any, capsys: pytest.CaptureFixtu
     assert main(["build", str(spec), "--out", str(tmp_path)]) == 0
     assert "no function far_start, since there is no initial state: " in capsys.readouterr().out
     assert "far_start" not in (tmp_path / "far/far.h").read_text()
+    far = derive.read(spec)
+    with pytest.warns(UserWarning, match="no function far_start, since there is no initial state: ") as caught:
+        files = derive.model_files(derive.lower(derive.derive(far)), far)
+    assert caught[0].filename == __file__
+    assert files[0].text == (tmp_path / files[0].path).read_text()
 
 
 def test_interpreted_functions_are_the_compiled_ones() -> None:
