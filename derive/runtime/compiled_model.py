@@ -60,6 +60,11 @@ class Native:
         self.jacobian_pattern = pattern_of(m.jacobian_pattern.contents)
         self.markers = tuple(m.markers[i].name.decode() for i in range(m.nmarkers))
 
+    @property
+    def address(self) -> int:
+        """The address of the descriptor, for hosts in C."""
+        return ctypes.addressof(self._model)
+
     def function(self, name: str) -> Any:
         """The C function of that name in the descriptor, for calls with addresses; the lookup is slow."""
         return getattr(self._model, name)

@@ -3,9 +3,9 @@
  *
  * A program that integrates a model and writes t, q, v, lambda at equidistant times, for example
  *
- *     cc -std=c99 -O2 -DTISSERAND_HEADER='"my_scene.h"' -DTISSERAND_MODEL=my_scene_model simulate.c fixed_step.c \
- *        my_scene.c -lm -o my_scene
- *     ./my_scene rk4 start.txt 0.1 1e-4 1e-5 out.csv
+ *     cc -std=c99 -O2 -DTISSERAND_HEADER='"my_scene.h"' -DTISSERAND_MODEL=my_scene_model simulate.c adaptive_rows.c \
+ *        adaptive.c dormand_prince.c fixed_step.c my_scene.c -lm -o my_scene
+ *     ./my_scene adaptive start.txt 0.1 1e-4 1e-9 out.csv
  *
  * With -DTISSERAND_IDA, ida.c and the libraries of ida.h it also has the methods "ggl" and "index1", and "ode" for a
  * model without joints; with -DTISSERAND_ALPHA, generalised_alpha.c and the library of its header also "alpha". It
@@ -17,6 +17,7 @@
 #endif
 #include TISSERAND_HEADER
 
+#include "adaptive_rows.h"
 #include "fixed_step.h"
 #ifdef TISSERAND_IDA
 #  include "ida.h"
@@ -33,7 +34,7 @@
 
 static const char USAGE[] =
     "usage: %s METHOD START END INTERVAL ACCURACY OUTPUT\n"
-    "METHOD    rk4"
+    "METHOD    adaptive, rk4"
 #ifdef TISSERAND_IDA
     ", ggl, index1, ode"
 #endif
@@ -163,6 +164,33 @@ static int run_rk4(const tisserand_model *model, double interval, double accurac
     return code;
 }
 
+static int run_adaptive(const tisserand_model *model, double interval, double accuracy, long nrows, const double *k,
+                        const double *q, const double *v, double *rows)
+{
+    const size_t n = (size_t) (model->nq + model->nv), work = (size_t) tisserand_adaptive_work(model);
+    double *memory = (double *) calloc(n + work + (size_t) nrows, sizeof(double)), *times = memory + n + work;
+    tisserand_adaptive_options options = {accuracy, memory, CONSISTENT, 0.0, 0.0, 0};
+    tisserand_adaptive_rows request = {nrows, times, 0, NULL, NULL, NULL, rows, NULL, NULL};
+    tisserand_adaptive_result result;
+    tisserand_adaptive s;
+    int code;
+
+    if (memory == NULL) {
+        return TISSERAND_ARGUMENT;
+    }
+    for (size_t i = 0; i < n; i++) {
+        memory[i] = accuracy;
+    }
+    for (long i = 0; i < nrows; i++) {
+        times[i] = (double) i * interval;
+    }
+    code = tisserand_adaptive_integrate(&s, model, &options, &request, k, q, v, memory + n, &result);
+    fprintf(stderr, "steps %ld\nrejected %ld\naccelerations %ld\n", s.counts.fixed.steps, s.counts.rejected,
+            s.counts.fixed.accelerations);
+    free(memory);
+    return code;
+}
+
 #ifdef TISSERAND_ALPHA
 static int run_alpha(const tisserand_model *model, double interval, double accuracy, long nrows, const double *k,
                      double *q, double *v, double *rows)
@@ -208,6 +236,9 @@ static int integrate(const tisserand_model *model, const char *method, double in
 {
     if (!(interval / accuracy < 1e9)) {
         return TISSERAND_ARGUMENT;
+    }
+    if (strcmp(method, "adaptive") == 0) {
+        return run_adaptive(model, interval, accuracy, nrows, k, q, v, rows);
     }
     if (strcmp(method, "rk4") == 0) {
         return run_rk4(model, interval, accuracy, nrows, k, q, v, rows, work);

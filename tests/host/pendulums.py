@@ -18,11 +18,13 @@ import derive
 from derive.backends.c.source import ABI
 from derive.rendering import render
 from derive.roles import Role
+from derive.runtime.integrators.adaptive import Adaptive
 from derive.runtime.integrators.c_integrator import Integration
 from derive.runtime.integrators.compilation import LibraryMissing
 from derive.runtime.integrators.fixed_step import FixedStep
 from derive.runtime.integrators.generalised_alpha import GeneralisedAlpha
 from derive.runtime.integrators.ida import Ida
+from derive.runtime.loading import load
 
 Made = TypeVar("Made")
 HERE = Path(__file__).parent
@@ -62,6 +64,11 @@ def exact(t: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float
 @cache
 def fixed() -> FixedStep:
     return FixedStep(FILES)
+
+
+@cache
+def adaptive() -> Adaptive:
+    return Adaptive(load(FILES))
 
 
 @cache

@@ -6,19 +6,23 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from pendulums import FILES, LEVEL, REST, alpha, fixed, ida
+from pendulums import FILES, LEVEL, REST, adaptive, alpha, fixed, ida
 from toolchain import C99, CPP11, WARNINGS, run, tool
 
 from derive.runtime.integrators.compilation import header_flags, program, sundials, write_sources
 
 CPP14 = ("-x", "c++", "-std=c++14", *WARNINGS)  # headers of SUNDIALS 6 need it
-PLAIN = [("fixed_step", ()), ("simulate", ()), ("simulate", ("-DTISSERAND_IDA", "-DTISSERAND_ALPHA"))]
+ADAPTIVE = ("dormand_prince", "adaptive", "adaptive_rows")
+PLAIN = [
+    *((host, ()) for host in ("fixed_step", *ADAPTIVE, "simulate")),
+    ("simulate", ("-DTISSERAND_IDA", "-DTISSERAND_ALPHA")),
+]
 
 
 @pytest.mark.parametrize("language", [("gcc", *C99), ("g++", *CPP11), ("clang", *C99)], ids=["C", "C++", "clang"])
 @pytest.mark.parametrize(("host", "flags"), PLAIN)
 def test_no_warnings(host: str, flags: tuple[str, ...], language: tuple[str, ...], tmp_path: Path) -> None:
-    name, _ = write_sources(FILES, ["fixed_step", "generalised_alpha", "ida", "simulate"], tmp_path)
+    name, _ = write_sources(FILES, ["fixed_step", *ADAPTIVE, "generalised_alpha", "ida", "simulate"], tmp_path)
     flags = (*flags, *header_flags(name, tmp_path), f"-DTISSERAND_MODEL={name}_model")
     run(tool(language[0]), *language[1:], "-O2", *flags, "-c", tmp_path / f"{host}.c", "-o", tmp_path / "host.o")
 
@@ -32,11 +36,11 @@ def test_no_warnings_with_libraries(host: str, language: tuple[str, ...], tmp_pa
     run(tool(language[0]), *language[1:], "-O2", *flags, "-c", tmp_path / f"{host}.c", "-o", tmp_path / "host.o")
 
 
-def test_fixed_steps_call_nothing_but_the_library_of_mathematics(tmp_path: Path) -> None:
-    name, _ = write_sources(FILES, ["fixed_step"], tmp_path)
-    run(tool("gcc"), "-O2", *header_flags(name, tmp_path), "-c", tmp_path / "fixed_step.c", "-o", tmp_path / "host.o")
+def test_hosts_without_libraries_call_nothing_but_mathematics(tmp_path: Path) -> None:
+    name, paths = write_sources(FILES, ["fixed_step", *ADAPTIVE], tmp_path)
+    run(tool("gcc"), "-O2", *header_flags(name, tmp_path), "-r", "-nostdlib", *paths[1:], "-o", tmp_path / "host.o")
     symbols = [line.split() for line in run(tool("nm"), tmp_path / "host.o").splitlines()]
-    assert {symbol[-1] for symbol in symbols if symbol[-2] == "U"} <= {"memcpy", "memset", "sqrt"}
+    assert {symbol[-1] for symbol in symbols if symbol[-2] == "U"} <= {"memcpy", "memset", "sqrt", "nextafter"}
     assert all(symbol[-1].startswith("tisserand_") for symbol in symbols if symbol[-2] == "T")
     assert not [symbol for symbol in symbols if symbol[-2] in "BDbd"]  # no state of its own
 
@@ -63,6 +67,14 @@ def test_program_writes_what_the_library_computes(explicit: Path, tmp_path: Path
     found = fixed().run(LEVEL, REST, step=1e-2, steps=100, every=10)
     assert rows[:, 0] == pytest.approx(found.t)
     assert rows[:, 1:] == pytest.approx(np.hstack([found.q, found.v, found.lam]), rel=1e-13, abs=1e-13)
+
+
+def test_program_with_adaptive_steps(explicit: Path, tmp_path: Path) -> None:
+    run(explicit, "adaptive", start(tmp_path), "1", "0.1", "1e-8", tmp_path / "out.bin")
+    rows = np.fromfile(tmp_path / "out.bin").reshape(11, 9)
+    found = adaptive().run(LEVEL, REST, 0.1 * np.arange(11), rtol=1e-8)
+    assert np.array_equal(rows[:, 0], found.t)
+    assert np.array_equal(rows[:, 1:], np.hstack([found.q, found.v, found.lam]))
 
 
 def test_program_with_ida(tmp_path: Path) -> None:
@@ -101,5 +113,5 @@ def test_program_is_clean_under_valgrind(tmp_path: Path) -> None:
     ida()
     made = program(FILES, tmp_path / "pendulum", ["ida", "alpha"], flags=["-g"])
     flags = ("--quiet", "--error-exitcode=9", "--leak-check=full", "--errors-for-leak-kinds=all")
-    for method in ("rk4", "ggl", "index1", "alpha"):
+    for method in ("adaptive", "rk4", "ggl", "index1", "alpha"):
         run(tool("valgrind"), *flags, made, method, start(tmp_path), "0.2", "0.1", "1e-4", tmp_path / "out.csv")

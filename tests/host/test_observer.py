@@ -7,11 +7,12 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from pendulums import LEVEL, REST, alpha, fixed, ida
+from pendulums import LEVEL, REST, adaptive, alpha, fixed, ida
 
 from derive.runtime.integrators.c_integrator import Integration
 
 RUNS: dict[str, Callable[..., Integration]] = {
+    "adaptive": lambda **more: adaptive().run(LEVEL, REST, [0.0, 0.2, 0.4, 0.6], rtol=1e-11, **more),
     "rk4": lambda **more: fixed().run(LEVEL, REST, step=1e-2, steps=60, every=20, **more),
     "alpha": lambda **more: alpha().run(LEVEL, REST, step=1e-2, steps=60, every=20, **more),
     "ida": lambda **more: ida().run(LEVEL, REST, interval=0.2, rows=4, rtol=1e-6, **more),

@@ -64,7 +64,15 @@ tolerance = 1e-7
 
 @pytest.mark.parametrize(
     ("integrator", "step"),
-    [("dop853", None), ("rk45", None), ("ida", None), ("c_ida", None), ("rk4", 1e-3), ("generalised-alpha", 1e-2)],
+    [
+        ("adaptive", None),
+        ("dop853", None),
+        ("rk45", None),
+        ("ida", None),
+        ("c_ida", None),
+        ("rk4", 1e-3),
+        ("generalised-alpha", 1e-2),
+    ],
 )
 def test_a_mechanism_moves_alike_wherever_it_is(integrator: str, step: float | None) -> None:
     """Positions are rounded to 1e-9 m there. Absolute tolerances are not below that: otherwise Newton's method of IDA
@@ -87,7 +95,7 @@ def test_a_mechanism_moves_alike_wherever_it_is(integrator: str, step: float | N
     assert far.solution.notes == (() if step else (noted,)) and near.solution.notes == ()
 
 
-@pytest.mark.parametrize("integrator", ["dop853", "ida", "c_ida"])
+@pytest.mark.parametrize("integrator", ["adaptive", "dop853", "ida", "c_ida"])
 def test_a_small_mechanism_moves_as_exactly_as_a_large_one(integrator: str) -> None:
     """A block on a spring, s = a cos(omega t), with a of 1 m or of 1 micrometre: relative errors are alike."""
     if integrator == "ida" and not find_spec("sksundae") and not os.environ.get("CI"):

@@ -57,7 +57,7 @@ def scene() -> Scene:
     return result
 
 
-@pytest.mark.parametrize("integrator", ["dop853", "rk45", "ida"])
+@pytest.mark.parametrize("integrator", ["adaptive", "dop853", "rk45", "ida"])
 def test_integrators_that_call_python_follow_them(integrator: str) -> None:
     if integrator == "ida" and not find_spec("sksundae") and not os.environ.get("CI"):
         pytest.skip("no scikit-sundae")
@@ -68,6 +68,8 @@ def test_integrators_that_call_python_follow_them(integrator: str) -> None:
     np.testing.assert_allclose(found["u_turndot"], 0.9 * t**2, rtol=1e-14)
     np.testing.assert_allclose(found["moment"], 0.2 * 1.8 * t, rtol=0, atol=1e-7)
     assert found.units["motor"] == "rad"
+    noted = "integrator: adaptive -> dop853, since functions in Python give the inputs"
+    assert found.solution.notes == ((noted,) if integrator == "adaptive" else ())
 
 
 def test_integrators_in_c_refuse_them() -> None:

@@ -63,7 +63,13 @@ def test_pandas_has_the_same_numbers(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.mark.parametrize(
     ("integrator", "step", "tolerance"),
-    [("rk45", None, 1e-6), ("rk4", 5e-4, 1e-6), ("generalised-alpha", 1e-3, 2e-3), ("c_ida", None, 1e-5)],
+    [
+        ("adaptive", None, 1e-8),
+        ("rk45", None, 1e-6),
+        ("rk4", 5e-4, 1e-6),
+        ("generalised-alpha", 1e-3, 2e-3),
+        ("c_ida", None, 1e-5),
+    ],
 )
 def test_integrators_agree(integrator: str, step: float | None, tolerance: float) -> None:
     try:
@@ -78,7 +84,7 @@ def test_integrators_agree(integrator: str, step: float | None, tolerance: float
 
 
 def test_an_unknown_integrator_names_the_known_ones() -> None:
-    known = "dop853, scipy, rk45, ida, rk4, generalised-alpha, c_ida"
+    known = "adaptive, dop853, scipy, rk45, ida, rk4, generalised-alpha, c_ida"
     with pytest.raises(derive.UnknownNameError, match=f'no integrator "dop85"; did .* "dop853"[?] known: {known}'):
         derive.simulate(pendulum(), integrator="dop85")
 

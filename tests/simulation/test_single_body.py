@@ -22,7 +22,7 @@ def body(modes: int, gravity: float = 0.0) -> derive.NodalBody:
     return derive.validated(replace(BLOCK, modes=modes, gravity=down))
 
 
-@pytest.mark.parametrize(("integrator", "step"), [("dop853", None), ("rk4", 1e-3)])
+@pytest.mark.parametrize(("integrator", "step"), [("adaptive", None), ("dop853", None), ("rk4", 1e-3)])
 def test_a_block_that_spins_about_a_principal_axis_falls(integrator: str, step: float | None) -> None:
     """c = c0 + v t + g t^2 / 2; the rotation about e3 goes on with a constant angular velocity."""
     start = derive.SpatialStart(

@@ -30,11 +30,15 @@ def write_sources(files: Sequence[File], integrators: Sequence[str], folder: Pat
     sources = [folder / file.path for file in files if file.path.endswith(".c")]
     if len(sources) != 1:
         raise ValueError(f"an integrator takes the files of one model; there are {len(sources)} C files among them")
-    for part in [
-        f"{name}{ending}" for name in integrators for ending in ((".c",) if name == "simulate" else (".c", ".h"))
-    ]:
-        (folder / part).write_text(render(f"host/{part}", {}))
-    return sources[0].stem, [*sources, *(folder / f"{name}.c" for name in integrators)]
+    return sources[0].stem, [*sources, *host_sources(integrators, folder)]
+
+
+def host_sources(names: Sequence[str], folder: Path) -> list[Path]:
+    """Write parts of `templates/host` with these names into a folder; returns their C files."""
+    for name in names:
+        for ending in (".c",) if name == "simulate" else (".c", ".h"):
+            (folder / f"{name}{ending}").write_text(render(f"host/{name}{ending}", {}))
+    return [folder / f"{name}.c" for name in names]
 
 
 def header_flags(name: str, folder: Path) -> list[str]:
@@ -79,14 +83,14 @@ def _library_flags(name: str, debian: str, others: str, include: str, libraries:
     return flags, link
 
 
-def program(
-    files: Sequence[File], target: Path, methods: Collection[str] = ("rk4",), flags: Sequence[str] = ()
-) -> Path:
-    """Compile the program `templates/host/simulate.c` of a model with the methods "rk4", "ida", "alpha" into `target`.
+def program(files: Sequence[File], target: Path, methods: Collection[str] = (), flags: Sequence[str] = ()) -> Path:
+    """Compile the program `templates/host/simulate.c` of a model into `target`.
+
+    methods: "ida" and "alpha" are added to "adaptive" and "rk4", which need no library.
 
     Raises CompilerError, LibraryMissing.
     """
-    sources, options = ["simulate", "fixed_step"], list(flags)
+    sources, options = ["simulate", "adaptive_rows", "adaptive", "dormand_prince", "fixed_step"], list(flags)
     link: list[str] = []
     for method, source, library in (("ida", "ida", sundials), ("alpha", "generalised_alpha", klu)):
         if method in methods:

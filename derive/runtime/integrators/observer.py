@@ -23,8 +23,8 @@ class _Structure(ctypes.Structure):
 class Observer:
     """A function as the observer of a C integrator, with rows of `width` numbers.
 
-    `pointer` is the argument of the C function, None without a function. What the function raises ends the integration,
-    and `reraise` raises it again outside the C.
+    `pointer` is the argument of the C function, None without a function; `address` is the same as a number, or 0. What
+    the function raises ends the integration, and `reraise` raises it again outside the C.
     """
 
     def __init__(self, observe: Observe | None, width: int) -> None:
@@ -40,6 +40,7 @@ class Observer:
 
         self._structure = _Structure(_CALL(call), None)  # keeps the function alive
         self.pointer = None if observe is None else ctypes.byref(self._structure)
+        self.address = 0 if observe is None else ctypes.addressof(self._structure)
 
     def reraise(self) -> None:
         """Raise what the function has raised, if it has."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Literal
 
 from derive.artifacts import File
@@ -12,13 +12,14 @@ from derive.runtime.native_body import NativeBody
 from derive.runtime.native_call import Vector
 from derive.runtime.native_scene import NativeScene
 from derive.simulation.integration import c_methods
+from derive.simulation.integration.adaptive import adaptive
 from derive.simulation.integration.integrator import Compile, Integrator, Settings, scene_of
 from derive.simulation.integration.scikit_sundae import integrate_ida
 from derive.simulation.integration.scipy_methods import integrate
 from derive.simulation.integration.solution import Solution
 
 
-def _scipy(method: Literal["DOP853", "RK45"]) -> Compile:
+def _scipy(method: Literal["DOP853", "RK45"]) -> Callable[[NativeScene | NativeBody], Integrator]:
     """An explicit method of SciPy."""
 
     def integrator(native: NativeScene | NativeBody) -> Integrator:
@@ -41,6 +42,11 @@ def _scipy(method: Literal["DOP853", "RK45"]) -> Compile:
 
         return Integrator(native, run, integrator)
 
+    return integrator
+
+
+def _compiled(integrator: Callable[[NativeScene | NativeBody], Integrator]) -> Compile:
+    """The integrator of a model that is compiled alone."""
     return lambda files: integrator(load(files))
 
 
@@ -72,15 +78,17 @@ def _ida(files: Sequence[File]) -> Integrator:
 INTEGRATORS: Registry[Compile] = Registry(
     "integrator",
     {
-        "dop853": _scipy("DOP853"),
-        "scipy": _scipy("DOP853"),
-        "rk45": _scipy("RK45"),
+        "adaptive": _compiled(lambda native: adaptive(native, _scipy("DOP853"))),
+        "dop853": _compiled(_scipy("DOP853")),
+        "scipy": _compiled(_scipy("DOP853")),
+        "rk45": _compiled(_scipy("RK45")),
         "ida": _ida,
         "rk4": c_methods.rk4,
         "generalised-alpha": c_methods.generalised_alpha,
         "c_ida": c_methods.ida,
     },
 )
-"""Integrators by name: SciPy's DOP853 (Runge-Kutta of order 8; "scipy" is another name of it) and RK45; IDA of SUNDIALS
-through scikit-sundae; and the C integrators of `templates/host`, compiled with the model: the classical Runge-Kutta
-method, the generalised-alpha method, and IDA without Python between its steps."""
+"""Integrators by name: the method of Dormand and Prince of order 8 in C, with adaptive steps; the same method and RK45
+of SciPy, which call Python at each step ("scipy" is another name of dop853); IDA of SUNDIALS through scikit-sundae; the
+C integrators of `templates/host` that are compiled with the model: the classical Runge-Kutta method, the
+generalised-alpha method, and IDA without Python between its steps."""

@@ -33,6 +33,7 @@ class Solution:
     drift (n, 2): the largest violation of g (m, rad) and of its rate (m/s, rad/s) in each row. drift_before (n, 2): the
     same before the projection of the row, which is the drift of one step and the error of interpolation within it.
     notes: for the user, what the integrator does otherwise than it was told, and where a stop condition is met.
+    outputs (n, nout): those of the model, if the integrator has computed them.
     """
 
     t: Vector
@@ -43,6 +44,7 @@ class Solution:
     drift_before: Matrix
     cost: Cost
     notes: tuple[str, ...] = ()
+    outputs: Matrix | None = None
 
 
 @dataclass
@@ -51,7 +53,8 @@ class SolutionWriter:
 
     k: the constants (nk,) of `setup`. times: those of the rows (n,), s. limit: that of |g| (m, rad) and |gdot| (m/s,
     rad/s). projected: whether states are projected onto the constraints. until: the condition that ends the
-    integration, if there is one. count: the number of rows written so far.
+    integration, if there is one. count: the number of rows written so far. held: the time (s) of the first row if the
+    condition holds there.
     """
 
     native: ConstrainedSystem
@@ -61,7 +64,7 @@ class SolutionWriter:
     projected: bool
     until: StopEvent | None = None
     count: int = 0
-    notes: list[str] = field(default_factory=list)
+    held: float | None = None
     states: Matrix = field(init=False)
     lam: Matrix = field(init=False)
     drift: Matrix = field(init=False)
@@ -86,10 +89,7 @@ class SolutionWriter:
         self.drift_before[i] = before.position, before.velocity
         self.drift[i] = after.position, after.velocity
         if self.until is not None and i == 0 and self.until.holds(self.until.value(t, self.states[0])):
-            self.notes.append(
-                f"until {self.until.text}: holds at t = {t:.9g} s already; the run goes on until the condition is met "
-                "anew"
-            )
+            self.held = t
         self.count += 1
 
     @property
@@ -115,11 +115,7 @@ class SolutionWriter:
     def solution(self, cost: Cost, notes: tuple[str, ...] = ()) -> Solution:
         """All rows, with these notes and that of a condition which is never met."""
         if self.until is not None:
-            notes = (
-                *notes,
-                *self.notes,
-                f"until {self.until.text}: not met{self._anew} up to t = {self.times[-1]:.9g} s",
-            )
+            notes = (*notes, *self.until.notes(float(self.times[-1]), self.held, met=False))
         return self._solution(self.times, cost, notes)
 
     def stopped_solution(
@@ -136,14 +132,7 @@ class SolutionWriter:
         if stop > times[-1]:
             self.append(stop, dense(stop))
             times = np.append(times, stop)
-        return self._solution(
-            times, cost, (*notes, *self.notes, f"until {self.until.text}: met{self._anew} at t = {stop:.9g} s")
-        )
-
-    @property
-    def _anew(self) -> str:
-        """A word for the notes on a condition that has held at the start already."""
-        return " anew" if self.notes else ""
+        return self._solution(times, cost, (*notes, *self.until.notes(stop, self.held, met=True)))
 
     def _solution(self, t: Vector, cost: Cost, notes: tuple[str, ...]) -> Solution:
         n, rows = self.native.nq, slice(len(t))

@@ -21,7 +21,9 @@ def port_values(
     for i, (time, q, v) in enumerate(zip(solution.t, solution.q, solution.v, strict=True)):
         t = float(time)
         inputs[i] = native.inputs_at(t)
-        if own:
+        if solution.outputs is not None:
+            outputs[i] = solution.outputs[i, own]
+        elif own:
             vdot, multipliers = native.solve(t, q, v, k)
             outputs[i] = native.evaluate_outputs(t, q, v, vdot, multipliers, k)[own]
     return inputs, outputs

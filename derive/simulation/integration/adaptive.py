@@ -1,0 +1,95 @@
+"""Explicit integration of a compiled scene in C: adaptive Runge-Kutta steps, projected onto the constraints."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from derive.runtime.integrators.adaptive import OFF, Adaptive, AdaptiveError, AdaptiveRun
+from derive.runtime.integrators.c_integrator import CONSISTENT
+from derive.runtime.native_body import NativeBody
+from derive.runtime.native_call import ModelError, Vector
+from derive.runtime.native_scene import NativeScene
+from derive.simulation.constraints.projection import check_drift
+from derive.simulation.errors import DriftTooLarge, SimulationError
+from derive.simulation.integration.failure_diagnosis import diagnose_error, diagnose_failure
+from derive.simulation.integration.integrator import Integrator, Settings
+from derive.simulation.integration.pieces import smooth_ends
+from derive.simulation.integration.scipy_methods import MAX_STEPS_PER_ROW
+from derive.simulation.integration.solution import Cost, Solution, row_times
+from derive.simulation.integration.tolerances import absolute_tolerances, consistent_tolerance, rounding_note
+
+
+def adaptive(native: NativeScene | NativeBody, through_python: Callable[[NativeScene], Integrator]) -> Integrator:
+    """The method of Dormand and Prince of order 8 in C. Raises CompilerError.
+
+    through_python: the method for functions in Python, which C does not call.
+    """
+    host = Adaptive(native)
+
+    def integrate(k: Vector, q: Vector, v: Vector, times: Vector, settings: Settings) -> Solution:
+        settings.refuse_step("adaptive")
+        instants, until, progress = row_times(times), settings.until, settings.progress
+        notes = rounding_note(settings.tolerance, q)
+
+        def observe(t: float, row: Vector) -> bool:
+            assert progress is not None
+            progress(t)
+            return False
+
+        held = until is not None and until.holds(until.value(float(instants[0]), np.concatenate([q, v])))
+        try:
+            run = host.run(
+                q,
+                v,
+                instants,
+                rtol=settings.tolerance,
+                atol=absolute_tolerances(native, settings.tolerance, settings.size, q),
+                k=k,
+                consistent=consistent_tolerance(CONSISTENT, settings.size, q),
+                drift=settings.drift,
+                steps_max=MAX_STEPS_PER_ROW * len(instants),
+                breaks=smooth_ends(instants, settings.breaks)[:-1] if len(instants) > 1 else (),
+                event=until.value if until else None,
+                crossing=until.crossing if until else False,
+                observe=observe if progress else None,
+            )
+        except AdaptiveError as error:
+            raise _diagnosed(native, k, settings.drift, error) from error
+        if until is not None:
+            notes += until.notes(float(run.t[-1]), float(instants[0]) if held else None, run.met)
+        return _solution(run, notes)
+
+    def noted(driven: NativeScene) -> Integrator:
+        integrator = through_python(driven)
+
+        def integrate_noted(k: Vector, q: Vector, v: Vector, times: Vector, settings: Settings) -> Solution:
+            solution = integrator.integrate(k, q, v, times, settings)
+            note = "integrator: adaptive -> dop853, since functions in Python give the inputs"
+            return replace(solution, notes=(note, *solution.notes))
+
+        return replace(integrator, integrate=integrate_noted)
+
+    return Integrator(native, integrate, noted)
+
+
+def _solution(run: AdaptiveRun, notes: tuple[str, ...]) -> Solution:
+    cost = Cost(run.counts["accelerations"], run.counts["steps"], run.seconds)
+    return Solution(run.t, run.q, run.v, run.lam, run.drift, run.drift_before, cost, notes, run.outputs)
+
+
+def _diagnosed(native: NativeScene | NativeBody, k: Vector, limit: float, error: AdaptiveError) -> SimulationError:
+    """The error that explains why the C integrator cannot continue from its last state."""
+    refused = None
+    if error.refused is not None:
+        code, t = error.refused
+        if code == OFF and error.code == OFF:
+            try:
+                check_drift(native, k, t, error.trial[: native.nq], error.trial[native.nq :], limit)
+            except DriftTooLarge as drift:
+                return diagnose_error(native, k, error.t, error.y, drift)
+        if code != OFF:
+            refused = t, ModelError(f"{native.name}_accel", code)
+    return diagnose_failure(native, k, error.t, error.y, refused, error.meaning)
