@@ -106,7 +106,7 @@ def _add_simulate(commands: Any) -> None:
         "--integrator",
         default="dop853",
         metavar="NAME",
-        help="dop853 (default; also called scipy), rk45, ida; compiled with the model: rk4, generalised-alpha, c_ida",
+        help="dop853 (default; also called scipy), rk45, ida; in C: adaptive, rk4, generalised-alpha, c_ida",
     )
     simulate.add_argument(
         "--step", type=_seconds, metavar="S", help="step of integrators with fixed steps (rk4, generalised-alpha), s"

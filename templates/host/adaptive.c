@@ -98,7 +98,7 @@ static double weighted_norm(const tisserand_adaptive *s, const double *x, const 
         const double e = (x[i] - (minus == NULL ? 0.0 : minus[i])) / scale;
         sum += e * e;
     }
-    return n > 0 ? sqrt(sum / (double) n) : 0.0;
+    return sqrt(sum / (double) n);
 }
 
 static double least(double x, double y)
@@ -227,15 +227,11 @@ static int attempt(tisserand_adaptive *s, double t, double *error)
     int code;
 
     *error = HUGE_VAL;
-    if (system.n > 0) {
-        code = tisserand_stages(&system, s->t, h, s->y, s->stages, s->trial, s->end);
-        if (code != 0) {
-            return code;
-        }
-        *error = tisserand_step_error(system.n, h, s->y, s->end, s->stages, s->options.rtol, s->options.atol);
-    } else {
-        *error = 0.0;
+    code = tisserand_stages(&system, s->t, h, s->y, s->stages, s->trial, s->end);
+    if (code != 0) {
+        return code;
     }
+    *error = tisserand_step_error(system.n, h, s->y, s->end, s->stages, s->options.rtol, s->options.atol);
     return *error < 1.0 ? accept(s, t) : TISSERAND_STEP_TOO_SHORT;
 }
 

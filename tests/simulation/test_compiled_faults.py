@@ -9,16 +9,30 @@ import numpy as np
 import pytest
 from compiled import bars, clamped, pushed
 
+from derive.runtime.native_call import Vector
+from derive.runtime.native_scene import NativeScene
 from derive.simulation.errors import (
     DriveCannotBeFollowed,
     InconsistentInitialState,
     RedundantConstraints,
     SingularConfiguration,
 )
+from derive.simulation.integration.adaptive import adaptive
+from derive.simulation.integration.integrator import Settings
 from derive.simulation.integration.scikit_sundae import integrate_ida
 from derive.simulation.integration.scipy_methods import integrate
 
-METHODS = [integrate, pytest.param(integrate_ida, marks=pytest.mark.skipif(not find_spec("sksundae"), reason="no IDA"))]
+
+def in_c(native: NativeScene, k: Vector, q: Vector, v: Vector, times: Vector) -> object:
+    """The adaptive method in C."""
+    return adaptive(native, NotImplemented).integrate(k, q, v, times, Settings())
+
+
+METHODS = [
+    in_c,
+    integrate,
+    pytest.param(integrate_ida, marks=pytest.mark.skipif(not find_spec("sksundae"), reason="no IDA")),
+]
 
 
 @pytest.mark.parametrize("method", METHODS)
