@@ -330,8 +330,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define BLOCK_HASH "1d96d51cc582c778"
-#define BLOCK_HASH_1d96d51cc582c778
+#define BLOCK_HASH "62a902154ff7fd20"
+#define BLOCK_HASH_62a902154ff7fd20
 
 /* ---- sizes and indices ---- */
 

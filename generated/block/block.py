@@ -196,7 +196,7 @@ class Pattern(NamedTuple):
 
 
 NAME = "block"
-HASH = "1d96d51cc582c778"
+HASH = "62a902154ff7fd20"
 COORDINATES = (
     "c1", "c2", "c3", "e0", "e1", "e2", "e3", "alpha1", "alpha2", "alpha3", "alpha4", "alpha5",
     "alpha6", "alpha7", "alpha8",
@@ -3630,6 +3630,8 @@ def _array(xp, name, size, value):
     """An argument as an array of floating-point numbers whose last axis has the right size."""
     if size is None and isinstance(value, (int, float)):
         return value
+    if name == "k" and getattr(value, "build", HASH) not in ("", HASH):
+        raise ValueError(f"k: the constants come from the setup of another model or build; call setup of this {NAME}.py")
     array = value if hasattr(value, "__array_namespace__") else xp.asarray(value, dtype=xp.float64)
     if size is not None and (len(array.shape) == 0 or array.shape[-1] != size):
         raise ValueError(f"{name} needs {size} elements along its last axis; its shape is {tuple(array.shape)}")

@@ -304,8 +304,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define CRANK_SLIDER_3_HASH "2eb25250c56ed2a1"
-#define CRANK_SLIDER_3_HASH_2eb25250c56ed2a1
+#define CRANK_SLIDER_3_HASH "8c1b913e4e4a57aa"
+#define CRANK_SLIDER_3_HASH_8c1b913e4e4a57aa
 
 /* ---- sizes and indices ---- */
 

@@ -167,7 +167,7 @@ class Pattern(NamedTuple):
 
 
 NAME = "crank_slider_3"
-HASH = "2eb25250c56ed2a1"
+HASH = "8c1b913e4e4a57aa"
 COORDINATES = (
     "rod_1_c1", "rod_1_c2", "rod_1_phi", "rod_1_alpha1", "rod_1_alpha2", "rod_2_c1", "rod_2_c2",
     "rod_2_phi", "rod_2_alpha1", "rod_2_alpha2", "rod_3_c1", "rod_3_c2", "rod_3_phi",
@@ -6073,6 +6073,8 @@ def _array(xp, name, size, value):
     """An argument as an array of floating-point numbers whose last axis has the right size."""
     if size is None and isinstance(value, (int, float)):
         return value
+    if name == "k" and getattr(value, "build", HASH) not in ("", HASH):
+        raise ValueError(f"k: the constants come from the setup of another model or build; call setup of this {NAME}.py")
     array = value if hasattr(value, "__array_namespace__") else xp.asarray(value, dtype=xp.float64)
     if size is not None and (len(array.shape) == 0 or array.shape[-1] != size):
         raise ValueError(f"{name} needs {size} elements along its last axis; its shape is {tuple(array.shape)}")

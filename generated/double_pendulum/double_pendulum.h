@@ -287,8 +287,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define DOUBLE_PENDULUM_HASH "25799492e9ac307d"
-#define DOUBLE_PENDULUM_HASH_25799492e9ac307d
+#define DOUBLE_PENDULUM_HASH "1cd08a8ffa63b730"
+#define DOUBLE_PENDULUM_HASH_1cd08a8ffa63b730
 
 /* ---- sizes and indices ---- */
 

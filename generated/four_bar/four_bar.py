@@ -193,7 +193,7 @@ class Pattern(NamedTuple):
 
 
 NAME = "four_bar"
-HASH = "1ba006d675c29e87"
+HASH = "894d774df25eb1ef"
 COORDINATES = (
     "crank_c1", "crank_c2", "crank_phi", "crank_alpha1", "crank_alpha2", "coupler_c1",
     "coupler_c2", "coupler_phi", "coupler_alpha1", "coupler_alpha2", "rocker_c1", "rocker_c2",
@@ -6263,6 +6263,8 @@ def _array(xp, name, size, value):
     """An argument as an array of floating-point numbers whose last axis has the right size."""
     if size is None and isinstance(value, (int, float)):
         return value
+    if name == "k" and getattr(value, "build", HASH) not in ("", HASH):
+        raise ValueError(f"k: the constants come from the setup of another model or build; call setup of this {NAME}.py")
     array = value if hasattr(value, "__array_namespace__") else xp.asarray(value, dtype=xp.float64)
     if size is not None and (len(array.shape) == 0 or array.shape[-1] != size):
         raise ValueError(f"{name} needs {size} elements along its last axis; its shape is {tuple(array.shape)}")

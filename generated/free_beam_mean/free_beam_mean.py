@@ -119,7 +119,7 @@ class Pattern(NamedTuple):
 
 
 NAME = "free_beam_mean"
-HASH = "5ab091ba5f6fd6bd"
+HASH = "3cb71fbe21c6d697"
 COORDINATES = ("c1", "c2", "phi", "alpha1", "alpha2")
 VELOCITIES = ("c1dot", "c2dot", "phidot", "alpha1dot", "alpha2dot")
 PARAMETERS = ("m", "l", "EI")
@@ -1025,6 +1025,8 @@ def _array(xp, name, size, value):
     """An argument as an array of floating-point numbers whose last axis has the right size."""
     if size is None and isinstance(value, (int, float)):
         return value
+    if name == "k" and getattr(value, "build", HASH) not in ("", HASH):
+        raise ValueError(f"k: the constants come from the setup of another model or build; call setup of this {NAME}.py")
     array = value if hasattr(value, "__array_namespace__") else xp.asarray(value, dtype=xp.float64)
     if size is not None and (len(array.shape) == 0 or array.shape[-1] != size):
         raise ValueError(f"{name} needs {size} elements along its last axis; its shape is {tuple(array.shape)}")

@@ -229,8 +229,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define SPUN_UP_CANTILEVER_HASH "816be13735643f24"
-#define SPUN_UP_CANTILEVER_HASH_816be13735643f24
+#define SPUN_UP_CANTILEVER_HASH "da1c3793259354e8"
+#define SPUN_UP_CANTILEVER_HASH_da1c3793259354e8
 
 /* ---- sizes and indices ---- */
 

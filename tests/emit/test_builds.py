@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
+import numpy as np
 import pytest
 from toolchain import C99, run, scene, text_of, tool, written
 
@@ -35,6 +36,18 @@ def test_a_header_and_a_source_of_different_builds_do_not_compile(tmp_path: Path
     source.with_suffix(".h").write_text(header)
     with pytest.raises(AssertionError, match=r"beam_point_2\.h and beam_point_2\.c are of different builds"):
         compiling(source)
+
+
+def test_python_of_another_build_refuses_constants() -> None:
+    """Its own and those without a mark are accepted."""
+    made = beams.made("point", 2)
+    other = beams.build(beams.beam("point", 2, mass={"symbol": "m", "unit": "kg", "default": 1.4}))
+    k, q = beams.native("point", 2).setup(), np.full(5, 0.1)
+    same, strange = beams.run_module(made.files), beams.run_module(other.files)
+    assert np.array_equal(same["mass"](q, k), same["mass"](q, np.array(k)))
+    with pytest.raises(ValueError, match=r"^k: the constants come from .* call setup of this beam_point_2\.py$"):
+        strange["mass"](q, k)
+    assert np.array_equal(strange["mass"](q, np.array(k)), same["mass"](q, k))
 
 
 FAST = ["-ffast-math", "-Ofast", "-ffinite-math-only"]
