@@ -29,6 +29,7 @@ TITLES = {
     "RigidTable": "`[bodies.NAME]`, a rigid body",
     "BeamBodyTable": "`[bodies.NAME]`, a beam",
     "FrameTable": "Frame of a beam",
+    "ShapeFamilyTable": "Family of shape functions",
     "BeamDampingTable": "Damping of a beam",
     "AttachedMassTable": "Attached mass",
     "StartTable": "Initial values of a body",

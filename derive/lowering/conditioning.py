@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-from fractions import Fraction
-
 import numpy as np
 
-from derive.mechanics.bodies.reference_conditions import assumed_shapes, exact_polynomial, integral
-from derive.spec.model.body import PlanarBeam, Polynomial
+from derive.mechanics.bodies.beam_functions import ONE, XI
+from derive.mechanics.bodies.reference_conditions import assumed_shapes
+from derive.spec.model.body import PlanarBeam
 from derive.spec.model.scene import BeamBody, Scene, Specification
 
-RIGID: tuple[Polynomial, ...] = ((Fraction(1),), (Fraction(0), Fraction(1)))
-"""Translation and rotation, as displacements across the beam."""
 ILL_CONDITIONED = 1e8
 """Half of the digits of a double may be lost above this condition number."""
 
@@ -21,9 +18,8 @@ def shape_condition(beam: PlanarBeam) -> float:
 
     It does not depend on mass, length and amplitudes. Above 1e16 it is a lower bound.
     """
-    shapes = assumed_shapes(beam.deflection)
-    fields = [exact_polynomial(p) for p in (*RIGID, *shapes)]
-    gram = np.array([[float(integral(a * b)) for a in fields] for b in fields])
+    fields = (ONE, XI, *assumed_shapes(beam.deflection))  # the first two: translation and rotation
+    gram = np.array([[float((a * b).integral()) for a in fields] for b in fields])
     size = np.sqrt(np.diag(gram))
     return float(np.linalg.cond(gram / np.outer(size, size)))
 

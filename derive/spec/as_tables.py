@@ -19,6 +19,7 @@ from derive.spec.model.body import (
     NodalBody,
     NodeMarker,
     PlanarBeam,
+    ShapeFamily,
     SymbolicBody,
 )
 from derive.spec.model.forces import Bushing, CustomForce, Force, Spring, Torque
@@ -238,6 +239,7 @@ def _plot(plot: Plot) -> Data:
 
 _CONVERT: Mapping[type, Callable[[Any], object]] = {
     Parameter: asdict,
+    ShapeFamily: lambda family: {"kind": family.kind, "count": family.count},
     Frame: lambda frame: without_none(kind=frame.kind, at=frame.at),
     BodyFrame: lambda frame: without_none(kind=frame.kind, node=frame.node, around=frame.around or None),
     Damping: lambda damping: {key: value for key, value in asdict(damping).items() if value} or None,

@@ -14,7 +14,6 @@ from derive.spec.as_tables import as_table, named, specification_tables, without
 from derive.spec.model.body import (
     DEFAULT_ANSATZ,
     DEFAULT_BENDING_STIFFNESS,
-    DEFAULT_FRAME,
     DEFAULT_LENGTH,
     DEFAULT_MASS,
     AttachedMass,
@@ -27,6 +26,7 @@ from derive.spec.model.body import (
     NodeData,
     PlanarBeam,
     Polynomial,
+    ShapeFamily,
     SymbolicBody,
     SymbolicFrame,
 )
@@ -52,8 +52,8 @@ S = TypeVar("S", bound=Specification)
 def planar_beam(
     name: str,
     *,
-    ansatz: Sequence[str | Polynomial] = DEFAULT_ANSATZ,
-    frame: str | Mapping[str, object] | Frame = DEFAULT_FRAME,
+    ansatz: Sequence[str | Polynomial] | Mapping[str, object] | ShapeFamily = DEFAULT_ANSATZ,
+    frame: str | Mapping[str, object] | Frame | None = None,
     mass: Constant = DEFAULT_MASS,
     length: Constant = DEFAULT_LENGTH,
     bending_stiffness: Constant = DEFAULT_BENDING_STIFFNESS,
@@ -68,17 +68,23 @@ def planar_beam(
 ) -> PlanarBeam:
     """A uniform slender beam that moves in a plane.
 
-    ansatz: shape functions, texts such as "xi^2 - 1/3" or tuples of coefficients; frame: "mean", "point", "chord",
-    "given", or a Frame; mass (kg), length (m) and bending_stiffness (N m^2): numbers or parameters, where a float is
-    the decimal it is printed as; markers: names and places xi from -1 to 1; ends: "pinned" or "free", what the shape
-    functions fulfil at both ends as well; gravity: two components, m/s^2;
-    damping: { ratio = ... } of critical in each free mode, or factors of the mass (1/s) and stiffness (s) matrices;
-    order: 1 as in the paper, or 2, where the beam shortens as it bends; terms: "truncated" or "full", for order 2;
-    masses: by name tables of `at` (xi), `mass` (kg) and `inertia` (kg m^2), or AttachedMass values.
+    ansatz: shape functions, texts such as "xi^2 - 1/3" or tuples of coefficients, or a ShapeFamily; frame: "mean",
+    "point", "chord", "given", or a Frame, by default "mean" or what the family is for; mass (kg), length (m) and
+    bending_stiffness (N m^2): numbers or parameters, where a float is the decimal it is printed as; markers: names
+    and places xi from -1 to 1; ends: "pinned" or "free", what polynomials fulfil at both ends as well; gravity: two
+    components, m/s^2; damping: { ratio = ... } of critical in each free mode, or factors of the mass (1/s) and
+    stiffness (s) matrices; order: 1 as in the paper, or 2, where the beam shortens as it bends; terms: "truncated" or
+    "full", for order 2; masses: by name tables of `at` (xi), `mass` (kg) and `inertia` (kg m^2), or AttachedMass.
     """
-    keys = {"ansatz": ansatz, "frame": frame, "mass": mass, "length": length, "bending_stiffness": bending_stiffness}
+    keys = {"ansatz": as_table(ansatz), "mass": mass, "length": length, "bending_stiffness": bending_stiffness}
     attached = masses if isinstance(masses, Mapping) else {m.name: m for m in masses}
-    optional = {"orthogonal": orthogonal, "ends": ends, "gravity": gravity, "damping": as_table(damping)}
+    optional = {
+        "frame": frame,
+        "orthogonal": orthogonal,
+        "ends": ends,
+        "gravity": gravity,
+        "damping": as_table(damping),
+    }
     optional |= {"terms": terms, "order": None if order == 1 else order}
     parts = {"markers": markers or {}, "masses": as_table(attached), **without_none(**optional)}
     result = _validate({"name": name, "beam": {**keys, **parts}})

@@ -8,10 +8,12 @@ import pytest
 import sympy as sp
 
 import derive
-from derive.mechanics.bodies.reference_conditions import assumed_shapes, exact_polynomial, xi
+from derive.mechanics.bodies.beam_functions import rational
+from derive.mechanics.bodies.reference_conditions import assumed_shapes
 from derive.mechanics.equations import Equations
 
 DIGITS = 50
+xi = sp.Symbol("xi")
 MASS, LENGTH, BENDING = sp.Rational(13, 10), sp.Rational(7, 5), sp.Rational(9, 4)
 GRAVITY = (sp.Rational(3, 10), sp.Rational(-98, 10))
 FRAMES = {
@@ -55,8 +57,8 @@ class Field:
         spec = derive.planar_beam(
             "beam", ansatz=FRAMES[frame], frame={"kind": "tangent", "at": -1} if frame == "tangent" else frame
         )
-        shapes = [exact_polynomial(s) for s in assumed_shapes(spec.deflection)]
-        self.shapes = [s.as_expr() for s in shapes]
+        shapes = assumed_shapes(spec.deflection)
+        self.shapes = [sp.Add(*(rational(c) * xi**n for n, c in enumerate(s.coefficients))) for s in shapes]
         lateral = sum(a * s for a, s in zip(self.q[3:], self.shapes, strict=True))
         along = -(sp.Poly(lateral, xi).diff(xi) ** 2)
         along = along.integrate(xi) * sp.Poly(1 / LENGTH, xi)

@@ -125,8 +125,8 @@ def test_shapes_are_the_printed_ones(frame: str, printed: tuple[sp.Expr, ...]) -
     spec = beams.beam(frame)
     xi = sp.Symbol("xi")
     shapes = assumed_shapes(spec.deflection)
-    for coefficients, expected in zip(shapes, printed, strict=True):
-        found = sum(sp.Rational(c) * xi**n for n, c in enumerate(coefficients))
+    for shape, expected in zip(shapes, printed, strict=True):
+        found = sum(sp.Rational(c) * xi**n for n, c in enumerate(shape.coefficients))
         assert sp.expand(found - expected) == 0
 
 

@@ -73,7 +73,8 @@ class Double:
     def __post_init__(self) -> None:
         self.rod = next(b for b in self.scene.bodies if isinstance(b, BeamBody))
         self.shapes = [
-            np.polynomial.Polynomial([float(c) for c in s]) for s in assumed_shapes(self.rod.beam.deflection)
+            np.polynomial.Polynomial([float(c) for c in s.coefficients])
+            for s in assumed_shapes(self.rod.beam.deflection)
         ]
         self.beams = piece_names(self.rod)
         self.bodies = ("crank", *self.beams, "slider")

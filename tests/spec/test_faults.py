@@ -117,7 +117,8 @@ KEYS = (
         ("orthogonal = 1", "3: beam.orthogonal: true or false is needed, without quotation marks, not a number"),
         (
             'ansatz = "xi^2"',
-            '3: beam.ansatz: a list of polynomials is needed, such as ["1", "xi", "xi^2"], not text',
+            '3: beam.ansatz: a list of polynomials is needed, such as ["1", "xi", "xi^2"], or a family, such as '
+            '{ kind = "pinned", count = 3 }, not text',
         ),
         ("ansatz = []", "3: beam.ansatz: there are 0 polynomials, and 1 to 20 are allowed"),
         (
@@ -358,7 +359,7 @@ def test_an_error_in_python_has_no_file_and_no_line():
         ({"ansatz": [(True, 1, 2)]}, "beam.ansatz[0]"),
         ({"ansatz": [(0, 0)]}, "beam.ansatz[0]"),
         ({"ansatz": [(0,) * 41 + (1,)]}, "beam.ansatz[0]"),
-        ({"frame": None}, "beam.frame"),
+        ({"frame": 1}, "beam.frame"),
         ({"frame": {1: 2, "kind": "mean"}}, "beam.frame[1]"),
         ({"mass": float("nan")}, "beam.mass"),
         ({"mass": 5e-324}, "beam.mass"),

@@ -15,9 +15,9 @@ BEAM = "length, bending_stiffness, ansatz, frame"
 JOINTS = 'the joint is one of "revolute", "weld", "fixed", "translational"'
 PLACE = 'write a body and one of its markers with a dot between, such as "rod.left" or "ground.bearing"'
 WAYS = 'write either motion = "0.1*sin(2*pi*t)", a function of t, or speed = 150'
-ENDS = (
-    "`ends` are those of a beam in one piece: shapes without curvature at the cuts could not bend there; leave `ends` "
-    "out, or `pieces`"
+WHOLE_BEAM = (
+    "`ends` and families of shape functions are for beams in one piece: with them the pieces could not bend at the "
+    "cuts; leave `pieces` out, or take polynomials without `ends`"
 )
 FUNCTION = (
     "a function of the time is made of numbers, t, pi, parameters, + - * / ^, parentheses, the functions sin, cos, "
@@ -79,7 +79,50 @@ NO_NAME = "cannot be a name: only the letters a to z and A to Z, digits and _ ar
         (
             "length = 1",
             "length = 1\nansatz = ['1', 'xi', 'xi^2', 'xi^3', 'xi^4']\nends = 'pinned'\npieces = 2",
-            f"8: bodies.rod: {ENDS}",
+            f"8: bodies.rod: {WHOLE_BEAM}",
+        ),
+        (
+            "length = 1",
+            "length = 1\nansatz = { kind = 'pinned', count = 2 }\npieces = 2",
+            f"8: bodies.rod: {WHOLE_BEAM}",
+        ),
+        (
+            "length = 1",
+            "length = 1\nansatz = { kind = 'pined', count = 2 }",
+            '10: bodies.rod.ansatz.kind: the family is one of "pinned", "free-free", "clamped-free", not "pined"; did '
+            'you mean "pinned"?',
+        ),
+        (
+            "length = 1",
+            "length = 1\nansatz = { kind = 'pinned', count = 21 }",
+            "10: bodies.rod.ansatz.count: 1 to 20 shapes of a family are allowed, not 21",
+        ),
+        (
+            "length = 1",
+            "length = 1\nansatz = { kind = 'pinned' }",
+            "10: bodies.rod.ansatz.count: this key is missing; write count = 3",
+        ),
+        (
+            "length = 1",
+            "length = 1\nansatz = { kind = 'pinned', count = 2, order = 1 }",
+            "10: bodies.rod.ansatz.order: unknown key; the keys here are kind, count",
+        ),
+        (
+            "length = 1",
+            "length = 1\nansatz = { kind = 'pinned', count = 2 }\nends = 'pinned'",
+            "8: bodies.rod: `ends` is for polynomials; pinned shapes fulfil conditions of their own; leave it out",
+        ),
+        (
+            "length = 1",
+            "length = 1\nansatz = { kind = 'free-free', count = 2 }\nframe = 'chord'",
+            "10: bodies.rod.ansatz: free-free shapes do not fulfil v(-1) = 0 and v(1) = 0 of the chord frame; they "
+            "are for the frame mean, which they have if `frame` is left out",
+        ),
+        (
+            "length = 1",
+            "length = 1\nansatz = { kind = 'pinned', count = 2 }\nstart = { deflection = 'xi^2' }",
+            "11: bodies.rod.start.deflection: the shape functions of rod cannot describe this curve; it must be a "
+            "combination of 1 and xi, for families of shape functions hold no polynomials",
         ),
         ("length = 1", "length = 1\npieces = 0", "10: bodies.rod.pieces: a beam is cut into 1 to 64 pieces, not 0"),
         ("length = 1", "length = 1\npieces = 65", "10: bodies.rod.pieces: a beam is cut into 1 to 64 pieces, not 65"),
@@ -527,4 +570,4 @@ def test_the_small_scene_is_right():
 def test_a_beam_with_conditions_at_its_ends_is_not_cut_by_a_plot():
     rod = ("length = 1", "length = 1\nansatz = ['1', 'xi', 'xi^2', 'xi^3', 'xi^4']\nends = 'pinned'")
     assert parse(small(rod, more=f"{PLOT}cut = 'rod'\npieces = [1]")).plots[0].pieces == (1,)
-    assert errors(small(rod, more=f"{PLOT}cut = 'rod'\npieces = [1, 2]")) == [f"20: plots.p.cut: {ENDS}"]
+    assert errors(small(rod, more=f"{PLOT}cut = 'rod'\npieces = [1, 2]")) == [f"20: plots.p.cut: {WHOLE_BEAM}"]

@@ -14,14 +14,15 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from fractions import Fraction
 
 import sympy as sp
 
 from derive.mechanics import quantity
+from derive.mechanics.bodies.beam_functions import BeamFunction, rational
 from derive.mechanics.bodies.beam_integrals import BeamIntegrals
 from derive.mechanics.bodies.foreshortening import Foreshortening
 from derive.mechanics.bodies.planar_integrals import Value
-from derive.mechanics.bodies.reference_conditions import xi
 from derive.mechanics.symbols import Family, pair
 from derive.mechanics.terms import ModelConstant, ParameterSymbol
 from derive.spec.model.body import AttachedMass, PlanarBeam
@@ -37,7 +38,7 @@ class LocatedMass:
     """A mass (kg) with its inertia (kg m^2) at xi = `at`, and the rotations dphi_i/dx (1/m) of the section there."""
 
     name: str
-    at: sp.Rational
+    at: Fraction
     mass: sp.Expr
     inertia: sp.Expr
     rotations: tuple[sp.Expr, ...]
@@ -50,15 +51,14 @@ class LocatedMass:
 
 
 def located_masses(
-    masses: Iterable[AttachedMass], shapes: tuple[sp.Poly, ...], length: sp.Expr
+    masses: Iterable[AttachedMass], shapes: tuple[BeamFunction, ...], length: sp.Expr
 ) -> tuple[LocatedMass, ...]:
-    """The masses on a beam with these shapes, polynomials in xi, and this length (m)."""
+    """The masses on a beam with these shapes and this length (m)."""
     result = []
     for m in masses:
-        at = sp.Rational(m.at)
-        rotations = tuple(2 * shape.diff(xi).eval(at) / length for shape in shapes)
+        rotations = tuple(2 * rational(shape.derivative().at(m.at)) / length for shape in shapes)
         mass, inertia = quantity.value(m.mass), quantity.value(m.inertia, positive=False)
-        result.append(LocatedMass(m.name, at, mass, inertia, rotations))
+        result.append(LocatedMass(m.name, m.at, mass, inertia, rotations))
     return tuple(result)
 
 
@@ -95,7 +95,7 @@ class IntegralsWithMasses:
 
     def _there(self, i: int, mass: LocatedMass) -> sp.Expr:
         """X or a field at a mass, along its axis."""
-        return self.beam.unit(i) * self.beam.field(i).of.eval(mass.at)
+        return self.beam.unit(i) * rational(self.beam.field(i).of.at(mass.at))
 
 
 @dataclass(frozen=True)
@@ -110,15 +110,20 @@ class SecondOrderWithMasses:
         of_beam = self.beam.first(i, j, component)
         if component == 2:
             return of_beam
-        return _sum(of_beam, [self.beam.factor * m.mass * self.beam.of(i, j).eval(m.at) for m in self.masses])
+        return _sum(of_beam, [self.beam.factor * m.mass * self._there(i, j, m) for m in self.masses])
 
     def trace(self, i: int, j: int) -> sp.Expr:
         """int rho X . Psi_ij, where X = xi length/2."""
-        return sp.Add(self.beam.trace(i, j), *(m.mass * m.at * self.beam.of(i, j).eval(m.at) for m in self.masses))
+        own = (m.mass * rational(m.at) * self._there(i, j, m) for m in self.masses)
+        return sp.Add(self.beam.trace(i, j), *own)
 
     def axial(self, i: int, j: int) -> Value:
         """int rho X x Psi_ij."""
         return self.beam.axial(i, j)
+
+    def _there(self, i: int, j: int, mass: LocatedMass) -> sp.Rational:
+        """psi_ij length/2 at a mass."""
+        return rational(self.beam.of(i, j).at(mass.at))
 
 
 def _sum(of_beam: Value, added: list[sp.Expr]) -> Value:

@@ -1,4 +1,4 @@
-"""The uniform slender beam in a plane, (21)-(27): its shape integrals and its strain energy, exactly.
+"""The uniform slender beam in a plane, (21)-(27): its shape integrals and its strain energy, in closed form.
 
 The inertia of (15) sees int rho ... dOmega = m/2 int ... dxi over -1 <= xi <= 1, with X = xi l/2 e1 (24) and
 Phi_i = phi_i(xi) e2 (25). The rotary inertia of the cross-section is neglected, the axis does not stretch.
@@ -20,7 +20,8 @@ from derive.mechanics.bodies.attached_masses import (
     rotary_inertia,
 )
 from derive.mechanics.bodies.beam_damping import beam_damping, damping_parameters, retardation
-from derive.mechanics.bodies.beam_integrals import ORTHOGONAL, PARITY, BeamField, BeamIntegrals, is_odd
+from derive.mechanics.bodies.beam_functions import XI, BeamFunction, rational
+from derive.mechanics.bodies.beam_integrals import ORTHOGONAL, PARITY, BeamField, BeamIntegrals
 from derive.mechanics.bodies.foreshortening import (
     Foreshortening,
     field_weights,
@@ -28,14 +29,14 @@ from derive.mechanics.bodies.foreshortening import (
     second_order_vectors,
 )
 from derive.mechanics.bodies.planar_integrals import coefficients, second_order_coefficients
-from derive.mechanics.bodies.reference_conditions import assumed_shapes, exact_polynomial, integral, xi
+from derive.mechanics.bodies.reference_conditions import assumed_shapes
 from derive.mechanics.body import Body, planar_body
 from derive.mechanics.equations import Equations
 from derive.mechanics.indexed_equations import derive_body
 from derive.mechanics.motion.material_points import MaterialPoint
 from derive.mechanics.symbols import Family, Identity, Symbol, pair
 from derive.mechanics.terms import ModelConstant, ParameterSymbol
-from derive.spec.model.body import DisplacementOrder, Marker, PlanarBeam, Polynomial
+from derive.spec.model.body import DisplacementOrder, Marker, PlanarBeam
 from derive.spec.model.quantity import Parameter
 
 
@@ -57,18 +58,17 @@ def beam_body(beam: PlanarBeam, pieces: int = 1) -> Body:
     mass, length, bending = (quantity.value(q) for q in (beam.mass, beam.length, beam.bending_stiffness))
     mass, length = mass / pieces, length / pieces
     gravity, gravity_parameters = quantity.gravity(beam.gravity)
-    lateral = tuple(exact_polynomial(shape) for shape in shapes)
-    family = tuple(BeamField(shape, 2) for shape in lateral)
+    family = tuple(BeamField(shape, 2) for shape in shapes)
     mean = beam.frame.kind == "mean"
-    masses = located_masses(beam.masses, lateral, length)
+    masses = located_masses(beam.masses, shapes, length)
 
     def of_fields(members: tuple[BeamField, ...]) -> tuple[ModelConstant, ...]:
         of_beam = BeamIntegrals(members, mass, length, mean)
         return coefficients(IntegralsWithMasses(of_beam, masses) if masses else of_beam, len(members))
 
     integrals = of_fields(family)
-    fields: tuple[sp.Poly, ...] = ()
-    second = Foreshortening(lateral, beam.frame, mass, length)
+    fields: tuple[BeamFunction, ...] = ()
+    second = Foreshortening(shapes, beam.frame, mass, length)
     match beam.order:
         case DisplacementOrder.FIRST_ORDER:
             pass
@@ -76,15 +76,15 @@ def beam_body(beam: PlanarBeam, pieces: int = 1) -> Body:
             of_second = SecondOrderWithMasses(second, masses) if masses else second
             integrals += second_order_coefficients(of_second, integrals, len(shapes))
         case DisplacementOrder.FULL:
-            fields = second.fields
+            fields = tuple(combination.field for combination in second.combinations)
             family += tuple(BeamField(field, 1) for field in fields)
-            integrals = of_fields(family) + field_weights(second, fields)
+            integrals = of_fields(family) + field_weights(second)
         case _ as never:
             assert_never(never)
     carried = f", with the attached masses {', '.join(m.name for m in masses)}" if masses else ""
     return planar_body(
         name=beam.name,
-        doc=f"free planar beam, {beam.frame.kind} frame, shapes {', '.join(map(shape_text, shapes))}{carried}",
+        doc=f"free planar beam, {beam.frame.kind} frame, shapes {', '.join(shape.text for shape in shapes)}{carried}",
         frame_doc="X = xi l/2 e1 (24), so c is where the centre of the undeformed beam lies in the floating frame.",
         modes=len(shapes),
         mass=sp.Add(mass, *(m.mass for m in masses)),
@@ -117,7 +117,7 @@ def damping_constants(beam: PlanarBeam, pieces: int = 1) -> tuple[ModelConstant,
     mass, length, bending = (quantity.value(q) for q in (beam.mass, beam.length, beam.bending_stiffness))
     mass, length = mass / pieces, length / pieces
     shapes = assumed_shapes(beam.deflection)
-    family = tuple(BeamField(exact_polynomial(shape), 2) for shape in shapes)
+    family = tuple(BeamField(shape, 2) for shape in shapes)
     integrals = coefficients(BeamIntegrals(family, mass, length, beam.frame.kind == "mean"), len(shapes))
     stiffness = _stiffness(shapes, length, bending)
     return beam_damping(beam.damping, integrals, stiffness, mass, bending / length**3)
@@ -133,10 +133,10 @@ def retardation_times(beam: PlanarBeam, pieces: int = 1) -> sp.Matrix:
 
 def section_rotations(marker: Marker, beam: PlanarBeam, pieces: int = 1) -> tuple[ModelConstant, ...]:
     """The rotation of the section at a marker for unit amplitudes: dv/dx of each shape, to first order as in (22)."""
-    at, length = sp.Rational(marker.at), quantity.value(beam.length) / pieces
+    length = quantity.value(beam.length) / pieces
     result = []
     for i, shape in enumerate(assumed_shapes(beam.deflection), 1):
-        slope = exact_polynomial(shape).diff(xi).eval(at)
+        slope = rational(shape.derivative().at(marker.at))
         zero = None if slope else "these shapes (no slope there)"
         doc = f"rotation of the section at marker {marker.name} for a unit amplitude of mode {i}: d phi_{i}/dx"
         symbol = Symbol(Identity(Family.SECTION_ROTATION, shapes=(i,), point=marker.name))
@@ -144,21 +144,17 @@ def section_rotations(marker: Marker, beam: PlanarBeam, pieces: int = 1) -> tupl
     return tuple(result)
 
 
-def shape_text(coefficients: Polynomial) -> str:
-    """A shape in xi as it is written."""
-    return str(exact_polynomial(coefficients).as_expr()).replace("**", "^")
-
-
-def _stiffness(shapes: tuple[Polynomial, ...], length: sp.Expr, bending: sp.Expr) -> tuple[ModelConstant, ...]:
+def _stiffness(shapes: tuple[BeamFunction, ...], length: sp.Expr, bending: sp.Expr) -> tuple[ModelConstant, ...]:
     """K_ij of U = 1/2 EI int (d^2v/dx^2)^2 dx, which is (22) since x = xi l/2."""
     dxi_dx = 2 / length
     dx_dxi = length / 2
-    curvatures = [exact_polynomial(s).diff((xi, 2)) for s in shapes]
+    curvatures = [shape.derivative(2) for shape in shapes]
     result = []
     for i, first in enumerate(curvatures, 1):
         for j, second in enumerate(curvatures[i - 1 :], i):
-            value = integral(first * second)
-            zero = None if value else PARITY if is_odd(first * second) else ORTHOGONAL
+            product = first * second
+            value = rational(product.integral())
+            zero = None if value else PARITY if product.is_odd else ORTHOGONAL
             doc = f"stiffness: int EI (d2 phi_{i}/dx2) (d2 phi_{j}/dx2) dx"
             expr = bending * dxi_dx**4 * dx_dxi * value
             result.append(ModelConstant(pair(Family.STIFFNESS, i, j), expr, "(22)", doc, "N/m", zero))
@@ -167,23 +163,27 @@ def _stiffness(shapes: tuple[Polynomial, ...], length: sp.Expr, bending: sp.Expr
 
 def beam_point(marker: Marker, beam: PlanarBeam, pieces: int = 1) -> MaterialPoint:
     """A point of the beam, or of one of its pieces, of which the marker then is."""
-    at = sp.Rational(marker.at)
-    docs = (f"material point at xi = {at}", f"reference position of marker {marker.name}")
+    docs = (f"material point at xi = {marker.at}", f"reference position of marker {marker.name}")
     zero = "the choice of the origin (the marker is there)"
-    return point_that_sees(marker.name, docs, beam, pieces, lambda of: of.eval(at), zero)
+    return point_that_sees(marker.name, docs, beam, pieces, lambda of: rational(of.at(marker.at)), zero)
 
 
 def point_that_sees(
-    name: str, docs: tuple[str, str], beam: PlanarBeam, pieces: int, value: Callable[[sp.Poly], sp.Expr], zero: str
+    name: str,
+    docs: tuple[str, str],
+    beam: PlanarBeam,
+    pieces: int,
+    value: Callable[[BeamFunction], sp.Rational],
+    zero: str,
 ) -> MaterialPoint:
     """A point that moves as the beam, or one of its pieces, does at a place, or in the mean over some part.
 
     docs: of the point and of its position; value: what the point sees of a function of xi; zero: why its position
     vanishes if it does.
     """
-    shapes = tuple(map(exact_polynomial, assumed_shapes(beam.deflection)))
+    shapes = assumed_shapes(beam.deflection)
     length = quantity.value(beam.length) / pieces
-    position, at = Symbol(Identity(Family.POINT_POSITION, point=name)), value(sp.Poly(xi, xi, domain="QQ"))
+    position, at = Symbol(Identity(Family.POINT_POSITION, point=name)), value(XI)
     constants = [ModelConstant(position, at * length / 2, "(24)", docs[1], "m", None if at else zero)]
     second: tuple[ModelConstant, ...] = ()
     if beam.order is not DisplacementOrder.FIRST_ORDER:

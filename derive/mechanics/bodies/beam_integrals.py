@@ -1,4 +1,4 @@
-"""The moments of the displacement fields of a uniform slender beam, exactly.
+"""The moments of the displacement fields of a uniform slender beam, in closed form.
 
 The inertia of (15) sees int rho ... dOmega = m/2 int ... dxi over -1 <= xi <= 1. X = xi l/2 e1 (24) lies along the
 beam, shapes phi_i(xi) e2 (25) across it. The rotary inertia of the cross-section is neglected.
@@ -10,8 +10,8 @@ from dataclasses import dataclass
 
 import sympy as sp
 
+from derive.mechanics.bodies.beam_functions import XI, BeamFunction, rational
 from derive.mechanics.bodies.planar_integrals import Value
-from derive.mechanics.bodies.reference_conditions import integral, xi
 
 LATERAL = "geometry (the beam lies along e1 and deflects along e2)"
 PARALLEL = "geometry (all deflections are along e2)"
@@ -28,7 +28,7 @@ ORTHOGONAL = "orthogonality (the integral vanishes exactly)"
 class BeamField:
     """A displacement field f(xi) e_axis of unit amplitude."""
 
-    of: sp.Poly
+    of: BeamFunction
     axis: int
 
 
@@ -71,22 +71,17 @@ class BeamIntegrals:
 
     def field(self, i: int) -> BeamField:
         """X or a field."""
-        return self.fields[i - 1] if i else BeamField(sp.Poly(xi, xi, domain="QQ"), 1)
+        return self.fields[i - 1] if i else BeamField(XI, 1)
 
     def unit(self, i: int) -> sp.Expr:
         """The factor of the field as a function of xi: X = xi l/2."""
         return sp.S.One if i else self.length / 2
 
     def _value(
-        self, integrand: sp.Poly, factor: sp.Expr, reason: str | None = None, otherwise: str = ORTHOGONAL
+        self, integrand: BeamFunction, factor: sp.Expr, reason: str | None = None, otherwise: str = ORTHOGONAL
     ) -> Value:
         """m/2 int integrand dxi times factor, with the reason if it is zero."""
-        value = integral(integrand)
+        value = integrand.integral()
         if value:
-            return Value(self.mass * factor * value / 2)
-        return Value(sp.S.Zero, reason or (PARITY if is_odd(integrand) else otherwise))
-
-
-def is_odd(integrand: sp.Poly) -> bool:
-    """Whether a function is odd in xi."""
-    return all(n % 2 for (n,), _ in integrand.terms())
+            return Value(self.mass * factor * rational(value) / 2)
+        return Value(sp.S.Zero, reason or (PARITY if integrand.is_odd else otherwise))

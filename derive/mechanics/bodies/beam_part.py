@@ -8,10 +8,12 @@ force and the torque about O that its motion needs, besides its weight; at any o
 from __future__ import annotations
 
 from dataclasses import dataclass
+from fractions import Fraction
 
 import sympy as sp
 
 from derive.mechanics.bodies.attached_masses import IntegralsWithMasses, LocatedMass, SecondOrderWithMasses
+from derive.mechanics.bodies.beam_functions import LEFT, BeamFunction, rational
 from derive.mechanics.bodies.beam_integrals import BY_CHANCE, BeamField, BeamIntegrals
 from derive.mechanics.bodies.foreshortening import Foreshortening, field_weights
 from derive.mechanics.bodies.planar_integrals import Value, coefficients, second_order_coefficients
@@ -25,10 +27,10 @@ from derive.spec.model.body import DisplacementOrder, Frame
 class PartIntegrals(BeamIntegrals):
     """Moments over the part to the right of xi = `start`; `mass` is that of the whole beam."""
 
-    start: sp.Rational = sp.S.NegativeOne
+    start: Fraction = LEFT
 
     def _value(
-        self, integrand: sp.Poly, factor: sp.Expr, reason: str | None = None, otherwise: str = BY_CHANCE
+        self, integrand: BeamFunction, factor: sp.Expr, reason: str | None = None, otherwise: str = BY_CHANCE
     ) -> Value:
         return _part_value(self.mass * factor, integrand, self.start)
 
@@ -37,25 +39,24 @@ class PartIntegrals(BeamIntegrals):
 class PartForeshortening(Foreshortening):
     """The second-order fields with their moments over the part to the right of xi = `start`."""
 
-    start: sp.Rational = sp.S.NegativeOne
+    start: Fraction = LEFT
 
-    def _value(self, integrand: sp.Poly, factor: sp.Expr, reason: str | None = None) -> Value:
+    def _value(self, integrand: BeamFunction, factor: sp.Expr, reason: str | None = None) -> Value:
         return _part_value(self.mass * factor, integrand, self.start)
 
 
-def _part_value(factor: sp.Expr, integrand: sp.Poly, start: sp.Rational) -> Value:
-    primitive = integrand.integrate()
-    value = primitive.eval(1) - primitive.eval(start)
+def _part_value(factor: sp.Expr, integrand: BeamFunction, start: Fraction) -> Value:
+    value = rational(integrand.integral(start))
     return Value(factor * value / 2, None if value else BY_CHANCE)
 
 
 def part_body(
-    shapes: tuple[sp.Poly, ...],
+    shapes: tuple[BeamFunction, ...],
     frame: Frame,
     order: DisplacementOrder,
     mass: sp.Expr,
     length: sp.Expr,
-    start: sp.Rational,
+    start: Fraction,
     gravity: tuple[ModelConstant, ...],
     masses: tuple[LocatedMass, ...] = (),
 ) -> Body:
@@ -65,14 +66,14 @@ def part_body(
     """
     family = tuple(BeamField(shape, 2) for shape in shapes)
     second = PartForeshortening(shapes, frame, mass, length, start)
-    fields = second.fields if order is DisplacementOrder.FULL else ()
+    fields = tuple(c.field for c in second.combinations) if order is DisplacementOrder.FULL else ()
     family += tuple(BeamField(field, 1) for field in fields)
     of_fields = PartIntegrals(family, mass, length, False, start)
     constants = coefficients(IntegralsWithMasses(of_fields, masses), len(family))
     if order is DisplacementOrder.TRUNCATED:
         constants += second_order_coefficients(SecondOrderWithMasses(second, masses), constants, len(shapes))
-    constants += field_weights(second, fields)
-    of_part = mass * (1 - start) / 2
+    constants += field_weights(second) if fields else ()
+    of_part = mass * rational(1 - start) / 2
     return planar_body(
         name="part",
         doc="the part of a beam to the right of a section",

@@ -11,15 +11,17 @@ undeformed beam, is the middle of the chord. Beyond the paper, which stops at fi
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
 from itertools import combinations_with_replacement
 
 import sympy as sp
 
-from derive.mechanics.bodies.beam_integrals import ORTHOGONAL, PARITY, is_odd
+from derive.mechanics.bodies.beam_functions import LEFT, ONE, RIGHT, XI, BeamFunction, Real, polynomial, rational
+from derive.mechanics.bodies.beam_integrals import ORTHOGONAL, PARITY
 from derive.mechanics.bodies.planar_integrals import Value
-from derive.mechanics.bodies.reference_conditions import integral, xi
 from derive.mechanics.motion.full_second_order import field_weight
 from derive.mechanics.symbols import Family, Identity, Symbol
 from derive.mechanics.terms import ModelConstant
@@ -35,9 +37,9 @@ NO_PART = "these shapes (the shortening has no such part)"
 
 @dataclass(frozen=True)
 class Foreshortening:
-    """The psi_ij of a beam with these shapes (polynomials in xi), each 2/length times `of(i, j)`."""
+    """The psi_ij of a beam with these shapes, each 2/length times `of(i, j)`."""
 
-    shapes: tuple[sp.Poly, ...]
+    shapes: tuple[BeamFunction, ...]
     frame: Frame
     mass: sp.Expr
     length: sp.Expr
@@ -47,10 +49,10 @@ class Foreshortening:
         """2/length, in 1/m."""
         return 2 / self.length
 
-    def of(self, i: int, j: int) -> sp.Poly:
-        """psi_ij length/2 of the shapes i and j, from 1: a polynomial in xi."""
-        primitive = -(self.shapes[i - 1].diff(xi) * self.shapes[j - 1].diff(xi)).integrate()
-        return primitive - sp.Poly(_condition(primitive, self.frame), xi, domain="QQ")
+    def of(self, i: int, j: int) -> BeamFunction:
+        """psi_ij length/2 of the shapes i and j, from 1."""
+        primitive = -(self.shapes[i - 1].derivative() * self.shapes[j - 1].derivative()).antiderivative()
+        return primitive - ONE.scaled(_condition(primitive, self.frame))
 
     def first(self, i: int, j: int, component: int) -> Value:
         """int rho Psi_ij . e_component."""
@@ -60,38 +62,61 @@ class Foreshortening:
 
     def trace(self, i: int, j: int) -> sp.Expr:
         """int rho X . Psi_ij."""
-        return self._value(self.of(i, j) * sp.Poly(xi, xi, domain="QQ"), sp.S.One).expr
+        return self._value(self.of(i, j) * XI, sp.S.One).expr
 
     def axial(self, i: int, j: int) -> Value:
         """int rho X x Psi_ij."""
         return Value(sp.S.Zero, PARALLEL_TO_AXIS)
 
-    @property
-    def fields(self) -> tuple[sp.Poly, ...]:
-        """The fields theta_p that all psi_ij are combinations of: Legendre polynomials, which are orthogonal."""
-        highest = max(2 * shape.degree() - 1 for shape in self.shapes)
-        legendre = (sp.Poly(sp.legendre(p, xi), xi, domain="QQ") for p in range(highest + 1))
-        every = [self.of(i, j) for i, j in pairs(len(self.shapes))]
-        return tuple(theta for theta in legendre if any(integral(psi * theta) for psi in every))
+    @cached_property
+    def combinations(self) -> tuple[Combination, ...]:
+        """The fields theta_p that all psi_ij are combinations of, and the weights.
 
-    def _value(self, integrand: sp.Poly, factor: sp.Expr, reason: str | None = None) -> Value:
-        value = integral(integrand)
+        For polynomials these are Legendre polynomials, which are orthogonal; for others the psi_ij themselves.
+        """
+        every = {(i, j): self.of(i, j) for i, j in pairs(len(self.shapes))}
+        if not all(shape.is_exact for shape in self.shapes):
+            return tuple(Combination(psi, {key: Fraction(1)}) for key, psi in every.items() if not psi.is_zero)
+        highest = max(len(psi.coefficients) for psi in every.values())
+        result = []
+        for theta in map(_legendre, range(highest)):
+            square = (theta * theta).integral()
+            parts = {key: (psi * theta).integral() / square for key, psi in every.items()}
+            if any(parts.values()):
+                result.append(Combination(theta, parts))
+        return tuple(result)
+
+    def _value(self, integrand: BeamFunction, factor: sp.Expr, reason: str | None = None) -> Value:
+        value = integrand.integral()
         if value:
-            return Value(self.mass * factor * value / 2)
-        return Value(sp.S.Zero, reason or (PARITY if is_odd(integrand) else ORTHOGONAL))
+            return Value(self.mass * factor * rational(value) / 2)
+        return Value(sp.S.Zero, reason or (PARITY if integrand.is_odd else ORTHOGONAL))
 
 
-def _condition(primitive: sp.Poly, frame: Frame) -> sp.Rational:
+@dataclass(frozen=True)
+class Combination:
+    """A field theta_p, and its weights in the psi_ij length/2, by i <= j; those that are not there vanish."""
+
+    field: BeamFunction
+    weights: Mapping[tuple[int, int], Real]
+
+
+def _legendre(degree: int) -> BeamFunction:
+    coefficients = reversed(sp.legendre_poly(degree, polys=True).all_coeffs())
+    return polynomial(Fraction(int(c.p), int(c.q)) for c in coefficients)
+
+
+def _condition(primitive: BeamFunction, frame: Frame) -> Real:
     """The constant of psi_ij that the frame takes away."""
     match frame.kind:
         case "mean":
-            return integral(primitive) / 2
+            return primitive.integral() / 2
         case "point" | "tangent":
-            return primitive.eval(sp.Rational(frame.at or 0))
+            return primitive.at(frame.at or Fraction(0))
         case "chord":
-            return (primitive.eval(-1) + primitive.eval(1)) / 2
+            return (primitive.at(LEFT) + primitive.at(RIGHT)) / 2
         case "given":
-            return primitive.eval(0)
+            return primitive.at(Fraction(0))
 
 
 def pairs(n: int) -> Iterator[tuple[int, int]]:
@@ -99,21 +124,22 @@ def pairs(n: int) -> Iterator[tuple[int, int]]:
     return combinations_with_replacement(range(1, n + 1), 2)
 
 
-def field_weights(of: Foreshortening, fields: Sequence[sp.Poly]) -> tuple[ModelConstant, ...]:
-    """z_pij of Psi_ij = sum z_pij theta_p, for orthogonal fields theta_p."""
+def field_weights(of: Foreshortening) -> tuple[ModelConstant, ...]:
+    """z_pij of Psi_ij = sum z_pij theta_p."""
     result = []
-    for p, theta in enumerate(fields, 1):
-        square = integral(theta * theta)
+    for p, combination in enumerate(of.combinations, 1):
         for i, j in pairs(len(of.shapes)):
-            value = integral(of.of(i, j) * theta) / square
+            value = rational(combination.weights.get((i, j), Fraction(0)))
             doc, zero = f"part of theta_{p} in Psi_{i}{j}", None if value else NO_PART
             symbol = field_weight(p, i, j)
             result.append(ModelConstant(symbol, of.factor * value, Source.SECOND_ORDER, doc, "1/m", zero))
     return tuple(result)
 
 
-def point_shortening(of: Foreshortening, point: str, value: Callable[[sp.Poly], sp.Expr]) -> tuple[ModelConstant, ...]:
-    """psi_ij at a point, i <= j, in 1/m; `value` is what the point sees of a polynomial in xi."""
+def point_shortening(
+    of: Foreshortening, point: str, value: Callable[[BeamFunction], sp.Rational]
+) -> tuple[ModelConstant, ...]:
+    """psi_ij at a point, i <= j, in 1/m; `value` is what the point sees of a function of xi."""
     result = []
     for i, j in pairs(len(of.shapes)):
         symbol = Symbol(Identity(Family.POINT_SECOND, (i, j), (1,), point=point))

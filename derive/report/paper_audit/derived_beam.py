@@ -11,21 +11,22 @@ import sympy as sp
 
 from derive.derivation import derive
 from derive.mechanics.bodies.beam import beam_point
+from derive.mechanics.bodies.beam_functions import BeamFunction, polynomial, rational
 from derive.mechanics.bodies.reference_conditions import (
     Condition,
     MeanCondition,
     PointCondition,
     assumed_shapes,
     conditions,
-    exact_polynomial,
-    xi,
 )
 from derive.mechanics.equations import Equations
 from derive.mechanics.motion.kinematics import ONE
 from derive.mechanics.motion.planar import planar_motion
 from derive.report.document.formula import Equation, Formula, FormulaRow, Matrix, Name, NumberToken, Part
-from derive.report.notation.expressions import Notation, notation, polynomial
+from derive.report.notation.beam_functions import beam_function
+from derive.report.notation.expressions import Notation, notation
 from derive.report.notation.formula_reader import equation, formula
+from derive.report.sections.frame import polynomials
 from derive.spec.construction import planar_beam
 from derive.spec.model.body import Frame, Marker, PlanarBeam
 
@@ -65,7 +66,8 @@ def rows(frame: str) -> tuple[Equation, ...]:
 
 def ansatz() -> tuple[Equation, ...]:
     """v of (21), from the ansatz that a beam has where its specification says nothing."""
-    terms = sp.Add(*(a * exact_polynomial(p).as_expr() for a, p in zip(AMPLITUDES, beam("mean").ansatz, strict=True)))
+    pairs = zip(AMPLITUDES, polynomials(beam("mean")), strict=True)
+    terms = sp.Add(*(a * rational(c) * sp.Symbol("xi") ** n for a, p in pairs for n, c in enumerate(p)))
     parts = [Part("+", PLAIN.formula(terms.coeff(a) * a)) for a in AMPLITUDES]
     return (Equation(formula("v", scalars=True), tuple(parts)),)
 
@@ -166,7 +168,7 @@ def _written(condition: Condition) -> Equation:
 def condition_on_the_cubic(frame: str, k: int) -> tuple[Equation, ...]:
     """What a condition says of a0 .. a3: its value on each power of xi."""
     value = _condition(frame, k).on
-    total = sum((a * value(sp.Poly(xi**n, xi, domain="QQ")) for n, a in enumerate(AMPLITUDES)), sp.S.Zero)
+    total = sum((a * rational(value(polynomial([0] * n + [1]))) for n, a in enumerate(AMPLITUDES)), sp.S.Zero)
     return (Equation(_sum(a * total.coeff(a) for a in AMPLITUDES), (Part("+", NumberToken("0")),)),)
 
 
@@ -190,11 +192,10 @@ def expansion(frame: str) -> tuple[Equation, ...]:
 
 def shape(frame: str, k: int) -> tuple[Equation, ...]:
     """A shape that the conditions leave of the ansatz."""
-    coefficients = [sp.Rational(c) for c in _shapes(frame)[k - 1]]
     left = FormulaRow((Name("phi", below=(str(k),)), formula("(xi)")))
-    return (Equation(left, polynomial(coefficients, Name("xi"))),)
+    return (Equation(left, beam_function(_shapes(frame)[k - 1])),)
 
 
-def _shapes(frame: str) -> tuple[tuple[Exact, ...], ...]:
+def _shapes(frame: str) -> tuple[BeamFunction, ...]:
     result = beam(frame)
     return assumed_shapes(result.deflection)

@@ -7,6 +7,7 @@ from typing import assert_never
 
 import sympy as sp
 
+from derive.mechanics.bodies.beam_functions import polynomial, rational
 from derive.mechanics.bodies.reference_conditions import (
     Condition,
     MeanCondition,
@@ -14,13 +15,13 @@ from derive.mechanics.bodies.reference_conditions import (
     assumed_shapes,
     conditions,
     end_conditions,
-    exact_polynomial,
 )
 from derive.report.document.formula import Equation, Fenced, Formula, FormulaRow, Name, NumberToken, OperatorToken, Part
 from derive.report.document.page import Block, Content, EquationBlock, Heading, Inline, Math, Paragraph, Text, table
-from derive.report.notation.expressions import join, number, polynomial, row
+from derive.report.notation.beam_functions import beam_function, polynomial_of
+from derive.report.notation.expressions import join, number, row
 from derive.report.notation.formula_reader import equation, formula
-from derive.spec.model.body import Ends, NodalBody, PlanarBeam, Polynomial, SymbolicBody
+from derive.spec.model.body import Ends, FamilyKind, NodalBody, PlanarBeam, Polynomial, ShapeFamily, SymbolicBody
 
 
 @dataclass(frozen=True)
@@ -56,6 +57,12 @@ ENDS: dict[Ends | None, str] = {
     "free": " Its ends are free: there is neither a bending moment nor a shear force at either.",
 }
 
+FAMILIES: dict[FamilyKind, str] = {
+    "pinned": " The shapes are the natural modes of the beam with pinned ends, half sine waves of amplitude one.",
+    "free-free": " The shapes are the natural modes of the free beam, scaled to one at the right end.",
+    "clamped-free": " The shapes are the natural modes of the cantilever, scaled to one at the free end.",
+}
+
 
 @dataclass(frozen=True)
 class OnAnsatz:
@@ -67,9 +74,14 @@ class OnAnsatz:
 
 def on_ansatz(spec: PlanarBeam) -> tuple[OnAnsatz, ...]:
     """The conditions of the frame and of the ends of a beam on the factors of its ansatz: 3 a_0 + a_2 = 0."""
-    terms = [exact_polynomial(p) for p in spec.ansatz]
-    imposed = (*conditions(spec.frame), *end_conditions(spec.ends))
-    return tuple(OnAnsatz(c, _whole([c.on(term) for term in terms])) for c in imposed)
+    terms = [polynomial(p) for p in polynomials(spec)]
+    imposed = (*conditions(spec.frame), *end_conditions(spec.ends)) if terms else ()
+    return tuple(OnAnsatz(c, _whole([rational(c.on(term)) for term in terms])) for c in imposed)
+
+
+def polynomials(spec: PlanarBeam) -> tuple[Polynomial, ...]:
+    """The ansatz of a beam; none if it has a family of shapes."""
+    return () if isinstance(spec.ansatz, ShapeFamily) else spec.ansatz
 
 
 def removed(spec: PlanarBeam) -> tuple[int, ...]:
@@ -80,7 +92,7 @@ def removed(spec: PlanarBeam) -> tuple[int, ...]:
 
 def of_paper(spec: PlanarBeam) -> bool:
     """Whether the ansatz of a beam is the cubic of the paper."""
-    return spec.ends is None and spec.ansatz == tuple((0,) * k + (1,) for k in range(4))
+    return spec.ends is None and polynomials(spec) == tuple((0,) * k + (1,) for k in range(4))
 
 
 def paper_numbers(spec: PlanarBeam) -> PaperNumbers | None:
@@ -102,7 +114,19 @@ def frame_blocks(spec: PlanarBeam) -> tuple[Block, ...]:
     """From the ansatz to the assumed shapes."""
     numbers = paper_numbers(spec)
     shapes = assumed_shapes(spec.deflection)
-    lines = (_shape(k, shape, numbers.shapes[k - 1] if numbers else "") for k, shape in enumerate(shapes, 1))
+    lines = (
+        Equation(_phi(k), beam_function(shape), number=numbers.shapes[k - 1] if numbers else "")
+        for k, shape in enumerate(shapes, 1)
+    )
+    if isinstance(spec.ansatz, ShapeFamily):
+        fulfilled = EquationBlock(tuple(_asked(condition) for condition in conditions(spec.frame)))
+        return (
+            Heading("The frame and its shape functions", "frame"),
+            Paragraph((FRAMES[spec.frame.kind], FAMILIES[spec.ansatz.kind])),
+            *((Paragraph(("They fulfil the conditions of the frame:",)), fulfilled) if fulfilled.rows else ()),
+            Paragraph((f"With {len(shapes)} of them, from that of the lowest frequency on, the deflection is",)),
+            EquationBlock((_deflection(""), *lines)),
+        )
     ansatz = Equation(formula("v", scalars=True), _ansatz(spec.ansatz), number="21" if of_paper(spec) else "")
     return (
         Heading("The frame and what it removes", "frame"),
@@ -119,12 +143,12 @@ def beam_subtitle(spec: PlanarBeam) -> Text:
     """A beam in a line: its frame and its assumed modes."""
     shapes = assumed_shapes(spec.deflection)
     text: list[Inline] = [f"free planar beam, {spec.frame.kind} frame, "]
-    if len(shapes) > LISTED:
+    if len(shapes) > LISTED or isinstance(spec.ansatz, ShapeFamily):
         return (*text, f"{len(shapes)} assumed modes")
     text.append("assumed mode " if len(shapes) == 1 else "assumed modes ")
     for k, shape in enumerate(shapes):
         text += [" and " if k + 1 == len(shapes) else ", "] if k else []
-        text.append(Math(join(polynomial([sp.Rational(c) for c in shape], Name("xi")))))
+        text.append(Math(join(beam_function(shape))))
     return tuple(text)
 
 
@@ -159,7 +183,7 @@ def condition_formula(condition: Condition) -> Formula:
             return formula(f"int_{{-1}}^1 {factors}v dxi", scalars=True)
         case PointCondition(order, at):
             primes = [OperatorToken("\N{PRIME}")] * order
-            return FormulaRow((Name("v"), *primes, Fenced(number(at))))
+            return FormulaRow((Name("v"), *primes, Fenced(number(rational(at)))))
         case _:
             assert_never(condition)
 
@@ -168,7 +192,7 @@ def _left(spec: PlanarBeam, shapes: int) -> tuple[Inline, ...]:
     gone = removed(spec)
     words: list[Inline] = []
     if gone:
-        words.append(f"Of the {len(spec.ansatz)} terms of the ansatz the conditions eliminate {len(gone)}: ")
+        words.append(f"Of the {len(polynomials(spec))} terms of the ansatz the conditions eliminate {len(gone)}: ")
         for k, j in enumerate(gone):
             words += [" and "] if k else []
             words.append(Math(_a(j)))
@@ -183,7 +207,7 @@ def _left(spec: PlanarBeam, shapes: int) -> tuple[Inline, ...]:
 def _ansatz(terms: tuple[Polynomial, ...]) -> tuple[Part, ...]:
     parts = []
     for j, term in enumerate(terms):
-        own = polynomial([sp.Rational(c) for c in term], Name("xi"))
+        own = polynomial_of(term)
         plain = len(own) == 1 and own[0].sign == "+"
         factor: list[Formula] = [own[0].formula] if plain else [Fenced(join(own))]
         parts.append(Part("+", row([_a(j), *([] if plain and own[0].formula == NumberToken("1") else factor)])))
@@ -198,9 +222,8 @@ def _deflection(number: str) -> Equation:
     return Equation(Name("v"), (Part("+", total),), number=number)
 
 
-def _shape(k: int, shape: Polynomial, own: str) -> Equation:
-    left = Name(SHAPE, below=(str(k),))
-    return Equation(left, polynomial([sp.Rational(c) for c in shape], Name("xi")), number=own)
+def _phi(k: int) -> Name:
+    return Name(SHAPE, below=(str(k),))
 
 
 def _a(j: int) -> Name:

@@ -11,7 +11,7 @@ from fractions import Fraction
 import numpy as np
 import sympy as sp
 
-from derive.mechanics.bodies.reference_conditions import PieceDeflection, exact_polynomial, piece_deflection
+from derive.mechanics.bodies.reference_conditions import PieceDeflection, piece_deflection
 from derive.mechanics.multibody.bodies.beam import piece_name, piece_of, place_in_piece
 from derive.mechanics.multibody.joints.registry import JOINTS
 from derive.mechanics.multibody.point_motion import RelativeMotion, fixed_point
@@ -237,9 +237,9 @@ def _marker(scene: Scene, marker: MarkerRef, native: NativeScene) -> Callable[[K
         at = next(m.at for m in body.beam.markers if m.name == marker.marker)
         name, xi = piece_name(body, piece_of(at, body.pieces)), float(place_in_piece(at, body.pieces))
         point = np.array([xi * half_length(body), 0.0])
-        shapes = [exact_polynomial(shape) for shape in shape_functions(body)]
-        heights = np.array([float(shape.eval(sp.Rational(place_in_piece(at, body.pieces)))) for shape in shapes])
-        slopes = np.array([float(shape.diff().eval(sp.Rational(place_in_piece(at, body.pieces)))) for shape in shapes])
+        shapes, place = shape_functions(body), place_in_piece(at, body.pieces)
+        heights = np.array([float(shape.at(place)) for shape in shapes])
+        slopes = np.array([float(shape.derivative().at(place)) for shape in shapes])
         slopes = slopes / half_length(body)
         columns = [native.coordinates.index(owned(amplitude(i + 1), name).name) for i in range(len(shapes))]
     else:

@@ -6,11 +6,11 @@ from fractions import Fraction
 
 import numpy as np
 
+from derive.mechanics.bodies.beam_functions import BeamFunction
 from derive.mechanics.bodies.reference_conditions import assumed_shapes
 from derive.mechanics.multibody.bodies.beam import piece_name, piece_of, place_in_piece
 from derive.mechanics.symbols import amplitude, owned
 from derive.simulation.observables.motion import Array, SceneMotion, si_value, transformed
-from derive.spec.model.body import Polynomial
 from derive.spec.model.scene import BeamBody, Scene
 
 
@@ -34,8 +34,8 @@ def half_length(beam: BeamBody) -> float:
     return si_value(beam.beam.length) / beam.pieces / 2
 
 
-def shape_functions(beam: BeamBody) -> tuple[Polynomial, ...]:
-    """The shape functions of each piece, polynomials in xi."""
+def shape_functions(beam: BeamBody) -> tuple[BeamFunction, ...]:
+    """The shape functions of each piece."""
     return assumed_shapes(beam.beam.deflection)
 
 
@@ -49,8 +49,16 @@ def amplitudes(motion: SceneMotion, beam: BeamBody, piece: str) -> Array:
 
 def deflections(motion: SceneMotion, beam: BeamBody, piece: str, xi: Array) -> Array:
     """(n, len(xi)): the distances of points of a piece from its axis, m."""
-    shapes = [sum(float(c) * xi**n for n, c in enumerate(shape)) for shape in shape_functions(beam)]
-    values: Array = amplitudes(motion, beam, piece) @ np.array(shapes)
+    values: Array = amplitudes(motion, beam, piece) @ np.array([function_values(f, xi) for f in shape_functions(beam)])
+    return values
+
+
+def function_values(function: BeamFunction, xi: Array) -> Array:
+    """The values of a function of xi, of the shape of xi."""
+    values = np.zeros_like(xi)
+    for term in function.real_terms:
+        wave = term.cosine * np.cos(term.frequency * xi) + term.sine * np.sin(term.frequency * xi)
+        values += xi**term.power * np.exp(term.growth * xi) * wave
     return values
 
 

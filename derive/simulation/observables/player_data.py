@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from derive.mechanics.bodies.beam_functions import RealTerm
 from derive.mechanics.multibody.forces.registry import FORCES
 from derive.mechanics.multibody.joints.registry import JOINTS
 from derive.simulation.observables.beams import (
@@ -147,7 +148,7 @@ def _beam(motion: SceneMotion, beam: BeamBody, step: float) -> Plain:
     return {
         "name": beam.name,
         "half": half_length(beam),
-        "shapes": [[rounded(float(c)) for c in shape] for shape in shape_functions(beam)],
+        "shapes": [[_drawn(term) for term in shape.real_terms] for shape in shape_functions(beam)],
         "pieces": [
             {
                 "pose": _pose(motion, name, step),
@@ -156,6 +157,11 @@ def _beam(motion: SceneMotion, beam: BeamBody, step: float) -> Plain:
             for name in piece_names(beam)
         ],
     }
+
+
+def _drawn(term: RealTerm) -> list[float]:
+    """A term of a shape function, as geometry.js reads it."""
+    return [term.power, rounded(term.cosine), rounded(term.sine), term.growth, term.frequency]
 
 
 def _marker(scene: Scene, marker: MarkerRef) -> Plain:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 
 from derive.errors import quoted
-from derive.mechanics.multibody.bodies.beam import ENDS_OF_PIECES, RATIO_OF_PIECES
+from derive.mechanics.multibody.bodies.beam import RATIO_OF_PIECES, WHOLE_BEAM
 from derive.mechanics.multibody.joints.joint_type import JointType
 from derive.mechanics.multibody.joints.registry import JOINTS
 from derive.mechanics.multibody.keys import KeyType
@@ -216,9 +216,10 @@ def _plots(view: SceneData) -> Iterator[Fault]:
                 text = f"there is no body {quoted(cut)}{did_you_mean(cut, beams, known_names)}"
             yield Fault(("plots", name, "cut"), text)
         elif isinstance(cut, str) and max(piece_counts(view, cut, view.bodies[cut])) > 1:
-            if "ends" in view.bodies[cut]:
-                yield Fault(("plots", name, "cut"), ENDS_OF_PIECES)
-            damping = view.bodies[cut].get("damping")
+            beam = view.bodies[cut]
+            if "ends" in beam or isinstance(beam.get("ansatz"), Mapping):
+                yield Fault(("plots", name, "cut"), WHOLE_BEAM)
+            damping = beam.get("damping")
             if isinstance(damping, Mapping) and "ratio" in damping:
                 yield Fault(("plots", name, "cut"), RATIO_OF_PIECES)
         chord = view.pair("plots", name, "chord")

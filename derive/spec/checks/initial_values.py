@@ -9,6 +9,7 @@ from pydantic import ValidationError
 from derive.mechanics.multibody.joints.registry import JOINTS
 from derive.spec.checks.name_clashes import piece_counts
 from derive.spec.checks.scene_data import Raw, SceneData
+from derive.spec.model.body import ShapeFamily
 from derive.spec.parsing import values
 from derive.spec.parsing.faults import Fault, readable
 from derive.spec.tables.beam import ShapeKeys
@@ -24,18 +25,24 @@ def body_start_faults(view: SceneData, name: str, body: Raw) -> Iterator[Fault]:
     except ValidationError:
         return
     # SymPy takes its time to import, which a specification that fails before has not to wait for.
-    from derive.mechanics.bodies.reference_conditions import assumed_shapes, piece_deflection
+    from derive.mechanics.bodies.reference_conditions import ConditionError, assumed_shapes, piece_deflection
 
+    try:
+        shapes = assumed_shapes(deflection)
+    except ConditionError:
+        return
+    combination = "1, xi and the ansatz: add its powers to `ansatz`"
+    if isinstance(deflection.ansatz, ShapeFamily):
+        combination = "1 and xi, for families of shape functions hold no polynomials"
     for key in ("deflection", "deflection_rate"):
         curve = readable(values.shape, start[key]) if key in start else None
         if curve is None:
             continue
-        shapes = assumed_shapes(deflection)
         for pieces in piece_counts(view, name, body):
             if any(piece_deflection(curve, shapes, pieces, k) is None for k in range(pieces)):
                 cut = f" in {pieces} pieces" if pieces > 1 else ""
-                text = f"the shape functions of {name}{cut} cannot describe this curve; it must be a combination of 1, "
-                yield Fault(("bodies", name, "start", key), text + "xi and the ansatz: add its powers to `ansatz`")
+                text = f"the shape functions of {name}{cut} cannot describe this curve; it must be a combination of "
+                yield Fault(("bodies", name, "start", key), text + combination)
                 break
 
 

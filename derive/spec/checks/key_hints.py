@@ -71,7 +71,7 @@ _SYMBOLS = {"inertia": "I", "speed": "Omega", "stiffness": "k", "damping": "d", 
 def is_union(path: KeyPath) -> bool:
     """Whether a value has two notations, which pydantic distinguishes in the path of an error."""
     match path:
-        case ("bodies", _) | ("bodies", _, "frame") | ("plots", _):
+        case ("bodies", _) | ("bodies", _, "frame" | "ansatz") | ("plots", _):
             return True
         case ("bodies", _, "inertia"):
             return True

@@ -11,7 +11,7 @@ from derive.spec.checks import key_hints
 from derive.spec.model.body import BEAM_QUANTITIES
 from derive.spec.parsing.faults import Fault, KeyPath, unknown_key
 from derive.spec.parsing.values import kind_of
-from derive.spec.tables.beam import FrameTable
+from derive.spec.tables.beam import FrameTable, ShapeFamilyTable
 from derive.spec.tables.body import BodyFrameTable, DampingTable, NodalTable, SymbolicTable, UnitsTable, kind_of_body
 from derive.spec.tables.free_beam import BeamTable
 from derive.spec.tables.initial_values import BeamStartTable
@@ -67,6 +67,7 @@ def _is_union(path: KeyPath) -> bool:
             ("body",)
             | ("body", "start", "rotation")
             | ("beam" | "body", "frame")
+            | ("beam", "ansatz")
             | ("body", "units")
             | ("beam" | "body", "gravity", int())
         ):
@@ -98,6 +99,8 @@ def _example(path: KeyPath, data: Mapping[str, object]) -> str:
             return "angle = 0.5"
         case (_, "frame", "kind") | (_, _, "frame", "kind"):
             return 'kind = "point"'
+        case (*_, "ansatz", key):
+            return 'kind = "pinned"' if key == "kind" else "count = 3"
         case ("name",):
             kind = "mechanism" if any(key in data for key in SCENE) else "block" if "body" in data else "free_beam"
             return f'name = "{kind}"'
@@ -115,6 +118,8 @@ def _table(path: KeyPath, data: Mapping[str, object]) -> type[BaseModel]:
             return SymbolicTable if kind_of_body(data.get("body")) == "symbolic" else NodalTable
         case ("beam", "frame"):
             return FrameTable
+        case (*_, "ansatz"):
+            return ShapeFamilyTable
         case ("body", "frame"):
             return BodyFrameTable
         case ("body", "units"):

@@ -17,7 +17,7 @@ from derive.spec.checks.scene_data import Raw, SceneData
 from derive.spec.model.body import DEFAULT_ANSATZ
 from derive.spec.model.markers import GROUND
 from derive.spec.model.scene import NAMED
-from derive.spec.parsing import scene_values
+from derive.spec.parsing import scene_values, values
 from derive.spec.parsing.faults import Fault, KeyPath, readable
 from derive.spec.parsing.names import name_problem
 from derive.spec.tables.beam import MAX_SHAPES
@@ -101,8 +101,7 @@ def made_names(view: SceneData) -> Iterator[Made]:
         if not view.is_beam(name):
             yield from _coordinates(path, name, 0, f"the body {name}")
             continue
-        ansatz = body.get("ansatz", DEFAULT_ANSATZ)
-        shapes = min(len(ansatz), MAX_SHAPES) if isinstance(ansatz, (list, tuple)) else 0
+        shapes = _shape_count(body.get("ansatz", DEFAULT_ANSATZ))
         for count in piece_counts(view, name, body):
             if count == 1:
                 yield from _coordinates(path, name, shapes, f"the body {name}")
@@ -119,6 +118,13 @@ def made_names(view: SceneData) -> Iterator[Made]:
             what = "the multiplier" if kind == "drives" else "a name"
             for end in _labels(kind):
                 yield (kind, name), f"{name}{end}", f"{what} of the {NAMED[kind]} {name}"
+
+
+def _shape_count(ansatz: object) -> int:
+    """The largest number of shapes that an ansatz may leave."""
+    if isinstance(ansatz, Mapping):
+        return min(readable(values.whole, ansatz.get("count")) or 0, MAX_SHAPES)
+    return min(len(ansatz), MAX_SHAPES) if isinstance(ansatz, (list, tuple)) else 0
 
 
 def _coordinates(path: KeyPath, name: str, shapes: int, of: str) -> Iterator[Made]:

@@ -37,7 +37,7 @@ class DisplacementOrder(Enum):
 
 
 DEFAULT_ANSATZ = ("1", "xi", "xi^2", "xi^3")
-DEFAULT_FRAME = "mean"
+DEFAULT_FRAME: FrameKind = "mean"
 DEFAULT_MASS = Parameter("m", "kg", 1.0)
 DEFAULT_LENGTH = Parameter("l", "m", 1.0)
 DEFAULT_BENDING_STIFFNESS = Parameter("EI", "N m^2", 1.0)
@@ -60,11 +60,31 @@ class Frame:
     at: Fraction | None = None
 
 
+FamilyKind = Literal["pinned", "free-free", "clamped-free"]
+
+
+@dataclass(frozen=True)
+class ShapeFamily:
+    """The first `count` natural modes of a uniform beam: pinned at both ends, free, or clamped at its left end."""
+
+    kind: FamilyKind
+    count: int
+
+
+FAMILY_FRAMES: dict[FamilyKind, Frame] = {
+    "pinned": Frame("chord"),
+    "free-free": Frame("mean"),
+    "clamped-free": Frame("tangent", Fraction(-1)),
+}
+"""The frame whose conditions the shapes of a family fulfil."""
+
+
 @dataclass(frozen=True)
 class AssumedDeflection:
-    """What the shape functions of a beam follow from: the ansatz, and the conditions of the frame and of the ends."""
+    """What the shape functions of a beam follow from: polynomials, and the conditions of the frame and of the ends; or
+    a family, whose shapes have to fulfil the conditions of the frame."""
 
-    ansatz: tuple[Polynomial, ...]
+    ansatz: tuple[Polynomial, ...] | ShapeFamily
     frame: Frame
     orthogonal: bool = False
     ends: Ends | None = None
@@ -114,7 +134,7 @@ class PlanarBeam:
     """
 
     name: str
-    ansatz: tuple[Polynomial, ...]
+    ansatz: tuple[Polynomial, ...] | ShapeFamily
     frame: Frame
     mass: Quantity
     length: Quantity

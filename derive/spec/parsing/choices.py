@@ -5,13 +5,14 @@ from __future__ import annotations
 from typing import TypeVar
 
 from derive.errors import quoted
-from derive.spec.model.body import BodyFrameKind, Ends, FrameKind, Lowering, SymbolicFrame
+from derive.spec.model.body import BodyFrameKind, Ends, FamilyKind, FrameKind, Lowering, SymbolicFrame
 from derive.spec.parsing.faults import did_you_mean
 from derive.spec.parsing.values import WrongValueError, kind_of
 
 FRAME_KINDS: tuple[FrameKind, ...] = ("mean", "point", "chord", "tangent", "given")
 BODY_FRAME_KINDS: tuple[BodyFrameKind, ...] = ("mean", "point", "given")
 ENDS: tuple[Ends, ...] = ("pinned", "free")
+FAMILY_KINDS: tuple[FamilyKind, ...] = ("pinned", "free-free", "clamped-free")
 SECOND_ORDER_TERMS = ("truncated", "full")
 SYMBOLIC_FRAMES: tuple[SymbolicFrame, ...] = ("mean", "given")
 LOWERINGS: tuple[Lowering, ...] = ("auto", "flat", "table")
@@ -37,6 +38,11 @@ def frame_kind(value: object) -> FrameKind:
 def ends(value: object) -> Ends:
     """What shapes fulfil at the ends of a beam."""
     return choice(value, ENDS, "`ends`")
+
+
+def family_kind(value: object) -> FamilyKind:
+    """One of the families of shape functions."""
+    return choice(value, FAMILY_KINDS, "the family")
 
 
 def second_order_terms(value: object) -> str:

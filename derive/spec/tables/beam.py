@@ -24,14 +24,17 @@ from derive.spec.model.body import (
     DEFAULT_FRAME,
     DEFAULT_LENGTH,
     DEFAULT_MASS,
+    FAMILY_FRAMES,
     AssumedDeflection,
     DisplacementOrder,
     Ends,
+    FamilyKind,
     Frame,
     FrameKind,
     Marker,
     PlanarBeam,
     Polynomial,
+    ShapeFamily,
 )
 from derive.spec.model.quantity import Parameter, Quantity
 from derive.spec.parsing import choices, values
@@ -56,8 +59,10 @@ MAX_DIGITS = 800
 
 def _few_shapes(value: object) -> object:
     if not isinstance(value, (list, tuple)):
-        kind = values.kind_of(value)
-        raise values.WrongValueError(f'a list of polynomials is needed, such as ["1", "xi", "xi^2"], not {kind}')
+        raise values.WrongValueError(
+            'a list of polynomials is needed, such as ["1", "xi", "xi^2"], or a family, such as '
+            f'{{ kind = "pinned", count = 3 }}, not {values.kind_of(value)}'
+        )
     few(len(value), 1, MAX_SHAPES, "polynomials")
     return value
 
@@ -71,6 +76,13 @@ def _few_digits(ansatz: tuple[Polynomial, ...]) -> tuple[Polynomial, ...]:
             f"{MAX_DIGITS} are allowed; round them"
         )
     return ansatz
+
+
+def _family_count(value: object) -> int:
+    count = values.whole(value)
+    if not 1 <= count <= MAX_SHAPES:
+        raise values.WrongValueError(f"1 to {MAX_SHAPES} shapes of a family are allowed, not {values.shown(count)}")
+    return count
 
 
 _SHAPE = {"type": "string", "minLength": 1, "maxLength": MAX_LENGTH}
@@ -130,12 +142,51 @@ FrameInput = Annotated[
 ]
 
 
-def _frame(value: Frame | FrameTable) -> Frame:
+def _frame(value: Frame | FrameTable | None, ansatz: Ansatz) -> Frame:
+    """The frame that is given, or that for which a family is, or the mean frame."""
+    if value is None:
+        return FAMILY_FRAMES[ansatz.kind] if isinstance(ansatz, ShapeFamily) else Frame(DEFAULT_FRAME)
     return value.frame() if isinstance(value, FrameTable) else value
+
+
+class ShapeFamilyTable(TomlTable):
+    """Shape functions with names: the natural modes of a uniform beam, in mass and in stiffness orthogonal."""
+
+    kind: Annotated[
+        FamilyKind,
+        PlainValidator(choices.family_kind),
+        WithJsonSchema({"enum": [*choices.FAMILY_KINDS]}),
+        Field(
+            description="Which beam they are modes of: pinned at both ends (half sine waves, for the frame chord), "
+            "free-free (for the frame mean), clamped-free (clamped at the left end, for the frame tangent there)."
+        ),
+    ]
+    count: Annotated[
+        int,
+        PlainValidator(_family_count),
+        WithJsonSchema({"type": "integer", "minimum": 1, "maximum": MAX_SHAPES}),
+        Field(description="How many, from that of the lowest frequency on."),
+    ]
+
+    def family(self) -> ShapeFamily:
+        """The family that the table describes."""
+        return ShapeFamily(self.kind, self.count)
 
 
 def _as_table(parameter: Parameter) -> ParameterTable:
     return ParameterTable(symbol=parameter.symbol, unit=parameter.unit, default=parameter.default)
+
+
+Polynomials = Annotated[
+    tuple[Shape, ...],
+    BeforeValidator(_few_shapes),
+    AfterValidator(_few_digits),
+    Field(json_schema_extra={"minItems": 1, "maxItems": MAX_SHAPES}),
+]
+AnsatzInput = Annotated[
+    Annotated[Polynomials, Tag("plain")] | Annotated[ShapeFamilyTable, Tag("table")], Discriminator(written_as)
+]
+Ansatz = tuple[Polynomial, ...] | ShapeFamily
 
 
 class ShapeKeys(BaseModel):
@@ -144,23 +195,23 @@ class ShapeKeys(BaseModel):
     model_config = ConfigDict(extra="ignore", frozen=True)
 
     ansatz: Annotated[
-        tuple[Shape, ...],
-        BeforeValidator(_few_shapes),
-        AfterValidator(_few_digits),
+        AnsatzInput,
         Field(
-            description="Polynomials in xi whose sum is the deflection, before the conditions of the frame.",
-            json_schema_extra={"default": [*DEFAULT_ANSATZ], "minItems": 1, "maxItems": MAX_SHAPES},
+            description="Polynomials in xi whose sum is the deflection, before the conditions of the frame; or a "
+            "family of shape functions.",
+            json_schema_extra={"default": [*DEFAULT_ANSATZ]},
         ),
     ] = tuple(values.shape(text) for text in DEFAULT_ANSATZ)
     frame: Annotated[
-        FrameInput,
+        FrameInput | None,
         Field(
             description="The floating frame, whose conditions remove rigid-body motion from the ansatz: mean (no mean "
             "displacement, no mean rotation), point (no displacement and no slope at a point), chord (no displacement "
-            "at the ends), tangent (no displacement and no slope at an end), given (the ansatz is used unchanged).",
+            "at the ends), tangent (no displacement and no slope at an end), given (the ansatz is used unchanged). "
+            "A family of shape functions has by default the frame that it is for.",
             json_schema_extra={"default": DEFAULT_FRAME},
         ),
-    ] = Frame("mean")
+    ] = None
     orthogonal: Annotated[
         bool | None,
         PlainValidator(values.truth),
@@ -180,9 +231,10 @@ class ShapeKeys(BaseModel):
 
     def deflection(self) -> AssumedDeflection:
         """What the shape functions follow from."""
-        frame = _frame(self.frame)
+        ansatz = self.ansatz.family() if isinstance(self.ansatz, ShapeFamilyTable) else self.ansatz
+        frame = _frame(self.frame, ansatz)
         orthogonal = frame.kind == "mean" if self.orthogonal is None else self.orthogonal
-        return AssumedDeflection(self.ansatz, frame, orthogonal, self.ends)
+        return AssumedDeflection(ansatz, frame, orthogonal, self.ends)
 
 
 class BeamKeys(ShapeKeys):
@@ -246,6 +298,15 @@ class BeamKeys(ShapeKeys):
     ] = None
 
     @model_validator(mode="after")
+    def check_ends(self) -> BeamKeys:
+        """A family fulfils conditions at the ends by itself."""
+        if self.ends is not None and isinstance(self.ansatz, ShapeFamilyTable):
+            raise values.WrongValueError(
+                f"`ends` is for polynomials; {self.ansatz.kind} shapes fulfil conditions of their own; leave it out"
+            )
+        return self
+
+    @model_validator(mode="after")
     def check_terms(self) -> BeamKeys:
         """Only a beam of order 2 has a choice of terms."""
         if self.order == 1 and self.terms is not None:
@@ -258,7 +319,7 @@ class BeamKeys(ShapeKeys):
         """The order of the displacements, with the terms that are kept."""
         if self.order == 1:
             return DisplacementOrder.FIRST_ORDER
-        terms = self.terms or ("full" if _frame(self.frame).kind in ("point", "tangent") else "truncated")
+        terms = self.terms or ("full" if self.deflection().frame.kind in ("point", "tangent") else "truncated")
         return DisplacementOrder.FULL if terms == "full" else DisplacementOrder.TRUNCATED
 
     def planar_beam(self, name: str, gravity: tuple[Quantity, Quantity] | None = None) -> PlanarBeam:

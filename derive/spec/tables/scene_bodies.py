@@ -19,7 +19,7 @@ from pydantic import (
     model_validator,
 )
 
-from derive.mechanics.multibody.bodies.beam import ENDS_OF_PIECES, RATIO_OF_PIECES
+from derive.mechanics.multibody.bodies.beam import RATIO_OF_PIECES, WHOLE_BEAM
 from derive.mechanics.multibody.bodies.beam_loads import point_names
 from derive.mechanics.multibody.bodies.body_type import BodyType
 from derive.mechanics.multibody.bodies.registry import BODIES
@@ -31,7 +31,7 @@ from derive.spec.model.scene import BeamBody, CustomBody, DistributedLoad, Rigid
 from derive.spec.parsing import choices, values
 from derive.spec.parsing.polynomial import MAX_LENGTH
 from derive.spec.parsing.time_expression import number_function
-from derive.spec.tables.beam import BeamKeys
+from derive.spec.tables.beam import BeamKeys, ShapeFamilyTable
 from derive.spec.tables.beam_parts import MASS_UNITS
 from derive.spec.tables.declared_keys import key_field, key_values
 from derive.spec.tables.initial_values import BeamStartInput, BeamStartTable, SceneStartInput, StartInput, StartTable
@@ -162,15 +162,15 @@ class BeamBodyTable(BeamKeys):
 
     @model_validator(mode="after")
     def check(self) -> BeamBodyTable:
-        """A damping ratio is that of the modes of the whole rod, as are its ends; loads are not called like markers."""
+        """A damping ratio is that of the modes of the whole rod; loads are not called like markers."""
         for name in self.loads:
             if taken := point_names(name, self.pieces) & {*self.markers}:
                 text = f"a point of the load {name} is called like the marker {min(taken)}; rename one of them"
                 raise values.WrongValueError(text)
         if self.pieces > 1 and self.damping is not None and self.damping.ratio is not None:
             raise values.WrongValueError(RATIO_OF_PIECES)
-        if self.pieces > 1 and self.ends is not None:
-            raise values.WrongValueError(ENDS_OF_PIECES)
+        if self.pieces > 1 and (self.ends is not None or isinstance(self.ansatz, ShapeFamilyTable)):
+            raise values.WrongValueError(WHOLE_BEAM)
         return self
 
     def body(self, name: str) -> BeamBody:

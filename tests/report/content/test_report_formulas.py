@@ -171,7 +171,7 @@ def test_shapes_and_ansatz_are_those_of_the_beam(name: str) -> None:
     assert total(lines[0].parts, numbers) == pytest.approx(float(expected))
     shapes = assumed_shapes(spec.deflection)
     for line, shape in zip(lines[-len(shapes) :], shapes, strict=True):
-        assert total(line.parts, numbers) == pytest.approx(float(value(shape, at)))
+        assert total(line.parts, numbers) == pytest.approx(float(value(shape.coefficients, at)))
 
 
 def value(polynomial, at: Fraction) -> Fraction:

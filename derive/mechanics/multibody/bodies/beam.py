@@ -7,13 +7,13 @@ from dataclasses import replace
 from fractions import Fraction
 
 from derive.errors import Problem, SpecError
-from derive.mechanics.bodies.beam import beam_body, beam_point, section_rotations, shape_text
+from derive.mechanics.bodies.beam import beam_body, beam_point, section_rotations
 from derive.mechanics.bodies.beam_damping import DAMPING_DOCS
 from derive.mechanics.bodies.reference_conditions import assumed_shapes
 from derive.mechanics.multibody.bodies.beam_loads import load_forces, load_points
 from derive.mechanics.multibody.bodies.body_type import BodyType, Component, Constant, CrossSection
 from derive.mechanics.terms import ModelConstant
-from derive.spec.model.body import AttachedMass, Marker
+from derive.spec.model.body import AttachedMass, Marker, ShapeFamily
 from derive.spec.model.forces import Force
 from derive.spec.model.markers import MarkerRef
 from derive.spec.model.scene import BeamBody, Joint
@@ -21,9 +21,9 @@ from derive.spec.model.scene import BeamBody, Joint
 CUT = ("cut_left", "cut_right")
 """The ends at which pieces are welded together."""
 
-ENDS_OF_PIECES = (
-    "`ends` are those of a beam in one piece: shapes without curvature at the cuts could not bend there; leave `ends` "
-    "out, or `pieces`"
+WHOLE_BEAM = (
+    "`ends` and families of shape functions are for beams in one piece: with them the pieces could not bend at the "
+    "cuts; leave `pieces` out, or take polynomials without `ends`"
 )
 RATIO_OF_PIECES = (
     "a damping ratio is that of the modes of a beam in one piece; write damping = { stiffness = 1e-5 }, in s, or do "
@@ -41,8 +41,8 @@ class Beam(BodyType[BeamBody]):
     def components(self, body: BeamBody, gravity: tuple[ModelConstant, ...]) -> tuple[Component, ...]:
         """The pieces of the rod from its left to its right end. Raises SpecError if its damping forbids to cut it."""
         n = body.pieces
-        if n > 1 and body.beam.ends is not None:
-            raise SpecError((Problem(f"bodies.{body.name}.ends", ENDS_OF_PIECES),))
+        if n > 1 and (body.beam.ends is not None or isinstance(body.beam.ansatz, ShapeFamily)):
+            raise SpecError((Problem(f"bodies.{body.name}", WHOLE_BEAM),))
         if n > 1 and body.beam.damping is not None and body.beam.damping.ratio:
             raise SpecError((Problem(f"bodies.{body.name}.damping", RATIO_OF_PIECES),))
         result = []
@@ -94,7 +94,7 @@ class Beam(BodyType[BeamBody]):
     def note(self, body: BeamBody) -> str:
         """The shape functions as drawings of the rod need them."""
         shapes = assumed_shapes(body.beam.deflection)
-        texts = ", ".join(f"phi_{i} = {shape_text(shape)}" for i, shape in enumerate(shapes, 1))
+        texts = ", ".join(f"phi_{i} = {shape.text}" for i, shape in enumerate(shapes, 1))
         each = f"{body.name}, each of {body.pieces} pieces" if body.pieces > 1 else body.name
         return f"Deflection of {each}, along its e2: alpha1 phi_1 + ..., {texts}; xi = 2 x / length."
 

@@ -14,9 +14,9 @@ from fractions import Fraction
 import sympy as sp
 
 from derive.mechanics.bodies.beam import point_that_sees
-from derive.mechanics.bodies.reference_conditions import exact_polynomial, integral, xi
+from derive.mechanics.bodies.beam_functions import ONE, BeamFunction, rational
+from derive.mechanics.bodies.reference_conditions import on_piece
 from derive.mechanics.multibody.bodies.body_type import CrossSection
-from derive.spec.model.body import Polynomial
 from derive.spec.model.forces import Force
 from derive.spec.model.markers import MarkerRef
 from derive.spec.model.quantity import Parameter, Quantity
@@ -31,26 +31,19 @@ class _Resultant:
     point: str
     component: int
     load: DistributedLoad
-    density: sp.Poly
+    density: BeamFunction
 
 
 def _resultants(body: BeamBody, piece: int) -> Iterator[_Resultant]:
     n = body.pieces
     for load in body.loads:
         for component, of_rod in enumerate(load.force):
-            density = density_of_piece(of_rod, piece, n)
+            density = on_piece(of_rod, n, piece)
             if density.is_zero:
                 continue
-            negative = sp.Poly(-1, xi, domain="QQ")
-            parts = [density] if integral(density) else [density - negative, negative]
+            parts = [density] if density.integral() else [density + ONE, -ONE]
             for part, of_part in enumerate(parts):
                 yield _Resultant(point_name(load.name, component, part, piece), component, load, of_part)
-
-
-def density_of_piece(of_rod: Polynomial, piece: int, pieces: int) -> sp.Poly:
-    """A polynomial in xi of a rod as one in xi of a piece, counted from 0."""
-    along = sp.Poly((xi + 2 * piece + 1 - pieces) / pieces, xi, domain="QQ")
-    return exact_polynomial(of_rod).compose(along)
 
 
 def point_name(load: str, component: int, part: int, piece: int) -> str:
@@ -67,10 +60,9 @@ def load_points(body: BeamBody, piece: int) -> dict[str, CrossSection]:
     """The points of a piece of a rod, counted from 0, at which the resultants of its loads act; they turn with Q."""
     result = {}
     for r in _resultants(body, piece):
-        total = integral(r.density)
 
-        def mean(of: sp.Poly, density: sp.Poly = r.density, total: sp.Rational = total) -> sp.Rational:
-            return integral(density * of) / total
+        def mean(of: BeamFunction, density: BeamFunction = r.density) -> sp.Rational:
+            return rational((density * of).integral() / density.integral())
 
         docs = (f"point of load {r.load.name}", f"mean position of load {r.load.name}")
         point = point_that_sees(r.point, docs, body.beam, body.pieces, mean, "the load is symmetric")
@@ -81,7 +73,7 @@ def load_points(body: BeamBody, piece: int) -> dict[str, CrossSection]:
 def load_forces(body: BeamBody, piece: int, name: str) -> Iterator[Force]:
     """The resultants of the loads on a piece, which is called `name`."""
     for r in _resultants(body, piece):
-        total = Fraction(str(integral(r.density))) / (2 * body.pieces)
+        total = r.density.integral() / (2 * body.pieces)
         force = TimeFunction("mul", (TimeFunction("mul", (_number(total), _quantity(body.beam.length))), r.load.time))
         zero = _number(Fraction(0))
         components = (zero, force) if r.component else (force, zero)

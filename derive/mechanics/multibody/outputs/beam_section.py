@@ -20,12 +20,12 @@ import sympy as sp
 from derive.mechanics import quantity
 from derive.mechanics.bodies.attached_masses import located_masses
 from derive.mechanics.bodies.beam import retardation_times
+from derive.mechanics.bodies.beam_functions import XI, BeamFunction, rational
 from derive.mechanics.bodies.beam_part import part_body, rigid_rows
 from derive.mechanics.bodies.foreshortening import Foreshortening, pairs
-from derive.mechanics.bodies.reference_conditions import assumed_shapes, exact_polynomial, xi
+from derive.mechanics.bodies.reference_conditions import assumed_shapes, on_piece
 from derive.mechanics.expansion import constants_of
 from derive.mechanics.multibody.bodies.beam import CUT, masses_of_piece, piece_name, place_in_piece
-from derive.mechanics.multibody.bodies.beam_loads import density_of_piece
 from derive.mechanics.multibody.instances import InstanceEquations
 from derive.mechanics.multibody.scene_mechanics import NOTHING, Resultant, SceneMechanics
 from derive.mechanics.symbols import element
@@ -45,7 +45,7 @@ class BeamSection:
         self.rod, self.piece, self.places = piece_of_component(scene, component)
         beam = self.rod.beam
         self.instance: InstanceEquations = scene.instances[component]
-        self.shapes = [exact_polynomial(s) for s in assumed_shapes(beam.deflection)]
+        self.shapes = assumed_shapes(beam.deflection)
         self.mass = quantity.value(beam.mass) / self.rod.pieces
         self.length = quantity.value(beam.length) / self.rod.pieces
         self.bending_stiffness = self._constant("stiffness", quantity.value(beam.bending_stiffness), "EI", "N m^2")
@@ -78,8 +78,7 @@ class BeamSection:
     @property
     def _curvatures(self) -> list[sp.Expr]:
         """d^2 phi_i/dx^2 of each shape at the section."""
-        at = sp.Rational(self.at)
-        return [shape.diff((xi, 2)).eval(at) * 4 / self.length**2 for shape in self.shapes]
+        return [rational(shape.derivative(2).at(self.at)) * 4 / self.length**2 for shape in self.shapes]
 
     def resultant(self) -> Resultant:
         """What the part to the right of the section exerts on the left one; the torque is about the section.
@@ -110,15 +109,17 @@ class BeamSection:
         for load in self.rod.loads:
             in_time = quantity.function(load.time)
             for k, of_rod in enumerate(load.force):
-                density = density_of_piece(of_rod, self.piece, self.rod.pieces)
+                density = on_piece(of_rod, self.rod.pieces, self.piece)
                 if density.is_zero:
                     continue
 
-                def integral(of: sp.Poly, unit: sp.Expr, label: str, what: str = f"{load.name}_{k + 1}") -> sp.Expr:
+                def integral(
+                    of: BeamFunction, unit: sp.Expr, label: str, what: str = f"{load.name}_{k + 1}"
+                ) -> sp.Expr:
                     return self._constant(f"{what}_{label}", unit * self._right(of), f"{label} of load {what}", "")
 
                 total = integral(density, half, "total")
-                first = integral(density * sp.Poly(xi, xi), half**2, "first")
+                first = integral(density * XI, half**2, "first")
                 lever = sp.Matrix([first, sp.S.Zero])
                 for i, (shape, c) in enumerate(zip(self.shapes, coordinates[3:], strict=True), 1):
                     lever[1] += integral(density * shape, half, f"shape_{i}") * c.q
@@ -133,12 +134,12 @@ class BeamSection:
         return result
 
     @property
-    def _second(self) -> Mapping[tuple[int, int], sp.Poly]:
+    def _second(self) -> Mapping[tuple[int, int], BeamFunction]:
         """psi_ij length/2 for i <= j; empty at first order."""
         beam = self.rod.beam
         if beam.order is DisplacementOrder.FIRST_ORDER:
             return {}
-        second = Foreshortening(tuple(self.shapes), beam.frame, self.mass, self.length)
+        second = Foreshortening(self.shapes, beam.frame, self.mass, self.length)
         return {(i, j): second.of(i, j) for i, j in pairs(len(self.shapes))}
 
     @property
@@ -147,16 +148,15 @@ class BeamSection:
         phi = self.instance.coordinates[2].q
         return sp.Matrix([[sp.cos(phi), -sp.sin(phi)], [sp.sin(phi), sp.cos(phi)]])
 
-    def _right(self, integrand: sp.Poly) -> sp.Rational:
+    def _right(self, integrand: BeamFunction) -> sp.Rational:
         """The integral over xi from the section to the right end."""
-        antiderivative = integrand.integrate()
-        return antiderivative.eval(1) - antiderivative.eval(sp.Rational(self.at))
+        return rational(integrand.integral(self.at))
 
     def _inertia(self) -> Resultant:
         """The rate of change of momentum of the part to the right, less its weight; torque about the section."""
         beam, instance = self.rod.beam, self.instance
         gravity, _ = quantity.gravity(self.scene.scene.gravity)
-        start, shapes = sp.Rational(self.at), tuple(self.shapes)
+        start, shapes = self.at, self.shapes
         own_masses = (m for m in masses_of_piece(self.rod, self.piece) if self._is_right(m.at))
         masses = located_masses(own_masses, shapes, self.length)
         part = part_body(shapes, beam.frame, beam.order, self.mass, self.length, start, gravity, masses)
