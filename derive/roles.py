@@ -30,5 +30,7 @@ class Source(StrEnum):
     """The definitions of the shape integrals and their sums in the appendix of the paper."""
     SECOND_ORDER = "second order"
     """Kinematics of second order, which is beyond the paper."""
+    STRETCHING = "stretching"
+    """Strain of the axis of a beam, which is beyond the paper."""
     FACTORISATION = "LDL^T"
     """The solution of a linear system by a factorisation."""

@@ -50,7 +50,7 @@ def _with_hash(files: tuple[File, ...]) -> tuple[File, ...]:
 ALONE = ("simulation", "start", "plots")
 """The fields of a single body that its model does not depend on."""
 
-UNWRITTEN: dict[str, object] = {"order": DisplacementOrder.FIRST_ORDER, "ends": None, "masses": ()}
+UNWRITTEN: dict[str, object] = {"order": DisplacementOrder.FIRST_ORDER, "ends": None, "masses": (), "axial": None}
 """The fields of a beam that say nothing where they have these values: what a beam of the paper is by default."""
 
 KINDS = {PlanarBeam: "planar_beam", NodalBody: "nodal_body", SymbolicBody: "symbolic_body", Scene: "scene"}

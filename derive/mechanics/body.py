@@ -41,8 +41,8 @@ class Body:
     """The data of a deformable body in (15), with `modes` assumed modes, in the plane (`dimension` 2) or in space (3).
 
     `frame_doc` describes the choice of the origin c and of the floating frame. `tables` are the shape integrals, the
-    stiffness K of U = 1/2 alpha K alpha, the damping B, the factor of alphadot, and the rotary inertia R of attached
-    masses, the factor of alphaddot besides c8; `values` are their entries.
+    stiffness K and the forces at rest S of U = 1/2 alpha K alpha + S alpha, the damping B, the factor of alphadot, and
+    the rotary inertia R of attached masses, the factor of alphaddot besides c8; `values` are their entries.
     `gravity` is the acceleration of free fall in the inertial frame. `order` is that of the displacements.
     With `DisplacementOrder.FULL` the tables are those of the family Phi_1 .. Phi_N, theta_1 .. theta_`fields`, and
     the field weights z_p_i_j give Psi_ij = sum z_p_i_j theta_p; see `motion.full_second_order`.
@@ -89,7 +89,7 @@ class Body:
     @cached_property
     def integrals(self) -> tuple[ModelConstant, ...]:
         """The shape integrals c1 to c8, entry by entry."""
-        apart = (Family.STIFFNESS, Family.DAMPING, Family.ROTARY)
+        apart = (Family.STIFFNESS, Family.PRELOAD, Family.DAMPING, Family.ROTARY)
         return tuple(c for table in self.tables if table.family not in apart for c in self.values.constants(table))
 
     @cached_property
@@ -101,6 +101,11 @@ class Body:
     def stiffness(self) -> tuple[ModelConstant, ...]:
         """The entries K_ij of the stiffness matrix, i <= j, in N/m."""
         return self._constants(Family.STIFFNESS)
+
+    @cached_property
+    def preload(self) -> tuple[ModelConstant, ...]:
+        """The forces S_i at rest, in N; empty if there are none."""
+        return self._constants(Family.PRELOAD)
 
     @cached_property
     def damping(self) -> tuple[ModelConstant, ...]:

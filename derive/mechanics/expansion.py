@@ -60,7 +60,7 @@ class ExpandedEquations:
 def constants_of(body: Body) -> tuple[ModelConstant, ...]:
     """The constants of a body with their values: mass, integrals, stiffness, damping, gravity, and those of points."""
     of_points = tuple(c for point in body.points for c in point.coefficients)
-    of_deformation = (*body.rotary_inertia, *body.stiffness, *body.damping)
+    of_deformation = (*body.rotary_inertia, *body.stiffness, *body.preload, *body.damping)
     return (body.mass_constant, *body.integrals, *of_deformation, *body.gravity, *of_points)
 
 
@@ -72,10 +72,13 @@ def expand(body: Body) -> ExpandedEquations:
     needed = (*gravity_definitions(motion, body.gravity), *dependent.definitions, *_put_in(dependent, fields))
     composed, reasons = zeros.drop_definitions(needed, zeros.reasons_of(every))
     strain = _quadratic(body.stiffness, motion.alpha)
+    preloaded = tuple(zip(motion.alpha, body.preload, strict=True)) if body.preload else ()
+    at_rest = tuple(Term(str(a), "preload", c.equation, c.symbol) for a, c in preloaded)
+    work_at_rest = sp.Add(*(c.symbol * a for a, c in preloaded))
     accelerations = tuple(row.a for row in motion.rows[len(motion.rows) - len(motion.alpha) :])
     rotary = tuple(_products(motion, "rotary", "(10)", body.rotary_inertia, accelerations))
     damping = tuple(_products(motion, "damping", "(13)", body.damping, motion.alphadot))
-    complete = (*dependent.projected(_inertia(fields)), *rotary, *_elasticity(motion, strain), *damping)
+    complete = (*dependent.projected(_inertia(fields)), *rotary, *_elasticity(motion, strain), *at_rest, *damping)
     complete += dependent.projected(_weight(fields)) if body.gravity else ()
     spin = _quadratic(body.rotary_inertia, motion.alphadot)
     terms, vanished = zeros.drop_terms(complete, reasons)
@@ -93,7 +96,7 @@ def expand(body: Body) -> ExpandedEquations:
         mass=_mass_matrix(motion, terms),
         mass_zeros=_mass_zeros(motion, complete, reasons),
         kinetic_energy=total(kinetic_energy(fields)) + zeros.drop(spin, reasons),
-        strain_energy=zeros.drop(strain, reasons),
+        strain_energy=zeros.drop(strain + work_at_rest, reasons),
         weight_energy=total(weight_energy(fields)) if body.gravity else None,
         linear_momentum=tuple(map(total, linear_momentum(fields))),
         angular_momentum=tuple(map(total, angular_momentum(fields))),

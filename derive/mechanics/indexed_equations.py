@@ -44,6 +44,7 @@ from derive.mechanics.virtual_work_equations import (
     rigid_weight,
     weight_energy,
 )
+from derive.roles import Source
 from derive.spec.model.body import Lowering
 
 ELASTIC, DAMPING_FORCE = (quantity(family, shapes=(I,)) for family in (Family.ELASTIC, Family.DAMPING_FORCE))
@@ -51,6 +52,10 @@ STRAIN = quantity(Family.STRAIN)
 ELASTIC_SUMS = (
     IndexedSum(ELASTIC, None, ((ALPHA, quantity(Family.STIFFNESS, shapes=(I, J))),), "gradient of the strain energy"),
     IndexedSum(STRAIN, None, ((ALPHA, quantity(Family.ELASTIC, shapes=(J,))),), "twice the strain energy"),
+)
+PRELOAD_WORK = quantity(Family.PRELOAD_WORK)
+PRELOAD_SUM = IndexedSum(
+    PRELOAD_WORK, None, ((ALPHA, quantity(Family.PRELOAD, shapes=(J,))),), "work of forces at rest"
 )
 DAMPING_SUMS = (
     IndexedSum(DAMPING_FORCE, None, ((ALPHADOT, quantity(Family.DAMPING, shapes=(I, J))),), "damping force"),
@@ -70,6 +75,7 @@ ROTARY_SUMS = (
 )
 ROTARY_TERM = Term(SHAPE_ROW, "rotary", "(10)", ROTARY)
 ELASTIC_TERM = Term(SHAPE_ROW, "elastic", "(13), (22)", ELASTIC)
+PRELOAD_TERM = Term(SHAPE_ROW, "preload", Source.STRETCHING, quantity(Family.PRELOAD, shapes=(I,)))
 DAMPING_TERM = Term(SHAPE_ROW, "damping", "(13)", DAMPING_FORCE)
 
 
@@ -97,6 +103,9 @@ def derive_body(body: Body, lowering: Lowering = "auto") -> Equations:
         indexed_sums, forces = (*indexed_sums, *DAMPING_SUMS), (*forces, DAMPING_TERM)
     if Family.STIFFNESS in families:
         indexed_sums = (*indexed_sums, *ELASTIC_SUMS[1:])
+    strain = STRAIN / 2 if Family.STIFFNESS in families else sp.S.Zero
+    if Family.PRELOAD in families:
+        indexed_sums, forces, strain = (*indexed_sums, PRELOAD_SUM), (*forces, PRELOAD_TERM), strain + PRELOAD_WORK
     for indexed_sum in indexed_sums:
         sums.add(indexed_sum)
     complete = (*rigid_inertia(motion), *(generic_inertia(motion) if body.modes or not planar else ()), *forces)
@@ -130,7 +139,7 @@ def derive_body(body: Body, lowering: Lowering = "auto") -> Equations:
         mass=sp.ImmutableMatrix(0, 0, []),
         mass_zeros=(),
         kinetic_energy=settled(kinetic),
-        strain_energy=settled(STRAIN / 2) if Family.STIFFNESS in families else sp.S.Zero,
+        strain_energy=settled(strain),
         weight_energy=settled(weight_energy(motion)) if body.gravity else None,
         linear_momentum=tuple(settled(p) for p in linear_momentum(motion)),
         angular_momentum=tuple(settled(p) for p in angular_momentum(motion)),

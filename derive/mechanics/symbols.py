@@ -70,6 +70,7 @@ class Family(Enum):
     C10 = "c10", Kind.INTEGRAL
     FIELD_WEIGHT = "z", Kind.INTEGRAL
     STIFFNESS = "K", Kind.INTEGRAL
+    PRELOAD = "N", Kind.INTEGRAL
     DAMPING = "B", Kind.INTEGRAL
     ROTARY = "R", Kind.INTEGRAL
     D1 = "d1", Kind.MOMENT
@@ -95,6 +96,7 @@ class Family(Enum):
     ROTARY_MOMENT = "rotary", Kind.MOMENT
     ROTARY_PRODUCT = "rotarydotdot", Kind.MOMENT
     STRAIN = "strain", Kind.MOMENT
+    PRELOAD_WORK = "at_rest", Kind.MOMENT
     COSINE = "cos_phi", Kind.ROTATION
     SINE = "sin_phi", Kind.ROTATION
     ROTATION_TENSOR = "Q", Kind.ROTATION

@@ -28,6 +28,7 @@ INDICES = {
     Family.C10: 2,
     Family.FIELD_WEIGHT: 3,
     Family.STIFFNESS: 2,
+    Family.PRELOAD: 1,
     Family.DAMPING: 2,
     Family.ROTARY: 2,
     Family.POINT_POSITION: 0,
@@ -157,12 +158,21 @@ PLANAR_DOCS = {
     Family.C10: ("int rho X x Psi_ij", "kg"),
     Family.FIELD_WEIGHT: ("part of theta_p in Psi_ij", "1/m"),
     Family.STIFFNESS: ("stiffness", "N/m"),
+    Family.PRELOAD: ("work of the axial force at rest", "N"),
     Family.DAMPING: ("damping", "N s/m"),
     Family.ROTARY: ("rotary inertia of attached masses", "kg"),
 }
 """The tables of a planar body: what they are, their units. C5 is a table of its own at second order alone."""
 
-OPTIONAL = (Family.C5, Family.C9, Family.C10, Family.FIELD_WEIGHT, Family.DAMPING, Family.ROTARY)
+OPTIONAL = (
+    Family.C5,
+    Family.C9,
+    Family.C10,
+    Family.FIELD_WEIGHT,
+    Family.PRELOAD,
+    Family.DAMPING,
+    Family.ROTARY,
+)
 """Tables that not every body has."""
 
 

@@ -10,6 +10,7 @@ from derive.errors import Problem, SpecError, quoted
 from derive.mechanics.multibody.forces.registry import FORCES
 from derive.spec.model.body import (
     AttachedMass,
+    AxialDeformation,
     BeamDamping,
     BodyFrame,
     Damping,
@@ -127,6 +128,7 @@ def _beam(beam: PlanarBeam) -> Data:
         markers=_markers(beam.markers),
         gravity=beam.gravity,
         start=beam.start,
+        axial=as_table(beam.axial),
         damping=as_table(beam.damping),
         masses={mass.name: mass for mass in beam.masses} or None,
         **_order(beam.order),
@@ -244,6 +246,9 @@ _CONVERT: Mapping[type, Callable[[Any], object]] = {
     BodyFrame: lambda frame: without_none(kind=frame.kind, node=frame.node, around=frame.around or None),
     Damping: lambda damping: {key: value for key, value in asdict(damping).items() if value} or None,
     BeamDamping: lambda damping: {key: value for key, value in vars(damping).items() if value} or None,
+    AxialDeformation: lambda axial: without_none(
+        ansatz=axial.ansatz, stiffness=axial.stiffness, preload=axial.preload or None
+    ),
     AttachedMass: lambda mass: without_none(at=mass.at, mass=mass.mass, inertia=mass.inertia or None),
     Marker: lambda marker: marker.at,
     NodeMarker: lambda marker: marker.node,

@@ -17,6 +17,7 @@ from derive.spec.model.body import (
     DEFAULT_LENGTH,
     DEFAULT_MASS,
     AttachedMass,
+    AxialDeformation,
     BeamDamping,
     BodyFrame,
     Damping,
@@ -61,6 +62,7 @@ def planar_beam(
     orthogonal: bool | None = None,
     ends: str | None = None,
     gravity: Sequence[Constant] | None = None,
+    axial: Table | AxialDeformation | None = None,
     damping: Mapping[str, Constant] | BeamDamping | Damping | None = None,
     order: int = 1,
     terms: str | None = None,
@@ -72,9 +74,10 @@ def planar_beam(
     "point", "chord", "given", or a Frame, by default "mean" or what the family is for; mass (kg), length (m) and
     bending_stiffness (N m^2): numbers or parameters, where a float is the decimal it is printed as; markers: names
     and places xi from -1 to 1; ends: "pinned" or "free", what polynomials fulfil at both ends as well; gravity: two
-    components, m/s^2; damping: { ratio = ... } of critical in each free mode, or factors of the mass (1/s) and
-    stiffness (s) matrices; order: 1 as in the paper, or 2, where the beam shortens as it bends; terms: "truncated" or
-    "full", for order 2; masses: by name tables of `at` (xi), `mass` (kg) and `inertia` (kg m^2), or AttachedMass.
+    components, m/s^2; axial: { ansatz, stiffness, preload } of a beam that stretches; damping: { ratio = ... } of
+    critical in each free mode, or factors of the mass (1/s) and stiffness (s) matrices; order: 1 as in the paper, or 2,
+    where the beam shortens as it bends; terms: "truncated" or "full", for order 2; masses: by name tables of `at` (xi),
+    `mass` (kg) and `inertia` (kg m^2), or AttachedMass.
     """
     keys = {"ansatz": as_table(ansatz), "mass": mass, "length": length, "bending_stiffness": bending_stiffness}
     attached = masses if isinstance(masses, Mapping) else {m.name: m for m in masses}
@@ -83,6 +86,7 @@ def planar_beam(
         "orthogonal": orthogonal,
         "ends": ends,
         "gravity": gravity,
+        "axial": as_table(axial),
         "damping": as_table(damping),
     }
     optional |= {"terms": terms, "order": None if order == 1 else order}

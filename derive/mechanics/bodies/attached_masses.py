@@ -8,6 +8,9 @@ The last is no part of c8, since a rotation, unlike a deflection, does not take 
 The shape functions are those of the beam without its masses, for the conditions of a frame are exact and masses may be
 run-time parameters. In the mean frame (17) and (19) then hold for the mass of the beam alone: c1, c2 and c6 do not
 vanish, and c8 is no longer diagonal.
+
+Where the beam stretches, the section turns by -dphi_i/dx dchi_k/dx alpha_i alpha_k as well at second order; J times
+that is a part of c10_ik, the moment of what turns with the angular acceleration.
 """
 
 from __future__ import annotations
@@ -19,8 +22,8 @@ from fractions import Fraction
 import sympy as sp
 
 from derive.mechanics import quantity
-from derive.mechanics.bodies.beam_functions import BeamFunction, rational
-from derive.mechanics.bodies.beam_integrals import BeamIntegrals
+from derive.mechanics.bodies.beam_functions import rational
+from derive.mechanics.bodies.beam_integrals import BeamField, BeamIntegrals
 from derive.mechanics.bodies.foreshortening import Foreshortening
 from derive.mechanics.bodies.planar_integrals import Value
 from derive.mechanics.symbols import Family, pair
@@ -35,13 +38,17 @@ CANCEL = "the attached masses, which cancel"
 
 @dataclass(frozen=True)
 class LocatedMass:
-    """A mass (kg) with its inertia (kg m^2) at xi = `at`, and the rotations dphi_i/dx (1/m) of the section there."""
+    """A mass (kg) with its inertia (kg m^2) at xi = `at`, and the rotations dphi_i/dx (1/m) of the section there.
+
+    strains: dchi_k/dx (1/m) there; of each shape either the rotation or the strain is zero.
+    """
 
     name: str
     at: Fraction
     mass: sp.Expr
     inertia: sp.Expr
     rotations: tuple[sp.Expr, ...]
+    strains: tuple[sp.Expr, ...]
 
     def rotation(self, i: int) -> sp.Expr:
         """The rotation that goes with phi for i = 0, or with alpha_i; displacements along the axis turn no section."""
@@ -49,17 +56,26 @@ class LocatedMass:
             return sp.S.One
         return self.rotations[i - 1] if i <= len(self.rotations) else sp.S.Zero
 
+    def second_rotation(self, i: int, j: int) -> sp.Expr:
+        """The rotation that goes with alpha_i alpha_j, twice that for i = j, in 1/m^2."""
+        return -self.rotations[i - 1] * self.strains[j - 1] - self.rotations[j - 1] * self.strains[i - 1]
+
 
 def located_masses(
-    masses: Iterable[AttachedMass], shapes: tuple[BeamFunction, ...], length: sp.Expr
+    masses: Iterable[AttachedMass], shapes: tuple[BeamField, ...], length: sp.Expr
 ) -> tuple[LocatedMass, ...]:
-    """The masses on a beam with these shapes and this length (m)."""
+    """The masses on a beam with these displacement fields and this length (m)."""
     result = []
     for m in masses:
-        rotations = tuple(2 * rational(shape.derivative().at(m.at)) / length for shape in shapes)
+        slopes = {axis: [_slope(field, axis, m.at, length) for field in shapes] for axis in (1, 2)}
         mass, inertia = quantity.value(m.mass), quantity.value(m.inertia, positive=False)
-        result.append(LocatedMass(m.name, m.at, mass, inertia, rotations))
+        result.append(LocatedMass(m.name, m.at, mass, inertia, tuple(slopes[2]), tuple(slopes[1])))
     return tuple(result)
+
+
+def _slope(field: BeamField, axis: int, at: Fraction, length: sp.Expr) -> sp.Expr:
+    """The derivative of a field by x, or zero if it is along another axis."""
+    return 2 * rational(field.of.derivative().at(at)) / length if field.axis == axis else sp.S.Zero
 
 
 @dataclass(frozen=True)
@@ -118,8 +134,9 @@ class SecondOrderWithMasses:
         return sp.Add(self.beam.trace(i, j), *own)
 
     def axial(self, i: int, j: int) -> Value:
-        """int rho X x Psi_ij."""
-        return self.beam.axial(i, j)
+        """int rho X x Psi_ij, with the inertia."""
+        turned = [m.inertia * m.second_rotation(i, j) for m in self.masses]
+        return _sum(self.beam.axial(i, j), turned) if any(turned) else self.beam.axial(i, j)
 
     def _there(self, i: int, j: int, mass: LocatedMass) -> sp.Rational:
         """psi_ij length/2 at a mass."""

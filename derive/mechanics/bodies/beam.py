@@ -1,12 +1,15 @@
 """The uniform slender beam in a plane, (21)-(27): its shape integrals and its strain energy, in closed form.
 
 The inertia of (15) sees int rho ... dOmega = m/2 int ... dxi over -1 <= xi <= 1, with X = xi l/2 e1 (24) and
-Phi_i = phi_i(xi) e2 (25). The rotary inertia of the cross-section is neglected, the axis does not stretch.
+Phi_i = phi_i(xi) e2 (25). Beyond the paper, the axis may stretch: further shapes chi_k(xi) e1 follow those of bending.
+The rotary inertia of the cross-section and its shear deformation are neglected.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from dataclasses import replace
+from itertools import combinations_with_replacement
 from typing import assert_never
 
 import sympy as sp
@@ -21,7 +24,9 @@ from derive.mechanics.bodies.attached_masses import (
 )
 from derive.mechanics.bodies.beam_damping import beam_damping, damping_parameters, retardation
 from derive.mechanics.bodies.beam_functions import XI, BeamFunction, rational
-from derive.mechanics.bodies.beam_integrals import ORTHOGONAL, PARITY, BeamField, BeamIntegrals
+from derive.mechanics.bodies.beam_integrals import BeamField, BeamIntegrals
+from derive.mechanics.bodies.beam_stiffness import beam_stiffness, of_shapes, preload_constants, stiffness_units
+from derive.mechanics.bodies.displacement_fields import displacement_fields
 from derive.mechanics.bodies.foreshortening import (
     Foreshortening,
     field_weights,
@@ -36,6 +41,7 @@ from derive.mechanics.indexed_equations import derive_body
 from derive.mechanics.motion.material_points import MaterialPoint
 from derive.mechanics.symbols import Family, Identity, Symbol, pair
 from derive.mechanics.terms import ModelConstant, ParameterSymbol
+from derive.roles import Source
 from derive.spec.model.body import DisplacementOrder, Marker, PlanarBeam
 from derive.spec.model.quantity import Parameter
 
@@ -54,11 +60,9 @@ def beam_body(beam: PlanarBeam, pieces: int = 1) -> Body:
     Markers and masses of a piece are those of `beam`, with positions in the piece. Raises ConditionError when the
     ansatz does not fit the frame.
     """
-    shapes = assumed_shapes(beam.deflection)
-    mass, length, bending = (quantity.value(q) for q in (beam.mass, beam.length, beam.bending_stiffness))
-    mass, length = mass / pieces, length / pieces
+    shapes = displacement_fields(beam)
+    mass, length = quantity.value(beam.mass) / pieces, quantity.value(beam.length) / pieces
     gravity, gravity_parameters = quantity.gravity(beam.gravity)
-    family = tuple(BeamField(shape, 2) for shape in shapes)
     mean = beam.frame.kind == "mean"
     masses = located_masses(beam.masses, shapes, length)
 
@@ -66,7 +70,7 @@ def beam_body(beam: PlanarBeam, pieces: int = 1) -> Body:
         of_beam = BeamIntegrals(members, mass, length, mean)
         return coefficients(IntegralsWithMasses(of_beam, masses) if masses else of_beam, len(members))
 
-    integrals = of_fields(family)
+    integrals = of_fields(shapes)
     fields: tuple[BeamFunction, ...] = ()
     second = Foreshortening(shapes, beam.frame, mass, length)
     match beam.order:
@@ -77,21 +81,22 @@ def beam_body(beam: PlanarBeam, pieces: int = 1) -> Body:
             integrals += second_order_coefficients(of_second, integrals, len(shapes))
         case DisplacementOrder.FULL:
             fields = tuple(combination.field for combination in second.combinations)
-            family += tuple(BeamField(field, 1) for field in fields)
+            family = (*shapes, *(BeamField(field, 1) for field in fields))
             integrals = of_fields(family) + field_weights(second)
         case _ as never:
             assert_never(never)
     carried = f", with the attached masses {', '.join(m.name for m in masses)}" if masses else ""
     return planar_body(
         name=beam.name,
-        doc=f"free planar beam, {beam.frame.kind} frame, shapes {', '.join(shape.text for shape in shapes)}{carried}",
+        doc=f"free planar beam, {beam.frame.kind} frame, {_shape_texts(shapes)}{carried}",
         frame_doc="X = xi l/2 e1 (24), so c is where the centre of the undeformed beam lies in the floating frame.",
         modes=len(shapes),
         mass=sp.Add(mass, *(m.mass for m in masses)),
         constants=(
             *integrals,
             *rotary_inertia(masses, len(shapes)),
-            *_stiffness(shapes, length, bending),
+            *beam_stiffness(beam, pieces),
+            *preload_constants(beam),
             *damping_constants(beam, pieces),
         ),
         points=tuple(beam_point(marker, beam, pieces) for marker in beam.markers),
@@ -108,56 +113,71 @@ def _parameters(beam: PlanarBeam) -> Iterator[ParameterSymbol]:
     for field, doc in docs.items():
         if isinstance(value := getattr(beam, field), Parameter):
             yield quantity.parameter(value, doc)
+    if beam.axial and isinstance(beam.axial.stiffness, Parameter):
+        yield quantity.parameter(beam.axial.stiffness, AXIAL_DOCS["stiffness"])
+    if beam.axial and isinstance(beam.axial.preload, Parameter):
+        yield quantity.parameter(beam.axial.preload, AXIAL_DOCS["preload"], positive=False)
+
+
+AXIAL_DOCS = {"stiffness": "axial stiffness EA", "preload": "axial force at rest"}
+"""What the constants of AxialDeformation are."""
+
+
+def _shape_texts(shapes: tuple[BeamField, ...]) -> str:
+    """The shape functions in a line."""
+    bending = ", ".join(shape.of.text for shape in shapes if shape.axis == 2)
+    along = ", ".join(shape.of.text for shape in shapes if shape.axis == 1)
+    return f"shapes {bending}" + (f", along the axis {along}" if along else "")
 
 
 def damping_constants(beam: PlanarBeam, pieces: int = 1) -> tuple[ModelConstant, ...]:
     """The entries of the damping matrix of a beam, or of its equal pieces; none without damping."""
     if beam.damping is None:
         return ()
-    mass, length, bending = (quantity.value(q) for q in (beam.mass, beam.length, beam.bending_stiffness))
-    mass, length = mass / pieces, length / pieces
-    shapes = assumed_shapes(beam.deflection)
-    family = tuple(BeamField(shape, 2) for shape in shapes)
-    integrals = coefficients(BeamIntegrals(family, mass, length, beam.frame.kind == "mean"), len(shapes))
-    stiffness = _stiffness(shapes, length, bending)
-    return beam_damping(beam.damping, integrals, stiffness, mass, bending / length**3)
-
-
-def retardation_times(beam: PlanarBeam, pieces: int = 1) -> sp.Matrix:
-    """K^-1 B (s) of a beam with damping, or of its equal pieces; see `retardation`."""
-    length, bending = (quantity.value(q) for q in (beam.length, beam.bending_stiffness))
-    shapes = assumed_shapes(beam.deflection)
-    unit = bending / (length / pieces) ** 3
-    return retardation(_stiffness(shapes, length / pieces, bending), damping_constants(beam, pieces), unit)
-
-
-def section_rotations(marker: Marker, beam: PlanarBeam, pieces: int = 1) -> tuple[ModelConstant, ...]:
-    """The rotation of the section at a marker for unit amplitudes: dv/dx of each shape, to first order as in (22)."""
-    length = quantity.value(beam.length) / pieces
-    result = []
-    for i, shape in enumerate(assumed_shapes(beam.deflection), 1):
-        slope = rational(shape.derivative().at(marker.at))
-        zero = None if slope else "these shapes (no slope there)"
-        doc = f"rotation of the section at marker {marker.name} for a unit amplitude of mode {i}: d phi_{i}/dx"
-        symbol = Symbol(Identity(Family.SECTION_ROTATION, shapes=(i,), point=marker.name))
-        result.append(ModelConstant(symbol, 2 * slope / length, "(21)", doc, "1/m", zero))
+    mass, length = quantity.value(beam.mass) / pieces, quantity.value(beam.length) / pieces
+    shapes = displacement_fields(beam)
+    integrals = coefficients(BeamIntegrals(shapes, mass, length, beam.frame.kind == "mean"), len(shapes))
+    stiffness, result = beam_stiffness(beam, pieces), list[ModelConstant]()
+    for axis, unit in stiffness_units(beam, pieces).items():
+        block = of_shapes(stiffness, (i for i, shape in enumerate(shapes, 1) if shape.axis == axis))
+        result += beam_damping(beam.damping, integrals, block, mass, unit)
+    known = {c.symbol.identity.shapes for c in result}
+    apart = (c for c in stiffness if c.symbol.identity.shapes not in known)
+    result += (replace(c, symbol=pair(Family.DAMPING, *c.symbol.identity.shapes), unit="N s/m") for c in apart)
     return tuple(result)
 
 
-def _stiffness(shapes: tuple[BeamFunction, ...], length: sp.Expr, bending: sp.Expr) -> tuple[ModelConstant, ...]:
-    """K_ij of U = 1/2 EI int (d^2v/dx^2)^2 dx, which is (22) since x = xi l/2."""
-    dxi_dx = 2 / length
-    dx_dxi = length / 2
-    curvatures = [shape.derivative(2) for shape in shapes]
+def retardation_times(beam: PlanarBeam, pieces: int = 1) -> sp.Matrix:
+    """K^-1 B (s) of the bending of a beam with damping, or of its equal pieces; see `retardation`."""
+    bending = range(1, len(assumed_shapes(beam.deflection)) + 1)
+    stiffness, damping = beam_stiffness(beam, pieces), damping_constants(beam, pieces)
+    return retardation(of_shapes(stiffness, bending), of_shapes(damping, bending), stiffness_units(beam, pieces)[2])
+
+
+def section_rotations(marker: Marker, beam: PlanarBeam, pieces: int = 1) -> tuple[ModelConstant, ...]:
+    """The rotation of the section at a marker for unit amplitudes: dv/dx of each shape, to first order as in (22).
+
+    A section turns by dv/dx/(1 + du/dx). At second order, where the beam stretches, this adds -dv/dx du/dx: the
+    constants of two shapes are the factors of alpha_i alpha_k.
+    """
+    length, shapes = quantity.value(beam.length) / pieces, displacement_fields(beam)
+    slopes = [2 * rational(field.of.derivative().at(marker.at)) / length for field in shapes]
     result = []
-    for i, first in enumerate(curvatures, 1):
-        for j, second in enumerate(curvatures[i - 1 :], i):
-            product = first * second
-            value = rational(product.integral())
-            zero = None if value else PARITY if product.is_odd else ORTHOGONAL
-            doc = f"stiffness: int EI (d2 phi_{i}/dx2) (d2 phi_{j}/dx2) dx"
-            expr = bending * dxi_dx**4 * dx_dxi * value
-            result.append(ModelConstant(pair(Family.STIFFNESS, i, j), expr, "(22)", doc, "N/m", zero))
+    for i, (field, slope) in enumerate(zip(shapes, slopes, strict=True), 1):
+        zero = "displacements along the axis turn no section" if field.axis == 1 else "these shapes (no slope there)"
+        turns = field.axis == 2 and slope != 0
+        doc = f"rotation of the section at marker {marker.name} for a unit amplitude of mode {i}: d phi_{i}/dx"
+        symbol = Symbol(Identity(Family.SECTION_ROTATION, shapes=(i,), point=marker.name))
+        value = slope if turns else sp.S.Zero
+        result.append(ModelConstant(symbol, value, "(21)", doc, "1/m", None if turns else zero))
+    if beam.order is DisplacementOrder.FIRST_ORDER:
+        return tuple(result)
+    for i, k in combinations_with_replacement(range(1, len(shapes) + 1), 2):
+        value = -slopes[i - 1] * slopes[k - 1]
+        if value != 0 and shapes[i - 1].axis != shapes[k - 1].axis:
+            doc = f"rotation of the section at marker {marker.name} by modes {i} and {k}: -(d phi_{i}/dx)(d chi_{k}/dx)"
+            symbol = Symbol(Identity(Family.SECTION_ROTATION, shapes=(i, k), point=marker.name))
+            result.append(ModelConstant(symbol, value, Source.SECOND_ORDER, doc, "1/m^2"))
     return tuple(result)
 
 
@@ -181,7 +201,7 @@ def point_that_sees(
     docs: of the point and of its position; value: what the point sees of a function of xi; zero: why its position
     vanishes if it does.
     """
-    shapes = assumed_shapes(beam.deflection)
+    shapes = displacement_fields(beam)
     length = quantity.value(beam.length) / pieces
     position, at = Symbol(Identity(Family.POINT_POSITION, point=name)), value(XI)
     constants = [ModelConstant(position, at * length / 2, "(24)", docs[1], "m", None if at else zero)]
@@ -192,7 +212,7 @@ def point_that_sees(
         name=name,
         doc=docs[0],
         position=sp.ImmutableMatrix([position, 0]),
-        shapes=tuple(sp.ImmutableMatrix([0, value(s)]) for s in shapes),
+        shapes=tuple(sp.ImmutableMatrix([value(s.of), 0] if s.axis == 1 else [0, value(s.of)]) for s in shapes),
         coefficients=(*constants, *second),
         second=second_order_vectors(second, len(shapes)),
     )

@@ -41,27 +41,28 @@ def beam_damping(
     integrals: tuple[ModelConstant, ...],
     stiffness: tuple[ModelConstant, ...],
     mass: sp.Expr,
-    bending: sp.Expr,
+    unit: sp.Expr,
 ) -> tuple[ModelConstant, ...]:
-    """The entries B_ij, i <= j, in N s/m, with the reasons of those that vanish.
+    """The entries B_ij, i <= j, in N s/m, with the reasons of those that vanish; of bending or of stretching.
 
-    integrals: those of the beam alone, without attached masses; mass: that of the beam, kg; bending: EI/l^3, N/m.
-    Proportional damping is exact. In B = 2 ratio c8 (c8^-1 K)^(1/2) every mode of c8 and K has the ratio; the root is
-    one of numbers, since c8/mass and K/bending are numbers.
+    integrals: those of the beam alone, without attached masses; stiffness: the entries K_ij of some shapes; mass: that
+    of the beam, kg; unit: EI/l^3 or EA/l, N/m. Proportional damping is exact. In B = 2 ratio c8 (c8^-1 K)^(1/2) every
+    mode of c8 and K has the ratio; the root is one of numbers, since c8/mass and K/unit are numbers.
     """
     ratio, of_mass, of_stiffness = (
         quantity.value(x, positive=False) for x in (damping.ratio, damping.mass, damping.stiffness)
     )
-    masses = _deforming_mass(integrals, mass)
-    stiffnesses = _numbers(stiffness, bending)
+    stiffnesses = _numbers(stiffness, unit)
+    deforming = _deforming_mass(integrals, mass)
+    masses = {key: deforming[key] for key in stiffnesses}
     roots: Numbers = _roots(masses, stiffnesses) if ratio != 0 else {}
-    number, symbols = sp.expand(mass * bending).as_coeff_Mul()
-    unit = rounded(sp.sqrt(number)) * sp.sqrt(symbols)  # SymPy would keep an irrational factor such as sqrt(2)
+    number, symbols = sp.expand(mass * unit).as_coeff_Mul()
+    root_unit = rounded(sp.sqrt(number)) * sp.sqrt(symbols)  # SymPy would keep an irrational factor such as sqrt(2)
     result = []
     for entry in stiffness:
         key = _shapes(entry)
         value = of_mass * masses[key] * mass + of_stiffness * entry.value
-        value += 2 * ratio * unit * roots.get(key, sp.S.Zero)
+        value += 2 * ratio * root_unit * roots.get(key, sp.S.Zero)
         zero = None if value != 0 else UNCOUPLED if roots else entry.zero or UNCOUPLED
         doc = f"damping of modes {key[0]} and {key[1]}"
         result.append(ModelConstant(pair(Family.DAMPING, *key), rounded(value), "(13)", doc, "N s/m", zero))
@@ -75,15 +76,13 @@ def damping_parameters(beam: PlanarBeam) -> Iterator[ParameterSymbol]:
             yield quantity.parameter(value, f"{DAMPING_DOCS[key]} of the beam", positive=False)
 
 
-def retardation(
-    stiffness: tuple[ModelConstant, ...], damping: tuple[ModelConstant, ...], bending: sp.Expr
-) -> sp.Matrix:
+def retardation(stiffness: tuple[ModelConstant, ...], damping: tuple[ModelConstant, ...], unit: sp.Expr) -> sp.Matrix:
     """K^-1 B (s): the amplitudes whose elastic forces are the damping forces of given velocities.
 
     Of proportional damping it is the factor of the stiffness, the retardation time of the material, times the unit
     matrix, if that of the mass is zero.
     """
-    K, B = _symmetric(_numbers(stiffness, bending)), _symmetric({_shapes(c): c.value / bending for c in damping})
+    K, B = _symmetric(_numbers(stiffness, unit)), _symmetric({_shapes(c): c.value / unit for c in damping})
     return (K.inv() * B).expand()
 
 
@@ -92,8 +91,8 @@ def _deforming_mass(integrals: tuple[ModelConstant, ...], mass: sp.Expr) -> Numb
     known = {c.symbol: c.value for c in integrals}
     inertia = known[quantity_symbol(Family.C3)]
 
-    def displaced(i: int) -> sp.Expr:
-        return known[quantity_symbol(Family.C2, 2, shapes=(i,))]
+    def displaced(i: int, k: int) -> sp.Expr:
+        return known[quantity_symbol(Family.C2, k, shapes=(i,))]
 
     def rotated(i: int) -> sp.Expr:
         return known[quantity_symbol(Family.C6, shapes=(i,))]
@@ -102,7 +101,8 @@ def _deforming_mass(integrals: tuple[ModelConstant, ...], mass: sp.Expr) -> Numb
     for c in integrals:
         if identity(c.symbol).family is Family.C8:
             i, j = _shapes(c)
-            rigid = displaced(i) * displaced(j) / mass + rotated(i) * rotated(j) / inertia
+            moved = sp.Add(*(displaced(i, k) * displaced(j, k) for k in (1, 2)))
+            rigid = moved / mass + rotated(i) * rotated(j) / inertia
             result[i, j] = sp.Rational((c.value - rigid) / mass)
     return result
 
@@ -128,14 +128,16 @@ def _roots(masses: Numbers, stiffnesses: Numbers) -> Numbers:
         squares, modes = mpmath.eigsy(inverse * k * inverse.T)
         root = low * modes * mpmath.diag([mpmath.sqrt(square) for square in squares]) * modes.T * low.T
         largest = max(abs(x) for x in root)
-        entries = {(i, j): root[i - 1, j - 1] for i, j in masses}
+        first = min(i for i, _ in masses)
+        entries = {(i, j): root[i - first, j - first] for i, j in masses}
         return {key: sp.Rational(float(x)) for key, x in entries.items() if abs(x) > NEGLIGIBLE * largest}
 
 
 def _symmetric(entries: Mapping[tuple[int, int], sp.Expr]) -> sp.Matrix:
-    """A symmetric matrix from its entries i <= j."""
-    n = max(i for i, _ in entries)
-    return sp.Matrix(n, n, lambda i, j: entries[min(i, j) + 1, max(i, j) + 1])
+    """A symmetric matrix from its entries i <= j, of shapes that follow each other."""
+    first, last = min(i for i, _ in entries), max(i for i, _ in entries)
+    n = last - first + 1
+    return sp.Matrix(n, n, lambda i, j: entries[first + min(i, j), first + max(i, j)])
 
 
 def _high_precision(matrix: sp.Matrix) -> mpmath.matrix:

@@ -51,7 +51,7 @@ def _part_value(factor: sp.Expr, integrand: BeamFunction, start: Fraction) -> Va
 
 
 def part_body(
-    shapes: tuple[BeamFunction, ...],
+    shapes: tuple[BeamField, ...],
     frame: Frame,
     order: DisplacementOrder,
     mass: sp.Expr,
@@ -60,14 +60,13 @@ def part_body(
     gravity: tuple[ModelConstant, ...],
     masses: tuple[LocatedMass, ...] = (),
 ) -> Body:
-    """The part to the right of xi = `start` of a beam with these shapes, and the masses that are attached to it.
+    """The part to the right of xi = `start` of a beam with these fields, and the masses that are attached to it.
 
     mass (kg) and length (m) are those of the whole beam.
     """
-    family = tuple(BeamField(shape, 2) for shape in shapes)
     second = PartForeshortening(shapes, frame, mass, length, start)
     fields = tuple(c.field for c in second.combinations) if order is DisplacementOrder.FULL else ()
-    family += tuple(BeamField(field, 1) for field in fields)
+    family = (*shapes, *(BeamField(field, 1) for field in fields))
     of_fields = PartIntegrals(family, mass, length, False, start)
     constants = coefficients(IntegralsWithMasses(of_fields, masses), len(family))
     if order is DisplacementOrder.TRUNCATED:

@@ -4,9 +4,8 @@ An inextensible axis has du/dx = -1/2 (dv/dx)^2 to second order, so that u = 1/2
 
     Psi_ij = psi_ij(xi) e1,   psi_ij = -(2/l) int phi_i' phi_j' dxi,
 
-primes by xi. The free constant is fixed by the condition of the frame on the displacement along e1: its mean vanishes
-(17), or it vanishes at the point of the frame (16); at the ends of a chord it is opposite, so that c, the centre of the
-undeformed beam, is the middle of the chord. Beyond the paper, which stops at first order.
+primes by xi. The free constant is fixed by the condition of the frame on the displacement along e1, see
+`displacement_fields`. Displacements along the axis shorten nothing. Beyond the paper, which stops at first order.
 """
 
 from __future__ import annotations
@@ -19,8 +18,9 @@ from itertools import combinations_with_replacement
 
 import sympy as sp
 
-from derive.mechanics.bodies.beam_functions import LEFT, ONE, RIGHT, XI, BeamFunction, Real, polynomial, rational
-from derive.mechanics.bodies.beam_integrals import ORTHOGONAL, PARITY
+from derive.mechanics.bodies.beam_functions import XI, BeamFunction, Real, polynomial, rational
+from derive.mechanics.bodies.beam_integrals import ORTHOGONAL, PARITY, BeamField
+from derive.mechanics.bodies.displacement_fields import shortening
 from derive.mechanics.bodies.planar_integrals import Value
 from derive.mechanics.motion.full_second_order import field_weight
 from derive.mechanics.symbols import Family, Identity, Symbol
@@ -31,15 +31,16 @@ from derive.spec.model.body import Frame
 PARALLEL_TO_AXIS = "geometry (X and the Psi_ij are along e1)"
 SHORTENING = "geometry (the beam shortens along e1)"
 CONDITION_17 = "condition (17) at second order (no mean displacement)"
+STRETCHING = "geometry (displacements along the axis do not shorten the beam)"
 NO_SHORTENING = "these shapes (no displacement along e1 there)"
 NO_PART = "these shapes (the shortening has no such part)"
 
 
 @dataclass(frozen=True)
 class Foreshortening:
-    """The psi_ij of a beam with these shapes, each 2/length times `of(i, j)`."""
+    """The psi_ij of a beam with these displacement fields, each 2/length times `of(i, j)`."""
 
-    shapes: tuple[BeamFunction, ...]
+    fields: tuple[BeamField, ...]
     frame: Frame
     mass: sp.Expr
     length: sp.Expr
@@ -50,14 +51,15 @@ class Foreshortening:
         return 2 / self.length
 
     def of(self, i: int, j: int) -> BeamFunction:
-        """psi_ij length/2 of the shapes i and j, from 1."""
-        primitive = -(self.shapes[i - 1].derivative() * self.shapes[j - 1].derivative()).antiderivative()
-        return primitive - ONE.scaled(_condition(primitive, self.frame))
+        """psi_ij length/2 of the fields i and j, from 1."""
+        return shortening(self.fields[i - 1], self.fields[j - 1], self.frame)
 
     def first(self, i: int, j: int, component: int) -> Value:
         """int rho Psi_ij . e_component."""
         if component == 2:
             return Value(sp.S.Zero, SHORTENING)
+        if self.stretches(i, j):
+            return Value(sp.S.Zero, STRETCHING)
         return self._value(self.of(i, j), self.factor, CONDITION_17 if self.frame.kind == "mean" else None)
 
     def trace(self, i: int, j: int) -> sp.Expr:
@@ -68,14 +70,18 @@ class Foreshortening:
         """int rho X x Psi_ij."""
         return Value(sp.S.Zero, PARALLEL_TO_AXIS)
 
+    def stretches(self, i: int, j: int) -> bool:
+        """Whether one of two fields is along the axis."""
+        return 1 in (self.fields[i - 1].axis, self.fields[j - 1].axis)
+
     @cached_property
     def combinations(self) -> tuple[Combination, ...]:
         """The fields theta_p that all psi_ij are combinations of, and the weights.
 
         For polynomials these are Legendre polynomials, which are orthogonal; for others the psi_ij themselves.
         """
-        every = {(i, j): self.of(i, j) for i, j in pairs(len(self.shapes))}
-        if not all(shape.is_exact for shape in self.shapes):
+        every = {(i, j): self.of(i, j) for i, j in pairs(len(self.fields))}
+        if not all(field.of.is_exact for field in self.fields):
             return tuple(Combination(psi, {key: Fraction(1)}) for key, psi in every.items() if not psi.is_zero)
         highest = max(len(psi.coefficients) for psi in every.values())
         result = []
@@ -106,19 +112,6 @@ def _legendre(degree: int) -> BeamFunction:
     return polynomial(Fraction(int(c.p), int(c.q)) for c in coefficients)
 
 
-def _condition(primitive: BeamFunction, frame: Frame) -> Real:
-    """The constant of psi_ij that the frame takes away."""
-    match frame.kind:
-        case "mean":
-            return primitive.integral() / 2
-        case "point" | "tangent":
-            return primitive.at(frame.at or Fraction(0))
-        case "chord":
-            return (primitive.at(LEFT) + primitive.at(RIGHT)) / 2
-        case "given":
-            return primitive.at(Fraction(0))
-
-
 def pairs(n: int) -> Iterator[tuple[int, int]]:
     """The pairs i <= j of shapes."""
     return combinations_with_replacement(range(1, n + 1), 2)
@@ -128,9 +121,10 @@ def field_weights(of: Foreshortening) -> tuple[ModelConstant, ...]:
     """z_pij of Psi_ij = sum z_pij theta_p."""
     result = []
     for p, combination in enumerate(of.combinations, 1):
-        for i, j in pairs(len(of.shapes)):
+        for i, j in pairs(len(of.fields)):
             value = rational(combination.weights.get((i, j), Fraction(0)))
-            doc, zero = f"part of theta_{p} in Psi_{i}{j}", None if value else NO_PART
+            doc = f"part of theta_{p} in Psi_{i}{j}"
+            zero = None if value else STRETCHING if of.stretches(i, j) else NO_PART
             symbol = field_weight(p, i, j)
             result.append(ModelConstant(symbol, of.factor * value, Source.SECOND_ORDER, doc, "1/m", zero))
     return tuple(result)
@@ -141,13 +135,12 @@ def point_shortening(
 ) -> tuple[ModelConstant, ...]:
     """psi_ij at a point, i <= j, in 1/m; `value` is what the point sees of a function of xi."""
     result = []
-    for i, j in pairs(len(of.shapes)):
+    for i, j in pairs(len(of.fields)):
         symbol = Symbol(Identity(Family.POINT_SECOND, (i, j), (1,), point=point))
         psi = value(of.of(i, j))
         doc = f"psi_{i}{j} at marker {point}"
-        result.append(
-            ModelConstant(symbol, of.factor * psi, Source.SECOND_ORDER, doc, "1/m", None if psi else NO_SHORTENING)
-        )
+        zero = None if psi else STRETCHING if of.stretches(i, j) else NO_SHORTENING
+        result.append(ModelConstant(symbol, of.factor * psi, Source.SECOND_ORDER, doc, "1/m", zero))
     return tuple(result)
 
 

@@ -122,18 +122,18 @@ def assumed_shapes(deflection: AssumedDeflection) -> tuple[BeamFunction, ...]:
     if isinstance(deflection.ansatz, ShapeFamily):
         return _family(deflection.ansatz, deflection.frame)
     polynomials = [polynomial(p) for p in deflection.ansatz]
-    dependent = _dependencies(polynomials)
+    dependent = dependencies(polynomials)
     if dependent:
         raise ConditionError(f"the ansatz is linearly dependent: {d} = 0; leave one of these out" for d in dependent)
     left = _solve(polynomials, (*conditions(deflection.frame), *end_conditions(deflection.ends)))
     if not left:
         raise ConditionError([_nothing_left(deflection)])
     if deflection.orthogonal:
-        left = _orthogonal(left)
+        left = orthogonalised(left)
     rigid = _rigid_motions(left)
     if rigid:
         raise ConditionError(rigid)
-    return tuple(map(_normalised, left))
+    return tuple(map(normalised, left))
 
 
 def _family(family: ShapeFamily, frame: Frame) -> tuple[BeamFunction, ...]:
@@ -196,7 +196,7 @@ def _combination(functions: list[BeamFunction], weights: Iterable[Fraction]) -> 
     return sum((f.scaled(w) for f, w in zip(functions, weights, strict=True)), NOTHING)
 
 
-def _orthogonal(polynomials: list[BeamFunction]) -> list[BeamFunction]:
+def orthogonalised(polynomials: list[BeamFunction]) -> list[BeamFunction]:
     """Gram-Schmidt in the mass metric of a uniform beam, in the order of the ansatz."""
     result: list[BeamFunction] = []
     for p in polynomials:
@@ -205,7 +205,8 @@ def _orthogonal(polynomials: list[BeamFunction]) -> list[BeamFunction]:
     return result
 
 
-def _normalised(shape: BeamFunction) -> BeamFunction:
+def normalised(shape: BeamFunction) -> BeamFunction:
+    """The shape scaled so that it is one at xi = 1, or where it vanishes there its first derivative that does not."""
     derivative = shape
     while derivative.at(RIGHT) == 0:
         derivative = derivative.derivative()
@@ -237,7 +238,8 @@ def _rigid_motions(shapes: list[BeamFunction]) -> list[str]:
     return messages
 
 
-def _dependencies(polynomials: list[BeamFunction]) -> list[str]:
+def dependencies(polynomials: list[BeamFunction]) -> list[str]:
+    """The combinations of polynomials that vanish identically, as texts."""
     return [_sum_text(weights, [f"({p.text})" for p in polynomials]) for weights in _null_vectors(polynomials)]
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import sympy as sp
@@ -68,7 +68,10 @@ def fixed_point(position: sp.Matrix) -> PointMotion:
 def point_motion(
     motion: Motion, point: MaterialPoint, rotations: tuple[ModelConstant, ...], reasons: zeros.Reasons
 ) -> PointMotion:
-    """The motion of a material point from (1) and (5); `rotations` are those of the section by each shape."""
+    """The motion of a material point from (1) and (5).
+
+    rotations: those of the section by each shape and, at second order, by products of two amplitudes.
+    """
     rotation, (generator,), axes = motion.rotation, motion.frame.generators, (1, 2)
     shape_rows = motion.rows[len(motion.rows) - len(motion.alpha) :]
     still = sp.zeros(2, 1)
@@ -96,6 +99,7 @@ def point_motion(
     lever = define(s, rotation * r, "Q r at") + define(sdot, rotation * rdot, "Q rdot at")
     kept, known = zeros.drop_definitions((*seen, *lever), reasons)
     accelerations = tuple(row.a for row in shape_rows)
+    amplitudes = motion.alpha, motion.alphadot, accelerations
     rddot = sum((v * a for v, a in zip(tangents.vectors, accelerations, strict=True)), still)
     world = {R: s, RDOT: sdot, RDDOT: rotation * (rddot + acceleration_of_rates(motion, point))}
 
@@ -108,11 +112,10 @@ def point_motion(
                 total = total + tensor * world[name]
         return sp.ImmutableMatrix(total.expand().applyfunc(lambda e: zeros.drop(e, known)))
 
-    slopes = tuple(c.symbol for c in rotations)
+    vanishing = {**known, **zeros.reasons_of(rotations)}
 
-    def rotated(angle: sp.Symbol, amplitudes: tuple[sp.Symbol, ...]) -> sp.Expr:
-        total = sp.Add(angle, *(s * a for s, a in zip(slopes, amplitudes, strict=bool(slopes))))
-        return zeros.drop(total, {**known, **zeros.reasons_of(rotations)})
+    def rotated(angle: sp.Symbol, derivative: int) -> sp.Expr:
+        return zeros.drop(angle + _deformation(rotations, amplitudes, derivative), vanishing)
 
     phi, row = motion.coordinates[2].q, motion.rows[2]
     assert generator[1, 0] == 1, "phi is counted about e3"
@@ -121,10 +124,31 @@ def point_motion(
         position=vector(motion.position),
         velocity=vector(motion.velocity),
         acceleration=vector(motion.acceleration),
-        rotation=rotated(phi, motion.alpha),
-        angular_velocity=rotated(row.v, motion.alphadot),
-        angular_acceleration=rotated(row.a, accelerations),
+        rotation=rotated(phi, 0),
+        angular_velocity=rotated(row.v, 1),
+        angular_acceleration=rotated(row.a, 2),
     )
+
+
+def _deformation(
+    rotations: tuple[ModelConstant, ...], amplitudes: Sequence[Sequence[sp.Symbol]], derivative: int
+) -> sp.Expr:
+    """A time derivative of what deformation turns a section by; amplitudes: with their rates and accelerations."""
+    alpha, rates, accelerations = amplitudes
+    total = sp.S.Zero
+    for c in rotations:
+        first, *second = (i - 1 for i in c.symbol.identity.shapes)
+        if not second:
+            total += c.symbol * amplitudes[derivative][first]
+            continue
+        i, j = first, second[0]
+        product = (
+            alpha[i] * alpha[j],
+            rates[i] * alpha[j] + alpha[i] * rates[j],
+            accelerations[i] * alpha[j] + 2 * rates[i] * rates[j] + alpha[i] * accelerations[j],
+        )
+        total += c.symbol * product[derivative]
+    return sp.expand(total)
 
 
 @dataclass(frozen=True)

@@ -201,6 +201,11 @@ def _strain(known: Identity, above: tuple[str, ...]) -> TypesetSymbol:
     return TypesetSymbol(Rank.MOMENT, FormulaRow((column(transposed=True), whole(Family.STIFFNESS), column())))
 
 
+def _preload(known: Identity, above: tuple[str, ...]) -> Name:
+    """The column of the forces at rest, or an entry of it."""
+    return Name("N", below=(",".join(map(index_text, known.shapes)),) if known.shapes else (), above=above)
+
+
 def _sine(name: str) -> Callable[[Identity, tuple[str, ...]], TypesetSymbol]:
     return lambda known, above: TypesetSymbol(Rank.SINE, Call(name, Name("phi", above=above)))
 
@@ -311,6 +316,10 @@ WRITERS: dict[Family, Callable[[Identity, tuple[str, ...]], TypesetSymbol]] = {
     Family.ROTARY_MOMENT: _force_of_modes("R", 0),
     Family.ROTARY_PRODUCT: lambda known, above: _rate_product_of(Name("R", above=above, style="tensor")),
     Family.STRAIN: _strain,
+    Family.PRELOAD: lambda known, above: TypesetSymbol(Rank.CONSTANT, _preload(known, above)),
+    Family.PRELOAD_WORK: lambda known, above: TypesetSymbol(
+        Rank.MOMENT, FormulaRow((column(transposed=True), _preload(known, above)))
+    ),
     Family.COSINE: _sine("cos"),
     Family.SINE: _sine("sin"),
     Family.ROTATION_TENSOR: _rotation_tensor,

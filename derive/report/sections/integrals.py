@@ -55,7 +55,7 @@ def _value(coefficient: ModelConstant, notation: Notation) -> Content:
 NAMED = {Family.POINT_POSITION: "points", Family.GRAVITY: "gravity", Family.MASS: "mass"}
 """Families whose entries are grouped under a heading."""
 
-TABLES = (*INTEGRANDS, Family.STIFFNESS, Family.DAMPING, Family.ROTARY)
+TABLES = (*INTEGRANDS, Family.STIFFNESS, Family.PRELOAD, Family.DAMPING, Family.ROTARY)
 """Families with a table of entries."""
 
 
@@ -80,7 +80,12 @@ HEAD = ("integral", "definition", "entries", "of which not zero", "unit")
 
 def _kind(family: Family) -> str:
     """What the entries of a family are that is no integral."""
-    names = {Family.STIFFNESS: "stiffness", Family.DAMPING: "damping", Family.ROTARY: "rotary inertia"}
+    names = {
+        Family.STIFFNESS: "stiffness",
+        Family.PRELOAD: "force at rest",
+        Family.DAMPING: "damping",
+        Family.ROTARY: "rotary inertia",
+    }
     return names.get(family, "")
 
 

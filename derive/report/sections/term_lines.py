@@ -20,7 +20,7 @@ GROUPS = {
 """What a term is grouped by; any other term is a group by itself."""
 
 
-ORDER = ("accelerations", "rates", "elastic", "damping", "gravity")
+ORDER = ("accelerations", "rates", "elastic", "preload", "damping", "gravity")
 """Groups as they follow each other; others come last."""
 
 

@@ -2,23 +2,48 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from pydantic import ValidationError
 
+from derive.spec.model.body import AssumedDeflection
 from derive.spec.parsing.faults import Fault, KeyPath
-from derive.spec.tables.beam import ShapeKeys
+from derive.spec.tables.beam_parts import AxialTable
+from derive.spec.tables.beam_shapes import ShapeKeys
 
 
 def shape_faults(path: KeyPath, beam: object) -> list[Fault]:
-    """What is wrong with the ansatz in its frame, if they are valid as they are written."""
+    """What is wrong with the ansatz and the axial ansatz in their frame, if they are valid as they are written."""
     try:
-        keys = ShapeKeys.model_validate(beam)
+        deflection = ShapeKeys.model_validate(beam).deflection()
     except ValidationError:
         return []
+    return [*_faults((*path, "ansatz"), deflection), *_axial_faults(path, beam, deflection)]
+
+
+def _faults(path: KeyPath, deflection: AssumedDeflection) -> list[Fault]:
     # SymPy takes its time to import, which a specification that fails before has not to wait for.
     from derive.mechanics.bodies.reference_conditions import ConditionError, assumed_shapes
 
     try:
-        assumed_shapes(keys.deflection())
+        assumed_shapes(deflection)
     except ConditionError as error:
-        return [Fault((*path, "ansatz"), message) for message in error.problems]
+        return [Fault(path, message) for message in error.problems]
+    return []
+
+
+def _axial_faults(path: KeyPath, beam: object, deflection: AssumedDeflection) -> list[Fault]:
+    if not isinstance(beam, Mapping) or beam.get("axial") is None:
+        return []
+    try:
+        axial = AxialTable.model_validate(beam["axial"]).axial()
+    except ValidationError:
+        return []
+    from derive.mechanics.bodies.displacement_fields import axial_shapes
+    from derive.mechanics.bodies.reference_conditions import ConditionError
+
+    try:
+        axial_shapes(axial.ansatz, deflection.frame, deflection.orthogonal)
+    except ConditionError as error:
+        return [Fault((*path, "axial", "ansatz"), message) for message in error.problems]
     return []

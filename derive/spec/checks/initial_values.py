@@ -12,7 +12,7 @@ from derive.spec.checks.scene_data import Raw, SceneData
 from derive.spec.model.body import ShapeFamily
 from derive.spec.parsing import values
 from derive.spec.parsing.faults import Fault, readable
-from derive.spec.tables.beam import ShapeKeys
+from derive.spec.tables.beam_shapes import ShapeKeys
 
 
 def body_start_faults(view: SceneData, name: str, body: Raw) -> Iterator[Fault]:

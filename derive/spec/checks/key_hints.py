@@ -13,8 +13,15 @@ from derive.mechanics.multibody.joints.registry import JOINTS
 from derive.mechanics.multibody.keys import quantities
 from derive.spec.model.body import BEAM_QUANTITIES
 from derive.spec.parsing.faults import KeyPath, did_you_mean
-from derive.spec.tables.beam import FrameTable
-from derive.spec.tables.beam_parts import DAMPING_UNITS, MASS_UNITS, AttachedMassTable, BeamDampingTable
+from derive.spec.tables.beam_parts import (
+    AXIAL_UNITS,
+    DAMPING_UNITS,
+    MASS_UNITS,
+    AttachedMassTable,
+    AxialTable,
+    BeamDampingTable,
+)
+from derive.spec.tables.beam_shapes import FrameTable
 from derive.spec.tables.drives import DriveTable
 from derive.spec.tables.forces import force_table
 from derive.spec.tables.functions import FunctionParameterTable, ValuesTable
@@ -95,6 +102,8 @@ def is_beam_union(keys: Sequence[str | int]) -> bool:
     match keys:
         case (key,):
             return key in BEAM_QUANTITIES
+        case ("axial", key):
+            return key in AXIAL_UNITS
         case ("damping", key):
             return key in DAMPING_UNITS
         case ("masses", _, key):
@@ -107,6 +116,8 @@ def beam_table(keys: Sequence[str | int]) -> type[BaseModel] | None:
     match keys:
         case ("frame",):
             return FrameTable
+        case ("axial",):
+            return AxialTable
         case ("damping",):
             return BeamDampingTable
         case ("masses", _):
@@ -131,6 +142,10 @@ def example(path: KeyPath) -> str:
             return "default = 0.1"
         case ("bodies", _, "loads", _, "force"):
             return 'force = [0, "-10*(1 - xi^2)"]'
+        case (*_, "axial", "ansatz"):
+            return 'ansatz = ["xi"]'
+        case (*_, "axial", "stiffness"):
+            return "stiffness = 1e6"
         case (*_, "masses", _, "at"):
             return "at = 1"
         case (*_, "masses", _, "mass"):

@@ -11,7 +11,7 @@ from derive.spec.checks import key_hints
 from derive.spec.model.body import BEAM_QUANTITIES
 from derive.spec.parsing.faults import Fault, KeyPath, unknown_key
 from derive.spec.parsing.values import kind_of
-from derive.spec.tables.beam import FrameTable, ShapeFamilyTable
+from derive.spec.tables.beam_shapes import FrameTable, ShapeFamilyTable
 from derive.spec.tables.body import BodyFrameTable, DampingTable, NodalTable, SymbolicTable, UnitsTable, kind_of_body
 from derive.spec.tables.free_beam import BeamTable
 from derive.spec.tables.initial_values import BeamStartTable
@@ -31,6 +31,12 @@ def key_faults(error: ValidationError, data: Mapping[str, object]) -> list[Fault
     return faults
 
 
+_TABLES = {
+    "damping": ", such as { ratio = 0.01 }",
+    "axial": ', such as { ansatz = ["xi"], stiffness = 1e6 }',
+}
+
+
 def _fault(error: ErrorDetails, data: Mapping[str, object]) -> Fault:
     path = _path(error["loc"])
     match error["type"]:
@@ -41,7 +47,7 @@ def _fault(error: ErrorDetails, data: Mapping[str, object]) -> Fault:
         case "extra_forbidden":
             return Fault(path, _unknown_key(path, data))
         case "model_type":
-            such = ", such as { ratio = 0.01 }" if path[-1:] == ("damping",) else ""
+            such = _TABLES.get(str(path[-1]) if path else "", "")
             return Fault(path, f"a table is needed here{such}, not {kind_of(error['input'])}")
         case "invalid_key":
             return Fault(path, "a key has to be text")
@@ -118,7 +124,7 @@ def _table(path: KeyPath, data: Mapping[str, object]) -> type[BaseModel]:
             return SymbolicTable if kind_of_body(data.get("body")) == "symbolic" else NodalTable
         case ("beam", "frame"):
             return FrameTable
-        case (*_, "ansatz"):
+        case ("beam", "ansatz") | ("bodies", _, "ansatz"):
             return ShapeFamilyTable
         case ("body", "frame"):
             return BodyFrameTable

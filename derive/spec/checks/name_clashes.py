@@ -20,7 +20,7 @@ from derive.spec.model.scene import NAMED
 from derive.spec.parsing import scene_values, values
 from derive.spec.parsing.faults import Fault, KeyPath, readable
 from derive.spec.parsing.names import name_problem
-from derive.spec.tables.beam import MAX_SHAPES
+from derive.spec.tables.beam_shapes import MAX_SHAPES
 
 RESERVED = {"t": "it is the time", "pi": "it is the number pi"}
 GRAVITY = dict.fromkeys(("g_1", "g_2"), "it is a component of gravity")

@@ -18,7 +18,7 @@ from derive.spec.model.scene import NAMED
 from derive.spec.parsing import values
 from derive.spec.parsing.faults import Fault, KeyPath, readable
 from derive.spec.parsing.names import name_problem
-from derive.spec.tables.beam_parts import DAMPING_UNITS, MASS_UNITS
+from derive.spec.tables.beam_parts import AXIAL_UNITS, DAMPING_UNITS, MASS_UNITS
 from derive.spec.tables.drives import speed_unit
 from derive.spec.tables.scene_bodies import LENGTH_UNIT
 
@@ -132,7 +132,10 @@ def beam_constants(path: KeyPath, beam: Mapping[str, object], of: str = "") -> I
     """All constants of a beam that may be parameters; `of` is what messages add to their names."""
     for key, like in BEAM_QUANTITIES.items():
         yield SceneConstant((*path, key), beam.get(key), f"{key}{of}", like.unit)
-    damping, masses = beam.get("damping"), beam.get("masses")
+    axial, damping, masses = beam.get("axial"), beam.get("damping"), beam.get("masses")
+    if isinstance(axial, Mapping):
+        for key, unit in AXIAL_UNITS.items():
+            yield SceneConstant((*path, "axial", key), axial.get(key), f"axial {key}{of}", unit)
     if isinstance(damping, Mapping):
         for key, unit in DAMPING_UNITS.items():
             yield SceneConstant((*path, "damping", key), damping.get(key), f"{key} in the damping{of}", unit)

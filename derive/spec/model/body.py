@@ -91,6 +91,18 @@ class AssumedDeflection:
 
 
 @dataclass(frozen=True)
+class AxialDeformation:
+    """How a beam stretches: the ansatz of its displacement along the axis, EA (N), and the force in it at rest (N).
+
+    `preload` is the axial force, positive in tension, that the beam of the given length carries when it is straight.
+    """
+
+    ansatz: tuple[Polynomial, ...]
+    stiffness: Quantity
+    preload: Quantity = Fraction(0)
+
+
+@dataclass(frozen=True)
 class Marker:
     """A named material point of a beam, at the dimensionless distance `at` in [-1, 1] of (21)."""
 
@@ -130,7 +142,8 @@ class PlanarBeam:
     """A uniform slender free beam that moves in a plane: the example of the paper, (21)-(27).
 
     `gravity` is the acceleration of free fall in the inertial base, m/s^2. `start`, `simulation` and `plots` are for
-    the simulation of the beam alone. The conditions of `frame` are on the beam without its `masses`.
+    the simulation of the beam alone. The conditions of `frame` are on the beam without its `masses`. Without `axial`
+    the beam does not stretch.
     """
 
     name: str
@@ -149,6 +162,7 @@ class PlanarBeam:
     order: DisplacementOrder = DisplacementOrder.FIRST_ORDER
     ends: Ends | None = None
     masses: tuple[AttachedMass, ...] = ()
+    axial: AxialDeformation | None = None
 
     @property
     def deflection(self) -> AssumedDeflection:

@@ -2,239 +2,28 @@
 
 from __future__ import annotations
 
-from fractions import Fraction
 from typing import Annotated
 
-from pydantic import (
-    AfterValidator,
-    BaseModel,
-    BeforeValidator,
-    ConfigDict,
-    Discriminator,
-    Field,
-    PlainValidator,
-    Tag,
-    WithJsonSchema,
-    model_validator,
-)
+from pydantic import ConfigDict, Field, PlainValidator, WithJsonSchema, model_validator
 
 from derive.spec.model.body import (
-    DEFAULT_ANSATZ,
     DEFAULT_BENDING_STIFFNESS,
-    DEFAULT_FRAME,
     DEFAULT_LENGTH,
     DEFAULT_MASS,
-    FAMILY_FRAMES,
-    AssumedDeflection,
     DisplacementOrder,
-    Ends,
-    FamilyKind,
-    Frame,
-    FrameKind,
     Marker,
     PlanarBeam,
-    Polynomial,
-    ShapeFamily,
 )
 from derive.spec.model.quantity import Parameter, Quantity
 from derive.spec.parsing import choices, values
-from derive.spec.parsing.polynomial import MAX_LENGTH
-from derive.spec.tables.beam_parts import BEAM_POSITION, AttachedMassTable, BeamDampingTable, BeamPosition
+from derive.spec.tables.beam_parts import AttachedMassTable, AxialTable, BeamDampingTable, BeamPosition
+from derive.spec.tables.beam_shapes import ShapeFamilyTable, ShapeKeys
 from derive.spec.tables.markers import MAX_NAMED, few_named
-from derive.spec.tables.shared import (
-    MAX_MARKERS,
-    Name,
-    ParameterTable,
-    QuantityInput,
-    TomlTable,
-    few,
-    few_markers,
-    quantity,
-    written_as,
-)
-
-MAX_SHAPES = 20
-MAX_DIGITS = 800
-
-
-def _few_shapes(value: object) -> object:
-    if not isinstance(value, (list, tuple)):
-        raise values.WrongValueError(
-            'a list of polynomials is needed, such as ["1", "xi", "xi^2"], or a family, such as '
-            f'{{ kind = "pinned", count = 3 }}, not {values.kind_of(value)}'
-        )
-    few(len(value), 1, MAX_SHAPES, "polynomials")
-    return value
-
-
-def _few_digits(ansatz: tuple[Polynomial, ...]) -> tuple[Polynomial, ...]:
-    # Shapes are found exactly, and their fractions are about as long as those of the whole ansatz together.
-    digits = sum(values.digits(shape) for shape in ansatz)
-    if digits > MAX_DIGITS:
-        raise values.WrongValueError(
-            f"over common denominators, the coefficients of the ansatz have {digits} digits, and at most "
-            f"{MAX_DIGITS} are allowed; round them"
-        )
-    return ansatz
-
-
-def _family_count(value: object) -> int:
-    count = values.whole(value)
-    if not 1 <= count <= MAX_SHAPES:
-        raise values.WrongValueError(f"1 to {MAX_SHAPES} shapes of a family are allowed, not {values.shown(count)}")
-    return count
-
-
-_SHAPE = {"type": "string", "minLength": 1, "maxLength": MAX_LENGTH}
-# A plain "tangent" would not say which end is meant.
-_PLAIN_FRAMES = [kind for kind in choices.FRAME_KINDS if kind != "tangent"]
-
-
-def frame_from(kind: FrameKind, at: Fraction | None) -> Frame:
-    """A frame, if its kind and its place go together; a point is the middle of the beam by default."""
-    if kind == "point":
-        return Frame(kind, Fraction(0) if at is None else at)
-    if kind == "tangent":
-        if at not in (-1, 1):
-            raise values.WrongValueError(
-                'a tangent frame needs the end it is at: { kind = "tangent", at = -1 } or at = 1'
-            )
-        return Frame(kind, at)
-    if at is not None:
-        raise values.WrongValueError(f'the frame "{kind}" has no place; leave `at` out, or choose "point"')
-    return Frame(kind)
-
-
-def _plain_frame(value: object) -> Frame:
-    """A frame written as text alone."""
-    return frame_from(choices.frame_kind(value), None)
-
-
-Shape = Annotated[Polynomial, PlainValidator(values.shape), WithJsonSchema(_SHAPE)]
-
-
-class FrameTable(TomlTable):
-    """The kind of a floating frame of a beam, and its position."""
-
-    kind: Annotated[FrameKind, PlainValidator(choices.frame_kind), WithJsonSchema({"enum": [*choices.FRAME_KINDS]})]
-    at: Annotated[
-        Fraction | None,
-        PlainValidator(values.beam_position),
-        WithJsonSchema(BEAM_POSITION),
-        Field(description="The position xi of a point frame (default 0), or the end, -1 or 1, of a tangent frame."),
-    ] = None
-
-    @model_validator(mode="after")
-    def check(self) -> FrameTable:
-        """Kind and place have to go together."""
-        self.frame()
-        return self
-
-    def frame(self) -> Frame:
-        """The frame that the table describes."""
-        return frame_from(self.kind, self.at)
-
-
-FrameInput = Annotated[
-    Annotated[Frame, PlainValidator(_plain_frame), WithJsonSchema({"enum": _PLAIN_FRAMES}), Tag("plain")]
-    | Annotated[FrameTable, Tag("table")],
-    Discriminator(written_as),
-]
-
-
-def _frame(value: Frame | FrameTable | None, ansatz: Ansatz) -> Frame:
-    """The frame that is given, or that for which a family is, or the mean frame."""
-    if value is None:
-        return FAMILY_FRAMES[ansatz.kind] if isinstance(ansatz, ShapeFamily) else Frame(DEFAULT_FRAME)
-    return value.frame() if isinstance(value, FrameTable) else value
-
-
-class ShapeFamilyTable(TomlTable):
-    """Shape functions with names: the natural modes of a uniform beam, in mass and in stiffness orthogonal."""
-
-    kind: Annotated[
-        FamilyKind,
-        PlainValidator(choices.family_kind),
-        WithJsonSchema({"enum": [*choices.FAMILY_KINDS]}),
-        Field(
-            description="Which beam they are modes of: pinned at both ends (half sine waves, for the frame chord), "
-            "free-free (for the frame mean), clamped-free (clamped at the left end, for the frame tangent there)."
-        ),
-    ]
-    count: Annotated[
-        int,
-        PlainValidator(_family_count),
-        WithJsonSchema({"type": "integer", "minimum": 1, "maximum": MAX_SHAPES}),
-        Field(description="How many, from that of the lowest frequency on."),
-    ]
-
-    def family(self) -> ShapeFamily:
-        """The family that the table describes."""
-        return ShapeFamily(self.kind, self.count)
+from derive.spec.tables.shared import MAX_MARKERS, Name, ParameterTable, QuantityInput, few_markers, quantity
 
 
 def _as_table(parameter: Parameter) -> ParameterTable:
     return ParameterTable(symbol=parameter.symbol, unit=parameter.unit, default=parameter.default)
-
-
-Polynomials = Annotated[
-    tuple[Shape, ...],
-    BeforeValidator(_few_shapes),
-    AfterValidator(_few_digits),
-    Field(json_schema_extra={"minItems": 1, "maxItems": MAX_SHAPES}),
-]
-AnsatzInput = Annotated[
-    Annotated[Polynomials, Tag("plain")] | Annotated[ShapeFamilyTable, Tag("table")], Discriminator(written_as)
-]
-Ansatz = tuple[Polynomial, ...] | ShapeFamily
-
-
-class ShapeKeys(BaseModel):
-    """The keys of a beam that say which shapes it has; they are checked even if another key is at fault."""
-
-    model_config = ConfigDict(extra="ignore", frozen=True)
-
-    ansatz: Annotated[
-        AnsatzInput,
-        Field(
-            description="Polynomials in xi whose sum is the deflection, before the conditions of the frame; or a "
-            "family of shape functions.",
-            json_schema_extra={"default": [*DEFAULT_ANSATZ]},
-        ),
-    ] = tuple(values.shape(text) for text in DEFAULT_ANSATZ)
-    frame: Annotated[
-        FrameInput | None,
-        Field(
-            description="The floating frame, whose conditions remove rigid-body motion from the ansatz: mean (no mean "
-            "displacement, no mean rotation), point (no displacement and no slope at a point), chord (no displacement "
-            "at the ends), tangent (no displacement and no slope at an end), given (the ansatz is used unchanged). "
-            "A family of shape functions has by default the frame that it is for.",
-            json_schema_extra={"default": DEFAULT_FRAME},
-        ),
-    ] = None
-    orthogonal: Annotated[
-        bool | None,
-        PlainValidator(values.truth),
-        WithJsonSchema({"type": "boolean"}),
-        Field(description="Whether the shape functions are made orthogonal; by default only in the mean frame."),
-    ] = None
-
-    ends: Annotated[
-        Ends | None,
-        PlainValidator(choices.ends),
-        WithJsonSchema({"enum": [*choices.ENDS]}),
-        Field(
-            description="What the shape functions fulfil at both ends of the beam besides the conditions of the frame: "
-            "pinned (no curvature) or free (no curvature, no derivative of it). By default nothing."
-        ),
-    ] = None
-
-    def deflection(self) -> AssumedDeflection:
-        """What the shape functions follow from."""
-        ansatz = self.ansatz.family() if isinstance(self.ansatz, ShapeFamilyTable) else self.ansatz
-        frame = _frame(self.frame, ansatz)
-        orthogonal = frame.kind == "mean" if self.orthogonal is None else self.orthogonal
-        return AssumedDeflection(ansatz, frame, orthogonal, self.ends)
 
 
 class BeamKeys(ShapeKeys):
@@ -266,7 +55,14 @@ class BeamKeys(ShapeKeys):
             "of the frame and the damping are those of the beam without them.",
             json_schema_extra={"maxProperties": MAX_NAMED, "additionalProperties": False},
         ),
-    ] = {}
+    ] = {}  # noqa: RUF012
+    axial: Annotated[
+        AxialTable | None,
+        Field(
+            description='How the beam stretches: { ansatz = ["xi"], stiffness = 1e6 }, the shapes of the displacement '
+            "along its axis and EA in N. By default its axis does not stretch."
+        ),
+    ] = None
     markers: Annotated[
         dict[Name, BeamPosition],
         few_markers("places"),
@@ -274,7 +70,7 @@ class BeamKeys(ShapeKeys):
             description="Named points of the beam and their positions xi, from -1 (left end) to 1 (right end).",
             json_schema_extra={"maxProperties": MAX_MARKERS, "additionalProperties": False},
         ),
-    ] = {}
+    ] = {}  # noqa: RUF012
 
     order: Annotated[
         int,
@@ -303,6 +99,23 @@ class BeamKeys(ShapeKeys):
         if self.ends is not None and isinstance(self.ansatz, ShapeFamilyTable):
             raise values.WrongValueError(
                 f"`ends` is for polynomials; {self.ansatz.kind} shapes fulfil conditions of their own; leave it out"
+            )
+        return self
+
+    @model_validator(mode="after")
+    def check_axial(self) -> BeamKeys:
+        """A preload acts through the strain of second order; the full model knows no second rotation of masses."""
+        if self.axial is None:
+            return self
+        if self.order == 1 and self.axial.preload != 0:
+            raise values.WrongValueError(
+                "a preload stiffens a beam through the strain of second order; write order = 2, or leave `preload` out"
+            )
+        turning = [name for name, mass in self.masses.items() if mass.inertia != 0]
+        if turning and self.displacement_order() is DisplacementOrder.FULL:
+            raise values.WrongValueError(
+                f"the full model of a beam that stretches takes no rotary inertia of attached masses ({turning[0]}); "
+                'write terms = "truncated", or leave `inertia` out'
             )
         return self
 
@@ -339,4 +152,5 @@ class BeamKeys(ShapeKeys):
             order=self.displacement_order(),
             ends=deflection.ends,
             masses=tuple(table.attached_mass(name) for name, table in self.masses.items()),
+            axial=None if self.axial is None else self.axial.axial(),
         )

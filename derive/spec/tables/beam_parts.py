@@ -1,4 +1,4 @@
-"""The tables of what belongs to a beam besides its shape: its damping, and the masses that are attached to it."""
+"""The tables of what belongs to a beam besides its shape: how it stretches, its damping, and attached masses."""
 
 from __future__ import annotations
 
@@ -7,20 +7,48 @@ from typing import Annotated
 
 from pydantic import Field, PlainValidator, WithJsonSchema, model_validator
 
-from derive.spec.model.body import DEFAULT_MASS, AttachedMass, BeamDamping
+from derive.spec.model.body import DEFAULT_MASS, AttachedMass, AxialDeformation, BeamDamping
 from derive.spec.model.quantity import Quantity
 from derive.spec.parsing import values
+from derive.spec.tables.beam_shapes import BEAM_POSITION, Polynomials
 from derive.spec.tables.body import check_damping
-from derive.spec.tables.shared import NotNegativeInput, QuantityInput, TomlTable, number_schema, quantity
+from derive.spec.tables.shared import NotNegativeInput, QuantityInput, TomlTable, quantity
 
-BEAM_POSITION = number_schema(minimum=-1, maximum=1)
-"""What an editor accepts for a position xi."""
 DAMPING_UNITS = {"ratio": "1", "mass": "1/s", "stiffness": "s"}
 """The constants of the damping of a beam, with the units of parameters."""
 MASS_UNITS = {"mass": DEFAULT_MASS.unit, "inertia": "kg m^2"}
 """The constants of an attached mass, with the units of parameters."""
 
+AXIAL_UNITS = {"stiffness": "N", "preload": "N"}
+"""The constants of how a beam stretches, with the units of parameters."""
+
 BeamPosition = Annotated[Fraction, PlainValidator(values.beam_position), WithJsonSchema(BEAM_POSITION)]
+
+
+class AxialTable(TomlTable):
+    """How a beam stretches. Without this table its axis keeps its length, to the order of its displacements."""
+
+    ansatz: Annotated[
+        Polynomials,
+        Field(
+            description="Polynomials in xi whose sum is the displacement along the axis, before the condition of the "
+            "frame takes a constant from each: no mean displacement, none at the point of the frame, or opposite ones "
+            'at the ends of a chord. ["xi"] is a uniform strain.'
+        ),
+    ]
+    stiffness: Annotated[QuantityInput, Field(description="Axial stiffness EA, N: a run-time parameter or a number.")]
+    preload: Annotated[
+        QuantityInput,
+        Field(
+            description="Axial force of the straight beam of the given length, N, positive in tension; for beams of "
+            "order 2."
+        ),
+    ] = Fraction(0)
+
+    def axial(self) -> AxialDeformation:
+        """The deformation as the derivation takes it."""
+        stiffness, preload = (quantity(getattr(self, key), unit) for key, unit in AXIAL_UNITS.items())
+        return AxialDeformation(self.ansatz, stiffness, preload)
 
 
 class BeamDampingTable(TomlTable):

@@ -10,7 +10,7 @@ from derive.spec.model.body import Polynomial
 from derive.spec.model.scene import EQUILIBRIUM, JointInitialValues, SceneStart
 from derive.spec.model.simulation import InitialValues
 from derive.spec.parsing import choices
-from derive.spec.tables.beam import Shape
+from derive.spec.tables.beam_shapes import Shape
 from derive.spec.tables.markers import Float, FloatPair
 from derive.spec.tables.shared import TomlTable, Truth
 

@@ -31,8 +31,9 @@ from derive.spec.model.scene import BeamBody, CustomBody, DistributedLoad, Rigid
 from derive.spec.parsing import choices, values
 from derive.spec.parsing.polynomial import MAX_LENGTH
 from derive.spec.parsing.time_expression import number_function
-from derive.spec.tables.beam import BeamKeys, ShapeFamilyTable
+from derive.spec.tables.beam import BeamKeys
 from derive.spec.tables.beam_parts import MASS_UNITS
+from derive.spec.tables.beam_shapes import ShapeFamilyTable
 from derive.spec.tables.declared_keys import key_field, key_values
 from derive.spec.tables.initial_values import BeamStartInput, BeamStartTable, SceneStartInput, StartInput, StartTable
 from derive.spec.tables.markers import MAX_NAMED, Coordinates, Markers, PieceCount, Time, few_named

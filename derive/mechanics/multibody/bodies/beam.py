@@ -7,8 +7,9 @@ from dataclasses import replace
 from fractions import Fraction
 
 from derive.errors import Problem, SpecError
-from derive.mechanics.bodies.beam import beam_body, beam_point, section_rotations
+from derive.mechanics.bodies.beam import AXIAL_DOCS, beam_body, beam_point, section_rotations
 from derive.mechanics.bodies.beam_damping import DAMPING_DOCS
+from derive.mechanics.bodies.displacement_fields import stretching_shapes
 from derive.mechanics.bodies.reference_conditions import assumed_shapes
 from derive.mechanics.multibody.bodies.beam_loads import load_forces, load_points
 from derive.mechanics.multibody.bodies.body_type import BodyType, Component, Constant, CrossSection
@@ -70,6 +71,9 @@ class Beam(BodyType[BeamBody]):
         yield Constant(body.beam.bending_stiffness, f"bending stiffness EI of {body.name}", positive=True)
         for key, value in vars(body.beam.damping).items() if body.beam.damping else ():
             yield Constant(value, f"{DAMPING_DOCS[key]} of {body.name}")
+        if body.beam.axial:
+            yield Constant(body.beam.axial.stiffness, f"{AXIAL_DOCS['stiffness']} of {body.name}", positive=True)
+            yield Constant(body.beam.axial.preload, f"{AXIAL_DOCS['preload']} of {body.name}")
         for m in body.beam.masses:
             yield Constant(m.mass, f"mass {m.name} that is attached to {body.name}", positive=True)
             yield Constant(m.inertia, f"moment of inertia of the mass {m.name} on {body.name}")
@@ -96,7 +100,12 @@ class Beam(BodyType[BeamBody]):
         shapes = assumed_shapes(body.beam.deflection)
         texts = ", ".join(f"phi_{i} = {shape.text}" for i, shape in enumerate(shapes, 1))
         each = f"{body.name}, each of {body.pieces} pieces" if body.pieces > 1 else body.name
-        return f"Deflection of {each}, along its e2: alpha1 phi_1 + ..., {texts}; xi = 2 x / length."
+        text = f"Deflection of {each}, along its e2: alpha1 phi_1 + ..., {texts}; xi = 2 x / length."
+        along = stretching_shapes(body.beam)
+        if not along:
+            return text
+        stretch = " + ".join(f"alpha{k} ({shape.text})" for k, shape in enumerate(along, len(shapes) + 1))
+        return f"{text} Stretching, along its e1: {stretch}."
 
 
 def piece_name(rod: BeamBody, k: int) -> str:

@@ -22,8 +22,9 @@ from derive.mechanics.bodies.attached_masses import located_masses
 from derive.mechanics.bodies.beam import retardation_times
 from derive.mechanics.bodies.beam_functions import XI, BeamFunction, rational
 from derive.mechanics.bodies.beam_part import part_body, rigid_rows
+from derive.mechanics.bodies.displacement_fields import displacement_fields
 from derive.mechanics.bodies.foreshortening import Foreshortening, pairs
-from derive.mechanics.bodies.reference_conditions import assumed_shapes, on_piece
+from derive.mechanics.bodies.reference_conditions import on_piece
 from derive.mechanics.expansion import constants_of
 from derive.mechanics.multibody.bodies.beam import CUT, masses_of_piece, piece_name, place_in_piece
 from derive.mechanics.multibody.instances import InstanceEquations
@@ -45,7 +46,7 @@ class BeamSection:
         self.rod, self.piece, self.places = piece_of_component(scene, component)
         beam = self.rod.beam
         self.instance: InstanceEquations = scene.instances[component]
-        self.shapes = assumed_shapes(beam.deflection)
+        self.shapes = displacement_fields(beam)
         self.mass = quantity.value(beam.mass) / self.rod.pieces
         self.length = quantity.value(beam.length) / self.rod.pieces
         self.bending_stiffness = self._constant("stiffness", quantity.value(beam.bending_stiffness), "EI", "N m^2")
@@ -59,8 +60,18 @@ class BeamSection:
     def curvature(self) -> sp.Expr:
         """d^2v/dx^2."""
         total = sp.S.Zero
-        for i, (value, amplitude) in enumerate(zip(self._curvatures, self.instance.coordinates[3:], strict=True), 1):
-            total += self._constant(f"curvature_{i}", value, f"curvature of shape {i}", "1/m^2") * amplitude.q
+        for i, value in self._derivatives(2).items():
+            curvature = self._constant(f"curvature_{i}", value, f"curvature of shape {i}", "1/m^2")
+            total += curvature * self.instance.coordinates[2 + i].q
+        return total
+
+    @property
+    def axial_strain(self) -> sp.Expr:
+        """The strain of the axis; zero if the beam does not stretch."""
+        total = sp.S.Zero
+        for k, value in self._derivatives(1).items():
+            strain = self._constant(f"strain_{k}", value, f"strain of shape {k}", "1/m")
+            total += strain * self.instance.coordinates[2 + k].q
         return total
 
     @property
@@ -69,16 +80,19 @@ class BeamSection:
         beam, total = self.rod.beam, sp.S.Zero
         if beam.damping is None:
             return total
-        factors = sp.Matrix([self._curvatures]) * retardation_times(beam, self.rod.pieces)
+        factors = sp.Matrix([list(self._derivatives(2).values())]) * retardation_times(beam, self.rod.pieces)
         factors *= quantity.value(beam.bending_stiffness)
-        for j, (value, row) in enumerate(zip(factors, self.instance.rows[3:], strict=True), 1):
-            total += self._constant(f"damping_{j}", value, f"moment of the damping of shape {j}", "N s") * row.v
+        for j, value in enumerate(factors, 1):
+            moment = self._constant(f"damping_{j}", value, f"moment of the damping of shape {j}", "N s")
+            total += moment * self.instance.rows[2 + j].v
         return total
 
-    @property
-    def _curvatures(self) -> list[sp.Expr]:
-        """d^2 phi_i/dx^2 of each shape at the section."""
-        return [rational(shape.derivative(2).at(self.at)) * 4 / self.length**2 for shape in self.shapes]
+    def _derivatives(self, order: int) -> dict[int, sp.Expr]:
+        """By their numbers, d^2 phi_i/dx^2 of the shapes of bending (order 2), or dchi_k/dx of stretching (1)."""
+        axis = order  # bending is along e2, stretching along e1
+        unit = (2 / self.length) ** order
+        fields = ((i, field.of) for i, field in enumerate(self.shapes, 1) if field.axis == axis)
+        return {i: rational(shape.derivative(order).at(self.at)) * unit for i, shape in fields}
 
     def resultant(self) -> Resultant:
         """What the part to the right of the section exerts on the left one; the torque is about the section.
@@ -121,8 +135,8 @@ class BeamSection:
                 total = integral(density, half, "total")
                 first = integral(density * XI, half**2, "first")
                 lever = sp.Matrix([first, sp.S.Zero])
-                for i, (shape, c) in enumerate(zip(self.shapes, coordinates[3:], strict=True), 1):
-                    lever[1] += integral(density * shape, half, f"shape_{i}") * c.q
+                for i, (field, c) in enumerate(zip(self.shapes, coordinates[3:], strict=True), 1):
+                    lever[field.axis - 1] += integral(density * field.of, half, f"shape_{i}") * c.q
                 for (i, j), psi in self._second.items():
                     factor = sp.S.Half if i == j else sp.S.One
                     shortening = integral(density * psi, half * 2 / self.length, f"psi_{i}_{j}")
