@@ -30,6 +30,7 @@ TITLES = {
     "BeamBodyTable": "`[bodies.NAME]`, a beam",
     "FrameTable": "Frame of a beam",
     "ShapeFamilyTable": "Family of shape functions",
+    "AxialTable": "Stretching of a beam",
     "BeamDampingTable": "Damping of a beam",
     "AttachedMassTable": "Attached mass",
     "StartTable": "Initial values of a body",

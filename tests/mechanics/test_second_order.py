@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from functools import cached_property
+from typing import Any
 
 import pytest
 import sympy as sp
 
 import derive
-from derive.mechanics.bodies.beam_functions import rational
+from derive.mechanics.bodies.beam_functions import BeamFunction, rational
+from derive.mechanics.bodies.displacement_fields import stretching_shapes
 from derive.mechanics.bodies.reference_conditions import assumed_shapes
 from derive.mechanics.equations import Equations
+from derive.spec.model.body import PlanarBeam
 
 DIGITS = 50
 xi = sp.Symbol("xi")
@@ -24,14 +27,18 @@ FRAMES = {
     "given": ["xi^2", "xi^3"],
 }
 STATES = [
-    [sp.Rational((37 * k + 11 * n) % 23 - 11, 17 + 3 * k) for n in range(3)] for k in range(1, 7)
+    [sp.Rational((37 * k + 11 * n) % 23 - 11, 17 + 3 * k) for n in range(3)] for k in range(1, 8)
 ]  # q, v, a of each coordinate: any numbers will do
 
 
-def beam(frame: str, terms: str | None, order: int = 2) -> Equations:
+AXIAL, PRELOAD = sp.Rational(900), sp.Rational(-7, 4)
+STRETCHING = {"axial": {"ansatz": ["xi + xi^2/3"], "stiffness": str(AXIAL), "preload": str(PRELOAD)}}
+
+
+def beam(frame: str, terms: str | None, order: int = 2, **axial: Any) -> PlanarBeam:
     """A beam with numbers for its constants and a marker at its right end."""
     kind = {"kind": "tangent", "at": -1} if frame == "tangent" else frame
-    spec = derive.planar_beam(
+    return derive.planar_beam(
         "beam",
         ansatz=FRAMES[frame],
         frame=kind,
@@ -42,24 +49,27 @@ def beam(frame: str, terms: str | None, order: int = 2) -> Equations:
         markers={"tip": 1},
         order=order,
         terms=terms,
+        **axial,
     )
+
+
+def expanded(spec: PlanarBeam) -> Equations:
+    """Its equations of motion, row by row."""
     return derive.derive(spec).expanded()
 
 
 class Field:
     """x = c + Q (X + u) of a beam as a function of the coordinates, integrated as it stands."""
 
-    def __init__(self, frame: str, terms: str) -> None:
-        equations = beam(frame, terms)
+    def __init__(self, frame: str, terms: str, **axial: Any) -> None:
+        spec = beam(frame, terms, **axial)
+        equations = expanded(spec)
         self.q = [c.q for c in equations.coordinates]
         self.v = [row.v for row in equations.rows]
         self.a = [row.a for row in equations.rows]
-        spec = derive.planar_beam(
-            "beam", ansatz=FRAMES[frame], frame={"kind": "tangent", "at": -1} if frame == "tangent" else frame
-        )
-        shapes = assumed_shapes(spec.deflection)
-        self.shapes = [sp.Add(*(rational(c) * xi**n for n, c in enumerate(s.coefficients))) for s in shapes]
-        lateral = sum(a * s for a, s in zip(self.q[3:], self.shapes, strict=True))
+        shapes, stretching = assumed_shapes(spec.deflection), stretching_shapes(spec)
+        lateral = sp.Add(*(a * _expression(s) for a, s in zip(self.q[3:], shapes, strict=False)))
+        stretch = sp.Add(*(a * _expression(s) for a, s in zip(self.q[3 + len(shapes) :], stretching, strict=True)))
         along = -(sp.Poly(lateral, xi).diff(xi) ** 2)
         along = along.integrate(xi) * sp.Poly(1 / LENGTH, xi)
         ends = along.eval(-1), along.eval(1)
@@ -70,7 +80,8 @@ class Field:
             "given": along.eval(0),
             "chord": (ends[0] + ends[1]) / 2,
         }[frame]
-        self.u = (along.as_expr() - constant, lateral)
+        self.u = (along.as_expr() - constant + stretch, lateral)
+        self.stretches = bool(stretching)
         self.truncated = terms == "truncated"
 
     @cached_property
@@ -91,6 +102,10 @@ class Field:
         x = self.q[0] + cos * centre[0] - sin * centre[1], self.q[1] + sin * centre[0] + cos * centre[1]
         curvature = sp.Poly(self.u[1], xi).diff(xi).diff(xi)
         strain = _integral(curvature**2) * BENDING * 4 / LENGTH**3
+        if self.stretches:
+            slopes = [sp.Poly(u, xi).diff(xi) * (2 / LENGTH) for u in self.u]
+            membrane = slopes[0] + slopes[1] ** 2 / 2
+            strain += _integral(membrane**2) * AXIAL * LENGTH / 4 + _integral(membrane) * PRELOAD * LENGTH / 2
         return kinetic, strain, -MASS * (GRAVITY[0] * x[0] + GRAVITY[1] * x[1])
 
     def _through_second_order(self, expr: sp.Expr) -> sp.Expr:
@@ -115,6 +130,11 @@ class Field:
         return expr.xreplace(values).evalf(DIGITS)
 
 
+def _expression(shape: BeamFunction) -> sp.Expr:
+    """A polynomial shape as an expression in xi."""
+    return sp.Add(*(rational(c) * xi**n for n, c in enumerate(shape.coefficients)))
+
+
 def _integral(polynomial: sp.Poly) -> sp.Expr:
     """Over -1 <= xi <= 1."""
     primitive = polynomial.integrate(xi)
@@ -136,7 +156,17 @@ def close(found: sp.Expr, expected: sp.Expr) -> bool:
 @pytest.mark.parametrize("terms", ["truncated", "full"])
 @pytest.mark.parametrize("frame", FRAMES)
 def test_equations_energies_and_momenta_are_those_of_the_lagrangian_of_the_field(frame: str, terms: str) -> None:
-    equations, field = beam(frame, terms), Field(frame, terms)
+    compare(expanded(beam(frame, terms)), Field(frame, terms))
+
+
+@pytest.mark.parametrize(("frame", "terms"), [("tangent", "truncated"), ("chord", "truncated"), ("mean", "full")])
+def test_a_beam_that_stretches_has_the_strain_of_second_order(frame: str, terms: str) -> None:
+    """The strain energy is that of u' + v'^2/2, with the axial force at rest; kinetic energy and momenta as before."""
+    compare(expanded(beam(frame, terms, **STRETCHING)), Field(frame, terms, **STRETCHING))
+
+
+def compare(equations: Equations, field: Field) -> None:
+    """Equations, energies and momenta at the state."""
     for row, expected in zip(equations.rows, field.residuals(), strict=True):
         assert close(at_state(equations, equations.sum_of(row.name)), expected), row.name
     energies = (equations.kinetic_energy, equations.strain_energy, equations.weight_energy)
@@ -153,7 +183,7 @@ def test_equations_energies_and_momenta_are_those_of_the_lagrangian_of_the_field
 @pytest.mark.parametrize("frame", FRAMES)
 def test_truncated_and_full_differ_from_second_order_on(frame: str) -> None:
     """In the rows of the shapes; the others keep terms of second order, and differ from third order on."""
-    truncated, full = beam(frame, "truncated"), beam(frame, "full")
+    truncated, full = (expanded(beam(frame, terms)) for terms in ("truncated", "full"))
     small = [c.q for c in truncated.coordinates[3:]] + [s for row in truncated.rows[3:] for s in (row.v, row.a)]
     for k, row in enumerate(truncated.rows):
         difference = sp.Poly(sp.expand(full.row(row.name) - truncated.row(row.name)), *small)

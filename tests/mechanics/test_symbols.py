@@ -116,6 +116,8 @@ NAMES = {
     "c9dotdot_1": quantity(F.C9_RATES, 1),
     "c10dotdot_3": quantity(F.C10_RATES, 3),
     "even_11": local("even", 1, 1),
+    "N_2": quantity(F.PRELOAD, shapes=(2,)),
+    "at_rest": quantity(F.PRELOAD_WORK),
     "phi_t": state_rate(quantity(F.ANGLE)),
 }
 SYMBOLS = tuple(NAMES.values())

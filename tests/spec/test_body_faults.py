@@ -280,7 +280,7 @@ def test_symbols_are_not_those_of_other_parameters(symbol):
             'name = "b"\n[beam]\nunits = "SI"\ngravity = [0, 0, 1]',
             [
                 "b.toml:3: beam.units: unknown key; the keys here are ansatz, frame, orthogonal, ends, mass, length, "
-                "bending_stiffness, damping, masses, markers, order, terms, gravity, start",
+                "bending_stiffness, axial, damping, masses, markers, order, terms, gravity, start",
                 "b.toml:4: beam.gravity: a list of 2 components is needed, such as [0, -9.81], not 3",
             ],
         ),

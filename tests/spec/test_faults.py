@@ -29,7 +29,7 @@ NOTHING = "b.toml: beam: this key is missing; write [beam], [body] for a body in
 KINDS = 'the frame is one of "mean", "point", "chord", "tangent", "given"'
 END = 'a tangent frame needs the end it is at: { kind = "tangent", at = -1 } or at = 1'
 KEYS = (
-    "ansatz, frame, orthogonal, ends, mass, length, bending_stiffness, damping, masses, markers, order, terms, "
+    "ansatz, frame, orthogonal, ends, mass, length, bending_stiffness, axial, damping, masses, markers, order, terms, "
     "gravity, start"
 )
 

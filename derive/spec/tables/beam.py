@@ -40,6 +40,13 @@ class BeamKeys(ShapeKeys):
     bending_stiffness: Annotated[
         QuantityInput, Field(description="Bending stiffness EI, N m^2: a run-time parameter or a number.")
     ] = _as_table(DEFAULT_BENDING_STIFFNESS)
+    axial: Annotated[
+        AxialTable | None,
+        Field(
+            description='How the beam stretches: { ansatz = ["xi"], stiffness = 1e6 }, the shapes of the displacement '
+            "along its axis and EA in N. By default its axis does not stretch."
+        ),
+    ] = None
     damping: Annotated[
         BeamDampingTable | None,
         Field(
@@ -56,13 +63,6 @@ class BeamKeys(ShapeKeys):
             json_schema_extra={"maxProperties": MAX_NAMED, "additionalProperties": False},
         ),
     ] = {}  # noqa: RUF012
-    axial: Annotated[
-        AxialTable | None,
-        Field(
-            description='How the beam stretches: { ansatz = ["xi"], stiffness = 1e6 }, the shapes of the displacement '
-            "along its axis and EA in N. By default its axis does not stretch."
-        ),
-    ] = None
     markers: Annotated[
         dict[Name, BeamPosition],
         few_markers("places"),

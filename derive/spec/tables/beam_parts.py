@@ -12,7 +12,7 @@ from derive.spec.model.quantity import Quantity
 from derive.spec.parsing import values
 from derive.spec.tables.beam_shapes import BEAM_POSITION, Polynomials
 from derive.spec.tables.body import check_damping
-from derive.spec.tables.shared import NotNegativeInput, QuantityInput, TomlTable, quantity
+from derive.spec.tables.shared import NotNegativeInput, QuantityInput, SignedInput, TomlTable, quantity
 
 DAMPING_UNITS = {"ratio": "1", "mass": "1/s", "stiffness": "s"}
 """The constants of the damping of a beam, with the units of parameters."""
@@ -38,7 +38,7 @@ class AxialTable(TomlTable):
     ]
     stiffness: Annotated[QuantityInput, Field(description="Axial stiffness EA, N: a run-time parameter or a number.")]
     preload: Annotated[
-        QuantityInput,
+        SignedInput,
         Field(
             description="Axial force of the straight beam of the given length, N, positive in tension; for beams of "
             "order 2."

@@ -80,15 +80,15 @@ class Curvature(OutputType):
 
 
 class Strain(OutputType):
-    """The axial strain of a fibre by bending: - height d^2v/dx^2."""
+    """The axial strain of a fibre: that of the axis, if the beam stretches, - height d^2v/dx^2."""
 
-    doc = "axial strain of a fibre of a beam by bending"
+    doc = "axial strain of a fibre of a beam"
     keys = (SECTION, HEIGHT)
 
     def components(self, name: str, values: Mapping[str, Any], scene: SceneMechanics) -> OutputComponents:
         """One component."""
         section = _marked_section(name, scene, values["section"])
-        strain = -values["height"] * section.curvature
+        strain = section.axial_strain - values["height"] * section.curvature
         doc = f"strain of a fibre at {values['section']}"
         return OutputComponents((OutputComponent("", "", doc, strain),), section.constants)
 
