@@ -18,6 +18,7 @@ from derive.report.sections.mass_matrix import mass_blocks, mass_matrix
 from derive.report.sections.moments import moment_anchors, moment_blocks, moments
 from derive.report.sections.nomenclature import nomenclature_blocks
 from derive.report.sections.state import state_blocks
+from derive.report.sections.stretching import stretching_blocks
 from derive.report.sections.term_lines import definition_lines, locate_terms
 from derive.report.sections.terms import row_blocks
 from derive.report.sections.zeros import vanished_blocks
@@ -41,7 +42,7 @@ def model_page(built: Built, specification: SpecificationText) -> Page:
         *state_blocks(model, equations, written),
         *nomenclature_blocks(constrained=False, second_order=equations.truncated),
         *kinematics_blocks(spec, equations, written),
-        *(frame_blocks(spec) if isinstance(spec, PlanarBeam) else body_frame_blocks(spec)),
+        *((*frame_blocks(spec), *stretching_blocks(spec)) if isinstance(spec, PlanarBeam) else body_frame_blocks(spec)),
         *integral_blocks(equations, written),
         *moment_blocks(families, written, definition_lines(code)),
         *_motion(equations),

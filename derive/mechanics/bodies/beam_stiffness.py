@@ -35,18 +35,20 @@ def beam_stiffness(beam: PlanarBeam, pieces: int = 1) -> tuple[ModelConstant, ..
             axis = fields[i - 1].axis
             if fields[j - 1].axis != axis:
                 doc = f"stiffness of modes {i} and {j}"
-                result.append(ModelConstant(pair(Family.STIFFNESS, i, j), sp.S.Zero, "(22)", doc, "N/m", UNCOUPLED))
+                result.append(
+                    ModelConstant(pair(Family.STIFFNESS, i, j), sp.S.Zero, Source.STRETCHING, doc, "N/m", UNCOUPLED)
+                )
                 continue
             product = first * second
             value = rational(product.integral())
             zero = None if value else PARITY if product.is_odd else ORTHOGONAL
             doc = f"stiffness: int EI (d2 phi_{i}/dx2) (d2 phi_{j}/dx2) dx"
-            source = "(22)"
+            equation = "(22)"
             if axis == 1:
-                doc, source = f"stiffness: int EA (d chi_{i}/dx) (d chi_{j}/dx) dx", Source.STRETCHING
+                doc, equation = f"stiffness: int EA (d chi_{i}/dx) (d chi_{j}/dx) dx", Source.STRETCHING
             # Each derivative by x is 2/l times that by xi, and dx is l/2 dxi.
             expr = units[axis] * 2 ** (2 * order[axis] - 1) * value
-            result.append(ModelConstant(pair(Family.STIFFNESS, i, j), expr, source, doc, "N/m", zero))
+            result.append(ModelConstant(pair(Family.STIFFNESS, i, j), expr, equation, doc, "N/m", zero))
     return tuple(result)
 
 

@@ -150,7 +150,7 @@ class _Reader:
         """An index: one word, or the content of braces."""
         text = self._take()[1]
         if text != "{":
-            return text
+            return text.replace("'", "\N{PRIME}")
         words = []
         while (text := self._take()[1]) != "}":
             words.append(text)

@@ -97,7 +97,7 @@ def of_paper(spec: PlanarBeam) -> bool:
 
 def paper_numbers(spec: PlanarBeam) -> PaperNumbers | None:
     """The numbers that the paper gives its results for this beam, if it has it."""
-    if not of_paper(spec) or spec.gravity is not None or spec.masses or spec.damping:
+    if not of_paper(spec) or spec.gravity is not None or spec.masses or spec.damping or spec.axial:
         return None
     if spec.frame.kind == "mean":
         return MEAN

@@ -14,7 +14,7 @@ from derive.report.document.page import SHOWN, Block, CodeSpan, Content, Heading
 from derive.report.notation.expressions import SMALL, Notation, decimal
 from derive.report.notation.families import whole
 from derive.report.notation.integral_formulas import INTEGRANDS, meaning, reason, unit
-from derive.roles import Role
+from derive.roles import Role, Source
 
 
 def integral_blocks(equations: Equations, notation: Notation) -> tuple[Block, ...]:
@@ -37,7 +37,9 @@ def integral_blocks(equations: Equations, notation: Notation) -> tuple[Block, ..
 
 
 def _integral(c: ModelConstant, notation: Notation, planar: bool, second_order: bool, described: bool) -> list[Content]:
-    what: list[Content] = [meaning(identity(c.symbol), c.doc, planar, second_order)] if described else []
+    # The formula of a stiffness is that of bending; one of stretching is described by the derivation.
+    formulas = (c.doc,) if c.equation == Source.STRETCHING else meaning(identity(c.symbol), c.doc, planar, second_order)
+    what: list[Content] = [formulas] if described else []
     return [notation.formula(c.symbol), *what, _value(c, notation), unit(c.unit), CodeSpan(str(c.symbol))]
 
 
