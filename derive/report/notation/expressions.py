@@ -26,8 +26,9 @@ from derive.report.document.formula import (
     Quotient,
     Root,
 )
-from derive.report.notation.families import Rank, TypesetSymbol, written
+from derive.report.notation.families import written
 from derive.report.notation.labels import delta, label, row_identities, variation
+from derive.report.notation.typeset_names import Rank, TypesetSymbol
 
 SMALL, LARGE = 1000, 10**7
 """Denominators up to the first and numerators up to the second are written as they are."""

@@ -8,42 +8,35 @@ that it is.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
-from enum import IntEnum
-from itertools import takewhile
 
 import sympy as sp
 
-from derive.mechanics.symbols import Family, Identity, Index, ShapeIndex, Symbol
-from derive.report.document.formula import Call, Formula, FormulaRow, Name, NumberToken, Power
-
-
-class Rank(IntEnum):
-    """The order of the factors in a product."""
-
-    CONSTANT = 0
-    MOMENT = 1
-    AMPLITUDE = 2
-    VELOCITY = 3
-    ACCELERATION = 4
-    ROTATION = 5
-    SINE = 6
-
-
-@dataclass(frozen=True)
-class TypesetSymbol:
-    """A symbol in formulas: its place in products, and how it is written."""
-
-    rank: Rank
-    formula: Formula
-
-
-MOTION = (Rank.AMPLITUDE, Rank.VELOCITY, Rank.ACCELERATION)
-"""Ranks of coordinates by their time derivatives."""
-
-TENSORS = {Family.C3, Family.C4, Family.C5, Family.C8, Family.D2, Family.S, Family.INERTIA}
-TENSORS |= {Family.STIFFNESS, Family.DAMPING, Family.ROTARY}
-"""Families whose whole tables are tensors or matrices; those of the others are vectors or columns."""
+from derive.mechanics.symbols import Family, Identity, Symbol
+from derive.report.document.formula import Call, FormulaRow, Name, NumberToken, Power
+from derive.report.notation.integral_symbols import (
+    amplitudes,
+    field_amplitude,
+    field_tangent,
+    field_weight,
+    force_of_modes,
+    integral,
+    moment,
+    preload,
+    rate_product,
+    rate_product_of,
+    rates_twice,
+    row_times_column,
+    strain,
+)
+from derive.report.notation.typeset_names import (
+    MOTION,
+    Rank,
+    TypesetSymbol,
+    chosen,
+    column,
+    component_digits,
+    index_text,
+)
 
 
 def written(symbol: sp.Symbol) -> TypesetSymbol:
@@ -53,63 +46,6 @@ def written(symbol: sp.Symbol) -> TypesetSymbol:
     known = symbol.identity
     above = (known.owner.replace("_", " "),) if known.owner else ()
     return WRITERS[known.family](known, above)
-
-
-def chosen(text: str) -> Name:
-    """A name that the user of a specification chose: its letters, then digits and what follows them as an index.
-
-    `EI` stays as it is, `l1` is l with the index 1, `m_rod` is m with the index rod. This is typography alone: no fact
-    about a quantity is taken from such a name.
-    """
-    letters = "".join(takewhile(lambda c: c.isascii() and c.isalpha(), text))
-    if not letters:
-        return Name(text, style="word")
-    rest = text[len(letters) :]
-    digits = "".join(takewhile(str.isdigit, rest))
-    words = rest[len(digits) :].removeprefix("_").replace("_", " ").strip()
-    below = ",".join(part for part in (digits, words) if part)
-    return Name(letters, below=(below,) if below else ())
-
-
-def whole(family: Family) -> Name:
-    """A whole integral or moment, without the indices of shapes and components: the vector c2, the tensor C4."""
-    letter, number = _stem(family)
-    return Name(letter, below=(number,) if number else (), style="tensor" if family in TENSORS else "vector")
-
-
-def indexed(family: Family, *shapes: ShapeIndex) -> Name:
-    """A whole integral or moment of some shapes, without the indices of its components: c2 i."""
-    letter, number = _stem(family)
-    below = " ".join(part for part in (number, *map(index_text, shapes)) if part)
-    return Name(letter, below=(below,) if below else (), style="tensor" if family in TENSORS else "vector")
-
-
-def index_text(shape: ShapeIndex) -> str:
-    """A shape index as text: 1, 2, ... or i, j."""
-    return shape.value if isinstance(shape, Index) else str(shape)
-
-
-def column(dots: int = 0, transposed: bool = False) -> Name:
-    """The column of the amplitudes, or of their derivatives."""
-    return Name("alpha", dots=dots, above=("T",) if transposed else (), style="vector")
-
-
-def _stem(family: Family) -> tuple[str, str]:
-    """The letter and the number of an integral or a moment."""
-    return family.stem[:1], family.stem[1:]
-
-
-def _below(number: str, known: Identity) -> tuple[str, ...]:
-    """The number of the integral, the shapes and the components, separated by commas."""
-    shapes = [index_text(s) for s in known.shapes]
-    close = " " if known.indexed else ""
-    beside = close.join(shapes) if all(len(s) == 1 for s in shapes) else ",".join(shapes)
-    text = ",".join(part for part in (number, beside, _components(known)) if part)
-    return (text,) if text else ()
-
-
-def _components(known: Identity) -> str:
-    return "".join(map(str, known.components))
 
 
 def _motion(letter: str) -> Callable[[Identity, tuple[str, ...]], TypesetSymbol]:
@@ -127,91 +63,12 @@ def _mass(known: Identity, above: tuple[str, ...]) -> TypesetSymbol:
     return TypesetSymbol(Rank.CONSTANT, Name("m", above=above))
 
 
-def _integral(known: Identity, above: tuple[str, ...]) -> TypesetSymbol:
-    letter, number = _stem(known.family)
-    return TypesetSymbol(Rank.CONSTANT, Name(letter, below=_below(number, known), above=above))
-
-
-SUMMED = {Family.D1: Family.C2, **{family: family for family in (Family.D2, Family.D3, Family.D4, Family.S)}}
-"""What the time derivatives of moments sum over the shapes, with the velocities or accelerations of the amplitudes."""
-
-
-def _moment(known: Identity, above: tuple[str, ...]) -> TypesetSymbol:
-    """A moment; its derivatives, which are sums over the shapes, as products with the column of alpha."""
-    letter, number = _stem(known.family)
-    single = known.family is Family.D1 and known.derivative == 1
-    if not known.derivative or single:
-        below = _below(number, known)
-        return TypesetSymbol(Rank.MOMENT, Name(letter, dots=known.derivative, below=below, above=above))
-    letter, number = _stem(SUMMED[known.family])
-    moment = Name(letter, below=_below(number, known), above=above)
-    return TypesetSymbol(Rank.MOMENT, FormulaRow((column(known.derivative, transposed=True), moment)))
-
-
-def _row_times_column(known: Identity, above: tuple[str, ...]) -> TypesetSymbol:
-    """c7dot_i and c8ddot_i: row i of a table times the velocities, or the accelerations."""
-    _, number = _stem(known.family)
-    parts = (number, *map(index_text, known.shapes), _components(known))
-    below = ",".join(part for part in parts if part)
-    table = Name(known.family.stem[:1], below=(below,), above=above)
-    return TypesetSymbol(Rank.MOMENT, FormulaRow((table, column(known.derivative))))
-
-
-def _rate_product(known: Identity, above: tuple[str, ...]) -> TypesetSymbol:
-    return _rate_product_of(Name("c", below=("8",), above=above, style="tensor"))
-
-
-def _rate_product_of(matrix: Name) -> TypesetSymbol:
-    """The quadratic form of a matrix of the velocities of the amplitudes."""
-    return TypesetSymbol(Rank.MOMENT, FormulaRow((column(1, transposed=True), matrix, column(1))))
-
-
-def _amplitudes(number: str) -> Callable[[Identity, tuple[str, ...]], TypesetSymbol]:
-    """A component of a row of c7 or c10 times the column of the amplitudes."""
-
-    def write(known: Identity, above: tuple[str, ...]) -> TypesetSymbol:
-        parts = (number, *map(index_text, known.shapes), _components(known))
-        table = Name("c", below=(",".join(part for part in parts if part),), above=above)
-        return TypesetSymbol(Rank.MOMENT, FormulaRow((table, column())))
-
-    return write
-
-
-def _rates_twice(number: str) -> Callable[[Identity, tuple[str, ...]], TypesetSymbol]:
-    """A component of c9 or c10 between the column of the velocities and itself."""
-
-    def write(known: Identity, above: tuple[str, ...]) -> TypesetSymbol:
-        table = Name("c", below=(f"{number},{_components(known)}",), above=above, style="tensor")
-        return TypesetSymbol(Rank.MOMENT, FormulaRow((column(1, transposed=True), table, column(1))))
-
-    return write
-
-
-def _force_of_modes(letter: str, dots: int) -> Callable[[Identity, tuple[str, ...]], TypesetSymbol]:
-    """Row i of the stiffness, the damping or the rotary inertia, times the amplitudes or their derivatives."""
-
-    def write(known: Identity, above: tuple[str, ...]) -> TypesetSymbol:
-        table = Name(letter, below=tuple(map(index_text, known.shapes)), above=above)
-        return TypesetSymbol(Rank.MOMENT, FormulaRow((table, column(known.derivative or dots))))
-
-    return write
-
-
-def _strain(known: Identity, above: tuple[str, ...]) -> TypesetSymbol:
-    return TypesetSymbol(Rank.MOMENT, FormulaRow((column(transposed=True), whole(Family.STIFFNESS), column())))
-
-
-def _preload(known: Identity, above: tuple[str, ...]) -> Name:
-    """The column of the forces at rest, or an entry of it."""
-    return Name("N", below=(",".join(map(index_text, known.shapes)),) if known.shapes else (), above=above)
-
-
 def _sine(name: str) -> Callable[[Identity, tuple[str, ...]], TypesetSymbol]:
     return lambda known, above: TypesetSymbol(Rank.SINE, Call(name, Name("phi", above=above)))
 
 
 def _rotation_tensor(known: Identity, above: tuple[str, ...]) -> TypesetSymbol:
-    return TypesetSymbol(Rank.ROTATION, Name("Q", below=(_components(known),), above=above))
+    return TypesetSymbol(Rank.ROTATION, Name("Q", below=(component_digits(known),), above=above))
 
 
 def _omega_product(known: Identity, above: tuple[str, ...]) -> TypesetSymbol:
@@ -225,14 +82,16 @@ def _vector(letter: str, in_body: bool) -> Callable[[Identity, tuple[str, ...]],
     """Gravity or a force, in components of the inertial frame, or of the floating frame, with a b above."""
     rank = Rank.ROTATION if in_body else Rank.CONSTANT
     frame = ("b",) if in_body else ()
-    return lambda known, above: TypesetSymbol(rank, Name(letter, below=(_components(known),), above=(*above, *frame)))
+    return lambda known, above: TypesetSymbol(
+        rank, Name(letter, below=(component_digits(known),), above=(*above, *frame))
+    )
 
 
 def _of_point(letter: str) -> Callable[[Identity, tuple[str, ...]], TypesetSymbol]:
     """A constant of a material point: the point, the shapes and the components below."""
 
     def write(known: Identity, above: tuple[str, ...]) -> TypesetSymbol:
-        parts = (known.point.replace("_", " "), *map(index_text, known.shapes), _components(known))
+        parts = (known.point.replace("_", " "), *map(index_text, known.shapes), component_digits(known))
         sign = "," if known.point.isdigit() else " "
         below = sign.join(part for part in parts if part)
         return TypesetSymbol(
@@ -247,39 +106,23 @@ def _moving_point(letter: str) -> Callable[[Identity, tuple[str, ...]], TypesetS
 
     def write(known: Identity, above: tuple[str, ...]) -> TypesetSymbol:
         place = " ".join(part.replace("_", " ") for part in (known.owner, known.point) if part)
-        name = Name(letter, dots=known.derivative, below=(_components(known),), above=(place,) if place else ())
+        name = Name(letter, dots=known.derivative, below=(component_digits(known),), above=(place,) if place else ())
         return TypesetSymbol(Rank.MOMENT, name)
 
     return write
 
 
-def _field_weight(known: Identity, above: tuple[str, ...]) -> TypesetSymbol:
-    """z of a field and two shapes: z p i j."""
-    return TypesetSymbol(Rank.CONSTANT, Name("z", below=(",".join(map(index_text, known.shapes)),), above=above))
-
-
-def _field_amplitude(known: Identity, above: tuple[str, ...]) -> TypesetSymbol:
-    """beta of a field, or its time derivative."""
-    below = tuple(map(index_text, known.shapes))
-    return TypesetSymbol(Rank.MOMENT, Name("beta", dots=known.derivative, below=below, above=above))
-
-
-def _field_tangent(known: Identity, above: tuple[str, ...]) -> TypesetSymbol:
-    """The derivative of beta of a field by the amplitude of a shape: beta p, i with a comma."""
-    return TypesetSymbol(Rank.MOMENT, Name("beta", below=(",".join(map(index_text, known.shapes)),), above=above))
-
-
 def _tangent(known: Identity, above: tuple[str, ...]) -> TypesetSymbol:
     """The derivative of r by the amplitude of a shape at a point: r k, i with a comma, and the point above."""
     place = " ".join(part.replace("_", " ") for part in (known.owner, known.point) if part)
-    below = ",".join((_components(known), *map(index_text, known.shapes)))
+    below = ",".join((component_digits(known), *map(index_text, known.shapes)))
     return TypesetSymbol(Rank.MOMENT, Name("r", below=(below,), above=(place,) if place else ()))
 
 
 def _named(known: Identity, above: tuple[str, ...]) -> TypesetSymbol:
     """A parameter, or a quantity of a joint, a drive or the ground, under the name that it was given."""
     name = chosen(known.label) if known.label else Name("F")
-    numbers = (*map(index_text, known.shapes), _components(known))
+    numbers = (*map(index_text, known.shapes), component_digits(known))
     below = " ".join(part for part in (*name.below, *numbers) if part)
     return TypesetSymbol(Rank.CONSTANT, Name(name.text, below=(below,) if below else (), above=above, style=name.style))
 
@@ -298,27 +141,27 @@ WRITERS: dict[Family, Callable[[Identity, tuple[str, ...]], TypesetSymbol]] = {
     Family.AMPLITUDE: _motion("alpha"),
     Family.GUIDE: _motion("s"),
     Family.MASS: _mass,
-    **dict.fromkeys((Family.C1, Family.C2, Family.C3, Family.C4, Family.C5, Family.C6), _integral),
-    **dict.fromkeys((Family.C7, Family.C8, Family.C9, Family.C10), _integral),
-    **dict.fromkeys((Family.STIFFNESS, Family.DAMPING, Family.ROTARY), _integral),
-    Family.FIELD_WEIGHT: _field_weight,
-    **dict.fromkeys((Family.D1, Family.D2, Family.D3, Family.D4, Family.S, Family.INERTIA), _moment),
-    **dict.fromkeys((Family.C5_SUM, Family.C7_SUM, Family.C8_SUM, Family.C9_SUM, Family.C10_SUM), _row_times_column),
-    Family.FIELD_AMPLITUDE: _field_amplitude,
-    Family.FIELD_TANGENT: _field_tangent,
-    Family.RATE_PRODUCT: _rate_product,
-    Family.C7_AMPLITUDES: _amplitudes("7"),
-    Family.C10_AMPLITUDES: _amplitudes("10"),
-    Family.C9_RATES: _rates_twice("9"),
-    Family.C10_RATES: _rates_twice("10"),
-    Family.ELASTIC: _force_of_modes("K", 0),
-    Family.DAMPING_FORCE: _force_of_modes("B", 1),
-    Family.ROTARY_MOMENT: _force_of_modes("R", 0),
-    Family.ROTARY_PRODUCT: lambda known, above: _rate_product_of(Name("R", above=above, style="tensor")),
-    Family.STRAIN: _strain,
-    Family.PRELOAD: lambda known, above: TypesetSymbol(Rank.CONSTANT, _preload(known, above)),
+    **dict.fromkeys((Family.C1, Family.C2, Family.C3, Family.C4, Family.C5, Family.C6), integral),
+    **dict.fromkeys((Family.C7, Family.C8, Family.C9, Family.C10), integral),
+    **dict.fromkeys((Family.STIFFNESS, Family.DAMPING, Family.ROTARY), integral),
+    Family.FIELD_WEIGHT: field_weight,
+    **dict.fromkeys((Family.D1, Family.D2, Family.D3, Family.D4, Family.S, Family.INERTIA), moment),
+    **dict.fromkeys((Family.C5_SUM, Family.C7_SUM, Family.C8_SUM, Family.C9_SUM, Family.C10_SUM), row_times_column),
+    Family.FIELD_AMPLITUDE: field_amplitude,
+    Family.FIELD_TANGENT: field_tangent,
+    Family.RATE_PRODUCT: rate_product,
+    Family.C7_AMPLITUDES: amplitudes("7"),
+    Family.C10_AMPLITUDES: amplitudes("10"),
+    Family.C9_RATES: rates_twice("9"),
+    Family.C10_RATES: rates_twice("10"),
+    Family.ELASTIC: force_of_modes("K", 0),
+    Family.DAMPING_FORCE: force_of_modes("B", 1),
+    Family.ROTARY_MOMENT: force_of_modes("R", 0),
+    Family.ROTARY_PRODUCT: lambda known, above: rate_product_of(Name("R", above=above, style="tensor")),
+    Family.STRAIN: strain,
+    Family.PRELOAD: lambda known, above: TypesetSymbol(Rank.CONSTANT, preload(known, above)),
     Family.PRELOAD_WORK: lambda known, above: TypesetSymbol(
-        Rank.MOMENT, FormulaRow((column(transposed=True), _preload(known, above)))
+        Rank.MOMENT, FormulaRow((column(transposed=True), preload(known, above)))
     ),
     Family.COSINE: _sine("cos"),
     Family.SINE: _sine("sin"),

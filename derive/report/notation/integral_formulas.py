@@ -11,8 +11,8 @@ from derive.mechanics.terms import Reason
 from derive.report.document.formula import Formula, FormulaRow, Name, NumberToken, OperatorToken, Power, Quotient
 from derive.report.document.page import Inline, Math, Text
 from derive.report.notation.expressions import Notation
-from derive.report.notation.families import index_text, whole
 from derive.report.notation.formula_reader import formula
+from derive.report.notation.typeset_names import index_text, whole
 
 INTEGRANDS: dict[Family, str] = {
     Family.C1: "X",

@@ -7,8 +7,9 @@ from dataclasses import replace
 from derive.mechanics.equations import Equations
 from derive.mechanics.symbols import Family, Identity, Symbol, identity
 from derive.report.document.formula import Formula, FormulaRow, OperatorToken
-from derive.report.notation.families import index_text, written
+from derive.report.notation.families import written
 from derive.report.notation.glyphs import letter
+from derive.report.notation.typeset_names import index_text
 
 SUBSCRIPT = str.maketrans("0123456789i", "₀₁₂₃₄₅₆₇₈₉ᵢ")
 

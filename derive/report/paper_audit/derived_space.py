@@ -20,9 +20,9 @@ from derive.mechanics.symbols import Family, I, J, Symbol, quantity
 from derive.mechanics.tables import AXES, INDICES, TableKind
 from derive.mechanics.terms import Term
 from derive.report.document.formula import Equation, Formula, FormulaRow, Name, NumberToken, OperatorToken, Part
-from derive.report.notation.families import indexed
 from derive.report.notation.formula_reader import formula
 from derive.report.notation.integral_formulas import SYMMETRIC, integral_formula
+from derive.report.notation.typeset_names import indexed
 from derive.report.notation.vector_form import arrow, summand, summands
 from derive.report.sections.kinematics import MOTION
 from derive.spec.construction import symbolic_body

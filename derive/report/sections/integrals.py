@@ -12,8 +12,8 @@ from derive.mechanics.tables import CoefficientTable, TableKind
 from derive.mechanics.terms import ModelConstant
 from derive.report.document.page import SHOWN, Block, CodeSpan, Content, Heading, Math, Paragraph, folded, table
 from derive.report.notation.expressions import SMALL, Notation, decimal
-from derive.report.notation.families import whole
 from derive.report.notation.integral_formulas import INTEGRANDS, meaning, reason, unit
+from derive.report.notation.typeset_names import whole
 from derive.roles import Role, Source
 
 

@@ -13,8 +13,9 @@ from derive.mechanics.symbols import I, Identity, amplitude, identity
 from derive.report.document.formula import Formula
 from derive.report.document.page import Block, CodeSpan, Content, Details, Heading, Paragraph, folded, table
 from derive.report.notation.expressions import Notation
-from derive.report.notation.families import chosen, written
+from derive.report.notation.families import written
 from derive.report.notation.integral_formulas import unit
+from derive.report.notation.typeset_names import chosen
 from derive.roles import Role
 
 HEAD = ("", "in the code", "unit", "what it is")

@@ -24,8 +24,8 @@ from derive.report.document.page import (
     table,
 )
 from derive.report.notation.expressions import Notation
-from derive.report.notation.families import whole
 from derive.report.notation.integral_formulas import INTEGRANDS, reason
+from derive.report.notation.typeset_names import whole
 
 FEW, SUMMANDS = 8, 4
 """Names that are listed; summands of a vanished term that is shown."""

@@ -15,8 +15,9 @@ from derive.mechanics.bodies.spatial_tables import DOCS
 from derive.mechanics.symbols import MASS, Family, amplitude, identity, owned, quantity
 from derive.report.document.formula import Call, Equation, FormulaRow, Matrix, Name
 from derive.report.notation.expressions import notation
-from derive.report.notation.families import WRITERS, chosen, written
+from derive.report.notation.families import WRITERS, written
 from derive.report.notation.integral_formulas import INTEGRANDS, SYMMETRIC
+from derive.report.notation.typeset_names import chosen
 from derive.report.sections.moments import moments
 from derive.report.sections.terms import row_names
 
