@@ -13,15 +13,9 @@ from derive.mechanics.multibody.joints.registry import JOINTS
 from derive.mechanics.multibody.keys import quantities
 from derive.spec.model.body import BEAM_QUANTITIES
 from derive.spec.parsing.faults import KeyPath, did_you_mean
-from derive.spec.tables.beam_parts import (
-    AXIAL_UNITS,
-    DAMPING_UNITS,
-    MASS_UNITS,
-    AttachedMassTable,
-    AxialTable,
-    BeamDampingTable,
-)
+from derive.spec.tables.beam_parts import AXIAL_UNITS, MASS_UNITS, AttachedMassTable, AxialTable
 from derive.spec.tables.beam_shapes import FrameTable
+from derive.spec.tables.damping import DAMPING_UNITS, BeamDampingTable
 from derive.spec.tables.drives import DriveTable
 from derive.spec.tables.forces import force_table
 from derive.spec.tables.functions import FunctionParameterTable, ValuesTable

@@ -12,7 +12,8 @@ from derive.spec.model.body import BEAM_QUANTITIES
 from derive.spec.parsing.faults import Fault, KeyPath, unknown_key
 from derive.spec.parsing.values import kind_of
 from derive.spec.tables.beam_shapes import FrameTable, ShapeFamilyTable
-from derive.spec.tables.body import BodyFrameTable, DampingTable, NodalTable, SymbolicTable, UnitsTable, kind_of_body
+from derive.spec.tables.body import BodyFrameTable, NodalTable, SymbolicTable, UnitsTable, kind_of_body
+from derive.spec.tables.damping import DampingTable
 from derive.spec.tables.free_beam import BeamTable
 from derive.spec.tables.initial_values import BeamStartTable
 from derive.spec.tables.shared import ParameterTable

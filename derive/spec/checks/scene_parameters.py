@@ -18,7 +18,8 @@ from derive.spec.model.scene import NAMED
 from derive.spec.parsing import values
 from derive.spec.parsing.faults import Fault, KeyPath, readable
 from derive.spec.parsing.names import name_problem
-from derive.spec.tables.beam_parts import AXIAL_UNITS, DAMPING_UNITS, MASS_UNITS
+from derive.spec.tables.beam_parts import AXIAL_UNITS, MASS_UNITS
+from derive.spec.tables.damping import DAMPING_UNITS
 from derive.spec.tables.drives import speed_unit
 from derive.spec.tables.scene_bodies import LENGTH_UNIT
 

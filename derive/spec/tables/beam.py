@@ -16,8 +16,9 @@ from derive.spec.model.body import (
 )
 from derive.spec.model.quantity import Parameter, Quantity
 from derive.spec.parsing import choices, values
-from derive.spec.tables.beam_parts import AttachedMassTable, AxialTable, BeamDampingTable, BeamPosition
+from derive.spec.tables.beam_parts import AttachedMassTable, AxialTable, BeamPosition
 from derive.spec.tables.beam_shapes import ShapeFamilyTable, ShapeKeys
+from derive.spec.tables.damping import BeamDampingTable
 from derive.spec.tables.markers import MAX_NAMED, few_named
 from derive.spec.tables.shared import MAX_MARKERS, Name, ParameterTable, QuantityInput, few_markers, quantity
 

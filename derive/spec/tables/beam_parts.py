@@ -5,17 +5,13 @@ from __future__ import annotations
 from fractions import Fraction
 from typing import Annotated
 
-from pydantic import Field, PlainValidator, WithJsonSchema, model_validator
+from pydantic import Field, PlainValidator, WithJsonSchema
 
-from derive.spec.model.body import DEFAULT_MASS, AttachedMass, AxialDeformation, BeamDamping
-from derive.spec.model.quantity import Quantity
+from derive.spec.model.body import DEFAULT_MASS, AttachedMass, AxialDeformation
 from derive.spec.parsing import values
 from derive.spec.tables.beam_shapes import BEAM_POSITION, Polynomials
-from derive.spec.tables.body import check_damping
 from derive.spec.tables.shared import NotNegativeInput, QuantityInput, SignedInput, TomlTable, quantity
 
-DAMPING_UNITS = {"ratio": "1", "mass": "1/s", "stiffness": "s"}
-"""The constants of the damping of a beam, with the units of parameters."""
 MASS_UNITS = {"mass": DEFAULT_MASS.unit, "inertia": "kg m^2"}
 """The constants of an attached mass, with the units of parameters."""
 
@@ -49,36 +45,6 @@ class AxialTable(TomlTable):
         """The deformation as the derivation takes it."""
         stiffness, preload = (quantity(getattr(self, key), unit) for key, unit in AXIAL_UNITS.items())
         return AxialDeformation(self.ansatz, stiffness, preload)
-
-
-class BeamDampingTable(TomlTable):
-    """Damping of the deformation of a beam: a fraction of critical damping, or proportional to mass and stiffness.
-
-    It is that of the beam without attached masses, and the same in every frame.
-    """
-
-    ratio: Annotated[
-        NotNegativeInput | None, Field(description="Fraction of critical damping of each free mode, such as 0.01.")
-    ] = None
-    mass: Annotated[
-        NotNegativeInput | None,
-        Field(description="Factor of the mass matrix of the deformation, without rigid motion, 1/s."),
-    ] = None
-    stiffness: Annotated[NotNegativeInput | None, Field(description="Factor of the stiffness matrix, s.")] = None
-
-    @model_validator(mode="after")
-    def check(self) -> BeamDampingTable:
-        """The keys exclude each other."""
-        check_damping(self.ratio, self.mass, self.stiffness)
-        return self
-
-    def damping(self) -> BeamDamping:
-        """The damping that the table describes."""
-        return BeamDamping(*(self._quantity(key) for key in DAMPING_UNITS))
-
-    def _quantity(self, key: str) -> Quantity:
-        value = getattr(self, key)
-        return Fraction(0) if value is None else quantity(value, DAMPING_UNITS[key])
 
 
 class AttachedMassTable(TomlTable):

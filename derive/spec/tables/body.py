@@ -25,10 +25,10 @@ from derive.spec.model.body import (
 from derive.spec.model.plots import Plot
 from derive.spec.model.simulation import Simulation
 from derive.spec.parsing import choices, values
+from derive.spec.tables.damping import DampingTable
 from derive.spec.tables.shared import (
     MAX_MARKERS,
     Name,
-    NotNegative,
     SignedInput,
     SpatialGravity,
     TomlTable,
@@ -147,35 +147,6 @@ BodyFrameInput = Annotated[
     | Annotated[BodyFrameTable, Tag("table")],
     Discriminator(written_as),
 ]
-
-
-def check_damping(ratio: object, mass: object, stiffness: object) -> None:
-    """Raise WrongValueError unless damping is given either by a ratio or by factors of mass and stiffness."""
-    proportional = mass is not None or stiffness is not None
-    if (ratio is not None) == proportional:
-        raise values.WrongValueError(
-            "write either { ratio = 0.01 }, of critical damping, or { mass = 0.1, stiffness = 1e-5 }, in 1/s and s"
-        )
-
-
-class DampingTable(TomlTable):
-    """Viscous damping: a fraction of critical damping, or proportional to mass and stiffness."""
-
-    ratio: Annotated[
-        NotNegative | None, Field(description="Fraction of critical damping of each mode, such as 0.01.")
-    ] = None
-    mass: Annotated[NotNegative | None, Field(description="Factor of the mass matrix, 1/s.")] = None
-    stiffness: Annotated[NotNegative | None, Field(description="Factor of the stiffness matrix, s.")] = None
-
-    @model_validator(mode="after")
-    def check(self) -> DampingTable:
-        """The keys exclude each other."""
-        check_damping(self.ratio, self.mass, self.stiffness)
-        return self
-
-    def damping(self) -> Damping:
-        """The damping that the table describes."""
-        return Damping(*(value or Fraction(0) for value in (self.ratio, self.mass, self.stiffness)))
 
 
 LoweringInput = Annotated[
