@@ -31,9 +31,9 @@ AMPLITUDES = (4e-3, 2e-3, 1e-3)
     ("frame", "lowering", "nonzeros", "mass", "force", "both"),
     [
         ("mean", "flat", 60, 187, 534, 558),
-        ("point", "flat", 96, 249, 612, 666),
+        ("point", "flat", 96, 256, 619, 673),
         ("mean", "table", 68, 1310, 1679, 2071),
-        ("point", "table", 134, 1533, 1902, 2441),
+        ("point", "table", 134, 1540, 1909, 2448),
     ],
 )
 def test_the_mean_frame_is_sparser(frame: str, lowering: str, nonzeros: int, mass: int, force: int, both: int) -> None:
