@@ -42,6 +42,7 @@ from derive.spec.tables.shared import Name, PlanarGravity, QuantityInput, TomlTa
 BEAM_KEYS = BODIES["beam"].identifying_keys
 """A body with one of these keys is a beam."""
 LENGTH_UNIT = DEFAULT_LENGTH.unit
+NOT_NEEDED = "not needed if the motion is prescribed: energies, powers and reactions then count what is not given as 0."
 
 
 LoadPolynomial = Annotated[
@@ -79,12 +80,10 @@ class SceneTable(TomlTable):
 class RigidTable(TomlTable):
     """A rigid body in the plane; it has none of the keys length, bending_stiffness, ansatz and frame."""
 
-    mass: Annotated[QuantityInput | None, Field(description="Mass, kg; not needed if the motion is prescribed.")] = None
+    mass: Annotated[QuantityInput | None, Field(description=f"Mass, kg; {NOT_NEEDED}")] = None
     inertia: Annotated[
         QuantityInput | None,
-        Field(
-            description="Moment of inertia about the centre of mass, kg m^2; not needed if the motion is prescribed."
-        ),
+        Field(description=f"Moment of inertia about the centre of mass, kg m^2; {NOT_NEEDED}"),
     ] = None
     centre: Annotated[Coordinates, Field(description="Position of the centre of mass in the frame of the body, m.")] = (
         Fraction(0),

@@ -19,6 +19,7 @@ class Energies(OutputType):
 
     doc = "kinetic, strain (with springs), gravitational and total energy"
     labels = ("kinetic", "strain", "gravity", "total")
+    counts_inertia = True
     keys: tuple[Key, ...] = ()
 
     def components(self, name: str, values: Mapping[str, Any], scene: SceneMechanics) -> OutputComponents:
@@ -40,6 +41,7 @@ class Powers(OutputType):
 
     doc = "power of loads and drives, and dissipation: their sum is the time derivative of the total energy"
     labels = ("loads", "drives", "dissipated")
+    counts_inertia = True
     keys: tuple[Key, ...] = ()
 
     def components(self, name: str, values: Mapping[str, Any], scene: SceneMechanics) -> OutputComponents:

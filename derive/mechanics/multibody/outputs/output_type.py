@@ -39,11 +39,13 @@ class OutputComponents:
 class OutputType(ABC):
     """A type of output. Subclasses are registered in `registry.OUTPUTS`.
 
-    doc: what the output is, in a clause; keys: what its table has besides `kind`; labels: those of its components.
+    doc: what the output is, in a clause; keys: what its table has besides `kind`; labels: those of its components;
+    counts_inertia: whether it depends on the inertia of bodies whose motion is prescribed.
     """
 
     doc: str
     labels: tuple[str, ...] = ("",)
+    counts_inertia: bool = False
     keys: tuple[Key, ...]
 
     @abstractmethod

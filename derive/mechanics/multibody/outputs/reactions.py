@@ -18,6 +18,7 @@ class Reaction(OutputType):
 
     doc = "what a joint exerts on body 2, with its drive"
     labels = ("1", "2", "torque")
+    counts_inertia = True
     keys = (Key("joint", KeyType.JOINT, "", "Name of the joint.", required=True),)
 
     def components(self, name: str, values: Mapping[str, Any], scene: SceneMechanics) -> OutputComponents:
@@ -29,6 +30,7 @@ class DriveForce(OutputType):
     """The torque or the force by which a drive prescribes the motion of its joint."""
 
     doc = "the torque or the force of a drive"
+    counts_inertia = True
     keys = (Key("drive", KeyType.DRIVE, "", "Name of the drive.", required=True),)
 
     def components(self, name: str, values: Mapping[str, Any], scene: SceneMechanics) -> OutputComponents:
