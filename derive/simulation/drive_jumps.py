@@ -87,7 +87,7 @@ def _jumps(scene: Scene, drive: Drive, duration: float) -> Iterator[Problem]:
     if motion is None or motion.kind == "input":
         return
     unit = drive_unit(scene, drive)
-    breaks = sorted(time for time in {*break_times(motion)} if 0.0 < time <= duration)
+    breaks = sorted(time for time in {*break_times(motion, duration)} if 0.0 < time <= duration)
     samples = [t for pair in pairwise([0.0, *breaks, duration]) for t in np.linspace(*pair, SAMPLES)]
     refused = set[float]()  # a jump of the position is one of the speed as well
     for quantity, of, units in (("position", value_at, unit), ("speed", rate_at, f"{unit}/s")):

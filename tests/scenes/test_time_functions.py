@@ -154,11 +154,24 @@ def test_functions_that_jump_are_integrated_exactly_between_their_breaks() -> No
     [
         ("step(t, 0.3, 0.9)", (0.3, 0.9)),
         ("abs(2*t - 1) + max(t/4, 0.5) - min(1 - t, t, 0.4)", (0.4, 0.5, 0.6, 2.0)),
-        ("max(sin(t), cos(t)) + abs(t^2 - 2)", ()),  # where these have kinks nobody computes
+        ("max(sin(t), cos(t)) + abs(t^2 - 2)", (np.pi / 4, np.sqrt(2))),
+        ("abs(sin(2*pi*t))", (0.5, 1.0, 1.5, 2.0, 2.5)),
+        ("max(1 - exp(-t), 0.75, 0)", (np.log(4),)),
+        ("abs(t^2) + min(0, t^2 - 2*t + 1) + 0*max(log(t - 5), 1)", ()),  # touching, at an end, without a value
     ],
 )
 def test_breaks_of_functions(force: str, times: tuple[float, ...]) -> None:
-    assert breaks(parse(PUSHED.format(more="", force=force))) == pytest.approx(times)
+    """Within rounding errors; of 3 s."""
+    assert breaks(parse(PUSHED.format(more="", force=force))) == pytest.approx(times, rel=1e-14)
+
+
+def test_functions_with_kinks_are_integrated_exactly_between_them() -> None:
+    """2 x'' = max(t^2 - 1, 0): polynomials, which methods of high order integrate exactly if they stop at 1 s."""
+    found = derive.simulate(parse(PUSHED.format(more="", force="max(t^2 - 1, 0)")))
+    late = np.maximum(found.t, 1)
+    np.testing.assert_allclose(found["block_sdot"], (late**3 / 3 - late + 2 / 3) / 2, rtol=0, atol=1e-13)
+    assert found["block_s"][-1] == pytest.approx(2, abs=1e-13)
+    assert found.solution.cost.steps < 30
 
 
 def test_breaks_depend_on_parameters() -> None:

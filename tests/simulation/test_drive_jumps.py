@@ -49,6 +49,7 @@ def scene(folder: Path, motion: str) -> Scene:
         ("piecewise(t < 1.5, t^2, t < 2, 3*t - 2.25, 3.75)", [("2", "speed", "3 m/s", "0 m/s")]),
         ("abs(2*t - 1)", [("0.5", "speed", "-2 m/s", "2 m/s")]),
         ("min(t - 1, 3*t - 3)", [("1", "speed", "3 m/s", "1 m/s")]),
+        ("abs(sin(2*t))", [(r"1\.57079633", "speed", "-2 m/s", "2 m/s")]),
         (
             "piecewise(t < 1, 0, t < 2, t, 2*t - 2)",
             [("1", "position", "0 m", "1 m"), ("2", "speed", "1 m/s", "2 m/s")],

@@ -52,11 +52,12 @@ def breaks(scene: Scene, parameters: Mapping[str, float] | None = None) -> tuple
     """The times (s) at which functions of the scene, or one of their first three derivatives, jump, in order.
 
     An integrator with steps of high order stops at them and starts anew. `parameters` are those, by symbol, that are
-    not at their defaults. The kinks of abs, min and max are among them where the operands are linear in t.
+    not at their defaults. See `break_times`, which also finds kinks within the duration of the simulation of the scene.
     """
+    end = 0.0 if scene.simulation is None else scene.simulation.duration
     times = (
         time
         for _, function in (*time_functions(scene), *input_functions(scene))
-        for time in break_times(function, parameters)
+        for time in break_times(function, end, parameters)
     )
     return tuple(sorted({*times}))

@@ -132,11 +132,16 @@ def depends_on_time(function: TimeFunction) -> bool:
     return any(part.kind in ("t", "input") for part in parts(function))
 
 
-def break_times(function: TimeFunction, parameters: Mapping[str, float] | None = None) -> Iterator[float]:
+SAMPLES = 4096
+"""The parts of a simulation at whose ends operands that are not linear in t are compared."""
+
+
+def break_times(function: TimeFunction, end: float, parameters: Mapping[str, float] | None = None) -> Iterator[float]:
     """The times at which a function or one of its first three derivatives jumps, as far as they are known.
 
-    These are the conditions of piecewise functions, both ends of steps and tables, and the zeros of the operands of
-    abs and of the difference of those of min and max, where these operands are linear in t.
+    These are the conditions of piecewise functions, both ends of steps and tables, and where the operand of abs or the
+    difference of those of min and max changes its sign. Where operands are linear in t all times are found; where they
+    are not, those from 0 to `end` (s) between which some of SAMPLES + 1 equally spaced times lie.
     """
     zero = TimeFunction("number")
     for part in parts(function):
@@ -156,7 +161,7 @@ def break_times(function: TimeFunction, parameters: Mapping[str, float] | None =
             case _:
                 edges = []
         for left, right in edges:
-            yield from _crossing(left, right, parameters)
+            yield from _crossings(left, right, end, parameters)
 
 
 def _operands(function: TimeFunction) -> list[TimeFunction]:
@@ -164,11 +169,38 @@ def _operands(function: TimeFunction) -> list[TimeFunction]:
     return [operand for arg in function.args for operand in (_operands(arg) if arg.kind == function.kind else [arg])]
 
 
-def _crossing(left: TimeFunction, right: TimeFunction, parameters: Mapping[str, float] | None) -> Iterator[float]:
-    """The time at which two functions are equal, if their difference is linear in t."""
+def _crossings(
+    left: TimeFunction, right: TimeFunction, end: float, parameters: Mapping[str, float] | None
+) -> Iterator[float]:
+    """The times at which the difference of two functions changes its sign."""
     first, second = (_linear(side, parameters) for side in (left, right))
-    if first is not None and second is not None and first[1] != second[1]:
+    if first is None or second is None:
+        difference = TimeFunction("sub", (left, right))
+        yield from _sign_changes(lambda t: _finite(difference, t, parameters), end)
+    elif first[1] != second[1]:
         yield (second[0] - first[0]) / (first[1] - second[1])
+
+
+def _finite(function: TimeFunction, t: float, parameters: Mapping[str, float] | None) -> float:
+    """The value of a function at t (s), NaN where it has none."""
+    try:
+        return value_at(function, t, parameters)
+    except (ArithmeticError, ValueError):
+        return math.nan
+
+
+def _sign_changes(of: Callable[[float], float], end: float) -> Iterator[float]:
+    """The times from 0 to `end` (s) at which a function changes its sign, to the last digit: by bisection."""
+    last = (0.0, 0.0)  # the last sample that is neither zero nor NaN
+    for t in (end * k / SAMPLES for k in range(SAMPLES + 1)):
+        value = of(t)
+        if value < 0.0 < last[1] or last[1] < 0.0 < value:
+            before, after = last[0], t
+            while before < (middle := 0.5 * (before + after)) < after:
+                before, after = (middle, after) if of(middle) * last[1] > 0.0 else (before, middle)
+            yield after
+        if value:
+            last = (t, 0.0 if math.isnan(value) else value)
 
 
 def _linear(function: TimeFunction, parameters: Mapping[str, float] | None) -> tuple[float, float] | None:
