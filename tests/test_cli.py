@@ -161,17 +161,15 @@ def test_files_of_others_are_left_alone(tmp_path: Path, capsys: pytest.CaptureFi
     assert mine.read_text() == "int mine;\n" and len(list(mine.parent.iterdir())) == 1
 
 
-def test_a_spring_along_its_guide_is_refused_with_advice(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """Its length is the root of a square, which has a kink."""
-    spec = tmp_path / "oscillator.toml"
+def test_a_root_of_a_square_is_refused_with_advice(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """It has a kink, at which integrators do not stop."""
+    spec = tmp_path / "pushed.toml"
     spec.write_text(
-        'name = "oscillator"\nground = { markers = { wall = [0, 0] } }\n'
-        "[bodies.mass]\nmass = 1\ninertia = 1\nmarkers = { centre = [0, 0] }\n"
-        '[joints.guide]\nkind = "translational"\nbetween = ["ground.wall", "mass.centre"]\n'
-        '[springs.spring]\nbetween = ["ground.wall", "mass.centre"]\nstiffness = 100\nrest = 1\n'
+        'name = "pushed"\n[bodies.mass]\nmass = 1\ninertia = 1\nmarkers = { centre = [0, 0] }\n'
+        '[forces.push]\nat = "mass.centre"\ncomponents = ["sqrt(t^2)", 0]\n'
     )
     assert main(["build", str(spec), "--out", str(tmp_path / "out")]) == 2
-    assert "move one of its markers off that line" in capsys.readouterr().err
+    assert "has a kink; write abs(t)" in capsys.readouterr().err
 
 
 def test_no_compiler_is_explained(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:

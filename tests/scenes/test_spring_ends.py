@@ -10,6 +10,7 @@ import made
 import numpy as np
 import pytest
 
+import derive
 from derive.runtime.native_call import ModelError
 
 SCENE = """
@@ -101,3 +102,67 @@ def test_generated_python_says_which_spring_it_is() -> None:
     assert caught.value.code == 2
     both = names["force"](0.0, np.array([APART, COINCIDENT]), V, k)
     assert np.array_equal(np.isnan(both).all(axis=1), [False, True])
+
+
+OSCILLATOR = """
+name = "oscillator"
+ground.markers = { wall = [0.5, 0.25] }
+[bodies.mass]
+mass = 2
+inertia = 1
+markers = { centre = [0, 0] }
+[joints.guide]
+kind = "translational"
+between = ["ground.wall", "mass.centre"]
+axis = AXIS
+start = { displacement = START }
+[springs.spring]
+between = ["ground.wall", "mass.centre"]
+stiffness = 200
+damping = DAMPING
+rest = 1
+[outputs.length]
+kind = "distance"
+between = ["ground.wall", "mass.centre"]
+[outputs.pull]
+kind = "spring"
+spring = "spring"
+[outputs.energy]
+kind = "energy"
+[simulation]
+duration = 0.5
+output = 0.01
+tolerance = 1e-11
+"""
+
+
+def oscillator(axis: str, start: float, damping: float) -> derive.Trajectory:
+    text = OSCILLATOR.replace("AXIS", axis).replace("START", str(start)).replace("DAMPING", str(damping))
+    return derive.simulate(made.parse(text))
+
+
+@pytest.mark.parametrize("axis", ["[1, 0]", "[0, 1]", "[3, 4]"])
+@pytest.mark.parametrize("side", [1, -1])
+@pytest.mark.parametrize("damping", [0, 8])
+def test_a_spring_along_its_guide_is_an_oscillator_on_either_side(axis: str, side: int, damping: float) -> None:
+    """Where the guide is along an axis, the length is the magnitude of one component, and no root."""
+    found = oscillator(axis, 1.2 * side, damping)
+    decay, t = damping / 4, found.t
+    omega = np.sqrt(100 - decay**2)
+    extension = 0.2 * np.exp(-decay * t) * (np.cos(omega * t) + decay / omega * np.sin(omega * t))
+    np.testing.assert_allclose(found["mass_s"], side * (1 + extension), rtol=0, atol=1e-9)
+    np.testing.assert_allclose(found["length"], 1 + extension, rtol=0, atol=1e-9)
+    pull = np.hypot(found["pull_1"], found["pull_2"])
+    rate = side * found["mass_sdot"]
+    np.testing.assert_allclose(pull, np.abs(200 * extension + damping * rate), rtol=0, atol=1e-6)
+    np.testing.assert_allclose(found["energy_strain"], 100 * extension**2, rtol=0, atol=1e-8)
+
+
+def test_the_force_changes_its_direction_where_the_ends_of_such_a_spring_pass_each_other() -> None:
+    """From 3 m, where it is stretched by 2 m: it presses at the wall, from either side, and is as long at the turn."""
+    found = oscillator("[1, 0]", 3.0, 0)
+    assert found["mass_s"].min() == pytest.approx(-3, abs=0.05)
+    np.testing.assert_allclose(found["energy_total"], 400, rtol=1e-6)
+    np.testing.assert_allclose(
+        found["pull_1"], -200 * np.sign(found["mass_s"]) * (np.abs(found["mass_s"]) - 1), rtol=1e-9
+    )

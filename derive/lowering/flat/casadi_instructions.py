@@ -75,10 +75,7 @@ def _operation(graph: Graph, operation: int, args: list[int]) -> int:
     if operation == ca.OP_INV:
         return graph.apply(Operator.DIV, graph.number(1), args[0])
     if operation == ca.OP_FABS:
-        raise LoweringError(
-            "the root of a square, such as sqrt(t^2), has a kink; write abs(t), or, if a linear "
-            "spring lies along its guide, move one of its markers off that line"
-        )
+        raise LoweringError("the root of a square, such as sqrt(t^2), has a kink; write abs(t)")
     raise NotImplementedError(f"CasADi operation {operation} has no counterpart in a kernel")
 
 

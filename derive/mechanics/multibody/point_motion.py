@@ -16,8 +16,10 @@ from derive.mechanics.motion.material_points import (
     radius_and_rate,
     tangent_vectors,
 )
+from derive.mechanics.quantity import rounded
 from derive.mechanics.symbols import Family, Identity, Symbol
 from derive.mechanics.terms import Intermediate, ModelConstant
+from derive.mechanics.time_functions import Absolute
 
 Derivatives = tuple[sp.Expr, sp.Expr, sp.Expr]
 """A quantity with its first and second time derivative."""
@@ -177,6 +179,16 @@ class RelativeMotion:
         """The displacement along axis k of the inertial frame, counted from 0."""
         position, velocity, acceleration = self.displacement
         return position[k], velocity[k], acceleration[k]
+
+
+def length_of(vector: sp.Matrix) -> sp.Expr:
+    """The length of a column of 2; of a multiple of one expression, as along a guide, the multiple of its magnitude."""
+    components = [x for x in vector if x != 0]
+    if len(components) == 1 and not components[0].is_number:
+        return Absolute(components[0])
+    factor, square = vector.dot(vector).as_coeff_Mul()
+    base, exponent = square.as_base_exp()
+    return rounded(sp.sqrt(factor)) * Absolute(base) if exponent == 2 else sp.sqrt(factor * square)
 
 
 def added(a: Derivatives, b: Derivatives, sign: int = 1) -> Derivatives:

@@ -8,7 +8,7 @@ import sympy as sp
 
 from derive.mechanics.multibody.forces.force_type import GeneralisedForce, Values, force_terms, intermediate
 from derive.mechanics.multibody.forces.spring_type import SpringType, characteristic, is_linear, spring_keys
-from derive.mechanics.multibody.point_motion import PointMotion, RelativeMotion
+from derive.mechanics.multibody.point_motion import PointMotion, RelativeMotion, length_of
 from derive.mechanics.symbols import element as element_symbol
 from derive.mechanics.terms import EquationOfMotion, Intermediate
 from derive.spec.model.forces import Spring
@@ -42,7 +42,7 @@ class LinearSpring(SpringType):
         if rest == 0 and damping == 0 and is_linear(values):  # without a square root
             pull, potential = stiffness * vector, stiffness * vector.dot(vector) / 2
         else:
-            length = define(sp.sqrt(vector.dot(vector)), "length", "length")
+            length = define(length_of(vector), "length", "length")
             extension = length - rest
             if is_linear(values):
                 tension, potential = stiffness * extension, stiffness * extension**2 / 2

@@ -9,7 +9,7 @@ import sympy as sp
 
 from derive.mechanics.multibody.keys import Key, KeyType
 from derive.mechanics.multibody.outputs.output_type import OutputComponent, OutputComponents, OutputType
-from derive.mechanics.multibody.point_motion import PointMotion, RelativeMotion
+from derive.mechanics.multibody.point_motion import PointMotion, RelativeMotion, length_of
 from derive.mechanics.multibody.scene_mechanics import SceneMechanics
 from derive.mechanics.time_functions import Atan2
 from derive.spec.model.markers import MarkerRef
@@ -77,7 +77,7 @@ class Distance(OutputType):
         first, second = values["between"]
         displacement, _, _ = RelativeMotion(scene.point(first), scene.point(second)).displacement
         doc = f"distance from {first} to {second}"
-        return OutputComponents((OutputComponent("", "m", doc, sp.sqrt(displacement.dot(displacement))),))
+        return OutputComponents((OutputComponent("", "m", doc, length_of(displacement)),))
 
 
 class Inclination(OutputType):
