@@ -1,0 +1,84 @@
+"""What second order costs in operations of the generated functions; bench/order_cost.py has all frames and shapes."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import pytest
+
+import beams
+import derive
+from derive.roles import Source
+
+
+@cache
+def model(frame: str, n: int, terms: str = "") -> derive.Model:
+    """A beam of order 2 with these terms, or of order 1."""
+    order = {"order": 2, "terms": terms} if terms else {}
+    return derive.lower(derive.derive(beams.beam(frame, n, markers={}, **order)))
+
+
+def operations(frame: str, n: int, terms: str = "") -> tuple[int, int]:
+    """Of M and h together, and of the accelerations."""
+    kernels = model(frame, n, terms)
+    return kernels.kernel("mass_force").operations, kernels.kernel("accel").operations
+
+
+@pytest.mark.parametrize("n", range(1, 7))
+def test_truncated_beams_in_the_mean_frame_cost_what_beams_of_first_order_cost(n: int) -> None:
+    """M stays diagonal, and the N moments int rho X . Psi_nn are part of C5, which first order has as C5 = c8."""
+    assert operations("mean", n, "truncated") == operations("mean", n)
+    pattern = model("mean", n, "truncated").pattern("mass", "M")
+    assert pattern.full_nnz == n + 3
+    numbers, first = (sum(c.size for c in model("mean", n, terms).constants) for terms in ("truncated", ""))
+    assert numbers - first == n
+
+
+COST = {
+    ("mean", 1, "full"): (51, 57),
+    ("mean", 2, "full"): (212, 247),
+    ("chord", 2, "truncated"): (64, 147),
+    ("chord", 4, "truncated"): (140, 293),
+    ("chord", 2, "full"): (297, 391),
+    ("point", 2, "truncated"): (64, 147),
+    ("point", 4, "truncated"): (140, 293),
+    ("point", 2, "full"): (317, 411),
+    ("tangent", 2, "truncated"): (86, 178),
+    ("tangent", 4, "truncated"): (208, 431),
+    ("tangent", 2, "full"): (377, 471),
+}
+"""M and h, and the accelerations, as they are today; a smaller number is progress and is written here."""
+
+
+@pytest.mark.parametrize(("frame", "n", "terms"), COST)
+def test_operations_at_second_order(frame: str, n: int, terms: str) -> None:
+    assert operations(frame, n, terms) == COST[frame, n, terms]
+
+
+FIRST = {
+    ("mean", 2): (18, 27),
+    ("mean", 4): (42, 57),
+    ("chord", 2): (37, 96),
+    ("chord", 4): (75, 176),
+    ("point", 2): (37, 96),
+    ("point", 4): (75, 176),
+    ("tangent", 2): (47, 137),
+    ("tangent", 4): (103, 324),
+}
+
+
+@pytest.mark.parametrize(("frame", "n"), FIRST)
+def test_a_body_of_first_order_pays_nothing(frame: str, n: int) -> None:
+    """Its counts are those that it had before there was a second order, and none of its numbers belongs to that."""
+    assert operations(frame, n) == FIRST[frame, n]
+    assert operations(frame, n)[0] <= COST.get((frame, n, "truncated"), FIRST[frame, n])[0]
+    for order, expected in ((1, False), (2, True)):
+        derived = derive.derive(beams.beam(frame, n, markers={}, order=order)).expanded()
+        origins = {item.equation for group in (derived.coefficients, derived.terms) for item in group}
+        assert (Source.SECOND_ORDER in origins) is expected
+
+
+def test_shapes_that_are_given_cost_what_the_frame_costs_whose_conditions_they_fulfil() -> None:
+    given = derive.planar_beam("given", ansatz=["xi^2 - 1", "xi^3 - xi"], frame="given")
+    kernels = derive.lower(derive.derive(given))
+    assert kernels.kernel("mass_force").operations == operations("chord", 2)[0]
