@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 
 from derive.ir.interpreter import RequirementError, interpret
 from derive.ir.model import Model, Variable
+from derive.ir.patterns import Pattern
 from derive.registry import UnknownNameError
 from derive.roles import Role
 from derive.runtime.native_call import ModelError, Vector
@@ -52,6 +53,10 @@ class InterpretedScene(NativeScene):
             raise UnknownNameError(f"marker of {self.name}", name, self.markers)
         x, xdot, jacobian = self._outputs(f"marker_{name}", [q, v, k])
         return x, xdot, jacobian
+
+    def marker_pattern(self, name: str) -> Pattern:
+        """The pattern of the Jacobian of a marker."""
+        return self._kernels.pattern(f"marker_{name}", "jacobian")
 
     def solve(self, t: float, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> tuple[Vector, Vector]:
         """vdot and lambda."""

@@ -14,6 +14,8 @@ from derive.errors import SpecError
 from derive.simulation.compiled_scene import constraint_matrix, mass_matrix
 from derive.simulation.errors import MovingDrives
 from derive.simulation.initial.initial_state import InitialState, initial_state
+from derive.simulation.initial.kinematics import Kinematics
+from derive.simulation.initial.targets import targets
 from derive.spec.toml.read import parse
 
 Array = np.ndarray
@@ -309,6 +311,47 @@ def test_a_beam_that_is_not_deflected_stays_straight() -> None:
     found = values(text)
     assert all(value == (0.0, 0.0) for name, value in found.items() if name.startswith("beam_alpha"))
     assert found["beam_phi"][1] == pytest.approx(3.0, rel=1e-13)
+
+
+@pytest.mark.parametrize(("frame", "pieces"), [(MEAN, 1), (TANGENT, 1), (CHORD, 1), (MEAN, 2)])
+def test_a_joint_on_a_beam_of_second_order_begins_where_the_shortened_beam_is(frame: str, pieces: int) -> None:
+    """A guide at its right end, which 0.1 xi^2 draws in by 1/2 int (0.2 xi)^2 dxi from the middle: 0.0067 m."""
+    given = 'start = { deflection = "0.1*xi^2", deflection_rate = "0.3*xi^2" }'
+    text = GROUND + FLEXIBLE.replace("{body}", f"order = 2\n{frame}\npieces = {pieces}\n{given}")
+    text += '[joints.rail]\nkind = "translational"\nbetween = ["ground.a", "beam.right"]\n'
+    text += "start = { displacement = 0.7, speed = 0.4 }\n"
+    for kind in ("position", "velocity"):
+        text += f'[outputs.{kind}]\nkind = "{kind}"\nmarker = "beam.right"\n'
+    state, scene = start(text), made(text)
+    still = np.zeros(scene.native.nv)
+    motion = scene.native.evaluate_outputs(0.0, state.q, state.v, still, np.zeros(scene.native.nlambda), scene.k)
+    assert motion == pytest.approx([0.7, 0, 0.4, 0], abs=1e-12)
+    assert not state.corrections
+    assert max(abs(state.q[i]) for i, n in enumerate(scene.native.coordinates) if "alpha" in n) > 0.01
+
+
+def test_the_section_of_a_beam_that_bends_and_stretches_is_where_the_outputs_have_it() -> None:
+    """In any configuration, with the derivatives by its coordinates: a pin that turns and a guide that slides."""
+    more = 'order = 2\naxial = { ansatz = ["xi", "xi^2"], stiffness = 900 }'
+    text = GROUND + FLEXIBLE.replace("{body}", more)
+    for kind, end, key in (("revolute", "left", "angle"), ("translational", "right", "displacement")):
+        text += f'[joints.{kind}]\nkind = "{kind}"\nbetween = ["ground.a", "beam.{end}"]\nstart = {{ {key} = 0 }}\n'
+    text += '[outputs.turned]\nkind = "rotation"\nmarker = "beam.left"\n'
+    text += '[outputs.moved]\nkind = "position"\nmarker = "beam.right"\n'
+    scene = made(text)
+    native, k, still = scene.native, scene.k, np.zeros(scene.native.nv)
+    found = {target.path: target.function for target in targets(scene.scene, native)}
+    turned, moved = found["joints.revolute.start.angle"], found["joints.translational.start.displacement"]
+
+    def outputs(q: Array) -> Array:
+        return native.evaluate_outputs(0.0, q, still, still, np.zeros(native.nlambda), k)[:2]
+
+    q = np.random.default_rng(4).uniform(-0.3, 0.3, native.nq)
+    linear = [function(Kinematics(native, k, 0.0, q, 1.0, False)) for function in (turned, moved)]
+    np.testing.assert_allclose([part.value for part in linear], outputs(q), atol=1e-12)
+    steps = 1e-5 * np.eye(native.nq)
+    slopes = [(outputs(q + step) - outputs(q - step)) / 2e-5 for step in steps]
+    np.testing.assert_allclose([part.gradient for part in linear], np.transpose(slopes), atol=1e-8)
 
 
 # ---- equilibrium ----

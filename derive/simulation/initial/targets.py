@@ -18,8 +18,9 @@ from derive.mechanics.multibody.point_motion import RelativeMotion, fixed_point
 from derive.mechanics.symbols import amplitude, owned
 from derive.runtime.native_scene import NativeScene
 from derive.simulation.initial.kinematics import Kinematics, Linear
-from derive.simulation.observables.beams import half_length, shape_functions
+from derive.simulation.observables.beams import fields_of, half_length, shape_functions
 from derive.simulation.observables.motion import body_coordinates, si_value
+from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.markers import GROUND, MarkerRef
 from derive.spec.model.quantity import Parameter
 from derive.spec.model.scene import BeamBody, CustomJoint, Joint, JointInitialValues, Scene, SceneBody
@@ -231,36 +232,48 @@ def _relative(scene: Scene, joint: Joint, native: NativeScene) -> Function:
 def _marker(scene: Scene, marker: MarkerRef, native: NativeScene) -> Callable[[Kinematics], tuple[Linear, ...]]:
     """Position (m) and rotation (rad) of the section at a marker."""
     body = next((b for b in scene.bodies if b.name == marker.body), None)
-    point = slopes = heights = np.zeros(0)
-    columns: list[int] = []
     if isinstance(body, BeamBody):
-        at = next(m.at for m in body.beam.markers if m.name == marker.marker)
-        name, xi = piece_name(body, piece_of(at, body.pieces)), float(place_in_piece(at, body.pieces))
-        point = np.array([xi * half_length(body), 0.0])
-        shapes, place = shape_functions(body), place_in_piece(at, body.pieces)
-        heights = np.array([float(shape.at(place)) for shape in shapes])
-        slopes = np.array([float(shape.derivative().at(place)) for shape in shapes])
-        slopes = slopes / half_length(body)
-        columns = [native.coordinates.index(owned(amplitude(i + 1), name).name) for i in range(len(shapes))]
-    else:
-        name, point = marker.body, body_coordinates(scene, marker)
+        return _on_beam(body, marker.marker, native)
+    point = body_coordinates(scene, marker)
 
     def function(kinematics: Kinematics) -> tuple[Linear, ...]:
-        if name == GROUND:
+        if marker.body == GROUND:
             return tuple(map(kinematics.constant, (*point, 0.0)))
-        frame = [kinematics.component(name, i) for i in range(3)]
-        alphas = [kinematics.coordinate(j) for j in columns]
-        zero = kinematics.constant(0.0)
-        height = sum((a.scaled(float(f)) for a, f in zip(alphas, heights, strict=True)), start=zero)
-        rotation = sum((a.scaled(float(f)) for a, f in zip(alphas, slopes, strict=True)), start=frame[2])
+        frame = [kinematics.component(marker.body, i) for i in range(3)]
         cos, sin = math.cos(frame[2].value), math.sin(frame[2].value)
-        x, y = float(point[0]), float(point[1]) + height.value
-        turned = (cos * x - sin * y, sin * x + cos * y)
+        x, y = map(float, point)
+        rotated = (cos * x - sin * y, sin * x + cos * y)
         arms = [
-            Linear(arm, turn * frame[2].gradient, turn * frame[2].drift)
-            for arm, turn in zip(turned, (-turned[1], turned[0]), strict=True)
+            Linear(arm, rate * frame[2].gradient, rate * frame[2].drift)
+            for arm, rate in zip(rotated, (-rotated[1], rotated[0]), strict=True)
         ]
-        raised = [Linear(0.0, f * height.gradient, f * height.drift) for f in (-sin, cos)]
-        return (*(frame[i] + arms[i] + raised[i] for i in range(2)), rotation)
+        return (*(frame[i] + arms[i] for i in range(2)), frame[2])
+
+    return function
+
+
+def _on_beam(beam: BeamBody, marker: str, native: NativeScene) -> Callable[[Kinematics], tuple[Linear, ...]]:
+    """Position and rotation of the section at a marker of a beam.
+
+    The position is that of the generated code, which includes the shortening of a beam of second order. A beam keeps
+    all of its coordinates, so that its markers do not depend on the time.
+    """
+    at = next(m.at for m in beam.beam.markers if m.name == marker)
+    piece, place, fields = piece_name(beam, piece_of(at, beam.pieces)), place_in_piece(at, beam.pieces), fields_of(beam)
+    columns = [native.coordinates.index(owned(amplitude(i), piece).name) for i in range(1, len(fields) + 1)]
+    gradients = np.zeros((2, native.nq))  # of du/dx and dv/dx
+    for field, column in zip(fields, columns, strict=True):
+        gradients[field.axis - 1, column] = float(field.of.derivative().at(place)) / half_length(beam)
+    name, at_rest = f"{beam.name}_{marker}", np.zeros(native.nv)
+    second_order = beam.beam.order is not DisplacementOrder.FIRST_ORDER
+
+    def function(kinematics: Kinematics) -> tuple[Linear, ...]:
+        x, _, values = native.marker(name, kinematics.q, at_rest, kinematics.k)
+        jacobian = native.marker_pattern(name).dense(values)
+        strain, slope = (Linear(float(gradient @ kinematics.q), gradient, 0.0) for gradient in gradients)
+        if second_order:  # a section turns by dv/dx - dv/dx du/dx
+            change = (1.0 - strain.value) * slope.gradient - slope.value * strain.gradient
+            slope = Linear((1.0 - strain.value) * slope.value, change, 0.0)
+        return (*(Linear(float(x[i]), jacobian[i], 0.0) for i in range(2)), kinematics.component(piece, 2) + slope)
 
     return function

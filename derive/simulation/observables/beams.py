@@ -7,6 +7,8 @@ from fractions import Fraction
 import numpy as np
 
 from derive.mechanics.bodies.beam_functions import BeamFunction
+from derive.mechanics.bodies.beam_integrals import BeamField
+from derive.mechanics.bodies.displacement_fields import displacement_fields
 from derive.mechanics.bodies.reference_conditions import assumed_shapes
 from derive.mechanics.multibody.bodies.beam import piece_name, piece_of, place_in_piece
 from derive.mechanics.symbols import amplitude, owned
@@ -37,6 +39,11 @@ def half_length(beam: BeamBody) -> float:
 def shape_functions(beam: BeamBody) -> tuple[BeamFunction, ...]:
     """The shape functions of each piece."""
     return assumed_shapes(beam.beam.deflection)
+
+
+def fields_of(beam: BeamBody) -> tuple[BeamField, ...]:
+    """The displacement fields of each piece: its shape functions, then those along the axis if it stretches."""
+    return displacement_fields(beam.beam)
 
 
 def amplitudes(motion: SceneMotion, beam: BeamBody, piece: str) -> Array:
