@@ -22,6 +22,9 @@ WIDTH, LEAST, MOST, MARGIN = 760, 170, 460, 78
 SYMBOL = 5
 """The unit of the symbols of joints, in pixels."""
 
+MASS = 9
+"""The radius of a mass that is attached to a rod, in pixels."""
+
 INSTANTS = 101
 """Instants at which the direction of a force is looked for."""
 
@@ -31,13 +34,15 @@ STYLE = """\
     text { font: 12px system-ui, sans-serif; fill: #1c2733; }
     .ground { fill: #ffffff; } .body { fill: #cfe3ec; stroke: #1f6f8b; stroke-width: 2; stroke-linejoin: round; }
     .rod { fill: none; stroke: #1f6f8b; stroke-width: 8; } .core { fill: none; stroke: #cfe3ec; stroke-width: 4; }
+    .mass { fill: #1f6f8b; }
     .joint { fill: #ffffff; stroke: #1c2733; stroke-width: 1.6; } .weld { fill: #1c2733; }
     .fixed { fill: none; stroke: #5a6670; stroke-width: 1.4; } .drive { fill: none; stroke: #a8560f; stroke-width: 2; }
     .tip { fill: #a8560f; } .drives { fill: #a8560f; } .bodies { fill: #175d74; font-weight: 600; }
     .spring { fill: none; stroke: #3d7a3d; stroke-width: 1.6; } .springs { fill: #2d6a2d; }
     @media (prefers-color-scheme: dark) {
       text { fill: #e6edf3; } .ground { fill: #13171b; } .body { fill: #1c3644; stroke: #5fb6d4; }
-      .rod { stroke: #5fb6d4; } .core { stroke: #1c3644; } .joint { fill: #13171b; stroke: #e6edf3; }
+      .rod { stroke: #5fb6d4; } .core { stroke: #1c3644; } .mass { fill: #5fb6d4; }
+      .joint { fill: #13171b; stroke: #e6edf3; }
       .weld { fill: #e6edf3; } .fixed { stroke: #9ba7b1; } .drive { stroke: #e0a564; }
       .tip, .drives { fill: #e0a564; } .bodies { fill: #7fc7de; } .spring { stroke: #84cf98; }
       .springs { fill: #84cf98; }
@@ -80,7 +85,7 @@ def mechanism_picture(scene: Scene) -> str:
 
 
 def _rod(drawing: LabelledDrawing, body: BeamBody, poses: Poses) -> None:
-    """A band along the axis, cut where the rod is cut into beams."""
+    """A band along the axis, cut where the rod is cut into beams, and the masses that are attached to it."""
     half = si_value(body.beam.length) / 2
     pose = poses[body.name]
     start, end = (drawing.at(transformed_point(pose, np.array([x, 0.0]))) for x in (-half, half))
@@ -92,6 +97,11 @@ def _rod(drawing: LabelledDrawing, body: BeamBody, poses: Poses) -> None:
         drawing.path("core", [(ends[0] + inset[0], ends[1] + inset[1]), (ends[2] - inset[0], ends[3] - inset[1])])
     _along(drawing, start, end)
     drawing.label((start[0] + end[0]) / 2, (start[1] + end[1]) / 2, body.name, "bodies")
+    for mass in body.beam.masses:
+        x, y = drawing.at(transformed_point(pose, np.array([float(mass.at) * half, 0.0])))
+        drawing.lines.append(f'  <circle class="mass" cx="{x:g}" cy="{y:g}" r="{MASS}"/>')
+        drawing.taken.append((x - MASS, y - MASS, 2 * MASS, 2 * MASS))
+        drawing.label(x, y, mass.name, "bodies")
 
 
 def _rigid(drawing: LabelledDrawing, body: RigidBody | CustomBody, poses: Poses) -> None:

@@ -33,7 +33,7 @@ STYLE = """\
     path { fill: none; stroke-linejoin: round; stroke-linecap: round; }
     .rest { stroke: #b8c2cc; stroke-width: 2; } circle.rest { fill: #b8c2cc; }
     .there { stroke: #1f6f8b; stroke-width: 2.4; } circle.there { fill: #1f6f8b; }
-    .back { stroke: #d0702a; stroke-width: 1.4; stroke-dasharray: 5 4; } circle.back { fill: #d0702a; }
+    .back { stroke: #d0702a; stroke-width: 1.4; stroke-dasharray: 5 4; } circle.back { fill: #d0702a; stroke: none; }
     .point { fill: #1c2733; } .mesh path { stroke-width: 0.8; }
     @media (prefers-color-scheme: dark) {
       text { fill: #e6edf3; } .ground { fill: #13171b; } .note { fill: #9aa6b2; }

@@ -187,3 +187,18 @@ def test_a_mode_is_selected_in_a_browser(rod: Modes, tmp_path: Path) -> None:
     (motion,) = (displaced(rod, rod.modes[1], np.zeros(1)),)
     tip = marker_positions(motion, MarkerRef("rod", "right"))[0]
     assert (last - first)[0] / (first - last)[1] == pytest.approx(tip[0] / tip[1], rel=2e-2)
+
+
+def test_modes_are_drawn_where_the_truncated_mass_matrix_is_not_definite() -> None:
+    """That of a clamped beam of second order with a mass at its tip, displaced by a tenth of its length."""
+    rod = {"mass": 1, "length": 1, "bending_stiffness": 1, "ansatz": [f"xi^{n}" for n in range(6)], "order": 2}
+    rod |= {"markers": {"root": -1, "tip": 1}, "masses": {"weight": {"at": 1, "mass": 0.5}}}
+    clamp = {"kind": "weld", "between": ["ground.wall", "rod.root"]}
+    found = derive.modes(derive.scene("tipped", ground={"wall": [0, 0]}, bodies={"rod": rod}, joints={"clamp": clamp}))
+    motion = displaced(found, found.modes[3], np.array([0.0, np.pi / 2]))
+    native = motion.native
+    masses = [native.mass_pattern.dense(native.mass(q, motion.k)) for q in motion.q]
+    assert [np.linalg.eigvalsh(mass)[0] > 0 for mass in masses] == [False, True]
+    np.testing.assert_allclose(marker_positions(motion, MarkerRef("rod", "root")), 0, atol=1e-12)
+    dots = [circle for circle in re.findall(r'<circle class="(.*?)"', modes_picture(found, 1)) if circle != "point"]
+    assert dots == ["rest", "back", "there"]

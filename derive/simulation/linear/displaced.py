@@ -8,15 +8,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from derive.roles import Role
-from derive.runtime.native_call import Vector
+from derive.runtime.native_call import Matrix, Vector
 from derive.runtime.native_scene import NativeScene
-from derive.simulation.compiled_scene import coordinates_with
-from derive.simulation.constraints.projection import project
+from derive.simulation.compiled_scene import constraint_matrix, coordinates_with, mass_matrix
 from derive.simulation.linear.eigenmodes import Mode
 from derive.simulation.linear.lone_beam import LoneBeam, beam_scene
 from derive.simulation.linear.modes import Modes
 from derive.simulation.linear.run_time_inputs import scene_with_values
-from derive.simulation.observables.beams import beam_bodies, deflections, half_length, piece_names
+from derive.simulation.observables.beams import axis_points, beam_bodies, piece_at, piece_names
 from derive.simulation.observables.motion import Array, SceneMotion, marker_positions, outline, transformed
 from derive.spec.model.body import PlanarBeam
 from derive.spec.model.scene import BeamBody, Scene
@@ -25,6 +24,8 @@ DISPLACEMENT = 0.1
 """The largest displacement of a point of a displaced scene, in sizes of the scene."""
 ROTATION = 0.2
 """The largest rotation (rad) of a body in an animation: larger ones deform beams, whose axes keep their length."""
+NEWTON_STEPS = 6
+"""Newton steps by which a displaced scene returns to its constraints."""
 PROBE = 1e-6
 """The amplitude from which the displacements of points are extrapolated."""
 POINTS = 17
@@ -60,8 +61,8 @@ def mode_lines(modes: Modes, mode: Mode) -> ModeLines:
 def displaced(modes: Modes, mode: Mode, phases: Vector) -> SceneMotion:
     """A scene at the phases (n,), rad, of a mode: the states q + a Re(shape exp(i phase)), at the time of the state.
 
-    The amplitude a makes displacements at most DISPLACEMENT and rotations at most ROTATION. The states are projected
-    onto the constraints, which the displacements meet to first order.
+    The amplitude a makes displacements at most DISPLACEMENT and rotations at most ROTATION. The states are brought back
+    to the constraints, which the displacements meet to first order.
     """
     linear, native = modes.linear, drawn_scene(modes)[1]
     angles = coordinates_with(native, Role.ROTATION)
@@ -69,8 +70,21 @@ def displaced(modes: Modes, mode: Mode, phases: Vector) -> SceneMotion:
     amplitude = mode_lines(modes, mode).amplitude
     amplitude = min(amplitude, ROTATION / largest) if largest else amplitude
     states = [linear.q + amplitude * (mode.shape * np.exp(1j * phase)).real for phase in phases]
-    rest = np.zeros(native.nv)
-    return scene_motion(modes, [project(native, modes.k, linear.t, q, rest)[0] for q in states])
+    compliance: Matrix = np.linalg.inv(mass_matrix(native, linear.q, modes.k)).astype(np.float64)
+    return scene_motion(modes, [_on_constraints(native, modes.k, linear.t, q, compliance) for q in states])
+
+
+def _on_constraints(native: NativeScene, k: Vector, t: float, q: Vector, compliance: Matrix) -> Vector:
+    """The state closest to q (nq,) on the constraints, by Newton's method in the metric of the undisplaced scene.
+
+    compliance: the inverse of its mass matrix. The truncated mass matrix of a beam of second order need not be definite
+    at the size of a drawing.
+    """
+    for _ in range(NEWTON_STEPS if native.nlambda else 0):
+        G = constraint_matrix(native, t, q, k)
+        multipliers = np.linalg.lstsq(G @ compliance @ G.T, -native.constraints(t, q, k), rcond=None)[0]
+        q = q + compliance @ G.T @ multipliers
+    return q
 
 
 def scene_motion(modes: Modes, states: list[Vector]) -> SceneMotion:
@@ -92,17 +106,17 @@ def drawn_scene(modes: Modes) -> tuple[Scene, NativeScene]:
 def scene_lines(motion: SceneMotion) -> list[Array]:
     """The lines (n, points, 2), m, of all bodies and springs of a scene at its n instants.
 
-    Of a beam the deformed axis; of another body the hull of its markers, closed, which may be one point; of a spring
-    the line between its ends.
+    Of a beam the deformed axis, and a point for each mass that is attached to it; of another body the hull of its
+    markers, closed, which may be one point; of a spring the line between its ends.
     """
     lines: list[Array] = []
     xi = np.linspace(-1.0, 1.0, POINTS)
     for beam in beam_bodies(motion.scene):
-        half, points = half_length(beam), []
-        for piece in piece_names(beam):
-            for x, y in zip(xi * half, deflections(motion, beam, piece, xi).T, strict=True):
-                points.append(transformed(motion.pose(piece), np.stack([np.full_like(y, x), y], axis=1)))
-        lines.append(np.stack(points, axis=1))
+        pieces = piece_names(beam)
+        lines.append(np.concatenate([axis_points(motion, beam, piece, xi) for piece in pieces], axis=1))
+        for mass in beam.beam.masses:
+            piece, place = piece_at(beam, mass.at)
+            lines.append(axis_points(motion, beam, pieces[piece], np.array([place])))
     for body in motion.scene.bodies:
         if not isinstance(body, BeamBody) and (corners := outline(body)):
             points = [transformed(motion.pose(body.name), np.array(corner)) for corner in (*corners, corners[0])]

@@ -8,11 +8,12 @@ import numpy as np
 
 from derive.mechanics.bodies.beam_functions import BeamFunction
 from derive.mechanics.bodies.beam_integrals import BeamField
-from derive.mechanics.bodies.displacement_fields import displacement_fields
+from derive.mechanics.bodies.displacement_fields import displacement_fields, shortening
 from derive.mechanics.bodies.reference_conditions import assumed_shapes
 from derive.mechanics.multibody.bodies.beam import piece_name, piece_of, place_in_piece
 from derive.mechanics.symbols import amplitude, owned
 from derive.simulation.observables.motion import Array, SceneMotion, si_value, transformed
+from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.scene import BeamBody, Scene
 
 
@@ -46,11 +47,27 @@ def fields_of(beam: BeamBody) -> tuple[BeamField, ...]:
     return displacement_fields(beam.beam)
 
 
+def shortening_functions(beam: BeamBody) -> tuple[tuple[int, int, BeamFunction], ...]:
+    """i <= j, counted from 0, and a function of xi for each pair of shapes of a beam of second order; else nothing.
+
+    The function, divided by half the length of a piece, is psi_ij: the displacement of each piece along its axis is
+    1/2 sum_ij alpha_i alpha_j psi_ij.
+    """
+    if beam.beam.order is DisplacementOrder.FIRST_ORDER:
+        return ()
+    fields = list(enumerate(fields_of(beam)))[: len(shape_functions(beam))]
+    return tuple((i, j, shortening(a, b, beam.beam.frame)) for i, a in fields for j, b in fields if i <= j)
+
+
 def amplitudes(motion: SceneMotion, beam: BeamBody, piece: str) -> Array:
-    """(n, shapes): the modal amplitudes of a piece, m."""
-    names = [owned(amplitude(i + 1), piece).name for i in range(len(shape_functions(beam)))]
-    columns = [motion.native.coordinates.index(name) for name in names]
-    values: Array = motion.q[:, columns]
+    """(n, shapes): the modal amplitudes of a piece in bending, m."""
+    return field_amplitudes(motion, beam, piece)[:, : len(shape_functions(beam))]
+
+
+def field_amplitudes(motion: SceneMotion, beam: BeamBody, piece: str) -> Array:
+    """(n, fields): all amplitudes of a piece, m."""
+    names = [owned(amplitude(i + 1), piece).name for i in range(len(fields_of(beam)))]
+    values: Array = motion.q[:, [motion.native.coordinates.index(name) for name in names]]
     return values
 
 
@@ -69,13 +86,23 @@ def function_values(function: BeamFunction, xi: Array) -> Array:
     return values
 
 
+def axis_points(motion: SceneMotion, beam: BeamBody, piece: str, xi: Array) -> Array:
+    """(n, len(xi), 2): the positions (m) of points of the deformed axis of a piece, in the inertial frame."""
+    alpha = field_amplitudes(motion, beam, piece)
+    x = np.zeros((len(alpha), len(xi), 2))
+    x[:, :, 0] = xi * half_length(beam)
+    for field, a in zip(fields_of(beam), alpha.T, strict=True):
+        x[:, :, field.axis - 1] += np.outer(a, function_values(field.of, xi))
+    for i, j, psi in shortening_functions(beam):
+        product = alpha[:, i] * alpha[:, j] / half_length(beam) / (2 if i == j else 1)
+        x[:, :, 0] += np.outer(product, function_values(psi, xi))
+    return np.stack([transformed(motion.pose(piece), point) for point in x.swapaxes(0, 1)], axis=1)
+
+
 def beam_points(motion: SceneMotion, beam: BeamBody) -> list[Array]:
     """(n, 2) each: the positions (m) of the ends and the middle of every piece, in the inertial frame."""
-    xi, points = np.array([-1.0, 0.0, 1.0]), []
-    for piece in piece_names(beam):
-        for x, y in zip(xi * half_length(beam), deflections(motion, beam, piece, xi).T, strict=True):
-            points.append(transformed(motion.pose(piece), np.stack([np.full_like(y, x), y], axis=1)))
-    return points
+    xi = np.array([-1.0, 0.0, 1.0])
+    return [x for piece in piece_names(beam) for x in axis_points(motion, beam, piece, xi).swapaxes(0, 1)]
 
 
 def relative_deflection(motion: SceneMotion, beam: BeamBody) -> float:

@@ -9,17 +9,19 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from derive.mechanics.bodies.beam_functions import RealTerm
+from derive.mechanics.bodies.beam_functions import BeamFunction
 from derive.mechanics.multibody.forces.registry import FORCES
 from derive.mechanics.multibody.joints.registry import JOINTS
 from derive.simulation.observables.beams import (
-    amplitudes,
     beam_bodies,
     beam_points,
+    field_amplitudes,
+    fields_of,
     half_length,
     piece_at,
     piece_names,
     shape_functions,
+    shortening_functions,
 )
 from derive.simulation.observables.csv_writer import Column
 from derive.simulation.observables.motion import (
@@ -144,24 +146,30 @@ def _pose(motion: SceneMotion, name: str, step: float) -> list[Plain]:
 
 
 def _beam(motion: SceneMotion, beam: BeamBody, step: float) -> Plain:
-    """The shape functions of a beam, and the poses and amplitudes of its pieces."""
+    """The displacements of a beam, the places of its masses, and the poses and amplitudes of its pieces.
+
+    The amplitudes are those of `shapes`, then those of `stretching`. Pairs of shapes and pieces are counted from 0.
+    """
     return {
         "name": beam.name,
         "half": half_length(beam),
-        "shapes": [[_drawn(term) for term in shape.real_terms] for shape in shape_functions(beam)],
+        "shapes": [_drawn(shape) for shape in shape_functions(beam)],
+        "stretching": [_drawn(field.of) for field in fields_of(beam)[len(shape_functions(beam)) :]],
+        "shortening": [[i, j, _drawn(psi)] for i, j, psi in shortening_functions(beam)],
+        "masses": [[*piece_at(beam, mass.at)] for mass in beam.beam.masses],
         "pieces": [
             {
                 "pose": _pose(motion, name, step),
-                "amplitudes": [channel(a, step) for a in amplitudes(motion, beam, name).T],
+                "amplitudes": [channel(a, step) for a in field_amplitudes(motion, beam, name).T],
             }
             for name in piece_names(beam)
         ],
     }
 
 
-def _drawn(term: RealTerm) -> list[float]:
-    """A term of a shape function, as geometry.js reads it."""
-    return [term.power, rounded(term.cosine), rounded(term.sine), term.growth, term.frequency]
+def _drawn(function: BeamFunction) -> list[list[float]]:
+    """The terms of a function of xi, as geometry.js reads them."""
+    return [[t.power, rounded(t.cosine), rounded(t.sine), t.growth, t.frequency] for t in function.real_terms]
 
 
 def _marker(scene: Scene, marker: MarkerRef) -> Plain:
