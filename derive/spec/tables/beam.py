@@ -39,7 +39,11 @@ class BeamKeys(ShapeKeys):
         DEFAULT_LENGTH
     )
     bending_stiffness: Annotated[
-        QuantityInput, Field(description="Bending stiffness EI, N m^2: a run-time parameter or a number.")
+        QuantityInput,
+        Field(
+            description="Bending stiffness EI, N m^2: a run-time parameter or a number. Rotary inertia of the "
+            "cross-sections and shear deformation are left out at either order."
+        ),
     ] = _as_table(DEFAULT_BENDING_STIFFNESS)
     axial: Annotated[
         AxialTable | None,
