@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import io
+import os
+from importlib import import_module
 
 import numpy as np
 import pytest
@@ -32,7 +34,7 @@ def test_it_reads_back_as_it_says() -> None:
 
 
 def test_pandas_reads_it_with_its_defaults() -> None:
-    pandas = pytest.importorskip("pandas")
+    pandas = import_module("pandas") if os.environ.get("CI") else pytest.importorskip("pandas")
     table = pandas.read_csv(io.StringIO(csv(COLUMNS)))
     assert [*table] == ["t", "rod_phi", "guide"] and {str(kind) for kind in table.dtypes} == {"float64"}
     for column in COLUMNS:
