@@ -11,13 +11,14 @@ import numpy as np
 from derive.artifacts import BinaryFile, File, check_folder, write
 from derive.cli.specifications import read_changed
 from derive.errors import SpecError
+from derive.lowering.conditioning import condition_warnings
 from derive.runtime.native_scene import NativeScene
 from derive.simulation.linear.eigenmodes import ComplexVector, Mode
 from derive.simulation.linear.mode_files import mode_files, modes_data
 from derive.simulation.linear.modes import Modes, modes
 from derive.spec.model.scene import Scene
-from derive.spec.toml.read import with_lines
-from derive.terminal import magnitude, show_progress, table, wrapped
+from derive.spec.toml.read import warnings, with_lines
+from derive.terminal import SimulationProgress, magnitude, show_progress, table, wrapped
 from derive.visual.mode_pages import is_drawn, modes_page, modes_picture
 
 NEGLIGIBLE = 1e-6
@@ -33,8 +34,9 @@ def run(options: argparse.Namespace) -> int:
     spec, changes = read_changed(options.spec, options.set)
     check_folder(_planned_files(spec.name), options.out, EXPECTED_SIZE)
     show_progress(f"{spec.name}: deriving, compiling and linearising ...")
+    progress = SimulationProgress(spec.name, options.at) if isinstance(spec, Scene) and options.at else None
     try:
-        result = modes(spec, at=options.at)
+        result = modes(spec, at=options.at, progress=progress)
     except SpecError as error:
         raise with_lines(error, options.spec) from None
     finally:
@@ -42,10 +44,12 @@ def run(options: argparse.Namespace) -> int:
     files = _files(result, options.count)
     write(files, options.out)
     names = [str(options.out / file.path) for file in files]
+    doubts = [*warnings(options.spec, [change.key for change in changes]), *condition_warnings(spec)]
     if options.json:
-        print(json.dumps({**modes_data(result), "set": list(map(str, changes)), "files": names}, indent=2))
+        more = {"set": list(map(str, changes)), "warnings": doubts, "files": names}
+        print(json.dumps({**modes_data(result), **more}, indent=2))
     else:
-        lines = [f"{result.spec.name}: {change}" for change in changes]
+        lines = [f"{result.spec.name}: {change}" for change in changes] + [f"warning: {doubt}" for doubt in doubts]
         print("\n".join([*lines, *_text(result, options.count), *(f"wrote {name}" for name in names)]))
     return 0
 

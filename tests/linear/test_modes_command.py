@@ -202,3 +202,30 @@ def test_modes_are_drawn_where_the_truncated_mass_matrix_is_not_definite() -> No
     np.testing.assert_allclose(marker_positions(motion, MarkerRef("rod", "root")), 0, atol=1e-12)
     dots = [circle for circle in re.findall(r'<circle class="(.*?)"', modes_picture(found, 1)) if circle != "point"]
     assert dots == ["rest", "back", "there"]
+
+
+def test_a_terminal_sees_how_far_the_motion_is(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """In a pipe it is silent."""
+    (tmp_path / "bar.toml").write_text(PENDULUM)
+    arguments = ["modes", str(tmp_path / "bar.toml"), "--out", str(tmp_path), "--at", "0.25"]
+    assert main(arguments) == 0
+    assert capsys.readouterr().err == ""
+    monkeypatch.setattr("sys.stderr.isatty", lambda: True)
+    assert main(arguments) == 0
+    text = capsys.readouterr().err
+    assert "simulating damped_bar: 0.25 of 0.25 s" in text and text.endswith("\r\x1b[K")
+
+
+def test_defaults_of_physical_constants_are_named(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Frequencies depend on them; --json has them in the record."""
+    spec = tmp_path / "some.toml"
+    spec.write_text('name = "some"\n[beam]\nlength = 2\nbending_stiffness = 3\n')
+    expected = (
+        f"{spec}:2: beam.mass: no mass is given, so that it is the parameter m, 1 kg by default; write mass = 1.0"
+    )
+    assert main(["modes", str(spec), "--out", str(tmp_path)]) == 0
+    assert capsys.readouterr().out.splitlines()[0] == f"warning: {expected}"
+    assert main(["modes", str(spec), "--out", str(tmp_path), "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["warnings"] == [expected]

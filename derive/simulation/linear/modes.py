@@ -18,6 +18,7 @@ from derive.simulation.compiled_scene import max_norm
 from derive.simulation.equilibrium import Equilibrium
 from derive.simulation.errors import MovingDrives, NoEquilibrium, SimulationError
 from derive.simulation.initial.initial_state import initial_state
+from derive.simulation.integration.solution import Progress
 from derive.simulation.linear.eigenmodes import Mode, eigenmodes
 from derive.simulation.linear.linearisation import Linearisation, linearise
 from derive.simulation.linear.run_time_inputs import input_values, scene_with_values
@@ -89,15 +90,15 @@ class Modes:
         return max_norm(self.linear.vdot)
 
 
-def modes(spec: Specification, *, at: float | None = None) -> Modes:
+def modes(spec: Specification, *, at: float | None = None, progress: Progress | None = None) -> Modes:
     """The modes of small motions of a scene about its static equilibrium, or of a body about its undeformed state.
 
     at: the time (s) of the motion of a scene from its initial state, whose state is taken in place of the equilibrium;
-    the coefficients are those of that instant.
+    the coefficients are those of that instant. progress: called with the time (s) that this motion has reached.
 
     Raises SpecError, CompilerError, ModelError, SimulationError.
     """
-    state = _of_scene(spec, at) if isinstance(spec, Scene) else _of_body(spec, at)
+    state = _of_scene(spec, at, progress) if isinstance(spec, Scene) else _of_body(spec, at)
     linear = linearise(state.native, state.k, state.t, state.q, state.v)
     return Modes(spec, state.native, state.k, linear, eigenmodes(linear), state.equilibrium)
 
@@ -113,11 +114,11 @@ def _of_body(spec: Specification, at: float | None) -> _State:
     return _State(native, native.setup(), 0.0, q, np.zeros(native.nv))
 
 
-def _motion(scene: Scene, at: float) -> SceneMotion:
+def _motion(scene: Scene, at: float, progress: Progress | None) -> SceneMotion:
     """The motion of a scene up to a time (s). Raises SpecError, which names the option if the time is the reason."""
     rows = ROWS if scene.simulation is None else min(ROWS, max(1.0, at / scene.simulation.output))
     try:
-        return simulate(scene, duration=at, output=at / rows).motion
+        return simulate(scene, duration=at, output=at / rows, progress=progress).motion
     except SpecError as error:
         if reasons := [p for p in error.problems if p.path in ("simulation.duration", "simulation.output")]:
             text = f"--at {at:g} (in Python at={at:g}) is no time, in s, up to which a motion can be computed"
@@ -125,10 +126,10 @@ def _motion(scene: Scene, at: float) -> SceneMotion:
         raise
 
 
-def _of_scene(scene: Scene, at: float | None) -> _State:
+def _of_scene(scene: Scene, at: float | None, progress: Progress | None) -> _State:
     """A scene in its state at a time (s), or in its equilibrium, with the run-time inputs that it has there."""
     if at is not None and at > 0.0:
-        motion = _motion(scene_with_values(scene), at)
+        motion = _motion(scene_with_values(scene), at, progress)
         t, q, v = float(motion.t[-1]), motion.q[-1], motion.v[-1]
         if not scene.inputs:
             return _State(motion.native, motion.k, t, q, v)
