@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from dataclasses import dataclass
 from pathlib import Path
 from types import SimpleNamespace
@@ -187,6 +188,13 @@ def test_what_one_should_know_is_told(
     assert any("some bodies are deformed at t = 0" in line for line in told)
 
 
+def documented_keys() -> list[str]:
+    """The keys of the record of a run in the table of docs/commands.md."""
+    text = (ROOT / "docs/commands.md").read_text()
+    rows = text[text.index("| key | content |") :].split("\n\n")[0].splitlines()[2:]
+    return [key for row in rows for key in re.findall(r"`(\w+)`", row.split("|")[1])]
+
+
 def test_a_model_that_is_not_valid_is_reported_in_all_places(
     quick: list[Scene], monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -200,6 +208,7 @@ def test_a_model_that_is_not_valid_is_reported_in_all_places(
 
     summary, record, page = results()
     assert summary["warnings"] == record["warnings"] == [] and "Warning" not in page
+    assert list(record) == documented_keys()
     monkeypatch.setattr(slider, "MOST", 0.4)
     summary, record, page = results()
     (text,) = record["warnings"]
