@@ -1,70 +1,73 @@
 """The paper's question with beams of second order: which frame needs fewer terms, fewer non-zeros and less time?
 
-    python bench/second_order.py [--runs N] [--picture FILE]
+    python bench/second_order.py [--runs N] [--write] [--json]
 
 One beam as the rod of the crank-slider of set A, with three shapes in each frame, of first and of second order. Errors
 are of the deflection of its middle over two and a half revolutions, as a root mean square over the peak of the
 reference, which is itself good to 0.03 %. Each model is measured in the safe elimination order of generated code and in
 the best one that was found; calls are interleaved. The definiteness limit is the |v|/l of a half-sine bend at which the
 mass matrix of the free beam becomes indefinite.
+
+`--write` writes the figures into docs/second_order.md, docs/second_order.svg and a section of README.md: run it on a
+machine without other load.
 """
 
 from __future__ import annotations
 
 import argparse
-from dataclasses import dataclass, replace
+import json
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
-import matplotlib.pyplot as plt
 import numpy as np
+import second_order_page
 
 import derive
 from derive.backends.model_files import model_files
+from derive.ir.model import Kkt
 from derive.lowering.elimination_orders import EliminationRule
 from derive.lowering.flat.lower import lower
-from derive.mechanics.bodies.reference_conditions import assumed_shapes, exact_polynomial
-from derive.runtime.integrators.fixed_step import FixedStep
+from derive.mechanics.bodies.reference_conditions import assumed_shapes
+from derive.runtime.loading import load_scene
+from derive.simulation.observables.beams import function_values
 from derive.spec.model.body import DisplacementOrder, Frame
 from derive.spec.model.scene import BeamBody, Scene
 from derive.spec.parsing import values
 from derive.spec.toml.read import parse
+from derive.study.elimination import eliminate, equilibrated, kkt_systems
 from derive.study.states import simulated_states
-from derive.study.timing import RepeatedCalls, interleaved, machine_description, scene_of
+from derive.study.timing import RepeatedCalls, interleaved
 from derive.study.variants import OperationCounts, operation_counts
 
 SCENE = Path(__file__).parents[1] / "scenes" / "crank_slider_3.toml"
 REFERENCE = SCENE.with_name("crank_slider_A.csv")
 SHAPES = 3
 CALLS, STATES = 20_000, 64
-MEAN, CHORD, POINT, TANGENT = Frame("mean"), Frame("chord"), Frame("point", 0), Frame("tangent", -1)
-MODELS = (
-    (MEAN, DisplacementOrder.FIRST_ORDER),
-    (MEAN, DisplacementOrder.TRUNCATED),
-    (MEAN, DisplacementOrder.FULL),
-    (CHORD, DisplacementOrder.TRUNCATED),
-    (CHORD, DisplacementOrder.FULL),
-    (POINT, DisplacementOrder.TRUNCATED),
-    (POINT, DisplacementOrder.FULL),
-    (TANGENT, DisplacementOrder.TRUNCATED),
-    (TANGENT, DisplacementOrder.FULL),
-)
-NAMES = {
-    DisplacementOrder.FIRST_ORDER: "first order",
-    DisplacementOrder.TRUNCATED: "second, truncated",
-    DisplacementOrder.FULL: "second, full",
-}
+FRAMES = (Frame("mean"), Frame("chord"), Frame("point", 0), Frame("tangent", -1))
+MODELS = tuple((frame, order) for frame in FRAMES for order in DisplacementOrder)
+
+
+@dataclass(frozen=True)
+class Elimination:
+    """A model in one elimination order: its counts, whether each multiplier comes after all of its coordinates, which
+    is safe in every state, the pivots that vanish within a revolution, and the seconds of `accel`."""
+
+    counts: OperationCounts
+    safe: bool
+    vanishing: int
+    seconds: float = float("nan")
 
 
 @dataclass(frozen=True)
 class Row:
-    """The figures of one model: counts and seconds of `accel` in both elimination orders."""
+    """The figures of one model, in the safe and in the best elimination order."""
 
     frame: str
     order: DisplacementOrder
     error: float
     definite: float
-    counts: dict[EliminationRule, OperationCounts]
-    seconds: dict[EliminationRule, float]
+    safe: Elimination
+    best: Elimination
 
 
 def crank_slider(frame: Frame, order: DisplacementOrder) -> Scene:
@@ -100,9 +103,9 @@ def definiteness_limit(frame: Frame, order: DisplacementOrder) -> float:
         "beam", ansatz=[f"xi^{n}" for n in range(SHAPES + 2)], frame=frame, mass=1, length=1, bending_stiffness=1
     )
     spec = replace(spec, order=order)
-    shapes = [exact_polynomial(s) for s in assumed_shapes(spec.deflection)]
+    shapes = assumed_shapes(spec.deflection)
     xi = np.linspace(-1, 1, 201)
-    fields = np.array([[float(s.eval(x)) for x in xi] for s in shapes])
+    fields = np.array([function_values(shape, xi) for shape in shapes])
     rigid = np.stack([np.ones_like(xi), xi])
     bend = np.linalg.lstsq(np.vstack([fields, rigid]).T, np.cos(np.pi * xi / 2), rcond=None)[0][: len(shapes)]
     native = derive.load(derive.model_files(derive.lower(derive.derive(spec)), spec))
@@ -114,82 +117,52 @@ def definiteness_limit(frame: Frame, order: DisplacementOrder) -> float:
     return float("inf")
 
 
+def is_safe(kkt: Kkt, coordinates: int) -> bool:
+    """Whether each multiplier is eliminated after all of its coordinates."""
+    place = {node: n for n, node in enumerate(kkt.order)}
+    return all(place[i] > place[j] for i, j in kkt.pattern.entries if i >= coordinates > j)
+
+
 def measured(runs: int) -> list[Row]:
     """All models; the calls of all of them are timed in turn."""
-    repeater, prepared, timed = RepeatedCalls(), [], []
+    repeater, rows, timed = RepeatedCalls(), [], []
     for frame, order in MODELS:
         scene = crank_slider(frame, order)
         equations = derive.derive(replace(scene, outputs=())).expanded()
-        counts = {}
+        found = {}
         for rule in EliminationRule:
-            host = FixedStep(model_files(lower(equations, elimination=rule), scene))
-            native = scene_of(host)
+            model = lower(equations, elimination=rule)
+            native = load_scene(model_files(model, scene))
             states = simulated_states(scene, native, native.setup(), STATES)
             t, q, v = (np.array([state[n] for state in states]) for n in range(3))
-            counts[rule] = operation_counts(equations, rule)
+            systems = equilibrated(*kkt_systems(native, native.setup(), states))
+            vanishing = int(eliminate(*systems, model.kkt.order, model.kkt.order).vanished.sum())
+            found[rule] = Elimination(operation_counts(equations, rule), is_safe(model.kkt, native.nv), vanishing)
             timed.append(lambda native=native, t=t, q=q, v=v: repeater.seconds(native, "accel", CALLS, t, q, v))
-        prepared.append((frame, order, error(scene), definiteness_limit(frame, order), counts))
-    medians = np.median(interleaved(timed, runs), axis=0)
+        safe, best = found[EliminationRule.SAFE], found[EliminationRule.MATCHED]
+        assert safe.safe, "the order of generated code"
+        rows.append(Row(frame.kind, order, error(scene), definiteness_limit(frame, order), safe, best))
+    seconds = iter(np.median(interleaved(timed, runs), axis=0).tolist())
     return [
-        Row(
-            frame.kind, order, error, limit, counts, dict(zip(EliminationRule, medians[2 * i : 2 * i + 2], strict=True))
-        )
-        for i, (frame, order, error, limit, counts) in enumerate(prepared)
+        replace(row, safe=replace(row.safe, seconds=next(seconds)), best=replace(row.best, seconds=next(seconds)))
+        for row in rows
     ]
-
-
-def table(rows: list[Row]) -> str:
-    """The figures as a table of Markdown."""
-    safe, best = EliminationRule.SAFE, EliminationRule.MATCHED
-    lines = [
-        "| frame | displacement | error, rms | nnz(M) | nnz(KKT) | LDL^T, safe / best | accel, safe / best "
-        "| ns, safe / best | definite to \\|v\\|/l |",
-        "| --- | --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: |",
-    ]
-    for row in rows:
-        a, b = row.counts[safe], row.counts[best]
-        ns = (f"{1e9 * row.seconds[rule]:.0f}" for rule in (safe, best))
-        limit = "always" if np.isinf(row.definite) else f"{row.definite:.3f}"
-        cells = (
-            *(row.frame, NAMES[row.order], f"{100 * row.error:.2g} %", a.mass, a.kkt),
-            *(f"{a.flops} / {b.flops}", f"{a.accel} / {b.accel}", " / ".join(ns), limit),
-        )
-        lines.append(f"| {' | '.join(map(str, cells))} |")
-    return "\n".join(lines)
-
-
-def picture(rows: list[Row], target: Path) -> None:
-    """Error over the time of an evaluation, each model in its best order."""
-    figure, axes = plt.subplots(figsize=(6.4, 4.0))
-    markers = {"mean": "o", "chord": "s", "point": "^", "tangent": "D"}
-    colours = dict(zip(NAMES, ("0.55", "tab:blue", "tab:orange"), strict=True))
-    for row in rows:
-        ns = 1e9 * min(row.seconds.values())
-        axes.loglog(ns, 100 * row.error, markers[row.frame], color=colours[row.order], markersize=7)
-        axes.annotate(f"  {row.frame}", (ns, 100 * row.error), color=colours[row.order], fontsize=9, va="center")
-    for order, name in NAMES.items():
-        axes.plot([], [], "o", color=colours[order], label=name)
-    axes.axhline(0.03, color="0.6", linestyle=":", linewidth=1)
-    axes.annotate("error of the reference", (0.99, 0.03), xycoords=("axes fraction", "data"), ha="right", va="bottom")
-    axes.set_xlabel("time of an evaluation of the accelerations / ns")
-    axes.set_ylabel("error of the deflection, rms / %")
-    axes.legend(title="displacement", frameon=False)
-    figure.patch.set_facecolor("white")
-    figure.tight_layout()
-    figure.savefig(target, metadata={"Date": None})
 
 
 def main() -> None:
-    """Print the table, and draw the picture if a file is given."""
+    """Print the table, and write the pages if asked to."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--runs", type=int, default=15)
-    parser.add_argument("--picture", type=Path)
+    parser.add_argument("--write", action="store_true", help="write docs/second_order.* and the section of README.md")
+    parser.add_argument("--json", action="store_true")
     options = parser.parse_args()
     rows = measured(options.runs)
-    print(table(rows))
-    print("; ".join(machine_description().values()))
-    if options.picture:
-        picture(rows, options.picture)
+    if options.json:
+        print(json.dumps([asdict(row) | {"order": row.order.value} for row in rows], indent=2))
+    else:
+        print(second_order_page.table(rows))
+    if options.write:
+        second_order_page.write(rows)
 
 
 if __name__ == "__main__":

@@ -4,8 +4,18 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from dataclasses import replace
+from importlib import import_module
+from typing import Any
 
+import pytest
+
+import derive
 from conftest import ROOT
+from derive.lowering.elimination_orders import EliminationRule, work
+from derive.lowering.flat.lower import lower
+from derive.spec.model.body import DisplacementOrder
+from derive.study.variants import operation_counts
 
 
 def printed(script: str, *options: str) -> list[str]:
@@ -28,3 +38,48 @@ def test_scale() -> None:
 def test_batch() -> None:
     (row,) = (line for line in printed("batch.py", "--models", "beam point 2") if line.startswith("beam"))
     assert len(row.split()) == 9
+
+
+def test_order_cost() -> None:
+    """The program times what it counts, and its `accel` succeeds in all states."""
+    command = [sys.executable, str(ROOT / "bench/order_cost.py"), "--shapes", "1", "--frames", "mean", "--runs", "1"]
+    done = subprocess.run([*command, "--flags=-O1"], capture_output=True, text=True, check=True)
+    cells = done.stdout.splitlines()[-1].split("|")
+    assert [cell.strip() for cell in cells[1:7]] == [
+        "mean",
+        "1",
+        "4 / 4 / 4",
+        "5 / 6 / 9",
+        "10 / 10 / 51",
+        "16 / 16 / 57",
+    ]
+    assert all(float(ns) > 0 for ns in cells[7].split("/"))
+
+
+@pytest.fixture
+def bench(monkeypatch: pytest.MonkeyPatch) -> tuple[Any, Any]:
+    """The modules of the frames at second order, with one shape."""
+    monkeypatch.syspath_prepend(str(ROOT / "bench"))
+    second_order = import_module("second_order")
+    monkeypatch.setattr(second_order, "SHAPES", 1)
+    return second_order, import_module("second_order_page")
+
+
+def test_the_page_of_frames_says_of_each_elimination_order_whether_it_is_safe(bench: tuple[Any, Any]) -> None:
+    second_order, page = bench
+    scene = second_order.crank_slider(second_order.FRAMES[1], DisplacementOrder.TRUNCATED)
+    equations = derive.derive(replace(scene, outputs=())).expanded()
+    found = []
+    for rule in EliminationRule:
+        kkt, counts = lower(equations, elimination=rule).kkt, operation_counts(equations, rule)
+        assert kkt is not None and work(kkt.pattern, kkt.order) == counts.flops
+        found.append(second_order.Elimination(counts, second_order.is_safe(kkt, counts.coordinates), 0, 1e-7))
+    assert [order.safe for order in found] == [True, False]
+    row = second_order.Row("chord", DisplacementOrder.TRUNCATED, 7e-4, 0.5, *found)
+    rows = [row, replace(row, frame="mean", best=row.safe)]
+    last = [line.split("|")[-2].strip() for line in page.table(rows).splitlines()[2:]]
+    assert last == ["not safe; none vanish here", "safe"]
+    assert "not safe in every state" in page.page(rows).replace("**", "").replace("\n", " ")
+    readme = page.with_section((ROOT / "README.md").read_text(), page.section(rows))
+    assert readme.count(page.BEGIN) == 1 and page.with_section(readme, page.section(rows)) == readme
+    assert "<svg" in page.picture(rows)

@@ -37,6 +37,7 @@ def frame_cost_data(
         "name": name,
         "frames": list(frames),
         "elimination": elimination.value,
+        "safe_in_every_state": elimination is EliminationRule.SAFE,
         **machine_description(),
         "rows": [
             {

@@ -11,6 +11,7 @@ import pytest
 from made_up import row
 
 from derive.artifacts import MARK
+from derive.lowering.elimination_orders import EliminationRule
 from derive.study.frame_cost_chart import frame_cost_svg
 from derive.study.frame_cost_table import frame_cost_data, frame_cost_text
 from derive.study.timing import interleaved, ratio
@@ -58,6 +59,13 @@ def test_the_table() -> None:
         ["0.50", "0.50", "0.49..0.53"],  # the paper has no 10 beams
     ]
     assert "not the same measurement" in " ".join(" ".join(c) for c in cells)
+
+
+@pytest.mark.parametrize(("rule", "safe"), [(EliminationRule.SAFE, True), (EliminationRule.MATCHED, False)])
+def test_it_says_of_each_elimination_order_whether_it_is_safe_in_every_state(rule: EliminationRule, safe: bool) -> None:
+    text = " ".join(frame_cost_text("slider", FRAMES, [row(1)], rule).split())
+    assert ("not safe in every state" in text) is not safe and "safe in every state" in text
+    assert frame_cost_data("slider", FRAMES, [row(1)], rule)["safe_in_every_state"] is safe
 
 
 def test_the_paper_compares_other_frames_with_nothing() -> None:
