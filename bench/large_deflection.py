@@ -1,6 +1,6 @@
 """The deflection at which each model of a beam leaves a geometrically exact rod by 1 %.
 
-python bench/large_deflection.py        (about six minutes)
+python bench/large_deflection.py        (about ten minutes)
 
 The rod of `tests/second_order/exact_rod.py` is inextensible and knows neither a floating frame nor shape functions of
 the deflection. Four cases: a free rod that is struck in its first mode when it is straight, without spin and with a

@@ -27,7 +27,12 @@ from derive.spec.model.scene import EQUILIBRIUM, Scene
 SHAPES = 5
 """xi^2 to xi^6 and their like: the lowest frequency is 1e-5 high for a free beam, less for a clamped one."""
 FLAGS = ("-std=c99", "-O0", "-ffp-contract=off")
-FRAMES: dict[str, Any] = {"mean": "mean", "chord": "chord", "tangent": {"kind": "tangent", "at": -1}}
+FRAMES: dict[str, Any] = {
+    "mean": "mean",
+    "chord": "chord",
+    "point": "point",
+    "tangent": {"kind": "tangent", "at": -1},
+}
 TERMS: dict[str, dict[str, Any]] = {
     "first order": {"order": 1},
     "truncated": {"order": 2, "terms": "truncated"},
