@@ -5,10 +5,11 @@ from __future__ import annotations
 import argparse
 import difflib
 import math
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from derive.cli.argument_types import SPEC, add_command, count, number, tolerance
+from derive.cli.study_arguments import add_study
 from derive.version import VERSION
 
 DESCRIPTION = """\
@@ -33,9 +34,6 @@ exit codes:
   1  `check` has found a file that differs from its specification
   2  an error in the arguments, the specification or the environment; the message says where and what to do
 """
-SPEC = "specification file (.toml)"
-MAX_PIECES = 64
-"""The largest number of beams that a study divides a rod into."""
 
 
 class CommandParser(argparse.ArgumentParser):
@@ -64,7 +62,7 @@ def parser() -> argparse.ArgumentParser:
     _add_compare(commands)
     _add_simulate(commands)
     _add_modes(commands)
-    _add_study(commands)
+    add_study(commands)
     _add_report(commands)
     _add_check(commands)
     _add_sid(commands)
@@ -72,35 +70,31 @@ def parser() -> argparse.ArgumentParser:
     return main
 
 
-def _add(commands: Any, name: str, text: str) -> argparse.ArgumentParser:
-    """Add a command; `text` is its line in the list of commands and the description in its own help."""
-    command: argparse.ArgumentParser = commands.add_parser(name, help=text, description=f"{text[0].upper()}{text[1:]}.")
-    return command
-
-
 def _add_build(commands: Any) -> None:
-    build = _add(commands, "build", "generate C, Python and a manifest from specifications")
+    build = add_command(commands, "build", "generate C, Python and a manifest from specifications")
     build.add_argument("specs", nargs="+", type=Path, metavar="SPEC", help=SPEC)
     _add_folder(build, "generated")
     build.add_argument("--json", action="store_true", help="print the table of stages as JSON")
 
 
 def _add_compare(commands: Any) -> None:
-    compare = _add(commands, "compare", "compile models and print their mass matrices and forces in one state")
+    compare = add_command(commands, "compare", "compile models and print their mass matrices and forces in one state")
     compare.add_argument("specs", nargs="+", type=Path, metavar="SPEC", help=SPEC)
     compare.add_argument("--json", action="store_true", help="print the numbers as JSON")
     compare.add_argument("--picture", type=Path, metavar="FILE", help="write a drawing of the sparsity patterns (SVG)")
 
 
 def _add_simulate(commands: Any) -> None:
-    simulate = _add(commands, "simulate", "simulate a scene: trajectory (CSV), plots (SVG) and an animation (HTML)")
+    simulate = add_command(
+        commands, "simulate", "simulate a scene: trajectory (CSV), plots (SVG) and an animation (HTML)"
+    )
     simulate.add_argument("spec", type=Path, metavar="SPEC", help=f"{SPEC} with a [simulation] table")
     _add_folder(simulate, "results")
     _add_set(simulate)
     simulate.add_argument("--duration", type=_seconds, metavar="S", help="duration, s, in place of the specified one")
     simulate.add_argument("--output", type=_seconds, metavar="S", help="time between rows of the CSV file, s")
     simulate.add_argument(
-        "--tolerance", type=_tolerance, metavar="X", help="tolerance of the error of a step, relative and absolute"
+        "--tolerance", type=tolerance, metavar="X", help="tolerance of the error of a step, relative and absolute"
     )
     simulate.add_argument(
         "--integrator",
@@ -121,7 +115,7 @@ def _add_simulate(commands: Any) -> None:
 
 
 def _add_modes(commands: Any) -> None:
-    modes = _add(commands, "modes", "natural frequencies, damping ratios and mode shapes about the equilibrium")
+    modes = add_command(commands, "modes", "natural frequencies, damping ratios and mode shapes about the equilibrium")
     modes.add_argument("spec", type=Path, metavar="SPEC", help=f"{SPEC} of a body or a scene")
     _add_folder(modes, "results")
     _add_set(modes)
@@ -130,7 +124,7 @@ def _add_modes(commands: Any) -> None:
     )
     modes.add_argument(
         "--count",
-        type=_count,
+        type=count,
         default=9,
         metavar="N",
         help="modes of non-zero frequency that are printed and drawn (default: 9)",
@@ -138,48 +132,10 @@ def _add_modes(commands: Any) -> None:
     modes.add_argument("--json", action="store_true", help="print all modes as JSON")
 
 
-def _add_study(commands: Any) -> None:
-    study = _add(commands, "study", "compare two floating frames of the beams of a scene: cost, or pivots")
-    studies = study.add_subparsers(dest="study", metavar="STUDY", required=True, title="studies")
-    frames = _add(studies, "frames", "compare non-zeros, operations and CPU time in two frames")
-    pivots = _add(studies, "pivots", "compare vanishing pivots, pivot growth and backward errors in two frames")
-    for command in (frames, pivots):
-        command.add_argument("spec", type=Path, metavar="SPEC", help=f"{SPEC} of a scene with a beam")
-        command.add_argument(
-            "--frames", type=_frames, default=("mean", "point"), metavar="A,B", help="two frames (default: mean,point)"
-        )
-        command.add_argument("--json", action="store_true", help="print the numbers as JSON")
-    frames.add_argument(
-        "--pieces",
-        type=_pieces,
-        default=(1, 2, 3, 10, 30),
-        metavar="N,...",
-        help="numbers of beams per rod (default: 1,2,3,10,30)",
-    )
-    frames.add_argument(
-        "--elimination",
-        choices=["safe", "matched"],
-        default="safe",
-        help="the order in which KKT matrices are eliminated: safe in every state as in generated code, or each "
-        "multiplier matched to a coordinate, with less fill-in (default: safe)",
-    )
-    frames.add_argument(
-        "--runs", type=_count, default=15, metavar="N", help="interleaved measurements of each frame (default: 15)"
-    )
-    frames.add_argument("--chart", type=Path, metavar="FILE", help="chart (default: results/NAME/frames.svg)")
-    pivots.add_argument(
-        "--pieces", type=_pieces, metavar="N,...", help="numbers of beams per rod (default: as specified)"
-    )
-    pivots.add_argument(
-        "--states", type=_count, default=361, metavar="N", help="states along the motion (default: 361)"
-    )
-    pivots.add_argument(
-        "--numberings", type=_count, default=100, metavar="N", help="random numberings of the unknowns (default: 100)"
-    )
-
-
 def _add_report(commands: Any) -> None:
-    report = _add(commands, "report", "write a page with every equation of a model, its terms, zeros and code (HTML)")
+    report = add_command(
+        commands, "report", "write a page with every equation of a model, its terms, zeros and code (HTML)"
+    )
     subject = report.add_mutually_exclusive_group(required=True)
     subject.add_argument("spec", nargs="?", type=Path, metavar="SPEC", help=f"{SPEC} of a body or a scene")
     subject.add_argument("--paper", action="store_true", help="write the audit of the paper instead")
@@ -191,7 +147,7 @@ def _add_report(commands: Any) -> None:
 
 
 def _add_check(commands: Any) -> None:
-    check = _add(commands, "check", "regenerate all models in memory and compare them with the generated files")
+    check = add_command(commands, "check", "regenerate all models in memory and compare them with the generated files")
     check.add_argument(
         "scenes",
         nargs="?",
@@ -203,12 +159,14 @@ def _add_check(commands: Any) -> None:
 
 
 def _add_sid(commands: Any) -> None:
-    sid = _add(commands, "sid", "print a finite-element body as standard input data (SID)")
+    sid = add_command(commands, "sid", "print a finite-element body as standard input data (SID)")
     sid.add_argument("spec", type=Path, metavar="SPEC", help=f"{SPEC} with a [body] given by nodes")
 
 
 def _add_schema(commands: Any) -> None:
-    schema = _add(commands, "schema", "print the JSON schema of specifications, with which editors check TOML files")
+    schema = add_command(
+        commands, "schema", "print the JSON schema of specifications, with which editors check TOML files"
+    )
     schema.add_argument("--markdown", action="store_true", help="print docs/reference_toml.md instead")
 
 
@@ -229,26 +187,6 @@ def _add_set(command: argparse.ArgumentParser) -> None:
     )
 
 
-def _count(text: str) -> int:
-    if not text.strip().isdecimal() or int(text) < 1:
-        raise argparse.ArgumentTypeError(f"expected a positive integer, not {text!r}")
-    return int(text)
-
-
-def _pieces(text: str) -> tuple[int, ...]:
-    numbers = tuple(dict.fromkeys(_count(part) for part in text.split(",")))
-    if max(numbers) > MAX_PIECES:
-        raise argparse.ArgumentTypeError(f"a rod is divided into at most {MAX_PIECES} beams, not {max(numbers)}")
-    return numbers
-
-
-def _frames(text: str) -> Sequence[str]:
-    names = tuple(text.split(","))
-    if len(set(names)) != 2 or len(names) != 2 or not set(names) <= {"mean", "point", "chord"}:
-        raise argparse.ArgumentTypeError(f"expected two of mean, point and chord, such as mean,point, not {text!r}")
-    return names
-
-
 def _assignment(text: str) -> tuple[str, str]:
     name, equals, value = (part.strip() for part in text.partition("="))
     if not (name and equals and value):
@@ -256,30 +194,15 @@ def _assignment(text: str) -> tuple[str, str]:
     return name, value
 
 
-def _tolerance(text: str) -> float:
-    value = _number(text)
-    if not 0 < value < 1:
-        raise argparse.ArgumentTypeError(f"expected a small positive number, such as 1e-9, not {text!r}")
-    return value
-
-
-def _number(text: str) -> float:
-    """A number; not a number if the text is none."""
-    try:
-        return float(text)
-    except ValueError:
-        return math.nan
-
-
 def _seconds(text: str) -> float:
-    value = _number(text)
+    value = number(text)
     if not 0 < value < math.inf:
         raise argparse.ArgumentTypeError(f"expected a positive number of seconds, not {text!r}")
     return value
 
 
 def _instant(text: str) -> float:
-    value = _number(text)
+    value = number(text)
     if not 0 <= value < math.inf:
         raise argparse.ArgumentTypeError(f"expected a time of at least 0 seconds, not {text!r}")
     return value

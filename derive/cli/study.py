@@ -1,4 +1,4 @@
-"""`tisserand study`: compare two floating frames of the beams of a scene."""
+"""`tisserand study`: compare two floating frames of the beams of a scene, or chart what accuracy costs."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ import json
 from pathlib import Path
 
 from derive.artifacts import File, write
+from derive.cli import accuracy
 from derive.cli.specifications import read_scene
 from derive.errors import Problem, SpecError
 from derive.lowering.elimination_orders import EliminationRule
@@ -24,10 +25,10 @@ from derive.terminal import show_progress
 
 
 def run(options: argparse.Namespace) -> int:
-    """Run the study `frames` or `pivots`."""
+    """Run the study `frames`, `pivots` or `accuracy`."""
     scene = _scene(options.spec)
     try:
-        return _frames(scene, options) if options.study == "frames" else _pivots(scene, options)
+        return STUDIES[options.study](scene, options)
     except SpecError as error:
         raise with_lines(error, options.spec) from None
     finally:
@@ -73,3 +74,6 @@ def _pivots(scene: Scene, options: argparse.Namespace) -> int:
         blocks = [pivot_text(scene.name, n, along, both) for n, both in results]
         print("\n\n".join([*blocks, pivot_legend()]))
     return 0
+
+
+STUDIES = {"frames": _frames, "pivots": _pivots, "accuracy": accuracy.run}

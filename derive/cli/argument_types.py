@@ -1,0 +1,48 @@
+"""Kinds of values of arguments, which several commands share. Only the standard library is imported here."""
+
+from __future__ import annotations
+
+import argparse
+import math
+from typing import Any
+
+SPEC = "specification file (.toml)"
+MAX_PIECES = 64
+"""The largest number of beams that a study divides a rod into."""
+
+
+def add_command(commands: Any, name: str, text: str) -> argparse.ArgumentParser:
+    """Add a command; `text` is its line in the list of commands and the description in its own help."""
+    command: argparse.ArgumentParser = commands.add_parser(name, help=text, description=f"{text[0].upper()}{text[1:]}.")
+    return command
+
+
+def count(text: str) -> int:
+    """A positive integer."""
+    if not text.strip().isdecimal() or int(text) < 1:
+        raise argparse.ArgumentTypeError(f"expected a positive integer, not {text!r}")
+    return int(text)
+
+
+def pieces(text: str) -> tuple[int, ...]:
+    """Numbers of beams that a rod is divided into."""
+    numbers = tuple(dict.fromkeys(count(part) for part in text.split(",")))
+    if max(numbers) > MAX_PIECES:
+        raise argparse.ArgumentTypeError(f"a rod is divided into at most {MAX_PIECES} beams, not {max(numbers)}")
+    return numbers
+
+
+def tolerance(text: str) -> float:
+    """A number between 0 and 1."""
+    value = number(text)
+    if not 0 < value < 1:
+        raise argparse.ArgumentTypeError(f"expected a small positive number, such as 1e-9, not {text!r}")
+    return value
+
+
+def number(text: str) -> float:
+    """A number; not a number if the text is none."""
+    try:
+        return float(text)
+    except ValueError:
+        return math.nan

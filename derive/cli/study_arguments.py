@@ -1,0 +1,159 @@
+"""The arguments of `tisserand study`. Only the standard library is imported here."""
+
+from __future__ import annotations
+
+import argparse
+import difflib
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from derive.cli.argument_types import SPEC, add_command, count, pieces, tolerance
+
+MAX_SHAPES = 12
+"""The largest number of shape functions in a ladder."""
+
+
+def add_study(commands: Any) -> None:
+    """The command `study` with its studies."""
+    study = add_command(commands, "study", "compare models of a scene: floating frames, or what accuracy costs")
+    studies = study.add_subparsers(dest="study", metavar="STUDY", required=True, title="studies")
+    frames = add_command(studies, "frames", "compare non-zeros, operations and CPU time in two frames")
+    pivots = add_command(studies, "pivots", "compare vanishing pivots, pivot growth and backward errors in two frames")
+    for command in (frames, pivots):
+        command.add_argument("spec", type=Path, metavar="SPEC", help=f"{SPEC} of a scene with a beam")
+        command.add_argument(
+            "--frames",
+            type=two_frames,
+            default=("mean", "point"),
+            metavar="A,B",
+            help="two frames (default: mean,point)",
+        )
+        command.add_argument("--json", action="store_true", help="print the numbers as JSON")
+    frames.add_argument(
+        "--pieces",
+        type=pieces,
+        default=(1, 2, 3, 10, 30),
+        metavar="N,...",
+        help="numbers of beams per rod (default: 1,2,3,10,30)",
+    )
+    frames.add_argument(
+        "--elimination",
+        choices=["safe", "matched"],
+        default="safe",
+        help="the order in which KKT matrices are eliminated: safe in every state as in generated code, or each "
+        "multiplier matched to a coordinate, with less fill-in (default: safe)",
+    )
+    frames.add_argument(
+        "--runs", type=count, default=15, metavar="N", help="interleaved measurements of each frame (default: 15)"
+    )
+    frames.add_argument("--chart", type=Path, metavar="FILE", help="chart (default: results/NAME/frames.svg)")
+    pivots.add_argument(
+        "--pieces", type=pieces, metavar="N,...", help="numbers of beams per rod (default: as specified)"
+    )
+    pivots.add_argument("--states", type=count, default=361, metavar="N", help="states along the motion (default: 361)")
+    pivots.add_argument(
+        "--numberings", type=count, default=100, metavar="N", help="random numberings of the unknowns (default: 100)"
+    )
+    _add_accuracy(studies)
+
+
+def _add_accuracy(studies: Any) -> None:
+    accuracy = add_command(studies, "accuracy", "chart the error of a ladder of models against what they cost")
+    accuracy.add_argument("spec", type=Path, metavar="SPEC", help=f"{SPEC} of a scene with a beam and a plot")
+    accuracy.add_argument(
+        "--out", type=Path, metavar="FOLDER", help="folder of the chart, the page and the table (default: results/NAME)"
+    )
+    accuracy.add_argument("--plot", metavar="NAME", help="the plot that is compared (default: the first one)")
+    accuracy.add_argument(
+        "--error",
+        type=tolerance,
+        default=0.01,
+        metavar="X",
+        help="error that is asked for, rms of the peak (default: 0.01)",
+    )
+    accuracy.add_argument(
+        "--reference-error", type=tolerance, metavar="X", help="error of the reference file itself, rms of the peak"
+    )
+    accuracy.add_argument(
+        "--own-reference", action="store_true", help="compare with ever finer models in place of the file of the plot"
+    )
+    accuracy.add_argument(
+        "--orders",
+        type=orders,
+        default=("first", "truncated"),
+        metavar="A,...",
+        help="orders of the displacements among first, truncated, full (default: first,truncated)",
+    )
+    accuracy.add_argument(
+        "--frames",
+        type=frames_of_ladder,
+        default=("mean",),
+        metavar="A,...",
+        help="frames of polynomials among mean, chord, point, tangent (default: mean)",
+    )
+    accuracy.add_argument(
+        "--shapes",
+        type=shapes,
+        default=(2, 3, 4, 6),
+        metavar="N,...",
+        help="polynomials of one beam (default: 2,3,4,6)",
+    )
+    accuracy.add_argument(
+        "--pieces", type=pieces, default=(2, 3), metavar="N,...", help="numbers of beams with P2, P3 (default: 2,3)"
+    )
+    accuracy.add_argument(
+        "--sines", type=shapes, default=(1, 2), metavar="N,...", help="half sine waves of one beam (default: 1,2)"
+    )
+    accuracy.add_argument(
+        "--tolerances",
+        type=tolerances,
+        default=(1e-3, 1e-4, 1e-5, 1e-6, 1e-8),
+        metavar="X,...",
+        help="of the integrator, for each model (default: 1e-3,1e-4,1e-5,1e-6,1e-8)",
+    )
+    accuracy.add_argument(
+        "--runs", type=count, default=5, metavar="N", help="interleaved measurements of each run (default: 5)"
+    )
+    accuracy.add_argument("--json", action="store_true", help="print the numbers as JSON")
+
+
+def orders(text: str) -> tuple[str, ...]:
+    """Orders of displacements by their names."""
+    return _among(text, ("first", "truncated", "full"))
+
+
+def frames_of_ladder(text: str) -> tuple[str, ...]:
+    """Frames of beams by their names."""
+    return _among(text, ("mean", "chord", "point", "tangent"))
+
+
+def _among(text: str, known: tuple[str, ...]) -> tuple[str, ...]:
+    names = tuple(dict.fromkeys(text.split(",")))
+    for name in names:
+        if name not in known:
+            close = difflib.get_close_matches(name, known, n=1)
+            hint = f"did you mean {close[0]}?" if close else f"choose from {', '.join(known)}"
+            raise argparse.ArgumentTypeError(f"unknown: {name!r}; {hint}")
+    return names
+
+
+def shapes(text: str) -> tuple[int, ...]:
+    """Numbers of shape functions."""
+    numbers = tuple(dict.fromkeys(count(part) for part in text.split(",")))
+    if max(numbers) > MAX_SHAPES:
+        raise argparse.ArgumentTypeError(f"a ladder has at most {MAX_SHAPES} shapes, not {max(numbers)}")
+    return numbers
+
+
+def tolerances(text: str) -> tuple[float, ...]:
+    """Tolerances from coarse to fine."""
+    return tuple(sorted({tolerance(part) for part in text.split(",")}, reverse=True))
+
+
+def two_frames(text: str) -> Sequence[str]:
+    """Two frames by their names."""
+    names = tuple(text.split(","))
+    if len(set(names)) != 2 or len(names) != 2 or not set(names) <= {"mean", "point", "chord"}:
+        raise argparse.ArgumentTypeError(f"expected two of mean, point and chord, such as mean,point, not {text!r}")
+    return names

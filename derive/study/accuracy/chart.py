@@ -1,0 +1,293 @@
+"""The chart of a ladder: error over CPU time and over operations, a line for each model. A work-precision diagram."""
+
+from __future__ import annotations
+
+import math
+import textwrap
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from html import escape
+from typing import TYPE_CHECKING, Any
+
+from derive.simulation.validity.monitors import Cause
+from derive.spec.model.body import DisplacementOrder
+from derive.study.accuracy.measurement import Line, Point
+from derive.study.accuracy.models import LadderModel, Shapes
+from derive.study.accuracy.pareto import Candidate, candidates, front, recommended
+from derive.study.accuracy.reference import Reference
+from derive.visual import line_chart as style
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+WIDTH, PANEL, HEIGHT, LEFT, GAP, MARGIN = 11.2, 3.55, 4.3, 0.78, 0.2, 2.95
+"""The picture, its two panels, and the margins to their left, between them and to their right, in inches."""
+LABEL = 0.165
+"""The least distance of labels, in inches."""
+NEAR = 1.05
+"""Errors that differ by less than this factor share a label."""
+ROOM = 26
+"""Characters of the names of a label."""
+LANE = 160
+"""Characters of a line below the chart."""
+
+COLOURS = {
+    DisplacementOrder.FIRST_ORDER: "#d0702a",
+    DisplacementOrder.TRUNCATED: "#1f8fbf",
+    DisplacementOrder.FULL: "#8661c1",
+}
+RIGID = "#8c6d46"
+ORDER_NAMES = {
+    DisplacementOrder.FIRST_ORDER: "first order",
+    DisplacementOrder.TRUNCATED: "second order, truncated",
+    DisplacementOrder.FULL: "second order, full",
+}
+CAUSES = {
+    Cause.DEFLECTION: "the deflection",
+    Cause.SPIN: "the spin",
+    Cause.AXIAL_FORCE: "the axial force",
+    Cause.HIGHEST_SHAPE: "the highest shape",
+    Cause.END_MOMENT: "the moment at the ends",
+    Cause.MASS_MATRIX: "the mass matrix",
+}
+
+
+@dataclass(frozen=True)
+class LadderChart:
+    """What a chart shows: the lines of a ladder of `name`, their reference, and the error that is asked for."""
+
+    name: str
+    lines: tuple[Line, ...]
+    reference: Reference
+    error: float
+    machine: str
+
+    @property
+    def drawn(self) -> tuple[Line, ...]:
+        """The lines that have runs."""
+        return tuple(line for line in self.lines if line.points)
+
+    @property
+    def chosen(self) -> Candidate | None:
+        """The cheapest valid run that is accurate enough."""
+        return recommended(candidates(self.lines), self.error)
+
+
+def accuracy_svg(chart: LadderChart) -> str:
+    """The text of the chart, whose points and lines have titles. The same numbers give the same bytes."""
+    import matplotlib as mpl
+    from matplotlib.figure import Figure
+
+    lane = lane_text(chart.lines)
+    with mpl.rc_context():
+        mpl.rcdefaults()
+        mpl.rcParams.update(style.SETTINGS)
+        head, foot = 0.95, 0.62 + 0.17 * len(lane)
+        height = head + HEIGHT + foot
+        figure = Figure(figsize=(WIDTH, height))
+
+        def panel(number: int) -> Axes:
+            place = (LEFT + number * (PANEL + GAP)) / WIDTH, foot / height, PANEL / WIDTH, HEIGHT / height
+            return figure.add_axes(place)
+
+        costs: tuple[tuple[str, Callable[[Point], float]], ...] = (
+            ("CPU time of the integration in C, ms", lambda p: 1e3 * p.seconds[0]),
+            ("arithmetic operations of all evaluations", lambda p: float(p.operations)),
+        )
+        titles: dict[str, str] = {}
+        for number, (label, cost) in enumerate(costs):
+            axes = panel(number)
+            _panel(axes, chart, cost, number, titles)
+            axes.set_xlabel(label)
+            if number:
+                axes.tick_params(labelleft=False)
+            else:
+                axes.set_ylabel("error, rms of the peak")
+        _labels(figure, chart, foot, height)
+        _head(figure, chart, height)
+        for k, text in enumerate(lane):
+            figure.text(LEFT / WIDTH, (0.17 * (len(lane) - k) - 0.05) / height, text, fontsize=8, color=style.INK)
+        return _titled(style.figure_svg(figure, _description(chart)), titles)
+
+
+def _panel(axes: Axes, chart: LadderChart, cost: Callable[[Point], float], number: int, titles: dict[str, str]) -> None:
+    axes.set_xscale("log")
+    axes.set_yscale("log")
+    good = front(candidates(chart.lines), cost)
+    useful = {run.line.model for run in good}
+    for n, line in enumerate(chart.drawn):
+        pale = line.model not in useful
+        look: dict[str, Any] = {"color": colour(line.model), "linewidth": 1.1 if pale else 1.9}
+        look |= {"alpha": 0.38 if pale else 1, "marker": _marker(line.model), "markersize": 3.5 if pale else 5}
+        look |= {} if line.valid else {"fillstyle": "none"}
+        x, y = [cost(p) for p in line.points], [p.rms for p in line.points]
+        axes.plot(x, y, gid=f"line_{number}_{n}", dashes=(None, None) if line.valid else (3, 2), **look)
+        titles[f"line_{number}_{n}"] = line_title(line)
+    if good:
+        x, y = [cost(r.point) for r in good], [r.point.rms for r in good]
+        axes.step(x, y, where="post", color=style.INK, linewidth=0.8, alpha=0.6)
+    if chart.chosen is not None:
+        point = chart.chosen.point
+        ring: dict[str, Any] = {"marker": "o", "markersize": 13, "fillstyle": "none", "markeredgewidth": 1.6}
+        axes.plot([cost(point)], [point.rms], color=style.INK, linestyle="none", **ring)
+    low, high = _range(chart)
+    axes.set_ylim(low, high)
+    axes.yaxis.set_major_formatter(lambda value, _: percent(value))
+    axes.xaxis.set_major_formatter(lambda value, _: _power(value))
+    for axis in (axes.xaxis, axes.yaxis):
+        axis.set_minor_formatter("")
+    axes.tick_params(length=3, which="both")
+    axes.axhline(chart.error, color=style.INK, linewidth=0.7, dashes=(1, 2))
+    if chart.reference.error:
+        axes.axhspan(low, chart.reference.error, color=style.LIGHT, alpha=0.5, linewidth=0)
+
+
+def _power(value: float) -> str:
+    """A power of ten: 0.1, 1, 10, and 10⁵ beyond."""
+    exponent = round(math.log10(value))
+    raised = str(exponent).translate(str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹"))
+    return f"{value:g}" if -4 < exponent < 4 else f"10{raised}"
+
+
+def _range(chart: LadderChart) -> tuple[float, float]:
+    errors = [p.rms for line in chart.drawn for p in line.points if p.rms > 0]
+    known = [*errors, chart.error, *([chart.reference.error] if chart.reference.error else [])]
+    return min(known) / 1.6, max(known) * 1.6
+
+
+def _marker(model: LadderModel) -> str:
+    if model.shapes is Shapes.RIGID:
+        return "x"
+    if model.shapes is Shapes.SINES:
+        return "o"
+    return "s" if model.pieces == 1 else "^"
+
+
+def colour(model: LadderModel) -> str:
+    """The colour of a model, by its order."""
+    return RIGID if model.shapes is Shapes.RIGID else COLOURS[model.order]
+
+
+def _labels(figure: Figure, chart: LadderChart, foot: float, height: float) -> None:
+    """The names of the lines to the right of the panels, at their smallest errors, with leaders where they moved."""
+    from matplotlib.lines import Line2D
+
+    low, high = (math.log(x) for x in _range(chart))
+    groups = label_groups(chart.drawn)
+    wanted = [HEIGHT * (math.log(group[0].best) - low) / (high - low) for group in groups]
+    places = spread(wanted, LABEL)
+    edge = LEFT + 2 * PANEL + GAP
+    for group, want, at in zip(groups, wanted, places, strict=True):
+        y, y0 = (foot + at) / height, (foot + want) / height
+        leader: dict[str, Any] = {"color": style.FAINT, "linewidth": 0.6}
+        figure.add_artist(Line2D([(edge + 0.02) / WIDTH, (edge + 0.2) / WIDTH], [y0, y], **leader))
+        shown: dict[str, Any] = {"va": "center", "fontsize": 8, "color": colour(group[0].model)}
+        figure.text((edge + 0.24) / WIDTH, y, f"{percent(group[0].best)}  {group_label(group)}", **shown)
+
+
+def label_groups(lines: Sequence[Line]) -> list[list[Line]]:
+    """Lines whose smallest errors are about the same and that have one order, from the smallest error on."""
+    groups: list[list[Line]] = []
+    for line in sorted(lines, key=lambda line: line.best):
+        match = next(
+            (
+                g
+                for g in groups
+                if line.best < NEAR * g[0].best
+                and colour(g[0].model) == colour(line.model)
+                and g[0].valid == line.valid
+            ),
+            None,
+        )
+        if match is None:
+            groups.append([line])
+        else:
+            match.append(line)
+    return groups
+
+
+def group_label(group: Sequence[Line]) -> str:
+    """The names of some models of one order in a line: those for which there is room, and how many more there are."""
+    names = [line.model.label.rsplit(", ", 1)[0] for line in group]
+    shown = [name for n, name in enumerate(names) if len(" · ".join(names[: n + 1])) <= ROOM or n == 0]
+    more = f" and {len(names) - len(shown)} more" if len(names) > len(shown) else ""
+    return f"{' · '.join(shown)}{more}"
+
+
+def spread(wanted: Sequence[float], distance: float) -> list[float]:
+    """Rising places at least `distance` apart, with the least squares of what each is moved by; `wanted` rises."""
+    blocks: list[tuple[float, int]] = []  # the mean of wanted - number distance, and how many places share it
+    for number, want in enumerate(wanted):
+        mean, count = want - number * distance, 1
+        while blocks and blocks[-1][0] > mean:
+            before, size = blocks.pop()
+            mean, count = (before * size + mean * count) / (size + count), size + count
+        blocks.append((mean, count))
+    shifts = (mean for mean, count in blocks for _ in range(count))
+    return [shift + number * distance for number, shift in enumerate(shifts)]
+
+
+def _head(figure: Figure, chart: LadderChart, height: float) -> None:
+    title = f"{chart.name}: what accuracy costs"
+    figure.text(LEFT / WIDTH, 1 - 0.1 / height, title, va="top", fontweight="bold", fontsize=11)
+    plot = chart.reference.plot.name
+    text = f"{plot}, against {chart.reference.source}"
+    if chart.reference.error:
+        text += f" (grey: its own error, {percent(chart.reference.error)})"
+    figure.text(LEFT / WIDTH, 1 - 0.36 / height, f"{text}; {chart.machine}", va="top", fontsize=8.5)
+    x = LEFT
+    for order, name in ORDER_NAMES.items():
+        if any(line.model.order is order and line.model.shapes is not Shapes.RIGID for line in chart.drawn):
+            figure.text(x / WIDTH, 1 - 0.6 / height, f"■ {name}", va="top", fontsize=8.5, color=COLOURS[order])
+            x += 0.3 + 0.072 * len(name)
+    signs = "● sines  ■ one beam  ▲ several beams; stairs: no cheaper run is better"
+    signs += "  ◯ cheapest at " + percent(chart.error) if chart.chosen else ""
+    figure.text(x / WIDTH, 1 - 0.6 / height, signs, va="top", fontsize=8.5, color=style.INK)
+
+
+def lane_text(lines: Sequence[Line]) -> list[str]:
+    """What is said below the chart of models that are not valid or have failed, by their reasons."""
+    reasons: dict[str, list[str]] = {}
+    for line in lines:
+        if line.warning is not None:
+            text = f"{CAUSES[line.warning.cause]} is beyond its limit"
+            reasons.setdefault(text, []).append(f"{line.model.label} ({percent(line.warning.error)})")
+        elif line.failure:
+            reasons.setdefault(line.failure, []).append(line.model.label)
+    if not reasons:
+        return []
+    result = ["Not valid (hollow, dashed), with the error that a monitor implies:"]
+    for reason, models in reasons.items():
+        result += textwrap.wrap(f"{reason}: {'; '.join(models)}", LANE, subsequent_indent="    ")
+    return result
+
+
+def line_title(line: Line) -> str:
+    """A line in words: its model, and for each run the tolerance, the error and the cost."""
+    runs = [
+        f"{p.tolerance:g}: rms {percent(p.rms)}, largest {percent(p.worst)}, {1e3 * p.seconds[0]:.3g} ms, "
+        f"{p.evaluations} evaluations"
+        for p in line.points
+    ]
+    reason = line.warning.warning if line.warning else line.failure
+    return "\n".join([f"{line.model.label}, {line.coordinates} coordinates", *runs, *([reason] if reason else [])])
+
+
+def percent(ratio: float) -> str:
+    """A ratio in percent, with two significant digits."""
+    value = 100 * ratio
+    return f"{value:.0f} %" if value >= 10 else f"{value:.2g} %"
+
+
+def _description(chart: LadderChart) -> str:
+    chosen = chart.chosen
+    best = f"; the cheapest at {percent(chart.error)} is {chosen.line.model.label}" if chosen else ""
+    return f"{chart.name}: error over cost of {len(chart.drawn)} models{best}"
+
+
+def _titled(svg: str, titles: dict[str, str]) -> str:
+    """The picture with texts that browsers show for its lines."""
+    for name, text in titles.items():
+        svg = svg.replace(f'<g id="{name}">', f'<g id="{name}"><title>{escape(text, quote=False)}</title>')
+    return svg

@@ -1,0 +1,247 @@
+"""The runs of a ladder: one compiled model, integrated with several tolerances, with its motion and its cost."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from statistics import median
+
+import numpy as np
+
+from derive.artifacts import File
+from derive.backends.model_files import model_files
+from derive.derivation import derive, lower
+from derive.errors import TisserandError
+from derive.ir.model import Model
+from derive.runtime.integrators.adaptive import Adaptive, AdaptiveRun
+from derive.runtime.integrators.c_integrator import CONSISTENT
+from derive.runtime.loading import load_scene
+from derive.runtime.native_call import Vector
+from derive.runtime.native_scene import NativeScene
+from derive.simulation.initial.initial_state import InitialState, initial_state, scene_size
+from derive.simulation.integration.adaptive import adaptive
+from derive.simulation.integration.integrator import Integrator, Settings
+from derive.simulation.integration.solution import Solution
+from derive.simulation.integration.tolerances import absolute_tolerances, consistent_tolerance
+from derive.simulation.observables.motion import SceneMotion
+from derive.simulation.observables.plots import plot_curves
+from derive.simulation.output_times import output_times
+from derive.simulation.trajectory import RunSettings, Trajectory
+from derive.simulation.validity.axial_load import monitored_pieces, with_monitors
+from derive.simulation.validity.measure import validity
+from derive.simulation.validity.monitors import Monitor
+from derive.spec.model.plots import Plot
+from derive.spec.model.scene import Scene
+from derive.spec.model.scene_functions import breaks
+from derive.study.accuracy.models import LadderModel, model_scene
+from derive.study.timing import interleaved
+
+CALLED = {
+    "accelerations": ("accel",),
+    "constraints": ("constraints", "constraint_rates"),
+    "corrections": ("project_velocity",),
+}
+"""The functions of a model that an evaluation of each count calls."""
+
+
+@dataclass(frozen=True, eq=False)
+class CompiledLadderModel:
+    """A model of a ladder that is ready to run: its scene, its code, its consistent start.
+
+    columns: the code without the outputs that monitor its validity.
+    """
+
+    model: LadderModel
+    scene: Scene
+    code: Model
+    columns: Model
+    native: NativeScene
+    k: Vector
+    start: InitialState
+
+    @property
+    def coordinates(self) -> int:
+        """The number of coordinates."""
+        return int(self.native.nq)
+
+    def operations(self, run: AdaptiveRun) -> int:
+        """Arithmetic operations of the evaluations of a run, factorisations and projections included."""
+        known = {kernel.name: kernel.operations for kernel in self.code.kernels}
+        called = ((run.counts[count], name) for count, names in CALLED.items() for name in names)
+        return sum(times * known.get(name, 0) for times, name in called)
+
+
+def compiled(scene: Scene, model: LadderModel) -> CompiledLadderModel:
+    """A model of a ladder. Raises SpecError, SimulationError, CompilerError."""
+    changed = model_scene(scene, model)
+    monitored = with_monitors(changed)
+    code = lower(derive(monitored))
+    files: Sequence[File] = model_files(code, monitored)
+    native = load_scene(files)
+    k, own = native.setup(), len(code.outputs) - len(monitored_pieces(changed))
+    columns = replace(code, outputs=code.outputs[:own])
+    return CompiledLadderModel(model, changed, code, columns, native, k, initial_state(changed, native, k))
+
+
+def motion(of: CompiledLadderModel, tolerance: float, monitored: bool = False) -> Trajectory:
+    """The motion over the time of the simulation, with the monitors of its validity. Raises SimulationError."""
+    simulation = of.scene.simulation
+    assert simulation is not None
+    settings = Settings(tolerance=tolerance, size=scene_size(of.scene), breaks=breaks(of.scene))
+    integrator = adaptive(of.native, through_python=_no_python)
+    times = output_times(simulation)
+    solution: Solution = integrator.integrate(of.k, of.start.q, of.start.v, times, settings)
+    moved = SceneMotion(of.scene, of.native, of.k, solution.t, solution.q, solution.v)
+    run = RunSettings(simulation, "adaptive")
+    return Trajectory(of.scene, of.columns, of.start, moved, solution, run, validity(moved) if monitored else ())
+
+
+def _no_python(_: NativeScene) -> Integrator:
+    raise AssertionError("a ladder has no functions in Python")
+
+
+def end_run(of: CompiledLadderModel, tolerance: float) -> AdaptiveRun:
+    """The same integration without rows in between, whose cost is measured. Raises AdaptiveError."""
+    assert of.scene.simulation is not None
+    size = scene_size(of.scene)
+    return Adaptive(of.native).run(
+        of.start.q,
+        of.start.v,
+        np.array([0.0, of.scene.simulation.duration]),
+        rtol=tolerance,
+        atol=absolute_tolerances(of.native, tolerance, size, of.start.q),
+        k=of.k,
+        consistent=consistent_tolerance(CONSISTENT, size, of.start.q),
+        breaks=breaks(of.scene),
+    )
+
+
+@dataclass(frozen=True)
+class Point:
+    """A run of a model with a tolerance: its error against the reference, and its cost.
+
+    rms, worst: of the quantity, divided by the peak of the reference. seconds: median, least and largest CPU time of
+    interleaved runs. evaluations: of the accelerations; operations: arithmetic ones of all evaluations.
+    """
+
+    tolerance: float
+    rms: float
+    worst: float
+    seconds: tuple[float, float, float]
+    evaluations: int
+    operations: int
+
+
+@dataclass(frozen=True)
+class Line:
+    """A model with its runs, from coarse to fine.
+
+    warning: the monitor with the largest implied error, of those that are beyond their limits in the finest run, if
+    there is one. failure: why a run failed, or why there is none; empty if there is nothing.
+    """
+
+    model: LadderModel
+    coordinates: int
+    points: tuple[Point, ...]
+    warning: Monitor | None = None
+    failure: str = ""
+
+    @property
+    def valid(self) -> bool:
+        """Whether it has run, and no monitor warns."""
+        return self.warning is None and not self.failure
+
+    @property
+    def best(self) -> float:
+        """The root mean square error of the finest run."""
+        return self.points[-1].rms
+
+
+Progress = Callable[[str], None]
+
+
+def compile_all(
+    scene: Scene, models: Sequence[LadderModel], progress: Progress
+) -> tuple[list[CompiledLadderModel], dict[LadderModel, str]]:
+    """The models that can be derived and compiled, and the reasons why others cannot."""
+    ready, failed = [], {}
+    for n, model in enumerate(models, 1):
+        progress(f"compiling model {n} of {len(models)}: {model.label}")
+        try:
+            ready.append(compiled(scene, model))
+        except TisserandError as error:
+            failed[model] = first_line(error)
+    return ready, failed
+
+
+def measure(
+    ready: Sequence[CompiledLadderModel], plot: Plot, tolerances: Sequence[float], runs: int, progress: Progress
+) -> list[Line]:
+    """The lines of models that are compiled: errors against the reference of `plot`, and interleaved times.
+
+    tolerances: from coarse to fine.
+    """
+    found = []
+    for n, of in enumerate(ready, 1):
+        progress(f"running model {n} of {len(ready)}: {of.model.label}")
+        found.append(_accuracy(of, plot, tolerances))
+    todo = [(of, tolerance) for of, accuracy in zip(ready, found, strict=True) for tolerance in accuracy.errors]
+    finished = [end_run(of, tolerance) for of, tolerance in todo]
+    clocks = [partial(_seconds, of, tolerance) for of, tolerance in todo]
+    rows = interleaved(clocks, runs, lambda run: progress(f"timing, run {run + 1} of {runs}")) if clocks else []
+    lines = []
+    for of, accuracy in zip(ready, found, strict=True):
+        points = []
+        for i, (owner, tolerance) in enumerate(todo):
+            if owner is of:
+                seconds = [row[i] for row in rows]
+                spread = median(seconds), min(seconds), max(seconds)
+                count = finished[i].counts["accelerations"]
+                points.append(Point(tolerance, *accuracy.errors[tolerance], spread, count, of.operations(finished[i])))
+        lines.append(Line(of.model, of.coordinates, tuple(points), accuracy.warning, accuracy.failure))
+    return lines
+
+
+@dataclass(frozen=True)
+class _Accuracy:
+    """The errors of the runs of a model by their tolerances, and what is wrong with it."""
+
+    errors: dict[float, tuple[float, float]]
+    warning: Monitor | None
+    failure: str
+
+
+def _accuracy(of: CompiledLadderModel, plot: Plot, tolerances: Sequence[float]) -> _Accuracy:
+    errors: dict[float, tuple[float, float]] = {}
+    warning = None
+    for tolerance in tolerances:
+        try:
+            moved = motion(of, tolerance, monitored=tolerance == tolerances[-1])
+            errors[tolerance] = _errors(plot, moved)
+        except TisserandError as error:
+            return _Accuracy(errors, None, f"tolerance {tolerance:g}: {first_line(error)}")
+        warning = max((m for m in moved.validity if m.passed), key=lambda monitor: monitor.error, default=None)
+    return _Accuracy(errors, warning, "")
+
+
+def _seconds(of: CompiledLadderModel, tolerance: float) -> float:
+    return end_run(of, tolerance).seconds
+
+
+def _errors(plot: Plot, moved: Trajectory) -> tuple[float, float]:
+    """The largest errors of the curves of a plot. Raises TisserandError where there is no part in common."""
+    errors = [curve.error for curve in plot_curves(plot, moved, "")]
+    known = [error for error in errors if error is not None]
+    if len(known) < len(errors):
+        raise NothingInCommon(f"{plot.name}: the motion has no part in common with the reference")
+    return max(e[0] for e in known), max(e[1] for e in known)
+
+
+class NothingInCommon(TisserandError):
+    """A motion cannot be compared with a reference."""
+
+
+def first_line(error: Exception) -> str:
+    """An error in a line."""
+    return str(error).splitlines()[0]

@@ -1,0 +1,145 @@
+"""The models of a ladder: one scene whose beams are rigid, or have few or many shapes, of first or second order."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
+from enum import Enum
+from fractions import Fraction
+from itertools import product
+from typing import assert_never
+
+from derive.errors import Problem, SpecError
+from derive.simulation.observables.motion import si_value
+from derive.spec.construction import validated
+from derive.spec.model.body import DisplacementOrder, Frame, Polynomial, ShapeFamily
+from derive.spec.model.markers import PointMarker
+from derive.spec.model.scene import BeamBody, RigidBody, Scene
+from derive.spec.parsing import choices
+from derive.spec.tables.beam_shapes import frame_from
+from derive.terminal import beam_count
+
+
+class Shapes(Enum):
+    """What the shape functions of the beams are."""
+
+    RIGID = "rigid"
+    """The beams are rigid bodies."""
+    POLYNOMIALS = "polynomials"
+    """Polynomials of rising degree in a floating frame."""
+    SINES = "sines"
+    """Half sine waves in the chord frame."""
+
+
+ORDERS = {
+    "first": DisplacementOrder.FIRST_ORDER,
+    "truncated": DisplacementOrder.TRUNCATED,
+    "full": DisplacementOrder.FULL,
+}
+"""The orders of displacements by their names in a command."""
+
+
+@dataclass(frozen=True)
+class LadderModel:
+    """How the beams of a scene are modelled: the order and the kind of shapes, their number, the frame, the pieces."""
+
+    shapes: Shapes
+    count: int = 0
+    order: DisplacementOrder = DisplacementOrder.FIRST_ORDER
+    frame: str = "mean"
+    pieces: int = 1
+
+    @property
+    def label(self) -> str:
+        """The model in a few words: 2 beams, P2 to P4, full."""
+        match self.shapes:
+            case Shapes.RIGID:
+                return "rigid"
+            case Shapes.SINES:
+                text = f"{self.count} sine{'s' * (self.count > 1)}"
+            case Shapes.POLYNOMIALS:
+                text = f"{beam_count(self.pieces)}, {self._polynomials}"
+                text += f", {self.frame}" if self.frame != "mean" else ""
+            case _ as never:
+                assert_never(never)
+        return f"{text}, {next(name for name, order in ORDERS.items() if order is self.order)}"
+
+    @property
+    def _polynomials(self) -> str:
+        """P2 to P4 in the mean frame, where they are Legendre polynomials; elsewhere their number."""
+        if self.frame != "mean":
+            return f"{self.count} shapes"
+        names = [f"P{n}" for n in (2, self.count + 1)]
+        return names[0] if self.count == 1 else ", ".join(names) if self.count == 2 else " to ".join(names)
+
+
+@dataclass(frozen=True)
+class LadderRange:
+    """What a ladder goes through: the numbers of shapes of one beam, and of beams with two shapes each."""
+
+    orders: tuple[str, ...] = ("first", "truncated")
+    frames: tuple[str, ...] = ("mean",)
+    shapes: tuple[int, ...] = (2, 3, 4, 6)
+    pieces: tuple[int, ...] = (2, 3)
+    sines: tuple[int, ...] = (1, 2)
+
+
+def ladder(limits: LadderRange) -> tuple[LadderModel, ...]:
+    """The models in the order of their number of coordinates, from rigid beams on."""
+    return tuple(sorted(_models(limits), key=lambda m: (m.pieces * (3 * (m.count > 0) + m.count), m.label)))
+
+
+def _models(limits: LadderRange) -> Iterator[LadderModel]:
+    yield LadderModel(Shapes.RIGID)
+    for order in (ORDERS[name] for name in limits.orders):
+        for count in limits.sines:
+            yield LadderModel(Shapes.SINES, count, order, "chord")
+        for frame, count in product(limits.frames, limits.shapes):
+            yield LadderModel(Shapes.POLYNOMIALS, count, order, frame)
+        for frame, pieces in product(limits.frames, limits.pieces):
+            yield LadderModel(Shapes.POLYNOMIALS, 2, order, frame, pieces)
+
+
+def model_scene(scene: Scene, model: LadderModel) -> Scene:
+    """The scene with all its beams modelled so. Raises SpecError if they cannot be."""
+    bodies = tuple(_modelled(body, model) if isinstance(body, BeamBody) else body for body in scene.bodies)
+    return validated(replace(scene, bodies=bodies, plots=tuple(replace(p, cut=None, pieces=()) for p in scene.plots)))
+
+
+def _modelled(body: BeamBody, model: LadderModel) -> BeamBody | RigidBody:
+    if model.shapes is Shapes.RIGID:
+        return _rigid(body)
+    ansatz: tuple[Polynomial, ...] | ShapeFamily
+    if model.shapes is Shapes.SINES:
+        ansatz, frame = ShapeFamily("pinned", model.count), Frame("chord")
+    else:
+        frame = _frame(model.frame)
+        ansatz = tuple(tuple(Fraction(int(i == n)) for i in range(n + 1)) for n in range(model.count + 2))
+    orthogonal = frame.kind == "mean" and model.shapes is Shapes.POLYNOMIALS
+    beam = replace(body.beam, ansatz=ansatz, frame=frame, orthogonal=orthogonal, order=model.order, ends=None)
+    return replace(body, beam=beam, pieces=model.pieces)
+
+
+def _frame(name: str) -> Frame:
+    """A frame by its name in a command; a tangent frame is at the left end."""
+    kind = choices.frame_kind(name)
+    return frame_from(kind, Fraction(-1) if kind == "tangent" else None)
+
+
+def _rigid(body: BeamBody) -> RigidBody:
+    """The beam as a rigid body of the same mass and length. Raises SpecError where that is not the whole beam."""
+    beam = body.beam
+    if beam.masses or body.loads:
+        what = "attached masses" if beam.masses else "distributed loads"
+        raise SpecError((Problem(f"bodies.{body.name}", f"a rigid body has no {what}"),))
+    mass, length = (Fraction(str(si_value(q))) for q in (beam.mass, beam.length))
+    markers = tuple(PointMarker(m.name, m.at * length / 2, Fraction(0)) for m in beam.markers)
+    start = replace(body.start, deflection=None, deflection_rate=None)
+    return RigidBody(body.name, mass, mass * length**2 / 12, markers=markers, start=start)
+
+
+def refinements() -> tuple[LadderModel, ...]:
+    """Ever finer models, of which the last two give a reference and its error: full, of second order."""
+    full = DisplacementOrder.FULL
+    sizes: Iterable[tuple[int, int]] = ((1, 4), (2, 4), (3, 4))
+    return tuple(LadderModel(Shapes.POLYNOMIALS, count, full, "mean", pieces) for pieces, count in sizes)

@@ -1,0 +1,109 @@
+"""The numbers of a ladder: as a table for a terminal, as CSV, and as plain data."""
+
+from __future__ import annotations
+
+import csv
+import io
+from typing import Any
+
+from derive.study.accuracy.chart import LadderChart, lane_text, percent
+from derive.study.accuracy.measurement import Line, Point
+
+COLUMNS = (
+    "model", "order", "shapes", "number_of_shapes", "beams", "frame", "coordinates", "valid", "tolerance",
+    "rms_error", "largest_error", "cpu_s", "cpu_least_s", "cpu_most_s", "evaluations", "operations",
+)  # fmt: skip
+
+
+def accuracy_text(chart: LadderChart) -> str:
+    """A line for each model: its smallest error and the cheapest run within 10 % of it; what is not valid below."""
+    width = max(len(line.model.label) for line in chart.lines)
+    reference = f"{chart.reference.plot.name} of {chart.name}, against {chart.reference.source}"
+    if chart.reference.error is not None:
+        reference += f", which has an error of {percent(chart.reference.error)} itself"
+    rows = [reference, f"{'model':{width}}  coordinates      rms  largest        ms  evaluations  operations"]
+    for line in sorted(chart.drawn, key=lambda line: -line.best):
+        p = cheapest(line)
+        numbers = (
+            f"{percent(p.rms):>9}{percent(p.worst):>9}{1e3 * p.seconds[0]:10.3f}{p.evaluations:13}{p.operations:12}"
+        )
+        rows.append(f"{line.model.label:{width}}{line.coordinates:13}{numbers}{'' if line.valid else '  not valid'}")
+    rows += ["", *(text.replace(" (hollow, dashed)", "") for text in lane_text(chart.lines)), ""]
+    if chart.chosen is None:
+        rows.append(f"no valid model has an error of at most {percent(chart.error)}")
+    else:
+        run = chart.chosen
+        rows.append(
+            f"cheapest valid model with an error of at most {percent(chart.error)}: {run.line.model.label} with "
+            f"tolerance {run.point.tolerance:g}: {percent(run.point.rms)}, {1e3 * run.point.seconds[0]:.3g} ms"
+        )
+    if chart.reference.error is not None and any(line.best < chart.reference.error for line in chart.drawn):
+        rows.append("errors below that of the reference say only that they are small")
+    return "\n".join(rows)
+
+
+def cheapest(line: Line) -> Point:
+    """The cheapest run of a model within 10 % of its smallest error."""
+    best = min(p.rms for p in line.points)
+    return min((p for p in line.points if p.rms <= 1.1 * best), key=lambda p: p.seconds[0])
+
+
+def accuracy_csv(chart: LadderChart) -> str:
+    """A row for each run."""
+    stream = io.StringIO()
+    writer = csv.writer(stream, lineterminator="\n")
+    writer.writerow(COLUMNS)
+    for line in chart.drawn:
+        model = _model(line)
+        for p in line.points:
+            numbers = (p.tolerance, p.rms, p.worst, *p.seconds, p.evaluations, p.operations)
+            writer.writerow([*model.values(), *numbers])
+    return stream.getvalue()
+
+
+def accuracy_data(chart: LadderChart) -> dict[str, Any]:
+    """The whole study as plain data."""
+    chosen = chart.chosen
+    return {
+        "name": chart.name,
+        "machine": chart.machine,
+        "plot": chart.reference.plot.name,
+        "reference": {"source": chart.reference.source, "error": chart.reference.error},
+        "models": [
+            {
+                **_model(line),
+                "warning": line.warning.data if line.warning else None,
+                "failure": line.failure,
+                "runs": [
+                    {
+                        "tolerance": p.tolerance,
+                        "rms_error": p.rms,
+                        "largest_error": p.worst,
+                        "cpu_s": dict(zip(("median", "least", "most"), p.seconds, strict=True)),
+                        "evaluations": p.evaluations,
+                        "operations": p.operations,
+                    }
+                    for p in line.points
+                ],
+            }
+            for line in chart.lines
+        ],
+        "asked": chart.error,
+        "recommended": None
+        if chosen is None
+        else {"model": chosen.line.model.label, "tolerance": chosen.point.tolerance, "rms_error": chosen.point.rms},
+    }
+
+
+def _model(line: Line) -> dict[str, Any]:
+    m = line.model
+    return {
+        "model": m.label,
+        "order": m.order.value,
+        "shapes": m.shapes.value,
+        "number_of_shapes": m.count,
+        "beams": m.pieces,
+        "frame": m.frame,
+        "coordinates": line.coordinates,
+        "valid": line.valid,
+    }

@@ -1,0 +1,180 @@
+"""`tisserand study accuracy`: the ladder, what is worth its cost, the reference, and the chart that shows them."""
+
+from __future__ import annotations
+
+import csv
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from conftest import ROOT
+from derive.cli.main import main
+from derive.errors import SpecError
+from derive.simulation.validity.monitors import Cause, Monitor
+from derive.spec.model.body import DisplacementOrder
+from derive.spec.model.markers import MarkerRef
+from derive.spec.model.plots import Deflection, Plot
+from derive.spec.model.scene import RigidBody, Scene
+from derive.spec.toml.read import read
+from derive.study.accuracy.chart import LadderChart, accuracy_svg, label_groups, lane_text, percent, spread
+from derive.study.accuracy.measurement import Line, Point
+from derive.study.accuracy.models import LadderModel, LadderRange, Shapes, ladder, model_scene
+from derive.study.accuracy.page import accuracy_html
+from derive.study.accuracy.pareto import candidates, front, recommended
+from derive.study.accuracy.reference import Reference, compared_plot, reference
+from derive.study.accuracy.table import accuracy_csv, accuracy_text, cheapest
+
+SCENE = ROOT / "scenes" / "crank_slider_3.toml"
+FIRST, TRUNCATED = DisplacementOrder.FIRST_ORDER, DisplacementOrder.TRUNCATED
+
+
+@pytest.fixture(scope="module")
+def crank_slider() -> Scene:
+    scene = read(SCENE)
+    assert isinstance(scene, Scene)
+    return scene
+
+
+def test_a_ladder_goes_from_rigid_beams_to_many_coordinates() -> None:
+    models = ladder(LadderRange(("first", "full"), ("mean", "chord"), (2, 4), (3,), (1,)))
+    labels = [model.label for model in models]
+    assert labels[0] == "rigid" and len(labels) == len(set(labels)) == 15
+    assert labels[1:3] == ["1 sine, first", "1 sine, full"]
+    assert "1 beam, P2 to P5, full" in labels and "1 beam, 4 shapes, chord, first" in labels
+    assert labels[-1] == "3 beams, P2, P3, full"
+
+
+def test_the_beams_of_a_scene_are_modelled(crank_slider: Scene) -> None:
+    def rod(model: LadderModel) -> object:
+        return next(body for body in model_scene(crank_slider, model).bodies if body.name == "rod")
+
+    rigid = rod(LadderModel(Shapes.RIGID))
+    assert isinstance(rigid, RigidBody)
+    mass, length = 0.0667557, 0.3
+    assert float(rigid.mass) == pytest.approx(mass, rel=1e-5)  # type: ignore[arg-type]
+    assert float(rigid.inertia) == pytest.approx(mass * length**2 / 12, rel=1e-5)  # type: ignore[arg-type]
+    assert {m.name: float(m.x) for m in rigid.markers} == {"left": -0.15, "middle": 0, "right": 0.15}
+    beam = rod(LadderModel(Shapes.POLYNOMIALS, 3, TRUNCATED, "mean", 2))
+    assert (beam.pieces, len(beam.beam.ansatz), beam.beam.order) == (2, 5, TRUNCATED)  # type: ignore[attr-defined]
+
+
+def line(label: int, *runs: tuple[float, float], warning: Monitor | None = None, failure: str = "") -> Line:
+    """A line of polynomials; runs: error and CPU seconds."""
+    points = tuple(Point(10.0**-k, e, 2 * e, (s, s, s), int(1e6 * s), int(1e8 * s)) for k, (e, s) in enumerate(runs, 3))
+    return Line(LadderModel(Shapes.POLYNOMIALS, label, TRUNCATED), 3 + label, points, warning, failure)
+
+
+WARNING = Monitor("rod", 1, Cause.AXIAL_FORCE, FIRST, 0.2, 0.1, 0.3, "rod")
+LINES = (
+    line(1, (0.3, 1e-5), (0.29, 3e-5)),
+    line(2, (0.02, 4e-5), (0.01, 1e-4)),
+    line(3, (0.02, 5e-5), (0.001, 2e-4)),
+    line(4, (0.0001, 2e-5), warning=WARNING),
+    line(5, failure="it does not start"),
+)
+
+
+def test_what_no_cheaper_run_beats_is_on_the_front_and_what_is_not_valid_is_not() -> None:
+    runs = candidates(LINES)
+    assert len(runs) == 6
+    best = front(runs, lambda p: p.seconds[0])
+    assert [(r.point.rms, r.point.seconds[0]) for r in best] == [
+        (0.3, 1e-5), (0.29, 3e-5), (0.02, 4e-5), (0.01, 1e-4), (0.001, 2e-4)
+    ]  # fmt: skip
+    assert [r.line.model.count for r in best] == [1, 1, 2, 2, 3]
+    chosen = recommended(runs, 0.01)
+    assert chosen is not None and (chosen.line.model.count, chosen.point.seconds[0]) == (2, 1e-4)
+    assert recommended(runs, 1e-5) is None
+    assert cheapest(LINES[1]).rms == 0.01 and cheapest(LINES[0]).rms == 0.3
+
+
+def test_labels_stay_apart_and_as_near_as_they_can() -> None:
+    assert spread([0, 1, 2], 0.5) == [0, 1, 2]
+    assert spread([1, 1, 1], 0.5) == pytest.approx([0.5, 1, 1.5])
+    assert spread([0, 0.1, 5], 1) == pytest.approx([-0.45, 0.55, 5])
+
+
+def a_chart() -> LadderChart:
+    quantity = Deflection(MarkerRef("rod", "a"), MarkerRef("rod", "b"), MarkerRef("rod", "c"), 1.0)
+    return LadderChart("made", LINES, Reference(Plot("tip", quantity), "made.csv", 0.005), 0.01, "a machine")
+
+
+def test_the_chart_says_what_it_shows() -> None:
+    chart = a_chart()
+    svg = accuracy_svg(chart)
+    assert svg.startswith("<svg") and svg == accuracy_svg(chart)
+    assert "<title>1 beam, P2, P3, truncated, 5 coordinates\n" in svg  # what a browser shows for the line
+    assert "grey: its own error, 0.5 %" in svg and "cheapest at 1 %" in svg and "a machine" in svg
+    lane = "\n".join(lane_text(LINES))
+    assert "the axial force is beyond its limit: 1 beam, P2 to P5, truncated (10 %)" in lane
+    assert "it does not start: 1 beam, P2 to P6, truncated" in lane
+    assert [[one.model.count for one in group] for group in label_groups(LINES[:3])] == [[3], [2], [1]]
+    assert percent(0.123) == "12 %" and percent(0.00123) == "0.12 %"
+    text = accuracy_text(chart)
+    assert "cheapest valid model with an error of at most 1 %: 1 beam, P2, P3, truncated" in text
+    assert "errors below that of the reference" in text
+    assert "no valid model has an error of at most 0.01 %" in accuracy_text(replace(chart, error=1e-4))
+    page = accuracy_html(chart)
+    assert "it does not start" in page and "http" not in page.replace("http://www.w3.org", "")
+    rows = list(csv.DictReader(accuracy_csv(chart).splitlines()))
+    assert len(rows) == 7 and rows[-1]["valid"] == "False"
+
+
+def test_plots_are_chosen_by_their_names(crank_slider: Scene) -> None:
+    assert compared_plot(crank_slider, None).name == "deflection"
+    with pytest.raises(SpecError, match="did you mean"):
+        compared_plot(crank_slider, "deflexion")
+    with pytest.raises(SpecError, match=r"a ladder compares a plot; add one, such as \[plots.tip\]"):
+        compared_plot(replace(crank_slider, plots=()), None)
+
+
+def test_one_sine_of_second_order_costs_little_and_is_right(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Set A: 0.27 % rms, for a tenth of the operations of two beams, which have 2.5 %."""
+    asked = ["--orders", "truncated", "--shapes", "3", "--pieces", "2", "--sines", "1", "--tolerances", "1e-3,1e-5"]
+    asked += ["--runs", "1", "--reference-error", "1e-3", "--out", str(tmp_path), "--json"]
+    assert main(["study", "accuracy", str(SCENE), *asked]) == 0
+    said = capsys.readouterr()
+    assert said.err == ""
+    found = json.loads(said.out)
+    models = {model["model"]: model for model in found["models"]}
+    best = {name: 100 * model["runs"][-1]["rms_error"] for name, model in models.items()}
+    expected = {"rigid": 47.03, "1 sine": 0.268, "1 beam, P2 to P4": 0.068, "2 beams, P2, P3": 2.548}
+    named = {name if name == "rigid" else f"{name}, truncated": error for name, error in expected.items()}
+    assert best == pytest.approx(named, rel=0.01)
+    assert [name for name, model in models.items() if model["warning"]] == ["2 beams, P2, P3, truncated"]
+    sine, two = (models[name]["runs"][0] for name in ("1 sine, truncated", "2 beams, P2, P3, truncated"))
+    assert two["evaluations"] > 8 * sine["evaluations"] and two["operations"] > 20 * sine["operations"]
+    assert found["recommended"]["model"] == "1 sine, truncated"
+    names = [f"accuracy.{kind}" for kind in ("svg", "html", "csv", "json")]
+    assert [Path(file).name for file in found["files"]] == names
+
+
+def test_a_reference_of_its_own_knows_its_error(crank_slider: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Ever finer models that agree: here two small ones, whose difference is the error."""
+    coarse = (LadderModel(Shapes.POLYNOMIALS, 3, TRUNCATED), LadderModel(Shapes.POLYNOMIALS, 4, TRUNCATED))
+    monkeypatch.setattr("derive.study.accuracy.reference.refinements", lambda: coarse)
+    made = reference(crank_slider, crank_slider.plots[0], None, True, lambda _: None)
+    assert made.source == "own run, 1 beam, P2 to P5, truncated"
+    assert made.error == pytest.approx(0.00037, rel=0.02) and made.plot.reference is not None
+    file = reference(crank_slider, crank_slider.plots[0], 1e-3, False, lambda _: None)
+    assert (file.source, file.error) == ("crank_slider_A.csv", 1e-3)
+
+
+@pytest.mark.parametrize(
+    ("asked", "message"),
+    [
+        (["--orders", "frist"], "did you mean first?"),
+        (["--frames", "given"], "choose from mean, chord, point, tangent"),
+        (["--shapes", "13"], "at most 12 shapes"),
+        (["--tolerances", "2"], "expected a small positive number"),
+        (["--plot", "x"], 'there is no plot "x"'),
+    ],
+)
+def test_wrong_arguments(asked: list[str], message: str, capsys: pytest.CaptureFixture[str]) -> None:
+    try:
+        code = main(["study", "accuracy", str(SCENE), *asked])
+    except SystemExit as stopped:
+        code = int(str(stopped.code))
+    assert code == 2 and message in capsys.readouterr().err
