@@ -98,9 +98,9 @@ def _add_simulate(commands: Any) -> None:
     )
     simulate.add_argument(
         "--integrator",
-        default="dop853",
+        default="adaptive",
         metavar="NAME",
-        help="dop853 (default; also called scipy), rk45, ida; in C: adaptive, rk4, generalised-alpha, c_ida",
+        help="in C: adaptive (default), rk4, generalised-alpha, c_ida; in Python: dop853 (or scipy), rk45, ida",
     )
     simulate.add_argument(
         "--step", type=_seconds, metavar="S", help="step of integrators with fixed steps (rk4, generalised-alpha), s"

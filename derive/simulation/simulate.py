@@ -35,7 +35,7 @@ def simulate(
     duration: float | None = None,
     output: float | None = None,
     tolerance: float | None = None,
-    integrator: str = "dop853",
+    integrator: str = "adaptive",
     step: float | None = None,
     until: str | None = None,
     earlier: EarlierRun | None = None,
@@ -51,7 +51,7 @@ def simulate(
     duration: float | None = None,
     output: float | None = None,
     tolerance: float | None = None,
-    integrator: str = "dop853",
+    integrator: str = "adaptive",
     step: float | None = None,
     until: str | None = None,
     earlier: EarlierRun | None = None,
@@ -65,7 +65,7 @@ def simulate(
     duration: float | None = None,
     output: float | None = None,
     tolerance: float | None = None,
-    integrator: str = "dop853",
+    integrator: str = "adaptive",
     step: float | None = None,
     until: str | None = None,
     earlier: EarlierRun | None = None,
@@ -77,7 +77,8 @@ def simulate(
     A single beam is simulated as a scene in which it is the body "beam".
 
     duration, output, tolerance: the time, s, the interval between rows, s, and the error of a step, instead of those of
-    the `simulation` of the specification. integrator: a name in `INTEGRATORS`; a body takes dop853, rk45 and rk4. step:
+    the `simulation` of the specification. integrator: a name in `INTEGRATORS`; a body takes adaptive, dop853, rk45 and
+    rk4. step:
     that of integrators with fixed steps, s; the others refuse it. until: a condition on columns that ends the motion,
     such as "rod_phi > pi/2". earlier: a run that is continued, see `read_run`; its rows come first.
     inputs: of a scene, functions of the time (s) in Python in place of those of the specification, by the names of the
@@ -99,7 +100,7 @@ def simulate(
 
 def prepared(
     spec: Scene | NodalBody,
-    integrator: str = "dop853",
+    integrator: str = "adaptive",
     step: float | None = None,
     inputs: Mapping[str, InputFunction] | None = None,
 ) -> SceneRun | BodyRun:

@@ -31,7 +31,7 @@ class RunSettings:
     """How a motion is computed: a name in `INTEGRATORS`, and the step (s) that is given to one with fixed steps."""
 
     simulation: Simulation
-    integrator: str = "dop853"
+    integrator: str = "adaptive"
     step: float | None = None
 
 

@@ -75,7 +75,7 @@ def test_more_amplitudes_than_modes_are_refused() -> None:
 
 def test_methods_for_scenes_are_refused() -> None:
     settings = {"duration": 0.1, "output": 0.1}
-    with pytest.raises(derive.SimulationError, match="ida integrates scenes; for the body block choose dop853"):
+    with pytest.raises(derive.SimulationError, match="ida integrates scenes; for the body block choose adaptive"):
         derive.simulate(body(0), integrator="ida", **settings)
     with pytest.raises(derive.SimulationError, match="rk4 needs a step for a single body"):
         derive.simulate(body(0), integrator="rk4", **settings)

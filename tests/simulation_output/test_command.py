@@ -265,7 +265,7 @@ def test_the_record_has_units_settings_and_the_last_state(quick: list[Scene], tm
     names = (folder / "crank_slider_3.csv").read_text().splitlines()[0].split(",")
     assert [column["name"] for column in record["columns"]] == names
     assert [column["unit"] for column in record["columns"]][:3] == ["s", "rad", "m"]
-    assert (record["integrator"], record["tolerance"], record["duration"]) == ("dop853", 1e-9, 0.02)
+    assert (record["integrator"], record["tolerance"], record["duration"]) == ("adaptive", 1e-9, 0.02)
     assert record["last_state"]["t"] == 0.02 and len(record["last_state"]["q"]) == 16
 
 

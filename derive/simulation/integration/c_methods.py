@@ -137,6 +137,6 @@ def equal_steps(interval: float, step: float) -> int:
     if not count <= MAX_STEPS_PER_ROW:
         raise SimulationError(
             f"steps of {step:g} s are {count:.3g} steps between two rows, and at most {MAX_STEPS_PER_ROW:g} are taken; "
-            "give a longer step, or choose an integrator with adaptive steps, such as dop853"
+            "give a longer step, or choose an integrator with adaptive steps, such as adaptive"
         )
     return max(1, math.ceil(count))

@@ -64,5 +64,7 @@ SimulationError if the method is one for scenes alone."""
 def scene_of(native: NativeScene | NativeBody, integrator: str) -> NativeScene:
     """The compiled scene. Raises SimulationError if it is a body: `integrator` is a method for scenes alone."""
     if isinstance(native, NativeBody):
-        raise SimulationError(f"{integrator} integrates scenes; for the body {native.name} choose dop853, rk45 or rk4")
+        raise SimulationError(
+            f"{integrator} integrates scenes; for the body {native.name} choose adaptive, rk4, dop853 or rk45"
+        )
     return native
