@@ -38,6 +38,12 @@ class Registry(Mapping[str, T], Generic[T]):
     def __init__(self, kind: str, members: Mapping[str, T] | None = None) -> None:
         self.kind = kind
         self._members: dict[str, T] = dict(members or {})
+        self._first = dict(self._members)
+
+    @property
+    def extended(self) -> bool:
+        """Whether the members are others than those of the package."""
+        return self._members != self._first
 
     def register(self, name: str, member: T) -> None:
         """Add a member. Raises ValueError if the name is taken: two members of one name hide each other."""

@@ -9,13 +9,17 @@ from pathlib import Path
 import jinja2
 
 
-@cache
-def _environment() -> jinja2.Environment:
+def templates_folder() -> Path:
+    """The folder of all templates: in the package, or beside it in a checkout."""
     package = Path(__file__).parent
     installed, checkout = package / "templates", package.parent / "templates"
-    folder = installed if installed.is_dir() else checkout
+    return installed if installed.is_dir() else checkout
+
+
+@cache
+def _environment() -> jinja2.Environment:
     return jinja2.Environment(
-        loader=jinja2.FileSystemLoader(folder),
+        loader=jinja2.FileSystemLoader(templates_folder()),
         undefined=jinja2.StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import tempfile
 from collections.abc import Callable
 from difflib import unified_diff
 from pathlib import Path
@@ -15,6 +16,16 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 ROOT = Path(__file__).parent.parent
 QUICK = ("-std=c99", "-O0", "-ffp-contract=off")
 """Compiles in a fifth of the time of -O2, and gives the same bits: for tests that do not depend on the optimisation."""
+
+
+CACHE = tempfile.TemporaryDirectory(prefix="tisserand-cache-")
+os.environ["XDG_CACHE_HOME"] = (
+    CACHE.name
+)  # that of the user is neither read nor written, nor by programs that tests run
+
+
+def pytest_unconfigure() -> None:
+    CACHE.cleanup()
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:

@@ -111,6 +111,7 @@ def _add_simulate(commands: Any) -> None:
     simulate.add_argument(
         "--until", metavar="CONDITION", help='ends the simulation, such as "rod_phi > pi/2" or "slider_s = 0.2"'
     )
+    _add_no_cache(simulate)
     simulate.add_argument("--json", action="store_true", help="print the summary as JSON")
 
 
@@ -129,6 +130,7 @@ def _add_modes(commands: Any) -> None:
         metavar="N",
         help="modes of non-zero frequency that are printed and drawn (default: 9)",
     )
+    _add_no_cache(modes)
     modes.add_argument("--json", action="store_true", help="print all modes as JSON")
 
 
@@ -173,6 +175,12 @@ def _add_schema(commands: Any) -> None:
 def _add_folder(command: argparse.ArgumentParser, default: str) -> None:
     command.add_argument(
         "--out", type=Path, default=Path(default), metavar="FOLDER", help=f"output folder (default: {default})"
+    )
+
+
+def _add_no_cache(command: argparse.ArgumentParser) -> None:
+    command.add_argument(
+        "--no-cache", action="store_true", help="derive and compile anew, and keep nothing in the cache folder"
     )
 
 

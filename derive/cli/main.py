@@ -9,6 +9,7 @@ import sys
 from collections.abc import Sequence
 from importlib import import_module
 
+from derive.cache import no_cache
 from derive.cli.arguments import parser
 from derive.errors import TisserandError, printable
 from derive.terminal import show_progress
@@ -28,7 +29,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         show_progress("loading ...")  # the first import of SymPy and CasADi takes seconds
         command = import_module(f"derive.cli.{options.command}")
         show_progress()
-        code: int = command.run(options)
+        with no_cache(getattr(options, "no_cache", False)):
+            code: int = command.run(options)
         sys.stdout.flush()
         return code
     except BrokenPipeError:  # the reader of the pipe, such as `head`, has closed it

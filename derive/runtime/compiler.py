@@ -8,6 +8,7 @@ import shutil
 import subprocess
 import sys
 from collections.abc import Sequence
+from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -49,9 +50,33 @@ def _installed() -> list[str]:
     return [sys.executable, "-m", "ziglang", "cc"] if find_spec("ziglang") else []
 
 
-def compile_shared(sources: Sequence[Path], library: Path, flags: Sequence[str] = FLAGS) -> Path:
+def compiler_identity() -> str:
+    """The C compiler with what it says of its version, by which the cache tells its libraries from those of others.
+
+    Raises CompilerError.
+    """
+    return _identity(tuple(compiler()))
+
+
+@cache
+def _identity(command: tuple[str, ...]) -> str:
+    try:
+        done = subprocess.run([*command, "--version"], capture_output=True, text=True, check=False)
+    except OSError as error:
+        raise _cannot_run(command[0], error) from error
+    return f"{shlex.join(command)}\n{done.stdout}"
+
+
+def _cannot_run(command: str, error: OSError) -> CompilerError:
+    message = f"the C compiler {command} cannot be run: {error.strerror}; set CC to a C compiler, or unset it"
+    return CompilerError(message)
+
+
+def compile_shared(
+    sources: Sequence[Path], library: Path, flags: Sequence[str] = FLAGS, link: Sequence[str] = ()
+) -> Path:
     """Compile C files into a shared library. Raises CompilerError with what the compiler said."""
-    compile_c(sources, library, [*flags, "-shared", "-fPIC"])
+    compile_c(sources, library, [*flags, "-shared", "-fPIC"], link)
     return library
 
 
@@ -61,8 +86,7 @@ def compile_c(sources: Sequence[Path], target: Path, flags: Sequence[str], link:
     try:
         done = subprocess.run(command, capture_output=True, text=True, check=False)
     except OSError as error:
-        message = f"the C compiler {command[0]} cannot be run: {error.strerror}; set CC to a C compiler, or unset it"
-        raise CompilerError(message) from error
+        raise _cannot_run(command[0], error) from error
     if done.returncode:
         raise CompilerError(f"{shlex.join(command)}\n{done.stderr}")
     if not target.exists():

@@ -1,15 +1,18 @@
-"""Loading of models: the generated C is compiled into a shared library, and a library is opened."""
+"""Loading of models: the generated C is compiled into a shared library, which is kept in the cache, and opened."""
 
 from __future__ import annotations
 
 import ctypes
+import json
+import platform
 import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 
+from derive import cache
 from derive.artifacts import File, write
 from derive.runtime.compiled_model import Native
-from derive.runtime.compiler import FLAGS, compile_shared
+from derive.runtime.compiler import FLAGS, compile_shared, compiler_identity
 from derive.runtime.native_body import NativeBody
 from derive.runtime.native_scene import NativeScene
 
@@ -25,8 +28,37 @@ def load(files: Sequence[File], flags: Sequence[str] = FLAGS) -> NativeScene | N
         sources = [Path(folder) / file.path for file in files if file.path.endswith(".c")]
         if not sources:
             raise ValueError("there is no C file among these files")
-        library = ctypes.CDLL(str(compile_shared(sources, Path(folder) / "model.so", flags)))
-        return native_model(library, sources[0].stem)
+        return native_model(shared_library(sources, Path(folder), flags), sources[0].stem)
+
+
+def shared_library(
+    sources: Sequence[Path], folder: Path, flags: Sequence[str] = FLAGS, link: Sequence[str] = ()
+) -> ctypes.CDLL:
+    """Compile C files, which are below a folder with all that they include, and load the library.
+
+    flags, link: of the compiler. A library that the cache keeps of the same files, flags and compiler is loaded
+    instead, unless it is one for this processor alone or links other libraries. Raises CompilerError.
+    """
+    library = folder / "model.so"
+    name = None if link or any("native" in flag for flag in flags) else _key(sources, folder, flags)
+    data = cache.read(name) if name else None
+    if data is None:
+        compile_shared(sources, library, flags, link)
+        if name:
+            cache.write(name, library.read_bytes())
+    else:
+        library.write_bytes(data)
+    return ctypes.CDLL(str(library))
+
+
+def _key(sources: Sequence[Path], folder: Path, flags: Sequence[str]) -> str:
+    """The name of a library in the cache."""
+    compiled = [str(path.relative_to(folder)) for path in sources]
+    used = [flag.replace(str(folder), ".") for flag in flags]
+    parts = [platform.machine(), compiler_identity(), json.dumps([used, compiled])]
+    for path in sorted(folder.glob("**/*.[ch]")):
+        parts += [str(path.relative_to(folder)), path.read_text()]
+    return cache.key("library", *parts)
 
 
 def native_model(library: ctypes.CDLL, name: str) -> NativeScene | NativeBody:

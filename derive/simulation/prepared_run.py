@@ -7,9 +7,8 @@ from collections.abc import Iterable, Iterator, Sequence
 from typing import Generic, TypeVar
 
 from derive.artifacts import File
-from derive.backends.model_files import model_files
-from derive.derivation import derive, lower
 from derive.errors import Problem, SpecError, quoted
+from derive.generated_models import generated
 from derive.ir.model import Model
 from derive.runtime.native_body import NativeBody
 from derive.runtime.native_call import Vector
@@ -50,7 +49,7 @@ class PreparedRun(ABC, Generic[Native, Start, Result]):
         self.spec, self.settings = spec, RunSettings(spec.simulation, integrator, step)
         self._compile = INTEGRATORS[integrator]
         self._monitored = self._with_monitors(spec)
-        self._complete_model = lower(derive(self._monitored))
+        self._complete_model, self._files = generated(self._monitored)
         self.model = self._without_monitors(self._complete_model)
         columns = self._columns()
         self.units = dict(columns)
@@ -63,7 +62,7 @@ class PreparedRun(ABC, Generic[Native, Start, Result]):
     def trajectory(self, earlier: EarlierRun | None = None, progress: Progress | None = None) -> Result:
         """The motion; arguments as for `simulate`. Raises CompilerError, ModelError, SimulationError."""
         simulation = self.settings.simulation
-        native, integrator = self._compiled(model_files(self._complete_model, self._monitored))
+        native, integrator = self._compiled(self._files)
         k = native.setup()
         q, v, start = self._start(native, k)
         times = output_times(simulation)

@@ -17,7 +17,7 @@ from derive.backends.c.source import ABI
 from derive.errors import TisserandError
 from derive.rendering import render
 from derive.roles import Role
-from derive.runtime.compiler import FLAGS, compile_c
+from derive.runtime.compiler import FLAGS
 from derive.runtime.integrators.c_integrator import (
     CODES,
     CONSISTENT,
@@ -30,6 +30,7 @@ from derive.runtime.integrators.c_integrator import (
 )
 from derive.runtime.integrators.compilation import host_sources
 from derive.runtime.integrators.observer import Observe, Observer
+from derive.runtime.loading import shared_library
 from derive.runtime.native_body import NativeBody
 from derive.runtime.native_call import Vector
 from derive.runtime.native_scene import NativeScene
@@ -268,9 +269,7 @@ def _library() -> ctypes.CDLL:
         folder = Path(temporary)
         (folder / HEADER).write_text(render("c/descriptor.h.jinja", {"abi": ABI, "roles": Role}))
         paths = host_sources(SOURCES, folder)
-        flags = [*FLAGS, f"-I{folder}", f'-DTISSERAND_HEADER="{HEADER}"', "-shared", "-fPIC"]
-        compile_c(paths, folder / "adaptive.so", flags)
-        library = ctypes.CDLL(str(folder / "adaptive.so"))
+        library = shared_library(paths, folder, [*FLAGS, f"-I{folder}", f'-DTISSERAND_HEADER="{HEADER}"'])
     library.tisserand_adaptive_work.argtypes = types("p")
     library.tisserand_adaptive_integrate.argtypes = types("ppppppppp")
     return library

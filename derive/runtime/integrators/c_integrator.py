@@ -16,9 +16,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from derive.artifacts import File
 from derive.errors import TisserandError
-from derive.runtime.compiler import FLAGS, compile_c
+from derive.runtime.compiler import FLAGS
 from derive.runtime.integrators.compilation import header_flags, write_sources
-from derive.runtime.loading import native_model
+from derive.runtime.loading import native_model, shared_library
 from derive.runtime.native_call import Vector, doubles
 
 Array = NDArray[np.float64]
@@ -90,9 +90,8 @@ class CIntegrator:
     ):
         with tempfile.TemporaryDirectory(prefix="tisserand-") as folder:
             name, paths = write_sources(files, sources, Path(folder))
-            library = Path(folder) / "host.so"
-            compile_c(paths, library, [*FLAGS, *flags, *header_flags(name, Path(folder)), "-shared", "-fPIC"], link)
-            self.library = ctypes.CDLL(str(library))
+            used = [*FLAGS, *flags, *header_flags(name, Path(folder))]
+            self.library = shared_library(paths, Path(folder), used, link)
         self.native = native_model(self.library, name)
         self.model = ctypes.cast(getattr(self.library, f"{name}_model")(), ctypes.c_void_p)
         self.width: int = self.library.tisserand_fixed_row(self.model)

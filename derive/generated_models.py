@@ -1,0 +1,111 @@
+"""The model and the files of a specification, which are kept in the cache between runs."""
+
+from __future__ import annotations
+
+import gc
+import hashlib
+import io
+import pickle
+import platform
+from collections.abc import Iterator
+from contextlib import contextmanager
+from functools import cache
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+from derive import cache as kept
+from derive.artifacts import File
+from derive.backends.model_files import BACKENDS, fingerprint, model_files
+from derive.derivation import derive, lower
+from derive.ir.model import Model
+from derive.mechanics.multibody.bodies.registry import BODIES
+from derive.mechanics.multibody.forces.registry import FORCES
+from derive.mechanics.multibody.joints.registry import JOINTS
+from derive.mechanics.multibody.outputs.registry import MONITORS, OUTPUTS
+from derive.rendering import templates_folder
+from derive.spec.model.scene import Specification
+from derive.version import VERSION
+
+TRUSTED = (
+    "derive.artifacts",
+    "derive.backends.source_map",
+    "derive.ir.expressions",
+    "derive.ir.model",
+    "derive.ir.patterns",
+    "derive.ir.statements",
+    "derive.roles",
+    "derive.spec.model.time_function",
+    "fractions",
+)
+"""The modules whose classes a kept model consists of; no others are loaded."""
+
+PACKAGES = ("sympy", "casadi", "numpy", "scipy", "jinja2")
+
+Generated = tuple[Model, tuple[File, ...]]
+
+
+def generated(spec: Specification) -> Generated:
+    """The model of a specification, and its files. Raises SpecError as `derive` does.
+
+    Both are kept in the cache, unless kinds of joints, bodies, forces or outputs are registered from outside, whose
+    code may change.
+    """
+    if any(registry.extended for registry in (JOINTS, BODIES, FORCES, OUTPUTS, MONITORS, BACKENDS)):
+        return _made(spec)
+    name = kept.key("model", fingerprint(spec), package_hash(), *_versions())
+    data = kept.read(name)
+    if data is not None:
+        try:
+            with _no_collection():
+                result: Generated = _Reader(io.BytesIO(data)).load()
+        except (pickle.UnpicklingError, AttributeError, EOFError, ImportError):  # it has been written by other means
+            pass
+        else:
+            return result
+    result = _made(spec)
+    kept.write(name, pickle.dumps(result, pickle.HIGHEST_PROTOCOL))
+    return result
+
+
+def _made(spec: Specification) -> Generated:
+    model = lower(derive(spec))
+    return model, model_files(model, spec)
+
+
+@cache
+def package_hash() -> str:
+    """The SHA-256 of all source files and templates of this package."""
+    digest = hashlib.sha256()
+    for folder, pattern in ((Path(__file__).parent, "**/*.py"), (templates_folder(), "**/*")):
+        for path in sorted(folder.glob(pattern)):
+            if path.is_file():
+                digest.update(f"{path.relative_to(folder)}\0".encode() + hashlib.sha256(path.read_bytes()).digest())
+    return digest.hexdigest()
+
+
+def _versions() -> tuple[str, ...]:
+    return VERSION, platform.python_version(), *(f"{name} {version(name)}" for name in PACKAGES)
+
+
+@contextmanager
+def _no_collection() -> Iterator[None]:
+    """Without garbage collection, which looks through the many objects of a model again and again while it is read."""
+    enabled = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if enabled:
+            gc.enable()
+
+
+class _Reader(pickle.Unpickler):
+    """Reads classes of the trusted modules alone, so that a file cannot call anything else."""
+
+    def find_class(self, module: str, name: str) -> Any:
+        """The class of that name. Raises UnpicklingError for anything else."""
+        found = super().find_class(module, name) if module in TRUSTED else None
+        if not (isinstance(found, type) and found.__module__ == module):
+            raise pickle.UnpicklingError(f"{module}.{name} is no part of a model")
+        return found
