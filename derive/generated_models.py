@@ -17,7 +17,6 @@ from typing import Any
 from derive import cache as kept
 from derive.artifacts import File
 from derive.backends.model_files import BACKENDS, fingerprint, model_files
-from derive.derivation import derive, lower
 from derive.ir.model import Model
 from derive.mechanics.multibody.bodies.registry import BODIES
 from derive.mechanics.multibody.forces.registry import FORCES
@@ -69,6 +68,8 @@ def generated(spec: Specification) -> Generated:
 
 
 def _made(spec: Specification) -> Generated:
+    from derive.derivation import derive, lower  # not needed for what is kept
+
     model = lower(derive(spec))
     return model, model_files(model, spec)
 

@@ -18,6 +18,8 @@ QUICK = ("-std=c99", "-O0", "-ffp-contract=off")
 """Compiles in a fifth of the time of -O2, and gives the same bits: for tests that do not depend on the optimisation."""
 
 
+_CACHES = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
+os.environ.setdefault("MPLCONFIGDIR", str(_CACHES / "matplotlib"))  # matplotlib would search for all fonts again
 CACHE = tempfile.TemporaryDirectory(prefix="tisserand-cache-")
 os.environ["XDG_CACHE_HOME"] = (
     CACHE.name

@@ -80,6 +80,7 @@ def _add_build(commands: Any) -> None:
 def _add_compare(commands: Any) -> None:
     compare = add_command(commands, "compare", "compile models and print their mass matrices and forces in one state")
     compare.add_argument("specs", nargs="+", type=Path, metavar="SPEC", help=SPEC)
+    _add_no_cache(compare)
     compare.add_argument("--json", action="store_true", help="print the numbers as JSON")
     compare.add_argument("--picture", type=Path, metavar="FILE", help="write a drawing of the sparsity patterns (SVG)")
 
@@ -142,6 +143,7 @@ def _add_report(commands: Any) -> None:
     subject.add_argument("spec", nargs="?", type=Path, metavar="SPEC", help=f"{SPEC} of a body or a scene")
     subject.add_argument("--paper", action="store_true", help="write the audit of the paper instead")
     report.add_argument("--out", type=Path, metavar="FILE", help="the page (default: results/NAME/NAME.report.html)")
+    _add_no_cache(report)
     report.add_argument("--pdf", action="store_true", help="write a PDF beside the page")
     report.add_argument("--tex", action="store_true", help="write LaTeX beside the page")
     report.add_argument("--markdown", action="store_true", help="write Markdown beside the page")

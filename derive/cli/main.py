@@ -5,6 +5,7 @@ Only the module of the command is imported, so that `--help` answers at once.
 
 from __future__ import annotations
 
+import gc
 import sys
 from collections.abc import Sequence
 from importlib import import_module
@@ -25,6 +26,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if options.command is None:
         parser().print_help()
         return 0
+    # Models are millions of objects that live to the end: the garbage collector looks through them less often.
+    gc.set_threshold(100_000)
     try:
         show_progress("loading ...")  # the first import of SymPy and CasADi takes seconds
         command = import_module(f"derive.cli.{options.command}")

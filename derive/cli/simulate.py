@@ -19,7 +19,6 @@ from derive.simulation.earlier_run import EarlierRun, read_run
 from derive.simulation.observables.csv_writer import NUMBER_WIDTH, Column
 from derive.simulation.observables.player_data import player_data
 from derive.simulation.observables.plots import plot_curves, plot_text
-from derive.simulation.observables.spatial_player_data import spatial_player_data
 from derive.simulation.output_times import output_times
 from derive.simulation.run_record import DRIFT_COLUMNS, run_files
 from derive.simulation.scene_run import SceneRun
@@ -156,6 +155,8 @@ def _divided(scene: Scene, cut: str | None, pieces: int) -> Scene:
 def _files(main: Trajectory | BodyTrajectory, shown: Sequence[PlotCurves]) -> list[File]:
     texts = [(plot, plot_text(plot, main.spec, main.units), curves) for plot, curves in shown]
     if isinstance(main, BodyTrajectory):
+        from derive.simulation.observables.spatial_player_data import spatial_player_data
+
         page = spatial_player_page(spatial_player_data(main))
     else:
         columns = [

@@ -7,9 +7,9 @@ from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from derive.errors import Problem, SpecError
-from derive.pipeline import Built, build
 from derive.simulation.free_beam import beam_scene
 from derive.simulation.simulate import SYMBOLIC, simulation_settings
 from derive.spec.model.body import NodalBody, PlanarBeam, SymbolicBody
@@ -17,6 +17,9 @@ from derive.spec.model.scene import Scene, Specification
 from derive.spec.set_values import SetValue, with_values
 from derive.spec.toml.read import read
 from derive.terminal import show_progress
+
+if TYPE_CHECKING:
+    from derive.pipeline import Built
 
 
 def read_scene(path: Path) -> Scene:
@@ -69,6 +72,8 @@ def build_all(paths: Sequence[Path]) -> list[Built]:
 
     Raises SpecError with the problems of all files, also when two models would have the same name in C.
     """
+    from derive.pipeline import build  # most commands do not need it
+
     built: list[Built] = []
     errors: list[SpecError] = []
     paths_by_name: dict[str, Path] = {}

@@ -13,7 +13,7 @@ from derive.backends.c.source import ABI
 from derive.ir.patterns import Pattern
 from derive.registry import UnknownNameError
 from derive.runtime.compiler import CompilerError
-from derive.runtime.descriptor import Doubles, ModelStruct, names_of, pattern_of, roles_of
+from derive.runtime.descriptor import ModelStruct, names_of, pattern_of, roles_of
 from derive.runtime.native_call import (
     Matrix,
     ModelError,
@@ -55,7 +55,7 @@ class Native:
         self.roles = roles_of(m.q, m.variables_q)
         self.velocities = names_of(m.v, m.variables_v)
         self.defaults = np.empty(m.np)
-        m.defaults(self.defaults.ctypes.data_as(Doubles))
+        m.defaults(self.defaults.ctypes.data)
         self.mass_pattern = pattern_of(m.mass_pattern.contents)
         self.jacobian_pattern = pattern_of(m.jacobian_pattern.contents)
         self.markers = tuple(m.markers[i].name.decode() for i in range(m.nmarkers))
@@ -231,5 +231,5 @@ class Native:
         result = np.empty((size, count))
         arrays = [*columns_first, checked_vector(self.nk, self.own(k), name), result]
         function: Callable[..., int] = getattr(self._model, name)
-        code = function(count, *(checked_number(x, name) for x in t), *(a.ctypes.data_as(Doubles) for a in arrays))
+        code = function(count, *(checked_number(x, name) for x in t), *(a.ctypes.data for a in arrays))
         return np.ascontiguousarray(result.T), code

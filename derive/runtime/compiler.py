@@ -64,7 +64,8 @@ def _identity(command: tuple[str, ...]) -> str:
         done = subprocess.run([*command, "--version"], capture_output=True, text=True, check=False)
     except OSError as error:
         raise _cannot_run(command[0], error) from error
-    return f"{shlex.join(command)}\n{done.stdout}"
+    file = Path(shutil.which(command[0]) or command[0]).stat()  # a script may have changed, and say the same
+    return f"{shlex.join(command)}\n{file.st_size} {file.st_mtime_ns}\n{done.stdout}"
 
 
 def _cannot_run(command: str, error: OSError) -> CompilerError:

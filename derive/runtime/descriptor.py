@@ -33,7 +33,8 @@ class PatternStruct(ctypes.Structure):
     ]
 
 
-Doubles = ctypes.POINTER(ctypes.c_double)
+Doubles = ctypes.c_void_p
+"""An array of doubles, which callers give as the address of an array: a typed pointer takes longer than many calls."""
 
 
 def _function(*arguments: Any) -> Any:

@@ -10,7 +10,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from derive.errors import TisserandError
 from derive.ir.statements import ReturnCode
-from derive.runtime.descriptor import Doubles
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
@@ -64,7 +63,7 @@ def invoke(name: str, function: Callable[..., int], arguments: list[Any], result
     a code other than 0, ValueError on a wrong length; `name` is that of the function in both.
     """
     given = [checked_vector(a[0], a[1], name) if isinstance(a, tuple) else checked_number(a, name) for a in arguments]
-    pointers = [a.ctypes.data_as(Doubles) if isinstance(a, np.ndarray) else a for a in [*given, *results]]
+    pointers = [a.ctypes.data if isinstance(a, np.ndarray) else a for a in [*given, *results]]
     if code := function(*pointers):
         raise ModelError(name, code)
 

@@ -76,5 +76,5 @@ class SceneRun(PreparedRun[NativeScene, InitialState, Trajectory]):
         return column_values(self.scene, native, k, solution)
 
     def _result(self, native: NativeScene, k: Vector, start: InitialState, solution: Solution) -> Trajectory:
-        motion = SceneMotion(self.scene, native, k, solution.t, solution.q, solution.v)
+        motion = SceneMotion(self.scene, native, k, solution.t, solution.q, solution.v, solution.outputs)
         return Trajectory(self.scene, self.model, start, motion, solution, self.settings, validity(motion))

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.linalg import null_space, solve_triangular
-from scipy.optimize import root
 
 from derive.roles import Role
 from derive.runtime.native_call import Matrix, Vector
@@ -103,6 +102,8 @@ class TargetFit:
 
         def displaced(y: Vector) -> Vector:
             return self.on_constraints(q + tangent @ y)
+
+        from scipy.optimize import root
 
         result = root(lambda y: inverse @ self.step(displaced(y)), inverse @ step, method="hybr", tol=1e-14)
         return displaced(result.x)

@@ -8,7 +8,6 @@ from ctypes import POINTER, c_double, c_void_p, cast
 from typing import Any, Literal
 
 import numpy as np
-from scipy.integrate import DOP853, RK45
 
 from derive.runtime.compiled_model import Native
 from derive.runtime.native_body import NativeBody
@@ -23,8 +22,6 @@ from derive.simulation.integration.tolerances import absolute_tolerances, roundi
 
 MAX_STEPS_PER_ROW = 20_000
 """The largest mean number of steps for each row; an integration that needs more is stopped."""
-
-METHODS: dict[str, Any] = {"DOP853": DOP853, "RK45": RK45}
 
 
 def integrate(
@@ -56,7 +53,10 @@ def integrate(
 
     Raises SingularConfiguration or DriveCannotBeFollowed at a dead centre, DriftTooLarge, IntegrationStopped.
     """
+    from scipy import integrate as scipy_integrate
+
     began = time.process_time()
+    solver_type = getattr(scipy_integrate, method)
     instants = row_times(times)
     evaluator = Evaluator(native, k)
     rows = SolutionWriter(native, k, instants, drift, projected, until)
@@ -70,9 +70,7 @@ def integrate(
             if solver is None or solver.status == "finished":
                 end = ends.pop(0)
                 evaluator.until = np.nextafter(end, t) if ends else end
-                solver = METHODS[method](
-                    evaluator, t, y, end, rtol=max(tolerance, 1e-13), atol=absolute, max_step=max_step
-                )
+                solver = solver_type(evaluator, t, y, end, rtol=max(tolerance, 1e-13), atol=absolute, max_step=max_step)
             evaluator.refused = None
             message = solver.step()
             if message is not None:

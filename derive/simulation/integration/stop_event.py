@@ -6,7 +6,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import brentq
 
 from derive.runtime.native_call import Vector
 
@@ -55,6 +54,8 @@ class StopEvent:
 
         The condition holds there, or has changed its sign. dense: the state y at a time within the step.
         """
+
+        from scipy.optimize import brentq
 
         def value(t: float) -> float:
             return self.value(float(t), np.asarray(dense(t)))

@@ -8,7 +8,6 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import CubicSpline
 
 from derive.mechanics.multibody.joints.registry import JOINTS
 from derive.runtime.native_scene import NativeScene
@@ -23,7 +22,10 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class SceneMotion:
-    """A scene at the times t (n,), s: q (n, nq) and v (n, nv) in SI units, and the constants k (nk,) of `setup`."""
+    """A scene at the times t (n,), s: q (n, nq) and v (n, nv) in SI units, and the constants k (nk,) of `setup`.
+
+    outputs (n, nout): those of the compiled scene, where they are known.
+    """
 
     scene: Scene
     native: NativeScene
@@ -31,6 +33,7 @@ class SceneMotion:
     t: Array
     q: Array
     v: Array
+    outputs: Array | None = None
 
     @cached_property
     def poses(self) -> Array:
@@ -157,6 +160,8 @@ def deviation(x: Array, y: Array, reference: ReferenceCurve) -> tuple[Array, Arr
     peak = np.abs(reference_y).max(initial=0.0)
     if not common.any() or peak == 0:
         return None
+    from scipy.interpolate import CubicSpline
+
     interpolated: Array = CubicSpline(x[order], y[order])(reference_x[common])
     return reference_x[common], (interpolated - reference_y[common]) / peak
 

@@ -66,5 +66,8 @@ def axial_loads(motion: SceneMotion) -> AxialLoads:
     for i, (time, q, v) in enumerate(zip(motion.t, motion.q, motion.v, strict=True)):
         vdot, multipliers = native.solve(float(time), q, v, k)
         accelerations[i] = vdot
+        if motion.outputs is not None:
+            forces[i] = motion.outputs[i, columns]
+            continue
         forces[i] = native.evaluate_outputs(float(time), q, v, vdot, multipliers, k)[columns]
     return AxialLoads({m.piece: forces[:, j] for j, m in enumerate(pieces)}, accelerations)
