@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import _thread
+import threading
 from dataclasses import replace
 from functools import cache
 
@@ -90,6 +92,16 @@ def test_progress_is_reported_for_each_row() -> None:
     scene = replace(broken("adaptive").scene, simulation=derive.Simulation(0.2, 0.05))
     derive.simulate(scene, integrator="adaptive", progress=reached.append)
     assert reached == pytest.approx([0, 0.05, 0.1, 0.15, 0.2])
+
+
+def test_a_run_can_be_interrupted() -> None:
+    """It would take seconds."""
+    timer = threading.Timer(0.1, _thread.interrupt_main)
+    made, times = crank_slider(1), np.linspace(0, 200, 200_001)
+    made.start()
+    timer.start()
+    with pytest.raises(KeyboardInterrupt):
+        run(made, times, 1e-9)
 
 
 def test_a_step_is_refused() -> None:

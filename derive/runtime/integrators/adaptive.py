@@ -207,20 +207,21 @@ class Adaptive:
         options = _Options(rtol, absolute.ctypes.data, consistent, drift, step_max, steps_max)
         solver, result = _Solver(), _Result()
         work = np.empty(self._library.tisserand_adaptive_work(native.address))
-        code, seconds = timed(
-            self._library.tisserand_adaptive_integrate,
-            *(
-                ctypes.byref(solver),
-                native.address,
-                ctypes.byref(options),
-                ctypes.byref(request),
-                constants,
-                q,
-                v,
-                work,
-            ),
-            ctypes.byref(result),
-        )
+        with observer.interrupts():
+            code, seconds = timed(
+                self._library.tisserand_adaptive_integrate,
+                *(
+                    ctypes.byref(solver),
+                    native.address,
+                    ctypes.byref(options),
+                    ctypes.byref(request),
+                    constants,
+                    q,
+                    v,
+                    work,
+                ),
+                ctypes.byref(result),
+            )
         observer.reraise()
         happening.reraise()
         if code == 4:

@@ -74,7 +74,8 @@ class FixedStep(CIntegrator):
         else:
             observer = Observer(observe, self.width)
             rk4 = self.library.tisserand_rk4
-            code, seconds = timed(rk4, self.model, *given, observer.pointer, work, ctypes.byref(counts))
+            with observer.interrupts():
+                code, seconds = timed(rk4, self.model, *given, observer.pointer, work, ctypes.byref(counts))
             observer.reraise()
         t = times(t0, step * every, steps // every + 1)
         return checked_result(self.native.name, code, self.integration(t, rows, counts, seconds, code == STOPPED))

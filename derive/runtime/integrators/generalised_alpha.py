@@ -82,11 +82,12 @@ class GeneralisedAlpha(CIntegrator):
         table: Array = np.empty((steps // every + 1, self.width))
         options, counts = _AlphaOptions(rho, tolerance, consistent), _AlphaCounts()
         observer = Observer(observe, self.width)
-        code, seconds = timed(
-            self.library.tisserand_alpha,
-            *(self.model, ctypes.byref(options), t0, step, steps, every, self.constants(k), q, v, table),
-            *(observer.pointer, ctypes.byref(counts)),
-        )
+        with observer.interrupts():
+            code, seconds = timed(
+                self.library.tisserand_alpha,
+                *(self.model, ctypes.byref(options), t0, step, steps, every, self.constants(k), q, v, table),
+                *(observer.pointer, ctypes.byref(counts)),
+            )
         observer.reraise()
         t = times(t0, step * every, steps // every + 1)
         result = self.integration(t, table, counts, seconds, code == STOPPED)

@@ -98,11 +98,12 @@ class Ida(CIntegrator):
         options = _IdaOptions(name, rtol, absolute, scaled, order, consistent, step_max, steps_max)
         table: Array = np.empty((rows, self.width))
         counts, observer = _IdaCounts(), Observer(observe, self.width)
-        code, seconds = timed(
-            self.library.tisserand_ida,
-            *(self.model, ctypes.byref(options), t0, interval, rows, self.constants(k), q, v, table),
-            *(observer.pointer, ctypes.byref(counts)),
-        )
+        with observer.interrupts():
+            code, seconds = timed(
+                self.library.tisserand_ida,
+                *(self.model, ctypes.byref(options), t0, interval, rows, self.constants(k), q, v, table),
+                *(observer.pointer, ctypes.byref(counts)),
+            )
         observer.reraise()
         result = self.integration(times(t0, interval, rows), table, counts, seconds, code == STOPPED)
         return checked_result(self.native.name, code, result)

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Callable
+import signal
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
@@ -32,6 +35,8 @@ class Observer:
 
         def call(_: int | None, t: float, row: Any) -> int:
             assert observe is not None
+            if self._error is not None:
+                return 1
             try:
                 return int(observe(t, np.array(row[:width])))
             except BaseException as error:  # an exception cannot pass through the C, not even a KeyboardInterrupt
@@ -41,6 +46,26 @@ class Observer:
         self._structure = _Structure(_CALL(call), None)  # keeps the function alive
         self.pointer = None if observe is None else ctypes.byref(self._structure)
         self.address = 0 if observe is None else ctypes.addressof(self._structure)
+
+    @contextmanager
+    def interrupts(self) -> Iterator[None]:
+        """A context in which Ctrl-C ends the integration at the next row, and `reraise` raises KeyboardInterrupt.
+
+        Python would raise it before the function's first line, from where it does not come through the C.
+        """
+        main = threading.current_thread() is threading.main_thread()
+        if self.pointer is None or not main or signal.getsignal(signal.SIGINT) is not signal.default_int_handler:
+            yield
+            return
+
+        def interrupted(*_: object) -> None:
+            self._error = KeyboardInterrupt()
+
+        signal.signal(signal.SIGINT, interrupted)
+        try:
+            yield
+        finally:
+            signal.signal(signal.SIGINT, signal.default_int_handler)
 
     def reraise(self) -> None:
         """Raise what the function has raised, if it has."""

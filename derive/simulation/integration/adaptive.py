@@ -35,8 +35,8 @@ def adaptive(native: NativeScene | NativeBody, through_python: Callable[[NativeS
         notes = rounding_note(settings.tolerance, q)
 
         def observe(t: float, row: Vector) -> bool:
-            assert progress is not None
-            progress(t)
+            if progress is not None:  # without it, too: Ctrl-C ends the run when Python is called
+                progress(t)
             return False
 
         held = until is not None and until.holds(until.value(float(instants[0]), np.concatenate([q, v])))
@@ -54,7 +54,7 @@ def adaptive(native: NativeScene | NativeBody, through_python: Callable[[NativeS
                 breaks=smooth_ends(instants, settings.breaks)[:-1] if len(instants) > 1 else (),
                 event=until.value if until else None,
                 crossing=until.crossing if until else False,
-                observe=observe if progress else None,
+                observe=observe,
             )
         except AdaptiveError as error:
             raise _diagnosed(native, k, settings.drift, error) from error
