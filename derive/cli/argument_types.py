@@ -17,6 +17,13 @@ def add_command(commands: Any, name: str, text: str) -> argparse.ArgumentParser:
     return command
 
 
+def add_no_cache(command: argparse.ArgumentParser) -> None:
+    """Add the option `--no-cache`."""
+    command.add_argument(
+        "--no-cache", action="store_true", help="derive and compile anew, and keep nothing in the cache folder"
+    )
+
+
 def count(text: str) -> int:
     """A positive integer."""
     if not text.strip().isdecimal() or int(text) < 1:

@@ -8,7 +8,7 @@ import math
 from pathlib import Path
 from typing import Any
 
-from derive.cli.argument_types import SPEC, add_command, count, number, tolerance
+from derive.cli.argument_types import SPEC, add_command, add_no_cache, count, number, tolerance
 from derive.cli.study_arguments import add_study
 from derive.version import VERSION
 
@@ -80,7 +80,7 @@ def _add_build(commands: Any) -> None:
 def _add_compare(commands: Any) -> None:
     compare = add_command(commands, "compare", "compile models and print their mass matrices and forces in one state")
     compare.add_argument("specs", nargs="+", type=Path, metavar="SPEC", help=SPEC)
-    _add_no_cache(compare)
+    add_no_cache(compare)
     compare.add_argument("--json", action="store_true", help="print the numbers as JSON")
     compare.add_argument("--picture", type=Path, metavar="FILE", help="write a drawing of the sparsity patterns (SVG)")
 
@@ -112,7 +112,7 @@ def _add_simulate(commands: Any) -> None:
     simulate.add_argument(
         "--until", metavar="CONDITION", help='ends the simulation, such as "rod_phi > pi/2" or "slider_s = 0.2"'
     )
-    _add_no_cache(simulate)
+    add_no_cache(simulate)
     simulate.add_argument("--json", action="store_true", help="print the summary as JSON")
 
 
@@ -131,7 +131,7 @@ def _add_modes(commands: Any) -> None:
         metavar="N",
         help="modes of non-zero frequency that are printed and drawn (default: 9)",
     )
-    _add_no_cache(modes)
+    add_no_cache(modes)
     modes.add_argument("--json", action="store_true", help="print all modes as JSON")
 
 
@@ -143,7 +143,7 @@ def _add_report(commands: Any) -> None:
     subject.add_argument("spec", nargs="?", type=Path, metavar="SPEC", help=f"{SPEC} of a body or a scene")
     subject.add_argument("--paper", action="store_true", help="write the audit of the paper instead")
     report.add_argument("--out", type=Path, metavar="FILE", help="the page (default: results/NAME/NAME.report.html)")
-    _add_no_cache(report)
+    add_no_cache(report)
     report.add_argument("--pdf", action="store_true", help="write a PDF beside the page")
     report.add_argument("--tex", action="store_true", help="write LaTeX beside the page")
     report.add_argument("--markdown", action="store_true", help="write Markdown beside the page")
@@ -177,12 +177,6 @@ def _add_schema(commands: Any) -> None:
 def _add_folder(command: argparse.ArgumentParser, default: str) -> None:
     command.add_argument(
         "--out", type=Path, default=Path(default), metavar="FOLDER", help=f"output folder (default: {default})"
-    )
-
-
-def _add_no_cache(command: argparse.ArgumentParser) -> None:
-    command.add_argument(
-        "--no-cache", action="store_true", help="derive and compile anew, and keep nothing in the cache folder"
     )
 
 

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from derive.cli.argument_types import SPEC, add_command, count, pieces, tolerance
+from derive.cli.argument_types import SPEC, add_command, add_no_cache, count, pieces, tolerance
 
 MAX_SHAPES = 12
 """The largest number of shape functions in a ladder."""
@@ -29,6 +29,7 @@ def add_study(commands: Any) -> None:
             metavar="A,B",
             help="two frames (default: mean,point)",
         )
+        add_no_cache(command)
         command.add_argument("--json", action="store_true", help="print the numbers as JSON")
     frames.add_argument(
         "--pieces",
@@ -115,6 +116,7 @@ def _add_accuracy(studies: Any) -> None:
     accuracy.add_argument(
         "--runs", type=count, default=5, metavar="N", help="interleaved measurements of each run (default: 5)"
     )
+    add_no_cache(accuracy)
     accuracy.add_argument("--json", action="store_true", help="print the numbers as JSON")
 
 
