@@ -16,6 +16,7 @@ from derive.runtime.native_scene import NativeScene
 from derive.simulation.linear.eigenmodes import ComplexVector, Mode
 from derive.simulation.linear.mode_files import mode_files, modes_data
 from derive.simulation.linear.modes import Modes, modes
+from derive.spec.model.body import SymbolicBody
 from derive.spec.model.scene import Scene
 from derive.spec.toml.read import warnings, with_lines
 from derive.terminal import SimulationProgress, magnitude, show_progress, table, wrapped
@@ -45,6 +46,10 @@ def run(options: argparse.Namespace) -> int:
     write(files, options.out)
     names = [str(options.out / file.path) for file in files]
     doubts = [*warnings(options.spec, [change.key for change in changes]), *condition_warnings(spec)]
+    if isinstance(spec, SymbolicBody):
+        doubts.append(
+            f"{options.spec}: all numbers of the body are parameters; these are the modes with their defaults"
+        )
     if options.json:
         more = {"set": list(map(str, changes)), "warnings": doubts, "files": names}
         print(json.dumps({**modes_data(result), **more}, indent=2))

@@ -229,3 +229,6 @@ def test_defaults_of_physical_constants_are_named(tmp_path: Path, capsys: pytest
     assert capsys.readouterr().out.splitlines()[0] == f"warning: {expected}"
     assert main(["modes", str(spec), "--out", str(tmp_path), "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["warnings"] == [expected]
+    spec.write_text('name = "some"\n[body]\nintegrals = "symbolic"\nmodes = 1\n')
+    assert main(["modes", str(spec), "--out", str(tmp_path)]) == 0
+    assert "warning: " in (text := capsys.readouterr().out) and "these are the modes with their defaults" in text
