@@ -40,7 +40,7 @@ def model_page(built: Built, specification: SpecificationText) -> Page:
     blocks = (
         *specification_blocks(specification),
         *state_blocks(model, equations, written),
-        *nomenclature_blocks(constrained=False, second_order=equations.truncated),
+        *nomenclature_blocks(False, [equations.body.order] if equations.body else ()),
         *kinematics_blocks(spec, equations, written),
         *((*frame_blocks(spec), *stretching_blocks(spec)) if isinstance(spec, PlanarBeam) else body_frame_blocks(spec)),
         *integral_blocks(equations, written),

@@ -23,6 +23,7 @@ from derive.report.sections.mass_matrix import MassPattern, mass_blocks
 from derive.report.sections.mechanism import body_blocks, constraint_blocks, joint_blocks, kkt_blocks, mechanism_blocks
 from derive.report.sections.moments import moment_anchors, moment_blocks, moments
 from derive.report.sections.nomenclature import nomenclature_blocks
+from derive.report.sections.second_order import scene_second_order_blocks
 from derive.report.sections.state import state_blocks
 from derive.report.sections.term_lines import definition_lines, locate_terms
 from derive.report.sections.terms import row_blocks
@@ -66,7 +67,8 @@ def scene_page(
         *specification_blocks(specification),
         *state_blocks(model, equations, written),
         *(initial_state_blocks(initial) if initial is not None else ()),
-        *nomenclature_blocks(constrained=True),
+        *scene_second_order_blocks(spec),
+        *nomenclature_blocks(True, {body.beam.order for body in spec.bodies if isinstance(body, BeamBody)}),
         *integral_blocks(equations, written),
         *moment_blocks(families, written, definition_lines(code)),
         *_law(spec),

@@ -82,6 +82,9 @@ def meaning(known: Identity, doc: str, planar: bool, second_order: bool = False)
         component = known.components[0] if len(known.components) == 1 else 0
         shown = Math(integral_formula(known.family, known.shapes, component, planar, second_order))
         return ("symmetric part of ", shown) if known.family in SYMMETRIC and not planar else (shown,)
+    if known.family is Family.POINT_SECOND:
+        shapes = " ".join(map(index_text, known.shapes))
+        return (Math(formula(f"Psi_{{{shapes}}} . e_{known.components[0]}")), f" at marker {known.point}")
     if known.family is Family.STIFFNESS and planar and known.shapes:
         return ("stiffness ", Math(stiffness_formula(known.shapes)))
     return (doc,)

@@ -100,15 +100,19 @@ def preload(known: Identity, above: tuple[str, ...]) -> Name:
     return Name("N", below=(",".join(map(index_text, known.shapes)),) if known.shapes else (), above=above)
 
 
+WITHOUT_ACCELERATIONS = 2
+"""The derivative of the amplitude of a field whose part without accelerations is a symbol."""
+
+
 def field_weight(known: Identity, above: tuple[str, ...]) -> TypesetSymbol:
     """z of a field and two shapes: z p i j."""
     return TypesetSymbol(Rank.CONSTANT, Name("z", below=(",".join(map(index_text, known.shapes)),), above=above))
 
 
 def field_amplitude(known: Identity, above: tuple[str, ...]) -> TypesetSymbol:
-    """beta of a field, or its time derivative."""
-    below = tuple(map(index_text, known.shapes))
-    return TypesetSymbol(Rank.MOMENT, Name("beta", dots=known.derivative, below=below, above=above))
+    """beta of a field, or its time derivative; of the second one the part without accelerations, which has a 0."""
+    below, without = tuple(map(index_text, known.shapes)), ("0",) if known.derivative == WITHOUT_ACCELERATIONS else ()
+    return TypesetSymbol(Rank.MOMENT, Name("beta", dots=known.derivative, below=below, above=(*without, *above)))
 
 
 def field_tangent(known: Identity, above: tuple[str, ...]) -> TypesetSymbol:

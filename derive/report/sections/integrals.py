@@ -87,6 +87,8 @@ def _kind(family: Family) -> str:
         Family.PRELOAD: "force at rest",
         Family.DAMPING: "damping",
         Family.ROTARY: "rotary inertia",
+        Family.FIELD_WEIGHT: "parts of the fields theta in the fields of second order",
+        Family.POINT_SECOND: "fields of second order",
     }
     return names.get(family, "")
 

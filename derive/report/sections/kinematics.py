@@ -130,13 +130,21 @@ def _beam(spec: PlanarBeam, notation: Notation) -> tuple[Block, ...]:
             (
                 Equation(formula("c"), _components(("c1", "c2")), number="23"),
                 Equation(formula("X"), (Part("+", along),), number="24"),
-                Equation(formula("u"), (Part("+", FormulaRow((Name("v"), _base(2)))),), number="25"),
+                _linear_displacement(spec),
                 Equation(formula("Q"), (Part("+", _tensor(motion.rotation, notation)),), number="26", anchor="def-Q"),
                 Equation(formula("omega"), (Part("+", FormulaRow((Name("phi", dots=1), _base(3)))),), number="27"),
                 components,
             )
         ),
     )
+
+
+def _linear_displacement(spec: PlanarBeam) -> Equation:
+    """(25), and beyond the paper the displacement along the axis; of second order, what is linear in the amplitudes."""
+    first_order = spec.order is DisplacementOrder.FIRST_ORDER
+    left = formula("u") if first_order else formula("sum_i alpha_i Phi_i")
+    stretching = (Part("+", formula("sum_k alpha_k chi_k e_1")),) if spec.axial else ()
+    return Equation(left, (Part("+", FormulaRow((Name("v"), _base(2)))), *stretching), number="25")
 
 
 def _rotated(*factors: Formula) -> Formula:

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 from derive.report.document.formula import Name
 from derive.report.document.page import Block, CodeSpan, Content, Details, Heading, Math, Paragraph, table
 from derive.report.notation.formula_reader import formula
+from derive.spec.model.body import DisplacementOrder
 
 Entry = tuple[str, str, str]
 """A symbol as the formula reader takes it, its meaning, and the equation or place of the paper that introduces it."""
@@ -40,10 +41,20 @@ INTEGRALS: tuple[Entry, ...] = (
     ("K", "stiffness matrix of the modes; B, their damping", "(13)"),
 )
 SECOND_ORDER: tuple[Entry, ...] = (
-    ("Psi_{ij}", "field of second order of the modes i and j, beyond the paper", "second order"),
+    ("Psi_{i j}", "field of second order of the modes i and j, beyond the paper", "second order"),
+    ("r_{k,i}", "derivative of component k of r at a marker by the amplitude i", "second order"),
+)
+TRUNCATED: tuple[Entry, ...] = (
     ("c_9", "first moments of these fields", "second order"),
     ("c_10", "moments of position and these fields, antisymmetric part", "second order"),
     ("d_4", "first moments of the derivatives of r by the amplitudes", "second order"),
+)
+FULL: tuple[Entry, ...] = (
+    ("theta_p", "field along the axis, of which the fields of second order are combinations", "second order"),
+    ("z_{p i j}", "part of this field in that of the modes i and j", "second order"),
+    ("beta_p", "amplitude of this field", "second order"),
+    ("beta_{p,i}", "its derivative by the amplitude i", "second order"),
+    ("beta''_p^0", "its second time derivative where no amplitude accelerates", "second order"),
 )
 SYSTEM: tuple[Entry, ...] = (
     ("M", "mass matrix", "(15)"),
@@ -62,15 +73,18 @@ BOLD: dict[str, Name] = {
 """Matrices and columns of the whole system, whose letters the formula reader takes for scalars."""
 
 
-def nomenclature_blocks(constrained: bool, second_order: bool = False) -> tuple[Block, ...]:
+def nomenclature_blocks(constrained: bool, orders: Collection[DisplacementOrder] = ()) -> tuple[Block, ...]:
     """The table of symbols, and why the letter c occurs twice.
 
-    constrained: whether there are multipliers. second_order: whether there are moments of fields of second order.
+    constrained: whether there are multipliers. orders: those of the displacements.
     """
+    truncated, full = (order in orders for order in (DisplacementOrder.TRUNCATED, DisplacementOrder.FULL))
     entries = (
         *POSITION,
         *INTEGRALS,
-        *(SECOND_ORDER if second_order else ()),
+        *(SECOND_ORDER if truncated or full else ()),
+        *(TRUNCATED if truncated else ()),
+        *(FULL if full else ()),
         *SYSTEM,
         *(CONSTRAINTS if constrained else ()),
     )

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import assert_never
 
-from derive.report.document.page import Block, EquationBlock, Math, Paragraph
+from derive.report.document.formula import Equation, FormulaRow, Name, OperatorToken, Part, Quotient
+from derive.report.document.page import Block, EquationBlock, Heading, Math, Paragraph
 from derive.report.notation.formula_reader import equation, formula
-from derive.spec.model.body import DisplacementOrder, NodalBody, PlanarBeam
-from derive.spec.model.scene import Specification
+from derive.report.notation.integral_formulas import SHAPE
+from derive.spec.model.body import DisplacementOrder, Frame, NodalBody, PlanarBeam
+from derive.spec.model.scene import BeamBody, Scene, Specification
 
 
 def second_order_blocks(spec: Specification, order: DisplacementOrder) -> tuple[Block, ...]:
@@ -15,32 +18,93 @@ def second_order_blocks(spec: Specification, order: DisplacementOrder) -> tuple[
     the paper. Empty at first order."""
     if order is DisplacementOrder.FIRST_ORDER:
         return ()
-    beam = isinstance(spec, PlanarBeam)
-    shortening = (equation("Psi_{ij} = - 2/l int phi_i^' phi_j^' dxi e_1"),) if beam else ()
+    beam = spec if isinstance(spec, PlanarBeam) else None
+    return (
+        *_displacement("Beyond the paper: the displacement is", bool(beam)),
+        *(_constants([beam.frame]) if beam else ()),
+        *(_geometric_stiffness() if isinstance(spec, NodalBody) else ()),
+        *_kept("The model", order),
+    )
+
+
+def scene_second_order_blocks(spec: Scene) -> tuple[Block, ...]:
+    """The same for the beams of a scene that have displacements of second order; empty if there are none."""
+    by_order: dict[DisplacementOrder, list[BeamBody]] = {}
+    for body in spec.bodies:
+        if isinstance(body, BeamBody) and body.beam.order is not DisplacementOrder.FIRST_ORDER:
+            by_order.setdefault(body.beam.order, []).append(body)
+    beams = [body for some in by_order.values() for body in some]
+    if not beams:
+        return ()
+    return (
+        Heading("Displacements of second order", "second_order"),
+        *_displacement(f"Beyond the paper: the displacement of {_names(beams)} is", beams=True),
+        *_constants(list(dict.fromkeys(body.beam.frame for body in beams))),
+        *(block for order, some in by_order.items() for block in _kept(f"The model of {_names(some)}", order)),
+    )
+
+
+def _names(beams: Sequence[BeamBody]) -> str:
+    return ", ".join(body.name for body in beams)
+
+
+def _displacement(subject: str, beams: bool) -> tuple[Block, ...]:
+    """The displacement, and its derivative by an amplitude."""
     return (
         Paragraph(
             (
-                "Beyond the paper: the displacement is of second order in the amplitudes",
-                "; a beam that bends and does not stretch gets shorter. " if beam else ". ",
+                f"{subject} of second order in the amplitudes",
+                "; a beam that bends and does not stretch gets shorter. " if beams else ". ",
                 "In (6), in the rates of ",
                 Math(formula("r")),
                 " and in the equations of motion, the derivative of ",
                 Math(formula("r")),
                 " by an amplitude takes the place of ",
                 Math(formula("Phi_i")),
+                "; at a marker its component k is ",
+                Math(formula("r_{k,i}", scalars=True)),
                 ":",
             )
         ),
         EquationBlock(
             (
-                equation("u = sum_i alpha_i Phi_i + 1/2 sum_{ij} alpha_i alpha_j Psi_{ij}"),
-                equation("partial r / partial alpha_i = Phi_i + sum_j alpha_j Psi_{ij}"),
-                *shortening,
+                equation("u = sum_i alpha_i Phi_i + 1/2 sum_{i j} alpha_i alpha_j Psi_{i j}"),
+                equation("partial r / partial alpha_i = Phi_i + sum_j alpha_j Psi_{i j}"),
+                *((_shortening(),) if beams else ()),
             )
         ),
-        *(_geometric_stiffness() if isinstance(spec, NodalBody) else ()),
-        *_kept(order),
     )
+
+
+def _shortening() -> Equation:
+    """Psi_ij of a beam, from the slopes of its shapes."""
+
+    def slope(index: str) -> Quotient:
+        below = FormulaRow((OperatorToken("d"), Name("x")))
+        return Quotient(FormulaRow((OperatorToken("d"), Name(SHAPE, below=(index,)))), below)
+
+    integral = (Name("∫"), slope("i"), slope("j"), OperatorToken("d"), Name("x"), formula("e_1"))
+    return Equation(formula("Psi_{i j}"), (Part("-", FormulaRow(integral)),))
+
+
+def _constants(frames: Sequence[Frame]) -> tuple[Block, ...]:
+    """How the frames fix the constant of integration."""
+    text = "; ".join(f"in the {frame.kind} frame {_condition(frame)}" for frame in frames)
+    return (Paragraph((f"The constant of integration follows from the condition of the frame: {text}.",)),)
+
+
+def _condition(frame: Frame) -> str:
+    match frame.kind:
+        case "mean":
+            return "the mean of the displacement vanishes, (17)"
+        case "point" | "tangent":
+            return f"the displacement vanishes at xi = {frame.at or 0}, (16)"
+        case "chord":
+            return "the displacements of both ends along the axis are opposite"
+        case "given":
+            return "the displacement vanishes in the middle"
+        case _ as never:
+            assert_never(never)
 
 
 def _geometric_stiffness() -> tuple[Block, ...]:
@@ -56,11 +120,11 @@ def _geometric_stiffness() -> tuple[Block, ...]:
                 ", K0omega under spin is the part of ",
                 Math(formula("X")),
                 " and ",
-                Math(formula("Psi_{ij}")),
+                Math(formula("Psi_{i j}")),
                 " in ",
                 Math(formula("C_5")),
                 ", and K0F under a force at a node is the displacement ",
-                Math(formula("Psi_{ij}")),
+                Math(formula("Psi_{i j}")),
                 " there with its sign changed. In the equation of an amplitude they are in the terms translation and "
                 "gravity (K0t), Euler (K0r) and centrifugal (K0omega).",
             )
@@ -68,26 +132,30 @@ def _geometric_stiffness() -> tuple[Block, ...]:
     )
 
 
-def _kept(order: DisplacementOrder) -> tuple[Block, ...]:
+def _kept(model: str, order: DisplacementOrder) -> tuple[Block, ...]:
     match order:
         case DisplacementOrder.FIRST_ORDER:
             return ()
         case DisplacementOrder.TRUNCATED:
             text = (
-                "The model is truncated: kinetic and potential energy are kept through second order in the amplitudes "
+                f"{model} is truncated: kinetic and potential energy are kept through second order in the amplitudes "
                 "and their rates, for any rigid motion. Moments of these fields with each other and with the shapes "
                 "are left out; points have their full displacement. What is of second order is marked so below."
             )
             return (Paragraph((text,)),)
         case DisplacementOrder.FULL:
             text = (
-                "The model is full: nothing of this displacement is left out. The fields of second order are "
-                "combinations of fields that are orthogonal to each other, with amplitudes that depend on those of the "
-                "shapes. These are numbered behind the shapes, so that the integrals are those of one larger family."
+                f"{model} is full: nothing of this displacement is left out. The fields of second order are "
+                "combinations of fields along the axis: the Legendre polynomials, if all shapes are polynomials, "
+                "otherwise the fields of second order themselves. Their amplitudes depend on those of the shapes. They "
+                "are numbered behind the shapes, so that the integrals are those of one larger family."
             )
             fields = (
-                equation("Psi_{ij} = sum_p z_{pij} theta_p", scalars=True),
-                equation("beta_p = 1/2 sum_{ij} z_{pij} alpha_i alpha_j", scalars=True),
+                equation("Psi_{i j} = sum_p z_{p i j} theta_p e_1"),
+                equation("beta_p = 1/2 sum_{i j} z_{p i j} alpha_i alpha_j", scalars=True),
+                equation("beta_{p,i} = partial beta_p / partial alpha_i = sum_j z_{p i j} alpha_j", scalars=True),
+                equation("beta''_p = sum_i beta_{p,i} alpha''_i + beta''_p^0", scalars=True),
+                equation("beta''_p^0 = sum_{i j} z_{p i j} alpha'_i alpha'_j", scalars=True),
             )
             return (Paragraph((text,)), EquationBlock(fields))
         case _ as never:
