@@ -12,7 +12,7 @@ from derive.ir.model import Model, Variable
 from derive.ir.patterns import Pattern
 from derive.registry import UnknownNameError
 from derive.roles import Role
-from derive.runtime.native_call import ModelError, Vector
+from derive.runtime.native_call import Matrix, ModelError, Vector
 from derive.runtime.native_scene import NativeScene
 
 
@@ -53,6 +53,11 @@ class InterpretedScene(NativeScene):
             raise UnknownNameError(f"marker of {self.name}", name, self.markers)
         x, xdot, jacobian = self._outputs(f"marker_{name}", [q, v, k])
         return x, xdot, jacobian
+
+    def marker_positions(self, name: str, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> Matrix:
+        """Positions (n, dimension) of a marker for each row of q and v."""
+        states = zip(np.asarray(q), np.asarray(v), strict=True)
+        return np.array([self.marker(name, q_i, v_i, k)[0] for q_i, v_i in states])
 
     def marker_pattern(self, name: str) -> Pattern:
         """The pattern of the Jacobian of a marker."""

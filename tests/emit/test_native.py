@@ -100,6 +100,17 @@ def test_an_unknown_marker_is_named() -> None:
             call()
 
 
+def test_positions_of_many_states_are_those_of_each() -> None:
+    model = beams.native("point", 2)
+    k, q = model.setup(), np.asarray(Q) + np.linspace(0, 1, 5)[:, None]
+    expected = [model.marker("left", row, V, k)[0] for row in q]
+    assert np.array_equal(model.marker_positions("left", q, [V] * 5, k), expected)
+    assert np.array_equal(model.marker_positions("left", q[:, ::-1][:, ::-1], [V] * 5, k), expected), "other strides"
+    for wrong in (q[0], q[:, 1:]):
+        with pytest.raises(ValueError, match="marker_left: rows of "):
+            model.marker_positions("left", wrong, [V] * 5, k)
+
+
 def test_roles_of_the_coordinates() -> None:
     assert beams.native("point", 2).roles == (*[Role.TRANSLATION] * 2, Role.ROTATION, *[Role.AMPLITUDE] * 2)
 

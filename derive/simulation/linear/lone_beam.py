@@ -38,6 +38,11 @@ class LoneBeam(NativeScene):
         names = {f"{self.bodies[0]}_{marker}": marker for marker in self._alone.markers}
         return self._alone.marker(names[name], q, v, k)
 
+    def marker_positions(self, name: str, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> Matrix:
+        """See Native."""
+        names = {f"{self.bodies[0]}_{marker}": marker for marker in self._alone.markers}
+        return self._alone.marker_positions(names[name], q, v, k)
+
     def constraints(self, t: float, q: ArrayLike, k: ArrayLike) -> Vector:
         """No constraints."""
         return np.zeros(0)

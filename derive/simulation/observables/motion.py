@@ -95,8 +95,7 @@ def marker_positions(motion: SceneMotion, marker: MarkerRef) -> Array:
     body = next(b for b in motion.scene.bodies if b.name == marker.body)
     if isinstance(body, RigidBody):
         return transformed(motion.pose(body.name), body_coordinates(motion.scene, marker))
-    name, states = f"{marker.body}_{marker.marker}", zip(motion.q, motion.v, strict=True)
-    return np.array([native.marker(name, q, v, motion.k)[0] for q, v in states])
+    return native.marker_positions(f"{marker.body}_{marker.marker}", motion.q, motion.v, motion.k)
 
 
 def transformed(pose: Array, x: Array) -> Array:
