@@ -1,4 +1,4 @@
-"""The benchmarks of scale and of batches run, and their implementations agree; times are not checked."""
+"""The benchmarks of scale, batches and integration run, and their implementations agree; times are not checked."""
 
 from __future__ import annotations
 
@@ -33,6 +33,15 @@ def test_scale() -> None:
     assert all(float(row[-1]) > 0 for row in rows)
     assert any(line.startswith("straight line, dense 2") for line in lines)
     assert any(line.split()[:2] == ["2", "accel"] for line in lines)
+
+
+def test_adaptive() -> None:
+    """The integrator in C and SciPy take the same steps."""
+    command = [sys.executable, str(ROOT / "bench" / "adaptive.py"), "--beams", "1", "--rows", "20", "--runs", "1"]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    beams, own, scipy, *_ = done.stdout.splitlines()[-1].split()
+    assert beams == "1" and int(own) == int(scipy) > 50
 
 
 def test_batch() -> None:
