@@ -110,7 +110,10 @@ class Double:
         rods = [q[i * width : i * width + 3] for i in range(len(self.beams))]
         return np.array([[0, 0, SPEED * t], *rods, [q[-1], 0, 0]])
 
-    def marker(self, name: str, q: np.ndarray, v: np.ndarray, k: np.ndarray) -> tuple[np.ndarray, np.ndarray, None]:
+    def marker_positions(self, name: str, q: np.ndarray, v: np.ndarray, k: np.ndarray) -> np.ndarray:
+        return np.array([self.position(name, row) for row in q])
+
+    def position(self, name: str, q: np.ndarray) -> np.ndarray:
         at = next(m.at for m in self.rod.beam.markers if f"rod_{m.name}" == name)
         index, xi = piece_at(self.rod, at)
         width = 3 + len(self.shapes)
@@ -120,7 +123,7 @@ class Double:
             sum(a * s(xi) for a, s in zip(alphas, self.shapes, strict=True)),
         )
         turned = [np.cos(phi) * x - np.sin(phi) * y, np.sin(phi) * x + np.cos(phi) * y]
-        return np.array([c1, c2]) + turned, np.zeros(2), None
+        return np.asarray(np.array([c1, c2]) + turned)
 
 
 def motion(count: int = 3, instants: int = 1001, name: str = "slider") -> SceneMotion:
