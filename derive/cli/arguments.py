@@ -63,6 +63,7 @@ def parser() -> argparse.ArgumentParser:
     _add_simulate(commands)
     _add_modes(commands)
     add_study(commands)
+    _add_choose(commands)
     _add_report(commands)
     _add_check(commands)
     _add_sid(commands)
@@ -148,6 +149,22 @@ def _add_report(commands: Any) -> None:
     report.add_argument("--tex", action="store_true", help="write LaTeX beside the page")
     report.add_argument("--markdown", action="store_true", help="write Markdown beside the page")
     report.add_argument("--json", action="store_true", help="print the names of the files as JSON")
+
+
+def _add_choose(commands: Any) -> None:
+    choose = add_command(
+        commands, "choose", "select, explain and write the cheapest model of a scene that is accurate enough"
+    )
+    choose.add_argument("spec", type=Path, metavar="SPEC", help=f"{SPEC} of a scene with a beam and a plot")
+    choose.add_argument(
+        "--error", "--tolerance", type=tolerance, default=0.01, metavar="X",
+        help="error that is asked for, rms over the peak of the plot (default: 0.01)",
+    )  # fmt: skip
+    choose.add_argument("--plot", metavar="NAME", help="the plot that has to be accurate (default: the first one)")
+    choose.add_argument(
+        "--out", type=Path, metavar="FILE", help="the specification to write (default: SPEC_chosen.toml)"
+    )
+    choose.add_argument("--json", action="store_true", help="print the search as JSON")
 
 
 def _add_check(commands: Any) -> None:

@@ -28,7 +28,7 @@ from derive.simulation.observables.motion import SceneMotion
 from derive.simulation.observables.plots import plot_curves
 from derive.simulation.output_times import output_times
 from derive.simulation.trajectory import RunSettings, Trajectory
-from derive.simulation.validity.axial_load import monitored_pieces, with_monitors
+from derive.simulation.validity.axial_load import with_monitors
 from derive.simulation.validity.measure import validity
 from derive.simulation.validity.monitors import Monitor
 from derive.spec.model.plots import Plot
@@ -72,14 +72,14 @@ class CompiledLadderModel:
         return sum(times * known.get(name, 0) for times, name in called)
 
 
-def compiled(scene: Scene, model: LadderModel) -> CompiledLadderModel:
-    """A model of a ladder. Raises SpecError, SimulationError, CompilerError."""
+def compiled(scene: Scene, model: LadderModel, monitored: bool = True) -> CompiledLadderModel:
+    """A model of a ladder, with the outputs that monitor its validity. Raises SpecError, SimulationError, CompilerError."""
     changed = model_scene(scene, model)
-    monitored = with_monitors(changed)
-    code = lower(derive(monitored))
-    files: Sequence[File] = model_files(code, monitored)
+    complete = with_monitors(changed) if monitored else changed
+    code = lower(derive(complete))
+    files: Sequence[File] = model_files(code, complete)
     native = load_scene(files)
-    k, own = native.setup(), len(code.outputs) - len(monitored_pieces(changed))
+    k, own = native.setup(), len(code.outputs) - len(complete.outputs) + len(changed.outputs)
     columns = replace(code, outputs=code.outputs[:own])
     return CompiledLadderModel(model, changed, code, columns, native, k, initial_state(changed, native, k))
 

@@ -1,0 +1,61 @@
+"""`tisserand choose`: select, explain and write the cheapest model of a scene that is accurate enough."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+from pathlib import Path
+
+from derive.cli.specifications import read_scene
+from derive.errors import Problem, SpecError, TisserandError
+from derive.simulation.observables.beams import beam_bodies
+from derive.spec.toml.read import parse, with_lines
+from derive.study.accuracy.reference import compared_plot
+from derive.study.choice.choice_text import choice_data, choice_text
+from derive.study.choice.screening import screening
+from derive.study.choice.search import Choice, choose
+from derive.study.choice.written_specification import chosen_specification
+from derive.terminal import show_progress
+
+
+class ExistingFile(TisserandError):
+    """A file that would be overwritten."""
+
+
+def run(options: argparse.Namespace) -> int:
+    """Search, print what was found, and write the specification. The exit code is 1 if nothing is accurate enough."""
+    scene = read_scene(options.spec)
+    target = options.out or options.spec.with_name(f"{options.spec.stem}_chosen.toml")
+    if os.path.lexists(target):
+        raise ExistingFile(f"{target} exists, and is not overwritten; move it, or give another file with --out")
+    try:
+        if not beam_bodies(scene):
+            raise SpecError((Problem("bodies", "there is no beam here, and nothing to choose"),))
+        plot = compared_plot(scene, options.plot)
+        screened = screening(scene)
+        choice = choose(scene, plot, options.error, show_progress)
+    except SpecError as error:
+        raise with_lines(error, options.spec) from None
+    finally:
+        show_progress()
+    written = None if choice.chosen is None else _written(options.spec, target, choice)
+    if options.json:
+        data = choice_data(scene.name, plot.name, screened, choice)
+        print(json.dumps({**data, "specification": written}, indent=2))
+    else:
+        print(choice_text(scene.name, plot.name, screened, choice))
+        if written:
+            print(f"\nwrote {written}")
+    return 0 if written else 1
+
+
+def _written(spec: Path, target: Path, choice: Choice) -> str:
+    """Write the specification of what is chosen, which is read once more before. Returns the name of the file."""
+    assert choice.chosen is not None
+    line, point = choice.chosen
+    text = chosen_specification(spec.read_text(), spec, target, read_scene(spec), line.model, point.tolerance)
+    parse(text, str(target))
+    with target.open("x") as file:  # another process may have made it meanwhile
+        file.write(text)
+    return str(target)

@@ -1,0 +1,112 @@
+"""What a search has found, in words and as plain data: what was tried, what it costs, and what the next steps would."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import asdict
+from typing import Any
+
+from derive.study.accuracy.chart import percent
+from derive.study.accuracy.measurement import Line, Point
+from derive.study.accuracy.table import cheapest
+from derive.study.choice.screening import Screening
+from derive.study.choice.search import Choice, accurate
+
+STEPS = 2
+"""Cheaper and more accurate models beside the chosen one."""
+GAIN = 0.9
+"""The error of a finer run of the chosen model over that of the chosen run, at most, if it is a step up."""
+
+
+def choice_text(name: str, plot: str, screened: Sequence[Screening], choice: Choice) -> str:
+    """The whole search as lines for a terminal."""
+    known = choice.reference
+    lines = [f"{name}: the cheapest model with an error of at most {percent(choice.error)} in {plot}", "", "Screening"]
+    lines += [f"  {one.text}" for one in screened]
+    lines += ["", f"Reference: {known.model.label}, which agrees to {percent(known.error)} with"]
+    lines += [f"  {a.label}: {percent(a.difference)}" for a in known.agreements]
+    width = max(len(line.model.label) for line in choice.tried)
+    lines += ["", f"  {'tried':{width}}  tolerance  measured  implied        ms  evaluations"]
+    lines += [f"  {line.model.label:{width}}  {_tried(line, choice)}" for line in choice.tried]
+    return "\n".join([*lines, "", *_verdict(choice)])
+
+
+def _tried(line: Line, choice: Choice) -> str:
+    if not line.points:
+        return f"fails: {line.failure}"
+    p = shown(line, choice)
+    implied = percent(line.warning.error) if line.warning else "-"
+    numbers = f"{p.tolerance:9g}{percent(p.rms):>10}{implied:>9}{1e3 * p.seconds[0]:10.3f}{p.evaluations:13}"
+    return numbers + ("  good" if accurate(line, p, choice.error, choice.reference.error) else "")
+
+
+def shown(line: Line, choice: Choice) -> Point:
+    """The cheapest run of a model that is accurate enough, or else the cheapest of about its smallest error."""
+    good = [p for p in line.points if accurate(line, p, choice.error, choice.reference.error)]
+    return min(good, key=lambda p: p.seconds[0]) if good else cheapest(line)
+
+
+def _verdict(choice: Choice) -> list[str]:
+    if choice.chosen is None:
+        lines = [f"No model that was tried has an error of at most {percent(choice.error)}."]
+        if choice.best is not None:
+            line, point = choice.best
+            implied = f", and a monitor implies {percent(line.warning.error)}" if line.warning else ""
+            lines.append(f"The best is {line.model.label} with {percent(point.rms)}{implied}, in {_ms(point)}.")
+        return lines
+    line, point = choice.chosen
+    result = [f"Chosen: {line.model.label}, tolerance {point.tolerance:g}: {percent(point.rms)} in {_ms(point)}"]
+    for word, steps in neighbours(choice).items():
+        for other, p in steps:
+            cost, error = p.seconds[0] / point.seconds[0], p.rms / point.rms
+            what = f"{cost:.2g} times the time, {error:.2g} times the error"
+            result.append(f"  {word}: {other.model.label}, tolerance {p.tolerance:g}: {what}")
+    return result
+
+
+def neighbours(choice: Choice) -> dict[str, list[tuple[Line, Point]]]:
+    """The next steps down, cheaper with larger errors, and up, more accurate at a higher price; at most two each."""
+    if choice.chosen is None:
+        return {}
+    chosen, point = choice.chosen
+    runs = [(line, shown(line, choice)) for line in choice.tried if line.points and line is not chosen]
+    down = sorted((r for r in runs if r[1].rms > point.rms), key=lambda r: r[1].rms)
+    up = sorted((r for r in runs if r[1].rms < point.rms), key=lambda r: r[1].seconds[0])
+    finer = [(chosen, p) for p in chosen.points if p.rms < GAIN * point.rms]
+    cheaper = [r for r in down if r[1].seconds[0] < point.seconds[0]]
+    return {"step down": cheaper[:STEPS], "step up": [*finer[:1], *up][:STEPS]}
+
+
+def _ms(point: Point) -> str:
+    return f"{1e3 * point.seconds[0]:.3g} ms"
+
+
+def choice_data(name: str, plot: str, screened: Sequence[Screening], choice: Choice) -> dict[str, Any]:
+    """The whole search as plain data."""
+    known, chosen = choice.reference, choice.chosen
+
+    def run(line: Line, point: Point) -> dict[str, Any]:
+        return {"model": line.model.label, **asdict(point)}
+
+    return {
+        "name": name,
+        "plot": plot,
+        "error": choice.error,
+        "screening": [asdict(one) for one in screened],
+        "reference": {
+            "model": known.model.label,
+            "error": known.error,
+            "agreements": {a.label: a.difference for a in known.agreements},
+        },
+        "tried": [
+            {
+                "model": line.model.label,
+                "failure": line.failure,
+                "implied_error": line.warning.error if line.warning else None,
+                "runs": [asdict(p) for p in line.points],
+            }
+            for line in choice.tried
+        ],
+        "chosen": None if chosen is None else run(*chosen),
+        **{word.replace(" ", "_"): [run(*one) for one in steps] for word, steps in neighbours(choice).items()},
+    }

@@ -1,0 +1,134 @@
+"""What a rigid-body run says about the beams of a scene: how near loads come to what beams resist with.
+
+The beams are taken as rigid. Their accelerations a across the axis, less those of free fall, are the inertia loads that
+would bend them; a beam whose lowest frequency w is high against those of its loads bends by about 4/pi a/w^2, as half a
+sine wave does. The frequency is that of the beam as its joints hold it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from derive.errors import TisserandError
+from derive.mechanics.multibody.joints.registry import JOINTS
+from derive.simulation.observables.motion import si_value
+from derive.simulation.validity.held_beam import lowest_mode
+from derive.simulation.validity.piece_shapes import PieceShapes
+from derive.spec.model.markers import MarkerRef
+from derive.spec.model.ports import SceneOutput
+from derive.spec.model.scene import BeamBody, Scene
+from derive.study.accuracy.measurement import compiled, motion
+from derive.study.accuracy.models import LadderModel, Shapes
+
+TOLERANCE = 1e-6
+"""That of the runs that are looked at."""
+MODAL = 4 / np.pi
+"""The part of a uniform load that bends a beam into half a sine wave, as an amplitude."""
+
+
+@dataclass(frozen=True)
+class Screening:
+    """What a beam has to bear; None where it is not known.
+
+    frequency: the lowest of the beam as its joints hold it, rad/s. driving, spin: the largest speed of a drive that
+    rotates and the largest rate of rotation of the beam, rad/s. deflection: about, over the length.
+    """
+
+    beam: str
+    frequency: float | None
+    driving: float | None
+    spin: float | None
+    deflection: float | None
+
+    @property
+    def text(self) -> str:
+        """The numbers in a line."""
+        if self.frequency is None:
+            return f"{self.beam}: no natural frequency is known"
+        parts = [f"lowest natural frequency {self.frequency:.4g} rad/s as its joints hold it"]
+        for what, value in (("driven at", self.driving), ("rotates at up to", self.spin)):
+            if value:
+                parts.append(f"{what} {value:.4g} rad/s ({100 * value / self.frequency:.2g} % of it)")
+        if self.deflection is not None:
+            parts.append(f"expected deflection about {100 * self.deflection:.2g} % of the length")
+        return f"{self.beam}: {'; '.join(parts)}"
+
+
+def screening(scene: Scene) -> tuple[Screening, ...]:
+    """What each beam has to bear."""
+    beams = [body for body in scene.bodies if isinstance(body, BeamBody)]
+    frequencies = _frequencies(scene, beams)
+    driving = _driving(scene)
+    accelerations = _accelerations(scene, beams)
+    result = []
+    for beam in beams:
+        frequency, spin, across = frequencies.get(beam.name), None, None
+        if beam.name in accelerations:
+            spin, across = accelerations[beam.name]
+        bent = None
+        if frequency and across is not None:
+            bent = MODAL * across / frequency**2 / si_value(beam.beam.length)
+        result.append(Screening(beam.name, frequency, driving, spin, bent))
+    return tuple(result)
+
+
+def _frequencies(scene: Scene, beams: list[BeamBody]) -> dict[str, float]:
+    """The lowest frequencies of beams of three polynomials of first order; those that are not found are left out."""
+    try:
+        flexible = compiled(scene, LadderModel(Shapes.POLYNOMIALS, 3), monitored=False)
+        simulation = flexible.scene.simulation
+        assert simulation is not None
+        short = replace(simulation, duration=simulation.output)
+        moved = motion(replace(flexible, scene=replace(flexible.scene, simulation=short)), TOLERANCE).motion
+    except TisserandError:
+        return {}
+    modelled = {body.name: body for body in flexible.scene.bodies if isinstance(body, BeamBody)}
+    modes = ((beam.name, lowest_mode(PieceShapes(modelled[beam.name]), moved)) for beam in beams)
+    return {name: mode.frequency for name, mode in modes if mode is not None}
+
+
+def _driving(scene: Scene) -> float | None:
+    """The largest constant speed of a drive that rotates, rad/s."""
+    rotating = {j.name for j in scene.joints if (driven := JOINTS[j.kind].driven) and driven.unit == "rad"}
+    speeds = [abs(si_value(d.speed)) for d in scene.drives if d.speed is not None and d.joint in rotating]
+    return max(speeds, default=None)
+
+
+def _accelerations(scene: Scene, beams: list[BeamBody]) -> dict[str, tuple[float, float]]:
+    """By the names of beams with two markers, in a run with rigid beams: the largest rate of rotation (rad/s), and the
+    largest acceleration across the axis less that of free fall (m/s^2), root mean square over the length."""
+    pairs = {}
+    for beam in beams:
+        places = sorted(beam.markers, key=lambda m: m.at)
+        if len(places) > 1 and places[0].at < places[-1].at:
+            pairs[beam.name] = (places[0], places[-1])
+    watched = tuple(
+        SceneOutput(f"screened_{kind}_{name}_{n}", kind, {"marker": MarkerRef(name, marker.name)})
+        for name, ends in pairs.items()
+        for n, marker in enumerate(ends)
+        for kind in ("position", "acceleration")
+    )
+    try:
+        moved = motion(compiled(replace(scene, outputs=watched), LadderModel(Shapes.RIGID), monitored=False), TOLERANCE)
+    except TisserandError:
+        return {}
+    fall = np.array([si_value(g) for g in scene.gravity or ()] or [0.0, 0.0])
+
+    def vector(kind: str, name: str, n: int) -> np.ndarray:
+        return np.stack([moved[f"screened_{kind}_{name}_{n}_{axis}"] for axis in (1, 2)], axis=1)
+
+    result = {}
+    for name, (left, right) in pairs.items():
+        apart = vector("position", name, 1) - vector("position", name, 0)
+        distance = np.linalg.norm(apart, axis=1)
+        along = apart / distance[:, None]
+        normal = np.stack([-along[:, 1], along[:, 0]], axis=1)
+        ends = [vector("acceleration", name, n) - fall for n in (0, 1)]
+        spin = np.sqrt(np.abs(((ends[0] - ends[1]) * along).sum(axis=1)) / distance)
+        across = [(a * normal).sum(axis=1) for a in ends]
+        slope = (across[1] - across[0]) / float(right.at - left.at)  # by xi: it is linear along a rigid beam
+        middle = across[0] - slope * float(left.at)
+        result[name] = float(spin.max()), float(np.sqrt(middle**2 + slope**2 / 3).max())
+    return result

@@ -1,0 +1,210 @@
+"""`tisserand choose`: scenes of which the answer is known, references that have not converged, and what is written."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from conftest import ROOT
+from derive.cli.main import main
+from derive.spec.model.body import DisplacementOrder
+from derive.spec.model.plots import Deflection
+from derive.spec.model.scene import Scene
+from derive.spec.toml.read import parse, read
+from derive.study.accuracy.models import LadderModel, LadderRange, Shapes
+from derive.study.choice import search
+from derive.study.choice.choice_text import choice_text, neighbours
+from derive.study.choice.screening import screening
+from derive.study.choice.search import Agreement, Choice, NotConverged, TrustedReference, choose, trusted_reference
+from derive.study.choice.written_specification import chosen_specification
+
+SCENE = ROOT / "scenes" / "crank_slider_3.toml"
+
+BEAM = """
+name = "{name}"
+[bodies.rod]
+length = 1
+mass = 1
+bending_stiffness = {stiffness}
+markers = {{ left = -1, middle = 0, right = 1 }}
+start = {start}
+{joints}
+[simulation]
+duration = {duration}
+output = {output}
+[plots.it]
+{plot}
+"""
+ON_PINS = """
+[ground.markers]
+left = [0, 0]
+[bodies.roller]
+mass = 0.01
+inertia = 1
+markers = { pin = [0, 0] }
+start = { position = [1, 0] }
+[joints.left]
+kind = "revolute"
+between = ["ground.left", "rod.left"]
+[joints.guide]
+kind = "translational"
+between = ["ground.left", "roller.pin"]
+[joints.right]
+kind = "revolute"
+between = ["roller.pin", "rod.right"]
+[scene]
+gravity = [0, "-0.3"]
+"""
+ACROSS = 'deflection = "rod.middle"\nchord = ["rod.left", "rod.right"]\ndivided_by = 1'
+
+
+def made(name: str, stiffness: float, start: str, joints: str, duration: float, plot: str) -> Scene:
+    """A scene with one rod of 1 m and 1 kg."""
+    keys = {"name": name, "stiffness": stiffness, "start": start, "joints": joints, "plot": plot}
+    scene = parse(BEAM.format(duration=duration, output=duration / 100, **keys))
+    assert isinstance(scene, Scene)
+    return scene
+
+
+@pytest.fixture
+def small_references(monkeypatch: pytest.MonkeyPatch) -> None:
+    """References of two beams with three shapes, which is enough here."""
+    small = LadderModel(Shapes.POLYNOMIALS, 3, DisplacementOrder.TRUNCATED, "mean", 2)
+    monkeypatch.setattr(search, "_refinements", lambda: (small,))
+
+
+def label(choice: Choice) -> str:
+    """The model that is chosen."""
+    assert choice.chosen is not None
+    return choice.chosen[0].model.label
+
+
+def quiet(_: str) -> None: ...
+
+
+def test_the_sag_of_a_beam_needs_one_shape(small_references: None) -> None:
+    """It swings about its sag, 0.4 % of its length: a half sine wave is right to 0.4 %, whatever its order."""
+    scene = made("sag", 1.0, "{ position = [0.5, 0] }", ON_PINS, 0.6, ACROSS)
+    choice = choose(scene, scene.plots[0], 0.02, quiet)
+    assert label(choice) == "1 sine, first" and choice.reference.error < 0.02 / 3
+    assert choice.tried[0].model.label == "rigid"
+    text = choice_text(scene.name, "it", screening(scene), choice)
+    assert "rigid" in text and "Chosen: 1 sine, first" in text and "step up" in text
+    (one,) = screening(scene)
+    assert one.frequency == pytest.approx(np.pi**2, rel=4e-4)  # pi^2 sqrt(EI/(m l^3)); of P2 to P4, 3e-4 high
+    assert one.deflection == pytest.approx(4 / np.pi * 0.3 / np.pi**4, rel=1e-3)
+
+
+def test_a_stiff_slow_pendulum_needs_no_flexibility(small_references: None) -> None:
+    pin = '[ground.markers]\nleft = [0, 0]\n[joints.pin]\nkind = "revolute"\nbetween = ["ground.left", "rod.left"]\n'
+    joints = pin + '[scene]\ngravity = [0, -10]\n[outputs]\nend = { kind = "position", marker = "rod.right" }'
+    scene = made("stiff", 1e4, "{ position = [0.5, 0] }", joints, 1.0, 'y = ["end_1"]')
+    choice = choose(scene, scene.plots[0], 0.01, quiet)
+    assert label(choice) == "rigid"
+
+
+def test_a_fast_spin_needs_second_order(small_references: None) -> None:
+    knock = '[forces.knock]\nat = "rod.middle"\ncomponents = [0, "0.2/(1 + (5*t)^2)^2"]\n'
+    scene = made("spin", 1.0, "{ spin = 12 }", knock, 0.5, ACROSS)
+    choice = choose(scene, scene.plots[0], 0.07, quiet)
+    assert label(choice).endswith("truncated")
+    tried = {line.model.label: line for line in choice.tried}
+    first = tried["1 beam, P2, P3, first"]
+    assert first.warning is not None and min(p.rms for p in first.points) > 0.07
+
+
+@pytest.fixture(scope="module")
+def set_a() -> tuple[Scene, TrustedReference]:
+    """Set A, with the finite-element run as the reference, which is good to 0.1 %."""
+    scene = read(SCENE)
+    assert isinstance(scene, Scene)
+    plot = replace(scene.plots[0], cut=None, pieces=())
+    agreement = Agreement("finite elements", 1e-3)
+    return replace(scene, plots=(plot,)), TrustedReference(plot, LadderModel(Shapes.RIGID), (agreement,))
+
+
+def test_set_a(set_a: tuple[Scene, TrustedReference], monkeypatch: pytest.MonkeyPatch) -> None:
+    """One shape of second order at 1 and at 5 %, one sine of first order at 15 %, and nothing at 0.01 %."""
+    scene, known = set_a
+    lines = {}
+    plain = search._line
+
+    def once(scene: Scene, model: LadderModel, plot: object) -> object:
+        if model not in lines:
+            lines[model] = plain(scene, model, known.plot)
+        return lines[model]
+
+    monkeypatch.setattr(search, "_line", once)
+    monkeypatch.setattr(search, "trusted_reference", lambda *_: known)
+    monkeypatch.setattr(search, "TRIED", LadderRange(("first", "truncated"), ("mean",), (1, 3), (), (1,)))
+    found = {error: choose(scene, known.plot, error, quiet) for error in (0.01, 0.05, 0.15, 1e-4)}
+    assert [label(found[error]) for error in (0.01, 0.05, 0.15)] == ["1 sine, truncated"] * 2 + ["1 sine, first"]
+    assert found[1e-4].chosen is None
+    text = choice_text("a", "deflection", (), found[1e-4])
+    assert "No model that was tried has an error of at most 0.01 %" in text and "The best is 1 beam, P2 to P4" in text
+    steps = neighbours(found[0.01])
+    assert [one.model.label for one, _ in steps["step up"]][-1] == "1 beam, P2 to P4, truncated"
+
+
+def test_a_reference_that_has_not_converged_is_not_trusted(monkeypatch: pytest.MonkeyPatch) -> None:
+    scene = made("sag", 1.0, "{ position = [0.5, 0] }", ON_PINS, 0.6, ACROSS)
+    small = (LadderModel(Shapes.POLYNOMIALS, 2, DisplacementOrder.TRUNCATED, "mean", 2),)
+    monkeypatch.setattr(search, "_refinements", lambda: small)
+    with pytest.raises(
+        NotConverged, match=r"the finest, 2 beams, P2, P3, truncated, differs by .* from that with fewer shapes"
+    ):
+        trusted_reference(scene, scene.plots[0], 1e-3, quiet)
+
+
+@pytest.mark.parametrize(
+    ("model", "keys"),
+    [
+        (LadderModel(Shapes.RIGID), ["inertia = 0.0005006677", "left = [-0.15, 0.0]"]),
+        (LadderModel(Shapes.SINES, 2), ['ansatz = {kind = "pinned", count = 2}']),
+        (
+            LadderModel(Shapes.POLYNOMIALS, 3, DisplacementOrder.TRUNCATED, "mean", 2),
+            ["order = 2", "pieces = 2"],
+        ),
+    ],
+)
+def test_what_is_written_is_the_text_of_the_user_with_other_beams(
+    model: LadderModel, keys: list[str], set_a: tuple[Scene, TrustedReference], tmp_path: Path
+) -> None:
+    scene, _ = set_a
+    target = tmp_path / "x" / "chosen.toml"
+    target.parent.mkdir()
+    text = chosen_specification(SCENE.read_text(), SCENE, target, scene, model, 1e-5)
+    assert all(key in text for key in keys), text
+    assert (
+        text.splitlines()[1]
+        == f"# Chosen by tisserand choose: {model.label}. Other comments are those of {SCENE.name}."
+    )
+    assert "# 7870 kg/m^3" in text and "cut =" not in text
+    target.write_text(text)
+    chosen = read(target)  # the reference curve is found from there
+    assert isinstance(chosen, Scene) and chosen.name == "crank_slider_3_chosen"
+    assert chosen.simulation is not None and chosen.simulation.tolerance == 1e-5
+    assert isinstance(chosen.plots[0].quantity, Deflection) and chosen.plots[0].reference is not None
+
+
+def test_the_command(
+    set_a: tuple[Scene, TrustedReference], tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:  # fmt: skip
+    """It writes what `build` accepts, and never overwrites anything."""
+    monkeypatch.setattr(search, "trusted_reference", lambda *_: set_a[1])
+    monkeypatch.setattr(search, "TRIED", LadderRange(("truncated",), ("mean",), (1,), (), (1,)))
+    out = tmp_path / "chosen.toml"
+    assert main(["choose", str(SCENE), "--error", "0.05", "--out", str(out), "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["chosen"]["model"] == "1 sine, truncated" and found["specification"] == str(out)
+    assert main(["build", str(out), "--out", str(tmp_path)]) == 0
+    before = out.read_bytes()
+    assert main(["choose", str(SCENE), "--out", str(out)]) == 2
+    assert "exists, and is not overwritten" in capsys.readouterr().err and out.read_bytes() == before
+    assert main(["choose", str(SCENE), "--error", "1e-4", "--out", str(tmp_path / "none.toml")]) == 1
+    assert "No model that was tried" in capsys.readouterr().out and not (tmp_path / "none.toml").exists()
