@@ -23,6 +23,8 @@ examples:
   tisserand compare scenes/free_beam_mean.toml scenes/free_beam_point.toml
   tisserand simulate scenes/crank_slider_3.toml
   tisserand modes scenes/four_bar.toml
+  tisserand study accuracy scenes/crank_slider_3.toml
+  tisserand choose scenes/crank_slider_3.toml --error 0.01
   tisserand study frames scenes/crank_slider_3.toml
   tisserand report scenes/free_beam_mean.toml --pdf
   tisserand check

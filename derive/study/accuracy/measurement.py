@@ -73,7 +73,10 @@ class CompiledLadderModel:
 
 
 def compiled(scene: Scene, model: LadderModel, monitored: bool = True) -> CompiledLadderModel:
-    """A model of a ladder, with the outputs that monitor its validity. Raises SpecError, SimulationError, CompilerError."""
+    """A model of a ladder, `monitored` with the outputs that watch its validity.
+
+    Raises SpecError, SimulationError, CompilerError.
+    """
     changed = model_scene(scene, model)
     complete = with_monitors(changed) if monitored else changed
     code = lower(derive(complete))

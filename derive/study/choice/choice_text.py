@@ -26,7 +26,7 @@ def choice_text(name: str, plot: str, screened: Sequence[Screening], choice: Cho
     lines += ["", f"Reference: {known.model.label}, which agrees to {percent(known.error)} with"]
     lines += [f"  {a.label}: {percent(a.difference)}" for a in known.agreements]
     width = max(len(line.model.label) for line in choice.tried)
-    lines += ["", f"  {'tried':{width}}  tolerance  measured  implied        ms  evaluations"]
+    lines += ["", f"  {'tried':{width}}  tolerance  measured  implied        ms  evaluations  operations"]
     lines += [f"  {line.model.label:{width}}  {_tried(line, choice)}" for line in choice.tried]
     return "\n".join([*lines, "", *_verdict(choice)])
 
@@ -36,14 +36,16 @@ def _tried(line: Line, choice: Choice) -> str:
         return f"fails: {line.failure}"
     p = shown(line, choice)
     implied = percent(line.warning.error) if line.warning else "-"
-    numbers = f"{p.tolerance:9g}{percent(p.rms):>10}{implied:>9}{1e3 * p.seconds[0]:10.3f}{p.evaluations:13}"
+    numbers = (
+        f"{p.tolerance:9g}{percent(p.rms):>10}{implied:>9}{1e3 * p.seconds[0]:10.3f}{p.evaluations:13}{p.operations:12}"
+    )
     return numbers + ("  good" if accurate(line, p, choice.error, choice.reference.error) else "")
 
 
 def shown(line: Line, choice: Choice) -> Point:
     """The cheapest run of a model that is accurate enough, or else the cheapest of about its smallest error."""
     good = [p for p in line.points if accurate(line, p, choice.error, choice.reference.error)]
-    return min(good, key=lambda p: p.seconds[0]) if good else cheapest(line)
+    return min(good, key=lambda p: p.operations) if good else cheapest(line)
 
 
 def _verdict(choice: Choice) -> list[str]:
@@ -58,8 +60,8 @@ def _verdict(choice: Choice) -> list[str]:
     result = [f"Chosen: {line.model.label}, tolerance {point.tolerance:g}: {percent(point.rms)} in {_ms(point)}"]
     for word, steps in neighbours(choice).items():
         for other, p in steps:
-            cost, error = p.seconds[0] / point.seconds[0], p.rms / point.rms
-            what = f"{cost:.2g} times the time, {error:.2g} times the error"
+            cost, error = p.operations / point.operations, p.rms / point.rms
+            what = f"{cost:.2g} times the operations, {error:.2g} times the error"
             result.append(f"  {word}: {other.model.label}, tolerance {p.tolerance:g}: {what}")
     return result
 
@@ -71,9 +73,9 @@ def neighbours(choice: Choice) -> dict[str, list[tuple[Line, Point]]]:
     chosen, point = choice.chosen
     runs = [(line, shown(line, choice)) for line in choice.tried if line.points and line is not chosen]
     down = sorted((r for r in runs if r[1].rms > point.rms), key=lambda r: r[1].rms)
-    up = sorted((r for r in runs if r[1].rms < point.rms), key=lambda r: r[1].seconds[0])
+    up = sorted((r for r in runs if r[1].rms < point.rms), key=lambda r: r[1].operations)
     finer = [(chosen, p) for p in chosen.points if p.rms < GAIN * point.rms]
-    cheaper = [r for r in down if r[1].seconds[0] < point.seconds[0]]
+    cheaper = [r for r in down if r[1].operations < point.operations]
     return {"step down": cheaper[:STEPS], "step up": [*finer[:1], *up][:STEPS]}
 
 

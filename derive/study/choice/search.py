@@ -75,14 +75,17 @@ class Choice:
 
     @property
     def chosen(self) -> tuple[Line, Point] | None:
-        """The cheapest run that is accurate enough, of models whose monitors imply no larger error."""
+        """The run with the fewest operations that is accurate enough, of models whose monitors imply no larger error.
+
+        Operations, unlike times, are the same on any machine.
+        """
         good = [
             (line, point)
             for line in self.tried
             for point in line.points
             if accurate(line, point, self.error, self.reference.error)
         ]
-        return min(good, key=lambda pair: pair[1].seconds[0], default=None)
+        return min(good, key=lambda pair: pair[1].operations, default=None)
 
     @property
     def best(self) -> tuple[Line, Point] | None:
