@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Sequence
 from itertools import groupby
 from pathlib import Path
@@ -146,11 +147,14 @@ def _legend(figure: Figure, left: float) -> None:
 
 def section(rows: Sequence[Row]) -> str:
     """The section of README.md: a small table of first / truncated / full, and the picture."""
-    best = "each in its best elimination order; the default order is safe in every state"
+    text = (
+        "One beam as the rod of the crank-slider, with three shapes: first order / truncated / full, each in its best "
+        "elimination order. The default order is safe in every state. More in "
+        "[docs/second_order.md](docs/second_order.md)."
+    )
     lines = [
         f"{BEGIN}\n## Frames at second order\n",
-        f"One beam as the rod, three shapes, first order / truncated / full, {best} "
-        "([docs/second_order.md](docs/second_order.md)):\n",
+        f"{textwrap.fill(text, 118)}\n",
         "| frame | error, % | nnz(M) | accel, ns | definite to \\|v\\|/l |",
         "|---|---|---|---|---|",
     ]
