@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 import sympy as sp
 
 from derive.mechanics.equations import Equations
-from derive.mechanics.symbols import MASS, Family, Identity, Symbol
+from derive.mechanics.symbols import MASS, Family, I, Identity, Symbol, amplitude, identity
 from derive.report.document.formula import (
     Call,
     Fenced,
@@ -27,6 +27,7 @@ from derive.report.document.formula import (
     Root,
 )
 from derive.report.notation.families import written
+from derive.report.notation.integral_symbols import dotted
 from derive.report.notation.labels import delta, label, row_identities, variation
 from derive.report.notation.typeset_names import Rank, TypesetSymbol
 
@@ -54,15 +55,19 @@ class Notation:
     """How the symbols and the rows of a model are written.
 
     `constants` are the symbols that the specification chose, in its order; `mass` is the one of the mass, if it has
-    one; `rows` are the virtual displacements of the equations of motion, by the names of the rows.
+    one; `rows` are the virtual displacements of the equations of motion, by the names of the rows. `with_rates` are the
+    second derivatives of moments that are more than a product with accelerations, as those of second order are.
     """
 
     constants: tuple[sp.Symbol, ...] = ()
     mass: sp.Symbol | None = None
     rows: Mapping[str, Identity] = field(default_factory=dict)
+    with_rates: frozenset[sp.Symbol] = frozenset()
 
     def written(self, symbol: sp.Symbol) -> TypesetSymbol:
         """How a symbol is written, and its position in a product."""
+        if symbol in self.with_rates:
+            return TypesetSymbol(Rank.MOMENT, dotted(identity(symbol)))
         if symbol != MASS:
             return written(symbol)
         if self.mass is not None:
@@ -185,7 +190,14 @@ def notation(equations: Equations) -> Notation:
     value = next((c.value for c in coefficients if c.symbol == MASS), None)
     parameters = tuple(p.symbol for p in equations.parameters)
     mass = value if isinstance(value, sp.Symbol) else None
-    return Notation(parameters, mass, row_identities(equations))
+    with_rates = frozenset(s.symbol for s in equations.mode_sums if _has_both(s.term))
+    return Notation(parameters, mass, row_identities(equations), with_rates)
+
+
+def _has_both(term: sp.Expr) -> bool:
+    """Whether an expression has summands with accelerations of the amplitudes, and others without."""
+    accelerated = [summand.has(amplitude(I, 2)) for summand in sp.Add.make_args(term)]
+    return any(accelerated) and not all(accelerated)
 
 
 def polynomial(coefficients: Sequence[sp.Rational], variable: Formula) -> tuple[Part, ...]:

@@ -30,14 +30,18 @@ SUMMED = {Family.D1: Family.C2, **{family: family for family in (Family.D2, Fami
 
 def moment(known: Identity, above: tuple[str, ...]) -> TypesetSymbol:
     """A moment; its derivatives, which are sums over the shapes, as products with the column of alpha."""
-    letter, number = stem(known.family)
     single = known.family is Family.D1 and known.derivative == 1
     if not known.derivative or single:
-        below = subscript(number, known)
-        return TypesetSymbol(Rank.MOMENT, Name(letter, dots=known.derivative, below=below, above=above))
+        return TypesetSymbol(Rank.MOMENT, dotted(known, above))
     letter, number = stem(SUMMED[known.family])
     moment = Name(letter, below=subscript(number, known), above=above)
     return TypesetSymbol(Rank.MOMENT, FormulaRow((column(known.derivative, transposed=True), moment)))
+
+
+def dotted(known: Identity, above: tuple[str, ...] = ()) -> Name:
+    """A moment with a dot for each time derivative."""
+    letter, number = stem(known.family)
+    return Name(letter, dots=known.derivative, below=subscript(number, known), above=above)
 
 
 def row_times_column(known: Identity, above: tuple[str, ...]) -> TypesetSymbol:

@@ -17,7 +17,9 @@ from derive.pipeline import Built
 from derive.report.document.formula import Name
 from derive.report.document.page import Details, Heading, Page
 from derive.report.model_page import model_page
+from derive.report.notation.expressions import notation
 from derive.report.notation.families import written
+from derive.report.notation.spoken_math import words
 from derive.report.scene_page import scene_page
 from derive.report.sections.files import SpecificationText
 from derive.roles import Source
@@ -106,3 +108,14 @@ def test_a_scene_of_first_order_says_nothing_of_it() -> None:
     _, page = built("first")
     assert "Beyond the paper: the displacement" not in repr(page)
     assert not {"Psi", "beta", "theta"} & {letter for letter, _, _ in nomenclature(page)}
+
+
+def test_the_second_derivative_of_a_moment_is_no_product_with_accelerations_alone() -> None:
+    """d1ddot = sum (alphaddot_i d4_i + alphadot_i c9dot_i) along the axis; at first order it is alphaddot^T c2."""
+    product, name = "open bracket alpha double dot super T c sub 2 {} close bracket", "d double dot sub 1 1"
+    for order, expected in ((1, {product.format(2)}), (2, {product.format(2), name})):
+        equations = derive.derive(beams.beam("chord", 2, order=order))
+        written_as = notation(equations)
+        sums = {words(written_as.formula(s.symbol)) for s in equations.mode_sums}
+        assert expected <= sums and product.format(1) not in sums
+        assert (name in sums) is (order == 2)
