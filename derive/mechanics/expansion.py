@@ -154,8 +154,25 @@ def _weight(motion: Motion) -> tuple[Term, ...]:
 
 def _mass_matrix(motion: Motion, terms: tuple[Term, ...]) -> sp.ImmutableMatrix:
     """The factors of the accelerations in each row."""
+    accelerations = [row.a for row in motion.rows]
     sums_of = [sp.Add(*(t.expr for t in terms if t.row == row.name)) for row in motion.rows]
-    return sp.ImmutableMatrix([[left.diff(row.a) for row in motion.rows] for left in sums_of])
+    factors = [linear_factors(left, accelerations) for left in sums_of]
+    return sp.ImmutableMatrix([[row[a] for a in accelerations] for row in factors])
+
+
+def linear_factors(expr: sp.Expr, symbols: Sequence[sp.Symbol]) -> dict[sp.Symbol, sp.Expr]:
+    """The derivatives of an expression that is linear in some symbols: in a product, what stands beside the symbol.
+
+    Much faster than derivatives of the whole, which look at every term for each symbol.
+    """
+    wanted, parts = set(symbols), {s: list[sp.Expr]() for s in symbols}
+    for term in sp.Add.make_args(expr):
+        beside = sp.Mul.make_args(term)
+        own = wanted.intersection(beside)
+        for symbol in own or wanted & term.free_symbols:
+            alone = len(own) == 1 and sum(symbol in f.free_symbols for f in beside) == 1
+            parts[symbol].append(sp.Mul(*(f for f in beside if f != symbol)) if alone else term.diff(symbol))
+    return {symbol: sp.Add(*found) for symbol, found in parts.items()}
 
 
 def _mass_zeros(
