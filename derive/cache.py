@@ -58,7 +58,7 @@ def read(name: str) -> bytes | None:
         return None
     path = folder / name
     try:
-        handle = os.open(path, os.O_RDONLY | os.O_NOFOLLOW)
+        handle = os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK)  # a pipe would block
     except OSError:  # there is none, or a link
         return None
     with os.fdopen(handle, "rb") as stream:

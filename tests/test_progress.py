@@ -57,7 +57,7 @@ def test_an_error_replaces_the_line(
         progress("lowering to kernels")
         raise TisserandError("the message")
 
-    monkeypatch.setattr("derive.cli.specifications.build", failing)
+    monkeypatch.setattr("derive.pipeline.build", failing)
     monkeypatch.setattr("sys.stderr.isatty", lambda: True)
     assert main(["build", BEAM, "--out", str(tmp_path)]) == 2
     assert capsys.readouterr().err.endswith("lowering to kernels ...\x1b[K\r\x1b[Kthe message\n")

@@ -167,6 +167,7 @@ def _add_choose(commands: Any) -> None:
         "--out", type=Path, metavar="FILE", help="the specification to write (default: SPEC_chosen.toml)"
     )
     choose.add_argument("--json", action="store_true", help="print the search as JSON")
+    add_no_cache(choose)
 
 
 def _add_check(commands: Any) -> None:

@@ -72,9 +72,10 @@ def made(name: str, stiffness: float, start: str, joints: str, duration: float, 
 
 @pytest.fixture
 def small_references(monkeypatch: pytest.MonkeyPatch) -> None:
-    """References of two beams with three shapes, which is enough here."""
+    """References of two beams with three shapes, which is enough here, and an end with the first model that is good."""
     small = LadderModel(Shapes.POLYNOMIALS, 3, DisplacementOrder.TRUNCATED, "mean", 2)
     monkeypatch.setattr(search, "_refinements", lambda: (small,))
+    monkeypatch.setattr(search, "BEYOND", 0)
 
 
 def label(choice: Choice) -> str:
@@ -92,9 +93,9 @@ def test_the_sag_of_a_beam_needs_one_shape(small_references: None) -> None:
     choice = choose(scene, scene.plots[0], 0.02, quiet)
     assert label(choice) == "1 sine, first" and choice.reference.error < 0.02 / 3
     assert choice.tried[0].model.label == "rigid"
-    text = choice_text(scene.name, "it", screening(scene), choice)
-    assert "rigid" in text and "Chosen: 1 sine, first" in text and "step up" in text
     (one,) = screening(scene)
+    text = choice_text(scene.name, "it", (one,), choice)
+    assert "rigid" in text and "Chosen: 1 sine, first" in text
     assert one.frequency == pytest.approx(np.pi**2, rel=4e-4)  # pi^2 sqrt(EI/(m l^3)); of P2 to P4, 3e-4 high
     assert one.deflection == pytest.approx(4 / np.pi * 0.3 / np.pi**4, rel=1e-3)
 
@@ -113,7 +114,7 @@ def test_a_fast_spin_needs_second_order(small_references: None) -> None:
     choice = choose(scene, scene.plots[0], 0.07, quiet)
     assert label(choice).endswith("truncated")
     tried = {line.model.label: line for line in choice.tried}
-    first = tried["1 beam, P2, P3, first"]
+    first = tried["1 beam, P2, first"]
     assert first.warning is not None and min(p.rms for p in first.points) > 0.07
 
 

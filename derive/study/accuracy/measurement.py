@@ -9,10 +9,8 @@ from statistics import median
 
 import numpy as np
 
-from derive.artifacts import File
-from derive.backends.model_files import model_files
-from derive.derivation import derive, lower
 from derive.errors import TisserandError
+from derive.generated_models import generated
 from derive.ir.model import Model
 from derive.runtime.integrators.adaptive import Adaptive, AdaptiveRun
 from derive.runtime.integrators.c_integrator import CONSISTENT
@@ -79,8 +77,7 @@ def compiled(scene: Scene, model: LadderModel, monitored: bool = True) -> Compil
     """
     changed = model_scene(scene, model)
     complete = with_monitors(changed) if monitored else changed
-    code = lower(derive(complete))
-    files: Sequence[File] = model_files(code, complete)
+    code, files = generated(complete)
     native = load_scene(files)
     k, own = native.setup(), len(code.outputs) - len(complete.outputs) + len(changed.outputs)
     columns = replace(code, outputs=code.outputs[:own])
