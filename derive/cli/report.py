@@ -41,6 +41,7 @@ def _of_model(path: Path) -> tuple[str, str, Page]:
     from derive.report.model_page import model_page
     from derive.report.scene_page import ResultPicture, scene_page
     from derive.report.sections.files import SpecificationText
+    from derive.simulation.run_record import recorded_warnings
 
     (built,) = build_all([path])
     name = built.model.name
@@ -56,6 +57,7 @@ def _of_model(path: Path) -> tuple[str, str, Page]:
             text,
             [ResultPicture(stem, svg) for stem, svg in pictures if MARK in svg[:1000]],
             _initial_state(built.spec, built.files),
+            recorded_warnings(Path("results") / name / f"{name}.json", built.spec),
         ),
     )
 

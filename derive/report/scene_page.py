@@ -45,9 +45,11 @@ def scene_page(
     specification: SpecificationText,
     results: Sequence[ResultPicture] = (),
     initial: InitialState | str | None = None,
+    warnings: Sequence[str] = (),
 ) -> Page:
     """The report of a scene, with its initial state, or why there is none, if that is known.
 
+    warnings: those of a run whose pictures are among the results, where a beam leaves the range of its model.
     Raises TypeError when what was built is a body.
     """
     spec, equations, model = built.spec, built.equations, built.model
@@ -61,7 +63,7 @@ def scene_page(
     visible = [p for p in terms if p.term.row in {row.name for row in shown.rows}]
     blocks = (
         *mechanism_blocks(spec),
-        *_results(results),
+        *_results(results, warnings),
         *body_blocks(spec, model, equations),
         *joint_blocks(spec, equations),
         *specification_blocks(specification),
@@ -140,8 +142,9 @@ def _firsts(spec: Scene) -> Iterator[tuple[str, str]]:
                 yield piece_name(rod, k), piece_name(rod, 0)
 
 
-def _results(results: Sequence[ResultPicture]) -> tuple[Block, ...]:
-    if not results:
+def _results(results: Sequence[ResultPicture], warnings: Sequence[str]) -> tuple[Block, ...]:
+    if not results and not warnings:
         return ()
+    doubts = (Paragraph((f"The run warns: {warning}.",)) for warning in warnings)
     pictures = (Picture(result.svg, f"Result {result.name}", result.name) for result in results)
-    return (Heading("Results", "results"), *pictures)
+    return (Heading("Results", "results"), *doubts, *pictures)

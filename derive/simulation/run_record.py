@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,7 @@ from derive.backends.model_files import fingerprint
 from derive.simulation.body_trajectory import BodyTrajectory
 from derive.simulation.observables.csv_writer import csv
 from derive.simulation.trajectory import Trajectory
+from derive.spec.model.scene import Scene
 from derive.version import VERSION
 
 DRIFT_COLUMNS = 4
@@ -63,3 +65,15 @@ def _validity(trajectory: Trajectory | BodyTrajectory) -> dict[str, Any]:
     if isinstance(trajectory, BodyTrajectory) or not trajectory.validity:
         return {}
     return {"validity": [monitor.data for monitor in trajectory.validity], "warnings": [*trajectory.warnings]}
+
+
+def recorded_warnings(record: Path, spec: Scene) -> tuple[str, ...]:
+    """The warnings of the monitors in the record of a run of this scene; none if there is no such record."""
+    try:
+        content = json.loads(record.read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return ()
+    if not isinstance(content, dict) or content.get("specification_sha256") != fingerprint(spec):
+        return ()
+    warnings = content.get("warnings", [])
+    return tuple(w for w in warnings if isinstance(w, str)) if isinstance(warnings, list) else ()

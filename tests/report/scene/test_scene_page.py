@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from derive.cli.main import main
 from derive.lowering.elimination_orders import fill_in
 from derive.pipeline import Built, build
 from derive.report.document.anchors import faults
@@ -15,6 +16,7 @@ from derive.report.document.page import Page
 from derive.report.scene_page import ResultPicture, scene_page
 from derive.report.sections.files import SpecificationText
 from derive.report.writers.html import html
+from derive.simulation.run_record import recorded_warnings
 from derive.visual.kkt_matrix import factor_entries, kkt_picture
 
 SCENES = Path(__file__).parents[3] / "scenes"
@@ -74,6 +76,27 @@ def test_results_that_are_there_are_shown() -> None:
     assert "Results" in html(page("crank_slider_3"))
     text = (SCENES / "crank_slider_3.toml").read_text()
     assert 'id="results"' not in html(scene_page(built("crank_slider_3"), SpecificationText("x.toml", text)))
+
+
+def test_what_a_run_of_this_scene_warns_of_is_shown(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """With the results; a record of another specification, or a file that is none, says nothing."""
+    monkeypatch.chdir(tmp_path)
+    scene = tmp_path / "fast.toml"
+    text = (
+        (SCENES / "spinning_beam.toml")
+        .read_text()
+        .replace("spin = 25", "spin = 20")
+        .replace("duration = 2", "duration = 0.01")
+    )
+    scene.write_text(text)
+    assert main(["simulate", str(scene)]) == 0
+    assert main(["report", str(scene)]) == 0
+    report = tmp_path / "results" / "spinning_beam" / "spinning_beam.report.html"
+    assert "The run warns: beam in 1 beam: its spin is" in report.read_text()
+    scene.write_text(text.replace("spin = 20", "spin = 2"))
+    assert main(["report", str(scene)]) == 0
+    assert "The run warns" not in report.read_text()
+    assert recorded_warnings(scene, built("spinning_beam").spec) == ()
 
 
 def test_a_body_is_no_scene() -> None:
