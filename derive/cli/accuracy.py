@@ -6,7 +6,7 @@ import argparse
 import json
 from pathlib import Path
 
-from derive.artifacts import MARK, File, sha256, write
+from derive.artifacts import MARK, File, check_folder, sha256, write
 from derive.spec.model.scene import Scene
 from derive.study.accuracy.chart import LadderChart, accuracy_svg
 from derive.study.accuracy.measurement import Line, compile_all, measure
@@ -19,13 +19,18 @@ from derive.terminal import show_progress
 from derive.version import VERSION
 
 NAME = "accuracy"
+EXPECTED_SIZE = 1_000_000
+"""About what the files of a study need, in bytes."""
 
 
 def run(scene: Scene, options: argparse.Namespace) -> int:
     """Run the study and write its chart, page, table and data."""
+    folder = options.out or Path("results") / scene.name
+    record = f"{NAME}.json"
+    planned = [File(f"{NAME}.{kind}", "") for kind in ("svg", "html")]
+    check_folder([*planned, File(f"{NAME}.csv", "", record=record), File(record, "")], folder, EXPECTED_SIZE)
     chart = study(scene, options)
     show_progress()
-    folder = options.out or Path("results") / scene.name
     data = accuracy_data(chart)
     files = _files(chart, data)
     write(files, folder)

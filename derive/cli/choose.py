@@ -7,6 +7,7 @@ import json
 import os
 from pathlib import Path
 
+from derive.artifacts import File, check_folder
 from derive.cli.specifications import read_scene
 from derive.errors import Problem, SpecError, TisserandError
 from derive.simulation.observables.beams import beam_bodies
@@ -17,6 +18,9 @@ from derive.study.choice.screening import screening
 from derive.study.choice.search import Choice, choose
 from derive.study.choice.written_specification import chosen_specification
 from derive.terminal import show_progress
+
+EXPECTED_SIZE = 100_000
+"""About what a specification needs at most, in bytes."""
 
 
 class ExistingFile(TisserandError):
@@ -29,6 +33,7 @@ def run(options: argparse.Namespace) -> int:
     target = options.out or options.spec.with_name(f"{options.spec.stem}_chosen.toml")
     if os.path.lexists(target):
         raise ExistingFile(f"{target} exists, and is not overwritten; move it, or give another file with --out")
+    check_folder([File(target.name, "")], target.parent, EXPECTED_SIZE)
     try:
         if not beam_bodies(scene):
             raise SpecError((Problem("bodies", "there is no beam here, and nothing to choose"),))
@@ -54,8 +59,10 @@ def _written(spec: Path, target: Path, choice: Choice) -> str:
     """Write the specification of what is chosen, which is read once more before. Returns the name of the file."""
     assert choice.chosen is not None
     line, point = choice.chosen
-    text = chosen_specification(spec.read_text(), spec, target, read_scene(spec), line.model, point.tolerance)
+    source = spec.read_text(encoding="utf-8-sig")
+    text = chosen_specification(source, spec, target, read_scene(spec), line.model, point.tolerance)
     parse(text, str(target))
-    with target.open("x") as file:  # another process may have made it meanwhile
+    target.parent.mkdir(parents=True, exist_ok=True)
+    with target.open("x", encoding="utf-8") as file:  # another process may have made it meanwhile
         file.write(text)
     return str(target)

@@ -128,6 +128,21 @@ def test_plots_are_chosen_by_their_names(crank_slider: Scene) -> None:
         compared_plot(crank_slider, "deflexion")
     with pytest.raises(SpecError, match=r"a ladder compares a plot; add one, such as \[plots.tip\]"):
         compared_plot(replace(crank_slider, plots=()), None)
+    assert crank_slider.simulation is not None
+    ends = replace(crank_slider, simulation=replace(crank_slider.simulation, until="rod_phi > 1"))
+    with pytest.raises(SpecError, match="leave `until` out"):
+        compared_plot(ends, None)
+
+
+@pytest.mark.parametrize("command", [["study", "accuracy"], ["choose"]])
+def test_where_nothing_can_be_written_is_known_before_the_work(
+    command: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Nothing is derived, which would raise."""
+    monkeypatch.setattr("derive.study.accuracy.measurement.generated", None)
+    (tmp_path / "file").write_text("mine")
+    assert main([*command, str(SCENE), "--out", str(tmp_path / "file" / "x")]) == 2
+    assert "this is a file, not a folder; choose another --out" in capsys.readouterr().err
 
 
 def test_one_sine_of_second_order_costs_little_and_is_right(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -182,16 +182,16 @@ def measure(
 
     tolerances: from coarse to fine.
     """
-    found = []
+    accuracies = []
     for n, of in enumerate(ready, 1):
         progress(f"running model {n} of {len(ready)}: {of.model.label}")
-        found.append(_accuracy(of, plot, tolerances))
-    todo = [(of, tolerance) for of, accuracy in zip(ready, found, strict=True) for tolerance in accuracy.errors]
+        accuracies.append(_accuracy(of, plot, tolerances))
+    todo = [(of, tolerance) for of, accuracy in zip(ready, accuracies, strict=True) for tolerance in accuracy.errors]
     finished = [end_run(of, tolerance) for of, tolerance in todo]
     clocks = [partial(_seconds, of, tolerance) for of, tolerance in todo]
     rows = interleaved(clocks, runs, lambda run: progress(f"timing, run {run + 1} of {runs}")) if clocks else []
     lines = []
-    for of, accuracy in zip(ready, found, strict=True):
+    for of, accuracy in zip(ready, accuracies, strict=True):
         points = []
         for i, (owner, tolerance) in enumerate(todo):
             if owner is of:

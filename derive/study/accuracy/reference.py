@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from derive.errors import Problem, SpecError, quoted
-from derive.simulation.observables.plots import plot_curves
+from derive.simulation.observables.plots import PlotCurve, plot_curves
 from derive.spec.model.plots import ColumnCurves, Plot, ReferenceCurve
 from derive.spec.model.scene import Scene
 from derive.spec.parsing.faults import did_you_mean
@@ -36,6 +36,9 @@ def compared_plot(scene: Scene, name: str | None) -> Plot:
     if not scene.plots:
         text = 'a ladder compares a plot; add one, such as [plots.tip] with y = ["the name of a column"]'
         raise SpecError((Problem("plots", text),))
+    if scene.simulation is not None and scene.simulation.until is not None:
+        text = "models are compared over the same time, and this ends each run at its own; leave `until` out"
+        raise SpecError((Problem("simulation.until", text),))
     if name is None:
         return scene.plots[0]
     known = {plot.name: plot for plot in scene.plots}
@@ -57,7 +60,7 @@ def reference(scene: Scene, plot: Plot, error: float | None, own: bool, progress
 
 def _own(scene: Scene, plot: Plot, progress: Callable[[str], None]) -> Reference:
     """The finest of ever finer models; its error is its difference from the one before."""
-    bare = replace(_single(plot), cut=None, pieces=(), reference=None)
+    bare = bare_plot(plot)
     finest, before, label = None, None, ""
     for model in refinements():
         progress(f"reference: {model.label}")
@@ -66,17 +69,27 @@ def _own(scene: Scene, plot: Plot, progress: Callable[[str], None]) -> Reference
         )
         before, finest, label = finest, curve, model.label
     assert finest is not None and before is not None
-    peak = float(np.abs(finest.y).max())
-    if peak == 0:
+    difference = rms_difference(finest, before)
+    if difference is None:
         raise SpecError((Problem(f"plots.{plot.name}", "it vanishes all the time, so that no error of it is known"),))
-    difference = float(np.sqrt(np.mean((finest.y - before.y) ** 2)) / peak)
-    rows = tuple(zip(map(float, finest.x), map(float, finest.y), strict=True))
-    made = ReferenceCurve(label, "", "", rows)
-    return Reference(replace(bare, reference=made), f"own run, {label}", difference)
+    return Reference(with_curve(bare, label, finest), f"own run, {label}", difference)
 
 
-def _single(plot: Plot) -> Plot:
-    """A plot of columns with the first of them alone."""
-    if isinstance(plot.quantity, ColumnCurves):
-        return replace(plot, quantity=replace(plot.quantity, y=plot.quantity.y[:1]))
-    return plot
+def bare_plot(plot: Plot) -> Plot:
+    """A plot of one curve, of several columns the first, without reference and without other numbers of pieces."""
+    quantity = plot.quantity
+    if isinstance(quantity, ColumnCurves):
+        quantity = replace(quantity, y=quantity.y[:1])
+    return replace(plot, quantity=quantity, cut=None, pieces=(), reference=None)
+
+
+def with_curve(bare: Plot, label: str, curve: PlotCurve) -> Plot:
+    """A plot with a curve as its reference, which the label describes."""
+    rows = tuple(zip(map(float, curve.x), map(float, curve.y), strict=True))
+    return replace(bare, reference=ReferenceCurve(label, "", "", rows))
+
+
+def rms_difference(finer: PlotCurve, coarser: PlotCurve) -> float | None:
+    """The root mean square difference of two curves over the peak of the finer; None where that vanishes."""
+    peak = float(np.abs(finer.y).max())
+    return None if peak == 0 else float(np.sqrt(np.mean((finer.y - coarser.y) ** 2)) / peak)

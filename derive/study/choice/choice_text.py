@@ -1,4 +1,4 @@
-"""What a search has found, in words and as plain data: what was tried, what it costs, and what the next steps would."""
+"""The result of a search, in words and as plain data: what was tried, what it costs, and what the next steps would."""
 
 from __future__ import annotations
 

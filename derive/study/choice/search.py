@@ -12,12 +12,10 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
-import numpy as np
-
 from derive.errors import TisserandError
 from derive.simulation.observables.plots import PlotCurve, plot_curves
 from derive.spec.model.body import DisplacementOrder
-from derive.spec.model.plots import ColumnCurves, Plot, ReferenceCurve
+from derive.spec.model.plots import Plot
 from derive.spec.model.scene import Scene
 from derive.study.accuracy.measurement import (
     CompiledLadderModel,
@@ -29,6 +27,7 @@ from derive.study.accuracy.measurement import (
     motion,
 )
 from derive.study.accuracy.models import LadderModel, LadderRange, Shapes, ladder
+from derive.study.accuracy.reference import bare_plot, rms_difference, with_curve
 
 FINE, COARSE = 1e-10, 1e-8
 """Tolerances of the reference, and of the run that shows the error of its steps."""
@@ -67,7 +66,7 @@ class TrustedReference:
 
 @dataclass(frozen=True)
 class Choice:
-    """What a search for an error has found: its reference, and the models in the order in which they were tried."""
+    """The result of a search for an error: its reference, and the models in the order in which they were tried."""
 
     error: float
     reference: TrustedReference
@@ -132,7 +131,7 @@ class NotConverged(TisserandError):
 
 def trusted_reference(scene: Scene, plot: Plot, error: float, progress: Progress) -> TrustedReference:
     """A reference whose own error is at most a third of `error`. Raises NotConverged."""
-    bare = _bare(plot)
+    bare = bare_plot(plot)
     curves: dict[tuple[LadderModel, float], PlotCurve] = {}
     runnable: dict[LadderModel, CompiledLadderModel] = {}
 
@@ -147,21 +146,17 @@ def trusted_reference(scene: Scene, plot: Plot, error: float, progress: Progress
     best: TrustedReference | None = None
     for model in _refinements():
         finest = curve(model)
-        peak = float(np.abs(finest.y).max())
-        if peak == 0:
-            raise NotConverged(f"{plot.name} vanishes all the time, so that there is no error of it to be small")
         agreements = []
         for check in _checks(model):
             try:
-                first, other = curve(check.finer), curve(check.coarser, check.tolerance)
+                difference = rms_difference(curve(check.finer), curve(check.coarser, check.tolerance))
             except TisserandError as failure:
                 raise NotConverged(f"the reference cannot be made: {first_line(failure)}") from failure
-            difference = float(np.sqrt(np.mean((first.y - other.y) ** 2)) / peak)
+            if difference is None:
+                raise NotConverged(f"{plot.name} vanishes all the time, so that there is no error of it to be small")
             agreements.append(Agreement(f"{check.label}: {check.coarser.label}", difference))
-        rows = tuple(zip(map(float, finest.x), map(float, finest.y), strict=True))
-        made = replace(bare, reference=ReferenceCurve(model.label, "", "", rows))
-        found = TrustedReference(made, model, tuple(agreements))
-        best = found if best is None or found.error < best.error else best
+        finer = TrustedReference(with_curve(bare, model.label, finest), model, tuple(agreements))
+        best = finer if best is None or finer.error < best.error else best
         if best.error <= SHARE * error:
             return best
     assert best is not None
@@ -198,11 +193,3 @@ def _checks(model: LadderModel) -> tuple[_Check, ...]:
         _Check("nothing truncated", fewer, replace(fewer, order=DisplacementOrder.FULL)),
         _Check("larger steps", model, model, COARSE),
     )
-
-
-def _bare(plot: Plot) -> Plot:
-    """A plot of one curve without reference."""
-    quantity = plot.quantity
-    if isinstance(quantity, ColumnCurves):
-        quantity = replace(quantity, y=quantity.y[:1])
-    return replace(plot, quantity=quantity, cut=None, pieces=(), reference=None)
