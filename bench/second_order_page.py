@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 
 from derive.spec.model.body import DisplacementOrder
 from derive.study.timing import machine_description
-from derive.visual import line_chart as style
+from derive.visual import chart_style as style
 
 if TYPE_CHECKING:
     from second_order import Elimination, Row

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from derive.study.frame_cost import PAPER, FrameComparison, FrameCost
 from derive.terminal import beam_count
-from derive.visual import line_chart as style
+from derive.visual import chart_style as style
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -31,7 +31,7 @@ EXEMPT = {
     "report/notation/formula_reader.py": "reads the notation in which the audit of the paper is written",
     "report/paper_audit/page.py": "reads the notation in which the audit of the paper is written",
     "report/document/anchors.py": "turns any text into an address that browsers take",
-    "visual/line_chart.py": "shortens the numbers of an SVG file that matplotlib wrote",
+    "visual/chart_style.py": "shortens the numbers of an SVG file that matplotlib wrote",
 }
 """Files that may read text, and why."""
 

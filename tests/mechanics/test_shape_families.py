@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
+from itertools import product
+
 import numpy as np
 import pytest
+import sympy as sp
 
 import derive
+from derive.mechanics.bodies.beam_functions import polynomial
 from derive.mechanics.symbols import Family
 
 ROOTS = {
@@ -61,3 +66,11 @@ def test_integrals_of_pinned_sines_at_second_order_by_quadrature() -> None:
             expected = np.dot(weights, wave * waves[j - 1]) / 2 + np.dot(weights, xi * psi) / 4
             assert of[Family.C9, (i, j), (1,)] == pytest.approx(np.dot(weights, psi) / 2, abs=1e-12)
             assert of[Family.C5, (i, j), ()] == pytest.approx(expected, abs=1e-12)
+
+
+def test_polynomials_are_written_as_sympy_writes_them() -> None:
+    values = (Fraction(0), Fraction(1), Fraction(-1), Fraction(-3, 2), Fraction(7, 3), Fraction(1, 2), Fraction(5))
+    for coefficients in product(values, repeat=4):
+        highest_first = [sp.Rational(c.numerator, c.denominator) for c in reversed(coefficients)]
+        known = str(sp.Poly(highest_first, sp.Symbol("xi")).as_expr()).replace("**", "^")
+        assert polynomial(coefficients).text == known

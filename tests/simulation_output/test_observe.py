@@ -84,6 +84,13 @@ def test_deviation_is_of_the_peak_and_where_both_are() -> None:
     assert deviation(np.array([3.0, 4.0]), np.zeros(2), reference) is None
 
 
+def test_curves_are_cubic_between_their_points() -> None:
+    x = np.array([0.0, 1.0, 3.0, 4.0, 5.0])
+    reference = ReferenceCurve("r.csv", "x", "y", ((0.5, 0.0), (2.0, 0.0), (4.5, 1.0)))
+    _, off = deviation(x, x**3 - x, reference) or pytest.fail("no point in common")
+    np.testing.assert_allclose(off, [0.125 - 0.5, 6.0, 4.5**3 - 5.5])
+
+
 def test_rows_end_with_the_duration() -> None:
     assert len(output_times(Simulation(0.1, 1e-4))) == 1001
     assert output_times(Simulation(0.1, 1e-4))[-1] == 0.1

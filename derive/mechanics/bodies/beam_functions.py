@@ -116,8 +116,7 @@ class BeamFunction:
     def text(self) -> str:
         """The function as a specification writes it, or in decimals."""
         if self.is_exact:
-            powers = [rational(c) for c in reversed(self.coefficients)]
-            return str(sp.Poly(powers or [0], sp.Symbol("xi")).as_expr()).replace("**", "^")
+            return _polynomial_text(self.coefficients)
         summands = (summand for term in self.real_terms for summand in term.texts())
         return " + ".join(summands).replace("+ -", "- ")
 
@@ -202,6 +201,24 @@ def rational(number: Real) -> sp.Rational:
     if isinstance(number, Fraction):
         return sp.Rational(number.numerator, number.denominator)
     return sp.Rational(float(number))
+
+
+def _polynomial_text(coefficients: Polynomial) -> str:
+    """The text of a polynomial, highest power first: 3*xi^2/2 - 1/2; a positive constant before -xi^2."""
+    powers = [(n, c) for n, c in enumerate(coefficients) if c]
+    if not (len(powers) == 2 and powers[0][0] == 0 and powers[0][1] > 0 > powers[1][1]):
+        powers.reverse()
+    text = "".join(f" {'-' if c < 0 else '+'} {_monomial_text(n, abs(c))}" for n, c in powers)
+    return ("-" if text.startswith(" - ") else "") + text[3:] if text else "0"
+
+
+def _monomial_text(power: int, coefficient: Fraction) -> str:
+    """A positive number times a power of xi."""
+    if not power:
+        return str(coefficient)
+    number = f"{coefficient.numerator}*" if coefficient.numerator > 1 else ""
+    divisor = f"/{coefficient.denominator}" if coefficient.denominator > 1 else ""
+    return f"{number}xi{f'^{power}' if power > 1 else ''}{divisor}"
 
 
 def _sum(parts: Iterable[Mapping[Term, Real]]) -> dict[Term, Real]:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from derive.mechanics.multibody.joints.registry import JOINTS
 from derive.runtime.native_scene import NativeScene
+from derive.spec.files.splines import cubic_spline
 from derive.spec.model.markers import GROUND, MarkerRef, PointMarker
 from derive.spec.model.plots import Deflection, ReferenceCurve
 from derive.spec.model.quantity import Parameter, Quantity
@@ -159,9 +160,8 @@ def deviation(x: Array, y: Array, reference: ReferenceCurve) -> tuple[Array, Arr
     peak = np.abs(reference_y).max(initial=0.0)
     if not common.any() or peak == 0:
         return None
-    from scipy.interpolate import CubicSpline
-
-    interpolated: Array = CubicSpline(x[order], y[order])(reference_x[common])
+    spline = cubic_spline("", x[order].tolist(), y[order].tolist())
+    interpolated = np.array([spline(at) for at in reference_x[common].tolist()])
     return reference_x[common], (interpolated - reference_y[common]) / peak
 
 

@@ -15,7 +15,7 @@ from derive.study.accuracy.measurement import Line, Point
 from derive.study.accuracy.models import LadderModel, Shapes
 from derive.study.accuracy.pareto import Candidate, candidates, front, recommended
 from derive.study.accuracy.reference import Reference
-from derive.visual import line_chart as style
+from derive.visual import chart_style as style
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
