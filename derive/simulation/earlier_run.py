@@ -56,6 +56,7 @@ class EarlierRun:
             drift=np.vstack([self.drift[:-1, :2], solution.drift]),
             drift_before=np.vstack([self.drift[:-1, 2:], solution.drift_before]),
             outputs=None,  # the earlier run has not kept those that monitor its model
+            watched=None,
             notes=(f"resumed at t = {self.t:.9g} s, after {len(q)} rows", *solution.notes),
         )
 

@@ -10,6 +10,7 @@ from derive.artifacts import File
 from derive.errors import Problem, SpecError, quoted
 from derive.generated_models import generated
 from derive.ir.model import Model
+from derive.runtime.integrators.watch import Watch
 from derive.runtime.native_body import NativeBody
 from derive.runtime.native_call import Vector
 from derive.runtime.native_scene import NativeScene
@@ -80,6 +81,7 @@ class PreparedRun(ABC, Generic[Native, Start, Result]):
             breaks=self.breaks,
             until=stop_event(self._until, row, native, k),
             progress=progress,
+            watch=self._watch(native, k, float(times[0]), q),
         )
         solution = integrator.integrate(k, q, v, times, settings)
         if earlier is not None:
@@ -93,6 +95,10 @@ class PreparedRun(ABC, Generic[Native, Start, Result]):
     def _without_monitors(self, model: Model) -> Model:
         """The model without the outputs that monitor its validity."""
         return model
+
+    def _watch(self, native: Native, k: Vector, t: float, q: Vector) -> Watch | None:
+        """What is looked at after each step of a motion from q (nq,) at t, s."""
+        return None
 
     @abstractmethod
     def _columns(self) -> Sequence[tuple[str, str]]:

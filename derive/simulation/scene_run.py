@@ -7,6 +7,7 @@ from dataclasses import replace
 
 from derive.artifacts import File
 from derive.ir.model import Model
+from derive.runtime.integrators.watch import Watch
 from derive.runtime.native_call import Vector
 from derive.runtime.native_scene import NativeScene
 from derive.simulation.drive_jumps import check_drives
@@ -19,8 +20,9 @@ from derive.simulation.observables.default_plots import default_plots
 from derive.simulation.observables.motion import SceneMotion
 from derive.simulation.prepared_run import PreparedRun
 from derive.simulation.trajectory import Trajectory, column_units, column_values
-from derive.simulation.validity.axial_load import monitored_pieces, with_monitors
+from derive.simulation.validity.axial_load import monitoring_outputs, with_monitors
 from derive.simulation.validity.measure import validity
+from derive.simulation.validity.watched_beam import scene_watch
 from derive.spec.model.body import NodalBody
 from derive.spec.model.plots import Plot
 from derive.spec.model.scene import Scene
@@ -47,7 +49,7 @@ class SceneRun(PreparedRun[NativeScene, InitialState, Trajectory]):
         return with_monitors(self.scene)
 
     def _without_monitors(self, model: Model) -> Model:
-        return replace(model, outputs=model.outputs[: len(model.outputs) - len(monitored_pieces(self.scene))])
+        return replace(model, outputs=model.outputs[: len(model.outputs) - len(monitoring_outputs(self.scene))])
 
     def _columns(self) -> Sequence[tuple[str, str]]:
         return column_units(self.scene, self.model)
@@ -68,6 +70,9 @@ class SceneRun(PreparedRun[NativeScene, InitialState, Trajectory]):
             compiled = compiled.through_python(native)
         return native, compiled
 
+    def _watch(self, native: NativeScene, k: Vector, t: float, q: Vector) -> Watch:
+        return scene_watch(self.scene, native, k, t, q).watch
+
     def _start(self, native: NativeScene, k: Vector) -> tuple[Vector, Vector, InitialState]:
         initial = initial_state(self.scene, native, k)
         return initial.q, initial.v, initial
@@ -77,4 +82,5 @@ class SceneRun(PreparedRun[NativeScene, InitialState, Trajectory]):
 
     def _result(self, native: NativeScene, k: Vector, start: InitialState, solution: Solution) -> Trajectory:
         motion = SceneMotion(self.scene, native, k, solution.t, solution.q, solution.v, solution.outputs)
-        return Trajectory(self.scene, self.model, start, motion, solution, self.settings, validity(motion))
+        monitors = validity(motion, solution.watched)
+        return Trajectory(self.scene, self.model, start, motion, solution, self.settings, monitors)

@@ -19,7 +19,7 @@ from derive.simulation.integration.solution import Solution
 from derive.simulation.observables.csv_writer import Column
 from derive.simulation.observables.motion import SceneMotion, drive_motion, drive_unit
 from derive.simulation.observables.outputs import port_values
-from derive.simulation.validity.axial_load import monitored_pieces
+from derive.simulation.validity.axial_load import monitoring_outputs
 from derive.simulation.validity.monitors import Monitor
 from derive.spec.model.body import NodalBody
 from derive.spec.model.scene import Scene
@@ -52,7 +52,7 @@ def column_units(scene: Scene, model: Model) -> list[tuple[str, str]]:
 def column_values(scene: Scene, native: NativeScene, k: Vector, solution: Solution) -> list[Vector]:
     """The values (n,) of the columns of a trajectory of a scene, in the order of `column_units`."""
     drives = [drive_motion(native, drive, solution.t) for drive in scene.drives]
-    monitors = {monitored.output.name for monitored in monitored_pieces(scene)}
+    monitors = {output.name for output in monitoring_outputs(scene)}
     inputs, outputs = port_values(native, k, solution, monitors)
     return [solution.t, *drives, *solution.q.T, *solution.v.T, *solution.lam.T, *inputs.T, *outputs.T]
 

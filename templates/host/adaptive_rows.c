@@ -26,6 +26,11 @@ typedef struct {
     double value;
 } writer;
 
+static double *row_at(const writer *w, long number)
+{
+    return w->request->rows + number * tisserand_fixed_row(w->s->model);
+}
+
 /* Write the row of the state in s->trial, which is projected */
 static int write_row(writer *w, double t)
 {
@@ -33,7 +38,7 @@ static int write_row(writer *w, double t)
     const tisserand_model *model = s->model;
     const tisserand_ports *ports = model->ports;
     const int n = model->nq + model->nv;
-    double *row = w->request->rows + w->result->rows * tisserand_fixed_row(model), *vdot = s->work;
+    double *row = row_at(w, w->result->rows), *vdot = s->work;
     double drift[4];
     int code = 0;
 
@@ -189,7 +194,13 @@ static int integrate_to(writer *w, double end, int is_break)
                 code = tisserand_adaptive_state(s, stop, s->trial);
                 code = code != 0 ? code : write_row(w, stop);
             }
+            if (code == 0) {
+                code = tisserand_observe(w->request->steps, w->result->time, row_at(w, w->result->rows - 1));
+            }
             return code;
+        }
+        if (code == 0) {
+            code = tisserand_observe(w->request->steps, s->t, s->y);
         }
     }
     return code;
@@ -204,6 +215,9 @@ static int integrate(writer *w)
 
     if (code == 0) {
         code = write_row(w, s->t);
+    }
+    if (code == 0) {
+        code = tisserand_observe(request->steps, s->t, s->trial);
     }
     if (code == 0 && request->event != NULL) {
         code = evaluate(w, s->t, &w->value);

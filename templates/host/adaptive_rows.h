@@ -35,6 +35,7 @@ typedef struct {
     const double *breaks;               /* increasing times at which functions of time are discontinuous */
     const tisserand_event *event;       /* may be 0 */
     const tisserand_observer *observer; /* of the rows, see fixed_step.h; may be 0 */
+    const tisserand_observer *steps;    /* of q, v at the begin, after each step and at the end; may be 0 */
     double *rows;                       /* q, v, lambda */
     double *outputs;                    /* of the ports of the model; may be 0 */
     double *drift;                      /* |g| and |gdot| before the projection of the row, and after it; may be 0 */
@@ -49,7 +50,7 @@ typedef struct {
 /* Fill rows with the motion from the state q, v at times[0]. States within steps are interpolated and projected. An event
    is looked at in eight states of each step, and its time is found to rounding errors.
 
-   Returns 0, TISSERAND_STOPPED if the observer has ended the integration, or another code; the rows that are not reached
+   Returns 0, TISSERAND_STOPPED if an observer has ended the integration, or another code; the rows that are not reached
    are NaN then, s->y is the last state at s->t, and s->trial the state that violates the constraints if the code is
    TISSERAND_OFF. */
 int tisserand_adaptive_integrate(

@@ -170,7 +170,7 @@ static int run_adaptive(const tisserand_model *model, double interval, double ac
     const size_t n = (size_t) (model->nq + model->nv), work = (size_t) tisserand_adaptive_work(model);
     double *memory = (double *) calloc(n + work + (size_t) nrows, sizeof(double)), *times = memory + n + work;
     tisserand_adaptive_options options = {accuracy, memory, CONSISTENT, 0.0, 0.0, 0};
-    tisserand_adaptive_rows request = {nrows, times, 0, NULL, NULL, NULL, rows, NULL, NULL};
+    tisserand_adaptive_rows request = {nrows, times, 0, NULL, NULL, NULL, NULL, rows, NULL, NULL};
     tisserand_adaptive_result result;
     tisserand_adaptive s;
     int code;

@@ -12,7 +12,7 @@ from toolchain import C99, CPP11, WARNINGS, run, tool
 from derive.runtime.integrators.compilation import header_flags, program, sundials, write_sources
 
 CPP14 = ("-x", "c++", "-std=c++14", *WARNINGS)  # headers of SUNDIALS 6 need it
-ADAPTIVE = ("dormand_prince", "adaptive", "adaptive_rows")
+ADAPTIVE = ("dormand_prince", "adaptive", "adaptive_rows", "watch")
 PLAIN = [
     *((host, ()) for host in ("fixed_step", *ADAPTIVE, "simulate")),
     ("simulate", ("-DTISSERAND_IDA", "-DTISSERAND_ALPHA")),

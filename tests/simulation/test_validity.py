@@ -14,6 +14,7 @@ from conftest import ROOT
 from derive.mechanics.multibody.outputs.registry import MONITORS, OUTPUTS
 from derive.simulation.trajectory import Trajectory
 from derive.simulation.validity.axial_load import MOST_PIECES, monitored_pieces, with_monitors
+from derive.simulation.validity.measure import validity
 from derive.simulation.validity.monitors import LIMITS, Cause, Monitor
 from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.ports import SceneOutput
@@ -202,7 +203,7 @@ def test_monitors_do_not_show_in_the_columns_and_take_no_name() -> None:
     own = SceneOutput("axial_load_beam", "energy")
     trajectory = run(replace(scene, outputs=(own,)), 0.01, 0.01)
     assert [name for name in trajectory.columns if "axial" in name] == [o.name for o in trajectory.model.outputs]
-    assert monitored_pieces(trajectory.scene)[0].output.name == "axial_load_beam_"
+    assert monitored_pieces(trajectory.scene)[0].outputs[0].name == "axial_load_beam_"
     assert monitor(trajectory, Cause.AXIAL_FORCE).value > 1
 
 
@@ -232,3 +233,28 @@ def test_every_cause_has_a_limit_but_the_share_of_the_highest_shape() -> None:
 
 def test_what_is_not_a_number_is_beyond_a_limit() -> None:
     assert Monitor("rod", 1, Cause.DEFLECTION, DisplacementOrder.FIRST_ORDER, np.nan, np.nan, 0.0, "rod").passed
+
+
+# ---- where they look ----
+
+
+def test_what_happens_between_two_rows_is_seen() -> None:
+    """Set A in one beam: its deflection is largest between the two rows of the run."""
+    often, ends = rod(1), run(rod(1).scene, 0.02, 0.02)
+    assert len(ends["t"]) == 2
+    for cause in (Cause.DEFLECTION, Cause.SPIN, Cause.AXIAL_FORCE, Cause.HIGHEST_SHAPE, Cause.END_MOMENT):
+        seen, same = monitor(ends, cause), monitor(often, cause)
+        assert (seen.value, seen.t, seen.piece) == (same.value, same.t, same.piece)
+    bent = monitor(often, Cause.DEFLECTION)
+    of_rows = next(m for m in validity(ends.motion) if m.cause is Cause.DEFLECTION)
+    assert bent.value > 0.009 and 0 < bent.t < 0.02 and of_rows.value < 0.8 * bent.value
+
+
+def test_steps_in_c_and_rows_in_python_see_the_same() -> None:
+    """Of methods that do not watch their steps the rows are looked at; here they are closer than the steps."""
+    scene = rod(2, second_order=True).scene
+    in_c = run(scene, 0.02, 1e-5)
+    rows = {m.cause: m for m in validity(in_c.motion)}
+    for seen in in_c.validity:
+        assert rows[seen.cause].value == pytest.approx(seen.value, rel=2e-3)
+        assert rows[seen.cause].piece == seen.piece

@@ -20,12 +20,12 @@ from derive.ir.model import Variable
 from derive.simulation.errors import IntegrationStopped
 from derive.simulation.initial.initial_state import InitialState
 from derive.simulation.integration.solution import Cost, Solution
-from derive.simulation.observables.beams import beam_bodies
+from derive.simulation.observables.beams import beam_bodies, relative_deflection
 from derive.simulation.observables.motion import SceneMotion
 from derive.simulation.output_times import output_times
 from derive.simulation.trajectory import RunSettings, Trajectory
-from derive.simulation.validity.measure import deflection_monitor
-from derive.spec.model.scene import Scene
+from derive.simulation.validity.monitors import Cause, Monitor
+from derive.spec.model.scene import BeamBody, Scene
 
 DEFORMING = "deforming"
 SCENE = ROOT / "scenes/crank_slider_3.toml"
@@ -39,6 +39,11 @@ class Names:
     parameters: tuple[Variable, ...] = ()
     inputs: tuple[Variable, ...] = ()
     outputs: tuple[Variable, ...] = ()
+
+
+def bent(motion: SceneMotion, beam: BeamBody) -> Monitor:
+    value = relative_deflection(motion, beam)
+    return Monitor(beam.name, beam.pieces, Cause.DEFLECTION, beam.beam.order, value, value, 0.0, beam.name)
 
 
 def simulated(scene: Scene, progress=None) -> Trajectory:
@@ -61,7 +66,7 @@ def simulated(scene: Scene, progress=None) -> Trajectory:
         motion,
         found,
         RunSettings(scene.simulation),
-        tuple(deflection_monitor(motion, beam) for beam in beam_bodies(scene)),
+        tuple(bent(motion, beam) for beam in beam_bodies(scene)),
     )
 
 

@@ -30,6 +30,7 @@ from derive.runtime.integrators.c_integrator import (
 )
 from derive.runtime.integrators.compilation import host_sources
 from derive.runtime.integrators.observer import Observe, Observer
+from derive.runtime.integrators.watch import Watch, Watched, WatchInC
 from derive.runtime.loading import shared_library
 from derive.runtime.native_body import NativeBody
 from derive.runtime.native_call import Vector
@@ -44,7 +45,7 @@ ADAPTIVE_CODES = {
 OFF = 3
 """The code of an integration whose constraints cannot be met."""
 
-SOURCES = ("fixed_step", "dormand_prince", "adaptive", "adaptive_rows")
+SOURCES = ("fixed_step", "dormand_prince", "adaptive", "adaptive_rows", "watch")
 HEADER = "tisserand.h"
 
 EventFunction = Callable[[float, Vector], float]
@@ -110,6 +111,7 @@ class _Request(ctypes.Structure):
         ("breaks", ctypes.c_void_p),
         ("event", ctypes.c_void_p),
         ("observer", ctypes.c_void_p),
+        ("steps", ctypes.c_void_p),
         ("rows", ctypes.c_void_p),
         ("outputs", ctypes.c_void_p),
         ("drift", ctypes.c_void_p),
@@ -126,7 +128,7 @@ class AdaptiveRun:
 
     drift, drift_before (rows, 2): |g| (m, rad) and |gdot| (m/s, rad/s) of each row after and before its projection.
     counts: evaluations by name. seconds: CPU time of the C function. met: whether the event has ended the integration,
-    in the last row.
+    in the last row. watched: what was seen of the quantities that are watched.
     """
 
     t: Vector
@@ -139,6 +141,7 @@ class AdaptiveRun:
     counts: dict[str, int]
     seconds: float
     met: bool
+    watched: Watched | None = None
 
 
 class AdaptiveError(TisserandError):
@@ -179,6 +182,7 @@ class Adaptive:
         event: EventFunction | None = None,
         crossing: bool = False,
         observe: Observe | None = None,
+        watch: Watch | None = None,
     ) -> AdaptiveRun:
         """Rows at `times` (n,), s, from the state q0 (nq,), v0 (nv,) at times[0].
 
@@ -187,7 +191,7 @@ class Adaptive:
         an error, unless that is 0. step_max (s), steps_max: the longest step, and the largest number of steps; 0 is no
         limit. breaks: times (s) at which functions of time are discontinuous. event: a function that ends the
         integration where it becomes positive or, with `crossing`, where it changes its sign. observe: follows the rows.
-        Raises AdaptiveError, ValueError.
+        watch: quantities of a scene that are looked at after each step. Raises AdaptiveError, ValueError.
         """
         native = self.native
         n = native.nq + native.nv
@@ -200,9 +204,13 @@ class Adaptive:
         rows, drifts = np.empty((size, n + native.nlambda)), np.empty((size, 4))
         outputs = np.empty((size, len(native.outputs) if isinstance(native, NativeScene) else 0))
         observer, happening = Observer(observe, n + native.nlambda), _EventCall(event, crossing, native.nq, native.nv)
+        watching = None
+        if watch is not None and isinstance(native, NativeScene):
+            watching = WatchInC(watch, self._library, native, constants)
         request = _Request(
             *(len(instants), instants.ctypes.data, len(jumps), jumps.ctypes.data),
-            *(happening.address, observer.address, rows.ctypes.data, outputs.ctypes.data, drifts.ctypes.data),
+            *(happening.address, observer.address, watching.address if watching else 0),
+            *(rows.ctypes.data, outputs.ctypes.data, drifts.ctypes.data),
         )
         options = _Options(rtol, absolute.ctypes.data, consistent, drift, step_max, steps_max)
         solver, result = _Solver(), _Result()
@@ -236,7 +244,7 @@ class Adaptive:
         counts = {name: getattr(solver.counts, name) for name, _ in solver.counts._fields_}
         return AdaptiveRun(
             t, q_rows, v_rows, lam, outputs[:count], drifts[:count, 2:], drifts[:count, :2], counts, seconds,
-            bool(result.met),
+            bool(result.met), watching.seen(float(t[-1] - t[0])) if watching else None,
         )  # fmt: skip
 
 

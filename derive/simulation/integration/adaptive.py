@@ -55,6 +55,7 @@ def adaptive(native: NativeScene | NativeBody, through_python: Callable[[NativeS
                 event=until.value if until else None,
                 crossing=until.crossing if until else False,
                 observe=observe,
+                watch=settings.watch,
             )
         except AdaptiveError as error:
             raise _diagnosed(native, k, settings.drift, error) from error
@@ -77,7 +78,7 @@ def adaptive(native: NativeScene | NativeBody, through_python: Callable[[NativeS
 
 def _solution(run: AdaptiveRun, notes: tuple[str, ...]) -> Solution:
     cost = Cost(run.counts["accelerations"], run.counts["steps"], run.seconds)
-    return Solution(run.t, run.q, run.v, run.lam, run.drift, run.drift_before, cost, notes, run.outputs)
+    return Solution(run.t, run.q, run.v, run.lam, run.drift, run.drift_before, cost, notes, run.outputs, run.watched)
 
 
 def _diagnosed(native: NativeScene | NativeBody, k: Vector, limit: float, error: AdaptiveError) -> SimulationError:

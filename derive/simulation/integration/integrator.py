@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from derive.artifacts import File
+from derive.runtime.integrators.watch import Watch
 from derive.runtime.native_body import NativeBody
 from derive.runtime.native_call import Vector
 from derive.runtime.native_scene import NativeScene
@@ -22,7 +23,8 @@ class Settings:
     m; below 1 m the absolute tolerances of lengths are proportional to it. drift: the limit of |g| (m, rad) and |gdot|
     (m/s, rad/s) in every row. step: that of methods with fixed steps, s; None lets them choose. breaks: times at which
     functions of time jump, s, at which methods stop and start anew. until: a condition that ends the integration.
-    progress: called with the time (s) that is reached.
+    progress: called with the time (s) that is reached. watch: quantities of a scene that methods in C may look at after
+    each step.
     """
 
     tolerance: float = 1e-9
@@ -32,6 +34,7 @@ class Settings:
     breaks: tuple[float, ...] = ()
     until: StopEvent | None = None
     progress: Progress | None = None
+    watch: Watch | None = None
 
     def refuse_step(self, integrator: str) -> None:
         """Raise SimulationError if `step` is set, for methods that choose their own steps."""

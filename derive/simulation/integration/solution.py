@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from derive.runtime.integrators.watch import Watched
 from derive.runtime.native_call import Matrix, Vector
 from derive.simulation.compiled_scene import ConstrainedSystem
 from derive.simulation.constraints.projection import check_drift, drift, project
@@ -33,7 +34,7 @@ class Solution:
     drift (n, 2): the largest violation of g (m, rad) and of its rate (m/s, rad/s) in each row. drift_before (n, 2): the
     same before the projection of the row, which is the drift of one step and the error of interpolation within it.
     notes: for the user, what the integrator does otherwise than it was told, and where a stop condition is met.
-    outputs (n, nout): those of the model, if the integrator has computed them.
+    outputs (n, nout): those of the model, and watched: what was seen after each step; if the integrator computes them.
     """
 
     t: Vector
@@ -45,6 +46,7 @@ class Solution:
     cost: Cost
     notes: tuple[str, ...] = ()
     outputs: Matrix | None = None
+    watched: Watched | None = None
 
 
 @dataclass

@@ -6,35 +6,34 @@ import numpy as np
 from scipy.linalg import eigh, null_space
 
 from derive.roles import Role
+from derive.runtime.integrators.watch import Watched
 from derive.runtime.native_call import Matrix, Vector
 from derive.simulation.compiled_scene import ConstrainedSystem, constraint_matrix, coordinates_with, mass_matrix
-from derive.simulation.observables.beams import amplitudes, piece_names
-from derive.simulation.observables.motion import SceneMotion
-from derive.simulation.validity.piece_shapes import PieceShapes
-
-ROWS = 12
-"""States that are looked at: those with the largest strain energy of the beam."""
+from derive.simulation.observables.beams import piece_names
+from derive.simulation.validity.watched_beam import SceneWatch, WatchedBeam
 
 
-def lost_inertia(motion: SceneMotion, shapes: PieceShapes) -> tuple[int, float]:
-    """The largest part of the kinetic energy of a velocity that the deflections of a beam take away, and its row.
+def lost_inertia(scene: SceneWatch, watched: WatchedBeam, seen: Watched) -> tuple[float, float]:
+    """The largest part of the kinetic energy of a velocity that the deflections of a beam take away, and its time, s.
 
     Of the velocities that the constraints admit; other beams are straight. Above 1 the mass matrix is indefinite.
+    Looked at are the states with the largest deflection of each piece, and the largest part of each of its strain
+    energies.
     """
-    native, k, beam = motion.native, motion.k, shapes.beam
-    pieces = piece_names(beam)
-    energy = sum(shapes.strain_energies(amplitudes(motion, beam, p))[0] for p in pieces)
-    own = [i for p in pieces for i in shapes.amplitudes_in(native, p)]
+    native, k, shapes = scene.native, scene.k, watched.shapes
+    own = [i for p in piece_names(shapes.beam) for i in shapes.amplitudes_in(native, p)]
     deformations = coordinates_with(native, Role.AMPLITUDE)
-    row, lost = 0, 0.0
-    for i in np.argsort(energy)[-ROWS:]:
-        straight = np.where(deformations, 0.0, motion.q[i])
+    quantities = [*watched.deflections, *(part for parts in watched.energies for part in parts)]
+    states = {float(seen.times[i]): seen.states[i] for i in quantities}
+    time, lost = next(iter(states)), 0.0
+    for t, q in states.items():
+        straight = np.where(deformations, 0.0, q)
         bent = straight.copy()
-        bent[own] = motion.q[i, own]
-        value = _lost(native, k, float(motion.t[i]), straight, bent)
+        bent[own] = q[own]
+        value = _lost(native, k, t, straight, bent)
         if value > lost:
-            row, lost = int(i), value
-    return row, lost
+            time, lost = t, value
+    return time, lost
 
 
 def _lost(native: ConstrainedSystem, k: Vector, t: float, straight: Vector, bent: Vector) -> float:

@@ -9,13 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-import numpy as np
-
 from derive.mechanics.multibody.joints.registry import JOINTS
-from derive.runtime.native_call import Vector
-from derive.simulation.observables.beams import amplitudes, piece_names
-from derive.simulation.observables.motion import SceneMotion
-from derive.simulation.validity.piece_shapes import PieceShapes
 from derive.spec.model.scene import BeamBody, Scene
 
 SECTIONS = 9
@@ -24,25 +18,7 @@ TORQUE = "N m"
 """The unit of multipliers that hold a section against rotation."""
 
 
-def moment_mismatch(motion: SceneMotion, shapes: PieceShapes) -> tuple[int, float]:
-    """The mismatch of bending moments at the ends of the pieces of a beam, and the row of the largest moment.
-
-    The root mean square of the worst end over the run, divided by that of the largest moment in the beam; 0 where all
-    ends are held.
-    """
-    beam = shapes.beam
-    xi = np.linspace(-1, 1, SECTIONS)
-    moments = np.array([amplitudes(motion, beam, p) @ shapes.moments(xi) for p in piece_names(beam)])  # pieces, n, xi
-    largest: Vector = np.abs(moments).max(axis=(0, 2))
-    ends = [moments[i, :, -1] - moments[i + 1, :, 0] for i in range(len(moments) - 1)]
-    held = set(_held_ends(motion.scene, beam))
-    ends += [moments[0, :, 0]] if -1 not in held else []
-    ends += [moments[-1, :, -1]] if 1 not in held else []
-    row, size = int(np.argmax(largest)), float(np.sqrt(np.mean(largest**2)))
-    return row, max((float(np.sqrt(np.mean(end**2))) / size for end in ends), default=0.0)
-
-
-def _held_ends(scene: Scene, beam: BeamBody) -> Iterator[int]:
+def held_ends(scene: Scene, beam: BeamBody) -> Iterator[int]:
     """The ends, -1 and 1, at which a torque can act on the beam."""
     driven = {drive.joint for drive in scene.drives}
     markers = [marker for element in (*scene.torques, *scene.springs) for marker in element.markers]

@@ -13,8 +13,8 @@ from scipy.linalg import eigh, null_space
 
 from derive.roles import Role
 from derive.runtime.native_call import Vector
+from derive.runtime.native_scene import NativeScene
 from derive.simulation.compiled_scene import constraint_matrix, coordinates_with, mass_matrix
-from derive.simulation.observables.motion import SceneMotion
 from derive.simulation.validity.piece_shapes import PieceShapes
 
 RIGID = 1e-9
@@ -29,22 +29,24 @@ class LowestMode:
     amplitudes: Vector
 
 
-def lowest_mode(shapes: PieceShapes, motion: SceneMotion) -> LowestMode | None:
-    """The lowest mode of a beam of one piece; None where the joints admit no deformation of it alone."""
-    native, k = motion.native, motion.k
+def lowest_mode(shapes: PieceShapes, native: NativeScene, k: Vector, t: float, q: Vector) -> LowestMode | None:
+    """The lowest mode of a beam of one piece; None where the joints admit no deformation of it alone.
+
+    native, k: its compiled scene and the constants (nk,). q: the state (nq,) at t (s) in which it vibrates.
+    """
     own = shapes.amplitudes_in(native, shapes.beam.name)
     deformations = coordinates_with(native, Role.AMPLITUDE)
-    q = np.where(deformations, 0.0, motion.q[0])
+    straight = np.where(deformations, 0.0, q)
     free = ~deformations
     free[own] = True
     K = np.zeros((native.nq, native.nq))
     K[np.ix_(own, own)] = shapes.stiffness
-    M = mass_matrix(native, q, k)
+    M = mass_matrix(native, straight, k)
     size = np.sqrt(np.diag(M)[free])
     scale = np.where(size > 0, size, 1.0)
     admitted = np.eye(len(scale))
     if native.nlambda:
-        G = constraint_matrix(native, float(motion.t[0]), q, k)[:, free] / scale
+        G = constraint_matrix(native, t, straight, k)[:, free] / scale
         admitted = null_space(G / np.maximum(np.linalg.norm(G, axis=1, keepdims=True), np.finfo(float).tiny))
     if not admitted.size:
         return None

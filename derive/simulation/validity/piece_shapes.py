@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 
 import numpy as np
 from numpy.polynomial.legendre import leggauss
@@ -53,7 +53,7 @@ class PieceShapes:
     @cached_property
     def stiffness(self) -> Matrix:
         """K (shapes, shapes) of the strain energy 1/2 a^T K a, N/m."""
-        xi, weights = leggauss(POINTS)
+        xi, weights = _gauss_points()
         curvatures = self._derivatives(2, xi) * (2 / self.length) ** 2
         stiffness: Matrix = self.bending_stiffness * self.length / 2 * (curvatures * weights) @ curvatures.T
         return stiffness
@@ -64,7 +64,7 @@ class PieceShapes:
         This is what the kinematics of second order add, and those of first order leave out: slopes are relative to the
         floating frame.
         """
-        xi, weights = leggauss(POINTS)
+        xi, weights = _gauss_points()
         slopes = self._derivatives(1, xi) * 2 / self.length
         result: Matrix = self.length / 2 * (slopes * weights * xi**power) @ slopes.T
         return result
@@ -104,3 +104,9 @@ class PieceShapes:
 
 def _index(native: ConstrainedSystem, name: str) -> int:
     return native.coordinates.index(name)
+
+
+@cache
+def _gauss_points() -> tuple[Vector, Vector]:
+    """Points and weights on [-1, 1]; they take a millisecond."""
+    return leggauss(POINTS)

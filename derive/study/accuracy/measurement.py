@@ -29,6 +29,7 @@ from derive.simulation.trajectory import RunSettings, Trajectory
 from derive.simulation.validity.axial_load import with_monitors
 from derive.simulation.validity.measure import validity
 from derive.simulation.validity.monitors import Monitor
+from derive.simulation.validity.watched_beam import scene_watch
 from derive.spec.model.plots import Plot
 from derive.spec.model.scene import Scene
 from derive.spec.model.scene_functions import breaks
@@ -88,13 +89,15 @@ def motion(of: CompiledLadderModel, tolerance: float, monitored: bool = False) -
     """The motion over the time of the simulation, with the monitors of its validity. Raises SimulationError."""
     simulation = of.scene.simulation
     assert simulation is not None
-    settings = Settings(tolerance=tolerance, size=scene_size(of.scene), breaks=breaks(of.scene))
+    watch = scene_watch(of.scene, of.native, of.k, 0.0, of.start.q).watch if monitored else None
+    settings = Settings(tolerance=tolerance, size=scene_size(of.scene), breaks=breaks(of.scene), watch=watch)
     integrator = adaptive(of.native, through_python=_no_python)
     times = output_times(simulation)
     solution: Solution = integrator.integrate(of.k, of.start.q, of.start.v, times, settings)
     moved = SceneMotion(of.scene, of.native, of.k, solution.t, solution.q, solution.v)
     run = RunSettings(simulation, "adaptive")
-    return Trajectory(of.scene, of.columns, of.start, moved, solution, run, validity(moved) if monitored else ())
+    monitors = validity(moved, solution.watched) if monitored else ()
+    return Trajectory(of.scene, of.columns, of.start, moved, solution, run, monitors)
 
 
 def _no_python(_: NativeScene) -> Integrator:

@@ -78,14 +78,11 @@ def _frequencies(scene: Scene, beams: list[BeamBody]) -> dict[str, float]:
     """The lowest frequencies of beams of three polynomials of first order; those that are not found are left out."""
     try:
         flexible = compiled(scene, LadderModel(Shapes.POLYNOMIALS, 3), monitored=False)
-        simulation = flexible.scene.simulation
-        assert simulation is not None
-        short = replace(simulation, duration=simulation.output)
-        moved = motion(replace(flexible, scene=replace(flexible.scene, simulation=short)), TOLERANCE).motion
     except TisserandError:
         return {}
     modelled = {body.name: body for body in flexible.scene.bodies if isinstance(body, BeamBody)}
-    modes = ((beam.name, lowest_mode(PieceShapes(modelled[beam.name]), moved)) for beam in beams)
+    start = flexible.native, flexible.k, 0.0, flexible.start.q
+    modes = ((beam.name, lowest_mode(PieceShapes(modelled[beam.name]), *start)) for beam in beams)
     return {name: mode.frequency for name, mode in modes if mode is not None}
 
 

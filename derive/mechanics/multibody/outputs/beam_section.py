@@ -49,7 +49,7 @@ class BeamSection:
         self.shapes = displacement_fields(beam)
         self.mass = quantity.value(beam.mass) / self.rod.pieces
         self.length = quantity.value(beam.length) / self.rod.pieces
-        self.bending_stiffness = self._constant("stiffness", quantity.value(beam.bending_stiffness), "EI", "N m^2")
+        self.bending_stiffness = self.constant("stiffness", quantity.value(beam.bending_stiffness), "EI", "N m^2")
 
     @property
     def constants(self) -> tuple[ModelConstant, ...]:
@@ -61,7 +61,7 @@ class BeamSection:
         """d^2v/dx^2."""
         total = sp.S.Zero
         for i, value in self._derivatives(2).items():
-            curvature = self._constant(f"curvature_{i}", value, f"curvature of shape {i}", "1/m^2")
+            curvature = self.constant(f"curvature_{i}", value, f"curvature of shape {i}", "1/m^2")
             total += curvature * self.instance.coordinates[2 + i].q
         return total
 
@@ -70,7 +70,7 @@ class BeamSection:
         """The strain of the axis; zero if the beam does not stretch."""
         total = sp.S.Zero
         for k, value in self._derivatives(1).items():
-            strain = self._constant(f"strain_{k}", value, f"strain of shape {k}", "1/m")
+            strain = self.constant(f"strain_{k}", value, f"strain of shape {k}", "1/m")
             total += strain * self.instance.coordinates[2 + k].q
         return total
 
@@ -83,7 +83,7 @@ class BeamSection:
         factors = sp.Matrix([list(self._derivatives(2).values())]) * retardation_times(beam, self.rod.pieces)
         factors *= quantity.value(beam.bending_stiffness)
         for j, value in enumerate(factors, 1):
-            moment = self._constant(f"damping_{j}", value, f"moment of the damping of shape {j}", "N s")
+            moment = self.constant(f"damping_{j}", value, f"moment of the damping of shape {j}", "N s")
             total += moment * self.instance.rows[2 + j].v
         return total
 
@@ -130,7 +130,7 @@ class BeamSection:
                 def integral(
                     of: BeamFunction, unit: sp.Expr, label: str, what: str = f"{load.name}_{k + 1}"
                 ) -> sp.Expr:
-                    return self._constant(f"{what}_{label}", unit * self._right(of), f"{label} of load {what}", "")
+                    return self.constant(f"{what}_{label}", unit * self._right(of), f"{label} of load {what}", "")
 
                 total = integral(density, half, "total")
                 first = integral(density * XI, half**2, "first")
@@ -182,12 +182,12 @@ class BeamSection:
             known |= {own_row.v: row.v, own_row.a: row.a}
         for c in constants_of(part):
             if c not in gravity:
-                known[c.symbol] = sp.S.Zero if c.zero else self._constant(c.symbol.name, c.value, c.doc, c.unit)
+                known[c.symbol] = sp.S.Zero if c.zero else self.constant(c.symbol.name, c.value, c.doc, c.unit)
         force1, force2, torque = (row.xreplace(known) for row in rigid_rows(part))
         origin, about = sp.Matrix(instance.origin), self.position
         return Resultant(sp.Matrix([force1, force2]), torque).about(origin, about)
 
-    def _constant(self, label: str, value: sp.Expr, doc: str, unit: str) -> sp.Expr:
+    def constant(self, label: str, value: sp.Expr, doc: str, unit: str) -> sp.Expr:
         """A number as it is; what depends on parameters as a constant of the model."""
         value = sp.expand(value)
         if value.is_Rational:

@@ -33,7 +33,9 @@ OUTPUTS: Registry[OutputType] = Registry(
     },
 )
 
-MONITORS: Registry[OutputType] = Registry("monitor", {"axial_load": AxialLoad()})
+MONITORS: Registry[OutputType] = Registry(
+    "monitor", {"axial_load": AxialLoad(0), "axial_load_linear": AxialLoad(1), "axial_load_quadratic": AxialLoad(2)}
+)
 """Outputs that a simulation adds to a scene to watch the validity of its model; no specification asks for them."""
 
 

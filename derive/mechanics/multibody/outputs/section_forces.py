@@ -11,6 +11,7 @@ from typing import Any
 
 import sympy as sp
 
+from derive.mechanics import quantity
 from derive.mechanics.multibody.keys import Key, KeyType
 from derive.mechanics.multibody.outputs.beam_section import BeamSection, piece_of_component
 from derive.mechanics.multibody.outputs.output_type import OutputComponent, OutputComponents, OutputType
@@ -94,17 +95,38 @@ class Strain(OutputType):
 
 
 class AxialLoad(OutputType):
-    """The force along e1 of the floating frame in the middle of a beam or of a piece: what monitors compare with EI."""
+    """The axial force of a beam or of a piece as its inertia distributes it: what monitors compare with its EI.
 
-    doc = "axial force in the middle of a beam"
+    Along e1 of the floating frame, N(xi) = N_0 + N_1 xi + N_2 xi^2: from equilibrium in the middle, and with the
+    acceleration of the frame along e1, less that of free fall, and its angular velocity. This is the inertia of a
+    slender beam; distributed loads along it are left out of N_1 and N_2.
+    """
+
     keys = (Key("component", KeyType.CHOICE, "", "The beam, or a piece of it.", required=True),)
+
+    def __init__(self, power: int) -> None:
+        """power: that of xi in the term of N."""
+        self.power = power
+        self.doc = f"factor of xi^{power} in the axial force of" if power else "axial force in the middle of"
 
     def components(self, name: str, values: Mapping[str, Any], scene: SceneMechanics) -> OutputComponents:
         """One component."""
         component = values["component"]
-        section = BeamSection(name, scene, component, Fraction(0), sp.Matrix(scene.instances[component].origin))
-        force = section.rotation[:, 0].dot(section.resultant().force)
-        doc = f"axial force in the middle of {component}, from equilibrium"
+        instance = scene.instances[component]
+        section = BeamSection(name, scene, component, Fraction(0), sp.Matrix(instance.origin))
+        along = section.rotation[:, 0]
+        match self.power:
+            case 0:
+                force = along.dot(section.resultant().force)
+            case 1:
+                acceleration = sp.Matrix([row.a for row in instance.rows[:2]])
+                for axis, fall in enumerate(quantity.gravity(scene.scene.gravity)[0]):
+                    acceleration[axis] -= sp.S.Zero if fall.zero else fall.symbol
+                force = section.constant("inertia", section.mass / 2, "half the mass", "kg") * along.dot(acceleration)
+            case _:
+                inertia = section.mass * section.length / 8
+                force = -section.constant("inertia", inertia, "m l/8", "kg m") * instance.rows[2].v ** 2
+        doc = f"{self.doc} {component}"
         return OutputComponents((OutputComponent("", "N", doc, force),), section.constants)
 
 
