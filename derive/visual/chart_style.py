@@ -1,4 +1,4 @@
-"""The style of charts: colours, their dark scheme, the head of a picture; and figures of matplotlib in that style."""
+"""The style of charts: colours, their dark scheme, and figures of matplotlib in that style as SVG."""
 
 from __future__ import annotations
 
