@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 from derive.backends.c.source import ABI
 from derive.ir.patterns import Pattern
 from derive.registry import UnknownNameError
+from derive.runtime.compiled_function import CompiledFunction
 from derive.runtime.compiler import CompilerError
 from derive.runtime.descriptor import ModelStruct, names_of, pattern_of, roles_of
 from derive.runtime.native_call import (
@@ -24,8 +25,12 @@ from derive.runtime.native_call import (
     checked_vector,
     constants_of,
     doubles,
-    invoke,
 )
+
+
+def cj_first(function: Callable[..., int]) -> Callable[..., int]:
+    """The function jacobian(t, y, ydot, cj, k, values) with its numbers t, cj in front."""
+    return lambda t, cj, y, ydot, k, values: function(t, y, ydot, cj, k, values)
 
 
 class Native:
@@ -34,7 +39,10 @@ class Native:
     The pattern makes a matrix of them, dense or in SciPy's compressed columns:
     `native.mass_pattern.dense(native.mass(q, k))`, `native.jacobian_pattern.sparse(native.jacobian(t, y, ydot, c, k))`.
 
-    Functions raise ModelError when the model returns a code other than 0, ValueError on a wrong length.
+    Functions raise ModelError when the model returns a code other than 0, ValueError on a wrong length. They write
+    their result into `out`, where one is given: an array of doubles of its length, which they return. A call with the
+    same arrays as the last one, whose values may have changed, takes about a microsecond and allocates nothing; new
+    arrays, lists and slices take a few: see `CompiledFunction`.
     """
 
     follows_functions = False
@@ -59,6 +67,43 @@ class Native:
         self.mass_pattern = pattern_of(m.mass_pattern.contents)
         self.jacobian_pattern = pattern_of(m.jacobian_pattern.contents)
         self.markers = tuple(m.markers[i].name.decode() for i in range(m.nmarkers))
+        state, n, nnz = (m.nq, m.nv, m.nk), m.nq + m.nv + m.nlambda, len(self.mass_pattern.rowidx)
+        self._compiled: dict[str, CompiledFunction] = {}
+        self._add(m, "setup", (m.np,), (m.nk,), constants=None)
+        self._add(m, "mass", (m.nq, m.nk), (nnz,))
+        self._add(m, "mass_force", state, (nnz, m.nv))
+        for member, size in (
+            ("force", m.nv),
+            ("accel", m.nv),
+            ("energy", m.nenergy),
+            ("momentum", m.nmomentum),
+            ("rates", m.nq),
+        ):
+            self._add(m, member, state, (size,))
+        self._add(m, "residual", (n, n, m.nk), (n,))
+        self._add(m, "jacobian", (n, n, m.nk), (len(self.jacobian_pattern.rowidx),), order=cj_first)
+        for i, point in enumerate(self.markers):
+            marker = m.markers[i]
+            nnz = marker.pattern.contents.nnz
+            results = marker.dimension, marker.dimension, nnz
+            self._add(marker, "evaluate", state, results, f"marker_{point}")
+            self._add(marker, "load", (m.nq, marker.dimension, m.nk), (m.nv,), f"load_{point}")
+
+    def _add(
+        self,
+        holder: Any,
+        member: str,
+        inputs: Sequence[int],
+        results: Sequence[int],
+        name: str = "",
+        constants: int | None = -1,
+        order: Callable[[Callable[..., int]], Callable[..., int]] = lambda function: function,
+    ) -> None:
+        """Prepare a function, which is a member of a structure; the input `constants` are those of `setup`, if any."""
+        name, build = name or member, None if constants is None else (self.hash, self.name)
+        self._compiled[name] = CompiledFunction(
+            f"{self.name}_{name}", getattr(holder, member), inputs, results, build, constants or 0, order
+        )
 
     @property
     def address(self) -> int:
@@ -80,7 +125,7 @@ class Native:
         """
         values = self.parameter_values(p, named)
         try:
-            return constants_of(self.hash, self._call("setup", [(self.np, values)], self.nk))
+            return constants_of(self.hash, self._compiled["setup"]((values,)))
         except ModelError as error:
             raise ModelError(f"{self.name}_setup", error.code, self._refused(values)) from None
 
@@ -91,7 +136,7 @@ class Native:
             trial = self.defaults.copy()
             trial[k] = values[k]
             try:
-                self._call("setup", [(self.np, trial)], self.nk)
+                self._compiled["setup"]((trial,))
             except ModelError:
                 result.append(f"{self.parameters[k]} = {values[k]:g}")
         return result
@@ -109,46 +154,44 @@ class Native:
             values[self.parameters.index(name)] = checked_number(value, setup)
         return values
 
-    def mass(self, q: ArrayLike, k: ArrayLike) -> Vector:
+    def mass(self, q: ArrayLike, k: ArrayLike, out: Vector | None = None) -> Vector:
         """Values of M(q), the lower triangle in the order of `mass_pattern`."""
-        return self._call("mass", [(self.nq, q), (self.nk, self.own(k))], len(self.mass_pattern.rowidx))
+        return self._compiled["mass"]((q, k), out=out)
 
-    def force(self, t: float, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> Vector:
+    def force(self, t: float, q: ArrayLike, v: ArrayLike, k: ArrayLike, out: Vector | None = None) -> Vector:
         """h(t, q, v) (nv,)."""
-        return self._call("force", [t, *self._state(q, v, self.own_at(t, k))], self.nv)
+        return self._compiled["force"]((q, v, self.own_at(t, k)), t, out=out)
 
     def mass_force(self, t: float, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> tuple[Vector, Vector]:
         """Values of M, and h."""
-        values, h = np.empty(len(self.mass_pattern.rowidx)), np.empty(self.nv)
-        self._invoke("mass_force", self._model.mass_force, [t, *self._state(q, v, self.own_at(t, k))], [values, h])
+        values, h = self._compiled["mass_force"].results((q, v, self.own_at(t, k)), t)
         return values, h
 
-    def accel(self, t: float, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> Vector:
+    def accel(self, t: float, q: ArrayLike, v: ArrayLike, k: ArrayLike, out: Vector | None = None) -> Vector:
         """vdot (nv,) of M vdot + h = 0; of a scene with its constraint reactions."""
-        return self._call("accel", [t, *self._state(q, v, self.own_at(t, k))], self.nv)
+        return self._compiled["accel"]((q, v, self.own_at(t, k)), t, out=out)
 
     def energy(self, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> Vector:
         """Kinetic and strain energy, and the potential of gravity where there is gravity."""
-        return self._call("energy", self._state(q, v, k), self._model.nenergy)
+        return self._compiled["energy"]((q, v, k))
 
     def momentum(self, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> Vector:
         """Linear and angular momentum in the inertial frame."""
-        return self._call("momentum", self._state(q, v, k), self._model.nmomentum)
+        return self._compiled["momentum"]((q, v, k))
 
-    def rates(self, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> Vector:
+    def rates(self, q: ArrayLike, v: ArrayLike, k: ArrayLike, out: Vector | None = None) -> Vector:
         """qdot (nq,) of the generalised velocities v."""
-        return self._call("rates", self._state(q, v, k), self.nq)
+        return self._compiled["rates"]((q, v, k), out=out)
 
-    def residual(self, t: float, y: ArrayLike, ydot: ArrayLike, k: ArrayLike) -> Vector:
+    def residual(self, t: float, y: ArrayLike, ydot: ArrayLike, k: ArrayLike, out: Vector | None = None) -> Vector:
         """F(t, y, ydot); of a scene that of index 3."""
-        n = self.nq + self.nv + self.nlambda
-        return self._call("residual", [t, (n, y), (n, ydot), (self.nk, self.own_at(t, k))], n)
+        return self._compiled["residual"]((y, ydot, self.own_at(t, k)), t, out=out)
 
-    def jacobian(self, t: float, y: ArrayLike, ydot: ArrayLike, cj: float, k: ArrayLike) -> Vector:
+    def jacobian(
+        self, t: float, y: ArrayLike, ydot: ArrayLike, cj: float, k: ArrayLike, out: Vector | None = None
+    ) -> Vector:
         """Values of dF/dy + cj dF/dydot."""
-        n = self.nq + self.nv + self.nlambda
-        arguments = [t, (n, y), (n, ydot), cj, (self.nk, self.own_at(t, k))]
-        return self._call("jacobian", arguments, len(self.jacobian_pattern.rowidx))
+        return self._compiled["jacobian"]((y, ydot, self.own_at(t, k)), t, cj, out=out)
 
     def mass_batch(self, q: ArrayLike, k: ArrayLike, check: bool = True) -> Matrix:
         """Values of M (n, nnz) for each row of q (n, nq). The C takes structures of arrays: both are transposed.
@@ -170,10 +213,9 @@ class Native:
 
         Raises UnknownNameError.
         """
-        marker = self._marker(name)
-        results = [np.empty(marker.dimension), np.empty(marker.dimension), np.empty(marker.pattern.contents.nnz)]
-        self._invoke(f"marker_{name}", marker.evaluate, self._state(q, v, k), results)
-        return results[0], results[1], results[2]
+        self._check_marker(name)
+        x, xdot, jacobian = self._compiled[f"marker_{name}"].results((q, v, k))
+        return x, xdot, jacobian
 
     def marker_positions(self, name: str, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> Matrix:
         """Positions (n, dimension), m, of a marker for each row of q (n, nq) and v (n, nv): those of `marker`.
@@ -196,23 +238,20 @@ class Native:
 
     def load(self, name: str, q: ArrayLike, force: ArrayLike, k: ArrayLike) -> Vector:
         """Generalised forces f (nv,) of a force (N) at a marker, given in the inertial frame: M vdot + h = f."""
-        marker = self._marker(name)
-        result = np.empty(self.nv)
-        arguments = [(self.nq, q), (marker.dimension, force), (self.nk, self.own(k))]
-        self._invoke(f"load_{name}", marker.load, arguments, [result])
-        return result
+        self._check_marker(name)
+        return self._compiled[f"load_{name}"]((q, force, k))
 
     def marker_pattern(self, name: str) -> Pattern:
         """The pattern of the Jacobian of a marker."""
         return pattern_of(self._marker(name).pattern.contents)
 
-    def _marker(self, name: str) -> Any:
+    def _check_marker(self, name: str) -> None:
         if name not in self.markers:
             raise UnknownNameError(f"marker of {self.name}", name, self.markers)
-        return self._model.markers[self.markers.index(name)]
 
-    def _state(self, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> list[Any]:
-        return [(self.nq, q), (self.nv, v), (self.nk, self.own(k))]
+    def _marker(self, name: str) -> Any:
+        self._check_marker(name)
+        return self._model.markers[self.markers.index(name)]
 
     def own(self, k: ArrayLike) -> ArrayLike:
         """The constants as they are given. Raises ValueError if they come from the setup of another model."""
@@ -220,15 +259,7 @@ class Native:
 
     def own_at(self, t: float, k: ArrayLike) -> ArrayLike:
         """The constants as functions of the time read them: with the inputs at t (s), where these follow functions."""
-        return self.own(k)
-
-    def _call(self, name: str, arguments: list[Any], size: int) -> Vector:
-        result = np.empty(size)
-        self._invoke(name, getattr(self._model, name), arguments, [result])
-        return result
-
-    def _invoke(self, name: str, function: Callable[..., int], arguments: list[Any], results: list[Vector]) -> None:
-        invoke(f"{self.name}_{name}", function, arguments, results)
+        return k
 
     def _checked_batch(
         self, kernel: str, t: list[float], states: list[tuple[int, ArrayLike]], k: ArrayLike, size: int, check: bool

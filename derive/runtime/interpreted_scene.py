@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from numpy.typing import ArrayLike
 
 from derive.ir.interpreter import RequirementError, interpret
-from derive.ir.model import Model, Variable
+from derive.ir.model import Kernel, Model, Variable
 from derive.ir.patterns import Pattern
-from derive.registry import UnknownNameError
 from derive.roles import Role
+from derive.runtime.compiled_function import CompiledFunction
 from derive.runtime.native_call import Matrix, ModelError, Vector
 from derive.runtime.native_scene import NativeScene
 
@@ -33,26 +31,9 @@ class InterpretedScene(NativeScene):
         self.multipliers, self.bodies, self.markers = _names(model.multipliers), model.bodies, _names(model.markers)
         self.mass_pattern, self.jacobian_pattern = model.pattern("mass", "M"), model.pattern("jacobian", "jac")
         self.constraint_pattern = model.pattern("constraint_jacobian", "G")
-
-    def mass_force(self, t: float, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> tuple[Vector, Vector]:
-        """Values of M, and h."""
-        values, h = self._outputs("mass_force", [t, q, v, k])
-        return values, h
-
-    def energy(self, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> Vector:
-        """Kinetic and strain energy, and the potential of gravity where there is gravity."""
-        return self._outputs("energy", [q, v, k])[0]
-
-    def momentum(self, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> Vector:
-        """Linear and angular momentum in the inertial frame."""
-        return self._outputs("momentum", [q, v, k])[0]
-
-    def marker(self, name: str, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> tuple[Vector, Vector, Vector]:
-        """Position, velocity and values of the Jacobian of a marker. Raises UnknownNameError."""
-        if name not in self.markers:
-            raise UnknownNameError(f"marker of {self.name}", name, self.markers)
-        x, xdot, jacobian = self._outputs(f"marker_{name}", [q, v, k])
-        return x, xdot, jacobian
+        self._compiled: dict[str, CompiledFunction] = {
+            kernel.name: InterpretedFunction(self.name, kernel) for kernel in model.kernels
+        }
 
     def marker_positions(self, name: str, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> Matrix:
         """Positions (n, dimension) of a marker for each row of q and v."""
@@ -63,29 +44,33 @@ class InterpretedScene(NativeScene):
         """The pattern of the Jacobian of a marker."""
         return self._kernels.pattern(f"marker_{name}", "jacobian")
 
-    def solve(self, t: float, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> tuple[Vector, Vector]:
-        """vdot and lambda."""
-        vdot, multipliers = self._outputs("solve", [t, q, v, k])
-        return vdot, multipliers
 
-    def _call(self, name: str, arguments: list[Any], size: int) -> Vector:
-        values = [a[1] if isinstance(a, tuple) else a for a in arguments]
-        return self._outputs(name, values)[0]
+class InterpretedFunction(CompiledFunction):
+    """A function that is interpreted."""
 
-    _ask = _call
+    def __init__(self, model: str, kernel: Kernel) -> None:
+        self.name, self._kernel = f"{model}_{kernel.name}", kernel
 
-    def _outputs(self, name: str, arguments: list[Any]) -> tuple[Vector, ...]:
-        """The outputs of a function. Raises ModelError where the compiled function returns a code other than 0."""
-        kernel = self._kernels.kernel(name)
+    def __call__(self, arrays: tuple[ArrayLike, ...], *numbers: float, out: Vector | None = None) -> Vector:
+        """The first result, written into `out` where it is given."""
+        result = self.results(arrays, *numbers)[0]
+        if out is None:
+            return result
+        out[:] = result
+        return out
+
+    def results(self, arrays: tuple[ArrayLike, ...], *numbers: float) -> list[Vector]:
+        """All results. Raises ModelError where the compiled function returns a code other than 0."""
+        vectors, scalars = iter(arrays), iter(numbers)
         given = {
-            a.name: float(value) if a.scalar else np.asarray(value, dtype=np.float64).tolist()
-            for a, value in zip(kernel.arguments, arguments, strict=True)
+            a.name: float(next(scalars)) if a.scalar else np.asarray(next(vectors), dtype=np.float64).tolist()
+            for a in self._kernel.arguments
         }
         try:
-            outputs = interpret(kernel, given)
+            outputs = interpret(self._kernel, given)
         except RequirementError as error:
-            raise ModelError(f"{self.name}_{name}", error.code) from error
-        return tuple(np.array(outputs[o.name], dtype=np.float64) for o in kernel.outputs)
+            raise ModelError(self.name, error.code) from error
+        return [np.array(outputs[o.name], dtype=np.float64) for o in self._kernel.outputs]
 
 
 def _names(variables: tuple[Variable, ...]) -> tuple[str, ...]:

@@ -1,9 +1,8 @@
-"""Calls of compiled functions with NumPy arrays: checks of shapes, pointers, return codes."""
+"""Arguments of compiled functions: checks of their shapes, types and origin; and what return codes mean."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from typing import Any
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -56,18 +55,6 @@ class ModelError(TisserandError, ArithmeticError):
         super().__init__(f"{function} returned {code}: {meaning}{reason}")
 
 
-def invoke(name: str, function: Callable[..., int], arguments: list[Any], results: list[Vector]) -> None:
-    """Call a compiled function, which writes into `results`.
-
-    arguments: numbers, and pairs of a length and a vector that must have it. Raises ModelError if the function returns
-    a code other than 0, ValueError on a wrong length; `name` is that of the function in both.
-    """
-    given = [checked_vector(a[0], a[1], name) if isinstance(a, tuple) else checked_number(a, name) for a in arguments]
-    pointers = [a.ctypes.data if isinstance(a, np.ndarray) else a for a in [*given, *results]]
-    if code := function(*pointers):
-        raise ModelError(name, code)
-
-
 def doubles(given: ArrayLike, name: str) -> NDArray[np.float64]:
     """`given` as an array of doubles.
 
@@ -103,7 +90,8 @@ def checked_rows(columns: int, given: ArrayLike, name: str) -> Matrix:
 
 def checked_vector(size: int, given: ArrayLike, name: str) -> Vector:
     """`given` as a contiguous vector (size,). Raises ValueError, which names the function, if it has another shape."""
-    array = np.ascontiguousarray(doubles(given, name))
+    array = doubles(given, name)
+    array = array if array.flags.c_contiguous else np.ascontiguousarray(array)
     if array.shape != (size,):
         raise ValueError(f"{name}: a vector of {size} is needed, not an array of shape {array.shape}")
     return array

@@ -9,19 +9,23 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from derive.runtime.compiled_model import Native
+from derive.runtime.compiled_function import CompiledFunction
+from derive.runtime.compiled_model import Native, cj_first
 from derive.runtime.descriptor import DaeStruct, names_of, pattern_of
-from derive.runtime.native_call import Matrix, Vector, checked_vector, constants_of, invoke
+from derive.runtime.native_call import Matrix, Vector, checked_vector, constants_of
 
 
 class Dae:
     """One form F(t, y, ydot) = 0 of a scene's equations; `pattern` is that of its iteration matrix."""
 
     def __init__(self, form: DaeStruct, scene: Native) -> None:
-        self._form, self._scene = form, scene
+        self._scene = scene
         self.name, self.size = form.name.decode(), form.size
         self.pattern = pattern_of(form.pattern.contents)
-        self._called = f"{scene.name}, form {self.name}: "
+        called, inputs = f"{scene.name}, form {self.name}: ", (self.size, self.size, scene.nk)
+        build, nnz = (scene.hash, scene.name), len(self.pattern.rowidx)
+        self._residual = CompiledFunction(f"{called}residual", form.residual, inputs, (self.size,), build)
+        self._jacobian = CompiledFunction(f"{called}jacobian", form.jacobian, inputs, (nnz,), build, order=cj_first)
 
     def of(self, scene: Native) -> Dae:
         """The same form for a scene with other constants at a time, see `Native.own_at`."""
@@ -29,26 +33,15 @@ class Dae:
         form._scene = scene
         return form
 
-    def residual(self, t: float, y: ArrayLike, ydot: ArrayLike, k: ArrayLike) -> Vector:
+    def residual(self, t: float, y: ArrayLike, ydot: ArrayLike, k: ArrayLike, out: Vector | None = None) -> Vector:
         """F(t, y, ydot)."""
-        result = np.empty(self.size)
-        invoke(
-            f"{self._called}residual",
-            self._form.residual,
-            [t, *self._state(y, ydot), (self._scene.nk, self._scene.own_at(t, k))],
-            [result],
-        )
-        return result
+        return self._residual((y, ydot, self._scene.own_at(t, k)), t, out=out)
 
-    def jacobian(self, t: float, y: ArrayLike, ydot: ArrayLike, cj: float, k: ArrayLike) -> Vector:
+    def jacobian(
+        self, t: float, y: ArrayLike, ydot: ArrayLike, cj: float, k: ArrayLike, out: Vector | None = None
+    ) -> Vector:
         """Values of dF/dy + cj dF/dydot."""
-        result = np.empty(len(self.pattern.rowidx))
-        arguments = [t, *self._state(y, ydot), cj, (self._scene.nk, self._scene.own_at(t, k))]
-        invoke(f"{self._called}jacobian", self._form.jacobian, arguments, [result])
-        return result
-
-    def _state(self, y: ArrayLike, ydot: ArrayLike) -> list[Any]:
-        return [(self.size, y), (self.size, ydot)]
+        return self._jacobian((y, ydot, self._scene.own_at(t, k)), t, cj, out=out)
 
 
 class NativeScene(Native):
@@ -67,38 +60,51 @@ class NativeScene(Native):
         self.outputs_pattern = pattern_of(ports.pattern.contents) if ports and self.outputs else None
         self.dae = {form.name: form for form in (Dae(s.forms[i], self) for i in range(s.nforms))}
 
+        self._prepare(s)
+
+    def _prepare(self, s: Any) -> None:
+        """Prepare the functions of a scene."""
+        at_position, state, n = (self.nq, self.nk), (self.nq, self.nv, self.nk), self.nlambda
+        self._add(s, "constraints", at_position, (n,))
+        self._add(s, "constraint_jacobian", at_position, (len(self.constraint_pattern.rowidx),))
+        self._add(s, "poses", at_position, (3 * len(self.bodies),))
+        self._add(s, "constraint_rates", state, (n,))
+        self._add(s, "constraint_bias", state, (n,))
+        self._add(s, "solve", state, (self.nv, n))
+        self._add(s, "project_velocity", (self.nq, self.nk, n), (self.nv,), constants=1)
+        full = self.nq, self.nv, self.nv, n, self.nk
+        if self.outputs_pattern:
+            self._add(self._ports, "outputs", full, (len(self.outputs),))
+            self._add(self._ports, "outputs_jacobian", full, (len(self.outputs_pattern.rowidx),))
+
     def constraints(self, t: float, q: ArrayLike, k: ArrayLike) -> Vector:
         """g(t, q)."""
-        return self._ask("constraints", [t, (self.nq, q), (self.nk, self.own_at(t, k))], self.nlambda)
+        return self._compiled["constraints"]((q, self.own_at(t, k)), t)
 
     def constraint_rates(self, t: float, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> Vector:
         """gdot = G v + dg/dt."""
-        return self._ask("constraint_rates", [t, *self._state(q, v, self.own_at(t, k))], self.nlambda)
+        return self._compiled["constraint_rates"]((q, v, self.own_at(t, k)), t)
 
     def constraint_jacobian(self, t: float, q: ArrayLike, k: ArrayLike) -> Vector:
         """Values of G by columns."""
-        size = len(self.constraint_pattern.rowidx)
-        return self._ask("constraint_jacobian", [t, (self.nq, q), (self.nk, self.own_at(t, k))], size)
+        return self._compiled["constraint_jacobian"]((q, self.own_at(t, k)), t)
 
     def constraint_bias(self, t: float, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> Vector:
         """gamma of G vdot = gamma."""
-        return self._ask("constraint_bias", [t, *self._state(q, v, self.own_at(t, k))], self.nlambda)
+        return self._compiled["constraint_bias"]((q, v, self.own_at(t, k)), t)
 
     def solve(self, t: float, q: ArrayLike, v: ArrayLike, k: ArrayLike) -> tuple[Vector, Vector]:
         """vdot (nv,) and lambda (nlambda,), the constraint reactions on body 2 of each joint."""
-        vdot, multipliers = np.empty(self.nv), np.empty(self.nlambda)
-        invoke(f"{self.name}_solve", self._scene.solve, [t, *self._state(q, v, self.own_at(t, k))], [vdot, multipliers])
+        vdot, multipliers = self._compiled["solve"].results((q, v, self.own_at(t, k)), t)
         return vdot, multipliers
 
     def project_velocity(self, t: float, q: ArrayLike, k: ArrayLike, r: ArrayLike) -> Vector:
         """The smallest change dv (nv,) of the velocities, measured by dv . M dv, with G dv = r (nlambda,)."""
-        return self._ask(
-            "project_velocity", [t, (self.nq, q), (self.nk, self.own_at(t, k)), (self.nlambda, r)], self.nv
-        )
+        return self._compiled["project_velocity"]((q, self.own_at(t, k), r), t)
 
     def poses(self, t: float, q: ArrayLike, k: ArrayLike) -> Matrix:
         """c1, c2 (m) and phi (rad) of the frame of each body in `bodies`, (bodies, 3)."""
-        return self._ask("poses", [t, (self.nq, q), (self.nk, self.own_at(t, k))], 3 * len(self.bodies)).reshape(-1, 3)
+        return self._compiled["poses"]((q, self.own_at(t, k)), t).reshape(-1, 3)
 
     def inputs_at(self, t: float) -> Vector:
         """The inputs u (inputs,) at a time, where they follow functions; otherwise zeros."""
@@ -114,29 +120,13 @@ class NativeScene(Native):
         self, t: float, q: ArrayLike, v: ArrayLike, vdot: ArrayLike, lam: ArrayLike, k: ArrayLike
     ) -> Vector:
         """The values of `outputs`, from a state with its accelerations and multipliers as `solve` computes them."""
-        return self._port(
-            "outputs", [t, *self._full_state(q, v, vdot, lam), (self.nk, self.own_at(t, k))], len(self.outputs)
-        )
+        return self._port("outputs", (q, v, vdot, lam, self.own_at(t, k)), t)
 
     def outputs_jacobian(
         self, t: float, q: ArrayLike, v: ArrayLike, vdot: ArrayLike, lam: ArrayLike, k: ArrayLike
     ) -> Vector:
         """Values of the derivatives of the outputs by [q; v; vdot; lambda; u], in the order of `outputs_pattern`."""
-        size = len(self.outputs_pattern.rowidx) if self.outputs_pattern else 0
-        return self._port(
-            "outputs_jacobian", [t, *self._full_state(q, v, vdot, lam), (self.nk, self.own_at(t, k))], size
-        )
+        return self._port("outputs_jacobian", (q, v, vdot, lam, self.own_at(t, k)), t)
 
-    def _full_state(self, q: ArrayLike, v: ArrayLike, vdot: ArrayLike, lam: ArrayLike) -> list[Any]:
-        return [(self.nq, q), (self.nv, v), (self.nv, vdot), (self.nlambda, lam)]
-
-    def _port(self, name: str, arguments: list[Any], size: int) -> Vector:
-        result = np.empty(size)
-        if size:
-            invoke(f"{self.name}_{name}", getattr(self._ports, name), arguments, [result])
-        return result
-
-    def _ask(self, name: str, arguments: list[Any], size: int) -> Vector:
-        result = np.empty(size)
-        invoke(f"{self.name}_{name}", getattr(self._scene, name), arguments, [result])
-        return result
+    def _port(self, name: str, arrays: tuple[ArrayLike, ...], t: float) -> Vector:
+        return self._compiled[name](arrays, t) if self.outputs_pattern else np.empty(0)

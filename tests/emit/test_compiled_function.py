@@ -1,0 +1,97 @@
+"""Calls of compiled functions: results in given arrays, arrays that are recognised, and what is refused."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+import beams
+from derive.runtime import compiled_function
+
+Q, V = np.array([0.1, -0.2, 0.5, 0.01, -0.02]), np.array([1.0, 2.0, 3.0, -0.5, 0.4])
+MODEL = beams.native("point", 2)
+K = MODEL.setup()
+
+
+def test_results_are_written_into_out() -> None:
+    y, ydot = np.concatenate([Q, V]), np.concatenate([V, Q])
+    calls: dict[str, tuple[Any, ...]] = {
+        "mass": (Q, K),
+        "force": (0.0, Q, V, K),
+        "accel": (0.0, Q, V, K),
+        "rates": (Q, V, K),
+        "residual": (0.0, y, ydot, K),
+        "jacobian": (0.0, y, ydot, 10.0, K),
+    }
+    for name, arguments in calls.items():
+        function = getattr(MODEL, name)
+        expected = function(*arguments)
+        out = np.full_like(expected, np.nan)
+        assert function(*arguments, out=out) is out
+        np.testing.assert_array_equal(out, expected)
+
+
+def test_arrays_of_the_last_call_are_not_looked_up_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Nor is anything allocated for the result; their values are those of now."""
+    q, v, out = Q.copy(), V.copy(), np.empty(5)
+    MODEL.accel(0.0, q, v, K, out=out)
+
+    def refused(*_: object) -> None:
+        raise AssertionError("this has been done already")
+
+    for name in ("checked_vector", "checked_origin", "address_of"):
+        monkeypatch.setattr(compiled_function, name, refused)
+    monkeypatch.setattr(compiled_function.np, "empty", refused)
+    q *= 2
+    MODEL.accel(0.0, q, v, K, out=out)
+    monkeypatch.undo()
+    np.testing.assert_array_equal(out, MODEL.accel(0.0, 2 * Q, V, K))
+
+
+def test_converted_arguments_are_not_recognised() -> None:
+    """Their conversion has the values of the call."""
+    wide = np.zeros((5, 2))
+    for given in (Q.tolist(), Q.astype(np.float32), wide[:, 0]):
+        for values in (Q, 3 * Q):
+            given[:] = values.tolist()
+            single = np.array(given, dtype=np.float64)
+            np.testing.assert_array_equal(MODEL.accel(0.0, given, V, K), MODEL.accel(0.0, single.copy(), V, K))
+
+
+def test_equal_arrays_are_not_the_same() -> None:
+    first, second = Q.copy(), Q.copy()
+    MODEL.accel(0.0, first, V, K)
+    second *= 2
+    np.testing.assert_array_equal(MODEL.accel(0.0, second, V, K), MODEL.accel(0.0, 2 * Q, V, K))
+
+
+def test_values_stay_where_they_are() -> None:
+    """NumPy would move them elsewhere, and the address that is kept would be that of freed memory."""
+    q, out = Q.copy(), np.empty(5)
+    MODEL.accel(0.0, q, V, K, out=out)
+    for array in (q, out):
+        with pytest.raises(ValueError, match="cannot resize an array that references or is referenced"):
+            array.resize(1_000_000, refcheck=False)
+
+
+def test_wrong_outputs_are_refused() -> None:
+    q, frozen = Q.copy(), np.empty(5)
+    MODEL.accel(0.0, q, V, K, out=frozen)
+    frozen.setflags(write=False)
+    both = np.zeros(9)
+    for out, text in (
+        (np.empty(4), r"`out` must be an array of 5 doubles \(float64\), not float64 of shape \(4,\)"),
+        (np.empty(5, np.float32), "not float32 of shape"),
+        ([0.0] * 5, "not list of shape"),
+        (np.empty((5, 2))[:, 0], "contiguous and writeable"),
+        (frozen, "contiguous and writeable"),
+        (q, "shares memory with an argument"),
+        (both[4:], "shares memory with an argument"),
+    ):
+        with pytest.raises(ValueError, match=f"beam_point_2_accel: .*{text}"):
+            MODEL.accel(0.0, both[:5] if np.shares_memory(np.asarray(out), both) else q, V, K, out=out)
+    both[:5] = Q
+    MODEL.accel(0.0, both[:5], V, K, out=frozen.copy())
+    assert both[5:].tolist() == [0.0] * 4
