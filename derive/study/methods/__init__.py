@@ -1,0 +1,1 @@
+"""The stability of methods: limits of steps, drift, formulations, conditioning, and how each failure is avoided."""

@@ -1,0 +1,73 @@
+"""Dead centres of a rigid crank-slider: the smallest singular value of G over the crank angle, and runs up to them.
+
+The determinant of G is proportional to cos(phi2), the angle of the rod, if the crank is driven, so that it vanishes
+where sin(phi1) = l2 / l1, which needs a crank that is as long as the rod. If the slider is driven it vanishes with
+sin(phi1 - phi2): where crank and rod are in line, at phi1 = 0 and pi.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import asin, cos, pi, sin
+
+import numpy as np
+
+from derive.errors import TisserandError
+from derive.runtime.native_call import Vector
+from derive.simulation.constraints.scaling import spectrum
+from derive.simulation.simulate import simulate
+from derive.study.methods.cases import ANGLE, Driven, crank_slider
+from derive.study.methods.scene_methods import MethodScene, method_scene
+
+ANGLES = np.linspace(0.0, 2 * pi, 361)
+"""The crank angles, rad: dead centres are among them."""
+REVOLUTION = 2 * pi
+"""The duration of a run, s: a revolution of a driven crank; a driven slider reaches its dead centre within it."""
+
+
+@dataclass(frozen=True, eq=False)
+class DeadCentre:
+    """A crank-slider with a rod of `rod` times the length of the crank.
+
+    angles (n,), singular (n,): the smallest singular value of the scaled G over the crank angle, rad. failure: of a run
+    over `REVOLUTION` from a crank angle of 0.5 rad; empty if it passes.
+    """
+
+    driven: Driven
+    rod: float
+    angles: Vector
+    singular: Vector
+    failure: str
+
+    @property
+    def dead(self) -> tuple[float, ...]:
+        """The crank angles, rad, at which a singular value has vanished."""
+        return tuple(float(x) for x in self.angles[self.singular < 1e-7])
+
+
+def dead_centres() -> tuple[DeadCentre, ...]:
+    """Crank driven with a long rod and with one as long as the crank, and slider driven. Raises CompilerError."""
+    return tuple(_dead_centre(*case) for case in ((Driven.CRANK, 2.0), (Driven.CRANK, 1.0), (Driven.SLIDER, 2.0)))
+
+
+def _dead_centre(driven: Driven, rod: float) -> DeadCentre:
+    scene = crank_slider(rod, driven)
+    of = method_scene(scene)
+    singular = np.array([_smallest(of, driven, rod, float(angle)) for angle in ANGLES])
+    try:
+        simulate(scene, duration=REVOLUTION, output=REVOLUTION / 100)
+        failure = ""
+    except TisserandError as error:
+        failure = str(error)
+    return DeadCentre(driven, rod, ANGLES, singular, failure)
+
+
+def _smallest(of: MethodScene, driven: Driven, rod: float, angle: float) -> float:
+    """The smallest singular value with this crank angle, whose rod is on the side of the slider."""
+    tilt = -asin(min(1.0, max(-1.0, sin(angle) / rod)))
+    position = cos(angle) + rod * cos(tilt)
+    start = cos(ANGLE) + rod * cos(asin(sin(ANGLE) / rod))
+    known = {"crank_phi": angle, "rod_phi": tilt, "slider_s": position}
+    q = np.array([known[name] for name in of.native.coordinates])
+    t = angle - ANGLE if driven is Driven.CRANK else start - position
+    return spectrum(of.native, of.k, t, q).smallest

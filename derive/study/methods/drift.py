@@ -1,0 +1,150 @@
+"""The drift of the constraints and of the energy over many steps, with and without projection.
+
+The energy of a scene without damping and loads changes by the work of its drives alone. With M vdot + h = G^T lambda
+and gdot = G v + dg/dt = 0 the power is dE/dt = lambda . G v = -lambda . dg/dt, which is integrated along the rows of a
+run by a spline of order 5. What remains of E(t) - E(0) - W(t) is the error of the method.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.interpolate import make_interp_spline
+
+from derive.errors import TisserandError
+from derive.runtime.integrators.c_integrator import Integration, IntegratorError
+from derive.runtime.native_call import Vector
+from derive.simulation.compiled_scene import max_norm
+from derive.study.methods.scene_methods import IMPLICIT, Method, MethodRun, MethodScene
+from derive.study.states import State
+
+POINTS = 240
+"""The times of a run in which its drift is looked at."""
+CONSERVED = 1e-5
+"""Power that drives do not account for, relative to that of all parts, above which the energy is no measure."""
+LATE = 0.3
+"""The part of the time of a run after which exponents of growth are fitted."""
+
+
+@dataclass(frozen=True, eq=False)
+class DriftRun:
+    """The drift of a run: t (n,) in s, the largest |g| (m, rad) and |gdot| (m/s, rad/s) up to then, and |E - E0 - W|
+    up to then over the largest kinetic energy; energy is empty where energy is not conserved or was not looked at.
+
+    steps: those that were taken. failure: why the run ended early, if it did.
+    """
+
+    method: Method
+    projected: bool
+    h: float
+    steps: int
+    t: Vector
+    position: Vector
+    velocity: Vector
+    energy: Vector
+    failure: str = ""
+
+    @property
+    def label(self) -> str:
+        """The method in words."""
+        if self.method in IMPLICIT:
+            return f"{self.method.value}, index 3"
+        return f"{self.method.value}, {'projected' if self.projected else 'not projected'}"
+
+
+KINDS = tuple((method, projected) for method in (Method.RK4, Method.ADAPTIVE) for projected in (False, True)) + tuple(
+    (method, True) for method in IMPLICIT
+)
+"""Methods with and without projection; those of index 3 meet g = 0 in every step."""
+
+
+def drift_runs(
+    of: MethodScene, h: float, steps: int, methods: Sequence[Method], progress: Callable[[str], None]
+) -> list[DriftRun]:
+    """Runs of `steps` steps of h (s); the adaptive method covers the same time with the tolerance of the scene."""
+    conserved = conserves(of, of.states(9))
+    result = []
+    for method, projected in KINDS:
+        if method in methods:
+            progress(f"{of.scene.name}: drift over {steps} steps of {method.value}")
+            result.append(drift_run(of, method, projected, h, steps, conserved))
+    return result
+
+
+def drift_run(of: MethodScene, method: Method, projected: bool, h: float, steps: int, energy: bool = True) -> DriftRun:
+    """The drift of one run; energy: whether that of the scene is conserved, and looked at."""
+    none, failure = np.zeros(0), ""
+    try:
+        if method is Method.ADAPTIVE:
+            assert of.scene.simulation is not None
+            run = of.adaptive_run(h * np.arange(steps + 1), of.scene.simulation.tolerance, projected)
+        else:
+            run = of.run(method, h, steps, 1, projected)
+    except IntegratorError as error:
+        run, failure = _reached(error.partial), first_line(error)
+        steps = run.steps
+    except TisserandError as error:
+        return DriftRun(method, projected, h, 0, none, none, none, none, first_line(error))
+    chosen = np.unique(np.geomspace(1, max(steps, 1), POINTS).astype(int))
+    chosen = chosen[chosen <= steps]
+    native, k = of.native, of.k
+    g = [max_norm(native.constraints(run.t[i], run.q[i], k)) for i in chosen]
+    rates = [max_norm(native.constraint_rates(run.t[i], run.q[i], run.v[i], k)) for i in chosen]
+    lost = energy_error(of, run)[chosen] if energy and steps >= 6 else none
+    worst = np.maximum.accumulate
+    return DriftRun(method, projected, h, run.steps, run.t[chosen], worst(g), worst(rates), worst(lost), failure)
+
+
+def _reached(partial: Integration) -> MethodRun:
+    """The rows that a run has reached before it failed."""
+    count = int(np.sum(np.all(np.isfinite(np.hstack([partial.q, partial.v, partial.lam])), axis=1)))
+    rows = slice(count)
+    return MethodRun(partial.t[rows], partial.q[rows], partial.v[rows], partial.lam[rows], max(count - 1, 0))
+
+
+def energy_error(of: MethodScene, run: MethodRun) -> Vector:
+    """|E - E0 - W| (n,) in the rows of a run, over the largest kinetic energy."""
+    native, k = of.native, of.k
+    parts = np.array([native.energy(q, v, k) for q, v in zip(run.q, run.v, strict=True)])
+    work = np.zeros(len(run.t))
+    if of.scene.drives:
+        power = np.array([_power(of, *row) for row in zip(run.t, run.q, run.lam, strict=True)])
+        integral = make_interp_spline(run.t, power, k=5).antiderivative()
+        work = integral(run.t) - integral(run.t[0])
+    total = parts.sum(axis=1)
+    return np.asarray(np.abs(total - total[0] - work) / (parts[:, 0].max() or 1.0))
+
+
+def conserves(of: MethodScene, states: Sequence[State]) -> bool:
+    """Whether the work of drives is all that changes the energy, in some states of the motion."""
+    native, k = of.native, of.k
+    for t, q, v in states:
+        vdot, lam = native.solve(t, q, v, k)
+        h = 1e-6 * of.period
+        after, before = native.energy(q + h * v, v + h * vdot, k), native.energy(q - h * v, v - h * vdot, k)
+        rates = (after - before) / (2 * h)
+        unit = np.abs(rates).sum() + 1e-2 * native.energy(q, v, k)[0] / of.period
+        if abs(rates.sum() - _power(of, t, q, lam)) > CONSERVED * unit:
+            return False
+    return True
+
+
+def _power(of: MethodScene, t: float, q: Vector, lam: Vector) -> float:
+    """The power of the drives, W."""
+    return -float(lam @ of.native.constraint_rates(t, q, np.zeros(of.native.nv), of.k))
+
+
+def step_order(of: MethodScene, h: float, steps: int) -> float:
+    """The power of the step with which the drift of RK4 without projection grows: from steps of h and h/2 (s)."""
+    whole, half = (drift_run(of, Method.RK4, False, h / n, n * steps, energy=False).position for n in (1, 2))
+    return float(np.log2(whole[-1] / half[-1])) if len(whole) and len(half) and half[-1] > 0 else float("nan")
+
+
+def exponent(t: Vector, size: Vector) -> float:
+    """The exponent p with which a drift grows as t^p, over the last part of a run."""
+    if not len(t) or not np.all(size[t >= LATE * t[-1]] > 0):
+        return float("nan")
+    late = t >= LATE * t[-1]
+    return float(np.polyfit(np.log(t[late]), np.log(size[late]), 1)[0])

@@ -1,0 +1,148 @@
+"""Where methods fail: a line for each failure, with its criterion, what theory predicts, and what has been measured."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import isfinite, pi
+
+from derive.study.methods.cases import Driven
+from derive.study.methods.drift import exponent
+from derive.study.methods.implicit_steps import Rule
+from derive.study.methods.method_study import MethodStudy
+from derive.study.methods.scene_methods import Method
+from derive.terminal import magnitude
+
+MET = 1e-9
+"""Constraints (m, rad) are met below this."""
+NEAR = 0.05
+"""A measured value agrees with a predicted one within this part."""
+DEGREE = pi / 180
+
+
+@dataclass(frozen=True)
+class MethodFailure:
+    """A way in which methods fail: the criterion by theory, what was measured, and whether that agrees."""
+
+    failure: str
+    criterion: str
+    measured: str
+    agrees: bool
+
+
+def failures(study: MethodStudy) -> tuple[MethodFailure, ...]:
+    """The failures of methods, each with what this study has measured."""
+    lines = [_step_limit(study), _drift(study), _dead_centre(study), *_trapezoidal(study)]
+    return (*(line for line in lines if line), _gimbal_lock(study), _monomials(study), _rigid_motion(study))
+
+
+def _step_limit(study: MethodStudy) -> MethodFailure | None:
+    limited = [line for line in study.limits if line.method in (Method.RK4, Method.ADAPTIVE)]
+    if not limited:
+        return None
+    theory = ", ".join(f"{line.theory:.3g} ({line.method.value})" for line in limited)
+    measured = "; ".join(
+        f"{line.method.value} {line.measured:.3g} s, {line.ratio:.3f} of theory: "
+        f"0.95 {'stable' if line.below else 'grows'}, 1.05 {'stable' if line.above else 'grows'}"
+        for line in limited
+    )
+    agrees = all(line.below and not line.above and abs(line.ratio - 1) < NEAR for line in limited)
+    return MethodFailure("explicit step limit", f"omega_max h < {theory}", measured, agrees)
+
+
+def _drift(study: MethodStudy) -> MethodFailure | None:
+    runs = {run.projected: run for run in study.drifts if run.method is Method.RK4 and len(run.t)}
+    if len(runs) < 2 or not study.forms:
+        return None
+    free, held = runs[False], runs[True]
+    growth = exponent(free.t, free.position)
+    measured = (
+        f"rk4, {free.steps} steps: {magnitude(free.position[-1])} m without projection, as t^{growth:.1f} and "
+        f"h^{study.order:.1f}; {magnitude(held.position[-1])} m with it"
+    )
+    agrees = bool(held.position[-1] < MET and held.position[-1] < free.position[-1] and study.order > 3)
+    return MethodFailure("index 3 drift", "acceleration-level drift grows as t^2 and h^4", measured, agrees)
+
+
+def _dead_centre(study: MethodStudy) -> MethodFailure:
+    cases = {(case.driven, case.rod): case for case in study.dead_centres}
+    long, equal, slider = cases[Driven.CRANK, 2.0], cases[Driven.CRANK, 1.0], cases[Driven.SLIDER, 2.0]
+    angles = ", ".join(f"{angle / DEGREE:.0f}" for angle in slider.dead if angle < 2 * pi - 1e-9)
+    measured = (
+        f"smallest singular value of G: {long.singular.min():.2f} with the crank driven and l1 < l2, "
+        f"{magnitude(equal.singular.min())} with l1 = l2; slider driven: zero at {angles} deg, and the run stops with "
+        f"an error: {_sentence(slider.failure)}"
+    )
+    agrees = not long.dead and not long.failure and bool(equal.dead) and "dead centre" in slider.failure
+    criterion = "crank driven: singular only if l1 >= l2; slider driven: at phi1 = 0, 180 deg"
+    return MethodFailure("dead centre", criterion, measured, agrees and angles == "0, 180")
+
+
+def _sentence(text: str) -> str:
+    return text.split(". ")[0] if text else "none"
+
+
+def _trapezoidal(study: MethodStudy) -> tuple[MethodFailure, ...]:
+    drift = {rule: [m for m in study.momentum if m.rule is rule] for rule in (Rule.TRAPEZOIDAL, Rule.MIDPOINT)}
+    trapezoidal, midpoint = drift[Rule.TRAPEZOIDAL], drift[Rule.MIDPOINT]
+    parts = " / ".join(f"{100 * m.drift:.2g}" for m in trapezoidal)
+    worst = max(m.drift for m in midpoint)
+    measured = f"{parts} % at omega_1 h = {' / '.join(f'{m.product:g}' for m in trapezoidal)}; midpoint rule {100 * worst:.1g} %"
+    first = trapezoidal[0]
+    momentum = MethodFailure(
+        "trapezoidal rule: momentum",
+        f"drift of the angular momentum (omega_1 h)^2/4 c8 a^2/C3: {100 * first.small:.2g} % at 1",
+        measured,
+        abs(first.drift / first.small - 1) < 2 * NEAR and worst < 0.005,
+    )
+    if not study.ringing:
+        return (momentum,)
+    factors = ", ".join(f"{r.factor:.2f} (rho {r.rho:g})" for r in study.ringing)
+    last = study.ringing[0]
+    ring = MethodFailure(
+        "trapezoidal rule: multipliers",
+        "index 3: they ring, by a factor rho per step; not damped if rho = 1",
+        f"factor per step {factors}; with rho = 1 ringing grows to {100 * last.amplitude[-1]:.0f} % of the multipliers",
+        all(abs(r.factor / r.rho - 1) < NEAR for r in study.ringing) and bool(last.amplitude[-1] > last.amplitude[0]),
+    )
+    return momentum, ring
+
+
+def _gimbal_lock(study: MethodStudy) -> MethodFailure:
+    t = study.tumble
+    pitch, angles, quaternion = abs(t.pitch).max() / DEGREE, float(t.angles.max()), float(t.quaternion.max())
+    measured = (
+        f"tumbling to a pitch of {pitch:.2f} deg: condition of the kinematics {quaternion:.3g} with the quaternion, "
+        f"{magnitude(angles) if isfinite(angles) else 'infinite'} with angles; energy changes by {magnitude(t.energy)}"
+    )
+    return MethodFailure(
+        "gimbal lock",
+        "angles: condition 1/cos(pitch), infinite at 90 deg; quaternion: 1 in every attitude",
+        measured,
+        quaternion < 1 + 1e-6 and angles > 100 and t.energy < 1e-7,
+    )
+
+
+def _monomials(study: MethodStudy) -> MethodFailure:
+    first, last = study.bases[0], study.bases[-1]
+    rate = (last.monomials / first.monomials) ** (1 / (last.count - first.count))
+    measured = (
+        f"N = {first.count} to {last.count}: monomials {first.monomials:.2g} to {magnitude(last.monomials)} (a factor of "
+        f"{rate:.1f} per shape), a relative error of {magnitude(last.error_monomials)} in c8 x = b; Legendre polynomials "
+        f"{first.legendre:.2g} to {last.legendre:.2g}, {magnitude(last.error_legendre)}"
+    )
+    agrees = rate > 3 and all(abs(b.legendre - (2 * b.count + 3) / 5) < 1e-9 for b in study.bases)
+    return MethodFailure("monomials, many shapes", "cond(c8) grows like that of a Hilbert matrix; Legendre (2N + 3)/5", measured, agrees)
+
+
+def _rigid_motion(study: MethodStudy) -> MethodFailure:
+    r = study.rigid
+    measured = (
+        f"exact rank {r.rank} of {r.fields} fields; M has rank {r.at_rest} of {r.unknowns} at rest and {r.deformed} "
+        f"deformed, with a least eigenvalue of {r.slope:.3f} m alpha^2; refused: {r.error.split(';')[0]}"
+    )
+    return MethodFailure(
+        "rigid motion left in the shapes",
+        "exact rank of {1, rotation, phi_i}: M is singular at rest, and seems less so when deformed",
+        measured,
+        r.rank < r.fields and r.at_rest < r.deformed and "rigid motion is left" in r.error,
+    )

@@ -1,0 +1,93 @@
+"""The study of methods on one scene, and on small scenes in which a failure can be seen by itself."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+from derive.errors import TisserandError
+from derive.spec.model.scene import Scene
+from derive.study.methods.attitude import Tumble, tumble
+from derive.study.methods.conditioning import Conditioning, conditioning
+from derive.study.methods.dead_centre import DeadCentre, dead_centres
+from derive.study.methods.drift import DriftRun, drift_runs, step_order
+from derive.study.methods.formulations import FormRun, form_runs
+from derive.study.methods.free_flight import MomentumDrift, momentum_drifts
+from derive.study.methods.ringing import Ringing, ringing
+from derive.study.methods.scene_methods import IMPLICIT, Method, method_scene
+from derive.study.methods.shape_bases import BasisCondition, RigidMotionLeft, basis_conditions, rigid_motion_left
+from derive.study.methods.stability_functions import classical, step_limit
+from derive.study.methods.step_limits import HighestFrequency, StepLimit, highest_frequency, step_limits
+
+HALF = 0.5
+"""The step of long runs, divided by the limit of RK4."""
+ORDER_STEPS = 1000
+"""The steps of the longer of the two runs that show the order of the drift."""
+
+
+@dataclass(frozen=True, eq=False)
+class MethodStudy:
+    """What a study of methods has found; `along` says what the states are taken from, `h` (s) is the step of long runs.
+
+    order: the power of the step with which constraints drift. notes: what could not be done, and why.
+    """
+
+    name: str
+    along: str
+    h: float
+    steps: int
+    frequency: HighestFrequency
+    limits: tuple[StepLimit, ...]
+    drifts: tuple[DriftRun, ...]
+    order: float
+    forms: tuple[FormRun, ...]
+    conditioning: Conditioning
+    ringing: tuple[Ringing, ...]
+    dead_centres: tuple[DeadCentre, ...]
+    momentum: tuple[MomentumDrift, ...]
+    tumble: Tumble
+    bases: tuple[BasisCondition, ...]
+    rigid: RigidMotionLeft
+    notes: tuple[str, ...]
+
+
+def method_study(
+    scene: Scene, methods: Sequence[Method], steps: int, states: int, progress: Callable[[str], None]
+) -> MethodStudy:
+    """The study of a scene: long runs of `steps` steps, and `states` states along its motion.
+
+    Raises SpecError, CompilerError, SimulationError.
+    """
+    progress(f"{scene.name}: deriving and compiling")
+    of = method_scene(scene)
+    notes = () if of.alpha else (f"{', '.join(m.value for m in IMPLICIT)}: left out; {of.missing}",)
+    methods = [m for m in methods if of.alpha or m not in IMPLICIT]
+    along = of.states(states)
+    frequency = highest_frequency(of, along)
+    if not frequency.largest > 0:
+        raise TisserandError(f"{scene.name}: nothing vibrates, so that no step is unstable; choose a scene with a beam that bends")
+    h = HALF * step_limit(classical()) / frequency.largest
+    limits = step_limits(of, frequency.largest, methods, progress)
+    drifts = drift_runs(of, h, steps, methods, progress)
+    forms = form_runs(of, h, progress) if of.native.nlambda else []
+    order = step_order(of, h, min(steps, ORDER_STEPS)) if of.native.nlambda else float("nan")
+    progress("small scenes: dead centres, free flight, tumbling, shapes")
+    return MethodStudy(
+        scene.name,
+        of.along,
+        h,
+        steps,
+        frequency,
+        tuple(limits),
+        tuple(drifts),
+        order,
+        tuple(forms),
+        conditioning(of, along),
+        ringing() if of.alpha else (),
+        dead_centres(),
+        momentum_drifts(),
+        tumble(),
+        basis_conditions(),
+        rigid_motion_left(),
+        notes,
+    )
