@@ -46,6 +46,11 @@ def problem_text(problem: Problem, source: str | None) -> str:
     return ": ".join(printable(part) for part in (where, problem.path, problem.message) if part)
 
 
+def first_line(error: Exception) -> str:
+    """An error in a line."""
+    return str(error).splitlines()[0]
+
+
 def quoted(text: str, limit: int = 60) -> str:
     """Text of a user as a message shows it: in quotation marks, on one line, not too long."""
     return f'"{printable(text if len(text) <= limit else text[:limit] + "…")}"'

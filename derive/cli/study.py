@@ -1,4 +1,4 @@
-"""`tisserand study`: compare two floating frames of the beams of a scene, or chart what accuracy costs."""
+"""`tisserand study`: compare frames, models or methods on a scene with beams."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import json
 from pathlib import Path
 
 from derive.artifacts import File, write
-from derive.cli import accuracy
+from derive.cli import accuracy, methods
 from derive.cli.specifications import read_scene
 from derive.errors import Problem, SpecError
 from derive.lowering.elimination_orders import EliminationRule
@@ -25,7 +25,7 @@ from derive.terminal import show_progress
 
 
 def run(options: argparse.Namespace) -> int:
-    """Run the study `frames`, `pivots` or `accuracy`."""
+    """Run the study that is asked for, a key of `STUDIES`."""
     scene = _scene(options.spec)
     try:
         return STUDIES[options.study](scene, options)
@@ -76,4 +76,4 @@ def _pivots(scene: Scene, options: argparse.Namespace) -> int:
     return 0
 
 
-STUDIES = {"frames": _frames, "pivots": _pivots, "accuracy": accuracy.run}
+STUDIES = {"frames": _frames, "pivots": _pivots, "accuracy": accuracy.run, "methods": methods.run}

@@ -16,7 +16,7 @@ MAX_SHAPES = 12
 
 def add_study(commands: Any) -> None:
     """The command `study` with its studies."""
-    study = add_command(commands, "study", "compare models of a scene: floating frames, or what accuracy costs")
+    study = add_command(commands, "study", "compare models of a scene, frames, or methods: what they cost, and where they fail")
     studies = study.add_subparsers(dest="study", metavar="STUDY", required=True, title="studies")
     frames = add_command(studies, "frames", "compare non-zeros, operations and CPU time in two frames")
     pivots = add_command(studies, "pivots", "compare vanishing pivots, pivot growth and backward errors in two frames")
@@ -57,6 +57,45 @@ def add_study(commands: Any) -> None:
         "--numberings", type=count, default=100, metavar="N", help="random numberings of the unknowns (default: 100)"
     )
     _add_accuracy(studies)
+    _add_methods(studies)
+
+
+def _add_methods(studies: Any) -> None:
+    methods = add_command(studies, "methods", "limits of steps, drift, ringing, conditioning: by theory and experiment")
+    methods.add_argument("spec", type=Path, metavar="SPEC", help=f"{SPEC} of a scene with a beam")
+    methods.add_argument(
+        "--steps", type=count, default=100_000, metavar="N", help="steps of the runs that show drift (default: 100000)"
+    )
+    methods.add_argument("--states", type=states, default=61, metavar="N", help="states along the motion (default: 61)")
+    methods.add_argument(
+        "--integrators",
+        type=integrators,
+        default=("rk4", "adaptive", "generalised-alpha", "trapezoidal"),
+        metavar="A,...",
+        help="among rk4, adaptive, rk45, generalised-alpha and trapezoidal, which is generalised-alpha with rho = 1 "
+        "(default: all but rk45, which calls Python at each step)",
+    )
+    methods.add_argument(
+        "--out",
+        type=Path,
+        metavar="FOLDER",
+        help="folder of the picture, the page and the table (default: results/NAME)",
+    )
+    add_no_cache(methods)
+    methods.add_argument("--json", action="store_true", help="print the numbers as JSON")
+
+
+def integrators(text: str) -> tuple[str, ...]:
+    """Integrators of a study of methods by their names."""
+    return _among(text, ("rk4", "adaptive", "rk45", "generalised-alpha", "trapezoidal"))
+
+
+def states(text: str) -> int:
+    """A number of states along a motion, of which there are two ends."""
+    number = count(text)
+    if number < 2:
+        raise argparse.ArgumentTypeError(f"a motion has at least 2 states, not {number}")
+    return number
 
 
 def _add_accuracy(studies: Any) -> None:

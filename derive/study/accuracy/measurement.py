@@ -9,7 +9,7 @@ from statistics import median
 
 import numpy as np
 
-from derive.errors import TisserandError
+from derive.errors import TisserandError, first_line
 from derive.generated_models import generated
 from derive.ir.model import Model
 from derive.runtime.integrators.adaptive import Adaptive, AdaptiveRun
@@ -243,8 +243,3 @@ def _errors(plot: Plot, moved: Trajectory) -> tuple[float, float]:
 
 class NothingInCommon(TisserandError):
     """A motion cannot be compared with a reference."""
-
-
-def first_line(error: Exception) -> str:
-    """An error in a line."""
-    return str(error).splitlines()[0]

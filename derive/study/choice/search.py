@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
-from derive.errors import TisserandError
+from derive.errors import TisserandError, first_line
 from derive.simulation.observables.plots import PlotCurve, plot_curves
 from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.plots import Plot
@@ -22,7 +22,6 @@ from derive.study.accuracy.measurement import (
     Line,
     Point,
     compiled,
-    first_line,
     measure,
     motion,
 )

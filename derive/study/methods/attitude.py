@@ -1,8 +1,8 @@
 """A rigid body that tumbles through every attitude: its quaternion, and angles that would lock.
 
-With angles of yaw, pitch and roll the angular velocity is E times their rates, with det E = cos(pitch) and the condition
-number sqrt((1 + |sin(pitch)|) / (1 - |sin(pitch)|)): at a pitch of 90 degrees, gimbal lock, two of them have one axis.
-The rates of a unit quaternion are Z omega with three singular values of 1/2 in every attitude.
+With angles of yaw, pitch and roll the angular velocity is E times their rates, with det E = cos(pitch) and the
+condition number sqrt((1 + |sin(pitch)|) / (1 - |sin(pitch)|)): at a pitch of 90 degrees, gimbal lock, two of them have
+one axis. The rates of a unit quaternion are Z omega with three singular values of 1/2 in every attitude.
 """
 
 from __future__ import annotations

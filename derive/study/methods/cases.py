@@ -85,6 +85,7 @@ def crank_slider(rod: float = 2.0, driven: Driven = Driven.CRANK) -> Scene:
     assert isinstance(scene, Scene)
     return scene
 
+
 BENT_BEAM = """
 name = "bent_beam"
 [bodies.beam]

@@ -12,12 +12,14 @@ from math import asin, cos, pi, sin
 
 import numpy as np
 
-from derive.errors import TisserandError
+from derive.generated_models import generated
+from derive.runtime.loading import load_scene
 from derive.runtime.native_call import Vector
+from derive.runtime.native_scene import NativeScene
 from derive.simulation.constraints.scaling import spectrum
+from derive.simulation.errors import SingularConfiguration
 from derive.simulation.simulate import simulate
 from derive.study.methods.cases import ANGLE, Driven, crank_slider
-from derive.study.methods.scene_methods import MethodScene, method_scene
 
 ANGLES = np.linspace(0.0, 2 * pi, 361)
 """The crank angles, rad: dead centres are among them."""
@@ -30,14 +32,15 @@ class DeadCentre:
     """A crank-slider with a rod of `rod` times the length of the crank.
 
     angles (n,), singular (n,): the smallest singular value of the scaled G over the crank angle, rad. failure: of a run
-    over `REVOLUTION` from a crank angle of 0.5 rad; empty if it passes.
+    over `REVOLUTION` from a crank angle of 0.5 rad; empty if it passes. reported: the smallest singular value in it.
     """
 
     driven: Driven
     rod: float
     angles: Vector
     singular: Vector
-    failure: str
+    failure: str = ""
+    reported: float = float("nan")
 
     @property
     def dead(self) -> tuple[float, ...]:
@@ -52,22 +55,21 @@ def dead_centres() -> tuple[DeadCentre, ...]:
 
 def _dead_centre(driven: Driven, rod: float) -> DeadCentre:
     scene = crank_slider(rod, driven)
-    of = method_scene(scene)
-    singular = np.array([_smallest(of, driven, rod, float(angle)) for angle in ANGLES])
+    native = load_scene(generated(scene)[1])
+    singular = np.array([_smallest(native, driven, rod, float(angle)) for angle in ANGLES])
     try:
         simulate(scene, duration=REVOLUTION, output=REVOLUTION / 100)
-        failure = ""
-    except TisserandError as error:
-        failure = str(error)
-    return DeadCentre(driven, rod, ANGLES, singular, failure)
+    except SingularConfiguration as error:
+        return DeadCentre(driven, rod, ANGLES, singular, str(error), error.smallest)
+    return DeadCentre(driven, rod, ANGLES, singular)
 
 
-def _smallest(of: MethodScene, driven: Driven, rod: float, angle: float) -> float:
+def _smallest(native: NativeScene, driven: Driven, rod: float, angle: float) -> float:
     """The smallest singular value with this crank angle, whose rod is on the side of the slider."""
     tilt = -asin(min(1.0, max(-1.0, sin(angle) / rod)))
     position = cos(angle) + rod * cos(tilt)
     start = cos(ANGLE) + rod * cos(asin(sin(ANGLE) / rod))
     known = {"crank_phi": angle, "rod_phi": tilt, "slider_s": position}
-    q = np.array([known[name] for name in of.native.coordinates])
+    q = np.array([known[name] for name in native.coordinates])
     t = angle - ANGLE if driven is Driven.CRANK else start - position
-    return spectrum(of.native, of.k, t, q).smallest
+    return spectrum(native, native.setup(), t, q).smallest

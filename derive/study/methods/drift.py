@@ -11,19 +11,22 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.interpolate import make_interp_spline
 
-from derive.errors import TisserandError
+from derive.errors import TisserandError, first_line
 from derive.runtime.integrators.c_integrator import Integration, IntegratorError
 from derive.runtime.native_call import Vector
 from derive.simulation.compiled_scene import max_norm
-from derive.study.methods.scene_methods import IMPLICIT, Method, MethodRun, MethodScene
+from derive.study.methods.scene_methods import IMPLICIT, Method, MethodRun, MethodScene, equal_times
 from derive.study.states import State
 
 POINTS = 240
 """The times of a run in which its drift is looked at."""
 CONSERVED = 1e-5
 """Power that drives do not account for, relative to that of all parts, above which the energy is no measure."""
+FEWEST = 6
+"""The steps that the spline of the power needs."""
 LATE = 0.3
 """The part of the time of a run after which exponents of growth are fitted."""
 
@@ -79,7 +82,7 @@ def drift_run(of: MethodScene, method: Method, projected: bool, h: float, steps:
     try:
         if method is Method.ADAPTIVE:
             assert of.scene.simulation is not None
-            run = of.adaptive_run(h * np.arange(steps + 1), of.scene.simulation.tolerance, projected)
+            run = of.adaptive_run(equal_times(h, steps), of.scene.simulation.tolerance, projected)
         else:
             run = of.run(method, h, steps, 1, projected)
     except IntegratorError as error:
@@ -92,7 +95,7 @@ def drift_run(of: MethodScene, method: Method, projected: bool, h: float, steps:
     native, k = of.native, of.k
     g = [max_norm(native.constraints(run.t[i], run.q[i], k)) for i in chosen]
     rates = [max_norm(native.constraint_rates(run.t[i], run.q[i], run.v[i], k)) for i in chosen]
-    lost = energy_error(of, run)[chosen] if energy and steps >= 6 else none
+    lost = energy_error(of, run, chosen) if energy and steps >= FEWEST else none
     worst = np.maximum.accumulate
     return DriftRun(method, projected, h, run.steps, run.t[chosen], worst(g), worst(rates), worst(lost), failure)
 
@@ -104,17 +107,16 @@ def _reached(partial: Integration) -> MethodRun:
     return MethodRun(partial.t[rows], partial.q[rows], partial.v[rows], partial.lam[rows], max(count - 1, 0))
 
 
-def energy_error(of: MethodScene, run: MethodRun) -> Vector:
-    """|E - E0 - W| (n,) in the rows of a run, over the largest kinetic energy."""
-    native, k = of.native, of.k
-    parts = np.array([native.energy(q, v, k) for q, v in zip(run.q, run.v, strict=True)])
-    work = np.zeros(len(run.t))
+def energy_error(of: MethodScene, run: MethodRun, chosen: NDArray[np.intp]) -> Vector:
+    """|E - E0 - W| in some rows of a run, whose indices increase, over the largest kinetic energy of these."""
+    parts = np.array([of.native.energy(run.q[i], run.v[i], of.k) for i in (0, *chosen)])
+    work = np.zeros(len(chosen))
     if of.scene.drives:
         power = np.array([_power(of, *row) for row in zip(run.t, run.q, run.lam, strict=True)])
         integral = make_interp_spline(run.t, power, k=5).antiderivative()
-        work = integral(run.t) - integral(run.t[0])
+        work = integral(run.t[chosen]) - integral(run.t[0])
     total = parts.sum(axis=1)
-    return np.asarray(np.abs(total - total[0] - work) / (parts[:, 0].max() or 1.0))
+    return np.asarray(np.abs(total[1:] - total[0] - work) / (parts[:, 0].max() or 1.0))
 
 
 def conserves(of: MethodScene, states: Sequence[State]) -> bool:

@@ -1,8 +1,8 @@
 """The forms of index 3, 2 and 1 of one scene under one implicit rule: drift, ringing of multipliers, conditioning.
 
 Index 3 holds g = 0, the stabilised form of index 2 (Gear, Gupta & Leimkuhler 1985) g = 0 and gdot = 0, index 1 the
-second derivative of g alone. Rows and columns of the iteration matrix dF/dy + dF/dydot / h are scaled to largest entries
-of 1, so that its condition number does not depend on units.
+second derivative of g alone. Rows and columns of the iteration matrix dF/dy + dF/dydot / h are scaled to largest
+entries of 1, so that its condition number does not depend on units.
 """
 
 from __future__ import annotations
@@ -76,7 +76,7 @@ def form_run(of: MethodScene, name: str, rule: Rule, h: float, steps: int = STEP
     try:
         run = march(form, k, 0.0, y, ydot, h, steps, rule, native.nq)
     except TisserandError as error:
-        return FormRun(name, rule, h, *[nan] * 5, conditions, str(error))
+        return FormRun(name, rule, h, nan, nan, nan, nan, nan, conditions, str(error))
     n, m = native.nq, native.nq + native.nv
     pairs = [(t, y[:n], y[n:m]) for t, y in zip(run.t, run.y, strict=True)]
     lam = run.y[:, m : m + native.nlambda]

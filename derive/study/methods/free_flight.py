@@ -1,8 +1,8 @@
 """The angular momentum of a free beam that spins and vibrates, under the trapezoidal and the midpoint rule.
 
 In the mean frame L = phidot (C3 + c8 a^2), which no linear method conserves for a beam that bends. The trapezoidal rule
-is the midpoint rule for z = y + h/2 ydot, which nearly conserves L(z): with a = A cos(omega t) and a small spin the drift
-of L is (omega h)^2 / 4 times c8 A^2 / C3, and c8 / C3 = 12/5 1/l^2 for the shape P2.
+is the midpoint rule for z = y + h/2 ydot, which nearly conserves L(z): with a = A cos(omega t) and a small spin the
+drift of L is (omega h)^2 / 4 times c8 A^2 / C3, and c8 / C3 = 12/5 1/l^2 for the shape P2.
 """
 
 from __future__ import annotations

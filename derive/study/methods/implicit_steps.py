@@ -1,4 +1,4 @@
-"""Implicit rules with fixed steps for any form F(t, y, ydot) = 0 of a compiled scene, for comparisons of rules and forms.
+"""Implicit rules with fixed steps for any form F(t, y, ydot) = 0 of a compiled scene: to compare rules and forms.
 
 The rules of a simulation are in C; here a step is a Newton iteration in Python with the generated residual and
 iteration matrix, so that one rule can be applied to the forms of index 3, 2 and 1, and several rules to one form.
@@ -55,7 +55,9 @@ def initial_values(native: NativeScene, form: Dae, k: Vector, t: float, q: Vecto
     return y, ydot
 
 
-def march(form: Dae, k: Vector, t: float, y: Vector, ydot: Vector, h: float, steps: int, rule: Rule, nq: int) -> ImplicitRun:
+def march(
+    form: Dae, k: Vector, t: float, y: Vector, ydot: Vector, h: float, steps: int, rule: Rule, nq: int
+) -> ImplicitRun:
     """`steps` steps of h (s) from y, ydot (size,) at t (s).
 
     The first step of the BDF is one of the trapezoidal rule. Raises StepFailed.
@@ -69,7 +71,7 @@ def march(form: Dae, k: Vector, t: float, y: Vector, ydot: Vector, h: float, ste
             raise StepFailed(f"step {i + 1}: {error}") from error
         before, y, ydot, iterations = y, after, rate, iterations + count
         rows.append(y)
-    return ImplicitRun(t + h * np.arange(steps + 1), np.array(rows), iterations)
+    return ImplicitRun(np.asarray(t + h * np.arange(steps + 1), dtype=np.float64), np.array(rows), iterations)
 
 
 def _step(

@@ -21,7 +21,7 @@ from derive.study.methods.step_limits import HighestFrequency, StepLimit, highes
 
 HALF = 0.5
 """The step of long runs, divided by the limit of RK4."""
-ORDER_STEPS = 1000
+ORDER_STEPS = 10_000
 """The steps of the longer of the two runs that show the order of the drift."""
 
 
@@ -65,7 +65,9 @@ def method_study(
     along = of.states(states)
     frequency = highest_frequency(of, along)
     if not frequency.largest > 0:
-        raise TisserandError(f"{scene.name}: nothing vibrates, so that no step is unstable; choose a scene with a beam that bends")
+        raise TisserandError(
+            f"{scene.name}: nothing vibrates, so that no step is unstable; choose a scene with a beam that bends"
+        )
     h = HALF * step_limit(classical()) / frequency.largest
     limits = step_limits(of, frequency.largest, methods, progress)
     drifts = drift_runs(of, h, steps, methods, progress)

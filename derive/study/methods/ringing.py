@@ -20,6 +20,8 @@ RHOS = (1.0, 0.9, 0.8, 0.5)
 """The spectral radii at infinite frequency."""
 STEP, STEPS, ORDER = 0.02, 160, 6
 """The step (rad of the crank), their number, and the order of the differences that leave what alternates."""
+FIRST = 6
+"""Steps after which the ringing has the form c n^p rho^n."""
 ROUNDING = 1e-8
 """Ringing below this, relative to the multipliers, is a rounding error of the differences, or motion."""
 
@@ -49,6 +51,6 @@ def ringing() -> tuple[Ringing, ...]:
 def decay(amplitude: Vector) -> float:
     """rho of the best fit of c n^p rho^n to an amplitude, as far as it is above rounding errors."""
     n = np.arange(1, len(amplitude) + 1)
-    good = amplitude > ROUNDING
+    good = (amplitude > ROUNDING) & (n > FIRST)
     terms = np.column_stack([np.ones(good.sum()), np.log(n[good]), n[good]])
     return float(np.exp(np.linalg.lstsq(terms, np.log(amplitude[good]), rcond=None)[0][2]))

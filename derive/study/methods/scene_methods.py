@@ -18,6 +18,7 @@ from derive.runtime.integrators.generalised_alpha import GeneralisedAlpha
 from derive.runtime.native_call import Matrix, Vector
 from derive.runtime.native_scene import NativeScene
 from derive.simulation.initial.initial_state import scene_size
+from derive.simulation.integration.c_methods import NEWTON
 from derive.simulation.integration.integrator import scene_of
 from derive.simulation.integration.scipy_methods import integrate
 from derive.simulation.integration.tolerances import absolute_tolerances, consistent_tolerance
@@ -86,22 +87,29 @@ class MethodScene:
 
         projected: whether explicit methods project onto the constraints. Raises TisserandError where it fails.
         """
-        given = {"step": h, "steps": steps, "every": every, "k": self.k}
         match method:
             case Method.RK4:
                 met = consistent_tolerance(CONSISTENT, self.size, self.q)
-                r = self.rk4.run(self.q, self.v, **given, project=projected, tolerance=met)
+                r = self.rk4.run(
+                    self.q, self.v, step=h, steps=steps, every=every, k=self.k, project=projected, tolerance=met
+                )
             case Method.GENERALISED_ALPHA | Method.TRAPEZOIDAL:
                 if self.alpha is None:
                     raise LibraryMissing(self.missing)
                 rho = 1.0 if method is Method.TRAPEZOIDAL else DAMPED
-                r = self.alpha.run(self.q, self.v, **given, rho=rho, tolerance=1e-11 * min(1.0, self.size))
+                newton = NEWTON * min(1.0, self.size)
+                r = self.alpha.run(
+                    self.q, self.v, step=h, steps=steps, every=every, k=self.k, rho=rho, tolerance=newton
+                )
             case Method.ADAPTIVE:
-                return self.adaptive_run(h * np.arange(0, steps + 1, every), LOOSE, projected, h)
+                return self.adaptive_run(equal_times(h, steps, every), LOOSE, projected, h)
             case Method.RK45:
-                times = h * np.arange(0, steps + 1, every)
                 s = integrate(
-                    *(self.native, self.k, self.q, self.v, times),
+                    self.native,
+                    self.k,
+                    self.q,
+                    self.v,
+                    equal_times(h, steps, every),
                     method="RK45",
                     tolerance=LOOSE,
                     drift=np.inf,
@@ -113,9 +121,7 @@ class MethodScene:
                 assert_never(never)
         return MethodRun(r.t, r.q, r.v, r.lam, steps)
 
-    def adaptive_run(
-        self, times: Vector, tolerance: float, projected: bool = True, longest: float = 0.0, start: int = 0
-    ) -> MethodRun:
+    def adaptive_run(self, times: Vector, tolerance: float, projected: bool = True, longest: float = 0.0) -> MethodRun:
         """The adaptive method with rows at `times` (n,), s, steps of at most `longest` (s) unless that is 0."""
         rounded = consistent_tolerance(CONSISTENT, self.size, self.q)
         a = self.adaptive.run(
@@ -156,6 +162,11 @@ def method_scene(scene: Scene) -> MethodScene:
     k = native.setup()
     _, q, v = start_state(scene, native, k)
     return MethodScene(scene, native, rk4, alpha, Adaptive(native), k, q, v, *period(scene), missing)
+
+
+def equal_times(h: float, steps: int, every: int = 1) -> Vector:
+    """The times (s) of the ends of every `every` steps of h (s), and of the start."""
+    return np.asarray(h * np.arange(0, steps + 1, every), dtype=np.float64)
 
 
 def survives(of: MethodScene, method: Method, h: float, steps: int, allowed: float) -> bool:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from derive.simulation.integration.step_limit import natural_frequencies
 from derive.study.methods import stability_functions as theory
-from derive.study.methods.scene_methods import DAMPED, IMPLICIT, Method, MethodScene, survives
+from derive.study.methods.scene_methods import DAMPED, Method, MethodScene, survives
 from derive.study.states import State
 
 GROWTH: dict[Method, Callable[[], theory.Growth]] = {
@@ -82,7 +82,9 @@ def step_limits(
         progress(f"{of.scene.name}: largest stable step of {method.value}")
         growth = GROWTH[method]()
         limit = theory.step_limit(growth)
-        result.append(_unlimited(of, method, omega) if limit == float("inf") else _limited(of, method, omega, growth, limit))
+        result.append(
+            _unlimited(of, method, omega) if limit == float("inf") else _limited(of, method, omega, growth, limit)
+        )
     return result
 
 

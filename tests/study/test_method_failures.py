@@ -1,0 +1,123 @@
+"""Where methods fail, each on a small case: theory, ringing, dead centres, momentum, attitude, shapes."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+import pytest
+
+from derive.study.methods import stability_functions as theory
+from derive.study.methods.attitude import tumble
+from derive.study.methods.cases import Driven
+from derive.study.methods.dead_centre import dead_centres
+from derive.study.methods.free_flight import MomentumDrift, momentum_drifts
+from derive.study.methods.implicit_steps import Rule
+from derive.study.methods.ringing import decay, ringing
+from derive.study.methods.shape_bases import (
+    basis_conditions,
+    exact_condition,
+    four_monomials_mass,
+    gram,
+    rigid_motion_left,
+    shapes,
+)
+
+
+def test_limits_on_the_imaginary_axis() -> None:
+    assert theory.step_limit(theory.classical()) == pytest.approx(np.sqrt(8), rel=1e-8)
+    assert theory.step_limit(theory.dormand_prince_5()) == pytest.approx(0.9972, abs=1e-4)
+    eighth = theory.dormand_prince_8()
+    limit = theory.step_limit(eighth)
+    assert limit == pytest.approx(5.960, abs=1e-3)
+    assert all(eighth(y) <= 1 for y in np.linspace(0.05, limit - 1e-6, 500)) and eighth(limit + 1e-3) > 1
+
+
+def test_implicit_methods_have_no_limit_and_leave_rho_of_high_frequencies() -> None:
+    for rho in (0.0, 0.5, 0.8, 1.0):
+        growth = theory.generalised_alpha(rho)
+        assert theory.step_limit(growth) == np.inf
+        assert growth(1e5) == pytest.approx(rho, abs=1e-3)
+    assert [theory.step_limit(theory.bdf(order)) for order in (1, 2)] == [np.inf, np.inf]
+    assert [theory.last_growth(theory.bdf(order)) for order in (2, 3, 4, 5)] == pytest.approx(
+        [0, 1.94, 4.71, 9.39], abs=0.02
+    )
+
+
+def test_multipliers_ring_unless_rho_is_less_than_1() -> None:
+    runs = ringing()
+    assert [run.rho for run in runs] == [1.0, 0.9, 0.8, 0.5]
+    assert [run.factor for run in runs] == pytest.approx([run.rho for run in runs], rel=0.03)
+    assert runs[0].amplitude[-1] > 0.5 > 10 * runs[0].amplitude[0]
+    assert all(run.amplitude[-1] < 1e-5 for run in runs[1:])
+
+
+def test_the_factor_of_a_decay() -> None:
+    n = np.arange(1, 61)
+    assert decay(0.3 * n**2 * 0.7**n) == pytest.approx(0.7)
+
+
+def test_dead_centres() -> None:
+    longer, equal, slider = dead_centres()
+    assert longer.driven is Driven.CRANK and longer.dead == () and longer.failure == ""
+    assert longer.singular.min() > 0.5
+    assert np.degrees(equal.dead) == pytest.approx([90, 270]) and equal.rod == 1
+    assert np.degrees(slider.dead) == pytest.approx([0, 180, 360])
+    around = np.abs(np.abs(slider.angles - np.pi) - 0.05) < 0.04
+    slope = slider.singular[around] / np.abs(np.sin(slider.angles[around]))
+    assert np.ptp(slope) < 0.01 * slope.max()  # it vanishes with sin(phi1)
+    assert "the mechanism is at a dead centre at t = 1.819" in slider.failure
+    assert "crank_pin_1" in slider.failure and 0 <= slider.reported < 1e-3
+
+
+@cache
+def drifts() -> tuple[MomentumDrift, ...]:
+    return momentum_drifts()
+
+
+def test_the_momentum_drifts_under_the_trapezoidal_rule() -> None:
+    """2, 18 and 90 % of it, and at most 0.4 % under the midpoint rule."""
+    trapezoidal = [m for m in drifts() if m.rule is Rule.TRAPEZOIDAL]
+    assert [m.product for m in trapezoidal] == [1, 3, 10]
+    assert [m.drift for m in trapezoidal] == pytest.approx([0.02, 0.18, 0.90], rel=0.08)
+    assert trapezoidal[0].drift == pytest.approx(trapezoidal[0].small, rel=0.06)
+    assert max(m.drift for m in drifts() if m.rule is Rule.MIDPOINT) <= 0.004
+
+
+def test_a_quaternion_knows_no_gimbal_lock() -> None:
+    t = tumble()
+    assert np.degrees(np.abs(t.pitch).max()) > 89.5
+    assert t.quaternion == pytest.approx(np.ones(len(t.t)), abs=1e-9)
+    assert t.angles.max() > 200 and t.angles.min() == pytest.approx(1)
+    assert max(t.energy, t.momentum) < 1e-7
+
+
+def test_monomials_lose_digits_and_legendre_polynomials_do_not() -> None:
+    """Exact for N = 2: c8 of xi^2, xi^3 is diag(1/5, 1/7)."""
+    conditions = {b.count: b for b in basis_conditions(12)}
+    assert list(conditions) == list(range(2, 13))
+    assert conditions[2].monomials == pytest.approx(7 / 5)
+    assert conditions[12].monomials == pytest.approx(3.51e8, rel=0.01)
+    assert all(
+        later.monomials > 5 * conditions[n].monomials
+        for n, later in ((n - 4, b) for n, b in conditions.items() if n > 5)
+    )
+    for n, b in conditions.items():
+        assert b.legendre == pytest.approx((2 * n + 3) / 5)
+        assert b.error_legendre < 1e-14
+    assert conditions[12].error_monomials > 1e-10
+
+
+def test_twenty_monomials_leave_two_digits() -> None:
+    assert exact_condition(gram(shapes(20, "point"))) == pytest.approx(5.45e14, rel=0.01)
+
+
+def test_rigid_motion_left_in_the_shapes() -> None:
+    """M is singular at rest, and one of its two zero eigenvalues becomes 0.185 m alpha^2 when the beam is deformed."""
+    left = rigid_motion_left()
+    assert (left.rank, left.fields) == (4, 6)
+    assert (left.at_rest, left.deformed, left.unknowns) == (5, 6, 7)
+    assert left.slope == pytest.approx(0.185, abs=1e-3)
+    assert "(1) = 1, a translation" in left.error and "(xi) = xi, a rotation" in left.error
+    without = np.delete(np.delete(four_monomials_mass(0.01), 3, 0), 3, 1)  # without the shape 1
+    assert np.linalg.cond(without) < 1e6  # a check at a deformed state passes

@@ -1,0 +1,157 @@
+"""`tisserand study methods` as a user meets it: a line for each failure, tables, files, errors."""
+
+from __future__ import annotations
+
+import csv
+import json
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from conftest import ROOT
+from derive.cli.main import main
+from derive.errors import TisserandError
+from derive.runtime.integrators.compilation import LibraryMissing
+from derive.spec.model.scene import Scene
+from derive.spec.toml.read import read
+from derive.study.methods import scene_methods
+from derive.study.methods.failures import failures
+from derive.study.methods.method_study import MethodStudy, method_study
+from derive.study.methods.methods_chart import methods_svg
+from derive.study.methods.methods_page import methods_html
+from derive.study.methods.methods_table import methods_csv, methods_data, methods_text
+from derive.study.methods.scene_methods import Method
+from derive.study.variants import variant
+
+FAILURES = (
+    "explicit step limit",
+    "index 3 drift",
+    "dead centre",
+    "trapezoidal rule: momentum",
+    "trapezoidal rule: multipliers",
+    "gimbal lock",
+    "monomials, many shapes",
+    "rigid motion left in the shapes",
+)
+"""The lines of the output: the rows of PHYSICS.md, section 4, on methods."""
+
+
+def scene(pieces: int = 1) -> Scene:
+    given = read(ROOT / "scenes/crank_slider_3.toml")
+    assert isinstance(given, Scene)
+    return replace(variant(given, pieces, "mean").scene, plots=())
+
+
+@cache
+def study() -> MethodStudy:
+    methods = [Method.RK4, Method.ADAPTIVE, Method.GENERALISED_ALPHA, Method.TRAPEZOIDAL]
+    return method_study(scene(), methods, 3000, 13, lambda _: None)
+
+
+def test_every_failure_has_a_line_that_agrees_with_theory() -> None:
+    lines = failures(study())
+    assert tuple(line.failure for line in lines) == FAILURES
+    assert [line.failure for line in lines if not line.agrees] == []
+    text = methods_text(study())
+    for line in lines:
+        assert f"  {line.failure}: " in text
+    assert text.count("agrees: ") == len(FAILURES) and "DIFFERS" not in text
+
+
+def test_a_line_differs_where_its_measurement_does() -> None:
+    """Each line alone, if what it measures is what it warns of."""
+    s = study()
+    worse = {
+        "explicit step limit": replace(s, limits=(replace(s.limits[0], above=True), *s.limits[1:])),
+        "index 3 drift": replace(s, order=1.0),
+        "dead centre": replace(s, dead_centres=(*s.dead_centres[:2], replace(s.dead_centres[2], reported=np.nan))),
+        "trapezoidal rule: momentum": replace(s, momentum=tuple(replace(m, drift=0.1) for m in s.momentum)),
+        "trapezoidal rule: multipliers": replace(s, ringing=tuple(replace(r, factor=1.0) for r in s.ringing)),
+        "gimbal lock": replace(s, tumble=replace(s.tumble, quaternion=s.tumble.angles)),
+        "monomials, many shapes": replace(s, bases=tuple(replace(b, legendre=b.monomials) for b in s.bases)),
+        "rigid motion left in the shapes": replace(s, rigid=replace(s.rigid, rank=s.rigid.fields)),
+    }
+    assert tuple(worse) == FAILURES
+    for name, changed in worse.items():
+        assert [line.failure for line in failures(changed) if not line.agrees] == [name]
+        assert methods_text(changed).count("DIFFERS: ") == 1
+
+
+def test_the_tables_and_the_files() -> None:
+    s = study()
+    text = methods_text(s)
+    for title in (
+        "largest stable step",
+        "drift over 3000 steps",
+        "formulations",
+        "conditioning in 13 states",
+        "ringing",
+    ):
+        assert f"\n{title}" in text
+    assert "trapezoidal, index 3" in text and "fails after" in text
+    svg, page = methods_svg(s), methods_html(s)
+    assert svg.startswith("<svg") and svg == methods_svg(s) and "mathdefault" not in svg
+    assert "Dead centres: G loses rank" in svg and svg.count("not projected") == 2
+    assert page.count("<h2>") == 9 and "http" not in page.replace("http://www.w3.org", "")
+    rows = list(csv.DictReader(methods_csv(s).splitlines()))
+    assert tuple(row["failure"] for row in rows) == FAILURES
+    data: dict[str, Any] = json.loads(json.dumps(methods_data(s), allow_nan=False))
+    assert data["limits"][2]["theory"] is None and data["drifts"][0]["projected"] is False
+    assert len(data["bases"]) == 19 and [line["agrees"] for line in data["failures"]] == [True] * len(FAILURES)
+
+
+def test_without_klu_the_rest_remains(monkeypatch: pytest.MonkeyPatch) -> None:
+    def missing(_: object) -> None:
+        raise LibraryMissing("SuiteSparse with KLU was not found. Install it")
+
+    monkeypatch.setattr(scene_methods, "GeneralisedAlpha", missing)
+    s = method_study(scene(), [Method.RK4, Method.TRAPEZOIDAL], 50, 3, lambda _: None)
+    assert [line.method for line in s.limits] == [Method.RK4] and s.ringing == ()
+    assert "generalised-alpha, trapezoidal: left out; SuiteSparse with KLU was not found" in methods_text(s)
+    assert methods_svg(s) and "trapezoidal rule: multipliers" not in methods_text(s)
+
+
+def test_a_scene_without_vibrations_is_refused() -> None:
+    given = scene()
+    rigid = replace(given, bodies=tuple(b for b in given.bodies if b.name == "slider"), joints=(), drives=())
+    with pytest.raises(TisserandError, match="nothing vibrates"):
+        method_study(rigid, [Method.RK4], 10, 3, lambda _: None)
+
+
+def test_the_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    spec = str(ROOT / "scenes/spinning_beam.toml")
+    asked = ["--steps", "500", "--states", "5", "--integrators", "rk4", "--out", str(tmp_path), "--json"]
+    assert main(["study", "methods", spec, *asked]) == 0
+    said = capsys.readouterr()
+    data = json.loads(said.out)
+    assert said.err == "" and data["files"] == [
+        str(tmp_path / f"methods.{kind}") for kind in ("svg", "html", "csv", "json")
+    ]
+    assert data["frequency"]["unloaded"] == pytest.approx(91.65, abs=0.01)
+    assert [limit["method"] for limit in data["limits"]] == ["rk4"] and data["forms"] == []
+    assert "index 3 drift" not in [line["failure"] for line in data["failures"]]  # there are no constraints
+    record = json.loads((tmp_path / "methods.json").read_text())
+    assert record["files"]["methods.csv"] and record["generator"].startswith("Generated by Tisserand")
+
+
+@pytest.mark.parametrize(
+    "wrong", [["--steps", "0"], ["--states", "1"], ["--integrators", "rk5"], ["--integrators", "dop853"]]
+)
+def test_wrong_arguments(wrong: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as stopped:
+        main(["study", "methods", str(ROOT / "scenes/spinning_beam.toml"), *wrong])
+    assert stopped.value.code == 2 and wrong[0] in capsys.readouterr().err
+
+
+def test_where_nothing_can_be_written_is_known_before_the_work(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("derive.study.methods.scene_methods.generated", None)
+    (tmp_path / "file").write_text("mine")
+    spec = str(ROOT / "scenes/spinning_beam.toml")
+    assert main(["study", "methods", spec, "--out", str(tmp_path / "file" / "x")]) == 2
+    assert "this is a file, not a folder; choose another --out" in capsys.readouterr().err
