@@ -16,7 +16,9 @@ MAX_SHAPES = 12
 
 def add_study(commands: Any) -> None:
     """The command `study` with its studies."""
-    study = add_command(commands, "study", "compare models of a scene, frames, or methods: what they cost, and where they fail")
+    study = add_command(
+        commands, "study", "compare models of a scene, frames, or methods: what they cost, and where they fail"
+    )
     studies = study.add_subparsers(dest="study", metavar="STUDY", required=True, title="studies")
     frames = add_command(studies, "frames", "compare non-zeros, operations and CPU time in two frames")
     pivots = add_command(studies, "pivots", "compare vanishing pivots, pivot growth and backward errors in two frames")

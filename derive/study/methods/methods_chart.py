@@ -22,8 +22,8 @@ WIDTH, HEIGHT, COLUMNS = 11.2, 7.6, 3
 """The size of the picture, inches, and the panels of a row."""
 LEFT, RIGHT, GAP, HEAD, FOOT, ABOVE = 0.62, 0.12, 0.72, 0.3, 0.55, 0.62
 """Margins, the gap between columns, and what is above each row of panels for its title, inches."""
-FLOOR = 1e-17
-"""Zeros on logarithmic axes."""
+FLOOR, FAILED = 1e-17, 1e-3
+"""Zeros on logarithmic axes; errors of failed runs above which there is room for a label."""
 COLOURS = [colour for colour, _ in STYLES]
 ORANGE, PURPLE, BLUE, PINK, GREEN, BROWN = COLOURS
 METHODS = {
@@ -121,7 +121,9 @@ def _over_time(axes: Axes, study: MethodStudy, of: Callable[[Any], Any], floor: 
         if run.failure:
             colour = METHODS[run.method]
             axes.plot(run.t[-1:], values[-1:], marker="x", markersize=7, markeredgewidth=2, color=colour)
-            axes.text(run.t[-1] * 0.75, values[-1], f"{run.method.value} fails", color=colour, ha="right", va="center")
+            if values[-1] > FAILED:
+                text = f"{run.method.value} fails"
+                axes.text(run.t[-1] * 0.75, values[-1], text, color=colour, ha="right", va="center")
     axes.set_xscale("log")
     _powers(axes.xaxis)
     _logarithmic(axes)

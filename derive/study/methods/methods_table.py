@@ -15,14 +15,11 @@ import numpy as np
 from derive.study.methods.drift import exponent
 from derive.study.methods.failures import MethodFailure, failures
 from derive.study.methods.formulations import FORM_NAMES
+from derive.study.methods.free_flight import AMPLITUDE
 from derive.study.methods.method_study import MethodStudy
+from derive.study.methods.stability_functions import bdf, last_growth
 from derive.study.methods.step_limits import LARGE, StepLimit
 from derive.terminal import magnitude, table, wrapped
-
-BDF_NOTE = (
-    "ida and c_ida choose steps by their tolerance; at orders 1 and 2 no step grows, at orders 3, 4 and 5 those with "
-    "omega h up to 1.94, 4.71 and 9.39 do"
-)
 
 
 @dataclass(frozen=True)
@@ -104,7 +101,14 @@ def _limits(study: MethodStudy) -> StudyTable:
         "at 1.05",
         "growth per step at 1.05",
     )
-    return StudyTable(title, head, tuple(rows), 1, (BDF_NOTE,))
+    return StudyTable(title, head, tuple(rows), 1, (_bdf_note(),))
+
+
+def _bdf_note() -> str:
+    """What theory says of the formulas of IDA, which have no fixed step that could be tried."""
+    last = {order: last_growth(bdf(order)) for order in range(1, 6)}
+    growing = ", ".join(f"{y:.2f} (order {order})" for order, y in last.items() if y)
+    return f"ida and c_ida choose steps and orders by their tolerance: vibrations grow with omega h up to {growing}"
 
 
 def _tried(study: MethodStudy, line: StepLimit) -> str:
@@ -128,7 +132,7 @@ def _drift(study: MethodStudy) -> StudyTable:
             rows.append((run.label, "0", "", "", "", "", "", run.failure))
             continue
         lost = magnitude(run.energy[-1]) if len(run.energy) else ""
-        powers = [f"{p:.1f}" if isfinite(p := exponent(run.t, of)) else "" for of in (run.position, run.energy)]
+        powers = [_power(exponent(run.t, of)) for of in (run.position, run.energy)]
         cells = (magnitude(run.position[-1]), powers[0], magnitude(run.velocity[-1]), lost, powers[1])
         rows.append((run.label, str(run.steps), *cells, run.failure and f"fails after {run.t[-1]:.3g} s"))
     title = f"drift over {study.steps} steps of {_seconds(study.h)} s, half the limit of rk4"
@@ -140,6 +144,10 @@ def _drift(study: MethodStudy) -> StudyTable:
     if study.drifts and not any(len(run.energy) for run in study.drifts):
         notes.append("no energies: damping or loads change the energy of this scene as well")
     return StudyTable(title, head, tuple(rows), 1, tuple(notes))
+
+
+def _power(p: float) -> str:
+    return f"{round(p, 1) + 0.0:g}" if isfinite(p) else ""
 
 
 def _forms(study: MethodStudy) -> StudyTable:
@@ -202,7 +210,9 @@ def _momentum(study: MethodStudy) -> StudyTable:
     rules = list(dict.fromkeys(m.rule for m in study.momentum))
     rows = [(rule.value, *(f"{100 * m.drift:.2g} %" for m in study.momentum if m.rule is rule)) for rule in rules]
     products = [f"omega_1 h = {m.product:g}" for m in study.momentum if m.rule is rules[0]]
-    return StudyTable("angular momentum of a free beam that vibrates by 0.19 l", ("rule", *products), tuple(rows))
+    return StudyTable(
+        f"angular momentum of a free beam that vibrates by {AMPLITUDE:.2f} l", ("rule", *products), tuple(rows)
+    )
 
 
 def _bases(study: MethodStudy) -> StudyTable:
