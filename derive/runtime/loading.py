@@ -34,9 +34,35 @@ def load(files: Sequence[File], flags: Sequence[str] = FLAGS) -> NativeScene | N
 def shared_library(
     sources: Sequence[Path], folder: Path, flags: Sequence[str] = FLAGS, link: Sequence[str] = ()
 ) -> ctypes.CDLL:
-    """Compile C files, which are below a folder with all that they include, and load the library.
+    """Compile C files, which are below a folder with all that they include, and load the library; see `_compiled`."""
+    return ctypes.CDLL(str(_compiled(sources, folder, flags, link)))
 
-    flags, link: of the compiler. A library that the cache keeps of the same files, flags and compiler is loaded
+
+def library_data(sources: Sequence[Path], folder: Path, flags: Sequence[str] = FLAGS) -> bytes:
+    """The library of C files, likewise: `load_data` loads it in another process, on a machine of the same kind."""
+    return _compiled(sources, folder, flags, ()).read_bytes()
+
+
+def load_data(library: bytes) -> ctypes.CDLL:
+    """Load a library that `library_data` returned. Raises OSError on a machine that it was not compiled for."""
+    with tempfile.TemporaryDirectory(prefix="tisserand-") as folder:
+        path = Path(folder) / "model.so"
+        path.write_bytes(library)
+        return ctypes.CDLL(str(path))
+
+
+def model_library(files: Sequence[File]) -> tuple[str, bytes]:
+    """The name and the library of the one model in these files, see `load`. Raises CompilerError."""
+    with tempfile.TemporaryDirectory(prefix="tisserand-") as folder:
+        write(files, Path(folder))
+        (source,) = (Path(folder) / file.path for file in files if file.path.endswith(".c"))
+        return source.stem, library_data([source], Path(folder))
+
+
+def _compiled(sources: Sequence[Path], folder: Path, flags: Sequence[str], link: Sequence[str]) -> Path:
+    """Compile C files, which are below a folder with all that they include; the path of the library in this folder.
+
+    flags, link: of the compiler. A library that the cache keeps of the same files, flags and compiler is taken
     instead, unless it is one for this processor alone or links other libraries. Raises CompilerError.
     """
     library = folder / "model.so"
@@ -48,7 +74,7 @@ def shared_library(
             cache.write(name, library.read_bytes())
     else:
         library.write_bytes(data)
-    return ctypes.CDLL(str(library))
+    return library
 
 
 def _key(sources: Sequence[Path], folder: Path, flags: Sequence[str]) -> str:

@@ -35,7 +35,8 @@ Result = TypeVar("Result", bound=ColumnTable)
 class PreparedRun(ABC, Generic[Native, Start, Result]):
     """The simulation of `spec`, with its `model`, its columns and its plots; `trajectory` runs it.
 
-    units: those of the columns by their names. Subclasses say what a scene and a body in space do differently.
+    units: those of the columns by their names. complete_model, files: with the outputs that monitor its validity, and
+    what is compiled. Subclasses say what a scene and a body in space do differently.
     """
 
     breaks: tuple[float, ...] = ()
@@ -50,8 +51,8 @@ class PreparedRun(ABC, Generic[Native, Start, Result]):
         self.spec, self.settings = spec, RunSettings(spec.simulation, integrator, step)
         self._compile = INTEGRATORS[integrator]
         self._monitored = self._with_monitors(spec)
-        self._complete_model, self._files = generated(self._monitored)
-        self.model = self._without_monitors(self._complete_model)
+        self.complete_model, self.files = generated(self._monitored)
+        self.model = self._without_monitors(self.complete_model)
         columns = self._columns()
         self.units = dict(columns)
         problems = [*_repeated(name for name, _ in columns), *_plots_of_nothing(spec.plots, tuple(self.units))]
@@ -63,7 +64,7 @@ class PreparedRun(ABC, Generic[Native, Start, Result]):
     def trajectory(self, earlier: EarlierRun | None = None, progress: Progress | None = None) -> Result:
         """The motion; arguments as for `simulate`. Raises CompilerError, ModelError, SimulationError."""
         simulation = self.settings.simulation
-        native, integrator = self._compiled(self._files)
+        native, integrator = self._compiled(self.files)
         k = native.setup()
         q, v, start = self._start(native, k)
         times = output_times(simulation)

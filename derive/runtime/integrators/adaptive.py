@@ -31,7 +31,7 @@ from derive.runtime.integrators.c_integrator import (
 from derive.runtime.integrators.compilation import host_sources
 from derive.runtime.integrators.observer import Observe, Observer
 from derive.runtime.integrators.watch import Watch, Watched, WatchInC
-from derive.runtime.loading import shared_library
+from derive.runtime.loading import library_data, load_data
 from derive.runtime.native_body import NativeBody
 from derive.runtime.native_call import Vector
 from derive.runtime.native_scene import NativeScene
@@ -160,10 +160,13 @@ class AdaptiveError(TisserandError):
 
 
 class Adaptive:
-    """`templates/host/adaptive_rows.h`, which is compiled once for all models. Raises CompilerError."""
+    """`templates/host/adaptive_rows.h`, which is compiled once for all models. Raises CompilerError.
 
-    def __init__(self, native: NativeScene | NativeBody) -> None:
-        self.native, self._library = native, _library()
+    library: what `adaptive_library` returned in another process, which is loaded instead.
+    """
+
+    def __init__(self, native: NativeScene | NativeBody, library: bytes | None = None) -> None:
+        self.native, self._library = native, _loaded(adaptive_library() if library is None else library)
 
     def run(
         self,
@@ -272,13 +275,18 @@ class _EventCall:
 
 
 @cache
-def _library() -> ctypes.CDLL:
-    """The host, compiled with the types of the descriptor alone."""
+def adaptive_library() -> bytes:
+    """The library of the host, compiled with the types of the descriptor alone. Raises CompilerError."""
     with tempfile.TemporaryDirectory(prefix="tisserand-") as temporary:
         folder = Path(temporary)
         (folder / HEADER).write_text(render("c/descriptor.h.jinja", {"abi": ABI, "roles": Role}))
         paths = host_sources(SOURCES, folder)
-        library = shared_library(paths, folder, [*FLAGS, f"-I{folder}", f'-DTISSERAND_HEADER="{HEADER}"'])
+        return library_data(paths, folder, [*FLAGS, f"-I{folder}", f'-DTISSERAND_HEADER="{HEADER}"'])
+
+
+@cache
+def _loaded(data: bytes) -> ctypes.CDLL:
+    library = load_data(data)
     library.tisserand_adaptive_work.argtypes = types("p")
     library.tisserand_adaptive_integrate.argtypes = types("ppppppppp")
     return library

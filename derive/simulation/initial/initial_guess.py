@@ -19,11 +19,13 @@ from derive.spec.model.scene import BeamBody, CustomBody, RigidBody, Scene
 from derive.spec.model.simulation import InitialValues
 
 
-def initial_guess(scene: Scene, native: NativeScene) -> tuple[Vector, Vector, Mask]:
+def initial_guess(scene: Scene, native: NativeScene, k: Vector | None = None) -> tuple[Vector, Vector, Mask]:
     """The guesses of q (nq,) and v (nv,), and the mask (nq,) of the coordinates of rigid-body motion.
 
     Each body moves as a rigid one, unless it has an initial deflection, and all pieces of a beam as parts of it. Values
     that are not given are zero. Of a body whose coordinates a joint eliminates, the guess concerns those that remain.
+
+    k: the constants (nk,) of `native.setup`, those of the default parameters if None.
     """
     values: dict[str, float] = {}
     rates: dict[str, float] = {}
@@ -33,7 +35,7 @@ def initial_guess(scene: Scene, native: NativeScene) -> tuple[Vector, Vector, Ma
         else:
             centre = tuple(si_value(x) for x in body.centre) if isinstance(body, RigidBody) else (0.0, 0.0)
             _guess_frame(values, rates, body.name, body.start, centre)
-            _guess_displacement(values, rates, body, native)
+            _guess_displacement(values, rates, body, native, k)
     q = np.array([values.get(name, 0.0) for name in native.coordinates])
     v = np.array([rates.get(name, 0.0) for name in native.coordinates])
     return q, v, ~coordinates_with(native, Role.AMPLITUDE)
@@ -68,13 +70,18 @@ def _guess_frame(
 
 
 def _guess_displacement(
-    values: dict[str, float], rates: dict[str, float], body: RigidBody | CustomBody, native: NativeScene
+    values: dict[str, float],
+    rates: dict[str, float],
+    body: RigidBody | CustomBody,
+    native: NativeScene,
+    constants: Vector | None,
 ) -> None:
     """The displacement along a guide, of a body that has no other coordinate: from where it is at 0, along its axis."""
     name = _name(body.name, Family.GUIDE)
     if name not in native.coordinates:
         return
-    q, k, index = np.zeros(native.nq), native.setup(), native.bodies.index(body.name)
+    q, index = np.zeros(native.nq), native.bodies.index(body.name)
+    k = native.setup() if constants is None else constants
     origin = native.poses(0.0, q, k)[index, :2]
     q[native.coordinates.index(name)] = 1.0
     axis = native.poses(0.0, q, k)[index, :2] - origin

@@ -80,7 +80,7 @@ def initial_state(scene: Scene, native: NativeScene, k: Vector | None = None) ->
     met; ExcessiveDeformation where they can be met only by beams that bend beyond what linear displacements describe.
     """
     constants = native.setup() if k is None else k
-    guess, _, _ = initial_guess(scene, native)
+    guess, _, _ = initial_guess(scene, native, constants)
     assembler = Assembler(native, constants, 0.0, scene_size(scene))
     every = targets(scene, native)
     positions = [target for target in every if not target.rate]

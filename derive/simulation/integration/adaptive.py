@@ -22,12 +22,17 @@ from derive.simulation.integration.solution import Cost, Solution, row_times
 from derive.simulation.integration.tolerances import absolute_tolerances, consistent_tolerance, rounding_note
 
 
-def adaptive(native: NativeScene | NativeBody, through_python: Callable[[NativeScene], Integrator]) -> Integrator:
+def adaptive(
+    native: NativeScene | NativeBody,
+    through_python: Callable[[NativeScene], Integrator] | None = None,
+    library: bytes | None = None,
+) -> Integrator:
     """The method of Dormand and Prince of order 8 in C. Raises CompilerError.
 
-    through_python: the method for functions in Python, which C does not call.
+    through_python: the method for functions in Python, which C does not call, if there may be any. library: the
+    compiled method, see `Adaptive`.
     """
-    host = Adaptive(native)
+    host = Adaptive(native, library)
 
     def integrate(k: Vector, q: Vector, v: Vector, times: Vector, settings: Settings) -> Solution:
         settings.refuse_step("adaptive")
@@ -35,7 +40,7 @@ def adaptive(native: NativeScene | NativeBody, through_python: Callable[[NativeS
         notes = rounding_note(settings.tolerance, q)
 
         def observe(t: float, row: Vector) -> bool:
-            if progress is not None:  # without it, too: Ctrl-C ends the run when Python is called
+            if progress is not None:
                 progress(t)
             return False
 
@@ -54,7 +59,7 @@ def adaptive(native: NativeScene | NativeBody, through_python: Callable[[NativeS
                 breaks=smooth_ends(instants, settings.breaks)[:-1] if len(instants) > 1 else (),
                 event=until.value if until else None,
                 crossing=until.crossing if until else False,
-                observe=observe,
+                observe=observe if settings.interruptible else None,
                 watch=settings.watch,
             )
         except AdaptiveError as error:
@@ -62,6 +67,9 @@ def adaptive(native: NativeScene | NativeBody, through_python: Callable[[NativeS
         if until is not None:
             notes += until.notes(float(run.t[-1]), float(instants[0]) if held else None, run.met)
         return _solution(run, notes)
+
+    if through_python is None:
+        return Integrator(native, integrate)
 
     def noted(driven: NativeScene) -> Integrator:
         integrator = through_python(driven)

@@ -17,6 +17,8 @@ def port_values(
     """The inputs (n, nu) and the outputs (n, nout) in the rows of a solution, without the outputs `monitors`."""
     count = len(solution.t)
     own = [i for i, name in enumerate(native.outputs) if name not in monitors]
+    if solution.outputs is not None and not native.inputs:
+        return np.empty((count, 0)), solution.outputs[:, own]
     inputs, outputs = np.empty((count, len(native.inputs))), np.empty((count, len(own)))
     for i, (time, q, v) in enumerate(zip(solution.t, solution.q, solution.v, strict=True)):
         t = float(time)

@@ -1,0 +1,194 @@
+"""Chunks of a sweep on an executor of `concurrent.futures`: workers that are killed lose nothing.
+
+A chunk whose worker is lost runs again. One that is lost several times runs alone; if it is then lost again, it is
+halved, until the single sample is known that ends its worker. That sample fails, and all others have their results.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+import threading
+from collections import deque
+from collections.abc import Iterator, Sequence
+from concurrent.futures import BrokenExecutor, CancelledError, Executor, Future, ProcessPoolExecutor, wait
+from concurrent.futures import FIRST_COMPLETED as FIRST
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from multiprocessing import parent_process
+
+from derive.errors import TisserandError
+from derive.study.sweep.plan import Plan
+from derive.study.sweep.worker import Outcome, Sample, failed, run_chunk
+
+LOSSES = 2
+"""Times that a chunk may lose its worker before it runs alone, and that a single sample may before it fails."""
+LARGEST_CHUNK, CHUNKS_PER_WORKER = 100, 8
+KILLS = "its worker ended abruptly each time that this sample ran (killed, or out of memory)"
+"""What is said of a sample that ends its workers."""
+
+
+class ExecutorLost(TisserandError):
+    """The executor of the caller takes no more work."""
+
+
+@dataclass(frozen=True)
+class _Part:
+    """Runs that are submitted together; losses: the workers that they have lost so far."""
+
+    runs: tuple[Sample, ...]
+    losses: int = 0
+
+
+def chunk_size(runs: int, workers: int) -> int:
+    """The number of runs in a chunk: several chunks for each worker, so that all end at about the same time."""
+    return max(1, min(LARGEST_CHUNK, -(-runs // (CHUNKS_PER_WORKER * workers))))
+
+
+def outcomes(
+    plan: Plan, runs: Sequence[Sample], executor: Executor | None, workers: int, size: int
+) -> Iterator[tuple[Outcome, ...]]:
+    """The outcomes of chunks in the order in which they are finished.
+
+    executor: None for `workers` processes of this machine, which are replaced if they are killed. size: the runs of a
+    chunk. Raises ExecutorLost, and what `run_chunk` raises.
+    """
+    pool = _Processes(workers) if executor is None else _Given(executor)
+    parts = [_Part(tuple(runs[i : i + size])) for i in range(0, len(runs), size)]
+    try:
+        yield from _completed(plan, deque(parts), pool)
+    finally:
+        pool.end()
+
+
+def _completed(
+    plan: Plan, waiting: deque[_Part], pool: _Processes | _Given
+) -> Iterator[tuple[Outcome, ...]]:
+    alone: deque[_Part] = deque()
+    running: dict[Future[tuple[Outcome, ...]], _Part] = {}
+    while waiting or alone or running:
+        while waiting and len(running) < pool.window:
+            part = waiting.popleft()
+            running[pool.submit(plan, part)] = part
+        if not running:
+            part = alone.popleft()
+            running[pool.submit(plan, part)] = part
+        lost: list[_Part] = []
+        blamed = pool.blames or len(running) == 1
+        for future in wait(running, return_when=FIRST).done:
+            part = running.pop(future)
+            try:
+                results = future.result()
+            except _losses() as error:
+                pool.check(error)
+                lost.append(part)
+            else:
+                yield results
+        if lost and pool.breaks:  # the other workers of a broken pool are ended as well
+            lost += running.values()
+            running.clear()
+            pool.renew()
+        for part in lost:
+            again = replace(part, losses=part.losses + 1)
+            if again.losses < LOSSES:
+                waiting.append(again)
+            elif not blamed:
+                alone.append(again)
+            elif len(part.runs) > 1:
+                middle = len(part.runs) // 2
+                alone.extend(_Part(half, LOSSES - 1) for half in (part.runs[:middle], part.runs[middle:]))
+            else:
+                yield (failed(plan.outputs, part.runs[0], KILLS),)
+
+
+def _losses() -> tuple[type[BaseException], ...]:
+    """The exceptions of a chunk whose worker is lost."""
+    known: tuple[type[BaseException], ...] = (BrokenExecutor, CancelledError, ConnectionError)
+    distributed = sys.modules.get("distributed")
+    return (*known, distributed.KilledWorker) if distributed is not None else known
+
+
+class _Processes:
+    """Processes of this machine. window: the chunks that are submitted at a time, so that those which may have ended a
+    worker are known; breaks: whether the end of one worker ends all; blames: whether a lost chunk is to blame alone."""
+
+    breaks, blames = True, False
+
+    def __init__(self, workers: int) -> None:
+        self.window = workers
+        self._pool = self._new()
+
+    def _new(self) -> ProcessPoolExecutor:
+        return ProcessPoolExecutor(self.window, initializer=_begin_worker)
+
+    def submit(self, plan: Plan, part: _Part) -> Future[tuple[Outcome, ...]]:
+        """Run a chunk. A pool that has broken meanwhile is replaced."""
+        try:
+            return self._pool.submit(run_chunk, plan.chunk(part.runs))
+        except BrokenExecutor:
+            self.renew()
+            return self._pool.submit(run_chunk, plan.chunk(part.runs))
+
+    def check(self, error: BaseException) -> None:
+        """A broken pool is no error."""
+
+    def renew(self) -> None:
+        """New processes in place of broken ones."""
+        self.end()
+        self._pool = self._new()
+
+    def end(self) -> None:
+        """End the processes after their chunks."""
+        self._pool.shutdown(wait=False, cancel_futures=True)
+
+
+class _Given:
+    """An executor of the caller, which replaces its workers itself and remains open; it gets all chunks at once."""
+
+    breaks, blames = False, True
+    window = sys.maxsize
+
+    def __init__(self, executor: Executor) -> None:
+        self._executor = executor
+        self._futures: list[Future[tuple[Outcome, ...]]] = []
+
+    def submit(self, plan: Plan, part: _Part) -> Future[tuple[Outcome, ...]]:
+        """Run a chunk."""
+        try:
+            future = self._executor.submit(run_chunk, plan.chunk(part.runs))
+        except BrokenExecutor as error:
+            self.check(error)
+            raise
+        self._futures.append(future)
+        return future
+
+    def check(self, error: BaseException) -> None:
+        """Raise ExecutorLost if the executor as a whole is broken."""
+        if isinstance(error, BrokenExecutor):
+            raise ExecutorLost(
+                "the executor has lost a worker and takes no more work; what is finished is in the store, if there is "
+                "one: run the sweep again with resume and a new executor, or without one"
+            ) from error
+
+    def renew(self) -> None:
+        """An executor of the caller is not replaced."""
+
+    def end(self) -> None:
+        """Cancel what has not begun."""
+        for future in self._futures:
+            future.cancel()
+
+
+def _begin_worker() -> None:
+    """Let Ctrl-C end a worker at once and without a message; end it as well if its parent is killed."""
+    with suppress(ValueError):  # not the main thread
+        signal.signal(signal.SIGINT, signal.SIG_DFL)
+    parent = parent_process()
+    if parent is not None:
+        threading.Thread(target=_end_with, args=(parent,), daemon=True).start()
+
+
+def _end_with(parent: object) -> None:
+    parent.join()  # type: ignore[attr-defined]
+    os._exit(1)

@@ -1,0 +1,224 @@
+"""The plan of a sweep: its samples checked and resolved, its models compiled, each once, before the first run."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from derive.backends.model_files import fingerprint
+from derive.errors import Problem, SpecError
+from derive.generated_models import package_hash
+from derive.runtime.integrators.adaptive import adaptive_library
+from derive.runtime.loading import model_library
+from derive.simulation.free_beam import beam_scene
+from derive.simulation.inputs import with_functions
+from derive.simulation.scene_run import SceneRun
+from derive.simulation.simulate import simulation_settings
+from derive.spec.model.body import PlanarBeam
+from derive.spec.model.scene import CustomBody, JointInitialValues, Scene, SceneBody, Specification
+from derive.spec.model.simulation import NOT_GIVEN
+from derive.spec.set_values import SetValue, with_values
+from derive.study.sweep.dependence import initial_parameters
+from derive.study.sweep.outputs import Output, output
+from derive.study.sweep.samples import Samples, SamplesError
+from derive.study.sweep.worker import Case, Chunk, ModelCode, Sample
+from derive.version import VERSION
+
+MOST_MODELS = 64
+"""Models that a sweep compiles at most."""
+
+SCENES = "a sweep runs scenes and single beams; a body in space alone has no parameters that change its motion"
+"""What is said of other specifications."""
+
+
+@dataclass(frozen=True)
+class RunOptions:
+    """Values in place of those of the specification: duration and interval between rows, s; tolerance; `until`."""
+
+    duration: float | None = None
+    interval: float | None = None
+    tolerance: float | None = None
+    until: str | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Plan:
+    """A sweep that is ready to run.
+
+    changes: what is set, with the first values. parameters: the names whose values are parameters of the compiled
+    code; the others, `remaining`, make several cases, and models where equations depend on them. initial_states: how
+    many are computed. identity: all that the results depend on, by a name for each part.
+    """
+
+    name: str
+    samples: Samples
+    outputs: tuple[Output, ...]
+    changes: tuple[SetValue, ...]
+    parameters: tuple[str, ...]
+    remaining: tuple[str, ...]
+    models: tuple[ModelCode, ...]
+    cases: tuple[Case, ...]
+    runs: tuple[Sample, ...]
+    initial_states: int
+    identity: Mapping[str, str]
+
+    def chunk(self, runs: Sequence[Sample]) -> Chunk:
+        """These runs with what a worker needs for them."""
+        cases = {run.case: self.cases[run.case] for run in runs}
+        models = {case.model: self.models[case.model] for case in cases.values()}
+        return Chunk(models, cases, self.symbols, self.outputs, tuple(runs))
+
+    @property
+    def symbols(self) -> tuple[str, ...]:
+        """The symbols of the parameters, in the order of the values of a run."""
+        by_name = {change.key: change.symbol for change in self.changes}
+        return tuple(by_name.get(name) or name for name in self.parameters)
+
+
+def make_plan(
+    spec: Specification,
+    samples: Samples,
+    outputs: Sequence[str],
+    options: RunOptions,
+    progress: Callable[[str], None] = lambda _: None,
+) -> Plan:
+    """Check a sweep, and compile its models. progress: called with what is being done.
+
+    Raises SpecError, SamplesError, UnknownNameError, OutputError, CompilerError.
+    """
+    firsts = dict(zip(samples.names, map(number_text, samples.values[0].tolist()), strict=True))
+    _, changes = with_values(spec, firsts)
+    symbols = {name: _symbol(name, changes) for name in samples.names}
+    parameters = tuple(name for name in samples.names if symbols[name] is not None)
+    remaining = tuple(name for name in samples.names if symbols[name] is None)
+    _check_symbols(symbols)
+    for name in parameters:  # what is wrong with an extreme value is reported before the first run
+        for value in (samples.axis(name).min(), samples.axis(name).max()):
+            with_values(spec, {**firsts, name: number_text(float(value))})
+    keys = [_part(row, samples, remaining) for row in samples.values.tolist()]
+    builder = _Models(progress)
+    scenes = []
+    for number, values in enumerate(dict.fromkeys(keys)):
+        progress(f"checking the values: {number + 1}")
+        texts = dict(zip(remaining, map(number_text, values), strict=True))
+        scenes.append(builder.add(_simulated(with_values(spec, {**firsts, **texts})[0], options)))
+    cases = tuple(Case(scene, model, _hash(repr(scene))) for scene, model in scenes)
+    units = [run.units for run in builder.runs]
+    chosen = [tuple(output(text, run.scene, dict(run.units)) for text in outputs) for run in builder.runs]
+    _check_outputs(chosen[0], units)
+    number_of = {values: number for number, values in enumerate(dict.fromkeys(keys))}
+    runs = [
+        Sample(i, number_of[key], tuple(_part(row, samples, parameters)))
+        for i, (row, key) in enumerate(zip(samples.values.tolist(), keys, strict=True))
+    ]
+    order, states = _order(runs, cases, builder.codes, tuple(symbols[name] or "" for name in parameters))
+    identity = {
+        "Tisserand": f"{VERSION} {package_hash()}",
+        "the specification": _hash(*(fingerprint(case.scene) + repr(case.scene) for case in cases)),
+        "the samples": _hash(repr(samples.names), samples.values.tobytes().hex()),
+        "the outputs": repr(chosen[0]),
+    }
+    return Plan(
+        builder.runs[0].scene.name, samples, chosen[0], changes, parameters, remaining, tuple(builder.codes), cases,
+        order, states, identity,
+    )  # fmt: skip
+
+
+class _Models:
+    """The models of a sweep: scenes whose equations are the same share one."""
+
+    def __init__(self, progress: Callable[[str], None]) -> None:
+        self._progress = progress
+        self._numbers: dict[str, int] = {}
+        self.codes: list[ModelCode] = []
+        self.runs: list[SceneRun] = []
+
+    def add(self, scene: Scene) -> tuple[Scene, int]:
+        """The scene as it is simulated, and the number of its model."""
+        scene = with_functions(scene, {})
+        key = fingerprint(_without_start(scene))
+        if key not in self._numbers:
+            if len(self.codes) >= MOST_MODELS:
+                raise SamplesError(
+                    f"more than {MOST_MODELS} models would have to be derived and compiled, since values change the "
+                    "equations; sweep fewer values of them, or make them parameters, whose values one model takes"
+                )
+            self._numbers[key] = len(self.codes)
+            self._progress(f"{scene.name}: deriving and compiling model {len(self.codes) + 1}")
+            run = SceneRun(scene, "adaptive", None, {})
+            name, library = model_library(run.files)
+            initial = initial_parameters(run.scene, run.complete_model)
+            self.runs.append(run)
+            self.codes.append(ModelCode(name, library, adaptive_library(), tuple(run.units), tuple(sorted(initial))))
+        return replace(scene, plots=()), self._numbers[key]
+
+
+def _without_start(scene: Scene) -> Scene:
+    """The scene without its initial values, which its equations do not depend on."""
+
+    def body(given: SceneBody) -> SceneBody:
+        return given if isinstance(given, CustomBody) else replace(given, start=NOT_GIVEN)
+
+    none = JointInitialValues()
+    return replace(
+        scene,
+        bodies=tuple(map(body, scene.bodies)),
+        joints=tuple(replace(joint, start=none) for joint in scene.joints),
+        drives=tuple(replace(drive, start=none) for drive in scene.drives),
+    )
+
+
+def _simulated(spec: Specification, options: RunOptions) -> Scene:
+    scene = beam_scene(spec) if isinstance(spec, PlanarBeam) else spec
+    if not isinstance(scene, Scene):
+        raise SpecError((Problem("", SCENES),))
+    settings = simulation_settings(scene, options.duration, options.interval, options.tolerance, options.until)
+    return replace(scene, simulation=settings)
+
+
+def _symbol(name: str, changes: Sequence[SetValue]) -> str | None:
+    """The symbol of the parameter that a name sets; None of another key."""
+    return next((change.symbol for change in changes if name in (change.key, change.symbol)), None)
+
+
+def _check_symbols(symbols: Mapping[str, str | None]) -> None:
+    first: dict[str, str] = {}
+    for name, symbol in symbols.items():
+        if symbol is not None and first.setdefault(symbol, name) != name:
+            raise SamplesError(f"{first[symbol]} and {name} are one parameter, {symbol}; give one set of values")
+
+
+def _check_outputs(outputs: Sequence[Output], units: Sequence[Mapping[str, str]]) -> None:
+    """Raise SamplesError if an output is no column of all models."""
+    for chosen in outputs:
+        if chosen.deflection is None and any(chosen.name not in columns for columns in units):
+            raise SamplesError(f"{chosen.name} is no column of all models of this sweep; choose an output that all have")
+
+
+def _order(
+    runs: Sequence[Sample], cases: Sequence[Case], codes: Sequence[ModelCode], symbols: Sequence[str]
+) -> tuple[tuple[Sample, ...], int]:
+    """The runs in an order in which those with one initial state follow each other, and the number of these states."""
+
+    def state(run: Sample) -> tuple[int, tuple[float, ...]]:
+        initial = codes[cases[run.case].model].initial
+        return run.case, tuple(x for symbol, x in zip(symbols, run.values, strict=True) if symbol in initial)
+
+    return tuple(sorted(runs, key=lambda run: (state(run), run.number))), len({state(run) for run in runs})
+
+
+def _part(row: Sequence[float], samples: Samples, names: Sequence[str]) -> tuple[float, ...]:
+    return tuple(row[samples.names.index(name)] for name in names)
+
+
+def number_text(value: float) -> str:
+    """A number as TOML has it: whole numbers as integers, which some keys require."""
+    return str(int(value)) if value == int(value) and abs(value) < 2.0**53 else repr(value)
+
+
+def _hash(*parts: str) -> str:
+    digest = hashlib.sha256()
+    for part in parts:
+        digest.update(f"{len(part)}\0{part}".encode())
+    return digest.hexdigest()

@@ -1,0 +1,73 @@
+"""The result of a sweep: the values of all outputs in all samples, and what happened to those without any."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from derive.registry import UnknownNameError
+from derive.runtime.native_call import Matrix, Vector
+from derive.study.sweep.outputs import Output
+from derive.study.sweep.samples import Samples
+
+
+@dataclass(frozen=True, eq=False)
+class SweepResult:
+    """values (n, outputs): NaN of samples that failed, for the reason in `failures` by the number of the sample.
+
+    `result["peak_slider_s"]` is the output of that name: (n,), or for a grid an array with an axis for each name.
+    notes: what runs did otherwise than specified, by the number of the sample. models, initial_states: those that were
+    computed. resumed: the samples that an earlier run had finished.
+    """
+
+    name: str
+    samples: Samples
+    outputs: tuple[Output, ...]
+    values: Matrix
+    failures: Mapping[int, str]
+    notes: Mapping[int, tuple[str, ...]]
+    models: int
+    initial_states: int
+    resumed: int = 0
+    settings: Mapping[str, object] = field(default_factory=dict)
+
+    @property
+    def labels(self) -> tuple[str, ...]:
+        """The names of the outputs."""
+        return tuple(output.label for output in self.outputs)
+
+    def column(self, label: str) -> Vector:
+        """The values (n,) of an output. Raises UnknownNameError."""
+        if label not in self.labels:
+            raise UnknownNameError("output of the sweep", label, self.labels)
+        return self.values[:, self.labels.index(label)]
+
+    def __getitem__(self, label: str) -> NDArray[np.float64]:
+        return self.column(label).reshape(self.samples.shape or -1)
+
+    def sample(self, number: int) -> dict[str, float]:
+        """The values of a sample by their names."""
+        return dict(zip(self.samples.names, self.samples.values[number].tolist(), strict=True))
+
+    def reasons(self) -> Iterator[tuple[str, int, int]]:
+        """The reasons of failures, the most frequent first: the text, how often, and the first sample with it."""
+        yield from _counted({number: (text,) for number, text in self.failures.items()})
+
+    def remarks(self) -> Iterator[tuple[str, int, int]]:
+        """The notes likewise."""
+        yield from _counted(self.notes)
+
+
+def _counted(texts: Mapping[int, tuple[str, ...]]) -> Iterator[tuple[str, int, int]]:
+    first: dict[str, int] = {}
+    counts: Counter[str] = Counter()
+    for number in sorted(texts):
+        for text in texts[number]:
+            first.setdefault(text, number)
+            counts[text] += 1
+    for text, count in counts.most_common():
+        yield text, count, first[text]

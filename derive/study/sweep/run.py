@@ -1,0 +1,115 @@
+"""A sweep from its samples to its result: planned, run on an executor, stored as far as it is finished."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Sequence
+from concurrent.futures import Executor
+from pathlib import Path
+
+import numpy as np
+
+from derive.errors import TisserandError
+from derive.spec.model.scene import Specification
+from derive.study.sweep.executors import KILLS, chunk_size, outcomes
+from derive.study.sweep.plan import Plan, RunOptions, make_plan
+from derive.study.sweep.result import SweepResult
+from derive.study.sweep.samples import Samples
+from derive.study.sweep.store import Store
+from derive.study.sweep.worker import Outcome
+
+UNKNOWN_WORKERS = 8
+"""The workers for which samples are divided where their number is not known."""
+
+Progress = Callable[[int, int], None]
+"""Called with the number of finished samples, and that of all."""
+
+
+class SweepFailed(TisserandError):
+    """No sample of a sweep has a result."""
+
+
+def sweep(
+    spec: Specification,
+    samples: Samples,
+    outputs: Sequence[str],
+    *,
+    duration: float | None = None,
+    interval: float | None = None,
+    tolerance: float | None = None,
+    until: str | None = None,
+    executor: Executor | None = None,
+    workers: int | None = None,
+    chunk: int | None = None,
+    store: Path | None = None,
+    resume: bool = False,
+    progress: Progress | None = None,
+) -> SweepResult:
+    """Simulate a scene or a single beam with the values of each sample, and reduce each run to a few numbers.
+
+    samples: `grid`, `listed` or `random_samples` of parameters or keys, as `--set` knows them. outputs: such as
+    "peak:slider_s", "rms:deflection" or "final:rod_phi", of a column or of a plot. duration, interval: the time, and
+    that between rows, in which peaks are looked for, s; tolerance, until: as for `simulate`. executor: any of
+    `concurrent.futures`, such as that of a Dask client; by default `workers` processes of this machine, one for each
+    processor. chunk: the samples that a worker gets at a time, on which no result depends. store: a file that keeps
+    finished samples if the sweep is interrupted; with `resume` it is continued. progress: called when samples finish.
+
+    Raises SpecError, SamplesError, OutputError, UnknownNameError, CompilerError; StaleStore for the store of another
+    sweep; SweepFailed if all samples fail, each for a reason of its own as in the `failures` of a result.
+    """
+    plan = make_plan(spec, samples, outputs, RunOptions(duration, interval, tolerance, until))
+    return run_plan(plan, executor, workers, chunk, store, resume, progress)
+
+
+def run_plan(
+    plan: Plan,
+    executor: Executor | None = None,
+    workers: int | None = None,
+    chunk: int | None = None,
+    store: Path | None = None,
+    resume: bool = False,
+    progress: Progress | None = None,
+) -> SweepResult:
+    """Run a plan; arguments and errors as those of `sweep`. The store is left, for the caller to remove."""
+    kept = None if store is None else Store(store, plan.identity, resume)
+    done = {outcome.number: outcome for outcome in (kept.finished if kept else ())}
+    resumed = len(done)
+    remaining = [run for run in plan.runs if run.number not in done]
+    count = workers or (UNKNOWN_WORKERS if executor else processors())
+    size = chunk or chunk_size(len(remaining), count)
+    report = progress or (lambda finished, total: None)
+    report(resumed, len(plan.runs))
+    try:
+        for batch in outcomes(plan, remaining, executor, min(count, max(1, -(-len(remaining) // size))), size):
+            done.update((outcome.number, outcome) for outcome in batch)
+            if kept is not None:  # a sample that ended its workers is tried again by the next run
+                kept.append([outcome for outcome in batch if outcome.failure != KILLS])
+            report(len(done), len(plan.runs))
+    finally:
+        if kept is not None:
+            kept.close()
+    return _result(plan, [done[number] for number in range(len(plan.runs))], resumed)
+
+
+def processors() -> int:
+    """The processors that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def _result(plan: Plan, done: Sequence[Outcome], resumed: int) -> SweepResult:
+    failures = {outcome.number: outcome.failure for outcome in done if outcome.failure}
+    if len(failures) == len(done):
+        first = plan.samples.names, plan.samples.values[0].tolist()
+        where = ", ".join(f"{name} = {value:g}" for name, value in zip(*first, strict=True))
+        raise SweepFailed(f"none of the {len(done)} samples can be run; that of {where}: {failures[0]}")
+    return SweepResult(
+        plan.name,
+        plan.samples,
+        plan.outputs,
+        np.array([outcome.values for outcome in done], dtype=np.float64).reshape(len(done), -1),
+        failures,
+        {outcome.number: outcome.notes for outcome in done if outcome.notes},
+        len(plan.models),
+        plan.initial_states,
+        resumed,
+    )

@@ -1,0 +1,192 @@
+"""The samples of a sweep: a grid, lists of values, or random numbers; the same on every machine."""
+
+from __future__ import annotations
+
+import itertools
+import math
+import random
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from statistics import NormalDist
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from derive.errors import TisserandError
+from derive.runtime.native_call import Matrix, Vector
+
+
+class SamplesError(TisserandError):
+    """Samples that make no sense."""
+
+
+@dataclass(frozen=True, eq=False)
+class Samples:
+    """Values (n, names) of parameters, or of keys of a specification: a row for each sample.
+
+    shape: the numbers of values of a grid, whose last name changes fastest; () if the samples are no grid.
+    """
+
+    names: tuple[str, ...]
+    values: Matrix
+    shape: tuple[int, ...] = ()
+
+    def __post_init__(self) -> None:
+        repeated = sorted({name for name in self.names if self.names.count(name) > 1})
+        if repeated:
+            raise SamplesError(f"{', '.join(repeated)}: several sets of values; give one")
+        if self.values.ndim != 2 or self.values.shape[1] != len(self.names) or not self.values.size:
+            raise SamplesError(f"samples of {len(self.names)} names need an array (n, {len(self.names)}) of values")
+        if not np.all(np.isfinite(self.values)):
+            raise SamplesError("samples have values that are not finite")
+
+    def __len__(self) -> int:
+        return len(self.values)
+
+    def axis(self, name: str) -> Vector:
+        """The different values of a name, in the order in which they appear."""
+        column = self.values[:, self.names.index(name)]
+        return np.array(list(dict.fromkeys(column.tolist())))
+
+    @property
+    def varying(self) -> tuple[str, ...]:
+        """The names that have more than one value."""
+        return tuple(name for name in self.names if len(self.axis(name)) > 1)
+
+
+@dataclass(frozen=True)
+class Random:
+    """A distribution of random numbers: `quantile` maps a number in (0, 1) to the value below which that part lies."""
+
+    quantile: Callable[[float], float]
+
+
+def uniform(low: float, high: float) -> Random:
+    """Numbers between two bounds, all alike."""
+    return Random(lambda u: low + (high - low) * u)
+
+
+def log_uniform(low: float, high: float) -> Random:
+    """Numbers between two positive bounds whose logarithms are uniform."""
+    if not 0.0 < low <= high:
+        raise SamplesError(f"loguniform({low:g}, {high:g}): 0 < low <= high is needed")
+    return Random(lambda u: math.exp(math.log(low) + (math.log(high) - math.log(low)) * u))
+
+
+def normal(mean: float, deviation: float) -> Random:
+    """Gaussian numbers with a mean and a standard deviation."""
+    if not deviation > 0.0:
+        raise SamplesError(f"normal({mean:g}, {deviation:g}): a positive standard deviation is needed")
+    return Random(NormalDist(mean, deviation).inv_cdf)
+
+
+def grid(axes: Mapping[str, ArrayLike]) -> Samples:
+    """All combinations of the values (m,) of each name; those of the last name change fastest. Raises SamplesError."""
+    columns = [np.atleast_1d(np.asarray(values, dtype=np.float64)) for values in axes.values()]
+    values = np.array(list(itertools.product(*columns)), dtype=np.float64).reshape(-1, len(columns))
+    return Samples(tuple(axes), values, tuple(map(len, columns)))
+
+
+def listed(columns: Mapping[str, ArrayLike]) -> Samples:
+    """Samples one by one: the values (n,) of each name, or a number for all samples. Raises SamplesError."""
+    try:
+        rows = np.broadcast_arrays(*(np.atleast_1d(np.asarray(c, dtype=np.float64)) for c in columns.values()))
+    except ValueError:
+        raise SamplesError("a list of samples needs the same number of values of each name") from None
+    return Samples(tuple(columns), np.stack(rows, axis=1))
+
+
+def random_samples(axes: Mapping[str, Random | float], count: int, seed: int = 0) -> Samples:
+    """Independent random samples; a number is the same in all of them. More samples begin with the fewer ones.
+
+    The numbers follow from the seed alone: those of the generator of Python's `random`, which all versions share.
+    """
+    generator = random.Random(seed)
+    rows = []
+    for _ in range(count):
+        numbers = [max(generator.random(), 2.0**-53) for _ in axes]
+        rows.append(
+            [
+                axis.quantile(u) if isinstance(axis, Random) else float(axis)
+                for axis, u in zip(axes.values(), numbers, strict=True)
+            ]
+        )
+    return Samples(tuple(axes), np.array(rows, dtype=np.float64).reshape(-1, len(axes)))
+
+
+def spaced(start: float, stop: float, count: int, logarithmic: bool = False) -> Vector:
+    """`count` values from `start` to `stop`: evenly spaced, or with a constant ratio. Raises SamplesError."""
+    if logarithmic and not (start > 0.0 and stop > 0.0):
+        raise SamplesError(f"{start:g}:{stop:g}:{count}:log: both ends have to be positive")
+    if count == 1 and start != stop:
+        raise SamplesError(f"{start:g}:{stop:g}:1: one value cannot be at both ends")
+    return np.geomspace(start, stop, count) if logarithmic else np.linspace(start, stop, count)
+
+
+Axis = Sequence[float] | Random
+"""The values of one name, or their distribution."""
+
+DISTRIBUTIONS: Mapping[str, Callable[[float, float], Random]] = {
+    "uniform": uniform,
+    "loguniform": log_uniform,
+    "normal": normal,
+}
+"""The distributions by their names on the command line."""
+
+
+def parse_axis(name: str, text: str) -> Axis:
+    """The values in a text: `10:100:40`, `10:100:40:log`, `10,20,50`, `uniform(10, 100)`. Raises SamplesError."""
+    try:
+        return _parsed(text.strip())
+    except ValueError:
+        raise SamplesError(
+            f"{name}={text}: expected start:stop:count such as 10:100:40 (or 10:100:40:log), a list such as 10,20,50, "
+            "or a distribution such as uniform(10,100), loguniform(1,100), normal(10,0.5)"
+        ) from None
+
+
+def _parsed(text: str) -> Axis:
+    for kind, distribution in DISTRIBUTIONS.items():
+        if text.startswith(f"{kind}(") and text.endswith(")"):
+            first, second = (_number(part) for part in text[len(kind) + 1 : -1].split(","))
+            return distribution(first, second)
+    if ":" in text:
+        start, stop, count, *spacing = text.split(":")
+        if spacing not in ([], ["log"]) or int(count) < 1:
+            raise ValueError
+        return [float(x) for x in spaced(_number(start), _number(stop), int(count), bool(spacing))]
+    return [_number(part) for part in text.split(",")]
+
+
+def _number(text: str) -> float:
+    value = float(text)
+    if not math.isfinite(value):
+        raise ValueError
+    return value
+
+
+def parsed_samples(assignments: Sequence[tuple[str, str]], count: int | None, seed: int | None) -> Samples:
+    """The samples that `--set NAME=VALUES`, `--samples` and `--seed` describe.
+
+    They are a grid or, if there are distributions, `count` random samples. Raises SamplesError.
+    """
+    repeated = sorted({name for name, _ in assignments if [n for n, _ in assignments].count(name) > 1})
+    if repeated:
+        raise SamplesError(f"{', '.join(repeated)}: several sets of values; give one --set of each name")
+    axes = {name: parse_axis(name, text) for name, text in assignments}
+    drawn = [name for name, axis in axes.items() if isinstance(axis, Random)]
+    if not drawn:
+        if count is not None or seed is not None:
+            raise SamplesError("--samples and --seed are for random values, such as --set EI=uniform(10,100)")
+        return grid({name: axis for name, axis in axes.items() if not isinstance(axis, Random)})
+    single: dict[str, Random | float] = {}
+    for name, axis in axes.items():
+        if not isinstance(axis, Random) and len(axis) > 1:
+            raise SamplesError(
+                f"{name} has {len(axis)} values and {drawn[0]} is random: give {name} one value or a distribution as "
+                "well, or all names values of a grid"
+            )
+        single[name] = axis if isinstance(axis, Random) else axis[0]
+    if count is None:
+        raise SamplesError(f"{drawn[0]} is random: add --samples N, the number of samples")
+    return random_samples(single, count, seed or 0)

@@ -1,0 +1,94 @@
+"""The store of a sweep: a file to which finished samples are appended, from which an interrupted sweep goes on.
+
+Its first line states what the results depend on; a line for each sample follows, whose numbers are hexadecimal, so that
+they are exact. A process that is killed leaves an incomplete last line at most, which is cut off.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from derive.artifacts import MARK
+from derive.errors import TisserandError
+from derive.study.sweep.worker import Outcome
+
+
+class StaleStore(TisserandError):
+    """A store that belongs to another sweep, or that is not resumed."""
+
+
+class Store:
+    """Finished samples in a file; identity: all that their values depend on, by a name for each part.
+
+    resume: whether the file of an earlier run of the same sweep is continued. Raises StaleStore if it is of another
+    sweep, or if there is one which is not to be continued; nothing is changed then.
+    """
+
+    def __init__(self, path: Path, identity: Mapping[str, str], resume: bool) -> None:
+        self.path, self._identity = path, dict(identity)
+        self.finished: tuple[Outcome, ...] = ()
+        path.parent.mkdir(parents=True, exist_ok=True)
+        if path.exists():
+            self.finished = self._read(resume)
+            self._file = path.open("ab")
+        else:
+            self._file = path.open("xb")
+            self._write([{"generator": MARK, "identity": self._identity}])
+
+    def _read(self, resume: bool) -> tuple[Outcome, ...]:
+        data = self.path.read_bytes()
+        complete = data[: data.rfind(b"\n") + 1]
+        lines = complete.splitlines()
+        try:
+            head = json.loads(lines[0])
+            known: dict[str, str] = head["identity"]
+        except (IndexError, ValueError, TypeError, KeyError):
+            raise StaleStore(f"{self.path}: this is no store of a sweep; move it, or choose another --out") from None
+        if not resume:
+            raise StaleStore(
+                f"{self.path}: an interrupted sweep has left {len(lines) - 1} finished samples; continue it with "
+                "--resume, or remove the file"
+            )
+        if known != self._identity:
+            changed = [part for part in self._identity if known.get(part) != self._identity[part]]
+            raise StaleStore(
+                f"{self.path}: {' and '.join(changed)} changed since these samples were finished, so that they are not "
+                "used; remove the file, or choose another --out"
+            )
+        os.truncate(self.path, len(complete))
+        return tuple(_outcome(json.loads(line)) for line in lines[1:])
+
+    def append(self, outcomes: Sequence[Outcome]) -> None:
+        """Add finished samples."""
+        self._write([_plain(outcome) for outcome in outcomes])
+
+    def _write(self, lines: Sequence[Mapping[str, Any]]) -> None:
+        self._file.write("".join(f"{json.dumps(line)}\n" for line in lines).encode())
+        self._file.flush()
+
+    def close(self) -> None:
+        """Leave the file, from which the sweep may go on."""
+        self._file.close()
+
+    def remove(self) -> None:
+        """Remove the file: the results of the sweep are written."""
+        self._file.close()
+        self.path.unlink(missing_ok=True)
+
+
+def _plain(outcome: Outcome) -> dict[str, Any]:
+    line: dict[str, Any] = {"n": outcome.number, "v": [value.hex() for value in outcome.values]}
+    if outcome.failure:
+        line["failure"] = outcome.failure
+    if outcome.notes:
+        line["notes"] = outcome.notes
+    return line
+
+
+def _outcome(line: Mapping[str, Any]) -> Outcome:
+    values = tuple(map(float.fromhex, line["v"]))
+    return Outcome(line["n"], values, line.get("failure", ""), tuple(line.get("notes", ())))

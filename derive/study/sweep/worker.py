@@ -1,0 +1,194 @@
+"""What a worker does: it runs samples of a compiled model, one after the other, with as little Python as possible.
+
+A chunk of samples comes with everything that it needs, so that it can run in any process on any machine of the same
+kind. What a worker keeps from one chunk to the next, libraries and initial states, follows from the chunk alone: the
+results are the same to the bit however samples are divided into chunks.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import lru_cache
+
+from derive.errors import SpecError, TisserandError
+from derive.runtime.loading import load_data, native_model
+from derive.runtime.native_call import Vector
+from derive.runtime.native_scene import NativeScene
+from derive.simulation.drive_jumps import check_drives
+from derive.simulation.initial.initial_state import initial_state, scene_size
+from derive.simulation.integration.adaptive import adaptive
+from derive.simulation.integration.integrator import Integrator, Settings
+from derive.simulation.integration.solution import Solution
+from derive.simulation.output_times import output_times
+from derive.simulation.stop_condition import stop_condition, stop_event
+from derive.simulation.trajectory import column_values
+from derive.spec.model.scene import Scene
+from derive.spec.model.scene_functions import breaks
+from derive.spec.parsing.condition import Row
+from derive.study.sweep.dependence import with_defaults
+from derive.study.sweep.outputs import Output, evaluate
+
+KEPT_STARTS, KEPT_MODELS = 256, 16
+"""Initial states and loaded libraries that a worker keeps."""
+
+
+@dataclass(frozen=True)
+class ModelCode:
+    """A compiled model: its name, its library and that of the integrator; the names of the columns of its runs.
+
+    initial: the parameters that the initial state depends on.
+    """
+
+    name: str
+    library: bytes
+    integrator: bytes
+    columns: tuple[str, ...]
+    initial: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Case:
+    """A scene as it is simulated, with its `simulation`, but for the values of parameters; model: its code by number.
+
+    key: the hash of the scene, by which workers tell cases apart.
+    """
+
+    scene: Scene = field(compare=False)
+    model: int = field(compare=False)
+    key: str
+
+
+@dataclass(frozen=True)
+class Sample:
+    """A run: its number, the number of its case, and the values of the parameters."""
+
+    number: int
+    case: int
+    values: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class Chunk:
+    """Samples with their cases and models by number, the names of the parameters, and the outputs."""
+
+    models: Mapping[int, ModelCode]
+    cases: Mapping[int, Case]
+    parameters: tuple[str, ...]
+    outputs: tuple[Output, ...]
+    samples: tuple[Sample, ...]
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What the sample of a number comes to: values of the outputs, NaN with the reason in `failure` if it has none.
+
+    notes: what the run does otherwise than specified, such as an initial value that is corrected.
+    """
+
+    number: int
+    values: tuple[float, ...]
+    failure: str = ""
+    notes: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class _Start:
+    """An initial state of a scene with the values of its parameters, and what else follows from them."""
+
+    scene: Scene
+    q: Vector
+    v: Vector
+    size: float
+    breaks: tuple[float, ...]
+    notes: tuple[str, ...]
+
+
+def run_chunk(chunk: Chunk) -> tuple[Outcome, ...]:
+    """Run the samples of a chunk. A sample that cannot be run has NaN as its values. Raises CompilerError, OSError."""
+    return tuple(_outcome(chunk, sample) for sample in chunk.samples)
+
+
+def _outcome(chunk: Chunk, sample: Sample) -> Outcome:
+    case = chunk.cases[sample.case]
+    code = chunk.models[case.model]
+    native, integrator = _loaded(code)
+    values = dict(zip(chunk.parameters, sample.values, strict=True))
+    try:
+        k = native.setup(values)
+        start = _start(code, case, tuple((name, values[name]) for name in values if name in code.initial))
+        if isinstance(start, str):
+            return failed(chunk.outputs, sample, start)
+        solution = _solution(code, native, integrator, start, values, k)
+        results = evaluate(chunk.outputs, code.columns, start.scene, native, k, solution)
+    except (TisserandError, ArithmeticError, ValueError) as error:
+        return failed(chunk.outputs, sample, reason(error))
+    return Outcome(sample.number, results, "", (*start.notes, *_unusual(start.scene, solution)))
+
+
+def failed(outputs: Sequence[Output], sample: Sample, text: str) -> Outcome:
+    """A sample that has no values, for this reason."""
+    return Outcome(sample.number, (float("nan"),) * len(outputs), text)
+
+
+def reason(error: Exception) -> str:
+    """An error on one line."""
+    text = "; ".join(problem.message for problem in error.problems) if isinstance(error, SpecError) else str(error)
+    return " ".join(text.split()) or type(error).__name__
+
+
+@lru_cache(KEPT_MODELS)
+def _loaded(code: ModelCode) -> tuple[NativeScene, Integrator]:
+    native = native_model(load_data(code.library), code.name)
+    assert isinstance(native, NativeScene)
+    return native, adaptive(native, library=code.integrator)
+
+
+@lru_cache(KEPT_STARTS)
+def _start(code: ModelCode, case: Case, values: tuple[tuple[str, float], ...]) -> _Start | str:
+    """The initial state for these values of the parameters that it depends on, or the reason why there is none."""
+    try:
+        return _computed_start(code, case, dict(values))
+    except (TisserandError, ArithmeticError, ValueError) as error:
+        return reason(error)
+
+
+def _computed_start(code: ModelCode, case: Case, values: Mapping[str, float]) -> _Start:
+    native, _ = _loaded(code)
+    scene = with_defaults(case.scene, values)
+    check_drives(scene)
+    state = initial_state(scene, native, native.setup(values))
+    return _Start(scene, state.q, state.v, scene_size(scene), breaks(scene), state.notes)
+
+
+def _solution(
+    code: ModelCode,
+    native: NativeScene,
+    integrator: Integrator,
+    start: _Start,
+    values: Mapping[str, float],
+    k: Vector,
+) -> Solution:
+    simulation = start.scene.simulation
+    assert simulation is not None
+    condition, _ = stop_condition(simulation, code.columns)
+
+    def row(solution: Solution) -> Row:
+        columns = column_values(start.scene, native, k, solution)
+        return {name: float(column[0]) for name, column in zip(code.columns, columns, strict=True)}
+
+    settings = Settings(
+        tolerance=simulation.tolerance,
+        size=start.size,
+        breaks=start.breaks,
+        until=stop_event(condition, row, native, k),
+        interruptible=False,
+    )
+    return integrator.integrate(k, start.q, start.v, output_times(simulation), settings)
+
+
+def _unusual(scene: Scene, solution: Solution) -> Sequence[str]:
+    """The notes of a run, without that on a condition that has ended it before its time."""
+    assert scene.simulation is not None
+    ended = scene.simulation.until is not None and solution.t[-1] < scene.simulation.duration
+    return solution.notes[:-1] if ended else solution.notes
