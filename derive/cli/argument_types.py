@@ -53,3 +53,19 @@ def number(text: str) -> float:
         return float(text)
     except ValueError:
         return math.nan
+
+
+def assignment(text: str) -> tuple[str, str]:
+    """A name and its value."""
+    name, equals, value = (part.strip() for part in text.partition("="))
+    if not (name and equals and value):
+        raise argparse.ArgumentTypeError(f"expected NAME=VALUE, such as EI=30, not {text!r}")
+    return name, value
+
+
+def seconds(text: str) -> float:
+    """A positive number of seconds."""
+    value = number(text)
+    if not 0 < value < math.inf:
+        raise argparse.ArgumentTypeError(f"expected a positive number of seconds, not {text!r}")
+    return value

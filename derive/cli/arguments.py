@@ -8,8 +8,18 @@ import math
 from pathlib import Path
 from typing import Any
 
-from derive.cli.argument_types import SPEC, add_command, add_no_cache, count, number, tolerance
+from derive.cli.argument_types import (
+    SPEC,
+    add_command,
+    add_no_cache,
+    assignment,
+    count,
+    number,
+    seconds,
+    tolerance,
+)
 from derive.cli.study_arguments import add_study
+from derive.cli.sweep_arguments import add_sweep
 from derive.version import VERSION
 
 DESCRIPTION = """\
@@ -22,6 +32,7 @@ examples:
   tisserand build scenes/block.toml scenes/body_symbolic.toml
   tisserand compare scenes/free_beam_mean.toml scenes/free_beam_point.toml
   tisserand simulate scenes/crank_slider_3.toml
+  tisserand sweep scenes/four_bar.toml --set drives.motor.speed=5:15:11 --output peak:lambda_motor
   tisserand modes scenes/four_bar.toml
   tisserand study accuracy scenes/crank_slider_3.toml
   tisserand choose scenes/crank_slider_3.toml --error 0.01
@@ -63,6 +74,7 @@ def parser() -> argparse.ArgumentParser:
     _add_build(commands)
     _add_compare(commands)
     _add_simulate(commands)
+    add_sweep(commands)
     _add_modes(commands)
     add_study(commands)
     _add_choose(commands)
@@ -95,8 +107,8 @@ def _add_simulate(commands: Any) -> None:
     simulate.add_argument("spec", type=Path, metavar="SPEC", help=f"{SPEC} with a [simulation] table")
     _add_folder(simulate, "results")
     _add_set(simulate)
-    simulate.add_argument("--duration", type=_seconds, metavar="S", help="duration, s, in place of the specified one")
-    simulate.add_argument("--output", type=_seconds, metavar="S", help="time between rows of the CSV file, s")
+    simulate.add_argument("--duration", type=seconds, metavar="S", help="duration, s, in place of the specified one")
+    simulate.add_argument("--output", type=seconds, metavar="S", help="time between rows of the CSV file, s")
     simulate.add_argument(
         "--tolerance", type=tolerance, metavar="X", help="tolerance of the error of a step, relative and absolute"
     )
@@ -107,7 +119,7 @@ def _add_simulate(commands: Any) -> None:
         help="in C: adaptive (default), rk4, generalised-alpha, c_ida; in Python: dop853 (or scipy), rk45, ida",
     )
     simulate.add_argument(
-        "--step", type=_seconds, metavar="S", help="step of integrators with fixed steps (rk4, generalised-alpha), s"
+        "--step", type=seconds, metavar="S", help="step of integrators with fixed steps (rk4, generalised-alpha), s"
     )
     simulate.add_argument(
         "--resume", action="store_true", help="continue the run in the output folder from its last state"
@@ -204,25 +216,11 @@ def _add_set(command: argparse.ArgumentParser) -> None:
     command.add_argument(
         "--set",
         action="append",
-        type=_assignment,
+        type=assignment,
         default=[],
         metavar="NAME=VALUE",
         help="another value of a parameter (EI=30) or of a key (bodies.rod.bending_stiffness=30); may be repeated",
     )
-
-
-def _assignment(text: str) -> tuple[str, str]:
-    name, equals, value = (part.strip() for part in text.partition("="))
-    if not (name and equals and value):
-        raise argparse.ArgumentTypeError(f"expected NAME=VALUE, such as EI=30, not {text!r}")
-    return name, value
-
-
-def _seconds(text: str) -> float:
-    value = number(text)
-    if not 0 < value < math.inf:
-        raise argparse.ArgumentTypeError(f"expected a positive number of seconds, not {text!r}")
-    return value
 
 
 def _instant(text: str) -> float:

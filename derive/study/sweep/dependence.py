@@ -104,7 +104,7 @@ def with_defaults(value: T, defaults: Mapping[str, float]) -> T:
         fields = {field.name: getattr(old, field.name) for field in dataclasses.fields(old)}
         others = {name: with_defaults(item, defaults) for name, item in fields.items()}
         changed = {name: item for name, item in others.items() if item is not fields[name]}
-        return dataclasses.replace(old, **changed) if changed else value
+        return dataclasses.replace(old, **changed) if changed else value  # type: ignore[return-value]
     return value
 
 

@@ -2,6 +2,7 @@
 
 A chunk whose worker is lost runs again. One that is lost several times runs alone; if it is then lost again, it is
 halved, until the single sample is known that ends its worker. That sample fails, and all others have their results.
+Executors such as that of Dask repeat chunks themselves before they give them up, so that these are halved at once.
 """
 
 from __future__ import annotations
@@ -12,8 +13,8 @@ import sys
 import threading
 from collections import deque
 from collections.abc import Iterator, Sequence
-from concurrent.futures import BrokenExecutor, CancelledError, Executor, Future, ProcessPoolExecutor, wait
 from concurrent.futures import FIRST_COMPLETED as FIRST
+from concurrent.futures import BrokenExecutor, CancelledError, Executor, Future, ProcessPoolExecutor, wait
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from multiprocessing import parent_process
@@ -62,9 +63,7 @@ def outcomes(
         pool.end()
 
 
-def _completed(
-    plan: Plan, waiting: deque[_Part], pool: _Processes | _Given
-) -> Iterator[tuple[Outcome, ...]]:
+def _completed(plan: Plan, waiting: deque[_Part], pool: _Processes | _Given) -> Iterator[tuple[Outcome, ...]]:
     alone: deque[_Part] = deque()
     running: dict[Future[tuple[Outcome, ...]], _Part] = {}
     while waiting or alone or running:
@@ -91,15 +90,20 @@ def _completed(
             pool.renew()
         for part in lost:
             again = replace(part, losses=part.losses + 1)
-            if again.losses < LOSSES:
+            if len(part.runs) > 1 and blamed and (pool.blames or again.losses >= LOSSES):
+                halves = _halves(part, 0 if pool.blames else LOSSES - 1)
+                (waiting if pool.blames else alone).extend(halves)
+            elif again.losses < LOSSES:
                 waiting.append(again)
-            elif not blamed:
-                alone.append(again)
-            elif len(part.runs) > 1:
-                middle = len(part.runs) // 2
-                alone.extend(_Part(half, LOSSES - 1) for half in (part.runs[:middle], part.runs[middle:]))
-            else:
+            elif blamed:
                 yield (failed(plan.outputs, part.runs[0], KILLS),)
+            else:
+                alone.append(again)
+
+
+def _halves(part: _Part, losses: int) -> tuple[_Part, _Part]:
+    middle = len(part.runs) // 2
+    return _Part(part.runs[:middle], losses), _Part(part.runs[middle:], losses)
 
 
 def _losses() -> tuple[type[BaseException], ...]:
@@ -165,10 +169,10 @@ class _Given:
 
     def check(self, error: BaseException) -> None:
         """Raise ExecutorLost if the executor as a whole is broken."""
-        if isinstance(error, BrokenExecutor):
+        if isinstance(error, BrokenExecutor | CancelledError):
             raise ExecutorLost(
-                "the executor has lost a worker and takes no more work; what is finished is in the store, if there is "
-                "one: run the sweep again with resume and a new executor, or without one"
+                "the executor is lost and takes no more work; what is finished is in the store, if there is one: run "
+                "the sweep again with resume, and with a new executor or without one"
             ) from error
 
     def renew(self) -> None:

@@ -22,8 +22,7 @@ from derive.spec.model.scene import Scene
 
 
 class Statistic(Enum):
-    """What a curve y(t) comes to: its value of the largest amount, with its sign; its root mean square over the time,
-    by the trapezoidal rule; its last value."""
+    """What a curve y(t) comes to: the largest |y|, the root mean square over time (trapezoidal), or the last value."""
 
     PEAK = "peak"
     RMS = "rms"
@@ -33,7 +32,7 @@ class Statistic(Enum):
         """The statistic of a curve y (n,) in rows at the times t (n,), s."""
         match self:
             case Statistic.PEAK:
-                return float(y[np.argmax(np.abs(y))])
+                return float(np.abs(y).max())
             case Statistic.RMS:
                 if len(t) == 1:
                     return float(np.abs(y[0]))

@@ -46,14 +46,16 @@ class RunOptions:
 class Plan:
     """A sweep that is ready to run.
 
-    changes: what is set, with the first values. parameters: the names whose values are parameters of the compiled
-    code; the others, `remaining`, make several cases, and models where equations depend on them. initial_states: how
-    many are computed. identity: all that the results depend on, by a name for each part.
+    units: those of the names that are parameters. changes: what is set, with the first values. parameters: the names
+    whose values are parameters of the compiled code; the others, `remaining`, make several cases, and models where
+    equations depend on them. initial_states: how many are computed. identity: all that the results depend on, by a name
+    for each part.
     """
 
     name: str
     samples: Samples
     outputs: tuple[Output, ...]
+    units: Mapping[str, str]
     changes: tuple[SetValue, ...]
     parameters: tuple[str, ...]
     remaining: tuple[str, ...]
@@ -104,9 +106,8 @@ def make_plan(
         texts = dict(zip(remaining, map(number_text, values), strict=True))
         scenes.append(builder.add(_simulated(with_values(spec, {**firsts, **texts})[0], options)))
     cases = tuple(Case(scene, model, _hash(repr(scene))) for scene, model in scenes)
-    units = [run.units for run in builder.runs]
-    chosen = [tuple(output(text, run.scene, dict(run.units)) for text in outputs) for run in builder.runs]
-    _check_outputs(chosen[0], units)
+    chosen = tuple(output(text, builder.runs[0].scene, builder.runs[0].units) for text in outputs)
+    check_outputs(chosen, builder.codes)
     number_of = {values: number for number, values in enumerate(dict.fromkeys(keys))}
     runs = [
         Sample(i, number_of[key], tuple(_part(row, samples, parameters)))
@@ -117,12 +118,23 @@ def make_plan(
         "Tisserand": f"{VERSION} {package_hash()}",
         "the specification": _hash(*(fingerprint(case.scene) + repr(case.scene) for case in cases)),
         "the samples": _hash(repr(samples.names), samples.values.tobytes().hex()),
-        "the outputs": repr(chosen[0]),
+        "the outputs": repr(chosen),
     }
+    known = {parameter.name: parameter.unit for parameter in builder.runs[0].model.parameters}
     return Plan(
-        builder.runs[0].scene.name, samples, chosen[0], changes, parameters, remaining, tuple(builder.codes), cases,
-        order, states, identity,
-    )  # fmt: skip
+        name=builder.runs[0].scene.name,
+        samples=samples,
+        outputs=chosen,
+        units={name: known.get(symbol or "", "") for name, symbol in symbols.items()},
+        changes=changes,
+        parameters=parameters,
+        remaining=remaining,
+        models=tuple(builder.codes),
+        cases=cases,
+        runs=order,
+        initial_states=states,
+        identity=identity,
+    )
 
 
 class _Models:
@@ -189,11 +201,13 @@ def _check_symbols(symbols: Mapping[str, str | None]) -> None:
             raise SamplesError(f"{first[symbol]} and {name} are one parameter, {symbol}; give one set of values")
 
 
-def _check_outputs(outputs: Sequence[Output], units: Sequence[Mapping[str, str]]) -> None:
-    """Raise SamplesError if an output is no column of all models."""
+def check_outputs(outputs: Sequence[Output], models: Sequence[ModelCode]) -> None:
+    """Raise SamplesError if an output is no column of all models, or if two outputs are the same."""
     for chosen in outputs:
-        if chosen.deflection is None and any(chosen.name not in columns for columns in units):
-            raise SamplesError(f"{chosen.name} is no column of all models of this sweep; choose an output that all have")
+        if chosen.deflection is None and any(chosen.name not in model.columns for model in models):
+            raise SamplesError(f"{chosen.name} is no column of all models of this sweep; choose another output")
+        if outputs.count(chosen) > 1:
+            raise SamplesError(f"the output {chosen.label} is given twice")
 
 
 def _order(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,7 +21,7 @@ class SweepResult:
 
     `result["peak_slider_s"]` is the output of that name: (n,), or for a grid an array with an axis for each name.
     notes: what runs did otherwise than specified, by the number of the sample. models, initial_states: those that were
-    computed. resumed: the samples that an earlier run had finished.
+    computed. units: those of the names that are parameters. resumed: the samples that an earlier run had finished.
     """
 
     name: str
@@ -32,8 +32,8 @@ class SweepResult:
     notes: Mapping[int, tuple[str, ...]]
     models: int
     initial_states: int
+    units: Mapping[str, str]
     resumed: int = 0
-    settings: Mapping[str, object] = field(default_factory=dict)
 
     @property
     def labels(self) -> tuple[str, ...]:

@@ -111,5 +111,6 @@ def _result(plan: Plan, done: Sequence[Outcome], resumed: int) -> SweepResult:
         {outcome.number: outcome.notes for outcome in done if outcome.notes},
         len(plan.models),
         plan.initial_states,
+        plan.units,
         resumed,
     )

@@ -1,0 +1,108 @@
+"""`tisserand sweep`: run a scene with many values of its parameters; write a table (CSV, NPZ) and a picture (SVG)."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import time
+from collections.abc import Iterator
+from concurrent.futures import Executor
+from contextlib import contextmanager
+
+from derive.artifacts import MARK, BinaryFile, File, check_folder, sha256, write
+from derive.errors import SpecError
+from derive.spec.toml.read import read, with_lines
+from derive.study.sweep.cluster import dask_executor
+from derive.study.sweep.picture import sweep_svg
+from derive.study.sweep.plan import Plan, RunOptions, make_plan
+from derive.study.sweep.result import SweepResult
+from derive.study.sweep.run import run_plan
+from derive.study.sweep.samples import parsed_samples
+from derive.study.sweep.table import sweep_csv, sweep_data, sweep_npz, sweep_text
+from derive.terminal import duration_text, show_progress
+from derive.version import VERSION
+
+NAME = "sweep"
+SAMPLE_SIZE = 500
+"""About what a sample needs in the store and the tables, in bytes."""
+
+
+def run(options: argparse.Namespace) -> int:
+    """Run all samples, write the files, and print the extremes.
+
+    What is wrong with the specification, the samples and the files is found before the first run.
+    """
+    spec = read(options.spec)
+    samples = parsed_samples(options.set, options.samples, options.seed)
+    settings = RunOptions(options.duration, options.interval, options.tolerance, options.until)
+    try:
+        plan = make_plan(spec, samples, options.output, settings, lambda text: show_progress(f"{text} ..."))
+    except SpecError as error:
+        raise with_lines(error, options.spec) if error.source is None else error from None
+    finally:
+        show_progress()
+    folder = options.out / plan.name
+    check_folder(_planned_files(plan), folder, SAMPLE_SIZE * len(samples) + 1_000_000)
+    store = folder / f"{NAME}.partial"
+    progress = _Progress(plan.name)
+    with _executor(options.scheduler) as (executor, threads):
+        try:
+            result = run_plan(plan, executor, threads or options.workers, None, store, options.resume, progress)
+        finally:
+            show_progress()
+    data = sweep_data(result, plan)
+    files = _files(result, data)
+    write(files, folder)
+    store.unlink()
+    written = [str(folder / file.path) for file in files]
+    if options.json:
+        print(json.dumps({**data, "files": written}, indent=2))
+    else:
+        print("\n".join([sweep_text(data, samples), "", *(f"wrote {file}" for file in written)]))
+    return 0
+
+
+class _Progress:
+    """The line of progress: finished samples, and the estimated remaining time."""
+
+    def __init__(self, name: str) -> None:
+        self._name, self._began = name, time.monotonic()
+        self._first: int | None = None
+
+    def __call__(self, finished: int, total: int) -> None:
+        """So many samples of all are finished."""
+        if self._first is None:
+            self._first, self._began = finished, time.monotonic()
+        passed, own = time.monotonic() - self._began, finished - self._first
+        left = f", about {duration_text((total - finished) / own * passed)} left" if own and finished < total else ""
+        show_progress(f"{self._name}: {finished} of {total} samples{left}")
+
+
+@contextmanager
+def _executor(scheduler: str | None) -> Iterator[tuple[Executor, int] | tuple[None, None]]:
+    """The executor of a Dask scheduler with the number of its threads; None for processes of this machine."""
+    if scheduler is None:
+        yield None, None
+    else:
+        with dask_executor(scheduler) as given:
+            yield given
+
+
+def _planned_files(plan: Plan) -> list[File]:
+    """The files of the sweep, still without their texts."""
+    record = f"{NAME}.json"
+    tables = [File(f"{NAME}.{kind}", "", record=record) for kind in ("csv", "npz")]
+    return [*tables, File(f"{NAME}.svg", ""), File(record, "")]
+
+
+def _files(result: SweepResult, data: dict[str, object]) -> list[File | BinaryFile]:
+    """The tables, the picture if there is one, and the record with all settings, which vouches for the tables."""
+    record, picture = f"{NAME}.json", sweep_svg(result)
+    tables = [
+        BinaryFile(f"{NAME}.csv", sweep_csv(result).encode(), record=record),
+        BinaryFile(f"{NAME}.npz", sweep_npz(result), record=record),
+    ]
+    hashes = {file.path: sha256(file.data) for file in tables}
+    content = {"generator": f"{MARK} {VERSION}. Do not edit.", **data, "files": hashes}
+    drawn = [File(f"{NAME}.svg", picture)] if picture else []
+    return [*tables, *drawn, File(record, json.dumps(content, indent=2) + "\n")]

@@ -1,0 +1,141 @@
+"""The numbers of a sweep: as text for a terminal, as CSV, as NPZ, and as plain data."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Sequence
+from dataclasses import asdict
+from typing import Any
+
+import numpy as np
+
+from derive.spec.set_values import SetValue
+from derive.study.sweep.plan import Plan
+from derive.study.sweep.result import SweepResult
+from derive.study.sweep.samples import Samples
+from derive.terminal import table
+
+SHOWN = 5
+"""The reasons and notes that are printed."""
+
+
+def sweep_csv(result: SweepResult) -> str:
+    """A row for each sample: its values, its outputs with all digits, and why it failed, if it has."""
+    stream = io.StringIO()
+    writer = csv.writer(stream, lineterminator="\n")
+    writer.writerow([*result.samples.names, *result.labels, "failure"])
+    for number, (given, values) in enumerate(zip(result.samples.values.tolist(), result.values.tolist(), strict=True)):
+        writer.writerow([*map(repr, given), *map(repr, values), result.failures.get(number, "")])
+    return stream.getvalue()
+
+
+def sweep_npz(result: SweepResult) -> bytes:
+    """The arrays `names` and `samples` (n, names), `outputs` and `values` (n, outputs), `shape` of a grid, `failures`.
+
+    They are read by `numpy.load(path)`; `values[:, 0].reshape(shape)` is the first output on a grid.
+    """
+    stream = io.BytesIO()
+    failures = [result.failures.get(number, "") for number in range(len(result.samples))]
+    np.savez(
+        stream,
+        names=np.array(result.samples.names),
+        samples=result.samples.values,
+        outputs=np.array(result.labels),
+        values=result.values,
+        shape=np.array(result.samples.shape, dtype=np.int64),
+        failures=np.array(failures),
+    )
+    return stream.getvalue()
+
+
+def sweep_data(result: SweepResult, plan: Plan) -> dict[str, Any]:
+    """The sweep as plain data, without its values."""
+    return {
+        "name": result.name,
+        "samples": len(result.samples),
+        "shape": list(result.samples.shape),
+        "names": [
+            {"name": name, "values": len(axis), "least": float(axis.min()), "largest": float(axis.max())}
+            for name in result.samples.names
+            for axis in (result.samples.axis(name),)
+        ],
+        "set": [asdict(change) for change in plan.changes],
+        "models": result.models,
+        "initial_states": result.initial_states,
+        "resumed": result.resumed,
+        "outputs": [_output(result, number) for number in range(len(result.outputs))],
+        "failed": len(result.failures),
+        "failures": _listed(result, result.reasons()),
+        "notes": _listed(result, result.remarks()),
+    }
+
+
+def _output(result: SweepResult, number: int) -> dict[str, Any]:
+    output, values = result.outputs[number], result.values[:, number]
+    least, largest = int(np.nanargmin(values)), int(np.nanargmax(values))
+    return {
+        "name": output.label,
+        "unit": output.unit,
+        "least": {"value": float(values[least]), "at": result.sample(least)},
+        "largest": {"value": float(values[largest]), "at": result.sample(largest)},
+    }
+
+
+def _listed(result: SweepResult, texts: Any) -> list[dict[str, Any]]:
+    return [{"text": text, "samples": count, "first": result.sample(first)} for text, count, first in texts]
+
+
+def sweep_text(data: dict[str, Any], samples: Samples) -> str:
+    """The sweep as text."""
+    lines = [_changed(SetValue(**change), samples) for change in data["set"]]
+    grid = f", a grid of {' x '.join(map(str, data['shape']))}" if len(data["shape"]) > 1 else ""
+    lines.append(f"{data['name']}: {_count(data['samples'], 'sample')}{grid}")
+    counts = f"  {_count(data['models'], 'compiled model')}, {_count(data['initial_states'], 'initial state')}"
+    lines.append(f"{counts}, {data['resumed']} samples resumed" if data["resumed"] else counts)
+    rows = [["", "minimum", "at", "maximum", "at"]]
+    for output in data["outputs"]:
+        ends = (output["least"], output["largest"])
+        cells = (cell for end in ends for cell in (f"{end['value']:.6g}", sample_text(end["at"], samples)))
+        rows.append([f"{output['name']}{', ' if output['unit'] else ''}{output['unit']}", *cells])
+    lines += table(rows)
+    if data["failed"]:
+        lines.append(f"  warning: {_count(data['failed'], 'sample')} failed, without values (nan):")
+        lines += _texts(data["failures"], samples)
+    if data["notes"]:
+        lines.append("  notes of runs:")
+        lines += _texts(data["notes"], samples)
+    return "\n".join(lines)
+
+
+def _changed(change: SetValue, samples: Samples) -> str:
+    name = next((name for name in (change.key, change.symbol) if name in samples.names), None)
+    axis = samples.axis(name or "")
+    if len(axis) == 1:
+        return f"set {change}"
+    parameter = f", the parameter {change.symbol}" if change.symbol else ""
+    return f"set {change.key}: {change.old} -> {len(axis)} values, {axis.min():g} ... {axis.max():g}{parameter}"
+
+
+def _texts(listed: Sequence[dict[str, Any]], samples: Samples) -> list[str]:
+    lines = [
+        f"    {_count(item['samples'], 'sample')}, the first at {sample_text(item['first'], samples)}: {item['text']}"
+        for item in listed[:SHOWN]
+    ]
+    return [*lines, *([f"    and {len(listed) - SHOWN} others, see the CSV"] if len(listed) > SHOWN else [])]
+
+
+def sample_text(sample: dict[str, float], samples: Samples) -> str:
+    """A sample by the names that vary, which are shortened to their last part where that is unique."""
+    short = short_names(samples)
+    return ", ".join(f"{short[name]} = {sample[name]:.6g}" for name in samples.varying or samples.names)
+
+
+def short_names(samples: Samples) -> dict[str, str]:
+    """The names of a sweep, each shortened to the last part of its key unless two of them end alike."""
+    last = {name: name.rpartition(".")[2] for name in samples.names}
+    return {name: text if list(last.values()).count(text) == 1 else name for name, text in last.items()}
+
+
+def _count(number: int, what: str) -> str:
+    return f"{number} {what}{'' if number == 1 else 's'}"

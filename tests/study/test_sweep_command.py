@@ -1,0 +1,144 @@
+"""`tisserand sweep`: its files, what it prints, its picture, and what it refuses."""
+
+from __future__ import annotations
+
+import csv
+import json
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from sweep_scenes import SLIDER, kill_at_seven, slider
+
+from derive.cli.main import main
+from derive.study.sweep import executors
+from derive.study.sweep.picture import sweep_svg
+from derive.study.sweep.result import SweepResult
+from derive.study.sweep.run import sweep
+from derive.study.sweep.samples import Samples, grid, random_samples, uniform
+
+
+@pytest.fixture
+def spec(tmp_path: Path) -> Path:
+    path = tmp_path / "slider.toml"
+    path.write_text(SLIDER)
+    return path
+
+
+def run(spec: Path, *arguments: str) -> int:
+    return main(["sweep", str(spec), "--out", str(spec.parent), "--workers", "1", *arguments])
+
+
+def test_the_files_hold_all_samples(spec: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    given = ["--set", "EI=8:12:3", "--set", "radius=0.1,0.31", "--set", "drives.motor.offset=1.5"]
+    assert run(spec, *given, "--output", "peak", "--output", "final:slider_s") == 0
+    output = capsys.readouterr()
+    assert output.err == ""
+    assert "set bodies.rod.bending_stiffness: 12 N m^2 -> 3 values, 8 ... 12, the parameter EI" in output.out
+    assert "set drives.motor.offset: not given -> 1.5" in output.out
+    assert "6 samples, a grid of 3 x 2 x 1" in output.out and "1 compiled model, 2 initial states" in output.out
+    assert "warning: 3 samples failed, without values (nan):" in output.out
+    assert "3 samples, the first at EI = 8, radius = 0.31: no positions near the initial guess" in output.out
+    folder = spec.parent / "slider"
+    assert sorted(path.name for path in folder.iterdir()) == ["sweep.csv", "sweep.json", "sweep.npz", "sweep.svg"]
+    result = sweep(*_same_sweep())
+    with (folder / "sweep.csv").open() as file:
+        head, *rows = csv.reader(file)
+    assert head == ["EI", "radius", "drives.motor.offset", "peak_deflection", "final_slider_s", "failure"]
+    values = np.array([[float(cell) for cell in row[3:5]] for row in rows])
+    assert values.tobytes() == result.values.tobytes()
+    assert [bool(row[5]) for row in rows] == [False, True] * 3 and "crank_pin" in rows[1][5]
+    arrays = np.load(folder / "sweep.npz")
+    assert arrays["values"].tobytes() == result.values.tobytes()
+    assert arrays["samples"].tobytes() == result.samples.values.tobytes() and arrays["shape"].tolist() == [3, 2, 1]
+    assert list(arrays["names"]) == head[:3] and list(arrays["outputs"]) == head[3:5]
+    assert [bool(text) for text in arrays["failures"]] == [False, True] * 3
+    record = json.loads((folder / "sweep.json").read_text())
+    assert record["failed"] == 3 and record["outputs"][1]["name"] == "final_slider_s"
+    before = {path: path.read_bytes() for path in folder.iterdir()}
+    assert run(spec, *given, "--output", "peak", "--output", "final:slider_s", "--json") == 0
+    assert json.loads(capsys.readouterr().out)["failures"][0]["samples"] == 3
+    assert {path: path.read_bytes() for path in folder.iterdir()} == before
+
+
+def _same_sweep() -> tuple[object, Samples, list[str]]:
+    samples = grid({"EI": [8, 10, 12], "radius": [0.1, 0.31], "drives.motor.offset": [1.5]})
+    return slider(), samples, ["peak", "final:slider_s"]
+
+
+def test_an_interrupted_sweep_is_resumed(
+    spec: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    given = ["--set", "EI=8:12:9", "--output", "peak"]
+    with monkeypatch.context() as patch:
+        patch.setattr(executors, "failed", _interrupt)
+        patch.setattr(executors, "run_chunk", kill_at_seven)
+        assert run(spec, *given) == 130
+    store = spec.parent / "slider" / "sweep.partial"
+    assert store.exists() and capsys.readouterr().err == "interrupted\n"
+    assert run(spec, *given) == 2
+    assert "continue it with --resume" in capsys.readouterr().err
+    assert run(spec, "--set", "EI=8:12:8", "--output", "peak", "--resume") == 2
+    assert "the samples changed since these samples were finished" in capsys.readouterr().err
+    assert run(spec, *given, "--resume") == 0
+    assert "samples resumed" in capsys.readouterr().out and not store.exists()
+    resumed = (spec.parent / "slider" / "sweep.csv").read_bytes()
+    assert run(spec, *given) == 0
+    assert (spec.parent / "slider" / "sweep.csv").read_bytes() == resumed
+
+
+def _interrupt(*_: object) -> None:
+    raise KeyboardInterrupt
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["--set", "EJ=1,2", "--output", "peak"], '--set: "EJ" is no parameter'),
+        (["--set", "EI=1:2", "--output", "peak"], "EI=1:2: expected start:stop:count"),
+        (["--set", "EI=1,2", "--output", "mean"], 'there is no statistic "mean"; known: peak, rms, final'),
+        (["--set", "EI=1,2", "--output", "peak:rod_ph"], 'did you mean "rod_phi"'),
+        (["--set", "EI=1,2", "--output", "peak", "--until", "rod > 1"], "simulation.until"),
+        (["--set", "radius=0.4,0.5", "--set", "drives.motor.offset=1.5", "--output", "peak"], "none of the 2 samples"),
+    ],
+)
+def test_errors(spec: Path, arguments: list[str], message: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(spec, *arguments) == 2
+    assert message in capsys.readouterr().err
+    assert not list((spec.parent / "slider").glob("sweep.[cnsj]*"))
+
+
+def test_files_of_others_are_left_alone(spec: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (spec.parent / "slider").mkdir()
+    (spec.parent / "slider" / "sweep.csv").write_text("mine")
+    assert run(spec, "--set", "EI=8,9", "--output", "peak") == 2
+    assert "sweep.csv: it was not generated by Tisserand" in capsys.readouterr().err
+
+
+def made_up(samples: Samples, failed: bool = False) -> SweepResult:
+    """The result of runs that need no time: x^2 + y, or x^2."""
+    output = sweep_outputs()
+    values = samples.values[:, :1] ** 2 + samples.values[:, 1:].sum(axis=1, keepdims=True)
+    failures = {1: "no positions"} if failed else {}
+    values[list(failures)] = math.nan
+    return SweepResult("made_up", samples, output, values, failures, {}, 1, 1, dict.fromkeys(samples.names, "N"))
+
+
+def sweep_outputs() -> tuple[object, ...]:
+    from derive.study.sweep.outputs import Output, Statistic
+
+    return (Output(Statistic.PEAK, "s", "m"),)
+
+
+def test_pictures_are_lines_and_maps() -> None:
+    x, y = np.linspace(1, 2, 5), np.geomspace(1, 100, 5)
+    line = sweep_svg(made_up(grid({"a.x": x})))
+    assert line and "peak of s over x" in line and "<image" not in line
+    assert line == sweep_svg(made_up(grid({"a.x": x})))
+    drawn = sweep_svg(made_up(grid({"a.x": x, "b.y": y}), failed=True))
+    assert drawn and "<image" in drawn and "largest 104" in drawn and "least 2" in drawn and "failed" in drawn
+    assert "failed" not in (sweep_svg(made_up(grid({"a.x": x, "b.y": y}))) or "")
+    points = sweep_svg(made_up(random_samples({"a.x": uniform(0, 1), "b.x": uniform(0, 1)}, 20)))
+    assert points and "peak of s over a.x and b.x" in points and points.count("<use") > 20
+    assert sweep_svg(made_up(grid({"x": x, "y": y, "z": [1, 2]}))) is None
