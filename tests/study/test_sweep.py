@@ -19,7 +19,7 @@ from derive.spec.model.plots import Deflection
 from derive.spec.set_values import with_values
 from derive.study.sweep import executors
 from derive.study.sweep.executors import KILLS, ExecutorLost
-from derive.study.sweep.outputs import Output, OutputError, Statistic
+from derive.study.sweep.outputs import OutputError, Statistic, SweepOutput
 from derive.study.sweep.plan import RunOptions, check_outputs, make_plan
 from derive.study.sweep.result import SweepResult
 from derive.study.sweep.run import SweepFailed, sweep
@@ -213,7 +213,7 @@ def test_initial_values_need_no_further_model(threads: Executor) -> None:
 
 def test_an_output_is_a_column_of_all_models() -> None:
     one, other = (ModelCode("m", b"", b"", columns, ()) for columns in (("t", "rod_phi"), ("t", "rod_1_phi")))
-    wanted = Output(Statistic.PEAK, "rod_phi", "rad")
+    wanted = SweepOutput(Statistic.PEAK, "rod_phi", "rad")
     check_outputs([wanted], [one])
     with pytest.raises(SamplesError, match="rod_phi is no column of all models"):
         check_outputs([wanted], [one, other])

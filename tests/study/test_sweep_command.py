@@ -126,9 +126,9 @@ def made_up(samples: Samples, failed: bool = False) -> SweepResult:
 
 
 def sweep_outputs() -> tuple[object, ...]:
-    from derive.study.sweep.outputs import Output, Statistic
+    from derive.study.sweep.outputs import Statistic, SweepOutput
 
-    return (Output(Statistic.PEAK, "s", "m"),)
+    return (SweepOutput(Statistic.PEAK, "s", "m"),)
 
 
 def test_pictures_are_lines_and_maps() -> None:

@@ -44,7 +44,7 @@ class Statistic(Enum):
 
 
 @dataclass(frozen=True)
-class Output:
+class SweepOutput:
     """A statistic of the column `name`, or of the `deflection` in the plot of that name; unit: that of the value."""
 
     statistic: Statistic
@@ -68,7 +68,7 @@ class OutputError(TisserandError):
     """An output that a specification does not have."""
 
 
-def output(text: str, scene: Scene, units: dict[str, str]) -> Output:
+def output(text: str, scene: Scene, units: dict[str, str]) -> SweepOutput:
     """The output that a text names: "peak:slider_s", or "peak" alone of the first plot of the scene.
 
     A name is that of a column, or else of a plot. units: those of the columns by their names. Raises OutputError,
@@ -86,16 +86,16 @@ def output(text: str, scene: Scene, units: dict[str, str]) -> Output:
             )
         name = scene.plots[0].name
     if name in units:
-        return Output(statistics[kind], name, units[name])
+        return SweepOutput(statistics[kind], name, units[name])
     plots = {plot.name: plot for plot in scene.plots}
     if name not in plots:
         raise UnknownNameError("column or plot", name, [*units, *plots])
     quantity = plots[name].quantity
     match quantity:
         case Deflection():
-            return Output(statistics[kind], name, plot_text(plots[name], scene, units).y_unit, quantity)
+            return SweepOutput(statistics[kind], name, plot_text(plots[name], scene, units).y_unit, quantity)
         case ColumnCurves(y=(column,)):
-            return Output(statistics[kind], column, units[column])
+            return SweepOutput(statistics[kind], column, units[column])
         case ColumnCurves():
             columns = ", ".join(f"{kind}:{column}" for column in quantity.y)
             raise OutputError(f"--output {kind}: the plot {quoted(name)} has several curves; choose one of {columns}")
@@ -108,7 +108,12 @@ def _last(units: Iterable[str]) -> str:
 
 
 def evaluate(
-    outputs: Sequence[Output], names: Sequence[str], scene: Scene, native: NativeScene, k: Vector, solution: Solution
+    outputs: Sequence[SweepOutput],
+    names: Sequence[str],
+    scene: Scene,
+    native: NativeScene,
+    k: Vector,
+    solution: Solution,
 ) -> tuple[float, ...]:
     """The values of outputs in a run; names: those of all columns of the scene."""
     columns: dict[str, Vector] = {}

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from derive.runtime.native_call import Vector
-from derive.study.sweep.outputs import Output
+from derive.study.sweep.outputs import SweepOutput
 from derive.study.sweep.result import SweepResult
 from derive.study.sweep.table import short_names
 from derive.visual.line_chart import FAINT, INK, SETTINGS, STYLES, TITLE_WIDTH, WIDTH, figure_svg
@@ -76,7 +76,7 @@ def _is_logarithmic(values: Vector) -> bool:
     return bool(np.ptp(ratios) < 1e-6 * ratios.max() and ratios.max() > 0.01)
 
 
-def _line(axes: Axes, result: SweepResult, output: Output, number: int) -> None:
+def _line(axes: Axes, result: SweepResult, output: SweepOutput, number: int) -> None:
     """An output over one name: a line through the values of a grid, points of random samples."""
     (name,) = result.samples.varying
     x, y = result.samples.values[:, result.samples.names.index(name)], result.column(output.label)
@@ -96,7 +96,7 @@ def _line(axes: Axes, result: SweepResult, output: Output, number: int) -> None:
     axes.tick_params(length=3)
 
 
-def _map(axes: Axes, beside: Axes, result: SweepResult, output: Output) -> None:
+def _map(axes: Axes, beside: Axes, result: SweepResult, output: SweepOutput) -> None:
     """An output over two names: cells of a grid with contour lines, or coloured points; its extremes are marked."""
     samples, names = result.samples, result.samples.varying
     x, y = (samples.values[:, samples.names.index(name)] for name in names)
@@ -165,7 +165,7 @@ def _mark(axes: Axes, x: Vector, y: Vector, z: Vector) -> None:
         )  # fmt: skip
 
 
-def _cells(result: SweepResult, output: Output) -> tuple[Vector, Vector, Vector]:
+def _cells(result: SweepResult, output: SweepOutput) -> tuple[Vector, Vector, Vector]:
     """The axes (m,), (n,) of a grid in increasing order, and the values (n, m)."""
     samples, names = result.samples, result.samples.varying
     values = result[output.label].squeeze()

@@ -20,7 +20,7 @@ from derive.spec.model.scene import CustomBody, JointInitialValues, Scene, Scene
 from derive.spec.model.simulation import NOT_GIVEN
 from derive.spec.set_values import SetValue, with_values
 from derive.study.sweep.dependence import initial_parameters
-from derive.study.sweep.outputs import Output, output
+from derive.study.sweep.outputs import SweepOutput, output
 from derive.study.sweep.samples import Samples, SamplesError
 from derive.study.sweep.worker import Case, Chunk, ModelCode, Sample
 from derive.version import VERSION
@@ -54,7 +54,7 @@ class Plan:
 
     name: str
     samples: Samples
-    outputs: tuple[Output, ...]
+    outputs: tuple[SweepOutput, ...]
     units: Mapping[str, str]
     changes: tuple[SetValue, ...]
     parameters: tuple[str, ...]
@@ -201,7 +201,7 @@ def _check_symbols(symbols: Mapping[str, str | None]) -> None:
             raise SamplesError(f"{first[symbol]} and {name} are one parameter, {symbol}; give one set of values")
 
 
-def check_outputs(outputs: Sequence[Output], models: Sequence[ModelCode]) -> None:
+def check_outputs(outputs: Sequence[SweepOutput], models: Sequence[ModelCode]) -> None:
     """Raise SamplesError if an output is no column of all models, or if two outputs are the same."""
     for chosen in outputs:
         if chosen.deflection is None and any(chosen.name not in model.columns for model in models):

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from derive.registry import UnknownNameError
 from derive.runtime.native_call import Matrix, Vector
-from derive.study.sweep.outputs import Output
+from derive.study.sweep.outputs import SweepOutput
 from derive.study.sweep.samples import Samples
 
 
@@ -26,7 +26,7 @@ class SweepResult:
 
     name: str
     samples: Samples
-    outputs: tuple[Output, ...]
+    outputs: tuple[SweepOutput, ...]
     values: Matrix
     failures: Mapping[int, str]
     notes: Mapping[int, tuple[str, ...]]

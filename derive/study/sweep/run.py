@@ -15,7 +15,7 @@ from derive.study.sweep.executors import KILLS, chunk_size, outcomes
 from derive.study.sweep.plan import Plan, RunOptions, make_plan
 from derive.study.sweep.result import SweepResult
 from derive.study.sweep.samples import Samples
-from derive.study.sweep.store import Store
+from derive.study.sweep.store import SampleStore
 from derive.study.sweep.worker import Outcome
 
 UNKNOWN_WORKERS = 8
@@ -71,7 +71,7 @@ def run_plan(
     progress: Progress | None = None,
 ) -> SweepResult:
     """Run a plan; arguments and errors as those of `sweep`. The store is left, for the caller to remove."""
-    kept = None if store is None else Store(store, plan.identity, resume)
+    kept = None if store is None else SampleStore(store, plan.identity, resume)
     done = {outcome.number: outcome for outcome in (kept.finished if kept else ())}
     resumed = len(done)
     remaining = [run for run in plan.runs if run.number not in done]

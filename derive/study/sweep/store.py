@@ -21,7 +21,7 @@ class StaleStore(TisserandError):
     """A store that belongs to another sweep, or that is not resumed."""
 
 
-class Store:
+class SampleStore:
     """Finished samples in a file; identity: all that their values depend on, by a name for each part.
 
     resume: whether the file of an earlier run of the same sweep is continued. Raises StaleStore if it is of another

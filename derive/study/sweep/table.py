@@ -133,7 +133,7 @@ def sample_text(sample: dict[str, float], samples: Samples) -> str:
 
 def short_names(samples: Samples) -> dict[str, str]:
     """The names of a sweep, each shortened to the last part of its key unless two of them end alike."""
-    last = {name: name.rpartition(".")[2] for name in samples.names}
+    last = {key: key.rpartition(".")[2] for key in samples.names}
     return {name: text if list(last.values()).count(text) == 1 else name for name, text in last.items()}
 
 

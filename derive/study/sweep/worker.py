@@ -27,7 +27,7 @@ from derive.spec.model.scene import Scene
 from derive.spec.model.scene_functions import breaks
 from derive.spec.parsing.condition import Row
 from derive.study.sweep.dependence import with_defaults
-from derive.study.sweep.outputs import Output, evaluate
+from derive.study.sweep.outputs import SweepOutput, evaluate
 
 KEPT_STARTS, KEPT_MODELS = 256, 16
 """Initial states and loaded libraries that a worker keeps."""
@@ -75,7 +75,7 @@ class Chunk:
     models: Mapping[int, ModelCode]
     cases: Mapping[int, Case]
     parameters: tuple[str, ...]
-    outputs: tuple[Output, ...]
+    outputs: tuple[SweepOutput, ...]
     samples: tuple[Sample, ...]
 
 
@@ -126,7 +126,7 @@ def _outcome(chunk: Chunk, sample: Sample) -> Outcome:
     return Outcome(sample.number, results, "", (*start.notes, *_unusual(start.scene, solution)))
 
 
-def failed(outputs: Sequence[Output], sample: Sample, text: str) -> Outcome:
+def failed(outputs: Sequence[SweepOutput], sample: Sample, text: str) -> Outcome:
     """A sample that has no values, for this reason."""
     return Outcome(sample.number, (float("nan"),) * len(outputs), text)
 
