@@ -11,7 +11,8 @@ from derive.runtime.native_call import Vector
 from derive.study.sweep.outputs import SweepOutput
 from derive.study.sweep.result import SweepResult
 from derive.study.sweep.table import short_names
-from derive.visual.line_chart import FAINT, INK, SETTINGS, STYLES, TITLE_WIDTH, WIDTH, figure_svg
+from derive.visual.chart_style import FAINT, INK, SETTINGS, figure_svg
+from derive.visual.line_chart import STYLES, TITLE_WIDTH, WIDTH
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
