@@ -20,8 +20,8 @@ from derive.simulation.observables.default_plots import default_plots
 from derive.simulation.observables.motion import SceneMotion
 from derive.simulation.prepared_run import PreparedRun
 from derive.simulation.trajectory import Trajectory, column_units, column_values
-from derive.simulation.validity.axial_load import monitoring_outputs, with_monitors
 from derive.simulation.validity.measure import validity
+from derive.simulation.validity.monitoring_outputs import monitoring_outputs, with_monitors
 from derive.simulation.validity.watched_beam import scene_watch
 from derive.spec.model.body import NodalBody
 from derive.spec.model.plots import Plot

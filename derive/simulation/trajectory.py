@@ -19,7 +19,7 @@ from derive.simulation.integration.solution import Solution
 from derive.simulation.observables.csv_writer import Column
 from derive.simulation.observables.motion import SceneMotion, drive_motion, drive_unit
 from derive.simulation.observables.outputs import port_values
-from derive.simulation.validity.axial_load import monitoring_outputs
+from derive.simulation.validity.monitoring_outputs import monitoring_outputs
 from derive.simulation.validity.monitors import Monitor
 from derive.spec.model.body import NodalBody
 from derive.spec.model.scene import Scene

@@ -13,8 +13,8 @@ import derive
 from conftest import ROOT
 from derive.mechanics.multibody.outputs.registry import MONITORS, OUTPUTS
 from derive.simulation.trajectory import Trajectory
-from derive.simulation.validity.axial_load import MOST_PIECES, monitored_pieces, with_monitors
 from derive.simulation.validity.measure import validity
+from derive.simulation.validity.monitoring_outputs import MOST_PIECES, monitored_pieces, with_monitors
 from derive.simulation.validity.monitors import LIMITS, Cause, Monitor
 from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.ports import SceneOutput
@@ -125,7 +125,11 @@ def test_a_spin_beyond_the_stability_of_first_order_warns_while_the_deflection_i
     assert spin.value == pytest.approx(28 / np.sqrt(720), rel=1e-6)
     # what second order adds: (m/5)(alpha1'' + 2 w^2 alpha1) in place of (m/5)(alpha1'' - w^2 alpha1), of K = 144
     assert axial.value == pytest.approx(3 * 28**2 / 720, rel=1e-4)
-    assert trajectory.warnings == (spin.warning, axial.warning)
+    ends = monitor(
+        trajectory, Cause.END_MOMENT
+    )  # P2 alone has a constant moment, and frequencies that are 20 % too high
+    assert ends.value == pytest.approx(1, rel=1e-3) and ends.error == pytest.approx(26.8328 / 22.3733 - 1, abs=1e-3)
+    assert trajectory.warnings == (spin.warning, axial.warning, ends.warning)
     assert "104 % of its lowest frequency" in spin.warning and "limit of 20 %" in spin.warning
     assert "an error of 100 % or more; choose order = 2" in spin.warning
 
@@ -140,10 +144,9 @@ def test_a_column_at_three_euler_loads_warns() -> None:
 
 
 def test_the_published_rod_in_one_beam_warns_of_its_axial_force() -> None:
-    trajectory = rod(1)
+    trajectory = rod(1, highest=4)
     (warning,) = trajectory.warnings
-    assert "rod in 1 beam: its axial force is 19 %" in warning and "divide the beam into more pieces" in warning
-    assert monitor(trajectory, Cause.HIGHEST_SHAPE).value < 0.1
+    assert "rod in 1 beam: its axial force is 23 %" in warning and "divide the beam into more pieces" in warning
 
 
 def test_second_order_does_not_rescue_two_shapes_between_pins_and_warns() -> None:
@@ -171,11 +174,30 @@ def test_a_truncated_beam_warns_before_its_mass_matrix_is_indefinite() -> None:
     assert lost.warning in trajectory.warnings and lost.value < 1 and 'terms = "full"' in lost.warning
 
 
+def test_two_shapes_between_pins_warn_at_first_order() -> None:
+    """Measured: 39 % rms in the deflection of the coupler with P2, P3, and 5.4 % with P4."""
+    trajectory = run(changed("four_bar"), 1.1, 0.01)
+    assert [m.error for m in trajectory.validity if m.passed] == pytest.approx([0.18, 0.2], abs=0.01)
+    assert all("miss the bending moment at an end" in warning for warning in trajectory.warnings)
+
+
+def test_sine_waves_warn_at_a_clamped_end() -> None:
+    """Which they cannot represent: measured 35 % rms in the tip, to second order."""
+    sines = (r"ansatz = \[.*\]", 'ansatz = { kind = "pinned", count = 2 }')
+    chord = ("frame = {.*}", 'frame = "chord"')
+    slow = ("mass = 12", 'mass = 12\norder = 2\nterms = "truncated"')
+    trajectory = run(changed("spun_up_cantilever", sines, chord, slow), 7.0, 0.1)
+    assert monitor(trajectory, Cause.END_MOMENT).value > 1
+    (warning,) = trajectory.warnings
+    assert "choose shapes that fit its ends" in warning
+
+
 # ---- no false alarm ----
 
 
 def test_runs_within_the_limits_are_silent() -> None:
-    assert not spinning(2).warnings
+    modes = (r"ansatz = \[.*\]", 'ansatz = { kind = "free-free", count = 2 }')
+    assert not run(changed("spinning_beam", ("spin = 25", "spin = 2"), modes), 0.02, 0.01).warnings
     assert not column(-0.2).warnings
 
 
@@ -190,8 +212,9 @@ def test_the_cantilever_of_second_order_is_silent() -> None:
     assert not cantilever(2).warnings
 
 
-def test_a_four_bar_linkage_that_moves_gently_is_silent() -> None:
-    trajectory = run(changed("four_bar"), 1.1, 0.01)
+def test_a_four_bar_linkage_with_enough_shapes_is_silent() -> None:
+    shapes = ("\nmass = ", '\nansatz = ["1", "xi", "xi^2", "xi^3", "xi^4", "xi^5"]\norder = 2\nmass = ')
+    trajectory = run(changed("four_bar", shapes), 0.6, 0.01)
     assert not trajectory.warnings and {m.beam for m in trajectory.validity} == {"crank", "coupler", "rocker"}
 
 

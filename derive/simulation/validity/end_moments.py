@@ -1,8 +1,9 @@
-"""How well the shapes of a beam represent its bending moment: where it vanishes, and where two pieces meet.
+"""How well the shapes of a beam represent its bending moment: at its ends, and where two pieces meet.
 
-The bending moment EI v'' of the exact deflection vanishes at free and pinned ends, and is the same on both sides of a
-weld between two pieces. Shapes fulfil this only as far as they can represent the deflection: the curvature of two
-polynomials of degree 2 and 3 is linear, that of a rod between two pins is not.
+The bending moment EI v'' of the exact deflection vanishes at free and pinned ends, is in equilibrium with the forces at
+ends that are held against rotation, and is the same on both sides of a weld between two pieces. Shapes fulfil this only
+as far as they can represent the deflection: the curvature of two polynomials of degree 2 and 3 is linear, that of a rod
+between two pins is not; and sine waves know no moment at a clamped end.
 """
 
 from __future__ import annotations
@@ -10,6 +11,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from derive.mechanics.multibody.joints.registry import JOINTS
+from derive.spec.model.body import Marker
+from derive.spec.model.markers import MarkerRef
 from derive.spec.model.scene import BeamBody, Scene
 
 SECTIONS = 9
@@ -18,8 +21,8 @@ TORQUE = "N m"
 """The unit of multipliers that hold a section against rotation."""
 
 
-def held_ends(scene: Scene, beam: BeamBody) -> Iterator[int]:
-    """The ends, -1 and 1, at which a torque can act on the beam."""
+def held_ends(scene: Scene, beam: BeamBody) -> Iterator[Marker]:
+    """The markers at ends of a beam at which a torque can act on it, one for each end."""
     driven = {drive.joint for drive in scene.drives}
     markers = [marker for element in (*scene.torques, *scene.springs) for marker in element.markers]
     for joint in scene.joints:
@@ -29,6 +32,5 @@ def held_ends(scene: Scene, beam: BeamBody) -> Iterator[int]:
             units.add(known.driven.force_unit)
         if TORQUE in units:
             markers += [joint.first, joint.second]
-    for marker in beam.markers:
-        if abs(marker.at) == 1 and any((m.body, m.marker) == (beam.name, marker.name) for m in markers):
-            yield int(marker.at)
+    ends = [m for m in beam.markers if abs(m.at) == 1 and MarkerRef(beam.name, m.name) in markers]
+    yield from {marker.at: marker for marker in ends}.values()

@@ -58,7 +58,7 @@ def _of_beam(scene: SceneWatch, watched: WatchedBeam, seen: Watched) -> Iterator
         most = int(np.argmax(seen.largest[highest]))
         yield monitor(Cause.HIGHEST_SHAPE, share, share, float(seen.times[highest[most]]), pieces[most])
         size = seen.mean_squares[watched.moment]
-        mismatch = max((float(np.sqrt(seen.mean_squares[end] / size)) for end in watched.ends), default=0.0)
+        mismatch = max(float(np.sqrt(seen.mean_squares[end] / size)) for end in watched.ends)
         yield monitor(Cause.END_MOMENT, mismatch, mismatch / 5, float(seen.times[watched.moment]))
     if beam.beam.order is DisplacementOrder.TRUNCATED:
         t, lost = lost_inertia(scene, watched, seen)

@@ -28,15 +28,14 @@ LIMITS: dict[tuple[Cause, DisplacementOrder], float] = {
     **{(Cause.DEFLECTION, order): 0.1 for order in DisplacementOrder},
     (Cause.SPIN, FIRST): 0.2,
     (Cause.AXIAL_FORCE, FIRST): 0.06,
-    (Cause.END_MOMENT, TRUNCATED): 0.2,
-    (Cause.END_MOMENT, FULL): 0.2,
+    **{(Cause.END_MOMENT, order): 0.2 for order in DisplacementOrder},
     (Cause.MASS_MATRIX, TRUNCATED): 0.05,
 }
 """The limits of the monitored quantities; a quantity without a limit is reported, and is no cause for a warning.
 
 Deflection, of the length: the curvature is linear in it, and at first order so is the position. Spin, of the lowest
 frequency, and axial force, of the load under which the beam buckles: what first order leaves out of the stiffness. End
-moment, of the largest moment: too few shapes for what second order adds. Mass matrix: the part of the kinetic energy of
+moment, of the largest moment: too few shapes, or those of other ends. Mass matrix: the part of the kinetic energy of
 a velocity that deflections take away; the truncated one is indefinite where nothing is left. The share of the highest
 shape in the strain energy has no limit, since it does not tell how much the shapes beyond it would have.
 """
@@ -105,7 +104,7 @@ class Monitor:
         if self.cause is Cause.MASS_MATRIX:
             return 'choose terms = "full", or the mean frame'
         if self.cause is Cause.END_MOMENT:
-            return "add a shape, or divide the beam into more pieces"
+            return "add a shape, choose shapes that fit its ends, or divide the beam into more pieces"
         if self.order is FIRST and self.cause is not Cause.DEFLECTION:
             return "choose order = 2 and at least three shapes, or divide the beam into more pieces"
         return "divide the beam into more pieces"
@@ -116,7 +115,7 @@ _WHAT = {
     Cause.SPIN: "its spin is {} of its lowest frequency",
     Cause.AXIAL_FORCE: "its axial force is {} of the load under which it buckles",
     Cause.HIGHEST_SHAPE: "its highest shape has {} of the strain energy",
-    Cause.END_MOMENT: "its shapes leave {} of its bending moment at ends where it vanishes, or between pieces,",
+    Cause.END_MOMENT: "its shapes miss the bending moment at an end, or between pieces, by {} of the largest one",
     Cause.MASS_MATRIX: "deflections take away {} of the kinetic energy of a velocity",
 }
 

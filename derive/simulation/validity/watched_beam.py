@@ -17,9 +17,9 @@ from derive.runtime.integrators.watch import Watch, Watched
 from derive.runtime.native_call import Matrix, Vector
 from derive.runtime.native_scene import NativeScene
 from derive.simulation.observables.beams import beam_bodies, function_values, piece_names, shape_functions
-from derive.simulation.validity.axial_load import MonitoredPiece, monitored_pieces
-from derive.simulation.validity.end_moments import SECTIONS, held_ends
+from derive.simulation.validity.end_moments import SECTIONS
 from derive.simulation.validity.held_beam import LowestMode, lowest_mode
+from derive.simulation.validity.monitoring_outputs import MonitoredPiece, monitored_ends, monitored_pieces
 from derive.simulation.validity.piece_shapes import PieceShapes
 from derive.spec.model.scene import BeamBody, Scene
 
@@ -32,8 +32,8 @@ class WatchedBeam:
     """The numbers of the quantities of a beam in the watch of its scene.
 
     deflections, spins: one for each piece. axial_forces: by the names of pieces. energies: square roots of the parts of
-    the strain energy, one for each shape of each piece. moment: the bending moment; ends: those at ends where it has to
-    vanish, and its jumps between pieces.
+    the strain energy, one for each shape of each piece. moment: the bending moment; ends: its jumps between pieces, and
+    at the ends of the beam what it misses of the exact one.
     """
 
     shapes: PieceShapes
@@ -134,14 +134,15 @@ def _axial_force(forms: _Forms, shapes: PieceShapes, mode: LowestMode | None, pi
 def _moments(
     scene: Scene, forms: _Forms, shapes: PieceShapes, amplitudes: list[list[int]]
 ) -> tuple[int, tuple[int, ...]]:
-    """The bending moment in sections of all pieces; and where it has to vanish, and where it has to be continuous."""
+    """The bending moment in sections of all pieces; and its jumps between them, and what it misses at the ends."""
     of_shapes = shapes.moments(np.linspace(-1, 1, SECTIONS)).T  # sections, shapes
     every = [column for columns in amplitudes for column in columns]
     first, last = of_shapes[0], of_shapes[-1]
     every_section = np.kron(np.eye(len(amplitudes)), of_shapes).astype(np.float64)
     moment = forms.add(every, every_section)
     ends = [forms.add([*left, *right], np.concatenate([last, -first])[None]) for left, right in pairwise(amplitudes)]
-    held = set(held_ends(scene, shapes.beam))
-    ends += [forms.add(amplitudes[0], first[None])] if -1 not in held else []
-    ends += [forms.add(amplitudes[-1], last[None])] if 1 not in held else []
+    held = monitored_ends(scene)
+    for end, columns, at_end in ((-1, amplitudes[0], first), (1, amplitudes[-1], last)):
+        gap = held.get((shapes.beam.name, end))
+        ends.append(forms.add([forms.output(gap.name)], np.eye(1)) if gap else forms.add(columns, at_end[None]))
     return moment, tuple(ends)

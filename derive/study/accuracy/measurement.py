@@ -26,8 +26,8 @@ from derive.simulation.observables.motion import SceneMotion
 from derive.simulation.observables.plots import plot_curves
 from derive.simulation.output_times import output_times
 from derive.simulation.trajectory import RunSettings, Trajectory
-from derive.simulation.validity.axial_load import with_monitors
 from derive.simulation.validity.measure import validity
+from derive.simulation.validity.monitoring_outputs import with_monitors
 from derive.simulation.validity.monitors import Monitor
 from derive.simulation.validity.watched_beam import scene_watch
 from derive.spec.model.plots import Plot

@@ -6,7 +6,14 @@ from derive.mechanics.multibody.outputs.energies import Energies, Powers
 from derive.mechanics.multibody.outputs.marker_motion import Distance, Inclination, MarkerRotation, MarkerVector
 from derive.mechanics.multibody.outputs.output_type import OutputType
 from derive.mechanics.multibody.outputs.reactions import DriveForce, Reaction, SpringForce
-from derive.mechanics.multibody.outputs.section_forces import AxialLoad, BendingMoment, Curvature, SectionForce, Strain
+from derive.mechanics.multibody.outputs.section_forces import (
+    AxialLoad,
+    BendingMoment,
+    Curvature,
+    MomentGap,
+    SectionForce,
+    Strain,
+)
 from derive.registry import Registry
 
 OUTPUTS: Registry[OutputType] = Registry(
@@ -34,7 +41,13 @@ OUTPUTS: Registry[OutputType] = Registry(
 )
 
 MONITORS: Registry[OutputType] = Registry(
-    "monitor", {"axial_load": AxialLoad(0), "axial_load_linear": AxialLoad(1), "axial_load_quadratic": AxialLoad(2)}
+    "monitor",
+    {
+        "axial_load": AxialLoad(0),
+        "axial_load_linear": AxialLoad(1),
+        "axial_load_quadratic": AxialLoad(2),
+        "moment_gap": MomentGap(),
+    },
 )
 """Outputs that a simulation adds to a scene to watch the validity of its model; no specification asks for them."""
 

@@ -66,6 +66,20 @@ class BendingMoment(OutputType):
         )
 
 
+class MomentGap(OutputType):
+    """What the shapes of a beam leave of the bending moment at a section: how well they represent it there."""
+
+    doc = "bending moment from equilibrium, less that from the curvature"
+    keys = (SECTION,)
+
+    def components(self, name: str, values: Mapping[str, Any], scene: SceneMechanics) -> OutputComponents:
+        """One component."""
+        moments = BendingMoment().components(name, values, scene)
+        equilibrium, bending = (c.expr for c in moments.components)
+        doc = f"{self.doc} at {values['section']}"
+        return OutputComponents((OutputComponent("", "N m", doc, equilibrium - bending),), moments.constants)
+
+
 class Curvature(OutputType):
     """d^2v/dx^2 at a section."""
 

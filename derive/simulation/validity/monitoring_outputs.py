@@ -1,4 +1,4 @@
-"""The axial forces of beams as further outputs of a compiled scene, so that C computes them from equilibrium."""
+"""Axial forces and bending moments of beams as further outputs of a compiled scene: C computes their equilibrium."""
 
 from __future__ import annotations
 
@@ -8,6 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from derive.simulation.observables.beams import beam_bodies, piece_names
+from derive.simulation.validity.end_moments import held_ends
+from derive.spec.model.markers import MarkerRef
 from derive.spec.model.ports import SceneOutput
 from derive.spec.model.scene import BeamBody, Scene
 
@@ -35,9 +37,24 @@ def monitored_pieces(scene: Scene) -> tuple[MonitoredPiece, ...]:
     return tuple(result)
 
 
+def monitored_ends(scene: Scene) -> dict[tuple[str, int], SceneOutput]:
+    """By beam and end, -1 or 1: what the shapes leave of the moment at the ends that are held against rotation."""
+    taken = {output.name for output in scene.outputs}
+    return {
+        (beam.name, int(marker.at)): SceneOutput(
+            _name(f"moment_gap_{beam.name}_{marker.name}", taken),
+            "moment_gap",
+            {"section": MarkerRef(beam.name, marker.name)},
+        )
+        for beam in beam_bodies(scene)
+        for marker in held_ends(scene, beam)
+    }
+
+
 def monitoring_outputs(scene: Scene) -> tuple[SceneOutput, ...]:
-    """The outputs of all pieces that are monitored, each with one component."""
-    return tuple(output for piece in monitored_pieces(scene) for output in piece.outputs)
+    """All outputs that are monitored, each with one component."""
+    of_pieces = (output for piece in monitored_pieces(scene) for output in piece.outputs)
+    return (*of_pieces, *monitored_ends(scene).values())
 
 
 def with_monitors(scene: Scene) -> Scene:
