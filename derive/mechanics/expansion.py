@@ -77,8 +77,9 @@ def expand(body: Body) -> ExpandedEquations:
     work_at_rest = sp.Add(*(c.symbol * a for a, c in preloaded))
     accelerations = tuple(row.a for row in motion.rows[len(motion.rows) - len(motion.alpha) :])
     rotary = tuple(_products(motion, "rotary", "(10)", body.rotary_inertia, accelerations))
+    elastic = tuple(_products(motion, "elastic", "(13), (22)", body.stiffness, motion.alpha))
     damping = tuple(_products(motion, "damping", "(13)", body.damping, motion.alphadot))
-    complete = (*dependent.projected(_inertia(fields)), *rotary, *_elasticity(motion, strain), *at_rest, *damping)
+    complete = (*dependent.projected(_inertia(fields)), *rotary, *elastic, *at_rest, *damping)
     complete += dependent.projected(_weight(fields)) if body.gravity else ()
     spin = _quadratic(body.rotary_inertia, motion.alphadot)
     terms, vanished = zeros.drop_terms(complete, reasons)
@@ -124,28 +125,26 @@ def _of_each_shape(motion: Motion, generic: tuple[Term, ...]) -> Iterator[Term]:
 
 def _quadratic(entries: tuple[ModelConstant, ...], of: Sequence[sp.Symbol]) -> sp.Expr:
     """The quadratic form 1/2 of . T of of a symmetric table that is given by its entries i <= j."""
-    total = sp.S.Zero
+    products = []
     for c in entries:
         i, j = (s - 1 for s in c.symbol.identity.shapes)
-        total += (sp.S.Half if i == j else sp.S.One) * c.symbol * of[i] * of[j]
-    return total
-
-
-def _elasticity(motion: Motion, strain: sp.Expr) -> tuple[Term, ...]:
-    """delta U, the first term of (13)."""
-    gradients = ((a, sp.expand(strain.diff(a))) for a in motion.alpha)
-    return tuple(Term(str(a), "elastic", "(13), (22)", force) for a, force in gradients if force != 0)
+        products.append((sp.S.Half if i == j else sp.S.One) * c.symbol * of[i] * of[j])
+    return sp.Add(*products)
 
 
 def _products(
     motion: Motion, name: str, equation: str, entries: tuple[ModelConstant, ...], of: Sequence[sp.Symbol]
 ) -> Iterator[Term]:
-    """The product of a symmetric table with the velocities or accelerations of the amplitudes, term by term."""
-    half = _quadratic(entries, of)
-    for alpha, symbol in zip(motion.alpha, of, strict=True):
-        force = sp.expand(half.diff(symbol))
-        if force != 0:
-            yield Term(str(alpha), name, equation, force)
+    """The product of a symmetric table with amplitudes, or with their velocities or accelerations, term by term."""
+    forces: list[list[sp.Expr]] = [[] for _ in of]
+    for c in entries:
+        i, j = (s - 1 for s in c.symbol.identity.shapes)
+        forces[i].append(c.symbol * of[j])
+        if i != j:
+            forces[j].append(c.symbol * of[i])
+    for alpha, products in zip(motion.alpha, forces, strict=True):
+        if products:
+            yield Term(str(alpha), name, equation, sp.Add(*products))
 
 
 def _weight(motion: Motion) -> tuple[Term, ...]:
