@@ -115,11 +115,24 @@ def at(symbol: sp.Basic, i: int, j: int = 0) -> sp.Expr:
 
 def expanded_sum(indexed_sum: IndexedSum, i: int, vectors: Vectors) -> sp.Expr:
     """The indexed sum for mode i as an explicit sum; `vectors` gives the symbols of each factor."""
-    total = at(indexed_sum.offset, i) if indexed_sum.offset else sp.S.Zero
+    parts = [at(indexed_sum.offset, i)] if indexed_sum.offset else []
     for factor, entry in indexed_sum.sums:
         number, vector = factor.as_coeff_Mul()
-        total += sp.Add(*(number * a * at(entry, i, j) for j, a in enumerate(vectors[vector], 1)))
-    return total
+        parts += [_product(number, a, at(entry, i, j)) for j, a in enumerate(vectors[vector], 1)]
+    return sp.Add(*parts)
+
+
+def _product(number: sp.Rational, a: sp.Symbol, entry: sp.Expr) -> sp.Expr:
+    """number a entry, where the entry is a symbol, its negative, or zero.
+
+    The factors get the order of SymPy, which is most of its work in a product of any expressions.
+    """
+    coefficient, symbol = entry.as_coeff_Mul()
+    coefficient *= number
+    if coefficient.is_zero or a == symbol:
+        return coefficient * a * symbol
+    factors = (a, symbol) if a.compare(symbol) < 0 else (symbol, a)
+    return sp.Mul._from_args(factors if coefficient is sp.S.One else (coefficient, *factors), True)
 
 
 @dataclass(frozen=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
 import sympy as sp
@@ -20,7 +21,28 @@ def reasons_of(coefficients: tuple[ModelConstant, ...]) -> Reasons:
 
 def drop(expr: sp.Expr, reasons: Reasons) -> sp.Expr:
     """An expression without its vanishing parts."""
-    return expr.xreplace(dict.fromkeys(reasons, sp.S.Zero))
+    return expr.xreplace(_Zeros(reasons))
+
+
+class _Zeros(Mapping[sp.Basic, sp.Expr]):
+    """Zero for each vanishing symbol: a dict of them would be made anew for each expression."""
+
+    def __init__(self, reasons: Reasons) -> None:
+        self._reasons = reasons
+
+    def __len__(self) -> int:
+        return len(self._reasons)
+
+    def __iter__(self) -> Iterator[sp.Basic]:
+        return iter(self._reasons)
+
+    def __contains__(self, symbol: object) -> bool:
+        return symbol in self._reasons
+
+    def __getitem__(self, symbol: sp.Basic) -> sp.Expr:
+        if symbol in self._reasons:
+            return sp.S.Zero
+        raise KeyError(symbol)
 
 
 def why(expr: sp.Expr, reasons: Reasons) -> Reason:

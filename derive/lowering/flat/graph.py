@@ -65,6 +65,7 @@ class Graph:
         self._index: dict[Node, int] = {}
         self._constant: list[bool] = []
         self._size: list[int] = []
+        self._settled: dict[int, int] = {}
 
     def leaf(self, leaf: Leaf) -> int:
         """The node of a number or a name."""
@@ -88,10 +89,11 @@ class Graph:
         n = self.nodes[node]
         if n.leaf is not None or not self._constant[node]:
             return node
-        expr = (
-            self.expr(node) if self._size[node] <= MAX_CONSTANT_SIZE else Operation(n.operator, self._settled_args(n))
-        )
-        return self.leaf(ScalarRef(self.constants.name(expr)))
+        if node not in self._settled:
+            large = self._size[node] > MAX_CONSTANT_SIZE
+            expr = Operation(n.operator, self._settled_args(n)) if large else self.expr(node)
+            self._settled[node] = self.leaf(ScalarRef(self.constants.name(expr)))
+        return self._settled[node]
 
     def _settled_args(self, node: Node) -> tuple[Expr, ...]:
         return tuple(self.expr(self.settled(a)) for a in node.args)

@@ -11,7 +11,7 @@ import sympy as sp
 from derive.mechanics.motion.kinematics import ONE, Field, MovingFrame
 from derive.mechanics.motion.moments import Moments, total
 from derive.mechanics.sums import IndexedSum, Vectors, exchanged, expanded_sum
-from derive.mechanics.symbols import MASS, I
+from derive.mechanics.symbols import MASS, Family, I
 from derive.mechanics.terms import Coordinate, EquationOfMotion, Intermediate
 
 __all__ = ["MASS", "Motion"]
@@ -91,7 +91,12 @@ def definitions_of(indexed_sums: Iterable[IndexedSum], vectors: Vectors, n: int)
 def sums_of(indexed_sums: Iterable[IndexedSum], vectors: Vectors, n: int) -> dict[sp.Symbol, sp.Expr]:
     """The sums expanded for n shape functions; a sum that refers to an earlier one contains its expansion."""
     result: dict[sp.Symbol, sp.Expr] = {}
+    earlier: set[tuple[Family, int]] = set()
     for s in indexed_sums:
+        entries = (*(entry for _, entry in s.sums), *([s.offset] if s.offset else []))
+        refers = any((e.identity.family, e.identity.derivative) in earlier for e in entries)
         for i in range(1, n + 1) if s.indexed else (0,):
-            result[exchanged(s.symbol, {I: i})] = sp.expand(expanded_sum(s, i, vectors).xreplace(result))
+            total = expanded_sum(s, i, vectors)
+            result[exchanged(s.symbol, {I: i})] = sp.expand(total.xreplace(result)) if refers else total
+        earlier.add((s.symbol.identity.family, s.symbol.identity.derivative))
     return result

@@ -1,0 +1,39 @@
+"""The work of an expansion, in calls of functions, which are the same on any machine."""
+
+from __future__ import annotations
+
+import sys
+
+import pytest
+from sympy.core.cache import clear_cache
+
+import derive
+from conftest import ROOT
+from derive.mechanics.expansion import expand
+
+
+def calls_of_expansion(body: derive.ModalBody) -> int:
+    """The calls of Python functions while the equations of a body are expanded."""
+    expanded = derive.derive_modal(body, lowering="flat").body
+    assert expanded is not None
+    count = 0
+
+    def seen(_frame: object, event: str, _argument: object) -> None:
+        nonlocal count
+        count += event == "call"
+
+    clear_cache()
+    sys.setprofile(seen)
+    try:
+        expand(expanded)
+    finally:
+        sys.setprofile(None)
+    return count
+
+
+def test_the_work_grows_less_than_the_tables(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Twice as many modes have four times the entries, most of which vanish in a beam."""
+    monkeypatch.syspath_prepend(str(ROOT / "bench"))
+    from bodies import beam  # a folder of scripts
+
+    assert calls_of_expansion(beam(20)) < 2.1 * calls_of_expansion(beam(10))
