@@ -65,9 +65,10 @@ def test_every_failure_has_a_line_that_agrees_with_theory() -> None:
 def test_a_line_differs_where_its_measurement_does() -> None:
     """Each line alone, if what it measures is what it warns of."""
     s = study()
+    assert s.order is not None
     worse = {
         "explicit step limit": replace(s, limits=(replace(s.limits[0], above=True), *s.limits[1:])),
-        "index 3 drift": replace(s, order=1.0),
+        "index 3 drift": replace(s, order=replace(s.order, step=1.0)),
         "dead centre": replace(s, dead_centres=(*s.dead_centres[:2], replace(s.dead_centres[2], reported=np.nan))),
         "trapezoidal rule: momentum": replace(s, momentum=tuple(replace(m, drift=0.1) for m in s.momentum)),
         "trapezoidal rule: multipliers": replace(s, ringing=tuple(replace(r, factor=1.0) for r in s.ringing)),

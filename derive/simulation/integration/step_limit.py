@@ -22,16 +22,24 @@ def natural_frequencies(
     state. loaded: if false, those at rest and without constraint reactions. A motion that grows, or that is
     unconstrained and has no stiffness, has 0.
     """
+    return natural_modes(native, k, t, q, v, loaded)[0]
+
+
+def natural_modes(
+    native: ConstrainedSystem, k: Vector, t: float, q: Vector, v: Vector, loaded: bool = True
+) -> tuple[Vector, Matrix]:
+    """The frequencies (n,) of `natural_frequencies`, and the motions dq (nv, n) of the modes as columns."""
     R = mass_factor(mass_matrix(native, q, k))
     G = in_mass_metric(constraint_matrix(native, t, q, k), R)
     scaled = G / typical_row_norms(native, k, t, q, R)[:, None]
     allowed = null_space(scaled) if len(scaled) else np.eye(native.nv)
     motions = solve_triangular(R, allowed)  # columns of unit kinetic energy
     if not motions.size:
-        return np.zeros(0)
+        return np.zeros(0), np.zeros((native.nv, 0))
     K = _stiffness(native, k, t, q, v if loaded else np.zeros(native.nv), motions, loaded)
-    squares = np.linalg.eigvals(motions.T @ K)
-    return np.asarray(np.sqrt(np.sort(np.maximum(squares.real, 0.0))))
+    squares, shapes = np.linalg.eig(motions.T @ K)
+    order = np.argsort(squares.real)
+    return np.sqrt(np.maximum(squares.real[order], 0.0)), motions @ shapes.real[:, order]
 
 
 def rk4_step_limit(native: ConstrainedSystem, k: Vector, t: float, q: Vector, v: Vector) -> float:

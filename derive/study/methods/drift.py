@@ -18,6 +18,7 @@ from derive.errors import TisserandError, first_line
 from derive.runtime.integrators.c_integrator import Integration, IntegratorError
 from derive.runtime.native_call import Vector
 from derive.simulation.compiled_scene import max_norm
+from derive.simulation.errors import IntegrationStopped
 from derive.study.methods.scene_methods import IMPLICIT, Method, MethodRun, MethodScene, equal_times
 from derive.study.states import State
 
@@ -25,6 +26,8 @@ POINTS = 240
 """The times of a run in which its drift is looked at."""
 CONSERVED = 1e-5
 """Power that drives do not account for, relative to that of all parts, above which the energy is no measure."""
+ORDER_STEPS = 10_000
+"""The steps of the run that shows the order of the drift: fewer would drift by rounding errors."""
 FEWEST = 6
 """The steps that the spline of the power needs."""
 LATE = 0.3
@@ -82,9 +85,9 @@ def drift_run(of: MethodScene, method: Method, projected: bool, h: float, steps:
     try:
         if method is Method.ADAPTIVE:
             assert of.scene.simulation is not None
-            run = of.adaptive_run(equal_times(h, steps), of.scene.simulation.tolerance, projected)
+            run = of.adaptive_run(equal_times(0.0, h, steps), of.scene.simulation.tolerance, projected)
         else:
-            run = of.run(method, h, steps, 1, projected)
+            run = of.run(method, h, steps, projected)
     except IntegratorError as error:
         run, failure = _reached(error.partial), first_line(error)
         steps = run.steps
@@ -138,10 +141,24 @@ def _power(of: MethodScene, t: float, q: Vector, lam: Vector) -> float:
     return -float(lam @ of.native.constraint_rates(t, q, np.zeros(of.native.nv), of.k))
 
 
-def step_order(of: MethodScene, h: float, steps: int) -> float:
-    """The power of the step with which the drift of RK4 without projection grows: from steps of h and h/2 (s)."""
-    whole, half = (drift_run(of, Method.RK4, False, h / n, n * steps, energy=False).position for n in (1, 2))
-    return float(np.log2(whole[-1] / half[-1])) if len(whole) and len(half) and half[-1] > 0 else float("nan")
+@dataclass(frozen=True)
+class DriftOrder:
+    """How the constraints drift under RK4 without projection, over `steps` steps: the largest |g| (m, rad), and the
+    powers of the time and of the step that it grows with."""
+
+    steps: int
+    position: float
+    time: float
+    step: float
+
+
+def drift_order(of: MethodScene, h: float, steps: int = ORDER_STEPS) -> DriftOrder:
+    """The order of the drift, from runs over the same time with steps of h and h/2 (s). Raises TisserandError."""
+    whole, half = (drift_run(of, Method.RK4, False, h / n, n * steps, energy=False) for n in (1, 2))
+    if failure := whole.failure or half.failure:
+        raise IntegrationStopped(float(whole.t[-1]) if len(whole.t) else 0.0, failure)
+    ratio = whole.position[-1] / max(half.position[-1], np.finfo(float).tiny)
+    return DriftOrder(steps, float(whole.position[-1]), exponent(whole.t, whole.position), float(np.log2(ratio)))
 
 
 def exponent(t: Vector, size: Vector) -> float:

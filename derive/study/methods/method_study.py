@@ -10,7 +10,7 @@ from derive.spec.model.scene import Scene
 from derive.study.methods.attitude import Tumble, tumble
 from derive.study.methods.conditioning import Conditioning, conditioning
 from derive.study.methods.dead_centre import DeadCentre, dead_centres
-from derive.study.methods.drift import DriftRun, drift_runs, step_order
+from derive.study.methods.drift import DriftOrder, DriftRun, drift_order, drift_runs
 from derive.study.methods.formulations import FormRun, form_runs
 from derive.study.methods.free_flight import MomentumDrift, momentum_drifts
 from derive.study.methods.ringing import Ringing, ringing
@@ -21,15 +21,13 @@ from derive.study.methods.step_limits import HighestFrequency, StepLimit, highes
 
 HALF = 0.5
 """The step of long runs, divided by the limit of RK4."""
-ORDER_STEPS = 10_000
-"""The steps of the longer of the two runs that show the order of the drift."""
 
 
 @dataclass(frozen=True, eq=False)
 class MethodStudy:
     """What a study of methods has found; `along` says what the states are taken from, `h` (s) is the step of long runs.
 
-    order: the power of the step with which constraints drift. notes: what could not be done, and why.
+    order: None of a scene without constraints. notes: what could not be done, and why.
     """
 
     name: str
@@ -39,7 +37,7 @@ class MethodStudy:
     frequency: HighestFrequency
     limits: tuple[StepLimit, ...]
     drifts: tuple[DriftRun, ...]
-    order: float
+    order: DriftOrder | None
     forms: tuple[FormRun, ...]
     conditioning: Conditioning
     ringing: tuple[Ringing, ...]
@@ -69,10 +67,10 @@ def method_study(
             f"{scene.name}: nothing vibrates, so that no step is unstable; choose a scene with a beam that bends"
         )
     h = HALF * step_limit(classical()) / frequency.largest
-    limits = step_limits(of, frequency.largest, methods, progress)
+    limits = step_limits(of, frequency, methods, progress)
     drifts = drift_runs(of, h, steps, methods, progress)
     forms = form_runs(of, h, progress) if of.native.nlambda else []
-    order = step_order(of, h, min(steps, ORDER_STEPS)) if of.native.nlambda else float("nan")
+    order = drift_order(of, h) if of.native.nlambda else None
     progress("small scenes: dead centres, free flight, tumbling, shapes")
     return MethodStudy(
         scene.name,

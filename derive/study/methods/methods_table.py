@@ -18,7 +18,7 @@ from derive.study.methods.formulations import FORM_NAMES
 from derive.study.methods.free_flight import AMPLITUDE
 from derive.study.methods.method_study import MethodStudy
 from derive.study.methods.stability_functions import bdf, last_growth
-from derive.study.methods.step_limits import LARGE, StepLimit
+from derive.study.methods.step_limits import GROWN, LARGE, STEPS, StepLimit
 from derive.terminal import magnitude, table, wrapped
 
 
@@ -101,7 +101,7 @@ def _limits(study: MethodStudy) -> StudyTable:
         "at 1.05",
         "growth per step at 1.05",
     )
-    return StudyTable(title, head, tuple(rows), 1, (_bdf_note(),))
+    return StudyTable(title, head, tuple(rows), 1, (EXPERIMENT, _bdf_note()))
 
 
 def _bdf_note() -> str:
@@ -109,6 +109,12 @@ def _bdf_note() -> str:
     last = {order: last_growth(bdf(order)) for order in range(1, 6)}
     growing = ", ".join(f"{y:.2f} (order {order})" for order, y in last.items() if y)
     return f"ida and c_ida choose steps and orders by their tolerance: vibrations grow with omega h up to {growing}"
+
+
+EXPERIMENT = (
+    f"experiment: the longest step with which a disturbance of the fastest mode grows by less than {GROWN:g} times in "
+    f"{STEPS} steps, from the state with the highest frequency"
+)
 
 
 def _tried(study: MethodStudy, line: StepLimit) -> str:

@@ -8,15 +8,15 @@ from typing import assert_never
 
 import numpy as np
 
-from derive.errors import TisserandError
 from derive.generated_models import generated
-from derive.runtime.integrators.adaptive import Adaptive
+from derive.runtime.integrators.adaptive import Adaptive, AdaptiveError
 from derive.runtime.integrators.c_integrator import CONSISTENT
 from derive.runtime.integrators.compilation import LibraryMissing
 from derive.runtime.integrators.fixed_step import FixedStep
 from derive.runtime.integrators.generalised_alpha import GeneralisedAlpha
 from derive.runtime.native_call import Matrix, Vector
 from derive.runtime.native_scene import NativeScene
+from derive.simulation.errors import SimulationError
 from derive.simulation.initial.initial_state import scene_size
 from derive.simulation.integration.c_methods import NEWTON
 from derive.simulation.integration.integrator import scene_of
@@ -82,34 +82,40 @@ class MethodScene:
         """The size of the scene, m."""
         return scene_size(self.scene)
 
-    def run(self, method: Method, h: float, steps: int, every: int = 1, projected: bool = True) -> MethodRun:
-        """A run of `steps` steps of h (s) with a row after every `every` of them; adaptive ones are limited by h alone.
+    @property
+    def start(self) -> State:
+        """The consistent state at t = 0."""
+        return 0.0, self.q, self.v
 
-        projected: whether explicit methods project onto the constraints. Raises TisserandError where it fails.
+    def run(
+        self, method: Method, h: float, steps: int, projected: bool = True, start: State | None = None
+    ) -> MethodRun:
+        """A run of `steps` steps of h (s) with a row after each; adaptive ones are limited by h alone.
+
+        projected: whether explicit methods project onto the constraints. start: where it begins, at t = 0 by default.
+        Raises TisserandError where it fails.
         """
+        t0, q, v = start or self.start
         match method:
             case Method.RK4:
-                met = consistent_tolerance(CONSISTENT, self.size, self.q)
-                r = self.rk4.run(
-                    self.q, self.v, step=h, steps=steps, every=every, k=self.k, project=projected, tolerance=met
-                )
+                met = consistent_tolerance(CONSISTENT, self.size, q)
+                r = self.rk4.run(q, v, step=h, steps=steps, k=self.k, t0=t0, project=projected, tolerance=met)
             case Method.GENERALISED_ALPHA | Method.TRAPEZOIDAL:
                 if self.alpha is None:
                     raise LibraryMissing(self.missing)
                 rho = 1.0 if method is Method.TRAPEZOIDAL else DAMPED
                 newton = NEWTON * min(1.0, self.size)
-                r = self.alpha.run(
-                    self.q, self.v, step=h, steps=steps, every=every, k=self.k, rho=rho, tolerance=newton
-                )
+                r = self.alpha.run(q, v, step=h, steps=steps, k=self.k, t0=t0, rho=rho, tolerance=newton)
             case Method.ADAPTIVE:
-                return self.adaptive_run(equal_times(h, steps, every), LOOSE, projected, h)
+                return self.adaptive_run(equal_times(t0, h, steps), LOOSE, projected, h, start)
             case Method.RK45:
+                times = equal_times(t0, h, steps)
                 s = integrate(
                     self.native,
                     self.k,
-                    self.q,
-                    self.v,
-                    equal_times(h, steps, every),
+                    q,
+                    v,
+                    times,
                     method="RK45",
                     tolerance=LOOSE,
                     drift=np.inf,
@@ -121,15 +127,23 @@ class MethodScene:
                 assert_never(never)
         return MethodRun(r.t, r.q, r.v, r.lam, steps)
 
-    def adaptive_run(self, times: Vector, tolerance: float, projected: bool = True, longest: float = 0.0) -> MethodRun:
+    def adaptive_run(
+        self,
+        times: Vector,
+        tolerance: float,
+        projected: bool = True,
+        longest: float = 0.0,
+        start: State | None = None,
+    ) -> MethodRun:
         """The adaptive method with rows at `times` (n,), s, steps of at most `longest` (s) unless that is 0."""
-        rounded = consistent_tolerance(CONSISTENT, self.size, self.q)
+        _, q, v = start or self.start
+        rounded = consistent_tolerance(CONSISTENT, self.size, q)
         a = self.adaptive.run(
-            self.q,
-            self.v,
+            q,
+            v,
             times,
             rtol=tolerance,
-            atol=absolute_tolerances(self.native, tolerance, self.size, self.q),
+            atol=absolute_tolerances(self.native, tolerance, self.size, q),
             k=self.k,
             consistent=rounded if projected else 0.0,
             step_max=longest,
@@ -138,16 +152,14 @@ class MethodScene:
         return MethodRun(a.t, a.q, a.v, a.lam, a.counts["steps"])
 
     def states(self, count: int) -> list[State]:
-        """`count` states of the motion, equally spaced over a period. Raises TisserandError."""
+        """`count` states of the motion, equally spaced over a period. Raises SimulationError if it ends before."""
         assert self.scene.simulation is not None
-        r = self.adaptive_run(np.linspace(0.0, self.period, count), self.scene.simulation.tolerance)
+        try:
+            r = self.adaptive_run(np.linspace(0.0, self.period, count), self.scene.simulation.tolerance)
+        except AdaptiveError as error:
+            advice = f"a study of methods needs a motion that goes on for {self.along}; give a shorter duration"
+            raise SimulationError(f"{error}; {advice}") from error
         return [(float(t), q, v) for t, q, v in zip(r.t, r.q, r.v, strict=True)]
-
-    def strain_energy(self, run: MethodRun) -> float:
-        """The largest strain energy of the rows of a run, J; infinite if a state is not finite."""
-        if not np.all(np.isfinite(run.q)):
-            return float("inf")
-        return max(float(self.native.energy(q, v, self.k)[1]) for q, v in zip(run.q, run.v, strict=True))
 
 
 def method_scene(scene: Scene) -> MethodScene:
@@ -164,14 +176,6 @@ def method_scene(scene: Scene) -> MethodScene:
     return MethodScene(scene, native, rk4, alpha, Adaptive(native), k, q, v, *period(scene), missing)
 
 
-def equal_times(h: float, steps: int, every: int = 1) -> Vector:
-    """The times (s) of the ends of every `every` steps of h (s), and of the start."""
-    return np.asarray(h * np.arange(0, steps + 1, every), dtype=np.float64)
-
-
-def survives(of: MethodScene, method: Method, h: float, steps: int, allowed: float) -> bool:
-    """Whether a run fails nowhere and its strain energy stays below `allowed`, J."""
-    try:
-        return of.strain_energy(of.run(method, h, steps)) <= allowed
-    except TisserandError:
-        return False
+def equal_times(t0: float, h: float, steps: int) -> Vector:
+    """The times (s) from t0 on of the ends of `steps` steps of h (s), and t0."""
+    return np.asarray(t0 + h * np.arange(steps + 1), dtype=np.float64)

@@ -5,9 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from derive.simulation.integration.step_limit import natural_frequencies
+import numpy as np
+
+from derive.errors import TisserandError
+from derive.runtime.native_call import Matrix, Vector
+from derive.simulation.compiled_scene import mass_matrix
+from derive.simulation.integration.step_limit import natural_frequencies, natural_modes
 from derive.study.methods import stability_functions as theory
-from derive.study.methods.scene_methods import DAMPED, Method, MethodScene, survives
+from derive.study.methods.scene_methods import DAMPED, Method, MethodScene
 from derive.study.states import State
 
 GROWTH: dict[Method, Callable[[], theory.Growth]] = {
@@ -19,12 +24,14 @@ GROWTH: dict[Method, Callable[[], theory.Growth]] = {
 }
 """The stability function of each method."""
 
-STEPS = 2000
+STEPS = 100
 """The steps of a run that shows growth or its absence."""
 SAFE = 0.25
-"""The step of the run with which others are compared, divided by the limit of theory."""
-GROWN = 4.0
-"""A run whose strain energy exceeds that of the safe run by this factor has grown."""
+"""The shortest step of the bisection, divided by the limit of theory."""
+DISTURBED = 1e-6
+"""The velocity of a disturbance, relative to the largest of the motion, both in the metric of the mass matrix."""
+GROWN = 10.0
+"""A disturbance that becomes larger by this factor grows."""
 CLOSE = 0.002
 """The relative width at which the bisection ends."""
 LONGEST = 20
@@ -57,44 +64,49 @@ class StepLimit:
         return self.measured / self.predicted
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class HighestFrequency:
-    """The highest natural frequency (rad/s): undeformed at rest at the start, and the largest along the motion."""
+    """The highest natural frequency (rad/s): undeformed at rest at the start, and the largest along the motion.
+
+    worst: the state of that. speed: the largest speed of the motion, sqrt(v . M v).
+    """
 
     unloaded: float
     largest: float
+    worst: State
+    speed: float
 
 
 def highest_frequency(of: MethodScene, states: Sequence[State]) -> HighestFrequency:
     """The highest natural frequency in some states of the motion."""
     native, k = of.native, of.k
-    rest = natural_frequencies(native, k, 0.0, of.q, of.v, loaded=False)
-    loaded = [natural_frequencies(native, k, *state) for state in states]
-    return HighestFrequency(float(rest.max(initial=0.0)), max(float(w.max(initial=0.0)) for w in loaded))
+    rest = natural_frequencies(native, k, *of.start, loaded=False)
+    loaded = [float(natural_frequencies(native, k, *state).max(initial=0.0)) for state in states]
+    speed = max(_speed(mass_matrix(native, q, k), v) for _, q, v in states)
+    worst = max(range(len(states)), key=lambda n: loaded[n])
+    return HighestFrequency(float(rest.max(initial=0.0)), loaded[worst], states[worst], speed)
 
 
 def step_limits(
-    of: MethodScene, omega: float, methods: Sequence[Method], progress: Callable[[str], None]
+    of: MethodScene, frequency: HighestFrequency, methods: Sequence[Method], progress: Callable[[str], None]
 ) -> list[StepLimit]:
-    """The limits of the methods at the highest frequency omega (rad/s). Raises TisserandError if no run succeeds."""
+    """The limits of the methods in the state with the highest frequency."""
     result = []
     for method in methods:
         progress(f"{of.scene.name}: largest stable step of {method.value}")
         growth = GROWTH[method]()
         limit = theory.step_limit(growth)
-        result.append(
-            _unlimited(of, method, omega) if limit == float("inf") else _limited(of, method, omega, growth, limit)
-        )
+        found = _unlimited(of, method, frequency) if limit == float("inf") else _limited(of, method, frequency, growth)
+        result.append(found)
     return result
 
 
-def _limited(of: MethodScene, method: Method, omega: float, growth: theory.Growth, limit: float) -> StepLimit:
-    predicted = limit / omega
-    safe = of.strain_energy(of.run(method, SAFE * predicted, round(STEPS / SAFE)))
-    allowed = GROWN * safe
+def _limited(of: MethodScene, method: Method, frequency: HighestFrequency, growth: theory.Growth) -> StepLimit:
+    limit = theory.step_limit(growth)
+    predicted = limit / frequency.largest
 
     def stable(factor: float) -> bool:
-        return survives(of, method, factor * predicted, STEPS, allowed)
+        return disturbance_growth(of, method, factor * predicted, frequency) < GROWN
 
     low, high = SAFE, 2.0
     while high / low > 1 + CLOSE:
@@ -103,8 +115,31 @@ def _limited(of: MethodScene, method: Method, omega: float, growth: theory.Growt
     return StepLimit(method, limit, growth(1.05 * limit), predicted, low * predicted, stable(0.95), stable(1.05))
 
 
-def _unlimited(of: MethodScene, method: Method, omega: float) -> StepLimit:
-    safe = of.strain_energy(of.run(Method.RK4, 1.0 / omega, STEPS))
-    tried = [y / omega for y in LARGE if y / omega <= of.period / LONGEST]
-    measured = next((h for h in tried if survives(of, method, h, STEPS, GROWN * safe)), 0.0)
+def _unlimited(of: MethodScene, method: Method, frequency: HighestFrequency) -> StepLimit:
+    tried = [y / frequency.largest for y in LARGE if y / frequency.largest <= of.period / LONGEST]
+    measured = next((h for h in tried if disturbance_growth(of, method, h, frequency) < GROWN), 0.0)
     return StepLimit(method, float("inf"), 1.0, float("inf"), measured, None, None)
+
+
+def disturbance_growth(of: MethodScene, method: Method, h: float, frequency: HighestFrequency) -> float:
+    """The factor by which a small disturbance of the velocities grows within `STEPS` steps of h (s).
+
+    Two runs start in the state with the highest frequency, one of them disturbed in the mode that has it; what differs
+    is compared in the metric of the mass matrix there. Infinite if a run fails.
+    """
+    native, k = of.native, of.k
+    t, q, v = frequency.worst
+    M, mode = mass_matrix(native, q, k), natural_modes(native, k, t, q, v)[1][:, -1]
+    disturbance = DISTURBED * (frequency.speed or 1.0) / _speed(M, mode) * mode
+    try:
+        plain, disturbed = (of.run(method, h, STEPS, start=(t, q, v + dv)).v for dv in (0 * v, disturbance))
+    except TisserandError:
+        return float("inf")
+    differences = disturbed - plain
+    if not np.all(np.isfinite(differences)):
+        return float("inf")
+    return max(_speed(M, dv) for dv in differences) / _speed(M, disturbance)
+
+
+def _speed(M: Matrix, v: Vector) -> float:
+    return float(np.sqrt(max(float(v @ M @ v), 0.0)))
