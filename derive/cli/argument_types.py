@@ -55,6 +55,18 @@ def number(text: str) -> float:
         return math.nan
 
 
+def add_set(command: argparse.ArgumentParser) -> None:
+    """Add the option `--set`."""
+    command.add_argument(
+        "--set",
+        action="append",
+        type=assignment,
+        default=[],
+        metavar="NAME=VALUE",
+        help="another value of a parameter (EI=30) or of a key (bodies.rod.bending_stiffness=30); may be repeated",
+    )
+
+
 def assignment(text: str) -> tuple[str, str]:
     """A name and its value."""
     name, equals, value = (part.strip() for part in text.partition("="))

@@ -12,7 +12,7 @@ from derive.cli.argument_types import (
     SPEC,
     add_command,
     add_no_cache,
-    assignment,
+    add_set,
     count,
     number,
     seconds,
@@ -35,6 +35,7 @@ examples:
   tisserand sweep scenes/four_bar.toml --set drives.motor.speed=5:15:11 --output peak:lambda_motor
   tisserand modes scenes/four_bar.toml
   tisserand study accuracy scenes/crank_slider_3.toml
+  tisserand study stability examples/pinned_column.toml --parameter P=0:30:31
   tisserand choose scenes/crank_slider_3.toml --error 0.01
   tisserand study frames scenes/crank_slider_3.toml
   tisserand report scenes/free_beam_mean.toml --pdf
@@ -106,7 +107,7 @@ def _add_simulate(commands: Any) -> None:
     )
     simulate.add_argument("spec", type=Path, metavar="SPEC", help=f"{SPEC} with a [simulation] table")
     _add_folder(simulate, "results")
-    _add_set(simulate)
+    add_set(simulate)
     simulate.add_argument("--duration", type=seconds, metavar="S", help="duration, s, in place of the specified one")
     simulate.add_argument("--output", type=seconds, metavar="S", help="time between rows of the CSV file, s")
     simulate.add_argument(
@@ -135,7 +136,7 @@ def _add_modes(commands: Any) -> None:
     modes = add_command(commands, "modes", "natural frequencies, damping ratios and mode shapes about the equilibrium")
     modes.add_argument("spec", type=Path, metavar="SPEC", help=f"{SPEC} of a body or a scene")
     _add_folder(modes, "results")
-    _add_set(modes)
+    add_set(modes)
     modes.add_argument(
         "--at", type=_instant, metavar="S", help="time in seconds of a state of the motion, in place of the equilibrium"
     )
@@ -209,17 +210,6 @@ def _add_schema(commands: Any) -> None:
 def _add_folder(command: argparse.ArgumentParser, default: str) -> None:
     command.add_argument(
         "--out", type=Path, default=Path(default), metavar="FOLDER", help=f"output folder (default: {default})"
-    )
-
-
-def _add_set(command: argparse.ArgumentParser) -> None:
-    command.add_argument(
-        "--set",
-        action="append",
-        type=assignment,
-        default=[],
-        metavar="NAME=VALUE",
-        help="another value of a parameter (EI=30) or of a key (bodies.rod.bending_stiffness=30); may be repeated",
     )
 
 

@@ -7,7 +7,7 @@ import json
 from pathlib import Path
 
 from derive.artifacts import File, write
-from derive.cli import accuracy, methods
+from derive.cli import accuracy, methods, stability
 from derive.cli.specifications import read_scene
 from derive.errors import Problem, SpecError
 from derive.lowering.elimination_orders import EliminationRule
@@ -30,7 +30,7 @@ def run(options: argparse.Namespace) -> int:
     try:
         return STUDIES[options.study](scene, options)
     except SpecError as error:
-        raise with_lines(error, options.spec) from None
+        raise (with_lines(error, options.spec) if error.source is None else error) from None
     finally:
         show_progress()
 
@@ -76,4 +76,10 @@ def _pivots(scene: Scene, options: argparse.Namespace) -> int:
     return 0
 
 
-STUDIES = {"frames": _frames, "pivots": _pivots, "accuracy": accuracy.run, "methods": methods.run}
+STUDIES = {
+    "frames": _frames,
+    "pivots": _pivots,
+    "accuracy": accuracy.run,
+    "methods": methods.run,
+    "stability": stability.run,
+}

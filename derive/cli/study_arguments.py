@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import argparse
-import difflib
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 from derive.cli.argument_types import SPEC, add_command, add_no_cache, count, pieces, tolerance
-
-MAX_SHAPES = 12
-"""The largest number of shape functions in a ladder."""
+from derive.cli.ladder_arguments import add_ladder, among
+from derive.cli.stability_arguments import add_stability
 
 
 def add_study(commands: Any) -> None:
@@ -60,6 +58,7 @@ def add_study(commands: Any) -> None:
     )
     _add_accuracy(studies)
     _add_methods(studies)
+    add_stability(studies)
 
 
 def _add_methods(studies: Any) -> None:
@@ -89,7 +88,7 @@ def _add_methods(studies: Any) -> None:
 
 def integrators(text: str) -> tuple[str, ...]:
     """Integrators of a study of methods by their names."""
-    return _among(text, ("rk4", "adaptive", "rk45", "generalised-alpha", "trapezoidal"))
+    return among(text, ("rk4", "adaptive", "rk45", "generalised-alpha", "trapezoidal"))
 
 
 def states(text: str) -> int:
@@ -120,33 +119,7 @@ def _add_accuracy(studies: Any) -> None:
     accuracy.add_argument(
         "--own-reference", action="store_true", help="compare with ever finer models in place of the file of the plot"
     )
-    accuracy.add_argument(
-        "--orders",
-        type=orders,
-        default=("first", "truncated"),
-        metavar="A,...",
-        help="orders of the displacements among first, truncated, full (default: first,truncated)",
-    )
-    accuracy.add_argument(
-        "--frames",
-        type=frames_of_ladder,
-        default=("mean",),
-        metavar="A,...",
-        help="frames of polynomials among mean, chord, point, tangent (default: mean)",
-    )
-    accuracy.add_argument(
-        "--shapes",
-        type=shapes,
-        default=(2, 3, 4, 6),
-        metavar="N,...",
-        help="polynomials of one beam (default: 2,3,4,6)",
-    )
-    accuracy.add_argument(
-        "--pieces", type=pieces, default=(2, 3), metavar="N,...", help="numbers of beams with P2, P3 (default: 2,3)"
-    )
-    accuracy.add_argument(
-        "--sines", type=shapes, default=(1, 2), metavar="N,...", help="half sine waves of one beam (default: 1,2)"
-    )
+    add_ladder(accuracy)
     accuracy.add_argument(
         "--tolerances",
         type=tolerances,
@@ -159,34 +132,6 @@ def _add_accuracy(studies: Any) -> None:
     )
     add_no_cache(accuracy)
     accuracy.add_argument("--json", action="store_true", help="print the numbers as JSON")
-
-
-def orders(text: str) -> tuple[str, ...]:
-    """Orders of displacements by their names."""
-    return _among(text, ("first", "truncated", "full"))
-
-
-def frames_of_ladder(text: str) -> tuple[str, ...]:
-    """Frames of beams by their names."""
-    return _among(text, ("mean", "chord", "point", "tangent"))
-
-
-def _among(text: str, known: tuple[str, ...]) -> tuple[str, ...]:
-    names = tuple(dict.fromkeys(text.split(",")))
-    for name in names:
-        if name not in known:
-            close = difflib.get_close_matches(name, known, n=1)
-            hint = f"did you mean {close[0]}?" if close else f"choose from {', '.join(known)}"
-            raise argparse.ArgumentTypeError(f"unknown: {name!r}; {hint}")
-    return names
-
-
-def shapes(text: str) -> tuple[int, ...]:
-    """Numbers of shape functions."""
-    numbers = tuple(dict.fromkeys(count(part) for part in text.split(",")))
-    if max(numbers) > MAX_SHAPES:
-        raise argparse.ArgumentTypeError(f"a ladder has at most {MAX_SHAPES} shapes, not {max(numbers)}")
-    return numbers
 
 
 def tolerances(text: str) -> tuple[float, ...]:

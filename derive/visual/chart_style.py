@@ -85,6 +85,13 @@ def figure_svg(figure: Figure, title: str) -> str:
     return "".join(line.rstrip() + "\n" for line in text.splitlines())
 
 
+def titled(svg: str, titles: dict[str, str]) -> str:
+    """A picture with texts that browsers show for the groups with these identifiers."""
+    for group, text in titles.items():
+        svg = svg.replace(f'<g id="{group}">', f'<g id="{group}"><title>{escape(text, quote=False)}</title>')
+    return svg
+
+
 def _shorter(path: str) -> str:
     """A path on one line, to a hundredth of a point."""
     return re.sub(r"-?\d+\.\d+", lambda m: f"{float(m[0]):.2f}".rstrip("0").rstrip("."), " ".join(path.split()))

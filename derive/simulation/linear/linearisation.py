@@ -13,7 +13,7 @@ motion T depends on time, but the states remain the same elements of zeta and dv
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -26,6 +26,7 @@ from derive.runtime.native_call import Matrix, Vector
 from derive.runtime.native_scene import NativeScene
 from derive.simulation.constraints.scaling import mass_factor
 from derive.simulation.linear.ports import inputs_of, outputs_of
+from derive.simulation.linear.steady_motion import rotating_axes
 
 WELL_CONDITIONED = 0.05
 """Translations are dependent coordinates as long as a pivot of their columns is above this, relative to the first."""
@@ -87,15 +88,18 @@ class _Derivatives:
     a_v: Matrix
 
 
-def linearise(native: Native, k: Vector, t: float, q: Vector, v: Vector) -> Linearisation:
+def linearise(native: Native, k: Vector, t: float, q: Vector, v: Vector, spin: float = 0.0) -> Linearisation:
     """The linearisation of a model about the consistent state q (nq,), v (nv,) at t (s), with coefficients of that t.
 
-    k: the constants (nk,) of `native.setup`, with the inputs of that t. Raises ModelError where accelerations and
-    multipliers of the state are not unique.
+    k: the constants (nk,) of `native.setup`, with the inputs of that t. spin (rad/s): of a scene that rotates steadily,
+    so that positions of origins are those in axes which rotate with it, where the coefficients do not depend on time.
+    Raises ModelError where accelerations and multipliers of the state are not unique.
     """
     if isinstance(native, NativeScene):
         vdot, lam = native.solve(t, q, v, k)
         d = _of_scene(native, k, t, q, v, vdot, lam)
+        if spin:
+            d = _in_rotating_axes(d, spin * rotating_axes(native))
     else:
         vdot, lam = native.accel(t, q, v, k), np.zeros(0)
         d = _of_body(native, k, t, q, v, vdot)
@@ -200,6 +204,14 @@ def _of_scene(
         a_q=J[size:, :n],
         a_v=J[size:, n:size],
     )
+
+
+def _in_rotating_axes(d: _Derivatives, W: Matrix) -> _Derivatives:
+    """The derivatives by displacements and velocities in axes that rotate, where W (nv, nv) is the matrix of w x.
+
+    zetadot = dv - W zeta, and the change of the accelerations is dvdot + W dv.
+    """
+    return replace(d, W=d.W - W, H=d.H + d.M @ W, a_v=d.a_v + d.G @ W)
 
 
 def _of_body(native: Native, k: Vector, t: float, q: Vector, v: Vector, vdot: Vector) -> _Derivatives:

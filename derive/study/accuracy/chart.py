@@ -6,7 +6,6 @@ import math
 import textwrap
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from html import escape
 from typing import TYPE_CHECKING, Any
 
 from derive.simulation.validity.monitors import Cause
@@ -108,7 +107,7 @@ def accuracy_svg(chart: LadderChart) -> str:
         _head(figure, chart, height)
         for k, text in enumerate(lane):
             figure.text(LEFT / WIDTH, (0.17 * (len(lane) - k) - 0.05) / height, text, fontsize=8, color=style.INK)
-        return _titled(style.figure_svg(figure, _description(chart)), titles)
+        return style.titled(style.figure_svg(figure, _description(chart)), titles)
 
 
 def _panel(axes: Axes, chart: LadderChart, cost: Callable[[Point], float], number: int, titles: dict[str, str]) -> None:
@@ -284,10 +283,3 @@ def _description(chart: LadderChart) -> str:
     chosen = chart.chosen
     best = f"; the cheapest at {percent(chart.error)} is {chosen.line.model.label}" if chosen else ""
     return f"{chart.name}: error over cost of {len(chart.drawn)} models{best}"
-
-
-def _titled(svg: str, titles: dict[str, str]) -> str:
-    """The picture with texts that browsers show for its lines."""
-    for name, text in titles.items():
-        svg = svg.replace(f'<g id="{name}">', f'<g id="{name}"><title>{escape(text, quote=False)}</title>')
-    return svg

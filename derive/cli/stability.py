@@ -1,0 +1,66 @@
+"""`tisserand study stability`: where the models of a ladder lose their stability, and which verdicts are wrong."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from pathlib import Path
+
+from derive.artifacts import MARK, File, check_folder, sha256, write
+from derive.cli.stability_arguments import NEVER
+from derive.errors import Problem, SpecError
+from derive.spec.model.scene import Scene
+from derive.spec.set_values import with_values
+from derive.study.accuracy.models import LadderRange, ladder
+from derive.study.stability.chart import stability_svg
+from derive.study.stability.ladder_stability import KnownLoss, LadderStability, ladder_stability
+from derive.study.stability.parameter import ParameterRange, studied
+from derive.study.stability.table import stability_csv, stability_data, stability_text
+from derive.terminal import show_progress
+from derive.version import VERSION
+
+NAME = "stability"
+EXPECTED_SIZE = 5_000_000
+"""About what the files of a study need, in bytes."""
+
+
+def run(scene: Scene, options: argparse.Namespace) -> int:
+    """Run the study and write its chart, table and data."""
+    folder = options.out or Path("results") / scene.name
+    record = f"{NAME}.json"
+    check_folder(
+        [File(f"{NAME}.svg", ""), File(f"{NAME}.csv", "", record=record), File(record, "")], folder, EXPECTED_SIZE
+    )
+    names = [name for name, _ in options.set]
+    if repeated := sorted({name for name in names if names.count(name) > 1}):
+        raise SpecError((Problem("", f"{', '.join(repeated)} has several values; give one"),), "--set")
+    scene, changes = with_values(scene, dict(options.set))
+    result = study(scene, options)
+    show_progress()
+    data = {**stability_data(result), "set": list(map(str, changes))}
+    table = stability_csv(result)
+    text = json.dumps(
+        {"generator": f"{MARK} {VERSION}. Do not edit.", **data, "files": {f"{NAME}.csv": sha256(table.encode())}},
+        indent=2,
+    )
+    files = (
+        File(f"{NAME}.svg", stability_svg(result)),
+        File(f"{NAME}.csv", table, record=record),
+        File(record, f"{text}\n"),
+    )
+    write(files, folder)
+    written = [str(folder / file.path) for file in files]
+    if options.json:
+        print(json.dumps({**data, "files": written}, indent=2))
+    else:
+        changed = [f"{scene.name}: {change}" for change in changes]
+        print("\n".join([*changed, stability_text(result), "", *(f"wrote {name}" for name in written)]))
+    return 0
+
+
+def study(scene: Scene, options: argparse.Namespace) -> LadderStability:
+    """The stability that the options ask for. Raises SpecError, CompilerError."""
+    parameter = studied(scene, ParameterRange(*options.parameter))
+    models = ladder(LadderRange(options.orders, options.frames, options.shapes, options.pieces, options.sines))
+    known = None if options.exact is None else KnownLoss(None if options.exact == NEVER else options.exact)
+    return ladder_stability(scene.name, parameter, models, known, show_progress)

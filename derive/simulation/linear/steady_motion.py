@@ -1,0 +1,180 @@
+"""Steady motions of a scene: equilibria, and relative equilibria in axes that rotate at a constant speed.
+
+In a steady motion the frames of all bodies move like one rigid body, which rotates at the speed w about a fixed point
+or translates, while the deformations are constant:
+
+    v = (d1 - w c2, d2 + w c1) for an origin (c1, c2), w for an angle, 0 for an amplitude.
+
+Its coordinates and multipliers solve M a + h - G^T lambda = 0 and g = 0 with the velocities v(q) and the centripetal
+accelerations a(q) of that field, which Newton's method finds from the initial state by the generated Jacobian.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from derive.roles import Role
+from derive.runtime.native_call import Matrix, ModelError, Vector
+from derive.runtime.native_scene import NativeScene
+from derive.simulation.compiled_scene import constraint_matrix, coordinates_with, mass_matrix, max_norm
+from derive.simulation.errors import SimulationError
+
+ITERATIONS = 30
+CONVERGED = 1e-10
+"""An iteration ends Newton's method if it moves no coordinate by more than this, relative to those above 1."""
+BALANCED = 1e-13
+"""Out-of-balance forces below this part of the loads are rounding errors, which singular equations would amplify."""
+RIGID = 1e-9
+"""Velocities are those of a rigid motion if they differ from it by less than this part of the largest."""
+TURN = 1.0
+"""rad: the rotation after which the accelerations of a steady motion must be the same in the rotated axes."""
+PAUSE = 1.0
+"""s: the time after which they must be the same without rotation."""
+SAME = 1e-6
+"""Accelerations differ if it is by more than this part of the largest."""
+
+
+class NoSteadyMotion(SimulationError):
+    """A scene has no steady motion from its initial state, or none was found."""
+
+
+@dataclass(frozen=True, eq=False)
+class SteadyMotion:
+    """A state q (nq,), v (nv,) at t = 0 of a motion that is steady in axes that rotate at `spin` (rad/s)."""
+
+    q: Vector
+    v: Vector
+    spin: float
+
+
+def steady_motion(native: NativeScene, k: Vector, q: Vector, v: Vector) -> SteadyMotion:
+    """The steady motion near the state q (nq,), v (nv,) at t = 0, with the rigid velocities of that state.
+
+    k: the constants (nk,) of `native.setup`. Raises NoSteadyMotion where the velocities are not those of a rigid
+    motion, where Newton's method does not converge, or where forces or drives depend on time or on the direction of
+    the axes.
+    """
+    field = _rigid_field(native, q, v)
+    q = _balanced(native, k, q, field)
+    _check_steady(native, k, q, field)
+    return SteadyMotion(q, field.velocities(q), field.spin)
+
+
+def rotating_axes(native: NativeScene) -> Matrix:
+    """The matrix E (nv, nv) of w x for the spin 1: (0, -1; 1, 0) at both coordinates of each origin."""
+    E = np.zeros((native.nv, native.nv))
+    for first, second in _origins(native):
+        E[first, second], E[second, first] = -1.0, 1.0
+    return E
+
+
+def _origins(native: NativeScene) -> list[tuple[int, int]]:
+    """The indices of both coordinates of the origin of each body that has them."""
+    places = np.flatnonzero(coordinates_with(native, Role.TRANSLATION))
+    if len(places) % 2:
+        raise NoSteadyMotion("a body has one coordinate of its position alone, whose axes do not rotate")
+    return [(int(a), int(b)) for a, b in zip(places[::2], places[1::2], strict=True)]
+
+
+@dataclass(frozen=True, eq=False)
+class _RigidField:
+    """v(q) = shift + spin E q: `shift` (nv,) with the translation and the rates of the angles."""
+
+    shift: Vector
+    spin: float
+    E: Matrix
+
+    def velocities(self, q: Vector) -> Vector:
+        return np.asarray(self.shift + self.spin * self.E @ q)
+
+    def accelerations(self, q: Vector) -> Vector:
+        return np.asarray(self.spin * self.E @ self.velocities(q))
+
+
+def _rigid_field(native: NativeScene, q: Vector, v: Vector) -> _RigidField:
+    """The rigid motion whose velocities are v (nv,)."""
+    E, angles = rotating_axes(native), coordinates_with(native, Role.ROTATION)
+    spin = float(np.mean(v[angles])) if angles.any() else 0.0
+    shift = np.where(angles, spin, 0.0)
+    rest = v - spin * E @ q
+    for part in map(list, zip(*_origins(native), strict=True)):
+        shift[part] = np.mean(rest[part])
+    field = _RigidField(shift, spin, E)
+    off = np.abs(field.velocities(q) - v)
+    if off.max(initial=0.0) > RIGID * max_norm(v):
+        name = native.coordinates[int(np.argmax(off))]
+        text = (
+            f"the rate of {name} is not that of a rigid rotation of the whole scene, so that the motion is not steady"
+        )
+        raise NoSteadyMotion(f"{text}; give velocities of a rigid motion, or none")
+    return field
+
+
+def _balanced(native: NativeScene, k: Vector, q: Vector, field: _RigidField) -> Vector:
+    """The coordinates in which the forces balance, by Newton's method; motions without stiffness change the least."""
+    n, form = native.nq, native.dae["index1"]
+    lam = native.solve(0.0, q, field.velocities(q), k)[1]
+    for _ in range(ITERATIONS):
+        v, a = field.velocities(q), field.accelerations(q)
+        y, ydot = np.concatenate([q, v, lam]), np.concatenate([v, a, np.zeros(len(lam))])
+        residual = form.residual(0.0, y, ydot, k)[n : 2 * n]
+        J = form.pattern.dense(form.jacobian(0.0, y, ydot, 0.0, k))[n : 2 * n]
+        M, G = mass_matrix(native, q, k), constraint_matrix(native, 0.0, q, k)
+        gap = native.constraints(0.0, q, k)
+        load = max(max_norm(M @ a), max_norm(native.force(0.0, q, v, k)))
+        if max_norm(residual) <= BALANCED * load and max_norm(gap) <= BALANCED * max(1.0, max_norm(q)):
+            return q
+        stiffness = J[:, :n] + field.spin * J[:, n : 2 * n] @ field.E + field.spin**2 * M @ field.E @ field.E
+        system = np.block([[stiffness, -G.T], [G, np.zeros((len(G), len(G)))]])
+        right = -np.concatenate([residual, gap])
+        change = _solved(system, right)
+        q, lam = q + change[:n], lam + change[n:]
+        if np.all(np.abs(change[:n]) <= CONVERGED * np.maximum(1.0, np.abs(q))):
+            return q
+    raise NoSteadyMotion("Newton's method does not find a steady motion near the initial state")
+
+
+def _solved(system: Matrix, right: Vector) -> Vector:
+    """The least solution of a system whose rows are scaled to 1, as forces and positions have different units."""
+    rows = np.abs(system).max(axis=1)
+    rows[rows == 0.0] = 1.0
+    if not (np.isfinite(system).all() and np.isfinite(right).all()):
+        raise NoSteadyMotion("Newton's method leaves the states that the model describes")
+    return np.asarray(np.linalg.lstsq(system / rows[:, None], right / rows, rcond=1e-13)[0])
+
+
+def _check_steady(native: NativeScene, k: Vector, q: Vector, field: _RigidField) -> None:
+    """Raise NoSteadyMotion if the accelerations change in the rotating axes, or with time."""
+    t = TURN / abs(field.spin) if field.spin else PAUSE
+    angle = field.spin * t
+    cos, sin = math.cos(angle), math.sin(angle)
+    along = field.shift * ~coordinates_with(native, Role.ROTATION)
+    centre = field.E @ along / field.spin if field.spin else np.zeros(native.nq)
+    moved = q.copy() + (0.0 if field.spin else t * along)
+    for pair in map(list, _origins(native)):
+        x, y = q[pair] - centre[pair]
+        if field.spin:
+            moved[pair] = centre[pair] + (cos * x - sin * y, sin * x + cos * y)
+    moved[coordinates_with(native, Role.ROTATION)] += angle
+    for time, state in ((0.0, q), (t, moved)):
+        v, expected = field.velocities(state), field.accelerations(state)
+        try:
+            off = np.abs(native.solve(time, state, v, k)[0] - expected)
+        except ModelError as error:
+            raise NoSteadyMotion(str(error)) from None
+        scale = max(max_norm(expected), field.spin**2, _force_scale(native, k, time, state, v))
+        gap = max_norm(native.constraints(time, state, k))
+        if off.max(initial=0.0) > SAME * scale or gap > SAME * max(1.0, max_norm(state)):
+            name = native.coordinates[int(np.argmax(off))]
+            raise NoSteadyMotion(
+                f"the motion is not steady: the acceleration of {name} {'at' if time == 0.0 else 'changes until'} "
+                f"t = {time:.3g} s, because a force, gravity or a drive depends on time or on a direction in space"
+            )
+
+
+def _force_scale(native: NativeScene, k: Vector, t: float, q: Vector, v: Vector) -> float:
+    """The accelerations (SI units) that the loads of a state alone would cause."""
+    return max_norm(native.force(t, q, v, k)) / max_norm(np.diag(mass_matrix(native, q, k)))

@@ -1,0 +1,94 @@
+"""A model of a ladder over the parameter: the eigenvalues of its steady motions, and where it loses its stability."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from derive.errors import SpecError, TisserandError, first_line
+from derive.generated_models import generated
+from derive.runtime.loading import load_scene
+from derive.runtime.native_scene import NativeScene
+from derive.simulation.initial.initial_state import initial_state
+from derive.simulation.initial.targets import targets
+from derive.simulation.linear.linearisation import linearise
+from derive.simulation.linear.steady_motion import steady_motion
+from derive.study.accuracy.models import LadderModel, model_scene
+from derive.study.stability.eigenvalues import Eigenvalues, eigenvalues
+from derive.study.stability.parameter import StudiedParameter
+from derive.study.stability.thresholds import Interval, Threshold, intervals, loss, thresholds
+
+
+@dataclass(frozen=True, eq=False)
+class PathPoint:
+    """A value of the parameter with the eigenvalues there; None, with the reason, where there is no steady motion."""
+
+    value: float
+    eigenvalues: Eigenvalues | None
+    failure: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class ModelPath:
+    """A model over the parameter. failure: why it has no points; empty if it has."""
+
+    model: LadderModel
+    coordinates: int = 0
+    unit: str = ""
+    points: tuple[PathPoint, ...] = ()
+    thresholds: tuple[Threshold, ...] = ()
+    intervals: tuple[Interval, ...] = ()
+    failure: str = ""
+
+    @property
+    def loss(self) -> float | None:
+        """The least value of the parameter at which stability is lost."""
+        return loss(self.intervals)
+
+    @property
+    def gaps(self) -> tuple[PathPoint, ...]:
+        """The points without steady motion."""
+        return tuple(point for point in self.points if point.eigenvalues is None)
+
+
+def model_path(parameter: StudiedParameter, model: LadderModel) -> ModelPath:
+    """The eigenvalues of a model over the parameter, and its thresholds. Raises CompilerError."""
+    try:
+        evaluate, native, unit = _compiled(parameter, model)
+    except SpecError as error:
+        return ModelPath(model, failure=first_line(error))
+    points = tuple(evaluate(value) for value in parameter.range.values)
+    if all(point.eigenvalues is None for point in points):
+        return ModelPath(model, native.nq, unit, failure=points[0].failure)
+
+    def count(value: float) -> int | None:
+        return _growing(evaluate(value))
+
+    values, counts = parameter.range.values, [_growing(point) for point in points]
+    changes = thresholds(count, values, counts)
+    return ModelPath(model, native.nq, unit, points, changes, intervals(values, counts, changes))
+
+
+def _growing(point: PathPoint) -> int | None:
+    return None if point.eigenvalues is None else point.eigenvalues.growing
+
+
+def _compiled(parameter: StudiedParameter, model: LadderModel) -> tuple[Callable[[float], PathPoint], NativeScene, str]:
+    """The function of the parameter that a model is, its compiled code, and the unit of the parameter."""
+    first = model_scene(parameter.scene_at(parameter.range.low), model)
+    code, files = generated(first)
+    native = load_scene(files)
+    units = {p.name: p.unit for p in code.parameters} | {value.name: value.unit for value in targets(first, native)}
+
+    def evaluate(value: float) -> PathPoint:
+        try:
+            scene = model_scene(parameter.scene_at(value), model)
+            k = native.setup({parameter.symbol: value} if parameter.symbol else None)
+            start = initial_state(scene, native, k)
+            steady = steady_motion(native, k, start.q, start.v)
+            linear = linearise(native, k, 0.0, steady.q, steady.v, steady.spin)
+        except TisserandError as error:
+            return PathPoint(value, None, first_line(error))
+        return PathPoint(value, eigenvalues(linear.A, steady.spin))
+
+    return evaluate, native, units.get(parameter.symbol or parameter.range.name, "")

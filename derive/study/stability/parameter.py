@@ -1,0 +1,76 @@
+"""The parameter of a study of stability: a name as that of `--set`, and the values that it takes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from derive.errors import Problem, SpecError, quoted
+from derive.spec.model.scene import JointInitialValues, Scene
+from derive.spec.model.simulation import NOT_GIVEN
+from derive.spec.set_values import with_values
+
+
+@dataclass(frozen=True)
+class ParameterRange:
+    """A parameter or a key of the specification, with `count` values from `low` to `high` in the units of the file."""
+
+    name: str
+    low: float
+    high: float
+    count: int
+
+    @property
+    def values(self) -> tuple[float, ...]:
+        """The values, rising."""
+        return tuple(float(x) for x in np.linspace(self.low, self.high, self.count))
+
+
+@dataclass(frozen=True)
+class StudiedParameter:
+    """A parameter of a scene whose values need no other compiled model.
+
+    symbol: the run-time parameter of the model that it is; None of an initial value, such as a spin.
+    """
+
+    scene: Scene
+    range: ParameterRange
+    symbol: str | None
+
+    def scene_at(self, value: float) -> Scene:
+        """The scene with a value of the parameter. Raises SpecError."""
+        return _with(self.scene, self.range.name, value)[0]
+
+
+def studied(scene: Scene, limits: ParameterRange) -> StudiedParameter:
+    """The parameter of a study.
+
+    Raises SpecError for a name that the scene does not know, for values that it refuses, and for a key on whose value
+    the compiled model depends.
+    """
+    first, symbol = _with(scene, limits.name, limits.low)
+    last, _ = _with(scene, limits.name, limits.high)
+    if symbol is None and _without_initial_values(first) != _without_initial_values(last):
+        text = f"{quoted(limits.name)} is neither a number that can be a run-time parameter nor an initial value"
+        raise SpecError((Problem("", text),), "--parameter")
+    return StudiedParameter(first if symbol else scene, limits, symbol)
+
+
+def _with(scene: Scene, name: str, value: float) -> tuple[Scene, str | None]:
+    """The scene with a value, and the symbol of the run-time parameter that it is."""
+    try:
+        changed, (change, *_) = with_values(scene, {name: repr(value)})
+    except SpecError as error:
+        raise SpecError(error.problems, "--parameter") from None
+    return changed, change.symbol
+
+
+def _without_initial_values(scene: Scene) -> Scene:
+    """The part of a scene that its compiled model depends on."""
+    return replace(
+        scene,
+        bodies=tuple(replace(body, start=NOT_GIVEN) for body in scene.bodies),
+        joints=tuple(replace(joint, start=JointInitialValues()) for joint in scene.joints),
+        drives=tuple(replace(drive, start=JointInitialValues()) for drive in scene.drives),
+    )

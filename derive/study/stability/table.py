@@ -1,0 +1,174 @@
+"""The stability of a ladder of models: as a table for a terminal, as CSV, and as plain data."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Sequence
+from typing import Any
+
+from derive.study.stability.ladder_stability import LadderStability, distance
+from derive.study.stability.model_path import ModelPath
+from derive.study.stability.thresholds import Interval, Threshold
+from derive.terminal import table, wrapped
+
+COLUMNS = (
+    "model", "order", "shapes", "number_of_shapes", "beams", "frame", "parameter", "spin_rad_s", "growth_rate_1_s",
+    "frequency_rad_s", "rounding_error_1_s", "grows",
+)  # fmt: skip
+
+
+def stability_text(of: LadderStability) -> str:
+    """A line for each model: where it loses its stability, how far that is from the truth, and its wrong verdicts."""
+    truth = "exact" if of.known else "reference"
+    rows = [["model", "loses stability at", f"from the {truth}", "further changes at", "wrong verdict"]]
+    rows += [_row(of, path) for path in _listed(of) if not path.failure]
+    lines = [head(of), *wrapped(truth_sentences(of), "  "), "", *table(rows, left=1)]
+    failures = [f"{path.model.label}: {path.failure}" for path in _listed(of) if path.failure]
+    gaps = [gap_text(path) for path in _listed(of) if path.gaps and not path.failure]
+    return "\n".join([*lines, *wrapped([*failures, *gaps], "  ")])
+
+
+def head(of: LadderStability) -> str:
+    """What is studied."""
+    return f"{of.name}: stability of models over {of.range.name} = {_range(of)}, {of.range.count} values"
+
+
+def _range(of: LadderStability) -> str:
+    return f"{of.range.low:g} to {of.range.high:g}{f' {of.unit}' if of.unit else ''}"
+
+
+def truth_sentences(of: LadderStability) -> list[str]:
+    """What the verdicts are compared with, and how sure that is."""
+    richest = f"the reference is the richest model, {of.reference.model.label}"
+    result = []
+    if of.known is not None:
+        at = "never lost" if of.known.value is None else f"lost at {of.known.value:.7g}, exactly"
+        result.append(f"given: stability is {at}")
+    if of.reference.failure:
+        return [*result, f"{richest}, which fails: {of.reference.failure}"]
+    before = of.before.model.label
+    if of.reference.loss is None:
+        result.append(f"{richest}, which keeps its stability")
+    elif of.error is not None:
+        result.append(f"{richest}, {of.reference.loss:.7g}; {before} differs by {of.error:.1e}")
+    if not of.agrees and not of.before.failure:
+        what = "keeps its stability" if of.before.loss is None else f"loses it at {of.before.loss:.7g}"
+        result.append(f"warning: the reference is not converged; {before} {what}")
+    return result
+
+
+def _listed(of: LadderStability) -> Sequence[ModelPath]:
+    """The models of the ladder, and the reference behind them if it is not one of them."""
+    return of.paths if of.reference in of.paths else (*of.paths, of.reference)
+
+
+def _row(of: LadderStability, path: ModelPath) -> list[str]:
+    near = distance(path.loss, of.true_loss)
+    return [
+        path.model.label,
+        loss_text(path),
+        "" if near is None else percent(near),
+        ", ".join(f"{c.value:.7g}" for c in further(path)),
+        "; ".join(verdict_text(interval) for interval in of.wrong(path)),
+    ]
+
+
+def loss_text(path: ModelPath) -> str:
+    """Where a model loses its stability; "not found" where it has no steady motion at some values."""
+    if path.loss is not None:
+        return f"{path.loss:.7g}"
+    return "not found" if path.gaps else "not lost"
+
+
+def further(path: ModelPath) -> tuple[Threshold, ...]:
+    """The thresholds behind the first loss of stability."""
+    return tuple(c for c in path.thresholds if c.value != path.loss)
+
+
+def verdict_text(wrong: Interval) -> str:
+    """A wrong verdict: what the model is, and where."""
+    return f"{'stable' if wrong.stable else 'unstable'} from {wrong.low:.7g} to {wrong.high:.7g}"
+
+
+def gap_text(path: ModelPath) -> str:
+    """Where a model has no steady motion, and why."""
+    first, last = path.gaps[0], path.gaps[-1]
+    where = (
+        f"at {first.value:g}" if first is last else f"at {len(path.gaps)} values from {first.value:g} to {last.value:g}"
+    )
+    return f"{path.model.label}: no steady motion {where}: {first.failure}"
+
+
+def percent(ratio: float) -> str:
+    """A relative distance in percent, with its sign."""
+    if abs(ratio) < 5e-7:
+        return "0 %"
+    return f"{100 * ratio:+.3g} %" if abs(ratio) < 10 else f"{100 * ratio:+.0f} %"
+
+
+def stability_csv(of: LadderStability) -> str:
+    """A row for each mode of each model at each value of the parameter; of a conjugate pair one."""
+    stream = io.StringIO()
+    writer = csv.writer(stream, lineterminator="\n")
+    writer.writerow(COLUMNS)
+    for path in _listed(of):
+        model = list(_model(path).values())
+        for point in path.points:
+            if point.eigenvalues is None:
+                continue
+            known = point.eigenvalues
+            for value, error, grows in zip(known.values, known.errors, known.grows, strict=True):
+                numbers = (point.value, known.spin, float(value.real), float(value.imag), float(error), bool(grows))
+                writer.writerow([*model, *numbers])
+    return stream.getvalue()
+
+
+def stability_data(of: LadderStability) -> dict[str, Any]:
+    """The whole study as plain data, without the eigenvalues."""
+    return {
+        "name": of.name,
+        "parameter": {
+            "name": of.range.name,
+            "unit": of.unit,
+            "from": of.range.low,
+            "to": of.range.high,
+            "values": of.range.count,
+        },
+        "exact": None if of.known is None else {"loss": of.known.value},
+        "reference": {
+            "model": of.reference.model.label,
+            "loss": of.reference.loss,
+            "error": of.error,
+            "converged": of.agrees,
+        },
+        "models": [
+            {
+                **_model(path),
+                "coordinates": path.coordinates,
+                "loss": path.loss,
+                "distance_to_exact": None if of.known is None else distance(path.loss, of.known.value),
+                "distance_to_reference": distance(path.loss, of.reference.loss),
+                "thresholds": [
+                    {"low": c.low, "high": c.high, "growing_before": c.before, "growing_after": c.after}
+                    for c in path.thresholds
+                ],
+                "wrong": [{"from": w.low, "to": w.high, "stable": w.stable} for w in of.wrong(path)],
+                "without_steady_motion": [{"value": p.value, "reason": p.failure} for p in path.gaps],
+                "failure": path.failure,
+            }
+            for path in _listed(of)
+        ],
+    }
+
+
+def _model(path: ModelPath) -> dict[str, Any]:
+    m = path.model
+    return {
+        "model": m.label,
+        "order": m.order.value,
+        "shapes": m.shapes.value,
+        "number_of_shapes": m.count,
+        "beams": m.pieces,
+        "frame": m.frame,
+    }

@@ -1,0 +1,301 @@
+"""Stability of models: each model's own threshold, by the eigenvalues of its generated Jacobians, beside the truth."""
+
+from __future__ import annotations
+
+import csv
+import json
+from collections.abc import Sequence
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import derive
+from conftest import QUICK, ROOT
+from derive.cli.main import main
+from derive.cli.specifications import read_scene
+from derive.simulation.initial.initial_state import initial_state
+from derive.simulation.linear.linearisation import linearise
+from derive.simulation.linear.steady_motion import NoSteadyMotion, steady_motion
+from derive.spec.model.body import DisplacementOrder
+from derive.spec.set_values import with_values
+from derive.study.accuracy.models import LadderModel, Shapes
+from derive.study.stability.eigenvalues import eigenvalues
+from derive.study.stability.ladder_stability import KnownLoss, LadderStability, distance
+from derive.study.stability.model_path import ModelPath, model_path
+from derive.study.stability.parameter import ParameterRange, studied
+from derive.study.stability.table import percent
+from derive.study.stability.thresholds import Interval, Threshold, intervals, loss, thresholds, wrong_intervals
+
+FIRST, SECOND = DisplacementOrder.FIRST_ORDER, DisplacementOrder.TRUNCATED
+COLUMN, BECK, CANTILEVER = (
+    ROOT / f"examples/{name}.toml" for name in ("pinned_column", "beck_column", "rotating_cantilever")
+)
+SPINNING = ROOT / "scenes/spinning_beam.toml"
+SPIN = "bodies.beam.start.spin"
+STILL = {"forces.knock.components": "[0, 0]"}
+EULER = np.pi**2
+
+
+@pytest.fixture(autouse=True)
+def _compile_quickly(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("derive.study.stability.model_path.load_scene", partial(derive.load_scene, flags=QUICK))
+
+
+def polynomials(count: int, order: DisplacementOrder, frame: str = "mean", pieces: int = 1) -> LadderModel:
+    return LadderModel(Shapes.POLYNOMIALS, count, order, frame, pieces)
+
+
+def path(
+    file: Path, name: str, low: float, high: float, model: LadderModel, changes: dict[str, str] | None = None
+) -> ModelPath:
+    """A model over 21 values."""
+    scene, _ = with_values(read_scene(file), changes or {})
+    made = model_path(studied(scene, ParameterRange(name, low, high, 21)), model)
+    assert not made.failure and not made.gaps
+    for c in made.thresholds:
+        assert c.high - c.low < 1e-6 * c.high
+    return made
+
+
+@pytest.mark.parametrize(("frame", "second"), [("mean", np.sqrt(8400)), ("point", np.sqrt(8400 / 6.25))])
+def test_a_spinning_beam_of_first_order_is_lost_at_the_same_spin_in_both_frames_and_then_at_another(
+    frame: str, second: float
+) -> None:
+    """sqrt(720) = 26.83 in both, then 91.65 in the mean and 36.66 in the point frame, in sqrt(EI/(m l^3))."""
+    made = path(SPINNING, SPIN, 0, 100, polynomials(2, FIRST, frame), STILL)
+    assert [(c.before, c.after) for c in made.thresholds] == [(0, 1), (1, 2)]
+    assert [c.value for c in made.thresholds] == pytest.approx([np.sqrt(720), second], rel=1e-6)
+    assert made.loss == made.thresholds[0].value and made.unit == "rad/s"
+    assert made.intervals == (Interval(0, made.loss, True), Interval(made.loss, 100, False))
+
+
+def test_a_spinning_beam_of_second_order_is_not_lost() -> None:
+    """omega^2 = 720 + 2 spin^2, as with a rigid rotation of its points."""
+    made = path(SPINNING, SPIN, 0, 100, polynomials(2, SECOND), STILL)
+    assert made.thresholds == () and made.loss is None
+    for point in made.points:
+        assert point.eigenvalues is not None
+        assert point.eigenvalues.frequencies[0] == pytest.approx(np.sqrt(720 + 2 * point.value**2), rel=1e-6)
+
+
+def test_a_rotating_cantilever_of_first_order_is_lost_at_its_natural_frequency() -> None:
+    """3.5160 sqrt(EI/(m l^3)) in the frame of the hub, from above; of second order it is not lost."""
+    made = path(CANTILEVER, "speed", 0, 10, polynomials(4, FIRST, "tangent"))
+    assert made.loss == pytest.approx(3.51602, rel=2e-6)
+    assert made.unit == "rad/s"
+    assert path(CANTILEVER, "speed", 0, 10, polynomials(2, SECOND)).loss is None
+
+
+@pytest.mark.parametrize(
+    ("model", "expected"),
+    [
+        (LadderModel(Shapes.SINES, 1, SECOND, "chord"), 1.0),  # the exact mode of buckling
+        (polynomials(1, SECOND, "chord"), 12 / EULER),
+        (polynomials(4, SECOND, "mean"), 1.00056),
+        (polynomials(2, SECOND, "mean", 2), 1.00752),
+        (polynomials(2, FIRST, "mean", 2), 1.21888),
+        (polynomials(4, FIRST, "mean"), None),
+        (LadderModel(Shapes.RIGID), None),
+    ],
+    ids=lambda value: value.label if isinstance(value, LadderModel) else None,
+)
+def test_a_pinned_column_buckles_at_the_load_of_euler(model: LadderModel, expected: float | None) -> None:
+    """Over pi^2 EI/l^2, up to three loads of Euler: one beam of first order never buckles."""
+    made = path(COLUMN, "P", 0, 3 * EULER, model)
+    exact = 1e-6 if expected in (1.0, 12 / EULER) else 1e-5
+    assert made.loss == (None if expected is None else pytest.approx(expected * EULER, rel=exact))
+
+
+@pytest.mark.parametrize(
+    ("model", "expected"), [(polynomials(5, SECOND, "tangent"), 20.0511), (polynomials(4, FIRST, "tangent"), None)]
+)
+def test_the_column_of_beck_flutters_with_foreshortening_alone(model: LadderModel, expected: float | None) -> None:
+    """At 20.0509 EI/l^2, where two frequencies meet."""
+    made = path(BECK, "P", 0, 40, model)
+    assert made.loss == (None if expected is None else pytest.approx(expected, rel=1e-5))
+    known = [p.eigenvalues.frequencies for p in made.points if p.eigenvalues is not None and p.value > 22]
+    assert all((f[0] == pytest.approx(f[1])) == (expected is not None) for f in known)
+
+
+def test_a_mass_on_a_rotating_guide_leaves_where_its_spring_yields() -> None:
+    """A steady motion that is not the initial state: r = k r0/(k - m w^2), and the frequency is sqrt(k/m - w^2)."""
+    scene = derive.scene(
+        "slider_on_hub",
+        ground={"axis": [0, 0]},
+        bodies={
+            "hub": {"markers": {"centre": [0, 0]}},
+            "bead": {"mass": 2, "inertia": 1, "markers": {"pin": [0, 0]}, "start": {"position": [1, 0]}},
+        },
+        joints={
+            "shaft": {"kind": "revolute", "between": ["ground.axis", "hub.centre"]},
+            "guide": {"kind": "translational", "between": ["hub.centre", "bead.pin"]},
+        },
+        drives={"motor": {"joint": "shaft", "speed": {"symbol": "speed", "default": 3}}},
+        springs={"tie": {"kind": "linear", "between": ["hub.centre", "bead.pin"], "stiffness": 50, "rest": 1}},
+    )
+    native = derive.load_scene(derive.model_files(derive.lower(derive.derive(scene)), scene))
+    k = native.setup()
+    start = initial_state(scene, native, k)
+    steady = steady_motion(native, k, start.q, start.v)
+    radius = np.hypot(*native.poses(0.0, steady.q, k)[list(native.bodies).index("bead"), :2])
+    assert radius == pytest.approx(50 / (50 - 18), rel=1e-9)
+    linear = linearise(native, k, 0.0, steady.q, steady.v, steady.spin)
+    assert eigenvalues(linear.A, steady.spin).values.imag.max() == pytest.approx(4, rel=1e-9)  # sqrt(25 - 9)
+
+
+def test_motions_that_are_not_steady_are_refused() -> None:
+    scene = read_scene(SPINNING)
+    native = derive.load_scene(derive.model_files(derive.lower(derive.derive(scene)), scene))
+    start = initial_state(scene, native)
+    with pytest.raises(NoSteadyMotion, match=r"does not find|depends on time"):
+        steady_motion(native, native.setup(), start.q, start.v)
+    bending = start.v.copy()
+    bending[-1] = 1.0
+    with pytest.raises(NoSteadyMotion, match="alpha2 is not that of a rigid rotation"):
+        steady_motion(native, native.setup(), start.q, bending)
+
+
+def state_space(stiffness: Sequence[float], coupling: float = 0.0) -> np.ndarray:
+    """Two displacements with a stiffness over the mass each, and a gyroscopic coupling."""
+    A = np.zeros((4, 4))
+    A[:2, 2:] = np.eye(2)
+    A[2:, :2] = -np.diag(stiffness)
+    A[2, 3], A[3, 2] = coupling, -coupling
+    return A
+
+
+def test_rounding_errors_do_not_grow() -> None:
+    """Those of a stiffness that is zero: a double eigenvalue is split by their root; a true negative one grows."""
+    assert eigenvalues(state_space([-1e-8, 1e6])).growing == 0
+    assert eigenvalues(state_space([-1e-4, 1e6])).growing == 1
+    assert eigenvalues(state_space([-1e-4, 1e6])).growth == pytest.approx(1e-2)
+    assert eigenvalues(np.zeros((0, 0))).growing == 0
+    free = state_space([-9.0, -9.0], 6.0)  # a free mass in axes that rotate at 3
+    assert eigenvalues(free).growing == 0
+    assert eigenvalues(free, spin=3.0).frequencies.size == 0
+    assert eigenvalues(state_space([4, 9]), spin=3.0).frequencies == pytest.approx([2])
+
+
+def counted(changes: Sequence[float]) -> tuple[list[float], list[int | None], tuple[Threshold, ...]]:
+    """A count that changes by one at each value, over 0, 1, ..., 4; there is none above 3.5."""
+
+    def count(x: float) -> int | None:
+        return None if x > 3.5 else sum(x > c for c in changes) % 3
+
+    values = [float(n) for n in range(5)]
+    counts = [count(x) for x in values]
+    return values, counts, thresholds(count, values, counts)
+
+
+def test_all_thresholds_between_two_values_are_bracketed() -> None:
+    values, counts, found = counted([0.3, 0.4, 2.5])
+    assert [c.value for c in found] == pytest.approx([0.3, 0.4, 2.5], rel=1e-6)
+    assert [(c.before, c.after) for c in found] == [(0, 1), (1, 2), (2, 0)]
+    known = intervals(values, counts, found)
+    assert [i.stable for i in known] == [True, False, True, None]
+    assert [i.low for i in known] == pytest.approx([0, 0.3, 2.5, 3]) and known[-1].high == 4
+    assert loss(known) == pytest.approx(0.3)
+    assert loss(known[1:]) is None
+
+
+def test_a_wrong_verdict_is_stable_where_the_truth_is_not_and_vice_versa() -> None:
+    truth = (Interval(0, 2, True), Interval(2, 4, False))
+    late = (Interval(0, 3, True), Interval(3, 4, False))
+    early = (Interval(0, 1, True), Interval(1, 3.5, False), Interval(3.5, 4, None))
+    assert wrong_intervals(late, truth) == (Interval(2, 3, True),)
+    assert wrong_intervals(early, truth) == (Interval(1, 2, False),)
+    assert wrong_intervals(truth, truth) == ()
+    assert wrong_intervals(late, truth, least=1.0) == ()  # within the error of the truth
+    of = LadderStability(
+        "made",
+        ParameterRange("P", 0, 4, 5),
+        (),
+        ModelPath(LadderModel(Shapes.RIGID)),
+        ModelPath(LadderModel(Shapes.RIGID)),
+    )
+    for known, expected in (
+        (2.0, truth),
+        (None, (Interval(0, 4, True),)),
+        (9.0, (Interval(0, 4, True),)),
+        (-1.0, (Interval(0, 4, False),)),
+    ):
+        assert LadderStability(of.name, of.range, (), of.reference, of.before, KnownLoss(known)).truth == expected
+    assert distance(3, 2) == 0.5 and distance(None, 2) is None and distance(3, 0.0) is None
+    assert (percent(0.5), percent(-0.0123), percent(20.0), percent(1e-9)) == ("+50 %", "-1.23 %", "+2000 %", "0 %")
+
+
+@pytest.fixture
+def coarse_reference(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A reference that is quick to derive, and good to 0.06 %."""
+    models = (polynomials(2, SECOND, pieces=2), polynomials(4, SECOND))
+    monkeypatch.setattr("derive.study.stability.ladder_stability.refinements", lambda: models)
+
+
+@pytest.mark.usefixtures("coarse_reference")
+def test_the_command_marks_wrong_verdicts(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    asked = ["study", "stability", str(COLUMN), "--parameter", "P=0:30:16", "--orders", "first", "--shapes", "2"]
+    asked += ["--pieces", "2", "--sines", "1", "--out", str(tmp_path)]
+    assert main([*asked, "--exact", "9.8696044", "--json"]) == 0
+    said = capsys.readouterr()
+    assert said.err == ""
+    data = json.loads(said.out)
+    models = {model["model"]: model for model in data["models"]}
+    never = [name for name, model in models.items() if model["loss"] is None]
+    assert never == ["rigid", "1 sine, first", "1 beam, P2, P3, first"]
+    for name in never:
+        assert models[name]["wrong"] == [{"from": 9.8696044, "to": 30.0, "stable": True}]
+    late = models["2 beams, P2, P3, first"]
+    assert late["distance_to_exact"] == pytest.approx(0.21888, abs=1e-5)
+    assert late["wrong"] == [{"from": 9.8696044, "to": late["loss"], "stable": True}]
+    assert data["reference"]["model"] == "1 beam, P2 to P5, truncated"
+    assert data["reference"]["loss"] == pytest.approx(1.00056 * EULER, rel=1e-5)
+    assert data["reference"]["error"] == pytest.approx((1.00752 - 1.00056) * EULER, rel=1e-2)
+    assert [Path(name).name for name in data["files"]] == ["stability.svg", "stability.csv", "stability.json"]
+    rows = list(csv.DictReader((tmp_path / "stability.csv").read_text().splitlines()))
+    growing = {row["model"] for row in rows if row["grows"] == "True"}
+    assert growing == {"2 beams, P2, P3, first", "1 beam, P2 to P5, truncated"}
+    at_rest = [row for row in rows if row["model"] == "1 beam, P2, P3, first" and float(row["parameter"]) == 0]
+    assert min(float(row["frequency_rad_s"]) for row in at_rest) == pytest.approx(np.sqrt(120), rel=1e-6)
+    svg = (tmp_path / "stability.svg").read_text()
+    assert (
+        svg.count("wrong: stable</text>") == 3
+        and "truth: given" in svg
+        and "http" not in svg.replace("http://www.w3.org", "")
+    )
+    assert "<title>2 beams, P2, P3, first, 11 coordinates\n0 -&gt; 1 growing modes at 12.02985" in svg
+    assert main(asked) == 0  # over its own files, and with the richest model as the truth
+    text = capsys.readouterr().out
+    assert "2 beams, P2, P3, truncated differs by 6.9e-02" in " ".join(text.split())
+    assert any(line.split()[-5:] == ["stable", "from", "9.875098", "to", "30"] for line in text.splitlines())
+    assert (tmp_path / "stability.svg").read_text() != svg
+
+
+@pytest.mark.usefixtures("coarse_reference")
+def test_where_a_model_has_no_steady_motion_it_says_so(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    asked = ["--orders", "first", "--shapes", "2", "--pieces", "2", "--sines", "1", "--out", str(tmp_path)]
+    assert main(["study", "stability", str(SPINNING), "--parameter", f"{SPIN}=0:40:3", *asked]) == 2
+    assert "no model has a steady motion" in capsys.readouterr().err
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    ("asked", "message"),
+    [
+        (["--parameter", "Q=0:3:4"], '--parameter: "Q" is no parameter and no key'),
+        (["--parameter", "P=3:0:4"], "A is less than B"),
+        (["--parameter", "P=0:3:1"], "N is between 2 and 10000"),
+        (["--parameter", "P"], "expected NAME=A:B:N"),
+        (["--parameter", "bodies.rod.order=1:2:2"], "bodies.rod.order"),
+        (["--parameter", "simulation.duration=1:2:2", "--exact", "x"], "expected a number, or none"),
+        (["--parameter", "P=0:3:4", "--set", "P=1", "--set", "P=2"], "P has several values"),
+        (["--parameter", "P=0:3:4", "--out", f"{COLUMN}/x"], "this is a file, not a folder"),
+    ],
+)
+def test_wrong_arguments(asked: list[str], message: str, capsys: pytest.CaptureFixture[str]) -> None:
+    try:
+        code = main(["study", "stability", str(COLUMN), *asked])
+    except SystemExit as stopped:
+        code = int(str(stopped.code))
+    assert code == 2 and message in capsys.readouterr().err
