@@ -28,6 +28,7 @@ The public interface, by stages:
     modes           modes; Modes, Mode, Linearisation
     simulation      simulate, initial_state, equilibrium, integrate; Trajectory, BodyTrajectory, Solution,
                     InitialState, Equilibrium, INTEGRATORS
+    sweeps          sweep; grid, listed, random_samples; Samples, SweepResult
     C integrators   FixedStep, GeneralisedAlpha, Ida; Integration
     errors          TisserandError and its subclasses SpecError, UnknownNameError, CompilerError, ModelError,
                     IntegratorError, SimulationError
@@ -112,6 +113,9 @@ if TYPE_CHECKING:
     from derive.spec.model.time_function import TimeFunction
     from derive.spec.parsing.time_expression import time_function
     from derive.spec.toml.read import read
+    from derive.study.sweep.result import SweepResult
+    from derive.study.sweep.run import sweep
+    from derive.study.sweep.samples import Samples, grid, listed, random_samples
 
 _MODULES = {
     "derive.artifacts": (
@@ -229,6 +233,14 @@ _MODULES = {
     "derive.spec.model.time_function": ("TimeFunction",),
     "derive.spec.parsing.time_expression": ("time_function",),
     "derive.spec.toml.read": ("read",),
+    "derive.study.sweep.result": ("SweepResult",),
+    "derive.study.sweep.run": ("sweep",),
+    "derive.study.sweep.samples": (
+        "Samples",
+        "grid",
+        "listed",
+        "random_samples",
+    ),
 }
 _MODULE_OF = {name: module for module, names in _MODULES.items() for name in names}
 
@@ -286,6 +298,7 @@ __all__ = [
     "ReferenceCurve",
     "RigidBody",
     "Role",
+    "Samples",
     "Scene",
     "Simulation",
     "SimulationError",
@@ -293,6 +306,7 @@ __all__ = [
     "SpatialStart",
     "SpecError",
     "Spring",
+    "SweepResult",
     "SymbolicBody",
     "TimeFunction",
     "TisserandError",
@@ -303,9 +317,11 @@ __all__ = [
     "derive",
     "derive_modal",
     "equilibrium",
+    "grid",
     "initial_state",
     "integrate",
     "interpret",
+    "listed",
     "load",
     "load_scene",
     "lower",
@@ -315,9 +331,11 @@ __all__ = [
     "nodal_body",
     "parameters",
     "planar_beam",
+    "random_samples",
     "read",
     "scene",
     "simulate",
+    "sweep",
     "symbolic_body",
     "time_function",
     "validated",

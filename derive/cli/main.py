@@ -6,6 +6,7 @@ Only the module of the command is imported, so that `--help` answers at once.
 from __future__ import annotations
 
 import gc
+import os
 import sys
 from collections.abc import Sequence
 from importlib import import_module
@@ -28,6 +29,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return 0
     # Models are millions of objects that live to the end: the garbage collector looks through them less often.
     gc.set_threshold(100_000)
+    if options.command == "sweep":  # its workers share the processors, where threads of linear algebra only wait
+        os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     try:
         show_progress("loading ...")  # the first import of SymPy and CasADi takes seconds
         command = import_module(f"derive.cli.{options.command}")

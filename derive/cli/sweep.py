@@ -8,13 +8,14 @@ import time
 from collections.abc import Iterator
 from concurrent.futures import Executor
 from contextlib import contextmanager
+from pathlib import Path
 
 from derive.artifacts import MARK, BinaryFile, File, check_folder, sha256, write
 from derive.errors import SpecError
 from derive.spec.toml.read import read, with_lines
 from derive.study.sweep.cluster import dask_executor
 from derive.study.sweep.picture import sweep_svg
-from derive.study.sweep.plan import Plan, RunOptions, make_plan
+from derive.study.sweep.plan import RunOptions, make_plan
 from derive.study.sweep.result import SweepResult
 from derive.study.sweep.run import run_plan
 from derive.study.sweep.samples import parsed_samples
@@ -42,7 +43,9 @@ def run(options: argparse.Namespace) -> int:
     finally:
         show_progress()
     folder = options.out / plan.name
-    check_folder(_planned_files(plan), folder, SAMPLE_SIZE * len(samples) + 1_000_000)
+    picture: Path = options.picture or folder / f"{NAME}.svg"
+    check_folder(_planned_tables(), folder, SAMPLE_SIZE * len(samples) + 1_000_000)
+    check_folder([File(picture.name, "")], picture.parent, 1_000_000)
     store = folder / f"{NAME}.partial"
     progress = _Progress(plan.name)
     with _executor(options.scheduler) as (executor, threads):
@@ -51,14 +54,17 @@ def run(options: argparse.Namespace) -> int:
         finally:
             show_progress()
     data = sweep_data(result, plan)
-    files = _files(result, data)
+    files, drawing = _tables(result, data), sweep_svg(result)
     write(files, folder)
+    if drawing:
+        write([File(picture.name, drawing)], picture.parent)
     store.unlink()
-    written = [str(folder / file.path) for file in files]
+    written = [*(str(folder / file.path) for file in files), *([str(picture)] if drawing else [])]
     if options.json:
         print(json.dumps({**data, "files": written}, indent=2))
     else:
-        print("\n".join([sweep_text(data, samples), "", *(f"wrote {file}" for file in written)]))
+        missing = [] if drawing else [f"  no picture: {len(samples.varying)} names vary, and it shows one or two"]
+        print("\n".join([sweep_text(data, samples), *missing, "", *(f"wrote {file}" for file in written)]))
     return 0
 
 
@@ -88,21 +94,19 @@ def _executor(scheduler: str | None) -> Iterator[tuple[Executor, int] | tuple[No
             yield given
 
 
-def _planned_files(plan: Plan) -> list[File]:
-    """The files of the sweep, still without their texts."""
+def _planned_tables() -> list[File]:
+    """The tables and their record, still without their texts."""
     record = f"{NAME}.json"
-    tables = [File(f"{NAME}.{kind}", "", record=record) for kind in ("csv", "npz")]
-    return [*tables, File(f"{NAME}.svg", ""), File(record, "")]
+    return [*(File(f"{NAME}.{kind}", "", record=record) for kind in ("csv", "npz")), File(record, "")]
 
 
-def _files(result: SweepResult, data: dict[str, object]) -> list[File | BinaryFile]:
-    """The tables, the picture if there is one, and the record with all settings, which vouches for the tables."""
-    record, picture = f"{NAME}.json", sweep_svg(result)
+def _tables(result: SweepResult, data: dict[str, object]) -> list[File | BinaryFile]:
+    """The tables, and the record with all settings, which vouches for them."""
+    record = f"{NAME}.json"
     tables = [
         BinaryFile(f"{NAME}.csv", sweep_csv(result).encode(), record=record),
         BinaryFile(f"{NAME}.npz", sweep_npz(result), record=record),
     ]
     hashes = {file.path: sha256(file.data) for file in tables}
     content = {"generator": f"{MARK} {VERSION}. Do not edit.", **data, "files": hashes}
-    drawn = [File(f"{NAME}.svg", picture)] if picture else []
-    return [*tables, *drawn, File(record, json.dumps(content, indent=2) + "\n")]
+    return [*tables, File(record, json.dumps(content, indent=2) + "\n")]

@@ -37,6 +37,9 @@ def add_sweep(commands: Any) -> None:
     sweep.add_argument(
         "--out", type=Path, default=Path("results"), metavar="FOLDER", help="output folder (default: results)"
     )
+    sweep.add_argument(
+        "--picture", type=Path, metavar="FILE", help="the picture (default: sweep.svg in the folder of the tables)"
+    )
     sweep.add_argument("--duration", type=seconds, metavar="S", help="duration, s, in place of the specified one")
     sweep.add_argument(
         "--interval", type=seconds, metavar="S", help="time between the rows in which peaks are looked for, s"

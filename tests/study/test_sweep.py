@@ -221,6 +221,13 @@ def test_an_output_is_a_column_of_all_models() -> None:
         check_outputs([wanted, wanted], [one])
 
 
+def test_what_the_monitors_warn_of_in_the_sample_with_the_largest_output(threads: Executor) -> None:
+    result = sweep(slider(), grid({"EI": [40, 4, 12], "speed": [150]}), ["peak"], executor=threads)
+    run = derive.simulate(with_values(slider(), {"EI": "4"})[0])
+    assert result.warnings == {1: run.warnings} and "axial force" in run.warnings[0]
+    assert sweep(slider(), grid({"EI": [4000]}), ["peak"], executor=threads).warnings == {}
+
+
 def test_random_samples(threads: Executor) -> None:
     axes = {"EI": uniform(8, 20), "speed": 150.0}
     result, more = (

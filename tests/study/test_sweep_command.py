@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import json
 import math
+import os
 from pathlib import Path
 
 import numpy as np
@@ -55,6 +56,7 @@ def test_the_files_hold_all_samples(spec: Path, capsys: pytest.CaptureFixture[st
     assert list(arrays["names"]) == head[:3] and list(arrays["outputs"]) == head[3:5]
     assert [bool(text) for text in arrays["failures"]] == [False, True] * 3
     record = json.loads((folder / "sweep.json").read_text())
+    assert record["notes"] == [] and "warning: at EI = 8, radius = 0.1: rod in 1 beam: its axial force" in output.out
     assert record["failed"] == 3 and record["outputs"][1]["name"] == "final_slider_s"
     before = {path: path.read_bytes() for path in folder.iterdir()}
     assert run(spec, *given, "--output", "peak", "--output", "final:slider_s", "--json") == 0
@@ -109,6 +111,12 @@ def test_errors(spec: Path, arguments: list[str], message: str, capsys: pytest.C
     assert not list((spec.parent / "slider").glob("sweep.[cnsj]*"))
 
 
+def test_linear_algebra_has_no_threads_beside_the_workers(spec: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delenv("OPENBLAS_NUM_THREADS")
+    assert run(spec, "--set", "EI=1:2", "--output", "peak") == 2
+    assert os.environ["OPENBLAS_NUM_THREADS"] == "1"
+
+
 def test_files_of_others_are_left_alone(spec: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (spec.parent / "slider").mkdir()
     (spec.parent / "slider" / "sweep.csv").write_text("mine")
@@ -122,7 +130,7 @@ def made_up(samples: Samples, failed: bool = False) -> SweepResult:
     values = samples.values[:, :1] ** 2 + samples.values[:, 1:].sum(axis=1, keepdims=True)
     failures = {1: "no positions"} if failed else {}
     values[list(failures)] = math.nan
-    return SweepResult("made_up", samples, output, values, failures, {}, 1, 1, dict.fromkeys(samples.names, "N"))
+    return SweepResult("made_up", samples, output, values, failures, {}, {}, 1, 1, dict.fromkeys(samples.names, "N"))
 
 
 def sweep_outputs() -> tuple[object, ...]:

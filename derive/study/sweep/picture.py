@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import textwrap
 from typing import TYPE_CHECKING
 
@@ -25,6 +26,8 @@ MARKED_VALUES = 40
 """Lines with at most so many values have a point for each."""
 LEVELS = 8
 """About how many contour lines a map has."""
+WIDE = 30
+"""Positive values whose ratio is larger have a logarithmic scale of colours."""
 SHADE = "#202020"
 """What is behind white marks on a map, so that they are seen on any colour."""
 RESOLUTION = 200
@@ -108,15 +111,17 @@ def _map(axes: Axes, beside: Axes, result: SweepResult, output: SweepOutput) -> 
     _plain_ticks(axes)
     axes.grid(visible=False)
     axes.set_facecolor("none")
+    levels = _levels(z)
+    norm = "log" if isinstance(levels, list) else "linear"
     if samples.shape:
         cells = _cells(result, output)
-        drawn = axes.pcolormesh(*cells, cmap="viridis", shading="nearest", rasterized=True)
+        drawn = axes.pcolormesh(*cells, cmap="viridis", shading="nearest", rasterized=True, norm=norm)
         if min(cells[2].shape) > 2 and np.nanmin(z) < np.nanmax(z):
-            lines = axes.contour(*cells, levels=LEVELS, colors="white", linewidths=0.7)
-            axes.clabel(lines, fontsize=8, fmt=lambda value: f"{value:.3g}")
+            lines = axes.contour(*cells, levels=levels, colors="white", linewidths=0.7)
+            axes.clabel(lines, fontsize=8, fmt=_plain)
     else:
         drawn = axes.scatter(  # type: ignore[assignment]
-            x, y, c=z, cmap="viridis", s=14, linewidths=0
+            x, y, c=z, cmap="viridis", norm=norm, s=14, linewidths=0
         )
     if np.isnan(z).any():
         axes.plot(x[np.isnan(z)], y[np.isnan(z)], "x", color=INK, markersize=4, label="failed")
@@ -125,10 +130,27 @@ def _map(axes: Axes, beside: Axes, result: SweepResult, output: SweepOutput) -> 
         )
     bar = axes.figure.colorbar(drawn, cax=beside)
     bar.set_label(_with_unit(output.label, output.unit))
+    if isinstance(levels, list):
+        bar.set_ticks(levels, labels=list(map(_plain, levels)))
+        bar.minorticks_off()
     bar.outline.set_visible(False)
     axes.set_ylabel(_with_unit(short_names(samples)[names[1]], result.units[names[1]]))
     axes.tick_params(length=3)
     _mark(axes, x, y, z)
+
+
+def _levels(z: Vector) -> int | list[float]:
+    """The contour lines of values: 1, 2, 5, 10, ... if they are positive and differ much, or else their number."""
+    least, largest = float(np.nanmin(z)), float(np.nanmax(z))
+    if not (least > 0 and largest > WIDE * least):
+        return LEVELS
+    decades = range(math.floor(math.log10(least)), math.ceil(math.log10(largest)) + 1)
+    numbers = [factor * 10.0**decade for decade in decades for factor in (1, 2, 5)]
+    return [number for number in numbers if least <= number <= largest]
+
+
+def _plain(value: float) -> str:
+    return f"{value:.3g}"
 
 
 def _plain_ticks(axes: Axes) -> None:
@@ -138,7 +160,7 @@ def _plain_ticks(axes: Axes) -> None:
     for axis, scale in ((axes.xaxis, axes.get_xscale()), (axes.yaxis, axes.get_yscale())):
         if scale == "log":
             axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 3.0, 5.0)))
-            axis.set_major_formatter(FuncFormatter(lambda x, _: f"{x:g}"))
+            axis.set_major_formatter(FuncFormatter(lambda x, _: _plain(x)))
             axis.set_minor_locator(NullLocator())
 
 
@@ -162,7 +184,8 @@ def _mark(axes: Axes, x: Vector, y: Vector, z: Vector) -> None:
         axes.annotate(
             f"{text} {z[index]:.4g}", (x[index], y[index]), xytext=(8 if at_left else -8, 8 if above else -8),
             textcoords="offset points", ha="left" if at_left else "right", va="bottom" if above else "top",
-            color="white", fontweight="bold", bbox={"facecolor": SHADE, "alpha": 0.6, "edgecolor": "none", "pad": 1.5},
+            color="white", fontweight="bold", zorder=10,
+            bbox={"facecolor": SHADE, "alpha": 0.85, "edgecolor": "none", "pad": 1.5},
         )  # fmt: skip
 
 

@@ -20,8 +20,10 @@ class SweepResult:
     """values (n, outputs): NaN of samples that failed, for the reason in `failures` by the number of the sample.
 
     `result["peak_slider_s"]` is the output of that name: (n,), or for a grid an array with an axis for each name.
-    notes: what runs did otherwise than specified, by the number of the sample. models, initial_states: those that were
-    computed. units: those of the names that are parameters. resumed: the samples that an earlier run had finished.
+    notes: what runs did otherwise than specified, by the number of the sample. warnings: what the monitors of beams
+    warn of, likewise, in the samples with the largest amount of each output; the others are not monitored. models,
+    initial_states: those that were computed. units: those of the names that are parameters. resumed: the samples that
+    an earlier run had finished.
     """
 
     name: str
@@ -30,6 +32,7 @@ class SweepResult:
     values: Matrix
     failures: Mapping[int, str]
     notes: Mapping[int, tuple[str, ...]]
+    warnings: Mapping[int, tuple[str, ...]]
     models: int
     initial_states: int
     units: Mapping[str, str]

@@ -16,7 +16,7 @@ from derive.study.sweep.plan import Plan, RunOptions, make_plan
 from derive.study.sweep.result import SweepResult
 from derive.study.sweep.samples import Samples
 from derive.study.sweep.store import SampleStore
-from derive.study.sweep.worker import Outcome
+from derive.study.sweep.worker import Outcome, monitored
 
 UNKNOWN_WORKERS = 8
 """The workers for which samples are divided where their number is not known."""
@@ -102,13 +102,16 @@ def _result(plan: Plan, done: Sequence[Outcome], resumed: int) -> SweepResult:
         first = plan.samples.names, plan.samples.values[0].tolist()
         where = ", ".join(f"{name} = {value:g}" for name, value in zip(*first, strict=True))
         raise SweepFailed(f"none of the {len(done)} samples can be run; that of {where}: {failures[0]}")
+    values = np.array([outcome.values for outcome in done], dtype=np.float64).reshape(len(done), -1)
+    largest = {int(np.nanargmax(np.abs(column))) for column in values.T}
     return SweepResult(
         plan.name,
         plan.samples,
         plan.outputs,
-        np.array([outcome.values for outcome in done], dtype=np.float64).reshape(len(done), -1),
+        values,
         failures,
         {outcome.number: outcome.notes for outcome in done if outcome.notes},
+        monitored(plan.chunk(sorted((run for run in plan.runs if run.number in largest), key=lambda r: r.number))),
         len(plan.models),
         plan.initial_states,
         plan.units,

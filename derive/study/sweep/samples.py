@@ -61,6 +61,11 @@ class Random:
     quantile: Callable[[float], float]
 
 
+def constant(value: float) -> Random:
+    """The same number each time."""
+    return Random(lambda _: value)
+
+
 def uniform(low: float, high: float) -> Random:
     """Numbers between two bounds, all alike."""
     return Random(lambda u: low + (high - low) * u)
@@ -80,11 +85,21 @@ def normal(mean: float, deviation: float) -> Random:
     return Random(NormalDist(mean, deviation).inv_cdf)
 
 
-def grid(axes: Mapping[str, ArrayLike]) -> Samples:
-    """All combinations of the values (m,) of each name; those of the last name change fastest. Raises SamplesError."""
-    columns = [np.atleast_1d(np.asarray(values, dtype=np.float64)) for values in axes.values()]
+def grid(axes: Mapping[str, ArrayLike | str]) -> Samples:
+    """All combinations of the values (m,) of each name; those of the last name change fastest.
+
+    Values may be a text such as "10:100:40" (start:stop:count) or "10:100:40:log". Raises SamplesError.
+    """
+    columns = [np.atleast_1d(np.asarray(_values(name, given), dtype=np.float64)) for name, given in axes.items()]
     values = np.array(list(itertools.product(*columns)), dtype=np.float64).reshape(-1, len(columns))
     return Samples(tuple(axes), values, tuple(map(len, columns)))
+
+
+def _values(name: str, given: ArrayLike | str) -> ArrayLike:
+    axis = parse_axis(name, given) if isinstance(given, str) else given
+    if isinstance(axis, Random):
+        raise SamplesError(f"{name}={given!s}: a grid has no random values; use random_samples")
+    return axis
 
 
 def listed(columns: Mapping[str, ArrayLike]) -> Samples:
@@ -96,22 +111,25 @@ def listed(columns: Mapping[str, ArrayLike]) -> Samples:
     return Samples(tuple(columns), np.stack(rows, axis=1))
 
 
-def random_samples(axes: Mapping[str, Random | float], count: int, seed: int = 0) -> Samples:
-    """Independent random samples; a number is the same in all of them. More samples begin with the fewer ones.
+def random_samples(axes: Mapping[str, Random | float | str], count: int, seed: int = 0) -> Samples:
+    """`count` independent random samples, of which the first ones do not depend on their number. Raises SamplesError.
 
-    The numbers follow from the seed alone: those of the generator of Python's `random`, which all versions share.
+    axes: a distribution for each name, such as "uniform(10, 100)", "loguniform(1, 100)" or "normal(10, 0.5)" with its
+    standard deviation; or a number, which all samples have. The numbers follow from the seed alone: those of the
+    generator of Python's `random`, which all versions share.
     """
-    generator = random.Random(seed)
-    rows = []
-    for _ in range(count):
-        numbers = [max(generator.random(), 2.0**-53) for _ in axes]
-        rows.append(
-            [
-                axis.quantile(u) if isinstance(axis, Random) else float(axis)
-                for axis, u in zip(axes.values(), numbers, strict=True)
-            ]
-        )
+    generator, known = random.Random(seed), [_distribution(name, axis) for name, axis in axes.items()]
+    rows = [[axis.quantile(max(generator.random(), 2.0**-53)) for axis in known] for _ in range(count)]
     return Samples(tuple(axes), np.array(rows, dtype=np.float64).reshape(-1, len(axes)))
+
+
+def _distribution(name: str, given: Random | float | str) -> Random:
+    axis = parse_axis(name, given) if isinstance(given, str) else given
+    if isinstance(axis, Sequence):
+        if len(axis) > 1:
+            raise SamplesError(f"{name}={given}: a distribution or one number is needed")
+        axis = axis[0]
+    return axis if isinstance(axis, Random) else constant(axis)
 
 
 def spaced(start: float, stop: float, count: int, logarithmic: bool = False) -> Vector:
@@ -179,14 +197,12 @@ def parsed_samples(assignments: Sequence[tuple[str, str]], count: int | None, se
         if count is not None or seed is not None:
             raise SamplesError("--samples and --seed are for random values, such as --set EI=uniform(10,100)")
         return grid({name: axis for name, axis in axes.items() if not isinstance(axis, Random)})
-    single: dict[str, Random | float] = {}
     for name, axis in axes.items():
         if not isinstance(axis, Random) and len(axis) > 1:
             raise SamplesError(
                 f"{name} has {len(axis)} values and {drawn[0]} is random: give {name} one value or a distribution as "
                 "well, or all names values of a grid"
             )
-        single[name] = axis if isinstance(axis, Random) else axis[0]
     if count is None:
         raise SamplesError(f"{drawn[0]} is random: add --samples N, the number of samples")
-    return random_samples(single, count, seed or 0)
+    return random_samples(dict(assignments), count, seed or 0)

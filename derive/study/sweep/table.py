@@ -68,6 +68,11 @@ def sweep_data(result: SweepResult, plan: Plan) -> dict[str, Any]:
         "failed": len(result.failures),
         "failures": _listed(result, result.reasons()),
         "notes": _listed(result, result.remarks()),
+        "warnings": [
+            {"sample": result.sample(number), "text": text}
+            for number, texts in result.warnings.items()
+            for text in texts
+        ],
     }
 
 
@@ -105,6 +110,8 @@ def sweep_text(data: dict[str, Any], samples: Samples) -> str:
     if data["notes"]:
         lines.append("  notes of runs:")
         lines += _texts(data["notes"], samples)
+    for warning in data["warnings"]:
+        lines.append(f"  warning: at {sample_text(warning['sample'], samples)}: {warning['text']}")
     return "\n".join(lines)
 
 
@@ -122,7 +129,7 @@ def _texts(listed: Sequence[dict[str, Any]], samples: Samples) -> list[str]:
         f"    {_count(item['samples'], 'sample')}, the first at {sample_text(item['first'], samples)}: {item['text']}"
         for item in listed[:SHOWN]
     ]
-    return [*lines, *([f"    and {len(listed) - SHOWN} others, see the CSV"] if len(listed) > SHOWN else [])]
+    return [*lines, *([f"    and {len(listed) - SHOWN} others, see sweep.json"] if len(listed) > SHOWN else [])]
 
 
 def sample_text(sample: dict[str, float], samples: Samples) -> str:

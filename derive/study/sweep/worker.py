@@ -20,9 +20,12 @@ from derive.simulation.initial.initial_state import initial_state, scene_size
 from derive.simulation.integration.adaptive import adaptive
 from derive.simulation.integration.integrator import Integrator, Settings
 from derive.simulation.integration.solution import Solution
+from derive.simulation.observables.motion import SceneMotion
 from derive.simulation.output_times import output_times
 from derive.simulation.stop_condition import stop_condition, stop_event
 from derive.simulation.trajectory import column_values
+from derive.simulation.validity.measure import validity
+from derive.simulation.validity.watched_beam import scene_watch
 from derive.spec.model.scene import Scene
 from derive.spec.model.scene_functions import breaks
 from derive.spec.parsing.condition import Row
@@ -119,11 +122,27 @@ def _outcome(chunk: Chunk, sample: Sample) -> Outcome:
         start = _start(code, case, tuple((name, values[name]) for name in values if name in code.initial))
         if isinstance(start, str):
             return failed(chunk.outputs, sample, start)
-        solution = _solution(code, native, integrator, start, values, k)
+        solution = _solution(code, native, integrator, start, k)
         results = evaluate(chunk.outputs, code.columns, start.scene, native, k, solution)
     except (TisserandError, ArithmeticError, ValueError) as error:
         return failed(chunk.outputs, sample, reason(error))
     return Outcome(sample.number, results, "", (*start.notes, *_unusual(start.scene, solution)))
+
+
+def monitored(chunk: Chunk) -> dict[int, tuple[str, ...]]:
+    """What the monitors of beams warn of in the samples of a chunk, by their numbers: each is run once more for it."""
+    result: dict[int, tuple[str, ...]] = {}
+    for sample in chunk.samples:
+        code = chunk.models[chunk.cases[sample.case].model]
+        native, integrator = _loaded(code)
+        values = dict(zip(chunk.parameters, sample.values, strict=True))
+        k = native.setup(values)
+        start = _computed_start(code, chunk.cases[sample.case], values)
+        solution = _solution(code, native, integrator, start, k, watched=True)
+        motion = SceneMotion(start.scene, native, k, solution.t, solution.q, solution.v, solution.outputs)
+        if texts := tuple(monitor.warning for monitor in validity(motion, solution.watched) if monitor.passed):
+            result[sample.number] = texts
+    return result
 
 
 def failed(outputs: Sequence[SweepOutput], sample: Sample, text: str) -> Outcome:
@@ -162,12 +181,7 @@ def _computed_start(code: ModelCode, case: Case, values: Mapping[str, float]) ->
 
 
 def _solution(
-    code: ModelCode,
-    native: NativeScene,
-    integrator: Integrator,
-    start: _Start,
-    values: Mapping[str, float],
-    k: Vector,
+    code: ModelCode, native: NativeScene, integrator: Integrator, start: _Start, k: Vector, watched: bool = False
 ) -> Solution:
     simulation = start.scene.simulation
     assert simulation is not None
@@ -182,6 +196,7 @@ def _solution(
         size=start.size,
         breaks=start.breaks,
         until=stop_event(condition, row, native, k),
+        watch=scene_watch(start.scene, native, k, 0.0, start.q).watch if watched else None,
         interruptible=False,
     )
     return integrator.integrate(k, start.q, start.v, output_times(simulation), settings)
