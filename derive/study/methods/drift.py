@@ -15,15 +15,17 @@ from numpy.typing import NDArray
 from scipy.interpolate import make_interp_spline
 
 from derive.errors import TisserandError, first_line
-from derive.runtime.integrators.c_integrator import Integration, IntegratorError
+from derive.runtime.integrators.c_integrator import IntegratorError
 from derive.runtime.native_call import Vector
 from derive.simulation.compiled_scene import max_norm
-from derive.simulation.errors import IntegrationStopped
+from derive.simulation.errors import SimulationError
 from derive.study.methods.scene_methods import IMPLICIT, Method, MethodRun, MethodScene, equal_times
 from derive.study.states import State
 
 POINTS = 240
 """The times of a run in which its drift is looked at."""
+ENDLESS = 1e30
+"""A run in which a number becomes larger diverges."""
 CONSERVED = 1e-5
 """Power that drives do not account for, relative to that of all parts, above which the energy is no measure."""
 ORDER_STEPS = 10_000
@@ -89,25 +91,25 @@ def drift_run(of: MethodScene, method: Method, projected: bool, h: float, steps:
         else:
             run = of.run(method, h, steps, projected)
     except IntegratorError as error:
-        run, failure = _reached(error.partial), first_line(error)
-        steps = run.steps
+        partial = error.partial
+        run, failure = MethodRun(partial.t, partial.q, partial.v, partial.lam, steps), first_line(error)
     except TisserandError as error:
         return DriftRun(method, projected, h, 0, none, none, none, none, first_line(error))
-    chosen = np.unique(np.geomspace(1, max(steps, 1), POINTS).astype(int))
-    chosen = chosen[chosen <= steps]
+    sizes = np.abs(np.hstack([run.q, run.v, run.lam])).max(axis=1)
+    good = len(sizes) if np.all(sizes < ENDLESS) else int(np.argmin(sizes < ENDLESS))  # a NaN is not below it either
+    if good < len(sizes):
+        failure = failure or f"diverges after t = {run.t[max(good - 1, 0)]:.6g} s"
+        run = MethodRun(run.t[:good], run.q[:good], run.v[:good], run.lam[:good], max(good - 1, 0))
+    steps = len(run.t) - 1
+    if steps < 1:
+        return DriftRun(method, projected, h, 0, none, none, none, none, failure)
+    chosen = np.unique(np.geomspace(1, steps, POINTS).astype(int))
     native, k = of.native, of.k
     g = [max_norm(native.constraints(run.t[i], run.q[i], k)) for i in chosen]
     rates = [max_norm(native.constraint_rates(run.t[i], run.q[i], run.v[i], k)) for i in chosen]
     lost = energy_error(of, run, chosen) if energy and steps >= FEWEST else none
     worst = np.maximum.accumulate
     return DriftRun(method, projected, h, run.steps, run.t[chosen], worst(g), worst(rates), worst(lost), failure)
-
-
-def _reached(partial: Integration) -> MethodRun:
-    """The rows that a run has reached before it failed."""
-    count = int(np.sum(np.all(np.isfinite(np.hstack([partial.q, partial.v, partial.lam])), axis=1)))
-    rows = slice(count)
-    return MethodRun(partial.t[rows], partial.q[rows], partial.v[rows], partial.lam[rows], max(count - 1, 0))
 
 
 def energy_error(of: MethodScene, run: MethodRun, chosen: NDArray[np.intp]) -> Vector:
@@ -156,7 +158,7 @@ def drift_order(of: MethodScene, h: float, steps: int = ORDER_STEPS) -> DriftOrd
     """The order of the drift, from runs over the same time with steps of h and h/2 (s). Raises TisserandError."""
     whole, half = (drift_run(of, Method.RK4, False, h / n, n * steps, energy=False) for n in (1, 2))
     if failure := whole.failure or half.failure:
-        raise IntegrationStopped(float(whole.t[-1]) if len(whole.t) else 0.0, failure)
+        raise SimulationError(failure)
     ratio = whole.position[-1] / max(half.position[-1], np.finfo(float).tiny)
     return DriftOrder(steps, float(whole.position[-1]), exponent(whole.t, whole.position), float(np.log2(ratio)))
 

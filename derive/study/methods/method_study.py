@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from derive.errors import TisserandError
+from derive.errors import TisserandError, first_line
 from derive.spec.model.scene import Scene
 from derive.study.methods.attitude import Tumble, tumble
 from derive.study.methods.conditioning import Conditioning, conditioning
@@ -27,7 +27,7 @@ HALF = 0.5
 class MethodStudy:
     """What a study of methods has found; `along` says what the states are taken from, `h` (s) is the step of long runs.
 
-    order: None of a scene without constraints. notes: what could not be done, and why.
+    order: None of a scene without constraints, and where a run fails. notes: what could not be done, and why.
     """
 
     name: str
@@ -58,7 +58,7 @@ def method_study(
     """
     progress(f"{scene.name}: deriving and compiling")
     of = method_scene(scene)
-    notes = () if of.alpha else (f"{', '.join(m.value for m in IMPLICIT)}: left out; {of.missing}",)
+    notes: tuple[str, ...] = () if of.alpha else (f"{', '.join(m.value for m in IMPLICIT)}: left out; {of.missing}",)
     methods = [m for m in methods if of.alpha or m not in IMPLICIT]
     along = of.states(states)
     frequency = highest_frequency(of, along)
@@ -70,7 +70,10 @@ def method_study(
     limits = step_limits(of, frequency, methods, progress)
     drifts = drift_runs(of, h, steps, methods, progress)
     forms = form_runs(of, h, progress) if of.native.nlambda else []
-    order = drift_order(of, h) if of.native.nlambda else None
+    try:
+        order = drift_order(of, h) if of.native.nlambda else None
+    except TisserandError as error:
+        order, notes = None, (*notes, f"order of the drift: {first_line(error)}")
     progress("small scenes: dead centres, free flight, tumbling, shapes")
     return MethodStudy(
         scene.name,

@@ -20,7 +20,7 @@ from derive.simulation.errors import SimulationError
 from derive.simulation.initial.initial_state import scene_size
 from derive.simulation.integration.c_methods import NEWTON
 from derive.simulation.integration.integrator import scene_of
-from derive.simulation.integration.scipy_methods import integrate
+from derive.simulation.integration.scipy_methods import MAX_STEPS_PER_ROW, integrate
 from derive.simulation.integration.tolerances import absolute_tolerances, consistent_tolerance
 from derive.spec.model.scene import Scene
 from derive.spec.model.scene_functions import breaks
@@ -31,6 +31,10 @@ DAMPED = 0.8
 
 LOOSE = 1e9
 """A tolerance with which adaptive methods take the longest step that they may."""
+
+
+STEPS_PER_ROW = 20
+"""The mean number of steps between rows of an adaptive run that are a step of a fixed method apart, at most."""
 
 
 class Method(Enum):
@@ -134,8 +138,12 @@ class MethodScene:
         projected: bool = True,
         longest: float = 0.0,
         start: State | None = None,
+        per_row: int = STEPS_PER_ROW,
     ) -> MethodRun:
-        """The adaptive method with rows at `times` (n,), s, steps of at most `longest` (s) unless that is 0."""
+        """The adaptive method with rows at `times` (n,), s, steps of at most `longest` (s) unless that is 0.
+
+        per_row: the largest mean number of steps for each row. Raises AdaptiveError.
+        """
         _, q, v = start or self.start
         rounded = consistent_tolerance(CONSISTENT, self.size, q)
         a = self.adaptive.run(
@@ -147,6 +155,7 @@ class MethodScene:
             k=self.k,
             consistent=rounded if projected else 0.0,
             step_max=longest,
+            steps_max=per_row * len(times),
             breaks=breaks(self.scene),
         )
         return MethodRun(a.t, a.q, a.v, a.lam, a.counts["steps"])
@@ -155,7 +164,8 @@ class MethodScene:
         """`count` states of the motion, equally spaced over a period. Raises SimulationError if it ends before."""
         assert self.scene.simulation is not None
         try:
-            r = self.adaptive_run(np.linspace(0.0, self.period, count), self.scene.simulation.tolerance)
+            times = np.linspace(0.0, self.period, count)
+            r = self.adaptive_run(times, self.scene.simulation.tolerance, per_row=MAX_STEPS_PER_ROW)
         except AdaptiveError as error:
             advice = f"a study of methods needs a motion that goes on for {self.along}; give a shorter duration"
             raise SimulationError(f"{error}; {advice}") from error
