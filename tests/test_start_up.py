@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 from pathlib import Path
+
+import pytest
 
 SCENE = """
 name = "swing"
@@ -55,3 +58,13 @@ def test_a_kept_model_is_simulated_without_the_libraries_that_derive(tmp_path: P
     assert "casadi" in loaded(*arguments)  # to derive the model, which is then kept
     assert not set(UNUSED) & set(loaded(*arguments))
     assert "deviation" in (tmp_path / "out/swing/bending.svg").read_text()
+
+
+@pytest.mark.parametrize("given", [None, "2"])
+def test_small_matrices_need_no_threads(given: str | None) -> None:
+    """Unless the user asks for them."""
+    environment = {key: value for key, value in os.environ.items() if key != "OPENBLAS_NUM_THREADS"}
+    environment |= {"OPENBLAS_NUM_THREADS": given} if given else {}
+    code = "import os; from derive.cli.main import main; main(['schema']); print(os.environ['OPENBLAS_NUM_THREADS'])"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, env=environment)
+    assert done.stdout.split()[-1] == (given or "1")
