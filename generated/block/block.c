@@ -12,7 +12,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef BLOCK_HASH_62a902154ff7fd20
+#ifndef BLOCK_HASH_f00fadbc579ca063
 #  error "block.h and block.c are of different builds; run tisserand build again"
 #endif
 

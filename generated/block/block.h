@@ -330,8 +330,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define BLOCK_HASH "62a902154ff7fd20"
-#define BLOCK_HASH_62a902154ff7fd20
+#define BLOCK_HASH "f00fadbc579ca063"
+#define BLOCK_HASH_f00fadbc579ca063
 
 /* ---- sizes and indices ---- */
 

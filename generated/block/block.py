@@ -196,7 +196,7 @@ class Pattern(NamedTuple):
 
 
 NAME = "block"
-HASH = "62a902154ff7fd20"
+HASH = "f00fadbc579ca063"
 COORDINATES = (
     "c1", "c2", "c3", "e0", "e1", "e2", "e3", "alpha1", "alpha2", "alpha3", "alpha4", "alpha5",
     "alpha6", "alpha7", "alpha8",
@@ -319,14 +319,14 @@ def mass(q, k):
     187 operations.
     """
     xp, batch, (q, k) = _arrays(dict(q=15, k=0), q, k)
-    alpha1 = q[..., 7]
-    alpha2 = q[..., 8]
-    alpha3 = q[..., 9]
-    alpha4 = q[..., 10]
-    alpha5 = q[..., 11]
-    alpha6 = q[..., 12]
-    alpha7 = q[..., 13]
-    alpha8 = q[..., 14]
+    alpha1 = q[7]
+    alpha2 = q[8]
+    alpha3 = q[9]
+    alpha4 = q[10]
+    alpha5 = q[11]
+    alpha6 = q[12]
+    alpha7 = q[13]
+    alpha8 = q[14]
 
     # S (appendix): S_1_11 = symmetric part of D2_1; ...; S_8_33 = symmetric part of D2_8
     S_1_11 = 0.9229461451083147 * alpha1 + 0.0526587076325526 * alpha8
@@ -484,25 +484,25 @@ def force(t, q, v, k):
     534 operations.
     """
     xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=15, v=14, k=0), t, q, v, k)
-    alpha1 = q[..., 7]
-    alpha2 = q[..., 8]
-    alpha3 = q[..., 9]
-    alpha4 = q[..., 10]
-    alpha5 = q[..., 11]
-    alpha6 = q[..., 12]
-    alpha7 = q[..., 13]
-    alpha8 = q[..., 14]
-    omega1 = v[..., 3]
-    omega2 = v[..., 4]
-    omega3 = v[..., 5]
-    alpha1dot = v[..., 6]
-    alpha2dot = v[..., 7]
-    alpha3dot = v[..., 8]
-    alpha4dot = v[..., 9]
-    alpha5dot = v[..., 10]
-    alpha6dot = v[..., 11]
-    alpha7dot = v[..., 12]
-    alpha8dot = v[..., 13]
+    alpha1 = q[7]
+    alpha2 = q[8]
+    alpha3 = q[9]
+    alpha4 = q[10]
+    alpha5 = q[11]
+    alpha6 = q[12]
+    alpha7 = q[13]
+    alpha8 = q[14]
+    omega1 = v[3]
+    omega2 = v[4]
+    omega3 = v[5]
+    alpha1dot = v[6]
+    alpha2dot = v[7]
+    alpha3dot = v[8]
+    alpha4dot = v[9]
+    alpha5dot = v[10]
+    alpha6dot = v[11]
+    alpha7dot = v[12]
+    alpha8dot = v[13]
 
     # oo (5): oo_11 = products of omega; ...; oo_33 = products of omega
     oo_11 = omega1 * omega1
@@ -727,25 +727,25 @@ def mass_force(t, q, v, k):
     558 operations.
     """
     xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=15, v=14, k=0), t, q, v, k)
-    alpha1 = q[..., 7]
-    alpha2 = q[..., 8]
-    alpha3 = q[..., 9]
-    alpha4 = q[..., 10]
-    alpha5 = q[..., 11]
-    alpha6 = q[..., 12]
-    alpha7 = q[..., 13]
-    alpha8 = q[..., 14]
-    omega1 = v[..., 3]
-    omega2 = v[..., 4]
-    omega3 = v[..., 5]
-    alpha1dot = v[..., 6]
-    alpha2dot = v[..., 7]
-    alpha3dot = v[..., 8]
-    alpha4dot = v[..., 9]
-    alpha5dot = v[..., 10]
-    alpha6dot = v[..., 11]
-    alpha7dot = v[..., 12]
-    alpha8dot = v[..., 13]
+    alpha1 = q[7]
+    alpha2 = q[8]
+    alpha3 = q[9]
+    alpha4 = q[10]
+    alpha5 = q[11]
+    alpha6 = q[12]
+    alpha7 = q[13]
+    alpha8 = q[14]
+    omega1 = v[3]
+    omega2 = v[4]
+    omega3 = v[5]
+    alpha1dot = v[6]
+    alpha2dot = v[7]
+    alpha3dot = v[8]
+    alpha4dot = v[9]
+    alpha5dot = v[10]
+    alpha6dot = v[11]
+    alpha7dot = v[12]
+    alpha8dot = v[13]
 
     # oo (5): oo_11 = products of omega; ...; oo_33 = products of omega
     oo_11 = omega1 * omega1
@@ -1056,25 +1056,25 @@ def accel(t, q, v, k):
     813 operations.
     """
     xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=15, v=14, k=0), t, q, v, k)
-    alpha1 = q[..., 7]
-    alpha2 = q[..., 8]
-    alpha3 = q[..., 9]
-    alpha4 = q[..., 10]
-    alpha5 = q[..., 11]
-    alpha6 = q[..., 12]
-    alpha7 = q[..., 13]
-    alpha8 = q[..., 14]
-    omega1 = v[..., 3]
-    omega2 = v[..., 4]
-    omega3 = v[..., 5]
-    alpha1dot = v[..., 6]
-    alpha2dot = v[..., 7]
-    alpha3dot = v[..., 8]
-    alpha4dot = v[..., 9]
-    alpha5dot = v[..., 10]
-    alpha6dot = v[..., 11]
-    alpha7dot = v[..., 12]
-    alpha8dot = v[..., 13]
+    alpha1 = q[7]
+    alpha2 = q[8]
+    alpha3 = q[9]
+    alpha4 = q[10]
+    alpha5 = q[11]
+    alpha6 = q[12]
+    alpha7 = q[13]
+    alpha8 = q[14]
+    omega1 = v[3]
+    omega2 = v[4]
+    omega3 = v[5]
+    alpha1dot = v[6]
+    alpha2dot = v[7]
+    alpha3dot = v[8]
+    alpha4dot = v[9]
+    alpha5dot = v[10]
+    alpha6dot = v[11]
+    alpha7dot = v[12]
+    alpha8dot = v[13]
 
     # S (appendix): S_1_11 = symmetric part of D2_1; ...; S_8_33 = symmetric part of D2_8
     S_1_11 = 0.9229461451083147 * alpha1 + 0.0526587076325526 * alpha8
@@ -1399,28 +1399,28 @@ def energy(q, v, k):
     303 operations.
     """
     xp, batch, (q, v, k) = _arrays(dict(q=15, v=14, k=0), q, v, k)
-    alpha1 = q[..., 7]
-    alpha2 = q[..., 8]
-    alpha3 = q[..., 9]
-    alpha4 = q[..., 10]
-    alpha5 = q[..., 11]
-    alpha6 = q[..., 12]
-    alpha7 = q[..., 13]
-    alpha8 = q[..., 14]
-    c1dot = v[..., 0]
-    c2dot = v[..., 1]
-    c3dot = v[..., 2]
-    omega1 = v[..., 3]
-    omega2 = v[..., 4]
-    omega3 = v[..., 5]
-    alpha1dot = v[..., 6]
-    alpha2dot = v[..., 7]
-    alpha3dot = v[..., 8]
-    alpha4dot = v[..., 9]
-    alpha5dot = v[..., 10]
-    alpha6dot = v[..., 11]
-    alpha7dot = v[..., 12]
-    alpha8dot = v[..., 13]
+    alpha1 = q[7]
+    alpha2 = q[8]
+    alpha3 = q[9]
+    alpha4 = q[10]
+    alpha5 = q[11]
+    alpha6 = q[12]
+    alpha7 = q[13]
+    alpha8 = q[14]
+    c1dot = v[0]
+    c2dot = v[1]
+    c3dot = v[2]
+    omega1 = v[3]
+    omega2 = v[4]
+    omega3 = v[5]
+    alpha1dot = v[6]
+    alpha2dot = v[7]
+    alpha3dot = v[8]
+    alpha4dot = v[9]
+    alpha5dot = v[10]
+    alpha6dot = v[11]
+    alpha7dot = v[12]
+    alpha8dot = v[13]
 
     # oo (5): oo_11 = products of omega; ...; oo_33 = products of omega
     oo_11 = omega1 * omega1
@@ -1571,35 +1571,35 @@ def momentum(q, v, k):
     313 operations.
     """
     xp, batch, (q, v, k) = _arrays(dict(q=15, v=14, k=0), q, v, k)
-    c1 = q[..., 0]
-    c2 = q[..., 1]
-    c3 = q[..., 2]
-    e0 = q[..., 3]
-    e1 = q[..., 4]
-    e2 = q[..., 5]
-    e3 = q[..., 6]
-    alpha1 = q[..., 7]
-    alpha2 = q[..., 8]
-    alpha3 = q[..., 9]
-    alpha4 = q[..., 10]
-    alpha5 = q[..., 11]
-    alpha6 = q[..., 12]
-    alpha7 = q[..., 13]
-    alpha8 = q[..., 14]
-    c1dot = v[..., 0]
-    c2dot = v[..., 1]
-    c3dot = v[..., 2]
-    omega1 = v[..., 3]
-    omega2 = v[..., 4]
-    omega3 = v[..., 5]
-    alpha1dot = v[..., 6]
-    alpha2dot = v[..., 7]
-    alpha3dot = v[..., 8]
-    alpha4dot = v[..., 9]
-    alpha5dot = v[..., 10]
-    alpha6dot = v[..., 11]
-    alpha7dot = v[..., 12]
-    alpha8dot = v[..., 13]
+    c1 = q[0]
+    c2 = q[1]
+    c3 = q[2]
+    e0 = q[3]
+    e1 = q[4]
+    e2 = q[5]
+    e3 = q[6]
+    alpha1 = q[7]
+    alpha2 = q[8]
+    alpha3 = q[9]
+    alpha4 = q[10]
+    alpha5 = q[11]
+    alpha6 = q[12]
+    alpha7 = q[13]
+    alpha8 = q[14]
+    c1dot = v[0]
+    c2dot = v[1]
+    c3dot = v[2]
+    omega1 = v[3]
+    omega2 = v[4]
+    omega3 = v[5]
+    alpha1dot = v[6]
+    alpha2dot = v[7]
+    alpha3dot = v[8]
+    alpha4dot = v[9]
+    alpha5dot = v[10]
+    alpha6dot = v[11]
+    alpha7dot = v[12]
+    alpha8dot = v[13]
 
     # attitude: check that the quaternion is neither zero nor NaN
     valid_1 = (e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3) > 0
@@ -1765,24 +1765,24 @@ def rates(q, v, k):
     31 operations.
     """
     xp, batch, (q, v, k) = _arrays(dict(q=15, v=14, k=0), q, v, k)
-    e0 = q[..., 3]
-    e1 = q[..., 4]
-    e2 = q[..., 5]
-    e3 = q[..., 6]
-    c1dot = v[..., 0]
-    c2dot = v[..., 1]
-    c3dot = v[..., 2]
-    omega1 = v[..., 3]
-    omega2 = v[..., 4]
-    omega3 = v[..., 5]
-    alpha1dot = v[..., 6]
-    alpha2dot = v[..., 7]
-    alpha3dot = v[..., 8]
-    alpha4dot = v[..., 9]
-    alpha5dot = v[..., 10]
-    alpha6dot = v[..., 11]
-    alpha7dot = v[..., 12]
-    alpha8dot = v[..., 13]
+    e0 = q[3]
+    e1 = q[4]
+    e2 = q[5]
+    e3 = q[6]
+    c1dot = v[0]
+    c2dot = v[1]
+    c3dot = v[2]
+    omega1 = v[3]
+    omega2 = v[4]
+    omega3 = v[5]
+    alpha1dot = v[6]
+    alpha2dot = v[7]
+    alpha3dot = v[8]
+    alpha4dot = v[9]
+    alpha5dot = v[10]
+    alpha6dot = v[11]
+    alpha7dot = v[12]
+    alpha8dot = v[13]
 
     # attitude: check that the quaternion is neither zero nor NaN
     valid_1 = (e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3) > 0
@@ -1827,35 +1827,35 @@ def marker_corner(q, v, k):
     323 operations.
     """
     xp, batch, (q, v, k) = _arrays(dict(q=15, v=14, k=0), q, v, k)
-    c1 = q[..., 0]
-    c2 = q[..., 1]
-    c3 = q[..., 2]
-    e0 = q[..., 3]
-    e1 = q[..., 4]
-    e2 = q[..., 5]
-    e3 = q[..., 6]
-    alpha1 = q[..., 7]
-    alpha2 = q[..., 8]
-    alpha3 = q[..., 9]
-    alpha4 = q[..., 10]
-    alpha5 = q[..., 11]
-    alpha6 = q[..., 12]
-    alpha7 = q[..., 13]
-    alpha8 = q[..., 14]
-    c1dot = v[..., 0]
-    c2dot = v[..., 1]
-    c3dot = v[..., 2]
-    omega1 = v[..., 3]
-    omega2 = v[..., 4]
-    omega3 = v[..., 5]
-    alpha1dot = v[..., 6]
-    alpha2dot = v[..., 7]
-    alpha3dot = v[..., 8]
-    alpha4dot = v[..., 9]
-    alpha5dot = v[..., 10]
-    alpha6dot = v[..., 11]
-    alpha7dot = v[..., 12]
-    alpha8dot = v[..., 13]
+    c1 = q[0]
+    c2 = q[1]
+    c3 = q[2]
+    e0 = q[3]
+    e1 = q[4]
+    e2 = q[5]
+    e3 = q[6]
+    alpha1 = q[7]
+    alpha2 = q[8]
+    alpha3 = q[9]
+    alpha4 = q[10]
+    alpha5 = q[11]
+    alpha6 = q[12]
+    alpha7 = q[13]
+    alpha8 = q[14]
+    c1dot = v[0]
+    c2dot = v[1]
+    c3dot = v[2]
+    omega1 = v[3]
+    omega2 = v[4]
+    omega3 = v[5]
+    alpha1dot = v[6]
+    alpha2dot = v[7]
+    alpha3dot = v[8]
+    alpha4dot = v[9]
+    alpha5dot = v[10]
+    alpha6dot = v[11]
+    alpha7dot = v[12]
+    alpha8dot = v[13]
 
     # attitude: check that the quaternion is neither zero nor NaN
     valid_1 = (e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3) > 0
@@ -2036,25 +2036,25 @@ def marker_centre(q, v, k):
     107 operations.
     """
     xp, batch, (q, v, k) = _arrays(dict(q=15, v=14, k=0), q, v, k)
-    c1 = q[..., 0]
-    c2 = q[..., 1]
-    c3 = q[..., 2]
-    e0 = q[..., 3]
-    e1 = q[..., 4]
-    e2 = q[..., 5]
-    e3 = q[..., 6]
-    alpha1 = q[..., 7]
-    alpha2 = q[..., 8]
-    alpha8 = q[..., 14]
-    c1dot = v[..., 0]
-    c2dot = v[..., 1]
-    c3dot = v[..., 2]
-    omega1 = v[..., 3]
-    omega2 = v[..., 4]
-    omega3 = v[..., 5]
-    alpha1dot = v[..., 6]
-    alpha2dot = v[..., 7]
-    alpha8dot = v[..., 13]
+    c1 = q[0]
+    c2 = q[1]
+    c3 = q[2]
+    e0 = q[3]
+    e1 = q[4]
+    e2 = q[5]
+    e3 = q[6]
+    alpha1 = q[7]
+    alpha2 = q[8]
+    alpha8 = q[14]
+    c1dot = v[0]
+    c2dot = v[1]
+    c3dot = v[2]
+    omega1 = v[3]
+    omega2 = v[4]
+    omega3 = v[5]
+    alpha1dot = v[6]
+    alpha2dot = v[7]
+    alpha8dot = v[13]
 
     # attitude: check that the quaternion is neither zero nor NaN
     valid_1 = (e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3) > 0
@@ -2140,31 +2140,31 @@ def marker_end(q, v, k):
     147 operations.
     """
     xp, batch, (q, v, k) = _arrays(dict(q=15, v=14, k=0), q, v, k)
-    c1 = q[..., 0]
-    c2 = q[..., 1]
-    c3 = q[..., 2]
-    e0 = q[..., 3]
-    e1 = q[..., 4]
-    e2 = q[..., 5]
-    e3 = q[..., 6]
-    alpha1 = q[..., 7]
-    alpha2 = q[..., 8]
-    alpha4 = q[..., 10]
-    alpha5 = q[..., 11]
-    alpha6 = q[..., 12]
-    alpha8 = q[..., 14]
-    c1dot = v[..., 0]
-    c2dot = v[..., 1]
-    c3dot = v[..., 2]
-    omega1 = v[..., 3]
-    omega2 = v[..., 4]
-    omega3 = v[..., 5]
-    alpha1dot = v[..., 6]
-    alpha2dot = v[..., 7]
-    alpha4dot = v[..., 9]
-    alpha5dot = v[..., 10]
-    alpha6dot = v[..., 11]
-    alpha8dot = v[..., 13]
+    c1 = q[0]
+    c2 = q[1]
+    c3 = q[2]
+    e0 = q[3]
+    e1 = q[4]
+    e2 = q[5]
+    e3 = q[6]
+    alpha1 = q[7]
+    alpha2 = q[8]
+    alpha4 = q[10]
+    alpha5 = q[11]
+    alpha6 = q[12]
+    alpha8 = q[14]
+    c1dot = v[0]
+    c2dot = v[1]
+    c3dot = v[2]
+    omega1 = v[3]
+    omega2 = v[4]
+    omega3 = v[5]
+    alpha1dot = v[6]
+    alpha2dot = v[7]
+    alpha4dot = v[9]
+    alpha5dot = v[10]
+    alpha6dot = v[11]
+    alpha8dot = v[13]
 
     # attitude: check that the quaternion is neither zero nor NaN
     valid_1 = (e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3) > 0
@@ -2268,21 +2268,21 @@ def load_corner(q, F, k):
     147 operations.
     """
     xp, batch, (q, F, k) = _arrays(dict(q=15, F=3, k=0), q, F, k)
-    e0 = q[..., 3]
-    e1 = q[..., 4]
-    e2 = q[..., 5]
-    e3 = q[..., 6]
-    alpha1 = q[..., 7]
-    alpha2 = q[..., 8]
-    alpha3 = q[..., 9]
-    alpha4 = q[..., 10]
-    alpha5 = q[..., 11]
-    alpha6 = q[..., 12]
-    alpha7 = q[..., 13]
-    alpha8 = q[..., 14]
-    F_1 = F[..., 0]
-    F_2 = F[..., 1]
-    F_3 = F[..., 2]
+    e0 = q[3]
+    e1 = q[4]
+    e2 = q[5]
+    e3 = q[6]
+    alpha1 = q[7]
+    alpha2 = q[8]
+    alpha3 = q[9]
+    alpha4 = q[10]
+    alpha5 = q[11]
+    alpha6 = q[12]
+    alpha7 = q[13]
+    alpha8 = q[14]
+    F_1 = F[0]
+    F_2 = F[1]
+    F_3 = F[2]
 
     # attitude: check that the quaternion is neither zero nor NaN
     valid_1 = (e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3) > 0
@@ -2371,16 +2371,16 @@ def load_centre(q, F, k):
     63 operations.
     """
     xp, batch, (q, F, k) = _arrays(dict(q=15, F=3, k=0), q, F, k)
-    e0 = q[..., 3]
-    e1 = q[..., 4]
-    e2 = q[..., 5]
-    e3 = q[..., 6]
-    alpha1 = q[..., 7]
-    alpha2 = q[..., 8]
-    alpha8 = q[..., 14]
-    F_1 = F[..., 0]
-    F_2 = F[..., 1]
-    F_3 = F[..., 2]
+    e0 = q[3]
+    e1 = q[4]
+    e2 = q[5]
+    e3 = q[6]
+    alpha1 = q[7]
+    alpha2 = q[8]
+    alpha8 = q[14]
+    F_1 = F[0]
+    F_2 = F[1]
+    F_3 = F[2]
 
     # attitude: check that the quaternion is neither zero nor NaN
     valid_1 = (e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3) > 0
@@ -2451,19 +2451,19 @@ def load_end(q, F, k):
     75 operations.
     """
     xp, batch, (q, F, k) = _arrays(dict(q=15, F=3, k=0), q, F, k)
-    e0 = q[..., 3]
-    e1 = q[..., 4]
-    e2 = q[..., 5]
-    e3 = q[..., 6]
-    alpha1 = q[..., 7]
-    alpha2 = q[..., 8]
-    alpha4 = q[..., 10]
-    alpha5 = q[..., 11]
-    alpha6 = q[..., 12]
-    alpha8 = q[..., 14]
-    F_1 = F[..., 0]
-    F_2 = F[..., 1]
-    F_3 = F[..., 2]
+    e0 = q[3]
+    e1 = q[4]
+    e2 = q[5]
+    e3 = q[6]
+    alpha1 = q[7]
+    alpha2 = q[8]
+    alpha4 = q[10]
+    alpha5 = q[11]
+    alpha6 = q[12]
+    alpha8 = q[14]
+    F_1 = F[0]
+    F_2 = F[1]
+    F_3 = F[2]
 
     # attitude: check that the quaternion is neither zero nor NaN
     valid_1 = (e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3) > 0
@@ -2538,61 +2538,61 @@ def residual(t, y, ydot, k):
     712 operations.
     """
     xp, batch, (t, y, ydot, k) = _arrays(dict(t=None, y=29, ydot=29, k=0), t, y, ydot, k)
-    e0 = y[..., 3]
-    e1 = y[..., 4]
-    e2 = y[..., 5]
-    e3 = y[..., 6]
-    alpha1 = y[..., 7]
-    alpha2 = y[..., 8]
-    alpha3 = y[..., 9]
-    alpha4 = y[..., 10]
-    alpha5 = y[..., 11]
-    alpha6 = y[..., 12]
-    alpha7 = y[..., 13]
-    alpha8 = y[..., 14]
-    c1dot = y[..., 15]
-    c2dot = y[..., 16]
-    c3dot = y[..., 17]
-    omega1 = y[..., 18]
-    omega2 = y[..., 19]
-    omega3 = y[..., 20]
-    alpha1dot = y[..., 21]
-    alpha2dot = y[..., 22]
-    alpha3dot = y[..., 23]
-    alpha4dot = y[..., 24]
-    alpha5dot = y[..., 25]
-    alpha6dot = y[..., 26]
-    alpha7dot = y[..., 27]
-    alpha8dot = y[..., 28]
-    c1_t = ydot[..., 0]
-    c2_t = ydot[..., 1]
-    c3_t = ydot[..., 2]
-    e0_t = ydot[..., 3]
-    e1_t = ydot[..., 4]
-    e2_t = ydot[..., 5]
-    e3_t = ydot[..., 6]
-    alpha1_t = ydot[..., 7]
-    alpha2_t = ydot[..., 8]
-    alpha3_t = ydot[..., 9]
-    alpha4_t = ydot[..., 10]
-    alpha5_t = ydot[..., 11]
-    alpha6_t = ydot[..., 12]
-    alpha7_t = ydot[..., 13]
-    alpha8_t = ydot[..., 14]
-    c1ddot = ydot[..., 15]
-    c2ddot = ydot[..., 16]
-    c3ddot = ydot[..., 17]
-    omega1dot = ydot[..., 18]
-    omega2dot = ydot[..., 19]
-    omega3dot = ydot[..., 20]
-    alpha1ddot = ydot[..., 21]
-    alpha2ddot = ydot[..., 22]
-    alpha3ddot = ydot[..., 23]
-    alpha4ddot = ydot[..., 24]
-    alpha5ddot = ydot[..., 25]
-    alpha6ddot = ydot[..., 26]
-    alpha7ddot = ydot[..., 27]
-    alpha8ddot = ydot[..., 28]
+    e0 = y[3]
+    e1 = y[4]
+    e2 = y[5]
+    e3 = y[6]
+    alpha1 = y[7]
+    alpha2 = y[8]
+    alpha3 = y[9]
+    alpha4 = y[10]
+    alpha5 = y[11]
+    alpha6 = y[12]
+    alpha7 = y[13]
+    alpha8 = y[14]
+    c1dot = y[15]
+    c2dot = y[16]
+    c3dot = y[17]
+    omega1 = y[18]
+    omega2 = y[19]
+    omega3 = y[20]
+    alpha1dot = y[21]
+    alpha2dot = y[22]
+    alpha3dot = y[23]
+    alpha4dot = y[24]
+    alpha5dot = y[25]
+    alpha6dot = y[26]
+    alpha7dot = y[27]
+    alpha8dot = y[28]
+    c1_t = ydot[0]
+    c2_t = ydot[1]
+    c3_t = ydot[2]
+    e0_t = ydot[3]
+    e1_t = ydot[4]
+    e2_t = ydot[5]
+    e3_t = ydot[6]
+    alpha1_t = ydot[7]
+    alpha2_t = ydot[8]
+    alpha3_t = ydot[9]
+    alpha4_t = ydot[10]
+    alpha5_t = ydot[11]
+    alpha6_t = ydot[12]
+    alpha7_t = ydot[13]
+    alpha8_t = ydot[14]
+    c1ddot = ydot[15]
+    c2ddot = ydot[16]
+    c3ddot = ydot[17]
+    omega1dot = ydot[18]
+    omega2dot = ydot[19]
+    omega3dot = ydot[20]
+    alpha1ddot = ydot[21]
+    alpha2ddot = ydot[22]
+    alpha3ddot = ydot[23]
+    alpha4ddot = ydot[24]
+    alpha5ddot = ydot[25]
+    alpha6ddot = ydot[26]
+    alpha7ddot = ydot[27]
+    alpha8ddot = ydot[28]
 
     # attitude: check that the quaternion is neither zero nor NaN
     valid_1 = (e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3) > 0
@@ -2877,40 +2877,40 @@ def jacobian(t, y, ydot, cj, k):
     1706 operations.
     """
     xp, batch, (t, y, ydot, cj, k) = _arrays(dict(t=None, y=29, ydot=29, cj=None, k=0), t, y, ydot, cj, k)
-    e0 = y[..., 3]
-    e1 = y[..., 4]
-    e2 = y[..., 5]
-    e3 = y[..., 6]
-    alpha1 = y[..., 7]
-    alpha2 = y[..., 8]
-    alpha3 = y[..., 9]
-    alpha4 = y[..., 10]
-    alpha5 = y[..., 11]
-    alpha6 = y[..., 12]
-    alpha7 = y[..., 13]
-    alpha8 = y[..., 14]
-    omega1 = y[..., 18]
-    omega2 = y[..., 19]
-    omega3 = y[..., 20]
-    alpha1dot = y[..., 21]
-    alpha2dot = y[..., 22]
-    alpha3dot = y[..., 23]
-    alpha4dot = y[..., 24]
-    alpha5dot = y[..., 25]
-    alpha6dot = y[..., 26]
-    alpha7dot = y[..., 27]
-    alpha8dot = y[..., 28]
-    omega1dot = ydot[..., 18]
-    omega2dot = ydot[..., 19]
-    omega3dot = ydot[..., 20]
-    alpha1ddot = ydot[..., 21]
-    alpha2ddot = ydot[..., 22]
-    alpha3ddot = ydot[..., 23]
-    alpha4ddot = ydot[..., 24]
-    alpha5ddot = ydot[..., 25]
-    alpha6ddot = ydot[..., 26]
-    alpha7ddot = ydot[..., 27]
-    alpha8ddot = ydot[..., 28]
+    e0 = y[3]
+    e1 = y[4]
+    e2 = y[5]
+    e3 = y[6]
+    alpha1 = y[7]
+    alpha2 = y[8]
+    alpha3 = y[9]
+    alpha4 = y[10]
+    alpha5 = y[11]
+    alpha6 = y[12]
+    alpha7 = y[13]
+    alpha8 = y[14]
+    omega1 = y[18]
+    omega2 = y[19]
+    omega3 = y[20]
+    alpha1dot = y[21]
+    alpha2dot = y[22]
+    alpha3dot = y[23]
+    alpha4dot = y[24]
+    alpha5dot = y[25]
+    alpha6dot = y[26]
+    alpha7dot = y[27]
+    alpha8dot = y[28]
+    omega1dot = ydot[18]
+    omega2dot = ydot[19]
+    omega3dot = ydot[20]
+    alpha1ddot = ydot[21]
+    alpha2ddot = ydot[22]
+    alpha3ddot = ydot[23]
+    alpha4ddot = ydot[24]
+    alpha5ddot = ydot[25]
+    alpha6ddot = ydot[26]
+    alpha7ddot = ydot[27]
+    alpha8ddot = ydot[28]
 
     # attitude: check that the quaternion is neither zero nor NaN
     valid_1 = (e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3) > 0
@@ -3616,14 +3616,38 @@ def jacobian(t, y, ydot, cj, k):
     return _where(xp, valid_1, jac)
 
 
+_ONE_STATE = (), numpy.dtype(numpy.float64)
+
+
 def _arrays(sizes, *values):
-    """Their array namespace, shape and type of the batch, and the arguments as arrays; a number has no size."""
+    """Their array namespace, shape and type of the batch, and the arguments as arrays; a number has no size.
+
+    Arrays are given by what yields their elements along the last axis, see `_elements`.
+    """
+    if all(map(_is_plain, sizes.values(), values)):
+        return numpy, _ONE_STATE, values
     spaces = [value.__array_namespace__() for value in values if hasattr(value, "__array_namespace__")]
     xp = spaces[0] if spaces else numpy
     arrays = [_array(xp, name, size, value) for (name, size), value in zip(sizes.items(), values)]
     shaped = [(array, size) for array, size in zip(arrays, sizes.values()) if hasattr(array, "shape")]
     batches = [array.shape if size is None else array.shape[:-1] for array, size in shaped]
-    return xp, (numpy.broadcast_shapes(*batches), xp.result_type(*(array.dtype for array, _ in shaped))), arrays
+    batch = numpy.broadcast_shapes(*batches), xp.result_type(*(array.dtype for array, _ in shaped))
+    return xp, batch, [array if size is None else _elements(array) for array, size in zip(arrays, sizes.values())]
+
+
+def _elements(array):
+    """The elements along the last axis, by [i]; those of a single state are numbers, faster than arrays without axes."""
+    if isinstance(array, numpy.ndarray):
+        return array if array.ndim == 1 else numpy.moveaxis(array, -1, 0)
+    return tuple(array[..., i] for i in range(array.shape[-1]))
+
+
+def _is_plain(size, value):
+    """Whether an argument is a number, or a vector of doubles of NumPy, of which nothing has to be converted."""
+    if size is None:
+        return isinstance(value, float)
+    own = type(value) is numpy.ndarray or getattr(value, "build", None) == HASH
+    return own and value.shape == (size,) and value.dtype == _ONE_STATE[1]
 
 
 def _array(xp, name, size, value):
@@ -3647,6 +3671,8 @@ def _empty(xp, batch, size):
 def _stack(xp, batch, elements):
     """Elements, numbers or arrays, as the last axis of one array."""
     shape, dtype = batch
+    if xp is numpy and not shape:
+        return numpy.array(elements, dtype)
     if not elements:
         return xp.zeros((*shape, 0), dtype=dtype)
 
@@ -3659,7 +3685,9 @@ def _stack(xp, batch, elements):
 
 
 def _where(xp, valid, values):
-    """The values, and NaN for the members of the batch that are not valid."""
+    """The values, and NaN for the members of a batch that are not valid; a single state is, or has raised an error."""
+    if not valid.shape:
+        return values
     return xp.where(valid[..., None], values, xp.full(values.shape, float("nan"), dtype=values.dtype))
 
 

@@ -131,7 +131,7 @@ def _columns(rows, groups, symmetric):
 
 
 NAME = "body_symbolic"
-HASH = "534b96fc4107cf62"
+HASH = "693cc04227ef1326"
 COORDINATES = (
     "c1", "c2", "c3", "e0", "e1", "e2", "e3", "alpha1", "alpha2", "alpha3", "alpha4", "alpha5",
     "alpha6", "alpha7", "alpha8",
@@ -1432,14 +1432,29 @@ def jacobian(t, y, ydot, cj, k):
     return _where(xp, valid_1, jac)
 
 
+_ONE_STATE = (), numpy.dtype(numpy.float64)
+
+
 def _arrays(sizes, *values):
-    """Their array namespace, shape and type of the batch, and the arguments as arrays; a number has no size."""
+    """Their array namespace, shape and type of the batch, and the arguments as arrays; a number has no size.
+    """
+    if all(map(_is_plain, sizes.values(), values)):
+        return numpy, _ONE_STATE, values
     spaces = [value.__array_namespace__() for value in values if hasattr(value, "__array_namespace__")]
     xp = spaces[0] if spaces else numpy
     arrays = [_array(xp, name, size, value) for (name, size), value in zip(sizes.items(), values)]
     shaped = [(array, size) for array, size in zip(arrays, sizes.values()) if hasattr(array, "shape")]
     batches = [array.shape if size is None else array.shape[:-1] for array, size in shaped]
-    return xp, (numpy.broadcast_shapes(*batches), xp.result_type(*(array.dtype for array, _ in shaped))), arrays
+    batch = numpy.broadcast_shapes(*batches), xp.result_type(*(array.dtype for array, _ in shaped))
+    return xp, batch, arrays
+
+
+def _is_plain(size, value):
+    """Whether an argument is a number, or a vector of doubles of NumPy, of which nothing has to be converted."""
+    if size is None:
+        return isinstance(value, float)
+    own = type(value) is numpy.ndarray or getattr(value, "build", None) == HASH
+    return own and value.shape == (size,) and value.dtype == _ONE_STATE[1]
 
 
 def _array(xp, name, size, value):
@@ -1463,6 +1478,8 @@ def _empty(xp, batch, size):
 def _stack(xp, batch, elements):
     """Elements, numbers or arrays, as the last axis of one array."""
     shape, dtype = batch
+    if xp is numpy and not shape:
+        return numpy.array(elements, dtype)
     if not elements:
         return xp.zeros((*shape, 0), dtype=dtype)
 
@@ -1475,7 +1492,9 @@ def _stack(xp, batch, elements):
 
 
 def _where(xp, valid, values):
-    """The values, and NaN for the members of the batch that are not valid."""
+    """The values, and NaN for the members of a batch that are not valid; a single state is, or has raised an error."""
+    if not valid.shape:
+        return values
     return xp.where(valid[..., None], values, xp.full(values.shape, float("nan"), dtype=values.dtype))
 
 

@@ -304,8 +304,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define CRANK_SLIDER_3_HASH "8c1b913e4e4a57aa"
-#define CRANK_SLIDER_3_HASH_8c1b913e4e4a57aa
+#define CRANK_SLIDER_3_HASH "c98f71cb6ae2c988"
+#define CRANK_SLIDER_3_HASH_c98f71cb6ae2c988
 
 /* ---- sizes and indices ---- */
 

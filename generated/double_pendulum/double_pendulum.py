@@ -155,7 +155,7 @@ class Pattern(NamedTuple):
 
 
 NAME = "double_pendulum"
-HASH = "1cd08a8ffa63b730"
+HASH = "dfe8db8037db398c"
 COORDINATES = (
     "upper_c1", "upper_c2", "upper_phi", "upper_alpha1", "upper_alpha2", "lower_c1", "lower_c2",
     "lower_phi", "lower_alpha1", "lower_alpha2",
@@ -356,10 +356,10 @@ def mass(q, k):
     12 operations.
     """
     xp, batch, (q, k) = _arrays(dict(q=10, k=0), q, k)
-    upper_alpha1 = q[..., 3]
-    upper_alpha2 = q[..., 4]
-    lower_alpha1 = q[..., 8]
-    lower_alpha2 = q[..., 9]
+    upper_alpha1 = q[3]
+    upper_alpha2 = q[4]
+    lower_alpha1 = q[8]
+    lower_alpha2 = q[9]
 
     # upper D2 (appendix): upper_D2_1 = int rho r . Phi_1; upper_D2_2 = int rho r . Phi_2
     upper_D2_1 = (98897337 / 5000000000) * upper_alpha1
@@ -407,16 +407,16 @@ def force(t, q, v, k):
     28 operations.
     """
     xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=10, v=10, k=0), t, q, v, k)
-    upper_alpha1 = q[..., 3]
-    upper_alpha2 = q[..., 4]
-    lower_alpha1 = q[..., 8]
-    lower_alpha2 = q[..., 9]
-    upper_phidot = v[..., 2]
-    upper_alpha1dot = v[..., 3]
-    upper_alpha2dot = v[..., 4]
-    lower_phidot = v[..., 7]
-    lower_alpha1dot = v[..., 8]
-    lower_alpha2dot = v[..., 9]
+    upper_alpha1 = q[3]
+    upper_alpha2 = q[4]
+    lower_alpha1 = q[8]
+    lower_alpha2 = q[9]
+    upper_phidot = v[2]
+    upper_alpha1dot = v[3]
+    upper_alpha2dot = v[4]
+    lower_phidot = v[7]
+    lower_alpha1dot = v[8]
+    lower_alpha2dot = v[9]
 
     # upper D2 (appendix): upper_D2_1 = int rho r . Phi_1; upper_D2_2 = int rho r . Phi_2
     upper_D2_1 = (98897337 / 5000000000) * upper_alpha1
@@ -467,16 +467,16 @@ def mass_force(t, q, v, k):
     36 operations.
     """
     xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=10, v=10, k=0), t, q, v, k)
-    upper_alpha1 = q[..., 3]
-    upper_alpha2 = q[..., 4]
-    lower_alpha1 = q[..., 8]
-    lower_alpha2 = q[..., 9]
-    upper_phidot = v[..., 2]
-    upper_alpha1dot = v[..., 3]
-    upper_alpha2dot = v[..., 4]
-    lower_phidot = v[..., 7]
-    lower_alpha1dot = v[..., 8]
-    lower_alpha2dot = v[..., 9]
+    upper_alpha1 = q[3]
+    upper_alpha2 = q[4]
+    lower_alpha1 = q[8]
+    lower_alpha2 = q[9]
+    upper_phidot = v[2]
+    upper_alpha1dot = v[3]
+    upper_alpha2dot = v[4]
+    lower_phidot = v[7]
+    lower_alpha1dot = v[8]
+    lower_alpha2dot = v[9]
 
     # lower D2 (appendix): lower_D2_1 = int rho r . Phi_1; lower_D2_2 = int rho r . Phi_2
     lower_D2_1 = (98897337 / 5000000000) * lower_alpha1
@@ -560,18 +560,18 @@ def accel(t, q, v, k):
     325 operations.
     """
     xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=10, v=10, k=0), t, q, v, k)
-    upper_phi = q[..., 2]
-    upper_alpha1 = q[..., 3]
-    upper_alpha2 = q[..., 4]
-    lower_phi = q[..., 7]
-    lower_alpha1 = q[..., 8]
-    lower_alpha2 = q[..., 9]
-    upper_phidot = v[..., 2]
-    upper_alpha1dot = v[..., 3]
-    upper_alpha2dot = v[..., 4]
-    lower_phidot = v[..., 7]
-    lower_alpha1dot = v[..., 8]
-    lower_alpha2dot = v[..., 9]
+    upper_phi = q[2]
+    upper_alpha1 = q[3]
+    upper_alpha2 = q[4]
+    lower_phi = q[7]
+    lower_alpha1 = q[8]
+    lower_alpha2 = q[9]
+    upper_phidot = v[2]
+    upper_alpha1dot = v[3]
+    upper_alpha2dot = v[4]
+    lower_phidot = v[7]
+    lower_alpha1dot = v[8]
+    lower_alpha2dot = v[9]
 
     # upper Q (26): upper_cos_phi = cosine of the rotation angle; upper_sin_phi = sine of the
     #     rotation angle
@@ -774,22 +774,22 @@ def energy(q, v, k):
     59 operations.
     """
     xp, batch, (q, v, k) = _arrays(dict(q=10, v=10, k=0), q, v, k)
-    upper_c2 = q[..., 1]
-    upper_alpha1 = q[..., 3]
-    upper_alpha2 = q[..., 4]
-    lower_c2 = q[..., 6]
-    lower_alpha1 = q[..., 8]
-    lower_alpha2 = q[..., 9]
-    upper_c1dot = v[..., 0]
-    upper_c2dot = v[..., 1]
-    upper_phidot = v[..., 2]
-    upper_alpha1dot = v[..., 3]
-    upper_alpha2dot = v[..., 4]
-    lower_c1dot = v[..., 5]
-    lower_c2dot = v[..., 6]
-    lower_phidot = v[..., 7]
-    lower_alpha1dot = v[..., 8]
-    lower_alpha2dot = v[..., 9]
+    upper_c2 = q[1]
+    upper_alpha1 = q[3]
+    upper_alpha2 = q[4]
+    lower_c2 = q[6]
+    lower_alpha1 = q[8]
+    lower_alpha2 = q[9]
+    upper_c1dot = v[0]
+    upper_c2dot = v[1]
+    upper_phidot = v[2]
+    upper_alpha1dot = v[3]
+    upper_alpha2dot = v[4]
+    lower_c1dot = v[5]
+    lower_c2dot = v[6]
+    lower_phidot = v[7]
+    lower_alpha1dot = v[8]
+    lower_alpha2dot = v[9]
 
     # upper D2 (appendix): upper_D2_1 = int rho r . Phi_1; upper_D2_2 = int rho r . Phi_2
     upper_D2_1 = (98897337 / 5000000000) * upper_alpha1
@@ -845,20 +845,20 @@ def momentum(q, v, k):
     33 operations.
     """
     xp, batch, (q, v, k) = _arrays(dict(q=10, v=10, k=0), q, v, k)
-    upper_c1 = q[..., 0]
-    upper_c2 = q[..., 1]
-    upper_alpha1 = q[..., 3]
-    upper_alpha2 = q[..., 4]
-    lower_c1 = q[..., 5]
-    lower_c2 = q[..., 6]
-    lower_alpha1 = q[..., 8]
-    lower_alpha2 = q[..., 9]
-    upper_c1dot = v[..., 0]
-    upper_c2dot = v[..., 1]
-    upper_phidot = v[..., 2]
-    lower_c1dot = v[..., 5]
-    lower_c2dot = v[..., 6]
-    lower_phidot = v[..., 7]
+    upper_c1 = q[0]
+    upper_c2 = q[1]
+    upper_alpha1 = q[3]
+    upper_alpha2 = q[4]
+    lower_c1 = q[5]
+    lower_c2 = q[6]
+    lower_alpha1 = q[8]
+    lower_alpha2 = q[9]
+    upper_c1dot = v[0]
+    upper_c2dot = v[1]
+    upper_phidot = v[2]
+    lower_c1dot = v[5]
+    lower_c2dot = v[6]
+    lower_phidot = v[7]
 
     # upper D2 (appendix): upper_D2_1 = int rho r . Phi_1; upper_D2_2 = int rho r . Phi_2
     upper_D2_1 = (98897337 / 5000000000) * upper_alpha1
@@ -902,16 +902,16 @@ def rates(q, v, k):
     0 operations.
     """
     xp, batch, (q, v, k) = _arrays(dict(q=10, v=10, k=0), q, v, k)
-    upper_c1dot = v[..., 0]
-    upper_c2dot = v[..., 1]
-    upper_phidot = v[..., 2]
-    upper_alpha1dot = v[..., 3]
-    upper_alpha2dot = v[..., 4]
-    lower_c1dot = v[..., 5]
-    lower_c2dot = v[..., 6]
-    lower_phidot = v[..., 7]
-    lower_alpha1dot = v[..., 8]
-    lower_alpha2dot = v[..., 9]
+    upper_c1dot = v[0]
+    upper_c2dot = v[1]
+    upper_phidot = v[2]
+    upper_alpha1dot = v[3]
+    upper_alpha2dot = v[4]
+    lower_c1dot = v[5]
+    lower_c2dot = v[6]
+    lower_phidot = v[7]
+    lower_alpha1dot = v[8]
+    lower_alpha2dot = v[9]
 
     # rates (1): from Qdot = Q (omega x)
     qdot_0 = upper_c1dot
@@ -945,16 +945,16 @@ def marker_upper_left(q, v, k):
     28 operations.
     """
     xp, batch, (q, v, k) = _arrays(dict(q=10, v=10, k=0), q, v, k)
-    upper_c1 = q[..., 0]
-    upper_c2 = q[..., 1]
-    upper_phi = q[..., 2]
-    upper_alpha1 = q[..., 3]
-    upper_alpha2 = q[..., 4]
-    upper_c1dot = v[..., 0]
-    upper_c2dot = v[..., 1]
-    upper_phidot = v[..., 2]
-    upper_alpha1dot = v[..., 3]
-    upper_alpha2dot = v[..., 4]
+    upper_c1 = q[0]
+    upper_c2 = q[1]
+    upper_phi = q[2]
+    upper_alpha1 = q[3]
+    upper_alpha2 = q[4]
+    upper_c1dot = v[0]
+    upper_c2dot = v[1]
+    upper_phidot = v[2]
+    upper_alpha1dot = v[3]
+    upper_alpha2dot = v[4]
 
     # upper left (1): upper_left_r_2 = r = X + u at left, along e2; ...; upper_left_sdot_2 = Q rdot
     #     at left, along e2
@@ -1007,14 +1007,14 @@ def marker_upper_middle(q, v, k):
     19 operations.
     """
     xp, batch, (q, v, k) = _arrays(dict(q=10, v=10, k=0), q, v, k)
-    upper_c1 = q[..., 0]
-    upper_c2 = q[..., 1]
-    upper_phi = q[..., 2]
-    upper_alpha1 = q[..., 3]
-    upper_c1dot = v[..., 0]
-    upper_c2dot = v[..., 1]
-    upper_phidot = v[..., 2]
-    upper_alpha1dot = v[..., 3]
+    upper_c1 = q[0]
+    upper_c2 = q[1]
+    upper_phi = q[2]
+    upper_alpha1 = q[3]
+    upper_c1dot = v[0]
+    upper_c2dot = v[1]
+    upper_phidot = v[2]
+    upper_alpha1dot = v[3]
 
     # upper middle (1): upper_middle_r_2 = r = X + u at middle, along e2; ...; upper_middle_sdot_2 =
     #     Q rdot at middle, along e2
@@ -1064,16 +1064,16 @@ def marker_upper_right(q, v, k):
     27 operations.
     """
     xp, batch, (q, v, k) = _arrays(dict(q=10, v=10, k=0), q, v, k)
-    upper_c1 = q[..., 0]
-    upper_c2 = q[..., 1]
-    upper_phi = q[..., 2]
-    upper_alpha1 = q[..., 3]
-    upper_alpha2 = q[..., 4]
-    upper_c1dot = v[..., 0]
-    upper_c2dot = v[..., 1]
-    upper_phidot = v[..., 2]
-    upper_alpha1dot = v[..., 3]
-    upper_alpha2dot = v[..., 4]
+    upper_c1 = q[0]
+    upper_c2 = q[1]
+    upper_phi = q[2]
+    upper_alpha1 = q[3]
+    upper_alpha2 = q[4]
+    upper_c1dot = v[0]
+    upper_c2dot = v[1]
+    upper_phidot = v[2]
+    upper_alpha1dot = v[3]
+    upper_alpha2dot = v[4]
 
     # upper right (1): upper_right_r_2 = r = X + u at right, along e2; ...; upper_right_sdot_2 = Q
     #     rdot at right, along e2
@@ -1127,16 +1127,16 @@ def marker_lower_left(q, v, k):
     28 operations.
     """
     xp, batch, (q, v, k) = _arrays(dict(q=10, v=10, k=0), q, v, k)
-    lower_c1 = q[..., 5]
-    lower_c2 = q[..., 6]
-    lower_phi = q[..., 7]
-    lower_alpha1 = q[..., 8]
-    lower_alpha2 = q[..., 9]
-    lower_c1dot = v[..., 5]
-    lower_c2dot = v[..., 6]
-    lower_phidot = v[..., 7]
-    lower_alpha1dot = v[..., 8]
-    lower_alpha2dot = v[..., 9]
+    lower_c1 = q[5]
+    lower_c2 = q[6]
+    lower_phi = q[7]
+    lower_alpha1 = q[8]
+    lower_alpha2 = q[9]
+    lower_c1dot = v[5]
+    lower_c2dot = v[6]
+    lower_phidot = v[7]
+    lower_alpha1dot = v[8]
+    lower_alpha2dot = v[9]
 
     # lower left (1): lower_left_r_2 = r = X + u at left, along e2; ...; lower_left_sdot_2 = Q rdot
     #     at left, along e2
@@ -1189,14 +1189,14 @@ def marker_lower_middle(q, v, k):
     19 operations.
     """
     xp, batch, (q, v, k) = _arrays(dict(q=10, v=10, k=0), q, v, k)
-    lower_c1 = q[..., 5]
-    lower_c2 = q[..., 6]
-    lower_phi = q[..., 7]
-    lower_alpha1 = q[..., 8]
-    lower_c1dot = v[..., 5]
-    lower_c2dot = v[..., 6]
-    lower_phidot = v[..., 7]
-    lower_alpha1dot = v[..., 8]
+    lower_c1 = q[5]
+    lower_c2 = q[6]
+    lower_phi = q[7]
+    lower_alpha1 = q[8]
+    lower_c1dot = v[5]
+    lower_c2dot = v[6]
+    lower_phidot = v[7]
+    lower_alpha1dot = v[8]
 
     # lower middle (1): lower_middle_r_2 = r = X + u at middle, along e2; ...; lower_middle_sdot_2 =
     #     Q rdot at middle, along e2
@@ -1246,16 +1246,16 @@ def marker_lower_right(q, v, k):
     27 operations.
     """
     xp, batch, (q, v, k) = _arrays(dict(q=10, v=10, k=0), q, v, k)
-    lower_c1 = q[..., 5]
-    lower_c2 = q[..., 6]
-    lower_phi = q[..., 7]
-    lower_alpha1 = q[..., 8]
-    lower_alpha2 = q[..., 9]
-    lower_c1dot = v[..., 5]
-    lower_c2dot = v[..., 6]
-    lower_phidot = v[..., 7]
-    lower_alpha1dot = v[..., 8]
-    lower_alpha2dot = v[..., 9]
+    lower_c1 = q[5]
+    lower_c2 = q[6]
+    lower_phi = q[7]
+    lower_alpha1 = q[8]
+    lower_alpha2 = q[9]
+    lower_c1dot = v[5]
+    lower_c2dot = v[6]
+    lower_phidot = v[7]
+    lower_alpha1dot = v[8]
+    lower_alpha2dot = v[9]
 
     # lower right (1): lower_right_r_2 = r = X + u at right, along e2; ...; lower_right_sdot_2 = Q
     #     rdot at right, along e2
@@ -1308,11 +1308,11 @@ def load_upper_left(q, F, k):
     13 operations.
     """
     xp, batch, (q, F, k) = _arrays(dict(q=10, F=2, k=0), q, F, k)
-    upper_phi = q[..., 2]
-    upper_alpha1 = q[..., 3]
-    upper_alpha2 = q[..., 4]
-    F_1 = F[..., 0]
-    F_2 = F[..., 1]
+    upper_phi = q[2]
+    upper_alpha1 = q[3]
+    upper_alpha2 = q[4]
+    F_1 = F[0]
+    F_2 = F[1]
 
     # upper Q (26): upper_cos_phi = cosine of the rotation angle; upper_sin_phi = sine of the
     #     rotation angle
@@ -1357,10 +1357,10 @@ def load_upper_middle(q, F, k):
     11 operations.
     """
     xp, batch, (q, F, k) = _arrays(dict(q=10, F=2, k=0), q, F, k)
-    upper_phi = q[..., 2]
-    upper_alpha1 = q[..., 3]
-    F_1 = F[..., 0]
-    F_2 = F[..., 1]
+    upper_phi = q[2]
+    upper_alpha1 = q[3]
+    F_1 = F[0]
+    F_2 = F[1]
 
     # upper Q (26): upper_cos_phi = cosine of the rotation angle; upper_sin_phi = sine of the
     #     rotation angle
@@ -1401,11 +1401,11 @@ def load_upper_right(q, F, k):
     12 operations.
     """
     xp, batch, (q, F, k) = _arrays(dict(q=10, F=2, k=0), q, F, k)
-    upper_phi = q[..., 2]
-    upper_alpha1 = q[..., 3]
-    upper_alpha2 = q[..., 4]
-    F_1 = F[..., 0]
-    F_2 = F[..., 1]
+    upper_phi = q[2]
+    upper_alpha1 = q[3]
+    upper_alpha2 = q[4]
+    F_1 = F[0]
+    F_2 = F[1]
 
     # upper Q (26): upper_cos_phi = cosine of the rotation angle; upper_sin_phi = sine of the
     #     rotation angle
@@ -1450,11 +1450,11 @@ def load_lower_left(q, F, k):
     13 operations.
     """
     xp, batch, (q, F, k) = _arrays(dict(q=10, F=2, k=0), q, F, k)
-    lower_phi = q[..., 7]
-    lower_alpha1 = q[..., 8]
-    lower_alpha2 = q[..., 9]
-    F_1 = F[..., 0]
-    F_2 = F[..., 1]
+    lower_phi = q[7]
+    lower_alpha1 = q[8]
+    lower_alpha2 = q[9]
+    F_1 = F[0]
+    F_2 = F[1]
 
     # lower Q (26): lower_cos_phi = cosine of the rotation angle; lower_sin_phi = sine of the
     #     rotation angle
@@ -1499,10 +1499,10 @@ def load_lower_middle(q, F, k):
     11 operations.
     """
     xp, batch, (q, F, k) = _arrays(dict(q=10, F=2, k=0), q, F, k)
-    lower_phi = q[..., 7]
-    lower_alpha1 = q[..., 8]
-    F_1 = F[..., 0]
-    F_2 = F[..., 1]
+    lower_phi = q[7]
+    lower_alpha1 = q[8]
+    F_1 = F[0]
+    F_2 = F[1]
 
     # lower Q (26): lower_cos_phi = cosine of the rotation angle; lower_sin_phi = sine of the
     #     rotation angle
@@ -1543,11 +1543,11 @@ def load_lower_right(q, F, k):
     12 operations.
     """
     xp, batch, (q, F, k) = _arrays(dict(q=10, F=2, k=0), q, F, k)
-    lower_phi = q[..., 7]
-    lower_alpha1 = q[..., 8]
-    lower_alpha2 = q[..., 9]
-    F_1 = F[..., 0]
-    F_2 = F[..., 1]
+    lower_phi = q[7]
+    lower_alpha1 = q[8]
+    lower_alpha2 = q[9]
+    F_1 = F[0]
+    F_2 = F[1]
 
     # lower Q (26): lower_cos_phi = cosine of the rotation angle; lower_sin_phi = sine of the
     #     rotation angle
@@ -1590,16 +1590,16 @@ def constraints(t, q, k):
     33 operations.
     """
     xp, batch, (t, q, k) = _arrays(dict(t=None, q=10, k=0), t, q, k)
-    upper_c1 = q[..., 0]
-    upper_c2 = q[..., 1]
-    upper_phi = q[..., 2]
-    upper_alpha1 = q[..., 3]
-    upper_alpha2 = q[..., 4]
-    lower_c1 = q[..., 5]
-    lower_c2 = q[..., 6]
-    lower_phi = q[..., 7]
-    lower_alpha1 = q[..., 8]
-    lower_alpha2 = q[..., 9]
+    upper_c1 = q[0]
+    upper_c2 = q[1]
+    upper_phi = q[2]
+    upper_alpha1 = q[3]
+    upper_alpha2 = q[4]
+    lower_c1 = q[5]
+    lower_c2 = q[6]
+    lower_phi = q[7]
+    lower_alpha1 = q[8]
+    lower_alpha2 = q[9]
 
     # upper Q (26): upper_cos_phi = cosine of the rotation angle; upper_sin_phi = sine of the
     #     rotation angle
@@ -1652,22 +1652,22 @@ def constraint_rates(t, q, v, k):
     54 operations.
     """
     xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=10, v=10, k=0), t, q, v, k)
-    upper_phi = q[..., 2]
-    upper_alpha1 = q[..., 3]
-    upper_alpha2 = q[..., 4]
-    lower_phi = q[..., 7]
-    lower_alpha1 = q[..., 8]
-    lower_alpha2 = q[..., 9]
-    upper_c1dot = v[..., 0]
-    upper_c2dot = v[..., 1]
-    upper_phidot = v[..., 2]
-    upper_alpha1dot = v[..., 3]
-    upper_alpha2dot = v[..., 4]
-    lower_c1dot = v[..., 5]
-    lower_c2dot = v[..., 6]
-    lower_phidot = v[..., 7]
-    lower_alpha1dot = v[..., 8]
-    lower_alpha2dot = v[..., 9]
+    upper_phi = q[2]
+    upper_alpha1 = q[3]
+    upper_alpha2 = q[4]
+    lower_phi = q[7]
+    lower_alpha1 = q[8]
+    lower_alpha2 = q[9]
+    upper_c1dot = v[0]
+    upper_c2dot = v[1]
+    upper_phidot = v[2]
+    upper_alpha1dot = v[3]
+    upper_alpha2dot = v[4]
+    lower_c1dot = v[5]
+    lower_c2dot = v[6]
+    lower_phidot = v[7]
+    lower_alpha1dot = v[8]
+    lower_alpha2dot = v[9]
 
     # upper Q (26): upper_cos_phi = cosine of the rotation angle; upper_sin_phi = sine of the
     #     rotation angle
@@ -1731,12 +1731,12 @@ def constraint_jacobian(t, q, k):
     32 operations.
     """
     xp, batch, (t, q, k) = _arrays(dict(t=None, q=10, k=0), t, q, k)
-    upper_phi = q[..., 2]
-    upper_alpha1 = q[..., 3]
-    upper_alpha2 = q[..., 4]
-    lower_phi = q[..., 7]
-    lower_alpha1 = q[..., 8]
-    lower_alpha2 = q[..., 9]
+    upper_phi = q[2]
+    upper_alpha1 = q[3]
+    upper_alpha2 = q[4]
+    lower_phi = q[7]
+    lower_alpha1 = q[8]
+    lower_alpha2 = q[9]
 
     # upper Q (26): upper_cos_phi = cosine of the rotation angle; upper_sin_phi = sine of the
     #     rotation angle
@@ -1811,18 +1811,18 @@ def constraint_bias(t, q, v, k):
     60 operations.
     """
     xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=10, v=10, k=0), t, q, v, k)
-    upper_phi = q[..., 2]
-    upper_alpha1 = q[..., 3]
-    upper_alpha2 = q[..., 4]
-    lower_phi = q[..., 7]
-    lower_alpha1 = q[..., 8]
-    lower_alpha2 = q[..., 9]
-    upper_phidot = v[..., 2]
-    upper_alpha1dot = v[..., 3]
-    upper_alpha2dot = v[..., 4]
-    lower_phidot = v[..., 7]
-    lower_alpha1dot = v[..., 8]
-    lower_alpha2dot = v[..., 9]
+    upper_phi = q[2]
+    upper_alpha1 = q[3]
+    upper_alpha2 = q[4]
+    lower_phi = q[7]
+    lower_alpha1 = q[8]
+    lower_alpha2 = q[9]
+    upper_phidot = v[2]
+    upper_alpha1dot = v[3]
+    upper_alpha2dot = v[4]
+    lower_phidot = v[7]
+    lower_alpha1dot = v[8]
+    lower_alpha2dot = v[9]
 
     # upper Q (26): upper_cos_phi = cosine of the rotation angle; upper_sin_phi = sine of the
     #     rotation angle
@@ -1894,18 +1894,18 @@ def solve(t, q, v, k):
     329 operations.
     """
     xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=10, v=10, k=0), t, q, v, k)
-    upper_phi = q[..., 2]
-    upper_alpha1 = q[..., 3]
-    upper_alpha2 = q[..., 4]
-    lower_phi = q[..., 7]
-    lower_alpha1 = q[..., 8]
-    lower_alpha2 = q[..., 9]
-    upper_phidot = v[..., 2]
-    upper_alpha1dot = v[..., 3]
-    upper_alpha2dot = v[..., 4]
-    lower_phidot = v[..., 7]
-    lower_alpha1dot = v[..., 8]
-    lower_alpha2dot = v[..., 9]
+    upper_phi = q[2]
+    upper_alpha1 = q[3]
+    upper_alpha2 = q[4]
+    lower_phi = q[7]
+    lower_alpha1 = q[8]
+    lower_alpha2 = q[9]
+    upper_phidot = v[2]
+    upper_alpha1dot = v[3]
+    upper_alpha2dot = v[4]
+    lower_phidot = v[7]
+    lower_alpha1dot = v[8]
+    lower_alpha2dot = v[9]
 
     # upper Q (26): upper_cos_phi = cosine of the rotation angle; upper_sin_phi = sine of the
     #     rotation angle
@@ -2120,16 +2120,16 @@ def project_velocity(t, q, k, r):
     226 operations.
     """
     xp, batch, (t, q, k, r) = _arrays(dict(t=None, q=10, k=0, r=4), t, q, k, r)
-    upper_phi = q[..., 2]
-    upper_alpha1 = q[..., 3]
-    upper_alpha2 = q[..., 4]
-    lower_phi = q[..., 7]
-    lower_alpha1 = q[..., 8]
-    lower_alpha2 = q[..., 9]
-    r_hinge_1 = r[..., 0]
-    r_hinge_2 = r[..., 1]
-    r_elbow_1 = r[..., 2]
-    r_elbow_2 = r[..., 3]
+    upper_phi = q[2]
+    upper_alpha1 = q[3]
+    upper_alpha2 = q[4]
+    lower_phi = q[7]
+    lower_alpha1 = q[8]
+    lower_alpha2 = q[9]
+    r_hinge_1 = r[0]
+    r_hinge_2 = r[1]
+    r_elbow_1 = r[2]
+    r_elbow_2 = r[3]
 
     # upper Q (26): upper_cos_phi = cosine of the rotation angle; upper_sin_phi = sine of the
     #     rotation angle
@@ -2294,12 +2294,12 @@ def poses(t, q, k):
     0 operations.
     """
     xp, batch, (t, q, k) = _arrays(dict(t=None, q=10, k=0), t, q, k)
-    upper_c1 = q[..., 0]
-    upper_c2 = q[..., 1]
-    upper_phi = q[..., 2]
-    lower_c1 = q[..., 5]
-    lower_c2 = q[..., 6]
-    lower_phi = q[..., 7]
+    upper_c1 = q[0]
+    upper_c2 = q[1]
+    upper_phi = q[2]
+    lower_c1 = q[5]
+    lower_c2 = q[6]
+    lower_phi = q[7]
 
     # poses (1): bodies in the order of the specification
     pose_0 = upper_c1
@@ -2330,50 +2330,50 @@ def residual(t, y, ydot, k):
     133 operations.
     """
     xp, batch, (t, y, ydot, k) = _arrays(dict(t=None, y=24, ydot=24, k=0), t, y, ydot, k)
-    upper_c1 = y[..., 0]
-    upper_c2 = y[..., 1]
-    upper_phi = y[..., 2]
-    upper_alpha1 = y[..., 3]
-    upper_alpha2 = y[..., 4]
-    lower_c1 = y[..., 5]
-    lower_c2 = y[..., 6]
-    lower_phi = y[..., 7]
-    lower_alpha1 = y[..., 8]
-    lower_alpha2 = y[..., 9]
-    upper_c1dot = y[..., 10]
-    upper_c2dot = y[..., 11]
-    upper_phidot = y[..., 12]
-    upper_alpha1dot = y[..., 13]
-    upper_alpha2dot = y[..., 14]
-    lower_c1dot = y[..., 15]
-    lower_c2dot = y[..., 16]
-    lower_phidot = y[..., 17]
-    lower_alpha1dot = y[..., 18]
-    lower_alpha2dot = y[..., 19]
-    lambda_hinge_1 = y[..., 20]
-    lambda_hinge_2 = y[..., 21]
-    lambda_elbow_1 = y[..., 22]
-    lambda_elbow_2 = y[..., 23]
-    upper_c1_t = ydot[..., 0]
-    upper_c2_t = ydot[..., 1]
-    upper_phi_t = ydot[..., 2]
-    upper_alpha1_t = ydot[..., 3]
-    upper_alpha2_t = ydot[..., 4]
-    lower_c1_t = ydot[..., 5]
-    lower_c2_t = ydot[..., 6]
-    lower_phi_t = ydot[..., 7]
-    lower_alpha1_t = ydot[..., 8]
-    lower_alpha2_t = ydot[..., 9]
-    upper_c1ddot = ydot[..., 10]
-    upper_c2ddot = ydot[..., 11]
-    upper_phiddot = ydot[..., 12]
-    upper_alpha1ddot = ydot[..., 13]
-    upper_alpha2ddot = ydot[..., 14]
-    lower_c1ddot = ydot[..., 15]
-    lower_c2ddot = ydot[..., 16]
-    lower_phiddot = ydot[..., 17]
-    lower_alpha1ddot = ydot[..., 18]
-    lower_alpha2ddot = ydot[..., 19]
+    upper_c1 = y[0]
+    upper_c2 = y[1]
+    upper_phi = y[2]
+    upper_alpha1 = y[3]
+    upper_alpha2 = y[4]
+    lower_c1 = y[5]
+    lower_c2 = y[6]
+    lower_phi = y[7]
+    lower_alpha1 = y[8]
+    lower_alpha2 = y[9]
+    upper_c1dot = y[10]
+    upper_c2dot = y[11]
+    upper_phidot = y[12]
+    upper_alpha1dot = y[13]
+    upper_alpha2dot = y[14]
+    lower_c1dot = y[15]
+    lower_c2dot = y[16]
+    lower_phidot = y[17]
+    lower_alpha1dot = y[18]
+    lower_alpha2dot = y[19]
+    lambda_hinge_1 = y[20]
+    lambda_hinge_2 = y[21]
+    lambda_elbow_1 = y[22]
+    lambda_elbow_2 = y[23]
+    upper_c1_t = ydot[0]
+    upper_c2_t = ydot[1]
+    upper_phi_t = ydot[2]
+    upper_alpha1_t = ydot[3]
+    upper_alpha2_t = ydot[4]
+    lower_c1_t = ydot[5]
+    lower_c2_t = ydot[6]
+    lower_phi_t = ydot[7]
+    lower_alpha1_t = ydot[8]
+    lower_alpha2_t = ydot[9]
+    upper_c1ddot = ydot[10]
+    upper_c2ddot = ydot[11]
+    upper_phiddot = ydot[12]
+    upper_alpha1ddot = ydot[13]
+    upper_alpha2ddot = ydot[14]
+    lower_c1ddot = ydot[15]
+    lower_c2ddot = ydot[16]
+    lower_phiddot = ydot[17]
+    lower_alpha1ddot = ydot[18]
+    lower_alpha2ddot = ydot[19]
 
     # upper Q (26): upper_cos_phi = cosine of the rotation angle; upper_sin_phi = sine of the
     #     rotation angle
@@ -2499,24 +2499,24 @@ def jacobian(t, y, ydot, cj, k):
     140 operations.
     """
     xp, batch, (t, y, ydot, cj, k) = _arrays(dict(t=None, y=24, ydot=24, cj=None, k=0), t, y, ydot, cj, k)
-    upper_phi = y[..., 2]
-    upper_alpha1 = y[..., 3]
-    upper_alpha2 = y[..., 4]
-    lower_phi = y[..., 7]
-    lower_alpha1 = y[..., 8]
-    lower_alpha2 = y[..., 9]
-    upper_phidot = y[..., 12]
-    upper_alpha1dot = y[..., 13]
-    upper_alpha2dot = y[..., 14]
-    lower_phidot = y[..., 17]
-    lower_alpha1dot = y[..., 18]
-    lower_alpha2dot = y[..., 19]
-    lambda_hinge_1 = y[..., 20]
-    lambda_hinge_2 = y[..., 21]
-    lambda_elbow_1 = y[..., 22]
-    lambda_elbow_2 = y[..., 23]
-    upper_phiddot = ydot[..., 12]
-    lower_phiddot = ydot[..., 17]
+    upper_phi = y[2]
+    upper_alpha1 = y[3]
+    upper_alpha2 = y[4]
+    lower_phi = y[7]
+    lower_alpha1 = y[8]
+    lower_alpha2 = y[9]
+    upper_phidot = y[12]
+    upper_alpha1dot = y[13]
+    upper_alpha2dot = y[14]
+    lower_phidot = y[17]
+    lower_alpha1dot = y[18]
+    lower_alpha2dot = y[19]
+    lambda_hinge_1 = y[20]
+    lambda_hinge_2 = y[21]
+    lambda_elbow_1 = y[22]
+    lambda_elbow_2 = y[23]
+    upper_phiddot = ydot[12]
+    lower_phiddot = ydot[17]
 
     # upper Q (26): upper_cos_phi = cosine of the rotation angle; upper_sin_phi = sine of the
     #     rotation angle
@@ -2735,54 +2735,54 @@ def residual_ggl(t, y, ydot, k):
     198 operations.
     """
     xp, batch, (t, y, ydot, k) = _arrays(dict(t=None, y=28, ydot=28, k=0), t, y, ydot, k)
-    upper_c1 = y[..., 0]
-    upper_c2 = y[..., 1]
-    upper_phi = y[..., 2]
-    upper_alpha1 = y[..., 3]
-    upper_alpha2 = y[..., 4]
-    lower_c1 = y[..., 5]
-    lower_c2 = y[..., 6]
-    lower_phi = y[..., 7]
-    lower_alpha1 = y[..., 8]
-    lower_alpha2 = y[..., 9]
-    upper_c1dot = y[..., 10]
-    upper_c2dot = y[..., 11]
-    upper_phidot = y[..., 12]
-    upper_alpha1dot = y[..., 13]
-    upper_alpha2dot = y[..., 14]
-    lower_c1dot = y[..., 15]
-    lower_c2dot = y[..., 16]
-    lower_phidot = y[..., 17]
-    lower_alpha1dot = y[..., 18]
-    lower_alpha2dot = y[..., 19]
-    lambda_hinge_1 = y[..., 20]
-    lambda_hinge_2 = y[..., 21]
-    lambda_elbow_1 = y[..., 22]
-    lambda_elbow_2 = y[..., 23]
-    mu_hinge_1 = y[..., 24]
-    mu_hinge_2 = y[..., 25]
-    mu_elbow_1 = y[..., 26]
-    mu_elbow_2 = y[..., 27]
-    upper_c1_t = ydot[..., 0]
-    upper_c2_t = ydot[..., 1]
-    upper_phi_t = ydot[..., 2]
-    upper_alpha1_t = ydot[..., 3]
-    upper_alpha2_t = ydot[..., 4]
-    lower_c1_t = ydot[..., 5]
-    lower_c2_t = ydot[..., 6]
-    lower_phi_t = ydot[..., 7]
-    lower_alpha1_t = ydot[..., 8]
-    lower_alpha2_t = ydot[..., 9]
-    upper_c1ddot = ydot[..., 10]
-    upper_c2ddot = ydot[..., 11]
-    upper_phiddot = ydot[..., 12]
-    upper_alpha1ddot = ydot[..., 13]
-    upper_alpha2ddot = ydot[..., 14]
-    lower_c1ddot = ydot[..., 15]
-    lower_c2ddot = ydot[..., 16]
-    lower_phiddot = ydot[..., 17]
-    lower_alpha1ddot = ydot[..., 18]
-    lower_alpha2ddot = ydot[..., 19]
+    upper_c1 = y[0]
+    upper_c2 = y[1]
+    upper_phi = y[2]
+    upper_alpha1 = y[3]
+    upper_alpha2 = y[4]
+    lower_c1 = y[5]
+    lower_c2 = y[6]
+    lower_phi = y[7]
+    lower_alpha1 = y[8]
+    lower_alpha2 = y[9]
+    upper_c1dot = y[10]
+    upper_c2dot = y[11]
+    upper_phidot = y[12]
+    upper_alpha1dot = y[13]
+    upper_alpha2dot = y[14]
+    lower_c1dot = y[15]
+    lower_c2dot = y[16]
+    lower_phidot = y[17]
+    lower_alpha1dot = y[18]
+    lower_alpha2dot = y[19]
+    lambda_hinge_1 = y[20]
+    lambda_hinge_2 = y[21]
+    lambda_elbow_1 = y[22]
+    lambda_elbow_2 = y[23]
+    mu_hinge_1 = y[24]
+    mu_hinge_2 = y[25]
+    mu_elbow_1 = y[26]
+    mu_elbow_2 = y[27]
+    upper_c1_t = ydot[0]
+    upper_c2_t = ydot[1]
+    upper_phi_t = ydot[2]
+    upper_alpha1_t = ydot[3]
+    upper_alpha2_t = ydot[4]
+    lower_c1_t = ydot[5]
+    lower_c2_t = ydot[6]
+    lower_phi_t = ydot[7]
+    lower_alpha1_t = ydot[8]
+    lower_alpha2_t = ydot[9]
+    upper_c1ddot = ydot[10]
+    upper_c2ddot = ydot[11]
+    upper_phiddot = ydot[12]
+    upper_alpha1ddot = ydot[13]
+    upper_alpha2ddot = ydot[14]
+    lower_c1ddot = ydot[15]
+    lower_c2ddot = ydot[16]
+    lower_phiddot = ydot[17]
+    lower_alpha1ddot = ydot[18]
+    lower_alpha2ddot = ydot[19]
 
     # upper Q (26): upper_cos_phi = cosine of the rotation angle; upper_sin_phi = sine of the
     #     rotation angle
@@ -2933,28 +2933,28 @@ def jacobian_ggl(t, y, ydot, cj, k):
     202 operations.
     """
     xp, batch, (t, y, ydot, cj, k) = _arrays(dict(t=None, y=28, ydot=28, cj=None, k=0), t, y, ydot, cj, k)
-    upper_phi = y[..., 2]
-    upper_alpha1 = y[..., 3]
-    upper_alpha2 = y[..., 4]
-    lower_phi = y[..., 7]
-    lower_alpha1 = y[..., 8]
-    lower_alpha2 = y[..., 9]
-    upper_phidot = y[..., 12]
-    upper_alpha1dot = y[..., 13]
-    upper_alpha2dot = y[..., 14]
-    lower_phidot = y[..., 17]
-    lower_alpha1dot = y[..., 18]
-    lower_alpha2dot = y[..., 19]
-    lambda_hinge_1 = y[..., 20]
-    lambda_hinge_2 = y[..., 21]
-    lambda_elbow_1 = y[..., 22]
-    lambda_elbow_2 = y[..., 23]
-    mu_hinge_1 = y[..., 24]
-    mu_hinge_2 = y[..., 25]
-    mu_elbow_1 = y[..., 26]
-    mu_elbow_2 = y[..., 27]
-    upper_phiddot = ydot[..., 12]
-    lower_phiddot = ydot[..., 17]
+    upper_phi = y[2]
+    upper_alpha1 = y[3]
+    upper_alpha2 = y[4]
+    lower_phi = y[7]
+    lower_alpha1 = y[8]
+    lower_alpha2 = y[9]
+    upper_phidot = y[12]
+    upper_alpha1dot = y[13]
+    upper_alpha2dot = y[14]
+    lower_phidot = y[17]
+    lower_alpha1dot = y[18]
+    lower_alpha2dot = y[19]
+    lambda_hinge_1 = y[20]
+    lambda_hinge_2 = y[21]
+    lambda_elbow_1 = y[22]
+    lambda_elbow_2 = y[23]
+    mu_hinge_1 = y[24]
+    mu_hinge_2 = y[25]
+    mu_elbow_1 = y[26]
+    mu_elbow_2 = y[27]
+    upper_phiddot = ydot[12]
+    lower_phiddot = ydot[17]
 
     # upper Q (26): upper_cos_phi = cosine of the rotation angle; upper_sin_phi = sine of the
     #     rotation angle
@@ -3284,46 +3284,46 @@ def residual_index1(t, y, ydot, k):
     192 operations.
     """
     xp, batch, (t, y, ydot, k) = _arrays(dict(t=None, y=24, ydot=24, k=0), t, y, ydot, k)
-    upper_phi = y[..., 2]
-    upper_alpha1 = y[..., 3]
-    upper_alpha2 = y[..., 4]
-    lower_phi = y[..., 7]
-    lower_alpha1 = y[..., 8]
-    lower_alpha2 = y[..., 9]
-    upper_c1dot = y[..., 10]
-    upper_c2dot = y[..., 11]
-    upper_phidot = y[..., 12]
-    upper_alpha1dot = y[..., 13]
-    upper_alpha2dot = y[..., 14]
-    lower_c1dot = y[..., 15]
-    lower_c2dot = y[..., 16]
-    lower_phidot = y[..., 17]
-    lower_alpha1dot = y[..., 18]
-    lower_alpha2dot = y[..., 19]
-    lambda_hinge_1 = y[..., 20]
-    lambda_hinge_2 = y[..., 21]
-    lambda_elbow_1 = y[..., 22]
-    lambda_elbow_2 = y[..., 23]
-    upper_c1_t = ydot[..., 0]
-    upper_c2_t = ydot[..., 1]
-    upper_phi_t = ydot[..., 2]
-    upper_alpha1_t = ydot[..., 3]
-    upper_alpha2_t = ydot[..., 4]
-    lower_c1_t = ydot[..., 5]
-    lower_c2_t = ydot[..., 6]
-    lower_phi_t = ydot[..., 7]
-    lower_alpha1_t = ydot[..., 8]
-    lower_alpha2_t = ydot[..., 9]
-    upper_c1ddot = ydot[..., 10]
-    upper_c2ddot = ydot[..., 11]
-    upper_phiddot = ydot[..., 12]
-    upper_alpha1ddot = ydot[..., 13]
-    upper_alpha2ddot = ydot[..., 14]
-    lower_c1ddot = ydot[..., 15]
-    lower_c2ddot = ydot[..., 16]
-    lower_phiddot = ydot[..., 17]
-    lower_alpha1ddot = ydot[..., 18]
-    lower_alpha2ddot = ydot[..., 19]
+    upper_phi = y[2]
+    upper_alpha1 = y[3]
+    upper_alpha2 = y[4]
+    lower_phi = y[7]
+    lower_alpha1 = y[8]
+    lower_alpha2 = y[9]
+    upper_c1dot = y[10]
+    upper_c2dot = y[11]
+    upper_phidot = y[12]
+    upper_alpha1dot = y[13]
+    upper_alpha2dot = y[14]
+    lower_c1dot = y[15]
+    lower_c2dot = y[16]
+    lower_phidot = y[17]
+    lower_alpha1dot = y[18]
+    lower_alpha2dot = y[19]
+    lambda_hinge_1 = y[20]
+    lambda_hinge_2 = y[21]
+    lambda_elbow_1 = y[22]
+    lambda_elbow_2 = y[23]
+    upper_c1_t = ydot[0]
+    upper_c2_t = ydot[1]
+    upper_phi_t = ydot[2]
+    upper_alpha1_t = ydot[3]
+    upper_alpha2_t = ydot[4]
+    lower_c1_t = ydot[5]
+    lower_c2_t = ydot[6]
+    lower_phi_t = ydot[7]
+    lower_alpha1_t = ydot[8]
+    lower_alpha2_t = ydot[9]
+    upper_c1ddot = ydot[10]
+    upper_c2ddot = ydot[11]
+    upper_phiddot = ydot[12]
+    upper_alpha1ddot = ydot[13]
+    upper_alpha2ddot = ydot[14]
+    lower_c1ddot = ydot[15]
+    lower_c2ddot = ydot[16]
+    lower_phiddot = ydot[17]
+    lower_alpha1ddot = ydot[18]
+    lower_alpha2ddot = ydot[19]
 
     # upper Q (26): upper_cos_phi = cosine of the rotation angle; upper_sin_phi = sine of the
     #     rotation angle
@@ -3478,28 +3478,28 @@ def jacobian_index1(t, y, ydot, cj, k):
     261 operations.
     """
     xp, batch, (t, y, ydot, cj, k) = _arrays(dict(t=None, y=24, ydot=24, cj=None, k=0), t, y, ydot, cj, k)
-    upper_phi = y[..., 2]
-    upper_alpha1 = y[..., 3]
-    upper_alpha2 = y[..., 4]
-    lower_phi = y[..., 7]
-    lower_alpha1 = y[..., 8]
-    lower_alpha2 = y[..., 9]
-    upper_phidot = y[..., 12]
-    upper_alpha1dot = y[..., 13]
-    upper_alpha2dot = y[..., 14]
-    lower_phidot = y[..., 17]
-    lower_alpha1dot = y[..., 18]
-    lower_alpha2dot = y[..., 19]
-    lambda_hinge_1 = y[..., 20]
-    lambda_hinge_2 = y[..., 21]
-    lambda_elbow_1 = y[..., 22]
-    lambda_elbow_2 = y[..., 23]
-    upper_phiddot = ydot[..., 12]
-    upper_alpha1ddot = ydot[..., 13]
-    upper_alpha2ddot = ydot[..., 14]
-    lower_phiddot = ydot[..., 17]
-    lower_alpha1ddot = ydot[..., 18]
-    lower_alpha2ddot = ydot[..., 19]
+    upper_phi = y[2]
+    upper_alpha1 = y[3]
+    upper_alpha2 = y[4]
+    lower_phi = y[7]
+    lower_alpha1 = y[8]
+    lower_alpha2 = y[9]
+    upper_phidot = y[12]
+    upper_alpha1dot = y[13]
+    upper_alpha2dot = y[14]
+    lower_phidot = y[17]
+    lower_alpha1dot = y[18]
+    lower_alpha2dot = y[19]
+    lambda_hinge_1 = y[20]
+    lambda_hinge_2 = y[21]
+    lambda_elbow_1 = y[22]
+    lambda_elbow_2 = y[23]
+    upper_phiddot = ydot[12]
+    upper_alpha1ddot = ydot[13]
+    upper_alpha2ddot = ydot[14]
+    lower_phiddot = ydot[17]
+    lower_alpha1ddot = ydot[18]
+    lower_alpha2ddot = ydot[19]
 
     # upper Q (26): upper_cos_phi = cosine of the rotation angle; upper_sin_phi = sine of the
     #     rotation angle
@@ -3755,14 +3755,38 @@ def jacobian_index1(t, y, ydot, cj, k):
     return jac
 
 
+_ONE_STATE = (), numpy.dtype(numpy.float64)
+
+
 def _arrays(sizes, *values):
-    """Their array namespace, shape and type of the batch, and the arguments as arrays; a number has no size."""
+    """Their array namespace, shape and type of the batch, and the arguments as arrays; a number has no size.
+
+    Arrays are given by what yields their elements along the last axis, see `_elements`.
+    """
+    if all(map(_is_plain, sizes.values(), values)):
+        return numpy, _ONE_STATE, values
     spaces = [value.__array_namespace__() for value in values if hasattr(value, "__array_namespace__")]
     xp = spaces[0] if spaces else numpy
     arrays = [_array(xp, name, size, value) for (name, size), value in zip(sizes.items(), values)]
     shaped = [(array, size) for array, size in zip(arrays, sizes.values()) if hasattr(array, "shape")]
     batches = [array.shape if size is None else array.shape[:-1] for array, size in shaped]
-    return xp, (numpy.broadcast_shapes(*batches), xp.result_type(*(array.dtype for array, _ in shaped))), arrays
+    batch = numpy.broadcast_shapes(*batches), xp.result_type(*(array.dtype for array, _ in shaped))
+    return xp, batch, [array if size is None else _elements(array) for array, size in zip(arrays, sizes.values())]
+
+
+def _elements(array):
+    """The elements along the last axis, by [i]; those of a single state are numbers, faster than arrays without axes."""
+    if isinstance(array, numpy.ndarray):
+        return array if array.ndim == 1 else numpy.moveaxis(array, -1, 0)
+    return tuple(array[..., i] for i in range(array.shape[-1]))
+
+
+def _is_plain(size, value):
+    """Whether an argument is a number, or a vector of doubles of NumPy, of which nothing has to be converted."""
+    if size is None:
+        return isinstance(value, float)
+    own = type(value) is numpy.ndarray or getattr(value, "build", None) == HASH
+    return own and value.shape == (size,) and value.dtype == _ONE_STATE[1]
 
 
 def _array(xp, name, size, value):
@@ -3786,6 +3810,8 @@ def _empty(xp, batch, size):
 def _stack(xp, batch, elements):
     """Elements, numbers or arrays, as the last axis of one array."""
     shape, dtype = batch
+    if xp is numpy and not shape:
+        return numpy.array(elements, dtype)
     if not elements:
         return xp.zeros((*shape, 0), dtype=dtype)
 
@@ -3798,7 +3824,9 @@ def _stack(xp, batch, elements):
 
 
 def _where(xp, valid, values):
-    """The values, and NaN for the members of the batch that are not valid."""
+    """The values, and NaN for the members of a batch that are not valid; a single state is, or has raised an error."""
+    if not valid.shape:
+        return values
     return xp.where(valid[..., None], values, xp.full(values.shape, float("nan"), dtype=values.dtype))
 
 

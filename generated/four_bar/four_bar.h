@@ -329,8 +329,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define FOUR_BAR_HASH "894d774df25eb1ef"
-#define FOUR_BAR_HASH_894d774df25eb1ef
+#define FOUR_BAR_HASH "79cede4590a6e67a"
+#define FOUR_BAR_HASH_79cede4590a6e67a
 
 /* ---- sizes and indices ---- */
 

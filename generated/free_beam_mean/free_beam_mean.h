@@ -251,8 +251,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define FREE_BEAM_MEAN_HASH "3cb71fbe21c6d697"
-#define FREE_BEAM_MEAN_HASH_3cb71fbe21c6d697
+#define FREE_BEAM_MEAN_HASH "0ebf4c377e19fc3c"
+#define FREE_BEAM_MEAN_HASH_0ebf4c377e19fc3c
 
 /* ---- sizes and indices ---- */
 

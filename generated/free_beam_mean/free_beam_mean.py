@@ -119,7 +119,7 @@ class Pattern(NamedTuple):
 
 
 NAME = "free_beam_mean"
-HASH = "3cb71fbe21c6d697"
+HASH = "0ebf4c377e19fc3c"
 COORDINATES = ("c1", "c2", "phi", "alpha1", "alpha2")
 VELOCITIES = ("c1dot", "c2dot", "phidot", "alpha1dot", "alpha2dot")
 PARAMETERS = ("m", "l", "EI")
@@ -213,9 +213,9 @@ def setup(p):
     13 operations.
     """
     xp, batch, (p,) = _arrays(dict(p=3), p)
-    p_m = p[..., 0]
-    p_l = p[..., 1]
-    p_EI = p[..., 2]
+    p_m = p[0]
+    p_l = p[1]
+    p_EI = p[2]
 
     # integrals (appendix): shape integrals, stiffness, and constants computed from them
     t1 = p_l * p_l
@@ -278,12 +278,12 @@ def mass(q, k):
     6 operations.
     """
     xp, batch, (q, k) = _arrays(dict(q=5, k=10), q, k)
-    alpha1 = q[..., 3]
-    alpha2 = q[..., 4]
-    mass = k[..., 0]
-    C3 = k[..., 1]
-    c8_1_1 = k[..., 2]
-    c8_2_2 = k[..., 3]
+    alpha1 = q[3]
+    alpha2 = q[4]
+    mass = k[0]
+    C3 = k[1]
+    c8_1_1 = k[2]
+    c8_2_2 = k[3]
 
     # D2 (appendix): D2_1 = int rho r . Phi_1; D2_2 = int rho r . Phi_2
     D2_1 = alpha1 * c8_1_1
@@ -316,15 +316,15 @@ def force(t, q, v, k):
     14 operations.
     """
     xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=5, v=5, k=10), t, q, v, k)
-    alpha1 = q[..., 3]
-    alpha2 = q[..., 4]
-    phidot = v[..., 2]
-    alpha1dot = v[..., 3]
-    alpha2dot = v[..., 4]
-    c8_1_1 = k[..., 2]
-    c8_2_2 = k[..., 3]
-    K_1_1 = k[..., 4]
-    K_2_2 = k[..., 5]
+    alpha1 = q[3]
+    alpha2 = q[4]
+    phidot = v[2]
+    alpha1dot = v[3]
+    alpha2dot = v[4]
+    c8_1_1 = k[2]
+    c8_2_2 = k[3]
+    K_1_1 = k[4]
+    K_2_2 = k[5]
 
     # D2 (appendix): D2_1 = int rho r . Phi_1; D2_2 = int rho r . Phi_2
     D2_1 = alpha1 * c8_1_1
@@ -359,17 +359,17 @@ def mass_force(t, q, v, k):
     18 operations.
     """
     xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=5, v=5, k=10), t, q, v, k)
-    alpha1 = q[..., 3]
-    alpha2 = q[..., 4]
-    phidot = v[..., 2]
-    alpha1dot = v[..., 3]
-    alpha2dot = v[..., 4]
-    mass = k[..., 0]
-    C3 = k[..., 1]
-    c8_1_1 = k[..., 2]
-    c8_2_2 = k[..., 3]
-    K_1_1 = k[..., 4]
-    K_2_2 = k[..., 5]
+    alpha1 = q[3]
+    alpha2 = q[4]
+    phidot = v[2]
+    alpha1dot = v[3]
+    alpha2dot = v[4]
+    mass = k[0]
+    C3 = k[1]
+    c8_1_1 = k[2]
+    c8_2_2 = k[3]
+    K_1_1 = k[4]
+    K_2_2 = k[5]
 
     # D2 (appendix): D2_1 = int rho r . Phi_1; D2_2 = int rho r . Phi_2
     D2_1 = alpha1 * c8_1_1
@@ -420,18 +420,18 @@ def accel(t, q, v, k):
     27 operations.
     """
     xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=5, v=5, k=10), t, q, v, k)
-    alpha1 = q[..., 3]
-    alpha2 = q[..., 4]
-    phidot = v[..., 2]
-    alpha1dot = v[..., 3]
-    alpha2dot = v[..., 4]
-    C3 = k[..., 1]
-    c8_1_1 = k[..., 2]
-    c8_2_2 = k[..., 3]
-    K_1_1 = k[..., 4]
-    K_2_2 = k[..., 5]
-    inverse_c8_1_1 = k[..., 8]
-    inverse_c8_2_2 = k[..., 9]
+    alpha1 = q[3]
+    alpha2 = q[4]
+    phidot = v[2]
+    alpha1dot = v[3]
+    alpha2dot = v[4]
+    C3 = k[1]
+    c8_1_1 = k[2]
+    c8_2_2 = k[3]
+    K_1_1 = k[4]
+    K_2_2 = k[5]
+    inverse_c8_1_1 = k[8]
+    inverse_c8_2_2 = k[9]
 
     # D2 (appendix): D2_1 = int rho r . Phi_1; D2_2 = int rho r . Phi_2
     D2_1 = alpha1 * c8_1_1
@@ -478,19 +478,19 @@ def energy(q, v, k):
     27 operations.
     """
     xp, batch, (q, v, k) = _arrays(dict(q=5, v=5, k=10), q, v, k)
-    alpha1 = q[..., 3]
-    alpha2 = q[..., 4]
-    c1dot = v[..., 0]
-    c2dot = v[..., 1]
-    phidot = v[..., 2]
-    alpha1dot = v[..., 3]
-    alpha2dot = v[..., 4]
-    mass = k[..., 0]
-    C3 = k[..., 1]
-    c8_1_1 = k[..., 2]
-    c8_2_2 = k[..., 3]
-    K_1_1 = k[..., 4]
-    K_2_2 = k[..., 5]
+    alpha1 = q[3]
+    alpha2 = q[4]
+    c1dot = v[0]
+    c2dot = v[1]
+    phidot = v[2]
+    alpha1dot = v[3]
+    alpha2dot = v[4]
+    mass = k[0]
+    C3 = k[1]
+    c8_1_1 = k[2]
+    c8_2_2 = k[3]
+    K_1_1 = k[4]
+    K_2_2 = k[5]
 
     # D2 (appendix): D2_1 = int rho r . Phi_1; D2_2 = int rho r . Phi_2
     D2_1 = alpha1 * c8_1_1
@@ -522,17 +522,17 @@ def momentum(q, v, k):
     15 operations.
     """
     xp, batch, (q, v, k) = _arrays(dict(q=5, v=5, k=10), q, v, k)
-    c1 = q[..., 0]
-    c2 = q[..., 1]
-    alpha1 = q[..., 3]
-    alpha2 = q[..., 4]
-    c1dot = v[..., 0]
-    c2dot = v[..., 1]
-    phidot = v[..., 2]
-    mass = k[..., 0]
-    C3 = k[..., 1]
-    c8_1_1 = k[..., 2]
-    c8_2_2 = k[..., 3]
+    c1 = q[0]
+    c2 = q[1]
+    alpha1 = q[3]
+    alpha2 = q[4]
+    c1dot = v[0]
+    c2dot = v[1]
+    phidot = v[2]
+    mass = k[0]
+    C3 = k[1]
+    c8_1_1 = k[2]
+    c8_2_2 = k[3]
 
     # D2 (appendix): D2_1 = int rho r . Phi_1; D2_2 = int rho r . Phi_2
     D2_1 = alpha1 * c8_1_1
@@ -562,11 +562,11 @@ def rates(q, v, k):
     0 operations.
     """
     xp, batch, (q, v, k) = _arrays(dict(q=5, v=5, k=10), q, v, k)
-    c1dot = v[..., 0]
-    c2dot = v[..., 1]
-    phidot = v[..., 2]
-    alpha1dot = v[..., 3]
-    alpha2dot = v[..., 4]
+    c1dot = v[0]
+    c2dot = v[1]
+    phidot = v[2]
+    alpha1dot = v[3]
+    alpha2dot = v[4]
 
     # rates (1): from Qdot = Q (omega x)
     qdot_0 = c1dot
@@ -593,17 +593,17 @@ def marker_left(q, v, k):
     28 operations.
     """
     xp, batch, (q, v, k) = _arrays(dict(q=5, v=5, k=10), q, v, k)
-    c1 = q[..., 0]
-    c2 = q[..., 1]
-    phi = q[..., 2]
-    alpha1 = q[..., 3]
-    alpha2 = q[..., 4]
-    c1dot = v[..., 0]
-    c2dot = v[..., 1]
-    phidot = v[..., 2]
-    alpha1dot = v[..., 3]
-    alpha2dot = v[..., 4]
-    X_left = k[..., 6]
+    c1 = q[0]
+    c2 = q[1]
+    phi = q[2]
+    alpha1 = q[3]
+    alpha2 = q[4]
+    c1dot = v[0]
+    c2dot = v[1]
+    phidot = v[2]
+    alpha1dot = v[3]
+    alpha2dot = v[4]
+    X_left = k[6]
 
     # r (14): X + u and its time derivative at the marker, in the body frame
     r_2 = alpha1 - alpha2
@@ -654,14 +654,14 @@ def marker_middle(q, v, k):
     19 operations.
     """
     xp, batch, (q, v, k) = _arrays(dict(q=5, v=5, k=10), q, v, k)
-    c1 = q[..., 0]
-    c2 = q[..., 1]
-    phi = q[..., 2]
-    alpha1 = q[..., 3]
-    c1dot = v[..., 0]
-    c2dot = v[..., 1]
-    phidot = v[..., 2]
-    alpha1dot = v[..., 3]
+    c1 = q[0]
+    c2 = q[1]
+    phi = q[2]
+    alpha1 = q[3]
+    c1dot = v[0]
+    c2dot = v[1]
+    phidot = v[2]
+    alpha1dot = v[3]
 
     # Q (26): cos_phi = cosine of the rotation angle; sin_phi = sine of the rotation angle
     cos_phi = xp.cos(phi)
@@ -705,17 +705,17 @@ def marker_right(q, v, k):
     27 operations.
     """
     xp, batch, (q, v, k) = _arrays(dict(q=5, v=5, k=10), q, v, k)
-    c1 = q[..., 0]
-    c2 = q[..., 1]
-    phi = q[..., 2]
-    alpha1 = q[..., 3]
-    alpha2 = q[..., 4]
-    c1dot = v[..., 0]
-    c2dot = v[..., 1]
-    phidot = v[..., 2]
-    alpha1dot = v[..., 3]
-    alpha2dot = v[..., 4]
-    X_right = k[..., 7]
+    c1 = q[0]
+    c2 = q[1]
+    phi = q[2]
+    alpha1 = q[3]
+    alpha2 = q[4]
+    c1dot = v[0]
+    c2dot = v[1]
+    phidot = v[2]
+    alpha1dot = v[3]
+    alpha2dot = v[4]
+    X_right = k[7]
 
     # r (14): X + u and its time derivative at the marker, in the body frame
     r_2 = alpha1 + alpha2
@@ -766,12 +766,12 @@ def load_left(q, F, k):
     13 operations.
     """
     xp, batch, (q, F, k) = _arrays(dict(q=5, F=2, k=10), q, F, k)
-    phi = q[..., 2]
-    alpha1 = q[..., 3]
-    alpha2 = q[..., 4]
-    F_1 = F[..., 0]
-    F_2 = F[..., 1]
-    X_left = k[..., 6]
+    phi = q[2]
+    alpha1 = q[3]
+    alpha2 = q[4]
+    F_1 = F[0]
+    F_2 = F[1]
+    X_left = k[6]
 
     # Q (26): cos_phi = cosine of the rotation angle; sin_phi = sine of the rotation angle
     cos_phi = xp.cos(phi)
@@ -808,10 +808,10 @@ def load_middle(q, F, k):
     11 operations.
     """
     xp, batch, (q, F, k) = _arrays(dict(q=5, F=2, k=10), q, F, k)
-    phi = q[..., 2]
-    alpha1 = q[..., 3]
-    F_1 = F[..., 0]
-    F_2 = F[..., 1]
+    phi = q[2]
+    alpha1 = q[3]
+    F_1 = F[0]
+    F_2 = F[1]
 
     # Q (26): cos_phi = cosine of the rotation angle; sin_phi = sine of the rotation angle
     cos_phi = xp.cos(phi)
@@ -845,12 +845,12 @@ def load_right(q, F, k):
     12 operations.
     """
     xp, batch, (q, F, k) = _arrays(dict(q=5, F=2, k=10), q, F, k)
-    phi = q[..., 2]
-    alpha1 = q[..., 3]
-    alpha2 = q[..., 4]
-    F_1 = F[..., 0]
-    F_2 = F[..., 1]
-    X_right = k[..., 7]
+    phi = q[2]
+    alpha1 = q[3]
+    alpha2 = q[4]
+    F_1 = F[0]
+    F_2 = F[1]
+    X_right = k[7]
 
     # Q (26): cos_phi = cosine of the rotation angle; sin_phi = sine of the rotation angle
     cos_phi = xp.cos(phi)
@@ -888,29 +888,29 @@ def residual(t, y, ydot, k):
     31 operations.
     """
     xp, batch, (t, y, ydot, k) = _arrays(dict(t=None, y=10, ydot=10, k=10), t, y, ydot, k)
-    alpha1 = y[..., 3]
-    alpha2 = y[..., 4]
-    c1dot = y[..., 5]
-    c2dot = y[..., 6]
-    phidot = y[..., 7]
-    alpha1dot = y[..., 8]
-    alpha2dot = y[..., 9]
-    c1_t = ydot[..., 0]
-    c2_t = ydot[..., 1]
-    phi_t = ydot[..., 2]
-    alpha1_t = ydot[..., 3]
-    alpha2_t = ydot[..., 4]
-    c1ddot = ydot[..., 5]
-    c2ddot = ydot[..., 6]
-    phiddot = ydot[..., 7]
-    alpha1ddot = ydot[..., 8]
-    alpha2ddot = ydot[..., 9]
-    mass = k[..., 0]
-    C3 = k[..., 1]
-    c8_1_1 = k[..., 2]
-    c8_2_2 = k[..., 3]
-    K_1_1 = k[..., 4]
-    K_2_2 = k[..., 5]
+    alpha1 = y[3]
+    alpha2 = y[4]
+    c1dot = y[5]
+    c2dot = y[6]
+    phidot = y[7]
+    alpha1dot = y[8]
+    alpha2dot = y[9]
+    c1_t = ydot[0]
+    c2_t = ydot[1]
+    phi_t = ydot[2]
+    alpha1_t = ydot[3]
+    alpha2_t = ydot[4]
+    c1ddot = ydot[5]
+    c2ddot = ydot[6]
+    phiddot = ydot[7]
+    alpha1ddot = ydot[8]
+    alpha2ddot = ydot[9]
+    mass = k[0]
+    C3 = k[1]
+    c8_1_1 = k[2]
+    c8_2_2 = k[3]
+    K_1_1 = k[4]
+    K_2_2 = k[5]
 
     # D2 (appendix): D2_1 = int rho r . Phi_1; D2_2 = int rho r . Phi_2
     D2_1 = alpha1 * c8_1_1
@@ -954,18 +954,18 @@ def jacobian(t, y, ydot, cj, k):
     37 operations.
     """
     xp, batch, (t, y, ydot, cj, k) = _arrays(dict(t=None, y=10, ydot=10, cj=None, k=10), t, y, ydot, cj, k)
-    alpha1 = y[..., 3]
-    alpha2 = y[..., 4]
-    phidot = y[..., 7]
-    alpha1dot = y[..., 8]
-    alpha2dot = y[..., 9]
-    phiddot = ydot[..., 7]
-    mass = k[..., 0]
-    C3 = k[..., 1]
-    c8_1_1 = k[..., 2]
-    c8_2_2 = k[..., 3]
-    K_1_1 = k[..., 4]
-    K_2_2 = k[..., 5]
+    alpha1 = y[3]
+    alpha2 = y[4]
+    phidot = y[7]
+    alpha1dot = y[8]
+    alpha2dot = y[9]
+    phiddot = ydot[7]
+    mass = k[0]
+    C3 = k[1]
+    c8_1_1 = k[2]
+    c8_2_2 = k[3]
+    K_1_1 = k[4]
+    K_2_2 = k[5]
 
     # D2 (appendix): D2_1 = int rho r . Phi_1; D2_2 = int rho r . Phi_2
     D2_1 = alpha1 * c8_1_1
@@ -1011,14 +1011,38 @@ def jacobian(t, y, ydot, cj, k):
     return jac
 
 
+_ONE_STATE = (), numpy.dtype(numpy.float64)
+
+
 def _arrays(sizes, *values):
-    """Their array namespace, shape and type of the batch, and the arguments as arrays; a number has no size."""
+    """Their array namespace, shape and type of the batch, and the arguments as arrays; a number has no size.
+
+    Arrays are given by what yields their elements along the last axis, see `_elements`.
+    """
+    if all(map(_is_plain, sizes.values(), values)):
+        return numpy, _ONE_STATE, values
     spaces = [value.__array_namespace__() for value in values if hasattr(value, "__array_namespace__")]
     xp = spaces[0] if spaces else numpy
     arrays = [_array(xp, name, size, value) for (name, size), value in zip(sizes.items(), values)]
     shaped = [(array, size) for array, size in zip(arrays, sizes.values()) if hasattr(array, "shape")]
     batches = [array.shape if size is None else array.shape[:-1] for array, size in shaped]
-    return xp, (numpy.broadcast_shapes(*batches), xp.result_type(*(array.dtype for array, _ in shaped))), arrays
+    batch = numpy.broadcast_shapes(*batches), xp.result_type(*(array.dtype for array, _ in shaped))
+    return xp, batch, [array if size is None else _elements(array) for array, size in zip(arrays, sizes.values())]
+
+
+def _elements(array):
+    """The elements along the last axis, by [i]; those of a single state are numbers, faster than arrays without axes."""
+    if isinstance(array, numpy.ndarray):
+        return array if array.ndim == 1 else numpy.moveaxis(array, -1, 0)
+    return tuple(array[..., i] for i in range(array.shape[-1]))
+
+
+def _is_plain(size, value):
+    """Whether an argument is a number, or a vector of doubles of NumPy, of which nothing has to be converted."""
+    if size is None:
+        return isinstance(value, float)
+    own = type(value) is numpy.ndarray or getattr(value, "build", None) == HASH
+    return own and value.shape == (size,) and value.dtype == _ONE_STATE[1]
 
 
 def _array(xp, name, size, value):
@@ -1042,6 +1066,8 @@ def _empty(xp, batch, size):
 def _stack(xp, batch, elements):
     """Elements, numbers or arrays, as the last axis of one array."""
     shape, dtype = batch
+    if xp is numpy and not shape:
+        return numpy.array(elements, dtype)
     if not elements:
         return xp.zeros((*shape, 0), dtype=dtype)
 
@@ -1054,7 +1080,9 @@ def _stack(xp, batch, elements):
 
 
 def _where(xp, valid, values):
-    """The values, and NaN for the members of the batch that are not valid."""
+    """The values, and NaN for the members of a batch that are not valid; a single state is, or has raised an error."""
+    if not valid.shape:
+        return values
     return xp.where(valid[..., None], values, xp.full(values.shape, float("nan"), dtype=values.dtype))
 
 

@@ -237,8 +237,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define FREE_BEAM_POINT_HASH "428f0cf7d7ec055a"
-#define FREE_BEAM_POINT_HASH_428f0cf7d7ec055a
+#define FREE_BEAM_POINT_HASH "a826b8be74982922"
+#define FREE_BEAM_POINT_HASH_a826b8be74982922
 
 /* ---- sizes and indices ---- */
 

@@ -105,7 +105,7 @@ class Pattern(NamedTuple):
 
 
 NAME = "free_beam_point"
-HASH = "428f0cf7d7ec055a"
+HASH = "a826b8be74982922"
 COORDINATES = ("c1", "c2", "phi", "alpha1", "alpha2")
 VELOCITIES = ("c1dot", "c2dot", "phidot", "alpha1dot", "alpha2dot")
 PARAMETERS = ("m", "l", "EI")
@@ -202,9 +202,9 @@ def setup(p):
     20 operations.
     """
     xp, batch, (p,) = _arrays(dict(p=3), p)
-    p_m = p[..., 0]
-    p_l = p[..., 1]
-    p_EI = p[..., 2]
+    p_m = p[0]
+    p_l = p[1]
+    p_EI = p[2]
 
     # integrals (appendix): shape integrals, stiffness, and constants computed from them
     c2_1_2 = p_m / 3
@@ -284,16 +284,16 @@ def mass(q, k):
     15 operations.
     """
     xp, batch, (q, k) = _arrays(dict(q=5, k=16), q, k)
-    phi = q[..., 2]
-    alpha1 = q[..., 3]
-    alpha2 = q[..., 4]
-    mass = k[..., 0]
-    c2_1_2 = k[..., 1]
-    C3 = k[..., 2]
-    c6_2 = k[..., 3]
-    c8_1_1 = k[..., 4]
-    c8_2_2 = k[..., 5]
-    minus_c2_1_2 = k[..., 10]
+    phi = q[2]
+    alpha1 = q[3]
+    alpha2 = q[4]
+    mass = k[0]
+    c2_1_2 = k[1]
+    C3 = k[2]
+    c6_2 = k[3]
+    c8_1_1 = k[4]
+    c8_2_2 = k[5]
+    minus_c2_1_2 = k[10]
 
     # Q (26): cos_phi = cosine of the rotation angle; sin_phi = sine of the rotation angle
     cos_phi = xp.cos(phi)
@@ -338,17 +338,17 @@ def force(t, q, v, k):
     27 operations.
     """
     xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=5, v=5, k=16), t, q, v, k)
-    phi = q[..., 2]
-    alpha1 = q[..., 3]
-    alpha2 = q[..., 4]
-    phidot = v[..., 2]
-    alpha1dot = v[..., 3]
-    alpha2dot = v[..., 4]
-    c2_1_2 = k[..., 1]
-    c8_1_1 = k[..., 4]
-    c8_2_2 = k[..., 5]
-    K_1_1 = k[..., 6]
-    K_2_2 = k[..., 7]
+    phi = q[2]
+    alpha1 = q[3]
+    alpha2 = q[4]
+    phidot = v[2]
+    alpha1dot = v[3]
+    alpha2dot = v[4]
+    c2_1_2 = k[1]
+    c8_1_1 = k[4]
+    c8_2_2 = k[5]
+    K_1_1 = k[6]
+    K_2_2 = k[7]
 
     # Q (26): cos_phi = cosine of the rotation angle; sin_phi = sine of the rotation angle
     cos_phi = xp.cos(phi)
@@ -396,21 +396,21 @@ def mass_force(t, q, v, k):
     37 operations.
     """
     xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=5, v=5, k=16), t, q, v, k)
-    phi = q[..., 2]
-    alpha1 = q[..., 3]
-    alpha2 = q[..., 4]
-    phidot = v[..., 2]
-    alpha1dot = v[..., 3]
-    alpha2dot = v[..., 4]
-    mass = k[..., 0]
-    c2_1_2 = k[..., 1]
-    C3 = k[..., 2]
-    c6_2 = k[..., 3]
-    c8_1_1 = k[..., 4]
-    c8_2_2 = k[..., 5]
-    K_1_1 = k[..., 6]
-    K_2_2 = k[..., 7]
-    minus_c2_1_2 = k[..., 10]
+    phi = q[2]
+    alpha1 = q[3]
+    alpha2 = q[4]
+    phidot = v[2]
+    alpha1dot = v[3]
+    alpha2dot = v[4]
+    mass = k[0]
+    c2_1_2 = k[1]
+    C3 = k[2]
+    c6_2 = k[3]
+    c8_1_1 = k[4]
+    c8_2_2 = k[5]
+    K_1_1 = k[6]
+    K_2_2 = k[7]
+    minus_c2_1_2 = k[10]
 
     # D2 (appendix): D2_1 = int rho r . Phi_1; D2_2 = int rho r . Phi_2
     D2_1 = alpha1 * c8_1_1
@@ -479,24 +479,24 @@ def accel(t, q, v, k):
     96 operations.
     """
     xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=5, v=5, k=16), t, q, v, k)
-    phi = q[..., 2]
-    alpha1 = q[..., 3]
-    alpha2 = q[..., 4]
-    phidot = v[..., 2]
-    alpha1dot = v[..., 3]
-    alpha2dot = v[..., 4]
-    mass = k[..., 0]
-    c2_1_2 = k[..., 1]
-    C3 = k[..., 2]
-    c8_1_1 = k[..., 4]
-    c8_2_2 = k[..., 5]
-    K_1_1 = k[..., 6]
-    K_2_2 = k[..., 7]
-    c6_2_over_c8_2_2_times_c6_2 = k[..., 11]
-    mass_times_2_pow_minus_44 = k[..., 12]
-    c8_1_1_times_2_pow_minus_44 = k[..., 13]
-    c6_2_over_c8_2_2 = k[..., 14]
-    inverse_c8_2_2 = k[..., 15]
+    phi = q[2]
+    alpha1 = q[3]
+    alpha2 = q[4]
+    phidot = v[2]
+    alpha1dot = v[3]
+    alpha2dot = v[4]
+    mass = k[0]
+    c2_1_2 = k[1]
+    C3 = k[2]
+    c8_1_1 = k[4]
+    c8_2_2 = k[5]
+    K_1_1 = k[6]
+    K_2_2 = k[7]
+    c6_2_over_c8_2_2_times_c6_2 = k[11]
+    mass_times_2_pow_minus_44 = k[12]
+    c8_1_1_times_2_pow_minus_44 = k[13]
+    c6_2_over_c8_2_2 = k[14]
+    inverse_c8_2_2 = k[15]
 
     # Q (26): cos_phi = cosine of the rotation angle; sin_phi = sine of the rotation angle
     cos_phi = xp.cos(phi)
@@ -585,22 +585,22 @@ def energy(q, v, k):
     51 operations.
     """
     xp, batch, (q, v, k) = _arrays(dict(q=5, v=5, k=16), q, v, k)
-    phi = q[..., 2]
-    alpha1 = q[..., 3]
-    alpha2 = q[..., 4]
-    c1dot = v[..., 0]
-    c2dot = v[..., 1]
-    phidot = v[..., 2]
-    alpha1dot = v[..., 3]
-    alpha2dot = v[..., 4]
-    mass = k[..., 0]
-    c2_1_2 = k[..., 1]
-    C3 = k[..., 2]
-    c6_2 = k[..., 3]
-    c8_1_1 = k[..., 4]
-    c8_2_2 = k[..., 5]
-    K_1_1 = k[..., 6]
-    K_2_2 = k[..., 7]
+    phi = q[2]
+    alpha1 = q[3]
+    alpha2 = q[4]
+    c1dot = v[0]
+    c2dot = v[1]
+    phidot = v[2]
+    alpha1dot = v[3]
+    alpha2dot = v[4]
+    mass = k[0]
+    c2_1_2 = k[1]
+    C3 = k[2]
+    c6_2 = k[3]
+    c8_1_1 = k[4]
+    c8_2_2 = k[5]
+    K_1_1 = k[6]
+    K_2_2 = k[7]
 
     # Q (26): cos_phi = cosine of the rotation angle; sin_phi = sine of the rotation angle
     cos_phi = xp.cos(phi)
@@ -647,22 +647,22 @@ def momentum(q, v, k):
     46 operations.
     """
     xp, batch, (q, v, k) = _arrays(dict(q=5, v=5, k=16), q, v, k)
-    c1 = q[..., 0]
-    c2 = q[..., 1]
-    phi = q[..., 2]
-    alpha1 = q[..., 3]
-    alpha2 = q[..., 4]
-    c1dot = v[..., 0]
-    c2dot = v[..., 1]
-    phidot = v[..., 2]
-    alpha1dot = v[..., 3]
-    alpha2dot = v[..., 4]
-    mass = k[..., 0]
-    c2_1_2 = k[..., 1]
-    C3 = k[..., 2]
-    c6_2 = k[..., 3]
-    c8_1_1 = k[..., 4]
-    c8_2_2 = k[..., 5]
+    c1 = q[0]
+    c2 = q[1]
+    phi = q[2]
+    alpha1 = q[3]
+    alpha2 = q[4]
+    c1dot = v[0]
+    c2dot = v[1]
+    phidot = v[2]
+    alpha1dot = v[3]
+    alpha2dot = v[4]
+    mass = k[0]
+    c2_1_2 = k[1]
+    C3 = k[2]
+    c6_2 = k[3]
+    c8_1_1 = k[4]
+    c8_2_2 = k[5]
 
     # Q (26): cos_phi = cosine of the rotation angle; sin_phi = sine of the rotation angle
     cos_phi = xp.cos(phi)
@@ -710,11 +710,11 @@ def rates(q, v, k):
     0 operations.
     """
     xp, batch, (q, v, k) = _arrays(dict(q=5, v=5, k=16), q, v, k)
-    c1dot = v[..., 0]
-    c2dot = v[..., 1]
-    phidot = v[..., 2]
-    alpha1dot = v[..., 3]
-    alpha2dot = v[..., 4]
+    c1dot = v[0]
+    c2dot = v[1]
+    phidot = v[2]
+    alpha1dot = v[3]
+    alpha2dot = v[4]
 
     # rates (1): from Qdot = Q (omega x)
     qdot_0 = c1dot
@@ -741,17 +741,17 @@ def marker_left(q, v, k):
     28 operations.
     """
     xp, batch, (q, v, k) = _arrays(dict(q=5, v=5, k=16), q, v, k)
-    c1 = q[..., 0]
-    c2 = q[..., 1]
-    phi = q[..., 2]
-    alpha1 = q[..., 3]
-    alpha2 = q[..., 4]
-    c1dot = v[..., 0]
-    c2dot = v[..., 1]
-    phidot = v[..., 2]
-    alpha1dot = v[..., 3]
-    alpha2dot = v[..., 4]
-    X_left = k[..., 8]
+    c1 = q[0]
+    c2 = q[1]
+    phi = q[2]
+    alpha1 = q[3]
+    alpha2 = q[4]
+    c1dot = v[0]
+    c2dot = v[1]
+    phidot = v[2]
+    alpha1dot = v[3]
+    alpha2dot = v[4]
+    X_left = k[8]
 
     # r (14): X + u and its time derivative at the marker, in the body frame
     r_2 = alpha1 - alpha2
@@ -802,10 +802,10 @@ def marker_middle(q, v, k):
     0 operations.
     """
     xp, batch, (q, v, k) = _arrays(dict(q=5, v=5, k=16), q, v, k)
-    c1 = q[..., 0]
-    c2 = q[..., 1]
-    c1dot = v[..., 0]
-    c2dot = v[..., 1]
+    c1 = q[0]
+    c2 = q[1]
+    c1dot = v[0]
+    c2dot = v[1]
 
     # marker (1): x = c + Q r, its time derivative and its Jacobian
     x_0 = c1
@@ -835,17 +835,17 @@ def marker_right(q, v, k):
     27 operations.
     """
     xp, batch, (q, v, k) = _arrays(dict(q=5, v=5, k=16), q, v, k)
-    c1 = q[..., 0]
-    c2 = q[..., 1]
-    phi = q[..., 2]
-    alpha1 = q[..., 3]
-    alpha2 = q[..., 4]
-    c1dot = v[..., 0]
-    c2dot = v[..., 1]
-    phidot = v[..., 2]
-    alpha1dot = v[..., 3]
-    alpha2dot = v[..., 4]
-    X_right = k[..., 9]
+    c1 = q[0]
+    c2 = q[1]
+    phi = q[2]
+    alpha1 = q[3]
+    alpha2 = q[4]
+    c1dot = v[0]
+    c2dot = v[1]
+    phidot = v[2]
+    alpha1dot = v[3]
+    alpha2dot = v[4]
+    X_right = k[9]
 
     # r (14): X + u and its time derivative at the marker, in the body frame
     r_2 = alpha1 + alpha2
@@ -896,12 +896,12 @@ def load_left(q, F, k):
     13 operations.
     """
     xp, batch, (q, F, k) = _arrays(dict(q=5, F=2, k=16), q, F, k)
-    phi = q[..., 2]
-    alpha1 = q[..., 3]
-    alpha2 = q[..., 4]
-    F_1 = F[..., 0]
-    F_2 = F[..., 1]
-    X_left = k[..., 8]
+    phi = q[2]
+    alpha1 = q[3]
+    alpha2 = q[4]
+    F_1 = F[0]
+    F_2 = F[1]
+    X_left = k[8]
 
     # Q (26): cos_phi = cosine of the rotation angle; sin_phi = sine of the rotation angle
     cos_phi = xp.cos(phi)
@@ -938,8 +938,8 @@ def load_middle(q, F, k):
     0 operations.
     """
     xp, batch, (q, F, k) = _arrays(dict(q=5, F=2, k=16), q, F, k)
-    F_1 = F[..., 0]
-    F_2 = F[..., 1]
+    F_1 = F[0]
+    F_2 = F[1]
 
     # f (10): virtual work of the force
     f_0 = F_1
@@ -965,12 +965,12 @@ def load_right(q, F, k):
     12 operations.
     """
     xp, batch, (q, F, k) = _arrays(dict(q=5, F=2, k=16), q, F, k)
-    phi = q[..., 2]
-    alpha1 = q[..., 3]
-    alpha2 = q[..., 4]
-    F_1 = F[..., 0]
-    F_2 = F[..., 1]
-    X_right = k[..., 9]
+    phi = q[2]
+    alpha1 = q[3]
+    alpha2 = q[4]
+    F_1 = F[0]
+    F_2 = F[1]
+    X_right = k[9]
 
     # Q (26): cos_phi = cosine of the rotation angle; sin_phi = sine of the rotation angle
     cos_phi = xp.cos(phi)
@@ -1008,32 +1008,32 @@ def residual(t, y, ydot, k):
     66 operations.
     """
     xp, batch, (t, y, ydot, k) = _arrays(dict(t=None, y=10, ydot=10, k=16), t, y, ydot, k)
-    phi = y[..., 2]
-    alpha1 = y[..., 3]
-    alpha2 = y[..., 4]
-    c1dot = y[..., 5]
-    c2dot = y[..., 6]
-    phidot = y[..., 7]
-    alpha1dot = y[..., 8]
-    alpha2dot = y[..., 9]
-    c1_t = ydot[..., 0]
-    c2_t = ydot[..., 1]
-    phi_t = ydot[..., 2]
-    alpha1_t = ydot[..., 3]
-    alpha2_t = ydot[..., 4]
-    c1ddot = ydot[..., 5]
-    c2ddot = ydot[..., 6]
-    phiddot = ydot[..., 7]
-    alpha1ddot = ydot[..., 8]
-    alpha2ddot = ydot[..., 9]
-    mass = k[..., 0]
-    c2_1_2 = k[..., 1]
-    C3 = k[..., 2]
-    c6_2 = k[..., 3]
-    c8_1_1 = k[..., 4]
-    c8_2_2 = k[..., 5]
-    K_1_1 = k[..., 6]
-    K_2_2 = k[..., 7]
+    phi = y[2]
+    alpha1 = y[3]
+    alpha2 = y[4]
+    c1dot = y[5]
+    c2dot = y[6]
+    phidot = y[7]
+    alpha1dot = y[8]
+    alpha2dot = y[9]
+    c1_t = ydot[0]
+    c2_t = ydot[1]
+    phi_t = ydot[2]
+    alpha1_t = ydot[3]
+    alpha2_t = ydot[4]
+    c1ddot = ydot[5]
+    c2ddot = ydot[6]
+    phiddot = ydot[7]
+    alpha1ddot = ydot[8]
+    alpha2ddot = ydot[9]
+    mass = k[0]
+    c2_1_2 = k[1]
+    C3 = k[2]
+    c6_2 = k[3]
+    c8_1_1 = k[4]
+    c8_2_2 = k[5]
+    K_1_1 = k[6]
+    K_2_2 = k[7]
 
     # Q (26): cos_phi = cosine of the rotation angle; sin_phi = sine of the rotation angle
     cos_phi = xp.cos(phi)
@@ -1097,24 +1097,24 @@ def jacobian(t, y, ydot, cj, k):
     110 operations.
     """
     xp, batch, (t, y, ydot, cj, k) = _arrays(dict(t=None, y=10, ydot=10, cj=None, k=16), t, y, ydot, cj, k)
-    phi = y[..., 2]
-    alpha1 = y[..., 3]
-    alpha2 = y[..., 4]
-    phidot = y[..., 7]
-    alpha1dot = y[..., 8]
-    alpha2dot = y[..., 9]
-    c1ddot = ydot[..., 5]
-    c2ddot = ydot[..., 6]
-    phiddot = ydot[..., 7]
-    alpha1ddot = ydot[..., 8]
-    mass = k[..., 0]
-    c2_1_2 = k[..., 1]
-    C3 = k[..., 2]
-    c6_2 = k[..., 3]
-    c8_1_1 = k[..., 4]
-    c8_2_2 = k[..., 5]
-    K_1_1 = k[..., 6]
-    K_2_2 = k[..., 7]
+    phi = y[2]
+    alpha1 = y[3]
+    alpha2 = y[4]
+    phidot = y[7]
+    alpha1dot = y[8]
+    alpha2dot = y[9]
+    c1ddot = ydot[5]
+    c2ddot = ydot[6]
+    phiddot = ydot[7]
+    alpha1ddot = ydot[8]
+    mass = k[0]
+    c2_1_2 = k[1]
+    C3 = k[2]
+    c6_2 = k[3]
+    c8_1_1 = k[4]
+    c8_2_2 = k[5]
+    K_1_1 = k[6]
+    K_2_2 = k[7]
 
     # Q (26): cos_phi = cosine of the rotation angle; sin_phi = sine of the rotation angle
     cos_phi = xp.cos(phi)
@@ -1202,14 +1202,38 @@ def jacobian(t, y, ydot, cj, k):
     return jac
 
 
+_ONE_STATE = (), numpy.dtype(numpy.float64)
+
+
 def _arrays(sizes, *values):
-    """Their array namespace, shape and type of the batch, and the arguments as arrays; a number has no size."""
+    """Their array namespace, shape and type of the batch, and the arguments as arrays; a number has no size.
+
+    Arrays are given by what yields their elements along the last axis, see `_elements`.
+    """
+    if all(map(_is_plain, sizes.values(), values)):
+        return numpy, _ONE_STATE, values
     spaces = [value.__array_namespace__() for value in values if hasattr(value, "__array_namespace__")]
     xp = spaces[0] if spaces else numpy
     arrays = [_array(xp, name, size, value) for (name, size), value in zip(sizes.items(), values)]
     shaped = [(array, size) for array, size in zip(arrays, sizes.values()) if hasattr(array, "shape")]
     batches = [array.shape if size is None else array.shape[:-1] for array, size in shaped]
-    return xp, (numpy.broadcast_shapes(*batches), xp.result_type(*(array.dtype for array, _ in shaped))), arrays
+    batch = numpy.broadcast_shapes(*batches), xp.result_type(*(array.dtype for array, _ in shaped))
+    return xp, batch, [array if size is None else _elements(array) for array, size in zip(arrays, sizes.values())]
+
+
+def _elements(array):
+    """The elements along the last axis, by [i]; those of a single state are numbers, faster than arrays without axes."""
+    if isinstance(array, numpy.ndarray):
+        return array if array.ndim == 1 else numpy.moveaxis(array, -1, 0)
+    return tuple(array[..., i] for i in range(array.shape[-1]))
+
+
+def _is_plain(size, value):
+    """Whether an argument is a number, or a vector of doubles of NumPy, of which nothing has to be converted."""
+    if size is None:
+        return isinstance(value, float)
+    own = type(value) is numpy.ndarray or getattr(value, "build", None) == HASH
+    return own and value.shape == (size,) and value.dtype == _ONE_STATE[1]
 
 
 def _array(xp, name, size, value):
@@ -1233,6 +1257,8 @@ def _empty(xp, batch, size):
 def _stack(xp, batch, elements):
     """Elements, numbers or arrays, as the last axis of one array."""
     shape, dtype = batch
+    if xp is numpy and not shape:
+        return numpy.array(elements, dtype)
     if not elements:
         return xp.zeros((*shape, 0), dtype=dtype)
 
@@ -1245,7 +1271,9 @@ def _stack(xp, batch, elements):
 
 
 def _where(xp, valid, values):
-    """The values, and NaN for the members of the batch that are not valid."""
+    """The values, and NaN for the members of a batch that are not valid; a single state is, or has raised an error."""
+    if not valid.shape:
+        return values
     return xp.where(valid[..., None], values, xp.full(values.shape, float("nan"), dtype=values.dtype))
 
 

@@ -12,7 +12,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef SOLID_BEAM_HASH_e61f798721bbeaef
+#ifndef SOLID_BEAM_HASH_a9906fb96175ff88
 #  error "solid_beam.h and solid_beam.c are of different builds; run tisserand build again"
 #endif
 

@@ -422,8 +422,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define SOLID_BEAM_HASH "e61f798721bbeaef"
-#define SOLID_BEAM_HASH_e61f798721bbeaef
+#define SOLID_BEAM_HASH "a9906fb96175ff88"
+#define SOLID_BEAM_HASH_a9906fb96175ff88
 
 /* ---- sizes and indices ---- */
 

@@ -261,8 +261,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define SPINNING_BEAM_HASH "bc1d4c56d0a12651"
-#define SPINNING_BEAM_HASH_bc1d4c56d0a12651
+#define SPINNING_BEAM_HASH "8981960894db9bcb"
+#define SPINNING_BEAM_HASH_8981960894db9bcb
 
 /* ---- sizes and indices ---- */
 

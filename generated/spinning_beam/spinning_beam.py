@@ -128,7 +128,7 @@ class Pattern(NamedTuple):
 
 
 NAME = "spinning_beam"
-HASH = "bc1d4c56d0a12651"
+HASH = "8981960894db9bcb"
 COORDINATES = ("beam_c1", "beam_c2", "beam_phi", "beam_alpha1", "beam_alpha2")
 VELOCITIES = ("beam_c1dot", "beam_c2dot", "beam_phidot", "beam_alpha1dot", "beam_alpha2dot")
 PARAMETERS = ("m", "l", "EI")
@@ -258,9 +258,9 @@ def setup(p):
     14 operations.
     """
     xp, batch, (p,) = _arrays(dict(p=3), p)
-    p_m = p[..., 0]
-    p_l = p[..., 1]
-    p_EI = p[..., 2]
+    p_m = p[0]
+    p_l = p[1]
+    p_EI = p[2]
 
     # integrals (appendix): shape integrals, stiffness, and constants computed from them
     t1 = p_l * p_l
@@ -326,12 +326,12 @@ def mass(q, k):
     6 operations.
     """
     xp, batch, (q, k) = _arrays(dict(q=5, k=11), q, k)
-    beam_alpha1 = q[..., 3]
-    beam_alpha2 = q[..., 4]
-    beam_mass = k[..., 0]
-    beam_C3 = k[..., 1]
-    beam_c8_1_1 = k[..., 2]
-    beam_c8_2_2 = k[..., 3]
+    beam_alpha1 = q[3]
+    beam_alpha2 = q[4]
+    beam_mass = k[0]
+    beam_C3 = k[1]
+    beam_c8_1_1 = k[2]
+    beam_c8_2_2 = k[3]
 
     # beam D2 (appendix): beam_D2_1 = int rho r . Phi_1; beam_D2_2 = int rho r . Phi_2
     beam_D2_1 = beam_alpha1 * beam_c8_1_1
@@ -366,16 +366,16 @@ def force(t, q, v, k):
     29 operations.
     """
     xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=5, v=5, k=11), t, q, v, k)
-    beam_phi = q[..., 2]
-    beam_alpha1 = q[..., 3]
-    beam_alpha2 = q[..., 4]
-    beam_phidot = v[..., 2]
-    beam_alpha1dot = v[..., 3]
-    beam_alpha2dot = v[..., 4]
-    beam_c8_1_1 = k[..., 2]
-    beam_c8_2_2 = k[..., 3]
-    beam_K_1_1 = k[..., 4]
-    beam_K_2_2 = k[..., 5]
+    beam_phi = q[2]
+    beam_alpha1 = q[3]
+    beam_alpha2 = q[4]
+    beam_phidot = v[2]
+    beam_alpha1dot = v[3]
+    beam_alpha2dot = v[4]
+    beam_c8_1_1 = k[2]
+    beam_c8_2_2 = k[3]
+    beam_K_1_1 = k[4]
+    beam_K_2_2 = k[5]
 
     # beam Q (26): beam_cos_phi = cosine of the rotation angle; beam_sin_phi = sine of the rotation
     #     angle
@@ -424,18 +424,18 @@ def mass_force(t, q, v, k):
     33 operations.
     """
     xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=5, v=5, k=11), t, q, v, k)
-    beam_phi = q[..., 2]
-    beam_alpha1 = q[..., 3]
-    beam_alpha2 = q[..., 4]
-    beam_phidot = v[..., 2]
-    beam_alpha1dot = v[..., 3]
-    beam_alpha2dot = v[..., 4]
-    beam_mass = k[..., 0]
-    beam_C3 = k[..., 1]
-    beam_c8_1_1 = k[..., 2]
-    beam_c8_2_2 = k[..., 3]
-    beam_K_1_1 = k[..., 4]
-    beam_K_2_2 = k[..., 5]
+    beam_phi = q[2]
+    beam_alpha1 = q[3]
+    beam_alpha2 = q[4]
+    beam_phidot = v[2]
+    beam_alpha1dot = v[3]
+    beam_alpha2dot = v[4]
+    beam_mass = k[0]
+    beam_C3 = k[1]
+    beam_c8_1_1 = k[2]
+    beam_c8_2_2 = k[3]
+    beam_K_1_1 = k[4]
+    beam_K_2_2 = k[5]
 
     # beam D2 (appendix): beam_D2_1 = int rho r . Phi_1; beam_D2_2 = int rho r . Phi_2
     beam_D2_1 = beam_alpha1 * beam_c8_1_1
@@ -500,20 +500,20 @@ def accel(t, q, v, k):
     42 operations.
     """
     xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=5, v=5, k=11), t, q, v, k)
-    beam_phi = q[..., 2]
-    beam_alpha1 = q[..., 3]
-    beam_alpha2 = q[..., 4]
-    beam_phidot = v[..., 2]
-    beam_alpha1dot = v[..., 3]
-    beam_alpha2dot = v[..., 4]
-    beam_C3 = k[..., 1]
-    beam_c8_1_1 = k[..., 2]
-    beam_c8_2_2 = k[..., 3]
-    beam_K_1_1 = k[..., 4]
-    beam_K_2_2 = k[..., 5]
-    inverse_beam_mass = k[..., 8]
-    inverse_beam_c8_1_1 = k[..., 9]
-    inverse_beam_c8_2_2 = k[..., 10]
+    beam_phi = q[2]
+    beam_alpha1 = q[3]
+    beam_alpha2 = q[4]
+    beam_phidot = v[2]
+    beam_alpha1dot = v[3]
+    beam_alpha2dot = v[4]
+    beam_C3 = k[1]
+    beam_c8_1_1 = k[2]
+    beam_c8_2_2 = k[3]
+    beam_K_1_1 = k[4]
+    beam_K_2_2 = k[5]
+    inverse_beam_mass = k[8]
+    inverse_beam_c8_1_1 = k[9]
+    inverse_beam_c8_2_2 = k[10]
 
     # beam D2 (appendix): beam_D2_1 = int rho r . Phi_1; beam_D2_2 = int rho r . Phi_2
     beam_D2_1 = beam_alpha1 * beam_c8_1_1
@@ -577,19 +577,19 @@ def energy(q, v, k):
     27 operations.
     """
     xp, batch, (q, v, k) = _arrays(dict(q=5, v=5, k=11), q, v, k)
-    beam_alpha1 = q[..., 3]
-    beam_alpha2 = q[..., 4]
-    beam_c1dot = v[..., 0]
-    beam_c2dot = v[..., 1]
-    beam_phidot = v[..., 2]
-    beam_alpha1dot = v[..., 3]
-    beam_alpha2dot = v[..., 4]
-    beam_mass = k[..., 0]
-    beam_C3 = k[..., 1]
-    beam_c8_1_1 = k[..., 2]
-    beam_c8_2_2 = k[..., 3]
-    beam_K_1_1 = k[..., 4]
-    beam_K_2_2 = k[..., 5]
+    beam_alpha1 = q[3]
+    beam_alpha2 = q[4]
+    beam_c1dot = v[0]
+    beam_c2dot = v[1]
+    beam_phidot = v[2]
+    beam_alpha1dot = v[3]
+    beam_alpha2dot = v[4]
+    beam_mass = k[0]
+    beam_C3 = k[1]
+    beam_c8_1_1 = k[2]
+    beam_c8_2_2 = k[3]
+    beam_K_1_1 = k[4]
+    beam_K_2_2 = k[5]
 
     # beam D2 (appendix): beam_D2_1 = int rho r . Phi_1; beam_D2_2 = int rho r . Phi_2
     beam_D2_1 = beam_alpha1 * beam_c8_1_1
@@ -624,17 +624,17 @@ def momentum(q, v, k):
     15 operations.
     """
     xp, batch, (q, v, k) = _arrays(dict(q=5, v=5, k=11), q, v, k)
-    beam_c1 = q[..., 0]
-    beam_c2 = q[..., 1]
-    beam_alpha1 = q[..., 3]
-    beam_alpha2 = q[..., 4]
-    beam_c1dot = v[..., 0]
-    beam_c2dot = v[..., 1]
-    beam_phidot = v[..., 2]
-    beam_mass = k[..., 0]
-    beam_C3 = k[..., 1]
-    beam_c8_1_1 = k[..., 2]
-    beam_c8_2_2 = k[..., 3]
+    beam_c1 = q[0]
+    beam_c2 = q[1]
+    beam_alpha1 = q[3]
+    beam_alpha2 = q[4]
+    beam_c1dot = v[0]
+    beam_c2dot = v[1]
+    beam_phidot = v[2]
+    beam_mass = k[0]
+    beam_C3 = k[1]
+    beam_c8_1_1 = k[2]
+    beam_c8_2_2 = k[3]
 
     # beam D2 (appendix): beam_D2_1 = int rho r . Phi_1; beam_D2_2 = int rho r . Phi_2
     beam_D2_1 = beam_alpha1 * beam_c8_1_1
@@ -666,11 +666,11 @@ def rates(q, v, k):
     0 operations.
     """
     xp, batch, (q, v, k) = _arrays(dict(q=5, v=5, k=11), q, v, k)
-    beam_c1dot = v[..., 0]
-    beam_c2dot = v[..., 1]
-    beam_phidot = v[..., 2]
-    beam_alpha1dot = v[..., 3]
-    beam_alpha2dot = v[..., 4]
+    beam_c1dot = v[0]
+    beam_c2dot = v[1]
+    beam_phidot = v[2]
+    beam_alpha1dot = v[3]
+    beam_alpha2dot = v[4]
 
     # rates (1): from Qdot = Q (omega x)
     qdot_0 = beam_c1dot
@@ -698,17 +698,17 @@ def marker_beam_left(q, v, k):
     28 operations.
     """
     xp, batch, (q, v, k) = _arrays(dict(q=5, v=5, k=11), q, v, k)
-    beam_c1 = q[..., 0]
-    beam_c2 = q[..., 1]
-    beam_phi = q[..., 2]
-    beam_alpha1 = q[..., 3]
-    beam_alpha2 = q[..., 4]
-    beam_c1dot = v[..., 0]
-    beam_c2dot = v[..., 1]
-    beam_phidot = v[..., 2]
-    beam_alpha1dot = v[..., 3]
-    beam_alpha2dot = v[..., 4]
-    beam_X_left = k[..., 6]
+    beam_c1 = q[0]
+    beam_c2 = q[1]
+    beam_phi = q[2]
+    beam_alpha1 = q[3]
+    beam_alpha2 = q[4]
+    beam_c1dot = v[0]
+    beam_c2dot = v[1]
+    beam_phidot = v[2]
+    beam_alpha1dot = v[3]
+    beam_alpha2dot = v[4]
+    beam_X_left = k[6]
 
     # beam left (1): beam_left_r_2 = r = X + u at left, along e2; ...; beam_left_sdot_2 = Q rdot at
     #     left, along e2
@@ -761,14 +761,14 @@ def marker_beam_middle(q, v, k):
     19 operations.
     """
     xp, batch, (q, v, k) = _arrays(dict(q=5, v=5, k=11), q, v, k)
-    beam_c1 = q[..., 0]
-    beam_c2 = q[..., 1]
-    beam_phi = q[..., 2]
-    beam_alpha1 = q[..., 3]
-    beam_c1dot = v[..., 0]
-    beam_c2dot = v[..., 1]
-    beam_phidot = v[..., 2]
-    beam_alpha1dot = v[..., 3]
+    beam_c1 = q[0]
+    beam_c2 = q[1]
+    beam_phi = q[2]
+    beam_alpha1 = q[3]
+    beam_c1dot = v[0]
+    beam_c2dot = v[1]
+    beam_phidot = v[2]
+    beam_alpha1dot = v[3]
 
     # beam middle (1): beam_middle_r_2 = r = X + u at middle, along e2; ...; beam_middle_sdot_2 = Q
     #     rdot at middle, along e2
@@ -818,17 +818,17 @@ def marker_beam_right(q, v, k):
     27 operations.
     """
     xp, batch, (q, v, k) = _arrays(dict(q=5, v=5, k=11), q, v, k)
-    beam_c1 = q[..., 0]
-    beam_c2 = q[..., 1]
-    beam_phi = q[..., 2]
-    beam_alpha1 = q[..., 3]
-    beam_alpha2 = q[..., 4]
-    beam_c1dot = v[..., 0]
-    beam_c2dot = v[..., 1]
-    beam_phidot = v[..., 2]
-    beam_alpha1dot = v[..., 3]
-    beam_alpha2dot = v[..., 4]
-    beam_X_right = k[..., 7]
+    beam_c1 = q[0]
+    beam_c2 = q[1]
+    beam_phi = q[2]
+    beam_alpha1 = q[3]
+    beam_alpha2 = q[4]
+    beam_c1dot = v[0]
+    beam_c2dot = v[1]
+    beam_phidot = v[2]
+    beam_alpha1dot = v[3]
+    beam_alpha2dot = v[4]
+    beam_X_right = k[7]
 
     # beam right (1): beam_right_r_2 = r = X + u at right, along e2; ...; beam_right_sdot_2 = Q rdot
     #     at right, along e2
@@ -880,12 +880,12 @@ def load_beam_left(q, F, k):
     13 operations.
     """
     xp, batch, (q, F, k) = _arrays(dict(q=5, F=2, k=11), q, F, k)
-    beam_phi = q[..., 2]
-    beam_alpha1 = q[..., 3]
-    beam_alpha2 = q[..., 4]
-    F_1 = F[..., 0]
-    F_2 = F[..., 1]
-    beam_X_left = k[..., 6]
+    beam_phi = q[2]
+    beam_alpha1 = q[3]
+    beam_alpha2 = q[4]
+    F_1 = F[0]
+    F_2 = F[1]
+    beam_X_left = k[6]
 
     # beam Q (26): beam_cos_phi = cosine of the rotation angle; beam_sin_phi = sine of the rotation
     #     angle
@@ -924,10 +924,10 @@ def load_beam_middle(q, F, k):
     11 operations.
     """
     xp, batch, (q, F, k) = _arrays(dict(q=5, F=2, k=11), q, F, k)
-    beam_phi = q[..., 2]
-    beam_alpha1 = q[..., 3]
-    F_1 = F[..., 0]
-    F_2 = F[..., 1]
+    beam_phi = q[2]
+    beam_alpha1 = q[3]
+    F_1 = F[0]
+    F_2 = F[1]
 
     # beam Q (26): beam_cos_phi = cosine of the rotation angle; beam_sin_phi = sine of the rotation
     #     angle
@@ -962,12 +962,12 @@ def load_beam_right(q, F, k):
     12 operations.
     """
     xp, batch, (q, F, k) = _arrays(dict(q=5, F=2, k=11), q, F, k)
-    beam_phi = q[..., 2]
-    beam_alpha1 = q[..., 3]
-    beam_alpha2 = q[..., 4]
-    F_1 = F[..., 0]
-    F_2 = F[..., 1]
-    beam_X_right = k[..., 7]
+    beam_phi = q[2]
+    beam_alpha1 = q[3]
+    beam_alpha2 = q[4]
+    F_1 = F[0]
+    F_2 = F[1]
+    beam_X_right = k[7]
 
     # beam Q (26): beam_cos_phi = cosine of the rotation angle; beam_sin_phi = sine of the rotation
     #     angle
@@ -1074,20 +1074,20 @@ def solve(t, q, v, k):
     42 operations.
     """
     xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=5, v=5, k=11), t, q, v, k)
-    beam_phi = q[..., 2]
-    beam_alpha1 = q[..., 3]
-    beam_alpha2 = q[..., 4]
-    beam_phidot = v[..., 2]
-    beam_alpha1dot = v[..., 3]
-    beam_alpha2dot = v[..., 4]
-    beam_C3 = k[..., 1]
-    beam_c8_1_1 = k[..., 2]
-    beam_c8_2_2 = k[..., 3]
-    beam_K_1_1 = k[..., 4]
-    beam_K_2_2 = k[..., 5]
-    inverse_beam_mass = k[..., 8]
-    inverse_beam_c8_1_1 = k[..., 9]
-    inverse_beam_c8_2_2 = k[..., 10]
+    beam_phi = q[2]
+    beam_alpha1 = q[3]
+    beam_alpha2 = q[4]
+    beam_phidot = v[2]
+    beam_alpha1dot = v[3]
+    beam_alpha2dot = v[4]
+    beam_C3 = k[1]
+    beam_c8_1_1 = k[2]
+    beam_c8_2_2 = k[3]
+    beam_K_1_1 = k[4]
+    beam_K_2_2 = k[5]
+    inverse_beam_mass = k[8]
+    inverse_beam_c8_1_1 = k[9]
+    inverse_beam_c8_2_2 = k[10]
 
     # beam D2 (appendix): beam_D2_1 = int rho r . Phi_1; beam_D2_2 = int rho r . Phi_2
     beam_D2_1 = beam_alpha1 * beam_c8_1_1
@@ -1155,11 +1155,11 @@ def project_velocity(t, q, k, r):
     6 operations.
     """
     xp, batch, (t, q, k, r) = _arrays(dict(t=None, q=5, k=11, r=0), t, q, k, r)
-    beam_alpha1 = q[..., 3]
-    beam_alpha2 = q[..., 4]
-    beam_C3 = k[..., 1]
-    beam_c8_1_1 = k[..., 2]
-    beam_c8_2_2 = k[..., 3]
+    beam_alpha1 = q[3]
+    beam_alpha2 = q[4]
+    beam_C3 = k[1]
+    beam_c8_1_1 = k[2]
+    beam_c8_2_2 = k[3]
 
     # beam D2 (appendix): beam_D2_1 = int rho r . Phi_1; beam_D2_2 = int rho r . Phi_2
     beam_D2_1 = beam_alpha1 * beam_c8_1_1
@@ -1196,9 +1196,9 @@ def poses(t, q, k):
     0 operations.
     """
     xp, batch, (t, q, k) = _arrays(dict(t=None, q=5, k=11), t, q, k)
-    beam_c1 = q[..., 0]
-    beam_c2 = q[..., 1]
-    beam_phi = q[..., 2]
+    beam_c1 = q[0]
+    beam_c2 = q[1]
+    beam_phi = q[2]
 
     # poses (1): bodies in the order of the specification
     pose_0 = beam_c1
@@ -1223,30 +1223,30 @@ def residual(t, y, ydot, k):
     46 operations.
     """
     xp, batch, (t, y, ydot, k) = _arrays(dict(t=None, y=10, ydot=10, k=11), t, y, ydot, k)
-    beam_phi = y[..., 2]
-    beam_alpha1 = y[..., 3]
-    beam_alpha2 = y[..., 4]
-    beam_c1dot = y[..., 5]
-    beam_c2dot = y[..., 6]
-    beam_phidot = y[..., 7]
-    beam_alpha1dot = y[..., 8]
-    beam_alpha2dot = y[..., 9]
-    beam_c1_t = ydot[..., 0]
-    beam_c2_t = ydot[..., 1]
-    beam_phi_t = ydot[..., 2]
-    beam_alpha1_t = ydot[..., 3]
-    beam_alpha2_t = ydot[..., 4]
-    beam_c1ddot = ydot[..., 5]
-    beam_c2ddot = ydot[..., 6]
-    beam_phiddot = ydot[..., 7]
-    beam_alpha1ddot = ydot[..., 8]
-    beam_alpha2ddot = ydot[..., 9]
-    beam_mass = k[..., 0]
-    beam_C3 = k[..., 1]
-    beam_c8_1_1 = k[..., 2]
-    beam_c8_2_2 = k[..., 3]
-    beam_K_1_1 = k[..., 4]
-    beam_K_2_2 = k[..., 5]
+    beam_phi = y[2]
+    beam_alpha1 = y[3]
+    beam_alpha2 = y[4]
+    beam_c1dot = y[5]
+    beam_c2dot = y[6]
+    beam_phidot = y[7]
+    beam_alpha1dot = y[8]
+    beam_alpha2dot = y[9]
+    beam_c1_t = ydot[0]
+    beam_c2_t = ydot[1]
+    beam_phi_t = ydot[2]
+    beam_alpha1_t = ydot[3]
+    beam_alpha2_t = ydot[4]
+    beam_c1ddot = ydot[5]
+    beam_c2ddot = ydot[6]
+    beam_phiddot = ydot[7]
+    beam_alpha1ddot = ydot[8]
+    beam_alpha2ddot = ydot[9]
+    beam_mass = k[0]
+    beam_C3 = k[1]
+    beam_c8_1_1 = k[2]
+    beam_c8_2_2 = k[3]
+    beam_K_1_1 = k[4]
+    beam_K_2_2 = k[5]
 
     # beam Q (26): beam_cos_phi = cosine of the rotation angle; beam_sin_phi = sine of the rotation
     #     angle
@@ -1306,19 +1306,19 @@ def jacobian(t, y, ydot, cj, k):
     54 operations.
     """
     xp, batch, (t, y, ydot, cj, k) = _arrays(dict(t=None, y=10, ydot=10, cj=None, k=11), t, y, ydot, cj, k)
-    beam_phi = y[..., 2]
-    beam_alpha1 = y[..., 3]
-    beam_alpha2 = y[..., 4]
-    beam_phidot = y[..., 7]
-    beam_alpha1dot = y[..., 8]
-    beam_alpha2dot = y[..., 9]
-    beam_phiddot = ydot[..., 7]
-    beam_mass = k[..., 0]
-    beam_C3 = k[..., 1]
-    beam_c8_1_1 = k[..., 2]
-    beam_c8_2_2 = k[..., 3]
-    beam_K_1_1 = k[..., 4]
-    beam_K_2_2 = k[..., 5]
+    beam_phi = y[2]
+    beam_alpha1 = y[3]
+    beam_alpha2 = y[4]
+    beam_phidot = y[7]
+    beam_alpha1dot = y[8]
+    beam_alpha2dot = y[9]
+    beam_phiddot = ydot[7]
+    beam_mass = k[0]
+    beam_C3 = k[1]
+    beam_c8_1_1 = k[2]
+    beam_c8_2_2 = k[3]
+    beam_K_1_1 = k[4]
+    beam_K_2_2 = k[5]
 
     # beam Q (26): beam_cos_phi = cosine of the rotation angle; beam_sin_phi = sine of the rotation
     #     angle
@@ -1393,30 +1393,30 @@ def residual_ggl(t, y, ydot, k):
     46 operations.
     """
     xp, batch, (t, y, ydot, k) = _arrays(dict(t=None, y=10, ydot=10, k=11), t, y, ydot, k)
-    beam_phi = y[..., 2]
-    beam_alpha1 = y[..., 3]
-    beam_alpha2 = y[..., 4]
-    beam_c1dot = y[..., 5]
-    beam_c2dot = y[..., 6]
-    beam_phidot = y[..., 7]
-    beam_alpha1dot = y[..., 8]
-    beam_alpha2dot = y[..., 9]
-    beam_c1_t = ydot[..., 0]
-    beam_c2_t = ydot[..., 1]
-    beam_phi_t = ydot[..., 2]
-    beam_alpha1_t = ydot[..., 3]
-    beam_alpha2_t = ydot[..., 4]
-    beam_c1ddot = ydot[..., 5]
-    beam_c2ddot = ydot[..., 6]
-    beam_phiddot = ydot[..., 7]
-    beam_alpha1ddot = ydot[..., 8]
-    beam_alpha2ddot = ydot[..., 9]
-    beam_mass = k[..., 0]
-    beam_C3 = k[..., 1]
-    beam_c8_1_1 = k[..., 2]
-    beam_c8_2_2 = k[..., 3]
-    beam_K_1_1 = k[..., 4]
-    beam_K_2_2 = k[..., 5]
+    beam_phi = y[2]
+    beam_alpha1 = y[3]
+    beam_alpha2 = y[4]
+    beam_c1dot = y[5]
+    beam_c2dot = y[6]
+    beam_phidot = y[7]
+    beam_alpha1dot = y[8]
+    beam_alpha2dot = y[9]
+    beam_c1_t = ydot[0]
+    beam_c2_t = ydot[1]
+    beam_phi_t = ydot[2]
+    beam_alpha1_t = ydot[3]
+    beam_alpha2_t = ydot[4]
+    beam_c1ddot = ydot[5]
+    beam_c2ddot = ydot[6]
+    beam_phiddot = ydot[7]
+    beam_alpha1ddot = ydot[8]
+    beam_alpha2ddot = ydot[9]
+    beam_mass = k[0]
+    beam_C3 = k[1]
+    beam_c8_1_1 = k[2]
+    beam_c8_2_2 = k[3]
+    beam_K_1_1 = k[4]
+    beam_K_2_2 = k[5]
 
     # beam Q (26): beam_cos_phi = cosine of the rotation angle; beam_sin_phi = sine of the rotation
     #     angle
@@ -1476,19 +1476,19 @@ def jacobian_ggl(t, y, ydot, cj, k):
     54 operations.
     """
     xp, batch, (t, y, ydot, cj, k) = _arrays(dict(t=None, y=10, ydot=10, cj=None, k=11), t, y, ydot, cj, k)
-    beam_phi = y[..., 2]
-    beam_alpha1 = y[..., 3]
-    beam_alpha2 = y[..., 4]
-    beam_phidot = y[..., 7]
-    beam_alpha1dot = y[..., 8]
-    beam_alpha2dot = y[..., 9]
-    beam_phiddot = ydot[..., 7]
-    beam_mass = k[..., 0]
-    beam_C3 = k[..., 1]
-    beam_c8_1_1 = k[..., 2]
-    beam_c8_2_2 = k[..., 3]
-    beam_K_1_1 = k[..., 4]
-    beam_K_2_2 = k[..., 5]
+    beam_phi = y[2]
+    beam_alpha1 = y[3]
+    beam_alpha2 = y[4]
+    beam_phidot = y[7]
+    beam_alpha1dot = y[8]
+    beam_alpha2dot = y[9]
+    beam_phiddot = ydot[7]
+    beam_mass = k[0]
+    beam_C3 = k[1]
+    beam_c8_1_1 = k[2]
+    beam_c8_2_2 = k[3]
+    beam_K_1_1 = k[4]
+    beam_K_2_2 = k[5]
 
     # beam Q (26): beam_cos_phi = cosine of the rotation angle; beam_sin_phi = sine of the rotation
     #     angle
@@ -1562,30 +1562,30 @@ def residual_index1(t, y, ydot, k):
     46 operations.
     """
     xp, batch, (t, y, ydot, k) = _arrays(dict(t=None, y=10, ydot=10, k=11), t, y, ydot, k)
-    beam_phi = y[..., 2]
-    beam_alpha1 = y[..., 3]
-    beam_alpha2 = y[..., 4]
-    beam_c1dot = y[..., 5]
-    beam_c2dot = y[..., 6]
-    beam_phidot = y[..., 7]
-    beam_alpha1dot = y[..., 8]
-    beam_alpha2dot = y[..., 9]
-    beam_c1_t = ydot[..., 0]
-    beam_c2_t = ydot[..., 1]
-    beam_phi_t = ydot[..., 2]
-    beam_alpha1_t = ydot[..., 3]
-    beam_alpha2_t = ydot[..., 4]
-    beam_c1ddot = ydot[..., 5]
-    beam_c2ddot = ydot[..., 6]
-    beam_phiddot = ydot[..., 7]
-    beam_alpha1ddot = ydot[..., 8]
-    beam_alpha2ddot = ydot[..., 9]
-    beam_mass = k[..., 0]
-    beam_C3 = k[..., 1]
-    beam_c8_1_1 = k[..., 2]
-    beam_c8_2_2 = k[..., 3]
-    beam_K_1_1 = k[..., 4]
-    beam_K_2_2 = k[..., 5]
+    beam_phi = y[2]
+    beam_alpha1 = y[3]
+    beam_alpha2 = y[4]
+    beam_c1dot = y[5]
+    beam_c2dot = y[6]
+    beam_phidot = y[7]
+    beam_alpha1dot = y[8]
+    beam_alpha2dot = y[9]
+    beam_c1_t = ydot[0]
+    beam_c2_t = ydot[1]
+    beam_phi_t = ydot[2]
+    beam_alpha1_t = ydot[3]
+    beam_alpha2_t = ydot[4]
+    beam_c1ddot = ydot[5]
+    beam_c2ddot = ydot[6]
+    beam_phiddot = ydot[7]
+    beam_alpha1ddot = ydot[8]
+    beam_alpha2ddot = ydot[9]
+    beam_mass = k[0]
+    beam_C3 = k[1]
+    beam_c8_1_1 = k[2]
+    beam_c8_2_2 = k[3]
+    beam_K_1_1 = k[4]
+    beam_K_2_2 = k[5]
 
     # beam Q (26): beam_cos_phi = cosine of the rotation angle; beam_sin_phi = sine of the rotation
     #     angle
@@ -1645,19 +1645,19 @@ def jacobian_index1(t, y, ydot, cj, k):
     54 operations.
     """
     xp, batch, (t, y, ydot, cj, k) = _arrays(dict(t=None, y=10, ydot=10, cj=None, k=11), t, y, ydot, cj, k)
-    beam_phi = y[..., 2]
-    beam_alpha1 = y[..., 3]
-    beam_alpha2 = y[..., 4]
-    beam_phidot = y[..., 7]
-    beam_alpha1dot = y[..., 8]
-    beam_alpha2dot = y[..., 9]
-    beam_phiddot = ydot[..., 7]
-    beam_mass = k[..., 0]
-    beam_C3 = k[..., 1]
-    beam_c8_1_1 = k[..., 2]
-    beam_c8_2_2 = k[..., 3]
-    beam_K_1_1 = k[..., 4]
-    beam_K_2_2 = k[..., 5]
+    beam_phi = y[2]
+    beam_alpha1 = y[3]
+    beam_alpha2 = y[4]
+    beam_phidot = y[7]
+    beam_alpha1dot = y[8]
+    beam_alpha2dot = y[9]
+    beam_phiddot = ydot[7]
+    beam_mass = k[0]
+    beam_C3 = k[1]
+    beam_c8_1_1 = k[2]
+    beam_c8_2_2 = k[3]
+    beam_K_1_1 = k[4]
+    beam_K_2_2 = k[5]
 
     # beam Q (26): beam_cos_phi = cosine of the rotation angle; beam_sin_phi = sine of the rotation
     #     angle
@@ -1717,14 +1717,38 @@ def jacobian_index1(t, y, ydot, cj, k):
     return jac
 
 
+_ONE_STATE = (), numpy.dtype(numpy.float64)
+
+
 def _arrays(sizes, *values):
-    """Their array namespace, shape and type of the batch, and the arguments as arrays; a number has no size."""
+    """Their array namespace, shape and type of the batch, and the arguments as arrays; a number has no size.
+
+    Arrays are given by what yields their elements along the last axis, see `_elements`.
+    """
+    if all(map(_is_plain, sizes.values(), values)):
+        return numpy, _ONE_STATE, values
     spaces = [value.__array_namespace__() for value in values if hasattr(value, "__array_namespace__")]
     xp = spaces[0] if spaces else numpy
     arrays = [_array(xp, name, size, value) for (name, size), value in zip(sizes.items(), values)]
     shaped = [(array, size) for array, size in zip(arrays, sizes.values()) if hasattr(array, "shape")]
     batches = [array.shape if size is None else array.shape[:-1] for array, size in shaped]
-    return xp, (numpy.broadcast_shapes(*batches), xp.result_type(*(array.dtype for array, _ in shaped))), arrays
+    batch = numpy.broadcast_shapes(*batches), xp.result_type(*(array.dtype for array, _ in shaped))
+    return xp, batch, [array if size is None else _elements(array) for array, size in zip(arrays, sizes.values())]
+
+
+def _elements(array):
+    """The elements along the last axis, by [i]; those of a single state are numbers, faster than arrays without axes."""
+    if isinstance(array, numpy.ndarray):
+        return array if array.ndim == 1 else numpy.moveaxis(array, -1, 0)
+    return tuple(array[..., i] for i in range(array.shape[-1]))
+
+
+def _is_plain(size, value):
+    """Whether an argument is a number, or a vector of doubles of NumPy, of which nothing has to be converted."""
+    if size is None:
+        return isinstance(value, float)
+    own = type(value) is numpy.ndarray or getattr(value, "build", None) == HASH
+    return own and value.shape == (size,) and value.dtype == _ONE_STATE[1]
 
 
 def _array(xp, name, size, value):
@@ -1748,6 +1772,8 @@ def _empty(xp, batch, size):
 def _stack(xp, batch, elements):
     """Elements, numbers or arrays, as the last axis of one array."""
     shape, dtype = batch
+    if xp is numpy and not shape:
+        return numpy.array(elements, dtype)
     if not elements:
         return xp.zeros((*shape, 0), dtype=dtype)
 
@@ -1760,7 +1786,9 @@ def _stack(xp, batch, elements):
 
 
 def _where(xp, valid, values):
-    """The values, and NaN for the members of the batch that are not valid."""
+    """The values, and NaN for the members of a batch that are not valid; a single state is, or has raised an error."""
+    if not valid.shape:
+        return values
     return xp.where(valid[..., None], values, xp.full(values.shape, float("nan"), dtype=values.dtype))
 
 

@@ -97,7 +97,7 @@ class Pattern(NamedTuple):
 
 
 NAME = "spun_up_cantilever"
-HASH = "da1c3793259354e8"
+HASH = "c00865dacd76772a"
 COORDINATES = ("beam_c1", "beam_c2", "beam_phi", "beam_alpha1", "beam_alpha2", "beam_alpha3")
 VELOCITIES = (
     "beam_c1dot", "beam_c2dot", "beam_phidot", "beam_alpha1dot", "beam_alpha2dot",
@@ -238,10 +238,10 @@ def mass(q, k):
     38 operations.
     """
     xp, batch, (q, k) = _arrays(dict(q=6, k=0), q, k)
-    beam_phi = q[..., 2]
-    beam_alpha1 = q[..., 3]
-    beam_alpha2 = q[..., 4]
-    beam_alpha3 = q[..., 5]
+    beam_phi = q[2]
+    beam_alpha1 = q[3]
+    beam_alpha2 = q[4]
+    beam_alpha3 = q[5]
 
     # beam Q (26): beam_cos_phi = cosine of the rotation angle; beam_sin_phi = sine of the rotation
     #     angle
@@ -301,14 +301,14 @@ def force(t, q, v, k):
     56 operations.
     """
     xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=6, v=6, k=0), t, q, v, k)
-    beam_phi = q[..., 2]
-    beam_alpha1 = q[..., 3]
-    beam_alpha2 = q[..., 4]
-    beam_alpha3 = q[..., 5]
-    beam_phidot = v[..., 2]
-    beam_alpha1dot = v[..., 3]
-    beam_alpha2dot = v[..., 4]
-    beam_alpha3dot = v[..., 5]
+    beam_phi = q[2]
+    beam_alpha1 = q[3]
+    beam_alpha2 = q[4]
+    beam_alpha3 = q[5]
+    beam_phidot = v[2]
+    beam_alpha1dot = v[3]
+    beam_alpha2dot = v[4]
+    beam_alpha3dot = v[5]
 
     # beam Q (26): beam_cos_phi = cosine of the rotation angle; beam_sin_phi = sine of the rotation
     #     angle
@@ -363,14 +363,14 @@ def mass_force(t, q, v, k):
     72 operations.
     """
     xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=6, v=6, k=0), t, q, v, k)
-    beam_phi = q[..., 2]
-    beam_alpha1 = q[..., 3]
-    beam_alpha2 = q[..., 4]
-    beam_alpha3 = q[..., 5]
-    beam_phidot = v[..., 2]
-    beam_alpha1dot = v[..., 3]
-    beam_alpha2dot = v[..., 4]
-    beam_alpha3dot = v[..., 5]
+    beam_phi = q[2]
+    beam_alpha1 = q[3]
+    beam_alpha2 = q[4]
+    beam_alpha3 = q[5]
+    beam_phidot = v[2]
+    beam_alpha1dot = v[3]
+    beam_alpha2dot = v[4]
+    beam_alpha3dot = v[5]
 
     # beam D2 (appendix): beam_D2_1 = int rho r . Phi_1; ...; beam_D2_3 = int rho r . Phi_3
     beam_D2_1 = (12 / 5) * beam_alpha1 + (16 / 5) * beam_alpha2 + (92 / 35) * beam_alpha3
@@ -459,14 +459,14 @@ def accel(t, q, v, k):
     359 operations.
     """
     xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=6, v=6, k=0), t, q, v, k)
-    beam_phi = q[..., 2]
-    beam_alpha1 = q[..., 3]
-    beam_alpha2 = q[..., 4]
-    beam_alpha3 = q[..., 5]
-    beam_phidot = v[..., 2]
-    beam_alpha1dot = v[..., 3]
-    beam_alpha2dot = v[..., 4]
-    beam_alpha3dot = v[..., 5]
+    beam_phi = q[2]
+    beam_alpha1 = q[3]
+    beam_alpha2 = q[4]
+    beam_alpha3 = q[5]
+    beam_phidot = v[2]
+    beam_alpha1dot = v[3]
+    beam_alpha2dot = v[4]
+    beam_alpha3dot = v[5]
 
     # beam Q (26): beam_cos_phi = cosine of the rotation angle; beam_sin_phi = sine of the rotation
     #     angle
@@ -633,16 +633,16 @@ def energy(q, v, k):
     99 operations.
     """
     xp, batch, (q, v, k) = _arrays(dict(q=6, v=6, k=0), q, v, k)
-    beam_phi = q[..., 2]
-    beam_alpha1 = q[..., 3]
-    beam_alpha2 = q[..., 4]
-    beam_alpha3 = q[..., 5]
-    beam_c1dot = v[..., 0]
-    beam_c2dot = v[..., 1]
-    beam_phidot = v[..., 2]
-    beam_alpha1dot = v[..., 3]
-    beam_alpha2dot = v[..., 4]
-    beam_alpha3dot = v[..., 5]
+    beam_phi = q[2]
+    beam_alpha1 = q[3]
+    beam_alpha2 = q[4]
+    beam_alpha3 = q[5]
+    beam_c1dot = v[0]
+    beam_c2dot = v[1]
+    beam_phidot = v[2]
+    beam_alpha1dot = v[3]
+    beam_alpha2dot = v[4]
+    beam_alpha3dot = v[5]
 
     # beam Q (26): beam_cos_phi = cosine of the rotation angle; beam_sin_phi = sine of the rotation
     #     angle
@@ -700,18 +700,18 @@ def momentum(q, v, k):
     73 operations.
     """
     xp, batch, (q, v, k) = _arrays(dict(q=6, v=6, k=0), q, v, k)
-    beam_c1 = q[..., 0]
-    beam_c2 = q[..., 1]
-    beam_phi = q[..., 2]
-    beam_alpha1 = q[..., 3]
-    beam_alpha2 = q[..., 4]
-    beam_alpha3 = q[..., 5]
-    beam_c1dot = v[..., 0]
-    beam_c2dot = v[..., 1]
-    beam_phidot = v[..., 2]
-    beam_alpha1dot = v[..., 3]
-    beam_alpha2dot = v[..., 4]
-    beam_alpha3dot = v[..., 5]
+    beam_c1 = q[0]
+    beam_c2 = q[1]
+    beam_phi = q[2]
+    beam_alpha1 = q[3]
+    beam_alpha2 = q[4]
+    beam_alpha3 = q[5]
+    beam_c1dot = v[0]
+    beam_c2dot = v[1]
+    beam_phidot = v[2]
+    beam_alpha1dot = v[3]
+    beam_alpha2dot = v[4]
+    beam_alpha3dot = v[5]
 
     # beam Q (26): beam_cos_phi = cosine of the rotation angle; beam_sin_phi = sine of the rotation
     #     angle
@@ -764,12 +764,12 @@ def rates(q, v, k):
     0 operations.
     """
     xp, batch, (q, v, k) = _arrays(dict(q=6, v=6, k=0), q, v, k)
-    beam_c1dot = v[..., 0]
-    beam_c2dot = v[..., 1]
-    beam_phidot = v[..., 2]
-    beam_alpha1dot = v[..., 3]
-    beam_alpha2dot = v[..., 4]
-    beam_alpha3dot = v[..., 5]
+    beam_c1dot = v[0]
+    beam_c2dot = v[1]
+    beam_phidot = v[2]
+    beam_alpha1dot = v[3]
+    beam_alpha2dot = v[4]
+    beam_alpha3dot = v[5]
 
     # rates (1): from Qdot = Q (omega x)
     qdot_0 = beam_c1dot
@@ -798,12 +798,12 @@ def marker_beam_root(q, v, k):
     12 operations.
     """
     xp, batch, (q, v, k) = _arrays(dict(q=6, v=6, k=0), q, v, k)
-    beam_c1 = q[..., 0]
-    beam_c2 = q[..., 1]
-    beam_phi = q[..., 2]
-    beam_c1dot = v[..., 0]
-    beam_c2dot = v[..., 1]
-    beam_phidot = v[..., 2]
+    beam_c1 = q[0]
+    beam_c2 = q[1]
+    beam_phi = q[2]
+    beam_c1dot = v[0]
+    beam_c2dot = v[1]
+    beam_phidot = v[2]
 
     # beam Q (26): beam_cos_phi = cosine of the rotation angle; beam_sin_phi = sine of the rotation
     #     angle
@@ -846,18 +846,18 @@ def marker_beam_tip(q, v, k):
     29 operations.
     """
     xp, batch, (q, v, k) = _arrays(dict(q=6, v=6, k=0), q, v, k)
-    beam_c1 = q[..., 0]
-    beam_c2 = q[..., 1]
-    beam_phi = q[..., 2]
-    beam_alpha1 = q[..., 3]
-    beam_alpha2 = q[..., 4]
-    beam_alpha3 = q[..., 5]
-    beam_c1dot = v[..., 0]
-    beam_c2dot = v[..., 1]
-    beam_phidot = v[..., 2]
-    beam_alpha1dot = v[..., 3]
-    beam_alpha2dot = v[..., 4]
-    beam_alpha3dot = v[..., 5]
+    beam_c1 = q[0]
+    beam_c2 = q[1]
+    beam_phi = q[2]
+    beam_alpha1 = q[3]
+    beam_alpha2 = q[4]
+    beam_alpha3 = q[5]
+    beam_c1dot = v[0]
+    beam_c2dot = v[1]
+    beam_phidot = v[2]
+    beam_alpha1dot = v[3]
+    beam_alpha2dot = v[4]
+    beam_alpha3dot = v[5]
 
     # beam tip (1): beam_tip_r_2 = r = X + u at tip, along e2; ...; beam_tip_sdot_2 = Q rdot at tip,
     #     along e2
@@ -911,9 +911,9 @@ def load_beam_root(q, F, k):
     6 operations.
     """
     xp, batch, (q, F, k) = _arrays(dict(q=6, F=2, k=0), q, F, k)
-    beam_phi = q[..., 2]
-    F_1 = F[..., 0]
-    F_2 = F[..., 1]
+    beam_phi = q[2]
+    F_1 = F[0]
+    F_2 = F[1]
 
     # beam Q (26): beam_cos_phi = cosine of the rotation angle; beam_sin_phi = sine of the rotation
     #     angle
@@ -948,12 +948,12 @@ def load_beam_tip(q, F, k):
     13 operations.
     """
     xp, batch, (q, F, k) = _arrays(dict(q=6, F=2, k=0), q, F, k)
-    beam_phi = q[..., 2]
-    beam_alpha1 = q[..., 3]
-    beam_alpha2 = q[..., 4]
-    beam_alpha3 = q[..., 5]
-    F_1 = F[..., 0]
-    F_2 = F[..., 1]
+    beam_phi = q[2]
+    beam_alpha1 = q[3]
+    beam_alpha2 = q[4]
+    beam_alpha3 = q[5]
+    F_1 = F[0]
+    F_2 = F[1]
 
     # beam Q (26): beam_cos_phi = cosine of the rotation angle; beam_sin_phi = sine of the rotation
     #     angle
@@ -992,9 +992,9 @@ def constraints(t, q, k):
     14 operations.
     """
     xp, batch, (t, q, k) = _arrays(dict(t=None, q=6, k=0), t, q, k)
-    beam_c1 = q[..., 0]
-    beam_c2 = q[..., 1]
-    beam_phi = q[..., 2]
+    beam_c1 = q[0]
+    beam_c2 = q[1]
+    beam_phi = q[2]
 
     # hub (1): hub_phi = prescribed rotation of hub; ...; hub_phiddot = prescribed rotation of hub
     hub_phi = (
@@ -1033,10 +1033,10 @@ def constraint_rates(t, q, v, k):
     14 operations.
     """
     xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=6, v=6, k=0), t, q, v, k)
-    beam_phi = q[..., 2]
-    beam_c1dot = v[..., 0]
-    beam_c2dot = v[..., 1]
-    beam_phidot = v[..., 2]
+    beam_phi = q[2]
+    beam_c1dot = v[0]
+    beam_c2dot = v[1]
+    beam_phidot = v[2]
 
     # hub (1): hub_phi = prescribed rotation of hub; ...; hub_phiddot = prescribed rotation of hub
     hub_phidot = (
@@ -1074,7 +1074,7 @@ def constraint_jacobian(t, q, k):
     5 operations.
     """
     xp, batch, (t, q, k) = _arrays(dict(t=None, q=6, k=0), t, q, k)
-    beam_phi = q[..., 2]
+    beam_phi = q[2]
 
     # beam Q (26): beam_cos_phi = cosine of the rotation angle; beam_sin_phi = sine of the rotation
     #     angle
@@ -1109,8 +1109,8 @@ def constraint_bias(t, q, v, k):
     11 operations.
     """
     xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=6, v=6, k=0), t, q, v, k)
-    beam_phi = q[..., 2]
-    beam_phidot = v[..., 2]
+    beam_phi = q[2]
+    beam_phidot = v[2]
 
     # hub (1): hub_phi = prescribed rotation of hub; ...; hub_phiddot = prescribed rotation of hub
     hub_phiddot = (2 / 5) - (2 / 5) * xp.cos((176855943800711 / 422212465065984) * t)
@@ -1149,14 +1149,14 @@ def solve(t, q, v, k):
     362 operations.
     """
     xp, batch, (t, q, v, k) = _arrays(dict(t=None, q=6, v=6, k=0), t, q, v, k)
-    beam_phi = q[..., 2]
-    beam_alpha1 = q[..., 3]
-    beam_alpha2 = q[..., 4]
-    beam_alpha3 = q[..., 5]
-    beam_phidot = v[..., 2]
-    beam_alpha1dot = v[..., 3]
-    beam_alpha2dot = v[..., 4]
-    beam_alpha3dot = v[..., 5]
+    beam_phi = q[2]
+    beam_alpha1 = q[3]
+    beam_alpha2 = q[4]
+    beam_alpha3 = q[5]
+    beam_phidot = v[2]
+    beam_alpha1dot = v[3]
+    beam_alpha2dot = v[4]
+    beam_alpha3dot = v[5]
 
     # beam Q (26): beam_cos_phi = cosine of the rotation angle; beam_sin_phi = sine of the rotation
     #     angle
@@ -1330,13 +1330,13 @@ def project_velocity(t, q, k, r):
     261 operations.
     """
     xp, batch, (t, q, k, r) = _arrays(dict(t=None, q=6, k=0, r=3), t, q, k, r)
-    beam_phi = q[..., 2]
-    beam_alpha1 = q[..., 3]
-    beam_alpha2 = q[..., 4]
-    beam_alpha3 = q[..., 5]
-    r_clamp_1 = r[..., 0]
-    r_clamp_2 = r[..., 1]
-    r_clamp_turn = r[..., 2]
+    beam_phi = q[2]
+    beam_alpha1 = q[3]
+    beam_alpha2 = q[4]
+    beam_alpha3 = q[5]
+    r_clamp_1 = r[0]
+    r_clamp_2 = r[1]
+    r_clamp_turn = r[2]
 
     # beam Q (26): beam_cos_phi = cosine of the rotation angle; beam_sin_phi = sine of the rotation
     #     angle
@@ -1476,9 +1476,9 @@ def poses(t, q, k):
     7 operations.
     """
     xp, batch, (t, q, k) = _arrays(dict(t=None, q=6, k=0), t, q, k)
-    beam_c1 = q[..., 0]
-    beam_c2 = q[..., 1]
-    beam_phi = q[..., 2]
+    beam_c1 = q[0]
+    beam_c2 = q[1]
+    beam_phi = q[2]
 
     # hub (1): hub_phi = prescribed rotation of hub; ...; hub_phiddot = prescribed rotation of hub
     hub_phi = (
@@ -1513,33 +1513,33 @@ def residual(t, y, ydot, k):
     156 operations.
     """
     xp, batch, (t, y, ydot, k) = _arrays(dict(t=None, y=15, ydot=15, k=0), t, y, ydot, k)
-    beam_c1 = y[..., 0]
-    beam_c2 = y[..., 1]
-    beam_phi = y[..., 2]
-    beam_alpha1 = y[..., 3]
-    beam_alpha2 = y[..., 4]
-    beam_alpha3 = y[..., 5]
-    beam_c1dot = y[..., 6]
-    beam_c2dot = y[..., 7]
-    beam_phidot = y[..., 8]
-    beam_alpha1dot = y[..., 9]
-    beam_alpha2dot = y[..., 10]
-    beam_alpha3dot = y[..., 11]
-    lambda_clamp_1 = y[..., 12]
-    lambda_clamp_2 = y[..., 13]
-    lambda_clamp_turn = y[..., 14]
-    beam_c1_t = ydot[..., 0]
-    beam_c2_t = ydot[..., 1]
-    beam_phi_t = ydot[..., 2]
-    beam_alpha1_t = ydot[..., 3]
-    beam_alpha2_t = ydot[..., 4]
-    beam_alpha3_t = ydot[..., 5]
-    beam_c1ddot = ydot[..., 6]
-    beam_c2ddot = ydot[..., 7]
-    beam_phiddot = ydot[..., 8]
-    beam_alpha1ddot = ydot[..., 9]
-    beam_alpha2ddot = ydot[..., 10]
-    beam_alpha3ddot = ydot[..., 11]
+    beam_c1 = y[0]
+    beam_c2 = y[1]
+    beam_phi = y[2]
+    beam_alpha1 = y[3]
+    beam_alpha2 = y[4]
+    beam_alpha3 = y[5]
+    beam_c1dot = y[6]
+    beam_c2dot = y[7]
+    beam_phidot = y[8]
+    beam_alpha1dot = y[9]
+    beam_alpha2dot = y[10]
+    beam_alpha3dot = y[11]
+    lambda_clamp_1 = y[12]
+    lambda_clamp_2 = y[13]
+    lambda_clamp_turn = y[14]
+    beam_c1_t = ydot[0]
+    beam_c2_t = ydot[1]
+    beam_phi_t = ydot[2]
+    beam_alpha1_t = ydot[3]
+    beam_alpha2_t = ydot[4]
+    beam_alpha3_t = ydot[5]
+    beam_c1ddot = ydot[6]
+    beam_c2ddot = ydot[7]
+    beam_phiddot = ydot[8]
+    beam_alpha1ddot = ydot[9]
+    beam_alpha2ddot = ydot[10]
+    beam_alpha3ddot = ydot[11]
 
     # hub (1): hub_phi = prescribed rotation of hub; ...; hub_phiddot = prescribed rotation of hub
     hub_phi = (
@@ -1638,22 +1638,22 @@ def jacobian(t, y, ydot, cj, k):
     245 operations.
     """
     xp, batch, (t, y, ydot, cj, k) = _arrays(dict(t=None, y=15, ydot=15, cj=None, k=0), t, y, ydot, cj, k)
-    beam_phi = y[..., 2]
-    beam_alpha1 = y[..., 3]
-    beam_alpha2 = y[..., 4]
-    beam_alpha3 = y[..., 5]
-    beam_phidot = y[..., 8]
-    beam_alpha1dot = y[..., 9]
-    beam_alpha2dot = y[..., 10]
-    beam_alpha3dot = y[..., 11]
-    lambda_clamp_1 = y[..., 12]
-    lambda_clamp_2 = y[..., 13]
-    beam_c1ddot = ydot[..., 6]
-    beam_c2ddot = ydot[..., 7]
-    beam_phiddot = ydot[..., 8]
-    beam_alpha1ddot = ydot[..., 9]
-    beam_alpha2ddot = ydot[..., 10]
-    beam_alpha3ddot = ydot[..., 11]
+    beam_phi = y[2]
+    beam_alpha1 = y[3]
+    beam_alpha2 = y[4]
+    beam_alpha3 = y[5]
+    beam_phidot = y[8]
+    beam_alpha1dot = y[9]
+    beam_alpha2dot = y[10]
+    beam_alpha3dot = y[11]
+    lambda_clamp_1 = y[12]
+    lambda_clamp_2 = y[13]
+    beam_c1ddot = ydot[6]
+    beam_c2ddot = ydot[7]
+    beam_phiddot = ydot[8]
+    beam_alpha1ddot = ydot[9]
+    beam_alpha2ddot = ydot[10]
+    beam_alpha3ddot = ydot[11]
 
     # beam Q (26): beam_cos_phi = cosine of the rotation angle; beam_sin_phi = sine of the rotation
     #     angle
@@ -1856,36 +1856,36 @@ def residual_ggl(t, y, ydot, k):
     172 operations.
     """
     xp, batch, (t, y, ydot, k) = _arrays(dict(t=None, y=18, ydot=18, k=0), t, y, ydot, k)
-    beam_c1 = y[..., 0]
-    beam_c2 = y[..., 1]
-    beam_phi = y[..., 2]
-    beam_alpha1 = y[..., 3]
-    beam_alpha2 = y[..., 4]
-    beam_alpha3 = y[..., 5]
-    beam_c1dot = y[..., 6]
-    beam_c2dot = y[..., 7]
-    beam_phidot = y[..., 8]
-    beam_alpha1dot = y[..., 9]
-    beam_alpha2dot = y[..., 10]
-    beam_alpha3dot = y[..., 11]
-    lambda_clamp_1 = y[..., 12]
-    lambda_clamp_2 = y[..., 13]
-    lambda_clamp_turn = y[..., 14]
-    mu_clamp_1 = y[..., 15]
-    mu_clamp_2 = y[..., 16]
-    mu_clamp_turn = y[..., 17]
-    beam_c1_t = ydot[..., 0]
-    beam_c2_t = ydot[..., 1]
-    beam_phi_t = ydot[..., 2]
-    beam_alpha1_t = ydot[..., 3]
-    beam_alpha2_t = ydot[..., 4]
-    beam_alpha3_t = ydot[..., 5]
-    beam_c1ddot = ydot[..., 6]
-    beam_c2ddot = ydot[..., 7]
-    beam_phiddot = ydot[..., 8]
-    beam_alpha1ddot = ydot[..., 9]
-    beam_alpha2ddot = ydot[..., 10]
-    beam_alpha3ddot = ydot[..., 11]
+    beam_c1 = y[0]
+    beam_c2 = y[1]
+    beam_phi = y[2]
+    beam_alpha1 = y[3]
+    beam_alpha2 = y[4]
+    beam_alpha3 = y[5]
+    beam_c1dot = y[6]
+    beam_c2dot = y[7]
+    beam_phidot = y[8]
+    beam_alpha1dot = y[9]
+    beam_alpha2dot = y[10]
+    beam_alpha3dot = y[11]
+    lambda_clamp_1 = y[12]
+    lambda_clamp_2 = y[13]
+    lambda_clamp_turn = y[14]
+    mu_clamp_1 = y[15]
+    mu_clamp_2 = y[16]
+    mu_clamp_turn = y[17]
+    beam_c1_t = ydot[0]
+    beam_c2_t = ydot[1]
+    beam_phi_t = ydot[2]
+    beam_alpha1_t = ydot[3]
+    beam_alpha2_t = ydot[4]
+    beam_alpha3_t = ydot[5]
+    beam_c1ddot = ydot[6]
+    beam_c2ddot = ydot[7]
+    beam_phiddot = ydot[8]
+    beam_alpha1ddot = ydot[9]
+    beam_alpha2ddot = ydot[10]
+    beam_alpha3ddot = ydot[11]
 
     # hub (1): hub_phi = prescribed rotation of hub; ...; hub_phiddot = prescribed rotation of hub
     t1 = (176855943800711 / 422212465065984) * t
@@ -1989,24 +1989,24 @@ def jacobian_ggl(t, y, ydot, cj, k):
     253 operations.
     """
     xp, batch, (t, y, ydot, cj, k) = _arrays(dict(t=None, y=18, ydot=18, cj=None, k=0), t, y, ydot, cj, k)
-    beam_phi = y[..., 2]
-    beam_alpha1 = y[..., 3]
-    beam_alpha2 = y[..., 4]
-    beam_alpha3 = y[..., 5]
-    beam_phidot = y[..., 8]
-    beam_alpha1dot = y[..., 9]
-    beam_alpha2dot = y[..., 10]
-    beam_alpha3dot = y[..., 11]
-    lambda_clamp_1 = y[..., 12]
-    lambda_clamp_2 = y[..., 13]
-    mu_clamp_1 = y[..., 15]
-    mu_clamp_2 = y[..., 16]
-    beam_c1ddot = ydot[..., 6]
-    beam_c2ddot = ydot[..., 7]
-    beam_phiddot = ydot[..., 8]
-    beam_alpha1ddot = ydot[..., 9]
-    beam_alpha2ddot = ydot[..., 10]
-    beam_alpha3ddot = ydot[..., 11]
+    beam_phi = y[2]
+    beam_alpha1 = y[3]
+    beam_alpha2 = y[4]
+    beam_alpha3 = y[5]
+    beam_phidot = y[8]
+    beam_alpha1dot = y[9]
+    beam_alpha2dot = y[10]
+    beam_alpha3dot = y[11]
+    lambda_clamp_1 = y[12]
+    lambda_clamp_2 = y[13]
+    mu_clamp_1 = y[15]
+    mu_clamp_2 = y[16]
+    beam_c1ddot = ydot[6]
+    beam_c2ddot = ydot[7]
+    beam_phiddot = ydot[8]
+    beam_alpha1ddot = ydot[9]
+    beam_alpha2ddot = ydot[10]
+    beam_alpha3ddot = ydot[11]
 
     # beam Q (26): beam_cos_phi = cosine of the rotation angle; beam_sin_phi = sine of the rotation
     #     angle
@@ -2224,31 +2224,31 @@ def residual_index1(t, y, ydot, k):
     159 operations.
     """
     xp, batch, (t, y, ydot, k) = _arrays(dict(t=None, y=15, ydot=15, k=0), t, y, ydot, k)
-    beam_phi = y[..., 2]
-    beam_alpha1 = y[..., 3]
-    beam_alpha2 = y[..., 4]
-    beam_alpha3 = y[..., 5]
-    beam_c1dot = y[..., 6]
-    beam_c2dot = y[..., 7]
-    beam_phidot = y[..., 8]
-    beam_alpha1dot = y[..., 9]
-    beam_alpha2dot = y[..., 10]
-    beam_alpha3dot = y[..., 11]
-    lambda_clamp_1 = y[..., 12]
-    lambda_clamp_2 = y[..., 13]
-    lambda_clamp_turn = y[..., 14]
-    beam_c1_t = ydot[..., 0]
-    beam_c2_t = ydot[..., 1]
-    beam_phi_t = ydot[..., 2]
-    beam_alpha1_t = ydot[..., 3]
-    beam_alpha2_t = ydot[..., 4]
-    beam_alpha3_t = ydot[..., 5]
-    beam_c1ddot = ydot[..., 6]
-    beam_c2ddot = ydot[..., 7]
-    beam_phiddot = ydot[..., 8]
-    beam_alpha1ddot = ydot[..., 9]
-    beam_alpha2ddot = ydot[..., 10]
-    beam_alpha3ddot = ydot[..., 11]
+    beam_phi = y[2]
+    beam_alpha1 = y[3]
+    beam_alpha2 = y[4]
+    beam_alpha3 = y[5]
+    beam_c1dot = y[6]
+    beam_c2dot = y[7]
+    beam_phidot = y[8]
+    beam_alpha1dot = y[9]
+    beam_alpha2dot = y[10]
+    beam_alpha3dot = y[11]
+    lambda_clamp_1 = y[12]
+    lambda_clamp_2 = y[13]
+    lambda_clamp_turn = y[14]
+    beam_c1_t = ydot[0]
+    beam_c2_t = ydot[1]
+    beam_phi_t = ydot[2]
+    beam_alpha1_t = ydot[3]
+    beam_alpha2_t = ydot[4]
+    beam_alpha3_t = ydot[5]
+    beam_c1ddot = ydot[6]
+    beam_c2ddot = ydot[7]
+    beam_phiddot = ydot[8]
+    beam_alpha1ddot = ydot[9]
+    beam_alpha2ddot = ydot[10]
+    beam_alpha3ddot = ydot[11]
 
     # hub (1): hub_phi = prescribed rotation of hub; ...; hub_phiddot = prescribed rotation of hub
     hub_phiddot = (2 / 5) - (2 / 5) * xp.cos((176855943800711 / 422212465065984) * t)
@@ -2344,22 +2344,22 @@ def jacobian_index1(t, y, ydot, cj, k):
     258 operations.
     """
     xp, batch, (t, y, ydot, cj, k) = _arrays(dict(t=None, y=15, ydot=15, cj=None, k=0), t, y, ydot, cj, k)
-    beam_phi = y[..., 2]
-    beam_alpha1 = y[..., 3]
-    beam_alpha2 = y[..., 4]
-    beam_alpha3 = y[..., 5]
-    beam_phidot = y[..., 8]
-    beam_alpha1dot = y[..., 9]
-    beam_alpha2dot = y[..., 10]
-    beam_alpha3dot = y[..., 11]
-    lambda_clamp_1 = y[..., 12]
-    lambda_clamp_2 = y[..., 13]
-    beam_c1ddot = ydot[..., 6]
-    beam_c2ddot = ydot[..., 7]
-    beam_phiddot = ydot[..., 8]
-    beam_alpha1ddot = ydot[..., 9]
-    beam_alpha2ddot = ydot[..., 10]
-    beam_alpha3ddot = ydot[..., 11]
+    beam_phi = y[2]
+    beam_alpha1 = y[3]
+    beam_alpha2 = y[4]
+    beam_alpha3 = y[5]
+    beam_phidot = y[8]
+    beam_alpha1dot = y[9]
+    beam_alpha2dot = y[10]
+    beam_alpha3dot = y[11]
+    lambda_clamp_1 = y[12]
+    lambda_clamp_2 = y[13]
+    beam_c1ddot = ydot[6]
+    beam_c2ddot = ydot[7]
+    beam_phiddot = ydot[8]
+    beam_alpha1ddot = ydot[9]
+    beam_alpha2ddot = ydot[10]
+    beam_alpha3ddot = ydot[11]
 
     # beam Q (26): beam_cos_phi = cosine of the rotation angle; beam_sin_phi = sine of the rotation
     #     angle
@@ -2547,14 +2547,38 @@ def jacobian_index1(t, y, ydot, cj, k):
     return jac
 
 
+_ONE_STATE = (), numpy.dtype(numpy.float64)
+
+
 def _arrays(sizes, *values):
-    """Their array namespace, shape and type of the batch, and the arguments as arrays; a number has no size."""
+    """Their array namespace, shape and type of the batch, and the arguments as arrays; a number has no size.
+
+    Arrays are given by what yields their elements along the last axis, see `_elements`.
+    """
+    if all(map(_is_plain, sizes.values(), values)):
+        return numpy, _ONE_STATE, values
     spaces = [value.__array_namespace__() for value in values if hasattr(value, "__array_namespace__")]
     xp = spaces[0] if spaces else numpy
     arrays = [_array(xp, name, size, value) for (name, size), value in zip(sizes.items(), values)]
     shaped = [(array, size) for array, size in zip(arrays, sizes.values()) if hasattr(array, "shape")]
     batches = [array.shape if size is None else array.shape[:-1] for array, size in shaped]
-    return xp, (numpy.broadcast_shapes(*batches), xp.result_type(*(array.dtype for array, _ in shaped))), arrays
+    batch = numpy.broadcast_shapes(*batches), xp.result_type(*(array.dtype for array, _ in shaped))
+    return xp, batch, [array if size is None else _elements(array) for array, size in zip(arrays, sizes.values())]
+
+
+def _elements(array):
+    """The elements along the last axis, by [i]; those of a single state are numbers, faster than arrays without axes."""
+    if isinstance(array, numpy.ndarray):
+        return array if array.ndim == 1 else numpy.moveaxis(array, -1, 0)
+    return tuple(array[..., i] for i in range(array.shape[-1]))
+
+
+def _is_plain(size, value):
+    """Whether an argument is a number, or a vector of doubles of NumPy, of which nothing has to be converted."""
+    if size is None:
+        return isinstance(value, float)
+    own = type(value) is numpy.ndarray or getattr(value, "build", None) == HASH
+    return own and value.shape == (size,) and value.dtype == _ONE_STATE[1]
 
 
 def _array(xp, name, size, value):
@@ -2578,6 +2602,8 @@ def _empty(xp, batch, size):
 def _stack(xp, batch, elements):
     """Elements, numbers or arrays, as the last axis of one array."""
     shape, dtype = batch
+    if xp is numpy and not shape:
+        return numpy.array(elements, dtype)
     if not elements:
         return xp.zeros((*shape, 0), dtype=dtype)
 
@@ -2590,7 +2616,9 @@ def _stack(xp, batch, elements):
 
 
 def _where(xp, valid, values):
-    """The values, and NaN for the members of the batch that are not valid."""
+    """The values, and NaN for the members of a batch that are not valid; a single state is, or has raised an error."""
+    if not valid.shape:
+        return values
     return xp.where(valid[..., None], values, xp.full(values.shape, float("nan"), dtype=values.dtype))
 
 

@@ -46,20 +46,21 @@ class PythonBackend:
             "tables": _tables(model),
             "helpers": f"\n{HELPERS.rstrip()}" if model.lowering == "table" else _splines(model),
             "defaults": _defaults(model),
+            "elements": model.lowering == "flat",
         }
         builder = SourceBuilder(model)
         builder.text(render("python/prologue.py.jinja", values))
         for kernel in model.kernels:
             builder.text("\n")
-            builder.function(kernel, _function(kernel))
+            builder.function(kernel, _function(kernel, model.lowering == "flat"))
             builder.text("\n")
         builder.text(render("python/epilogue.py.jinja", values))
         (path,) = self.file_names(model.name)
         return (builder.file(self.name, path),)
 
 
-def _function(kernel: Kernel) -> list[SourceLine]:
-    """The function of a kernel."""
+def _function(kernel: Kernel, elements: bool) -> list[SourceLine]:
+    """The function of a kernel, whose arguments are arrays, or their elements along the last axis."""
     names = ", ".join(a.name for a in kernel.arguments)
     sizes = ", ".join(f"{a.name}={None if a.scalar else a.size}" for a in kernel.arguments)
     own = _tuple([a.name for a in kernel.arguments])
@@ -73,7 +74,8 @@ def _function(kernel: Kernel) -> list[SourceLine]:
     ]
     used = kernel.used
     for argument in kernel.arguments:
-        lines += [f"    {name} = {argument.name}[..., {k}]" for k, name in argument.named_elements if name in used]
+        index = "" if elements else "..., "
+        lines += [f"    {name} = {argument.name}[{index}{k}]" for k, name in argument.named_elements if name in used]
         lines += [
             f"    {v.name} = {argument.name}[..., {v.offset}:{v.offset + v.size}]"
             for v in argument.arrays
