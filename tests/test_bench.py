@@ -35,6 +35,17 @@ def test_scale() -> None:
     assert any(line.split()[:2] == ["2", "accel"] for line in lines)
 
 
+def test_cables_of_exudyn(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its rod is ours: four cables with 1000 steps agree with the reference to 0.2 %."""
+    monkeypatch.syspath_prepend(str(ROOT / "bench"))
+    exudyn, cables = import_module("exudyn"), import_module("exudyn_cables")
+    exudyn.config.printToConsole = False
+    mechanism, angles, known = cables.crank_slider()
+    seconds, sensors = cables.solve(exudyn, mechanism, 4, 1000, 1000)
+    rms, largest = cables.errors(mechanism, sensors, angles, known)
+    assert seconds > 0 and len(sensors) == 3 and 1.5e-3 < rms < 2.2e-3 and largest < 6e-3
+
+
 def test_adaptive() -> None:
     """The integrator in C and SciPy take the same steps."""
     command = [sys.executable, str(ROOT / "bench" / "adaptive.py"), "--beams", "1", "--rows", "20", "--runs", "1"]

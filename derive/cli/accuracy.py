@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import argparse
 import json
+from dataclasses import replace
 from pathlib import Path
 
 from derive.artifacts import MARK, File, check_folder, sha256, write
 from derive.spec.model.scene import Scene
 from derive.study.accuracy.chart import LadderChart, accuracy_svg
+from derive.study.accuracy.fixed_steps import fixed_step_lines
 from derive.study.accuracy.measurement import Line, compile_all, measure
 from derive.study.accuracy.models import LadderModel, LadderRange, ladder
 from derive.study.accuracy.page import accuracy_html
+from derive.study.accuracy.peers import read_peers
 from derive.study.accuracy.reference import compared_plot, reference
 from derive.study.accuracy.table import accuracy_csv, accuracy_data, accuracy_text
 from derive.study.timing import machine_description
@@ -57,6 +60,7 @@ def _files(chart: LadderChart, data: dict[str, object]) -> tuple[File, ...]:
 def study(scene: Scene, options: argparse.Namespace) -> LadderChart:
     """The ladder that the options ask for. Raises SpecError, SimulationError, CompilerError."""
     plot = compared_plot(scene, options.plot)
+    peers = read_peers(options.peers) if options.peers else ()
     known = reference(scene, plot, options.reference_error, options.own_reference, show_progress)
     limits = LadderRange(options.orders, options.frames, options.shapes, options.pieces, options.sines)
     models = ladder(limits)
@@ -64,8 +68,10 @@ def study(scene: Scene, options: argparse.Namespace) -> LadderChart:
     measured = {
         line.model: line for line in measure(ready, known.plot, options.tolerances, options.runs, show_progress)
     }
-    lines = (measured.get(model) or _failed(model, failed[model]) for model in models)
-    return LadderChart(scene.name, tuple(lines), known, options.error, _machine())
+    lines = [measured.get(model) or _failed(model, failed[model]) for model in models]
+    others = fixed_step_lines(ready, options.integrators, known.plot, options.runs, show_progress)
+    lines += [replace(line, warning=measured[line.model].warning) for line in others]
+    return LadderChart(scene.name, tuple(lines), known, options.error, _machine(), peers)
 
 
 def _failed(model: LadderModel, reason: str) -> Line:

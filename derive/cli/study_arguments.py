@@ -125,13 +125,32 @@ def _add_accuracy(studies: Any) -> None:
         type=tolerances,
         default=(1e-3, 1e-4, 1e-5, 1e-6, 1e-8),
         metavar="X,...",
-        help="of the integrator, for each model (default: 1e-3,1e-4,1e-5,1e-6,1e-8)",
+        help="of the adaptive integrator, for each model (default: 1e-3,1e-4,1e-5,1e-6,1e-8)",
+    )
+    accuracy.add_argument(
+        "--integrators",
+        type=fixed_step_integrators,
+        default=(),
+        metavar="A,...",
+        help="integrators with fixed steps beside the adaptive one, among rk4 and generalised-alpha: parts of the "
+        "longest stable step, and of the longest period (default: none)",
+    )
+    accuracy.add_argument(
+        "--peers",
+        type=Path,
+        metavar="FILE",
+        help="CSV of runs of other programs: model, cpu_s, rms_error, largest_error (default: none)",
     )
     accuracy.add_argument(
         "--runs", type=count, default=5, metavar="N", help="interleaved measurements of each run (default: 5)"
     )
     add_no_cache(accuracy)
     accuracy.add_argument("--json", action="store_true", help="print the numbers as JSON")
+
+
+def fixed_step_integrators(text: str) -> tuple[str, ...]:
+    """Integrators with fixed steps by their names."""
+    return among(text, ("rk4", "generalised-alpha"))
 
 
 def tolerances(text: str) -> tuple[float, ...]:

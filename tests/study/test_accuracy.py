@@ -18,7 +18,8 @@ from derive.spec.model.markers import MarkerRef
 from derive.spec.model.plots import Deflection, Plot
 from derive.spec.model.scene import RigidBody, Scene
 from derive.spec.toml.read import read
-from derive.study.accuracy.chart import LadderChart, accuracy_svg, label_groups, lane_text, percent, spread
+from derive.study.accuracy.chart import LadderChart, accuracy_svg, lane_text
+from derive.study.accuracy.chart_labels import label_groups, percent, spread
 from derive.study.accuracy.measurement import Line, Point
 from derive.study.accuracy.models import LadderModel, LadderRange, Shapes, ladder, model_scene
 from derive.study.accuracy.page import accuracy_html
@@ -149,11 +150,15 @@ def test_one_sine_of_second_order_costs_little_and_is_right(tmp_path: Path, caps
     """Set A: 0.27 % rms, for a tenth of the operations of two beams, which have 2.5 %."""
     asked = ["--orders", "truncated", "--shapes", "3", "--pieces", "2", "--sines", "1", "--tolerances", "1e-3,1e-5"]
     asked += ["--runs", "1", "--reference-error", "1e-3", "--out", str(tmp_path), "--json"]
+    peers = tmp_path / "peers.csv"
+    peers.write_text("model,cpu_s,rms_error,largest_error\ncables,0.03,0.0018,0.005\ncables,0.05,0.001,0.003\n")
+    asked += ["--integrators", "rk4,generalised-alpha", "--peers", str(peers)]
     assert main(["study", "accuracy", str(SCENE), *asked]) == 0
     said = capsys.readouterr()
     assert said.err == ""
     found = json.loads(said.out)
-    models = {model["model"]: model for model in found["models"]}
+    stepped = {model["model"]: model for model in found["models"] if model["integrator"] != "adaptive"}
+    models = {model["model"]: model for model in found["models"] if model["integrator"] == "adaptive"}
     best = {name: 100 * model["runs"][-1]["rms_error"] for name, model in models.items()}
     expected = {"rigid": 47.03, "1 sine": 0.268, "1 beam, P2 to P4": 0.068, "2 beams, P2, P3": 2.548}
     named = {name if name == "rigid" else f"{name}, truncated": error for name, error in expected.items()}
@@ -162,6 +167,15 @@ def test_one_sine_of_second_order_costs_little_and_is_right(tmp_path: Path, caps
     sine, two = (models[name]["runs"][0] for name in ("1 sine, truncated", "2 beams, P2, P3, truncated"))
     assert two["evaluations"] > 8 * sine["evaluations"] and two["operations"] > 20 * sine["operations"]
     assert found["recommended"]["model"] == "1 sine, truncated"
+    assert len(stepped) == 2 * len(models)
+    for name, error in named.items():
+        explicit, implicit = (stepped[f"{name}, {method}"]["runs"] for method in ("rk4", "generalised-alpha"))
+        assert 100 * explicit[-1]["rms_error"] == pytest.approx(error, rel=0.02 if error > 1 else 1.5)
+        assert explicit[0]["step_s"] == pytest.approx((8 if name == "rigid" else 4) * explicit[-1]["step_s"])
+        assert explicit[-1]["operations"] > 3 * explicit[0]["operations"] and implicit[0]["operations"] == 0
+    picture = (tmp_path / "accuracy.svg").read_text()
+    assert "<title>cables\nrms 0.18 %, largest 0.5 %, 30 ms\n" in picture and "dotted: rk4" in picture
+    assert found["peers"][0]["runs"][1] == {"cpu_s": 0.05, "rms_error": 0.001, "largest_error": 0.003}
     names = [f"accuracy.{kind}" for kind in ("svg", "html", "csv", "json")]
     assert [Path(file).name for file in found["files"]] == names
 
@@ -193,3 +207,26 @@ def test_wrong_arguments(asked: list[str], message: str, capsys: pytest.CaptureF
     except SystemExit as stopped:
         code = int(str(stopped.code))
     assert code == 2 and message in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (
+            "model,cpu_s,rms_error\na,1,2\n",
+            "peers.csv: line 1: the table of peers has no column largest_error; its",
+        ),
+        ("model,cpu_s,rms_error,largest_error\n", "the table of peers has no rows"),
+        ("model,cpu_s,rms_error,largest_error\na,1,0,x\nb,1,2\n", 'line 2: "0" is no positive number'),
+        (None, "the table of peers cannot be read: No such file"),
+    ],
+)
+def test_wrong_tables_of_peers(
+    text: str | None, message: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    peers = tmp_path / "peers.csv"
+    if text is not None:
+        peers.write_text(text)
+    assert main(["study", "accuracy", str(SCENE), "--peers", str(peers), "--out", str(tmp_path / "out")]) == 2
+    said = capsys.readouterr()
+    assert message in said.err and said.out == "" and not (tmp_path / "out").exists()

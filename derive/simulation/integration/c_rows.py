@@ -90,7 +90,7 @@ class CRows:
     def _cost(self) -> Cost:
         counts = self._counts
         evaluations = counts["accelerations"] + counts["residuals"]
-        return Cost(evaluations, counts["steps"], self._seconds, counts["jacobians"])
+        return Cost(evaluations, counts["steps"], self._seconds, counts["jacobians"], dict(counts))
 
     def _diagnosed(self, y: Vector, t: float, error: IntegratorError) -> Exception:
         """The error that explains a failure after the last finite row that the C integrator has reached."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -19,12 +19,16 @@ Progress = Callable[[float], None]
 
 @dataclass(frozen=True, eq=False)
 class Cost:
-    """Evaluations of vdot, or of the residual; steps; CPU seconds of the whole integration; Jacobians, if any."""
+    """Evaluations of vdot, or of the residual; steps; CPU seconds of the whole integration; Jacobians, if any.
+
+    calls: all counts of a C integrator by their names.
+    """
 
     evaluations: int
     steps: int
     seconds: float
     jacobians: int = 0
+    calls: Mapping[str, int] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, eq=False)

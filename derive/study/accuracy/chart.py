@@ -10,9 +10,11 @@ from typing import TYPE_CHECKING, Any
 
 from derive.simulation.validity.monitors import Cause
 from derive.spec.model.body import DisplacementOrder
+from derive.study.accuracy.chart_labels import COLOURS, colour, group_label, label_groups, percent, spread
 from derive.study.accuracy.measurement import Line, Point
 from derive.study.accuracy.models import LadderModel, Shapes
 from derive.study.accuracy.pareto import Candidate, candidates, front, recommended
+from derive.study.accuracy.peers import Peer
 from derive.study.accuracy.reference import Reference
 from derive.visual import chart_style as style
 
@@ -24,19 +26,16 @@ WIDTH, PANEL, HEIGHT, LEFT, GAP, MARGIN = 11.2, 3.55, 4.3, 0.78, 0.2, 2.95
 """The picture, its two panels, and the margins to their left, between them and to their right, in inches."""
 LABEL = 0.165
 """The least distance of labels, in inches."""
-NEAR = 1.05
-"""Errors that differ by less than this factor share a label."""
-ROOM = 26
-"""Characters of the names of a label."""
 LANE = 160
 """Characters of a line below the chart."""
 
-COLOURS = {
-    DisplacementOrder.FIRST_ORDER: "#d0702a",
-    DisplacementOrder.TRUNCATED: "#1f8fbf",
-    DisplacementOrder.FULL: "#8661c1",
+DASHES: dict[str, tuple[float | None, ...]] = {
+    "adaptive": (None, None),
+    "rk4": (1, 1),
+    "generalised-alpha": (6, 1.5, 1, 1.5),
 }
-RIGID = "#8c6d46"
+"""Those of lines by their integrators."""
+DASH_NAMES = {"rk4": "dotted", "generalised-alpha": "dash-dotted"}
 ORDER_NAMES = {
     DisplacementOrder.FIRST_ORDER: "first order",
     DisplacementOrder.TRUNCATED: "second order, truncated",
@@ -54,13 +53,14 @@ CAUSES = {
 
 @dataclass(frozen=True)
 class LadderChart:
-    """What a chart shows: the lines of a ladder of `name`, their reference, and the error that is asked for."""
+    """What a chart shows: the lines of a ladder of `name`, their reference, the error that is asked for, and peers."""
 
     name: str
     lines: tuple[Line, ...]
     reference: Reference
     error: float
     machine: str
+    peers: tuple[Peer, ...] = ()
 
     @property
     def drawn(self) -> tuple[Line, ...]:
@@ -113,16 +113,22 @@ def accuracy_svg(chart: LadderChart) -> str:
 def _panel(axes: Axes, chart: LadderChart, cost: Callable[[Point], float], number: int, titles: dict[str, str]) -> None:
     axes.set_xscale("log")
     axes.set_yscale("log")
-    good = front(candidates(chart.lines), cost)
-    useful = {run.line.model for run in good}
+    good = front([run for run in candidates(chart.lines) if cost(run.point) > 0], cost)
+    useful = {id(run.line) for run in good}
     for n, line in enumerate(chart.drawn):
-        pale = line.model not in useful
+        shown = [p for p in line.points if cost(p) > 0]
+        if not shown:
+            continue
+        pale = id(line) not in useful
         look: dict[str, Any] = {"color": colour(line.model), "linewidth": 1.1 if pale else 1.9}
         look |= {"alpha": 0.38 if pale else 1, "marker": _marker(line.model), "markersize": 3.5 if pale else 5}
         look |= {} if line.valid else {"fillstyle": "none"}
-        x, y = [cost(p) for p in line.points], [p.rms for p in line.points]
-        axes.plot(x, y, gid=f"line_{number}_{n}", dashes=(None, None) if line.valid else (3, 2), **look)
+        x, y = [cost(p) for p in shown], [p.rms for p in shown]
+        dashes = DASHES[line.integrator] if line.valid else (3, 2)
+        axes.plot(x, y, gid=f"line_{number}_{n}", dashes=dashes, **look)
         titles[f"line_{number}_{n}"] = line_title(line)
+    if number == 0:
+        _peers(axes, chart, titles)
     if good:
         x, y = [cost(r.point) for r in good], [r.point.rms for r in good]
         axes.step(x, y, where="post", color=style.INK, linewidth=0.8, alpha=0.6)
@@ -142,6 +148,21 @@ def _panel(axes: Axes, chart: LadderChart, cost: Callable[[Point], float], numbe
         axes.axhspan(low, chart.reference.error, color=style.LIGHT, alpha=0.5, linewidth=0)
 
 
+def _peers(axes: Axes, chart: LadderChart, titles: dict[str, str]) -> None:
+    """The runs of other programs: their time alone is known."""
+    for n, peer in enumerate(chart.peers):
+        look: dict[str, Any] = {"color": style.INK, "marker": "D", "markersize": 4.5, "linewidth": 1.3}
+        x, y = [1e3 * seconds for seconds, _, _ in peer.runs], [rms for _, rms, _ in peer.runs]
+        axes.plot(x, y, gid=f"peer_{n}", **look)
+        titles[f"peer_{n}"] = "\n".join([peer.name, *(peer_text(run) for run in peer.runs)])
+
+
+def peer_text(run: tuple[float, float, float]) -> str:
+    """A run of another program in words."""
+    seconds, rms, largest = run
+    return f"rms {percent(rms)}, largest {percent(largest)}, {1e3 * seconds:.3g} ms"
+
+
 def _power(value: float) -> str:
     """A power of ten: 0.1, 1, 10, and 10⁵ beyond."""
     exponent = round(math.log10(value))
@@ -151,6 +172,7 @@ def _power(value: float) -> str:
 
 def _range(chart: LadderChart) -> tuple[float, float]:
     errors = [p.rms for line in chart.drawn for p in line.points if p.rms > 0]
+    errors += [rms for peer in chart.peers for _, rms, _ in peer.runs]
     known = [*errors, chart.error, *([chart.reference.error] if chart.reference.error else [])]
     return min(known) / 1.6, max(known) * 1.6
 
@@ -163,68 +185,21 @@ def _marker(model: LadderModel) -> str:
     return "s" if model.pieces == 1 else "^"
 
 
-def colour(model: LadderModel) -> str:
-    """The colour of a model, by its order."""
-    return RIGID if model.shapes is Shapes.RIGID else COLOURS[model.order]
-
-
 def _labels(figure: Figure, chart: LadderChart, foot: float, height: float) -> None:
     """The names of the lines to the right of the panels, at their smallest errors, with leaders where they moved."""
     from matplotlib.lines import Line2D
 
     low, high = (math.log(x) for x in _range(chart))
-    groups = label_groups(chart.drawn)
-    wanted = [HEIGHT * (math.log(group[0].best) - low) / (high - low) for group in groups]
+    labels = [(group[0].best, group_label(group), colour(group[0].model)) for group in label_groups(chart.drawn)]
+    labels = sorted([*labels, *((peer.best, peer.name, style.INK) for peer in chart.peers)])
+    wanted = [HEIGHT * (math.log(best) - low) / (high - low) for best, _, _ in labels]
     places = spread(wanted, LABEL)
     edge = LEFT + 2 * PANEL + GAP
-    for group, want, at in zip(groups, wanted, places, strict=True):
+    for (best, text, tint), want, at in zip(labels, wanted, places, strict=True):
         y, y0 = (foot + at) / height, (foot + want) / height
         leader: dict[str, Any] = {"color": style.FAINT, "linewidth": 0.6}
         figure.add_artist(Line2D([(edge + 0.02) / WIDTH, (edge + 0.2) / WIDTH], [y0, y], **leader))
-        shown: dict[str, Any] = {"va": "center", "fontsize": 8, "color": colour(group[0].model)}
-        figure.text((edge + 0.24) / WIDTH, y, f"{percent(group[0].best)}  {group_label(group)}", **shown)
-
-
-def label_groups(lines: Sequence[Line]) -> list[list[Line]]:
-    """Lines whose smallest errors are about the same and that have one order, from the smallest error on."""
-    groups: list[list[Line]] = []
-    for line in sorted(lines, key=lambda line: line.best):
-        match = next(
-            (
-                g
-                for g in groups
-                if line.best < NEAR * g[0].best
-                and colour(g[0].model) == colour(line.model)
-                and g[0].valid == line.valid
-            ),
-            None,
-        )
-        if match is None:
-            groups.append([line])
-        else:
-            match.append(line)
-    return groups
-
-
-def group_label(group: Sequence[Line]) -> str:
-    """The names of some models of one order in a line: those for which there is room, and how many more there are."""
-    names = [line.model.label.rsplit(", ", 1)[0] for line in group]
-    shown = [name for n, name in enumerate(names) if len(" · ".join(names[: n + 1])) <= ROOM or n == 0]
-    more = f" and {len(names) - len(shown)} more" if len(names) > len(shown) else ""
-    return f"{' · '.join(shown)}{more}"
-
-
-def spread(wanted: Sequence[float], distance: float) -> list[float]:
-    """Rising places at least `distance` apart, with the least squares of what each is moved by; `wanted` rises."""
-    blocks: list[tuple[float, int]] = []  # the mean of wanted - number distance, and how many places share it
-    for number, want in enumerate(wanted):
-        mean, count = want - number * distance, 1
-        while blocks and blocks[-1][0] > mean:
-            before, size = blocks.pop()
-            mean, count = (before * size + mean * count) / (size + count), size + count
-        blocks.append((mean, count))
-    shifts = (mean for mean, count in blocks for _ in range(count))
-    return [shift + number * distance for number, shift in enumerate(shifts)]
+        figure.text((edge + 0.24) / WIDTH, y, f"{percent(best)}  {text}", va="center", fontsize=8, color=tint)
 
 
 def _head(figure: Figure, chart: LadderChart, height: float) -> None:
@@ -241,6 +216,9 @@ def _head(figure: Figure, chart: LadderChart, height: float) -> None:
             figure.text(x / WIDTH, 1 - 0.6 / height, f"■ {name}", va="top", fontsize=8.5, color=COLOURS[order])
             x += 0.3 + 0.072 * len(name)
     signs = "● sines  ■ one beam  ▲ several beams; stairs: no cheaper run is better"
+    signs += "  ◆ other programs" if chart.peers else ""
+    names = dict.fromkeys(line.integrator for line in chart.drawn if line.integrator != "adaptive")
+    signs += "".join(f"; {DASH_NAMES[name]}: {name}" for name in names)
     signs += "  ◯ cheapest at " + percent(chart.error) if chart.chosen else ""
     figure.text(x / WIDTH, 1 - 0.6 / height, signs, va="top", fontsize=8.5, color=style.INK)
 
@@ -249,11 +227,11 @@ def lane_text(lines: Sequence[Line]) -> list[str]:
     """What is said below the chart of models that are not valid or have failed, by their reasons."""
     reasons: dict[str, list[str]] = {}
     for line in lines:
-        if line.warning is not None:
+        if line.warning is not None and line.integrator == "adaptive":
             text = f"{CAUSES[line.warning.cause]} is beyond its limit"
-            reasons.setdefault(text, []).append(f"{line.model.label} ({percent(line.warning.error)})")
-        elif line.failure:
-            reasons.setdefault(line.failure, []).append(line.model.label)
+            reasons.setdefault(text, []).append(f"{line.label} ({percent(line.warning.error)})")
+        if line.failure:
+            reasons.setdefault(line.failure, []).append(line.label)
     if not reasons:
         return []
     result = ["Not valid (hollow, dashed), with the error that a monitor implies:"]
@@ -263,23 +241,17 @@ def lane_text(lines: Sequence[Line]) -> list[str]:
 
 
 def line_title(line: Line) -> str:
-    """A line in words: its model, and for each run the tolerance, the error and the cost."""
+    """A line in words: its model, and for each run its setting, the error and the cost."""
     runs = [
-        f"{p.tolerance:g}: rms {percent(p.rms)}, largest {percent(p.worst)}, {1e3 * p.seconds[0]:.3g} ms, "
+        f"{p.setting}: rms {percent(p.rms)}, largest {percent(p.worst)}, {1e3 * p.seconds[0]:.3g} ms, "
         f"{p.evaluations} evaluations"
         for p in line.points
     ]
     reason = line.warning.warning if line.warning else line.failure
-    return "\n".join([f"{line.model.label}, {line.coordinates} coordinates", *runs, *([reason] if reason else [])])
-
-
-def percent(ratio: float) -> str:
-    """A ratio in percent, with two significant digits."""
-    value = 100 * ratio
-    return f"{value:.0f} %" if value >= 10 else f"{value:.2g} %"
+    return "\n".join([f"{line.label}, {line.coordinates} coordinates", *runs, *([reason] if reason else [])])
 
 
 def _description(chart: LadderChart) -> str:
     chosen = chart.chosen
-    best = f"; the cheapest at {percent(chart.error)} is {chosen.line.model.label}" if chosen else ""
+    best = f"; the cheapest at {percent(chart.error)} is {chosen.line.label}" if chosen else ""
     return f"{chart.name}: error over cost of {len(chart.drawn)} models{best}"

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from statistics import median
 
 import numpy as np
 
+from derive.artifacts import File
 from derive.errors import TisserandError, first_line
 from derive.generated_models import generated
 from derive.ir.model import Model
@@ -48,12 +49,13 @@ CALLED = {
 class CompiledLadderModel:
     """A model of a ladder that is ready to run: its scene, its code, its consistent start.
 
-    columns: the code without the outputs that monitor its validity.
+    columns: the code without the outputs that monitor its validity. files: what was generated.
     """
 
     model: LadderModel
     scene: Scene
     code: Model
+    files: tuple[File, ...]
     columns: Model
     native: NativeScene
     k: Vector
@@ -64,10 +66,10 @@ class CompiledLadderModel:
         """The number of coordinates."""
         return int(self.native.nq)
 
-    def operations(self, run: AdaptiveRun) -> int:
-        """Arithmetic operations of the evaluations of a run, factorisations and projections included."""
+    def operations(self, counts: Mapping[str, int]) -> int:
+        """Arithmetic operations of the evaluations of an explicit method, factorisations and projections included."""
         known = {kernel.name: kernel.operations for kernel in self.code.kernels}
-        called = ((run.counts[count], name) for count, names in CALLED.items() for name in names)
+        called = ((counts[count], name) for count, names in CALLED.items() for name in names)
         return sum(times * known.get(name, 0) for times, name in called)
 
 
@@ -82,7 +84,9 @@ def compiled(scene: Scene, model: LadderModel, monitored: bool = True) -> Compil
     native = load_scene(files)
     k, own = native.setup(), len(code.outputs) - len(complete.outputs) + len(changed.outputs)
     columns = replace(code, outputs=code.outputs[:own])
-    return CompiledLadderModel(model, changed, code, columns, native, k, initial_state(changed, native, k))
+    return CompiledLadderModel(
+        model, changed, code, tuple(files), columns, native, k, initial_state(changed, native, k)
+    )
 
 
 def motion(of: CompiledLadderModel, tolerance: float, monitored: bool = False) -> Trajectory:
@@ -122,10 +126,12 @@ def end_run(of: CompiledLadderModel, tolerance: float) -> AdaptiveRun:
 
 @dataclass(frozen=True)
 class Point:
-    """A run of a model with a tolerance: its error against the reference, and its cost.
+    """A run of a model: its error against the reference, and its cost.
 
-    rms, worst: of the quantity, divided by the peak of the reference. seconds: median, least and largest CPU time of
-    interleaved runs. evaluations: of the accelerations; operations: arithmetic ones of all evaluations.
+    tolerance: that of the adaptive method; of others it is 0, and they have a step, s. rms, worst: of the quantity,
+    divided by the peak of the reference. seconds: median, least and largest CPU time of interleaved runs. evaluations:
+    of the accelerations, or of the residuals; operations: arithmetic ones of all evaluations, 0 where they are not
+    known because a library factorises.
     """
 
     tolerance: float
@@ -134,6 +140,12 @@ class Point:
     seconds: tuple[float, float, float]
     evaluations: int
     operations: int
+    step: float = 0.0
+
+    @property
+    def setting(self) -> str:
+        """The tolerance, or the step."""
+        return f"step {self.step:.3g} s" if self.step else f"tolerance {self.tolerance:g}"
 
 
 @dataclass(frozen=True)
@@ -141,7 +153,8 @@ class Line:
     """A model with its runs, from coarse to fine.
 
     warning: the monitor with the largest implied error, of those that are beyond their limits in the finest run, if
-    there is one. failure: why a run failed, or why there is none; empty if there is nothing.
+    there is one. failure: why a run failed, or why there is none; empty if there is nothing. integrator: the method of
+    its runs.
     """
 
     model: LadderModel
@@ -149,6 +162,12 @@ class Line:
     points: tuple[Point, ...]
     warning: Monitor | None = None
     failure: str = ""
+    integrator: str = "adaptive"
+
+    @property
+    def label(self) -> str:
+        """The model, and the integrator if it is another one."""
+        return self.model.label + (f", {self.integrator}" if self.integrator != "adaptive" else "")
 
     @property
     def valid(self) -> bool:
@@ -201,7 +220,9 @@ def measure(
                 seconds = [row[i] for row in rows]
                 spread = median(seconds), min(seconds), max(seconds)
                 count = finished[i].counts["accelerations"]
-                points.append(Point(tolerance, *accuracy.errors[tolerance], spread, count, of.operations(finished[i])))
+                points.append(
+                    Point(tolerance, *accuracy.errors[tolerance], spread, count, of.operations(finished[i].counts))
+                )
         lines.append(Line(of.model, of.coordinates, tuple(points), accuracy.warning, accuracy.failure))
     return lines
 
@@ -221,7 +242,7 @@ def _accuracy(of: CompiledLadderModel, plot: Plot, tolerances: Sequence[float]) 
     for tolerance in tolerances:
         try:
             moved = motion(of, tolerance, monitored=tolerance == tolerances[-1])
-            errors[tolerance] = _errors(plot, moved)
+            errors[tolerance] = plot_errors(plot, moved)
         except TisserandError as error:
             return _Accuracy(errors, None, f"tolerance {tolerance:g}: {first_line(error)}")
         warning = max((m for m in moved.validity if m.passed), key=lambda monitor: monitor.error, default=None)
@@ -232,7 +253,7 @@ def _seconds(of: CompiledLadderModel, tolerance: float) -> float:
     return end_run(of, tolerance).seconds
 
 
-def _errors(plot: Plot, moved: Trajectory) -> tuple[float, float]:
+def plot_errors(plot: Plot, moved: Trajectory) -> tuple[float, float]:
     """The largest errors of the curves of a plot. Raises TisserandError where there is no part in common."""
     errors = [curve.error for curve in plot_curves(plot, moved, "")]
     known = [error for error in errors if error is not None]

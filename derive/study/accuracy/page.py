@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from derive.rendering import render
-from derive.study.accuracy.chart import LadderChart, accuracy_svg, percent
+from derive.study.accuracy.chart import LadderChart, accuracy_svg
+from derive.study.accuracy.chart_labels import percent
 from derive.study.accuracy.table import cheapest
 
 
@@ -14,17 +15,17 @@ def accuracy_html(chart: LadderChart) -> str:
         p = cheapest(line)
         rows.append(
             (
-                line.model.label,
+                line.label,
                 str(line.coordinates),
                 percent(p.rms),
                 percent(p.worst),
                 f"{1e3 * p.seconds[0]:.3g}",
                 f"{p.evaluations:,}".replace(",", " "),
                 f"{p.operations:,}".replace(",", " "),
-                f"{p.tolerance:g}",
+                p.setting,
                 line.warning.warning if line.warning else line.failure,
             )
         )
-    failed = [(line.model.label, line.failure) for line in chart.lines if not line.points]
+    failed = [(line.label, line.failure) for line in chart.lines if not line.points]
     values = {"name": chart.name, "picture": accuracy_svg(chart), "rows": rows, "failed": failed, "chart": chart}
     return render("study/accuracy.html.jinja", values)

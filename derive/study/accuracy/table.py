@@ -6,36 +6,38 @@ import csv
 import io
 from typing import Any
 
-from derive.study.accuracy.chart import LadderChart, lane_text, percent
+from derive.study.accuracy.chart import LadderChart, lane_text, peer_text
+from derive.study.accuracy.chart_labels import percent
 from derive.study.accuracy.measurement import Line, Point
 
+COLUMNS_OF_PEERS = ("cpu_s", "rms_error", "largest_error")
 COLUMNS = (
-    "model", "order", "shapes", "number_of_shapes", "beams", "frame", "coordinates", "valid", "tolerance",
-    "rms_error", "largest_error", "cpu_s", "cpu_least_s", "cpu_most_s", "evaluations", "operations",
+    "model", "order", "shapes", "number_of_shapes", "beams", "frame", "coordinates", "valid", "integrator", "tolerance",
+    "step_s", "rms_error", "largest_error", "cpu_s", "cpu_least_s", "cpu_most_s", "evaluations", "operations",
 )  # fmt: skip
 
 
 def accuracy_text(chart: LadderChart) -> str:
     """A line for each model: its smallest error and the cheapest run within 10 % of it; what is not valid below."""
-    width = max(len(line.model.label) for line in chart.lines)
+    width = max(len(line.label) for line in chart.lines)
     reference = f"{chart.reference.plot.name} of {chart.name}, against {chart.reference.source}"
     if chart.reference.error is not None:
         reference += f", which has an error of {percent(chart.reference.error)} itself"
     rows = [reference, f"{'model':{width}}  coordinates      rms  largest        ms  evaluations  operations"]
     for line in sorted(chart.drawn, key=lambda line: -line.best):
         p = cheapest(line)
-        numbers = (
-            f"{percent(p.rms):>9}{percent(p.worst):>9}{1e3 * p.seconds[0]:10.3f}{p.evaluations:13}{p.operations:12}"
-        )
-        rows.append(f"{line.model.label:{width}}{line.coordinates:13}{numbers}{'' if line.valid else '  not valid'}")
+        numbers = f"{percent(p.rms):>9}{percent(p.worst):>9}{1e3 * p.seconds[0]:10.3f}{p.evaluations:13}"
+        numbers += f"{p.operations or '':12}"
+        rows.append(f"{line.label:{width}}{line.coordinates:13}{numbers}{'' if line.valid else '  not valid'}")
+    rows += [f"{peer.name:{width}}               {peer_text(peer.runs[-1])}" for peer in chart.peers]
     rows += ["", *(text.replace(" (hollow, dashed)", "") for text in lane_text(chart.lines)), ""]
     if chart.chosen is None:
         rows.append(f"no valid model has an error of at most {percent(chart.error)}")
     else:
         run = chart.chosen
         rows.append(
-            f"cheapest valid model with an error of at most {percent(chart.error)}: {run.line.model.label} with "
-            f"tolerance {run.point.tolerance:g}: {percent(run.point.rms)}, {1e3 * run.point.seconds[0]:.3g} ms"
+            f"cheapest valid model with an error of at most {percent(chart.error)}: {run.line.label} with "
+            f"{run.point.setting}: {percent(run.point.rms)}, {1e3 * run.point.seconds[0]:.3g} ms"
         )
     if chart.reference.error is not None and any(line.best < chart.reference.error for line in chart.drawn):
         rows.append("errors below that of the reference say only that they are small")
@@ -56,7 +58,7 @@ def accuracy_csv(chart: LadderChart) -> str:
     for line in chart.drawn:
         model = _model(line)
         for p in line.points:
-            numbers = (p.tolerance, p.rms, p.worst, *p.seconds, p.evaluations, p.operations)
+            numbers = (line.integrator, p.tolerance, p.step, p.rms, p.worst, *p.seconds, p.evaluations, p.operations)
             writer.writerow([*model.values(), *numbers])
     return stream.getvalue()
 
@@ -74,9 +76,11 @@ def accuracy_data(chart: LadderChart) -> dict[str, Any]:
                 **_model(line),
                 "warning": line.warning.data if line.warning else None,
                 "failure": line.failure,
+                "integrator": line.integrator,
                 "runs": [
                     {
                         "tolerance": p.tolerance,
+                        "step_s": p.step,
                         "rms_error": p.rms,
                         "largest_error": p.worst,
                         "cpu_s": dict(zip(("median", "least", "most"), p.seconds, strict=True)),
@@ -88,17 +92,21 @@ def accuracy_data(chart: LadderChart) -> dict[str, Any]:
             }
             for line in chart.lines
         ],
+        "peers": [
+            {"model": peer.name, "runs": [dict(zip(COLUMNS_OF_PEERS, run, strict=True)) for run in peer.runs]}
+            for peer in chart.peers
+        ],
         "asked": chart.error,
         "recommended": None
         if chosen is None
-        else {"model": chosen.line.model.label, "tolerance": chosen.point.tolerance, "rms_error": chosen.point.rms},
+        else {"model": chosen.line.label, "setting": chosen.point.setting, "rms_error": chosen.point.rms},
     }
 
 
 def _model(line: Line) -> dict[str, Any]:
     m = line.model
     return {
-        "model": m.label,
+        "model": line.label,
         "order": m.order.value,
         "shapes": m.shapes.value,
         "number_of_shapes": m.count,

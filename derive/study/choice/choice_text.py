@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import asdict
 from typing import Any
 
-from derive.study.accuracy.chart import percent
+from derive.study.accuracy.chart_labels import percent
 from derive.study.accuracy.measurement import Line, Point
 from derive.study.accuracy.table import cheapest
 from derive.study.choice.screening import Screening
@@ -57,12 +57,12 @@ def _verdict(choice: Choice) -> list[str]:
             lines.append(f"The best is {line.model.label} with {percent(point.rms)}{implied}, in {_ms(point)}.")
         return lines
     line, point = choice.chosen
-    result = [f"Chosen: {line.model.label}, tolerance {point.tolerance:g}: {percent(point.rms)} in {_ms(point)}"]
+    result = [f"Chosen: {line.model.label}, {point.setting}: {percent(point.rms)} in {_ms(point)}"]
     for word, steps in neighbours(choice).items():
         for other, p in steps:
             cost, error = p.operations / point.operations, p.rms / point.rms
             what = f"{cost:.2g} times the operations, {error:.2g} times the error"
-            result.append(f"  {word}: {other.model.label}, tolerance {p.tolerance:g}: {what}")
+            result.append(f"  {word}: {other.model.label}, {p.setting}: {what}")
     return result
 
 

@@ -1,0 +1,75 @@
+"""The names of lines in the chart of a ladder: their colours, which of them share a label, and where labels stand."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from derive.spec.model.body import DisplacementOrder
+from derive.study.accuracy.measurement import Line
+from derive.study.accuracy.models import LadderModel, Shapes
+
+NEAR = 1.05
+"""Errors that differ by less than this factor share a label."""
+ROOM = 26
+"""Characters of the names of a label."""
+
+COLOURS = {
+    DisplacementOrder.FIRST_ORDER: "#d0702a",
+    DisplacementOrder.TRUNCATED: "#1f8fbf",
+    DisplacementOrder.FULL: "#8661c1",
+}
+RIGID = "#8c6d46"
+
+
+def colour(model: LadderModel) -> str:
+    """The colour of a model, by its order."""
+    return RIGID if model.shapes is Shapes.RIGID else COLOURS[model.order]
+
+
+def label_groups(lines: Sequence[Line]) -> list[list[Line]]:
+    """Lines whose smallest errors are about the same and that have one order, from the smallest error on."""
+    groups: list[list[Line]] = []
+    for line in sorted(lines, key=lambda line: line.best):
+        match = next(
+            (
+                g
+                for g in groups
+                if line.best < NEAR * g[0].best
+                and colour(g[0].model) == colour(line.model)
+                and g[0].valid == line.valid
+            ),
+            None,
+        )
+        if match is None:
+            groups.append([line])
+        else:
+            match.append(line)
+    return groups
+
+
+def group_label(group: Sequence[Line]) -> str:
+    """The names of some lines of one order: those for which there is room, adaptive ones first, and how many more."""
+    ordered = sorted(group, key=lambda line: line.integrator != "adaptive")
+    names = [line.model.label.rsplit(", ", 1)[0] + line.label.removeprefix(line.model.label) for line in ordered]
+    shown = [name for n, name in enumerate(names) if len(" · ".join(names[: n + 1])) <= ROOM or n == 0]
+    more = f" and {len(names) - len(shown)} more" if len(names) > len(shown) else ""
+    return f"{' · '.join(shown)}{more}"
+
+
+def spread(wanted: Sequence[float], distance: float) -> list[float]:
+    """Rising places at least `distance` apart, with the least squares of what each is moved by; `wanted` rises."""
+    blocks: list[tuple[float, int]] = []  # the mean of wanted - number distance, and how many places share it
+    for number, want in enumerate(wanted):
+        mean, count = want - number * distance, 1
+        while blocks and blocks[-1][0] > mean:
+            before, size = blocks.pop()
+            mean, count = (before * size + mean * count) / (size + count), size + count
+        blocks.append((mean, count))
+    shifts = (mean for mean, count in blocks for _ in range(count))
+    return [shift + number * distance for number, shift in enumerate(shifts)]
+
+
+def percent(ratio: float) -> str:
+    """A ratio in percent, with two significant digits."""
+    value = 100 * ratio
+    return f"{value:.0f} %" if value >= 10 else f"{value:.2g} %"
