@@ -9,8 +9,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from derive.simulation.validity.monitors import Cause
-from derive.spec.model.body import DisplacementOrder
-from derive.study.accuracy.chart_labels import COLOURS, colour, group_label, label_groups, percent, spread
+from derive.study.accuracy.chart_labels import COLOURS, ORDER_NAMES, colour, group_label, label_groups, percent, spread
 from derive.study.accuracy.measurement import Line, Point
 from derive.study.accuracy.models import LadderModel, Shapes
 from derive.study.accuracy.pareto import Candidate, candidates, front, recommended
@@ -36,11 +35,6 @@ DASHES: dict[str, tuple[float | None, ...]] = {
 }
 """Those of lines by their integrators."""
 DASH_NAMES = {"rk4": "dotted", "generalised-alpha": "dash-dotted"}
-ORDER_NAMES = {
-    DisplacementOrder.FIRST_ORDER: "first order",
-    DisplacementOrder.TRUNCATED: "second order, truncated",
-    DisplacementOrder.FULL: "second order, full",
-}
 CAUSES = {
     Cause.DEFLECTION: "the deflection",
     Cause.SPIN: "the spin",

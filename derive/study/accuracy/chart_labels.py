@@ -20,6 +20,12 @@ COLOURS = {
 }
 RIGID = "#8c6d46"
 
+ORDER_NAMES = {
+    DisplacementOrder.FIRST_ORDER: "first order",
+    DisplacementOrder.TRUNCATED: "second order, truncated",
+    DisplacementOrder.FULL: "second order, full",
+}
+
 
 def colour(model: LadderModel) -> str:
     """The colour of a model, by its order."""

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from derive.study.accuracy.chart import COLOURS, ORDER_NAMES, colour
+from derive.study.accuracy.chart_labels import COLOURS, ORDER_NAMES, colour
 from derive.study.accuracy.models import Shapes
 from derive.study.stability.ladder_stability import LadderStability, distance
 from derive.study.stability.model_path import ModelPath
