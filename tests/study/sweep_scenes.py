@@ -20,7 +20,7 @@ gravity = [0, { symbol = "g", default = -9.81 }]
 F = { default = -2, unit = "N" }
 
 [ground.markers]
-bearing = [0, 0]
+bearing = [{ symbol = "x0", default = 0 }, 0]
 
 [bodies.crank]
 markers = { hub = [0, 0], pin = [{ symbol = "radius", default = 0.15 }, 0] }

@@ -9,6 +9,7 @@ import pytest
 from sweep_scenes import slider
 
 from derive.runtime.loading import load_scene
+from derive.simulation.initial.initial_guess import initial_guess
 from derive.simulation.initial.initial_state import initial_state, scene_size
 from derive.simulation.scene_run import SceneRun
 from derive.spec.model.scene import EQUILIBRIUM, Scene
@@ -66,7 +67,7 @@ def with_start(text: str) -> Scene:
 @pytest.mark.parametrize(
     ("scene", "expected"),
     [
-        (slider(), {"radius", "m", "speed", "F"}),
+        (slider(), {"x0", "radius", "m", "speed", "F"}),
         (with_start(PENDULUM), {"height", "wall", "m", "I", "e", "arm", "jump"}),
     ],
     ids=["slider", "pendulum"],
@@ -88,3 +89,11 @@ def test_parameters_that_are_left_out_change_nothing(scene: Scene, expected: set
             state = initial_state(changed, native, native.setup({parameter.name: value}))
             assert np.array_equal(state.q, base.q) and np.array_equal(state.v, base.v), parameter.name
             assert scene_size(changed) == scene_size(scene) and breaks(changed) == breaks(scene), parameter.name
+
+
+def test_the_first_guess_follows_the_parameters() -> None:
+    """The displacement of the slider counts from the bearing, to which its guide leads."""
+    native = load_scene(SceneRun(slider(), "adaptive", None, {}).files)
+    number = native.coordinates.index("slider_s")
+    assert initial_guess(slider(), native)[0][number] == pytest.approx(0.45)
+    assert initial_guess(slider(), native, native.setup(x0=0.1))[0][number] == pytest.approx(0.35)

@@ -23,19 +23,26 @@ OUTPUTS = ("peak", "final:slider_s")
 
 
 @pytest.fixture(scope="module")
-def cluster(tmp_path_factory: pytest.TempPathFactory) -> Iterator[LocalCluster]:
-    """Two worker processes; chunks that kill themselves leave files in the folder of FLAG."""
+def killed(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The folder in which chunks that kill their worker leave a file."""
+    return tmp_path_factory.mktemp("killed")
+
+
+@pytest.fixture(scope="module")
+def cluster(killed: Path) -> Iterator[LocalCluster]:
+    """Two worker processes."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setenv(FLAG, str(tmp_path_factory.mktemp("killed")))
+        patch.setenv(FLAG, str(killed))
         with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None, silence_logs=50) as cluster:
             yield cluster
 
 
-def test_killed_workers_lose_nothing(cluster: LocalCluster, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_killed_workers_lose_nothing(cluster: LocalCluster, killed: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     expected = sweep(slider(), GRID, OUTPUTS, workers=1)
     monkeypatch.setattr(executors, "run_chunk", kill_each_third_once)
     with Client(cluster) as client:
         result = sweep(slider(), GRID, OUTPUTS, executor=client.get_executor(pure=False), chunk=1)
+    assert sorted(path.name for path in killed.iterdir()) == ["0", "3", "6"]
     assert result.values.tobytes() == expected.values.tobytes() and not result.failures
 
 

@@ -75,7 +75,10 @@ def _completed(plan: Plan, waiting: deque[_Part], pool: _Processes | _Given) -> 
             running[pool.submit(plan, part)] = part
         lost: list[_Part] = []
         blamed = pool.blames or len(running) == 1
-        for future in wait(running, return_when=FIRST).done:
+        done = wait(running, return_when=FIRST).done
+        if pool.breaks and any(future.exception() for future in done):
+            done = wait(running).done  # the end of one worker ends all
+        for future in done:
             part = running.pop(future)
             try:
                 results = future.result()
@@ -84,9 +87,7 @@ def _completed(plan: Plan, waiting: deque[_Part], pool: _Processes | _Given) -> 
                 lost.append(part)
             else:
                 yield results
-        if lost and pool.breaks:  # the other workers of a broken pool are ended as well
-            lost += running.values()
-            running.clear()
+        if lost and pool.breaks:
             pool.renew()
         for part in lost:
             again = replace(part, losses=part.losses + 1)
