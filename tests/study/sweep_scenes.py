@@ -89,7 +89,7 @@ FLAG = "SWEEP_TEST_FLAG"
 """The environment variable with the path of a file that says what has happened in other processes."""
 
 
-def kill_once(chunk: Chunk) -> tuple[Outcome, ...]:
+def kill_once(chunk: Chunk, losses: int = 0) -> tuple[Outcome, ...]:
     """Kill this process instead of running the chunk, the first time that it is called anywhere."""
     try:
         Path(os.environ[FLAG]).touch(exist_ok=False)
@@ -99,14 +99,14 @@ def kill_once(chunk: Chunk) -> tuple[Outcome, ...]:
     raise AssertionError
 
 
-def kill_at_seven(chunk: Chunk) -> tuple[Outcome, ...]:
+def kill_at_seven(chunk: Chunk, losses: int = 0) -> tuple[Outcome, ...]:
     """Kill this process whenever sample 7 is among those of the chunk."""
     if any(sample.number == 7 for sample in chunk.samples):
         os.kill(os.getpid(), signal.SIGKILL)
     return run_chunk(chunk)
 
 
-def kill_each_third_once(chunk: Chunk) -> tuple[Outcome, ...]:
+def kill_each_third_once(chunk: Chunk, losses: int = 0) -> tuple[Outcome, ...]:
     """Kill this process instead of running samples 0, 3, 6, ..., the first time that each is called anywhere."""
     number = chunk.samples[0].number
     if number % 3 == 0:

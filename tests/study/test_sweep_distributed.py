@@ -41,7 +41,7 @@ def test_killed_workers_lose_nothing(cluster: LocalCluster, killed: Path, monkey
     expected = sweep(slider(), GRID, OUTPUTS, workers=1)
     monkeypatch.setattr(executors, "run_chunk", kill_each_third_once)
     with Client(cluster) as client:
-        result = sweep(slider(), GRID, OUTPUTS, executor=client.get_executor(pure=False), chunk=1)
+        result = sweep(slider(), GRID, OUTPUTS, executor=client.get_executor(), chunk=1)
     assert sorted(path.name for path in killed.iterdir()) == ["0", "3", "6"]
     assert result.values.tobytes() == expected.values.tobytes() and not result.failures
 

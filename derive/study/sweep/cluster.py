@@ -42,4 +42,4 @@ def dask_executor(address: str) -> Iterator[tuple[Executor, int]]:
         threads = sum(client.nthreads().values())
         if not threads:
             raise NoScheduler(f"{address}: the scheduler has no workers; start some with `dask worker {address}`")
-        yield client.get_executor(), threads
+        yield client.get_executor(pure=False), threads

@@ -161,7 +161,7 @@ class _Given:
     def submit(self, plan: Plan, part: _Part) -> Future[tuple[Outcome, ...]]:
         """Run a chunk."""
         try:
-            future = self._executor.submit(run_chunk, plan.chunk(part.runs))
+            future = self._executor.submit(run_chunk, plan.chunk(part.runs), part.losses)
         except BrokenExecutor as error:
             self.check(error)
             raise

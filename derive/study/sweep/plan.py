@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -104,7 +105,7 @@ def make_plan(
     for number, values in enumerate(dict.fromkeys(keys)):
         progress(f"checking the values: {number + 1}")
         texts = dict(zip(remaining, map(number_text, values), strict=True))
-        scenes.append(builder.add(_simulated(with_values(spec, {**firsts, **texts})[0], options)))
+        scenes.append(builder.add(_simulated(with_values(spec, {**_defaults(changes, samples), **texts})[0], options)))
     cases = tuple(Case(scene, model, _hash(repr(scene))) for scene, model in scenes)
     chosen = tuple(output(text, builder.runs[0].scene, builder.runs[0].units) for text in outputs)
     check_outputs(chosen, builder.codes)
@@ -135,6 +136,19 @@ def make_plan(
         initial_states=states,
         identity=identity,
     )
+
+
+def _defaults(changes: Sequence[SetValue], samples: Samples) -> dict[str, str]:
+    """Values that make parameters of keys with numbers: these numbers, so that the model does not depend on samples."""
+    added = (change for change in changes if change.symbol is not None and change.symbol not in samples.names)
+    return {change.key: change.old for change in added if _is_number(change.old)}
+
+
+def _is_number(text: str) -> bool:
+    try:
+        return math.isfinite(float(text))
+    except ValueError:
+        return False
 
 
 class _Models:

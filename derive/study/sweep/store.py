@@ -16,6 +16,11 @@ from derive.artifacts import MARK
 from derive.errors import TisserandError
 from derive.study.sweep.worker import Outcome
 
+try:
+    import fcntl
+except ImportError:  # Windows
+    fcntl = None  # type: ignore[assignment]
+
 
 class StaleStore(TisserandError):
     """A store that belongs to another sweep, or that is not resumed."""
@@ -33,10 +38,13 @@ class SampleStore:
         self.finished: tuple[Outcome, ...] = ()
         path.parent.mkdir(parents=True, exist_ok=True)
         if path.exists():
+            self._file = path.open("r+b")
+            self._lock()
             self.finished = self._read(resume)
-            self._file = path.open("ab")
+            self._file.seek(0, os.SEEK_END)
         else:
-            self._file = path.open("xb")
+            self._file = path.open("x+b")
+            self._lock()
             self._write([{"generator": MARK, "identity": self._identity}])
 
     def _read(self, resume: bool) -> tuple[Outcome, ...]:
@@ -61,6 +69,14 @@ class SampleStore:
             )
         os.truncate(self.path, len(complete))
         return tuple(_outcome(json.loads(line)) for line in lines[1:])
+
+    def _lock(self) -> None:
+        """Keep other sweeps from the file until it is closed, or this process ends; not on Windows."""
+        if fcntl is not None:
+            try:
+                fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except OSError:
+                raise StaleStore(f"{self.path}: another sweep writes there; wait, or choose another --out") from None
 
     def append(self, outcomes: Sequence[Outcome]) -> None:
         """Add finished samples."""

@@ -107,8 +107,11 @@ class _Start:
     notes: tuple[str, ...]
 
 
-def run_chunk(chunk: Chunk) -> tuple[Outcome, ...]:
-    """Run the samples of a chunk. A sample that cannot be run has NaN as its values. Raises CompilerError, OSError."""
+def run_chunk(chunk: Chunk, losses: int = 0) -> tuple[Outcome, ...]:
+    """Run the samples of a chunk. A sample that cannot be run has NaN as its values. Raises CompilerError, OSError.
+
+    losses: the workers that it has lost before, so that executors which remember calls do not take it for the same one.
+    """
     return tuple(_outcome(chunk, sample) for sample in chunk.samples)
 
 
