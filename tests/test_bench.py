@@ -46,6 +46,15 @@ def test_cables_of_exudyn(monkeypatch: pytest.MonkeyPatch) -> None:
     assert seconds > 0 and len(sensors) == 3 and 1.5e-3 < rms < 2.2e-3 and largest < 6e-3
 
 
+def test_python_calls() -> None:
+    """All compute the same forces, or the script fails."""
+    options = ["--frames", "point", "--states", "5", "--rounds", "1", "--calls", "5"]
+    command = [sys.executable, str(ROOT / "bench" / "python_calls.py"), *options]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    names = [line[2:28].strip() for line in done.stdout.splitlines() if line.startswith("  ")]
+    assert names[0] == "Tisserand, C, out=" and {"CasADi, buffer", "lambdify, numpy"} < set(names)
+
+
 def test_adaptive() -> None:
     """The integrator in C and SciPy take the same steps."""
     command = [sys.executable, str(ROOT / "bench" / "adaptive.py"), "--beams", "1", "--rows", "20", "--runs", "1"]

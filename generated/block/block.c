@@ -12,7 +12,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef BLOCK_HASH_f00fadbc579ca063
+#ifndef BLOCK_HASH_bce30d9e8eef4517
 #  error "block.h and block.c are of different builds; run tisserand build again"
 #endif
 

@@ -330,8 +330,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define BLOCK_HASH "f00fadbc579ca063"
-#define BLOCK_HASH_f00fadbc579ca063
+#define BLOCK_HASH "bce30d9e8eef4517"
+#define BLOCK_HASH_bce30d9e8eef4517
 
 /* ---- sizes and indices ---- */
 

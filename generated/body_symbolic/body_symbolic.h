@@ -252,8 +252,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define BODY_SYMBOLIC_HASH "693cc04227ef1326"
-#define BODY_SYMBOLIC_HASH_693cc04227ef1326
+#define BODY_SYMBOLIC_HASH "b1ae28d9446936af"
+#define BODY_SYMBOLIC_HASH_b1ae28d9446936af
 
 /* ---- sizes and indices ---- */
 

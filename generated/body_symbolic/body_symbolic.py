@@ -131,7 +131,7 @@ def _columns(rows, groups, symmetric):
 
 
 NAME = "body_symbolic"
-HASH = "693cc04227ef1326"
+HASH = "b1ae28d9446936af"
 COORDINATES = (
     "c1", "c2", "c3", "e0", "e1", "e2", "e3", "alpha1", "alpha2", "alpha3", "alpha4", "alpha5",
     "alpha6", "alpha7", "alpha8",
@@ -1432,14 +1432,17 @@ def jacobian(t, y, ydot, cj, k):
     return _where(xp, valid_1, jac)
 
 
-_ONE_STATE = (), numpy.dtype(numpy.float64)
+_DOUBLE = numpy.dtype(numpy.float64)
 
 
 def _arrays(sizes, *values):
     """Their array namespace, shape and type of the batch, and the arguments as arrays; a number has no size.
     """
-    if all(map(_is_plain, sizes.values(), values)):
-        return numpy, _ONE_STATE, values
+    for size, value in zip(sizes.values(), values):
+        if not (isinstance(value, float) if size is None else _is_vector(value, size)):
+            break
+    else:  # a single state, of which nothing has to be converted
+        return numpy, ((), _DOUBLE), values
     spaces = [value.__array_namespace__() for value in values if hasattr(value, "__array_namespace__")]
     xp = spaces[0] if spaces else numpy
     arrays = [_array(xp, name, size, value) for (name, size), value in zip(sizes.items(), values)]
@@ -1449,12 +1452,10 @@ def _arrays(sizes, *values):
     return xp, batch, arrays
 
 
-def _is_plain(size, value):
-    """Whether an argument is a number, or a vector of doubles of NumPy, of which nothing has to be converted."""
-    if size is None:
-        return isinstance(value, float)
+def _is_vector(value, size):
+    """Whether an argument is a vector of doubles of NumPy of that size, and no constants of another model."""
     own = type(value) is numpy.ndarray or getattr(value, "build", None) == HASH
-    return own and value.shape == (size,) and value.dtype == _ONE_STATE[1]
+    return own and value.dtype is _DOUBLE and value.shape == (size,)
 
 
 def _array(xp, name, size, value):

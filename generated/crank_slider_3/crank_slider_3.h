@@ -304,8 +304,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define CRANK_SLIDER_3_HASH "c98f71cb6ae2c988"
-#define CRANK_SLIDER_3_HASH_c98f71cb6ae2c988
+#define CRANK_SLIDER_3_HASH "f5b01533ea9c7b0e"
+#define CRANK_SLIDER_3_HASH_f5b01533ea9c7b0e
 
 /* ---- sizes and indices ---- */
 

@@ -167,7 +167,7 @@ class Pattern(NamedTuple):
 
 
 NAME = "crank_slider_3"
-HASH = "c98f71cb6ae2c988"
+HASH = "f5b01533ea9c7b0e"
 COORDINATES = (
     "rod_1_c1", "rod_1_c2", "rod_1_phi", "rod_1_alpha1", "rod_1_alpha2", "rod_2_c1", "rod_2_c2",
     "rod_2_phi", "rod_2_alpha1", "rod_2_alpha2", "rod_3_c1", "rod_3_c2", "rod_3_phi",
@@ -6059,7 +6059,7 @@ def jacobian_index1(t, y, ydot, cj, k):
     return jac
 
 
-_ONE_STATE = (), numpy.dtype(numpy.float64)
+_DOUBLE = numpy.dtype(numpy.float64)
 
 
 def _arrays(sizes, *values):
@@ -6067,8 +6067,11 @@ def _arrays(sizes, *values):
 
     Arrays are given by what yields their elements along the last axis, see `_elements`.
     """
-    if all(map(_is_plain, sizes.values(), values)):
-        return numpy, _ONE_STATE, values
+    for size, value in zip(sizes.values(), values):
+        if not (isinstance(value, float) if size is None else _is_vector(value, size)):
+            break
+    else:  # a single state, of which nothing has to be converted
+        return numpy, ((), _DOUBLE), values
     spaces = [value.__array_namespace__() for value in values if hasattr(value, "__array_namespace__")]
     xp = spaces[0] if spaces else numpy
     arrays = [_array(xp, name, size, value) for (name, size), value in zip(sizes.items(), values)]
@@ -6085,12 +6088,10 @@ def _elements(array):
     return tuple(array[..., i] for i in range(array.shape[-1]))
 
 
-def _is_plain(size, value):
-    """Whether an argument is a number, or a vector of doubles of NumPy, of which nothing has to be converted."""
-    if size is None:
-        return isinstance(value, float)
+def _is_vector(value, size):
+    """Whether an argument is a vector of doubles of NumPy of that size, and no constants of another model."""
     own = type(value) is numpy.ndarray or getattr(value, "build", None) == HASH
-    return own and value.shape == (size,) and value.dtype == _ONE_STATE[1]
+    return own and value.dtype is _DOUBLE and value.shape == (size,)
 
 
 def _array(xp, name, size, value):

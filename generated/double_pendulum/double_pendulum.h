@@ -287,8 +287,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define DOUBLE_PENDULUM_HASH "dfe8db8037db398c"
-#define DOUBLE_PENDULUM_HASH_dfe8db8037db398c
+#define DOUBLE_PENDULUM_HASH "5276c6cb7e874ed0"
+#define DOUBLE_PENDULUM_HASH_5276c6cb7e874ed0
 
 /* ---- sizes and indices ---- */
 

@@ -329,8 +329,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define FOUR_BAR_HASH "79cede4590a6e67a"
-#define FOUR_BAR_HASH_79cede4590a6e67a
+#define FOUR_BAR_HASH "dea0f8f64ed4cdca"
+#define FOUR_BAR_HASH_dea0f8f64ed4cdca
 
 /* ---- sizes and indices ---- */
 

@@ -193,7 +193,7 @@ class Pattern(NamedTuple):
 
 
 NAME = "four_bar"
-HASH = "79cede4590a6e67a"
+HASH = "dea0f8f64ed4cdca"
 COORDINATES = (
     "crank_c1", "crank_c2", "crank_phi", "crank_alpha1", "crank_alpha2", "coupler_c1",
     "coupler_c2", "coupler_phi", "coupler_alpha1", "coupler_alpha2", "rocker_c1", "rocker_c2",
@@ -6249,7 +6249,7 @@ def jacobian_index1(t, y, ydot, cj, k):
     return jac
 
 
-_ONE_STATE = (), numpy.dtype(numpy.float64)
+_DOUBLE = numpy.dtype(numpy.float64)
 
 
 def _arrays(sizes, *values):
@@ -6257,8 +6257,11 @@ def _arrays(sizes, *values):
 
     Arrays are given by what yields their elements along the last axis, see `_elements`.
     """
-    if all(map(_is_plain, sizes.values(), values)):
-        return numpy, _ONE_STATE, values
+    for size, value in zip(sizes.values(), values):
+        if not (isinstance(value, float) if size is None else _is_vector(value, size)):
+            break
+    else:  # a single state, of which nothing has to be converted
+        return numpy, ((), _DOUBLE), values
     spaces = [value.__array_namespace__() for value in values if hasattr(value, "__array_namespace__")]
     xp = spaces[0] if spaces else numpy
     arrays = [_array(xp, name, size, value) for (name, size), value in zip(sizes.items(), values)]
@@ -6275,12 +6278,10 @@ def _elements(array):
     return tuple(array[..., i] for i in range(array.shape[-1]))
 
 
-def _is_plain(size, value):
-    """Whether an argument is a number, or a vector of doubles of NumPy, of which nothing has to be converted."""
-    if size is None:
-        return isinstance(value, float)
+def _is_vector(value, size):
+    """Whether an argument is a vector of doubles of NumPy of that size, and no constants of another model."""
     own = type(value) is numpy.ndarray or getattr(value, "build", None) == HASH
-    return own and value.shape == (size,) and value.dtype == _ONE_STATE[1]
+    return own and value.dtype is _DOUBLE and value.shape == (size,)
 
 
 def _array(xp, name, size, value):

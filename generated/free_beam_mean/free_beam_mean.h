@@ -251,8 +251,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define FREE_BEAM_MEAN_HASH "0ebf4c377e19fc3c"
-#define FREE_BEAM_MEAN_HASH_0ebf4c377e19fc3c
+#define FREE_BEAM_MEAN_HASH "cc42bccf5d6e23ec"
+#define FREE_BEAM_MEAN_HASH_cc42bccf5d6e23ec
 
 /* ---- sizes and indices ---- */
 

@@ -119,7 +119,7 @@ class Pattern(NamedTuple):
 
 
 NAME = "free_beam_mean"
-HASH = "0ebf4c377e19fc3c"
+HASH = "cc42bccf5d6e23ec"
 COORDINATES = ("c1", "c2", "phi", "alpha1", "alpha2")
 VELOCITIES = ("c1dot", "c2dot", "phidot", "alpha1dot", "alpha2dot")
 PARAMETERS = ("m", "l", "EI")
@@ -1011,7 +1011,7 @@ def jacobian(t, y, ydot, cj, k):
     return jac
 
 
-_ONE_STATE = (), numpy.dtype(numpy.float64)
+_DOUBLE = numpy.dtype(numpy.float64)
 
 
 def _arrays(sizes, *values):
@@ -1019,8 +1019,11 @@ def _arrays(sizes, *values):
 
     Arrays are given by what yields their elements along the last axis, see `_elements`.
     """
-    if all(map(_is_plain, sizes.values(), values)):
-        return numpy, _ONE_STATE, values
+    for size, value in zip(sizes.values(), values):
+        if not (isinstance(value, float) if size is None else _is_vector(value, size)):
+            break
+    else:  # a single state, of which nothing has to be converted
+        return numpy, ((), _DOUBLE), values
     spaces = [value.__array_namespace__() for value in values if hasattr(value, "__array_namespace__")]
     xp = spaces[0] if spaces else numpy
     arrays = [_array(xp, name, size, value) for (name, size), value in zip(sizes.items(), values)]
@@ -1037,12 +1040,10 @@ def _elements(array):
     return tuple(array[..., i] for i in range(array.shape[-1]))
 
 
-def _is_plain(size, value):
-    """Whether an argument is a number, or a vector of doubles of NumPy, of which nothing has to be converted."""
-    if size is None:
-        return isinstance(value, float)
+def _is_vector(value, size):
+    """Whether an argument is a vector of doubles of NumPy of that size, and no constants of another model."""
     own = type(value) is numpy.ndarray or getattr(value, "build", None) == HASH
-    return own and value.shape == (size,) and value.dtype == _ONE_STATE[1]
+    return own and value.dtype is _DOUBLE and value.shape == (size,)
 
 
 def _array(xp, name, size, value):

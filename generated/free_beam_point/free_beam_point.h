@@ -237,8 +237,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define FREE_BEAM_POINT_HASH "a826b8be74982922"
-#define FREE_BEAM_POINT_HASH_a826b8be74982922
+#define FREE_BEAM_POINT_HASH "ff92ca82728e06c3"
+#define FREE_BEAM_POINT_HASH_ff92ca82728e06c3
 
 /* ---- sizes and indices ---- */
 

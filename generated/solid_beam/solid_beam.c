@@ -12,7 +12,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef SOLID_BEAM_HASH_a9906fb96175ff88
+#ifndef SOLID_BEAM_HASH_dc56903be1e8a2a7
 #  error "solid_beam.h and solid_beam.c are of different builds; run tisserand build again"
 #endif
 

@@ -422,8 +422,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define SOLID_BEAM_HASH "a9906fb96175ff88"
-#define SOLID_BEAM_HASH_a9906fb96175ff88
+#define SOLID_BEAM_HASH "dc56903be1e8a2a7"
+#define SOLID_BEAM_HASH_dc56903be1e8a2a7
 
 /* ---- sizes and indices ---- */
 

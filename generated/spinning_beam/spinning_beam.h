@@ -261,8 +261,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define SPINNING_BEAM_HASH "8981960894db9bcb"
-#define SPINNING_BEAM_HASH_8981960894db9bcb
+#define SPINNING_BEAM_HASH "c1bc2af832a69872"
+#define SPINNING_BEAM_HASH_c1bc2af832a69872
 
 /* ---- sizes and indices ---- */
 

@@ -128,7 +128,7 @@ class Pattern(NamedTuple):
 
 
 NAME = "spinning_beam"
-HASH = "8981960894db9bcb"
+HASH = "c1bc2af832a69872"
 COORDINATES = ("beam_c1", "beam_c2", "beam_phi", "beam_alpha1", "beam_alpha2")
 VELOCITIES = ("beam_c1dot", "beam_c2dot", "beam_phidot", "beam_alpha1dot", "beam_alpha2dot")
 PARAMETERS = ("m", "l", "EI")
@@ -1717,7 +1717,7 @@ def jacobian_index1(t, y, ydot, cj, k):
     return jac
 
 
-_ONE_STATE = (), numpy.dtype(numpy.float64)
+_DOUBLE = numpy.dtype(numpy.float64)
 
 
 def _arrays(sizes, *values):
@@ -1725,8 +1725,11 @@ def _arrays(sizes, *values):
 
     Arrays are given by what yields their elements along the last axis, see `_elements`.
     """
-    if all(map(_is_plain, sizes.values(), values)):
-        return numpy, _ONE_STATE, values
+    for size, value in zip(sizes.values(), values):
+        if not (isinstance(value, float) if size is None else _is_vector(value, size)):
+            break
+    else:  # a single state, of which nothing has to be converted
+        return numpy, ((), _DOUBLE), values
     spaces = [value.__array_namespace__() for value in values if hasattr(value, "__array_namespace__")]
     xp = spaces[0] if spaces else numpy
     arrays = [_array(xp, name, size, value) for (name, size), value in zip(sizes.items(), values)]
@@ -1743,12 +1746,10 @@ def _elements(array):
     return tuple(array[..., i] for i in range(array.shape[-1]))
 
 
-def _is_plain(size, value):
-    """Whether an argument is a number, or a vector of doubles of NumPy, of which nothing has to be converted."""
-    if size is None:
-        return isinstance(value, float)
+def _is_vector(value, size):
+    """Whether an argument is a vector of doubles of NumPy of that size, and no constants of another model."""
     own = type(value) is numpy.ndarray or getattr(value, "build", None) == HASH
-    return own and value.shape == (size,) and value.dtype == _ONE_STATE[1]
+    return own and value.dtype is _DOUBLE and value.shape == (size,)
 
 
 def _array(xp, name, size, value):

@@ -229,8 +229,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define SPUN_UP_CANTILEVER_HASH "c00865dacd76772a"
-#define SPUN_UP_CANTILEVER_HASH_c00865dacd76772a
+#define SPUN_UP_CANTILEVER_HASH "727698b36034a849"
+#define SPUN_UP_CANTILEVER_HASH_727698b36034a849
 
 /* ---- sizes and indices ---- */
 
