@@ -66,10 +66,10 @@ def study(scene: Scene, options: argparse.Namespace) -> LadderChart:
     models = ladder(limits)
     ready, failed = compile_all(scene, models, show_progress)
     measured = {
-        line.model: line for line in measure(ready, known.plot, options.tolerances, options.runs, show_progress)
+        line.model: line for line in measure(ready, known.plots, options.tolerances, options.runs, show_progress)
     }
     lines = [measured.get(model) or _failed(model, failed[model]) for model in models]
-    others = fixed_step_lines(ready, options.integrators, known.plot, options.runs, show_progress)
+    others = fixed_step_lines(ready, options.integrators, known.plots, options.runs, show_progress)
     lines += [replace(line, warning=measured[line.model].warning) for line in others]
     return LadderChart(scene.name, tuple(lines), known, options.error, _machine(), peers)
 

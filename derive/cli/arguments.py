@@ -173,9 +173,14 @@ def _add_choose(commands: Any) -> None:
     choose.add_argument("spec", type=Path, metavar="SPEC", help=f"{SPEC} of a scene with a beam and a plot")
     choose.add_argument(
         "--error", "--tolerance", type=tolerance, default=0.01, metavar="X",
-        help="error that is asked for, rms over the peak of the plot (default: 0.01)",
+        help="error that is asked for, rms over the peak of a curve (default: 0.01)",
     )  # fmt: skip
-    choose.add_argument("--plot", metavar="NAME", help="the plot that has to be accurate (default: the first one)")
+    choose.add_argument(
+        "--plot",
+        action="append",
+        metavar="NAME",
+        help="a plot whose curves have to be accurate; may be repeated (default: the first one)",
+    )
     choose.add_argument(
         "--out", type=Path, metavar="FILE", help="the specification to write (default: SPEC_chosen.toml)"
     )

@@ -37,19 +37,19 @@ def run(options: argparse.Namespace) -> int:
     try:
         if not beam_bodies(scene):
             raise SpecError((Problem("bodies", "there is no beam here, and nothing to choose"),))
-        plot = compared_plot(scene, options.plot)
+        plots = [compared_plot(scene, name) for name in dict.fromkeys(options.plot or [None])]
         screened = screening(scene)
-        choice = choose(scene, plot, options.error, show_progress)
+        choice = choose(scene, plots, options.error, show_progress)
     except SpecError as error:
         raise with_lines(error, options.spec) from None
     finally:
         show_progress()
     written = None if choice.chosen is None else _written(options.spec, target, choice)
     if options.json:
-        data = choice_data(scene.name, plot.name, screened, choice)
+        data = choice_data(scene.name, [plot.name for plot in plots], screened, choice)
         print(json.dumps({**data, "specification": written}, indent=2))
     else:
-        print(choice_text(scene.name, plot.name, screened, choice))
+        print(choice_text(scene.name, [plot.name for plot in plots], screened, choice))
         if written:
             print(f"\nwrote {written}")
     return 0 if written else 1

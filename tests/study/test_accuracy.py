@@ -99,7 +99,7 @@ def test_labels_stay_apart_and_as_near_as_they_can() -> None:
 
 def a_chart() -> LadderChart:
     quantity = Deflection(MarkerRef("rod", "a"), MarkerRef("rod", "b"), MarkerRef("rod", "c"), 1.0)
-    return LadderChart("made", LINES, Reference(Plot("tip", quantity), "made.csv", 0.005), 0.01, "a machine")
+    return LadderChart("made", LINES, Reference((Plot("tip", quantity),), "made.csv", 0.005), 0.01, "a machine")
 
 
 def test_the_chart_says_what_it_shows() -> None:
@@ -186,7 +186,7 @@ def test_a_reference_of_its_own_knows_its_error(crank_slider: Scene, monkeypatch
     monkeypatch.setattr("derive.study.accuracy.reference.refinements", lambda: coarse)
     made = reference(crank_slider, crank_slider.plots[0], None, True, lambda _: None)
     assert made.source == "own run, 1 beam, P2 to P5, truncated"
-    assert made.error == pytest.approx(0.00037, rel=0.02) and made.plot.reference is not None
+    assert made.error == pytest.approx(0.00037, rel=0.02) and made.plots[0].reference is not None
     file = reference(crank_slider, crank_slider.plots[0], 1e-3, False, lambda _: None)
     assert (file.source, file.error) == ("crank_slider_A.csv", 1e-3)
 

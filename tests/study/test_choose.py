@@ -11,11 +11,13 @@ import pytest
 
 from conftest import ROOT
 from derive.cli.main import main
+from derive.simulation.observables.plots import PlotCurve
 from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.plots import Deflection
 from derive.spec.model.scene import Scene
 from derive.spec.toml.read import parse, read
 from derive.study.accuracy.models import LadderModel, LadderRange, Shapes
+from derive.study.accuracy.reference import rms_difference
 from derive.study.choice import search
 from derive.study.choice.choice_text import choice_text, neighbours
 from derive.study.choice.screening import screening
@@ -90,7 +92,7 @@ def quiet(_: str) -> None: ...
 def test_the_sag_of_a_beam_needs_one_shape(small_references: None) -> None:
     """It swings about its sag, 0.4 % of its length: a half sine wave is right to 0.4 %, whatever its order."""
     scene = made("sag", 1.0, "{ position = [0.5, 0] }", ON_PINS, 0.6, ACROSS)
-    choice = choose(scene, scene.plots[0], 0.02, quiet)
+    choice = choose(scene, scene.plots[:1], 0.02, quiet)
     assert label(choice) == "1 sine, first" and choice.reference.error < 0.02 / 3
     assert choice.tried[0].model.label == "rigid"
     (one,) = screening(scene)
@@ -100,18 +102,30 @@ def test_the_sag_of_a_beam_needs_one_shape(small_references: None) -> None:
     assert one.deflection == pytest.approx(4 / np.pi * 0.3 / np.pi**4, rel=1e-3)
 
 
+def test_all_plots_that_are_asked_for_have_to_be_accurate(small_references: None) -> None:
+    """The error of a run is that of its worst curve."""
+    x = np.linspace(0, 1, 5)
+    exact, rough = PlotCurve("a", x, x, None), PlotCurve("a", x, 1.1 * x, None)
+    assert rms_difference((exact, exact), (exact, rough)) == pytest.approx(0.1 * np.sqrt(np.mean(x**2)))
+    assert rms_difference((exact, PlotCurve("a", x, 0 * x, None)), (exact, exact)) is None
+    scene = made("sag", 1.0, "{ position = [0.5, 0] }", ON_PINS, 0.6, ACROSS)
+    far = replace(scene.plots[0], name="far")
+    choice = choose(scene, (scene.plots[0], far), 0.02, quiet)
+    assert label(choice) == "1 sine, first" and [plot.name for plot in choice.reference.plots] == ["it", "far"]
+
+
 def test_a_stiff_slow_pendulum_needs_no_flexibility(small_references: None) -> None:
     pin = '[ground.markers]\nleft = [0, 0]\n[joints.pin]\nkind = "revolute"\nbetween = ["ground.left", "rod.left"]\n'
     joints = pin + '[scene]\ngravity = [0, -10]\n[outputs]\nend = { kind = "position", marker = "rod.right" }'
     scene = made("stiff", 1e4, "{ position = [0.5, 0] }", joints, 1.0, 'y = ["end_1"]')
-    choice = choose(scene, scene.plots[0], 0.01, quiet)
+    choice = choose(scene, scene.plots[:1], 0.01, quiet)
     assert label(choice) == "rigid"
 
 
 def test_a_fast_spin_needs_second_order(small_references: None) -> None:
     knock = '[forces.knock]\nat = "rod.middle"\ncomponents = [0, "0.2/(1 + (5*t)^2)^2"]\n'
     scene = made("spin", 1.0, "{ spin = 12 }", knock, 0.5, ACROSS)
-    choice = choose(scene, scene.plots[0], 0.07, quiet)
+    choice = choose(scene, scene.plots[:1], 0.07, quiet)
     assert label(choice).endswith("truncated")
     tried = {line.model.label: line for line in choice.tried}
     first = tried["1 beam, P2, first"]
@@ -125,24 +139,27 @@ def set_a() -> tuple[Scene, TrustedReference]:
     assert isinstance(scene, Scene)
     plot = replace(scene.plots[0], cut=None, pieces=())
     agreement = Agreement("finite elements", 1e-3)
-    return replace(scene, plots=(plot,)), TrustedReference(plot, LadderModel(Shapes.RIGID), (agreement,))
+    return replace(scene, plots=(plot,)), TrustedReference((plot,), LadderModel(Shapes.RIGID), (agreement,))
 
 
 def test_set_a(set_a: tuple[Scene, TrustedReference], monkeypatch: pytest.MonkeyPatch) -> None:
     """One shape of second order at 1 and at 5 %, one sine of first order at 15 %, and nothing at 0.01 %."""
     scene, known = set_a
+    (one,) = screening(scene)
+    assert one.axial == pytest.approx(0.227, abs=1e-3)  # what a run with P2 to P5 sees
+    assert "axial force up to 23 % of its buckling load" in one.text
     lines = {}
     plain = search._line
 
     def once(scene: Scene, model: LadderModel, plot: object) -> object:
         if model not in lines:
-            lines[model] = plain(scene, model, known.plot)
+            lines[model] = plain(scene, model, known.plots)
         return lines[model]
 
     monkeypatch.setattr(search, "_line", once)
     monkeypatch.setattr(search, "trusted_reference", lambda *_: known)
     monkeypatch.setattr(search, "TRIED", LadderRange(("first", "truncated"), ("mean",), (1, 3), (), (1,)))
-    found = {error: choose(scene, known.plot, error, quiet) for error in (0.01, 0.05, 0.15, 1e-4)}
+    found = {error: choose(scene, known.plots, error, quiet) for error in (0.01, 0.05, 0.15, 1e-4)}
     assert [label(found[error]) for error in (0.01, 0.05, 0.15)] == ["1 sine, truncated"] * 2 + ["1 sine, first"]
     assert found[1e-4].chosen is None
     text = choice_text("a", "deflection", (), found[1e-4])
@@ -158,7 +175,7 @@ def test_a_reference_that_has_not_converged_is_not_trusted(monkeypatch: pytest.M
     with pytest.raises(
         NotConverged, match=r"the finest, 2 beams, P2, P3, truncated, differs by .* from that with fewer shapes"
     ):
-        trusted_reference(scene, scene.plots[0], 1e-3, quiet)
+        trusted_reference(scene, scene.plots[:1], 1e-3, quiet)
 
 
 @pytest.mark.parametrize(

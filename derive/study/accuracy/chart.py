@@ -199,7 +199,7 @@ def _labels(figure: Figure, chart: LadderChart, foot: float, height: float) -> N
 def _head(figure: Figure, chart: LadderChart, height: float) -> None:
     title = f"{chart.name}: what accuracy costs"
     figure.text(LEFT / WIDTH, 1 - 0.1 / height, title, va="top", fontweight="bold", fontsize=11)
-    plot = chart.reference.plot.name
+    plot = chart.reference.plots[0].name
     text = f"{plot}, against {chart.reference.source}"
     if chart.reference.error:
         text += f" (grey: its own error, {percent(chart.reference.error)})"

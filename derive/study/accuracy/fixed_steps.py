@@ -34,7 +34,7 @@ NO_MOTION = 1e-6
 def fixed_step_lines(
     ready: Sequence[CompiledLadderModel],
     integrators: Sequence[str],
-    plot: Plot,
+    plots: Sequence[Plot],
     runs: int,
     progress: Progress,
 ) -> list[Line]:
@@ -43,7 +43,7 @@ def fixed_step_lines(
     for of in ready:
         for name in integrators:
             progress(f"running {of.model.label} with {name}")
-            line, runnable = _line(of, name, plot)
+            line, runnable = _line(of, name, plots)
             lines.append(line)
             clocks += runnable
     rows = interleaved(clocks, runs, lambda run: progress(f"timing, run {run + 1} of {runs}")) if clocks else []
@@ -51,7 +51,7 @@ def fixed_step_lines(
     return [replace(of, points=tuple(replace(p, seconds=next(times)) for p in of.points)) for of in lines]
 
 
-def _line(of: CompiledLadderModel, name: str, plot: Plot) -> tuple[Line, list[Callable[[], float]]]:
+def _line(of: CompiledLadderModel, name: str, plots: Sequence[Plot]) -> tuple[Line, list[Callable[[], float]]]:
     """The line of a model with an integrator, without times, and the functions that measure them."""
     points, clocks = list[Point](), list[Callable[[], float]]()
     try:
@@ -62,7 +62,7 @@ def _line(of: CompiledLadderModel, name: str, plot: Plot) -> tuple[Line, list[Ca
     for step in steps:
         try:
             solution = _solution(of, integrator, step)
-            rms, worst = plot_errors(plot, _trajectory(of, solution))
+            rms, worst = plot_errors(plots, _trajectory(of, solution))
         except TisserandError as error:
             failure = f"step {step:.3g} s: {first_line(error)}"
             return Line(of.model, of.coordinates, tuple(points), failure=failure, integrator=name), clocks

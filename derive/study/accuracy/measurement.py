@@ -198,16 +198,20 @@ def compile_all(
 
 
 def measure(
-    ready: Sequence[CompiledLadderModel], plot: Plot, tolerances: Sequence[float], runs: int, progress: Progress
+    ready: Sequence[CompiledLadderModel],
+    plots: Sequence[Plot],
+    tolerances: Sequence[float],
+    runs: int,
+    progress: Progress,
 ) -> list[Line]:
-    """The lines of models that are compiled: errors against the reference of `plot`, and interleaved times.
+    """The lines of models that are compiled: errors against the references of `plots`, and interleaved times.
 
     tolerances: from coarse to fine.
     """
     accuracies = []
     for n, of in enumerate(ready, 1):
         progress(f"running model {n} of {len(ready)}: {of.model.label}")
-        accuracies.append(_accuracy(of, plot, tolerances))
+        accuracies.append(_accuracy(of, plots, tolerances))
     todo = [(of, tolerance) for of, accuracy in zip(ready, accuracies, strict=True) for tolerance in accuracy.errors]
     finished = [end_run(of, tolerance) for of, tolerance in todo]
     clocks = [partial(_seconds, of, tolerance) for of, tolerance in todo]
@@ -236,13 +240,13 @@ class _Accuracy:
     failure: str
 
 
-def _accuracy(of: CompiledLadderModel, plot: Plot, tolerances: Sequence[float]) -> _Accuracy:
+def _accuracy(of: CompiledLadderModel, plots: Sequence[Plot], tolerances: Sequence[float]) -> _Accuracy:
     errors: dict[float, tuple[float, float]] = {}
     warning = None
     for tolerance in tolerances:
         try:
             moved = motion(of, tolerance, monitored=tolerance == tolerances[-1])
-            errors[tolerance] = plot_errors(plot, moved)
+            errors[tolerance] = plot_errors(plots, moved)
         except TisserandError as error:
             return _Accuracy(errors, None, f"tolerance {tolerance:g}: {first_line(error)}")
         warning = max((m for m in moved.validity if m.passed), key=lambda monitor: monitor.error, default=None)
@@ -253,12 +257,14 @@ def _seconds(of: CompiledLadderModel, tolerance: float) -> float:
     return end_run(of, tolerance).seconds
 
 
-def plot_errors(plot: Plot, moved: Trajectory) -> tuple[float, float]:
-    """The largest errors of the curves of a plot. Raises TisserandError where there is no part in common."""
-    errors = [curve.error for curve in plot_curves(plot, moved, "")]
-    known = [error for error in errors if error is not None]
-    if len(known) < len(errors):
-        raise NothingInCommon(f"{plot.name}: the motion has no part in common with the reference")
+def plot_errors(plots: Sequence[Plot], moved: Trajectory) -> tuple[float, float]:
+    """The largest errors of the curves of plots. Raises TisserandError where there is no part in common."""
+    known = []
+    for plot in plots:
+        for curve in plot_curves(plot, moved, ""):
+            if curve.error is None:
+                raise NothingInCommon(f"{plot.name}: the motion has no part in common with the reference")
+            known.append(curve.error)
     return max(e[0] for e in known), max(e[1] for e in known)
 
 

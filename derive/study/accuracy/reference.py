@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from derive.errors import Problem, SpecError, quoted
 from derive.simulation.observables.plots import PlotCurve, plot_curves
+from derive.simulation.trajectory import Trajectory
 from derive.spec.model.plots import ColumnCurves, Plot, ReferenceCurve
 from derive.spec.model.scene import Scene
 from derive.spec.parsing.faults import did_you_mean
 from derive.study.accuracy.measurement import compiled, motion
 from derive.study.accuracy.models import refinements
+
+Curves = tuple[PlotCurve, ...]
 
 TOLERANCE = 1e-10
 """That of the runs that make a reference: its error is that of the models."""
@@ -21,12 +24,13 @@ TOLERANCE = 1e-10
 
 @dataclass(frozen=True)
 class Reference:
-    """A plot with the curve that models are compared with; source: where it comes from.
+    """Plots with the curves that models are compared with; source: where they come from.
 
-    error: its own root mean square error over its peak; None if it is not known. Nothing below it is claimed.
+    They are one plot, or its curves if there are several. error: the root mean square error over the peak of the
+    reference itself; None if it is not known. Nothing below it is claimed.
     """
 
-    plot: Plot
+    plots: tuple[Plot, ...]
     source: str
     error: float | None
 
@@ -54,33 +58,36 @@ def reference(scene: Scene, plot: Plot, error: float | None, own: bool, progress
     Raises SpecError, SimulationError, CompilerError.
     """
     if plot.reference is not None and not own:
-        return Reference(replace(plot, cut=None, pieces=()), plot.reference.file, error)
+        return Reference((replace(plot, cut=None, pieces=()),), plot.reference.file, error)
     return _own(scene, plot, progress)
 
 
 def _own(scene: Scene, plot: Plot, progress: Callable[[str], None]) -> Reference:
     """The finest of ever finer models; its error is its difference from the one before."""
-    bare = bare_plot(plot)
-    finest, before, label = None, None, ""
+    bare = bare_plots(plot)
+    finest, before, label = Curves(), Curves(), ""
     for model in refinements():
         progress(f"reference: {model.label}")
-        (curve,) = plot_curves(
-            bare, motion(compiled(replace(scene, plots=(bare,)), model, monitored=False), TOLERANCE), ""
-        )
-        before, finest, label = finest, curve, model.label
-    assert finest is not None and before is not None
+        moved = motion(compiled(replace(scene, plots=bare), model, monitored=False), TOLERANCE)
+        before, finest, label = finest, curves_of(bare, moved), model.label
     difference = rms_difference(finest, before)
     if difference is None:
         raise SpecError((Problem(f"plots.{plot.name}", "it vanishes all the time, so that no error of it is known"),))
-    return Reference(with_curve(bare, label, finest), f"own run, {label}", difference)
+    made = tuple(with_curve(plot, label, curve) for plot, curve in zip(bare, finest, strict=True))
+    return Reference(made, f"own run, {label}", difference)
 
 
-def bare_plot(plot: Plot) -> Plot:
-    """A plot of one curve, of several columns the first, without reference and without other numbers of pieces."""
-    quantity = plot.quantity
-    if isinstance(quantity, ColumnCurves):
-        quantity = replace(quantity, y=quantity.y[:1])
-    return replace(plot, quantity=quantity, cut=None, pieces=(), reference=None)
+def bare_plots(plot: Plot) -> tuple[Plot, ...]:
+    """A plot for each curve of a plot, without reference and without other numbers of pieces."""
+    quantity, bare = plot.quantity, replace(plot, cut=None, pieces=(), reference=None)
+    if not isinstance(quantity, ColumnCurves):
+        return (bare,)
+    return tuple(replace(bare, quantity=replace(quantity, y=(name,))) for name in quantity.y)
+
+
+def curves_of(bare: Sequence[Plot], moved: Trajectory) -> Curves:
+    """The curves of plots of one curve each."""
+    return tuple(curve for plot in bare for curve in plot_curves(plot, moved, ""))
 
 
 def with_curve(bare: Plot, label: str, curve: PlotCurve) -> Plot:
@@ -89,7 +96,10 @@ def with_curve(bare: Plot, label: str, curve: PlotCurve) -> Plot:
     return replace(bare, reference=ReferenceCurve(label, "", "", rows))
 
 
-def rms_difference(finer: PlotCurve, coarser: PlotCurve) -> float | None:
-    """The root mean square difference of two curves over the peak of the finer; None where that vanishes."""
-    peak = float(np.abs(finer.y).max())
-    return None if peak == 0 else float(np.sqrt(np.mean((finer.y - coarser.y) ** 2)) / peak)
+def rms_difference(finer: Curves, coarser: Curves) -> float | None:
+    """The largest root mean square difference of two curves over the peak of the finer; None where one vanishes."""
+    peaks = [float(np.abs(curve.y).max()) for curve in finer]
+    if not all(peaks):
+        return None
+    pairs = zip(finer, coarser, peaks, strict=True)
+    return max(float(np.sqrt(np.mean((fine.y - coarse.y) ** 2)) / peak) for fine, coarse, peak in pairs)

@@ -20,7 +20,7 @@ COLUMNS = (
 def accuracy_text(chart: LadderChart) -> str:
     """A line for each model: its smallest error and the cheapest run within 10 % of it; what is not valid below."""
     width = max(len(line.label) for line in chart.lines)
-    reference = f"{chart.reference.plot.name} of {chart.name}, against {chart.reference.source}"
+    reference = f"{chart.reference.plots[0].name} of {chart.name}, against {chart.reference.source}"
     if chart.reference.error is not None:
         reference += f", which has an error of {percent(chart.reference.error)} itself"
     rows = [reference, f"{'model':{width}}  coordinates      rms  largest        ms  evaluations  operations"]
@@ -69,7 +69,7 @@ def accuracy_data(chart: LadderChart) -> dict[str, Any]:
     return {
         "name": chart.name,
         "machine": chart.machine,
-        "plot": chart.reference.plot.name,
+        "plot": chart.reference.plots[0].name,
         "reference": {"source": chart.reference.source, "error": chart.reference.error},
         "models": [
             {

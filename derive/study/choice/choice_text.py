@@ -18,10 +18,11 @@ GAIN = 0.9
 """The error of a finer run of the chosen model over that of the chosen run, at most, if it is a step up."""
 
 
-def choice_text(name: str, plot: str, screened: Sequence[Screening], choice: Choice) -> str:
+def choice_text(name: str, plots: Sequence[str], screened: Sequence[Screening], choice: Choice) -> str:
     """The whole search as lines for a terminal."""
     known = choice.reference
-    lines = [f"{name}: the cheapest model with an error of at most {percent(choice.error)} in {plot}", "", "Screening"]
+    asked = f"an error of at most {percent(choice.error)} in {' and '.join(plots)}"
+    lines = [f"{name}: the cheapest model with {asked}", "", "Screening"]
     lines += [f"  {one.text}" for one in screened]
     lines += ["", f"Reference: {known.model.label}, which agrees to {percent(known.error)} with"]
     lines += [f"  {a.label}: {percent(a.difference)}" for a in known.agreements]
@@ -83,7 +84,7 @@ def _ms(point: Point) -> str:
     return f"{1e3 * point.seconds[0]:.3g} ms"
 
 
-def choice_data(name: str, plot: str, screened: Sequence[Screening], choice: Choice) -> dict[str, Any]:
+def choice_data(name: str, plots: Sequence[str], screened: Sequence[Screening], choice: Choice) -> dict[str, Any]:
     """The whole search as plain data."""
     known, chosen = choice.reference, choice.chosen
 
@@ -92,7 +93,7 @@ def choice_data(name: str, plot: str, screened: Sequence[Screening], choice: Cho
 
     return {
         "name": name,
-        "plot": plot,
+        "plots": list(plots),
         "error": choice.error,
         "screening": [asdict(one) for one in screened],
         "reference": {

@@ -1,8 +1,9 @@
-"""What a rigid-body run says about the beams of a scene: how near loads come to what beams resist with.
+"""What two cheap runs say about the beams of a scene: how near loads come to what beams resist with.
 
 The beams are taken as rigid. Their accelerations a across the axis, less those of free fall, are the inertia loads that
 would bend them; a beam whose lowest frequency w is high against those of its loads bends by about 4/pi a/w^2, as half a
-sine wave does. The frequency is that of the beam as its joints hold it.
+sine wave does. The frequency is that of the beam as its joints hold it. The axial force, in the shape of that
+vibration, is what the monitors of a run with three polynomials of first order have seen.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ from derive.errors import TisserandError
 from derive.mechanics.multibody.joints.registry import JOINTS
 from derive.simulation.observables.motion import si_value
 from derive.simulation.validity.held_beam import lowest_mode
+from derive.simulation.validity.monitors import Cause
 from derive.simulation.validity.piece_shapes import PieceShapes
 from derive.spec.model.markers import MarkerRef
 from derive.spec.model.ports import SceneOutput
@@ -33,7 +35,8 @@ class Screening:
     """What a beam has to bear; None where it is not known.
 
     frequency: the lowest of the beam as its joints hold it, rad/s. driving, spin: the largest speed of a drive that
-    rotates and the largest rate of rotation of the beam, rad/s. deflection: about, over the length.
+    rotates and the largest rate of rotation of the beam, rad/s. deflection: about, over the length. axial: the largest
+    axial force over the load under which the beam buckles.
     """
 
     beam: str
@@ -41,6 +44,7 @@ class Screening:
     driving: float | None
     spin: float | None
     deflection: float | None
+    axial: float | None = None
 
     @property
     def text(self) -> str:
@@ -51,6 +55,8 @@ class Screening:
         for what, value in (("driven at", self.driving), ("rotates at up to", self.spin)):
             if value:
                 parts.append(f"{what} {value:.4g} rad/s ({100 * value / self.frequency:.2g} % of it)")
+        if self.axial is not None:
+            parts.append(f"axial force up to {100 * self.axial:.2g} % of its buckling load")
         if self.deflection is not None:
             parts.append(f"expected deflection about {100 * self.deflection:.2g} % of the length")
         return f"{self.beam}: {'; '.join(parts)}"
@@ -59,7 +65,7 @@ class Screening:
 def screening(scene: Scene) -> tuple[Screening, ...]:
     """What each beam has to bear."""
     beams = [body for body in scene.bodies if isinstance(body, BeamBody)]
-    frequencies = _frequencies(scene, beams)
+    frequencies, axial = _flexible(scene, beams)
     driving = _driving(scene)
     accelerations = _accelerations(scene, beams)
     result = []
@@ -70,20 +76,26 @@ def screening(scene: Scene) -> tuple[Screening, ...]:
         bent = None
         if frequency and across is not None:
             bent = MODAL * across / frequency**2 / si_value(beam.beam.length)
-        result.append(Screening(beam.name, frequency, driving, spin, bent))
+        result.append(Screening(beam.name, frequency, driving, spin, bent, axial.get(beam.name)))
     return tuple(result)
 
 
-def _frequencies(scene: Scene, beams: list[BeamBody]) -> dict[str, float]:
-    """The lowest frequencies of beams of three polynomials of first order; those that are not found are left out."""
+def _flexible(scene: Scene, beams: list[BeamBody]) -> tuple[dict[str, float], dict[str, float]]:
+    """By the names of beams, of three polynomials of first order: the lowest frequencies, rad/s, and the axial forces
+    over the loads under which they buckle; without those that are not found."""
     try:
-        flexible = compiled(scene, LadderModel(Shapes.POLYNOMIALS, 3), monitored=False)
+        flexible = compiled(scene, LadderModel(Shapes.POLYNOMIALS, 3))
     except TisserandError:
-        return {}
+        return {}, {}
+    try:
+        seen = motion(flexible, TOLERANCE, monitored=True).validity
+    except TisserandError:
+        seen = ()
     modelled = {body.name: body for body in flexible.scene.bodies if isinstance(body, BeamBody)}
     start = flexible.native, flexible.k, 0.0, flexible.start.q
     modes = ((beam.name, lowest_mode(PieceShapes(modelled[beam.name]), *start)) for beam in beams)
-    return {name: mode.frequency for name, mode in modes if mode is not None}
+    axial = {monitor.beam: monitor.value for monitor in seen if monitor.cause is Cause.AXIAL_FORCE}
+    return {name: mode.frequency for name, mode in modes if mode is not None}, axial
 
 
 def _driving(scene: Scene) -> float | None:

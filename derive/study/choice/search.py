@@ -9,11 +9,10 @@ cheapest is chosen.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 from derive.errors import TisserandError, first_line
-from derive.simulation.observables.plots import PlotCurve, plot_curves
 from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.plots import Plot
 from derive.spec.model.scene import Scene
@@ -26,7 +25,7 @@ from derive.study.accuracy.measurement import (
     motion,
 )
 from derive.study.accuracy.models import LadderModel, LadderRange, Shapes, ladder
-from derive.study.accuracy.reference import bare_plot, rms_difference, with_curve
+from derive.study.accuracy.reference import Curves, bare_plots, curves_of, rms_difference, with_curve
 
 FINE, COARSE = 1e-10, 1e-8
 """Tolerances of the reference, and of the run that shows the error of its steps."""
@@ -51,9 +50,9 @@ class Agreement:
 
 @dataclass(frozen=True)
 class TrustedReference:
-    """The plot with the curve of the finest model, and how far coarser models differ from it; `model` is that model."""
+    """Plots with the curves of the finest model, and how far coarser models differ from it; `model` is that model."""
 
-    plot: Plot
+    plots: tuple[Plot, ...]
     model: LadderModel
     agreements: tuple[Agreement, ...]
 
@@ -98,48 +97,48 @@ def accurate(line: Line, point: Point, error: float, of_reference: float) -> boo
     return not line.failure and point.rms + of_reference <= error and implied <= error
 
 
-def choose(scene: Scene, plot: Plot, error: float, progress: Progress) -> Choice:
-    """The cheapest model whose plot has at most an error, rms over the peak; see the text of this module.
+def choose(scene: Scene, plots: Sequence[Plot], error: float, progress: Progress) -> Choice:
+    """The cheapest model whose plots have at most an error, rms over the peak; see the text of this module.
 
     Raises NotConverged, SpecError, SimulationError, CompilerError.
     """
-    scene = replace(scene, plots=(plot,))
-    known = trusted_reference(scene, plot, error, progress)
+    scene = replace(scene, plots=tuple(plots))
+    known = trusted_reference(scene, plots, error, progress)
     tried: list[Line] = []
     left = BEYOND
     for n, model in enumerate(models := ladder(TRIED), 1):
         progress(f"model {n} of at most {len(models)}: {model.label}")
-        tried.append(_line(scene, model, known.plot))
+        tried.append(_line(scene, model, known.plots))
         left -= any(accurate(tried[-1], p, error, known.error) for p in tried[-1].points)
         if left < 0:
             break
     return Choice(error, known, tuple(tried))
 
 
-def _line(scene: Scene, model: LadderModel, plot: Plot) -> Line:
+def _line(scene: Scene, model: LadderModel, plots: Sequence[Plot]) -> Line:
     try:
         of = compiled(scene, model)
     except TisserandError as error:
         return Line(model, 0, (), failure=first_line(error))
-    return measure([of], plot, TOLERANCES, RUNS, lambda _: None)[0]
+    return measure([of], plots, TOLERANCES, RUNS, lambda _: None)[0]
 
 
 class NotConverged(TisserandError):
     """No reference agrees with coarser models closely enough for the error that is asked for."""
 
 
-def trusted_reference(scene: Scene, plot: Plot, error: float, progress: Progress) -> TrustedReference:
+def trusted_reference(scene: Scene, plots: Sequence[Plot], error: float, progress: Progress) -> TrustedReference:
     """A reference whose own error is at most a third of `error`. Raises NotConverged."""
-    bare = bare_plot(plot)
-    curves: dict[tuple[LadderModel, float], PlotCurve] = {}
+    bare = tuple(one for plot in plots for one in bare_plots(plot))
+    curves: dict[tuple[LadderModel, float], Curves] = {}
     runnable: dict[LadderModel, CompiledLadderModel] = {}
 
-    def curve(model: LadderModel, tolerance: float = FINE) -> PlotCurve:
+    def curve(model: LadderModel, tolerance: float = FINE) -> Curves:
         if model not in runnable:
             progress(f"reference: {model.label}")
-            runnable[model] = compiled(replace(scene, plots=(bare,)), model, monitored=False)
+            runnable[model] = compiled(replace(scene, plots=bare), model, monitored=False)
         if (model, tolerance) not in curves:
-            (curves[model, tolerance],) = plot_curves(bare, motion(runnable[model], tolerance), "")
+            curves[model, tolerance] = curves_of(bare, motion(runnable[model], tolerance))
         return curves[model, tolerance]
 
     best: TrustedReference | None = None
@@ -152,9 +151,12 @@ def trusted_reference(scene: Scene, plot: Plot, error: float, progress: Progress
             except TisserandError as failure:
                 raise NotConverged(f"the reference cannot be made: {first_line(failure)}") from failure
             if difference is None:
-                raise NotConverged(f"{plot.name} vanishes all the time, so that there is no error of it to be small")
+                raise NotConverged(
+                    f"{_names(plots)}: a curve vanishes all the time, so that there is no error of it to be small"
+                )
             agreements.append(Agreement(f"{check.label}: {check.coarser.label}", difference))
-        finer = TrustedReference(with_curve(bare, model.label, finest), model, tuple(agreements))
+        made = tuple(with_curve(plot, model.label, of) for plot, of in zip(bare, finest, strict=True))
+        finer = TrustedReference(made, model, tuple(agreements))
         best = finer if best is None or finer.error < best.error else best
         if best.error <= SHARE * error:
             return best
@@ -165,6 +167,10 @@ def trusted_reference(scene: Scene, plot: Plot, error: float, progress: Progress
         f"no reference has converged: {what}, and an error of {100 * error:.2g} % needs a third of it; ask for a "
         "larger error, or a shorter time"
     )
+
+
+def _names(plots: Sequence[Plot]) -> str:
+    return ", ".join(plot.name for plot in plots)
 
 
 def _refinements() -> tuple[LadderModel, ...]:
