@@ -32,7 +32,7 @@ examples:
   tisserand build scenes/block.toml scenes/body_symbolic.toml
   tisserand compare scenes/free_beam_mean.toml scenes/free_beam_point.toml
   tisserand simulate scenes/crank_slider_3.toml
-  tisserand sweep scenes/four_bar.toml --set drives.motor.speed=5:15:11 --output peak:lambda_motor
+  tisserand sweep scenes/four_bar.toml --set EI=50:150:11 --output peak:lambda_motor
   tisserand modes scenes/four_bar.toml
   tisserand study accuracy scenes/crank_slider_3.toml
   tisserand study stability examples/pinned_column.toml --parameter P=0:30:31

@@ -12,6 +12,7 @@ import pytest
 from sweep_scenes import FLAG, kill_at_seven, kill_once, slider
 
 import derive
+from conftest import ROOT
 from derive.errors import SpecError
 from derive.registry import UnknownNameError
 from derive.simulation.observables.motion import deflection
@@ -264,3 +265,9 @@ def test_what_is_wrong_is_found_before_the_first_run(
 def test_an_output_needs_a_name_where_there_is_no_plot() -> None:
     with pytest.raises(OutputError, match="has no plot; name a column, such as peak:"):
         make_plan(replace(slider(), plots=()), grid({"EI": [12]}), ["peak"], RunOptions())
+
+
+def test_bodies_in_space_are_refused() -> None:
+    body = derive.read(ROOT / "scenes/body_symbolic.toml")
+    with pytest.raises(SpecError, match="a sweep runs scenes and single beams"):
+        make_plan(body, grid({"m": [1]}), ["peak"], RunOptions())

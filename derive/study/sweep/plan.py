@@ -29,7 +29,7 @@ from derive.version import VERSION
 MOST_MODELS = 64
 """Models that a sweep compiles at most."""
 
-SCENES = "a sweep runs scenes and single beams; a body in space alone has no parameters that change its motion"
+SCENES = "a sweep runs scenes and single beams; for a body in space, call derive.simulate in a loop"
 """What is said of other specifications."""
 
 
@@ -90,6 +90,8 @@ def make_plan(
 
     Raises SpecError, SamplesError, UnknownNameError, OutputError, CompilerError.
     """
+    if not isinstance(spec, Scene | PlanarBeam):
+        raise SpecError((Problem("", SCENES),))
     firsts = dict(zip(samples.names, map(number_text, samples.values[0].tolist()), strict=True))
     _, changes = with_values(spec, firsts)
     symbols = {name: _symbol(name, changes) for name in samples.names}
@@ -195,10 +197,8 @@ def _without_start(scene: Scene) -> Scene:
     )
 
 
-def _simulated(spec: Specification, options: RunOptions) -> Scene:
+def _simulated(spec: Scene | PlanarBeam, options: RunOptions) -> Scene:
     scene = beam_scene(spec) if isinstance(spec, PlanarBeam) else spec
-    if not isinstance(scene, Scene):
-        raise SpecError((Problem("", SCENES),))
     settings = simulation_settings(scene, options.duration, options.interval, options.tolerance, options.until)
     return replace(scene, simulation=settings)
 
