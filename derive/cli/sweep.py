@@ -17,7 +17,7 @@ from derive.study.sweep.cluster import dask_executor
 from derive.study.sweep.picture import sweep_svg
 from derive.study.sweep.plan import RunOptions, make_plan
 from derive.study.sweep.result import SweepResult
-from derive.study.sweep.run import run_plan
+from derive.study.sweep.run import SweepFailed, run_plan
 from derive.study.sweep.samples import parsed_samples
 from derive.study.sweep.table import sweep_csv, sweep_data, sweep_npz, sweep_text
 from derive.terminal import duration_text, show_progress
@@ -51,6 +51,9 @@ def run(options: argparse.Namespace) -> int:
     with _executor(options.scheduler) as (executor, threads):
         try:
             result = run_plan(plan, executor, threads or options.workers, None, store, options.resume, progress)
+        except SweepFailed:  # nothing is left to go on with
+            store.unlink()
+            raise
         finally:
             show_progress()
     data = sweep_data(result, plan)

@@ -46,6 +46,7 @@ def test_random_samples_follow_from_the_seed() -> None:
         ([("EI", "uniform(1)")], 5, "uniform"),
         ([("EI", "normal(1,0)")], 5, "a positive standard deviation"),
         ([("EI", "1,2"), ("EI", "3")], None, "EI: several sets of values"),
+        ([("EI", "1,2,1")], None, "EI: a value of the grid is given twice"),
         ([("EI", "uniform(1,2)")], None, "add --samples N"),
         ([("EI", "1,2")], 5, "--samples and --seed are for random values"),
         ([("EI", "1,2"), ("m", "uniform(1,2)")], 5, "EI has 2 values and m is random"),

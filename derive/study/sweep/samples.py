@@ -91,6 +91,9 @@ def grid(axes: Mapping[str, ArrayLike | str]) -> Samples:
     Values may be a text such as "10:100:40" (start:stop:count) or "10:100:40:log". Raises SamplesError.
     """
     columns = [np.atleast_1d(np.asarray(_values(name, given), dtype=np.float64)) for name, given in axes.items()]
+    for name, column in zip(axes, columns, strict=True):
+        if len(set(column.tolist())) < len(column):
+            raise SamplesError(f"{name}: a value of the grid is given twice")
     values = np.array(list(itertools.product(*columns)), dtype=np.float64).reshape(-1, len(columns))
     return Samples(tuple(axes), values, tuple(map(len, columns)))
 
