@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Generic, TypeVar
 
 from derive.artifacts import File
@@ -19,7 +19,7 @@ from derive.simulation.integration.integrator import Integrator, Settings
 from derive.simulation.integration.registry import INTEGRATORS
 from derive.simulation.integration.solution import Progress, Solution
 from derive.simulation.output_times import output_times
-from derive.simulation.stop_condition import stop_condition, stop_event
+from derive.simulation.stop_condition import StateColumn, stop_condition, stop_event
 from derive.simulation.trajectory import ColumnTable, RunSettings
 from derive.spec.model.body import NodalBody
 from derive.spec.model.plots import ColumnCurves, Plot
@@ -80,7 +80,7 @@ class PreparedRun(ABC, Generic[Native, Start, Result]):
             size=self.size,
             step=self.settings.step,
             breaks=self.breaks,
-            until=stop_event(self._until, row, native, k),
+            until=stop_event(self._until, row, native, k, self._state_columns(native)),
             progress=progress,
             watch=self._watch(native, k, float(times[0]), q),
         )
@@ -100,6 +100,10 @@ class PreparedRun(ABC, Generic[Native, Start, Result]):
     def _watch(self, native: Native, k: Vector, t: float, q: Vector) -> Watch | None:
         """What is looked at after each step of a motion from q (nq,) at t, s."""
         return None
+
+    def _state_columns(self, native: Native) -> Mapping[str, StateColumn]:
+        """The columns that need no more than the time and the state, see `stop_event`."""
+        return {}
 
     @abstractmethod
     def _columns(self) -> Sequence[tuple[str, str]]:

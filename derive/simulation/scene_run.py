@@ -19,6 +19,7 @@ from derive.simulation.integration.solution import Solution
 from derive.simulation.observables.default_plots import default_plots
 from derive.simulation.observables.motion import SceneMotion
 from derive.simulation.prepared_run import PreparedRun
+from derive.simulation.stop_condition import StateColumn, state_columns
 from derive.simulation.trajectory import Trajectory, column_units, column_values
 from derive.simulation.validity.measure import validity
 from derive.simulation.validity.monitoring_outputs import monitoring_outputs, with_monitors
@@ -72,6 +73,9 @@ class SceneRun(PreparedRun[NativeScene, InitialState, Trajectory]):
 
     def _watch(self, native: NativeScene, k: Vector, t: float, q: Vector) -> Watch:
         return scene_watch(self.scene, native, k, t, q).watch
+
+    def _state_columns(self, native: NativeScene) -> Mapping[str, StateColumn]:
+        return state_columns(self.scene, native)
 
     def _start(self, native: NativeScene, k: Vector) -> tuple[Vector, Vector, InitialState]:
         initial = initial_state(self.scene, native, k)

@@ -11,6 +11,7 @@ import pytest
 import derive
 from conftest import ROOT
 from derive.cli.main import main
+from derive.runtime.native_scene import NativeScene
 from derive.simulation.integration.stop_event import StopEvent
 from derive.spec.parsing.condition import condition
 from derive.spec.parsing.parser import ExpressionError
@@ -43,6 +44,19 @@ def test_a_condition_that_is_never_met_is_reported() -> None:
 def test_unknown_columns_are_refused() -> None:
     with pytest.raises(derive.SpecError, match=r'simulation.until: .*no column "beam_c3"; did you mean "beam_c'):
         derive.simulate(BEAM, until="beam_c3 < 0")
+
+
+def test_columns_of_a_state_are_computed_from_the_state_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    """With the same result to the bit as from a whole row."""
+    calls: list[float] = []
+    solve = NativeScene.solve
+    monkeypatch.setattr(NativeScene, "solve", lambda self, t, *rest: (calls.append(t), solve(self, t, *rest))[1])
+    quick = derive.simulate(BEAM, until="beam_c2 + beam_phidot*t < 0")
+    assert not calls
+    monkeypatch.setattr("derive.simulation.scene_run.state_columns", lambda scene, native: {})
+    slow = derive.simulate(BEAM, until="beam_c2 + beam_phidot*t < 0")
+    assert len(calls) > 50
+    assert np.array_equal(quick.t, slow.t) and np.array_equal(quick.q, slow.q)
 
 
 def event(crossing: bool = False) -> StopEvent:

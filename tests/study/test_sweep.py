@@ -84,6 +84,8 @@ def test_the_time_can_be_changed_and_ended_by_a_condition(threads: Executor) -> 
     assert result["final_motor"].tolist() == pytest.approx([1, 1], abs=1e-12)
     assert result["final_t"].tolist() == pytest.approx([1 / 150, 1 / 160], rel=1e-12)
     assert not result.notes
+    slow = sweep(slider(), samples, ["final:t"], until="motor + 0*lambda_slider_pin_1 > 1", executor=threads)
+    assert slow["final_t"].tolist() == result["final_t"].tolist()
     missed = sweep(slider(), samples, ["final:t"], until="motor > 9", executor=threads)
     assert missed["final_t"].tolist() == [0.01, 0.01]
     ((text, count, first),) = missed.remarks()

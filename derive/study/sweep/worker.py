@@ -22,7 +22,7 @@ from derive.simulation.integration.integrator import Integrator, Settings
 from derive.simulation.integration.solution import Solution
 from derive.simulation.observables.motion import SceneMotion
 from derive.simulation.output_times import output_times
-from derive.simulation.stop_condition import stop_condition, stop_event
+from derive.simulation.stop_condition import state_columns, stop_condition, stop_event
 from derive.simulation.trajectory import column_values
 from derive.simulation.validity.measure import validity
 from derive.simulation.validity.watched_beam import scene_watch
@@ -198,7 +198,7 @@ def _solution(
         tolerance=simulation.tolerance,
         size=start.size,
         breaks=start.breaks,
-        until=stop_event(condition, row, native, k),
+        until=stop_event(condition, row, native, k, state_columns(start.scene, native) if condition else {}),
         watch=scene_watch(start.scene, native, k, 0.0, start.q).watch if watched else None,
         interruptible=False,
     )
