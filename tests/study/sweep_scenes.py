@@ -78,9 +78,58 @@ over = "motor"
 """
 
 
+PENDULUM = """
+name = "pendulum"
+
+[scene]
+gravity = [{ symbol = "gx", default = 0.7 }, -9.81]
+
+[parameters]
+jump = { default = 0.05, unit = "s" }
+
+[ground.markers]
+pivot = [0, { symbol = "height", default = 1.5 }]
+wall = [{ symbol = "wall", default = -2 }, 0]
+
+[bodies.bob]
+mass = { symbol = "m", default = 1.7 }
+inertia = { symbol = "I", default = 0.31 }
+centre = [0.2, { symbol = "e", default = -0.15 }]
+markers = { top = [0, { symbol = "arm", default = 0.5 }], side = [0.1, 0] }
+start = { spin = 2 }
+
+[joints.hinge]
+kind = "revolute"
+between = ["ground.pivot", "bob.top"]
+
+[springs.rope]
+between = ["ground.wall", "bob.side"]
+stiffness = { symbol = "c", default = 40 }
+damping = { symbol = "d", default = 0.3 }
+rest = { symbol = "rest", default = 1.2 }
+
+[torques.push]
+at = "bob.top"
+value = "step(t, jump, jump + 0.1)"
+
+[simulation]
+duration = 0.2
+output = 0.01
+"""
+
+
 def slider() -> Scene:
     """The crank-slider."""
-    scene = parse(SLIDER)
+    return _scene(SLIDER)
+
+
+def pendulum() -> Scene:
+    """A rigid pendulum with a spring, and with a torque that begins at a time which is a parameter."""
+    return _scene(PENDULUM)
+
+
+def _scene(text: str) -> Scene:
+    scene = parse(text)
     assert isinstance(scene, Scene)
     return scene
 

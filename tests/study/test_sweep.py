@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from sweep_scenes import FLAG, kill_at_seven, kill_once, slider
+from sweep_scenes import FLAG, kill_at_seven, kill_once, pendulum, slider
 
 import derive
 from conftest import ROOT
@@ -76,6 +76,14 @@ def test_a_sample_is_the_run_of_simulate_to_the_bit(threads: Executor) -> None:
         got = result.values[number]
         assert got[1] == pytest.approx(expected[1], rel=1e-14)  # the sum of the rms has an order of its own
         assert np.delete(got, 1).tolist() == [x for i, x in enumerate(expected) if i != 1], values
+
+
+def test_breaks_follow_the_parameters(threads: Executor) -> None:
+    """A torque that begins at a time which is a parameter: the integrator stops there and starts anew."""
+    samples = grid({"jump": [0.02, 0.07], "c": [50], "arm": [0.6]})
+    result = sweep(pendulum(), samples, ["final:bob_phi", "peak:bob_phidot"], executor=threads)
+    run = derive.simulate(with_values(pendulum(), {"jump": "0.07", "c": "50", "arm": "0.6"})[0])
+    assert result.values[1].tolist() == [run["bob_phi"][-1], np.abs(run["bob_phidot"]).max()]
 
 
 def test_the_time_can_be_changed_and_ended_by_a_condition(threads: Executor) -> None:

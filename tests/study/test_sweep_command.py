@@ -111,6 +111,15 @@ def test_errors(spec: Path, arguments: list[str], message: str, capsys: pytest.C
     assert not list((spec.parent / "slider").glob("sweep.*"))
 
 
+def test_progress(spec: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    monkeypatch.setattr("sys.stderr.isatty", lambda: True)
+    assert run(spec, "--set", "EI=8:12:9", "--output", "peak") == 0
+    text = capsys.readouterr().err
+    stages = ["deriving and compiling model 1", "slider: 0 of 9 samples", "samples, about", "slider: 9 of 9 samples"]
+    places = [text.find(stage) for stage in stages]
+    assert -1 not in places and places == sorted(places) and text.endswith("\r\x1b[K")
+
+
 def test_linear_algebra_has_no_threads_beside_the_workers(spec: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delenv("OPENBLAS_NUM_THREADS")
     assert run(spec, "--set", "EI=1:2", "--output", "peak") == 2

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from sweep_scenes import slider
+from sweep_scenes import pendulum, slider
 
 from derive.runtime.loading import load_scene
 from derive.simulation.initial.initial_guess import initial_guess
@@ -15,60 +15,14 @@ from derive.simulation.scene_run import SceneRun
 from derive.spec.model.scene import EQUILIBRIUM, Scene
 from derive.spec.model.scene_functions import breaks
 from derive.spec.set_values import with_values
-from derive.spec.toml.read import parse
 from derive.study.sweep.dependence import initial_parameters, with_defaults
-
-PENDULUM = """
-name = "pendulum"
-
-[scene]
-gravity = [{ symbol = "gx", default = 0.7 }, -9.81]
-
-[parameters]
-jump = { default = 0.05, unit = "s" }
-
-[ground.markers]
-pivot = [0, { symbol = "height", default = 1.5 }]
-wall = [{ symbol = "wall", default = -2 }, 0]
-
-[bodies.bob]
-mass = { symbol = "m", default = 1.7 }
-inertia = { symbol = "I", default = 0.31 }
-centre = [0.2, { symbol = "e", default = -0.15 }]
-markers = { top = [0, { symbol = "arm", default = 0.5 }], side = [0.1, 0] }
-start = { spin = 2 }
-
-[joints.hinge]
-kind = "revolute"
-between = ["ground.pivot", "bob.top"]
-
-[springs.rope]
-between = ["ground.wall", "bob.side"]
-stiffness = { symbol = "c", default = 40 }
-damping = { symbol = "d", default = 0.3 }
-rest = { symbol = "rest", default = 1.2 }
-
-[torques.push]
-at = "bob.top"
-value = "step(t, jump, jump + 0.1)"
-
-[simulation]
-duration = 0.2
-output = 0.01
-"""
-
-
-def with_start(text: str) -> Scene:
-    scene = parse(text)
-    assert isinstance(scene, Scene)
-    return scene
 
 
 @pytest.mark.parametrize(
     ("scene", "expected"),
     [
         (slider(), {"x0", "radius", "m", "speed", "F"}),
-        (with_start(PENDULUM), {"height", "wall", "m", "I", "e", "arm", "jump"}),
+        (pendulum(), {"height", "wall", "m", "I", "e", "arm", "jump"}),
     ],
     ids=["slider", "pendulum"],
 )
