@@ -62,7 +62,7 @@ def study(scene: Scene, options: argparse.Namespace) -> LadderChart:
     plot = compared_plot(scene, options.plot)
     peers = read_peers(options.peers) if options.peers else ()
     known = reference(scene, plot, options.reference_error, options.own_reference, show_progress)
-    limits = LadderRange(options.orders, options.frames, options.shapes, options.pieces, options.sines)
+    limits = LadderRange(options.orders, options.frames, options.shapes, options.pieces, options.sines, options.modes)
     models = ladder(limits)
     ready, failed = compile_all(scene, models, show_progress)
     measured = {

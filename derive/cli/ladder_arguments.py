@@ -46,6 +46,13 @@ def add_ladder(
         metavar="N,...",
         help=f"half sine waves of one beam (default: {','.join(map(str, many_sines))})",
     )
+    command.add_argument(
+        "--modes",
+        type=modes,
+        default=(),
+        metavar="A,...",
+        help="other natural modes of one beam in the same numbers, among free-free and clamped-free (default: none)",
+    )
 
 
 def orders(text: str) -> tuple[str, ...]:
@@ -56,6 +63,11 @@ def orders(text: str) -> tuple[str, ...]:
 def frames_of_ladder(text: str) -> tuple[str, ...]:
     """Frames of beams by their names."""
     return among(text, ("mean", "chord", "point", "tangent"))
+
+
+def modes(text: str) -> tuple[str, ...]:
+    """Natural modes of beams by their names."""
+    return among(text, ("free-free", "clamped-free"))
 
 
 def among(text: str, known: tuple[str, ...]) -> tuple[str, ...]:

@@ -61,6 +61,7 @@ def run(scene: Scene, options: argparse.Namespace) -> int:
 def study(scene: Scene, options: argparse.Namespace) -> LadderStability:
     """The stability that the options ask for. Raises SpecError, CompilerError."""
     parameter = studied(scene, ParameterRange(*options.parameter))
-    models = ladder(LadderRange(options.orders, options.frames, options.shapes, options.pieces, options.sines))
+    limits = LadderRange(options.orders, options.frames, options.shapes, options.pieces, options.sines, options.modes)
+    models = ladder(limits)
     known = None if options.exact is None else KnownLoss(None if options.exact == NEVER else options.exact)
     return ladder_stability(scene.name, parameter, models, known, show_progress)

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from derive.simulation.validity.monitors import Cause
 from derive.study.accuracy.chart_labels import COLOURS, ORDER_NAMES, colour, group_label, label_groups, percent, spread
 from derive.study.accuracy.measurement import Line, Point
-from derive.study.accuracy.models import LadderModel, Shapes
+from derive.study.accuracy.models import FAMILIES, LadderModel, Shapes
 from derive.study.accuracy.pareto import Candidate, candidates, front, recommended
 from derive.study.accuracy.peers import Peer
 from derive.study.accuracy.reference import Reference
@@ -174,7 +174,7 @@ def _range(chart: LadderChart) -> tuple[float, float]:
 def _marker(model: LadderModel) -> str:
     if model.shapes is Shapes.RIGID:
         return "x"
-    if model.shapes is Shapes.SINES:
+    if model.shapes in FAMILIES:
         return "o"
     return "s" if model.pieces == 1 else "^"
 
@@ -209,7 +209,7 @@ def _head(figure: Figure, chart: LadderChart, height: float) -> None:
         if any(line.model.order is order and line.model.shapes is not Shapes.RIGID for line in chart.drawn):
             figure.text(x / WIDTH, 1 - 0.6 / height, f"■ {name}", va="top", fontsize=8.5, color=COLOURS[order])
             x += 0.3 + 0.072 * len(name)
-    signs = "● sines  ■ one beam  ▲ several beams; stairs: no cheaper run is better"
+    signs = "● natural modes  ■ one beam  ▲ several beams; stairs: no cheaper run is better"
     signs += "  ◆ other programs" if chart.peers else ""
     names = dict.fromkeys(line.integrator for line in chart.drawn if line.integrator != "adaptive")
     signs += "".join(f"; {DASH_NAMES[name]}: {name}" for name in names)

@@ -12,7 +12,7 @@ from typing import assert_never
 from derive.errors import Problem, SpecError
 from derive.simulation.observables.motion import si_value
 from derive.spec.construction import validated
-from derive.spec.model.body import DisplacementOrder, Frame, Polynomial, ShapeFamily
+from derive.spec.model.body import DisplacementOrder, FamilyKind, Frame, Polynomial, ShapeFamily
 from derive.spec.model.markers import PointMarker
 from derive.spec.model.scene import BeamBody, RigidBody, Scene
 from derive.spec.parsing import choices
@@ -28,8 +28,22 @@ class Shapes(Enum):
     POLYNOMIALS = "polynomials"
     """Polynomials of rising degree in a floating frame."""
     SINES = "sines"
-    """Half sine waves in the chord frame."""
+    """Half sine waves in the chord frame: the natural modes of a beam between pins."""
+    FREE_FREE = "free-free modes"
+    """Natural modes of a free beam, in the mean frame."""
+    CLAMPED_FREE = "clamped-free modes"
+    """Natural modes of a beam that is clamped at its left end, in the tangent frame there."""
 
+
+FAMILIES: dict[Shapes, tuple[FamilyKind, Frame]] = {
+    Shapes.SINES: ("pinned", Frame("chord")),
+    Shapes.FREE_FREE: ("free-free", Frame("mean")),
+    Shapes.CLAMPED_FREE: ("clamped-free", Frame("tangent", Fraction(-1))),
+}
+"""The natural modes that shapes are, and the frame whose conditions they fulfil."""
+
+MODES = {"free-free": Shapes.FREE_FREE, "clamped-free": Shapes.CLAMPED_FREE}
+"""Natural modes beside the half sine waves by their names in a command."""
 
 ORDERS = {
     "first": DisplacementOrder.FIRST_ORDER,
@@ -57,6 +71,8 @@ class LadderModel:
                 return "rigid"
             case Shapes.SINES:
                 text = f"{self.count} sine{'s' * (self.count > 1)}"
+            case Shapes.FREE_FREE | Shapes.CLAMPED_FREE:
+                text = f"{self.count} {self.shapes.value if self.count > 1 else self.shapes.value.removesuffix('s')}"
             case Shapes.POLYNOMIALS:
                 text = f"{beam_count(self.pieces)}, {self._polynomials}"
                 text += f", {self.frame}" if self.frame != "mean" else ""
@@ -75,13 +91,17 @@ class LadderModel:
 
 @dataclass(frozen=True)
 class LadderRange:
-    """What a ladder goes through: the numbers of shapes of one beam, and of beams with two shapes each."""
+    """What a ladder goes through: the numbers of shapes of one beam, and of beams with two shapes each.
+
+    modes: the natural modes beside the half sine waves, in the same numbers.
+    """
 
     orders: tuple[str, ...] = ("first", "truncated")
     frames: tuple[str, ...] = ("mean",)
     shapes: tuple[int, ...] = (2, 3, 4, 6)
     pieces: tuple[int, ...] = (2, 3)
     sines: tuple[int, ...] = (1, 2)
+    modes: tuple[str, ...] = ()
 
 
 def ladder(limits: LadderRange) -> tuple[LadderModel, ...]:
@@ -92,8 +112,8 @@ def ladder(limits: LadderRange) -> tuple[LadderModel, ...]:
 def _models(limits: LadderRange) -> Iterator[LadderModel]:
     yield LadderModel(Shapes.RIGID)
     for order in (ORDERS[name] for name in limits.orders):
-        for count in limits.sines:
-            yield LadderModel(Shapes.SINES, count, order, "chord")
+        for modes, count in product((Shapes.SINES, *(MODES[name] for name in limits.modes)), limits.sines):
+            yield LadderModel(modes, count, order, FAMILIES[modes][1].kind)
         for frame, count in product(limits.frames, limits.shapes):
             yield LadderModel(Shapes.POLYNOMIALS, count, order, frame)
         for frame, pieces in product(limits.frames, limits.pieces):
@@ -110,8 +130,9 @@ def _modelled(body: BeamBody, model: LadderModel) -> BeamBody | RigidBody:
     if model.shapes is Shapes.RIGID:
         return _rigid(body)
     ansatz: tuple[Polynomial, ...] | ShapeFamily
-    if model.shapes is Shapes.SINES:
-        ansatz, frame = ShapeFamily("pinned", model.count), Frame("chord")
+    if model.shapes in FAMILIES:
+        family, frame = FAMILIES[model.shapes]
+        ansatz = ShapeFamily(family, model.count)
     else:
         frame = _frame(model.frame)
         ansatz = tuple(tuple(Fraction(int(i == n)) for i in range(n + 1)) for n in range(model.count + 2))

@@ -12,7 +12,7 @@ import tomlkit
 from derive.simulation.observables.motion import si_value
 from derive.spec.model.body import DisplacementOrder
 from derive.spec.model.scene import BeamBody, Scene
-from derive.study.accuracy.models import LadderModel, Shapes
+from derive.study.accuracy.models import FAMILIES, LadderModel, Shapes
 
 BEAM_KEYS = ("ansatz", "frame", "orthogonal", "ends", "order", "terms", "pieces")
 """The keys of a beam that say how it is modelled."""
@@ -54,9 +54,9 @@ def _model_beam(table: MutableMapping[str, Any], body: BeamBody, model: LadderMo
     if model.shapes is Shapes.RIGID:
         _make_rigid(table, body)
         return
-    if model.shapes is Shapes.SINES:
+    if model.shapes in FAMILIES:
         family = tomlkit.inline_table()
-        family.update({"kind": "pinned", "count": model.count})
+        family.update({"kind": FAMILIES[model.shapes][0], "count": model.count})
         table["ansatz"] = family
     else:
         table["ansatz"] = ["1", "xi", *(f"xi^{n}" for n in range(2, model.count + 2))]
