@@ -7,6 +7,8 @@ from functools import cache
 import numpy as np
 import pytest
 
+from derive.mechanics.bodies.reference_conditions import assumed_shapes
+from derive.spec.model.body import AssumedDeflection, Frame
 from derive.study.methods import stability_functions as theory
 from derive.study.methods.attitude import tumble
 from derive.study.methods.cases import Driven
@@ -19,8 +21,10 @@ from derive.study.methods.shape_bases import (
     exact_condition,
     four_monomials_mass,
     gram,
+    monomials,
     rigid_motion_left,
     shapes,
+    solution_error,
 )
 
 
@@ -109,7 +113,14 @@ def test_monomials_lose_digits_and_legendre_polynomials_do_not() -> None:
 
 
 def test_twenty_monomials_leave_two_digits() -> None:
-    assert exact_condition(gram(shapes(20, "point"))) == pytest.approx(5.45e14, rel=0.01)
+    c8 = gram(shapes(20, "point"))
+    assert exact_condition(c8) == pytest.approx(5.45e14, rel=0.01)
+    assert 1e-3 < solution_error(c8) < 1
+
+
+def test_without_orthogonal_shapes_the_mean_frame_has_the_same_c8() -> None:
+    ansatz, mean = monomials(8), Frame("mean")
+    assert gram(assumed_shapes(AssumedDeflection(ansatz, mean))) == gram(shapes(7, "point"))
 
 
 def test_rigid_motion_left_in_the_shapes() -> None:

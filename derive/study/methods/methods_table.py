@@ -73,8 +73,6 @@ def _plain(value: Any) -> Any:
         return {field.name: _plain(getattr(value, field.name)) for field in fields(value)}
     if isinstance(value, np.ndarray | list | tuple):
         return [_plain(x) for x in value]
-    if isinstance(value, np.generic):
-        value = value.item()
     return None if isinstance(value, float) and not isfinite(value) else value
 
 

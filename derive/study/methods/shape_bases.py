@@ -1,7 +1,8 @@
 """Shapes that make the mass matrix of a beam singular, or nearly so: many monomials, and rigid motion left in them.
 
 c8 of monomials is a Gram matrix like that of Hilbert, whose condition number grows exponentially with the number of
-shapes; that of Legendre polynomials, c8 = m / (2 n + 1), is diagonal. The entries are exact rationals.
+shapes; that of Legendre polynomials, c8 = m / (2 n + 1), is diagonal. It is the orthogonal shapes that make the
+difference: without them c8 in the mean frame is the same matrix. The entries are exact rationals.
 """
 
 from __future__ import annotations
