@@ -145,11 +145,44 @@ def test_a_mass_on_a_rotating_guide_leaves_where_its_spring_yields() -> None:
     assert eigenvalues(linear.A, steady.spin).values.imag.max() == pytest.approx(4, rel=1e-9)  # sqrt(25 - 9)
 
 
+def whirling(stiffness_y: float) -> tuple[derive.NativeScene, np.ndarray, np.ndarray]:
+    """A mass of 2 kg that spins at 3 rad/s on springs of 50 N/m along x, and its state."""
+    scene = derive.scene(
+        f"whirling_{stiffness_y:g}",
+        ground={"axis": [0, 0]},
+        bodies={
+            "disc": {"mass": 2, "inertia": 1, "markers": {"pin": [0, 0]}, "start": {"position": [0, 0], "spin": 3}}
+        },
+        springs={
+            "tie": {
+                "kind": "bushing",
+                "between": ["ground.axis", "disc.pin"],
+                "stiffness_x": 50,
+                "stiffness_y": stiffness_y,
+            }
+        },
+    )
+    native = derive.load_scene(derive.model_files(derive.lower(derive.derive(scene)), scene), QUICK)
+    start = initial_state(scene, native)
+    return native, start.q, start.v
+
+
+def test_positions_are_those_in_axes_that_rotate() -> None:
+    """Of a mass that vibrates at 5 rad/s in space, at 5 - 3 and 5 + 3 rad/s; with two stiffnesses it is not steady."""
+    native, q, v = whirling(50)
+    steady = steady_motion(native, native.setup(), q, v)
+    linear = linearise(native, native.setup(), 0.0, steady.q, steady.v, steady.spin)
+    assert eigenvalues(linear.A, steady.spin).frequencies == pytest.approx([2, 8], rel=1e-9)
+    native, q, v = whirling(51)
+    with pytest.raises(NoSteadyMotion, match="is not the same in axes that move with the scene"):
+        steady_motion(native, native.setup(), q, v)
+
+
 def test_motions_that_are_not_steady_are_refused() -> None:
     scene = read_scene(SPINNING)
     native = derive.load_scene(derive.model_files(derive.lower(derive.derive(scene)), scene))
     start = initial_state(scene, native)
-    with pytest.raises(NoSteadyMotion, match=r"does not find|depends on time"):
+    with pytest.raises(NoSteadyMotion, match=r"does not find|depends on time or on a direction"):
         steady_motion(native, native.setup(), start.q, start.v)
     bending = start.v.copy()
     bending[-1] = 1.0
@@ -198,6 +231,17 @@ def test_all_thresholds_between_two_values_are_bracketed() -> None:
     assert [i.low for i in known] == pytest.approx([0, 0.3, 2.5, 3]) and known[-1].high == 4
     assert loss(known) == pytest.approx(0.3)
     assert loss(known[1:]) is None
+
+
+def test_numbers_that_keep_changing_are_given_up() -> None:
+    calls: list[float] = []
+
+    def count(x: float) -> int:
+        calls.append(x)
+        return len(calls) % 2
+
+    assert thresholds(count, [0.0, 1.0], [0, 1])
+    assert len(calls) <= 200
 
 
 def test_a_wrong_verdict_is_stable_where_the_truth_is_not_and_vice_versa() -> None:

@@ -35,6 +35,8 @@ PAUSE = 1.0
 """s: the time after which they must be the same without rotation."""
 SAME = 1e-6
 """Accelerations differ if it is by more than this part of the largest."""
+ASIDE = 1e-3
+"""m, rad, and their rates times the spin: a displacement beside which they must be the same as well."""
 
 
 class NoSteadyMotion(SimulationError):
@@ -147,34 +149,54 @@ def _solved(system: Matrix, right: Vector) -> Vector:
 
 
 def _check_steady(native: NativeScene, k: Vector, q: Vector, field: _RigidField) -> None:
-    """Raise NoSteadyMotion if the accelerations change in the rotating axes, or with time."""
+    """Raise NoSteadyMotion if the accelerations are not those of the field, or change with time in the rotating axes.
+
+    They must be the same in the state and beside it, which a spring whose force vanishes in the state itself shows.
+    """
     t = TURN / abs(field.spin) if field.spin else PAUSE
-    angle = field.spin * t
-    cos, sin = math.cos(angle), math.sin(angle)
-    along = field.shift * ~coordinates_with(native, Role.ROTATION)
+    angles = coordinates_with(native, Role.ROTATION)
+    Q = _rotation(native, field.spin * t)
+    along = np.where(angles, 0.0, field.shift)
     centre = field.E @ along / field.spin if field.spin else np.zeros(native.nq)
-    moved = q.copy() + (0.0 if field.spin else t * along)
-    for pair in map(list, _origins(native)):
-        x, y = q[pair] - centre[pair]
-        if field.spin:
-            moved[pair] = centre[pair] + (cos * x - sin * y, sin * x + cos * y)
-    moved[coordinates_with(native, Role.ROTATION)] += angle
-    for time, state in ((0.0, q), (t, moved)):
-        v, expected = field.velocities(state), field.accelerations(state)
-        try:
-            off = np.abs(native.solve(time, state, v, k)[0] - expected)
-        except ModelError as error:
-            raise NoSteadyMotion(str(error)) from None
-        scale = max(max_norm(expected), field.spin**2, _force_scale(native, k, time, state, v))
-        gap = max_norm(native.constraints(time, state, k))
-        if off.max(initial=0.0) > SAME * scale or gap > SAME * max(1.0, max_norm(state)):
-            name = native.coordinates[int(np.argmax(off))]
-            raise NoSteadyMotion(
-                f"the motion is not steady: the acceleration of {name} {'at' if time == 0.0 else 'changes until'} "
-                f"t = {time:.3g} s, because a force, gravity or a drive depends on time or on a direction in space"
-            )
+    moved = centre + Q @ (q - centre) + (0.0 if field.spin else t * along)
+    moved[angles] += field.spin * t
+    pattern = np.where(coordinates_with(native, Role.AMPLITUDE), 0.0, np.cos(1.0 + np.arange(native.nq)))
+    v = field.velocities(q)
+    _compare(native, k, 0.0, (q, v), field.accelerations(q), "is not steady")
+    for aside in (0.0, ASIDE):
+        dq, dv = aside * pattern, aside * (1.0 + abs(field.spin)) * pattern[::-1]
+        expected = Q @ _accelerations(native, k, 0.0, (q + dq, v + dv))
+        _compare(native, k, t, (moved + Q @ dq, Q @ (v + dv)), expected, f"changes until t = {t:.3g} s")
 
 
-def _force_scale(native: NativeScene, k: Vector, t: float, q: Vector, v: Vector) -> float:
-    """The accelerations (SI units) that the loads of a state alone would cause."""
-    return max_norm(native.force(t, q, v, k)) / max_norm(np.diag(mass_matrix(native, q, k)))
+def _rotation(native: NativeScene, angle: float) -> Matrix:
+    """The matrix (nq, nq) that rotates both coordinates of each origin."""
+    Q = np.eye(native.nq)
+    cos, sin = math.cos(angle), math.sin(angle)
+    for first, second in _origins(native):
+        Q[first, first] = Q[second, second] = cos
+        Q[first, second], Q[second, first] = -sin, sin
+    return Q
+
+
+def _compare(
+    native: NativeScene, k: Vector, t: float, state: tuple[Vector, Vector], expected: Vector, what: str
+) -> None:
+    """Raise NoSteadyMotion, saying what the motion does, if the accelerations of a state are not the expected ones."""
+    off = np.abs(_accelerations(native, k, t, state) - expected)
+    scale = max(
+        max_norm(expected), max_norm(native.force(t, *state, k)) / max_norm(np.diag(mass_matrix(native, state[0], k)))
+    )
+    if off.max(initial=0.0) > SAME * scale:
+        name = native.coordinates[int(np.argmax(off))]
+        raise NoSteadyMotion(
+            f"the motion {what}: the acceleration of {name} is not the same in axes that move with the scene, because "
+            "a force, gravity, a spring or a drive depends on time or on a direction in space"
+        )
+
+
+def _accelerations(native: NativeScene, k: Vector, t: float, state: tuple[Vector, Vector]) -> Vector:
+    try:
+        return native.solve(t, *state, k)[0]
+    except ModelError as error:
+        raise NoSteadyMotion(str(error)) from None

@@ -9,6 +9,9 @@ from itertools import pairwise
 BRACKET = 2e-7
 """A threshold is bracketed to this part of its value."""
 
+MOST = 200
+"""Values that are looked at between two given ones; counts that keep changing are no thresholds worth more."""
+
 Count = Callable[[float], int | None]
 """The number of growing modes at a value of the parameter; None where there is no steady motion."""
 
@@ -44,8 +47,18 @@ def thresholds(count: Count, values: Sequence[float], counts: Sequence[int | Non
         threshold
         for (low, before), (high, after) in pairwise(ends)
         if before is not None and after is not None
-        for threshold in _between(count, low, before, high, after)
+        for threshold in _between(_limited(count), low, before, high, after)
     )
+
+
+def _limited(count: Count) -> Count:
+    """The function, which gives no more numbers after MOST of them."""
+    left = iter(range(MOST))
+
+    def limited(value: float) -> int | None:
+        return None if next(left, None) is None else count(value)
+
+    return limited
 
 
 def _between(count: Count, low: float, before: int, high: float, after: int) -> Iterator[Threshold]:
