@@ -18,6 +18,9 @@ from derive.study.stability.eigenvalues import Eigenvalues, eigenvalues
 from derive.study.stability.parameter import StudiedParameter
 from derive.study.stability.thresholds import Interval, Threshold, intervals, loss, thresholds
 
+FLAGS = ("-std=c99", "-O0", "-ffp-contract=off")
+"""A study calls a model a hundred times: compiling with -O2 would take longer, and gives the same bits."""
+
 
 @dataclass(frozen=True, eq=False)
 class PathPoint:
@@ -77,7 +80,7 @@ def _compiled(parameter: StudiedParameter, model: LadderModel) -> tuple[Callable
     """The function of the parameter that a model is, its compiled code, and the unit of the parameter."""
     first = model_scene(parameter.scene_at(parameter.range.low), model)
     code, files = generated(first)
-    native = load_scene(files)
+    native = load_scene(files, FLAGS)
     units = {p.name: p.unit for p in code.parameters} | {value.name: value.unit for value in targets(first, native)}
 
     def evaluate(value: float) -> PathPoint:
