@@ -16,6 +16,7 @@ from conftest import ROOT
 from derive.cli.main import main
 from derive.errors import TisserandError
 from derive.runtime.integrators.compilation import LibraryMissing
+from derive.simulation.errors import SimulationError
 from derive.spec.model.scene import Scene
 from derive.spec.toml.read import read
 from derive.study.methods import scene_methods
@@ -114,6 +115,13 @@ def test_without_klu_the_rest_remains(monkeypatch: pytest.MonkeyPatch) -> None:
     assert [line.method for line in s.limits] == [Method.RK4] and s.ringing == ()
     assert "generalised-alpha, trapezoidal: left out; SuiteSparse with KLU was not found" in methods_text(s)
     assert methods_svg(s) and "trapezoidal rule: multipliers" not in methods_text(s)
+
+
+def test_runs_that_do_not_fit_into_memory_are_refused() -> None:
+    with pytest.raises(
+        SimulationError, match=r"the rows of 20000000 steps need 2.56 GB; give at most 15625000 --steps"
+    ):
+        method_study(scene(), [Method.RK4], 20_000_000, 3, lambda _: None)
 
 
 def test_a_scene_without_vibrations_is_refused() -> None:

@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from derive.errors import TisserandError, first_line
+from derive.simulation.errors import SimulationError
 from derive.spec.model.scene import Scene
 from derive.study.methods.attitude import Tumble, tumble
 from derive.study.methods.conditioning import Conditioning, conditioning
@@ -14,7 +15,7 @@ from derive.study.methods.drift import DriftOrder, DriftRun, drift_order, drift_
 from derive.study.methods.formulations import FormRun, form_runs
 from derive.study.methods.free_flight import MomentumDrift, momentum_drifts
 from derive.study.methods.ringing import Ringing, ringing
-from derive.study.methods.scene_methods import IMPLICIT, Method, method_scene
+from derive.study.methods.scene_methods import IMPLICIT, Method, MethodScene, method_scene
 from derive.study.methods.shape_bases import BasisCondition, RigidMotionLeft, basis_conditions, rigid_motion_left
 from derive.study.methods.stability_functions import classical, step_limit
 from derive.study.methods.step_limits import HighestFrequency, StepLimit, highest_frequency, step_limits
@@ -49,6 +50,20 @@ class MethodStudy:
     notes: tuple[str, ...]
 
 
+MEMORY = 2e9
+"""The largest memory of the rows of a run, in bytes."""
+
+
+def check_memory(of: MethodScene, steps: int) -> None:
+    """Raise SimulationError if the rows of a run of so many steps do not fit into `MEMORY`."""
+    needed = 8.0 * steps * (of.native.nq + of.native.nv + of.native.nlambda)
+    if needed > MEMORY:
+        most = int(steps * MEMORY / needed)
+        raise SimulationError(
+            f"{of.scene.name}: the rows of {steps} steps need {needed / 1e9:.3g} GB; give at most {most} --steps"
+        )
+
+
 def method_study(
     scene: Scene, methods: Sequence[Method], steps: int, states: int, progress: Callable[[str], None]
 ) -> MethodStudy:
@@ -58,6 +73,7 @@ def method_study(
     """
     progress(f"{scene.name}: deriving and compiling")
     of = method_scene(scene)
+    check_memory(of, steps)
     notes: tuple[str, ...] = () if of.alpha else (f"{', '.join(m.value for m in IMPLICIT)}: left out; {of.missing}",)
     methods = [m for m in methods if of.alpha or m not in IMPLICIT]
     along = of.states(states)
