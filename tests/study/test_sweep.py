@@ -108,6 +108,12 @@ def test_results_are_the_same_to_the_bit_for_any_chunks_and_workers(
     assert same(one, sweep(slider(), GRID, OUTPUTS, workers=workers, chunk=chunk))
 
 
+def test_threads_share_a_library(threads: Executor) -> None:
+    with ThreadPoolExecutor(4) as four:
+        several = sweep(slider(), GRID, OUTPUTS, executor=four, chunk=1)
+    assert same(several, sweep(slider(), GRID, OUTPUTS, executor=threads))
+
+
 def test_the_order_of_the_samples_does_not_matter(threads: Executor) -> None:
     order = np.random.default_rng(1).permutation(len(GRID))
     shuffled = Samples(GRID.names, GRID.values[order])

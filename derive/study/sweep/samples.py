@@ -161,7 +161,7 @@ def parse_axis(name: str, text: str) -> Axis:
         return _parsed(text.strip())
     except ValueError:
         raise SamplesError(
-            f"{name}={text}: expected start:stop:count such as 10:100:40 (or 10:100:40:log), a list such as 10,20,50, "
+            f"{name}={text}: expected start:stop:count such as 10:100:40 (or 10:100:40:log), numbers such as 10,20,50, "
             "or a distribution such as uniform(10,100), loguniform(1,100), normal(10,0.5)"
         ) from None
 
