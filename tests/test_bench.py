@@ -64,6 +64,13 @@ def test_adaptive() -> None:
     assert beams == "1" and int(own) == int(scipy) > 50
 
 
+def test_sweep() -> None:
+    command = [sys.executable, str(ROOT / "bench" / "sweep.py"), "--side", "2", "--workers", "1"]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert "2 initial states" in done.stdout and "4 samples, 1 workers: " in done.stdout.splitlines()[-1]
+
+
 def test_batch() -> None:
     (row,) = (line for line in printed("batch.py", "--models", "beam point 2") if line.startswith("beam"))
     assert len(row.split()) == 9

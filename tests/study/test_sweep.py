@@ -210,6 +210,7 @@ def test_a_sample_that_cannot_be_run_has_no_values_but_a_reason(threads: Executo
     scene, _ = with_values(slider(), {"drives.motor.offset": "1.5"})
     result = sweep(scene, samples, OUTPUTS, executor=threads)
     assert list(result.failures) == [1] and "no positions" in result.failures[1]
+    assert repr(result).startswith("Sweep of slider: 3 samples of radius, 1 of them failed; outputs peak_deflection, ")
     assert np.isnan(result.values[1]).all() and np.isfinite(result.values[[0, 2]]).all()
     with pytest.raises(SweepFailed, match=r"none of the 1 samples can be run; that of radius = 0.31: no positions"):
         sweep(scene, listed({"radius": 0.31}), OUTPUTS, executor=threads)

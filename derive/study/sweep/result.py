@@ -15,7 +15,7 @@ from derive.study.sweep.outputs import SweepOutput
 from derive.study.sweep.samples import Samples
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class SweepResult:
     """values (n, outputs): NaN of samples that failed, for the reason in `failures` by the number of the sample.
 
@@ -48,6 +48,11 @@ class SweepResult:
         if label not in self.labels:
             raise UnknownNameError("output of the sweep", label, self.labels)
         return self.values[:, self.labels.index(label)]
+
+    def __repr__(self) -> str:
+        failed = f", {len(self.failures)} of them failed" if self.failures else ""
+        names = ", ".join(self.samples.names)
+        return f"Sweep of {self.name}: {len(self.samples)} samples of {names}{failed}; outputs {', '.join(self.labels)}"
 
     def __getitem__(self, label: str) -> NDArray[np.float64]:
         return self.column(label).reshape(self.samples.shape or -1)
