@@ -136,16 +136,25 @@ def monitored(chunk: Chunk) -> dict[int, tuple[str, ...]]:
     """What the monitors of beams warn of in the samples of a chunk, by their numbers: each is run once more for it."""
     result: dict[int, tuple[str, ...]] = {}
     for sample in chunk.samples:
-        code = chunk.models[chunk.cases[sample.case].model]
-        native, integrator = _loaded(code)
-        values = dict(zip(chunk.parameters, sample.values, strict=True))
-        k = native.setup(values)
-        start = _computed_start(code, chunk.cases[sample.case], values)
-        solution = _solution(code, native, integrator, start, k, watched=True)
-        motion = SceneMotion(start.scene, native, k, solution.t, solution.q, solution.v, solution.outputs)
-        if texts := tuple(monitor.warning for monitor in validity(motion, solution.watched) if monitor.passed):
+        try:
+            texts = _warnings(chunk, sample)
+        except (TisserandError, ArithmeticError, ValueError) as error:
+            texts = (f"its beams could not be monitored: {reason(error)}",)
+        if texts:
             result[sample.number] = texts
     return result
+
+
+def _warnings(chunk: Chunk, sample: Sample) -> tuple[str, ...]:
+    case = chunk.cases[sample.case]
+    code = chunk.models[case.model]
+    native, integrator = _loaded(code)
+    values = dict(zip(chunk.parameters, sample.values, strict=True))
+    k = native.setup(values)
+    start = _computed_start(code, case, values)
+    solution = _solution(code, native, integrator, start, k, watched=True)
+    motion = SceneMotion(start.scene, native, k, solution.t, solution.q, solution.v, solution.outputs)
+    return tuple(monitor.warning for monitor in validity(motion, solution.watched) if monitor.passed)
 
 
 def failed(outputs: Sequence[SweepOutput], sample: Sample, text: str) -> Outcome:
