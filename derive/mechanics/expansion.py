@@ -69,8 +69,10 @@ def expand(body: Body) -> ExpandedEquations:
     motion, fields = body.motion, body.field_motion
     dependent = DependentAmplitudes(motion, fields)
     every = constants_of(body)
-    needed = (*gravity_definitions(motion, body.gravity), *dependent.definitions, *_put_in(dependent, fields))
-    composed, reasons = zeros.drop_definitions(needed, zeros.reasons_of(every))
+    needed = (*gravity_definitions(motion, body.gravity), *dependent.definitions)
+    first, reasons = zeros.drop_definitions(needed, zeros.reasons_of(every))
+    moments, reasons = _moments(dependent, fields, reasons)
+    composed = (*first, *moments)
     strain = _quadratic(body.stiffness, motion.alpha)
     preloaded = tuple(zip(motion.alpha, body.preload, strict=True)) if body.preload else ()
     at_rest = tuple(Term(str(a), "preload", c.equation, c.symbol) for a, c in preloaded)
@@ -105,9 +107,14 @@ def expand(body: Body) -> ExpandedEquations:
     )
 
 
-def _put_in(dependent: DependentAmplitudes, fields: Motion) -> Iterator[Intermediate]:
-    """The moments of the larger family of fields."""
-    return (replace(d, expr=dependent.put_in(d.expr)) for d in fields.definitions)
+def _moments(
+    dependent: DependentAmplitudes, fields: Motion, reasons: zeros.Reasons
+) -> tuple[tuple[Intermediate, ...], zeros.Reasons]:
+    """The moments of the larger family of fields without their vanishing parts, and the reasons with theirs."""
+    if not dependent.numbers:
+        return fields.definitions_without(reasons)
+    in_amplitudes = (replace(d, expr=dependent.put_in(d.expr)) for d in fields.definitions)
+    return zeros.drop_definitions(tuple(in_amplitudes), reasons)
 
 
 def _inertia(motion: Motion) -> tuple[Term, ...]:

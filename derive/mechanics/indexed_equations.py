@@ -87,8 +87,7 @@ def derive_body(body: Body, lowering: Lowering = "auto") -> Equations:
     motion, planar = body.rigid_motion, body.dimension == 2
     coefficients = (body.mass_constant, *body.gravity)
     families = {table.family for table in body.tables}
-    products = tuple(d for d in motion.definitions if d.symbol.identity.family is Family.OMEGA_PRODUCT)
-    definitions = (*motion.rotation_definitions, *products, *gravity_definitions(motion, body.gravity))
+    definitions = (*motion.rotation_definitions, *motion.named, *gravity_definitions(motion, body.gravity))
     kept, reasons = zeros.drop_definitions(definitions, zeros.reasons_of(coefficients))
     sums = _Sums({t.family: t for t in body.tables}, {**reasons, **_zero_entries(body.tables)})
     indexed_sums = tuple(chain(*(planar_sums if planar else spatial_sums)(body.truncated)))

@@ -9,7 +9,7 @@ and j.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Container, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import sympy as sp
@@ -113,13 +113,32 @@ def at(symbol: sp.Basic, i: int, j: int = 0) -> sp.Expr:
     return sign * Symbol(replace(known, shapes=tuple(sorted((i, j)))))
 
 
-def expanded_sum(indexed_sum: IndexedSum, i: int, vectors: Vectors) -> sp.Expr:
-    """The indexed sum for mode i as an explicit sum; `vectors` gives the symbols of each factor."""
-    parts = [at(indexed_sum.offset, i)] if indexed_sum.offset else []
+def expanded_sum(
+    indexed_sum: IndexedSum, i: int, vectors: Vectors, vanishing: Container[sp.Basic] = ()
+) -> tuple[sp.Expr, list[sp.Basic]]:
+    """The indexed sum for mode i as an explicit sum without the entries that vanish, and these.
+
+    vectors: the symbols of each factor. vanishing: the symbols that are zero.
+    """
+    parts, gone = list[sp.Expr](), list[sp.Basic]()
+    offset = [(None, at(indexed_sum.offset, i))] if indexed_sum.offset else []
+    for factor, entry in (*offset, *_entries(indexed_sum, i, vectors)):
+        symbol = entry.as_coeff_Mul()[1]
+        if symbol in vanishing:
+            gone.append(symbol)
+        else:
+            parts.append(entry if factor is None else _product(*factor, entry))
+    return sp.Add(*parts), gone
+
+
+def _entries(
+    indexed_sum: IndexedSum, i: int, vectors: Vectors
+) -> Iterator[tuple[tuple[sp.Rational, sp.Symbol], sp.Expr]]:
+    """The products of an indexed sum: the number and the symbol of each factor, and the entry of the table."""
     for factor, entry in indexed_sum.sums:
         number, vector = factor.as_coeff_Mul()
-        parts += [_product(number, a, at(entry, i, j)) for j, a in enumerate(vectors[vector], 1)]
-    return sp.Add(*parts)
+        for j, a in enumerate(vectors[vector], 1):
+            yield (number, a), at(entry, i, j)
 
 
 def _product(number: sp.Rational, a: sp.Symbol, entry: sp.Expr) -> sp.Expr:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 
 import sympy as sp
@@ -47,11 +47,12 @@ class _Zeros(Mapping[sp.Basic, sp.Expr]):
 
 def why(expr: sp.Expr, reasons: Reasons) -> Reason:
     """Why an expression vanishes: the integrals that are zero in it; an empty reason if there are none."""
-    return Reason(_behind(expr, reasons))
+    return Reason(behind(expr.free_symbols, reasons))
 
 
-def _behind(expr: sp.Expr, reasons: Reasons) -> tuple[tuple[sp.Symbol, str], ...]:
-    pairs = {pair for symbol in expr.free_symbols if symbol in reasons for pair in reasons[symbol]}
+def behind(symbols: Iterable[sp.Basic], reasons: Reasons) -> tuple[tuple[sp.Symbol, str], ...]:
+    """The integrals behind vanishing symbols, each with its reason, in order."""
+    pairs = {pair for symbol in symbols if symbol in reasons for pair in reasons[symbol]}
     return tuple(sorted(pairs, key=lambda pair: _order(pair[0])))
 
 
@@ -64,9 +65,8 @@ def drop_definitions(
         expr = drop(definition.expr, known)
         zero = None
         if expr == 0:
-            behind = _behind(definition.expr, known)
-            known[definition.symbol] = behind
-            zero = str(Reason(behind, "it vanishes identically"))
+            known[definition.symbol] = behind(definition.expr.free_symbols, known)
+            zero = str(Reason(known[definition.symbol], "it vanishes identically"))
         kept.append(replace(definition, expr=expr, zero=zero))
     return tuple(kept), known
 

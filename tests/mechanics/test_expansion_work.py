@@ -36,4 +36,4 @@ def test_the_work_grows_less_than_the_tables(monkeypatch: pytest.MonkeyPatch) ->
     monkeypatch.syspath_prepend(str(ROOT / "bench"))
     from bodies import beam  # a folder of scripts
 
-    assert calls_of_expansion(beam(20)) < 2.1 * calls_of_expansion(beam(10))
+    assert calls_of_expansion(beam(20)) < 1.8 * calls_of_expansion(beam(10))

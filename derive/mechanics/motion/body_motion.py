@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from itertools import groupby
 
 import sympy as sp
 
+from derive.mechanics import zeros
 from derive.mechanics.motion.kinematics import ONE, Field, MovingFrame
 from derive.mechanics.motion.moments import Moments, total
-from derive.mechanics.sums import IndexedSum, Vectors, exchanged, expanded_sum
+from derive.mechanics.sums import ALPHA, ALPHADDOT, ALPHADOT, IndexedSum, Vectors, exchanged, expanded_sum
 from derive.mechanics.symbols import MASS, Family, I
-from derive.mechanics.terms import Coordinate, EquationOfMotion, Intermediate
+from derive.mechanics.terms import Coordinate, EquationOfMotion, Intermediate, Reason
 
 __all__ = ["MASS", "Motion"]
 
@@ -21,8 +22,8 @@ __all__ = ["MASS", "Motion"]
 class Motion:
     """How a body with some number of shapes moves: coordinates, rotation tensor Q, moving frame, and moments.
 
-    `definitions` are d1, D2, d3, J in terms of the shape integrals; `sums` occur in a single equation or
-    contain accelerations, and are expanded in place; `products` gives names to products of velocities.
+    `moment_sums` define d1, D2, d3, J in terms of the shape integrals; `sums` occur in a single equation or contain
+    accelerations, and are expanded in place; `products` gives names to products of velocities, which `named` defines.
     `rotation_generators` are the tensors e_k x, in the inertial and in the body frame. `identities` are the reasons of
     terms that cancel in any body, by row and name.
     """
@@ -35,7 +36,8 @@ class Motion:
     rotation_definitions: tuple[Intermediate, ...]
     frame: MovingFrame
     moments: Moments
-    definitions: tuple[Intermediate, ...]
+    named: tuple[Intermediate, ...]
+    moment_sums: tuple[IndexedSum, ...]
     sums: dict[sp.Symbol, sp.Expr]
     products: dict[sp.Expr, sp.Symbol]
     rotation_generators: tuple[tuple[sp.Matrix, sp.Matrix], ...]
@@ -67,25 +69,46 @@ class Motion:
         unit = sp.eye(self.rotation.rows)
         return tuple({ONE: unit[:, k]} for k in range(unit.rows))
 
+    @property
+    def definitions(self) -> tuple[Intermediate, ...]:
+        """The named products, and the moments for each shape function; entries that vanish are still included."""
+        return self.definitions_without(zeros.Reasons())[0]
+
+    def definitions_without(self, reasons: zeros.Reasons) -> tuple[tuple[Intermediate, ...], zeros.Reasons]:
+        """The same without their vanishing parts.
+
+        reasons: of all symbols that vanish; those of the vanished moments are added to those that are returned.
+        """
+        alphaddot = tuple(row.a for row in self.rows[len(self.rows) - len(self.alpha) :])
+        vectors = {ALPHA: self.alpha, ALPHADOT: self.alphadot, ALPHADDOT: alphaddot}
+        known, result = dict(reasons), list(self.named)
+        for s, i in _every(self.moment_sums, len(self.alpha)):
+            symbol = exchanged(s.symbol, {I: i})
+            expr, vanished = expanded_sum(s, i, vectors, known)
+            zero = None
+            if expr == 0:
+                known[symbol] = zeros.behind(vanished, known)
+                zero = str(Reason(known[symbol], "it vanishes identically"))
+            result.append(Intermediate(symbol, expr, s.section, s.source, s.described(i), zero))
+        return tuple(result), known
+
     def product(self, a: Field, b: Field) -> sp.Expr:
         """int rho a . b over the body, for a generic index i if a or b holds PHI."""
         return total(a, b, self.moments)
 
     def summed(self, expr: sp.Expr) -> sp.Expr:
         """An expression in which the sums without a name of their own are expanded."""
-        return sp.expand(expr.xreplace(self.sums))
+        known = self.sums.get(expr)
+        return sp.expand(expr.xreplace(self.sums)) if known is None else known
 
 
-def definitions_of(indexed_sums: Iterable[IndexedSum], vectors: Vectors, n: int) -> tuple[Intermediate, ...]:
-    """The sums expanded for each of n shape functions, moment by moment; terms that vanish are still included."""
-    result: list[Intermediate] = []
-    for section, group in groupby(indexed_sums, lambda s: s.section):
+def _every(indexed_sums: Iterable[IndexedSum], n: int) -> Iterator[tuple[IndexedSum, int]]:
+    """Each sum with the number of each shape function, moment by moment; with 0 if it is no sum of a shape."""
+    for _, group in groupby(indexed_sums, lambda s: s.section):
         members = tuple(group)
         for i in range(1, n + 1) if members[0].indexed else (0,):
             for s in members:
-                symbol, doc = exchanged(s.symbol, {I: i}), s.described(i)
-                result.append(Intermediate(symbol, expanded_sum(s, i, vectors), section, s.source, doc))
-    return tuple(result)
+                yield s, i
 
 
 def sums_of(indexed_sums: Iterable[IndexedSum], vectors: Vectors, n: int) -> dict[sp.Symbol, sp.Expr]:
@@ -96,7 +119,7 @@ def sums_of(indexed_sums: Iterable[IndexedSum], vectors: Vectors, n: int) -> dic
         entries = (*(entry for _, entry in s.sums), *([s.offset] if s.offset else []))
         refers = any((e.identity.family, e.identity.derivative) in earlier for e in entries)
         for i in range(1, n + 1) if s.indexed else (0,):
-            total = expanded_sum(s, i, vectors)
+            total, _ = expanded_sum(s, i, vectors)
             result[exchanged(s.symbol, {I: i})] = sp.expand(total.xreplace(result)) if refers else total
         earlier.add((s.symbol.identity.family, s.symbol.identity.derivative))
     return result

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from derive.mechanics.motion.body_motion import MASS, Motion, definitions_of, sums_of
+from derive.mechanics.motion.body_motion import MASS, Motion, sums_of
 from derive.mechanics.motion.kinematics import MovingFrame, PlanarRotation
 from derive.mechanics.motion.moments import FIRST, FIRST_OF_SECOND_ORDER, PlanarMoments
 from derive.mechanics.motion.second_order import second_order_moment_sums, second_order_row_sums
@@ -32,7 +32,8 @@ def planar_motion(n: int, second_order: bool = False) -> Motion:
         rotation_definitions=_rotation_definitions(rotation),
         frame=MovingFrame((generator,), (phi.v,), (phi.a,)),
         moments=PlanarMoments(MASS, rotation.tensor, FIRST_OF_SECOND_ORDER if second_order else FIRST),
-        definitions=definitions_of(moment_sums, vectors, n),
+        named=(),
+        moment_sums=moment_sums,
         sums=sums_of(row_sums, vectors, n),
         products={},
         rotation_generators=((generator, generator),),

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import sympy as sp
 
-from derive.mechanics.motion.body_motion import MASS, Motion, definitions_of, sums_of
+from derive.mechanics.motion.body_motion import MASS, Motion, sums_of
 from derive.mechanics.motion.kinematics import PHI, RDDOT, RDOT, MovingFrame, R
 from derive.mechanics.motion.moments import FIRST, FIRST_OF_SECOND_ORDER, Moment, moment, transposed
 from derive.mechanics.motion.second_order import SPACE, second_order_moment_sums, second_order_row_sums
@@ -122,7 +122,8 @@ def spatial_motion(n: int, truncated: bool = False) -> Motion:
         rotation_definitions=_rotation_definitions(rotation, quaternion),
         frame=MovingFrame(tuple(skew(axes[:, k]) for k in range(3)), omega, omegadot),
         moments=SpatialMoments(MASS, rotation, truncated),
-        definitions=(*named, *definitions_of(moment_sums, vectors, n)),
+        named=named,
+        moment_sums=moment_sums,
         sums=sums_of(row_sums, vectors, n),
         products=products,
         rotation_generators=tuple((skew(axes[:, k]), skew(rotation[k, :])) for k in range(3)),
