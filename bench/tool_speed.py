@@ -3,13 +3,16 @@
 python bench/tool_speed.py [--shapes 2 3 4 5 6 7 8 9 10] [--runs 5]
 
 Every run is a separate process, so that caches of SymPy have no effect; the time does not include its imports, which
-are measured separately.
+are measured separately. Then the CPU time of `tisserand simulate` of a scene, all of it: the first time, with an empty
+cache, and as the median of later times.
 """
 
 from __future__ import annotations
 
 import argparse
 import json
+import os
+import resource
 import statistics
 import subprocess
 import sys
@@ -19,6 +22,7 @@ from pathlib import Path
 
 from machine import described
 
+SCENE = Path(__file__).parent.parent / "scenes" / "crank_slider_3.toml"
 STAGES = ("read", "derive", "lower", "emit")
 FRAMES = ("mean", "point")
 RUN = """
@@ -59,6 +63,19 @@ def import_seconds(statement: str, runs: int) -> float:
     return statistics.median(once() for _ in range(runs))
 
 
+def simulation_seconds(folder: Path, runs: int) -> list[float]:
+    """The CPU time (s) of `tisserand simulate`, compilers included, of the first run with a cache and of later ones."""
+    environment = {**os.environ, "XDG_CACHE_HOME": str(folder / "cache")}
+    command = [sys.executable, "-m", "derive", "simulate", str(SCENE), "--out", str(folder / "out")]
+    result = []
+    for _ in range(runs + 1):
+        before = resource.getrusage(resource.RUSAGE_CHILDREN)
+        subprocess.run(command, check=True, env=environment, stdout=subprocess.DEVNULL)
+        after = resource.getrusage(resource.RUSAGE_CHILDREN)
+        result.append(after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime)
+    return result
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--shapes", type=int, nargs="+", default=list(range(2, 11)))
@@ -78,6 +95,9 @@ def main() -> None:
     print("\na process that runs          seconds")
     for statement in IMPORTS:
         print(f"{statement:28}{import_seconds(statement, options.runs):8.3f}", flush=True)
+    with tempfile.TemporaryDirectory(prefix="tisserand-bench-") as folder:
+        first, *later = simulation_seconds(Path(folder), options.runs)
+    print(f"\ntisserand simulate {SCENE.name}: {first:.2f} s of CPU time, then {statistics.median(later):.2f} s")
 
 
 if __name__ == "__main__":
