@@ -1,12 +1,12 @@
 # `make run` installs Tisserand into .venv and builds the two beams of the README.
-# `make test` also installs the test tools and runs all checks and tests.
+# `make test` also installs the test tools and runs all checks and tests; `make test-long` whole studies and benchmarks.
 
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 PIP := $(BIN)/python -m pip install --disable-pip-version-check --constraint constraints.txt
 
-.PHONY: run test clean
+.PHONY: run test test-long clean
 
 run: $(VENV)/installed
 	$(BIN)/tisserand build scenes/free_beam_mean.toml scenes/free_beam_point.toml
@@ -19,6 +19,9 @@ test: $(VENV)/installed-test
 	$(BIN)/lint-imports
 	$(BIN)/tisserand check
 	$(BIN)/pytest --numprocesses 2 --dist loadfile --durations 20
+
+test-long: $(VENV)/installed-test
+	$(BIN)/pytest --numprocesses 2 --dist loadfile --durations 20 -m long
 
 $(VENV)/installed: pyproject.toml constraints.txt
 	@echo "Creating the virtual environment $(VENV) ..."

@@ -25,6 +25,7 @@ def printed(script: str, *options: str) -> list[str]:
     return done.stdout.splitlines()
 
 
+@pytest.mark.long
 def test_scale() -> None:
     lines = printed("scale.py", "--sizes", "2", "--data", "dense", "--limit", "60", "--accelerations", "2")
     rows = [line.split() for line in lines if line.startswith("dense")]
@@ -71,6 +72,7 @@ def test_sweep() -> None:
     assert "2 initial states" in done.stdout and "4 samples, 1 workers: " in done.stdout.splitlines()[-1]
 
 
+@pytest.mark.long
 def test_batch() -> None:
     (row,) = (line for line in printed("batch.py", "--models", "beam point 2") if line.startswith("beam"))
     assert len(row.split()) == 9

@@ -146,6 +146,7 @@ def test_where_nothing_can_be_written_is_known_before_the_work(
     assert "this is a file, not a folder; choose another --out" in capsys.readouterr().err
 
 
+@pytest.mark.long
 def test_one_sine_of_second_order_costs_little_and_is_right(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Set A: 0.27 % rms, for a tenth of the operations of two beams, which have 2.5 %."""
     asked = ["--orders", "truncated", "--shapes", "3", "--pieces", "2", "--sines", "1", "--tolerances", "1e-3,1e-5"]

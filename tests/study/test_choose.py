@@ -89,6 +89,7 @@ def label(choice: Choice) -> str:
 def quiet(_: str) -> None: ...
 
 
+@pytest.mark.long
 def test_the_sag_of_a_beam_needs_one_shape(small_references: None) -> None:
     """It swings about its sag, 0.4 % of its length: a half sine wave is right to 0.4 %, whatever its order."""
     scene = made("sag", 1.0, "{ position = [0.5, 0] }", ON_PINS, 0.6, ACROSS)
@@ -102,6 +103,7 @@ def test_the_sag_of_a_beam_needs_one_shape(small_references: None) -> None:
     assert one.deflection == pytest.approx(4 / np.pi * 0.3 / np.pi**4, rel=1e-3)
 
 
+@pytest.mark.long
 def test_all_plots_that_are_asked_for_have_to_be_accurate(small_references: None) -> None:
     """The error of a run is that of its worst curve."""
     x = np.linspace(0, 1, 5)
@@ -114,6 +116,7 @@ def test_all_plots_that_are_asked_for_have_to_be_accurate(small_references: None
     assert label(choice) == "1 sine, first" and [plot.name for plot in choice.reference.plots] == ["it", "far"]
 
 
+@pytest.mark.long
 def test_a_stiff_slow_pendulum_needs_no_flexibility(small_references: None) -> None:
     pin = '[ground.markers]\nleft = [0, 0]\n[joints.pin]\nkind = "revolute"\nbetween = ["ground.left", "rod.left"]\n'
     joints = pin + '[scene]\ngravity = [0, -10]\n[outputs]\nend = { kind = "position", marker = "rod.right" }'
@@ -122,6 +125,7 @@ def test_a_stiff_slow_pendulum_needs_no_flexibility(small_references: None) -> N
     assert label(choice) == "rigid"
 
 
+@pytest.mark.long
 def test_a_fast_spin_needs_second_order(small_references: None) -> None:
     knock = '[forces.knock]\nat = "rod.middle"\ncomponents = [0, "0.2/(1 + (5*t)^2)^2"]\n'
     scene = made("spin", 1.0, "{ spin = 12 }", knock, 0.5, ACROSS)
@@ -168,6 +172,7 @@ def test_set_a(set_a: tuple[Scene, TrustedReference], monkeypatch: pytest.Monkey
     assert [one.model.label for one, _ in steps["step up"]][-1] == "1 beam, P2 to P4, truncated"
 
 
+@pytest.mark.long
 def test_a_reference_that_has_not_converged_is_not_trusted(monkeypatch: pytest.MonkeyPatch) -> None:
     scene = made("sag", 1.0, "{ position = [0.5, 0] }", ON_PINS, 0.6, ACROSS)
     small = (LadderModel(Shapes.POLYNOMIALS, 2, DisplacementOrder.TRUNCATED, "mean", 2),)

@@ -53,6 +53,7 @@ def study() -> MethodStudy:
     return method_study(scene(), methods, 3000, 13, lambda _: None)
 
 
+@pytest.mark.long
 def test_every_failure_has_a_line_that_agrees_with_theory() -> None:
     lines = failures(study())
     assert tuple(line.failure for line in lines) == FAILURES

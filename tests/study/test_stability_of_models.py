@@ -271,6 +271,7 @@ def coarse_reference(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("derive.study.stability.ladder_stability.refinements", lambda: models)
 
 
+@pytest.mark.long
 @pytest.mark.usefixtures("coarse_reference")
 def test_the_command_marks_wrong_verdicts(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     asked = ["study", "stability", str(COLUMN), "--parameter", "P=0:30:16", "--orders", "first", "--shapes", "2"]
