@@ -34,7 +34,7 @@ def run(options: argparse.Namespace) -> int:
     What is wrong with the specification, the samples and the files is found before the first run.
     """
     spec = read(options.spec)
-    samples = parsed_samples(options.set, options.samples, options.seed)
+    samples = parsed_samples(options.set, options.samples, options.seed, options.list)
     settings = RunOptions(options.duration, options.interval, options.tolerance, options.until)
     try:
         plan = make_plan(spec, samples, options.output, settings, lambda text: show_progress(f"{text} ..."))

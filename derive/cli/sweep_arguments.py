@@ -18,7 +18,7 @@ def add_sweep(commands: Any) -> None:
         "--set",
         action="append",
         type=assignment,
-        required=True,
+        default=[],
         metavar="NAME=VALUES",
         help="values of a parameter or a key: a grid start:stop:count (EI=10:100:40, or 10:100:40:log), a list "
         "(EI=10,20,50), a number, or a distribution: uniform(10,100), loguniform(1,100), normal(10,0.5); repeated, "
@@ -31,6 +31,9 @@ def add_sweep(commands: Any) -> None:
         metavar="KIND[:NAME]",
         help="what a run comes to: peak, rms or final value of a column or a plot, such as peak:slider_s; without a "
         "name that of the first plot; may be repeated",
+    )
+    sweep.add_argument(
+        "--list", type=Path, metavar="FILE", help="samples one by one: a CSV file with a line of names, then of numbers"
     )
     sweep.add_argument("--samples", type=count, metavar="N", help="the number of random samples")
     sweep.add_argument("--seed", type=int, metavar="N", help="the seed of random samples (default: 0)")

@@ -111,6 +111,15 @@ def test_errors(spec: Path, arguments: list[str], message: str, capsys: pytest.C
     assert not list((spec.parent / "slider").glob("sweep.*"))
 
 
+def test_the_lines_of_a_table(spec: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    table = spec.parent / "samples.csv"
+    table.write_text("EI,speed\n8,100\n12,150\n")
+    assert run(spec, "--list", str(table), "--output", "peak") == 0
+    assert "slider: 2 samples\n" in capsys.readouterr().out
+    rows = list(csv.reader((spec.parent / "slider" / "sweep.csv").read_text().splitlines()))
+    assert [row[:2] for row in rows] == [["EI", "speed"], ["8.0", "100.0"], ["12.0", "150.0"]]
+
+
 def test_progress(spec: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     monkeypatch.setattr("sys.stderr.isatty", lambda: True)
     assert run(spec, "--set", "EI=8:12:9", "--output", "peak") == 0

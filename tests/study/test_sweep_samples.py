@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -63,3 +65,35 @@ def test_columns_of_different_lengths() -> None:
         listed({"EI": [1, 2], "m": [1, 2, 3]})
     with pytest.raises(SamplesError, match=r"need an array \(n, 1\)"):
         grid({"EI": []})
+
+
+def test_a_table_of_samples(tmp_path: Path) -> None:
+    path = tmp_path / "samples.csv"
+    path.write_text("EI, drives.motor.speed\n10,100\n\n12.5,90\n")
+    samples = parsed_samples([("m", "2")], None, None, path)
+    assert samples.names == ("EI", "drives.motor.speed", "m") and samples.shape == ()
+    assert samples.values.tolist() == [[10, 100, 2], [12.5, 90, 2]]
+
+
+@pytest.mark.parametrize(
+    ("text", "assignments", "message"),
+    [
+        ("EI,m\n1,2\n3\n", [], "samples.csv:3: 2 numbers are needed, not 3"),
+        ("EI,m\n1,x\n", [], "samples.csv:2: 2 numbers are needed, not 1, x"),
+        ("EI,EI\n1,2\n", [], "samples.csv:1: each column needs a name of its own"),
+        ("EI\n", [], "samples.csv: a line of names and a line of numbers for each sample are needed"),
+        ("EI\n1\n", [("EI", "2")], "EI: beside --list, --set takes one number for a name that is not in the file"),
+        ("EI\n1\n", [("m", "2,3")], "m: beside --list, --set takes one number"),
+    ],
+)
+def test_tables_that_make_no_sense(tmp_path: Path, text: str, assignments: list[tuple[str, str]], message: str) -> None:
+    path = tmp_path / "samples.csv"
+    path.write_text(text)
+    with pytest.raises(SamplesError) as error:
+        parsed_samples(assignments, None, None, path)
+    assert message in str(error.value)
+
+
+def test_values_are_needed() -> None:
+    with pytest.raises(SamplesError, match="no values to sweep over"):
+        parsed_samples([], None, None)

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import csv
 import itertools
 import math
 import random
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from statistics import NormalDist
 
 import numpy as np
@@ -186,19 +188,52 @@ def _number(text: str) -> float:
     return value
 
 
-def parsed_samples(assignments: Sequence[tuple[str, str]], count: int | None, seed: int | None) -> Samples:
-    """The samples that `--set NAME=VALUES`, `--samples` and `--seed` describe.
+def read_samples(path: Path) -> dict[str, list[float]]:
+    """The columns of a CSV file with a line of names and a line of numbers for each sample. Raises SamplesError."""
+    try:
+        with path.open(newline="", encoding="utf-8-sig") as file:
+            lines = [(number, row) for number, row in enumerate(csv.reader(file), 1) if row]
+    except (UnicodeDecodeError, csv.Error) as error:
+        raise SamplesError(f"{path}: this is no CSV file: {error}") from None
+    if len(lines) < 2:
+        raise SamplesError(f"{path}: a line of names and a line of numbers for each sample are needed")
+    names = [name.strip() for name in lines[0][1]]
+    columns: dict[str, list[float]] = {name: [] for name in names}
+    if len(columns) < len(names) or "" in columns:
+        raise SamplesError(f"{path}:1: each column needs a name of its own")
+    for number, row in lines[1:]:
+        try:
+            for name, text in zip(names, row, strict=True):
+                columns[name].append(_number(text))
+        except ValueError:
+            raise SamplesError(f"{path}:{number}: {len(names)} numbers are needed, not {', '.join(row)}") from None
+    return columns
 
-    They are a grid or, if there are distributions, `count` random samples. Raises SamplesError.
+
+def parsed_samples(
+    assignments: Sequence[tuple[str, str]], count: int | None, seed: int | None, table: Path | None = None
+) -> Samples:
+    """The samples that `--set NAME=VALUES`, `--samples`, `--seed` and `--list` describe.
+
+    They are a grid, `count` random samples if there are distributions, or the lines of the file `table`, whose values
+    go together and with the numbers that are set. Raises SamplesError.
     """
     repeated = sorted({name for name, _ in assignments if [n for n, _ in assignments].count(name) > 1})
     if repeated:
         raise SamplesError(f"{', '.join(repeated)}: several sets of values; give one --set of each name")
     axes = {name: parse_axis(name, text) for name, text in assignments}
     drawn = [name for name, axis in axes.items() if isinstance(axis, Random)]
+    if (count is not None or seed is not None) and not drawn:
+        raise SamplesError("--samples and --seed are for random values, such as --set EI=uniform(10,100)")
+    if table is not None:
+        columns = read_samples(table)
+        for name, axis in axes.items():
+            if isinstance(axis, Random) or len(axis) > 1 or name in columns:
+                raise SamplesError(f"{name}: beside --list, --set takes one number for a name that is not in the file")
+        return listed({**columns, **{name: axis for name, axis in axes.items() if not isinstance(axis, Random)}})
+    if not axes:
+        raise SamplesError("no values to sweep over: add --set, such as --set EI=10:100:40, or --list FILE")
     if not drawn:
-        if count is not None or seed is not None:
-            raise SamplesError("--samples and --seed are for random values, such as --set EI=uniform(10,100)")
         return grid({name: axis for name, axis in axes.items() if not isinstance(axis, Random)})
     for name, axis in axes.items():
         if not isinstance(axis, Random) and len(axis) > 1:
