@@ -172,6 +172,15 @@ def test_positions_are_those_in_axes_that_rotate() -> None:
         steady_motion(native, native.setup(), q, v)
 
 
+def test_a_fall_is_not_steady() -> None:
+    disc = {"mass": 2, "inertia": 1, "markers": {"pin": [0, 0]}, "start": {"position": [0, 0]}}
+    scene = derive.scene("falling", gravity=[0, -9.81], bodies={"disc": disc})
+    native = derive.load_scene(derive.model_files(derive.lower(derive.derive(scene)), scene), QUICK)
+    start = initial_state(scene, native)
+    with pytest.raises(NoSteadyMotion, match="is not steady: the acceleration of disc_c2"):
+        steady_motion(native, native.setup(), start.q, start.v)
+
+
 def test_motions_that_are_not_steady_are_refused() -> None:
     scene = read_scene(SPINNING)
     native = derive.load_scene(derive.model_files(derive.lower(derive.derive(scene)), scene))
@@ -264,6 +273,53 @@ def test_a_wrong_verdict_is_stable_where_the_truth_is_not_and_vice_versa() -> No
     assert (percent(0.5), percent(-0.0123), percent(20.0), percent(1e-9)) == ("+50 %", "-1.23 %", "+2000 %", "0 %")
 
 
+PENDULUM = """
+name = "rod_on_hinge"
+scene.gravity = [0, -9.81]
+ground.markers = {{ hook = [0, 0] }}
+[bodies.rod]
+mass = 1
+length = 1
+bending_stiffness = 100
+markers = {{ top = -1, tip = 1 }}
+start = {{ position = [{x}, {y}], angle = {angle} }}
+[joints.hinge]
+kind = "revolute"
+between = ["ground.hook", "rod.top"]
+[simulation]
+duration = 1
+output = 0.1
+"""
+
+
+def hanging(tmp_path: Path, angle: float) -> Path:
+    """A rod that hangs from a hinge, rotated by an angle from the vertical."""
+    file = tmp_path / "rod_on_hinge.toml"
+    down = angle - np.pi / 2
+    file.write_text(PENDULUM.format(x=np.cos(down) / 2, y=np.sin(down) / 2, angle=down))
+    return file
+
+
+def test_an_equilibrium_is_sought_near_the_initial_state_and_then_from_value_to_value(tmp_path: Path) -> None:
+    """A rod that hangs: sqrt(3 g/(2 l)); the mass is a parameter of flexible beams, and a number of rigid ones.
+
+    From 1.2 rad Newton's method would come to the rod that stands.
+    """
+    made = path(hanging(tmp_path, 0.3), "bodies.rod.mass", 1, 2, polynomials(2, FIRST))
+    assert made.thresholds == () and made.unit == "kg"
+    for point in made.points:
+        assert point.eigenvalues is not None
+        assert point.eigenvalues.frequencies[0] == pytest.approx(np.sqrt(1.5 * 9.81), rel=1e-3)
+    for angle, name, model, reason in (
+        (1.2, "bodies.rod.mass", polynomials(2, FIRST), "far from the initial state: rod_phi differs by 1.9 rad"),
+        (0.3, "bodies.rod.mass", LadderModel(Shapes.RIGID), "this model has numbers in place of the parameter"),
+    ):
+        scene = read_scene(hanging(tmp_path, angle))
+        assert reason in model_path(studied(scene, ParameterRange(name, 1, 2, 3)), model).failure
+    rigid = path(hanging(tmp_path, 0.3), "bodies.rod.bending_stiffness", 1, 2, LadderModel(Shapes.RIGID))
+    assert rigid.coordinates == 1 and not rigid.failure
+
+
 @pytest.fixture
 def coarse_reference(monkeypatch: pytest.MonkeyPatch) -> None:
     """A reference that is quick to derive, and good to 0.06 %."""
@@ -311,9 +367,12 @@ def test_the_command_marks_wrong_verdicts(tmp_path: Path, capsys: pytest.Capture
     assert (tmp_path / "stability.svg").read_text() != svg
 
 
-@pytest.mark.usefixtures("coarse_reference")
-def test_where_a_model_has_no_steady_motion_it_says_so(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    asked = ["--orders", "first", "--shapes", "2", "--pieces", "2", "--sines", "1", "--out", str(tmp_path)]
+def test_where_a_model_has_no_steady_motion_it_says_so(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    models = (LadderModel(Shapes.RIGID), polynomials(2, FIRST))
+    monkeypatch.setattr("derive.study.stability.ladder_stability.refinements", lambda: models)
+    asked = ["--orders", "first", "--shapes", "2", "--pieces", "1", "--sines", "1", "--out", str(tmp_path)]
     assert main(["study", "stability", str(SPINNING), "--parameter", f"{SPIN}=0:40:3", *asked]) == 2
     assert "no model has a steady motion" in capsys.readouterr().err
     assert not list(tmp_path.iterdir())

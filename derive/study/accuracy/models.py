@@ -106,7 +106,9 @@ class LadderRange:
 
 def ladder(limits: LadderRange) -> tuple[LadderModel, ...]:
     """The models in the order of their number of coordinates, from rigid beams on."""
-    return tuple(sorted(_models(limits), key=lambda m: (m.pieces * (3 * (m.count > 0) + m.count), m.label)))
+    return tuple(
+        sorted(dict.fromkeys(_models(limits)), key=lambda m: (m.pieces * (3 * (m.count > 0) + m.count), m.label))
+    )
 
 
 def _models(limits: LadderRange) -> Iterator[LadderModel]:

@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from derive.errors import SpecError, TisserandError, first_line
+from derive.errors import Problem, SpecError, TisserandError, first_line
 from derive.generated_models import generated
 from derive.runtime.loading import load_scene
+from derive.runtime.native_call import Vector
 from derive.runtime.native_scene import NativeScene
 from derive.simulation.initial.initial_state import initial_state
 from derive.simulation.initial.targets import targets
@@ -24,10 +25,14 @@ FLAGS = ("-std=c99", "-O0", "-ffp-contract=off")
 
 @dataclass(frozen=True, eq=False)
 class PathPoint:
-    """A value of the parameter with the eigenvalues there; None, with the reason, where there is no steady motion."""
+    """A value of the parameter with the eigenvalues there, and the coordinates (nq,) of the steady motion.
+
+    failure: the reason why there is none; empty if there is one.
+    """
 
     value: float
     eigenvalues: Eigenvalues | None
+    q: Vector | None = None
     failure: str = ""
 
 
@@ -60,38 +65,46 @@ def model_path(parameter: StudiedParameter, model: LadderModel) -> ModelPath:
         evaluate, native, unit = _compiled(parameter, model)
     except SpecError as error:
         return ModelPath(model, failure=first_line(error))
-    points = tuple(evaluate(value) for value in parameter.range.values)
+    points: list[PathPoint] = []
+    for value in parameter.range.values:
+        points.append(evaluate(value, points[-1].q if points else None))
     if all(point.eigenvalues is None for point in points):
         return ModelPath(model, native.nq, unit, failure=points[0].failure)
 
     def count(value: float) -> int | None:
-        return _growing(evaluate(value))
+        return _growing(evaluate(value, next(p.q for p in reversed(points) if p.value <= value)))
 
     values, counts = parameter.range.values, [_growing(point) for point in points]
     changes = thresholds(count, values, counts)
-    return ModelPath(model, native.nq, unit, points, changes, intervals(values, counts, changes))
+    return ModelPath(model, native.nq, unit, tuple(points), changes, intervals(values, counts, changes))
 
 
 def _growing(point: PathPoint) -> int | None:
     return None if point.eigenvalues is None else point.eigenvalues.growing
 
 
-def _compiled(parameter: StudiedParameter, model: LadderModel) -> tuple[Callable[[float], PathPoint], NativeScene, str]:
+def _compiled(
+    parameter: StudiedParameter, model: LadderModel
+) -> tuple[Callable[[float, Vector | None], PathPoint], NativeScene, str]:
     """The function of the parameter that a model is, its compiled code, and the unit of the parameter."""
     first = model_scene(parameter.scene_at(parameter.range.low), model)
     code, files = generated(first)
     native = load_scene(files, FLAGS)
+    missing = parameter.symbol is not None and parameter.symbol not in native.parameters
+    if missing and first != model_scene(parameter.scene_at(parameter.range.high), model):
+        text = "this model has numbers in place of the parameter, on which its code depends"
+        raise SpecError((Problem(parameter.range.name, text),))
     units = {p.name: p.unit for p in code.parameters} | {value.name: value.unit for value in targets(first, native)}
 
-    def evaluate(value: float) -> PathPoint:
+    def evaluate(value: float, guess: Vector | None) -> PathPoint:
         try:
             scene = model_scene(parameter.scene_at(value), model)
-            k = native.setup({parameter.symbol: value} if parameter.symbol else None)
+            k = native.setup({parameter.symbol: value} if parameter.symbol in native.parameters else None)
             start = initial_state(scene, native, k)
-            steady = steady_motion(native, k, start.q, start.v)
+            steady = steady_motion(native, k, start.q, start.v, guess)
             linear = linearise(native, k, 0.0, steady.q, steady.v, steady.spin)
         except TisserandError as error:
-            return PathPoint(value, None, first_line(error))
-        return PathPoint(value, eigenvalues(linear.A, steady.spin))
+            return PathPoint(value, None, failure=first_line(error))
+        return PathPoint(value, eigenvalues(linear.A, steady.spin), steady.q)
 
     return evaluate, native, units.get(parameter.symbol or parameter.range.name, "")
