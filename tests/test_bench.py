@@ -65,6 +65,7 @@ def test_adaptive() -> None:
     assert beams == "1" and int(own) == int(scipy) > 50
 
 
+@pytest.mark.long
 def test_sweep() -> None:
     command = [sys.executable, str(ROOT / "bench" / "sweep.py"), "--side", "2", "--workers", "1"]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
