@@ -20,9 +20,10 @@ from derive.simulation.linear.steady_motion import NoSteadyMotion, steady_motion
 from derive.spec.model.body import DisplacementOrder
 from derive.spec.set_values import with_values
 from derive.study.accuracy.models import LadderModel, Shapes
-from derive.study.stability.eigenvalues import eigenvalues
+from derive.study.stability.chart import frequency_line, growth_line
+from derive.study.stability.eigenvalues import Eigenvalues, eigenvalues
 from derive.study.stability.ladder_stability import KnownLoss, LadderStability, distance
-from derive.study.stability.model_path import ModelPath, model_path
+from derive.study.stability.model_path import ModelPath, PathPoint, model_path
 from derive.study.stability.parameter import ParameterRange, studied
 from derive.study.stability.table import percent
 from derive.study.stability.thresholds import Interval, Threshold, intervals, loss, thresholds, wrong_intervals
@@ -271,6 +272,18 @@ def test_a_wrong_verdict_is_stable_where_the_truth_is_not_and_vice_versa() -> No
         assert LadderStability(of.name, of.range, (), of.reference, of.before, KnownLoss(known)).truth == expected
     assert distance(3, 2) == 0.5 and distance(None, 2) is None and distance(3, 0.0) is None
     assert (percent(0.5), percent(-0.0123), percent(20.0), percent(1e-9)) == ("+50 %", "-1.23 %", "+2000 %", "0 %")
+
+
+def test_lines_of_the_picture_keep_to_their_modes() -> None:
+    """The lowest frequency ends where its mode begins to grow, and the second one goes on."""
+    values = [np.array(x, dtype=complex) for x in ([2j, 5j], [1j, 6j], [1.5, -1.5, 7j])]
+    points = tuple(PathPoint(float(n), Eigenvalues(v, np.full(len(v), 1e-9))) for n, v in enumerate(values))
+    change = Threshold(1.2, 1.2, 0, 1)
+    made = ModelPath(polynomials(2, FIRST), points=points, thresholds=(change,))
+    assert frequency_line(made, 0) == ([0, 1], [2, 1])
+    assert frequency_line(made, 1) == ([0, 1, 2], [5, 6, 7])
+    assert frequency_line(made, 2) == ([], [])
+    assert growth_line(made) == ([0, 1, 1.2, 2], [0, 0, 0, 1.5])
 
 
 PENDULUM = """
