@@ -22,6 +22,7 @@ PAGES = sorted(
 RUN = [page for page in PAGES if page.parent == ROOT / "docs" and blocks(page)]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("page", RUN, ids=lambda page: page.stem)
 def test_code_runs_as_printed(page: Path, tmp_path: Path) -> None:
     tree = copy_tree(tmp_path)

@@ -31,6 +31,7 @@ def distributions(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+@pytest.mark.long
 def test_wheel_and_sdist_hold_what_they_should(distributions: Path) -> None:
     (wheel,) = distributions.glob("*.whl")
     names = zipfile.ZipFile(wheel).namelist()
@@ -46,6 +47,7 @@ def test_wheel_and_sdist_hold_what_they_should(distributions: Path) -> None:
     assert {"README.md", "LICENSE", "CITATION.cff", "constraints.txt", "scenes/free_beam_mean.toml"} <= inside
 
 
+@pytest.mark.long
 def test_the_install_commands_of_the_readme(tmp_path: Path) -> None:
     """`python3 -m venv` and `pip install -e` as printed, in a copy, then the first command after them."""
 
@@ -58,6 +60,7 @@ def test_the_install_commands_of_the_readme(tmp_path: Path) -> None:
         run("sh", "-c", line, cwd=tmp_path / "tree")
 
 
+@pytest.mark.long
 def test_wheel_builds_a_model_in_an_environment_of_its_own(distributions: Path, tmp_path: Path) -> None:
     """The dependencies are those of this environment; that they are complete, the commands of the README show."""
     (wheel,) = distributions.glob("*.whl")

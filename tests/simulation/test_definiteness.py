@@ -38,6 +38,7 @@ def test_a_deflection_that_takes_the_mass_matrix_to_its_limit_is_named(tmp_path)
     assert 0.3 < raised.value.t < 0.5
 
 
+@pytest.mark.long
 def test_the_full_model_goes_on(tmp_path) -> None:
     (tmp_path / "thrown.toml").write_text(THROWN.replace("TERMS", "full"))
     assert derive.simulate(derive.read(tmp_path / "thrown.toml"))["t"][-1] == 0.5

@@ -181,6 +181,7 @@ def test_one_sine_of_second_order_costs_little_and_is_right(tmp_path: Path, caps
     assert [Path(file).name for file in found["files"]] == names
 
 
+@pytest.mark.long
 def test_modes_of_other_ends_are_wrong(crank_slider: Scene) -> None:
     """Set A, first order, rms: pinned 12.5 %, free-free 14 and 12 %, clamped-free 130 %; and the monitors say so."""
     plot = replace(crank_slider.plots[0], cut=None, pieces=())

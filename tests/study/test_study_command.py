@@ -13,6 +13,7 @@ from derive.cli.main import main
 SCENE = str(ROOT / "scenes/crank_slider_3.toml")
 
 
+@pytest.mark.long
 def test_frames(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     chart = tmp_path / "frames.svg"
     asked = ["--pieces", "1,2", "--runs", "1", "--chart", str(chart), "--json"]
