@@ -24,7 +24,7 @@ import numpy as np
 
 SCENE = Path(__file__).parent.parent / "scenes" / "crank_slider_3.toml"
 DIAMETER, YOUNG = 0.006, 0.2e12
-RUNS = 3
+RUNS = 9
 LADDER = {2: (250, 500, 1000, 2000), 4: (500, 1000, 2000, 4000), 8: (1000, 2000, 4000, 8000)}
 """Numbers of steps by the number of elements."""
 

@@ -25,6 +25,8 @@ WIDTH, PANEL, HEIGHT, LEFT, GAP, MARGIN = 11.2, 3.55, 4.3, 0.78, 0.2, 2.95
 """The picture, its two panels, and the margins to their left, between them and to their right, in inches."""
 LABEL = 0.165
 """The least distance of labels, in inches."""
+ROW, SUBTITLE = 0.19, 140
+"""The height of a line of the head, in inches, and the characters of a line of the subtitle."""
 LANE = 160
 """Characters of a line below the chart."""
 
@@ -76,7 +78,7 @@ def accuracy_svg(chart: LadderChart) -> str:
     with mpl.rc_context():
         mpl.rcdefaults()
         mpl.rcParams.update(style.SETTINGS)
-        head, foot = 0.95, 0.62 + 0.17 * len(lane)
+        head, foot = 0.94 + ROW * len(_subtitle(chart)), 0.62 + 0.17 * len(lane)
         height = head + HEIGHT + foot
         figure = Figure(figsize=(WIDTH, height))
 
@@ -199,22 +201,27 @@ def _labels(figure: Figure, chart: LadderChart, foot: float, height: float) -> N
 def _head(figure: Figure, chart: LadderChart, height: float) -> None:
     title = f"{chart.name}: what accuracy costs"
     figure.text(LEFT / WIDTH, 1 - 0.1 / height, title, va="top", fontweight="bold", fontsize=11)
-    plot = chart.reference.plots[0].name
-    text = f"{plot}, against {chart.reference.source}"
-    if chart.reference.error:
-        text += f" (grey: its own error, {percent(chart.reference.error)})"
-    figure.text(LEFT / WIDTH, 1 - 0.36 / height, f"{text}; {chart.machine}", va="top", fontsize=8.5)
-    x = LEFT
+    subtitle = _subtitle(chart)
+    figure.text(LEFT / WIDTH, 1 - 0.36 / height, "\n".join(subtitle), va="top", fontsize=8.5)
+    x, y = LEFT, 0.41 + ROW * len(subtitle)
     for order, name in ORDER_NAMES.items():
         if any(line.model.order is order and line.model.shapes is not Shapes.RIGID for line in chart.drawn):
-            figure.text(x / WIDTH, 1 - 0.6 / height, f"■ {name}", va="top", fontsize=8.5, color=COLOURS[order])
+            figure.text(x / WIDTH, 1 - y / height, f"■ {name}", va="top", fontsize=8.5, color=COLOURS[order])
             x += 0.3 + 0.072 * len(name)
     signs = "● natural modes  ■ one beam  ▲ several beams; stairs: no cheaper run is better"
     signs += "  ◆ other programs" if chart.peers else ""
     names = dict.fromkeys(line.integrator for line in chart.drawn if line.integrator != "adaptive")
     signs += "".join(f"; {DASH_NAMES[name]}: {name}" for name in names)
     signs += "  ◯ cheapest at " + percent(chart.error) if chart.chosen else ""
-    figure.text(x / WIDTH, 1 - 0.6 / height, signs, va="top", fontsize=8.5, color=style.INK)
+    figure.text(LEFT / WIDTH, 1 - (y + ROW) / height, signs, va="top", fontsize=8.5, color=style.INK)
+
+
+def _subtitle(chart: LadderChart) -> list[str]:
+    """What is compared with what, and where, in lines."""
+    text = f"{chart.reference.plots[0].name}, against {chart.reference.source}"
+    if chart.reference.error:
+        text += f" (grey: its own error, {percent(chart.reference.error)})"
+    return textwrap.wrap(f"{text}; {chart.machine}", SUBTITLE)
 
 
 def lane_text(lines: Sequence[Line]) -> list[str]:
