@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import argparse
 import json
-from collections.abc import Sequence
+import sys
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from derive.artifacts import MARK, File, ForeignFile, replace_file, write
@@ -48,18 +49,35 @@ def _of_model(path: Path) -> tuple[str, str, Page]:
     text = SpecificationText(path.name, path.read_text(encoding="utf-8-sig"))
     if not isinstance(built.spec, Scene):
         return name, built.model.doc, model_page(built, text)
-    pictures = ((p.stem, p.read_text(encoding="utf-8")) for p in sorted((Path("results") / name).glob("*.svg")))
     return (
         name,
         built.model.doc,
         scene_page(
             built,
             text,
-            [ResultPicture(stem, svg) for stem, svg in pictures if MARK in svg[:1000]],
+            [ResultPicture(path.stem, svg) for path, svg in _pictures(Path("results") / name)],
             _initial_state(built.spec, built.files),
             recorded_warnings(Path("results") / name / f"{name}.json", built.spec),
         ),
     )
+
+
+def _pictures(folder: Path) -> Iterator[tuple[Path, str]]:
+    """Our pictures in a folder; what is no drawing any more is left out, with a line that says so."""
+    from xml.etree.ElementTree import ParseError
+
+    from derive.report.writers.picture import standalone
+
+    for path in sorted(folder.glob("*.svg")):
+        svg = path.read_text(encoding="utf-8")
+        if MARK not in svg[:1000]:
+            continue
+        try:
+            standalone(svg)
+        except (ValueError, ParseError) as error:
+            print(f"{path}: left out of the report: {error}", file=sys.stderr)
+        else:
+            yield path, svg
 
 
 def _initial_state(scene: Scene, files: Sequence[File]) -> InitialState | str:

@@ -8,7 +8,9 @@ from xml.etree import ElementTree
 SVG = "http://www.w3.org/2000/svg"
 LINK = "http://www.w3.org/1999/xlink"
 _DRAWING = """svg g defs title desc style path rect circle ellipse line polyline polygon text tspan use clipPath mask
-marker linearGradient radialGradient stop pattern symbol"""
+marker linearGradient radialGradient stop pattern symbol image"""
+_RASTER = "data:image/png;base64,"
+"""Where an image may be: in the picture itself."""
 _ADDRESS = re.compile(r"url\(\s*['\"]?(#?)([^)'\"]*)['\"]?\s*\)")
 
 
@@ -81,7 +83,8 @@ def _checked(element: ElementTree.Element) -> None:
     if element.tag not in _DRAWING.split():
         raise ValueError(f"a picture holds <{element.tag}>, which is no drawing")
     for name, value in element.attrib.items():
-        outside = name == "href" and not value.startswith("#")
+        within = value.startswith("#") or (element.tag == "image" and value.startswith(_RASTER))
+        outside = name == "href" and not within
         if name.lower().startswith("on") or outside or any(not result[1] for result in _ADDRESS.finditer(value)):
             raise ValueError(f"a picture holds {name}={value!r}, which leads out of it")
 
@@ -91,7 +94,7 @@ def _own(element: ElementTree.Element, anchor: str) -> None:
     for name, value in element.attrib.items():
         if name == "id":
             element.set(name, f"{anchor}-{value}")
-        elif name == "href":
+        elif name == "href" and value.startswith("#"):
             element.set(name, f"#{anchor}-{value[1:]}")
         elif "url(" in value:
             element.set(name, _ADDRESS.sub(lambda result: f"url(#{anchor}-{result[2]})", value))
