@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -24,6 +25,7 @@ from derive.study.accuracy.measurement import Line, Point, compiled, motion, plo
 from derive.study.accuracy.models import LadderModel, LadderRange, Shapes, ladder, model_scene
 from derive.study.accuracy.page import accuracy_html
 from derive.study.accuracy.pareto import candidates, front, recommended
+from derive.study.accuracy.peers import Peer
 from derive.study.accuracy.reference import Reference, compared_plot, reference
 from derive.study.accuracy.table import accuracy_csv, accuracy_text, cheapest
 
@@ -121,6 +123,17 @@ def test_the_chart_says_what_it_shows() -> None:
     assert "it does not start" in page and "http" not in page.replace("http://www.w3.org", "")
     rows = list(csv.DictReader(accuracy_csv(chart).splitlines()))
     assert len(rows) == 7 and rows[-1]["valid"] == "False"
+
+
+def test_runs_of_other_programs_stand_where_runs_of_models_with_their_time_and_error_do() -> None:
+    chart = replace(a_chart(), peers=(Peer("another", ((4e-5, 0.02, 0.05), (1e-4, 0.01, 0.02))),))
+
+    def curve(group: str) -> str:
+        drawn = accuracy_svg(chart).split(f'<g id="{group}">')[1]
+        return re.findall(r'<path d="(M [^"]*)"', drawn)[0]
+
+    assert curve("peer_0") == curve("line_0_1")  # of 2 shapes
+    assert "another" in accuracy_svg(chart) and "other programs" in accuracy_svg(chart)
 
 
 def test_plots_are_chosen_by_their_names(crank_slider: Scene) -> None:
