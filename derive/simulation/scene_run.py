@@ -71,8 +71,9 @@ class SceneRun(PreparedRun[NativeScene, InitialState, Trajectory]):
             compiled = compiled.through_python(native)
         return native, compiled
 
-    def _watch(self, native: NativeScene, k: Vector, t: float, q: Vector) -> Watch:
-        return scene_watch(self.scene, native, k, t, q).watch
+    def _watch(self, native: NativeScene, k: Vector, t: float, q: Vector) -> Watch | None:
+        watched = scene_watch(self.scene, native, k, t, q)
+        return watched.watch if watched.beams else None
 
     def _state_columns(self, native: NativeScene) -> Mapping[str, StateColumn]:
         return state_columns(self.scene, native)

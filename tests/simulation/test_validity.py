@@ -281,3 +281,21 @@ def test_steps_in_c_and_rows_in_python_see_the_same() -> None:
     for seen in in_c.validity:
         assert rows[seen.cause].value == pytest.approx(seen.value, rel=2e-3)
         assert rows[seen.cause].piece == seen.piece
+
+
+def test_without_beams_nothing_is_watched() -> None:
+    swing = """
+        name = "swing"
+        scene.gravity = [0, -9.81]
+        ground.markers = { o = [0, 0] }
+        [bodies.arm]
+        mass = 1
+        inertia = 0.1
+        markers = { pin = [-0.5, 0] }
+        start = { position = [0.5, 0] }
+        [joints.pin]
+        kind = "revolute"
+        between = ["ground.o", "arm.pin"]
+    """
+    trajectory = run(parse(swing), 0.1, 0.05)
+    assert trajectory.solution.watched is None and trajectory.validity == ()

@@ -184,7 +184,7 @@ def test_one_sine_of_second_order_costs_little_and_is_right(tmp_path: Path, caps
     assert len(stepped) == 2 * len(models)
     for name, error in named.items():
         explicit, implicit = (stepped[f"{name}, {method}"]["runs"] for method in ("rk4", "generalised-alpha"))
-        assert 100 * explicit[-1]["rms_error"] == pytest.approx(error, rel=0.02 if error > 1 else 1.5)
+        assert 100 * explicit[-1]["rms_error"] == pytest.approx(error, abs=0.35)  # of their steps
         assert explicit[0]["step_s"] == pytest.approx((8 if name == "rigid" else 4) * explicit[-1]["step_s"])
         assert explicit[-1]["operations"] > 3 * explicit[0]["operations"] and implicit[0]["operations"] == 0
     picture = (tmp_path / "accuracy.svg").read_text()

@@ -27,6 +27,8 @@ def validity(motion: SceneMotion, seen: Watched | None = None) -> tuple[Monitor,
     seen: what was seen after each step; without it the rows of the motion are looked at.
     """
     scene = scene_watch(motion.scene, motion.native, motion.k, float(motion.t[0]), motion.q[0])
+    if not scene.beams:
+        return ()
     if seen is None:
         seen = scene.of_rows(motion.t, motion.q, motion.v, motion.outputs)
     return tuple(monitor for beam in scene.beams for monitor in _of_beam(scene, beam, seen))
