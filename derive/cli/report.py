@@ -82,10 +82,11 @@ def _pictures(folder: Path) -> Iterator[tuple[Path, str]]:
 
 def _initial_state(scene: Scene, files: Sequence[File]) -> InitialState | str:
     """The initial state of a scene, or why it cannot be computed: it needs a compiler, and values that go together."""
+    from derive.runtime.compiler import ESSENTIAL
     from derive.runtime.loading import load_scene
 
     try:
-        return initial_state(scene, load_scene(files, QUICK))
+        return initial_state(scene, load_scene(files, (*QUICK, *ESSENTIAL)))
     except TisserandError as error:
         return str(error)
 

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from derive.backends.c.optional_parts import OptionalPart
 from derive.backends.c.source import ABI
 from derive.ir.patterns import Pattern
 from derive.registry import UnknownNameError
@@ -280,6 +281,9 @@ class Native:
         columns_first = [np.ascontiguousarray(given.T) for given in rows]
         result = np.empty((size, count))
         arrays = [*columns_first, checked_vector(self.nk, self.own(k), name), result]
-        function: Callable[..., int] = getattr(self._model, name)
+        function: Callable[..., int] | None = getattr(self._model, name)  # a null pointer is false
+        if not function:
+            macro = OptionalPart.BATCHES.value
+            raise CompilerError(f"{self.name}_{name} is not in this library, whose C was compiled with {macro}")
         code = function(count, *(checked_number(x, name) for x in t), *(a.ctypes.data for a in arrays))
         return np.ascontiguousarray(result.T), code

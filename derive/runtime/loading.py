@@ -51,12 +51,12 @@ def load_data(library: bytes) -> ctypes.CDLL:
         return ctypes.CDLL(str(path))
 
 
-def model_library(files: Sequence[File]) -> tuple[str, bytes]:
+def model_library(files: Sequence[File], flags: Sequence[str] = FLAGS) -> tuple[str, bytes]:
     """The name and the library of the one model in these files, see `load`. Raises CompilerError."""
     with tempfile.TemporaryDirectory(prefix="tisserand-") as folder:
         write(files, Path(folder))
         (source,) = (Path(folder) / file.path for file in files if file.path.endswith(".c"))
-        return source.stem, library_data([source], Path(folder))
+        return source.stem, library_data([source], Path(folder), flags)
 
 
 def _compiled(sources: Sequence[Path], folder: Path, flags: Sequence[str], link: Sequence[str]) -> Path:

@@ -9,8 +9,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from derive.backends.c.optional_parts import OptionalPart
 from derive.runtime.compiled_function import CompiledFunction
 from derive.runtime.compiled_model import Native, cj_first
+from derive.runtime.compiler import CompilerError
 from derive.runtime.descriptor import DaeStruct, names_of, pattern_of
 from derive.runtime.native_call import Matrix, Vector, checked_vector, constants_of
 
@@ -44,6 +46,16 @@ class Dae:
         return self._jacobian((y, ydot, self._scene.own_at(t, k)), t, cj, out=out)
 
 
+class Forms(dict[str, Dae]):
+    """The forms of a scene by their names. Raises CompilerError for one that its library does not have."""
+
+    def __missing__(self, name: str) -> Dae:
+        raise CompilerError(
+            f"the form {name} is not in this library, which has {', '.join(self)}: forms of reduced index are left out "
+            f"where the C is compiled with {OptionalPart.REDUCED_FORMS.value}"
+        )
+
+
 class NativeScene(Native):
     """A compiled scene: M vdot + h = G^T lambda with constraints g(t, q) = 0."""
 
@@ -58,8 +70,7 @@ class NativeScene(Native):
         self.outputs = names_of(ports.out, ports.nout) if ports else ()
         self.output_units = tuple(ports.out[i].unit.decode() for i in range(ports.nout)) if ports else ()
         self.outputs_pattern = pattern_of(ports.pattern.contents) if ports and self.outputs else None
-        self.dae = {form.name: form for form in (Dae(s.forms[i], self) for i in range(s.nforms))}
-
+        self.dae = Forms({form.name: form for form in (Dae(s.forms[i], self) for i in range(s.nforms))})
         self._prepare(s)
 
     def _prepare(self, s: Any) -> None:

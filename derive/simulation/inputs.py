@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from derive.errors import Problem, SpecError
 from derive.registry import UnknownNameError
 from derive.runtime.native_call import Vector, checked_vector
-from derive.runtime.native_scene import NativeScene
+from derive.runtime.native_scene import Forms, NativeScene
 from derive.spec.model.forces import CustomForce, Force, Torque
 from derive.spec.model.scene import Scene
 from derive.spec.model.time_function import TimeFunction
@@ -73,7 +73,7 @@ class DrivenScene(NativeScene):
         """functions: one for each input of the scene, with as many values as the compiled scene has inputs of it."""
         self.__dict__.update(native.__dict__)
         self._functions = [functions[value.name] for value in scene.inputs]
-        self.dae = {name: form.of(self) for name, form in native.dae.items()}
+        self.dae = Forms({name: form.of(self) for name, form in native.dae.items()})
 
     def inputs_at(self, t: float) -> Vector:
         """The inputs u (inputs,) at a time. Raises ValueError where a function returns too many or too few values."""

@@ -17,6 +17,7 @@ from derive.ir.patterns import Pattern, pattern
 from derive.lowering.flat.constraints import kkt_pattern
 from derive.lowering.flat.context import Context
 from derive.mechanics.equations import Equations
+from derive.runtime.compiler import ESSENTIAL
 from derive.runtime.loading import load_scene
 from derive.runtime.native_call import Matrix
 from derive.study.elimination import backward_error, eliminate, entry_mask, equilibrated, kkt_systems
@@ -25,7 +26,7 @@ from derive.study.states import simulated_states, undeformed_states
 from derive.study.variants import OperationCounts, SceneVariant, operation_counts
 from derive.terminal import show_progress
 
-QUICK = ("-std=c99", "-O0", "-ffp-contract=off")
+QUICK = ("-std=c99", "-O0", "-ffp-contract=off", *ESSENTIAL)
 """Flags of the compiler: this study measures no time."""
 
 TRIAL_STATES = 40

@@ -12,7 +12,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef BLOCK_HASH_bce30d9e8eef4517
+#ifndef BLOCK_HASH_1728f0ba8d366451
 #  error "block.h and block.c are of different builds; run tisserand build again"
 #endif
 
@@ -2841,6 +2841,8 @@ int block_jacobian(
 
 /* ---- batches: the functions above for blocks of states b ---- */
 
+#ifndef TISSERAND_WITHOUT_BATCHES
+
 /* The rows of a block that is not full: its last state is repeated. */
 static const double *block_block32_pad(ptrdiff_t all, int count, int rows, const double *from, double *to)
 {
@@ -3506,6 +3508,8 @@ int block_accel_batch(
     return code;
 }
 
+#endif
+
 int block_defaults(double *p)
 {
     (void) p;
@@ -3686,9 +3690,15 @@ static const tisserand_model block_descriptor = {
     block_rates,
     block_residual,
     block_jacobian,
+#ifndef TISSERAND_WITHOUT_BATCHES
     block_mass_batch,
     block_force_batch,
     block_accel_batch,
+#else
+    0,
+    0,
+    0,
+#endif
     0,
     0
 };

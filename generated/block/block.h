@@ -330,8 +330,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define BLOCK_HASH "bce30d9e8eef4517"
-#define BLOCK_HASH_bce30d9e8eef4517
+#define BLOCK_HASH "1728f0ba8d366451"
+#define BLOCK_HASH_1728f0ba8d366451
 
 /* ---- sizes and indices ---- */
 
@@ -384,7 +384,8 @@ enum {
    accel reports a NaN in its mass matrix as a vanished pivot.
    The quaternion is assumed to have unit length: of one with the length s, Q is s^2 times a rotation tensor. Integrators
    have to normalise it. Functions that read it return 2 where it is zero or NaN, before they check anything else.
-   Arrays that are written must not overlap each other or arrays that are read. ---- */
+   Arrays that are written must not overlap each other or arrays that are read.
+   A source file that is compiled with TISSERAND_WITHOUT_BATCHES has no batches; its descriptor has none either. ---- */
 
 /*
  * Constants k from the parameters p: once for a set of parameters.

@@ -13,7 +13,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef BODY_SYMBOLIC_HASH_b1ae28d9446936af
+#ifndef BODY_SYMBOLIC_HASH_75cffe22c91a796b
 #  error "body_symbolic.h and body_symbolic.c are of different builds; run tisserand build again"
 #endif
 
@@ -1654,6 +1654,8 @@ int body_symbolic_jacobian(
 
 /* ---- batches: the functions above for blocks of states b ---- */
 
+#ifndef TISSERAND_WITHOUT_BATCHES
+
 /* The rows of a block that is not full: its last state is repeated. */
 static const double *body_symbolic_block32_pad(ptrdiff_t all, int count, int rows, const double *from, double *to)
 {
@@ -2270,6 +2272,8 @@ int body_symbolic_accel_batch(
     return code;
 }
 
+#endif
+
 int body_symbolic_defaults(double *p)
 {
     static const int indices[] = {
@@ -2540,9 +2544,15 @@ static const tisserand_model body_symbolic_descriptor = {
     body_symbolic_rates,
     body_symbolic_residual,
     body_symbolic_jacobian,
+#ifndef TISSERAND_WITHOUT_BATCHES
     body_symbolic_mass_batch,
     body_symbolic_force_batch,
     body_symbolic_accel_batch,
+#else
+    0,
+    0,
+    0,
+#endif
     0,
     0
 };

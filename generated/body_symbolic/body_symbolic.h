@@ -252,8 +252,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define BODY_SYMBOLIC_HASH "b1ae28d9446936af"
-#define BODY_SYMBOLIC_HASH_b1ae28d9446936af
+#define BODY_SYMBOLIC_HASH "75cffe22c91a796b"
+#define BODY_SYMBOLIC_HASH_75cffe22c91a796b
 
 /* ---- sizes and indices ---- */
 
@@ -310,7 +310,8 @@ enum {
    accel reports a NaN in its mass matrix as a vanished pivot.
    The quaternion is assumed to have unit length: of one with the length s, Q is s^2 times a rotation tensor. Integrators
    have to normalise it. Functions that read it return 2 where it is zero or NaN, before they check anything else.
-   Arrays that are written must not overlap each other or arrays that are read. ---- */
+   Arrays that are written must not overlap each other or arrays that are read.
+   A source file that is compiled with TISSERAND_WITHOUT_BATCHES has no batches; its descriptor has none either. ---- */
 
 /*
  * Constants k from the parameters p: once for a set of parameters.

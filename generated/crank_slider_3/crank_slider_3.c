@@ -13,7 +13,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef CRANK_SLIDER_3_HASH_f5b01533ea9c7b0e
+#ifndef CRANK_SLIDER_3_HASH_ef9ae815e9a89683
 #  error "crank_slider_3.h and crank_slider_3.c are of different builds; run tisserand build again"
 #endif
 
@@ -3569,6 +3569,8 @@ int crank_slider_3_jacobian(
     return 0;
 }
 
+#ifndef TISSERAND_WITHOUT_REDUCED_FORMS
+
 int crank_slider_3_residual_ggl(
     double t,
     const double *TISSERAND_RESTRICT y,
@@ -5417,7 +5419,11 @@ int crank_slider_3_jacobian_index1(
     return 0;
 }
 
+#endif
+
 /* ---- batches: the functions above for blocks of states b ---- */
+
+#ifndef TISSERAND_WITHOUT_BATCHES
 
 /* The rows of a block that is not full: its last state is repeated. */
 static const double *crank_slider_3_block32_pad(ptrdiff_t all, int count, int rows, const double *from, double *to)
@@ -6020,6 +6026,8 @@ int crank_slider_3_accel_batch(
     return code;
 }
 
+#endif
+
 int crank_slider_3_defaults(double *p)
 {
     (void) p;
@@ -6301,8 +6309,10 @@ static const char *const crank_slider_3_table_bodies[] = {
 
 static const tisserand_dae crank_slider_3_table_forms[] = {
     {"index3", 42, &crank_slider_3_sparsity_jacobian, crank_slider_3_residual, crank_slider_3_jacobian},
+#ifndef TISSERAND_WITHOUT_REDUCED_FORMS
     {"ggl", 52, &crank_slider_3_sparsity_jacobian_ggl, crank_slider_3_residual_ggl, crank_slider_3_jacobian_ggl},
     {"index1", 42, &crank_slider_3_sparsity_jacobian_index1, crank_slider_3_residual_index1, crank_slider_3_jacobian_index1},
+#endif
 };
 
 static const tisserand_scene crank_slider_3_scene = {
@@ -6311,7 +6321,7 @@ static const tisserand_scene crank_slider_3_scene = {
     crank_slider_3_table_bodies,
     &crank_slider_3_sparsity_constraint_jacobian,
     crank_slider_3_table_forms,
-    3,
+    sizeof crank_slider_3_table_forms / sizeof *crank_slider_3_table_forms,
     crank_slider_3_constraints,
     crank_slider_3_constraint_rates,
     crank_slider_3_constraint_jacobian,
@@ -6356,9 +6366,15 @@ static const tisserand_model crank_slider_3_descriptor = {
     crank_slider_3_rates,
     crank_slider_3_residual,
     crank_slider_3_jacobian,
+#ifndef TISSERAND_WITHOUT_BATCHES
     crank_slider_3_mass_batch,
     crank_slider_3_force_batch,
     crank_slider_3_accel_batch,
+#else
+    0,
+    0,
+    0,
+#endif
     &crank_slider_3_scene,
     0
 };

@@ -13,7 +13,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef DOUBLE_PENDULUM_HASH_5276c6cb7e874ed0
+#ifndef DOUBLE_PENDULUM_HASH_dc7ce5bb7a221143
 #  error "double_pendulum.h and double_pendulum.c are of different builds; run tisserand build again"
 #endif
 
@@ -2223,6 +2223,8 @@ int double_pendulum_jacobian(
     return 0;
 }
 
+#ifndef TISSERAND_WITHOUT_REDUCED_FORMS
+
 int double_pendulum_residual_ggl(
     double t,
     const double *TISSERAND_RESTRICT y,
@@ -3181,7 +3183,11 @@ int double_pendulum_jacobian_index1(
     return 0;
 }
 
+#endif
+
 /* ---- batches: the functions above for blocks of states b ---- */
+
+#ifndef TISSERAND_WITHOUT_BATCHES
 
 /* The rows of a block that is not full: its last state is repeated. */
 static const double *double_pendulum_block32_pad(ptrdiff_t all, int count, int rows, const double *from, double *to)
@@ -3511,6 +3517,8 @@ int double_pendulum_accel_batch(
     return code;
 }
 
+#endif
+
 int double_pendulum_defaults(double *p)
 {
     (void) p;
@@ -3783,8 +3791,10 @@ static const char *const double_pendulum_table_bodies[] = {
 
 static const tisserand_dae double_pendulum_table_forms[] = {
     {"index3", 24, &double_pendulum_sparsity_jacobian, double_pendulum_residual, double_pendulum_jacobian},
+#ifndef TISSERAND_WITHOUT_REDUCED_FORMS
     {"ggl", 28, &double_pendulum_sparsity_jacobian_ggl, double_pendulum_residual_ggl, double_pendulum_jacobian_ggl},
     {"index1", 24, &double_pendulum_sparsity_jacobian_index1, double_pendulum_residual_index1, double_pendulum_jacobian_index1},
+#endif
 };
 
 static const tisserand_scene double_pendulum_scene = {
@@ -3793,7 +3803,7 @@ static const tisserand_scene double_pendulum_scene = {
     double_pendulum_table_bodies,
     &double_pendulum_sparsity_constraint_jacobian,
     double_pendulum_table_forms,
-    3,
+    sizeof double_pendulum_table_forms / sizeof *double_pendulum_table_forms,
     double_pendulum_constraints,
     double_pendulum_constraint_rates,
     double_pendulum_constraint_jacobian,
@@ -3838,9 +3848,15 @@ static const tisserand_model double_pendulum_descriptor = {
     double_pendulum_rates,
     double_pendulum_residual,
     double_pendulum_jacobian,
+#ifndef TISSERAND_WITHOUT_BATCHES
     double_pendulum_mass_batch,
     double_pendulum_force_batch,
     double_pendulum_accel_batch,
+#else
+    0,
+    0,
+    0,
+#endif
     &double_pendulum_scene,
     0
 };

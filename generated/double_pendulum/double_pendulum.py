@@ -155,7 +155,7 @@ class Pattern(NamedTuple):
 
 
 NAME = "double_pendulum"
-HASH = "5276c6cb7e874ed0"
+HASH = "dc7ce5bb7a221143"
 COORDINATES = (
     "upper_c1", "upper_c2", "upper_phi", "upper_alpha1", "upper_alpha2", "lower_c1", "lower_c2",
     "lower_phi", "lower_alpha1", "lower_alpha2",

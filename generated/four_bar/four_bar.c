@@ -13,7 +13,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef FOUR_BAR_HASH_dea0f8f64ed4cdca
+#ifndef FOUR_BAR_HASH_0081691904e217ff
 #  error "four_bar.h and four_bar.c are of different builds; run tisserand build again"
 #endif
 
@@ -3779,6 +3779,8 @@ int four_bar_jacobian(
     return 0;
 }
 
+#ifndef TISSERAND_WITHOUT_REDUCED_FORMS
+
 int four_bar_residual_ggl(
     double t,
     const double *TISSERAND_RESTRICT y,
@@ -5479,7 +5481,11 @@ int four_bar_jacobian_index1(
     return 0;
 }
 
+#endif
+
 /* ---- batches: the functions above for blocks of states b ---- */
+
+#ifndef TISSERAND_WITHOUT_BATCHES
 
 /* The rows of a block that is not full: its last state is repeated. */
 static const double *four_bar_block32_pad(ptrdiff_t all, int count, int rows, const double *from, double *to)
@@ -6022,6 +6028,8 @@ int four_bar_accel_batch(
     return code;
 }
 
+#endif
+
 int four_bar_defaults(double *p)
 {
     static const double values[] = {
@@ -6399,8 +6407,10 @@ static const char *const four_bar_table_bodies[] = {
 
 static const tisserand_dae four_bar_table_forms[] = {
     {"index3", 39, &four_bar_sparsity_jacobian, four_bar_residual, four_bar_jacobian},
+#ifndef TISSERAND_WITHOUT_REDUCED_FORMS
     {"ggl", 48, &four_bar_sparsity_jacobian_ggl, four_bar_residual_ggl, four_bar_jacobian_ggl},
     {"index1", 39, &four_bar_sparsity_jacobian_index1, four_bar_residual_index1, four_bar_jacobian_index1},
+#endif
 };
 
 static const tisserand_scene four_bar_scene = {
@@ -6409,7 +6419,7 @@ static const tisserand_scene four_bar_scene = {
     four_bar_table_bodies,
     &four_bar_sparsity_constraint_jacobian,
     four_bar_table_forms,
-    3,
+    sizeof four_bar_table_forms / sizeof *four_bar_table_forms,
     four_bar_constraints,
     four_bar_constraint_rates,
     four_bar_constraint_jacobian,
@@ -6454,9 +6464,15 @@ static const tisserand_model four_bar_descriptor = {
     four_bar_rates,
     four_bar_residual,
     four_bar_jacobian,
+#ifndef TISSERAND_WITHOUT_BATCHES
     four_bar_mass_batch,
     four_bar_force_batch,
     four_bar_accel_batch,
+#else
+    0,
+    0,
+    0,
+#endif
     &four_bar_scene,
     0
 };

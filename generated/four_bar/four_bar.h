@@ -329,8 +329,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define FOUR_BAR_HASH "dea0f8f64ed4cdca"
-#define FOUR_BAR_HASH_dea0f8f64ed4cdca
+#define FOUR_BAR_HASH "0081691904e217ff"
+#define FOUR_BAR_HASH_0081691904e217ff
 
 /* ---- sizes and indices ---- */
 
@@ -409,7 +409,9 @@ enum {
 /* ---- functions return 0 for success. setup, accel, solve and project_velocity return 1 if a pivot vanished and 2 if a
    value is not finite or not positive; the outputs are undefined then. All other functions propagate a NaN;
    accel reports a NaN in its mass matrix as a vanished pivot.
-   Arrays that are written must not overlap each other or arrays that are read. ---- */
+   Arrays that are written must not overlap each other or arrays that are read.
+   A source file that is compiled with TISSERAND_WITHOUT_BATCHES has no batches, and with
+   TISSERAND_WITHOUT_REDUCED_FORMS no residuals and Jacobians of lower index than 3; its descriptor has none either. ---- */
 
 /*
  * Constants k from the parameters p: once for a set of parameters.

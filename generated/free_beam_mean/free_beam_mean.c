@@ -13,7 +13,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef FREE_BEAM_MEAN_HASH_cc42bccf5d6e23ec
+#ifndef FREE_BEAM_MEAN_HASH_bf7c155222e3ca41
 #  error "free_beam_mean.h and free_beam_mean.c are of different builds; run tisserand build again"
 #endif
 
@@ -690,6 +690,8 @@ int free_beam_mean_jacobian(
 
 /* ---- batches: the functions above for blocks of states b ---- */
 
+#ifndef TISSERAND_WITHOUT_BATCHES
+
 /* The rows of a block that is not full: its last state is repeated. */
 static const double *free_beam_mean_block32_pad(ptrdiff_t all, int count, int rows, const double *from, double *to)
 {
@@ -871,6 +873,8 @@ int free_beam_mean_accel_batch(
     return code;
 }
 
+#endif
+
 int free_beam_mean_defaults(double *p)
 {
     static const double values[] = {
@@ -1043,9 +1047,15 @@ static const tisserand_model free_beam_mean_descriptor = {
     free_beam_mean_rates,
     free_beam_mean_residual,
     free_beam_mean_jacobian,
+#ifndef TISSERAND_WITHOUT_BATCHES
     free_beam_mean_mass_batch,
     free_beam_mean_force_batch,
     free_beam_mean_accel_batch,
+#else
+    0,
+    0,
+    0,
+#endif
     0,
     0
 };

@@ -251,8 +251,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define FREE_BEAM_MEAN_HASH "cc42bccf5d6e23ec"
-#define FREE_BEAM_MEAN_HASH_cc42bccf5d6e23ec
+#define FREE_BEAM_MEAN_HASH "bf7c155222e3ca41"
+#define FREE_BEAM_MEAN_HASH_bf7c155222e3ca41
 
 /* ---- sizes and indices ---- */
 
@@ -297,7 +297,8 @@ enum {
 /* ---- functions return 0 for success. setup and accel return 1 if a pivot vanished and 2 if a
    value is not finite or not positive; the outputs are undefined then. All other functions propagate a NaN;
    accel reports a NaN in its mass matrix as a vanished pivot.
-   Arrays that are written must not overlap each other or arrays that are read. ---- */
+   Arrays that are written must not overlap each other or arrays that are read.
+   A source file that is compiled with TISSERAND_WITHOUT_BATCHES has no batches; its descriptor has none either. ---- */
 
 /*
  * Constants k from the parameters p: once for a set of parameters.

@@ -119,7 +119,7 @@ class Pattern(NamedTuple):
 
 
 NAME = "free_beam_mean"
-HASH = "cc42bccf5d6e23ec"
+HASH = "bf7c155222e3ca41"
 COORDINATES = ("c1", "c2", "phi", "alpha1", "alpha2")
 VELOCITIES = ("c1dot", "c2dot", "phidot", "alpha1dot", "alpha2dot")
 PARAMETERS = ("m", "l", "EI")

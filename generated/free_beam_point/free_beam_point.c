@@ -12,7 +12,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef FREE_BEAM_POINT_HASH_ff92ca82728e06c3
+#ifndef FREE_BEAM_POINT_HASH_0927c25f5589d102
 #  error "free_beam_point.h and free_beam_point.c are of different builds; run tisserand build again"
 #endif
 
@@ -885,6 +885,8 @@ int free_beam_point_jacobian(
 
 /* ---- batches: the functions above for blocks of states b ---- */
 
+#ifndef TISSERAND_WITHOUT_BATCHES
+
 /* The rows of a block that is not full: its last state is repeated. */
 static const double *free_beam_point_block32_pad(ptrdiff_t all, int count, int rows, const double *from, double *to)
 {
@@ -1139,6 +1141,8 @@ int free_beam_point_accel_batch(
     return code;
 }
 
+#endif
+
 int free_beam_point_defaults(double *p)
 {
     static const double values[] = {
@@ -1318,9 +1322,15 @@ static const tisserand_model free_beam_point_descriptor = {
     free_beam_point_rates,
     free_beam_point_residual,
     free_beam_point_jacobian,
+#ifndef TISSERAND_WITHOUT_BATCHES
     free_beam_point_mass_batch,
     free_beam_point_force_batch,
     free_beam_point_accel_batch,
+#else
+    0,
+    0,
+    0,
+#endif
     0,
     0
 };

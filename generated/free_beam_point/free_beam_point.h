@@ -237,8 +237,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define FREE_BEAM_POINT_HASH "ff92ca82728e06c3"
-#define FREE_BEAM_POINT_HASH_ff92ca82728e06c3
+#define FREE_BEAM_POINT_HASH "0927c25f5589d102"
+#define FREE_BEAM_POINT_HASH_0927c25f5589d102
 
 /* ---- sizes and indices ---- */
 
@@ -289,7 +289,8 @@ enum {
 /* ---- functions return 0 for success. setup and accel return 1 if a pivot vanished and 2 if a
    value is not finite or not positive; the outputs are undefined then. All other functions propagate a NaN;
    accel reports a NaN in its mass matrix as a vanished pivot.
-   Arrays that are written must not overlap each other or arrays that are read. ---- */
+   Arrays that are written must not overlap each other or arrays that are read.
+   A source file that is compiled with TISSERAND_WITHOUT_BATCHES has no batches; its descriptor has none either. ---- */
 
 /*
  * Constants k from the parameters p: once for a set of parameters.

@@ -12,7 +12,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef SOLID_BEAM_HASH_dc56903be1e8a2a7
+#ifndef SOLID_BEAM_HASH_9bae196c7c9496fc
 #  error "solid_beam.h and solid_beam.c are of different builds; run tisserand build again"
 #endif
 
@@ -2897,6 +2897,8 @@ int solid_beam_jacobian(
 
 /* ---- batches: the functions above for blocks of states b ---- */
 
+#ifndef TISSERAND_WITHOUT_BATCHES
+
 /* The rows of a block that is not full: its last state is repeated. */
 static const double *solid_beam_block32_pad(ptrdiff_t all, int count, int rows, const double *from, double *to)
 {
@@ -3446,6 +3448,8 @@ int solid_beam_accel_batch(
     return code;
 }
 
+#endif
+
 int solid_beam_defaults(double *p)
 {
     (void) p;
@@ -3607,9 +3611,15 @@ static const tisserand_model solid_beam_descriptor = {
     solid_beam_rates,
     solid_beam_residual,
     solid_beam_jacobian,
+#ifndef TISSERAND_WITHOUT_BATCHES
     solid_beam_mass_batch,
     solid_beam_force_batch,
     solid_beam_accel_batch,
+#else
+    0,
+    0,
+    0,
+#endif
     0,
     0
 };

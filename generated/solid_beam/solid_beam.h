@@ -422,8 +422,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define SOLID_BEAM_HASH "dc56903be1e8a2a7"
-#define SOLID_BEAM_HASH_dc56903be1e8a2a7
+#define SOLID_BEAM_HASH "9bae196c7c9496fc"
+#define SOLID_BEAM_HASH_9bae196c7c9496fc
 
 /* ---- sizes and indices ---- */
 
@@ -475,7 +475,8 @@ enum {
    accel reports a NaN in its mass matrix as a vanished pivot.
    The quaternion is assumed to have unit length: of one with the length s, Q is s^2 times a rotation tensor. Integrators
    have to normalise it. Functions that read it return 2 where it is zero or NaN, before they check anything else.
-   Arrays that are written must not overlap each other or arrays that are read. ---- */
+   Arrays that are written must not overlap each other or arrays that are read.
+   A source file that is compiled with TISSERAND_WITHOUT_BATCHES has no batches; its descriptor has none either. ---- */
 
 /*
  * Constants k from the parameters p: once for a set of parameters.

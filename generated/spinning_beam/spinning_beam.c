@@ -13,7 +13,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef SPINNING_BEAM_HASH_c1bc2af832a69872
+#ifndef SPINNING_BEAM_HASH_613d321155d55d7b
 #  error "spinning_beam.h and spinning_beam.c are of different builds; run tisserand build again"
 #endif
 
@@ -992,6 +992,8 @@ int spinning_beam_jacobian(
     return 0;
 }
 
+#ifndef TISSERAND_WITHOUT_REDUCED_FORMS
+
 int spinning_beam_residual_ggl(
     double t,
     const double *TISSERAND_RESTRICT y,
@@ -1294,7 +1296,11 @@ int spinning_beam_jacobian_index1(
     return 0;
 }
 
+#endif
+
 /* ---- batches: the functions above for blocks of states b ---- */
+
+#ifndef TISSERAND_WITHOUT_BATCHES
 
 /* The rows of a block that is not full: its last state is repeated. */
 static const double *spinning_beam_block32_pad(ptrdiff_t all, int count, int rows, const double *from, double *to)
@@ -1496,6 +1502,8 @@ int spinning_beam_accel_batch(
     }
     return code;
 }
+
+#endif
 
 int spinning_beam_defaults(double *p)
 {
@@ -1702,8 +1710,10 @@ static const char *const spinning_beam_table_bodies[] = {
 
 static const tisserand_dae spinning_beam_table_forms[] = {
     {"index3", 10, &spinning_beam_sparsity_jacobian, spinning_beam_residual, spinning_beam_jacobian},
+#ifndef TISSERAND_WITHOUT_REDUCED_FORMS
     {"ggl", 10, &spinning_beam_sparsity_jacobian_ggl, spinning_beam_residual_ggl, spinning_beam_jacobian_ggl},
     {"index1", 10, &spinning_beam_sparsity_jacobian_index1, spinning_beam_residual_index1, spinning_beam_jacobian_index1},
+#endif
 };
 
 static const tisserand_scene spinning_beam_scene = {
@@ -1712,7 +1722,7 @@ static const tisserand_scene spinning_beam_scene = {
     spinning_beam_table_bodies,
     &spinning_beam_sparsity_constraint_jacobian,
     spinning_beam_table_forms,
-    3,
+    sizeof spinning_beam_table_forms / sizeof *spinning_beam_table_forms,
     spinning_beam_constraints,
     spinning_beam_constraint_rates,
     spinning_beam_constraint_jacobian,
@@ -1757,9 +1767,15 @@ static const tisserand_model spinning_beam_descriptor = {
     spinning_beam_rates,
     spinning_beam_residual,
     spinning_beam_jacobian,
+#ifndef TISSERAND_WITHOUT_BATCHES
     spinning_beam_mass_batch,
     spinning_beam_force_batch,
     spinning_beam_accel_batch,
+#else
+    0,
+    0,
+    0,
+#endif
     &spinning_beam_scene,
     0
 };

@@ -128,7 +128,7 @@ class Pattern(NamedTuple):
 
 
 NAME = "spinning_beam"
-HASH = "c1bc2af832a69872"
+HASH = "613d321155d55d7b"
 COORDINATES = ("beam_c1", "beam_c2", "beam_phi", "beam_alpha1", "beam_alpha2")
 VELOCITIES = ("beam_c1dot", "beam_c2dot", "beam_phidot", "beam_alpha1dot", "beam_alpha2dot")
 PARAMETERS = ("m", "l", "EI")

@@ -13,7 +13,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef SPUN_UP_CANTILEVER_HASH_727698b36034a849
+#ifndef SPUN_UP_CANTILEVER_HASH_52023092bd9e2a47
 #  error "spun_up_cantilever.h and spun_up_cantilever.c are of different builds; run tisserand build again"
 #endif
 
@@ -1539,6 +1539,8 @@ int spun_up_cantilever_jacobian(
     return 0;
 }
 
+#ifndef TISSERAND_WITHOUT_REDUCED_FORMS
+
 int spun_up_cantilever_residual_ggl(
     double t,
     const double *TISSERAND_RESTRICT y,
@@ -2193,7 +2195,11 @@ int spun_up_cantilever_jacobian_index1(
     return 0;
 }
 
+#endif
+
 /* ---- batches: the functions above for blocks of states b ---- */
+
+#ifndef TISSERAND_WITHOUT_BATCHES
 
 /* The rows of a block that is not full: its last state is repeated. */
 static const double *spun_up_cantilever_block32_pad(ptrdiff_t all, int count, int rows, const double *from, double *to)
@@ -2535,6 +2541,8 @@ int spun_up_cantilever_accel_batch(
     return code;
 }
 
+#endif
+
 int spun_up_cantilever_defaults(double *p)
 {
     (void) p;
@@ -2716,8 +2724,10 @@ static const char *const spun_up_cantilever_table_bodies[] = {
 
 static const tisserand_dae spun_up_cantilever_table_forms[] = {
     {"index3", 15, &spun_up_cantilever_sparsity_jacobian, spun_up_cantilever_residual, spun_up_cantilever_jacobian},
+#ifndef TISSERAND_WITHOUT_REDUCED_FORMS
     {"ggl", 18, &spun_up_cantilever_sparsity_jacobian_ggl, spun_up_cantilever_residual_ggl, spun_up_cantilever_jacobian_ggl},
     {"index1", 15, &spun_up_cantilever_sparsity_jacobian_index1, spun_up_cantilever_residual_index1, spun_up_cantilever_jacobian_index1},
+#endif
 };
 
 static const tisserand_scene spun_up_cantilever_scene = {
@@ -2726,7 +2736,7 @@ static const tisserand_scene spun_up_cantilever_scene = {
     spun_up_cantilever_table_bodies,
     &spun_up_cantilever_sparsity_constraint_jacobian,
     spun_up_cantilever_table_forms,
-    3,
+    sizeof spun_up_cantilever_table_forms / sizeof *spun_up_cantilever_table_forms,
     spun_up_cantilever_constraints,
     spun_up_cantilever_constraint_rates,
     spun_up_cantilever_constraint_jacobian,
@@ -2771,9 +2781,15 @@ static const tisserand_model spun_up_cantilever_descriptor = {
     spun_up_cantilever_rates,
     spun_up_cantilever_residual,
     spun_up_cantilever_jacobian,
+#ifndef TISSERAND_WITHOUT_BATCHES
     spun_up_cantilever_mass_batch,
     spun_up_cantilever_force_batch,
     spun_up_cantilever_accel_batch,
+#else
+    0,
+    0,
+    0,
+#endif
     &spun_up_cantilever_scene,
     0
 };

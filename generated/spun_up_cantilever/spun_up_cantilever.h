@@ -229,8 +229,8 @@ typedef struct {
 
 /* ---- the hash of the build, the same in the header, the source file, the descriptor and the Python module ---- */
 
-#define SPUN_UP_CANTILEVER_HASH "727698b36034a849"
-#define SPUN_UP_CANTILEVER_HASH_727698b36034a849
+#define SPUN_UP_CANTILEVER_HASH "52023092bd9e2a47"
+#define SPUN_UP_CANTILEVER_HASH_52023092bd9e2a47
 
 /* ---- sizes and indices ---- */
 
@@ -271,7 +271,9 @@ enum {
 /* ---- functions return 0 for success. setup, accel, solve and project_velocity return 1 if a pivot vanished and 2 if a
    value is not finite or not positive; the outputs are undefined then. All other functions propagate a NaN;
    accel reports a NaN in its mass matrix as a vanished pivot.
-   Arrays that are written must not overlap each other or arrays that are read. ---- */
+   Arrays that are written must not overlap each other or arrays that are read.
+   A source file that is compiled with TISSERAND_WITHOUT_BATCHES has no batches, and with
+   TISSERAND_WITHOUT_REDUCED_FORMS no residuals and Jacobians of lower index than 3; its descriptor has none either. ---- */
 
 /*
  * Constants k from the parameters p: once for a set of parameters.

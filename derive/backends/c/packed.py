@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from derive.backends.c.optional_parts import OptionalPart, optional_part
 from derive.ir.model import Kernel, Model
 
 SETUP = "setup"
@@ -16,10 +17,11 @@ SETUP = "setup"
 
 @dataclass(frozen=True)
 class PackedFunction:
-    """A function as text: its signature, and the call of the function with separate inputs."""
+    """A function as text: its signature, and the call of the function with separate inputs; the part it belongs to."""
 
     signature: str
     body: str
+    part: OptionalPart | None = None
 
 
 def entries(model: Model, batches: tuple[str, ...]) -> dict[str, str]:
@@ -45,15 +47,20 @@ def packed_functions(model: Model, batches: tuple[str, ...]) -> Iterator[PackedF
         names = [*(a.name for a in kernel.arguments), *(o.name for o in kernel.outputs)]
         types = ["double " if a.scalar else "const double *" for a in kernel.arguments]
         types += ["double *" for _ in kernel.outputs]
-        yield _function(model.name, kernel.name, size, list(zip(types, names, strict=True)))
+        parameters = list(zip(types, names, strict=True))
+        yield _function(model.name, kernel.name, size, parameters, optional_part(kernel.name))
         if kernel.name in batches:
-            yield _function(model.name, f"{kernel.name}_batch", size, [("int ", "n"), *zip(types, names, strict=True)])
+            many = [("int ", "n"), *parameters]
+            yield _function(model.name, f"{kernel.name}_batch", size, many, OptionalPart.BATCHES)
 
 
-def _function(model: str, name: str, size: str, parameters: list[tuple[str, str]]) -> PackedFunction:
+def _function(
+    model: str, name: str, size: str, parameters: list[tuple[str, str]], part: OptionalPart | None
+) -> PackedFunction:
     declared = ", ".join(f"{kind}{parameter}" for kind, parameter in parameters if parameter != "u")
     passed = ", ".join(f"k + {size}" if parameter == "u" else parameter for _, parameter in parameters)
-    return PackedFunction(f"static int {model}_packed_{name}({declared})", f"    return {model}_{name}({passed});")
+    signature, body = f"static int {model}_packed_{name}({declared})", f"    return {model}_{name}({passed});"
+    return PackedFunction(signature, body, part)
 
 
 def _packed(model: Model) -> tuple[Kernel, ...]:

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from itertools import accumulate
+from itertools import accumulate, groupby
 from typing import assert_never
 
 from derive.artifacts import MARK, File
 from derive.backends.c.batch import KERNELS as BATCHED
 from derive.backends.c.batch import batch_body, batch_helpers, batch_widths, stack
 from derive.backends.c.loops import LANES_MACRO, SHORT, CLoops, panel_helper
+from derive.backends.c.optional_parts import REDUCED_FORMS, OptionalPart, optional_part
 from derive.backends.c.packed import entries, packed_functions
 from derive.backends.c.splines import spline_lines
 from derive.backends.description import (
@@ -32,7 +33,7 @@ from derive.roles import Role
 
 ABI = 6
 
-FORMS = {"index3": "", "ggl": "_ggl", "index1": "_index1"}
+FORMS = {"index3": "", **REDUCED_FORMS}
 """The forms of the equations of a scene, with the suffixes of the names of their functions."""
 
 
@@ -51,9 +52,12 @@ class CBackend:
         values = _template_values(model, fingerprint)
         builder = SourceBuilder(model)
         builder.text(render("c/prologue.c.jinja", values))
-        for kernel in model.kernels:
-            builder.function(kernel, _function(model, kernel))
-            builder.text("\n")
+        for part, kernels in groupby(model.kernels, lambda kernel: optional_part(kernel.name)):
+            builder.text(f"#ifndef {part.value}\n\n" if part else "")
+            for kernel in kernels:
+                builder.function(kernel, _function(model, kernel))
+                builder.text("\n")
+            builder.text("#endif\n\n" if part else "")
         builder.text(render("c/epilogue.c.jinja", values))
         return File(header, render("c/model.h.jinja", values)), builder.file(self.name, source)
 
@@ -111,6 +115,8 @@ def _template_values(model: Model, fingerprint: str) -> dict[str, object]:
         "patterns": pattern_texts(model, "    "),
         "markers": [(m.name, model.kernel(f"marker_{m.name}").outputs[0].size) for m in model.markers],
         "forms": FORMS if model.bodies else {},
+        "reduced_forms": REDUCED_FORMS,
+        "without": {part.name.lower(): part.value for part in OptionalPart},
         "checked_forces": bool(model.bodies) and _is_checked(model.kernel("force")),
         "attitude": any(q.role is Role.QUATERNION for q in model.coordinates),
         "several_checked": len(checked) > 1,

@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 
 from derive.artifacts import File
+from derive.runtime.compiler import ESSENTIAL, WITHOUT_BATCHES
 from derive.runtime.integrators.c_integrator import CONSISTENT, Integration
 from derive.runtime.integrators.fixed_step import FixedStep
 from derive.runtime.integrators.generalised_alpha import GeneralisedAlpha
@@ -35,7 +36,7 @@ STEPS_PER_ROW = 10
 
 def rk4(files: Sequence[File]) -> Integrator:
     """The classical Runge-Kutta method with fixed steps and projection. Raises CompilerError."""
-    host = FixedStep(files)
+    host = FixedStep(files, ESSENTIAL)
     native = host.native
 
     def integrate(k: Vector, q: Vector, v: Vector, times: Vector, settings: Settings) -> Solution:
@@ -58,7 +59,7 @@ def rk4(files: Sequence[File]) -> Integrator:
 
 def generalised_alpha(files: Sequence[File]) -> Integrator:
     """The generalised-alpha method with fixed steps. Raises CompilerError, LibraryMissing."""
-    host = GeneralisedAlpha(files)
+    host = GeneralisedAlpha(files, ESSENTIAL)
     native = scene_of(host.native, "generalised-alpha")
 
     def integrate(k: Vector, q: Vector, v: Vector, times: Vector, settings: Settings) -> Solution:
@@ -86,7 +87,7 @@ def generalised_alpha(files: Sequence[File]) -> Integrator:
 
 def ida(files: Sequence[File]) -> Integrator:
     """IDA of SUNDIALS with the stabilised form of index 2. Raises CompilerError, LibraryMissing."""
-    host = Ida(files)
+    host = Ida(files, (WITHOUT_BATCHES,))
     native = scene_of(host.native, "c_ida")
 
     def integrate(k: Vector, q: Vector, v: Vector, times: Vector, settings: Settings) -> Solution:

@@ -7,6 +7,7 @@ from typing import Literal
 
 from derive.artifacts import File
 from derive.registry import Registry
+from derive.runtime.compiler import FLAGS, RUN_FLAGS, WITHOUT_BATCHES
 from derive.runtime.loading import load
 from derive.runtime.native_body import NativeBody
 from derive.runtime.native_call import Vector
@@ -47,7 +48,7 @@ def _scipy(method: Literal["DOP853", "RK45"]) -> Callable[[NativeScene | NativeB
 
 def _compiled(integrator: Callable[[NativeScene | NativeBody], Integrator]) -> Compile:
     """The integrator of a model that is compiled alone."""
-    return lambda files: integrator(load(files))
+    return lambda files: integrator(load(files, RUN_FLAGS))
 
 
 def _ida(files: Sequence[File]) -> Integrator:
@@ -72,7 +73,7 @@ def _ida(files: Sequence[File]) -> Integrator:
 
         return Integrator(native, run, integrator)
 
-    return integrator(scene_of(load(files), "ida"))
+    return integrator(scene_of(load(files, (*FLAGS, WITHOUT_BATCHES)), "ida"))
 
 
 INTEGRATORS: Registry[Compile] = Registry(

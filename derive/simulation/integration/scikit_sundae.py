@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 import warnings
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from importlib import import_module
 from typing import Any, Literal, Protocol
@@ -46,7 +46,9 @@ class Form(Protocol):
 class ImplicitSystem(ConstrainedSystem, Protocol):
     """A mechanism with its implicit forms."""
 
-    dae: dict[str, Any]
+    @property
+    def dae(self) -> Mapping[str, Form]:
+        """The forms by their names."""
 
 
 class IdaMissing(SimulationError):

@@ -11,6 +11,7 @@ from derive.generated_models import generated
 from derive.lowering.redundancy import enumeration
 from derive.roles import Role
 from derive.runtime.compiled_model import Native
+from derive.runtime.compiler import FLAGS, WITHOUT_BATCHES
 from derive.runtime.loading import load, load_scene
 from derive.runtime.native_call import Vector
 from derive.simulation.compiled_scene import max_norm
@@ -106,7 +107,7 @@ def _of_body(spec: Specification, at: float | None) -> _State:
     """A body, undeformed and at rest in the inertial frame."""
     if at is not None:
         raise SpecError((Problem("", "a body alone has its modes about its undeformed state; leave out --at"),))
-    native = load(generated(spec)[1])
+    native = load(generated(spec)[1], (*FLAGS, WITHOUT_BATCHES))
     q = np.zeros(native.nq)
     if Role.QUATERNION in native.roles:
         q[native.roles.index(Role.QUATERNION)] = 1.0
@@ -132,9 +133,9 @@ def _of_scene(scene: Scene, at: float | None, progress: Progress | None) -> _Sta
         t, q, v = float(motion.t[-1]), motion.q[-1], motion.v[-1]
         if not scene.inputs:
             return _State(motion.native, motion.k, t, q, v)
-        native = load_scene(generated(scene)[1])
+        native = load_scene(generated(scene)[1], (*FLAGS, WITHOUT_BATCHES))
         return _State(native, native.with_inputs(native.setup(), input_values(scene, native, t)), t, q, v)
-    native = load_scene(generated(scene)[1])
+    native = load_scene(generated(scene)[1], (*FLAGS, WITHOUT_BATCHES))
     k = native.setup()
     if scene.inputs:
         k = native.with_inputs(k, input_values(scene, native, 0.0))

@@ -13,6 +13,7 @@ from derive.artifacts import File
 from derive.errors import TisserandError, first_line
 from derive.generated_models import generated
 from derive.ir.model import Model
+from derive.runtime.compiler import RUN_FLAGS
 from derive.runtime.integrators.adaptive import Adaptive, AdaptiveRun
 from derive.runtime.integrators.c_integrator import CONSISTENT
 from derive.runtime.loading import load_scene
@@ -81,7 +82,7 @@ def compiled(scene: Scene, model: LadderModel, monitored: bool = True) -> Compil
     changed = model_scene(scene, model)
     complete = with_monitors(changed) if monitored else changed
     code, files = generated(complete)
-    native = load_scene(files)
+    native = load_scene(files, RUN_FLAGS)
     k, own = native.setup(), len(code.outputs) - len(complete.outputs) + len(changed.outputs)
     columns = replace(code, outputs=code.outputs[:own])
     return CompiledLadderModel(

@@ -14,6 +14,7 @@ import numpy as np
 
 from derive.generated_models import generated
 from derive.roles import Role
+from derive.runtime.compiler import RUN_FLAGS
 from derive.runtime.integrators.adaptive import Adaptive
 from derive.runtime.loading import load
 from derive.runtime.native_body import NativeBody
@@ -46,7 +47,7 @@ def tumble() -> Tumble:
     """The block spins about an axis that is first horizontal. Raises CompilerError."""
     nodes = {"positions": CORNERS, "mass": np.full(len(CORNERS), 0.25)}
     spec = nodal_body("tumbling_block", nodes, units="SI", frame="given", modes=0)
-    native = load(generated(spec)[1])
+    native = load(generated(spec)[1], RUN_FLAGS)
     assert isinstance(native, NativeBody)
     k = native.setup()
     q, v = np.array([0, 0, 0, 1.0, 0, 0, 0]), np.array([0, 0, 0, *SPIN])

@@ -13,6 +13,7 @@ from math import asin, cos, pi, sin
 import numpy as np
 
 from derive.generated_models import generated
+from derive.runtime.compiler import RUN_FLAGS
 from derive.runtime.loading import load_scene
 from derive.runtime.native_call import Vector
 from derive.runtime.native_scene import NativeScene
@@ -55,7 +56,7 @@ def dead_centres() -> tuple[DeadCentre, ...]:
 
 def _dead_centre(driven: Driven, rod: float) -> DeadCentre:
     scene = crank_slider(rod, driven)
-    native = load_scene(generated(scene)[1])
+    native = load_scene(generated(scene)[1], RUN_FLAGS)
     singular = np.array([_smallest(native, driven, rod, float(angle)) for angle in ANGLES])
     try:
         simulate(scene, duration=REVOLUTION, output=REVOLUTION / 100)

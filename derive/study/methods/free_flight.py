@@ -13,6 +13,7 @@ from math import sqrt
 import numpy as np
 
 from derive.generated_models import generated
+from derive.runtime.compiler import RUN_FLAGS
 from derive.runtime.loading import load_scene
 from derive.study.methods.cases import bent_beam
 from derive.study.methods.implicit_steps import Rule, initial_values, march
@@ -45,7 +46,7 @@ class MomentumDrift:
 def momentum_drifts() -> tuple[MomentumDrift, ...]:
     """The drift for each rule and step. Raises CompilerError, StepFailed."""
     scene = bent_beam()
-    native = load_scene(generated(scene)[1])
+    native = load_scene(generated(scene)[1], RUN_FLAGS)
     k = native.setup()
     _, q, v = start_state(scene, native, k)
     form = native.dae["index3"]

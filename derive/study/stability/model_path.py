@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from derive.errors import Problem, SpecError, TisserandError, first_line
 from derive.generated_models import generated
+from derive.runtime.compiler import WITHOUT_BATCHES
 from derive.runtime.loading import load_scene
 from derive.runtime.native_call import Vector
 from derive.runtime.native_scene import NativeScene
@@ -19,7 +20,7 @@ from derive.study.stability.eigenvalues import Eigenvalues, eigenvalues
 from derive.study.stability.parameter import StudiedParameter
 from derive.study.stability.thresholds import Interval, Threshold, intervals, loss, thresholds
 
-FLAGS = ("-std=c99", "-O0", "-ffp-contract=off")
+FLAGS = ("-std=c99", "-O0", "-ffp-contract=off", WITHOUT_BATCHES)
 """A study calls a model a hundred times: compiling with -O2 would take longer, and gives the same bits."""
 
 

@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 from derive.backends.model_files import fingerprint
 from derive.errors import Problem, SpecError
 from derive.generated_models import package_hash
+from derive.runtime.compiler import RUN_FLAGS
 from derive.runtime.integrators.adaptive import adaptive_library
 from derive.runtime.loading import model_library
 from derive.simulation.free_beam import beam_scene
@@ -175,7 +176,7 @@ class _Models:
             self._numbers[key] = len(self.codes)
             self._progress(f"{scene.name}: deriving and compiling model {len(self.codes) + 1}")
             run = SceneRun(scene, "adaptive", None, {})
-            name, library = model_library(run.files)
+            name, library = model_library(run.files, RUN_FLAGS)
             initial = initial_parameters(run.scene, run.complete_model)
             self.runs.append(run)
             self.codes.append(ModelCode(name, library, adaptive_library(), tuple(run.units), tuple(sorted(initial))))

@@ -1,0 +1,101 @@
+"""Parts of the C that a compilation leaves out: nothing else is missing, and what asks for them is told so."""
+
+import re
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+import pytest
+from toolchain import C99, WARNINGS, run, tool
+
+import derive
+from derive.artifacts import File, write
+from derive.backends.c.optional_parts import OptionalPart
+from derive.cache import no_cache
+from derive.runtime import loading
+from derive.runtime.compiler import ESSENTIAL, FLAGS, RUN_FLAGS, CompilerError, compile_c
+
+NAME = "pushed_pendulum"
+SCENE = """
+name = "pushed_pendulum"
+ground.markers = { o = [0, 0] }
+[bodies.rod]
+mass = 1
+inertia = 0.1
+markers = { left = [-1, 0], right = [1, 0] }
+start = { position = [1, 0] }
+[joints.pin]
+kind = "revolute"
+between = ["ground.o", "rod.left"]
+[inputs.push]
+value = "5"
+[forces.push]
+at = "rod.right"
+components = [{ input = "push" }, 0]
+[outputs.tip]
+kind = "position"
+marker = "rod.right"
+[simulation]
+duration = 0.001
+output = 0.001
+"""
+"""The functions in the descriptor read the input behind the constants."""
+
+
+@pytest.fixture(scope="module")
+def path(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("parts") / f"{NAME}.toml"
+    path.write_text(SCENE)
+    return path
+
+
+@pytest.fixture(scope="module")
+def files(path: Path) -> tuple[File, ...]:
+    return derive.model_files(derive.lower(derive.derive(scene := derive.read(path))), scene)
+
+
+def functions(library: Path) -> set[str]:
+    return set(re.findall(rf" T {NAME}_(\w+)", run(tool("nm"), library)))
+
+
+def test_each_macro_leaves_out_its_functions_alone(files: tuple[File, ...], tmp_path: Path) -> None:
+    write(files, tmp_path)
+    source, library = tmp_path / NAME / f"{NAME}.c", tmp_path / "model.so"
+    left = []
+    for flags in ((), *((f"-D{part.value}",) for part in OptionalPart)):
+        compile_c([source], library, [*C99, *WARNINGS, "-O0", "-shared", "-fPIC", *flags])
+        left.append(functions(library))
+    complete, no_batches, no_forms = left
+    assert complete - no_batches == {name for name in complete if name.endswith("_batch")} != set()
+    forms = {f"{kind}_{form}" for kind in ("residual", "jacobian") for form in ("ggl", "index1")}
+    assert complete - no_forms == forms
+    assert no_batches | no_forms <= complete
+
+
+def test_the_other_functions_have_the_same_bits_and_what_is_missing_is_named(files: tuple[File, ...]) -> None:
+    complete, without = derive.load_scene(files), derive.load_scene(files, RUN_FLAGS)
+    k, q, v = complete.setup(), 0.1 * np.arange(1, complete.nq + 1), np.ones(complete.nv)
+    assert np.array_equal(without.setup(), k)
+    for name in ("force", "accel"):
+        assert np.array_equal(getattr(without, name)(0.1, q, v, k), getattr(complete, name)(0.1, q, v, k))
+    assert tuple(complete.dae) == ("index3", "ggl", "index1") and tuple(without.dae) == ("index3",)
+    with pytest.raises(CompilerError, match=r"form ggl is not in this library, which has index3: .*_REDUCED_FORMS"):
+        without.dae["ggl"]
+    with pytest.raises(CompilerError, match=r"_mass_batch is not in this library.*WITHOUT_BATCHES"):
+        without.mass_batch([q], k)
+
+
+@pytest.mark.parametrize("integrator", ["adaptive", "dop853", "rk4"])
+def test_a_simulation_compiles_what_it_needs(path: Path, integrator: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    used: list[tuple[str, tuple[str, ...]]] = []
+    compiled = loading.compile_shared
+
+    def noted(sources: Sequence[Path], library: Path, flags: Sequence[str] = FLAGS, link: Sequence[str] = ()) -> Path:
+        used.append((sources[0].name, tuple(flags)))
+        return compiled(sources, library, flags, link)
+
+    monkeypatch.setattr(loading, "compile_shared", noted)
+    with no_cache():
+        derive.simulate(derive.read(path), integrator=integrator)
+    (flags,) = {flags for name, flags in used if name == f"{NAME}.c"}
+    assert set(ESSENTIAL) <= set(flags)
