@@ -1,12 +1,13 @@
-"""The time of one call from Python, for the forces h of a free beam: our C and our module, and what others make of h.
+"""The time of one call from Python, for h and the accelerations of a free beam: our C and our module, and others.
 
 python bench/python_calls.py [--frames mean point] [--shapes 2] [--states 1000] [--rounds 15] [--calls 2000]
 
-All compute the same h (nv,) from q and v, with numbers for the parameters, and agree to 1e-12. SymPy's `lambdify` gets
-the equations expanded in q and v, with `cse`; CasADi and Numba the function that `lambdify` writes. `ctypes` is the
-bare call of our C with addresses that are known: what no call through ctypes can be faster than. All are timed in one
-process, in turns; the figures are the least of all rounds, in microseconds a call, and in nanoseconds a state for many
-states in one call. Numba is left out where it is not installed.
+All compute the same h or vdot (nv,) from q and v, with numbers for the parameters, and agree to 1e-12. SymPy's
+`lambdify` gets the equations expanded in q and v, with `cse`; CasADi and Numba the function that `lambdify` writes. For
+vdot, M vdot = -h is solved by CasADi's symbolic LDL^T, and by loops of a Cholesky factorisation under Numba. `ctypes`
+is the bare call of our C with addresses that are known: what no call through ctypes can be faster than. All are timed
+in one process, in turns; the figures are the least of all rounds, in microseconds a call, and in nanoseconds a state
+for many states in one call. Numba is left out where it is not installed.
 """
 
 from __future__ import annotations
@@ -17,18 +18,15 @@ from collections.abc import Callable
 from importlib.util import find_spec, module_from_spec, spec_from_loader
 from typing import Any
 
-import casadi as ca
 import numpy as np
 import sympy as sp
 from machine import described
-from numpy.typing import NDArray
+from python_peers import Array, Beam, Variants, add_numba, casadi, casadi_solution, numba_scalars, stacked
+from rows import Row, row
 
 import derive
 from derive.backends.model_files import model_files
 from derive.runtime.compiled_function import address_of
-
-Array = NDArray[np.float64]
-Variants = dict[str, Callable[[], Any]]
 
 
 def beam(frame: str, shapes: int) -> derive.PlanarBeam:
@@ -58,35 +56,48 @@ def module(files: tuple[derive.File, ...]) -> Any:
     return result
 
 
-def variants(frame: str, shapes: int, q: Array, v: Array) -> tuple[Variants, Variants]:
-    """Functions of the first state of q and v (n, nq), which return h (nv,), and of all, which return (n, nv)."""
+def generated(frame: str, shapes: int) -> Beam:
+    """The code of a beam."""
     spec = beam(frame, shapes)
     equations = derive.derive(spec)
     assert isinstance(equations, derive.Equations)
     files = model_files(derive.lower(equations), spec)
-    native, python = derive.load(files), module(files)
-    k, kp = native.setup(), python.setup(np.array(python.DEFAULTS))
-    q0, v0, out = q[0].copy(), v[0].copy(), np.empty(native.nv)
+    native, python, form = derive.load(files), module(files), equations.expanded()
     qs, vs, h = expressions(equations)
+    mass = form.mass.applyfunc(lambda entry: sp.nsimplify(form.substituted(entry), rational=True))
+    return Beam(native, python, native.setup(), python.setup(np.array(python.DEFAULTS)), qs, vs, mass, h)
+
+
+def called(native: Any, name: str, *arrays: Array) -> Callable[[], Array]:
+    """The bare call through ctypes of a function of our C; the last array is the result."""
+    bare, addresses = native._compiled[name]._function, [address_of(a) for a in arrays]
+
+    def call() -> Array:
+        bare(0.0, *addresses)
+        return arrays[-1]
+
+    return call
+
+
+def of_forces(given: Beam, q: Array, v: Array) -> tuple[Variants, Variants]:
+    """Functions of the first state of q and v (n, nq), which return h (nv,), and of all, which return (n, nv)."""
+    native, python, k, kp = given.native, given.python, given.k, given.kp
+    q0, v0, out = q[0].copy(), v[0].copy(), np.empty(native.nv)
+    qs, vs, h = given.qs, given.vs, given.h
     scalar = sp.lambdify([qs, vs], h, modules="math", cse=True)
     vector = sp.lambdify([qs, vs], h, modules="numpy", cse=True)
     q_list, v_list = q0.tolist(), v0.tolist()
     native.force(0.0, q0, v0, k, out=out)
-    bare, addresses = native._compiled["force"]._function, [address_of(a) for a in (q0, v0, k, out)]
-
-    def called() -> Array:
-        bare(0.0, *addresses)
-        return out
-
     single: Variants = {
         "Tisserand, C, out=": lambda: native.force(0.0, q0, v0, k, out=out),
         "Tisserand, C, new result": lambda: native.force(0.0, q0, v0, k),
         "Tisserand, C, new arrays": lambda: native.force(0.0, q[0], v[0], k),
-        "ctypes, addresses known": called,
+        "ctypes, addresses known": called(native, "force", q0, v0, k, out),
         "Tisserand, Python": lambda: python.force(0.0, q0, v0, kp),
         "lambdify, math, lists": lambda: scalar(q_list, v_list),
+        "lambdify, math, arrays": lambda: np.array(scalar(q0.tolist(), v0.tolist())),
         "lambdify, numpy, arrays": lambda: np.array(vector(q0, v0)),
-        **casadi(qs, vs, h, q0, v0),
+        **casadi(given, lambda _mass, forces: forces, q0, v0),
     }
     many: Variants = {
         "Tisserand, C, batch": lambda: native.force_batch(0.0, q, v, k),
@@ -94,54 +105,56 @@ def variants(frame: str, shapes: int, q: Array, v: Array) -> tuple[Variants, Var
         "lambdify, numpy": lambda: stacked(vector(q.T, v.T), len(q)),
     }
     if find_spec("numba"):
-        doubles = tuple(sp.Float(x) if x.is_number else x for x in h)  # of one type, as Numba requires
-        add_numba(single, many, sp.lambdify([qs, vs], doubles, modules="math", cse=True), q, v)
+        compiled = numba_scalars(given, h)
+        nv = len(h)
+
+        def one(q: Array, v: Array, out: Array) -> None:
+            values = compiled(q, v)
+            for i in range(nv):
+                out[i] = values[i]
+
+        add_numba(single, many, one, q, v)
     return single, many
 
 
-def stacked(values: list[Any], count: int) -> Array:
-    """Values, of which some are numbers, as rows."""
-    return np.stack([np.broadcast_to(value, count) for value in values], axis=-1)
+def of_accelerations(given: Beam, q: Array, v: Array) -> Variants:
+    """Functions of the first state of q and v (n, nq), which return vdot (nv,)."""
+    native, python, k, kp = given.native, given.python, given.k, given.kp
+    q0, v0, out = q[0].copy(), v[0].copy(), np.empty(native.nv)
+    native.accel(0.0, q0, v0, k, out=out)
+    single: Variants = {
+        "Tisserand, C, out=": lambda: native.accel(0.0, q0, v0, k, out=out),
+        "ctypes, addresses known": called(native, "accel", q0, v0, k, out),
+        "Tisserand, Python": lambda: python.accel(0.0, q0, v0, kp),
+        **casadi(given, casadi_solution, q0, v0),
+    }
+    if find_spec("numba"):
+        nv = len(given.h)
+        lower = [given.mass[i, j] for i in range(nv) for j in range(i + 1)]
+        compiled = numba_scalars(given, lower + given.h)
 
+        def one(q: Array, v: Array, out: Array) -> None:
+            values = compiled(q, v)
+            factor = np.empty((nv, nv))
+            n = 0
+            for i in range(nv):
+                out[i] = -values[len(values) - nv + i]
+                for j in range(i + 1):
+                    entry = values[n]
+                    n += 1
+                    for m in range(j):
+                        entry -= factor[i, m] * factor[j, m]
+                    factor[i, j] = entry / factor[j, j] if j < i else np.sqrt(entry)
+                for m in range(i):
+                    out[i] -= factor[i, m] * out[m]
+                out[i] /= factor[i, i]
+            for i in range(nv - 1, -1, -1):
+                for m in range(i + 1, nv):
+                    out[i] -= factor[m, i] * out[m]
+                out[i] /= factor[i, i]
 
-def casadi(qs: list[sp.Symbol], vs: list[sp.Symbol], h: list[sp.Expr], q: Array, v: Array) -> Variants:
-    """A function of CasADi, which its virtual machine evaluates, called with arrays and through its buffers."""
-    x, y = ca.SX.sym("q", len(qs)), ca.SX.sym("v", len(vs))
-    made = sp.lambdify([qs, vs], h, modules=[{"sin": ca.sin, "cos": ca.cos}], cse=True)
-    function = ca.Function("h", [x, y], [ca.vertcat(*made(ca.vertsplit(x), ca.vertsplit(y)))])
-    out = np.zeros(len(h))
-    buffers, evaluate = function.buffer()
-    for i, given in enumerate((q, v)):
-        buffers.set_arg(i, memoryview(given))
-    buffers.set_res(0, memoryview(out))
-
-    def buffered(_kept: object = buffers) -> Array:  # `evaluate` points to them, but does not keep them
-        evaluate()
-        return out
-
-    return {"CasADi, arrays": lambda: np.array(function(q, v)).ravel(), "CasADi, buffer": buffered}
-
-
-def add_numba(single: Variants, many: Variants, scalar: Any, q: Array, v: Array) -> None:
-    """Compiled by Numba: for one state with `out`, and in a loop over the states."""
-    import numba
-
-    compiled, count, nv = numba.njit(scalar), len(q), v.shape[1]
-
-    def one(q: Array, v: Array, out: Array) -> None:
-        values = compiled(q, v)
-        for i in range(nv):
-            out[i] = values[i]
-
-    of_one = numba.njit(one)
-
-    def every(q: Array, v: Array, out: Array) -> None:
-        for state in range(count):
-            of_one(q[state], v[state], out[state])
-
-    of_all, out, outs, q0, v0 = numba.njit(every), np.empty(nv), np.empty((count, nv)), q[0].copy(), v[0].copy()
-    single["Numba, out"] = lambda: (of_one(q0, v0, out), out)[1]
-    many["Numba, out"] = lambda: (of_all(q, v, outs), outs)[1]
+        add_numba(single, {}, one, q, v)
+    return single
 
 
 def least(variants: Variants, calls: int, rounds: int) -> dict[str, float]:
@@ -160,6 +173,44 @@ def least(variants: Variants, calls: int, rounds: int) -> dict[str, float]:
     return best
 
 
+def states(shapes: int, count: int) -> tuple[Array, Array]:
+    """q and v (count, 3 + shapes)."""
+    rng = np.random.default_rng(1)
+    q, v = (rng.uniform(-0.1, 0.1, (count, 3 + shapes)) for _ in range(2))
+    return q, v
+
+
+def rows(quick: bool = False) -> list[Row]:
+    """Calls from Python, see `rows.py`; by hand is the bare call of our C, which no call through ctypes can beat."""
+    count, calls, rounds = (5, 5, 1) if quick else (1000, 2000, 15)
+    absent = "" if find_spec("numba") else "Numba is not installed"
+    result = []
+    for frame in ("mean", "point"):
+        given, (q, v) = generated(frame, 2), states(2, count)
+        single, many = of_forces(given, q, v)
+        force, accel = (least(calls_of, calls, rounds) for calls_of in (single, of_accelerations(given, q, v)))
+        batch = least(many, max(1, calls // count), rounds)
+        for function, times in (("force", force), ("accel", accel)):
+            ours, bare = times["Tisserand, C, out="], times["ctypes, addresses known"]
+            peers = chosen(times, "CasADi, buffer", "Numba, out")
+            name = f"native.{function}, one call, {frame}"
+            result.append(row(name, 1e9 * ours, peers=peers, hand=1e9 * bare, note=absent))
+        ours = 1e9 * force["Tisserand, Python"]
+        peers = chosen(force, "lambdify, math, arrays", "lambdify, numpy, arrays")
+        result.append(row(f"generated Python, force, one call, {frame}", ours, peers=peers, goal=1))
+        ours = 1e9 * batch["Tisserand, Python"] / count
+        for peer, note in (("Numba, out", absent), ("lambdify, numpy", "")):
+            peers = {name: ns / count for name, ns in chosen(batch, peer).items()}
+            name = f"generated Python, force, a state of {count}, {frame}"
+            result.append(row(name, ours, peers=peers, goal=1, note=note))
+    return result
+
+
+def chosen(times: dict[str, float], *names: str) -> dict[str, float]:
+    """The times (ns) of some variants, as far as they were measured."""
+    return {name: 1e9 * times[name] for name in names if name in times}
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--frames", nargs="+", default=["mean", "point"])
@@ -169,16 +220,16 @@ def main() -> None:
     parser.add_argument("--calls", type=int, default=2000, help="of a variant in a round")
     options = parser.parse_args()
     print("\n".join(described("numpy", "sympy", "casadi", *(["numba"] if find_spec("numba") else []))))
-    rng = np.random.default_rng(1)
     for frame in options.frames:
-        q, v = (rng.uniform(-0.1, 0.1, (options.states, 3 + options.shapes)) for _ in range(2))
-        single, many = variants(frame, options.shapes, q, v)
-        print(f"\nframe {frame}, {options.shapes} shapes: us a call")
-        for name, seconds in least(single, options.calls, options.rounds).items():
-            print(f"  {name:26}{1e6 * seconds:8.2f}")
-        print(f"  ns a state, {options.states} states in a call")
-        for name, seconds in least(many, max(1, options.calls // options.states), options.rounds).items():
-            print(f"  {name:26}{1e9 * seconds / options.states:8.1f}")
+        given, (q, v) = generated(frame, options.shapes), states(options.shapes, options.states)
+        single, many = of_forces(given, q, v)
+        for name, variants in (("h", single), ("vdot", of_accelerations(given, q, v))):
+            print(f"\nframe {frame}, {options.shapes} shapes, {name}: us a call")
+            for variant, seconds in least(variants, options.calls, options.rounds).items():
+                print(f"  {variant:26}{1e6 * seconds:8.2f}")
+        print(f"\nframe {frame}, h: ns a state, {options.states} states in a call")
+        for variant, seconds in least(many, max(1, options.calls // options.states), options.rounds).items():
+            print(f"  {variant:26}{1e9 * seconds / options.states:8.1f}")
 
 
 if __name__ == "__main__":

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import math
 import os
 import resource
 import statistics
@@ -21,8 +22,10 @@ import time
 from pathlib import Path
 
 from machine import described
+from rows import Row, row
 
-SCENE = Path(__file__).parent.parent / "scenes" / "crank_slider_3.toml"
+HERE = Path(__file__).parent
+SCENE = HERE.parent / "scenes" / "crank_slider_3.toml"
 STAGES = ("read", "derive", "lower", "emit")
 FRAMES = ("mean", "point")
 RUN = """
@@ -32,6 +35,17 @@ import derive.spec.checks.validation, derive.spec.tables.specification
 from derive.pipeline import build
 print(json.dumps([stage.seconds for stage in build(Path(sys.argv[1])).stages]))
 """
+SPARSE = """
+import sys, time
+from bodies import beam
+import derive.backends.c.source, derive.mechanics.indexed_equations, derive.lowering.flat.lower
+import derive
+body, start = beam(int(sys.argv[1])), time.process_time()
+derive.lower(derive.derive_modal(body, lowering="flat"))
+print(time.process_time() - start)
+"""
+"""Derivation and lowering of a spatial beam, most of whose integrals vanish, to straight-line code; in CPU time, which
+other load changes less."""
 IMPORTS = (
     "pass", "import derive", "import sympy", "import casadi", "from derive import read", "import derive.pipeline",
     "import derive.runtime.loading",
@@ -50,6 +64,30 @@ def stage_seconds(path: Path, runs: int) -> list[float]:
     command = [sys.executable, "-c", RUN, str(path)]
     times = [json.loads(subprocess.run(command, capture_output=True, check=True).stdout) for _ in range(runs)]
     return [statistics.median(column) for column in zip(*times, strict=True)]
+
+
+def sparse_seconds(modes: int, runs: int) -> float:
+    """The least CPU time (s) of the derivation of all functions of a sparse beam."""
+    command = [sys.executable, "-c", SPARSE, str(modes)]
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(HERE), *sys.path])}
+    times = (subprocess.run(command, capture_output=True, check=True, env=environment).stdout for _ in range(runs))
+    return min(map(float, times))
+
+
+def rows(quick: bool = False) -> list[Row]:
+    """Seconds of derivations, and the exponent with which they grow with the number of modes, see `rows.py`."""
+    runs, modes, shapes = (1, 8, 2) if quick else (3, 100, 18)
+    half, whole = (sparse_seconds(n, runs) for n in (modes // 2, modes))
+    exponent = math.log2(whole / half)
+    with tempfile.TemporaryDirectory(prefix="tisserand-bench-") as folder:
+        path = Path(folder) / "beam.toml"
+        path.write_text(specification("point", shapes))
+        built = sum(stage_seconds(path, runs))
+    return [
+        row(f"derive a sparse beam of {modes} modes", whole, goal=3, unit="s"),
+        row(f"the same: exponent from {modes // 2} to {modes} modes", exponent, goal=1.3, unit="1"),
+        row(f"build a beam of {shapes} shapes, point frame", built, goal=3, unit="s"),
+    ]
 
 
 def import_seconds(statement: str, runs: int) -> float:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import subprocess
 import sys
 from dataclasses import replace
@@ -63,6 +64,40 @@ def test_adaptive() -> None:
     assert done.returncode == 0, done.stderr
     beams, own, scipy, *_ = done.stdout.splitlines()[-1].split()
     assert beams == "1" and int(own) == int(scipy) > 50
+
+
+@pytest.mark.long
+def test_all_rows_of_speed() -> None:
+    """Each row has its figures, and the ratio that follows from them; times are not checked."""
+    only = ("python_calls", "tool_speed")
+    command = [sys.executable, str(ROOT / "bench" / "all.py"), "--quick", "--json", "--only", *only]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    printed = json.loads(done.stdout)
+    assert {"machine", "compiler", "python", "flags"} < printed.keys() and printed["quick"]
+    rows = printed["rows"]
+    assert tuple(dict.fromkeys(row["module"] for row in rows)) == only
+    assert len({(row["name"], row["peer_name"]) for row in rows}) == len(rows)
+    for row in rows:
+        assert row["ours_ns"] > 0 or row["unit"] == "1", row
+        against = row["hand_ns"] or row["peer_ns"]
+        assert (row["ratio"] is None) == (against is None) and bool(row["peer_ns"]) == bool(row["peer_name"]), row
+        figure = row["ratio"] if row["unit"] == "ns" else row["ours_ns"]
+        assert against is None or row["ratio"] == pytest.approx(row["ours_ns"] / against)
+        assert row["met"] == (None if None in (figure, row["goal"]) else figure <= row["goal"]), row
+
+
+def test_a_benchmark_that_fails_is_a_row(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    monkeypatch.syspath_prepend(str(ROOT / "bench"))
+    every, calls = import_module("all"), import_module("python_calls")
+
+    def fails() -> None:
+        raise ArithmeticError("other values")
+
+    monkeypatch.setattr(calls, "rows", fails)
+    assert every.main(["--json", "--only", "python_calls"]) == 1
+    (row,) = json.loads(capsys.readouterr().out)["rows"]
+    assert row["error"] == "ArithmeticError: other values" and row["met"] is None
 
 
 @pytest.mark.long
