@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike
 from derive.ir.interpreter import RequirementError, interpret
 from derive.ir.model import Kernel, Model, Variable
 from derive.ir.patterns import Pattern
+from derive.ir.statements import ReturnCode
 from derive.roles import Role
 from derive.runtime.compiled_function import CompiledFunction
 from derive.runtime.native_call import Matrix, ModelError, Vector
@@ -70,6 +71,8 @@ class InterpretedFunction(CompiledFunction):
             outputs = interpret(self._kernel, given)
         except RequirementError as error:
             raise ModelError(self.name, error.code) from error
+        except (ArithmeticError, ValueError) as error:  # C has an infinity or a NaN there
+            raise ModelError(self.name, ReturnCode.NOT_FINITE) from error
         return [np.array(outputs[o.name], dtype=np.float64) for o in self._kernel.outputs]
 
 

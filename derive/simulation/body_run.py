@@ -66,7 +66,7 @@ def initial_vectors(model: Model, start: SpatialStart) -> tuple[Vector, Vector]:
 
     Raises SpecError if there are more amplitudes than modes.
     """
-    modes = len(model.velocities) - 6
+    modes = sum(variable.size for variable in model.velocities) - 6
     problems = [
         Problem(f"body.start.{key}", f"there are {len(values)} numbers, and the body has {modes} modes")
         for key, values in (("amplitudes", start.amplitudes), ("amplitude_rates", start.amplitude_rates))
