@@ -1,12 +1,13 @@
 # `make run` installs Tisserand into .venv and builds the two beams of the README.
-# `make test` also installs the test tools and runs all checks and tests; `make test-long` whole studies and benchmarks.
+# `make test` also installs the test tools and runs all checks and tests; `make test-long` whole studies and
+# benchmarks, `make test-hosts` exports in the programs that they are for, see docs/hosts.md.
 
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 PIP := $(BIN)/python -m pip install --disable-pip-version-check --constraint constraints.txt
 
-.PHONY: run test test-long clean
+.PHONY: run test test-long test-hosts clean
 
 run: $(VENV)/installed
 	$(BIN)/tisserand build scenes/free_beam_mean.toml scenes/free_beam_point.toml
@@ -23,6 +24,9 @@ test: $(VENV)/installed-test
 test-long: $(VENV)/installed-test
 	$(BIN)/pytest --numprocesses 2 --dist loadfile --durations 20 -m long
 
+test-hosts: $(VENV)/installed-hosts
+	$(BIN)/pytest --numprocesses 2 --dist loadfile --durations 20 -m hosts
+
 $(VENV)/installed: pyproject.toml constraints.txt
 	@echo "Creating the virtual environment $(VENV) ..."
 	@$(PYTHON) -m venv $(VENV)
@@ -33,6 +37,11 @@ $(VENV)/installed: pyproject.toml constraints.txt
 $(VENV)/installed-test: $(VENV)/installed
 	@echo "Installing the test tools into $(VENV) ..."
 	@$(PIP) --editable '.[test]'
+	@touch $@
+
+$(VENV)/installed-hosts: $(VENV)/installed-test
+	@echo "Installing the packages of Python for other programs into $(VENV) ..."
+	@$(PIP) --editable '.[hosts]'
 	@touch $@
 
 clean:

@@ -39,6 +39,7 @@ examples:
   tisserand choose scenes/crank_slider_3.toml --error 0.01
   tisserand study frames scenes/crank_slider_3.toml
   tisserand report scenes/free_beam_mean.toml --pdf
+  tisserand export scenes/crank_slider_3.toml --to cmake
   tisserand check
 
 `tisserand COMMAND --help` lists the options of a command. Results go to standard output, errors to standard error.
@@ -80,6 +81,7 @@ def parser() -> argparse.ArgumentParser:
     add_study(commands)
     _add_choose(commands)
     _add_report(commands)
+    _add_export(commands)
     _add_check(commands)
     _add_sid(commands)
     _add_schema(commands)
@@ -186,6 +188,20 @@ def _add_choose(commands: Any) -> None:
     )
     choose.add_argument("--json", action="store_true", help="print the search as JSON")
     add_no_cache(choose)
+
+
+def _add_export(commands: Any) -> None:
+    export = add_command(
+        commands, "export", "write a model as another program takes it, with inputs and outputs as ports"
+    )
+    export.add_argument("spec", type=Path, metavar="SPEC", help=f"{SPEC} of a body or a scene")
+    export.add_argument(
+        "--to", required=True, metavar="KIND", help="the interface: cmake (C and C++ by CMake and pkg-config)"
+    )
+    _add_folder(export, "exported")
+    add_set(export)
+    add_no_cache(export)
+    export.add_argument("--json", action="store_true", help="print ports, start values and files as JSON")
 
 
 def _add_check(commands: Any) -> None:

@@ -1,0 +1,166 @@
+"""What a host has to know of a model: its C, and the names, units and start values of all that goes in and out."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from pathlib import PurePosixPath
+
+from derive.artifacts import File
+from derive.backends.model_files import model_files
+from derive.derivation import derive, lower
+from derive.errors import Problem, SpecError
+from derive.export.input_start import input_start
+from derive.generated_models import generated
+from derive.ir.model import Model, StartState, Variable
+from derive.lowering.conditioning import condition_warnings
+from derive.lowering.spin_limit import spin_notes
+from derive.mechanics.multibody.outputs.prescribed_inertia import inertia_notes
+from derive.simulation.body_run import initial_vectors
+from derive.simulation.free_beam import beam_scene
+from derive.simulation.initial.start_state import start_state
+from derive.simulation.linear.run_time_inputs import scene_with_values
+from derive.spec.model.body import NodalBody, PlanarBeam, SymbolicBody
+from derive.spec.model.scene import Scene, Specification
+
+SYMBOLIC = (
+    "all numbers of this body are parameters, so that it has no initial state for a host to start from: give the body "
+    "by its nodes, as a beam or as a scene; or build it, and set its parameters in a program of your own"
+)
+"""What is said of a symbolic body."""
+
+
+@dataclass(frozen=True)
+class HostVariable:
+    """A scalar that a host sees: its name, its SI unit ("" without one), what it is, and its value at the start.
+
+    Of an output the start is None, since it follows from the state. derivative: of an input, which time derivative of a
+    prescribed motion it is, 0 for the motion itself and for all other inputs.
+    """
+
+    name: str
+    unit: str
+    doc: str
+    start: float | None
+    derivative: int = 0
+
+
+@dataclass(frozen=True)
+class HostModel:
+    """A model as hosts see it.
+
+    spec: what was specified; a single beam is the scene of this beam, as in a simulation. model: its kernels and
+    patterns. files: NAME/NAME.h, NAME/NAME.c and the manifest NAME/manifest.json, as `derive.model_files` makes them.
+    coordinates, velocities: q (nq,) and v (nv,) with the consistent initial state. inputs: u (nu,) with their values at
+    t = 0; one that prescribes a motion is followed by its first two time derivatives. outputs: (nout,). parameters: p
+    (np,) with their defaults. multipliers: lambda (nlambda,). notes: lines of text for the user.
+    """
+
+    name: str
+    spec: Scene | NodalBody
+    model: Model
+    files: tuple[File, ...]
+    coordinates: tuple[HostVariable, ...]
+    velocities: tuple[HostVariable, ...]
+    inputs: tuple[HostVariable, ...]
+    outputs: tuple[HostVariable, ...]
+    parameters: tuple[HostVariable, ...]
+    multipliers: tuple[HostVariable, ...]
+    notes: tuple[str, ...]
+
+    @property
+    def states(self) -> tuple[HostVariable, ...]:
+        """x = [q; v] (nq + nv,)."""
+        return (*self.coordinates, *self.velocities)
+
+    @property
+    def held_inputs(self) -> tuple[float, ...]:
+        """The inputs u (nu,) of a host that holds them at their start values: the rates of motions are zero."""
+        return tuple(0.0 if u.derivative else u.start or 0.0 for u in self.inputs)
+
+    @property
+    def header(self) -> File:
+        """NAME.h."""
+        return self._file(f"{self.name}.h")
+
+    @property
+    def source(self) -> File:
+        """NAME.c."""
+        return self._file(f"{self.name}.c")
+
+    @property
+    def manifest(self) -> File:
+        """manifest.json."""
+        return self._file("manifest.json")
+
+    def _file(self, name: str) -> File:
+        return next(file for file in self.files if PurePosixPath(file.path).name == name)
+
+
+def host_model(spec: Specification) -> HostModel:
+    """The model of a specification as hosts see it, with its consistent initial state.
+
+    Raises SpecError and SimulationError where there is no initial state, as `simulate` does.
+    """
+    if isinstance(spec, SymbolicBody):
+        raise SpecError((Problem("", SYMBOLIC),), None)
+    if isinstance(spec, PlanarBeam):
+        spec = beam_scene(spec)
+    model, _ = generated(spec)
+    if isinstance(spec, Scene):
+        inputs = _inputs(spec, model)
+        start = _start_of_scene(spec, model)
+        model = replace(model, start=start)
+    else:
+        q, v = initial_vectors(model, spec.start)
+        start, inputs = StartState(tuple(map(float, q)), tuple(map(float, v))), ()
+    return HostModel(
+        spec.name,
+        spec,
+        model,
+        model_files(model, spec, ("c",)),
+        _scalars(model.coordinates, start.q),
+        _scalars(model.velocities, start.v),
+        inputs,
+        _scalars(model.outputs, None),
+        _scalars(model.parameters, model.defaults),
+        _scalars(model.multipliers, None),
+        tuple(_notes(spec)),
+    )
+
+
+def _start_of_scene(scene: Scene, model: Model) -> StartState:
+    """The initial state, in which run-time inputs are what they are at the start of a simulation, or zero."""
+    simulated = replace(scene_with_values(scene), outputs=())
+    return start_state(simulated, lower(derive(simulated)) if scene.inputs else model)
+
+
+def _inputs(scene: Scene, model: Model) -> tuple[HostVariable, ...]:
+    values = input_start(scene)
+    variables = _scalars(model.inputs, [value.number for value in values])
+    return tuple(replace(u, derivative=value.order) for u, value in zip(variables, values, strict=True))
+
+
+def _scalars(variables: Sequence[Variable], values: Sequence[float] | None) -> tuple[HostVariable, ...]:
+    """The elements of variables with their values; those of an array are numbered from 1, as in the descriptor."""
+    elements = [
+        (f"{variable.name}{k}" if variable.size > 1 else variable.name, variable)
+        for variable in variables
+        for k in range(1, variable.size + 1)
+    ]
+    starts = [None] * len(elements) if values is None else values
+    return tuple(
+        HostVariable(name, "" if variable.unit == "1" else variable.unit, variable.doc, start)
+        for (name, variable), start in zip(elements, starts, strict=True)
+    )
+
+
+def _notes(spec: Scene | NodalBody) -> Iterator[str]:
+    """What the user did not write and has to know: inputs without a value, limits of the model."""
+    if isinstance(spec, Scene):
+        for value in spec.inputs:
+            if value.function is None:
+                yield f"inputs.{value.name}: there is no value; it is 0 in the initial state, and the host sets it"
+        yield from inertia_notes(spec)
+    yield from spin_notes(spec)
+    yield from (f"warning: {text}" for text in condition_warnings(spec))

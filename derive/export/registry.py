@@ -1,0 +1,20 @@
+"""The registry of interfaces: one line for each; those are what `tisserand export --to` takes."""
+
+from __future__ import annotations
+
+from derive.export.cmake import CMAKE
+from derive.export.host_model import host_model
+from derive.export.interface import HostFile, Interface, exported_files
+from derive.registry import Registry
+from derive.spec.model.scene import Specification
+
+INTERFACES: Registry[Interface] = Registry("interface", {"cmake": CMAKE})
+
+
+def exported(spec: Specification, kind: str) -> tuple[HostFile, ...]:
+    """The files with which the hosts of an interface use the model of a specification.
+
+    kind: a name in `INTERFACES`. `derive.write` writes the files. Raises UnknownNameError, SpecError, SimulationError.
+    """
+    interface = INTERFACES[kind]
+    return exported_files(host_model(spec), kind, interface)

@@ -1,0 +1,103 @@
+"""Scenes that the tests of hosts export, with force and motion inputs, outputs and parameters."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import derive
+from conftest import ROOT
+from derive.export.host_model import HostModel, host_model
+from derive.spec.toml.read import parse
+
+PUSHED = """
+name = "pushed"
+ground.markers = { pivot = [0, 0] }
+scene.gravity = [0, -9.81]
+
+[bodies.rod]
+mass = 0.5
+length = 1.0
+bending_stiffness = { symbol = "EI", default = 10, unit = "N m^2" }
+ansatz = ["1", "xi", "xi^2", "xi^3"]
+markers = { root = -1, tip = 1 }
+start = { angle = -1.2 }
+
+[joints.pivot]
+kind = "revolute"
+between = ["ground.pivot", "rod.root"]
+start = { speed = 2 }
+
+[inputs.push]
+unit = "N"
+value = "0.3*cos(6*t)"
+
+[forces.push]
+at = "rod.tip"
+components = [{ input = "push" }, 0]
+
+[outputs.tip]
+kind = "position"
+marker = "rod.tip"
+
+[outputs.support]
+kind = "reaction"
+joint = "pivot"
+
+[simulation]
+duration = 2
+output = 0.005
+"""
+"""A flexible pendulum with a force as its input."""
+
+STEERED = """
+name = "steered"
+parameters = { amplitude = { default = 0.5, unit = "rad" } }
+ground.markers = { pivot = [0, 0] }
+
+[bodies.arm]
+mass = 2
+length = 1
+bending_stiffness = 100
+ansatz = ["1", "xi", "xi^2"]
+markers = { root = -1, tip = 1 }
+
+[joints.pivot]
+kind = "revolute"
+between = ["ground.pivot", "arm.root"]
+
+[inputs.angle]
+unit = "rad"
+value = "amplitude*(1 + sin(4*t)) + 3*t^2"
+
+[inputs.side]
+unit = "N"
+
+[drives.motor]
+joint = "pivot"
+motion = { input = "angle" }
+
+[forces.side]
+at = "arm.tip"
+components = [0, { input = "side" }]
+
+[outputs.torque]
+kind = "drive"
+drive = "motor"
+
+[simulation]
+duration = 1
+output = 0.01
+"""
+"""An arm whose rotation is an input with two time derivatives, and a force that has no value in simulations."""
+
+
+@cache
+def prepared(text: str) -> HostModel:
+    """The model of a specification, as hosts see it."""
+    return host_model(parse(text, "given.toml"))
+
+
+@cache
+def scene(name: str) -> HostModel:
+    """The model of a specification in the folder `scenes`."""
+    return host_model(derive.read(ROOT / f"scenes/{name}.toml"))
