@@ -68,20 +68,28 @@ def parameters(body: ModalBody, spec: SymbolicBody) -> NDArray[np.float64]:
     return parameters_of(body, symbolic_tables(spec), spec.gravity)
 
 
-def lower(derived: Equations | Mechanism) -> Model:
+def lower(derived: Equations | Mechanism, sensitivities: bool = False) -> Model:
     """The kernels of a model: straight-line code, or loops over the modes of a spatial body if these are faster.
 
-    Raises SpecError if the specification requires straight-line code that would be too long.
+    sensitivities: with the derivatives with respect to the parameters, `parameter_jacobian`, which loops do not have.
+    Raises SpecError if the specification requires straight-line code that would be too long, or has loops where
+    sensitivities are required.
     """
     if isinstance(derived, Mechanism) or derived.body is None or not derived.indexed or derived.body.dimension == 2:
-        return lower_flat(derived.expanded())
+        return lower_flat(derived.expanded(), sensitivities=sensitivities)
     estimate = cost_model.estimate_costs(derived.body)
     try:
         flat = estimate.selected(derived.lowering) == "flat"
     except cost_model.CodeTooLong as error:
         raise SpecError((Problem("body.lowering", str(error)),)) from None
     reason = estimate.reason(derived.lowering)
-    return lower_flat(derived.expanded(), reason) if flat else lower_tables(derived, reason)
+    if sensitivities and not flat:
+        raise SpecError(
+            (Problem("body.lowering", f'{reason}; loops have no derivatives by parameters: lowering = "flat"'),)
+        )
+    return (
+        lower_flat(derived.expanded(), reason, sensitivities=sensitivities) if flat else lower_tables(derived, reason)
+    )
 
 
 def lowered_form(derived: Equations | Mechanism, model: Model) -> Equations:

@@ -52,11 +52,11 @@ class Built:
     notes: tuple[str, ...] = ()
 
 
-def build(path: Path, progress: Callable[[str], None] = lambda _: None) -> Built:
+def build(path: Path, progress: Callable[[str], None] = lambda _: None, sensitivities: bool = False) -> Built:
     """Run all stages on a specification file, without writing the generated files.
 
-    `path` is the TOML file; `progress` is called with a description of each stage when it begins. Raises SpecError,
-    with line numbers of the file, if the specification is invalid.
+    `path` is the TOML file; `progress` is called with a description of each stage when it begins; `sensitivities`: see
+    `lower`. Raises SpecError, with line numbers of the file, if the specification is invalid.
     """
     clock = [time.perf_counter()]
 
@@ -72,7 +72,7 @@ def build(path: Path, progress: Callable[[str], None] = lambda _: None) -> Built
         derived = derive(spec)
         deriving = Stage("derive", lap())
         progress("lowering to kernels")
-        model = lower(derived)
+        model = lower(derived, sensitivities)
     except SpecError as error:  # a numerical fault that shows only during the derivation
         raise with_lines(error, path) from None
     equations = lowered_form(derived, model)

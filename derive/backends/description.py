@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import assert_never
 
 from derive.backends.wrapping import Item, Prose, prefixed
-from derive.ir.model import Argument, Kernel, Model, Output, OutputKind, Section, Variable, Zero
+from derive.ir.model import PARAMETER_JACOBIAN, Argument, Kernel, Model, Output, OutputKind, Section, Variable, Zero
 from derive.ir.patterns import Pattern, RowSetKind
 from derive.roles import Source
 
@@ -45,6 +45,8 @@ def pattern_texts(model: Model, indent: str) -> list[PatternText]:
         patterns += [(f"jacobian_{form}", model.pattern(f"jacobian_{form}", "jac")) for form in ("ggl", "index1")]
     if model.outputs:
         patterns.append(("outputs_jacobian", model.pattern("outputs_jacobian", "jac")))
+    if model.sensitivities:
+        patterns.append((PARAMETER_JACOBIAN, model.pattern(PARAMETER_JACOBIAN, "jac")))
 
     def lines(values: tuple[int, ...]) -> str:
         return "\n".join(prefixed([", ".join(map(str, values))], indent))

@@ -92,6 +92,9 @@ def _add_build(commands: Any) -> None:
     build = add_command(commands, "build", "generate C, Python and a manifest from specifications")
     build.add_argument("specs", nargs="+", type=Path, metavar="SPEC", help=SPEC)
     _add_folder(build, "generated")
+    build.add_argument(
+        "--sensitivities", action="store_true", help="with the derivatives of the equations by the parameters"
+    )
     build.add_argument("--json", action="store_true", help="print the table of stages as JSON")
 
 

@@ -15,7 +15,7 @@ from derive.terminal import table
 
 def run(options: argparse.Namespace) -> int:
     """Build all specifications, then write all files; an error in any specification prevents all writing."""
-    built = build_all(options.specs)
+    built = build_all(options.specs, options.sensitivities)
     files = [file for b in built for file in b.files]
     write(files, options.out)
     if options.json:

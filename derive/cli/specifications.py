@@ -67,8 +67,8 @@ def simulated(
         raise SpecError(error.problems, str(path)) from None
 
 
-def build_all(paths: Sequence[Path]) -> list[Built]:
-    """Build every specification.
+def build_all(paths: Sequence[Path], sensitivities: bool = False) -> list[Built]:
+    """Build every specification, with derivatives by the parameters if `sensitivities`.
 
     Raises SpecError with the problems of all files, also when two models would have the same name in C.
     """
@@ -79,7 +79,7 @@ def build_all(paths: Sequence[Path]) -> list[Built]:
     paths_by_name: dict[str, Path] = {}
     for path in dict.fromkeys(paths):
         try:
-            result = build(path, partial(_show_stage, path))
+            result = build(path, partial(_show_stage, path), sensitivities)
         except SpecError as error:
             errors.append(error)
             continue

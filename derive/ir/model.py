@@ -18,6 +18,9 @@ from derive.registry import UnknownNameError
 from derive.roles import Role
 from derive.spec.model.time_function import Spline
 
+PARAMETER_JACOBIAN = "parameter_jacobian"
+"""The name of the kernel of derivatives with respect to the parameters."""
+
 
 @dataclass(frozen=True)
 class Section:
@@ -238,6 +241,11 @@ class Model:
         for index, value in self.data:
             values[index] = value
         return tuple(values)
+
+    @property
+    def sensitivities(self) -> bool:
+        """Whether there is the kernel of derivatives with respect to the parameters."""
+        return any(kernel.name == PARAMETER_JACOBIAN for kernel in self.kernels)
 
     def kernel(self, name: str) -> Kernel:
         """The kernel of that name. Raises UnknownNameError if there is none."""

@@ -10,6 +10,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from enum import Enum
 
+from derive.ir.model import PARAMETER_JACOBIAN
 from derive.ir.patterns import Pattern
 from derive.mechanics.equations import Equations
 
@@ -37,6 +38,7 @@ class FunctionKind(Enum):
     OUTPUTS_JACOBIAN = "outputs_jacobian"
     RESIDUAL = "residual"
     JACOBIAN = "jacobian"
+    PARAMETER_JACOBIAN = PARAMETER_JACOBIAN
 
 
 @dataclass(frozen=True)
@@ -87,11 +89,13 @@ RESIDUAL = {"F": "residual, one for each state"}
 ITERATION_MATRIX = {"jac": "values of the iteration matrix by columns"}
 
 
-def functions_of(equations: Equations) -> tuple[ModelFunction, ...]:
-    """All functions of a model, in the order of the generated code."""
+def functions_of(equations: Equations, sensitivities: bool = False) -> tuple[ModelFunction, ...]:
+    """All functions of a model, in the order of the generated code; `sensitivities` adds that of the parameters."""
     mechanism = bool(equations.poses)
     specific = _of_mechanisms(bool(equations.outputs)) if mechanism else _of_bodies()
     every = (*_dynamics(mechanism), *_invariants(equations, mechanism), *_of_markers(equations), *specific)
+    if sensitivities:
+        every += (_of_parameters(mechanism),)
     return tuple(map(_with_inputs, every)) if equations.inputs else every
 
 
@@ -157,6 +161,19 @@ def _of_bodies() -> Iterator[ModelFunction]:
     matrix = "Iteration matrix dF/dy + cj dF/dydot of the first-order form, values by columns, diagonal included."
     yield ModelFunction(FunctionKind.RESIDUAL, form, ("t", "y", "ydot", "k"), RESIDUAL)
     yield ModelFunction(FunctionKind.JACOBIAN, matrix, ("t", "y", "ydot", "cj", "k"), ITERATION_MATRIX)
+
+
+def _of_parameters(mechanism: bool) -> ModelFunction:
+    """The function for derivatives with respect to the parameters."""
+    rows, y = (
+        ("M vdot + h - G^T lambda, g, gdot and G vdot - gamma", "[q; v; lambda]")
+        if mechanism
+        else ("M vdot + h", "[q; v]")
+    )
+    doc = f"Derivatives of {rows} with respect to the parameters, at fixed t, y = {y} and ydot: values by columns."
+    return ModelFunction(
+        FunctionKind.PARAMETER_JACOBIAN, doc, ("t", "y", "ydot", "k"), {"jac": "values of the derivatives by columns"}
+    )
 
 
 def _of_mechanisms(outputs: bool) -> Iterator[ModelFunction]:

@@ -83,6 +83,9 @@ class Native:
             self._add(m, member, state, (size,))
         self._add(m, "residual", (n, n, m.nk), (n,))
         self._add(m, "jacobian", (n, n, m.nk), (len(self.jacobian_pattern.rowidx),), order=cj_first)
+        self.parameter_pattern = pattern_of(m.parameter_pattern.contents) if m.parameter_pattern else None
+        if self.parameter_pattern:
+            self._add(m, "parameter_jacobian", (n, n, m.nk), (len(self.parameter_pattern.rowidx),))
         for i, point in enumerate(self.markers):
             marker = m.markers[i]
             nnz = marker.pattern.contents.nnz
@@ -193,6 +196,16 @@ class Native:
     ) -> Vector:
         """Values of dF/dy + cj dF/dydot."""
         return self._compiled["jacobian"]((y, ydot, self.own_at(t, k)), t, cj, out=out)
+
+    def parameter_jacobian(self, t: float, y: ArrayLike, ydot: ArrayLike, k: ArrayLike) -> Vector:
+        """Values of the derivatives with respect to the parameters, in the order of `parameter_pattern`.
+
+        The rows are those of M vdot + h - G^T lambda, g, gdot and G vdot - gamma, of a body those of M vdot + h; t, y
+        and ydot are fixed. Raises CompilerError if the model was generated without sensitivities.
+        """
+        if self.parameter_pattern is None:
+            raise CompilerError(f"{self.name} has no derivatives by parameters; generate it with sensitivities")
+        return self._compiled["parameter_jacobian"]((y, ydot, self.own_at(t, k)), t)
 
     def mass_batch(self, q: ArrayLike, k: ArrayLike, check: bool = True) -> Matrix:
         """Values of M (n, nnz) for each row of q (n, nq). The C takes structures of arrays: both are transposed.

@@ -132,6 +132,8 @@ class ModelStruct(ctypes.Structure):
         ("accel_batch", _function(ctypes.c_int, _T, *[Doubles] * 4)),
         ("scene", ctypes.POINTER(SceneStruct)),
         ("ports", ctypes.POINTER(PortsStruct)),
+        ("parameter_pattern", ctypes.POINTER(PatternStruct)),
+        ("parameter_jacobian", _function(_T, *[Doubles] * 4)),
     ]
 
 

@@ -91,7 +91,7 @@ def test_a_spline_is_that_of_scipy(count: int) -> None:
     x, y = np.sort(rng.uniform(-3, 10, count)), rng.normal(size=count)
     spline, exact = cubic_spline("s", x.tolist(), y.tolist()), CubicSpline(x, y)
     inside = rng.uniform(x[0], x[-1], 50)
-    for order in range(3):
+    for order in range(4):
         close([spline(float(z), order) for z in inside], exact(inside, order), 1e-13)
     assert (spline(x[0] - 1), spline(x[-1] + 1)) == (y[0], pytest.approx(y[-1], rel=1e-14))
     assert spline(x[0] - 1, 1) == spline(x[-1] + 1, 1) == spline(x[-1] + 1, 2) == 0

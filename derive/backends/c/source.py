@@ -31,7 +31,7 @@ from derive.ir.statements import Accumulate, Let, MatVec, Require, RequireFinite
 from derive.rendering import render
 from derive.roles import Role
 
-ABI = 6
+ABI = 7
 
 FORMS = {"index3": "", **REDUCED_FORMS}
 """The forms of the equations of a scene, with the suffixes of the names of their functions."""

@@ -59,6 +59,11 @@ class Symbols:
         """The values of several symbols."""
         return [self.values[symbol] for symbol in symbols]
 
+    @property
+    def lookups(self) -> dict[Lookup, ca.SX]:
+        """The look-ups in tables so far, and their CasADi symbols."""
+        return {expr: value for expr, value in self._converted.items() if isinstance(expr, Lookup)}
+
     def number(self, value: Fraction) -> ca.SX:
         """The CasADi value of an exact number."""
         if value.denominator == 1 and abs(value.numerator) < 2**53:

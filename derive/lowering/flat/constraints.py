@@ -23,6 +23,7 @@ from derive.lowering.flat.schedule import NamedValue, RequiredValue, Step
 from derive.lowering.functions import ModelFunction, OutputElements
 from derive.lowering.ldlt import Factorisation, factorise, solve
 from derive.lowering.redundancy import Dependence, dependences, redundancy_text
+from derive.mechanics.equations import Constraint
 from derive.mechanics.symbols import local
 from derive.roles import Source
 
@@ -153,6 +154,14 @@ def kkt_factors(context: Context, symbols: Symbols) -> Factorisation:
     entries |= {(n + i, j): -value for (i, j), value in jacobian_entries(context, symbols).items()}
     shape = kkt_pattern(context)
     return factorise(shape, entries, context.elimination.order(shape, n), n)
+
+
+def acceleration_residual(constraint: Constraint, context: Context, symbols: Symbols) -> ca.SX:
+    """G vdot - gamma of a constraint."""
+    acceleration = {row.name: row.a for row in context.equations.rows}
+    factors = dict(constraint.jacobian)
+    values = (symbols(f) * symbols.values[acceleration[row]] for row, f in factors.items())
+    return sum(values, symbols(constraint.bias))
 
 
 def _bias(context: Context, symbols: Symbols) -> list[ca.SX]:

@@ -13,7 +13,7 @@ import sympy as sp
 from derive.ir.model import Kernel
 from derive.ir.patterns import pattern
 from derive.lowering.flat.casadi_symbols import Symbols
-from derive.lowering.flat.constraints import jacobian_entries
+from derive.lowering.flat.constraints import acceleration_residual, jacobian_entries
 from derive.lowering.flat.context import Context, Input, array_input, stores
 from derive.lowering.flat.schedule import Step
 from derive.lowering.functions import ModelFunction, OutputElements
@@ -55,13 +55,7 @@ def _rows(context: Context, form: str, symbols: Symbols) -> list[ca.SX]:
         rows += [symbols(c.rate) for c in eq.constraints]
     if form in ("", "ggl"):
         return rows + [symbols(c.position) for c in eq.constraints]
-    return rows + [_acceleration_residual(c.bias, dict(c.jacobian), context, symbols) for c in eq.constraints]
-
-
-def _acceleration_residual(bias: sp.Expr, factors: dict[str, sp.Expr], context: Context, symbols: Symbols) -> ca.SX:
-    """G vdot - gamma of a constraint, with the row `factors` of G and gamma = -bias."""
-    acceleration = {row.name: row.a for row in context.equations.rows}
-    return sum((symbols(f) * symbols.values[acceleration[row]] for row, f in factors.items()), symbols(bias))
+    return rows + [acceleration_residual(c, context, symbols) for c in eq.constraints]
 
 
 def residual(context: Context, function: ModelFunction) -> Kernel:

@@ -11,6 +11,7 @@ from derive.lowering.elimination_orders import EliminationRule
 from derive.lowering.flat import constraints, dae, functions, outputs
 from derive.lowering.flat.casadi_symbols import table_name
 from derive.lowering.flat.context import Context
+from derive.lowering.flat.sensitivities import parameter_jacobian, with_derivatives
 from derive.lowering.flat.setup import setup_kernel
 from derive.lowering.functions import FunctionKind, ModelFunction, functions_of
 from derive.lowering.terms import model_terms
@@ -30,6 +31,7 @@ OF_BODIES: Mapping[FunctionKind, Implementation] = {
     FunctionKind.LOAD: functions.load,
     FunctionKind.RESIDUAL: functions.residual,
     FunctionKind.JACOBIAN: functions.jacobian,
+    FunctionKind.PARAMETER_JACOBIAN: parameter_jacobian,
 }
 OF_MECHANISMS: Mapping[FunctionKind, Implementation] = {
     FunctionKind.ACCEL: constraints.accelerations,
@@ -48,16 +50,22 @@ OF_MECHANISMS: Mapping[FunctionKind, Implementation] = {
 """The functions that only mechanisms have, and those that depend on constraints."""
 
 
-def lower(equations: Equations, choice: str = "", elimination: EliminationRule = EliminationRule.SAFE) -> Model:
+def lower(
+    equations: Equations,
+    choice: str = "",
+    elimination: EliminationRule = EliminationRule.SAFE,
+    sensitivities: bool = False,
+) -> Model:
     """The model, with all of its kernels, from its expanded equations.
 
-    choice: the reason why the model has straight-line code; elimination: the order of the KKT matrix. Raises
-    LoweringError if a kernel cannot be evaluated.
+    choice: the reason why the model has straight-line code; elimination: the order of the KKT matrix;
+    sensitivities: with the derivatives with respect to the parameters. Raises LoweringError if a kernel cannot be
+    evaluated.
     """
-    context = Context(equations, elimination)
+    context = Context(with_derivatives(equations) if sensitivities else equations, elimination)
     scene = bool(equations.poses)
     implementations = {**OF_BODIES, **OF_MECHANISMS} if scene else OF_BODIES
-    lowered = (implementations[function.kind](context, function) for function in functions_of(equations))
+    lowered = (implementations[function.kind](context, function) for function in functions_of(equations, sensitivities))
     kernels = tuple(with_attitude_check(kernel, equations) for kernel in lowered)
     setup, constants = setup_kernel(context, kernels)
     names = tuple(c.name for c in constants)

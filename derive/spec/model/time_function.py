@@ -26,7 +26,7 @@ class Spline:
     coefficients: tuple[tuple[float, float, float, float], ...]
 
     def __call__(self, x: float, order: int = 0) -> float:
-        """The value at x, or the derivative of that order, at most 2."""
+        """The value at x, or the derivative of that order, at most 3."""
         if order and not self.knots[0] <= x < self.knots[-1]:
             return 0.0
         x = min(max(x, self.knots[0]), self.knots[-1])
@@ -40,7 +40,9 @@ def _cubic(c: tuple[float, float, float, float], d: float, order: int) -> float:
         return c[0] + d * (c[1] + d * (c[2] + d * c[3]))
     if order == 1:
         return c[1] + d * (2.0 * c[2] + d * (3.0 * c[3]))
-    return 2.0 * c[2] + d * (6.0 * c[3])
+    if order == 2:
+        return 2.0 * c[2] + d * (6.0 * c[3])
+    return 6.0 * c[3]
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,137 @@
+"""The derivatives of the equations with respect to the parameters, against differences in 50 digits."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cache
+from typing import Any
+
+import mpmath
+import numpy as np
+import pytest
+import zoo
+from made import close, state
+from test_time_functions import tables
+
+import derive
+from beams import run_module
+from conftest import QUICK, ROOT
+from derive.backends.model_files import model_files
+from derive.ir.interpreter import interpret
+from derive.ir.model import Model
+from derive.runtime.compiler import CompilerError
+from derive.spec.toml.read import parse
+
+BEAM = """
+name = "stretching"
+ground.markers = { o = [0, 0] }
+[scene]
+gravity = [0, { symbol = "gy", default = -9.81 }]
+[bodies.rod]
+ansatz = ["1", "xi", "xi^2", "xi^3"]
+frame = { kind = "tangent", at = -1 }
+order = 2
+terms = "TERMS"
+mass = { symbol = "m", default = 1.3 }
+length = { symbol = "l", default = 1.2 }
+bending_stiffness = { symbol = "EI", default = 7 }
+markers = { left = -1, right = 1 }
+AXIAL
+[joints.pin]
+kind = "revolute"
+between = ["ground.o", "rod.left"]
+[inputs.push]
+value = "5"
+[forces.push]
+at = "rod.right"
+components = [{ input = "push" }, 0]
+"""
+AXIAL = """
+[bodies.rod.axial]
+ansatz = ["xi + 1"]
+stiffness = { symbol = "EA", default = 900 }
+preload = { symbol = "N", default = 3 }
+"""
+SCENES: dict[str, Callable[[], Any]] = {
+    "functions": lambda: parse(zoo.FUNCTIONS),
+    "loads": lambda: parse(zoo.LOADS),
+    "tables": lambda: tables().spec,
+    "stretching": lambda: parse(BEAM.replace("TERMS", "truncated").replace("AXIAL", AXIAL)),
+    "full": lambda: parse(BEAM.replace("TERMS", "full").replace("AXIAL", "")),
+    "point": lambda: derive.read(ROOT / "scenes" / "free_beam_point.toml"),
+    "body": lambda: derive.symbolic_body("body", 2, frame="given", lowering="flat"),
+}
+FUNCTIONS = {f: getattr(mpmath, f) for f in ("sin", "cos", "sqrt", "exp", "log", "tanh", "atan2")}
+
+
+@cache
+def made(name: str) -> tuple[Model, tuple[derive.File, ...], Any]:
+    spec = SCENES[name]()
+    model = derive.lower(derive.derive(spec), sensitivities=True)
+    files = model_files(model, spec)
+    return model, files, derive.load(files, QUICK)
+
+
+def exact(model: Model, p: np.ndarray, given: dict[str, Any]) -> np.ndarray:
+    """The rows (rows, parameters) by central differences of setup, residuals and constraints."""
+    settings: Any = {
+        "number": lambda x: mpmath.mpf(x.numerator) / x.denominator,
+        "functions": FUNCTIONS,
+        "tables": {spline.name: spline for spline in model.splines},
+        "check": False,
+    }
+    nq, nv, n = (sum(v.size for v in of) for of in (model.coordinates, model.velocities, model.multipliers))
+    given |= {"q": given["y"][:nq], "v": given["y"][nq : nq + nv]}
+
+    def rows(p: list[Any]) -> np.ndarray:
+        def value(kernel: str, output: str) -> list[Any]:
+            result: list[Any] = interpret(model.kernel(kernel), given | {"k": k}, **settings)[output]
+            return result
+
+        k = interpret(model.kernel("setup"), {"p": p}, **settings)["k"]
+        dynamics = value("residual", "F")[nq : nq + nv]
+        if not n:
+            return np.array(dynamics)
+        bias = value("residual_index1", "F")[-n:]
+        return np.array([*dynamics, *value("constraints", "g"), *value("constraint_rates", "gdot"), *bias])
+
+    h, columns = mpmath.mpf(10) ** -15, []
+    for j in range(len(p)):
+        moved = [[mpmath.mpf(float(x)) + (i == j) * step for i, x in enumerate(p)] for step in (h, -h)]
+        columns.append((rows(moved[0]) - rows(moved[1])) / (2 * h))
+    return np.array(columns).T
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_they_are_the_derivatives_of_all_rows(name: str) -> None:
+    model, files, native = made(name)
+    rng = np.random.default_rng(5)
+    p = native.defaults * rng.uniform(0.9, 1.1, native.np) + (native.defaults == 0) * rng.uniform(0.5, 1, native.np)
+    t, q, v = state(native, 3)
+    y = np.concatenate([q, v, rng.uniform(-2, 2, native.nlambda)])
+    ydot = rng.uniform(-2, 2, len(y))
+    u = np.full(len(model.inputs), 0.7)
+    numbers = {n: [mpmath.mpf(float(x)) for x in a] for n, a in (("y", y), ("ydot", ydot), ("u", u))}
+    with mpmath.workdps(50):
+        expected = exact(model, p, {"t": mpmath.mpf(t), **numbers})
+    k = native.setup(p)
+    k = native.with_inputs(k, u) if len(u) else k
+    close(native.parameter_pattern.dense(native.parameter_jacobian(t, y, ydot, k)), expected, 1e-13)
+    module = run_module(files)
+    values = module["parameter_jacobian"](t, y, ydot, *((u,) if len(u) else ()), module["setup"](p))
+    close(native.parameter_pattern.dense(values), expected, 1e-13)
+    structural = native.parameter_pattern.dense(np.ones(len(values))) != 0
+    assert not np.any(np.abs(expected.astype(float))[~structural] > 0)
+    if name not in ("functions", "tables"):  # whose branches and intervals are without parameters here and there
+        assert structural.sum() == (np.abs(expected.astype(float)) > 0).sum()
+
+
+def test_what_has_no_derivatives_says_so() -> None:
+    native = derive.load(model_files(derive.lower(derive.derive(SCENES["point"]())), SCENES["point"]()), QUICK)
+    assert native.parameter_pattern is None
+    y = np.zeros(native.nq + native.nv)
+    with pytest.raises(CompilerError, match="generate it with sensitivities"):
+        native.parameter_jacobian(0.0, y, y, native.setup())
+    loops = derive.derive(derive.symbolic_body("body", 3, frame="given", lowering="table"))
+    with pytest.raises(derive.SpecError, match='lowering = "flat"'):
+        derive.lower(loops, sensitivities=True)
