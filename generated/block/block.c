@@ -12,7 +12,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef BLOCK_HASH_1728f0ba8d366451
+#ifndef BLOCK_HASH_a5b4f609fe9ce384
 #  error "block.h and block.c are of different builds; run tisserand build again"
 #endif
 
@@ -3656,7 +3656,7 @@ static const tisserand_marker block_table_markers[] = {
 };
 
 static const tisserand_model block_descriptor = {
-    6,
+    7,
     "block",
     BLOCK_HASH,
     BLOCK_NQ,
@@ -3699,6 +3699,8 @@ static const tisserand_model block_descriptor = {
     0,
     0,
 #endif
+    0,
+    0,
     0,
     0
 };

@@ -196,7 +196,7 @@ class Pattern(NamedTuple):
 
 
 NAME = "block"
-HASH = "1728f0ba8d366451"
+HASH = "a5b4f609fe9ce384"
 COORDINATES = (
     "c1", "c2", "c3", "e0", "e1", "e2", "e3", "alpha1", "alpha2", "alpha3", "alpha4", "alpha5",
     "alpha6", "alpha7", "alpha8",

@@ -13,7 +13,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef CRANK_SLIDER_3_HASH_ef9ae815e9a89683
+#ifndef CRANK_SLIDER_3_HASH_04eb1aed18f0305b
 #  error "crank_slider_3.h and crank_slider_3.c are of different builds; run tisserand build again"
 #endif
 
@@ -6332,7 +6332,7 @@ static const tisserand_scene crank_slider_3_scene = {
 };
 
 static const tisserand_model crank_slider_3_descriptor = {
-    6,
+    7,
     "crank_slider_3",
     CRANK_SLIDER_3_HASH,
     CRANK_SLIDER_3_NQ,
@@ -6376,6 +6376,8 @@ static const tisserand_model crank_slider_3_descriptor = {
     0,
 #endif
     &crank_slider_3_scene,
+    0,
+    0,
     0
 };
 

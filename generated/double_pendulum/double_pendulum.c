@@ -13,7 +13,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef DOUBLE_PENDULUM_HASH_dc7ce5bb7a221143
+#ifndef DOUBLE_PENDULUM_HASH_650a66bc7f8d1c92
 #  error "double_pendulum.h and double_pendulum.c are of different builds; run tisserand build again"
 #endif
 
@@ -3814,7 +3814,7 @@ static const tisserand_scene double_pendulum_scene = {
 };
 
 static const tisserand_model double_pendulum_descriptor = {
-    6,
+    7,
     "double_pendulum",
     DOUBLE_PENDULUM_HASH,
     DOUBLE_PENDULUM_NQ,
@@ -3858,6 +3858,8 @@ static const tisserand_model double_pendulum_descriptor = {
     0,
 #endif
     &double_pendulum_scene,
+    0,
+    0,
     0
 };
 

@@ -13,7 +13,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef FOUR_BAR_HASH_0081691904e217ff
+#ifndef FOUR_BAR_HASH_e129d7e02fbc6012
 #  error "four_bar.h and four_bar.c are of different builds; run tisserand build again"
 #endif
 
@@ -6430,7 +6430,7 @@ static const tisserand_scene four_bar_scene = {
 };
 
 static const tisserand_model four_bar_descriptor = {
-    6,
+    7,
     "four_bar",
     FOUR_BAR_HASH,
     FOUR_BAR_NQ,
@@ -6474,6 +6474,8 @@ static const tisserand_model four_bar_descriptor = {
     0,
 #endif
     &four_bar_scene,
+    0,
+    0,
     0
 };
 

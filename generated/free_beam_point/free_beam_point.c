@@ -12,7 +12,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef FREE_BEAM_POINT_HASH_0927c25f5589d102
+#ifndef FREE_BEAM_POINT_HASH_cbe39850a4217d25
 #  error "free_beam_point.h and free_beam_point.c are of different builds; run tisserand build again"
 #endif
 
@@ -1288,7 +1288,7 @@ static const tisserand_marker free_beam_point_table_markers[] = {
 };
 
 static const tisserand_model free_beam_point_descriptor = {
-    6,
+    7,
     "free_beam_point",
     FREE_BEAM_POINT_HASH,
     FREE_BEAM_POINT_NQ,
@@ -1331,6 +1331,8 @@ static const tisserand_model free_beam_point_descriptor = {
     0,
     0,
 #endif
+    0,
+    0,
     0,
     0
 };

@@ -12,7 +12,7 @@
 #  error "-ffast-math and -Ofast remove the run-time checks; if that is acceptable, define TISSERAND_ALLOW_FAST_MATH"
 #endif
 
-#ifndef SOLID_BEAM_HASH_9bae196c7c9496fc
+#ifndef SOLID_BEAM_HASH_09ff600db563947c
 #  error "solid_beam.h and solid_beam.c are of different builds; run tisserand build again"
 #endif
 
@@ -3577,7 +3577,7 @@ static const tisserand_marker solid_beam_table_markers[] = {
 };
 
 static const tisserand_model solid_beam_descriptor = {
-    6,
+    7,
     "solid_beam",
     SOLID_BEAM_HASH,
     SOLID_BEAM_NQ,
@@ -3620,6 +3620,8 @@ static const tisserand_model solid_beam_descriptor = {
     0,
     0,
 #endif
+    0,
+    0,
     0,
     0
 };

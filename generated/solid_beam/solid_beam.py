@@ -281,7 +281,7 @@ class Pattern(NamedTuple):
 
 
 NAME = "solid_beam"
-HASH = "9bae196c7c9496fc"
+HASH = "09ff600db563947c"
 COORDINATES = (
     "c1", "c2", "c3", "e0", "e1", "e2", "e3", "alpha1", "alpha2", "alpha3", "alpha4", "alpha5",
     "alpha6", "alpha7", "alpha8",

@@ -23,8 +23,8 @@ from derive.lowering.flat.schedule import NamedValue, RequiredValue, Step
 from derive.lowering.functions import ModelFunction, OutputElements
 from derive.lowering.ldlt import Factorisation, factorise, solve
 from derive.lowering.redundancy import Dependence, dependences, redundancy_text
-from derive.mechanics.equations import Constraint
 from derive.mechanics.symbols import local
+from derive.mechanics.terms import Constraint
 from derive.roles import Source
 
 
