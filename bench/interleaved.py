@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import os
 import subprocess
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -121,8 +121,9 @@ def interleaved(
     repeats: int,
     libraries: Sequence[str] = (),
     minimum: float = 1e6,
+    statistic: Callable[..., Array] = np.median,
 ) -> tuple[list[float], list[Array]]:
-    """The median time (ns) per state and the values of each call.
+    """The median time (ns) per state, or another `statistic` of it, and the values of each call.
 
     declare, once: C text before the functions, and after the arrays are loaded. arrays: arrays by name, for use in C.
     scratch: sizes of further arrays. objects, libraries: files to link. folder: for the program and its data. states:
@@ -156,4 +157,4 @@ def interleaved(
     result = subprocess.run(run, cwd=folder, env=environment, stdout=subprocess.PIPE, text=True, check=True)
     times = np.array(result.stdout.split(), dtype=float).reshape(repeats, len(calls))
     values = [np.fromfile(folder / f"values_{n}.bin").reshape(-1, call.size) for n, call in enumerate(calls)]
-    return np.median(times, axis=0).tolist(), values
+    return statistic(times, axis=0).tolist(), values

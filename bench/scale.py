@@ -80,10 +80,12 @@ def derived(script: str, data: str, size: int, what: str, folder: Path, limit: f
     return result
 
 
-def ours(data: str, size: int, limit: float, folder: Path) -> tuple[dict[tuple[str, str], CSource], dict[str, int]]:
+def ours(
+    data: str, size: int, limit: float, folder: Path, lowerings: Sequence[str] = ("flat", "table")
+) -> tuple[dict[tuple[str, str], CSource], dict[str, int]]:
     """The generated C by item and lowering, with the seconds of all functions together, and the sizes of k."""
     sources, sizes = {}, {}
-    for lowering in ("flat", "table"):
+    for lowering in lowerings:
         if lowering == "flat" and size > MAX_FLAT_MODES:
             continue
         result = derived("own.py", data, size, lowering, folder, limit)
@@ -98,10 +100,12 @@ def ours(data: str, size: int, limit: float, folder: Path) -> tuple[dict[tuple[s
     return sources, sizes
 
 
-def peers(data: str, size: int, limit: float, folder: Path) -> dict[tuple[str, str], CSource]:
+def peers(
+    data: str, size: int, limit: float, folder: Path, items: Sequence[str] = ITEMS
+) -> dict[tuple[str, str], CSource]:
     """The C of CasADi by item and maker."""
     sources = {}
-    for item in ITEMS if size <= MAX_FLAT_MODES else ():
+    for item in items if size <= MAX_FLAT_MODES else ():
         result = derived("matrix_form.py", data, size, item, folder, limit)
         if result is None:
             continue
